@@ -1,0 +1,89 @@
+/*
+ * One formula text, three precisions: double on the host, float on the device, and a vector of
+ * floats where a device build defines ASDIC_WIDTH as 8 or 16 (PoCL vectorises vectors, not
+ * divergent work-items).
+ *
+ * Write formulas without branches: `choose(condition, a, b)` evaluates both sides. Literals that
+ * meet a maths function carry R(): R(0.5). Comparisons of reals give a `mask`.
+ */
+#ifndef ASDIC_KERNEL_REAL_H
+#define ASDIC_KERNEL_REAL_H
+
+#ifdef __OPENCL_C_VERSION__
+
+#pragma OPENCL FP_CONTRACT OFF
+
+#ifndef ASDIC_WIDTH
+#define ASDIC_WIDTH 1
+#endif
+
+#define ASDIC_JOIN2(a, b) a##b
+#define ASDIC_JOIN(a, b) ASDIC_JOIN2(a, b)
+
+#if ASDIC_WIDTH == 1
+typedef float real;
+typedef int mask;
+typedef uint natural;
+#define as_real as_float
+#define as_natural as_uint
+#define to_real convert_float
+#define to_natural convert_uint
+#define any_true(m) ((m) != 0)
+#else
+typedef ASDIC_JOIN(float, ASDIC_WIDTH) real;
+typedef ASDIC_JOIN(int, ASDIC_WIDTH) mask;
+typedef ASDIC_JOIN(uint, ASDIC_WIDTH) natural;
+#define as_real ASDIC_JOIN(as_float, ASDIC_WIDTH)
+#define as_natural ASDIC_JOIN(as_uint, ASDIC_WIDTH)
+#define to_real ASDIC_JOIN(convert_float, ASDIC_WIDTH)
+#define to_natural ASDIC_JOIN(convert_uint, ASDIC_WIDTH)
+#define any_true(m) any(m)
+#endif
+
+#define R(x) ((real)(x##f))
+#define choose(condition, a, b) select((real)(b), (real)(a), (condition))
+#define r_max(a, b) max((real)(a), (real)(b))
+#define r_min(a, b) min((real)(a), (real)(b))
+#define r_abs(x) fabs(x)
+#define r_sinpi(x) sinpi(x)
+#define r_exp10(x) exp10(x)
+#define FORMULA static inline
+
+#else /* host */
+
+#include <math.h>
+#include <stdint.h>
+
+#ifndef ASDIC_WIDTH
+#define ASDIC_WIDTH 1
+#endif
+
+typedef double real;
+typedef int mask;
+typedef uint32_t natural;
+typedef uint32_t uint;
+
+#define R(x) ((real)(x))
+#define choose(condition, a, b) ((condition) ? (real)(a) : (real)(b))
+#define r_max(a, b) ((a) > (b) ? (a) : (b))
+#define r_min(a, b) ((a) < (b) ? (a) : (b))
+#define r_abs(x) fabs(x)
+#define r_exp10(x) pow(10.0, (x))
+#define FORMULA static inline __attribute__((unused))
+
+/* sin(pi x) with an exact argument reduction, as OpenCL's sinpi. */
+static inline __attribute__((unused)) double r_sinpi(double x) {
+    double r = x - 2.0 * floor(0.5 * x + 0.5); /* [-1, 1) */
+    if (r > 0.5) {
+        r = 1.0 - r;
+    } else if (r < -0.5) {
+        r = -1.0 - r;
+    }
+    return sin(3.14159265358979323846 * r);
+}
+
+#endif
+
+#define R_PI R(3.14159265358979323846)
+
+#endif

@@ -1,0 +1,80 @@
+/*
+ * Structs shared by host and device, bit for bit: no float3, no pointers, no bool, sizes checked
+ * by tests/kernel. All lengths in metres in the scene frame (world axes, recentred), energies
+ * linear.
+ */
+#ifndef ASDIC_KERNEL_TYPES_H
+#define ASDIC_KERNEL_TYPES_H
+
+#ifndef __OPENCL_C_VERSION__
+#include <stdint.h>
+typedef uint32_t dev_uint;
+typedef int32_t dev_int;
+#else
+typedef uint dev_uint;
+typedef int dev_int;
+#endif
+
+/* What a ray can meet; also the deposit component of a direct echo. */
+#define DEV_KIND_NONE 0
+#define DEV_KIND_BOTTOM 1
+#define DEV_KIND_SURFACE 2
+#define DEV_KIND_OBJECT 3
+
+#define DEV_BVH_WIDTH 8
+#define DEV_LEAF_TRIANGLES 4
+
+/* Child word: inner node: index of the node; leaf: DEV_LEAF | (blocks - 1) << 24 | first block,
+ * hence at most 2^24 blocks and 16 blocks a leaf; absent: DEV_EMPTY with an inverted box. */
+#define DEV_LEAF 0x80000000u
+#define DEV_EMPTY 0xffffffffu
+
+typedef struct dev_node8 {
+    float lo_x[8], hi_x[8], lo_y[8], hi_y[8], lo_z[8], hi_z[8];
+    dev_uint child[8];
+    dev_uint pad[8];
+} dev_node8; /* 256 bytes */
+
+/* Four triangles, structure of arrays; unused lanes have zero edges (never hit) and id ~0u. */
+typedef struct dev_block4 {
+    float v0_x[4], v0_y[4], v0_z[4];
+    float e1_x[4], e1_y[4], e1_z[4];
+    float e2_x[4], e2_y[4], e2_z[4];
+    dev_uint id[4]; /* index into the scene's triangles */
+} dev_block4; /* 160 bytes */
+
+/* Per triangle id: the three corners (for the canonical hit), unit normal, part index. */
+typedef struct dev_triangle {
+    float v0[3], e1[3], e2[3];
+    float normal[3]; /* unit, as wound */
+    dev_uint part;   /* index of dev_part */
+    dev_uint pad[3];
+} dev_triangle; /* 64 bytes */
+
+/* One mesh placed in the scene: what it is and how it scatters. */
+typedef struct dev_part {
+    dev_uint kind;     /* DEV_KIND_BOTTOM or DEV_KIND_OBJECT */
+    dev_uint material; /* index of dev_material */
+} dev_part;
+
+#define DEV_LAW_BOTTOM 0
+#define DEV_LAW_FACET 1
+
+/* Coefficients of a scattering law at the sonar's frequency, computed on the host in double. */
+typedef struct dev_material {
+    dev_uint law;
+    float bottom_type;  /* LAW_BOTTOM: bt */
+    float bottom_gain;  /* LAW_BOTTOM: 3.03 f^(3.2 - 0.8 bt) 10^(2.8 bt - 12) */
+    float bottom_peak;  /* LAW_BOTTOM: 125 exp(-2.64 (bt - 1.75)^2) */
+    float reflection2;  /* LAW_FACET: R^2 */
+    float roughness_g;  /* LAW_FACET: 4 k^2 s^2 */
+    float slope_ms;     /* LAW_FACET: mean-square slope of the roughness */
+    float coherent_area_m2; /* LAW_FACET: A_coh */
+} dev_material; /* 32 bytes */
+
+typedef struct dev_hit {
+    float t_m;      /* INFINITY: none */
+    dev_uint triangle; /* ~0u: none */
+} dev_hit;
+
+#endif

@@ -1,0 +1,98 @@
+#include "context.h"
+
+#include <pthread.h>
+#include <signal.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+struct asdic_context {
+    pthread_mutex_t lock; /* guards everything below but the interrupt flag */
+    char error[1024];
+    asdic_log_level level;
+    asdic_log_fn log;
+    void *user;
+    volatile sig_atomic_t interrupted;
+};
+
+asdic_status asdic_context_create(asdic_context **out) {
+    if (!out) {
+        return ASDIC_ERROR_ARGUMENT;
+    }
+    *out = calloc(1, sizeof **out);
+    if (!*out) {
+        return ASDIC_ERROR_MEMORY;
+    }
+    if (pthread_mutex_init(&(*out)->lock, NULL) != 0) {
+        free(*out);
+        *out = NULL;
+        return ASDIC_ERROR_MEMORY;
+    }
+    return ASDIC_OK;
+}
+
+void asdic_context_destroy(asdic_context **ctx) {
+    if (!ctx || !*ctx) {
+        return;
+    }
+    pthread_mutex_destroy(&(*ctx)->lock);
+    free(*ctx);
+    *ctx = NULL;
+}
+
+void asdic_context_set_log(asdic_context *ctx, asdic_log_level level, asdic_log_fn fn,
+                           void *user) {
+    pthread_mutex_lock(&ctx->lock);
+    ctx->level = level;
+    ctx->log = fn;
+    ctx->user = user;
+    pthread_mutex_unlock(&ctx->lock);
+}
+
+const char *asdic_context_error(const asdic_context *ctx) {
+    return ctx ? ctx->error : "no context";
+}
+
+void asdic_context_interrupt(asdic_context *ctx) {
+    if (ctx) {
+        ctx->interrupted = 1;
+    }
+}
+
+bool asdic_context_interrupted(const asdic_context *ctx) {
+    return ctx && ctx->interrupted;
+}
+
+asdic_status asdic_fail(asdic_context *ctx, asdic_status status, const char *format, ...) {
+    if (ctx) {
+        char text[sizeof ctx->error];
+        va_list args;
+        va_start(args, format);
+        vsnprintf(text, sizeof text, format, args);
+        va_end(args);
+        pthread_mutex_lock(&ctx->lock);
+        snprintf(ctx->error, sizeof ctx->error, "%s", text);
+        pthread_mutex_unlock(&ctx->lock);
+    }
+    return status;
+}
+
+asdic_status asdic_fail_memory(asdic_context *ctx, const char *what) {
+    return asdic_fail(ctx, ASDIC_ERROR_MEMORY, "out of memory while allocating %s", what);
+}
+
+void asdic_log(asdic_context *ctx, asdic_log_level level, const char *format, ...) {
+    if (!ctx) {
+        return;
+    }
+    pthread_mutex_lock(&ctx->lock);
+    if (ctx->log && level <= ctx->level) {
+        char text[2048];
+        va_list args;
+        va_start(args, format);
+        vsnprintf(text, sizeof text, format, args);
+        va_end(args);
+        ctx->log(ctx->user, level, text);
+    }
+    pthread_mutex_unlock(&ctx->lock);
+}

@@ -1,0 +1,20 @@
+/*
+ * The context behind asdic_context: last error, log, interrupt flag.
+ */
+#ifndef ASDIC_BASE_CONTEXT_H
+#define ASDIC_BASE_CONTEXT_H
+
+#include <asdic/context.h>
+
+/* Records one sentence and returns STATUS, so that a failing function can end with
+ * `return asdic_fail(ctx, ASDIC_ERROR_IO, "cannot write '%s': %s", path, strerror(errno));` */
+asdic_status asdic_fail(asdic_context *ctx, asdic_status status, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
+/* Out of memory while allocating WHAT ("1000 bins"). */
+asdic_status asdic_fail_memory(asdic_context *ctx, const char *what);
+
+void asdic_log(asdic_context *ctx, asdic_log_level level, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
+#endif

@@ -1,0 +1,54 @@
+/*
+ * The context: where the library keeps its last error and its log callback. There is no other
+ * state outside the objects a program creates; two contexts are independent.
+ *
+ * Threads: one context and the objects created from it may be used by one thread at a time,
+ * except where a function says otherwise. The error sentence itself is guarded, so that worker
+ * threads inside the library may report through the caller's context.
+ */
+#ifndef ASDIC_CONTEXT_H
+#define ASDIC_CONTEXT_H
+
+#include <asdic/common.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct asdic_context asdic_context;
+
+typedef enum asdic_log_level {
+    ASDIC_LOG_ERROR = 0, /* one of several errors in one input; the call will fail */
+    ASDIC_LOG_WARNING = 1,
+    ASDIC_LOG_INFO = 2,
+    ASDIC_LOG_DEBUG = 3,
+} asdic_log_level;
+
+/* MESSAGE is one or more complete lines without a trailing newline, valid during the call only.
+ * May be called from a worker thread, never from two at once. */
+typedef void (*asdic_log_fn)(void *user, asdic_log_level level, const char *message);
+
+/* *OUT is NULL on failure (ASDIC_ERROR_MEMORY, or ASDIC_ERROR_ARGUMENT when OUT is NULL). */
+ASDIC_API asdic_status asdic_context_create(asdic_context **out);
+
+/* NULL and pointers to NULL are allowed, here and in every destroy; *CTX becomes NULL. Objects
+ * created from the context must be destroyed before it. */
+ASDIC_API void asdic_context_destroy(asdic_context **ctx);
+
+/* Messages at LEVEL and more severe go to FN; NULL silences. Without a call nothing is reported. */
+ASDIC_API void asdic_context_set_log(asdic_context *ctx, asdic_log_level level, asdic_log_fn fn,
+                                     void *user);
+
+/* One sentence about the last failed call: what failed, with which value, against which limit,
+ * what to do. Valid until the next failing call on this context; "" when nothing has failed. */
+ASDIC_API const char *asdic_context_error(const asdic_context *ctx);
+
+/* Asks a running call (a mission, a bench) to stop at the next ping. Safe in a signal handler. */
+ASDIC_API void asdic_context_interrupt(asdic_context *ctx);
+ASDIC_API bool asdic_context_interrupted(const asdic_context *ctx);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

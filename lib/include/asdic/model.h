@@ -1,0 +1,46 @@
+/*
+ * The formulas one by one, by name, as `asdic model` prints them: names, keys and units are those
+ * of the command. The same text is evaluated in double on the host or in float on a device.
+ */
+#ifndef ASDIC_MODEL_H
+#define ASDIC_MODEL_H
+
+#include <asdic/device.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define ASDIC_MODEL_MAX_KEYS 12
+
+typedef struct asdic_model_key {
+    const char *name;    /* "f_khz" */
+    const char *words;   /* NULL, or the allowed words of a non-numeric key: "corrected|printed" */
+    bool required;
+    double fallback;     /* value of an optional key (the index of the word for a word key) */
+    double min, max;     /* accepted domain, inclusive */
+    double valid_min, valid_max; /* stated validity of the source; outside, a warning */
+} asdic_model_key;
+
+typedef struct asdic_model_info {
+    const char *name;   /* "bottom-backscatter" */
+    const char *unit;   /* "dB" */
+    const char *source; /* "SEARAY, in: Kraus, ... " */
+    size_t key_count;
+    asdic_model_key keys[ASDIC_MODEL_MAX_KEYS];
+} asdic_model_info;
+
+ASDIC_API size_t asdic_model_count(void);
+ASDIC_API const asdic_model_info *asdic_model_get(size_t index); /* NULL when out of range */
+
+/* Evaluates model NAME for COUNT "key=value" strings. DEVICE NULL: host, double. Unknown names and
+ * keys are answered with the nearest one, missing keys with the list of all. */
+ASDIC_API asdic_status asdic_model_evaluate(asdic_context *ctx, asdic_device *device,
+                                            const char *name, const char *const *assignments,
+                                            size_t count, double *out);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

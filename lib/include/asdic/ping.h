@@ -1,0 +1,89 @@
+/*
+ * The simulator: one device, one scene, one environment, one sonar; give it a pose, get a ping.
+ *
+ * A ping depends on (scene, environment, sonar, sampling, pose, ping index) alone: the bytes are
+ * the same for any thread count, work-group size, kernel choice or order of pings on one kind of
+ * device, and within 1e-3 dB between kinds.
+ */
+#ifndef ASDIC_PING_H
+#define ASDIC_PING_H
+
+#include <asdic/device.h>
+#include <asdic/scene.h>
+#include <asdic/sonar.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef enum asdic_sampler {
+    ASDIC_SAMPLER_ADAPTIVE,       /* importance in range and azimuth, learnt per block of pings */
+    ASDIC_SAMPLER_BEAM,           /* importance from the beam patterns alone */
+    ASDIC_SAMPLER_UNIFORM_SPHERE, /* the paper's */
+} asdic_sampler;
+
+typedef enum asdic_multipath { ASDIC_MULTIPATH_OFF, ASDIC_MULTIPATH_FIRST } asdic_multipath;
+
+typedef struct asdic_sampling {
+    uint32_t rays; /* 64..2^28 */
+    asdic_sampler sampler;
+    asdic_multipath multipath;
+    uint64_t seed;
+} asdic_sampling;
+
+/* 20,000 rays, adaptive, first-order multipath, seed 1. */
+ASDIC_API asdic_sampling asdic_sampling_default(void);
+
+typedef enum asdic_component {
+    ASDIC_TOTAL = 0,
+    ASDIC_BOTTOM,
+    ASDIC_SURFACE,
+    ASDIC_VOLUME,
+    ASDIC_OBJECT,
+    ASDIC_MULTIPATH,
+    ASDIC_NOISE,
+    ASDIC_COMPONENT_COUNT
+} asdic_component;
+
+/* One ping's result. intensity_lin[c][beam * bins + bin] is the energy of component c in the bin,
+ * linear re 1 uPa^2; 0 where there is none. Allocated by asdic_ping_create, reused freely. */
+typedef struct asdic_ping {
+    size_t beams, bins;
+    double bin_length_m;
+    double *intensity_lin[ASDIC_COMPONENT_COUNT];
+    float *stderr_db; /* one standard error of the total's sampling error, dB, [beam * bins + bin] */
+    uint64_t rays;      /* primary and secondary rays traced */
+    uint64_t saturated; /* deposits cut to the accumulator's range; 0 in any sane scene */
+} asdic_ping;
+
+ASDIC_API asdic_status asdic_ping_create(asdic_context *ctx, size_t beams, size_t bins,
+                                         asdic_ping **out);
+ASDIC_API void asdic_ping_destroy(asdic_ping **ping);
+
+/* 10 log10 of an intensity; -INFINITY for 0. */
+ASDIC_API double asdic_level_db(double intensity_lin);
+
+typedef struct asdic_simulator asdic_simulator;
+
+/* Compiles kernels and uploads the scene. SCENE and DEVICE must outlive the simulator. The number
+ * of bins is fixed here from the sound speed at DEPTH_M (a mission's first depth). */
+ASDIC_API asdic_status asdic_simulator_create(asdic_context *ctx, asdic_device *device,
+                                              const asdic_scene *scene,
+                                              const asdic_environment *env,
+                                              const asdic_sonar *sonar,
+                                              const asdic_sampling *sampling, double depth_m,
+                                              asdic_simulator **out);
+ASDIC_API void asdic_simulator_destroy(asdic_simulator **sim);
+
+ASDIC_API size_t asdic_simulator_bin_count(const asdic_simulator *sim);
+
+/* Simulates ping number INDEX with the vehicle at POSE. PING must have the simulator's number of
+ * beams and bins. */
+ASDIC_API asdic_status asdic_simulator_ping(asdic_simulator *sim, const asdic_pose *pose,
+                                            uint64_t index, asdic_ping *ping);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,72 @@
+/*
+ * A scene: the sea surface, a bottom (plane or mesh) and objects, each with a material. Build it,
+ * commit it once, then simulate in it; a committed scene is read-only and may be shared by
+ * simulators in several threads.
+ */
+#ifndef ASDIC_SCENE_H
+#define ASDIC_SCENE_H
+
+#include <asdic/mesh.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct asdic_scene asdic_scene;
+
+typedef enum asdic_law {
+    ASDIC_LAW_BOTTOM, /* SEARAY bottom backscatter by type */
+    ASDIC_LAW_FACET,  /* rough facet with an impedance: Kirchhoff lobe plus Lambert rest */
+} asdic_law;
+
+typedef struct asdic_material {
+    asdic_law law;
+    double bottom_type;       /* 1 mud, 2 sand, 3 gravel, 4 rock, fractions allowed (LAW_BOTTOM) */
+    double impedance_mrayl;   /* 1e6 kg/(m2 s): water 1.54, steel 45, air 0 (LAW_FACET) */
+    double roughness_rms_m;   /* r.m.s. height of the small-scale roughness (LAW_FACET) */
+    double slope_rms;         /* r.m.s. slope of the roughness; 0 is a polished facet (LAW_FACET) */
+    double coherent_area_m2;  /* flat area that reflects in phase; NAN: from the mesh (LAW_FACET) */
+} asdic_material;
+
+ASDIC_API asdic_material asdic_material_bottom(double bottom_type);
+ASDIC_API asdic_material asdic_material_facet(double impedance_mrayl, double roughness_rms_m,
+                                              double slope_rms);
+
+ASDIC_API asdic_status asdic_scene_create(asdic_context *ctx, asdic_scene **out);
+ASDIC_API void asdic_scene_destroy(asdic_scene **scene);
+
+/* The plane z = 0; on in a new scene. */
+ASDIC_API void asdic_scene_set_surface(asdic_scene *scene, bool enabled);
+ASDIC_API asdic_status asdic_scene_set_bottom_plane(asdic_scene *scene, double depth_m,
+                                                    asdic_material material);
+
+/* Adds a mesh as (part of) the bottom or as an object, placed by POSE (mesh frame to world). The
+ * mesh is copied. NAME identifies an object in detections; the bottom has none. */
+ASDIC_API asdic_status asdic_scene_add_bottom(asdic_scene *scene, const asdic_mesh *mesh,
+                                              asdic_pose pose, asdic_material material);
+ASDIC_API asdic_status asdic_scene_add_object(asdic_scene *scene, const char *name,
+                                              const asdic_mesh *mesh, asdic_pose pose,
+                                              asdic_material material);
+
+/* Builds the bounding volume hierarchy. Nothing may be added afterwards. */
+ASDIC_API asdic_status asdic_scene_commit(asdic_scene *scene);
+
+/* Height of POSITION above the bottom straight below it, m; INFINITY where there is none. */
+ASDIC_API double asdic_scene_altitude_m(const asdic_scene *scene, asdic_vec3 position_m);
+
+typedef struct asdic_scene_info {
+    bool has_surface, has_bottom_plane;
+    double bottom_plane_depth_m;
+    size_t triangles, objects, bvh_nodes;
+    uint64_t bvh_bytes;
+    double build_s;
+    asdic_vec3 min_m, max_m; /* of the triangles; zeros when there are none */
+} asdic_scene_info;
+
+ASDIC_API asdic_scene_info asdic_scene_get_info(const asdic_scene *scene);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

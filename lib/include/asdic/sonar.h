@@ -1,0 +1,53 @@
+/*
+ * The sonar: one transmitter, any number of receivers, and how time is cut into bins.
+ */
+#ifndef ASDIC_SONAR_H
+#define ASDIC_SONAR_H
+
+#include <asdic/environment.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* A rectangular aperture, aimed relative to the vehicle. Positive pitch looks down. */
+typedef struct asdic_beam {
+    char name[ASDIC_NAME_SIZE];
+    double pitch_rad, yaw_rad, roll_rad;
+    double length_h_m, length_v_m; /* horizontal and vertical side */
+} asdic_beam;
+
+typedef enum asdic_speckle {
+    ASDIC_SPECKLE_NONE,     /* expected intensities */
+    ASDIC_SPECKLE_RAYLEIGH, /* exponential intensity per resolution cell */
+    ASDIC_SPECKLE_K,        /* gamma-modulated exponential, shape nu */
+} asdic_speckle;
+
+typedef struct asdic_sonar {
+    double frequency_hz, bandwidth_hz;
+    double ping_rate_hz;    /* maximum range is c / (2 ping_rate) */
+    double source_level_db; /* dB re 1 uPa at 1 m, after pulse compression */
+    double bin_length_m;
+    double blanking_m; /* nothing nearer is received */
+    asdic_beam transmitter;
+    const asdic_beam *receivers; /* borrowed: must outlive the call it is passed to */
+    size_t receiver_count;       /* 1..4096 */
+    bool noise_enabled, noise_directivity;
+    asdic_speckle speckle;
+    double speckle_shape;
+    double rear_floor_db; /* two-sided leak behind the face, dB re on-axis; -INFINITY: none */
+} asdic_sonar;
+
+/* 100 kHz, 10 kHz, 10 Hz, 0 dB, 0.5 m bins and blanking, 0.05 m apertures, noise on, NO receiver. */
+ASDIC_API asdic_sonar asdic_sonar_default(void);
+ASDIC_API asdic_status asdic_sonar_check(asdic_context *ctx, const asdic_sonar *sonar);
+
+/* c / (2 ping_rate), m, and the number of whole or started bins that cover it. */
+ASDIC_API double asdic_sonar_max_range_m(const asdic_sonar *sonar, double sound_speed_mps);
+ASDIC_API size_t asdic_sonar_bin_count(const asdic_sonar *sonar, double sound_speed_mps);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

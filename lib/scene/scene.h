@@ -1,0 +1,54 @@
+/*
+ * A committed scene: triangles relative to an origin, their hierarchy, parts and materials.
+ * Everything a simulator uploads.
+ */
+#ifndef ASDIC_SCENE_SCENE_H
+#define ASDIC_SCENE_SCENE_H
+
+#include <asdic/scene.h>
+
+#include "../../kernels/types.h"
+
+typedef struct asdic_bvh {
+    dev_node8 *nodes; /* node 0 is the root; at least one node when there are triangles */
+    dev_block4 *blocks;
+    size_t node_count, block_count;
+    unsigned depth; /* levels of inner nodes: the traversal stack needs 7 * depth + 8 words */
+} asdic_bvh;
+
+typedef struct asdic_part {
+    char name[ASDIC_NAME_SIZE]; /* "" for the bottom */
+    unsigned kind;              /* DEV_KIND_BOTTOM, DEV_KIND_OBJECT */
+    size_t material;            /* index into materials */
+    asdic_vec3 center_m;        /* bounding sphere, world */
+    double radius_m;
+} asdic_part;
+
+struct asdic_scene {
+    asdic_context *ctx;
+    bool committed;
+    bool has_surface, has_bottom_plane;
+    double bottom_plane_depth_m;
+    size_t bottom_plane_material;
+    asdic_material *materials;
+    size_t material_count;
+    asdic_part *parts;
+    size_t part_count;
+    /* Pending triangles before commit: world coordinates in double, 9 per triangle. */
+    double *corners_m;
+    uint32_t *corner_parts;
+    size_t triangle_count, triangle_capacity;
+    /* After commit: relative to origin_m, in float. */
+    asdic_vec3 origin_m;
+    dev_triangle *triangles;
+    asdic_bvh bvh;
+    asdic_vec3 min_m, max_m;
+    double build_s;
+};
+
+/* Builds a hierarchy over TRIANGLES (float, scene frame). Deterministic. */
+asdic_status asdic_bvh_build(asdic_context *ctx, const dev_triangle *triangles, size_t count,
+                             asdic_bvh *out);
+void asdic_bvh_finish(asdic_bvh *bvh);
+
+#endif
