@@ -1,0 +1,76 @@
+/*
+ * How objects return sound: the rough facet that rays meet, and closed forms of simple bodies.
+ *
+ * The facet law (per unit area, 1/sr) is a Kirchhoff lobe for the coherent share and Lambert's
+ * law for the rest, so that energy is conserved with four stated inputs:
+ *
+ *     sigma = R^2 { rho exp(-tan^2 i / m) / (4 pi m cos^4 i) + (1 - rho) cos^2 i / pi }
+ *     rho   = exp(-g cos^2 i),  g = 4 k^2 s^2   (Rayleigh/Eckart roughness parameter)
+ *
+ * i incidence from the normal, m mean-square slope, s r.m.s. height, k wavenumber, R amplitude
+ * reflection coefficient at normal incidence. Geometric optics: valid for ka > 10; tips, edges and
+ * elastic resonances are not in it.
+ */
+#ifndef ASDIC_KERNEL_TARGET_H
+#define ASDIC_KERNEL_TARGET_H
+
+#include "real.h"
+
+/* Energy reflection coefficient at normal incidence between impedances in one unit, R^2. */
+FORMULA real impedance_reflection2(real z_mrayl, real water_mrayl) {
+    real r = (z_mrayl - water_mrayl) / (z_mrayl + water_mrayl);
+    return r * r;
+}
+
+/* g = 4 k^2 s^2. */
+FORMULA real roughness_parameter(real wavelength_m, real roughness_rms_m) {
+    real ks = R(2.0) * R_PI * roughness_rms_m / wavelength_m;
+    return R(4.0) * ks * ks;
+}
+
+/* Mean-square slope seen at RANGE_M: that of the roughness, widened by diffraction from the flat
+ * area that reflects in phase, which never exceeds the first Fresnel zone lambda d / 2. A plate of
+ * area A then returns (A / lambda)^2 in its far field and d^2 / 4 (image theory) close by. */
+FORMULA real facet_slope_ms(real slope_ms, real coherent_area_m2, real wavelength_m, real range_m) {
+    real area_m2 = r_min(coherent_area_m2, R(0.5) * wavelength_m * range_m);
+    return slope_ms + wavelength_m * wavelength_m / (R(4.0) * R_PI * area_m2);
+}
+
+/* sigma, 1/sr, at COS_INCIDENCE in [0, 1]; SLOPE_MS > 0. The lobe is one exponential, since
+ * exp(-tan^2 i / m) / cos^4 i taken apart is 0 * inf at grazing incidence. */
+FORMULA real facet_strength_lin(real cos_incidence, real reflection2, real g, real slope_ms) {
+    real c = r_min(r_max(cos_incidence, R(1.0e-6)), R(1.0));
+    real cos2 = c * c;
+    real tan2 = (R(1.0) - c) * (R(1.0) + c) / cos2;
+    real lobe = exp(R(-2.0) * log(cos2) - tan2 / slope_ms - g * cos2) / (R(4.0) * R_PI * slope_ms);
+    real diffuse = -expm1(-g * cos2) * cos2 / R_PI;
+    return reflection2 * (lobe + diffuse);
+}
+
+/* Share of the arriving energy that goes on in the mirror direction, R^2 exp(-g sin^2 Theta). */
+FORMULA real mirror_share(real sin_grazing, real reflection2, real g) {
+    return reflection2 * exp(-g * sin_grazing * sin_grazing);
+}
+
+/* Target strengths in the far field, m^2 re 1 m^2 (Urick 1983, table 9.1), rigid and smooth. */
+
+FORMULA real sphere_strength_lin(real radius_m) {
+    return R(0.25) * radius_m * radius_m;
+}
+
+/* Broadside. */
+FORMULA real cylinder_strength_lin(real radius_m, real length_m, real wavelength_m) {
+    return radius_m * length_m * length_m / (R(2.0) * wavelength_m);
+}
+
+/* A flat piece of AREA_M2, a plate or a disc, at normal incidence. */
+FORMULA real plate_strength_lin(real area_m2, real wavelength_m) {
+    real ratio = area_m2 / wavelength_m;
+    return ratio * ratio;
+}
+
+FORMULA real disc_strength_lin(real radius_m, real wavelength_m) {
+    return plate_strength_lin(R_PI * radius_m * radius_m, wavelength_m);
+}
+
+#endif

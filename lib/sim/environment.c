@@ -1,0 +1,73 @@
+#include <asdic/environment.h>
+
+#include "../base/context.h"
+
+#include "../../kernels/water.h"
+
+asdic_environment asdic_environment_default(void) {
+    return (asdic_environment){
+        .temperature_degc = 10.0,
+        .salinity_ppt = 35.0,
+        .ph = 8.0,
+        .wind_speed_kn = 10.0,
+        .shipping_density = 0.5,
+        .particle_strength_db = -90.0,
+        .sound_speed_mps = NAN,
+        .max_depth_m = NAN,
+        .variant = ASDIC_VARIANT_CORRECTED,
+    };
+}
+
+/* One numeric field: its range, and whether NAN ("derive it") is a value. */
+typedef struct environment_field {
+    const char *name, *unit;
+    double value, min, max;
+    bool may_be_derived;
+} environment_field;
+
+asdic_status asdic_environment_check(asdic_context *ctx, const asdic_environment *env) {
+    const environment_field fields[] = {
+        {"temperature_degc", "degC", env->temperature_degc, -2.0, 40.0, false},
+        {"salinity_ppt", "ppt", env->salinity_ppt, 0.0, 45.0, false},
+        {"ph", "", env->ph, 7.0, 8.5, false},
+        {"wind_speed_kn", "kn", env->wind_speed_kn, 0.0, 60.0, false},
+        {"shipping_density", "", env->shipping_density, 0.0, 1.0, false},
+        {"particle_strength_db", "dB", env->particle_strength_db, -200.0, 0.0, false},
+        {"sound_speed_mps", "m/s", env->sound_speed_mps, 1300.0, 1700.0, true},
+        {"max_depth_m", "m", env->max_depth_m, 0.0, 11000.0, true},
+    };
+    for (size_t i = 0; i < sizeof fields / sizeof *fields; i++) {
+        const environment_field *f = &fields[i];
+        if (f->may_be_derived && isnan(f->value)) {
+            continue;
+        }
+        if (!(f->value >= f->min && f->value <= f->max)) {
+            return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
+                              "environment: '%s' = %g is out of range [%g, %g] %s", f->name,
+                              f->value, f->min, f->max, f->unit);
+        }
+    }
+    if (env->variant != ASDIC_VARIANT_CORRECTED && env->variant != ASDIC_VARIANT_PRINTED) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "environment: unknown variant %d",
+                          (int)env->variant);
+    }
+    return ASDIC_OK;
+}
+
+double asdic_environment_sound_speed_mps(const asdic_environment *env, double depth_m) {
+    if (!isnan(env->sound_speed_mps)) {
+        return env->sound_speed_mps;
+    }
+    return sound_speed_medwin_mps(env->temperature_degc, env->salinity_ppt, depth_m);
+}
+
+double asdic_environment_absorption_db_per_km(const asdic_environment *env, double frequency_hz,
+                                              double depth_m) {
+    double z_m = isnan(env->max_depth_m) ? depth_m : env->max_depth_m;
+    double f_khz = 1e-3 * frequency_hz;
+    if (env->variant == ASDIC_VARIANT_PRINTED) {
+        return absorption_printed_db_per_km(f_khz, env->temperature_degc, env->salinity_ppt, z_m,
+                                            env->ph);
+    }
+    return absorption_db_per_km(f_khz, env->temperature_degc, env->salinity_ppt, z_m, env->ph);
+}

@@ -1,0 +1,103 @@
+#include <asdic/sonar.h>
+
+#include "../base/context.h"
+
+#include "../../kernels/water.h"
+
+/* Bins beyond this are a mistake in a unit, not a sonar. */
+#define MAX_BINS 1048576
+#define MAX_RECEIVERS 4096
+
+asdic_sonar asdic_sonar_default(void) {
+    return (asdic_sonar){
+        .frequency_hz = 100e3,
+        .bandwidth_hz = 10e3,
+        .ping_rate_hz = 10.0,
+        .source_level_db = 0.0,
+        .bin_length_m = 0.5,
+        .blanking_m = 0.5,
+        .transmitter = {.name = "transmitter", .length_h_m = 0.05, .length_v_m = 0.05},
+        .noise_enabled = true,
+        .noise_directivity = true,
+        .speckle = ASDIC_SPECKLE_NONE,
+        .speckle_shape = INFINITY,
+        .rear_floor_db = -INFINITY,
+    };
+}
+
+typedef struct sonar_field {
+    const char *name, *unit;
+    double value, min, max;
+} sonar_field;
+
+static asdic_status check_fields(asdic_context *ctx, const char *where, const sonar_field *fields,
+                                 size_t count) {
+    for (size_t i = 0; i < count; i++) {
+        const sonar_field *f = &fields[i];
+        if (!(f->value >= f->min && f->value <= f->max)) {
+            return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
+                              "sonar: '%s'%s%s = %g is out of range [%g, %g] %s", f->name,
+                              *where ? " of beam " : "", where, f->value, f->min, f->max, f->unit);
+        }
+    }
+    return ASDIC_OK;
+}
+
+static asdic_status check_beam(asdic_context *ctx, const asdic_beam *beam) {
+    const double turn = 2.0 * 3.14159265358979323846;
+    const sonar_field fields[] = {
+        {"pitch_rad", "rad", beam->pitch_rad, -turn, turn},
+        {"yaw_rad", "rad", beam->yaw_rad, -turn, turn},
+        {"roll_rad", "rad", beam->roll_rad, -turn, turn},
+        {"length_h_m", "m", beam->length_h_m, 1e-4, 100.0},
+        {"length_v_m", "m", beam->length_v_m, 1e-4, 100.0},
+    };
+    return check_fields(ctx, beam->name, fields, sizeof fields / sizeof *fields);
+}
+
+asdic_status asdic_sonar_check(asdic_context *ctx, const asdic_sonar *sonar) {
+    const sonar_field fields[] = {
+        {"frequency_hz", "Hz", sonar->frequency_hz, 100.0, 1e6},
+        {"bandwidth_hz", "Hz", sonar->bandwidth_hz, 1.0, 1e6},
+        {"ping_rate_hz", "Hz", sonar->ping_rate_hz, 0.01, 1000.0},
+        {"source_level_db", "dB", sonar->source_level_db, -300.0, 300.0},
+        {"bin_length_m", "m", sonar->bin_length_m, 1e-3, 1000.0},
+        {"blanking_m", "m", sonar->blanking_m, 0.01, 1e4},
+        {"receiver_count", "", (double)sonar->receiver_count, 1.0, MAX_RECEIVERS},
+    };
+    asdic_status status = check_fields(ctx, "", fields, sizeof fields / sizeof *fields);
+    if (status == ASDIC_OK && asdic_sonar_bin_count(sonar, 1500.0) > MAX_BINS) {
+        status = asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
+                            "sonar: %zu bins, more than %d; lengthen bin_length_m or raise "
+                            "ping_rate_hz",
+                            asdic_sonar_bin_count(sonar, 1500.0), MAX_BINS);
+    }
+    if (status == ASDIC_OK && !(sonar->rear_floor_db <= 0.0)) {
+        status = asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
+                            "sonar: 'rear_floor_db' = %g is above 0 dB re on-axis",
+                            sonar->rear_floor_db);
+    }
+    if (status == ASDIC_OK && sonar->speckle == ASDIC_SPECKLE_K &&
+        !(sonar->speckle_shape >= 0.05)) {
+        status = asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "sonar: 'speckle_shape' = %g is below 0.05",
+                            sonar->speckle_shape);
+    }
+    if (status == ASDIC_OK) {
+        status = check_beam(ctx, &sonar->transmitter);
+    }
+    for (size_t i = 0; status == ASDIC_OK && i < sonar->receiver_count; i++) {
+        status = check_beam(ctx, &sonar->receivers[i]);
+    }
+    return status;
+}
+
+double asdic_sonar_max_range_m(const asdic_sonar *sonar, double sound_speed_mps) {
+    return max_range_m(sound_speed_mps, sonar->ping_rate_hz);
+}
+
+size_t asdic_sonar_bin_count(const asdic_sonar *sonar, double sound_speed_mps) {
+    double bins = asdic_sonar_max_range_m(sonar, sound_speed_mps) / sonar->bin_length_m;
+    /* 75 m of 0.1 m bins are 750 bins, though 75 / 0.1 is 750.0000000000001 somewhere. */
+    double whole = nearbyint(bins);
+    return (size_t)(fabs(bins - whole) <= 1e-9 * bins ? whole : ceil(bins));
+}
