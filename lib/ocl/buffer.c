@@ -1,0 +1,101 @@
+#include "opencl.h"
+
+#include <stdlib.h>
+
+/* Kernels need something to point at. */
+#define SMALLEST_BYTES 16
+
+asdic_status asdic_buffer_create(asdic_device *device, size_t bytes, const void *data,
+                                 asdic_buffer **out) {
+    const asdic_device_info *info = &device->info;
+    cl_int code = CL_SUCCESS;
+    char text[64];
+
+    *out = NULL;
+    if (bytes > info->max_alloc_bytes) {
+        return asdic_fail(device->ctx, ASDIC_ERROR_MEMORY,
+                          "device '%s' allows %.1f MiB in one buffer, %.1f MiB are needed; "
+                          "use fewer rays or triangles, or another device",
+                          info->name, (double)info->max_alloc_bytes / 1048576.0,
+                          (double)bytes / 1048576.0);
+    }
+    asdic_buffer *buffer = calloc(1, sizeof *buffer);
+    if (!buffer) {
+        return asdic_fail_memory(device->ctx, "a buffer");
+    }
+    buffer->device = device;
+    buffer->bytes = bytes;
+    buffer->mem = clCreateBuffer(device->cl, CL_MEM_READ_WRITE,
+                                 bytes < SMALLEST_BYTES ? SMALLEST_BYTES : bytes, NULL, &code);
+    if (code != CL_SUCCESS) {
+        free(buffer);
+        return asdic_fail(device->ctx, ASDIC_ERROR_MEMORY,
+                          "device '%s' with %.1f MiB of memory cannot allocate %.1f MiB: %s",
+                          info->name, (double)info->global_bytes / 1048576.0,
+                          (double)bytes / 1048576.0, asdic_cl_error_text(code, text));
+    }
+    if (data && bytes > 0) {
+        asdic_status status = asdic_buffer_write(buffer, 0, bytes, data);
+        if (status != ASDIC_OK) {
+            asdic_buffer_destroy(&buffer);
+            return status;
+        }
+    }
+    *out = buffer;
+    return ASDIC_OK;
+}
+
+void asdic_buffer_destroy(asdic_buffer **buffer) {
+    if (buffer && *buffer) {
+        clReleaseMemObject((*buffer)->mem);
+        free(*buffer);
+        *buffer = NULL;
+    }
+}
+
+size_t asdic_buffer_bytes(const asdic_buffer *buffer) {
+    return buffer->bytes;
+}
+
+static asdic_status check_range(const asdic_buffer *buffer, size_t offset, size_t bytes) {
+    if (offset > buffer->bytes || bytes > buffer->bytes - offset) {
+        return asdic_fail(buffer->device->ctx, ASDIC_ERROR_ARGUMENT,
+                          "%zu bytes at %zu do not fit a buffer of %zu", bytes, offset,
+                          buffer->bytes);
+    }
+    return ASDIC_OK;
+}
+
+asdic_status asdic_buffer_write(asdic_buffer *buffer, size_t offset, size_t bytes,
+                                const void *data) {
+    asdic_status status = check_range(buffer, offset, bytes);
+    if (status != ASDIC_OK || bytes == 0) {
+        return status;
+    }
+    cl_int code = clEnqueueWriteBuffer(buffer->device->queue, buffer->mem, CL_TRUE, offset, bytes,
+                                       data, 0, NULL, NULL);
+    return code == CL_SUCCESS ? ASDIC_OK : asdic_cl_fail(buffer->device, code, "write to a buffer");
+}
+
+asdic_status asdic_buffer_zero(asdic_buffer *buffer, size_t bytes) {
+    static const unsigned char zeros[16];
+    asdic_status status = check_range(buffer, 0, bytes);
+    if (status != ASDIC_OK || bytes == 0) {
+        return status;
+    }
+    /* The size of a fill is a multiple of its pattern; long patterns fill faster. */
+    size_t pattern = bytes % 16 == 0 ? 16 : bytes % 4 == 0 ? 4 : 1;
+    cl_int code = clEnqueueFillBuffer(buffer->device->queue, buffer->mem, zeros, pattern, 0, bytes,
+                                      0, NULL, NULL);
+    return code == CL_SUCCESS ? ASDIC_OK : asdic_cl_fail(buffer->device, code, "clear a buffer");
+}
+
+asdic_status asdic_buffer_read(asdic_buffer *buffer, size_t offset, size_t bytes, void *data) {
+    asdic_status status = check_range(buffer, offset, bytes);
+    if (status != ASDIC_OK || bytes == 0) {
+        return status;
+    }
+    cl_int code = clEnqueueReadBuffer(buffer->device->queue, buffer->mem, CL_TRUE, offset, bytes,
+                                      data, 0, NULL, NULL);
+    return code == CL_SUCCESS ? ASDIC_OK : asdic_cl_fail(buffer->device, code, "read a buffer");
+}

@@ -1,0 +1,65 @@
+/*
+ * OpenCL itself and what stands behind asdic_device: only files of lib/ocl include this.
+ */
+#ifndef ASDIC_OCL_OPENCL_H
+#define ASDIC_OCL_OPENCL_H
+
+#define CL_TARGET_OPENCL_VERSION 120
+#include <CL/cl.h>
+
+#include "../base/context.h"
+#include "ocl.h"
+
+/* A program built for one device; kept until the device is closed. */
+typedef struct asdic_program {
+    char *file, *options;
+    cl_program id;
+    struct asdic_program *next;
+} asdic_program;
+
+struct asdic_device {
+    asdic_context *ctx;
+    asdic_device_info info;
+    cl_device_id id;
+    bool is_sub_device; /* id is ours to release */
+    cl_context cl;
+    cl_command_queue queue;
+    asdic_program *programs;
+};
+
+struct asdic_buffer {
+    asdic_device *device;
+    cl_mem mem;
+    size_t bytes; /* as asked for */
+};
+
+/* An OpenCL device as the loader lists it. */
+typedef struct asdic_listed {
+    cl_device_id id;
+    asdic_device_info info;
+} asdic_listed;
+
+/* As asdic_device_list, with the identifiers; the caller frees *OUT. */
+asdic_status asdic_listed_create(asdic_context *ctx, asdic_listed **out, size_t *count);
+
+/* Puts the positions in LIST that SELECTOR (NULL: "auto") chooses, all usable, into CHOSEN, which
+ * holds COUNT values, in the order in which they were asked for. */
+asdic_status asdic_listed_select(asdic_context *ctx, const asdic_listed *list, size_t count,
+                                 const char *selector, size_t *chosen, size_t *chosen_count);
+
+/* "CL_OUT_OF_RESOURCES (-5)"; TEXT has room for 64 characters. */
+const char *asdic_cl_error_text(cl_int code, char text[64]);
+
+/* A call that failed while working: memory or a lost device. WHAT completes "device 'x': cannot". */
+asdic_status asdic_cl_fail(const asdic_device *device, cl_int code, const char *what);
+
+/* The program of FILE built with OPTIONS, from the device's cache or new. */
+asdic_status asdic_program_get(asdic_device *device, const char *file, const char *options,
+                               cl_program *out);
+void asdic_programs_destroy(asdic_program **programs);
+
+/* Text of the kernel source FILE and the compiler options it needs; both are freed by the caller.
+ * Embedded, unless ASDIC_KERNEL_DIR names a folder to read from while developing. */
+asdic_status asdic_kernel_source(asdic_context *ctx, const char *file, char **text, char **options);
+
+#endif
