@@ -1,0 +1,17 @@
+/*
+ * Small help with words people type: numbers in the C locale, the nearest of several names.
+ */
+#ifndef ASDIC_BASE_WORDS_H
+#define ASDIC_BASE_WORDS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+/* The whole of TEXT as a finite number with a decimal point, whatever the program's locale. */
+bool asdic_words_number(const char *text, double *out);
+
+/* The index of the name closest to TEXT, or COUNT when none is close enough to be a slip: at most
+ * a third of the longer word's letters differ. */
+size_t asdic_words_nearest(const char *text, const char *const *names, size_t count);
+
+#endif
