@@ -24,8 +24,8 @@ typedef int dev_int;
 #define DEV_BVH_WIDTH 8
 #define DEV_LEAF_TRIANGLES 4
 
-/* Child word: inner node: index of the node; leaf: DEV_LEAF | (blocks - 1) << 24 | first block,
- * hence at most 2^24 blocks and 16 blocks a leaf; absent: DEV_EMPTY with an inverted box. */
+/* Child word: inner node: index of the node; leaf: DEV_LEAF | index of its block; absent:
+ * DEV_EMPTY with an inverted box (lo above hi), which no ray enters. */
 #define DEV_LEAF 0x80000000u
 #define DEV_EMPTY 0xffffffffu
 
@@ -35,17 +35,25 @@ typedef struct dev_node8 {
     dev_uint pad[8];
 } dev_node8; /* 256 bytes */
 
-/* Four triangles, structure of arrays; unused lanes have zero edges (never hit) and id ~0u. */
+/* Four triangles, structure of arrays: v[3 * corner + axis][lane]. Corners, not edges: two
+ * triangles that share a corner then compute the same bits for it, which is what makes the
+ * intersection watertight. Unused lanes have three equal corners (never hit) and id ~0u. */
 typedef struct dev_block4 {
-    float v0_x[4], v0_y[4], v0_z[4];
-    float e1_x[4], e1_y[4], e1_z[4];
-    float e2_x[4], e2_y[4], e2_z[4];
+    float v[9][4];
     dev_uint id[4]; /* index into the scene's triangles */
 } dev_block4; /* 160 bytes */
 
-/* Per triangle id: the three corners (for the canonical hit), unit normal, part index. */
+/* A ray in the scene frame; direction of unit length. t_max_m <= 0: skip, no hit. */
+typedef struct dev_ray {
+    float origin[3];
+    float t_max;
+    float direction[3];
+    float pad;
+} dev_ray; /* 32 bytes */
+
+/* Per triangle id: corners, unit normal, part index. */
 typedef struct dev_triangle {
-    float v0[3], e1[3], e2[3];
+    float v0[3], v1[3], v2[3];
     float normal[3]; /* unit, as wound */
     dev_uint part;   /* index of dev_part */
     dev_uint pad[3];

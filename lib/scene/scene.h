@@ -10,10 +10,12 @@
 #include "../../kernels/types.h"
 
 typedef struct asdic_bvh {
-    dev_node8 *nodes; /* node 0 is the root; at least one node when there are triangles */
+    dev_node8 *nodes;
     dev_block4 *blocks;
     size_t node_count, block_count;
-    unsigned depth; /* levels of inner nodes: the traversal stack needs 7 * depth + 8 words */
+    uint32_t root;  /* child word: node 0, a lone leaf, or DEV_EMPTY without triangles */
+    unsigned depth; /* levels of inner nodes: the traversal stack needs 7 * depth + 8 entries */
+    float extent_m; /* largest coordinate by magnitude */
 } asdic_bvh;
 
 typedef struct asdic_part {
@@ -46,9 +48,13 @@ struct asdic_scene {
     double build_s;
 };
 
-/* Builds a hierarchy over TRIANGLES (float, scene frame). Deterministic. */
+/* Node indices of the binary tree fit 32 bits. */
+#define ASDIC_BVH_MAX_TRIANGLES 0x7fffffffu
+
+/* Builds a hierarchy over TRIANGLES (float, scene frame) with THREADS threads (0: one per
+ * processor); the result is the same for any number of them. */
 asdic_status asdic_bvh_build(asdic_context *ctx, const dev_triangle *triangles, size_t count,
-                             asdic_bvh *out);
+                             unsigned threads, asdic_bvh *out);
 void asdic_bvh_finish(asdic_bvh *bvh);
 
 #endif

@@ -11,6 +11,7 @@ struct asdic_mesh {
     uint32_t *indices;  /* 3 * triangle_count */
     size_t vertex_count, triangle_count;
     size_t dropped;
+    size_t open_edges;
 };
 
 #endif

@@ -1,0 +1,73 @@
+/*
+ * Altitude above the bottom: the same hierarchy, walked on the host in double along +z.
+ */
+#include "scene.h"
+
+#include <math.h>
+
+typedef struct plumb {
+    double x, y, z; /* scene frame */
+    double best_z;  /* nearest bottom at or below z so far */
+    const asdic_scene *scene;
+} plumb;
+
+/* Twice the signed area of (point, a, b), seen from above. */
+static double side(const plumb *p, const float a[3], const float b[3]) {
+    return ((double)a[0] - p->x) * ((double)b[1] - p->y) -
+           ((double)a[1] - p->y) * ((double)b[0] - p->x);
+}
+
+static void plumb_triangle(plumb *p, uint32_t id) {
+    const dev_triangle *t = &p->scene->triangles[id];
+    if (p->scene->parts[t->part].kind != DEV_KIND_BOTTOM) {
+        return;
+    }
+    double u = side(p, t->v1, t->v2), v = side(p, t->v2, t->v0), w = side(p, t->v0, t->v1);
+    double area = u + v + w;
+    bool inside = (u >= 0.0 && v >= 0.0 && w >= 0.0) || (u <= 0.0 && v <= 0.0 && w <= 0.0);
+    if (!inside || area == 0.0) {
+        return;
+    }
+    double z = (u * t->v0[2] + v * t->v1[2] + w * t->v2[2]) / area;
+    if (z >= p->z && z < p->best_z) {
+        p->best_z = z;
+    }
+}
+
+static bool box_matters(const plumb *p, const dev_node8 *n, int i) {
+    return p->x >= n->lo_x[i] && p->x <= n->hi_x[i] && p->y >= n->lo_y[i] && p->y <= n->hi_y[i] &&
+           p->z <= n->hi_z[i] && p->best_z >= n->lo_z[i];
+}
+
+/* Recursion is at most as deep as the tree, some tens of levels. */
+static void plumb_word(plumb *p, uint32_t word) {
+    const asdic_bvh *bvh = &p->scene->bvh;
+    if (word & DEV_LEAF) {
+        const dev_block4 *block = &bvh->blocks[word & ~DEV_LEAF];
+        for (int i = 0; i < DEV_LEAF_TRIANGLES; i++) {
+            if (block->id[i] != ~0u) {
+                plumb_triangle(p, block->id[i]);
+            }
+        }
+        return;
+    }
+    const dev_node8 *node = &bvh->nodes[word];
+    for (int i = 0; i < DEV_BVH_WIDTH; i++) {
+        if (node->child[i] != DEV_EMPTY && box_matters(p, node, i)) {
+            plumb_word(p, node->child[i]);
+        }
+    }
+}
+
+double asdic_scene_altitude_m(const asdic_scene *scene, asdic_vec3 position_m) {
+    plumb p = {position_m.x - scene->origin_m.x, position_m.y - scene->origin_m.y,
+               position_m.z - scene->origin_m.z, INFINITY, scene};
+    if (scene->bvh.root != DEV_EMPTY) {
+        plumb_word(&p, scene->bvh.root);
+    }
+    double altitude = p.best_z - p.z;
+    if (scene->has_bottom_plane && scene->bottom_plane_depth_m >= position_m.z) {
+        altitude = fmin(altitude, scene->bottom_plane_depth_m - position_m.z);
+    }
+    return altitude;
+}

@@ -1,0 +1,25 @@
+/*
+ * How meshes are made, by loaders and primitives: allocate, fill in, complete.
+ */
+#ifndef ASDIC_SCENE_MESH_BUILD_H
+#define ASDIC_SCENE_MESH_BUILD_H
+
+#include "triangles.h"
+
+/* Farther out, single precision has nothing left for the scene (and no sea is that wide). */
+#define ASDIC_MESH_LIMIT_M 1e9
+
+/* Uninitialised vertices and indices of the given numbers. */
+asdic_status asdic_mesh_allocate(asdic_context *ctx, size_t vertex_count, size_t triangle_count,
+                                 asdic_mesh **out);
+
+/* Checks numbers and indices, drops and counts degenerate facets, counts open edges. NAME begins
+ * every error. */
+asdic_status asdic_mesh_complete(asdic_context *ctx, asdic_mesh *mesh, const char *name);
+
+/* Edges that belong to one facet only, once equal vertices count as one. */
+asdic_status asdic_mesh_count_open_edges(asdic_context *ctx, const asdic_mesh *mesh, size_t *count);
+
+asdic_vec3 asdic_mesh_vertex(const asdic_mesh *mesh, size_t index);
+
+#endif

@@ -1,0 +1,212 @@
+/*
+ * Scene assembly: meshes are placed in the world in double precision and kept until commit.
+ */
+#include "scene.h"
+#include "triangles.h"
+
+#include "../base/context.h"
+#include "../base/vec.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+asdic_status asdic_scene_create(asdic_context *ctx, asdic_scene **out) {
+    if (!out) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "no place for the scene was given");
+    }
+    *out = calloc(1, sizeof **out);
+    if (!*out) {
+        return asdic_fail_memory(ctx, "a scene");
+    }
+    (*out)->ctx = ctx;
+    (*out)->has_surface = true;
+    (*out)->bvh.root = DEV_EMPTY;
+    return ASDIC_OK;
+}
+
+void asdic_scene_destroy(asdic_scene **scene) {
+    if (!scene || !*scene) {
+        return;
+    }
+    asdic_scene *s = *scene;
+    free(s->materials);
+    free(s->parts);
+    free(s->corners_m);
+    free(s->corner_parts);
+    free(s->triangles);
+    asdic_bvh_finish(&s->bvh);
+    free(s);
+    *scene = NULL;
+}
+
+void asdic_scene_set_surface(asdic_scene *scene, bool enabled) {
+    scene->has_surface = enabled;
+}
+
+static asdic_status check_open(const asdic_scene *scene) {
+    if (scene->committed) {
+        return asdic_fail(scene->ctx, ASDIC_ERROR_ARGUMENT,
+                          "the scene is committed; nothing can be added to it any more");
+    }
+    return ASDIC_OK;
+}
+
+static bool in_range(double value, double low, double high) {
+    return value >= low && value <= high; /* false for NAN */
+}
+
+static asdic_status check_material(const asdic_scene *scene, const asdic_material *m) {
+    if (m->law == ASDIC_LAW_BOTTOM) {
+        if (!in_range(m->bottom_type, 1.0, 4.0)) {
+            return asdic_fail(scene->ctx, ASDIC_ERROR_ARGUMENT,
+                              "bottom type %g is out of range [1, 4]", m->bottom_type);
+        }
+        return ASDIC_OK;
+    }
+    if (m->law != ASDIC_LAW_FACET) {
+        return asdic_fail(scene->ctx, ASDIC_ERROR_ARGUMENT, "unknown scattering law %d",
+                          (int)m->law);
+    }
+    if (!in_range(m->impedance_mrayl, 0.0, 1000.0)) {
+        return asdic_fail(scene->ctx, ASDIC_ERROR_ARGUMENT,
+                          "impedance %g Mrayl is out of range [0, 1000]", m->impedance_mrayl);
+    }
+    if (!in_range(m->roughness_rms_m, 0.0, 10.0) || !in_range(m->slope_rms, 0.0, 10.0)) {
+        return asdic_fail(scene->ctx, ASDIC_ERROR_ARGUMENT,
+                          "roughness %g m or slope %g is out of range [0, 10]", m->roughness_rms_m,
+                          m->slope_rms);
+    }
+    if (!isnan(m->coherent_area_m2) && !(m->coherent_area_m2 >= 0.0)) {
+        return asdic_fail(scene->ctx, ASDIC_ERROR_ARGUMENT,
+                          "coherent area %g m2 is negative (NAN takes it from the mesh)",
+                          m->coherent_area_m2);
+    }
+    return ASDIC_OK;
+}
+
+static asdic_status add_material(asdic_scene *scene, const asdic_material *material,
+                                 size_t *index) {
+    asdic_status status = check_material(scene, material);
+    if (status != ASDIC_OK) {
+        return status;
+    }
+    asdic_material *grown = realloc(scene->materials, (scene->material_count + 1) * sizeof *grown);
+    if (!grown) {
+        return asdic_fail_memory(scene->ctx, "a material");
+    }
+    scene->materials = grown;
+    scene->materials[scene->material_count] = *material;
+    *index = scene->material_count++;
+    return ASDIC_OK;
+}
+
+asdic_status asdic_scene_set_bottom_plane(asdic_scene *scene, double depth_m,
+                                          asdic_material material) {
+    asdic_status status = check_open(scene);
+    if (status != ASDIC_OK) {
+        return status;
+    }
+    if (!in_range(depth_m, 0.0, 12000.0)) {
+        return asdic_fail(scene->ctx, ASDIC_ERROR_ARGUMENT,
+                          "bottom depth %g m is out of range [0, 12000]", depth_m);
+    }
+    status = add_material(scene, &material, &scene->bottom_plane_material);
+    if (status == ASDIC_OK) {
+        scene->has_bottom_plane = true;
+        scene->bottom_plane_depth_m = depth_m;
+    }
+    return status;
+}
+
+static asdic_status reserve_triangles(asdic_scene *scene, size_t more) {
+    size_t needed = scene->triangle_count + more;
+    if (needed <= scene->triangle_capacity) {
+        return ASDIC_OK;
+    }
+    size_t capacity = needed > 2 * scene->triangle_capacity ? needed : 2 * scene->triangle_capacity;
+    double *corners = realloc(scene->corners_m, capacity * 9 * sizeof *corners);
+    if (corners) {
+        scene->corners_m = corners;
+    }
+    uint32_t *parts = realloc(scene->corner_parts, capacity * sizeof *parts);
+    if (parts) {
+        scene->corner_parts = parts;
+    }
+    if (!corners || !parts) {
+        return asdic_fail(scene->ctx, ASDIC_ERROR_MEMORY,
+                          "out of memory for a scene of %zu triangles", needed);
+    }
+    scene->triangle_capacity = capacity;
+    return ASDIC_OK;
+}
+
+static void place_triangles(asdic_scene *scene, const asdic_mesh *mesh, const asdic_pose *pose) {
+    asdic_mat3 turn = asdic_mat3_attitude(pose->roll_rad, pose->pitch_rad, pose->yaw_rad);
+    for (size_t i = 0; i < mesh->triangle_count; i++) {
+        size_t at = scene->triangle_count++;
+        scene->corner_parts[at] = (uint32_t)scene->part_count;
+        for (int corner = 0; corner < 3; corner++) {
+            const double *v = &mesh->vertices_m[3 * (size_t)mesh->indices[3 * i + corner]];
+            asdic_vec3 world = asdic_vec3_add(
+                pose->position_m, asdic_mat3_apply(turn, (asdic_vec3){v[0], v[1], v[2]}));
+            double *out = &scene->corners_m[9 * at + 3 * corner];
+            out[0] = world.x;
+            out[1] = world.y;
+            out[2] = world.z;
+        }
+    }
+}
+
+static asdic_status check_pose(const asdic_scene *scene, const asdic_pose *pose) {
+    if (!isfinite(pose->position_m.x) || !isfinite(pose->position_m.y) ||
+        !isfinite(pose->position_m.z) || !isfinite(pose->roll_rad) || !isfinite(pose->pitch_rad) ||
+        !isfinite(pose->yaw_rad)) {
+        return asdic_fail(scene->ctx, ASDIC_ERROR_ARGUMENT,
+                          "the pose of a mesh is not finite: position (%g, %g, %g) m, roll %g, "
+                          "pitch %g, yaw %g rad",
+                          pose->position_m.x, pose->position_m.y, pose->position_m.z,
+                          pose->roll_rad, pose->pitch_rad, pose->yaw_rad);
+    }
+    return ASDIC_OK;
+}
+
+static asdic_status add_part(asdic_scene *scene, asdic_part *part, const asdic_mesh *mesh,
+                             const asdic_pose *pose, const asdic_material *material) {
+    asdic_status status = check_open(scene);
+    status = status ? status : check_pose(scene, pose);
+    status = status ? status : reserve_triangles(scene, mesh->triangle_count);
+    if (status != ASDIC_OK) {
+        return status;
+    }
+    asdic_part *grown = realloc(scene->parts, (scene->part_count + 1) * sizeof *grown);
+    if (!grown) {
+        return asdic_fail_memory(scene->ctx, "an object");
+    }
+    scene->parts = grown;
+    status = add_material(scene, material, &part->material);
+    if (status != ASDIC_OK) {
+        return status;
+    }
+    place_triangles(scene, mesh, pose);
+    scene->parts[scene->part_count++] = *part;
+    return ASDIC_OK;
+}
+
+asdic_status asdic_scene_add_bottom(asdic_scene *scene, const asdic_mesh *mesh, asdic_pose pose,
+                                    asdic_material material) {
+    asdic_part part = {.kind = DEV_KIND_BOTTOM};
+    return add_part(scene, &part, mesh, &pose, &material);
+}
+
+asdic_status asdic_scene_add_object(asdic_scene *scene, const char *name, const asdic_mesh *mesh,
+                                    asdic_pose pose, asdic_material material) {
+    asdic_part part = {.kind = DEV_KIND_OBJECT};
+    size_t length = name ? strlen(name) : 0;
+    if (length == 0 || length >= sizeof part.name) {
+        return asdic_fail(scene->ctx, ASDIC_ERROR_ARGUMENT,
+                          "an object's name has %zu characters; 1 to %zu are allowed", length,
+                          sizeof part.name - 1);
+    }
+    memcpy(part.name, name, length + 1);
+    return add_part(scene, &part, mesh, &pose, &material);
+}

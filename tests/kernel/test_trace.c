@@ -1,0 +1,238 @@
+/*
+ * The walk of the hierarchy against testing every block, and against double precision.
+ */
+#include "trace_rig.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#define SOUP 600
+#define RAYS 4096
+
+static trace_rig rig;
+
+/* Triangles of all sizes in a cube of 20 m; every 16th is degenerate, every 8th axis-aligned. */
+static void random_soup(uint64_t seed, dev_triangle *soup, size_t count) {
+    for (size_t i = 0; i < count; i++) {
+        float v[3][3];
+        double size = pow(10.0, 1.5 * trace_rig_random_signed(&seed));
+        double centre[3];
+        for (int k = 0; k < 3; k++) {
+            centre[k] = 10.0 * trace_rig_random_signed(&seed);
+        }
+        for (int c = 0; c < 3; c++) {
+            for (int k = 0; k < 3; k++) {
+                bool flat = i % 8 == 3 && k == (int)(i / 8 % 3);
+                v[c][k] = (float)(centre[k] + (flat ? 0.0 : size * trace_rig_random_signed(&seed)));
+            }
+        }
+        if (i % 16 == 5) { /* a needle, or a point */
+            memcpy(v[2], v[i % 32 == 5 ? 0 : 1], sizeof v[2]);
+            memcpy(v[1], v[i % 64 == 5 ? 0 : 1], sizeof v[1]);
+        }
+        soup[i] = trace_rig_triangle(v[0], v[1], v[2]);
+    }
+}
+
+/* A third towards random points, a third along axes, a third in the plane of a triangle. */
+static void random_rays(uint64_t seed, const dev_triangle *soup, size_t soup_count, dev_ray *rays,
+                        size_t count) {
+    for (size_t i = 0; i < count; i++) {
+        const dev_triangle *t = &soup[i % soup_count];
+        double origin[3], direction[3];
+        for (int k = 0; k < 3; k++) {
+            origin[k] = 25.0 * trace_rig_random_signed(&seed);
+            direction[k] = 10.0 * trace_rig_random_signed(&seed) - origin[k];
+            if (i % 3 == 1) {
+                direction[k] = k == (int)(i / 3 % 3) ? (i % 2 ? 1.0 : -1.0) : 0.0;
+                origin[k] = i % 4 == 1 ? t->v0[k] - 30.0 * direction[k] : origin[k] * 0.4;
+            } else if (i % 3 == 2) {
+                direction[k] = 0.3 * t->v1[k] + 0.7 * t->v2[k] - t->v0[k];
+                origin[k] = t->v0[k] - 5.0 * direction[k];
+            }
+        }
+        if (direction[0] == 0.0 && direction[1] == 0.0 && direction[2] == 0.0) {
+            direction[2] = 1.0;
+        }
+        rays[i] = trace_rig_ray(origin, direction);
+        rays[i].t_max = i % 5 == 4 ? 20.0f : INFINITY;
+    }
+}
+
+static void walk_equals_every_block(void **state) {
+    (void)state;
+    dev_triangle soup[SOUP];
+    dev_ray *rays = calloc(RAYS, sizeof *rays);
+    dev_hit *walked = calloc(RAYS, sizeof *walked), *all = calloc(RAYS, sizeof *all);
+    assert_true(rays && walked && all);
+    size_t met = 0;
+    for (uint64_t seed = 1; seed <= 2; seed++) {
+        random_soup(seed, soup, SOUP);
+        random_rays(seed + 100, soup, SOUP, rays, RAYS);
+        asdic_scene *scene = trace_rig_scene(&rig, soup, SOUP);
+        trace_rig_run(&rig, scene, rays, RAYS, walked);
+        trace_rig_run_all_blocks(&rig, scene, rays, RAYS, all);
+        for (size_t i = 0; i < RAYS; i++) {
+            assert_memory_equal(&walked[i], &all[i], sizeof walked[i]);
+            met += walked[i].triangle != ~0u;
+            assert_true(walked[i].triangle == ~0u ? isinf(walked[i].t_m)
+                                                  : walked[i].t_m <= rays[i].t_max);
+        }
+        asdic_scene_destroy(&scene);
+    }
+    assert_in_range(met, RAYS / 2, 2 * RAYS - 1); /* the rays are worth something */
+    free(rays);
+    free(walked);
+    free(all);
+}
+
+/* Plane and barycentric coordinates in double; *MARGIN is the smallest of the three. */
+static double meet(const dev_ray *r, const dev_triangle *t, double *margin) {
+    double e1[3], e2[3], s[3], n[3], q[3];
+    for (int k = 0; k < 3; k++) {
+        e1[k] = (double)t->v1[k] - t->v0[k];
+        e2[k] = (double)t->v2[k] - t->v0[k];
+        s[k] = (double)t->v0[k] - r->origin[k];
+    }
+    for (int k = 0; k < 3; k++) {
+        int a = (k + 1) % 3, b = (k + 2) % 3;
+        n[k] = e1[a] * e2[b] - e1[b] * e2[a];
+        q[k] = s[a] * r->direction[b] - s[b] * r->direction[a];
+    }
+    double det = 0.0, u = 0.0, v = 0.0, d = 0.0;
+    for (int k = 0; k < 3; k++) {
+        det += n[k] * r->direction[k];
+        d += n[k] * s[k];
+        u += q[k] * e2[k];
+        v -= q[k] * e1[k];
+    }
+    u /= det;
+    v /= det;
+    *margin = det == 0.0 ? -1.0 : fmin(fmin(u, v), 1.0 - u - v);
+    return d / det;
+}
+
+static void hits_are_right(void **state) {
+    (void)state;
+    dev_triangle soup[SOUP];
+    dev_ray *rays = calloc(RAYS, sizeof *rays);
+    dev_hit *hits = calloc(RAYS, sizeof *hits);
+    assert_true(rays && hits);
+    random_soup(7, soup, SOUP);
+    random_rays(8, soup, SOUP, rays, RAYS);
+    asdic_scene *scene = trace_rig_scene(&rig, soup, SOUP);
+    trace_rig_run(&rig, scene, rays, RAYS, hits);
+    for (size_t i = 0; i < RAYS; i += 3) { /* those towards random points: no knife edges */
+        double nearest = rays[i].t_max;
+        bool doubtful = false;
+        for (size_t k = 0; k < SOUP; k++) {
+            double margin, t = meet(&rays[i], &soup[k], &margin);
+            doubtful |= t > 0.0 && t < nearest && fabs(margin) < 1e-4;
+            nearest = margin >= 1e-4 && t > 0.0 && t < nearest ? t : nearest;
+        }
+        if (!doubtful) {
+            double expected = nearest < rays[i].t_max ? nearest : INFINITY;
+            assert_close(hits[i].t_m, expected, 1e-4, 1e-5);
+        }
+    }
+    asdic_scene_destroy(&scene);
+    free(rays);
+    free(hits);
+}
+
+/* The order in which triangles come, hence the shape of the tree and its leaves, must not show. */
+static void order_does_not_matter(void **state) {
+    (void)state;
+    dev_triangle soup[SOUP], shuffled[SOUP];
+    uint32_t from[SOUP];
+    dev_ray *rays = calloc(RAYS, sizeof *rays);
+    dev_hit *first = calloc(RAYS, sizeof *first), *second = calloc(RAYS, sizeof *second);
+    assert_true(rays && first && second);
+    random_soup(11, soup, SOUP);
+    random_rays(12, soup, SOUP, rays, RAYS);
+    uint64_t seed = 13;
+    for (uint32_t i = 0; i < SOUP; i++) {
+        uint32_t j = (uint32_t)(trace_rig_random(&seed) * (i + 1));
+        from[i] = from[j];
+        from[j] = i;
+    }
+    for (uint32_t i = 0; i < SOUP; i++) {
+        shuffled[i] = soup[from[i]];
+    }
+    asdic_scene *a = trace_rig_scene(&rig, soup, SOUP);
+    asdic_scene *b = trace_rig_scene(&rig, shuffled, SOUP);
+    trace_rig_run(&rig, a, rays, RAYS, first);
+    trace_rig_run(&rig, b, rays, RAYS, second);
+    for (size_t i = 0; i < RAYS; i++) {
+        assert_memory_equal(&first[i].t_m, &second[i].t_m, sizeof first[i].t_m);
+    }
+    asdic_scene_destroy(&a);
+    asdic_scene_destroy(&b);
+    free(rays);
+    free(first);
+    free(second);
+}
+
+static void empty_scene_and_skipped_rays(void **state) {
+    (void)state;
+    const float v[3][3] = {{-1, -1, 5}, {1, -1, 5}, {0, 2, 5}};
+    dev_triangle one = trace_rig_triangle(v[0], v[1], v[2]);
+    const double origin[3] = {0, 0, 0}, down[3] = {0, 0, 1};
+    dev_ray rays[4];
+    for (int i = 0; i < 4; i++) {
+        rays[i] = trace_rig_ray(origin, down);
+    }
+    rays[1].t_max = 0.0f; /* skipped */
+    rays[2].t_max = 4.99f;
+    rays[3].t_max = 5.0f; /* the limit is inclusive */
+    dev_hit hits[4];
+    asdic_scene *scene = trace_rig_scene(&rig, &one, 0);
+    trace_rig_run(&rig, scene, rays, 4, hits);
+    for (int i = 0; i < 4; i++) {
+        assert_int_equal(hits[i].triangle, ~0u);
+        assert_true(isinf(hits[i].t_m));
+    }
+    asdic_scene_destroy(&scene);
+    scene = trace_rig_scene(&rig, &one, 1);
+    trace_rig_run(&rig, scene, rays, 4, hits);
+    assert_close(hits[0].t_m, 5.0, 0.0, 0.0);
+    assert_int_equal(hits[0].triangle, 0);
+    assert_int_equal(hits[1].triangle, ~0u);
+    assert_int_equal(hits[2].triangle, ~0u);
+    assert_int_equal(hits[3].triangle, 0);
+    asdic_scene_destroy(&scene);
+}
+
+/* Copies of one triangle, spread over ten leaves: the lowest id. */
+static void ties_go_to_the_lowest_id(void **state) {
+    (void)state;
+    enum { COPIES = 37 };
+    dev_triangle copies[COPIES];
+    for (int i = 0; i < COPIES; i++) {
+        const float v[3][3] = {{-2, -2, 5}, {2, -2, 5}, {0, 4, 5}};
+        copies[i] = trace_rig_triangle(v[0], v[1], v[2]);
+    }
+    const double origin[3] = {0.1, 0.2, 0}, down[3] = {0, 0, 1};
+    dev_ray ray = trace_rig_ray(origin, down);
+    dev_hit hit;
+    asdic_scene *scene = trace_rig_scene(&rig, copies, COPIES);
+    trace_rig_run(&rig, scene, &ray, 1, &hit);
+    assert_int_equal(hit.triangle, 0);
+    assert_close(hit.t_m, 5.0, 0.0, 0.0);
+    asdic_scene_destroy(&scene);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(walk_equals_every_block),  cmocka_unit_test(hits_are_right),
+        cmocka_unit_test(order_does_not_matter),    cmocka_unit_test(empty_scene_and_skipped_rays),
+        cmocka_unit_test(ties_go_to_the_lowest_id),
+    };
+    int skipped = trace_rig_open(&rig);
+    if (skipped) {
+        return skipped;
+    }
+    int failed = cmocka_run_group_tests(tests, NULL, NULL);
+    trace_rig_close(&rig);
+    return failed;
+}
