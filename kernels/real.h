@@ -42,6 +42,7 @@ typedef ASDIC_JOIN(uint, ASDIC_WIDTH) natural;
 
 #define R(x) ((real)(x##f))
 #define choose(condition, a, b) select((real)(b), (real)(a), (condition))
+#define choose_natural(condition, a, b) select((natural)(b), (natural)(a), (condition))
 #define r_max(a, b) max((real)(a), (real)(b))
 #define r_min(a, b) min((real)(a), (real)(b))
 #define r_abs(x) fabs(x)

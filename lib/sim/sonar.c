@@ -97,7 +97,7 @@ double asdic_sonar_max_range_m(const asdic_sonar *sonar, double sound_speed_mps)
 
 size_t asdic_sonar_bin_count(const asdic_sonar *sonar, double sound_speed_mps) {
     double bins = asdic_sonar_max_range_m(sonar, sound_speed_mps) / sonar->bin_length_m;
-    /* 75 m of 0.1 m bins are 750 bins, though 75 / 0.1 is 750.0000000000001 somewhere. */
-    double whole = nearbyint(bins);
-    return (size_t)(fabs(bins - whole) <= 1e-9 * bins ? whole : ceil(bins));
+    /* 75 m of 0.1 m bins are 750 bins, though 75 / 0.1 is 749.9999999999999 somewhere. */
+    double whole = floor(bins * (1.0 + 1e-9));
+    return whole >= 1.0 ? (size_t)whole : 1;
 }

@@ -77,6 +77,15 @@ ASDIC_API void asdic_simulator_destroy(asdic_simulator **sim);
 
 ASDIC_API size_t asdic_simulator_bin_count(const asdic_simulator *sim);
 
+/* Teaches the adaptive sampler where rays matter, with a pilot ping at POSE; pings keep what was
+ * learnt until the next call. For results that do not depend on who ran which ping, learn at ping
+ * indices that are multiples of ASDIC_LEARN_BLOCK, at that ping's pose, and use it for the block;
+ * missions do. Not calling it is allowed: pings are then a little noisier, never biased. No effect
+ * with the other samplers. */
+#define ASDIC_LEARN_BLOCK 32
+ASDIC_API asdic_status asdic_simulator_learn(asdic_simulator *sim, const asdic_pose *pose,
+                                             uint64_t index);
+
 /* Simulates ping number INDEX with the vehicle at POSE. PING must have the simulator's number of
  * beams and bins. */
 ASDIC_API asdic_status asdic_simulator_ping(asdic_simulator *sim, const asdic_pose *pose,

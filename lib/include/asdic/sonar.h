@@ -42,7 +42,7 @@ typedef struct asdic_sonar {
 ASDIC_API asdic_sonar asdic_sonar_default(void);
 ASDIC_API asdic_status asdic_sonar_check(asdic_context *ctx, const asdic_sonar *sonar);
 
-/* c / (2 ping_rate), m, and the number of whole or started bins that cover it. */
+/* c / (2 ping_rate), m, and the number of whole bins within it (at least 1). */
 ASDIC_API double asdic_sonar_max_range_m(const asdic_sonar *sonar, double sound_speed_mps);
 ASDIC_API size_t asdic_sonar_bin_count(const asdic_sonar *sonar, double sound_speed_mps);
 

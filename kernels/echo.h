@@ -1,0 +1,191 @@
+/*
+ * From a ray to an echo: what it met, how strongly that scatters, how the apertures weigh it, and
+ * which bins it falls in.
+ */
+#ifndef ASDIC_KERNEL_ECHO_H
+#define ASDIC_KERNEL_ECHO_H
+
+#include "backscatter.h"
+#include "beam.h"
+#include "deposit.h"
+#include "ping_types.h"
+#include "target.h"
+
+#define LANES for (uint lane = 0; lane < ASDIC_WIDTH; lane++)
+#define AT(vector, type) ((type *)&(vector))[lane]
+
+/* The scene as kernels see it; bundles what every ray needs. */
+typedef struct world {
+    __global const dev_ping *ping;
+    __global const dev_beam *beams; /* transmitter, then receivers */
+    __global const dev_triangle *triangles;
+    __global const dev_part *parts;
+    __global const dev_material *materials;
+} world;
+
+/* What ASDIC_WIDTH rays met: nearest of mesh, bottom plane and surface. */
+typedef struct meeting {
+    real range;      /* m along the ray; INFINITY where nothing was met within its length */
+    natural kind;    /* DEV_KIND_* */
+    real nx, ny, nz; /* unit normal, either side */
+    natural material;
+} meeting;
+
+/* Takes the mesh hits of slots SLOT..., and the planes as seen from DROP metres below the sonar;
+ * nothing beyond LIMIT counts. */
+static meeting meet(const world *w, __global const dev_hit *hits, uint slot, real uz, real drop,
+                    real limit) {
+    meeting m;
+    m.range = (real)(INFINITY);
+    m.kind = (natural)(DEV_KIND_NONE);
+    m.material = (natural)(w->ping->bottom_material);
+    m.nx = m.ny = R(0.0);
+    m.nz = R(-1.0);
+#if ASDIC_HAS_MESH
+    LANES {
+        dev_hit hit = hits[slot + lane];
+        if (hit.triangle != 0xffffffffu) {
+            __global const dev_triangle *t = w->triangles + hit.triangle;
+            AT(m.range, float) = hit.t_m;
+            AT(m.nx, float) = t->normal[0];
+            AT(m.ny, float) = t->normal[1];
+            AT(m.nz, float) = t->normal[2];
+            AT(m.kind, uint) = w->parts[t->part].kind;
+            AT(m.material, uint) = w->parts[t->part].material;
+        }
+    }
+#endif
+    /* Planes. A ray along a plane never meets it. */
+    real down = ((real)(w->ping->bottom_m) - drop) / r_max(uz, R(1e-12));
+    mask plane = (down < m.range) & (uz > R(1e-12));
+    m.range = choose(plane, down, m.range);
+    m.kind = choose_natural(plane, (natural)(DEV_KIND_BOTTOM), m.kind);
+    m.material = choose_natural(plane, (natural)(w->ping->bottom_material), m.material);
+    real up = ((real)(w->ping->surface_m) + drop) / r_max(-uz, R(1e-12));
+    mask surface = (up < m.range) & (uz < R(-1e-12));
+    m.range = choose(surface, up, m.range);
+    m.kind = choose_natural(surface, (natural)(DEV_KIND_SURFACE), m.kind);
+    mask flat = plane | surface;
+    m.nx = choose(flat, R(0.0), m.nx);
+    m.ny = choose(flat, R(0.0), m.ny);
+    m.nz = choose(flat, R(-1.0), m.nz);
+    mask far = m.range > limit;
+    m.kind = choose_natural(far, (natural)(DEV_KIND_NONE), m.kind);
+    m.range = choose(far, (real)(INFINITY), m.range);
+    return m;
+}
+
+/* The scattering laws' coefficients of what was met, lane by lane. */
+typedef struct law_lanes {
+    mask is_surface, is_bottom, is_facet; /* which law */
+    real bottom_type, bottom_gain, bottom_peak;
+    real reflection2, roughness_g, slope_ms, coherent_area_m2;
+} law_lanes;
+
+static law_lanes laws_met(const world *w, const meeting *m) {
+    law_lanes l;
+    natural law = (natural)(DEV_LAW_BOTTOM);
+    l.bottom_type = l.bottom_gain = l.bottom_peak = R(1.0);
+    l.reflection2 = l.roughness_g = R(0.0);
+    l.slope_ms = l.coherent_area_m2 = R(1.0);
+    LANES {
+        __global const dev_material *c = w->materials + AT(m->material, const uint);
+        AT(law, uint) = c->law;
+        AT(l.bottom_type, float) = c->bottom_type;
+        AT(l.bottom_gain, float) = c->bottom_gain;
+        AT(l.bottom_peak, float) = c->bottom_peak;
+        AT(l.reflection2, float) = c->reflection2;
+        AT(l.roughness_g, float) = c->roughness_g;
+        AT(l.slope_ms, float) = c->slope_ms;
+        AT(l.coherent_area_m2, float) = c->coherent_area_m2;
+    }
+    mask solid = (m->kind == DEV_KIND_BOTTOM) | (m->kind == DEV_KIND_OBJECT);
+    l.is_surface = (m->kind == DEV_KIND_SURFACE);
+    l.is_bottom = solid & (law == DEV_LAW_BOTTOM);
+    l.is_facet = solid & (law == DEV_LAW_FACET);
+    return l;
+}
+
+/* s(Theta), linear, 1/sr; RANGE limits the area that reflects in phase. */
+static real strength(const world *w, const law_lanes *l, real sin_grazing, real range) {
+    __global const dev_ping *ping = w->ping;
+    real s = R(0.0);
+    if (any_true(l->is_bottom)) {
+        real f =
+            bottom_backscatter_lin(l->bottom_gain, l->bottom_peak, l->bottom_type, sin_grazing);
+        s = choose(l->is_bottom, f, s);
+    }
+    if (any_true(l->is_facet)) {
+        real slope = facet_slope_ms(l->slope_ms, l->coherent_area_m2, (real)(ping->wavelength_m),
+                                    r_max(range, R(1e-3)));
+        real f = facet_strength_lin(sin_grazing, l->reflection2, l->roughness_g, slope);
+        s = choose(l->is_facet, f, s);
+    }
+    if (any_true(l->is_surface)) {
+        real f = surface_backscatter_lin((real)(ping->surface_gain), (real)(ping->surface_beta0),
+                                         (real)(ping->surface_beta1), (real)(ping->surface_cap_lin),
+                                         sin_grazing);
+        s = choose(l->is_surface, f, s);
+    }
+    return s;
+}
+
+/* Sine of the grazing angle between a direction and what was met; never 0. */
+static real grazing(const meeting *m, real ux, real uy, real uz) {
+    real s = r_abs(m->nx * ux + m->ny * uy + m->nz * uz);
+    return r_max(r_min(s, R(1.0)), R(1e-6));
+}
+
+/* One-way gain of an aperture towards a world direction. */
+static real gain_towards(__global const dev_ping *ping, __global const dev_beam *beam, real ux,
+                         real uy, real uz) {
+    real vx = beam->rows[0] * ux + beam->rows[1] * uy + beam->rows[2] * uz;
+    real vy = beam->rows[3] * ux + beam->rows[4] * uy + beam->rows[5] * uz;
+    real vz = beam->rows[6] * ux + beam->rows[7] * uy + beam->rows[8] * uz;
+    return beam_pattern_lin(vx, vy, vz, (real)(beam->length_h_wl), (real)(beam->length_v_wl),
+                            (real)(ping->rear_lin));
+}
+
+/* An echo, split over at most two neighbouring bins. */
+typedef struct split_echo {
+    natural bin;
+    real first, second; /* energies in bin and bin + 1, relative to TL d^2 at their centres */
+} split_echo;
+
+/* TL(d) d^2 relative to the centre of bin N. */
+static real relative_loss(__global const dev_ping *ping, real range, real center) {
+    real q = center / range;
+    return q * q * exp((real)(-2.0f * ping->absorption_np_per_m) * (range - center));
+}
+
+/* An echo of ENERGY (relative to TL d^2 at RANGE) at RANGE, spread over FOOTPRINT metres of range,
+ * at most one bin; nothing outside [blanking, range] or nearer than NEAREST. */
+static split_echo split(__global const dev_ping *ping, real at, real nearest, real energy,
+                        real footprint) {
+    split_echo e;
+    real bin = (real)(ping->bin_m);
+    real range = r_min(r_max(at, (real)(ping->blanking_m)), (real)(ping->range_m));
+    real half_width = R(0.5) * r_min(footprint, bin);
+    real lo = r_max(range - half_width, r_max(nearest, (real)(ping->blanking_m)));
+    real hi = r_min(range + half_width, (real)(ping->range_m));
+    natural last = (natural)(ping->bins - 1u);
+    e.bin = min(to_natural(lo / bin), last);
+    real edge = (to_real(e.bin) + R(1.0)) * bin;
+    real beyond = r_max(hi - edge, R(0.0)) / r_max(hi - lo, R(1e-9));
+    beyond = choose(e.bin == last, R(0.0), beyond);
+    mask received = (at >= (real)(ping->blanking_m)) & (at <= (real)(ping->range_m));
+    energy = choose(received, energy, R(0.0));
+    e.first = energy * (R(1.0) - beyond) * relative_loss(ping, range, edge - R(0.5) * bin);
+    e.second = energy * beyond * relative_loss(ping, range, edge + R(0.5) * bin);
+    return e;
+}
+
+/* Rounds one lane's energy to quanta and adds it; returns 1 if it had to be cut. */
+static uint add_quanta(__global const dev_ping *ping, __global long *cell, float quanta) {
+    if (quanta >= 0.5f) {
+        deposit_add(cell, convert_long_rte(min(quanta, ping->deposit_limit)));
+    }
+    return (uint)(quanta > ping->deposit_limit);
+}
+
+#endif

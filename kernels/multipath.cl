@@ -1,0 +1,256 @@
+/*
+ * First-order multipath: what a mirror adds to a ping.
+ *
+ * A ray that meets an object O at d1 goes on in the mirror direction with the share
+ * mu = R^2 exp(-4 k^2 s^2 sin^2 Theta) of its energy and meets X at d2. Two echoes come back:
+ *
+ *   same way, S-O-X-O-S, at range D = d1 + d2:
+ *     E = mu^2 B_T B_R(ray) s_X dOmega / sin Theta_X D^-2 exp(-2 k (D - 1))
+ *   across, S-O-X-S and S-X-O-S, at range D = (d1 + d2 + d3) / 2, if X is visible from S:
+ *     E = mu [B_T(ray) B_R(X) + B_T(X) B_R(ray)] sqrt(s_X(in) s_X(out)) dOmega / sin Theta_X
+ *         d3^-2 exp(-2 k (D - 1))
+ *
+ * The tube's outgoing spreading cancels against its area, so that only the return spreads: exact
+ * for flat mirrors, an upper bound for convex ones. sqrt(s_in s_out) is exact for Lambert's law.
+ */
+#include "echo.h"
+
+/* How far off the surface they leave secondary rays start, m: above the rounding
+ * of their coordinates. */
+static real skin(real x, real y, real z) {
+    return R(1e-4) + R(1e-6) * r_max(r_max(r_abs(x), r_abs(y)), r_abs(z));
+}
+
+typedef struct directions {
+    real x, y, z;
+} directions;
+
+static directions load_directions(__global const dev_ray *rays, uint slot) {
+    directions d;
+    LANES {
+        AT(d.x, float) = rays[slot + lane].direction[0];
+        AT(d.y, float) = rays[slot + lane].direction[1];
+        AT(d.z, float) = rays[slot + lane].direction[2];
+    }
+    return d;
+}
+
+static directions load_origins(__global const dev_ray *rays, uint slot) {
+    directions d;
+    LANES {
+        AT(d.x, float) = rays[slot + lane].origin[0];
+        AT(d.y, float) = rays[slot + lane].origin[1];
+        AT(d.z, float) = rays[slot + lane].origin[2];
+    }
+    return d;
+}
+
+static void store_rays(__global dev_ray *rays, uint slot, directions from, directions to,
+                       real t_max) {
+    LANES {
+        dev_ray ray;
+        ray.origin[0] = AT(from.x, float);
+        ray.origin[1] = AT(from.y, float);
+        ray.origin[2] = AT(from.z, float);
+        ray.t_max = AT(t_max, float);
+        ray.direction[0] = AT(to.x, float);
+        ray.direction[1] = AT(to.y, float);
+        ray.direction[2] = AT(to.z, float);
+        ray.pad = 0.0f;
+        rays[slot + lane] = ray;
+    }
+}
+
+/*
+ * reflect: the mirror ray of every ray that met a mirror; t_max 0 where there is none. MIRRORS
+ * takes (share mu, d1) of each slot.
+ */
+__kernel void reflect(__global const dev_ping *ping, __global const dev_beam *beams,
+                      __global const dev_ray *rays, __global const dev_hit *hits,
+                      __global const dev_triangle *triangles, __global const dev_part *parts,
+                      __global const dev_material *materials, __global dev_ray *bounced,
+                      __global float2 *mirrors) {
+    uint slot = (uint)(get_global_id(0)) * ASDIC_WIDTH;
+    if (slot >= ping->groups * ping->per_group) {
+        return;
+    }
+    world w = {ping, beams, triangles, parts, materials};
+    directions u = load_directions(rays, slot), from = load_origins(rays, slot);
+    real reach = (real)(ping->range_m);
+    meeting m = meet(&w, hits, slot, u.z, R(0.0), reach);
+    law_lanes laws = laws_met(&w, &m);
+    real sin_grazing = grazing(&m, u.x, u.y, u.z);
+    real share = mirror_share(sin_grazing, laws.reflection2, laws.roughness_g);
+    mask mirror = laws.is_facet & (m.kind == DEV_KIND_OBJECT) & (share > (real)(DEV_MIN_MIRROR));
+    share = choose(mirror, share, R(0.0));
+    real d1 = choose(mirror, m.range, R(0.0));
+
+    real along = m.nx * u.x + m.ny * u.y + m.nz * u.z;
+    real side = choose(along > R(0.0), R(-1.0), R(1.0));
+    directions to = {u.x - R(2.0) * along * m.nx, u.y - R(2.0) * along * m.ny,
+                     u.z - R(2.0) * along * m.nz};
+    directions start = {from.x + d1 * u.x, from.y + d1 * u.y, from.z + d1 * u.z};
+    real off = side * skin(start.x, start.y, start.z);
+    start.x += off * m.nx;
+    start.y += off * m.ny;
+    start.z += off * m.nz;
+    /* The farthest d2 with d1 + d2 + d3 <= 2 range, whatever the mirror ray meets. */
+    real rest = R(2.0) * reach - d1;
+    real cosine = u.x * to.x + u.y * to.y + u.z * to.z;
+    real t_max = (rest * rest - d1 * d1) / (R(2.0) * r_max(rest + d1 * cosine, R(1e-3)));
+    store_rays(bounced, slot, start, to, choose(mirror, r_min(t_max, reach), R(0.0)));
+    LANES {
+        mirrors[slot + lane] = (float2)(AT(share, float), AT(d1, float));
+    }
+}
+
+/* What the mirror ray of a slot met. */
+static meeting meet_bounced(const world *w, __global const dev_ray *bounced,
+                            __global const dev_hit *hits, uint slot, directions u,
+                            directions from) {
+    real limit;
+    LANES {
+        AT(limit, float) = bounced[slot + lane].t_max;
+    }
+    meeting m = meet(w, hits, slot, u.z, from.z - (real)(w->ping->origin[2]), limit);
+    mask off = limit <= R(0.0);
+    m.kind = choose_natural(off, (natural)(DEV_KIND_NONE), m.kind);
+    return m;
+}
+
+/*
+ * connect: from every X back to the sonar, to learn whether it is visible. The ray starts off X on
+ * the side the mirror ray came from and ends just short of the sonar.
+ */
+__kernel void connect(__global const dev_ping *ping, __global const dev_beam *beams,
+                      __global const dev_ray *bounced, __global const dev_hit *hits,
+                      __global const dev_triangle *triangles, __global const dev_part *parts,
+                      __global const dev_material *materials, __global dev_ray *returning) {
+    uint slot = (uint)(get_global_id(0)) * ASDIC_WIDTH;
+    if (slot >= ping->groups * ping->per_group) {
+        return;
+    }
+    world w = {ping, beams, triangles, parts, materials};
+    directions u = load_directions(bounced, slot), from = load_origins(bounced, slot);
+    meeting m = meet_bounced(&w, bounced, hits, slot, u, from);
+    mask met = m.kind != DEV_KIND_NONE;
+    real d2 = choose(met, m.range, R(0.0));
+    directions x = {from.x + d2 * u.x, from.y + d2 * u.y, from.z + d2 * u.z};
+    real along = m.nx * u.x + m.ny * u.y + m.nz * u.z;
+    real off = choose(along > R(0.0), R(-1.0), R(1.0)) * skin(x.x, x.y, x.z);
+    x.x += off * m.nx;
+    x.y += off * m.ny;
+    x.z += off * m.nz;
+    directions to = {(real)(ping->origin[0]) - x.x, (real)(ping->origin[1]) - x.y,
+                     (real)(ping->origin[2]) - x.z};
+    real d3 = r_max(sqrt(to.x * to.x + to.y * to.y + to.z * to.z), R(1e-6));
+    to.x /= d3;
+    to.y /= d3;
+    to.z /= d3;
+    /* Both legs at X must be on one side of it. */
+    mask faces = (to.x * m.nx + to.y * m.ny + to.z * m.nz) * along < R(0.0);
+    real t_max = choose(met & faces, d3 * R(0.9999), R(0.0));
+    store_rays(returning, slot, x, to, t_max);
+}
+
+typedef struct bounce_store {
+    __global const dev_ray *rays, *bounced, *returning;
+    __global const dev_hit *bounced_hits, *returning_hits;
+    __global const float *solid_angles;
+    __global const float2 *mirrors;
+} bounce_store;
+
+static uint add_echo(const world *w, const split_echo *echo, real gain, __global long *cells,
+                     uint beam) {
+    __global const dev_ping *ping = w->ping;
+    real first = gain * echo->first, second = gain * echo->second;
+    float scale = ping->deposit_scale[DEV_DEPOSIT_MULTIPATH];
+    size_t plane = (size_t)(ping->bins) * ping->beams;
+    uint cut = 0u;
+    LANES {
+        __global long *cell = cells + DEV_DEPOSIT_MULTIPATH * plane +
+                              (size_t)(AT(echo->bin, const uint)) * ping->beams + beam;
+        cut += add_quanta(ping, cell, AT(first, float) * scale);
+        cut += add_quanta(ping, cell + ping->beams, AT(second, float) * scale);
+    }
+    return cut;
+}
+
+static uint shade_bounces(const world *w, const bounce_store *store, __global long *cells,
+                          uint slot) {
+    __global const dev_ping *ping = w->ping;
+    real share, d1, weight;
+    LANES {
+        AT(share, float) = store->mirrors[slot + lane].x;
+        AT(d1, float) = store->mirrors[slot + lane].y;
+        AT(weight, float) = store->solid_angles[slot + lane];
+    }
+    if (!any_true(share > R(0.0))) {
+        return 0u;
+    }
+    directions u = load_directions(store->rays, slot);
+    directions v = load_directions(store->bounced, slot), from = load_origins(store->bounced, slot);
+    directions x = load_directions(store->returning, slot);
+    meeting m = meet_bounced(w, store->bounced, store->bounced_hits, slot, v, from);
+    law_lanes laws = laws_met(w, &m);
+    mask met = m.kind != DEV_KIND_NONE;
+    real d2 = choose(met, m.range, R(0.0));
+    real visible = R(0.0), d3 = R(1.0);
+    LANES {
+        dev_ray back = store->returning[slot + lane];
+        bool clear = back.t_max > 0.0f;
+#if ASDIC_HAS_MESH
+        clear = clear && store->returning_hits[slot + lane].triangle == 0xffffffffu;
+#endif
+        AT(visible, float) = clear ? 1.0f : 0.0f;
+        AT(d3, float) = back.t_max > 0.0f ? back.t_max / 0.9999f : 1.0f;
+    }
+    real none = R(0.0), same_range = d1 + d2, cross_range = R(0.5) * (d1 + d2 + d3);
+    real sin_in = grazing(&m, v.x, v.y, v.z), sin_out = grazing(&m, x.x, x.y, x.z);
+    real s_in = strength(w, &laws, sin_in, same_range);
+    real s_out = strength(w, &laws, sin_out, same_range);
+    real same = choose(met, weight * share * share * s_in / sin_in, R(0.0));
+    /* split() works relative to TL d^2 at the echo's own range; this leg spreads over d3. */
+    real ratio = cross_range / r_max(d3, R(1e-3));
+    real cross = visible * weight * share * sqrt(s_in * s_out) / sin_in * ratio * ratio;
+    cross = choose(met, cross, R(0.0));
+    split_echo same_echo = split(ping, same_range, none, same, none);
+    split_echo cross_echo = split(ping, cross_range, none, cross, none);
+    real ray_out = gain_towards(ping, w->beams, u.x, u.y, u.z);
+    real x_out = gain_towards(ping, w->beams, -x.x, -x.y, -x.z);
+    uint cut = 0u;
+    for (uint b = 0; b < ping->beams; b++) {
+        real ray_in = gain_towards(ping, w->beams + 1 + b, u.x, u.y, u.z);
+        real x_in = gain_towards(ping, w->beams + 1 + b, -x.x, -x.y, -x.z);
+        cut += add_echo(w, &same_echo, ray_out * ray_in, cells, b);
+        cut += add_echo(w, &cross_echo, ray_out * x_in + x_out * ray_in, cells, b);
+    }
+    return cut;
+}
+
+/* bounce: deposits both kinds of echo; ITEMS as in shade. */
+__kernel void bounce(__global const dev_ping *ping, __global const dev_beam *beams,
+                     __global const dev_ray *rays, __global const float *solid_angles,
+                     __global const dev_ray *bounced, __global const dev_hit *bounced_hits,
+                     __global const dev_ray *returning, __global const dev_hit *returning_hits,
+                     __global const float2 *mirrors, __global const dev_triangle *triangles,
+                     __global const dev_part *parts, __global const dev_material *materials,
+                     __global long *accumulator, __global uint *saturated, uint items) {
+    uint group = (uint)(get_global_id(0)) / items;
+    if (group >= ping->groups) {
+        return;
+    }
+    uint item = (uint)(get_global_id(0)) - group * items;
+    world w = {ping, beams, triangles, parts, materials};
+    bounce_store store = {rays,           bounced,      returning, bounced_hits,
+                          returning_hits, solid_angles, mirrors};
+    size_t plane = (size_t)(ping->bins) * ping->beams;
+    __global long *cells = accumulator + group * (size_t)(DEV_DEPOSIT_COUNT)*plane;
+    uint cut = 0u;
+    for (uint k = item * ASDIC_WIDTH; k < ping->per_group; k += items * ASDIC_WIDTH) {
+        cut += shade_bounces(&w, &store, cells, group * ping->per_group + k);
+    }
+    if (cut != 0u) {
+        atomic_add(saturated, cut);
+    }
+}

@@ -1,0 +1,77 @@
+/*
+ * What the host tells the device about one ping. Shared by both sides, bit for bit.
+ */
+#ifndef ASDIC_KERNEL_PING_TYPES_H
+#define ASDIC_KERNEL_PING_TYPES_H
+
+#include "types.h"
+
+#define DEV_SAMPLER_UNIFORM_SPHERE 0
+#define DEV_SAMPLER_BEAM 1
+#define DEV_SAMPLER_ADAPTIVE 2
+
+/* Mirror shares below this (-60 dB) are not followed. */
+#define DEV_MIN_MIRROR 1e-6f
+
+#define DEV_MAX_LOBES 12
+#define DEV_TABLE_CELLS 512
+#define DEV_MAX_GROUPS 16
+
+/* Deposit components, in the order of the accumulator. */
+#define DEV_DEPOSIT_BOTTOM 0
+#define DEV_DEPOSIT_SURFACE 1
+#define DEV_DEPOSIT_OBJECT 2
+#define DEV_DEPOSIT_MULTIPATH 3
+#define DEV_DEPOSIT_VOLUME 4
+#define DEV_DEPOSIT_COUNT 5
+
+/* An aperture: rows turn a world direction into its face frame (x away from the face, y along the
+ * horizontal side, z along the vertical side); sides in wavelengths. */
+typedef struct dev_beam {
+    float rows[9];
+    float length_h_wl, length_v_wl;
+    float pad;
+} dev_beam;
+
+/* Where a sampler looks. Sampler "beam": directions around the axis of `aim`, heavy-tailed in
+ * vertical direction cosine (scale_v) and azimuth (scale_h / cos). Sampler "adaptive": azimuths
+ * around the ridge cos(phi - beta) = -tilt uz / cos, on one side of beta. */
+typedef struct dev_lobe {
+    float rows[9]; /* as dev_beam, beam sampler only */
+    float scale_h, scale_v;
+    float share;                /* of the rays; shares sum to 1 */
+    float share_begin;          /* sum of the shares before */
+    float beta_rad, tilt, side; /* adaptive: ridge */
+    float limit_rad;  /* half-width of the azimuth window; < 0: the front of the transmitter */
+    float offset_rad; /* widens a front window centred on another azimuth */
+    float pad[2];
+} dev_lobe;
+
+typedef struct dev_ping {
+    float origin[3];           /* of the sonar in the scene frame */
+    float surface_m;           /* sonar below the surface; INFINITY: no surface */
+    float bottom_m;            /* sonar above the bottom plane; INFINITY: no bottom plane */
+    float blanking_m, range_m; /* received from, to */
+    float bin_m;
+    float absorption_np_per_m; /* one-way intensity decay: alpha ln 10 / 1e4 */
+    float rear_lin;            /* one-way gain behind a face */
+    float surface_gain, surface_beta0, surface_beta1, surface_cap_lin;
+    float wavelength_m;
+    dev_uint bottom_material;
+    dev_uint rays, batch_first, per_group, groups; /* rays; first and count of each group's rays in
+                                                    this batch; number of groups (replicates) */
+    dev_uint beams, bins, lobes, sampler;
+    dev_uint seed[2], ping[2];
+    dev_uint lattice_shift; /* c1 */
+    float lattice_offset;   /* c0 */
+    float front[3];         /* transmitter axis, world */
+    float front_azimuth_rad;
+    float zone_bottom_m, zone_surface_m; /* h', hs of the elevation zones */
+    float zone_cap_rad;    /* polar angle of the caps round nadir and zenith */
+    float zone_share[5];   /* nadir cap, bottom, gap, surface, zenith cap; sum 1 */
+    float deposit_scale[DEV_DEPOSIT_COUNT];  /* powers of two */
+    float deposit_limit;                     /* largest single deposit, in quanta */
+    float splat;                             /* 0: none, 1: spread echoes over their footprint */
+} dev_ping;
+
+#endif

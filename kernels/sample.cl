@@ -1,0 +1,88 @@
+/*
+ * sample: draws the rays of one batch of a ping.
+ *
+ * Rays are stored group by group: slot s * per_group + k holds ray (batch_first + k) * groups + s,
+ * so that each group is an interleaved, equally good subset whose spread tells the error. Slots
+ * beyond the last ray are switched off (t_max 0, solid angle 0).
+ */
+#include "sampler.h"
+
+/* Cell of the learnt table that holds the quantile XI; CUMULATIVE has DEV_TABLE_CELLS + 1 entries
+ * from 0 to 1. */
+static uint table_cell(__global const float *cumulative, float xi) {
+    uint lo = 0, hi = DEV_TABLE_CELLS;
+    while (hi - lo > 1u) {
+        uint mid = (lo + hi) / 2u;
+        if (cumulative[mid] <= xi) {
+            lo = mid;
+        } else {
+            hi = mid;
+        }
+    }
+    return lo;
+}
+
+/* Adaptive: x through the learnt quantile function, and what that does to the density. */
+static elevation learnt_elevation(__global const dev_ping *ping, __global const float *cumulative,
+                                  real xi) {
+    real x = xi, factor = R(1.0);
+    for (uint lane = 0; lane < ASDIC_WIDTH; lane++) {
+        float q = ((float *)&xi)[lane];
+        uint cell = table_cell(cumulative, q);
+        float low = cumulative[cell], mass = cumulative[cell + 1u] - low;
+        ((float *)&x)[lane] = ((float)(cell) + (q - low) / mass) * (1.0f / DEV_TABLE_CELLS);
+        ((float *)&factor)[lane] = mass * DEV_TABLE_CELLS;
+    }
+    x = r_min(r_max(x, R(6e-8)), R(0.99999994));
+    elevation e = elevation_of_x(ping, x);
+    e.density *= factor;
+    return e;
+}
+
+__kernel void sample(__global const dev_ping *ping, __global const dev_lobe *lobes,
+                     __global const float *cumulative, __global dev_ray *rays,
+                     __global float *solid_angles, __global float *splats) {
+    uint first = (uint)(get_global_id(0)) * ASDIC_WIDTH;
+    if (first >= ping->groups * ping->per_group) {
+        return;
+    }
+    /* per_group is a multiple of the width: the lanes share a group. */
+    uint group = first / ping->per_group;
+    natural index;
+    for (uint lane = 0; lane < ASDIC_WIDTH; lane++) {
+        uint k = ping->batch_first + first + lane - group * ping->per_group;
+        ((uint *)&index)[lane] = k * ping->groups + group;
+    }
+    real count = (real)((float)(ping->rays));
+    ray_sample s;
+    if (ping->sampler == DEV_SAMPLER_ADAPTIVE) {
+        real xi1 = (to_real(index) + (real)(ping->lattice_offset)) / count;
+        natural golden = index * (natural)(2654435769u) + (natural)(ping->lattice_shift);
+        elevation e = learnt_elevation(ping, cumulative, r_min(xi1, R(0.99999994)));
+        s = sample_adaptive(ping, lobes, e, random_uniform(golden), count);
+    } else {
+        random4 random = random_draw(index, ping->ping[0], ping->ping[1], RANDOM_SAMPLE,
+                                     ping->seed[0], ping->seed[1]);
+        if (ping->sampler == DEV_SAMPLER_BEAM) {
+            s = sample_beam(lobes, ping->lobes, random, count);
+        } else {
+            s = sample_uniform_sphere(random, count);
+        }
+    }
+    for (uint lane = 0; lane < ASDIC_WIDTH; lane++) {
+        uint slot = first + lane;
+        bool on = ((uint *)&index)[lane] < ping->rays;
+        dev_ray ray;
+        ray.origin[0] = ping->origin[0];
+        ray.origin[1] = ping->origin[1];
+        ray.origin[2] = ping->origin[2];
+        ray.t_max = on ? ping->range_m : 0.0f;
+        ray.direction[0] = ((float *)&s.x)[lane];
+        ray.direction[1] = ((float *)&s.y)[lane];
+        ray.direction[2] = ((float *)&s.z)[lane];
+        ray.pad = 0.0f;
+        rays[slot] = ray;
+        solid_angles[slot] = on ? ((float *)&s.solid_angle)[lane] : 0.0f;
+        splats[slot] = ((float *)&s.splat)[lane];
+    }
+}

@@ -1,0 +1,266 @@
+/*
+ * Where rays go: three samplers, each a direction and its solid angle (1 / (N p(u))).
+ *
+ * Directions are in world axes (NED): z down. Sources: the paper, section IV (uniform sphere);
+ * heavy-tailed importance sampling and multiple importance sampling by the balance heuristic:
+ * Veach, "Robust Monte Carlo methods for light transport simulation", 1997, ch. 9; Kronecker
+ * (rank-1, golden ratio) lattice: Niederreiter, "Random number generation and quasi-Monte Carlo
+ * methods", 1992.
+ */
+#ifndef ASDIC_KERNEL_SAMPLER_H
+#define ASDIC_KERNEL_SAMPLER_H
+
+#include "ping_types.h"
+#include "random.h"
+
+#ifdef __OPENCL_C_VERSION__
+#define LOBE_SPACE __global
+#else
+#define LOBE_SPACE
+#endif
+
+typedef struct ray_sample {
+    real x, y, z;
+    real solid_angle; /* sr; 0: not used */
+    real splat;       /* range footprint per (range x |normal . tangent| / sin grazing); 0: none */
+} ray_sample;
+
+/*
+ * Student's t with two degrees of freedom, scale S, truncated to [-limit, limit]: closed form both
+ * ways. Its tail falls as u^-3, slower than the u^-4 of a two-way sinc pattern, so that weights
+ * stay bounded; with S far above the limit it is uniform.
+ */
+FORMULA real student_mass(real scale, real limit) {
+    real t = limit / scale;
+    return t / sqrt(R(2.0) + t * t);
+}
+
+FORMULA real student_sample(real xi, real scale, real limit) {
+    real a = (R(2.0) * xi - R(1.0)) * student_mass(scale, limit);
+    return scale * a * sqrt(R(2.0) / ((R(1.0) - a) * (R(1.0) + a)));
+}
+
+FORMULA real student_density(real x, real scale, real limit) {
+    real t = x / scale;
+    real q = R(2.0) + t * t;
+    real inside = choose(r_abs(x) <= limit, R(1.0), R(0.0));
+    return inside / (scale * student_mass(scale, limit) * q * sqrt(q));
+}
+
+/* Angle to (-pi, pi]. */
+FORMULA real wrap_angle(real phi) {
+    return phi - R(2.0) * R_PI * floor(phi * (R(0.5) / R_PI) + R(0.5));
+}
+
+/* The paper's sampler: N directions uniform on the sphere. */
+FORMULA ray_sample sample_uniform_sphere(random4 random, real count) {
+    ray_sample s;
+    real uz = R(2.0) * random_uniform(random.v[0]) - R(1.0);
+    real phi = R(2.0) * R_PI * random_uniform(random.v[1]);
+    real m = sqrt((R(1.0) - uz) * (R(1.0) + uz));
+    s.x = m * cos(phi);
+    s.y = m * sin(phi);
+    s.z = uz;
+    s.solid_angle = R(4.0) * R_PI / count;
+    s.splat = R(0.0);
+    return s;
+}
+
+/* Density per steradian of beam lobe L at a world direction. */
+FORMULA real beam_lobe_density(LOBE_SPACE const dev_lobe *lobe, real x, real y, real z) {
+    real vx = lobe->rows[0] * x + lobe->rows[1] * y + lobe->rows[2] * z;
+    real vy = lobe->rows[3] * x + lobe->rows[4] * y + lobe->rows[5] * z;
+    real vz = lobe->rows[6] * x + lobe->rows[7] * y + lobe->rows[8] * z;
+    real m = sqrt(r_max((R(1.0) - vz) * (R(1.0) + vz), R(1e-12)));
+    real limit = (real)(lobe->limit_rad);
+    return student_density(vz, (real)(lobe->scale_v), R(1.0)) *
+           student_density(atan2(vy, vx), (real)(lobe->scale_h) / m, limit);
+}
+
+/* Importance from the beam patterns alone: a mixture of lobes around every aim, one of them wide. */
+FORMULA ray_sample sample_beam(LOBE_SPACE const dev_lobe *lobes, uint lobe_count, random4 random,
+                               real count) {
+    ray_sample s;
+    real pick = random_uniform(random.v[2]);
+    real xi1 = random_uniform(random.v[0]), xi2 = random_uniform(random.v[1]);
+    s.x = s.y = s.z = R(0.0);
+    for (uint j = 0; j < lobe_count; j++) {
+        LOBE_SPACE const dev_lobe *lobe = lobes + j;
+        real vz = student_sample(xi1, (real)(lobe->scale_v), R(1.0));
+        real m = sqrt(r_max((R(1.0) - vz) * (R(1.0) + vz), R(1e-12)));
+        real phi = student_sample(xi2, (real)(lobe->scale_h) / m, (real)(lobe->limit_rad));
+        real vx = m * cos(phi), vy = m * sin(phi);
+        mask here = pick >= (real)(lobe->share_begin);
+        s.x = choose(here, lobe->rows[0] * vx + lobe->rows[3] * vy + lobe->rows[6] * vz, s.x);
+        s.y = choose(here, lobe->rows[1] * vx + lobe->rows[4] * vy + lobe->rows[7] * vz, s.y);
+        s.z = choose(here, lobe->rows[2] * vx + lobe->rows[5] * vy + lobe->rows[8] * vz, s.z);
+    }
+    real density = R(0.0);
+    for (uint j = 0; j < lobe_count; j++) {
+        density += (real)(lobes[j].share) * beam_lobe_density(lobes + j, s.x, s.y, s.z);
+    }
+    s.solid_angle = R(1.0) / (count * density);
+    s.splat = R(0.0);
+    return s;
+}
+
+/*
+ * Adaptive sampler: elevation. x in (0, 1) runs over five disjoint zones from nadir to zenith: a cap
+ * equally spaced in polar angle (a specular spike or a rough mirror's peak lies within fractions of
+ * a degree); rays that meet a bottom at h below the sonar, equally spaced in range; rays that meet
+ * nothing; rays that meet the surface, equally spaced in range; a cap round the zenith.
+ */
+typedef struct elevation {
+    real uz, across; /* sine (down positive) and cosine of the elevation */
+    real density;    /* of uz */
+} elevation;
+
+typedef struct zones {
+    real h, hs, range;
+    real h1, hs1;   /* ranges at which the caps end */
+    real high, low; /* uz of the gap's ends */
+    real begin[5], share[5];
+} zones;
+
+FORMULA zones zones_of(LOBE_SPACE const dev_ping *ping) {
+    zones z;
+    real cap = cos((real)(ping->zone_cap_rad));
+    z.h = (real)(ping->zone_bottom_m);
+    z.hs = (real)(ping->zone_surface_m);
+    z.range = (real)(ping->range_m);
+    z.h1 = z.h / cap;
+    z.hs1 = z.hs / cap;
+    z.high = r_min(z.h / z.range, R(1.0));
+    z.low = -r_min(z.hs / z.range, R(1.0));
+    real begin = R(0.0);
+    for (int i = 0; i < 5; i++) {
+        z.begin[i] = begin;
+        z.share[i] = r_max((real)(ping->zone_share[i]), R(1e-9));
+        begin += (real)(ping->zone_share[i]);
+    }
+    return z;
+}
+
+/* Density of uz where rays of SHARE are equally spaced in range over [near, far] on a plane H
+ * away, at range D; and in polar angle EPSILON within a cap. */
+FORMULA real range_zone_density(real share, real d, real h, real near, real far) {
+    return share * d * d / (h * (far - near));
+}
+
+FORMULA real cap_zone_density(real share, real cap, real sin_polar) {
+    return share / (cap * r_max(sin_polar, R(1e-7)));
+}
+
+FORMULA elevation elevation_of_x(LOBE_SPACE const dev_ping *ping, real x) {
+    zones z = zones_of(ping);
+    real cap = (real)(ping->zone_cap_rad);
+    real part[5];
+    for (int i = 0; i < 5; i++) {
+        part[i] = r_min(r_max((x - z.begin[i]) / z.share[i], R(0.0)), R(1.0));
+    }
+    /* Gap. */
+    elevation e;
+    e.uz = z.high - part[2] * (z.high - z.low);
+    e.density = z.share[2] / (z.high - z.low);
+    /* Bottom and surface. */
+    real db = z.h1 + part[1] * (z.range - z.h1), ds = z.range - part[3] * (z.range - z.hs1);
+    mask in_bottom = x < z.begin[2], in_surface = x >= z.begin[3];
+    e.uz = choose(in_bottom, z.h / db, e.uz);
+    e.density =
+        choose(in_bottom, range_zone_density(z.share[1], db, z.h, z.h1, z.range), e.density);
+    e.uz = choose(in_surface, -z.hs / ds, e.uz);
+    e.density =
+        choose(in_surface, range_zone_density(z.share[3], ds, z.hs, z.hs1, z.range), e.density);
+    e.across = sqrt(r_max((R(1.0) - e.uz) * (R(1.0) + e.uz), R(1e-12)));
+    /* Caps: polar angles, so that the cosine near 1 loses nothing. */
+    mask nadir = x < z.begin[1], zenith = x >= z.begin[4];
+    real polar = cap * choose(nadir, part[0], R(1.0) - part[4]);
+    real share = choose(nadir, z.share[0], z.share[4]);
+    real up = choose(nadir, R(1.0), R(-1.0));
+    e.uz = choose(nadir | zenith, up * cos(polar), e.uz);
+    e.across = choose(nadir | zenith, r_max(sin(polar), R(1e-7)), e.across);
+    e.density = choose(nadir | zenith, cap_zone_density(share, cap, sin(polar)), e.density);
+    return e;
+}
+
+/* The inverse: x of an elevation, with the same density. */
+FORMULA real x_of_elevation(LOBE_SPACE const dev_ping *ping, real uz, real across, real *density) {
+    zones z = zones_of(ping);
+    real cap = (real)(ping->zone_cap_rad);
+    real x = z.begin[2] + z.share[2] * (z.high - uz) / (z.high - z.low);
+    real p = z.share[2] / (z.high - z.low);
+    real db = z.h / r_max(uz, R(1e-9)), ds = z.hs / r_max(-uz, R(1e-9));
+    mask in_bottom = uz > z.high, in_surface = uz < z.low;
+    x = choose(in_bottom, z.begin[1] + z.share[1] * (db - z.h1) / (z.range - z.h1), x);
+    p = choose(in_bottom, range_zone_density(z.share[1], db, z.h, z.h1, z.range), p);
+    x = choose(in_surface, z.begin[3] + z.share[3] * (z.range - ds) / (z.range - z.hs1), x);
+    p = choose(in_surface, range_zone_density(z.share[3], ds, z.hs, z.hs1, z.range), p);
+    real polar = asin(r_min(across, R(1.0)));
+    mask nadir = in_bottom & (uz > R(0.0)) & (polar < cap);
+    mask zenith = in_surface & (uz < R(0.0)) & (polar < cap);
+    x = choose(nadir, z.share[0] * polar / cap, x);
+    p = choose(nadir, cap_zone_density(z.share[0], cap, across), p);
+    x = choose(zenith, z.begin[4] + z.share[4] * (R(1.0) - polar / cap), x);
+    p = choose(zenith, cap_zone_density(z.share[4], cap, across), p);
+    *density = p;
+    return x;
+}
+
+/* Centre, scale and window of lobe L's azimuths at elevation uz, cosine m. */
+typedef struct azimuth_lobe {
+    real center, scale, limit;
+} azimuth_lobe;
+
+FORMULA azimuth_lobe azimuth_lobe_at(LOBE_SPACE const dev_ping *ping,
+                                     LOBE_SPACE const dev_lobe *lobe, real uz, real m) {
+    azimuth_lobe a;
+    real q = -(real)(lobe->tilt) * uz / m;
+    q = r_max(r_min(q, R(1.0)), R(-1.0));
+    a.center = (real)(lobe->beta_rad) + (real)(lobe->side) * acos(q);
+    real steep = sqrt(r_max((R(1.0) - q) * (R(1.0) + q), R(0.01)));
+    a.scale = (real)(lobe->scale_h) / (m * steep);
+    /* The azimuths in front of the transmitter at this elevation. */
+    real fh = hypot((real)(ping->front[0]), (real)(ping->front[1]));
+    real c = -(real)(ping->front[2]) * uz / r_max(m * fh, R(1e-6));
+    real arc = acos(r_max(r_min(c, R(1.0)), R(-1.0)));
+    real off = r_abs(wrap_angle(a.center - (real)(ping->front_azimuth_rad)));
+    arc = r_min(arc + off + R(1e-3), R_PI);
+    arc = choose(c >= R(1.0), R_PI, arc);
+    a.limit = choose((real)(lobe->limit_rad) < R(0.0), arc, (real)(lobe->limit_rad));
+    return a;
+}
+
+FORMULA real azimuth_density(LOBE_SPACE const dev_ping *ping, LOBE_SPACE const dev_lobe *lobes,
+                             real phi, real uz, real m) {
+    real density = R(0.0);
+    for (uint j = 0; j < ping->lobes; j++) {
+        azimuth_lobe a = azimuth_lobe_at(ping, lobes + j, uz, m);
+        density +=
+            (real)(lobes[j].share) * student_density(wrap_angle(phi - a.center), a.scale, a.limit);
+    }
+    return density;
+}
+
+/* A direction at elevation E (whose density includes any learnt factor) and azimuth from xi2. */
+FORMULA ray_sample sample_adaptive(LOBE_SPACE const dev_ping *ping,
+                                   LOBE_SPACE const dev_lobe *lobes, elevation e, real xi2,
+                                   real count) {
+    ray_sample s;
+    real m = e.across;
+    real phi = R(0.0);
+    for (uint j = 0; j < ping->lobes; j++) {
+        azimuth_lobe a = azimuth_lobe_at(ping, lobes + j, e.uz, m);
+        real share = (real)(lobes[j].share), begin = (real)(lobes[j].share_begin);
+        real xi = r_min(r_max((xi2 - begin) / share, R(6e-8)), R(0.99999994));
+        real candidate = a.center + student_sample(xi, a.scale, a.limit);
+        phi = choose(xi2 >= begin, candidate, phi);
+    }
+    s.x = m * cos(phi);
+    s.y = m * sin(phi);
+    s.z = e.uz;
+    s.solid_angle = R(1.0) / (count * e.density * azimuth_density(ping, lobes, phi, e.uz, m));
+    s.splat = R(4.0) / (count * e.density * m);
+    return s;
+}
+
+#endif

@@ -1,0 +1,140 @@
+/*
+ * shade: turns hits into energies and adds them to the accumulator.
+ *
+ * One ray's share of an echo (Morency, Stilwell & Hess, section IV, with the ray's solid angle
+ * made explicit):
+ *
+ *     E = SL TL(d) B_T B_R s(Theta) d^2 dOmega / sin(Theta),   TL(d) = d^-4 10^(-2 (d - 1) alpha / 1e4)
+ *
+ * and of the water before it: E = s_V B_T B_R dOmega integral of d^2 TL(d). Energies are deposited
+ * relative to TL(d) d^2 at the centre of their bin, which the host multiplies back in double: this
+ * takes the range out of the accumulator's dynamic range.
+ */
+#include "echo.h"
+
+/* How much of its last bin's water a ray has crossed when it meets something (or the range ends):
+ * the part of the bin's integral of d^-2 exp(-2 k d), by two-point Gauss quadrature in 1/d. */
+static real crossed_part(__global const dev_ping *ping, __global const float *volume_inverse,
+                         real range, natural bin_index) {
+    real bin = (real)(ping->bin_m);
+    real center = (to_real(bin_index) + R(0.5)) * bin;
+    real begin = r_max(center - R(0.5) * bin, (real)(ping->blanking_m));
+    begin = r_max(begin, R(1e-6));
+    real length = r_max(range - begin, R(0.0));
+    real total = length / (begin * r_max(range, begin));
+    real y0 = R(1.0) / r_max(range, begin);
+    real k2 = (real)(-2.0f * ping->absorption_np_per_m);
+    real e1 = exp(k2 * (R(1.0) / (y0 + R(0.21132486540518712) * total) - center));
+    real e2 = exp(k2 * (R(1.0) / (y0 + R(0.78867513459481288) * total) - center));
+    real inverse = R(0.0);
+    LANES {
+        AT(inverse, float) = volume_inverse[AT(bin_index, uint)];
+    }
+    return r_min(R(0.5) * (e1 + e2) * total * inverse, R(1.0));
+}
+
+/* Which accumulator component an echo from KIND belongs to. */
+static uint component_of(uint kind) {
+    return kind == DEV_KIND_SURFACE  ? DEV_DEPOSIT_SURFACE
+           : kind == DEV_KIND_OBJECT ? DEV_DEPOSIT_OBJECT
+                                     : DEV_DEPOSIT_BOTTOM;
+}
+
+/* What sample.cl drew and trace.cl found. */
+typedef struct ray_store {
+    __global const dev_ray *rays;
+    __global const float *solid_angles, *splats;
+    __global const dev_hit *hits;
+} ray_store;
+
+/* Adds the echoes and the water of ASDIC_WIDTH rays to every receiver; returns how many deposits
+ * had to be cut. */
+static uint shade_rays(const world *w, const ray_store *store, __global const float *volume_inverse,
+                       __global long *cells, uint slot) {
+    __global const dev_ping *ping = w->ping;
+    real ux, uy, uz, weight, splat;
+    LANES {
+        AT(ux, float) = store->rays[slot + lane].direction[0];
+        AT(uy, float) = store->rays[slot + lane].direction[1];
+        AT(uz, float) = store->rays[slot + lane].direction[2];
+        AT(weight, float) = store->solid_angles[slot + lane];
+        AT(splat, float) = store->splats[slot + lane];
+    }
+    real reach = (real)(ping->range_m);
+    meeting m = meet(w, store->hits, slot, uz, R(0.0), reach);
+    weight *= gain_towards(ping, w->beams, ux, uy, uz);
+
+    /* Echo: its footprint in range follows from the elevation spacing of the samples. */
+    real sin_grazing = grazing(&m, ux, uy, uz);
+    real across = sqrt(r_max((R(1.0) - uz) * (R(1.0) + uz), R(1e-12)));
+    real tangent = (-uz * (ux * m.nx + uy * m.ny)) / across + across * m.nz;
+    real footprint = splat * m.range * r_abs(tangent) / sin_grazing;
+    footprint = choose(m.kind == DEV_KIND_OBJECT, r_min(footprint, R(0.1)), footprint);
+    law_lanes laws = laws_met(w, &m);
+    real energy = strength(w, &laws, sin_grazing, m.range) / sin_grazing;
+    /* Nothing of a plane is nearer than its perpendicular; the nudge keeps rounding from crossing a
+     * bin edge that coincides with it. */
+    real nearest = r_min(m.range * sin_grazing * R(1.0000005), m.range);
+    split_echo echo = split(ping, m.range, nearest, energy, footprint);
+
+    /* Water: full bins before the last, part of the last. */
+    real end = r_min(m.range, reach);
+    natural last = min(to_natural(end / (real)(ping->bin_m)), (natural)(ping->bins - 1u));
+    real part = crossed_part(ping, volume_inverse, end, last);
+    part = choose(m.range >= reach, R(1.0), part);
+
+    uint row = ping->beams, plane = ping->bins * row;
+    __global long *echo_cell[ASDIC_WIDTH], *water_cell[ASDIC_WIDTH];
+    float scale[ASDIC_WIDTH];
+    LANES {
+        uint component = component_of(AT(m.kind, uint));
+        echo_cell[lane] = cells + component * plane + AT(echo.bin, uint) * row;
+        water_cell[lane] = cells + DEV_DEPOSIT_VOLUME * plane + AT(last, uint) * row;
+        scale[lane] = ping->deposit_scale[component];
+    }
+    float water_scale = ping->deposit_scale[DEV_DEPOSIT_VOLUME];
+    uint cut = 0u;
+    for (uint b = 0; b < row; b++) {
+        real g = weight * gain_towards(ping, w->beams + 1 + b, ux, uy, uz);
+        real first = g * echo.first, second = g * echo.second;
+        real water = g * part, before = g - g * part;
+        LANES {
+            cut += add_quanta(ping, echo_cell[lane] + b, AT(first, float) * scale[lane]);
+            cut += add_quanta(ping, echo_cell[lane] + row + b, AT(second, float) * scale[lane]);
+            cut += add_quanta(ping, water_cell[lane] + b, AT(water, float) * water_scale);
+            if (AT(last, uint) > 0u) {
+                cut +=
+                    add_quanta(ping, water_cell[lane] + b - row, AT(before, float) * water_scale);
+            }
+        }
+    }
+    return cut;
+}
+
+/*
+ * ITEMS work-items share a group: 1 when each owns its group's cells (DEPOSIT_OWNED), else as many
+ * as there are vectors in a group.
+ */
+__kernel void shade(__global const dev_ping *ping, __global const dev_beam *beams,
+                    __global const dev_ray *rays, __global const float *solid_angles,
+                    __global const float *splats, __global const dev_hit *hits,
+                    __global const dev_triangle *triangles, __global const dev_part *parts,
+                    __global const dev_material *materials, __global const float *volume_inverse,
+                    __global long *accumulator, __global uint *saturated, uint items) {
+    uint group = (uint)(get_global_id(0)) / items;
+    if (group >= ping->groups) {
+        return;
+    }
+    uint item = (uint)(get_global_id(0)) - group * items;
+    world w = {ping, beams, triangles, parts, materials};
+    ray_store store = {rays, solid_angles, splats, hits};
+    size_t plane = (size_t)(ping->bins) * ping->beams;
+    __global long *cells = accumulator + group * (size_t)(DEV_DEPOSIT_COUNT)*plane;
+    uint cut = 0u;
+    for (uint k = item * ASDIC_WIDTH; k < ping->per_group; k += items * ASDIC_WIDTH) {
+        cut += shade_rays(&w, &store, volume_inverse, cells, group * ping->per_group + k);
+    }
+    if (cut != 0u) {
+        atomic_add(saturated, cut);
+    }
+}

@@ -1,0 +1,51 @@
+/*
+ * survey: what the pilot rays of a block of pings brought, for learning where rays matter.
+ */
+#include "echo.h"
+#include "sampler.h"
+
+/* Writes for every slot the sampling coordinate x of its elevation, the bin of its echo
+ * (0xffffffff: none) and its energy, relative to the bin's TL d^2, in PICKED receivers spread over
+ * all of them. */
+__kernel void survey(__global const dev_ping *ping, __global const dev_beam *beams,
+                     __global const dev_ray *rays, __global const float *solid_angles,
+                     __global const dev_hit *hits, __global const dev_triangle *triangles,
+                     __global const dev_part *parts, __global const dev_material *materials,
+                     __global float *xs, __global uint *bins, __global float *energies,
+                     uint picked) {
+    uint slot = (uint)(get_global_id(0)) * ASDIC_WIDTH;
+    if (slot >= ping->groups * ping->per_group) {
+        return;
+    }
+    world w = {ping, beams, triangles, parts, materials};
+    real ux, uy, uz, weight;
+    LANES {
+        AT(ux, float) = rays[slot + lane].direction[0];
+        AT(uy, float) = rays[slot + lane].direction[1];
+        AT(uz, float) = rays[slot + lane].direction[2];
+        AT(weight, float) = solid_angles[slot + lane];
+    }
+    real density;
+    real across = sqrt(ux * ux + uy * uy);
+    real x = x_of_elevation(ping, uz, across, &density);
+    meeting m = meet(&w, hits, slot, uz, R(0.0), (real)(ping->range_m));
+    real sin_grazing = grazing(&m, ux, uy, uz);
+    law_lanes laws = laws_met(&w, &m);
+    weight *= strength(&w, &laws, sin_grazing, m.range) / sin_grazing;
+    weight *= gain_towards(ping, beams, ux, uy, uz);
+    mask met = (m.kind != DEV_KIND_NONE) & (m.range >= (real)(ping->blanking_m));
+    weight = choose(met, weight, R(0.0));
+    natural bin = to_natural(r_min(m.range, (real)(ping->range_m)) / (real)(ping->bin_m));
+    LANES {
+        xs[slot + lane] = AT(x, float);
+        bins[slot + lane] =
+            AT(weight, float) > 0.0f ? min(AT(bin, uint), ping->bins - 1u) : 0xffffffffu;
+    }
+    for (uint p = 0; p < picked; p++) {
+        uint beam = picked == ping->beams ? p : p * (ping->beams - 1u) / (picked - 1u);
+        real energy = weight * gain_towards(ping, beams + 1u + beam, ux, uy, uz);
+        LANES {
+            energies[(slot + lane) * picked + p] = AT(energy, float);
+        }
+    }
+}

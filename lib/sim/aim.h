@@ -1,0 +1,20 @@
+/*
+ * Where the apertures look and where rays should go: world frames of beams, sampling lobes.
+ */
+#ifndef ASDIC_SIM_AIM_H
+#define ASDIC_SIM_AIM_H
+
+#include <asdic/ping.h>
+
+#include "../../kernels/ping_types.h"
+
+/* Face frame of BEAM on a vehicle at POSE: rows turn a world direction into (away from the face,
+ * along the horizontal side, along the vertical side). */
+dev_beam asdic_aim_beam(const asdic_beam *beam, const asdic_pose *pose, double wavelength_m);
+
+/* Fills LOBES (at most DEV_MAX_LOBES) for SAMPLER from the aimed transmitter (beams[0]) and its
+ * receivers; returns how many. REAR: the apertures also leak backwards. */
+unsigned asdic_aim_lobes(asdic_sampler sampler, const dev_beam *beams, size_t receiver_count,
+                         bool rear, dev_lobe *lobes);
+
+#endif

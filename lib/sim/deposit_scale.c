@@ -1,0 +1,55 @@
+#include "deposit_scale.h"
+
+#include "../../kernels/backscatter.h"
+#include "../../kernels/target.h"
+
+#include <math.h>
+
+/* Strengths are searched down to this sine of the grazing angle; what lies below is cut only if
+ * it exceeds the loudest value above. */
+#define MIN_SIN 1e-3
+#define STEPS 256
+
+static double strength(const dev_material *m, const dev_ping *ping, double sin_grazing) {
+    if (m->law == DEV_LAW_BOTTOM) {
+        return bottom_backscatter_lin(m->bottom_gain, m->bottom_peak, m->bottom_type, sin_grazing);
+    }
+    double slope =
+        facet_slope_ms(m->slope_ms, m->coherent_area_m2, ping->wavelength_m, ping->range_m);
+    return facet_strength_lin(sin_grazing, m->reflection2, m->roughness_g, slope);
+}
+
+/* Largest s / sin(Theta) of a material (of the surface when M is NULL). */
+static double loudest(const dev_material *m, const dev_ping *ping) {
+    double most = 1e-12;
+    for (int i = 0; i <= STEPS; i++) {
+        double sin_grazing = pow(MIN_SIN, 1.0 - (double)i / STEPS);
+        double s =
+            m ? strength(m, ping, sin_grazing)
+              : surface_backscatter_lin(ping->surface_gain, ping->surface_beta0,
+                                        ping->surface_beta1, ping->surface_cap_lin, sin_grazing);
+        most = fmax(most, s / sin_grazing);
+    }
+    return most;
+}
+
+void asdic_deposit_scales(const dev_material *materials, size_t count, dev_ping *ping) {
+    double solid = 1e-12;
+    for (size_t i = 0; i < count; i++) {
+        solid = fmax(solid, loudest(&materials[i], ping));
+    }
+    /* All directions at full gain, on the loudest thing there is. The relative loss inside a bin,
+     * (d_n / d)^2 <= 4, is covered by one factor of 4. */
+    double bound[DEV_DEPOSIT_COUNT];
+    bound[DEV_DEPOSIT_BOTTOM] = solid;
+    bound[DEV_DEPOSIT_OBJECT] = solid;
+    bound[DEV_DEPOSIT_MULTIPATH] = solid;
+    bound[DEV_DEPOSIT_SURFACE] = loudest(NULL, ping);
+    bound[DEV_DEPOSIT_VOLUME] = 1.0;
+    for (int c = 0; c < DEV_DEPOSIT_COUNT; c++) {
+        double sum = 4.0 * 4.0 * 3.14159265358979323846 * bound[c];
+        ping->deposit_scale[c] = (float)exp2(floor(61.0 - log2(sum)));
+    }
+    /* Each ray makes at most four deposits in one component. */
+    ping->deposit_limit = (float)exp2(60.0 - ceil(log2((double)ping->rays)));
+}

@@ -1,0 +1,156 @@
+/*
+ * Learning where rays matter: a pilot ping at a block's first pose gives, for every cell of the
+ * sampling coordinate, how much of each bin's echo it brings; the block's pings then draw every
+ * bin's rays in that proportion.
+ */
+#include "simulator.h"
+
+#include "base/context.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define PILOT_LEAST 1024
+#define PILOT_MOST 16384
+#define PICKED_MOST 8
+/* Share of the density that is learnt; the rest stays even, so that no direction is starved and
+ * weights stay bounded whatever the pilot missed. */
+#define LEARNT_SHARE 0.6
+/* Cells are smoothed by a triangle of this many cells each side. */
+#define SMOOTH 3
+
+typedef struct survey {
+    float *xs, *energies;
+    uint32_t *bins;
+    size_t slots;
+    uint32_t picked;
+} survey;
+
+static void survey_finish(survey *s) {
+    free(s->xs);
+    free(s->energies);
+    free(s->bins);
+}
+
+/* Draws, traces and surveys the pilot rays; blocks. */
+static asdic_status survey_run(asdic_simulator *sim, const dev_ping *ping, survey *s) {
+    s->slots = (size_t)ping->groups * ping->per_group;
+    s->picked = ping->beams < PICKED_MOST ? ping->beams : PICKED_MOST;
+    size_t energies = s->slots * s->picked * sizeof(float);
+    s->xs = malloc(s->slots * sizeof *s->xs);
+    s->bins = malloc(s->slots * sizeof *s->bins);
+    s->energies = malloc(energies);
+    if (!s->xs || !s->bins || !s->energies) {
+        return asdic_fail_memory(sim->ctx, "pilot rays");
+    }
+    asdic_buffer *xs = NULL, *bins = NULL, *energy = NULL;
+    asdic_status status = asdic_buffer_create(sim->device, s->slots * sizeof(float), NULL, &xs);
+    if (status ||
+        (status = asdic_buffer_create(sim->device, s->slots * sizeof(uint32_t), NULL, &bins)) ||
+        (status = asdic_buffer_create(sim->device, energies, NULL, &energy)) ||
+        (status = asdic_simulator_draw(sim, ping))) {
+        goto done;
+    }
+    asdic_kernel_arg args[] = {ASDIC_ARG_BUFFER(sim->ping_buffer),
+                               ASDIC_ARG_BUFFER(sim->beam_buffer),
+                               ASDIC_ARG_BUFFER(sim->rays),
+                               ASDIC_ARG_BUFFER(sim->solid_angles),
+                               ASDIC_ARG_BUFFER(sim->hits),
+                               ASDIC_ARG_BUFFER(asdic_simulator_triangles(sim)),
+                               ASDIC_ARG_BUFFER(sim->parts),
+                               ASDIC_ARG_BUFFER(sim->materials),
+                               ASDIC_ARG_BUFFER(xs),
+                               ASDIC_ARG_BUFFER(bins),
+                               ASDIC_ARG_BUFFER(energy),
+                               ASDIC_ARG_VALUE(s->picked)};
+    status = asdic_kernel_run(sim->survey, args, sizeof args / sizeof *args,
+                              s->slots / sim->layout.width, sim->layout.local);
+    if (status || (status = asdic_buffer_read(xs, 0, s->slots * sizeof(float), s->xs)) ||
+        (status = asdic_buffer_read(bins, 0, s->slots * sizeof(uint32_t), s->bins))) {
+        goto done;
+    }
+    status = asdic_buffer_read(energy, 0, energies, s->energies);
+done:
+    asdic_buffer_destroy(&xs);
+    asdic_buffer_destroy(&bins);
+    asdic_buffer_destroy(&energy);
+    return status;
+}
+
+/* Q[cell] = sum over receivers and bins of the share of the bin's echo that the cell brings. */
+static asdic_status demand(asdic_simulator *sim, const survey *s, double *q) {
+    double *sums = calloc(sim->bins * s->picked, sizeof *sums);
+    if (!sums) {
+        return asdic_fail_memory(sim->ctx, "pilot sums");
+    }
+    for (size_t i = 0; i < s->slots; i++) {
+        for (uint32_t p = 0; s->bins[i] != UINT32_MAX && p < s->picked; p++) {
+            sums[s->bins[i] * s->picked + p] += s->energies[i * s->picked + p];
+        }
+    }
+    for (size_t i = 0; i < s->slots; i++) {
+        if (s->bins[i] == UINT32_MAX) {
+            continue;
+        }
+        double *cell = &q[(size_t)fmin(fmax(s->xs[i] * DEV_TABLE_CELLS, 0.0), DEV_TABLE_CELLS - 1)];
+        for (uint32_t p = 0; p < s->picked; p++) {
+            double sum = sums[s->bins[i] * s->picked + p];
+            *cell += sum > 0.0 ? s->energies[i * s->picked + p] / sum : 0.0;
+        }
+    }
+    free(sums);
+    return ASDIC_OK;
+}
+
+/* Cumulative probabilities from the demand, smoothed, mixed with evenness. */
+static void tabulate(const double *q, float *cumulative) {
+    double smooth[DEV_TABLE_CELLS], total = 0.0, sum = 0.0;
+    for (int i = 0; i < DEV_TABLE_CELLS; i++) {
+        smooth[i] = 0.0;
+        for (int d = -SMOOTH; d <= SMOOTH; d++) {
+            int j = i + d;
+            j = j < 0 ? 0 : j >= DEV_TABLE_CELLS ? DEV_TABLE_CELLS - 1 : j;
+            smooth[i] += q[j] * (SMOOTH + 1 - abs(d));
+        }
+        total += smooth[i];
+    }
+    cumulative[0] = 0.0f;
+    for (int i = 0; i < DEV_TABLE_CELLS; i++) {
+        double learnt = total > 0.0 ? smooth[i] / total : 1.0 / DEV_TABLE_CELLS;
+        sum += LEARNT_SHARE * learnt + (1.0 - LEARNT_SHARE) / DEV_TABLE_CELLS;
+        cumulative[i + 1] = (float)sum;
+    }
+    cumulative[DEV_TABLE_CELLS] = 1.0f;
+}
+
+asdic_status asdic_simulator_learn(asdic_simulator *sim, const asdic_pose *pose, uint64_t index) {
+    if (!sim || !pose) {
+        return asdic_fail(sim ? sim->ctx : NULL, ASDIC_ERROR_ARGUMENT,
+                          "asdic_simulator_learn: NULL argument");
+    }
+    if (sim->sampling.sampler != ASDIC_SAMPLER_ADAPTIVE) {
+        return ASDIC_OK;
+    }
+    asdic_simulator_forget(sim);
+    dev_ping ping;
+    asdic_status status = asdic_simulator_describe(sim, pose, index, 0, &ping);
+    if (status) {
+        return status;
+    }
+    uint32_t rays = sim->sampling.rays;
+    ping.rays = rays < PILOT_LEAST ? PILOT_LEAST : rays > PILOT_MOST ? PILOT_MOST : rays;
+    size_t slots = sim->groups * sim->per_group;
+    ping.rays = ping.rays > slots ? (dev_uint)slots : ping.rays;
+    survey s = {0};
+    double q[DEV_TABLE_CELLS] = {0};
+    status = survey_run(sim, &ping, &s);
+    if (!status) {
+        status = demand(sim, &s, q);
+    }
+    if (!status) {
+        tabulate(q, sim->table);
+    }
+    survey_finish(&s);
+    return status ? status : asdic_simulator_calibrate(sim, pose, index);
+}

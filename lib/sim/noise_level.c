@@ -1,0 +1,30 @@
+#include "noise_level.h"
+
+#include "../../kernels/noise.h"
+
+#include "base/vec.h"
+
+/* Directivity of a rectangular aperture, 4 pi L_H L_V / lambda^2, never below that of the open
+ * front half-space (Urick 1983, table 3.2). */
+static double directivity(const asdic_beam *beam, double wavelength_m) {
+    double d = 4.0 * ASDIC_PI * beam->length_h_m * beam->length_v_m / (wavelength_m * wavelength_m);
+    return fmax(d, 2.0);
+}
+
+void asdic_noise_levels(const asdic_environment *env, const asdic_sonar *sonar,
+                        double sound_speed_mps, asdic_ping *ping) {
+    double f_khz = sonar->frequency_hz / 1e3;
+    double spectrum_db = noise_db(f_khz, env->shipping_density, env->wind_speed_kn);
+    double cell_m = sound_speed_mps / (2.0 * sonar->bandwidth_hz);
+    double cells = fmax(sonar->bin_length_m / cell_m, 1.0);
+    double band = pow(10.0, 0.1 * noise_band_db(spectrum_db, sonar->bandwidth_hz)) * cells;
+    for (size_t b = 0; b < ping->beams; b++) {
+        double level = sonar->noise_enabled ? band : 0.0;
+        if (sonar->noise_directivity) {
+            level /= directivity(&sonar->receivers[b], sound_speed_mps / sonar->frequency_hz);
+        }
+        for (size_t n = 0; n < ping->bins; n++) {
+            ping->intensity_lin[ASDIC_NOISE][b * ping->bins + n] = level;
+        }
+    }
+}

@@ -1,0 +1,14 @@
+/*
+ * Noise in a bin: the part of a ping that no ray brings.
+ */
+#ifndef ASDIC_SIM_NOISE_LEVEL_H
+#define ASDIC_SIM_NOISE_LEVEL_H
+
+#include <asdic/ping.h>
+
+/* Fills PING's noise component: ambient level in the band, less the directivity index of each
+ * receiver, summed over the resolution cells of a bin as the echoes are. Zero when switched off. */
+void asdic_noise_levels(const asdic_environment *env, const asdic_sonar *sonar,
+                        double sound_speed_mps, asdic_ping *ping);
+
+#endif

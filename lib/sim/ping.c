@@ -1,0 +1,64 @@
+#include <asdic/ping.h>
+
+#include "base/context.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+asdic_sampling asdic_sampling_default(void) {
+    return (asdic_sampling){.rays = 20000,
+                            .sampler = ASDIC_SAMPLER_ADAPTIVE,
+                            .multipath = ASDIC_MULTIPATH_FIRST,
+                            .seed = 1};
+}
+
+asdic_status asdic_ping_create(asdic_context *ctx, size_t beams, size_t bins, asdic_ping **out) {
+    if (!out) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "asdic_ping_create: out is NULL");
+    }
+    *out = NULL;
+    if (beams == 0 || bins == 0 || bins > SIZE_MAX / sizeof(double) / beams) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "a ping of %zu beams and %zu bins", beams,
+                          bins);
+    }
+    asdic_ping *ping = calloc(1, sizeof *ping);
+    if (!ping) {
+        goto fail;
+    }
+    ping->beams = beams;
+    ping->bins = bins;
+    for (int c = 0; c < ASDIC_COMPONENT_COUNT; c++) {
+        ping->intensity_lin[c] = calloc(beams * bins, sizeof(double));
+        if (!ping->intensity_lin[c]) {
+            goto fail;
+        }
+    }
+    ping->stderr_db = calloc(beams * bins, sizeof(float));
+    if (!ping->stderr_db) {
+        goto fail;
+    }
+    *out = ping;
+    return ASDIC_OK;
+
+fail:
+    asdic_ping_destroy(&ping);
+    return asdic_fail(ctx, ASDIC_ERROR_MEMORY,
+                      "out of memory while allocating a ping of %zu beams and %zu bins", beams,
+                      bins);
+}
+
+void asdic_ping_destroy(asdic_ping **ping) {
+    if (!ping || !*ping) {
+        return;
+    }
+    for (int c = 0; c < ASDIC_COMPONENT_COUNT; c++) {
+        free((*ping)->intensity_lin[c]);
+    }
+    free((*ping)->stderr_db);
+    free(*ping);
+    *ping = NULL;
+}
+
+double asdic_level_db(double intensity_lin) {
+    return intensity_lin > 0.0 ? 10.0 * log10(intensity_lin) : -INFINITY;
+}

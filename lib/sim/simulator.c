@@ -1,0 +1,305 @@
+#include "simulator.h"
+
+#include "base/context.h"
+#include "materials.h"
+#include "scene/scene.h"
+#include "water_column.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* A group's accumulator is cleared and summed every ping: fewer groups where it is large. */
+#define GROUP_BYTES_LIMIT ((size_t)16 << 20)
+
+asdic_layout asdic_layout_default(const asdic_device_info *info) {
+    bool cpu = info->kind == ASDIC_DEVICE_CPU;
+    asdic_layout layout = {.width = cpu ? 8 : 1, .local = cpu ? 16 : 64};
+    layout.deposit = cpu                       ? ASDIC_DEPOSIT_OWNED
+                     : info->has_int64_atomics ? ASDIC_DEPOSIT_ATOMIC64
+                                               : ASDIC_DEPOSIT_ATOMIC32;
+    layout.batch_slots = (size_t)1 << 20;
+    return layout;
+}
+
+static unsigned group_count(size_t cells) {
+    unsigned groups = DEV_MAX_GROUPS;
+    while (groups > 4 && groups * DEV_DEPOSIT_COUNT * cells * sizeof(int64_t) > GROUP_BYTES_LIMIT) {
+        groups /= 2;
+    }
+    return groups;
+}
+
+static asdic_status create_kernels(asdic_simulator *sim) {
+    char options[160];
+    snprintf(options, sizeof options, "-D ASDIC_WIDTH=%u -D ASDIC_DEPOSIT=%d -D ASDIC_HAS_MESH=%d",
+             sim->layout.width, (int)sim->layout.deposit, sim->tracer ? 1 : 0);
+    bool adaptive = sim->sampling.sampler == ASDIC_SAMPLER_ADAPTIVE;
+    const struct {
+        const char *file, *name;
+        asdic_kernel **kernel;
+        bool needed;
+    } wanted[] = {
+        {"sample.cl", "sample", &sim->sample, true},
+        {"shade.cl", "shade", &sim->shade, true},
+        {"reduce.cl", "suffix", &sim->suffix, true},
+        {"reduce.cl", "reduce", &sim->reduce, true},
+        {"survey.cl", "survey", &sim->survey, adaptive},
+        {"multipath.cl", "reflect", &sim->reflect, sim->has_mirrors},
+        {"multipath.cl", "connect", &sim->connect, sim->has_mirrors},
+        {"multipath.cl", "bounce", &sim->bounce, sim->has_mirrors},
+    };
+    for (size_t i = 0; i < sizeof wanted / sizeof *wanted; i++) {
+        if (!wanted[i].needed) {
+            continue;
+        }
+        asdic_status status = asdic_kernel_create(sim->device, wanted[i].file, options,
+                                                  wanted[i].name, wanted[i].kernel);
+        if (status) {
+            return status;
+        }
+    }
+    return ASDIC_OK;
+}
+
+static asdic_status create_buffers(asdic_simulator *sim) {
+    size_t slots = sim->groups * sim->per_group, beams = sim->sonar.receiver_count;
+    size_t bounce_slots = sim->has_mirrors ? slots : 0;
+    size_t accumulator = (size_t)sim->groups * DEV_DEPOSIT_COUNT * sim->cells * sizeof(int64_t);
+    const struct {
+        size_t bytes;
+        asdic_buffer **buffer;
+    } wanted[] = {
+        {sizeof(dev_ping), &sim->ping_buffer},
+        {(beams + 1) * sizeof(dev_beam), &sim->beam_buffer},
+        {DEV_MAX_LOBES * sizeof(dev_lobe), &sim->lobe_buffer},
+        {(DEV_TABLE_CELLS + 1) * sizeof(float), &sim->table_buffer},
+        {slots * sizeof(dev_ray), &sim->rays},
+        {slots * sizeof(float), &sim->solid_angles},
+        {slots * sizeof(float), &sim->splats},
+        {sim->tracer ? slots * sizeof(dev_hit) : 0, &sim->hits},
+        {bounce_slots * sizeof(dev_ray), &sim->bounced},
+        {bounce_slots * sizeof(dev_hit), &sim->bounced_hits},
+        {bounce_slots * sizeof(dev_ray), &sim->returning},
+        {bounce_slots * sizeof(dev_hit), &sim->returning_hits},
+        {bounce_slots * 2 * sizeof(float), &sim->shares},
+        {0, &sim->no_triangles},
+        {sim->bins * sizeof(float), &sim->volume_inverse},
+        {sim->bins * sizeof(float), &sim->volume_ratio},
+        {accumulator, &sim->accumulator},
+        {DEV_DEPOSIT_COUNT * sim->cells * sizeof(int64_t), &sim->sums},
+        {4 * sim->cells * sizeof(float), &sim->spreads},
+        {sizeof(uint32_t), &sim->saturated},
+    };
+    for (size_t i = 0; i < sizeof wanted / sizeof *wanted; i++) {
+        asdic_status status =
+            asdic_buffer_create(sim->device, wanted[i].bytes, NULL, wanted[i].buffer);
+        if (status) {
+            return status;
+        }
+    }
+    return ASDIC_OK;
+}
+
+/* Whether any object can pass a mirror ray on. */
+static bool scene_has_mirrors(const asdic_simulator *sim) {
+    if (sim->sampling.multipath == ASDIC_MULTIPATH_OFF) {
+        return false;
+    }
+    for (size_t i = 0; i < sim->scene->part_count; i++) {
+        const asdic_part *part = &sim->scene->parts[i];
+        if (part->kind == DEV_KIND_OBJECT &&
+            sim->host_materials[part->material].law == DEV_LAW_FACET &&
+            sim->host_materials[part->material].reflection2 > DEV_MIN_MIRROR) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* Scattering coefficients and parts; they depend on the frequency alone. */
+static asdic_status upload_materials(asdic_simulator *sim, double sound_speed_mps) {
+    const asdic_scene *scene = sim->scene;
+    sim->material_count = scene->material_count ? scene->material_count : 1;
+    sim->host_materials = calloc(sim->material_count, sizeof(dev_material));
+    dev_part *parts = calloc(scene->part_count + 1, sizeof(dev_part));
+    asdic_status status = ASDIC_OK;
+    if (!sim->host_materials || !parts) {
+        status = asdic_fail_memory(sim->ctx, "materials");
+        goto done;
+    }
+    for (size_t i = 0; i < scene->material_count; i++) {
+        sim->host_materials[i] = asdic_material_coefficients(
+            &scene->materials[i], sim->sonar.frequency_hz, sound_speed_mps, INFINITY);
+    }
+    for (size_t i = 0; i < scene->part_count; i++) {
+        parts[i] = (dev_part){scene->parts[i].kind, (dev_uint)scene->parts[i].material};
+    }
+    status = asdic_buffer_create(sim->device, sim->material_count * sizeof(dev_material),
+                                 sim->host_materials, &sim->materials);
+    if (!status) {
+        status = asdic_buffer_create(sim->device, (scene->part_count + 1) * sizeof(dev_part), parts,
+                                     &sim->parts);
+    }
+done:
+    free(parts);
+    return status;
+}
+
+static asdic_status check_arguments(asdic_context *ctx, const asdic_scene *scene,
+                                    const asdic_environment *env, const asdic_sonar *sonar,
+                                    const asdic_sampling *sampling) {
+    asdic_status status = asdic_environment_check(ctx, env);
+    if (!status) {
+        status = asdic_sonar_check(ctx, sonar);
+    }
+    if (status) {
+        return status;
+    }
+    if (!scene->committed) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
+                          "the scene is not committed: call asdic_scene_commit first");
+    }
+    if (sampling->rays < 64 || sampling->rays > 1u << 28) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
+                          "%u rays per ping: out of range [64, 268435456]", sampling->rays);
+    }
+    return ASDIC_OK;
+}
+
+static asdic_status allocate_host(asdic_simulator *sim) {
+    size_t beams = sim->sonar.receiver_count;
+    sim->receivers = malloc(beams * sizeof *sim->receivers);
+    sim->host_beams = calloc(beams + 1, sizeof *sim->host_beams);
+    sim->bin_table = calloc(2 * sim->bins, sizeof *sim->bin_table);
+    sim->host_sums = malloc(DEV_DEPOSIT_COUNT * sim->cells * sizeof *sim->host_sums);
+    sim->host_spreads = malloc(4 * sim->cells * sizeof *sim->host_spreads);
+    sim->calibration = malloc(sim->cells * sizeof *sim->calibration);
+    sim->smear_scratch = malloc((2 * sim->bins + 1) * sizeof *sim->smear_scratch);
+    if (!sim->smear_scratch || !sim->receivers || !sim->calibration || !sim->host_beams ||
+        !sim->bin_table || !sim->host_sums || !sim->host_spreads) {
+        return asdic_fail_memory(sim->ctx, "a simulator");
+    }
+    memcpy(sim->receivers, sim->sonar.receivers, beams * sizeof *sim->receivers);
+    sim->sonar.receivers = sim->receivers;
+    return ASDIC_OK;
+}
+
+asdic_status asdic_simulator_create_with(asdic_context *ctx, asdic_device *device,
+                                         const asdic_scene *scene, const asdic_environment *env,
+                                         const asdic_sonar *sonar, const asdic_sampling *sampling,
+                                         double depth_m, const asdic_layout *layout,
+                                         asdic_simulator **out) {
+    if (!out || !device || !scene || !env || !sonar || !sampling || !layout) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "asdic_simulator_create: NULL argument");
+    }
+    *out = NULL;
+    asdic_status status = check_arguments(ctx, scene, env, sonar, sampling);
+    if (status) {
+        return status;
+    }
+    asdic_simulator *sim = calloc(1, sizeof *sim);
+    if (!sim) {
+        return asdic_fail_memory(ctx, "a simulator");
+    }
+    *sim = (asdic_simulator){.ctx = ctx,
+                             .device = device,
+                             .scene = scene,
+                             .env = *env,
+                             .sonar = *sonar,
+                             .sampling = *sampling,
+                             .layout = *layout};
+    asdic_water_column water = asdic_water_column_at(env, sonar, depth_m);
+    sim->bins = asdic_sonar_bin_count(sonar, water.sound_speed_mps);
+    sim->cells = sim->bins * sonar->receiver_count;
+    sim->groups = group_count(sim->cells);
+    size_t slots = sampling->rays < layout->batch_slots ? sampling->rays : layout->batch_slots;
+    sim->per_group = ((slots + sim->groups - 1) / sim->groups + 63) / 64 * 64;
+    if ((status = allocate_host(sim)) != ASDIC_OK) {
+        goto fail;
+    }
+    if (scene->triangle_count > 0 &&
+        (status = asdic_tracer_create(device, scene, &sim->tracer)) != ASDIC_OK) {
+        goto fail;
+    }
+    if ((status = upload_materials(sim, water.sound_speed_mps)) != ASDIC_OK) {
+        goto fail;
+    }
+    sim->has_mirrors = scene_has_mirrors(sim);
+    if ((status = create_kernels(sim)) != ASDIC_OK || (status = create_buffers(sim)) != ASDIC_OK) {
+        goto fail;
+    }
+    asdic_simulator_forget(sim);
+    *out = sim;
+    return ASDIC_OK;
+
+fail:
+    asdic_simulator_destroy(&sim);
+    return status;
+}
+
+asdic_status asdic_simulator_create(asdic_context *ctx, asdic_device *device,
+                                    const asdic_scene *scene, const asdic_environment *env,
+                                    const asdic_sonar *sonar, const asdic_sampling *sampling,
+                                    double depth_m, asdic_simulator **out) {
+    if (!device) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "asdic_simulator_create: device is NULL");
+    }
+    asdic_layout layout = asdic_layout_default(asdic_device_get_info(device));
+    return asdic_simulator_create_with(ctx, device, scene, env, sonar, sampling, depth_m, &layout,
+                                       out);
+}
+
+void asdic_simulator_destroy(asdic_simulator **pointer) {
+    if (!pointer || !*pointer) {
+        return;
+    }
+    asdic_simulator *sim = *pointer;
+    asdic_buffer **buffers[] = {
+        &sim->ping_buffer, &sim->beam_buffer,  &sim->lobe_buffer,  &sim->table_buffer,
+        &sim->rays,        &sim->solid_angles, &sim->splats,       &sim->hits,
+        &sim->parts,       &sim->materials,    &sim->no_triangles, &sim->volume_inverse,
+        &sim->bounced,     &sim->bounced_hits, &sim->returning,    &sim->returning_hits,
+        &sim->shares,      &sim->volume_ratio, &sim->accumulator,  &sim->sums,
+        &sim->spreads,     &sim->saturated};
+    for (size_t i = 0; i < sizeof buffers / sizeof *buffers; i++) {
+        asdic_buffer_destroy(buffers[i]);
+    }
+    asdic_kernel_destroy(&sim->sample);
+    asdic_kernel_destroy(&sim->shade);
+    asdic_kernel_destroy(&sim->suffix);
+    asdic_kernel_destroy(&sim->reduce);
+    asdic_kernel_destroy(&sim->survey);
+    asdic_kernel_destroy(&sim->reflect);
+    asdic_kernel_destroy(&sim->connect);
+    asdic_kernel_destroy(&sim->bounce);
+    asdic_tracer_destroy(&sim->tracer);
+    free(sim->receivers);
+    free(sim->host_materials);
+    free(sim->host_beams);
+    free(sim->bin_table);
+    free(sim->host_sums);
+    free(sim->host_spreads);
+    free(sim->calibration);
+    free(sim->smear_scratch);
+    free(sim);
+    *pointer = NULL;
+}
+
+asdic_buffer *asdic_simulator_triangles(const asdic_simulator *sim) {
+    return sim->tracer ? asdic_tracer_triangles(sim->tracer) : sim->no_triangles;
+}
+
+void asdic_simulator_forget(asdic_simulator *sim) {
+    for (int i = 0; i <= DEV_TABLE_CELLS; i++) {
+        sim->table[i] = (float)i / DEV_TABLE_CELLS;
+    }
+    for (size_t cell = 0; cell < sim->cells; cell++) {
+        sim->calibration[cell] = 1.0f;
+    }
+}
+
+size_t asdic_simulator_bin_count(const asdic_simulator *sim) {
+    return sim ? sim->bins : 0;
+}

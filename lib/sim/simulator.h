@@ -1,0 +1,97 @@
+/*
+ * The simulator inside: what a ping needs on the device, and how hosts and tests tune it.
+ */
+#ifndef ASDIC_SIM_SIMULATOR_H
+#define ASDIC_SIM_SIMULATOR_H
+
+#include <asdic/ping.h>
+
+#include "../../kernels/ping_types.h"
+#include "ocl/ocl.h"
+#include "scene/tracer.h"
+
+typedef enum asdic_deposit {
+    ASDIC_DEPOSIT_OWNED = 0, /* a work-item owns a group's cells */
+    ASDIC_DEPOSIT_ATOMIC64 = 1,
+    ASDIC_DEPOSIT_ATOMIC32 = 2,
+} asdic_deposit;
+
+/* How the work is laid out on a device; never changes a byte of the result, except WIDTH, which
+ * is fixed per kind of device. */
+typedef struct asdic_layout {
+    unsigned width; /* rays per work-item: 1, 8 or 16 */
+    asdic_deposit deposit;
+    size_t local;       /* work-group size of the ray kernels */
+    size_t batch_slots; /* rays held on the device at once */
+} asdic_layout;
+
+asdic_layout asdic_layout_default(const asdic_device_info *info);
+
+struct asdic_simulator {
+    asdic_context *ctx;
+    asdic_device *device;
+    const asdic_scene *scene;
+    asdic_environment env;
+    asdic_sonar sonar;
+    asdic_beam *receivers; /* owned copy that sonar.receivers points to */
+    asdic_sampling sampling;
+    asdic_layout layout;
+    size_t bins, cells;
+    unsigned groups;
+    size_t per_group; /* slots of a group in one batch */
+
+    asdic_tracer *tracer; /* NULL without triangles */
+    bool has_mirrors;     /* something in the scene reflects, and multipath is wanted */
+    asdic_kernel *sample, *shade, *suffix, *reduce;
+    asdic_kernel *survey;                     /* adaptive sampler only */
+    asdic_kernel *reflect, *connect, *bounce; /* NULL without mirrors */
+    asdic_buffer *ping_buffer, *beam_buffer, *lobe_buffer, *table_buffer;
+    asdic_buffer *rays, *solid_angles, *splats, *hits;
+    asdic_buffer *bounced, *bounced_hits, *returning, *returning_hits, *shares; /* mirrors */
+    asdic_buffer *parts, *materials, *no_triangles;
+    asdic_buffer *volume_inverse, *volume_ratio;
+    asdic_buffer *accumulator, *sums, *spreads, *saturated;
+
+    dev_material *host_materials;
+    size_t material_count;
+    dev_beam *host_beams;  /* transmitter, then receivers */
+    float *bin_table;      /* 2 * bins scratch */
+    double *smear_scratch; /* 2 * bins + 1 */
+    float *calibration;    /* cells: true spread of a ping over what its groups suggest */
+    float table[DEV_TABLE_CELLS + 1]; /* cumulative probabilities of the sampling coordinate */
+    int64_t *host_sums;
+    float *host_spreads;
+};
+
+/* asdic_simulator_create with a layout of the caller's. */
+asdic_status asdic_simulator_create_with(asdic_context *ctx, asdic_device *device,
+                                         const asdic_scene *scene, const asdic_environment *env,
+                                         const asdic_sonar *sonar, const asdic_sampling *sampling,
+                                         double depth_m, const asdic_layout *layout,
+                                         asdic_simulator **out);
+
+/* Steps of a ping that learning shares with it. Describe: fills PING for INDEX at POSE and uploads
+ * beams, lobes and table. Draw: samples and traces the batch that PING names. */
+asdic_status asdic_simulator_describe(asdic_simulator *sim, const asdic_pose *pose, uint64_t index,
+                                      uint32_t stream, dev_ping *ping);
+asdic_status asdic_simulator_draw(asdic_simulator *sim, const dev_ping *ping);
+
+/* The scene's triangles on the device, or a buffer to point at when there are none. */
+asdic_buffer *asdic_simulator_triangles(const asdic_simulator *sim);
+
+/* A whole ping from a lattice shift of its own per STREAM (0: the ping that users get). */
+asdic_status asdic_simulator_simulate(asdic_simulator *sim, const asdic_pose *pose, uint64_t index,
+                                      uint32_t stream, asdic_ping *out);
+
+/* Relative standard error of the last ping's total in CELL (bin * beams + beam) as its groups
+ * suggest it, before calibration. */
+double asdic_simulator_spread(const asdic_simulator *sim, size_t cell);
+
+/* Measures how much the groups overstate the error of a whole ping, see calibrate.c. */
+asdic_status asdic_simulator_calibrate(asdic_simulator *sim, const asdic_pose *pose,
+                                       uint64_t index);
+
+/* Back to an even table and no calibration. */
+void asdic_simulator_forget(asdic_simulator *sim);
+
+#endif

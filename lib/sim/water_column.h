@@ -1,0 +1,24 @@
+/*
+ * What a ping's depth decides: sound speed, absorption, and the range laws of its bins.
+ */
+#ifndef ASDIC_SIM_WATER_COLUMN_H
+#define ASDIC_SIM_WATER_COLUMN_H
+
+#include <asdic/sonar.h>
+
+typedef struct asdic_water_column {
+    double sound_speed_mps, wavelength_m;
+    double absorption_np_per_m; /* one-way decay of intensity: alpha ln 10 / 1e4 */
+} asdic_water_column;
+
+asdic_water_column asdic_water_column_at(const asdic_environment *env, const asdic_sonar *sonar,
+                                         double depth_m);
+
+/* TL(d) d^2 = d^-2 exp(-2 k (d - 1)) at the centre of BIN. */
+double asdic_water_column_loss(const asdic_water_column *water, double bin_m, size_t bin);
+
+/* Integral over the received part of BIN of d^2 TL(d) = d^-2 exp(-2 k (d - 1)), 1/m. */
+double asdic_water_column_volume(const asdic_water_column *water, double bin_m, double blanking_m,
+                                 size_t bin);
+
+#endif
