@@ -34,6 +34,11 @@ static asdic_status from_folder(asdic_context *ctx, const char *folder, const ch
     char *path = NULL, *body = NULL;
     asdic_status status = ASDIC_OK;
 
+    /* Compilers differ in how they unquote options; none minds a plain path. */
+    if (folder[strcspn(folder, " \t\"\\")] != '\0') {
+        return asdic_fail(ctx, ASDIC_ERROR_DEVICE,
+                          "ASDIC_KERNEL_DIR '%s' has a blank, quote or backslash", folder);
+    }
     if (asprintf(&path, "%s/%s", folder, file) < 0) {
         return asdic_fail_memory(ctx, "a path");
     }
@@ -44,7 +49,7 @@ static asdic_status from_folder(asdic_context *ctx, const char *folder, const ch
     } else if (asprintf(text, "#line 1 \"kernels/%s\"\n%s", file, body) < 0) {
         *text = NULL;
         status = asdic_fail_memory(ctx, "a kernel source");
-    } else if (asprintf(options, "-I \"%s\"", folder) < 0) {
+    } else if (asprintf(options, "-I %s", folder) < 0) {
         free(*text);
         *text = *options = NULL;
         status = asdic_fail_memory(ctx, "compiler options");

@@ -1,0 +1,5 @@
+#include "simple.h"
+
+kernel void broken(global int *out) {
+    out[0] = nowhere + 1;
+}

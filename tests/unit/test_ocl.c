@@ -1,0 +1,258 @@
+/* Buffers, programs and kernels on the device at hand. */
+#include "asserts.h"
+#include "test_device.h"
+
+#include "ocl/opencl.h"
+
+static test_device t;
+
+static int use_test_kernels(void **state) {
+    (void)state;
+    return setenv("ASDIC_KERNEL_DIR", TEST_DIR "/unit/kernels", 1);
+}
+
+static int use_embedded_kernels(void **state) {
+    (void)state;
+    return unsetenv("ASDIC_KERNEL_DIR");
+}
+
+static void buffer_gives_back_what_was_written(void **state) {
+    (void)state;
+    asdic_buffer *buffer = NULL;
+    int in[5] = {1, 2, 3, 4, 5}, out[5] = {0};
+    assert_ok(t.ctx, asdic_buffer_create(t.device, sizeof in, in, &buffer));
+    assert_int_equal(asdic_buffer_bytes(buffer), sizeof in);
+    assert_ok(t.ctx, asdic_buffer_write(buffer, 4, 4, &in[4]));
+    assert_ok(t.ctx, asdic_buffer_read(buffer, 0, sizeof out, out));
+    assert_int_equal(out[0], 1);
+    assert_int_equal(out[1], 5);
+    assert_int_equal(out[4], 5);
+    asdic_buffer_destroy(&buffer);
+    assert_null(buffer);
+    asdic_buffer_destroy(&buffer);
+}
+
+static void buffer_zero_clears_exactly_the_bytes_asked_for(void **state) {
+    (void)state;
+    const size_t lengths[] = {0, 1, 4, 7, 16, 20, 32};
+    for (size_t k = 0; k < sizeof lengths / sizeof lengths[0]; k++) {
+        asdic_buffer *buffer = NULL;
+        unsigned char bytes[33];
+        memset(bytes, 0xa5, sizeof bytes);
+        assert_ok(t.ctx, asdic_buffer_create(t.device, sizeof bytes, bytes, &buffer));
+        assert_ok(t.ctx, asdic_buffer_zero(buffer, lengths[k]));
+        assert_ok(t.ctx, asdic_buffer_read(buffer, 0, sizeof bytes, bytes));
+        for (size_t i = 0; i < sizeof bytes; i++) {
+            assert_int_equal(bytes[i], i < lengths[k] ? 0 : 0xa5);
+        }
+        asdic_buffer_destroy(&buffer);
+    }
+}
+
+static void empty_buffer_can_be_an_argument(void **state) {
+    (void)state;
+    asdic_buffer *buffer = NULL;
+    assert_ok(t.ctx, asdic_buffer_create(t.device, 0, NULL, &buffer));
+    assert_non_null(buffer);
+    assert_ok(t.ctx, asdic_buffer_write(buffer, 0, 0, NULL));
+    asdic_buffer_destroy(&buffer);
+}
+
+static void access_beyond_a_buffer_is_refused(void **state) {
+    (void)state;
+    asdic_buffer *buffer = NULL;
+    char bytes[8] = {0};
+    assert_ok(t.ctx, asdic_buffer_create(t.device, 4, NULL, &buffer));
+    assert_status(t.ctx, asdic_buffer_write(buffer, 0, 8, bytes), ASDIC_ERROR_ARGUMENT);
+    assert_status(t.ctx, asdic_buffer_read(buffer, 5, 0, bytes), ASDIC_ERROR_ARGUMENT);
+    assert_status(t.ctx, asdic_buffer_read(buffer, SIZE_MAX, 2, bytes), ASDIC_ERROR_ARGUMENT);
+    assert_status(t.ctx, asdic_buffer_zero(buffer, 5), ASDIC_ERROR_ARGUMENT);
+    asdic_buffer_destroy(&buffer);
+}
+
+static void allocation_beyond_the_limit_names_both_numbers(void **state) {
+    (void)state;
+    asdic_buffer *buffer = NULL;
+    const asdic_device_info *info = asdic_device_get_info(t.device);
+    size_t bytes = (size_t)info->max_alloc_bytes + 1048576;
+    char text[64];
+    assert_status(t.ctx, asdic_buffer_create(t.device, bytes, NULL, &buffer), ASDIC_ERROR_MEMORY);
+    assert_null(buffer);
+    snprintf(text, sizeof text, "%.1f MiB in one buffer", (double)info->max_alloc_bytes / 1048576);
+    assert_contains(asdic_context_error(t.ctx), text);
+    snprintf(text, sizeof text, "%.1f MiB are needed", (double)bytes / 1048576);
+    assert_contains(asdic_context_error(t.ctx), text);
+}
+
+static void kernel_computes(void **state) {
+    (void)state;
+    asdic_buffer *a = NULL, *b = NULL;
+    asdic_kernel *kernel = NULL;
+    int values[100];
+    cl_uint n = 100;
+    int amount = 7;
+    for (int i = 0; i < 100; i++) {
+        values[i] = i;
+    }
+    assert_ok(t.ctx,
+              asdic_kernel_create(t.device, "simple.cl", "-D AMOUNT_SCALE=2", "add", &kernel));
+    assert_ok(t.ctx, asdic_buffer_create(t.device, sizeof values, values, &a));
+    assert_ok(t.ctx, asdic_buffer_create(t.device, sizeof values, NULL, &b));
+    asdic_kernel_arg args[] = {ASDIC_ARG_BUFFER(a), ASDIC_ARG_BUFFER(b), ASDIC_ARG_VALUE(amount),
+                               ASDIC_ARG_VALUE(n)};
+    assert_ok(t.ctx, asdic_kernel_run(kernel, args, 4, 100, 64));
+    assert_ok(t.ctx, asdic_device_finish(t.device));
+    assert_ok(t.ctx, asdic_buffer_read(b, 0, sizeof values, values));
+    for (int i = 0; i < 100; i++) {
+        assert_int_equal(values[i], i + 14);
+    }
+    asdic_buffer_destroy(&a);
+    asdic_buffer_destroy(&b);
+    asdic_kernel_destroy(&kernel);
+    assert_null(kernel);
+}
+
+/* Global and local size a launch of the kernel "sizes" really had. */
+static void launch_sizes(asdic_kernel *kernel, size_t global, size_t local, cl_uint out[3]) {
+    asdic_buffer *buffer = NULL;
+    assert_ok(t.ctx, asdic_buffer_create(t.device, 3 * sizeof *out, NULL, &buffer));
+    asdic_kernel_arg args[] = {
+        ASDIC_ARG_BUFFER(buffer),
+        ASDIC_ARG_LOCAL(sizeof(cl_uint) * asdic_kernel_max_work_group(kernel))};
+    memset(out, 0, 3 * sizeof *out);
+    assert_ok(t.ctx, asdic_buffer_write(buffer, 0, 3 * sizeof *out, out));
+    assert_ok(t.ctx, asdic_kernel_run(kernel, args, 2, global, local));
+    assert_ok(t.ctx, asdic_buffer_read(buffer, 0, 3 * sizeof *out, out));
+    asdic_buffer_destroy(&buffer);
+}
+
+static void work_group_is_lowered_and_range_rounded_up(void **state) {
+    (void)state;
+    asdic_kernel *kernel = NULL;
+    cl_uint got[3];
+    assert_ok(t.ctx, asdic_kernel_create(t.device, "simple.cl", "", "sizes", &kernel));
+    size_t most = asdic_kernel_max_work_group(kernel);
+    assert_true(most >= 1);
+
+    launch_sizes(kernel, 5, 4 < most ? 4 : most, got);
+    assert_int_equal(got[1], 4 < most ? 4 : most);
+    assert_int_equal(got[0], 4 < most ? 8 : 5);
+    assert_int_equal(got[2], 1);
+
+    launch_sizes(kernel, most + 1, most * 16, got);
+    assert_int_equal(got[1], most);
+    assert_int_equal(got[0], most == 1 ? 2 : 2 * most);
+
+    launch_sizes(kernel, 6, 0, got); /* the device chooses: the range stays */
+    assert_int_equal(got[0], 6);
+
+    launch_sizes(kernel, 0, 4, got); /* nothing to do */
+    assert_int_equal(got[0], 0);
+    asdic_kernel_destroy(&kernel);
+}
+
+static size_t program_count(void) {
+    size_t count = 0;
+    for (const asdic_program *p = t.device->programs; p; p = p->next) {
+        count++;
+    }
+    return count;
+}
+
+static void same_source_and_options_share_a_program(void **state) {
+    (void)state;
+    asdic_kernel *a = NULL, *b = NULL, *c = NULL;
+    size_t before = program_count();
+    assert_ok(t.ctx, asdic_kernel_create(t.device, "simple.cl", "-D CACHE=1", "add", &a));
+    assert_int_equal(program_count(), before + 1);
+    assert_ok(t.ctx, asdic_kernel_create(t.device, "simple.cl", "-D CACHE=1", "sizes", &b));
+    assert_int_equal(program_count(), before + 1);
+    assert_ok(t.ctx, asdic_kernel_create(t.device, "simple.cl", "-D CACHE=2", "add", &c));
+    assert_int_equal(program_count(), before + 2);
+    asdic_kernel_destroy(&a);
+    asdic_kernel_destroy(&b);
+    asdic_kernel_destroy(&c);
+}
+
+static void compile_error_names_file_and_line(void **state) {
+    (void)state;
+    asdic_kernel *kernel = NULL;
+    size_t before = program_count();
+    assert_status(t.ctx, asdic_kernel_create(t.device, "broken.cl", "", "broken", &kernel),
+                  ASDIC_ERROR_DEVICE);
+    assert_null(kernel);
+    assert_contains(asdic_context_error(t.ctx), "kernels/broken.cl:4");
+    assert_contains(asdic_context_error(t.ctx), "nowhere");
+    assert_null(strchr(asdic_context_error(t.ctx), '\n'));
+    assert_int_equal(program_count(), before); /* a failure is not cached */
+}
+
+static void missing_kernel_and_source_are_named(void **state) {
+    (void)state;
+    asdic_kernel *kernel = NULL;
+    assert_status(t.ctx, asdic_kernel_create(t.device, "simple.cl", "", "absent", &kernel),
+                  ASDIC_ERROR_DEVICE);
+    assert_contains(asdic_context_error(t.ctx), "no kernel 'absent' in kernels/simple.cl");
+    assert_status(t.ctx, asdic_kernel_create(t.device, "absent.cl", "", "add", &kernel),
+                  ASDIC_ERROR_DEVICE);
+    assert_contains(asdic_context_error(t.ctx), "absent.cl");
+    assert_null(kernel);
+}
+
+static void unknown_embedded_source_is_named(void **state) {
+    (void)state;
+    asdic_kernel *kernel = NULL;
+    assert_status(t.ctx, asdic_kernel_create(t.device, "broken.cl", "", "add", &kernel),
+                  ASDIC_ERROR_DEVICE);
+    assert_contains(asdic_context_error(t.ctx), "no kernel source 'broken.cl'");
+}
+
+static void devices_split_where_the_platform_can(void **state) {
+    (void)state;
+    asdic_device **parts = NULL;
+    const asdic_device_info *info = asdic_device_get_info(t.device);
+    asdic_status status = asdic_device_split(t.device, info->compute_units + 1, &parts);
+    assert_int_equal(status, ASDIC_ERROR_UNSUPPORTED);
+    assert_null(parts);
+    assert_int_equal(asdic_device_split(t.device, 0, &parts), ASDIC_ERROR_ARGUMENT);
+    if (info->compute_units < 2) {
+        skip();
+    }
+    status = asdic_device_split(t.device, 2, &parts);
+    if (status == ASDIC_ERROR_UNSUPPORTED) {
+        skip();
+    }
+    assert_ok(t.ctx, status);
+    asdic_buffer *buffer = NULL;
+    int value = 42, back = 0;
+    for (int i = 0; i < 2; i++) {
+        assert_int_equal(asdic_device_get_info(parts[i])->compute_units, info->compute_units / 2);
+        assert_ok(t.ctx, asdic_buffer_create(parts[i], sizeof value, &value, &buffer));
+        assert_ok(t.ctx, asdic_buffer_read(buffer, 0, sizeof back, &back));
+        assert_int_equal(back, 42);
+        asdic_buffer_destroy(&buffer);
+    }
+    asdic_devices_close(&parts, 2);
+    assert_null(parts);
+}
+
+int main(void) {
+    t = test_device_open_or_skip();
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(buffer_gives_back_what_was_written),
+        cmocka_unit_test(buffer_zero_clears_exactly_the_bytes_asked_for),
+        cmocka_unit_test(empty_buffer_can_be_an_argument),
+        cmocka_unit_test(access_beyond_a_buffer_is_refused),
+        cmocka_unit_test(allocation_beyond_the_limit_names_both_numbers),
+        cmocka_unit_test_setup(kernel_computes, use_test_kernels),
+        cmocka_unit_test_setup(work_group_is_lowered_and_range_rounded_up, use_test_kernels),
+        cmocka_unit_test_setup(same_source_and_options_share_a_program, use_test_kernels),
+        cmocka_unit_test_setup(compile_error_names_file_and_line, use_test_kernels),
+        cmocka_unit_test_setup(missing_kernel_and_source_are_named, use_test_kernels),
+        cmocka_unit_test_setup(unknown_embedded_source_is_named, use_embedded_kernels),
+        cmocka_unit_test(devices_split_where_the_platform_can),
+    };
+    int failed = cmocka_run_group_tests_name("ocl", tests, NULL, NULL);
+    test_device_close(&t);
+    return failed;
+}
