@@ -1,26 +1,22 @@
 #include "words.h"
 
-#include <ctype.h>
-#include <locale.h>
-#include <math.h>
-#include <stdlib.h>
+#include "number.h"
+
 #include <string.h>
 
 #define LONGEST_WORD 64
 
 bool asdic_words_number(const char *text, double *out) {
-    locale_t c_locale = newlocale(LC_ALL_MASK, "C", (locale_t)0);
-    if (c_locale == (locale_t)0) {
-        return false;
-    }
-    char *end = NULL;
-    double value = strtod_l(text, &end, c_locale);
-    freelocale(c_locale);
-    if (end == text || *end != '\0' || isspace((unsigned char)*text) || !isfinite(value)) {
+    double value;
+    if (asdic_number_parse(text, strlen(text), &value)) {
         return false;
     }
     *out = value;
     return true;
+}
+
+static char lower(char c) {
+    return (char)(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
 }
 
 /* Edits (insert, delete, replace, swap of neighbours) that turn A into B; Damerau 1964. */
@@ -33,11 +29,11 @@ static size_t edits(const char *a, size_t na, const char *b, size_t nb) {
         size_t *now = row[i % 3], *last = row[(i - 1) % 3], *before = row[(i + 1) % 3];
         now[0] = i;
         for (size_t j = 1; j <= nb; j++) {
-            size_t best = last[j - 1] + (a[i - 1] != b[j - 1]);
+            size_t best = last[j - 1] + (lower(a[i - 1]) != lower(b[j - 1]));
             best = last[j] + 1 < best ? last[j] + 1 : best;
             best = now[j - 1] + 1 < best ? now[j - 1] + 1 : best;
-            if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] &&
-                before[j - 2] + 1 < best) {
+            if (i > 1 && j > 1 && lower(a[i - 1]) == lower(b[j - 2]) &&
+                lower(a[i - 2]) == lower(b[j - 1]) && before[j - 2] + 1 < best) {
                 best = before[j - 2] + 1;
             }
             now[j] = best;

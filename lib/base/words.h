@@ -7,11 +7,11 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* The whole of TEXT as a finite number with a decimal point, whatever the program's locale. */
+/* The whole of TEXT as a finite number, as asdic_number_parse (number.h) reads it. */
 bool asdic_words_number(const char *text, double *out);
 
 /* The index of the name closest to TEXT, or COUNT when none is close enough to be a slip: at most
- * a third of the longer word's letters differ. */
+ * a third of the longer word's letters differ, upper and lower case apart. */
 size_t asdic_words_nearest(const char *text, const char *const *names, size_t count);
 
 #endif

@@ -26,7 +26,58 @@ ASDIC_API const asdic_scene *asdic_mission_scene(const asdic_mission *mission);
 ASDIC_API asdic_sampling *asdic_mission_sampling(asdic_mission *mission); /* may be changed */
 ASDIC_API size_t asdic_mission_ping_count(const asdic_mission *mission);
 
-/* Pose and time of ping INDEX; INDEX < ping_count. */
+/* How the target's echo fluctuates: not at all, or as Swerling's cases 1 and 3. */
+typedef enum asdic_target {
+    ASDIC_TARGET_SWERLING0,
+    ASDIC_TARGET_SWERLING1,
+    ASDIC_TARGET_SWERLING3,
+} asdic_target;
+
+typedef struct asdic_detector {
+    asdic_target target;
+    double pfa;   /* probability of false alarm per cell */
+    double prior; /* probability that a cell holds a target */
+} asdic_detector;
+
+typedef enum asdic_csv_form { ASDIC_CSV_LONG, ASDIC_CSV_WIDE } asdic_csv_form;
+
+/* Places of bits in asdic_output_options.images. */
+typedef enum asdic_image { ASDIC_IMAGE_WATERFALL, ASDIC_IMAGE_ASCOPE, ASDIC_IMAGE_FAN } asdic_image;
+
+typedef struct asdic_output_options {
+    asdic_csv_form csv;
+    bool npy, netcdf;
+    unsigned images; /* 1u << ASDIC_IMAGE_... */
+} asdic_output_options;
+
+ASDIC_API const asdic_detector *asdic_mission_detector(const asdic_mission *mission);
+ASDIC_API const asdic_output_options *asdic_mission_output(const asdic_mission *mission);
+
+/* Where the mission came from: the path as given, the text in UTF-8, and the SHA-256 of the file's
+ * bytes in hexadecimal. */
+ASDIC_API const char *asdic_mission_path(const asdic_mission *mission);
+ASDIC_API const char *asdic_mission_text(const asdic_mission *mission);
+ASDIC_API const char *asdic_mission_hash(const asdic_mission *mission);
+
+/* An object, or the bottom, as it was read: its name ("" of the bottom), its geometry in its own
+ * frame, and where that was put. */
+typedef struct asdic_mission_object {
+    char name[ASDIC_NAME_SIZE];
+    asdic_mesh_info mesh;
+    asdic_pose pose;
+    asdic_material material;
+} asdic_mission_object;
+
+/* Objects in the order of the file; a bottom from a mesh or grid comes before them. */
+ASDIC_API size_t asdic_mission_object_count(const asdic_mission *mission);
+ASDIC_API const asdic_mission_object *asdic_mission_get_object(const asdic_mission *mission,
+                                                               size_t index);
+
+/* The flat scene that ping INDEX would see without objects: the bottom at its height straight below
+ * the vehicle. */
+ASDIC_API asdic_flat_scene asdic_mission_flat_scene(const asdic_mission *mission, size_t index);
+
+/* Pose and time of ping INDEX; INDEX < ping_count. TIME_S may be NULL. */
 ASDIC_API asdic_pose asdic_mission_pose(const asdic_mission *mission, size_t index,
                                         double *time_s);
 

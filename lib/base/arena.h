@@ -1,0 +1,22 @@
+/*
+ * Memory that is freed all at once: many small objects of one owner.
+ */
+#ifndef ASDIC_BASE_ARENA_H
+#define ASDIC_BASE_ARENA_H
+
+#include <stddef.h>
+
+/* Zero-initialised is empty. */
+typedef struct asdic_arena {
+    struct asdic_arena_block *blocks;
+} asdic_arena;
+
+/* BYTES zeroed bytes, aligned for any object; NULL when memory is short. */
+void *asdic_arena_alloc(asdic_arena *arena, size_t bytes);
+
+/* A copy of LENGTH bytes with a zero byte behind them; NULL when memory is short. */
+char *asdic_arena_string(asdic_arena *arena, const char *bytes, size_t length);
+
+void asdic_arena_finish(asdic_arena *arena);
+
+#endif

@@ -1,0 +1,64 @@
+#include "file_read.h"
+
+#include "context.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Reads FILE to its end; a byte more than LIMIT_BYTES is enough to know that it is too long. */
+static asdic_status read_stream(asdic_context *ctx, const char *name, FILE *file,
+                                size_t limit_bytes, char **data, size_t *bytes) {
+    asdic_status status = ASDIC_OK;
+    size_t capacity = 0, length = 0;
+    char *buffer = NULL;
+    for (;;) {
+        if (capacity - length < 2) {
+            capacity = capacity ? 2 * capacity : 65536;
+            char *larger = realloc(buffer, capacity);
+            if (!larger) {
+                status = asdic_fail_memory(ctx, "a file's text");
+                goto fail;
+            }
+            buffer = larger;
+        }
+        size_t got = fread(buffer + length, 1, capacity - length - 1, file);
+        length += got;
+        if (length > limit_bytes) {
+            status = asdic_fail(ctx, ASDIC_ERROR_INPUT, "%s: error: longer than %zu bytes", name,
+                                limit_bytes);
+            goto fail;
+        }
+        if (got == 0) {
+            break;
+        }
+    }
+    if (ferror(file)) {
+        status =
+            asdic_fail(ctx, ASDIC_ERROR_INPUT, "%s: error: cannot read: %s", name, strerror(errno));
+        goto fail;
+    }
+    buffer[length] = '\0';
+    *data = buffer;
+    *bytes = length;
+    return ASDIC_OK;
+fail:
+    free(buffer);
+    return status;
+}
+
+asdic_status asdic_file_read(asdic_context *ctx, const char *path, size_t limit_bytes, char **data,
+                             size_t *bytes) {
+    if (strcmp(path, "-") == 0) {
+        return read_stream(ctx, "standard input", stdin, limit_bytes, data, bytes);
+    }
+    FILE *file = fopen(path, "rb");
+    if (!file) {
+        return asdic_fail(ctx, ASDIC_ERROR_INPUT, "%s: error: cannot open: %s", path,
+                          strerror(errno));
+    }
+    asdic_status status = read_stream(ctx, path, file, limit_bytes, data, bytes);
+    fclose(file);
+    return status;
+}

@@ -1,0 +1,88 @@
+#include "text.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Room for MORE bytes and the terminating zero. */
+static bool reserve(asdic_text *text, size_t more) {
+    if (text->failed) {
+        return false;
+    }
+    size_t need = text->length + more + 1;
+    if (need <= text->capacity) {
+        return true;
+    }
+    size_t capacity = text->capacity ? 2 * text->capacity : 256;
+    if (capacity < need) {
+        capacity = need;
+    }
+    char *data = realloc(text->data, capacity);
+    if (!data) {
+        text->failed = true;
+        return false;
+    }
+    text->data = data;
+    text->capacity = capacity;
+    return true;
+}
+
+void asdic_text_add_bytes(asdic_text *text, const char *bytes, size_t count) {
+    if (!reserve(text, count)) {
+        return;
+    }
+    memcpy(text->data + text->length, bytes, count);
+    text->length += count;
+    text->data[text->length] = '\0';
+}
+
+void asdic_text_add(asdic_text *text, const char *string) {
+    asdic_text_add_bytes(text, string, strlen(string));
+}
+
+void asdic_text_format(asdic_text *text, const char *format, ...) {
+    va_list args, again;
+    va_start(args, format);
+    va_copy(again, args);
+    int count = vsnprintf(NULL, 0, format, args);
+    if (count >= 0 && reserve(text, (size_t)count)) {
+        vsnprintf(text->data + text->length, (size_t)count + 1, format, again);
+        text->length += (size_t)count;
+    }
+    va_end(again);
+    va_end(args);
+}
+
+void asdic_text_add_json(asdic_text *text, const char *string) {
+    asdic_text_add(text, "\"");
+    for (const char *c = string; *c; c++) {
+        if (*c == '"' || *c == '\\') {
+            asdic_text_format(text, "\\%c", *c);
+        } else if (*c == '\n') {
+            asdic_text_add(text, "\\n");
+        } else if ((unsigned char)*c < 0x20 || *c == 0x7f) {
+            asdic_text_format(text, "\\u%04x", (unsigned)*c);
+        } else {
+            asdic_text_add_bytes(text, c, 1);
+        }
+    }
+    asdic_text_add(text, "\"");
+}
+
+char *asdic_text_take(asdic_text *text) {
+    if (!text->data && !text->failed) {
+        asdic_text_add(text, "");
+    }
+    char *data = text->failed ? NULL : text->data;
+    if (!data) {
+        free(text->data);
+    }
+    *text = (asdic_text){0};
+    return data;
+}
+
+void asdic_text_finish(asdic_text *text) {
+    free(text->data);
+    *text = (asdic_text){0};
+}

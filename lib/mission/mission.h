@@ -1,0 +1,31 @@
+/*
+ * A mission inside: what the scene file says, in the library's units, with its geometry loaded.
+ */
+#ifndef ASDIC_MISSION_MISSION_H
+#define ASDIC_MISSION_MISSION_H
+
+#include <asdic/mission.h>
+
+#include "track.h"
+
+struct asdic_mission {
+    asdic_context *ctx;
+    char *path; /* as given; "-" is standard input */
+    char *text; /* in UTF-8, as run.json keeps it */
+    char hash[65];
+    asdic_environment environment;
+    asdic_beam *receivers;
+    asdic_sonar sonar; /* borrows receivers */
+    asdic_scene *scene;
+    asdic_mission_object *objects;
+    size_t object_count;
+    double bottom_type;
+    asdic_sampling sampling;
+    asdic_detector detector;
+    asdic_output_options output;
+    asdic_pose pose;    /* of every ping, when there is no track */
+    asdic_track *track; /* NULL: at rest */
+    size_t ping_count;
+};
+
+#endif

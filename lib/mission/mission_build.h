@@ -1,0 +1,38 @@
+/*
+ * Between a scene file that was read and the mission it describes.
+ */
+#ifndef ASDIC_MISSION_MISSION_BUILD_H
+#define ASDIC_MISSION_MISSION_BUILD_H
+
+#include "mission.h"
+#include "scene_file.h"
+
+typedef struct mission_builder {
+    asdic_context *ctx;
+    const asdic_scene_file *file;
+    asdic_problems *problems;
+    asdic_arena *arena;
+    asdic_mission *mission;
+} mission_builder;
+
+/* Each adds to the mission and reports what is wrong with the files it opens; only what is not an
+ * error of the input (memory) is a status. */
+
+/* Environment, sonar, sampling, detector, output. */
+asdic_status asdic_mission_build_settings(mission_builder *b);
+/* Surface, bottom and objects; the scene is committed when nothing was wrong. */
+asdic_status asdic_mission_build_scene(mission_builder *b);
+/* Pose or track, and the number of pings. */
+asdic_status asdic_mission_build_pings(mission_builder *b);
+/* That the sonar stays above the bottom; remarks on objects that cannot be seen. */
+void asdic_mission_check_places(mission_builder *b);
+
+/* NAME, which the scene file gives, as a path from here; NULL when memory is short. */
+const char *asdic_mission_resolve(const mission_builder *b, const char *name);
+
+/* What went wrong in opening a file that NODE names: its sentence becomes a problem at NODE, unless
+ * STATUS is one of memory, which is returned. */
+asdic_status asdic_mission_file_problem(mission_builder *b, asdic_yaml_node *node,
+                                        asdic_status status);
+
+#endif

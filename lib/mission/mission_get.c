@@ -1,0 +1,75 @@
+/*
+ * What a mission answers.
+ */
+#include "mission.h"
+
+#include <math.h>
+
+const asdic_environment *asdic_mission_environment(const asdic_mission *mission) {
+    return &mission->environment;
+}
+
+const asdic_sonar *asdic_mission_sonar(const asdic_mission *mission) {
+    return &mission->sonar;
+}
+
+const asdic_scene *asdic_mission_scene(const asdic_mission *mission) {
+    return mission->scene;
+}
+
+asdic_sampling *asdic_mission_sampling(asdic_mission *mission) {
+    return &mission->sampling;
+}
+
+const asdic_detector *asdic_mission_detector(const asdic_mission *mission) {
+    return &mission->detector;
+}
+
+const asdic_output_options *asdic_mission_output(const asdic_mission *mission) {
+    return &mission->output;
+}
+
+const char *asdic_mission_path(const asdic_mission *mission) {
+    return mission->path;
+}
+
+const char *asdic_mission_text(const asdic_mission *mission) {
+    return mission->text;
+}
+
+const char *asdic_mission_hash(const asdic_mission *mission) {
+    return mission->hash;
+}
+
+size_t asdic_mission_object_count(const asdic_mission *mission) {
+    return mission->object_count;
+}
+
+const asdic_mission_object *asdic_mission_get_object(const asdic_mission *mission, size_t index) {
+    return index < mission->object_count ? &mission->objects[index] : NULL;
+}
+
+size_t asdic_mission_ping_count(const asdic_mission *mission) {
+    return mission->ping_count;
+}
+
+asdic_pose asdic_mission_pose(const asdic_mission *mission, size_t index, double *time_s) {
+    double elapsed_s = (double)index / mission->sonar.ping_rate_hz;
+    double start_s = mission->track ? asdic_track_start_s(mission->track) : 0.0;
+    if (time_s) {
+        *time_s = start_s + elapsed_s;
+    }
+    return mission->track ? asdic_track_pose(mission->track, start_s + elapsed_s) : mission->pose;
+}
+
+asdic_flat_scene asdic_mission_flat_scene(const asdic_mission *mission, size_t index) {
+    asdic_vec3 position_m = asdic_mission_pose(mission, index, NULL).position_m;
+    double altitude_m = asdic_scene_altitude_m(mission->scene, position_m);
+    return (asdic_flat_scene){
+        .has_surface = asdic_scene_get_info(mission->scene).has_surface,
+        .has_bottom = isfinite(altitude_m),
+        .altitude_m = isfinite(altitude_m) ? altitude_m : 0.0,
+        .depth_m = position_m.z,
+        .bottom_type = mission->bottom_type,
+    };
+}

@@ -1,0 +1,22 @@
+#include "scene_file.h"
+
+#include <string.h>
+
+bool asdic_scene_node_good(const asdic_yaml_node *node) {
+    return node && !node->bad;
+}
+
+bool asdic_scene_file_parse(const char *text, size_t size, asdic_arena *arena,
+                            asdic_problems *problems, asdic_scene_file *file) {
+    memset(file, 0, sizeof *file);
+    asdic_yaml_node *root = NULL;
+    if (!asdic_yaml_read(text, size, arena, problems, &root)) {
+        return false;
+    }
+    if (!root) {
+        return true;
+    }
+    asdic_schema_read(&asdic_scene_table, &asdic_scene_table, root, arena, problems, file);
+    asdic_scene_file_check(file, arena, problems);
+    return !problems->out_of_memory;
+}

@@ -1,0 +1,196 @@
+/*
+ * A scene file as it is written, in its own units: what the tables of scene_keys.c fill. Every
+ * struct begins with the node it was read from, NULL when the file does not have it.
+ */
+#ifndef ASDIC_MISSION_SCENE_FILE_H
+#define ASDIC_MISSION_SCENE_FILE_H
+
+#include <asdic/mission.h>
+
+#include "schema.h"
+
+typedef struct file_environment {
+    asdic_yaml_node *node;
+    double temperature_degc, salinity_ppt, ph, wind_speed_kn, shipping_density;
+    double particle_strength_db;
+    double sound_speed_mps, max_depth_m; /* NAN: derived */
+} file_environment;
+
+typedef struct file_surface {
+    asdic_yaml_node *node;
+    bool enabled;
+} file_surface;
+
+typedef struct file_mesh {
+    asdic_yaml_node *node;
+    const char *file;
+    double scale;
+    bool z_up;
+} file_mesh;
+
+typedef enum file_grid_values { FILE_GRID_DEPTHS, FILE_GRID_HEIGHTS } file_grid_values;
+
+typedef struct file_grid {
+    asdic_yaml_node *node;
+    const char *file;
+    int values; /* file_grid_values */
+} file_grid;
+
+typedef struct file_bottom {
+    asdic_yaml_node *node;
+    double depth_m; /* NAN: none given */
+    file_mesh mesh;
+    file_grid grid;
+    bool none;
+    double type;
+    double position_m[3], rotation_deg[3];
+} file_bottom;
+
+typedef struct file_material {
+    asdic_yaml_node *node;
+    double impedance_mrayl, roughness_rms_mm, slope_rms; /* NAN without the map */
+    double type;                                         /* NAN: none given */
+} file_material;
+
+typedef struct file_box {
+    asdic_yaml_node *node;
+    double size_m[3];
+} file_box;
+
+typedef struct file_plate {
+    asdic_yaml_node *node;
+    double size_m[2];
+} file_plate;
+
+typedef struct file_round { /* sphere or cylinder */
+    asdic_yaml_node *node;
+    double radius_m, length_m;
+    int64_t segments;
+} file_round;
+
+typedef struct file_object {
+    asdic_yaml_node *node;
+    const char *name;
+    file_box box;
+    file_round sphere, cylinder;
+    file_plate plate;
+    file_mesh mesh;
+    double position_m[3], rotation_deg[3];
+    file_material material;
+    double type; /* NAN: none given */
+} file_object;
+
+typedef struct file_beam {
+    asdic_yaml_node *node;
+    const char *name;
+    double pitch_deg, yaw_deg, roll_deg;
+    double length_h_m, length_v_m;
+} file_beam;
+
+typedef struct file_fan {
+    asdic_yaml_node *node;
+    int64_t count;
+    double sector_deg;
+    double pitch_deg, yaw_deg, roll_deg;
+    double length_h_m, length_v_m;
+} file_fan;
+
+typedef struct file_fan_map {
+    asdic_yaml_node *node;
+    file_fan fan;
+} file_fan_map;
+
+typedef struct file_noise {
+    asdic_yaml_node *node;
+    bool enabled, directivity;
+} file_noise;
+
+typedef struct file_sonar {
+    asdic_yaml_node *node;
+    double frequency_khz, bandwidth_khz, ping_rate_hz, source_level_db;
+    double bin_length_m, blanking_m;
+    file_beam transmitter;
+    asdic_list receivers; /* of file_beam */
+    file_fan_map receiver_fan;
+    file_noise noise;
+    int speckle;          /* asdic_speckle */
+    double speckle_shape; /* NAN: none given */
+    double rear_floor_db; /* -INFINITY: none */
+} file_sonar;
+
+typedef struct file_pose {
+    asdic_yaml_node *node;
+    double position_m[3];
+    double roll_deg, pitch_deg, yaw_deg;
+} file_pose;
+
+typedef struct file_mission {
+    asdic_yaml_node *node;
+    file_pose pose;
+    const char *track;
+    int64_t pings; /* 0: one, or what the track covers */
+} file_mission;
+
+typedef struct file_sampling {
+    asdic_yaml_node *node;
+    int64_t rays, seed;
+    int sampler, multipath;
+} file_sampling;
+
+typedef struct file_model {
+    asdic_yaml_node *node;
+    int variant;
+} file_model;
+
+typedef struct file_detector {
+    asdic_yaml_node *node;
+    int target;
+    double pfa, prior;
+} file_detector;
+
+typedef struct file_output {
+    asdic_yaml_node *node;
+    int csv;
+    bool npy, netcdf;
+    unsigned images;
+} file_output;
+
+typedef struct asdic_scene_file {
+    asdic_yaml_node *node;
+    int64_t version;
+    file_environment environment;
+    file_surface surface;
+    file_bottom bottom;
+    asdic_list objects; /* of file_object */
+    file_sonar sonar;
+    file_mission mission;
+    file_sampling sampling;
+    file_model model;
+    file_detector detector;
+    file_output output;
+} asdic_scene_file;
+
+/* The table of the whole file. */
+extern const asdic_table asdic_scene_table;
+
+/* Parses SIZE bytes of UTF-8 text, checks each key by itself and then together (scene_check.c).
+ * Every error goes to PROBLEMS; FILE is meaningful where nothing is bad. False: out of memory. */
+bool asdic_scene_file_parse(const char *text, size_t size, asdic_arena *arena,
+                            asdic_problems *problems, asdic_scene_file *file);
+
+/* What the tables cannot say: limits that depend on several keys. Names what has no name. */
+void asdic_scene_file_check(asdic_scene_file *file, asdic_arena *arena, asdic_problems *problems);
+
+/* NODE was given and nothing in it is wrong, so that it may be judged together with others. */
+bool asdic_scene_node_good(const asdic_yaml_node *node);
+
+/* The file's content in the library's units (scene_convert.c). The sonar comes without its
+ * receivers, but with their number; RECEIVERS has room for them. */
+asdic_environment asdic_scene_file_environment(const asdic_scene_file *file);
+asdic_sonar asdic_scene_file_sonar(const asdic_scene_file *file);
+void asdic_scene_file_receivers(const asdic_scene_file *file, asdic_beam *receivers);
+asdic_pose asdic_scene_file_place(const double position_m[3], const double rotation_deg[3]);
+asdic_pose asdic_scene_file_pose(const asdic_scene_file *file);
+asdic_material asdic_scene_file_material(const file_object *object);
+
+#endif

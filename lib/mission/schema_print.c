@@ -1,0 +1,217 @@
+/*
+ * The tables as JSON Schema, draft 7. Keys and words whose feature is still to come are left out:
+ * the schema accepts what the reader accepts.
+ */
+#include "schema.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static void print_table(const asdic_table *table, asdic_text *text, int indent);
+
+static void new_line(asdic_text *text, int indent) {
+    asdic_text_format(text, "\n%*s", 2 * indent, "");
+}
+
+static void print_words(const asdic_key *key, asdic_text *text) {
+    asdic_text_add(text, "\"enum\": [");
+    const char *comma = "";
+    bool off = false;
+    for (const asdic_word *word = key->words; word->name; word++) {
+        if (!word->planned) {
+            asdic_text_add(text, comma);
+            asdic_text_add_json(text, word->name);
+            comma = ", ";
+            off |= strcmp(word->name, "off") == 0;
+        }
+    }
+    asdic_text_add(text, off ? ", false]" : "]"); /* YAML 1.1: a plain off is false */
+}
+
+static void print_range(const asdic_key *key, const char *type, asdic_text *text) {
+    asdic_text_format(text, "\"type\": \"%s\", \"minimum\": %.15g, \"maximum\": %.15g", type,
+                      key->min, key->max);
+}
+
+/* What a value of KEY may be; a map's or list's content on lines of its own. */
+static void print_type(const asdic_key *key, asdic_text *text, int indent) {
+    switch (key->type) {
+    case ASDIC_KEY_NUMBER:
+        if (key->words && (key->flags & ASDIC_KEY_PLANNED)) {
+            print_words(key, text);
+        } else if (key->words) {
+            asdic_text_add(text, "\"anyOf\": [{");
+            print_range(key, "number", text);
+            asdic_text_add(text, "}, {");
+            print_words(key, text);
+            asdic_text_add(text, "}]");
+        } else {
+            print_range(key, "number", text);
+        }
+        break;
+    case ASDIC_KEY_NUMBERS:
+        asdic_text_format(text, "\"type\": \"array\", \"minItems\": %zu, \"maxItems\": %zu, ",
+                          key->count, key->count);
+        asdic_text_add(text, "\"items\": {");
+        print_range(key, "number", text);
+        asdic_text_add(text, "}");
+        break;
+    case ASDIC_KEY_INTEGER:
+        print_range(key, "integer", text);
+        break;
+    case ASDIC_KEY_BOOL:
+        asdic_text_add(text, key->flags & ASDIC_KEY_PLANNED ? "\"const\": false"
+                                                            : "\"type\": \"boolean\"");
+        break;
+    case ASDIC_KEY_WORD:
+        print_words(key, text);
+        break;
+    case ASDIC_KEY_WORDS:
+        asdic_text_add(text, "\"type\": \"array\", \"items\": {");
+        print_words(key, text);
+        asdic_text_add(text, "}");
+        break;
+    case ASDIC_KEY_NAME:
+        /* A YAML reader makes numbers of names like 000. */
+        asdic_text_format(text, "\"type\": [\"string\", \"number\"], \"maxLength\": %d, ",
+                          ASDIC_NAME_SIZE - 1);
+        asdic_text_add(text, "\"pattern\": \"^[A-Za-z0-9_][A-Za-z0-9_.-]*$\"");
+        break;
+    case ASDIC_KEY_PATH:
+        asdic_text_add(text, "\"type\": \"string\", \"minLength\": 1");
+        break;
+    case ASDIC_KEY_MAP:
+        print_table(key->table, text, indent);
+        break;
+    case ASDIC_KEY_LIST:
+        if (key->map_form) {
+            asdic_text_add(text, "\"anyOf\": [{");
+        }
+        asdic_text_format(text, "\"type\": \"array\", \"minItems\": %.15g, \"maxItems\": %zu, ",
+                          key->min, key->count);
+        asdic_text_add(text, "\"items\": {");
+        print_table(key->table, text, indent);
+        asdic_text_add(text, "}");
+        if (key->map_form) {
+            asdic_text_add(text, "}, {");
+            print_table(key->map_form, text, indent);
+            asdic_text_add(text, "}]");
+        }
+        break;
+    }
+}
+
+/* KEY's fallback as JSON: the same text for numbers and booleans, words in quotes. */
+static void print_fallback(const asdic_key *key, asdic_text *text) {
+    const char *at = key->fallback;
+    bool words = key->type == ASDIC_KEY_WORD || key->type == ASDIC_KEY_WORDS || key->words;
+    asdic_text_add(text, ", \"default\": ");
+    while (*at) {
+        size_t mark = strcspn(at, "[], ");
+        if (mark > 0 && words) {
+            asdic_text_format(text, "\"%.*s\"", (int)mark, at);
+        } else if (mark > 0) {
+            asdic_text_add_bytes(text, at, mark);
+        } else {
+            mark = 1;
+            asdic_text_add_bytes(text, at, mark);
+        }
+        at += mark;
+    }
+}
+
+static void print_key(const asdic_key *key, asdic_text *text, int indent) {
+    asdic_text about = {0};
+    asdic_text_add_json(text, key->name);
+    asdic_text_add(text, ": {\"description\": ");
+    asdic_text_format(&about, "%s%s%s%s", key->doc, key->unit ? " [" : "",
+                      key->unit ? key->unit : "", key->unit ? "]" : "");
+    asdic_text_add_json(text, about.data ? about.data : "");
+    asdic_text_finish(&about);
+    if (key->fallback) {
+        print_fallback(key, text);
+    }
+    asdic_text_add(text, ", ");
+    print_type(key, text, indent);
+    asdic_text_add(text, "}");
+}
+
+static bool is_hidden(const asdic_key *key) {
+    return (key->flags & ASDIC_KEY_PLANNED) && key->type != ASDIC_KEY_BOOL && !key->words;
+}
+
+/* `"required": [...]`, and one sub-schema for each key of which only one may be given. */
+static void print_rules(const asdic_table *table, asdic_text *text, int indent) {
+    asdic_text required = {0}, one_of = {0}, pairs = {0};
+    const asdic_key *earlier = NULL;
+    for (size_t i = 0; i < table->key_count; i++) {
+        const asdic_key *key = &table->keys[i];
+        if (is_hidden(key)) {
+            continue;
+        }
+        if (key->flags & ASDIC_KEY_REQUIRED) {
+            asdic_text_format(&required, "%s\"%s\"", required.length ? ", " : "", key->name);
+        }
+        if (key->flags & ASDIC_KEY_ONE_OF) {
+            asdic_text_format(&one_of, "%s{\"required\": [\"%s\"]}", one_of.length ? ", " : "",
+                              key->name);
+        }
+        if ((key->flags & ASDIC_KEY_AT_MOST_ONE) && earlier) {
+            asdic_text_format(&pairs, "%s\"%s\", \"%s\"", pairs.length ? ", " : "", earlier->name,
+                              key->name);
+        }
+        earlier = key->flags & ASDIC_KEY_AT_MOST_ONE ? key : earlier;
+    }
+    const struct {
+        const char *before, *between, *after;
+    } forms[] = {{"\"required\": [", required.data, "],"},
+                 {"\"oneOf\": [", one_of.data, "],"},
+                 {"\"not\": {\"required\": [", pairs.data, "]},"}};
+    for (size_t i = 0; i < sizeof forms / sizeof *forms; i++) {
+        if (forms[i].between) {
+            asdic_text_format(text, "%s%s%s", forms[i].before, forms[i].between, forms[i].after);
+            new_line(text, indent);
+        }
+    }
+    asdic_text_finish(&required);
+    asdic_text_finish(&one_of);
+    asdic_text_finish(&pairs);
+}
+
+static void print_map(const asdic_table *table, asdic_text *text, int indent) {
+    asdic_text_add(text, "\"type\": \"object\", \"additionalProperties\": false,");
+    new_line(text, indent + 1);
+    print_rules(table, text, indent + 1);
+    asdic_text_add(text, "\"properties\": {");
+    const char *comma = "";
+    for (size_t i = 0; i < table->key_count; i++) {
+        if (!is_hidden(&table->keys[i])) {
+            asdic_text_add(text, comma);
+            new_line(text, indent + 2);
+            print_key(&table->keys[i], text, indent + 2);
+            comma = ",";
+        }
+    }
+    asdic_text_add(text, "}");
+}
+
+static void print_table(const asdic_table *table, asdic_text *text, int indent) {
+    if (table->scalar_key) {
+        asdic_text_add(text, "\"anyOf\": [{\"type\": \"string\", \"minLength\": 1}, {");
+    } else if (table->scalar_word) {
+        asdic_text_format(text, "\"anyOf\": [{\"const\": \"%s\"}, {", table->scalar_word);
+    }
+    print_map(table, text, indent);
+    if (table->scalar_key || table->scalar_word) {
+        asdic_text_add(text, "}]");
+    }
+}
+
+void asdic_schema_print(const asdic_table *root, asdic_text *text) {
+    asdic_text_add(text, "{\"$schema\": \"http://json-schema.org/draft-07/schema#\",\n"
+                         "  \"title\": \"asdic scene file\", \"description\": ");
+    asdic_text_add_json(text, root->doc);
+    asdic_text_add(text, ",\n  ");
+    print_map(root, text, 0);
+    asdic_text_add(text, "}\n");
+}

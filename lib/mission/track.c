@@ -1,0 +1,60 @@
+#include "track_points.h"
+
+#include "../base/vec.h"
+
+#include <stdlib.h>
+
+void asdic_track_destroy(asdic_track **track) {
+    if (track && *track) {
+        free((*track)->points);
+        free(*track);
+        *track = NULL;
+    }
+}
+
+size_t asdic_track_point_count(const asdic_track *track) {
+    return track->count;
+}
+
+double asdic_track_start_s(const asdic_track *track) {
+    return track->points[0].time_s;
+}
+
+double asdic_track_end_s(const asdic_track *track) {
+    return track->points[track->count - 1].time_s;
+}
+
+/* Index of the last point not after TIME_S, so that another follows it; the first when all are. */
+static size_t find_leg(const asdic_track *track, double time_s) {
+    size_t low = 0, high = track->count - 1;
+    while (high - low > 1) {
+        size_t middle = low + (high - low) / 2;
+        if (track->points[middle].time_s <= time_s) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    return low;
+}
+
+/* From A to B by the shorter way round. */
+static double turn(double a_rad, double b_rad, double share) {
+    return a_rad + share * remainder(b_rad - a_rad, 2.0 * ASDIC_PI);
+}
+
+asdic_pose asdic_track_pose(const asdic_track *track, double time_s) {
+    if (track->count == 1) {
+        const track_point *p = track->points;
+        return (asdic_pose){{p->x_m, p->y_m, p->z_m}, p->roll_rad, p->pitch_rad, p->yaw_rad};
+    }
+    const track_point *a = &track->points[find_leg(track, time_s)], *b = a + 1;
+    double share = fmin(fmax((time_s - a->time_s) / (b->time_s - a->time_s), 0.0), 1.0);
+    return (asdic_pose){
+        .position_m = {a->x_m + share * (b->x_m - a->x_m), a->y_m + share * (b->y_m - a->y_m),
+                       a->z_m + share * (b->z_m - a->z_m)},
+        .roll_rad = turn(a->roll_rad, b->roll_rad, share),
+        .pitch_rad = turn(a->pitch_rad, b->pitch_rad, share),
+        .yaw_rad = turn(a->yaw_rad, b->yaw_rad, share),
+    };
+}

@@ -1,0 +1,25 @@
+/*
+ * A vehicle's track: poses at times, and between them.
+ */
+#ifndef ASDIC_MISSION_TRACK_H
+#define ASDIC_MISSION_TRACK_H
+
+#include <asdic/context.h>
+
+typedef struct asdic_track asdic_track;
+
+/* Reads a CSV file with a header of time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg in any order;
+ * other columns are passed over. Times must increase. Every error is logged with file, line and
+ * column; the sentence left in the context counts them. */
+asdic_status asdic_track_load(asdic_context *ctx, const char *path, asdic_track **out);
+void asdic_track_destroy(asdic_track **track);
+
+size_t asdic_track_point_count(const asdic_track *track);
+double asdic_track_start_s(const asdic_track *track);
+double asdic_track_end_s(const asdic_track *track);
+
+/* Position on the straight line between two points, each angle along the shorter way round.
+ * Before the start and behind the end: the first and the last pose. */
+asdic_pose asdic_track_pose(const asdic_track *track, double time_s);
+
+#endif

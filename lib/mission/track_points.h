@@ -1,0 +1,20 @@
+/*
+ * A track inside.
+ */
+#ifndef ASDIC_MISSION_TRACK_POINTS_H
+#define ASDIC_MISSION_TRACK_POINTS_H
+
+#include "track.h"
+
+typedef struct track_point {
+    double time_s;
+    double x_m, y_m, z_m;
+    double roll_rad, pitch_rad, yaw_rad;
+} track_point;
+
+struct asdic_track {
+    track_point *points; /* at least one; times increase */
+    size_t count, capacity;
+};
+
+#endif

@@ -1,0 +1,88 @@
+#include "yaml_tree.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+asdic_yaml_node *asdic_yaml_child(const asdic_yaml_node *map, const char *key) {
+    if (!map || map->kind != ASDIC_YAML_MAP) {
+        return NULL;
+    }
+    for (asdic_yaml_node *child = map->first; child; child = child->next) {
+        if (strlen(key) == child->key_length && memcmp(child->key, key, child->key_length) == 0) {
+            return child;
+        }
+    }
+    return NULL;
+}
+
+void asdic_yaml_append(asdic_yaml_node *parent, asdic_yaml_node *child) {
+    child->parent = parent;
+    child->index = parent->count++;
+    if (parent->last) {
+        parent->last->next = child;
+    } else {
+        parent->first = child;
+    }
+    parent->last = child;
+}
+
+/* "sonar.receivers[2].pitch_deg" into the end of BUFFER; returns its start. Levels that do not fit
+ * are left out at the front. */
+static const char *path_of(const asdic_yaml_node *node, char *buffer, size_t size) {
+    size_t at = size - 1;
+    buffer[at] = '\0';
+    for (; node && node->parent; node = node->parent) {
+        char step[96];
+        const char *dot = buffer[at] && buffer[at] != '[' ? "." : "";
+        if (node->key) {
+            snprintf(step, sizeof step, "%.64s%s", node->key, dot);
+        } else {
+            snprintf(step, sizeof step, "[%zu]%s", node->index, dot);
+        }
+        size_t length = strlen(step);
+        if (length > at) {
+            break;
+        }
+        at -= length;
+        memcpy(buffer + at, step, length);
+    }
+    return buffer[at] ? buffer + at : "scene";
+}
+
+static void add_problem(asdic_problems *problems, const asdic_yaml_node *path, unsigned line,
+                        unsigned column, const char *format, va_list args) {
+    char buffer[256];
+    char *message = NULL;
+    if (vasprintf(&message, format, args) < 0) {
+        problems->out_of_memory = true;
+        return;
+    }
+    asdic_problems_add(problems, line, column, "%s  [%s]", message,
+                       path_of(path, buffer, sizeof buffer));
+    free(message);
+}
+
+static void mark_bad(asdic_yaml_node *node) {
+    for (; node; node = node->parent) {
+        node->bad = true;
+    }
+}
+
+void asdic_yaml_problem(asdic_problems *problems, asdic_yaml_node *node, const char *format, ...) {
+    va_list args;
+    va_start(args, format);
+    add_problem(problems, node, node ? node->line : 0, node ? node->column : 0, format, args);
+    va_end(args);
+    mark_bad(node);
+}
+
+void asdic_yaml_key_problem(asdic_problems *problems, asdic_yaml_node *node, const char *format,
+                            ...) {
+    va_list args;
+    va_start(args, format);
+    add_problem(problems, node->parent, node->key_line, node->key_column, format, args);
+    va_end(args);
+    mark_bad(node);
+}

@@ -1,0 +1,324 @@
+/*
+ * Every kind of error a scene file can have, with the exact message.
+ */
+#include "scene_text.h"
+
+static void minimal_scene_has_no_error(void **state) {
+    (void)state;
+    expect_errors(MINIMAL, "");
+}
+
+static void unknown_keys_are_answered(void **state) {
+    (void)state;
+    expect_edit("bottom:", "environment:\n  salnity_ppt: 35\nbottom:",
+                "3:3: error: unknown key 'salnity_ppt'; did you mean 'salinity_ppt'?  "
+                "[environment]\n");
+    expect_edit("bottom:", "Surface: {}\nbottom:",
+                "2:1: error: unknown key 'Surface'; did you mean 'surface'?  [scene]\n");
+    expect_edit("  receivers:", "  fan: {count: 3, sector_deg: 90}\n  receivers:",
+                "5:3: error: unknown key 'fan' here; it belongs in sonar.receivers  [sonar]\n");
+    expect_edit("mission:", "ping_rate_hz: 10\nmission:",
+                "7:1: error: unknown key 'ping_rate_hz' here; it belongs in sonar  [scene]\n");
+    expect_edit("mission:", "surface: {zzzzz: 1}\nmission:",
+                "7:11: error: unknown key 'zzzzz'; the keys here are enabled  [surface]\n");
+    expect_edit("- name: forward", "- {name: forward, gain_db: 3}",
+                "6:23: error: unknown key 'gain_db'; the keys here are name, pitch_deg, yaw_deg, "
+                "roll_deg, length_h_m, length_v_m  [sonar.receivers[0]]\n");
+}
+
+static void ranges_name_value_limit_and_unit(void **state) {
+    (void)state;
+    expect_edit("frequency_khz: 100", "frequency_khz: 9000",
+                "4:18: error: 'frequency_khz' = 9000 is out of range [0.1, 1000] kHz  "
+                "[sonar.frequency_khz]\n");
+    expect_edit("version: 1", "version: 2",
+                "1:10: error: 'version' = 2 is out of range [1, 1]  [version]\n");
+    expect_edit("[0, 0, 7]", "[0, 1e9, 7]",
+                "8:26: error: 'position_m' = 1e9 is out of range [-10000000, 10000000] m  "
+                "[mission.pose.position_m[1]]\n");
+}
+
+static void numbers_are_plain_decimal(void **state) {
+    (void)state;
+    const struct {
+        const char *value, *message;
+    } cases[] = {
+        {"abc", "'frequency_khz' = abc is not a number"},
+        {".nan", "'frequency_khz' = .nan is not a finite number"},
+        {"-.INF", "'frequency_khz' = -.INF is not a finite number"},
+        {"nan", "'frequency_khz' = nan is not a finite number"},
+        {"1,5",
+         "'frequency_khz' = 1,5 is not a number; the decimal separator is a point, digits are "
+         "not grouped"},
+        {"1_00", "'frequency_khz' = 1_00 is not a number; digits are not grouped"},
+        {"0100", "'frequency_khz' = 0100 is not a decimal number; leave out leading zeros"},
+        {"0x64", "'frequency_khz' = 0x64 is not a number"},
+        {"1:40", "'frequency_khz' = 1:40 is not a number"},
+        {"100 kHz", "'frequency_khz' = 100 kHz is not a number"},
+        {"100kHz", "'frequency_khz' = 100kHz is not a number"},
+        {"1e", "'frequency_khz' = 1e is not a number"},
+        {"1e999", "'frequency_khz' = 1e999 is too large for a double"},
+        {"'100'", "'frequency_khz' = \"100\" is text, not a number; leave out the quotes"},
+        {"[100]", "'frequency_khz' is a list, which must be a number in kHz"},
+        {"{a: 1}", "'frequency_khz' is a map, which must be a number in kHz"},
+        {"true", "'frequency_khz' = true is not a number"},
+        {"1111111111111111111111111111111111111111111111",
+         "'frequency_khz' = 1111111111111111111111111111111111111111... is out of range "
+         "[0.1, 1000] kHz"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char to[96], expected[256];
+        snprintf(to, sizeof to, "frequency_khz: %s", cases[i].value);
+        snprintf(expected, sizeof expected, "4:18: error: %s  [sonar.frequency_khz]\n",
+                 cases[i].message);
+        expect_edit("frequency_khz: 100", to, expected);
+    }
+    expect_edit("frequency_khz: 100", "frequency_khz:",
+                "4:3: error: 'frequency_khz' has no value; it must be a number in kHz  "
+                "[sonar.frequency_khz]\n");
+    expect_edit("mission:\n", "mission:\n  pings: 1.5\n",
+                "8:10: error: 'pings' = 1.5 is not a whole number  [mission.pings]\n");
+    expect_edit("mission:\n", "mission:\n  pings: 0\n",
+                "8:10: error: 'pings' = 0 is out of range [1, 1000000000]  [mission.pings]\n");
+    expect_edit("mission:\n", "mission:\n  pings: 2e1\n", "");
+}
+
+static void words_and_booleans(void **state) {
+    (void)state;
+    expect_edit("depth_m: 12}", "depth_m: 12, type: sandd}",
+                "2:29: error: 'type' = sandd is not one of mud, sand, gravel, rock or a number in "
+                "[1, 4]; did you mean 'sand'?  [bottom.type]\n");
+    expect_edit("depth_m: 12}", "depth_m: 12, type: 5}",
+                "2:29: error: 'type' = 5 is out of range [1, 4]  [bottom.type]\n");
+    expect_edit("depth_m: 12}", "depth_m: 12, type: 2.5}", "");
+    expect_edit("mission:", "model: {variant: Printed}\nmission:",
+                "7:18: error: 'variant' = Printed is not one of corrected, printed; did you mean "
+                "'printed'?  [model.variant]\n");
+    expect_edit("mission:", "output: {images: [waterfall, fann, 3]}\nmission:",
+                "7:30: error: 'images' = fann is not one of waterfall, ascope, fan; did you mean "
+                "'fan'?  [output.images[1]]\n"
+                "7:36: error: 'images' = 3 is not one of waterfall, ascope, fan  "
+                "[output.images[2]]\n");
+    expect_edit("mission:", "output: {images: fan}\nmission:",
+                "7:18: error: 'images' must be a list of waterfall, ascope, fan  "
+                "[output.images]\n");
+    expect_edit("mission:", "surface: {enabled: maybe}\nmission:",
+                "7:20: error: 'enabled' = maybe is not true or false  [surface.enabled]\n");
+    expect_edit("mission:", "surface: {enabled: 'true'}\nmission:",
+                "7:20: error: 'enabled' = \"true\" is text, not true or false; leave out the "
+                "quotes  [surface.enabled]\n");
+    const char *fine[] = {"yes", "No", "ON", "off", "n", "Y", "TRUE", "False"};
+    for (size_t i = 0; i < sizeof fine / sizeof *fine; i++) {
+        char to[64];
+        snprintf(to, sizeof to, "surface: {enabled: %s}\nmission:", fine[i]);
+        expect_edit("mission:", to, "");
+    }
+    /* A plain off is the boolean false in YAML 1.1, and what a converter makes of it. */
+    expect_edit("mission:", "sampling: {multipath: off}\nmission:", "");
+    expect_edit("mission:", "sampling: {multipath: false}\nmission:", "");
+}
+
+static void maps_and_lists_have_their_form(void **state) {
+    (void)state;
+    expect_edit("{depth_m: 12}", "12",
+                "2:9: error: this must be a map, that is 'key: value' lines  [bottom]\n");
+    expect_edit("mission:", "environment:\nmission:",
+                "7:1: error: this must be a map, that is 'key: value' lines; leave the key out for "
+                "its defaults  [environment]\n");
+    expect_edit("{depth_m: 12}", "[depth_m, 12]",
+                "2:9: error: this must be a map, that is 'key: value' lines  [bottom]\n");
+    expect_edit("    - name: forward", "    forward",
+                "6:5: error: 'receivers' must be a list or a map  [sonar.receivers]\n");
+    expect_edit("    - name: forward", "    []",
+                "6:5: error: 'receivers' has 0 entries, which is out of range [1, 4096]  "
+                "[sonar.receivers]\n");
+    expect_edit("- name: forward", "- forward",
+                "6:7: error: each entry must be a map, that is 'key: value' lines  "
+                "[sonar.receivers[0]]\n");
+    expect_edit("[0, 0, 7]", "[0, 0]",
+                "8:22: error: 'position_m' must be a list of 3 numbers in m  "
+                "[mission.pose.position_m]\n");
+    expect_errors("just text\n",
+                  "1:1: error: this must be a map, that is 'key: value' lines  [scene]\n");
+    expect_errors("- 1\n", "1:1: error: this must be a map, that is 'key: value' lines  [scene]\n");
+}
+
+static void missing_keys_are_all_named(void **state) {
+    (void)state;
+    expect_errors(
+        "sonar: {}\n",
+        "1:1: error: missing key 'version' (version of this format)  [scene]\n"
+        "1:1: error: missing key 'bottom' (the sea floor: depth_m, mesh, grid or none)  [scene]\n"
+        "1:1: error: missing key 'mission' (where the vehicle is: pose or track)  [scene]\n"
+        "1:8: error: missing key 'frequency_khz', in kHz (centre frequency)  [sonar]\n"
+        "1:8: error: missing key 'receivers' (the receiving apertures: a list, or fan: {count, "
+        "sector_deg, ...})  [sonar]\n");
+}
+
+static void alternatives_exclude_each_other(void **state) {
+    (void)state;
+    expect_edit("{depth_m: 12}", "{type: sand}",
+                "2:9: error: none of 'depth_m', 'mesh', 'grid', 'none' is given; give one of them  "
+                "[bottom]\n");
+    expect_edit("{depth_m: 12}", "{depth_m: 12, mesh: a.ply}",
+                "2:23: error: 'depth_m' and 'mesh' exclude each other; give only one of 'depth_m', "
+                "'mesh', 'grid', 'none'  [bottom]\n");
+    expect_edit("mission:\n", "mission:\n  track: a.csv\n",
+                "9:3: error: 'track' and 'pose' exclude each other; give only one of 'pose', "
+                "'track'  [mission]\n");
+    expect_edit("  pose: {position_m: [0, 0, 7]}", "  pings: 3",
+                "8:3: error: none of 'pose', 'track' is given; give one of them  [mission]\n");
+    expect_edit("mission:",
+                "objects:\n"
+                "  - {position_m: [1, 2, 3]}\n"
+                "  - {sphere: {radius_m: 1}, position_m: [1, 2, 3], type: sand, material: {}}\n"
+                "mission:",
+                "8:5: error: none of 'box', 'sphere', 'cylinder', 'plate', 'mesh' is given; give "
+                "one of them  [objects[0]]\n"
+                "9:64: error: 'type' and 'material' exclude each other; give only one of "
+                "'material', 'type'  [objects[1]]\n");
+}
+
+static void planned_features_are_refused_by_name(void **state) {
+    (void)state;
+    expect_edit("  pose: {position_m: [0, 0, 7]}", "  waypoints: [[0, 0, 7]]",
+                "8:3: error: 'waypoints' is not supported yet in this version; leave it out  "
+                "[mission]\n");
+    expect_edit("mission:", "output: {netcdf: true}\nmission:",
+                "7:18: error: 'netcdf' = true is not supported yet in this version; use false  "
+                "[output.netcdf]\n");
+    expect_edit("mission:", "output: {netcdf: no}\nmission:", "");
+}
+
+static void names_are_fit_for_files_and_differ(void **state) {
+    (void)state;
+    expect_edit("forward", "a/b",
+                "6:13: error: 'name' = a/b is not fit for file names; use letters, digits, '_', "
+                "'-' and '.', beginning with a letter, digit or '_'  [sonar.receivers[0].name]\n");
+    expect_edit("forward", "..",
+                "6:13: error: 'name' = .. is not fit for file names; use letters, digits, '_', "
+                "'-' and '.', beginning with a letter, digit or '_'  [sonar.receivers[0].name]\n");
+    expect_edit("forward", "''", "6:13: error: 'name' must be a name  [sonar.receivers[0].name]\n");
+    expect_edit("forward", "\"a\\0b\"",
+                "6:13: error: 'name' holds a zero character  [sonar.receivers[0].name]\n");
+    expect_edit("forward", "a123456789a123456789a123456789a123456789a123456789a123456789abcd",
+                "6:13: error: 'name' = a123456789a123456789a123456789a123456789... has 64 "
+                "characters, at most 63 are possible  [sonar.receivers[0].name]\n");
+    expect_edit("forward", "a123456789a123456789a123456789a123456789a123456789a123456789abc", "");
+    expect_edit("- name: forward", "- name: a\n    - name: b\n    - name: a",
+                "8:13: error: 'name' = a is the name of the entry at line 6 already  "
+                "[sonar.receivers[2].name]\n");
+    expect_edit("- name: forward", "- name: '001'\n    - yaw_deg: 3",
+                "7:7: error: 'name' = 001 is the name of the entry at line 6 already  "
+                "[sonar.receivers[1]]\n");
+}
+
+static void keys_must_fit_together(void **state) {
+    (void)state;
+    expect_edit("100\n", "100\n  blanking_m: 80\n",
+                "5:15: error: 'blanking_m' = 80 is not below the maximum range of 74.51 m, which "
+                "is c / (2 ping_rate_hz); lower it or 'ping_rate_hz'  [sonar.blanking_m]\n");
+    expect_edit("100\n", "100\n  bin_length_m: 0.001\n",
+                "5:17: error: 'bin_length_m' = 0.001 makes 74505 bins of the maximum range of "
+                "74.51 m, at most 65536 are possible; lengthen it or raise 'ping_rate_hz'  "
+                "[sonar.bin_length_m]\n");
+    expect_edit("100\n", "100\n  bin_length_m: 75\n",
+                "5:17: error: 'bin_length_m' = 75 is more than the maximum range of 74.51 m, which "
+                "is c / (2 ping_rate_hz); lower it or 'ping_rate_hz'  [sonar.bin_length_m]\n");
+    expect_edit("100\n", "100\n  bandwidth_khz: 201\n",
+                "5:18: error: 'bandwidth_khz' = 201 is more than twice 'frequency_khz' = 100; the "
+                "band would begin below zero  [sonar.bandwidth_khz]\n");
+    expect_edit("frequency_khz: 100\n", "frequency_khz: 4\n",
+                "4:3: error: 'bandwidth_khz' = 10 is more than twice 'frequency_khz' = 4; the "
+                "band would begin below zero  [sonar]\n");
+    expect_edit("[0, 0, 7]", "[0, 0, -2]",
+                "8:29: error: the sonar is 2 m above the sea surface; z is positive down  "
+                "[mission.pose.position_m[2]]\n");
+    expect_edit("[0, 0, 7]", "[0, 0, 12.5]",
+                "8:29: error: the sonar is at z = 12.5 m, below the bottom at 12 m; raise it or "
+                "lower the bottom  [mission.pose.position_m[2]]\n");
+    expect_edit("[0, 0, 7]", "[0, 0, 12]", "");
+    expect_edit("[0, 0, 7]", "[0, 0, 0]", "");
+    expect_edit("{depth_m: 12}", "{none: false}",
+                "2:16: error: 'none' = false does not say what the bottom is; give 'depth_m', "
+                "'mesh' or 'grid'  [bottom.none]\n");
+    expect_edit("{depth_m: 12}", "{depth_m: 12, position_m: [0, 0, 1]}",
+                "2:23: error: 'position_m' has no effect on a flat bottom; leave it out  "
+                "[bottom]\n");
+    expect_edit("{depth_m: 12}", "{none: true, type: sand}",
+                "2:22: error: 'type' has no effect without a bottom; leave it out  [bottom]\n");
+    expect_edit("{depth_m: 12}", "none", "");
+    expect_edit("mission:",
+                "objects:\n"
+                "  - {sphere: {radius_m: 1}, position_m: [1, 2, 3],\n"
+                "     material: {type: rock, slope_rms: 0.1}}\n"
+                "mission:",
+                "9:29: error: 'slope_rms' has no effect beside 'type'; give only one of them  "
+                "[objects[0].material]\n");
+}
+
+static void all_errors_come_in_one_run_in_order(void **state) {
+    (void)state;
+    expect_errors("version: 1\n"
+                  "environment: {ph: 3, salnity_ppt: 35, ph: 8}\n"
+                  "bottom: {depth_m: -1, type: clay}\n"
+                  "sonar:\n"
+                  "  frequency_khz: 9000\n"
+                  "  receivers: [{pitch_deg: 1e3}, {name: a b}]\n"
+                  "mission: {pose: {position_m: [0, 0, 900]}, pings: 0}\n",
+                  "2:19: error: 'ph' = 3 is out of range [7, 8.5]  [environment.ph]\n"
+                  "2:22: error: unknown key 'salnity_ppt'; did you mean 'salinity_ppt'?  "
+                  "[environment]\n"
+                  "2:39: error: duplicate key 'ph'; it is given at line 2 already  "
+                  "[environment]\n"
+                  "3:19: error: 'depth_m' = -1 is out of range [0.01, 11000] m  "
+                  "[bottom.depth_m]\n"
+                  "3:29: error: 'type' = clay is not one of mud, sand, gravel, rock or a number "
+                  "in [1, 4]  [bottom.type]\n"
+                  "5:18: error: 'frequency_khz' = 9000 is out of range [0.1, 1000] kHz  "
+                  "[sonar.frequency_khz]\n"
+                  "6:27: error: 'pitch_deg' = 1e3 is out of range [-180, 180] deg  "
+                  "[sonar.receivers[0].pitch_deg]\n"
+                  "6:40: error: 'name' = a b is not fit for file names; use letters, digits, '_', "
+                  "'-' and '.', beginning with a letter, digit or '_'  "
+                  "[sonar.receivers[1].name]\n"
+                  "7:51: error: 'pings' = 0 is out of range [1, 1000000000]  [mission.pings]\n");
+}
+
+static void only_a_hundred_errors_are_shown(void **state) {
+    (void)state;
+    asdic_text text = {0};
+    asdic_text_add(&text, MINIMAL);
+    asdic_text_add(&text, "surface:\n");
+    for (int i = 0; i < 150; i++) {
+        asdic_text_format(&text, "  zzzz%d: 1\n", i);
+    }
+    asdic_arena arena = {0};
+    asdic_scene_file file;
+    char *errors = read_errors(text.data, text.length, &arena, &file);
+    assert_non_null(strstr(errors, "zzzz99'"));
+    assert_null(strstr(errors, "zzzz100'"));
+    assert_non_null(strstr(errors, "scene.yaml: error: 50 more errors are not shown\n"));
+    free(errors);
+    asdic_text_finish(&text);
+    asdic_arena_finish(&arena);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(minimal_scene_has_no_error),
+        cmocka_unit_test(unknown_keys_are_answered),
+        cmocka_unit_test(ranges_name_value_limit_and_unit),
+        cmocka_unit_test(numbers_are_plain_decimal),
+        cmocka_unit_test(words_and_booleans),
+        cmocka_unit_test(maps_and_lists_have_their_form),
+        cmocka_unit_test(missing_keys_are_all_named),
+        cmocka_unit_test(alternatives_exclude_each_other),
+        cmocka_unit_test(planned_features_are_refused_by_name),
+        cmocka_unit_test(names_are_fit_for_files_and_differ),
+        cmocka_unit_test(keys_must_fit_together),
+        cmocka_unit_test(all_errors_come_in_one_run_in_order),
+        cmocka_unit_test(only_a_hundred_errors_are_shown),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
