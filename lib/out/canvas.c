@@ -1,0 +1,197 @@
+#include "canvas.h"
+
+#include "base/context.h"
+#include "base/vec.h"
+#include "colormap.h"
+#include "file.h"
+#include "png_file.h"
+
+#include <cairo-pdf.h>
+#include <cairo-svg.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define PIXELS_PER_M 7100.0 /* about 180 dpi: 1200 pixels are 17 cm */
+
+/* Points (1/72 inch) per pixel of a vector file, for the same 17 cm. */
+#define POINTS_PER_PX (72.0 / 0.0254 / PIXELS_PER_M)
+
+static bool has_suffix(const char *path, const char *suffix) {
+    size_t n = strlen(path), m = strlen(suffix);
+    return n >= m && strcmp(path + n - m, suffix) == 0;
+}
+
+static cairo_status_t write_vector(void *closure, const unsigned char *data, unsigned length) {
+    return fwrite(data, 1, length, closure) == length ? CAIRO_STATUS_SUCCESS
+                                                      : CAIRO_STATUS_WRITE_ERROR;
+}
+
+static asdic_status open_vector(asdic_canvas *c, const char *path) {
+    asdic_status status = asdic_file_create(c->ctx, path, &c->vector_file);
+    if (status != ASDIC_OK) {
+        return status;
+    }
+    FILE *stream = asdic_file_stream(c->vector_file);
+    double width = c->width * POINTS_PER_PX, height = c->height * POINTS_PER_PX;
+    c->surface = has_suffix(path, ".pdf")
+                     ? cairo_pdf_surface_create_for_stream(write_vector, stream, width, height)
+                     : cairo_svg_surface_create_for_stream(write_vector, stream, width, height);
+    return ASDIC_OK;
+}
+
+asdic_status asdic_canvas_init(asdic_context *ctx, const char *path, double width, double height,
+                               uint32_t background_rgb, asdic_canvas *out) {
+    *out = (asdic_canvas){.ctx = ctx, .width = ceil(width), .height = ceil(height)};
+    if (has_suffix(path, ".pdf") || has_suffix(path, ".svg")) {
+        asdic_status status = open_vector(out, path);
+        if (status != ASDIC_OK) {
+            return status;
+        }
+    } else {
+        out->surface =
+            cairo_image_surface_create(CAIRO_FORMAT_RGB24, (int)out->width, (int)out->height);
+    }
+    out->cr = cairo_create(out->surface);
+    if (cairo_status(out->cr) != CAIRO_STATUS_SUCCESS) {
+        asdic_canvas_finish(out);
+        return asdic_fail_memory(ctx, "a picture");
+    }
+    if (out->vector_file) {
+        cairo_scale(out->cr, POINTS_PER_PX, POINTS_PER_PX);
+    }
+    asdic_canvas_color(out, background_rgb);
+    cairo_paint(out->cr);
+    return ASDIC_OK;
+}
+
+/* cairo keeps 0xXXRRGGBB words; libpng wants bytes. */
+static asdic_status save_png(asdic_canvas *c, const char *path, const char *const *texts) {
+    asdic_raster raster;
+    asdic_status status = asdic_raster_init(c->ctx, (size_t)c->width, (size_t)c->height, &raster);
+    if (status != ASDIC_OK) {
+        return status;
+    }
+    cairo_surface_flush(c->surface);
+    const uint8_t *data = cairo_image_surface_get_data(c->surface);
+    size_t stride = (size_t)cairo_image_surface_get_stride(c->surface);
+    for (size_t y = 0; y < raster.height; y++) {
+        const uint32_t *row = (const uint32_t *)(const void *)(data + y * stride);
+        for (size_t x = 0; x < raster.width; x++) {
+            asdic_raster_set(&raster, x, y, row[x]);
+        }
+    }
+    asdic_png png = {.width = raster.width,
+                     .height = raster.height,
+                     .rgb = raster.rgb,
+                     .pixels_per_m = PIXELS_PER_M,
+                     .texts = texts};
+    status = asdic_png_write(c->ctx, path, &png);
+    asdic_raster_finish(&raster);
+    return status;
+}
+
+asdic_status asdic_canvas_save(asdic_canvas *c, const char *path, const char *const *texts) {
+    if (!c->vector_file) {
+        return save_png(c, path, texts);
+    }
+    cairo_surface_finish(c->surface);
+    return asdic_file_commit(&c->vector_file);
+}
+
+void asdic_canvas_finish(asdic_canvas *c) {
+    if (c->cr) {
+        cairo_destroy(c->cr);
+    }
+    if (c->surface) {
+        cairo_surface_finish(c->surface); /* may still write to the stream */
+        cairo_surface_destroy(c->surface);
+    }
+    asdic_file_discard(&c->vector_file);
+    *c = (asdic_canvas){0};
+}
+
+void asdic_canvas_color(asdic_canvas *c, uint32_t rgb) {
+    cairo_set_source_rgb(c->cr, (rgb >> 16) / 255.0, (rgb >> 8 & 255) / 255.0, (rgb & 255) / 255.0);
+}
+
+static void set_font(cairo_t *cr, double size_px, bool bold) {
+    cairo_select_font_face(cr, "sans-serif", CAIRO_FONT_SLANT_NORMAL,
+                           bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
+    cairo_set_font_size(cr, size_px);
+}
+
+double asdic_canvas_text_width(const char *text, double size_px) {
+    cairo_surface_t *surface = cairo_image_surface_create(CAIRO_FORMAT_A8, 1, 1);
+    cairo_t *cr = cairo_create(surface);
+    cairo_text_extents_t extents;
+    set_font(cr, size_px, false);
+    cairo_text_extents(cr, text, &extents);
+    cairo_destroy(cr);
+    cairo_surface_destroy(surface);
+    return extents.x_advance;
+}
+
+void asdic_canvas_text(asdic_canvas *c, asdic_text where, const char *text) {
+    cairo_font_extents_t font;
+    cairo_text_extents_t extents;
+    cairo_save(c->cr);
+    set_font(c->cr, where.size_px, where.bold);
+    cairo_text_extents(c->cr, text, &extents);
+    cairo_font_extents(c->cr, &font);
+    cairo_translate(c->cr, where.x, where.y);
+    if (where.upwards) {
+        cairo_rotate(c->cr, -0.5 * ASDIC_PI);
+    }
+    /* Capitals are about 0.75 of the ascent: centre and top are theirs, so that labels of one
+     * row keep a common baseline. */
+    cairo_move_to(c->cr, -where.align_x * extents.x_advance, where.align_y * 0.75 * font.ascent);
+    cairo_show_text(c->cr, text);
+    cairo_restore(c->cr);
+    cairo_new_path(c->cr); /* the current point would start the next line */
+}
+
+void asdic_canvas_text_fit(asdic_canvas *c, asdic_text where, const char *text,
+                           double max_width_px) {
+    cairo_text_extents_t extents;
+    cairo_save(c->cr);
+    set_font(c->cr, where.size_px, where.bold);
+    cairo_text_extents(c->cr, text, &extents);
+    cairo_restore(c->cr);
+    if (extents.x_advance > max_width_px) {
+        where.size_px = fmax(10.0, floor(where.size_px * max_width_px / extents.x_advance));
+    }
+    asdic_canvas_text(c, where, text);
+}
+
+void asdic_canvas_raster(asdic_canvas *c, const asdic_raster *raster, asdic_box box) {
+    cairo_surface_t *image =
+        cairo_image_surface_create(CAIRO_FORMAT_RGB24, (int)raster->width, (int)raster->height);
+    uint8_t *data = cairo_image_surface_get_data(image);
+    if (data) {
+        size_t stride = (size_t)cairo_image_surface_get_stride(image);
+        for (size_t y = 0; y < raster->height; y++) {
+            uint32_t *row = (uint32_t *)(void *)(data + y * stride);
+            const uint8_t *rgb = raster->rgb + 3 * y * raster->width;
+            for (size_t x = 0; x < raster->width; x++) {
+                row[x] =
+                    (uint32_t)rgb[3 * x] << 16 | (uint32_t)rgb[3 * x + 1] << 8 | rgb[3 * x + 2];
+            }
+        }
+        cairo_surface_mark_dirty(image);
+        cairo_save(c->cr);
+        cairo_translate(c->cr, box.x, box.y);
+        cairo_scale(c->cr, box.w / (double)raster->width, box.h / (double)raster->height);
+        cairo_set_source_surface(c->cr, image, 0.0, 0.0);
+        cairo_pattern_set_filter(cairo_get_source(c->cr), CAIRO_FILTER_NEAREST);
+        cairo_paint(c->cr);
+        cairo_restore(c->cr);
+    }
+    cairo_surface_destroy(image);
+}
+
+void asdic_canvas_line(asdic_canvas *c, double x0, double y0, double x1, double y1) {
+    cairo_move_to(c->cr, x0, y0);
+    cairo_line_to(c->cr, x1, y1);
+    cairo_stroke(c->cr);
+}

@@ -1,0 +1,72 @@
+/*
+ * A page to draw on by cairo: what all annotated pictures share. Pixels go to disk by libpng, so
+ * that text chunks are there; .pdf and .svg paths give vector files.
+ */
+#ifndef ASDIC_OUT_CANVAS_H
+#define ASDIC_OUT_CANVAS_H
+
+#include "axis.h"
+#include "raster.h"
+
+#include <cairo.h>
+
+/* Sizes in pixels; a picture of 1200 is 17 cm wide in print. */
+#define ASDIC_TEXT_PX 18.0
+#define ASDIC_TITLE_PX 22.0
+#define ASDIC_NOTE_PX 14.0
+#define ASDIC_MARGIN_PX 20.0
+
+typedef struct asdic_canvas {
+    asdic_context *ctx;
+    cairo_surface_t *surface;
+    cairo_t *cr;
+    struct asdic_file *vector_file; /* .pdf, .svg */
+    double width, height;
+} asdic_canvas;
+
+typedef struct asdic_box {
+    double x, y, w, h;
+} asdic_box;
+
+asdic_status asdic_canvas_init(asdic_context *ctx, const char *path, double width, double height,
+                               uint32_t background_rgb, asdic_canvas *out);
+/* Writes the file. */
+asdic_status asdic_canvas_save(asdic_canvas *canvas, const char *path, const char *const *texts);
+void asdic_canvas_finish(asdic_canvas *canvas);
+
+/* Width of TEXT without a canvas, to lay one out. */
+double asdic_canvas_text_width(const char *text, double size_px);
+
+void asdic_canvas_color(asdic_canvas *canvas, uint32_t rgb);
+
+/* ALIGN_X: 0 left, 0.5 centred, 1 right of X; ALIGN_Y: 0 baseline on Y, 0.5 centred, 1 below. */
+typedef struct asdic_text {
+    double x, y, align_x, align_y, size_px;
+    bool bold, upwards;
+} asdic_text;
+
+void asdic_canvas_text(asdic_canvas *canvas, asdic_text where, const char *text);
+
+/* Makes the text smaller, down to 10 pixels, until it fits MAX_WIDTH_PX. */
+void asdic_canvas_text_fit(asdic_canvas *canvas, asdic_text where, const char *text,
+                           double max_width_px);
+
+/* Pixels without smoothing, stretched into BOX. */
+void asdic_canvas_raster(asdic_canvas *canvas, const asdic_raster *raster, asdic_box box);
+
+void asdic_canvas_line(asdic_canvas *canvas, double x0, double y0, double x1, double y1);
+
+/* Ticks and labels below BOX / left of BOX; GRID draws light lines across. */
+void asdic_canvas_axis_x(asdic_canvas *canvas, asdic_box box, const asdic_plot_axis *axis,
+                         bool grid);
+void asdic_canvas_axis_y(asdic_canvas *canvas, asdic_box box, const asdic_plot_axis *axis,
+                         bool down, bool grid);
+/* Room an ordinate's labels need left of its box, its title included. */
+double asdic_canvas_axis_y_room(const asdic_plot_axis *axis, double height_px);
+
+/* The colour scale in BOX with labels to its right; _room is what they need beside the box. */
+void asdic_canvas_color_bar(asdic_canvas *canvas, asdic_box box,
+                            const asdic_picture_options *options, uint32_t ink_rgb);
+double asdic_canvas_color_bar_room(const asdic_picture_options *options, double height_px);
+
+#endif

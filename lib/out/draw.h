@@ -1,0 +1,29 @@
+/*
+ * The pictures themselves, on checked arguments; with cairo annotated, else the plain raster.
+ */
+#ifndef ASDIC_OUT_DRAW_H
+#define ASDIC_OUT_DRAW_H
+
+#include "decimate.h"
+
+#include <asdic/output.h>
+
+/* A page of a waterfall: at most this many rows and columns of levels. */
+#define ASDIC_WATERFALL_MAX_ROWS 1000
+#define ASDIC_WATERFALL_MAX_COLUMNS 1200
+
+/* LEVELS holds the averaged levels of WATERFALL, whose own levels are not read. */
+asdic_status asdic_draw_waterfall(asdic_context *ctx, const char *path,
+                                  const asdic_waterfall *waterfall, const asdic_decimator *levels,
+                                  const asdic_picture_options *options);
+asdic_status asdic_draw_fan(asdic_context *ctx, const char *path, const asdic_fan *fan,
+                            const asdic_picture_options *options);
+asdic_status asdic_draw_plot(asdic_context *ctx, const char *path, const asdic_plot *panels,
+                             size_t panel_count, const asdic_picture_options *options);
+
+/* "level window -160..-60 dB, + 30 log r + 0.02 r dB gain for display, ..., NOTE" */
+#define ASDIC_NOTE_SIZE 512
+void asdic_draw_note(char note[ASDIC_NOTE_SIZE], const asdic_picture_options *options,
+                     const asdic_decimator *levels);
+
+#endif

@@ -1,0 +1,44 @@
+/*
+ * Pictures of a build without cairo: the plain raster.
+ */
+#include "draw.h"
+
+#include "base/context.h"
+#include "raster.h"
+
+bool asdic_picture_annotated(void) {
+    return false;
+}
+
+asdic_status asdic_draw_waterfall(asdic_context *ctx, const char *path,
+                                  const asdic_waterfall *waterfall, const asdic_decimator *levels,
+                                  const asdic_picture_options *options) {
+    asdic_waterfall shown = {.levels_db = levels->levels_db,
+                             .pings = levels->rows,
+                             .bins = levels->columns,
+                             .bin_length_m =
+                                 waterfall->bin_length_m * (double)levels->column_group};
+    return asdic_picture_raster(ctx, path, &shown, options);
+}
+
+asdic_status asdic_draw_fan(asdic_context *ctx, const char *path, const asdic_fan *fan,
+                            const asdic_picture_options *options) {
+    asdic_raster raster;
+    asdic_sector sector = asdic_sector_of(fan, 700.0);
+    asdic_status status = asdic_raster_fan(ctx, fan, &sector, options, 0x0d1117u, &raster);
+    if (status == ASDIC_OK) {
+        status = asdic_raster_write(ctx, path, &raster, options->texts);
+        asdic_raster_finish(&raster);
+    }
+    return status;
+}
+
+asdic_status asdic_draw_plot(asdic_context *ctx, const char *path, const asdic_plot *panels,
+                             size_t panel_count, const asdic_picture_options *options) {
+    (void)panels;
+    (void)panel_count;
+    (void)options;
+    return asdic_fail(
+        ctx, ASDIC_ERROR_UNSUPPORTED,
+        "cannot draw '%s': built without cairo; install libcairo2-dev and build again", path);
+}

@@ -1,0 +1,99 @@
+#include "canvas.h"
+#include "draw.h"
+
+#include <math.h>
+
+#define PAPER_RGB 0xffffffu
+#define INK_RGB 0x202020u
+#define NOTE_RGB 0x606060u
+#define BAR_PX 24.0
+
+/* Whole pixels per level keep the raster crisp. */
+static double pixels_each(size_t count, double fill_px, double most_px, double least_total_px) {
+    double each = fmin(fmax(1.0, floor(fill_px / (double)count)), most_px);
+    return fmax(each, ceil(least_total_px / (double)count));
+}
+
+typedef struct page {
+    asdic_box box, bar;
+    double width, height;
+    asdic_plot_axis range, time;
+} page;
+
+static page lay_out(const asdic_waterfall *waterfall, const asdic_decimator *levels,
+                    const asdic_picture_options *options, bool has_note) {
+    double covered = (double)(levels->rows * levels->row_group);
+    page p = {.range = {.label = "range (m)",
+                        .high = (double)(levels->columns * levels->column_group) *
+                                waterfall->bin_length_m},
+              .time = {.label = "ping", .low = -0.5, .high = covered - 0.5}};
+    if (waterfall->ping_period_s > 0.0) {
+        p.time.label = "time (s), downwards";
+        p.time.low = waterfall->first_time_s;
+        p.time.high = waterfall->first_time_s + covered * waterfall->ping_period_s;
+    }
+    p.box.w = (double)levels->columns * pixels_each(levels->columns, 1000.0, 1000.0, 0.0);
+    p.box.h = (double)levels->rows * pixels_each(levels->rows, 620.0, 40.0, 160.0);
+    p.box.x = ASDIC_MARGIN_PX + ceil(asdic_canvas_axis_y_room(&p.time, p.box.h));
+    p.box.y = ASDIC_MARGIN_PX + (options->title ? 2.0 * ASDIC_TITLE_PX : 0.0);
+    p.bar = (asdic_box){p.box.x + p.box.w + 28.0, p.box.y, BAR_PX, p.box.h};
+    p.width = p.bar.x + p.bar.w + asdic_canvas_color_bar_room(options, p.bar.h) + ASDIC_MARGIN_PX;
+    p.height = p.box.y + p.box.h + 4.0 * ASDIC_TEXT_PX + ASDIC_MARGIN_PX +
+               (has_note ? 1.6 * ASDIC_NOTE_PX : 0.0);
+    return p;
+}
+
+static void decorate(asdic_canvas *c, const page *p, const asdic_picture_options *options,
+                     const char *note, bool has_time) {
+    asdic_canvas_axis_x(c, p->box, &p->range, false);
+    if (has_time) {
+        asdic_canvas_axis_y(c, p->box, &p->time, true, false);
+    }
+    asdic_canvas_color(c, INK_RGB);
+    cairo_rectangle(c->cr, p->box.x - 0.5, p->box.y - 0.5, p->box.w + 1.0, p->box.h + 1.0);
+    cairo_stroke(c->cr);
+    asdic_canvas_color_bar(c, p->bar, options, INK_RGB);
+    if (options->title) {
+        asdic_canvas_text_fit(c,
+                              (asdic_text){.x = p->box.x,
+                                           .y = ASDIC_MARGIN_PX,
+                                           .align_y = 1.0,
+                                           .size_px = ASDIC_TITLE_PX,
+                                           .bold = true},
+                              options->title, p->width - p->box.x - ASDIC_MARGIN_PX);
+    }
+    asdic_canvas_color(c, NOTE_RGB);
+    asdic_canvas_text_fit(
+        c, (asdic_text){.x = p->box.x, .y = p->height - ASDIC_MARGIN_PX, .size_px = ASDIC_NOTE_PX},
+        note, p->width - p->box.x - ASDIC_MARGIN_PX);
+}
+
+asdic_status asdic_draw_waterfall(asdic_context *ctx, const char *path,
+                                  const asdic_waterfall *waterfall, const asdic_decimator *levels,
+                                  const asdic_picture_options *options) {
+    char note[ASDIC_NOTE_SIZE];
+    asdic_canvas canvas = {0};
+    asdic_raster raster = {0};
+    asdic_waterfall shown = {.levels_db = levels->levels_db,
+                             .pings = levels->rows,
+                             .bins = levels->columns,
+                             .bin_length_m =
+                                 waterfall->bin_length_m * (double)levels->column_group};
+    asdic_draw_note(note, options, levels);
+    page p = lay_out(waterfall, levels, options, note[0] != 0);
+    asdic_status status = asdic_raster_levels(ctx, &shown, options, &raster);
+    if (status != ASDIC_OK) {
+        goto done;
+    }
+    status = asdic_canvas_init(ctx, path, p.width, p.height, PAPER_RGB, &canvas);
+    if (status != ASDIC_OK) {
+        goto done;
+    }
+    asdic_canvas_raster(&canvas, &raster, p.box);
+    decorate(&canvas, &p, options, note, waterfall->pings > 1);
+    status = asdic_canvas_save(&canvas, path, options->texts);
+done:
+    asdic_canvas_finish(&canvas);
+    asdic_raster_finish(&raster);
+    return status;
+}

@@ -1,0 +1,122 @@
+#include "file.h"
+
+#include "base/context.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+struct asdic_file {
+    asdic_context *ctx;
+    FILE *stream;
+    char *path;
+    char *part; /* NULL: written directly to PATH */
+};
+
+/* Renaming over a terminal, a pipe or /dev/full would replace it. */
+static bool is_special(const char *path) {
+    struct stat st;
+    return stat(path, &st) == 0 && !S_ISREG(st.st_mode) && !S_ISDIR(st.st_mode);
+}
+
+static void file_free(asdic_file **file) {
+    if (!file || !*file) {
+        return;
+    }
+    free((*file)->path);
+    free((*file)->part);
+    free(*file);
+    *file = NULL;
+}
+
+asdic_status asdic_file_create(asdic_context *ctx, const char *path, asdic_file **out) {
+    *out = NULL;
+    asdic_status status = asdic_fail_memory(ctx, "a file name");
+    asdic_file *file = calloc(1, sizeof *file);
+    if (!file) {
+        return status;
+    }
+    file->ctx = ctx;
+    file->path = strdup(path);
+    if (!file->path) {
+        goto fail;
+    }
+    if (!is_special(path) && asprintf(&file->part, "%s.part", path) < 0) {
+        file->part = NULL;
+        goto fail;
+    }
+    const char *opened = file->part ? file->part : path;
+    file->stream = fopen(opened, "wbe");
+    if (!file->stream) {
+        status = asdic_fail(ctx, ASDIC_ERROR_IO, "cannot write '%s': %s", opened, strerror(errno));
+        goto fail;
+    }
+    *out = file;
+    return ASDIC_OK;
+fail:
+    file_free(&file);
+    return status;
+}
+
+FILE *asdic_file_stream(asdic_file *file) {
+    return file->stream;
+}
+
+/* The first error of the stream, then of the disk: a full disk may only show when flushed. */
+static int file_close(asdic_file *file) {
+    int error = 0;
+    errno = 0;
+    if (ferror(file->stream) || fflush(file->stream) != 0) {
+        error = errno ? errno : EIO;
+    }
+    if (!error && file->part && fsync(fileno(file->stream)) != 0) {
+        error = errno;
+    }
+    if (fclose(file->stream) != 0 && !error) {
+        error = errno;
+    }
+    file->stream = NULL;
+    return error;
+}
+
+asdic_status asdic_file_commit(asdic_file **file) {
+    asdic_file *f = *file;
+    asdic_status status = ASDIC_OK;
+    int error = file_close(f);
+    if (!error && f->part && rename(f->part, f->path) != 0) {
+        error = errno;
+    }
+    if (error) {
+        status =
+            asdic_fail(f->ctx, ASDIC_ERROR_IO, "cannot write '%s': %s", f->path, strerror(error));
+        if (f->part) {
+            unlink(f->part);
+        }
+    }
+    file_free(file);
+    return status;
+}
+
+void asdic_file_discard(asdic_file **file) {
+    if (!file || !*file) {
+        return;
+    }
+    fclose((*file)->stream);
+    if ((*file)->part) {
+        unlink((*file)->part);
+    }
+    file_free(file);
+}
+
+asdic_status asdic_file_write_all(asdic_context *ctx, const char *path, const void *bytes,
+                                  size_t length) {
+    asdic_file *file;
+    asdic_status status = asdic_file_create(ctx, path, &file);
+    if (status != ASDIC_OK) {
+        return status;
+    }
+    fwrite(bytes, 1, length, file->stream);
+    return asdic_file_commit(&file);
+}

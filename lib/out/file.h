@@ -1,0 +1,30 @@
+/*
+ * An output file that appears complete or not at all: written as NAME.part, renamed on commit.
+ * Devices and pipes ("/dev/stdout") cannot be renamed over and are written directly.
+ */
+#ifndef ASDIC_OUT_FILE_H
+#define ASDIC_OUT_FILE_H
+
+#include <asdic/context.h>
+
+#include <stdio.h>
+
+typedef struct asdic_file asdic_file;
+
+asdic_status asdic_file_create(asdic_context *ctx, const char *path, asdic_file **out);
+
+/* Buffered and writable until commit or discard; errors are collected and reported by commit. */
+FILE *asdic_file_stream(asdic_file *file);
+
+/* Flushes to the disk, closes and renames; on failure the .part file is removed. *FILE becomes
+ * NULL either way. */
+asdic_status asdic_file_commit(asdic_file **file);
+
+/* Closes and removes the .part file. NULL-safe. */
+void asdic_file_discard(asdic_file **file);
+
+/* Writes LENGTH bytes as the whole file. */
+asdic_status asdic_file_write_all(asdic_context *ctx, const char *path, const void *bytes,
+                                  size_t length);
+
+#endif

@@ -1,0 +1,185 @@
+#include "draw.h"
+
+#include "base/context.h"
+#include "colormap.h"
+#include "number.h"
+#include "png_file.h"
+#include "raster.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+asdic_picture_options asdic_picture_options_default(void) {
+    return (asdic_picture_options){
+        .db_low = -160.0, .db_high = -60.0, .colormap = ASDIC_COLORMAP_VIRIDIS};
+}
+
+static asdic_status check_options(asdic_context *ctx, const asdic_picture_options *o) {
+    if (!isfinite(o->db_low) || !isfinite(o->db_high) || o->db_high - o->db_low < 1e-3) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
+                          "level window %g..%g dB is empty; give low < high", o->db_low,
+                          o->db_high);
+    }
+    if (!isfinite(o->tvg_db_per_decade) || !isfinite(o->tvg_db_per_m)) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "time-varied gain must be finite");
+    }
+    if (!asdic_colormap_name(o->colormap)) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "no colour map %d", (int)o->colormap);
+    }
+    return ASDIC_OK;
+}
+
+static asdic_status check_waterfall(asdic_context *ctx, const asdic_waterfall *w,
+                                    const asdic_picture_options *options) {
+    if (w->pings == 0 || w->bins == 0 || !(w->bin_length_m > 0.0)) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
+                          "nothing to draw: %zu pings of %zu bins of %g m", w->pings, w->bins,
+                          w->bin_length_m);
+    }
+    return check_options(ctx, options);
+}
+
+/* Appends to a note, with a separator between statements. */
+static void append(char *note, const char *statement) {
+    size_t used = strlen(note);
+    snprintf(note + used, ASDIC_NOTE_SIZE - used, "%s%s", used ? "  \u00b7  " : "", statement);
+}
+
+static void note_gain(char *note, const asdic_picture_options *options) {
+    char text[128], spread[ASDIC_NUMBER_SIZE], loss[ASDIC_NUMBER_SIZE];
+    if (options->tvg_db_per_decade == 0.0 && options->tvg_db_per_m == 0.0) {
+        return;
+    }
+    asdic_number_print(spread, "%g", options->tvg_db_per_decade);
+    asdic_number_print(loss, "%g", options->tvg_db_per_m);
+    snprintf(text, sizeof text, "time-varied gain for display: %s log r + %s r dB", spread, loss);
+    append(note, text);
+}
+
+void asdic_draw_note(char note[ASDIC_NOTE_SIZE], const asdic_picture_options *options,
+                     const asdic_decimator *levels) {
+    char text[128];
+    note[0] = 0;
+    if (options->note) {
+        append(note, options->note);
+    }
+    note_gain(note, options);
+    if (levels && (levels->row_group > 1 || levels->column_group > 1)) {
+        snprintf(text, sizeof text, "each pixel is the mean energy of %zu ping%s \u00d7 %zu bin%s",
+                 levels->row_group, levels->row_group > 1 ? "s" : "", levels->column_group,
+                 levels->column_group > 1 ? "s" : "");
+        append(note, text);
+    }
+}
+
+asdic_status asdic_picture_waterfall(asdic_context *ctx, const char *path,
+                                     const asdic_waterfall *waterfall,
+                                     const asdic_picture_options *options) {
+    asdic_status status = check_waterfall(ctx, waterfall, options);
+    if (status != ASDIC_OK) {
+        return status;
+    }
+    asdic_decimator levels;
+    status = asdic_decimator_init(ctx, waterfall->pings, waterfall->bins, ASDIC_WATERFALL_MAX_ROWS,
+                                  ASDIC_WATERFALL_MAX_COLUMNS, &levels);
+    if (status != ASDIC_OK) {
+        return status;
+    }
+    for (size_t ping = 0; ping < waterfall->pings; ping++) {
+        asdic_decimator_add(&levels, waterfall->levels_db + ping * waterfall->bins);
+    }
+    asdic_decimator_end(&levels);
+    status = asdic_draw_waterfall(ctx, path, waterfall, &levels, options);
+    asdic_decimator_finish(&levels);
+    return status;
+}
+
+asdic_status asdic_picture_fan(asdic_context *ctx, const char *path, const asdic_fan *fan,
+                               const asdic_picture_options *options) {
+    if (fan->beams == 0 || fan->bins == 0 || !(fan->bin_length_m > 0.0)) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
+                          "nothing to draw: %zu beams of %zu bins of %g m", fan->beams, fan->bins,
+                          fan->bin_length_m);
+    }
+    for (size_t i = 1; i < fan->beams; i++) {
+        if (!(fan->bearing_rad[i] > fan->bearing_rad[i - 1])) {
+            return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
+                              "a fan needs ascending bearings, but beam %zu lies at %g and beam "
+                              "%zu at %g rad",
+                              i - 1, fan->bearing_rad[i - 1], i, fan->bearing_rad[i]);
+        }
+    }
+    asdic_status status = check_options(ctx, options);
+    return status == ASDIC_OK ? asdic_draw_fan(ctx, path, fan, options) : status;
+}
+
+asdic_status asdic_picture_raster(asdic_context *ctx, const char *path,
+                                  const asdic_waterfall *waterfall,
+                                  const asdic_picture_options *options) {
+    asdic_raster raster;
+    asdic_status status = check_waterfall(ctx, waterfall, options);
+    if (status != ASDIC_OK) {
+        return status;
+    }
+    status = asdic_raster_levels(ctx, waterfall, options, &raster);
+    if (status != ASDIC_OK) {
+        return status;
+    }
+    status = asdic_raster_write(ctx, path, &raster, options->texts);
+    asdic_raster_finish(&raster);
+    return status;
+}
+
+/* 0 is kept for "no energy", so that the window maps to 1..65535. */
+static uint16_t grey_of(const asdic_picture_options *options, double shown_db) {
+    if (!isfinite(shown_db)) {
+        return 0;
+    }
+    double share = (shown_db - options->db_low) / (options->db_high - options->db_low);
+    return (uint16_t)(1.0 + rint(65534.0 * fmin(fmax(share, 0.0), 1.0)));
+}
+
+asdic_status asdic_picture_raw(asdic_context *ctx, const char *path,
+                               const asdic_waterfall *waterfall,
+                               const asdic_picture_options *options) {
+    asdic_status status = check_waterfall(ctx, waterfall, options);
+    if (status != ASDIC_OK) {
+        return status;
+    }
+    uint16_t *grey = malloc(waterfall->pings * waterfall->bins * sizeof *grey);
+    if (!grey) {
+        return asdic_fail_memory(ctx, "a picture");
+    }
+    for (size_t i = 0; i < waterfall->pings * waterfall->bins; i++) {
+        double range_m = ((double)(i % waterfall->bins) + 0.5) * waterfall->bin_length_m;
+        grey[i] = grey_of(options, asdic_raster_gain(options, waterfall->levels_db[i], range_m));
+    }
+    asdic_png png = {.width = waterfall->bins,
+                     .height = waterfall->pings,
+                     .grey = grey,
+                     .texts = options->texts};
+    status = asdic_png_write(ctx, path, &png);
+    free(grey);
+    return status;
+}
+
+asdic_status asdic_picture_plot(asdic_context *ctx, const char *path, const asdic_plot *panels,
+                                size_t panel_count, const asdic_picture_options *options) {
+    if (panel_count == 0) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "nothing to draw: no panel");
+    }
+    for (size_t i = 0; i < panel_count; i++) {
+        const asdic_plot_axis axes[2] = {panels[i].x, panels[i].y};
+        for (int k = 0; k < 2; k++) {
+            if (!(axes[k].low < axes[k].high) || !isfinite(axes[k].high - axes[k].low) ||
+                (axes[k].logarithmic && axes[k].low <= 0.0)) {
+                return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
+                                  "panel %zu: axis '%s' from %g to %g is empty", i,
+                                  axes[k].label ? axes[k].label : "", axes[k].low, axes[k].high);
+            }
+        }
+    }
+    return asdic_draw_plot(ctx, path, panels, panel_count, options);
+}

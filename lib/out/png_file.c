@@ -1,0 +1,134 @@
+#include "png_file.h"
+
+#include "base/context.h"
+#include "file.h"
+
+#include <png.h>
+
+#include <errno.h>
+#include <setjmp.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* What libpng's error callback needs to leave: it may not return. */
+typedef struct png_job {
+    jmp_buf leave;
+    char why[128];
+    png_structp png;
+    png_infop info;
+    png_textp texts;
+    uint8_t *row;
+} png_job;
+
+static void on_error(png_structp png, png_const_charp message) {
+    png_job *job = png_get_error_ptr(png);
+    snprintf(job->why, sizeof job->why, "%s", message);
+    longjmp(job->leave, 1);
+}
+
+static void on_warning(png_structp png, png_const_charp message) {
+    (void)png;
+    (void)message;
+}
+
+static void on_write(png_structp png, png_bytep data, size_t length) {
+    if (fwrite(data, 1, length, png_get_io_ptr(png)) != length) {
+        png_error(png, strerror(errno));
+    }
+}
+
+static void on_flush(png_structp png) {
+    (void)png; /* commit flushes */
+}
+
+static bool is_ascii(const char *text) {
+    for (; *text; text++) {
+        if ((unsigned char)*text >= 0x80) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* tEXt is Latin-1 by definition; anything else goes into iTXt. */
+static void set_texts(png_job *job, const char *const *texts) {
+    size_t count = 0;
+    while (texts && texts[2 * count]) {
+        count++;
+    }
+    if (count == 0) {
+        return;
+    }
+    job->texts = calloc(count, sizeof *job->texts);
+    if (!job->texts) {
+        png_error(job->png, "out of memory");
+    }
+    for (size_t i = 0; i < count; i++) {
+        bool ascii = is_ascii(texts[2 * i + 1]);
+        job->texts[i].compression = ascii ? PNG_TEXT_COMPRESSION_NONE : PNG_ITXT_COMPRESSION_NONE;
+        job->texts[i].key = (char *)(uintptr_t)texts[2 * i];
+        job->texts[i].text = (char *)(uintptr_t)texts[2 * i + 1];
+    }
+    png_set_text(job->png, job->info, job->texts, (int)count);
+}
+
+static void write_rows(png_job *job, const asdic_png *image) {
+    if (image->rgb) {
+        for (size_t y = 0; y < image->height; y++) {
+            png_write_row(job->png, image->rgb + 3 * image->width * y);
+        }
+        return;
+    }
+    job->row = malloc(2 * image->width);
+    if (!job->row) {
+        png_error(job->png, "out of memory");
+    }
+    for (size_t y = 0; y < image->height; y++) {
+        const uint16_t *grey = image->grey + image->width * y;
+        for (size_t x = 0; x < image->width; x++) { /* PNG is big-endian */
+            job->row[2 * x] = (uint8_t)(grey[x] >> 8);
+            job->row[2 * x + 1] = (uint8_t)grey[x];
+        }
+        png_write_row(job->png, job->row);
+    }
+}
+
+static void encode(png_job *job, const asdic_png *image, FILE *stream) {
+    png_set_write_fn(job->png, stream, on_write, on_flush);
+    png_set_IHDR(job->png, job->info, (png_uint_32)image->width, (png_uint_32)image->height,
+                 image->rgb ? 8 : 16, image->rgb ? PNG_COLOR_TYPE_RGB : PNG_COLOR_TYPE_GRAY,
+                 PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+    if (image->pixels_per_m > 0.0) {
+        png_uint_32 resolution = (png_uint_32)(image->pixels_per_m + 0.5);
+        png_set_pHYs(job->png, job->info, resolution, resolution, PNG_RESOLUTION_METER);
+    }
+    set_texts(job, image->texts);
+    png_write_info(job->png, job->info);
+    write_rows(job, image);
+    png_write_end(job->png, NULL);
+}
+
+asdic_status asdic_png_write(asdic_context *ctx, const char *path, const asdic_png *image) {
+    asdic_file *file = NULL;
+    asdic_status status = asdic_file_create(ctx, path, &file);
+    if (status != ASDIC_OK) {
+        return status;
+    }
+    png_job job = {.why = "out of memory"};
+    job.png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &job, on_error, on_warning);
+    if (job.png) {
+        job.info = png_create_info_struct(job.png);
+    }
+    if (!job.info || setjmp(job.leave) != 0) {
+        status = asdic_fail(ctx, ASDIC_ERROR_IO, "cannot write '%s': %s", path, job.why);
+        asdic_file_discard(&file);
+        goto done;
+    }
+    encode(&job, image, asdic_file_stream(file));
+    status = asdic_file_commit(&file);
+done:
+    png_destroy_write_struct(&job.png, &job.info);
+    free(job.texts);
+    free(job.row);
+    return status;
+}

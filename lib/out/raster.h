@@ -1,0 +1,50 @@
+/*
+ * Levels to pixels, without any drawing library: the same bytes on every machine.
+ */
+#ifndef ASDIC_OUT_RASTER_H
+#define ASDIC_OUT_RASTER_H
+
+#include <asdic/output.h>
+
+typedef struct asdic_raster {
+    size_t width, height;
+    uint8_t *rgb; /* 3 * width * height, row by row from the top */
+} asdic_raster;
+
+asdic_status asdic_raster_init(asdic_context *ctx, size_t width, size_t height, asdic_raster *out);
+void asdic_raster_finish(asdic_raster *raster);
+
+void asdic_raster_set(asdic_raster *raster, size_t x, size_t y, uint32_t rgb);
+
+/* Step of the colour scale, 0..255, of LEVEL_DB in the window; saturates at its ends. */
+unsigned asdic_raster_index(const asdic_picture_options *options, double level_db);
+
+/* The level to display at RANGE_M: with the time-varied gain; NAN where there is no energy. */
+double asdic_raster_gain(const asdic_picture_options *options, double level_db, double range_m);
+
+/* Colour of LEVEL_DB at RANGE_M, EMPTY_RGB where there is no energy. */
+uint32_t asdic_raster_color(const asdic_picture_options *options, double level_db, double range_m,
+                            uint32_t empty_rgb);
+
+/* One pixel per level. */
+asdic_status asdic_raster_levels(asdic_context *ctx, const asdic_waterfall *image,
+                                 const asdic_picture_options *options, asdic_raster *out);
+
+/* Where a polar sector lies in its bounding box of pixels: ahead up, starboard right. */
+typedef struct asdic_sector {
+    double radius_px;         /* of the farthest bin's far end */
+    double low_rad, high_rad; /* outer edges of the outer beams */
+    double apex_x_px, apex_y_px;
+    size_t width, height;
+} asdic_sector;
+
+asdic_sector asdic_sector_of(const asdic_fan *fan, double radius_px);
+
+asdic_status asdic_raster_fan(asdic_context *ctx, const asdic_fan *fan, const asdic_sector *sector,
+                              const asdic_picture_options *options, uint32_t background_rgb,
+                              asdic_raster *out);
+
+asdic_status asdic_raster_write(asdic_context *ctx, const char *path, const asdic_raster *raster,
+                                const char *const *texts);
+
+#endif

@@ -1,0 +1,336 @@
+/*
+ * Pictures: the raster byte for byte, text chunks, and that the annotated ones show the data where
+ * they say.
+ */
+#include "../assert_close.h"
+
+#include <asdic/asdic.h>
+
+#include <math.h>
+#include <png.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+static asdic_context *ctx;
+static char folder[] = "/tmp/asdic-picture-XXXXXX";
+
+static const char *file_in_folder(const char *name) {
+    static char path[256];
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    return path;
+}
+
+static int set_up(void **state) {
+    (void)state;
+    return asdic_context_create(&ctx) != ASDIC_OK || !mkdtemp(folder);
+}
+
+static int tear_down(void **state) {
+    (void)state;
+    asdic_context_destroy(&ctx);
+    return rmdir(folder); /* fails when a test or the library left something behind */
+}
+
+/* Decodes and deletes; the caller frees. */
+static uint8_t *decode(const char *path, uint32_t format, size_t *width, size_t *height) {
+    png_image image = {.version = PNG_IMAGE_VERSION};
+    assert_true(png_image_begin_read_from_file(&image, path));
+    image.format = format;
+    uint8_t *pixels = malloc(PNG_IMAGE_SIZE(image));
+    assert_non_null(pixels);
+    assert_true(png_image_finish_read(&image, NULL, pixels, 0, NULL));
+    *width = image.width;
+    *height = image.height;
+    assert_int_equal(unlink(path), 0);
+    return pixels;
+}
+
+static uint32_t pixel(const uint8_t *rgb, size_t width, size_t x, size_t y) {
+    const uint8_t *p = rgb + 3 * (y * width + x);
+    return (uint32_t)p[0] << 16 | (uint32_t)p[1] << 8 | p[2];
+}
+
+/* 8 x 2 levels: a ramp through and beyond the window, and two that are no energy. */
+static const float ramp_db[16] = {-110.0f, -100.0f, -99.9f,    -50.0f, -0.1f,  0.0f,
+                                  10.0f,   NAN,     -INFINITY, -75.0f, -25.0f, -60.0f,
+                                  -40.0f,  -90.0f,  -10.0f,    -50.0f};
+static const asdic_waterfall ramp = {
+    .levels_db = ramp_db, .pings = 2, .bins = 8, .bin_length_m = 0.5};
+
+static void raster_byte_for_byte(void **state) {
+    (void)state;
+    /* gray is its own index: floor(256 (L + 100) / 100), ends saturated, white without energy. */
+    const uint8_t grey[16] = {0,   0,  0,   128, 255, 255, 255, 255,
+                              255, 64, 192, 102, 153, 25,  230, 128};
+    asdic_picture_options options = asdic_picture_options_default();
+    options.db_low = -100.0;
+    options.db_high = 0.0;
+    options.colormap = ASDIC_COLORMAP_GRAY;
+    size_t width, height;
+    assert_int_equal(asdic_picture_raster(ctx, file_in_folder("r.png"), &ramp, &options), ASDIC_OK);
+    uint8_t *rgb = decode(file_in_folder("r.png"), PNG_FORMAT_RGB, &width, &height);
+    assert_int_equal(width, 8);
+    assert_int_equal(height, 2);
+    for (size_t i = 0; i < 16; i++) {
+        assert_int_equal(pixel(rgb, 8, i % 8, i / 8), grey[i] * 0x010101u);
+    }
+    free(rgb);
+}
+
+static void raw_is_linear_in_the_window(void **state) {
+    (void)state;
+    asdic_picture_options options = asdic_picture_options_default();
+    options.db_low = -100.0;
+    options.db_high = 0.0;
+    assert_int_equal(asdic_picture_raw(ctx, file_in_folder("g.png"), &ramp, &options), ASDIC_OK);
+    FILE *file = fopen(file_in_folder("g.png"), "rb");
+    assert_non_null(file);
+    png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, NULL, NULL, NULL);
+    png_infop info = png_create_info_struct(png);
+    png_init_io(png, file);
+    png_read_png(png, info, PNG_TRANSFORM_IDENTITY, NULL);
+    assert_int_equal(png_get_bit_depth(png, info), 16);
+    assert_int_equal(png_get_color_type(png, info), PNG_COLOR_TYPE_GRAY);
+    png_bytepp rows = png_get_rows(png, info);
+    for (size_t i = 0; i < 16; i++) {
+        unsigned grey = (unsigned)rows[i / 8][2 * (i % 8)] << 8 | rows[i / 8][2 * (i % 8) + 1];
+        double share = fmin(fmax(ramp_db[i] / 100.0 + 1.0, 0.0), 1.0);
+        assert_close(grey, isfinite(ramp_db[i]) ? 1.0 + 65534.0 * share : 0.0, 0.51, 0.0);
+    }
+    png_destroy_read_struct(&png, &info, NULL);
+    fclose(file);
+    unlink(file_in_folder("g.png"));
+}
+
+static void colormaps_have_their_published_ends(void **state) {
+    (void)state;
+    /* viridis, inferno: CC0 tables; cividis: Nunez et al. 2018; gray, copper: linear ramps. */
+    const uint32_t ends[ASDIC_COLORMAP_COUNT][2] = {{0x440154, 0xfde725},
+                                                    {0x00224e, 0xfee838},
+                                                    {0x000004, 0xfcffa4},
+                                                    {0x000000, 0xffffff},
+                                                    {0x000000, 0xffc77f}};
+    const float levels_db[2] = {-1000.0f, 1000.0f};
+    const asdic_waterfall two = {.levels_db = levels_db, .pings = 1, .bins = 2, .bin_length_m = 1};
+    asdic_picture_options options = asdic_picture_options_default();
+    for (int map = 0; map < ASDIC_COLORMAP_COUNT; map++) {
+        asdic_colormap found;
+        size_t width, height;
+        assert_true(asdic_colormap_find(asdic_colormap_name((asdic_colormap)map), &found));
+        assert_int_equal(found, map);
+        options.colormap = found;
+        asdic_picture_raster(ctx, file_in_folder("m.png"), &two, &options);
+        uint8_t *rgb = decode(file_in_folder("m.png"), PNG_FORMAT_RGB, &width, &height);
+        assert_int_equal(pixel(rgb, 2, 0, 0), ends[map][0]);
+        assert_int_equal(pixel(rgb, 2, 1, 0), ends[map][1]);
+        free(rgb);
+    }
+    assert_false(asdic_colormap_find("jet", &(asdic_colormap){0}));
+}
+
+static void gain_is_for_display_only(void **state) {
+    (void)state;
+    /* 20 log r + 2 r at the centre of a bin of 20 m: r = 10 m: 20 + 20 dB: -90 is shown as -50. */
+    const float level_db = -90.0f;
+    const asdic_waterfall one = {
+        .levels_db = &level_db, .pings = 1, .bins = 1, .bin_length_m = 20.0};
+    asdic_picture_options options = asdic_picture_options_default();
+    options.db_low = -100.0;
+    options.db_high = 0.0;
+    options.colormap = ASDIC_COLORMAP_GRAY;
+    options.tvg_db_per_decade = 20.0;
+    options.tvg_db_per_m = 2.0;
+    size_t width, height;
+    asdic_picture_raster(ctx, file_in_folder("t.png"), &one, &options);
+    uint8_t *rgb = decode(file_in_folder("t.png"), PNG_FORMAT_RGB, &width, &height);
+    assert_int_equal(rgb[0], 128);
+    free(rgb);
+}
+
+static void text_chunks_are_there(void **state) {
+    (void)state;
+    const char *const texts[] = {"Software", "asdic", "Scene", "Gr\u00fc\u00dfe, 1 \u00b5Pa", NULL};
+    asdic_picture_options options = asdic_picture_options_default();
+    options.texts = texts;
+    assert_int_equal(asdic_picture_waterfall(ctx, file_in_folder("w.png"), &ramp, &options),
+                     ASDIC_OK);
+    FILE *file = fopen(file_in_folder("w.png"), "rb");
+    png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, NULL, NULL, NULL);
+    png_infop info = png_create_info_struct(png);
+    png_init_io(png, file);
+    png_read_png(png, info, PNG_TRANSFORM_IDENTITY, NULL);
+    png_textp found;
+    int count;
+    assert_int_equal(png_get_text(png, info, &found, &count), 2);
+    for (int i = 0; i < 2; i++) {
+        assert_string_equal(found[i].key, texts[2 * i]);
+        assert_string_equal(found[i].text, texts[2 * i + 1]);
+    }
+    png_destroy_read_struct(&png, &info, NULL);
+    fclose(file);
+    unlink(file_in_folder("w.png"));
+}
+
+static size_t count_color(const uint8_t *rgb, size_t pixels, uint32_t color) {
+    size_t count = 0;
+    for (size_t i = 0; i < pixels; i++) {
+        count += pixel(rgb, pixels, i, 0) == color;
+    }
+    return count;
+}
+
+/* One saturated level among low ones covers its share of the plot: 1 / (pings * bins). */
+static void waterfall_shows_every_level(void **state) {
+    (void)state;
+    const struct {
+        size_t pings, bins, expected;
+    } cases[] = {{1, 1, 1}, {1, 150, 150}, {3, 5, 15}, {100, 50, 5000}};
+    asdic_picture_options options = asdic_picture_options_default();
+    options.title = "a title";
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        size_t levels = cases[k].pings * cases[k].bins, width, height;
+        float *levels_db = malloc(levels * sizeof *levels_db);
+        for (size_t i = 0; i < levels; i++) {
+            levels_db[i] = -200.0f;
+        }
+        levels_db[levels / 2] = 0.0f;
+        asdic_waterfall picture = {.levels_db = levels_db,
+                                   .pings = cases[k].pings,
+                                   .bins = cases[k].bins,
+                                   .bin_length_m = 0.5,
+                                   .ping_period_s = 0.1};
+        assert_int_equal(asdic_picture_waterfall(ctx, file_in_folder("s.png"), &picture, &options),
+                         ASDIC_OK);
+        uint8_t *rgb = decode(file_in_folder("s.png"), PNG_FORMAT_RGB, &width, &height);
+        size_t high = count_color(rgb, width * height, 0xfde725);
+        size_t low = count_color(rgb, width * height, 0x440154);
+        double share = (double)high / (double)(high + low);
+        /* The colour bar holds a few of either. */
+        assert_close(share, 1.0 / (double)levels, 2e-3, 0.0);
+        assert_true(width <= 1400 && height <= 1300);
+        free(rgb);
+        free(levels_db);
+    }
+}
+
+static void waterfall_averages_energy(void **state) {
+    (void)state;
+    /* 4000 bins are averaged by four: 0 dB beside three empty ones is 10 log 1/4 = -6.02 dB. */
+    float levels_db[4000];
+    for (size_t i = 0; i < 4000; i++) {
+        levels_db[i] = i % 4 == 0 ? 0.0f : -INFINITY;
+    }
+    asdic_waterfall picture = {
+        .levels_db = levels_db, .pings = 1, .bins = 4000, .bin_length_m = 0.1};
+    asdic_picture_options options = asdic_picture_options_default();
+    options.colormap = ASDIC_COLORMAP_GRAY;
+    options.db_low = -6.1;
+    options.db_high = -5.9; /* -6.0206: index floor(256 * 0.397) = 101 */
+    size_t width, height;
+    assert_int_equal(asdic_picture_waterfall(ctx, file_in_folder("a.png"), &picture, &options),
+                     ASDIC_OK);
+    uint8_t *rgb = decode(file_in_folder("a.png"), PNG_FORMAT_RGB, &width, &height);
+    size_t shown = count_color(rgb, width * height, 101 * 0x010101u);
+    assert_true(shown >= 1000 * (asdic_picture_annotated() ? 100 : 1));
+    free(rgb);
+}
+
+static void fan_starboard_is_right(void **state) {
+    (void)state;
+    /* Three beams, the starboard one hot. */
+    const float levels_db[3] = {-200.0f, -200.0f, 0.0f};
+    const double bearing_rad[3] = {-0.5, 0.0, 0.5};
+    const asdic_fan fan = {.levels_db = levels_db,
+                           .bearing_rad = bearing_rad,
+                           .beams = 3,
+                           .bins = 1,
+                           .bin_length_m = 9};
+    asdic_picture_options options = asdic_picture_options_default();
+    size_t width, height, left = 0, right = 0;
+    assert_int_equal(asdic_picture_fan(ctx, file_in_folder("f.png"), &fan, &options), ASDIC_OK);
+    uint8_t *rgb = decode(file_in_folder("f.png"), PNG_FORMAT_RGB, &width, &height);
+    for (size_t i = 0; i < width * height; i++) {
+        if (pixel(rgb, width * height, i, 0) == 0xfde725) {
+            left += i % width < width / 3;
+            right += i % width > width / 3;
+        }
+    }
+    assert_int_equal(left, 0);
+    assert_true(right > 10000);
+    free(rgb);
+    const double falling[3] = {0.5, 0.0, -0.5};
+    asdic_fan wrong = fan;
+    wrong.bearing_rad = falling;
+    assert_int_equal(asdic_picture_fan(ctx, file_in_folder("f.png"), &wrong, &options),
+                     ASDIC_ERROR_ARGUMENT);
+}
+
+static void ascope_draws_its_curves(void **state) {
+    (void)state;
+    float levels_db[50];
+    for (size_t i = 0; i < 50; i++) {
+        levels_db[i] = i == 25 ? NAN : -100.0f - (float)i;
+    }
+    asdic_ascope scope = {.title = "beam",
+                          .bins = 50,
+                          .bin_length_m = 0.5,
+                          .total_db = levels_db,
+                          .bottom_db = levels_db,
+                          .volume_db = levels_db};
+    asdic_picture_options options = asdic_picture_options_default();
+    asdic_status status = asdic_picture_ascope(ctx, file_in_folder("p.png"), &scope, 1, &options);
+    if (!asdic_picture_annotated()) {
+        assert_int_equal(status, ASDIC_ERROR_UNSUPPORTED);
+        return;
+    }
+    assert_int_equal(status, ASDIC_OK);
+    size_t width, height;
+    uint8_t *rgb = decode(file_in_folder("p.png"), PNG_FORMAT_RGB, &width, &height);
+    assert_true(count_color(rgb, width * height, 0x000000) > 500); /* the total, bold */
+    free(rgb);
+    const char *const vector_files[] = {"p.pdf", "p.svg"};
+    for (int i = 0; i < 2; i++) {
+        struct stat st;
+        const char *path = file_in_folder(vector_files[i]);
+        assert_int_equal(asdic_picture_ascope(ctx, path, &scope, 1, &options), ASDIC_OK);
+        assert_int_equal(stat(path, &st), 0);
+        assert_true(st.st_size > 2000);
+        unlink(path);
+    }
+}
+
+static void failures_leave_nothing(void **state) {
+    (void)state;
+    asdic_picture_options options = asdic_picture_options_default();
+    assert_int_equal(asdic_picture_raster(ctx, "/dev/full", &ramp, &options), ASDIC_ERROR_IO);
+    assert_non_null(strstr(asdic_context_error(ctx), "/dev/full"));
+    assert_int_equal(asdic_picture_raster(ctx, file_in_folder("no/r.png"), &ramp, &options),
+                     ASDIC_ERROR_IO);
+    options.db_high = options.db_low;
+    assert_int_equal(asdic_picture_raster(ctx, file_in_folder("r.png"), &ramp, &options),
+                     ASDIC_ERROR_ARGUMENT);
+    options = asdic_picture_options_default();
+    asdic_waterfall none = ramp;
+    none.pings = 0;
+    assert_int_equal(asdic_picture_waterfall(ctx, file_in_folder("r.png"), &none, &options),
+                     ASDIC_ERROR_ARGUMENT);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(raster_byte_for_byte),
+        cmocka_unit_test(raw_is_linear_in_the_window),
+        cmocka_unit_test(colormaps_have_their_published_ends),
+        cmocka_unit_test(gain_is_for_display_only),
+        cmocka_unit_test(text_chunks_are_there),
+        cmocka_unit_test(waterfall_shows_every_level),
+        cmocka_unit_test(waterfall_averages_energy),
+        cmocka_unit_test(fan_starboard_is_right),
+        cmocka_unit_test(ascope_draws_its_curves),
+        cmocka_unit_test(failures_leave_nothing),
+    };
+    return cmocka_run_group_tests(tests, set_up, tear_down);
+}
