@@ -1,6 +1,6 @@
 #include "axis.h"
 
-#include "number.h"
+#include "digits.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -20,7 +20,7 @@ double asdic_axis_step(double span, size_t max_count) {
 }
 
 void asdic_axis_label(char label[24], double value, double step) {
-    char number[ASDIC_NUMBER_SIZE];
+    char number[ASDIC_DIGITS_SIZE];
     char format[8] = "%.0f";
     int decimals = step > 0.0 ? (int)ceil(-log10(step) - 1e-9) : 0;
     if (decimals > 0) {
@@ -32,7 +32,7 @@ void asdic_axis_label(char label[24], double value, double step) {
     if (fabs(value) >= 1e7) {
         strcpy(format, "%.3g");
     }
-    asdic_number_print(number, format, fabs(value));
+    asdic_digits_print(number, format, fabs(value));
     snprintf(label, 24, "%s%.18s", value < 0.0 ? "\u2212" : "", number);
 }
 

@@ -2,7 +2,7 @@
 
 #include "base/context.h"
 #include "colormap.h"
-#include "number.h"
+#include "digits.h"
 #include "png_file.h"
 #include "raster.h"
 
@@ -48,12 +48,12 @@ static void append(char *note, const char *statement) {
 }
 
 static void note_gain(char *note, const asdic_picture_options *options) {
-    char text[128], spread[ASDIC_NUMBER_SIZE], loss[ASDIC_NUMBER_SIZE];
+    char text[128], spread[ASDIC_DIGITS_SIZE], loss[ASDIC_DIGITS_SIZE];
     if (options->tvg_db_per_decade == 0.0 && options->tvg_db_per_m == 0.0) {
         return;
     }
-    asdic_number_print(spread, "%g", options->tvg_db_per_decade);
-    asdic_number_print(loss, "%g", options->tvg_db_per_m);
+    asdic_digits_print(spread, "%g", options->tvg_db_per_decade);
+    asdic_digits_print(loss, "%g", options->tvg_db_per_m);
     snprintf(text, sizeof text, "time-varied gain for display: %s log r + %s r dB", spread, loss);
     append(note, text);
 }

@@ -3,7 +3,7 @@
  */
 #include "../assert_close.h"
 
-#include "out/number.h"
+#include "out/digits.h"
 
 #include <locale.h>
 #include <math.h>
@@ -13,8 +13,8 @@
 #include <string.h>
 
 static void same_as_printf(float value) {
-    char mine[ASDIC_NUMBER_SIZE], theirs[64];
-    size_t length = asdic_number_float(mine, value);
+    char mine[ASDIC_DIGITS_SIZE], theirs[64];
+    size_t length = asdic_digits_float(mine, value);
     snprintf(theirs, sizeof theirs, "%.9g", (double)value);
     assert_string_equal(mine, theirs);
     assert_int_equal(length, strlen(theirs));
@@ -50,26 +50,26 @@ static void float_is_printf_9g(void **state) {
 
 static void nothing_is_an_empty_field(void **state) {
     (void)state;
-    char text[ASDIC_NUMBER_SIZE];
-    assert_int_equal(asdic_number_float(text, -INFINITY), 0);
+    char text[ASDIC_DIGITS_SIZE];
+    assert_int_equal(asdic_digits_float(text, -INFINITY), 0);
     assert_string_equal(text, "");
-    assert_int_equal(asdic_number_float(text, NAN), 0);
-    assert_int_equal(asdic_number_double(text, NAN), 0);
+    assert_int_equal(asdic_digits_float(text, NAN), 0);
+    assert_int_equal(asdic_digits_double(text, NAN), 0);
 }
 
 static void double_is_short_and_exact(void **state) {
     (void)state;
-    char text[ASDIC_NUMBER_SIZE];
-    asdic_number_double(text, 0.1);
+    char text[ASDIC_DIGITS_SIZE];
+    asdic_digits_double(text, 0.1);
     assert_string_equal(text, "0.1");
-    asdic_number_double(text, 1719838800.125);
+    asdic_digits_double(text, 1719838800.125);
     assert_string_equal(text, "1719838800.125");
     const double values[] = {1.0 / 3.0, 0.1 + 0.2, 1e300, -2.5e-300, 37.25};
     for (size_t i = 0; i < sizeof values / sizeof *values; i++) {
-        asdic_number_double(text, values[i]);
+        asdic_digits_double(text, values[i]);
         assert_true(strtod(text, NULL) == values[i]);
     }
-    asdic_number_natural(text, UINT64_MAX);
+    asdic_digits_natural(text, UINT64_MAX);
     assert_string_equal(text, "18446744073709551615");
 }
 
@@ -78,10 +78,10 @@ static void locale_does_not_matter(void **state) {
     if (!setlocale(LC_NUMERIC, "de_DE.UTF-8") && !setlocale(LC_NUMERIC, "fr_FR.UTF-8")) {
         skip();
     }
-    char text[ASDIC_NUMBER_SIZE];
-    asdic_number_float(text, 1.5e-7f);
+    char text[ASDIC_DIGITS_SIZE];
+    asdic_digits_float(text, 1.5e-7f);
     bool has_comma = strchr(text, ',') != NULL;
-    asdic_number_double(text, 0.25);
+    asdic_digits_double(text, 0.25);
     has_comma = has_comma || strchr(text, ',');
     setlocale(LC_NUMERIC, "C");
     assert_false(has_comma);

@@ -1,4 +1,4 @@
-#include "number.h"
+#include "digits.h"
 
 #include <locale.h>
 #include <math.h>
@@ -10,17 +10,17 @@
 #pragma GCC diagnostic ignored "-Wformat-nonliteral"
 
 /* Switches this thread to the C locale; LC_NUMERIC of the process would print decimal commas. */
-size_t asdic_number_print(char text[ASDIC_NUMBER_SIZE], const char *format, double value) {
+size_t asdic_digits_print(char text[ASDIC_DIGITS_SIZE], const char *format, double value) {
     locale_t c = newlocale(LC_ALL_MASK, "C", (locale_t)0);
     locale_t before = uselocale(c);
-    int length = snprintf(text, ASDIC_NUMBER_SIZE, format, value);
+    int length = snprintf(text, ASDIC_DIGITS_SIZE, format, value);
     uselocale(before);
     freelocale(c);
     if (length < 0) {
         text[0] = 0;
         return 0;
     }
-    return length < ASDIC_NUMBER_SIZE ? (size_t)length : ASDIC_NUMBER_SIZE - 1;
+    return length < ASDIC_DIGITS_SIZE ? (size_t)length : ASDIC_DIGITS_SIZE - 1;
 }
 
 static double read_back(const char *text) {
@@ -30,7 +30,7 @@ static double read_back(const char *text) {
     return value;
 }
 
-size_t asdic_number_double(char text[ASDIC_NUMBER_SIZE], double value) {
+size_t asdic_digits_double(char text[ASDIC_DIGITS_SIZE], double value) {
     static const char *const formats[] = {"%.15g", "%.16g", "%.17g"};
     text[0] = 0;
     if (!isfinite(value)) {
@@ -38,7 +38,7 @@ size_t asdic_number_double(char text[ASDIC_NUMBER_SIZE], double value) {
     }
     size_t length = 0;
     for (int i = 0; i < 3; i++) {
-        length = asdic_number_print(text, formats[i], value);
+        length = asdic_digits_print(text, formats[i], value);
         if (read_back(text) == value) {
             break;
         }
@@ -46,7 +46,7 @@ size_t asdic_number_double(char text[ASDIC_NUMBER_SIZE], double value) {
     return length;
 }
 
-size_t asdic_number_natural(char text[ASDIC_NUMBER_SIZE], uint64_t value) {
+size_t asdic_digits_natural(char text[ASDIC_DIGITS_SIZE], uint64_t value) {
     char digits[20];
     size_t count = 0;
     do {
@@ -71,7 +71,7 @@ static size_t place_point(char *text, uint64_t digits, int shift) {
     }
     size_t length = 0;
     uint64_t scale = (uint64_t)powers[shift];
-    length += asdic_number_natural(text, digits / scale);
+    length += asdic_digits_natural(text, digits / scale);
     if (shift > 0) {
         text[length++] = '.';
         uint64_t fraction = digits % scale;
@@ -88,7 +88,7 @@ static size_t place_point(char *text, uint64_t digits, int shift) {
 /* Levels are 1e-4 .. 1e9 in magnitude but for rare exceptions. There a float (24 bits) times the
  * power of ten that leaves nine digits before the point (at most 10^12 = 5^12 2^12, 28 bits) is
  * exact in double, so that rounding it once gives printf's digits at a tenth of its cost. */
-size_t asdic_number_float(char text[ASDIC_NUMBER_SIZE], float value) {
+size_t asdic_digits_float(char text[ASDIC_DIGITS_SIZE], float value) {
     double magnitude = fabs((double)value);
     text[0] = 0;
     if (!isfinite(value)) {
@@ -100,7 +100,7 @@ size_t asdic_number_float(char text[ASDIC_NUMBER_SIZE], float value) {
         return 1;
     }
     if (magnitude < 1e-4 || magnitude >= 1e8) {
-        return asdic_number_print(text, "%.9g", value);
+        return asdic_digits_print(text, "%.9g", value);
     }
     int shift = 8;
     while (shift > 0 && magnitude >= powers[9 - shift]) {
