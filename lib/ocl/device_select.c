@@ -74,17 +74,19 @@ static asdic_status select_pairs(asdic_context *ctx, const asdic_listed *list, s
     }
 }
 
-/* The first usable GPU, else accelerator, else processor, else anything. */
+/* Among the usable a GPU, else an accelerator, else a processor; among equals the one with the most
+ * compute units, then the first. */
 static void select_auto(const asdic_listed *list, size_t count, size_t *chosen,
                         size_t *chosen_count) {
     static const asdic_device_kind order[] = {ASDIC_DEVICE_GPU, ASDIC_DEVICE_ACCELERATOR,
                                               ASDIC_DEVICE_CPU, ASDIC_DEVICE_OTHER};
-    for (size_t k = 0; k < sizeof order / sizeof order[0]; k++) {
+    for (size_t k = 0; k < sizeof order / sizeof order[0] && *chosen_count == 0; k++) {
         for (size_t i = 0; i < count; i++) {
-            if (list[i].info.usable && list[i].info.kind == order[k]) {
+            const asdic_device_info *info = &list[i].info;
+            if (info->usable && info->kind == order[k] &&
+                (*chosen_count == 0 || info->compute_units > list[chosen[0]].info.compute_units)) {
                 chosen[0] = i;
                 *chosen_count = 1;
-                return;
             }
         }
     }

@@ -56,6 +56,17 @@ static void auto_prefers_gpu_then_accelerator_then_processor(void **state) {
     assert_chosen("auto", 1, 0, 0);
 }
 
+static void auto_takes_the_largest_of_a_kind(void **state) {
+    (void)state;
+    machine[0].info.compute_units = machine[1].info.compute_units = 2;
+    assert_ok(ctx, choose(2, "auto"));
+    assert_int_equal(chosen[0], 0);
+    machine[1].info.compute_units = 8;
+    assert_ok(ctx, choose(2, "auto"));
+    assert_int_equal(chosen_count, 1);
+    assert_int_equal(chosen[0], 1);
+}
+
 static void kinds_choose_all_usable_of_the_kind(void **state) {
     (void)state;
     assert_chosen("cpu", 2, 0, 1);
@@ -115,6 +126,7 @@ static void nonsense_is_an_argument_error(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup(auto_prefers_gpu_then_accelerator_then_processor, setup),
+        cmocka_unit_test_setup(auto_takes_the_largest_of_a_kind, setup),
         cmocka_unit_test_setup(kinds_choose_all_usable_of_the_kind, setup),
         cmocka_unit_test_setup(pairs_choose_in_the_order_given, setup),
         cmocka_unit_test_setup(names_match_in_part_and_any_case, setup),

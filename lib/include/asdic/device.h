@@ -2,7 +2,7 @@
  * OpenCL devices: list them, choose them, open them.
  *
  * A selector is what `--device` takes: "auto" (a GPU if there is one, else an accelerator, else a
- * CPU), "all", "cpu", "gpu", "acc", "P:D" (platform:device as listed), "P:D,P:D", or "name:TEXT"
+ * CPU; of several the one with the most compute units), "all", "cpu", "gpu", "acc", "P:D" (platform:device as listed), "P:D,P:D", or "name:TEXT"
  * (case-insensitive part of the device's or platform's name). Nothing is required of a device
  * beyond OpenCL 1.2 and single precision; what it lacks is worked around and listed here.
  */
@@ -32,7 +32,7 @@ typedef struct asdic_device_info {
     size_t max_work_group;
     uint64_t global_bytes, local_bytes, max_alloc_bytes;
     bool has_fp64, has_int64_atomics, available, has_compiler;
-    bool usable;           /* OpenCL >= 1.2, available, with a compiler, little-endian */
+    bool usable;           /* OpenCL >= 1.2, available, with a compiler, this byte order */
     char unusable_why[160]; /* "" when usable */
 } asdic_device_info;
 

@@ -1,0 +1,93 @@
+/*
+ * What a command of the asdic program is made of: one table row per command and per option, from
+ * which parsing, --help, man pages and completions are made; and the few calls a command needs.
+ *
+ * To add a command: write cli/cmd_<name>.c with a `const cli_command cli_<name>_command`, declare
+ * it in commands.h, add it to commands.c and to cli/meson.build. A command sees public headers
+ * only, prints data on stdout and messages through the calls below, and returns an exit code.
+ */
+#ifndef ASDIC_CLI_H
+#define ASDIC_CLI_H
+
+#include <stdio.h>
+
+#include <asdic/asdic.h>
+
+/* Exit codes. An interrupted command ends with 128 + signal. */
+#define CLI_OK 0
+#define CLI_FAILED 1 /* while running: input and output, memory, device lost */
+#define CLI_USAGE 2
+#define CLI_INPUT 3  /* bad input file */
+#define CLI_DEVICE 4 /* no usable device, or its compiler refused the kernels */
+
+typedef struct cli_option {
+    const char *name; /* without dashes; NULL ends a table */
+    char letter;      /* 'o' for -o; 0: none */
+    const char *arg;  /* what it takes, as shown ("N", "DIR"); NULL: a flag */
+    const char *help; /* half a sentence, no full stop */
+} cli_option;
+
+typedef struct cli cli;
+
+/* Bits of cli_command.traits. */
+#define CLI_HAS_DEVICE 1u      /* takes --device, see cli_open_devices */
+#define CLI_HAS_JSON 2u        /* takes --json */
+#define CLI_INTERRUPTIBLE 4u   /* asks asdic_context_interrupted: the first signal only asks */
+#define CLI_ANY_NUMBER 0xffffu /* of operands */
+
+typedef struct cli_command {
+    const char *name;
+    const char *operands; /* as shown: "SCENE.yaml"; "" when there are none */
+    unsigned min_operands, max_operands;
+    const char *summary;       /* one line, no full stop */
+    const char *details;       /* paragraphs, wrapped at 78 columns; NULL: none */
+    const cli_option *options; /* its own; NULL: none */
+    unsigned traits;
+    int (*run)(cli *c);
+} cli_command;
+
+/* ---- what was typed -------------------------------------------------------------------------
+ * OPTION is the long name of one of the command's options. The last one given counts. The typed
+ * calls leave *OUT alone when the option was not given; a bad value is reported at once and makes
+ * cli_bad_usage() true, so that a command fetches everything first and then asks once. */
+
+asdic_context *cli_context(const cli *c);
+size_t cli_operand_count(const cli *c);
+const char *cli_operand(const cli *c, size_t index); /* NULL beyond the last */
+
+bool cli_given(const cli *c, const char *option);
+const char *cli_text(const cli *c, const char *option); /* NULL when not given */
+void cli_number(cli *c, const char *option, double low, double high, double *out);
+void cli_integer(cli *c, const char *option, uint64_t low, uint64_t high, uint64_t *out);
+/* LOW:HIGH, both inside [LIMIT_LOW, LIMIT_HIGH] and in order. */
+void cli_number_range(cli *c, const char *option, double limit_low, double limit_high, double *low,
+                      double *high);
+/* FIRST:END, as in Python: [first, end); "A" is A:A+1; a side left out keeps *FIRST or *END. */
+void cli_index_range(cli *c, const char *option, uint64_t *first, uint64_t *end);
+/* K/N with 1 <= K <= N. */
+void cli_share(cli *c, const char *option, uint64_t *k, uint64_t *n);
+/* The position of the word among WORDS, which end with NULL. */
+void cli_choice(cli *c, const char *option, const char *const *words, int *out);
+bool cli_bad_usage(const cli *c);
+
+/* ---- devices --------------------------------------------------------------------------------
+ * Those of --device, else of the environment's ASDIC_DEVICE, else "auto". Closed with
+ * asdic_devices_close. On failure nothing is open; end with cli_end. */
+asdic_status cli_open_devices(cli *c, asdic_device ***out, size_t *count);
+
+/* ---- messages -------------------------------------------------------------------------------
+ * "error: ..." and "warning: ..." on stderr. */
+void cli_error(const cli *c, const char *format, ...) __attribute__((format(printf, 2, 3)));
+void cli_warning(const cli *c, const char *format, ...) __attribute__((format(printf, 2, 3)));
+/* Plain text on stderr, unless --quiet was given. */
+void cli_note(const cli *c, const char *format, ...) __attribute__((format(printf, 2, 3)));
+bool cli_quiet(const cli *c);
+bool cli_colour(const cli *c); /* stderr shows colours */
+
+/* A wrong command line: reports it, points at --help, returns CLI_USAGE. */
+int cli_usage(cli *c, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+/* The exit code for STATUS; reports the context's sentence when STATUS is a failure. */
+int cli_end(const cli *c, asdic_status status);
+
+#endif

@@ -1,0 +1,47 @@
+/*
+ * What stands behind `cli`, for the files that parse and report; commands use cli.h.
+ */
+#ifndef ASDIC_CLI_STATE_H
+#define ASDIC_CLI_STATE_H
+
+#include "cli.h"
+
+#define CLI_MAX_OPTIONS 48
+
+struct cli {
+    asdic_context *ctx;
+    const cli_command *command;
+    const cli_option *options[CLI_MAX_OPTIONS]; /* the command's own, then the common ones */
+    const char *values[CLI_MAX_OPTIONS];        /* NULL: not given; flags: "" */
+    size_t option_count;
+    char **operands;
+    size_t operand_count;
+    int verbosity; /* -1 quiet, 0, 1 verbose, 2 more so */
+    bool colour;
+    bool bad_usage;
+};
+
+/* Gathers the options COMMAND takes. */
+void cli_begin(cli *c, asdic_context *ctx, const cli_command *command);
+
+/* Reads ARGV, whose first word is the command's name. False after a mistake, which is reported. */
+bool cli_parse(cli *c, int argc, char **argv);
+
+/* Help on stdout: of the program, or of one command. */
+void cli_help_program(FILE *out);
+void cli_help_command(FILE *out, const cli_command *command);
+
+/* The nearest of COUNT words to TEXT, or NULL when none looks meant. */
+const char *cli_nearest(const char *text, const char *const *words, size_t count);
+
+/* Sends the library's messages to stderr with the verbosity asked for. */
+void cli_report_begin(cli *c);
+
+/* The first SIGINT or SIGTERM asks CTX to stop, the second ends the program. */
+void cli_signals_begin(asdic_context *ctx);
+int cli_signal_received(void); /* 0: none */
+
+/* Closes stdout; CODE, or what the failure to write makes of it. */
+int cli_close_output(const cli *c, int code);
+
+#endif

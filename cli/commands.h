@@ -1,0 +1,20 @@
+/*
+ * All commands, in the order in which help lists them.
+ */
+#ifndef ASDIC_CLI_COMMANDS_H
+#define ASDIC_CLI_COMMANDS_H
+
+#include "cli.h"
+
+extern const cli_command cli_devices_command;
+extern const cli_command cli_help_command_row;
+
+extern const cli_command *const cli_commands[]; /* ends with NULL */
+
+/* NULL when there is none of that name. */
+const cli_command *cli_find_command(const char *name);
+
+/* "unknown command 'runn'; did you mean 'run'?" */
+void cli_unknown_command(const cli *c, const char *name);
+
+#endif

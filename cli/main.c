@@ -1,0 +1,74 @@
+#include "cli_state.h"
+#include "commands.h"
+
+#include <string.h>
+
+/* Runs C's command with ARGV, whose first word is the command's name. */
+static int run_command(cli *c, int argc, char **argv) {
+    const cli_command *command = c->command;
+    if (!cli_parse(c, argc, argv)) {
+        return CLI_USAGE;
+    }
+    cli_report_begin(c);
+    if (cli_given(c, "help")) {
+        cli_help_command(stdout, command);
+        return CLI_OK;
+    }
+    if (c->operand_count < command->min_operands) {
+        return cli_usage(c, "'%s' needs %s", command->name, command->operands);
+    }
+    if (command->max_operands != CLI_ANY_NUMBER && c->operand_count > command->max_operands) {
+        return cli_usage(c, "'%s' does not take '%s'", command->name,
+                         c->operands[command->max_operands]);
+    }
+    if (command->traits & CLI_INTERRUPTIBLE) {
+        cli_signals_begin(c->ctx);
+    }
+    return command->run(c);
+}
+
+static bool is_one_of(const char *word, const char *a, const char *b) {
+    return strcmp(word, a) == 0 || strcmp(word, b) == 0;
+}
+
+static int run_program(cli *c, int argc, char **argv) {
+    const char *word = argc > 1 ? argv[1] : NULL;
+    if (!word) {
+        cli_help_program(stderr);
+        return CLI_USAGE;
+    }
+    if (is_one_of(word, "--version", "-V")) {
+        printf("asdic %s\n", asdic_version());
+        return CLI_OK;
+    }
+    if (is_one_of(word, "--help", "-h")) {
+        cli_help_program(stdout);
+        return CLI_OK;
+    }
+    if (word[0] == '-') {
+        cli_error(c, "'%s' stands before a command; 'asdic --help' shows the usage", word);
+        return CLI_USAGE;
+    }
+    const cli_command *command = cli_find_command(word);
+    if (!command) {
+        cli_unknown_command(c, word);
+        return CLI_USAGE;
+    }
+    cli_begin(c, c->ctx, command);
+    cli_report_begin(c);
+    return run_command(c, argc - 1, argv + 1);
+}
+
+int main(int argc, char **argv) {
+    cli c;
+    asdic_context *ctx = NULL;
+    if (asdic_context_create(&ctx) != ASDIC_OK) {
+        fputs("error: out of memory\n", stderr);
+        return CLI_FAILED;
+    }
+    cli_begin(&c, ctx, &cli_help_command_row);
+    cli_report_begin(&c);
+    int code = cli_close_output(&c, run_program(&c, argc, argv));
+    asdic_context_destroy(&ctx);
+    return code;
+}

@@ -1,0 +1,151 @@
+/* Messages on stderr, exit codes. */
+#include "cli_state.h"
+
+#include <errno.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#define RED_BOLD "\033[1;31m"
+#define YELLOW_BOLD "\033[1;33m"
+#define PLAIN "\033[0m"
+
+/* https://no-color.org: set and not empty means no colour. */
+static bool terminal_shows_colour(void) {
+    const char *no_color = getenv("NO_COLOR");
+    const char *term = getenv("TERM");
+    return isatty(STDERR_FILENO) && !(no_color && no_color[0]) &&
+           !(term && strcmp(term, "dumb") == 0);
+}
+
+/* "scene.yaml:5:3: error: text" already has its word, other messages get it in front. */
+static void print_message(const cli *c, const char *word, const char *colour, const char *text) {
+    char mark[32];
+    const char *on = c->colour ? colour : "", *off = c->colour ? PLAIN : "";
+    snprintf(mark, sizeof mark, ": %s: ", word);
+    const char *at = strstr(text, mark);
+    if (at) {
+        fprintf(stderr, "%.*s%s%s:%s %s\n", (int)(at + 2 - text), text, on, word, off,
+                at + strlen(mark));
+    } else {
+        fprintf(stderr, "%s%s:%s %s\n", on, word, off, text);
+    }
+}
+
+static void on_log(void *user, asdic_log_level level, const char *message) {
+    const cli *c = user;
+    switch (level) {
+    case ASDIC_LOG_ERROR:
+        print_message(c, "error", RED_BOLD, message);
+        break;
+    case ASDIC_LOG_WARNING:
+        print_message(c, "warning", YELLOW_BOLD, message);
+        break;
+    case ASDIC_LOG_INFO:
+    case ASDIC_LOG_DEBUG:
+        fprintf(stderr, "%s\n", message);
+        break;
+    }
+}
+
+void cli_report_begin(cli *c) {
+    static const asdic_log_level levels[] = {ASDIC_LOG_ERROR, ASDIC_LOG_WARNING, ASDIC_LOG_INFO,
+                                             ASDIC_LOG_DEBUG};
+    c->colour = terminal_shows_colour();
+    asdic_context_set_log(c->ctx, levels[c->verbosity + 1], on_log, c);
+}
+
+static void print_formatted(const cli *c, asdic_log_level level, const char *format, va_list args) {
+    char text[2048];
+    vsnprintf(text, sizeof text, format, args);
+    on_log((void *)(uintptr_t)c, level, text);
+}
+
+void cli_error(const cli *c, const char *format, ...) {
+    va_list args;
+    va_start(args, format);
+    print_formatted(c, ASDIC_LOG_ERROR, format, args);
+    va_end(args);
+}
+
+void cli_warning(const cli *c, const char *format, ...) {
+    if (c->verbosity >= 0) {
+        va_list args;
+        va_start(args, format);
+        print_formatted(c, ASDIC_LOG_WARNING, format, args);
+        va_end(args);
+    }
+}
+
+void cli_note(const cli *c, const char *format, ...) {
+    if (c->verbosity >= 0) {
+        va_list args;
+        va_start(args, format);
+        print_formatted(c, ASDIC_LOG_INFO, format, args);
+        va_end(args);
+    }
+}
+
+bool cli_quiet(const cli *c) {
+    return c->verbosity < 0;
+}
+
+bool cli_colour(const cli *c) {
+    return c->colour;
+}
+
+int cli_usage(cli *c, const char *format, ...) {
+    va_list args;
+    va_start(args, format);
+    print_formatted(c, ASDIC_LOG_ERROR, format, args);
+    va_end(args);
+    fprintf(stderr, "'asdic %s --help' shows how it is used\n", c->command->name);
+    return CLI_USAGE;
+}
+
+static int exit_code(asdic_status status) {
+    switch (status) {
+    case ASDIC_OK:
+        return CLI_OK;
+    case ASDIC_ERROR_ARGUMENT: /* what a command passes on comes from the command line */
+        return CLI_USAGE;
+    case ASDIC_ERROR_INPUT:
+        return CLI_INPUT;
+    case ASDIC_ERROR_DEVICE:
+        return CLI_DEVICE;
+    case ASDIC_ERROR_INTERRUPTED:
+        return cli_signal_received() ? 128 + cli_signal_received() : CLI_FAILED;
+    case ASDIC_ERROR_DEVICE_LOST:
+    case ASDIC_ERROR_MEMORY:
+    case ASDIC_ERROR_IO:
+    case ASDIC_ERROR_EXISTS:
+    case ASDIC_ERROR_UNSUPPORTED:
+        break;
+    }
+    return CLI_FAILED;
+}
+
+int cli_end(const cli *c, asdic_status status) {
+    const char *text = asdic_context_error(c->ctx);
+    if (status == ASDIC_ERROR_INTERRUPTED) {
+        cli_note(c, "%s", text[0] ? text : "interrupted");
+    } else if (status != ASDIC_OK) {
+        cli_error(c, "%s", text[0] ? text : asdic_status_text(status));
+    }
+    return exit_code(status);
+}
+
+int cli_close_output(const cli *c, int code) {
+    bool failed = ferror(stdout) != 0;
+    errno = 0;
+    if (fclose(stdout) != 0 || failed) {
+        if (errno == EPIPE) {
+            return 128 + 13; /* as if SIGPIPE, which somebody ignored, had ended us */
+        }
+        cli_error(c, "cannot write to standard output: %s",
+                  errno ? strerror(errno) : "an earlier write failed");
+        return code == CLI_OK ? CLI_FAILED : code;
+    }
+    return code;
+}

@@ -1,0 +1,185 @@
+/* What was typed, as values. The program never leaves the "C" locale, so strtod is safe. */
+#include "cli_state.h"
+
+#include <ctype.h>
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+asdic_context *cli_context(const cli *c) {
+    return c->ctx;
+}
+
+size_t cli_operand_count(const cli *c) {
+    return c->operand_count;
+}
+
+const char *cli_operand(const cli *c, size_t index) {
+    return index < c->operand_count ? c->operands[index] : NULL;
+}
+
+const char *cli_text(const cli *c, const char *option) {
+    for (size_t i = 0; i < c->option_count; i++) {
+        if (strcmp(c->options[i]->name, option) == 0) {
+            return c->values[i];
+        }
+    }
+    abort(); /* the command asks for an option that its table lacks */
+}
+
+bool cli_given(const cli *c, const char *option) {
+    return cli_text(c, option) != NULL;
+}
+
+bool cli_bad_usage(const cli *c) {
+    return c->bad_usage;
+}
+
+static void bad(cli *c, const char *option, const char *expected) {
+    cli_error(c, "option '--%s': '%s' is not %s", option, cli_text(c, option), expected);
+    c->bad_usage = true;
+}
+
+/* A finite number at TEXT that ends at *END. */
+static bool read_number(const char *text, double *out, const char **end) {
+    char *stop;
+    if (isspace((unsigned char)text[0])) {
+        return false;
+    }
+    *out = strtod(text, &stop);
+    *end = stop;
+    return stop != text && isfinite(*out);
+}
+
+static bool read_integer(const char *text, uint64_t *out, const char **end) {
+    char *stop;
+    if (!isdigit((unsigned char)text[0])) {
+        return false;
+    }
+    errno = 0;
+    *out = strtoull(text, &stop, 10);
+    *end = stop;
+    return errno == 0;
+}
+
+void cli_number(cli *c, const char *option, double low, double high, double *out) {
+    const char *text = cli_text(c, option), *end;
+    double value;
+    char expected[96];
+    if (!text) {
+        return;
+    }
+    if (!read_number(text, &value, &end) || *end != '\0' || value < low || value > high) {
+        snprintf(expected, sizeof expected, "a number in [%g, %g]", low, high);
+        bad(c, option, expected);
+        return;
+    }
+    *out = value;
+}
+
+void cli_integer(cli *c, const char *option, uint64_t low, uint64_t high, uint64_t *out) {
+    const char *text = cli_text(c, option), *end;
+    uint64_t value;
+    char expected[96];
+    if (!text) {
+        return;
+    }
+    if (!read_integer(text, &value, &end) || *end != '\0' || value < low || value > high) {
+        snprintf(expected, sizeof expected, "a whole number in [%llu, %llu]",
+                 (unsigned long long)low, (unsigned long long)high);
+        bad(c, option, expected);
+        return;
+    }
+    *out = value;
+}
+
+void cli_number_range(cli *c, const char *option, double limit_low, double limit_high, double *low,
+                      double *high) {
+    const char *text = cli_text(c, option), *end;
+    double a, b;
+    char expected[128];
+    if (!text) {
+        return;
+    }
+    if (!read_number(text, &a, &end) || *end != ':' || !read_number(end + 1, &b, &end) ||
+        *end != '\0' || a >= b || a < limit_low || b > limit_high) {
+        snprintf(expected, sizeof expected, "LOW:HIGH with %g <= LOW < HIGH <= %g", limit_low,
+                 limit_high);
+        bad(c, option, expected);
+        return;
+    }
+    *low = a;
+    *high = b;
+}
+
+void cli_index_range(cli *c, const char *option, uint64_t *first, uint64_t *end) {
+    const char *text = cli_text(c, option);
+    uint64_t a = *first, b = *end;
+    bool good = true;
+    if (!text) {
+        return;
+    }
+    if (*text != ':') {
+        good = read_integer(text, &a, &text);
+        if (good && *text == '\0') {
+            b = a + 1;
+        }
+    }
+    if (good && *text == ':') {
+        text++;
+        if (*text != '\0') {
+            good = read_integer(text, &b, &text);
+        }
+    }
+    if (!good || *text != '\0' || a >= b) {
+        bad(c, option, "FIRST:END with FIRST < END, counted from 0, END left out");
+        return;
+    }
+    *first = a;
+    *end = b;
+}
+
+void cli_share(cli *c, const char *option, uint64_t *k, uint64_t *n) {
+    const char *text = cli_text(c, option), *end;
+    uint64_t a, b;
+    if (!text) {
+        return;
+    }
+    if (!read_integer(text, &a, &end) || *end != '/' || !read_integer(end + 1, &b, &end) ||
+        *end != '\0' || a < 1 || a > b) {
+        bad(c, option, "K/N with 1 <= K <= N");
+        return;
+    }
+    *k = a;
+    *n = b;
+}
+
+void cli_choice(cli *c, const char *option, const char *const *words, int *out) {
+    const char *text = cli_text(c, option);
+    char expected[256] = "one of";
+    size_t count = 0;
+    if (!text) {
+        return;
+    }
+    for (; words[count]; count++) {
+        if (strcmp(words[count], text) == 0) {
+            *out = (int)count;
+            return;
+        }
+        size_t length = strlen(expected);
+        snprintf(expected + length, sizeof expected - length, "%s %s", count ? "," : "",
+                 words[count]);
+    }
+    const char *near = cli_nearest(text, words, count);
+    if (near) {
+        size_t length = strlen(expected);
+        snprintf(expected + length, sizeof expected - length, "; did you mean '%s'?", near);
+    }
+    bad(c, option, expected);
+}
+
+asdic_status cli_open_devices(cli *c, asdic_device ***out, size_t *count) {
+    const char *selector = cli_text(c, "device");
+    return asdic_devices_open(c->ctx, selector ? selector : getenv("ASDIC_DEVICE"), out, count);
+}
