@@ -159,13 +159,13 @@ static real relative_loss(__global const dev_ping *ping, real range, real center
 }
 
 /* An echo of ENERGY (relative to TL d^2 at RANGE) at RANGE, spread over FOOTPRINT metres of range,
- * at most one bin; nothing outside [blanking, range] or nearer than NEAREST. */
+ * at most half a bin (more leaks from the nadir's spike into its neighbours); nothing outside [blanking, range] or nearer than NEAREST. */
 static split_echo split(__global const dev_ping *ping, real at, real nearest, real energy,
                         real footprint) {
     split_echo e;
     real bin = (real)(ping->bin_m);
     real range = r_min(r_max(at, (real)(ping->blanking_m)), (real)(ping->range_m));
-    real half_width = R(0.5) * r_min(footprint, bin);
+    real half_width = R(0.5) * r_min(footprint, R(0.5) * bin);
     real lo = r_max(range - half_width, r_max(nearest, (real)(ping->blanking_m)));
     real hi = r_min(range + half_width, (real)(ping->range_m));
     natural last = (natural)(ping->bins - 1u);

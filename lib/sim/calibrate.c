@@ -13,6 +13,9 @@
 
 /* Bins on each side that share a ratio: two pings give one degree of freedom per bin. */
 #define WINDOW 8
+/* A bin's own ratio counts with this factor where it exceeds its neighbours': bins that hold a spike
+ * err unlike them. */
+#define OWN_WEIGHT 0.7
 #define RATIO_LEAST 1e-4
 #define RATIO_MOST 16.0
 
@@ -32,7 +35,7 @@ static void smooth_ratios(asdic_simulator *sim, size_t beam, const asdic_ping *a
     for (size_t bin = 0; bin < sim->bins; bin++) {
         size_t first = bin > WINDOW ? bin - WINDOW : 0;
         size_t last = bin + WINDOW < sim->bins ? bin + WINDOW : sim->bins - 1;
-        double sum = 0.0, count = 0.0;
+        double sum = 0.0, count = 0.0, own = 0.0;
         for (size_t n = first; n <= last; n++) {
             size_t at = beam * sim->bins + n;
             double ratio;
@@ -41,9 +44,10 @@ static void smooth_ratios(asdic_simulator *sim, size_t beam, const asdic_ping *a
             if (cell_ratio(total_a, total_b, stated[n * beams + beam], &ratio)) {
                 sum += ratio;
                 count += 1.0;
+                own = n == bin ? ratio : own;
             }
         }
-        double ratio = count > 0.0 ? sum / count : 1.0;
+        double ratio = fmax(count > 0.0 ? sum / count : 1.0, OWN_WEIGHT * own);
         sim->calibration[bin * beams + beam] =
             (float)sqrt(fmin(fmax(ratio, RATIO_LEAST), RATIO_MOST));
     }

@@ -11,8 +11,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define PILOT_LEAST 1024
-#define PILOT_MOST 16384
 #define PICKED_MOST 8
 /* Share of the density that is learnt; the rest stays even, so that no direction is starved and
  * weights stay bounded whatever the pilot missed. */
@@ -138,10 +136,9 @@ asdic_status asdic_simulator_learn(asdic_simulator *sim, const asdic_pose *pose,
     if (status) {
         return status;
     }
-    uint32_t rays = sim->sampling.rays;
-    ping.rays = rays < PILOT_LEAST ? PILOT_LEAST : rays > PILOT_MOST ? PILOT_MOST : rays;
-    size_t slots = sim->groups * sim->per_group;
-    ping.rays = ping.rays > slots ? (dev_uint)slots : ping.rays;
+    if (ping.rays > ASDIC_PILOT_RAYS) { /* one batch holds that many, see simulator.c */
+        ping.rays = ASDIC_PILOT_RAYS;
+    }
     survey s = {0};
     double q[DEV_TABLE_CELLS] = {0};
     status = survey_run(sim, &ping, &s);

@@ -214,7 +214,8 @@ asdic_status asdic_simulator_create_with(asdic_context *ctx, asdic_device *devic
     sim->bins = asdic_sonar_bin_count(sonar, water.sound_speed_mps);
     sim->cells = sim->bins * sonar->receiver_count;
     sim->groups = group_count(sim->cells);
-    size_t slots = sampling->rays < layout->batch_slots ? sampling->rays : layout->batch_slots;
+    size_t most = layout->batch_slots > ASDIC_PILOT_RAYS ? layout->batch_slots : ASDIC_PILOT_RAYS;
+    size_t slots = sampling->rays < most ? sampling->rays : most;
     sim->per_group = ((slots + sim->groups - 1) / sim->groups + 63) / 64 * 64;
     if ((status = allocate_host(sim)) != ASDIC_OK) {
         goto fail;

@@ -10,6 +10,9 @@
 #include "ocl/ocl.h"
 #include "scene/tracer.h"
 
+/* Rays of a pilot ping, if a ping has as many. */
+#define ASDIC_PILOT_RAYS 16384u
+
 typedef enum asdic_deposit {
     ASDIC_DEPOSIT_OWNED = 0, /* a work-item owns a group's cells */
     ASDIC_DEPOSIT_ATOMIC64 = 1,
@@ -22,7 +25,7 @@ typedef struct asdic_layout {
     unsigned width; /* rays per work-item: 1, 8 or 16 */
     asdic_deposit deposit;
     size_t local;       /* work-group size of the ray kernels */
-    size_t batch_slots; /* rays held on the device at once */
+    size_t batch_slots; /* rays held on the device at once, at least ASDIC_PILOT_RAYS */
 } asdic_layout;
 
 asdic_layout asdic_layout_default(const asdic_device_info *info);

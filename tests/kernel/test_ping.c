@@ -1,0 +1,289 @@
+/* Pings against quadrature, in decibels and in their own standard errors; the same bytes however
+ * the work is laid out. */
+#include "ping_rig.h"
+
+#include "golden/flat_expected.h"
+
+static test_device t;
+
+/* RMS and largest difference of component levels from the golden ones, from 2 m on. */
+static void golden_error(const asdic_ping *ping, asdic_component component, int column, double *rms,
+                         double *most) {
+    double sum = 0.0;
+    int count = 0;
+    *most = 0.0;
+    for (size_t n = 4; n < ping->bins; n++) {
+        double expected = flat_expected_db[n][column];
+        if (isnan(expected)) {
+            assert_true(ping->intensity_lin[component][n] == 0.0);
+            continue;
+        }
+        double d = fabs(asdic_level_db(ping->intensity_lin[component][n]) - expected);
+        sum += d * d;
+        count++;
+        *most = fmax(*most, d);
+    }
+    *rms = sqrt(sum / count);
+}
+
+static void adaptive_meets_quadrature(void **state) {
+    (void)state;
+    static const struct {
+        uint32_t rays;
+        double rms_db, most_db;
+    } cases[] = {{1024, 0.35, 2.0}, {4096, 0.07, 0.5}, {20000, 0.015, 0.1}};
+    ping_rig r = rig_create(&t);
+    r.sonar.receiver_count = 1;
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        r.sampling.rays = cases[k].rays;
+        asdic_ping *ping = rig_shoot(&r, 0, true);
+        assert_int_equal(ping->bins, 149);
+        double rms, most;
+        golden_error(ping, ASDIC_TOTAL, 0, &rms, &most);
+        print_message("%u rays: RMS %.4f dB, most %.4f dB\n", cases[k].rays, rms, most);
+        assert_true(rms < cases[k].rms_db && most < cases[k].most_db);
+        asdic_ping_destroy(&ping);
+    }
+    rig_destroy(&r);
+}
+
+/* Every component of the mean of many pings, in units of the error of that mean. */
+static void every_sampler_is_unbiased(void **state) {
+    (void)state;
+    enum { PINGS = 64 };
+    static const asdic_component component[4] = {ASDIC_TOTAL, ASDIC_BOTTOM, ASDIC_SURFACE,
+                                                 ASDIC_VOLUME};
+    static const uint32_t rays[3] = {20000, 4096, 1u << 16}; /* adaptive, beam, uniform sphere */
+    for (int sampler = 0; sampler < 3; sampler++) {
+        ping_rig r = rig_create(&t);
+        r.sonar.receiver_count = 1;
+        r.sampling.sampler = (asdic_sampler)sampler;
+        r.sampling.rays = rays[sampler];
+        asdic_simulator *sim = rig_simulator(&r);
+        asdic_ping *ping = NULL;
+        assert_ok(t.ctx, asdic_ping_create(t.ctx, 1, 149, &ping));
+        double sum[4][149] = {{0}}, square[4][149] = {{0}};
+        for (int k = 0; k < PINGS; k++) {
+            assert_ok(t.ctx, asdic_simulator_ping(sim, &r.pose, (uint64_t)k, ping));
+            for (int c = 0; c < 4; c++) {
+                for (int n = 0; n < 149; n++) {
+                    double e = ping->intensity_lin[component[c]][n];
+                    sum[c][n] += e / PINGS;
+                    square[c][n] += e * e / PINGS;
+                }
+            }
+        }
+        for (int c = 0; c < 4; c++) {
+            double chi2 = 0.0;
+            int count = 0;
+            for (int n = 4; n < 149; n++) {
+                if (isnan(flat_expected_db[n][c])) {
+                    continue;
+                }
+                double expected = pow(10.0, flat_expected_db[n][c] / 10.0);
+                double variance = (square[c][n] - sum[c][n] * sum[c][n]) / (PINGS - 1);
+                /* The footprint splat's bias is 2e-4 of the total, RMS over bins, at this many rays. */
+                double total = pow(10.0, flat_expected_db[n][0] / 10.0);
+                variance += 4e-8 * total * total;
+                chi2 += (sum[c][n] - expected) * (sum[c][n] - expected) / variance;
+                count++;
+            }
+            print_message("sampler %d component %d: chi-squared per bin %.3f\n", sampler, c,
+                          chi2 / count);
+            assert_true(chi2 / count < 1.6);
+        }
+        asdic_ping_destroy(&ping);
+        asdic_simulator_destroy(&sim);
+        rig_destroy(&r);
+    }
+}
+
+/* True error over stated error, over many shifts. */
+static void stated_error_is_honest(void **state) {
+    (void)state;
+    enum { PINGS = 48 };
+    static const uint32_t rays[2] = {4096, 20000};
+    for (int sampler = 0; sampler < 2; sampler++) {
+        ping_rig r = rig_create(&t);
+        r.sonar.receiver_count = 1;
+        r.sampling.sampler = (asdic_sampler)sampler;
+        r.sampling.rays = rays[sampler];
+        asdic_simulator *sim = rig_simulator(&r);
+        asdic_ping *ping = NULL;
+        assert_ok(t.ctx, asdic_ping_create(t.ctx, 1, 149, &ping));
+        double all = 0.0, far = 0.0;
+        int count = 0, far_count = 0;
+        for (int k = 0; k < PINGS; k++) {
+            if (k % 4 == 0) {
+                assert_ok(t.ctx, asdic_simulator_learn(sim, &r.pose, (uint64_t)k));
+            }
+            assert_ok(t.ctx, asdic_simulator_ping(sim, &r.pose, (uint64_t)k, ping));
+            for (size_t n = 4; n < 149; n++) {
+                double off =
+                    asdic_level_db(ping->intensity_lin[ASDIC_TOTAL][n]) - flat_expected_db[n][0];
+                assert_true(ping->stderr_db[n] > 0.0f);
+                double ratio = off / ping->stderr_db[n];
+                all += ratio * ratio;
+                count++;
+                if (n >= 100) {
+                    far += ratio * ratio;
+                    far_count++;
+                }
+            }
+        }
+        all = sqrt(all / count);
+        far = sqrt(far / far_count);
+        print_message("sampler %d: true over stated error RMS %.3f, from 50 m %.3f\n", sampler, all,
+                      far);
+        assert_true(all > 0.8 && all < 1.3);
+        assert_true(far > 0.8 && far < 1.3);
+        asdic_ping_destroy(&ping);
+        asdic_simulator_destroy(&sim);
+        rig_destroy(&r);
+    }
+}
+
+static void add_box(ping_rig *r, asdic_material material) {
+    asdic_mesh *mesh = NULL;
+    assert_ok(t.ctx, asdic_mesh_box(t.ctx, (asdic_vec3){4.0, 20.0, 2.0}, &mesh));
+    asdic_pose pose = {.position_m = {37.2, 0.0, 11.0}};
+    assert_ok(t.ctx, asdic_scene_add_object(r->scene, "box", mesh, pose, material));
+    asdic_mesh_destroy(&mesh);
+}
+
+static void layout_never_changes_a_byte(void **state) {
+    (void)state;
+    ping_rig r = rig_create(&t);
+    add_box(&r, asdic_material_facet(45.0, 1e-4, 0.1));
+    r.sampling.rays = 40000;
+    asdic_ping *plain = rig_shoot(&r, 7, true);
+    assert_true(asdic_level_db(plain->intensity_lin[ASDIC_OBJECT][70]) > -80.0);
+    assert_true(plain->intensity_lin[ASDIC_MULTIPATH][75] > 0.0);
+    bool has_int64 = asdic_device_get_info(t.device)->has_int64_atomics;
+    static const asdic_layout others[] = {
+        {.deposit = ASDIC_DEPOSIT_OWNED, .local = 1, .batch_slots = 16384},
+        {.deposit = ASDIC_DEPOSIT_ATOMIC32, .local = 4096, .batch_slots = 20000},
+        {.deposit = ASDIC_DEPOSIT_ATOMIC32, .local = 8, .batch_slots = 1 << 20},
+        {.deposit = ASDIC_DEPOSIT_ATOMIC64, .local = 64, .batch_slots = 32768},
+    };
+    for (size_t k = 0; k < sizeof others / sizeof *others; k++) {
+        if (others[k].deposit == ASDIC_DEPOSIT_ATOMIC64 && !has_int64) {
+            continue;
+        }
+        unsigned width = r.layout.width;
+        r.layout = others[k];
+        r.layout.width = width;
+        asdic_ping *other = rig_shoot(&r, 7, true);
+        assert_true(rig_same(plain, other));
+        asdic_ping_destroy(&other);
+    }
+    asdic_ping_destroy(&plain);
+    rig_destroy(&r);
+}
+
+/* The width is fixed per kind of device; across widths only the last bits of functions differ. */
+static void widths_agree(void **state) {
+    (void)state;
+    ping_rig r = rig_create(&t);
+    add_box(&r, asdic_material_bottom(2.0));
+    r.sampling.rays = 4096;
+    r.layout.width = 8;
+    asdic_ping *plain = rig_shoot(&r, 3, false);
+    static const unsigned widths[] = {1, 16};
+    for (int k = 0; k < 2; k++) {
+        r.layout.width = widths[k];
+        asdic_ping *other = rig_shoot(&r, 3, false);
+        double most = 0.0;
+        for (size_t i = 0; i < plain->beams * plain->bins; i++) {
+            double a = plain->intensity_lin[ASDIC_TOTAL][i];
+            double b = other->intensity_lin[ASDIC_TOTAL][i];
+            if (a > 0.0) {
+                most = fmax(most, fabs(asdic_level_db(b) - asdic_level_db(a)));
+            }
+        }
+        print_message("width %u against 8: %.2g dB at most\n", widths[k], most);
+        assert_true(most < 1e-3);
+        asdic_ping_destroy(&other);
+    }
+    asdic_ping_destroy(&plain);
+    rig_destroy(&r);
+}
+
+static void pings_depend_on_seed_and_index_alone(void **state) {
+    (void)state;
+    ping_rig r = rig_create(&t);
+    r.sampling.rays = 1024;
+    asdic_ping *a = rig_shoot(&r, 5, false), *b = rig_shoot(&r, 5, false);
+    asdic_ping *c = rig_shoot(&r, 6, false);
+    r.sampling.seed = 2;
+    asdic_ping *d = rig_shoot(&r, 5, false);
+    assert_true(rig_same(a, b));
+    assert_false(rig_same(a, c));
+    assert_false(rig_same(a, d));
+    asdic_ping_destroy(&a);
+    asdic_ping_destroy(&b);
+    asdic_ping_destroy(&c);
+    asdic_ping_destroy(&d);
+    rig_destroy(&r);
+}
+
+/* A rolled, yawed vehicle with counter-turned beams sees what a level one sees. */
+static void attitude_and_aim_cancel(void **state) {
+    (void)state;
+    ping_rig r = rig_create(&t);
+    r.sampling.rays = 20000;
+    asdic_ping *level = rig_shoot(&r, 0, true);
+    r.pose.yaw_rad = 0.7;
+    r.sonar.transmitter.yaw_rad = -0.7;
+    for (int b = 0; b < RIG_BEAMS; b++) {
+        r.receivers[b].yaw_rad = -0.7;
+    }
+    asdic_ping *turned = rig_shoot(&r, 0, true);
+    for (size_t n = 4; n < level->bins; n++) {
+        double d = asdic_level_db(turned->intensity_lin[ASDIC_TOTAL][n]) -
+                   asdic_level_db(level->intensity_lin[ASDIC_TOTAL][n]);
+        assert_true(fabs(d) < 0.3);
+    }
+    asdic_ping_destroy(&level);
+    asdic_ping_destroy(&turned);
+    rig_destroy(&r);
+}
+
+static void wrong_use_is_refused(void **state) {
+    (void)state;
+    ping_rig r = rig_create(&t);
+    asdic_simulator *sim = rig_simulator(&r);
+    asdic_ping *ping = NULL;
+    assert_ok(t.ctx, asdic_ping_create(t.ctx, 1, 10, &ping));
+    assert_status(t.ctx, asdic_simulator_ping(sim, &r.pose, 0, ping), ASDIC_ERROR_ARGUMENT);
+    assert_contains(asdic_context_error(t.ctx), "1 beams x 10 bins");
+    assert_status(t.ctx, asdic_simulator_ping(sim, NULL, 0, ping), ASDIC_ERROR_ARGUMENT);
+    assert_status(t.ctx, asdic_simulator_ping(NULL, &r.pose, 0, ping), ASDIC_ERROR_ARGUMENT);
+    asdic_simulator_destroy(&sim);
+    asdic_simulator_destroy(&sim);
+    r.sampling.rays = 63;
+    assert_status(
+        t.ctx,
+        asdic_simulator_create(t.ctx, t.device, r.scene, &r.env, &r.sonar, &r.sampling, 7.0, &sim),
+        ASDIC_ERROR_ARGUMENT);
+    assert_contains(asdic_context_error(t.ctx), "63 rays");
+    asdic_ping_destroy(&ping);
+    rig_destroy(&r);
+}
+
+int main(void) {
+    t = test_device_open_or_skip();
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(adaptive_meets_quadrature),
+        cmocka_unit_test(every_sampler_is_unbiased),
+        cmocka_unit_test(stated_error_is_honest),
+        cmocka_unit_test(layout_never_changes_a_byte),
+        cmocka_unit_test(widths_agree),
+        cmocka_unit_test(pings_depend_on_seed_and_index_alone),
+        cmocka_unit_test(attitude_and_aim_cancel),
+        cmocka_unit_test(wrong_use_is_refused),
+    };
+    int failed = cmocka_run_group_tests(tests, NULL, NULL);
+    test_device_close(&t);
+    return failed;
+}

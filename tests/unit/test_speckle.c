@@ -1,0 +1,123 @@
+/* Random numbers against published vectors; speckle against its moments. */
+#include "asserts.h"
+
+#include "sim/speckle.h"
+
+#include "../../kernels/random.h"
+
+/* Known-answer vectors of Random123 (kat_vectors, philox4x32 10). */
+static void philox_gives_the_published_answers(void **state) {
+    (void)state;
+    static const struct {
+        uint32_t counter[4], key[2], expected[4];
+    } vectors[] = {
+        {{0, 0, 0, 0}, {0, 0}, {0x6627e8d5, 0xe169c58d, 0xbc57ac4c, 0x9b00dbd8}},
+        {{0xffffffff, 0xffffffff, 0xffffffff, 0xffffffff},
+         {0xffffffff, 0xffffffff},
+         {0x408f276d, 0x41c83b0e, 0xa20bc7c6, 0x6d5451fd}},
+        {{0x243f6a88, 0x85a308d3, 0x13198a2e, 0x03707344},
+         {0xa4093822, 0x299f31d0},
+         {0xd16cfe09, 0x94fdcceb, 0x5001e420, 0x24126ea1}},
+    };
+    for (size_t k = 0; k < sizeof vectors / sizeof *vectors; k++) {
+        random4 counter;
+        memcpy(counter.v, vectors[k].counter, sizeof counter.v);
+        random4 out = philox4x32(counter, vectors[k].key[0], vectors[k].key[1]);
+        assert_memory_equal(out.v, vectors[k].expected, sizeof out.v);
+    }
+}
+
+static void uniforms_stay_inside(void **state) {
+    (void)state;
+    assert_true(random_uniform(0u) > 0.0);
+    assert_true(random_uniform(0xffffffffu) < 1.0);
+    assert_true((float)random_uniform(0xffffffffu) < 1.0f);
+}
+
+/* Mean, contrast and third moment of COUNT factors. */
+static void moments(asdic_speckle kind, double shape, double cells, double out[3]) {
+    enum { COUNT = 200000 };
+    double m1 = 0.0, m2 = 0.0, m3 = 0.0;
+    for (uint32_t i = 0; i < COUNT; i++) {
+        double x = asdic_speckle_factor(kind, shape, cells, 42, i / 1000, i % 1000);
+        m1 += x / COUNT;
+        m2 += x * x / COUNT;
+        m3 += x * x * x / COUNT;
+    }
+    out[0] = m1;
+    out[1] = sqrt(m2 - m1 * m1) / m1;
+    out[2] = m3;
+}
+
+static void rayleigh_has_contrast_one(void **state) {
+    (void)state;
+    double m[3];
+    moments(ASDIC_SPECKLE_RAYLEIGH, INFINITY, 1.0, m);
+    print_message("mean %.4f contrast %.4f third moment %.3f\n", m[0], m[1], m[2]);
+    assert_close(m[0], 1.0, 0.01);
+    assert_close(m[1], 1.0, 0.02);
+    assert_close(m[2], 6.0, 0.3);
+}
+
+/* Exponential cells add up to Gamma(m): contrast 1 / sqrt(m); a part of a cell counts as such. */
+static void cells_average(void **state) {
+    (void)state;
+    double m[3];
+    moments(ASDIC_SPECKLE_RAYLEIGH, INFINITY, 6.0, m);
+    assert_close(m[0], 1.0, 0.01);
+    assert_close(m[1], 1.0 / sqrt(6.0), 0.01);
+    moments(ASDIC_SPECKLE_RAYLEIGH, INFINITY, 2.5, m);
+    assert_close(m[0], 1.0, 0.01);
+    assert_close(m[1], sqrt(2.25) / 2.5, 0.01);
+}
+
+/* K: second moment 2 (1 + 1 / nu), hence the shape from the contrast. */
+static void k_shape_is_recovered(void **state) {
+    (void)state;
+    static const double shapes[] = {0.5, 1.0, 3.0, 10.0};
+    for (int k = 0; k < 4; k++) {
+        double m[3];
+        moments(ASDIC_SPECKLE_K, shapes[k], 1.0, m);
+        double shape = 2.0 / (m[1] * m[1] - 1.0);
+        print_message("shape %.2f recovered as %.3f\n", shapes[k], shape);
+        assert_close(m[0], 1.0, 0.02);
+        assert_close_relative(shape, shapes[k], 0.10);
+    }
+}
+
+static void pulse_keeps_energy_and_widens(void **state) {
+    (void)state;
+    asdic_context *ctx = NULL;
+    asdic_ping *ping = NULL;
+    double scratch[2 * 40 + 1];
+    assert_int_equal(asdic_context_create(&ctx), ASDIC_OK);
+    assert_ok(ctx, asdic_ping_create(ctx, 1, 40, &ping));
+    asdic_sonar sonar = asdic_sonar_default();
+    sonar.bin_length_m = 0.1;
+    sonar.bandwidth_hz = 1500.0; /* a cell of 0.5 m: five bins */
+    ping->intensity_lin[ASDIC_TOTAL][20] = 1.0;
+    asdic_pulse_smear(&sonar, 1500.0, scratch, ping);
+    double sum = 0.0;
+    for (int n = 0; n < 40; n++) {
+        sum += ping->intensity_lin[ASDIC_TOTAL][n];
+        assert_close(ping->intensity_lin[ASDIC_TOTAL][n], n >= 18 && n <= 22 ? 0.2 : 0.0, 1e-12);
+    }
+    assert_close(sum, 1.0, 1e-12);
+    sonar.bandwidth_hz = 10e3; /* shorter than a bin: untouched */
+    asdic_pulse_smear(&sonar, 1500.0, scratch, ping);
+    assert_close(ping->intensity_lin[ASDIC_TOTAL][18], 0.2, 1e-12);
+    asdic_ping_destroy(&ping);
+    asdic_context_destroy(&ctx);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(philox_gives_the_published_answers),
+        cmocka_unit_test(uniforms_stay_inside),
+        cmocka_unit_test(rayleigh_has_contrast_one),
+        cmocka_unit_test(cells_average),
+        cmocka_unit_test(k_shape_is_recovered),
+        cmocka_unit_test(pulse_keeps_energy_and_widens),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
