@@ -284,6 +284,10 @@ static void convert_levels(asdic_simulator *sim, const dev_ping *ping,
         [DEV_DEPOSIT_MULTIPATH] = ASDIC_MULTIPATH,
         [DEV_DEPOSIT_VOLUME] = ASDIC_VOLUME};
     double source = pow(10.0, sim->sonar.source_level_db / 10.0);
+    /* The paper prints 2 d - 1 metres of absorption where 2 (d - 1) is meant: one metre more. */
+    if (sim->env.variant == ASDIC_VARIANT_PRINTED) {
+        source *= exp(-water->absorption_np_per_m);
+    }
     double strength = pow(10.0, 0.1 * volume_backscatter_db(sim->env.particle_strength_db,
                                                             sim->sonar.frequency_hz / 1e3));
     size_t beams = sim->sonar.receiver_count;

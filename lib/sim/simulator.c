@@ -2,6 +2,7 @@
 
 #include "base/context.h"
 #include "materials.h"
+#include "scene/patch.h"
 #include "scene/scene.h"
 #include "water_column.h"
 
@@ -118,6 +119,16 @@ static bool scene_has_mirrors(const asdic_simulator *sim) {
     return false;
 }
 
+static bool needs_patches(const asdic_scene *scene) {
+    for (size_t i = 0; i < scene->material_count; i++) {
+        if (scene->materials[i].law == ASDIC_LAW_FACET &&
+            isnan(scene->materials[i].coherent_area_m2)) {
+            return true;
+        }
+    }
+    return false;
+}
+
 /* Scattering coefficients and parts; they depend on the frequency alone. */
 static asdic_status upload_materials(asdic_simulator *sim, double sound_speed_mps) {
     const asdic_scene *scene = sim->scene;
@@ -125,13 +136,23 @@ static asdic_status upload_materials(asdic_simulator *sim, double sound_speed_mp
     sim->host_materials = calloc(sim->material_count, sizeof(dev_material));
     dev_part *parts = calloc(scene->part_count + 1, sizeof(dev_part));
     asdic_status status = ASDIC_OK;
-    if (!sim->host_materials || !parts) {
+    double *areas_m2 = calloc(scene->part_count + 1, sizeof *areas_m2);
+    if (!sim->host_materials || !parts || !areas_m2) {
         status = asdic_fail_memory(sim->ctx, "materials");
         goto done;
     }
+    if (needs_patches(scene) && (status = asdic_scene_patch_areas(scene, areas_m2)) != ASDIC_OK) {
+        goto done;
+    }
     for (size_t i = 0; i < scene->material_count; i++) {
+        double area_m2 = INFINITY;
+        for (size_t p = 0; p < scene->part_count; p++) {
+            if (scene->parts[p].material == i && areas_m2[p] > 0.0) {
+                area_m2 = fmin(area_m2, areas_m2[p]);
+            }
+        }
         sim->host_materials[i] = asdic_material_coefficients(
-            &scene->materials[i], sim->sonar.frequency_hz, sound_speed_mps, INFINITY);
+            &scene->materials[i], sim->sonar.frequency_hz, sound_speed_mps, area_m2);
     }
     for (size_t i = 0; i < scene->part_count; i++) {
         parts[i] = (dev_part){scene->parts[i].kind, (dev_uint)scene->parts[i].material};
@@ -143,6 +164,7 @@ static asdic_status upload_materials(asdic_simulator *sim, double sound_speed_mp
                                      &sim->parts);
     }
 done:
+    free(areas_m2);
     free(parts);
     return status;
 }
