@@ -1,0 +1,128 @@
+/*
+ * Texts, arenas, hashes, files: what the rest is built from.
+ */
+#include "../assert_close.h"
+
+#include "base/arena.h"
+#include "base/context.h"
+#include "base/file_read.h"
+#include "base/number.h"
+#include "base/sha256.h"
+#include "base/text.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+/* FIPS 180-4 test vectors as NIST publishes them (CSRC, Cryptographic Standards: SHA-256 examples
+ * and the long-message example of FIPS 180-2, B.3). */
+static void sha256_meets_published_vectors(void **state) {
+    (void)state;
+    char hex[65];
+    asdic_sha256_hex("abc", 3, hex);
+    assert_string_equal(hex, "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+    asdic_sha256_hex(NULL, 0, hex);
+    assert_string_equal(hex, "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
+    asdic_sha256_hex("abcdbcdecdefdefgefghfghighijhijkijkljklmklmnlmnomnopnopq", 56, hex);
+    assert_string_equal(hex, "248d6a61d20638b8e5c026930c3e6039a33ce45964ff2167f6ecedd419db06c1");
+    char *million = malloc(1000000);
+    assert_non_null(million);
+    memset(million, 'a', 1000000);
+    asdic_sha256_hex(million, 1000000, hex);
+    assert_string_equal(hex, "cdc76e5c9914fb9281a1c7e284d73e67f1809a48a497200e046d39ccc7112cd0");
+    free(million);
+}
+
+static void text_grows_and_quotes(void **state) {
+    (void)state;
+    asdic_text text = {0};
+    for (int i = 0; i < 1000; i++) {
+        asdic_text_format(&text, "%d,", i);
+    }
+    assert_int_equal(text.length, strlen(text.data));
+    assert_string_equal(text.data + text.length - 8, "998,999,");
+    char *taken = asdic_text_take(&text);
+    assert_null(text.data);
+    free(taken);
+    asdic_text_add_json(&text, "a\"b\\c\n\x01\x7f\xc3\xa4");
+    assert_string_equal(text.data, "\"a\\\"b\\\\c\\n\\u0001\\u007f\xc3\xa4\"");
+    asdic_text_finish(&text);
+    char *empty = asdic_text_take(&text);
+    assert_string_equal(empty, "");
+    free(empty);
+}
+
+static void arena_gives_aligned_zeros(void **state) {
+    (void)state;
+    asdic_arena arena = {0};
+    for (size_t bytes = 1; bytes < 100000; bytes = bytes * 3 + 1) {
+        char *object = asdic_arena_alloc(&arena, bytes);
+        assert_non_null(object);
+        assert_int_equal((uintptr_t)object % _Alignof(max_align_t), 0);
+        for (size_t i = 0; i < bytes; i++) {
+            assert_int_equal(object[i], 0);
+        }
+        memset(object, 0xaa, bytes);
+    }
+    assert_string_equal(asdic_arena_string(&arena, "abc", 2), "ab");
+    assert_null(asdic_arena_alloc(&arena, SIZE_MAX));
+    assert_null(asdic_arena_alloc(&arena, SIZE_MAX / 2));
+    asdic_arena_finish(&arena);
+    assert_null(arena.blocks);
+}
+
+static void whole_numbers_are_whole(void **state) {
+    (void)state;
+    int64_t value = 0;
+    assert_null(asdic_integer_parse("2e4", 3, &value));
+    assert_int_equal(value, 20000);
+    assert_null(asdic_integer_parse("-9007199254740992", 17, &value));
+    assert_int_equal(value, -9007199254740992);
+    assert_string_equal(asdic_integer_parse("1e16", 4, &value),
+                        "is too large: whole numbers go to 2^53 = 9007199254740992");
+    assert_string_equal(asdic_integer_parse("1.5", 3, &value), "is not a whole number");
+    assert_string_equal(asdic_integer_parse("x", 1, &value), "is not a number");
+    assert_int_equal(value, -9007199254740992);
+}
+
+static void files_are_read_whole_or_refused(void **state) {
+    (void)state;
+    asdic_context *ctx = NULL;
+    char *data = NULL;
+    size_t bytes = 0;
+    assert_int_equal(asdic_context_create(&ctx), ASDIC_OK);
+    FILE *file = tmpfile();
+    assert_non_null(file);
+    for (int i = 0; i < 100000; i++) {
+        fprintf(file, "%09d\n", i);
+    }
+    fflush(file);
+    char path[64];
+    snprintf(path, sizeof path, "/proc/self/fd/%d", fileno(file));
+    assert_int_equal(asdic_file_read(ctx, path, 1000000, &data, &bytes), ASDIC_OK);
+    assert_int_equal(bytes, 1000000);
+    assert_int_equal(data[bytes], 0);
+    assert_string_equal(data + 999990, "000099999\n");
+    free(data);
+    data = NULL;
+    assert_int_equal(asdic_file_read(ctx, path, 999999, &data, &bytes), ASDIC_ERROR_INPUT);
+    assert_null(data);
+    assert_non_null(strstr(asdic_context_error(ctx), ": error: longer than 999999 bytes"));
+    fclose(file);
+    assert_int_equal(asdic_file_read(ctx, "/tmp", 1000, &data, &bytes), ASDIC_ERROR_INPUT);
+    assert_string_equal(asdic_context_error(ctx), "/tmp: error: cannot read: Is a directory");
+    assert_int_equal(asdic_file_read(ctx, "/nonexistent/a", 9, &data, &bytes), ASDIC_ERROR_INPUT);
+    assert_string_equal(asdic_context_error(ctx),
+                        "/nonexistent/a: error: cannot open: No such file or directory");
+    asdic_context_destroy(&ctx);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(sha256_meets_published_vectors),
+        cmocka_unit_test(text_grows_and_quotes),
+        cmocka_unit_test(arena_gives_aligned_zeros),
+        cmocka_unit_test(whole_numbers_are_whole),
+        cmocka_unit_test(files_are_read_whole_or_refused),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,254 @@
+/*
+ * Whole scene files: the documented example, its twin in JSON, other locales, and thousands of
+ * damaged copies.
+ */
+#include "scene_text.h"
+
+#include "base/file_read.h"
+#include "base/number.h"
+#include "de_locale.h"
+
+static char *read_file(const char *name, size_t *size) {
+    char path[512];
+    char *data = NULL;
+    snprintf(path, sizeof path, "%s/unit/scenes/%s", TEST_DIR, name);
+    assert_int_equal(asdic_file_read(NULL, path, 1 << 20, &data, size), ASDIC_OK);
+    return data;
+}
+
+/* What STRUCT_OF of TABLE holds, a line per key, so that two readings can be compared. */
+static void dump(const asdic_table *table, const void *struct_of, asdic_text *text) {
+    const char *base = struct_of;
+    for (size_t i = 0; i < table->key_count; i++) {
+        const asdic_key *key = &table->keys[i];
+        const void *at = base + key->offset;
+        asdic_text_format(text, "%s:", key->name);
+        if (key->type == ASDIC_KEY_LIST && !(key->flags & ASDIC_KEY_PLANNED)) {
+            const asdic_list *list = at;
+            for (size_t k = 0; k < list->count; k++) {
+                dump(key->table, (const char *)list->items + k * key->table->size, text);
+            }
+        } else if (key->type == ASDIC_KEY_MAP) {
+            dump(key->table, at, text);
+        } else if (key->type == ASDIC_KEY_NUMBER || key->type == ASDIC_KEY_NUMBERS) {
+            for (size_t k = 0; k < (key->count ? key->count : 1); k++) {
+                asdic_text_format(text, " %.17g", ((const double *)at)[k]);
+            }
+        } else if (key->type == ASDIC_KEY_INTEGER) {
+            asdic_text_format(text, " %lld", (long long)*(const int64_t *)at);
+        } else if (key->type == ASDIC_KEY_NAME || key->type == ASDIC_KEY_PATH) {
+            const char *string = *(const char *const *)at;
+            asdic_text_format(text, " %s", string ? string : "-");
+        } else if (key->type == ASDIC_KEY_BOOL) {
+            asdic_text_add(text, *(const bool *)at ? " true" : " false");
+        } else if (!(key->flags & ASDIC_KEY_PLANNED)) {
+            asdic_text_format(text, " %d", *(const int *)at);
+        }
+        asdic_text_add(text, "\n");
+    }
+}
+
+/* The dump of the file NAME, which must be without errors. */
+static char *dump_file(const char *name) {
+    size_t size = 0;
+    char *text = read_file(name, &size);
+    asdic_arena arena = {0};
+    asdic_scene_file file;
+    char *errors = read_errors(text, size, &arena, &file);
+    assert_string_equal(errors, "");
+    asdic_text out = {0};
+    dump(&asdic_scene_table, &file, &out);
+    free(errors);
+    asdic_arena_finish(&arena);
+    free(text);
+    return asdic_text_take(&out);
+}
+
+static void example_means_what_it_says(void **state) {
+    (void)state;
+    size_t size = 0;
+    char *text = read_file("example.yaml", &size);
+    asdic_arena arena = {0};
+    asdic_scene_file file;
+    char *errors = read_errors(text, size, &arena, &file);
+    assert_string_equal(errors, "");
+    asdic_environment env = asdic_scene_file_environment(&file);
+    assert_close(env.sound_speed_mps, 1490.102, 0, 0);
+    assert_close(env.max_depth_m, 12, 0, 0);
+    assert_close(env.particle_strength_db, -90, 0, 0);
+    assert_close(file.bottom.depth_m, 12, 0, 0);
+    assert_close(file.bottom.type, 2, 0, 0);
+    assert_int_equal(file.objects.count, 1);
+    const file_object *rise = file.objects.items;
+    assert_string_equal(rise->name, "rise");
+    assert_close(rise->box.size_m[1], 200, 0, 0);
+    assert_close(rise->position_m[0], 55, 0, 0);
+    asdic_material material = asdic_scene_file_material(rise);
+    assert_int_equal(material.law, ASDIC_LAW_FACET);
+    assert_close(material.impedance_mrayl, 45, 0, 0);
+    assert_close(material.roughness_rms_m, 1e-3, 0, 1e-15);
+    assert_close(material.slope_rms, 0.1, 0, 0);
+    asdic_sonar sonar = asdic_scene_file_sonar(&file);
+    assert_close(sonar.frequency_hz, 1e5, 0, 0);
+    assert_close(sonar.bandwidth_hz, 1e4, 0, 0);
+    assert_int_equal(sonar.receiver_count, 1);
+    asdic_beam beam;
+    asdic_scene_file_receivers(&file, &beam);
+    assert_string_equal(beam.name, "forward");
+    assert_close(asdic_scene_file_pose(&file).position_m.z, 7, 0, 0);
+    assert_int_equal(file.mission.pings, 1);
+    assert_int_equal(file.sampling.multipath, ASDIC_MULTIPATH_FIRST);
+    assert_close(file.detector.pfa, 1e-3, 0, 0);
+    assert_false(file.output.netcdf);
+    free(errors);
+    asdic_arena_finish(&arena);
+    free(text);
+}
+
+static void json_is_read_as_yaml_is(void **state) {
+    (void)state;
+    char *yaml = dump_file("example.yaml"), *json = dump_file("example.json");
+    assert_string_equal(yaml, json);
+    free(yaml);
+    free(json);
+    /* Without blanks, as programs write it. */
+    expect_errors("{\"version\":1,\"bottom\":{\"depth_m\":1.2e1},\"sonar\":{\"frequency_khz\":100,"
+                  "\"receivers\":[{\"name\":\"a\",\"yaw_deg\":-5}]},\"mission\":{\"pose\":"
+                  "{\"position_m\":[0,0,7]},\"track\":\"dir\\/a.csv\"}}",
+                  "1:152: error: 'pose' and 'track' exclude each other; give only one of 'pose', "
+                  "'track'  [mission]\n");
+}
+
+static void fan_spreads_from_port_to_starboard(void **state) {
+    (void)state;
+    asdic_arena arena = {0};
+    asdic_scene_file file;
+    char *text = edited(MINIMAL, "    - name: forward\n",
+                        "    fan: {count: 4, sector_deg: 120, yaw_deg: 10, pitch_deg: 5, "
+                        "length_h_m: 0.2}\n");
+    char *errors = read_errors(text, strlen(text), &arena, &file);
+    assert_string_equal(errors, "");
+    assert_int_equal(asdic_scene_file_sonar(&file).receiver_count, 4);
+    asdic_beam beams[4];
+    asdic_scene_file_receivers(&file, beams);
+    const double yaw_deg[] = {-35, -5, 25, 55};
+    const char *names[] = {"000", "001", "002", "003"};
+    for (size_t i = 0; i < 4; i++) {
+        assert_string_equal(beams[i].name, names[i]);
+        assert_close(beams[i].yaw_rad, yaw_deg[i] * 3.14159265358979323846 / 180, 1e-15, 0);
+        assert_close(beams[i].pitch_rad, 5 * 3.14159265358979323846 / 180, 1e-15, 0);
+        assert_close(beams[i].length_h_m, 0.2, 0, 0);
+        assert_close(beams[i].length_v_m, 0.05, 0, 0);
+    }
+    free(errors);
+    free(text);
+    asdic_arena_finish(&arena);
+}
+
+static void decimal_comma_locale_changes_nothing(void **state) {
+    (void)state;
+    char *before = dump_file("example.yaml");
+    if (!set_german_locale()) {
+        free(before);
+        skip();
+    }
+    char comma[16];
+    snprintf(comma, sizeof comma, "%.1f", 0.5);
+    assert_string_equal(comma, "0,5");
+    /* As asdic_mission_load does, so that messages have points too. */
+    locale_t caller = asdic_c_locale_enter();
+    char *after = dump_file("example.yaml");
+    expect_edit("100\n", "0.05\n",
+                "4:18: error: 'frequency_khz' = 0.05 is out of range [0.1, 1000] kHz  "
+                "[sonar.frequency_khz]\n");
+    asdic_c_locale_leave(caller);
+    snprintf(comma, sizeof comma, "%.1f", 0.5);
+    assert_string_equal(comma, "0,5");
+    setlocale(LC_ALL, "C");
+    assert_string_equal(before, after);
+    free(before);
+    free(after);
+}
+
+/* A small generator of its own, the same everywhere. */
+static uint32_t draw(uint32_t *state) {
+    *state ^= *state << 13;
+    *state ^= *state >> 17;
+    *state ^= *state << 5;
+    return *state;
+}
+
+/* SIZE bytes of TEXT with some damage; returns the new size. OUT has room for twice as many. */
+static size_t damage(const char *text, size_t size, uint32_t *state, char *out) {
+    static const char *const bits[] = {"{",  "[",   "]",    "}",    ":",   "\n",   "- ",   "'",
+                                       "\"", "&a ", "*a",   "!!x ", "? ",  "| ",   "> ",   "%",
+                                       "#",  "\t",  "\xff", "\0",   "1e9", "-1",   "nan",  "~",
+                                       ", ", "<<",  "---",  "...",  "999", "0.0.", "\xe2", "@"};
+    memcpy(out, text, size);
+    for (uint32_t n = 1 + draw(state) % 4; n > 0 && size > 0; n--) {
+        size_t at = draw(state) % size, length = draw(state) % 24;
+        const char *bit = bits[draw(state) % 32];
+        switch (draw(state) % 5) {
+        case 0: /* one byte other */
+            out[at] = (char)draw(state);
+            break;
+        case 1: /* a stretch lost */
+            length = length > size - at ? size - at : length;
+            memmove(out + at, out + at + length, size - at - length);
+            size -= length;
+            break;
+        case 2: /* something put in */
+            length = *bit ? strlen(bit) : 1;
+            memmove(out + at + length, out + at, size - at);
+            memcpy(out + at, bit, length);
+            size += length;
+            break;
+        case 3: /* a stretch doubled */
+            length = length > size - at ? size - at : length;
+            memmove(out + at + length, out + at, size - at);
+            size += length;
+            break;
+        default: /* the end lost */
+            size = draw(state) % 8 == 0 ? at : size;
+        }
+    }
+    return size;
+}
+
+static void damaged_files_are_answered(void **state) {
+    (void)state;
+    const char *names[] = {"example.yaml", "example.json"};
+    size_t good = 0, bad = 0;
+    for (size_t f = 0; f < 2; f++) {
+        size_t size = 0;
+        uint32_t random = 2463534242u;
+        char *text = read_file(names[f], &size);
+        char *copy = malloc(2 * size + 512);
+        assert_non_null(copy);
+        for (int i = 0; i < 4000; i++) {
+            asdic_arena arena = {0};
+            asdic_scene_file file;
+            size_t damaged = damage(text, size, &random, copy);
+            char *errors = read_errors(copy, damaged, &arena, &file);
+            good += *errors == '\0';
+            bad += *errors != '\0';
+            free(errors);
+            asdic_arena_finish(&arena);
+        }
+        free(copy);
+        free(text);
+    }
+    assert_true(good > 100); /* damage in comments and numbers */
+    assert_true(bad > 4000);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(example_means_what_it_says),
+        cmocka_unit_test(json_is_read_as_yaml_is),
+        cmocka_unit_test(fan_spreads_from_port_to_starboard),
+        cmocka_unit_test(decimal_comma_locale_changes_nothing),
+        cmocka_unit_test(damaged_files_are_answered),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,197 @@
+/*
+ * Tracks: what is refused with which words, and what lies between two points.
+ */
+#include "../assert_close.h"
+
+#include "base/context.h"
+#include "base/text.h"
+#include "mission/track.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+#define HEADER "time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg\n"
+#define DEG (3.14159265358979323846 / 180.0)
+
+static void collect(void *user, asdic_log_level level, const char *message) {
+    (void)level;
+    asdic_text_add(user, message);
+    asdic_text_add(user, "\n");
+}
+
+/* Loads SIZE bytes of CSV as a file; EXPECTED are the logged errors with the file's name as F. */
+static asdic_track *load_bytes(const char *csv, size_t size, const char *expected) {
+    char path[] = "/tmp/asdic-track-XXXXXX";
+    int fd = mkstemp(path);
+    assert_true(fd >= 0);
+    assert_int_equal(write(fd, csv, size), (ssize_t)size);
+    close(fd);
+    asdic_context *ctx = NULL;
+    asdic_text log = {0}, plain = {0};
+    asdic_track *track = NULL;
+    assert_int_equal(asdic_context_create(&ctx), ASDIC_OK);
+    asdic_context_set_log(ctx, ASDIC_LOG_ERROR, collect, &log);
+    asdic_status status = asdic_track_load(ctx, path, &track);
+    unlink(path);
+    asdic_text_add(&plain, "");
+    for (const char *at = log.data; at && *at;) {
+        bool name = strncmp(at, path, strlen(path)) == 0;
+        asdic_text_add_bytes(&plain, name ? "F" : at, 1);
+        at += name ? strlen(path) : 1;
+    }
+    assert_string_equal(plain.data, expected);
+    assert_int_equal(status, *expected ? ASDIC_ERROR_INPUT : ASDIC_OK);
+    assert_int_equal(track != NULL, *expected == '\0');
+    asdic_text_finish(&log);
+    asdic_text_finish(&plain);
+    asdic_context_destroy(&ctx);
+    return track;
+}
+
+static asdic_track *load(const char *csv, const char *expected) {
+    return load_bytes(csv, strlen(csv), expected);
+}
+
+static void points_are_joined_by_straight_lines(void **state) {
+    (void)state;
+    asdic_track *track = load(HEADER "10,0,0,5,0,0,0\n"
+                                     "12,4,-2,7,10,-20,90\n",
+                              "");
+    assert_int_equal(asdic_track_point_count(track), 2);
+    assert_close(asdic_track_start_s(track), 10, 0, 0);
+    assert_close(asdic_track_end_s(track), 12, 0, 0);
+    asdic_pose pose = asdic_track_pose(track, 10.5);
+    assert_close(pose.position_m.x, 1, 1e-15, 0);
+    assert_close(pose.position_m.y, -0.5, 1e-15, 0);
+    assert_close(pose.position_m.z, 5.5, 1e-15, 0);
+    assert_close(pose.roll_rad, 2.5 * DEG, 1e-15, 0);
+    assert_close(pose.pitch_rad, -5 * DEG, 1e-15, 0);
+    assert_close(pose.yaw_rad, 22.5 * DEG, 1e-15, 0);
+    assert_close(asdic_track_pose(track, 0).position_m.x, 0, 0, 0);
+    assert_close(asdic_track_pose(track, 99).position_m.x, 4, 0, 0);
+    asdic_track_destroy(&track);
+    assert_null(track);
+}
+
+static void angles_take_the_shorter_way(void **state) {
+    (void)state;
+    const struct {
+        double from, to, middle;
+    } cases[] = {{350, 10, 0}, {10, 350, 0}, {-170, 170, 180}, {90, -90, 0}, {0, 720, 0}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char csv[256];
+        snprintf(csv, sizeof csv, HEADER "0,0,0,5,%g,0,%g\n1,0,0,5,%g,0,%g\n", cases[i].from,
+                 cases[i].from, cases[i].to, cases[i].to);
+        asdic_track *track = load(csv, "");
+        asdic_pose pose = asdic_track_pose(track, 0.5);
+        if (i != 3) { /* half a turn has two shorter ways */
+            assert_close(cos(pose.yaw_rad), cos(cases[i].middle * DEG), 1e-12, 0);
+            assert_close(sin(pose.yaw_rad), sin(cases[i].middle * DEG), 1e-12, 0);
+            assert_close(cos(pose.roll_rad), cos(cases[i].middle * DEG), 1e-12, 0);
+        }
+        assert_true(isfinite(pose.yaw_rad));
+        asdic_track_destroy(&track);
+    }
+}
+
+static void columns_come_in_any_order(void **state) {
+    (void)state;
+    asdic_track *track =
+        load("\xef\xbb\xbf\"yaw_deg\", note ,z_m,time_s,x_m,y_m,pitch_deg,roll_deg\r\n"
+             "90,deep,5,0,1,2,3,4\r\n"
+             "\r\n"
+             "91,\"\",6,1,1,2,3,4",
+             "");
+    assert_int_equal(asdic_track_point_count(track), 2);
+    asdic_pose pose = asdic_track_pose(track, 0);
+    assert_close(pose.position_m.x, 1, 0, 0);
+    assert_close(pose.position_m.y, 2, 0, 0);
+    assert_close(pose.position_m.z, 5, 0, 0);
+    assert_close(pose.roll_rad, 4 * DEG, 1e-15, 0);
+    assert_close(pose.pitch_rad, 3 * DEG, 1e-15, 0);
+    assert_close(pose.yaw_rad, 90 * DEG, 1e-15, 0);
+    asdic_track_destroy(&track);
+}
+
+static void headers_are_checked(void **state) {
+    (void)state;
+    load("", "F:1:1: error: the file is empty; its header is "
+             "time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg\n");
+    load(HEADER, "F:2:1: error: no points below the header\n");
+    load("time_s,x_m,y_m,z_m,roll_deg,yaw_dge,x_m\n0,0,0,0,0,0,0\n",
+         "F:1:1: error: missing column 'pitch_deg'; the header is "
+         "time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg in any order\n"
+         "F:1:1: error: missing column 'yaw_deg', perhaps 'yaw_dge'; the header is "
+         "time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg in any order\n"
+         "F:1:37: error: column 'x_m' is there twice\n");
+    load("time_s;x_m;y_m;z_m;roll_deg;pitch_deg;yaw_deg\n0;0;0;0;0;0;0\n",
+         "F:1:1: error: columns are separated by semicolons; they must be by commas\n");
+}
+
+static void every_bad_row_is_named(void **state) {
+    (void)state;
+    load(HEADER "0,0,0,5,0,0,0\n"
+                "1,0,0,5,0,0\n"
+                "2,abc,0,5,0,0,nan\n"
+                "0,0,0,5,0,0,0\n"
+                "3,0,0,-1,0,0,\n"
+                "4,0,0,5,0,1e7,0\n"
+                "5,0,0,0x5,0,0,0\n",
+         "F:3:1: error: 6 fields, but the header has 7\n"
+         "F:4:3: error: 'x_m' = abc is not a number\n"
+         "F:4:15: error: 'yaw_deg' = nan is not a finite number\n"
+         "F:5:1: error: 'time_s' = 0 is not later than 0 at line 2\n"
+         "F:6:7: error: 'z_m' = -1 is out of range [0, 11000]; z is positive down\n"
+         "F:6:14: error: 'yaw_deg' is empty\n"
+         "F:7:11: error: 'pitch_deg' = 1e7 is out of range [-1000000, 1000000]\n"
+         "F:8:7: error: 'z_m' = 0x5 is not a number\n");
+    load_bytes(HEADER "0,0,0,5,0,\0,0\n", sizeof HEADER "0,0,0,5,0,\0,0\n" - 1,
+               "F:2:1: error: not a text file: a zero byte\n");
+}
+
+static void missing_files_are_named(void **state) {
+    (void)state;
+    asdic_context *ctx = NULL;
+    asdic_track *track = NULL;
+    assert_int_equal(asdic_context_create(&ctx), ASDIC_OK);
+    assert_int_equal(asdic_track_load(ctx, "/nonexistent/t.csv", &track), ASDIC_ERROR_INPUT);
+    assert_string_equal(asdic_context_error(ctx),
+                        "cannot open '/nonexistent/t.csv': No such file or directory");
+    asdic_text log = {0};
+    asdic_context_set_log(ctx, ASDIC_LOG_ERROR, collect, &log);
+    assert_int_equal(asdic_track_load(ctx, "/tmp", &track), ASDIC_ERROR_INPUT);
+    assert_string_equal(log.data, "/tmp: error: cannot read: Is a directory\n");
+    asdic_text_finish(&log);
+    asdic_context_destroy(&ctx);
+}
+
+static void long_tracks_are_read(void **state) {
+    (void)state;
+    asdic_text csv = {0};
+    asdic_text_add(&csv, HEADER);
+    for (int i = 0; i < 100000; i++) {
+        asdic_text_format(&csv, "%d.%d,%d,0,5,0,0,%d\n", i / 10, i % 10, i, i % 360);
+    }
+    asdic_track *track = load(csv.data, "");
+    assert_int_equal(asdic_track_point_count(track), 100000);
+    for (int i = 0; i < 100000; i += 777) {
+        assert_close(asdic_track_pose(track, i / 10.0).position_m.x, i, 1e-6, 0);
+    }
+    assert_close(asdic_track_pose(track, 1234.55).position_m.x, 12345.5, 1e-6, 0);
+    asdic_track_destroy(&track);
+    asdic_text_finish(&csv);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(points_are_joined_by_straight_lines),
+        cmocka_unit_test(angles_take_the_shorter_way),
+        cmocka_unit_test(columns_come_in_any_order),
+        cmocka_unit_test(headers_are_checked),
+        cmocka_unit_test(every_bad_row_is_named),
+        cmocka_unit_test(missing_files_are_named),
+        cmocka_unit_test(long_tracks_are_read),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
