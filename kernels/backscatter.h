@@ -63,21 +63,34 @@ FORMULA real surface_beta1(real f_khz) {
     return R(2.5) / cbrt(f_khz + R(0.1)) - R(4.0);
 }
 
+#ifdef __OPENCL_C_VERSION__
+#define LARGEST_EXPONENT R(80.0)
+#else
+#define LARGEST_EXPONENT 700.0
+#endif
+
 /* 1 kn = 1852/3600 m/s. */
 FORMULA real surface_cap_lin(real wind_kn) {
     real slope_ms = R(0.003) + R(0.00512) * (wind_kn * R(0.514444444444444));
     return R(1.0) / (R(4.0) * R_PI * slope_ms);
 }
 
-/* CAP_LIN INFINITY: uncapped, as printed, but for an exponent of 80 that keeps float finite. */
+/* COS2 is the squared cosine of the grazing angle. CAP_LIN INFINITY: uncapped, as printed, short
+ * of what overflows. */
+FORMULA real surface_backscatter_angle_lin(real gain, real beta0, real beta1, real cap_lin,
+                                           real sin_grazing, real cos2) {
+    real s = r_min(r_max(sin_grazing, R(1.0e-30)), R(1.0));
+    real c2 = r_max(cos2, R(1.0e-30));
+    real cos_eighth = sqrt(sqrt(sqrt(sqrt(c2)))); /* cos^(1/8), from the squared cosine */
+    real log_tan = log(s) - R(0.5) * log(c2);
+    real uncapped = gain * exp(r_min((beta0 + beta1 * cos_eighth) * log_tan, LARGEST_EXPONENT));
+    return choose(sin_grazing > R(0.0), r_min(uncapped, cap_lin), R(0.0));
+}
+
 FORMULA real surface_backscatter_lin(real gain, real beta0, real beta1, real cap_lin,
                                      real sin_grazing) {
-    real s = r_min(r_max(sin_grazing, R(1.0e-30)), R(1.0));
-    real cos2 = r_max((R(1.0) - s) * (R(1.0) + s), R(1.0e-30));
-    real cos_eighth = sqrt(sqrt(sqrt(sqrt(cos2)))); /* cos^(1/8), from the squared cosine */
-    real log_tan = log(s) - R(0.5) * log(cos2);
-    real uncapped = gain * exp(r_min((beta0 + beta1 * cos_eighth) * log_tan, R(80.0)));
-    return choose(sin_grazing > R(0.0), r_min(uncapped, cap_lin), R(0.0));
+    real cos2 = (R(1.0) - sin_grazing) * (R(1.0) + sin_grazing);
+    return surface_backscatter_angle_lin(gain, beta0, beta1, cap_lin, sin_grazing, cos2);
 }
 
 /* Volume: S_V = S_p + 7 log10 f, dB re 1/m (course of D. Kraus, as printed in the paper); S_p is

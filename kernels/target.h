@@ -36,15 +36,24 @@ FORMULA real facet_slope_ms(real slope_ms, real coherent_area_m2, real wavelengt
     return slope_ms + wavelength_m * wavelength_m / (R(4.0) * R_PI * area_m2);
 }
 
-/* sigma, 1/sr, at COS_INCIDENCE in [0, 1]; SLOPE_MS > 0. The lobe is one exponential, since
- * exp(-tan^2 i / m) / cos^4 i taken apart is 0 * inf at grazing incidence. */
-FORMULA real facet_strength_lin(real cos_incidence, real reflection2, real g, real slope_ms) {
+/* sigma, 1/sr, for the cosine and the squared sine of the incidence; SLOPE_MS > 0. In single
+ * precision the squared sine should come from a cross product: near normal incidence the cosine
+ * does not hold it, and a flat plate's lobe is only 1e-5 wide in it. The lobe is one exponential,
+ * since exp(-tan^2 i / m) / cos^4 i taken apart is 0 * inf at grazing incidence. */
+FORMULA real facet_strength_angle_lin(real cos_incidence, real sin2, real reflection2, real g,
+                                      real slope_ms) {
     real c = r_min(r_max(cos_incidence, R(1.0e-6)), R(1.0));
     real cos2 = c * c;
-    real tan2 = (R(1.0) - c) * (R(1.0) + c) / cos2;
-    real lobe = exp(R(-2.0) * log(cos2) - tan2 / slope_ms - g * cos2) / (R(4.0) * R_PI * slope_ms);
+    real lobe =
+        exp(R(-2.0) * log(cos2) - sin2 / (cos2 * slope_ms) - g * cos2) / (R(4.0) * R_PI * slope_ms);
     real diffuse = -expm1(-g * cos2) * cos2 / R_PI;
     return reflection2 * (lobe + diffuse);
+}
+
+/* The same from a cosine in [0, 1] alone. */
+FORMULA real facet_strength_lin(real cos_incidence, real reflection2, real g, real slope_ms) {
+    real sin2 = r_max((R(1.0) - cos_incidence) * (R(1.0) + cos_incidence), R(0.0));
+    return facet_strength_angle_lin(cos_incidence, sin2, reflection2, g, slope_ms);
 }
 
 /* Share of the arriving energy that goes on in the mirror direction, R^2 exp(-g sin^2 Theta). */

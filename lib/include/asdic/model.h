@@ -14,17 +14,19 @@ extern "C" {
 #define ASDIC_MODEL_MAX_KEYS 12
 
 typedef struct asdic_model_key {
-    const char *name;    /* "f_khz" */
-    const char *words;   /* NULL, or the allowed words of a non-numeric key: "corrected|printed" */
+    const char *name;  /* "f_khz" */
+    const char *words; /* NULL, or the words that stand for min, min + 1, ...: "mud|sand|..." */
+    bool numeric;      /* takes a number (a key may take both) */
     bool required;
-    double fallback;     /* value of an optional key (the index of the word for a word key) */
-    double min, max;     /* accepted domain, inclusive */
-    double valid_min, valid_max; /* stated validity of the source; outside, a warning */
+    double fallback;   /* value of an optional key; NAN: none, the formula may ask for it */
+    double min, max;   /* accepted domain, inclusive */
+    double valid_min, valid_max; /* stated validity of the source; outside, a warning in the log */
 } asdic_model_key;
 
 typedef struct asdic_model_info {
     const char *name;   /* "bottom-backscatter" */
     const char *unit;   /* "dB" */
+    const char *what;   /* "bottom backscattering strength re 1 m^2/m^2" */
     const char *source; /* "SEARAY, in: Kraus, ... " */
     size_t key_count;
     asdic_model_key keys[ASDIC_MODEL_MAX_KEYS];
@@ -33,8 +35,9 @@ typedef struct asdic_model_info {
 ASDIC_API size_t asdic_model_count(void);
 ASDIC_API const asdic_model_info *asdic_model_get(size_t index); /* NULL when out of range */
 
-/* Evaluates model NAME for COUNT "key=value" strings. DEVICE NULL: host, double. Unknown names and
- * keys are answered with the nearest one, missing keys with the list of all. */
+/* Evaluates model NAME for COUNT "key=value" strings. DEVICE NULL: host, double; else in single
+ * precision there. Unknown names and keys are answered with the nearest one, missing keys with the
+ * list of all. Outside the source's stated validity the value is given and a warning logged. */
 ASDIC_API asdic_status asdic_model_evaluate(asdic_context *ctx, asdic_device *device,
                                             const char *name, const char *const *assignments,
                                             size_t count, double *out);

@@ -1,0 +1,268 @@
+#include "model.h"
+
+#include "../base/context.h"
+#include "../base/words.h"
+#include "../ocl/ocl.h"
+
+#include "../../kernels/model.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+_Static_assert(MODEL_KEYS == ASDIC_MODEL_MAX_KEYS, "host and device disagree on the keys");
+
+static asdic_status find_model(asdic_context *ctx, const char *name, size_t *out) {
+    const char *names[MODEL_COUNT];
+    for (size_t i = 0; i < MODEL_COUNT; i++) {
+        names[i] = asdic_model_table[i].name;
+        if (strcmp(name, names[i]) == 0) {
+            *out = i;
+            return ASDIC_OK;
+        }
+    }
+    size_t near = asdic_words_nearest(name, names, MODEL_COUNT);
+    return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
+                      near < MODEL_COUNT ? "unknown model '%s'; did you mean '%s'?"
+                                         : "unknown model '%s'; 'asdic model' lists them",
+                      name, near < MODEL_COUNT ? names[near] : "");
+}
+
+/* "f_khz t_degc [variant=corrected|printed]". */
+static void list_keys(const asdic_model_info *info, char *text, size_t size) {
+    size_t used = 0;
+    text[0] = '\0';
+    for (size_t i = 0; i < info->key_count && used < size; i++) {
+        const asdic_model_key *key = &info->keys[i];
+        used += (size_t)snprintf(text + used, size - used, "%s%s%s%s%s%s", i ? " " : "",
+                                 key->required ? "" : "[", key->name, key->words ? "=" : "",
+                                 key->words ? key->words : "", key->required ? "" : "]");
+    }
+}
+
+/* The position of WORD in "a|b|c", or -1. */
+static int word_index(const char *words, const char *word) {
+    size_t length = strlen(word);
+    for (int i = 0; words; i++) {
+        const char *end = strchr(words, '|');
+        size_t n = end ? (size_t)(end - words) : strlen(words);
+        if (n == length && strncmp(words, word, n) == 0) {
+            return i;
+        }
+        words = end ? end + 1 : NULL;
+    }
+    return -1;
+}
+
+static asdic_status read_value(asdic_context *ctx, const asdic_model_info *info,
+                               const asdic_model_key *key, const char *text, double *out) {
+    int word = word_index(key->words, text);
+    if (word >= 0) {
+        *out = key->min + word;
+        return ASDIC_OK;
+    }
+    if (!key->numeric) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "%s: '%s' = '%s' is not one of %s", info->name,
+                          key->name, text, key->words);
+    }
+    if (!asdic_words_number(text, out)) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "%s: '%s' = '%s' is not a number%s%s",
+                          info->name, key->name, text, key->words ? " nor one of " : "",
+                          key->words ? key->words : "");
+    }
+    if (*out < key->min || *out > key->max) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "%s: '%s' = %s is out of range [%g, %g]",
+                          info->name, key->name, text, key->min, key->max);
+    }
+    if (*out < key->valid_min || *out > key->valid_max) {
+        asdic_log(ctx, ASDIC_LOG_WARNING,
+                  "%s: '%s' = %s is outside the validity [%g, %g] of its source (%s)", info->name,
+                  key->name, text, key->valid_min, key->valid_max, info->source);
+    }
+    return ASDIC_OK;
+}
+
+/* The key of "key=value", which must be one of INFO's. */
+static asdic_status find_key(asdic_context *ctx, const asdic_model_info *info,
+                             const char *assignment, size_t *out) {
+    char name[64], keys[512];
+    const char *names[ASDIC_MODEL_MAX_KEYS];
+    const char *equals = strchr(assignment, '=');
+    list_keys(info, keys, sizeof keys);
+    if (!equals || equals == assignment) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "%s: '%s' is not key=value; keys: %s",
+                          info->name, assignment, keys);
+    }
+    snprintf(name, sizeof name, "%.*s", (int)(equals - assignment), assignment);
+    for (size_t i = 0; i < info->key_count; i++) {
+        names[i] = info->keys[i].name;
+        if (strcmp(name, names[i]) == 0) {
+            *out = i;
+            return ASDIC_OK;
+        }
+    }
+    size_t near = asdic_words_nearest(name, names, info->key_count);
+    if (near < info->key_count) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
+                          "%s: unknown key '%s'; did you mean '%s'? keys: %s", info->name, name,
+                          names[near], keys);
+    }
+    return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "%s: unknown key '%s'; keys: %s", info->name, name,
+                      keys);
+}
+
+static asdic_status read_assignments(asdic_context *ctx, const asdic_model_info *info,
+                                     const char *const *assignments, size_t count, double *values) {
+    bool given[ASDIC_MODEL_MAX_KEYS] = {false};
+    for (size_t i = 0; i < info->key_count; i++) {
+        values[i] = info->keys[i].fallback;
+    }
+    for (size_t i = 0; i < count; i++) {
+        size_t k = 0;
+        asdic_status status = find_key(ctx, info, assignments[i], &k);
+        if (status == ASDIC_OK && given[k]) {
+            status = asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "%s: key '%s' is given twice",
+                                info->name, info->keys[k].name);
+        }
+        if (status == ASDIC_OK) {
+            status =
+                read_value(ctx, info, &info->keys[k], strchr(assignments[i], '=') + 1, &values[k]);
+        }
+        if (status != ASDIC_OK) {
+            return status;
+        }
+        given[k] = true;
+    }
+    for (size_t i = 0; i < info->key_count; i++) {
+        if (info->keys[i].required && !given[i]) {
+            char keys[512];
+            list_keys(info, keys, sizeof keys);
+            return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "%s: key '%s' is missing; keys: %s",
+                              info->name, info->keys[i].name, keys);
+        }
+    }
+    return ASDIC_OK;
+}
+
+/* Which of radius, length, width, height and frequency (keys 1..5) each shape needs. */
+static asdic_status check_target(asdic_context *ctx, const asdic_model_info *info,
+                                 const double *values) {
+    static const char *const needs[] = {"radius_m", "radius_m length_m f_khz",
+                                        "width_m height_m f_khz", "radius_m f_khz"};
+    const char *need = needs[(int)values[0]];
+    for (size_t i = 1; i < info->key_count; i++) {
+        const char *name = info->keys[i].name;
+        if (isnan(values[i]) && strstr(need, name)) {
+            return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
+                              "%s: key '%s' is missing; this shape needs %s [c_mps]", info->name,
+                              name, need);
+        }
+    }
+    double ka = 2.0 * R_PI * 1e3 * values[5] / values[6] * values[1];
+    if (ka < 10.0 && values[0] < 1.5) {
+        asdic_log(ctx, ASDIC_LOG_WARNING,
+                  "%s: ka = %.3g; geometric optics is within 0.5 dB above 10 only", info->name, ka);
+    }
+    return ASDIC_OK;
+}
+
+/* Whole looks; a shape for the K distribution; without one the null is exponential. */
+static asdic_status check_detection(asdic_context *ctx, const asdic_model_info *info,
+                                    double *values) {
+    double *shape = &values[info->key_count - 1], looks = values[info->key_count - 2];
+    if (looks != floor(looks)) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "%s: 'looks' = %g is not a whole number",
+                          info->name, looks);
+    }
+    if (isnan(*shape) && values[0] == 1.0) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "%s: model=k needs a shape", info->name);
+    }
+    *shape = isnan(*shape) ? INFINITY : *shape;
+    return ASDIC_OK;
+}
+
+static asdic_status check_together(asdic_context *ctx, size_t model, double *values) {
+    const asdic_model_info *info = &asdic_model_table[model];
+    if (model == MODEL_TARGET_STRENGTH) {
+        return check_target(ctx, info, values);
+    }
+    if (model == MODEL_PFA || model == MODEL_PD) {
+        return check_detection(ctx, info, values);
+    }
+    return ASDIC_OK;
+}
+
+static asdic_status evaluate_on_device(asdic_device *device, size_t model, const double *keys,
+                                       size_t count, double *out) {
+    asdic_context *ctx = asdic_device_context(device);
+    asdic_buffer *key_buffer = NULL, *out_buffer = NULL;
+    asdic_kernel *kernel = NULL;
+    size_t key_count = count * MODEL_KEYS;
+    int number = (int)model;
+    uint32_t points = (uint32_t)count;
+    asdic_status status = ASDIC_ERROR_MEMORY;
+    float *floats = malloc((key_count + count) * sizeof *floats);
+    if (!floats) {
+        asdic_fail_memory(ctx, "the keys of a model");
+        goto fail;
+    }
+    for (size_t i = 0; i < key_count; i++) {
+        floats[i] = (float)keys[i];
+    }
+    status = asdic_buffer_create(device, key_count * sizeof *floats, floats, &key_buffer);
+    if (status == ASDIC_OK) {
+        status = asdic_buffer_create(device, count * sizeof *floats, NULL, &out_buffer);
+    }
+    if (status == ASDIC_OK) {
+        status = asdic_kernel_create(device, "model.cl", "", "model", &kernel);
+    }
+    if (status == ASDIC_OK) {
+        const asdic_kernel_arg args[] = {ASDIC_ARG_VALUE(number), ASDIC_ARG_BUFFER(key_buffer),
+                                         ASDIC_ARG_BUFFER(out_buffer), ASDIC_ARG_VALUE(points)};
+        status = asdic_kernel_run(kernel, args, sizeof args / sizeof *args, count, 0);
+    }
+    if (status == ASDIC_OK) {
+        status = asdic_buffer_read(out_buffer, 0, count * sizeof *floats, floats + key_count);
+    }
+    for (size_t i = 0; status == ASDIC_OK && i < count; i++) {
+        out[i] = floats[key_count + i];
+    }
+fail:
+    asdic_kernel_destroy(&kernel);
+    asdic_buffer_destroy(&out_buffer);
+    asdic_buffer_destroy(&key_buffer);
+    free(floats);
+    return status;
+}
+
+asdic_status asdic_model_evaluate_many(asdic_context *ctx, asdic_device *device, size_t model,
+                                       const double *keys, size_t count, double *out) {
+    if (model >= MODEL_COUNT || count > UINT32_MAX) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "model %zu of %d, %zu points", model,
+                          MODEL_COUNT, count);
+    }
+    if (device) {
+        return evaluate_on_device(device, model, keys, count, out);
+    }
+    for (size_t i = 0; i < count; i++) {
+        out[i] = model_value((int)model, keys + i * MODEL_KEYS);
+    }
+    return ASDIC_OK;
+}
+
+asdic_status asdic_model_evaluate(asdic_context *ctx, asdic_device *device, const char *name,
+                                  const char *const *assignments, size_t count, double *out) {
+    double values[ASDIC_MODEL_MAX_KEYS] = {0.0};
+    size_t model = 0;
+    asdic_status status = find_model(ctx, name, &model);
+    if (status == ASDIC_OK) {
+        status = read_assignments(ctx, &asdic_model_table[model], assignments, count, values);
+    }
+    if (status == ASDIC_OK) {
+        status = check_together(ctx, model, values);
+    }
+    if (status == ASDIC_OK) {
+        status = asdic_model_evaluate_many(ctx, device, model, values, 1, out);
+    }
+    return status;
+}

@@ -1,0 +1,17 @@
+/*
+ * The table behind asdic_model_*, and evaluating many points at once.
+ */
+#ifndef ASDIC_SIM_MODEL_H
+#define ASDIC_SIM_MODEL_H
+
+#include <asdic/model.h>
+
+/* In the order of the MODEL_ numbers of kernels/model.h. */
+extern const asdic_model_info asdic_model_table[];
+
+/* Evaluates formula MODEL (its index in the table) for COUNT points of ASDIC_MODEL_MAX_KEYS values
+ * each, without checking them. DEVICE NULL: in double on the host. */
+asdic_status asdic_model_evaluate_many(asdic_context *ctx, asdic_device *device, size_t model,
+                                       const double *keys, size_t count, double *out);
+
+#endif

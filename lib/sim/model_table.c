@@ -1,0 +1,185 @@
+#include "model.h"
+
+#include "../../kernels/model.h"
+
+/* A number that must be given, and one with a fallback: name, domain, stated validity. */
+#define NEEDED(key, lo, hi, valid_lo, valid_hi)                                                    \
+    {                                                                                              \
+        .name = key, .numeric = true, .required = true, .min = lo, .max = hi,                      \
+        .valid_min = valid_lo, .valid_max = valid_hi                                               \
+    }
+#define OPTIONAL(key, value, lo, hi)                                                               \
+    {                                                                                              \
+        .name = key, .numeric = true, .fallback = value, .min = lo, .max = hi, .valid_min = lo,    \
+        .valid_max = hi                                                                            \
+    }
+/* One of WORDS, COUNT of them, the first standing for 0. */
+#define CHOICE(key, list, count, must)                                                             \
+    { .name = key, .words = list, .required = must, .max = count - 1, .valid_max = count - 1 }
+
+#define F_KHZ(valid_lo, valid_hi) NEEDED("f_khz", 0.1, 1000.0, valid_lo, valid_hi)
+#define C_MPS NEEDED("c_mps", 1300.0, 1700.0, 1300.0, 1700.0)
+#define WIND_KN OPTIONAL("wind_kn", 10.0, 0.0, 60.0)
+#define SHIPPING OPTIONAL("shipping", 0.5, 0.0, 1.0)
+#define GRAZING NEEDED("grazing_deg", 0.0, 90.0, 0.0, 90.0)
+#define COATES "Coates, Underwater Acoustic Systems (1990), after Wenz (1962) and Mellen (1952)"
+#define KRAUS "lecture course of D. Kraus (Hochschule Bremen), printed in Morency et al."
+#define DETECTION_MODEL CHOICE("model", "exponential|k|swerling0|swerling1|swerling3", 5, true)
+#define THRESHOLD NEEDED("threshold", 0.0, 1e12, 0.0, 1e12)
+#define MU0 NEEDED("mu0", 1e-30, 1e12, 1e-30, 1e12)
+#define LOOKS OPTIONAL("looks", 1.0, 1.0, 1000.0)
+#define SHAPE OPTIONAL("shape", NAN, 0.05, 1000.0)
+
+const asdic_model_info asdic_model_table[] = {
+    [MODEL_SOUND_SPEED] = {"sound-speed",
+                           "m/s",
+                           "speed of sound in sea water",
+                           "Medwin, J. Acoust. Soc. Am. 58, 1318 (1975)",
+                           3,
+                           {NEEDED("t_degc", -2.0, 40.0, 0.0, 35.0),
+                            NEEDED("s_ppt", 0.0, 45.0, 0.0, 45.0),
+                            NEEDED("z_m", 0.0, 11000.0, 0.0, 1000.0)}},
+    [MODEL_ABSORPTION] = {"absorption",
+                          "dB/km",
+                          "absorption of sea water, one way",
+                          "Francois & Garrison, J. Acoust. Soc. Am. 72, 1879 (1982)",
+                          6,
+                          {F_KHZ(0.2, 1000.0), NEEDED("t_degc", -2.0, 40.0, -2.0, 22.0),
+                           NEEDED("s_ppt", 0.0, 45.0, 30.0, 35.0),
+                           NEEDED("z_m", 0.0, 11000.0, 0.0, 3500.0),
+                           NEEDED("ph", 7.0, 8.5, 7.7, 8.3),
+                           CHOICE("variant", "corrected|printed", 2, false)}},
+    [MODEL_TRANSMISSION_LOSS] = {"transmission-loss",
+                                 "dB",
+                                 "two-way spreading and absorption re 1 m",
+                                 "Urick, Principles of Underwater Sound (1983); printed: Morency "
+                                 "et al., eq. (2)",
+                                 3,
+                                 {NEEDED("d_m", 1e-3, 1e6, 1e-3, 1e6),
+                                  NEEDED("alpha_db_per_km", 0.0, 2000.0, 0.0, 2000.0),
+                                  CHOICE("variant", "corrected|printed|two-way", 3, false)}},
+    [MODEL_BEAM_PATTERN] = {"beam-pattern",
+                            "dB",
+                            "one-way pattern of a rectangular aperture re on-axis; -inf behind",
+                            "Marage & Mori, Sonar and Underwater Acoustics (2010)",
+                            5,
+                            {NEEDED("theta_deg", -180.0, 180.0, -90.0, 90.0),
+                             NEEDED("psi_deg", -90.0, 90.0, -90.0, 90.0),
+                             NEEDED("length_h_m", 1e-6, 100.0, 1e-6, 100.0),
+                             NEEDED("length_v_m", 1e-6, 100.0, 1e-6, 100.0),
+                             NEEDED("wavelength_m", 1e-4, 100.0, 1e-4, 100.0)}},
+    [MODEL_BOTTOM_BACKSCATTER] = {"bottom-backscatter",
+                                  "dB",
+                                  "bottom backscattering strength re 1 m^2/m^2",
+                                  "SEARAY model, " KRAUS,
+                                  3,
+                                  {{.name = "type",
+                                    .words = "mud|sand|gravel|rock",
+                                    .numeric = true,
+                                    .required = true,
+                                    .min = 1.0,
+                                    .max = 4.0,
+                                    .valid_min = 1.0,
+                                    .valid_max = 4.0},
+                                   F_KHZ(50.0, 400.0),
+                                   GRAZING}},
+    [MODEL_SURFACE_BACKSCATTER] = {"surface-backscatter",
+                                   "dB",
+                                   "surface backscattering strength re 1 m^2/m^2, capped at the "
+                                   "return of a rough mirror (Cox & Munk 1954)",
+                                   KRAUS,
+                                   4,
+                                   {NEEDED("wind_kn", 0.0, 60.0, 0.0, 40.0), F_KHZ(1.0, 400.0),
+                                    GRAZING, CHOICE("cap", "on|off", 2, false)}},
+    [MODEL_VOLUME_BACKSCATTER] = {"volume-backscatter",
+                                  "dB",
+                                  "volume backscattering strength re 1/m; sp_db low -90, moderate "
+                                  "-70, high -50",
+                                  KRAUS,
+                                  2,
+                                  {NEEDED("sp_db", -200.0, 0.0, -200.0, 0.0), F_KHZ(0.1, 1000.0)}},
+    [MODEL_NOISE_TURBULENCE] = {"noise-turbulence",
+                                "dB",
+                                "turbulence noise re 1 uPa^2/Hz",
+                                COATES,
+                                1,
+                                {F_KHZ(0.1, 1000.0)}},
+    [MODEL_NOISE_TRAFFIC] = {"noise-traffic",
+                             "dB",
+                             "shipping noise re 1 uPa^2/Hz",
+                             COATES,
+                             2,
+                             {F_KHZ(0.1, 1000.0), SHIPPING}},
+    [MODEL_NOISE_SEA_STATE] = {"noise-sea-state",
+                               "dB",
+                               "wind noise re 1 uPa^2/Hz",
+                               COATES,
+                               2,
+                               {F_KHZ(0.1, 1000.0), WIND_KN}},
+    [MODEL_NOISE_THERMAL] =
+        {"noise-thermal", "dB", "thermal noise re 1 uPa^2/Hz", COATES, 1, {F_KHZ(0.1, 1000.0)}},
+    [MODEL_NOISE] = {"noise",
+                     "dB",
+                     "ambient noise in a band re 1 uPa^2 (per hertz without bandwidth_hz)",
+                     COATES,
+                     4,
+                     {F_KHZ(0.1, 1000.0), SHIPPING, WIND_KN,
+                      OPTIONAL("bandwidth_hz", 1.0, 1e-3, 1e6)}},
+    [MODEL_RANGE_RESOLUTION] = {"range-resolution",
+                                "m",
+                                "length of a resolution cell, c / (2 B)",
+                                "Medwin & Clay, Fundamentals of Acoustical Oceanography (1998)",
+                                2,
+                                {C_MPS, NEEDED("bandwidth_hz", 1.0, 1e6, 1.0, 1e6)}},
+    [MODEL_MAX_RANGE] = {"max-range",
+                         "m",
+                         "range of the last echo before the next ping, c / (2 f_p)",
+                         "definition",
+                         2,
+                         {C_MPS, NEEDED("ping_rate_hz", 1e-2, 1e3, 1e-2, 1e3)}},
+    [MODEL_TARGET_STRENGTH] =
+        {"target-strength",
+         "dB",
+         "rigid smooth body in the far field re 1 m^2: cylinder broadside, "
+         "plate and disc at normal incidence; ka > 10",
+         "Urick, Principles of Underwater Sound (1983), table 9.1",
+         7,
+         {CHOICE("shape", "sphere|cylinder|plate|disc", 4, true),
+          OPTIONAL("radius_m", NAN, 1e-4, 1e4), OPTIONAL("length_m", NAN, 1e-4, 1e4),
+          OPTIONAL("width_m", NAN, 1e-4, 1e4), OPTIONAL("height_m", NAN, 1e-4, 1e4),
+          OPTIONAL("f_khz", NAN, 0.1, 1000.0), OPTIONAL("c_mps", 1500.0, 1300.0, 1700.0)}},
+    [MODEL_FACET_STRENGTH] =
+        {"facet-strength",
+         "dB",
+         "scattering strength of a rough facet re 1 m^2/m^2; reflection is "
+         "the amplitude coefficient, slope_ms the mean-square slope",
+         "Kirchhoff lobe for the coherent share exp(-4 k^2 s^2 cos^2), Lambert "
+         "for the rest",
+         6,
+         {NEEDED("incidence_deg", 0.0, 90.0, 0.0, 90.0), F_KHZ(0.1, 1000.0), C_MPS,
+          NEEDED("roughness_rms_m", 0.0, 1.0, 0.0, 1.0), NEEDED("slope_ms", 1e-9, 1.0, 1e-9, 0.1),
+          NEEDED("reflection", -1.0, 1.0, -1.0, 1.0)}},
+    [MODEL_PFA] = {"pfa",
+                   "1",
+                   "chance that the mean intensity of the looks exceeds the threshold without a "
+                   "target; a shape makes the null K-distributed",
+                   "exponential (Rayleigh envelope); K: Abraham & Lyons, IEEE J. Oceanic Eng. 27, "
+                   "800 (2002)",
+                   5,
+                   {DETECTION_MODEL, THRESHOLD, MU0, LOOKS, SHAPE}},
+    [MODEL_PD] = {"pd",
+                  "1",
+                  "the same with a target of snr * mu0: exponential and k mean Swerling I",
+                  "Swerling, IRE Trans. IT-6, 269 (1960); steady: Marcum's Q",
+                  6,
+                  {DETECTION_MODEL, THRESHOLD, MU0, NEEDED("snr", 0.0, 1e6, 0.0, 1e6), LOOKS,
+                   SHAPE}},
+};
+
+size_t asdic_model_count(void) {
+    return sizeof asdic_model_table / sizeof *asdic_model_table;
+}
+
+const asdic_model_info *asdic_model_get(size_t index) {
+    return index < asdic_model_count() ? &asdic_model_table[index] : NULL;
+}

@@ -1,0 +1,108 @@
+/*
+ * Every line of formulas.txt through the public API: in double on the host, or with "device" as
+ * second argument in single precision there.
+ */
+#include "asserts.h"
+#include "test_device.h"
+
+#include <asdic/model.h>
+
+typedef struct vector {
+    char text[512]; /* the line, cut into words */
+    const char *name;
+    const char *keys[ASDIC_MODEL_MAX_KEYS];
+    size_t key_count;
+    double expected, absolute, relative;
+} vector;
+
+static const char *vector_path;
+static test_device place; /* its device is NULL on the host */
+
+/* false for comments and blank lines. */
+static bool parse(const char *line, vector *out) {
+    snprintf(out->text, sizeof out->text, "%s", line);
+    char *comment = strchr(out->text, '#');
+    if (!comment || comment == out->text) {
+        return false;
+    }
+    *comment = '\0';
+    char *rest = NULL;
+    out->name = strtok_r(out->text, " ", &rest);
+    out->key_count = 0;
+    for (char *word; (word = strtok_r(NULL, " ", &rest)) && strcmp(word, "=") != 0;) {
+        assert_true(out->key_count < ASDIC_MODEL_MAX_KEYS);
+        out->keys[out->key_count++] = word;
+    }
+    assert_int_equal(sscanf(rest, "%lf %lf %lf", &out->expected, &out->absolute, &out->relative),
+                     3);
+    return true;
+}
+
+/* What single precision may cost: 1e-3 dB, or 1e-5 of other units. 89.99 degrees as a float is
+ * already off by 2e-4 of its distance from 90, on which steep laws depend with up to the eighth
+ * power. */
+static void widen(vector *v, bool decibel) {
+    v->absolute += decibel ? 1e-3 : 1e-30;
+    v->relative += decibel ? 0.0 : 1e-5;
+    for (size_t i = 0; i < v->key_count; i++) {
+        v->absolute += strstr(v->keys[i], "_deg=89.99") ? 2e-2 : 0.0;
+    }
+}
+
+static bool has_decibels(const char *name) {
+    for (size_t i = 0; i < asdic_model_count(); i++) {
+        if (strcmp(asdic_model_get(i)->name, name) == 0) {
+            return strcmp(asdic_model_get(i)->unit, "dB") == 0;
+        }
+    }
+    return false;
+}
+
+static void formulas_meet_independent_values(void **state) {
+    (void)state;
+    size_t lines = 0, wrong = 0;
+    char line[512];
+    FILE *file = fopen(vector_path, "r");
+    assert_non_null(file);
+    while (fgets(line, sizeof line, file)) {
+        vector v;
+        double value = NAN;
+        if (!parse(line, &v)) {
+            continue;
+        }
+        if (place.device) {
+            widen(&v, has_decibels(v.name));
+        }
+        asdic_status status =
+            asdic_model_evaluate(place.ctx, place.device, v.name, v.keys, v.key_count, &value);
+        bool met = status == ASDIC_OK &&
+                   (value == v.expected ||
+                    fabs(value - v.expected) <= v.absolute + v.relative * fabs(v.expected));
+        if (!met) {
+            print_error("got %.17g (%s) for: %s", value,
+                        status == ASDIC_OK ? "off" : asdic_context_error(place.ctx), line);
+        }
+        wrong += !met;
+        lines++;
+    }
+    fclose(file);
+    assert_true(lines >= 200);
+    assert_int_equal(wrong, 0);
+}
+
+int main(int argc, char **argv) {
+    bool on_device = argc == 3 && strcmp(argv[2], "device") == 0;
+    if (argc != 2 && !on_device) {
+        return 1;
+    }
+    vector_path = argv[1];
+    if (on_device) {
+        place = test_device_open_or_skip();
+    } else if (asdic_context_create(&place.ctx) != ASDIC_OK) {
+        return 1;
+    }
+    const struct CMUnitTest tests[] = {cmocka_unit_test(formulas_meet_independent_values)};
+    int failed = cmocka_run_group_tests(tests, NULL, NULL);
+    test_device_close(&place);
+    return failed;
+}
