@@ -1,0 +1,146 @@
+/*
+ * A mesh from a file: scan it, let OpenMesh read it, compare the two, cut polygons into triangles.
+ */
+#include "mesh_build.h"
+#include "mesh_openmesh.h"
+#include "mesh_polygon.h"
+
+#include "../base/context.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static uint64_t hash_facets(const asdic_mesh_scan *scan, const asdic_polygons *p) {
+    uint64_t hash = 0;
+    for (size_t f = 0; f < p->facet_count; f++) {
+        const uint32_t *corners = &p->corners[p->first[f]];
+        size_t count = p->first[f + 1] - p->first[f];
+        if (scan->format == ASDIC_MESH_OBJ && count <= ASDIC_POLYGON_MAX_CORNERS &&
+            asdic_mesh_scan_names_twice(corners, count)) {
+            continue;
+        }
+        hash = asdic_mesh_scan_hash(hash, count);
+        for (size_t i = 0; i < count; i++) {
+            hash = asdic_mesh_scan_hash(hash, corners[i]);
+        }
+    }
+    return hash;
+}
+
+static asdic_status check_counts(const asdic_mesh_scan *scan, const asdic_polygons *p) {
+    bool stl = scan->vertices_m == NULL; /* OpenMesh welds its corners */
+    if (p->facet_count > scan->facets || p->facet_count < scan->facets - scan->degenerate ||
+        (!stl && p->vertex_count != scan->vertices)) {
+        return asdic_fail(scan->ctx, ASDIC_ERROR_INPUT,
+                          "%s: holds %zu vertices and %zu facets, but OpenMesh reads %zu and %zu; "
+                          "write it anew in a plain layout (one vertex or facet a line)",
+                          scan->path, scan->vertices, scan->facets, p->vertex_count,
+                          p->facet_count);
+    }
+    if (!stl && hash_facets(scan, p) != scan->facet_hash) {
+        return asdic_fail(scan->ctx, ASDIC_ERROR_INPUT,
+                          "%s: OpenMesh reads other facets than the file holds; write it anew in a "
+                          "plain layout (one vertex or facet a line, no colours)",
+                          scan->path);
+    }
+    for (size_t i = 0; i < p->corner_count; i++) {
+        if (p->corners[i] >= p->vertex_count) {
+            return asdic_fail(scan->ctx, ASDIC_ERROR_INPUT,
+                              "%s: a facet names vertex %u, but there are %zu", scan->path,
+                              p->corners[i], p->vertex_count);
+        }
+    }
+    return ASDIC_OK;
+}
+
+/* Both readings must give the same vertex; the double one is kept. */
+static asdic_status take_vertices(const asdic_mesh_scan *scan, const asdic_polygons *p,
+                                  double *out_m) {
+    for (size_t i = 0; i < 3 * p->vertex_count; i++) {
+        double read = p->vertices_m[i], scanned = scan->vertices_m ? scan->vertices_m[i] : read;
+        if (!(fabs(read - scanned) <= 2.4e-7 * fabs(scanned) + 1e-37)) {
+            return asdic_fail(scan->ctx, ASDIC_ERROR_INPUT,
+                              "%s: vertex %zu has %.9g where OpenMesh reads %.9g", scan->path,
+                              i / 3, scanned, read);
+        }
+        out_m[i] = scanned;
+    }
+    return ASDIC_OK;
+}
+
+static asdic_status triangulate(const asdic_mesh_scan *scan, asdic_polygons *p, asdic_mesh *mesh) {
+    mesh->triangle_count = 0;
+    mesh->dropped = scan->facets - p->facet_count;
+    for (size_t f = 0; f < p->facet_count; f++) {
+        uint32_t *corners = &p->corners[p->first[f]];
+        size_t count = p->first[f + 1] - p->first[f], written = 0;
+        if (count > ASDIC_POLYGON_MAX_CORNERS) {
+            return asdic_fail(scan->ctx, ASDIC_ERROR_INPUT,
+                              "%s: facet %zu has %zu corners, more than %d; triangulate it",
+                              scan->path, f, count, ASDIC_POLYGON_MAX_CORNERS);
+        }
+        uint32_t *out = &mesh->indices[3 * mesh->triangle_count];
+        if (count == 3) {
+            memcpy(out, corners, 3 * sizeof *corners);
+            written = 1;
+        } else if (!asdic_polygon_triangulate(mesh->vertices_m, corners, count, out, &written)) {
+            return asdic_fail(scan->ctx, ASDIC_ERROR_INPUT,
+                              "%s: the outline of facet %zu (%zu corners) crosses itself; "
+                              "triangulate it",
+                              scan->path, f, count);
+        }
+        mesh->dropped += written == 0;
+        mesh->triangle_count += written;
+    }
+    return ASDIC_OK;
+}
+
+static void place(asdic_mesh *mesh, double scale, bool z_up) {
+    for (size_t i = 0; i < mesh->vertex_count; i++) {
+        double *v = &mesh->vertices_m[3 * i];
+        double x = scale * v[0], y = scale * v[1], z = scale * v[2];
+        v[0] = z_up ? y : x;
+        v[1] = z_up ? x : y;
+        v[2] = z_up ? -z : z;
+    }
+}
+
+static asdic_status build(const asdic_mesh_scan *scan, asdic_polygons *p, asdic_mesh **out) {
+    asdic_status status = check_counts(scan, p);
+    if (status != ASDIC_OK) {
+        return status;
+    }
+    size_t triangles = p->corner_count - 2 * p->facet_count; /* every facet has 3 or more */
+    status = asdic_mesh_allocate(scan->ctx, p->vertex_count, triangles, out);
+    status = status ? status : take_vertices(scan, p, (*out)->vertices_m);
+    return status ? status : triangulate(scan, p, *out);
+}
+
+asdic_status asdic_mesh_load(asdic_context *ctx, const char *path, double scale, bool z_up,
+                             asdic_mesh **out) {
+    if (!path || !out) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "a mesh needs a path and a place");
+    }
+    *out = NULL;
+    if (!(scale > 0.0) || !isfinite(scale)) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "%s: scale %g is not positive", path, scale);
+    }
+    asdic_mesh_scan scan;
+    asdic_polygons polygons = {0};
+    asdic_mesh *mesh = NULL;
+    asdic_status status = asdic_mesh_scan_file(ctx, path, &scan);
+    status = status ? status : asdic_openmesh_read(&scan, &polygons);
+    status = status ? status : build(&scan, &polygons, &mesh);
+    if (status == ASDIC_OK) {
+        place(mesh, scale, z_up);
+        status = asdic_mesh_complete(ctx, mesh, path);
+    }
+    if (status != ASDIC_OK) {
+        asdic_mesh_destroy(&mesh);
+    }
+    asdic_polygons_finish(&polygons);
+    asdic_mesh_scan_finish(&scan);
+    *out = mesh;
+    return status;
+}

@@ -1,0 +1,207 @@
+#include "mesh_scan.h"
+
+#include "../base/context.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <sys/stat.h>
+
+asdic_status asdic_mesh_scan_fail(const asdic_mesh_scan *scan, size_t line, const char *format,
+                                  ...) {
+    char text[512];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    if (line == 0) {
+        return asdic_fail(scan->ctx, ASDIC_ERROR_INPUT, "%s: %s", scan->path, text);
+    }
+    return asdic_fail(scan->ctx, ASDIC_ERROR_INPUT, "%s:%zu: %s", scan->path, line, text);
+}
+
+bool asdic_line_next(const asdic_mesh_scan *scan, asdic_line *line) {
+    const char *end = scan->text + scan->size;
+    const char *at = line->number == 0 ? scan->text : line->end;
+    if (line->number > 0 && at < end) {
+        at++; /* the line's own end */
+    }
+    if (at >= end) {
+        return false;
+    }
+    const char *stop = memchr(at, '\n', (size_t)(end - at));
+    line->at = at;
+    line->end = stop ? stop : end;
+    line->number++;
+    return true;
+}
+
+void asdic_line_skip_blanks(asdic_line *line) {
+    while (line->at < line->end && (*line->at == ' ' || *line->at == '\t' || *line->at == '\r')) {
+        line->at++;
+    }
+}
+
+static bool at_word_end(const asdic_line *line, const char *at) {
+    return at >= line->end || *at == ' ' || *at == '\t' || *at == '\r';
+}
+
+bool asdic_line_take_word(asdic_line *line, const char *word) {
+    size_t length = strlen(word);
+    asdic_line_skip_blanks(line);
+    if ((size_t)(line->end - line->at) < length || memcmp(line->at, word, length) != 0 ||
+        !at_word_end(line, line->at + length)) {
+        return false;
+    }
+    line->at += length;
+    return true;
+}
+
+bool asdic_line_take_number(const asdic_mesh_scan *scan, asdic_line *line, double *out) {
+    asdic_line_skip_blanks(line);
+    if (line->at >= line->end) {
+        return false;
+    }
+    char *stop;
+    double value = strtod_l(line->at, &stop, scan->c_locale);
+    if (stop == line->at || !at_word_end(line, stop) || !isfinite(value)) {
+        return false;
+    }
+    line->at = stop;
+    *out = value;
+    return true;
+}
+
+bool asdic_line_take_integer(asdic_line *line, long long *out) {
+    asdic_line_skip_blanks(line);
+    if (line->at >= line->end) {
+        return false;
+    }
+    char *stop;
+    errno = 0;
+    long long value = strtoll(line->at, &stop, 10);
+    if (stop == line->at || stop > line->end || errno != 0) {
+        return false;
+    }
+    line->at = stop;
+    *out = value;
+    return true;
+}
+
+asdic_status asdic_mesh_scan_add_vertex(asdic_mesh_scan *scan, const double v[3],
+                                        size_t *capacity) {
+    if (scan->vertices == *capacity) {
+        size_t wanted = *capacity ? 2 * *capacity : 1024;
+        double *grown = realloc(scan->vertices_m, 3 * wanted * sizeof *grown);
+        if (!grown) {
+            return asdic_fail(scan->ctx, ASDIC_ERROR_MEMORY, "%s: out of memory for %zu vertices",
+                              scan->path, wanted);
+        }
+        scan->vertices_m = grown;
+        *capacity = wanted;
+    }
+    memcpy(&scan->vertices_m[3 * scan->vertices++], v, 3 * sizeof *v);
+    return ASDIC_OK;
+}
+
+bool asdic_mesh_scan_names_twice(const uint32_t *corners, size_t count) {
+    for (size_t i = 1; i < count; i++) {
+        for (size_t j = 0; j < i; j++) {
+            if (corners[i] == corners[j]) {
+                return true;
+            }
+        }
+    }
+    return false;
+}
+
+static asdic_status read_stream(asdic_mesh_scan *scan, FILE *file) {
+    struct stat info;
+    if (fstat(fileno(file), &info) != 0) {
+        return asdic_fail(scan->ctx, ASDIC_ERROR_IO, "%s: %s", scan->path, strerror(errno));
+    }
+    if (!S_ISREG(info.st_mode)) {
+        return asdic_fail(scan->ctx, ASDIC_ERROR_INPUT, "%s: not a regular file", scan->path);
+    }
+    scan->text = malloc((size_t)info.st_size + 1);
+    if (!scan->text) {
+        return asdic_fail(scan->ctx, ASDIC_ERROR_MEMORY, "%s: out of memory for %lld bytes",
+                          scan->path, (long long)info.st_size);
+    }
+    scan->size = fread(scan->text, 1, (size_t)info.st_size, file);
+    if (ferror(file)) {
+        return asdic_fail(scan->ctx, ASDIC_ERROR_IO, "%s: cannot read: %s", scan->path,
+                          strerror(errno));
+    }
+    scan->text[scan->size] = '\0';
+    if (scan->size == 0) {
+        return asdic_fail(scan->ctx, ASDIC_ERROR_INPUT, "%s: the file is empty", scan->path);
+    }
+    return ASDIC_OK;
+}
+
+/* A zero byte ends strings early, and is how UTF-16 looks from here. */
+asdic_status asdic_mesh_scan_check_text(const asdic_mesh_scan *scan) {
+    if (memchr(scan->text, '\0', scan->size)) {
+        return asdic_mesh_scan_fail(scan, 0,
+                                    "binary or UTF-16 where text is expected; save it as UTF-8");
+    }
+    if (scan->size >= 3 && memcmp(scan->text, "\xef\xbb\xbf", 3) == 0) {
+        return asdic_mesh_scan_fail(scan, 1, "starts with a byte order mark; save it without");
+    }
+    return ASDIC_OK;
+}
+
+asdic_status asdic_mesh_scan_open(asdic_context *ctx, const char *path, asdic_mesh_scan *out) {
+    *out = (asdic_mesh_scan){.ctx = ctx, .path = path};
+    out->c_locale = newlocale(LC_ALL_MASK, "C", (locale_t)0);
+    if (!out->c_locale) {
+        return asdic_fail_memory(ctx, "the C locale");
+    }
+    FILE *file = fopen(path, "rb");
+    if (!file) {
+        return asdic_fail(ctx, ASDIC_ERROR_INPUT, "%s: cannot open: %s", path, strerror(errno));
+    }
+    asdic_status status = read_stream(out, file);
+    fclose(file);
+    return status;
+}
+
+asdic_status asdic_mesh_scan_file(asdic_context *ctx, const char *path, asdic_mesh_scan *out) {
+    static const struct {
+        const char *extension;
+        bool text;
+        asdic_status (*scan)(asdic_mesh_scan *);
+    } formats[] = {
+        {"obj", true, asdic_mesh_scan_obj},
+        {"off", true, asdic_mesh_scan_off},
+        {"ply", false, asdic_mesh_scan_ply},
+        {"stl", false, asdic_mesh_scan_stl},
+    };
+    *out = (asdic_mesh_scan){.ctx = ctx, .path = path};
+    const char *dot = strrchr(path, '.');
+    for (size_t i = 0; dot && i < sizeof formats / sizeof *formats; i++) {
+        if (strcasecmp(dot + 1, formats[i].extension) != 0) {
+            continue;
+        }
+        asdic_status status = asdic_mesh_scan_open(ctx, path, out);
+        status = status || !formats[i].text ? status : asdic_mesh_scan_check_text(out);
+        return status ? status : formats[i].scan(out);
+    }
+    return asdic_fail(ctx, ASDIC_ERROR_INPUT,
+                      "%s: '%s' is not a mesh format; use .obj, .off, .ply or .stl", path,
+                      dot ? dot : "");
+}
+
+void asdic_mesh_scan_finish(asdic_mesh_scan *scan) {
+    if (scan->c_locale) {
+        freelocale(scan->c_locale);
+    }
+    free(scan->text);
+    free(scan->vertices_m);
+    *scan = (asdic_mesh_scan){0};
+}

@@ -1,0 +1,142 @@
+/*
+ * ESRI ASCII grids.
+ */
+#include "mesh_rig.h"
+
+#include <locale.h>
+#include <stdio.h>
+
+static mesh_rig rig;
+
+static asdic_mesh *load(bool values_are_depth) {
+    asdic_mesh *mesh = NULL;
+    asdic_status status = asdic_mesh_load_grid(rig.ctx, rig.path, values_are_depth, &mesh);
+    if (status != ASDIC_OK) {
+        print_error("%s\n", asdic_context_error(rig.ctx));
+    }
+    assert_int_equal(status, ASDIC_OK);
+    return mesh;
+}
+
+static void refuse(const char *text, const char *part) {
+    asdic_mesh *mesh = NULL;
+    mesh_rig_write(&rig, "g.asc", text);
+    assert_int_equal(asdic_mesh_load_grid(rig.ctx, rig.path, true, &mesh), ASDIC_ERROR_INPUT);
+    assert_null(mesh);
+    if (!strstr(asdic_context_error(rig.ctx), part)) {
+        print_error("'%s' lacks '%s'\n", asdic_context_error(rig.ctx), part);
+    }
+    assert_non_null(strstr(asdic_context_error(rig.ctx), part));
+    assert_non_null(strstr(asdic_context_error(rig.ctx), rig.path));
+}
+
+/* Altitude at (x, y) of a scene whose bottom is MESH, seen from the surface. */
+static double depth_at(const asdic_mesh *mesh, double x_m, double y_m) {
+    asdic_scene *scene;
+    asdic_pose here = {.yaw_rad = 0.0};
+    assert_int_equal(asdic_scene_create(rig.ctx, &scene), ASDIC_OK);
+    assert_int_equal(asdic_scene_add_bottom(scene, mesh, here, asdic_material_bottom(2)), ASDIC_OK);
+    assert_int_equal(asdic_scene_commit(scene), ASDIC_OK);
+    double depth = asdic_scene_altitude_m(scene, (asdic_vec3){x_m, y_m, 0.0});
+    asdic_scene_destroy(&scene);
+    return depth;
+}
+
+static void rows_run_south(void **state) {
+    (void)state;
+    mesh_rig_write(&rig, "g.asc",
+                   "ncols 3\nnrows 2\nxllcorner 500000\nyllcorner 4500000\n"
+                   "cellsize 10\nNODATA_value -9999\n11 12 13\n21 22 23\n");
+    asdic_mesh *mesh = load(true);
+    asdic_mesh_info info = asdic_mesh_get_info(mesh);
+    assert_int_equal(info.triangles, 4);
+    assert_close(info.min_m.x, 4500005.0, 0.0, 0.0);
+    assert_close(info.max_m.x, 4500015.0, 0.0, 0.0);
+    assert_close(info.min_m.y, 500005.0, 0.0, 0.0);
+    assert_close(info.max_m.y, 500025.0, 0.0, 0.0);
+    assert_close(depth_at(mesh, 4500015.0, 500005.0), 11.0, 1e-4, 0.0); /* north-west */
+    assert_close(depth_at(mesh, 4500005.0, 500025.0), 23.0, 1e-4, 0.0); /* south-east */
+    assert_close(depth_at(mesh, 4500010.0, 500015.0), 17.0, 1e-4, 0.0); /* linear between */
+    asdic_mesh_destroy(&mesh);
+}
+
+static void heights_and_other_headers(void **state) {
+    (void)state;
+    mesh_rig_write(&rig, "g.asc",
+                   "NCOLS 2\r\nNROWS 2\r\nXLLCENTER 0.5\r\nYLLCENTER -0.5\r\n"
+                   "dx        0.250000000000\r\ndy        2.000000000000\r\n-4 -4\r\n-5 -5\r\n");
+    asdic_mesh *mesh = load(false);
+    asdic_mesh_info info = asdic_mesh_get_info(mesh);
+    assert_close(info.min_m.y, 0.5, 0.0, 0.0);
+    assert_close(info.max_m.y, 0.75, 0.0, 0.0);
+    assert_close(info.min_m.x, -0.5, 0.0, 0.0);
+    assert_close(info.max_m.x, 1.5, 0.0, 0.0);
+    assert_close(depth_at(mesh, 1.5, 0.6), 4.0, 1e-5, 0.0);
+    assert_close(depth_at(mesh, -0.5, 0.6), 5.0, 1e-5, 0.0);
+    asdic_mesh_destroy(&mesh);
+}
+
+static void holes(void **state) {
+    (void)state;
+    /* GDAL writes the marker with other digits in the header than in the rows */
+    mesh_rig_write(&rig, "g.asc",
+                   "ncols 3\nnrows 3\nxllcorner 0\nyllcorner 0\ncellsize 1\n"
+                   "NODATA_value  -3.4028234663852886e+38\n"
+                   "1 1 1\n1 -3.40282346639e+38 1\n1 1 nan\n");
+    asdic_mesh *mesh = load(true);
+    /* three corners of the quads round the middle are left, two of the one with the NAN */
+    assert_int_equal(asdic_mesh_get_info(mesh).triangles, 3);
+    assert_int_equal(asdic_mesh_get_info(mesh).vertices, 7);
+    assert_true(isinf(depth_at(mesh, 1.5, 1.5)));
+    assert_close(depth_at(mesh, 2.4, 0.6), 1.0, 1e-6, 0.0);
+    asdic_mesh_destroy(&mesh);
+}
+
+#define HEAD "ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 1\n"
+
+static void refusals(void **state) {
+    (void)state;
+    refuse("", "empty");
+    refuse(HEAD, "header");
+    refuse(HEAD "1 2\n3\n", "row 1, column 1");
+    refuse(HEAD "1 2\n3 x\n", ":7: row 1, column 1");
+    refuse(HEAD "1 2\n3 inf\n", ":7: row 1, column 1");
+    refuse(HEAD "1 2\n3 4\n5\n", ":8: more than 4 values");
+    refuse("ncols 100000\nnrows 100000\nxllcorner 0\nyllcorner 0\ncellsize 1\n1 2\n", "do not fit");
+    refuse("ncols 1e300\nnrows 1e300\nxllcorner 0\nyllcorner 0\ncellsize 1\n1 2\n", "do not fit");
+    refuse("ncols -2\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 1\n1 2\n3 4\n", "ncols -2");
+    refuse("ncols 2.5\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 1\n1 2\n3 4\n", "ncols 2.5");
+    refuse("ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\n1 2\n3 4\n", "cellsize");
+    refuse("ncols 2\nnrows 2\nxllcorner 0\ncellsize 1\n1 2\n3 4\n", "yllcorner");
+    refuse("ncols two\nnrows 2\n", ":1: 'ncols'");
+    refuse(HEAD "NODATA_value 7\n7 7\n7 7\n", "no facet");
+}
+
+static void locale_does_not_matter(void **state) {
+    (void)state;
+    if (!setlocale(LC_ALL, "de_DE.UTF-8") && !setlocale(LC_ALL, "fr_FR.UTF-8")) {
+        skip();
+    }
+    mesh_rig_write(&rig, "g.asc",
+                   "ncols 2\nnrows 2\nxllcorner 0.5\nyllcorner 0\ncellsize 0.5\n"
+                   "1.5 1.5\n1.5 1.5\n");
+    asdic_mesh *mesh = load(true);
+    setlocale(LC_ALL, "C");
+    assert_close(asdic_mesh_get_info(mesh).min_m.z, 1.5, 0.0, 0.0);
+    assert_close(asdic_mesh_get_info(mesh).min_m.y, 0.75, 0.0, 0.0);
+    asdic_mesh_destroy(&mesh);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(rows_run_south),
+        cmocka_unit_test(heights_and_other_headers),
+        cmocka_unit_test(holes),
+        cmocka_unit_test(refusals),
+        cmocka_unit_test(locale_does_not_matter),
+    };
+    mesh_rig_open(&rig);
+    int failed = cmocka_run_group_tests(tests, NULL, NULL);
+    mesh_rig_close(&rig);
+    return failed;
+}

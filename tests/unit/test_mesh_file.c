@@ -1,0 +1,422 @@
+/*
+ * Mesh files, sound and unsound. OpenMesh reports success for most of the unsound ones.
+ */
+#include "mesh_rig.h"
+
+#include <stdio.h>
+#include <time.h>
+#include <unistd.h>
+
+static mesh_rig rig;
+
+static const char tetrahedron_obj[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n"
+                                      "f 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
+
+static void put_float(unsigned char *at, float value) {
+    memcpy(at, &value, sizeof value); /* the tests run on little-endian machines only */
+}
+
+/* A binary STL of two facets that says COUNT, cut to BYTES. */
+static void write_stl(uint32_t count, size_t bytes, float odd_one) {
+    unsigned char stl[84 + 2 * 50] = "binary";
+    const float v[18] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 0, 0, 1, 1, 0, 0, 1, odd_one};
+    memcpy(stl + 80, &count, sizeof count);
+    for (int i = 0; i < 18; i++) {
+        put_float(stl + 84 + 50 * (i / 9) + 12 + 4 * (i % 9), v[i]);
+    }
+    mesh_rig_write_bytes(&rig, "m.stl", stl, bytes);
+}
+
+static void stl_sizes(void **state) {
+    (void)state;
+    write_stl(2, 184, 0.0f);
+    mesh_rig_expect(&rig, 2, 0);
+    write_stl(2, 150, 0.0f);
+    mesh_rig_refuse(&rig, "184 bytes");
+    write_stl(1, 184, 0.0f);
+    mesh_rig_refuse(&rig, "134 bytes");
+    write_stl(4000000000u, 184, 0.0f);
+    mesh_rig_refuse(&rig, "cut short or damaged");
+    write_stl(0, 84, 0.0f);
+    mesh_rig_refuse(&rig, "without facets");
+    write_stl(2, 50, 0.0f);
+    mesh_rig_refuse(&rig, "50 bytes");
+    write_stl(2, 0, 0.0f);
+    mesh_rig_refuse(&rig, "empty");
+    write_stl(2, 184, NAN);
+    mesh_rig_refuse(&rig, "not finite");
+    write_stl(2, 184, INFINITY);
+    mesh_rig_refuse(&rig, "not finite");
+}
+
+static void stl_text(void **state) {
+    (void)state;
+    const char *facet = "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\n"
+                        "vertex 0 %s 0\nendloop\nendfacet\n";
+    char text[2048], body[512];
+    snprintf(body, sizeof body, facet, "1");
+    snprintf(text, sizeof text, "solid x\n%sendsolid x\n", body);
+    mesh_rig_write(&rig, "m.STL", text);
+    mesh_rig_expect(&rig, 1, 0);
+    snprintf(text, sizeof text, "solid x\n%sfacet normal 0 0 1\nouter loop\nvertex 0 0 0\n", body);
+    mesh_rig_write(&rig, "m.stl", text);
+    mesh_rig_refuse(&rig, ":11: ends after 1 facets and 1 corners");
+    snprintf(body, sizeof body, facet, "one");
+    snprintf(text, sizeof text, "solid x\n%sendsolid x\n", body);
+    mesh_rig_write(&rig, "m.stl", text);
+    mesh_rig_refuse(&rig, ":6: coordinate 2");
+    snprintf(body, sizeof body, facet, "0");
+    char sound[512];
+    snprintf(sound, sizeof sound, facet, "1");
+    snprintf(text, sizeof text, "solid x\n%s%sendsolid x\n", sound, body);
+    mesh_rig_write(&rig, "m.stl", text);
+    mesh_rig_expect(&rig, 1, 1);
+    mesh_rig_write(&rig, "m.stl",
+                   "solid x\nfacet normal 0 0 1\nouter loop\nvertex 4500000.1 0 0\n"
+                   "vertex 4500000.3 0 0\nvertex 4500000.1 0.2 0\nendloop\nendfacet\nendsolid\n");
+    mesh_rig_refuse(&rig, "subtract an offset");
+}
+
+static void obj_sound(void **state) {
+    (void)state;
+    mesh_rig_write(&rig, "m.obj", tetrahedron_obj);
+    mesh_rig_expect(&rig, 4, 0);
+    mesh_rig_write(&rig, "m.OBJ",
+                   "# \\ in a comment\nv 0 0 0 1 0 0\nv 1 0 0 0 1 0\nvn 0 0 1\n"
+                   "vt 0 0\nv 0 1 0 0 0 1\nf -3/1/1 -2/1/1 -1/1/1\nf 1//1 3//1 2//1");
+    mesh_rig_expect(&rig, 2, 0);
+    /* a facet that names a vertex twice is dropped and counted */
+    mesh_rig_write(&rig, "m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 2\nf 1 2 3\nf 1 1 1\n");
+    mesh_rig_expect(&rig, 1, 2);
+    /* an edge of three facets, and a facet twice: kept */
+    mesh_rig_write(&rig, "m.obj",
+                   "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 -1 0\nv 0 0 1\n"
+                   "f 1 2 3\nf 1 2 4\nf 1 2 5\nf 1 2 3\n");
+    mesh_rig_expect(&rig, 4, 0);
+}
+
+static void obj_unsound(void **state) {
+    (void)state;
+    mesh_rig_write(&rig, "m.obj", "v 0 0 0\nv nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    mesh_rig_refuse(&rig, ":2: coordinate 1");
+    mesh_rig_write(&rig, "m.obj", "v 0 0 0\nv a b c\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    mesh_rig_refuse(&rig, ":2: coordinate 1");
+    mesh_rig_write(&rig, "m.obj", "v 0 0 0\nv 1 0\nv 0 1 0\nf 1 2 3\n");
+    mesh_rig_refuse(&rig, ":2: coordinate 3");
+    mesh_rig_write(&rig, "m.obj", "v 0 0 0\nv 1 0 1e999\nv 0 1 0\nf 1 2 3\n");
+    mesh_rig_refuse(&rig, ":2: coordinate 3");
+    mesh_rig_write(&rig, "m.obj", "v 0 0 0\nv 1 0 1e60\nv 0 1 0\nf 1 2 3\n");
+    mesh_rig_refuse(&rig, "m.obj");
+    mesh_rig_write(&rig, "m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 \\\n2 3\n");
+    mesh_rig_refuse(&rig, ":4: continued");
+    mesh_rig_write(&rig, "m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 2 7\n");
+    mesh_rig_refuse(&rig, ":5: this facet names vertex 7");
+    mesh_rig_write(&rig, "m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 0\n");
+    mesh_rig_refuse(&rig, ":4: corner 3");
+    mesh_rig_write(&rig, "m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 -4\n");
+    mesh_rig_refuse(&rig, ":4: corner 3");
+    mesh_rig_write(&rig, "m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2\n");
+    mesh_rig_refuse(&rig, ":4: a facet with 2 corners");
+    mesh_rig_write(&rig, "m.obj", "This is not a mesh.\nIt is text.\n");
+    mesh_rig_refuse(&rig, "0 vertices");
+    mesh_rig_write(&rig, "m.obj", "");
+    mesh_rig_refuse(&rig, "empty");
+    mesh_rig_write_bytes(&rig, "m.obj", "\xff\xfev\0 \0\x31\0", 8);
+    mesh_rig_refuse(&rig, "UTF-16");
+    mesh_rig_write(&rig, "m.obj", "\xef\xbb\xbfv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    mesh_rig_refuse(&rig, "byte order mark");
+    mesh_rig_write(&rig, "m.xyz", tetrahedron_obj);
+    mesh_rig_refuse(&rig, "'.xyz' is not a mesh format");
+}
+
+/* Area seen along z: what a fan of a concave polygon gets wrong. */
+static double area_of_load(void) {
+    asdic_mesh *mesh = mesh_rig_load(&rig);
+    if (!mesh) {
+        print_error("%s\n", asdic_context_error(rig.ctx));
+    }
+    assert_non_null(mesh);
+    asdic_scene *scene;
+    assert_int_equal(asdic_scene_create(rig.ctx, &scene), ASDIC_OK);
+    asdic_pose here = {.position_m = {0.0, 0.0, 50.0}};
+    assert_int_equal(asdic_scene_add_bottom(scene, mesh, here, asdic_material_bottom(2)), ASDIC_OK);
+    assert_int_equal(asdic_scene_commit(scene), ASDIC_OK);
+    size_t inside = 0;
+    for (int i = 0; i < 100; i++) {
+        for (int j = 0; j < 100; j++) {
+            asdic_vec3 p = {0.04 * (i + 0.503), 0.04 * (j + 0.497), 0.0};
+            inside += isfinite(asdic_scene_altitude_m(scene, p));
+        }
+    }
+    asdic_scene_destroy(&scene);
+    asdic_mesh_destroy(&mesh);
+    return (double)inside * 0.04 * 0.04;
+}
+
+static void polygons(void **state) {
+    (void)state;
+    /* an arrow head whose first corner sees outside: area 8 - 4 */
+    mesh_rig_write(&rig, "m.obj", "v 0 0 0\nv 4 2 0\nv 0 4 0\nv 2 2 0\nf 1 2 3 4\n");
+    mesh_rig_expect(&rig, 2, 0);
+    assert_close(area_of_load(), 4.0, 0.1, 0.0);
+    /* the same from every corner, and wound the other way */
+    mesh_rig_write(&rig, "m.obj", "v 0 0 0\nv 4 2 0\nv 0 4 0\nv 2 2 0\nf 2 3 4 1\n");
+    assert_close(area_of_load(), 4.0, 0.1, 0.0);
+    mesh_rig_write(&rig, "m.obj", "v 0 0 0\nv 4 2 0\nv 0 4 0\nv 2 2 0\nf 4 3 2 1\n");
+    assert_close(area_of_load(), 4.0, 0.1, 0.0);
+    /* a comb with three teeth: 4 x 1 and three of 3 x 0.8 */
+    mesh_rig_write(&rig, "m.off",
+                   "OFF\n12 1 0\n0 0 0\n1 0 0\n1 4 0\n4 4 0\n4 3.2 0\n1 3.2 0\n1 2.4 0\n4 2.4 0\n"
+                   "4 1.6 0\n1 1.6 0\n1 0.8 0\n4 0.8 0\n12 0 11 10 9 8 7 6 5 4 3 2 1\n");
+    mesh_rig_refuse(&rig, "crosses itself"); /* 0-11 cuts 1-10: not a comb at all */
+    mesh_rig_write(&rig, "m.off",
+                   "OFF\n12 1 0\n0 0 0\n4 0 0\n4 0.8 0\n1 0.8 0\n1 1.6 0\n4 1.6 0\n4 2.4 0\n"
+                   "1 2.4 0\n1 3.2 0\n4 3.2 0\n4 4 0\n0 4 0\n12 0 1 2 3 4 5 6 7 8 9 10 11\n");
+    mesh_rig_expect(&rig, 10, 0);
+    assert_close(area_of_load(), 4.0 + 3 * 2.4, 0.1, 0.0);
+    /* corners on a straight line, and a corner twice */
+    mesh_rig_write(&rig, "m.obj", "v 0 0 0\nv 2 0 0\nv 4 0 0\nv 4 4 0\nv 0 4 0\nf 1 2 3 4 5\n");
+    assert_close(area_of_load(), 16.0, 0.05, 0.0);
+    /* a bow tie */
+    mesh_rig_write(&rig, "m.obj", "v 0 0 0\nv 4 4 0\nv 4 0 0\nv 0 3 0\nf 1 2 3 4\n");
+    mesh_rig_refuse(&rig, "crosses itself");
+}
+
+static void off_variants(void **state) {
+    (void)state;
+    mesh_rig_write(&rig, "m.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
+    mesh_rig_expect(&rig, 1, 0);
+    mesh_rig_write(&rig, "m.off", "OFF\n3 2 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
+    mesh_rig_refuse(&rig, "ends after 1 of 2 facets");
+    mesh_rig_write(&rig, "m.off", "OFF\n4 1 0\n0 0 0\n1 0 0\n0 1 0\n");
+    mesh_rig_refuse(&rig, "ends after 3 of 4 vertices");
+    mesh_rig_write(&rig, "m.off", "OFF\n2000000000 1 0\n0 0 0\n");
+    mesh_rig_refuse(&rig, "do not fit");
+    mesh_rig_write(&rig, "m.off", "OFF\n3 1 0\n0 0 0\n1 inf 0\n0 1 0\n3 0 1 2\n");
+    mesh_rig_refuse(&rig, ":4: coordinate 2 of vertex 1");
+    mesh_rig_write(&rig, "m.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n");
+    mesh_rig_refuse(&rig, ":6: corner 2 of facet 0");
+    mesh_rig_write(&rig, "m.off", "OFF BINARY\n3 1 0\n");
+    mesh_rig_refuse(&rig, "binary OFF");
+    mesh_rig_write(&rig, "m.off", "hello\n");
+    mesh_rig_refuse(&rig, "does not start with OFF");
+    /* Comments, one line, colours: right or refused, never silently short. */
+    static const char *const doubtful[] = {
+        "OFF # keyword\n# counts\n3 1 0\n0 0 0\n# between\n1 0 0 # here\n0 1 0\n3 0 1 2\n",
+        "OFF 3 1 0 0 0 0 1 0 0 0 1 0 3 0 1 2\n",
+        "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2 255 0 0\n",
+        "OFF\n4 2 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 1 2 1.0 0.5 0.5\n3 0 1 3 1.0 0.5 0.5\n",
+        "COFF\n3 1 0\n0 0 0 255 0 0 255\n1 0 0 255 0 0 255\n0 1 0 255 0 0 255\n3 0 1 2\n",
+        "NOFF\n3 1 0\n0 0 0 0 0 1\n1 0 0 0 0 1\n0 1 0 0 0 1\n3 0 1 2\n",
+    };
+    for (size_t i = 0; i < sizeof doubtful / sizeof *doubtful; i++) {
+        mesh_rig_write(&rig, "m.off", doubtful[i]);
+        asdic_mesh *mesh = mesh_rig_load(&rig);
+        if (mesh) {
+            asdic_mesh_info info = asdic_mesh_get_info(mesh);
+            assert_int_equal(info.triangles, i == 3 ? 2 : 1);
+            assert_close(info.max_m.x, 1.0, 0.0, 0.0);
+            asdic_mesh_destroy(&mesh);
+        }
+    }
+}
+
+#define PLY_HEAD(vertices, faces)                                                                  \
+    "ply\nformat ascii 1.0\nelement vertex " vertices                                              \
+    "\nproperty float x\nproperty float y\nproperty float z\nelement face " faces                  \
+    "\nproperty list uchar int vertex_indices\nend_header\n"
+
+static double seconds(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static void ply_counts(void **state) {
+    (void)state;
+    const char *body = "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+    char text[1024];
+    static const char *const forged[] = {PLY_HEAD("3", "900000000000"), PLY_HEAD("2000000000", "1"),
+                                         PLY_HEAD("900000000000", "1"), PLY_HEAD("-3", "1"),
+                                         PLY_HEAD("3", "-1"),           PLY_HEAD("3", "0")};
+    snprintf(text, sizeof text, "%s%s", PLY_HEAD("3", "1"), body);
+    mesh_rig_write(&rig, "m.ply", text);
+    mesh_rig_expect(&rig, 1, 0);
+    double start = seconds();
+    for (size_t i = 0; i < sizeof forged / sizeof *forged; i++) {
+        snprintf(text, sizeof text, "%s%s", forged[i], body);
+        mesh_rig_write(&rig, "m.ply", text);
+        mesh_rig_refuse(&rig, "m.ply");
+    }
+    assert_true(seconds() - start < 1.0); /* OpenMesh takes 20 s and 4.6 GB */
+}
+
+static void ply_bodies(void **state) {
+    (void)state;
+    static const struct {
+        const char *text, *part;
+    } cases[] = {
+        {PLY_HEAD("3", "1") "0 0 0\n1 0 0\n0 1 0\n3 0 1\n", "cut short"},
+        {PLY_HEAD("3", "1") "0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n", ":13: face 0"},
+        {PLY_HEAD("3", "1") "0 0 0\n1 0 0\n0 1 0\n3 0 1 -1\n", ":13: face 0"},
+        {PLY_HEAD("3", "1") "0 0 0\n1 nan 0\n0 1 0\n3 0 1 2\n", ":11: vertex 1"},
+        {PLY_HEAD("3", "1") "0 0 0\n1 0 inf\n0 1 0\n3 0 1 2\n", ":11: vertex 1"},
+        {PLY_HEAD("3", "1") "0 0 0\n1 0 0\n0 1 0\n2 0 1\n3 0 1 2\n", ":13: face 0"},
+        {"ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+         "property float z\nproperty list uchar float more\nelement face 1\n"
+         "property list uchar int vertex_indices\nend_header\n0 0 0 0\n1 0 0 0\n0 1 0 0\n3 0 1 2\n",
+         "list among a vertex's"},
+        {"ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+         "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0\n1 0\n0 1\n"
+         "3 0 1 2\n",
+         "vertices need x, y, z"},
+        {"ply\nformat ascii 1.0\nelement vertex 3\n", "no format or no end"},
+        {"solid\n", "does not start with 'ply'"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        mesh_rig_write(&rig, "m.ply", cases[i].text);
+        mesh_rig_refuse(&rig, cases[i].part);
+    }
+}
+
+/* Three vertices in doubles and one facet, in either byte order, cut to BYTES of the body. */
+static void write_binary_ply(bool big_endian, double odd_one, uint32_t index, size_t body_bytes) {
+    unsigned char file[512];
+    const double v[9] = {4500000.125, 0, 0, 4500001.125, 0, 0, 4500000.125, 1, odd_one};
+    int head = snprintf((char *)file, sizeof file,
+                        "ply\nformat binary_%s_endian 1.0\nelement vertex 3\nproperty double x\n"
+                        "property double y\nproperty double z\nelement face 1\n"
+                        "property list uchar uint vertex_index\nend_header\n",
+                        big_endian ? "big" : "little");
+    unsigned char *at = file + head;
+    const uint32_t corners[3] = {0, 1, index};
+    for (int i = 0; i < 9; i++) {
+        unsigned char bytes[8];
+        memcpy(bytes, &v[i], 8);
+        for (int k = 0; k < 8; k++) {
+            *at++ = bytes[big_endian ? 7 - k : k];
+        }
+    }
+    *at++ = 3;
+    for (int i = 0; i < 3; i++) {
+        unsigned char bytes[4];
+        memcpy(bytes, &corners[i], 4);
+        for (int k = 0; k < 4; k++) {
+            *at++ = bytes[big_endian ? 3 - k : k];
+        }
+    }
+    mesh_rig_write_bytes(&rig, "m.ply", file, (size_t)head + body_bytes);
+}
+
+static void ply_binary(void **state) {
+    (void)state;
+    for (int big = 0; big < 2; big++) {
+        write_binary_ply(big, 0.0, 2, 85);
+        mesh_rig_expect(&rig, 1, 0);
+        asdic_mesh *mesh = mesh_rig_load(&rig);
+        /* doubles stay doubles: single precision has steps of half a metre here */
+        assert_close(asdic_mesh_get_info(mesh).min_m.x, 4500000.125, 0.0, 0.0);
+        asdic_mesh_destroy(&mesh);
+        write_binary_ply(big, NAN, 2, 85);
+        mesh_rig_refuse(&rig, "vertex 2 of 3");
+        write_binary_ply(big, 0.0, 3, 85);
+        mesh_rig_refuse(&rig, "face 0 of 1");
+        write_binary_ply(big, 0.0, 2, 80);
+        mesh_rig_refuse(&rig, "face 0 of 1");
+        write_binary_ply(big, 0.0, 2, 60);
+        mesh_rig_refuse(&rig, "needs at least");
+    }
+}
+
+static void transform_and_info(void **state) {
+    (void)state;
+    asdic_mesh *mesh;
+    mesh_rig_write(&rig, "m.obj",
+                   "v 1 2 3\nv 5 2 3\nv 1 7 3\nv 1 2 9\nf 1 3 2\nf 1 2 4\nf 2 3 4\n");
+    assert_int_equal(asdic_mesh_load(rig.ctx, rig.path, 0.5, true, &mesh), ASDIC_OK);
+    asdic_mesh_info info = asdic_mesh_get_info(mesh);
+    assert_close(info.min_m.x, 1.0, 0.0, 0.0); /* north = file's y */
+    assert_close(info.max_m.x, 3.5, 0.0, 0.0);
+    assert_close(info.max_m.y, 2.5, 0.0, 0.0); /* east = file's x */
+    assert_close(info.min_m.z, -4.5, 0.0, 0.0);
+    assert_int_equal(info.open_edges, 3); /* the fourth side is missing */
+    assert_string_equal(info.hint, "");
+    asdic_mesh_destroy(&mesh);
+    assert_int_equal(asdic_mesh_load(rig.ctx, rig.path, 0.001, false, &mesh), ASDIC_OK);
+    assert_non_null(strstr(asdic_mesh_get_info(mesh).hint, "0.006 m across"));
+    asdic_mesh_destroy(&mesh);
+    assert_int_equal(asdic_mesh_load(rig.ctx, rig.path, 0.0, false, &mesh), ASDIC_ERROR_ARGUMENT);
+    assert_int_equal(asdic_mesh_load(rig.ctx, "no/such.obj", 1.0, false, &mesh), ASDIC_ERROR_INPUT);
+    assert_non_null(strstr(asdic_context_error(rig.ctx), "no/such.obj"));
+}
+
+/* The same model in four formats, from the Debian package assimp-testmodels. */
+static void four_formats_agree(void **state) {
+    (void)state;
+    static const char *const paths[] = {
+        "/usr/share/assimp/models/OBJ/WusonOBJ.obj", "/usr/share/assimp/models/OFF/Wuson.off",
+        "/usr/share/assimp/models/PLY/Wuson.ply", "/usr/share/assimp/models/STL/Wuson.stl"};
+    size_t triangles = 0, open_edges = 0;
+    for (size_t i = 0; i < 4; i++) {
+        asdic_mesh *mesh;
+        if (access(paths[i], R_OK) != 0) {
+            skip();
+        }
+        assert_int_equal(asdic_mesh_load(rig.ctx, paths[i], 1.0, false, &mesh), ASDIC_OK);
+        asdic_mesh_info info = asdic_mesh_get_info(mesh);
+        triangles = i == 0 ? info.triangles : triangles;
+        open_edges = i == 0 ? info.open_edges : open_edges;
+        assert_int_equal(info.triangles, triangles);
+        assert_int_equal(info.open_edges, open_edges);
+        asdic_mesh_destroy(&mesh);
+    }
+    assert_in_range(triangles, 3000, 4000);
+}
+
+/* Real sea floors and objects beside the source tree, where they are. */
+static void real_meshes(void **state) {
+    (void)state;
+    static const struct {
+        const char *name;
+        size_t triangles;
+    } meshes[] = {{"herkules_seabed.ply", 1748},
+                  {"munkholmen_seabed.ply", 2111},
+                  {"smarc_pipeline.stl", 6528},
+                  {"smarc_rock.stl", 7680},
+                  {"tank_cylinder.stl", 790}};
+    for (size_t i = 0; i < sizeof meshes / sizeof *meshes; i++) {
+        char path[512];
+        asdic_mesh *mesh;
+        snprintf(path, sizeof path, "%s/../../shared/meshes/%s", TEST_DIR, meshes[i].name);
+        if (access(path, R_OK) != 0) {
+            skip();
+        }
+        assert_int_equal(asdic_mesh_load(rig.ctx, path, 1.0, true, &mesh), ASDIC_OK);
+        assert_int_equal(asdic_mesh_get_info(mesh).triangles, meshes[i].triangles);
+        asdic_mesh_destroy(&mesh);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(stl_sizes),          cmocka_unit_test(stl_text),
+        cmocka_unit_test(obj_sound),          cmocka_unit_test(obj_unsound),
+        cmocka_unit_test(polygons),           cmocka_unit_test(off_variants),
+        cmocka_unit_test(ply_counts),         cmocka_unit_test(ply_bodies),
+        cmocka_unit_test(ply_binary),         cmocka_unit_test(transform_and_info),
+        cmocka_unit_test(four_formats_agree), cmocka_unit_test(real_meshes),
+    };
+    mesh_rig_open(&rig);
+    mesh_rig_write(&rig, "m.obj", tetrahedron_obj);
+    asdic_mesh *mesh = NULL;
+    asdic_status status = asdic_mesh_load(rig.ctx, rig.path, 1.0, false, &mesh);
+    asdic_mesh_destroy(&mesh);
+    if (status == ASDIC_ERROR_UNSUPPORTED) {
+        print_message("skipped: %s\n", asdic_context_error(rig.ctx));
+        mesh_rig_close(&rig);
+        return 77;
+    }
+    int failed = cmocka_run_group_tests(tests, NULL, NULL);
+    mesh_rig_close(&rig);
+    return failed;
+}

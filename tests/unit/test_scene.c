@@ -1,0 +1,270 @@
+/*
+ * Primitives, placing, recentring, altitude.
+ */
+#include "mesh_rig.h"
+
+#include "lib/base/vec.h"
+#include "lib/scene/scene.h"
+#include "lib/scene/triangles.h"
+
+#include <stdlib.h>
+
+static asdic_context *ctx;
+
+static void check(asdic_status status) {
+    if (status != ASDIC_OK) {
+        print_error("%s\n", asdic_context_error(ctx));
+    }
+    assert_int_equal(status, ASDIC_OK);
+}
+
+static asdic_vec3 mesh_corner(const asdic_mesh *mesh, size_t facet, int corner) {
+    const double *v = &mesh->vertices_m[3 * (size_t)mesh->indices[3 * facet + corner]];
+    return (asdic_vec3){v[0], v[1], v[2]};
+}
+
+/* Enclosed volume by the divergence theorem: positive only if facets look outward. */
+static double volume_m3(const asdic_mesh *mesh) {
+    double volume = 0.0;
+    for (size_t i = 0; i < mesh->triangle_count; i++) {
+        volume +=
+            asdic_vec3_dot(mesh_corner(mesh, i, 0),
+                           asdic_vec3_cross(mesh_corner(mesh, i, 1), mesh_corner(mesh, i, 2)));
+    }
+    return volume / 6.0;
+}
+
+static void primitives_are_closed_and_look_outward(void **state) {
+    (void)state;
+    asdic_mesh *mesh;
+    check(asdic_mesh_box(ctx, (asdic_vec3){2.0, 3.0, 5.0}, &mesh));
+    assert_int_equal(asdic_mesh_get_info(mesh).open_edges, 0);
+    assert_close(volume_m3(mesh), 30.0, 1e-12, 0.0);
+    asdic_mesh_destroy(&mesh);
+    check(asdic_mesh_sphere(ctx, 2.0, 200, &mesh));
+    assert_int_equal(asdic_mesh_get_info(mesh).open_edges, 0);
+    assert_close(volume_m3(mesh), 4.0 / 3.0 * ASDIC_PI * 8.0, 0.0, 1e-3);
+    asdic_mesh_destroy(&mesh);
+    check(asdic_mesh_sphere(ctx, 1.0, 3, &mesh));
+    assert_int_equal(asdic_mesh_get_info(mesh).open_edges, 0);
+    assert_true(volume_m3(mesh) > 0.0);
+    asdic_mesh_destroy(&mesh);
+    check(asdic_mesh_cylinder(ctx, 0.5, 4.0, 300, &mesh));
+    asdic_mesh_info info = asdic_mesh_get_info(mesh);
+    assert_int_equal(info.open_edges, 0);
+    assert_close(volume_m3(mesh), ASDIC_PI * 0.25 * 4.0, 0.0, 1e-3);
+    assert_close(info.max_m.y, 2.0, 0.0, 0.0); /* the axis is y */
+    asdic_mesh_destroy(&mesh);
+    check(asdic_mesh_plate(ctx, 2.0, 3.0, &mesh));
+    info = asdic_mesh_get_info(mesh);
+    assert_int_equal(info.open_edges, 4);
+    assert_close(info.max_m.x - info.min_m.x, 0.0, 0.0, 0.0);
+    assert_close(info.max_m.y, 1.0, 0.0, 0.0);
+    asdic_vec3 normal =
+        asdic_vec3_cross(asdic_vec3_sub(mesh_corner(mesh, 0, 1), mesh_corner(mesh, 0, 0)),
+                         asdic_vec3_sub(mesh_corner(mesh, 0, 2), mesh_corner(mesh, 0, 0)));
+    assert_true(normal.x > 0.0 && normal.y == 0.0 && normal.z == 0.0);
+    asdic_mesh_destroy(&mesh);
+}
+
+static void primitives_refuse_nonsense(void **state) {
+    (void)state;
+    asdic_mesh *mesh;
+    assert_int_equal(asdic_mesh_box(ctx, (asdic_vec3){2, 0, 5}, &mesh), ASDIC_ERROR_ARGUMENT);
+    assert_null(mesh);
+    assert_non_null(strstr(asdic_context_error(ctx), "y size 0"));
+    assert_int_equal(asdic_mesh_sphere(ctx, NAN, 8, &mesh), ASDIC_ERROR_ARGUMENT);
+    assert_int_equal(asdic_mesh_sphere(ctx, 1.0, 2, &mesh), ASDIC_ERROR_ARGUMENT);
+    assert_int_equal(asdic_mesh_cylinder(ctx, 1.0, -1.0, 8, &mesh), ASDIC_ERROR_ARGUMENT);
+    assert_int_equal(asdic_mesh_plate(ctx, INFINITY, 1.0, &mesh), ASDIC_ERROR_ARGUMENT);
+}
+
+static void arrays_are_checked(void **state) {
+    (void)state;
+    const double vertices[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 2, 0, 0};
+    const uint32_t facets[] = {0, 1, 2, 0, 1, 3, 1, 1, 2};
+    const uint32_t wrong[] = {0, 1, 4};
+    asdic_mesh *mesh;
+    check(asdic_mesh_from_triangles(ctx, vertices, 4, facets, 3, &mesh));
+    assert_int_equal(asdic_mesh_get_info(mesh).triangles, 1);
+    assert_int_equal(asdic_mesh_get_info(mesh).dropped, 2); /* on a line; a corner twice */
+    asdic_mesh_destroy(&mesh);
+    assert_int_equal(asdic_mesh_from_triangles(ctx, vertices, 4, wrong, 1, &mesh),
+                     ASDIC_ERROR_INPUT);
+    assert_null(mesh);
+    const double hole[] = {0, 0, 0, 1, NAN, 0, 0, 1, 0};
+    assert_int_equal(asdic_mesh_from_triangles(ctx, hole, 3, facets, 1, &mesh), ASDIC_ERROR_INPUT);
+}
+
+static void placing_keeps_precision_far_out(void **state) {
+    (void)state;
+    asdic_mesh *mesh;
+    asdic_scene *scene;
+    check(asdic_mesh_box(ctx, (asdic_vec3){2.0, 2.0, 2.0}, &mesh));
+    check(asdic_scene_create(ctx, &scene));
+    asdic_pose pose = {.position_m = {4.5e6 + 0.123, 5.0e5 + 0.456, 30.789}, .yaw_rad = 0.7};
+    check(asdic_scene_add_object(scene, "cube", mesh, pose, asdic_material_facet(45, 1e-3, 0.1)));
+    check(asdic_scene_commit(scene));
+    asdic_mesh_destroy(&mesh);
+    assert_close(scene->origin_m.x, pose.position_m.x, 1e-9, 0.0);
+    for (size_t i = 0; i < scene->triangle_count; i++) {
+        const dev_triangle *t = &scene->triangles[i];
+        double length2 = 0.0;
+        for (int k = 0; k < 3; k++) {
+            length2 += (double)t->v0[k] * t->v0[k];
+        }
+        assert_close(sqrt(length2), sqrt(3.0), 1e-6, 0.0);
+        /* the normals of a turned cube: along z, or at 0.7 rad in the plane */
+        double turned = fabs(cos(0.7) * t->normal[0] + sin(0.7) * t->normal[1]);
+        assert_true(fabs(fabs(t->normal[2]) - 1.0) < 1e-6 || fabs(turned - 1.0) < 1e-6 ||
+                    fabs(turned) < 1e-6);
+    }
+    assert_close(scene->parts[0].radius_m, sqrt(3.0), 1e-9, 0.0);
+    asdic_scene_info info = asdic_scene_get_info(scene);
+    assert_int_equal(info.triangles, 12);
+    assert_int_equal(info.objects, 1);
+    assert_close(info.max_m.z, 31.789, 1e-9, 0.0);
+    asdic_scene_destroy(&scene);
+}
+
+static void attitude_turns_in_aerospace_order(void **state) {
+    (void)state;
+    asdic_mesh *mesh;
+    asdic_scene *scene;
+    check(asdic_mesh_plate(ctx, 1.0, 1.0, &mesh));
+    check(asdic_scene_create(ctx, &scene));
+    /* nose up by 90 degrees: the normal along x points up, that is -z */
+    asdic_pose pose = {.pitch_rad = ASDIC_PI / 2.0, .yaw_rad = 0.4};
+    check(asdic_scene_add_object(scene, "plate", mesh, pose, asdic_material_facet(45, 1e-3, 0.1)));
+    check(asdic_scene_commit(scene));
+    assert_close(scene->triangles[0].normal[2], -1.0, 1e-6, 0.0);
+    asdic_scene_destroy(&scene);
+    asdic_mesh_destroy(&mesh);
+}
+
+static void altitude_takes_the_nearest_bottom_below(void **state) {
+    (void)state;
+    asdic_mesh *shelf, *box;
+    asdic_scene *scene;
+    check(asdic_mesh_box(ctx, (asdic_vec3){10.0, 10.0, 2.0}, &shelf));
+    check(asdic_mesh_box(ctx, (asdic_vec3){1.0, 1.0, 1.0}, &box));
+    check(asdic_scene_create(ctx, &scene));
+    check(asdic_scene_set_bottom_plane(scene, 40.0, asdic_material_bottom(2)));
+    asdic_pose at_25 = {.position_m = {0.0, 0.0, 25.0}}, at_10 = {.position_m = {0.0, 0.0, 10.0}};
+    check(asdic_scene_add_bottom(scene, shelf, at_25, asdic_material_bottom(4)));
+    check(asdic_scene_add_object(scene, "box", box, at_10, asdic_material_facet(45, 1e-3, 0.1)));
+    check(asdic_scene_commit(scene));
+    assert_close(asdic_scene_altitude_m(scene, (asdic_vec3){0.2, 0.1, 4.0}), 20.0, 1e-5, 0.0);
+    assert_close(asdic_scene_altitude_m(scene, (asdic_vec3){0.0, 0.0, 4.0}), 20.0, 1e-5, 0.0);
+    assert_close(asdic_scene_altitude_m(scene, (asdic_vec3){5.0, 5.0, 4.0}), 20.0, 1e-5, 0.0);
+    assert_close(asdic_scene_altitude_m(scene, (asdic_vec3){6.0, 0.0, 4.0}), 36.0, 1e-5, 0.0);
+    assert_close(asdic_scene_altitude_m(scene, (asdic_vec3){0.2, 0.1, 25.0}), 1.0, 1e-5, 0.0);
+    assert_close(asdic_scene_altitude_m(scene, (asdic_vec3){0.2, 0.1, 30.0}), 10.0, 1e-5, 0.0);
+    assert_true(isinf(asdic_scene_altitude_m(scene, (asdic_vec3){0.2, 0.1, 41.0})));
+    asdic_scene_destroy(&scene);
+    asdic_mesh_destroy(&shelf);
+    asdic_mesh_destroy(&box);
+}
+
+static void scene_checks_its_arguments(void **state) {
+    (void)state;
+    asdic_mesh *mesh;
+    asdic_scene *scene;
+    asdic_pose here = {.yaw_rad = 0.0}, nowhere = {.position_m = {NAN, 0.0, 0.0}};
+    check(asdic_mesh_plate(ctx, 1.0, 1.0, &mesh));
+    check(asdic_scene_create(ctx, &scene));
+    assert_int_equal(asdic_scene_set_bottom_plane(scene, -1.0, asdic_material_bottom(2)),
+                     ASDIC_ERROR_ARGUMENT);
+    assert_int_equal(asdic_scene_set_bottom_plane(scene, 10.0, asdic_material_bottom(5)),
+                     ASDIC_ERROR_ARGUMENT);
+    assert_int_equal(asdic_scene_add_bottom(scene, mesh, nowhere, asdic_material_bottom(2)),
+                     ASDIC_ERROR_ARGUMENT);
+    assert_int_equal(asdic_scene_add_object(scene, "", mesh, here, asdic_material_facet(45, 0, 0)),
+                     ASDIC_ERROR_ARGUMENT);
+    assert_int_equal(asdic_scene_add_object(scene, "x", mesh, here, asdic_material_facet(-1, 0, 0)),
+                     ASDIC_ERROR_ARGUMENT);
+    check(asdic_scene_commit(scene));
+    assert_int_equal(asdic_scene_commit(scene), ASDIC_ERROR_ARGUMENT);
+    assert_int_equal(asdic_scene_add_bottom(scene, mesh, here, asdic_material_bottom(2)),
+                     ASDIC_ERROR_ARGUMENT);
+    asdic_scene_destroy(&scene);
+    asdic_mesh_destroy(&mesh);
+}
+
+/* Degenerate input must end, in a bounded tree, with every triangle in it once. */
+static void hierarchy_of_awkward_input(void **state) {
+    (void)state;
+    enum { COUNT = 5000 };
+    dev_triangle *t = calloc(COUNT, sizeof *t);
+    uint8_t *seen = calloc(COUNT, 1);
+    assert_true(t && seen);
+    for (int kind = 0; kind < 4; kind++) {
+        for (int i = 0; i < COUNT; i++) {
+            /* all equal; on a line; exponentially spaced; all points */
+            float x = kind == 1 ? (float)i : kind == 2 ? powf(1.02f, (float)i - 2500.0f) : 0.0f;
+            float size = kind == 3 ? 0.0f : 1.0f;
+            t[i] = (dev_triangle){.v0 = {x, 0, 0}, .v1 = {x + size, 0, 0}, .v2 = {x, size, 0}};
+        }
+        asdic_bvh bvh;
+        check(asdic_bvh_build(ctx, t, COUNT, 1, &bvh));
+        assert_in_range(bvh.depth, 1, 72);
+        memset(seen, 0, COUNT);
+        for (size_t b = 0; b < bvh.block_count; b++) {
+            for (int lane = 0; lane < DEV_LEAF_TRIANGLES; lane++) {
+                if (bvh.blocks[b].id[lane] != ~0u) {
+                    assert_int_equal(seen[bvh.blocks[b].id[lane]]++, 0);
+                }
+            }
+        }
+        for (int i = 0; i < COUNT; i++) {
+            assert_int_equal(seen[i], 1);
+        }
+        asdic_bvh_finish(&bvh);
+    }
+    free(t);
+    free(seen);
+}
+
+static void threads_do_not_show(void **state) {
+    (void)state;
+    enum { COUNT = 60000 };
+    dev_triangle *t = calloc(COUNT, sizeof *t);
+    assert_non_null(t);
+    uint32_t random = 1;
+    for (int i = 0; i < COUNT; i++) {
+        for (int k = 0; k < 3; k++) {
+            random = random * 1664525u + 1013904223u;
+            t[i].v0[k] = (float)(random >> 8) * 1e-5f;
+            t[i].v1[k] = t[i].v0[k] + (float)(random >> 28);
+            t[i].v2[k] = t[i].v0[k] - (float)(k == 1);
+        }
+    }
+    asdic_bvh one, five;
+    check(asdic_bvh_build(ctx, t, COUNT, 1, &one));
+    check(asdic_bvh_build(ctx, t, COUNT, 5, &five));
+    assert_int_equal(one.node_count, five.node_count);
+    assert_int_equal(one.block_count, five.block_count);
+    assert_memory_equal(one.nodes, five.nodes, one.node_count * sizeof *one.nodes);
+    assert_memory_equal(one.blocks, five.blocks, one.block_count * sizeof *one.blocks);
+    asdic_bvh_finish(&one);
+    asdic_bvh_finish(&five);
+    free(t);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(primitives_are_closed_and_look_outward),
+        cmocka_unit_test(primitives_refuse_nonsense),
+        cmocka_unit_test(arrays_are_checked),
+        cmocka_unit_test(placing_keeps_precision_far_out),
+        cmocka_unit_test(attitude_turns_in_aerospace_order),
+        cmocka_unit_test(altitude_takes_the_nearest_bottom_below),
+        cmocka_unit_test(scene_checks_its_arguments),
+        cmocka_unit_test(hierarchy_of_awkward_input),
+        cmocka_unit_test(threads_do_not_show),
+    };
+    assert_int_equal(asdic_context_create(&ctx), ASDIC_OK);
+    int failed = cmocka_run_group_tests(tests, NULL, NULL);
+    asdic_context_destroy(&ctx);
+    return failed;
+}
