@@ -5,6 +5,7 @@
 #include "cli_state.h"
 
 const cli_command *const cli_commands[] = {
+    &cli_model_command,
     &cli_devices_command,
     &cli_help_command_row,
     NULL,

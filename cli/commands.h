@@ -7,6 +7,7 @@
 #include "cli.h"
 
 extern const cli_command cli_devices_command;
+extern const cli_command cli_model_command;
 extern const cli_command cli_help_command_row;
 
 extern const cli_command *const cli_commands[]; /* ends with NULL */
