@@ -6,9 +6,11 @@
 
 #include "cli.h"
 
+extern const cli_command cli_check_command;
 extern const cli_command cli_devices_command;
 extern const cli_command cli_model_command;
 extern const cli_command cli_help_command_row;
+extern const cli_command cli_schema_command;
 
 extern const cli_command *const cli_commands[]; /* ends with NULL */
 

@@ -26,7 +26,7 @@ static asdic_status read_stream(asdic_context *ctx, const char *name, FILE *file
         size_t got = fread(buffer + length, 1, capacity - length - 1, file);
         length += got;
         if (length > limit_bytes) {
-            status = asdic_fail(ctx, ASDIC_ERROR_INPUT, "%s: error: longer than %zu bytes", name,
+            status = asdic_fail(ctx, ASDIC_ERROR_INPUT, "%s: longer than %zu bytes", name,
                                 limit_bytes);
             goto fail;
         }
@@ -36,7 +36,7 @@ static asdic_status read_stream(asdic_context *ctx, const char *name, FILE *file
     }
     if (ferror(file)) {
         status =
-            asdic_fail(ctx, ASDIC_ERROR_INPUT, "%s: error: cannot read: %s", name, strerror(errno));
+            asdic_fail(ctx, ASDIC_ERROR_INPUT, "%s: cannot read: %s", name, strerror(errno));
         goto fail;
     }
     buffer[length] = '\0';
@@ -55,7 +55,7 @@ asdic_status asdic_file_read(asdic_context *ctx, const char *path, size_t limit_
     }
     FILE *file = fopen(path, "rb");
     if (!file) {
-        return asdic_fail(ctx, ASDIC_ERROR_INPUT, "%s: error: cannot open: %s", path,
+        return asdic_fail(ctx, ASDIC_ERROR_INPUT, "%s: cannot open: %s", path,
                           strerror(errno));
     }
     asdic_status status = read_stream(ctx, path, file, limit_bytes, data, bytes);

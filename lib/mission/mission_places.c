@@ -4,23 +4,14 @@
 #include "mission_build.h"
 
 #include "../base/context.h"
-#include "../base/vec.h"
+
+#include <math.h>
 
 /* Poses tested against a bottom that is no plane; longer missions are tested at even steps. */
 #define MAX_TESTED_PINGS 10000
 
 /* A depth above which no bottom lies. */
 #define ABOVE_ALL_M (-1e6)
-
-/* Middle and radius of the box round OBJECT, in the world. */
-static asdic_vec3 bounding_sphere(const asdic_mission_object *object, double *radius_m) {
-    const asdic_mesh_info *info = &object->mesh;
-    const asdic_pose *pose = &object->pose;
-    asdic_mat3 turn = asdic_mat3_attitude(pose->roll_rad, pose->pitch_rad, pose->yaw_rad);
-    asdic_vec3 middle = asdic_vec3_scale(asdic_vec3_add(info->min_m, info->max_m), 0.5);
-    *radius_m = 0.5 * asdic_vec3_length(asdic_vec3_sub(info->max_m, info->min_m));
-    return asdic_vec3_add(pose->position_m, asdic_mat3_apply(turn, middle));
-}
 
 /* Depth of the highest bottom at the place of POSITION; INFINITY where there is none. */
 static double bottom_depth_m(const asdic_scene *scene, asdic_vec3 position_m) {
@@ -53,23 +44,16 @@ static void check_depths(mission_builder *b) {
 static void check_bottom_depth(mission_builder *b) {
     const file_bottom *bottom = &b->file->bottom;
     asdic_yaml_node *node = bottom->grid.node ? bottom->grid.node : bottom->mesh.node;
-    if (!node || b->mission->object_count == 0) {
+    if (!node || b->mission->object_count == 0 || b->mission->objects[0].max_m.z >= 0.0) {
         return;
     }
-    double radius_m;
-    const asdic_mission_object *object = &b->mission->objects[0];
-    asdic_vec3 middle = bounding_sphere(object, &radius_m);
-    bool flat = object->pose.roll_rad == 0.0 && object->pose.pitch_rad == 0.0;
-    double half_m = flat ? 0.5 * (object->mesh.max_m.z - object->mesh.min_m.z) : radius_m;
-    if (middle.z + half_m < 0.0) {
-        asdic_yaml_problem(b->problems, asdic_yaml_child(node, "file"),
-                           "the bottom lies above the sea surface, from z = %.6g to %.6g m; give "
-                           "'%s' if it is upside down, or 'position_m'",
-                           middle.z - half_m, middle.z + half_m,
-                           bottom->mesh.node ? (bottom->mesh.z_up ? "z_up: false" : "z_up: true")
-                           : bottom->grid.values == FILE_GRID_DEPTHS ? "values: heights"
-                                                                     : "values: depths");
-    }
+    const char *remedy = bottom->mesh.node ? (bottom->mesh.z_up ? "z_up: false" : "z_up: true")
+                         : bottom->grid.values == FILE_GRID_DEPTHS ? "values: heights"
+                                                                   : "values: depths";
+    asdic_yaml_problem(b->problems, asdic_yaml_child(node, "file"),
+                       "the bottom lies above the sea surface, from z = %.6g to %.6g m; give '%s' "
+                       "if it is upside down, or 'position_m'",
+                       b->mission->objects[0].min_m.z, b->mission->objects[0].max_m.z, remedy);
 }
 
 static void remark(mission_builder *b, size_t object, const char *text) {
@@ -79,6 +63,15 @@ static void remark(mission_builder *b, size_t object, const char *text) {
               b->problems->name, node->line, node->column, objects[object].name, text, object);
 }
 
+/* From POSITION to the nearest point of the box round OBJECT. */
+static double distance_m(const asdic_mission_object *object, asdic_vec3 position_m) {
+    const asdic_vec3 *low = &object->min_m, *high = &object->max_m;
+    double x = fmax(fmax(low->x - position_m.x, position_m.x - high->x), 0.0);
+    double y = fmax(fmax(low->y - position_m.y, position_m.y - high->y), 0.0);
+    double z = fmax(fmax(low->z - position_m.z, position_m.z - high->z), 0.0);
+    return sqrt(x * x + y * y + z * z);
+}
+
 static void remark_on_objects(mission_builder *b) {
     const asdic_mission *m = b->mission;
     size_t first = m->object_count - b->file->objects.count; /* the bottom may be before them */
@@ -86,12 +79,10 @@ static void remark_on_objects(mission_builder *b) {
     double range_m = asdic_sonar_max_range_m(
         &m->sonar, asdic_environment_sound_speed_mps(&m->environment, pose.position_m.z));
     for (size_t i = first; i < m->object_count; i++) {
-        double radius_m;
-        asdic_vec3 middle = bounding_sphere(&m->objects[i], &radius_m);
-        double away_m = asdic_vec3_length(asdic_vec3_sub(middle, pose.position_m));
-        if (middle.z + radius_m < 0.0) {
+        const asdic_mission_object *object = &m->objects[i];
+        if (object->max_m.z < 0.0) {
             remark(b, i - first, "lies above the sea surface; z is positive down");
-        } else if (!m->track && away_m - radius_m > range_m) {
+        } else if (!m->track && distance_m(object, pose.position_m) > range_m) {
             remark(b, i - first, "is beyond the maximum range");
         }
     }

@@ -1,5 +1,7 @@
 #include "scene_file.h"
 
+#include "../base/number.h"
+
 #include <string.h>
 
 bool asdic_scene_node_good(const asdic_yaml_node *node) {
@@ -19,4 +21,12 @@ bool asdic_scene_file_parse(const char *text, size_t size, asdic_arena *arena,
     asdic_schema_read(&asdic_scene_table, &asdic_scene_table, root, arena, problems, file);
     asdic_scene_file_check(file, arena, problems);
     return !problems->out_of_memory;
+}
+
+char *asdic_mission_schema(void) {
+    asdic_text text = {0};
+    locale_t before = asdic_c_locale_enter();
+    asdic_schema_print(&asdic_scene_table, &text);
+    asdic_c_locale_leave(before);
+    return asdic_text_take(&text);
 }

@@ -240,7 +240,7 @@ asdic_status asdic_track_load(asdic_context *ctx, const char *path, asdic_track 
     asdic_status status = ASDIC_OK;
     FILE *file = fopen(path, "rb");
     if (!file) {
-        return asdic_fail(ctx, ASDIC_ERROR_INPUT, "cannot open '%s': %s", path, strerror(errno));
+        return asdic_fail(ctx, ASDIC_ERROR_INPUT, "%s: cannot open: %s", path, strerror(errno));
     }
     r.track = calloc(1, sizeof *r.track);
     if (!r.track) {

@@ -106,13 +106,13 @@ static void files_are_read_whole_or_refused(void **state) {
     data = NULL;
     assert_int_equal(asdic_file_read(ctx, path, 999999, &data, &bytes), ASDIC_ERROR_INPUT);
     assert_null(data);
-    assert_non_null(strstr(asdic_context_error(ctx), ": error: longer than 999999 bytes"));
+    assert_non_null(strstr(asdic_context_error(ctx), ": longer than 999999 bytes"));
     fclose(file);
     assert_int_equal(asdic_file_read(ctx, "/tmp", 1000, &data, &bytes), ASDIC_ERROR_INPUT);
-    assert_string_equal(asdic_context_error(ctx), "/tmp: error: cannot read: Is a directory");
+    assert_string_equal(asdic_context_error(ctx), "/tmp: cannot read: Is a directory");
     assert_int_equal(asdic_file_read(ctx, "/nonexistent/a", 9, &data, &bytes), ASDIC_ERROR_INPUT);
     assert_string_equal(asdic_context_error(ctx),
-                        "/nonexistent/a: error: cannot open: No such file or directory");
+                        "/nonexistent/a: cannot open: No such file or directory");
     asdic_context_destroy(&ctx);
 }
 

@@ -157,7 +157,7 @@ static void missing_files_are_named(void **state) {
     assert_int_equal(asdic_context_create(&ctx), ASDIC_OK);
     assert_int_equal(asdic_track_load(ctx, "/nonexistent/t.csv", &track), ASDIC_ERROR_INPUT);
     assert_string_equal(asdic_context_error(ctx),
-                        "cannot open '/nonexistent/t.csv': No such file or directory");
+                        "/nonexistent/t.csv: cannot open: No such file or directory");
     asdic_text log = {0};
     asdic_context_set_log(ctx, ASDIC_LOG_ERROR, collect, &log);
     assert_int_equal(asdic_track_load(ctx, "/tmp", &track), ASDIC_ERROR_INPUT);

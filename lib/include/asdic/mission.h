@@ -60,11 +60,12 @@ ASDIC_API const char *asdic_mission_text(const asdic_mission *mission);
 ASDIC_API const char *asdic_mission_hash(const asdic_mission *mission);
 
 /* An object, or the bottom, as it was read: its name ("" of the bottom), its geometry in its own
- * frame, and where that was put. */
+ * frame, where that was put, and the box round it there. */
 typedef struct asdic_mission_object {
     char name[ASDIC_NAME_SIZE];
     asdic_mesh_info mesh;
     asdic_pose pose;
+    asdic_vec3 min_m, max_m; /* world */
     asdic_material material;
 } asdic_mission_object;
 

@@ -1,0 +1,17 @@
+/*
+ * What 'asdic check' says about one file: as text on stdout, or as an object into J when it is not
+ * NULL. Failures are left to the caller to report.
+ */
+#ifndef ASDIC_CLI_CHECK_H
+#define ASDIC_CLI_CHECK_H
+
+#include "cli.h"
+#include "json.h"
+
+asdic_status check_scene(cli *c, const char *path, json *j);
+asdic_status check_mesh(cli *c, const char *path, bool is_grid, json *j);
+
+/* "KEY": [x, y, z] */
+void check_json_vec(json *j, const char *key, asdic_vec3 v);
+
+#endif

@@ -1,0 +1,61 @@
+#include "check.h"
+
+void check_json_vec(json *j, const char *key, asdic_vec3 v) {
+    json_open(j, key, '[');
+    json_number(j, NULL, v.x);
+    json_number(j, NULL, v.y);
+    json_number(j, NULL, v.z);
+    json_close(j);
+}
+
+static void print_json(const char *path, bool is_grid, const asdic_mesh_info *info, json *j) {
+    json_open(j, NULL, '{');
+    json_text(j, "file", path);
+    json_bool(j, "valid", true);
+    json_text(j, "kind", is_grid ? "grid" : "mesh");
+    json_integer(j, "triangles", info->triangles);
+    json_integer(j, "vertices", info->vertices);
+    json_integer(j, "dropped_facets", info->dropped);
+    json_integer(j, "open_edges", info->open_edges);
+    check_json_vec(j, "min", info->min_m);
+    check_json_vec(j, "max", info->max_m);
+    json_text(j, "hint", info->hint[0] ? info->hint : NULL);
+    json_close(j);
+}
+
+static void print_text(const char *path, bool is_grid, const asdic_mesh_info *info) {
+    const asdic_vec3 *low = &info->min_m, *high = &info->max_m;
+    printf("%s: %s, in its own axes%s\n", path, is_grid ? "grid" : "mesh",
+           is_grid ? "" : " and units");
+    printf("  extent    %.4g x %.4g x %.4g\n", high->x - low->x, high->y - low->y,
+           high->z - low->z);
+    printf("            x %.6g .. %.6g, y %.6g .. %.6g, z %.6g .. %.6g\n", low->x, high->x, low->y,
+           high->y, low->z, high->z);
+    printf("  facets    %zu triangles, %zu vertices, %zu degenerate dropped\n", info->triangles,
+           info->vertices, info->dropped);
+    if (info->open_edges == 0) {
+        printf("  edges     closed\n");
+    } else {
+        printf("  edges     %zu open\n", info->open_edges);
+    }
+    if (info->hint[0]) {
+        printf("  hint      %s\n", info->hint);
+    }
+}
+
+asdic_status check_mesh(cli *c, const char *path, bool is_grid, json *j) {
+    asdic_mesh *mesh = NULL;
+    asdic_status status = is_grid ? asdic_mesh_load_grid(cli_context(c), path, true, &mesh)
+                                  : asdic_mesh_load(cli_context(c), path, 1.0, false, &mesh);
+    if (status != ASDIC_OK) {
+        return status;
+    }
+    asdic_mesh_info info = asdic_mesh_get_info(mesh);
+    if (j) {
+        print_json(path, is_grid, &info, j);
+    } else {
+        print_text(path, is_grid, &info);
+    }
+    asdic_mesh_destroy(&mesh);
+    return ASDIC_OK;
+}

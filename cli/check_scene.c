@@ -1,0 +1,132 @@
+#include "check.h"
+
+#include <math.h>
+
+/* What follows from a scene rather than stands in it. */
+typedef struct scene_numbers {
+    size_t pings, beams, bins;
+    double depth_m; /* of the sonar at the first ping */
+    double sound_speed_mps, absorption_db_per_km, range_m, duration_s;
+    asdic_scene_info info;
+} scene_numbers;
+
+static scene_numbers find_numbers(const asdic_mission *m) {
+    const asdic_sonar *sonar = asdic_mission_sonar(m);
+    const asdic_environment *env = asdic_mission_environment(m);
+    scene_numbers n = {.pings = asdic_mission_ping_count(m), .beams = sonar->receiver_count};
+    double first_s = 0.0, last_s = 0.0;
+    n.depth_m = asdic_mission_pose(m, 0, &first_s).position_m.z;
+    asdic_mission_pose(m, n.pings - 1, &last_s);
+    n.duration_s = last_s - first_s;
+    n.sound_speed_mps = asdic_environment_sound_speed_mps(env, n.depth_m);
+    n.absorption_db_per_km =
+        asdic_environment_absorption_db_per_km(env, sonar->frequency_hz, n.depth_m);
+    n.range_m = asdic_sonar_max_range_m(sonar, n.sound_speed_mps);
+    n.bins = asdic_sonar_bin_count(sonar, n.sound_speed_mps);
+    n.info = asdic_scene_get_info(asdic_mission_scene(m));
+    return n;
+}
+
+static const char *bottom_kind(const asdic_mission *m, const scene_numbers *n) {
+    const asdic_mission_object *first = asdic_mission_get_object(m, 0);
+    return n->info.has_bottom_plane ? "flat" : first && !first->name[0] ? "mesh" : "none";
+}
+
+static void json_object(json *j, const asdic_mission_object *o) {
+    json_open(j, NULL, '{');
+    json_text(j, "name", o->name);
+    json_integer(j, "triangles", o->mesh.triangles);
+    json_integer(j, "dropped_facets", o->mesh.dropped);
+    json_integer(j, "open_edges", o->mesh.open_edges);
+    check_json_vec(j, "min_m", o->min_m);
+    check_json_vec(j, "max_m", o->max_m);
+    json_text(j, "hint", o->mesh.hint[0] ? o->mesh.hint : NULL);
+    json_close(j);
+}
+
+static void print_json(const char *path, const asdic_mission *m, const scene_numbers *n, json *j) {
+    const asdic_sonar *sonar = asdic_mission_sonar(m);
+    json_open(j, NULL, '{');
+    json_text(j, "file", path);
+    json_bool(j, "valid", true);
+    json_text(j, "kind", "scene");
+    json_text(j, "sha256", asdic_mission_hash(m));
+    json_integer(j, "pings", n->pings);
+    json_number(j, "duration_s", n->duration_s);
+    json_open(j, "beams", '[');
+    for (size_t i = 0; i < n->beams; i++) {
+        json_text(j, NULL, sonar->receivers[i].name);
+    }
+    json_close(j);
+    json_integer(j, "bins", n->bins);
+    json_number(j, "bin_length_m", sonar->bin_length_m);
+    json_number(j, "blanking_m", sonar->blanking_m);
+    json_number(j, "max_range_m", n->range_m);
+    json_number(j, "sound_speed_mps", n->sound_speed_mps);
+    json_number(j, "absorption_db_per_km", n->absorption_db_per_km);
+    json_bool(j, "surface", n->info.has_surface);
+    json_text(j, "bottom", bottom_kind(m, n));
+    json_integer(j, "triangles", n->info.triangles);
+    json_open(j, "meshes", '[');
+    for (size_t i = 0; i < asdic_mission_object_count(m); i++) {
+        json_object(j, asdic_mission_get_object(m, i));
+    }
+    json_close(j);
+    json_close(j);
+}
+
+static void print_object(const asdic_mission_object *o) {
+    printf("  %-11s %zu triangle%s, x %.4g .. %.4g, y %.4g .. %.4g, z %.4g .. %.4g m\n",
+           o->name[0] ? o->name : "bottom", o->mesh.triangles, o->mesh.triangles == 1 ? "" : "s",
+           o->min_m.x, o->max_m.x, o->min_m.y, o->max_m.y, o->min_m.z, o->max_m.z);
+    if (o->mesh.dropped > 0) {
+        printf("  %-11s %zu degenerate facets dropped\n", "", o->mesh.dropped);
+    }
+    if (o->mesh.open_edges > 0) {
+        printf("  %-11s %zu open edges\n", "", o->mesh.open_edges);
+    }
+    if (o->mesh.hint[0]) {
+        printf("  %-11s %s\n", "", o->mesh.hint);
+    }
+}
+
+static void print_text(const char *path, const asdic_mission *m, const scene_numbers *n) {
+    const asdic_sonar *sonar = asdic_mission_sonar(m);
+    printf("%s: a valid scene\n", path);
+    printf("  pings       %zu in %.6g s\n", n->pings, n->duration_s);
+    if (n->beams == 1) {
+        printf("  beams       1: %s\n", sonar->receivers[0].name);
+    } else {
+        printf("  beams       %zu: %s .. %s\n", n->beams, sonar->receivers[0].name,
+               sonar->receivers[n->beams - 1].name);
+    }
+    printf("  bins        %zu of %.4g m, from %.4g to %.5g m\n", n->bins, sonar->bin_length_m,
+           sonar->blanking_m, n->range_m);
+    printf("  water       %.6g m/s and %.4g dB/km at %.4g kHz, %.4g m deep\n", n->sound_speed_mps,
+           n->absorption_db_per_km, 1e-3 * sonar->frequency_hz, n->depth_m);
+    printf("  surface     %s\n", n->info.has_surface ? "at z = 0" : "none");
+    if (n->info.has_bottom_plane) {
+        printf("  bottom      flat at z = %.6g m\n", n->info.bottom_plane_depth_m);
+    } else if (bottom_kind(m, n)[0] == 'n') {
+        printf("  bottom      none\n");
+    }
+    for (size_t i = 0; i < asdic_mission_object_count(m); i++) {
+        print_object(asdic_mission_get_object(m, i));
+    }
+}
+
+asdic_status check_scene(cli *c, const char *path, json *j) {
+    asdic_mission *mission = NULL;
+    asdic_status status = asdic_mission_load(cli_context(c), path, &mission);
+    if (status != ASDIC_OK) {
+        return status;
+    }
+    scene_numbers numbers = find_numbers(mission);
+    if (j) {
+        print_json(path, mission, &numbers, j);
+    } else {
+        print_text(path, mission, &numbers);
+    }
+    asdic_mission_destroy(&mission);
+    return ASDIC_OK;
+}

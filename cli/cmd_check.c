@@ -1,0 +1,76 @@
+/* Which file is what, and what is said about all of them; check_scene.c and check_mesh.c say it. */
+#include "check.h"
+#include "commands.h"
+
+#include <string.h>
+#include <strings.h>
+
+/* Whether PATH ends in one of WORDS, which end with NULL, upper or lower case. */
+static bool has_suffix(const char *path, const char *const *words) {
+    const char *dot = strrchr(path, '.');
+    for (size_t i = 0; dot && !strchr(dot, '/') && words[i]; i++) {
+        if (strcasecmp(dot + 1, words[i]) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static asdic_status check_file(cli *c, const char *path, json *j) {
+    static const char *const meshes[] = {"obj", "ply", "stl", "off", NULL};
+    static const char *const grids[] = {"asc", NULL};
+    if (has_suffix(path, meshes)) {
+        return check_mesh(c, path, false, j);
+    }
+    if (has_suffix(path, grids)) {
+        return check_mesh(c, path, true, j);
+    }
+    return check_scene(c, path, j);
+}
+
+/* What a failed check leaves in the array of --json. */
+static void print_failure(cli *c, const char *path, json *j) {
+    json_open(j, NULL, '{');
+    json_text(j, "file", path);
+    json_bool(j, "valid", false);
+    json_text(j, "error", asdic_context_error(cli_context(c)));
+    json_close(j);
+}
+
+static int run(cli *c) {
+    bool as_json = cli_given(c, "json");
+    json j = json_begin(stdout);
+    int code = CLI_OK;
+    if (as_json) {
+        json_open(&j, NULL, '[');
+    }
+    for (size_t i = 0; i < cli_operand_count(c); i++) {
+        const char *path = cli_operand(c, i);
+        asdic_status status = check_file(c, path, as_json ? &j : NULL);
+        if (status != ASDIC_OK) {
+            int failed = cli_end(c, status);
+            code = code == CLI_OK || failed == CLI_INPUT ? failed : code;
+            if (as_json) {
+                print_failure(c, path, &j);
+            }
+        }
+    }
+    if (as_json) {
+        json_close(&j);
+    }
+    return code;
+}
+
+const cli_command cli_check_command = {
+    .name = "check",
+    .operands = "SCENE.yaml|MESH ...",
+    .min_operands = 1,
+    .max_operands = CLI_ANY_NUMBER,
+    .summary = "validate scene files and meshes, and say what is in them",
+    .details = "Scenes are read as 'asdic run' reads them, with their meshes, grids and tracks; "
+               "every error is named with line, column, key, value, limit and remedy. Meshes "
+               "(.obj, .ply, .stl, .off) and grids (.asc) are described in their own axes and "
+               "units. All files are looked at; the exit code is 3 when any of them is bad.",
+    .traits = CLI_HAS_JSON,
+    .run = run,
+};

@@ -1,0 +1,110 @@
+#include "mission_build.h"
+
+#include "../base/context.h"
+#include "../base/file_read.h"
+#include "../base/number.h"
+#include "../base/sha256.h"
+#include "encoding.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* A scene file is written by hand or by a small script; geometry is elsewhere. */
+#define MAX_SCENE_BYTES ((size_t)4 << 20)
+
+void asdic_mission_destroy(asdic_mission **mission) {
+    if (!mission || !*mission) {
+        return;
+    }
+    asdic_mission *m = *mission;
+    asdic_scene_destroy(&m->scene);
+    asdic_track_destroy(&m->track);
+    free(m->objects);
+    free(m->receivers);
+    free(m->text);
+    free(m->path);
+    free(m);
+    *mission = NULL;
+}
+
+/* The file's text into MISSION, as UTF-8, with the hash of its bytes. */
+static asdic_status read_text(asdic_context *ctx, asdic_mission *m, size_t *length) {
+    char *bytes = NULL;
+    size_t size = 0;
+    asdic_status status = asdic_file_read(ctx, m->path, MAX_SCENE_BYTES, &bytes, &size);
+    if (status != ASDIC_OK) {
+        return status;
+    }
+    asdic_sha256_hex(bytes, size, m->hash);
+    m->text = asdic_text_to_utf8(bytes, size, length);
+    free(bytes);
+    return m->text ? ASDIC_OK : asdic_fail_memory(ctx, "the scene file's text");
+}
+
+static asdic_status build(mission_builder *b) {
+    asdic_status status = asdic_mission_build_settings(b);
+    if (status == ASDIC_OK) {
+        status = asdic_mission_build_pings(b);
+    }
+    if (status == ASDIC_OK) {
+        status = asdic_mission_build_scene(b);
+    }
+    if (status == ASDIC_OK && b->problems->total == 0) {
+        asdic_mission_check_places(b);
+    }
+    return status;
+}
+
+static asdic_status load(asdic_context *ctx, asdic_mission *m) {
+    asdic_arena arena = {0};
+    asdic_scene_file file;
+    asdic_problems problems = {.name = strcmp(m->path, "-") == 0 ? "stdin" : m->path};
+    mission_builder builder = {
+        .ctx = ctx, .file = &file, .problems = &problems, .arena = &arena, .mission = m};
+    size_t length = 0;
+    asdic_status status = read_text(ctx, m, &length);
+    if (status != ASDIC_OK) {
+        goto fail;
+    }
+    if (!asdic_scene_file_parse(m->text, length, &arena, &problems, &file)) {
+        status = asdic_fail_memory(ctx, "the scene file's content");
+        goto fail;
+    }
+    status = build(&builder);
+    if (status == ASDIC_OK) {
+        status = asdic_problems_report(&problems, ctx);
+    }
+fail:
+    asdic_problems_finish(&problems);
+    asdic_arena_finish(&arena);
+    return status;
+}
+
+asdic_status asdic_mission_load(asdic_context *ctx, const char *path, asdic_mission **out) {
+    if (!out) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "asdic_mission_load: nowhere to put it");
+    }
+    *out = NULL;
+    if (!path) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "asdic_mission_load: no path");
+    }
+    locale_t before = asdic_c_locale_enter();
+    asdic_status status = ASDIC_OK;
+    asdic_mission *m = calloc(1, sizeof *m);
+    if (!m || !(m->path = strdup(path))) {
+        status = asdic_fail_memory(ctx, "a mission");
+        goto fail;
+    }
+    m->ctx = ctx;
+    status = load(ctx, m);
+    if (status != ASDIC_OK) {
+        goto fail;
+    }
+    *out = m;
+    m = NULL;
+fail:
+    asdic_mission_destroy(&m);
+    asdic_c_locale_leave(before);
+    return status;
+}

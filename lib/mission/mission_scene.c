@@ -1,0 +1,144 @@
+/*
+ * The geometry of a mission: surface, bottom, objects.
+ */
+#include "mission_build.h"
+
+#include "../base/context.h"
+#include "../base/vec.h"
+#include "../scene/triangles.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+/* The node of a map's key "file". */
+static asdic_yaml_node *file_node(const asdic_yaml_node *map) {
+    return asdic_yaml_child(map, "file");
+}
+
+static asdic_status load_mesh(mission_builder *b, const file_mesh *m, asdic_mesh **out) {
+    const char *path = asdic_mission_resolve(b, m->file);
+    if (!path) {
+        return asdic_fail_memory(b->ctx, "a path");
+    }
+    asdic_status status = asdic_mesh_load(b->ctx, path, m->scale, m->z_up, out);
+    return status == ASDIC_OK ? status : asdic_mission_file_problem(b, file_node(m->node), status);
+}
+
+static asdic_status load_grid(mission_builder *b, const file_grid *g, asdic_mesh **out) {
+    const char *path = asdic_mission_resolve(b, g->file);
+    if (!path) {
+        return asdic_fail_memory(b->ctx, "a path");
+    }
+    asdic_status status = asdic_mesh_load_grid(b->ctx, path, g->values == FILE_GRID_DEPTHS, out);
+    return status == ASDIC_OK ? status : asdic_mission_file_problem(b, file_node(g->node), status);
+}
+
+/* The shape of OBJECT; *OUT stays NULL when the file was wrong about it. */
+static asdic_status make_shape(mission_builder *b, const file_object *o, asdic_mesh **out) {
+    if (asdic_scene_node_good(o->mesh.node)) {
+        return load_mesh(b, &o->mesh, out);
+    }
+    if (asdic_scene_node_good(o->box.node)) {
+        const double *s = o->box.size_m;
+        return asdic_mesh_box(b->ctx, (asdic_vec3){s[0], s[1], s[2]}, out);
+    }
+    if (asdic_scene_node_good(o->sphere.node)) {
+        return asdic_mesh_sphere(b->ctx, o->sphere.radius_m, (unsigned)o->sphere.segments, out);
+    }
+    if (asdic_scene_node_good(o->cylinder.node)) {
+        return asdic_mesh_cylinder(b->ctx, o->cylinder.radius_m, o->cylinder.length_m,
+                                   (unsigned)o->cylinder.segments, out);
+    }
+    if (asdic_scene_node_good(o->plate.node)) {
+        return asdic_mesh_plate(b->ctx, o->plate.size_m[0], o->plate.size_m[1], out);
+    }
+    return ASDIC_OK;
+}
+
+/* The box round MESH at OBJECT's pose. */
+static void find_box(const asdic_mesh *mesh, asdic_mission_object *object) {
+    const asdic_pose *pose = &object->pose;
+    asdic_mat3 turn = asdic_mat3_attitude(pose->roll_rad, pose->pitch_rad, pose->yaw_rad);
+    object->min_m = (asdic_vec3){INFINITY, INFINITY, INFINITY};
+    object->max_m = (asdic_vec3){-INFINITY, -INFINITY, -INFINITY};
+    for (size_t i = 0; i < mesh->vertex_count; i++) {
+        const double *v = &mesh->vertices_m[3 * i];
+        asdic_vec3 at = asdic_vec3_add(pose->position_m,
+                                       asdic_mat3_apply(turn, (asdic_vec3){v[0], v[1], v[2]}));
+        object->min_m.x = fmin(object->min_m.x, at.x);
+        object->min_m.y = fmin(object->min_m.y, at.y);
+        object->min_m.z = fmin(object->min_m.z, at.z);
+        object->max_m.x = fmax(object->max_m.x, at.x);
+        object->max_m.y = fmax(object->max_m.y, at.y);
+        object->max_m.z = fmax(object->max_m.z, at.z);
+    }
+}
+
+/* Puts MESH, which is destroyed, into the scene and remembers it. */
+static asdic_status place(mission_builder *b, const char *name, asdic_mesh **mesh, asdic_pose pose,
+                          asdic_material material) {
+    asdic_mission *m = b->mission;
+    asdic_status status = ASDIC_OK;
+    if (*mesh && b->problems->total == 0) {
+        status = *name ? asdic_scene_add_object(m->scene, name, *mesh, pose, material)
+                       : asdic_scene_add_bottom(m->scene, *mesh, pose, material);
+        asdic_mission_object *object = &m->objects[m->object_count++];
+        *object = (asdic_mission_object){
+            .mesh = asdic_mesh_get_info(*mesh), .pose = pose, .material = material};
+        snprintf(object->name, sizeof object->name, "%s", name);
+        find_box(*mesh, object);
+    }
+    asdic_mesh_destroy(mesh);
+    return status;
+}
+
+static asdic_status build_bottom(mission_builder *b) {
+    const file_bottom *bottom = &b->file->bottom;
+    asdic_mesh *mesh = NULL;
+    asdic_status status = ASDIC_OK;
+    if (asdic_scene_node_good(bottom->mesh.node)) {
+        status = load_mesh(b, &bottom->mesh, &mesh);
+    } else if (asdic_scene_node_good(bottom->grid.node)) {
+        status = load_grid(b, &bottom->grid, &mesh);
+    }
+    if (status != ASDIC_OK || !asdic_scene_node_good(bottom->node) || b->problems->total > 0) {
+        asdic_mesh_destroy(&mesh);
+        return status;
+    }
+    asdic_material material = asdic_material_bottom(bottom->type);
+    b->mission->bottom_type = bottom->type;
+    if (!isnan(bottom->depth_m)) {
+        return asdic_scene_set_bottom_plane(b->mission->scene, bottom->depth_m, material);
+    }
+    return place(b, "", &mesh, asdic_scene_file_place(bottom->position_m, bottom->rotation_deg),
+                 material);
+}
+
+asdic_status asdic_mission_build_scene(mission_builder *b) {
+    const asdic_scene_file *file = b->file;
+    const file_object *objects = file->objects.items;
+    b->mission->objects = calloc(file->objects.count + 1, sizeof *b->mission->objects);
+    if (!b->mission->objects) {
+        return asdic_fail_memory(b->ctx, "the objects");
+    }
+    asdic_status status = asdic_scene_create(b->ctx, &b->mission->scene);
+    if (status != ASDIC_OK) {
+        return status;
+    }
+    asdic_scene_set_surface(b->mission->scene, file->surface.enabled);
+    status = build_bottom(b);
+    for (size_t i = 0; status == ASDIC_OK && i < file->objects.count; i++) {
+        const file_object *o = &objects[i];
+        asdic_mesh *mesh = NULL;
+        status = make_shape(b, o, &mesh);
+        if (status == ASDIC_OK) {
+            status = place(b, o->name ? o->name : "", &mesh,
+                           asdic_scene_file_place(o->position_m, o->rotation_deg),
+                           asdic_scene_file_material(o));
+        }
+    }
+    if (status == ASDIC_OK && b->problems->total == 0) {
+        status = asdic_scene_commit(b->mission->scene);
+    }
+    return status;
+}

@@ -1,0 +1,202 @@
+"""asdic check: what it says of scenes, meshes and grids, and of what is wrong with them."""
+import json
+import os
+import pathlib
+import tempfile
+
+import tap
+from program import asdic
+
+SCENES = pathlib.Path(__file__).parent.parent / "unit" / "scenes"
+EXAMPLE = SCENES / "example.yaml"
+MINIMAL = """version: 1
+bottom: {depth_m: 12}
+sonar:
+  frequency_khz: 100
+  receivers: [{name: forward}, {name: port, yaw_deg: -20}]
+mission:
+  pose: {position_m: [0, 0, 7]}
+"""
+TETRAHEDRON = """v 0 0 0
+v 1 0 0
+v 0 1 0
+v 0 0 2
+f 1 3 2
+f 1 2 4
+f 2 3 4
+f 3 1 4
+"""
+
+
+def folder(**files):
+    """A temporary folder with FILES, whose names have _ for the dot."""
+    made = tempfile.TemporaryDirectory()
+    for name, text in files.items():
+        path = pathlib.Path(made.name, name.replace("_", ".", 1))
+        path.write_bytes(text if isinstance(text, bytes) else text.encode())
+    return made
+
+
+def test_example_is_described():
+    done = asdic("check", EXAMPLE)
+    tap.equal((done.code, done.err), (0, ""))
+    tap.equal(done.out, f"""{EXAMPLE}: a valid scene
+  pings       1 in 0 s
+  beams       1: forward
+  bins        149 of 0.5 m, from 0.5 to 74.505 m
+  water       1490.1 m/s and 33.57 dB/km at 100 kHz, 7 m deep
+  surface     at z = 0
+  bottom      flat at z = 12 m
+  rise        12 triangles, x 35 .. 75, y -100 .. 100, z 10 .. 12 m
+""")
+
+
+def test_json_holds_the_same():
+    done = asdic("check", EXAMPLE, "--json")
+    tap.equal((done.code, done.err), (0, ""))
+    [scene] = json.loads(done.out)
+    tap.equal((scene["valid"], scene["kind"], scene["pings"], scene["bins"]),
+              (True, "scene", 1, 149))
+    tap.equal((scene["beams"], scene["bottom"], scene["surface"]), (["forward"], "flat", True))
+    tap.equal(scene["meshes"][0]["min_m"], [35, -100, 10])
+    import hashlib
+    tap.equal(scene["sha256"], hashlib.sha256(EXAMPLE.read_bytes()).hexdigest())
+
+
+def test_json_and_yaml_scenes_are_equal():
+    yaml, as_json = (asdic("check", SCENES / f"example.{e}").out.partition("\n")[2]
+                     for e in ("yaml", "json"))
+    tap.equal(yaml, as_json)
+
+
+def test_stdin_and_relative_paths():
+    scene = MINIMAL.replace("depth_m: 12", "mesh: {file: m.obj, scale: 1000}")
+    scene = scene.replace("[0, 0, 7]", "[300, 300, 7]")
+    scene = scene.replace("{mesh", "{position_m: [0, 0, 3000], mesh")
+    with folder(m_obj=TETRAHEDRON, s_yaml=scene) as at:
+        beside = asdic("check", os.path.join(at, "s.yaml"))
+        piped = asdic("check", "-", stdin=scene, cwd=at)
+        tap.equal((beside.code, beside.err), (0, ""))
+        tap.equal((piped.code, piped.err), (0, ""))
+        tap.contains(piped.out, "bottom      4 triangles, x 0 .. 1000, y 0 .. 1000")
+        tap.equal(beside.out.partition("\n")[2], piped.out.partition("\n")[2])
+        tap.equal(asdic("check", "-", stdin=scene).code, 3)
+
+
+def test_every_error_in_one_run():
+    scene = (MINIMAL.replace("frequency_khz: 100", "frequency_khz: 9000\n  frequncy: 1")
+             .replace("depth_m: 12", "mesh: missing.obj")
+             .replace("mission:", "objects: [{name: a, mesh: none.ply, position_m: [0, 0, 1]}]\n"
+                                  "mission:"))
+    with folder(s_yaml=scene) as at:
+        done = asdic("check", "s.yaml", cwd=at)
+        tap.equal((done.code, done.out), (3, ""))
+        lines = done.err.splitlines()
+        tap.equal(len(lines), 5, "lines of " + done.err)
+        tap.contains(lines[0], "s.yaml:2:16: error: ")
+        tap.contains(lines[0], "missing.obj")
+        tap.contains(lines[0], "  [bottom.mesh.file]")
+        tap.equal(lines[1], "s.yaml:4:18: error: 'frequency_khz' = 9000 is out of range "
+                            "[0.1, 1000] kHz  [sonar.frequency_khz]")
+        tap.contains(lines[2], "s.yaml:5:3: error: unknown key 'frequncy'")
+        tap.contains(lines[3], "s.yaml:7:27: error: ")
+        tap.contains(lines[3], "none.ply")
+        tap.contains(lines[3], "  [objects[0].mesh.file]")
+        tap.equal(lines[4], "error: s.yaml: 4 errors")
+
+
+def test_all_files_are_looked_at():
+    with folder(a_yaml="a: 1", b_obj=TETRAHEDRON, c_yaml=MINIMAL) as at:
+        done = asdic("check", "a.yaml", "b.obj", "missing.yaml", "c.yaml", "--json", cwd=at)
+        tap.equal(done.code, 3)
+        tap.equal([entry["valid"] for entry in json.loads(done.out)], [False, True, False, True])
+        tap.contains(done.err, "error: missing.yaml: cannot open: No such file or directory\n")
+
+
+def test_mesh_is_described():
+    with folder(m_obj=TETRAHEDRON) as at:
+        done = asdic("check", "m.obj", cwd=at)
+        tap.equal((done.code, done.err), (0, ""))
+        tap.contains(done.out, "m.obj: mesh, in its own axes and units\n"
+                               "  extent    1 x 1 x 2\n"
+                               "            x 0 .. 1, y 0 .. 1, z 0 .. 2\n"
+                               "  facets    4 triangles, 4 vertices, 0 degenerate dropped\n"
+                               "  edges     closed\n")
+        [mesh] = json.loads(asdic("check", "m.obj", "--json", cwd=at).out)
+        tap.equal((mesh["kind"], mesh["triangles"], mesh["open_edges"], mesh["max"]),
+                  ("mesh", 4, 0, [1, 1, 2]))
+
+
+def test_places_are_checked_against_meshes():
+    floor = "v -50 -50 -20\nv 150 -50 -20\nv 150 50 -20\nv -50 50 -20\nf 1 2 3\nf 1 3 4\n"
+    scene = MINIMAL.replace("depth_m: 12", "mesh: floor.obj")
+    with folder(floor_obj=floor, up_yaml=scene.replace("floor.obj", "{file: floor.obj, z_up: false}"),
+                ok_yaml=scene, deep_yaml=scene.replace("0, 7]", "0, 27]")) as at:
+        tap.equal(asdic("check", "ok.yaml", cwd=at).code, 0)
+        up = asdic("check", "up.yaml", cwd=at)
+        tap.equal(up.code, 3)
+        tap.contains(up.err, "up.yaml:2:23: error: the bottom lies above the sea surface, from z = "
+                             "-20 to -20 m; give 'z_up: true' if it is upside down, or "
+                             "'position_m'  [bottom.mesh.file]\n")
+        deep = asdic("check", "deep.yaml", cwd=at)
+        tap.equal(deep.code, 3)
+        tap.contains(deep.err, "ping 0 at 0 s: the sonar is at z = 27 m, below the bottom at 20 m")
+
+
+def test_objects_out_of_reach_are_remarked_on():
+    scene = MINIMAL.replace("mission:", """objects:
+  - {name: sky, sphere: {radius_m: 1}, position_m: [0, 0, -5]}
+  - {name: far, sphere: {radius_m: 1}, position_m: [80, 0, 5]}
+  - {name: near, sphere: {radius_m: 1}, position_m: [75, 0, 7]}
+mission:""")
+    done = asdic("check", "-", stdin=scene)
+    tap.equal(done.code, 0)
+    tap.equal(done.err, "stdin:7:5: warning: object 'sky' lies above the sea surface; z is "
+                        "positive down  [objects[0]]\n"
+                        "stdin:8:5: warning: object 'far' is beyond the maximum range  "
+                        "[objects[1]]\n")
+
+
+def test_tracks_give_the_pings():
+    track = "time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg\n100,0,0,5,0,0,0\n105,10,0,{},0,0,0\n"
+    scene = MINIMAL.replace("pose: {position_m: [0, 0, 7]}", "track: t.csv")
+    with folder(t_csv=track.format(6), s_yaml=scene, deep_csv=track.format(13),
+                d_yaml=scene.replace("t.csv", "deep.csv"), many_yaml=scene + "  pings: 52\n",
+                few_yaml=scene + "  pings: 51\n", bad_csv="time_s,x_m\n",
+                b_yaml=scene.replace("t.csv", "bad.csv")) as at:
+        tap.contains(asdic("check", "s.yaml", cwd=at).out, "  pings       51 in 5 s\n")
+        tap.equal(asdic("check", "few.yaml", cwd=at).code, 0)
+        tap.contains(asdic("check", "many.yaml", cwd=at).err,
+                     "many.yaml:8:10: error: 'pings' = 52 is more than the 51 that the track covers "
+                     "at ping_rate_hz = 10; leave 'pings' out for all of it  [mission.pings]\n")
+        tap.contains(asdic("check", "d.yaml", cwd=at).err,
+                     "d.yaml:7:10: error: ping 44 at 104.4 s: the sonar is at z = 12.04 m, below "
+                     "the bottom at 12 m; raise it or lower the bottom  [mission.track]\n")
+        bad = asdic("check", "b.yaml", cwd=at)
+        tap.equal(bad.code, 3)
+        tap.contains(bad.err, "bad.csv:1:1: error: missing column 'y_m'")
+        tap.contains(bad.err, "b.yaml:7:10: error: bad.csv: 5 errors  [mission.track]\n")
+
+
+def test_odd_inputs_are_refused():
+    for path, words in (("/nonexistent/a.yaml", "cannot open"), ("/tmp", "Is a directory"),
+                        ("/dev/null", "the file is empty")):
+        done = asdic("check", path)
+        tap.equal((done.code, done.out), (3, ""))
+        tap.contains(done.err, words)
+    with folder(big_yaml=b"#" * (4 << 20) + b"\n") as at:
+        done = asdic("check", "big.yaml", cwd=at)
+        tap.equal(done.code, 3)
+        tap.contains(done.err, "longer than 4194304 bytes")
+
+
+def test_encodings_make_no_difference():
+    plain = asdic("check", "-", stdin=MINIMAL).out
+    for encoded in (MINIMAL.encode("utf-16"), MINIMAL.encode("utf-8-sig"),
+                    b"\xfe\xff" + MINIMAL.encode("utf-16-be"),
+                    MINIMAL.replace("\n", "\r\n").encode()):
+        done = asdic("check", "-", stdin=encoded)
+        tap.equal((done.code, done.out, done.err), (0, plain, ""))
+
+
+tap.main(globals())

@@ -1,0 +1,111 @@
+"""asdic schema: valid JSON Schema, that accepts what the reader accepts and refuses what it refuses."""
+import json
+import pathlib
+
+import tap
+from program import asdic
+
+SCENES = pathlib.Path(__file__).parent.parent / "unit" / "scenes"
+
+
+def schema():
+    done = asdic("schema")
+    tap.equal((done.code, done.err), (0, ""))
+    return json.loads(done.out)
+
+
+def validator():
+    try:
+        import jsonschema
+    except ImportError:
+        raise tap.Skip("python3-jsonschema is not installed")
+    jsonschema.Draft7Validator.check_schema(schema())
+    return jsonschema.Draft7Validator(schema())
+
+
+def example():
+    return json.loads((SCENES / "example.json").read_text())
+
+
+def test_schema_names_every_part():
+    printed = schema()
+    tap.equal(printed["$schema"], "http://json-schema.org/draft-07/schema#")
+    tap.equal(printed["required"], ["version", "bottom", "sonar", "mission"])
+    frequency = printed["properties"]["sonar"]["properties"]["frequency_khz"]
+    tap.equal((frequency["minimum"], frequency["maximum"]), (0.1, 1000))
+    tap.contains(frequency["description"], "[kHz]")
+    tap.equal(printed["properties"]["environment"]["properties"]["ph"]["default"], 8)
+    tap.equal(printed["properties"]["output"]["properties"]["images"]["default"],
+              ["waterfall", "ascope", "fan"])
+
+
+def test_examples_are_accepted():
+    check = validator()
+    tap.equal([e.message for e in check.iter_errors(example())], [])
+    try:
+        import yaml
+    except ImportError:
+        raise tap.Skip("python3-yaml is not installed")
+    scenes = [*SCENES.glob("*.yaml"), *(SCENES.parents[2] / "data" / "scenes").glob("*.yaml")]
+    for path in scenes:
+        scene = yaml.safe_load(path.read_text())
+        tap.equal([e.message for e in check.iter_errors(scene)], [], path.name)
+
+
+def edits():
+    """Changes to the example: a path, a value (None: take it out), and whether that is a scene."""
+    yield ("sonar", "frequency_khz"), 1000, True
+    yield ("sonar", "frequency_khz"), 1000.5, False
+    yield ("sonar", "frequency_khz"), "100", False
+    yield ("sonar", "frequency_khz"), None, False
+    yield ("sonar", "frequncy_khz"), 3, False
+    yield ("sonar", "receivers"), [], False
+    yield ("sonar", "receivers"), {"fan": {"count": 3, "sector_deg": 90}}, True
+    yield ("sonar", "receivers"), {"fan": {"count": 3}}, False
+    yield ("sonar", "receivers"), {"fan": {"count": 3.5, "sector_deg": 90}}, False
+    yield ("sonar", "receivers", 0, "name"), "a/b", False
+    yield ("sonar", "rear_floor_db"), "some", False
+    yield ("bottom",), "none", True
+    yield ("bottom",), "nothing", False
+    yield ("bottom", "depth_m"), None, False
+    yield ("bottom", "none"), True, False
+    yield ("bottom", "type"), 2.5, True
+    yield ("bottom", "type"), "rock", True
+    yield ("bottom", "type"), "clay", False
+    yield ("environment", "particle_density"), -80, True
+    yield ("environment", "particle_density"), "moderate", True
+    yield ("environment",), None, True
+    yield ("environment",), [], False
+    yield ("objects", 0, "position_m"), [1, 2], False
+    yield ("objects", 0, "sphere"), {"radius_m": 1}, False
+    yield ("objects", 0, "type"), "sand", False
+    yield ("objects", 0, "material"), None, True
+    yield ("sampling", "multipath"), False, True
+    yield ("sampling", "multipath"), "second", False
+    yield ("sampling", "seed"), -1, False
+    yield ("output", "images"), [], True
+    yield ("output", "images"), ["waterfall", "sunset"], False
+    yield ("surface", "enabled"), "true", False
+    yield ("mission", "track"), "t.csv", False
+    yield ("mission", "waypoints"), [[0, 0, 5]], False
+    yield ("version",), 2, False
+
+
+def test_schema_and_reader_agree():
+    check = validator()
+    for path, value, good in edits():
+        scene = example()
+        place = scene
+        for step in path[:-1]:
+            place = place[step]
+        if value is None:
+            del place[path[-1]]
+        else:
+            place[path[-1]] = value
+        what = f"{path} = {value}"
+        tap.equal(check.is_valid(scene), good, "schema, " + what)
+        tap.equal(asdic("check", "-", stdin=json.dumps(scene)).code, 0 if good else 3,
+                  "reader, " + what)
+
+
+tap.main(globals())

@@ -1,0 +1,201 @@
+/*
+ * A mission through the public calls: what a program gets from a scene file.
+ */
+#include "../assert_close.h"
+
+#include <asdic/asdic.h>
+
+#include "de_locale.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+#define DEG (3.14159265358979323846 / 180.0)
+
+typedef struct workshop {
+    asdic_context *ctx;
+    char folder[64];
+} workshop;
+
+static void write_file(const workshop *w, const char *name, const char *text) {
+    char path[128];
+    snprintf(path, sizeof path, "%s/%s", w->folder, name);
+    FILE *file = fopen(path, "wb");
+    assert_non_null(file);
+    assert_int_equal(fwrite(text, 1, strlen(text), file), strlen(text));
+    assert_int_equal(fclose(file), 0);
+}
+
+static int begin(void **state) {
+    workshop *w = calloc(1, sizeof *w);
+    if (!w || asdic_context_create(&w->ctx) != ASDIC_OK) {
+        return -1;
+    }
+    snprintf(w->folder, sizeof w->folder, "/tmp/asdic-mission-XXXXXX");
+    *state = w;
+    return mkdtemp(w->folder) ? 0 : -1;
+}
+
+static int end(void **state) {
+    workshop *w = *state;
+    char command[128];
+    snprintf(command, sizeof command, "rm -r %s", w->folder);
+    int failed = system(command);
+    asdic_context_destroy(&w->ctx);
+    free(w);
+    return failed;
+}
+
+/* The scene of BOTTOM and MISSION, two lines of YAML. */
+static asdic_mission *load(const workshop *w, const char *bottom, const char *mission) {
+    char text[1024], path[128];
+    snprintf(text, sizeof text,
+             "version: 1\nbottom: %s\nmission: %s\n"
+             "sonar: {frequency_khz: 100, ping_rate_hz: 4, receivers: [{name: a}, {}]}\n",
+             bottom, mission);
+    write_file(w, "scene.yaml", text);
+    snprintf(path, sizeof path, "%s/scene.yaml", w->folder);
+    asdic_mission *m = NULL;
+    if (asdic_mission_load(w->ctx, path, &m) != ASDIC_OK) {
+        print_error("%s\n", asdic_context_error(w->ctx));
+    }
+    assert_non_null(m);
+    assert_string_equal(asdic_mission_path(m), path);
+    assert_string_equal(asdic_mission_text(m), text);
+    return m;
+}
+
+/* A slope: 10 m deep at x = 0, 20 m at x = 100; north up to 100 m. As a mesh that has z down. */
+static const char SLOPE[] = "v 0 -50 10\nv 100 -50 20\nv 100 50 20\nv 0 50 10\nf 1 2 3\nf 1 3 4\n";
+
+static void flat_bottom_and_rest(void **state) {
+    const workshop *w = *state;
+    asdic_mission *m = load(w, "{depth_m: 12, type: 2.5}",
+                            "{pose: {position_m: [1, 2, 7], yaw_deg: 90}, pings: 3}");
+    double time_s = -1;
+    assert_int_equal(asdic_mission_ping_count(m), 3);
+    asdic_pose pose = asdic_mission_pose(m, 2, &time_s);
+    assert_close(time_s, 0.5, 0, 0);
+    assert_close(pose.position_m.y, 2, 0, 0);
+    assert_close(pose.yaw_rad, 90 * DEG, 1e-15, 0);
+    asdic_flat_scene flat = asdic_mission_flat_scene(m, 0);
+    assert_true(flat.has_surface && flat.has_bottom);
+    assert_close(flat.altitude_m, 5, 0, 0);
+    assert_close(flat.depth_m, 7, 0, 0);
+    assert_close(flat.bottom_type, 2.5, 0, 0);
+    assert_int_equal(asdic_mission_object_count(m), 0);
+    assert_null(asdic_mission_get_object(m, 0));
+    const asdic_sonar *sonar = asdic_mission_sonar(m);
+    assert_int_equal(sonar->receiver_count, 2);
+    assert_string_equal(sonar->receivers[1].name, "001");
+    assert_int_equal(strlen(asdic_mission_hash(m)), 64);
+    assert_int_equal(asdic_sonar_check(w->ctx, sonar), ASDIC_OK);
+    assert_int_equal(asdic_environment_check(w->ctx, asdic_mission_environment(m)), ASDIC_OK);
+    assert_int_equal(asdic_mission_sampling(m)->rays, 20000);
+    assert_int_equal(asdic_mission_output(m)->images, 7);
+    assert_close(asdic_mission_detector(m)->pfa, 1e-3, 0, 0);
+    asdic_mission_destroy(&m);
+    assert_null(m);
+}
+
+static void sloping_bottom_and_track(void **state) {
+    const workshop *w = *state;
+    write_file(w, "slope.obj", SLOPE);
+    write_file(w, "t.csv",
+               "time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg\n"
+               "1000,10,0,5,0,0,350\n"
+               "1001,90,0,5,0,0,10\n");
+    asdic_mission *m =
+        load(w, "{mesh: {file: slope.obj, z_up: false}, type: rock}", "{track: t.csv}");
+    double time_s = -1;
+    assert_int_equal(asdic_mission_ping_count(m), 5);
+    asdic_pose pose = asdic_mission_pose(m, 2, &time_s);
+    assert_close(time_s, 1000.5, 0, 0);
+    assert_close(pose.position_m.x, 50, 1e-9, 0);
+    assert_close(sin(pose.yaw_rad), 0, 1e-9, 0);
+    for (size_t i = 0; i < 5; i++) {
+        double depth_m = 10 + (10 + 20.0 * (double)i) / 10;
+        asdic_flat_scene flat = asdic_mission_flat_scene(m, i);
+        assert_true(flat.has_bottom);
+        assert_close(flat.altitude_m, depth_m - 5, 1e-5, 0);
+        assert_close(flat.bottom_type, 4, 0, 0);
+    }
+    assert_int_equal(asdic_mission_object_count(m), 1);
+    const asdic_mission_object *bottom = asdic_mission_get_object(m, 0);
+    assert_string_equal(bottom->name, "");
+    assert_close(bottom->max_m.z, 20, 0, 0);
+    assert_int_equal(bottom->mesh.open_edges, 4);
+    asdic_mission_destroy(&m);
+}
+
+static void open_water(void **state) {
+    const workshop *w = *state;
+    asdic_mission *m = load(w, "none", "{pose: {position_m: [0, 0, 0]}}");
+    asdic_flat_scene flat = asdic_mission_flat_scene(m, 0);
+    assert_true(flat.has_surface);
+    assert_false(flat.has_bottom);
+    asdic_mission_destroy(&m);
+}
+
+static void placed_meshes_have_their_box(void **state) {
+    const workshop *w = *state;
+    write_file(w, "slope.obj", SLOPE);
+    /* North, east, down: a quarter turn to starboard sends north to east. */
+    asdic_mission *m = load(w,
+                            "{mesh: {file: slope.obj, z_up: false, scale: 0.5}, "
+                            "position_m: [7, 8, 9], rotation_deg: [0, 0, 90]}",
+                            "{pose: {position_m: [7, 20, 3]}}");
+    const asdic_mission_object *bottom = asdic_mission_get_object(m, 0);
+    assert_close(bottom->min_m.x, 7 - 25, 1e-9, 0);
+    assert_close(bottom->max_m.x, 7 + 25, 1e-9, 0);
+    assert_close(bottom->min_m.y, 8, 1e-9, 0);
+    assert_close(bottom->max_m.y, 8 + 50, 1e-9, 0);
+    assert_close(bottom->min_m.z, 9 + 5, 1e-9, 0);
+    assert_close(bottom->max_m.z, 9 + 10, 1e-9, 0);
+    /* 12 m along the slope of half size: 5 + 12 / 10 deep, less 9 m of shift. */
+    assert_close(asdic_mission_flat_scene(m, 0).altitude_m, 9 + 5 + 1.2 - 3, 1e-5, 0);
+    asdic_mission_destroy(&m);
+}
+
+static void decimal_comma_changes_nothing(void **state) {
+    const workshop *w = *state;
+    if (!set_german_locale()) {
+        skip();
+    }
+    asdic_mission *m = load(w, "{depth_m: 12.25}", "{pose: {position_m: [0, 0, 7.5]}}");
+    assert_close(asdic_mission_flat_scene(m, 0).altitude_m, 4.75, 0, 0);
+    asdic_mission_destroy(&m);
+    char *schema = asdic_mission_schema();
+    assert_non_null(strstr(schema, "\"minimum\": 0.1, \"maximum\": 1000"));
+    free(schema);
+    char comma[16];
+    snprintf(comma, sizeof comma, "%.1f", 0.5);
+    assert_string_equal(comma, "0,5"); /* the caller's locale is as it was */
+    setlocale(LC_ALL, "C");
+}
+
+static void misuse_is_answered(void **state) {
+    const workshop *w = *state;
+    asdic_mission *m = (asdic_mission *)1;
+    assert_int_equal(asdic_mission_load(w->ctx, NULL, &m), ASDIC_ERROR_ARGUMENT);
+    assert_null(m);
+    assert_int_equal(asdic_mission_load(w->ctx, "x", NULL), ASDIC_ERROR_ARGUMENT);
+    assert_int_equal(asdic_mission_load(w->ctx, "/nonexistent", &m), ASDIC_ERROR_INPUT);
+    assert_string_equal(asdic_context_error(w->ctx),
+                        "/nonexistent: cannot open: No such file or directory");
+    asdic_mission_destroy(NULL);
+    asdic_mission_destroy(&m);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(flat_bottom_and_rest),
+        cmocka_unit_test(sloping_bottom_and_track),
+        cmocka_unit_test(open_water),
+        cmocka_unit_test(placed_meshes_have_their_box),
+        cmocka_unit_test(decimal_comma_changes_nothing),
+        cmocka_unit_test(misuse_is_answered),
+    };
+    return cmocka_run_group_tests(tests, begin, end);
+}
