@@ -8,14 +8,15 @@
 #define TEXT_COLUMN 26
 #define LAST_COLUMN 78
 
-/* TEXT wrapped between two columns; the cursor is at COLUMN. */
-static void print_wrapped(FILE *out, const char *text, int column) {
+/* TEXT wrapped between two columns, its own line ends kept; the cursor is at INDENT. */
+static void print_wrapped(FILE *out, const char *text, int indent) {
+    int column = indent;
     while (*text) {
-        size_t length = strcspn(text, " ");
-        if (column > TEXT_COLUMN && column + 1 + (int)length > LAST_COLUMN) {
-            fprintf(out, "\n%*s", TEXT_COLUMN, "");
-            column = TEXT_COLUMN;
-        } else if (column > TEXT_COLUMN) {
+        size_t length = strcspn(text, " \n");
+        if (column > indent && column + 1 + (int)length > LAST_COLUMN) {
+            fprintf(out, "\n%*s", indent, "");
+            column = indent;
+        } else if (column > indent) {
             fputc(' ', out);
             column++;
         }
@@ -23,6 +24,10 @@ static void print_wrapped(FILE *out, const char *text, int column) {
         column += (int)length;
         text += length;
         text += strspn(text, " ");
+        for (; *text == '\n'; text++) {
+            fprintf(out, "\n%*s", text[1] == '\n' ? 0 : indent, "");
+            column = indent;
+        }
     }
     fputc('\n', out);
 }
@@ -44,8 +49,7 @@ void cli_help_program(FILE *out) {
     for (size_t i = 0; cli_commands[i]; i++) {
         print_row(out, cli_commands[i]->name, cli_commands[i]->summary);
     }
-    fputs("\n'asdic COMMAND --help' tells more about one; 'asdic --version' prints the version.\n",
-          out);
+    fputs("\n'asdic COMMAND --help' explains one; 'asdic --version' prints the version.\n", out);
 }
 
 void cli_help_command(FILE *out, const cli_command *command) {
@@ -54,7 +58,8 @@ void cli_help_command(FILE *out, const cli_command *command) {
     fprintf(out, "usage: asdic %s [OPTION...]%s%s\n\n%s.\n", command->name,
             command->operands[0] ? " " : "", command->operands, command->summary);
     if (command->details) {
-        fprintf(out, "\n%s\n", command->details);
+        fputc('\n', out);
+        print_wrapped(out, command->details, 0);
     }
     fputs("\noptions:\n", out);
     for (size_t i = 0; i < count; i++) {

@@ -1,19 +1,96 @@
-"""Runs the asdic program in tests: its path is in the environment as ASDIC."""
+"""Runs the asdic program in tests: its path is in the environment as ASDIC.
+
+    from program import asdic
+    done = asdic("devices", "--json", OCL_ICD_VENDORS="/nonexistent")
+    tap.equal(done.code, 4)
+"""
 import os
+import pty
+import shutil
 import subprocess
+import tempfile
+
+import tap
+
+PATH = os.environ["ASDIC"]
 
 
 class Result:
-    def __init__(self, process):
-        self.code = process.returncode
-        self.out = process.stdout.decode()
-        self.err = process.stderr.decode()
+    def __init__(self, code, out, err):
+        self.code, self.out, self.err = code, out, err
+
+    def check(self, code=None, out=None, err=None):
+        """The exit code, standard output and error are these, as far as given; returns itself."""
+        for what, actual, expected in (("exit code", self.code, code), ("stdout", self.out, out),
+                                       ("stderr", self.err, err)):
+            if expected is not None:
+                tap.equal(actual, expected, f"{what} (stderr: {self.err.strip()!r})")
+        return self
+
+
+def environment(changes):
+    """The tests' environment with CHANGES; a value of None removes."""
+    return {name: value for name, value in {**os.environ, **changes}.items() if value is not None}
 
 
 def asdic(*args, stdin=b"", cwd=None, **env):
     """Exit code, standard output and error of asdic ARGS; ENV adds to the environment."""
     if isinstance(stdin, str):
         stdin = stdin.encode()
-    return Result(subprocess.run([os.environ["ASDIC"], *map(str, args)], input=stdin, cwd=cwd,
-                                 capture_output=True, timeout=120, check=False,
-                                 env={**os.environ, **env}))
+    done = subprocess.run([PATH, *map(str, args)], input=stdin, cwd=cwd, capture_output=True,
+                          timeout=120, check=False, env=environment(env))
+    return Result(done.returncode, done.stdout.decode(), done.stderr.decode())
+
+
+def asdic_on_terminal(*args, **env):
+    """The same when stderr is a terminal; stdout is dropped."""
+    master, slave = pty.openpty()
+    child = subprocess.Popen([PATH, *map(str, args)], stdin=subprocess.DEVNULL,
+                             stdout=subprocess.DEVNULL, stderr=slave,
+                             env=environment({"TERM": "xterm", "NO_COLOR": None, **env}))
+    os.close(slave)
+    text = b""
+    while True:
+        try:
+            piece = os.read(master, 4096)
+        except OSError:  # Linux says EIO at the end
+            break
+        if not piece:
+            break
+        text += piece
+    os.close(master)
+    return Result(child.wait(), "", text.decode())
+
+
+def need_device():
+    """Skips the test where no OpenCL device is usable."""
+    done = asdic("devices")
+    if done.code == 4:
+        raise tap.Skip(done.err.strip())
+
+
+class Folder:
+    """A temporary folder: `with Folder() as folder: folder.write("a.yaml", text)`."""
+
+    def __enter__(self):
+        self.path = tempfile.mkdtemp(prefix="asdic-test-")
+        return self
+
+    def __exit__(self, *_):
+        shutil.rmtree(self.path)
+
+    def __truediv__(self, name):
+        return os.path.join(self.path, name)
+
+    def write(self, name, text):
+        path = self / name
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(text)
+        return path
+
+    def read(self, name):
+        with open(self / name, encoding="utf-8") as file:
+            return file.read()
+
+    def names(self):
+        return sorted(os.listdir(self.path))

@@ -1,0 +1,49 @@
+"""Every public header compiles alone, as C and as C++, without a warning."""
+import glob
+import os
+import shutil
+import subprocess
+import sys
+
+import tap
+
+INCLUDE = sys.argv.pop(1)
+STRICT = ["-Wall", "-Wextra", "-Wpedantic", "-Wshadow", "-Werror", "-fsyntax-only"]
+
+
+def compile_all(compiler, language, standard):
+    if not shutil.which(compiler):
+        raise tap.Skip(f"there is no {compiler}")
+    headers = sorted(glob.glob(os.path.join(INCLUDE, "asdic", "*.h")))
+    tap.equal(len(headers) > 10, True, "headers are found")
+    for path in headers:
+        name = os.path.relpath(path, INCLUDE)
+        # Twice: the guard works, too.
+        text = f"#include <{name}>\n#include <{name}>\n"
+        done = subprocess.run([compiler, *STRICT, f"-std={standard}", "-x", language, "-I", INCLUDE,
+                               "-"], input=text, capture_output=True, text=True, check=False)
+        if done.returncode:
+            raise AssertionError(f"{name}: {done.stderr}")
+
+
+def test_gcc_c11():
+    compile_all("gcc", "c", "c11")
+
+
+def test_gcc_c99():
+    compile_all("gcc", "c", "c99")
+
+
+def test_gcc_cpp11():
+    compile_all("g++", "c++", "c++11")
+
+
+def test_clang_c11():
+    compile_all("clang", "c", "c11")
+
+
+def test_clang_cpp17():
+    compile_all("clang++", "c++", "c++17")
+
+
+tap.main(globals())

@@ -1,0 +1,52 @@
+"""asdic devices: the table, JSON, no device, several devices."""
+import json
+
+import tap
+from program import asdic, need_device
+
+NO_PLATFORM = {"OCL_ICD_VENDORS": "/nonexistent"}
+
+
+def listed(**env):
+    return json.loads(asdic("devices", "--json", **env).check(code=0, err="").out)
+
+
+def test_table_shows_each_device_with_its_place():
+    need_device()
+    text = asdic("devices").check(code=0, err="").out
+    devices = listed()
+    for device in devices:
+        tap.contains(text, device["device"])
+        tap.contains(text, device["name"])
+    tap.equal(sum(d["auto"] for d in devices), 1, "devices that auto takes")
+    tap.equal(sum(line.startswith("* ") for line in text.splitlines()[:-1]), 1, "marked lines")
+
+
+def test_json_has_the_numbers():
+    need_device()
+    for device in listed():
+        tap.equal(device["kind"] in ("cpu", "gpu", "acc", "other"), True, "kind is known")
+        tap.equal(device["usable"], device["lacks"] == "" or "atomics" in device["lacks"])
+        if not 0 < device["max_alloc_bytes"] <= device["global_bytes"]:
+            raise AssertionError(f"sizes of {device}")
+
+
+def test_two_devices_of_one_platform():
+    need_device()
+    devices = listed(POCL_DEVICES="pthread basic")
+    pocl = [d for d in devices if d["platform"] == "Portable Computing Language"]
+    if not pocl:
+        raise tap.Skip("PoCL is not installed")
+    tap.equal(len(pocl), 2, "devices of PoCL")
+    tap.equal(len({d["device"] for d in devices}), len(devices), "distinct places")
+
+
+def test_no_platform_names_the_packages():
+    text = asdic("devices", **NO_PLATFORM).check(code=4, out="").err
+    tap.contains(text, "error: no OpenCL device was found")
+    tap.contains(text, "apt-get install pocl-opencl-icd ocl-icd-libopencl1")
+    text = asdic("devices", "--json", **NO_PLATFORM).check(code=4).out
+    tap.equal(json.loads(text), [])
+
+
+tap.main(globals())
