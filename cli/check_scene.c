@@ -75,10 +75,16 @@ static void print_json(const char *path, const asdic_mission *m, const scene_num
     json_close(j);
 }
 
+/* Without the dust that a quarter turn leaves: cos(90 deg) is 6e-17. */
+static double tidy(double x_m) {
+    return fabs(x_m) < 1e-9 ? 0.0 : x_m;
+}
+
 static void print_object(const asdic_mission_object *o) {
     printf("  %-11s %zu triangle%s, x %.4g .. %.4g, y %.4g .. %.4g, z %.4g .. %.4g m\n",
            o->name[0] ? o->name : "bottom", o->mesh.triangles, o->mesh.triangles == 1 ? "" : "s",
-           o->min_m.x, o->max_m.x, o->min_m.y, o->max_m.y, o->min_m.z, o->max_m.z);
+           tidy(o->min_m.x), tidy(o->max_m.x), tidy(o->min_m.y), tidy(o->max_m.y), tidy(o->min_m.z),
+           tidy(o->max_m.z));
     if (o->mesh.dropped > 0) {
         printf("  %-11s %zu degenerate facets dropped\n", "", o->mesh.dropped);
     }

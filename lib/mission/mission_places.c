@@ -56,6 +56,24 @@ static void check_bottom_depth(mission_builder *b) {
                        b->mission->objects[0].min_m.z, b->mission->objects[0].max_m.z, remedy);
 }
 
+/* Files of many modellers have y up; such a bottom stands like a wall. */
+static void remark_on_bottom(mission_builder *b) {
+    const file_bottom *bottom = &b->file->bottom;
+    const double *turn_deg = bottom->rotation_deg;
+    if (!bottom->mesh.node || turn_deg[0] != 0.0 || turn_deg[1] != 0.0) {
+        return;
+    }
+    const asdic_vec3 *low = &b->mission->objects[0].min_m, *high = &b->mission->objects[0].max_m;
+    double north_m = high->x - low->x, east_m = high->y - low->y, down_m = high->z - low->z;
+    if (down_m > 2.0 * fmin(north_m, east_m)) {
+        asdic_log(b->ctx, ASDIC_LOG_WARNING,
+                  "%s:%u:%u: warning: the bottom stands upright: %.4g m north, %.4g m east, %.4g m "
+                  "down; if its file has y up, give 'rotation_deg: [0, 90, 0]'  [bottom.mesh]",
+                  b->problems->name, bottom->mesh.node->line, bottom->mesh.node->column, north_m,
+                  east_m, down_m);
+    }
+}
+
 static void remark(mission_builder *b, size_t object, const char *text) {
     const file_object *objects = b->file->objects.items;
     const asdic_yaml_node *node = objects[object].node;
@@ -92,6 +110,7 @@ void asdic_mission_check_places(mission_builder *b) {
     check_bottom_depth(b);
     if (b->problems->total == 0) {
         check_depths(b);
+        remark_on_bottom(b);
         remark_on_objects(b);
     }
 }

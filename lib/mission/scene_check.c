@@ -114,10 +114,14 @@ static void check_sonar(const asdic_scene_file *file, asdic_arena *arena,
                            "the band would begin below zero",
                            s->bandwidth_khz, s->frequency_khz);
     }
-    if (asdic_scene_node_good(asdic_yaml_child(s->node, "speckle_shape")) &&
-        s->speckle != ASDIC_SPECKLE_K) {
-        asdic_yaml_problem(problems, at(s->node, "speckle_shape"),
-                           "'speckle_shape' has no effect without 'speckle: k'; leave it out");
+    asdic_yaml_node *shape = asdic_yaml_child(s->node, "speckle_shape");
+    if (shape && !is_bad(s->node, "speckle") && s->speckle != ASDIC_SPECKLE_K) {
+        asdic_yaml_key_problem(problems, shape,
+                               "'speckle_shape' has no effect without 'speckle: k'; leave it out");
+    } else if (!shape && s->speckle == ASDIC_SPECKLE_K) {
+        asdic_yaml_problem(problems, at(s->node, "speckle"),
+                           "'speckle' = k needs a 'speckle_shape': 0.5 is spiky, 50 nearly "
+                           "Rayleigh");
     }
     check_names(s->receivers, sizeof(file_beam), offsetof(file_beam, name), "", arena, problems);
     check_bins(file, problems);

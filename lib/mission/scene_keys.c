@@ -227,8 +227,8 @@ static const asdic_key noise_keys[] = {
 static const asdic_table noise_table = {TABLE(noise_keys, file_noise), .doc = "ambient noise"};
 
 static const asdic_word speckle_words[] = {{"none", ASDIC_SPECKLE_NONE, false},
-                                           {"rayleigh", ASDIC_SPECKLE_RAYLEIGH, true},
-                                           {"k", ASDIC_SPECKLE_K, true},
+                                           {"rayleigh", ASDIC_SPECKLE_RAYLEIGH, false},
+                                           {"k", ASDIC_SPECKLE_K, false},
                                            {NULL, 0, false}};
 static const asdic_word rear_words[] = {{"none", -INFINITY, false}, {NULL, 0, false}};
 
@@ -255,10 +255,10 @@ static const asdic_key sonar_keys[] = {
     {"noise", ASDIC_KEY_MAP, SONAR(noise), .table = &noise_table, .doc = "ambient noise"},
     {"speckle", ASDIC_KEY_WORD, SONAR(speckle), .words = speckle_words, .fallback = "none",
      .doc = "random interference of the echoes in a resolution cell"},
-    {"speckle_shape", ASDIC_KEY_NUMBER, ASDIC_KEY_PLANNED, SONAR(speckle_shape), .min = 0.05,
-     .max = 1000, .doc = "shape of K-distributed speckle; large is Rayleigh"},
-    {"rear_floor_db", ASDIC_KEY_NUMBER, ASDIC_KEY_PLANNED, SONAR(rear_floor_db), .unit = "dB",
-     .min = -200, .max = 0, .words = rear_words, .fallback = "none",
+    {"speckle_shape", ASDIC_KEY_NUMBER, SONAR(speckle_shape), .min = 0.05, .max = 1000,
+     .doc = "shape of K-distributed speckle; large is Rayleigh"},
+    {"rear_floor_db", ASDIC_KEY_NUMBER, SONAR(rear_floor_db), .unit = "dB", .min = -200, .max = 0,
+     .words = rear_words, .fallback = "none",
      .doc = "what leaks in and out behind the apertures, re on-axis"},
 };
 static const asdic_table sonar_table = {TABLE(sonar_keys, file_sonar), .doc = "the sonar"};

@@ -218,6 +218,7 @@ static bool read_children(yaml_reader *r, asdic_yaml_node *parent, unsigned dept
         } else if (!end) {
             /* A key is a node of its own, outside the tree but under its map's path. */
             asdic_yaml_node stray = *parent;
+            stray.first = stray.last = NULL;
             stray.line = (unsigned)event.start_mark.line + 1;
             stray.column = (unsigned)event.start_mark.column + 1;
             asdic_yaml_node *key = read_node(r, &event, &stray, NULL, depth);

@@ -157,6 +157,22 @@ mission:""")
                         "[objects[1]]\n")
 
 
+def test_upright_bottom_is_remarked_on():
+    # A floor of 100 m by 80 m, 10 m deep and more, as modellers with y up write it.
+    floor = "v 0 -10 0\nv 100 -10 0\nv 100 -12 -80\nv 0 -12 -80\nf 1 2 3\nf 1 3 4\n"
+    scene = MINIMAL.replace("{depth_m: 12}", "{mesh: floor.obj, position_m: [0, 0, 80]}")
+    with folder(floor_obj=floor, up_yaml=scene,
+                ok_yaml=scene.replace("80]", "0], rotation_deg: [0, 90, 0]")) as at:
+        up = asdic("check", "up.yaml", cwd=at)
+        tap.contains(up.err, "up.yaml:2:16: warning: the bottom stands upright: 2 m north, 100 m "
+                             "east, 80 m down; if its file has y up, give 'rotation_deg: "
+                             "[0, 90, 0]'  [bottom.mesh]\n")
+        ok = asdic("check", "ok.yaml", cwd=at)
+        tap.equal((ok.code, ok.err), (0, ""))
+        # North is -z, east x, down -y.
+        tap.contains(ok.out, "x 0 .. 80, y 0 .. 100, z 10 .. 12 m")
+
+
 def test_tracks_give_the_pings():
     track = "time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg\n100,0,0,5,0,0,0\n105,10,0,{},0,0,0\n"
     scene = MINIMAL.replace("pose: {position_m: [0, 0, 7]}", "track: t.csv")

@@ -231,6 +231,13 @@ static void keys_must_fit_together(void **state) {
     expect_edit("frequency_khz: 100\n", "frequency_khz: 4\n",
                 "4:3: error: 'bandwidth_khz' = 10 is more than twice 'frequency_khz' = 4; the "
                 "band would begin below zero  [sonar]\n");
+    expect_edit("100\n", "100\n  speckle: k\n",
+                "5:12: error: 'speckle' = k needs a 'speckle_shape': 0.5 is spiky, 50 nearly "
+                "Rayleigh  [sonar.speckle]\n");
+    expect_edit("100\n", "100\n  speckle: rayleigh\n  speckle_shape: 2\n",
+                "6:3: error: 'speckle_shape' has no effect without 'speckle: k'; leave it out  "
+                "[sonar]\n");
+    expect_edit("100\n", "100\n  speckle: k\n  speckle_shape: 2\n  rear_floor_db: -30\n", "");
     expect_edit("[0, 0, 7]", "[0, 0, -2]",
                 "8:29: error: the sonar is 2 m above the sea surface; z is positive down  "
                 "[mission.pose.position_m[2]]\n");
