@@ -6,6 +6,7 @@
 
 #include "cli.h"
 
+extern const cli_command cli_bench_command;
 extern const cli_command cli_check_command;
 extern const cli_command cli_devices_command;
 extern const cli_command cli_model_command;

@@ -1,0 +1,33 @@
+/*
+ * What the kinds of `asdic bench` share: what is asked for, a clock, medians, output files.
+ */
+#ifndef ASDIC_CLI_BENCH_H
+#define ASDIC_CLI_BENCH_H
+
+#include "cli.h"
+
+typedef struct bench_options {
+    bool quick, json;
+    const char *csv, *picture; /* NULL: none */
+} bench_options;
+
+/* Each prints its table, or JSON, and returns an exit code. Operand 0 is the kind itself. */
+int bench_error(cli *c, const bench_options *options);
+
+/* Monotonic, s. */
+double bench_now_s(void);
+
+/* Sorts VALUES; NAN of none. */
+double bench_median(double *values, size_t count);
+
+/* A shipped scene or mesh ("scenes/bench_flat.yaml"): in the folder that the environment's
+ * ASDIC_DATA names, in the installed share/asdic, or in the source tree's data. False when it is
+ * nowhere; OUT then holds the last place looked at. */
+bool bench_find_data(const char *name, char *out, size_t size);
+
+/* A text file that appears under its own name only when it is complete. NULL after a message. */
+FILE *bench_begin_file(const cli *c, const char *path);
+/* Closes and renames it. */
+int bench_end_file(const cli *c, FILE *file, const char *path);
+
+#endif

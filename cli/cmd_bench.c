@@ -1,0 +1,46 @@
+#include "bench.h"
+#include "commands.h"
+
+#include <string.h>
+
+static const cli_option options[] = {
+    {"output", 'o', "FILE.csv", "write the figures as CSV too"},
+    {"picture", 0, "FILE", "draw the curves too: .png, .pdf or .svg"},
+    {"quick", 0, NULL, "a rougher answer in a fraction of the time"},
+    {NULL, 0, NULL, NULL},
+};
+
+static int run(cli *c) {
+    static const struct {
+        const char *name;
+        int (*run)(cli *c, const bench_options *options);
+    } kinds[] = {{"error", bench_error}};
+    bench_options given = {.quick = cli_given(c, "quick"),
+                           .json = cli_given(c, "json"),
+                           .csv = cli_text(c, "output"),
+                           .picture = cli_text(c, "picture")};
+    for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++) {
+        if (strcmp(cli_operand(c, 0), kinds[i].name) == 0) {
+            return kinds[i].run(c, &given);
+        }
+    }
+    return cli_usage(c, "'%s' is not error", cli_operand(c, 0));
+}
+
+const cli_command cli_bench_command = {
+    .name = "bench",
+    .operands = "error [SCENE.yaml ...]",
+    .min_operands = 1,
+    .max_operands = CLI_ANY_NUMBER,
+    .summary = "measure speed against error",
+    .details =
+        "error: how far pings are from the truth, and what they cost, for every sampler over many "
+        "numbers of rays. Noise and speckle are off. The truth is the mean of many pings with "
+        "many rays, whose own spread is printed. Without a scene the four benchmark scenes are "
+        "taken. The factor compares the "
+        "rays and the time that an error of 1 dB takes with the paper's uniform sphere.\n\n"
+        "Timings are medians on this machine as it is: close other programs.",
+    .options = options,
+    .traits = CLI_HAS_DEVICE | CLI_HAS_JSON | CLI_INTERRUPTIBLE,
+    .run = run,
+};
