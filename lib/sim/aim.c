@@ -1,6 +1,6 @@
 #include "aim.h"
 
-#include "base/vec.h"
+#include "ring.h"
 
 #include <string.h>
 
@@ -15,15 +15,11 @@
 #define MAX_AIMS 8
 
 dev_beam asdic_aim_beam(const asdic_beam *beam, const asdic_pose *pose, double wavelength_m) {
-    asdic_mat3 vehicle = asdic_mat3_attitude(pose->roll_rad, pose->pitch_rad, pose->yaw_rad);
-    /* A beam's positive pitch looks down, an attitude's positive pitch looks up. */
-    asdic_mat3 face = asdic_mat3_attitude(beam->roll_rad, -beam->pitch_rad, beam->yaw_rad);
-    asdic_mat3 world = asdic_mat3_multiply(vehicle, face);
-    dev_beam out = {.length_h_wl = (float)(beam->length_h_m / wavelength_m),
-                    .length_v_wl = (float)(beam->length_v_m / wavelength_m)};
+    asdic_face face = asdic_face_aim(beam, pose, wavelength_m);
+    dev_beam out = {.length_h_wl = (float)face.length_h_wl, .length_v_wl = (float)face.length_v_wl};
     for (int row = 0; row < 3; row++) {
         for (int column = 0; column < 3; column++) {
-            out.rows[3 * row + column] = (float)world.m[column][row];
+            out.rows[3 * row + column] = (float)face.world_to_face.m[row][column];
         }
     }
     return out;

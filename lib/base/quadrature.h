@@ -1,0 +1,18 @@
+/*
+ * Integrals in one dimension, in double precision.
+ */
+#ifndef ASDIC_BASE_QUADRATURE_H
+#define ASDIC_BASE_QUADRATURE_H
+
+typedef double (*asdic_integrand)(double x, void *user);
+
+/* Integral of F from A to B to the relative accuracy TOLERANCE of an integrand that keeps its sign:
+ * adaptive Gauss-Kronrod (7, 15), at most 40 halvings deep. 0 when B <= A. */
+double asdic_quadrature(asdic_integrand f, void *user, double a, double b, double tolerance);
+
+/* Gauss-Legendre nodes and weights on [-1, 1]: +-ASDIC_GAUSS16_NODE[i]. */
+#define ASDIC_GAUSS16_HALF 8
+extern const double asdic_gauss16_node[ASDIC_GAUSS16_HALF];
+extern const double asdic_gauss16_weight[ASDIC_GAUSS16_HALF];
+
+#endif

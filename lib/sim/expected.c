@@ -1,0 +1,169 @@
+/*
+ * The expected ping by quadrature. With d slant range, e elevation (positive down), sin Theta = h/d
+ * and G(e) the two-way pattern summed around the ring of elevation e:
+ *
+ *     E_bottom = int_bin  d   TL(d) s_B(asin h/d)    G(+asin h/d)   dd     (dA = d dd dphi, exact)
+ *     E_surf   = int_bin  d   TL(d) s_S(asin hd/d)   G(-asin hd/d)  dd
+ *     E_vol    = int_bin  d^2 TL(d) s_V  int_{-asin(hd/d)}^{asin(h/d)} cos e G(e) de  dd
+ *
+ * where the paper multiplies averages taken at the middle of a bin.
+ */
+#include "expected.h"
+
+#include "base/context.h"
+#include "base/quadrature.h"
+#include "noise_level.h"
+
+#include <string.h>
+
+#include "../../kernels/water.h"
+
+/* On the difference of two rules, of which the better one is kept: 1e-10 is reached. */
+#define TOLERANCE 1e-7
+
+/* One receiver over one plane or through the water. */
+typedef struct integrand {
+    const asdic_flat_laws *laws;
+    const asdic_ring_profile *profile;
+    double height_m; /* of the sonar from the plane */
+    bool surface;    /* the plane is the surface */
+} integrand;
+
+static double transmission(const asdic_flat_laws *laws, double d_m) {
+    return transmission_lin(d_m, laws->absorption_db_per_km);
+}
+
+/* In d = h + t^2, which removes the square root at the nadir. */
+static double boundary_density(double t, void *user) {
+    const integrand *in = user;
+    double h = in->height_m, d = h + t * t;
+    double elevation = atan2(h, t * sqrt(d + h));
+    double strength = in->surface ? asdic_flat_surface_lin(in->laws, h / d)
+                                  : asdic_flat_bottom_lin(in->laws, h / d);
+    double sum = asdic_ring_profile_sum(in->profile, in->surface ? -elevation : elevation);
+    return 2.0 * t * d * transmission(in->laws, d) * strength * sum;
+}
+
+static double boundary_energy(integrand *in, double begin_m, double end_m) {
+    double h = in->height_m;
+    if (end_m <= h) {
+        return 0.0;
+    }
+    return asdic_quadrature(boundary_density, in, sqrt(fmax(begin_m - h, 0.0)), sqrt(end_m - h),
+                            TOLERANCE);
+}
+
+static double volume_density(double d, void *user) {
+    const integrand *in = user;
+    const asdic_flat_scene *flat = &in->laws->flat;
+    double low = flat->has_surface ? -asdic_flat_elevation_rad(flat->depth_m, d) : -0.5 * ASDIC_PI;
+    double high = flat->has_bottom ? asdic_flat_elevation_rad(flat->altitude_m, d) : 0.5 * ASDIC_PI;
+    double solid_angle = asdic_ring_profile_solid_angle(in->profile, high) -
+                         asdic_ring_profile_solid_angle(in->profile, low);
+    return d * d * transmission(in->laws, d) * solid_angle;
+}
+
+/* Cut where the shell meets the bottom and the surface. */
+static double volume_energy(integrand *in, double begin_m, double end_m) {
+    const asdic_flat_scene *flat = &in->laws->flat;
+    double nearer = fmin(flat->altitude_m, flat->depth_m);
+    double farther = fmax(flat->altitude_m, flat->depth_m);
+    double cuts[4] = {begin_m, fmin(fmax(nearer, begin_m), end_m),
+                      fmin(fmax(farther, begin_m), end_m), end_m};
+    double sum = 0.0;
+    for (int i = 0; i < 3; i++) {
+        sum += asdic_quadrature(volume_density, in, cuts[i], cuts[i + 1], TOLERANCE);
+    }
+    return in->laws->volume_lin * sum;
+}
+
+static asdic_status corrected_beam(asdic_context *ctx, const asdic_flat_laws *laws,
+                                   const asdic_sonar *sonar, const asdic_ring *ring,
+                                   asdic_ping *ping, size_t beam) {
+    asdic_ring_profile *profile = NULL;
+    asdic_status status = asdic_ring_profile_create(ctx, ring, &profile);
+    if (status != ASDIC_OK) {
+        return status;
+    }
+    integrand bottom = {laws, profile, laws->flat.altitude_m, false};
+    integrand surface = {laws, profile, laws->flat.depth_m, true};
+    for (size_t n = 0; n < ping->bins; n++) {
+        double begin = fmax((double)n * sonar->bin_length_m, sonar->blanking_m);
+        double end = (double)(n + 1) * sonar->bin_length_m;
+        size_t at = beam * ping->bins + n;
+        if (end <= begin) {
+            continue;
+        }
+        if (laws->flat.has_bottom) {
+            ping->intensity_lin[ASDIC_BOTTOM][at] =
+                laws->source_lin * boundary_energy(&bottom, begin, end);
+        }
+        if (laws->flat.has_surface) {
+            ping->intensity_lin[ASDIC_SURFACE][at] =
+                laws->source_lin * boundary_energy(&surface, begin, end);
+        }
+        ping->intensity_lin[ASDIC_VOLUME][at] =
+            laws->source_lin * volume_energy(&bottom, begin, end);
+    }
+    asdic_ring_profile_destroy(&profile);
+    return ASDIC_OK;
+}
+
+static asdic_status check(asdic_context *ctx, const asdic_flat_scene *flat,
+                          const asdic_environment *env, const asdic_sonar *sonar,
+                          const asdic_ping *ping) {
+    asdic_status status = asdic_environment_check(ctx, env);
+    if (status == ASDIC_OK) {
+        status = asdic_sonar_check(ctx, sonar);
+    }
+    if (status == ASDIC_OK && !(flat->depth_m >= 0.0 && isfinite(flat->depth_m))) {
+        status = asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
+                            "flat scene: the sonar is %g m above the surface", -flat->depth_m);
+    }
+    if (status == ASDIC_OK && flat->has_bottom &&
+        !(flat->altitude_m >= 0.0 && isfinite(flat->altitude_m))) {
+        status = asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
+                            "flat scene: the sonar is %g m below the bottom", -flat->altitude_m);
+    }
+    if (status == ASDIC_OK && flat->has_bottom &&
+        !(flat->bottom_type >= 1.0 && flat->bottom_type <= 4.0)) {
+        status = asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
+                            "flat scene: bottom type %g is out of range [1, 4]", flat->bottom_type);
+    }
+    if (status == ASDIC_OK && ping->beams != sonar->receiver_count) {
+        status = asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "a ping of %zu beams for %zu receivers",
+                            ping->beams, sonar->receiver_count);
+    }
+    return status;
+}
+
+asdic_status asdic_expected_compute(asdic_context *ctx, const asdic_flat_scene *flat,
+                                    const asdic_environment *env, const asdic_sonar *sonar,
+                                    const asdic_pose *pose, asdic_ping *ping) {
+    asdic_status status = check(ctx, flat, env, sonar, ping);
+    if (status != ASDIC_OK) {
+        return status;
+    }
+    size_t count = ping->beams * ping->bins;
+    for (int c = 0; c < ASDIC_COMPONENT_COUNT; c++) {
+        memset(ping->intensity_lin[c], 0, count * sizeof(double));
+    }
+    memset(ping->stderr_db, 0, count * sizeof(float));
+    ping->bin_length_m = sonar->bin_length_m;
+    ping->rays = ping->saturated = 0;
+    asdic_flat_laws laws = asdic_flat_laws_at(flat, env, sonar);
+    for (size_t b = 0; b < ping->beams && status == ASDIC_OK; b++) {
+        double wavelength_m = laws.water.wavelength_m;
+        asdic_ring ring = {asdic_face_aim(&sonar->transmitter, pose, wavelength_m),
+                           asdic_face_aim(&sonar->receivers[b], pose, wavelength_m),
+                           pow(10.0, 0.1 * sonar->rear_floor_db)};
+        status = corrected_beam(ctx, &laws, sonar, &ring, ping, b);
+    }
+    asdic_noise_levels(env, sonar, laws.water.sound_speed_mps, ping);
+    for (size_t i = 0; i < count; i++) {
+        for (int c = ASDIC_TOTAL + 1; c < ASDIC_COMPONENT_COUNT; c++) {
+            ping->intensity_lin[ASDIC_TOTAL][i] += ping->intensity_lin[c][i];
+        }
+    }
+    return status;
+}

@@ -1,0 +1,129 @@
+#include "ring.h"
+
+#include "base/quadrature.h"
+
+#include "../../kernels/beam.h"
+
+asdic_face asdic_face_aim(const asdic_beam *beam, const asdic_pose *pose, double wavelength_m) {
+    asdic_mat3 vehicle = asdic_mat3_attitude(pose->roll_rad, pose->pitch_rad, pose->yaw_rad);
+    /* A beam's positive pitch looks down, an attitude's positive pitch looks up. */
+    asdic_mat3 mount = asdic_mat3_attitude(beam->roll_rad, -beam->pitch_rad, beam->yaw_rad);
+    asdic_mat3 face_to_world = asdic_mat3_multiply(vehicle, mount);
+    asdic_face face = {.length_h_wl = beam->length_h_m / wavelength_m,
+                       .length_v_wl = beam->length_v_m / wavelength_m};
+    for (int row = 0; row < 3; row++) {
+        for (int column = 0; column < 3; column++) {
+            face.world_to_face.m[row][column] = face_to_world.m[column][row];
+        }
+    }
+    return face;
+}
+
+/* Azimuths at which the face's edge crosses the ring: cos(phi - middle) = -offset / reach. Returns
+ * 0 or 2. */
+static size_t crossings(const asdic_face *face, double sin_e, double cos_e, double out[2]) {
+    const double *axis = face->world_to_face.m[0];
+    double reach = cos_e * hypot(axis[0], axis[1]), offset = sin_e * axis[2];
+    if (fabs(offset) >= reach) {
+        return 0;
+    }
+    double middle = atan2(axis[1], axis[0]), spread = acos(-offset / reach);
+    for (int i = 0; i < 2; i++) {
+        double phi = middle + (i ? spread : -spread);
+        out[i] = phi - 2.0 * ASDIC_PI * floor(phi / (2.0 * ASDIC_PI));
+    }
+    return 2;
+}
+
+static bool in_front(const asdic_face *face, asdic_vec3 direction) {
+    return asdic_mat3_apply(face->world_to_face, direction).x > 0.0;
+}
+
+size_t asdic_ring_arcs(const asdic_ring *ring, double elevation_rad, asdic_arc arcs[5]) {
+    double sin_e = sin(elevation_rad), cos_e = cos(elevation_rad);
+    double edge[4];
+    size_t edges = crossings(&ring->transmitter, sin_e, cos_e, edge);
+    edges += crossings(&ring->receiver, sin_e, cos_e, edge + edges);
+    for (size_t i = 1; i < edges; i++) {
+        for (size_t j = i; j > 0 && edge[j] < edge[j - 1]; j--) {
+            double swap = edge[j];
+            edge[j] = edge[j - 1];
+            edge[j - 1] = swap;
+        }
+    }
+    size_t count = edges ? edges : 1;
+    for (size_t i = 0; i < count; i++) {
+        arcs[i].begin_rad = edges ? edge[i] : 0.0;
+        arcs[i].end_rad = i + 1 < count ? edge[i + 1] : arcs[0].begin_rad + 2.0 * ASDIC_PI;
+        double phi = 0.5 * (arcs[i].begin_rad + arcs[i].end_rad);
+        asdic_vec3 u = {cos_e * cos(phi), cos_e * sin(phi), sin_e};
+        arcs[i].front_t = in_front(&ring->transmitter, u);
+        arcs[i].front_r = in_front(&ring->receiver, u);
+    }
+    return count;
+}
+
+double asdic_ring_cycles(const asdic_ring *ring) {
+    return hypot(ring->transmitter.length_h_wl + ring->receiver.length_h_wl,
+                 ring->transmitter.length_v_wl + ring->receiver.length_v_wl);
+}
+
+/* One-way pattern without the question of front and rear. */
+static double pattern(const asdic_face *face, asdic_vec3 direction) {
+    asdic_vec3 v = asdic_mat3_apply(face->world_to_face, direction);
+    double amplitude = sinc(face->length_h_wl * v.y) * sinc(face->length_v_wl * v.z);
+    return amplitude * amplitude;
+}
+
+/* Panels of 16 Gauss points hold three cycles to 1e-14. */
+static double arc_sum(const asdic_ring *ring, const asdic_arc *arc, double sin_e, double cos_e) {
+    double length = arc->end_rad - arc->begin_rad;
+    int panels = 1 + (int)(length * cos_e * asdic_ring_cycles(ring) / 3.0);
+    double half = 0.5 * length / panels, sum = 0.0;
+    for (int p = 0; p < panels; p++) {
+        double centre = arc->begin_rad + (2 * p + 1) * half;
+        for (int i = 0; i < 2 * ASDIC_GAUSS16_HALF; i++) {
+            int k = i / 2;
+            double phi = centre + (i % 2 ? half : -half) * asdic_gauss16_node[k];
+            asdic_vec3 u = {cos_e * cos(phi), cos_e * sin(phi), sin_e};
+            sum += asdic_gauss16_weight[k] * pattern(&ring->transmitter, u) *
+                   pattern(&ring->receiver, u);
+        }
+    }
+    return sum * half;
+}
+
+double asdic_ring_sum(const asdic_ring *ring, double elevation_rad) {
+    double sin_e = sin(elevation_rad), cos_e = cos(elevation_rad), sum = 0.0;
+    asdic_arc arcs[5];
+    size_t count = asdic_ring_arcs(ring, elevation_rad, arcs);
+    for (size_t i = 0; i < count; i++) {
+        double gain =
+            (arcs[i].front_t ? 1.0 : ring->rear_lin) * (arcs[i].front_r ? 1.0 : ring->rear_lin);
+        if (gain > 0.0) {
+            sum += gain * arc_sum(ring, &arcs[i], sin_e, cos_e);
+        }
+    }
+    return sum;
+}
+
+size_t asdic_ring_kinks(const asdic_ring *ring, double kinks_rad[4]) {
+    const asdic_face *faces[2] = {&ring->transmitter, &ring->receiver};
+    size_t count = 0;
+    for (int f = 0; f < 2; f++) {
+        const double *axis = faces[f]->world_to_face.m[0];
+        double kink = atan2(hypot(axis[0], axis[1]), fabs(axis[2]));
+        if (kink < 0.5 * ASDIC_PI && kink > 0.0) {
+            kinks_rad[count++] = -kink;
+            kinks_rad[count++] = kink;
+        }
+    }
+    for (size_t i = 1; i < count; i++) {
+        for (size_t j = i; j > 0 && kinks_rad[j] < kinks_rad[j - 1]; j--) {
+            double swap = kinks_rad[j];
+            kinks_rad[j] = kinks_rad[j - 1];
+            kinks_rad[j - 1] = swap;
+        }
+    }
+    return count;
+}

@@ -1,0 +1,45 @@
+/*
+ * The two-way beam pattern summed around a ring of directions at one elevation: what a flat bottom,
+ * a flat surface and the water in between see of a transmitter and a receiver.
+ */
+#ifndef ASDIC_SIM_RING_H
+#define ASDIC_SIM_RING_H
+
+#include <asdic/sonar.h>
+
+#include "base/vec.h"
+
+/* An aperture aimed in the world: rows of WORLD_TO_FACE are out of the face, along the horizontal
+ * and along the vertical side. */
+typedef struct asdic_face {
+    asdic_mat3 world_to_face;
+    double length_h_wl, length_v_wl;
+} asdic_face;
+
+asdic_face asdic_face_aim(const asdic_beam *beam, const asdic_pose *pose, double wavelength_m);
+
+typedef struct asdic_ring {
+    asdic_face transmitter, receiver;
+    double rear_lin; /* one-way gain behind a face */
+} asdic_ring;
+
+/* A stretch of azimuth in which neither face's front edge is crossed. */
+typedef struct asdic_arc {
+    double begin_rad, end_rad;
+    bool front_t, front_r; /* in front of the transmitter, of the receiver */
+} asdic_arc;
+
+/* At most 5 arcs that cover the circle of elevation E (positive down) once; returns how many. */
+size_t asdic_ring_arcs(const asdic_ring *ring, double elevation_rad, asdic_arc arcs[5]);
+
+/* How often a two-way pattern of these apertures turns per radian, at most. */
+double asdic_ring_cycles(const asdic_ring *ring);
+
+/* Integral of B_T B_R over azimuth at ELEVATION_RAD, rad. */
+double asdic_ring_sum(const asdic_ring *ring, double elevation_rad);
+
+/* Elevations in (-pi/2, pi/2) where a ring begins to lie wholly on one side of a face, ascending:
+ * the sum has a kink there. Returns how many, at most 4. */
+size_t asdic_ring_kinks(const asdic_ring *ring, double kinks_rad[4]);
+
+#endif
