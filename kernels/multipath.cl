@@ -13,7 +13,7 @@
  * The tube's outgoing spreading cancels against its area, so that only the return spreads: exact
  * for flat mirrors, an upper bound for convex ones. sqrt(s_in s_out) is exact for Lambert's law.
  */
-#include "echo.h"
+#include "receive.h"
 
 /* How far off the surface they leave secondary rays start, m: above the rounding
  * of their coordinates. */
@@ -160,22 +160,6 @@ typedef struct bounce_store {
     __global const float2 *mirrors;
 } bounce_store;
 
-static uint add_echo(const world *w, const split_echo *echo, real gain, __global long *cells,
-                     uint beam) {
-    __global const dev_ping *ping = w->ping;
-    real first = gain * echo->first, second = gain * echo->second;
-    float scale = ping->deposit_scale[DEV_DEPOSIT_MULTIPATH];
-    size_t plane = (size_t)(ping->bins) * ping->beams;
-    uint cut = 0u;
-    LANES {
-        __global long *cell = cells + DEV_DEPOSIT_MULTIPATH * plane +
-                              (size_t)(AT(echo->bin, const uint)) * ping->beams + beam;
-        cut += add_quanta(ping, cell, AT(first, float) * scale);
-        cut += add_quanta(ping, cell + ping->beams, AT(second, float) * scale);
-    }
-    return cut;
-}
-
 static uint shade_bounces(const world *w, const bounce_store *store, __global long *cells,
                           uint slot) {
     __global const dev_ping *ping = w->ping;
@@ -218,14 +202,21 @@ static uint shade_bounces(const world *w, const bounce_store *store, __global lo
     split_echo cross_echo = split(ping, cross_range, none, cross, none);
     real ray_out = gain_towards(ping, w->beams, u.x, u.y, u.z);
     real x_out = gain_towards(ping, w->beams, -x.x, -x.y, -x.z);
-    uint cut = 0u;
-    for (uint b = 0; b < ping->beams; b++) {
-        real ray_in = gain_towards(ping, w->beams + 1 + b, u.x, u.y, u.z);
-        real x_in = gain_towards(ping, w->beams + 1 + b, -x.x, -x.y, -x.z);
-        cut += add_echo(w, &same_echo, ray_out * ray_in, cells, b);
-        cut += add_echo(w, &cross_echo, ray_out * x_in + x_out * ray_in, cells, b);
-    }
-    return cut;
+    /* What returns along the ray: the same-way echo, and the across echo sent towards X. */
+    natural component = (natural)(DEV_DEPOSIT_MULTIPATH);
+    arrivals along, direct;
+    along.count = direct.count = 0u;
+    split_echo sent_to_x = cross_echo, sent_to_mirror = cross_echo;
+    sent_to_x.first *= x_out;
+    sent_to_x.second *= x_out;
+    sent_to_mirror.first *= ray_out;
+    sent_to_mirror.second *= ray_out;
+    same_echo.first *= ray_out;
+    same_echo.second *= ray_out;
+    arrivals_add_echo(w, &along, cells, component, &same_echo);
+    arrivals_add_echo(w, &along, cells, component, &sent_to_x);
+    arrivals_add_echo(w, &direct, cells, component, &sent_to_mirror);
+    return receive(w, &along, u.x, u.y, u.z) + receive(w, &direct, -x.x, -x.y, -x.z);
 }
 
 /* bounce: deposits both kinds of echo; ITEMS as in shade. */
@@ -244,7 +235,7 @@ __kernel void bounce(__global const dev_ping *ping, __global const dev_beam *bea
     world w = {ping, beams, triangles, parts, materials};
     bounce_store store = {rays,           bounced,      returning, bounced_hits,
                           returning_hits, solid_angles, mirrors};
-    size_t plane = (size_t)(ping->bins) * ping->beams;
+    size_t plane = (size_t)(ping->bins) * ping->columns;
     __global long *cells = accumulator + group * (size_t)(DEV_DEPOSIT_COUNT)*plane;
     uint cut = 0u;
     for (uint k = item * ASDIC_WIDTH; k < ping->per_group; k += items * ASDIC_WIDTH) {

@@ -13,6 +13,9 @@
 /* Mirror shares below this (-60 dB) are not followed. */
 #define DEV_MIN_MIRROR 1e-6f
 
+/* Levels of m = cos(elevation) in a fan's map. */
+#define DEV_FAN_LEVELS 4
+
 #define DEV_MAX_LOBES 12
 #define DEV_TABLE_CELLS 512
 #define DEV_MAX_GROUPS 16
@@ -61,6 +64,10 @@ typedef struct dev_ping {
     dev_uint rays, batch_first, per_group, groups; /* rays; first and count of each group's rays in
                                                     this batch; number of groups (replicates) */
     dev_uint beams, bins, lobes, sampler;
+    dev_uint columns; /* of the accumulator: beams, or levels x cells of a fan */
+    dev_uint fan_cells;
+    float fan_begin_rad, fan_cells_per_rad;
+    float fan_rows[9]; /* world to fan: x ahead, y to starboard, z the faces' common axis */
     dev_uint seed[2], ping[2];
     dev_uint lattice_shift; /* c1 */
     float lattice_offset;   /* c0 */

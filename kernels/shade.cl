@@ -10,7 +10,7 @@
  * relative to TL(d) d^2 at the centre of their bin, which the host multiplies back in double: this
  * takes the range out of the accumulator's dynamic range.
  */
-#include "echo.h"
+#include "receive.h"
 
 /* How much of its last bin's water a ray has crossed when it meets something (or the range ends):
  * the part of the bin's integral of d^-2 exp(-2 k d), by two-point Gauss quadrature in 1/d. */
@@ -34,10 +34,10 @@ static real crossed_part(__global const dev_ping *ping, __global const float *vo
 }
 
 /* Which accumulator component an echo from KIND belongs to. */
-static uint component_of(uint kind) {
-    return kind == DEV_KIND_SURFACE  ? DEV_DEPOSIT_SURFACE
-           : kind == DEV_KIND_OBJECT ? DEV_DEPOSIT_OBJECT
-                                     : DEV_DEPOSIT_BOTTOM;
+static natural component_of(natural kind) {
+    natural c = (natural)(DEV_DEPOSIT_BOTTOM);
+    c = choose_natural(kind == DEV_KIND_SURFACE, (natural)(DEV_DEPOSIT_SURFACE), c);
+    return choose_natural(kind == DEV_KIND_OBJECT, (natural)(DEV_DEPOSIT_OBJECT), c);
 }
 
 /* What sample.cl drew and trace.cl found. */
@@ -83,32 +83,16 @@ static uint shade_rays(const world *w, const ray_store *store, __global const fl
     real part = crossed_part(ping, volume_inverse, end, last);
     part = choose(m.range >= reach, R(1.0), part);
 
-    uint row = ping->beams, plane = ping->bins * row;
-    __global long *echo_cell[ASDIC_WIDTH], *water_cell[ASDIC_WIDTH];
-    float scale[ASDIC_WIDTH];
-    LANES {
-        uint component = component_of(AT(m.kind, uint));
-        echo_cell[lane] = cells + component * plane + AT(echo.bin, uint) * row;
-        water_cell[lane] = cells + DEV_DEPOSIT_VOLUME * plane + AT(last, uint) * row;
-        scale[lane] = ping->deposit_scale[component];
-    }
-    float water_scale = ping->deposit_scale[DEV_DEPOSIT_VOLUME];
-    uint cut = 0u;
-    for (uint b = 0; b < row; b++) {
-        real g = weight * gain_towards(ping, w->beams + 1 + b, ux, uy, uz);
-        real first = g * echo.first, second = g * echo.second;
-        real water = g * part, before = g - g * part;
-        LANES {
-            cut += add_quanta(ping, echo_cell[lane] + b, AT(first, float) * scale[lane]);
-            cut += add_quanta(ping, echo_cell[lane] + row + b, AT(second, float) * scale[lane]);
-            cut += add_quanta(ping, water_cell[lane] + b, AT(water, float) * water_scale);
-            if (AT(last, uint) > 0u) {
-                cut +=
-                    add_quanta(ping, water_cell[lane] + b - row, AT(before, float) * water_scale);
-            }
-        }
-    }
-    return cut;
+    real before = choose(last == 0u, R(0.0), R(1.0) - part);
+    natural water = (natural)(DEV_DEPOSIT_VOLUME);
+    arrivals a;
+    a.count = 0u;
+    echo.first *= weight;
+    echo.second *= weight;
+    arrivals_add_echo(w, &a, cells, component_of(m.kind), &echo);
+    arrivals_add(w, &a, cells, water, last, weight * part);
+    arrivals_add(w, &a, cells, water, max(last, 1u) - 1u, weight * before);
+    return receive(w, &a, ux, uy, uz);
 }
 
 /*
@@ -128,7 +112,7 @@ __kernel void shade(__global const dev_ping *ping, __global const dev_beam *beam
     uint item = (uint)(get_global_id(0)) - group * items;
     world w = {ping, beams, triangles, parts, materials};
     ray_store store = {rays, solid_angles, splats, hits};
-    size_t plane = (size_t)(ping->bins) * ping->beams;
+    size_t plane = (size_t)(ping->bins) * ping->columns;
     __global long *cells = accumulator + group * (size_t)(DEV_DEPOSIT_COUNT)*plane;
     uint cut = 0u;
     for (uint k = item * ASDIC_WIDTH; k < ping->per_group; k += items * ASDIC_WIDTH) {

@@ -2,7 +2,8 @@
  * How honest the groups' spread is. A lattice of N points errs like 1 / N, its N / 16 interleaved
  * subsets err more than sixteen-fold less random samples would: taken at face value they overstate
  * the error of the whole. Two more pings with shifts of their own, once per block, show the true
- * error; the ratio, averaged over neighbouring bins, corrects the block's pings.
+ * error; the ratio, averaged over neighbouring bins, corrects the block's pings. A fan's map has one
+ * group and a nominal spread of 1: the "ratio" then is the relative error.
  */
 #include "simulator.h"
 
@@ -16,7 +17,7 @@
 /* A bin's own ratio counts with this factor where it exceeds its neighbours': bins that hold a spike
  * err unlike them. */
 #define OWN_WEIGHT 0.7
-#define RATIO_LEAST 1e-4
+#define RATIO_LEAST 1e-8
 #define RATIO_MOST 16.0
 
 /* Ratio of variances in one cell: from two pings' totals and their stated relative variance. */

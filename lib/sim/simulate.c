@@ -100,6 +100,7 @@ static dev_ping describe_ping(asdic_simulator *sim, const asdic_pose *pose, uint
                                  ping.rear_lin > 0.0f, lobes);
     memcpy(ping.front, sim->host_beams[0].rows, sizeof ping.front);
     ping.front_azimuth_rad = atan2f(ping.front[1], ping.front[0]);
+    asdic_beam_fan_describe(&sim->fan, sim->host_beams, &ping);
     describe_water(sim, water, &ping);
     place_zones(sim, pose, &ping);
     place_lattice(&ping, stream);
@@ -238,31 +239,38 @@ static asdic_status run_batch(asdic_simulator *sim, const dev_ping *ping) {
     return status || !sim->has_mirrors ? status : run_bounces(sim, ping, items);
 }
 
+/* Turns water that ends in a bin into water that crosses it, in SUMS [group][component][bin][beam]. */
+static asdic_status run_suffix(asdic_simulator *sim, const dev_ping *ping, asdic_buffer *sums) {
+    asdic_kernel_arg args[] = {ASDIC_ARG_BUFFER(sim->ping_buffer), ASDIC_ARG_BUFFER(sums)};
+    return asdic_kernel_run(sim->suffix, args, COUNT(args), (size_t)ping->groups * ping->beams,
+                            sim->layout.local);
+}
+
 static asdic_status reduce_groups(asdic_simulator *sim, const dev_ping *ping) {
-    asdic_kernel_arg suffix[] = {ASDIC_ARG_BUFFER(sim->ping_buffer),
-                                 ASDIC_ARG_BUFFER(sim->accumulator)};
-    asdic_status status = asdic_kernel_run(sim->suffix, suffix, COUNT(suffix),
-                                           (size_t)ping->groups * ping->beams, sim->layout.local);
+    asdic_status status = run_suffix(sim, ping, sim->accumulator);
     if (status) {
         return status;
     }
-    asdic_kernel_arg reduce[] = {ASDIC_ARG_BUFFER(sim->ping_buffer),
-                                 ASDIC_ARG_BUFFER(sim->accumulator),
-                                 ASDIC_ARG_BUFFER(sim->volume_ratio), ASDIC_ARG_BUFFER(sim->sums),
-                                 ASDIC_ARG_BUFFER(sim->spreads)};
-    status = asdic_kernel_run(sim->reduce, reduce, COUNT(reduce), sim->cells, sim->layout.local);
-    if (!status) {
-        status = asdic_buffer_read(sim->sums, 0, DEV_DEPOSIT_COUNT * sim->cells * sizeof(int64_t),
-                                   sim->host_sums);
-    }
-    if (!status) {
-        status =
-            asdic_buffer_read(sim->spreads, 0, 4 * sim->cells * sizeof(float), sim->host_spreads);
-    }
-    return status;
+    asdic_kernel_arg args[] = {ASDIC_ARG_BUFFER(sim->ping_buffer),
+                               ASDIC_ARG_BUFFER(sim->accumulator),
+                               ASDIC_ARG_BUFFER(sim->volume_ratio), ASDIC_ARG_BUFFER(sim->sums),
+                               ASDIC_ARG_BUFFER(sim->spreads)};
+    status = asdic_kernel_run(sim->reduce, args, COUNT(args), sim->cells, sim->layout.local);
+    return status ? status
+                  : asdic_buffer_read(sim->spreads, 0, 4 * sim->cells * sizeof(float),
+                                      sim->host_spreads);
+}
+
+static asdic_status reduce_fan(asdic_simulator *sim, const dev_ping *ping) {
+    asdic_status status = asdic_beam_fan_project(&sim->fan, ping, sim->ping_buffer,
+                                                 sim->beam_buffer, sim->accumulator, sim->sums);
+    return status ? status : run_suffix(sim, ping, sim->sums);
 }
 
 double asdic_simulator_spread(const asdic_simulator *sim, size_t cell) {
+    if (sim->fan.cells) {
+        return 1.0; /* one group: the calibration is the relative error itself */
+    }
     unsigned level = 0;
     while (level < 3 && (16u >> level) > sim->groups) {
         level++;
@@ -332,7 +340,10 @@ asdic_status asdic_simulator_simulate(asdic_simulator *sim, const asdic_pose *po
         }
     }
     uint32_t saturated = 0;
-    if ((status = reduce_groups(sim, &ping)) != ASDIC_OK ||
+    status = sim->fan.cells ? reduce_fan(sim, &ping) : reduce_groups(sim, &ping);
+    if (status ||
+        (status = asdic_buffer_read(sim->sums, 0, DEV_DEPOSIT_COUNT * sim->cells * sizeof(int64_t),
+                                    sim->host_sums)) != ASDIC_OK ||
         (status = asdic_buffer_read(sim->saturated, 0, sizeof saturated, &saturated)) != ASDIC_OK) {
         return status;
     }

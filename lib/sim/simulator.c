@@ -34,8 +34,10 @@ static unsigned group_count(size_t cells) {
 
 static asdic_status create_kernels(asdic_simulator *sim) {
     char options[160];
-    snprintf(options, sizeof options, "-D ASDIC_WIDTH=%u -D ASDIC_DEPOSIT=%d -D ASDIC_HAS_MESH=%d",
-             sim->layout.width, (int)sim->layout.deposit, sim->tracer ? 1 : 0);
+    snprintf(options, sizeof options,
+             "-D ASDIC_WIDTH=%u -D ASDIC_DEPOSIT=%d -D ASDIC_HAS_MESH=%d -D ASDIC_FAN=%d",
+             sim->layout.width, (int)sim->layout.deposit, sim->tracer ? 1 : 0,
+             sim->fan.cells ? 1 : 0);
     bool adaptive = sim->sampling.sampler == ASDIC_SAMPLER_ADAPTIVE;
     const struct {
         const char *file, *name;
@@ -61,13 +63,15 @@ static asdic_status create_kernels(asdic_simulator *sim) {
             return status;
         }
     }
-    return ASDIC_OK;
+    snprintf(options, sizeof options, "-D ASDIC_FAN=1");
+    return asdic_beam_fan_init(&sim->fan, sim->device, options, sim->bins);
 }
 
 static asdic_status create_buffers(asdic_simulator *sim) {
     size_t slots = sim->groups * sim->per_group, beams = sim->sonar.receiver_count;
     size_t bounce_slots = sim->has_mirrors ? slots : 0;
-    size_t accumulator = (size_t)sim->groups * DEV_DEPOSIT_COUNT * sim->cells * sizeof(int64_t);
+    size_t columns = sim->fan.cells ? (size_t)DEV_FAN_LEVELS * sim->fan.cells : beams;
+    size_t accumulator = sim->groups * DEV_DEPOSIT_COUNT * sim->bins * columns * sizeof(int64_t);
     const struct {
         size_t bytes;
         asdic_buffer **buffer;
@@ -236,6 +240,15 @@ asdic_status asdic_simulator_create_with(asdic_context *ctx, asdic_device *devic
     sim->bins = asdic_sonar_bin_count(sonar, water.sound_speed_mps);
     sim->cells = sim->bins * sonar->receiver_count;
     sim->groups = group_count(sim->cells);
+    if (!layout->beam_by_beam) {
+        asdic_beam_fan_plan(sonar, water.wavelength_m, &sim->fan);
+    }
+    if (sim->fan.cells) { /* one map that all work-items share; calibration tells the error */
+        sim->groups = 1;
+        sim->layout.deposit = asdic_device_get_info(device)->has_int64_atomics
+                                  ? ASDIC_DEPOSIT_ATOMIC64
+                                  : ASDIC_DEPOSIT_ATOMIC32;
+    }
     size_t most = layout->batch_slots > ASDIC_PILOT_RAYS ? layout->batch_slots : ASDIC_PILOT_RAYS;
     size_t slots = sampling->rays < most ? sampling->rays : most;
     sim->per_group = ((slots + sim->groups - 1) / sim->groups + 63) / 64 * 64;
@@ -297,6 +310,7 @@ void asdic_simulator_destroy(asdic_simulator **pointer) {
     asdic_kernel_destroy(&sim->reflect);
     asdic_kernel_destroy(&sim->connect);
     asdic_kernel_destroy(&sim->bounce);
+    asdic_beam_fan_finish(&sim->fan);
     asdic_tracer_destroy(&sim->tracer);
     free(sim->receivers);
     free(sim->host_materials);

@@ -7,6 +7,7 @@
 #include <asdic/ping.h>
 
 #include "../../kernels/ping_types.h"
+#include "beam_fan.h"
 #include "ocl/ocl.h"
 #include "scene/tracer.h"
 
@@ -19,12 +20,14 @@ typedef enum asdic_deposit {
     ASDIC_DEPOSIT_ATOMIC32 = 2,
 } asdic_deposit;
 
-/* How the work is laid out on a device; never changes a byte of the result, except WIDTH, which
- * is fixed per kind of device. */
+/* How the work is laid out on a device. Never changes a byte of the result, except WIDTH (the last
+ * bits of functions), which is fixed per kind of device, and BEAM_BY_BEAM (a fan's map is an
+ * approximation), which is for tests. */
 typedef struct asdic_layout {
     unsigned width; /* rays per work-item: 1, 8 or 16 */
     asdic_deposit deposit;
     size_t local;       /* work-group size of the ray kernels */
+    bool beam_by_beam;  /* weigh every ray for every receiver even in a fan */
     size_t batch_slots; /* rays held on the device at once, at least ASDIC_PILOT_RAYS */
 } asdic_layout;
 
@@ -46,7 +49,8 @@ struct asdic_simulator {
     asdic_tracer *tracer; /* NULL without triangles */
     bool has_mirrors;     /* something in the scene reflects, and multipath is wanted */
     asdic_kernel *sample, *shade, *suffix, *reduce;
-    asdic_kernel *survey;                     /* adaptive sampler only */
+    asdic_beam_fan fan;   /* many receivers as one map; cells 0: each receiver by itself */
+    asdic_kernel *survey; /* adaptive sampler only */
     asdic_kernel *reflect, *connect, *bounce; /* NULL without mirrors */
     asdic_buffer *ping_buffer, *beam_buffer, *lobe_buffer, *table_buffer;
     asdic_buffer *rays, *solid_angles, *splats, *hits;

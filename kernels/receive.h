@@ -1,0 +1,115 @@
+/*
+ * Who receives what arrives from a direction.
+ *
+ * A few receivers: every arrival is weighed by every receiver's pattern and added to its cell,
+ * columns = beams. A fan of many (ASDIC_FAN): its faces share one vertical axis z and one size, so
+ * that with s = u . z, m = sqrt(1 - s^2) and phi the azimuth round z
+ *
+ *     B(u) = sinc^2(L_V s) sinc^2(L_H m sin(phi - yaw))
+ *
+ * The first factor is applied at once; of the second an arrival keeps only (phi, m): it is split
+ * over two azimuth cells and two levels of m, columns = levels x cells, whatever the number
+ * of beams. fan.cl then turns cells into beams with one matrix product.
+ */
+#ifndef ASDIC_KERNEL_RECEIVE_H
+#define ASDIC_KERNEL_RECEIVE_H
+
+#include "echo.h"
+
+#define MAX_ARRIVALS 4
+
+/* Up to four parcels of energy from one direction; CELL is the first column of its (component,
+ * bin), per lane. */
+typedef struct arrivals {
+    uint count;
+    real energy[MAX_ARRIVALS];
+    float scale[MAX_ARRIVALS][ASDIC_WIDTH];
+    __global long *cell[MAX_ARRIVALS][ASDIC_WIDTH];
+} arrivals;
+
+/* Adds a parcel for COMPONENT and BIN, both per lane. */
+static void arrivals_add(const world *w, arrivals *a, __global long *cells, natural component,
+                         natural bin, real energy) {
+    size_t row = w->ping->columns;
+    LANES {
+        uint c = AT(component, uint);
+        a->scale[a->count][lane] = w->ping->deposit_scale[c];
+        a->cell[a->count][lane] = cells + ((size_t)(c)*w->ping->bins + AT(bin, uint)) * row;
+    }
+    a->energy[a->count++] = energy;
+}
+
+/* Adds both halves of an echo. */
+static void arrivals_add_echo(const world *w, arrivals *a, __global long *cells, natural component,
+                              const split_echo *echo) {
+    natural last = (natural)(w->ping->bins - 1u);
+    arrivals_add(w, a, cells, component, echo->bin, echo->first);
+    arrivals_add(w, a, cells, component, min(echo->bin + 1u, last), echo->second);
+}
+
+/* Adds GAIN times every parcel to column COLUMN of its cell; returns how many had to be cut. */
+static uint add_column(const world *w, const arrivals *a, natural column, real gain) {
+    uint cut = 0u;
+    for (uint c = 0; c < a->count; c++) {
+        real energy = gain * a->energy[c];
+        LANES {
+            cut += add_quanta(w->ping, a->cell[c][lane] + AT(column, uint),
+                              AT(energy, float) * a->scale[c][lane]);
+        }
+    }
+    return cut;
+}
+
+#if ASDIC_FAN
+
+/* Levels of m. Between them patterns are interpolated linearly in 1 / m, to which the azimuth width
+ * of a pattern is proportional: exact for what is spread over azimuth. */
+FORMULA real fan_level_m(int level) {
+    return level == 0 ? R(1.0) : level == 1 ? R(0.8) : level == 2 ? R(0.45) : R(0.05);
+}
+
+static uint receive(const world *w, const arrivals *a, real ux, real uy, real uz) {
+    __global const dev_ping *ping = w->ping;
+    __global const float *f = ping->fan_rows;
+    real x = f[0] * ux + f[1] * uy + f[2] * uz;
+    real y = f[3] * ux + f[4] * uy + f[5] * uz;
+    real s = f[6] * ux + f[7] * uy + f[8] * uz;
+    real m = sqrt(r_max((R(1.0) - s) * (R(1.0) + s), R(1e-12)));
+    real vertical = sinc((real)(w->beams[1].length_v_wl) * s);
+    real at = (atan2(y, x) - (real)(ping->fan_begin_rad)) * (real)(ping->fan_cells_per_rad);
+    at = r_min(r_max(at, R(0.0)), (real)((float)(ping->fan_cells - 1u)));
+    natural cell = min(to_natural(at), (natural)(ping->fan_cells - 2u));
+    real right = at - to_real(cell);
+    natural level = (natural)(0u);
+    real hi = fan_level_m(0), lo = fan_level_m(1);
+    for (int k = 1; k < DEV_FAN_LEVELS - 1; k++) {
+        mask below = m < fan_level_m(k);
+        level = choose_natural(below, (natural)((uint)(k)), level);
+        hi = choose(below, fan_level_m(k), hi);
+        lo = choose(below, fan_level_m(k + 1), lo);
+    }
+    real lower = (R(1.0) / m - R(1.0) / hi) / (R(1.0) / lo - R(1.0) / hi);
+    lower = r_min(r_max(lower, R(0.0)), R(1.0));
+    real gain = vertical * vertical;
+    natural column = level * (natural)(ping->fan_cells) + cell;
+    uint cut = add_column(w, a, column, gain * (R(1.0) - lower) * (R(1.0) - right));
+    cut += add_column(w, a, column + 1u, gain * (R(1.0) - lower) * right);
+    column += (natural)(ping->fan_cells);
+    cut += add_column(w, a, column, gain * lower * (R(1.0) - right));
+    return cut + add_column(w, a, column + 1u, gain * lower * right);
+}
+
+#else
+
+static uint receive(const world *w, const arrivals *a, real ux, real uy, real uz) {
+    uint cut = 0u;
+    for (uint b = 0; b < w->ping->beams; b++) {
+        real gain = gain_towards(w->ping, w->beams + 1u + b, ux, uy, uz);
+        cut += add_column(w, a, (natural)(b), gain);
+    }
+    return cut;
+}
+
+#endif
+
+#endif

@@ -1,0 +1,38 @@
+/*
+ * A fan of many receivers: one map of azimuth cells for all of them, see kernels/receive.h.
+ */
+#ifndef ASDIC_SIM_BEAM_FAN_H
+#define ASDIC_SIM_BEAM_FAN_H
+
+#include <asdic/ping.h>
+
+#include "../../kernels/ping_types.h"
+#include "ocl/ocl.h"
+
+typedef struct asdic_beam_fan {
+    unsigned cells;  /* azimuth cells; 0: the receivers are not a fan */
+    unsigned stride; /* beams rounded up to a tile of fan.cl */
+    bool circle;     /* cells go all round, not only over the front */
+    double table_wavelength_m;
+    asdic_kernel *make_table, *make_rows, *project;
+    asdic_buffer *table, *rows, *filled;
+} asdic_beam_fan;
+
+/* Fills CELLS, STRIDE and CIRCLE: a fan is at least 16 receivers of one size whose faces differ in
+ * yaw about a common axis only. */
+void asdic_beam_fan_plan(const asdic_sonar *sonar, double wavelength_m, asdic_beam_fan *fan);
+
+/* Kernels and buffers for a planned fan; nothing when there is none. */
+asdic_status asdic_beam_fan_init(asdic_beam_fan *fan, asdic_device *device, const char *options,
+                                 size_t bins);
+void asdic_beam_fan_finish(asdic_beam_fan *fan);
+
+/* The fan's frame and cells of a ping whose beams (transmitter first) are aimed. */
+void asdic_beam_fan_describe(const asdic_beam_fan *fan, const dev_beam *beams, dev_ping *ping);
+
+/* Enqueues cells to beams: ACCUMULATOR to SUMS [component][bin][beam]. */
+asdic_status asdic_beam_fan_project(asdic_beam_fan *fan, const dev_ping *ping,
+                                    asdic_buffer *ping_buffer, asdic_buffer *beam_buffer,
+                                    asdic_buffer *accumulator, asdic_buffer *sums);
+
+#endif
