@@ -213,10 +213,10 @@ static uint shade_bounces(const world *w, const bounce_store *store, __global lo
     sent_to_mirror.second *= ray_out;
     same_echo.first *= ray_out;
     same_echo.second *= ray_out;
-    arrivals_add_echo(w, &along, cells, component, &same_echo);
-    arrivals_add_echo(w, &along, cells, component, &sent_to_x);
-    arrivals_add_echo(w, &direct, cells, component, &sent_to_mirror);
-    return receive(w, &along, u.x, u.y, u.z) + receive(w, &direct, -x.x, -x.y, -x.z);
+    arrivals_add_echo(w, &along, component, &same_echo);
+    arrivals_add_echo(w, &along, component, &sent_to_x);
+    arrivals_add_echo(w, &direct, component, &sent_to_mirror);
+    return receive(w, &along, cells, u.x, u.y, u.z) + receive(w, &direct, cells, -x.x, -x.y, -x.z);
 }
 
 /* bounce: deposits both kinds of echo; ITEMS as in shade. */

@@ -18,43 +18,41 @@
 
 #define MAX_ARRIVALS 4
 
-/* Up to four parcels of energy from one direction; CELL is the first column of its (component,
- * bin), per lane. */
+/* Up to four parcels of energy from one direction, in quanta, for the first column of a (component,
+ * bin) each. Small on purpose: PoCL keeps the private arrays of a whole work-group on one stack. */
 typedef struct arrivals {
     uint count;
-    real energy[MAX_ARRIVALS];
-    float scale[MAX_ARRIVALS][ASDIC_WIDTH];
-    __global long *cell[MAX_ARRIVALS][ASDIC_WIDTH];
+    real quanta[MAX_ARRIVALS];
+    natural cell[MAX_ARRIVALS];
 } arrivals;
 
 /* Adds a parcel for COMPONENT and BIN, both per lane. */
-static void arrivals_add(const world *w, arrivals *a, __global long *cells, natural component,
-                         natural bin, real energy) {
-    size_t row = w->ping->columns;
+static void arrivals_add(const world *w, arrivals *a, natural component, natural bin, real energy) {
+    real scale = R(0.0);
     LANES {
-        uint c = AT(component, uint);
-        a->scale[a->count][lane] = w->ping->deposit_scale[c];
-        a->cell[a->count][lane] = cells + ((size_t)(c)*w->ping->bins + AT(bin, uint)) * row;
+        AT(scale, float) = w->ping->deposit_scale[AT(component, uint)];
     }
-    a->energy[a->count++] = energy;
+    a->quanta[a->count] = energy * scale;
+    a->cell[a->count++] = (component * w->ping->bins + bin) * w->ping->columns;
 }
 
 /* Adds both halves of an echo. */
-static void arrivals_add_echo(const world *w, arrivals *a, __global long *cells, natural component,
+static void arrivals_add_echo(const world *w, arrivals *a, natural component,
                               const split_echo *echo) {
     natural last = (natural)(w->ping->bins - 1u);
-    arrivals_add(w, a, cells, component, echo->bin, echo->first);
-    arrivals_add(w, a, cells, component, min(echo->bin + 1u, last), echo->second);
+    arrivals_add(w, a, component, echo->bin, echo->first);
+    arrivals_add(w, a, component, min(echo->bin + 1u, last), echo->second);
 }
 
 /* Adds GAIN times every parcel to column COLUMN of its cell; returns how many had to be cut. */
-static uint add_column(const world *w, const arrivals *a, natural column, real gain) {
+static uint add_column(const world *w, const arrivals *a, __global long *cells, natural column,
+                       real gain) {
     uint cut = 0u;
     for (uint c = 0; c < a->count; c++) {
-        real energy = gain * a->energy[c];
+        real quanta = gain * a->quanta[c];
+        natural at = a->cell[c] + column;
         LANES {
-            cut += add_quanta(w->ping, a->cell[c][lane] + AT(column, uint),
-                              AT(energy, float) * a->scale[c][lane]);
+            cut += add_quanta(w->ping, cells + AT(at, uint), AT(quanta, float));
         }
     }
     return cut;
@@ -68,7 +66,8 @@ FORMULA real fan_level_m(int level) {
     return level == 0 ? R(1.0) : level == 1 ? R(0.8) : level == 2 ? R(0.45) : R(0.05);
 }
 
-static uint receive(const world *w, const arrivals *a, real ux, real uy, real uz) {
+static uint receive(const world *w, const arrivals *a, __global long *cells, real ux, real uy,
+                    real uz) {
     __global const dev_ping *ping = w->ping;
     __global const float *f = ping->fan_rows;
     real x = f[0] * ux + f[1] * uy + f[2] * uz;
@@ -92,20 +91,21 @@ static uint receive(const world *w, const arrivals *a, real ux, real uy, real uz
     lower = r_min(r_max(lower, R(0.0)), R(1.0));
     real gain = vertical * vertical;
     natural column = level * (natural)(ping->fan_cells) + cell;
-    uint cut = add_column(w, a, column, gain * (R(1.0) - lower) * (R(1.0) - right));
-    cut += add_column(w, a, column + 1u, gain * (R(1.0) - lower) * right);
+    uint cut = add_column(w, a, cells, column, gain * (R(1.0) - lower) * (R(1.0) - right));
+    cut += add_column(w, a, cells, column + 1u, gain * (R(1.0) - lower) * right);
     column += (natural)(ping->fan_cells);
-    cut += add_column(w, a, column, gain * lower * (R(1.0) - right));
-    return cut + add_column(w, a, column + 1u, gain * lower * right);
+    cut += add_column(w, a, cells, column, gain * lower * (R(1.0) - right));
+    return cut + add_column(w, a, cells, column + 1u, gain * lower * right);
 }
 
 #else
 
-static uint receive(const world *w, const arrivals *a, real ux, real uy, real uz) {
+static uint receive(const world *w, const arrivals *a, __global long *cells, real ux, real uy,
+                    real uz) {
     uint cut = 0u;
     for (uint b = 0; b < w->ping->beams; b++) {
         real gain = gain_towards(w->ping, w->beams + 1u + b, ux, uy, uz);
-        cut += add_column(w, a, (natural)(b), gain);
+        cut += add_column(w, a, cells, (natural)(b), gain);
     }
     return cut;
 }

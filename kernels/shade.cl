@@ -89,10 +89,10 @@ static uint shade_rays(const world *w, const ray_store *store, __global const fl
     a.count = 0u;
     echo.first *= weight;
     echo.second *= weight;
-    arrivals_add_echo(w, &a, cells, component_of(m.kind), &echo);
-    arrivals_add(w, &a, cells, water, last, weight * part);
-    arrivals_add(w, &a, cells, water, max(last, 1u) - 1u, weight * before);
-    return receive(w, &a, ux, uy, uz);
+    arrivals_add_echo(w, &a, component_of(m.kind), &echo);
+    arrivals_add(w, &a, water, last, weight * part);
+    arrivals_add(w, &a, water, max(last, 1u) - 1u, weight * before);
+    return receive(w, &a, cells, ux, uy, uz);
 }
 
 /*
