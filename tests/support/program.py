@@ -44,7 +44,10 @@ def asdic(*args, stdin=b"", cwd=None, **env):
 
 def asdic_on_terminal(*args, **env):
     """The same when stderr is a terminal; stdout is dropped."""
-    master, slave = pty.openpty()
+    try:
+        master, slave = pty.openpty()
+    except OSError as error:
+        raise tap.Skip(f"no pseudo-terminal: {error}") from error
     child = subprocess.Popen([PATH, *map(str, args)], stdin=subprocess.DEVNULL,
                              stdout=subprocess.DEVNULL, stderr=slave,
                              env=environment({"TERM": "xterm", "NO_COLOR": None, **env}))

@@ -48,6 +48,16 @@ def count(program):
     return passed, failed, skipped
 
 
+def skipped_lines(program):
+    """What was skipped, and why where the program says so."""
+    text = program.get("stdout", "") + "\n" + program.get("stderr", "")
+    if program["result"] == "SKIP":
+        reason = [line for line in text.splitlines() if "skipped:" in line]
+        return [reason[0].replace("skipped:", "").strip() if reason else "all of it"]
+    names = [name for mark, name in CMOCKA.findall(text) if mark == "SKIPPED"]
+    return list(dict.fromkeys(names)) + re.findall(r"^ok \d+ - (.*# SKIP.*)", text, re.MULTILINE)
+
+
 def main():
     totals = [0, 0, 0]
     bad = []
@@ -61,6 +71,9 @@ def main():
         totals = [a + b for a, b in zip(totals, counts)]
         if counts[1]:
             bad.append(program)
+    for program in programs:
+        for line in skipped_lines(program):
+            print(f"skipped: {program['name']}: {line.replace(' # SKIP', ':')}")
     for program in bad:
         print(f"\n=== {program['name']}: {program['result']}")
         lines = (program.get("stdout", "") + program.get("stderr", "")).splitlines()
