@@ -2,6 +2,9 @@
 
 #include <math.h>
 
+/* Objects listed as text; a scene may have thousands. */
+#define MOST_SHOWN 40
+
 /* What follows from a scene rather than stands in it. */
 typedef struct scene_numbers {
     size_t pings, beams, bins;
@@ -116,8 +119,12 @@ static void print_text(const char *path, const asdic_mission *m, const scene_num
     } else if (bottom_kind(m, n)[0] == 'n') {
         printf("  bottom      none\n");
     }
-    for (size_t i = 0; i < asdic_mission_object_count(m); i++) {
+    size_t count = asdic_mission_object_count(m), shown = count > MOST_SHOWN ? MOST_SHOWN : count;
+    for (size_t i = 0; i < shown; i++) {
         print_object(asdic_mission_get_object(m, i));
+    }
+    if (count > shown) {
+        printf("  ...         %zu more; --json lists all\n", count - shown);
     }
 }
 

@@ -74,22 +74,26 @@ static void find_box(const asdic_mesh *mesh, asdic_mission_object *object) {
     }
 }
 
-/* Puts MESH, which is destroyed, into the scene and remembers it. */
-static asdic_status place(mission_builder *b, const char *name, asdic_mesh **mesh, asdic_pose pose,
-                          asdic_material material) {
+/* Puts MESH, which is destroyed, into the scene as OBJECT, whose name, pose and material are set,
+ * and remembers it. What the scene refuses becomes a problem at NODE. */
+static asdic_status place(mission_builder *b, asdic_yaml_node *node, asdic_mesh **mesh,
+                          bool is_file, asdic_mission_object object) {
     asdic_mission *m = b->mission;
     asdic_status status = ASDIC_OK;
     if (*mesh && b->problems->total == 0) {
-        status = *name ? asdic_scene_add_object(m->scene, name, *mesh, pose, material)
-                       : asdic_scene_add_bottom(m->scene, *mesh, pose, material);
-        asdic_mission_object *object = &m->objects[m->object_count++];
-        *object = (asdic_mission_object){
-            .mesh = asdic_mesh_get_info(*mesh), .pose = pose, .material = material};
-        snprintf(object->name, sizeof object->name, "%s", name);
-        find_box(*mesh, object);
+        object.mesh = asdic_mesh_get_info(*mesh);
+        find_box(*mesh, &object);
+        if (!is_file) {
+            object.mesh.hint[0] = '\0'; /* sizes in the scene file are in metres */
+        }
+        m->objects[m->object_count++] = object;
+        status =
+            object.name[0]
+                ? asdic_scene_add_object(m->scene, object.name, *mesh, object.pose, object.material)
+                : asdic_scene_add_bottom(m->scene, *mesh, object.pose, object.material);
     }
     asdic_mesh_destroy(mesh);
-    return status;
+    return status == ASDIC_OK ? status : asdic_mission_file_problem(b, node, status);
 }
 
 static asdic_status build_bottom(mission_builder *b) {
@@ -110,8 +114,22 @@ static asdic_status build_bottom(mission_builder *b) {
     if (!isnan(bottom->depth_m)) {
         return asdic_scene_set_bottom_plane(b->mission->scene, bottom->depth_m, material);
     }
-    return place(b, "", &mesh, asdic_scene_file_place(bottom->position_m, bottom->rotation_deg),
-                 material);
+    asdic_mission_object object = {
+        .pose = asdic_scene_file_place(bottom->position_m, bottom->rotation_deg),
+        .material = material};
+    return place(b, bottom->node, &mesh, true, object);
+}
+
+static asdic_status build_object(mission_builder *b, const file_object *o) {
+    asdic_mesh *mesh = NULL;
+    asdic_mission_object object = {.pose = asdic_scene_file_place(o->position_m, o->rotation_deg),
+                                   .material = asdic_scene_file_material(o)};
+    snprintf(object.name, sizeof object.name, "%s", o->name ? o->name : "");
+    asdic_status status = make_shape(b, o, &mesh);
+    if (status != ASDIC_OK) {
+        return asdic_mission_file_problem(b, o->node, status);
+    }
+    return place(b, o->node, &mesh, o->mesh.node != NULL, object);
 }
 
 asdic_status asdic_mission_build_scene(mission_builder *b) {
@@ -128,14 +146,7 @@ asdic_status asdic_mission_build_scene(mission_builder *b) {
     asdic_scene_set_surface(b->mission->scene, file->surface.enabled);
     status = build_bottom(b);
     for (size_t i = 0; status == ASDIC_OK && i < file->objects.count; i++) {
-        const file_object *o = &objects[i];
-        asdic_mesh *mesh = NULL;
-        status = make_shape(b, o, &mesh);
-        if (status == ASDIC_OK) {
-            status = place(b, o->name ? o->name : "", &mesh,
-                           asdic_scene_file_place(o->position_m, o->rotation_deg),
-                           asdic_scene_file_material(o));
-        }
+        status = build_object(b, &objects[i]);
     }
     if (status == ASDIC_OK && b->problems->total == 0) {
         status = asdic_scene_commit(b->mission->scene);

@@ -108,7 +108,11 @@ asdic_material asdic_scene_file_material(const file_object *object) {
     if (!m->node && !isnan(object->type)) {
         return asdic_material_bottom(object->type);
     }
-    return m->node
-               ? asdic_material_facet(m->impedance_mrayl, 1e-3 * m->roughness_rms_mm, m->slope_rms)
-               : asdic_material_facet(45.0, 1e-3, 0.1);
+    if (!m->node) {
+        return asdic_material_facet(45.0, 1e-3, 0.1);
+    }
+    asdic_material material =
+        asdic_material_facet(m->impedance_mrayl, 1e-3 * m->roughness_rms_mm, m->slope_rms);
+    material.coherent_area_m2 = m->coherent_area_m2;
+    return material;
 }

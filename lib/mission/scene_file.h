@@ -48,8 +48,9 @@ typedef struct file_bottom {
 
 typedef struct file_material {
     asdic_yaml_node *node;
-    double impedance_mrayl, roughness_rms_mm, slope_rms; /* NAN without the map */
-    double type;                                         /* NAN: none given */
+    double impedance_mrayl, roughness_rms_mm, slope_rms;
+    double coherent_area_m2; /* NAN: from the mesh */
+    double type;             /* NAN: none given */
 } file_material;
 
 typedef struct file_box {

@@ -142,6 +142,9 @@ static const asdic_key material_keys[] = {
      .max = 1000, .fallback = "1", .doc = "r.m.s. height of the roughness"},
     {"slope_rms", ASDIC_KEY_NUMBER, MATERIAL(slope_rms), .min = 0, .max = 2, .fallback = "0.1",
      .doc = "r.m.s. slope of the roughness"},
+    {"coherent_area_m2", ASDIC_KEY_NUMBER, MATERIAL(coherent_area_m2), .unit = "m2", .min = 1e-8,
+     .max = 1e8,
+     .doc = "flat area that reflects in phase; else the largest flat patch of the mesh"},
     {"type", ASDIC_KEY_NUMBER, MATERIAL(type), .min = 1, .max = 4, .words = bottom_words,
      .doc = "scatters as this bottom instead: mud 1, sand 2, gravel 3, rock 4"},
 };

@@ -80,6 +80,8 @@ def edits():
     yield ("objects", 0, "sphere"), {"radius_m": 1}, False
     yield ("objects", 0, "type"), "sand", False
     yield ("objects", 0, "material"), None, True
+    yield ("objects", 0, "material", "coherent_area_m2"), 0.5, True
+    yield ("objects", 0, "material", "coherent_area_m2"), 0, False
     yield ("sampling", "multipath"), False, True
     yield ("sampling", "multipath"), "second", False
     yield ("sampling", "seed"), -1, False

@@ -88,6 +88,7 @@ static void example_means_what_it_says(void **state) {
     assert_close(material.impedance_mrayl, 45, 0, 0);
     assert_close(material.roughness_rms_m, 1e-3, 0, 1e-15);
     assert_close(material.slope_rms, 0.1, 0, 0);
+    assert_true(isnan(material.coherent_area_m2));
     asdic_sonar sonar = asdic_scene_file_sonar(&file);
     assert_close(sonar.frequency_hz, 1e5, 0, 0);
     assert_close(sonar.bandwidth_hz, 1e4, 0, 0);
