@@ -8,6 +8,7 @@ const cli_command *const cli_commands[] = {
     &cli_model_command,
     &cli_bench_command,
     &cli_check_command,
+    &cli_plan_command,
     &cli_schema_command,
     &cli_devices_command,
     &cli_help_command_row,

@@ -77,6 +77,12 @@ static uint shade_rays(const world *w, const ray_store *store, __global const fl
     real nearest = r_min(m.range * sin_grazing * R(1.0000005), m.range);
     split_echo echo = split(ping, m.range, nearest, energy, footprint);
 
+    arrivals a;
+    a.count = 0u;
+    echo.first *= weight;
+    echo.second *= weight;
+    arrivals_add_echo(w, &a, component_of(m.kind), &echo);
+#if ASDIC_HAS_WATER
     /* Water: full bins before the last, part of the last. */
     real end = r_min(m.range, reach);
     natural last = min(to_natural(end / (real)(ping->bin_m)), (natural)(ping->bins - 1u));
@@ -85,13 +91,11 @@ static uint shade_rays(const world *w, const ray_store *store, __global const fl
 
     real before = choose(last == 0u, R(0.0), R(1.0) - part);
     natural water = (natural)(DEV_DEPOSIT_VOLUME);
-    arrivals a;
-    a.count = 0u;
-    echo.first *= weight;
-    echo.second *= weight;
-    arrivals_add_echo(w, &a, component_of(m.kind), &echo);
     arrivals_add(w, &a, water, last, weight * part);
     arrivals_add(w, &a, water, max(last, 1u) - 1u, weight * before);
+#else
+    (void)volume_inverse;
+#endif
     return receive(w, &a, cells, ux, uy, uz);
 }
 

@@ -11,20 +11,37 @@ static double directivity(const asdic_beam *beam, double wavelength_m) {
     return fmax(d, 2.0);
 }
 
-void asdic_noise_levels(const asdic_environment *env, const asdic_sonar *sonar,
-                        double sound_speed_mps, asdic_ping *ping) {
+/* Of one receiver, in a bin. */
+static double noise_lin(const asdic_environment *env, const asdic_sonar *sonar,
+                        const asdic_beam *receiver, double sound_speed_mps) {
+    if (!sonar->noise_enabled) {
+        return 0.0;
+    }
     double f_khz = sonar->frequency_hz / 1e3;
     double spectrum_db = noise_db(f_khz, env->shipping_density, env->wind_speed_kn);
     double cell_m = sound_speed_mps / (2.0 * sonar->bandwidth_hz);
     double cells = fmax(sonar->bin_length_m / cell_m, 1.0);
-    double band = pow(10.0, 0.1 * noise_band_db(spectrum_db, sonar->bandwidth_hz)) * cells;
+    double level = pow(10.0, 0.1 * noise_band_db(spectrum_db, sonar->bandwidth_hz)) * cells;
+    return sonar->noise_directivity
+               ? level / directivity(receiver, sound_speed_mps / sonar->frequency_hz)
+               : level;
+}
+
+void asdic_noise_levels(const asdic_environment *env, const asdic_sonar *sonar,
+                        double sound_speed_mps, asdic_ping *ping) {
     for (size_t b = 0; b < ping->beams; b++) {
-        double level = sonar->noise_enabled ? band : 0.0;
-        if (sonar->noise_directivity) {
-            level /= directivity(&sonar->receivers[b], sound_speed_mps / sonar->frequency_hz);
-        }
+        double level = noise_lin(env, sonar, &sonar->receivers[b], sound_speed_mps);
         for (size_t n = 0; n < ping->bins; n++) {
             ping->intensity_lin[ASDIC_NOISE][b * ping->bins + n] = level;
         }
     }
+}
+
+double asdic_noise_least_lin(const asdic_environment *env, const asdic_sonar *sonar,
+                             double sound_speed_mps) {
+    double least = INFINITY;
+    for (size_t b = 0; b < sonar->receiver_count; b++) {
+        least = fmin(least, noise_lin(env, sonar, &sonar->receivers[b], sound_speed_mps));
+    }
+    return least;
 }

@@ -11,4 +11,8 @@
 void asdic_noise_levels(const asdic_environment *env, const asdic_sonar *sonar,
                         double sound_speed_mps, asdic_ping *ping);
 
+/* The quietest receiver's noise in a bin, linear; 0 when switched off. */
+double asdic_noise_least_lin(const asdic_environment *env, const asdic_sonar *sonar,
+                             double sound_speed_mps);
+
 #endif

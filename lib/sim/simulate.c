@@ -3,6 +3,8 @@
  */
 #include "simulator.h"
 
+#include <asdic/plan.h>
+
 #include "aim.h"
 #include "base/context.h"
 #include "base/vec.h"
@@ -28,7 +30,8 @@ static const float zone_share[5] = {0.03f, 0.57f, 0.07f, 0.30f, 0.03f};
 static void place_zones(const asdic_simulator *sim, const asdic_pose *pose, dev_ping *ping) {
     double range = ping->range_m, least = 2e-3 * range;
     double altitude = asdic_scene_altitude_m(sim->scene, pose->position_m);
-    double depth = sim->scene->has_surface ? pose->position_m.z : INFINITY;
+    bool silent = sim->sampling.left_out & (1u << ASDIC_TERM_SURFACE);
+    double depth = sim->scene->has_surface && !silent ? pose->position_m.z : INFINITY;
     double h = fmax(ZONE_ALTITUDE * altitude, least), hs = fmax(depth, least);
     bool bottom = h < 0.95 * range, surface = hs < 0.95 * range;
     ping->zone_bottom_m = (float)(bottom ? h : 2.0 * range);
@@ -59,7 +62,8 @@ static void describe_water(const asdic_simulator *sim, const asdic_water_column 
     double f_khz = sim->sonar.frequency_hz / 1e3, wind = sim->env.wind_speed_kn;
     ping->absorption_np_per_m = (float)water->absorption_np_per_m;
     ping->wavelength_m = (float)water->wavelength_m;
-    ping->surface_gain = (float)surface_gain(wind, f_khz);
+    bool silent = sim->sampling.left_out & (1u << ASDIC_TERM_SURFACE);
+    ping->surface_gain = silent ? 0.0f : (float)surface_gain(wind, f_khz);
     ping->surface_beta0 = (float)surface_beta0(wind);
     ping->surface_beta1 = (float)surface_beta1(f_khz);
     ping->surface_cap_lin = (float)surface_cap_lin(wind);

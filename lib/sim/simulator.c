@@ -1,5 +1,7 @@
 #include "simulator.h"
 
+#include <asdic/plan.h>
+
 #include "base/context.h"
 #include "materials.h"
 #include "scene/patch.h"
@@ -35,9 +37,10 @@ static unsigned group_count(size_t cells) {
 static asdic_status create_kernels(asdic_simulator *sim) {
     char options[160];
     snprintf(options, sizeof options,
-             "-D ASDIC_WIDTH=%u -D ASDIC_DEPOSIT=%d -D ASDIC_HAS_MESH=%d -D ASDIC_FAN=%d",
+             "-D ASDIC_WIDTH=%u -D ASDIC_DEPOSIT=%d -D ASDIC_HAS_MESH=%d -D ASDIC_FAN=%d "
+             "-D ASDIC_HAS_WATER=%d",
              sim->layout.width, (int)sim->layout.deposit, sim->tracer ? 1 : 0,
-             sim->fan.cells ? 1 : 0);
+             sim->fan.cells ? 1 : 0, sim->sampling.left_out & (1u << ASDIC_TERM_VOLUME) ? 0 : 1);
     bool adaptive = sim->sampling.sampler == ASDIC_SAMPLER_ADAPTIVE;
     const struct {
         const char *file, *name;
@@ -109,7 +112,8 @@ static asdic_status create_buffers(asdic_simulator *sim) {
 
 /* Whether any object can pass a mirror ray on. */
 static bool scene_has_mirrors(const asdic_simulator *sim) {
-    if (sim->sampling.multipath == ASDIC_MULTIPATH_OFF) {
+    if (sim->sampling.multipath == ASDIC_MULTIPATH_OFF ||
+        sim->sampling.left_out & (1u << ASDIC_TERM_MULTIPATH)) {
         return false;
     }
     for (size_t i = 0; i < sim->scene->part_count; i++) {

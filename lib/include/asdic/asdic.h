@@ -25,6 +25,7 @@
 #include <asdic/model.h>
 #include <asdic/output.h>
 #include <asdic/ping.h>
+#include <asdic/plan.h>
 #include <asdic/scene.h>
 #include <asdic/sonar.h>
 

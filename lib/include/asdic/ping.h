@@ -29,6 +29,7 @@ typedef struct asdic_sampling {
     asdic_sampler sampler;
     asdic_multipath multipath;
     uint64_t seed;
+    unsigned left_out; /* terms a plan proved negligible (asdic/plan.h); 0: model everything */
 } asdic_sampling;
 
 /* 20,000 rays, adaptive, first-order multipath, seed 1. */

@@ -1,0 +1,202 @@
+/*
+ * asdic plan: what a scene needs, what it will cost, how exact it will be.
+ */
+#include "commands.h"
+#include "json.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+typedef struct forecast {
+    bool known;
+    double first_ms, learn_ms, ping_ms; /* kernels and upload; once per block; every ping */
+    double median_db, worst_db;         /* stated standard error */
+} forecast;
+
+static double now_ms(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return 1e3 * (double)t.tv_sec + 1e-6 * (double)t.tv_nsec;
+}
+
+static int compare_floats(const void *a, const void *b) {
+    float x = *(const float *)a, y = *(const float *)b;
+    return (x > y) - (x < y);
+}
+
+/* Shoots the mission's first ping a few times: the forecast is a measurement. */
+static asdic_status measure(cli *c, asdic_mission *mission, asdic_device *device, forecast *f) {
+    asdic_context *ctx = cli_context(c);
+    const asdic_sonar *sonar = asdic_mission_sonar(mission);
+    asdic_pose pose = asdic_mission_pose(mission, 0, NULL);
+    asdic_simulator *sim = NULL;
+    asdic_ping *ping = NULL;
+    double start = now_ms();
+    asdic_status status = asdic_simulator_create(
+        ctx, device, asdic_mission_scene(mission), asdic_mission_environment(mission), sonar,
+        asdic_mission_sampling(mission), pose.position_m.z, &sim);
+    if (!status) {
+        status =
+            asdic_ping_create(ctx, sonar->receiver_count, asdic_simulator_bin_count(sim), &ping);
+    }
+    if (!status) {
+        status = asdic_simulator_learn(sim, &pose, 0);
+    }
+    f->first_ms = now_ms() - start;
+    start = now_ms();
+    if (!status) {
+        status = asdic_simulator_learn(sim, &pose, 0);
+    }
+    f->learn_ms = now_ms() - start;
+    f->ping_ms = INFINITY;
+    for (int k = 0; !status && k < 5; k++) {
+        start = now_ms();
+        status = asdic_simulator_ping(sim, &pose, 0, ping);
+        f->ping_ms = fmin(f->ping_ms, now_ms() - start);
+    }
+    if (!status) {
+        size_t cells = ping->beams * ping->bins;
+        qsort(ping->stderr_db, cells, sizeof(float), compare_floats);
+        f->median_db = ping->stderr_db[cells / 2];
+        f->worst_db = ping->stderr_db[cells - 1];
+        f->known = true;
+    }
+    asdic_ping_destroy(&ping);
+    asdic_simulator_destroy(&sim);
+    return status;
+}
+
+static double mission_seconds(const forecast *f, size_t pings) {
+    double blocks = ceil((double)pings / ASDIC_LEARN_BLOCK);
+    return 1e-3 * (f->first_ms + blocks * f->learn_ms + (double)pings * f->ping_ms);
+}
+
+static void print_bound(const asdic_plan_row *row, char *text, size_t size) {
+    if (row->bound_db == 0.0) {
+        snprintf(text, size, "exact");
+    } else if (isinf(row->bound_db)) {
+        snprintf(text, size, "-");
+    } else {
+        snprintf(text, size, "%.2g dB", row->bound_db);
+    }
+}
+
+static void print_text(const asdic_mission *mission, const asdic_plan *plan, uint32_t rays,
+                       const forecast *f) {
+    size_t pings = asdic_mission_ping_count(mission);
+    asdic_scene_info scene = asdic_scene_get_info(asdic_mission_scene(mission));
+    printf("%-11s %-9s %-10s %s\n", "term", "", "bound", "why");
+    for (int t = 0; t < ASDIC_TERM_COUNT; t++) {
+        char bound[32];
+        print_bound(&plan->rows[t], bound, sizeof bound);
+        printf("%-11s %-9s %-10s %s\n", plan->rows[t].name,
+               plan->rows[t].kept ? "kept" : "left out", bound, plan->rows[t].reason);
+    }
+    printf("\n%zu pings of %u rays; %zu triangles, %.1f MB of hierarchy\n", pings, rays,
+           scene.triangles, 1e-6 * (double)scene.bvh_bytes);
+    if (f->known) {
+        printf(
+            "measured here: first ping after %.0f ms, then %.2f ms each and %.1f ms per block of "
+            "%d: about %.1f s in all\n",
+            f->first_ms, f->ping_ms, f->learn_ms, ASDIC_LEARN_BLOCK, mission_seconds(f, pings));
+        printf("stated standard error of the first ping: median %.3f dB, worst %.2f dB\n",
+               f->median_db, f->worst_db);
+    }
+}
+
+static void print_json(const asdic_mission *mission, const asdic_plan *plan, uint32_t rays,
+                       const forecast *f) {
+    asdic_scene_info scene = asdic_scene_get_info(asdic_mission_scene(mission));
+    json j = json_begin(stdout);
+    json_open(&j, NULL, '{');
+    json_open(&j, "terms", '[');
+    for (int t = 0; t < ASDIC_TERM_COUNT; t++) {
+        json_open(&j, NULL, '{');
+        json_text(&j, "name", plan->rows[t].name);
+        json_bool(&j, "kept", plan->rows[t].kept);
+        json_number(&j, "bound_db", plan->rows[t].bound_db);
+        json_text(&j, "reason", plan->rows[t].reason);
+        json_close(&j);
+    }
+    json_close(&j);
+    json_integer(&j, "pings", asdic_mission_ping_count(mission));
+    json_integer(&j, "rays", rays);
+    json_integer(&j, "triangles", scene.triangles);
+    json_integer(&j, "bvh_bytes", scene.bvh_bytes);
+    if (f->known) {
+        json_open(&j, "forecast", '{');
+        json_number(&j, "first_ping_ms", f->first_ms);
+        json_number(&j, "ping_ms", f->ping_ms);
+        json_number(&j, "learn_ms", f->learn_ms);
+        json_number(&j, "mission_s", mission_seconds(f, asdic_mission_ping_count(mission)));
+        json_number(&j, "stderr_median_db", f->median_db);
+        json_number(&j, "stderr_worst_db", f->worst_db);
+        json_close(&j);
+    }
+    json_close(&j);
+}
+
+static asdic_status make_plan(cli *c, asdic_mission *mission, asdic_plan *plan) {
+    size_t count = asdic_mission_ping_count(mission);
+    asdic_pose *poses = malloc(count * sizeof *poses);
+    if (!poses) {
+        cli_error(c, "out of memory for %zu poses", count);
+        return ASDIC_ERROR_MEMORY;
+    }
+    for (size_t i = 0; i < count; i++) {
+        poses[i] = asdic_mission_pose(mission, i, NULL);
+    }
+    asdic_status status = asdic_plan_make(
+        cli_context(c), asdic_mission_scene(mission), asdic_mission_environment(mission),
+        asdic_mission_sonar(mission), asdic_mission_sampling(mission), poses, count, plan);
+    free(poses);
+    return status;
+}
+
+static int run(cli *c) {
+    asdic_mission *mission = NULL;
+    asdic_device **devices = NULL;
+    size_t count = 0;
+    asdic_plan plan;
+    forecast f = {0};
+    bool measured = !cli_given(c, "no-forecast");
+    asdic_status status = asdic_mission_load(cli_context(c), cli_operand(c, 0), &mission);
+    if (!status) {
+        status = make_plan(c, mission, &plan);
+    }
+    if (!status && measured) {
+        status = cli_open_devices(c, &devices, &count);
+    }
+    if (!status && measured) {
+        asdic_mission_sampling(mission)->left_out = plan.left_out;
+        status = measure(c, mission, devices[0], &f);
+    }
+    if (!status) {
+        uint32_t rays = asdic_mission_sampling(mission)->rays;
+        (cli_given(c, "json") ? print_json : print_text)(mission, &plan, rays, &f);
+    }
+    asdic_devices_close(&devices, count);
+    asdic_mission_destroy(&mission);
+    return cli_end(c, status);
+}
+
+static const cli_option options[] = {
+    {"no-forecast", 0, NULL, "leave out the measured forecast; needs no device"},
+    {NULL, 0, NULL, NULL},
+};
+
+const cli_command cli_plan_command = {
+    .name = "plan",
+    .operands = "SCENE.yaml",
+    .min_operands = 1,
+    .max_operands = 1,
+    .summary = "say what a scene needs: terms kept or left out, time, error",
+    .details = "Every term of the model is kept or left out, with the reason and a proven bound in "
+               "dB on what leaving it out changes in any bin; 'asdic run' follows the plan. The "
+               "forecast of time and error is measured on the mission's first ping.",
+    .options = options,
+    .traits = CLI_HAS_DEVICE | CLI_HAS_JSON,
+    .run = run,
+};
