@@ -44,7 +44,7 @@ typedef TRACE_JOIN(int, LANES) lane_mask;
 #endif
 
 /* The shear of a device without a fused multiply-add would call a library function for fma(). */
-#ifdef FP_FAST_FMAF
+#if defined(FP_FAST_FMAF) || defined(__FMA__)
 #define TRACE_FMA(a, b, c) fma((a), (b), (c))
 #else
 #define TRACE_FMA(a, b, c) ((a) * (b) + (c))
@@ -66,6 +66,12 @@ static inline int dominant_axis(float x, float y, float z) {
 static inline float safe_inverse(float direction) {
     float d = fabs(direction) < 1e-18f ? (direction < 0.0f ? -1e-18f : 1e-18f) : direction;
     return 1.0f / d;
+}
+
+/* How far planes are moved apart for a ray from (x, y, z). */
+static inline float ray_skin(float x, float y, float z, float extent_m) {
+    float reach = GREATER(GREATER(fabs(x), fabs(y)), fabs(z));
+    return (reach + extent_m) * TRACE_SKIN;
 }
 
 /* Twice the area of (0, p, q). The products must be rounded alike, hence no fused form. */

@@ -9,32 +9,44 @@
 /* A ray made ready for traversal. Planes are chosen by the sign of the direction, and the origin
  * is moved by the skin away from near planes and towards far planes. */
 typedef struct ray8 {
-    float o[3], near_o[3], far_o[3], inverse[3];
-    uint near_row[3], far_row[3]; /* rows of a node: lo_x hi_x lo_y hi_y lo_z hi_z */
-    int kx, ky, kz;
+    float3 near_o, far_o, inverse;
+    uint near_x, near_y, near_z; /* rows of a node: lo_x hi_x lo_y hi_y lo_z hi_z; far is ^ 1 */
+    int4 flip_x, flip_y, flip_z; /* true in all lanes where the direction is negative */
+    uint kx, ky, kz;
+    float ox, oy, oz; /* origin along kx, ky, kz */
     float sx, sy, sz;
 } ray8;
 
+/* Not an index into memory: a store that a load has to wait for costs more than the choice. */
+static inline float along(float3 v, uint k) {
+    return k == 0 ? v.x : k == 1 ? v.y : v.z;
+}
+
 static inline ray8 ray8_prepare(dev_ray ray, float extent_m) {
     ray8 r;
-    float reach = GREATER(GREATER(fabs(ray.origin[0]), fabs(ray.origin[1])), fabs(ray.origin[2]));
-    float skin = (reach + extent_m) * TRACE_SKIN;
-    for (int k = 0; k < 3; k++) {
-        float d = ray.direction[k];
-        float inward = d < 0.0f ? -skin : skin;
-        r.o[k] = ray.origin[k];
-        r.near_o[k] = ray.origin[k] + inward;
-        r.far_o[k] = ray.origin[k] - inward;
-        r.inverse[k] = safe_inverse(d);
-        r.near_row[k] = 2 * k + (d < 0.0f);
-        r.far_row[k] = 2 * k + !(d < 0.0f);
-    }
-    r.kz = dominant_axis(ray.direction[0], ray.direction[1], ray.direction[2]);
+    float3 o = (float3)(ray.origin[0], ray.origin[1], ray.origin[2]);
+    float3 d = (float3)(ray.direction[0], ray.direction[1], ray.direction[2]);
+    int3 negative = d < 0.0f;
+    float3 skin = (float3)(ray_skin(o.x, o.y, o.z, extent_m));
+    skin = negative ? -skin : skin;
+    r.near_o = o + skin;
+    r.far_o = o - skin;
+    r.inverse = 1.0f / (fabs(d) < 1e-18f ? (negative ? (float3)(-1e-18f) : (float3)(1e-18f)) : d);
+    r.near_x = negative.x ? 1 : 0;
+    r.near_y = negative.y ? 3 : 2;
+    r.near_z = negative.z ? 5 : 4;
+    r.flip_x = (int4)(negative.x);
+    r.flip_y = (int4)(negative.y);
+    r.flip_z = (int4)(negative.z);
+    r.kz = dominant_axis(d.x, d.y, d.z);
     r.kx = r.kz == 2 ? 0 : r.kz + 1;
     r.ky = r.kx == 2 ? 0 : r.kx + 1;
-    r.sz = 1.0f / ray.direction[r.kz];
-    r.sx = ray.direction[r.kx] / ray.direction[r.kz];
-    r.sy = ray.direction[r.ky] / ray.direction[r.kz];
+    r.ox = along(o, r.kx);
+    r.oy = along(o, r.ky);
+    r.oz = along(o, r.kz);
+    r.sz = along(r.inverse, r.kz);
+    r.sx = along(d, r.kx) * r.sz;
+    r.sy = along(d, r.ky) * r.sz;
     return r;
 }
 
@@ -52,85 +64,111 @@ static inline uint lowest_bit(uint bits) {
     return 31 - clz(bits & -bits);
 }
 
+/* Rows are read as vectors through a cast: vload8 may fall apart into narrow loads, and the structs
+ * are made of whole, aligned rows. */
+
 /* Which of a node's boxes the ray enters before T_MAX, and where. */
-static inline uint enter8(__global const float *node, const ray8 *r, float t_max, float8 *entry) {
-    float8 x = SLAB(vload8(r->near_row[0], node), r->near_o[0], r->inverse[0]);
-    float8 y = SLAB(vload8(r->near_row[1], node), r->near_o[1], r->inverse[1]);
-    float8 z = SLAB(vload8(r->near_row[2], node), r->near_o[2], r->inverse[2]);
+static inline uint enter8(__global const float8 *row, const ray8 *r, float t_max, float8 *entry) {
+    float8 x = SLAB(row[r->near_x], r->near_o.x, r->inverse.x);
+    float8 y = SLAB(row[r->near_y], r->near_o.y, r->inverse.y);
+    float8 z = SLAB(row[r->near_z], r->near_o.z, r->inverse.z);
     float8 in = GREATER(GREATER(x, y), GREATER(z, (float8)(0.0f)));
-    x = SLAB(vload8(r->far_row[0], node), r->far_o[0], r->inverse[0]);
-    y = SLAB(vload8(r->far_row[1], node), r->far_o[1], r->inverse[1]);
-    z = SLAB(vload8(r->far_row[2], node), r->far_o[2], r->inverse[2]);
+    x = SLAB(row[r->near_x ^ 1], r->far_o.x, r->inverse.x);
+    y = SLAB(row[r->near_y ^ 1], r->far_o.y, r->inverse.y);
+    z = SLAB(row[r->near_z ^ 1], r->far_o.z, r->inverse.z);
     float8 out = LESSER(LESSER(x, y), LESSER(z, (float8)(t_max)));
     *entry = in;
     return bits8(in <= out);
 }
 
-/* The same for the boxes of a block's triangles; *IN and *OUT bound t. */
-static inline void enter_triangles4(__global const float *v, const ray8 *r, float4 *in,
-                                    float4 *out) {
-    float4 near[3], far[3];
-    for (int k = 0; k < 3; k++) {
-        float4 a = vload4(k, v), b = vload4(3 + k, v), c = vload4(6 + k, v);
-        float4 lo = LESSER(LESSER(a, b), c), hi = GREATER(GREATER(a, b), c);
-        near[k] = SLAB((r->near_row[k] & 1) ? hi : lo, r->near_o[k], r->inverse[k]);
-        far[k] = SLAB((r->near_row[k] & 1) ? lo : hi, r->far_o[k], r->inverse[k]);
-    }
-    *in = GREATER(GREATER(near[0], near[1]), GREATER(near[2], (float4)(0.0f)));
-    *out = LESSER(LESSER(far[0], far[1]), far[2]);
+/* One axis of the boxes of a block's triangles: where the ray enters and leaves. */
+static inline void enter_axis4(float4 a, float4 b, float4 c, int4 flip, float near_o, float far_o,
+                               float inverse, float4 *in, float4 *out) {
+    float4 lo = LESSER(LESSER(a, b), c), hi = GREATER(GREATER(a, b), c);
+    float4 entry = SLAB(flip ? hi : lo, near_o, inverse);
+    float4 leave = SLAB(flip ? lo : hi, far_o, inverse);
+    *in = GREATER(*in, entry);
+    *out = LESSER(*out, leave);
 }
 
 static inline void hit_block(__global const dev_block4 *block, const ray8 *r, dev_hit *best) {
-    __global const float *v = &block->v[0][0];
-    int kx = r->kx, ky = r->ky, kz = r->kz;
-    float ox = r->o[kx], oy = r->o[ky], oz = r->o[kz];
+    __global const float4 *v = (__global const float4 *)block;
+    uint kx = r->kx, ky = r->ky, kz = r->kz;
     float4 t;
     int4 met =
-        intersect_lanes(vload4(kx, v) - ox, vload4(ky, v) - oy, vload4(kz, v) - oz,
-                        vload4(3 + kx, v) - ox, vload4(3 + ky, v) - oy, vload4(3 + kz, v) - oz,
-                        vload4(6 + kx, v) - ox, vload4(6 + ky, v) - oy, vload4(6 + kz, v) - oz,
-                        (float4)(r->sx), (float4)(r->sy), (float4)(r->sz), &t);
-    if (!bits4(met & (t > 0.0f))) {
+        intersect_lanes(v[kx] - r->ox, v[ky] - r->oy, v[kz] - r->oz, v[3 + kx] - r->ox,
+                        v[3 + ky] - r->oy, v[3 + kz] - r->oz, v[6 + kx] - r->ox, v[6 + ky] - r->oy,
+                        v[6 + kz] - r->oz, (float4)(r->sx), (float4)(r->sy), (float4)(r->sz), &t);
+    met &= t > 0.0f;
+    if (!bits4(met)) {
         return;
     }
-    float4 in, out;
-    enter_triangles4(v, r, &in, &out);
-    met &= (t > 0.0f) & (in <= out);
+    float4 in = (float4)(0.0f), out = (float4)(INFINITY);
+    enter_axis4(v[0], v[3], v[6], r->flip_x, r->near_o.x, r->far_o.x, r->inverse.x, &in, &out);
+    enter_axis4(v[1], v[4], v[7], r->flip_y, r->near_o.y, r->far_o.y, r->inverse.y, &in, &out);
+    enter_axis4(v[2], v[5], v[8], r->flip_z, r->near_o.z, r->far_o.z, r->inverse.z, &in, &out);
     t = LESSER(GREATER(t, in), out);
     float lane_t[4];
     vstore4(t, 0, lane_t);
-    for (uint bits = bits4(met & (t <= best->t_m)); bits; bits &= bits - 1) {
-        uint lane = lowest_bit(bits);
-        if (lane_t[lane] < best->t_m ||
-            (lane_t[lane] == best->t_m && block->id[lane] < best->triangle)) {
+    for (uint bits = bits4(met & (in <= out) & (t <= best->t_m)); bits; bits &= bits - 1) {
+        uint lane = lowest_bit(bits), id = block->id[lane];
+        if (lane_t[lane] < best->t_m || (lane_t[lane] == best->t_m && id < best->triangle)) {
             best->t_m = lane_t[lane];
-            best->triangle = block->id[lane];
+            best->triangle = id;
         }
     }
 }
 
-/* Children still to visit, the nearest on top. */
+/* Children still to visit, roughly the nearest on top. */
 typedef struct stack8 {
     uint child[TRACE_STACK];
     float entry[TRACE_STACK];
-    uint top;
 } stack8;
 
-/* Puts the entered children on the stack, the nearest last. */
-static inline void push_sorted(stack8 *s, __global const uint *child, uint bits, float8 entry) {
+/* The nearest of the entered children; the others go on the stack. */
+static inline uint nearest_child(stack8 *s, uint *top, __global const uint *child, uint bits,
+                                 float8 entry) {
     float in[8];
     vstore8(entry, 0, in);
-    uint floor = s->top;
-    for (; bits; bits &= bits - 1) {
-        uint lane = lowest_bit(bits);
-        uint at = s->top++;
-        while (at > floor && s->entry[at - 1] < in[lane]) {
-            s->entry[at] = s->entry[at - 1];
-            s->child[at] = s->child[at - 1];
-            at--;
+    uint lane = lowest_bit(bits), word = child[lane];
+    float nearest = in[lane];
+    for (bits &= bits - 1; bits; bits &= bits - 1) {
+        lane = lowest_bit(bits);
+        float other = in[lane];
+        uint other_word = child[lane];
+        bool swap = other < nearest;
+        s->child[*top] = swap ? word : other_word;
+        s->entry[*top] = swap ? nearest : other;
+        word = swap ? other_word : word;
+        nearest = swap ? other : nearest;
+        ++*top;
+    }
+    return word;
+}
+
+/* The nearest hit below WORD, if it is nearer than *BEST. */
+static inline void walk8(__global const dev_node8 *nodes, __global const dev_block4 *blocks,
+                         const ray8 *r, uint word, dev_hit *best) {
+    stack8 s;
+    uint top = 0;
+    for (;;) {
+        if (word & DEV_LEAF) {
+            hit_block(&blocks[word & ~DEV_LEAF], r, best);
+        } else {
+            float8 entry;
+            uint bits = enter8((__global const float8 *)&nodes[word], r, best->t_m, &entry);
+            if (bits) {
+                word = nearest_child(&s, &top, nodes[word].child, bits, entry);
+                continue;
+            }
         }
-        s->entry[at] = in[lane];
-        s->child[at] = child[lane];
+        do {
+            if (top == 0) {
+                return;
+            }
+            top--;
+        } while (s.entry[top] > best->t_m);
+        word = s.child[top];
     }
 }
 
@@ -139,29 +177,8 @@ static inline dev_hit trace_wide8(__global const dev_node8 *nodes,
                                   float extent_m) {
     dev_hit best = {ray.t_max, ~0u};
     ray8 r = ray8_prepare(ray, extent_m);
-    stack8 s;
-    s.top = 0;
-    uint word = root;
-    for (;;) {
-        if (word & DEV_LEAF) {
-            hit_block(&blocks[word & ~DEV_LEAF], &r, &best);
-        } else {
-            float8 entry;
-            uint bits = enter8(nodes[word].lo_x, &r, best.t_m, &entry);
-            if (bits && !(bits & (bits - 1))) {
-                word = nodes[word].child[lowest_bit(bits)];
-                continue;
-            }
-            push_sorted(&s, nodes[word].child, bits, entry);
-        }
-        do {
-            if (s.top == 0) {
-                return best;
-            }
-            s.top--;
-            word = s.child[s.top];
-        } while (s.entry[s.top] > best.t_m);
-    }
+    walk8(nodes, blocks, &r, root, &best);
+    return best;
 }
 
 #endif
