@@ -18,7 +18,7 @@
  * of the triangle's box, bit for bit: entry(node) <= entry(triangle) <= t. A traversal that skips
  * a node only when entry > best t so far can never skip the nearest hit. Equal t: lowest id wins.
  *
- * Lanes are triangles of a block (one ray) or rays of a packet (one triangle); LANES is 1, 4 or 16.
+ * Lanes are the triangles of a block (one ray) or the rays of a packet (one triangle).
  */
 #ifndef ASDIC_KERNEL_INTERSECT_H
 #define ASDIC_KERNEL_INTERSECT_H
@@ -32,16 +32,6 @@
 /* Half the width that a ray has, relative to the largest coordinate in play: 8 units in the last
  * place, twice what the roundings in shear, box test and 1 / direction add up to. */
 #define TRACE_SKIN 4.76837158e-7f /* 2^-21 */
-
-#define TRACE_JOIN2(a, b) a##b
-#define TRACE_JOIN(a, b) TRACE_JOIN2(a, b)
-#if LANES == 1
-typedef float lanes;
-typedef int lane_mask;
-#else
-typedef TRACE_JOIN(float, LANES) lanes;
-typedef TRACE_JOIN(int, LANES) lane_mask;
-#endif
 
 /* The shear of a device without a fused multiply-add would call a library function for fma(). */
 #if defined(FP_FAST_FMAF) || defined(__FMA__)
@@ -75,31 +65,57 @@ static inline float ray_skin(float x, float y, float z, float extent_m) {
 }
 
 /* Twice the area of (0, p, q). The products must be rounded alike, hence no fused form. */
-static inline lanes edge_function(lanes px, lanes py, lanes qx, lanes qy) {
-    return qx * py - qy * px;
+#define EDGE(px, py, qx, qy) ((qx) * (py) - (qy) * (px))
+
+/* Defines `intersect4` and the like, one text for every number of lanes.
+ *
+ * Corners a, b, c relative to the ray's origin, z being the dominant axis of the direction; shear
+ * (sx, sy) = d_x / d_z, d_y / d_z, sz = 1 / d_z. True where the ray's line meets the triangle
+ * ahead; *T then is the distance along the ray, between those of the corners. */
+#define DEFINE_INTERSECT(name, lanes, lane_mask, any_lane)                                         \
+    static inline lane_mask name(lanes ax, lanes ay, lanes az, lanes bx, lanes by, lanes bz,       \
+                                 lanes cx, lanes cy, lanes cz, lanes sx, lanes sy, lanes sz,       \
+                                 lanes *t) {                                                       \
+        ax = TRACE_FMA(-sx, az, ax);                                                               \
+        ay = TRACE_FMA(-sy, az, ay);                                                               \
+        bx = TRACE_FMA(-sx, bz, bx);                                                               \
+        by = TRACE_FMA(-sy, bz, by);                                                               \
+        cx = TRACE_FMA(-sx, cz, cx);                                                               \
+        cy = TRACE_FMA(-sy, cz, cy);                                                               \
+        lanes u = EDGE(bx, by, cx, cy), v = EDGE(cx, cy, ax, ay), w = EDGE(ax, ay, bx, by);        \
+        lanes area = (u + v) + w;                                                                  \
+        lanes low = LESSER(LESSER(u, v), w), high = GREATER(GREATER(u, v), w);                     \
+        lanes slack = TRACE_TOLERANCE * fabs(area);                                                \
+        lane_mask met = (area != 0.0f) & ((low >= -slack) | (high <= slack));                      \
+        if (!any_lane(met)) {                                                                      \
+            return met;                                                                            \
+        }                                                                                          \
+        *t = (TRACE_FMA(w, cz, TRACE_FMA(v, bz, u * az)) / area) * sz;                             \
+        return met & (*t > 0.0f);                                                                  \
+    }
+
+/* Lanes of a comparison as bits, folded through bytes: any() on wide vectors is slow in PoCL, and
+ * there is no movemask. */
+static inline uint bits4(int4 m) {
+    return ((as_uint(convert_char4(m)) & 0x08040201u) * 0x01010101u) >> 24;
 }
 
-/* Corners a, b, c relative to the ray's origin, z being the dominant axis of the direction; shear
- * (sx, sy) = d_x / d_z, d_y / d_z, sz = 1 / d_z. True where the ray's line meets the triangle;
- * *T then is the distance along the ray, between those of the corners. */
-static inline lane_mask intersect_lanes(lanes ax, lanes ay, lanes az, lanes bx, lanes by, lanes bz,
-                                        lanes cx, lanes cy, lanes cz, lanes sx, lanes sy, lanes sz,
-                                        lanes *t) {
-    ax = TRACE_FMA(-sx, az, ax);
-    ay = TRACE_FMA(-sy, az, ay);
-    bx = TRACE_FMA(-sx, bz, bx);
-    by = TRACE_FMA(-sy, bz, by);
-    cx = TRACE_FMA(-sx, cz, cx);
-    cy = TRACE_FMA(-sy, cz, cy);
-    lanes u = edge_function(bx, by, cx, cy);
-    lanes v = edge_function(cx, cy, ax, ay);
-    lanes w = edge_function(ax, ay, bx, by);
-    lanes area = (u + v) + w;
-    lanes low = LESSER(LESSER(u, v), w);
-    lanes high = GREATER(GREATER(u, v), w);
-    lanes slack = TRACE_TOLERANCE * fabs(area);
-    *t = (TRACE_FMA(w, cz, TRACE_FMA(v, bz, u * az)) / area) * sz;
-    return (area != 0.0f) & ((low >= -slack) | (high <= slack));
+static inline uint bits8(int8 m) {
+    return (uint)(((as_ulong(convert_char8(m)) & 0x8040201008040201ul) * 0x0101010101010101ul) >>
+                  56);
+}
+
+static inline bool any4(int4 m) {
+    return as_uint(convert_char4(m)) != 0;
+}
+
+static inline bool any16(int16 m) {
+    ulong2 folded = as_ulong2(convert_char16(m));
+    return (folded.x | folded.y) != 0;
+}
+
+static inline uint lowest_bit(uint bits) {
+    return 31 - clz(bits & -bits);
 }
 
 #endif

@@ -7,8 +7,6 @@
 #define TRACE_STACK 128
 #endif
 
-#define LANES 4
-
 #include "types.h"
 #include "trace_wide8.h"
 

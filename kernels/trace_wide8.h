@@ -11,7 +11,7 @@
 typedef struct ray8 {
     float3 near_o, far_o, inverse;
     uint near_x, near_y, near_z; /* rows of a node: lo_x hi_x lo_y hi_y lo_z hi_z; far is ^ 1 */
-    int4 flip_x, flip_y, flip_z; /* true in all lanes where the direction is negative */
+    float3 lo_o, hi_o;           /* the same by plane instead of by order */
     uint kx, ky, kz;
     float ox, oy, oz; /* origin along kx, ky, kz */
     float sx, sy, sz;
@@ -28,16 +28,14 @@ static inline ray8 ray8_prepare(dev_ray ray, float extent_m) {
     float3 d = (float3)(ray.direction[0], ray.direction[1], ray.direction[2]);
     int3 negative = d < 0.0f;
     float3 skin = (float3)(ray_skin(o.x, o.y, o.z, extent_m));
-    skin = negative ? -skin : skin;
-    r.near_o = o + skin;
-    r.far_o = o - skin;
+    r.lo_o = o + skin;
+    r.hi_o = o - skin;
+    r.near_o = negative ? r.hi_o : r.lo_o;
+    r.far_o = negative ? r.lo_o : r.hi_o;
     r.inverse = 1.0f / (fabs(d) < 1e-18f ? (negative ? (float3)(-1e-18f) : (float3)(1e-18f)) : d);
     r.near_x = negative.x ? 1 : 0;
     r.near_y = negative.y ? 3 : 2;
     r.near_z = negative.z ? 5 : 4;
-    r.flip_x = (int4)(negative.x);
-    r.flip_y = (int4)(negative.y);
-    r.flip_z = (int4)(negative.z);
     r.kz = dominant_axis(d.x, d.y, d.z);
     r.kx = r.kz == 2 ? 0 : r.kz + 1;
     r.ky = r.kx == 2 ? 0 : r.kx + 1;
@@ -50,19 +48,7 @@ static inline ray8 ray8_prepare(dev_ray ray, float extent_m) {
     return r;
 }
 
-/* Lanes of a comparison as bits; PoCL has no movemask. */
-static inline uint bits8(int8 m) {
-    return (uint)(((as_ulong(convert_char8(m)) & 0x8040201008040201ul) * 0x0101010101010101ul) >>
-                  56);
-}
-
-static inline uint bits4(int4 m) {
-    return ((as_uint(convert_char4(m)) & 0x08040201u) * 0x01010101u) >> 24;
-}
-
-static inline uint lowest_bit(uint bits) {
-    return 31 - clz(bits & -bits);
-}
+DEFINE_INTERSECT(intersect4, float4, int4, any4)
 
 /* Rows are read as vectors through a cast: vload8 may fall apart into narrow loads, and the structs
  * are made of whole, aligned rows. */
@@ -82,13 +68,12 @@ static inline uint enter8(__global const float8 *row, const ray8 *r, float t_max
 }
 
 /* One axis of the boxes of a block's triangles: where the ray enters and leaves. */
-static inline void enter_axis4(float4 a, float4 b, float4 c, int4 flip, float near_o, float far_o,
-                               float inverse, float4 *in, float4 *out) {
-    float4 lo = LESSER(LESSER(a, b), c), hi = GREATER(GREATER(a, b), c);
-    float4 entry = SLAB(flip ? hi : lo, near_o, inverse);
-    float4 leave = SLAB(flip ? lo : hi, far_o, inverse);
-    *in = GREATER(*in, entry);
-    *out = LESSER(*out, leave);
+static inline void enter_axis4(float4 a, float4 b, float4 c, float lo_o, float hi_o, float inverse,
+                               float4 *in, float4 *out) {
+    float4 lo = SLAB(LESSER(LESSER(a, b), c), lo_o, inverse);
+    float4 hi = SLAB(GREATER(GREATER(a, b), c), hi_o, inverse);
+    *in = GREATER(*in, LESSER(lo, hi));
+    *out = LESSER(*out, GREATER(lo, hi));
 }
 
 static inline void hit_block(__global const dev_block4 *block, const ray8 *r, dev_hit *best) {
@@ -96,17 +81,16 @@ static inline void hit_block(__global const dev_block4 *block, const ray8 *r, de
     uint kx = r->kx, ky = r->ky, kz = r->kz;
     float4 t;
     int4 met =
-        intersect_lanes(v[kx] - r->ox, v[ky] - r->oy, v[kz] - r->oz, v[3 + kx] - r->ox,
-                        v[3 + ky] - r->oy, v[3 + kz] - r->oz, v[6 + kx] - r->ox, v[6 + ky] - r->oy,
-                        v[6 + kz] - r->oz, (float4)(r->sx), (float4)(r->sy), (float4)(r->sz), &t);
-    met &= t > 0.0f;
-    if (!bits4(met)) {
+        intersect4(v[kx] - r->ox, v[ky] - r->oy, v[kz] - r->oz, v[3 + kx] - r->ox,
+                   v[3 + ky] - r->oy, v[3 + kz] - r->oz, v[6 + kx] - r->ox, v[6 + ky] - r->oy,
+                   v[6 + kz] - r->oz, (float4)(r->sx), (float4)(r->sy), (float4)(r->sz), &t);
+    if (!any4(met)) {
         return;
     }
     float4 in = (float4)(0.0f), out = (float4)(INFINITY);
-    enter_axis4(v[0], v[3], v[6], r->flip_x, r->near_o.x, r->far_o.x, r->inverse.x, &in, &out);
-    enter_axis4(v[1], v[4], v[7], r->flip_y, r->near_o.y, r->far_o.y, r->inverse.y, &in, &out);
-    enter_axis4(v[2], v[5], v[8], r->flip_z, r->near_o.z, r->far_o.z, r->inverse.z, &in, &out);
+    enter_axis4(v[0], v[3], v[6], r->lo_o.x, r->hi_o.x, r->inverse.x, &in, &out);
+    enter_axis4(v[1], v[4], v[7], r->lo_o.y, r->hi_o.y, r->inverse.y, &in, &out);
+    enter_axis4(v[2], v[5], v[8], r->lo_o.z, r->hi_o.z, r->inverse.z, &in, &out);
     t = LESSER(GREATER(t, in), out);
     float lane_t[4];
     vstore4(t, 0, lane_t);

@@ -43,7 +43,7 @@ asdic_status asdic_bvh_build(asdic_context *ctx, const dev_triangle *triangles, 
     }
     asdic_status status;
     asdic_bvh_item *items = malloc(count * sizeof *items);
-    asdic_bvh_node2 *nodes = malloc((2 * count - 1) * sizeof *nodes);
+    asdic_bvh_node2 *nodes = calloc(2 * count - 1, sizeof *nodes);
     if (!items || !nodes) {
         status = asdic_fail(ctx, ASDIC_ERROR_MEMORY,
                             "out of memory while building a hierarchy of %zu triangles", count);
@@ -54,7 +54,7 @@ asdic_status asdic_bvh_build(asdic_context *ctx, const dev_triangle *triangles, 
     }
     status = asdic_bvh_split(ctx, items, count, threads, nodes);
     if (status == ASDIC_OK) {
-        status = asdic_bvh_pack(ctx, nodes, items, triangles, out);
+        status = asdic_bvh_pack(ctx, nodes, items, triangles, count, out);
     }
     if (status == ASDIC_OK) {
         out->extent_m = largest_coordinate(&nodes[0]);

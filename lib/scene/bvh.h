@@ -27,7 +27,8 @@ typedef struct asdic_bvh_node2 {
 /* Below this depth the heuristic gives way to halving, which ends within 32 more levels. */
 #define ASDIC_BVH_HEURISTIC_DEPTH 40
 
-/* Fills NODES (2 * count - 1 entries, the root first; unused entries in between stay untouched)
+/* Fills NODES (2 * count - 1 zeroed entries, the root first; those in between that no node needs
+ * stay zero, children come after their parents)
  * and sorts ITEMS into leaf order, with THREADS threads; the result does not depend on THREADS. */
 asdic_status asdic_bvh_split(asdic_context *ctx, asdic_bvh_item *items, size_t count,
                              unsigned threads, asdic_bvh_node2 *nodes);
@@ -35,6 +36,6 @@ asdic_status asdic_bvh_split(asdic_context *ctx, asdic_bvh_item *items, size_t c
 /* Turns the binary tree into OUT's nodes and blocks, which it allocates. */
 asdic_status asdic_bvh_pack(asdic_context *ctx, const asdic_bvh_node2 *nodes,
                             const asdic_bvh_item *items, const dev_triangle *triangles,
-                            asdic_bvh *out);
+                            size_t count, asdic_bvh *out);
 
 #endif
