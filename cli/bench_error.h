@@ -29,6 +29,7 @@ typedef struct bench_scene {
     asdic_pose pose;
     size_t beams, bins, first_bin, far_bin; /* bins counted, and where their last third begins */
     double *reference_lin;                  /* [beam * bins + bin] */
+    bool exact;                             /* quadrature, else the mean of pings */
     double spread_db;                       /* RMS standard error of the reference */
 } bench_scene;
 

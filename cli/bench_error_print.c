@@ -34,7 +34,11 @@ void bench_error_print(const bench_result *r, bool first) {
     printf("%s%s: %zu beam%s, %zu bins of %g m, from %g m; ", first ? "" : "\n", s->name, s->beams,
            s->beams == 1 ? "" : "s", s->bins, s->sonar.bin_length_m,
            (double)s->first_bin * s->sonar.bin_length_m);
-    printf("truth: mean of pings, good to %.2g dB\n", s->spread_db);
+    if (s->exact) {
+        printf("truth: quadrature\n");
+    } else {
+        printf("truth: mean of pings, good to %.2g dB\n", s->spread_db);
+    }
     printf("  %-14s %8s %6s  %8s %8s %8s  %11s  %10s %7s\n", "sampler", "rays", "pings", "RMS dB",
            "far dB", "max dB", "true/stated", "ms/ping", "learn %");
     for (size_t k = 0; k < BENCH_SAMPLERS; k++) {
@@ -88,6 +92,7 @@ void bench_error_json(const bench_result *results, size_t count, const asdic_dev
         json_text(&j, "scene", s->name);
         json_integer(&j, "beams", s->beams);
         json_integer(&j, "bins", s->bins);
+        json_text(&j, "reference", s->exact ? "quadrature" : "mean of pings");
         json_number(&j, "reference_spread_db", s->spread_db);
         json_open(&j, "curves", '[');
         for (size_t k = 0; k < BENCH_SAMPLERS; k++) {

@@ -18,6 +18,28 @@ static void take_name(const char *path, char *out, size_t size) {
     }
 }
 
+/* Whether quadrature knows this scene: planes only, nothing that a mirror or a mesh changes. */
+static bool is_flat(const asdic_mission *mission) {
+    return asdic_mission_object_count(mission) == 0;
+}
+
+static asdic_status take_quadrature(cli *c, bench_scene *s) {
+    asdic_flat_scene flat = asdic_mission_flat_scene(s->mission, 0);
+    asdic_ping *ping = NULL;
+    asdic_status status = asdic_ping_create(cli_context(c), s->beams, s->bins, &ping);
+    if (!status) {
+        status =
+            asdic_expected_compute(cli_context(c), &flat, asdic_mission_environment(s->mission),
+                                   &s->sonar, &s->pose, ping);
+    }
+    if (!status) {
+        memcpy(s->reference_lin, ping->intensity_lin[ASDIC_TOTAL],
+               s->beams * s->bins * sizeof(double));
+    }
+    asdic_ping_destroy(&ping);
+    return status;
+}
+
 /* Mean and spread of the mean, from sums over COUNT pings; the spread as dB, RMS over what is
  * counted. */
 static double finish_mean(bench_scene *s, const double *squares, size_t count) {
@@ -102,7 +124,8 @@ asdic_status bench_scene_open(cli *c, asdic_device *device, const char *path,
     if (!out->reference_lin) {
         return ASDIC_ERROR_MEMORY;
     }
-    return take_mean(c, device, effort, out);
+    out->exact = is_flat(out->mission);
+    return out->exact ? take_quadrature(c, out) : take_mean(c, device, effort, out);
 }
 
 void bench_scene_finish(bench_scene *scene) {

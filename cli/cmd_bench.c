@@ -35,8 +35,9 @@ const cli_command cli_bench_command = {
     .summary = "measure speed against error",
     .details =
         "error: how far pings are from the truth, and what they cost, for every sampler over many "
-        "numbers of rays. Noise and speckle are off. The truth is the mean of many pings with "
-        "many rays, whose own spread is printed. Without a scene the four benchmark scenes are "
+        "numbers of rays. Noise and speckle are off. The truth is the quadrature of `asdic expect` "
+        "where the scene is flat, else the mean of many pings with many rays, whose own spread is "
+        "printed. Without a scene the four benchmark scenes are "
         "taken. The factor compares the "
         "rays and the time that an error of 1 dB takes with the paper's uniform sphere.\n\n"
         "Timings are medians on this machine as it is: close other programs.",
