@@ -23,6 +23,16 @@
 #pragma OPENCL EXTENSION cl_khr_int64_base_atomics : enable
 #endif
 
+/* Water is deposited where rays end, yet a ray crosses every bin before its last: turns "rays that
+ * end in bin n" into "rays that cross bin n" in one column of a group's water. */
+static inline void deposit_sum_crossings(__global long *water, uint bins, uint columns) {
+    long sum = 0;
+    for (uint bin = bins; bin-- > 0u;) {
+        sum += water[(size_t)(bin)*columns];
+        water[(size_t)(bin)*columns] = sum;
+    }
+}
+
 static inline void deposit_add(__global long *cell, long quanta) {
 #if ASDIC_DEPOSIT == DEPOSIT_OWNED
     *cell += quanta;

@@ -23,6 +23,11 @@ typedef struct world {
     __global const dev_material *materials;
 } world;
 
+/* The apertures that follow a ping in its buffer. */
+static __global const dev_beam *beams_of(__global const dev_ping *ping) {
+    return (__global const dev_beam *)(ping + 1);
+}
+
 /* What ASDIC_WIDTH rays met: nearest of mesh, bottom plane and surface. */
 typedef struct meeting {
     real range;      /* m along the ray; INFINITY where nothing was met within its length */

@@ -13,8 +13,8 @@ static float fan_pattern(float length_wl, float m, float psi, float rear) {
 }
 
 /* fan_table: P, one work-item per (level, cell, beam); STRIDE beams a row, padded with zeros. */
-__kernel void fan_table(__global const dev_ping *ping, __global const dev_beam *beams,
-                        __global float *table, uint stride) {
+__kernel void fan_table(__global const dev_ping *ping, __global float *table, uint stride) {
+    __global const dev_beam *beams = beams_of(ping);
     uint id = (uint)(get_global_id(0));
     uint beam = id % stride, column = id / stride;
     if (column >= ping->columns) {
@@ -36,9 +36,9 @@ __kernel void fan_table(__global const dev_ping *ping, __global const dev_beam *
     table[id] = value;
 }
 
-/* fan_rows: quanta to floats; FILLED tells whether a level of a (component, bin) holds anything. One
- * work-item per (component, bin, level). */
-__kernel void fan_rows(__global const dev_ping *ping, __global const long *accumulator,
+/* fan_rows: quanta to floats; FILLED tells whether a level of a (component, bin) holds anything. Clears
+ * what it read, for the next ping. One work-item per (component, bin, level). */
+__kernel void fan_rows(__global const dev_ping *ping, __global long *accumulator,
                        __global float *rows, __global uint *filled) {
     uint id = (uint)(get_global_id(0));
     if (id >= DEV_DEPOSIT_COUNT * ping->bins * DEV_FAN_LEVELS) {
@@ -49,6 +49,7 @@ __kernel void fan_rows(__global const dev_ping *ping, __global const long *accum
     for (uint k = 0; k < ping->fan_cells; k++) {
         long quanta = accumulator[first + k];
         any |= (uint)(quanta != 0);
+        accumulator[first + k] = 0;
         rows[first + k] = convert_float(quanta);
     }
     filled[id] = any;
@@ -63,15 +64,20 @@ __kernel void fan_rows(__global const dev_ping *ping, __global const long *accum
 #define MULTIPLY_ADD(a, b, c) ((a) * (b) + (c))
 #endif
 
-/* fan_project: one work-item per (block of rows, tile of beams); a row is a (component, bin). */
+/* fan_project: one work-item per (block of rows, tile of beams); a row is a (component, bin). RESULTS
+ * begins as in reduce.cl. */
 __kernel void fan_project(__global const dev_ping *ping, __global const float *rows,
                           __global const uint *filled, __global const float *table,
-                          __global long *sums, uint stride) {
+                          __global uint *saturated, __global long *results, uint stride) {
     /* Neighbouring work-items share a tile: its part of the table stays in the cache. */
     uint count = DEV_DEPOSIT_COUNT * ping->bins, blocks = (count + BLOCK - 1u) / BLOCK;
     uint id = (uint)(get_global_id(0)), tile = id / blocks, first = id % blocks * BLOCK;
     if (tile * TILE >= stride) {
         return;
+    }
+    if (id == 0u) {
+        results[(size_t)(count)*ping->beams] = (long)(*saturated);
+        *saturated = 0u;
     }
     uint have = min((uint)(BLOCK), count - first);
     float16 sum[BLOCK];
@@ -103,7 +109,7 @@ __kernel void fan_project(__global const dev_ping *ping, __global const float *r
     for (uint r = 0; r < have; r++) {
         for (uint b = 0; b < TILE && tile * TILE + b < ping->beams; b++) {
             float value = ((float *)&sum[r])[b];
-            sums[(size_t)(first + r) * ping->beams + tile * TILE + b] =
+            results[(size_t)(first + r) * ping->beams + tile * TILE + b] =
                 convert_long_rte(max(value, 0.0f));
         }
     }

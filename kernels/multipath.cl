@@ -65,7 +65,7 @@ static void store_rays(__global dev_ray *rays, uint slot, directions from, direc
  * reflect: the mirror ray of every ray that met a mirror; t_max 0 where there is none. MIRRORS
  * takes (share mu, d1) of each slot.
  */
-__kernel void reflect(__global const dev_ping *ping, __global const dev_beam *beams,
+__kernel void reflect(__global const dev_ping *ping,
                       __global const dev_ray *rays, __global const dev_hit *hits,
                       __global const dev_triangle *triangles, __global const dev_part *parts,
                       __global const dev_material *materials, __global dev_ray *bounced,
@@ -74,7 +74,7 @@ __kernel void reflect(__global const dev_ping *ping, __global const dev_beam *be
     if (slot >= ping->groups * ping->per_group) {
         return;
     }
-    world w = {ping, beams, triangles, parts, materials};
+    world w = {ping, beams_of(ping), triangles, parts, materials};
     directions u = load_directions(rays, slot), from = load_origins(rays, slot);
     real reach = (real)(ping->range_m);
     meeting m = meet(&w, hits, slot, u.z, R(0.0), reach);
@@ -122,7 +122,7 @@ static meeting meet_bounced(const world *w, __global const dev_ray *bounced,
  * connect: from every X back to the sonar, to learn whether it is visible. The ray starts off X on
  * the side the mirror ray came from and ends just short of the sonar.
  */
-__kernel void connect(__global const dev_ping *ping, __global const dev_beam *beams,
+__kernel void connect(__global const dev_ping *ping,
                       __global const dev_ray *bounced, __global const dev_hit *hits,
                       __global const dev_triangle *triangles, __global const dev_part *parts,
                       __global const dev_material *materials, __global dev_ray *returning) {
@@ -130,7 +130,7 @@ __kernel void connect(__global const dev_ping *ping, __global const dev_beam *be
     if (slot >= ping->groups * ping->per_group) {
         return;
     }
-    world w = {ping, beams, triangles, parts, materials};
+    world w = {ping, beams_of(ping), triangles, parts, materials};
     directions u = load_directions(bounced, slot), from = load_origins(bounced, slot);
     meeting m = meet_bounced(&w, bounced, hits, slot, u, from);
     mask met = m.kind != DEV_KIND_NONE;
@@ -220,7 +220,7 @@ static uint shade_bounces(const world *w, const bounce_store *store, __global lo
 }
 
 /* bounce: deposits both kinds of echo; ITEMS as in shade. */
-__kernel void bounce(__global const dev_ping *ping, __global const dev_beam *beams,
+__kernel void bounce(__global const dev_ping *ping,
                      __global const dev_ray *rays, __global const float *solid_angles,
                      __global const dev_ray *bounced, __global const dev_hit *bounced_hits,
                      __global const dev_ray *returning, __global const dev_hit *returning_hits,
@@ -232,7 +232,7 @@ __kernel void bounce(__global const dev_ping *ping, __global const dev_beam *bea
         return;
     }
     uint item = (uint)(get_global_id(0)) - group * items;
-    world w = {ping, beams, triangles, parts, materials};
+    world w = {ping, beams_of(ping), triangles, parts, materials};
     bounce_store store = {rays,           bounced,      returning, bounced_hits,
                           returning_hits, solid_angles, mirrors};
     size_t plane = (size_t)(ping->bins) * ping->columns;

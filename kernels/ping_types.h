@@ -50,6 +50,8 @@ typedef struct dev_lobe {
     float pad[2];
 } dev_lobe;
 
+/* In the buffer that kernels get, the apertures follow: the transmitter, then the receivers. One
+ * transfer carries them all. */
 typedef struct dev_ping {
     float origin[3];           /* of the sonar in the scene frame */
     float surface_m;           /* sonar below the surface; INFINITY: no surface */
@@ -69,6 +71,7 @@ typedef struct dev_ping {
     float fan_begin_rad, fan_cells_per_rad;
     float fan_rows[9]; /* world to fan: x ahead, y to starboard, z the faces' common axis */
     dev_uint seed[2], ping[2];
+    dev_uint last_batch;    /* 1: no batch follows */
     dev_uint lattice_shift; /* c1 */
     float lattice_offset;   /* c0 */
     float front[3];         /* transmitter axis, world */
@@ -78,7 +81,7 @@ typedef struct dev_ping {
     float zone_share[5];   /* nadir cap, bottom, gap, surface, zenith cap; sum 1 */
     float deposit_scale[DEV_DEPOSIT_COUNT];  /* powers of two */
     float deposit_limit;                     /* largest single deposit, in quanta */
-    float splat;                             /* 0: none, 1: spread echoes over their footprint */
+    dev_lobe lobe[DEV_MAX_LOBES];
 } dev_ping;
 
 #endif

@@ -39,8 +39,7 @@ static elevation learnt_elevation(__global const dev_ping *ping, __global const 
     return e;
 }
 
-__kernel void sample(__global const dev_ping *ping, __global const dev_lobe *lobes,
-                     __global const float *cumulative, __global dev_ray *rays,
+__kernel void sample(__global const dev_ping *ping, __global const float *cumulative, __global dev_ray *rays,
                      __global float *solid_angles, __global float *splats) {
     uint first = (uint)(get_global_id(0)) * ASDIC_WIDTH;
     if (first >= ping->groups * ping->per_group) {
@@ -53,6 +52,7 @@ __kernel void sample(__global const dev_ping *ping, __global const dev_lobe *lob
         uint k = ping->batch_first + first + lane - group * ping->per_group;
         ((uint *)&index)[lane] = k * ping->groups + group;
     }
+    __global const dev_lobe *lobes = ping->lobe;
     real count = (real)((float)(ping->rays));
     ray_sample s;
     if (ping->sampler == DEV_SAMPLER_ADAPTIVE) {

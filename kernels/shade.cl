@@ -103,7 +103,7 @@ static uint shade_rays(const world *w, const ray_store *store, __global const fl
  * ITEMS work-items share a group: 1 when each owns its group's cells (DEPOSIT_OWNED), else as many
  * as there are vectors in a group.
  */
-__kernel void shade(__global const dev_ping *ping, __global const dev_beam *beams,
+__kernel void shade(__global const dev_ping *ping,
                     __global const dev_ray *rays, __global const float *solid_angles,
                     __global const float *splats, __global const dev_hit *hits,
                     __global const dev_triangle *triangles, __global const dev_part *parts,
@@ -114,7 +114,7 @@ __kernel void shade(__global const dev_ping *ping, __global const dev_beam *beam
         return;
     }
     uint item = (uint)(get_global_id(0)) - group * items;
-    world w = {ping, beams, triangles, parts, materials};
+    world w = {ping, beams_of(ping), triangles, parts, materials};
     ray_store store = {rays, solid_angles, splats, hits};
     size_t plane = (size_t)(ping->bins) * ping->columns;
     __global long *cells = accumulator + group * (size_t)(DEV_DEPOSIT_COUNT)*plane;
@@ -122,6 +122,12 @@ __kernel void shade(__global const dev_ping *ping, __global const dev_beam *beam
     for (uint k = item * ASDIC_WIDTH; k < ping->per_group; k += items * ASDIC_WIDTH) {
         cut += shade_rays(&w, &store, volume_inverse, cells, group * ping->per_group + k);
     }
+#if ASDIC_DEPOSIT == DEPOSIT_OWNED
+    for (uint column = 0; ping->last_batch != 0u && column < ping->columns; column++) {
+        deposit_sum_crossings(cells + DEV_DEPOSIT_VOLUME * plane + column, ping->bins,
+                              ping->columns);
+    }
+#endif
     if (cut != 0u) {
         atomic_add(saturated, cut);
     }

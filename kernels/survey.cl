@@ -7,7 +7,7 @@
 /* Writes for every slot the sampling coordinate x of its elevation, the bin of its echo
  * (0xffffffff: none) and its energy, relative to the bin's TL d^2, in PICKED receivers spread over
  * all of them. */
-__kernel void survey(__global const dev_ping *ping, __global const dev_beam *beams,
+__kernel void survey(__global const dev_ping *ping,
                      __global const dev_ray *rays, __global const float *solid_angles,
                      __global const dev_hit *hits, __global const dev_triangle *triangles,
                      __global const dev_part *parts, __global const dev_material *materials,
@@ -17,7 +17,7 @@ __kernel void survey(__global const dev_ping *ping, __global const dev_beam *bea
     if (slot >= ping->groups * ping->per_group) {
         return;
     }
-    world w = {ping, beams, triangles, parts, materials};
+    world w = {ping, beams_of(ping), triangles, parts, materials};
     real ux, uy, uz, weight;
     LANES {
         AT(ux, float) = rays[slot + lane].direction[0];
@@ -32,7 +32,7 @@ __kernel void survey(__global const dev_ping *ping, __global const dev_beam *bea
     real sin_grazing = grazing(&m, ux, uy, uz);
     law_lanes laws = laws_met(&w, &m);
     weight *= strength(&w, &laws, sin_grazing, m.range) / sin_grazing;
-    weight *= gain_towards(ping, beams, ux, uy, uz);
+    weight *= gain_towards(ping, w.beams, ux, uy, uz);
     mask met = (m.kind != DEV_KIND_NONE) & (m.range >= (real)(ping->blanking_m));
     weight = choose(met, weight, R(0.0));
     natural bin = to_natural(r_min(m.range, (real)(ping->range_m)) / (real)(ping->bin_m));
@@ -43,7 +43,7 @@ __kernel void survey(__global const dev_ping *ping, __global const dev_beam *bea
     }
     for (uint p = 0; p < picked; p++) {
         uint beam = picked == ping->beams ? p : p * (ping->beams - 1u) / (picked - 1u);
-        real energy = weight * gain_towards(ping, beams + 1u + beam, ux, uy, uz);
+        real energy = weight * gain_towards(ping, w.beams + 1u + beam, ux, uy, uz);
         LANES {
             energies[(slot + lane) * picked + p] = AT(energy, float);
         }

@@ -118,16 +118,16 @@ void asdic_beam_fan_describe(const asdic_beam_fan *fan, const dev_beam *beams, d
 }
 
 asdic_status asdic_beam_fan_project(asdic_beam_fan *fan, const dev_ping *ping,
-                                    asdic_buffer *ping_buffer, asdic_buffer *beam_buffer,
-                                    asdic_buffer *accumulator, asdic_buffer *sums) {
+                                    asdic_buffer *ping_buffer, asdic_buffer *accumulator,
+                                    asdic_buffer *saturated, asdic_buffer *results) {
     asdic_status status = ASDIC_OK;
     dev_uint stride = fan->stride;
     size_t rows = DEV_DEPOSIT_COUNT * (size_t)ping->bins;
     /* The table depends on how the fan is built and on the wavelength, not on the pose. */
     if (fan->table_wavelength_m != (double)ping->wavelength_m) {
-        asdic_kernel_arg args[] = {ASDIC_ARG_BUFFER(ping_buffer), ASDIC_ARG_BUFFER(beam_buffer),
-                                   ASDIC_ARG_BUFFER(fan->table), ASDIC_ARG_VALUE(stride)};
-        status = asdic_kernel_run(fan->make_table, args, 4, (size_t)ping->columns * stride, 64);
+        asdic_kernel_arg args[] = {ASDIC_ARG_BUFFER(ping_buffer), ASDIC_ARG_BUFFER(fan->table),
+                                   ASDIC_ARG_VALUE(stride)};
+        status = asdic_kernel_run(fan->make_table, args, 3, (size_t)ping->columns * stride, 64);
         fan->table_wavelength_m = ping->wavelength_m;
     }
     if (!status) {
@@ -139,8 +139,9 @@ asdic_status asdic_beam_fan_project(asdic_beam_fan *fan, const dev_ping *ping,
         size_t blocks = (rows + BLOCK - 1) / BLOCK;
         asdic_kernel_arg args[] = {ASDIC_ARG_BUFFER(ping_buffer), ASDIC_ARG_BUFFER(fan->rows),
                                    ASDIC_ARG_BUFFER(fan->filled), ASDIC_ARG_BUFFER(fan->table),
-                                   ASDIC_ARG_BUFFER(sums),        ASDIC_ARG_VALUE(stride)};
-        status = asdic_kernel_run(fan->project, args, 6, blocks * (stride / TILE), 16);
+                                   ASDIC_ARG_BUFFER(saturated),   ASDIC_ARG_BUFFER(results),
+                                   ASDIC_ARG_VALUE(stride)};
+        status = asdic_kernel_run(fan->project, args, 7, blocks * (stride / TILE), 16);
     }
     return status;
 }

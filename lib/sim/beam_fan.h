@@ -30,9 +30,10 @@ void asdic_beam_fan_finish(asdic_beam_fan *fan);
 /* The fan's frame and cells of a ping whose beams (transmitter first) are aimed. */
 void asdic_beam_fan_describe(const asdic_beam_fan *fan, const dev_beam *beams, dev_ping *ping);
 
-/* Enqueues cells to beams: ACCUMULATOR to SUMS [component][bin][beam]. */
+/* Enqueues cells to beams: ACCUMULATOR, which is cleared, to RESULTS as in reduce.cl, but without
+ * spreads. */
 asdic_status asdic_beam_fan_project(asdic_beam_fan *fan, const dev_ping *ping,
-                                    asdic_buffer *ping_buffer, asdic_buffer *beam_buffer,
-                                    asdic_buffer *accumulator, asdic_buffer *sums);
+                                    asdic_buffer *ping_buffer, asdic_buffer *accumulator,
+                                    asdic_buffer *saturated, asdic_buffer *results);
 
 #endif

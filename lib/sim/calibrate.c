@@ -63,7 +63,8 @@ asdic_status asdic_simulator_calibrate(asdic_simulator *sim, const asdic_pose *p
     for (uint32_t k = 0; !status && k < 2; k++) {
         status = asdic_ping_create(sim->ctx, beams, sim->bins, &pings[k]);
         if (!status) {
-            status = asdic_simulator_simulate(sim, pose, index, k + 1, pings[k]);
+            status =
+                asdic_simulator_simulate(sim, pose, index, ASDIC_STREAM_CALIBRATION + k, pings[k]);
         }
         for (size_t cell = 0; !status && cell < sim->cells; cell++) {
             double spread = asdic_simulator_spread(sim, cell);

@@ -38,8 +38,9 @@ void asdic_deposit_scales(const dev_material *materials, size_t count, dev_ping 
     for (size_t i = 0; i < count; i++) {
         solid = fmax(solid, loudest(&materials[i], ping));
     }
-    /* All directions at full gain, on the loudest thing there is. The relative loss inside a bin,
-     * (d_n / d)^2 <= 4, is covered by one factor of 4. */
+    /* All directions at full gain, on the loudest thing there is. One factor of 4 covers the relative
+     * loss inside a bin, (d_n / d)^2 <= 4; one of 2 the wavelength at another depth, on which a
+     * facet's peak depends by its square. */
     double bound[DEV_DEPOSIT_COUNT];
     bound[DEV_DEPOSIT_BOTTOM] = solid;
     bound[DEV_DEPOSIT_OBJECT] = solid;
@@ -47,7 +48,7 @@ void asdic_deposit_scales(const dev_material *materials, size_t count, dev_ping 
     bound[DEV_DEPOSIT_SURFACE] = loudest(NULL, ping);
     bound[DEV_DEPOSIT_VOLUME] = 1.0;
     for (int c = 0; c < DEV_DEPOSIT_COUNT; c++) {
-        double sum = 4.0 * 4.0 * 3.14159265358979323846 * bound[c];
+        double sum = 2.0 * 4.0 * 4.0 * 3.14159265358979323846 * bound[c];
         ping->deposit_scale[c] = (float)exp2(floor(61.0 - log2(sum)));
     }
     /* Each ray makes at most four deposits in one component. */

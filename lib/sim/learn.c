@@ -32,7 +32,8 @@ static void survey_finish(survey *s) {
 }
 
 /* Draws, traces and surveys the pilot rays; blocks. */
-static asdic_status survey_run(asdic_simulator *sim, const dev_ping *ping, survey *s) {
+static asdic_status survey_run(asdic_simulator *sim, survey *s) {
+    const dev_ping *ping = sim->ping;
     s->slots = (size_t)ping->groups * ping->per_group;
     s->picked = ping->beams < PICKED_MOST ? ping->beams : PICKED_MOST;
     size_t energies = s->slots * s->picked * sizeof(float);
@@ -47,11 +48,10 @@ static asdic_status survey_run(asdic_simulator *sim, const dev_ping *ping, surve
     if (status ||
         (status = asdic_buffer_create(sim->device, s->slots * sizeof(uint32_t), NULL, &bins)) ||
         (status = asdic_buffer_create(sim->device, energies, NULL, &energy)) ||
-        (status = asdic_simulator_draw(sim, ping))) {
+        (status = asdic_simulator_draw(sim))) {
         goto done;
     }
     asdic_kernel_arg args[] = {ASDIC_ARG_BUFFER(sim->ping_buffer),
-                               ASDIC_ARG_BUFFER(sim->beam_buffer),
                                ASDIC_ARG_BUFFER(sim->rays),
                                ASDIC_ARG_BUFFER(sim->solid_angles),
                                ASDIC_ARG_BUFFER(sim->hits),
@@ -131,22 +131,19 @@ asdic_status asdic_simulator_learn(asdic_simulator *sim, const asdic_pose *pose,
         return ASDIC_OK;
     }
     asdic_simulator_forget(sim);
-    dev_ping ping;
-    asdic_status status = asdic_simulator_describe(sim, pose, index, 0, &ping);
-    if (status) {
-        return status;
-    }
-    if (ping.rays > ASDIC_PILOT_RAYS) { /* one batch holds that many, see simulator.c */
-        ping.rays = ASDIC_PILOT_RAYS;
+    asdic_simulator_describe(sim, pose, index, ASDIC_STREAM_PILOT);
+    if (sim->ping->rays > ASDIC_PILOT_RAYS) { /* one batch holds that many, see simulator.c */
+        sim->ping->rays = ASDIC_PILOT_RAYS;
     }
     survey s = {0};
     double q[DEV_TABLE_CELLS] = {0};
-    status = survey_run(sim, &ping, &s);
+    asdic_status status = survey_run(sim, &s);
     if (!status) {
         status = demand(sim, &s, q);
     }
     if (!status) {
         tabulate(q, sim->table);
+        sim->table_uploaded = false;
     }
     survey_finish(&s);
     return status ? status : asdic_simulator_calibrate(sim, pose, index);

@@ -70,6 +70,15 @@ static asdic_status create_kernels(asdic_simulator *sim) {
     return asdic_beam_fan_init(&sim->fan, sim->device, options, sim->bins);
 }
 
+static size_t ping_bytes(const asdic_simulator *sim) {
+    return sizeof(dev_ping) + (sim->sonar.receiver_count + 1) * sizeof(dev_beam);
+}
+
+/* Sums, one word of cut deposits, spreads. */
+static size_t results_bytes(const asdic_simulator *sim) {
+    return (DEV_DEPOSIT_COUNT * sim->cells + 1) * sizeof(int64_t) + sim->cells * sizeof(float);
+}
+
 static asdic_status create_buffers(asdic_simulator *sim) {
     size_t slots = sim->groups * sim->per_group, beams = sim->sonar.receiver_count;
     size_t bounce_slots = sim->has_mirrors ? slots : 0;
@@ -79,9 +88,7 @@ static asdic_status create_buffers(asdic_simulator *sim) {
         size_t bytes;
         asdic_buffer **buffer;
     } wanted[] = {
-        {sizeof(dev_ping), &sim->ping_buffer},
-        {(beams + 1) * sizeof(dev_beam), &sim->beam_buffer},
-        {DEV_MAX_LOBES * sizeof(dev_lobe), &sim->lobe_buffer},
+        {ping_bytes(sim), &sim->ping_buffer},
         {(DEV_TABLE_CELLS + 1) * sizeof(float), &sim->table_buffer},
         {slots * sizeof(dev_ray), &sim->rays},
         {slots * sizeof(float), &sim->solid_angles},
@@ -96,8 +103,7 @@ static asdic_status create_buffers(asdic_simulator *sim) {
         {sim->bins * sizeof(float), &sim->volume_inverse},
         {sim->bins * sizeof(float), &sim->volume_ratio},
         {accumulator, &sim->accumulator},
-        {DEV_DEPOSIT_COUNT * sim->cells * sizeof(int64_t), &sim->sums},
-        {4 * sim->cells * sizeof(float), &sim->spreads},
+        {results_bytes(sim), &sim->results},
         {sizeof(uint32_t), &sim->saturated},
     };
     for (size_t i = 0; i < sizeof wanted / sizeof *wanted; i++) {
@@ -201,14 +207,15 @@ static asdic_status check_arguments(asdic_context *ctx, const asdic_scene *scene
 static asdic_status allocate_host(asdic_simulator *sim) {
     size_t beams = sim->sonar.receiver_count;
     sim->receivers = malloc(beams * sizeof *sim->receivers);
-    sim->host_beams = calloc(beams + 1, sizeof *sim->host_beams);
+    sim->ping = calloc(1, ping_bytes(sim));
     sim->bin_table = calloc(2 * sim->bins, sizeof *sim->bin_table);
-    sim->host_sums = malloc(DEV_DEPOSIT_COUNT * sim->cells * sizeof *sim->host_sums);
-    sim->host_spreads = malloc(4 * sim->cells * sizeof *sim->host_spreads);
+    sim->bin_loss = calloc(sim->bins, sizeof *sim->bin_loss);
+    sim->bin_volume = calloc(sim->bins, sizeof *sim->bin_volume);
+    sim->host_results = malloc(results_bytes(sim));
     sim->calibration = malloc(sim->cells * sizeof *sim->calibration);
     sim->smear_scratch = malloc((2 * sim->bins + 1) * sizeof *sim->smear_scratch);
-    if (!sim->smear_scratch || !sim->receivers || !sim->calibration || !sim->host_beams ||
-        !sim->bin_table || !sim->host_sums || !sim->host_spreads) {
+    if (!sim->smear_scratch || !sim->receivers || !sim->calibration || !sim->ping ||
+        !sim->bin_table || !sim->bin_loss || !sim->bin_volume || !sim->host_results) {
         return asdic_fail_memory(sim->ctx, "a simulator");
     }
     memcpy(sim->receivers, sim->sonar.receivers, beams * sizeof *sim->receivers);
@@ -239,7 +246,8 @@ asdic_status asdic_simulator_create_with(asdic_context *ctx, asdic_device *devic
                              .env = *env,
                              .sonar = *sonar,
                              .sampling = *sampling,
-                             .layout = *layout};
+                             .layout = *layout,
+                             .tabulated_absorption = -1.0};
     asdic_water_column water = asdic_water_column_at(env, sonar, depth_m);
     sim->bins = asdic_sonar_bin_count(sonar, water.sound_speed_mps);
     sim->cells = sim->bins * sonar->receiver_count;
@@ -270,6 +278,7 @@ asdic_status asdic_simulator_create_with(asdic_context *ctx, asdic_device *devic
     if ((status = create_kernels(sim)) != ASDIC_OK || (status = create_buffers(sim)) != ASDIC_OK) {
         goto fail;
     }
+    asdic_simulator_prepare(sim, &water);
     asdic_simulator_forget(sim);
     *out = sim;
     return ASDIC_OK;
@@ -297,12 +306,11 @@ void asdic_simulator_destroy(asdic_simulator **pointer) {
     }
     asdic_simulator *sim = *pointer;
     asdic_buffer **buffers[] = {
-        &sim->ping_buffer, &sim->beam_buffer,  &sim->lobe_buffer,  &sim->table_buffer,
-        &sim->rays,        &sim->solid_angles, &sim->splats,       &sim->hits,
-        &sim->parts,       &sim->materials,    &sim->no_triangles, &sim->volume_inverse,
-        &sim->bounced,     &sim->bounced_hits, &sim->returning,    &sim->returning_hits,
-        &sim->shares,      &sim->volume_ratio, &sim->accumulator,  &sim->sums,
-        &sim->spreads,     &sim->saturated};
+        &sim->ping_buffer, &sim->table_buffer,   &sim->rays,           &sim->solid_angles,
+        &sim->splats,      &sim->hits,           &sim->bounced,        &sim->bounced_hits,
+        &sim->returning,   &sim->returning_hits, &sim->shares,         &sim->parts,
+        &sim->materials,   &sim->no_triangles,   &sim->volume_inverse, &sim->volume_ratio,
+        &sim->accumulator, &sim->saturated,      &sim->results};
     for (size_t i = 0; i < sizeof buffers / sizeof *buffers; i++) {
         asdic_buffer_destroy(buffers[i]);
     }
@@ -318,10 +326,11 @@ void asdic_simulator_destroy(asdic_simulator **pointer) {
     asdic_tracer_destroy(&sim->tracer);
     free(sim->receivers);
     free(sim->host_materials);
-    free(sim->host_beams);
+    free(sim->ping);
     free(sim->bin_table);
-    free(sim->host_sums);
-    free(sim->host_spreads);
+    free(sim->bin_loss);
+    free(sim->bin_volume);
+    free(sim->host_results);
     free(sim->calibration);
     free(sim->smear_scratch);
     free(sim);
@@ -336,6 +345,7 @@ void asdic_simulator_forget(asdic_simulator *sim) {
     for (int i = 0; i <= DEV_TABLE_CELLS; i++) {
         sim->table[i] = (float)i / DEV_TABLE_CELLS;
     }
+    sim->table_uploaded = false;
     for (size_t cell = 0; cell < sim->cells; cell++) {
         sim->calibration[cell] = 1.0f;
     }

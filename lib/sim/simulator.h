@@ -10,6 +10,7 @@
 #include "beam_fan.h"
 #include "ocl/ocl.h"
 #include "scene/tracer.h"
+#include "water_column.h"
 
 /* Rays of a pilot ping, if a ping has as many. */
 #define ASDIC_PILOT_RAYS 16384u
@@ -52,22 +53,27 @@ struct asdic_simulator {
     asdic_beam_fan fan;   /* many receivers as one map; cells 0: each receiver by itself */
     asdic_kernel *survey; /* adaptive sampler only */
     asdic_kernel *reflect, *connect, *bounce; /* NULL without mirrors */
-    asdic_buffer *ping_buffer, *beam_buffer, *lobe_buffer, *table_buffer;
+    asdic_buffer *ping_buffer;                /* dev_ping, then the apertures */
+    asdic_buffer *table_buffer;
     asdic_buffer *rays, *solid_angles, *splats, *hits;
     asdic_buffer *bounced, *bounced_hits, *returning, *returning_hits, *shares; /* mirrors */
     asdic_buffer *parts, *materials, *no_triangles;
     asdic_buffer *volume_inverse, *volume_ratio;
-    asdic_buffer *accumulator, *sums, *spreads, *saturated;
+    asdic_buffer *accumulator, *saturated, *results; /* see reduce.cl */
 
     dev_material *host_materials;
     size_t material_count;
-    dev_beam *host_beams;  /* transmitter, then receivers */
-    float *bin_table;      /* 2 * bins scratch */
-    double *smear_scratch; /* 2 * bins + 1 */
-    float *calibration;    /* cells: true spread of a ping over what its groups suggest */
+    dev_ping fixed;                /* what does not change from ping to ping */
+    dev_ping *ping;                /* the current one; the apertures follow */
+    double tabulated_absorption;   /* of the tables per bin; -1: none */
+    float *bin_table;              /* 2 * bins scratch */
+    double *bin_loss, *bin_volume; /* TL d^2; s_V times the integral of TL d^2 */
+    double *smear_scratch;         /* 2 * bins + 1 */
+    float *calibration;            /* cells: true spread of a ping over what its groups suggest */
     float table[DEV_TABLE_CELLS + 1]; /* cumulative probabilities of the sampling coordinate */
-    int64_t *host_sums;
-    float *host_spreads;
+    bool table_uploaded;
+    bool accumulator_clear;
+    int64_t *host_results;
 };
 
 /* asdic_simulator_create with a layout of the caller's. */
@@ -77,16 +83,30 @@ asdic_status asdic_simulator_create_with(asdic_context *ctx, asdic_device *devic
                                          double depth_m, const asdic_layout *layout,
                                          asdic_simulator **out);
 
-/* Steps of a ping that learning shares with it. Describe: fills PING for INDEX at POSE and uploads
- * beams, lobes and table. Draw: samples and traces the batch that PING names. */
-asdic_status asdic_simulator_describe(asdic_simulator *sim, const asdic_pose *pose, uint64_t index,
-                                      uint32_t stream, dev_ping *ping);
-asdic_status asdic_simulator_draw(asdic_simulator *sim, const dev_ping *ping);
+/* Fills what does not change from ping to ping; WATER where the mission begins. */
+void asdic_simulator_prepare(asdic_simulator *sim, const asdic_water_column *water);
+
+/* The apertures of the current ping: transmitter, then receivers. */
+static inline dev_beam *asdic_simulator_beams(const asdic_simulator *sim) {
+    return (dev_beam *)(sim->ping + 1);
+}
+
+/* Streams of lattice shifts: what users get; the calibration's two pings; the pilot, whose table
+ * must not depend on the points it is used with. */
+#define ASDIC_STREAM_PING 0u
+#define ASDIC_STREAM_CALIBRATION 1u /* and the next */
+#define ASDIC_STREAM_PILOT 3u
+
+/* Steps of a ping that learning shares with it. Describe: fills sim->ping for INDEX at POSE. Draw:
+ * uploads it, samples and traces the batch that it names. */
+void asdic_simulator_describe(asdic_simulator *sim, const asdic_pose *pose, uint64_t index,
+                              uint32_t stream);
+asdic_status asdic_simulator_draw(asdic_simulator *sim);
 
 /* The scene's triangles on the device, or a buffer to point at when there are none. */
 asdic_buffer *asdic_simulator_triangles(const asdic_simulator *sim);
 
-/* A whole ping from a lattice shift of its own per STREAM (0: the ping that users get). */
+/* A whole ping. */
 asdic_status asdic_simulator_simulate(asdic_simulator *sim, const asdic_pose *pose, uint64_t index,
                                       uint32_t stream, asdic_ping *out);
 

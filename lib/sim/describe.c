@@ -1,0 +1,121 @@
+/*
+ * What the device is told about a ping: where the sonar is and how its apertures are aimed, the
+ * water, and where the sampler's zones and lobes lie.
+ */
+#include "simulator.h"
+
+#include <asdic/plan.h>
+
+#include "aim.h"
+#include "base/vec.h"
+#include "deposit_scale.h"
+#include "scene/scene.h"
+
+#include "../../kernels/backscatter.h"
+#include "../../kernels/random.h"
+
+#include <math.h>
+#include <string.h>
+
+/* The bottom zone of the adaptive sampler assumes a little less altitude than measured: too low
+ * costs nothing, too high starves the last bins. */
+#define ZONE_ALTITUDE 0.9
+#define ZONE_CAP_RAD 0.1745
+static const float zone_share[5] = {0.03f, 0.57f, 0.07f, 0.30f, 0.03f};
+
+static bool surface_is_silent(const asdic_simulator *sim) {
+    return sim->sampling.left_out & (1u << ASDIC_TERM_SURFACE);
+}
+
+/* A zone that ends beyond the range leaves its share to the gap. */
+static void place_zones(const asdic_simulator *sim, const asdic_pose *pose, dev_ping *ping) {
+    double range = ping->range_m, least = 2e-3 * range;
+    double altitude = asdic_scene_altitude_m(sim->scene, pose->position_m);
+    bool sounds = sim->scene->has_surface && !surface_is_silent(sim);
+    double depth = sounds ? pose->position_m.z : INFINITY;
+    double h = fmax(ZONE_ALTITUDE * altitude, least), hs = fmax(depth, least);
+    bool bottom = h < 0.95 * range, surface = hs < 0.95 * range;
+    ping->zone_bottom_m = (float)(bottom ? h : 2.0 * range);
+    ping->zone_surface_m = (float)(surface ? hs : 2.0 * range);
+    ping->zone_cap_rad = (float)ZONE_CAP_RAD;
+    memcpy(ping->zone_share, zone_share, sizeof zone_share);
+    if (!bottom) {
+        ping->zone_share[2] += ping->zone_share[0] + ping->zone_share[1];
+        ping->zone_share[0] = ping->zone_share[1] = 0.0f;
+    }
+    if (!surface) {
+        ping->zone_share[2] += ping->zone_share[3] + ping->zone_share[4];
+        ping->zone_share[3] = ping->zone_share[4] = 0.0f;
+    }
+}
+
+/* The ping's lattice shift: the same for every device and order of pings. */
+static void place_lattice(dev_ping *ping, uint32_t stream) {
+    random4 shift = random_draw(stream, ping->ping[0], ping->ping[1], RANDOM_SHIFT, ping->seed[0],
+                                ping->seed[1]);
+    ping->lattice_offset = (float)random_uniform(shift.v[0]);
+    ping->lattice_shift = shift.v[1];
+}
+
+static dev_uint sampler_code(asdic_sampler sampler) {
+    return sampler == ASDIC_SAMPLER_ADAPTIVE ? DEV_SAMPLER_ADAPTIVE
+           : sampler == ASDIC_SAMPLER_BEAM   ? DEV_SAMPLER_BEAM
+                                             : DEV_SAMPLER_UNIFORM_SPHERE;
+}
+
+void asdic_simulator_prepare(asdic_simulator *sim, const asdic_water_column *water) {
+    double f_khz = sim->sonar.frequency_hz / 1e3, wind = sim->env.wind_speed_kn;
+    dev_ping *fixed = &sim->fixed;
+    *fixed = (dev_ping){
+        .blanking_m = (float)sim->sonar.blanking_m,
+        .range_m = (float)((double)sim->bins * sim->sonar.bin_length_m),
+        .bin_m = (float)sim->sonar.bin_length_m,
+        .rear_lin = (float)pow(10.0, sim->sonar.rear_floor_db / 10.0),
+        .bottom_material = (dev_uint)sim->scene->bottom_plane_material,
+        .rays = sim->sampling.rays,
+        .per_group = (dev_uint)sim->per_group,
+        .groups = sim->groups,
+        .beams = (dev_uint)sim->sonar.receiver_count,
+        .bins = (dev_uint)sim->bins,
+        .sampler = sampler_code(sim->sampling.sampler),
+        .seed = {(dev_uint)sim->sampling.seed, (dev_uint)(sim->sampling.seed >> 32)},
+        .surface_gain = surface_is_silent(sim) ? 0.0f : (float)surface_gain(wind, f_khz),
+        .surface_beta0 = (float)surface_beta0(wind),
+        .surface_beta1 = (float)surface_beta1(f_khz),
+        .surface_cap_lin = (float)surface_cap_lin(wind),
+        .wavelength_m = (float)water->wavelength_m,
+    };
+    asdic_deposit_scales(sim->host_materials, sim->material_count, fixed);
+}
+
+void asdic_simulator_describe(asdic_simulator *sim, const asdic_pose *pose, uint64_t index,
+                              uint32_t stream) {
+    const asdic_scene *scene = sim->scene;
+    asdic_water_column water = asdic_water_column_at(&sim->env, &sim->sonar, pose->position_m.z);
+    asdic_vec3 origin = asdic_vec3_sub(pose->position_m, scene->origin_m);
+    dev_ping *ping = sim->ping;
+    dev_beam *beams = asdic_simulator_beams(sim);
+    *ping = sim->fixed;
+    ping->origin[0] = (float)origin.x;
+    ping->origin[1] = (float)origin.y;
+    ping->origin[2] = (float)origin.z;
+    ping->surface_m = scene->has_surface ? (float)pose->position_m.z : INFINITY;
+    ping->bottom_m = scene->has_bottom_plane
+                         ? (float)(scene->bottom_plane_depth_m - pose->position_m.z)
+                         : INFINITY;
+    ping->absorption_np_per_m = (float)water.absorption_np_per_m;
+    ping->wavelength_m = (float)water.wavelength_m;
+    ping->ping[0] = (dev_uint)index;
+    ping->ping[1] = (dev_uint)(index >> 32);
+    beams[0] = asdic_aim_beam(&sim->sonar.transmitter, pose, water.wavelength_m);
+    for (size_t b = 0; b < sim->sonar.receiver_count; b++) {
+        beams[b + 1] = asdic_aim_beam(&sim->sonar.receivers[b], pose, water.wavelength_m);
+    }
+    ping->lobes = asdic_aim_lobes(sim->sampling.sampler, beams, sim->sonar.receiver_count,
+                                  ping->rear_lin > 0.0f, ping->lobe);
+    memcpy(ping->front, beams[0].rows, sizeof ping->front);
+    ping->front_azimuth_rad = atan2f(ping->front[1], ping->front[0]);
+    asdic_beam_fan_describe(&sim->fan, beams, ping);
+    place_zones(sim, pose, ping);
+    place_lattice(ping, stream);
+}
