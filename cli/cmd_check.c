@@ -4,6 +4,7 @@
 
 #include <string.h>
 #include <strings.h>
+#include <unistd.h>
 
 /* Whether PATH ends in one of WORDS, which end with NULL, upper or lower case. */
 static bool has_suffix(const char *path, const char *const *words) {
@@ -37,7 +38,31 @@ static void print_failure(cli *c, const char *path, json *j) {
     json_close(j);
 }
 
+/* The track of the one scene that was named. */
+static int write_track(cli *c) {
+    const char *path = cli_text(c, "track");
+    if (cli_operand_count(c) != 1) {
+        return cli_usage(c, "--track takes one scene");
+    }
+    if (strcmp(path, "-") == 0) {
+        path = "/dev/stdout";
+    } else if (access(path, F_OK) == 0 && !cli_given(c, "force")) {
+        cli_error(c, "'%s' exists; --force overwrites it", path);
+        return CLI_FAILED;
+    }
+    asdic_mission *mission = NULL;
+    asdic_status status = asdic_mission_load(cli_context(c), cli_operand(c, 0), &mission);
+    if (status == ASDIC_OK) {
+        status = asdic_mission_write_track(cli_context(c), mission, path);
+    }
+    asdic_mission_destroy(&mission);
+    return cli_end(c, status);
+}
+
 static int run(cli *c) {
+    if (cli_given(c, "track")) {
+        return write_track(c);
+    }
     bool as_json = cli_given(c, "json");
     json j = json_begin(stdout);
     int code = CLI_OK;
@@ -61,6 +86,17 @@ static int run(cli *c) {
     return code;
 }
 
+static const cli_option options[] = {
+    {
+        "track",
+        0,
+        "FILE",
+        "write the vehicle's pose at every ping as CSV, '-' to stdout",
+    },
+    {"force", 0, NULL, "overwrite FILE"},
+    {0},
+};
+
 const cli_command cli_check_command = {
     .name = "check",
     .operands = "SCENE.yaml|MESH ...",
@@ -70,7 +106,10 @@ const cli_command cli_check_command = {
     .details = "Scenes are read as 'asdic run' reads them, with their meshes, grids and tracks; "
                "every error is named with line, column, key, value, limit and remedy. Meshes "
                "(.obj, .ply, .stl, .off) and grids (.asc) are described in their own axes and "
-               "units. All files are looked at; the exit code is 3 when any of them is bad.",
+               "units. All files are looked at; the exit code is 3 when any of them is bad. With "
+               "--track the way of one scene's vehicle is written instead, as a track that "
+               "'mission: {track: FILE}' reads.",
+    .options = options,
     .traits = CLI_HAS_JSON,
     .run = run,
 };

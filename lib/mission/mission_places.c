@@ -22,7 +22,8 @@ static double bottom_depth_m(const asdic_scene *scene, asdic_vec3 position_m) {
 static void check_depths(mission_builder *b) {
     const asdic_mission *m = b->mission;
     const asdic_yaml_node *mission = b->file->mission.node;
-    asdic_yaml_node *node = asdic_yaml_child(mission, m->track ? "track" : "pose");
+    const char *kind = !m->track ? "pose" : b->file->mission.track ? "track" : "waypoints";
+    asdic_yaml_node *node = asdic_yaml_child(mission, kind);
     size_t step = m->ping_count / MAX_TESTED_PINGS + 1;
     size_t last = m->track ? m->ping_count : 1;
     for (size_t i = 0; i < last; i += step) {

@@ -191,9 +191,37 @@ static void check_pose(const asdic_scene_file *file, asdic_problems *problems) {
     }
 }
 
+/* That the vehicle can fly from point to point, through water. */
+static void check_waypoints(const asdic_scene_file *file, asdic_problems *problems) {
+    const file_waypoints *w = &file->mission.waypoints;
+    if (!asdic_scene_node_good(w->node)) {
+        return;
+    }
+    if (w->dive_rate_mps >= w->speed_mps) {
+        asdic_yaml_problem(problems, at(w->node, "dive_rate_mps"),
+                           "'dive_rate_mps' = %.15g is not below 'speed_mps' = %.15g",
+                           w->dive_rate_mps, w->speed_mps);
+    }
+    asdic_yaml_node *node = asdic_yaml_child(w->node, "points_m")->first;
+    const double *last_m = NULL, *m = w->points.items;
+    for (; node; node = node->next, last_m = m, m += 3) {
+        if (m[2] < 0.0) {
+            asdic_yaml_problem(problems, node->last,
+                               "the waypoint is %.15g m above the sea surface; z is positive down",
+                               -m[2]);
+        }
+        if (last_m && hypot(m[0] - last_m[0], m[1] - last_m[1]) < 1e-3) {
+            asdic_yaml_problem(problems, node,
+                               "the waypoint is at the same place as the one before, or straight "
+                               "above or below it; the vehicle needs a way to fly");
+        }
+    }
+}
+
 void asdic_scene_file_check(asdic_scene_file *file, asdic_arena *arena, asdic_problems *problems) {
     check_sonar(file, arena, problems);
     check_bottom(&file->bottom, problems);
     check_objects(file, arena, problems);
     check_pose(file, problems);
+    check_waypoints(file, problems);
 }

@@ -125,10 +125,17 @@ typedef struct file_pose {
     double roll_deg, pitch_deg, yaw_deg;
 } file_pose;
 
+typedef struct file_waypoints {
+    asdic_yaml_node *node;
+    asdic_list points; /* of double[3]: m */
+    double speed_mps, turn_radius_m, response_s, dive_rate_mps;
+} file_waypoints;
+
 typedef struct file_mission {
     asdic_yaml_node *node;
     file_pose pose;
     const char *track;
+    file_waypoints waypoints;
     int64_t pings; /* 0: one, or what the track covers */
 } file_mission;
 

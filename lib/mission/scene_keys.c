@@ -1,15 +1,7 @@
 /*
- * The keys of the scene file. One row says all there is to say about a key; adding a feature adds
- * a row, and finishing one takes the ASDIC_KEY_PLANNED flag off its row.
+ * The scene file as a whole, and its short parts.
  */
-#include "scene_file.h"
-
-#include <math.h>
-
-#define COUNT_OF(array) (sizeof(array) / sizeof *(array))
-#define TABLE(keys_of, type_of)                                                                    \
-    .keys = keys_of, .key_count = COUNT_OF(keys_of), .size = sizeof(type_of)
-#define AT(type_of, member) .offset = offsetof(type_of, member)
+#include "scene_keys.h"
 
 /* --- environment ------------------------------------------------------------------------------ */
 
@@ -38,258 +30,6 @@ static const asdic_key environment_keys[] = {
 };
 static const asdic_table environment_table = {TABLE(environment_keys, file_environment),
                                               .doc = "the water"};
-
-/* --- surface and bottom ----------------------------------------------------------------------- */
-
-static const asdic_key surface_keys[] = {
-    {"enabled", ASDIC_KEY_BOOL, AT(file_surface, enabled), .fallback = "true",
-     .doc = "whether there is a sea surface at z = 0"},
-};
-static const asdic_table surface_table = {TABLE(surface_keys, file_surface),
-                                          .doc = "the sea surface, the plane z = 0"};
-
-static const asdic_key mesh_keys[] = {
-    {"file", ASDIC_KEY_PATH, ASDIC_KEY_REQUIRED, AT(file_mesh, file),
-     .doc = "mesh file (OBJ, PLY, STL, OFF), relative to the scene file"},
-    {"scale", ASDIC_KEY_NUMBER, AT(file_mesh, scale), .min = 1e-6, .max = 1e6, .fallback = "1",
-     .doc = "metres per unit of the file: 0.001 for millimetres"},
-    {"z_up", ASDIC_KEY_BOOL, AT(file_mesh, z_up), .fallback = "true",
-     .doc = "the file's axes are east, north, up; false: north, east, down"},
-};
-static const asdic_table mesh_table = {TABLE(mesh_keys, file_mesh), .doc = "a mesh file",
-                                       .scalar_key = "file"};
-
-static const asdic_word grid_words[] = {
-    {"depths", FILE_GRID_DEPTHS, false}, {"heights", FILE_GRID_HEIGHTS, false}, {NULL, 0, false}};
-static const asdic_key grid_keys[] = {
-    {"file", ASDIC_KEY_PATH, ASDIC_KEY_REQUIRED, AT(file_grid, file),
-     .doc = "ESRI ASCII grid, relative to the scene file"},
-    {"values", ASDIC_KEY_WORD, AT(file_grid, values), .words = grid_words, .fallback = "depths",
-     .doc = "what the grid holds: depths, positive down, or heights, positive up"},
-};
-static const asdic_table grid_table = {TABLE(grid_keys, file_grid), .doc = "a bathymetric grid",
-                                       .scalar_key = "file"};
-
-static const asdic_word bottom_words[] = {{"mud", 1, false},
-                                          {"sand", 2, false},
-                                          {"gravel", 3, false},
-                                          {"rock", 4, false},
-                                          {NULL, 0, false}};
-
-#define BOTTOM(member) AT(file_bottom, member)
-static const asdic_key bottom_keys[] = {
-    {"depth_m", ASDIC_KEY_NUMBER, ASDIC_KEY_ONE_OF, BOTTOM(depth_m), .unit = "m", .min = 0.01,
-     .max = 11000, .doc = "a flat bottom at this depth"},
-    {"mesh", ASDIC_KEY_MAP, ASDIC_KEY_ONE_OF | ASDIC_KEY_OPTIONAL, BOTTOM(mesh),
-     .table = &mesh_table, .doc = "a bottom from a mesh file"},
-    {"grid", ASDIC_KEY_MAP, ASDIC_KEY_ONE_OF | ASDIC_KEY_OPTIONAL, BOTTOM(grid),
-     .table = &grid_table, .doc = "a bottom from a grid of depths"},
-    {"none", ASDIC_KEY_BOOL, ASDIC_KEY_ONE_OF, BOTTOM(none), .doc = "true: no bottom at all"},
-    {"type", ASDIC_KEY_NUMBER, BOTTOM(type), .min = 1, .max = 4, .words = bottom_words,
-     .fallback = "sand", .doc = "what the bottom is made of: mud 1, sand 2, gravel 3, rock 4"},
-    {"position_m", ASDIC_KEY_NUMBERS, BOTTOM(position_m), .unit = "m", .min = -1e7, .max = 1e7,
-     .count = 3, .fallback = "[0, 0, 0]",
-     .doc = "where the origin of a mesh or grid lies: north, east, down"},
-    {"rotation_deg", ASDIC_KEY_NUMBERS, BOTTOM(rotation_deg), .unit = "deg", .min = -360,
-     .max = 360, .count = 3, .fallback = "[0, 0, 0]",
-     .doc = "roll, pitch, yaw of a mesh or grid; applied yaw, then pitch, then roll"},
-};
-static const asdic_table bottom_table = {TABLE(bottom_keys, file_bottom), .doc = "the sea floor",
-                                         .scalar_word = "none"};
-
-/* --- objects ---------------------------------------------------------------------------------- */
-
-static const asdic_key box_keys[] = {
-    {"size_m", ASDIC_KEY_NUMBERS, ASDIC_KEY_REQUIRED, AT(file_box, size_m), .unit = "m",
-     .min = 1e-4, .max = 1e6, .count = 3, .doc = "length along x, y, z"},
-};
-static const asdic_table box_table = {TABLE(box_keys, file_box), .doc = "a box"};
-
-#define RADIUS                                                                                     \
-    {                                                                                              \
-        "radius_m", ASDIC_KEY_NUMBER, ASDIC_KEY_REQUIRED, AT(file_round, radius_m),                \
-            .unit = "m", .min = 1e-4, .max = 1e5, .doc = "radius"                                  \
-    }
-#define SEGMENTS                                                                                   \
-    {                                                                                              \
-        "segments", ASDIC_KEY_INTEGER, AT(file_round, segments),                                   \
-            .min = 8, .max = 1024, .fallback = "96", .doc = "facets round the circumference"       \
-    }
-static const asdic_key sphere_keys[] = {RADIUS, SEGMENTS};
-static const asdic_table sphere_table = {TABLE(sphere_keys, file_round), .doc = "a sphere"};
-
-static const asdic_key cylinder_keys[] = {
-    RADIUS,
-    {"length_m", ASDIC_KEY_NUMBER, ASDIC_KEY_REQUIRED, AT(file_round, length_m), .unit = "m",
-     .min = 1e-4, .max = 1e6, .doc = "length along its axis, which is y"},
-    SEGMENTS,
-};
-static const asdic_table cylinder_table = {TABLE(cylinder_keys, file_round),
-                                           .doc = "a closed cylinder along y"};
-
-static const asdic_key plate_keys[] = {
-    {"size_m", ASDIC_KEY_NUMBERS, ASDIC_KEY_REQUIRED, AT(file_plate, size_m), .unit = "m",
-     .min = 1e-4, .max = 1e6, .count = 2, .doc = "width along y, height along z"},
-};
-static const asdic_table plate_table = {TABLE(plate_keys, file_plate),
-                                        .doc = "a thin plate, its normal along x"};
-
-#define MATERIAL(member) AT(file_material, member)
-static const asdic_key material_keys[] = {
-    {"impedance_mrayl", ASDIC_KEY_NUMBER, MATERIAL(impedance_mrayl), .unit = "MRayl", .min = 0,
-     .max = 200, .fallback = "45", .doc = "acoustic impedance: steel 45, water 1.54, air 0"},
-    {"roughness_rms_mm", ASDIC_KEY_NUMBER, MATERIAL(roughness_rms_mm), .unit = "mm", .min = 0,
-     .max = 1000, .fallback = "1", .doc = "r.m.s. height of the roughness"},
-    {"slope_rms", ASDIC_KEY_NUMBER, MATERIAL(slope_rms), .min = 0, .max = 2, .fallback = "0.1",
-     .doc = "r.m.s. slope of the roughness"},
-    {"coherent_area_m2", ASDIC_KEY_NUMBER, MATERIAL(coherent_area_m2), .unit = "m2", .min = 1e-8,
-     .max = 1e8,
-     .doc = "flat area that reflects in phase; else the largest flat patch of the mesh"},
-    {"type", ASDIC_KEY_NUMBER, MATERIAL(type), .min = 1, .max = 4, .words = bottom_words,
-     .doc = "scatters as this bottom instead: mud 1, sand 2, gravel 3, rock 4"},
-};
-static const asdic_table material_table = {TABLE(material_keys, file_material),
-                                           .doc = "how a surface scatters"};
-
-#define OBJECT(member) AT(file_object, member)
-#define SHAPE (ASDIC_KEY_ONE_OF | ASDIC_KEY_OPTIONAL)
-static const asdic_key object_keys[] = {
-    {"name", ASDIC_KEY_NAME, OBJECT(name), .doc = "name in detections; else object0, object1, ..."},
-    {"box", ASDIC_KEY_MAP, SHAPE, OBJECT(box), .table = &box_table, .doc = "a box"},
-    {"sphere", ASDIC_KEY_MAP, SHAPE, OBJECT(sphere), .table = &sphere_table, .doc = "a sphere"},
-    {"cylinder", ASDIC_KEY_MAP, SHAPE, OBJECT(cylinder), .table = &cylinder_table,
-     .doc = "a closed cylinder along y"},
-    {"plate", ASDIC_KEY_MAP, SHAPE, OBJECT(plate), .table = &plate_table,
-     .doc = "a thin plate, its normal along x"},
-    {"mesh", ASDIC_KEY_MAP, SHAPE, OBJECT(mesh), .table = &mesh_table, .doc = "a mesh file"},
-    {"position_m", ASDIC_KEY_NUMBERS, ASDIC_KEY_REQUIRED, OBJECT(position_m), .unit = "m",
-     .min = -1e7, .max = 1e7, .count = 3,
-     .doc = "centre (of a mesh: its origin), north, east, down"},
-    {"rotation_deg", ASDIC_KEY_NUMBERS, OBJECT(rotation_deg), .unit = "deg", .min = -360,
-     .max = 360, .count = 3, .fallback = "[0, 0, 0]",
-     .doc = "roll, pitch, yaw; applied yaw, then pitch, then roll"},
-    {"material", ASDIC_KEY_MAP, ASDIC_KEY_AT_MOST_ONE | ASDIC_KEY_OPTIONAL, OBJECT(material),
-     .table = &material_table, .doc = "how it scatters; else steel, slightly rough"},
-    {"type", ASDIC_KEY_NUMBER, ASDIC_KEY_AT_MOST_ONE, OBJECT(type), .min = 1, .max = 4,
-     .words = bottom_words, .doc = "scatters as this bottom: mud 1, sand 2, gravel 3, rock 4"},
-};
-static const asdic_table object_table = {TABLE(object_keys, file_object),
-                                         .doc = "something in the water or on the bottom"};
-
-/* --- sonar ------------------------------------------------------------------------------------ */
-
-#define ANGLE(type_of, member, low, high, what)                                                    \
-    {                                                                                              \
-#member, ASDIC_KEY_NUMBER, AT(type_of, member), .unit = "deg", .min = low, .max = high,    \
-                                                        .fallback = "0", .doc = what               \
-    }
-#define LENGTH(type_of, member, what)                                                              \
-    {                                                                                              \
-#member, ASDIC_KEY_NUMBER, AT(type_of, member), .unit = "m", .min = 1e-4, .max = 100,      \
-                                                        .fallback = "0.05", .doc = what            \
-    }
-#define APERTURE(type_of)                                                                          \
-    ANGLE(type_of, pitch_deg, -180, 180, "aim below the bow's level; positive looks down"),        \
-        ANGLE(type_of, yaw_deg, -180, 180, "aim to starboard of the bow"),                         \
-        ANGLE(type_of, roll_deg, -180, 180, "turn about the beam's own axis"),                     \
-        LENGTH(type_of, length_h_m, "horizontal side of the aperture"),                            \
-        LENGTH(type_of, length_v_m, "vertical side of the aperture")
-
-static const asdic_key transmitter_keys[] = {APERTURE(file_beam)};
-static const asdic_table transmitter_table = {TABLE(transmitter_keys, file_beam),
-                                              .doc = "the transmitting aperture"};
-
-static const asdic_key beam_keys[] = {
-    {"name", ASDIC_KEY_NAME, AT(file_beam, name),
-     .doc = "name in tables and file names; else 000, 001, ..."},
-    APERTURE(file_beam),
-};
-static const asdic_table beam_table = {TABLE(beam_keys, file_beam), .doc = "a receiving aperture"};
-
-static const asdic_key fan_keys[] = {
-    {"count", ASDIC_KEY_INTEGER, ASDIC_KEY_REQUIRED, AT(file_fan, count), .min = 1, .max = 4096,
-     .doc = "number of beams, named 000, 001, ... from port to starboard"},
-    {"sector_deg", ASDIC_KEY_NUMBER, ASDIC_KEY_REQUIRED, AT(file_fan, sector_deg), .unit = "deg",
-     .min = 0.001, .max = 360, .doc = "angle that the beams share; each looks along its middle"},
-    APERTURE(file_fan),
-};
-static const asdic_table fan_table = {TABLE(fan_keys, file_fan), .doc = "evenly spread beams"};
-static const asdic_key fan_map_keys[] = {
-    {"fan", ASDIC_KEY_MAP, ASDIC_KEY_REQUIRED, AT(file_fan_map, fan), .table = &fan_table,
-     .doc = "evenly spread beams"},
-};
-static const asdic_table fan_map_table = {TABLE(fan_map_keys, file_fan_map),
-                                          .doc = "receivers as a fan"};
-
-static const asdic_key noise_keys[] = {
-    {"enabled", ASDIC_KEY_BOOL, AT(file_noise, enabled), .fallback = "true",
-     .doc = "whether ambient noise is added"},
-    {"directivity", ASDIC_KEY_BOOL, AT(file_noise, directivity), .fallback = "true",
-     .doc = "whether the receiver's directivity index is taken off it"},
-};
-static const asdic_table noise_table = {TABLE(noise_keys, file_noise), .doc = "ambient noise"};
-
-static const asdic_word speckle_words[] = {{"none", ASDIC_SPECKLE_NONE, false},
-                                           {"rayleigh", ASDIC_SPECKLE_RAYLEIGH, false},
-                                           {"k", ASDIC_SPECKLE_K, false},
-                                           {NULL, 0, false}};
-static const asdic_word rear_words[] = {{"none", -INFINITY, false}, {NULL, 0, false}};
-
-#define SONAR(member) AT(file_sonar, member)
-static const asdic_key sonar_keys[] = {
-    {"frequency_khz", ASDIC_KEY_NUMBER, ASDIC_KEY_REQUIRED, SONAR(frequency_khz), .unit = "kHz",
-     .min = 0.1, .max = 1000, .doc = "centre frequency"},
-    {"bandwidth_khz", ASDIC_KEY_NUMBER, SONAR(bandwidth_khz), .unit = "kHz", .min = 0.001,
-     .max = 1000, .fallback = "10", .doc = "bandwidth; the range resolution is c / (2 bandwidth)"},
-    {"ping_rate_hz", ASDIC_KEY_NUMBER, SONAR(ping_rate_hz), .unit = "Hz", .min = 0.01, .max = 1000,
-     .fallback = "10", .doc = "pings a second; the maximum range is c / (2 ping rate)"},
-    {"source_level_db", ASDIC_KEY_NUMBER, SONAR(source_level_db), .unit = "dB re 1 uPa at 1 m",
-     .min = -300, .max = 300, .fallback = "0", .doc = "source level after pulse compression"},
-    {"bin_length_m", ASDIC_KEY_NUMBER, SONAR(bin_length_m), .unit = "m", .min = 0.001, .max = 1000,
-     .fallback = "0.5", .doc = "length of a range bin"},
-    {"blanking_m", ASDIC_KEY_NUMBER, SONAR(blanking_m), .unit = "m", .min = 0.01, .max = 10000,
-     .fallback = "0.5", .doc = "nothing nearer is received"},
-    {"transmitter", ASDIC_KEY_MAP, SONAR(transmitter), .table = &transmitter_table,
-     .doc = "the transmitting aperture"},
-    {"receivers", ASDIC_KEY_LIST, ASDIC_KEY_REQUIRED, SONAR(receivers), .min = 1, .count = 4096,
-     .table = &beam_table, .map_form = &fan_map_table,
-     .map_offset = offsetof(file_sonar, receiver_fan),
-     .doc = "the receiving apertures: a list, or fan: {count, sector_deg, ...}"},
-    {"noise", ASDIC_KEY_MAP, SONAR(noise), .table = &noise_table, .doc = "ambient noise"},
-    {"speckle", ASDIC_KEY_WORD, SONAR(speckle), .words = speckle_words, .fallback = "none",
-     .doc = "random interference of the echoes in a resolution cell"},
-    {"speckle_shape", ASDIC_KEY_NUMBER, SONAR(speckle_shape), .min = 0.05, .max = 1000,
-     .doc = "shape of K-distributed speckle; large is Rayleigh"},
-    {"rear_floor_db", ASDIC_KEY_NUMBER, SONAR(rear_floor_db), .unit = "dB", .min = -200, .max = 0,
-     .words = rear_words, .fallback = "none",
-     .doc = "what leaks in and out behind the apertures, re on-axis"},
-};
-static const asdic_table sonar_table = {TABLE(sonar_keys, file_sonar), .doc = "the sonar"};
-
-/* --- mission ---------------------------------------------------------------------------------- */
-
-static const asdic_key pose_keys[] = {
-    {"position_m", ASDIC_KEY_NUMBERS, ASDIC_KEY_REQUIRED, AT(file_pose, position_m), .unit = "m",
-     .min = -1e7, .max = 1e7, .count = 3, .doc = "north, east, down from the sea surface"},
-    ANGLE(file_pose, roll_deg, -360, 360, "roll, positive to starboard"),
-    ANGLE(file_pose, pitch_deg, -360, 360, "pitch, positive raises the bow"),
-    ANGLE(file_pose, yaw_deg, -360, 360, "heading, clockwise from north"),
-};
-static const asdic_table pose_table = {TABLE(pose_keys, file_pose), .doc = "a vehicle at rest"};
-
-#define MISSION(member) AT(file_mission, member)
-static const asdic_key mission_keys[] = {
-    {"pose", ASDIC_KEY_MAP, ASDIC_KEY_ONE_OF | ASDIC_KEY_OPTIONAL, MISSION(pose),
-     .table = &pose_table, .doc = "a vehicle at rest"},
-    {"track", ASDIC_KEY_PATH, ASDIC_KEY_ONE_OF, MISSION(track),
-     .doc = "CSV file of time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg, relative to the scene"},
-    {"waypoints", ASDIC_KEY_LIST, ASDIC_KEY_ONE_OF | ASDIC_KEY_PLANNED,
-     .doc = "points that the vehicle passes"},
-    {"pings", ASDIC_KEY_INTEGER, MISSION(pings), .min = 1, .max = 1e9,
-     .doc = "number of pings; else one, or as many as the track covers"},
-};
-static const asdic_table mission_table = {TABLE(mission_keys, file_mission),
-                                          .doc = "where the vehicle is, ping by ping"};
 
 /* --- how to compute, what to write ------------------------------------------------------------ */
 
@@ -363,15 +103,15 @@ static const asdic_key scene_keys[] = {
      .doc = "version of this format"},
     {"environment", ASDIC_KEY_MAP, SCENE(environment), .table = &environment_table,
      .doc = "the water"},
-    {"surface", ASDIC_KEY_MAP, SCENE(surface), .table = &surface_table,
+    {"surface", ASDIC_KEY_MAP, SCENE(surface), .table = &asdic_surface_table,
      .doc = "the sea surface, the plane z = 0"},
-    {"bottom", ASDIC_KEY_MAP, ASDIC_KEY_REQUIRED, SCENE(bottom), .table = &bottom_table,
+    {"bottom", ASDIC_KEY_MAP, ASDIC_KEY_REQUIRED, SCENE(bottom), .table = &asdic_bottom_table,
      .doc = "the sea floor: depth_m, mesh, grid or none"},
-    {"objects", ASDIC_KEY_LIST, SCENE(objects), .min = 0, .count = 65536, .table = &object_table,
+    {"objects", ASDIC_KEY_LIST, SCENE(objects), .count = 65536, .table = &asdic_object_table,
      .doc = "what is in the water or on the bottom"},
-    {"sonar", ASDIC_KEY_MAP, ASDIC_KEY_REQUIRED, SCENE(sonar), .table = &sonar_table,
+    {"sonar", ASDIC_KEY_MAP, ASDIC_KEY_REQUIRED, SCENE(sonar), .table = &asdic_sonar_table,
      .doc = "transmitter, receivers, pulse and bins"},
-    {"mission", ASDIC_KEY_MAP, ASDIC_KEY_REQUIRED, SCENE(mission), .table = &mission_table,
+    {"mission", ASDIC_KEY_MAP, ASDIC_KEY_REQUIRED, SCENE(mission), .table = &asdic_mission_table,
      .doc = "where the vehicle is: pose or track"},
     {"sampling", ASDIC_KEY_MAP, SCENE(sampling), .table = &sampling_table,
      .doc = "how rays are spent"},

@@ -12,6 +12,7 @@
 typedef enum asdic_key_type {
     ASDIC_KEY_NUMBER,  /* double; with .words also one of these, each standing for a number */
     ASDIC_KEY_NUMBERS, /* double[count] */
+    ASDIC_KEY_POINTS,  /* asdic_list of double[3] */
     ASDIC_KEY_INTEGER, /* int64_t */
     ASDIC_KEY_BOOL,    /* bool */
     ASDIC_KEY_WORD,    /* int: the value of one of .words */
@@ -52,7 +53,8 @@ typedef struct asdic_key {
     size_t offset; /* of the value in the table's struct */
     const char *unit;
     double min, max; /* of numbers, inclusive */
-    size_t count;    /* NUMBERS: how many; LIST: at most */
+    size_t least;    /* LIST, POINTS: entries at least ... */
+    size_t count;    /* ... and at most; NUMBERS: how many */
     const asdic_word *words;
     const struct asdic_table *table;
     const struct asdic_table *map_form; /* LIST: what a map in its place means ... */
@@ -68,6 +70,7 @@ typedef struct asdic_table {
     size_t size; /* of the struct; its first member is `asdic_yaml_node *node`, NULL when absent */
     const char *scalar_key;  /* a scalar in place of the map is the value of this key */
     const char *scalar_word; /* this word in place of the map sets the bool key of that name */
+    const char *list_key;    /* a list in place of the map is the value of this key */
 } asdic_table;
 
 /* Reads NODE (NULL: absent) into the struct OUT of TABLE; reports what is wrong to PROBLEMS.

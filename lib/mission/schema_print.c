@@ -33,6 +33,15 @@ static void print_range(const asdic_key *key, const char *type, asdic_text *text
                       key->min, key->max);
 }
 
+static void print_points(const asdic_key *key, asdic_text *text) {
+    asdic_text_format(text, "\"type\": \"array\", \"minItems\": %zu, \"maxItems\": %zu, ",
+                      key->least, key->count);
+    asdic_text_add(text, "\"items\": {\"type\": \"array\", \"minItems\": 3, \"maxItems\": 3, "
+                         "\"items\": {");
+    print_range(key, "number", text);
+    asdic_text_add(text, "}}");
+}
+
 /* What a value of KEY may be; a map's or list's content on lines of its own. */
 static void print_type(const asdic_key *key, asdic_text *text, int indent) {
     switch (key->type) {
@@ -55,6 +64,9 @@ static void print_type(const asdic_key *key, asdic_text *text, int indent) {
         asdic_text_add(text, "\"items\": {");
         print_range(key, "number", text);
         asdic_text_add(text, "}");
+        break;
+    case ASDIC_KEY_POINTS:
+        print_points(key, text);
         break;
     case ASDIC_KEY_INTEGER:
         print_range(key, "integer", text);
@@ -87,8 +99,8 @@ static void print_type(const asdic_key *key, asdic_text *text, int indent) {
         if (key->map_form) {
             asdic_text_add(text, "\"anyOf\": [{");
         }
-        asdic_text_format(text, "\"type\": \"array\", \"minItems\": %.15g, \"maxItems\": %zu, ",
-                          key->min, key->count);
+        asdic_text_format(text, "\"type\": \"array\", \"minItems\": %zu, \"maxItems\": %zu, ",
+                          key->least, key->count);
         asdic_text_add(text, "\"items\": {");
         print_table(key->table, text, indent);
         asdic_text_add(text, "}");
@@ -195,16 +207,30 @@ static void print_map(const asdic_table *table, asdic_text *text, int indent) {
     asdic_text_add(text, "}");
 }
 
+static const asdic_key *find_key(const asdic_table *table, const char *name) {
+    const asdic_key *key = table->keys;
+    while (strcmp(key->name, name) != 0) {
+        key++;
+    }
+    return key;
+}
+
+/* A map, or what may stand in its place. */
 static void print_table(const asdic_table *table, asdic_text *text, int indent) {
-    if (table->scalar_key) {
-        asdic_text_add(text, "\"anyOf\": [{\"type\": \"string\", \"minLength\": 1}, {");
-    } else if (table->scalar_word) {
-        asdic_text_format(text, "\"anyOf\": [{\"const\": \"%s\"}, {", table->scalar_word);
+    const char *stand_in = table->list_key ? table->list_key : table->scalar_key;
+    if (!stand_in && !table->scalar_word) {
+        print_map(table, text, indent);
+        return;
     }
+    asdic_text_add(text, "\"anyOf\": [{");
+    if (stand_in) {
+        print_type(find_key(table, stand_in), text, indent);
+    } else {
+        asdic_text_format(text, "\"const\": \"%s\"", table->scalar_word);
+    }
+    asdic_text_add(text, "}, {");
     print_map(table, text, indent);
-    if (table->scalar_key || table->scalar_word) {
-        asdic_text_add(text, "}]");
-    }
+    asdic_text_add(text, "}]");
 }
 
 void asdic_schema_print(const asdic_table *root, asdic_text *text) {

@@ -123,28 +123,51 @@ static void check_alternatives(const asdic_schema_reader *r, const asdic_table *
     asdic_text_finish(&names);
 }
 
-static void read_list(const asdic_schema_reader *r, const asdic_key *key, asdic_yaml_node *node,
-                      asdic_list *out) {
+/* NODE as a list of KEY's length; false after a report. */
+static bool is_list(const asdic_schema_reader *r, const asdic_key *key, asdic_yaml_node *node) {
     if (node->kind != ASDIC_YAML_LIST) {
         asdic_yaml_problem(r->problems, node, "'%s' must be a list%s", key->name,
                            key->map_form ? " or a map" : "");
-        return;
+        return false;
     }
-    if (node->count > key->count || node->count < key->min) {
+    if (node->count > key->count || node->count < key->least) {
         asdic_yaml_problem(r->problems, node,
-                           "'%s' has %zu entries, which is out of range [%g, %zu]", key->name,
-                           node->count, key->min, key->count);
-        return;
+                           "'%s' has %zu entries, which is out of range [%zu, %zu]", key->name,
+                           node->count, key->least, key->count);
+        return false;
     }
-    const size_t size = key->table->size;
-    char *items = asdic_arena_alloc(r->arena, (node->count + 1) * size);
-    if (!items) {
-        r->problems->out_of_memory = true;
-        return;
+    return true;
+}
+
+/* Room for the entries of NODE, SIZE bytes each, in OUT; false when memory is short. */
+static bool make_room(const asdic_schema_reader *r, const asdic_yaml_node *node, size_t size,
+                      asdic_list *out) {
+    void *items = asdic_arena_alloc(r->arena, (node->count + 1) * size);
+    r->problems->out_of_memory |= !items;
+    *out = (asdic_list){.items = items, .count = items ? node->count : 0};
+    return items != NULL;
+}
+
+static void read_list(const asdic_schema_reader *r, const asdic_key *key, asdic_yaml_node *node,
+                      asdic_list *out) {
+    if (is_list(r, key, node) && make_room(r, node, key->table->size, out)) {
+        char *items = out->items;
+        for (asdic_yaml_node *item = node->first; item; item = item->next) {
+            read_map(r, key->table, item, items + item->index * key->table->size);
+        }
     }
-    *out = (asdic_list){.items = items, .count = node->count};
-    for (asdic_yaml_node *item = node->first; item; item = item->next, items += size) {
-        read_map(r, key->table, item, items);
+}
+
+static void read_points(const asdic_schema_reader *r, const asdic_key *key, asdic_yaml_node *node,
+                        asdic_list *out) {
+    asdic_key point = *key;
+    point.type = ASDIC_KEY_NUMBERS;
+    point.count = 3;
+    if (is_list(r, key, node) && make_room(r, node, 3 * sizeof(double), out)) {
+        double *items = out->items;
+        for (asdic_yaml_node *item = node->first; item; item = item->next) {
+            asdic_schema_read_value(r, &point, item, items + 3 * item->index);
+        }
     }
 }
 
@@ -183,6 +206,11 @@ static void read_key(const asdic_schema_reader *r, const asdic_key *key, asdic_y
             read_list(r, key, node, at);
         }
         return;
+    case ASDIC_KEY_POINTS:
+        if (node) {
+            read_points(r, key, node, at);
+        }
+        return;
     case ASDIC_KEY_NUMBER:
         *(double *)at = NAN; /* absent, unless there is a value or a fallback */
         break;
@@ -197,49 +225,61 @@ static void read_key(const asdic_schema_reader *r, const asdic_key *key, asdic_y
     }
 }
 
-/* A scalar where a map should be may stand for one of its keys: NODE as such a map, or NULL. */
-static asdic_yaml_node *expand_scalar(const asdic_schema_reader *r, const asdic_table *table,
-                                      asdic_yaml_node *node) {
-    const char *name = NULL;
-    const char *value = node->text;
-    if (table->scalar_key && (node->length > 0 || node->quoted)) {
-        name = table->scalar_key;
-    } else if (table->scalar_word && strcmp(node->text, table->scalar_word) == 0) {
-        name = table->scalar_word;
-        value = "true";
-    }
-    asdic_yaml_node *map = name ? asdic_arena_alloc(r->arena, sizeof *map) : NULL;
-    asdic_yaml_node *child = map ? asdic_arena_alloc(r->arena, sizeof *child) : NULL;
-    if (!child) {
-        r->problems->out_of_memory |= name != NULL;
+/* A map around VALUE, which stands for the map's key NAME. */
+static asdic_yaml_node *wrap(const asdic_schema_reader *r, asdic_yaml_node *value,
+                             const char *name) {
+    asdic_yaml_node *map = asdic_arena_alloc(r->arena, sizeof *map);
+    asdic_yaml_node *child = asdic_arena_alloc(r->arena, sizeof *child);
+    if (!map || !child) {
+        r->problems->out_of_memory = true;
         return NULL;
     }
-    *map = *node;
+    *map = *child = *value;
     map->kind = ASDIC_YAML_MAP;
-    *child = *node;
-    child->text = value;
-    child->length = strlen(value);
-    child->quoted = node->quoted && value == node->text;
+    map->first = map->last = NULL;
+    map->count = 0;
     child->next = NULL;
     child->key = name;
     child->key_length = strlen(name);
     asdic_yaml_append(map, child);
+    for (asdic_yaml_node *item = child->first; item; item = item->next) {
+        item->parent = child;
+    }
     return map;
+}
+
+/* A scalar or list where a map should be may stand for one of its keys: NODE as such a map, or
+ * NULL. */
+static asdic_yaml_node *expand(const asdic_schema_reader *r, const asdic_table *table,
+                               asdic_yaml_node *node) {
+    if (node->kind == ASDIC_YAML_LIST) {
+        return table->list_key ? wrap(r, node, table->list_key) : NULL;
+    }
+    if (table->scalar_key && (node->length > 0 || node->quoted)) {
+        return wrap(r, node, table->scalar_key);
+    }
+    if (table->scalar_word && strcmp(node->text, table->scalar_word) == 0) {
+        asdic_yaml_node yes = *node;
+        yes.text = "true";
+        yes.length = strlen(yes.text);
+        yes.quoted = false;
+        return wrap(r, &yes, table->scalar_word);
+    }
+    return NULL;
 }
 
 static void read_map(const asdic_schema_reader *r, const asdic_table *table, asdic_yaml_node *node,
                      void *out) {
-    if (node && node->kind == ASDIC_YAML_SCALAR) {
-        asdic_yaml_node *map = node->bad ? NULL : expand_scalar(r, table, node);
-        if (!map && !node->bad) {
+    if (node && node->kind != ASDIC_YAML_MAP) {
+        bool silent = node->bad && node->kind == ASDIC_YAML_SCALAR; /* reported already */
+        asdic_yaml_node *map = silent ? NULL : expand(r, table, node);
+        if (!map && !silent) {
+            bool empty = node->kind == ASDIC_YAML_SCALAR && node->length == 0 && !node->quoted;
             asdic_yaml_problem(r->problems, node, "%s must be a map, that is 'key: value' lines%s",
                                node->parent && !node->key ? "each entry" : "this",
-                               node->length == 0 ? "; leave the key out for its defaults" : "");
+                               empty ? "; leave the key out for its defaults" : "");
         }
         node = map;
-    } else if (node && node->kind == ASDIC_YAML_LIST) {
-        asdic_yaml_problem(r->problems, node, "this must be a map, that is 'key: value' lines");
-        node = NULL;
     }
     *(asdic_yaml_node **)out = node;
     for (asdic_yaml_node *child = node ? node->first : NULL; child; child = child->next) {

@@ -12,6 +12,20 @@ void asdic_track_destroy(asdic_track **track) {
     }
 }
 
+bool asdic_track_append(asdic_track *track, const track_point *point) {
+    if (track->count == track->capacity) {
+        size_t capacity = track->capacity ? 2 * track->capacity : 256;
+        track_point *points = realloc(track->points, capacity * sizeof *points);
+        if (!points) {
+            return false;
+        }
+        track->points = points;
+        track->capacity = capacity;
+    }
+    track->points[track->count++] = *point;
+    return true;
+}
+
 size_t asdic_track_point_count(const asdic_track *track) {
     return track->count;
 }

@@ -17,4 +17,7 @@ struct asdic_track {
     size_t count, capacity;
 };
 
+/* False when memory is short. */
+bool asdic_track_append(asdic_track *track, const track_point *point);
+
 #endif

@@ -149,20 +149,6 @@ static bool read_field(track_reader *r, const track_column *column, const field 
     return true;
 }
 
-static bool append(asdic_track *track, const track_point *point) {
-    if (track->count == track->capacity) {
-        size_t capacity = track->capacity ? 2 * track->capacity : 256;
-        track_point *points = realloc(track->points, capacity * sizeof *points);
-        if (!points) {
-            return false;
-        }
-        track->points = points;
-        track->capacity = capacity;
-    }
-    track->points[track->count++] = *point;
-    return true;
-}
-
 static void read_row(track_reader *r, const char *line) {
     field fields[MAX_FIELDS];
     size_t count = split(line, fields);
@@ -189,7 +175,7 @@ static void read_row(track_reader *r, const char *line) {
         return;
     }
     r->last_line = r->line;
-    if (!append(track, &point)) {
+    if (!asdic_track_append(track, &point)) {
         r->problems.out_of_memory = true;
     }
 }

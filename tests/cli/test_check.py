@@ -183,7 +183,7 @@ def test_tracks_give_the_pings():
         tap.contains(asdic("check", "s.yaml", cwd=at).out, "  pings       51 in 5 s\n")
         tap.equal(asdic("check", "few.yaml", cwd=at).code, 0)
         tap.contains(asdic("check", "many.yaml", cwd=at).err,
-                     "many.yaml:8:10: error: 'pings' = 52 is more than the 51 that the track covers "
+                     "many.yaml:8:10: error: 'pings' = 52 is more than the 51 that 'track' covers "
                      "at ping_rate_hz = 10; leave 'pings' out for all of it  [mission.pings]\n")
         tap.contains(asdic("check", "d.yaml", cwd=at).err,
                      "d.yaml:7:10: error: ping 44 at 104.4 s: the sonar is at z = 12.04 m, below "
@@ -192,6 +192,31 @@ def test_tracks_give_the_pings():
         tap.equal(bad.code, 3)
         tap.contains(bad.err, "bad.csv:1:1: error: missing column 'y_m'")
         tap.contains(bad.err, "b.yaml:7:10: error: bad.csv: 5 errors  [mission.track]\n")
+
+
+def test_waypoints_are_flown_and_written():
+    scene = MINIMAL.replace("pose: {position_m: [0, 0, 7]}",
+                            "waypoints: [[0, 0, 7], [60, 0, 7], [60, 40, 9]]")
+    with folder(s_yaml=scene, replay_yaml=scene.replace(
+            "waypoints: [[0, 0, 7], [60, 0, 7], [60, 40, 9]]", "track: t.csv")) as at:
+        flown = asdic("check", "s.yaml", cwd=at)
+        tap.equal((flown.code, flown.err), (0, ""))
+        written = asdic("check", "s.yaml", "--track", "t.csv", cwd=at)
+        tap.equal((written.code, written.out, written.err), (0, "", ""))
+        lines = pathlib.Path(at, "t.csv").read_text().splitlines()
+        tap.equal(lines[:2], ["time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg", "0,0,0,7,0,0,0"])
+        tap.contains(flown.out, f"  pings       {len(lines) - 1} in ")
+        tap.equal(asdic("check", "replay.yaml", cwd=at).out.partition("\n")[2],
+                  flown.out.partition("\n")[2])
+        again = asdic("check", "replay.yaml", "--track", "-", cwd=at)
+        for a, b in zip(again.out.splitlines()[1:], lines[1:]):
+            for x, y in zip(a.split(","), b.split(",")):
+                if abs(float(x) - float(y)) > 1e-9:
+                    raise AssertionError(f"{a} was {b}")
+        refused = asdic("check", "s.yaml", "--track", "t.csv", cwd=at)
+        tap.equal((refused.code, refused.err), (1, "error: 't.csv' exists; --force overwrites it\n"))
+        tap.equal(asdic("check", "s.yaml", "--track", "t.csv", "--force", cwd=at).code, 0)
+        tap.equal(asdic("check", "s.yaml", "replay.yaml", "--track", "u.csv", cwd=at).code, 2)
 
 
 def test_odd_inputs_are_refused():

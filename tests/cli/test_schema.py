@@ -89,7 +89,12 @@ def edits():
     yield ("output", "images"), ["waterfall", "sunset"], False
     yield ("surface", "enabled"), "true", False
     yield ("mission", "track"), "t.csv", False
-    yield ("mission", "waypoints"), [[0, 0, 5]], False
+    yield ("mission", "waypoints"), [[0, 0, 5], [1, 0, 5]], False
+    yield ("mission",), {"waypoints": [[0, 0, 5], [20, 0, 5]]}, True
+    yield ("mission",), {"waypoints": [[0, 0, 5]]}, False
+    yield ("mission",), {"waypoints": [[0, 0, 5], [20, 0]]}, False
+    yield ("mission",), {"waypoints": {"points_m": [[0, 0, 5], [20, 0, 5]], "speed_mps": 1}}, True
+    yield ("mission",), {"waypoints": {"speed_mps": 1}}, False
     yield ("version",), 2, False
 
 

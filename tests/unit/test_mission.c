@@ -5,6 +5,7 @@
 
 #include <asdic/asdic.h>
 
+#include "damage.h"
 #include "de_locale.h"
 
 #include <stdio.h>
@@ -175,6 +176,46 @@ static void decimal_comma_changes_nothing(void **state) {
     setlocale(LC_ALL, "C");
 }
 
+/* Files that are wrong in any way are answered, and what is accepted can be asked. */
+static void damaged_missions_are_answered(void **state) {
+    const workshop *w = *state;
+    static const char scene[] =
+        "version: 1\n"
+        "bottom: {mesh: {file: slope.obj, z_up: false}, position_m: [0, 0, 1]}\n"
+        "objects:\n"
+        "  - {mesh: slope.obj, position_m: [1, 2, 3], type: rock}\n"
+        "  - {cylinder: {radius_m: 1, length_m: 2, segments: 9}, position_m: [10, 2, 3]}\n"
+        "sonar: {frequency_khz: 100, receivers: {fan: {count: 9, sector_deg: 90}}}\n"
+        "mission: {waypoints: [[1, 1, 5], [20, 0, 5], [20, 9, 7]]}\n";
+    char path[128], text[2 * sizeof scene + 512];
+    uint32_t random = 88675123;
+    size_t good = 0, bad = 0;
+    snprintf(path, sizeof path, "%s/damaged.yaml", w->folder);
+    write_file(w, "slope.obj", SLOPE);
+    for (int i = 0; i < 1500; i++) {
+        asdic_mission *m = NULL;
+        size_t size = damage(scene, sizeof scene - 1, &random, text);
+        FILE *file = fopen(path, "wb");
+        assert_non_null(file);
+        assert_int_equal(fwrite(text, 1, size, file), size);
+        fclose(file);
+        asdic_status status = asdic_mission_load(w->ctx, path, &m);
+        good += status == ASDIC_OK;
+        bad += status == ASDIC_ERROR_INPUT;
+        assert_int_equal(m != NULL, status == ASDIC_OK);
+        if (m) {
+            asdic_flat_scene flat = asdic_mission_flat_scene(m, asdic_mission_ping_count(m) - 1);
+            assert_true(flat.altitude_m >= 0 && flat.depth_m >= 0);
+            assert_int_equal(asdic_sonar_check(w->ctx, asdic_mission_sonar(m)), ASDIC_OK);
+            assert_int_equal(asdic_environment_check(w->ctx, asdic_mission_environment(m)),
+                             ASDIC_OK);
+        }
+        asdic_mission_destroy(&m);
+    }
+    assert_int_equal(good + bad, 1500);
+    assert_true(good > 20 && bad > 500);
+}
+
 static void misuse_is_answered(void **state) {
     const workshop *w = *state;
     asdic_mission *m = (asdic_mission *)1;
@@ -195,6 +236,7 @@ int main(void) {
         cmocka_unit_test(open_water),
         cmocka_unit_test(placed_meshes_have_their_box),
         cmocka_unit_test(decimal_comma_changes_nothing),
+        cmocka_unit_test(damaged_missions_are_answered),
         cmocka_unit_test(misuse_is_answered),
     };
     return cmocka_run_group_tests(tests, begin, end);

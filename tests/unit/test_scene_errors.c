@@ -165,9 +165,10 @@ static void alternatives_exclude_each_other(void **state) {
                 "'mesh', 'grid', 'none'  [bottom]\n");
     expect_edit("mission:\n", "mission:\n  track: a.csv\n",
                 "9:3: error: 'track' and 'pose' exclude each other; give only one of 'pose', "
-                "'track'  [mission]\n");
-    expect_edit("  pose: {position_m: [0, 0, 7]}", "  pings: 3",
-                "8:3: error: none of 'pose', 'track' is given; give one of them  [mission]\n");
+                "'track', 'waypoints'  [mission]\n");
+    expect_edit(
+        "  pose: {position_m: [0, 0, 7]}", "  pings: 3",
+        "8:3: error: none of 'pose', 'track', 'waypoints' is given; give one of them  [mission]\n");
     expect_edit("mission:",
                 "objects:\n"
                 "  - {position_m: [1, 2, 3]}\n"
@@ -181,13 +182,13 @@ static void alternatives_exclude_each_other(void **state) {
 
 static void planned_features_are_refused_by_name(void **state) {
     (void)state;
-    expect_edit("  pose: {position_m: [0, 0, 7]}", "  waypoints: [[0, 0, 7]]",
-                "8:3: error: 'waypoints' is not supported yet in this version; leave it out  "
-                "[mission]\n");
     expect_edit("mission:", "output: {netcdf: true}\nmission:",
                 "7:18: error: 'netcdf' = true is not supported yet in this version; use false  "
                 "[output.netcdf]\n");
     expect_edit("mission:", "output: {netcdf: no}\nmission:", "");
+    expect_edit("mission:", "output: {csv: wide}\nmission:",
+                "7:15: error: 'csv' = wide is not supported yet in this version; use long  "
+                "[output.csv]\n");
 }
 
 static void names_are_fit_for_files_and_differ(void **state) {
@@ -264,6 +265,34 @@ static void keys_must_fit_together(void **state) {
                 "[objects[0].material]\n");
 }
 
+static void waypoints_can_be_flown(void **state) {
+    (void)state;
+    const char *pose = "  pose: {position_m: [0, 0, 7]}";
+    expect_edit(pose, "  waypoints: [[0, 0, 7], [9, 0, 7]]", "");
+    expect_edit(pose, "  waypoints: {points_m: [[0, 0, 7], [9, 0, 7]], speed_mps: 2}", "");
+    expect_edit(pose, "  waypoints: [[0, 0, 7]]",
+                "8:14: error: 'points_m' has 1 entries, which is out of range [2, 10000]  "
+                "[mission.waypoints.points_m]\n");
+    expect_edit(pose, "  waypoints: [[0, 0, 7], [1, 2], 3, [x, 1e9, 0]]",
+                "8:26: error: 'points_m' must be a list of 3 numbers in m  "
+                "[mission.waypoints.points_m[1]]\n"
+                "8:34: error: 'points_m' must be a list of 3 numbers in m  "
+                "[mission.waypoints.points_m[2]]\n"
+                "8:38: error: 'points_m' = x is not a number  "
+                "[mission.waypoints.points_m[3][0]]\n"
+                "8:41: error: 'points_m' = 1e9 is out of range [-10000000, 10000000] m  "
+                "[mission.waypoints.points_m[3][1]]\n");
+    expect_edit(pose,
+                "  waypoints: {dive_rate_mps: 2, points_m: [[0, 0, 7], [0, 0, 9], [9, 0, -1]]}",
+                "8:30: error: 'dive_rate_mps' = 2 is not below 'speed_mps' = 1.5  "
+                "[mission.waypoints.dive_rate_mps]\n"
+                "8:55: error: the waypoint is at the same place as the one before, or straight "
+                "above or below it; the vehicle needs a way to fly  "
+                "[mission.waypoints.points_m[1]]\n"
+                "8:73: error: the waypoint is 1 m above the sea surface; z is positive down  "
+                "[mission.waypoints.points_m[2][2]]\n");
+}
+
 static void all_errors_come_in_one_run_in_order(void **state) {
     (void)state;
     expect_errors("version: 1\n"
@@ -324,6 +353,7 @@ int main(void) {
         cmocka_unit_test(planned_features_are_refused_by_name),
         cmocka_unit_test(names_are_fit_for_files_and_differ),
         cmocka_unit_test(keys_must_fit_together),
+        cmocka_unit_test(waypoints_can_be_flown),
         cmocka_unit_test(all_errors_come_in_one_run_in_order),
         cmocka_unit_test(only_a_hundred_errors_are_shown),
     };

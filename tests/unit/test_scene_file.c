@@ -7,6 +7,7 @@
 #include "base/file_read.h"
 #include "base/number.h"
 #include "de_locale.h"
+#include "damage.h"
 
 static char *read_file(const char *name, size_t *size) {
     char path[512];
@@ -27,6 +28,11 @@ static void dump(const asdic_table *table, const void *struct_of, asdic_text *te
             const asdic_list *list = at;
             for (size_t k = 0; k < list->count; k++) {
                 dump(key->table, (const char *)list->items + k * key->table->size, text);
+            }
+        } else if (key->type == ASDIC_KEY_POINTS) {
+            const asdic_list *points = at;
+            for (size_t k = 0; k < 3 * points->count; k++) {
+                asdic_text_format(text, " %.17g", ((const double *)points->items)[k]);
             }
         } else if (key->type == ASDIC_KEY_MAP) {
             dump(key->table, at, text);
@@ -117,7 +123,7 @@ static void json_is_read_as_yaml_is(void **state) {
                   "\"receivers\":[{\"name\":\"a\",\"yaw_deg\":-5}]},\"mission\":{\"pose\":"
                   "{\"position_m\":[0,0,7]},\"track\":\"dir\\/a.csv\"}}",
                   "1:152: error: 'pose' and 'track' exclude each other; give only one of 'pose', "
-                  "'track'  [mission]\n");
+                  "'track', 'waypoints'  [mission]\n");
 }
 
 static void fan_spreads_from_port_to_starboard(void **state) {
@@ -169,51 +175,6 @@ static void decimal_comma_locale_changes_nothing(void **state) {
     assert_string_equal(before, after);
     free(before);
     free(after);
-}
-
-/* A small generator of its own, the same everywhere. */
-static uint32_t draw(uint32_t *state) {
-    *state ^= *state << 13;
-    *state ^= *state >> 17;
-    *state ^= *state << 5;
-    return *state;
-}
-
-/* SIZE bytes of TEXT with some damage; returns the new size. OUT has room for twice as many. */
-static size_t damage(const char *text, size_t size, uint32_t *state, char *out) {
-    static const char *const bits[] = {"{",  "[",   "]",    "}",    ":",   "\n",   "- ",   "'",
-                                       "\"", "&a ", "*a",   "!!x ", "? ",  "| ",   "> ",   "%",
-                                       "#",  "\t",  "\xff", "\0",   "1e9", "-1",   "nan",  "~",
-                                       ", ", "<<",  "---",  "...",  "999", "0.0.", "\xe2", "@"};
-    memcpy(out, text, size);
-    for (uint32_t n = 1 + draw(state) % 4; n > 0 && size > 0; n--) {
-        size_t at = draw(state) % size, length = draw(state) % 24;
-        const char *bit = bits[draw(state) % 32];
-        switch (draw(state) % 5) {
-        case 0: /* one byte other */
-            out[at] = (char)draw(state);
-            break;
-        case 1: /* a stretch lost */
-            length = length > size - at ? size - at : length;
-            memmove(out + at, out + at + length, size - at - length);
-            size -= length;
-            break;
-        case 2: /* something put in */
-            length = *bit ? strlen(bit) : 1;
-            memmove(out + at + length, out + at, size - at);
-            memcpy(out + at, bit, length);
-            size += length;
-            break;
-        case 3: /* a stretch doubled */
-            length = length > size - at ? size - at : length;
-            memmove(out + at + length, out + at, size - at);
-            size += length;
-            break;
-        default: /* the end lost */
-            size = draw(state) % 8 == 0 ? at : size;
-        }
-    }
-    return size;
 }
 
 static void damaged_files_are_answered(void **state) {

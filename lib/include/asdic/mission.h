@@ -82,6 +82,10 @@ ASDIC_API asdic_flat_scene asdic_mission_flat_scene(const asdic_mission *mission
 ASDIC_API asdic_pose asdic_mission_pose(const asdic_mission *mission, size_t index,
                                         double *time_s);
 
+/* Writes the vehicle's pose at every ping as a track, CSV as a scene's `track` reads it. */
+ASDIC_API asdic_status asdic_mission_write_track(asdic_context *ctx, const asdic_mission *mission,
+                                                 const char *path);
+
 /* JSON Schema (draft 7) of the scene file, from the table that reads it. Static text is built
  * once per call; the caller frees it with free(). NULL when memory is short. */
 ASDIC_API char *asdic_mission_schema(void);

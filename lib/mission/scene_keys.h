@@ -1,0 +1,26 @@
+/*
+ * The tables of the scene file, by part. One row says all there is to say about a key; adding a
+ * feature adds a row, and finishing one takes the ASDIC_KEY_PLANNED flag off its row.
+ */
+#ifndef ASDIC_MISSION_SCENE_KEYS_H
+#define ASDIC_MISSION_SCENE_KEYS_H
+
+#include "scene_file.h"
+
+#define COUNT_OF(array) (sizeof(array) / sizeof *(array))
+#define TABLE(keys_of, type_of)                                                                    \
+    .keys = keys_of, .key_count = COUNT_OF(keys_of), .size = sizeof(type_of)
+#define AT(type_of, member) .offset = offsetof(type_of, member)
+
+#define ANGLE(type_of, member, low, high, what)                                                    \
+    {                                                                                              \
+#member, ASDIC_KEY_NUMBER, AT(type_of, member), .unit = "deg", .min = low, .max = high,    \
+                                                        .fallback = "0", .doc = what               \
+    }
+
+/* scene_keys_geometry.c */
+extern const asdic_table asdic_surface_table, asdic_bottom_table, asdic_object_table;
+/* scene_keys_sonar.c */
+extern const asdic_table asdic_sonar_table, asdic_mission_table;
+
+#endif
