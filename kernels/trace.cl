@@ -2,28 +2,42 @@
  * Nearest triangle along each ray. All forms give the same bytes; they differ in speed only.
  *
  *   -D TRACE_STACK=N   entries of the traversal stack, at least 7 * depth + 8
+ *
+ * EXTENT_M is the largest coordinate, by magnitude, of the scene's triangles. ROOT is a child
+ * word: node 0, a leaf for a scene of one block, or DEV_EMPTY.
  */
 #ifndef TRACE_STACK
 #define TRACE_STACK 128
 #endif
 
 #include "types.h"
+#include "trace_packet.h"
 #include "trace_wide8.h"
 
-/* EXTENT_M is the largest coordinate, by magnitude, of the scene's triangles. ROOT is a child
- * word: node 0, a leaf for a scene of one block, or DEV_EMPTY. */
-__kernel void trace(__global const dev_node8 *nodes, __global const dev_block4 *blocks,
-                    __global const dev_ray *rays, __global dev_hit *hits, uint count, uint root,
-                    float extent_m) {
+/* One ray a work-item, eight boxes at a time. */
+__kernel void trace_wide8(__global const dev_node8 *nodes, __global const dev_block4 *blocks,
+                          __global const dev_ray *rays, __global dev_hit *hits, uint count,
+                          uint root, float extent_m) {
     uint i = (uint)get_global_id(0);
     if (i >= count) {
         return;
     }
     dev_ray ray = rays[i];
-    dev_hit hit = {INFINITY, ~0u};
+    dev_hit hit = {ray.t_max, ~0u};
     if (ray.t_max > 0.0f && root != DEV_EMPTY) {
-        hit = trace_wide8(nodes, blocks, ray, root, extent_m);
-        hit.t_m = hit.triangle == ~0u ? INFINITY : hit.t_m;
+        ray8 r = ray8_prepare(ray, extent_m);
+        walk8(nodes, blocks, &r, root, &hit);
     }
+    hit.t_m = hit.triangle == ~0u ? INFINITY : hit.t_m;
     hits[i] = hit;
+}
+
+/* Sixteen rays a work-item. */
+__kernel void trace_pkt16(__global const dev_node8 *nodes, __global const dev_block4 *blocks,
+                          __global const dev_ray *rays, __global dev_hit *hits, uint count,
+                          uint root, float extent_m) {
+    uint first = 16 * (uint)get_global_id(0);
+    if (first < count) {
+        trace_packet16(nodes, blocks, rays, hits, first, count, root, extent_m);
+    }
 }

@@ -156,13 +156,4 @@ static inline void walk8(__global const dev_node8 *nodes, __global const dev_blo
     }
 }
 
-static inline dev_hit trace_wide8(__global const dev_node8 *nodes,
-                                  __global const dev_block4 *blocks, dev_ray ray, uint root,
-                                  float extent_m) {
-    dev_hit best = {ray.t_max, ~0u};
-    ray8 r = ray8_prepare(ray, extent_m);
-    walk8(nodes, blocks, &r, root, &best);
-    return best;
-}
-
 #endif

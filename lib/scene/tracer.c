@@ -2,18 +2,45 @@
 
 #include "../base/context.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
+#include <time.h>
 
-/* Fixed, because each size is compiled anew by some drivers. */
-#define LOCAL_SIZE 64
+/* Below this many rays a measurement says little and costs more than it can win. */
+#define MEASURE_RAYS 2048
+#define MEASURE_RUNS 2
+/* Buffers whose choice is remembered; more than a simulator has. */
+#define MAX_CHOICES 16
+
+enum { FORM_WIDE8, FORM_PKT16, FORM_COUNT, FORM_AUTO = FORM_COUNT };
+
+/* Local sizes are fixed, because each size is compiled anew by some drivers. */
+static const struct {
+    const char *name, *kernel;
+    uint32_t rays; /* per work-item */
+    size_t local;
+} forms[FORM_COUNT] = {
+    [FORM_WIDE8] = {"wide8", "trace_wide8", 1, 64},
+    [FORM_PKT16] = {"pkt16", "trace_pkt16", 16, 16},
+};
+
+typedef struct choice {
+    const asdic_buffer *rays;
+    int form;
+} choice;
 
 struct asdic_tracer {
     asdic_device *device;
     asdic_buffer *nodes, *blocks, *triangles;
-    asdic_kernel *kernel;
+    asdic_kernel *kernels[FORM_COUNT]; /* built when first used */
+    char options[64];
     uint32_t root;
     float extent_m;
+    int form; /* as set, or FORM_AUTO */
+    choice choices[MAX_CHOICES];
+    size_t choice_count;
 };
 
 /* Few sizes, hence few programs: the smallest power of two that a walk of the tree cannot fill. */
@@ -37,6 +64,12 @@ static asdic_status upload(asdic_tracer *t, const asdic_scene *scene) {
                                         scene->triangles, &t->triangles);
 }
 
+static asdic_status need_kernel(asdic_tracer *t, int form) {
+    return t->kernels[form] ? ASDIC_OK
+                            : asdic_kernel_create(t->device, "trace.cl", t->options,
+                                                  forms[form].kernel, &t->kernels[form]);
+}
+
 asdic_status asdic_tracer_create(asdic_device *device, const asdic_scene *scene,
                                  asdic_tracer **out) {
     asdic_context *ctx = asdic_device_context(device);
@@ -51,11 +84,10 @@ asdic_status asdic_tracer_create(asdic_device *device, const asdic_scene *scene,
     t->device = device;
     t->root = scene->bvh.root;
     t->extent_m = scene->bvh.extent_m;
-    char options[64];
-    snprintf(options, sizeof options, "-D TRACE_STACK=%u", stack_entries(&scene->bvh));
+    t->form = FORM_AUTO;
+    snprintf(t->options, sizeof t->options, "-D TRACE_STACK=%u", stack_entries(&scene->bvh));
     asdic_status status = upload(t, scene);
-    status =
-        status ? status : asdic_kernel_create(device, "trace.cl", options, "trace", &t->kernel);
+    status = status ? status : need_kernel(t, FORM_WIDE8);
     if (status != ASDIC_OK) {
         asdic_tracer_destroy(&t);
     }
@@ -68,7 +100,9 @@ void asdic_tracer_destroy(asdic_tracer **tracer) {
         return;
     }
     asdic_tracer *t = *tracer;
-    asdic_kernel_destroy(&t->kernel);
+    for (int form = 0; form < FORM_COUNT; form++) {
+        asdic_kernel_destroy(&t->kernels[form]);
+    }
     asdic_buffer_destroy(&t->triangles);
     asdic_buffer_destroy(&t->blocks);
     asdic_buffer_destroy(&t->nodes);
@@ -76,14 +110,97 @@ void asdic_tracer_destroy(asdic_tracer **tracer) {
     *tracer = NULL;
 }
 
-asdic_status asdic_tracer_run(asdic_tracer *t, asdic_buffer *rays, asdic_buffer *hits,
-                              uint32_t count) {
+asdic_status asdic_tracer_set_kernel(asdic_tracer *t, const char *name) {
+    if (strcmp(name, "auto") == 0) {
+        t->form = FORM_AUTO;
+        return ASDIC_OK;
+    }
+    for (int form = 0; form < FORM_COUNT; form++) {
+        if (strcmp(name, forms[form].name) == 0) {
+            t->form = form;
+            return need_kernel(t, form);
+        }
+    }
+    return asdic_fail(asdic_device_context(t->device), ASDIC_ERROR_ARGUMENT,
+                      "'%s' is not a form of the ray kernel; use auto, wide8 or pkt16", name);
+}
+
+const char *asdic_tracer_kernel_name(size_t index) {
+    return index < FORM_COUNT ? forms[index].name : NULL;
+}
+
+static asdic_status run_form(asdic_tracer *t, int form, asdic_buffer *rays, asdic_buffer *hits,
+                             uint32_t count) {
     asdic_kernel_arg args[] = {
         ASDIC_ARG_BUFFER(t->nodes),   ASDIC_ARG_BUFFER(t->blocks), ASDIC_ARG_BUFFER(rays),
         ASDIC_ARG_BUFFER(hits),       ASDIC_ARG_VALUE(count),      ASDIC_ARG_VALUE(t->root),
         ASDIC_ARG_VALUE(t->extent_m),
     };
-    return asdic_kernel_run(t->kernel, args, sizeof args / sizeof *args, count, LOCAL_SIZE);
+    size_t items = (count + forms[form].rays - 1) / forms[form].rays;
+    asdic_status status = need_kernel(t, form);
+    return status ? status
+                  : asdic_kernel_run(t->kernels[form], args, sizeof args / sizeof *args, items,
+                                     forms[form].local);
+}
+
+static double now_s(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+/* The fastest form on these rays; the hits are right whichever ran last. */
+static asdic_status measure(asdic_tracer *t, asdic_buffer *rays, asdic_buffer *hits, uint32_t count,
+                            int *fastest) {
+    double least_s = INFINITY;
+    for (int form = 0; form < FORM_COUNT; form++) {
+        for (int run = 0; run <= MEASURE_RUNS; run++) {
+            asdic_status status = asdic_device_finish(t->device);
+            double start_s = now_s();
+            status = status ? status : run_form(t, form, rays, hits, count);
+            status = status ? status : asdic_device_finish(t->device);
+            if (status != ASDIC_OK) {
+                return status;
+            }
+            double taken_s = now_s() - start_s;
+            if (run > 0 && taken_s < least_s) { /* the first run compiles */
+                least_s = taken_s;
+                *fastest = form;
+            }
+        }
+    }
+    return ASDIC_OK;
+}
+
+static asdic_status choose(asdic_tracer *t, asdic_buffer *rays, asdic_buffer *hits, uint32_t count,
+                           int *form) {
+    *form = FORM_WIDE8;
+    for (size_t i = 0; i < t->choice_count; i++) {
+        if (t->choices[i].rays == rays) {
+            *form = t->choices[i].form;
+            return ASDIC_OK;
+        }
+    }
+    if (count < MEASURE_RAYS || t->choice_count == MAX_CHOICES) {
+        return ASDIC_OK;
+    }
+    asdic_status status = measure(t, rays, hits, count, form);
+    if (status == ASDIC_OK) {
+        t->choices[t->choice_count++] = (choice){rays, *form};
+        asdic_log(asdic_device_context(t->device), ASDIC_LOG_DEBUG, "ray kernel: %s for %u rays",
+                  forms[*form].name, count);
+    }
+    return status;
+}
+
+asdic_status asdic_tracer_run(asdic_tracer *t, asdic_buffer *rays, asdic_buffer *hits,
+                              uint32_t count) {
+    int form = t->form;
+    asdic_status status = ASDIC_OK;
+    if (form == FORM_AUTO) {
+        status = choose(t, rays, hits, count, &form);
+    }
+    return status ? status : run_form(t, form, rays, hits, count);
 }
 
 asdic_buffer *asdic_tracer_triangles(asdic_tracer *tracer) {

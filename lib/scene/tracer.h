@@ -1,5 +1,11 @@
 /*
  * A scene on a device, and rays through it.
+ *
+ * The kernels exist in several forms that give the same bytes and differ in speed: `wide8` one ray
+ * against eight boxes, `pkt16` sixteen neighbouring rays together, `frustum64` sixty-four rays from
+ * one point, `scalar` one ray a work-item without vectors (GPUs). `auto` takes scalar on a GPU;
+ * elsewhere it measures the others on the first large set of rays in a buffer, and remembers the
+ * fastest for that buffer.
  */
 #ifndef ASDIC_SCENE_TRACER_H
 #define ASDIC_SCENE_TRACER_H
@@ -15,7 +21,14 @@ asdic_status asdic_tracer_create(asdic_device *device, const asdic_scene *scene,
                                  asdic_tracer **out);
 void asdic_tracer_destroy(asdic_tracer **tracer);
 
-/* Enqueues COUNT rays (dev_ray, scene frame) and their hits (dev_hit). */
+/* Chooses the form by name; "auto" in a new tracer. */
+asdic_status asdic_tracer_set_kernel(asdic_tracer *tracer, const char *name);
+
+/* The names for set_kernel one after the other, "auto" left out; NULL at the end. */
+const char *asdic_tracer_kernel_name(size_t index);
+
+/* Enqueues COUNT rays (dev_ray, scene frame) and their hits (dev_hit). Neighbours in the buffer
+ * should be neighbours in direction: order changes the speed, never a hit. */
 asdic_status asdic_tracer_run(asdic_tracer *tracer, asdic_buffer *rays, asdic_buffer *hits,
                               uint32_t count);
 

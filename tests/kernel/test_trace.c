@@ -70,7 +70,7 @@ static void walk_equals_every_block(void **state) {
         random_soup(seed, soup, SOUP);
         random_rays(seed + 100, soup, SOUP, rays, RAYS);
         asdic_scene *scene = trace_rig_scene(&rig, soup, SOUP);
-        trace_rig_run(&rig, scene, rays, RAYS, walked);
+        trace_rig_run_all_forms(&rig, scene, rays, RAYS, walked);
         trace_rig_run_all_blocks(&rig, scene, rays, RAYS, all);
         for (size_t i = 0; i < RAYS; i++) {
             assert_memory_equal(&walked[i], &all[i], sizeof walked[i]);
@@ -84,6 +84,58 @@ static void walk_equals_every_block(void **state) {
     free(rays);
     free(walked);
     free(all);
+}
+
+/* Coherent rays, as a sonar casts them, over a bumpy bottom: the packets' own ground, with counts
+ * that fill no packet, skipped rays, and rays that are no rays. */
+static void forms_agree_on_cones(void **state) {
+    (void)state;
+    enum { SIDE = 40, COUNT = 6001 };
+    dev_triangle *bottom = malloc(2 * SIDE * SIDE * sizeof *bottom);
+    dev_ray *rays = calloc(COUNT, sizeof *rays);
+    dev_hit *hits = calloc(COUNT, sizeof *hits);
+    assert_true(bottom && rays && hits);
+    for (int i = 0; i < SIDE * SIDE; i++) {
+        float v[4][3];
+        for (int c = 0; c < 4; c++) {
+            int x = i / SIDE + (c == 1 || c == 2), y = i % SIDE + (c >= 2);
+            v[c][0] = (float)(x - SIDE / 2);
+            v[c][1] = (float)(y - SIDE / 2);
+            v[c][2] = 10.0f + (float)sin(0.8 * x) * (float)cos(0.5 * y);
+        }
+        bottom[2 * i] = trace_rig_triangle(v[0], v[1], v[2]);
+        bottom[2 * i + 1] = trace_rig_triangle(v[2], v[3], v[0]);
+    }
+    asdic_scene *scene = trace_rig_scene(&rig, bottom, 2 * SIDE * SIDE);
+    for (int kind = 0; kind < 6; kind++) {
+        uint64_t seed = 21;
+        for (int i = 0; i < COUNT; i++) {
+            /* narrow, wide, across the axes and diagonals; moving origins */
+            double spread = kind == 0 ? 0.05 : kind == 1 ? 0.5 : 3.0;
+            double origin[3] = {0.3, -0.2, 1.0};
+            double direction[3] = {spread * (i / 80 - 37) / 37.0, spread * (i % 80 - 40) / 40.0,
+                                   1.0};
+            for (int k = 0; k < 3; k++) {
+                origin[k] += kind >= 3 ? 0.01 * kind * trace_rig_random_signed(&seed) : 0.0;
+            }
+            rays[i] = trace_rig_ray(origin, direction);
+            rays[i].t_max = kind == 4 && i % 3 ? 0.0f : kind == 5 ? 9.5f : INFINITY;
+            if (kind == 5 && i % 50 == 7) {
+                rays[i].direction[i % 3] = NAN;
+            }
+        }
+        static const uint32_t counts[] = {COUNT, 1, 15, 16, 17, 63, 64, 65, 1000};
+        for (size_t c = 0; c < sizeof counts / sizeof *counts; c++) {
+            trace_rig_run_all_forms(&rig, scene, rays, counts[c], hits);
+        }
+        if (kind == 0) {
+            assert_int_not_equal(hits[0].triangle, ~0u);
+        }
+    }
+    asdic_scene_destroy(&scene);
+    free(bottom);
+    free(rays);
+    free(hits);
 }
 
 /* Plane and barycentric coordinates in double; *MARGIN is the smallest of the three. */
@@ -121,7 +173,7 @@ static void hits_are_right(void **state) {
     random_soup(7, soup, SOUP);
     random_rays(8, soup, SOUP, rays, RAYS);
     asdic_scene *scene = trace_rig_scene(&rig, soup, SOUP);
-    trace_rig_run(&rig, scene, rays, RAYS, hits);
+    trace_rig_run_all_forms(&rig, scene, rays, RAYS, hits);
     for (size_t i = 0; i < RAYS; i += 3) { /* those towards random points: no knife edges */
         double nearest = rays[i].t_max;
         bool doubtful = false;
@@ -161,8 +213,8 @@ static void order_does_not_matter(void **state) {
     }
     asdic_scene *a = trace_rig_scene(&rig, soup, SOUP);
     asdic_scene *b = trace_rig_scene(&rig, shuffled, SOUP);
-    trace_rig_run(&rig, a, rays, RAYS, first);
-    trace_rig_run(&rig, b, rays, RAYS, second);
+    trace_rig_run_all_forms(&rig, a, rays, RAYS, first);
+    trace_rig_run_all_forms(&rig, b, rays, RAYS, second);
     for (size_t i = 0; i < RAYS; i++) {
         assert_memory_equal(&first[i].t_m, &second[i].t_m, sizeof first[i].t_m);
     }
@@ -187,14 +239,14 @@ static void empty_scene_and_skipped_rays(void **state) {
     rays[3].t_max = 5.0f; /* the limit is inclusive */
     dev_hit hits[4];
     asdic_scene *scene = trace_rig_scene(&rig, &one, 0);
-    trace_rig_run(&rig, scene, rays, 4, hits);
+    trace_rig_run_all_forms(&rig, scene, rays, 4, hits);
     for (int i = 0; i < 4; i++) {
         assert_int_equal(hits[i].triangle, ~0u);
         assert_true(isinf(hits[i].t_m));
     }
     asdic_scene_destroy(&scene);
     scene = trace_rig_scene(&rig, &one, 1);
-    trace_rig_run(&rig, scene, rays, 4, hits);
+    trace_rig_run_all_forms(&rig, scene, rays, 4, hits);
     assert_close(hits[0].t_m, 5.0, 0.0, 0.0);
     assert_int_equal(hits[0].triangle, 0);
     assert_int_equal(hits[1].triangle, ~0u);
@@ -216,7 +268,7 @@ static void ties_go_to_the_lowest_id(void **state) {
     dev_ray ray = trace_rig_ray(origin, down);
     dev_hit hit;
     asdic_scene *scene = trace_rig_scene(&rig, copies, COPIES);
-    trace_rig_run(&rig, scene, &ray, 1, &hit);
+    trace_rig_run_all_forms(&rig, scene, &ray, 1, &hit);
     assert_int_equal(hit.triangle, 0);
     assert_close(hit.t_m, 5.0, 0.0, 0.0);
     asdic_scene_destroy(&scene);
@@ -224,8 +276,11 @@ static void ties_go_to_the_lowest_id(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(walk_equals_every_block),  cmocka_unit_test(hits_are_right),
-        cmocka_unit_test(order_does_not_matter),    cmocka_unit_test(empty_scene_and_skipped_rays),
+        cmocka_unit_test(walk_equals_every_block),
+        cmocka_unit_test(forms_agree_on_cones),
+        cmocka_unit_test(hits_are_right),
+        cmocka_unit_test(order_does_not_matter),
+        cmocka_unit_test(empty_scene_and_skipped_rays),
         cmocka_unit_test(ties_go_to_the_lowest_id),
     };
     int skipped = trace_rig_open(&rig);

@@ -56,7 +56,7 @@ static size_t count_missed(const dev_triangle *triangles, size_t count, const de
     dev_hit *hits = calloc(RAYS, sizeof *hits);
     assert_non_null(hits);
     asdic_scene *scene = trace_rig_scene(&rig, triangles, count);
-    trace_rig_run(&rig, scene, rays, RAYS, hits);
+    trace_rig_run_all_forms(&rig, scene, rays, RAYS, hits);
     size_t missed = 0;
     for (size_t i = 0; i < RAYS; i++) {
         missed += hits[i].triangle == ~0u;

@@ -41,12 +41,13 @@ asdic_scene *trace_rig_scene(const trace_rig *rig, const dev_triangle *triangles
     return scene;
 }
 
-void trace_rig_run(const trace_rig *rig, const asdic_scene *scene, const dev_ray *rays,
-                   uint32_t count, dev_hit *hits) {
+void trace_rig_run(const trace_rig *rig, const asdic_scene *scene, const char *form,
+                   const dev_ray *rays, uint32_t count, dev_hit *hits) {
     asdic_device *device = rig->devices[0];
     asdic_tracer *tracer;
     asdic_buffer *ray_buffer, *hit_buffer;
     trace_rig_check(rig, asdic_tracer_create(device, scene, &tracer));
+    trace_rig_check(rig, asdic_tracer_set_kernel(tracer, form));
     trace_rig_check(rig, asdic_buffer_create(device, count * sizeof *rays, rays, &ray_buffer));
     trace_rig_check(rig, asdic_buffer_create(device, count * sizeof *hits, NULL, &hit_buffer));
     trace_rig_check(rig, asdic_tracer_run(tracer, ray_buffer, hit_buffer, count));
@@ -54,6 +55,26 @@ void trace_rig_run(const trace_rig *rig, const asdic_scene *scene, const dev_ray
     asdic_buffer_destroy(&hit_buffer);
     asdic_buffer_destroy(&ray_buffer);
     asdic_tracer_destroy(&tracer);
+}
+
+void trace_rig_run_all_forms(const trace_rig *rig, const asdic_scene *scene, const dev_ray *rays,
+                             uint32_t count, dev_hit *hits) {
+    dev_hit *again = malloc(count * sizeof *again);
+    assert_non_null(again);
+    trace_rig_run(rig, scene, "wide8", rays, count, hits);
+    for (size_t form = 0; asdic_tracer_kernel_name(form); form++) {
+        memset(again, 0, count * sizeof *again);
+        trace_rig_run(rig, scene, asdic_tracer_kernel_name(form), rays, count, again);
+        for (uint32_t i = 0; i < count; i++) {
+            if (memcmp(&hits[i], &again[i], sizeof *hits) != 0) {
+                print_error("%s: ray %u of %u hits %u at %.9g, wide8 hits %u at %.9g\n",
+                            asdic_tracer_kernel_name(form), i, count, again[i].triangle,
+                            again[i].t_m, hits[i].triangle, hits[i].t_m);
+                fail();
+            }
+        }
+    }
+    free(again);
 }
 
 void trace_rig_run_all_blocks(const trace_rig *rig, const asdic_scene *scene, const dev_ray *rays,
@@ -66,7 +87,7 @@ void trace_rig_run_all_blocks(const trace_rig *rig, const asdic_scene *scene, co
     asdic_scene lone = *scene;
     for (uint32_t b = 0; b < scene->bvh.block_count; b++) {
         lone.bvh.root = DEV_LEAF | b;
-        trace_rig_run(rig, &lone, rays, count, found);
+        trace_rig_run(rig, &lone, "wide8", rays, count, found);
         for (uint32_t i = 0; i < count; i++) {
             if (found[i].t_m < hits[i].t_m ||
                 (found[i].t_m == hits[i].t_m && found[i].triangle < hits[i].triangle)) {

@@ -24,9 +24,13 @@ void trace_rig_check(const trace_rig *rig, asdic_status status);
 /* A committed scene that owns a copy of COUNT triangles as they are, not recentred. */
 asdic_scene *trace_rig_scene(const trace_rig *rig, const dev_triangle *triangles, size_t count);
 
-/* The nearest hits by walking the hierarchy. */
-void trace_rig_run(const trace_rig *rig, const asdic_scene *scene, const dev_ray *rays,
-                   uint32_t count, dev_hit *hits);
+/* The nearest hits by walking the hierarchy, with the named form of the kernel. */
+void trace_rig_run(const trace_rig *rig, const asdic_scene *scene, const char *form,
+                   const dev_ray *rays, uint32_t count, dev_hit *hits);
+
+/* The same with the plain form, after every other one has given the same bytes. */
+void trace_rig_run_all_forms(const trace_rig *rig, const asdic_scene *scene, const dev_ray *rays,
+                             uint32_t count, dev_hit *hits);
 
 /* The nearest hits by testing every block alone, without a node: what run must equal. */
 void trace_rig_run_all_blocks(const trace_rig *rig, const asdic_scene *scene, const dev_ray *rays,
