@@ -1,6 +1,9 @@
 """asdic schema: valid JSON Schema, that accepts what the reader accepts and refuses what it refuses."""
 import json
+import os
 import pathlib
+import shutil
+import subprocess
 
 import tap
 from program import asdic
@@ -113,6 +116,26 @@ def test_schema_and_reader_agree():
         tap.equal(check.is_valid(scene), good, "schema, " + what)
         tap.equal(asdic("check", "-", stdin=json.dumps(scene)).code, 0 if good else 3,
                   "reader, " + what)
+
+
+def test_manual_page_names_every_key():
+    page = pathlib.Path(os.environ["SCENE_MAN"])
+    if not page.exists():
+        raise tap.Skip("the manual page was not made")
+    text = page.read_text()
+
+    def names(part):
+        for name, key in part.get("properties", {}).items():
+            yield name
+            yield from names(key)
+        for inner in [part[of] for of in ("items",) if of in part] + part.get("anyOf", []):
+            yield from names(inner)
+    for name in names(schema()):
+        tap.contains(text, f"\n.B {name}\n")
+    if shutil.which("groff"):
+        done = subprocess.run(["groff", "-man", "-ww", "-Tutf8", "-rLL=100n", page],
+                              capture_output=True, check=True)
+        tap.equal(done.stderr, b"")
 
 
 tap.main(globals())

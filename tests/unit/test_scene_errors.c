@@ -149,7 +149,8 @@ static void missing_keys_are_all_named(void **state) {
         "sonar: {}\n",
         "1:1: error: missing key 'version' (version of this format)  [scene]\n"
         "1:1: error: missing key 'bottom' (the sea floor: depth_m, mesh, grid or none)  [scene]\n"
-        "1:1: error: missing key 'mission' (where the vehicle is: pose or track)  [scene]\n"
+        "1:1: error: missing key 'mission' (where the vehicle is: pose, track or waypoints)  "
+        "[scene]\n"
         "1:8: error: missing key 'frequency_khz', in kHz (centre frequency)  [sonar]\n"
         "1:8: error: missing key 'receivers' (the receiving apertures: a list, or fan: {count, "
         "sector_deg, ...})  [sonar]\n");

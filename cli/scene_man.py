@@ -1,0 +1,109 @@
+"""asdic-scene(5), the manual page of the scene file, from what `asdic schema` prints.
+
+    scene_man.py ASDIC EXAMPLE.yaml VERSION > asdic-scene.5
+"""
+import json
+import re
+import subprocess
+import sys
+
+INTRODUCTION = """\
+A scene file says all that a simulation depends on: the water, what sound meets, the sonar and
+where it goes. It is YAML 1.1, or JSON. Every key carries its unit in its name; a key that is left
+out has the default given here. Unknown keys, values out of range and keys that contradict each
+other are errors, all of which are named in one run with line, column, key, value, limit and
+remedy. Anchors, aliases, tags and doubled keys are refused; numbers are plain decimals.
+
+Positions are north, east, down in metres from a point of the sea surface. Rotations are roll,
+pitch, yaw in degrees, applied yaw first (aerospace order); a vehicle's positive pitch raises the
+bow, a beam's positive pitch looks down. Files are named relative to the scene file."""
+
+
+def escape(text):
+    """TEXT in roff: backslashes, minus signs, and no line that looks like a request."""
+    text = text.replace("\\", "\\e").replace("-", "\\-")
+    return "\n".join("\\&" + line if line.startswith((".", "'")) else line for line in text.split("\n"))
+
+
+def words(enum):
+    return ", ".join(str(word) for word in enum if word is not False)
+
+
+def kind(schema):
+    """What a value may be, in a few words."""
+    if "anyOf" in schema:
+        return " or ".join(filter(None, (kind(choice) for choice in schema["anyOf"])))
+    if "enum" in schema:
+        return words(schema["enum"])
+    if "const" in schema:
+        return json.dumps(schema["const"]).strip('"')
+    of = schema.get("type")
+    if of == "object":
+        return "a map"
+    if of == "array":
+        item = schema["items"]
+        least, most = schema.get("minItems"), schema.get("maxItems")
+        count = f"{least} " if least == most and least else ""
+        if item.get("type") == "array":
+            return f"a list of points {kind(item)[len('a list of '):]}"
+        if item.get("type") == "number":
+            return f"a list of {count}numbers in [{item['minimum']:g}, {item['maximum']:g}]"
+        return "a list of " + (words(item["enum"]) if "enum" in item else "maps")
+    if of in ("number", "integer"):
+        name = "a number" if of == "number" else "a whole number"
+        return f"{name} in [{schema['minimum']:.10g}, {schema['maximum']:.16g}]"
+    if of == "boolean":
+        return "true or false"
+    return "a name" if "pattern" in schema else "a file"
+
+
+def maps(schema):
+    """The maps that SCHEMA may be, and what follows the key's name for each."""
+    if schema.get("type") == "object":
+        yield "", schema
+    elif schema.get("type") == "array":
+        yield from (("[]" + suffix, found) for suffix, found in maps(schema["items"]))
+    for choice in schema.get("anyOf", []):
+        yield from maps(choice)
+
+
+def print_map(path, schema, title):
+    print(f".SS {escape(title)}")
+    for name, key in schema["properties"].items():
+        print(f".TP\n.B {escape(name)}")
+        required = name in schema.get("required", [])
+        default = json.dumps(key["default"]).replace('"', "") if "default" in key else None
+        note = "; required" if required else f"; default {default}" if default else ""
+        about, unit = re.fullmatch(r"(.*?)(?: \[([^]]*)\])?", key["description"]).groups()
+        if about.split()[0].strip(",:;").isalpha():
+            about = about[0].upper() + about[1:]
+        print(escape(kind(key) + (f" {unit}" if unit else "") + note))
+        print(f".br\n{escape(about)}.")
+    choices = [choice["required"][0] for choice in schema.get("oneOf", [])]
+    if choices:
+        print(f".PP\nExactly one of {escape(', '.join(choices))} is given.")
+    excluded = schema.get("not", {}).get("required")
+    if excluded:
+        print(f".PP\nAt most one of {escape(', '.join(excluded))} is given.")
+    for name, key in schema["properties"].items():
+        for suffix, inner in maps(key):
+            inner_path = f"{path}.{name}{suffix}" if path else f"{name}{suffix}"
+            print_map(inner_path, inner, inner_path)
+
+
+def main():
+    program, example, version = sys.argv[1:4]
+    schema = json.loads(subprocess.run([program, "schema"], capture_output=True, check=True).stdout)
+    with open(example, encoding="utf-8") as file:
+        text = file.read()
+    print(f'.TH ASDIC\\-SCENE 5 "" "asdic {version}" "File formats"')
+    print(".SH NAME\nasdic\\-scene \\- scene file of asdic")
+    print(".SH DESCRIPTION\n" + escape(INTRODUCTION).replace("\n\n", "\n.PP\n"))
+    print(".SH KEYS")
+    print_map("", schema, "The file")
+    print(".SH EXAMPLE\n.nf\n" + escape(text.rstrip()) + "\n.fi")
+    print(".SH SEE ALSO\n.BR asdic (1)")
+
+
+if __name__ == "__main__":
+    main()
