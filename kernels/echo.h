@@ -9,10 +9,14 @@
 #include "beam.h"
 #include "deposit.h"
 #include "ping_types.h"
+#include "smooth.h"
 #include "target.h"
 
 #define LANES for (uint lane = 0; lane < ASDIC_WIDTH; lane++)
 #define AT(vector, type) ((type *)&(vector))[lane]
+
+/* A plane's flat area: as good as endless. */
+#define ASDIC_PLANE_M2 1e12f
 
 /* The scene as kernels see it; bundles what every ray needs. */
 typedef struct world {
@@ -28,35 +32,67 @@ static __global const dev_beam *beams_of(__global const dev_ping *ping) {
     return (__global const dev_beam *)(ping + 1);
 }
 
+/* Points or directions of ASDIC_WIDTH rays. */
+typedef struct triple {
+    real x, y, z;
+} triple;
+
+static real dot3(triple a, triple b) {
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+static vector lane_of(const triple *v, uint lane) {
+    return vector_of(AT(v->x, const float), AT(v->y, const float), AT(v->z, const float));
+}
+
 /* What ASDIC_WIDTH rays met: nearest of mesh, bottom plane and surface. */
 typedef struct meeting {
-    real range;      /* m along the ray; INFINITY where nothing was met within its length */
-    natural kind;    /* DEV_KIND_* */
-    real nx, ny, nz; /* unit normal, either side */
+    real range;       /* m along the ray; INFINITY where nothing was met within its length */
+    natural kind;     /* DEV_KIND_* */
+    triple facet;     /* unit normal of what was hit, either side: for areas */
+    triple surface;   /* of the surface it stands for: for angles of scattering and reflection */
+    real coherent_m2; /* flat area that reflects in phase */
     natural material;
 } meeting;
 
-/* Takes the mesh hits of slots SLOT..., and the planes as seen from DROP metres below the sonar;
- * nothing beyond LIMIT counts. */
-static meeting meet(const world *w, __global const dev_hit *hits, uint slot, real uz, real drop,
+#if ASDIC_HAS_MESH
+/* One lane's facet: normals, flat area, kind, material. */
+static void meet_facet(const world *w, dev_hit hit, vector from, vector u, meeting *m, uint lane) {
+    __global const dev_triangle *t = w->triangles + hit.triangle;
+    __global const dev_part *part = w->parts + t->part;
+    vector normal = smooth_normal(t, vector_step(from, hit.t_m, u));
+    AT(m->range, float) = hit.t_m;
+    AT(m->facet.x, float) = t->normal[0];
+    AT(m->facet.y, float) = t->normal[1];
+    AT(m->facet.z, float) = t->normal[2];
+    AT(m->surface.x, float) = normal.x;
+    AT(m->surface.y, float) = normal.y;
+    AT(m->surface.z, float) = normal.z;
+    AT(m->coherent_m2, float) =
+        max(t->flat_m2, min(w->ping->wavelength_m * t->radius_m, part->size_m2));
+    AT(m->kind, uint) = part->kind;
+    AT(m->material, uint) = part->material;
+}
+#endif
+
+/* Takes the mesh hits of slots SLOT... of rays from FROM along U, and the planes; nothing beyond
+ * LIMIT counts. */
+static meeting meet(const world *w, __global const dev_hit *hits, uint slot, triple from, triple u,
                     real limit) {
     meeting m;
+    real uz = u.z, drop = from.z - (real)(w->ping->origin[2]); /* below the sonar */
     m.range = (real)(INFINITY);
     m.kind = (natural)(DEV_KIND_NONE);
     m.material = (natural)(w->ping->bottom_material);
-    m.nx = m.ny = R(0.0);
-    m.nz = R(-1.0);
+    m.facet.x = m.facet.y = R(0.0);
+    m.facet.z = R(-1.0);
+    m.surface = m.facet;
+    m.coherent_m2 = (real)(ASDIC_PLANE_M2);
 #if ASDIC_HAS_MESH
     LANES {
         dev_hit hit = hits[slot + lane];
         if (hit.triangle != 0xffffffffu) {
-            __global const dev_triangle *t = w->triangles + hit.triangle;
-            AT(m.range, float) = hit.t_m;
-            AT(m.nx, float) = t->normal[0];
-            AT(m.ny, float) = t->normal[1];
-            AT(m.nz, float) = t->normal[2];
-            AT(m.kind, uint) = w->parts[t->part].kind;
-            AT(m.material, uint) = w->parts[t->part].material;
+            meet_facet(w, hit, lane_of(&from, lane), lane_of(&u, lane), &m, lane);
         }
     }
 #endif
@@ -71,9 +107,13 @@ static meeting meet(const world *w, __global const dev_hit *hits, uint slot, rea
     m.range = choose(surface, up, m.range);
     m.kind = choose_natural(surface, (natural)(DEV_KIND_SURFACE), m.kind);
     mask flat = plane | surface;
-    m.nx = choose(flat, R(0.0), m.nx);
-    m.ny = choose(flat, R(0.0), m.ny);
-    m.nz = choose(flat, R(-1.0), m.nz);
+    m.facet.x = choose(flat, R(0.0), m.facet.x);
+    m.facet.y = choose(flat, R(0.0), m.facet.y);
+    m.facet.z = choose(flat, R(-1.0), m.facet.z);
+    m.surface.x = choose(flat, R(0.0), m.surface.x);
+    m.surface.y = choose(flat, R(0.0), m.surface.y);
+    m.surface.z = choose(flat, R(-1.0), m.surface.z);
+    m.coherent_m2 = choose(flat, (real)(ASDIC_PLANE_M2), m.coherent_m2);
     mask far = m.range > limit;
     m.kind = choose_natural(far, (natural)(DEV_KIND_NONE), m.kind);
     m.range = choose(far, (real)(INFINITY), m.range);
@@ -92,7 +132,8 @@ static law_lanes laws_met(const world *w, const meeting *m) {
     natural law = (natural)(DEV_LAW_BOTTOM);
     l.bottom_type = l.bottom_gain = l.bottom_peak = R(1.0);
     l.reflection2 = l.roughness_g = R(0.0);
-    l.slope_ms = l.coherent_area_m2 = R(1.0);
+    l.slope_ms = R(1.0);
+    l.coherent_area_m2 = m->coherent_m2;
     LANES {
         __global const dev_material *c = w->materials + AT(m->material, const uint);
         AT(law, uint) = c->law;
@@ -102,7 +143,9 @@ static law_lanes laws_met(const world *w, const meeting *m) {
         AT(l.reflection2, float) = c->reflection2;
         AT(l.roughness_g, float) = c->roughness_g;
         AT(l.slope_ms, float) = c->slope_ms;
-        AT(l.coherent_area_m2, float) = c->coherent_area_m2;
+        if (c->coherent_area_m2 > 0.0f) {
+            AT(l.coherent_area_m2, float) = c->coherent_area_m2;
+        }
     }
     mask solid = (m->kind == DEV_KIND_BOTTOM) | (m->kind == DEV_KIND_OBJECT);
     l.is_surface = (m->kind == DEV_KIND_SURFACE);
@@ -135,9 +178,20 @@ static real strength(const world *w, const law_lanes *l, real sin_grazing, real 
     return s;
 }
 
-/* Sine of the grazing angle between a direction and what was met; never 0. */
-static real grazing(const meeting *m, real ux, real uy, real uz) {
-    real s = r_abs(m->nx * ux + m->ny * uy + m->nz * uz);
+/* Sine of the grazing angle between a direction and the facet that was met: what turns the ray's
+ * cross-section into area. Never 0; on an object at least 1e-3, which leaves out less than 1e-3 of
+ * its area and bounds the weight of rays that touch its limb. */
+static real grazing(const meeting *m, triple u) {
+    real s = r_abs(dot3(m->facet, u));
+    mask object = (m->kind == DEV_KIND_OBJECT);
+    return r_max(r_min(s, R(1.0)), choose(object, R(1e-3), R(1e-6)));
+}
+
+/* The same with the surface that the facet stands for, for the laws of scattering; where that
+ * faces away, although the facet does not, as if it were seen edge on. */
+static real surface_grazing(const meeting *m, triple u) {
+    real s = dot3(m->surface, u);
+    s = choose(dot3(m->facet, u) < R(0.0), -s, s);
     return r_max(r_min(s, R(1.0)), R(1e-6));
 }
 

@@ -10,23 +10,29 @@
  *     E = mu [B_T(ray) B_R(X) + B_T(X) B_R(ray)] sqrt(s_X(in) s_X(out)) dOmega / sin Theta_X
  *         d3^-2 exp(-2 k (D - 1))
  *
- * The tube's outgoing spreading cancels against its area, so that only the return spreads: exact
- * for flat mirrors, an upper bound for convex ones. sqrt(s_in s_out) is exact for Lambert's law.
+ * The tube's outgoing spreading cancels against its area, so that only the return spreads. D^-2 is
+ * for flat mirrors; at a curved one it becomes 1 / J,
+ *
+ *     J = D^2 + 2 D d1 d2 (kappa_t / cos i + kappa_s cos i) + 4 d1^2 d2^2 K
+ *
+ * with the curvatures along and across the plane of incidence and their product K, positive where
+ * convex (G. A. Deschamps, "Ray techniques in electromagnetics", Proc. IEEE 60(9), 1972). Near the
+ * focus of a concave mirror the gain is held to 20 dB. sqrt(s_in s_out) is exact for Lambert's law.
  */
 #include "receive.h"
 
-/* How far off the surface they leave secondary rays start, m: above the rounding
- * of their coordinates. */
-static real skin(real x, real y, real z) {
-    return R(1e-4) + R(1e-6) * r_max(r_max(r_abs(x), r_abs(y)), r_abs(z));
+/* Secondary rays start off the surface they leave, on its SIDE, by more than the rounding of their
+ * coordinates. */
+static triple lift(triple p, triple normal, real side) {
+    real off = R(1e-4) + R(1e-6) * r_max(r_max(r_abs(p.x), r_abs(p.y)), r_abs(p.z));
+    p.x += side * off * normal.x;
+    p.y += side * off * normal.y;
+    p.z += side * off * normal.z;
+    return p;
 }
 
-typedef struct directions {
-    real x, y, z;
-} directions;
-
-static directions load_directions(__global const dev_ray *rays, uint slot) {
-    directions d;
+static triple load_directions(__global const dev_ray *rays, uint slot) {
+    triple d;
     LANES {
         AT(d.x, float) = rays[slot + lane].direction[0];
         AT(d.y, float) = rays[slot + lane].direction[1];
@@ -35,8 +41,8 @@ static directions load_directions(__global const dev_ray *rays, uint slot) {
     return d;
 }
 
-static directions load_origins(__global const dev_ray *rays, uint slot) {
-    directions d;
+static triple load_origins(__global const dev_ray *rays, uint slot) {
+    triple d;
     LANES {
         AT(d.x, float) = rays[slot + lane].origin[0];
         AT(d.y, float) = rays[slot + lane].origin[1];
@@ -45,8 +51,7 @@ static directions load_origins(__global const dev_ray *rays, uint slot) {
     return d;
 }
 
-static void store_rays(__global dev_ray *rays, uint slot, directions from, directions to,
-                       real t_max) {
+static void store_rays(__global dev_ray *rays, uint slot, triple from, triple to, real t_max) {
     LANES {
         dev_ray ray;
         ray.origin[0] = AT(from.x, float);
@@ -63,56 +68,57 @@ static void store_rays(__global dev_ray *rays, uint slot, directions from, direc
 
 /*
  * reflect: the mirror ray of every ray that met a mirror; t_max 0 where there is none. MIRRORS
- * takes (share mu, d1) of each slot.
+ * takes of each slot the share mu, d1, kappa_t / cos i + kappa_s cos i, and K.
  */
-__kernel void reflect(__global const dev_ping *ping,
-                      __global const dev_ray *rays, __global const dev_hit *hits,
-                      __global const dev_triangle *triangles, __global const dev_part *parts,
-                      __global const dev_material *materials, __global dev_ray *bounced,
-                      __global float2 *mirrors) {
+__kernel void reflect(__global const dev_ping *ping, __global const dev_ray *rays,
+                      __global const dev_hit *hits, __global const dev_triangle *triangles,
+                      __global const dev_part *parts, __global const dev_material *materials,
+                      __global dev_ray *bounced, __global float4 *mirrors) {
     uint slot = (uint)(get_global_id(0)) * ASDIC_WIDTH;
     if (slot >= ping->groups * ping->per_group) {
         return;
     }
     world w = {ping, beams_of(ping), triangles, parts, materials};
-    directions u = load_directions(rays, slot), from = load_origins(rays, slot);
+    triple u = load_directions(rays, slot), from = load_origins(rays, slot);
     real reach = (real)(ping->range_m);
-    meeting m = meet(&w, hits, slot, u.z, R(0.0), reach);
+    meeting m = meet(&w, hits, slot, from, u, reach);
     law_lanes laws = laws_met(&w, &m);
-    real sin_grazing = grazing(&m, u.x, u.y, u.z);
-    real share = mirror_share(sin_grazing, laws.reflection2, laws.roughness_g);
+    real share = mirror_share(surface_grazing(&m, u), laws.reflection2, laws.roughness_g);
     mask mirror = laws.is_facet & (m.kind == DEV_KIND_OBJECT) & (share > (real)(DEV_MIN_MIRROR));
+
+    real along = dot3(m.surface, u);
+    triple to = {u.x - R(2.0) * along * m.surface.x, u.y - R(2.0) * along * m.surface.y,
+                 u.z - R(2.0) * along * m.surface.z};
+    /* It leaves on the facet's near side; what an interpolated normal turns inwards is lost. */
+    real side = choose(dot3(m.facet, u) > R(0.0), R(-1.0), R(1.0));
+    mirror &= side * dot3(m.facet, to) > R(0.0);
     share = choose(mirror, share, R(0.0));
     real d1 = choose(mirror, m.range, R(0.0));
-
-    real along = m.nx * u.x + m.ny * u.y + m.nz * u.z;
-    real side = choose(along > R(0.0), R(-1.0), R(1.0));
-    directions to = {u.x - R(2.0) * along * m.nx, u.y - R(2.0) * along * m.ny,
-                     u.z - R(2.0) * along * m.nz};
-    directions start = {from.x + d1 * u.x, from.y + d1 * u.y, from.z + d1 * u.z};
-    real off = side * skin(start.x, start.y, start.z);
-    start.x += off * m.nx;
-    start.y += off * m.ny;
-    start.z += off * m.nz;
+    triple start = {from.x + d1 * u.x, from.y + d1 * u.y, from.z + d1 * u.z};
+    start = lift(start, m.facet, side);
     /* The farthest d2 with d1 + d2 + d3 <= 2 range, whatever the mirror ray meets. */
     real rest = R(2.0) * reach - d1;
-    real cosine = u.x * to.x + u.y * to.y + u.z * to.z;
-    real t_max = (rest * rest - d1 * d1) / (R(2.0) * r_max(rest + d1 * cosine, R(1e-3)));
+    real t_max = (rest * rest - d1 * d1) / (R(2.0) * r_max(rest + d1 * dot3(u, to), R(1e-3)));
     store_rays(bounced, slot, start, to, choose(mirror, r_min(t_max, reach), R(0.0)));
     LANES {
-        mirrors[slot + lane] = (float2)(AT(share, float), AT(d1, float));
+        smooth_bend bend = {0.0f, 0.0f};
+#if ASDIC_HAS_MESH
+        if (AT(mirror, int) && hits[slot + lane].t_m == AT(m.range, float)) {
+            bend = smooth_bend_of(triangles + hits[slot + lane].triangle, lane_of(&u, lane));
+        }
+#endif
+        mirrors[slot + lane] = (float4)(AT(share, float), AT(d1, float), bend.trace, bend.gauss);
     }
 }
 
 /* What the mirror ray of a slot met. */
 static meeting meet_bounced(const world *w, __global const dev_ray *bounced,
-                            __global const dev_hit *hits, uint slot, directions u,
-                            directions from) {
+                            __global const dev_hit *hits, uint slot, triple u, triple from) {
     real limit;
     LANES {
         AT(limit, float) = bounced[slot + lane].t_max;
     }
-    meeting m = meet(w, hits, slot, u.z, from.z - (real)(w->ping->origin[2]), limit);
+    meeting m = meet(w, hits, slot, from, u, limit);
     mask off = limit <= R(0.0);
     m.kind = choose_natural(off, (natural)(DEV_KIND_NONE), m.kind);
     return m;
@@ -122,33 +128,30 @@ static meeting meet_bounced(const world *w, __global const dev_ray *bounced,
  * connect: from every X back to the sonar, to learn whether it is visible. The ray starts off X on
  * the side the mirror ray came from and ends just short of the sonar.
  */
-__kernel void connect(__global const dev_ping *ping,
-                      __global const dev_ray *bounced, __global const dev_hit *hits,
-                      __global const dev_triangle *triangles, __global const dev_part *parts,
-                      __global const dev_material *materials, __global dev_ray *returning) {
+__kernel void connect(__global const dev_ping *ping, __global const dev_ray *bounced,
+                      __global const dev_hit *hits, __global const dev_triangle *triangles,
+                      __global const dev_part *parts, __global const dev_material *materials,
+                      __global dev_ray *returning) {
     uint slot = (uint)(get_global_id(0)) * ASDIC_WIDTH;
     if (slot >= ping->groups * ping->per_group) {
         return;
     }
     world w = {ping, beams_of(ping), triangles, parts, materials};
-    directions u = load_directions(bounced, slot), from = load_origins(bounced, slot);
+    triple u = load_directions(bounced, slot), from = load_origins(bounced, slot);
     meeting m = meet_bounced(&w, bounced, hits, slot, u, from);
     mask met = m.kind != DEV_KIND_NONE;
     real d2 = choose(met, m.range, R(0.0));
-    directions x = {from.x + d2 * u.x, from.y + d2 * u.y, from.z + d2 * u.z};
-    real along = m.nx * u.x + m.ny * u.y + m.nz * u.z;
-    real off = choose(along > R(0.0), R(-1.0), R(1.0)) * skin(x.x, x.y, x.z);
-    x.x += off * m.nx;
-    x.y += off * m.ny;
-    x.z += off * m.nz;
-    directions to = {(real)(ping->origin[0]) - x.x, (real)(ping->origin[1]) - x.y,
-                     (real)(ping->origin[2]) - x.z};
-    real d3 = r_max(sqrt(to.x * to.x + to.y * to.y + to.z * to.z), R(1e-6));
+    triple x = {from.x + d2 * u.x, from.y + d2 * u.y, from.z + d2 * u.z};
+    real along = dot3(m.facet, u);
+    x = lift(x, m.facet, choose(along > R(0.0), R(-1.0), R(1.0)));
+    triple to = {(real)(ping->origin[0]) - x.x, (real)(ping->origin[1]) - x.y,
+                 (real)(ping->origin[2]) - x.z};
+    real d3 = r_max(sqrt(dot3(to, to)), R(1e-6));
     to.x /= d3;
     to.y /= d3;
     to.z /= d3;
     /* Both legs at X must be on one side of it. */
-    mask faces = (to.x * m.nx + to.y * m.ny + to.z * m.nz) * along < R(0.0);
+    mask faces = dot3(to, m.facet) * along < R(0.0);
     real t_max = choose(met & faces, d3 * R(0.9999), R(0.0));
     store_rays(returning, slot, x, to, t_max);
 }
@@ -157,24 +160,34 @@ typedef struct bounce_store {
     __global const dev_ray *rays, *bounced, *returning;
     __global const dev_hit *bounced_hits, *returning_hits;
     __global const float *solid_angles;
-    __global const float2 *mirrors;
+    __global const float4 *mirrors;
 } bounce_store;
+
+/* D^2 / J: what the curvature of the mirror does to the echo that comes back over it. */
+static real return_gain(real d1, real d2, real bend, real gauss) {
+    real d = d1 + d2, twice = R(2.0) * d1 * d2;
+    real spread = r_abs(R(1.0) + twice * bend / d + twice * twice * gauss / (d * d));
+    return R(1.0) / r_max(spread, R(1e-2));
+}
 
 static uint shade_bounces(const world *w, const bounce_store *store, __global long *cells,
                           uint slot) {
     __global const dev_ping *ping = w->ping;
-    real share, d1, weight;
+    real share, d1, bend, gauss, weight;
     LANES {
-        AT(share, float) = store->mirrors[slot + lane].x;
-        AT(d1, float) = store->mirrors[slot + lane].y;
+        float4 mirror = store->mirrors[slot + lane];
+        AT(share, float) = mirror.x;
+        AT(d1, float) = mirror.y;
+        AT(bend, float) = mirror.z;
+        AT(gauss, float) = mirror.w;
         AT(weight, float) = store->solid_angles[slot + lane];
     }
     if (!any_true(share > R(0.0))) {
         return 0u;
     }
-    directions u = load_directions(store->rays, slot);
-    directions v = load_directions(store->bounced, slot), from = load_origins(store->bounced, slot);
-    directions x = load_directions(store->returning, slot);
+    triple u = load_directions(store->rays, slot);
+    triple v = load_directions(store->bounced, slot), from = load_origins(store->bounced, slot);
+    triple x = load_directions(store->returning, slot);
     meeting m = meet_bounced(w, store->bounced, store->bounced_hits, slot, v, from);
     law_lanes laws = laws_met(w, &m);
     mask met = m.kind != DEV_KIND_NONE;
@@ -190,13 +203,13 @@ static uint shade_bounces(const world *w, const bounce_store *store, __global lo
         AT(d3, float) = back.t_max > 0.0f ? back.t_max / 0.9999f : 1.0f;
     }
     real none = R(0.0), same_range = d1 + d2, cross_range = R(0.5) * (d1 + d2 + d3);
-    real sin_in = grazing(&m, v.x, v.y, v.z), sin_out = grazing(&m, x.x, x.y, x.z);
-    real s_in = strength(w, &laws, sin_in, same_range);
-    real s_out = strength(w, &laws, sin_out, same_range);
-    real same = choose(met, weight * share * share * s_in / sin_in, R(0.0));
+    real s_in = strength(w, &laws, surface_grazing(&m, v), same_range);
+    real s_out = strength(w, &laws, surface_grazing(&m, x), same_range);
+    weight *= share / grazing(&m, v);
+    real same = choose(met, weight * share * s_in * return_gain(d1, d2, bend, gauss), R(0.0));
     /* split() works relative to TL d^2 at the echo's own range; this leg spreads over d3. */
     real ratio = cross_range / r_max(d3, R(1e-3));
-    real cross = visible * weight * share * sqrt(s_in * s_out) / sin_in * ratio * ratio;
+    real cross = visible * weight * sqrt(s_in * s_out) * ratio * ratio;
     cross = choose(met, cross, R(0.0));
     split_echo same_echo = split(ping, same_range, none, same, none);
     split_echo cross_echo = split(ping, cross_range, none, cross, none);
@@ -220,13 +233,13 @@ static uint shade_bounces(const world *w, const bounce_store *store, __global lo
 }
 
 /* bounce: deposits both kinds of echo; ITEMS as in shade. */
-__kernel void bounce(__global const dev_ping *ping,
-                     __global const dev_ray *rays, __global const float *solid_angles,
-                     __global const dev_ray *bounced, __global const dev_hit *bounced_hits,
-                     __global const dev_ray *returning, __global const dev_hit *returning_hits,
-                     __global const float2 *mirrors, __global const dev_triangle *triangles,
-                     __global const dev_part *parts, __global const dev_material *materials,
-                     __global long *accumulator, __global uint *saturated, uint items) {
+__kernel void bounce(__global const dev_ping *ping, __global const dev_ray *rays,
+                     __global const float *solid_angles, __global const dev_ray *bounced,
+                     __global const dev_hit *bounced_hits, __global const dev_ray *returning,
+                     __global const dev_hit *returning_hits, __global const float4 *mirrors,
+                     __global const dev_triangle *triangles, __global const dev_part *parts,
+                     __global const dev_material *materials, __global long *accumulator,
+                     __global uint *saturated, uint items) {
     uint group = (uint)(get_global_id(0)) / items;
     if (group >= ping->groups) {
         return;

@@ -53,6 +53,7 @@ static uint shade_rays(const world *w, const ray_store *store, __global const fl
                        __global long *cells, uint slot) {
     __global const dev_ping *ping = w->ping;
     real ux, uy, uz, weight, splat;
+    triple from = {(real)(ping->origin[0]), (real)(ping->origin[1]), (real)(ping->origin[2])};
     LANES {
         AT(ux, float) = store->rays[slot + lane].direction[0];
         AT(uy, float) = store->rays[slot + lane].direction[1];
@@ -61,17 +62,18 @@ static uint shade_rays(const world *w, const ray_store *store, __global const fl
         AT(splat, float) = store->splats[slot + lane];
     }
     real reach = (real)(ping->range_m);
-    meeting m = meet(w, store->hits, slot, uz, R(0.0), reach);
+    triple u = {ux, uy, uz};
+    meeting m = meet(w, store->hits, slot, from, u, reach);
     weight *= gain_towards(ping, w->beams, ux, uy, uz);
 
     /* Echo: its footprint in range follows from the elevation spacing of the samples. */
-    real sin_grazing = grazing(&m, ux, uy, uz);
+    real sin_grazing = grazing(&m, u);
     real across = sqrt(r_max((R(1.0) - uz) * (R(1.0) + uz), R(1e-12)));
-    real tangent = (-uz * (ux * m.nx + uy * m.ny)) / across + across * m.nz;
+    real tangent = (-uz * (ux * m.facet.x + uy * m.facet.y)) / across + across * m.facet.z;
     real footprint = splat * m.range * r_abs(tangent) / sin_grazing;
     footprint = choose(m.kind == DEV_KIND_OBJECT, r_min(footprint, R(0.1)), footprint);
     law_lanes laws = laws_met(w, &m);
-    real energy = strength(w, &laws, sin_grazing, m.range) / sin_grazing;
+    real energy = strength(w, &laws, surface_grazing(&m, u), m.range) / sin_grazing;
     /* Nothing of a plane is nearer than its perpendicular; the nudge keeps rounding from crossing a
      * bin edge that coincides with it. */
     real nearest = r_min(m.range * sin_grazing * R(1.0000005), m.range);

@@ -7,12 +7,11 @@
 /* Writes for every slot the sampling coordinate x of its elevation, the bin of its echo
  * (0xffffffff: none) and its energy, relative to the bin's TL d^2, in PICKED receivers spread over
  * all of them. */
-__kernel void survey(__global const dev_ping *ping,
-                     __global const dev_ray *rays, __global const float *solid_angles,
-                     __global const dev_hit *hits, __global const dev_triangle *triangles,
-                     __global const dev_part *parts, __global const dev_material *materials,
-                     __global float *xs, __global uint *bins, __global float *energies,
-                     uint picked) {
+__kernel void survey(__global const dev_ping *ping, __global const dev_ray *rays,
+                     __global const float *solid_angles, __global const dev_hit *hits,
+                     __global const dev_triangle *triangles, __global const dev_part *parts,
+                     __global const dev_material *materials, __global float *xs,
+                     __global uint *bins, __global float *energies, uint picked) {
     uint slot = (uint)(get_global_id(0)) * ASDIC_WIDTH;
     if (slot >= ping->groups * ping->per_group) {
         return;
@@ -28,10 +27,11 @@ __kernel void survey(__global const dev_ping *ping,
     real density;
     real across = sqrt(ux * ux + uy * uy);
     real x = x_of_elevation(ping, uz, across, &density);
-    meeting m = meet(&w, hits, slot, uz, R(0.0), (real)(ping->range_m));
-    real sin_grazing = grazing(&m, ux, uy, uz);
+    triple from = {(real)(ping->origin[0]), (real)(ping->origin[1]), (real)(ping->origin[2])};
+    triple u = {ux, uy, uz};
+    meeting m = meet(&w, hits, slot, from, u, (real)(ping->range_m));
     law_lanes laws = laws_met(&w, &m);
-    weight *= strength(&w, &laws, sin_grazing, m.range) / sin_grazing;
+    weight *= strength(&w, &laws, surface_grazing(&m, u), m.range) / grazing(&m, u);
     weight *= gain_towards(ping, w.beams, ux, uy, uz);
     mask met = (m.kind != DEV_KIND_NONE) & (m.range >= (real)(ping->blanking_m));
     weight = choose(met, weight, R(0.0));

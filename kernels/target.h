@@ -29,11 +29,21 @@ FORMULA real roughness_parameter(real wavelength_m, real roughness_rms_m) {
 }
 
 /* Mean-square slope seen at RANGE_M: that of the roughness, widened by diffraction from the flat
- * area that reflects in phase, which never exceeds the first Fresnel zone lambda d / 2. A plate of
- * area A then returns (A / lambda)^2 in its far field and d^2 / 4 (image theory) close by. */
+ * area A that reflects in phase, lambda^2 / (4 pi A). Far away a plate then returns (A / lambda)^2.
+ *
+ * Nearer, with q = A / (lambda d), the sphericity of the wave tilts the rays at the plate's edge out
+ * of that lobe, which phase does not do to it as soon: 1 - 2 q^2 follows the Fresnel integrals of a
+ * square and of a disc to 0.3 dB up to q = 1/2. From there the lobe is that of the zone lambda d, and
+ * what comes back tends to d^2 / 4, the image of the sonar.
+ *
+ * Above 1/2 the lobe would return more than arrives: pieces smaller than a wavelength. */
+#define FACET_MOST_SLOPE_MS R(0.5)
+
 FORMULA real facet_slope_ms(real slope_ms, real coherent_area_m2, real wavelength_m, real range_m) {
-    real area_m2 = r_min(coherent_area_m2, R(0.5) * wavelength_m * range_m);
-    return slope_ms + wavelength_m * wavelength_m / (R(4.0) * R_PI * area_m2);
+    real zones = coherent_area_m2 / (wavelength_m * range_m);
+    real narrowed = r_max(R(1.0) - R(2.0) * zones * zones, zones);
+    real diffraction = wavelength_m * wavelength_m * narrowed / (R(4.0) * R_PI * coherent_area_m2);
+    return r_min(slope_ms + diffraction, FACET_MOST_SLOPE_MS);
 }
 
 /* sigma, 1/sr, for the cosine and the squared sine of the incidence; SLOPE_MS > 0. In single

@@ -41,7 +41,7 @@ typedef struct dev_node8 {
 typedef struct dev_block4 {
     float v[9][4];
     dev_uint id[4]; /* index into the scene's triangles */
-} dev_block4; /* 160 bytes */
+} dev_block4;       /* 160 bytes */
 
 /* A ray in the scene frame; direction of unit length. t_max_m <= 0: skip, no hit. */
 typedef struct dev_ray {
@@ -51,19 +51,28 @@ typedef struct dev_ray {
     float pad;
 } dev_ray; /* 32 bytes */
 
-/* Per triangle id: corners, unit normal, part index. */
+/* Per triangle id: corners, unit normal, part index, and how it goes on beyond its edges. */
 typedef struct dev_triangle {
     float v0[3], v1[3], v2[3];
-    float normal[3]; /* unit, as wound */
-    dev_uint part;   /* index of dev_part */
-    dev_uint pad[3];
-} dev_triangle; /* 64 bytes */
+    float normal[3];            /* unit, as wound */
+    dev_uint part;              /* index of dev_part */
+    dev_uint corner_normals[3]; /* of the curved surface it stands for (smooth.h), or DEV_FLAT */
+    float flat_m2;  /* flat area that reflects in phase; of a curved surface the square of its
+                        straight length */
+    float radius_m; /* larger radius of curvature; 0: flat or straight one way */
+    dev_uint pad[2];
+} dev_triangle; /* 80 bytes */
+
+/* In the first of corner_normals: the facet is flat and its own normal holds everywhere. */
+#define DEV_FLAT 0x80008000u
 
 /* One mesh placed in the scene: what it is and how it scatters. */
 typedef struct dev_part {
     dev_uint kind;     /* DEV_KIND_BOTTOM or DEV_KIND_OBJECT */
     dev_uint material; /* index of dev_material */
-} dev_part;
+    float size_m2;     /* square of its largest extent */
+    dev_uint pad;
+} dev_part; /* 16 bytes */
 
 #define DEV_LAW_BOTTOM 0
 #define DEV_LAW_FACET 1
@@ -71,17 +80,17 @@ typedef struct dev_part {
 /* Coefficients of a scattering law at the sonar's frequency, computed on the host in double. */
 typedef struct dev_material {
     dev_uint law;
-    float bottom_type;  /* LAW_BOTTOM: bt */
-    float bottom_gain;  /* LAW_BOTTOM: 3.03 f^(3.2 - 0.8 bt) 10^(2.8 bt - 12) */
-    float bottom_peak;  /* LAW_BOTTOM: 125 exp(-2.64 (bt - 1.75)^2) */
-    float reflection2;  /* LAW_FACET: R^2 */
-    float roughness_g;  /* LAW_FACET: 4 k^2 s^2 */
-    float slope_ms;     /* LAW_FACET: mean-square slope of the roughness */
-    float coherent_area_m2; /* LAW_FACET: A_coh */
-} dev_material; /* 32 bytes */
+    float bottom_type;      /* LAW_BOTTOM: bt */
+    float bottom_gain;      /* LAW_BOTTOM: 3.03 f^(3.2 - 0.8 bt) 10^(2.8 bt - 12) */
+    float bottom_peak;      /* LAW_BOTTOM: 125 exp(-2.64 (bt - 1.75)^2) */
+    float reflection2;      /* LAW_FACET: R^2 */
+    float roughness_g;      /* LAW_FACET: 4 k^2 s^2 */
+    float slope_ms;         /* LAW_FACET: mean-square slope of the roughness */
+    float coherent_area_m2; /* LAW_FACET: A_coh; 0: what the facet says */
+} dev_material;             /* 32 bytes */
 
 typedef struct dev_hit {
-    float t_m;      /* INFINITY: none */
+    float t_m;         /* INFINITY: none */
     dev_uint triangle; /* ~0u: none */
 } dev_hit;
 

@@ -3,6 +3,7 @@
  * scene a million metres from the world's origin loses nothing, and the hierarchy is built.
  */
 #include "scene.h"
+#include "smooth.h"
 
 #include "../base/context.h"
 #include "../base/vec.h"
@@ -110,6 +111,10 @@ asdic_status asdic_scene_commit(asdic_scene *scene) {
     }
     for (size_t i = 0; i < scene->triangle_count; i++) {
         make_triangle(scene, i, &scene->triangles[i]);
+    }
+    status = asdic_scene_smooth(scene);
+    if (status != ASDIC_OK) {
+        return status;
     }
     status = asdic_bvh_build(scene->ctx, scene->triangles, scene->triangle_count, 0, &scene->bvh);
     if (status != ASDIC_OK) {

@@ -20,6 +20,10 @@ asdic_status asdic_mesh_complete(asdic_context *ctx, asdic_mesh *mesh, const cha
 /* Edges that belong to one facet only, once equal vertices count as one. */
 asdic_status asdic_mesh_count_open_edges(asdic_context *ctx, const asdic_mesh *mesh, size_t *count);
 
+/* WELDED[i] becomes the lowest index of a vertex equal to vertex i; VERTICES_M holds 3 * COUNT. */
+asdic_status asdic_weld_vertices(asdic_context *ctx, const double *vertices_m, size_t count,
+                                 uint32_t *welded);
+
 asdic_vec3 asdic_mesh_vertex(const asdic_mesh *mesh, size_t index);
 
 #endif

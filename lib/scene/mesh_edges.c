@@ -36,19 +36,19 @@ static uint64_t hash_vertex(const double v[3]) {
     return h;
 }
 
-/* WELDED[i] becomes the lowest index of a vertex equal to vertex i. */
-static asdic_status weld(asdic_context *ctx, const asdic_mesh *mesh, uint32_t *welded) {
-    size_t slots = table_slots(mesh->vertex_count);
+asdic_status asdic_weld_vertices(asdic_context *ctx, const double *vertices_m, size_t count,
+                                 uint32_t *welded) {
+    size_t slots = table_slots(count);
     uint32_t *table = malloc(slots * sizeof *table);
     if (!table) {
         return asdic_fail_memory(ctx, "the welding of a mesh's vertices");
     }
     memset(table, 0xff, slots * sizeof *table);
-    for (size_t i = 0; i < mesh->vertex_count; i++) {
-        const double *v = &mesh->vertices_m[3 * i];
+    for (size_t i = 0; i < count; i++) {
+        const double *v = &vertices_m[3 * i];
         size_t slot = hash_vertex(v) & (slots - 1);
         while (table[slot] != UINT32_MAX) {
-            const double *w = &mesh->vertices_m[3 * (size_t)table[slot]];
+            const double *w = &vertices_m[3 * (size_t)table[slot]];
             if (v[0] == w[0] && v[1] == w[1] && v[2] == w[2]) {
                 break;
             }
@@ -89,7 +89,7 @@ asdic_status asdic_mesh_count_open_edges(asdic_context *ctx, const asdic_mesh *m
         status = asdic_fail_memory(ctx, "the edges of a mesh");
         goto fail;
     }
-    status = weld(ctx, mesh, welded);
+    status = asdic_weld_vertices(ctx, mesh->vertices_m, mesh->vertex_count, welded);
     if (status != ASDIC_OK) {
         goto fail;
     }

@@ -1,74 +1,157 @@
 #include "patch.h"
 
+#include "mesh_build.h"
+
 #include "../base/context.h"
 #include "../base/vec.h"
 
 #include <stdlib.h>
+#include <string.h>
 
-/* Facets count as coplanar when their normals agree to this, and their planes to this much of the
- * part's radius. */
+/* Facets are coplanar when their normals agree to this, and their planes to this much of the
+ * part's extent. */
 #define SAME_PLANE 1e-3
+#define NO_PATCH UINT32_MAX
 
-typedef struct facet {
-    uint32_t part;
-    int32_t plane[4]; /* rounded normal and offset */
-    double area_m2;
-} facet;
-
-static asdic_vec3 corner(const float v[3]) {
-    return (asdic_vec3){v[0], v[1], v[2]};
-}
-
-static facet facet_of(const asdic_scene *scene, const dev_triangle *t) {
-    asdic_vec3 a = corner(t->v0), normal = corner(t->normal);
-    asdic_vec3 cross =
-        asdic_vec3_cross(asdic_vec3_sub(corner(t->v1), a), asdic_vec3_sub(corner(t->v2), a));
-    const asdic_part *part = &scene->parts[t->part];
-    asdic_vec3 center = asdic_vec3_sub(part->center_m, scene->origin_m);
-    double offset = asdic_vec3_dot(asdic_vec3_sub(a, center), normal) / fmax(part->radius_m, 1e-6);
-    facet f = {.part = t->part, .area_m2 = 0.5 * asdic_vec3_length(cross)};
-    f.plane[0] = (int32_t)lround(normal.x / SAME_PLANE);
-    f.plane[1] = (int32_t)lround(normal.y / SAME_PLANE);
-    f.plane[2] = (int32_t)lround(normal.z / SAME_PLANE);
-    f.plane[3] = (int32_t)lround(offset / SAME_PLANE);
-    return f;
-}
-
-static int compare_planes(const void *a, const void *b) {
-    const facet *x = a, *y = b;
-    if (x->part != y->part) {
-        return x->part < y->part ? -1 : 1;
+/* Corners by the vertex they share. */
+static void sort_corners(asdic_surface *s) {
+    size_t corners = 3 * (size_t)s->count;
+    for (size_t c = 0; c < corners; c++) {
+        s->first[s->vertex[c] + 1]++;
     }
-    for (int i = 0; i < 4; i++) {
-        if (x->plane[i] != y->plane[i]) {
-            return x->plane[i] < y->plane[i] ? -1 : 1;
+    for (size_t c = 0; c < corners; c++) {
+        s->first[c + 1] += s->first[c];
+    }
+    /* Filling moves every beginning to its end, which is the next one's beginning. */
+    for (size_t c = 0; c < corners; c++) {
+        s->touching[s->first[s->vertex[c]]++] = (uint32_t)c;
+    }
+    memmove(s->first + 1, s->first, corners * sizeof *s->first);
+    s->first[0] = 0;
+}
+
+/* Second moments of a patch's area in its plane. */
+typedef struct moments {
+    asdic_vec3 origin, u, v;
+    double area, x, y, xx, yy, xy;
+} moments;
+
+static moments moments_at(const asdic_surface *s, uint32_t facet) {
+    asdic_vec3 n = asdic_surface_normal(s, facet);
+    asdic_vec3 axis = fabs(n.x) < 0.6 ? (asdic_vec3){1, 0, 0} : (asdic_vec3){0, 1, 0};
+    asdic_vec3 u = asdic_vec3_cross(n, axis);
+    u = asdic_vec3_scale(u, 1.0 / asdic_vec3_length(u));
+    return (moments){
+        .origin = asdic_surface_corner(s, 3 * (size_t)facet), .u = u, .v = asdic_vec3_cross(n, u)};
+}
+
+static void moments_add(moments *m, const asdic_surface *s, uint32_t facet) {
+    double x[3], y[3];
+    for (int k = 0; k < 3; k++) {
+        asdic_vec3 p = asdic_vec3_sub(asdic_surface_corner(s, 3 * (size_t)facet + k), m->origin);
+        x[k] = asdic_vec3_dot(p, m->u);
+        y[k] = asdic_vec3_dot(p, m->v);
+    }
+    double area = 0.5 * fabs((x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0]));
+    double sx = x[0] + x[1] + x[2], sy = y[0] + y[1] + y[2];
+    double xx = x[0] * x[0] + x[1] * x[1] + x[2] * x[2];
+    double yy = y[0] * y[0] + y[1] * y[1] + y[2] * y[2];
+    double xy = x[0] * y[0] + x[1] * y[1] + x[2] * y[2];
+    m->area += area;
+    m->x += area * sx / 3.0;
+    m->y += area * sy / 3.0;
+    m->xx += area * (xx + sx * sx) / 12.0;
+    m->yy += area * (yy + sy * sy) / 12.0;
+    m->xy += area * (xy + sx * sy) / 12.0;
+}
+
+/* A rectangle's variance along a side of length L is L^2 / 12. */
+static asdic_patch patch_of(const moments *m) {
+    if (!(m->area > 0.0)) {
+        return (asdic_patch){0};
+    }
+    double x = m->x / m->area, y = m->y / m->area;
+    double xx = m->xx / m->area - x * x, yy = m->yy / m->area - y * y, xy = m->xy / m->area - x * y;
+    double half = 0.5 * (xx - yy);
+    return (asdic_patch){m->area, 12.0 * (0.5 * (xx + yy) + sqrt(half * half + xy * xy))};
+}
+
+static bool same_plane(const asdic_surface *s, uint32_t seed, uint32_t facet, double size_m) {
+    asdic_vec3 n = asdic_surface_normal(s, seed);
+    asdic_vec3 d = asdic_vec3_sub(n, asdic_surface_normal(s, facet));
+    asdic_vec3 p = asdic_vec3_sub(asdic_surface_corner(s, 3 * (size_t)facet),
+                                  asdic_surface_corner(s, 3 * (size_t)seed));
+    return asdic_vec3_dot(d, d) < SAME_PLANE * SAME_PLANE &&
+           fabs(asdic_vec3_dot(n, p)) < SAME_PLANE * size_m;
+}
+
+/* All facets that SEED's plane reaches. QUEUE has room for all, SEEN for a patch per vertex. */
+static void grow_patch(asdic_surface *s, uint32_t seed, uint32_t number, double size_m,
+                       uint32_t *queue, uint32_t *seen) {
+    moments m = moments_at(s, seed);
+    size_t head = 0, tail = 0;
+    queue[tail++] = seed;
+    s->patch[seed] = number;
+    while (head < tail) {
+        uint32_t facet = queue[head++];
+        moments_add(&m, s, facet);
+        for (int k = 0; k < 3; k++) {
+            uint32_t vertex = s->vertex[3 * (size_t)facet + k];
+            if (seen[vertex] == number) {
+                continue;
+            }
+            seen[vertex] = number;
+            for (uint32_t i = s->first[vertex]; i < s->first[vertex + 1]; i++) {
+                uint32_t other = s->touching[i] / 3;
+                if (s->patch[other] == NO_PATCH && same_plane(s, seed, other, size_m)) {
+                    s->patch[other] = number;
+                    queue[tail++] = other;
+                }
+            }
         }
     }
-    return 0;
+    s->patches[number] = patch_of(&m);
 }
 
-asdic_status asdic_scene_patch_areas(const asdic_scene *scene, double *areas_m2) {
-    facet *facets = malloc((scene->triangle_count + 1) * sizeof *facets);
-    if (!facets) {
-        return asdic_fail_memory(scene->ctx, "the flat patches of a scene");
+asdic_status asdic_surface_init(asdic_context *ctx, const double *corners_m, dev_triangle *facets,
+                                uint32_t count, double size_m, asdic_surface *out) {
+    size_t corners = 3 * (size_t)count;
+    *out = (asdic_surface){.corners_m = corners_m, .facets = facets, .count = count};
+    out->vertex = malloc(corners * sizeof *out->vertex);
+    out->first = calloc(corners + 2, sizeof *out->first);
+    out->touching = malloc(corners * sizeof *out->touching);
+    out->patch = malloc(count * sizeof *out->patch);
+    out->patches = malloc(count * sizeof *out->patches);
+    uint32_t *queue = malloc(count * sizeof *queue), *seen = malloc(corners * sizeof *seen);
+    asdic_status status = ASDIC_OK;
+    if (!out->vertex || !out->first || !out->touching || !out->patch || !out->patches || !queue ||
+        !seen) {
+        status = asdic_fail_memory(ctx, "the flat patches of an object");
+        goto fail;
     }
-    size_t count = 0;
-    for (size_t i = 0; i < scene->triangle_count; i++) {
-        const asdic_part *part = &scene->parts[scene->triangles[i].part];
-        if (scene->materials[part->material].law == ASDIC_LAW_FACET) {
-            facets[count++] = facet_of(scene, &scene->triangles[i]);
+    status = asdic_weld_vertices(ctx, corners_m, corners, out->vertex);
+    if (status != ASDIC_OK) {
+        goto fail;
+    }
+    sort_corners(out);
+    memset(out->patch, 0xff, count * sizeof *out->patch);
+    memset(seen, 0xff, corners * sizeof *seen);
+    uint32_t number = 0;
+    for (uint32_t facet = 0; facet < count; facet++) {
+        if (out->patch[facet] == NO_PATCH) {
+            grow_patch(out, facet, number++, size_m, queue, seen);
         }
     }
-    qsort(facets, count, sizeof *facets, compare_planes);
-    for (size_t p = 0; p < scene->part_count; p++) {
-        areas_m2[p] = 0.0;
-    }
-    double area = 0.0;
-    for (size_t i = 0; i < count; i++) {
-        bool same = i > 0 && compare_planes(&facets[i - 1], &facets[i]) == 0;
-        area = facets[i].area_m2 + (same ? area : 0.0);
-        areas_m2[facets[i].part] = fmax(areas_m2[facets[i].part], area);
-    }
-    free(facets);
-    return ASDIC_OK;
+fail:
+    free(queue);
+    free(seen);
+    return status;
+}
+
+void asdic_surface_finish(asdic_surface *surface) {
+    free(surface->vertex);
+    free(surface->first);
+    free(surface->touching);
+    free(surface->patch);
+    free(surface->patches);
 }

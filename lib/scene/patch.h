@@ -1,14 +1,41 @@
 /*
- * Flat patches: how much of a part reflects in phase.
+ * The surface of one part: which facets touch, and the flat patches they form.
  */
 #ifndef ASDIC_SCENE_PATCH_H
 #define ASDIC_SCENE_PATCH_H
 
 #include "scene.h"
 
-/* Fills AREAS_M2[part] with the area of the largest set of coplanar facets of every part of a
- * committed scene that follows the facet law, 0 for others. Facets in one plane count as one patch
- * whether or not they touch. */
-asdic_status asdic_scene_patch_areas(const asdic_scene *scene, double *areas_m2);
+/* Touching facets in one plane. */
+typedef struct asdic_patch {
+    double area_m2;
+    double length2_m2; /* square of its length: of a rectangle's longer side */
+} asdic_patch;
+
+typedef struct asdic_surface {
+    const double *corners_m; /* 9 per facet, world */
+    dev_triangle *facets;
+    uint32_t count;
+    uint32_t *vertex;   /* 3 per facet: the lowest corner equal to this one */
+    uint32_t *first;    /* 3 * count + 1: where a vertex' corners begin in touching */
+    uint32_t *touching; /* corners by vertex */
+    uint32_t *patch;    /* per facet */
+    asdic_patch *patches;
+} asdic_surface;
+
+/* COUNT facets of a part whose extent is SIZE_M. Finish it even when this fails. */
+asdic_status asdic_surface_init(asdic_context *ctx, const double *corners_m, dev_triangle *facets,
+                                uint32_t count, double size_m, asdic_surface *out);
+void asdic_surface_finish(asdic_surface *surface);
+
+static inline asdic_vec3 asdic_surface_corner(const asdic_surface *s, size_t corner) {
+    const double *v = &s->corners_m[3 * corner];
+    return (asdic_vec3){v[0], v[1], v[2]};
+}
+
+static inline asdic_vec3 asdic_surface_normal(const asdic_surface *s, size_t facet) {
+    const float *n = s->facets[facet].normal;
+    return (asdic_vec3){n[0], n[1], n[2]};
+}
 
 #endif

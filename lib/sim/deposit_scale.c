@@ -14,8 +14,8 @@ static double strength(const dev_material *m, const dev_ping *ping, double sin_g
     if (m->law == DEV_LAW_BOTTOM) {
         return bottom_backscatter_lin(m->bottom_gain, m->bottom_peak, m->bottom_type, sin_grazing);
     }
-    double slope =
-        facet_slope_ms(m->slope_ms, m->coherent_area_m2, ping->wavelength_m, ping->range_m);
+    /* The narrowest lobe: of a flat patch without end. */
+    double slope = facet_slope_ms(m->slope_ms, 1e12, ping->wavelength_m, 2.0 * ping->range_m);
     return facet_strength_lin(sin_grazing, m->reflection2, m->roughness_g, slope);
 }
 

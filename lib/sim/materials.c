@@ -10,7 +10,7 @@ double asdic_water_impedance_mrayl(double sound_speed_mps) {
 }
 
 dev_material asdic_material_coefficients(const asdic_material *material, double frequency_hz,
-                                         double sound_speed_mps, double patch_area_m2) {
+                                         double sound_speed_mps) {
     dev_material out = {0};
     if (material->law == ASDIC_LAW_BOTTOM) {
         out.law = DEV_LAW_BOTTOM;
@@ -21,11 +21,11 @@ dev_material asdic_material_coefficients(const asdic_material *material, double 
     }
     double wavelength_m = sound_speed_mps / frequency_hz;
     double water_mrayl = asdic_water_impedance_mrayl(sound_speed_mps);
-    double area_m2 = isnan(material->coherent_area_m2) ? patch_area_m2 : material->coherent_area_m2;
     out.law = DEV_LAW_FACET;
     out.reflection2 = (float)impedance_reflection2(material->impedance_mrayl, water_mrayl);
     out.roughness_g = (float)roughness_parameter(wavelength_m, material->roughness_rms_m);
     out.slope_ms = (float)(material->slope_rms * material->slope_rms);
-    out.coherent_area_m2 = (float)area_m2;
+    out.coherent_area_m2 =
+        isnan(material->coherent_area_m2) ? 0.0f : (float)material->coherent_area_m2;
     return out;
 }

@@ -11,11 +11,9 @@
 /* Characteristic impedance of sea water of 1025 kg/m3, 1e6 kg/(m2 s). */
 double asdic_water_impedance_mrayl(double sound_speed_mps);
 
-/* Coefficients of MATERIAL's law at one frequency. PATCH_AREA_M2 is the coherent area of a facet
- * material that leaves its own NAN: the largest coplanar patch of the mesh, or INFINITY to let the
- * Fresnel zone alone limit it (facet_slope_ms in kernels/target.h does that where the range is
- * known). */
+/* Coefficients of MATERIAL's law at one frequency. The coherent area of a facet material that leaves
+ * its own NAN becomes 0: what each facet says. */
 dev_material asdic_material_coefficients(const asdic_material *material, double frequency_hz,
-                                         double sound_speed_mps, double patch_area_m2);
+                                         double sound_speed_mps);
 
 #endif

@@ -178,7 +178,7 @@ static void plan_objects(asdic_plan *plan, const asdic_scene *scene, const asdic
         }
         reached++;
         dev_material m = asdic_material_coefficients(&scene->materials[part->material],
-                                                     sonar->frequency_hz, sound_speed_mps, 1.0);
+                                                     sonar->frequency_hz, sound_speed_mps);
         mirrors += m.law == DEV_LAW_FACET && m.reflection2 > DEV_MIN_MIRROR;
     }
     if (reached > 0) {

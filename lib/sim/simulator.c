@@ -4,7 +4,6 @@
 
 #include "base/context.h"
 #include "materials.h"
-#include "scene/patch.h"
 #include "scene/scene.h"
 #include "water_column.h"
 
@@ -15,6 +14,9 @@
 
 /* A group's accumulator is cleared and summed every ping: fewer groups where it is large. */
 #define GROUP_BYTES_LIMIT ((size_t)16 << 20)
+/* PoCL keeps the private variables of a whole work-group, some 2 kB a ray or vector of rays, on one
+ * stack of 8 MB; no device gains by more. */
+#define LOCAL_LIMIT 1024
 
 asdic_layout asdic_layout_default(const asdic_device_info *info) {
     bool cpu = info->kind == ASDIC_DEVICE_CPU;
@@ -98,7 +100,7 @@ static asdic_status create_buffers(asdic_simulator *sim) {
         {bounce_slots * sizeof(dev_hit), &sim->bounced_hits},
         {bounce_slots * sizeof(dev_ray), &sim->returning},
         {bounce_slots * sizeof(dev_hit), &sim->returning_hits},
-        {bounce_slots * 2 * sizeof(float), &sim->shares},
+        {bounce_slots * 4 * sizeof(float), &sim->shares},
         {0, &sim->no_triangles},
         {sim->bins * sizeof(float), &sim->volume_inverse},
         {sim->bins * sizeof(float), &sim->volume_ratio},
@@ -133,16 +135,6 @@ static bool scene_has_mirrors(const asdic_simulator *sim) {
     return false;
 }
 
-static bool needs_patches(const asdic_scene *scene) {
-    for (size_t i = 0; i < scene->material_count; i++) {
-        if (scene->materials[i].law == ASDIC_LAW_FACET &&
-            isnan(scene->materials[i].coherent_area_m2)) {
-            return true;
-        }
-    }
-    return false;
-}
-
 /* Scattering coefficients and parts; they depend on the frequency alone. */
 static asdic_status upload_materials(asdic_simulator *sim, double sound_speed_mps) {
     const asdic_scene *scene = sim->scene;
@@ -150,26 +142,19 @@ static asdic_status upload_materials(asdic_simulator *sim, double sound_speed_mp
     sim->host_materials = calloc(sim->material_count, sizeof(dev_material));
     dev_part *parts = calloc(scene->part_count + 1, sizeof(dev_part));
     asdic_status status = ASDIC_OK;
-    double *areas_m2 = calloc(scene->part_count + 1, sizeof *areas_m2);
-    if (!sim->host_materials || !parts || !areas_m2) {
+    if (!sim->host_materials || !parts) {
         status = asdic_fail_memory(sim->ctx, "materials");
         goto done;
     }
-    if (needs_patches(scene) && (status = asdic_scene_patch_areas(scene, areas_m2)) != ASDIC_OK) {
-        goto done;
-    }
     for (size_t i = 0; i < scene->material_count; i++) {
-        double area_m2 = INFINITY;
-        for (size_t p = 0; p < scene->part_count; p++) {
-            if (scene->parts[p].material == i && areas_m2[p] > 0.0) {
-                area_m2 = fmin(area_m2, areas_m2[p]);
-            }
-        }
         sim->host_materials[i] = asdic_material_coefficients(
-            &scene->materials[i], sim->sonar.frequency_hz, sound_speed_mps, area_m2);
+            &scene->materials[i], sim->sonar.frequency_hz, sound_speed_mps);
     }
     for (size_t i = 0; i < scene->part_count; i++) {
-        parts[i] = (dev_part){scene->parts[i].kind, (dev_uint)scene->parts[i].material};
+        const asdic_part *part = &scene->parts[i];
+        parts[i] = (dev_part){.kind = part->kind,
+                              .material = (dev_uint)part->material,
+                              .size_m2 = (float)(4.0 * part->radius_m * part->radius_m)};
     }
     status = asdic_buffer_create(sim->device, sim->material_count * sizeof(dev_material),
                                  sim->host_materials, &sim->materials);
@@ -178,7 +163,6 @@ static asdic_status upload_materials(asdic_simulator *sim, double sound_speed_mp
                                      &sim->parts);
     }
 done:
-    free(areas_m2);
     free(parts);
     return status;
 }
@@ -248,6 +232,7 @@ asdic_status asdic_simulator_create_with(asdic_context *ctx, asdic_device *devic
                              .sampling = *sampling,
                              .layout = *layout,
                              .tabulated_absorption = -1.0};
+    sim->layout.local = layout->local < LOCAL_LIMIT ? layout->local : LOCAL_LIMIT;
     asdic_water_column water = asdic_water_column_at(env, sonar, depth_m);
     sim->bins = asdic_sonar_bin_count(sonar, water.sound_speed_mps);
     sim->cells = sim->bins * sonar->receiver_count;
