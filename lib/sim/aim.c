@@ -11,6 +11,8 @@
  * adaptive sampler's tails cover all azimuths in front by themselves; measured on the paper's
  * first scenario, a share of 0.1 costs it a factor of two in error. */
 #define WIDE_SHARE 0.1
+/* Sine of the slope from which a beam's second ridge gets lobes. */
+#define STEEP 0.5
 /* Distinct aims that get a lobe of their own; beyond, lobes are spread over the sector. */
 #define MAX_AIMS 8
 
@@ -51,21 +53,19 @@ static dev_lobe beam_lobe(const dev_beam *beam) {
     return lobe;
 }
 
-/* Azimuth ridge of a beam: where its narrower side's direction cosine is zero. SIDE picks one of
- * the two azimuths. */
-static dev_lobe ridge_lobe(const dev_beam *beam, int other_side) {
-    const float *y = beam->rows + 3, *z = beam->rows + 6;
-    double along_h = hypot(y[0], y[1]) * beam->length_h_wl;
-    double along_v = hypot(z[0], z[1]) * beam->length_v_wl;
-    const float *row = along_h >= along_v ? y : z;
+/* Azimuth ridge of a beam: where the direction cosine along its horizontal (ACROSS false) or
+ * vertical side is zero, and with it that side's pattern 1. OTHER_SIDE picks one of the two. */
+static dev_lobe ridge_lobe(const dev_beam *beam, bool across, bool other_side) {
+    const float *row = beam->rows + (across ? 6 : 3);
     double horizontal = hypot(row[0], row[1]);
+    double length_wl = across ? beam->length_v_wl : beam->length_h_wl;
     dev_lobe lobe = {.limit_rad = -1.0f};
-    lobe.scale_h = (float)(LOBE_WIDTH / fmax(along_h, along_v));
+    lobe.scale_h = (float)(LOBE_WIDTH / fmax(horizontal * length_wl, 1e-3));
     lobe.beta_rad = (float)atan2(row[1], row[0]);
     lobe.tilt = (float)(row[2] / fmax(horizontal, 1e-6));
     double heading = atan2(beam->rows[1], beam->rows[0]);
     double plus = fabs(wrap(lobe.beta_rad + ASDIC_PI / 2.0 - heading));
-    lobe.side = (plus <= ASDIC_PI / 2.0) != (other_side != 0) ? 1.0f : -1.0f;
+    lobe.side = (plus <= ASDIC_PI / 2.0) != other_side ? 1.0f : -1.0f;
     return lobe;
 }
 
@@ -105,9 +105,19 @@ static void add_beam(asdic_sampler sampler, const dev_beam *beam, dev_lobe *lobe
         add_lobe(sampler, beam_lobe(beam), lobes, count);
         return;
     }
-    add_lobe(sampler, ridge_lobe(beam, 0), lobes, count);
-    if (fabsf(beam->rows[2]) > 0.7f) { /* a steep beam sees both sides of the nadir */
-        add_lobe(sampler, ridge_lobe(beam, 1), lobes, count);
+    /* The side that is narrower in azimuth leads the way; a rolled or steep beam has its other ridge
+     * in reach too, a steep one looks at both sides of the nadir. */
+    double along_h = hypot(beam->rows[3], beam->rows[4]) * beam->length_h_wl;
+    double along_v = hypot(beam->rows[6], beam->rows[7]) * beam->length_v_wl;
+    bool vertical_first = along_v > along_h;
+    bool steep = fabsf(beam->rows[2]) > STEEP;
+    add_lobe(sampler, ridge_lobe(beam, vertical_first, false), lobes, count);
+    if (steep) {
+        add_lobe(sampler, ridge_lobe(beam, vertical_first, true), lobes, count);
+    }
+    if (fmin(along_h, along_v) > STEEP * fmax(along_h, along_v)) {
+        add_lobe(sampler, ridge_lobe(beam, !vertical_first, false), lobes, count);
+        add_lobe(sampler, ridge_lobe(beam, !vertical_first, true), lobes, count);
     }
 }
 
@@ -123,7 +133,7 @@ static void add_sector(asdic_sampler sampler, const dev_beam *receivers, size_t 
     for (size_t a = 0; a < MAX_AIMS; a++) {
         dev_lobe lobe = {0};
         const dev_beam *beam = &receivers[a * (receiver_count - 1) / (MAX_AIMS - 1)];
-        lobe = sampler == ASDIC_SAMPLER_BEAM ? beam_lobe(beam) : ridge_lobe(beam, 0);
+        lobe = sampler == ASDIC_SAMPLER_BEAM ? beam_lobe(beam) : ridge_lobe(beam, false, false);
         lobe.scale_h = (float)fmax(lobe.scale_h, widest / MAX_AIMS);
         lobes[(*count)++] = lobe;
     }
