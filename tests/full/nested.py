@@ -1,0 +1,52 @@
+"""Builds the project another way inside the build folder, and runs its tests if asked to.
+
+    nested.py FOLDER SOURCE [--tests] [MESON_OPTION...]    compilers come from CC and CXX
+"""
+import json
+import os
+import subprocess
+import sys
+
+
+def run(number, title, command):
+    """One line of TAP; the output matters only when COMMAND fails."""
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    good = done.returncode == 0
+    print(f"{'ok' if good else 'not ok'} {number} - {title}", flush=True)
+    if not good:
+        lines = (done.stdout + done.stderr).strip().splitlines()
+        print("\n".join("# " + line for line in lines[-60:]), flush=True)
+    return good
+
+
+def report_tests(folder):
+    """The lines of every test program of the nested run."""
+    good = True
+    with open(f"{folder}/meson-logs/testlog-quick.json", encoding="utf-8") as log:
+        for program in map(json.loads, log):
+            print(program.get("stdout", ""))
+            print(program.get("stderr", ""))
+            if program["result"] not in ("OK", "SKIP"):
+                good = False
+                print(f"not ok 0 - {program['name']} ended with {program['result']}")
+    return good
+
+
+def main():
+    folder, source, *options = sys.argv[1:]
+    tests = "--tests" in options
+    options = [option for option in options if option != "--tests"]
+    meson = ["meson", "setup", folder, source, *options]
+    if os.path.exists(f"{folder}/build.ninja"):
+        meson.insert(2, "--reconfigure")
+    good = run(1, "configure", meson) and run(2, "compile", ["meson", "compile", "-C", folder])
+    if good and tests:
+        subprocess.run(["meson", "test", "-C", folder, "--no-rebuild",
+                        "--setup", "quick", "-t", "8"], check=False,
+                       stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        good = report_tests(folder)
+    sys.exit(0 if good else 1)
+
+
+if __name__ == "__main__":
+    main()

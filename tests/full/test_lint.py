@@ -1,0 +1,46 @@
+"""Every kernel in every specialisation is OpenCL C 1.2 without a warning, by clang alone."""
+import itertools
+import os
+import shutil
+import subprocess
+import sys
+
+import tap
+
+KERNELS = sys.argv.pop(1)
+
+# Helpers that one specialisation does not need are no fault of a shared header.
+STRICT = ["-x", "cl", "-cl-std=CL1.2", "-Xclang", "-finclude-default-header", "-fsyntax-only",
+          "-Wall", "-Wextra", "-Wshadow", "-Werror", "-Wno-unused-parameter",
+          "-Wno-unused-function"]
+
+PING = {"ASDIC_WIDTH": (1, 8, 16), "ASDIC_DEPOSIT": (0, 1, 2), "ASDIC_HAS_MESH": (0, 1),
+        "ASDIC_FAN": (0, 1)}
+SPECIALISATIONS = {
+    "fan.cl": {"ASDIC_FAN": (1,)},
+    "trace.cl": {"TRACE_STACK": (64,)},
+    "model.cl": {},
+}
+
+
+def lint(name):
+    if not shutil.which("clang"):
+        raise tap.Skip("there is no clang")
+    choices = SPECIALISATIONS.get(name, PING)
+    for values in itertools.product(*choices.values()):
+        defines = [f"-D{key}={value}" for key, value in zip(choices, values)]
+        done = subprocess.run(["clang", *STRICT, *defines, os.path.join(KERNELS, name)],
+                              capture_output=True, text=True, check=False)
+        if done.returncode:
+            raise AssertionError(f"{' '.join(defines)}: {done.stderr}")
+
+
+def add_test(name):
+    globals()[f"test_{name}"] = lambda: lint(name)
+
+
+for entry in sorted(os.listdir(KERNELS)):
+    if entry.endswith(".cl"):
+        add_test(entry)
+
+tap.main(globals())

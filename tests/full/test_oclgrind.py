@@ -1,0 +1,39 @@
+"""Kernels under Oclgrind: no access out of bounds, no race, nothing uninitialised.
+
+Oclgrind's exit code stays 0, so its log is read. It is slow: the work is kept small.
+"""
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+
+import tap
+
+PROGRAM = os.environ["ASDIC"]
+UNIT = sys.argv.pop(1)
+
+
+def under_oclgrind(*command, checks=("--data-races", "--uninitialized")):
+    """Runs COMMAND; -cl-opt-disable because Oclgrind 21.10 lacks intrinsics of inlining."""
+    if not shutil.which("oclgrind"):
+        raise tap.Skip("there is no oclgrind")
+    with tempfile.TemporaryDirectory() as folder:
+        log = os.path.join(folder, "log")
+        done = subprocess.run(["oclgrind", "--build-options", "-cl-opt-disable", *checks,
+                               "--max-errors", "5", "--log", log, *command], check=False,
+                              capture_output=True, text=True, timeout=900)
+        text = ""
+        if os.path.exists(log):
+            with open(log, encoding="utf-8") as file:
+                text = file.read()
+    tap.equal(text, "", "Oclgrind's log")
+    tap.equal(done.returncode, 0, f"exit code ({done.stderr[-2000:]})")
+    return done.stdout
+
+
+def test_buffers_and_simple_kernels():
+    tap.contains(under_oclgrind(UNIT), "[       OK ] kernel_computes")
+
+
+tap.main(globals())
