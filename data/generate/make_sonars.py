@@ -79,6 +79,8 @@ sonar:
   noise: {{enabled: true}}
 
 {mission}
+
+sampling: {{rays: {rays}}}
 """
 POSE = """mission:
   pose: {position_m: [0, 0, 7], pitch_deg: -8}     # 3 m above the bottom, bow down"""
@@ -101,6 +103,7 @@ def main():
         vertical = aperture_m(khz, high)
         write(name, title=title, remarks='\n'.join('# ' + line for line in remarks), khz=khz,
               band=SOUND_SPEED_MPS / (2 * resolution) / 1000, rate=rate, bin=width, mission=POSE,
+              rays=200000,
               beams=f'  transmitter: {{length_h_m: {aperture_m(khz, sector):.5f}, '
                     f'length_v_m: {vertical:.5f}}}\n'
                     f'  receivers:\n    fan: {{count: {beams}, sector_deg: {sector}, '
@@ -110,6 +113,7 @@ def main():
                 f'length_v_m: {aperture_m(khz, high):.5f}')
         write(name, title=title, remarks='\n'.join('# ' + line for line in remarks), khz=khz,
               band=SOUND_SPEED_MPS / (2 * resolution) / 1000, rate=rate, bin=width, mission=TURN,
+              rays=20000,
               beams=f'  transmitter: {{pitch_deg: 8, {size}}}\n'
                     f'  receivers:\n    - {{name: head, pitch_deg: 8, {size}}}')
 

@@ -225,6 +225,7 @@ def main():
                  'high, plateau behind), dB re 1 uPa at SL 0, direct echoes only, no noise; '
                  'written by reference_step.py. Bin i covers [i, i+1) x bin_length_m; an empty '
                  'bin is null. rel_err_max bounds the relative quadrature error of the totals.',
+        'flat': case(SCENARIO, 0.0, args.montecarlo),
         'scenario2': case(SCENARIO, RISE_M, args.montecarlo),
         'bench_flat': case(bench, 0.0, args.montecarlo),
         'bench_step': case(bench, RISE_M, args.montecarlo)})
