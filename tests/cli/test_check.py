@@ -225,6 +225,8 @@ def test_odd_inputs_are_refused():
         done = asdic("check", path)
         tap.equal((done.code, done.out), (3, ""))
         tap.contains(done.err, words)
+    with folder(a_dae="<x/>") as at:
+        tap.contains(asdic("check", "a.dae", cwd=at).err, "'.dae' is not a mesh format")
     with folder(big_yaml=b"#" * (4 << 20) + b"\n") as at:
         done = asdic("check", "big.yaml", cwd=at)
         tap.equal(done.code, 3)
