@@ -4,7 +4,11 @@
 
 #include "cli_state.h"
 
+/* clang-format off: one a line */
 const cli_command *const cli_commands[] = {
+    &cli_run_command,
+    &cli_render_command,
+    &cli_merge_command,
     &cli_model_command,
     &cli_bench_command,
     &cli_check_command,
@@ -14,6 +18,7 @@ const cli_command *const cli_commands[] = {
     &cli_help_command_row,
     NULL,
 };
+/* clang-format on */
 
 const cli_command *cli_find_command(const char *name) {
     for (size_t i = 0; cli_commands[i]; i++) {

@@ -19,6 +19,8 @@ void cli_signals_begin(asdic_context *ctx) {
     sigemptyset(&action.sa_mask);
     sigaction(SIGINT, &action, NULL);
     sigaction(SIGTERM, &action, NULL);
+    signal(SIGXFSZ,
+           SIG_IGN); /* a limit on file sizes is then an error of writing, as a full disk */
 }
 
 int cli_signal_received(void) {

@@ -2,7 +2,9 @@
 
 #include "base/context.h"
 
+#include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #define MAX_BEAMS 8
 #define CURVES 7
@@ -15,49 +17,68 @@
 #define OKABE_GREEN 0x009e73u
 #define OKABE_BLUE 0x0072b2u
 #define OKABE_VERMILION 0xd55e00u
-#define GREY 0x909090u
+#define GREY 0x7c7c7cu
 
-/* Levels of one curve as doubles in Y; the series points there. */
-static void fill(asdic_series *series, const float *levels_db, size_t bins, const double *x,
-                 double *y) {
-    for (size_t i = 0; i < bins; i++) {
-        y[i] = (double)levels_db[i];
-    }
-    series->x = x;
-    series->y = y;
-    series->count = bins;
+/* Look and place in asdic_ascope of each curve, in drawing order: the simulated one lies below all
+ * others. */
+static const struct curve {
+    size_t offset; /* of the levels' pointer */
+    asdic_series look;
+} curves[CURVES] = {
+    {offsetof(asdic_ascope, simulated_db), {.label = "simulated", .rgb = GREY, .width = 1.2}},
+    {offsetof(asdic_ascope, noise_db), {.label = "noise", .rgb = OKABE_ORANGE, .width = 1.2}},
+    {offsetof(asdic_ascope, volume_db),
+     {.label = "volume", .rgb = OKABE_GREEN, .width = 1.5, .style = ASDIC_LINE_DASH_DOT}},
+    {offsetof(asdic_ascope, surface_db),
+     {.label = "surface", .rgb = OKABE_SKY, .width = 1.8, .style = ASDIC_LINE_DOTTED}},
+    {offsetof(asdic_ascope, bottom_db),
+     {.label = "bottom", .rgb = OKABE_BLUE, .width = 1.5, .style = ASDIC_LINE_DASHED}},
+    {offsetof(asdic_ascope, object_db), {.label = "object", .rgb = OKABE_VERMILION, .width = 1.5}},
+    {offsetof(asdic_ascope, total_db),
+     {.label = "expected total", .rgb = OKABE_BLACK, .width = 2.2}},
+};
+
+static const float *levels_of(const asdic_ascope *beam, size_t curve) {
+    const float *levels_db;
+    memcpy(&levels_db, (const char *)beam + curves[curve].offset, sizeof levels_db);
+    return levels_db;
 }
 
-/* Curves of BEAM in drawing order (the simulated one lies below all others) on NUMBERS, which
- * holds CURVES + 1 arrays. Returns how many there are. */
-static size_t collect(const asdic_ascope *beam, asdic_series series[CURVES], double *numbers) {
-    const struct {
-        const float *levels_db;
-        asdic_series look;
-    } curves[CURVES] = {
-        {beam->simulated_db, {.label = "simulated", .rgb = GREY, .width = 1.0}},
-        {beam->noise_db, {.label = "noise", .rgb = OKABE_ORANGE, .width = 1.0}},
-        {beam->volume_db,
-         {.label = "volume", .rgb = OKABE_GREEN, .width = 1.5, .style = ASDIC_LINE_DASH_DOT}},
-        {beam->surface_db,
-         {.label = "surface", .rgb = OKABE_SKY, .width = 1.8, .style = ASDIC_LINE_DOTTED}},
-        {beam->bottom_db,
-         {.label = "bottom", .rgb = OKABE_BLUE, .width = 1.5, .style = ASDIC_LINE_DASHED}},
-        {beam->object_db, {.label = "object", .rgb = OKABE_VERMILION, .width = 1.5}},
-        {beam->total_db, {.label = "expected total", .rgb = OKABE_BLACK, .width = 2.2}},
-    };
-    double *x = numbers;
-    for (size_t i = 0; i < beam->bins; i++) {
-        x[i] = ((double)i + 0.5) * beam->bin_length_m;
-    }
-    size_t count = 0;
-    for (size_t k = 0; k < CURVES; k++) {
-        if (curves[k].levels_db) {
-            series[count] = curves[k].look;
-            fill(&series[count], curves[k].levels_db, beam->bins, x,
-                 numbers + (count + 1) * beam->bins);
-            count++;
+/* Whether any beam has a level on the curve; others would only crowd the legend. */
+static bool is_shown(const asdic_ascope *beams, size_t beam_count, size_t curve) {
+    for (size_t k = 0; k < beam_count; k++) {
+        const float *levels_db = levels_of(&beams[k], curve);
+        for (size_t i = 0; levels_db && i < beams[k].bins; i++) {
+            if (isfinite(levels_db[i])) {
+                return true;
+            }
         }
+    }
+    return false;
+}
+
+/* Curves of BEAM on NUMBERS, which holds CURVES + 1 arrays: x, then each curve. A curve that only
+ * other beams have is there without points, for the legend's sake. */
+static size_t collect(const asdic_ascope *beam, const bool shown[CURVES],
+                      asdic_series series[CURVES], double *numbers) {
+    size_t count = 0;
+    for (size_t i = 0; i < beam->bins; i++) {
+        numbers[i] = ((double)i + 0.5) * beam->bin_length_m;
+    }
+    for (size_t k = 0; k < CURVES; k++) {
+        const float *levels_db = levels_of(beam, k);
+        double *y = numbers + (k + 1) * beam->bins;
+        if (!shown[k]) {
+            continue;
+        }
+        series[count] = curves[k].look;
+        series[count].x = numbers;
+        series[count].y = y;
+        series[count].count = levels_db ? beam->bins : 0;
+        for (size_t i = 0; i < series[count].count; i++) {
+            y[i] = (double)levels_db[i];
+        }
+        count++;
     }
     return count;
 }
@@ -67,10 +88,14 @@ asdic_status asdic_picture_ascope(asdic_context *ctx, const char *path, const as
     asdic_plot panels[MAX_BEAMS] = {0};
     asdic_series series[MAX_BEAMS][CURVES] = {0};
     double *numbers[MAX_BEAMS] = {0};
+    bool shown[CURVES];
     asdic_status status = ASDIC_OK;
     if (beam_count < 1 || beam_count > MAX_BEAMS) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "an A-scope shows 1..%d beams, not %zu",
                           MAX_BEAMS, beam_count);
+    }
+    for (size_t k = 0; k < CURVES; k++) {
+        shown[k] = is_shown(beams, beam_count, k);
     }
     for (size_t i = 0; i < beam_count; i++) {
         numbers[i] = malloc((CURVES + 1) * beams[i].bins * sizeof *numbers[i]);
@@ -85,7 +110,7 @@ asdic_status asdic_picture_ascope(asdic_context *ctx, const char *path, const as
                   .low = options->db_low,
                   .high = options->db_high},
             .series = series[i],
-            .series_count = collect(&beams[i], series[i], numbers[i])};
+            .series_count = collect(&beams[i], shown, series[i], numbers[i])};
     }
     status = asdic_picture_plot(ctx, path, panels, beam_count, options);
 done:

@@ -15,7 +15,7 @@ static double crisp(double x) {
     return floor(x) + 0.5;
 }
 
-/* At most every 90 pixels along, 45 pixels down; at least two intervals. */
+/* At most every 90 pixels along, 36 pixels down; at least two intervals. */
 static size_t tick_count(double length_px, double apart_px) {
     double count = floor(length_px / apart_px);
     return count < 2.0 ? 2 : (size_t)count;
@@ -64,14 +64,14 @@ static double label_width(const asdic_plot_axis *axis, size_t max_count) {
 }
 
 double asdic_canvas_axis_y_room(const asdic_plot_axis *axis, double height_px) {
-    double labels = label_width(axis, tick_count(height_px, 45.0));
+    double labels = label_width(axis, tick_count(height_px, 36.0));
     return TICK_PX + GAP_PX + labels + (axis->label ? 2.0 * GAP_PX + ASDIC_TEXT_PX : 0.0);
 }
 
 void asdic_canvas_axis_y(asdic_canvas *c, asdic_box box, const asdic_plot_axis *axis, bool down,
                          bool grid) {
     asdic_tick ticks[ASDIC_AXIS_MAX_TICKS];
-    size_t max_count = tick_count(box.h, 45.0);
+    size_t max_count = tick_count(box.h, 36.0);
     size_t count = asdic_axis_ticks(axis, max_count, ticks);
     cairo_set_line_width(c->cr, 1.0);
     for (size_t i = 0; i < count; i++) {
@@ -120,7 +120,7 @@ void asdic_canvas_color_bar(asdic_canvas *c, asdic_box box, const asdic_picture_
                             uint32_t ink_rgb) {
     asdic_plot_axis axis = level_axis(options);
     asdic_tick ticks[ASDIC_AXIS_MAX_TICKS];
-    size_t max_count = tick_count(box.h, 45.0);
+    size_t max_count = tick_count(box.h, 36.0);
     size_t count = asdic_axis_ticks(&axis, max_count, ticks);
     uint8_t pixels[256 * 3];
     asdic_raster scale = {.width = 1, .height = 256, .rgb = pixels};

@@ -33,18 +33,19 @@ static void file_free(asdic_file **file) {
 
 asdic_status asdic_file_create(asdic_context *ctx, const char *path, asdic_file **out) {
     *out = NULL;
-    asdic_status status = asdic_fail_memory(ctx, "a file name");
+    asdic_status status = ASDIC_OK;
     asdic_file *file = calloc(1, sizeof *file);
     if (!file) {
-        return status;
+        return asdic_fail_memory(ctx, "a file name");
     }
     file->ctx = ctx;
     file->path = strdup(path);
-    if (!file->path) {
-        goto fail;
-    }
-    if (!is_special(path) && asprintf(&file->part, "%s.part", path) < 0) {
+    bool is_direct = is_special(path);
+    if (!is_direct && asprintf(&file->part, "%s.part", path) < 0) {
         file->part = NULL;
+    }
+    if (!file->path || (!is_direct && !file->part)) {
+        status = asdic_fail_memory(ctx, "a file name");
         goto fail;
     }
     const char *opened = file->part ? file->part : path;

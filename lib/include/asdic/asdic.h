@@ -26,6 +26,7 @@
 #include <asdic/output.h>
 #include <asdic/ping.h>
 #include <asdic/plan.h>
+#include <asdic/run.h>
 #include <asdic/scene.h>
 #include <asdic/sonar.h>
 

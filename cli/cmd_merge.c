@@ -1,0 +1,42 @@
+#include "commands.h"
+
+#include <stdlib.h>
+
+static int run(cli *c) {
+    const char *folder = cli_text(c, "output");
+    size_t count = cli_operand_count(c);
+    if (!folder) {
+        return cli_usage(c, "'merge' needs a folder to write to: -o DIR");
+    }
+    const char **folders = malloc(count * sizeof *folders);
+    if (!folders) {
+        cli_error(c, "out of memory");
+        return CLI_FAILED;
+    }
+    for (size_t i = 0; i < count; i++) {
+        folders[i] = cli_operand(c, i);
+    }
+    asdic_status status =
+        asdic_run_merge(cli_context(c), folders, count, folder, cli_given(c, "force"));
+    free(folders);
+    return cli_end(c, status);
+}
+
+static const cli_option options[] = {
+    {"output", 'o', "DIR", "folder of the whole run"},
+    {"force", 0, NULL, "replace a run that is there"},
+    {0},
+};
+
+const cli_command cli_merge_command = {
+    .name = "merge",
+    .operands = "DIR...",
+    .min_operands = 1,
+    .max_operands = CLI_ANY_NUMBER,
+    .summary = "join the parts of a run made with --shard or --pings",
+    .details = "The parts may be given in any order; they must follow on each other without gaps. "
+               "The result has the same bytes as one run of all pings, but for the times in "
+               "run.json.",
+    .options = options,
+    .run = run,
+};

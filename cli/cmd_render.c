@@ -1,0 +1,100 @@
+#include "commands.h"
+
+#include <math.h>
+#include <string.h>
+
+/* "waterfall", "ascope" and "fan" in a list with commas, as bits. */
+static bool read_images(cli *c, unsigned *images) {
+    static const char *const names[] = {[ASDIC_IMAGE_WATERFALL] = "waterfall",
+                                        [ASDIC_IMAGE_ASCOPE] = "ascope",
+                                        [ASDIC_IMAGE_FAN] = "fan"};
+    const char *text = cli_text(c, "images");
+    while (text && *text) {
+        size_t length = strcspn(text, ","), i = 0;
+        while (i < 3 && (strlen(names[i]) != length || strncmp(text, names[i], length) != 0)) {
+            i++;
+        }
+        if (i == 3) {
+            cli_usage(c, "no picture '%.*s'; there are waterfall, ascope and fan", (int)length,
+                      text);
+            return false;
+        }
+        *images |= 1u << i;
+        text += length + (text[length] == ',');
+    }
+    return true;
+}
+
+/* Sonar operators' gain: K log r for the spreading, 2 alpha r for the absorption both ways. */
+static asdic_status set_gain(cli *c, const char *folder, double db_per_decade,
+                             asdic_render_options *options) {
+    asdic_run *run = NULL;
+    asdic_record record;
+    asdic_status status = asdic_run_open(cli_context(c), folder, &run);
+    if (status == ASDIC_OK && asdic_run_get_info(run).pings > 0) {
+        status = asdic_run_read(run, 0, &record);
+        if (status == ASDIC_OK) {
+            asdic_run_info info = asdic_run_get_info(run);
+            options->tvg_db_per_decade = db_per_decade;
+            options->tvg_db_per_m =
+                2e-3 * asdic_environment_absorption_db_per_km(
+                           info.environment, info.sonar->frequency_hz, record.pose.position_m.z);
+        }
+    }
+    asdic_run_close(&run);
+    return status;
+}
+
+static int run(cli *c) {
+    asdic_render_options options = asdic_render_options_default();
+    const char *maps[ASDIC_COLORMAP_COUNT + 1] = {0}, *folder = cli_operand(c, 0);
+    int map = ASDIC_COLORMAP_VIRIDIS;
+    double gain = 0.0;
+    uint64_t ping = SIZE_MAX;
+    for (int i = 0; i < ASDIC_COLORMAP_COUNT; i++) {
+        maps[i] = asdic_colormap_name((asdic_colormap)i);
+    }
+    cli_number_range(c, "db-range", -500.0, 500.0, &options.db_low, &options.db_high);
+    cli_choice(c, "colormap", maps, &map);
+    cli_number(c, "tvg", 0.0, 100.0, &gain);
+    cli_integer(c, "ping", 0, SIZE_MAX - 1, &ping);
+    if (cli_bad_usage(c) || !read_images(c, &options.images)) {
+        return CLI_USAGE;
+    }
+    options.colormap = (asdic_colormap)map;
+    options.beam = cli_text(c, "beam");
+    options.ping = ping;
+    options.raw = cli_given(c, "raw");
+    asdic_status status = ASDIC_OK;
+    if (cli_given(c, "tvg")) {
+        status = set_gain(c, folder, gain, &options);
+    }
+    if (status == ASDIC_OK) {
+        status = asdic_run_render(cli_context(c), folder, &options);
+    }
+    return cli_end(c, status);
+}
+
+static const cli_option options[] = {
+    {"images", 0, "LIST", "of waterfall, ascope, fan; default: those of the scene"},
+    {"db-range", 0, "LO:HI", "window of the levels; default: that of the run, to 10 dB"},
+    {"colormap", 0, "NAME", "viridis, cividis, inferno, gray or copper"},
+    {"tvg", 0, "K", "show levels + K log r + 2 alpha r, alpha being the scene's absorption"},
+    {"beam", 0, "NAME", "this beam only"},
+    {"ping", 0, "N", "A-scope and fan of this ping, instead of the first and the last"},
+    {"raw", 0, NULL, "16-bit grey pictures too, a pixel per bin: raw_<beam>.png"},
+    {0},
+};
+
+const cli_command cli_render_command = {
+    .name = "render",
+    .operands = "DIR",
+    .min_operands = 1,
+    .max_operands = 1,
+    .summary = "draw the pictures of a run folder again",
+    .details = "Pictures of the same names are replaced. Levels are never scaled picture by "
+               "picture: all share one window, which stands in their text chunks. A gain is for "
+               "display only and is written on the picture.",
+    .options = options,
+    .run = run,
+};

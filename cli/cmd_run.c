@@ -1,0 +1,177 @@
+#include "commands.h"
+#include "progress.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static const char *const samplers[] = {"adaptive", "beam", "uniform-sphere", NULL};
+
+typedef struct request {
+    const char *scene, *folder;
+    asdic_sampling sampling; /* what the options change is marked below */
+    bool has_rays, has_sampler, has_seed;
+    uint64_t first, end;    /* pings */
+    uint64_t shard, shards; /* K of N */
+    bool force, resume;
+} request;
+
+static bool read_request(cli *c, request *r) {
+    uint64_t rays = 0, seed = 0;
+    int sampler = 0;
+    *r = (request){.scene = cli_operand(c, 0), .end = UINT64_MAX, .shard = 1, .shards = 1};
+    cli_integer(c, "rays", 64, 1u << 28, &rays);
+    cli_choice(c, "sampler", samplers, &sampler);
+    cli_integer(c, "seed", 0, UINT64_MAX, &seed);
+    cli_index_range(c, "pings", &r->first, &r->end);
+    cli_share(c, "shard", &r->shard, &r->shards);
+    r->folder = cli_text(c, "output");
+    r->force = cli_given(c, "force");
+    r->resume = cli_given(c, "resume");
+    r->has_rays = cli_given(c, "rays");
+    r->has_sampler = cli_given(c, "sampler");
+    r->has_seed = cli_given(c, "seed");
+    r->sampling.rays = (uint32_t)rays;
+    r->sampling.sampler = (asdic_sampler)sampler;
+    r->sampling.seed = seed;
+    if (r->force && r->resume) {
+        cli_usage(c, "--force starts afresh and --resume goes on; give one of them");
+        return false;
+    }
+    return !cli_bad_usage(c);
+}
+
+static void apply(const request *r, asdic_mission *mission) {
+    asdic_sampling *sampling = asdic_mission_sampling(mission);
+    sampling->rays = r->has_rays ? r->sampling.rays : sampling->rays;
+    sampling->sampler = r->has_sampler ? r->sampling.sampler : sampling->sampler;
+    sampling->seed = r->has_seed ? r->sampling.seed : sampling->seed;
+}
+
+/* The pings of --pings, of these the part of --shard. False when there are none. */
+static bool choose_pings(cli *c, const request *r, size_t pings, asdic_run_options *options) {
+    uint64_t end = r->end < pings ? r->end : pings;
+    if (r->first >= pings || (r->end != UINT64_MAX && r->end > pings)) {
+        cli_usage(c, "--pings goes beyond the mission's %zu pings (0..%zu)", pings, pings - 1);
+        return false;
+    }
+    uint64_t count = end - r->first;
+    uint64_t from = count * (r->shard - 1) / r->shards, to = count * r->shard / r->shards;
+    if (from == to) {
+        cli_usage(c, "--shard %llu/%llu is empty: there are %llu pings",
+                  (unsigned long long)r->shard, (unsigned long long)r->shards,
+                  (unsigned long long)count);
+        return false;
+    }
+    options->first = r->first + from;
+    options->count = to - from;
+    return true;
+}
+
+/* "run_NAME" of "path/NAME.yaml", with the shard when there are several. */
+static char *default_folder(const request *r) {
+    const char *slash = strrchr(r->scene, '/');
+    const char *base = slash ? slash + 1 : r->scene;
+    const char *dot = strrchr(base, '.');
+    int length = (int)(dot && dot != base ? dot - base : (long)strlen(base));
+    char *folder = NULL;
+    if (strcmp(r->scene, "-") == 0) {
+        base = "scene";
+        length = 5;
+    }
+    if (r->shards > 1) {
+        return asprintf(&folder, "run_%.*s_%llu_of_%llu", length, base,
+                        (unsigned long long)r->shard, (unsigned long long)r->shards) < 0
+                   ? NULL
+                   : folder;
+    }
+    return asprintf(&folder, "run_%.*s", length, base) < 0 ? NULL : folder;
+}
+
+static void summarise(const cli *c, const asdic_mission *mission, const asdic_run_options *options,
+                      const cli_progress *progress) {
+    char rate[16];
+    const asdic_run_progress *last = &progress->last;
+    if (last->rays == 0) {
+        cli_note(c, "%s: complete already", options->folder);
+        return;
+    }
+    cli_progress_short(rate, (double)last->rays / last->elapsed_s);
+    cli_note(c, "%s: %zu ping%s, %zu beam%s, %.2f s, %srays/s", options->folder, last->pings_total,
+             last->pings_total == 1 ? "" : "s", asdic_mission_sonar(mission)->receiver_count,
+             asdic_mission_sonar(mission)->receiver_count == 1 ? "" : "s", last->elapsed_s, rate);
+}
+
+static asdic_status simulate(cli *c, asdic_mission *mission, const asdic_run_options *wanted) {
+    asdic_device **devices = NULL;
+    size_t count = 0;
+    asdic_run_options options = *wanted;
+    cli_progress progress = cli_progress_begin(c);
+    asdic_status status = cli_open_devices(c, &devices, &count);
+    if (status != ASDIC_OK) {
+        return status;
+    }
+    options.progress = cli_progress_report;
+    options.user = &progress;
+    status = asdic_mission_run(cli_context(c), mission, devices, count, &options);
+    cli_progress_end(&progress);
+    if (status == ASDIC_OK) {
+        summarise(c, mission, &options, &progress);
+    }
+    asdic_devices_close(&devices, count);
+    return status;
+}
+
+static int run(cli *c) {
+    request r;
+    asdic_mission *mission = NULL;
+    asdic_run_options options = asdic_run_options_default();
+    char *folder = NULL;
+    int code = CLI_USAGE;
+    if (!read_request(c, &r)) {
+        return CLI_USAGE;
+    }
+    asdic_status status = asdic_mission_load(cli_context(c), r.scene, &mission);
+    if (status != ASDIC_OK) {
+        return cli_end(c, status);
+    }
+    apply(&r, mission);
+    if (!choose_pings(c, &r, asdic_mission_ping_count(mission), &options)) {
+        goto done;
+    }
+    folder = r.folder ? NULL : default_folder(&r);
+    options.folder = r.folder ? r.folder : folder;
+    options.force = r.force;
+    options.resume = r.resume;
+    code = cli_end(c, simulate(c, mission, &options));
+done:
+    free(folder);
+    asdic_mission_destroy(&mission);
+    return code;
+}
+
+static const cli_option options[] = {
+    {"output", 'o', "DIR", "run folder; default: run_<name of the scene>"},
+    {"rays", 0, "N", "rays per ping, instead of the scene's"},
+    {"sampler", 0, "NAME", "adaptive, beam or uniform-sphere (the paper's)"},
+    {"seed", 0, "N", "seed of the random directions, instead of the scene's"},
+    {"pings", 0, "A:B", "pings A to B-1 only, counted from 0"},
+    {"shard", 0, "K/N", "the K-th of N parts of the pings; 'asdic merge' joins the parts"},
+    {"resume", 0, NULL, "go on with a run that was stopped; the files will be the same"},
+    {"force", 0, NULL, "replace a run that is there"},
+    {0},
+};
+
+const cli_command cli_run_command = {
+    .name = "run",
+    .operands = "SCENE.yaml",
+    .min_operands = 1,
+    .max_operands = 1,
+    .summary = "simulate every ping of a scene",
+    .details = "Writes a run folder: bins.csv (one row per ping, beam and bin), pings.npy (the "
+               "same in binary), the pictures that the scene asks for, and run.json (what was "
+               "run, on what, how fast, how good). A run that was interrupted, or killed, is "
+               "finished by --resume.",
+    .options = options,
+    .traits = CLI_HAS_DEVICE | CLI_INTERRUPTIBLE,
+    .run = run,
+};

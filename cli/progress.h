@@ -1,0 +1,27 @@
+/*
+ * A bar on stderr while pings are simulated, only on a terminal and without --quiet.
+ */
+#ifndef ASDIC_CLI_PROGRESS_H
+#define ASDIC_CLI_PROGRESS_H
+
+#include "cli.h"
+
+typedef struct cli_progress {
+    bool is_shown, is_drawn;
+    size_t resumed; /* pings that were there at the beginning; SIZE_MAX: not known yet */
+    double last_s;  /* elapsed when the bar was drawn */
+    asdic_run_progress last;
+} cli_progress;
+
+cli_progress cli_progress_begin(const cli *c);
+
+/* For asdic_run_options.progress; USER is the cli_progress. */
+void cli_progress_report(void *user, const asdic_run_progress *progress);
+
+/* Removes the bar. */
+void cli_progress_end(cli_progress *progress);
+
+/* 1234567 as "1.23 M", for "1.23 Mrays/s". */
+void cli_progress_short(char text[16], double value);
+
+#endif

@@ -1,0 +1,80 @@
+/*
+ * A run folder: what a mission left behind, read ping by ping, drawn and joined.
+ *
+ * pings.npy holds everything in binary, one structured record per ping (numpy.load reads it);
+ * bins.csv says the same in text; run.json describes the run and keeps the scene file's text.
+ */
+#ifndef ASDIC_RUN_H
+#define ASDIC_RUN_H
+
+#include <asdic/mission.h>
+#include <asdic/output.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct asdic_run asdic_run;
+
+typedef struct asdic_run_info {
+    size_t first_ping;    /* of the mission; pings count from there */
+    size_t pings;         /* that are there */
+    size_t pings_planned; /* fewer are there when the run was stopped */
+    size_t beams, bins;
+    const asdic_sonar *sonar; /* beam names and aims; borrowed from the run */
+    const asdic_environment *environment;
+    asdic_sampling sampling;
+    bool has_surface;
+    double bottom_type;
+    const char *scene_name, *scene_hash; /* borrowed */
+} asdic_run_info;
+
+/* One ping of a run, in dB re 1 uPa; NAN where there is no energy. */
+typedef struct asdic_record {
+    uint64_t ping; /* number in the mission */
+    double time_s;
+    asdic_pose pose;   /* of the vehicle */
+    double altitude_m; /* above the bottom straight below; INFINITY where there is none */
+    uint64_t rays, saturated;
+    const float *level_db[ASDIC_COMPONENT_COUNT]; /* [beam * bins + bin] */
+    const float *stderr_db;
+} asdic_record;
+
+/* ASDIC_ERROR_INPUT when FOLDER is not a run folder, or one that was damaged. */
+ASDIC_API asdic_status asdic_run_open(asdic_context *ctx, const char *folder, asdic_run **out);
+ASDIC_API void asdic_run_close(asdic_run **run);
+ASDIC_API asdic_run_info asdic_run_get_info(const asdic_run *run);
+
+/* Record INDEX, counted from 0 within the folder. RECORD's arrays are valid until the next read. */
+ASDIC_API asdic_status asdic_run_read(asdic_run *run, size_t index, asdic_record *record);
+
+/* The flat scene below a ping's vehicle, as asdic_expected_compute wants it. */
+ASDIC_API asdic_flat_scene asdic_run_flat_scene(const asdic_run *run, const asdic_record *record);
+
+typedef struct asdic_render_options {
+    unsigned images;        /* 1u << ASDIC_IMAGE_...; 0: those the scene asks for */
+    double db_low, db_high; /* NAN: from the run, rounded to 10 dB */
+    asdic_colormap colormap;
+    double tvg_db_per_decade, tvg_db_per_m;
+    const char *beam; /* NULL: those a report would show */
+    size_t ping;      /* number in the mission; SIZE_MAX: first and last */
+    bool raw;         /* 16-bit grey waterfalls as well, one pixel per bin */
+} asdic_render_options;
+
+ASDIC_API asdic_render_options asdic_render_options_default(void);
+
+/* Draws a run's pictures into its folder: waterfall_<beam>.png, ascope_<ping>.png,
+ * fan_<ping>.png, raw_<beam>.png. */
+ASDIC_API asdic_status asdic_run_render(asdic_context *ctx, const char *folder,
+                                        const asdic_render_options *options);
+
+/* Joins runs of consecutive parts of one mission, given in any order, into OUT_FOLDER: the same
+ * bytes (but run.json's times) as one run of all. */
+ASDIC_API asdic_status asdic_run_merge(asdic_context *ctx, const char *const *folders, size_t count,
+                                       const char *out_folder, bool force);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,161 @@
+#include "run_job.h"
+
+#include "base/context.h"
+#include "run_files.h"
+#include "run_folder.h"
+#include "run_inputs.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static asdic_status check_range(asdic_run_job *job) {
+    const asdic_run_options *o = job->options;
+    size_t pings = asdic_mission_ping_count(job->mission);
+    if (!o->folder || !o->folder[0]) {
+        return asdic_fail(job->ctx, ASDIC_ERROR_ARGUMENT, "a run needs a folder to write to");
+    }
+    if (o->first >= pings || o->count == 0) {
+        return asdic_fail(job->ctx, ASDIC_ERROR_ARGUMENT,
+                          "no ping to run: ping %zu asked for, but the mission has pings 0..%zu",
+                          o->first, pings - 1);
+    }
+    job->facts.first_ping = o->first;
+    job->facts.pings_planned = o->count < pings - o->first ? o->count : pings - o->first;
+    return ASDIC_OK;
+}
+
+/* What is known before the first ping. */
+static asdic_status describe(asdic_run_job *job) {
+    asdic_run_facts *f = &job->facts;
+    const asdic_mission *m = job->mission;
+    const asdic_sonar *sonar = asdic_mission_sonar(m);
+    double depth_m = asdic_mission_pose(m, 0, NULL).position_m.z;
+    double speed_mps = asdic_environment_sound_speed_mps(asdic_mission_environment(m), depth_m);
+    f->version = asdic_version();
+    f->state = ASDIC_RUN_RUNNING;
+    f->scene_path = asdic_mission_path(m);
+    f->scene_hash = asdic_mission_hash(m);
+    f->scene_text = asdic_mission_text(m);
+    f->geometry_hash = job->inputs_hash;
+    f->has_surface = asdic_scene_get_info(asdic_mission_scene(m)).has_surface;
+    f->bottom_type = asdic_mission_flat_scene(m, f->first_ping).bottom_type;
+    f->sampling = *asdic_mission_sampling(job->mission);
+    f->beams = sonar->receiver_count;
+    f->bins = asdic_sonar_bin_count(sonar, speed_mps);
+    f->bin_length_m = sonar->bin_length_m;
+    f->stderr_median_db = f->stderr_worst_db = NAN;
+    f->setup_s = f->simulate_s = f->pictures_s = f->rays_per_s = NAN;
+    return asdic_inputs_hash(job->ctx, m, job->inputs_hash);
+}
+
+/* This call's devices, after those of an earlier one that it does not use as well. */
+static asdic_status list_devices(asdic_run_job *job, const asdic_run_facts *earlier) {
+    asdic_run_facts *f = &job->facts;
+    size_t most = job->device_count + earlier->device_count;
+    f->devices = asdic_arena_alloc(&job->arena, most * sizeof *f->devices);
+    if (!f->devices) {
+        return asdic_fail_memory(job->ctx, "device names");
+    }
+    for (size_t i = 0; i < earlier->device_count; i++) {
+        bool is_used = false;
+        for (size_t k = 0; k < job->device_count; k++) {
+            const char *name = asdic_device_get_info(job->devices[k])->name;
+            is_used = is_used || strcmp(name, earlier->devices[i]) == 0;
+        }
+        if (!is_used) {
+            f->devices[f->device_count++] = earlier->devices[i];
+        }
+    }
+    for (size_t k = 0; k < job->device_count; k++) {
+        f->devices[f->device_count++] = asdic_device_get_info(job->devices[k])->name;
+    }
+    return ASDIC_OK;
+}
+
+static asdic_status compare(asdic_run_job *job, const asdic_run_facts *earlier) {
+    const asdic_run_facts *f = &job->facts;
+    const char *difference = asdic_run_facts_differ(f, earlier);
+    if (!difference &&
+        (f->first_ping != earlier->first_ping || f->pings_planned != earlier->pings_planned)) {
+        difference = "range of pings";
+    }
+    if (difference) {
+        return asdic_fail(job->ctx, ASDIC_ERROR_EXISTS,
+                          "'%s' holds a run with another %s; it cannot be resumed, --force "
+                          "replaces it",
+                          job->options->folder, difference);
+    }
+    return ASDIC_OK;
+}
+
+/* Opens the store of a new run or of the one to be resumed. */
+static asdic_status open_store(asdic_run_job *job) {
+    const char *folder = job->options->folder;
+    asdic_run_facts earlier = {0};
+    asdic_status status;
+    asdic_store_mode mode = ASDIC_STORE_CREATE;
+    if (job->options->resume && asdic_folder_has_run(folder)) {
+        mode = ASDIC_STORE_RESUME;
+        status = asdic_run_facts_read(job->ctx, folder, &job->arena, &earlier);
+        if (status == ASDIC_OK) {
+            status = compare(job, &earlier);
+        }
+    } else {
+        status = asdic_folder_prepare(job->ctx, folder, job->options->force);
+    }
+    if (status != ASDIC_OK) {
+        return status;
+    }
+    if (earlier.state && strcmp(earlier.state, ASDIC_RUN_COMPLETE) == 0) {
+        job->is_complete = true;
+        return ASDIC_OK;
+    }
+    status = list_devices(job, &earlier);
+    if (status == ASDIC_OK) {
+        status = asdic_run_facts_write(job->ctx, folder, &job->facts);
+    }
+    if (status == ASDIC_OK) {
+        status = asdic_store_open(job->ctx, folder, mode, job->facts.beams, job->facts.bins,
+                                  &job->store);
+    }
+    if (status == ASDIC_OK) {
+        status = asdic_store_cut(job->store, job->facts.pings_planned);
+    }
+    return status;
+}
+
+/* bins.csv from its beginning: rows of earlier pings are written again from their records. */
+static asdic_status open_csv(asdic_run_job *job) {
+    const asdic_sonar *sonar = asdic_mission_sonar(job->mission);
+    char *path = asdic_folder_path(job->options->folder, "bins", "", "csv");
+    asdic_status status = path
+                              ? asdic_csv_create(job->ctx, path, sonar, job->facts.bins,
+                                                 asdic_mission_output(job->mission)->csv, &job->csv)
+                              : asdic_fail_memory(job->ctx, "a file name");
+    free(path);
+    if (status == ASDIC_OK) {
+        status = asdic_files_replay(job->ctx, job->store, sonar, job->facts.bins, job->csv);
+    }
+    return status;
+}
+
+asdic_status asdic_job_begin(asdic_run_job *job) {
+    asdic_status status = check_range(job);
+    if (status == ASDIC_OK) {
+        status = describe(job);
+    }
+    if (status == ASDIC_OK) {
+        status = open_store(job);
+    }
+    if (status != ASDIC_OK || job->is_complete) {
+        return status;
+    }
+    job->resumed = asdic_store_count(job->store);
+    job->bytes = malloc(asdic_store_record_bytes(job->store));
+    if (!job->bytes) {
+        return asdic_fail_memory(job->ctx, "a record");
+    }
+    return open_csv(job);
+}

@@ -1,0 +1,74 @@
+#include "run_job.h"
+
+#include "base/context.h"
+#include "run_files.h"
+#include "run_queue.h"
+#include "run_survey.h"
+
+#include <asdic/run.h>
+
+#include <stdlib.h>
+
+static asdic_status conclude(asdic_run_job *job) {
+    asdic_survey survey;
+    asdic_run_facts *f = &job->facts;
+    asdic_status status = asdic_survey_run(job->ctx, job->store, f->beams, f->bins, &survey);
+    if (status != ASDIC_OK) {
+        return status;
+    }
+    f->pings = asdic_store_count(job->store);
+    f->rays_traced = survey.rays;
+    f->saturated = survey.saturated;
+    f->stderr_median_db = survey.stderr_median_db;
+    f->stderr_worst_db = survey.stderr_worst_db;
+    if (survey.saturated > 0) {
+        asdic_log(job->ctx, ASDIC_LOG_WARNING,
+                  "%llu echoes were too strong for the accumulator and were cut",
+                  (unsigned long long)survey.saturated);
+    }
+    return ASDIC_OK;
+}
+
+static asdic_status draw(asdic_run_job *job) {
+    asdic_render_options options = asdic_render_options_default();
+    double begin_s = asdic_clock_s();
+    asdic_status status = ASDIC_OK;
+    if (asdic_mission_output(job->mission)->images != 0) {
+        status = asdic_run_render(job->ctx, job->options->folder, &options);
+    }
+    job->facts.pictures_s = asdic_clock_s() - begin_s;
+    return status;
+}
+
+asdic_status asdic_job_end(asdic_run_job *job, bool is_whole) {
+    const char *folder = job->options->folder;
+    asdic_status status = asdic_store_commit(job->store);
+    if (status == ASDIC_OK) {
+        status = asdic_csv_commit(&job->csv);
+    }
+    if (status == ASDIC_OK) {
+        status = conclude(job);
+    }
+    if (status == ASDIC_OK && is_whole && asdic_mission_output(job->mission)->npy) {
+        status =
+            asdic_files_levels(job->ctx, job->store, folder, job->facts.beams, job->facts.bins);
+    }
+    /* Not complete before the pictures are there: --resume then draws what is missing. */
+    job->facts.state = ASDIC_RUN_STOPPED;
+    if (status == ASDIC_OK) {
+        status = asdic_run_facts_write(job->ctx, folder, &job->facts);
+    }
+    if (status != ASDIC_OK || !is_whole) {
+        return status;
+    }
+    status = draw(job);
+    job->facts.state = ASDIC_RUN_COMPLETE;
+    return status == ASDIC_OK ? asdic_run_facts_write(job->ctx, folder, &job->facts) : status;
+}
+
+void asdic_job_finish(asdic_run_job *job) {
+    asdic_csv_discard(&job->csv);
+    asdic_store_close(&job->store);
+    asdic_arena_finish(&job->arena);
+    free(job->bytes);
+}

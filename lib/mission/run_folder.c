@@ -1,0 +1,124 @@
+#include "run_folder.h"
+
+#include "base/context.h"
+
+#include <ctype.h>
+#include <dirent.h>
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+/* What makes a folder a run folder. */
+static const char *const marks[] = {"run.json", "pings.npy", "pings.npy.part", "bins.csv"};
+
+/* Everything a run, detect or render may have written there. */
+static const char *const names[] = {"run.json",   "pings.npy", "bins.csv",
+                                    "levels.npy", "run.nc",    "detections.csv",
+                                    "roc.csv",    "roc.png",   "occupancy.png"};
+static const char *const stems[] = {"waterfall_", "ascope_", "fan_", "raw_"};
+
+static bool exists_in(const char *folder, const char *name) {
+    char *path = NULL;
+    struct stat st;
+    bool exists = asprintf(&path, "%s/%s", folder, name) >= 0 && lstat(path, &st) == 0;
+    free(path);
+    return exists;
+}
+
+bool asdic_folder_has_run(const char *folder) {
+    for (size_t i = 0; i < sizeof marks / sizeof *marks; i++) {
+        if (exists_in(folder, marks[i])) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static bool ends_in(const char *name, const char *suffix) {
+    size_t n = strlen(name), m = strlen(suffix);
+    return n > m && strcmp(name + n - m, suffix) == 0;
+}
+
+/* NAME, or NAME.part, is one that a run writes. */
+static bool is_ours(const char *name) {
+    char bare[256];
+    snprintf(bare, sizeof bare, "%s", name);
+    if (ends_in(bare, ".part")) {
+        bare[strlen(bare) - 5] = 0;
+    }
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        if (strcmp(bare, names[i]) == 0) {
+            return true;
+        }
+    }
+    for (size_t i = 0; i < sizeof stems / sizeof *stems; i++) {
+        if (strncmp(bare, stems[i], strlen(stems[i])) == 0 && ends_in(bare, ".png")) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static asdic_status clear(asdic_context *ctx, const char *folder) {
+    asdic_status status = ASDIC_OK;
+    DIR *dir = opendir(folder);
+    if (!dir) {
+        return asdic_fail(ctx, ASDIC_ERROR_IO, "cannot read '%s': %s", folder, strerror(errno));
+    }
+    for (struct dirent *entry; status == ASDIC_OK && (entry = readdir(dir));) {
+        if (is_ours(entry->d_name) && unlinkat(dirfd(dir), entry->d_name, 0) != 0) {
+            status = asdic_fail(ctx, ASDIC_ERROR_IO, "cannot remove '%s/%s': %s", folder,
+                                entry->d_name, strerror(errno));
+        }
+    }
+    closedir(dir);
+    return status;
+}
+
+asdic_status asdic_folder_prepare(asdic_context *ctx, const char *folder, bool force) {
+    struct stat st;
+    if (mkdir(folder, 0777) == 0) {
+        return ASDIC_OK;
+    }
+    int error = errno;
+    if (error != EEXIST) {
+        return asdic_fail(ctx, ASDIC_ERROR_IO, "cannot create folder '%s': %s", folder,
+                          strerror(error));
+    }
+    if (stat(folder, &st) != 0 || !S_ISDIR(st.st_mode)) {
+        return asdic_fail(ctx, ASDIC_ERROR_EXISTS, "'%s' exists and is not a folder", folder);
+    }
+    if (!asdic_folder_has_run(folder)) {
+        return ASDIC_OK;
+    }
+    if (!force) {
+        return asdic_fail(ctx, ASDIC_ERROR_EXISTS,
+                          "'%s' holds a run already; use --force to replace it, --resume to "
+                          "continue it, or another folder",
+                          folder);
+    }
+    return clear(ctx, folder);
+}
+
+void asdic_folder_remove(asdic_context *ctx, const char *folder) {
+    if (clear(ctx, folder) == ASDIC_OK) {
+        rmdir(folder); /* fails, as it should, when there is something else */
+    }
+}
+
+char *asdic_folder_path(const char *folder, const char *stem, const char *name,
+                        const char *extension) {
+    char *path = NULL;
+    if (asprintf(&path, "%s/%s%s.%s", folder, stem, name, extension) < 0) {
+        return NULL;
+    }
+    /* A beam may be called anything: what is not plain becomes an underscore. */
+    for (char *c = path + strlen(folder) + 1 + strlen(stem); *c; c++) {
+        bool is_plain = isalnum((unsigned char)*c) || strchr("._-", *c) || (*c & 0x80);
+        *c = is_plain ? *c : '_';
+    }
+    return path;
+}

@@ -1,0 +1,25 @@
+/*
+ * An opened run folder, inside.
+ */
+#ifndef ASDIC_MISSION_RUN_OPEN_H
+#define ASDIC_MISSION_RUN_OPEN_H
+
+#include "run_facts.h"
+#include "run_store.h"
+
+#include <asdic/run.h>
+
+struct asdic_run {
+    asdic_context *ctx;
+    char *folder, *scene_name;
+    asdic_arena arena; /* of the facts' strings */
+    asdic_run_facts facts;
+    asdic_mission *settings; /* no geometry */
+    asdic_store *store;
+    void *buffer; /* one record */
+};
+
+/* Name of a scene: its file's, without folder and extension; "scene" for standard input. */
+char *asdic_run_scene_name(const char *path);
+
+#endif

@@ -1,0 +1,34 @@
+/*
+ * Pings shared among devices: one thread each, results handed over in the order of the pings.
+ */
+#ifndef ASDIC_MISSION_RUN_QUEUE_H
+#define ASDIC_MISSION_RUN_QUEUE_H
+
+#include <asdic/mission.h>
+
+typedef struct asdic_queue_work {
+    asdic_mission *mission;
+    asdic_device **devices;
+    size_t device_count;
+    size_t first, end; /* pings first .. end - 1 */
+    size_t bins;
+    /* Called in the calling thread, ping by ping, while devices go on; a failure stops the run. */
+    asdic_status (*take)(void *user, size_t ping, const asdic_ping *result);
+    void *user;
+} asdic_queue_work;
+
+typedef struct asdic_queue_result {
+    size_t taken;   /* pings handed over, from the first on */
+    double ready_s; /* asdic_clock_s when the first device was ready; known before any taking */
+} asdic_queue_result;
+
+/* ASDIC_OK when all pings were taken, ASDIC_ERROR_INTERRUPTED when the context asked to stop. A
+ * device that fails is dropped with a warning and its pings go to the others; without others its failure
+ * is returned. RESULT is filled in any case. */
+asdic_status asdic_queue_run(asdic_context *ctx, const asdic_queue_work *work,
+                             asdic_queue_result *result);
+
+/* Seconds of a clock that only runs forward. */
+double asdic_clock_s(void);
+
+#endif

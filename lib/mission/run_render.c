@@ -1,0 +1,202 @@
+#include "run_render.h"
+
+#include "base/context.h"
+#include "out/digits.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+asdic_render_options asdic_render_options_default(void) {
+    return (asdic_render_options){
+        .db_low = NAN, .db_high = NAN, .colormap = ASDIC_COLORMAP_VIRIDIS, .ping = SIZE_MAX};
+}
+
+/* The beam that a report of many would show: the one that looks most nearly ahead. */
+static size_t ahead(const asdic_sonar *sonar) {
+    size_t best = 0;
+    for (size_t i = 1; i < sonar->receiver_count; i++) {
+        const asdic_beam *beam = &sonar->receivers[i], *other = &sonar->receivers[best];
+        if (fabs(beam->yaw_rad) < fabs(other->yaw_rad) - 1e-9) {
+            best = i;
+        }
+    }
+    return best;
+}
+
+static asdic_status choose_beams(asdic_render *r) {
+    const asdic_sonar *sonar = r->info.sonar;
+    if (r->options.beam) {
+        for (size_t i = 0; i < sonar->receiver_count; i++) {
+            if (strcmp(sonar->receivers[i].name, r->options.beam) == 0) {
+                r->beams[r->beam_count++] = i;
+                return ASDIC_OK;
+            }
+        }
+        return asdic_fail(r->ctx, ASDIC_ERROR_ARGUMENT, "no beam '%s'; there are '%s' to '%s'",
+                          r->options.beam, sonar->receivers[0].name,
+                          sonar->receivers[sonar->receiver_count - 1].name);
+    }
+    if (sonar->receiver_count > ASDIC_RENDER_WATERFALLS) {
+        r->beams[r->beam_count++] = ahead(sonar);
+        return ASDIC_OK;
+    }
+    while (r->beam_count < sonar->receiver_count) {
+        r->beams[r->beam_count] = r->beam_count;
+        r->beam_count++;
+    }
+    return ASDIC_OK;
+}
+
+static void resolve_window(asdic_render *r) {
+    r->options.db_low = isnan(r->options.db_low) ? r->survey.low_db : r->options.db_low;
+    r->options.db_high = isnan(r->options.db_high) ? r->survey.high_db : r->options.db_high;
+}
+
+/* "20000" as "20,000". */
+static void group_digits(char out[40], uint64_t value) {
+    char digits[ASDIC_DIGITS_SIZE];
+    size_t length = asdic_digits_natural(digits, value), n = 0;
+    for (size_t i = 0; i < length; i++) {
+        out[n++] = digits[i];
+        if (i + 1 < length && (length - i - 1) % 3 == 0) {
+            out[n++] = ',';
+        }
+    }
+    out[n] = 0;
+}
+
+/* What stands below every picture and in its text chunks. */
+static void describe(asdic_render *r) {
+    char frequency[ASDIC_DIGITS_SIZE], rays[40], spread[ASDIC_DIGITS_SIZE], loss[ASDIC_DIGITS_SIZE];
+    const asdic_sampling *sampling = &r->info.sampling;
+    asdic_digits_print(frequency, "%g", r->info.sonar->frequency_hz / 1000.0);
+    group_digits(rays, sampling->rays);
+    snprintf(r->note, sizeof r->note, "%s kHz  \u00b7  %s rays a ping, %s sampling, seed %llu",
+             frequency, rays, asdic_run_sampler_name(sampling->sampler),
+             (unsigned long long)sampling->seed);
+    asdic_digits_natural(r->seed, sampling->seed);
+    asdic_digits_print(r->low, "%g", r->options.db_low);
+    asdic_digits_print(r->high, "%g", r->options.db_high);
+    asdic_digits_print(spread, "%g", r->options.tvg_db_per_decade);
+    asdic_digits_print(loss, "%g", r->options.tvg_db_per_m);
+    snprintf(r->gain, sizeof r->gain, "%s log r + %s r dB", spread, loss);
+    const char *texts[] = {"Software",     "asdic",
+                           "version",      r->run->facts.version,
+                           "scene",        r->info.scene_name,
+                           "scene_sha256", r->info.scene_hash,
+                           "seed",         r->seed,
+                           "db_low",       r->low,
+                           "db_high",      r->high,
+                           "colormap",     asdic_colormap_name(r->options.colormap),
+                           "gain",         r->gain};
+    _Static_assert(sizeof texts + 5 * sizeof *texts <= sizeof r->texts, "room for one more text");
+    memcpy(r->texts, texts, sizeof texts);
+}
+
+asdic_picture_options asdic_render_picture(asdic_render *r, const char *title, const char *key,
+                                           const char *value) {
+    size_t i = 0;
+    while (r->texts[i] && strcmp(r->texts[i], "Title") != 0) {
+        i += 2;
+    }
+    r->texts[i] = "Title";
+    r->texts[i + 1] = title;
+    r->texts[i + 2] = key;
+    r->texts[i + 3] = value;
+    return (asdic_picture_options){.db_low = r->options.db_low,
+                                   .db_high = r->options.db_high,
+                                   .colormap = r->options.colormap,
+                                   .tvg_db_per_decade = r->options.tvg_db_per_decade,
+                                   .tvg_db_per_m = r->options.tvg_db_per_m,
+                                   .title = title,
+                                   .note = r->note,
+                                   .texts = r->texts};
+}
+
+bool asdic_render_has_fan(const asdic_sonar *sonar) {
+    for (size_t i = 1; i < sonar->receiver_count; i++) {
+        if (!(sonar->receivers[i].yaw_rad > sonar->receivers[i - 1].yaw_rad)) {
+            return false;
+        }
+    }
+    return sonar->receiver_count >= 3;
+}
+
+/* A-scope and fan of the ping with INDEX within the run. */
+static asdic_status render_ping(asdic_render *r, size_t index) {
+    asdic_record record;
+    asdic_status status = asdic_run_read(r->run, index, &record);
+    if (status == ASDIC_OK && (r->images & 1u << ASDIC_IMAGE_ASCOPE)) {
+        status = asdic_render_ascope(r, &record);
+    }
+    if (status == ASDIC_OK && (r->images & 1u << ASDIC_IMAGE_FAN)) {
+        status = asdic_render_fan(r, &record);
+    }
+    return status;
+}
+
+static asdic_status render_pings(asdic_render *r) {
+    size_t last = r->info.pings - 1;
+    if (r->options.ping != SIZE_MAX) {
+        size_t index = r->options.ping - r->info.first_ping;
+        if (r->options.ping < r->info.first_ping || index > last) {
+            return asdic_fail(r->ctx, ASDIC_ERROR_ARGUMENT, "no ping %zu; there are %zu to %zu",
+                              r->options.ping, r->info.first_ping, r->info.first_ping + last);
+        }
+        return render_ping(r, index);
+    }
+    asdic_status status = render_ping(r, 0);
+    return status == ASDIC_OK && last > 0 ? render_ping(r, last) : status;
+}
+
+/* A scene that asks for pictures it has no beams for, or a build that cannot draw lines, still
+ * gets the others; who asks for them by name is told. */
+static void drop_impossible(asdic_render *r) {
+    bool has_fan = asdic_render_has_fan(r->info.sonar);
+    if ((r->images & 1u << ASDIC_IMAGE_FAN) && !has_fan) {
+        asdic_log(r->ctx, r->options.images ? ASDIC_LOG_WARNING : ASDIC_LOG_INFO,
+                  "no fan picture: it needs three beams or more at ascending bearings");
+        r->images &= ~(1u << ASDIC_IMAGE_FAN);
+    }
+    if ((r->images & 1u << ASDIC_IMAGE_ASCOPE) && !asdic_picture_annotated()) {
+        asdic_log(r->ctx, ASDIC_LOG_WARNING, "no A-scope picture: built without cairo");
+        r->images &= ~(1u << ASDIC_IMAGE_ASCOPE);
+    }
+}
+
+static asdic_status render(asdic_render *r) {
+    r->info = asdic_run_get_info(r->run);
+    r->images =
+        r->options.images ? r->options.images : asdic_mission_output(r->run->settings)->images;
+    if (r->info.pings == 0) {
+        return asdic_fail(r->ctx, ASDIC_ERROR_INPUT, "'%s' holds no ping to draw", r->run->folder);
+    }
+    drop_impossible(r);
+    asdic_status status =
+        asdic_survey_run(r->ctx, r->run->store, r->info.beams, r->info.bins, &r->survey);
+    if (status == ASDIC_OK) {
+        status = choose_beams(r);
+    }
+    if (status != ASDIC_OK) {
+        return status;
+    }
+    resolve_window(r);
+    describe(r);
+    if ((r->images & 1u << ASDIC_IMAGE_WATERFALL) || r->options.raw) {
+        status = asdic_render_waterfalls(r);
+    }
+    return status == ASDIC_OK ? render_pings(r) : status;
+}
+
+asdic_status asdic_run_render(asdic_context *ctx, const char *folder,
+                              const asdic_render_options *options) {
+    asdic_render r = {.ctx = ctx, .options = *options};
+    asdic_status status = asdic_run_open(ctx, folder, &r.run);
+    if (status == ASDIC_OK) {
+        status = render(&r);
+    }
+    asdic_run_close(&r.run);
+    return status;
+}

@@ -1,0 +1,40 @@
+/*
+ * Drawing a run: what its pictures share.
+ */
+#ifndef ASDIC_MISSION_RUN_RENDER_H
+#define ASDIC_MISSION_RUN_RENDER_H
+
+#include "run_open.h"
+#include "run_survey.h"
+
+/* At most this many beams get a waterfall, or a panel of an A-scope, unless one is named. */
+#define ASDIC_RENDER_WATERFALLS 8
+#define ASDIC_RENDER_PANELS 4
+
+#define ASDIC_RENDER_TEXTS 24
+
+typedef struct asdic_render {
+    asdic_context *ctx;
+    asdic_run *run;
+    asdic_run_info info;
+    asdic_survey survey;
+    asdic_render_options options; /* window resolved */
+    unsigned images;
+    size_t beams[ASDIC_RENDER_WATERFALLS]; /* to be drawn, by index */
+    size_t beam_count;
+    char note[256], seed[32], low[32], high[32], gain[96];
+    const char *texts[ASDIC_RENDER_TEXTS]; /* key, value, ... of every picture */
+} asdic_render;
+
+/* Options of one picture, with TITLE and two more text chunks: KEY and VALUE. */
+asdic_picture_options asdic_render_picture(asdic_render *render, const char *title, const char *key,
+                                           const char *value);
+
+asdic_status asdic_render_waterfalls(asdic_render *render);
+asdic_status asdic_render_ascope(asdic_render *render, const asdic_record *record);
+asdic_status asdic_render_fan(asdic_render *render, const asdic_record *record);
+
+/* Whether the beams make a fan: three or more, aimed at ascending bearings. */
+bool asdic_render_has_fan(const asdic_sonar *sonar);
+
+#endif

@@ -1,0 +1,213 @@
+#include "run_store.h"
+
+#include "base/context.h"
+#include "out/npy.h"
+#include "out/record.h"
+#include "run_folder.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+struct asdic_store {
+    asdic_context *ctx;
+    char *path, *part;
+    int fd;
+    bool is_part;
+    size_t record_bytes, header_bytes, count;
+    char dtype[ASDIC_RECORD_DTYPE_SIZE];
+};
+
+static asdic_status fail_io(asdic_store *store, const char *verb) {
+    return asdic_fail(store->ctx, ASDIC_ERROR_IO, "cannot %s '%s': %s", verb,
+                      store->is_part ? store->part : store->path, strerror(errno));
+}
+
+static bool write_at(int fd, const void *bytes, size_t length, size_t offset) {
+    const char *from = bytes;
+    while (length > 0) {
+        ssize_t written = pwrite(fd, from, length, (off_t)offset);
+        if (written < 0 && errno == EINTR) {
+            continue;
+        }
+        if (written <= 0) {
+            errno = written == 0 ? ENOSPC : errno;
+            return false;
+        }
+        from += written;
+        offset += (size_t)written;
+        length -= (size_t)written;
+    }
+    return true;
+}
+
+static bool read_at(int fd, void *bytes, size_t length, size_t offset) {
+    char *to = bytes;
+    while (length > 0) {
+        ssize_t got = pread(fd, to, length, (off_t)offset);
+        if (got < 0 && errno == EINTR) {
+            continue;
+        }
+        if (got <= 0) {
+            errno = got == 0 ? EIO : errno;
+            return false;
+        }
+        to += got;
+        offset += (size_t)got;
+        length -= (size_t)got;
+    }
+    return true;
+}
+
+static asdic_status write_header(asdic_store *store, size_t count) {
+    char header[ASDIC_NPY_HEADER_SIZE];
+    size_t length = asdic_npy_header(header, store->dtype, count, "");
+    return write_at(store->fd, header, length, 0) ? ASDIC_OK : fail_io(store, "write");
+}
+
+/* Takes the number of records from the file's size. A finished file must say the same number; a
+ * .part has 0 in its header, or a number when it was finished once. */
+static asdic_status check(asdic_store *store) {
+    char expected[ASDIC_NPY_HEADER_SIZE], found[ASDIC_NPY_HEADER_SIZE];
+    struct stat st;
+    if (fstat(store->fd, &st) != 0) {
+        return fail_io(store, "read");
+    }
+    size_t bytes = (size_t)st.st_size;
+    if (bytes < store->header_bytes) {
+        goto damaged;
+    }
+    if (!read_at(store->fd, found, store->header_bytes, 0)) {
+        return fail_io(store, "read");
+    }
+    store->count = (bytes - store->header_bytes) / store->record_bytes;
+    asdic_npy_header(expected, store->dtype, store->count, "");
+    bool is_equal = memcmp(found, expected, store->header_bytes) == 0;
+    if (!is_equal && store->is_part) { /* as it was when records were added to it */
+        const char *shape = memmem(found, store->header_bytes, "'shape': (", 10);
+        size_t was = shape ? strtoul(shape + 10, NULL, 10) : 0;
+        asdic_npy_header(expected, store->dtype, was, "");
+        is_equal = shape && memcmp(found, expected, store->header_bytes) == 0;
+    }
+    if (is_equal &&
+        (store->is_part || store->header_bytes + store->count * store->record_bytes == bytes)) {
+        return ASDIC_OK;
+    }
+damaged:
+    return asdic_fail(store->ctx, ASDIC_ERROR_INPUT,
+                      "'%s' is damaged or of another run (%zu bytes, records of %zu bytes after a "
+                      "header of %zu); run again with --force",
+                      store->is_part ? store->part : store->path, bytes, store->record_bytes,
+                      store->header_bytes);
+}
+
+static asdic_status open_file(asdic_store *store, asdic_store_mode mode) {
+    if (mode == ASDIC_STORE_READ) {
+        store->fd = open(store->path, O_RDONLY | O_CLOEXEC);
+        return store->fd < 0 ? fail_io(store, "read") : check(store);
+    }
+    /* A finished file becomes the part again; until it is committed its name is free. */
+    store->is_part = true;
+    if (mode == ASDIC_STORE_RESUME && access(store->part, F_OK) != 0 &&
+        rename(store->path, store->part) != 0 && errno != ENOENT) {
+        return fail_io(store, "write");
+    }
+    bool is_new = mode == ASDIC_STORE_CREATE || access(store->part, F_OK) != 0;
+    store->fd = open(store->part, O_RDWR | O_CREAT | O_CLOEXEC | (is_new ? O_TRUNC : 0), 0666);
+    if (store->fd < 0) {
+        return fail_io(store, "write");
+    }
+    struct stat st;
+    if (!is_new && fstat(store->fd, &st) == 0 && (size_t)st.st_size < store->header_bytes) {
+        is_new = true; /* killed before the header was complete */
+    }
+    return is_new ? write_header(store, 0) : check(store);
+}
+
+asdic_status asdic_store_open(asdic_context *ctx, const char *folder, asdic_store_mode mode,
+                              size_t beams, size_t bins, asdic_store **out) {
+    char header[ASDIC_NPY_HEADER_SIZE];
+    *out = NULL;
+    asdic_store *store = calloc(1, sizeof *store);
+    if (!store) {
+        return asdic_fail_memory(ctx, "a run's records");
+    }
+    store->ctx = ctx;
+    store->fd = -1;
+    store->path = asdic_folder_path(folder, "pings", "", "npy");
+    store->part = asdic_folder_path(folder, "pings", "", "npy.part");
+    store->record_bytes = asdic_record_bytes(beams, bins);
+    asdic_record_dtype(store->dtype, beams, bins);
+    store->header_bytes = asdic_npy_header(header, store->dtype, 0, "");
+    asdic_status status = store->path && store->part ? open_file(store, mode)
+                                                     : asdic_fail_memory(ctx, "a run's file name");
+    if (status != ASDIC_OK) {
+        asdic_store_close(&store);
+    }
+    *out = store;
+    return status;
+}
+
+size_t asdic_store_count(const asdic_store *store) {
+    return store->count;
+}
+
+size_t asdic_store_record_bytes(const asdic_store *store) {
+    return store->record_bytes;
+}
+
+static size_t offset_of(const asdic_store *store, size_t index) {
+    return store->header_bytes + index * store->record_bytes;
+}
+
+asdic_status asdic_store_append(asdic_store *store, const void *bytes) {
+    if (!write_at(store->fd, bytes, store->record_bytes, offset_of(store, store->count))) {
+        return fail_io(store, "write");
+    }
+    store->count++;
+    return ASDIC_OK;
+}
+
+asdic_status asdic_store_read(asdic_store *store, size_t index, void *bytes) {
+    return read_at(store->fd, bytes, store->record_bytes, offset_of(store, index))
+               ? ASDIC_OK
+               : fail_io(store, "read");
+}
+
+asdic_status asdic_store_cut(asdic_store *store, size_t count) {
+    if (count < store->count) {
+        store->count = count;
+    }
+    return ftruncate(store->fd, (off_t)offset_of(store, store->count)) == 0
+               ? ASDIC_OK
+               : fail_io(store, "write");
+}
+
+asdic_status asdic_store_commit(asdic_store *store) {
+    asdic_status status = asdic_store_cut(store, store->count); /* a torn record after the last */
+    if (status == ASDIC_OK) {
+        status = write_header(store, store->count);
+    }
+    if (status == ASDIC_OK && (fsync(store->fd) != 0 || rename(store->part, store->path) != 0)) {
+        status = fail_io(store, "write");
+    }
+    store->is_part = status != ASDIC_OK;
+    return status;
+}
+
+void asdic_store_close(asdic_store **store) {
+    if (!store || !*store) {
+        return;
+    }
+    if ((*store)->fd >= 0) {
+        close((*store)->fd);
+    }
+    free((*store)->path);
+    free((*store)->part);
+    free(*store);
+    *store = NULL;
+}

@@ -1,0 +1,105 @@
+"""Runs in parts, on two devices, stopped and resumed: always the same bytes."""
+import os
+import resource
+import signal
+import subprocess
+import time
+
+import program
+import tap
+from program import Folder, asdic
+from run_folder import data, facts, same, scene
+
+
+def test_same_bytes_on_two_devices():
+    program.need_device()
+    with Folder() as folder:
+        path = scene(folder, pings=12)
+        asdic("run", path, "-o", folder / "one").check(code=0)
+        asdic("run", path, "-o", folder / "two", "--device", "all",
+              POCL_DEVICES="pthread pthread").check(code=0)
+        same(folder, "one", "two")
+
+
+def test_shards_merge_to_the_whole():
+    program.need_device()
+    with Folder() as folder:
+        path = scene(folder, pings=7)
+        asdic("run", path, "-o", folder / "whole").check(code=0)
+        for k in (1, 2, 3):
+            asdic("run", path, "--shard", f"{k}/3", cwd=folder.path).check(code=0)
+        parts = [f"run_pool_{k}_of_3" for k in (2, 3, 1)]
+        tap.equal(sum(facts(folder, part)["pings"] for part in parts), 7)
+        asdic("merge", *parts, "-o", "joined", cwd=folder.path).check(code=0)
+        same(folder, "whole", "joined")
+        asdic("merge", *parts, "-o", "joined", cwd=folder.path).check(code=1)
+        asdic("merge", *parts, cwd=folder.path).check(code=2)
+        asdic("merge", parts[0], parts[2], parts[2], "-o", "x", cwd=folder.path).check(code=3)
+        asdic("run", path, "--pings", "2:5", "-o", folder / "some").check(code=0)
+        rows = data(folder, "some", "bins.csv").decode().splitlines()[1:]
+        whole = data(folder, "whole", "bins.csv").decode().splitlines()[1:]
+        tap.equal(rows, [row for row in whole if row.split(",")[0] in "234"], "--pings 2:5")
+
+
+def start(path, run):
+    return subprocess.Popen([program.PATH, "run", path, "-o", run], stderr=subprocess.PIPE)
+
+
+def wait_for_pings(child, run, size):
+    """Until the records of a running child have grown beyond SIZE bytes."""
+    end = time.monotonic() + 60
+    while time.monotonic() < end and child.poll() is None:
+        try:
+            if os.path.getsize(os.path.join(run, "pings.npy.part")) > size:
+                return
+        except FileNotFoundError:
+            pass
+        time.sleep(0.002)
+    raise AssertionError("the run ended before it could be stopped")
+
+
+def test_killed_and_interrupted_runs_go_on():
+    program.need_device()
+    with Folder() as folder:
+        path = scene(folder, pings=150, rays=4000)
+        asdic("run", path, "-o", folder / "whole").check(code=0)
+        child = start(path, folder / "r")
+        wait_for_pings(child, folder / "r", 20000)
+        child.kill()
+        child.communicate()
+        tap.equal(facts(folder, "r")["state"], "running", "state")
+        for stop, code in ((signal.SIGINT, 130), (signal.SIGTERM, 143)):
+            before = os.path.getsize(folder / "r/pings.npy.part")
+            child = subprocess.Popen([program.PATH, "run", path, "-o", folder / "r", "--resume"],
+                                     stderr=subprocess.PIPE)
+            wait_for_pings(child, folder / "r", before)
+            child.send_signal(stop)
+            _, err = child.communicate()
+            tap.equal(child.returncode, code, "exit code")
+            tap.contains(err.decode(), "--resume")
+            run = facts(folder, "r")
+            tap.equal(run["state"], "interrupted", "state")
+            tap.equal(len(data(folder, "r", "bins.csv").splitlines()),
+                      1 + run["pings"] * run["beams"] * run["bins"], "rows of a valid folder")
+            tap.equal([n for n in os.listdir(folder / "r") if n.endswith(".part")], [], "parts")
+            os.rename(folder / "r/pings.npy", folder / "r/pings.npy.part")
+        asdic("run", path, "-o", folder / "r", "--resume").check(code=0)
+        same(folder, "whole", "r")
+
+
+def test_full_disk_is_an_error_that_loses_nothing():
+    program.need_device()
+    with Folder() as folder:
+        path = scene(folder, pings=200)
+        asdic("run", path, "-o", folder / "whole").check(code=0)
+        done = subprocess.run(
+            [program.PATH, "run", path, "-o", folder / "r"], capture_output=True, check=False,
+            preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (1000000, 1000000)))
+        tap.equal(done.returncode, 1, "exit code")
+        tap.contains(done.stderr.decode(), "File too large")
+        tap.contains(done.stderr.decode(), "--resume")
+        asdic("run", path, "-o", folder / "r", "--resume").check(code=0)
+        same(folder, "whole", "r")
+
+
+tap.main(globals())

@@ -1,0 +1,176 @@
+"""asdic run and render: what a run folder holds, and what is refused."""
+import csv
+import os
+import shutil
+import struct
+import subprocess
+
+import program
+import tap
+from program import Folder, asdic
+from run_folder import HEADER, data, facts, npy, pictures, png_texts, scene
+
+
+def test_run_folder_holds_what_it_should():
+    program.need_device()
+    with Folder() as folder:
+        asdic("run", scene(folder), cwd=folder.path).check(code=0, out="")
+        rows = data(folder, "run_pool", "bins.csv").decode().splitlines()
+        tap.equal(rows[0], HEADER, "columns")
+        table = list(csv.DictReader(rows))
+        run = facts(folder, "run_pool")
+        bins, beams, pings = run["bins"], run["beams"], run["pings"]
+        tap.equal((pings, beams, run["state"]), (6, 2, "complete"))
+        tap.equal(len(table), pings * beams * bins, "rows")
+        tap.equal([(r["ping"], r["beam"], r["bin"]) for r in table],
+                  [(str(p), b, str(n)) for p in range(pings) for b in ("forward", "down")
+                   for n in range(bins)], "keys")
+        tap.equal({r["range_m"] for r in table[:3]}, {"0.5", "1.5", "2.5"}, "bin centres")
+        tap.equal(sorted({r["time_s"] for r in table}), ["0", "0.05", "0.1", "0.15", "0.2", "0.25"])
+        tap.equal({r["object_db"] != "" for r in table if r["bin"] == "19"}, {True}, "echo of ball")
+        tap.equal({r["object_db"] for r in table if r["bin"] == "10"}, {""}, "before the ball")
+        tap.equal((run["seed"], run["rays"]), (7, 2000), "sampling")
+        tap.equal(run["scene"]["text"], folder.read("pool.yaml"), "scene's text")
+        tap.equal(len(run["scene"]["sha256"]), 64)
+        for key in ("version", "devices", "time_s", "rays_per_s", "rays_traced"):
+            if not run[key]:
+                raise AssertionError(f"run.json says nothing of {key}")
+        if not 0 < run["stderr_db"]["median"] <= run["stderr_db"]["worst"]:
+            raise AssertionError(run["stderr_db"])
+
+
+def test_binary_and_text_agree():
+    program.need_device()
+    with Folder() as folder:
+        asdic("run", scene(folder, pings=2), "-o", folder / "r").check(code=0)
+        header, body = npy(data(folder, "r", "levels.npy"))
+        bins = facts(folder, "r")["bins"]
+        tap.equal(header, {"descr": "<f4", "fortran_order": False, "shape": (2, 2, bins)})
+        levels = struct.unpack(f"<{4 * bins}f", body)
+        rows = list(csv.DictReader(data(folder, "r", "bins.csv").decode().splitlines()))
+        for row, level in zip(rows, levels):
+            text = row["level_db"]
+            read = struct.unpack("<f", struct.pack("<f", float(text)))[0] if text else None
+            if read != level and not (text == "" and level != level):
+                raise AssertionError(f"{row}: {level!r}")
+        header, body = npy(data(folder, "r", "pings.npy"))
+        tap.equal(header["shape"], (2,))
+        tap.equal([field[0] for field in header["descr"]][-8:], HEADER.split(",")[5:], "fields")
+        if shutil.which("/usr/bin/python3"):
+            done = subprocess.run(
+                ["/usr/bin/python3", "-c",
+                 "import sys\ntry:\n import numpy\nexcept ImportError:\n sys.exit(77)\n"
+                 "p = numpy.load('pings.npy'); q = numpy.load('levels.npy')\n"
+                 "assert (numpy.nan_to_num(p['level_db']) == numpy.nan_to_num(q)).all()\n"
+                 "assert p['time_s'].tolist() == [0, 0.05] and p['ping'].tolist() == [0, 1]\n"],
+                cwd=folder / "r", check=False)
+            if done.returncode not in (0, 77):
+                raise AssertionError("numpy reads something else")
+
+
+def test_pictures_say_what_they_show():
+    program.need_device()
+    with Folder() as folder:
+        asdic("run", scene(folder, pings=3), "-o", folder / "r").check(code=0)
+        expected = ["waterfall_down.png", "waterfall_forward.png"]
+        if "ascope_0.png" in pictures(folder, "r"):
+            expected = ["ascope_0.png", "ascope_2.png"] + expected
+        tap.equal(pictures(folder, "r"), expected, "pictures")
+        texts = png_texts(data(folder, "r", "waterfall_forward.png"))
+        run = facts(folder, "r")
+        tap.equal(texts["scene_sha256"], run["scene"]["sha256"])
+        tap.equal((texts["seed"], texts["version"], texts["beam"]), ("7", run["version"], "forward"))
+        low, high = float(texts["db_low"]), float(texts["db_high"])
+        tap.equal((low % 10, high % 10, low < high), (0, 0, True), "window")
+        if shutil.which("pngcheck"):
+            subprocess.run(["pngcheck", "-q"] + [folder / "r/" + n for n in expected], check=True)
+
+
+def test_fan_pictures():
+    program.need_device()
+    with Folder() as folder:
+        path = scene(folder, pings=1, receivers="    fan: {count: 12, sector_deg: 90, "
+                     "length_h_m: 0.1, length_v_m: 0.05}")
+        asdic("run", path, "-o", folder / "r").check(code=0)
+        names = pictures(folder, "r")
+        tap.contains(names, "fan_0.png")
+        tap.equal(len([n for n in names if n.startswith("waterfall_")]), 1, "waterfalls of a fan")
+
+
+def test_render_draws_again():
+    program.need_device()
+    with Folder() as folder:
+        run = folder / "r"
+        asdic("run", scene(folder, pings=3), "-o", run).check(code=0)
+        before = {n: data(folder, "r", n) for n in pictures(folder, "r")}
+        asdic("render", run).check(code=0, out="")
+        tap.equal({n: data(folder, "r", n) for n in pictures(folder, "r")}, before, "same pictures")
+        asdic("render", run, "--db-range", "-20:120", "--colormap", "gray", "--tvg", "40", "--beam",
+              "down", "--images", "waterfall", "--raw").check(code=0)
+        texts = png_texts(data(folder, "r", "waterfall_down.png"))
+        tap.equal((texts["db_low"], texts["db_high"], texts["colormap"]), ("-20", "120", "gray"))
+        tap.contains(texts["gain"], "40 log r + 0.0")
+        tap.equal(data(folder, "r", "waterfall_forward.png"), before["waterfall_forward.png"])
+        raw = data(folder, "r", "raw_down.png")
+        width, height, depth, colour = struct.unpack(">IIBB", raw[16:26])
+        tap.equal((width, height, depth, colour), (facts(folder, "r")["bins"], 3, 16, 0))
+        for arguments in (["--beam", "sideways"], ["--ping", "3"], ["--colormap", "jet"],
+                          ["--db-range", "5:-5"], ["--images", "portrait"], ["--tvg", "x"]):
+            asdic("render", run, *arguments).check(code=2)
+        asdic("render", folder.path).check(code=3)
+
+
+def test_what_is_there_is_not_overwritten():
+    program.need_device()
+    with Folder() as folder:
+        path = scene(folder, pings=1)
+        run = folder / "r"
+        os.mkdir(run)
+        with open(os.path.join(run, "notes.txt"), "w", encoding="utf-8") as file:
+            file.write("mine")
+        asdic("run", path, "-o", run).check(code=0)
+        csv_before = data(folder, "r", "bins.csv")
+        done = asdic("run", path, "-o", run, "--seed", "8").check(code=1)
+        tap.contains(done.err, "--force")
+        tap.equal(data(folder, "r", "bins.csv"), csv_before, "bins.csv")
+        asdic("run", path, "-o", run, "--seed", "8", "--resume").check(code=1)
+        asdic("run", path, "-o", run, "--seed", "8", "--force").check(code=0)
+        tap.equal(facts(folder, "r")["seed"], 8)
+        tap.equal(data(folder, "r", "notes.txt"), b"mine")
+        asdic("run", path, "-o", run, "--seed", "8", "--resume").check(code=0)
+        asdic("run", path, "-o", folder / "pool.yaml").check(code=1)
+        asdic("run", path, "-o", folder / "no/such").check(code=1)
+
+
+def test_mistakes_have_their_exit_codes():
+    with Folder() as folder:
+        path = scene(folder)
+        for arguments in (["--rays", "3"], ["--rays", "many"], ["--sampler", "grid"],
+                          ["--seed", "-1"], ["--force", "--resume"], ["--shard", "4/3"],
+                          ["--shard", "1"], ["--pings", "3:2"], ["--pings", "0:7"],
+                          ["--pings", "6"], ["--shard", "1/7"], ["extra"]):
+            asdic("run", path, *arguments, "-o", folder / "r").check(code=2, out="")
+        asdic("run").check(code=2)
+        asdic("run", folder / "absent.yaml").check(code=3)
+        bad = folder.write("bad.yaml", folder.read("pool.yaml").replace("bottom:", "botom:"))
+        tap.contains(asdic("run", bad).check(code=3).err, "did you mean 'bottom'")
+        asdic("run", path, "-o", folder / "r", OCL_ICD_VENDORS="/nonexistent").check(code=4)
+        tap.equal(folder.names(), ["bad.yaml", "pool.yaml"], "files afterwards")
+
+
+def test_progress_on_a_terminal_only():
+    program.need_device()
+    with Folder() as folder:
+        path = scene(folder, pings=60)
+        done = program.asdic_on_terminal("run", path, "-o", folder / "a")
+        tap.equal(done.code, 0)
+        tap.contains(done.err, "/60 pings")
+        tap.contains(done.err, "rays/s")
+        done = asdic("run", path, "-o", folder / "b").check(code=0)
+        tap.lacks(done.err, "\r")
+        asdic("run", path, "-o", folder / "c", "-q").check(code=0, err="")
+        done = program.asdic_on_terminal("run", path, "-o", folder / "d", "-q")
+        tap.equal(done.err, "")
+
+
+tap.main(globals())

@@ -1,0 +1,554 @@
+/*
+ * Running a mission over several devices, some of which fail: a fake simulator stands in for the
+ * real one (the linker's --wrap), so that order, loss and interruption can be arranged.
+ */
+#include "../assert_close.h"
+
+#include <asdic/asdic.h>
+
+#include <dirent.h>
+#include <math.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#define PINGS 150
+#define BEAMS 2
+
+/* ---- the fake ------------------------------------------------------------------------------- */
+
+struct asdic_device {
+    asdic_device_info info;
+    bool refuses;       /* to create a simulator */
+    size_t fails_after; /* pings */
+    unsigned delay_us;
+    size_t pings, learnt; /* counted */
+};
+
+struct asdic_simulator {
+    asdic_context *ctx;
+    asdic_device *device;
+    uint64_t block, seed;
+    size_t bins;
+};
+
+asdic_status __wrap_asdic_simulator_create(asdic_context *ctx, asdic_device *device,
+                                           const asdic_scene *scene, const asdic_environment *env,
+                                           const asdic_sonar *sonar, const asdic_sampling *sampling,
+                                           double depth_m, asdic_simulator **out);
+void __wrap_asdic_simulator_destroy(asdic_simulator **sim);
+size_t __wrap_asdic_simulator_bin_count(const asdic_simulator *sim);
+asdic_status __wrap_asdic_simulator_learn(asdic_simulator *sim, const asdic_pose *pose,
+                                          uint64_t index);
+asdic_status __wrap_asdic_simulator_ping(asdic_simulator *sim, const asdic_pose *pose,
+                                         uint64_t index, asdic_ping *ping);
+const asdic_device_info *__wrap_asdic_device_get_info(const asdic_device *device);
+
+asdic_status __wrap_asdic_simulator_create(asdic_context *ctx, asdic_device *device,
+                                           const asdic_scene *scene, const asdic_environment *env,
+                                           const asdic_sonar *sonar, const asdic_sampling *sampling,
+                                           double depth_m, asdic_simulator **out) {
+    (void)scene;
+    *out = NULL;
+    if (device->refuses) {
+        return ASDIC_ERROR_DEVICE;
+    }
+    *out = calloc(1, sizeof **out);
+    (*out)->ctx = ctx;
+    (*out)->device = device;
+    (*out)->block = UINT64_MAX;
+    (*out)->seed = sampling->seed;
+    (*out)->bins = asdic_sonar_bin_count(sonar, asdic_environment_sound_speed_mps(env, depth_m));
+    return ASDIC_OK;
+}
+
+void __wrap_asdic_simulator_destroy(asdic_simulator **sim) {
+    free(*sim);
+    *sim = NULL;
+}
+
+size_t __wrap_asdic_simulator_bin_count(const asdic_simulator *sim) {
+    return sim->bins;
+}
+
+asdic_status __wrap_asdic_simulator_learn(asdic_simulator *sim, const asdic_pose *pose,
+                                          uint64_t index) {
+    (void)pose;
+    assert_int_equal(index % ASDIC_LEARN_BLOCK, 0);
+    sim->block = index / ASDIC_LEARN_BLOCK;
+    sim->device->learnt++;
+    return ASDIC_OK;
+}
+
+/* Levels that tell ping, beam, bin and what was learnt. */
+asdic_status __wrap_asdic_simulator_ping(asdic_simulator *sim, const asdic_pose *pose,
+                                         uint64_t index, asdic_ping *ping) {
+    (void)pose;
+    if (sim->device->pings == sim->device->fails_after) {
+        return ASDIC_ERROR_DEVICE_LOST;
+    }
+    sim->device->pings++;
+    usleep(sim->device->delay_us);
+    for (size_t i = 0; i < ping->beams * ping->bins; i++) {
+        for (int c = 0; c < ASDIC_COMPONENT_COUNT; c++) {
+            double x = (double)(1 + i + 1000 * index + 7 * sim->block + sim->seed) * (1 + c);
+            ping->intensity_lin[c][i] = i % 5 == 0 && c == ASDIC_OBJECT ? 0.0 : 1e-9 * x;
+        }
+        ping->stderr_db[i] = 0.125f;
+    }
+    ping->rays = 1000;
+    return ASDIC_OK;
+}
+
+const asdic_device_info *__wrap_asdic_device_get_info(const asdic_device *device) {
+    return &device->info;
+}
+
+/* ---- a mission to run ----------------------------------------------------------------------- */
+
+static char folder[] = "/tmp/asdic-run-XXXXXX";
+
+typedef struct fixture {
+    asdic_context *ctx;
+    asdic_mission *mission;
+    asdic_device devices[3], *pointers[3];
+    size_t stop_at; /* interrupt when so many pings are done */
+    size_t reported;
+    char warnings[1024];
+} fixture;
+
+static char *in_folder(const char *name) {
+    static char paths[4][256];
+    static int turn;
+    char *path = paths[turn++ % 4];
+    snprintf(path, sizeof paths[0], "%s/%s", folder, name);
+    return path;
+}
+
+static void on_log(void *user, asdic_log_level level, const char *message) {
+    fixture *f = user;
+    if (level <= ASDIC_LOG_WARNING) {
+        size_t used = strlen(f->warnings);
+        snprintf(f->warnings + used, sizeof f->warnings - used, "%s\n", message);
+    }
+}
+
+static void begin(fixture *f) {
+    *f = (fixture){.stop_at = SIZE_MAX};
+    assert_int_equal(asdic_context_create(&f->ctx), ASDIC_OK);
+    asdic_context_set_log(f->ctx, ASDIC_LOG_WARNING, on_log, f);
+    assert_int_equal(asdic_mission_load(f->ctx, in_folder("scene.yaml"), &f->mission), ASDIC_OK);
+    for (int i = 0; i < 3; i++) {
+        f->devices[i].fails_after = SIZE_MAX;
+        f->devices[i].delay_us = 50u * (unsigned)(i + 1);
+        snprintf(f->devices[i].info.name, sizeof f->devices[i].info.name, "fake %d", i);
+        f->pointers[i] = &f->devices[i];
+    }
+}
+
+static void end(fixture *f) {
+    asdic_mission_destroy(&f->mission);
+    asdic_context_destroy(&f->ctx);
+}
+
+static void on_progress(void *user, const asdic_run_progress *progress) {
+    fixture *f = user;
+    assert_true(progress->pings_done <= progress->pings_total);
+    f->reported = progress->pings_done;
+    if (progress->pings_done >= f->stop_at) {
+        asdic_context_interrupt(f->ctx);
+    }
+}
+
+static asdic_status run(fixture *f, size_t devices, asdic_run_options options, const char *name) {
+    options.folder = in_folder(name);
+    options.progress = on_progress;
+    options.user = f;
+    return asdic_mission_run(f->ctx, f->mission, f->pointers, devices, &options);
+}
+
+static char *read_file(const char *run_name, const char *name, size_t *length) {
+    char path[512];
+    snprintf(path, sizeof path, "%s/%s/%s", folder, run_name, name);
+    FILE *file = fopen(path, "rb");
+    assert_non_null(file);
+    fseek(file, 0, SEEK_END);
+    *length = (size_t)ftell(file);
+    rewind(file);
+    char *data = malloc(*length + 1);
+    assert_int_equal(fread(data, 1, *length, file), *length);
+    data[*length] = 0;
+    fclose(file);
+    return data;
+}
+
+static void assert_same_files(const char *a, const char *b) {
+    static const char *const names[] = {"bins.csv", "pings.npy", "levels.npy",
+                                        "waterfall_forward.png", "waterfall_down.png"};
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        size_t length, other_length;
+        char *data = read_file(a, names[i], &length),
+             *other = read_file(b, names[i], &other_length);
+        assert_int_equal(length, other_length);
+        assert_memory_equal(data, other, length);
+        free(data);
+        free(other);
+    }
+}
+
+static void assert_state(const char *run_name, const char *state, size_t pings) {
+    char expected[64];
+    size_t length;
+    char *json = read_file(run_name, "run.json", &length);
+    snprintf(expected, sizeof expected, "\"state\": \"%s\"", state);
+    assert_non_null(strstr(json, expected));
+    snprintf(expected, sizeof expected, "\"pings\": %zu,", pings);
+    assert_non_null(strstr(json, expected));
+    free(json);
+}
+
+/* Every file of a folder is whole. */
+static void assert_no_part(const char *run_name) {
+    DIR *dir = opendir(in_folder(run_name));
+    assert_non_null(dir);
+    for (struct dirent *entry; (entry = readdir(dir));) {
+        assert_null(strstr(entry->d_name, ".part"));
+    }
+    closedir(dir);
+}
+
+static int set_up(void **state) {
+    (void)state;
+    if (!mkdtemp(folder)) {
+        return -1;
+    }
+    FILE *file = fopen(in_folder("scene.yaml"), "w");
+    fprintf(file,
+            "version: 1\n"
+            "bottom: {depth_m: 12, type: sand}\n"
+            "sonar:\n"
+            "  frequency_khz: 100\n"
+            "  ping_rate_hz: 20\n"
+            "  bin_length_m: 1\n"
+            "  receivers:\n"
+            "    - {name: forward}\n"
+            "    - {name: down, pitch_deg: 45}\n"
+            "mission: {pose: {position_m: [0, 0, 5]}, pings: %d}\n"
+            "output: {npy: true, images: [waterfall]}\n",
+            PINGS);
+    fclose(file);
+    fixture f;
+    begin(&f);
+    assert_int_equal(run(&f, 1, asdic_run_options_default(), "reference"), ASDIC_OK);
+    assert_int_equal(f.reported, PINGS);
+    assert_int_equal(f.devices[0].learnt, (PINGS + ASDIC_LEARN_BLOCK - 1) / ASDIC_LEARN_BLOCK);
+    assert_no_part("reference");
+    assert_state("reference", "complete", PINGS);
+    end(&f);
+    return 0;
+}
+
+static int tear_down(void **state) {
+    (void)state;
+    char command[300];
+    snprintf(command, sizeof command, "rm -r '%s'", folder);
+    return system(command);
+}
+
+/* ---- tests ---------------------------------------------------------------------------------- */
+
+static void devices_do_not_change_a_byte(void **state) {
+    (void)state;
+    fixture f;
+    begin(&f);
+    assert_int_equal(run(&f, 3, asdic_run_options_default(), "three"), ASDIC_OK);
+    for (int i = 0; i < 3; i++) {
+        assert_true(f.devices[i].pings > 0);
+    }
+    assert_int_equal(f.devices[0].pings + f.devices[1].pings + f.devices[2].pings, PINGS);
+    assert_same_files("reference", "three");
+    end(&f);
+}
+
+static void lost_device_is_replaced(void **state) {
+    (void)state;
+    /* One device fails at once, one at its first ping, one later; another order each time. */
+    for (size_t k = 0; k < 6; k++) {
+        char name[16];
+        fixture f;
+        begin(&f);
+        f.devices[k % 3].fails_after = k;
+        f.devices[(k + 1) % 3].refuses = k > 2;
+        snprintf(name, sizeof name, "lost%zu", k);
+        assert_int_equal(run(&f, 3, asdic_run_options_default(), name), ASDIC_OK);
+        assert_same_files("reference", name);
+        char expected[64];
+        snprintf(expected, sizeof expected, "device 'fake %zu' failed", k % 3);
+        assert_non_null(strstr(f.warnings, expected));
+        end(&f);
+    }
+}
+
+static void losing_all_devices_keeps_what_was_done(void **state) {
+    (void)state;
+    fixture f;
+    begin(&f);
+    f.devices[0].fails_after = 20;
+    f.devices[1].fails_after = 30;
+    assert_int_equal(run(&f, 2, asdic_run_options_default(), "dead"), ASDIC_ERROR_DEVICE_LOST);
+    assert_non_null(strstr(asdic_context_error(f.ctx), "--resume"));
+    /* Pings after the first gap are lost; those before are kept. */
+    assert_true(f.reported > 0 && f.reported <= 50);
+    assert_state("dead", "interrupted", f.reported);
+    assert_no_part("dead");
+    f.devices[0].fails_after = f.devices[1].fails_after = SIZE_MAX;
+    assert_int_equal(run(&f, 2, (asdic_run_options){.count = SIZE_MAX, .resume = true}, "dead"),
+                     ASDIC_OK);
+    assert_same_files("reference", "dead");
+    assert_state("dead", "complete", PINGS);
+    end(&f);
+}
+
+static void no_device_leaves_no_folder(void **state) {
+    (void)state;
+    fixture f;
+    begin(&f);
+    f.devices[0].refuses = f.devices[1].refuses = true;
+    assert_int_equal(run(&f, 2, asdic_run_options_default(), "none"), ASDIC_ERROR_DEVICE);
+    assert_int_not_equal(access(in_folder("none"), F_OK), 0);
+    end(&f);
+}
+
+static void interrupted_run_goes_on(void **state) {
+    (void)state;
+    asdic_run_options resume = {.count = SIZE_MAX, .resume = true};
+    for (size_t stop = 0; stop < 90; stop += 40) {
+        fixture f;
+        begin(&f);
+        f.stop_at = stop;
+        f.devices[0].delay_us = f.devices[1].delay_us = 1500; /* not done before it is stopped */
+        assert_int_equal(run(&f, 2, resume, "stopped"), ASDIC_ERROR_INTERRUPTED);
+        assert_state("stopped", "interrupted", f.reported);
+        assert_no_part("stopped");
+        end(&f);
+    }
+    fixture f;
+    begin(&f);
+    assert_int_equal(run(&f, 2, resume, "stopped"), ASDIC_OK);
+    assert_same_files("reference", "stopped");
+    size_t pings = f.devices[0].pings + f.devices[1].pings;
+    assert_int_equal(run(&f, 2, resume, "stopped"), ASDIC_OK); /* nothing left to do */
+    assert_int_equal(f.devices[0].pings + f.devices[1].pings, pings);
+    end(&f);
+}
+
+/* Makes of a finished run what kill -9 leaves: the state of the beginning, files without their
+ * names, SHARE of the records, the last one torn. */
+static void undo(const char *run_name, double share) {
+    char path[300], part[300];
+    size_t length;
+    char *json = read_file(run_name, "run.json", &length);
+    memcpy(strstr(json, "\"complete\""), "\"running\" ", 10);
+    snprintf(path, sizeof path, "%s/%s/run.json", folder, run_name);
+    FILE *file = fopen(path, "wb");
+    fwrite(json, 1, length, file);
+    fclose(file);
+    free(json);
+    snprintf(path, sizeof path, "%s/%s/bins.csv", folder, run_name);
+    assert_int_equal(unlink(path), 0);
+    snprintf(path, sizeof path, "%s/%s/pings.npy", folder, run_name);
+    snprintf(part, sizeof part, "%s/%s/pings.npy.part", folder, run_name);
+    assert_int_equal(rename(path, part), 0);
+    free(read_file(run_name, "pings.npy.part", &length));
+    assert_int_equal(truncate(part, (off_t)(share * (double)length)), 0);
+}
+
+static void killed_run_goes_on(void **state) {
+    (void)state;
+    const double shares[] = {0.66, 0.999, 1.0, 1e-5}; /* the last one cuts the header */
+    asdic_run_options resume = {.count = SIZE_MAX, .resume = true};
+    fixture f;
+    begin(&f);
+    assert_int_equal(run(&f, 1, asdic_run_options_default(), "killed"), ASDIC_OK);
+    for (size_t i = 0; i < sizeof shares / sizeof *shares; i++) {
+        f.devices[0].pings = 0;
+        undo("killed", shares[i]);
+        assert_int_equal(run(&f, 1, resume, "killed"), ASDIC_OK);
+        assert_close((double)f.devices[0].pings, (1.0 - shares[i]) * PINGS, 2.0, 0.0);
+        assert_same_files("reference", "killed");
+        assert_no_part("killed");
+    }
+    end(&f);
+}
+
+static void full_disk_loses_nothing(void **state) {
+    (void)state;
+    fixture f;
+    begin(&f);
+    struct rlimit before, small;
+    getrlimit(RLIMIT_FSIZE, &before);
+    signal(SIGXFSZ, SIG_IGN);
+    small = before;
+    small.rlim_cur = 100000;
+    setrlimit(RLIMIT_FSIZE, &small);
+    asdic_status status = run(&f, 2, asdic_run_options_default(), "full");
+    setrlimit(RLIMIT_FSIZE, &before);
+    assert_int_equal(status, ASDIC_ERROR_IO);
+    assert_non_null(strstr(asdic_context_error(f.ctx), "File too large"));
+    assert_true(f.reported > 5 && f.reported < PINGS);
+    asdic_run_options resume = {.count = SIZE_MAX, .resume = true};
+    assert_int_equal(run(&f, 2, resume, "full"), ASDIC_OK);
+    assert_same_files("reference", "full");
+    end(&f);
+}
+
+static void parts_join_to_the_whole(void **state) {
+    (void)state;
+    fixture f;
+    begin(&f);
+    asdic_run_options options = asdic_run_options_default();
+    options.first = 0;
+    options.count = 40;
+    assert_int_equal(run(&f, 1, options, "a"), ASDIC_OK);
+    options.first = 40;
+    options.count = 63;
+    assert_int_equal(run(&f, 2, options, "b"), ASDIC_OK);
+    options.first = 103;
+    options.count = SIZE_MAX;
+    assert_int_equal(run(&f, 3, options, "c"), ASDIC_OK);
+    const char *parts[] = {in_folder("c"), in_folder("a"), in_folder("b")};
+    char whole[256];
+    snprintf(whole, sizeof whole, "%s/whole", folder);
+    assert_int_equal(asdic_run_merge(f.ctx, parts, 3, whole, false), ASDIC_OK);
+    assert_same_files("reference", "whole");
+    assert_state("whole", "complete", PINGS);
+    assert_int_equal(asdic_run_merge(f.ctx, parts, 3, whole, false), ASDIC_ERROR_EXISTS);
+    assert_int_equal(asdic_run_merge(f.ctx, parts, 3, whole, true), ASDIC_OK);
+    /* A gap, an overlap, another seed, and a result on top of a part are refused. */
+    char other[256];
+    snprintf(other, sizeof other, "%s/other", folder);
+    assert_int_equal(asdic_run_merge(f.ctx, parts, 2, other, false), ASDIC_ERROR_INPUT);
+    const char *twice[] = {parts[1], parts[1]};
+    assert_int_equal(asdic_run_merge(f.ctx, twice, 2, other, false), ASDIC_ERROR_INPUT);
+    assert_int_equal(asdic_run_merge(f.ctx, parts, 3, parts[0], true), ASDIC_ERROR_ARGUMENT);
+    asdic_mission_sampling(f.mission)->seed = 2;
+    options.force = true;
+    assert_int_equal(run(&f, 1, options, "c"), ASDIC_OK);
+    parts[0] = in_folder("c");
+    assert_int_equal(asdic_run_merge(f.ctx, parts, 3, other, false), ASDIC_ERROR_INPUT);
+    assert_non_null(strstr(asdic_context_error(f.ctx), "seed"));
+    assert_int_not_equal(access(other, F_OK), 0);
+    end(&f);
+}
+
+static void folders_are_not_overwritten(void **state) {
+    (void)state;
+    fixture f;
+    begin(&f);
+    assert_int_equal(run(&f, 1, asdic_run_options_default(), "reference"), ASDIC_ERROR_EXISTS);
+    assert_int_equal(run(&f, 1, asdic_run_options_default(), "scene.yaml"), ASDIC_ERROR_EXISTS);
+    assert_int_equal(run(&f, 1, asdic_run_options_default(), "no/such/folder"), ASDIC_ERROR_IO);
+    asdic_mission_sampling(f.mission)->seed = 5;
+    asdic_run_options resume = {.count = SIZE_MAX, .resume = true};
+    assert_int_equal(run(&f, 1, resume, "reference"), ASDIC_ERROR_EXISTS);
+    assert_non_null(strstr(asdic_context_error(f.ctx), "seed"));
+    asdic_mission_sampling(f.mission)->seed = 1;
+    resume.count = 3;
+    assert_int_equal(run(&f, 1, resume, "reference"), ASDIC_ERROR_EXISTS);
+    asdic_run_options beyond = {.first = PINGS, .count = 1};
+    assert_int_equal(run(&f, 1, beyond, "beyond"), ASDIC_ERROR_ARGUMENT);
+    assert_int_equal(f.devices[0].pings, 0);
+    end(&f);
+}
+
+/* bins.csv says in text, to the last bit, what pings.npy says in binary. */
+static void csv_reads_back_to_the_bit(void **state) {
+    (void)state;
+    fixture f;
+    asdic_run *run_folder;
+    asdic_record record;
+    size_t length, rows = 0;
+    begin(&f);
+    assert_int_equal(asdic_run_open(f.ctx, in_folder("reference"), &run_folder), ASDIC_OK);
+    asdic_run_info info = asdic_run_get_info(run_folder);
+    assert_int_equal(info.beams, BEAMS);
+    char *csv = read_file("reference", "bins.csv", &length), *line = csv;
+    const char header[] = "ping,time_s,beam,bin,range_m,level_db,bottom_db,surface_db,volume_db,"
+                          "object_db,multipath_db,noise_db,stderr_db\n";
+    assert_memory_equal(line, header, sizeof header - 1);
+    line += sizeof header - 1;
+    for (size_t ping = 0; ping < info.pings; ping++) {
+        assert_int_equal(asdic_run_read(run_folder, ping, &record), ASDIC_OK);
+        assert_int_equal(record.ping, ping);
+        for (size_t i = 0; i < BEAMS * info.bins; i++, rows++) {
+            size_t beam = i / info.bins, bin = i % info.bins;
+            char prefix[64];
+            int used =
+                snprintf(prefix, sizeof prefix, "%zu,%.15g,%s,%zu,%.15g,", ping, record.time_s,
+                         info.sonar->receivers[beam].name, bin, (double)bin + 0.5);
+            assert_memory_equal(line, prefix, used);
+            line += used;
+            for (int c = 0; c <= ASDIC_COMPONENT_COUNT; c++) {
+                float stored =
+                    c < ASDIC_COMPONENT_COUNT ? record.level_db[c][i] : record.stderr_db[i];
+                char *after = line;
+                float read = strtof(line, &after);
+                assert_true(after == line ? isnan(stored) : read == stored);
+                assert_int_equal(*after, c < ASDIC_COMPONENT_COUNT ? ',' : '\n');
+                line = after + 1;
+            }
+        }
+    }
+    assert_int_equal(line - csv, length);
+    assert_int_equal(rows, PINGS * BEAMS * info.bins);
+    free(csv);
+    asdic_run_close(&run_folder);
+    end(&f);
+}
+
+static void damaged_folders_are_refused(void **state) {
+    (void)state;
+    fixture f;
+    asdic_run *opened;
+    begin(&f);
+    assert_int_equal(asdic_run_open(f.ctx, folder, &opened), ASDIC_ERROR_INPUT);
+    assert_int_equal(asdic_run_open(f.ctx, in_folder("nowhere"), &opened), ASDIC_ERROR_INPUT);
+    asdic_run_options options = asdic_run_options_default();
+    options.count = 3;
+    assert_int_equal(run(&f, 1, options, "damaged"), ASDIC_OK);
+    char path[300];
+    snprintf(path, sizeof path, "%s/damaged/pings.npy", folder);
+    assert_int_equal(truncate(path, 2000), 0);
+    assert_int_equal(asdic_run_open(f.ctx, in_folder("damaged"), &opened), ASDIC_ERROR_INPUT);
+    assert_null(opened);
+    size_t length;
+    char *json = read_file("damaged", "run.json", &length);
+    for (size_t cut = 0; cut < length; cut += 97) { /* never whole: the last cut loses a brace */
+        FILE *file = fopen(in_folder("damaged/run.json"), "wb");
+        fwrite(json, 1, cut, file);
+        fclose(file);
+        assert_int_equal(asdic_run_open(f.ctx, in_folder("damaged"), &opened), ASDIC_ERROR_INPUT);
+    }
+    free(json);
+    end(&f);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(devices_do_not_change_a_byte),
+        cmocka_unit_test(lost_device_is_replaced),
+        cmocka_unit_test(losing_all_devices_keeps_what_was_done),
+        cmocka_unit_test(no_device_leaves_no_folder),
+        cmocka_unit_test(interrupted_run_goes_on),
+        cmocka_unit_test(killed_run_goes_on),
+        cmocka_unit_test(full_disk_loses_nothing),
+        cmocka_unit_test(parts_join_to_the_whole),
+        cmocka_unit_test(folders_are_not_overwritten),
+        cmocka_unit_test(csv_reads_back_to_the_bit),
+        cmocka_unit_test(damaged_folders_are_refused),
+    };
+    return cmocka_run_group_tests(tests, set_up, tear_down);
+}
