@@ -33,6 +33,37 @@ static void print_range(const asdic_key *key, const char *type, asdic_text *text
                       key->min, key->max);
 }
 
+/* A number, one of some words, or either. */
+static void print_number(const asdic_key *key, asdic_text *text) {
+    if (!key->words) {
+        print_range(key, "number", text);
+    } else if (key->flags & ASDIC_KEY_PLANNED) {
+        print_words(key, text);
+    } else {
+        asdic_text_add(text, "\"anyOf\": [{");
+        print_range(key, "number", text);
+        asdic_text_add(text, "}, {");
+        print_words(key, text);
+        asdic_text_add(text, "}]");
+    }
+}
+
+static void print_list(const asdic_key *key, asdic_text *text, int indent) {
+    if (key->map_form) {
+        asdic_text_add(text, "\"anyOf\": [{");
+    }
+    asdic_text_format(text, "\"type\": \"array\", \"minItems\": %zu, \"maxItems\": %zu, ",
+                      key->least, key->count);
+    asdic_text_add(text, "\"items\": {");
+    print_table(key->table, text, indent);
+    asdic_text_add(text, "}");
+    if (key->map_form) {
+        asdic_text_add(text, "}, {");
+        print_table(key->map_form, text, indent);
+        asdic_text_add(text, "}]");
+    }
+}
+
 static void print_points(const asdic_key *key, asdic_text *text) {
     asdic_text_format(text, "\"type\": \"array\", \"minItems\": %zu, \"maxItems\": %zu, ",
                       key->least, key->count);
@@ -46,17 +77,7 @@ static void print_points(const asdic_key *key, asdic_text *text) {
 static void print_type(const asdic_key *key, asdic_text *text, int indent) {
     switch (key->type) {
     case ASDIC_KEY_NUMBER:
-        if (key->words && (key->flags & ASDIC_KEY_PLANNED)) {
-            print_words(key, text);
-        } else if (key->words) {
-            asdic_text_add(text, "\"anyOf\": [{");
-            print_range(key, "number", text);
-            asdic_text_add(text, "}, {");
-            print_words(key, text);
-            asdic_text_add(text, "}]");
-        } else {
-            print_range(key, "number", text);
-        }
+        print_number(key, text);
         break;
     case ASDIC_KEY_NUMBERS:
         asdic_text_format(text, "\"type\": \"array\", \"minItems\": %zu, \"maxItems\": %zu, ",
@@ -96,19 +117,7 @@ static void print_type(const asdic_key *key, asdic_text *text, int indent) {
         print_table(key->table, text, indent);
         break;
     case ASDIC_KEY_LIST:
-        if (key->map_form) {
-            asdic_text_add(text, "\"anyOf\": [{");
-        }
-        asdic_text_format(text, "\"type\": \"array\", \"minItems\": %zu, \"maxItems\": %zu, ",
-                          key->least, key->count);
-        asdic_text_add(text, "\"items\": {");
-        print_table(key->table, text, indent);
-        asdic_text_add(text, "}");
-        if (key->map_form) {
-            asdic_text_add(text, "}, {");
-            print_table(key->map_form, text, indent);
-            asdic_text_add(text, "}]");
-        }
+        print_list(key, text, indent);
         break;
     }
 }
