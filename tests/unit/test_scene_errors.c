@@ -187,9 +187,6 @@ static void planned_features_are_refused_by_name(void **state) {
                 "7:18: error: 'netcdf' = true is not supported yet in this version; use false  "
                 "[output.netcdf]\n");
     expect_edit("mission:", "output: {netcdf: no}\nmission:", "");
-    expect_edit("mission:", "output: {csv: wide}\nmission:",
-                "7:15: error: 'csv' = wide is not supported yet in this version; use long  "
-                "[output.csv]\n");
 }
 
 static void names_are_fit_for_files_and_differ(void **state) {

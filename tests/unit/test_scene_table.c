@@ -205,26 +205,35 @@ static void planned_rows_are_refused_by_name(void **state) {
     (void)state;
     typedef struct thing {
         asdic_yaml_node *node;
-        double size_m;
+        double size_m, floor_db;
         bool fast;
+        int way;
     } thing;
+    static const asdic_word ways[] = {{"up", 0, false}, {"down", 1, true}, {NULL, 0, false}};
     static const asdic_key keys[] = {
         {"size_m", ASDIC_KEY_NUMBER, ASDIC_KEY_PLANNED, .offset = offsetof(thing, size_m), .max = 1,
          .doc = "size"},
+        {"floor_db", ASDIC_KEY_NUMBER, ASDIC_KEY_PLANNED, .offset = offsetof(thing, floor_db),
+         .max = 1, .words = ways, .doc = "floor"},
+        {"way", ASDIC_KEY_WORD, .offset = offsetof(thing, way), .words = ways, .doc = "way"},
         {"fast", ASDIC_KEY_BOOL, ASDIC_KEY_PLANNED, .offset = offsetof(thing, fast),
          .fallback = "false", .doc = "fast"},
     };
     static const asdic_table table = {
-        .doc = "a thing", .keys = keys, .key_count = 2, .size = sizeof(thing)};
+        .doc = "a thing", .keys = keys, .key_count = 4, .size = sizeof(thing)};
     const struct {
         size_t key;
         const char *value, *errors;
     } cases[] = {
         {0, "1", "'size_m' is not supported yet in this version; leave it out  [scene]\n"},
-        {1, "true", "'fast' = true is not supported yet in this version; use false  [fast]\n"},
-        {1, "no", ""},
+        {1, "1", "'floor_db' = 1 is not one of up  [floor_db]\n"},
+        {1, "up", ""},
+        {2, "down", "'way' = down is not supported yet in this version; use up  [way]\n"},
+        {2, "up", ""},
+        {3, "true", "'fast' = true is not supported yet in this version; use false  [fast]\n"},
+        {3, "no", ""},
     };
-    for (size_t i = 0; i < 3; i++) {
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         char *errors = errors_with(&table, &keys[cases[i].key], cases[i].value);
         assert_string_equal(errors, cases[i].errors);
         free(errors);
@@ -232,6 +241,7 @@ static void planned_rows_are_refused_by_name(void **state) {
     asdic_text text = {0};
     asdic_schema_print(&table, &text);
     assert_null(strstr(text.data, "size_m"));
+    assert_null(strstr(text.data, "down"));
     assert_non_null(strstr(text.data, "\"default\": false, \"const\": false"));
     asdic_text_finish(&text);
 }
