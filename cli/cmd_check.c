@@ -18,10 +18,10 @@ static bool has_suffix(const char *path, const char *const *words) {
 }
 
 static asdic_status check_file(cli *c, const char *path, json *j) {
-    /* Those behind "off" cannot be read, and the mesh reader says so best. */
+    /* Those behind "off" and "asc" cannot be read, and the library says so best. */
     static const char *const meshes[] = {"obj", "ply", "stl", "off", "dae",  "gltf",  "glb", "fbx",
                                          "3ds", "x3d", "wrl", "stp", "step", "blend", NULL};
-    static const char *const grids[] = {"asc", NULL};
+    static const char *const grids[] = {"asc", "nc", "tif", "tiff", NULL};
     if (has_suffix(path, meshes)) {
         return check_mesh(c, path, false, j);
     }

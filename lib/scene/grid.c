@@ -229,6 +229,27 @@ static asdic_status build(grid *g, bool values_are_depth, asdic_mesh **out) {
     return asdic_mesh_complete(g->scan->ctx, *out, g->scan->path);
 }
 
+/* Other grids people have, by their first bytes. */
+static asdic_status refuse_other_grids(const asdic_mesh_scan *scan) {
+    static const struct {
+        const char *name, *bytes;
+        size_t length;
+    } formats[] = {{"netCDF", "CDF", 3},
+                   {"netCDF-4 or HDF5", "\x89HDF", 4},
+                   {"TIFF", "II*", 4},
+                   {"TIFF", "MM\0*", 4}};
+    for (size_t i = 0; i < sizeof formats / sizeof *formats; i++) {
+        if (scan->size >= formats[i].length &&
+            memcmp(scan->text, formats[i].bytes, formats[i].length) == 0) {
+            return asdic_mesh_scan_fail(scan, 0,
+                                        "%s grids are not supported yet in this version; "
+                                        "'gdal_translate -of AAIGrid IN OUT.asc' converts them",
+                                        formats[i].name);
+        }
+    }
+    return ASDIC_OK;
+}
+
 asdic_status asdic_mesh_load_grid(asdic_context *ctx, const char *path, bool values_are_depth,
                                   asdic_mesh **out) {
     if (!path || !out) {
@@ -239,6 +260,7 @@ asdic_status asdic_mesh_load_grid(asdic_context *ctx, const char *path, bool val
     grid g = {.scan = &scan};
     asdic_mesh *mesh = NULL;
     asdic_status status = asdic_mesh_scan_open(ctx, path, &scan);
+    status = status ? status : refuse_other_grids(&scan);
     status = status ? status : asdic_mesh_scan_check_text(&scan);
     status = status ? status : read_header(&g);
     status = status ? status : read_values(&g);

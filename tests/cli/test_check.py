@@ -225,8 +225,12 @@ def test_odd_inputs_are_refused():
         done = asdic("check", path)
         tap.equal((done.code, done.out), (3, ""))
         tap.contains(done.err, words)
-    with folder(a_dae="<x/>") as at:
+    grid = MINIMAL.replace("depth_m: 12", "grid: g.nc")
+    with folder(a_dae="<x/>", g_nc=b"CDF\x02\0\0\0\0", s_yaml=grid) as at:
         tap.contains(asdic("check", "a.dae", cwd=at).err, "'.dae' is not a mesh format")
+        words = "netCDF grids are not supported yet in this version; 'gdal_translate -of AAIGrid"
+        tap.contains(asdic("check", "g.nc", cwd=at).err, words)
+        tap.contains(asdic("check", "s.yaml", cwd=at).err, words)
     with folder(big_yaml=b"#" * (4 << 20) + b"\n") as at:
         done = asdic("check", "big.yaml", cwd=at)
         tap.equal(done.code, 3)
