@@ -138,23 +138,6 @@ static void print_json(const asdic_mission *mission, const asdic_plan *plan, uin
     json_close(&j);
 }
 
-static asdic_status make_plan(cli *c, asdic_mission *mission, asdic_plan *plan) {
-    size_t count = asdic_mission_ping_count(mission);
-    asdic_pose *poses = malloc(count * sizeof *poses);
-    if (!poses) {
-        cli_error(c, "out of memory for %zu poses", count);
-        return ASDIC_ERROR_MEMORY;
-    }
-    for (size_t i = 0; i < count; i++) {
-        poses[i] = asdic_mission_pose(mission, i, NULL);
-    }
-    asdic_status status = asdic_plan_make(
-        cli_context(c), asdic_mission_scene(mission), asdic_mission_environment(mission),
-        asdic_mission_sonar(mission), asdic_mission_sampling(mission), poses, count, plan);
-    free(poses);
-    return status;
-}
-
 static int run(cli *c) {
     asdic_mission *mission = NULL;
     asdic_device **devices = NULL;
@@ -164,7 +147,7 @@ static int run(cli *c) {
     bool measured = !cli_given(c, "no-forecast");
     asdic_status status = asdic_mission_load(cli_context(c), cli_operand(c, 0), &mission);
     if (!status) {
-        status = make_plan(c, mission, &plan);
+        status = asdic_mission_plan(cli_context(c), mission, &plan);
     }
     if (!status && measured) {
         status = cli_open_devices(c, &devices, &count);

@@ -41,6 +41,11 @@ static asdic_status describe(asdic_run_job *job) {
     f->geometry_hash = job->inputs_hash;
     f->has_surface = asdic_scene_get_info(asdic_mission_scene(m)).has_surface;
     f->bottom_type = asdic_mission_flat_scene(m, f->first_ping).bottom_type;
+    asdic_status status = asdic_mission_plan(job->ctx, job->mission, &f->plan);
+    if (status != ASDIC_OK) {
+        return status;
+    }
+    asdic_mission_sampling(job->mission)->left_out = f->plan.left_out;
     f->sampling = *asdic_mission_sampling(job->mission);
     f->beams = sonar->receiver_count;
     f->bins = asdic_sonar_bin_count(sonar, speed_mps);

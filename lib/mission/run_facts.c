@@ -91,6 +91,21 @@ static void add_devices(asdic_text *json, const asdic_run_facts *facts) {
     asdic_text_add(json, "],\n");
 }
 
+static void add_terms(asdic_text *json, const asdic_plan *plan) {
+    char digits[ASDIC_DIGITS_SIZE];
+    asdic_text_add(json, "  \"terms\": [\n");
+    for (int t = 0; t < ASDIC_TERM_COUNT; t++) {
+        const asdic_plan_row *row = &plan->rows[t];
+        asdic_text_add(json, "    {\"name\": ");
+        asdic_text_add_json(json, asdic_term_name((asdic_term)t));
+        asdic_text_format(
+            json, ", \"kept\": %s, \"bound_db\": %s, \"reason\": ", row->kept ? "true" : "false",
+            number_or_null(digits, "%.3g", row->bound_db));
+        asdic_text_add_json(json, row->reason);
+        asdic_text_add(json, t + 1 < ASDIC_TERM_COUNT ? "},\n" : "}\n  ],\n");
+    }
+}
+
 static void add_results(asdic_text *json, const asdic_run_facts *facts) {
     char a[ASDIC_DIGITS_SIZE], b[ASDIC_DIGITS_SIZE], c[ASDIC_DIGITS_SIZE];
     asdic_text_format(json, "  \"time_s\": {\"setup\": %s, \"simulate\": %s, \"pictures\": %s},\n",
@@ -125,6 +140,7 @@ asdic_status asdic_run_facts_write(asdic_context *ctx, const char *folder,
     add_natural(&json, "rays_traced", facts->rays_traced);
     add_natural(&json, "saturated", facts->saturated);
     add_devices(&json, facts);
+    add_terms(&json, &facts->plan);
     add_results(&json, facts);
     add_natural(&json, "beams", facts->beams);
     add_natural(&json, "bins", facts->bins);
@@ -197,6 +213,21 @@ static void read_devices(reader *r, asdic_arena *arena, asdic_run_facts *facts) 
     }
 }
 
+/* Terms in the order of asdic_term; of a run.json without them everything counts as kept. */
+static void read_terms(reader *r, asdic_plan *plan) {
+    const asdic_yaml_node *list = asdic_yaml_child(r->root, "terms");
+    const asdic_yaml_node *node = list && list->kind == ASDIC_YAML_LIST ? list->first : NULL;
+    for (int t = 0; t < ASDIC_TERM_COUNT && node; t++, node = node->next) {
+        asdic_plan_row *row = &plan->rows[t];
+        double bound_db = read_number(r, node, "bound_db");
+        row->name = asdic_term_name((asdic_term)t);
+        row->kept = strcmp(read_text(r, node, "kept"), "true") == 0;
+        row->bound_db = isnan(bound_db) ? INFINITY : bound_db;
+        snprintf(row->reason, sizeof row->reason, "%s", read_text(r, node, "reason"));
+        plan->left_out |= row->kept ? 0u : 1u << t;
+    }
+}
+
 static void read_all(reader *r, asdic_arena *arena, asdic_run_facts *facts) {
     const asdic_yaml_node *scene = asdic_yaml_child(r->root, "scene");
     const asdic_yaml_node *time_s = asdic_yaml_child(r->root, "time_s");
@@ -228,6 +259,7 @@ static void read_all(reader *r, asdic_arena *arena, asdic_run_facts *facts) {
     facts->stderr_median_db = read_number(r, stderr_db, "median");
     facts->stderr_worst_db = read_number(r, stderr_db, "worst");
     read_devices(r, arena, facts);
+    read_terms(r, &facts->plan);
     if (facts->beams == 0 || facts->beams > 4096 || facts->bins == 0 ||
         facts->bins > SIZE_MAX / 65536 / facts->beams || !(facts->bin_length_m > 0.0)) {
         r->missing = r->missing ? r->missing : "beams, bins or bin_length_m";

@@ -7,6 +7,7 @@
 #include "base/arena.h"
 
 #include <asdic/mission.h>
+#include <asdic/plan.h>
 
 /* States of a run: interrupted runs are valid but not whole. */
 #define ASDIC_RUN_RUNNING "running"
@@ -22,6 +23,7 @@ typedef struct asdic_run_facts {
     bool has_surface;
     double bottom_type;
     asdic_sampling sampling;
+    asdic_plan plan; /* of the whole mission, whatever part of it this run is */
     size_t first_ping, pings_planned, pings;
     size_t beams, bins;
     double bin_length_m;

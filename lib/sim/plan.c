@@ -208,6 +208,12 @@ static void plan_boric_acid(asdic_plan *plan, const asdic_environment *env,
             boric, f_khz);
 }
 
+const char *asdic_term_name(asdic_term term) {
+    static const char *const names[ASDIC_TERM_COUNT] = {
+        "bottom", "surface", "volume", "objects", "multipath", "noise", "rear half", "boric acid"};
+    return (unsigned)term < ASDIC_TERM_COUNT ? names[term] : "unknown term";
+}
+
 asdic_status asdic_plan_make(asdic_context *ctx, const asdic_scene *scene,
                              const asdic_environment *env, const asdic_sonar *sonar,
                              const asdic_sampling *sampling, const asdic_pose *poses, size_t count,
@@ -219,11 +225,9 @@ asdic_status asdic_plan_make(asdic_context *ctx, const asdic_scene *scene,
     if (status || (status = asdic_sonar_check(ctx, sonar))) {
         return status;
     }
-    static const char *const names[ASDIC_TERM_COUNT] = {
-        "bottom", "surface", "volume", "objects", "multipath", "noise", "rear half", "boric acid"};
     *out = (asdic_plan){.left_out = 0};
     for (int t = 0; t < ASDIC_TERM_COUNT; t++) {
-        out->rows[t].name = names[t];
+        out->rows[t].name = asdic_term_name((asdic_term)t);
     }
     asdic_water_column water = asdic_water_column_at(env, sonar, poses[0].position_m.z);
     span s = span_of(scene, sonar, water.sound_speed_mps, poses, count);

@@ -5,6 +5,7 @@
 #define ASDIC_MISSION_H
 
 #include <asdic/expected.h>
+#include <asdic/plan.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -85,6 +86,10 @@ ASDIC_API asdic_pose asdic_mission_pose(const asdic_mission *mission, size_t ind
 /* Writes the vehicle's pose at every ping as a track, CSV as a scene's `track` reads it. */
 ASDIC_API asdic_status asdic_mission_write_track(asdic_context *ctx, const asdic_mission *mission,
                                                  const char *path);
+
+/* What the mission needs, over all its pings; asdic_mission_run follows it. */
+ASDIC_API asdic_status asdic_mission_plan(asdic_context *ctx, const asdic_mission *mission,
+                                          asdic_plan *out);
 
 /* JSON Schema (draft 7) of the scene file, from the table that reads it. Static text is built
  * once per call; the caller frees it with free(). NULL when memory is short. */

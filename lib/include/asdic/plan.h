@@ -35,6 +35,9 @@ typedef struct asdic_plan {
     unsigned left_out; /* 1u << asdic_term of rows not kept: goes into asdic_sampling.left_out */
 } asdic_plan;
 
+/* "surface"; never NULL. */
+ASDIC_API const char *asdic_term_name(asdic_term term);
+
 /* A term is left out when nothing of it can be received, or when its energy is so far below the
  * noise floor in every bin that the level changes by at most this, dB. */
 #define ASDIC_PLAN_NEGLIGIBLE_DB 1e-3
