@@ -1,5 +1,5 @@
 /*
- * Learning where rays matter: a pilot ping at a block's first pose gives, for every cell of the
+ * Learning where rays matter: pilot pings at a block's first pose give, for every cell of the
  * sampling coordinate, how much of each bin's echo it brings; the block's pings then draw every
  * bin's rays in that proportion.
  */
@@ -13,8 +13,10 @@
 
 #define PICKED_MOST 8
 /* Share of the density that is learnt; the rest stays even, so that no direction is starved and
- * weights stay bounded whatever the pilot missed. */
-#define LEARNT_SHARE 0.6
+ * weights stay bounded whatever the pilots missed. */
+#define LEARNT_SHARE 0.7
+/* The second pilot is drawn by what the first learnt: two of 4,096 rays are worth one of 16,384. */
+#define PILOT_ROUNDS 2u
 /* Cells are smoothed by a triangle of this many cells each side. */
 #define SMOOTH 3
 
@@ -122,19 +124,12 @@ static void tabulate(const double *q, float *cumulative) {
     cumulative[DEV_TABLE_CELLS] = 1.0f;
 }
 
-asdic_status asdic_simulator_learn(asdic_simulator *sim, const asdic_pose *pose, uint64_t index) {
-    if (!sim || !pose) {
-        return asdic_fail(sim ? sim->ctx : NULL, ASDIC_ERROR_ARGUMENT,
-                          "asdic_simulator_learn: NULL argument");
-    }
-    if (sim->sampling.sampler != ASDIC_SAMPLER_ADAPTIVE) {
-        return ASDIC_OK;
-    }
-    asdic_simulator_forget(sim);
-    asdic_simulator_describe(sim, pose, index, ASDIC_STREAM_PILOT);
-    if (sim->ping->rays > ASDIC_PILOT_RAYS) { /* one batch holds that many, see simulator.c */
-        sim->ping->rays = ASDIC_PILOT_RAYS;
-    }
+/* One pilot ping, sampled by the table so far, gives the next. */
+static asdic_status learn_once(asdic_simulator *sim, const asdic_pose *pose, uint64_t index,
+                               uint32_t stream) {
+    asdic_simulator_describe(sim, pose, index, stream);
+    sim->ping->rays = ASDIC_PILOT_RAYS; /* one batch holds that many, see simulator.c */
+    sim->ping->per_group = (dev_uint)asdic_simulator_per_group(sim, ASDIC_PILOT_RAYS);
     survey s = {0};
     double q[DEV_TABLE_CELLS] = {0};
     asdic_status status = survey_run(sim, &s);
@@ -146,5 +141,21 @@ asdic_status asdic_simulator_learn(asdic_simulator *sim, const asdic_pose *pose,
         sim->table_uploaded = false;
     }
     survey_finish(&s);
+    return status;
+}
+
+asdic_status asdic_simulator_learn(asdic_simulator *sim, const asdic_pose *pose, uint64_t index) {
+    if (!sim || !pose) {
+        return asdic_fail(sim ? sim->ctx : NULL, ASDIC_ERROR_ARGUMENT,
+                          "asdic_simulator_learn: NULL argument");
+    }
+    if (sim->sampling.sampler != ASDIC_SAMPLER_ADAPTIVE) {
+        return ASDIC_OK;
+    }
+    asdic_simulator_forget(sim);
+    asdic_status status = ASDIC_OK;
+    for (uint32_t round = 0; !status && round < PILOT_ROUNDS; round++) {
+        status = learn_once(sim, pose, index, ASDIC_STREAM_PILOT + round);
+    }
     return status ? status : asdic_simulator_calibrate(sim, pose, index);
 }

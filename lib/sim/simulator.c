@@ -81,8 +81,15 @@ static size_t results_bytes(const asdic_simulator *sim) {
     return (DEV_DEPOSIT_COUNT * sim->cells + 1) * sizeof(int64_t) + sim->cells * sizeof(float);
 }
 
+size_t asdic_simulator_per_group(const asdic_simulator *sim, size_t rays) {
+    size_t step = sim->groups == 1 ? 64 : 16;
+    return ((rays + sim->groups - 1) / sim->groups + step - 1) / step * step;
+}
+
 static asdic_status create_buffers(asdic_simulator *sim) {
-    size_t slots = sim->groups * sim->per_group, beams = sim->sonar.receiver_count;
+    size_t pilot = asdic_simulator_per_group(sim, ASDIC_PILOT_RAYS);
+    size_t most = sim->per_group > pilot ? sim->per_group : pilot;
+    size_t slots = sim->groups * most, beams = sim->sonar.receiver_count;
     size_t bounce_slots = sim->has_mirrors ? slots : 0;
     size_t columns = sim->fan.cells ? (size_t)DEV_FAN_LEVELS * sim->fan.cells : beams;
     size_t accumulator = sim->groups * DEV_DEPOSIT_COUNT * sim->bins * columns * sizeof(int64_t);
@@ -247,8 +254,7 @@ asdic_status asdic_simulator_create_with(asdic_context *ctx, asdic_device *devic
                                   : ASDIC_DEPOSIT_ATOMIC32;
     }
     size_t most = layout->batch_slots > ASDIC_PILOT_RAYS ? layout->batch_slots : ASDIC_PILOT_RAYS;
-    size_t slots = sampling->rays < most ? sampling->rays : most;
-    sim->per_group = ((slots + sim->groups - 1) / sim->groups + 63) / 64 * 64;
+    sim->per_group = asdic_simulator_per_group(sim, sampling->rays < most ? sampling->rays : most);
     if ((status = allocate_host(sim)) != ASDIC_OK) {
         goto fail;
     }

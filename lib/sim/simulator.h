@@ -12,8 +12,8 @@
 #include "scene/tracer.h"
 #include "water_column.h"
 
-/* Rays of a pilot ping, if a ping has as many. */
-#define ASDIC_PILOT_RAYS 16384u
+/* Rays of a pilot ping; the number of rays of the other pings does not matter. */
+#define ASDIC_PILOT_RAYS 4096u
 
 typedef enum asdic_deposit {
     ASDIC_DEPOSIT_OWNED = 0, /* a work-item owns a group's cells */
@@ -91,17 +91,20 @@ static inline dev_beam *asdic_simulator_beams(const asdic_simulator *sim) {
     return (dev_beam *)(sim->ping + 1);
 }
 
-/* Streams of lattice shifts: what users get; the calibration's two pings; the pilot, whose table
+/* Streams of lattice shifts: what users get; the calibration's two pings; the pilots, whose table
  * must not depend on the points it is used with. */
 #define ASDIC_STREAM_PING 0u
 #define ASDIC_STREAM_CALIBRATION 1u /* and the next */
-#define ASDIC_STREAM_PILOT 3u
+#define ASDIC_STREAM_PILOT 3u       /* and the next */
 
 /* Steps of a ping that learning shares with it. Describe: fills sim->ping for INDEX at POSE. Draw:
  * uploads it, samples and traces the batch that it names. */
 void asdic_simulator_describe(asdic_simulator *sim, const asdic_pose *pose, uint64_t index,
                               uint32_t stream);
 asdic_status asdic_simulator_draw(asdic_simulator *sim);
+
+/* Slots of a group for RAYS rays: whole vectors, and whole work-groups over all groups. */
+size_t asdic_simulator_per_group(const asdic_simulator *sim, size_t rays);
 
 /* The scene's triangles on the device, or a buffer to point at when there are none. */
 asdic_buffer *asdic_simulator_triangles(const asdic_simulator *sim);

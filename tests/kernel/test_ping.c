@@ -47,6 +47,41 @@ static void adaptive_meets_quadrature(void **state) {
     rig_destroy(&r);
 }
 
+/* Narrow beams that look up and down share the rays of the forward one: their bins in deep vertical
+ * nulls get all their echo from far off the beams' azimuth. */
+static void nulls_meet_quadrature(void **state) {
+    (void)state;
+    ping_rig r = rig_create(&t);
+    r.sonar.frequency_hz = 450e3;
+    r.sonar.transmitter.length_h_m = 0.0331134;
+    r.sonar.transmitter.length_v_m = 0.0165567;
+    for (int b = 0; b < RIG_BEAMS; b++) {
+        r.receivers[b].length_h_m = r.sonar.transmitter.length_h_m;
+        r.receivers[b].length_v_m = r.sonar.transmitter.length_v_m;
+    }
+    r.sampling.rays = 20000;
+    asdic_ping *ping = rig_shoot(&r, 0, true), *truth = NULL;
+    assert_ok(t.ctx, asdic_ping_create(t.ctx, ping->beams, ping->bins, &truth));
+    asdic_flat_scene flat = {true, true, 5.0, 7.0, 2.0};
+    assert_ok(t.ctx, asdic_expected_compute(t.ctx, &flat, &r.env, &r.sonar, &r.pose, truth));
+    double sum = 0.0, most = 0.0;
+    for (size_t b = 0; b < ping->beams; b++) {
+        for (size_t n = 4; n < ping->bins; n++) {
+            size_t at = b * ping->bins + n;
+            double d = fabs(asdic_level_db(ping->intensity_lin[ASDIC_TOTAL][at]) -
+                            asdic_level_db(truth->intensity_lin[ASDIC_TOTAL][at]));
+            sum += d * d;
+            most = fmax(most, d);
+        }
+    }
+    double rms = sqrt(sum / (double)(ping->beams * (ping->bins - 4)));
+    print_message("three beams: RMS %.4f dB, most %.3f dB\n", rms, most);
+    assert_true(rms < 0.04 && most < 0.6);
+    asdic_ping_destroy(&truth);
+    asdic_ping_destroy(&ping);
+    rig_destroy(&r);
+}
+
 /* Every component of the mean of many pings, in units of the error of that mean. */
 static void every_sampler_is_unbiased(void **state) {
     (void)state;
@@ -275,6 +310,7 @@ int main(void) {
     t = test_device_open_or_skip();
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(adaptive_meets_quadrature),
+        cmocka_unit_test(nulls_meet_quadrature),
         cmocka_unit_test(every_sampler_is_unbiased),
         cmocka_unit_test(stated_error_is_honest),
         cmocka_unit_test(layout_never_changes_a_byte),
