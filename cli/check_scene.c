@@ -84,6 +84,11 @@ static double tidy(double x_m) {
 }
 
 static void print_object(const asdic_mission_object *o) {
+    if (o->mesh.triangles == 0) {
+        printf("  %-11s a point at x %.4g, y %.4g, z %.4g m\n", o->name, o->min_m.x, o->min_m.y,
+               o->min_m.z);
+        return;
+    }
     printf("  %-11s %zu triangle%s, x %.4g .. %.4g, y %.4g .. %.4g, z %.4g .. %.4g m\n",
            o->name[0] ? o->name : "bottom", o->mesh.triangles, o->mesh.triangles == 1 ? "" : "s",
            tidy(o->min_m.x), tidy(o->max_m.x), tidy(o->min_m.y), tidy(o->max_m.y), tidy(o->min_m.z),

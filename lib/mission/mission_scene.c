@@ -120,7 +120,24 @@ static asdic_status build_bottom(mission_builder *b) {
     return place(b, bottom->node, &mesh, true, object);
 }
 
+static asdic_status build_point(mission_builder *b, const file_object *o) {
+    asdic_mission *m = b->mission;
+    if (!asdic_scene_node_good(o->node) || b->problems->total > 0) {
+        return ASDIC_OK;
+    }
+    asdic_vec3 at = {o->position_m[0], o->position_m[1], o->position_m[2]};
+    asdic_mission_object object = {.pose.position_m = at, .min_m = at, .max_m = at};
+    snprintf(object.name, sizeof object.name, "%s", o->name);
+    m->objects[m->object_count++] = object;
+    asdic_status status =
+        asdic_scene_add_point(m->scene, object.name, at, o->point.target_strength_db);
+    return status == ASDIC_OK ? status : asdic_mission_file_problem(b, o->node, status);
+}
+
 static asdic_status build_object(mission_builder *b, const file_object *o) {
+    if (o->point.node) {
+        return build_point(b, o);
+    }
     asdic_mesh *mesh = NULL;
     asdic_mission_object object = {.pose = asdic_scene_file_place(o->position_m, o->rotation_deg),
                                    .material = asdic_scene_file_material(o)};

@@ -152,16 +152,28 @@ static void check_bottom(const file_bottom *bottom, asdic_problems *problems) {
     }
 }
 
+/* Keys of OBJECT that only a shape can honour. */
+static void check_point(const file_object *object, asdic_problems *problems) {
+    static const char *const shaped[] = {"rotation_deg", "material", "type"};
+    for (size_t i = 0; asdic_yaml_child(object->node, "point") && i < 3; i++) {
+        asdic_yaml_node *other = asdic_yaml_child(object->node, shaped[i]);
+        if (other) {
+            asdic_yaml_key_problem(problems, other, "'%s' has no effect on a point; leave it out",
+                                   shaped[i]);
+        }
+    }
+}
+
 static void check_objects(const asdic_scene_file *file, asdic_arena *arena,
                           asdic_problems *problems) {
-    static const char *const facet_keys[] = {"impedance_mrayl", "roughness_rms_mm", "slope_rms",
-                                             "coherent_area_m2"};
+    static const char *const facet_keys[] = {"preset", "impedance_mrayl", "roughness_rms_mm",
+                                             "slope_rms", "coherent_area_m2"};
     const file_object *objects = file->objects.items;
     check_names(file->objects, sizeof *objects, offsetof(file_object, name), "object", arena,
                 problems);
     for (size_t i = 0; i < file->objects.count; i++) {
         asdic_yaml_node *material = objects[i].material.node;
-        for (size_t k = 0; k < 4 && asdic_yaml_child(material, "type"); k++) {
+        for (size_t k = 0; k < 5 && asdic_yaml_child(material, "type"); k++) {
             asdic_yaml_node *other = asdic_yaml_child(material, facet_keys[k]);
             if (other) {
                 asdic_yaml_key_problem(problems, other,
@@ -169,6 +181,7 @@ static void check_objects(const asdic_scene_file *file, asdic_arena *arena,
                                        facet_keys[k]);
             }
         }
+        check_point(&objects[i], problems);
     }
 }
 

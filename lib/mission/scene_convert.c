@@ -4,6 +4,7 @@
 #include "scene_file.h"
 
 #include "../base/vec.h"
+#include "../scene/material_presets.h"
 
 #include <stdio.h>
 
@@ -111,8 +112,14 @@ asdic_material asdic_scene_file_material(const file_object *object) {
     if (!m->node) {
         return asdic_material_facet(45.0, 1e-3, 0.1);
     }
+    static const double presets_mrayl[] = {
+#define PRESET(word, value) value,
+        ASDIC_MATERIAL_PRESETS(PRESET)
+#undef PRESET
+    };
+    double impedance_mrayl = m->preset ? presets_mrayl[m->preset - 1] : m->impedance_mrayl;
     asdic_material material =
-        asdic_material_facet(m->impedance_mrayl, 1e-3 * m->roughness_rms_mm, m->slope_rms);
+        asdic_material_facet(impedance_mrayl, 1e-3 * m->roughness_rms_mm, m->slope_rms);
     material.coherent_area_m2 = m->coherent_area_m2;
     return material;
 }

@@ -48,6 +48,7 @@ typedef struct file_bottom {
 
 typedef struct file_material {
     asdic_yaml_node *node;
+    int preset; /* place in ASDIC_MATERIAL_PRESETS, from 1; 0: none given */
     double impedance_mrayl, roughness_rms_mm, slope_rms;
     double coherent_area_m2; /* NAN: from the mesh */
     double type;             /* NAN: none given */
@@ -69,6 +70,11 @@ typedef struct file_round { /* sphere or cylinder */
     int64_t segments;
 } file_round;
 
+typedef struct file_point {
+    asdic_yaml_node *node;
+    double target_strength_db;
+} file_point;
+
 typedef struct file_object {
     asdic_yaml_node *node;
     const char *name;
@@ -76,6 +82,7 @@ typedef struct file_object {
     file_round sphere, cylinder;
     file_plate plate;
     file_mesh mesh;
+    file_point point;
     double position_m[3], rotation_deg[3];
     file_material material;
     double type; /* NAN: none given */

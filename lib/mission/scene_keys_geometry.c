@@ -3,6 +3,8 @@
  */
 #include "scene_keys.h"
 
+#include "../scene/material_presets.h"
+
 /* --- surface and bottom ----------------------------------------------------------------------- */
 
 static const asdic_key surface_keys[] = {
@@ -98,17 +100,41 @@ static const asdic_key plate_keys[] = {
 static const asdic_table plate_table = {TABLE(plate_keys, file_plate),
                                         .doc = "a thin plate, its normal along x"};
 
+static const asdic_key point_keys[] = {
+    {"target_strength_db", ASDIC_KEY_NUMBER, ASDIC_KEY_REQUIRED, AT(file_point, target_strength_db),
+     .unit = "dB re 1 m2", .min = -200, .max = 100,
+     .doc = "measured target strength: tungsten carbide sphere of 38.1 mm at 38 kHz -42.3"},
+};
+static const asdic_table point_table = {TABLE(point_keys, file_point),
+                                        .doc = "a point of known target strength",
+                                        .scalar_key = "target_strength_db"};
+
+enum {
+    PRESET_NONE,
+#define PRESET(word, value) PRESET_##word,
+    ASDIC_MATERIAL_PRESETS(PRESET)
+#undef PRESET
+};
+static const asdic_word preset_words[] = {
+#define PRESET(word, value) {#word, PRESET_##word, false},
+    ASDIC_MATERIAL_PRESETS(PRESET)
+#undef PRESET
+    {NULL, 0, false}};
+
 #define MATERIAL(member) AT(file_material, member)
 static const asdic_key material_keys[] = {
-    {"impedance_mrayl", ASDIC_KEY_NUMBER, MATERIAL(impedance_mrayl), .unit = "MRayl", .min = 0,
-     .max = 200, .fallback = "45", .doc = "acoustic impedance: steel 45, water 1.54, air 0"},
+    {"preset", ASDIC_KEY_WORD, ASDIC_KEY_AT_MOST_ONE, MATERIAL(preset), .words = preset_words,
+     .doc = "acoustic impedance by name, of a body many wavelengths thick"},
+    {"impedance_mrayl", ASDIC_KEY_NUMBER, ASDIC_KEY_AT_MOST_ONE, MATERIAL(impedance_mrayl),
+     .unit = "MRayl", .min = 0, .max = 200, .fallback = "45",
+     .doc = "acoustic impedance: steel 45, water 1.54, air 0"},
     {"roughness_rms_mm", ASDIC_KEY_NUMBER, MATERIAL(roughness_rms_mm), .unit = "mm", .min = 0,
      .max = 1000, .fallback = "1", .doc = "r.m.s. height of the roughness"},
     {"slope_rms", ASDIC_KEY_NUMBER, MATERIAL(slope_rms), .min = 0, .max = 2, .fallback = "0.1",
      .doc = "r.m.s. slope of the roughness"},
     {"coherent_area_m2", ASDIC_KEY_NUMBER, MATERIAL(coherent_area_m2), .unit = "m2", .min = 1e-8,
      .max = 1e8,
-     .doc = "flat area that reflects in phase; else the largest flat patch of the mesh"},
+     .doc = "flat area that reflects in phase; else of each flat patch of the mesh its own"},
     {"type", ASDIC_KEY_NUMBER, MATERIAL(type), .min = 1, .max = 4, .words = bottom_words,
      .doc = "scatters as this bottom instead: mud 1, sand 2, gravel 3, rock 4"},
 };
@@ -126,6 +152,8 @@ static const asdic_key object_keys[] = {
     {"plate", ASDIC_KEY_MAP, SHAPE, OBJECT(plate), .table = &plate_table,
      .doc = "a thin plate, its normal along x"},
     {"mesh", ASDIC_KEY_MAP, SHAPE, OBJECT(mesh), .table = &mesh_table, .doc = "a mesh file"},
+    {"point", ASDIC_KEY_MAP, SHAPE, OBJECT(point), .table = &point_table,
+     .doc = "a point of known target strength"},
     {"position_m", ASDIC_KEY_NUMBERS, ASDIC_KEY_REQUIRED, OBJECT(position_m), .unit = "m",
      .min = -1e7, .max = 1e7, .count = 3,
      .doc = "centre (of a mesh: its origin), north, east, down"},

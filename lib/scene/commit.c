@@ -136,6 +136,7 @@ asdic_scene_info asdic_scene_get_info(const asdic_scene *scene) {
         .has_bottom_plane = scene->has_bottom_plane,
         .bottom_plane_depth_m = scene->bottom_plane_depth_m,
         .triangles = scene->triangle_count,
+        .objects = scene->point_count,
         .bvh_nodes = scene->bvh.node_count,
         .bvh_bytes =
             scene->bvh.node_count * sizeof(dev_node8) + scene->bvh.block_count * sizeof(dev_block4),

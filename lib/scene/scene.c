@@ -31,6 +31,7 @@ void asdic_scene_destroy(asdic_scene **scene) {
     asdic_scene *s = *scene;
     free(s->materials);
     free(s->parts);
+    free(s->points);
     free(s->corners_m);
     free(s->corner_parts);
     free(s->triangles);
@@ -162,7 +163,7 @@ static asdic_status check_pose(const asdic_scene *scene, const asdic_pose *pose)
         !isfinite(pose->position_m.z) || !isfinite(pose->roll_rad) || !isfinite(pose->pitch_rad) ||
         !isfinite(pose->yaw_rad)) {
         return asdic_fail(scene->ctx, ASDIC_ERROR_ARGUMENT,
-                          "the pose of a mesh is not finite: position (%g, %g, %g) m, roll %g, "
+                          "the pose of an object is not finite: position (%g, %g, %g) m, roll %g, "
                           "pitch %g, yaw %g rad",
                           pose->position_m.x, pose->position_m.y, pose->position_m.z,
                           pose->roll_rad, pose->pitch_rad, pose->yaw_rad);
@@ -198,15 +199,44 @@ asdic_status asdic_scene_add_bottom(asdic_scene *scene, const asdic_mesh *mesh, 
     return add_part(scene, &part, mesh, &pose, &material);
 }
 
+/* Copies NAME to OUT, which has ASDIC_NAME_SIZE bytes. */
+static asdic_status copy_name(const asdic_scene *scene, const char *name, char *out) {
+    size_t length = name ? strlen(name) : 0;
+    if (length == 0 || length >= ASDIC_NAME_SIZE) {
+        return asdic_fail(scene->ctx, ASDIC_ERROR_ARGUMENT,
+                          "an object's name has %zu characters; 1 to %d are allowed", length,
+                          ASDIC_NAME_SIZE - 1);
+    }
+    memcpy(out, name, length + 1);
+    return ASDIC_OK;
+}
+
 asdic_status asdic_scene_add_object(asdic_scene *scene, const char *name, const asdic_mesh *mesh,
                                     asdic_pose pose, asdic_material material) {
     asdic_part part = {.kind = DEV_KIND_OBJECT};
-    size_t length = name ? strlen(name) : 0;
-    if (length == 0 || length >= sizeof part.name) {
-        return asdic_fail(scene->ctx, ASDIC_ERROR_ARGUMENT,
-                          "an object's name has %zu characters; 1 to %zu are allowed", length,
-                          sizeof part.name - 1);
+    asdic_status status = copy_name(scene, name, part.name);
+    return status ? status : add_part(scene, &part, mesh, &pose, &material);
+}
+
+asdic_status asdic_scene_add_point(asdic_scene *scene, const char *name, asdic_vec3 position_m,
+                                   double target_strength_db) {
+    asdic_point point = {.position_m = position_m, .target_strength_db = target_strength_db};
+    asdic_pose pose = {.position_m = position_m};
+    asdic_status status = check_open(scene);
+    status = status ? status : copy_name(scene, name, point.name);
+    status = status ? status : check_pose(scene, &pose);
+    if (status != ASDIC_OK) {
+        return status;
     }
-    memcpy(part.name, name, length + 1);
-    return add_part(scene, &part, mesh, &pose, &material);
+    if (!in_range(target_strength_db, -200.0, 100.0)) {
+        return asdic_fail(scene->ctx, ASDIC_ERROR_ARGUMENT,
+                          "target strength %g dB is out of range [-200, 100]", target_strength_db);
+    }
+    asdic_point *grown = realloc(scene->points, (scene->point_count + 1) * sizeof *grown);
+    if (!grown) {
+        return asdic_fail_memory(scene->ctx, "a point target");
+    }
+    scene->points = grown;
+    scene->points[scene->point_count++] = point;
+    return ASDIC_OK;
 }

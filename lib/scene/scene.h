@@ -26,6 +26,12 @@ typedef struct asdic_part {
     double radius_m;
 } asdic_part;
 
+typedef struct asdic_point {
+    char name[ASDIC_NAME_SIZE];
+    asdic_vec3 position_m; /* world */
+    double target_strength_db;
+} asdic_point;
+
 struct asdic_scene {
     asdic_context *ctx;
     bool committed;
@@ -36,6 +42,8 @@ struct asdic_scene {
     size_t material_count;
     asdic_part *parts;
     size_t part_count;
+    asdic_point *points;
+    size_t point_count;
     /* Pending triangles before commit: world coordinates in double, 9 per triangle. */
     double *corners_m;
     uint32_t *corner_parts;

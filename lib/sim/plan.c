@@ -181,6 +181,11 @@ static void plan_objects(asdic_plan *plan, const asdic_scene *scene, const asdic
                                                      sonar->frequency_hz, sound_speed_mps);
         mirrors += m.law == DEV_LAW_FACET && m.reflection2 > DEV_MIN_MIRROR;
     }
+    for (size_t i = 0; i < scene->point_count; i++) {
+        asdic_part point = {.center_m = scene->points[i].position_m};
+        objects++;
+        reached += part_in_reach(&point, poses, count, range_m);
+    }
     if (reached > 0) {
         row_set(plan, ASDIC_TERM_OBJECTS, true, INFINITY, "%zu of %zu come within range", reached,
                 objects);

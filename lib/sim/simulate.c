@@ -5,6 +5,7 @@
 
 #include "base/context.h"
 #include "noise_level.h"
+#include "points.h"
 #include "speckle.h"
 
 #include "../../kernels/backscatter.h"
@@ -188,6 +189,13 @@ static float stderr_db_of(const asdic_simulator *sim, size_t cell) {
     return (float)(10.0 / log(10.0) * asdic_simulator_spread(sim, cell) * sim->calibration[cell]);
 }
 
+double asdic_simulator_source_lin(const asdic_simulator *sim, const asdic_water_column *water) {
+    double source = pow(10.0, sim->sonar.source_level_db / 10.0);
+    /* The paper prints 2 d - 1 metres of absorption where 2 (d - 1) is meant: one metre more. */
+    bool printed = sim->env.variant == ASDIC_VARIANT_PRINTED;
+    return printed ? source * exp(-water->absorption_np_per_m) : source;
+}
+
 static void convert_levels(asdic_simulator *sim, const asdic_water_column *water, asdic_ping *out) {
     static const asdic_component component[DEV_DEPOSIT_COUNT] = {
         [DEV_DEPOSIT_BOTTOM] = ASDIC_BOTTOM,
@@ -195,11 +203,7 @@ static void convert_levels(asdic_simulator *sim, const asdic_water_column *water
         [DEV_DEPOSIT_OBJECT] = ASDIC_OBJECT,
         [DEV_DEPOSIT_MULTIPATH] = ASDIC_MULTIPATH,
         [DEV_DEPOSIT_VOLUME] = ASDIC_VOLUME};
-    double source = pow(10.0, sim->sonar.source_level_db / 10.0);
-    /* The paper prints 2 d - 1 metres of absorption where 2 (d - 1) is meant: one metre more. */
-    if (sim->env.variant == ASDIC_VARIANT_PRINTED) {
-        source *= exp(-water->absorption_np_per_m);
-    }
+    double source = asdic_simulator_source_lin(sim, water);
     size_t beams = sim->sonar.receiver_count;
     for (size_t n = 0; n < sim->bins; n++) {
         double loss = source * sim->bin_loss[n], volume = source * sim->bin_volume[n];
@@ -275,10 +279,13 @@ asdic_status asdic_simulator_ping(asdic_simulator *sim, const asdic_pose *pose, 
                           out->beams, out->bins, sim->sonar.receiver_count, sim->bins);
     }
     asdic_status status = asdic_simulator_simulate(sim, pose, index, ASDIC_STREAM_PING, out);
+    asdic_water_column water = asdic_water_column_at(&sim->env, &sim->sonar, pose->position_m.z);
     if (!status) {
-        double c = asdic_environment_sound_speed_mps(&sim->env, pose->position_m.z);
-        asdic_pulse_smear(&sim->sonar, c, sim->smear_scratch, out);
-        asdic_speckle_apply(&sim->sonar, c, sim->sampling.seed, index, out);
+        status = asdic_points_add(sim, pose, &water, out);
+    }
+    if (!status) {
+        asdic_pulse_smear(&sim->sonar, water.sound_speed_mps, sim->smear_scratch, out);
+        asdic_speckle_apply(&sim->sonar, water.sound_speed_mps, sim->sampling.seed, index, out);
     }
     return status;
 }

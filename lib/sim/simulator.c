@@ -4,6 +4,7 @@
 
 #include "base/context.h"
 #include "materials.h"
+#include "points.h"
 #include "scene/scene.h"
 #include "water_column.h"
 
@@ -269,6 +270,9 @@ asdic_status asdic_simulator_create_with(asdic_context *ctx, asdic_device *devic
     if ((status = create_kernels(sim)) != ASDIC_OK || (status = create_buffers(sim)) != ASDIC_OK) {
         goto fail;
     }
+    if ((status = asdic_points_init(sim)) != ASDIC_OK) {
+        goto fail;
+    }
     asdic_simulator_prepare(sim, &water);
     asdic_simulator_forget(sim);
     *out = sim;
@@ -314,6 +318,7 @@ void asdic_simulator_destroy(asdic_simulator **pointer) {
     asdic_kernel_destroy(&sim->connect);
     asdic_kernel_destroy(&sim->bounce);
     asdic_beam_fan_finish(&sim->fan);
+    asdic_points_finish(sim);
     asdic_tracer_destroy(&sim->tracer);
     free(sim->receivers);
     free(sim->host_materials);

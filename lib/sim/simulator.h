@@ -61,6 +61,10 @@ struct asdic_simulator {
     asdic_buffer *volume_inverse, *volume_ratio;
     asdic_buffer *accumulator, *saturated, *results; /* see reduce.cl */
 
+    asdic_buffer *point_ray_buffer, *point_hit_buffer; /* NULL without points or triangles */
+    dev_ray *point_rays;
+    dev_hit *point_hits;
+
     dev_material *host_materials;
     size_t material_count;
     dev_ping fixed;                /* what does not change from ping to ping */
@@ -112,6 +116,9 @@ asdic_buffer *asdic_simulator_triangles(const asdic_simulator *sim);
 /* A whole ping. */
 asdic_status asdic_simulator_simulate(asdic_simulator *sim, const asdic_pose *pose, uint64_t index,
                                       uint32_t stream, asdic_ping *out);
+
+/* The source's intensity at 1 m, linear, less the metre of absorption that the paper prints more. */
+double asdic_simulator_source_lin(const asdic_simulator *sim, const asdic_water_column *water);
 
 /* Relative standard error of the last ping's total in CELL (bin * beams + beam) as its groups
  * suggest it, before calibration. */

@@ -175,10 +175,38 @@ static void alternatives_exclude_each_other(void **state) {
                 "  - {position_m: [1, 2, 3]}\n"
                 "  - {sphere: {radius_m: 1}, position_m: [1, 2, 3], type: sand, material: {}}\n"
                 "mission:",
-                "8:5: error: none of 'box', 'sphere', 'cylinder', 'plate', 'mesh' is given; give "
-                "one of them  [objects[0]]\n"
+                "8:5: error: none of 'box', 'sphere', 'cylinder', 'plate', 'mesh', 'point' is "
+                "given; give one of them  [objects[0]]\n"
                 "9:64: error: 'type' and 'material' exclude each other; give only one of "
                 "'material', 'type'  [objects[1]]\n");
+}
+
+static void points_and_presets_are_checked(void **state) {
+    (void)state;
+    expect_edit("mission:",
+                "objects:\n"
+                "  - {point: {target_strength_db: -42.3}, position_m: [1, 2, 3]}\n"
+                "  - {point: -42.3, position_m: [1, 2, 4]}\n"
+                "  - {sphere: {radius_m: 1}, position_m: [1, 2, 3], material: {preset: steel}}\n"
+                "mission:",
+                "");
+    expect_edit("mission:",
+                "objects:\n"
+                "  - {point: {target_strength_db: 400}, position_m: [1, 2, 3]}\n"
+                "  - {point: -20, position_m: [1, 2, 4], type: sand}\n"
+                "  - {sphere: {radius_m: 1}, position_m: [1, 2, 3],\n"
+                "     material: {preset: steal}}\n"
+                "  - {sphere: {radius_m: 1}, position_m: [1, 2, 3],\n"
+                "     material: {preset: steel, impedance_mrayl: 3}}\n"
+                "mission:",
+                "8:34: error: 'target_strength_db' = 400 is out of range [-200, 100] dB re 1 m2  "
+                "[objects[0].point.target_strength_db]\n"
+                "9:41: error: 'type' has no effect on a point; leave it out  [objects[1]]\n"
+                "11:25: error: 'preset' = steal is not one of acrylic, air, aluminium, brass, "
+                "concrete, copper, glass, ice, iron, lead, pine, rubber, steel, wood; did you mean "
+                "'steel'?  [objects[2].material.preset]\n"
+                "13:32: error: 'preset' and 'impedance_mrayl' exclude each other; give only one of "
+                "'preset', 'impedance_mrayl'  [objects[3].material]\n");
 }
 
 static void planned_features_are_refused_by_name(void **state) {
@@ -348,6 +376,7 @@ int main(void) {
         cmocka_unit_test(maps_and_lists_have_their_form),
         cmocka_unit_test(missing_keys_are_all_named),
         cmocka_unit_test(alternatives_exclude_each_other),
+        cmocka_unit_test(points_and_presets_are_checked),
         cmocka_unit_test(planned_features_are_refused_by_name),
         cmocka_unit_test(names_are_fit_for_files_and_differ),
         cmocka_unit_test(keys_must_fit_together),

@@ -70,6 +70,38 @@ static char *dump_file(const char *name) {
     return asdic_text_take(&out);
 }
 
+static void materials_have_names(void **state) {
+    (void)state;
+    char *text = edited(MINIMAL, "mission:",
+                        "objects:\n"
+                        "  - {sphere: {radius_m: 1}, position_m: [1, 2, 3], material: {preset: "
+                        "concrete, slope_rms: 0}}\n"
+                        "  - {point: -42.3, position_m: [1, 2, 3]}\n"
+                        "mission:");
+    asdic_arena arena = {0};
+    asdic_scene_file file;
+    char *errors = read_errors(text, strlen(text), &arena, &file);
+    assert_string_equal(errors, "");
+    const file_object *objects = file.objects.items;
+    asdic_material material = asdic_scene_file_material(&objects[0]);
+    assert_close(material.impedance_mrayl, 8.0, 0, 0);
+    assert_close(material.slope_rms, 0.0, 0, 0);
+    assert_non_null(objects[1].point.node);
+    assert_close(objects[1].point.target_strength_db, -42.3, 0, 0);
+    asdic_context *ctx = NULL;
+    double impedance_mrayl = 0.0;
+    assert_int_equal(asdic_context_create(&ctx), ASDIC_OK);
+    assert_int_equal(asdic_material_find_impedance(ctx, "steel", &impedance_mrayl), ASDIC_OK);
+    assert_close(impedance_mrayl, 47.0, 0, 0);
+    assert_int_equal(asdic_material_find_impedance(ctx, "unobtainium", &impedance_mrayl),
+                     ASDIC_ERROR_ARGUMENT);
+    assert_non_null(strstr(asdic_context_error(ctx), "concrete"));
+    asdic_context_destroy(&ctx);
+    free(errors);
+    asdic_arena_finish(&arena);
+    free(text);
+}
+
 static void example_means_what_it_says(void **state) {
     (void)state;
     size_t size = 0;
@@ -206,6 +238,7 @@ static void damaged_files_are_answered(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(materials_have_names),
         cmocka_unit_test(example_means_what_it_says),
         cmocka_unit_test(json_is_read_as_yaml_is),
         cmocka_unit_test(fan_spreads_from_port_to_starboard),

@@ -61,7 +61,7 @@ ASDIC_API const char *asdic_mission_text(const asdic_mission *mission);
 ASDIC_API const char *asdic_mission_hash(const asdic_mission *mission);
 
 /* An object, or the bottom, as it was read: its name ("" of the bottom), its geometry in its own
- * frame, where that was put, and the box round it there. */
+ * frame (no triangles: a point), where that was put, and the box round it there. */
 typedef struct asdic_mission_object {
     char name[ASDIC_NAME_SIZE];
     asdic_mesh_info mesh;

@@ -32,6 +32,10 @@ ASDIC_API asdic_material asdic_material_bottom(double bottom_type);
 ASDIC_API asdic_material asdic_material_facet(double impedance_mrayl, double roughness_rms_m,
                                               double slope_rms);
 
+/* Impedance of a thick body of steel, concrete, wood, ...; the error lists the names. */
+ASDIC_API asdic_status asdic_material_find_impedance(asdic_context *ctx, const char *name,
+                                                     double *impedance_mrayl);
+
 ASDIC_API asdic_status asdic_scene_create(asdic_context *ctx, asdic_scene **out);
 ASDIC_API void asdic_scene_destroy(asdic_scene **scene);
 
@@ -48,6 +52,12 @@ ASDIC_API asdic_status asdic_scene_add_object(asdic_scene *scene, const char *na
                                               const asdic_mesh *mesh, asdic_pose pose,
                                               asdic_material material);
 
+/* Adds a point with a target strength of its own (dB re 1 m2, -200..100) for what a shape cannot
+ * give: calibration spheres, whose resonances are elastic; fish; buoys known by measurement. It sends
+ * nothing on to other things and hides nothing; bottom, surface and objects hide it. */
+ASDIC_API asdic_status asdic_scene_add_point(asdic_scene *scene, const char *name,
+                                             asdic_vec3 position_m, double target_strength_db);
+
 /* Builds the bounding volume hierarchy. Nothing may be added afterwards. */
 ASDIC_API asdic_status asdic_scene_commit(asdic_scene *scene);
 
@@ -57,7 +67,8 @@ ASDIC_API double asdic_scene_altitude_m(const asdic_scene *scene, asdic_vec3 pos
 typedef struct asdic_scene_info {
     bool has_surface, has_bottom_plane;
     double bottom_plane_depth_m;
-    size_t triangles, objects, bvh_nodes;
+    size_t triangles, bvh_nodes;
+    size_t objects; /* points included */
     uint64_t bvh_bytes;
     double build_s;
     asdic_vec3 min_m, max_m; /* of the triangles; zeros when there are none */

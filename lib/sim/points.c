@@ -1,0 +1,126 @@
+#include "points.h"
+
+#include "base/context.h"
+#include "base/vec.h"
+#include "scene/scene.h"
+
+#include "../../kernels/beam.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* The ray to a point ends just before it, so that a point on a body's skin is seen. */
+#define SHORT_OF_POINT 0.9999
+
+asdic_status asdic_points_init(asdic_simulator *sim) {
+    size_t count = sim->scene->point_count;
+    if (count == 0) {
+        return ASDIC_OK;
+    }
+    sim->point_rays = calloc(count, sizeof *sim->point_rays);
+    sim->point_hits = calloc(count, sizeof *sim->point_hits);
+    if (!sim->point_rays || !sim->point_hits) {
+        return asdic_fail_memory(sim->ctx, "point targets");
+    }
+    if (!sim->tracer) {
+        return ASDIC_OK;
+    }
+    asdic_status status =
+        asdic_buffer_create(sim->device, count * sizeof(dev_ray), NULL, &sim->point_ray_buffer);
+    return status ? status
+                  : asdic_buffer_create(sim->device, count * sizeof(dev_hit), NULL,
+                                        &sim->point_hit_buffer);
+}
+
+void asdic_points_finish(asdic_simulator *sim) {
+    asdic_buffer_destroy(&sim->point_ray_buffer);
+    asdic_buffer_destroy(&sim->point_hit_buffer);
+    free(sim->point_rays);
+    free(sim->point_hits);
+}
+
+/* Hits of the rays from the sonar to every point; none without triangles. */
+static asdic_status trace_points(asdic_simulator *sim, const asdic_pose *pose) {
+    size_t count = sim->scene->point_count;
+    asdic_vec3 origin = asdic_vec3_sub(pose->position_m, sim->scene->origin_m);
+    for (size_t i = 0; i < count; i++) {
+        asdic_vec3 to = asdic_vec3_sub(sim->scene->points[i].position_m, pose->position_m);
+        double d = fmax(asdic_vec3_length(to), 1e-9);
+        sim->point_rays[i] =
+            (dev_ray){.origin = {(float)origin.x, (float)origin.y, (float)origin.z},
+                      .t_max = (float)(SHORT_OF_POINT * d),
+                      .direction = {(float)(to.x / d), (float)(to.y / d), (float)(to.z / d)}};
+        sim->point_hits[i] = (dev_hit){INFINITY, ~0u};
+    }
+    if (!sim->tracer) {
+        return ASDIC_OK;
+    }
+    asdic_status status =
+        asdic_buffer_write(sim->point_ray_buffer, 0, count * sizeof(dev_ray), sim->point_rays);
+    if (!status) {
+        status = asdic_tracer_run(sim->tracer, sim->point_ray_buffer, sim->point_hit_buffer,
+                                  (uint32_t)count);
+    }
+    return status ? status
+                  : asdic_buffer_read(sim->point_hit_buffer, 0, count * sizeof(dev_hit),
+                                      sim->point_hits);
+}
+
+/* Whether Z lies in the water; a sonar out of it sees nothing of what is in it, and the reverse. */
+static bool in_water(const asdic_scene *scene, double z) {
+    return !(scene->has_surface && z < 0.0) &&
+           !(scene->has_bottom_plane && z > scene->bottom_plane_depth_m);
+}
+
+static double gain_towards(const dev_beam *beam, asdic_vec3 u, double rear_lin) {
+    const float *r = beam->rows;
+    return beam_pattern_lin(
+        r[0] * u.x + r[1] * u.y + r[2] * u.z, r[3] * u.x + r[4] * u.y + r[5] * u.z,
+        r[6] * u.x + r[7] * u.y + r[8] * u.z, beam->length_h_wl, beam->length_v_wl, rear_lin);
+}
+
+static void add_energy(asdic_ping *out, size_t cell, double energy) {
+    double total = out->intensity_lin[ASDIC_TOTAL][cell];
+    if (energy > 0.0) {
+        out->intensity_lin[ASDIC_OBJECT][cell] += energy;
+        out->intensity_lin[ASDIC_TOTAL][cell] += energy;
+        out->stderr_db[cell] *= (float)(total / (total + energy));
+    }
+}
+
+static void add_point(const asdic_simulator *sim, const asdic_point *point, asdic_vec3 to,
+                      const asdic_water_column *water, asdic_ping *out) {
+    double d = asdic_vec3_length(to);
+    double bin = floor(d / sim->sonar.bin_length_m);
+    if (!(d > 0.0) || d < sim->sonar.blanking_m || bin >= (double)sim->bins) {
+        return;
+    }
+    asdic_vec3 u = asdic_vec3_scale(to, 1.0 / d);
+    const dev_beam *beams = asdic_simulator_beams(sim);
+    double loss = exp(-2.0 * water->absorption_np_per_m * (d - 1.0)) / (d * d * d * d);
+    double energy = asdic_simulator_source_lin(sim, water) * loss *
+                    pow(10.0, point->target_strength_db / 10.0) *
+                    gain_towards(&beams[0], u, sim->ping->rear_lin);
+    for (size_t b = 0; b < out->beams; b++) {
+        double gain = gain_towards(&beams[b + 1], u, sim->ping->rear_lin);
+        add_energy(out, b * out->bins + (size_t)bin, energy * gain);
+    }
+}
+
+asdic_status asdic_points_add(asdic_simulator *sim, const asdic_pose *pose,
+                              const asdic_water_column *water, asdic_ping *out) {
+    const asdic_scene *scene = sim->scene;
+    if (scene->point_count == 0) {
+        return ASDIC_OK;
+    }
+    asdic_status status = trace_points(sim, pose);
+    bool wet = in_water(scene, pose->position_m.z);
+    for (size_t i = 0; !status && i < scene->point_count; i++) {
+        const asdic_point *point = &scene->points[i];
+        if (sim->point_hits[i].triangle == ~0u && in_water(scene, point->position_m.z) == wet) {
+            asdic_vec3 to = asdic_vec3_sub(point->position_m, pose->position_m);
+            add_point(sim, point, to, water, out);
+        }
+    }
+    return status;
+}

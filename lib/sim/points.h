@@ -1,0 +1,20 @@
+/*
+ * Point targets: echoes whose strength is given, not computed from a shape.
+ */
+#ifndef ASDIC_SIM_POINTS_H
+#define ASDIC_SIM_POINTS_H
+
+#include "simulator.h"
+
+/* Buffers for the points of the simulator's scene; nothing without points or triangles. */
+asdic_status asdic_points_init(asdic_simulator *sim);
+void asdic_points_finish(asdic_simulator *sim);
+
+/* Adds the echo of every visible point to the object component and the total of OUT, a ping of the
+ * current sim->ping: SL - TL(d) + TS with both beam patterns, in double, in the bin of its range. One
+ * ray tells whether bottom, surface or an object hides it. Nothing random is in it, so that it has no
+ * sampling error. */
+asdic_status asdic_points_add(asdic_simulator *sim, const asdic_pose *pose,
+                              const asdic_water_column *water, asdic_ping *out);
+
+#endif
