@@ -94,7 +94,7 @@ static uint shade_rays(const world *w, const ray_store *store, __global const fl
     real before = choose(last == 0u, R(0.0), R(1.0) - part);
     natural water = (natural)(DEV_DEPOSIT_VOLUME);
     arrivals_add(w, &a, water, last, weight * part);
-    arrivals_add(w, &a, water, max(last, 1u) - 1u, weight * before);
+    arrivals_add(w, &a, water, max(last, (natural)(1u)) - 1u, weight * before);
 #else
     (void)volume_inverse;
 #endif

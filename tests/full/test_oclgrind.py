@@ -11,7 +11,7 @@ import tempfile
 import tap
 
 PROGRAM = os.environ["ASDIC"]
-UNIT = sys.argv.pop(1)
+UNIT, SCENE = sys.argv.pop(1), sys.argv.pop(1)
 
 
 def under_oclgrind(*command, checks=("--data-races", "--uninitialized")):
@@ -34,6 +34,15 @@ def under_oclgrind(*command, checks=("--data-races", "--uninitialized")):
 
 def test_buffers_and_simple_kernels():
     tap.contains(under_oclgrind(UNIT), "[       OK ] kernel_computes")
+
+
+def test_whole_ping():
+    """A mesh, both planes, every kernel of a ping: sampling, tracing, mirrors, receiving.
+
+    Without --uninitialized, on which Oclgrind 21.10 itself crashes here."""
+    with tempfile.TemporaryDirectory() as folder:
+        under_oclgrind(PROGRAM, "run", SCENE, "-o", os.path.join(folder, "run"),
+                       checks=("--data-races",))
 
 
 tap.main(globals())
