@@ -32,4 +32,9 @@ def test_only_public_names_are_exported():
     tap.equal(sorted(exported() - declared()), [])
 
 
+def test_every_declared_function_is_there():
+    tap.equal(len(declared()) > 40, True, "declarations are found")
+    tap.equal(sorted(declared() - exported()), [])
+
+
 tap.main(globals())

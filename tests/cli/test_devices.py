@@ -1,8 +1,11 @@
-"""asdic devices: the table, JSON, no device, several devices."""
+"""asdic devices: the table, JSON, no device, several devices; what --device answers."""
 import json
+import os
 
 import tap
-from program import asdic, need_device
+from program import Folder, asdic, need_device
+
+SCENE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../data/scenes/scenario1.yaml")
 
 NO_PLATFORM = {"OCL_ICD_VENDORS": "/nonexistent"}
 
@@ -47,6 +50,29 @@ def test_no_platform_names_the_packages():
     tap.contains(text, "apt-get install pocl-opencl-icd ocl-icd-libopencl1")
     text = asdic("devices", "--json", **NO_PLATFORM).check(code=4).out
     tap.equal(json.loads(text), [])
+
+
+def run_on(device=None, **env):
+    with Folder() as folder:
+        arguments = ["run", SCENE, "-o", folder / "out"] + (["--device", device] if device else [])
+        done = asdic(*arguments, **env)
+        tap.equal(folder.names() if done.code else [], [], "files left by a refused run")
+        return done
+
+
+def test_device_that_is_not_there_exits_4():
+    need_device()
+    for done in (run_on("9:9"), run_on(ASDIC_DEVICE="9:9")):
+        tap.contains(done.check(code=4, out="").err, "error: there is no device 9:9")
+    tap.contains(run_on("name:nothing").check(code=4, out="").err, "name:nothing")
+    tap.contains(run_on(**NO_PLATFORM).check(code=4, out="").err, "pocl-opencl-icd")
+
+
+def test_selector_that_is_not_understood_exits_2():
+    for selector in ("gpus", "0:", "0:0,0:0"):
+        if selector == "0:0,0:0":
+            need_device()
+        tap.contains(run_on(selector).check(code=2, out="").err, f"'{selector}'")
 
 
 tap.main(globals())
