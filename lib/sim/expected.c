@@ -12,6 +12,7 @@
 
 #include "base/context.h"
 #include "base/quadrature.h"
+#include "errata.h"
 #include "noise_level.h"
 
 #include <string.h>
@@ -53,14 +54,20 @@ static double boundary_energy(integrand *in, double begin_m, double end_m) {
                             TOLERANCE);
 }
 
+double asdic_flat_solid_angle(const asdic_flat_scene *flat, const asdic_ring_profile *profile,
+                              double d_m) {
+    double low =
+        flat->has_surface ? -asdic_flat_elevation_rad(flat->depth_m, d_m) : -0.5 * ASDIC_PI;
+    double high =
+        flat->has_bottom ? asdic_flat_elevation_rad(flat->altitude_m, d_m) : 0.5 * ASDIC_PI;
+    return asdic_ring_profile_solid_angle(profile, high) -
+           asdic_ring_profile_solid_angle(profile, low);
+}
+
 static double volume_density(double d, void *user) {
     const integrand *in = user;
-    const asdic_flat_scene *flat = &in->laws->flat;
-    double low = flat->has_surface ? -asdic_flat_elevation_rad(flat->depth_m, d) : -0.5 * ASDIC_PI;
-    double high = flat->has_bottom ? asdic_flat_elevation_rad(flat->altitude_m, d) : 0.5 * ASDIC_PI;
-    double solid_angle = asdic_ring_profile_solid_angle(in->profile, high) -
-                         asdic_ring_profile_solid_angle(in->profile, low);
-    return d * d * transmission(in->laws, d) * solid_angle;
+    return d * d * transmission(in->laws, d) *
+           asdic_flat_solid_angle(&in->laws->flat, in->profile, d);
 }
 
 /* Cut where the shell meets the bottom and the surface. */
@@ -137,13 +144,31 @@ static asdic_status check(asdic_context *ctx, const asdic_flat_scene *flat,
     return status;
 }
 
-asdic_status asdic_expected_compute(asdic_context *ctx, const asdic_flat_scene *flat,
-                                    const asdic_environment *env, const asdic_sonar *sonar,
-                                    const asdic_pose *pose, asdic_ping *ping) {
-    asdic_status status = check(ctx, flat, env, sonar, ping);
-    if (status != ASDIC_OK) {
-        return status;
+/* The scene as ERRATA have it, apart from what asdic_errata_beam does. */
+static asdic_ring aim(const asdic_flat_laws *laws, const asdic_sonar *sonar, size_t receiver,
+                      const asdic_pose *pose, unsigned errata) {
+    double wavelength_m = laws->water.wavelength_m;
+    wavelength_m *= errata & ASDIC_ERRATUM_WAVELENGTH ? 1000.0 : 1.0;
+    wavelength_m *= errata & ASDIC_ERRATUM_SINC ? ASDIC_PI : 1.0;
+    double rear_lin = pow(10.0, 0.1 * sonar->rear_floor_db);
+    return (asdic_ring){asdic_face_aim(&sonar->transmitter, pose, wavelength_m),
+                        asdic_face_aim(&sonar->receivers[receiver], pose, wavelength_m),
+                        errata & ASDIC_ERRATUM_MIRROR ? 1.0 : rear_lin};
+}
+
+static void add_noise(const asdic_environment *env, const asdic_sonar *sonar,
+                      double sound_speed_mps, unsigned errata, asdic_ping *ping) {
+    asdic_environment air = *env;
+    asdic_sonar heard = *sonar;
+    air.wind_speed_kn *= errata & ASDIC_ERRATUM_NOISE_WIND ? 1852.0 / 3600.0 : 1.0;
+    heard.noise_directivity &= !(errata & ASDIC_ERRATUM_DIRECTIVITY);
+    if (errata & ASDIC_ERRATUM_NOISE_CELLS) { /* a bin of one cell */
+        heard.bin_length_m = sound_speed_mps / (2.0 * sonar->bandwidth_hz);
     }
+    asdic_noise_levels(&air, &heard, sound_speed_mps, ping);
+}
+
+static void begin_ping(const asdic_sonar *sonar, asdic_ping *ping) {
     size_t count = ping->beams * ping->bins;
     for (int c = 0; c < ASDIC_COMPONENT_COUNT; c++) {
         memset(ping->intensity_lin[c], 0, count * sizeof(double));
@@ -151,19 +176,49 @@ asdic_status asdic_expected_compute(asdic_context *ctx, const asdic_flat_scene *
     memset(ping->stderr_db, 0, count * sizeof(float));
     ping->bin_length_m = sonar->bin_length_m;
     ping->rays = ping->saturated = 0;
-    asdic_flat_laws laws = asdic_flat_laws_at(flat, env, sonar);
-    for (size_t b = 0; b < ping->beams && status == ASDIC_OK; b++) {
-        double wavelength_m = laws.water.wavelength_m;
-        asdic_ring ring = {asdic_face_aim(&sonar->transmitter, pose, wavelength_m),
-                           asdic_face_aim(&sonar->receivers[b], pose, wavelength_m),
-                           pow(10.0, 0.1 * sonar->rear_floor_db)};
-        status = corrected_beam(ctx, &laws, sonar, &ring, ping, b);
+}
+
+static asdic_status compute(asdic_context *ctx, const asdic_flat_scene *flat,
+                            const asdic_environment *env, const asdic_sonar *sonar,
+                            const asdic_pose *pose, unsigned errata, asdic_ping *ping) {
+    asdic_status status = check(ctx, flat, env, sonar, ping);
+    if (status != ASDIC_OK) {
+        return status;
     }
-    asdic_noise_levels(env, sonar, laws.water.sound_speed_mps, ping);
-    for (size_t i = 0; i < count; i++) {
+    asdic_environment water = *env;
+    water.variant =
+        errata & ASDIC_ERRATUM_ABSORPTION ? ASDIC_VARIANT_PRINTED : ASDIC_VARIANT_CORRECTED;
+    asdic_flat_laws laws = asdic_flat_laws_at(flat, &water, sonar);
+    laws.surface_cap_lin = errata & ASDIC_ERRATUM_SURFACE_CAP ? INFINITY : laws.surface_cap_lin;
+    begin_ping(sonar, ping);
+    for (size_t b = 0; b < ping->beams && status == ASDIC_OK; b++) {
+        asdic_ring ring = aim(&laws, sonar, b, pose, errata);
+        status = errata & ASDIC_ERRATA_OF_BEAM
+                     ? asdic_errata_beam(ctx, &laws, sonar, &ring, errata, ping, b)
+                     : corrected_beam(ctx, &laws, sonar, &ring, ping, b);
+    }
+    add_noise(env, sonar, laws.water.sound_speed_mps, errata, ping);
+    for (size_t i = 0; i < ping->beams * ping->bins; i++) {
         for (int c = ASDIC_TOTAL + 1; c < ASDIC_COMPONENT_COUNT; c++) {
             ping->intensity_lin[ASDIC_TOTAL][i] += ping->intensity_lin[c][i];
         }
     }
     return status;
+}
+
+asdic_status asdic_expected_compute(asdic_context *ctx, const asdic_flat_scene *flat,
+                                    const asdic_environment *env, const asdic_sonar *sonar,
+                                    const asdic_pose *pose, asdic_ping *ping) {
+    unsigned errata = env->variant == ASDIC_VARIANT_PRINTED ? ASDIC_ERRATA_PRINTED : 0u;
+    return compute(ctx, flat, env, sonar, pose, errata, ping);
+}
+
+asdic_status asdic_expected_erratum(asdic_context *ctx, size_t index, const asdic_flat_scene *flat,
+                                    const asdic_environment *env, const asdic_sonar *sonar,
+                                    const asdic_pose *pose, asdic_ping *ping) {
+    if (index >= asdic_erratum_count()) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "erratum %zu of %zu", index,
+                          asdic_erratum_count());
+    }
+    return compute(ctx, flat, env, sonar, pose, 1u << index, ping);
 }

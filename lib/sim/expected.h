@@ -31,4 +31,9 @@ double asdic_flat_surface_lin(const asdic_flat_laws *laws, double sin_grazing);
  * pi/2 before it is reached. */
 double asdic_flat_elevation_rad(double height_m, double d_m);
 
+/* The two-way solid angle in the water at slant range D_M: what bottom and surface leave of the
+ * sphere, sr. */
+double asdic_flat_solid_angle(const asdic_flat_scene *flat, const asdic_ring_profile *profile,
+                              double d_m);
+
 #endif

@@ -63,7 +63,7 @@ const asdic_model_info asdic_model_table[] = {
                             "one-way pattern of a rectangular aperture re on-axis; -inf behind",
                             "Marage & Mori, Sonar and Underwater Acoustics (2010)",
                             5,
-                            {NEEDED("theta_deg", -180.0, 180.0, -90.0, 90.0),
+                            {NEEDED("theta_deg", -180.0, 180.0, -180.0, 180.0),
                              NEEDED("psi_deg", -90.0, 90.0, -90.0, 90.0),
                              NEEDED("length_h_m", 1e-6, 100.0, 1e-6, 100.0),
                              NEEDED("length_v_m", 1e-6, 100.0, 1e-6, 100.0),

@@ -75,19 +75,26 @@ static double pattern(const asdic_face *face, asdic_vec3 direction) {
     return amplitude * amplitude;
 }
 
-/* Panels of 16 Gauss points hold three cycles to 1e-14. */
+/* Panels of 16 Gauss points hold three cycles to 1e-14. Their nodes turn with the panel's centre. */
 static double arc_sum(const asdic_ring *ring, const asdic_arc *arc, double sin_e, double cos_e) {
     double length = arc->end_rad - arc->begin_rad;
     int panels = 1 + (int)(length * cos_e * asdic_ring_cycles(ring) / 3.0);
     double half = 0.5 * length / panels, sum = 0.0;
+    double cos_node[ASDIC_GAUSS16_HALF], sin_node[ASDIC_GAUSS16_HALF];
+    for (int k = 0; k < ASDIC_GAUSS16_HALF; k++) {
+        cos_node[k] = cos_e * cos(half * asdic_gauss16_node[k]);
+        sin_node[k] = cos_e * sin(half * asdic_gauss16_node[k]);
+    }
     for (int p = 0; p < panels; p++) {
         double centre = arc->begin_rad + (2 * p + 1) * half;
-        for (int i = 0; i < 2 * ASDIC_GAUSS16_HALF; i++) {
-            int k = i / 2;
-            double phi = centre + (i % 2 ? half : -half) * asdic_gauss16_node[k];
-            asdic_vec3 u = {cos_e * cos(phi), cos_e * sin(phi), sin_e};
-            sum += asdic_gauss16_weight[k] * pattern(&ring->transmitter, u) *
-                   pattern(&ring->receiver, u);
+        double c = cos(centre), s = sin(centre);
+        for (int k = 0; k < ASDIC_GAUSS16_HALF; k++) {
+            double cc = c * cos_node[k], ss = s * sin_node[k];
+            double sc = s * cos_node[k], cs = c * sin_node[k];
+            asdic_vec3 u = {cc - ss, sc + cs, sin_e}, v = {cc + ss, sc - cs, sin_e};
+            sum += asdic_gauss16_weight[k] *
+                   (pattern(&ring->transmitter, u) * pattern(&ring->receiver, u) +
+                    pattern(&ring->transmitter, v) * pattern(&ring->receiver, v));
         }
     }
     return sum * half;

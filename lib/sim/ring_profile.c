@@ -5,10 +5,13 @@
 #include <stdlib.h>
 
 #define TERMS 24
-#define DEEPEST 16
-#define CONVERGED 1e-13
+#define DEEPEST 6
+/* Of the last terms to the largest. */
+#define CONVERGED 1e-10
+/* Cycles of a two-way pattern that so many terms hold. */
+#define CYCLES 2.5
 /* Below this share of a piece's largest value the series' error would show: ask the ring itself. */
-#define NULL_SHARE 1e-5
+#define NULL_SHARE 1e-4
 
 /* One stretch between kinks. Elevation is a cosine of the place s in [0, 1]: a square-root kink at
  * an end becomes smooth. */
@@ -151,9 +154,9 @@ asdic_status asdic_ring_profile_create(asdic_context *ctx, const asdic_ring *rin
     find_stretches(p);
     for (size_t i = 0; i < p->stretch_count && status == ASDIC_OK; i++) {
         const stretch *w = &p->stretches[i];
-        /* A first cut fine enough that no lobe can hide between the nodes. */
-        size_t cuts =
-            1 + (size_t)(asdic_ring_cycles(ring) * (w->end_rad - w->begin_rad) * ASDIC_PI / 8.0);
+        /* Elevation changes with the place by up to pi / 2 times the stretch. */
+        double cycles = asdic_ring_cycles(ring) * 0.5 * ASDIC_PI * (w->end_rad - w->begin_rad);
+        size_t cuts = 1 + (size_t)(cycles / CYCLES);
         for (size_t j = 0; j < cuts && status == ASDIC_OK; j++) {
             status = fit(ctx, p, i, (double)j / (double)cuts, (double)(j + 1) / (double)cuts, 0);
         }

@@ -8,12 +8,12 @@
 
 typedef struct asdic_ring_profile asdic_ring_profile;
 
-/* Piecewise Chebyshev, refined until the sum is known to 1e-12 of its local largest value. */
+/* Piecewise Chebyshev, refined until the sum is known to 1e-10 of its local largest value. */
 asdic_status asdic_ring_profile_create(asdic_context *ctx, const asdic_ring *ring,
                                        asdic_ring_profile **out);
 void asdic_ring_profile_destroy(asdic_ring_profile **profile);
 
-/* asdic_ring_sum, to a relative 1e-8 also in the nulls of a pattern. */
+/* asdic_ring_sum, to a relative 1e-6 also in the nulls of a pattern. */
 double asdic_ring_profile_sum(const asdic_ring_profile *profile, double elevation_rad);
 
 /* Integral of sum(e) cos(e) over e from -pi/2 to ELEVATION_RAD: the two-way beam's solid angle below

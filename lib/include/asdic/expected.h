@@ -25,6 +25,30 @@ ASDIC_API asdic_status asdic_expected_compute(asdic_context *ctx, const asdic_fl
                                               const asdic_sonar *sonar, const asdic_pose *pose,
                                               asdic_ping *ping);
 
+/* Writes beam,bin,range_m,total_db,bottom_db,surface_db,volume_db,noise_db, one row per beam and bin;
+ * a field is empty where there is no energy. PATH "-" is the standard output. */
+ASDIC_API asdic_status asdic_expected_write_csv(asdic_context *ctx, const char *path,
+                                                const asdic_sonar *sonar, const asdic_ping *ping);
+
+/* One of the slips of the paper (Morency, Stilwell & Hess) that changes levels, by the number it has
+ * in kernels/README.md. */
+typedef struct asdic_erratum {
+    unsigned number;
+    const char *where;   /* "transmission loss, eq. (2)" */
+    const char *printed; /* "(2d - 1) alpha / 1000" */
+    const char *right;   /* "2 (d - 1) alpha / 1000" */
+} asdic_erratum;
+
+ASDIC_API size_t asdic_erratum_count(void);
+ASDIC_API const asdic_erratum *asdic_erratum_get(size_t index); /* NULL when out of range */
+
+/* asdic_expected_compute in the corrected model with erratum INDEX alone put back in. */
+ASDIC_API asdic_status asdic_expected_erratum(asdic_context *ctx, size_t index,
+                                              const asdic_flat_scene *flat,
+                                              const asdic_environment *env,
+                                              const asdic_sonar *sonar, const asdic_pose *pose,
+                                              asdic_ping *ping);
+
 #ifdef __cplusplus
 }
 #endif

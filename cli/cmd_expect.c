@@ -1,0 +1,174 @@
+#include "commands.h"
+#include "expect_errata.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static const cli_option options[] = {
+    {"output", 'o', "FILE.csv", "where the levels go, else expected_SCENE.csv; '-' is stdout"},
+    {"variant", 0, "WORD", "corrected or printed, else as the scene says"},
+    {"ping", 0, "N", "the pose of this ping, else 0"},
+    {"picture", 0, "FILE", "draw the levels too (up to 8 beams): .png, .pdf or .svg"},
+    {"errata", 0, NULL, "print what each slip of the paper changes on this scene instead"},
+    {"beam", 0, "NAME", "with --errata: this receiver, else the first"},
+    {"force", 'f', NULL, "overwrite what exists"},
+    {NULL, 0, NULL, NULL},
+};
+
+/* "expected_NAME.csv" of "path/NAME.yaml". */
+static char *default_output(const char *scene) {
+    const char *slash = strrchr(scene, '/');
+    const char *base = strcmp(scene, "-") == 0 ? "scene" : slash ? slash + 1 : scene;
+    const char *dot = strrchr(base, '.');
+    int length = (int)(dot && dot != base ? dot - base : (long)strlen(base));
+    char *path = NULL;
+    return asprintf(&path, "expected_%.*s.csv", length, base) < 0 ? NULL : path;
+}
+
+static bool may_write(cli *c, const char *path) {
+    if (strcmp(path, "-") != 0 && !cli_given(c, "force") && access(path, F_OK) == 0) {
+        cli_error(c, "'%s' exists; --force overwrites it", path);
+        return false;
+    }
+    return true;
+}
+
+/* Levels of one component of one beam as the pictures take them. */
+static void to_db(const asdic_ping *ping, asdic_component component, size_t beam, float *out) {
+    for (size_t n = 0; n < ping->bins; n++) {
+        out[n] = (float)asdic_level_db(ping->intensity_lin[component][beam * ping->bins + n]);
+    }
+}
+
+static asdic_status draw(cli *c, const char *path, const asdic_sonar *sonar,
+                         const asdic_ping *ping) {
+    enum { MOST_BEAMS = 8, CURVES = 5 };
+    static const asdic_component shown[CURVES] = {ASDIC_TOTAL, ASDIC_BOTTOM, ASDIC_SURFACE,
+                                                  ASDIC_VOLUME, ASDIC_NOISE};
+    asdic_ascope panels[MOST_BEAMS] = {{0}};
+    char titles[MOST_BEAMS][ASDIC_NAME_SIZE + 16];
+    size_t beams = ping->beams < MOST_BEAMS ? ping->beams : MOST_BEAMS;
+    asdic_picture_options look = asdic_picture_options_default();
+    float *levels = malloc(beams * CURVES * ping->bins * sizeof *levels);
+    double top = -INFINITY;
+    if (!levels) {
+        return ASDIC_ERROR_MEMORY;
+    }
+    for (size_t b = 0; b < beams; b++) {
+        float *first = levels + b * CURVES * ping->bins;
+        for (int k = 0; k < CURVES; k++) {
+            to_db(ping, shown[k], b, first + (size_t)k * ping->bins);
+        }
+        snprintf(titles[b], sizeof titles[b], "beam '%s'", sonar->receivers[b].name);
+        panels[b] =
+            (asdic_ascope){.title = titles[b],
+                           .bins = ping->bins,
+                           .bin_length_m = ping->bin_length_m,
+                           .total_db = first,
+                           .bottom_db = first + ping->bins,
+                           .surface_db = first + 2 * ping->bins,
+                           .volume_db = first + 3 * ping->bins,
+                           .noise_db = sonar->noise_enabled ? first + 4 * ping->bins : NULL};
+        for (size_t n = 0; n < ping->bins; n++) {
+            top = fmax(top, first[n]);
+        }
+    }
+    look.db_high = isfinite(top) ? 10.0 * ceil(0.1 * top) : 0.0;
+    look.db_low = look.db_high - 80.0;
+    look.title = "expected levels without objects";
+    asdic_status status = asdic_picture_ascope(cli_context(c), path, panels, beams, &look);
+    free(levels);
+    return status;
+}
+
+static asdic_status write_levels(cli *c, const expect_scene *scene) {
+    asdic_context *ctx = cli_context(c);
+    asdic_ping *ping = NULL;
+    char *own_path = cli_text(c, "output") ? NULL : default_output(cli_operand(c, 0));
+    const char *path = own_path ? own_path : cli_text(c, "output");
+    const char *picture = cli_text(c, "picture");
+    asdic_status status = path ? ASDIC_OK : ASDIC_ERROR_MEMORY;
+    if (status == ASDIC_OK && (!may_write(c, path) || (picture && !may_write(c, picture)))) {
+        free(own_path);
+        return ASDIC_ERROR_EXISTS;
+    }
+    if (status == ASDIC_OK) {
+        status = asdic_ping_create(ctx, scene->sonar.receiver_count, scene->bins, &ping);
+    }
+    if (status == ASDIC_OK) {
+        status = asdic_expected_compute(ctx, &scene->flat, &scene->env, &scene->sonar, &scene->pose,
+                                        ping);
+    }
+    if (status == ASDIC_OK) {
+        status = asdic_expected_write_csv(ctx, path, &scene->sonar, ping);
+    }
+    if (status == ASDIC_OK && picture) {
+        status = draw(c, picture, &scene->sonar, ping);
+    }
+    if (status == ASDIC_OK && strcmp(path, "-") != 0) {
+        cli_note(c, "%s: %zu beam%s, %zu bins", path, ping->beams, ping->beams == 1 ? "" : "s",
+                 ping->bins);
+    }
+    asdic_ping_destroy(&ping);
+    free(own_path);
+    return status;
+}
+
+static int run_on(cli *c, asdic_mission *mission, uint64_t index) {
+    static const char *const variants[] = {"corrected", "printed", NULL};
+    expect_scene scene = {.env = *asdic_mission_environment(mission),
+                          .sonar = *asdic_mission_sonar(mission)};
+    int variant = (int)scene.env.variant;
+    cli_choice(c, "variant", variants, &variant);
+    if (cli_bad_usage(c)) {
+        return CLI_USAGE;
+    }
+    if (index >= asdic_mission_ping_count(mission)) {
+        return cli_usage(c, "--ping %llu: the mission has %zu pings (0..%zu)",
+                         (unsigned long long)index, asdic_mission_ping_count(mission),
+                         asdic_mission_ping_count(mission) - 1);
+    }
+    scene.env.variant = (asdic_variant)variant;
+    scene.flat = asdic_mission_flat_scene(mission, index);
+    scene.pose = asdic_mission_pose(mission, index, NULL);
+    /* The number of bins belongs to the mission's first depth, as in a run. */
+    double depth_m = asdic_mission_pose(mission, 0, NULL).position_m.z;
+    scene.bins =
+        asdic_sonar_bin_count(&scene.sonar, asdic_environment_sound_speed_mps(&scene.env, depth_m));
+    if (cli_given(c, "errata")) {
+        return expect_errata(c, &scene);
+    }
+    asdic_status status = write_levels(c, &scene);
+    return status == ASDIC_ERROR_EXISTS ? CLI_FAILED : cli_end(c, status);
+}
+
+static int run(cli *c) {
+    asdic_mission *mission = NULL;
+    uint64_t index = 0;
+    cli_integer(c, "ping", 0, UINT64_MAX, &index);
+    if (cli_bad_usage(c)) {
+        return CLI_USAGE;
+    }
+    asdic_status status = asdic_mission_load(cli_context(c), cli_operand(c, 0), &mission);
+    int code = status == ASDIC_OK ? run_on(c, mission, index) : cli_end(c, status);
+    asdic_mission_destroy(&mission);
+    return code;
+}
+
+const cli_command cli_expect_command = {
+    .name = "expect",
+    .operands = "SCENE.yaml",
+    .min_operands = 1,
+    .max_operands = 1,
+    .summary = "expected level per beam and bin without objects, by quadrature",
+    .details =
+        "The null hypothesis: bottom, surface, volume and noise over a flat bottom at the depth "
+        "straight below the vehicle, in double precision. Objects and speckle are left out.\n\n"
+        "The printed variant evaluates the paper's own sums, slips included; --errata shows what "
+        "each of them changes, one at a time, as median, least and largest difference in dB over "
+        "the bins.",
+    .options = options,
+    .run = run,
+};

@@ -1,0 +1,128 @@
+"""asdic expect: levels as CSV, variants, errata, refusals."""
+import csv
+import io
+
+import tap
+from program import Folder, asdic
+
+SCENE = """
+version: 1
+environment: {max_depth_m: 12}
+bottom: {depth_m: 12, type: sand}
+sonar:
+  frequency_khz: 100
+  bandwidth_khz: 10
+  ping_rate_hz: 10
+  source_level_db: 0
+  bin_length_m: 0.5
+  blanking_m: 0.5
+  transmitter: {length_h_m: 0.05, length_v_m: 0.05}
+  receivers:
+    - {name: forward, length_h_m: 0.05, length_v_m: 0.05}
+    - {name: down, pitch_deg: 20, length_h_m: 0.05, length_v_m: 0.05}
+  noise: {enabled: false}
+mission:
+  pose: {position_m: [0, 0, 7]}
+"""
+HEADER = "beam,bin,range_m,total_db,bottom_db,surface_db,volume_db,noise_db"
+
+
+def expected(folder, *args, scene=SCENE):
+    path = folder.write("scene.yaml", scene)
+    text = asdic("expect", path, "-o", "-", *args).check(code=0).out
+    tap.equal(text.split("\n", 1)[0], HEADER)
+    return {(row["beam"], int(row["bin"])): row for row in csv.DictReader(io.StringIO(text))}
+
+
+def near(actual, wanted, tolerance=1e-3):
+    if abs(float(actual) - wanted) > tolerance:
+        raise AssertionError(f"{actual} is not {wanted}")
+
+
+def test_levels_of_the_first_scenario():
+    with Folder() as folder:
+        rows = expected(folder)
+        tap.equal(len(rows), 2 * 149, "rows")
+        first = rows["forward", 0]
+        tap.equal([first[c] for c in HEADER.split(",")[2:]], ["0.25", "", "", "", "", ""])
+        near(rows["forward", 10]["bottom_db"], -80.084343)
+        near(rows["forward", 14]["surface_db"], -80.45786)
+        near(rows["forward", 10]["volume_db"], -107.696647)
+        near(rows["forward", 40]["total_db"], -108.894, 2e-1)
+        tap.equal(rows["forward", 9]["bottom_db"], "", "bottom before it is reached")
+        tap.equal(rows["forward", 20]["noise_db"], "", "noise that is off")
+        tap.equal(rows["down", 20]["range_m"], "10.25")
+
+
+def test_printed_variant_from_option_and_scene():
+    with Folder() as folder:
+        by_option = expected(folder, "--variant", "printed")
+        by_scene = expected(folder, scene=SCENE + "model: {variant: printed}\n")
+        tap.equal(by_option, by_scene)
+        right = expected(folder, "--variant", "corrected",
+                         scene=SCENE + "model: {variant: printed}\n")
+        tap.equal(right, expected(folder))
+        changes = sorted(float(by_option[key]["bottom_db"]) - float(right[key]["bottom_db"])
+                         for key in right if key[0] == "forward" and right[key]["bottom_db"])
+        near(changes[len(changes) // 2], -13.0, 0.5)
+
+
+def test_objects_are_ignored():
+    box = "objects: [{box: {size_m: [2, 2, 2]}, position_m: [30, 0, 10]}]\n"
+    with Folder() as folder:
+        tap.equal(expected(folder, scene=SCENE + box), expected(folder))
+
+
+def test_noise_fills_every_bin():
+    with Folder() as folder:
+        rows = expected(folder, scene=SCENE.replace("{enabled: false}",
+                                                    "{enabled: true, directivity: false}"))
+        near(rows["forward", 100]["noise_db"], 69.09 + 8.268, 2e-2)
+
+
+def test_file_is_not_overwritten_unasked():
+    with Folder() as folder:
+        path = folder.write("scene.yaml", SCENE)
+        asdic("expect", path, cwd=folder.path).check(code=0, out="")
+        tap.equal(folder.names(), ["expected_scene.csv", "scene.yaml"])
+        text = asdic("expect", path, cwd=folder.path).check(code=1, out="").err
+        tap.contains(text, "--force")
+        asdic("expect", path, "--force", cwd=folder.path).check(code=0, out="")
+
+
+def test_picture():
+    with Folder() as folder:
+        path = folder.write("scene.yaml", SCENE)
+        done = asdic("expect", path, "-o", "a.csv", "--picture", "a.png", cwd=folder.path)
+        if "without cairo" in done.err:
+            raise tap.Skip("built without cairo")
+        done.check(code=0)
+        with open(folder / "a.png", "rb") as file:
+            tap.equal(file.read(8), b"\x89PNG\r\n\x1a\n")
+
+
+def test_errata_name_each_slip_with_its_size():
+    with Folder() as folder:
+        path = folder.write("scene.yaml", SCENE)
+        text = asdic("expect", path, "--errata").check(code=0, err="").out
+        tap.contains(text, "Beam 'forward'")
+        lines = text.splitlines()
+        at = next(i for i, line in enumerate(lines) if line.startswith("5 "))
+        tap.contains(lines[at], "(2d - 1) alpha / 1000")
+        tap.contains(lines[at + 1], "-0.034 [-0.034, -0.034]")
+        tap.contains(asdic("expect", path, "--errata", "--beam", "down").check(code=0).out,
+                     "Beam 'down'")
+        asdic("expect", path, "--errata", "--beam", "up").check(code=2, out="")
+
+
+def test_wrong_use():
+    with Folder() as folder:
+        path = folder.write("scene.yaml", SCENE)
+        asdic("expect").check(code=2, out="")
+        asdic("expect", path, "--variant", "wrong").check(code=2, out="")
+        tap.contains(asdic("expect", path, "--ping", "1", "-o", "-").check(code=2, out="").err,
+                     "--ping 1")
+        asdic("expect", folder / "none.yaml").check(code=3, out="")
+
+
+tap.main(globals())

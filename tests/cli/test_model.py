@@ -1,0 +1,82 @@
+"""asdic model: one line per value, the list, errors that help."""
+import json
+
+import tap
+from program import asdic, need_device
+
+MODELS = ["sound-speed", "absorption", "transmission-loss", "beam-pattern", "bottom-backscatter",
+          "surface-backscatter", "volume-backscatter", "noise-turbulence", "noise-traffic",
+          "noise-sea-state", "noise-thermal", "noise", "range-resolution", "max-range",
+          "target-strength", "facet-strength", "pfa", "pd"]
+
+
+def model(*args):
+    return asdic("model", *args).check(code=0, err="").out
+
+
+def test_value_and_unit():
+    tap.equal(model("sound-speed", "t_degc=10", "s_ppt=35", "z_m=7"), "1490.102 m/s\n")
+    tap.equal(model("range-resolution", "c_mps=1500", "bandwidth_hz=7500"), "0.1 m\n")
+    tap.equal(model("pfa", "model=exponential", "threshold=0", "mu0=2"), "1 1\n")
+    tap.equal(model("beam-pattern", "theta_deg=180", "psi_deg=0", "length_h_m=0.05",
+                    "length_v_m=0.05", "wavelength_m=0.015"), "-inf dB\n")
+
+
+def test_words_and_numbers_mean_the_same():
+    keys = ("f_khz=100", "grazing_deg=30")
+    tap.equal(model("bottom-backscatter", "type=sand", *keys),
+              model("bottom-backscatter", "type=2", *keys))
+    tap.equal(model("absorption", "f_khz=100", "t_degc=10", "s_ppt=35", "z_m=0", "ph=8"),
+              model("absorption", "variant=corrected", "ph=8", "z_m=0", "s_ppt=35", "t_degc=10",
+                    "f_khz=100"))
+
+
+def test_device_agrees():
+    need_device()
+    args = ("surface-backscatter", "wind_kn=10", "f_khz=100", "grazing_deg=20")
+    host = float(model(*args).split()[0])
+    device = float(model(*args, "--device", "auto").split()[0])
+    if not 0 < abs(host - device) < 1e-3:  # single precision is not double precision
+        raise AssertionError(f"{host} on the host, {device} on the device")
+
+
+def test_list_has_every_name():
+    text = model()
+    for name in MODELS:
+        tap.contains("\n" + text, f"\n{name}  ")
+    listed = json.loads(model("--json"))
+    tap.equal([m["name"] for m in listed], MODELS)
+    for m in listed:
+        tap.equal(bool(m["source"] and m["unit"] and m["keys"]), True, m["name"])
+
+
+def test_json_value():
+    value = json.loads(model("noise-thermal", "f_khz=100", "--json"))
+    tap.equal((value["value"], value["unit"], value["device"]), (25.0, "dB", None))
+
+
+def test_validity_is_warned_about_once():
+    done = asdic("model", "bottom-backscatter", "type=sand", "f_khz=900", "grazing_deg=30")
+    done.check(code=0)
+    tap.equal(done.err.count("warning"), 1, "warnings")
+    tap.contains(done.err, "[50, 400]")
+
+
+def test_errors_say_what_to_do():
+    for args, parts in (
+            (("absorbtion",), ("did you mean 'absorption'",)),
+            (("sound-speed", "t_degc=1"), ("'s_ppt' is missing", "keys: t_degc s_ppt z_m")),
+            (("sound-speed", "t_deg=1"), ("did you mean 't_degc'",)),
+            (("sound-speed", "t_degc=abc"), ("'abc' is not a number",)),
+            (("sound-speed", "t_degc=400"), ("400", "[-2, 40]")),
+            (("sound-speed", "t_degc"), ("not key=value",)),
+            (("sound-speed", "z_m=1", "z_m=2"), ("given twice",)),
+            (("pfa", "model=gauss"), ("exponential|k|swerling0",)),
+            (("pfa", "model=k", "threshold=1", "mu0=1"), ("needs a shape",)),
+            (("target-strength", "shape=plate", "width_m=1"), ("'height_m' is missing",))):
+        done = asdic("model", *args).check(code=2, out="")
+        for part in parts:
+            tap.contains(done.err, part)
+
+
+tap.main(globals())
