@@ -1,0 +1,93 @@
+/* The shape of the formulas: finite everywhere, monotone and continuous where they must be. */
+#include "asserts.h"
+
+#include "../../kernels/backscatter.h"
+#include "../../kernels/beam.h"
+#include "../../kernels/target.h"
+#include "../../kernels/water.h"
+
+/* Sine of the grazing angle at step I of 9000, both ends included. */
+static double sine(int i) {
+    return i == 9000 ? 1.0 : sin(i * (3.14159265358979323846 / 18000.0));
+}
+
+/* SEARAY falls by up to 1e-3 dB on its plateau; the surface law never falls. */
+static void backscatter_rises_with_the_grazing_angle(void **state) {
+    (void)state;
+    for (double bt = 1.0; bt <= 4.0; bt += 0.25) {
+        for (double wind = 0.0; wind <= 60.0; wind += 15.0) {
+            double f = 100.0, bottom = 0.0, surface = 0.0, cap = surface_cap_lin(wind);
+            for (int i = 0; i <= 9000; i++) {
+                double b = bottom_backscatter_lin(bottom_gain(bt, f), bottom_peak(bt), bt, sine(i));
+                double s = surface_backscatter_lin(surface_gain(wind, f), surface_beta0(wind),
+                                                   surface_beta1(f), cap, sine(i));
+                assert_true(isfinite(b) && b > 0.0 && isfinite(s) && s >= 0.0 && s <= cap);
+                assert_true(b >= bottom * (1.0 - 3e-4) && s >= surface * (1.0 - 1e-12));
+                bottom = b;
+                surface = s;
+            }
+        }
+    }
+}
+
+static void rounding_beyond_the_ends_is_harmless(void **state) {
+    (void)state;
+    static const double beyond[] = {-1e-7, -0.0, 0.0, 1e-300, 1.0, 1.0 + 1e-7};
+    for (size_t i = 0; i < sizeof beyond / sizeof *beyond; i++) {
+        double s = surface_backscatter_lin(surface_gain(10, 100), surface_beta0(10),
+                                           surface_beta1(100), surface_cap_lin(10), beyond[i]);
+        assert_true(isfinite(s) && s >= 0.0);
+        assert_true(
+            isfinite(bottom_backscatter_lin(bottom_gain(2, 100), bottom_peak(2), 2.0, beyond[i])));
+        assert_true(isfinite(facet_strength_lin(beyond[i], 1.0, 0.1, 1e-5)));
+    }
+}
+
+static void absorption_rises_with_frequency_and_hardly_jumps_at_20_degrees(void **state) {
+    (void)state;
+    for (double t = -2.0; t <= 40.0; t += 3.0) {
+        double last = 0.0;
+        for (double f = 0.1; f <= 1000.0; f *= 1.05) {
+            double a = absorption_db_per_km(f, t, 35.0, 10.0, 8.0);
+            assert_true(isfinite(a) && a > last);
+            last = a;
+        }
+        assert_true(isfinite(absorption_db_per_km(100.0, t, 0.0, 10.0, 8.0)));
+    }
+    double below = absorption_db_per_km(1000.0, 20.0, 35.0, 0.0, 8.0);
+    assert_close_relative(absorption_db_per_km(1000.0, 20.0 + 1e-9, 35.0, 0.0, 8.0), below, 1e-3);
+}
+
+static void sinc_is_even_bounded_and_zero_at_whole_numbers(void **state) {
+    (void)state;
+    assert_true(sinc(0.0) == 1.0 && sinc(1e-300) == 1.0);
+    for (int i = 1; i <= 40; i++) {
+        assert_true(sinc(i) == 0.0);
+    }
+    for (double x = 0.0; x < 40.0; x += 0.0137) {
+        assert_true(sinc(x) == sinc(-x) && fabs(sinc(x)) <= 1.0);
+    }
+}
+
+/* sigma = cos^2 / pi: 2/3 sr over the hemisphere. */
+static void very_rough_facet_is_a_lambert_surface(void **state) {
+    (void)state;
+    double sum =
+        0.0; /* integral of sigma over projected hemisphere for pure Lambert is 2/3 pi/pi */
+    for (int i = 0; i < 10000; i++) {
+        double c = (i + 0.5) / 10000.0;
+        sum += facet_strength_lin(c, 1.0, 1e6, 1e-3) * 2.0 / 10000.0;
+    }
+    assert_close(sum * 3.14159265358979323846, 2.0 / 3.0, 1e-3);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(backscatter_rises_with_the_grazing_angle),
+        cmocka_unit_test(rounding_beyond_the_ends_is_harmless),
+        cmocka_unit_test(absorption_rises_with_frequency_and_hardly_jumps_at_20_degrees),
+        cmocka_unit_test(sinc_is_even_bounded_and_zero_at_whole_numbers),
+        cmocka_unit_test(very_rough_facet_is_a_lambert_surface),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
