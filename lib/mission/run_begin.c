@@ -26,7 +26,18 @@ static asdic_status check_range(asdic_run_job *job) {
     return ASDIC_OK;
 }
 
-/* What is known before the first ping. */
+static const char *bottom_of(const asdic_mission *mission) {
+    for (size_t i = 0; i < asdic_mission_object_count(mission); i++) {
+        if (asdic_mission_get_object(mission, i)->name[0] == 0) {
+            return ASDIC_RUN_BOTTOM_MESH;
+        }
+    }
+    return asdic_scene_get_info(asdic_mission_scene(mission)).has_bottom_plane
+               ? ASDIC_RUN_BOTTOM_PLANE
+               : ASDIC_RUN_BOTTOM_NONE;
+}
+
+/* What is known before the first ping; the simulation follows the plan from here on. */
 static asdic_status describe(asdic_run_job *job) {
     asdic_run_facts *f = &job->facts;
     const asdic_mission *m = job->mission;
@@ -40,6 +51,7 @@ static asdic_status describe(asdic_run_job *job) {
     f->scene_text = asdic_mission_text(m);
     f->geometry_hash = job->inputs_hash;
     f->has_surface = asdic_scene_get_info(asdic_mission_scene(m)).has_surface;
+    f->bottom = bottom_of(m);
     f->bottom_type = asdic_mission_flat_scene(m, f->first_ping).bottom_type;
     asdic_status status = asdic_mission_plan(job->ctx, job->mission, &f->plan);
     if (status != ASDIC_OK) {

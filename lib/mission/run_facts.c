@@ -128,6 +128,7 @@ asdic_status asdic_run_facts_write(asdic_context *ctx, const char *folder,
     add_text(&json, "state", facts->state);
     add_scene(&json, facts);
     asdic_text_format(&json, "  \"surface\": %s,\n", facts->has_surface ? "true" : "false");
+    add_text(&json, "bottom", facts->bottom);
     asdic_text_format(&json, "  \"bottom_type\": %s,\n",
                       number_or_null(digits, "%.17g", facts->bottom_type));
     add_natural(&json, "seed", facts->sampling.seed);
@@ -239,6 +240,7 @@ static void read_all(reader *r, asdic_arena *arena, asdic_run_facts *facts) {
     facts->geometry_hash = read_text(r, scene, "geometry_sha256");
     facts->scene_text = read_text(r, scene, "text");
     facts->has_surface = strcmp(read_text(r, r->root, "surface"), "true") == 0;
+    facts->bottom = read_text(r, r->root, "bottom");
     facts->bottom_type = read_number(r, r->root, "bottom_type");
     facts->sampling.seed = read_natural(r, "seed");
     facts->sampling.rays = (uint32_t)read_natural(r, "rays");

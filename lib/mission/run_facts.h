@@ -14,6 +14,10 @@
 #define ASDIC_RUN_STOPPED "interrupted"
 #define ASDIC_RUN_COMPLETE "complete"
 
+#define ASDIC_RUN_BOTTOM_PLANE "plane"
+#define ASDIC_RUN_BOTTOM_MESH "mesh"
+#define ASDIC_RUN_BOTTOM_NONE "none"
+
 /* Strings are borrowed: from the mission while running, from an arena when read. */
 typedef struct asdic_run_facts {
     const char *version; /* of asdic */
@@ -21,6 +25,7 @@ typedef struct asdic_run_facts {
     const char *scene_path, *scene_hash, *scene_text;
     const char *geometry_hash; /* of the triangles: meshes may change behind the scene file */
     bool has_surface;
+    const char *bottom; /* ASDIC_RUN_BOTTOM_... */
     double bottom_type;
     asdic_sampling sampling;
     asdic_plan plan; /* of the whole mission, whatever part of it this run is */

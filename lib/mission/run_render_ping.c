@@ -6,6 +6,7 @@
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* Curves that lie below the window of the total (one of several mechanisms) are worth seeing. */
 #define ASCOPE_BELOW_DB 20.0
@@ -21,34 +22,102 @@ static void name_ping(const asdic_render *r, const asdic_record *record, char ti
     snprintf(title, 256, "%s: ping %s, t = %s s", r->info.scene_name, number, time_s);
 }
 
+/* Expected levels of the panels' beams, [component][panel * bins + bin]. */
+typedef struct expectation {
+    asdic_ping *ping; /* NULL: there is none */
+    float *level_db[ASDIC_COMPONENT_COUNT];
+} expectation;
+
+static void expectation_finish(expectation *e) {
+    asdic_ping_destroy(&e->ping);
+    free(e->level_db[0]);
+}
+
+/* The null hypothesis for COUNT beams; only where the bottom is one that it knows. */
+static asdic_status expect(asdic_render *r, const asdic_record *record, size_t count,
+                           expectation *out) {
+    asdic_beam beams[ASDIC_RENDER_PANELS];
+    asdic_sonar sonar = *r->info.sonar;
+    size_t cells = count * r->info.bins;
+    *out = (expectation){0};
+    if (strcmp(r->run->facts.bottom, ASDIC_RUN_BOTTOM_MESH) == 0) {
+        return ASDIC_OK;
+    }
+    for (size_t k = 0; k < count; k++) {
+        beams[k] = r->info.sonar->receivers[r->beams[k]];
+    }
+    sonar.receivers = beams;
+    sonar.receiver_count = count;
+    asdic_status status = asdic_ping_create(r->ctx, count, r->info.bins, &out->ping);
+    if (status != ASDIC_OK) {
+        return status;
+    }
+    out->level_db[0] = malloc(ASDIC_COMPONENT_COUNT * cells * sizeof(float));
+    if (!out->level_db[0]) {
+        return asdic_fail_memory(r->ctx, "expected levels");
+    }
+    asdic_flat_scene flat = asdic_run_flat_scene(r->run, record);
+    status = asdic_expected_compute(r->ctx, &flat, r->info.environment, &sonar, &record->pose,
+                                    out->ping);
+    for (size_t c = 0; c < ASDIC_COMPONENT_COUNT && status == ASDIC_OK; c++) {
+        out->level_db[c] = out->level_db[0] + c * cells;
+        for (size_t i = 0; i < cells; i++) {
+            out->level_db[c][i] = (float)asdic_level_db(out->ping->intensity_lin[c][i]);
+        }
+    }
+    return status;
+}
+
+/* With an expectation its mechanisms are drawn, else those of the simulation. */
+static asdic_ascope panel_of(const asdic_render *r, const asdic_record *record,
+                             const expectation *expected, size_t k) {
+    size_t bins = r->info.bins, first = r->beams[k] * bins;
+    asdic_ascope panel = {.bins = bins,
+                          .bin_length_m = r->run->facts.bin_length_m,
+                          .simulated_db = record->level_db[ASDIC_TOTAL] + first};
+    if (expected->ping) {
+        panel.total_db = expected->level_db[ASDIC_TOTAL] + k * bins;
+        panel.bottom_db = expected->level_db[ASDIC_BOTTOM] + k * bins;
+        panel.surface_db = expected->level_db[ASDIC_SURFACE] + k * bins;
+        panel.volume_db = expected->level_db[ASDIC_VOLUME] + k * bins;
+        panel.noise_db = expected->level_db[ASDIC_NOISE] + k * bins;
+    } else {
+        panel.bottom_db = record->level_db[ASDIC_BOTTOM] + first;
+        panel.surface_db = record->level_db[ASDIC_SURFACE] + first;
+        panel.volume_db = record->level_db[ASDIC_VOLUME] + first;
+        panel.noise_db = record->level_db[ASDIC_NOISE] + first;
+        panel.object_db = record->level_db[ASDIC_OBJECT] + first;
+    }
+    return panel;
+}
+
 asdic_status asdic_render_ascope(asdic_render *r, const asdic_record *record) {
-    char title[256], number[ASDIC_DIGITS_SIZE];
+    char title[256], number[ASDIC_DIGITS_SIZE], *path = NULL;
     char panel_titles[ASDIC_RENDER_PANELS][ASDIC_NAME_SIZE + 16];
     asdic_ascope panels[ASDIC_RENDER_PANELS];
+    expectation expected;
     /* Of many beams the one that looks ahead, see choose_beams. */
     size_t count = r->beam_count <= ASDIC_RENDER_PANELS ? r->beam_count : ASDIC_RENDER_PANELS;
+    asdic_status status = expect(r, record, count, &expected);
+    if (status != ASDIC_OK) {
+        goto done;
+    }
     for (size_t k = 0; k < count; k++) {
-        size_t first = r->beams[k] * r->info.bins;
         snprintf(panel_titles[k], sizeof panel_titles[k], "beam \u2018%s\u2019",
                  r->info.sonar->receivers[r->beams[k]].name);
-        panels[k] = (asdic_ascope){.title = panel_titles[k],
-                                   .bins = r->info.bins,
-                                   .bin_length_m = r->run->facts.bin_length_m,
-                                   .simulated_db = record->level_db[ASDIC_TOTAL] + first,
-                                   .bottom_db = record->level_db[ASDIC_BOTTOM] + first,
-                                   .surface_db = record->level_db[ASDIC_SURFACE] + first,
-                                   .volume_db = record->level_db[ASDIC_VOLUME] + first,
-                                   .object_db = record->level_db[ASDIC_OBJECT] + first,
-                                   .noise_db = record->level_db[ASDIC_NOISE] + first};
+        panels[k] = panel_of(r, record, &expected, k);
+        panels[k].title = panel_titles[k];
     }
     name_ping(r, record, title, number);
     asdic_picture_options options = asdic_render_picture(r, title, "ping", number);
     options.db_low -= ASCOPE_BELOW_DB;
     options.db_high += ASCOPE_ABOVE_DB;
     options.tvg_db_per_decade = options.tvg_db_per_m = 0.0;
-    char *path = asdic_folder_path(r->run->folder, "ascope_", number, "png");
-    asdic_status status = path ? asdic_picture_ascope(r->ctx, path, panels, count, &options)
-                               : asdic_fail_memory(r->ctx, "a file name");
+    path = asdic_folder_path(r->run->folder, "ascope_", number, "png");
+    status = path ? asdic_picture_ascope(r->ctx, path, panels, count, &options)
+                  : asdic_fail_memory(r->ctx, "a file name");
+done:
+    expectation_finish(&expected);
     free(path);
     return status;
 }

@@ -8,6 +8,7 @@
 
 #define MAX_BEAMS 8
 #define CURVES 7
+#define TOTAL 5 /* index of the expected total */
 
 /* Okabe & Ito's colours, distinct with every common colour vision deficiency; M. Okabe, K. Ito,
  * "Color Universal Design", 2008. */
@@ -17,15 +18,14 @@
 #define OKABE_GREEN 0x009e73u
 #define OKABE_BLUE 0x0072b2u
 #define OKABE_VERMILION 0xd55e00u
-#define GREY 0x7c7c7cu
+#define GREY 0xa0a0a0u
 
-/* Look and place in asdic_ascope of each curve, in drawing order: the simulated one lies below all
- * others. */
+/* Look and place in asdic_ascope of each curve, in drawing order: the simulated one, thin, lies on
+ * the bold expected one, so that both are seen where they agree. */
 static const struct curve {
     size_t offset; /* of the levels' pointer */
     asdic_series look;
 } curves[CURVES] = {
-    {offsetof(asdic_ascope, simulated_db), {.label = "simulated", .rgb = GREY, .width = 1.2}},
     {offsetof(asdic_ascope, noise_db), {.label = "noise", .rgb = OKABE_ORANGE, .width = 1.2}},
     {offsetof(asdic_ascope, volume_db),
      {.label = "volume", .rgb = OKABE_GREEN, .width = 1.5, .style = ASDIC_LINE_DASH_DOT}},
@@ -35,7 +35,8 @@ static const struct curve {
      {.label = "bottom", .rgb = OKABE_BLUE, .width = 1.5, .style = ASDIC_LINE_DASHED}},
     {offsetof(asdic_ascope, object_db), {.label = "object", .rgb = OKABE_VERMILION, .width = 1.5}},
     {offsetof(asdic_ascope, total_db),
-     {.label = "expected total", .rgb = OKABE_BLACK, .width = 2.2}},
+     {.label = "expected total", .rgb = OKABE_BLACK, .width = 2.6}},
+    {offsetof(asdic_ascope, simulated_db), {.label = "simulated", .rgb = GREY, .width = 1.2}},
 };
 
 static const float *levels_of(const asdic_ascope *beam, size_t curve) {
@@ -65,7 +66,9 @@ static size_t collect(const asdic_ascope *beam, const bool shown[CURVES],
     for (size_t i = 0; i < beam->bins; i++) {
         numbers[i] = ((double)i + 0.5) * beam->bin_length_m;
     }
-    for (size_t k = 0; k < CURVES; k++) {
+    for (size_t i = 0; i < CURVES; i++) {
+        /* Without an expected one the simulated one comes first: its mechanisms lie on it. */
+        size_t k = shown[TOTAL] ? i : (i + CURVES - 1) % CURVES;
         const float *levels_db = levels_of(beam, k);
         double *y = numbers + (k + 1) * beam->bins;
         if (!shown[k]) {
@@ -75,8 +78,8 @@ static size_t collect(const asdic_ascope *beam, const bool shown[CURVES],
         series[count].x = numbers;
         series[count].y = y;
         series[count].count = levels_db ? beam->bins : 0;
-        for (size_t i = 0; i < series[count].count; i++) {
-            y[i] = (double)levels_db[i];
+        for (size_t n = 0; n < series[count].count; n++) {
+            y[n] = (double)levels_db[n];
         }
         count++;
     }

@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define PIXELS_PER_M 7100.0 /* about 180 dpi: 1200 pixels are 17 cm */
+#define PIXELS_PER_M 8200.0 /* about 208 dpi: 1400 pixels are 17 cm */
 
 /* Points (1/72 inch) per pixel of a vector file, for the same 17 cm. */
 #define POINTS_PER_PX (72.0 / 0.0254 / PIXELS_PER_M)

@@ -10,7 +10,7 @@
 
 #include <cairo.h>
 
-/* Sizes in pixels; a picture of 1200 is 17 cm wide in print. */
+/* Sizes in pixels; a picture of 1400 is 17 cm wide in print. */
 #define ASDIC_TEXT_PX 18.0
 #define ASDIC_TITLE_PX 22.0
 #define ASDIC_NOTE_PX 14.0

@@ -32,8 +32,8 @@ static page lay_out(const asdic_waterfall *waterfall, const asdic_decimator *lev
         p.time.low = waterfall->first_time_s;
         p.time.high = waterfall->first_time_s + covered * waterfall->ping_period_s;
     }
-    p.box.w = (double)levels->columns * pixels_each(levels->columns, 1000.0, 1000.0, 0.0);
-    p.box.h = (double)levels->rows * pixels_each(levels->rows, 620.0, 40.0, 160.0);
+    p.box.w = (double)levels->columns * pixels_each(levels->columns, 1200.0, 1200.0, 0.0);
+    p.box.h = (double)levels->rows * pixels_each(levels->rows, 720.0, 40.0, 160.0);
     p.box.x = ASDIC_MARGIN_PX + ceil(asdic_canvas_axis_y_room(&p.time, p.box.h));
     p.box.y = ASDIC_MARGIN_PX + (options->title ? 2.0 * ASDIC_TITLE_PX : 0.0);
     p.bar = (asdic_box){p.box.x + p.box.w + 28.0, p.box.y, BAR_PX, p.box.h};

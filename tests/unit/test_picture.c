@@ -210,7 +210,7 @@ static void waterfall_shows_every_level(void **state) {
         double share = (double)high / (double)(high + low);
         /* The colour bar holds a few of either. */
         assert_close(share, 1.0 / (double)levels, 2e-3, 0.0);
-        assert_true(width <= 1400 && height <= 1300);
+        assert_true(width <= 1500 && height <= 1300);
         free(rgb);
         free(levels_db);
     }
