@@ -8,6 +8,7 @@
 #include "backscatter.h"
 #include "beam.h"
 #include "deposit.h"
+#include "mirror.h"
 #include "ping_types.h"
 #include "smooth.h"
 #include "target.h"
@@ -123,6 +124,7 @@ static meeting meet(const world *w, __global const dev_hit *hits, uint slot, tri
 /* The scattering laws' coefficients of what was met, lane by lane. */
 typedef struct law_lanes {
     mask is_surface, is_bottom, is_facet; /* which law */
+    real density_ratio, index;
     real bottom_type, bottom_gain, bottom_peak;
     real reflection2, roughness_g, slope_ms, coherent_area_m2;
 } law_lanes;
@@ -132,7 +134,7 @@ static law_lanes laws_met(const world *w, const meeting *m) {
     natural law = (natural)(DEV_LAW_BOTTOM);
     l.bottom_type = l.bottom_gain = l.bottom_peak = R(1.0);
     l.reflection2 = l.roughness_g = R(0.0);
-    l.slope_ms = R(1.0);
+    l.slope_ms = l.density_ratio = l.index = R(1.0);
     l.coherent_area_m2 = m->coherent_m2;
     LANES {
         __global const dev_material *c = w->materials + AT(m->material, const uint);
@@ -143,6 +145,8 @@ static law_lanes laws_met(const world *w, const meeting *m) {
         AT(l.reflection2, float) = c->reflection2;
         AT(l.roughness_g, float) = c->roughness_g;
         AT(l.slope_ms, float) = c->slope_ms;
+        AT(l.density_ratio, float) = c->density_ratio;
+        AT(l.index, float) = c->index;
         if (c->coherent_area_m2 > 0.0f) {
             AT(l.coherent_area_m2, float) = c->coherent_area_m2;
         }
@@ -193,6 +197,32 @@ static real surface_grazing(const meeting *m, triple u) {
     real s = dot3(m->surface, u);
     s = choose(dot3(m->facet, u) < R(0.0), -s, s);
     return r_max(r_min(s, R(1.0)), R(1e-6));
+}
+
+/* Share of the arriving energy that goes on in the mirror direction. */
+static real mirrored(const world *w, const law_lanes *l, const meeting *m, real sin_grazing) {
+    mask object = (m->kind == DEV_KIND_OBJECT);
+    real facet = mirror_share(sin_grazing, l->reflection2, l->roughness_g);
+    real share = choose(l->is_facet & object, facet, R(0.0));
+    if (w->ping->boundary_mirrors != 0u) {
+        real bottom = fluid_reflection2(sin_grazing, l->density_ratio, l->index);
+        bottom = mirror_share(sin_grazing, bottom, l->roughness_g);
+        real surface = mirror_share(sin_grazing, R(1.0), (real)(w->ping->surface_roughness_g));
+        share = choose(l->is_facet, facet, share);
+        share = choose(l->is_bottom & (m->kind == DEV_KIND_BOTTOM), bottom, share);
+        share = choose(l->is_surface, surface, share);
+    }
+    return share;
+}
+
+/* What is left for the published scattering strengths of bottom and surface when those are mirrors as
+ * well: no more than arrives may leave. The facet law shares out by itself. */
+static real scattered(const world *w, const law_lanes *l, const meeting *m, real sin_grazing) {
+    real left = R(1.0);
+    if (w->ping->boundary_mirrors != 0u) {
+        left = choose(l->is_facet, R(1.0), R(1.0) - mirrored(w, l, m, sin_grazing));
+    }
+    return left;
 }
 
 /* One-way gain of an aperture towards a world direction. */

@@ -1,8 +1,9 @@
 /*
  * First-order multipath: what a mirror adds to a ping.
  *
- * A ray that meets an object O at d1 goes on in the mirror direction with the share
- * mu = R^2 exp(-4 k^2 s^2 sin^2 Theta) of its energy and meets X at d2. Two echoes come back:
+ * A ray that meets an object O (or, where boundaries are mirrors, bottom or surface) at d1 goes on in
+ * the mirror direction with the share mu = R^2 exp(-4 k^2 s^2 sin^2 Theta) of its energy and meets X
+ * at d2. Two echoes come back:
  *
  *   same way, S-O-X-O-S, at range D = d1 + d2:
  *     E = mu^2 B_T B_R(ray) s_X dOmega / sin Theta_X D^-2 exp(-2 k (D - 1))
@@ -83,8 +84,8 @@ __kernel void reflect(__global const dev_ping *ping, __global const dev_ray *ray
     real reach = (real)(ping->range_m);
     meeting m = meet(&w, hits, slot, from, u, reach);
     law_lanes laws = laws_met(&w, &m);
-    real share = mirror_share(surface_grazing(&m, u), laws.reflection2, laws.roughness_g);
-    mask mirror = laws.is_facet & (m.kind == DEV_KIND_OBJECT) & (share > (real)(DEV_MIN_MIRROR));
+    real share = mirrored(&w, &laws, &m, surface_grazing(&m, u));
+    mask mirror = (m.kind != DEV_KIND_NONE) & (share > (real)(DEV_MIN_MIRROR));
 
     real along = dot3(m.surface, u);
     triple to = {u.x - R(2.0) * along * m.surface.x, u.y - R(2.0) * along * m.surface.y,
@@ -205,6 +206,8 @@ static uint shade_bounces(const world *w, const bounce_store *store, __global lo
     real none = R(0.0), same_range = d1 + d2, cross_range = R(0.5) * (d1 + d2 + d3);
     real s_in = strength(w, &laws, surface_grazing(&m, v), same_range);
     real s_out = strength(w, &laws, surface_grazing(&m, x), same_range);
+    s_in *= scattered(w, &laws, &m, surface_grazing(&m, v));
+    s_out *= scattered(w, &laws, &m, surface_grazing(&m, x));
     weight *= share / grazing(&m, v);
     real same = choose(met, weight * share * s_in * return_gain(d1, d2, bend, gauss), R(0.0));
     /* split() works relative to TL d^2 at the echo's own range; this leg spreads over d3. */

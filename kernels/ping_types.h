@@ -61,6 +61,8 @@ typedef struct dev_ping {
     float absorption_np_per_m; /* one-way intensity decay: alpha ln 10 / 1e4 */
     float rear_lin;            /* one-way gain behind a face */
     float surface_gain, surface_beta0, surface_beta1, surface_cap_lin;
+    float surface_roughness_g; /* 4 k^2 s^2 of the sea */
+    dev_uint boundary_mirrors; /* 1: bottom and surface reflect, too */
     float wavelength_m;
     dev_uint bottom_material;
     dev_uint rays, batch_first, per_group, groups; /* rays; first and count of each group's rays in
@@ -76,11 +78,11 @@ typedef struct dev_ping {
     float lattice_offset;   /* c0 */
     float front[3];         /* transmitter axis, world */
     float front_azimuth_rad;
-    float zone_bottom_m, zone_surface_m; /* h', hs of the elevation zones */
-    float zone_cap_rad;    /* polar angle of the caps round nadir and zenith */
-    float zone_share[5];   /* nadir cap, bottom, gap, surface, zenith cap; sum 1 */
-    float deposit_scale[DEV_DEPOSIT_COUNT];  /* powers of two */
-    float deposit_limit;                     /* largest single deposit, in quanta */
+    float zone_bottom_m, zone_surface_m;    /* h', hs of the elevation zones */
+    float zone_cap_rad;                     /* polar angle of the caps round nadir and zenith */
+    float zone_share[5];                    /* nadir cap, bottom, gap, surface, zenith cap; sum 1 */
+    float deposit_scale[DEV_DEPOSIT_COUNT]; /* powers of two */
+    float deposit_limit;                    /* largest single deposit, in quanta */
     dev_lobe lobe[DEV_MAX_LOBES];
 } dev_ping;
 

@@ -73,7 +73,9 @@ static uint shade_rays(const world *w, const ray_store *store, __global const fl
     real footprint = splat * m.range * r_abs(tangent) / sin_grazing;
     footprint = choose(m.kind == DEV_KIND_OBJECT, r_min(footprint, R(0.1)), footprint);
     law_lanes laws = laws_met(w, &m);
-    real energy = strength(w, &laws, surface_grazing(&m, u), m.range) / sin_grazing;
+    real sin_surface = surface_grazing(&m, u);
+    real energy = strength(w, &laws, sin_surface, m.range) / sin_grazing;
+    energy *= scattered(w, &laws, &m, sin_surface);
     /* Nothing of a plane is nearer than its perpendicular; the nudge keeps rounding from crossing a
      * bin edge that coincides with it. */
     real nearest = r_min(m.range * sin_grazing * R(1.0000005), m.range);
@@ -105,12 +107,12 @@ static uint shade_rays(const world *w, const ray_store *store, __global const fl
  * ITEMS work-items share a group: 1 when each owns its group's cells (DEPOSIT_OWNED), else as many
  * as there are vectors in a group.
  */
-__kernel void shade(__global const dev_ping *ping,
-                    __global const dev_ray *rays, __global const float *solid_angles,
-                    __global const float *splats, __global const dev_hit *hits,
-                    __global const dev_triangle *triangles, __global const dev_part *parts,
-                    __global const dev_material *materials, __global const float *volume_inverse,
-                    __global long *accumulator, __global uint *saturated, uint items) {
+__kernel void shade(__global const dev_ping *ping, __global const dev_ray *rays,
+                    __global const float *solid_angles, __global const float *splats,
+                    __global const dev_hit *hits, __global const dev_triangle *triangles,
+                    __global const dev_part *parts, __global const dev_material *materials,
+                    __global const float *volume_inverse, __global long *accumulator,
+                    __global uint *saturated, uint items) {
     uint group = (uint)(get_global_id(0)) / items;
     if (group >= ping->groups) {
         return;

@@ -84,10 +84,13 @@ typedef struct dev_material {
     float bottom_gain;      /* LAW_BOTTOM: 3.03 f^(3.2 - 0.8 bt) 10^(2.8 bt - 12) */
     float bottom_peak;      /* LAW_BOTTOM: 125 exp(-2.64 (bt - 1.75)^2) */
     float reflection2;      /* LAW_FACET: R^2 */
-    float roughness_g;      /* LAW_FACET: 4 k^2 s^2 */
+    float roughness_g;      /* 4 k^2 s^2 */
     float slope_ms;         /* LAW_FACET: mean-square slope of the roughness */
     float coherent_area_m2; /* LAW_FACET: A_coh; 0: what the facet says */
-} dev_material;             /* 32 bytes */
+    float density_ratio;    /* LAW_BOTTOM: over that of water */
+    float index;            /* LAW_BOTTOM: sound speed of water over that of the bottom */
+    dev_uint pad[2];
+} dev_material; /* 48 bytes */
 
 typedef struct dev_hit {
     float t_m;         /* INFINITY: none */

@@ -22,8 +22,9 @@
 static const char *const sampler_names[] = {[ASDIC_SAMPLER_ADAPTIVE] = "adaptive",
                                             [ASDIC_SAMPLER_BEAM] = "beam",
                                             [ASDIC_SAMPLER_UNIFORM_SPHERE] = "uniform-sphere"};
-static const char *const multipath_names[] = {
-    [ASDIC_MULTIPATH_OFF] = "off", [ASDIC_MULTIPATH_FIRST] = "first"};
+static const char *const multipath_names[] = {[ASDIC_MULTIPATH_OFF] = "off",
+                                              [ASDIC_MULTIPATH_FIRST] = "first",
+                                              [ASDIC_MULTIPATH_BOUNDARIES] = "boundaries"};
 
 const char *asdic_run_sampler_name(asdic_sampler sampler) {
     return sampler_names[sampler];

@@ -38,7 +38,8 @@ static const asdic_word sampler_words[] = {{"adaptive", ASDIC_SAMPLER_ADAPTIVE, 
                                            {"uniform-sphere", ASDIC_SAMPLER_UNIFORM_SPHERE, false},
                                            {NULL, 0, false}};
 static const asdic_word multipath_words[] = {
-    {"off", ASDIC_MULTIPATH_OFF, false}, {"first", ASDIC_MULTIPATH_FIRST, false}, {NULL, 0, false}};
+    {"off", ASDIC_MULTIPATH_OFF, false}, {"first", ASDIC_MULTIPATH_FIRST, false},
+    {"boundaries", ASDIC_MULTIPATH_BOUNDARIES, false}, {NULL, 0, false}};
 static const asdic_key sampling_keys[] = {
     {"rays", ASDIC_KEY_INTEGER, AT(file_sampling, rays), .min = 64, .max = 268435456,
      .fallback = "20000", .doc = "rays per ping"},
@@ -47,7 +48,8 @@ static const asdic_key sampling_keys[] = {
     {"seed", ASDIC_KEY_INTEGER, AT(file_sampling, seed), .min = 0, .max = 9007199254740992.0,
      .fallback = "1", .doc = "start of the random sequence; equal seeds give equal bytes"},
     {"multipath", ASDIC_KEY_WORD, AT(file_sampling, multipath), .words = multipath_words,
-     .fallback = "first", .doc = "echoes over a second reflection"},
+     .fallback = "first",
+     .doc = "echoes over a mirror: of objects (first), of bottom and surface as well (boundaries)"},
 };
 static const asdic_table sampling_table = {TABLE(sampling_keys, file_sampling),
                                            .doc = "how rays are spent"};

@@ -12,6 +12,7 @@
 #include "scene/scene.h"
 
 #include "../../kernels/backscatter.h"
+#include "../../kernels/mirror.h"
 #include "../../kernels/random.h"
 
 #include <math.h>
@@ -83,6 +84,9 @@ void asdic_simulator_prepare(asdic_simulator *sim, const asdic_water_column *wat
         .surface_beta0 = (float)surface_beta0(wind),
         .surface_beta1 = (float)surface_beta1(f_khz),
         .surface_cap_lin = (float)surface_cap_lin(wind),
+        .surface_roughness_g =
+            (float)roughness_parameter(water->wavelength_m, sea_height_rms_m(wind)),
+        .boundary_mirrors = sim->sampling.multipath == ASDIC_MULTIPATH_BOUNDARIES,
         .wavelength_m = (float)water->wavelength_m,
     };
     asdic_deposit_scales(sim->host_materials, sim->material_count, fixed);

@@ -194,6 +194,9 @@ static void plan_objects(asdic_plan *plan, const asdic_scene *scene, const asdic
     }
     if (sampling->multipath == ASDIC_MULTIPATH_OFF) {
         row_set(plan, ASDIC_TERM_MULTIPATH, false, INFINITY, "switched off in the scene");
+    } else if (sampling->multipath == ASDIC_MULTIPATH_BOUNDARIES) {
+        row_set(plan, ASDIC_TERM_MULTIPATH, true, INFINITY,
+                "%zu objects and the boundaries reflect", mirrors);
     } else if (mirrors > 0) {
         row_set(plan, ASDIC_TERM_MULTIPATH, true, INFINITY, "%zu objects reflect", mirrors);
     } else {

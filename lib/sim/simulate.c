@@ -48,7 +48,7 @@ static asdic_status tabulate_bins(asdic_simulator *sim, const asdic_water_column
 static asdic_status run_bounces(asdic_simulator *sim, dev_uint items) {
     const dev_ping *ping = sim->ping;
     size_t slots = (size_t)ping->groups * ping->per_group;
-    asdic_buffer *triangles = asdic_tracer_triangles(sim->tracer);
+    asdic_buffer *triangles = asdic_simulator_triangles(sim);
     asdic_kernel_arg reflect[] = {
         ASDIC_ARG_BUFFER(sim->ping_buffer), ASDIC_ARG_BUFFER(sim->rays),
         ASDIC_ARG_BUFFER(sim->hits),        ASDIC_ARG_BUFFER(triangles),
@@ -69,13 +69,13 @@ static asdic_status run_bounces(asdic_simulator *sim, dev_uint items) {
         ASDIC_ARG_BUFFER(sim->saturated),      ASDIC_ARG_VALUE(items)};
     size_t vectors = slots / sim->layout.width, local = sim->layout.local;
     asdic_status status = asdic_kernel_run(sim->reflect, reflect, COUNT(reflect), vectors, local);
-    if (!status) {
+    if (!status && sim->tracer) {
         status = asdic_tracer_run(sim->tracer, sim->bounced, sim->bounced_hits, slots);
     }
     if (!status) {
         status = asdic_kernel_run(sim->connect, connect, COUNT(connect), vectors, local);
     }
-    if (!status) {
+    if (!status && sim->tracer) {
         status = asdic_tracer_run(sim->tracer, sim->returning, sim->returning_hits, slots);
     }
     if (!status) {

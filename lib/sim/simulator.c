@@ -126,14 +126,21 @@ static asdic_status create_buffers(asdic_simulator *sim) {
     return ASDIC_OK;
 }
 
-/* Whether any object can pass a mirror ray on. */
+/* Whether anything in the scene can pass a mirror ray on. */
 static bool scene_has_mirrors(const asdic_simulator *sim) {
     if (sim->sampling.multipath == ASDIC_MULTIPATH_OFF ||
         sim->sampling.left_out & (1u << ASDIC_TERM_MULTIPATH)) {
         return false;
     }
+    bool boundaries = sim->sampling.multipath == ASDIC_MULTIPATH_BOUNDARIES;
+    if (boundaries && (sim->scene->has_surface || sim->scene->has_bottom_plane)) {
+        return true;
+    }
     for (size_t i = 0; i < sim->scene->part_count; i++) {
         const asdic_part *part = &sim->scene->parts[i];
+        if (boundaries && part->kind == DEV_KIND_BOTTOM) {
+            return true;
+        }
         if (part->kind == DEV_KIND_OBJECT &&
             sim->host_materials[part->material].law == DEV_LAW_FACET &&
             sim->host_materials[part->material].reflection2 > DEV_MIN_MIRROR) {

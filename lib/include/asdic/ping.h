@@ -22,7 +22,11 @@ typedef enum asdic_sampler {
     ASDIC_SAMPLER_UNIFORM_SPHERE, /* the paper's */
 } asdic_sampler;
 
-typedef enum asdic_multipath { ASDIC_MULTIPATH_OFF, ASDIC_MULTIPATH_FIRST } asdic_multipath;
+typedef enum asdic_multipath {
+    ASDIC_MULTIPATH_OFF,
+    ASDIC_MULTIPATH_FIRST,      /* over objects, one reflection */
+    ASDIC_MULTIPATH_BOUNDARIES, /* over bottom and surface as well, which then scatter less */
+} asdic_multipath;
 
 typedef struct asdic_sampling {
     uint32_t rays; /* 64..2^28 */
