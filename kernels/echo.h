@@ -247,25 +247,33 @@ static real relative_loss(__global const dev_ping *ping, real range, real center
     return q * q * exp((real)(-2.0f * ping->absorption_np_per_m) * (range - center));
 }
 
-/* An echo of ENERGY (relative to TL d^2 at RANGE) at RANGE, spread over FOOTPRINT metres of range,
- * at most half a bin (more leaks from the nadir's spike into its neighbours); nothing outside [blanking, range] or nearer than NEAREST. */
+/*
+ * An echo of ENERGY (relative to TL d^2 at its range) AT a range, spread evenly over FOOTPRINT metres
+ * of range, at most half a bin (more leaks from the nadir's spike into its neighbours). NEAREST is
+ * the nearest that such an echo can come from: the footprint ends there. What falls before the
+ * blanking or beyond the range is lost, which lets echoes from just beyond give their part.
+ */
 static split_echo split(__global const dev_ping *ping, real at, real nearest, real energy,
                         real footprint) {
     split_echo e;
-    real bin = (real)(ping->bin_m);
-    real range = r_min(r_max(at, (real)(ping->blanking_m)), (real)(ping->range_m));
+    real bin = (real)(ping->bin_m), end = (real)(ping->range_m);
+    real range = r_min(at, end + bin);
     real half_width = R(0.5) * r_min(footprint, R(0.5) * bin);
-    real lo = r_max(range - half_width, r_max(nearest, (real)(ping->blanking_m)));
-    real hi = r_min(range + half_width, (real)(ping->range_m));
+    real lo = r_max(range - half_width, nearest), hi = range + half_width;
     natural last = (natural)(ping->bins - 1u);
     e.bin = min(to_natural(lo / bin), last);
     real edge = (to_real(e.bin) + R(1.0)) * bin;
-    real beyond = r_max(hi - edge, R(0.0)) / r_max(hi - lo, R(1e-9));
-    beyond = choose(e.bin == last, R(0.0), beyond);
-    mask received = (at >= (real)(ping->blanking_m)) & (at <= (real)(ping->range_m));
-    energy = choose(received, energy, R(0.0));
-    e.first = energy * (R(1.0) - beyond) * relative_loss(ping, range, edge - R(0.5) * bin);
-    e.second = energy * beyond * relative_loss(ping, range, edge + R(0.5) * bin);
+    real begin = r_max(lo, (real)(ping->blanking_m));
+    real width = hi - lo;
+    mask point = width < R(1e-5); /* rounding of ranges would show */
+    real first = r_max(r_min(hi, edge) - begin, R(0.0)) / width;
+    real second = r_max(r_min(hi, end) - r_max(edge, begin), R(0.0)) / width;
+    mask received = (at >= (real)(ping->blanking_m)) & (at <= end);
+    first = choose(point, choose(received, R(1.0), R(0.0)), first);
+    second = choose(point, R(0.0), second);
+    range = r_max(range, R(1e-3));
+    e.first = energy * first * relative_loss(ping, range, edge - R(0.5) * bin);
+    e.second = energy * second * relative_loss(ping, range, edge + R(0.5) * bin);
     return e;
 }
 

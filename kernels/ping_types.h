@@ -17,6 +17,7 @@
 #define DEV_FAN_LEVELS 4
 
 #define DEV_MAX_LOBES 12
+#define DEV_MAX_CONES 8
 #define DEV_TABLE_CELLS 512
 #define DEV_MAX_GROUPS 16
 
@@ -50,6 +51,15 @@ typedef struct dev_lobe {
     float pad[2];
 } dev_lobe;
 
+/* Directions towards an object's bounding sphere, which get COUNT rays of their own, from ray FIRST
+ * on; adaptive sampler only. */
+typedef struct dev_cone {
+    float rows[9]; /* world to cone: the third row points at the centre */
+    float cap;     /* 1 - cos(half-angle) */
+    float splat;   /* as ray_sample */
+    dev_uint first, count;
+} dev_cone;
+
 /* In the buffer that kernels get, the apertures follow: the transmitter, then the receivers. One
  * transfer carries them all. */
 typedef struct dev_ping {
@@ -57,6 +67,7 @@ typedef struct dev_ping {
     float surface_m;           /* sonar below the surface; INFINITY: no surface */
     float bottom_m;            /* sonar above the bottom plane; INFINITY: no bottom plane */
     float blanking_m, range_m; /* received from, to */
+    float reach_m;             /* rays end: a footprint's half beyond the range */
     float bin_m;
     float absorption_np_per_m; /* one-way intensity decay: alpha ln 10 / 1e4 */
     float rear_lin;            /* one-way gain behind a face */
@@ -68,6 +79,7 @@ typedef struct dev_ping {
     dev_uint rays, batch_first, per_group, groups; /* rays; first and count of each group's rays in
                                                     this batch; number of groups (replicates) */
     dev_uint beams, bins, lobes, sampler;
+    dev_uint background, cones; /* rays that no cone has, the first ones; number of cones */
     dev_uint columns; /* of the accumulator: beams, or levels x cells of a fan */
     dev_uint fan_cells;
     float fan_begin_rad, fan_cells_per_rad;
@@ -84,6 +96,7 @@ typedef struct dev_ping {
     float deposit_scale[DEV_DEPOSIT_COUNT]; /* powers of two */
     float deposit_limit;                    /* largest single deposit, in quanta */
     dev_lobe lobe[DEV_MAX_LOBES];
+    dev_cone cone[DEV_MAX_CONES];
 } dev_ping;
 
 #endif

@@ -160,7 +160,7 @@ FORMULA zones zones_of(LOBE_SPACE const dev_ping *ping) {
     real cap = cos((real)(ping->zone_cap_rad));
     z.h = (real)(ping->zone_bottom_m);
     z.hs = (real)(ping->zone_surface_m);
-    z.range = (real)(ping->range_m);
+    z.range = (real)(ping->reach_m);
     z.h1 = z.h / cap;
     z.hs1 = z.hs / cap;
     z.high = r_min(z.h / z.range, R(1.0));
@@ -298,6 +298,34 @@ FORMULA ray_sample sample_adaptive(LOBE_SPACE const dev_ping *ping,
     s.solid_angle = R(1.0) / (count * e.density * azimuth_density(ping, lobes, phi, e.uz, m));
     s.splat = R(4.0) / (count * e.density * m);
     return s;
+}
+
+/*
+ * Objects: a small target is met by few rays of a sampler that knows nothing of it. Cones round
+ * bounding spheres get rays of their own; a ray counts by the density of all the ways it could have
+ * been drawn (balance heuristic, Veach 1997, section 9.2), so that no direction weighs more than
+ * before.
+ */
+
+/* A direction uniform in solid angle within the cone. */
+FORMULA ray_sample sample_cone(LOBE_SPACE const dev_cone *cone, real xi1, real xi2) {
+    real drop = (real)(cone->cap) * xi1; /* 1 - cos of the angle to the axis */
+    real across = sqrt(drop * (R(2.0) - drop)), along = R(1.0) - drop;
+    real vx = across * cos(R(2.0) * R_PI * xi2), vy = across * sin(R(2.0) * R_PI * xi2);
+    ray_sample s;
+    s.x = cone->rows[0] * vx + cone->rows[3] * vy + cone->rows[6] * along;
+    s.y = cone->rows[1] * vx + cone->rows[4] * vy + cone->rows[7] * along;
+    s.z = cone->rows[2] * vx + cone->rows[5] * vy + cone->rows[8] * along;
+    s.solid_angle = R(2.0) * R_PI * (real)(cone->cap) / (real)((float)(cone->count));
+    s.splat = (real)(cone->splat);
+    return s;
+}
+
+/* Whether a direction lies in the cone, from the chord to its axis, whose square is twice the drop:
+ * in single precision, one minus a cosine would lose narrow cones. */
+FORMULA mask in_cone(LOBE_SPACE const dev_cone *cone, real x, real y, real z) {
+    real dx = x - cone->rows[6], dy = y - cone->rows[7], dz = z - cone->rows[8];
+    return dx * dx + dy * dy + dz * dz <= (real)(2.0f * cone->cap);
 }
 
 #endif

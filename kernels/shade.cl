@@ -61,9 +61,8 @@ static uint shade_rays(const world *w, const ray_store *store, __global const fl
         AT(weight, float) = store->solid_angles[slot + lane];
         AT(splat, float) = store->splats[slot + lane];
     }
-    real reach = (real)(ping->range_m);
     triple u = {ux, uy, uz};
-    meeting m = meet(w, store->hits, slot, from, u, reach);
+    meeting m = meet(w, store->hits, slot, from, u, (real)(ping->reach_m));
     weight *= gain_towards(ping, w->beams, ux, uy, uz);
 
     /* Echo: its footprint in range follows from the elevation spacing of the samples. */
@@ -88,7 +87,7 @@ static uint shade_rays(const world *w, const ray_store *store, __global const fl
     arrivals_add_echo(w, &a, component_of(m.kind), &echo);
 #if ASDIC_HAS_WATER
     /* Water: full bins before the last, part of the last. */
-    real end = r_min(m.range, reach);
+    real reach = (real)(ping->range_m), end = r_min(m.range, reach);
     natural last = min(to_natural(end / (real)(ping->bin_m)), (natural)(ping->bins - 1u));
     real part = crossed_part(ping, volume_inverse, end, last);
     part = choose(m.range >= reach, R(1.0), part);

@@ -8,6 +8,7 @@
 
 #include "aim.h"
 #include "base/vec.h"
+#include "cones.h"
 #include "deposit_scale.h"
 #include "scene/scene.h"
 
@@ -18,9 +19,6 @@
 #include <math.h>
 #include <string.h>
 
-/* The bottom zone of the adaptive sampler assumes a little less altitude than measured: too low
- * costs nothing, too high starves the last bins. */
-#define ZONE_ALTITUDE 0.9
 #define ZONE_CAP_RAD 0.1745
 static const float zone_share[5] = {0.03f, 0.57f, 0.07f, 0.30f, 0.03f};
 
@@ -30,11 +28,11 @@ static bool surface_is_silent(const asdic_simulator *sim) {
 
 /* A zone that ends beyond the range leaves its share to the gap. */
 static void place_zones(const asdic_simulator *sim, const asdic_pose *pose, dev_ping *ping) {
-    double range = ping->range_m, least = 2e-3 * range;
+    double range = ping->reach_m, least = 2e-3 * range;
     double altitude = asdic_scene_altitude_m(sim->scene, pose->position_m);
     bool sounds = sim->scene->has_surface && !surface_is_silent(sim);
     double depth = sounds ? pose->position_m.z : INFINITY;
-    double h = fmax(ZONE_ALTITUDE * altitude, least), hs = fmax(depth, least);
+    double h = fmax(sim->zone_altitude * altitude, least), hs = fmax(depth, least);
     bool bottom = h < 0.95 * range, surface = hs < 0.95 * range;
     ping->zone_bottom_m = (float)(bottom ? h : 2.0 * range);
     ping->zone_surface_m = (float)(surface ? hs : 2.0 * range);
@@ -70,11 +68,11 @@ void asdic_simulator_prepare(asdic_simulator *sim, const asdic_water_column *wat
     *fixed = (dev_ping){
         .blanking_m = (float)sim->sonar.blanking_m,
         .range_m = (float)((double)sim->bins * sim->sonar.bin_length_m),
+        .reach_m = (float)(((double)sim->bins + 0.25) * sim->sonar.bin_length_m),
         .bin_m = (float)sim->sonar.bin_length_m,
         .rear_lin = (float)pow(10.0, sim->sonar.rear_floor_db / 10.0),
         .bottom_material = (dev_uint)sim->scene->bottom_plane_material,
         .rays = sim->sampling.rays,
-        .per_group = (dev_uint)sim->per_group,
         .groups = sim->groups,
         .beams = (dev_uint)sim->sonar.receiver_count,
         .bins = (dev_uint)sim->bins,
@@ -93,13 +91,15 @@ void asdic_simulator_prepare(asdic_simulator *sim, const asdic_water_column *wat
 }
 
 void asdic_simulator_describe(asdic_simulator *sim, const asdic_pose *pose, uint64_t index,
-                              uint32_t stream) {
+                              uint32_t stream, uint32_t rays) {
     const asdic_scene *scene = sim->scene;
     asdic_water_column water = asdic_water_column_at(&sim->env, &sim->sonar, pose->position_m.z);
     asdic_vec3 origin = asdic_vec3_sub(pose->position_m, scene->origin_m);
     dev_ping *ping = sim->ping;
     dev_beam *beams = asdic_simulator_beams(sim);
     *ping = sim->fixed;
+    ping->rays = rays;
+    ping->per_group = (dev_uint)asdic_simulator_per_group(sim, rays);
     ping->origin[0] = (float)origin.x;
     ping->origin[1] = (float)origin.y;
     ping->origin[2] = (float)origin.z;
@@ -120,6 +120,7 @@ void asdic_simulator_describe(asdic_simulator *sim, const asdic_pose *pose, uint
     memcpy(ping->front, beams[0].rows, sizeof ping->front);
     ping->front_azimuth_rad = atan2f(ping->front[1], ping->front[0]);
     asdic_beam_fan_describe(&sim->fan, beams, ping);
+    asdic_cones_place(scene, pose->position_m, beams, ping);
     place_zones(sim, pose, ping);
     place_lattice(ping, stream);
 }

@@ -7,6 +7,8 @@
 
 #include "base/context.h"
 
+#include "../../kernels/sampler.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -17,6 +19,9 @@
 #define LEARNT_SHARE 0.7
 /* The second pilot is drawn by what the first learnt: two of 4,096 rays are worth one of 16,384. */
 #define PILOT_ROUNDS 2u
+/* Echoes from the gap count from this share of a bin on, and lower the bottom zone to at most this. */
+#define GAP_DEMAND 0.01
+#define LOWEST 0.2
 /* Cells are smoothed by a triangle of this many cells each side. */
 #define SMOOTH 3
 
@@ -124,19 +129,39 @@ static void tabulate(const double *q, float *cumulative) {
     cumulative[DEV_TABLE_CELLS] = 1.0f;
 }
 
+/* Where the bottom rises before the range ends, its far bins lie above the bottom zone, crowded in the
+ * gap. Whether echoes came from there; if so, the zone is lowered to reach them. Q as from demand. */
+static bool lower_zone(asdic_simulator *sim, const double *q) {
+    const dev_ping *ping = sim->ping;
+    double begin = ping->zone_share[0] + ping->zone_share[1], end = begin + ping->zone_share[2];
+    double sine = INFINITY;
+    for (int i = (int)ceil(begin * DEV_TABLE_CELLS); i + 1 < end * DEV_TABLE_CELLS; i++) {
+        if (q[i] > GAP_DEMAND) {
+            sine = elevation_of_x(ping, (i + 1.0) / DEV_TABLE_CELLS).uz;
+        }
+        if (elevation_of_x(ping, (i + 1.0) / DEV_TABLE_CELLS).uz <= 0.0) {
+            break;
+        }
+    }
+    double lower = sim->zone_altitude * fmax(sine * ping->reach_m / ping->zone_bottom_m, LOWEST);
+    if (begin <= 0.0 || lower > 0.9 * sim->zone_altitude) {
+        return false;
+    }
+    sim->zone_altitude = lower;
+    return true;
+}
+
 /* One pilot ping, sampled by the table so far, gives the next. */
 static asdic_status learn_once(asdic_simulator *sim, const asdic_pose *pose, uint64_t index,
                                uint32_t stream) {
-    asdic_simulator_describe(sim, pose, index, stream);
-    sim->ping->rays = ASDIC_PILOT_RAYS; /* one batch holds that many, see simulator.c */
-    sim->ping->per_group = (dev_uint)asdic_simulator_per_group(sim, ASDIC_PILOT_RAYS);
+    asdic_simulator_describe(sim, pose, index, stream, ASDIC_PILOT_RAYS);
     survey s = {0};
     double q[DEV_TABLE_CELLS] = {0};
     asdic_status status = survey_run(sim, &s);
     if (!status) {
         status = demand(sim, &s, q);
     }
-    if (!status) {
+    if (!status && !(stream == ASDIC_STREAM_PILOT && lower_zone(sim, q))) {
         tabulate(q, sim->table);
         sim->table_uploaded = false;
     }

@@ -251,7 +251,7 @@ static asdic_status run_batches(asdic_simulator *sim) {
 asdic_status asdic_simulator_simulate(asdic_simulator *sim, const asdic_pose *pose, uint64_t index,
                                       uint32_t stream, asdic_ping *out) {
     asdic_water_column water = asdic_water_column_at(&sim->env, &sim->sonar, pose->position_m.z);
-    asdic_simulator_describe(sim, pose, index, stream);
+    asdic_simulator_describe(sim, pose, index, stream, sim->sampling.rays);
     asdic_status status = tabulate_bins(sim, &water);
     if (!status) {
         status = run_batches(sim);

@@ -83,7 +83,8 @@ static size_t results_bytes(const asdic_simulator *sim) {
 }
 
 size_t asdic_simulator_per_group(const asdic_simulator *sim, size_t rays) {
-    size_t step = sim->groups == 1 ? 64 : 16;
+    size_t most = sim->layout.batch_slots, step = sim->groups == 1 ? 64 : 16;
+    rays = rays < most ? rays : most;
     return ((rays + sim->groups - 1) / sim->groups + step - 1) / step * step;
 }
 
@@ -345,6 +346,7 @@ asdic_buffer *asdic_simulator_triangles(const asdic_simulator *sim) {
 }
 
 void asdic_simulator_forget(asdic_simulator *sim) {
+    sim->zone_altitude = ASDIC_ZONE_ALTITUDE;
     for (int i = 0; i <= DEV_TABLE_CELLS; i++) {
         sim->table[i] = (float)i / DEV_TABLE_CELLS;
     }

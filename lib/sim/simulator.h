@@ -15,6 +15,10 @@
 /* Rays of a pilot ping; the number of rays of the other pings does not matter. */
 #define ASDIC_PILOT_RAYS 4096u
 
+/* The bottom zone of the adaptive sampler assumes a little less altitude than measured: too low
+ * costs nothing, too high starves the last bins. */
+#define ASDIC_ZONE_ALTITUDE 0.9
+
 typedef enum asdic_deposit {
     ASDIC_DEPOSIT_OWNED = 0, /* a work-item owns a group's cells */
     ASDIC_DEPOSIT_ATOMIC64 = 1,
@@ -75,6 +79,7 @@ struct asdic_simulator {
     double *smear_scratch;         /* 2 * bins + 1 */
     float *calibration;            /* cells: true spread of a ping over what its groups suggest */
     float table[DEV_TABLE_CELLS + 1]; /* cumulative probabilities of the sampling coordinate */
+    double zone_altitude; /* where the bottom zone assumes the bottom, re the altitude; learnt */
     bool table_uploaded;
     bool accumulator_clear;
     int64_t *host_results;
@@ -101,13 +106,15 @@ static inline dev_beam *asdic_simulator_beams(const asdic_simulator *sim) {
 #define ASDIC_STREAM_CALIBRATION 1u /* and the next */
 #define ASDIC_STREAM_PILOT 3u       /* and the next */
 
-/* Steps of a ping that learning shares with it. Describe: fills sim->ping for INDEX at POSE. Draw:
+/* Steps of a ping that learning shares with it. Describe: fills sim->ping for INDEX at POSE with
+ * RAYS rays. Draw:
  * uploads it, samples and traces the batch that it names. */
 void asdic_simulator_describe(asdic_simulator *sim, const asdic_pose *pose, uint64_t index,
-                              uint32_t stream);
+                              uint32_t stream, uint32_t rays);
 asdic_status asdic_simulator_draw(asdic_simulator *sim);
 
-/* Slots of a group for RAYS rays: whole vectors, and whole work-groups over all groups. */
+/* Slots of a group in one batch of a ping with RAYS rays: whole vectors, and whole work-groups over
+ * all groups. */
 size_t asdic_simulator_per_group(const asdic_simulator *sim, size_t rays);
 
 /* The scene's triangles on the device, or a buffer to point at when there are none. */

@@ -1,0 +1,123 @@
+#include "cones.h"
+
+#include "base/vec.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Bounding spheres are widened by this, so that no ray at a limb is drawn by the background alone. */
+#define MARGIN 1.02
+/* Objects that look larger than this (sine of the half-angle) are met often enough. */
+#define WIDEST 0.3
+/* Share of the rays for one object, and at most for all. */
+#define SHARE_ONE 0.12
+#define SHARE_MOST 0.24
+
+typedef struct candidate {
+    asdic_vec3 towards; /* unit */
+    double sine, score;
+} candidate;
+
+static double along(const float *row, asdic_vec3 u) {
+    return row[0] * u.x + row[1] * u.y + row[2] * u.z;
+}
+
+/* Envelope of sinc^2: how much an aperture can make of a direction, nulls filled. */
+static double envelope(const dev_beam *beam, asdic_vec3 u) {
+    double h = ASDIC_PI * beam->length_h_wl * along(beam->rows + 3, u);
+    double v = ASDIC_PI * beam->length_v_wl * along(beam->rows + 6, u);
+    return 1.0 / ((1.0 + h * h) * (1.0 + v * v));
+}
+
+/* How loud an object may be: two-way gain, cross-section, spreading. */
+static double score(const candidate *c, const dev_beam *beams, size_t receivers, double range_m) {
+    double best = 0.0;
+    for (size_t b = 1; b <= receivers; b++) {
+        best = fmax(best, envelope(&beams[b], c->towards));
+    }
+    double spread = c->sine / range_m;
+    return envelope(&beams[0], c->towards) * best * spread * spread;
+}
+
+/* False if the object needs no cone, or none of it can be heard. */
+static bool consider(const asdic_part *part, asdic_vec3 position_m, const dev_beam *beams,
+                     const dev_ping *ping, candidate *out) {
+    asdic_vec3 to = asdic_vec3_sub(part->center_m, position_m);
+    double distance = asdic_vec3_length(to);
+    double radius = MARGIN * part->radius_m;
+    if (part->kind != DEV_KIND_OBJECT || !(radius > 0.0) || radius > WIDEST * distance ||
+        distance - radius > ping->range_m) {
+        return false;
+    }
+    out->towards = asdic_vec3_scale(to, 1.0 / distance);
+    out->sine = radius / distance;
+    if (ping->rear_lin <= 0.0f && along(beams[0].rows, out->towards) < -out->sine) {
+        return false;
+    }
+    out->score = score(out, beams, ping->beams, distance);
+    return true;
+}
+
+/* The loudest candidates, loudest first; of equals the first in the scene. */
+static unsigned pick(const asdic_scene *scene, asdic_vec3 position_m, const dev_beam *beams,
+                     const dev_ping *ping, candidate *best) {
+    unsigned count = 0;
+    for (size_t i = 0; i < scene->part_count; i++) {
+        candidate c;
+        if (!consider(&scene->parts[i], position_m, beams, ping, &c)) {
+            continue;
+        }
+        unsigned at = count < DEV_MAX_CONES ? count++ : DEV_MAX_CONES;
+        while (at > 0 && c.score > best[at - 1].score) {
+            if (at < DEV_MAX_CONES) {
+                best[at] = best[at - 1];
+            }
+            at--;
+        }
+        if (at < DEV_MAX_CONES) {
+            best[at] = c;
+        }
+    }
+    return count;
+}
+
+/* Any two axes across the direction. */
+static void fill_rows(asdic_vec3 w, float rows[9]) {
+    asdic_vec3 up = fabs(w.z) < 0.9 ? (asdic_vec3){0.0, 0.0, 1.0} : (asdic_vec3){1.0, 0.0, 0.0};
+    asdic_vec3 u = asdic_vec3_cross(up, w);
+    u = asdic_vec3_scale(u, 1.0 / asdic_vec3_length(u));
+    asdic_vec3 v = asdic_vec3_cross(w, u);
+    const asdic_vec3 axes[3] = {u, v, w};
+    for (int i = 0; i < 3; i++) {
+        rows[3 * i] = (float)axes[i].x;
+        rows[3 * i + 1] = (float)axes[i].y;
+        rows[3 * i + 2] = (float)axes[i].z;
+    }
+}
+
+void asdic_cones_place(const asdic_scene *scene, asdic_vec3 position_m, const dev_beam *beams,
+                       dev_ping *ping) {
+    candidate best[DEV_MAX_CONES];
+    ping->background = ping->rays;
+    ping->cones = 0;
+    if (ping->sampler != DEV_SAMPLER_ADAPTIVE) {
+        return;
+    }
+    ping->cones = pick(scene, position_m, beams, ping, best);
+    if (ping->cones == 0) {
+        return;
+    }
+    double share = fmin(SHARE_ONE * sqrt(ping->cones), SHARE_MOST) / ping->cones;
+    dev_uint each = (dev_uint)fmax(share * ping->rays, 1.0);
+    ping->background -= ping->cones * each;
+    for (unsigned c = 0; c < ping->cones; c++) {
+        dev_cone *cone = &ping->cone[c];
+        double sine = best[c].sine, cosine = sqrt((1.0 - sine) * (1.0 + sine));
+        fill_rows(best[c].towards, cone->rows);
+        cone->cap = (float)(sine * sine / (1.0 + cosine));
+        /* Its rays cover twice the half-angle of elevation, see sample_adaptive. */
+        cone->splat = (float)(4.0 * 2.0 * asin(sine) / each);
+        cone->first = ping->background + c * each;
+        cone->count = each;
+    }
+}

@@ -1,0 +1,142 @@
+/*
+ * Objects get rays of their own: a small target is never missed, whatever the number of rays, and
+ * what the cones add to its bins they take from nowhere else.
+ */
+#include "ping_rig.h"
+
+#include <math.h>
+
+static test_device t;
+
+/* The benchmark's sphere of 0.5 m diameter, 30 m ahead on the axis of a narrow beam. */
+static ping_rig sphere_rig(void) {
+    ping_rig r = rig_create(&t);
+    r.sonar.frequency_hz = 450e3;
+    r.sonar.receiver_count = 1;
+    r.sonar.transmitter.length_h_m = r.receivers[0].length_h_m = 0.0331134;
+    r.sonar.transmitter.length_v_m = r.receivers[0].length_v_m = 0.0165567;
+    asdic_mesh *mesh = NULL;
+    assert_ok(t.ctx, asdic_mesh_sphere(t.ctx, 0.25, 64, &mesh));
+    asdic_pose pose = {.position_m = {30.0, 0.0, 7.0}};
+    assert_ok(t.ctx, asdic_scene_add_object(r.scene, "sphere", mesh, pose,
+                                            asdic_material_facet(45.0, 2e-4, 0.2)));
+    asdic_mesh_destroy(&mesh);
+    return r;
+}
+
+#define TARGET_BIN 59 /* 29.5 to 30 m */
+
+typedef struct spread {
+    double mean, relative; /* of the object's energy in its bin, over pings */
+    double least;
+} spread;
+
+static spread target_spread(ping_rig *r, int pings) {
+    asdic_simulator *sim = rig_simulator(r);
+    asdic_ping *ping = NULL;
+    assert_ok(t.ctx, asdic_ping_create(t.ctx, r->sonar.receiver_count,
+                                       asdic_simulator_bin_count(sim), &ping));
+    double sum = 0.0, square = 0.0, least = INFINITY;
+    for (int k = 0; k < pings; k++) {
+        assert_ok(t.ctx, asdic_simulator_ping(sim, &r->pose, (uint64_t)k, ping));
+        double e = ping->intensity_lin[ASDIC_OBJECT][TARGET_BIN];
+        sum += e / pings;
+        square += e * e / pings;
+        least = fmin(least, e);
+    }
+    asdic_ping_destroy(&ping);
+    asdic_simulator_destroy(&sim);
+    return (spread){sum, sqrt(fmax(square - sum * sum, 0.0)) / sum, least};
+}
+
+static void target_is_never_missed(void **state) {
+    (void)state;
+    static const struct {
+        uint32_t rays;
+        double relative, off_db;
+    } cases[] = {{64, 1.0, 6.0}, {1024, 0.05, 0.5}, {4096, 0.02, 0.15}, {20000, 0.005, 0.03}};
+    ping_rig r = sphere_rig();
+    r.sampling.rays = 1u << 20;
+    double truth = target_spread(&r, 4).mean;
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        r.sampling.rays = cases[k].rays;
+        spread s = target_spread(&r, 64);
+        double off_db = fabs(asdic_level_db(s.mean) - asdic_level_db(truth));
+        print_message("%u rays: standard deviation %.3f %%, mean %.3f dB off, least %.2f of it\n",
+                      cases[k].rays, 100.0 * s.relative, off_db, s.least / truth);
+        assert_true(s.least > 0.0);
+        assert_true(s.relative < cases[k].relative);
+        assert_true(off_db < cases[k].off_db);
+    }
+    rig_destroy(&r);
+}
+
+/* Samplers that know of no objects, and no cones, must agree with the one that does. */
+static void cones_agree_with_beam_sampler(void **state) {
+    (void)state;
+    ping_rig r = sphere_rig();
+    r.sampling.rays = 65536;
+    double adaptive = target_spread(&r, 4).mean;
+    r.sampling.sampler = ASDIC_SAMPLER_BEAM;
+    r.sampling.rays = 1u << 19;
+    enum { PINGS = 16 };
+    spread beam = target_spread(&r, PINGS);
+    double sigmas = (beam.mean - adaptive) / (beam.mean * beam.relative / sqrt(PINGS - 1));
+    print_message("beam sampler %.3f dB off, %.2f standard errors\n",
+                  asdic_level_db(beam.mean) - asdic_level_db(adaptive), sigmas);
+    assert_true(fabs(sigmas) < 3.5 && beam.relative < 0.1);
+    rig_destroy(&r);
+}
+
+/* More objects than cones, some behind, one round the sonar, one out of range: nothing is lost, and
+ * the flat bins keep their truth. */
+static void crowds_keep_the_flat_bins(void **state) {
+    (void)state;
+    ping_rig r = rig_create(&t);
+    r.sonar.receiver_count = 1;
+    asdic_mesh *mesh = NULL;
+    assert_ok(t.ctx, asdic_mesh_sphere(t.ctx, 0.01, 8, &mesh));
+    for (int i = 0; i < 24; i++) {
+        double azimuth = 0.5 * i, range = i == 0 ? 200.0 : 6.0 + 2.0 * i;
+        asdic_pose pose = {.position_m = {range * cos(azimuth), range * sin(azimuth), 7.0}};
+        char name[16];
+        snprintf(name, sizeof name, "ball%d", i);
+        assert_ok(t.ctx, asdic_scene_add_object(r.scene, name, mesh, pose,
+                                                asdic_material_facet(1.6, 1e-2, 0.5)));
+    }
+    asdic_mesh_destroy(&mesh);
+    assert_ok(t.ctx, asdic_mesh_box(t.ctx, (asdic_vec3){0.1, 0.1, 0.1}, &mesh));
+    asdic_pose around = {.position_m = {-0.2, 0.0, 7.0}};
+    assert_ok(t.ctx, asdic_scene_add_object(r.scene, "hull", mesh, around,
+                                            asdic_material_facet(45.0, 1e-3, 0.2)));
+    asdic_mesh_destroy(&mesh);
+    asdic_ping *ping = rig_shoot(&r, 0, true), *truth = NULL;
+    assert_ok(t.ctx, asdic_ping_create(t.ctx, 1, ping->bins, &truth));
+    asdic_flat_scene flat = {true, true, 5.0, 7.0, 2.0};
+    assert_ok(t.ctx, asdic_expected_compute(t.ctx, &flat, &r.env, &r.sonar, &r.pose, truth));
+    double sum = 0.0;
+    for (size_t n = 4; n < ping->bins; n++) {
+        double flat_lin =
+            ping->intensity_lin[ASDIC_TOTAL][n] - ping->intensity_lin[ASDIC_OBJECT][n];
+        double d = asdic_level_db(flat_lin) - asdic_level_db(truth->intensity_lin[ASDIC_TOTAL][n]);
+        sum += d * d;
+    }
+    double rms = sqrt(sum / (double)(ping->bins - 4));
+    print_message("flat bins among 24 balls: RMS %.4f dB\n", rms);
+    assert_true(rms < 0.03);
+    asdic_ping_destroy(&truth);
+    asdic_ping_destroy(&ping);
+    rig_destroy(&r);
+}
+
+int main(void) {
+    t = test_device_open_or_skip();
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(target_is_never_missed),
+        cmocka_unit_test(cones_agree_with_beam_sampler),
+        cmocka_unit_test(crowds_keep_the_flat_bins),
+    };
+    int failed = cmocka_run_group_tests(tests, NULL, NULL);
+    test_device_close(&t);
+    return failed;
+}
