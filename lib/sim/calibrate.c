@@ -14,9 +14,6 @@
 
 /* Bins on each side that share a ratio: two pings give one degree of freedom per bin. */
 #define WINDOW 8
-/* A bin's own ratio counts with this factor where it exceeds its neighbours': bins that hold a spike
- * err unlike them. */
-#define OWN_WEIGHT 0.7
 #define RATIO_LEAST 1e-8
 #define RATIO_MOST 16.0
 
@@ -48,7 +45,10 @@ static void smooth_ratios(asdic_simulator *sim, size_t beam, const asdic_ping *a
                 own = n == bin ? ratio : own;
             }
         }
-        double ratio = fmax(count > 0.0 ? sum / count : 1.0, OWN_WEIGHT * own);
+        /* The mean square of error over stated error is to be one: of n squares of normal errors
+         * the mean of the inverse is n / (n - 2). A bin's own ratio counts where it exceeds its
+         * neighbours': bins that hold a spike err unlike them. */
+        double ratio = fmax(count > 3.0 ? sum / (count - 2.0) : count > 0.0 ? sum : 1.0, own);
         sim->calibration[bin * beams + beam] =
             (float)sqrt(fmin(fmax(ratio, RATIO_LEAST), RATIO_MOST));
     }
