@@ -87,9 +87,6 @@ static inline float ray_skin(float x, float y, float z, float extent_m) {
         lanes low = LESSER(LESSER(u, v), w), high = GREATER(GREATER(u, v), w);                     \
         lanes slack = TRACE_TOLERANCE * fabs(area);                                                \
         lane_mask met = (area != 0.0f) & ((low >= -slack) | (high <= slack));                      \
-        if (!any_lane(met)) {                                                                      \
-            return met;                                                                            \
-        }                                                                                          \
         *t = (TRACE_FMA(w, cz, TRACE_FMA(v, bz, u * az)) / area) * sz;                             \
         return met & (*t > 0.0f);                                                                  \
     }

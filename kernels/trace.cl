@@ -11,6 +11,7 @@
 #endif
 
 #include "types.h"
+#include "trace_frustum.h"
 #include "trace_packet.h"
 #include "trace_wide8.h"
 
@@ -32,12 +33,22 @@ __kernel void trace_wide8(__global const dev_node8 *nodes, __global const dev_bl
     hits[i] = hit;
 }
 
-/* Sixteen rays a work-item. */
+/* Sixteen rays a work-item, neighbours in direction. */
 __kernel void trace_pkt16(__global const dev_node8 *nodes, __global const dev_block4 *blocks,
                           __global const dev_ray *rays, __global dev_hit *hits, uint count,
                           uint root, float extent_m) {
     uint first = 16 * (uint)get_global_id(0);
     if (first < count) {
-        trace_packet16(nodes, blocks, rays, hits, first, count, root, extent_m);
+        trace_sixteen(nodes, blocks, rays, hits, first, count, root, extent_m);
+    }
+}
+
+/* Sixty-four rays a work-item, neighbours and from one point. */
+__kernel void trace_frustum64(__global const dev_node8 *nodes, __global const dev_block4 *blocks,
+                              __global const dev_ray *rays, __global dev_hit *hits, uint count,
+                              uint root, float extent_m) {
+    uint first = 64 * (uint)get_global_id(0);
+    if (first < count) {
+        trace_sixty_four(nodes, blocks, rays, hits, first, count, root, extent_m);
     }
 }

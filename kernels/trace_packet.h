@@ -375,11 +375,11 @@ static inline void walk16(__global const dev_node8 *nodes, __global const dev_bl
     }
 }
 
+/* The rays R, which are FIRST .. FIRST + 15 of RAYS. */
 static inline void trace_packet16(__global const dev_node8 *nodes,
                                   __global const dev_block4 *blocks, __global const dev_ray *rays,
-                                  __global dev_hit *hits, uint first, uint count, uint root,
-                                  float extent_m) {
-    rays16 r = load_rays16(rays, first, count);
+                                  __global dev_hit *hits, rays16 r, uint first, uint count,
+                                  uint root, float extent_m) {
     float16 sum = ((r.ox + r.oy) + (r.oz + r.dx)) + (r.dy + r.dz);
     int16 live = (r.t_max > 0.0f) & (fabs(sum) < INFINITY); /* a NAN must not spoil the intervals */
     packet16 p;

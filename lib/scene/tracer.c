@@ -14,7 +14,7 @@
 /* Buffers whose choice is remembered; more than a simulator has. */
 #define MAX_CHOICES 16
 
-enum { FORM_WIDE8, FORM_PKT16, FORM_COUNT, FORM_AUTO = FORM_COUNT };
+enum { FORM_WIDE8, FORM_PKT16, FORM_FRUSTUM64, FORM_COUNT, FORM_AUTO = FORM_COUNT };
 
 /* Local sizes are fixed, because each size is compiled anew by some drivers. */
 static const struct {
@@ -23,7 +23,8 @@ static const struct {
     size_t local;
 } forms[FORM_COUNT] = {
     [FORM_WIDE8] = {"wide8", "trace_wide8", 1, 64},
-    [FORM_PKT16] = {"pkt16", "trace_pkt16", 16, 16},
+    [FORM_PKT16] = {"pkt16", "trace_pkt16", 16, 32},
+    [FORM_FRUSTUM64] = {"frustum64", "trace_frustum64", 64, 16},
 };
 
 typedef struct choice {
@@ -122,7 +123,7 @@ asdic_status asdic_tracer_set_kernel(asdic_tracer *t, const char *name) {
         }
     }
     return asdic_fail(asdic_device_context(t->device), ASDIC_ERROR_ARGUMENT,
-                      "'%s' is not a form of the ray kernel; use auto, wide8 or pkt16", name);
+                      "'%s' is not a form of the ray kernel; use auto, wide8, pkt16 or frustum64", name);
 }
 
 const char *asdic_tracer_kernel_name(size_t index) {

@@ -110,11 +110,13 @@ static void forms_agree_on_cones(void **state) {
     for (int kind = 0; kind < 6; kind++) {
         uint64_t seed = 21;
         for (int i = 0; i < COUNT; i++) {
-            /* narrow, wide, across the axes and diagonals; moving origins */
+            /* narrow, wide, across the axes and diagonals; moving origins. Eight by eight rays make
+             * a packet of 64 that is narrow both ways. */
             double spread = kind == 0 ? 0.05 : kind == 1 ? 0.5 : 3.0;
             double origin[3] = {0.3, -0.2, 1.0};
-            double direction[3] = {spread * (i / 80 - 37) / 37.0, spread * (i % 80 - 40) / 40.0,
-                                   1.0};
+            int row = i / 640 * 8 + i % 64 / 8, column = i / 64 % 10 * 8 + i % 8;
+            double direction[3] = {spread * (row - 38.4) / 37.0 + (kind == 1 ? 0.6 : 0.0),
+                                   spread * (column - 40.3) / 40.0, 1.0};
             for (int k = 0; k < 3; k++) {
                 origin[k] += kind >= 3 ? 0.01 * kind * trace_rig_random_signed(&seed) : 0.0;
             }
