@@ -118,7 +118,8 @@ static const asdic_key scene_keys[] = {
     {"sampling", ASDIC_KEY_MAP, SCENE(sampling), .table = &sampling_table,
      .doc = "how rays are spent"},
     {"model", ASDIC_KEY_MAP, SCENE(model), .table = &model_table, .doc = "the formulas"},
-    {"detector", ASDIC_KEY_MAP, SCENE(detector), .table = &detector_table, .doc = "the detector"},
+    {"detector", ASDIC_KEY_MAP, ASDIC_KEY_PLANNED, SCENE(detector), .table = &detector_table,
+     .doc = "the detector"},
     {"output", ASDIC_KEY_MAP, SCENE(output), .table = &output_table, .doc = "what a run writes"},
 };
 const asdic_table asdic_scene_table = {
