@@ -1,15 +1,20 @@
 #include "commands.h"
 #include "progress.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 static const char *const samplers[] = {"adaptive", "beam", "uniform-sphere", NULL};
 
+/* Where --tolerance gives up. */
+#define MOST_RAYS (1u << 22)
+
 typedef struct request {
     const char *scene, *folder;
     asdic_sampling sampling; /* what the options change is marked below */
     bool has_rays, has_sampler, has_seed;
+    double tolerance_db;    /* NAN: none asked for */
     uint64_t first, end;    /* pings */
     uint64_t shard, shards; /* K of N */
     bool force, resume;
@@ -18,10 +23,15 @@ typedef struct request {
 static bool read_request(cli *c, request *r) {
     uint64_t rays = 0, seed = 0;
     int sampler = 0;
-    *r = (request){.scene = cli_operand(c, 0), .end = UINT64_MAX, .shard = 1, .shards = 1};
+    *r = (request){.scene = cli_operand(c, 0),
+                   .end = UINT64_MAX,
+                   .shard = 1,
+                   .shards = 1,
+                   .tolerance_db = NAN};
     cli_integer(c, "rays", 64, 1u << 28, &rays);
     cli_choice(c, "sampler", samplers, &sampler);
     cli_integer(c, "seed", 0, UINT64_MAX, &seed);
+    cli_number(c, "tolerance", 1e-4, 20.0, &r->tolerance_db);
     cli_index_range(c, "pings", &r->first, &r->end);
     cli_share(c, "shard", &r->shard, &r->shards);
     r->folder = cli_text(c, "output");
@@ -87,6 +97,31 @@ static char *default_folder(const request *r) {
     return asprintf(&folder, "run_%.*s", length, base) < 0 ? NULL : folder;
 }
 
+/* Finds the rays that --tolerance takes, and says so. */
+static asdic_status keep_tolerance(cli *c, asdic_mission *mission, asdic_device *device,
+                                   double tolerance_db) {
+    const asdic_sonar *sonar = asdic_mission_sonar(mission);
+    asdic_ray_budget budget;
+    asdic_status status =
+        asdic_mission_find_rays(cli_context(c), mission, device, tolerance_db, MOST_RAYS, &budget);
+    if (status != ASDIC_OK) {
+        return status;
+    }
+    cli_note(c, "tolerance %g dB: %u rays per ping, worst bin %.3g dB", tolerance_db, budget.rays,
+             budget.worst_db);
+    if (budget.rough_count > 0) {
+        cli_warning(c, "%zu bins of %zu pings stay above %g dB with %u rays, the most there are",
+                    budget.rough_count, budget.pings, tolerance_db, budget.rays);
+    }
+    for (size_t i = 0; i < budget.rough_count && i < ASDIC_ROUGH_BINS; i++) {
+        const asdic_rough_bin *b = &budget.rough[i];
+        cli_note(c, "  ping %zu, beam '%s', bin %zu (%g m): %.3g dB", b->ping,
+                 sonar->receivers[b->beam].name, b->bin,
+                 ((double)b->bin + 0.5) * sonar->bin_length_m, b->stderr_db);
+    }
+    return ASDIC_OK;
+}
+
 static void summarise(const cli *c, const asdic_mission *mission, const asdic_run_options *options,
                       const cli_progress *progress) {
     char rate[16];
@@ -101,7 +136,8 @@ static void summarise(const cli *c, const asdic_mission *mission, const asdic_ru
              asdic_mission_sonar(mission)->receiver_count == 1 ? "" : "s", last->elapsed_s, rate);
 }
 
-static asdic_status simulate(cli *c, asdic_mission *mission, const asdic_run_options *wanted) {
+static asdic_status simulate(cli *c, asdic_mission *mission, double tolerance_db,
+                             const asdic_run_options *wanted) {
     asdic_device **devices = NULL;
     size_t count = 0;
     asdic_run_options options = *wanted;
@@ -112,8 +148,13 @@ static asdic_status simulate(cli *c, asdic_mission *mission, const asdic_run_opt
     }
     options.progress = cli_progress_report;
     options.user = &progress;
-    status = asdic_mission_run(cli_context(c), mission, devices, count, &options);
-    cli_progress_end(&progress);
+    if (!isnan(tolerance_db)) {
+        status = keep_tolerance(c, mission, devices[0], tolerance_db);
+    }
+    if (status == ASDIC_OK) {
+        status = asdic_mission_run(cli_context(c), mission, devices, count, &options);
+        cli_progress_end(&progress);
+    }
     if (status == ASDIC_OK) {
         summarise(c, mission, &options, &progress);
     }
@@ -142,7 +183,7 @@ static int run(cli *c) {
     options.folder = r.folder ? r.folder : folder;
     options.force = r.force;
     options.resume = r.resume;
-    code = cli_end(c, simulate(c, mission, &options));
+    code = cli_end(c, simulate(c, mission, r.tolerance_db, &options));
 done:
     free(folder);
     asdic_mission_destroy(&mission);
@@ -152,6 +193,8 @@ done:
 static const cli_option options[] = {
     {"output", 'o', "DIR", "run folder; default: run_<name of the scene>"},
     {"rays", 0, "N", "rays per ping, instead of the scene's"},
+    {"tolerance", 0, "DB",
+     "double the rays until one standard error of every bin above the noise is at most this"},
     {"sampler", 0, "NAME", "adaptive, beam or uniform-sphere (the paper's)"},
     {"seed", 0, "N", "seed of the random directions, instead of the scene's"},
     {"pings", 0, "A:B", "pings A to B-1 only, counted from 0"},
@@ -170,7 +213,9 @@ const cli_command cli_run_command = {
     .details = "Writes a run folder: bins.csv (one row per ping, beam and bin), pings.npy (the "
                "same in binary), the pictures that the scene asks for, and run.json (what was "
                "run, on what, how fast, how good). A run that was interrupted, or killed, is "
-               "finished by --resume.",
+               "finished by --resume.\n\n"
+               "--tolerance looks at pings spread over the mission and gives all pings as many "
+               "rays as the roughest needs, at most 4194304; bins that need more are named.",
     .options = options,
     .traits = CLI_HAS_DEVICE | CLI_INTERRUPTIBLE,
     .run = run,

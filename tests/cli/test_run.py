@@ -142,6 +142,21 @@ def test_what_is_there_is_not_overwritten():
         asdic("run", path, "-o", folder / "no/such").check(code=1)
 
 
+def test_tolerance_finds_rays():
+    program.need_device()
+    with Folder() as folder:
+        done = asdic("run", scene(folder), "--rays", 64, "--tolerance", 0.5, "-o", "fine",
+                     cwd=folder.path).check(code=0, out="")
+        rays = facts(folder, "fine")["rays"]
+        if not (rays > 64 and f"tolerance 0.5 dB: {rays} rays per ping" in done.err):
+            raise AssertionError((rays, done.err))
+        asdic("run", folder / "pool.yaml", "--rays", rays, "-o", "same",
+              cwd=folder.path).check(code=0)
+        tap.equal(data(folder, "fine", "bins.csv") == data(folder, "same", "bins.csv"), True, "bins")
+        asdic("run", folder / "pool.yaml", "--tolerance", 0, "-o", "none",
+              cwd=folder.path).check(code=2, out="")
+
+
 def test_mistakes_have_their_exit_codes():
     with Folder() as folder:
         path = scene(folder)

@@ -95,6 +95,30 @@ ASDIC_API asdic_status asdic_mission_plan(asdic_context *ctx, const asdic_missio
  * once per call; the caller frees it with free(). NULL when memory is short. */
 ASDIC_API char *asdic_mission_schema(void);
 
+/* Why a tolerance cannot be kept: a bin's stated error, dB. */
+typedef struct asdic_rough_bin {
+    size_t ping, beam, bin;
+    double stderr_db;
+} asdic_rough_bin;
+
+#define ASDIC_ROUGH_BINS 8
+
+/* How many rays a tolerance takes. */
+typedef struct asdic_ray_budget {
+    uint32_t rays;   /* per ping */
+    size_t pings;    /* looked at: spread over the mission, whatever part of it is run */
+    double worst_db; /* largest stated error in a bin that counts */
+    size_t rough_count;
+    asdic_rough_bin rough[ASDIC_ROUGH_BINS]; /* the roughest first; empty when all bins keep it */
+} asdic_ray_budget;
+
+/* Doubles the mission's rays until one standard error of every bin whose echo is above the noise is at
+ * most TOLERANCE_DB, or MOST_RAYS are reached; sets the mission's rays to what it found. The answer
+ * depends on the mission and the kind of device alone, so that parts of a mission agree. */
+ASDIC_API asdic_status asdic_mission_find_rays(asdic_context *ctx, asdic_mission *mission,
+                                               asdic_device *device, double tolerance_db,
+                                               uint32_t most_rays, asdic_ray_budget *out);
+
 typedef struct asdic_run_progress {
     size_t pings_done, pings_total;
     uint64_t rays;

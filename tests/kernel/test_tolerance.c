@@ -1,0 +1,119 @@
+/*
+ * Rays for a tolerance: enough of them, the same every time, and honest about what is out of reach.
+ */
+#include "asserts.h"
+#include "test_device.h"
+
+#include <asdic/asdic.h>
+
+#include <math.h>
+
+static test_device t;
+
+static asdic_mission *load(const char *scene, uint32_t rays) {
+    asdic_mission *mission = NULL;
+    char path[1024];
+    snprintf(path, sizeof path, "%s/scenes/%s", DATA_DIR, scene);
+    assert_ok(t.ctx, asdic_mission_load(t.ctx, path, &mission));
+    asdic_mission_sampling(mission)->rays = rays;
+    return mission;
+}
+
+/* The rays found keep the tolerance in truth, too; half of them do not by their own account. */
+static void found_rays_keep_the_tolerance(void **state) {
+    (void)state;
+    const double tolerance_db = 0.1;
+    asdic_mission *mission = load("bench_flat.yaml", 512);
+    asdic_ray_budget found, again, half;
+    assert_ok(t.ctx,
+              asdic_mission_find_rays(t.ctx, mission, t.device, tolerance_db, 1u << 18, &found));
+    print_message("%g dB: %u rays, worst bin %.3f dB\n", tolerance_db, found.rays, found.worst_db);
+    assert_int_equal(found.rough_count, 0);
+    assert_true(found.worst_db <= tolerance_db && found.rays > 512);
+    assert_int_equal(asdic_mission_sampling(mission)->rays, found.rays);
+
+    asdic_mission_sampling(mission)->rays = 512;
+    assert_ok(t.ctx,
+              asdic_mission_find_rays(t.ctx, mission, t.device, tolerance_db, 1u << 18, &again));
+    assert_int_equal(again.rays, found.rays);
+    assert_true(again.worst_db == found.worst_db);
+
+    asdic_mission_sampling(mission)->rays = found.rays / 2;
+    assert_ok(t.ctx, asdic_mission_find_rays(t.ctx, mission, t.device, tolerance_db, found.rays / 2,
+                                             &half));
+    assert_true(half.rough_count > 0 && half.worst_db > tolerance_db);
+
+    asdic_mission_sampling(mission)->rays = found.rays;
+    asdic_pose pose = asdic_mission_pose(mission, 0, NULL);
+    asdic_flat_scene flat = asdic_mission_flat_scene(mission, 0);
+    asdic_simulator *sim = NULL;
+    asdic_ping *ping = NULL, *truth = NULL;
+    assert_ok(t.ctx, asdic_simulator_create(
+                         t.ctx, t.device, asdic_mission_scene(mission),
+                         asdic_mission_environment(mission), asdic_mission_sonar(mission),
+                         asdic_mission_sampling(mission), pose.position_m.z, &sim));
+    size_t bins = asdic_simulator_bin_count(sim);
+    assert_ok(t.ctx, asdic_ping_create(t.ctx, 1, bins, &ping));
+    assert_ok(t.ctx, asdic_ping_create(t.ctx, 1, bins, &truth));
+    assert_ok(t.ctx, asdic_expected_compute(t.ctx, &flat, asdic_mission_environment(mission),
+                                            asdic_mission_sonar(mission), &pose, truth));
+    assert_ok(t.ctx, asdic_simulator_learn(sim, &pose, 0));
+    for (uint64_t k = 0; k < 8; k++) {
+        assert_ok(t.ctx, asdic_simulator_ping(sim, &pose, k, ping));
+        for (size_t n = 4; n < bins; n++) {
+            double off = asdic_level_db(ping->intensity_lin[ASDIC_TOTAL][n]) -
+                         asdic_level_db(truth->intensity_lin[ASDIC_TOTAL][n]);
+            assert_true(fabs(off) < 4.0 * tolerance_db);
+        }
+    }
+    asdic_ping_destroy(&truth);
+    asdic_ping_destroy(&ping);
+    asdic_simulator_destroy(&sim);
+    asdic_mission_destroy(&mission);
+}
+
+static void what_is_out_of_reach_is_named(void **state) {
+    (void)state;
+    asdic_mission *mission = load("bench_step.yaml", 1000);
+    asdic_ray_budget found;
+    assert_ok(t.ctx, asdic_mission_find_rays(t.ctx, mission, t.device, 1e-4, 3000, &found));
+    assert_int_equal(found.rays, 3000);
+    assert_true(found.rough_count > ASDIC_ROUGH_BINS);
+    assert_true(found.rough[0].stderr_db == found.worst_db);
+    for (size_t i = 0; i < ASDIC_ROUGH_BINS; i++) {
+        assert_true(found.rough[i].beam < 3 && found.rough[i].bin < 149);
+        assert_true(i == 0 || found.rough[i].stderr_db <= found.rough[i - 1].stderr_db);
+    }
+    assert_status(t.ctx, asdic_mission_find_rays(t.ctx, mission, t.device, 0.0, 3000, &found),
+                  ASDIC_ERROR_ARGUMENT);
+    assert_status(t.ctx, asdic_mission_find_rays(t.ctx, NULL, t.device, 1.0, 3000, &found),
+                  ASDIC_ERROR_ARGUMENT);
+    asdic_mission_destroy(&mission);
+}
+
+/* Bins whose echo is below the noise do not count, however rough. */
+static void noise_forgives(void **state) {
+    (void)state;
+    asdic_mission *mission = load("bench_step.yaml", 4096);
+    asdic_ray_budget silent, noisy;
+    assert_ok(t.ctx, asdic_mission_find_rays(t.ctx, mission, t.device, 0.05, 4096, &silent));
+    ((asdic_sonar *)asdic_mission_sonar(mission))->noise_enabled = true;
+    ((asdic_sonar *)asdic_mission_sonar(mission))->source_level_db = 160.0;
+    assert_ok(t.ctx, asdic_mission_find_rays(t.ctx, mission, t.device, 0.05, 4096, &noisy));
+    print_message("rough bins: %zu without noise, %zu with\n", silent.rough_count,
+                  noisy.rough_count);
+    assert_true(noisy.rough_count < silent.rough_count && noisy.worst_db < silent.worst_db);
+    asdic_mission_destroy(&mission);
+}
+
+int main(void) {
+    t = test_device_open_or_skip();
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(found_rays_keep_the_tolerance),
+        cmocka_unit_test(what_is_out_of_reach_is_named),
+        cmocka_unit_test(noise_forgives),
+    };
+    int failed = cmocka_run_group_tests(tests, NULL, NULL);
+    test_device_close(&t);
+    return failed;
+}
