@@ -72,7 +72,7 @@ static inline float ray_skin(float x, float y, float z, float extent_m) {
  * Corners a, b, c relative to the ray's origin, z being the dominant axis of the direction; shear
  * (sx, sy) = d_x / d_z, d_y / d_z, sz = 1 / d_z. True where the ray's line meets the triangle
  * ahead; *T then is the distance along the ray, between those of the corners. */
-#define DEFINE_INTERSECT(name, lanes, lane_mask, any_lane)                                         \
+#define DEFINE_INTERSECT(name, lanes, lane_mask)                                                   \
     static inline lane_mask name(lanes ax, lanes ay, lanes az, lanes bx, lanes by, lanes bz,       \
                                  lanes cx, lanes cy, lanes cz, lanes sx, lanes sy, lanes sz,       \
                                  lanes *t) {                                                       \

@@ -13,7 +13,7 @@
 /* So many rays or fewer go on alone. */
 #define PACKET_ALONE 3
 
-DEFINE_INTERSECT(intersect16, float16, int16, any16)
+DEFINE_INTERSECT(intersect16, float16, int16)
 
 static inline uint bits16(int16 m) {
     ulong2 bytes = as_ulong2(convert_char16(m));

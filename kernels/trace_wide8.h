@@ -48,7 +48,7 @@ static inline ray8 ray8_prepare(dev_ray ray, float extent_m) {
     return r;
 }
 
-DEFINE_INTERSECT(intersect4, float4, int4, any4)
+DEFINE_INTERSECT(intersect4, float4, int4)
 
 /* Rows are read as vectors through a cast: vload8 may fall apart into narrow loads, and the structs
  * are made of whole, aligned rows. */

@@ -14,17 +14,18 @@
 /* Buffers whose choice is remembered; more than a simulator has. */
 #define MAX_CHOICES 16
 
-enum { FORM_WIDE8, FORM_PKT16, FORM_FRUSTUM64, FORM_COUNT, FORM_AUTO = FORM_COUNT };
+enum { FORM_WIDE8, FORM_PKT16, FORM_FRUSTUM64, FORM_SCALAR, FORM_COUNT, FORM_AUTO = FORM_COUNT };
 
 /* Local sizes are fixed, because each size is compiled anew by some drivers. */
 static const struct {
-    const char *name, *kernel;
+    const char *name, *file, *kernel;
     uint32_t rays; /* per work-item */
     size_t local;
 } forms[FORM_COUNT] = {
-    [FORM_WIDE8] = {"wide8", "trace_wide8", 1, 64},
-    [FORM_PKT16] = {"pkt16", "trace_pkt16", 16, 32},
-    [FORM_FRUSTUM64] = {"frustum64", "trace_frustum64", 64, 16},
+    [FORM_WIDE8] = {"wide8", "trace.cl", "trace_wide8", 1, 64},
+    [FORM_PKT16] = {"pkt16", "trace.cl", "trace_pkt16", 16, 32},
+    [FORM_FRUSTUM64] = {"frustum64", "trace.cl", "trace_frustum64", 64, 16},
+    [FORM_SCALAR] = {"scalar", "trace_scalar.cl", "trace_scalar", 1, 64},
 };
 
 typedef struct choice {
@@ -65,9 +66,14 @@ static asdic_status upload(asdic_tracer *t, const asdic_scene *scene) {
                                         scene->triangles, &t->triangles);
 }
 
+/* What `auto` takes without measuring: vectors are for processors that have them. */
+static int plain_form(const asdic_tracer *t) {
+    return asdic_device_get_info(t->device)->kind == ASDIC_DEVICE_GPU ? FORM_SCALAR : FORM_WIDE8;
+}
+
 static asdic_status need_kernel(asdic_tracer *t, int form) {
     return t->kernels[form] ? ASDIC_OK
-                            : asdic_kernel_create(t->device, "trace.cl", t->options,
+                            : asdic_kernel_create(t->device, forms[form].file, t->options,
                                                   forms[form].kernel, &t->kernels[form]);
 }
 
@@ -88,7 +94,7 @@ asdic_status asdic_tracer_create(asdic_device *device, const asdic_scene *scene,
     t->form = FORM_AUTO;
     snprintf(t->options, sizeof t->options, "-D TRACE_STACK=%u", stack_entries(&scene->bvh));
     asdic_status status = upload(t, scene);
-    status = status ? status : need_kernel(t, FORM_WIDE8);
+    status = status ? status : need_kernel(t, plain_form(t));
     if (status != ASDIC_OK) {
         asdic_tracer_destroy(&t);
     }
@@ -122,8 +128,9 @@ asdic_status asdic_tracer_set_kernel(asdic_tracer *t, const char *name) {
             return need_kernel(t, form);
         }
     }
-    return asdic_fail(asdic_device_context(t->device), ASDIC_ERROR_ARGUMENT,
-                      "'%s' is not a form of the ray kernel; use auto, wide8, pkt16 or frustum64", name);
+    return asdic_fail(
+        asdic_device_context(t->device), ASDIC_ERROR_ARGUMENT,
+        "'%s' is not a form of the ray kernel; use auto, wide8, pkt16, frustum64 or scalar", name);
 }
 
 const char *asdic_tracer_kernel_name(size_t index) {
@@ -154,7 +161,7 @@ static double now_s(void) {
 static asdic_status measure(asdic_tracer *t, asdic_buffer *rays, asdic_buffer *hits, uint32_t count,
                             int *fastest) {
     double least_s = INFINITY;
-    for (int form = 0; form < FORM_COUNT; form++) {
+    for (int form = FORM_WIDE8; form <= FORM_FRUSTUM64; form++) {
         for (int run = 0; run <= MEASURE_RUNS; run++) {
             asdic_status status = asdic_device_finish(t->device);
             double start_s = now_s();
@@ -175,14 +182,14 @@ static asdic_status measure(asdic_tracer *t, asdic_buffer *rays, asdic_buffer *h
 
 static asdic_status choose(asdic_tracer *t, asdic_buffer *rays, asdic_buffer *hits, uint32_t count,
                            int *form) {
-    *form = FORM_WIDE8;
+    *form = plain_form(t);
     for (size_t i = 0; i < t->choice_count; i++) {
         if (t->choices[i].rays == rays) {
             *form = t->choices[i].form;
             return ASDIC_OK;
         }
     }
-    if (count < MEASURE_RAYS || t->choice_count == MAX_CHOICES) {
+    if (*form == FORM_SCALAR || count < MEASURE_RAYS || t->choice_count == MAX_CHOICES) {
         return ASDIC_OK;
     }
     asdic_status status = measure(t, rays, hits, count, form);
