@@ -113,10 +113,13 @@ asdic_status asdic_simulator_draw(asdic_simulator *sim) {
                                  ASDIC_ARG_BUFFER(sim->splats)};
     status = asdic_kernel_run(sim->sample, sample, COUNT(sample), slots / sim->layout.width,
                               sim->layout.local);
+    if (!status) {
+        status = asdic_simulator_end_phase(sim, ASDIC_PHASE_SAMPLE);
+    }
     if (!status && sim->tracer) {
         status = asdic_tracer_run(sim->tracer, sim->rays, sim->hits, slots);
     }
-    return status;
+    return status ? status : asdic_simulator_end_phase(sim, ASDIC_PHASE_TRACE);
 }
 
 static asdic_status run_batch(asdic_simulator *sim) {
@@ -137,7 +140,13 @@ static asdic_status run_batch(asdic_simulator *sim) {
         ASDIC_ARG_BUFFER(sim->saturated),      ASDIC_ARG_VALUE(items)};
     size_t local = sim->layout.deposit == ASDIC_DEPOSIT_OWNED ? 1 : sim->layout.local;
     status = asdic_kernel_run(sim->shade, shade, COUNT(shade), (size_t)ping->groups * items, local);
-    return status || !sim->has_mirrors ? status : run_bounces(sim, items);
+    if (!status) {
+        status = asdic_simulator_end_phase(sim, ASDIC_PHASE_SHADE);
+    }
+    if (!status && sim->has_mirrors) {
+        status = run_bounces(sim, items);
+    }
+    return status ? status : asdic_simulator_end_phase(sim, ASDIC_PHASE_BOUNCE);
 }
 
 /* Water that ends in a bin to water that crosses it, in SUMS [group][component][bin][beam]. */
@@ -243,6 +252,9 @@ static asdic_status run_batches(asdic_simulator *sim) {
     }
     if (!status) {
         status = reduce(sim);
+    }
+    if (!status) {
+        status = asdic_simulator_end_phase(sim, ASDIC_PHASE_REDUCE);
     }
     sim->accumulator_clear = status == ASDIC_OK;
     return status;

@@ -80,6 +80,8 @@ struct asdic_simulator {
     float *calibration;            /* cells: true spread of a ping over what its groups suggest */
     float table[DEV_TABLE_CELLS + 1]; /* cumulative probabilities of the sampling coordinate */
     double zone_altitude; /* where the bottom zone assumes the bottom, re the altitude; learnt */
+    double *phase_s;     /* NULL, or where asdic_simulator_profile adds */
+    double phase_from_s; /* when the current phase began */
     bool table_uploaded;
     bool accumulator_clear;
     int64_t *host_results;
@@ -137,5 +139,8 @@ asdic_status asdic_simulator_calibrate(asdic_simulator *sim, const asdic_pose *p
 
 /* Back to an even table and no calibration. */
 void asdic_simulator_forget(asdic_simulator *sim);
+
+/* Ends a phase of a ping that is profiled: waits for the device, adds the time. */
+asdic_status asdic_simulator_end_phase(asdic_simulator *sim, asdic_phase phase);
 
 #endif

@@ -96,6 +96,24 @@ ASDIC_API asdic_status asdic_simulator_learn(asdic_simulator *sim, const asdic_p
 ASDIC_API asdic_status asdic_simulator_ping(asdic_simulator *sim, const asdic_pose *pose,
                                             uint64_t index, asdic_ping *ping);
 
+/* Phases of a ping, in the order in which it passes them. */
+typedef enum asdic_phase {
+    ASDIC_PHASE_SAMPLE, /* the host's preparation and the drawing of rays */
+    ASDIC_PHASE_TRACE,
+    ASDIC_PHASE_SHADE,
+    ASDIC_PHASE_BOUNCE, /* multipath, its tracing included */
+    ASDIC_PHASE_REDUCE, /* sums, and their way back to the host */
+    ASDIC_PHASE_LEVELS, /* the host's work on the sums */
+    ASDIC_PHASE_COUNT
+} asdic_phase;
+
+ASDIC_API const char *asdic_phase_name(asdic_phase phase); /* "sample"; never NULL */
+
+/* Simulates a ping as asdic_simulator_ping does and adds to SECONDS[ASDIC_PHASE_COUNT] what each
+ * phase took. Waiting for the device after each phase, it takes longer than a ping usually does. */
+ASDIC_API asdic_status asdic_simulator_profile(asdic_simulator *sim, const asdic_pose *pose,
+                                               uint64_t index, asdic_ping *ping, double *seconds);
+
 #ifdef __cplusplus
 }
 #endif

@@ -1,0 +1,24 @@
+/*
+ * Pings per second, inside: the sea floor and the measurement.
+ */
+#ifndef ASDIC_CLI_BENCH_PINGS_H
+#define ASDIC_CLI_BENCH_PINGS_H
+
+#include "bench.h"
+
+/* The sonar flies this high over a rough floor of 1 km, and hears this far. */
+#define BENCH_ALTITUDE_M 100.0
+#define BENCH_RANGE_M 500.0
+
+/* A committed scene with a rough, smooth-faced floor of about TRIANGLES triangles, without surface. */
+asdic_status bench_terrain(asdic_context *ctx, size_t triangles, asdic_scene **out);
+
+typedef struct bench_rate {
+    size_t triangles, bins, pings;
+    double build_s;           /* of the hierarchy */
+    double create_s, first_s; /* a process's first simulator, or a later one; its first ping */
+    double ping_s, learn_s;   /* medians: a ping; a block's learning */
+    double phase_s[ASDIC_PHASE_COUNT]; /* mean, waiting after each */
+} bench_rate;
+
+#endif

@@ -1,0 +1,48 @@
+"""asdic bench: the figures are there, they add up, and the goals that do not depend on the machine
+are kept."""
+import csv
+import io
+import json
+import os
+
+import program
+import tap
+from program import Folder, asdic
+
+SCENES = os.path.join(os.path.dirname(__file__), "..", "..", "data", "scenes")
+
+
+def test_error_keeps_its_goals():
+    program.need_device()
+    with Folder() as folder:
+        done = asdic("bench", "error", "--quick", "--json", "-o", folder / "error.csv",
+                     os.path.join(SCENES, "bench_flat.yaml")).check(code=0)
+        scene, = json.loads(done.out)["scenes"]
+        tap.equal((scene["scene"], scene["beams"], scene["bins"], scene["reference"]),
+                  ("bench_flat", 1, 149, "quadrature"))
+        curves = {c["sampler"]: c for c in scene["curves"]}
+        tap.equal(sorted(curves), ["adaptive", "beam", "uniform-sphere"])
+        rms = {p["rays"]: p["rms_db"] for p in curves["adaptive"]["points"]}
+        if not (rms[4096] < 0.05 and rms[20000] < 0.01):
+            raise AssertionError(rms)
+        if not curves["adaptive"]["fewer_rays"] > 3000:
+            raise AssertionError(curves["adaptive"]["fewer_rays"])
+        for curve in curves.values():
+            errors = [p["rms_db"] for p in curve["points"]]
+            tap.equal(errors, sorted(errors, reverse=True), f"{curve['sampler']}: error over rays")
+        rows = list(csv.DictReader(io.StringIO(folder.read("error.csv"))))
+        tap.equal(len(rows), sum(len(c["points"]) for c in curves.values()), "rows")
+        tap.equal(folder.names(), ["error.csv"], "nothing left over")
+
+
+def test_mistakes_have_their_exit_codes():
+    asdic("bench").check(code=2, out="")
+    asdic("bench", "rain").check(code=2, out="")
+    asdic("bench", "pings", "scene.yaml").check(code=2, out="")
+    program.need_device()
+    asdic("bench", "error", "nowhere.yaml").check(code=3, out="")
+    with Folder() as folder:
+        asdic("bench", "error", ASDIC_DATA=folder.path).check(code=3, out="")
+
+
+tap.main(globals())
