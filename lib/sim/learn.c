@@ -129,6 +129,19 @@ static void tabulate(const double *q, float *cumulative) {
     cumulative[DEV_TABLE_CELLS] = 1.0f;
 }
 
+/* Whether elevations round the sine UZ belong to an object that has rays of its own. */
+static bool in_cone_band(const dev_ping *ping, double uz) {
+    for (unsigned c = 0; c < ping->cones; c++) {
+        double drop = ping->cone[c].cap, sine = sqrt(drop * (2.0 - drop));
+        double cell = (ping->zone_bottom_m + ping->zone_surface_m) / ping->reach_m /
+                      (ping->zone_share[2] * DEV_TABLE_CELLS);
+        if (fabs(uz - ping->cone[c].rows[8]) <= sine + cell) {
+            return true;
+        }
+    }
+    return false;
+}
+
 /* Where the bottom rises before the range ends, its far bins lie above the bottom zone, crowded in the
  * gap. Whether echoes came from there; if so, the zone is lowered to reach them. Q as from demand. */
 static bool lower_zone(asdic_simulator *sim, const double *q) {
@@ -136,10 +149,11 @@ static bool lower_zone(asdic_simulator *sim, const double *q) {
     double begin = ping->zone_share[0] + ping->zone_share[1], end = begin + ping->zone_share[2];
     double sine = INFINITY;
     for (int i = (int)ceil(begin * DEV_TABLE_CELLS); i + 1 < end * DEV_TABLE_CELLS; i++) {
-        if (q[i] > GAP_DEMAND) {
-            sine = elevation_of_x(ping, (i + 1.0) / DEV_TABLE_CELLS).uz;
+        double uz = elevation_of_x(ping, (i + 1.0) / DEV_TABLE_CELLS).uz;
+        if (q[i] > GAP_DEMAND && !in_cone_band(ping, uz)) {
+            sine = uz;
         }
-        if (elevation_of_x(ping, (i + 1.0) / DEV_TABLE_CELLS).uz <= 0.0) {
+        if (uz <= 0.0) {
             break;
         }
     }

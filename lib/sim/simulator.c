@@ -213,7 +213,7 @@ static asdic_status allocate_host(asdic_simulator *sim) {
     sim->bin_volume = calloc(sim->bins, sizeof *sim->bin_volume);
     sim->host_results = malloc(results_bytes(sim));
     sim->calibration = malloc(sim->cells * sizeof *sim->calibration);
-    sim->smear_scratch = malloc((2 * sim->bins + 1) * sizeof *sim->smear_scratch);
+    sim->smear_scratch = malloc((3 * sim->bins + 1) * sizeof *sim->smear_scratch);
     if (!sim->smear_scratch || !sim->receivers || !sim->calibration || !sim->ping ||
         !sim->bin_table || !sim->bin_loss || !sim->bin_volume || !sim->host_results) {
         return asdic_fail_memory(sim->ctx, "a simulator");

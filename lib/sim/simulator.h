@@ -76,7 +76,7 @@ struct asdic_simulator {
     double tabulated_absorption;   /* of the tables per bin; -1: none */
     float *bin_table;              /* 2 * bins scratch */
     double *bin_loss, *bin_volume; /* TL d^2; s_V times the integral of TL d^2 */
-    double *smear_scratch;         /* 2 * bins + 1 */
+    double *smear_scratch;         /* 3 * bins + 1 */
     float *calibration;            /* cells: true spread of a ping over what its groups suggest */
     float table[DEV_TABLE_CELLS + 1]; /* cumulative probabilities of the sampling coordinate */
     double zone_altitude; /* where the bottom zone assumes the bottom, re the altitude; learnt */

@@ -92,15 +92,33 @@ static void smear_row(double *row, double *prefix, size_t bins, double length) {
     }
 }
 
+/* The stated error of one beam's smeared TOTAL: a pulse spreads errors as it spreads energy, and
+ * errors of neighbouring bins are taken to agree, the least favourable case. ERRORS holds the
+ * energies' standard errors before. */
+static void smear_errors(const double *total, double *errors, double *prefix, double length,
+                         size_t bins, float *stderr_db) {
+    smear_row(errors, prefix, bins, length);
+    for (size_t n = 0; n < bins; n++) {
+        stderr_db[n] = total[n] > 0.0 ? (float)(errors[n] / total[n]) : 0.0f;
+    }
+}
+
 void asdic_pulse_smear(const asdic_sonar *sonar, double sound_speed_mps, double *scratch,
                        asdic_ping *ping) {
     double length = sound_speed_mps / (2.0 * sonar->bandwidth_hz) / sonar->bin_length_m;
     if (length <= 1.0) {
         return;
     }
-    for (int c = ASDIC_TOTAL; c < ASDIC_NOISE; c++) {
-        for (size_t b = 0; b < ping->beams; b++) {
-            smear_row(ping->intensity_lin[c] + b * ping->bins, scratch, ping->bins, length);
+    size_t bins = ping->bins;
+    double *prefix = scratch, *errors = scratch + 2 * bins + 1;
+    for (size_t b = 0; b < ping->beams; b++) {
+        double *total = ping->intensity_lin[ASDIC_TOTAL] + b * bins;
+        for (size_t n = 0; n < bins; n++) {
+            errors[n] = total[n] * ping->stderr_db[b * bins + n];
         }
+        for (int c = ASDIC_TOTAL; c < ASDIC_NOISE; c++) {
+            smear_row(ping->intensity_lin[c] + b * bins, prefix, bins, length);
+        }
+        smear_errors(total, errors, prefix, length, bins, ping->stderr_db + b * bins);
     }
 }

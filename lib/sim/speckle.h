@@ -8,7 +8,8 @@
 
 /* Spreads every component's energy over a resolution cell c / (2 B), centred, when that is longer
  * than a bin; nothing to do otherwise: a bin then holds whole cells, and what leaks over its edges
- * is at most half a cell's share. Noise is the same in every bin. SCRATCH: 2 * bins + 1. */
+ * is at most half a cell's share. Stated errors follow the energy. Noise is the same in every bin.
+ * SCRATCH: 3 * bins + 1. */
 void asdic_pulse_smear(const asdic_sonar *sonar, double sound_speed_mps, double *scratch,
                        asdic_ping *ping);
 
