@@ -3,6 +3,7 @@
 #include "base/context.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -19,6 +20,17 @@ struct asdic_file {
 static bool is_special(const char *path) {
     struct stat st;
     return stat(path, &st) == 0 && !S_ISREG(st.st_mode) && !S_ISDIR(st.st_mode);
+}
+
+/* Standard output as the caller has it, redirected or not. Opening /dev/stdout instead would cut a
+ * file that is appended to; renaming over it would replace the device's name for everybody. */
+static FILE *open_stdout(void) {
+    int fd = fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, 3);
+    FILE *stream = fd >= 0 ? fdopen(fd, "wb") : NULL;
+    if (!stream && fd >= 0) {
+        close(fd);
+    }
+    return stream;
 }
 
 static void file_free(asdic_file **file) {
@@ -40,7 +52,8 @@ asdic_status asdic_file_create(asdic_context *ctx, const char *path, asdic_file 
     }
     file->ctx = ctx;
     file->path = strdup(path);
-    bool is_direct = is_special(path);
+    bool is_stdout = strcmp(path, "/dev/stdout") == 0;
+    bool is_direct = is_stdout || is_special(path);
     if (!is_direct && asprintf(&file->part, "%s.part", path) < 0) {
         file->part = NULL;
     }
@@ -49,7 +62,7 @@ asdic_status asdic_file_create(asdic_context *ctx, const char *path, asdic_file 
         goto fail;
     }
     const char *opened = file->part ? file->part : path;
-    file->stream = fopen(opened, "wbe");
+    file->stream = is_stdout ? open_stdout() : fopen(opened, "wbe");
     if (!file->stream) {
         status = asdic_fail(ctx, ASDIC_ERROR_IO, "cannot write '%s': %s", opened, strerror(errno));
         goto fail;

@@ -1,9 +1,11 @@
 """asdic expect: levels as CSV, variants, errata, refusals."""
 import csv
 import io
+import os
+import subprocess
 
 import tap
-from program import Folder, asdic
+from program import PATH, Folder, asdic
 
 SCENE = """
 version: 1
@@ -123,6 +125,25 @@ def test_wrong_use():
         tap.contains(asdic("expect", path, "--ping", "1", "-o", "-").check(code=2, out="").err,
                      "--ping 1")
         asdic("expect", folder / "none.yaml").check(code=3, out="")
+
+
+def test_redirected_stdout_is_written_and_left_in_place():
+    """As root a rename over /dev/stdout would work, and spoil it for the whole machine."""
+    before = os.readlink("/dev/stdout") if os.path.islink("/dev/stdout") else None
+    with Folder() as folder:
+        path, target = folder.write("scene.yaml", SCENE), folder.write("out.csv", "kept\n")
+        try:
+            with open(target, "a", encoding="utf-8") as out:
+                code = subprocess.run([PATH, "expect", path, "-o", "-"], stdout=out,
+                                      stderr=subprocess.DEVNULL, check=False).returncode
+            after = os.readlink("/dev/stdout") if os.path.islink("/dev/stdout") else None
+        finally:
+            if before and not os.path.islink("/dev/stdout"):
+                os.unlink("/dev/stdout")
+                os.symlink(before, "/dev/stdout")
+        tap.equal(code, 0, "exit code")
+        tap.equal(after, before, "/dev/stdout")
+        tap.equal(folder.read("out.csv").split("\n")[:2], ["kept", HEADER])
 
 
 tap.main(globals())
