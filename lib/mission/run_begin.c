@@ -161,6 +161,9 @@ static asdic_status open_csv(asdic_run_job *job) {
 asdic_status asdic_job_begin(asdic_run_job *job) {
     asdic_status status = check_range(job);
     if (status == ASDIC_OK) {
+        status = asdic_files_check(job->ctx, job->mission);
+    }
+    if (status == ASDIC_OK) {
         status = describe(job);
     }
     if (status == ASDIC_OK) {

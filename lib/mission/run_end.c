@@ -49,9 +49,8 @@ asdic_status asdic_job_end(asdic_run_job *job, bool is_whole) {
     if (status == ASDIC_OK) {
         status = conclude(job);
     }
-    if (status == ASDIC_OK && is_whole && asdic_mission_output(job->mission)->npy) {
-        status =
-            asdic_files_levels(job->ctx, job->store, folder, job->facts.beams, job->facts.bins);
+    if (status == ASDIC_OK && is_whole) {
+        status = asdic_files_write(job->ctx, job->store, folder, job->mission, &job->facts);
     }
     /* Not complete before the pictures are there: --resume then draws what is missing. */
     job->facts.state = ASDIC_RUN_STOPPED;

@@ -16,6 +16,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#define COUNT_OF(array) ((int)(sizeof(array) / sizeof *(array)))
+
 /* The scene file's text is at most 4 MiB and may double when escaped. */
 #define MAX_BYTES ((size_t)16 << 20)
 
@@ -245,8 +247,10 @@ static void read_all(reader *r, asdic_arena *arena, asdic_run_facts *facts) {
     facts->bottom_type = read_number(r, r->root, "bottom_type");
     facts->sampling.seed = read_natural(r, "seed");
     facts->sampling.rays = (uint32_t)read_natural(r, "rays");
-    facts->sampling.sampler = (asdic_sampler)read_word(r, "sampler", sampler_names, 3);
-    facts->sampling.multipath = (asdic_multipath)read_word(r, "multipath", multipath_names, 2);
+    facts->sampling.sampler =
+        (asdic_sampler)read_word(r, "sampler", sampler_names, COUNT_OF(sampler_names));
+    facts->sampling.multipath =
+        (asdic_multipath)read_word(r, "multipath", multipath_names, COUNT_OF(multipath_names));
     facts->first_ping = read_natural(r, "first_ping");
     facts->pings_planned = read_natural(r, "pings_planned");
     facts->pings = read_natural(r, "pings");

@@ -155,8 +155,8 @@ static asdic_status write_run(merger *m) {
     if (status == ASDIC_OK) {
         status = asdic_csv_commit(&m->csv);
     }
-    if (status == ASDIC_OK && asdic_mission_output(settings)->npy) {
-        status = asdic_files_levels(m->ctx, m->store, m->folder, m->facts.beams, m->facts.bins);
+    if (status == ASDIC_OK) {
+        status = asdic_files_write(m->ctx, m->store, m->folder, settings, &m->facts);
     }
     return status;
 }

@@ -89,8 +89,8 @@ static const asdic_key output_keys[] = {
      .doc = "bins.csv: long has a row per ping, beam and bin, wide one per ping and beam"},
     {"npy", ASDIC_KEY_BOOL, AT(file_output, npy), .fallback = "false",
      .doc = "also levels.npy: float32 by ping, beam and bin"},
-    {"netcdf", ASDIC_KEY_BOOL, ASDIC_KEY_PLANNED, AT(file_output, netcdf), .fallback = "false",
-     .doc = "also run.nc, netCDF-4"},
+    {"netcdf", ASDIC_KEY_BOOL, AT(file_output, netcdf), .fallback = "false",
+     .doc = "also run.nc: netCDF-4 with names after SONAR-netCDF4"},
     {"images", ASDIC_KEY_WORDS, AT(file_output, images), .words = image_words,
      .fallback = "[waterfall, ascope, fan]", .doc = "pictures to draw"},
 };

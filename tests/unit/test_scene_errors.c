@@ -209,14 +209,6 @@ static void points_and_presets_are_checked(void **state) {
                 "'preset', 'impedance_mrayl'  [objects[3].material]\n");
 }
 
-static void planned_features_are_refused_by_name(void **state) {
-    (void)state;
-    expect_edit("mission:", "output: {netcdf: true}\nmission:",
-                "7:18: error: 'netcdf' = true is not supported yet in this version; use false  "
-                "[output.netcdf]\n");
-    expect_edit("mission:", "output: {netcdf: no}\nmission:", "");
-}
-
 static void names_are_fit_for_files_and_differ(void **state) {
     (void)state;
     expect_edit("forward", "a/b",
@@ -377,7 +369,6 @@ int main(void) {
         cmocka_unit_test(missing_keys_are_all_named),
         cmocka_unit_test(alternatives_exclude_each_other),
         cmocka_unit_test(points_and_presets_are_checked),
-        cmocka_unit_test(planned_features_are_refused_by_name),
         cmocka_unit_test(names_are_fit_for_files_and_differ),
         cmocka_unit_test(keys_must_fit_together),
         cmocka_unit_test(waypoints_can_be_flown),

@@ -1,0 +1,118 @@
+#include "netcdf_file.h"
+
+#include "base/context.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+bool asdic_nc_check(asdic_nc *nc, int code) {
+    if (nc->failure == NC_NOERR) {
+        nc->failure = code;
+    }
+    return nc->failure == NC_NOERR;
+}
+
+asdic_status asdic_nc_create(asdic_context *ctx, const char *path, asdic_nc *out) {
+    *out = (asdic_nc){.ctx = ctx, .path = strdup(path)};
+    if (!out->path || asprintf(&out->part, "%s.part", path) < 0) {
+        out->part = NULL;
+        asdic_nc_discard(out);
+        return asdic_fail_memory(ctx, "a file name");
+    }
+    int code = nc_create(out->part, NC_NETCDF4 | NC_CLOBBER, &out->id);
+    out->is_open = code == NC_NOERR;
+    if (!asdic_nc_check(out, code)) {
+        asdic_status status = asdic_nc_status(out);
+        asdic_nc_discard(out);
+        return status;
+    }
+    return ASDIC_OK;
+}
+
+int asdic_nc_group(asdic_nc *nc, int parent, const char *name) {
+    int id = -1;
+    if (nc->failure == NC_NOERR) {
+        asdic_nc_check(nc, nc_def_grp(parent, name, &id));
+    }
+    return id;
+}
+
+int asdic_nc_dimension(asdic_nc *nc, int group, const char *name, size_t length) {
+    int id = -1;
+    if (nc->failure == NC_NOERR) {
+        asdic_nc_check(nc, nc_def_dim(group, name, length, &id));
+    }
+    return id;
+}
+
+void asdic_nc_texts(asdic_nc *nc, int group, int variable, const asdic_nc_attribute *attributes) {
+    for (; attributes->name && nc->failure == NC_NOERR; attributes++) {
+        asdic_nc_check(nc, nc_put_att_text(group, variable, attributes->name,
+                                           strlen(attributes->value), attributes->value));
+    }
+}
+
+int asdic_nc_variable(asdic_nc *nc, int group, const char *name, nc_type type, int rank,
+                      const int *dimensions, const char *long_name, const char *units) {
+    int id = -1;
+    if (nc->failure != NC_NOERR ||
+        !asdic_nc_check(nc, nc_def_var(group, name, type, rank, dimensions, &id))) {
+        return -1;
+    }
+    const asdic_nc_attribute texts[] = {
+        {"long_name", long_name}, {units ? "units" : NULL, units}, {NULL, NULL}};
+    asdic_nc_texts(nc, group, id, texts);
+    return id;
+}
+
+asdic_status asdic_nc_status(const asdic_nc *nc) {
+    if (nc->failure == NC_NOERR) {
+        return ASDIC_OK;
+    }
+    /* Codes above zero are the system's. */
+    return asdic_fail(nc->ctx, nc->failure == NC_ENOMEM ? ASDIC_ERROR_MEMORY : ASDIC_ERROR_IO,
+                      "cannot write '%s': %s", nc->part ? nc->part : nc->path,
+                      nc_strerror(nc->failure));
+}
+
+/* The name must not be there before the bytes are. */
+static int sync_file(const char *path) {
+    int fd = open(path, O_RDONLY | O_CLOEXEC);
+    int error = fd < 0 || fsync(fd) != 0 ? errno : 0;
+    if (fd >= 0) {
+        close(fd);
+    }
+    return error;
+}
+
+asdic_status asdic_nc_commit(asdic_nc *nc) {
+    int code = nc_close(nc->id);
+    nc->is_open = false;
+    if (asdic_nc_check(nc, code) && asdic_nc_check(nc, sync_file(nc->part)) &&
+        rename(nc->part, nc->path) != 0) {
+        nc->failure = errno;
+    }
+    asdic_status status = asdic_nc_status(nc);
+    if (status == ASDIC_OK) {
+        free(nc->part);
+        nc->part = NULL;
+    }
+    asdic_nc_discard(nc);
+    return status;
+}
+
+void asdic_nc_discard(asdic_nc *nc) {
+    if (nc->is_open) {
+        nc_abort(nc->id);
+    }
+    if (nc->part) {
+        unlink(nc->part);
+    }
+    free(nc->part);
+    free(nc->path);
+    *nc = (asdic_nc){0};
+}

@@ -1,0 +1,45 @@
+/*
+ * A netCDF-4 file that appears complete or not at all. Calls after the first failure do nothing, so
+ * that a file can be described without a check after each line; the failure is told at the end.
+ */
+#ifndef ASDIC_OUT_NETCDF_FILE_H
+#define ASDIC_OUT_NETCDF_FILE_H
+
+#include <asdic/context.h>
+
+#include <netcdf.h>
+
+typedef struct asdic_nc {
+    asdic_context *ctx;
+    char *path, *part;
+    int id;
+    bool is_open;
+    int failure; /* NC_NOERR, or the first that failed */
+} asdic_nc;
+
+/* A dimension or variable that could not be made is -1. */
+typedef struct asdic_nc_attribute {
+    const char *name, *value; /* text; NULL ends a list */
+} asdic_nc_attribute;
+
+asdic_status asdic_nc_create(asdic_context *ctx, const char *path, asdic_nc *out);
+
+/* Keeps the first failure; true while there is none. */
+bool asdic_nc_check(asdic_nc *nc, int code);
+
+int asdic_nc_group(asdic_nc *nc, int parent, const char *name);
+int asdic_nc_dimension(asdic_nc *nc, int group, const char *name, size_t length);
+void asdic_nc_texts(asdic_nc *nc, int group, int variable, const asdic_nc_attribute *attributes);
+int asdic_nc_variable(asdic_nc *nc, int group, const char *name, nc_type type, int rank,
+                      const int *dimensions, const char *long_name, const char *units);
+
+/* ASDIC_ERROR_IO with the first failure's reason. */
+asdic_status asdic_nc_status(const asdic_nc *nc);
+
+/* Closes; renames unless something failed. */
+asdic_status asdic_nc_commit(asdic_nc *nc);
+
+/* Closes and removes. Safe on zeros and after commit. */
+void asdic_nc_discard(asdic_nc *nc);
+
+#endif

@@ -1,0 +1,197 @@
+"""What asdic run writes, read back by programs that are not ours. A test is skipped where its
+program is not installed; `./dev test` installs them."""
+import csv
+import os
+import re
+import shutil
+import subprocess
+
+import program
+import tap
+from program import Folder, asdic
+from run_folder import data, facts, pictures, scene
+
+SYSTEM_PYTHON = "/usr/bin/python3"  # Debian's, which has Debian's numpy
+
+
+def tool(*arguments, cwd, stdin=""):
+    """Standard output of a foreign program, which must be content."""
+    if not shutil.which(arguments[0]):
+        raise tap.Skip(f"no {arguments[0]}")
+    done = subprocess.run(arguments, cwd=cwd, input=stdin, capture_output=True, text=True,
+                          timeout=60, check=False, env={**os.environ, "LC_ALL": "C"})
+    if done.returncode:
+        raise AssertionError(f"{arguments}: {done.returncode}: {done.stderr or done.stdout}")
+    return done.stdout
+
+
+def numpy(script, cwd):
+    done = subprocess.run([SYSTEM_PYTHON, "-c", "import sys\ntry:\n import numpy\n"
+                           "except ImportError:\n sys.exit(77)\n" + script],
+                          cwd=cwd, capture_output=True, text=True, timeout=60, check=False)
+    if done.returncode == 77:
+        raise tap.Skip("no numpy")
+    if done.returncode:
+        raise AssertionError(done.stderr)
+    return done.stdout
+
+
+def run_of(folder, pings=4, **changes):
+    """A run 'r' of the pool, all formats; its levels from bins.csv in file order."""
+    program.need_device()
+    path = scene(folder, pings=pings, rays=500)
+    text = folder.read("pool.yaml")
+    for old, new in changes.get("edits", {"{npy: true,": "{npy: true, netcdf: true,"}).items():
+        tap.contains(text, old)
+        text = text.replace(old, new)
+    folder.write("pool.yaml", text)
+    asdic("run", path, "-o", folder / "r").check(code=0)
+    return folder / "r"
+
+
+def rows_of(folder):
+    return list(csv.DictReader(data(folder, "r", "bins.csv").decode().splitlines()))
+
+
+def test_csv_in_sqlite():
+    with Folder() as folder:
+        run = run_of(folder)
+        rows = rows_of(folder)
+        forward = [float(r["level_db"]) for r in rows if r["beam"] == "forward" and r["level_db"]]
+        out = tool("sqlite3", "-csv", ":memory:", cwd=run, stdin=(
+            ".mode csv\n.import bins.csv bins\n"
+            "SELECT count(*), count(DISTINCT ping), max(CAST(bin AS INTEGER)) FROM bins;\n"
+            "SELECT max(CAST(level_db AS REAL)) FROM bins WHERE beam = 'forward' AND level_db <> '';\n"
+            "SELECT count(*) FROM bins WHERE object_db = '';\n"))
+        lines = out.split()
+        tap.equal(lines[0], f"{len(rows)},4,{facts(folder, 'r')['bins'] - 1}", "table")
+        tap.equal(float(lines[1]), max(forward), "highest level")
+        tap.equal(int(lines[2]), sum(r["object_db"] == "" for r in rows), "empty fields")
+
+
+def test_wide_csv_in_gnuplot_and_sqlite():
+    with Folder() as folder:
+        long_rows = rows_of(folder) if run_of(folder) else []
+        shutil.rmtree(folder / "r")
+        run = run_of(folder, edits={"{npy: true,": "{csv: wide,"})
+        expected = [float(r["level_db"]) for r in long_rows
+                    if r["ping"] == "2" and r["beam"] == "down" and r["level_db"]]
+        out = tool("gnuplot", "-e", "set datafile separator ','; set print '-'; "
+                   "stats 'bins.csv' every ::1 using 24 name 'L' nooutput; "  # 20.5 m
+                   "print sprintf('%d %.9g %.9g', L_records, L_min, L_max)", cwd=run).split()
+        column = [float(r["level_db"]) for r in long_rows if r["range_m"] == "20.5"]
+        tap.equal((int(out[0]), float(out[1]), float(out[2])), (8, min(column), max(column)),
+                  "gnuplot's statistics")
+        header, *rows = data(folder, "r", "bins.csv").decode().splitlines()
+        tap.equal(header.split(",")[:5], ["ping", "time_s", "beam", "0.5_m", "1.5_m"])
+        tap.equal(len(rows), 8, "a row per ping and beam")
+        tap.equal([float(x) for x in rows[5].split(",")[3:] if x], expected, "levels of a row")
+        out = tool("sqlite3", "-csv", ":memory:", cwd=run, stdin=(
+            ".mode csv\n.import bins.csv bins\nSELECT \"20.5_m\" FROM bins WHERE ping = '2' AND "
+            "beam = 'down';\n"))
+        level = [r["level_db"] for r in long_rows
+                 if (r["ping"], r["beam"], r["range_m"]) == ("2", "down", "20.5")]
+        tap.equal(out.split(), level, "a cell")
+
+
+def test_long_csv_in_gnuplot():
+    with Folder() as folder:
+        run = run_of(folder)
+        levels = [float(r["level_db"]) for r in rows_of(folder) if r["level_db"]]
+        out = tool("gnuplot", "-e", "set datafile separator ','; set print '-'; "
+                   "stats 'bins.csv' every ::1 using 6 name 'L' nooutput; "
+                   "print sprintf('%d %.9g %.9g', L_records, L_min, L_max)", cwd=run).split()
+        tap.equal((int(out[0]), float(out[1]), float(out[2])),
+                  (len(levels), min(levels), max(levels)), "statistics")
+
+
+def test_npy_in_numpy():
+    with Folder() as folder:
+        run = run_of(folder)
+        out = numpy("p = numpy.load('pings.npy'); q = numpy.load('levels.npy')\n"
+                    "assert numpy.array_equal(p['level_db'], q, equal_nan=True)\n"
+                    "assert q.dtype == numpy.float32, q.dtype\n"
+                    "assert p['time_s'].tolist() == [0, 0.05, 0.1, 0.15], p['time_s']\n"
+                    "assert p['ping'].tolist() == [0, 1, 2, 3]\n"
+                    "t = numpy.genfromtxt('bins.csv', delimiter=',', skip_header=1, usecols=5)\n"
+                    "assert numpy.array_equal(t.astype('f4').reshape(q.shape), q, equal_nan=True)\n"
+                    "print(q.shape)\n", run)
+        tap.equal(out.strip(), f"(4, 2, {facts(folder, 'r')['bins']})", "shape")
+
+
+def cdl_numbers(text, name):
+    """Values of a variable as ncdump prints it; None for the fill value."""
+    body = re.findall(rf"\n\s*{name} =\s(.*?);", text, re.S)[-1]  # before: a dimension of its name
+    return [None if word in ("_", "NaN", "NaNf") else float(word)
+            for word in re.split(r"[,\s]+", body.strip())]
+
+
+def test_netcdf_in_ncdump():
+    with Folder() as folder:
+        run = run_of(folder)
+        if not os.path.exists(run + "/run.nc"):
+            raise AssertionError("no run.nc")
+        text = tool("ncdump", "-p", "9,17", "run.nc", cwd=run)
+        rows = rows_of(folder)
+        for variable, column in (("backscatter_r", "level_db"), ("bottom_db", "bottom_db"),
+                                 ("object_db", "object_db"), ("stderr_db", "stderr_db")):
+            expected = [float(r[column]) if r[column] else None for r in rows]
+            tap.equal(cdl_numbers(text, variable), expected, variable)
+        bins = facts(folder, "r")["bins"]
+        for line in (f"range_sample = {bins} ;", "beam = 2 ;", "ping_time = 4 ;",
+                     "float backscatter_r(ping_time, beam, range_sample) ;",
+                     'beam = "forward", "down" ;', ':Conventions = "CF-1.7" ;',
+                     "group: Beam_group1 {", "group: Environment {", "group: Platform {",
+                     "group: Provenance {", "group: Sonar {"):
+            tap.contains(text, line)
+        tap.equal(cdl_numbers(text, "ping_time"), [0, 0.05, 0.1, 0.15], "times")
+        tap.equal(cdl_numbers(text, "range")[:3], [0.5, 1.5, 2.5], "ranges")
+        tap.equal(cdl_numbers(text, "depth"), [5] * 4, "depth")
+        # 45 degrees down: forward and down alike.
+        tap.equal([round(x, 9) for x in cdl_numbers(text, "beam_direction_x")], [1, 0.707106781])
+        tap.equal([round(x, 9) for x in cdl_numbers(text, "beam_direction_z")], [0, 0.707106781])
+        storage = tool("ncdump", "-hs", "run.nc", cwd=run)
+        for line in ("backscatter_r:_DeflateLevel = 1 ;", 'backscatter_r:_Shuffle = "true" ;',
+                     'backscatter_r:_Storage = "chunked" ;', "backscatter_r:_FillValue = NaNf ;"):
+            tap.contains(storage, line)
+
+
+def test_netcdf_in_gdal():
+    with Folder() as folder:
+        run = run_of(folder)
+        out = tool("gdalinfo", 'NETCDF:"run.nc":/Sonar/Beam_group1/backscatter_r', cwd=run)
+        tap.contains(out, f"Size is {facts(folder, 'r')['bins']}, 2")
+        tap.contains(out, "Band 4 ")
+        tap.contains(out, "Type=Float32")
+
+
+def test_shards_give_the_same_netcdf():
+    with Folder() as folder:
+        run_of(folder)
+        for k in (1, 2):
+            asdic("run", folder / "pool.yaml", "-o", folder / f"part{k}", "--shard",
+                  f"{k}/2").check(code=0)
+        asdic("merge", folder / "part1", folder / "part2", "-o", folder / "whole").check(code=0)
+        tap.equal(data(folder, "whole", "run.nc") == data(folder, "r", "run.nc"), True, "run.nc")
+
+
+def test_pictures_in_pngcheck_and_gdal():
+    with Folder() as folder:
+        run = run_of(folder)
+        asdic("render", run, "--raw", "--db-range", "0:200").check(code=0)
+        names = pictures(folder, "r")
+        tap.contains(names, "raw_down.png")
+        for name in names:
+            tap.contains(tool("pngcheck", name, cwd=run), "OK: " + name)
+        out = tool("gdalinfo", "-mm", "raw_down.png", cwd=run)
+        tap.contains(out, f"Size is {facts(folder, 'r')['bins']}, 4")
+        tap.contains(out, "Type=UInt16")
+        levels = [float(r["level_db"]) for r in rows_of(folder)
+                  if r["beam"] == "down" and r["level_db"]]
+        found = re.search(r"Computed Min/Max=([\d.]+),([\d.]+)", out).groups()
+        for grey, level in zip(map(float, found), (min(levels), max(levels))):
+            if not 0 < level < 200 or abs(grey - (1 + 65534 * level / 200)) > 1:
+                raise AssertionError((grey, level))
+
+
+tap.main(globals())
