@@ -27,8 +27,8 @@ static float largest_coordinate(const asdic_bvh_node2 *root) {
     return extent;
 }
 
-asdic_status asdic_bvh_build(asdic_context *ctx, const dev_triangle *triangles, size_t count,
-                             unsigned threads, asdic_bvh *out) {
+asdic_status asdic_bvh_build(asdic_context *ctx, const dev_triangle *triangles, const uint32_t *ids,
+                             size_t count, unsigned threads, asdic_bvh *out) {
     *out = (asdic_bvh){.root = DEV_EMPTY};
     if (count == 0) {
         return ASDIC_OK;
@@ -50,7 +50,8 @@ asdic_status asdic_bvh_build(asdic_context *ctx, const dev_triangle *triangles, 
         goto fail;
     }
     for (size_t i = 0; i < count; i++) {
-        item_from_triangle(&triangles[i], (uint32_t)i, &items[i]);
+        uint32_t id = ids ? ids[i] : (uint32_t)i;
+        item_from_triangle(&triangles[id], id, &items[i]);
     }
     status = asdic_bvh_split(ctx, items, count, threads, nodes);
     if (status == ASDIC_OK) {

@@ -38,4 +38,7 @@ asdic_status asdic_bvh_pack(asdic_context *ctx, const asdic_bvh_node2 *nodes,
                             const asdic_bvh_item *items, const dev_triangle *triangles,
                             size_t count, asdic_bvh *out);
 
+/* Makes child I of NODE the box LO to HI with WORD below it; LO NULL: no child. */
+void asdic_node8_set_child(dev_node8 *node, int i, const float *lo, const float *hi, uint32_t word);
+
 #endif

@@ -115,17 +115,19 @@ static uint32_t pack_block(packer *p, const asdic_bvh_node2 *leaf) {
     return DEV_LEAF | index;
 }
 
-static void set_child(dev_node8 *node, int i, const asdic_bvh_node2 *box, uint32_t word) {
-    static const asdic_bvh_node2 NOWHERE = {
-        {FAR_PLANE, FAR_PLANE, FAR_PLANE}, 0, {-FAR_PLANE, -FAR_PLANE, -FAR_PLANE}, 0};
-    box = box ? box : &NOWHERE;
-    node->lo_x[i] = box->lo[0];
-    node->lo_y[i] = box->lo[1];
-    node->lo_z[i] = box->lo[2];
-    node->hi_x[i] = box->hi[0];
-    node->hi_y[i] = box->hi[1];
-    node->hi_z[i] = box->hi[2];
-    node->child[i] = word;
+void asdic_node8_set_child(dev_node8 *node, int i, const float *lo, const float *hi,
+                           uint32_t word) {
+    static const float first[3] = {FAR_PLANE, FAR_PLANE, FAR_PLANE};
+    static const float last[3] = {-FAR_PLANE, -FAR_PLANE, -FAR_PLANE};
+    hi = lo ? hi : last;
+    lo = lo ? lo : first;
+    node->lo_x[i] = lo[0];
+    node->lo_y[i] = lo[1];
+    node->lo_z[i] = lo[2];
+    node->hi_x[i] = hi[0];
+    node->hi_y[i] = hi[1];
+    node->hi_z[i] = hi[2];
+    node->child[i] = lo == first ? DEV_EMPTY : word;
 }
 
 static void pack_node(packer *p, pack_task task) {
@@ -137,15 +139,15 @@ static void pack_node(packer *p, pack_task task) {
     }
     for (int i = 0; i < DEV_BVH_WIDTH; i++) {
         if (i >= count) {
-            set_child(node, i, NULL, DEV_EMPTY);
+            asdic_node8_set_child(node, i, NULL, NULL, DEV_EMPTY);
             continue;
         }
         const asdic_bvh_node2 *n = &p->nodes[child[i]];
         if (n->count > 0) {
-            set_child(node, i, n, pack_block(p, n));
+            asdic_node8_set_child(node, i, n->lo, n->hi, pack_block(p, n));
         } else {
             uint32_t index = (uint32_t)p->out->node_count++;
-            set_child(node, i, n, index);
+            asdic_node8_set_child(node, i, n->lo, n->hi, index);
             p->stack[p->top++] = (pack_task){child[i], index, task.depth + 1};
         }
     }

@@ -2,7 +2,8 @@
  * Commit: world coordinates in double become floats relative to the scene's centre, so that a
  * scene a million metres from the world's origin loses nothing, and the hierarchy is built.
  */
-#include "scene.h"
+#include "moving.h"
+#include "place.h"
 #include "smooth.h"
 
 #include "../base/context.h"
@@ -11,87 +12,47 @@
 #include <stdlib.h>
 #include <time.h>
 
-typedef struct box {
-    asdic_vec3 lo, hi;
-} box;
-
 static double now_s(void) {
     struct timespec t;
     clock_gettime(CLOCK_MONOTONIC, &t);
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-static asdic_vec3 scene_corner(const asdic_scene *scene, size_t index) {
-    const double *v = &scene->corners_m[3 * index];
-    return (asdic_vec3){v[0], v[1], v[2]};
-}
-
-static void box_add(box *b, asdic_vec3 lo, asdic_vec3 hi) {
-    b->lo = (asdic_vec3){fmin(b->lo.x, lo.x), fmin(b->lo.y, lo.y), fmin(b->lo.z, lo.z)};
-    b->hi = (asdic_vec3){fmax(b->hi.x, hi.x), fmax(b->hi.y, hi.y), fmax(b->hi.z, hi.z)};
-}
-
-static asdic_vec3 box_centre(const box *b) {
-    return asdic_vec3_scale(asdic_vec3_add(b->lo, b->hi), 0.5);
-}
-
-/* Bounding spheres of the parts, the scene's box and its centre. */
-static asdic_status measure_parts(asdic_scene *scene) {
-    const box nothing = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
-    box *boxes = malloc((scene->part_count + 1) * sizeof *boxes);
-    if (!boxes) {
-        return asdic_fail_memory(scene->ctx, "the boxes of a scene's objects");
-    }
-    for (size_t p = 0; p < scene->part_count; p++) {
-        boxes[p] = nothing;
-    }
-    for (size_t i = 0; i < 3 * scene->triangle_count; i++) {
-        asdic_vec3 v = scene_corner(scene, i);
-        box_add(&boxes[scene->corner_parts[i / 3]], v, v);
-    }
-    box whole = nothing;
-    for (size_t p = 0; p < scene->part_count; p++) {
-        scene->parts[p].center_m = box_centre(&boxes[p]);
-        scene->parts[p].radius_m = 0.0;
-        box_add(&whole, boxes[p].lo, boxes[p].hi);
-    }
-    for (size_t i = 0; i < 3 * scene->triangle_count; i++) {
-        asdic_part *part = &scene->parts[scene->corner_parts[i / 3]];
-        asdic_vec3 from_centre = asdic_vec3_sub(scene_corner(scene, i), part->center_m);
-        part->radius_m = fmax(part->radius_m, asdic_vec3_length(from_centre));
+/* Bounding spheres of the parts, whose triangles lie together; the scene's box and its centre. */
+static void measure_parts(asdic_scene *scene) {
+    asdic_vec3 lo = {INFINITY, INFINITY, INFINITY}, hi = {-INFINITY, -INFINITY, -INFINITY};
+    for (size_t begin = 0, end; begin < scene->triangle_count; begin = end) {
+        uint32_t number = scene->corner_parts[begin];
+        for (end = begin; end < scene->triangle_count && scene->corner_parts[end] == number;) {
+            end++;
+        }
+        asdic_vec3 part_lo, part_hi;
+        asdic_place_sphere(&scene->corners_m[9 * begin], end - begin, &scene->parts[number],
+                           &part_lo, &part_hi);
+        lo = (asdic_vec3){fmin(lo.x, part_lo.x), fmin(lo.y, part_lo.y), fmin(lo.z, part_lo.z)};
+        hi = (asdic_vec3){fmax(hi.x, part_hi.x), fmax(hi.y, part_hi.y), fmax(hi.z, part_hi.z)};
     }
     if (scene->triangle_count > 0) {
-        scene->min_m = whole.lo;
-        scene->max_m = whole.hi;
-        scene->origin_m = box_centre(&whole);
+        scene->min_m = lo;
+        scene->max_m = hi;
+        scene->origin_m = asdic_vec3_scale(asdic_vec3_add(lo, hi), 0.5);
     }
-    free(boxes);
-    return ASDIC_OK;
 }
 
-static void round_corner(const asdic_scene *scene, asdic_vec3 world, float out[3]) {
-    asdic_vec3 local = asdic_vec3_sub(world, scene->origin_m);
-    out[0] = (float)local.x;
-    out[1] = (float)local.y;
-    out[2] = (float)local.z;
-}
-
-/* The normal comes from the corners before rounding: a facet of centimetres in a scene of
- * kilometres keeps its direction. */
-static void make_triangle(const asdic_scene *scene, size_t index, dev_triangle *out) {
-    asdic_vec3 a = scene_corner(scene, 3 * index), b = scene_corner(scene, 3 * index + 1);
-    asdic_vec3 c = scene_corner(scene, 3 * index + 2);
-    asdic_vec3 n = asdic_vec3_cross(asdic_vec3_sub(b, a), asdic_vec3_sub(c, a));
-    double length = asdic_vec3_length(n);
-    *out = (dev_triangle){.part = scene->corner_parts[index]};
-    round_corner(scene, a, out->v0);
-    round_corner(scene, b, out->v1);
-    round_corner(scene, c, out->v2);
-    /* A facet of a mesh has an area; far from the origin a tiny one may lose it in the placing. */
-    n = length > 0.0 ? asdic_vec3_scale(n, 1.0 / length) : (asdic_vec3){0.0, 0.0, -1.0};
-    out->normal[0] = (float)n.x;
-    out->normal[1] = (float)n.y;
-    out->normal[2] = (float)n.z;
+/* What moves is placed as later poses place it, so that moving it back gives the same bytes. */
+static asdic_status place_movables(asdic_scene *scene) {
+    size_t most = 0;
+    for (size_t i = 0; i < scene->movable_count; i++) {
+        most = scene->movables[i].count > most ? scene->movables[i].count : most;
+    }
+    double *world_m = malloc((9 * most + 1) * sizeof *world_m);
+    for (size_t i = 0; world_m && i < scene->movable_count; i++) {
+        const asdic_movable *m = &scene->movables[i];
+        asdic_movable_place(m, &m->pose, scene->origin_m, world_m, scene->triangles + m->first);
+    }
+    bool placed = world_m != NULL;
+    free(world_m);
+    return placed ? ASDIC_OK : asdic_fail_memory(scene->ctx, "what moves");
 }
 
 asdic_status asdic_scene_commit(asdic_scene *scene) {
@@ -99,10 +60,7 @@ asdic_status asdic_scene_commit(asdic_scene *scene) {
         return asdic_fail(scene->ctx, ASDIC_ERROR_ARGUMENT, "the scene is committed already");
     }
     double start_s = now_s();
-    asdic_status status = measure_parts(scene);
-    if (status != ASDIC_OK) {
-        return status;
-    }
+    measure_parts(scene);
     free(scene->triangles);
     scene->triangles = malloc((scene->triangle_count + 1) * sizeof *scene->triangles);
     if (!scene->triangles) {
@@ -110,13 +68,12 @@ asdic_status asdic_scene_commit(asdic_scene *scene) {
                           "out of memory for a scene of %zu triangles", scene->triangle_count);
     }
     for (size_t i = 0; i < scene->triangle_count; i++) {
-        make_triangle(scene, i, &scene->triangles[i]);
+        scene->triangles[i] = (dev_triangle){.part = scene->corner_parts[i]};
+        asdic_place_triangle(&scene->corners_m[9 * i], scene->origin_m, &scene->triangles[i]);
     }
-    status = asdic_scene_smooth(scene);
-    if (status != ASDIC_OK) {
-        return status;
-    }
-    status = asdic_bvh_build(scene->ctx, scene->triangles, scene->triangle_count, 0, &scene->bvh);
+    asdic_status status = asdic_scene_smooth(scene);
+    status = status ? status : place_movables(scene);
+    status = status ? status : asdic_scene_assemble(scene);
     if (status != ASDIC_OK) {
         return status;
     }

@@ -1,7 +1,8 @@
 /*
  * Scene assembly: meshes are placed in the world in double precision and kept until commit.
  */
-#include "scene.h"
+#include "moving.h"
+#include "place.h"
 #include "triangles.h"
 
 #include "../base/context.h"
@@ -32,6 +33,11 @@ void asdic_scene_destroy(asdic_scene **scene) {
     free(s->materials);
     free(s->parts);
     free(s->points);
+    for (size_t i = 0; i < s->movable_count; i++) {
+        free(s->movables[i].corners_m);
+        free(s->movables[i].normals);
+    }
+    free(s->movables);
     free(s->corners_m);
     free(s->corner_parts);
     free(s->triangles);
@@ -146,23 +152,17 @@ static void place_triangles(asdic_scene *scene, const asdic_mesh *mesh, const as
     for (size_t i = 0; i < mesh->triangle_count; i++) {
         size_t at = scene->triangle_count++;
         scene->corner_parts[at] = (uint32_t)scene->part_count;
-        for (int corner = 0; corner < 3; corner++) {
-            const double *v = &mesh->vertices_m[3 * (size_t)mesh->indices[3 * i + corner]];
-            asdic_vec3 world = asdic_vec3_add(
-                pose->position_m, asdic_mat3_apply(turn, (asdic_vec3){v[0], v[1], v[2]}));
-            double *out = &scene->corners_m[9 * at + 3 * corner];
-            out[0] = world.x;
-            out[1] = world.y;
-            out[2] = world.z;
-        }
+        double corners_m[9];
+        asdic_mesh_corners(mesh, i, corners_m);
+        asdic_place_corners(corners_m, turn, pose->position_m, &scene->corners_m[9 * at]);
     }
 }
 
-static asdic_status check_pose(const asdic_scene *scene, const asdic_pose *pose) {
+asdic_status asdic_pose_check(asdic_context *ctx, const asdic_pose *pose) {
     if (!isfinite(pose->position_m.x) || !isfinite(pose->position_m.y) ||
         !isfinite(pose->position_m.z) || !isfinite(pose->roll_rad) || !isfinite(pose->pitch_rad) ||
         !isfinite(pose->yaw_rad)) {
-        return asdic_fail(scene->ctx, ASDIC_ERROR_ARGUMENT,
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
                           "the pose of an object is not finite: position (%g, %g, %g) m, roll %g, "
                           "pitch %g, yaw %g rad",
                           pose->position_m.x, pose->position_m.y, pose->position_m.z,
@@ -174,7 +174,7 @@ static asdic_status check_pose(const asdic_scene *scene, const asdic_pose *pose)
 static asdic_status add_part(asdic_scene *scene, asdic_part *part, const asdic_mesh *mesh,
                              const asdic_pose *pose, const asdic_material *material) {
     asdic_status status = check_open(scene);
-    status = status ? status : check_pose(scene, pose);
+    status = status ? status : asdic_pose_check(scene->ctx, pose);
     status = status ? status : reserve_triangles(scene, mesh->triangle_count);
     if (status != ASDIC_OK) {
         return status;
@@ -218,13 +218,51 @@ asdic_status asdic_scene_add_object(asdic_scene *scene, const char *name, const 
     return status ? status : add_part(scene, &part, mesh, &pose, &material);
 }
 
+/* Makes room for a movable of COUNT triangles, which is not counted yet. */
+static asdic_status reserve_movable(asdic_scene *scene, size_t count) {
+    asdic_movable *grown = realloc(scene->movables, (scene->movable_count + 1) * sizeof *grown);
+    if (!grown) {
+        return asdic_fail_memory(scene->ctx, "a moving object");
+    }
+    scene->movables = grown;
+    asdic_movable *m = &grown[scene->movable_count];
+    *m = (asdic_movable){.count = count, .corners_m = malloc((9 * count + 1) * sizeof(double))};
+    return m->corners_m ? ASDIC_OK : asdic_fail_memory(scene->ctx, "a moving object");
+}
+
+asdic_status asdic_scene_add_moving_object(asdic_scene *scene, const char *name,
+                                           const asdic_mesh *mesh, asdic_pose pose,
+                                           asdic_material material) {
+    asdic_part part = {.kind = DEV_KIND_OBJECT, .moves = true};
+    asdic_status status = copy_name(scene, name, part.name);
+    status = status ? status : check_open(scene);
+    status = status ? status : reserve_movable(scene, mesh->triangle_count);
+    if (status) {
+        return status;
+    }
+    asdic_movable *m = &scene->movables[scene->movable_count];
+    m->part = scene->part_count;
+    m->first = scene->triangle_count;
+    m->pose = pose;
+    status = add_part(scene, &part, mesh, &pose, &material);
+    if (status) {
+        free(m->corners_m);
+        return status;
+    }
+    for (size_t i = 0; i < m->count; i++) {
+        asdic_mesh_corners(mesh, i, &m->corners_m[9 * i]);
+    }
+    scene->movable_count++;
+    return ASDIC_OK;
+}
+
 asdic_status asdic_scene_add_point(asdic_scene *scene, const char *name, asdic_vec3 position_m,
                                    double target_strength_db) {
     asdic_point point = {.position_m = position_m, .target_strength_db = target_strength_db};
     asdic_pose pose = {.position_m = position_m};
     asdic_status status = check_open(scene);
     status = status ? status : copy_name(scene, name, point.name);
-    status = status ? status : check_pose(scene, &pose);
+    status = status ? status : asdic_pose_check(scene->ctx, &pose);
     if (status != ASDIC_OK) {
         return status;
     }

@@ -21,8 +21,9 @@ typedef struct asdic_bvh {
 typedef struct asdic_part {
     char name[ASDIC_NAME_SIZE]; /* "" for the bottom */
     unsigned kind;              /* DEV_KIND_BOTTOM, DEV_KIND_OBJECT */
-    size_t material;            /* index into materials */
-    asdic_vec3 center_m;        /* bounding sphere, world */
+    bool moves;
+    size_t material;     /* index into materials */
+    asdic_vec3 center_m; /* bounding sphere, world */
     double radius_m;
 } asdic_part;
 
@@ -31,6 +32,8 @@ typedef struct asdic_point {
     asdic_vec3 position_m; /* world */
     double target_strength_db;
 } asdic_point;
+
+typedef struct asdic_movable asdic_movable; /* moving.h */
 
 struct asdic_scene {
     asdic_context *ctx;
@@ -44,6 +47,8 @@ struct asdic_scene {
     size_t part_count;
     asdic_point *points;
     size_t point_count;
+    asdic_movable *movables;
+    size_t movable_count;
     /* Pending triangles before commit: world coordinates in double, 9 per triangle. */
     double *corners_m;
     uint32_t *corner_parts;
@@ -52,6 +57,8 @@ struct asdic_scene {
     asdic_vec3 origin_m;
     dev_triangle *triangles;
     asdic_bvh bvh;
+    size_t moving_nodes, moving_blocks; /* the first ones, see moving.h */
+    uint32_t still_root;                /* child word of what stays, where something moves */
     asdic_vec3 min_m, max_m;
     double build_s;
 };
@@ -59,10 +66,13 @@ struct asdic_scene {
 /* Node indices of the binary tree fit 32 bits. */
 #define ASDIC_BVH_MAX_TRIANGLES 0x7fffffffu
 
-/* Builds a hierarchy over TRIANGLES (float, scene frame) with THREADS threads (0: one per
- * processor); the result is the same for any number of them. */
-asdic_status asdic_bvh_build(asdic_context *ctx, const dev_triangle *triangles, size_t count,
-                             unsigned threads, asdic_bvh *out);
+/* Builds a hierarchy over the COUNT triangles with these IDS (NULL: 0, 1, ...) with THREADS threads
+ * (0: one per processor); the result is the same for any number of them. */
+asdic_status asdic_bvh_build(asdic_context *ctx, const dev_triangle *triangles, const uint32_t *ids,
+                             size_t count, unsigned threads, asdic_bvh *out);
 void asdic_bvh_finish(asdic_bvh *bvh);
+
+/* Whether a pose is finite. */
+asdic_status asdic_pose_check(asdic_context *ctx, const asdic_pose *pose);
 
 #endif

@@ -1,9 +1,13 @@
 #include "smooth.h"
 
+#include "moving.h"
 #include "patch.h"
 
 #include "../../kernels/smooth.h"
+#include "../base/context.h"
 #include "../base/vec.h"
+
+#include <stdlib.h>
 
 /* Facets that meet at a sharper angle than 35 degrees meet at an edge; below it they stand for one
  * curved surface. A round body of 16 facets turns by 32 from one to the next but one. */
@@ -123,7 +127,8 @@ static double larger_radius(const asdic_surface *s, uint32_t facet, const asdic_
     return least > STRAIGHT * most ? 1.0 / least : 0.0;
 }
 
-static void smooth_facet(const asdic_surface *s, uint32_t facet) {
+/* TURNED: where the corners' normals go in double, three a facet; or NULL. */
+static void smooth_facet(const asdic_surface *s, uint32_t facet, asdic_vec3 *turned) {
     dev_triangle *t = &s->facets[facet];
     const asdic_patch *patch = &s->patches[s->patch[facet]];
     asdic_vec3 normals[3];
@@ -137,9 +142,64 @@ static void smooth_facet(const asdic_surface *s, uint32_t facet) {
     }
     for (int k = 0; k < 3; k++) {
         t->corner_normals[k] = asdic_smooth_pack(normals[k]);
+        if (turned) {
+            turned[3 * (size_t)facet + k] = normals[k];
+        }
     }
     t->flat_m2 = (float)patch->length2_m2;
     t->radius_m = (float)larger_radius(s, facet, normals);
+}
+
+/* Room for the normals of a part that moves; NULL for one that stays. */
+static asdic_status reserve_normals(asdic_scene *scene, size_t part, asdic_movable **out) {
+    *out = NULL;
+    for (size_t i = 0; i < scene->movable_count && !*out; i++) {
+        *out = scene->movables[i].part == part ? &scene->movables[i] : NULL;
+    }
+    if (!*out) {
+        return ASDIC_OK;
+    }
+    free((*out)->normals); /* of a commit that failed */
+    (*out)->normals = calloc(9 * (*out)->count + 1, sizeof(double));
+    return (*out)->normals ? ASDIC_OK : asdic_fail_memory(scene->ctx, "a moving object's normals");
+}
+
+/* From the world, where they were found, to the mesh's frame. */
+static void turn_back(const asdic_movable *m, const asdic_vec3 *world) {
+    asdic_mat3 turn = asdic_mat3_attitude(m->pose.roll_rad, m->pose.pitch_rad, m->pose.yaw_rad);
+    for (size_t i = 0; i < 3 * m->count; i++) {
+        asdic_vec3 n = asdic_mat3_apply_inverse(turn, world[i]);
+        m->normals[3 * i] = n.x;
+        m->normals[3 * i + 1] = n.y;
+        m->normals[3 * i + 2] = n.z;
+    }
+}
+
+/* The facets of one part, triangles BEGIN to END. */
+static asdic_status smooth_part(asdic_scene *scene, size_t begin, size_t end) {
+    asdic_surface surface;
+    asdic_movable *moving;
+    size_t number = scene->triangles[begin].part;
+    asdic_status status = reserve_normals(scene, number, &moving);
+    if (status) {
+        return status;
+    }
+    asdic_vec3 *turned = moving ? calloc(3 * moving->count, sizeof *turned) : NULL;
+    if (moving && !turned) {
+        return asdic_fail_memory(scene->ctx, "a moving object's normals");
+    }
+    status =
+        asdic_surface_init(scene->ctx, scene->corners_m + 9 * begin, scene->triangles + begin,
+                           (uint32_t)(end - begin), 2.0 * scene->parts[number].radius_m, &surface);
+    for (uint32_t facet = 0; !status && facet < surface.count; facet++) {
+        smooth_facet(&surface, facet, turned);
+    }
+    asdic_surface_finish(&surface);
+    if (moving && !status) {
+        turn_back(moving, turned);
+    }
+    free(turned);
+    return status;
 }
 
 asdic_status asdic_scene_smooth(asdic_scene *scene) {
@@ -150,18 +210,9 @@ asdic_status asdic_scene_smooth(asdic_scene *scene) {
         for (end = begin; end < scene->triangle_count && scene->triangles[end].part == number;) {
             scene->triangles[end++].corner_normals[0] = DEV_FLAT;
         }
-        const asdic_part *part = &scene->parts[number];
-        if (scene->materials[part->material].law != ASDIC_LAW_FACET) {
-            continue;
+        if (scene->materials[scene->parts[number].material].law == ASDIC_LAW_FACET) {
+            status = smooth_part(scene, begin, end);
         }
-        asdic_surface surface;
-        status =
-            asdic_surface_init(scene->ctx, scene->corners_m + 9 * begin, scene->triangles + begin,
-                               (uint32_t)(end - begin), 2.0 * part->radius_m, &surface);
-        for (uint32_t facet = 0; !status && facet < surface.count; facet++) {
-            smooth_facet(&surface, facet);
-        }
-        asdic_surface_finish(&surface);
     }
     return status;
 }

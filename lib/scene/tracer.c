@@ -102,6 +102,29 @@ asdic_status asdic_tracer_create(asdic_device *device, const asdic_scene *scene,
     return status;
 }
 
+asdic_status asdic_tracer_move(asdic_tracer *t, const asdic_placement *p, size_t movable) {
+    const asdic_movable *m = &p->scene->movables[movable];
+    const size_t node = sizeof *p->nodes, block = sizeof *p->blocks,
+                 triangle = sizeof *p->triangles;
+    const struct {
+        asdic_buffer *buffer;
+        size_t offset, bytes;
+        const void *data;
+    } parts[] = {
+        {t->nodes, 0, (p->scene->movable_count + 1) * node, p->nodes},
+        {t->nodes, m->first_node * node, m->node_count * node, p->nodes + m->first_node},
+        {t->blocks, m->first_block * block, m->block_count * block, p->blocks + m->first_block},
+        {t->triangles, m->first * triangle, m->count * triangle, p->triangles + p->first[movable]},
+    };
+    asdic_status status = ASDIC_OK;
+    for (size_t i = 0; !status && i < sizeof parts / sizeof *parts; i++) {
+        status =
+            asdic_buffer_write(parts[i].buffer, parts[i].offset, parts[i].bytes, parts[i].data);
+    }
+    t->extent_m = p->extent_m;
+    return status;
+}
+
 void asdic_tracer_destroy(asdic_tracer **tracer) {
     if (!tracer || !*tracer) {
         return;

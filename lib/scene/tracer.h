@@ -10,7 +10,7 @@
 #ifndef ASDIC_SCENE_TRACER_H
 #define ASDIC_SCENE_TRACER_H
 
-#include "scene.h"
+#include "placement.h"
 
 #include "../ocl/ocl.h"
 
@@ -31,6 +31,10 @@ const char *asdic_tracer_kernel_name(size_t index);
  * should be neighbours in direction: order changes the speed, never a hit. */
 asdic_status asdic_tracer_run(asdic_tracer *tracer, asdic_buffer *rays, asdic_buffer *hits,
                               uint32_t count);
+
+/* Brings the device what PLACEMENT, of the tracer's scene, has changed by moving MOVABLE. */
+asdic_status asdic_tracer_move(asdic_tracer *tracer, const asdic_placement *placement,
+                               size_t movable);
 
 /* dev_triangle by triangle id. */
 asdic_buffer *asdic_tracer_triangles(asdic_tracer *tracer);

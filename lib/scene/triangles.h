@@ -14,4 +14,11 @@ struct asdic_mesh {
     size_t open_edges;
 };
 
+/* Corners of triangle I, mesh frame. */
+static inline void asdic_mesh_corners(const asdic_mesh *mesh, size_t i, double out_m[9]) {
+    for (int k = 0; k < 9; k++) {
+        out_m[k] = mesh->vertices_m[3 * (size_t)mesh->indices[3 * i + k / 3] + k % 3];
+    }
+}
+
 #endif

@@ -59,12 +59,12 @@ static bool consider(const asdic_part *part, asdic_vec3 position_m, const dev_be
 }
 
 /* The loudest candidates, loudest first; of equals the first in the scene. */
-static unsigned pick(const asdic_scene *scene, asdic_vec3 position_m, const dev_beam *beams,
-                     const dev_ping *ping, candidate *best) {
+static unsigned pick(const asdic_part *parts, size_t part_count, asdic_vec3 position_m,
+                     const dev_beam *beams, const dev_ping *ping, candidate *best) {
     unsigned count = 0;
-    for (size_t i = 0; i < scene->part_count; i++) {
+    for (size_t i = 0; i < part_count; i++) {
         candidate c;
-        if (!consider(&scene->parts[i], position_m, beams, ping, &c)) {
+        if (!consider(&parts[i], position_m, beams, ping, &c)) {
             continue;
         }
         unsigned at = count < DEV_MAX_CONES ? count++ : DEV_MAX_CONES;
@@ -95,15 +95,15 @@ static void fill_rows(asdic_vec3 w, float rows[9]) {
     }
 }
 
-void asdic_cones_place(const asdic_scene *scene, asdic_vec3 position_m, const dev_beam *beams,
-                       dev_ping *ping) {
+void asdic_cones_place(const asdic_part *parts, size_t part_count, asdic_vec3 position_m,
+                       const dev_beam *beams, dev_ping *ping) {
     candidate best[DEV_MAX_CONES];
     ping->background = ping->rays;
     ping->cones = 0;
     if (ping->sampler != DEV_SAMPLER_ADAPTIVE) {
         return;
     }
-    ping->cones = pick(scene, position_m, beams, ping, best);
+    ping->cones = pick(parts, part_count, position_m, beams, ping, best);
     if (ping->cones == 0) {
         return;
     }

@@ -10,7 +10,7 @@
 
 /* Gives PING, whose rays, range and rear gain are set, its cones, seen from POSITION_M with BEAMS
  * (transmitter first), and the rest of its rays to the background. */
-void asdic_cones_place(const asdic_scene *scene, asdic_vec3 position_m, const dev_beam *beams,
-                       dev_ping *ping);
+void asdic_cones_place(const asdic_part *parts, size_t part_count, asdic_vec3 position_m,
+                       const dev_beam *beams, dev_ping *ping);
 
 #endif

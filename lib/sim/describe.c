@@ -120,7 +120,7 @@ void asdic_simulator_describe(asdic_simulator *sim, const asdic_pose *pose, uint
     memcpy(ping->front, beams[0].rows, sizeof ping->front);
     ping->front_azimuth_rad = atan2f(ping->front[1], ping->front[0]);
     asdic_beam_fan_describe(&sim->fan, beams, ping);
-    asdic_cones_place(scene, pose->position_m, beams, ping);
+    asdic_cones_place(sim->placement->parts, scene->part_count, pose->position_m, beams, ping);
     place_zones(sim, pose, ping);
     place_lattice(ping, stream);
 }

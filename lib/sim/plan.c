@@ -153,6 +153,9 @@ static void plan_bottom(asdic_plan *plan, const asdic_scene *scene, const span *
 
 static bool part_in_reach(const asdic_part *part, const asdic_pose *poses, size_t count,
                           double range_m) {
+    if (part->moves) { /* anywhere */
+        return true;
+    }
     for (size_t i = 0; i < count; i++) {
         asdic_vec3 d = asdic_vec3_sub(part->center_m, poses[i].position_m);
         if (asdic_vec3_length(d) - part->radius_m <= range_m) {

@@ -44,7 +44,7 @@ static asdic_status trace_points(asdic_simulator *sim, const asdic_pose *pose) {
     size_t count = sim->scene->point_count;
     asdic_vec3 origin = asdic_vec3_sub(pose->position_m, sim->scene->origin_m);
     for (size_t i = 0; i < count; i++) {
-        asdic_vec3 to = asdic_vec3_sub(sim->scene->points[i].position_m, pose->position_m);
+        asdic_vec3 to = asdic_vec3_sub(sim->placement->points[i].position_m, pose->position_m);
         double d = fmax(asdic_vec3_length(to), 1e-9);
         sim->point_rays[i] =
             (dev_ray){.origin = {(float)origin.x, (float)origin.y, (float)origin.z},
@@ -116,7 +116,7 @@ asdic_status asdic_points_add(asdic_simulator *sim, const asdic_pose *pose,
     asdic_status status = trace_points(sim, pose);
     bool wet = in_water(scene, pose->position_m.z);
     for (size_t i = 0; !status && i < scene->point_count; i++) {
-        const asdic_point *point = &scene->points[i];
+        const asdic_point *point = &sim->placement->points[i];
         if (sim->point_hits[i].triangle == ~0u && in_water(scene, point->position_m.z) == wet) {
             asdic_vec3 to = asdic_vec3_sub(point->position_m, pose->position_m);
             add_point(sim, point, to, water, out);

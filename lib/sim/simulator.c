@@ -167,10 +167,7 @@ static asdic_status upload_materials(asdic_simulator *sim, double sound_speed_mp
             &scene->materials[i], sim->sonar.frequency_hz, sound_speed_mps);
     }
     for (size_t i = 0; i < scene->part_count; i++) {
-        const asdic_part *part = &scene->parts[i];
-        parts[i] = (dev_part){.kind = part->kind,
-                              .material = (dev_uint)part->material,
-                              .size_m2 = (float)(4.0 * part->radius_m * part->radius_m)};
+        parts[i] = asdic_simulator_part(&scene->parts[i]);
     }
     status = asdic_buffer_create(sim->device, sim->material_count * sizeof(dev_material),
                                  sim->host_materials, &sim->materials);
@@ -267,6 +264,9 @@ asdic_status asdic_simulator_create_with(asdic_context *ctx, asdic_device *devic
     if ((status = allocate_host(sim)) != ASDIC_OK) {
         goto fail;
     }
+    if ((status = asdic_placement_create(scene, &sim->placement)) != ASDIC_OK) {
+        goto fail;
+    }
     if (scene->triangle_count > 0 &&
         (status = asdic_tracer_create(device, scene, &sim->tracer)) != ASDIC_OK) {
         goto fail;
@@ -328,6 +328,7 @@ void asdic_simulator_destroy(asdic_simulator **pointer) {
     asdic_beam_fan_finish(&sim->fan);
     asdic_points_finish(sim);
     asdic_tracer_destroy(&sim->tracer);
+    asdic_placement_destroy(&sim->placement);
     free(sim->receivers);
     free(sim->host_materials);
     free(sim->ping);

@@ -51,8 +51,9 @@ struct asdic_simulator {
     unsigned groups;
     size_t per_group; /* slots of a group in one batch */
 
-    asdic_tracer *tracer; /* NULL without triangles */
-    bool has_mirrors;     /* something in the scene reflects, and multipath is wanted */
+    asdic_placement *placement; /* where objects and points are now */
+    asdic_tracer *tracer;       /* NULL without triangles */
+    bool has_mirrors;           /* something in the scene reflects, and multipath is wanted */
     asdic_kernel *sample, *shade, *suffix, *reduce;
     asdic_beam_fan fan;   /* many receivers as one map; cells 0: each receiver by itself */
     asdic_kernel *survey; /* adaptive sampler only */
@@ -80,8 +81,8 @@ struct asdic_simulator {
     float *calibration;            /* cells: true spread of a ping over what its groups suggest */
     float table[DEV_TABLE_CELLS + 1]; /* cumulative probabilities of the sampling coordinate */
     double zone_altitude; /* where the bottom zone assumes the bottom, re the altitude; learnt */
-    double *phase_s;     /* NULL, or where asdic_simulator_profile adds */
-    double phase_from_s; /* when the current phase began */
+    double *phase_s;      /* NULL, or where asdic_simulator_profile adds */
+    double phase_from_s;  /* when the current phase began */
     bool table_uploaded;
     bool accumulator_clear;
     int64_t *host_results;
@@ -121,6 +122,9 @@ size_t asdic_simulator_per_group(const asdic_simulator *sim, size_t rays);
 
 /* The scene's triangles on the device, or a buffer to point at when there are none. */
 asdic_buffer *asdic_simulator_triangles(const asdic_simulator *sim);
+
+/* What the device is told about a part. */
+dev_part asdic_simulator_part(const asdic_part *part);
 
 /* A whole ping. */
 asdic_status asdic_simulator_simulate(asdic_simulator *sim, const asdic_pose *pose, uint64_t index,

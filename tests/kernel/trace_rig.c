@@ -36,7 +36,7 @@ asdic_scene *trace_rig_scene(const trace_rig *rig, const dev_triangle *triangles
     assert_non_null(scene->triangles);
     memcpy(scene->triangles, triangles, count * sizeof *triangles);
     scene->triangle_count = count;
-    trace_rig_check(rig, asdic_bvh_build(rig->ctx, triangles, count, 1, &scene->bvh));
+    trace_rig_check(rig, asdic_bvh_build(rig->ctx, triangles, NULL, count, 1, &scene->bvh));
     scene->committed = true;
     return scene;
 }

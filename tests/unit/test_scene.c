@@ -206,7 +206,7 @@ static void hierarchy_of_awkward_input(void **state) {
             t[i] = (dev_triangle){.v0 = {x, 0, 0}, .v1 = {x + size, 0, 0}, .v2 = {x, size, 0}};
         }
         asdic_bvh bvh;
-        check(asdic_bvh_build(ctx, t, COUNT, 1, &bvh));
+        check(asdic_bvh_build(ctx, t, NULL, COUNT, 1, &bvh));
         assert_in_range(bvh.depth, 1, 72);
         memset(seen, 0, COUNT);
         for (size_t b = 0; b < bvh.block_count; b++) {
@@ -240,8 +240,8 @@ static void threads_do_not_show(void **state) {
         }
     }
     asdic_bvh one, five;
-    check(asdic_bvh_build(ctx, t, COUNT, 1, &one));
-    check(asdic_bvh_build(ctx, t, COUNT, 5, &five));
+    check(asdic_bvh_build(ctx, t, NULL, COUNT, 1, &one));
+    check(asdic_bvh_build(ctx, t, NULL, COUNT, 5, &five));
     assert_int_equal(one.node_count, five.node_count);
     assert_int_equal(one.block_count, five.block_count);
     assert_memory_equal(one.nodes, five.nodes, one.node_count * sizeof *one.nodes);

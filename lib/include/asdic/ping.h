@@ -96,6 +96,20 @@ ASDIC_API asdic_status asdic_simulator_learn(asdic_simulator *sim, const asdic_p
 ASDIC_API asdic_status asdic_simulator_ping(asdic_simulator *sim, const asdic_pose *pose,
                                             uint64_t index, asdic_ping *ping);
 
+/* Places the scene's moving object or point NAME (of several of that name the first added) at POSE, mesh
+ * frame to world, for the pings and the learning that follow; of a point only the position counts.
+ * The scene itself stays as it is: every simulator has poses of its own, so that simulators which share
+ * a scene, in several threads, may work on different pings. Call it between pings, from the thread that
+ * uses the simulator; place every object where it is at ping INDEX before that ping, and before
+ * learning at it, and results depend on INDEX alone.
+ *
+ * The ping then is that of a scene built anew with the object there: the same bytes where the box round
+ * the scene stays the same, as inside a bottom mesh; else, or when a curved object is turned, to the
+ * rounding of single precision (some 1e-4 dB). ASDIC_ERROR_ARGUMENT: no such name, an object that was
+ * not added as moving, a pose that is not finite. */
+ASDIC_API asdic_status asdic_simulator_move(asdic_simulator *sim, const char *name,
+                                            const asdic_pose *pose);
+
 /* Phases of a ping, in the order in which it passes them. */
 typedef enum asdic_phase {
     ASDIC_PHASE_SAMPLE, /* the host's preparation and the drawing of rays */

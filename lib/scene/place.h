@@ -1,0 +1,22 @@
+/*
+ * From a mesh's corners to a scene's triangles.
+ */
+#ifndef ASDIC_SCENE_PLACE_H
+#define ASDIC_SCENE_PLACE_H
+
+#include "scene.h"
+
+#include "../base/vec.h"
+
+/* Three corners from the mesh's frame to the world. */
+void asdic_place_corners(const double mesh_m[9], asdic_mat3 turn, asdic_vec3 position_m,
+                         double world_m[9]);
+
+/* Corners, recentred and rounded, and normal of OUT; what else it holds stays. */
+void asdic_place_triangle(const double world_m[9], asdic_vec3 origin_m, dev_triangle *out);
+
+/* Bounding sphere of COUNT triangles' corners, and their box. */
+void asdic_place_sphere(const double *world_m, size_t count, asdic_part *part, asdic_vec3 *lo_m,
+                        asdic_vec3 *hi_m);
+
+#endif

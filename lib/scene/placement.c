@@ -1,0 +1,114 @@
+#include "placement.h"
+
+#include "place.h"
+
+#include "../base/context.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* A copy of COUNT things of BYTES each; never NULL for want of things. */
+static void *copy(const void *from, size_t count, size_t bytes) {
+    void *to = calloc(count + 1, bytes);
+    if (to && count > 0) {
+        memcpy(to, from, count * bytes);
+    }
+    return to;
+}
+
+static float largest_coordinate(const asdic_root *roots, size_t count) {
+    float extent = 0.0f;
+    for (size_t i = 0; i < count; i++) {
+        for (int k = 0; k < 3; k++) {
+            extent = fmaxf(extent, fmaxf(fabsf(roots[i].lo[k]), fabsf(roots[i].hi[k])));
+        }
+    }
+    return extent;
+}
+
+/* Roots by movable and what stays, the latter only where there is something. */
+static size_t root_count(const asdic_scene *scene) {
+    return scene->movable_count + (scene->still_root != DEV_EMPTY);
+}
+
+static void copy_triangles(asdic_placement *p) {
+    const asdic_scene *scene = p->scene;
+    size_t at = 0;
+    for (size_t i = 0; i < scene->movable_count; i++) {
+        const asdic_movable *m = &scene->movables[i];
+        p->first[i] = at;
+        memcpy(p->triangles + at, scene->triangles + m->first, m->count * sizeof *p->triangles);
+        at += m->count;
+    }
+}
+
+asdic_status asdic_placement_create(const asdic_scene *scene, asdic_placement **out) {
+    size_t triangles = 0, most = 0;
+    for (size_t i = 0; i < scene->movable_count; i++) {
+        triangles += scene->movables[i].count;
+        most = scene->movables[i].count > most ? scene->movables[i].count : most;
+    }
+    asdic_placement *p = *out = calloc(1, sizeof *p);
+    if (!p) {
+        return asdic_fail_memory(scene->ctx, "the poses of objects");
+    }
+    p->scene = scene;
+    p->extent_m = scene->bvh.extent_m;
+    p->parts = copy(scene->parts, scene->part_count, sizeof *p->parts);
+    p->points = copy(scene->points, scene->point_count, sizeof *p->points);
+    p->nodes = copy(scene->bvh.nodes, scene->moving_nodes, sizeof *p->nodes);
+    p->blocks = copy(scene->bvh.blocks, scene->moving_blocks, sizeof *p->blocks);
+    p->triangles = calloc(triangles + 1, sizeof *p->triangles);
+    p->first = calloc(scene->movable_count + 1, sizeof *p->first);
+    p->roots = calloc(2 * (scene->movable_count + 1), sizeof *p->roots);
+    p->scratch_m = calloc(9 * most + 1, sizeof *p->scratch_m);
+    if (!p->parts || !p->points || !p->nodes || !p->blocks || !p->triangles || !p->first ||
+        !p->roots || !p->scratch_m) {
+        asdic_placement_destroy(out);
+        return asdic_fail_memory(scene->ctx, "the poses of objects");
+    }
+    copy_triangles(p);
+    for (size_t i = 0; i < scene->movable_count; i++) {
+        p->roots[i] = asdic_root_of(p->nodes, p->blocks, scene->movables[i].root);
+    }
+    p->roots[scene->movable_count] =
+        scene->movable_count > 0
+            ? asdic_root_of(scene->bvh.nodes, scene->bvh.blocks, scene->still_root)
+            : (asdic_root){.word = DEV_EMPTY};
+    return ASDIC_OK;
+}
+
+void asdic_placement_destroy(asdic_placement **placement) {
+    if (!placement || !*placement) {
+        return;
+    }
+    asdic_placement *p = *placement;
+    free(p->parts);
+    free(p->points);
+    free(p->nodes);
+    free(p->blocks);
+    free(p->triangles);
+    free(p->first);
+    free(p->roots);
+    free(p->scratch_m);
+    free(p);
+    *placement = NULL;
+}
+
+void asdic_placement_move(asdic_placement *p, size_t movable, const asdic_pose *pose) {
+    const asdic_scene *scene = p->scene;
+    const asdic_movable *m = &scene->movables[movable];
+    dev_triangle *triangles = p->triangles + p->first[movable];
+    asdic_vec3 lo, hi;
+    asdic_movable_place(m, pose, scene->origin_m, p->scratch_m, triangles);
+    asdic_place_sphere(p->scratch_m, m->count, &p->parts[m->part], &lo, &hi);
+    asdic_movable_refit(m, triangles, p->nodes, p->blocks);
+    p->roots[movable] = asdic_root_of(p->nodes, p->blocks, m->root);
+    size_t count = root_count(scene);
+    asdic_root *sorted = p->roots + scene->movable_count + 1;
+    unsigned depth;
+    memcpy(sorted, p->roots, count * sizeof *sorted);
+    asdic_top_build(p->nodes, sorted, count, &depth);
+    p->extent_m = largest_coordinate(p->roots, count);
+}

@@ -1,0 +1,59 @@
+/*
+ * Objects and points at new poses, between pings.
+ */
+#include "simulator.h"
+
+#include "base/context.h"
+
+#include <string.h>
+
+dev_part asdic_simulator_part(const asdic_part *part) {
+    return (dev_part){.kind = part->kind,
+                      .material = (dev_uint)part->material,
+                      .size_m2 = (float)(4.0 * part->radius_m * part->radius_m)};
+}
+
+static asdic_status move_object(asdic_simulator *sim, size_t movable, const asdic_pose *pose) {
+    size_t part = sim->scene->movables[movable].part;
+    asdic_placement_move(sim->placement, movable, pose);
+    dev_part moved = asdic_simulator_part(&sim->placement->parts[part]);
+    asdic_status status = asdic_buffer_write(sim->parts, part * sizeof moved, sizeof moved, &moved);
+    return status ? status : asdic_tracer_move(sim->tracer, sim->placement, movable);
+}
+
+/* Whether the scene has a part of that name that stays. */
+static bool stays(const asdic_scene *scene, const char *name) {
+    for (size_t i = 0; i < scene->part_count; i++) {
+        if (scene->parts[i].kind == DEV_KIND_OBJECT && strcmp(scene->parts[i].name, name) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+asdic_status asdic_simulator_move(asdic_simulator *sim, const char *name, const asdic_pose *pose) {
+    if (!sim || !name || !pose) {
+        return asdic_fail(sim ? sim->ctx : NULL, ASDIC_ERROR_ARGUMENT,
+                          "asdic_simulator_move: NULL argument");
+    }
+    const asdic_scene *scene = sim->scene;
+    asdic_status status = asdic_pose_check(sim->ctx, pose);
+    if (status) {
+        return status;
+    }
+    for (size_t i = 0; i < scene->movable_count; i++) {
+        if (strcmp(scene->parts[scene->movables[i].part].name, name) == 0) {
+            return move_object(sim, i, pose);
+        }
+    }
+    for (size_t i = 0; i < scene->point_count; i++) {
+        if (strcmp(scene->points[i].name, name) == 0) {
+            sim->placement->points[i].position_m = pose->position_m;
+            return ASDIC_OK;
+        }
+    }
+    return stays(scene, name) ? asdic_fail(sim->ctx, ASDIC_ERROR_ARGUMENT,
+                                           "object '%s' was not added as a moving one", name)
+                              : asdic_fail(sim->ctx, ASDIC_ERROR_ARGUMENT,
+                                           "the scene has no object or point '%s'", name);
+}
