@@ -53,6 +53,13 @@ const char *asdic_cl_error_text(cl_int code, char text[64]);
 /* A call that failed while working: memory or a lost device. WHAT completes "device 'x': cannot". */
 asdic_status asdic_cl_fail(const asdic_device *device, cl_int code, const char *what);
 
+/* PoCL 3.1 replaces a program in its cache by removing and renaming, without a lock: of processes
+ * that build the same program at once, one may find it missing, and fails or crashes
+ * (github.com/pocl/pocl/issues/1480). Between these two calls no other asdic on this machine
+ * builds; with other platforms, or where nothing can be locked, they do nothing. */
+int asdic_build_lock(const asdic_device *device);
+void asdic_build_unlock(int lock);
+
 /* The program of FILE built with OPTIONS, from the device's cache or new. */
 asdic_status asdic_program_get(asdic_device *device, const char *file, const char *options,
                                cl_program *out);

@@ -98,7 +98,9 @@ static asdic_status build(asdic_device *device, asdic_program *program) {
         status = asdic_cl_fail(device, code, "create a program");
         goto done;
     }
+    int lock = asdic_build_lock(device);
     code = clBuildProgram(program->id, 1, &device->id, all_options, NULL, NULL);
+    asdic_build_unlock(lock);
     if (code != CL_SUCCESS) {
         status = build_failed(device, program, code);
     }

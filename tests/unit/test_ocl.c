@@ -4,6 +4,12 @@
 
 #include "ocl/opencl.h"
 
+#include <fcntl.h>
+#include <pthread.h>
+#include <sys/file.h>
+#include <time.h>
+#include <unistd.h>
+
 static test_device t;
 
 static int use_test_kernels(void **state) {
@@ -211,6 +217,41 @@ static void unknown_embedded_source_is_named(void **state) {
     assert_contains(asdic_context_error(t.ctx), "no kernel source 'broken.cl'");
 }
 
+/* Lets the lock on the cache go after a while. */
+static void *release_later(void *fd) {
+    const struct timespec a_while = {.tv_nsec = 300000000};
+    nanosleep(&a_while, NULL);
+    close(*(int *)fd);
+    return NULL;
+}
+
+static double now_s(void) {
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+static void pocl_builds_one_program_at_a_time(void **state) {
+    (void)state;
+    asdic_kernel *kernel = NULL;
+    pthread_t thread;
+    const char *cache = getenv("POCL_CACHE_DIR");
+    if (!cache || !strstr(asdic_device_get_info(t.device)->platform_name, "Portable Computing")) {
+        skip();
+    }
+    int fd = open(cache, O_RDONLY | O_DIRECTORY);
+    assert_true(fd >= 0);
+    assert_int_equal(flock(fd, LOCK_EX), 0);
+    double begin_s = now_s();
+    assert_int_equal(pthread_create(&thread, NULL, release_later, &fd), 0);
+    asdic_status status = asdic_kernel_create(t.device, "simple.cl", "-D LOCK=1", "add", &kernel);
+    double took_s = now_s() - begin_s;
+    pthread_join(thread, NULL);
+    assert_ok(t.ctx, status);
+    assert_true(took_s >= 0.3);
+    asdic_kernel_destroy(&kernel);
+}
+
 static void devices_split_where_the_platform_can(void **state) {
     (void)state;
     asdic_device **parts = NULL;
@@ -253,6 +294,7 @@ int main(void) {
         cmocka_unit_test_setup(same_source_and_options_share_a_program, use_test_kernels),
         cmocka_unit_test_setup(compile_error_names_file_and_line, use_test_kernels),
         cmocka_unit_test_setup(missing_kernel_and_source_are_named, use_test_kernels),
+        cmocka_unit_test_setup(pocl_builds_one_program_at_a_time, use_test_kernels),
         cmocka_unit_test_setup(unknown_embedded_source_is_named, use_embedded_kernels),
         cmocka_unit_test(devices_split_where_the_platform_can),
     };

@@ -1,0 +1,54 @@
+#include "opencl.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/file.h>
+#include <time.h>
+#include <unistd.h>
+
+/* Somebody who holds the lock longer has been stopped; then building unlocked beats waiting. */
+#define PATIENCE_MS 60000
+#define STEP_MS 2
+
+/* The folder where PoCL keeps what it compiled: pocl_cache_init_topdir() of PoCL 3.1. */
+static int open_cache(void) {
+    const char *folder = getenv("POCL_CACHE_DIR"), *rest = "";
+    char path[4096];
+    if (!folder || !folder[0]) {
+        folder = getenv("XDG_CACHE_HOME");
+        rest = "/pocl/kcache";
+    }
+    if (!folder || !folder[0]) {
+        folder = getenv("HOME");
+        rest = "/.cache/pocl/kcache";
+    }
+    if (!folder || snprintf(path, sizeof path, "%s%s", folder, rest) >= (int)sizeof path) {
+        return -1;
+    }
+    return open(path, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+}
+
+int asdic_build_lock(const asdic_device *device) {
+    const struct timespec step = {.tv_nsec = STEP_MS * 1000000};
+    if (strcmp(device->info.platform_name, "Portable Computing Language") != 0) {
+        return -1;
+    }
+    int fd = open_cache();
+    for (int waited_ms = 0; fd >= 0 && flock(fd, LOCK_EX | LOCK_NB) != 0; waited_ms += STEP_MS) {
+        if (errno != EWOULDBLOCK || waited_ms >= PATIENCE_MS) {
+            close(fd);
+            return -1;
+        }
+        nanosleep(&step, NULL);
+    }
+    return fd;
+}
+
+void asdic_build_unlock(int lock) {
+    if (lock >= 0) {
+        close(lock); /* a lock of flock() ends with the last descriptor of its file */
+    }
+}
