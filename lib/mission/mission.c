@@ -45,10 +45,10 @@ static asdic_status read_text(asdic_context *ctx, asdic_mission *m, size_t *leng
 static asdic_status build(mission_builder *b) {
     asdic_status status = asdic_mission_build_settings(b);
     if (status == ASDIC_OK) {
-        status = asdic_mission_build_pings(b);
+        status = asdic_mission_build_scene(b);
     }
     if (status == ASDIC_OK) {
-        status = asdic_mission_build_scene(b);
+        status = asdic_mission_build_pings(b);
     }
     if (status == ASDIC_OK && b->problems->total == 0) {
         asdic_mission_check_places(b);

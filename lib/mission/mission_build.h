@@ -22,8 +22,10 @@ typedef struct mission_builder {
 asdic_status asdic_mission_build_settings(mission_builder *b);
 /* Surface, bottom and objects; the scene is committed when nothing was wrong. */
 asdic_status asdic_mission_build_scene(mission_builder *b);
-/* Pose or track, and the number of pings. */
+/* Pose or track, and the number of pings; after the scene, whose bottom a flight may follow. */
 asdic_status asdic_mission_build_pings(mission_builder *b);
+/* Depth of the highest bottom at the place of POSITION; INFINITY where there is none. */
+double asdic_mission_bottom_m(const asdic_scene *scene, asdic_vec3 position_m);
 /* That the sonar stays above the bottom; remarks on objects that cannot be seen. */
 void asdic_mission_check_places(mission_builder *b);
 

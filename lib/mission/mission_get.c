@@ -3,6 +3,8 @@
  */
 #include "mission.h"
 
+#include "track_write.h"
+
 #include <math.h>
 
 const asdic_environment *asdic_mission_environment(const asdic_mission *mission) {
@@ -53,13 +55,21 @@ size_t asdic_mission_ping_count(const asdic_mission *mission) {
     return mission->ping_count;
 }
 
+static asdic_pose pose_on_track(const asdic_track *track, double time_s) {
+    asdic_pose pose = asdic_track_pose(track, time_s);
+    pose.roll_rad = asdic_track_round(pose.roll_rad);
+    pose.pitch_rad = asdic_track_round(pose.pitch_rad);
+    pose.yaw_rad = asdic_track_round(pose.yaw_rad);
+    return pose;
+}
+
 asdic_pose asdic_mission_pose(const asdic_mission *mission, size_t index, double *time_s) {
     double elapsed_s = (double)index / mission->sonar.ping_rate_hz;
     double start_s = mission->track ? asdic_track_start_s(mission->track) : 0.0;
     if (time_s) {
         *time_s = start_s + elapsed_s;
     }
-    return mission->track ? asdic_track_pose(mission->track, start_s + elapsed_s) : mission->pose;
+    return mission->track ? pose_on_track(mission->track, start_s + elapsed_s) : mission->pose;
 }
 
 asdic_flat_scene asdic_mission_flat_scene(const asdic_mission *mission, size_t index) {

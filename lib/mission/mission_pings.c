@@ -38,14 +38,26 @@ static void count_pings(mission_builder *b, asdic_yaml_node *path_node) {
     }
 }
 
+static double bottom_below_m(const void *user, double north_m, double east_m) {
+    return asdic_mission_bottom_m(user, (asdic_vec3){north_m, east_m, 0.0});
+}
+
 static asdic_status fly(mission_builder *b) {
     const file_waypoints *w = &b->file->mission.waypoints;
+    if (!isnan(w->altitude_m) && b->problems->total > 0) {
+        return ASDIC_OK; /* there may be no bottom yet to be followed */
+    }
     const asdic_flight flight = {.points_m = w->points.items,
                                  .count = w->points.count,
                                  .speed_mps = w->speed_mps,
                                  .turn_radius_m = w->turn_radius_m,
                                  .response_s = w->response_s,
-                                 .dive_rate_mps = w->dive_rate_mps};
+                                 .dive_rate_mps = w->dive_rate_mps,
+                                 .vehicle = (asdic_vehicle)w->vehicle,
+                                 .current_mps = {w->current_mps[0], w->current_mps[1]},
+                                 .altitude_m = w->altitude_m,
+                                 .bottom_m = bottom_below_m,
+                                 .user = b->mission->scene};
     return asdic_flight_fly(b->ctx, &flight, &b->mission->track);
 }
 

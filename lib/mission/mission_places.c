@@ -13,8 +13,7 @@
 /* A depth above which no bottom lies. */
 #define ABOVE_ALL_M (-1e6)
 
-/* Depth of the highest bottom at the place of POSITION; INFINITY where there is none. */
-static double bottom_depth_m(const asdic_scene *scene, asdic_vec3 position_m) {
+double asdic_mission_bottom_m(const asdic_scene *scene, asdic_vec3 position_m) {
     position_m.z = ABOVE_ALL_M;
     return ABOVE_ALL_M + asdic_scene_altitude_m(scene, position_m);
 }
@@ -29,7 +28,7 @@ static void check_depths(mission_builder *b) {
     for (size_t i = 0; i < last; i += step) {
         double time_s;
         asdic_pose pose = asdic_mission_pose(m, i, &time_s);
-        double depth_m = bottom_depth_m(m->scene, pose.position_m);
+        double depth_m = asdic_mission_bottom_m(m->scene, pose.position_m);
         /* A mesh in float is not exact to the last digit. */
         if (pose.position_m.z > depth_m + 1e-6 * fabs(depth_m)) {
             asdic_yaml_problem(b->problems, node,

@@ -4,6 +4,7 @@
 #include "run_files.h"
 #include "run_folder.h"
 #include "run_inputs.h"
+#include "track_write.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -143,6 +144,17 @@ static asdic_status open_store(asdic_run_job *job) {
     return status;
 }
 
+/* Where the vehicle is at the run's pings. */
+static asdic_status write_track(asdic_run_job *job) {
+    char *path = asdic_folder_path(job->options->folder, "track", "", "csv");
+    asdic_status status =
+        path ? asdic_track_file_write(job->ctx, job->mission, job->facts.first_ping,
+                                      job->facts.pings_planned, path)
+             : asdic_fail_memory(job->ctx, "a file name");
+    free(path);
+    return status;
+}
+
 /* bins.csv from its beginning: rows of earlier pings are written again from their records. */
 static asdic_status open_csv(asdic_run_job *job) {
     const asdic_sonar *sonar = asdic_mission_sonar(job->mission);
@@ -177,5 +189,6 @@ asdic_status asdic_job_begin(asdic_run_job *job) {
     if (!job->bytes) {
         return asdic_fail_memory(job->ctx, "a record");
     }
-    return open_csv(job);
+    status = write_track(job);
+    return status == ASDIC_OK ? open_csv(job) : status;
 }

@@ -15,9 +15,9 @@
 static const char *const marks[] = {"run.json", "pings.npy", "pings.npy.part", "bins.csv"};
 
 /* Everything a run, detect or render may have written there. */
-static const char *const names[] = {"run.json",   "pings.npy", "bins.csv",
-                                    "levels.npy", "run.nc",    "detections.csv",
-                                    "roc.csv",    "roc.png",   "occupancy.png"};
+static const char *const names[] = {"run.json", "pings.npy",    "bins.csv",       "levels.npy",
+                                    "run.nc",   "track.csv",    "detections.csv", "roc.csv",
+                                    "roc.png",  "occupancy.png"};
 static const char *const stems[] = {"waterfall_", "ascope_", "fan_", "raw_"};
 
 static bool exists_in(const char *folder, const char *name) {

@@ -5,6 +5,7 @@
 #include "run_folder.h"
 #include "run_open.h"
 #include "run_survey.h"
+#include "track_write.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -18,6 +19,7 @@ typedef struct merger {
     asdic_run_facts facts; /* of the whole */
     asdic_store *store;
     asdic_csv *csv;
+    asdic_file *track;
 } merger;
 
 static int by_first_ping(const void *a, const void *b) {
@@ -127,6 +129,7 @@ static asdic_status copy_records(merger *m) {
                 status = asdic_store_append(m->store, part->buffer);
             }
             if (status == ASDIC_OK) {
+                asdic_track_file_add(m->track, record.time_s, &record.pose);
                 status = asdic_csv_add(m->csv, &record);
             }
         }
@@ -134,15 +137,27 @@ static asdic_status copy_records(merger *m) {
     return status;
 }
 
+static asdic_status open_files(merger *m) {
+    const asdic_mission *settings = m->parts[0]->settings;
+    char *csv = asdic_folder_path(m->folder, "bins", "", "csv");
+    char *track = asdic_folder_path(m->folder, "track", "", "csv");
+    asdic_status status =
+        csv && track ? asdic_csv_create(m->ctx, csv, asdic_mission_sonar(settings), m->facts.bins,
+                                        asdic_mission_output(settings)->csv, &m->csv)
+                     : asdic_fail_memory(m->ctx, "a file name");
+    if (status == ASDIC_OK) {
+        status = asdic_file_create(m->ctx, track, &m->track);
+    }
+    free(csv);
+    free(track);
+    return status;
+}
+
 static asdic_status write_run(merger *m) {
     const asdic_mission *settings = m->parts[0]->settings;
-    char *path = asdic_folder_path(m->folder, "bins", "", "csv");
-    asdic_status status =
-        path ? asdic_csv_create(m->ctx, path, asdic_mission_sonar(settings), m->facts.bins,
-                                asdic_mission_output(settings)->csv, &m->csv)
-             : asdic_fail_memory(m->ctx, "a file name");
-    free(path);
+    asdic_status status = open_files(m);
     if (status == ASDIC_OK) {
+        asdic_track_file_begin(m->track);
         status = asdic_store_open(m->ctx, m->folder, ASDIC_STORE_CREATE, m->facts.beams,
                                   m->facts.bins, &m->store);
     }
@@ -154,6 +169,9 @@ static asdic_status write_run(merger *m) {
     }
     if (status == ASDIC_OK) {
         status = asdic_csv_commit(&m->csv);
+    }
+    if (status == ASDIC_OK) {
+        status = asdic_file_commit(&m->track);
     }
     if (status == ASDIC_OK) {
         status = asdic_files_write(m->ctx, m->store, m->folder, settings, &m->facts);
@@ -216,6 +234,7 @@ asdic_status asdic_run_merge(asdic_context *ctx, const char *const *folders, siz
         status = conclude(&m);
     }
     asdic_csv_discard(&m.csv);
+    asdic_file_discard(&m.track);
     asdic_store_close(&m.store);
     for (size_t i = 0; i < count; i++) {
         asdic_run_close(&m.parts[i]);

@@ -4,6 +4,8 @@
  */
 #include "scene_file.h"
 
+#include "flight.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -11,6 +13,10 @@
 
 /* More bins than any sonar has: a unit is wrong somewhere. */
 #define MAX_BINS 65536
+
+/* A current's part of a vehicle's speed: what is left holds a line and makes headway, turns and
+ * their loss of speed included. */
+#define MAX_CURRENT 0.5
 
 /* Where to report on KEY of MAP: at its value, or at the map when the default is meant. */
 static asdic_yaml_node *at(asdic_yaml_node *map, const char *key) {
@@ -204,17 +210,51 @@ static void check_pose(const asdic_scene_file *file, asdic_problems *problems) {
     }
 }
 
+/* Keys that the vehicle's model does not know, and speeds at which it is not valid. */
+static void check_remus(const file_waypoints *w, asdic_problems *problems) {
+    static const char *const general[] = {"turn_radius_m", "response_s", "dive_rate_mps"};
+    for (size_t i = 0; i < sizeof general / sizeof *general; i++) {
+        asdic_yaml_node *other = asdic_yaml_child(w->node, general[i]);
+        if (other) {
+            asdic_yaml_key_problem(problems, other,
+                                   "'%s' has no effect on 'vehicle: remus100', which has its own; "
+                                   "leave it out",
+                                   general[i]);
+        }
+    }
+    if (w->speed_mps < ASDIC_REMUS100_MIN_MPS || w->speed_mps > ASDIC_REMUS100_MAX_MPS) {
+        asdic_yaml_problem(problems, at(w->node, "speed_mps"),
+                           "'speed_mps' = %.15g is outside the %g to %g m/s for which "
+                           "'vehicle: remus100' is valid; change it or give 'vehicle: nomoto'",
+                           w->speed_mps, ASDIC_REMUS100_MIN_MPS, ASDIC_REMUS100_MAX_MPS);
+    }
+}
+
+/* How the vehicle goes through the water. */
+static void check_vehicle(const file_waypoints *w, asdic_problems *problems) {
+    double current_mps = hypot(w->current_mps[0], w->current_mps[1]);
+    if (w->vehicle == ASDIC_VEHICLE_REMUS100) {
+        check_remus(w, problems);
+    } else if (w->dive_rate_mps >= w->speed_mps) {
+        asdic_yaml_problem(problems, at(w->node, "dive_rate_mps"),
+                           "'dive_rate_mps' = %.15g is not below 'speed_mps' = %.15g",
+                           w->dive_rate_mps, w->speed_mps);
+    }
+    if (current_mps > MAX_CURRENT * w->speed_mps) {
+        asdic_yaml_problem(problems, at(w->node, "current_mps"),
+                           "'current_mps' runs at %.4g m/s, more than %g of 'speed_mps' = %.15g; "
+                           "the vehicle could not hold its line",
+                           current_mps, MAX_CURRENT, w->speed_mps);
+    }
+}
+
 /* That the vehicle can fly from point to point, through water. */
 static void check_waypoints(const asdic_scene_file *file, asdic_problems *problems) {
     const file_waypoints *w = &file->mission.waypoints;
     if (!asdic_scene_node_good(w->node)) {
         return;
     }
-    if (w->dive_rate_mps >= w->speed_mps) {
-        asdic_yaml_problem(problems, at(w->node, "dive_rate_mps"),
-                           "'dive_rate_mps' = %.15g is not below 'speed_mps' = %.15g",
-                           w->dive_rate_mps, w->speed_mps);
-    }
+    check_vehicle(w, problems);
     asdic_yaml_node *node = asdic_yaml_child(w->node, "points_m")->first;
     const double *last_m = NULL, *m = w->points.items;
     for (; node; node = node->next, last_m = m, m += 3) {

@@ -135,7 +135,10 @@ typedef struct file_pose {
 typedef struct file_waypoints {
     asdic_yaml_node *node;
     asdic_list points; /* of double[3]: m */
+    int vehicle;       /* asdic_vehicle */
     double speed_mps, turn_radius_m, response_s, dive_rate_mps;
+    double current_mps[2]; /* north, east */
+    double altitude_m;     /* NAN: the points' depths */
 } file_waypoints;
 
 typedef struct file_mission {

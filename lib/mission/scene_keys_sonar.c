@@ -3,6 +3,8 @@
  */
 #include "scene_keys.h"
 
+#include "flight.h"
+
 #include <math.h>
 
 /* --- sonar ------------------------------------------------------------------------------------ */
@@ -101,11 +103,18 @@ static const asdic_key pose_keys[] = {
 };
 static const asdic_table pose_table = {TABLE(pose_keys, file_pose), .doc = "a vehicle at rest"};
 
+static const asdic_word vehicle_words[] = {{"nomoto", ASDIC_VEHICLE_NOMOTO, false},
+                                           {"remus100", ASDIC_VEHICLE_REMUS100, false},
+                                           {NULL, 0, false}};
+
 #define WAYPOINTS(member) AT(file_waypoints, member)
 static const asdic_key waypoints_keys[] = {
     {"points_m", ASDIC_KEY_POINTS, ASDIC_KEY_REQUIRED, WAYPOINTS(points), .unit = "m", .min = -1e7,
      .max = 1e7, .least = 2, .count = 10000,
      .doc = "north, east, down of each point; the vehicle starts in the first"},
+    {"vehicle", ASDIC_KEY_WORD, WAYPOINTS(vehicle), .words = vehicle_words, .fallback = "nomoto",
+     .doc = "how it answers: by turn_radius_m and response_s (nomoto), or by the published "
+            "coefficients of the REMUS 100"},
     {"speed_mps", ASDIC_KEY_NUMBER, WAYPOINTS(speed_mps), .unit = "m/s", .min = 0.05, .max = 20,
      .fallback = "1.5", .doc = "speed through the water"},
     {"turn_radius_m", ASDIC_KEY_NUMBER, WAYPOINTS(turn_radius_m), .unit = "m", .min = 0.1,
@@ -114,6 +123,11 @@ static const asdic_key waypoints_keys[] = {
      .fallback = "1", .doc = "time constant with which the vehicle answers rudder and elevator"},
     {"dive_rate_mps", ASDIC_KEY_NUMBER, WAYPOINTS(dive_rate_mps), .unit = "m/s", .min = 0.001,
      .max = 10, .fallback = "0.3", .doc = "fastest change of depth"},
+    {"current_mps", ASDIC_KEY_NUMBERS, WAYPOINTS(current_mps), .unit = "m/s", .min = -10, .max = 10,
+     .count = 2, .fallback = "[0, 0]",
+     .doc = "velocity of the water towards north and east, the same everywhere"},
+    {"altitude_m", ASDIC_KEY_NUMBER, WAYPOINTS(altitude_m), .unit = "m", .min = 0.1, .max = 1000,
+     .doc = "height above the bottom straight below to be held, instead of the points' depths"},
 };
 static const asdic_table waypoints_table = {TABLE(waypoints_keys, file_waypoints),
                                             .doc = "points and how the vehicle manoeuvres",

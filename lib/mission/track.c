@@ -52,9 +52,13 @@ static size_t find_leg(const asdic_track *track, double time_s) {
     return low;
 }
 
-/* From A to B by the shorter way round. */
+/* From A to B by the shorter way round; to the last bit at the ends. */
 static double turn(double a_rad, double b_rad, double share) {
-    return a_rad + share * remainder(b_rad - a_rad, 2.0 * ASDIC_PI);
+    return share < 1.0 ? a_rad + share * remainder(b_rad - a_rad, 2.0 * ASDIC_PI) : b_rad;
+}
+
+static double between(double a, double b, double share) {
+    return share < 1.0 ? a + share * (b - a) : b;
 }
 
 asdic_pose asdic_track_pose(const asdic_track *track, double time_s) {
@@ -65,8 +69,8 @@ asdic_pose asdic_track_pose(const asdic_track *track, double time_s) {
     const track_point *a = &track->points[find_leg(track, time_s)], *b = a + 1;
     double share = fmin(fmax((time_s - a->time_s) / (b->time_s - a->time_s), 0.0), 1.0);
     return (asdic_pose){
-        .position_m = {a->x_m + share * (b->x_m - a->x_m), a->y_m + share * (b->y_m - a->y_m),
-                       a->z_m + share * (b->z_m - a->z_m)},
+        .position_m = {between(a->x_m, b->x_m, share), between(a->y_m, b->y_m, share),
+                       between(a->z_m, b->z_m, share)},
         .roll_rad = turn(a->roll_rad, b->roll_rad, share),
         .pitch_rad = turn(a->pitch_rad, b->pitch_rad, share),
         .yaw_rad = turn(a->yaw_rad, b->yaw_rad, share),

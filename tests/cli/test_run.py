@@ -142,6 +142,31 @@ def test_what_is_there_is_not_overwritten():
         asdic("run", path, "-o", folder / "no/such").check(code=1)
 
 
+def test_flown_track_is_written_and_replays():
+    program.need_device()
+    with Folder() as folder:
+        path = scene(folder, rays=500)
+        at_rest = "pose: {position_m: [0, 0, 5]}, pings: 6"
+        for vehicle in ("nomoto", "remus100"):
+            flight = ("waypoints: {points_m: [[-6, 1, 5], [4, -2, 7], [6, 3, 5]], altitude_m: 6.3, "
+                      "current_mps: [0.2, -0.3], vehicle: " + vehicle + "}")
+            flown = folder.write("flown.yaml", folder.read("pool.yaml").replace(at_rest, flight))
+            asdic("run", flown, "-o", folder / "flown", "--force").check(code=0)
+            lines = data(folder, "flown", "track.csv").decode().splitlines()
+            tap.equal(lines[0], "time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg")
+            tap.equal(len(lines) - 1, facts(folder, "flown")["pings"], "rows")
+            replay = folder.write("replay.yaml", folder.read("pool.yaml").replace(
+                at_rest, "track: flown/track.csv"))
+            asdic("run", replay, "-o", folder / "replay", "--force").check(code=0)
+            for name in ("bins.csv", "pings.npy", "track.csv"):
+                if data(folder, "flown", name) != data(folder, "replay", name):
+                    raise AssertionError(f"{vehicle}: {name} of the replay differs")
+            asdic("run", flown, "--shard", "1/2", "-o", folder / "a", "--force").check(code=0)
+            asdic("run", flown, "--shard", "2/2", "-o", folder / "b", "--force").check(code=0)
+            asdic("merge", folder / "a", folder / "b", "-o", folder / "ab", "--force").check(code=0)
+            tap.equal(data(folder, "ab", "track.csv").decode().splitlines(), lines, "merged track")
+
+
 def test_tolerance_finds_rays():
     program.need_device()
     with Folder() as folder:

@@ -5,8 +5,33 @@
 
 #include "base/context.h"
 #include "base/vec.h"
-#include "mission/flight.h"
+#include "mission/flight_model.h"
 #include "mission/track_points.h"
+
+static asdic_flight nomoto(const double *points_m, size_t count, double speed_mps,
+                           double turn_radius_m, double response_s, double dive_rate_mps) {
+    return (asdic_flight){.points_m = points_m,
+                          .count = count,
+                          .vehicle = ASDIC_VEHICLE_NOMOTO,
+                          .speed_mps = speed_mps,
+                          .turn_radius_m = turn_radius_m,
+                          .response_s = response_s,
+                          .dive_rate_mps = dive_rate_mps,
+                          .altitude_m = NAN};
+}
+
+static asdic_flight remus100(const double *points_m, size_t count, double speed_mps) {
+    return (asdic_flight){.points_m = points_m,
+                          .count = count,
+                          .vehicle = ASDIC_VEHICLE_REMUS100,
+                          .speed_mps = speed_mps,
+                          .altitude_m = NAN};
+}
+
+static void set_current(asdic_flight *flight, double speed_mps, double towards_rad) {
+    flight->current_mps[0] = speed_mps * cos(towards_rad);
+    flight->current_mps[1] = speed_mps * sin(towards_rad);
+}
 
 static asdic_track *fly(asdic_flight flight) {
     asdic_context *ctx = NULL;
@@ -53,7 +78,7 @@ static double nearest_m(const asdic_track *track, const double *point_m) {
 static void straight_line_takes_length_over_speed(void **state) {
     (void)state;
     const double points_m[] = {10, 20, 5, 40, 60, 5}; /* 50 m */
-    const asdic_flight flight = {points_m, 2, 2.0, 5.0, 1.0, 0.3};
+    const asdic_flight flight = nomoto(points_m, 2, 2.0, 5.0, 1.0, 0.3);
     asdic_track *track = fly(flight);
     check_kinematics(&flight, track);
     assert_close(asdic_track_end_s(track), 25.0, 0.11, 0);
@@ -68,7 +93,7 @@ static void straight_line_takes_length_over_speed(void **state) {
 static void box_is_flown_close_to_its_corners(void **state) {
     (void)state;
     const double points_m[] = {0, 0, 5, 100, 0, 5, 100, 60, 5, 0, 60, 5, 0, 0, 5};
-    const asdic_flight flight = {points_m, 5, 1.5, 5.0, 0.5, 0.3};
+    const asdic_flight flight = nomoto(points_m, 5, 1.5, 5.0, 0.5, 0.3);
     asdic_track *track = fly(flight);
     check_kinematics(&flight, track);
     for (size_t i = 0; i < 5; i++) {
@@ -86,7 +111,7 @@ static void box_is_flown_close_to_its_corners(void **state) {
 static void depth_is_reached_without_overshoot(void **state) {
     (void)state;
     const double points_m[] = {0, 0, 5, 100, 0, 15, 200, 0, 2};
-    const asdic_flight flight = {points_m, 3, 1.5, 5.0, 1.0, 0.3};
+    const asdic_flight flight = nomoto(points_m, 3, 1.5, 5.0, 1.0, 0.3);
     asdic_track *track = fly(flight);
     check_kinematics(&flight, track);
     double deepest_m = 0, fastest_mps = 0;
@@ -106,7 +131,7 @@ static void depth_is_reached_without_overshoot(void **state) {
 static void tightest_turn_has_the_radius(void **state) {
     (void)state;
     const double points_m[] = {0, 0, 5, 200, 0, 5, 0, 1, 5};
-    const asdic_flight flight = {points_m, 3, 2.0, 20.0, 0.1, 0.3};
+    const asdic_flight flight = nomoto(points_m, 3, 2.0, 20.0, 0.1, 0.3);
     asdic_track *track = fly(flight);
     check_kinematics(&flight, track);
     double fastest = 0;
@@ -116,6 +141,123 @@ static void tightest_turn_has_the_radius(void **state) {
     }
     assert_close(flight.speed_mps / fastest, flight.turn_radius_m, 0, 1e-3);
     asdic_track_destroy(&track);
+}
+
+/* Full rudder: surge, sway and yaw rate at which forces and moments balance, found by integrating
+ * the published equations by a program of its own; the circle is the same at any speed. */
+static void remus_balances_in_its_circle(void **state) {
+    (void)state;
+    const double points_m[] = {0, 0, 5, 99, 0, 5};
+    const double fin_rad = 13.6 * ASDIC_PI / 180.0;
+    flight_model model = asdic_flight_model_remus100();
+    for (double speed_mps = 1.0; speed_mps < 2.6; speed_mps += 0.5) {
+        asdic_flight flight = remus100(points_m, 2, speed_mps);
+        for (int side = -1; side <= 1; side += 2) {
+            flight_state s = {.z_m = 5,
+                              .surge_mps = 0.62273705 * speed_mps,
+                              .sway_mps = -0.10080344 * side * speed_mps,
+                              .yaw_rate = 0.14316667 * side * speed_mps,
+                              .rudder_rad = -fin_rad * side};
+            flight_aim aim = {.yaw_rad = 3.0 * side, .z_m = 5};
+            flight_state d = model.derivative(&flight, &aim, &s);
+            assert_close(d.surge_mps, 0, 2e-6, 0);
+            assert_close(d.sway_mps, 0, 2e-6, 0);
+            assert_close(d.yaw_rate, 0, 2e-6, 0);
+            assert_close(d.rudder_rad, 0, 1e-9, 0);
+            assert_close(hypot(s.surge_mps, s.sway_mps) / fabs(s.yaw_rate), model.turn_radius_m, 0,
+                         2e-3);
+        }
+        flight_state s = {.z_m = 5, .surge_mps = speed_mps};
+        flight_aim straight = {.yaw_rad = 0, .z_m = 5};
+        flight_state d = model.derivative(&flight, &straight, &s);
+        assert_close(d.x_m, speed_mps, 0, 0);
+        assert_close(fabs(d.surge_mps) + fabs(d.sway_mps) + fabs(d.heave_mps), 0, 1e-12, 0);
+        assert_close(fabs(d.pitch_rate) + fabs(d.yaw_rate), 0, 1e-12, 0);
+    }
+}
+
+static void remus_flies_a_box(void **state) {
+    (void)state;
+    const double points_m[] = {0, 0, 5, 100, 0, 5, 100, 60, 8, 0, 60, 8, 0, 0, 5};
+    const asdic_flight flight = remus100(points_m, 5, 1.54);
+    asdic_track *track = fly(flight);
+    for (size_t i = 0; i < 5; i++) {
+        assert_true(nearest_m(track, points_m + 3 * i) < 4.5);
+    }
+    const double middles_m[] = {50, 0, 100, 30, 50, 60, 0, 30};
+    for (size_t i = 0; i < 4; i++) {
+        assert_true(nearest_m(track, middles_m + 2 * i) < 1.0);
+    }
+    double slowest_mps = 9, fastest_mps = 0, steepest_rad = 0;
+    for (size_t i = 1; i < track->count; i++) {
+        const track_point *a = &track->points[i - 1], *b = &track->points[i];
+        double mps = hypot(hypot(b->x_m - a->x_m, b->y_m - a->y_m), b->z_m - a->z_m) / 0.1;
+        slowest_mps = fmin(slowest_mps, mps);
+        fastest_mps = fmax(fastest_mps, mps);
+        steepest_rad = fmax(steepest_rad, fabs(b->pitch_rad));
+        assert_true(b->z_m > 4.8 && b->z_m < 8.2);
+    }
+    assert_true(slowest_mps < 1.2 && slowest_mps > 0.62 * 1.54); /* turns cost speed */
+    assert_close(fastest_mps, 1.54, 0.02, 0);
+    assert_true(steepest_rad > 0.2 && steepest_rad < 0.55);
+    assert_close(track->points[track->count / 4].z_m, 5, 0.01, 0);
+    assert_close(track->points[track->count - 1].z_m, 5, 0.1, 0);
+    asdic_track_destroy(&track);
+}
+
+/* In a current across, the vehicle points into it and stays on the line; along, it is carried. */
+static void current_is_met_by_a_crab_angle(void **state) {
+    (void)state;
+    const double points_m[] = {0, 0, 5, 300, 0, 5};
+    for (int k = 0; k < 2; k++) {
+        asdic_flight flight = k ? remus100(points_m, 2, 1.5) : nomoto(points_m, 2, 1.5, 5, 1, 0.3);
+        flight.current_mps[1] = 0.6;
+        asdic_track *track = fly(flight);
+        double over_ground_mps = sqrt(1.5 * 1.5 - 0.6 * 0.6);
+        assert_close(asdic_track_end_s(track), 300 / over_ground_mps, 0, 0.01);
+        for (size_t i = 0; i < track->count; i++) {
+            assert_close(track->points[i].y_m, 0, 0.05, 0);
+            assert_close(track->points[i].yaw_rad, -asin(0.6 / 1.5), 0.01, 0);
+        }
+        asdic_track_destroy(&track);
+        flight.current_mps[0] = -0.7;
+        flight.current_mps[1] = 0;
+        track = fly(flight);
+        assert_close(asdic_track_end_s(track), 300 / 0.8, 0, 1e-3);
+        asdic_track_destroy(&track);
+    }
+}
+
+/* Waves of 3 m, 200 m long, and a hole without a bottom. */
+static double wavy_m(const void *user, double north_m, double east_m) {
+    (void)user;
+    (void)east_m;
+    return north_m > 500 && north_m < 600 ? INFINITY : 30 + 3 * sin(2 * ASDIC_PI * north_m / 200);
+}
+
+static void altitude_is_held_over_the_bottom(void **state) {
+    (void)state;
+    const double points_m[] = {0, 0, 11, 300, 0, 20, 900, 0, 20};
+    for (int k = 0; k < 2; k++) {
+        asdic_flight flight = k ? remus100(points_m, 3, 1.5) : nomoto(points_m, 3, 1.5, 5, 1, 0.3);
+        flight.altitude_m = 6;
+        flight.bottom_m = wavy_m;
+        asdic_track *track = fly(flight);
+        assert_close(track->points[0].z_m, 24, 0, 0);
+        double worst_m = 0, hole_m = 99;
+        for (size_t i = 0; i < track->count; i++) {
+            const track_point *p = &track->points[i];
+            if (p->x_m < 500 || p->x_m > 640) {
+                worst_m = fmax(worst_m, fabs(wavy_m(NULL, p->x_m, 0) - 6 - p->z_m));
+            } else if (p->x_m < 600) {
+                hole_m = fmin(hole_m, fabs(p->z_m - 20));
+            }
+        }
+        /* The slope is 0.094: the vehicle lags by the time that its depth takes to answer. */
+        assert_true(worst_m > 0.1 && worst_m < 0.8);
+        assert_true(hole_m < 0.1);
+        asdic_track_destroy(&track);
+    }
 }
 
 /* A small generator of its own, the same everywhere. */
@@ -135,14 +277,19 @@ static void any_waypoints_come_to_an_end(void **state) {
         for (size_t k = 0; k < 30; k++) {
             points_m[k] = (k % 3 == 2 ? 20 : 100) * draw(&random);
         }
-        const asdic_flight flight = {points_m,
-                                     10,
-                                     0.5 + 3 * draw(&random),
-                                     0.5 + 30 * draw(&random),
-                                     0.1 + 3 * draw(&random),
-                                     0.4 * draw(&random) + 0.01};
+        double speed_mps = 0.5 + 3 * draw(&random), radius_m = 0.5 + 30 * draw(&random);
+        double response_s = 0.1 + 3 * draw(&random);
+        asdic_flight flight =
+            nomoto(points_m, 10, speed_mps, radius_m, response_s, 0.4 * draw(&random) + 0.01);
         asdic_track *track = fly(flight);
         check_kinematics(&flight, track);
+        asdic_track_destroy(&track);
+        set_current(&flight, 0.5 * speed_mps, 6.3 * draw(&random));
+        track = fly(flight);
+        asdic_track_destroy(&track);
+        flight = remus100(points_m, 10, 1.0 + 1.5 * draw(&random));
+        set_current(&flight, 0.5 * flight.speed_mps * draw(&random), 6.3 * draw(&random));
+        track = fly(flight);
         asdic_track_destroy(&track);
     }
 }
@@ -153,6 +300,10 @@ int main(void) {
         cmocka_unit_test(box_is_flown_close_to_its_corners),
         cmocka_unit_test(depth_is_reached_without_overshoot),
         cmocka_unit_test(tightest_turn_has_the_radius),
+        cmocka_unit_test(remus_balances_in_its_circle),
+        cmocka_unit_test(remus_flies_a_box),
+        cmocka_unit_test(current_is_met_by_a_crab_angle),
+        cmocka_unit_test(altitude_is_held_over_the_bottom),
         cmocka_unit_test(any_waypoints_come_to_an_end),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -309,6 +309,21 @@ static void waypoints_can_be_flown(void **state) {
                 "[mission.waypoints.points_m[1]]\n"
                 "8:73: error: the waypoint is 1 m above the sea surface; z is positive down  "
                 "[mission.waypoints.points_m[2][2]]\n");
+    expect_edit(pose,
+                "  waypoints: {points_m: [[0, 0, 7], [99, 0, 7]], vehicle: remus100, "
+                "current_mps: [0.5, -0.5], altitude_m: 2}",
+                "");
+    expect_edit(
+        pose,
+        "  waypoints: {points_m: [[0, 0, 7], [99, 0, 7]], vehicle: remus100, speed_mps: 3, "
+        "response_s: 2, current_mps: [2, 0]}",
+        "8:80: error: 'speed_mps' = 3 is outside the 1 to 2.5 m/s for which 'vehicle: "
+        "remus100' is valid; change it or give 'vehicle: nomoto'  "
+        "[mission.waypoints.speed_mps]\n"
+        "8:83: error: 'response_s' has no effect on 'vehicle: remus100', which has its own; "
+        "leave it out  [mission.waypoints]\n"
+        "8:111: error: 'current_mps' runs at 2 m/s, more than 0.5 of 'speed_mps' = 3; the "
+        "vehicle could not hold its line  [mission.waypoints.current_mps]\n");
 }
 
 static void all_errors_come_in_one_run_in_order(void **state) {

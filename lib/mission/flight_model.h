@@ -1,0 +1,51 @@
+/*
+ * How a vehicle answers: the time derivative of its state for a wanted heading and depth.
+ *
+ * nomoto: speed through the water is constant and along the body's axis. Yaw answers the rudder as
+ * a first order, the reduced form of sway and yaw (Nomoto et al. 1957, "On the steering qualities
+ * of ships", Int. Shipbuilding Progress 4; Fossen 2011, section 7.2): T dr/dt + r = r_c,
+ * |r_c| <= speed / turn radius; depth answers the stern planes in the same way with the dive rate as
+ * its limit. For any vehicle whose turning circle is known; no sideslip, no loss of speed in turns.
+ *
+ * remus100: surge, sway, heave, pitch and yaw of the REMUS 100 with its published coefficients
+ * (flight_remus.c), rudder and stern planes as its fins allow.
+ */
+#ifndef ASDIC_MISSION_FLIGHT_MODEL_H
+#define ASDIC_MISSION_FLIGHT_MODEL_H
+
+#include "flight.h"
+
+/* Position in the world, m; attitude, rad; velocity relative to the water along the body's axes,
+ * m/s; rates, rad/s; deflections, rad. */
+typedef struct flight_state {
+    double x_m, y_m, z_m;
+    double pitch_rad, yaw_rad;
+    double surge_mps, sway_mps, heave_mps;
+    double pitch_rate, yaw_rate;
+    double rudder_rad, plane_rad;
+} flight_state;
+
+/* Where guidance wants the vehicle to point and to be. */
+typedef struct flight_aim {
+    double yaw_rad, z_m;
+} flight_aim;
+
+typedef struct flight_model {
+    double step_s;     /* of a track's points ... */
+    unsigned substeps; /* ... each so many steps of the integration */
+    double turn_radius_m, response_s;
+    flight_state (*derivative)(const asdic_flight *flight, const flight_aim *aim,
+                               const flight_state *state);
+} flight_model;
+
+flight_model asdic_flight_model_nomoto(const asdic_flight *flight);
+flight_model asdic_flight_model_remus100(void);
+
+/* Critical damping of an integrator behind a first-order lag T asks for a gain of 1 / (4 T). */
+#define ASDIC_FLIGHT_DAMPING 4.0
+
+static inline double asdic_flight_clamp(double x, double limit) {
+    return x > limit ? limit : x < -limit ? -limit : x;
+}
+
+#endif
