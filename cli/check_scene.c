@@ -41,6 +41,7 @@ static void json_object(json *j, const asdic_mission_object *o) {
     json_integer(j, "triangles", o->mesh.triangles);
     json_integer(j, "dropped_facets", o->mesh.dropped);
     json_integer(j, "open_edges", o->mesh.open_edges);
+    json_bool(j, "moves", o->moves);
     check_json_vec(j, "min_m", o->min_m);
     check_json_vec(j, "max_m", o->max_m);
     json_text(j, "hint", o->mesh.hint[0] ? o->mesh.hint : NULL);
@@ -84,15 +85,16 @@ static double tidy(double x_m) {
 }
 
 static void print_object(const asdic_mission_object *o) {
+    const char *moves = o->moves ? "; moves, this is at ping 0" : "";
     if (o->mesh.triangles == 0) {
-        printf("  %-11s a point at x %.4g, y %.4g, z %.4g m\n", o->name, o->min_m.x, o->min_m.y,
-               o->min_m.z);
+        printf("  %-11s a point at x %.4g, y %.4g, z %.4g m%s\n", o->name, o->min_m.x, o->min_m.y,
+               o->min_m.z, moves);
         return;
     }
-    printf("  %-11s %zu triangle%s, x %.4g .. %.4g, y %.4g .. %.4g, z %.4g .. %.4g m\n",
+    printf("  %-11s %zu triangle%s, x %.4g .. %.4g, y %.4g .. %.4g, z %.4g .. %.4g m%s\n",
            o->name[0] ? o->name : "bottom", o->mesh.triangles, o->mesh.triangles == 1 ? "" : "s",
            tidy(o->min_m.x), tidy(o->max_m.x), tidy(o->min_m.y), tidy(o->max_m.y), tidy(o->min_m.z),
-           tidy(o->max_m.z));
+           tidy(o->max_m.z), moves);
     if (o->mesh.dropped > 0) {
         printf("  %-11s %zu degenerate facets dropped\n", "", o->mesh.dropped);
     }

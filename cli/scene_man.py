@@ -72,8 +72,11 @@ def print_map(path, schema, title):
     for name, key in schema["properties"].items():
         print(f".TP\n.B {escape(name)}")
         required = name in schema.get("required", [])
+        without = schema["if"]["not"]["required"][0] if name in schema.get("then", {}).get(
+            "required", []) else None
         default = json.dumps(key["default"]).replace('"', "") if "default" in key else None
-        note = "; required" if required else f"; default {default}" if default else ""
+        note = (f"; required without {without}" if without else "; required" if required else
+                f"; default {default}" if default else "")
         about, unit = re.fullmatch(r"(.*?)(?: \[([^]]*)\])?", key["description"]).groups()
         if about.split()[0].strip(",:;").isalpha():
             about = about[0].upper() + about[1:]

@@ -20,6 +20,10 @@ void asdic_mission_destroy(asdic_mission **mission) {
     asdic_mission *m = *mission;
     asdic_scene_destroy(&m->scene);
     asdic_track_destroy(&m->track);
+    for (size_t i = 0; i < m->motion_count; i++) {
+        asdic_track_destroy(&m->motions[i].track);
+    }
+    free(m->motions);
     free(m->objects);
     free(m->receivers);
     free(m->text);
@@ -44,6 +48,9 @@ static asdic_status read_text(asdic_context *ctx, asdic_mission *m, size_t *leng
 
 static asdic_status build(mission_builder *b) {
     asdic_status status = asdic_mission_build_settings(b);
+    if (status == ASDIC_OK) {
+        status = asdic_mission_build_tracks(b);
+    }
     if (status == ASDIC_OK) {
         status = asdic_mission_build_scene(b);
     }

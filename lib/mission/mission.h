@@ -8,6 +8,12 @@
 
 #include "track.h"
 
+/* Where an object goes, by its name. */
+typedef struct asdic_motion {
+    char name[ASDIC_NAME_SIZE];
+    asdic_track *track;
+} asdic_motion;
+
 struct asdic_mission {
     asdic_context *ctx;
     char *path; /* as given; "-" is standard input */
@@ -19,6 +25,8 @@ struct asdic_mission {
     asdic_scene *scene;
     asdic_mission_object *objects;
     size_t object_count;
+    asdic_motion *motions; /* in the order of the file */
+    size_t motion_count;
     double bottom_type;
     asdic_sampling sampling;
     asdic_detector detector;

@@ -20,9 +20,11 @@ typedef struct mission_builder {
 
 /* Environment, sonar, sampling, detector, output. */
 asdic_status asdic_mission_build_settings(mission_builder *b);
+/* Tracks from files: the vehicle's, and the objects'. */
+asdic_status asdic_mission_build_tracks(mission_builder *b);
 /* Surface, bottom and objects; the scene is committed when nothing was wrong. */
 asdic_status asdic_mission_build_scene(mission_builder *b);
-/* Pose or track, and the number of pings; after the scene, whose bottom a flight may follow. */
+/* Waypoints flown, and the number of pings; after the scene, whose bottom a flight may follow. */
 asdic_status asdic_mission_build_pings(mission_builder *b);
 /* Depth of the highest bottom at the place of POSITION; INFINITY where there is none. */
 double asdic_mission_bottom_m(const asdic_scene *scene, asdic_vec3 position_m);

@@ -6,6 +6,7 @@
 #include "track_write.h"
 
 #include <math.h>
+#include <string.h>
 
 const asdic_environment *asdic_mission_environment(const asdic_mission *mission) {
     return &mission->environment;
@@ -70,6 +71,34 @@ asdic_pose asdic_mission_pose(const asdic_mission *mission, size_t index, double
         *time_s = start_s + elapsed_s;
     }
     return mission->track ? pose_on_track(mission->track, start_s + elapsed_s) : mission->pose;
+}
+
+/* How long the pings' clock has run at ping INDEX. */
+static double time_of(const asdic_mission *mission, size_t index) {
+    double time_s;
+    asdic_mission_pose(mission, index, &time_s);
+    return time_s;
+}
+
+asdic_status asdic_mission_place(const asdic_mission *mission, asdic_simulator *simulator,
+                                 size_t index) {
+    asdic_status status = ASDIC_OK;
+    for (size_t i = 0; status == ASDIC_OK && i < mission->motion_count; i++) {
+        const asdic_motion *motion = &mission->motions[i];
+        asdic_pose pose = asdic_track_pose(motion->track, time_of(mission, index));
+        status = asdic_simulator_move(simulator, motion->name, &pose);
+    }
+    return status;
+}
+
+asdic_pose asdic_mission_object_pose(const asdic_mission *mission, size_t object, size_t index) {
+    const asdic_mission_object *o = &mission->objects[object];
+    for (size_t i = 0; o->moves && i < mission->motion_count; i++) {
+        if (strcmp(mission->motions[i].name, o->name) == 0) {
+            return asdic_track_pose(mission->motions[i].track, time_of(mission, index));
+        }
+    }
+    return o->pose;
 }
 
 asdic_flat_scene asdic_mission_flat_scene(const asdic_mission *mission, size_t index) {

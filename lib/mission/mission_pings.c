@@ -7,6 +7,8 @@
 #include "flight.h"
 
 #include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
 
 /* Pings that the track covers, the one at its start included. */
 static double covered_pings(const mission_builder *b) {
@@ -61,25 +63,56 @@ static asdic_status fly(mission_builder *b) {
     return asdic_flight_fly(b->ctx, &flight, &b->mission->track);
 }
 
+/* The track in the file NAME, which NODE gives; *OUT stays NULL when something is wrong with it. */
+static asdic_status load_track(mission_builder *b, asdic_yaml_node *node, const char *name,
+                               asdic_track **out) {
+    const char *path = asdic_mission_resolve(b, name);
+    asdic_status status =
+        path ? asdic_track_load(b->ctx, path, out) : asdic_fail_memory(b->ctx, "a path");
+    return status == ASDIC_OK ? status : asdic_mission_file_problem(b, node, status);
+}
+
+asdic_status asdic_mission_build_tracks(mission_builder *b) {
+    const asdic_scene_file *file = b->file;
+    const file_object *objects = file->objects.items;
+    asdic_mission *m = b->mission;
+    asdic_yaml_node *node = asdic_yaml_child(file->mission.node, "track");
+    asdic_status status = ASDIC_OK;
+    m->motions = calloc(file->objects.count + 1, sizeof *m->motions);
+    if (!m->motions) {
+        return asdic_fail_memory(b->ctx, "the objects' tracks");
+    }
+    if (file->mission.track && asdic_scene_node_good(node)) {
+        status = load_track(b, node, file->mission.track, &m->track);
+    }
+    for (size_t i = 0; status == ASDIC_OK && i < file->objects.count; i++) {
+        const file_object *o = &objects[i];
+        asdic_yaml_node *place = asdic_yaml_child(o->node, "track");
+        if (!o->track || !o->name || !asdic_scene_node_good(place)) {
+            continue;
+        }
+        asdic_motion *motion = &m->motions[m->motion_count];
+        snprintf(motion->name, sizeof motion->name, "%s", o->name);
+        status = load_track(b, place, o->track, &motion->track);
+        m->motion_count += motion->track != NULL;
+    }
+    return status;
+}
+
 asdic_status asdic_mission_build_pings(mission_builder *b) {
     const file_mission *mission = &b->file->mission;
     asdic_yaml_node *track = asdic_yaml_child(mission->node, "track");
     asdic_yaml_node *waypoints = mission->waypoints.node;
     asdic_status status = ASDIC_OK;
     b->mission->ping_count = mission->pings > 0 ? (size_t)mission->pings : 1;
-    if (mission->track && asdic_scene_node_good(track)) {
-        const char *path = asdic_mission_resolve(b, mission->track);
-        status = path ? asdic_track_load(b->ctx, path, &b->mission->track)
-                      : asdic_fail_memory(b->ctx, "a path");
-    } else if (asdic_scene_node_good(waypoints)) {
+    if (asdic_scene_node_good(waypoints)) {
         status = fly(b);
     }
-    asdic_yaml_node *node = track ? track : waypoints;
     if (status != ASDIC_OK) {
-        return asdic_mission_file_problem(b, node, status);
+        return asdic_mission_file_problem(b, waypoints, status);
     }
     if (b->mission->track) {
-        count_pings(b, node);
+        count_pings(b, track ? track : waypoints);
     }
     return ASDIC_OK;
 }

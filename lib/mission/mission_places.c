@@ -98,6 +98,9 @@ static void remark_on_objects(mission_builder *b) {
         &m->sonar, asdic_environment_sound_speed_mps(&m->environment, pose.position_m.z));
     for (size_t i = first; i < m->object_count; i++) {
         const asdic_mission_object *object = &m->objects[i];
+        if (object->moves) {
+            continue;
+        }
         if (object->max_m.z < 0.0) {
             remark(b, i - first, "lies above the sea surface; z is positive down");
         } else if (!m->track && distance_m(object, pose.position_m) > range_m) {

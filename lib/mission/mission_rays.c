@@ -60,7 +60,10 @@ static asdic_status look(asdic_context *ctx, const asdic_mission *mission, asdic
         if (asdic_context_interrupted(ctx)) {
             return asdic_fail(ctx, ASDIC_ERROR_INTERRUPTED, "interrupted while looking for rays");
         }
-        asdic_status status = asdic_simulator_learn(sim, &pose, number);
+        asdic_status status = asdic_mission_place(mission, sim, number);
+        if (!status) {
+            status = asdic_simulator_learn(sim, &pose, number);
+        }
         if (!status) {
             status = asdic_simulator_ping(sim, &pose, number, ping);
         }

@@ -9,6 +9,7 @@
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* The node of a map's key "file". */
 static asdic_yaml_node *file_node(const asdic_yaml_node *map) {
@@ -87,10 +88,15 @@ static asdic_status place(mission_builder *b, asdic_yaml_node *node, asdic_mesh 
             object.mesh.hint[0] = '\0'; /* sizes in the scene file are in metres */
         }
         m->objects[m->object_count++] = object;
-        status =
-            object.name[0]
-                ? asdic_scene_add_object(m->scene, object.name, *mesh, object.pose, object.material)
-                : asdic_scene_add_bottom(m->scene, *mesh, object.pose, object.material);
+        if (object.moves) {
+            status = asdic_scene_add_moving_object(m->scene, object.name, *mesh, object.pose,
+                                                   object.material);
+        } else if (object.name[0]) {
+            status =
+                asdic_scene_add_object(m->scene, object.name, *mesh, object.pose, object.material);
+        } else {
+            status = asdic_scene_add_bottom(m->scene, *mesh, object.pose, object.material);
+        }
     }
     asdic_mesh_destroy(mesh);
     return status == ASDIC_OK ? status : asdic_mission_file_problem(b, node, status);
@@ -120,13 +126,26 @@ static asdic_status build_bottom(mission_builder *b) {
     return place(b, bottom->node, &mesh, true, object);
 }
 
+/* Where O is at the first ping. */
+static asdic_pose first_pose(const mission_builder *b, const file_object *o) {
+    const asdic_mission *m = b->mission;
+    for (size_t i = 0; o->track && o->name && i < m->motion_count; i++) {
+        if (strcmp(m->motions[i].name, o->name) == 0) {
+            double start_s = m->track ? asdic_track_start_s(m->track) : 0.0;
+            return asdic_track_pose(m->motions[i].track, start_s);
+        }
+    }
+    return asdic_scene_file_place(o->position_m, o->rotation_deg);
+}
+
 static asdic_status build_point(mission_builder *b, const file_object *o) {
     asdic_mission *m = b->mission;
     if (!asdic_scene_node_good(o->node) || b->problems->total > 0) {
         return ASDIC_OK;
     }
-    asdic_vec3 at = {o->position_m[0], o->position_m[1], o->position_m[2]};
-    asdic_mission_object object = {.pose.position_m = at, .min_m = at, .max_m = at};
+    asdic_vec3 at = first_pose(b, o).position_m;
+    asdic_mission_object object = {
+        .pose.position_m = at, .min_m = at, .max_m = at, .moves = o->track != NULL};
     snprintf(object.name, sizeof object.name, "%s", o->name);
     m->objects[m->object_count++] = object;
     asdic_status status =
@@ -139,8 +158,9 @@ static asdic_status build_object(mission_builder *b, const file_object *o) {
         return build_point(b, o);
     }
     asdic_mesh *mesh = NULL;
-    asdic_mission_object object = {.pose = asdic_scene_file_place(o->position_m, o->rotation_deg),
-                                   .material = asdic_scene_file_material(o)};
+    asdic_mission_object object = {.pose = first_pose(b, o),
+                                   .material = asdic_scene_file_material(o),
+                                   .moves = o->track != NULL};
     snprintf(object.name, sizeof object.name, "%s", o->name ? o->name : "");
     asdic_status status = make_shape(b, o, &mesh);
     if (status != ASDIC_OK) {

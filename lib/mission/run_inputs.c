@@ -10,19 +10,49 @@
 /* Time, position, attitude. */
 #define POSE_NUMBERS 7
 
-static double *gather_poses(const asdic_mission *mission, size_t pings) {
-    double *numbers = malloc(pings * POSE_NUMBERS * sizeof *numbers);
-    for (size_t i = 0; numbers && i < pings; i++) {
-        double *to = numbers + i * POSE_NUMBERS;
-        asdic_pose pose = asdic_mission_pose(mission, i, &to[0]);
-        to[1] = pose.position_m.x;
-        to[2] = pose.position_m.y;
-        to[3] = pose.position_m.z;
-        to[4] = pose.roll_rad;
-        to[5] = pose.pitch_rad;
-        to[6] = pose.yaw_rad;
+/* Poses hashed at once: memory does not grow with a mission. */
+#define CHUNK 1024
+
+/* A chunk of poses after the hash of those before it. */
+typedef struct pose_chain {
+    char before[72]; /* 65 of them used */
+    double numbers[CHUNK * POSE_NUMBERS];
+} pose_chain;
+
+static void put_pose(double *to, double time_s, const asdic_pose *pose) {
+    const double numbers[POSE_NUMBERS] = {
+        time_s,         pose->position_m.x, pose->position_m.y, pose->position_m.z,
+        pose->roll_rad, pose->pitch_rad,    pose->yaw_rad};
+    memcpy(to, numbers, sizeof numbers);
+}
+
+/* HEX: the vehicle's poses, or those of an object, at all pings. */
+static void hash_poses(const asdic_mission *mission, const size_t *object, pose_chain *chain,
+                       char hex[65]) {
+    size_t pings = asdic_mission_ping_count(mission), used = 0;
+    memset(chain->before, 0, sizeof chain->before);
+    for (size_t i = 0; i < pings; i++) {
+        double time_s;
+        asdic_pose pose = asdic_mission_pose(mission, i, &time_s);
+        if (object) {
+            pose = asdic_mission_object_pose(mission, *object, i);
+        }
+        put_pose(chain->numbers + POSE_NUMBERS * used++, time_s, &pose);
+        if (used == CHUNK || i + 1 == pings) {
+            asdic_sha256_hex(chain, sizeof chain->before + used * POSE_NUMBERS * sizeof(double),
+                             hex);
+            memcpy(chain->before, hex, 65);
+            used = 0;
+        }
     }
-    return numbers;
+}
+
+/* Joins the hash NEXT to HEX. */
+static void join_hash(char hex[65], const char next[65]) {
+    char both[130];
+    memcpy(both, hex, 65);
+    memcpy(both + 65, next, 65);
+    asdic_sha256_hex(both, sizeof both, hex);
 }
 
 asdic_status asdic_inputs_hash(asdic_context *ctx, const asdic_mission *mission, char hex[65]) {
@@ -32,16 +62,21 @@ asdic_status asdic_inputs_hash(asdic_context *ctx, const asdic_mission *mission,
         char triangles[65], poses[65];
     } parts;
     memset(&parts, 0, sizeof parts); /* padding is hashed too */
-    size_t pings = asdic_mission_ping_count(mission);
-    double *poses = gather_poses(mission, pings);
-    if (!poses) {
-        return asdic_fail_memory(ctx, "the poses of all pings");
+    pose_chain *chain = malloc(sizeof *chain);
+    if (!chain) {
+        return asdic_fail_memory(ctx, "the hash of the poses");
     }
-    asdic_sha256_hex(poses, pings * POSE_NUMBERS * sizeof *poses, parts.poses);
+    hash_poses(mission, NULL, chain, parts.poses);
     asdic_sha256_hex(scene->triangles, scene->triangle_count * sizeof *scene->triangles,
                      parts.triangles);
     parts.origin_m = scene->triangle_count ? scene->origin_m : (asdic_vec3){0};
     asdic_sha256_hex(&parts, sizeof parts, hex);
-    free(poses);
+    for (size_t i = 0; i < asdic_mission_object_count(mission); i++) {
+        if (asdic_mission_get_object(mission, i)->moves) {
+            hash_poses(mission, &i, chain, parts.poses);
+            join_hash(hex, parts.poses);
+        }
+    }
+    free(chain);
     return ASDIC_OK;
 }

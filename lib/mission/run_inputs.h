@@ -7,7 +7,7 @@
 
 #include <asdic/mission.h>
 
-/* SHA-256 of the triangles and of every ping's pose, in hexadecimal. */
+/* SHA-256 of the triangles and of every ping's poses, of the vehicle and of objects that move, in hexadecimal. */
 asdic_status asdic_inputs_hash(asdic_context *ctx, const asdic_mission *mission, char hex[65]);
 
 #endif

@@ -109,14 +109,18 @@ static asdic_status simulate(queue *q, worker *w, size_t ping, asdic_ping *resul
     if (w->block != block) {
         size_t pilot = block * ASDIC_LEARN_BLOCK;
         asdic_pose pose = asdic_mission_pose(mission, pilot, NULL);
-        asdic_status status = asdic_simulator_learn(w->simulator, &pose, pilot);
+        asdic_status status = asdic_mission_place(mission, w->simulator, pilot);
+        if (status == ASDIC_OK) {
+            status = asdic_simulator_learn(w->simulator, &pose, pilot);
+        }
         if (status != ASDIC_OK) {
             return status;
         }
         w->block = block;
     }
     asdic_pose pose = asdic_mission_pose(mission, ping, NULL);
-    return asdic_simulator_ping(w->simulator, &pose, ping, result);
+    asdic_status status = asdic_mission_place(mission, w->simulator, ping);
+    return status == ASDIC_OK ? asdic_simulator_ping(w->simulator, &pose, ping, result) : status;
 }
 
 static asdic_status work_through(queue *q, worker *w) {

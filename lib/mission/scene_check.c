@@ -170,6 +170,19 @@ static void check_point(const file_object *object, asdic_problems *problems) {
     }
 }
 
+/* A track says where its object is. */
+static void check_object_track(const file_object *object, asdic_problems *problems) {
+    static const char *const places[] = {"position_m", "rotation_deg"};
+    for (size_t i = 0; asdic_yaml_child(object->node, "track") && i < 2; i++) {
+        asdic_yaml_node *other = asdic_yaml_child(object->node, places[i]);
+        if (other) {
+            asdic_yaml_key_problem(problems, other,
+                                   "'%s' has no effect beside 'track'; give only one of them",
+                                   places[i]);
+        }
+    }
+}
+
 static void check_objects(const asdic_scene_file *file, asdic_arena *arena,
                           asdic_problems *problems) {
     static const char *const facet_keys[] = {"preset", "impedance_mrayl", "roughness_rms_mm",
@@ -188,6 +201,7 @@ static void check_objects(const asdic_scene_file *file, asdic_arena *arena,
             }
         }
         check_point(&objects[i], problems);
+        check_object_track(&objects[i], problems);
     }
 }
 

@@ -83,6 +83,7 @@ typedef struct file_object {
     file_plate plate;
     file_mesh mesh;
     file_point point;
+    const char *track; /* NULL: at rest */
     double position_m[3], rotation_deg[3];
     file_material material;
     double type; /* NAN: none given */

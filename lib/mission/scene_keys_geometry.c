@@ -119,7 +119,7 @@ static const asdic_word preset_words[] = {
 #define PRESET(word, value) {#word, PRESET_##word, false},
     ASDIC_MATERIAL_PRESETS(PRESET)
 #undef PRESET
-    {NULL, 0, false}};
+        {NULL, 0, false}};
 
 #define MATERIAL(member) AT(file_material, member)
 static const asdic_key material_keys[] = {
@@ -155,8 +155,11 @@ static const asdic_key object_keys[] = {
     {"point", ASDIC_KEY_MAP, SHAPE, OBJECT(point), .table = &point_table,
      .doc = "a point of known target strength"},
     {"position_m", ASDIC_KEY_NUMBERS, ASDIC_KEY_REQUIRED, OBJECT(position_m), .unit = "m",
-     .min = -1e7, .max = 1e7, .count = 3,
+     .min = -1e7, .max = 1e7, .count = 3, .unless = "track",
      .doc = "centre (of a mesh: its origin), north, east, down"},
+    {"track", ASDIC_KEY_PATH, OBJECT(track),
+     .doc = "CSV file, as a mission's, of where it moves: its centre and attitude at the pings' "
+            "times"},
     {"rotation_deg", ASDIC_KEY_NUMBERS, OBJECT(rotation_deg), .unit = "deg", .min = -360,
      .max = 360, .count = 3, .fallback = "[0, 0, 0]",
      .doc = "roll, pitch, yaw; applied yaw, then pitch, then roll"},

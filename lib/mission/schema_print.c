@@ -170,7 +170,13 @@ static void print_rules(const asdic_table *table, asdic_text *text, int indent) 
         if (is_hidden(key)) {
             continue;
         }
-        if (key->flags & ASDIC_KEY_REQUIRED) {
+        if ((key->flags & ASDIC_KEY_REQUIRED) && key->unless) {
+            asdic_text_format(text,
+                              "\"if\": {\"not\": {\"required\": [\"%s\"]}}, "
+                              "\"then\": {\"required\": [\"%s\"]},",
+                              key->unless, key->name);
+            new_line(text, indent);
+        } else if (key->flags & ASDIC_KEY_REQUIRED) {
             asdic_text_format(&required, "%s\"%s\"", required.length ? ", " : "", key->name);
         }
         if (key->flags & ASDIC_KEY_ONE_OF) {

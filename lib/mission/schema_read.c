@@ -184,7 +184,8 @@ static void report_missing(const asdic_schema_reader *r, const asdic_key *key,
 static void read_key(const asdic_schema_reader *r, const asdic_key *key, asdic_yaml_node *map,
                      asdic_yaml_node *node, char *out) {
     void *at = out + key->offset;
-    if (!node && map && (key->flags & ASDIC_KEY_REQUIRED)) {
+    if (!node && map && (key->flags & ASDIC_KEY_REQUIRED) &&
+        !(key->unless && asdic_yaml_child(map, key->unless))) {
         report_missing(r, key, map);
     }
     if (node && is_hidden(key)) {

@@ -68,6 +68,7 @@ typedef struct asdic_mission_object {
     asdic_pose pose;
     asdic_vec3 min_m, max_m; /* world */
     asdic_material material;
+    bool moves; /* along a track of its own; pose and box are those of the first ping */
 } asdic_mission_object;
 
 /* Objects in the order of the file; a bottom from a mesh or grid comes before them. */
@@ -82,6 +83,15 @@ ASDIC_API asdic_flat_scene asdic_mission_flat_scene(const asdic_mission *mission
 /* Pose and time of ping INDEX; INDEX < ping_count. TIME_S may be NULL. */
 ASDIC_API asdic_pose asdic_mission_pose(const asdic_mission *mission, size_t index,
                                         double *time_s);
+
+/* Moves SIMULATOR's objects to where those that move are at ping INDEX, on the clock of the pings' times.
+ * Before a ping, and before learning for one; does nothing where nothing moves. */
+ASDIC_API asdic_status asdic_mission_place(const asdic_mission *mission, asdic_simulator *simulator,
+                                           size_t index);
+
+/* The pose of object OBJECT (as in asdic_mission_get_object) at ping INDEX. */
+ASDIC_API asdic_pose asdic_mission_object_pose(const asdic_mission *mission, size_t object,
+                                               size_t index);
 
 /* Writes the vehicle's pose at every ping as a track, CSV as a scene's `track` reads it. */
 ASDIC_API asdic_status asdic_mission_write_track(asdic_context *ctx, const asdic_mission *mission,
