@@ -10,6 +10,9 @@
 #define BENCH_ALTITUDE_M 100.0
 #define BENCH_RANGE_M 500.0
 
+/* Its height above the mean at X north, Y east, m: waves of 250 m and shorter. */
+double bench_height_m(double x, double y);
+
 /* A committed scene with a rough, smooth-faced floor of about TRIANGLES triangles, without surface. */
 asdic_status bench_terrain(asdic_context *ctx, size_t triangles, asdic_scene **out);
 

@@ -8,7 +8,7 @@
 #define DEPTH_M 200.0
 #define OCTAVES 9
 
-static double height_m(double x, double y) {
+double bench_height_m(double x, double y) {
     double sum = 0.0, length_m = 250.0, high_m = 12.0;
     for (int k = 0; k < OCTAVES; k++) {
         /* Directions a golden angle apart never line up. */
@@ -28,7 +28,7 @@ static void fill(size_t cells, double *vertices, uint32_t *indices) {
         double y = SIDE_M * ((double)(i % side) / (double)cells - 0.5);
         vertices[3 * i] = x;
         vertices[3 * i + 1] = y;
-        vertices[3 * i + 2] = DEPTH_M - height_m(x, y) + height_m(-0.4 * SIDE_M, 0.0);
+        vertices[3 * i + 2] = DEPTH_M - bench_height_m(x, y) + bench_height_m(-0.4 * SIDE_M, 0.0);
     }
     for (size_t i = 0; i < cells * cells; i++) {
         uint32_t a = (uint32_t)(i / cells * side + i % cells), b = a + (uint32_t)side;

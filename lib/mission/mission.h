@@ -29,6 +29,7 @@ struct asdic_mission {
     size_t motion_count;
     double bottom_type;
     asdic_sampling sampling;
+    bool keeps_all_terms; /* whatever the plan says */
     asdic_detector detector;
     asdic_output_options output;
     asdic_pose pose;    /* of every ping, when there is no track */

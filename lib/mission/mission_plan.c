@@ -2,7 +2,24 @@
 
 #include "base/context.h"
 
+#include <stdio.h>
 #include <stdlib.h>
+
+/* A vehicle that is flown by hand may come where a term matters, so nothing is left out. */
+static void keep_all(const asdic_mission *mission, asdic_plan *plan) {
+    const bool is_there[ASDIC_TERM_COUNT] = {
+        [ASDIC_TERM_SURFACE] = asdic_scene_get_info(mission->scene).has_surface,
+        [ASDIC_TERM_VOLUME] = true,
+        [ASDIC_TERM_MULTIPATH] = mission->sampling.multipath != ASDIC_MULTIPATH_OFF};
+    for (int t = 0; t < ASDIC_TERM_COUNT; t++) {
+        asdic_plan_row *row = &plan->rows[t];
+        if (is_there[t] && !row->kept) {
+            row->kept = true;
+            snprintf(row->reason, sizeof row->reason, "the scene keeps all terms");
+        }
+    }
+    plan->left_out = 0;
+}
 
 asdic_status asdic_mission_plan(asdic_context *ctx, const asdic_mission *mission, asdic_plan *out) {
     if (!mission || !out) {
@@ -21,5 +38,8 @@ asdic_status asdic_mission_plan(asdic_context *ctx, const asdic_mission *mission
                         asdic_mission_sonar(mission),
                         asdic_mission_sampling((asdic_mission *)mission), poses, count, out);
     free(poses);
+    if (status == ASDIC_OK && mission->keeps_all_terms) {
+        keep_all(mission, out);
+    }
     return status;
 }

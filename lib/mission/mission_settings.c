@@ -47,6 +47,7 @@ asdic_status asdic_mission_build_settings(mission_builder *b) {
         .multipath = (asdic_multipath)file->sampling.multipath,
         .seed = (uint64_t)file->sampling.seed,
     };
+    m->keeps_all_terms = file->model.terms == FILE_TERMS_ALL;
     m->detector = (asdic_detector){.target = (asdic_target)file->detector.target,
                                    .pfa = file->detector.pfa,
                                    .prior = file->detector.prior};

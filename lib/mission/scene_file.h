@@ -156,9 +156,12 @@ typedef struct file_sampling {
     int sampler, multipath;
 } file_sampling;
 
+typedef enum file_terms { FILE_TERMS_NEEDED, FILE_TERMS_ALL } file_terms;
+
 typedef struct file_model {
     asdic_yaml_node *node;
     int variant;
+    int terms; /* file_terms */
 } file_model;
 
 typedef struct file_detector {

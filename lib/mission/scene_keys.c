@@ -57,9 +57,13 @@ static const asdic_table sampling_table = {TABLE(sampling_keys, file_sampling),
 static const asdic_word variant_words[] = {{"corrected", ASDIC_VARIANT_CORRECTED, false},
                                            {"printed", ASDIC_VARIANT_PRINTED, false},
                                            {NULL, 0, false}};
+static const asdic_word terms_words[] = {
+    {"needed", FILE_TERMS_NEEDED, false}, {"all", FILE_TERMS_ALL, false}, {NULL, 0, false}};
 static const asdic_key model_keys[] = {
     {"variant", ASDIC_KEY_WORD, AT(file_model, variant), .words = variant_words,
      .fallback = "corrected", .doc = "the formulas put right, or as the paper prints them"},
+    {"terms", ASDIC_KEY_WORD, AT(file_model, terms), .words = terms_words, .fallback = "needed",
+     .doc = "leave out what no ping of the mission would show (needed), or nothing (all)"},
 };
 static const asdic_table model_table = {TABLE(model_keys, file_model), .doc = "the formulas"};
 

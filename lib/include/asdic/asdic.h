@@ -20,6 +20,7 @@
 #include <asdic/device.h>
 #include <asdic/environment.h>
 #include <asdic/expected.h>
+#include <asdic/loop.h>
 #include <asdic/mesh.h>
 #include <asdic/mission.h>
 #include <asdic/model.h>

@@ -1,0 +1,261 @@
+#include "commands.h"
+#include "serve.h"
+
+#include <errno.h>
+#include <math.h>
+#include <poll.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+/* Longer than any pose; a client that sends more has lost its way. */
+#define MAX_LINE 4096
+
+static const cli_option options[] = {
+    {"format", 'f', "FORMAT", "answers as json (the default), csv or raw"},
+    {"expected", 0, NULL, "also the expected level without objects, by quadrature"},
+    {"rays", 0, "N", "rays per ping, instead of the scene's"},
+    {"seed", 0, "N", "random seed, instead of the scene's"},
+    {NULL, 0, NULL, NULL},
+};
+
+typedef struct server {
+    cli *c;
+    asdic_mission *mission;
+    asdic_loop *loop;
+    serve_reader reader;
+    serve_writer writer;
+    asdic_ping *expectation;
+    float *expected_db; /* NULL: not asked for */
+    uint64_t line;
+} server;
+
+/* Lines from standard input, without stdio, so that a signal ends the wait. */
+typedef struct line_source {
+    char buffer[MAX_LINE + 1];
+    size_t begin, end;
+    bool is_over, is_too_long;
+} line_source;
+
+/* More bytes into the buffer. False at the end, or when CTX was asked to stop. */
+static bool refill(line_source *in, asdic_context *ctx, int *error) {
+    struct pollfd wait = {.fd = STDIN_FILENO, .events = POLLIN};
+    memmove(in->buffer, in->buffer + in->begin, in->end - in->begin);
+    in->end -= in->begin;
+    in->begin = 0;
+    while (!asdic_context_interrupted(ctx)) {
+        int ready = poll(&wait, 1, -1);
+        ssize_t got =
+            ready < 0 ? ready : read(STDIN_FILENO, in->buffer + in->end, MAX_LINE - in->end);
+        if (got > 0) {
+            in->end += (size_t)got;
+            return true;
+        }
+        if (got == 0 || errno != EINTR) {
+            *error = got == 0 ? 0 : errno;
+            return false;
+        }
+    }
+    return false;
+}
+
+/* The next line, ended by a zero; NULL when there is none. What is longer than the buffer is cut,
+ * and its rest passed over. A last line without an end counts. */
+static const char *next_line(line_source *in, asdic_context *ctx, int *error) {
+    *error = 0;
+    for (;;) {
+        char *from = in->buffer + in->begin;
+        char *end = memchr(from, '\n', in->end - in->begin);
+        bool is_full = in->begin == 0 && in->end == MAX_LINE;
+        if (!end && is_full) {
+            in->is_too_long = true;
+            in->end = 0;
+            continue;
+        }
+        if (!end && !in->is_over && refill(in, ctx, error)) {
+            continue;
+        }
+        if (!end) {
+            bool is_stopped = *error || asdic_context_interrupted(ctx);
+            in->is_over = true;
+            if (is_stopped || (in->begin == in->end && !in->is_too_long)) {
+                return NULL;
+            }
+            from = in->buffer + in->begin; /* refill moved it */
+            end = in->buffer + in->end;
+            in->begin = in->end;
+        } else {
+            in->begin = (size_t)(end + 1 - in->buffer);
+        }
+        end -= end > from && end[-1] == '\r';
+        *end = '\0';
+        return from;
+    }
+}
+
+static asdic_status expect(server *s, const asdic_loop_ping *ping) {
+    asdic_flat_scene flat = asdic_mission_flat_scene(s->mission, 0);
+    flat.has_bottom = isfinite(ping->altitude_m);
+    flat.altitude_m = flat.has_bottom ? ping->altitude_m : 0.0;
+    flat.depth_m = ping->pose.position_m.z;
+    asdic_status status =
+        asdic_expected_compute(cli_context(s->c), &flat, asdic_mission_environment(s->mission),
+                               asdic_mission_sonar(s->mission), &ping->pose, s->expectation);
+    for (size_t i = 0; !status && i < ping->beams * ping->bins; i++) {
+        double level_db = asdic_level_db(s->expectation->intensity_lin[ASDIC_TOTAL][i]);
+        s->expected_db[i] = isfinite(level_db) ? (float)level_db : NAN;
+    }
+    return status;
+}
+
+static asdic_status ping_at(server *s, const serve_request *request) {
+    asdic_loop_ping ping;
+    asdic_status status = asdic_loop_submit(s->loop, &request->pose);
+    if (status == ASDIC_ERROR_ARGUMENT) { /* no place for a vehicle */
+        const char *why = asdic_context_error(cli_context(s->c));
+        serve_write_error(&s->writer, s->line, why);
+        cli_warning(s->c, "line %llu: %s", (unsigned long long)s->line, why);
+        return ASDIC_OK;
+    }
+    if (!status) {
+        status = asdic_loop_collect(s->loop, &ping);
+    }
+    if (!status && s->expected_db) {
+        status = expect(s, &ping);
+    }
+    if (!status) {
+        serve_write_ping(&s->writer, s->line, request, &ping, s->expected_db);
+    }
+    return status;
+}
+
+/* Whether stdout takes more; main says what is wrong when it does not. */
+static bool flush(server *s) {
+    return fflush(s->writer.out) == 0 && !ferror(s->writer.out);
+}
+
+static int serve(server *s) {
+    line_source in = {.begin = 0};
+    asdic_status status = ASDIC_OK;
+    int error = 0;
+    serve_write_head(&s->writer);
+    while (flush(s) && !status) {
+        const char *line = next_line(&in, cli_context(s->c), &error);
+        serve_request request;
+        char why[SERVE_WHY_SIZE] = "";
+        if (!line) {
+            break;
+        }
+        s->line++;
+        serve_line kind =
+            in.is_too_long ? SERVE_BAD : serve_read_line(&s->reader, line, &request, why);
+        if (in.is_too_long) {
+            snprintf(why, sizeof why, "the line is longer than %d characters", MAX_LINE);
+            in.is_too_long = false;
+        }
+        if (kind == SERVE_BAD) {
+            serve_write_error(&s->writer, s->line, why);
+            cli_warning(s->c, "line %llu: %s", (unsigned long long)s->line, why);
+        } else if (kind == SERVE_POSE) {
+            status = ping_at(s, &request);
+        }
+    }
+    if (error) {
+        cli_error(s->c, "cannot read standard input: %s", strerror(error));
+        return CLI_FAILED;
+    }
+    if (!status && asdic_context_interrupted(cli_context(s->c))) {
+        status = ASDIC_ERROR_INTERRUPTED;
+    }
+    return cli_end(s->c, status);
+}
+
+static asdic_status start(server *s, asdic_device *device) {
+    asdic_context *ctx = cli_context(s->c);
+    const asdic_sonar *sonar = asdic_mission_sonar(s->mission);
+    const asdic_environment *env = asdic_mission_environment(s->mission);
+    double depth_m = asdic_mission_pose(s->mission, 0, NULL).position_m.z;
+    asdic_status status =
+        asdic_loop_create(ctx, device, asdic_mission_scene(s->mission), env, sonar,
+                          asdic_mission_sampling(s->mission), depth_m, &s->loop);
+    if (status) {
+        return status;
+    }
+    s->writer.sonar = sonar;
+    s->writer.bins = asdic_loop_bin_count(s->loop);
+    s->writer.bin_length_m = sonar->bin_length_m;
+    if (s->writer.has_expected) {
+        status = asdic_ping_create(ctx, sonar->receiver_count, s->writer.bins, &s->expectation);
+        s->expected_db = malloc(sonar->receiver_count * s->writer.bins * sizeof(float));
+        status = !status && !s->expected_db ? ASDIC_ERROR_MEMORY : status;
+    }
+    return status;
+}
+
+static int run(cli *c) {
+    static const char *const formats[] = {"json", "csv", "raw", NULL};
+    server s = {.c = c, .reader = serve_reader_begin(), .writer = {.out = stdout}};
+    uint64_t rays = 0, seed = 0;
+    int format = SERVE_JSON;
+    cli_choice(c, "format", formats, &format);
+    cli_integer(c, "rays", 64, 1u << 28, &rays);
+    cli_integer(c, "seed", 0, UINT64_MAX, &seed);
+    if (cli_bad_usage(c)) {
+        return CLI_USAGE;
+    }
+    if (strcmp(cli_operand(c, 0), "-") == 0) {
+        return cli_usage(c, "poses come on standard input; the scene must be a file");
+    }
+    s.writer.format = (serve_format)format;
+    s.writer.has_expected = cli_given(c, "expected");
+    asdic_device **devices = NULL;
+    size_t device_count = 0;
+    asdic_status status = asdic_mission_load(cli_context(c), cli_operand(c, 0), &s.mission);
+    if (!status) {
+        asdic_sampling *sampling = asdic_mission_sampling(s.mission);
+        sampling->rays = cli_given(c, "rays") ? (uint32_t)rays : sampling->rays;
+        sampling->seed = cli_given(c, "seed") ? seed : sampling->seed;
+        status = cli_open_devices(c, &devices, &device_count);
+    }
+    if (!status) {
+        status = start(&s, devices[0]);
+    }
+    int code = status ? cli_end(c, status) : serve(&s);
+    asdic_loop_destroy(&s.loop);
+    asdic_ping_destroy(&s.expectation);
+    free(s.expected_db);
+    asdic_devices_close(&devices, device_count);
+    asdic_mission_destroy(&s.mission);
+    return code;
+}
+
+const cli_command cli_serve_command = {
+    .name = "serve",
+    .operands = "SCENE.yaml",
+    .min_operands = 1,
+    .max_operands = 1,
+    .summary = "be the sonar of a vehicle simulator: a pose a line in, a ping out",
+    .details =
+        "Reads one pose per line from standard input and answers each with one ping, at once. A "
+        "line is a JSON object, {\"x_m\": 0, \"y_m\": 0, \"z_m\": 7, \"yaw_deg\": 90}, or "
+        "comma-separated "
+        "values in the order of a track file, time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg, or of "
+        "a header that was sent before. What is not given is 0; time_s is repeated in the answer, "
+        "and counted when it is not given. The scene's own mission gives the first depth alone.\n\n"
+        "json: an object a line with \"level_db\", an array for each beam; null where there is no "
+        "energy. csv: a header, then a line per ping with its levels beam by beam. raw: 56 bytes, "
+        "little-endian (\"ASDP\"; uint32 status; uint64 ping; double time_s, altitude_m, "
+        "bin_length_m; uint32 beams, bins, arrays, line), then float32 [arrays][beam][bin].\n\n"
+        "A line that cannot be served is answered as well: an object with \"error\" and \"line\", "
+        "a "
+        "line whose 'error' is filled, or a frame of status 1 full of NaN; the next line is "
+        "served. "
+        "Blank lines and headers are not answered. At the end of the input the program ends with "
+        "code 0.\n\n"
+        "Angles are rounded to whole nanodegrees. A run of the scene with model: {terms: all} and "
+        "a "
+        "track that holds the same poses, one per ping, gives the same levels to the last bit.",
+    .options = options,
+    .traits = CLI_HAS_DEVICE | CLI_INTERRUPTIBLE,
+    .run = run,
+};

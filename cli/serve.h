@@ -1,0 +1,67 @@
+/*
+ * What the parts of `asdic serve` share: poses from lines, answers to lines.
+ */
+#ifndef ASDIC_CLI_SERVE_H
+#define ASDIC_CLI_SERVE_H
+
+#include "cli.h"
+
+#define SERVE_MAX_FIELDS 32
+#define SERVE_WHY_SIZE 256
+
+enum { SERVE_TIME, SERVE_X, SERVE_Y, SERVE_Z, SERVE_ROLL, SERVE_PITCH, SERVE_YAW, SERVE_COLUMNS };
+
+/* The columns of a track file: "time_s", "x_m", ... */
+extern const char *const serve_columns[SERVE_COLUMNS];
+
+/* How the values of a line without names are told apart: as the last header said. */
+typedef struct serve_reader {
+    bool has_header;
+    int column[SERVE_MAX_FIELDS]; /* which column a field holds; -1: none of ours */
+    size_t fields;
+} serve_reader;
+
+typedef struct serve_request {
+    double value[SERVE_COLUMNS]; /* as written: m, degrees; NAN: not given */
+    asdic_pose pose;
+} serve_request;
+
+typedef enum serve_line { SERVE_POSE, SERVE_NOTHING, SERVE_BAD } serve_line;
+
+serve_reader serve_reader_begin(void);
+
+/* One line without its end: a JSON object when it begins with '{', else comma-separated values or
+ * their header. SERVE_NOTHING: a blank line, or a header. WHY is filled when SERVE_BAD. */
+serve_line serve_read_line(serve_reader *reader, const char *line, serve_request *out,
+                           char why[SERVE_WHY_SIZE]);
+
+typedef enum serve_format { SERVE_JSON, SERVE_CSV, SERVE_RAW } serve_format;
+
+typedef struct serve_writer {
+    FILE *out;
+    serve_format format;
+    const asdic_sonar *sonar;
+    size_t bins;
+    double bin_length_m;
+    bool has_expected;
+} serve_writer;
+
+/* A raw answer: this, then ARRAYS times beams x bins floats [beam][bin]: level, and expected level
+ * when asked for. All little-endian. */
+typedef struct serve_frame {
+    char magic[4];   /* "ASDP" */
+    uint32_t status; /* 0, or 1 for a line that could not be served: its floats are NaN */
+    uint64_t ping;
+    double time_s, altitude_m, bin_length_m;
+    uint32_t beams, bins, arrays, line; /* line of the request, from 1 */
+} serve_frame;
+
+/* What goes before the first answer. */
+void serve_write_head(const serve_writer *w);
+
+/* EXPECTED_DB is NULL unless the writer has_expected. */
+void serve_write_ping(const serve_writer *w, uint64_t line, const serve_request *request,
+                      const asdic_loop_ping *ping, const float *expected_db);
+void serve_write_error(const serve_writer *w, uint64_t line, const char *why);
+
+#endif

@@ -1,0 +1,262 @@
+#include <asdic/loop.h>
+
+#include "base/context.h"
+#include "mission/run_queue.h"
+#include "mission/track_write.h"
+
+#include <math.h>
+#include <pthread.h>
+#include <stdlib.h>
+
+typedef enum loop_state { LOOP_IDLE, LOOP_SUBMITTED, LOOP_DONE, LOOP_CLOSING } loop_state;
+
+/* A caller reads one result while the next is made. */
+typedef struct loop_slot {
+    asdic_ping *ping;
+    float *level_db;
+} loop_slot;
+
+struct asdic_loop {
+    asdic_context *ctx;
+    const asdic_scene *scene;
+    asdic_simulator *simulator;
+    double ping_rate_hz;
+    loop_slot slots[2];
+    uint64_t next; /* ping to be submitted */
+
+    pthread_t thread;
+    bool has_thread, has_lock;
+    pthread_mutex_t lock; /* guards state */
+    pthread_cond_t changed;
+    loop_state state;
+
+    /* Of the worker while a ping is submitted, of the caller otherwise. */
+    asdic_pose pose;
+    double submitted_s, latency_s;
+    asdic_status status;
+};
+
+static loop_slot *slot_of(asdic_loop *loop, uint64_t ping) {
+    return &loop->slots[ping % 2];
+}
+
+/* Ping NEXT - 1: learnt at the first pose of its block, as a mission's pings are. */
+static asdic_status simulate(asdic_loop *loop) {
+    uint64_t index = loop->next - 1;
+    loop_slot *slot = slot_of(loop, index);
+    asdic_status status = ASDIC_OK;
+    if (index % ASDIC_LEARN_BLOCK == 0) {
+        status = asdic_simulator_learn(loop->simulator, &loop->pose, index);
+    }
+    if (!status) {
+        status = asdic_simulator_ping(loop->simulator, &loop->pose, index, slot->ping);
+    }
+    for (size_t i = 0; !status && i < slot->ping->beams * slot->ping->bins; i++) {
+        double intensity_lin = slot->ping->intensity_lin[ASDIC_TOTAL][i];
+        slot->level_db[i] = intensity_lin > 0.0 ? (float)asdic_level_db(intensity_lin) : NAN;
+    }
+    return status;
+}
+
+static void *work(void *argument) {
+    asdic_loop *loop = argument;
+    pthread_mutex_lock(&loop->lock);
+    for (;;) {
+        while (loop->state != LOOP_SUBMITTED && loop->state != LOOP_CLOSING) {
+            pthread_cond_wait(&loop->changed, &loop->lock);
+        }
+        if (loop->state == LOOP_CLOSING) {
+            break;
+        }
+        pthread_mutex_unlock(&loop->lock);
+        asdic_status status = simulate(loop);
+        double latency_s = asdic_clock_s() - loop->submitted_s;
+        pthread_mutex_lock(&loop->lock);
+        loop->status = status;
+        loop->latency_s = latency_s;
+        loop->state = LOOP_DONE;
+        pthread_cond_broadcast(&loop->changed);
+    }
+    pthread_mutex_unlock(&loop->lock);
+    return NULL;
+}
+
+static asdic_status allocate(asdic_loop *loop, size_t beams) {
+    size_t bins = asdic_simulator_bin_count(loop->simulator);
+    for (int k = 0; k < 2; k++) {
+        asdic_status status = asdic_ping_create(loop->ctx, beams, bins, &loop->slots[k].ping);
+        if (status) {
+            return status;
+        }
+        loop->slots[k].level_db = malloc(beams * bins * sizeof(float));
+        if (!loop->slots[k].level_db) {
+            return asdic_fail_memory(loop->ctx, "a loop's levels");
+        }
+    }
+    return ASDIC_OK;
+}
+
+static asdic_status start_thread(asdic_loop *loop) {
+    loop->has_lock = pthread_mutex_init(&loop->lock, NULL) == 0;
+    if (!loop->has_lock || pthread_cond_init(&loop->changed, NULL) != 0) {
+        return asdic_fail_memory(loop->ctx, "a loop's lock");
+    }
+    loop->has_thread = pthread_create(&loop->thread, NULL, work, loop) == 0;
+    return loop->has_thread ? ASDIC_OK : asdic_fail_memory(loop->ctx, "a loop's thread");
+}
+
+asdic_status asdic_loop_create(asdic_context *ctx, asdic_device *device, const asdic_scene *scene,
+                               const asdic_environment *env, const asdic_sonar *sonar,
+                               const asdic_sampling *sampling, double depth_m, asdic_loop **out) {
+    if (!out) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "asdic_loop_create: nowhere to put it");
+    }
+    *out = NULL;
+    asdic_loop *loop = calloc(1, sizeof *loop);
+    if (!loop) {
+        return asdic_fail_memory(ctx, "a loop");
+    }
+    loop->ctx = ctx;
+    loop->scene = scene;
+    asdic_status status =
+        asdic_simulator_create(ctx, device, scene, env, sonar, sampling, depth_m, &loop->simulator);
+    if (status) {
+        goto fail;
+    }
+    loop->ping_rate_hz = sonar->ping_rate_hz;
+    if ((status = allocate(loop, sonar->receiver_count)) != ASDIC_OK ||
+        (status = start_thread(loop)) != ASDIC_OK) {
+        goto fail;
+    }
+    *out = loop;
+    return ASDIC_OK;
+fail:
+    asdic_loop_destroy(&loop);
+    return status;
+}
+
+void asdic_loop_destroy(asdic_loop **pointer) {
+    if (!pointer || !*pointer) {
+        return;
+    }
+    asdic_loop *loop = *pointer;
+    if (loop->has_thread) {
+        pthread_mutex_lock(&loop->lock);
+        while (loop->state == LOOP_SUBMITTED) {
+            pthread_cond_wait(&loop->changed, &loop->lock);
+        }
+        loop->state = LOOP_CLOSING;
+        pthread_cond_broadcast(&loop->changed);
+        pthread_mutex_unlock(&loop->lock);
+        pthread_join(loop->thread, NULL);
+    }
+    if (loop->has_lock) {
+        pthread_cond_destroy(&loop->changed);
+        pthread_mutex_destroy(&loop->lock);
+    }
+    for (int k = 0; k < 2; k++) {
+        asdic_ping_destroy(&loop->slots[k].ping);
+        free(loop->slots[k].level_db);
+    }
+    asdic_simulator_destroy(&loop->simulator);
+    free(loop);
+    *pointer = NULL;
+}
+
+size_t asdic_loop_bin_count(const asdic_loop *loop) {
+    return loop ? asdic_simulator_bin_count(loop->simulator) : 0;
+}
+
+static asdic_status check_pose(asdic_loop *loop, const asdic_pose *pose) {
+    const double values[6] = {pose->position_m.x, pose->position_m.y, pose->position_m.z,
+                              pose->roll_rad,     pose->pitch_rad,    pose->yaw_rad};
+    for (int i = 0; i < 6; i++) {
+        if (!isfinite(values[i]) || fabs(values[i]) > 1e7) {
+            return asdic_fail(loop->ctx, ASDIC_ERROR_ARGUMENT,
+                              "a pose of %g, %g, %g m and %g, %g, %g rad is no place for a vehicle",
+                              values[0], values[1], values[2], values[3], values[4], values[5]);
+        }
+    }
+    if (pose->position_m.z > 11000.0) {
+        return asdic_fail(loop->ctx, ASDIC_ERROR_ARGUMENT,
+                          "z = %g m is deeper than any sea; at most 11000 m", pose->position_m.z);
+    }
+    if (pose->position_m.z < 0.0) {
+        return asdic_fail(loop->ctx, ASDIC_ERROR_ARGUMENT,
+                          "a vehicle at z = %g m is above the sea surface; z is positive down",
+                          pose->position_m.z);
+    }
+    return ASDIC_OK;
+}
+
+static loop_state state_of(asdic_loop *loop) {
+    pthread_mutex_lock(&loop->lock);
+    loop_state state = loop->state;
+    pthread_mutex_unlock(&loop->lock);
+    return state;
+}
+
+asdic_status asdic_loop_submit(asdic_loop *loop, const asdic_pose *pose) {
+    if (!loop || !pose) {
+        return asdic_fail(loop ? loop->ctx : NULL, ASDIC_ERROR_ARGUMENT,
+                          "asdic_loop_submit: NULL argument");
+    }
+    if (state_of(loop) != LOOP_IDLE) {
+        return asdic_fail(loop->ctx, ASDIC_ERROR_ARGUMENT,
+                          "ping %llu was submitted and not collected",
+                          (unsigned long long)(loop->next - 1));
+    }
+    asdic_status status = check_pose(loop, pose);
+    if (status) {
+        return status;
+    }
+    loop->submitted_s = asdic_clock_s();
+    loop->pose = *pose;
+    loop->pose.roll_rad = asdic_track_round(pose->roll_rad);
+    loop->pose.pitch_rad = asdic_track_round(pose->pitch_rad);
+    loop->pose.yaw_rad = asdic_track_round(pose->yaw_rad);
+    loop->next++;
+    pthread_mutex_lock(&loop->lock);
+    loop->state = LOOP_SUBMITTED;
+    pthread_cond_broadcast(&loop->changed);
+    pthread_mutex_unlock(&loop->lock);
+    return ASDIC_OK;
+}
+
+bool asdic_loop_ready(asdic_loop *loop) {
+    return loop && state_of(loop) == LOOP_DONE;
+}
+
+asdic_status asdic_loop_collect(asdic_loop *loop, asdic_loop_ping *out) {
+    if (!loop || !out) {
+        return asdic_fail(loop ? loop->ctx : NULL, ASDIC_ERROR_ARGUMENT,
+                          "asdic_loop_collect: NULL argument");
+    }
+    pthread_mutex_lock(&loop->lock);
+    while (loop->state == LOOP_SUBMITTED) {
+        pthread_cond_wait(&loop->changed, &loop->lock);
+    }
+    bool is_done = loop->state == LOOP_DONE;
+    loop->state = LOOP_IDLE;
+    pthread_mutex_unlock(&loop->lock);
+    if (!is_done) {
+        return asdic_fail(loop->ctx, ASDIC_ERROR_ARGUMENT, "no ping was submitted");
+    }
+    if (loop->status) {
+        return loop->status;
+    }
+    uint64_t index = loop->next - 1;
+    const loop_slot *slot = slot_of(loop, index);
+    *out =
+        (asdic_loop_ping){.ping = index,
+                          .time_s = (double)index / loop->ping_rate_hz,
+                          .pose = loop->pose,
+                          .altitude_m = asdic_scene_altitude_m(loop->scene, loop->pose.position_m),
+                          .latency_s = loop->latency_s,
+                          .beams = slot->ping->beams,
+                          .bins = slot->ping->bins,
+                          .bin_length_m = slot->ping->bin_length_m,
+                          .level_db = slot->level_db,
+                          .parts = slot->ping};
+    return ASDIC_OK;
+}

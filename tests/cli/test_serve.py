@@ -1,0 +1,152 @@
+"""asdic serve: a pose a line in, a ping out; the levels of a run; every mistake answered."""
+import csv
+import io
+import json
+import os
+import signal
+import struct
+import subprocess
+import sys
+
+import program
+import tap
+from program import Folder, asdic
+
+ROOT = os.path.join(os.path.dirname(__file__), "..", "..")
+SCENE2 = os.path.join(ROOT, "data", "scenes", "scenario2.yaml")
+SCENE = """version: 1
+bottom: {depth_m: 12, type: sand}
+objects:
+  - {name: ball, sphere: {radius_m: 0.5}, position_m: [15, 1, 9], material: {impedance_mrayl: 45}}
+sonar:
+  frequency_khz: 100
+  bandwidth_khz: 10
+  ping_rate_hz: 10
+  source_level_db: 200
+  speckle: rayleigh
+  receivers: [{name: left, yaw_deg: -8}, {name: right, yaw_deg: 8}]
+mission: %s
+sampling: {rays: 1024}
+model: {terms: all}
+"""
+TRACK = "time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg\n"
+POSES = [f"{0.1 * i:.1f},{0.3 * i:.2f},{-0.1 * i:.2f},{7 + 0.01 * i:.2f},{0.7 * i:.1f},-3,{2.3 * i:.2f}"
+         for i in range(35)]
+
+
+def serve(folder, lines, *options, mission="{pose: {position_m: [0, 0, 7]}}", code=0):
+    scene = folder.write("scene.yaml", SCENE % mission)
+    return asdic("serve", scene, *options, stdin="\n".join(lines)).check(code=code)
+
+
+def test_levels_are_those_of_a_run():
+    program.need_device()
+    with Folder() as folder:
+        folder.write("track.csv", TRACK + "\n".join(POSES) + "\n")
+        # One point more: the run's last ping, too, then lies at the beginning of a leg.
+        with open(folder / "track.csv", "a", encoding="utf-8") as file:
+            file.write(POSES[-1].replace("3.4,", "3.44,", 1) + "\n")
+        scene = folder.write("run.yaml", SCENE % "{track: track.csv}")
+        asdic("run", scene, "-o", folder / "run").check(code=0)
+        rows = list(csv.DictReader(io.StringIO(folder.read("run/bins.csv"))))
+        tap.equal(len(rows), 35 * 2 * 149)
+        pings = [json.loads(line) for line in serve(folder, POSES).out.splitlines()]
+        tap.equal(len(pings), 35)
+        for row in rows:
+            level = pings[int(row["ping"])]["level_db"][row["beam"]][int(row["bin"])]
+            tap.equal(f"{level:.9g}" if level is not None else "", row["level_db"], str(row))
+
+
+def test_every_format_says_the_same():
+    program.need_device()
+    with Folder() as folder:
+        lines = POSES[:2]
+        pings = [json.loads(line) for line in serve(folder, lines, "--expected").out.splitlines()]
+        text = serve(folder, lines, "--expected", "--format", "csv").out
+        rows = list(csv.DictReader(io.StringIO(text)))
+        raw = subprocess.run([program.PATH, "serve", folder / "scene.yaml", "--expected", "-f", "raw"],
+                             input="\n".join(lines).encode(), capture_output=True, check=True).stdout
+        size = 56 + 4 * 2 * 2 * 149
+        tap.equal((len(pings), len(rows), len(raw)), (2, 2, 2 * size))
+        for i, ping in enumerate(pings):
+            head = struct.unpack_from("<4sIQdddIIII", raw, i * size)
+            tap.equal(head, (b"ASDP", 0, i, ping["time_s"], ping["altitude_m"], 0.5, 2, 149, 2, i + 1))
+            floats = struct.unpack_from("<596f", raw, i * size + 56)
+            for b, beam in enumerate(("left", "right")):
+                for n in range(149):
+                    level, expected = ping["level_db"][beam][n], ping["expected_db"][beam][n]
+                    tap.equal(rows[i][f"{beam}_{n}"], "" if level is None else f"{level:.9g}")
+                    if level is not None:
+                        tap.equal(f"{floats[b * 149 + n]:.9g}", f"{level:.9g}")
+                        tap.equal(f"{floats[298 + b * 149 + n]:.9g}", f"{expected:.9g}")
+
+
+def test_every_line_that_asks_is_answered():
+    program.need_device()
+    lines = ['{"x_m": 1, "y_m": 2, "z_m": 7, "yaw_deg": 30, "name": "auv", "armed": true}', "",
+             '{"x_m": 1, "y_m": 2}', '{"x_m": 1 "y_m": 2, "z_m": 7}', "1,2,3", "0,0,0,7,0,0,nan",
+             "0,0,0,-1,0,0,0", "x_m,y_m", "z_m, x_m ,y_m,mode", "7,1,2,4", "8" * 5000,
+             '{"x_m": 1, "y_m": 2, "z_m": 7} rest', "7,1,2,4\r"]
+    with Folder() as folder:
+        done = serve(folder, lines)
+        answers = [json.loads(line) for line in done.out.splitlines()]
+        tap.equal([a.get("line", a.get("ping")) for a in answers], [0, 3, 4, 5, 6, 7, 8, 1, 11, 12, 2])
+        tap.equal([key for key in ("x_m", "y_m", "z_m", "yaw_deg") if answers[7][key] !=
+                   {"x_m": 1, "y_m": 2, "z_m": 7, "yaw_deg": 0}[key]], [])
+        for answer, part in zip(answers[1:], (
+                "'z_m' is missing", "column 11: a comma or }", "7 values are expected",
+                "'yaw_deg' = 'nan' is not a number", "above the sea surface", "lacks x_m, y_m or z_m")):
+            tap.contains(answer["error"], part)
+        tap.contains(answers[8]["error"], "longer than 4096")
+        tap.contains(answers[9]["error"], "the end of the line")
+        tap.equal(done.err.count("warning:"), 8, "warnings")
+        rows = list(csv.DictReader(io.StringIO(serve(folder, ["1,2", POSES[0]], "-f", "csv").out)))
+        tap.equal([bool(row["error"]) for row in rows], [True, False])
+        tap.equal(None in rows[0], False, "the line of an error has as many fields")
+
+
+def talk(folder, *options):
+    scene = folder.write("scene.yaml", SCENE % "{pose: {position_m: [0, 0, 7]}}")
+    return subprocess.Popen([program.PATH, "serve", scene, *options], stdin=subprocess.PIPE,
+                            stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+
+
+def test_answers_are_flushed_and_signals_end_it():
+    program.need_device()
+    with Folder() as folder:
+        with talk(folder) as server:
+            print("0,0,0,7,0,0,0", file=server.stdin, flush=True)
+            tap.equal(json.loads(server.stdout.readline())["ping"], 0)  # while the input is open
+            server.send_signal(signal.SIGINT)
+            tap.equal(server.wait(timeout=20), 130)
+        with talk(folder) as server:
+            server.stdout.close()
+            print("0,0,0,7,0,0,0", file=server.stdin, flush=True)
+            tap.equal(server.wait(timeout=20) in (-signal.SIGPIPE, 141), True, "code")
+            tap.equal(server.stderr.read(), "", "stderr")
+
+
+def test_mistakes_have_their_exit_codes():
+    asdic("serve").check(code=2, out="")
+    asdic("serve", "-").check(code=2, out="")
+    asdic("serve", SCENE2, "--format", "xml").check(code=2, out="")
+    asdic("serve", "nowhere.yaml").check(code=3, out="")
+
+
+def test_the_vehicle_avoids_the_rise():
+    program.need_device()
+    done = subprocess.run([sys.executable, os.path.join(ROOT, "data", "examples", "avoid.py"),
+                           program.PATH, SCENE2], capture_output=True, text=True, check=True, timeout=100)
+    track = [{k: float(v) if v else None for k, v in row.items()}
+             for row in csv.DictReader(io.StringIO(done.stdout))]
+    tap.equal((track[0]["z_m"], track[-1]["x_m"] > 59), (11.0, True))
+    first = next(row for row in track if row["nearest_m"])
+    # The wall stands at 35 m: what is heard first is the wall, from afar.
+    if not (abs(first["x_m"] + first["nearest_m"] - 35) < 1 and first["nearest_m"] > 15):
+        raise AssertionError(first)
+    clearance = min(10 - row["z_m"] for row in track if row["x_m"] >= 34)
+    if not clearance > 1.5:
+        raise AssertionError(f"passes {clearance} m above the rise")
+
+
+tap.main(globals())
