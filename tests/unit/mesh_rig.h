@@ -4,7 +4,7 @@
 #ifndef ASDIC_TESTS_MESH_RIG_H
 #define ASDIC_TESTS_MESH_RIG_H
 
-#include "../assert_close.h"
+#include "asserts.h"
 
 #include <asdic/asdic.h>
 

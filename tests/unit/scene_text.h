@@ -4,7 +4,7 @@
 #ifndef ASDIC_TESTS_SCENE_TEXT_H
 #define ASDIC_TESTS_SCENE_TEXT_H
 
-#include "../assert_close.h"
+#include "asserts.h"
 
 #include "base/context.h"
 #include "mission/scene_file.h"

@@ -1,7 +1,7 @@
 /*
  * Texts, arenas, hashes, files: what the rest is built from.
  */
-#include "../assert_close.h"
+#include "asserts.h"
 
 #include "base/arena.h"
 #include "base/context.h"

@@ -1,7 +1,7 @@
 /*
  * Numbers in files: every float written reads back, as printf would have written it.
  */
-#include "../assert_close.h"
+#include "asserts.h"
 
 #include "out/digits.h"
 

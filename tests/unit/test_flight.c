@@ -1,7 +1,7 @@
 /*
  * The vehicle that flies waypoints, held to what its kinematics promise.
  */
-#include "../assert_close.h"
+#include "asserts.h"
 
 #include "base/context.h"
 #include "base/vec.h"
@@ -53,16 +53,16 @@ static void check_kinematics(const asdic_flight *f, const asdic_track *track) {
         const track_point *a = &track->points[i - 1], *b = &track->points[i];
         double step_s = b->time_s - a->time_s;
         double dx = b->x_m - a->x_m, dy = b->y_m - a->y_m, dz = b->z_m - a->z_m;
-        assert_close(sqrt(dx * dx + dy * dy + dz * dz) / step_s, f->speed_mps, 0, 1e-3);
+        assert_close_relative(sqrt(dx * dx + dy * dy + dz * dz) / step_s, f->speed_mps, 1e-3);
         assert_true(fabs(dz) / step_s <= f->dive_rate_mps * (1 + 1e-9));
         double forward_mps = hypot(dx, dy) / step_s;
         assert_true(fabs(b->yaw_rad - a->yaw_rad) / step_s <=
                     f->speed_mps / f->turn_radius_m * (1 + 1e-9));
         double yaw = 0.5 * (a->yaw_rad + b->yaw_rad), pitch = 0.5 * (a->pitch_rad + b->pitch_rad);
-        assert_close(dx / step_s, forward_mps * cos(yaw), 2e-3 * f->speed_mps, 0);
-        assert_close(dy / step_s, forward_mps * sin(yaw), 2e-3 * f->speed_mps, 0);
-        assert_close(dz / step_s, -f->speed_mps * sin(pitch), 2e-3 * f->speed_mps, 0);
-        assert_close(b->roll_rad, 0, 0, 0);
+        assert_close(dx / step_s, forward_mps * cos(yaw), 2e-3 * f->speed_mps);
+        assert_close(dy / step_s, forward_mps * sin(yaw), 2e-3 * f->speed_mps);
+        assert_close(dz / step_s, -f->speed_mps * sin(pitch), 2e-3 * f->speed_mps);
+        assert_close(b->roll_rad, 0, 0);
     }
 }
 
@@ -81,12 +81,12 @@ static void straight_line_takes_length_over_speed(void **state) {
     const asdic_flight flight = nomoto(points_m, 2, 2.0, 5.0, 1.0, 0.3);
     asdic_track *track = fly(flight);
     check_kinematics(&flight, track);
-    assert_close(asdic_track_end_s(track), 25.0, 0.11, 0);
+    assert_close(asdic_track_end_s(track), 25.0, 0.11);
     asdic_pose pose = asdic_track_pose(track, 12.5);
-    assert_close(pose.position_m.x, 25, 1e-9, 0);
-    assert_close(pose.position_m.y, 40, 1e-9, 0);
-    assert_close(pose.position_m.z, 5, 0, 0);
-    assert_close(pose.yaw_rad, atan2(4, 3), 1e-12, 0);
+    assert_close(pose.position_m.x, 25, 1e-9);
+    assert_close(pose.position_m.y, 40, 1e-9);
+    assert_close(pose.position_m.z, 5, 0);
+    assert_close(pose.yaw_rad, atan2(4, 3), 1e-12);
     asdic_track_destroy(&track);
 }
 
@@ -104,7 +104,7 @@ static void box_is_flown_close_to_its_corners(void **state) {
     for (size_t i = 0; i < 4; i++) {
         assert_true(nearest_m(track, middles_m + 2 * i) < 0.5);
     }
-    assert_close(asdic_track_end_s(track), 320 / 1.5, 0, 0.1);
+    assert_close_relative(asdic_track_end_s(track), 320 / 1.5, 0.1);
     asdic_track_destroy(&track);
 }
 
@@ -121,9 +121,9 @@ static void depth_is_reached_without_overshoot(void **state) {
         fastest_mps = fmax(fastest_mps, (b->z_m - a->z_m) / (b->time_s - a->time_s));
         assert_true(b->z_m <= 15.001 && b->z_m >= 1.999);
     }
-    assert_close(deepest_m, 15, 0.01, 0);
-    assert_close(fastest_mps, 0.3, 0, 1e-3);
-    assert_close(track->points[track->count - 1].z_m, 2, 0.01, 0);
+    assert_close(deepest_m, 15, 0.01);
+    assert_close_relative(fastest_mps, 0.3, 1e-3);
+    assert_close(track->points[track->count - 1].z_m, 2, 0.01);
     asdic_track_destroy(&track);
 }
 
@@ -139,7 +139,7 @@ static void tightest_turn_has_the_radius(void **state) {
         const track_point *a = &track->points[i - 1], *b = &track->points[i];
         fastest = fmax(fastest, fabs(b->yaw_rad - a->yaw_rad) / (b->time_s - a->time_s));
     }
-    assert_close(flight.speed_mps / fastest, flight.turn_radius_m, 0, 1e-3);
+    assert_close_relative(flight.speed_mps / fastest, flight.turn_radius_m, 1e-3);
     asdic_track_destroy(&track);
 }
 

@@ -50,13 +50,13 @@ static void rows_run_south(void **state) {
     asdic_mesh *mesh = load(true);
     asdic_mesh_info info = asdic_mesh_get_info(mesh);
     assert_int_equal(info.triangles, 4);
-    assert_close(info.min_m.x, 4500005.0, 0.0, 0.0);
-    assert_close(info.max_m.x, 4500015.0, 0.0, 0.0);
-    assert_close(info.min_m.y, 500005.0, 0.0, 0.0);
-    assert_close(info.max_m.y, 500025.0, 0.0, 0.0);
-    assert_close(depth_at(mesh, 4500015.0, 500005.0), 11.0, 1e-4, 0.0); /* north-west */
-    assert_close(depth_at(mesh, 4500005.0, 500025.0), 23.0, 1e-4, 0.0); /* south-east */
-    assert_close(depth_at(mesh, 4500010.0, 500015.0), 17.0, 1e-4, 0.0); /* linear between */
+    assert_close(info.min_m.x, 4500005.0, 0.0);
+    assert_close(info.max_m.x, 4500015.0, 0.0);
+    assert_close(info.min_m.y, 500005.0, 0.0);
+    assert_close(info.max_m.y, 500025.0, 0.0);
+    assert_close(depth_at(mesh, 4500015.0, 500005.0), 11.0, 1e-4); /* north-west */
+    assert_close(depth_at(mesh, 4500005.0, 500025.0), 23.0, 1e-4); /* south-east */
+    assert_close(depth_at(mesh, 4500010.0, 500015.0), 17.0, 1e-4); /* linear between */
     asdic_mesh_destroy(&mesh);
 }
 
@@ -67,12 +67,12 @@ static void heights_and_other_headers(void **state) {
                    "dx        0.250000000000\r\ndy        2.000000000000\r\n-4 -4\r\n-5 -5\r\n");
     asdic_mesh *mesh = load(false);
     asdic_mesh_info info = asdic_mesh_get_info(mesh);
-    assert_close(info.min_m.y, 0.5, 0.0, 0.0);
-    assert_close(info.max_m.y, 0.75, 0.0, 0.0);
-    assert_close(info.min_m.x, -0.5, 0.0, 0.0);
-    assert_close(info.max_m.x, 1.5, 0.0, 0.0);
-    assert_close(depth_at(mesh, 1.5, 0.6), 4.0, 1e-5, 0.0);
-    assert_close(depth_at(mesh, -0.5, 0.6), 5.0, 1e-5, 0.0);
+    assert_close(info.min_m.y, 0.5, 0.0);
+    assert_close(info.max_m.y, 0.75, 0.0);
+    assert_close(info.min_m.x, -0.5, 0.0);
+    assert_close(info.max_m.x, 1.5, 0.0);
+    assert_close(depth_at(mesh, 1.5, 0.6), 4.0, 1e-5);
+    assert_close(depth_at(mesh, -0.5, 0.6), 5.0, 1e-5);
     asdic_mesh_destroy(&mesh);
 }
 
@@ -88,7 +88,7 @@ static void holes(void **state) {
     assert_int_equal(asdic_mesh_get_info(mesh).triangles, 3);
     assert_int_equal(asdic_mesh_get_info(mesh).vertices, 7);
     assert_true(isinf(depth_at(mesh, 1.5, 1.5)));
-    assert_close(depth_at(mesh, 2.4, 0.6), 1.0, 1e-6, 0.0);
+    assert_close(depth_at(mesh, 2.4, 0.6), 1.0, 1e-6);
     asdic_mesh_destroy(&mesh);
 }
 
@@ -122,8 +122,8 @@ static void locale_does_not_matter(void **state) {
                    "1.5 1.5\n1.5 1.5\n");
     asdic_mesh *mesh = load(true);
     setlocale(LC_ALL, "C");
-    assert_close(asdic_mesh_get_info(mesh).min_m.z, 1.5, 0.0, 0.0);
-    assert_close(asdic_mesh_get_info(mesh).min_m.y, 0.75, 0.0, 0.0);
+    assert_close(asdic_mesh_get_info(mesh).min_m.z, 1.5, 0.0);
+    assert_close(asdic_mesh_get_info(mesh).min_m.y, 0.75, 0.0);
     asdic_mesh_destroy(&mesh);
 }
 

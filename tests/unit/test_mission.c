@@ -1,7 +1,7 @@
 /*
  * A mission through the public calls: what a program gets from a scene file.
  */
-#include "../assert_close.h"
+#include "asserts.h"
 
 #include <asdic/asdic.h>
 
@@ -77,14 +77,14 @@ static void flat_bottom_and_rest(void **state) {
     double time_s = -1;
     assert_int_equal(asdic_mission_ping_count(m), 3);
     asdic_pose pose = asdic_mission_pose(m, 2, &time_s);
-    assert_close(time_s, 0.5, 0, 0);
-    assert_close(pose.position_m.y, 2, 0, 0);
-    assert_close(pose.yaw_rad, 90 * DEG, 1e-15, 0);
+    assert_close(time_s, 0.5, 0);
+    assert_close(pose.position_m.y, 2, 0);
+    assert_close(pose.yaw_rad, 90 * DEG, 1e-15);
     asdic_flat_scene flat = asdic_mission_flat_scene(m, 0);
     assert_true(flat.has_surface && flat.has_bottom);
-    assert_close(flat.altitude_m, 5, 0, 0);
-    assert_close(flat.depth_m, 7, 0, 0);
-    assert_close(flat.bottom_type, 2.5, 0, 0);
+    assert_close(flat.altitude_m, 5, 0);
+    assert_close(flat.depth_m, 7, 0);
+    assert_close(flat.bottom_type, 2.5, 0);
     assert_int_equal(asdic_mission_object_count(m), 0);
     assert_null(asdic_mission_get_object(m, 0));
     const asdic_sonar *sonar = asdic_mission_sonar(m);
@@ -95,7 +95,7 @@ static void flat_bottom_and_rest(void **state) {
     assert_int_equal(asdic_environment_check(w->ctx, asdic_mission_environment(m)), ASDIC_OK);
     assert_int_equal(asdic_mission_sampling(m)->rays, 20000);
     assert_int_equal(asdic_mission_output(m)->images, 7);
-    assert_close(asdic_mission_detector(m)->pfa, 1e-3, 0, 0);
+    assert_close(asdic_mission_detector(m)->pfa, 1e-3, 0);
     asdic_mission_destroy(&m);
     assert_null(m);
 }
@@ -112,20 +112,20 @@ static void sloping_bottom_and_track(void **state) {
     double time_s = -1;
     assert_int_equal(asdic_mission_ping_count(m), 5);
     asdic_pose pose = asdic_mission_pose(m, 2, &time_s);
-    assert_close(time_s, 1000.5, 0, 0);
-    assert_close(pose.position_m.x, 50, 1e-9, 0);
-    assert_close(sin(pose.yaw_rad), 0, 1e-9, 0);
+    assert_close(time_s, 1000.5, 0);
+    assert_close(pose.position_m.x, 50, 1e-9);
+    assert_close(sin(pose.yaw_rad), 0, 1e-9);
     for (size_t i = 0; i < 5; i++) {
         double depth_m = 10 + (10 + 20.0 * (double)i) / 10;
         asdic_flat_scene flat = asdic_mission_flat_scene(m, i);
         assert_true(flat.has_bottom);
-        assert_close(flat.altitude_m, depth_m - 5, 1e-5, 0);
-        assert_close(flat.bottom_type, 4, 0, 0);
+        assert_close(flat.altitude_m, depth_m - 5, 1e-5);
+        assert_close(flat.bottom_type, 4, 0);
     }
     assert_int_equal(asdic_mission_object_count(m), 1);
     const asdic_mission_object *bottom = asdic_mission_get_object(m, 0);
     assert_string_equal(bottom->name, "");
-    assert_close(bottom->max_m.z, 20, 0, 0);
+    assert_close(bottom->max_m.z, 20, 0);
     assert_int_equal(bottom->mesh.open_edges, 4);
     asdic_mission_destroy(&m);
 }
@@ -148,14 +148,14 @@ static void placed_meshes_have_their_box(void **state) {
                             "position_m: [7, 8, 9], rotation_deg: [0, 0, 90]}",
                             "{pose: {position_m: [7, 20, 3]}}");
     const asdic_mission_object *bottom = asdic_mission_get_object(m, 0);
-    assert_close(bottom->min_m.x, 7 - 25, 1e-9, 0);
-    assert_close(bottom->max_m.x, 7 + 25, 1e-9, 0);
-    assert_close(bottom->min_m.y, 8, 1e-9, 0);
-    assert_close(bottom->max_m.y, 8 + 50, 1e-9, 0);
-    assert_close(bottom->min_m.z, 9 + 5, 1e-9, 0);
-    assert_close(bottom->max_m.z, 9 + 10, 1e-9, 0);
+    assert_close(bottom->min_m.x, 7 - 25, 1e-9);
+    assert_close(bottom->max_m.x, 7 + 25, 1e-9);
+    assert_close(bottom->min_m.y, 8, 1e-9);
+    assert_close(bottom->max_m.y, 8 + 50, 1e-9);
+    assert_close(bottom->min_m.z, 9 + 5, 1e-9);
+    assert_close(bottom->max_m.z, 9 + 10, 1e-9);
     /* 12 m along the slope of half size: 5 + 12 / 10 deep, less 9 m of shift. */
-    assert_close(asdic_mission_flat_scene(m, 0).altitude_m, 9 + 5 + 1.2 - 3, 1e-5, 0);
+    assert_close(asdic_mission_flat_scene(m, 0).altitude_m, 9 + 5 + 1.2 - 3, 1e-5);
     asdic_mission_destroy(&m);
 }
 
@@ -165,7 +165,7 @@ static void decimal_comma_changes_nothing(void **state) {
         skip();
     }
     asdic_mission *m = load(w, "{depth_m: 12.25}", "{pose: {position_m: [0, 0, 7.5]}}");
-    assert_close(asdic_mission_flat_scene(m, 0).altitude_m, 4.75, 0, 0);
+    assert_close(asdic_mission_flat_scene(m, 0).altitude_m, 4.75, 0);
     asdic_mission_destroy(&m);
     char *schema = asdic_mission_schema();
     assert_non_null(strstr(schema, "\"minimum\": 0.1, \"maximum\": 1000"));

@@ -1,7 +1,7 @@
 /*
  * Tracks: what is refused with which words, and what lies between two points.
  */
-#include "../assert_close.h"
+#include "asserts.h"
 
 #include "base/context.h"
 #include "base/text.h"
@@ -59,17 +59,17 @@ static void points_are_joined_by_straight_lines(void **state) {
                                      "12,4,-2,7,10,-20,90\n",
                               "");
     assert_int_equal(asdic_track_point_count(track), 2);
-    assert_close(asdic_track_start_s(track), 10, 0, 0);
-    assert_close(asdic_track_end_s(track), 12, 0, 0);
+    assert_close(asdic_track_start_s(track), 10, 0);
+    assert_close(asdic_track_end_s(track), 12, 0);
     asdic_pose pose = asdic_track_pose(track, 10.5);
-    assert_close(pose.position_m.x, 1, 1e-15, 0);
-    assert_close(pose.position_m.y, -0.5, 1e-15, 0);
-    assert_close(pose.position_m.z, 5.5, 1e-15, 0);
-    assert_close(pose.roll_rad, 2.5 * DEG, 1e-15, 0);
-    assert_close(pose.pitch_rad, -5 * DEG, 1e-15, 0);
-    assert_close(pose.yaw_rad, 22.5 * DEG, 1e-15, 0);
-    assert_close(asdic_track_pose(track, 0).position_m.x, 0, 0, 0);
-    assert_close(asdic_track_pose(track, 99).position_m.x, 4, 0, 0);
+    assert_close(pose.position_m.x, 1, 1e-15);
+    assert_close(pose.position_m.y, -0.5, 1e-15);
+    assert_close(pose.position_m.z, 5.5, 1e-15);
+    assert_close(pose.roll_rad, 2.5 * DEG, 1e-15);
+    assert_close(pose.pitch_rad, -5 * DEG, 1e-15);
+    assert_close(pose.yaw_rad, 22.5 * DEG, 1e-15);
+    assert_close(asdic_track_pose(track, 0).position_m.x, 0, 0);
+    assert_close(asdic_track_pose(track, 99).position_m.x, 4, 0);
     asdic_track_destroy(&track);
     assert_null(track);
 }
@@ -86,9 +86,9 @@ static void angles_take_the_shorter_way(void **state) {
         asdic_track *track = load(csv, "");
         asdic_pose pose = asdic_track_pose(track, 0.5);
         if (i != 3) { /* half a turn has two shorter ways */
-            assert_close(cos(pose.yaw_rad), cos(cases[i].middle * DEG), 1e-12, 0);
-            assert_close(sin(pose.yaw_rad), sin(cases[i].middle * DEG), 1e-12, 0);
-            assert_close(cos(pose.roll_rad), cos(cases[i].middle * DEG), 1e-12, 0);
+            assert_close(cos(pose.yaw_rad), cos(cases[i].middle * DEG), 1e-12);
+            assert_close(sin(pose.yaw_rad), sin(cases[i].middle * DEG), 1e-12);
+            assert_close(cos(pose.roll_rad), cos(cases[i].middle * DEG), 1e-12);
         }
         assert_true(isfinite(pose.yaw_rad));
         asdic_track_destroy(&track);
@@ -105,12 +105,12 @@ static void columns_come_in_any_order(void **state) {
              "");
     assert_int_equal(asdic_track_point_count(track), 2);
     asdic_pose pose = asdic_track_pose(track, 0);
-    assert_close(pose.position_m.x, 1, 0, 0);
-    assert_close(pose.position_m.y, 2, 0, 0);
-    assert_close(pose.position_m.z, 5, 0, 0);
-    assert_close(pose.roll_rad, 4 * DEG, 1e-15, 0);
-    assert_close(pose.pitch_rad, 3 * DEG, 1e-15, 0);
-    assert_close(pose.yaw_rad, 90 * DEG, 1e-15, 0);
+    assert_close(pose.position_m.x, 1, 0);
+    assert_close(pose.position_m.y, 2, 0);
+    assert_close(pose.position_m.z, 5, 0);
+    assert_close(pose.roll_rad, 4 * DEG, 1e-15);
+    assert_close(pose.pitch_rad, 3 * DEG, 1e-15);
+    assert_close(pose.yaw_rad, 90 * DEG, 1e-15);
     asdic_track_destroy(&track);
 }
 
@@ -176,9 +176,9 @@ static void long_tracks_are_read(void **state) {
     asdic_track *track = load(csv.data, "");
     assert_int_equal(asdic_track_point_count(track), 100000);
     for (int i = 0; i < 100000; i += 777) {
-        assert_close(asdic_track_pose(track, i / 10.0).position_m.x, i, 1e-6, 0);
+        assert_close(asdic_track_pose(track, i / 10.0).position_m.x, i, 1e-6);
     }
-    assert_close(asdic_track_pose(track, 1234.55).position_m.x, 12345.5, 1e-6, 0);
+    assert_close(asdic_track_pose(track, 1234.55).position_m.x, 12345.5, 1e-6);
     asdic_track_destroy(&track);
     asdic_text_finish(&csv);
 }
