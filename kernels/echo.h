@@ -42,6 +42,11 @@ static real dot3(triple a, triple b) {
     return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
+static triple cross3(triple a, triple b) {
+    triple c = {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+    return c;
+}
+
 static vector lane_of(const triple *v, uint lane) {
     return vector_of(AT(v->x, const float), AT(v->y, const float), AT(v->z, const float));
 }
@@ -158,25 +163,30 @@ static law_lanes laws_met(const world *w, const meeting *m) {
     return l;
 }
 
+/* A grazing angle. Near normal incidence its sine does not hold the squared cosine in single
+ * precision, where a plate's lobe is 1e-5 wide. */
+typedef struct slant {
+    real sine, cos2;
+} slant;
+
 /* s(Theta), linear, 1/sr; RANGE limits the area that reflects in phase. */
-static real strength(const world *w, const law_lanes *l, real sin_grazing, real range) {
+static real strength(const world *w, const law_lanes *l, slant a, real range) {
     __global const dev_ping *ping = w->ping;
     real s = R(0.0);
     if (any_true(l->is_bottom)) {
-        real f =
-            bottom_backscatter_lin(l->bottom_gain, l->bottom_peak, l->bottom_type, sin_grazing);
+        real f = bottom_backscatter_lin(l->bottom_gain, l->bottom_peak, l->bottom_type, a.sine);
         s = choose(l->is_bottom, f, s);
     }
     if (any_true(l->is_facet)) {
         real slope = facet_slope_ms(l->slope_ms, l->coherent_area_m2, (real)(ping->wavelength_m),
                                     r_max(range, R(1e-3)));
-        real f = facet_strength_lin(sin_grazing, l->reflection2, l->roughness_g, slope);
+        real f = facet_strength_angle_lin(a.sine, a.cos2, l->reflection2, l->roughness_g, slope);
         s = choose(l->is_facet, f, s);
     }
     if (any_true(l->is_surface)) {
-        real f = surface_backscatter_lin((real)(ping->surface_gain), (real)(ping->surface_beta0),
-                                         (real)(ping->surface_beta1), (real)(ping->surface_cap_lin),
-                                         sin_grazing);
+        real f = surface_backscatter_angle_lin(
+            (real)(ping->surface_gain), (real)(ping->surface_beta0), (real)(ping->surface_beta1),
+            (real)(ping->surface_cap_lin), a.sine, a.cos2);
         s = choose(l->is_surface, f, s);
     }
     return s;
@@ -193,10 +203,14 @@ static real grazing(const meeting *m, triple u) {
 
 /* The same with the surface that the facet stands for, for the laws of scattering; where that
  * faces away, although the facet does not, as if it were seen edge on. */
-static real surface_grazing(const meeting *m, triple u) {
+static slant surface_slant(const meeting *m, triple u) {
     real s = dot3(m->surface, u);
     s = choose(dot3(m->facet, u) < R(0.0), -s, s);
-    return r_max(r_min(s, R(1.0)), R(1e-6));
+    triple across = cross3(m->surface, u);
+    slant a;
+    a.sine = r_max(r_min(s, R(1.0)), R(1e-6));
+    a.cos2 = r_min(dot3(across, across), R(1.0));
+    return a;
 }
 
 /* Share of the arriving energy that goes on in the mirror direction. */

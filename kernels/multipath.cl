@@ -84,7 +84,7 @@ __kernel void reflect(__global const dev_ping *ping, __global const dev_ray *ray
     real reach = (real)(ping->range_m);
     meeting m = meet(&w, hits, slot, from, u, reach);
     law_lanes laws = laws_met(&w, &m);
-    real share = mirrored(&w, &laws, &m, surface_grazing(&m, u));
+    real share = mirrored(&w, &laws, &m, surface_slant(&m, u).sine);
     mask mirror = (m.kind != DEV_KIND_NONE) & (share > (real)(DEV_MIN_MIRROR));
 
     real along = dot3(m.surface, u);
@@ -204,10 +204,9 @@ static uint shade_bounces(const world *w, const bounce_store *store, __global lo
         AT(d3, float) = back.t_max > 0.0f ? back.t_max / 0.9999f : 1.0f;
     }
     real none = R(0.0), same_range = d1 + d2, cross_range = R(0.5) * (d1 + d2 + d3);
-    real s_in = strength(w, &laws, surface_grazing(&m, v), same_range);
-    real s_out = strength(w, &laws, surface_grazing(&m, x), same_range);
-    s_in *= scattered(w, &laws, &m, surface_grazing(&m, v));
-    s_out *= scattered(w, &laws, &m, surface_grazing(&m, x));
+    slant in = surface_slant(&m, v), out = surface_slant(&m, x);
+    real s_in = strength(w, &laws, in, same_range) * scattered(w, &laws, &m, in.sine);
+    real s_out = strength(w, &laws, out, same_range) * scattered(w, &laws, &m, out.sine);
     weight *= share / grazing(&m, v);
     real same = choose(met, weight * share * s_in * return_gain(d1, d2, bend, gauss), R(0.0));
     /* split() works relative to TL d^2 at the echo's own range; this leg spreads over d3. */

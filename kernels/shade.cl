@@ -72,9 +72,9 @@ static uint shade_rays(const world *w, const ray_store *store, __global const fl
     real footprint = splat * m.range * r_abs(tangent) / sin_grazing;
     footprint = choose(m.kind == DEV_KIND_OBJECT, r_min(footprint, R(0.1)), footprint);
     law_lanes laws = laws_met(w, &m);
-    real sin_surface = surface_grazing(&m, u);
-    real energy = strength(w, &laws, sin_surface, m.range) / sin_grazing;
-    energy *= scattered(w, &laws, &m, sin_surface);
+    slant met = surface_slant(&m, u);
+    real energy = strength(w, &laws, met, m.range) / sin_grazing;
+    energy *= scattered(w, &laws, &m, met.sine);
     /* Nothing of a plane is nearer than its perpendicular; the nudge keeps rounding from crossing a
      * bin edge that coincides with it. */
     real nearest = r_min(m.range * sin_grazing * R(1.0000005), m.range);

@@ -31,7 +31,7 @@ __kernel void survey(__global const dev_ping *ping, __global const dev_ray *rays
     triple u = {ux, uy, uz};
     meeting m = meet(&w, hits, slot, from, u, (real)(ping->range_m));
     law_lanes laws = laws_met(&w, &m);
-    weight *= strength(&w, &laws, surface_grazing(&m, u), m.range) / grazing(&m, u);
+    weight *= strength(&w, &laws, surface_slant(&m, u), m.range) / grazing(&m, u);
     weight *= gain_towards(ping, w.beams, ux, uy, uz);
     mask met = (m.kind != DEV_KIND_NONE) & (m.range >= (real)(ping->blanking_m));
     weight = choose(met, weight, R(0.0));
