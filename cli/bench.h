@@ -8,6 +8,8 @@
 
 typedef struct bench_options {
     bool quick, json;
+    uint64_t threads;          /* 0: not given */
+    const char *kernel;        /* NULL: not given */
     const char *csv, *picture; /* NULL: none */
 } bench_options;
 
@@ -15,9 +17,13 @@ typedef struct bench_options {
 int bench_error(cli *c, const bench_options *options);
 int bench_loop(cli *c, const bench_options *options);
 int bench_pings(cli *c, const bench_options *options);
+int bench_rays(cli *c, const bench_options *options);
 
 /* Monotonic, s. */
 double bench_now_s(void);
+
+/* Processor time of the process (all its threads), s: what one thread needs, whoever else runs. */
+double bench_processor_s(void);
 
 /* Sorts VALUES; NAN of none. */
 double bench_median(double *values, size_t count);

@@ -186,7 +186,7 @@ static asdic_status measure_all(cli *c, asdic_device *device, const bench_option
     asdic_status status = ASDIC_OK;
     for (size_t s = 0; !status && s < SIZES - (options->quick ? 1 : 0); s++) {
         asdic_scene *scene = NULL;
-        status = bench_terrain(cli_context(c), sizes[s], &scene);
+        status = bench_terrain(cli_context(c), sizes[s], 0, &scene);
         for (size_t b = 0; !status && b < BIN_COUNTS; b++) {
             rates[*count] = (bench_rate){.pings = options->quick ? 8 : MOST_PINGS};
             status = measure(c, device, scene, bin_counts[b], &rates[*count]);

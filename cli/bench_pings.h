@@ -13,8 +13,10 @@
 /* Its height above the mean at X north, Y east, m: waves of 250 m and shorter. */
 double bench_height_m(double x, double y);
 
-/* A committed scene with a rough, smooth-faced floor of about TRIANGLES triangles, without surface. */
-asdic_status bench_terrain(asdic_context *ctx, size_t triangles, asdic_scene **out);
+/* A committed scene with a rough, smooth-faced floor of about TRIANGLES triangles, without surface,
+ * built with THREADS threads (0: one per processor). */
+asdic_status bench_terrain(asdic_context *ctx, size_t triangles, unsigned threads,
+                           asdic_scene **out);
 
 typedef struct bench_rate {
     size_t triangles, bins, pings;

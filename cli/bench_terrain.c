@@ -39,7 +39,8 @@ static void fill(size_t cells, double *vertices, uint32_t *indices) {
     }
 }
 
-asdic_status bench_terrain(asdic_context *ctx, size_t triangles, asdic_scene **out) {
+asdic_status bench_terrain(asdic_context *ctx, size_t triangles, unsigned threads,
+                           asdic_scene **out) {
     size_t cells = (size_t)fmax(floor(sqrt(0.5 * (double)triangles)), 1.0);
     size_t points = (cells + 1) * (cells + 1);
     double *vertices = malloc(3 * points * sizeof *vertices);
@@ -57,6 +58,7 @@ asdic_status bench_terrain(asdic_context *ctx, size_t triangles, asdic_scene **o
     }
     if (!status) {
         asdic_scene_set_surface(*out, false);
+        asdic_scene_set_threads(*out, threads);
         status = asdic_scene_add_bottom(*out, mesh, (asdic_pose){{0.0, 0.0, 0.0}, 0.0, 0.0, 0.0},
                                         asdic_material_facet(6.0, 1e-3, 0.3));
     }

@@ -73,6 +73,7 @@ asdic_status asdic_scene_commit(asdic_scene *scene) {
     }
     asdic_status status = asdic_scene_smooth(scene);
     status = status ? status : place_movables(scene);
+    double assemble_s = now_s();
     status = status ? status : asdic_scene_assemble(scene);
     if (status != ASDIC_OK) {
         return status;
@@ -84,6 +85,7 @@ asdic_status asdic_scene_commit(asdic_scene *scene) {
     scene->triangle_capacity = 0;
     scene->committed = true;
     scene->build_s = now_s() - start_s;
+    scene->hierarchy_s = now_s() - assemble_s;
     return ASDIC_OK;
 }
 
@@ -98,6 +100,8 @@ asdic_scene_info asdic_scene_get_info(const asdic_scene *scene) {
         .bvh_bytes =
             scene->bvh.node_count * sizeof(dev_node8) + scene->bvh.block_count * sizeof(dev_block4),
         .build_s = scene->build_s,
+        .hierarchy_s = scene->hierarchy_s,
+        .origin_m = scene->origin_m,
         .min_m = scene->min_m,
         .max_m = scene->max_m,
     };

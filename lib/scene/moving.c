@@ -190,19 +190,20 @@ static asdic_status build_parts(asdic_scene *scene, uint32_t *ids, asdic_bvh *pa
         for (size_t k = 0; k < m->count; k++) {
             ids[k] = (uint32_t)(m->first + k);
         }
-        status = asdic_bvh_build(scene->ctx, scene->triangles, ids, m->count, 0, &parts[i]);
+        status =
+            asdic_bvh_build(scene->ctx, scene->triangles, ids, m->count, scene->threads, &parts[i]);
     }
     size_t still = list_still(scene, ids);
     return status ? status
-                  : asdic_bvh_build(scene->ctx, scene->triangles, ids, still, 0,
+                  : asdic_bvh_build(scene->ctx, scene->triangles, ids, still, scene->threads,
                                     &parts[scene->movable_count]);
 }
 
 asdic_status asdic_scene_assemble(asdic_scene *scene) {
     size_t count = scene->movable_count + 1;
     if (scene->movable_count == 0) {
-        return asdic_bvh_build(scene->ctx, scene->triangles, NULL, scene->triangle_count, 0,
-                               &scene->bvh);
+        return asdic_bvh_build(scene->ctx, scene->triangles, NULL, scene->triangle_count,
+                               scene->threads, &scene->bvh);
     }
     uint32_t *ids = malloc(scene->triangle_count * sizeof *ids);
     asdic_bvh *parts = calloc(count, sizeof *parts);

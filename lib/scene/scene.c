@@ -50,6 +50,10 @@ void asdic_scene_set_surface(asdic_scene *scene, bool enabled) {
     scene->has_surface = enabled;
 }
 
+void asdic_scene_set_threads(asdic_scene *scene, unsigned threads) {
+    scene->threads = threads;
+}
+
 static asdic_status check_open(const asdic_scene *scene) {
     if (scene->committed) {
         return asdic_fail(scene->ctx, ASDIC_ERROR_ARGUMENT,

@@ -60,7 +60,8 @@ struct asdic_scene {
     size_t moving_nodes, moving_blocks; /* the first ones, see moving.h */
     uint32_t still_root;                /* child word of what stays, where something moves */
     asdic_vec3 min_m, max_m;
-    double build_s;
+    double build_s, hierarchy_s;
+    unsigned threads; /* 0: one per processor */
 };
 
 /* Node indices of the binary tree fit 32 bits. */

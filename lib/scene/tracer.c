@@ -160,6 +160,19 @@ const char *asdic_tracer_kernel_name(size_t index) {
     return index < FORM_COUNT ? forms[index].name : NULL;
 }
 
+const char *asdic_tracer_form(const asdic_tracer *t, const asdic_buffer *rays) {
+    for (size_t i = 0; t->form == FORM_AUTO && i < t->choice_count; i++) {
+        if (t->choices[i].rays == rays) {
+            return forms[t->choices[i].form].name;
+        }
+    }
+    return t->form == FORM_AUTO ? "auto" : forms[t->form].name;
+}
+
+void asdic_tracer_forget(asdic_tracer *t) {
+    t->choice_count = 0;
+}
+
 static asdic_status run_form(asdic_tracer *t, int form, asdic_buffer *rays, asdic_buffer *hits,
                              uint32_t count) {
     asdic_kernel_arg args[] = {
@@ -212,10 +225,11 @@ static asdic_status choose(asdic_tracer *t, asdic_buffer *rays, asdic_buffer *hi
             return ASDIC_OK;
         }
     }
-    if (*form == FORM_SCALAR || count < MEASURE_RAYS || t->choice_count == MAX_CHOICES) {
+    bool gpu = *form == FORM_SCALAR;
+    if ((!gpu && count < MEASURE_RAYS) || t->choice_count == MAX_CHOICES) {
         return ASDIC_OK;
     }
-    asdic_status status = measure(t, rays, hits, count, form);
+    asdic_status status = gpu ? ASDIC_OK : measure(t, rays, hits, count, form);
     if (status == ASDIC_OK) {
         t->choices[t->choice_count++] = (choice){rays, *form};
         asdic_log(asdic_device_context(t->device), ASDIC_LOG_DEBUG, "ray kernel: %s for %u rays",

@@ -27,6 +27,12 @@ asdic_status asdic_tracer_set_kernel(asdic_tracer *tracer, const char *name);
 /* The names for set_kernel one after the other, "auto" left out; NULL at the end. */
 const char *asdic_tracer_kernel_name(size_t index);
 
+/* What was set, or chosen for the rays in this buffer; "auto" where nothing is known yet. */
+const char *asdic_tracer_form(const asdic_tracer *tracer, const asdic_buffer *rays);
+
+/* Forgets what was chosen for any buffer. */
+void asdic_tracer_forget(asdic_tracer *tracer);
+
 /* Enqueues COUNT rays (dev_ray, scene frame) and their hits (dev_hit). Neighbours in the buffer
  * should be neighbours in direction: order changes the speed, never a hit. */
 asdic_status asdic_tracer_run(asdic_tracer *tracer, asdic_buffer *rays, asdic_buffer *hits,

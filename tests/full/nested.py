@@ -1,6 +1,8 @@
 """Builds the project another way inside the build folder, and runs its tests if asked to.
 
-    nested.py FOLDER SOURCE [--tests] [MESON_OPTION...]    compilers come from CC and CXX
+    nested.py FOLDER SOURCE [--tests] [--then TEST.py] [MESON_OPTION...]
+
+Compilers come from CC and CXX; TEST.py is run on the program that was built.
 """
 import json
 import os
@@ -8,9 +10,10 @@ import subprocess
 import sys
 
 
-def run(number, title, command):
+def run(number, title, command, **environment):
     """One line of TAP; the output matters only when COMMAND fails."""
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    done = subprocess.run(command, capture_output=True, text=True, check=False,
+                          env={**os.environ, **environment})
     good = done.returncode == 0
     print(f"{'ok' if good else 'not ok'} {number} - {title}", flush=True)
     if not good:
@@ -36,6 +39,11 @@ def main():
     folder, source, *options = sys.argv[1:]
     tests = "--tests" in options
     options = [option for option in options if option != "--tests"]
+    then = None
+    if "--then" in options:
+        at = options.index("--then")
+        then = options[at + 1]
+        del options[at:at + 2]
     meson = ["meson", "setup", folder, source, *options]
     if os.path.exists(f"{folder}/build.ninja"):
         meson.insert(2, "--reconfigure")
@@ -45,6 +53,9 @@ def main():
                         "--setup", "quick", "-t", "8"], check=False,
                        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         good = report_tests(folder)
+    if good and then:
+        good = run(3, os.path.basename(then), [sys.executable, then],
+                   ASDIC=f"{folder}/cli/asdic")
     sys.exit(0 if good else 1)
 
 

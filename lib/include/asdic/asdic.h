@@ -27,6 +27,7 @@
 #include <asdic/output.h>
 #include <asdic/ping.h>
 #include <asdic/plan.h>
+#include <asdic/rays.h>
 #include <asdic/run.h>
 #include <asdic/scene.h>
 #include <asdic/sonar.h>

@@ -21,11 +21,11 @@ typedef enum asdic_law {
 
 typedef struct asdic_material {
     asdic_law law;
-    double bottom_type;       /* 1 mud, 2 sand, 3 gravel, 4 rock, fractions allowed (LAW_BOTTOM) */
-    double impedance_mrayl;   /* 1e6 kg/(m2 s): water 1.54, steel 45, air 0 (LAW_FACET) */
-    double roughness_rms_m;   /* r.m.s. height of the small-scale roughness (LAW_FACET) */
-    double slope_rms;         /* r.m.s. slope of the roughness; 0 is a polished facet (LAW_FACET) */
-    double coherent_area_m2;  /* flat area that reflects in phase; NAN: from the mesh (LAW_FACET) */
+    double bottom_type;      /* 1 mud, 2 sand, 3 gravel, 4 rock, fractions allowed (LAW_BOTTOM) */
+    double impedance_mrayl;  /* 1e6 kg/(m2 s): water 1.54, steel 45, air 0 (LAW_FACET) */
+    double roughness_rms_m;  /* r.m.s. height of the small-scale roughness (LAW_FACET) */
+    double slope_rms;        /* r.m.s. slope of the roughness; 0 is a polished facet (LAW_FACET) */
+    double coherent_area_m2; /* flat area that reflects in phase; NAN: from the mesh (LAW_FACET) */
 } asdic_material;
 
 ASDIC_API asdic_material asdic_material_bottom(double bottom_type);
@@ -66,6 +66,9 @@ ASDIC_API asdic_status asdic_scene_add_moving_object(asdic_scene *scene, const c
 ASDIC_API asdic_status asdic_scene_add_point(asdic_scene *scene, const char *name,
                                              asdic_vec3 position_m, double target_strength_db);
 
+/* How many threads commit may use; 0, as in a new scene: one per processor. Never changes the result. */
+ASDIC_API void asdic_scene_set_threads(asdic_scene *scene, unsigned threads);
+
 /* Builds the bounding volume hierarchy. Nothing may be added afterwards. */
 ASDIC_API asdic_status asdic_scene_commit(asdic_scene *scene);
 
@@ -78,7 +81,9 @@ typedef struct asdic_scene_info {
     size_t triangles, bvh_nodes;
     size_t objects; /* points included */
     uint64_t bvh_bytes;
-    double build_s;
+    double build_s;          /* of the commit */
+    double hierarchy_s;      /* of its part that built the hierarchy */
+    asdic_vec3 origin_m;     /* where the scene frame has its origin */
     asdic_vec3 min_m, max_m; /* of the triangles; zeros when there are none */
 } asdic_scene_info;
 
