@@ -36,29 +36,32 @@ __kernel void fan_table(__global const dev_ping *ping, __global float *table, ui
     table[id] = value;
 }
 
-/* fan_rows: quanta to floats; FILLED tells whether a level of a (component, bin) holds anything. Clears
- * what it read, for the next ping. One work-item per (component, bin, level). */
+/* fan_rows: quanta to floats; FILLED tells whether a level of a (component, bin) holds anything; both
+ * begin as zeros. Clears what it read, for the next ping. One work-item per (component, bin, level). */
 __kernel void fan_rows(__global const dev_ping *ping, __global long *accumulator,
                        __global float *rows, __global uint *filled) {
     uint id = (uint)(get_global_id(0));
-    if (id >= DEV_DEPOSIT_COUNT * ping->bins * DEV_FAN_LEVELS) {
+    if (id >= ping->components * ping->bins * DEV_FAN_LEVELS) {
         return;
     }
     size_t first = (size_t)(id)*ping->fan_cells;
     uint any = 0u;
     for (uint k = 0; k < ping->fan_cells; k++) {
-        long quanta = accumulator[first + k];
-        any |= (uint)(quanta != 0);
-        accumulator[first + k] = 0;
-        rows[first + k] = convert_float(quanta);
+        any |= (uint)(accumulator[first + k] != 0);
+    }
+    if ((any | filled[id]) != 0u) { /* else the row is zero already */
+        for (uint k = 0; k < ping->fan_cells; k++) {
+            rows[first + k] = convert_float(accumulator[first + k]);
+            accumulator[first + k] = 0;
+        }
     }
     filled[id] = any;
 }
 
 #define TILE 16 /* beams of a work-item */
-#define BLOCK 4 /* bins it sums at a time */
+#define BLOCK 8 /* bins it sums at a time */
 
-#ifdef FP_FAST_FMAF
+#if defined(FP_FAST_FMAF) || defined(__FMA__)
 #define MULTIPLY_ADD(a, b, c) fma((a), (b), (c))
 #else
 #define MULTIPLY_ADD(a, b, c) ((a) * (b) + (c))
@@ -70,7 +73,7 @@ __kernel void fan_project(__global const dev_ping *ping, __global const float *r
                           __global const uint *filled, __global const float *table,
                           __global uint *saturated, __global long *results, uint stride) {
     /* Neighbouring work-items share a tile: its part of the table stays in the cache. */
-    uint count = DEV_DEPOSIT_COUNT * ping->bins, blocks = (count + BLOCK - 1u) / BLOCK;
+    uint count = ping->components * ping->bins, blocks = (count + BLOCK - 1u) / BLOCK;
     uint id = (uint)(get_global_id(0)), tile = id / blocks, first = id % blocks * BLOCK;
     if (tile * TILE >= stride) {
         return;
@@ -104,12 +107,17 @@ __kernel void fan_project(__global const dev_ping *ping, __global const float *r
             sum[1] = MULTIPLY_ADD((float16)(h[1][k]), pattern, sum[1]);
             sum[2] = MULTIPLY_ADD((float16)(h[2][k]), pattern, sum[2]);
             sum[3] = MULTIPLY_ADD((float16)(h[3][k]), pattern, sum[3]);
+            sum[4] = MULTIPLY_ADD((float16)(h[4][k]), pattern, sum[4]);
+            sum[5] = MULTIPLY_ADD((float16)(h[5][k]), pattern, sum[5]);
+            sum[6] = MULTIPLY_ADD((float16)(h[6][k]), pattern, sum[6]);
+            sum[7] = MULTIPLY_ADD((float16)(h[7][k]), pattern, sum[7]);
         }
     }
-    for (uint r = 0; r < have; r++) {
-        for (uint b = 0; b < TILE && tile * TILE + b < ping->beams; b++) {
+    for (uint b = 0; b < TILE && tile * TILE + b < ping->beams; b++) {
+        for (uint r = 0; r < have; r++) {
+            uint component = (first + r) / ping->bins, bin = (first + r) % ping->bins;
             float value = ((float *)&sum[r])[b];
-            results[(size_t)(first + r) * ping->beams + tile * TILE + b] =
+            results[((size_t)(component)*ping->beams + tile * TILE + b) * ping->bins + bin] =
                 convert_long_rte(max(value, 0.0f));
         }
     }

@@ -221,6 +221,7 @@ static uint shade_bounces(const world *w, const bounce_store *store, __global lo
     natural component = (natural)(DEV_DEPOSIT_MULTIPATH);
     arrivals along, direct;
     along.count = direct.count = 0u;
+    along.even = direct.even = met & !met;
     split_echo sent_to_x = cross_echo, sent_to_mirror = cross_echo;
     sent_to_x.first *= x_out;
     sent_to_x.second *= x_out;
@@ -251,7 +252,7 @@ __kernel void bounce(__global const dev_ping *ping, __global const dev_ray *rays
     bounce_store store = {rays,           bounced,      returning, bounced_hits,
                           returning_hits, solid_angles, mirrors};
     size_t plane = (size_t)(ping->bins) * ping->columns;
-    __global long *cells = accumulator + group * (size_t)(DEV_DEPOSIT_COUNT)*plane;
+    __global long *cells = accumulator + group * (size_t)(ping->components) * plane;
     uint cut = 0u;
     for (uint k = item * ASDIC_WIDTH; k < ping->per_group; k += items * ASDIC_WIDTH) {
         cut += shade_bounces(&w, &store, cells, group * ping->per_group + k);

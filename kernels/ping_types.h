@@ -14,19 +14,20 @@
 #define DEV_MIN_MIRROR 1e-6f
 
 /* Levels of m = cos(elevation) in a fan's map. */
-#define DEV_FAN_LEVELS 4
+#define DEV_FAN_LEVELS 5
 
 #define DEV_MAX_LOBES 12
 #define DEV_MAX_CONES 8
 #define DEV_TABLE_CELLS 512
 #define DEV_MAX_GROUPS 16
 
-/* Deposit components, in the order of the accumulator. */
+/* Deposit components, in the order of the accumulator; a scene has the first 3, those and objects, or
+ * all, and pays for no others. */
 #define DEV_DEPOSIT_BOTTOM 0
 #define DEV_DEPOSIT_SURFACE 1
-#define DEV_DEPOSIT_OBJECT 2
-#define DEV_DEPOSIT_MULTIPATH 3
-#define DEV_DEPOSIT_VOLUME 4
+#define DEV_DEPOSIT_VOLUME 2
+#define DEV_DEPOSIT_OBJECT 3
+#define DEV_DEPOSIT_MULTIPATH 4
 #define DEV_DEPOSIT_COUNT 5
 
 /* An aperture: rows turn a world direction into its face frame (x away from the face, y along the
@@ -80,7 +81,8 @@ typedef struct dev_ping {
                                                     this batch; number of groups (replicates) */
     dev_uint beams, bins, lobes, sampler;
     dev_uint background, cones; /* rays that no cone has, the first ones; number of cones */
-    dev_uint columns; /* of the accumulator: beams, or levels x cells of a fan */
+    dev_uint components;        /* of the accumulator, DEV_DEPOSIT_COUNT at most */
+    dev_uint columns;           /* of the accumulator: beams, or levels x cells of a fan */
     dev_uint fan_cells;
     float fan_begin_rad, fan_cells_per_rad;
     float fan_rows[9]; /* world to fan: x ahead, y to starboard, z the faces' common axis */

@@ -9,7 +9,9 @@
  *
  * The first factor is applied at once; of the second an arrival keeps only (phi, m): it is split
  * over two azimuth cells and two levels of m, columns = levels x cells, whatever the number
- * of beams. fan.cl then turns cells into beams with one matrix product.
+ * of beams. What bottom, surface and water send from all azimuths goes to the nearest level alone, for
+ * half the work: a beam's share of it is proportional to the width of its pattern, hence to 1 / m,
+ * which is put right. fan.cl then turns cells into beams with one matrix product.
  */
 #ifndef ASDIC_KERNEL_RECEIVE_H
 #define ASDIC_KERNEL_RECEIVE_H
@@ -22,6 +24,7 @@
  * bin) each. Small on purpose: PoCL keeps the private arrays of a whole work-group on one stack. */
 typedef struct arrivals {
     uint count;
+    mask even; /* spread over azimuth, not from a point */
     real quanta[MAX_ARRIVALS];
     natural cell[MAX_ARRIVALS];
 } arrivals;
@@ -63,7 +66,8 @@ static uint add_column(const world *w, const arrivals *a, __global long *cells, 
 /* Levels of m. Between them patterns are interpolated linearly in 1 / m, to which the azimuth width
  * of a pattern is proportional: exact for what is spread over azimuth. */
 FORMULA real fan_level_m(int level) {
-    return level == 0 ? R(1.0) : level == 1 ? R(0.8) : level == 2 ? R(0.45) : R(0.05);
+    const float m[DEV_FAN_LEVELS] = {1.0f, 0.88f, 0.66f, 0.4f, 0.05f};
+    return (real)(m[level]);
 }
 
 static uint receive(const world *w, const arrivals *a, __global long *cells, real ux, real uy,
@@ -90,6 +94,9 @@ static uint receive(const world *w, const arrivals *a, __global long *cells, rea
     real lower = (R(1.0) / m - R(1.0) / hi) / (R(1.0) / lo - R(1.0) / hi);
     lower = r_min(r_max(lower, R(0.0)), R(1.0));
     real gain = vertical * vertical;
+    mask low = m * m < lo * hi;
+    gain *= choose(a->even, choose(low, lo, hi) / m, R(1.0));
+    lower = choose(a->even, choose(low, R(1.0), R(0.0)), lower);
     natural column = level * (natural)(ping->fan_cells) + cell;
     uint cut = add_column(w, a, cells, column, gain * (R(1.0) - lower) * (R(1.0) - right));
     cut += add_column(w, a, cells, column + 1u, gain * (R(1.0) - lower) * right);

@@ -3,18 +3,18 @@
  */
 #include "deposit.h"
 
-/* Water that ends in a bin to water that crosses it; SUMS is [group][component][bin][beam]. One
+/* Water that ends in a bin to water that crosses it; ACCUMULATOR is [group][component][bin][beam]. One
  * work-item per group and beam. Work-items that own their group have done it in shade. */
-__kernel void suffix(__global const dev_ping *ping, __global long *sums) {
+__kernel void suffix(__global const dev_ping *ping, __global long *accumulator) {
     uint id = (uint)(get_global_id(0));
     uint group = id / ping->beams, beam = id - group * ping->beams;
     if (group >= ping->groups) {
         return;
     }
     size_t plane = (size_t)(ping->bins) * ping->beams;
-    deposit_sum_crossings(sums + (group * (size_t)(DEV_DEPOSIT_COUNT) + DEV_DEPOSIT_VOLUME) * plane +
-                              beam,
-                          ping->bins, ping->beams);
+    deposit_sum_crossings(
+        accumulator + (group * (size_t)(ping->components) + DEV_DEPOSIT_VOLUME) * plane + beam,
+        ping->bins, ping->beams);
 }
 
 /* Relative standard error of the sum of the groups' totals. */
@@ -36,7 +36,7 @@ static float spread(const float *totals, uint groups) {
 
 /*
  * One work-item per (bin, beam): sums over groups for every component, then the relative standard
- * error of the total. RESULTS holds DEV_DEPOSIT_COUNT planes of sums, the number of deposits that
+ * error of the total. RESULTS holds a plane [beam][bin] of sums per component, the number of deposits that
  * had to be cut, and a plane of floats. VOLUME_RATIO[bin] turns water quanta into units of the
  * bin's TL d^2. Clears what it read, for the next ping.
  */
@@ -48,29 +48,30 @@ __kernel void reduce(__global const dev_ping *ping, __global long *accumulator,
     if (cell >= plane) {
         return;
     }
+    size_t at = cell % ping->beams * ping->bins + cell / ping->beams;
     float totals[DEV_MAX_GROUPS];
     for (uint g = 0; g < ping->groups; g++) {
         totals[g] = 0.0f;
     }
-    for (uint c = 0; c < DEV_DEPOSIT_COUNT; c++) {
+    for (uint c = 0; c < ping->components; c++) {
         float unit = 1.0f / ping->deposit_scale[c];
         if (c == DEV_DEPOSIT_VOLUME) {
             unit *= volume_ratio[cell / ping->beams];
         }
         long sum = 0;
         for (uint g = 0; g < ping->groups; g++) {
-            __global long *from = accumulator + (g * (size_t)(DEV_DEPOSIT_COUNT) + c) * plane + cell;
+            __global long *from = accumulator + (g * (size_t)(ping->components) + c) * plane + cell;
             long quanta = *from;
             *from = 0;
             sum += quanta;
             totals[g] += convert_float(quanta) * unit;
         }
-        results[c * plane + cell] = sum;
+        results[c * plane + at] = sum;
     }
-    __global float *spreads = (__global float *)(results + DEV_DEPOSIT_COUNT * plane + 1u);
-    spreads[cell] = spread(totals, ping->groups);
+    __global float *spreads = (__global float *)(results + ping->components * plane + 1u);
+    spreads[at] = spread(totals, ping->groups);
     if (cell == 0) {
-        results[DEV_DEPOSIT_COUNT * plane] = (long)(*saturated);
+        results[ping->components * plane] = (long)(*saturated);
         *saturated = 0u;
     }
 }

@@ -66,10 +66,11 @@ static ray_sample add_cones(__global const dev_ping *ping, __global const float 
         mask here = drawn_by(ping->cone + c, index);
         if (any_true(here)) {
             natural j = index - ping->cone[c].first;
-            real xi1 = (to_real(j) + (real)(ping->lattice_offset)) /
-                       (real)((float)(ping->cone[c].count));
+            real xi1 =
+                (to_real(j) + (real)(ping->lattice_offset)) / (real)((float)(ping->cone[c].count));
             natural golden = j * (natural)(2654435769u) + (natural)(ping->lattice_shift);
-            ray_sample own = sample_cone(ping->cone + c, r_min(xi1, R(1.0)), random_uniform(golden));
+            ray_sample own =
+                sample_cone(ping->cone + c, r_min(xi1, R(1.0)), random_uniform(golden));
             s.x = choose(here, own.x, s.x);
             s.y = choose(here, own.y, s.y);
             s.z = choose(here, own.z, s.z);
@@ -100,8 +101,8 @@ static ray_sample draw_adaptive(__global const dev_ping *ping, __global const fl
     return ping->cones == 0u ? s : add_cones(ping, cumulative, index, s);
 }
 
-__kernel void sample(__global const dev_ping *ping, __global const float *cumulative, __global dev_ray *rays,
-                     __global float *solid_angles, __global float *splats) {
+__kernel void sample(__global const dev_ping *ping, __global const float *cumulative,
+                     __global dev_ray *rays, __global float *solid_angles, __global float *splats) {
     uint first = (uint)(get_global_id(0)) * ASDIC_WIDTH;
     if (first >= ping->groups * ping->per_group) {
         return;

@@ -82,9 +82,14 @@ static uint shade_rays(const world *w, const ray_store *store, __global const fl
 
     arrivals a;
     a.count = 0u;
-    echo.first *= weight;
-    echo.second *= weight;
-    arrivals_add_echo(w, &a, component_of(m.kind), &echo);
+    a.even = m.kind != DEV_KIND_OBJECT;
+    /* Objects that a plan left out still hide what is behind them. */
+    natural component = component_of(m.kind);
+    real heard = choose(component < ping->components, weight, R(0.0));
+    echo.first *= heard;
+    echo.second *= heard;
+    component = min(component, (natural)(ping->components - 1u));
+    arrivals_add_echo(w, &a, component, &echo);
 #if ASDIC_HAS_WATER
     /* Water: full bins before the last, part of the last. */
     real reach = (real)(ping->range_m), end = r_min(m.range, reach);
@@ -120,7 +125,7 @@ __kernel void shade(__global const dev_ping *ping, __global const dev_ray *rays,
     world w = {ping, beams_of(ping), triangles, parts, materials};
     ray_store store = {rays, solid_angles, splats, hits};
     size_t plane = (size_t)(ping->bins) * ping->columns;
-    __global long *cells = accumulator + group * (size_t)(DEV_DEPOSIT_COUNT)*plane;
+    __global long *cells = accumulator + group * (size_t)(ping->components) * plane;
     uint cut = 0u;
     for (uint k = item * ASDIC_WIDTH; k < ping->per_group; k += items * ASDIC_WIDTH) {
         cut += shade_rays(&w, &store, volume_inverse, cells, group * ping->per_group + k);

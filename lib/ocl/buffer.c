@@ -103,15 +103,24 @@ static asdic_status check_range(const asdic_buffer *buffer, size_t offset, size_
     return ASDIC_OK;
 }
 
-asdic_status asdic_buffer_write(asdic_buffer *buffer, size_t offset, size_t bytes,
-                                const void *data) {
+static asdic_status write_buffer(asdic_buffer *buffer, cl_bool wait, size_t offset, size_t bytes,
+                                 const void *data) {
     asdic_status status = check_range(buffer, offset, bytes);
     if (status != ASDIC_OK || bytes == 0) {
         return status;
     }
-    cl_int code = clEnqueueWriteBuffer(buffer->device->queue, buffer->mem, CL_TRUE, offset, bytes,
+    cl_int code = clEnqueueWriteBuffer(buffer->device->queue, buffer->mem, wait, offset, bytes,
                                        data, 0, NULL, NULL);
     return code == CL_SUCCESS ? ASDIC_OK : asdic_cl_fail(buffer->device, code, "write to a buffer");
+}
+
+asdic_status asdic_buffer_write(asdic_buffer *buffer, size_t offset, size_t bytes,
+                                const void *data) {
+    return write_buffer(buffer, CL_TRUE, offset, bytes, data);
+}
+
+asdic_status asdic_buffer_send(asdic_buffer *buffer, size_t bytes, const void *data) {
+    return write_buffer(buffer, CL_FALSE, 0, bytes, data);
 }
 
 asdic_status asdic_buffer_zero(asdic_buffer *buffer, size_t bytes) {

@@ -22,6 +22,9 @@ size_t asdic_buffer_bytes(const asdic_buffer *buffer);
 /* The host memory may be reused when the call returns. */
 asdic_status asdic_buffer_write(asdic_buffer *buffer, size_t offset, size_t bytes,
                                 const void *data);
+/* The same from the buffer's beginning without waiting: DATA must stay as it is until the device has
+ * finished. */
+asdic_status asdic_buffer_send(asdic_buffer *buffer, size_t bytes, const void *data);
 asdic_status asdic_buffer_zero(asdic_buffer *buffer, size_t bytes);
 /* Blocks until everything enqueued before has finished. */
 asdic_status asdic_buffer_read(asdic_buffer *buffer, size_t offset, size_t bytes, void *data);

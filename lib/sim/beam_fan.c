@@ -7,7 +7,7 @@
 
 #define LEAST_RECEIVERS 16
 #define TILE 16 /* as in fan.cl */
-#define BLOCK 4
+#define BLOCK 8
 /* Cells per wavelength of aperture and radian. */
 #define CELLS_PER_WAVELENGTH 3.0
 #define LEAST_CELLS 64
@@ -45,11 +45,11 @@ void asdic_beam_fan_plan(const asdic_sonar *sonar, double wavelength_m, asdic_be
 }
 
 asdic_status asdic_beam_fan_init(asdic_beam_fan *fan, asdic_device *device, const char *options,
-                                 size_t bins) {
+                                 size_t rows) {
     if (fan->cells == 0) {
         return ASDIC_OK;
     }
-    const size_t rows = DEV_DEPOSIT_COUNT * bins * DEV_FAN_LEVELS;
+    rows *= DEV_FAN_LEVELS;
     const size_t columns = (size_t)DEV_FAN_LEVELS * fan->cells;
     asdic_status status =
         asdic_kernel_create(device, "fan.cl", options, "fan_table", &fan->make_table);
@@ -68,6 +68,12 @@ asdic_status asdic_beam_fan_init(asdic_beam_fan *fan, asdic_device *device, cons
     }
     if (!status) {
         status = asdic_buffer_create(device, rows * sizeof(uint32_t), NULL, &fan->filled);
+    }
+    if (!status) {
+        status = asdic_buffer_zero(fan->rows, rows * fan->cells * sizeof(float));
+    }
+    if (!status) {
+        status = asdic_buffer_zero(fan->filled, rows * sizeof(uint32_t));
     }
     return status;
 }
@@ -122,7 +128,7 @@ asdic_status asdic_beam_fan_project(asdic_beam_fan *fan, const dev_ping *ping,
                                     asdic_buffer *saturated, asdic_buffer *results) {
     asdic_status status = ASDIC_OK;
     dev_uint stride = fan->stride;
-    size_t rows = DEV_DEPOSIT_COUNT * (size_t)ping->bins;
+    size_t rows = ping->components * (size_t)ping->bins;
     /* The table depends on how the fan is built and on the wavelength, not on the pose. */
     if (fan->table_wavelength_m != (double)ping->wavelength_m) {
         asdic_kernel_arg args[] = {ASDIC_ARG_BUFFER(ping_buffer), ASDIC_ARG_BUFFER(fan->table),

@@ -22,9 +22,9 @@ typedef struct asdic_beam_fan {
  * yaw about a common axis only. */
 void asdic_beam_fan_plan(const asdic_sonar *sonar, double wavelength_m, asdic_beam_fan *fan);
 
-/* Kernels and buffers for a planned fan; nothing when there is none. */
+/* Kernels and buffers for a planned fan with ROWS of (component, bin); nothing when there is none. */
 asdic_status asdic_beam_fan_init(asdic_beam_fan *fan, asdic_device *device, const char *options,
-                                 size_t bins);
+                                 size_t rows);
 void asdic_beam_fan_finish(asdic_beam_fan *fan);
 
 /* The fan's frame and cells of a ping whose beams (transmitter first) are aimed. */

@@ -29,7 +29,6 @@ static bool cell_ratio(double total_a, double total_b, double stated, double *ra
 
 static void smooth_ratios(asdic_simulator *sim, size_t beam, const asdic_ping *a,
                           const asdic_ping *b, const float *stated) {
-    size_t beams = sim->sonar.receiver_count;
     for (size_t bin = 0; bin < sim->bins; bin++) {
         size_t first = bin > WINDOW ? bin - WINDOW : 0;
         size_t last = bin + WINDOW < sim->bins ? bin + WINDOW : sim->bins - 1;
@@ -39,7 +38,7 @@ static void smooth_ratios(asdic_simulator *sim, size_t beam, const asdic_ping *a
             double ratio;
             double total_a = a->intensity_lin[ASDIC_TOTAL][at] - a->intensity_lin[ASDIC_NOISE][at];
             double total_b = b->intensity_lin[ASDIC_TOTAL][at] - b->intensity_lin[ASDIC_NOISE][at];
-            if (cell_ratio(total_a, total_b, stated[n * beams + beam], &ratio)) {
+            if (cell_ratio(total_a, total_b, stated[at], &ratio)) {
                 sum += ratio;
                 count += 1.0;
                 own = n == bin ? ratio : own;
@@ -49,7 +48,7 @@ static void smooth_ratios(asdic_simulator *sim, size_t beam, const asdic_ping *a
          * the mean of the inverse is n / (n - 2). A bin's own ratio counts where it exceeds its
          * neighbours': bins that hold a spike err unlike them. */
         double ratio = fmax(count > 3.0 ? sum / (count - 2.0) : count > 0.0 ? sum : 1.0, own);
-        sim->calibration[bin * beams + beam] =
+        sim->calibration[beam * sim->bins + bin] =
             (float)sqrt(fmin(fmax(ratio, RATIO_LEAST), RATIO_MOST));
     }
 }

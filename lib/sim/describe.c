@@ -76,6 +76,7 @@ void asdic_simulator_prepare(asdic_simulator *sim, const asdic_water_column *wat
         .groups = sim->groups,
         .beams = (dev_uint)sim->sonar.receiver_count,
         .bins = (dev_uint)sim->bins,
+        .components = (dev_uint)sim->components,
         .sampler = sampler_code(sim->sampling.sampler),
         .seed = {(dev_uint)sim->sampling.seed, (dev_uint)(sim->sampling.seed >> 32)},
         .surface_gain = surface_is_silent(sim) ? 0.0f : (float)surface_gain(wind, f_khz),

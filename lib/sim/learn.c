@@ -14,6 +14,7 @@
 #include <string.h>
 
 #define PICKED_MOST 8
+#define LEAST_PILOT_RAYS 1024u
 /* Share of the density that is learnt; the rest stays even, so that no direction is starved and
  * weights stay bounded whatever the pilots missed. */
 #define LEARNT_SHARE 0.7
@@ -165,10 +166,16 @@ static bool lower_zone(asdic_simulator *sim, const double *q) {
     return true;
 }
 
+/* As many as pay: coarse pings gain little by knowing more than they can use. */
+static uint32_t pilot_rays(const asdic_simulator *sim) {
+    uint32_t rays = sim->sampling.rays < ASDIC_PILOT_RAYS ? sim->sampling.rays : ASDIC_PILOT_RAYS;
+    return rays > LEAST_PILOT_RAYS ? rays : LEAST_PILOT_RAYS;
+}
+
 /* One pilot ping, sampled by the table so far, gives the next. */
 static asdic_status learn_once(asdic_simulator *sim, const asdic_pose *pose, uint64_t index,
                                uint32_t stream) {
-    asdic_simulator_describe(sim, pose, index, stream, ASDIC_PILOT_RAYS);
+    asdic_simulator_describe(sim, pose, index, stream, pilot_rays(sim));
     survey s = {0};
     double q[DEV_TABLE_CELLS] = {0};
     asdic_status status = survey_run(sim, &s);

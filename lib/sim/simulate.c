@@ -11,6 +11,7 @@
 #include "../../kernels/backscatter.h"
 
 #include <math.h>
+#include <string.h>
 
 /* Per bin: TL d^2 and the water's integral; what turns a part of that integral into a share of the
  * bin, and water quanta into the bin's TL d^2. Pings at one depth share them. */
@@ -92,7 +93,10 @@ static asdic_status upload_ping(asdic_simulator *sim) {
     if (sim->ping->batch_first == 0) {
         bytes += (sim->sonar.receiver_count + 1) * sizeof(dev_beam);
     }
-    asdic_status status = asdic_buffer_write(sim->ping_buffer, 0, bytes, sim->ping);
+    /* What a batch is told changes only when a further one follows: nothing else needs waiting for. */
+    asdic_status status = sim->ping->last_batch
+                              ? asdic_buffer_send(sim->ping_buffer, bytes, sim->ping)
+                              : asdic_buffer_write(sim->ping_buffer, 0, bytes, sim->ping);
     if (!status && !sim->table_uploaded) {
         status = asdic_buffer_write(sim->table_buffer, 0, sizeof sim->table, sim->table);
         sim->table_uploaded = status == ASDIC_OK;
@@ -149,16 +153,14 @@ static asdic_status run_batch(asdic_simulator *sim) {
     return status ? status : asdic_simulator_end_phase(sim, ASDIC_PHASE_BOUNCE);
 }
 
-/* Water that ends in a bin to water that crosses it, in SUMS [group][component][bin][beam]. */
-static asdic_status run_suffix(asdic_simulator *sim, asdic_buffer *sums) {
-    asdic_kernel_arg args[] = {ASDIC_ARG_BUFFER(sim->ping_buffer), ASDIC_ARG_BUFFER(sums)};
-    return asdic_kernel_run(sim->suffix, args, COUNT(args),
-                            (size_t)sim->ping->groups * sim->ping->beams, sim->layout.local);
-}
-
 static asdic_status reduce_groups(asdic_simulator *sim) {
-    bool summed = sim->layout.deposit == ASDIC_DEPOSIT_OWNED; /* by shade */
-    asdic_status status = summed ? ASDIC_OK : run_suffix(sim, sim->accumulator);
+    asdic_status status = ASDIC_OK;
+    if (sim->layout.deposit != ASDIC_DEPOSIT_OWNED) { /* else shade has done it */
+        asdic_kernel_arg args[] = {ASDIC_ARG_BUFFER(sim->ping_buffer),
+                                   ASDIC_ARG_BUFFER(sim->accumulator)};
+        status = asdic_kernel_run(sim->suffix, args, COUNT(args),
+                                  (size_t)sim->ping->groups * sim->ping->beams, sim->layout.local);
+    }
     if (status) {
         return status;
     }
@@ -169,27 +171,41 @@ static asdic_status reduce_groups(asdic_simulator *sim) {
     return asdic_kernel_run(sim->reduce, args, COUNT(args), sim->cells, sim->layout.local);
 }
 
-static asdic_status reduce_fan(asdic_simulator *sim) {
-    asdic_status status = asdic_beam_fan_project(&sim->fan, sim->ping, sim->ping_buffer,
-                                                 sim->accumulator, sim->saturated, sim->results);
-    return status ? status : run_suffix(sim, sim->results);
+/* Water that ends in a bin to water that crosses it: a fan's, which is linear in what its map holds
+ * and cheaper by beams than by azimuths. */
+static void sum_crossings(asdic_simulator *sim) {
+    int64_t *water = sim->host_results + DEV_DEPOSIT_VOLUME * sim->cells;
+    for (size_t beam = 0; beam < sim->sonar.receiver_count; beam++, water += sim->bins) {
+        for (size_t bin = sim->bins; bin-- > 1;) {
+            water[bin - 1] += water[bin];
+        }
+    }
 }
 
 /* The results, see reduce.cl; a fan has no spreads. */
 static asdic_status reduce(asdic_simulator *sim) {
-    size_t bytes = (DEV_DEPOSIT_COUNT * sim->cells + 1) * sizeof(int64_t);
+    size_t bytes = (sim->components * sim->cells + 1) * sizeof(int64_t);
     if (!sim->fan.cells) {
         bytes += sim->cells * sizeof(float);
     }
-    asdic_status status = sim->fan.cells ? reduce_fan(sim) : reduce_groups(sim);
-    return status ? status : asdic_buffer_read(sim->results, 0, bytes, sim->host_results);
+    asdic_status status =
+        sim->fan.cells ? asdic_beam_fan_project(&sim->fan, sim->ping, sim->ping_buffer,
+                                                sim->accumulator, sim->saturated, sim->results)
+                       : reduce_groups(sim);
+    if (!status) {
+        status = asdic_buffer_read(sim->results, 0, bytes, sim->host_results);
+    }
+    if (!status && sim->fan.cells) {
+        sum_crossings(sim);
+    }
+    return status;
 }
 
 double asdic_simulator_spread(const asdic_simulator *sim, size_t cell) {
     if (sim->fan.cells) {
         return 1.0; /* one group: the calibration is the relative error itself */
     }
-    const int64_t *after = sim->host_results + DEV_DEPOSIT_COUNT * sim->cells + 1;
+    const int64_t *after = sim->host_results + sim->components * sim->cells + 1;
     return ((const float *)after)[cell];
 }
 
@@ -205,32 +221,47 @@ double asdic_simulator_source_lin(const asdic_simulator *sim, const asdic_water_
     return printed ? source * exp(-water->absorption_np_per_m) : source;
 }
 
-static void convert_levels(asdic_simulator *sim, const asdic_water_column *water, asdic_ping *out) {
+/* Quanta to energies of one beam; UNIT[component] is a quantum's energy at loss 1. */
+static void convert_beam(const asdic_simulator *sim, const double *unit, size_t beam,
+                         asdic_ping *out) {
     static const asdic_component component[DEV_DEPOSIT_COUNT] = {
         [DEV_DEPOSIT_BOTTOM] = ASDIC_BOTTOM,
         [DEV_DEPOSIT_SURFACE] = ASDIC_SURFACE,
+        [DEV_DEPOSIT_VOLUME] = ASDIC_VOLUME,
         [DEV_DEPOSIT_OBJECT] = ASDIC_OBJECT,
-        [DEV_DEPOSIT_MULTIPATH] = ASDIC_MULTIPATH,
-        [DEV_DEPOSIT_VOLUME] = ASDIC_VOLUME};
-    double source = asdic_simulator_source_lin(sim, water);
-    size_t beams = sim->sonar.receiver_count;
-    for (size_t n = 0; n < sim->bins; n++) {
-        double loss = source * sim->bin_loss[n], volume = source * sim->bin_volume[n];
-        for (size_t b = 0; b < beams; b++) {
-            size_t from = n * beams + b, to = b * sim->bins + n;
-            double total = 0.0;
-            for (int c = 0; c < DEV_DEPOSIT_COUNT; c++) {
-                double unit = c == DEV_DEPOSIT_VOLUME ? volume : loss;
-                double energy = (double)sim->host_results[(size_t)c * sim->cells + from];
-                energy = energy > 0.0 ? energy * unit / sim->ping->deposit_scale[c] : 0.0;
-                out->intensity_lin[component[c]][to] = energy;
-                total += energy;
-            }
-            double noise = out->intensity_lin[ASDIC_NOISE][to];
-            out->stderr_db[to] =
-                total > 0.0 ? (float)(stderr_db_of(sim, from) * total / (total + noise)) : 0.0f;
-            out->intensity_lin[ASDIC_TOTAL][to] = total + noise;
+        [DEV_DEPOSIT_MULTIPATH] = ASDIC_MULTIPATH};
+    size_t first = beam * sim->bins;
+    double *total = out->intensity_lin[ASDIC_TOTAL] + first;
+    const double *noise = out->intensity_lin[ASDIC_NOISE] + first;
+    memset(total, 0, sim->bins * sizeof *total);
+    for (size_t c = 0; c < DEV_DEPOSIT_COUNT; c++) {
+        double *energy = out->intensity_lin[component[c]] + first;
+        if (c >= sim->components) {
+            memset(energy, 0, sim->bins * sizeof *energy);
+            continue;
         }
+        const int64_t *quanta = sim->host_results + c * sim->cells + first;
+        const double *loss = c == DEV_DEPOSIT_VOLUME ? sim->bin_volume : sim->bin_loss;
+        for (size_t n = 0; n < sim->bins; n++) {
+            energy[n] = quanta[n] > 0 ? (double)quanta[n] * unit[c] * loss[n] : 0.0;
+            total[n] += energy[n];
+        }
+    }
+    for (size_t n = 0; n < sim->bins; n++) {
+        double echo = total[n];
+        total[n] += noise[n];
+        out->stderr_db[first + n] =
+            echo > 0.0 ? (float)(stderr_db_of(sim, first + n) * echo / total[n]) : 0.0f;
+    }
+}
+
+static void convert_levels(asdic_simulator *sim, const asdic_water_column *water, asdic_ping *out) {
+    double unit[DEV_DEPOSIT_COUNT];
+    for (int c = 0; c < DEV_DEPOSIT_COUNT; c++) {
+        unit[c] = asdic_simulator_source_lin(sim, water) / sim->ping->deposit_scale[c];
+    }
+    for (size_t beam = 0; beam < sim->sonar.receiver_count; beam++) {
+        convert_beam(sim, unit, beam, out);
     }
 }
 
@@ -275,7 +306,7 @@ asdic_status asdic_simulator_simulate(asdic_simulator *sim, const asdic_pose *po
     convert_levels(sim, &water, out);
     out->bin_length_m = sim->sonar.bin_length_m;
     out->rays = sim->sampling.rays;
-    out->saturated = (uint64_t)sim->host_results[DEV_DEPOSIT_COUNT * sim->cells];
+    out->saturated = (uint64_t)sim->host_results[sim->components * sim->cells];
     return ASDIC_OK;
 }
 

@@ -70,7 +70,7 @@ static asdic_status create_kernels(asdic_simulator *sim) {
         }
     }
     snprintf(options, sizeof options, "-D ASDIC_FAN=1");
-    return asdic_beam_fan_init(&sim->fan, sim->device, options, sim->bins);
+    return asdic_beam_fan_init(&sim->fan, sim->device, options, sim->components * sim->bins);
 }
 
 static size_t ping_bytes(const asdic_simulator *sim) {
@@ -79,7 +79,7 @@ static size_t ping_bytes(const asdic_simulator *sim) {
 
 /* Sums, one word of cut deposits, spreads. */
 static size_t results_bytes(const asdic_simulator *sim) {
-    return (DEV_DEPOSIT_COUNT * sim->cells + 1) * sizeof(int64_t) + sim->cells * sizeof(float);
+    return (sim->components * sim->cells + 1) * sizeof(int64_t) + sim->cells * sizeof(float);
 }
 
 size_t asdic_simulator_per_group(const asdic_simulator *sim, size_t rays) {
@@ -94,7 +94,7 @@ static asdic_status create_buffers(asdic_simulator *sim) {
     size_t slots = sim->groups * most, beams = sim->sonar.receiver_count;
     size_t bounce_slots = sim->has_mirrors ? slots : 0;
     size_t columns = sim->fan.cells ? (size_t)DEV_FAN_LEVELS * sim->fan.cells : beams;
-    size_t accumulator = sim->groups * DEV_DEPOSIT_COUNT * sim->bins * columns * sizeof(int64_t);
+    size_t accumulator = sim->groups * sim->components * sim->bins * columns * sizeof(int64_t);
     const struct {
         size_t bytes;
         asdic_buffer **buffer;
@@ -125,6 +125,26 @@ static asdic_status create_buffers(asdic_simulator *sim) {
         }
     }
     return ASDIC_OK;
+}
+
+static bool scene_has(const asdic_simulator *sim, unsigned kind) {
+    for (size_t i = 0; i < sim->scene->part_count; i++) {
+        if (sim->scene->parts[i].kind == kind) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* Whether objects are modelled. */
+static bool scene_echoes(const asdic_simulator *sim) {
+    return scene_has(sim, DEV_KIND_OBJECT) &&
+           !(sim->sampling.left_out & (1u << ASDIC_TERM_OBJECTS));
+}
+
+/* Objects that are left out are not traced either, unless a bottom of triangles is. */
+static bool needs_triangles(const asdic_simulator *sim) {
+    return scene_echoes(sim) || scene_has(sim, DEV_KIND_BOTTOM);
 }
 
 /* Whether anything in the scene can pass a mirror ray on. */
@@ -261,13 +281,10 @@ asdic_status asdic_simulator_create_with(asdic_context *ctx, asdic_device *devic
     }
     size_t most = layout->batch_slots > ASDIC_PILOT_RAYS ? layout->batch_slots : ASDIC_PILOT_RAYS;
     sim->per_group = asdic_simulator_per_group(sim, sampling->rays < most ? sampling->rays : most);
-    if ((status = allocate_host(sim)) != ASDIC_OK) {
-        goto fail;
-    }
     if ((status = asdic_placement_create(scene, &sim->placement)) != ASDIC_OK) {
         goto fail;
     }
-    if (scene->triangle_count > 0 &&
+    if (needs_triangles(sim) &&
         (status = asdic_tracer_create(device, scene, &sim->tracer)) != ASDIC_OK) {
         goto fail;
     }
@@ -275,6 +292,12 @@ asdic_status asdic_simulator_create_with(asdic_context *ctx, asdic_device *devic
         goto fail;
     }
     sim->has_mirrors = scene_has_mirrors(sim);
+    sim->components = sim->has_mirrors    ? DEV_DEPOSIT_COUNT
+                      : scene_echoes(sim) ? DEV_DEPOSIT_OBJECT + 1u
+                                          : DEV_DEPOSIT_OBJECT;
+    if ((status = allocate_host(sim)) != ASDIC_OK) {
+        goto fail;
+    }
     if ((status = create_kernels(sim)) != ASDIC_OK || (status = create_buffers(sim)) != ASDIC_OK) {
         goto fail;
     }
@@ -308,6 +331,7 @@ void asdic_simulator_destroy(asdic_simulator **pointer) {
         return;
     }
     asdic_simulator *sim = *pointer;
+    asdic_device_finish(sim->device); /* it may still read what a failed ping sent */
     asdic_buffer **buffers[] = {
         &sim->ping_buffer, &sim->table_buffer,   &sim->rays,           &sim->solid_angles,
         &sim->splats,      &sim->hits,           &sim->bounced,        &sim->bounced_hits,

@@ -12,7 +12,7 @@
 #include "scene/tracer.h"
 #include "water_column.h"
 
-/* Rays of a pilot ping; the number of rays of the other pings does not matter. */
+/* Most rays of a pilot ping. */
 #define ASDIC_PILOT_RAYS 4096u
 
 /* The bottom zone of the adaptive sampler assumes a little less altitude than measured: too low
@@ -48,6 +48,7 @@ struct asdic_simulator {
     asdic_sampling sampling;
     asdic_layout layout;
     size_t bins, cells;
+    size_t components; /* deposited, see ping_types.h */
     unsigned groups;
     size_t per_group; /* slots of a group in one batch */
 
@@ -133,7 +134,7 @@ asdic_status asdic_simulator_simulate(asdic_simulator *sim, const asdic_pose *po
 /* The source's intensity at 1 m, linear, less the metre of absorption that the paper prints more. */
 double asdic_simulator_source_lin(const asdic_simulator *sim, const asdic_water_column *water);
 
-/* Relative standard error of the last ping's total in CELL (bin * beams + beam) as its groups
+/* Relative standard error of the last ping's total in CELL (beam * bins + bin) as its groups
  * suggest it, before calibration. */
 double asdic_simulator_spread(const asdic_simulator *sim, size_t cell);
 
