@@ -18,7 +18,8 @@ static asdic_status move_object(asdic_simulator *sim, size_t movable, const asdi
     asdic_placement_move(sim->placement, movable, pose);
     dev_part moved = asdic_simulator_part(&sim->placement->parts[part]);
     asdic_status status = asdic_buffer_write(sim->parts, part * sizeof moved, sizeof moved, &moved);
-    return status ? status : asdic_tracer_move(sim->tracer, sim->placement, movable);
+    return status || !sim->tracer ? status /* objects that a plan left out are not traced */
+                                  : asdic_tracer_move(sim->tracer, sim->placement, movable);
 }
 
 /* Whether the scene has a part of that name that stays. */

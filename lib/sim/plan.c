@@ -5,6 +5,7 @@
 #include "base/vec.h"
 #include "materials.h"
 #include "noise_level.h"
+#include "scene/moving.h"
 #include "scene/scene.h"
 #include "water_column.h"
 
@@ -165,6 +166,16 @@ static bool part_in_reach(const asdic_part *part, const asdic_pose *poses, size_
     return false;
 }
 
+/* Where an object moves to is not known here. */
+static bool moves(const asdic_scene *scene, size_t part) {
+    for (size_t i = 0; i < scene->movable_count; i++) {
+        if (scene->movables[i].part == part) {
+            return true;
+        }
+    }
+    return false;
+}
+
 /* Objects, and whether one within reach passes mirror rays on. */
 static void plan_objects(asdic_plan *plan, const asdic_scene *scene, const asdic_sonar *sonar,
                          const asdic_sampling *sampling, double sound_speed_mps,
@@ -176,7 +187,7 @@ static void plan_objects(asdic_plan *plan, const asdic_scene *scene, const asdic
             continue;
         }
         objects++;
-        if (!part_in_reach(part, poses, count, range_m)) {
+        if (!moves(scene, i) && !part_in_reach(part, poses, count, range_m)) {
             continue;
         }
         reached++;
