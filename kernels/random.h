@@ -14,6 +14,7 @@
 #define RANDOM_SAMPLE 0u
 #define RANDOM_SHIFT 1u
 #define RANDOM_SPECKLE 2u
+#define RANDOM_TRIAL 3u
 
 typedef struct random4 {
     natural v[4];

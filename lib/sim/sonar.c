@@ -101,3 +101,8 @@ size_t asdic_sonar_bin_count(const asdic_sonar *sonar, double sound_speed_mps) {
     double whole = floor(bins * (1.0 + 1e-9));
     return whole >= 1.0 ? (size_t)whole : 1;
 }
+
+unsigned asdic_sonar_looks(const asdic_sonar *sonar, double sound_speed_mps) {
+    double cells = sonar->bin_length_m * 2.0 * sonar->bandwidth_hz / sound_speed_mps;
+    return (unsigned)fmin(fmax(round(cells), 1.0), 1000.0);
+}

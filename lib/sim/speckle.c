@@ -1,70 +1,32 @@
 #include "speckle.h"
 
+#include "variates.h"
+
 #include "../../kernels/random.h"
 
-/* A stream of numbers belonging to one bin of one ping. */
-typedef struct stream {
-    uint32_t seed[2], ping[2], cell, next;
-} stream;
+#include <math.h>
 
-/* Uniform in (0, 1), 64 bits, so that rare events have their true probability. */
-static double draw(stream *s) {
-    random4 r = random_draw(s->cell, s->ping[0], s->ping[1], RANDOM_SPECKLE + (s->next++ << 4),
-                            s->seed[0], s->seed[1]);
-    return ((double)r.v[0] + ((double)r.v[1] + 0.5) * 0x1p-32) * 0x1p-32;
-}
-
-static double exponential(stream *s) {
-    return -log(draw(s));
-}
-
-static double normal(stream *s) {
-    double radius = sqrt(2.0 * exponential(s));
-    return radius * cos(2.0 * 3.14159265358979323846 * draw(s));
-}
-
-/* Gamma of SHAPE and mean SHAPE: Marsaglia & Tsang, ACM TOMS 26, 363 (2000). */
-static double gamma_variate(stream *s, double shape) {
-    if (shape < 1.0) {
-        double boost = pow(draw(s), 1.0 / shape);
-        return gamma_variate(s, shape + 1.0) * boost;
-    }
-    double d = shape - 1.0 / 3.0, c = 1.0 / sqrt(9.0 * d);
-    for (;;) {
-        double x = normal(s), v = 1.0 + c * x;
-        if (v <= 0.0) {
-            continue;
-        }
-        v = v * v * v;
-        if (log(draw(s)) < 0.5 * x * x + d - d * v + d * log(v)) {
-            return d * v;
-        }
-    }
-}
-
-double asdic_speckle_factor(asdic_speckle kind, double shape, double cells, uint64_t seed,
-                            uint64_t index, uint32_t cell) {
-    stream s = {{(uint32_t)seed, (uint32_t)(seed >> 32)},
-                {(uint32_t)index, (uint32_t)(index >> 32)},
-                cell,
-                0};
-    double sum = 0.0;
-    for (double left = cells; left > 1e-9; left -= 1.0) {
-        double texture = kind == ASDIC_SPECKLE_K ? gamma_variate(&s, shape) / shape : 1.0;
-        sum += fmin(left, 1.0) * texture * exponential(&s);
-    }
-    return sum / cells;
+double asdic_speckle_draw(const asdic_background *law, double fixed_lin, uint64_t seed,
+                          uint64_t index, uint32_t cell) {
+    asdic_variates v = asdic_variates_begin(RANDOM_SPECKLE, seed, index, cell);
+    double speckle = asdic_variates_gamma(&v, (double)law->looks) / (double)law->looks;
+    double texture = isfinite(law->shape) ? asdic_variates_gamma(&v, law->shape) / law->shape : 1.0;
+    return (law->mean_lin * texture + fixed_lin) * speckle;
 }
 
 void asdic_speckle_apply(const asdic_sonar *sonar, double sound_speed_mps, uint64_t seed,
                          uint64_t index, asdic_ping *ping) {
+    double *const *part = ping->intensity_lin;
     if (sonar->speckle == ASDIC_SPECKLE_NONE) {
         return;
     }
-    double cells = fmax(1.0, sonar->bin_length_m * 2.0 * sonar->bandwidth_hz / sound_speed_mps);
+    asdic_background law = {.looks = asdic_sonar_looks(sonar, sound_speed_mps),
+                            .shape = sonar->speckle == ASDIC_SPECKLE_K ? sonar->speckle_shape
+                                                                       : (double)INFINITY};
     for (size_t i = 0; i < ping->beams * ping->bins; i++) {
-        ping->intensity_lin[ASDIC_TOTAL][i] *= asdic_speckle_factor(
-            sonar->speckle, sonar->speckle_shape, cells, seed, index, (uint32_t)i);
+        law.mean_lin = part[ASDIC_BOTTOM][i] + part[ASDIC_SURFACE][i] + part[ASDIC_VOLUME][i];
+        double fixed_lin = part[ASDIC_OBJECT][i] + part[ASDIC_MULTIPATH][i] + part[ASDIC_NOISE][i];
+        part[ASDIC_TOTAL][i] = asdic_speckle_draw(&law, fixed_lin, seed, index, (uint32_t)i);
     }
 }
 

@@ -4,7 +4,7 @@
 #ifndef ASDIC_SIM_SPECKLE_H
 #define ASDIC_SIM_SPECKLE_H
 
-#include <asdic/ping.h>
+#include <asdic/detect.h>
 
 /* Spreads every component's energy over a resolution cell c / (2 B), centred, when that is longer
  * than a bin; nothing to do otherwise: a bin then holds whole cells, and what leaks over its edges
@@ -13,14 +13,17 @@
 void asdic_pulse_smear(const asdic_sonar *sonar, double sound_speed_mps, double *scratch,
                        asdic_ping *ping);
 
-/* Multiplies the total of every bin by a random factor of mean 1: the sum over the bin's resolution
- * cells of exponential intensities (Rayleigh amplitudes), with a gamma-distributed mean of shape nu
- * for K. Components stay expected values. The numbers depend on (seed, ping index, beam, bin). */
+/* Replaces the total of every bin by one realisation: the mean of as many exponential intensities
+ * (Rayleigh amplitudes) as the bin has looks. For K a gamma-distributed texture of shape nu, common
+ * to the looks, modulates what bottom, surface and water scatter; objects and noise have none (Ward,
+ * Tough & Watts, Sea Clutter, 2006). Components stay expected values. The numbers depend on (seed,
+ * ping index, beam, bin). */
 void asdic_speckle_apply(const asdic_sonar *sonar, double sound_speed_mps, uint64_t seed,
                          uint64_t index, asdic_ping *ping);
 
-/* The factor itself, for statistics: CELLS >= 1 resolution cells in the bin. */
-double asdic_speckle_factor(asdic_speckle kind, double shape, double cells, uint64_t seed,
-                            uint64_t index, uint32_t cell);
+/* One bin of LAW, whose mean_lin has texture, and FIXED_LIN, which has none; noise_share is not
+ * read. */
+double asdic_speckle_draw(const asdic_background *law, double fixed_lin, uint64_t seed,
+                          uint64_t index, uint32_t cell);
 
 #endif

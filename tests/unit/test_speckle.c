@@ -34,12 +34,13 @@ static void uniforms_stay_inside(void **state) {
     assert_true((float)random_uniform(0xffffffffu) < 1.0f);
 }
 
-/* Mean, contrast and third moment of COUNT factors. */
-static void moments(asdic_speckle kind, double shape, double cells, double out[3]) {
+/* Mean, contrast and third moment of COUNT intensities, FIXED of whose mean of 1 has no texture. */
+static void moments(double shape, unsigned looks, double fixed, double out[3]) {
     enum { COUNT = 200000 };
+    asdic_background law = {.mean_lin = 1.0 - fixed, .looks = looks, .shape = shape};
     double m1 = 0.0, m2 = 0.0, m3 = 0.0;
     for (uint32_t i = 0; i < COUNT; i++) {
-        double x = asdic_speckle_factor(kind, shape, cells, 42, i / 1000, i % 1000);
+        double x = asdic_speckle_draw(&law, fixed, 42, i / 1000, i % 1000);
         m1 += x / COUNT;
         m2 += x * x / COUNT;
         m3 += x * x * x / COUNT;
@@ -52,37 +53,52 @@ static void moments(asdic_speckle kind, double shape, double cells, double out[3
 static void rayleigh_has_contrast_one(void **state) {
     (void)state;
     double m[3];
-    moments(ASDIC_SPECKLE_RAYLEIGH, INFINITY, 1.0, m);
+    moments(INFINITY, 1, 0.5, m);
     print_message("mean %.4f contrast %.4f third moment %.3f\n", m[0], m[1], m[2]);
     assert_close(m[0], 1.0, 0.01);
     assert_close(m[1], 1.0, 0.02);
     assert_close(m[2], 6.0, 0.3);
 }
 
-/* Exponential cells add up to Gamma(m): contrast 1 / sqrt(m); a part of a cell counts as such. */
-static void cells_average(void **state) {
+/* Exponential looks add up to Gamma(m): contrast 1 / sqrt(m). */
+static void looks_average(void **state) {
     (void)state;
     double m[3];
-    moments(ASDIC_SPECKLE_RAYLEIGH, INFINITY, 6.0, m);
+    moments(INFINITY, 6, 0.0, m);
     assert_close(m[0], 1.0, 0.01);
     assert_close(m[1], 1.0 / sqrt(6.0), 0.01);
-    moments(ASDIC_SPECKLE_RAYLEIGH, INFINITY, 2.5, m);
+    moments(INFINITY, 40, 0.0, m); /* by rejection instead of products */
     assert_close(m[0], 1.0, 0.01);
-    assert_close(m[1], sqrt(2.25) / 2.5, 0.01);
+    assert_close(m[1], 1.0 / sqrt(40.0), 0.003);
 }
 
-/* K: second moment 2 (1 + 1 / nu), hence the shape from the contrast. */
+/* K: second moment (1 + 1 / looks) (1 + 1 / nu), hence the shape from the contrast; what is fixed
+ * has no texture. */
 static void k_shape_is_recovered(void **state) {
     (void)state;
     static const double shapes[] = {0.5, 1.0, 3.0, 10.0};
-    for (int k = 0; k < 4; k++) {
-        double m[3];
-        moments(ASDIC_SPECKLE_K, shapes[k], 1.0, m);
-        double shape = 2.0 / (m[1] * m[1] - 1.0);
-        print_message("shape %.2f recovered as %.3f\n", shapes[k], shape);
+    for (int k = 0; k < 8; k++) {
+        double m[3], looks = k < 4 ? 1.0 : 3.0;
+        moments(shapes[k % 4], (unsigned)looks, 0.0, m);
+        double shape = 1.0 / ((m[1] * m[1] + 1.0) / (1.0 + 1.0 / looks) - 1.0);
+        print_message("shape %.2f recovered as %.3f\n", shapes[k % 4], shape);
         assert_close(m[0], 1.0, 0.02);
-        assert_close_relative(shape, shapes[k], 0.10);
+        assert_close_relative(shape, shapes[k % 4], 0.10);
     }
+    double m[3];
+    moments(0.5, 1, 1.0, m);
+    assert_close(m[1], 1.0, 0.02);
+}
+
+/* A bin holds whole looks. */
+static void looks_are_cells(void **state) {
+    (void)state;
+    asdic_sonar sonar = asdic_sonar_default(); /* 0.5 m, 10 kHz */
+    assert_int_equal(asdic_sonar_looks(&sonar, 1500.0), 7);
+    sonar.bin_length_m = 0.01;
+    assert_int_equal(asdic_sonar_looks(&sonar, 1500.0), 1);
+    sonar.bin_length_m = 1000.0;
+    assert_int_equal(asdic_sonar_looks(&sonar, 1500.0), 1000);
 }
 
 static void pulse_keeps_energy_and_widens(void **state) {
@@ -118,8 +134,9 @@ int main(void) {
         cmocka_unit_test(philox_gives_the_published_answers),
         cmocka_unit_test(uniforms_stay_inside),
         cmocka_unit_test(rayleigh_has_contrast_one),
-        cmocka_unit_test(cells_average),
+        cmocka_unit_test(looks_average),
         cmocka_unit_test(k_shape_is_recovered),
+        cmocka_unit_test(looks_are_cells),
         cmocka_unit_test(pulse_keeps_energy_and_widens),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

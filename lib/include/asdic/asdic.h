@@ -17,6 +17,7 @@
 
 #include <asdic/common.h>
 #include <asdic/context.h>
+#include <asdic/detect.h>
 #include <asdic/device.h>
 #include <asdic/environment.h>
 #include <asdic/expected.h>

@@ -4,6 +4,7 @@
 #ifndef ASDIC_MISSION_H
 #define ASDIC_MISSION_H
 
+#include <asdic/detect.h>
 #include <asdic/expected.h>
 #include <asdic/plan.h>
 
@@ -26,13 +27,6 @@ ASDIC_API const asdic_sonar *asdic_mission_sonar(const asdic_mission *mission);
 ASDIC_API const asdic_scene *asdic_mission_scene(const asdic_mission *mission);
 ASDIC_API asdic_sampling *asdic_mission_sampling(asdic_mission *mission); /* may be changed */
 ASDIC_API size_t asdic_mission_ping_count(const asdic_mission *mission);
-
-/* How the target's echo fluctuates: not at all, or as Swerling's cases 1 and 3. */
-typedef enum asdic_target {
-    ASDIC_TARGET_SWERLING0,
-    ASDIC_TARGET_SWERLING1,
-    ASDIC_TARGET_SWERLING3,
-} asdic_target;
 
 typedef struct asdic_detector {
     asdic_target target;

@@ -46,6 +46,10 @@ ASDIC_API asdic_status asdic_sonar_check(asdic_context *ctx, const asdic_sonar *
 ASDIC_API double asdic_sonar_max_range_m(const asdic_sonar *sonar, double sound_speed_mps);
 ASDIC_API size_t asdic_sonar_bin_count(const asdic_sonar *sonar, double sound_speed_mps);
 
+/* Independent looks in a bin: its length in resolution cells c / (2 bandwidth), rounded, at least 1
+ * and at most 1000. */
+ASDIC_API unsigned asdic_sonar_looks(const asdic_sonar *sonar, double sound_speed_mps);
+
 #ifdef __cplusplus
 }
 #endif

@@ -1,0 +1,66 @@
+#include "law.h"
+
+#include "base/context.h"
+
+#include "../../kernels/detection.h"
+
+#include <math.h>
+
+#define MOST_LOOKS 1000u
+#define LEAST_SHAPE 0.05
+
+bool asdic_background_is_good(const asdic_background *b) {
+    return b->mean_lin > 0.0 && isfinite(b->mean_lin) && b->looks >= 1 && b->looks <= MOST_LOOKS &&
+           b->shape >= LEAST_SHAPE && b->noise_share >= 0.0 && b->noise_share <= 1.0;
+}
+
+asdic_status asdic_background_check(asdic_context *ctx, const asdic_background *b) {
+    if (asdic_background_is_good(b)) {
+        return ASDIC_OK;
+    }
+    return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
+                      "a background of mean %g (must be above 0), %u looks (1..%u), shape %g (from "
+                      "%g), noise share %g (0..1)",
+                      b->mean_lin, b->looks, MOST_LOOKS, b->shape, LEAST_SHAPE, b->noise_share);
+}
+
+asdic_background asdic_background_of(const asdic_sonar *sonar, double sound_speed_mps,
+                                     double mean_lin, double noise_lin) {
+    return (asdic_background){
+        .mean_lin = mean_lin,
+        .looks = asdic_sonar_looks(sonar, sound_speed_mps),
+        .shape = sonar->speckle == ASDIC_SPECKLE_K ? sonar->speckle_shape : (double)INFINITY,
+        .noise_share = mean_lin > 0.0 ? fmin(fmax(noise_lin / mean_lin, 0.0), 1.0) : 0.0};
+}
+
+int asdic_target_code(asdic_target target) {
+    return target == ASDIC_TARGET_SWERLING0   ? TARGET_STEADY
+           : target == ASDIC_TARGET_SWERLING1 ? TARGET_SWERLING1
+                                              : TARGET_SWERLING3;
+}
+
+static double exceed(const asdic_background *b, asdic_target target, double snr, double threshold) {
+    int code = asdic_target_code(target);
+    double looks = (double)b->looks;
+    if (!(threshold > 0.0)) {
+        return 1.0;
+    }
+    return b->shape <= ASDIC_SHAPE_MAX
+               ? detection_k(threshold, snr, looks, code, b->shape, b->noise_share)
+               : detection_exponential(threshold, snr, looks, code);
+}
+
+double asdic_detect_pfa(const asdic_background *b, double threshold_lin) {
+    if (!asdic_background_is_good(b) || isnan(threshold_lin)) {
+        return NAN;
+    }
+    return exceed(b, ASDIC_TARGET_SWERLING1, 0.0, threshold_lin / b->mean_lin);
+}
+
+double asdic_detect_pd(const asdic_background *b, asdic_target target, double target_lin,
+                       double threshold_lin) {
+    if (!asdic_background_is_good(b) || isnan(threshold_lin) || !(target_lin >= 0.0)) {
+        return NAN;
+    }
+    return exceed(b, target, target_lin / b->mean_lin, threshold_lin / b->mean_lin);
+}

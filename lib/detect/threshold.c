@@ -1,0 +1,78 @@
+#include "law.h"
+
+#include "base/context.h"
+
+#include <math.h>
+
+/* Intensities re the mean between which a threshold is looked for, and how finely the likelihood ratio
+ * of K clutter is looked through for its first crossing. */
+#define LEAST 1e-12
+#define MOST 1e12
+#define STEP 1.25
+
+asdic_status asdic_detect_threshold(asdic_context *ctx, const asdic_background *b, double pfa,
+                                    double *threshold_lin) {
+    asdic_status status = asdic_background_check(ctx, b);
+    if (status != ASDIC_OK) {
+        return status;
+    }
+    if (!(pfa >= 1e-300 && pfa <= 1.0)) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
+                          "a false-alarm probability of %g: must be in [1e-300, 1]", pfa);
+    }
+    asdic_background unit = *b;
+    unit.mean_lin = 1.0;
+    double low = log(LEAST), high = log(MOST);
+    while (high - low > 1e-15 * fmax(fabs(low), 1.0)) {
+        double middle = 0.5 * (low + high);
+        if (middle == low || middle == high) {
+            break;
+        }
+        if (asdic_detect_pfa(&unit, exp(middle)) > pfa) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    *threshold_lin = pfa >= 1.0 ? 0.0 : b->mean_lin * exp(high);
+    return ASDIC_OK;
+}
+
+asdic_status asdic_detect_threshold_llr(asdic_context *ctx, const asdic_background *b,
+                                        asdic_target target, double target_lin, double llr,
+                                        double *threshold_lin) {
+    asdic_status status = asdic_background_check(ctx, b);
+    if (status != ASDIC_OK) {
+        return status;
+    }
+    if (!(target_lin > 0.0) || !isfinite(target_lin) || isnan(llr)) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
+                          "a target of intensity %g, a log-likelihood ratio of %g: no threshold",
+                          target_lin, llr);
+    }
+    /* A target is hardly ever 1000 times stronger than its mean, nor is the clutter. */
+    double most = 1e3 * (b->mean_lin * fmax(1.0, 1.0 / b->shape) + target_lin);
+    double low = 0.0, high = 1e-6 * b->mean_lin;
+    if (asdic_detect_llr(b, target, target_lin, 0.0) >= llr) {
+        *threshold_lin = 0.0;
+        return ASDIC_OK;
+    }
+    while (asdic_detect_llr(b, target, target_lin, high) < llr) {
+        low = high;
+        high *= STEP;
+        if (high > most) {
+            *threshold_lin = INFINITY;
+            return ASDIC_OK;
+        }
+    }
+    for (int i = 0; i < 100 && high - low > 1e-14 * high; i++) {
+        double middle = 0.5 * (low + high);
+        if (asdic_detect_llr(b, target, target_lin, middle) < llr) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    *threshold_lin = high;
+    return ASDIC_OK;
+}

@@ -1,0 +1,132 @@
+/*
+ * Detection by chance: intensities drawn look by look, and probabilities counted.
+ */
+#include "law.h"
+
+#include "sim/variates.h"
+
+#include "../../kernels/random.h"
+
+#include <math.h>
+
+/* 99 % of a normal variate lie within so many standard deviations. */
+#define NORMAL_99 2.5758293035489004
+
+/* Events of K in N trials are rarer than TAIL at P: P(X <= k) or P(X >= k) of a binomial variate, by
+ * the sum from the largest term on, relative to which the rest of the terms is below EPSILON. */
+static double binomial_tail(double k, double n, double p, bool upper) {
+    double step = upper ? 1.0 : -1.0;
+    int sign;
+    double log_term = lgamma_r(n + 1.0, &sign) - lgamma_r(k + 1.0, &sign) -
+                      lgamma_r(n - k + 1.0, &sign) + (k > 0.0 ? k * log(p) : 0.0) +
+                      (n > k ? (n - k) * log1p(-p) : 0.0);
+    double term = 1.0, sum = 0.0;
+    for (double j = k; j >= 0.0 && j <= n && term > 1e-15 * sum; j += step) {
+        sum += term;
+        term *= upper ? (n - j) * p / ((j + 1.0) * (1.0 - p)) : j * (1.0 - p) / ((n - j + 1.0) * p);
+    }
+    return exp(log_term) * sum;
+}
+
+/* The probability at which the tail beyond K is half of one per cent. */
+static double bound(double k, double n, bool upper) {
+    double low = upper ? 0.0 : k / n, high = upper ? k / n : 1.0;
+    for (int i = 0; i < 60; i++) {
+        double middle = 0.5 * (low + high);
+        bool is_rare = binomial_tail(k, n, middle, upper) < 0.005;
+        if (is_rare == upper) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    return 0.5 * (low + high);
+}
+
+asdic_estimate asdic_estimate_of(uint64_t events, uint64_t trials) {
+    double k = (double)events, n = (double)trials;
+    if (trials == 0 || events > trials) {
+        return (asdic_estimate){NAN, 0.0, 1.0};
+    }
+    return (asdic_estimate){.value = k / n,
+                            .low = events == 0 ? 0.0 : bound(k, n, true),
+                            .high = events == trials ? 1.0 : bound(k, n, false)};
+}
+
+/* One intensity re the background's mean. The order of the numbers is fixed: two for the target, two
+ * a look, and the texture's, of which there may be any number, last but drawn from a cell of their
+ * own. */
+static double draw_one(const asdic_background *b, asdic_target target, double snr, uint64_t seed,
+                       uint64_t index) {
+    asdic_variates v = asdic_variates_begin(RANDOM_TRIAL, seed, index, 0);
+    double first = asdic_variates_exponential(&v), second = asdic_variates_exponential(&v);
+    double fluctuation = target == ASDIC_TARGET_SWERLING0   ? 1.0
+                         : target == ASDIC_TARGET_SWERLING1 ? first
+                                                            : 0.5 * (first + second);
+    double mean = 1.0, sum = 0.0;
+    if (b->shape <= ASDIC_SHAPE_MAX) {
+        asdic_variates t = asdic_variates_begin(RANDOM_TRIAL, seed, index, 1);
+        double texture = asdic_variates_gamma(&t, b->shape) / b->shape;
+        mean = (1.0 - b->noise_share) * texture + b->noise_share;
+    }
+    double amplitude = sqrt(snr * fluctuation), scale = sqrt(mean);
+    for (unsigned look = 0; look < b->looks; look++) {
+        double radius2 = asdic_variates_exponential(&v), phase = asdic_variates_uniform(&v);
+        sum += mean * radius2;
+        if (snr > 0.0) { /* |a + n|^2 = |n|^2 + 2 a Re n + a^2 */
+            double in_phase = scale * sqrt(radius2) * cos(2.0 * 3.14159265358979323846 * phase);
+            sum += amplitude * (2.0 * in_phase + amplitude);
+        }
+    }
+    return sum / (double)b->looks;
+}
+
+void asdic_detect_draw(const asdic_background *b, asdic_target target, double target_lin,
+                       uint64_t seed, uint64_t first, size_t count, double *out) {
+    double snr = target_lin / b->mean_lin;
+    for (size_t i = 0; i < count; i++) {
+        out[i] = b->mean_lin * draw_one(b, target, snr, seed, first + i);
+    }
+}
+
+asdic_estimate asdic_detect_simulate(const asdic_background *b, asdic_target target,
+                                     double target_lin, double threshold_lin, uint64_t trials,
+                                     uint64_t seed) {
+    uint64_t events = 0;
+    double snr = target_lin / b->mean_lin, threshold = threshold_lin / b->mean_lin;
+    for (uint64_t i = 0; i < trials; i++) {
+        events += draw_one(b, target, snr, seed, i) > threshold;
+    }
+    return asdic_estimate_of(events, trials);
+}
+
+/* Speckle from a gamma law wider by THETA and texture from one wider by BETA: the product of means
+ * is the threshold, shared as the largest part of the tail shares it (detection_k). The weight is the
+ * ratio of the true densities to these. */
+asdic_estimate asdic_detect_simulate_rare(const asdic_background *b, double threshold_lin,
+                                          uint64_t trials, uint64_t seed) {
+    double m = (double)b->looks, threshold = threshold_lin / b->mean_lin;
+    bool is_k = b->shape <= ASDIC_SHAPE_MAX && b->noise_share < 1.0;
+    double share = is_k ? b->noise_share : 1.0;
+    double beta = is_k ? fmax(sqrt(m * threshold / b->shape), 1.0) : 1.0;
+    double theta = fmax(threshold / ((1.0 - share) * beta + share), 1.0);
+    double sum = 0.0, squares = 0.0, n = (double)trials;
+    for (uint64_t i = 0; i < trials; i++) {
+        asdic_variates v = asdic_variates_begin(RANDOM_TRIAL, seed, i, 2);
+        double g = theta * asdic_variates_gamma(&v, m);
+        double log_weight = m * log(theta) - g * (1.0 - 1.0 / theta), mean = 1.0;
+        if (is_k) {
+            double t = beta * asdic_variates_gamma(&v, b->shape);
+            log_weight += b->shape * log(beta) - t * (1.0 - 1.0 / beta);
+            mean = (1.0 - share) * t / b->shape + share;
+        }
+        if (mean * g / m > threshold) {
+            double weight = exp(log_weight);
+            sum += weight;
+            squares += weight * weight;
+        }
+    }
+    double value = sum / n;
+    double error = sqrt(fmax(squares / n - value * value, 0.0) / n);
+    return (asdic_estimate){value, fmax(value - NORMAL_99 * error, 0.0), value + NORMAL_99 * error};
+}

@@ -1,0 +1,148 @@
+/* Thresholds that follow the background: closed forms against draws. */
+#include "asserts.h"
+
+#include <asdic/detect.h>
+
+#include <stdlib.h>
+
+static asdic_context *ctx;
+
+static int begin(void **state) {
+    (void)state;
+    return asdic_context_create(&ctx);
+}
+
+static int end(void **state) {
+    (void)state;
+    asdic_context_destroy(&ctx);
+    return 0;
+}
+
+static int ascending(const void *a, const void *b) {
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+typedef struct scheme {
+    asdic_cfar_kind kind;
+    unsigned count, rank, looks;
+} scheme;
+
+/* Of TRIALS windows drawn, those whose cell exceeds FACTOR times the window's estimate. */
+static asdic_estimate count_alarms(const scheme *s, double factor, asdic_target target, double snr,
+                                   uint64_t trials) {
+    asdic_background b = {1.0, s->looks, INFINITY, 0.0};
+    double window[64], cell;
+    uint64_t events = 0;
+    for (uint64_t i = 0; i < trials; i++) {
+        asdic_detect_draw(&b, target, 0.0, 11, i * s->count, s->count, window);
+        asdic_detect_draw(&b, target, snr, 12, i, 1, &cell);
+        double estimate = 0.0;
+        for (unsigned k = 0; k < s->count; k++) {
+            estimate += window[k] / s->count;
+        }
+        if (s->kind == ASDIC_CFAR_OS) {
+            qsort(window, s->count, sizeof *window, ascending);
+            estimate = window[s->rank - 1];
+        }
+        events += cell > factor * estimate;
+    }
+    return asdic_estimate_of(events, trials);
+}
+
+static void assert_inside(const char *what, double expected, asdic_estimate e) {
+    if (!(expected >= e.low && expected <= e.high)) {
+        fail_msg("%s: %.6g measured %.6g [%.6g, %.6g]", what, expected, e.value, e.low, e.high);
+    }
+}
+
+static void rates_are_as_designed(void **state) {
+    (void)state;
+    static const scheme schemes[] = {
+        {ASDIC_CFAR_CA, 16, 0, 1}, {ASDIC_CFAR_OS, 16, 12, 1}, {ASDIC_CFAR_CA, 8, 0, 3}};
+    for (size_t i = 0; i < sizeof schemes / sizeof *schemes; i++) {
+        const scheme *s = &schemes[i];
+        double factor;
+        assert_ok(ctx, asdic_cfar_factor(ctx, s->kind, s->count, s->rank, s->looks, 1e-2, &factor));
+        assert_close_relative(asdic_cfar_pfa(s->kind, s->count, s->rank, s->looks, factor), 1e-2,
+                              1e-9);
+        assert_inside("P_FA", 1e-2, count_alarms(s, factor, ASDIC_TARGET_SWERLING1, 0.0, 1000000));
+    }
+    /* Several looks, ordered: by quadrature. */
+    const scheme s = {ASDIC_CFAR_OS, 8, 6, 3};
+    double factor;
+    assert_ok(ctx, asdic_cfar_factor(ctx, s.kind, s.count, s.rank, s.looks, 1e-2, &factor));
+    assert_inside("P_FA", 1e-2, count_alarms(&s, factor, ASDIC_TARGET_SWERLING1, 0.0, 300000));
+    for (int t = 0; t < 3; t++) {
+        double pd = asdic_cfar_pd(s.kind, s.count, s.rank, s.looks, factor, (asdic_target)t, 4.0);
+        assert_inside("P_D", pd, count_alarms(&s, factor, (asdic_target)t, 4.0, 100000));
+    }
+}
+
+/* The quadrature, where there is a closed form as well. */
+static void quadrature_meets_closed_forms(void **state) {
+    (void)state;
+    const double factor = 20.0, snr = 30.0;
+    for (int kind = 0; kind < 2; kind++) {
+        double closed =
+            asdic_cfar_pd((asdic_cfar_kind)kind, 16, 12, 1, factor, ASDIC_TARGET_SWERLING1, snr);
+        assert_close_relative(
+            closed, asdic_cfar_pfa((asdic_cfar_kind)kind, 16, 12, 1, factor / 31.0), 1e-12);
+        /* without a target P_D is P_FA, by the other way */
+        assert_close_relative(
+            asdic_cfar_pd((asdic_cfar_kind)kind, 16, 12, 1, factor, ASDIC_TARGET_SWERLING3, 0.0),
+            asdic_cfar_pfa((asdic_cfar_kind)kind, 16, 12, 1, factor), 1e-7);
+    }
+    assert_close_relative(asdic_cfar_pfa(ASDIC_CFAR_CA, 16, 0, 1, factor),
+                          pow(1.0 + factor / 16.0, -16.0), 1e-12);
+    assert_close_relative(asdic_cfar_pd(ASDIC_CFAR_CA, 8, 0, 5, 4.0, ASDIC_TARGET_SWERLING0, 0.0),
+                          asdic_cfar_pfa(ASDIC_CFAR_CA, 8, 0, 5, 4.0), 1e-7);
+    /* Many bins know the background: the fixed threshold. */
+    asdic_background b = {1.0, 2, INFINITY, 0.0};
+    assert_close_relative(asdic_cfar_pfa(ASDIC_CFAR_CA, 512, 0, 2, 4.0), asdic_detect_pfa(&b, 4.0),
+                          0.05);
+}
+
+static void a_row(void **state) {
+    (void)state;
+    enum { BINS = 60000 };
+    static double z[BINS], background[BINS], threshold[BINS];
+    asdic_background b = {1e-10, 4, INFINITY, 0.0};
+    for (int kind = 0; kind < 2; kind++) {
+        asdic_cfar cfar = asdic_cfar_default();
+        cfar.kind = (asdic_cfar_kind)kind;
+        asdic_detect_draw(&b, ASDIC_TARGET_SWERLING1, 0.0, 3, 0, BINS, z);
+        z[100] = 0.0;    /* blanked */
+        z[30000] = 1e-6; /* a target, which its neighbours' thresholds see, not its own */
+        assert_ok(ctx, asdic_cfar_row(ctx, &cfar, 4, 1e-2, z, BINS, background, threshold));
+        uint64_t events = 0, count = 0;
+        double sum = 0.0;
+        for (int i = 0; i < BINS; i++) {
+            if (i == 100 || abs(i - 30000) <= 10) {
+                continue;
+            }
+            events += z[i] > threshold[i];
+            sum += background[i];
+            count++;
+        }
+        assert_true(isnan(threshold[100]));
+        assert_true(z[30000] > threshold[30000]);
+        assert_close_relative(sum / (double)count, 1e-10, 0.02);
+        assert_inside("P_FA of a row", 1e-2, asdic_estimate_of(events, count));
+    }
+    asdic_cfar wrong = {ASDIC_CFAR_CA, 0, 1, 1.0};
+    assert_status(ctx, asdic_cfar_row(ctx, &wrong, 1, 0.1, z, 10, background, threshold),
+                  ASDIC_ERROR_ARGUMENT);
+    double factor;
+    assert_status(ctx, asdic_cfar_factor(ctx, ASDIC_CFAR_OS, 4, 5, 1, 0.1, &factor),
+                  ASDIC_ERROR_ARGUMENT);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(rates_are_as_designed),
+        cmocka_unit_test(quadrature_meets_closed_forms),
+        cmocka_unit_test(a_row),
+    };
+    return cmocka_run_group_tests(tests, begin, end);
+}
