@@ -30,6 +30,7 @@ extern "C" void asdic_polygons_finish(asdic_polygons *polygons) {
 #include <istream>
 #include <mutex>
 #include <new>
+#include <stdexcept>
 #include <streambuf>
 #include <string>
 #include <vector>
@@ -38,14 +39,22 @@ namespace {
 
 using namespace OpenMesh;
 
-/* Attributes that a sonar does not hear are accepted and forgotten. */
+/* Attributes that a sonar does not hear are accepted and forgotten. More than the scan found is
+ * refused at once: a reader that lost its place may go on for as long as an int can count. */
 class PolygonImporter : public IO::BaseImporter {
   public:
+    explicit PolygonImporter(const asdic_mesh_scan *scan)
+        : most_vertices(scan->vertices_m ? scan->vertices : 3 * scan->facets),
+          most_facets(scan->facets), most_corners(scan->size) {
+    }
     std::vector<float> vertices;
     std::vector<uint32_t> corners;
     std::vector<uint32_t> first{0};
 
     VertexHandle add_vertex(const Vec3f &point) override {
+        if (n_vertices() == most_vertices) {
+            throw std::length_error("it finds more vertices than there are");
+        }
         vertices.insert(vertices.end(), {point[0], point[1], point[2]});
         return VertexHandle(static_cast<int>(n_vertices()) - 1);
     }
@@ -58,6 +67,9 @@ class PolygonImporter : public IO::BaseImporter {
         }
     }
     FaceHandle add_face(const VHandles &handles) override {
+        if (n_faces() == most_facets || corners.size() + handles.size() > most_corners) {
+            throw std::length_error("it finds more facets or corners than there are");
+        }
         for (VertexHandle handle : handles) {
             corners.push_back(static_cast<uint32_t>(handle.idx()));
         }
@@ -144,6 +156,9 @@ class PolygonImporter : public IO::BaseImporter {
     }
     void add_texture_information(int, std::string) override {
     }
+
+  private:
+    size_t most_vertices, most_facets, most_corners;
 };
 
 /* The scanned bytes as a stream, so that both look at the same file. */
@@ -244,7 +259,7 @@ bool read_polygons(const asdic_mesh_scan *scan, PolygonImporter &importer) {
 extern "C" asdic_status asdic_openmesh_read(const asdic_mesh_scan *scan, asdic_polygons *out) {
     *out = asdic_polygons{};
     try {
-        PolygonImporter importer;
+        PolygonImporter importer(scan);
         if (!read_polygons(scan, importer)) {
             return asdic_fail(scan->ctx, ASDIC_ERROR_INPUT, "%s: OpenMesh cannot read this file",
                               scan->path);

@@ -1,25 +1,50 @@
 /*
- * Object File Format: a keyword, three counts, a line per vertex, a line per facet.
+ * Object File Format: a keyword, three counts, a line per vertex, a line per facet. What a sonar
+ * does not hear (comments, colours, normals) is cut out of the text while it is scanned: OpenMesh 9
+ * loses its place at some of it, and may then read on for minutes.
  */
 #include "mesh_scan.h"
 
 #include "../base/context.h"
 
+#include <float.h>
+#include <math.h>
 #include <string.h>
 
-/* The next line with something on it beside a comment. */
+/* Whether something but a comment is left of the line; then it begins there. */
+static bool has_content(asdic_line *line) {
+    asdic_line_skip_blanks(line);
+    return line->at < line->end && *line->at != '#';
+}
+
 static bool next_content(const asdic_mesh_scan *scan, asdic_line *line) {
     while (asdic_line_next(scan, line)) {
-        const char *comment = memchr(line->at, '#', (size_t)(line->end - line->at));
-        asdic_line content = *line;
-        content.end = comment ? comment : line->end;
-        asdic_line_skip_blanks(&content);
-        if (content.at < content.end) {
-            line->at = content.at;
+        if (has_content(line)) {
             return true;
         }
     }
     return false;
+}
+
+/* The text that is kept, in place: it never overtakes what was read. */
+typedef struct off_text {
+    asdic_mesh_scan *scan;
+    char *to;
+} off_text;
+
+/* Keeps a line's text from FROM to where it was read to. */
+static void keep(off_text *text, const char *from, const char *to) {
+    size_t length = (size_t)(to - from);
+    memmove(text->to, from, length);
+    text->to += length;
+    if (text->to < text->scan->text + text->scan->size) {
+        *text->to++ = '\n';
+    }
+}
+
+/* A coordinate; OpenMesh reads single precision. */
+static bool take_coordinate(const asdic_mesh_scan *scan, asdic_line *line, double *out) {
+    return asdic_line_take_number(scan, line, out) && fabs(*out) <= FLT_MAX;
 }
 
 /* "OFF" after any of ST, C, N: texture, colour and normal columns follow the coordinates. */
@@ -34,8 +59,9 @@ static bool take_keyword(asdic_line *line) {
     return false;
 }
 
-static asdic_status scan_counts(asdic_mesh_scan *scan, asdic_line *line, long long *vertices,
+static asdic_status scan_counts(off_text *text, asdic_line *line, long long *vertices,
                                 long long *facets) {
+    asdic_mesh_scan *scan = text->scan;
     long long edges;
     if (!next_content(scan, line) || !take_keyword(line)) {
         return asdic_mesh_scan_fail(scan, line->number,
@@ -45,9 +71,11 @@ static asdic_status scan_counts(asdic_mesh_scan *scan, asdic_line *line, long lo
     if (asdic_line_take_word(line, "BINARY")) {
         return asdic_mesh_scan_fail(scan, line->number, "binary OFF is not read; save it as text");
     }
-    if (line->at == line->end && !next_content(scan, line)) {
+    keep(text, "OFF", &"OFF"[3]);
+    if (!has_content(line) && !next_content(scan, line)) {
         return asdic_mesh_scan_fail(scan, line->number, "ends before its counts");
     }
+    const char *from = line->at;
     if (!asdic_line_take_integer(line, vertices) || !asdic_line_take_integer(line, facets) ||
         !asdic_line_take_integer(line, &edges)) {
         return asdic_mesh_scan_fail(scan, line->number,
@@ -60,10 +88,12 @@ static asdic_status scan_counts(asdic_mesh_scan *scan, asdic_line *line, long lo
                                     "%lld vertices and %lld facets do not fit %zu bytes", *vertices,
                                     *facets, scan->size);
     }
+    keep(text, from, line->at);
     return ASDIC_OK;
 }
 
-static asdic_status scan_vertices(asdic_mesh_scan *scan, asdic_line *line, long long vertices) {
+static asdic_status scan_vertices(off_text *text, asdic_line *line, long long vertices) {
+    asdic_mesh_scan *scan = text->scan;
     size_t capacity = 0;
     for (long long i = 0; i < vertices; i++) {
         double v[3];
@@ -71,13 +101,15 @@ static asdic_status scan_vertices(asdic_mesh_scan *scan, asdic_line *line, long 
             return asdic_mesh_scan_fail(scan, line->number, "ends after %lld of %lld vertices", i,
                                         vertices);
         }
+        const char *from = line->at;
         for (int k = 0; k < 3; k++) {
-            if (!asdic_line_take_number(scan, line, &v[k])) {
+            if (!take_coordinate(scan, line, &v[k])) {
                 return asdic_mesh_scan_fail(scan, line->number,
                                             "coordinate %d of vertex %lld is not a finite number",
                                             k + 1, i);
             }
         }
+        keep(text, from, line->at);
         asdic_status status = asdic_mesh_scan_add_vertex(scan, v, &capacity);
         if (status != ASDIC_OK) {
             return status;
@@ -86,13 +118,15 @@ static asdic_status scan_vertices(asdic_mesh_scan *scan, asdic_line *line, long 
     return ASDIC_OK;
 }
 
-static asdic_status scan_facets(asdic_mesh_scan *scan, asdic_line *line, long long facets) {
+static asdic_status scan_facets(off_text *text, asdic_line *line, long long facets) {
+    asdic_mesh_scan *scan = text->scan;
     for (long long i = 0; i < facets; i++) {
         long long corners, vertex;
         if (!next_content(scan, line)) {
             return asdic_mesh_scan_fail(scan, line->number, "ends after %lld of %lld facets", i,
                                         facets);
         }
+        const char *from = line->at;
         if (!asdic_line_take_integer(line, &corners) || corners < 3) {
             return asdic_mesh_scan_fail(scan, line->number,
                                         "facet %lld does not start with 3 or more corners", i);
@@ -106,6 +140,7 @@ static asdic_status scan_facets(asdic_mesh_scan *scan, asdic_line *line, long lo
             }
             scan->facet_hash = asdic_mesh_scan_hash(scan->facet_hash, (uint64_t)vertex);
         }
+        keep(text, from, line->at);
         scan->facets++;
     }
     return ASDIC_OK;
@@ -115,7 +150,13 @@ asdic_status asdic_mesh_scan_off(asdic_mesh_scan *scan) {
     asdic_line line = {0};
     long long vertices, facets;
     scan->format = ASDIC_MESH_OFF;
-    asdic_status status = scan_counts(scan, &line, &vertices, &facets);
-    status = status ? status : scan_vertices(scan, &line, vertices);
-    return status ? status : scan_facets(scan, &line, facets);
+    off_text text = {.scan = scan, .to = scan->text};
+    asdic_status status = scan_counts(&text, &line, &vertices, &facets);
+    status = status ? status : scan_vertices(&text, &line, vertices);
+    status = status ? status : scan_facets(&text, &line, facets);
+    if (status == ASDIC_OK) {
+        *text.to = 0;
+        scan->size = (size_t)(text.to - scan->text);
+    }
+    return status;
 }

@@ -6,6 +6,7 @@
 
 #include "../base/context.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -33,6 +34,16 @@ static const struct {
     {"short", PLY_INT16}, {"int16", PLY_INT16},   {"ushort", PLY_UINT16}, {"uint16", PLY_UINT16},
     {"int", PLY_INT32},   {"int32", PLY_INT32},   {"uint", PLY_UINT32},   {"uint32", PLY_UINT32},
     {"float", PLY_FLOAT}, {"float32", PLY_FLOAT}, {"double", PLY_DOUBLE}, {"float64", PLY_DOUBLE},
+};
+
+/* What the integers hold: in text, more makes OpenMesh's stream fail for good. */
+static const double type_limits[][2] = {
+    [PLY_INT8] = {-128.0, 127.0},
+    [PLY_UINT8] = {0.0, 255.0},
+    [PLY_INT16] = {-32768.0, 32767.0},
+    [PLY_UINT16] = {0.0, 65535.0},
+    [PLY_INT32] = {-2147483648.0, 2147483647.0},
+    [PLY_UINT32] = {0.0, 4294967295.0},
 };
 
 static const size_t type_bytes[] = {0, 1, 1, 2, 2, 4, 4, 4, 8};
@@ -69,6 +80,24 @@ static ply_type take_type(asdic_line *line) {
     return PLY_NONE;
 }
 
+/* The name of an element or property. */
+static void skip_word(asdic_line *line) {
+    asdic_line_skip_blanks(line);
+    while (line->at < line->end && *line->at != ' ' && *line->at != '\t' && *line->at != '\r') {
+        line->at++;
+    }
+}
+
+/* OpenMesh reads on in the next line when one is short, and into it when one is long. */
+static asdic_status check_line_end(const ply_file *ply, asdic_line *line) {
+    asdic_line_skip_blanks(line);
+    return line->at == line->end
+               ? ASDIC_OK
+               : asdic_mesh_scan_fail(
+                     ply->scan, line->number, "'%.*s' follows a complete line of the header",
+                     (int)(line->end - line->at < 60 ? line->end - line->at : 60), line->at);
+}
+
 static asdic_status header_property(ply_file *ply, asdic_line *line) {
     ply_element *element = ply->element_count ? &ply->elements[ply->element_count - 1] : NULL;
     if (!element || element->property_count == MAX_PROPERTIES) {
@@ -100,8 +129,15 @@ static asdic_status header_property(ply_file *ply, asdic_line *line) {
     property.corners = element->face && property.count != PLY_NONE &&
                        (asdic_line_take_word(line, "vertex_indices") ||
                         asdic_line_take_word(line, "vertex_index"));
+    if (property.axis < 0 && !property.corners) {
+        asdic_line_skip_blanks(line);
+        if (line->at == line->end) {
+            return asdic_mesh_scan_fail(ply->scan, line->number, "this property has no name");
+        }
+        skip_word(line);
+    }
     element->properties[element->property_count++] = property;
-    return ASDIC_OK;
+    return check_line_end(ply, line);
 }
 
 static asdic_status header_element(ply_file *ply, asdic_line *line) {
@@ -111,15 +147,13 @@ static asdic_status header_element(ply_file *ply, asdic_line *line) {
     ply_element *element = &ply->elements[ply->element_count++];
     element->vertex = asdic_line_take_word(line, "vertex");
     element->face = !element->vertex && asdic_line_take_word(line, "face");
-    if (!element->vertex && !element->face) { /* another name: one word */
-        while (line->at < line->end && *line->at != ' ') {
-            line->at++;
-        }
+    if (!element->vertex && !element->face) { /* another name */
+        skip_word(line);
     }
     if (!asdic_line_take_integer(line, &element->count) || element->count < 0) {
         return asdic_mesh_scan_fail(ply->scan, line->number, "this element has no count");
     }
-    return ASDIC_OK;
+    return check_line_end(ply, line);
 }
 
 static asdic_status header_format(ply_file *ply, asdic_line *line) {
@@ -128,6 +162,24 @@ static asdic_status header_format(ply_file *ply, asdic_line *line) {
     if (!ply->text && !ply->big_endian && !asdic_line_take_word(line, "binary_little_endian")) {
         return asdic_mesh_scan_fail(ply->scan, line->number, "unknown PLY format");
     }
+    if (!asdic_line_take_word(line, "1.0")) {
+        return asdic_mesh_scan_fail(ply->scan, line->number, "the version of PLY is not 1.0");
+    }
+    return check_line_end(ply, line);
+}
+
+/* Some writers forget the word "comment"; OpenMesh reads on forever at such a line. */
+static asdic_status make_comment(const ply_file *ply, const asdic_line *line) {
+    static const char word[] = "comment ";
+    size_t left = (size_t)(line->end - line->at);
+    if (left == 0) {
+        return ASDIC_OK;
+    }
+    if (left < sizeof word - 2) {
+        return asdic_mesh_scan_fail(ply->scan, line->number, "unknown line in the header");
+    }
+    memcpy(ply->scan->text + (line->at - ply->scan->text), word,
+           left < sizeof word - 1 ? left : sizeof word - 1);
     return ASDIC_OK;
 }
 
@@ -154,7 +206,10 @@ static asdic_status scan_header(ply_file *ply) {
             status = header_element(ply, &line);
         } else if (asdic_line_take_word(&line, "property")) {
             status = header_property(ply, &line);
-        } /* all else is a comment, whether it says so or not */
+        } else if (!asdic_line_take_word(&line, "comment") &&
+                   !asdic_line_take_word(&line, "obj_info")) {
+            status = make_comment(ply, &line);
+        }
         if (status != ASDIC_OK) {
             return status;
         }
@@ -248,7 +303,17 @@ static bool take_value(ply_file *ply, ply_type type, double *out) {
         }
         asdic_line_skip_blanks(&ply->line);
     }
-    return asdic_line_take_number(ply->scan, &ply->line, out);
+    if (type < PLY_FLOAT) {
+        long long value;
+        if (!asdic_line_take_integer(&ply->line, &value)) {
+            return false;
+        }
+        *out = (double)value;
+        return *out >= type_limits[type][0] && *out <= type_limits[type][1] &&
+               strchr(" \t\r\n", *ply->line.at); /* the end of the text as well */
+    }
+    return asdic_line_take_number(ply->scan, &ply->line, out) &&
+           (type == PLY_DOUBLE || fabs(*out) <= FLT_MAX);
 }
 
 /* The values of one property; V receives a coordinate. Returns false at the first bad value. */

@@ -200,6 +200,8 @@ static void off_variants(void **state) {
     mesh_rig_refuse(&rig, "binary OFF");
     mesh_rig_write(&rig, "m.off", "hello\n");
     mesh_rig_refuse(&rig, "does not start with OFF");
+    mesh_rig_write(&rig, "m.off", "OFF\n3 1 0\n0 0 0\n1 1e39 0\n0 1 0\n3 0 1 2\n");
+    mesh_rig_refuse(&rig, ":4: coordinate 2 of vertex 1");
     /* Comments, one line, colours: right or refused, never silently short. */
     static const char *const doubtful[] = {
         "OFF # keyword\n# counts\n3 1 0\n0 0 0\n# between\n1 0 0 # here\n0 1 0\n3 0 1 2\n",
@@ -272,6 +274,14 @@ static void ply_bodies(void **state) {
          "vertices need x, y, z"},
         {"ply\nformat ascii 1.0\nelement vertex 3\n", "no format or no end"},
         {"solid\n", "does not start with 'ply'"},
+        {"ply\nformat ascii 1.1\n", ":2: the version"}, /* OpenMesh reads on forever */
+        {"ply\nformat ascii 1.0\ncom\n", ":3: unknown line"},
+        {"ply\nformat ascii 1.0\nelement vertex 3 4\n", ":3: '4' follows"},
+        {"ply\nformat ascii 1.0\nelement vertex 3\nproperty float\n", ":4: this property has no"},
+        {PLY_HEAD("3", "1") "0 0 0\n1 0x1 0\n0 1 0\n3 0 1 2\n", ":11: vertex 1"},
+        {PLY_HEAD("3", "1") "0 0 0\n1 1e39 0\n0 1 0\n3 0 1 2\n", ":11: vertex 1"},
+        {PLY_HEAD("3", "1") "0 0 0\n1 0 0\n0 1 0\n3.5 0 1 2 1\n", ":13: face 0"},
+        {PLY_HEAD("3", "1") "0 0 0\n1 0 0\n0 1 0\n300 0 1 2\n", ":13: face 0"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         mesh_rig_write(&rig, "m.ply", cases[i].text);
