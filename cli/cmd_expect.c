@@ -72,7 +72,9 @@ static asdic_status draw(cli *c, const char *path, const asdic_sonar *sonar,
                            .volume_db = first + 3 * ping->bins,
                            .noise_db = sonar->noise_enabled ? first + 4 * ping->bins : NULL};
         for (size_t n = 0; n < ping->bins; n++) {
-            top = fmax(top, first[n]);
+            if (first[n] > top) {
+                top = first[n];
+            }
         }
     }
     look.db_high = isfinite(top) ? 10.0 * ceil(0.1 * top) : 0.0;
