@@ -3,20 +3,19 @@
 #include <math.h>
 #include <string.h>
 
-/* "waterfall", "ascope" and "fan" in a list with commas, as bits. */
+/* Names of pictures in a list with commas, as bits. */
 static bool read_images(cli *c, unsigned *images) {
-    static const char *const names[] = {[ASDIC_IMAGE_WATERFALL] = "waterfall",
-                                        [ASDIC_IMAGE_ASCOPE] = "ascope",
-                                        [ASDIC_IMAGE_FAN] = "fan"};
-    const char *text = cli_text(c, "images");
+    const char *text = cli_text(c, "images"), *name;
     while (text && *text) {
-        size_t length = strcspn(text, ","), i = 0;
-        while (i < 3 && (strlen(names[i]) != length || strncmp(text, names[i], length) != 0)) {
+        size_t length = strcspn(text, ",");
+        int i = 0;
+        while ((name = asdic_image_name((asdic_image)i)) &&
+               (strlen(name) != length || strncmp(name, text, length) != 0)) {
             i++;
         }
-        if (i == 3) {
-            cli_usage(c, "no picture '%.*s'; there are waterfall, ascope and fan", (int)length,
-                      text);
+        if (!name) {
+            cli_usage(c, "no picture '%.*s'; there are waterfall, ascope, fan, overview and plan",
+                      (int)length, text);
             return false;
         }
         *images |= 1u << i;
@@ -76,7 +75,7 @@ static int run(cli *c) {
 }
 
 static const cli_option options[] = {
-    {"images", 0, "LIST", "of waterfall, ascope, fan; default: those of the scene"},
+    {"images", 0, "LIST", "of waterfall, ascope, fan, overview, plan; default: those of the scene"},
     {"db-range", 0, "LO:HI", "window of the levels; default: that of the run, to 10 dB"},
     {"colormap", 0, "NAME", "viridis, cividis, inferno, gray or copper"},
     {"tvg", 0, "K", "show levels + K log r + 2 alpha r, alpha being the scene's absorption"},

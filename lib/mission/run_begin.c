@@ -4,6 +4,7 @@
 #include "run_files.h"
 #include "run_folder.h"
 #include "run_inputs.h"
+#include "run_scenery.h"
 #include "track_write.h"
 
 #include <math.h>
@@ -190,5 +191,8 @@ asdic_status asdic_job_begin(asdic_run_job *job) {
         return asdic_fail_memory(job->ctx, "a record");
     }
     status = write_track(job);
+    if (status == ASDIC_OK) {
+        status = asdic_scenery_write(job->ctx, job->mission, job->options->folder);
+    }
     return status == ASDIC_OK ? open_csv(job) : status;
 }

@@ -15,10 +15,11 @@
 static const char *const marks[] = {"run.json", "pings.npy", "pings.npy.part", "bins.csv"};
 
 /* Everything a run, detect or render may have written there. */
-static const char *const names[] = {"run.json", "pings.npy",    "bins.csv",       "levels.npy",
-                                    "run.nc",   "track.csv",    "detections.csv", "roc.csv",
-                                    "roc.png",  "occupancy.png"};
-static const char *const stems[] = {"waterfall_", "ascope_", "fan_", "raw_"};
+static const char *const names[] = {"run.json",       "pings.npy",   "bins.csv",  "levels.npy",
+                                    "run.nc",         "terrain.asc", "track.csv", "objects.csv",
+                                    "detections.csv", "roc.csv",     "roc.png",   "occupancy.png"};
+static const char *const stems[] = {"waterfall_", "ascope_", "fan_", "raw_", "overview.", "plan."};
+static const char *const picture_ends[] = {".png", ".pdf", ".svg"};
 
 static bool exists_in(const char *folder, const char *name) {
     char *path = NULL;
@@ -54,12 +55,14 @@ static bool is_ours(const char *name) {
             return true;
         }
     }
-    for (size_t i = 0; i < sizeof stems / sizeof *stems; i++) {
-        if (strncmp(bare, stems[i], strlen(stems[i])) == 0 && ends_in(bare, ".png")) {
-            return true;
-        }
+    bool is_picture = false, has_stem = false;
+    for (size_t i = 0; i < sizeof picture_ends / sizeof *picture_ends; i++) {
+        is_picture = is_picture || ends_in(bare, picture_ends[i]);
     }
-    return false;
+    for (size_t i = 0; i < sizeof stems / sizeof *stems; i++) {
+        has_stem = has_stem || strncmp(bare, stems[i], strlen(stems[i])) == 0;
+    }
+    return is_picture && has_stem;
 }
 
 static asdic_status clear(asdic_context *ctx, const char *folder) {

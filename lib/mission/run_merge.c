@@ -4,6 +4,7 @@
 #include "run_files.h"
 #include "run_folder.h"
 #include "run_open.h"
+#include "run_scenery.h"
 #include "run_survey.h"
 #include "track_write.h"
 
@@ -175,6 +176,9 @@ static asdic_status write_run(merger *m) {
     }
     if (status == ASDIC_OK) {
         status = asdic_files_write(m->ctx, m->store, m->folder, settings, &m->facts);
+    }
+    if (status == ASDIC_OK) {
+        status = asdic_scenery_copy(m->ctx, m->parts[0]->folder, m->folder);
     }
     return status;
 }

@@ -2,6 +2,7 @@
 
 #include "base/context.h"
 #include "out/digits.h"
+#include "run_folder.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -11,6 +12,15 @@
 asdic_render_options asdic_render_options_default(void) {
     return (asdic_render_options){
         .db_low = NAN, .db_high = NAN, .colormap = ASDIC_COLORMAP_VIRIDIS, .ping = SIZE_MAX};
+}
+
+const char *asdic_image_name(asdic_image image) {
+    static const char *const names[] = {[ASDIC_IMAGE_WATERFALL] = "waterfall",
+                                        [ASDIC_IMAGE_ASCOPE] = "ascope",
+                                        [ASDIC_IMAGE_FAN] = "fan",
+                                        [ASDIC_IMAGE_OVERVIEW] = "overview",
+                                        [ASDIC_IMAGE_PLAN] = "plan"};
+    return (unsigned)image < sizeof names / sizeof *names ? names[image] : NULL;
 }
 
 /* The beam that a report of many would show: the one that looks most nearly ahead. */
@@ -50,6 +60,7 @@ static asdic_status choose_beams(asdic_render *r) {
 }
 
 static void resolve_window(asdic_render *r) {
+    r->has_window = !isnan(r->options.db_low) && !isnan(r->options.db_high);
     r->options.db_low = isnan(r->options.db_low) ? r->survey.low_db : r->options.db_low;
     r->options.db_high = isnan(r->options.db_high) ? r->survey.high_db : r->options.db_high;
 }
@@ -68,7 +79,7 @@ static void group_digits(char out[40], uint64_t value) {
 }
 
 /* What stands below every picture and in its text chunks. */
-static void describe(asdic_render *r) {
+void asdic_render_describe(asdic_render *r) {
     char frequency[ASDIC_DIGITS_SIZE], rays[40], spread[ASDIC_DIGITS_SIZE], loss[ASDIC_DIGITS_SIZE];
     const asdic_sampling *sampling = &r->info.sampling;
     asdic_digits_print(frequency, "%g", r->info.sonar->frequency_hz / 1000.0);
@@ -113,6 +124,10 @@ asdic_picture_options asdic_render_picture(asdic_render *r, const char *title, c
                                    .title = title,
                                    .note = r->note,
                                    .texts = r->texts};
+}
+
+char *asdic_render_path(const asdic_render *r, const char *stem, const char *name) {
+    return asdic_folder_path(r->run->folder, stem, name, "png");
 }
 
 bool asdic_render_has_fan(const asdic_sonar *sonar) {
@@ -160,9 +175,12 @@ static void drop_impossible(asdic_render *r) {
                   "no fan picture: it needs three beams or more at ascending bearings");
         r->images &= ~(1u << ASDIC_IMAGE_FAN);
     }
-    if ((r->images & 1u << ASDIC_IMAGE_ASCOPE) && !asdic_picture_annotated()) {
-        asdic_log(r->ctx, ASDIC_LOG_WARNING, "no A-scope picture: built without cairo");
-        r->images &= ~(1u << ASDIC_IMAGE_ASCOPE);
+    const unsigned lines =
+        1u << ASDIC_IMAGE_ASCOPE | 1u << ASDIC_IMAGE_OVERVIEW | 1u << ASDIC_IMAGE_PLAN;
+    if ((r->images & lines) && !asdic_picture_annotated()) {
+        asdic_log(r->ctx, ASDIC_LOG_WARNING,
+                  "no A-scope, overview or plan view: built without cairo");
+        r->images &= ~lines;
     }
 }
 
@@ -183,10 +201,8 @@ static asdic_status render(asdic_render *r) {
         return status;
     }
     resolve_window(r);
-    describe(r);
-    if ((r->images & 1u << ASDIC_IMAGE_WATERFALL) || r->options.raw) {
-        status = asdic_render_waterfalls(r);
-    }
+    asdic_render_describe(r);
+    status = asdic_render_many(r);
     return status == ASDIC_OK ? render_pings(r) : status;
 }
 

@@ -19,6 +19,7 @@ typedef struct asdic_render {
     asdic_run_info info;
     asdic_survey survey;
     asdic_render_options options; /* window resolved */
+    bool has_window;              /* it was asked for */
     unsigned images;
     size_t beams[ASDIC_RENDER_WATERFALLS]; /* to be drawn, by index */
     size_t beam_count;
@@ -26,13 +27,23 @@ typedef struct asdic_render {
     const char *texts[ASDIC_RENDER_TEXTS]; /* key, value, ... of every picture */
 } asdic_render;
 
+/* Fills note and texts from the options; to be repeated in a copy. */
+void asdic_render_describe(asdic_render *render);
+
 /* Options of one picture, with TITLE and two more text chunks: KEY and VALUE. */
 asdic_picture_options asdic_render_picture(asdic_render *render, const char *title, const char *key,
                                            const char *value);
 
-asdic_status asdic_render_waterfalls(asdic_render *render);
+/* Where to write the picture STEM NAME; freed with free(). */
+char *asdic_render_path(const asdic_render *render, const char *stem, const char *name);
+
+/* Those that show many pings: waterfalls, raw ones, overview, chart. */
+asdic_status asdic_render_many(asdic_render *render);
 asdic_status asdic_render_ascope(asdic_render *render, const asdic_record *record);
 asdic_status asdic_render_fan(asdic_render *render, const asdic_record *record);
+
+struct asdic_render_pass;
+asdic_status asdic_render_chart(asdic_render *render, const struct asdic_render_pass *pass);
 
 /* Whether the beams make a fan: three or more, aimed at ascending bearings. */
 bool asdic_render_has_fan(const asdic_sonar *sonar);

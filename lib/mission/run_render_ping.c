@@ -75,6 +75,7 @@ static asdic_ascope panel_of(const asdic_render *r, const asdic_record *record,
     asdic_ascope panel = {.bins = bins,
                           .bin_length_m = r->run->facts.bin_length_m,
                           .simulated_db = record->level_db[ASDIC_TOTAL] + first};
+    panel.object_db = record->level_db[ASDIC_OBJECT] + first; /* expected: none */
     if (expected->ping) {
         panel.total_db = expected->level_db[ASDIC_TOTAL] + k * bins;
         panel.bottom_db = expected->level_db[ASDIC_BOTTOM] + k * bins;
@@ -86,13 +87,12 @@ static asdic_ascope panel_of(const asdic_render *r, const asdic_record *record,
         panel.surface_db = record->level_db[ASDIC_SURFACE] + first;
         panel.volume_db = record->level_db[ASDIC_VOLUME] + first;
         panel.noise_db = record->level_db[ASDIC_NOISE] + first;
-        panel.object_db = record->level_db[ASDIC_OBJECT] + first;
     }
     return panel;
 }
 
 asdic_status asdic_render_ascope(asdic_render *r, const asdic_record *record) {
-    char title[256], number[ASDIC_DIGITS_SIZE], *path = NULL;
+    char title[256], note[384], number[ASDIC_DIGITS_SIZE], *path = NULL;
     char panel_titles[ASDIC_RENDER_PANELS][ASDIC_NAME_SIZE + 16];
     asdic_ascope panels[ASDIC_RENDER_PANELS];
     expectation expected;
@@ -113,7 +113,12 @@ asdic_status asdic_render_ascope(asdic_render *r, const asdic_record *record) {
     options.db_low -= ASCOPE_BELOW_DB;
     options.db_high += ASCOPE_ABOVE_DB;
     options.tvg_db_per_decade = options.tvg_db_per_m = 0.0;
-    path = asdic_folder_path(r->run->folder, "ascope_", number, "png");
+    snprintf(note, sizeof note, "%s  \u00b7  %s", options.note,
+             expected.ping ? "expected: flat bottom, no objects, by quadrature; object: simulated"
+                           : "no expected curve: the bottom is a mesh or grid; all curves are "
+                             "simulated");
+    options.note = note;
+    path = asdic_render_path(r, "ascope_", number);
     status = path ? asdic_picture_ascope(r->ctx, path, panels, count, &options)
                   : asdic_fail_memory(r->ctx, "a file name");
 done:
@@ -128,7 +133,7 @@ asdic_status asdic_render_fan(asdic_render *r, const asdic_record *record) {
     char *path = NULL;
     asdic_status status = ASDIC_OK;
     name_ping(r, record, title, number);
-    path = asdic_folder_path(r->run->folder, "fan_", number, "png");
+    path = asdic_render_path(r, "fan_", number);
     if (!path || !bearing_rad) {
         status = asdic_fail_memory(r->ctx, "a fan picture");
         goto done;

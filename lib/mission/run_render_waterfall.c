@@ -1,4 +1,4 @@
-#include "run_render.h"
+#include "run_render_pass.h"
 
 #include "base/context.h"
 #include "out/draw.h"
@@ -8,10 +8,18 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Beams up to here are named in the overview. */
+#define MOST_NAMES 16
+
+static double ping_period_s(const asdic_render *r) {
+    double whole_s = r->survey.last_time_s - r->survey.first_time_s;
+    return r->info.pings > 1 ? whole_s / (double)(r->info.pings - 1) : 0.0;
+}
+
 static asdic_status draw(asdic_render *r, size_t beam, const asdic_decimator *levels) {
     char title[256];
     const char *name = r->info.sonar->receivers[beam].name;
-    char *path = asdic_folder_path(r->run->folder, "waterfall_", name, "png");
+    char *path = asdic_render_path(r, "waterfall_", name);
     if (!path) {
         return asdic_fail_memory(r->ctx, "a file name");
     }
@@ -20,11 +28,8 @@ static asdic_status draw(asdic_render *r, size_t beam, const asdic_decimator *le
     asdic_waterfall waterfall = {.pings = r->info.pings,
                                  .bins = r->info.bins,
                                  .bin_length_m = r->run->facts.bin_length_m,
-                                 .first_time_s = r->survey.first_time_s};
-    if (r->info.pings > 1) {
-        waterfall.ping_period_s =
-            (r->survey.last_time_s - r->survey.first_time_s) / (double)(r->info.pings - 1);
-    }
+                                 .first_time_s = r->survey.first_time_s,
+                                 .ping_period_s = ping_period_s(r)};
     asdic_status status = asdic_draw_waterfall(r->ctx, path, &waterfall, levels, &options);
     free(path);
     return status;
@@ -59,33 +64,55 @@ static asdic_status draw_raw(asdic_render *r, size_t beam) {
     return status;
 }
 
-static asdic_status draw_averaged(asdic_render *r) {
-    asdic_decimator levels[ASDIC_RENDER_WATERFALLS] = {0};
-    asdic_status status = ASDIC_OK;
-    for (size_t k = 0; k < r->beam_count && status == ASDIC_OK; k++) {
-        status = asdic_decimator_init(r->ctx, r->info.pings, r->info.bins, ASDIC_WATERFALL_MAX_ROWS,
-                                      ASDIC_WATERFALL_MAX_COLUMNS, &levels[k]);
+/* With a gain, and a window, of its own unless they were asked for. */
+static asdic_status draw_overview(const asdic_render *whole, const asdic_render_pass *pass) {
+    asdic_render own = *whole, *r = &own;
+    char title[256];
+    const char *names[MOST_NAMES];
+    asdic_overview_axes axes = {.names = r->info.beams <= MOST_NAMES ? names : NULL,
+                                .first_time_s = r->survey.first_time_s,
+                                .ping_period_s = ping_period_s(r)};
+    for (size_t i = 0; axes.names && i < r->info.beams; i++) {
+        names[i] = r->info.sonar->receivers[i].name;
     }
-    for (size_t i = 0; i < r->info.pings && status == ASDIC_OK; i++) {
-        asdic_record record;
-        status = asdic_run_read(r->run, i, &record);
-        for (size_t k = 0; k < r->beam_count && status == ASDIC_OK; k++) {
-            asdic_decimator_add(&levels[k],
-                                record.level_db[ASDIC_TOTAL] + r->beams[k] * r->info.bins);
-        }
+    own.options.tvg_db_per_decade = pass->overview_db_per_decade;
+    own.options.tvg_db_per_m = pass->overview_db_per_m;
+    if (!whole->has_window) {
+        asdic_overview_window(&pass->overview, &own.options.db_low, &own.options.db_high);
     }
-    for (size_t k = 0; k < r->beam_count && status == ASDIC_OK; k++) {
-        asdic_decimator_end(&levels[k]);
-        status = draw(r, r->beams[k], &levels[k]);
-    }
-    for (size_t k = 0; k < r->beam_count; k++) {
-        asdic_decimator_finish(&levels[k]);
-    }
+    asdic_render_describe(&own);
+    snprintf(title, sizeof title, "%s: strongest echo of each ping and beam", r->info.scene_name);
+    asdic_picture_options options = asdic_render_picture(r, title, "view", "overview");
+    char *path = asdic_render_path(r, "overview", "");
+    asdic_status status = path ? asdic_draw_overview(r->ctx, path, &pass->overview, &axes, &options)
+                               : asdic_fail_memory(r->ctx, "a file name");
+    free(path);
     return status;
 }
 
-asdic_status asdic_render_waterfalls(asdic_render *r) {
-    asdic_status status = r->images & 1u << ASDIC_IMAGE_WATERFALL ? draw_averaged(r) : ASDIC_OK;
+asdic_status asdic_render_many(asdic_render *r) {
+    const unsigned many =
+        1u << ASDIC_IMAGE_WATERFALL | 1u << ASDIC_IMAGE_OVERVIEW | 1u << ASDIC_IMAGE_PLAN;
+    asdic_render_pass pass;
+    asdic_status status = ASDIC_OK;
+    if (r->images & many) {
+        status = asdic_render_pass_run(r, &pass);
+        if (status != ASDIC_OK) {
+            return status;
+        }
+        for (size_t k = 0;
+             r->images & 1u << ASDIC_IMAGE_WATERFALL && k < r->beam_count && status == ASDIC_OK;
+             k++) {
+            status = draw(r, r->beams[k], &pass.waterfalls[k]);
+        }
+        if (status == ASDIC_OK && r->images & 1u << ASDIC_IMAGE_OVERVIEW) {
+            status = draw_overview(r, &pass);
+        }
+        if (status == ASDIC_OK && r->images & 1u << ASDIC_IMAGE_PLAN) {
+            status = asdic_render_chart(r, &pass);
+        }
+        asdic_render_pass_finish(&pass);
+    }
     for (size_t k = 0; r->options.raw && k < r->beam_count && status == ASDIC_OK; k++) {
         status = draw_raw(r, r->beams[k]);
     }

@@ -87,6 +87,8 @@ static const asdic_word csv_words[] = {
 static const asdic_word image_words[] = {{"waterfall", ASDIC_IMAGE_WATERFALL, false},
                                          {"ascope", ASDIC_IMAGE_ASCOPE, false},
                                          {"fan", ASDIC_IMAGE_FAN, false},
+                                         {"overview", ASDIC_IMAGE_OVERVIEW, false},
+                                         {"plan", ASDIC_IMAGE_PLAN, false},
                                          {NULL, 0, false}};
 static const asdic_key output_keys[] = {
     {"csv", ASDIC_KEY_WORD, AT(file_output, csv), .words = csv_words, .fallback = "long",
@@ -96,7 +98,7 @@ static const asdic_key output_keys[] = {
     {"netcdf", ASDIC_KEY_BOOL, AT(file_output, netcdf), .fallback = "false",
      .doc = "also run.nc: netCDF-4 with names after SONAR-netCDF4"},
     {"images", ASDIC_KEY_WORDS, AT(file_output, images), .words = image_words,
-     .fallback = "[waterfall, ascope, fan]", .doc = "pictures to draw"},
+     .fallback = "[waterfall, ascope, fan, overview, plan]", .doc = "pictures to draw"},
 };
 static const asdic_table output_table = {TABLE(output_keys, file_output),
                                          .doc = "what a run writes"};

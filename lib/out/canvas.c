@@ -12,6 +12,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#define INK_RGB 0x202020u
+#define NOTE_RGB 0x606060u
 #define PIXELS_PER_M 8200.0 /* about 208 dpi: 1400 pixels are 17 cm */
 
 /* Points (1/72 inch) per pixel of a vector file, for the same 17 cm. */
@@ -162,6 +164,26 @@ void asdic_canvas_text_fit(asdic_canvas *c, asdic_text where, const char *text,
         where.size_px = fmax(10.0, floor(where.size_px * max_width_px / extents.x_advance));
     }
     asdic_canvas_text(c, where, text);
+}
+
+void asdic_canvas_frame_text(asdic_canvas *c, double x, const char *title, const char *note) {
+    double room = c->width - x - ASDIC_MARGIN_PX;
+    if (title) {
+        asdic_canvas_color(c, INK_RGB);
+        asdic_canvas_text_fit(c,
+                              (asdic_text){.x = x,
+                                           .y = ASDIC_MARGIN_PX,
+                                           .align_y = 1.0,
+                                           .size_px = ASDIC_TITLE_PX,
+                                           .bold = true},
+                              title, room);
+    }
+    if (note) {
+        asdic_canvas_color(c, NOTE_RGB);
+        asdic_canvas_text_fit(
+            c, (asdic_text){.x = x, .y = c->height - ASDIC_MARGIN_PX, .size_px = ASDIC_NOTE_PX},
+            note, room);
+    }
 }
 
 void asdic_canvas_raster(asdic_canvas *c, const asdic_raster *raster, asdic_box box) {

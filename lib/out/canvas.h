@@ -51,10 +51,21 @@ void asdic_canvas_text(asdic_canvas *canvas, asdic_text where, const char *text)
 void asdic_canvas_text_fit(asdic_canvas *canvas, asdic_text where, const char *text,
                            double max_width_px);
 
+/* The page's TITLE at its top and NOTE at its bottom, both from X on; either may be NULL. */
+void asdic_canvas_frame_text(asdic_canvas *canvas, double x, const char *title, const char *note);
+
 /* Pixels without smoothing, stretched into BOX. */
 void asdic_canvas_raster(asdic_canvas *canvas, const asdic_raster *raster, asdic_box box);
 
 void asdic_canvas_line(asdic_canvas *canvas, double x0, double y0, double x1, double y1);
+
+/* Colour, width and dashes of a curve; NULL: a solid line of one pixel again. */
+void asdic_canvas_set_style(asdic_canvas *canvas, const asdic_series *series);
+
+/* Labelled entries side by side at the top of BOX, as wide as it, in as many rows as they need;
+ * with CANVAS NULL only measures. Returns the height. */
+double asdic_canvas_legend(asdic_canvas *canvas, asdic_box box, const asdic_series *entries,
+                           size_t count);
 
 /* Ticks and labels below BOX / left of BOX; GRID draws light lines across. */
 void asdic_canvas_axis_x(asdic_canvas *canvas, asdic_box box, const asdic_plot_axis *axis,
@@ -64,7 +75,12 @@ void asdic_canvas_axis_y(asdic_canvas *canvas, asdic_box box, const asdic_plot_a
 /* Room an ordinate's labels need left of its box, its title included. */
 double asdic_canvas_axis_y_room(const asdic_plot_axis *axis, double height_px);
 
-/* The colour scale in BOX with labels to its right; _room is what they need beside the box. */
+/* A colour scale along AXIS in BOX, low at the bottom (or, DOWN, at the top) with labels to its right.
+ * Low is the map's first colour, unless DOWN: then high is. */
+void asdic_canvas_scale(asdic_canvas *canvas, asdic_box box, const asdic_plot_axis *axis,
+                        asdic_colormap map, bool down, uint32_t ink_rgb);
+
+/* The scale of levels; _room is what its labels need beside the box. */
 void asdic_canvas_color_bar(asdic_canvas *canvas, asdic_box box,
                             const asdic_picture_options *options, uint32_t ink_rgb);
 double asdic_canvas_color_bar_room(const asdic_picture_options *options, double height_px);

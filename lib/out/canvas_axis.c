@@ -116,16 +116,15 @@ double asdic_canvas_color_bar_room(const asdic_picture_options *options, double 
     return asdic_canvas_axis_y_room(&axis, height_px);
 }
 
-void asdic_canvas_color_bar(asdic_canvas *c, asdic_box box, const asdic_picture_options *options,
-                            uint32_t ink_rgb) {
-    asdic_plot_axis axis = level_axis(options);
+void asdic_canvas_scale(asdic_canvas *c, asdic_box box, const asdic_plot_axis *axis,
+                        asdic_colormap map, bool down, uint32_t ink_rgb) {
     asdic_tick ticks[ASDIC_AXIS_MAX_TICKS];
     size_t max_count = tick_count(box.h, 36.0);
-    size_t count = asdic_axis_ticks(&axis, max_count, ticks);
+    size_t count = asdic_axis_ticks(axis, max_count, ticks);
     uint8_t pixels[256 * 3];
     asdic_raster scale = {.width = 1, .height = 256, .rgb = pixels};
     for (unsigned i = 0; i < 256; i++) {
-        asdic_raster_set(&scale, 0, i, asdic_colormap_rgb(options->colormap, 255 - i));
+        asdic_raster_set(&scale, 0, i, asdic_colormap_rgb(map, 255 - i));
     }
     asdic_canvas_raster(c, &scale, box);
     asdic_canvas_color(c, ink_rgb);
@@ -134,7 +133,8 @@ void asdic_canvas_color_bar(asdic_canvas *c, asdic_box box, const asdic_picture_
     cairo_stroke(c->cr);
     double right = box.x + box.w;
     for (size_t i = 0; i < count; i++) {
-        double y = crisp(box.y + (box.h - 1.0) * (1.0 - asdic_axis_share(&axis, ticks[i].value)));
+        double share = asdic_axis_share(axis, ticks[i].value);
+        double y = crisp(box.y + (box.h - 1.0) * (down ? share : 1.0 - share));
         asdic_canvas_line(c, right, y, right + TICK_PX, y);
         asdic_canvas_text(
             c,
@@ -142,12 +142,18 @@ void asdic_canvas_color_bar(asdic_canvas *c, asdic_box box, const asdic_picture_
                 .x = right + TICK_PX + GAP_PX, .y = y, .align_y = 0.5, .size_px = ASDIC_TEXT_PX},
             ticks[i].label);
     }
-    double labels = label_width(&axis, max_count);
+    double labels = label_width(axis, max_count);
     asdic_canvas_text(c,
                       (asdic_text){.x = right + TICK_PX + 2.0 * GAP_PX + labels + ASDIC_TEXT_PX,
                                    .y = box.y + 0.5 * box.h,
                                    .align_x = 0.5,
                                    .size_px = ASDIC_TEXT_PX,
                                    .upwards = true},
-                      axis.label);
+                      axis->label);
+}
+
+void asdic_canvas_color_bar(asdic_canvas *c, asdic_box box, const asdic_picture_options *options,
+                            uint32_t ink_rgb) {
+    asdic_plot_axis axis = level_axis(options);
+    asdic_canvas_scale(c, box, &axis, options->colormap, false, ink_rgb);
 }

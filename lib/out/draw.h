@@ -25,5 +25,7 @@ asdic_status asdic_draw_plot(asdic_context *ctx, const char *path, const asdic_p
 #define ASDIC_NOTE_SIZE 512
 void asdic_draw_note(char note[ASDIC_NOTE_SIZE], const asdic_picture_options *options,
                      const asdic_decimator *levels);
+/* One statement more. */
+void asdic_draw_note_add(char note[ASDIC_NOTE_SIZE], const char *statement);
 
 #endif

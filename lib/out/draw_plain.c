@@ -2,6 +2,8 @@
  * Pictures of a build without cairo: the plain raster.
  */
 #include "draw.h"
+#include "draw_chart.h"
+#include "overview.h"
 
 #include "base/context.h"
 #include "raster.h"
@@ -33,12 +35,32 @@ asdic_status asdic_draw_fan(asdic_context *ctx, const char *path, const asdic_fa
     return status;
 }
 
+static asdic_status fail_plain(asdic_context *ctx, const char *path) {
+    return asdic_fail(
+        ctx, ASDIC_ERROR_UNSUPPORTED,
+        "cannot draw '%s': built without cairo; install libcairo2-dev and build again", path);
+}
+
 asdic_status asdic_draw_plot(asdic_context *ctx, const char *path, const asdic_plot *panels,
                              size_t panel_count, const asdic_picture_options *options) {
     (void)panels;
     (void)panel_count;
     (void)options;
-    return asdic_fail(
-        ctx, ASDIC_ERROR_UNSUPPORTED,
-        "cannot draw '%s': built without cairo; install libcairo2-dev and build again", path);
+    return fail_plain(ctx, path);
+}
+
+asdic_status asdic_draw_chart(asdic_context *ctx, const char *path, const asdic_chart *chart,
+                              const asdic_picture_options *options) {
+    (void)chart;
+    (void)options;
+    return fail_plain(ctx, path);
+}
+
+asdic_status asdic_draw_overview(asdic_context *ctx, const char *path,
+                                 const asdic_overview *overview, const asdic_overview_axes *axes,
+                                 const asdic_picture_options *options) {
+    (void)overview;
+    (void)axes;
+    (void)options;
+    return fail_plain(ctx, path);
 }

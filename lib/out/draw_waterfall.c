@@ -5,7 +5,6 @@
 
 #define PAPER_RGB 0xffffffu
 #define INK_RGB 0x202020u
-#define NOTE_RGB 0x606060u
 #define BAR_PX 24.0
 
 /* Whole pixels per level keep the raster crisp. */
@@ -53,19 +52,7 @@ static void decorate(asdic_canvas *c, const page *p, const asdic_picture_options
     cairo_rectangle(c->cr, p->box.x - 0.5, p->box.y - 0.5, p->box.w + 1.0, p->box.h + 1.0);
     cairo_stroke(c->cr);
     asdic_canvas_color_bar(c, p->bar, options, INK_RGB);
-    if (options->title) {
-        asdic_canvas_text_fit(c,
-                              (asdic_text){.x = p->box.x,
-                                           .y = ASDIC_MARGIN_PX,
-                                           .align_y = 1.0,
-                                           .size_px = ASDIC_TITLE_PX,
-                                           .bold = true},
-                              options->title, p->width - p->box.x - ASDIC_MARGIN_PX);
-    }
-    asdic_canvas_color(c, NOTE_RGB);
-    asdic_canvas_text_fit(
-        c, (asdic_text){.x = p->box.x, .y = p->height - ASDIC_MARGIN_PX, .size_px = ASDIC_NOTE_PX},
-        note, p->width - p->box.x - ASDIC_MARGIN_PX);
+    asdic_canvas_frame_text(c, p->box.x, options->title, note);
 }
 
 asdic_status asdic_draw_waterfall(asdic_context *ctx, const char *path,

@@ -41,8 +41,8 @@ static asdic_status check_waterfall(asdic_context *ctx, const asdic_waterfall *w
     return check_options(ctx, options);
 }
 
-/* Appends to a note, with a separator between statements. */
-static void append(char *note, const char *statement) {
+/* With a separator between statements. */
+void asdic_draw_note_add(char note[ASDIC_NOTE_SIZE], const char *statement) {
     size_t used = strlen(note);
     snprintf(note + used, ASDIC_NOTE_SIZE - used, "%s%s", used ? "  \u00b7  " : "", statement);
 }
@@ -55,7 +55,7 @@ static void note_gain(char *note, const asdic_picture_options *options) {
     asdic_digits_print(spread, "%g", options->tvg_db_per_decade);
     asdic_digits_print(loss, "%g", options->tvg_db_per_m);
     snprintf(text, sizeof text, "time-varied gain for display: %s log r + %s r dB", spread, loss);
-    append(note, text);
+    asdic_draw_note_add(note, text);
 }
 
 void asdic_draw_note(char note[ASDIC_NOTE_SIZE], const asdic_picture_options *options,
@@ -63,14 +63,14 @@ void asdic_draw_note(char note[ASDIC_NOTE_SIZE], const asdic_picture_options *op
     char text[128];
     note[0] = 0;
     if (options->note) {
-        append(note, options->note);
+        asdic_draw_note_add(note, options->note);
     }
     note_gain(note, options);
     if (levels && (levels->row_group > 1 || levels->column_group > 1)) {
         snprintf(text, sizeof text, "each pixel is the mean energy of %zu ping%s \u00d7 %zu bin%s",
                  levels->row_group, levels->row_group > 1 ? "s" : "", levels->column_group,
                  levels->column_group > 1 ? "s" : "");
-        append(note, text);
+        asdic_draw_note_add(note, text);
     }
 }
 

@@ -194,4 +194,42 @@ def test_pictures_in_pngcheck_and_gdal():
                 raise AssertionError((grey, level))
 
 
+def test_terrain_in_gdal_and_outlines_in_sqlite():
+    """A sea floor that falls from 8 to 18 m towards the north, 60 m by 60 m."""
+    with Folder() as folder:
+        rows = "\n".join(" ".join([str(18 - i / 3)] * 31) for i in range(31))
+        folder.write("floor.asc", "ncols 31\nnrows 31\nxllcenter -30\nyllcenter -30\n"
+                     f"cellsize 2\nNODATA_value -9999\n{rows}\n")
+        run = run_of(folder, pings=2, edits={
+            "bottom: {depth_m: 12, type: sand}": "bottom: {grid: {file: floor.asc}, type: sand}",
+            "fan]": "fan, overview, plan]"})
+        out = tool("gdalinfo", "-mm", "terrain.asc", cwd=run)
+        low, high = map(float, re.search(r"Computed Min/Max=([\d.]+),([\d.]+)", out).groups())
+        if abs(low - 8) > 0.2 or abs(high - 18) > 0.2:
+            raise AssertionError((low, high))
+        tap.contains(out, "NoData Value=-9999")
+        # x east, y north: it is deeper in the north, as the scene's grid was.
+        north = tool("gdallocationinfo", "-valonly", "-geoloc", "terrain.asc", "0", "25.05", cwd=run)
+        tap.equal(round(float(north), 1), 17.2, "depth at 25 m north")
+        out = tool("sqlite3", "-csv", ":memory:", cwd=run, stdin=(
+            ".mode csv\n.import objects.csv o\nSELECT object, min(CAST(x_m AS REAL)), "
+            "max(CAST(x_m AS REAL)), max(CAST(y_m AS REAL)) FROM o GROUP BY object;\n"))
+        tap.equal(out.strip(), "ball,19.0,21.0,1.0", "the ball from above")
+        tap.equal([n for n in pictures(folder, "r") if "_" not in n],
+                  [n for n in ("overview.png", "plan.png") if "ascope_0.png" in
+                   pictures(folder, "r")], "pictures")
+        for name in ("terrain.asc", "objects.csv"):
+            before = data(folder, "r", name)
+            asdic("run", folder / "pool.yaml", "-o", folder / "p", "--pings", "0:1",
+                  "--force").check(code=0)
+            tap.equal(data(folder, "p", name), before, "of the whole mission")
+        os.remove(folder / "floor.asc")  # pictures need the run folder alone
+        before = {n: data(folder, "r", n) for n in pictures(folder, "r")}
+        asdic("render", run).check(code=0)
+        tap.equal({n: data(folder, "r", n) for n in pictures(folder, "r")} == before, True, "again")
+        with open(run + "/terrain.asc", "a", encoding="ascii") as file:
+            file.truncate(500)
+        tap.contains(asdic("render", run).check(code=3).err, "damaged")
+
+
 tap.main(globals())

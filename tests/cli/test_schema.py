@@ -39,7 +39,7 @@ def test_schema_names_every_part():
     tap.contains(frequency["description"], "[kHz]")
     tap.equal(printed["properties"]["environment"]["properties"]["ph"]["default"], 8)
     tap.equal(printed["properties"]["output"]["properties"]["images"]["default"],
-              ["waterfall", "ascope", "fan"])
+              ["waterfall", "ascope", "fan", "overview", "plan"])
 
 
 def test_examples_are_accepted():

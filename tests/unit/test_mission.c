@@ -94,7 +94,7 @@ static void flat_bottom_and_rest(void **state) {
     assert_int_equal(asdic_sonar_check(w->ctx, sonar), ASDIC_OK);
     assert_int_equal(asdic_environment_check(w->ctx, asdic_mission_environment(m)), ASDIC_OK);
     assert_int_equal(asdic_mission_sampling(m)->rays, 20000);
-    assert_int_equal(asdic_mission_output(m)->images, 7);
+    assert_int_equal(asdic_mission_output(m)->images, 31);
     assert_close(asdic_mission_detector(m)->pfa, 1e-3, 0);
     asdic_mission_destroy(&m);
     assert_null(m);

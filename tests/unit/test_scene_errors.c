@@ -95,12 +95,12 @@ static void words_and_booleans(void **state) {
                 "7:18: error: 'variant' = Printed is not one of corrected, printed; did you mean "
                 "'printed'?  [model.variant]\n");
     expect_edit("mission:", "output: {images: [waterfall, fann, 3]}\nmission:",
-                "7:30: error: 'images' = fann is not one of waterfall, ascope, fan; did you mean "
-                "'fan'?  [output.images[1]]\n"
-                "7:36: error: 'images' = 3 is not one of waterfall, ascope, fan  "
+                "7:30: error: 'images' = fann is not one of waterfall, ascope, fan, overview, plan; "
+                "did you mean 'fan'?  [output.images[1]]\n"
+                "7:36: error: 'images' = 3 is not one of waterfall, ascope, fan, overview, plan  "
                 "[output.images[2]]\n");
     expect_edit("mission:", "output: {images: fan}\nmission:",
-                "7:18: error: 'images' must be a list of waterfall, ascope, fan  "
+                "7:18: error: 'images' must be a list of waterfall, ascope, fan, overview, plan  "
                 "[output.images]\n");
     expect_edit("mission:", "surface: {enabled: maybe}\nmission:",
                 "7:20: error: 'enabled' = maybe is not true or false  [surface.enabled]\n");

@@ -283,7 +283,7 @@ static void defaults_are_the_librarys(void **state) {
     assert_close(file.bottom.type, 2, 0);
     assert_int_equal(file.sampling.rays, 20000);
     assert_int_equal(file.sampling.seed, 1);
-    assert_int_equal(file.output.images, 7);
+    assert_int_equal(file.output.images, 31);
     free(errors);
     asdic_arena_finish(&arena);
 }

@@ -37,7 +37,16 @@ typedef struct asdic_detector {
 typedef enum asdic_csv_form { ASDIC_CSV_LONG, ASDIC_CSV_WIDE } asdic_csv_form;
 
 /* Places of bits in asdic_output_options.images. */
-typedef enum asdic_image { ASDIC_IMAGE_WATERFALL, ASDIC_IMAGE_ASCOPE, ASDIC_IMAGE_FAN } asdic_image;
+typedef enum asdic_image {
+    ASDIC_IMAGE_WATERFALL, /* a beam's levels over range and time */
+    ASDIC_IMAGE_ASCOPE,    /* a ping's levels over range, simulated against expected */
+    ASDIC_IMAGE_FAN,       /* a ping's levels over range and bearing */
+    ASDIC_IMAGE_OVERVIEW,  /* the strongest level of each ping and beam, and its range */
+    ASDIC_IMAGE_PLAN       /* the mission from above */
+} asdic_image;
+
+/* "waterfall" and the like, as a scene file's output.images; NULL when out of range. */
+ASDIC_API const char *asdic_image_name(asdic_image image);
 
 typedef struct asdic_output_options {
     asdic_csv_form csv;
@@ -75,8 +84,7 @@ ASDIC_API const asdic_mission_object *asdic_mission_get_object(const asdic_missi
 ASDIC_API asdic_flat_scene asdic_mission_flat_scene(const asdic_mission *mission, size_t index);
 
 /* Pose and time of ping INDEX; INDEX < ping_count. TIME_S may be NULL. */
-ASDIC_API asdic_pose asdic_mission_pose(const asdic_mission *mission, size_t index,
-                                        double *time_s);
+ASDIC_API asdic_pose asdic_mission_pose(const asdic_mission *mission, size_t index, double *time_s);
 
 /* Moves SIMULATOR's objects to where those that move are at ping INDEX, on the clock of the pings' times.
  * Before a ping, and before learning for one; does nothing where nothing moves. */
@@ -130,9 +138,9 @@ typedef struct asdic_run_progress {
 } asdic_run_progress;
 
 typedef struct asdic_run_options {
-    const char *folder;   /* output folder, created */
-    bool force, resume;   /* overwrite, or continue */
-    size_t first, count;  /* pings to run; count SIZE_MAX: to the end */
+    const char *folder;  /* output folder, created */
+    bool force, resume;  /* overwrite, or continue */
+    size_t first, count; /* pings to run; count SIZE_MAX: to the end */
     void (*progress)(void *user, const asdic_run_progress *progress); /* may be NULL */
     void *user;
 } asdic_run_options;

@@ -1,0 +1,139 @@
+#include "run_footprint.h"
+
+#include "base/context.h"
+#include "base/vec.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* Directions across one beam, and at most across a fan. */
+#define ACROSS 17
+#define MOST_ACROSS 129
+/* Steps along a ray over terrain, at most. */
+#define MOST_STEPS 4000.0
+
+/* Where a lobe is cut: a direction of the axis or beside it, with the edges above and below. */
+typedef struct cut {
+    asdic_vec3 upper, lower, axis; /* world, unit */
+} cut;
+
+/* From the axis to half power, one way: the pattern sinc^2 u of a line is a half at u = 0.4429 (R. J.
+ * Urick, Principles of Underwater Sound, 3rd ed., 1983, table 3.2). */
+static double half_width_rad(double wavelength_m, double length_m) {
+    return asin(fmin(0.442946 * wavelength_m / length_m, 1.0));
+}
+
+/* AZIMUTH and DOWN from the axis of BEAM. */
+static asdic_vec3 direction(const asdic_pose *pose, const asdic_beam *beam, double azimuth_rad,
+                            double down_rad) {
+    asdic_mat3 vehicle = asdic_mat3_attitude(pose->roll_rad, pose->pitch_rad, pose->yaw_rad);
+    asdic_mat3 aim = asdic_mat3_attitude(beam->roll_rad, -beam->pitch_rad, beam->yaw_rad);
+    asdic_vec3 v = {cos(down_rad) * cos(azimuth_rad), cos(down_rad) * sin(azimuth_rad),
+                    sin(down_rad)};
+    return asdic_mat3_apply(vehicle, asdic_mat3_apply(aim, v));
+}
+
+static cut cut_at(const asdic_swath *s, const asdic_pose *pose, const asdic_beam *beam,
+                  double azimuth_rad) {
+    double down_rad = half_width_rad(s->wavelength_m, beam->length_v_m);
+    return (cut){.upper = direction(pose, beam, azimuth_rad, -down_rad),
+                 .lower = direction(pose, beam, azimuth_rad, down_rad),
+                 .axis = direction(pose, beam, azimuth_rad, 0.0)};
+}
+
+/* From port to starboard. */
+static size_t cut_swath(const asdic_swath *s, const asdic_pose *pose, cut cuts[MOST_ACROSS]) {
+    size_t n = 0;
+    const asdic_beam *first = &s->beams[0], *last = &s->beams[s->count - 1];
+    double half_rad = half_width_rad(s->wavelength_m, first->length_h_m);
+    if (s->count == 1) {
+        while (n < ACROSS) {
+            double share = 2.0 * (double)n / (ACROSS - 1) - 1.0;
+            cuts[n++] = cut_at(s, pose, first, share * half_rad);
+        }
+        return n;
+    }
+    size_t step = (s->count - 1) / (MOST_ACROSS - 3) + 1;
+    cuts[n++] = cut_at(s, pose, first, -half_rad);
+    for (size_t i = 0; i < s->count; i += step) {
+        cuts[n++] = cut_at(s, pose, &s->beams[i], 0.0);
+    }
+    cuts[n++] = cut_at(s, pose, last, half_width_rad(s->wavelength_m, last->length_h_m));
+    return n;
+}
+
+static double depth_below(const asdic_ground *g, double north_m, double east_m) {
+    const asdic_relief *r = g->relief;
+    double depth_m = g->plane_depth_m;
+    if (r->columns > 0) {
+        double column = floor((east_m - r->west_m) / r->cell_m);
+        double row = (double)r->rows - 1.0 - floor((north_m - r->south_m) / r->cell_m);
+        if (column >= 0.0 && column < (double)r->columns && row >= 0.0 && row < (double)r->rows) {
+            double cell_m = (double)r->depth_m[(size_t)row * r->columns + (size_t)column];
+            depth_m = isnan(cell_m) ? depth_m : fmin(depth_m, cell_m);
+        }
+    }
+    return depth_m;
+}
+
+/* Slant range at which the ray meets the bottom; NAN when it does not within RANGE_M. */
+static double meet(const asdic_ground *g, asdic_vec3 from_m, asdic_vec3 along, double range_m) {
+    if (g->relief->columns == 0) {
+        double at_m = (g->plane_depth_m - from_m.z) / along.z;
+        return along.z > 0.0 && at_m <= range_m ? at_m : NAN;
+    }
+    double step_m = fmax(0.5 * g->relief->cell_m, range_m / MOST_STEPS);
+    for (double at_m = step_m; at_m <= range_m; at_m += step_m) {
+        asdic_vec3 here_m = asdic_vec3_add(from_m, asdic_vec3_scale(along, at_m));
+        if (here_m.z >= depth_below(g, here_m.x, here_m.y)) {
+            return at_m;
+        }
+    }
+    return NAN;
+}
+
+static void add_point(asdic_chart_area *area, const asdic_pose *pose, asdic_vec3 along,
+                      double at_m) {
+    area->north_m[area->count] = pose->position_m.x + at_m * along.x;
+    area->east_m[area->count++] = pose->position_m.y + at_m * along.y;
+}
+
+asdic_status asdic_footprint_find(asdic_context *ctx, const asdic_swath *s, const asdic_pose *pose,
+                                  const asdic_ground *ground, asdic_chart_area *out) {
+    cut cuts[MOST_ACROSS];
+    double near_m[MOST_ACROSS];
+    size_t n = cut_swath(s, pose, cuts);
+    *out = (asdic_chart_area){.north_m = malloc(2 * MOST_ACROSS * sizeof(double)),
+                              .east_m = malloc(2 * MOST_ACROSS * sizeof(double))};
+    if (!out->north_m || !out->east_m) {
+        asdic_footprint_finish(out);
+        return asdic_fail_memory(ctx, "a footprint");
+    }
+    for (size_t i = 0; i < n; i++) {
+        near_m[i] = meet(ground, pose->position_m, cuts[i].lower, s->range_m);
+        if (!isnan(near_m[i])) {
+            add_point(out, pose, cuts[i].lower, near_m[i]);
+        }
+    }
+    out->dashed = out->count == 0;
+    if (out->dashed) {
+        out->north_m[0] = pose->position_m.x;
+        out->east_m[0] = pose->position_m.y;
+        out->count = 1;
+    }
+    for (size_t i = n; i-- > 0;) {
+        double far_m =
+            out->dashed ? s->range_m : meet(ground, pose->position_m, cuts[i].upper, s->range_m);
+        if (out->dashed || !isnan(near_m[i])) {
+            add_point(out, pose, out->dashed ? cuts[i].axis : cuts[i].upper,
+                      isnan(far_m) ? s->range_m : far_m);
+        }
+    }
+    return ASDIC_OK;
+}
+
+void asdic_footprint_finish(asdic_chart_area *area) {
+    free(area->north_m);
+    free(area->east_m);
+    *area = (asdic_chart_area){0};
+}

@@ -1,0 +1,30 @@
+/*
+ * Where beams meet the bottom, seen from above.
+ */
+#ifndef ASDIC_MISSION_RUN_FOOTPRINT_H
+#define ASDIC_MISSION_RUN_FOOTPRINT_H
+
+#include "out/draw_chart.h"
+
+#include <asdic/sonar.h>
+
+typedef struct asdic_ground {
+    const asdic_relief *relief; /* no columns: none */
+    double plane_depth_m;       /* of a flat bottom; INFINITY: none */
+} asdic_ground;
+
+typedef struct asdic_swath {
+    const asdic_beam *beams; /* one, or several side by side that make one area */
+    size_t count;
+    double wavelength_m, range_m;
+} asdic_swath;
+
+/* Outline of where the main lobes (half power, one way) meet the bottom within the range, for a
+ * vehicle at POSE; of those that do not, dashed, of the lobe itself out to the range. OUT's
+ * coordinates are freed by _finish. */
+asdic_status asdic_footprint_find(asdic_context *ctx, const asdic_swath *swath,
+                                  const asdic_pose *pose, const asdic_ground *ground,
+                                  asdic_chart_area *out);
+void asdic_footprint_finish(asdic_chart_area *area);
+
+#endif

@@ -1,0 +1,163 @@
+/*
+ * The mission from above.
+ */
+#include "base/context.h"
+#include "base/vec.h"
+#include "out/digits.h"
+#include "run_folder.h"
+#include "run_footprint.h"
+#include "run_render_pass.h"
+#include "run_scenery.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Footprints are drawn at so many places along the track. */
+#define PLACES 3
+/* More beams than these are drawn as one area. */
+#define MOST_APART ASDIC_RENDER_WATERFALLS
+
+/* Okabe & Ito's colours but for the track's. */
+static const uint32_t colors[MOST_APART] = {0x0072b2, 0x009e73, 0xcc79a7, 0xe69f00,
+                                            0x56b4e9, 0x000000, 0xf0e442, 0x606060};
+
+typedef struct sketch {
+    asdic_chart_area areas[PLACES * MOST_APART];
+    size_t area_count;
+    char labels[MOST_APART][ASDIC_NAME_SIZE + 24];
+    char places[96]; /* "pings 0, 300, 600" */
+} sketch;
+
+static void sketch_finish(sketch *s) {
+    for (size_t i = 0; i < s->area_count; i++) {
+        asdic_footprint_finish(&s->areas[i]);
+    }
+}
+
+static bool is_moving(const asdic_render_pass *pass) {
+    for (size_t i = 1; i < pass->track_count; i++) {
+        if (hypot(pass->north_m[i] - pass->north_m[0], pass->east_m[i] - pass->east_m[0]) > 0.01) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* The areas of all beams at one place. */
+static asdic_status add_place(asdic_render *r, sketch *s, const asdic_record *record,
+                              const asdic_ground *ground) {
+    const asdic_sonar *sonar = r->info.sonar;
+    double speed_mps =
+        asdic_environment_sound_speed_mps(r->info.environment, record->pose.position_m.z);
+    bool is_apart = sonar->receiver_count <= MOST_APART;
+    asdic_swath swath = {.count = is_apart ? 1 : sonar->receiver_count,
+                         .wavelength_m = speed_mps / sonar->frequency_hz,
+                         .range_m = (double)r->info.bins * r->run->facts.bin_length_m};
+    for (size_t k = 0; k < (is_apart ? sonar->receiver_count : 1); k++) {
+        asdic_chart_area *area = &s->areas[s->area_count];
+        swath.beams = &sonar->receivers[k];
+        asdic_status status = asdic_footprint_find(r->ctx, &swath, &record->pose, ground, area);
+        if (status != ASDIC_OK) {
+            return status;
+        }
+        area->rgb = colors[k];
+        if (s->area_count < MOST_APART && s->area_count == k) { /* the first place names them */
+            if (is_apart) {
+                snprintf(s->labels[k], sizeof s->labels[k], "beam \u2018%s\u2019",
+                         sonar->receivers[k].name);
+            } else {
+                snprintf(s->labels[k], sizeof s->labels[k], "fan of %zu beams",
+                         sonar->receiver_count);
+            }
+            area->label = s->labels[k];
+        }
+        s->area_count++;
+    }
+    return ASDIC_OK;
+}
+
+static asdic_status add_areas(asdic_render *r, const asdic_render_pass *pass,
+                              const asdic_ground *ground, sketch *s) {
+    size_t last = r->info.pings - 1, places = is_moving(pass) ? PLACES : 1;
+    places = places > r->info.pings ? r->info.pings : places;
+    snprintf(s->places, sizeof s->places, "ping%s", places > 1 ? "s" : "");
+    for (size_t i = 0; i < places; i++) {
+        asdic_record record;
+        size_t index = places > 1 ? last * i / (places - 1) : 0, used = strlen(s->places);
+        asdic_status status = asdic_run_read(r->run, index, &record);
+        if (status == ASDIC_OK) {
+            snprintf(s->places + used, sizeof s->places - used, "%s %llu", i ? "," : "",
+                     (unsigned long long)record.ping);
+            status = add_place(r, s, &record, ground);
+        }
+        if (status != ASDIC_OK) {
+            return status;
+        }
+    }
+    return ASDIC_OK;
+}
+
+static void describe_bottom(const asdic_render *r, const asdic_ground *ground, char text[64]) {
+    if (strcmp(r->run->facts.bottom, ASDIC_RUN_BOTTOM_MESH) == 0) {
+        snprintf(text, 64,
+                 ground->relief->columns ? "relief lit from the north-west"
+                                         : "no terrain within range");
+    } else if (isfinite(ground->plane_depth_m)) {
+        char digits[ASDIC_DIGITS_SIZE];
+        asdic_digits_print(digits, "%.6g", ground->plane_depth_m);
+        snprintf(text, 64, "flat bottom at %s m", digits);
+    } else {
+        snprintf(text, 64, "no bottom");
+    }
+}
+
+static asdic_status draw(asdic_render *r, const asdic_render_pass *pass,
+                         const asdic_scenery *scenery, const asdic_ground *ground,
+                         const sketch *s) {
+    char title[256], caption[256], note[384], bottom[64];
+    asdic_chart chart = {.relief = &scenery->relief,
+                         .outlines = scenery->outlines,
+                         .outline_count = scenery->outline_count,
+                         .areas = s->areas,
+                         .area_count = s->area_count,
+                         .north_m = pass->north_m,
+                         .east_m = pass->east_m,
+                         .track_count = pass->track_count,
+                         .first_time_s = r->survey.first_time_s,
+                         .last_time_s = r->survey.last_time_s,
+                         .last_yaw_rad = pass->last_pose.yaw_rad};
+    snprintf(title, sizeof title, "%s: plan view", r->info.scene_name);
+    describe_bottom(r, ground, bottom);
+    snprintf(caption, sizeof caption,
+             "areas: half-power lobes on the bottom at %s; dashed: none within range", s->places);
+    chart.caption = caption;
+    asdic_picture_options options = asdic_render_picture(r, title, "view", "plan");
+    snprintf(note, sizeof note, "%s  \u00b7  %s", bottom, options.note);
+    options.note = note;
+    char *path = asdic_render_path(r, "plan", "");
+    asdic_status status = path ? asdic_draw_chart(r->ctx, path, &chart, &options)
+                               : asdic_fail_memory(r->ctx, "a file name");
+    free(path);
+    return status;
+}
+
+asdic_status asdic_render_chart(asdic_render *r, const asdic_render_pass *pass) {
+    asdic_scenery scenery;
+    sketch s = {0};
+    bool is_plane = strcmp(r->run->facts.bottom, ASDIC_RUN_BOTTOM_PLANE) == 0;
+    asdic_status status = asdic_scenery_read(r->ctx, r->run->folder, &scenery);
+    if (status != ASDIC_OK) {
+        return status;
+    }
+    asdic_ground ground = {.relief = &scenery.relief,
+                           .plane_depth_m = is_plane ? pass->bottom_depth_m : INFINITY};
+    status = add_areas(r, pass, &ground, &s);
+    if (status == ASDIC_OK) {
+        status = draw(r, pass, &scenery, &ground, &s);
+    }
+    sketch_finish(&s);
+    asdic_scenery_finish(&scenery);
+    return status;
+}

@@ -1,0 +1,29 @@
+/*
+ * What a run's chart needs beside its pings, kept in the run folder so that pictures can be drawn
+ * without the meshes: terrain.asc, the bottom's depths as an ESRI ASCII grid (x east, y north), and
+ * objects.csv, outlines of objects (x north, y east). Neither is there where there is nothing to say.
+ */
+#ifndef ASDIC_MISSION_RUN_SCENERY_H
+#define ASDIC_MISSION_RUN_SCENERY_H
+
+#include "base/relief.h"
+
+#include <asdic/mission.h>
+
+typedef struct asdic_scenery {
+    asdic_relief relief; /* no columns: no mesh or grid for a bottom */
+    asdic_outline *outlines;
+    size_t outline_count;
+} asdic_scenery;
+
+/* Of the whole mission, whatever part of it is run. */
+asdic_status asdic_scenery_write(asdic_context *ctx, const asdic_mission *mission,
+                                 const char *folder);
+
+/* The same files from run FROM to run TO. */
+asdic_status asdic_scenery_copy(asdic_context *ctx, const char *from, const char *to);
+
+asdic_status asdic_scenery_read(asdic_context *ctx, const char *folder, asdic_scenery *out);
+void asdic_scenery_finish(asdic_scenery *scenery);
+
+#endif

@@ -1,0 +1,186 @@
+#include "run_scenery.h"
+
+#include "base/context.h"
+#include "base/file_read.h"
+#include "out/axis.h"
+#include "out/digits.h"
+#include "out/file.h"
+#include "run_folder.h"
+#include "scene/chart.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+/* At most as many cells along a side of the terrain. */
+#define MOST_CELLS 600
+#define MAX_BYTES ((size_t)64 << 20)
+
+typedef struct extent {
+    double south_m, west_m, north_m, east_m;
+} extent;
+
+/* What the sonar can reach from any ping. */
+static extent reach_of(const asdic_mission *mission) {
+    const asdic_sonar *sonar = asdic_mission_sonar(mission);
+    const asdic_environment *env = asdic_mission_environment(mission);
+    extent e = {INFINITY, INFINITY, -INFINITY, -INFINITY};
+    for (size_t i = 0; i < asdic_mission_ping_count(mission); i++) {
+        asdic_vec3 at_m = asdic_mission_pose(mission, i, NULL).position_m;
+        e.south_m = fmin(e.south_m, at_m.x);
+        e.north_m = fmax(e.north_m, at_m.x);
+        e.west_m = fmin(e.west_m, at_m.y);
+        e.east_m = fmax(e.east_m, at_m.y);
+    }
+    double depth_m = asdic_mission_pose(mission, 0, NULL).position_m.z;
+    double range_m =
+        asdic_sonar_max_range_m(sonar, asdic_environment_sound_speed_mps(env, depth_m));
+    return (extent){e.south_m - range_m, e.west_m - range_m, e.north_m + range_m,
+                    e.east_m + range_m};
+}
+
+/* The bottom's, when it is a mesh or grid; it comes before the objects and has no name. */
+static const asdic_mission_object *bottom_of(const asdic_mission *mission) {
+    for (size_t i = 0; i < asdic_mission_object_count(mission); i++) {
+        const asdic_mission_object *object = asdic_mission_get_object(mission, i);
+        if (object->name[0] == 0) {
+            return object;
+        }
+    }
+    return NULL;
+}
+
+/* Whole cells round what is both in reach and there; false where nothing is. */
+static bool lay_out(const asdic_mission *mission, const asdic_mission_object *bottom,
+                    asdic_relief *out) {
+    extent e = reach_of(mission);
+    e.south_m = fmax(e.south_m, bottom->min_m.x);
+    e.north_m = fmin(e.north_m, bottom->max_m.x);
+    e.west_m = fmax(e.west_m, bottom->min_m.y);
+    e.east_m = fmin(e.east_m, bottom->max_m.y);
+    double span_m = fmax(e.north_m - e.south_m, e.east_m - e.west_m);
+    if (!(e.north_m > e.south_m) || !(e.east_m > e.west_m)) {
+        return false;
+    }
+    double cell_m = asdic_axis_step(span_m, MOST_CELLS);
+    double south = floor(e.south_m / cell_m), west = floor(e.west_m / cell_m);
+    *out = (asdic_relief){.columns = (size_t)(ceil(e.east_m / cell_m) - west),
+                          .rows = (size_t)(ceil(e.north_m / cell_m) - south),
+                          .west_m = west * cell_m,
+                          .south_m = south * cell_m,
+                          .cell_m = cell_m};
+    return true;
+}
+
+static void put_header(FILE *stream, const char *key, double value) {
+    char digits[ASDIC_DIGITS_SIZE];
+    asdic_digits_double(digits, value);
+    fprintf(stream, "%-13s %s\n", key, digits);
+}
+
+static void put_relief(FILE *stream, const asdic_relief *r) {
+    put_header(stream, "ncols", (double)r->columns);
+    put_header(stream, "nrows", (double)r->rows);
+    put_header(stream, "xllcorner", r->west_m);
+    put_header(stream, "yllcorner", r->south_m);
+    put_header(stream, "cellsize", r->cell_m);
+    put_header(stream, "NODATA_value", -9999.0);
+    for (size_t i = 0; i < r->rows * r->columns; i++) {
+        char digits[ASDIC_DIGITS_SIZE] = "-9999";
+        if (isfinite(r->depth_m[i])) {
+            asdic_digits_print(digits, "%.3f", (double)r->depth_m[i]);
+        }
+        fputs(digits, stream);
+        fputc((i + 1) % r->columns == 0 ? '\n' : ' ', stream);
+    }
+}
+
+static asdic_status write_terrain(asdic_context *ctx, const asdic_mission *mission,
+                                  const asdic_mission_object *bottom, const char *path) {
+    asdic_relief relief;
+    asdic_file *file = NULL;
+    if (!lay_out(mission, bottom, &relief)) {
+        return ASDIC_OK;
+    }
+    relief.depth_m = malloc(relief.columns * relief.rows * sizeof *relief.depth_m);
+    if (!relief.depth_m) {
+        return asdic_fail_memory(ctx, "the terrain's chart");
+    }
+    asdic_chart_relief(asdic_mission_scene(mission), &relief);
+    asdic_status status = asdic_file_create(ctx, path, &file);
+    if (status == ASDIC_OK) {
+        put_relief(asdic_file_stream(file), &relief);
+        status = asdic_file_commit(&file);
+    }
+    free(relief.depth_m);
+    return status;
+}
+
+static asdic_status write_objects(asdic_context *ctx, const asdic_mission *mission,
+                                  const char *path) {
+    asdic_outline *outlines = NULL;
+    asdic_file *file = NULL;
+    size_t count = 0;
+    asdic_status status =
+        asdic_chart_outlines(ctx, asdic_mission_scene(mission), &outlines, &count);
+    if (status != ASDIC_OK || count == 0) {
+        return status;
+    }
+    status = asdic_file_create(ctx, path, &file);
+    if (status == ASDIC_OK) {
+        FILE *stream = asdic_file_stream(file);
+        fputs("object,outline,x_m,y_m\n", stream);
+        for (size_t i = 0; i < count; i++) {
+            for (size_t k = 0; k < outlines[i].count; k++) {
+                char x[ASDIC_DIGITS_SIZE], y[ASDIC_DIGITS_SIZE];
+                asdic_digits_print(x, "%.3f", outlines[i].north_m[k]);
+                asdic_digits_print(y, "%.3f", outlines[i].east_m[k]);
+                fprintf(stream, "%s,%zu,%s,%s\n", outlines[i].name, i, x, y);
+            }
+        }
+        status = asdic_file_commit(&file);
+    }
+    free(outlines);
+    return status;
+}
+
+asdic_status asdic_scenery_write(asdic_context *ctx, const asdic_mission *mission,
+                                 const char *folder) {
+    const asdic_mission_object *bottom = bottom_of(mission);
+    char *terrain = asdic_folder_path(folder, "terrain", "", "asc");
+    char *objects = asdic_folder_path(folder, "objects", "", "csv");
+    asdic_status status = terrain && objects ? ASDIC_OK : asdic_fail_memory(ctx, "a file name");
+    if (status == ASDIC_OK && bottom) {
+        status = write_terrain(ctx, mission, bottom, terrain);
+    }
+    if (status == ASDIC_OK) {
+        status = write_objects(ctx, mission, objects);
+    }
+    free(terrain);
+    free(objects);
+    return status;
+}
+
+static asdic_status copy(asdic_context *ctx, const char *from, const char *to, const char *name,
+                         const char *extension) {
+    char *source = asdic_folder_path(from, name, "", extension), *bytes = NULL;
+    char *target = asdic_folder_path(to, name, "", extension);
+    size_t length;
+    asdic_status status = source && target ? ASDIC_OK : asdic_fail_memory(ctx, "a file name");
+    if (status == ASDIC_OK && access(source, F_OK) == 0) {
+        status = asdic_file_read(ctx, source, MAX_BYTES, &bytes, &length);
+        if (status == ASDIC_OK) {
+            status = asdic_file_write_all(ctx, target, bytes, length);
+        }
+    }
+    free(bytes);
+    free(source);
+    free(target);
+    return status;
+}
+
+asdic_status asdic_scenery_copy(asdic_context *ctx, const char *from, const char *to) {
+    asdic_status status = copy(ctx, from, to, "terrain", "asc");
+    return status == ASDIC_OK ? copy(ctx, from, to, "objects", "csv") : status;
+}

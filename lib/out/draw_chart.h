@@ -1,0 +1,35 @@
+/*
+ * A mission from above: terrain, objects, track and what the beams light up. North is up.
+ */
+#ifndef ASDIC_OUT_DRAW_CHART_H
+#define ASDIC_OUT_DRAW_CHART_H
+
+#include "base/relief.h"
+
+#include <asdic/output.h>
+
+/* A closed line; dashed where it is not on the bottom. */
+typedef struct asdic_chart_area {
+    double *north_m, *east_m;
+    size_t count;
+    uint32_t rgb;
+    bool dashed;
+    const char *label; /* in the legend, of the first of several with one name; NULL: none */
+} asdic_chart_area;
+
+typedef struct asdic_chart {
+    const asdic_relief *relief; /* no columns: none */
+    const asdic_outline *outlines;
+    size_t outline_count;
+    const asdic_chart_area *areas;
+    size_t area_count;
+    const double *north_m, *east_m; /* the track */
+    size_t track_count;
+    double first_time_s, last_time_s, last_yaw_rad;
+    const char *caption; /* what the areas are */
+} asdic_chart;
+
+asdic_status asdic_draw_chart(asdic_context *ctx, const char *path, const asdic_chart *chart,
+                              const asdic_picture_options *options);
+
+#endif

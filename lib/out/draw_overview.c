@@ -1,0 +1,151 @@
+#include "canvas.h"
+#include "colormap.h"
+#include "draw.h"
+#include "overview.h"
+
+#include <math.h>
+#include <stdio.h>
+
+#define PAPER_RGB 0xffffffu
+#define INK_RGB 0x202020u
+#define BAR_PX 24.0
+#define GAP_PX 28.0
+#define PANEL_PX 480.0
+#define MOST_NAMES 16 /* more beams are numbered */
+
+typedef struct page {
+    asdic_box box[2], bar[2];
+    asdic_plot_axis beams, time, scale[2];
+    double width, height;
+} page;
+
+/* Whole pixels per cell keep the raster crisp. */
+static double pixels_each(size_t count, double fill_px, double most_px) {
+    return fmin(fmax(1.0, floor(fill_px / (double)count)), most_px);
+}
+
+static page lay_out(const asdic_overview *o, const asdic_overview_axes *axes,
+                    const asdic_picture_options *options) {
+    double pings = (double)(o->rows * o->ping_group), beams = (double)(o->columns * o->beam_group);
+    page p = {
+        .beams = {.label = "beam", .low = -0.5, .high = beams - 0.5},
+        .time = {.label = "ping", .low = -0.5, .high = pings - 0.5},
+        .scale = {
+            {.label = "level (dB re 1 \u00b5Pa)", .low = options->db_low, .high = options->db_high},
+            {.label = "range (m)", .high = (double)o->bins * o->bin_length_m}}};
+    if (axes->ping_period_s > 0.0) {
+        p.time.label = "time (s), downwards";
+        p.time.low = axes->first_time_s;
+        p.time.high = axes->first_time_s + pings * axes->ping_period_s;
+    }
+    if (options->tvg_db_per_decade != 0.0 || options->tvg_db_per_m != 0.0) {
+        p.scale[0].label = "level + gain (dB re 1 \u00b5Pa)";
+    }
+    double wide = (double)o->columns * pixels_each(o->columns, PANEL_PX, PANEL_PX);
+    double high = fmax((double)o->rows * pixels_each(o->rows, 720.0, 240.0), 240.0);
+    double x = ASDIC_MARGIN_PX + ceil(asdic_canvas_axis_y_room(&p.time, high));
+    for (int i = 0; i < 2; i++) {
+        p.box[i] = (asdic_box){x, ASDIC_MARGIN_PX + (options->title ? 2.0 * ASDIC_TITLE_PX : 0.0),
+                               wide, high};
+        p.bar[i] = (asdic_box){x + wide + GAP_PX, p.box[i].y, BAR_PX, high};
+        x = p.bar[i].x + BAR_PX + ceil(asdic_canvas_axis_y_room(&p.scale[i], high)) + 2.0 * GAP_PX;
+    }
+    p.width = x - 2.0 * GAP_PX + ASDIC_MARGIN_PX;
+    p.height = p.box[0].y + high + 4.0 * ASDIC_TEXT_PX + ASDIC_MARGIN_PX + 1.6 * ASDIC_NOTE_PX;
+    return p;
+}
+
+static asdic_status draw_panel(asdic_canvas *c, asdic_box box, const asdic_overview *o,
+                               const double *values, const asdic_plot_axis *scale,
+                               asdic_colormap map) {
+    asdic_raster raster;
+    asdic_status status = asdic_raster_init(c->ctx, o->columns, o->rows, &raster);
+    if (status != ASDIC_OK) {
+        return status;
+    }
+    for (size_t i = 0; i < o->rows * o->columns; i++) {
+        double share = (values[i] - scale->low) / (scale->high - scale->low);
+        uint32_t rgb = PAPER_RGB;
+        if (!isnan(share)) {
+            rgb = asdic_colormap_rgb(map, (unsigned)fmin(fmax(256.0 * share, 0.0), 255.0));
+        }
+        asdic_raster_set(&raster, i % o->columns, i / o->columns, rgb);
+    }
+    asdic_canvas_raster(c, &raster, box);
+    asdic_raster_finish(&raster);
+    return ASDIC_OK;
+}
+
+/* Names below the columns, each in the room it has. */
+static void name_beams(asdic_canvas *c, asdic_box box, const asdic_overview *o,
+                       const char *const *names) {
+    double each = box.w / (double)o->beams;
+    for (size_t i = 0; i < o->beams; i++) {
+        asdic_canvas_text_fit(c,
+                              (asdic_text){.x = box.x + ((double)i + 0.5) * each,
+                                           .y = box.y + box.h + 12.0,
+                                           .align_x = 0.5,
+                                           .align_y = 1.0,
+                                           .size_px = ASDIC_TEXT_PX},
+                              names[i], 0.94 * each);
+    }
+    asdic_canvas_text(c,
+                      (asdic_text){.x = box.x + 0.5 * box.w,
+                                   .y = box.y + box.h + 16.0 + 1.5 * ASDIC_TEXT_PX,
+                                   .align_x = 0.5,
+                                   .align_y = 1.0,
+                                   .size_px = ASDIC_TEXT_PX},
+                      "beam");
+}
+
+static void note_groups(char note[ASDIC_NOTE_SIZE], const asdic_overview *o,
+                        const asdic_picture_options *options) {
+    char above[64];
+    asdic_draw_note(note, options, NULL);
+    snprintf(above, sizeof above, "echoes %.0f dB above the noise", ASDIC_OVERVIEW_ABOVE_NOISE_DB);
+    asdic_draw_note_add(note, above);
+    if (o->ping_group > 1 || o->beam_group > 1) {
+        char text[128];
+        snprintf(text, sizeof text, "each pixel is the strongest of %zu ping%s \u00d7 %zu beam%s",
+                 o->ping_group, o->ping_group > 1 ? "s" : "", o->beam_group,
+                 o->beam_group > 1 ? "s" : "");
+        asdic_draw_note_add(note, text);
+    }
+}
+
+asdic_status asdic_draw_overview(asdic_context *ctx, const char *path,
+                                 const asdic_overview *overview, const asdic_overview_axes *axes,
+                                 const asdic_picture_options *options) {
+    char note[ASDIC_NOTE_SIZE];
+    asdic_canvas canvas = {0};
+    const double *values[2] = {overview->shown_db, overview->range_m};
+    page p = lay_out(overview, axes, options);
+    note_groups(note, overview, options);
+    asdic_status status = asdic_canvas_init(ctx, path, p.width, p.height, PAPER_RGB, &canvas);
+    for (int i = 0; i < 2 && status == ASDIC_OK; i++) {
+        asdic_canvas_set_style(&canvas, NULL);
+        status = draw_panel(&canvas, p.box[i], overview, values[i], &p.scale[i], options->colormap);
+        asdic_canvas_color(&canvas, INK_RGB);
+        if (axes->names && overview->beams <= MOST_NAMES) {
+            name_beams(&canvas, p.box[i], overview, axes->names);
+        } else {
+            asdic_canvas_axis_x(&canvas, p.box[i], &p.beams, false);
+        }
+        asdic_canvas_color(&canvas, INK_RGB);
+        cairo_rectangle(canvas.cr, p.box[i].x - 0.5, p.box[i].y - 0.5, p.box[i].w + 1.0,
+                        p.box[i].h + 1.0);
+        cairo_stroke(canvas.cr);
+        asdic_canvas_scale(&canvas, p.bar[i], &p.scale[i], options->colormap, false, INK_RGB);
+    }
+    if (status != ASDIC_OK) {
+        goto done;
+    }
+    if (overview->pings > 1) {
+        asdic_canvas_axis_y(&canvas, p.box[0], &p.time, true, false);
+    }
+    asdic_canvas_frame_text(&canvas, p.box[0].x, options->title, note);
+    status = asdic_canvas_save(&canvas, path, options->texts);
+done:
+    asdic_canvas_finish(&canvas);
+    return status;
+}

@@ -1,0 +1,255 @@
+/*
+ * Objects from above. A mesh may hold many things (boulders): cells that its triangles touch are
+ * marked, and each group of cells that hang together gets a ring of the corners that lie farthest
+ * in each of a few directions.
+ */
+#include "chart.h"
+#include "scene.h"
+
+#include "base/context.h"
+#include "base/vec.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Cells along the longer side of an object; fewer when it has many triangles to mark them. */
+#define CELLS 128
+#define COARSE_CELLS 48
+#define MANY_TRIANGLES 100000u
+
+typedef struct piece {
+    double reach[ASDIC_OUTLINE_SIDES]; /* farthest in each direction so far */
+    double at[ASDIC_OUTLINE_SIDES][2]; /* the corner that does: north, east */
+} piece;
+
+typedef struct charter {
+    asdic_context *ctx;
+    const asdic_scene *scene;
+    const uint32_t *order; /* triangles of the part in hand */
+    size_t order_count;
+    double low[2], cell_m; /* north, east */
+    size_t cells;
+    int32_t label[CELLS * CELLS]; /* -1 empty, 0 marked, else piece number + 1 */
+    uint32_t stack[CELLS * CELLS];
+    asdic_outline *outlines;
+    size_t count, capacity;
+} charter;
+
+static void corner_of(const charter *c, uint32_t triangle, int corner, double at[2]) {
+    const dev_triangle *t = &c->scene->triangles[triangle];
+    const float *v = corner == 0 ? t->v0 : corner == 1 ? t->v1 : t->v2;
+    at[0] = c->scene->origin_m.x + (double)v[0];
+    at[1] = c->scene->origin_m.y + (double)v[1];
+}
+
+static size_t cell_of(const charter *c, int axis, double at) {
+    double cell = floor((at - c->low[axis]) / c->cell_m);
+    return cell < 0.0 ? 0 : cell >= (double)c->cells ? c->cells - 1 : (size_t)cell;
+}
+
+static void lay_grid(charter *c) {
+    double high[2] = {-INFINITY, -INFINITY}, at[2];
+    c->low[0] = c->low[1] = INFINITY;
+    for (size_t i = 0; i < c->order_count; i++) {
+        for (int k = 0; k < 3; k++) {
+            corner_of(c, c->order[i], k, at);
+            for (int axis = 0; axis < 2; axis++) {
+                c->low[axis] = fmin(c->low[axis], at[axis]);
+                high[axis] = fmax(high[axis], at[axis]);
+            }
+        }
+    }
+    c->cells = c->order_count > MANY_TRIANGLES ? COARSE_CELLS : CELLS;
+    double side_m = fmax(high[0] - c->low[0], high[1] - c->low[1]);
+    c->cell_m = fmax(side_m / (double)c->cells, 1e-9);
+    for (size_t i = 0; i < c->cells * c->cells; i++) {
+        c->label[i] = -1;
+    }
+}
+
+static void mark(charter *c) {
+    for (size_t i = 0; i < c->order_count; i++) {
+        size_t low[2] = {SIZE_MAX, SIZE_MAX}, high[2] = {0, 0};
+        for (int k = 0; k < 3; k++) {
+            double at[2];
+            corner_of(c, c->order[i], k, at);
+            for (int axis = 0; axis < 2; axis++) {
+                size_t cell = cell_of(c, axis, at[axis]);
+                low[axis] = cell < low[axis] ? cell : low[axis];
+                high[axis] = cell > high[axis] ? cell : high[axis];
+            }
+        }
+        for (size_t row = low[0]; row <= high[0]; row++) {
+            memset(&c->label[row * c->cells + low[1]], 0,
+                   (high[1] - low[1] + 1) * sizeof *c->label);
+        }
+    }
+}
+
+/* Gives NUMBER to all cells that hang together with cell START. */
+static void flood(charter *c, size_t start, int32_t number) {
+    size_t depth = 0;
+    c->stack[depth++] = (uint32_t)start;
+    c->label[start] = number;
+    while (depth > 0) {
+        size_t cell = c->stack[--depth], row = cell / c->cells, column = cell % c->cells;
+        for (size_t k = 0; k < 9; k++) { /* cells round it; unsigned wrap fails the test */
+            size_t y = row + k / 3 - 1, x = column + k % 3 - 1;
+            if (y < c->cells && x < c->cells && c->label[y * c->cells + x] == 0) {
+                c->label[y * c->cells + x] = number;
+                c->stack[depth++] = (uint32_t)(y * c->cells + x);
+            }
+        }
+    }
+}
+
+static size_t part_pieces(charter *c) {
+    int32_t number = 0;
+    for (size_t i = 0; i < c->cells * c->cells; i++) {
+        if (c->label[i] == 0) {
+            flood(c, i, ++number);
+        }
+    }
+    return (size_t)number;
+}
+
+/* Each corner goes to its piece, in the directions in which it lies farthest. */
+static void reach_out(const charter *c, piece *pieces) {
+    double unit[ASDIC_OUTLINE_SIDES][2];
+    for (int k = 0; k < ASDIC_OUTLINE_SIDES; k++) {
+        double bearing = 2.0 * ASDIC_PI * k / ASDIC_OUTLINE_SIDES;
+        unit[k][0] = cos(bearing);
+        unit[k][1] = sin(bearing);
+    }
+    for (size_t i = 0; i < 3 * c->order_count; i++) {
+        double at[2];
+        corner_of(c, c->order[i / 3], (int)(i % 3), at);
+        size_t cell = cell_of(c, 0, at[0]) * c->cells + cell_of(c, 1, at[1]);
+        piece *p = &pieces[c->label[cell] - 1];
+        for (int k = 0; k < ASDIC_OUTLINE_SIDES; k++) {
+            double reach = (at[0] - c->low[0]) * unit[k][0] + (at[1] - c->low[1]) * unit[k][1];
+            if (reach > p->reach[k]) {
+                p->reach[k] = reach;
+                memcpy(p->at[k], at, sizeof at);
+            }
+        }
+    }
+}
+
+static asdic_outline *add_outline(charter *c, const char *name) {
+    if (c->count == c->capacity) {
+        size_t capacity = c->capacity ? 2 * c->capacity : 16;
+        asdic_outline *more = realloc(c->outlines, capacity * sizeof *more);
+        if (!more) {
+            asdic_fail_memory(c->ctx, "outlines of objects");
+            return NULL;
+        }
+        c->outlines = more;
+        c->capacity = capacity;
+    }
+    asdic_outline *outline = &c->outlines[c->count++];
+    *outline = (asdic_outline){0};
+    memcpy(outline->name, name, sizeof outline->name);
+    return outline;
+}
+
+static asdic_status add_rings(charter *c, const char *name, const piece *pieces, size_t count) {
+    for (size_t i = 0; i < count; i++) {
+        asdic_outline *o = add_outline(c, name);
+        if (!o) {
+            return ASDIC_ERROR_MEMORY;
+        }
+        for (int k = 0; k < ASDIC_OUTLINE_SIDES; k++) {
+            const double *at = pieces[i].at[k];
+            size_t last = o->count - 1;
+            bool is_new = o->count == 0 || at[0] != o->north_m[last] || at[1] != o->east_m[last];
+            bool is_first = o->count > 0 && at[0] == o->north_m[0] && at[1] == o->east_m[0];
+            if (is_new && !is_first) {
+                o->north_m[o->count] = at[0];
+                o->east_m[o->count++] = at[1];
+            }
+        }
+    }
+    return ASDIC_OK;
+}
+
+static asdic_status chart_part(charter *c, const char *name) {
+    lay_grid(c);
+    mark(c);
+    size_t count = part_pieces(c);
+    piece *pieces = malloc((count + 1) * sizeof *pieces);
+    if (!pieces) {
+        return asdic_fail_memory(c->ctx, "outlines of objects");
+    }
+    for (size_t i = 0; i < count; i++) {
+        for (int k = 0; k < ASDIC_OUTLINE_SIDES; k++) {
+            pieces[i].reach[k] = -INFINITY;
+        }
+    }
+    reach_out(c, pieces);
+    asdic_status status = add_rings(c, name, pieces, count);
+    free(pieces);
+    return status;
+}
+
+/* Triangles by part: FIRST[part] to FIRST[part + 1] - 1 of ORDER. */
+static void sort_by_part(const asdic_scene *scene, uint32_t *first, uint32_t *order) {
+    for (size_t i = 0; i < scene->triangle_count; i++) {
+        first[scene->triangles[i].part + 1]++;
+    }
+    for (size_t p = 0; p < scene->part_count; p++) {
+        first[p + 1] += first[p];
+    }
+    for (size_t i = scene->triangle_count; i-- > 0;) { /* from the end: FIRST moves to its place */
+        order[--first[scene->triangles[i].part + 1]] = (uint32_t)i;
+    }
+    memmove(first, first + 1, scene->part_count * sizeof *first);
+    first[scene->part_count] = (uint32_t)scene->triangle_count;
+}
+
+asdic_status asdic_chart_outlines(asdic_context *ctx, const asdic_scene *scene, asdic_outline **out,
+                                  size_t *count) {
+    asdic_status status = ASDIC_OK;
+    uint32_t *first = calloc(scene->part_count + 2, sizeof *first);
+    uint32_t *order = malloc((scene->triangle_count + 1) * sizeof *order);
+    charter *c = malloc(sizeof *c);
+    *out = NULL;
+    *count = 0;
+    if (!first || !order || !c) {
+        status = asdic_fail_memory(ctx, "outlines of objects");
+        goto done;
+    }
+    c->ctx = ctx;
+    c->scene = scene;
+    c->outlines = NULL;
+    c->count = c->capacity = 0;
+    sort_by_part(scene, first, order);
+    for (size_t p = 0; p < scene->part_count && status == ASDIC_OK; p++) {
+        c->order = order + first[p];
+        c->order_count = first[p + 1] - first[p];
+        if (scene->parts[p].kind == DEV_KIND_OBJECT && c->order_count > 0) {
+            status = chart_part(c, scene->parts[p].name);
+        }
+    }
+    for (size_t i = 0; i < scene->point_count && status == ASDIC_OK; i++) {
+        asdic_outline *o = add_outline(c, scene->points[i].name);
+        status = o ? ASDIC_OK : ASDIC_ERROR_MEMORY;
+        if (o) {
+            o->count = 1;
+            o->north_m[0] = scene->points[i].position_m.x;
+            o->east_m[0] = scene->points[i].position_m.y;
+        }
+    }
+    if (status != ASDIC_OK) {
+        free(c->outlines);
+        goto done;
+    }
+    *out = c->outlines;
+    *count = c->count;
+done:
+    free(c);
+    free(order);
+    free(first);
+    return status;
+}

@@ -1,0 +1,306 @@
+/*
+ * The mission from above: relief and outlines of a scene, footprints of beams, overview, and that the
+ * picture shows them where they say.
+ */
+#include "asserts.h"
+
+#include "lib/base/vec.h"
+#include "lib/mission/run_footprint.h"
+#include "lib/out/overview.h"
+#include "lib/out/raster_relief.h"
+#include "lib/scene/chart.h"
+
+#include <asdic/asdic.h>
+
+#include <math.h>
+#include <png.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#define HALF_POWER 0.442946 /* sin(u) / u squared is a half at u = 0.442946 pi */
+
+static asdic_context *ctx;
+
+static int set_up(void **state) {
+    (void)state;
+    return asdic_context_create(&ctx) != ASDIC_OK;
+}
+
+static int tear_down(void **state) {
+    (void)state;
+    asdic_context_destroy(&ctx);
+    return 0;
+}
+
+/* A slope from 10 m deep at the south edge (x = 0) to 20 m at the north edge (x = 100), y 0..50. */
+static asdic_scene *slope_scene(void) {
+    const double corners_m[] = {0, 0, 10, 100, 0, 20, 100, 50, 20, 0, 50, 10};
+    const uint32_t triangles[] = {0, 1, 2, 0, 2, 3};
+    asdic_scene *scene;
+    asdic_mesh *mesh;
+    asdic_material sand;
+    assert_int_equal(asdic_scene_create(ctx, &scene), ASDIC_OK);
+    assert_int_equal(asdic_mesh_from_triangles(ctx, corners_m, 4, triangles, 2, &mesh), ASDIC_OK);
+    sand = asdic_material_bottom(2.0);
+    assert_int_equal(asdic_scene_add_bottom(scene, mesh, (asdic_pose){0}, sand), ASDIC_OK);
+    asdic_mesh_destroy(&mesh);
+    return scene;
+}
+
+static void relief_is_the_bottoms_depth(void **state) {
+    (void)state;
+    asdic_scene *scene = slope_scene();
+    float depth_m[12 * 7];
+    asdic_relief relief = {
+        .columns = 7, .rows = 12, .west_m = -10, .south_m = -10, .cell_m = 10, .depth_m = depth_m};
+    assert_int_equal(asdic_scene_commit(scene), ASDIC_OK);
+    asdic_chart_relief(scene, &relief);
+    for (size_t row = 0; row < 12; row++) {
+        for (size_t column = 0; column < 7; column++) {
+            double north_m = -10.0 + (11.5 - (double)row) * 10.0;
+            double east_m = -10.0 + ((double)column + 0.5) * 10.0;
+            bool is_there = north_m > 0.0 && north_m < 100.0 && east_m > 0.0 && east_m < 50.0;
+            if (is_there) {
+                assert_close(depth_m[row * 7 + column], 10.0 + 0.1 * north_m, 1e-4);
+            } else {
+                assert_true(isnan(depth_m[row * 7 + column]));
+            }
+        }
+    }
+    double low_m, high_m;
+    assert_true(asdic_relief_span(&relief, -10, 60, 0, 50, &low_m, &high_m));
+    assert_close(low_m, 10.5, 1e-4);
+    assert_close(high_m, 14.5, 1e-4);
+    assert_false(asdic_relief_span(&relief, 100, 200, 0, 50, &low_m, &high_m));
+    asdic_scene_destroy(&scene);
+}
+
+static void relief_is_lit_from_the_north_west(void **state) {
+    (void)state;
+    /* Ridges along both diagonals: flanks facing north-west are brighter than those facing
+     * south-east, at equal depth. */
+    enum { SIDE = 21 };
+    float depth_m[SIDE * SIDE];
+    asdic_relief relief = {.columns = SIDE, .rows = SIDE, .cell_m = 1, .depth_m = depth_m};
+    for (int i = 0; i < SIDE * SIDE; i++) {
+        depth_m[i] = 20.0f + 0.3f * fabsf((float)(i / SIDE + i % SIDE - SIDE + 1));
+    }
+    asdic_raster raster;
+    assert_int_equal(asdic_raster_relief(ctx, &relief, 10, 40, ASDIC_COLORMAP_GRAY, 0, &raster),
+                     ASDIC_OK);
+    const uint8_t *north_west = raster.rgb + 3 * (5 * SIDE + 5);
+    const uint8_t *south_east = raster.rgb + 3 * (15 * SIDE + 15);
+    assert_true(north_west[0] > south_east[0] + 40);
+    asdic_raster_finish(&raster);
+}
+
+static double area_of(const double *north_m, const double *east_m, size_t count) {
+    double twice = 0.0;
+    for (size_t i = 0; i < count; i++) {
+        size_t k = (i + 1) % count;
+        twice += north_m[i] * east_m[k] - north_m[k] * east_m[i];
+    }
+    return 0.5 * twice; /* positive clockwise, north up and east right */
+}
+
+static void add_object(asdic_scene *scene, const char *name, asdic_mesh *mesh, asdic_pose pose) {
+    asdic_material steel = asdic_material_bottom(2.0);
+    assert_int_equal(asdic_scene_add_object(scene, name, mesh, pose, steel), ASDIC_OK);
+    asdic_mesh_destroy(&mesh);
+}
+
+static void outlines_are_the_objects(void **state) {
+    (void)state;
+    asdic_scene *scene = slope_scene();
+    asdic_outline *outlines;
+    asdic_mesh *mesh;
+    size_t count;
+    assert_int_equal(asdic_mesh_box(ctx, (asdic_vec3){4, 2, 1}, &mesh), ASDIC_OK);
+    add_object(scene, "box", mesh,
+               (asdic_pose){.position_m = {50, 20, 5}, .yaw_rad = 30.0 * ASDIC_PI / 180.0});
+    assert_int_equal(asdic_mesh_sphere(ctx, 3.0, 48, &mesh), ASDIC_OK);
+    add_object(scene, "ball", mesh, (asdic_pose){.position_m = {70, 30, 5}});
+    assert_int_equal(asdic_scene_add_point(scene, "buoy", (asdic_vec3){1, 2, 3}, -20), ASDIC_OK);
+    /* Two triangles far apart in one mesh: two things. */
+    const double corners_m[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 40, 40, 0, 41, 40, 0, 40, 41, 0};
+    const uint32_t triangles[] = {0, 1, 2, 3, 4, 5};
+    assert_int_equal(asdic_mesh_from_triangles(ctx, corners_m, 6, triangles, 2, &mesh), ASDIC_OK);
+    add_object(scene, "pair", mesh, (asdic_pose){0});
+    assert_int_equal(asdic_scene_commit(scene), ASDIC_OK);
+    assert_int_equal(asdic_chart_outlines(ctx, scene, &outlines, &count), ASDIC_OK);
+    assert_int_equal(count, 5);
+    assert_string_equal(outlines[0].name, "box");
+    assert_int_equal(outlines[0].count, 4);
+    assert_close(area_of(outlines[0].north_m, outlines[0].east_m, 4), 8.0, 1e-3);
+    assert_string_equal(outlines[1].name, "ball");
+    double disc_m2 = area_of(outlines[1].north_m, outlines[1].east_m, outlines[1].count);
+    assert_close(disc_m2, ASDIC_PI * 9.0, 1.0); /* a polygon of 24 sides, within a mesh */
+    assert_string_equal(outlines[2].name, "pair");
+    assert_string_equal(outlines[3].name, "pair");
+    for (int i = 2; i < 4; i++) {
+        assert_int_equal(outlines[i].count, 3);
+        assert_close(area_of(outlines[i].north_m, outlines[i].east_m, 3), 0.5, 1e-4);
+    }
+    assert_string_equal(outlines[4].name, "buoy");
+    assert_int_equal(outlines[4].count, 1);
+    assert_close(outlines[4].east_m[0], 2.0, 0.0);
+    free(outlines);
+    asdic_scene_destroy(&scene);
+}
+
+static const asdic_relief no_relief;
+
+/* Vehicle heading east, 10 m above a flat bottom; lobe edges by trigonometry. */
+static void footprint_on_a_plane(void **state) {
+    (void)state;
+    asdic_beam beam = {.pitch_rad = 0.5, .length_h_m = 0.1, .length_v_m = 0.05};
+    asdic_swath swath = {.beams = &beam, .count = 1, .wavelength_m = 0.015, .range_m = 100};
+    asdic_pose pose = {.position_m = {3, 7, 20}, .yaw_rad = 0.5 * ASDIC_PI};
+    asdic_ground ground = {.relief = &no_relief, .plane_depth_m = 30};
+    asdic_chart_area area;
+    assert_int_equal(asdic_footprint_find(ctx, &swath, &pose, &ground, &area), ASDIC_OK);
+    assert_false(area.dashed);
+    double half_v = asin(HALF_POWER * 0.015 / 0.05);
+    size_t middle = area.count / 4; /* of 17 near points, then 17 far ones */
+    assert_int_equal(area.count, 34);
+    assert_close(area.east_m[middle], 7.0 + 10.0 / tan(0.5 + half_v), 1e-9);
+    assert_close(area.north_m[middle], 3.0, 1e-9);
+    assert_close(area.east_m[middle + 17], 7.0 + 10.0 / tan(0.5 - half_v), 1e-9);
+    /* Heading east, port is north: the first point is the near one to port. */
+    assert_true(area.north_m[0] > 3.0 && area.north_m[16] < 3.0);
+    asdic_footprint_finish(&area);
+    /* Looking up, it meets nothing: the lobe itself, dashed. */
+    beam.pitch_rad = -0.5;
+    assert_int_equal(asdic_footprint_find(ctx, &swath, &pose, &ground, &area), ASDIC_OK);
+    assert_true(area.dashed);
+    assert_close(area.east_m[1 + 8], 7.0 + 100.0 * cos(0.5), 1e-9);
+    asdic_footprint_finish(&area);
+    /* Level, it meets the bottom by its lower edge only: out to the range. */
+    beam.pitch_rad = 0.0;
+    assert_int_equal(asdic_footprint_find(ctx, &swath, &pose, &ground, &area), ASDIC_OK);
+    assert_close(area.east_m[middle], 7.0 + 10.0 / tan(half_v), 1e-9);
+    assert_close(area.east_m[middle + 17], 7.0 + 100.0 * cos(half_v), 1e-9);
+    asdic_footprint_finish(&area);
+}
+
+static void footprint_on_terrain(void **state) {
+    (void)state;
+    /* A wall up to the surface at x = 30 m stops a level beam that would go on to 100 m. */
+    enum { SIDE = 100 };
+    float *depth_m = malloc(SIDE * SIDE * sizeof *depth_m);
+    asdic_relief relief = {.columns = SIDE,
+                           .rows = SIDE,
+                           .west_m = -50,
+                           .south_m = -50,
+                           .cell_m = 1,
+                           .depth_m = depth_m};
+    for (int i = 0; i < SIDE * SIDE; i++) {
+        double north_m = 49.5 - i / SIDE;
+        depth_m[i] = north_m > 30.0 ? 0.0f : 10.0f;
+    }
+    asdic_beam beam = {.length_h_m = 0.1, .length_v_m = 0.05};
+    asdic_swath swath = {.beams = &beam, .count = 1, .wavelength_m = 0.015, .range_m = 45};
+    asdic_pose pose = {.position_m = {0, 0, 5}};
+    asdic_ground ground = {.relief = &relief, .plane_depth_m = INFINITY};
+    asdic_chart_area area;
+    assert_int_equal(asdic_footprint_find(ctx, &swath, &pose, &ground, &area), ASDIC_OK);
+    assert_false(area.dashed);
+    assert_close(area.north_m[8 + 17], 30.0, 1.0);
+    asdic_footprint_finish(&area);
+    free(depth_m);
+}
+
+static void overview_keeps_the_strongest(void **state) {
+    (void)state;
+    /* 3000 pings in groups of 3, 2 beams, 4 bins of 10 m; a gain of 20 log r decides. */
+    asdic_overview o;
+    asdic_picture_options gain = {.tvg_db_per_decade = 20.0};
+    const float noise_db[8] = {NAN, NAN, NAN, NAN, -100, -100, -100, -100};
+    assert_int_equal(asdic_overview_init(ctx, 3000, 2, 4, 10.0, &o), ASDIC_OK);
+    assert_int_equal(o.rows, 1000);
+    for (int ping = 0; ping < 3000; ping++) {
+        float peak_db = ping == 301 ? 0.0f : -60.0f;
+        /* Beam 0: -40 dB at 5 m (-26 shown), the peak at 15 m; beam 1: nothing 10 dB above noise. */
+        const float levels_db[8] = {-40, peak_db, NAN, -70, -95, -95, NAN, -91};
+        asdic_overview_add(&o, levels_db, noise_db, &gain);
+    }
+    for (size_t row = 0; row < 1000; row++) {
+        bool is_peak = row == 100;
+        assert_close(o.range_m[2 * row], is_peak ? 15.0 : 5.0, 0);
+        assert_close(o.shown_db[2 * row], is_peak ? 20.0 * log10(15.0) : -40.0 + 20.0 * log10(5.0),
+                     1e-9);
+        assert_true(isnan(o.shown_db[2 * row + 1]));
+    }
+    double low_db, high_db;
+    asdic_overview_window(&o, &low_db, &high_db);
+    assert_close(low_db, -30.0, 0);
+    assert_close(high_db, 30.0, 0);
+    asdic_overview_finish(&o);
+}
+
+/* Width, height and how many pixels are RGB of a picture, which is deleted. */
+static size_t count_pixels(const char *path, uint32_t rgb, size_t *width, size_t *height) {
+    png_image image = {.version = PNG_IMAGE_VERSION};
+    size_t count = 0;
+    assert_true(png_image_begin_read_from_file(&image, path));
+    image.format = PNG_FORMAT_RGB;
+    uint8_t *pixels = malloc(PNG_IMAGE_SIZE(image));
+    assert_true(png_image_finish_read(&image, NULL, pixels, 0, NULL));
+    *width = image.width;
+    *height = image.height;
+    for (size_t i = 0; i < *width * *height; i++) {
+        const uint8_t *p = pixels + 3 * i;
+        count += ((uint32_t)p[0] << 16 | (uint32_t)p[1] << 8 | p[2]) == rgb;
+    }
+    free(pixels);
+    unlink(path);
+    return count;
+}
+
+static void pictures_show_them(void **state) {
+    (void)state;
+    char path[] = "/tmp/asdic-chart-XXXXXX.png";
+    asdic_picture_options options = asdic_picture_options_default();
+    size_t width, height;
+    close(mkstemps(path, 4));
+    options.colormap = ASDIC_COLORMAP_VIRIDIS;
+    if (!asdic_picture_annotated()) {
+        unlink(path);
+        skip();
+    }
+    /* A track of 100 m north: a line of vermilion 2.5 pixels wide, as long as the box says. */
+    const double north_m[2] = {0, 100}, east_m[2] = {0, 0};
+    asdic_chart chart = {.relief = &no_relief,
+                         .north_m = north_m,
+                         .east_m = east_m,
+                         .track_count = 2,
+                         .caption = "caption"};
+    assert_int_equal(asdic_draw_chart(ctx, path, &chart, &options), ASDIC_OK);
+    size_t track = count_pixels(path, 0xd55e00, &width, &height);
+    assert_true(track > 1000 && track < 6000);
+    assert_true(width > 400 && width < 1300 && height > 860 && height < 1200);
+    /* One beam of two at the top of the window, the other empty. */
+    asdic_overview o;
+    const float levels_db[2] = {-60, NAN}, noise_db[2] = {NAN, NAN};
+    const asdic_overview_axes axes = {0};
+    assert_int_equal(asdic_overview_init(ctx, 1, 2, 1, 10.0, &o), ASDIC_OK);
+    asdic_overview_add(&o, levels_db, noise_db, &options);
+    assert_int_equal(asdic_draw_overview(ctx, path, &o, &axes, &options), ASDIC_OK);
+    size_t bright = count_pixels(path, 0xfde725, &width, &height);
+    assert_close((double)bright, 240.0 * 240.0, 400.0); /* the scale has a few of them */
+    asdic_overview_finish(&o);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(relief_is_the_bottoms_depth),
+        cmocka_unit_test(relief_is_lit_from_the_north_west),
+        cmocka_unit_test(outlines_are_the_objects),
+        cmocka_unit_test(footprint_on_a_plane),
+        cmocka_unit_test(footprint_on_terrain),
+        cmocka_unit_test(overview_keeps_the_strongest),
+        cmocka_unit_test(pictures_show_them),
+    };
+    return cmocka_run_group_tests(tests, set_up, tear_down);
+}
