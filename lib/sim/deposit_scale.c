@@ -51,6 +51,7 @@ void asdic_deposit_scales(const dev_material *materials, size_t count, dev_ping 
         double sum = 2.0 * 4.0 * 4.0 * 3.14159265358979323846 * bound[c];
         ping->deposit_scale[c] = (float)exp2(floor(61.0 - log2(sum)));
     }
-    /* Each ray makes at most four deposits in one component. */
-    ping->deposit_limit = (float)exp2(60.0 - ceil(log2((double)ping->rays)));
+    /* A sum overflows at 64 such deposits. Each needs a ray that stands for pi / 4 steradians or more
+     * and meets the loudest thing there is; all rays together stand for 4 pi. */
+    ping->deposit_limit = (float)exp2(57.0);
 }

@@ -8,10 +8,9 @@
 
 #include <stddef.h>
 
-/* Fills PING's deposit_scale and deposit_limit from its water, its rays and the materials, for all
- * pings of a simulator. A sum of
- * `rays` deposits at the limit stays below 2^62, so that no sum can overflow; the quantum lies
- * about 180 dB below the loudest conceivable sum, before range. */
+/* Fills PING's deposit_scale and deposit_limit from its water and the materials, for all pings of a
+ * simulator. No sum overflows that physics allows; the quantum lies about 180 dB below the loudest
+ * conceivable sum, before range. */
 void asdic_deposit_scales(const dev_material *materials, size_t count, dev_ping *ping);
 
 #endif

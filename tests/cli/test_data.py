@@ -6,7 +6,7 @@ import sys
 import tempfile
 
 import tap
-from program import asdic
+from program import Folder, asdic, need_device
 
 DATA = pathlib.Path(__file__).resolve().parents[2] / "data"
 
@@ -43,10 +43,17 @@ def test_generators_make_the_files():
             subprocess.run([sys.executable, script, folder], check=True,
                            stdout=subprocess.DEVNULL)
         made = [path for path in pathlib.Path(folder).rglob("*") if path.is_file()]
-        tap.equal(len(made), 13, "number of files")
+        tap.equal(len(made), 14, "number of files")
         for path in made:
             kept = DATA / path.relative_to(folder)
             tap.equal(path.read_bytes() == kept.read_bytes(), True, f"{kept} is as made")
+
+
+def test_flat_faces_are_not_cut():
+    need_device()
+    with Folder() as folder:  # a face of the box is met square on, by rays that stand for much
+        done = asdic("run", "-q", DATA / "scenes" / "sonar_m1200d.yaml", "-o", folder / "out")
+        tap.equal((done.code, done.err), (0, ""))
 
 
 tap.main(globals())
