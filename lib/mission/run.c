@@ -48,6 +48,7 @@ typedef struct taker {
 static asdic_status take(void *user, size_t ping, const asdic_ping *result) {
     taker *t = user;
     asdic_run_job *job = t->job;
+    double begin_s = asdic_clock_s();
     asdic_record record;
     asdic_record_head head = head_of(job->mission, ping, result);
     asdic_record_pack(&head, result, job->bytes);
@@ -57,6 +58,7 @@ static asdic_status take(void *user, size_t ping, const asdic_ping *result) {
     }
     asdic_record_view(job->bytes, job->facts.beams, job->facts.bins, &record);
     status = asdic_csv_add(job->csv, &record);
+    job->facts.write_s += asdic_clock_s() - begin_s;
     job->rays += result->rays;
     report(job, t->result.ready_s);
     return status;

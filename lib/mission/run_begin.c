@@ -4,6 +4,7 @@
 #include "run_files.h"
 #include "run_folder.h"
 #include "run_inputs.h"
+#include "run_queue.h"
 #include "run_scenery.h"
 #include "track_write.h"
 
@@ -66,6 +67,7 @@ static asdic_status describe(asdic_run_job *job) {
     f->bin_length_m = sonar->bin_length_m;
     f->stderr_median_db = f->stderr_worst_db = NAN;
     f->setup_s = f->simulate_s = f->pictures_s = f->rays_per_s = NAN;
+    f->write_s = 0.0;
     return asdic_inputs_hash(job->ctx, m, job->inputs_hash);
 }
 
@@ -190,9 +192,11 @@ asdic_status asdic_job_begin(asdic_run_job *job) {
     if (!job->bytes) {
         return asdic_fail_memory(job->ctx, "a record");
     }
+    double begin_s = asdic_clock_s();
     status = write_track(job);
     if (status == ASDIC_OK) {
         status = asdic_scenery_write(job->ctx, job->mission, job->options->folder);
     }
+    job->facts.write_s += asdic_clock_s() - begin_s;
     return status == ASDIC_OK ? open_csv(job) : status;
 }

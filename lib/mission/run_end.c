@@ -42,6 +42,7 @@ static asdic_status draw(asdic_run_job *job) {
 
 asdic_status asdic_job_end(asdic_run_job *job, bool is_whole) {
     const char *folder = job->options->folder;
+    double begin_s = asdic_clock_s();
     asdic_status status = asdic_store_commit(job->store);
     if (status == ASDIC_OK) {
         status = asdic_csv_commit(&job->csv);
@@ -52,6 +53,7 @@ asdic_status asdic_job_end(asdic_run_job *job, bool is_whole) {
     if (status == ASDIC_OK && is_whole) {
         status = asdic_files_write(job->ctx, job->store, folder, job->mission, &job->facts);
     }
+    job->facts.write_s += asdic_clock_s() - begin_s;
     /* Not complete before the pictures are there: --resume then draws what is missing. */
     job->facts.state = ASDIC_RUN_STOPPED;
     if (status == ASDIC_OK) {

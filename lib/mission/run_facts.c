@@ -110,11 +110,11 @@ static void add_terms(asdic_text *json, const asdic_plan *plan) {
 }
 
 static void add_results(asdic_text *json, const asdic_run_facts *facts) {
-    char a[ASDIC_DIGITS_SIZE], b[ASDIC_DIGITS_SIZE], c[ASDIC_DIGITS_SIZE];
-    asdic_text_format(json, "  \"time_s\": {\"setup\": %s, \"simulate\": %s, \"pictures\": %s},\n",
-                      number_or_null(a, "%.3f", facts->setup_s),
-                      number_or_null(b, "%.3f", facts->simulate_s),
-                      number_or_null(c, "%.3f", facts->pictures_s));
+    char a[ASDIC_DIGITS_SIZE], b[ASDIC_DIGITS_SIZE], c[ASDIC_DIGITS_SIZE], d[ASDIC_DIGITS_SIZE];
+    asdic_text_format(
+        json, "  \"time_s\": {\"setup\": %s, \"simulate\": %s, \"write\": %s, \"pictures\": %s},\n",
+        number_or_null(a, "%.3f", facts->setup_s), number_or_null(b, "%.3f", facts->simulate_s),
+        number_or_null(c, "%.3f", facts->write_s), number_or_null(d, "%.3f", facts->pictures_s));
     asdic_text_format(json, "  \"rays_per_s\": %s,\n",
                       number_or_null(a, "%.0f", facts->rays_per_s));
     asdic_text_format(json, "  \"stderr_db\": {\"median\": %s, \"worst\": %s},\n",
@@ -261,6 +261,7 @@ static void read_all(reader *r, asdic_arena *arena, asdic_run_facts *facts) {
     facts->bin_length_m = read_number(r, r->root, "bin_length_m");
     facts->setup_s = read_number(r, time_s, "setup");
     facts->simulate_s = read_number(r, time_s, "simulate");
+    facts->write_s = read_number(r, time_s, "write");
     facts->pictures_s = read_number(r, time_s, "pictures");
     facts->rays_per_s = read_number(r, r->root, "rays_per_s");
     facts->stderr_median_db = read_number(r, stderr_db, "median");

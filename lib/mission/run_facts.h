@@ -36,6 +36,7 @@ typedef struct asdic_run_facts {
     size_t device_count;
     uint64_t rays_traced, saturated;
     double setup_s, simulate_s, pictures_s; /* of the last call that worked on the run */
+    double write_s; /* spent on files but pictures; most of it while devices simulate */
     double rays_per_s;
     double stderr_median_db, stderr_worst_db; /* NAN: no ping yet */
 } asdic_run_facts;

@@ -96,7 +96,7 @@ static asdic_status sum_up(merger *m, asdic_arena *arena) {
         device_count += m->parts[i]->facts.device_count;
     }
     /* Times add up: what the whole took of one machine. */
-    f->setup_s = f->simulate_s = f->pictures_s = 0.0;
+    f->setup_s = f->simulate_s = f->write_s = f->pictures_s = 0.0;
     f->devices = asdic_arena_alloc(arena, (device_count + 1) * sizeof *f->devices);
     f->device_count = 0;
     if (!f->devices) {
@@ -106,6 +106,7 @@ static asdic_status sum_up(merger *m, asdic_arena *arena) {
         const asdic_run_facts *part = &m->parts[i]->facts;
         f->setup_s += part->setup_s;
         f->simulate_s += part->simulate_s;
+        f->write_s += part->write_s;
         for (size_t k = 0; k < part->device_count; k++) {
             bool is_listed = false;
             for (size_t n = 0; n < f->device_count; n++) {

@@ -79,6 +79,21 @@ static void put_header(FILE *stream, const char *key, double value) {
     fprintf(stream, "%-13s %s\n", key, digits);
 }
 
+/* As "%.3f", at a tenth of its cost. */
+static void put_millimetres(FILE *stream, double depth_m) {
+    char digits[ASDIC_DIGITS_SIZE];
+    int64_t depth_mm = llrint(fabs(depth_m) * 1000.0), rest = depth_mm % 1000;
+    asdic_digits_natural(digits, (uint64_t)(depth_mm / 1000));
+    if (depth_m < 0.0 && depth_mm > 0) {
+        fputc('-', stream);
+    }
+    fputs(digits, stream);
+    fputc('.', stream);
+    fputc('0' + (char)(rest / 100), stream);
+    fputc('0' + (char)(rest / 10 % 10), stream);
+    fputc('0' + (char)(rest % 10), stream);
+}
+
 static void put_relief(FILE *stream, const asdic_relief *r) {
     put_header(stream, "ncols", (double)r->columns);
     put_header(stream, "nrows", (double)r->rows);
@@ -87,11 +102,11 @@ static void put_relief(FILE *stream, const asdic_relief *r) {
     put_header(stream, "cellsize", r->cell_m);
     put_header(stream, "NODATA_value", -9999.0);
     for (size_t i = 0; i < r->rows * r->columns; i++) {
-        char digits[ASDIC_DIGITS_SIZE] = "-9999";
         if (isfinite(r->depth_m[i])) {
-            asdic_digits_print(digits, "%.3f", (double)r->depth_m[i]);
+            put_millimetres(stream, (double)r->depth_m[i]);
+        } else {
+            fputs("-9999", stream);
         }
-        fputs(digits, stream);
         fputc((i + 1) % r->columns == 0 ? '\n' : ' ', stream);
     }
 }
