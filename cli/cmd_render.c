@@ -2,6 +2,7 @@
 
 #include <math.h>
 #include <string.h>
+#include <sys/stat.h>
 
 /* Names of pictures in a list with commas, as bits. */
 static bool read_images(cli *c, unsigned *images) {
@@ -44,10 +45,22 @@ static asdic_status set_gain(cli *c, const char *folder, double db_per_decade,
     return status;
 }
 
+static bool may_write(cli *c, const char *path) {
+    struct stat st;
+    if (path && strcmp(path, "-") != 0 && !cli_given(c, "force") && stat(path, &st) == 0 &&
+        S_ISREG(st.st_mode)) {
+        cli_error(c, "'%s' exists; --force overwrites it", path);
+        return false;
+    }
+    return true;
+}
+
 static int run(cli *c) {
+    static const char *const formats[] = {
+        [ASDIC_PICTURE_BY_NAME] = "auto", "png", "pdf", "svg", NULL};
     asdic_render_options options = asdic_render_options_default();
     const char *maps[ASDIC_COLORMAP_COUNT + 1] = {0}, *folder = cli_operand(c, 0);
-    int map = ASDIC_COLORMAP_VIRIDIS;
+    int map = ASDIC_COLORMAP_VIRIDIS, format = ASDIC_PICTURE_BY_NAME;
     double gain = 0.0;
     uint64_t ping = SIZE_MAX;
     for (int i = 0; i < ASDIC_COLORMAP_COUNT; i++) {
@@ -55,6 +68,7 @@ static int run(cli *c) {
     }
     cli_number_range(c, "db-range", -500.0, 500.0, &options.db_low, &options.db_high);
     cli_choice(c, "colormap", maps, &map);
+    cli_choice(c, "format", formats, &format);
     cli_number(c, "tvg", 0.0, 100.0, &gain);
     cli_integer(c, "ping", 0, SIZE_MAX - 1, &ping);
     if (cli_bad_usage(c) || !read_images(c, &options.images)) {
@@ -64,6 +78,11 @@ static int run(cli *c) {
     options.beam = cli_text(c, "beam");
     options.ping = ping;
     options.raw = cli_given(c, "raw");
+    options.format = (asdic_picture_format)format;
+    options.path = cli_text(c, "output");
+    if (!may_write(c, options.path)) {
+        return CLI_FAILED;
+    }
     asdic_status status = ASDIC_OK;
     if (cli_given(c, "tvg")) {
         status = set_gain(c, folder, gain, &options);
@@ -81,6 +100,10 @@ static const cli_option options[] = {
     {"tvg", 0, "K", "show levels + K log r + 2 alpha r, alpha being the scene's absorption"},
     {"beam", 0, "NAME", "this beam only"},
     {"ping", 0, "N", "A-scope and fan of this ping, instead of the first and the last"},
+    {"format", 0, "FORMAT", "auto (by the name of the file, else PNG), png, pdf or svg"},
+    {"output", 'o', "FILE",
+     "write the one picture that the other options choose there; - is the standard output"},
+    {"force", 0, NULL, "overwrite that file"},
     {"raw", 0, NULL, "16-bit grey pictures too, a pixel per bin: raw_<beam>.png"},
     {0},
 };

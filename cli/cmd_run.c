@@ -131,7 +131,8 @@ static void summarise(const cli *c, const asdic_mission *mission, const asdic_ru
         return;
     }
     cli_progress_short(rate, (double)last->rays / last->elapsed_s);
-    cli_note(c, "%s: %zu ping%s, %zu beam%s, %.2f s, %srays/s", options->folder, last->pings_total,
+    const char *where = strcmp(options->folder, "-") == 0 ? "standard output" : options->folder;
+    cli_note(c, "%s: %zu ping%s, %zu beam%s, %.2f s, %srays/s", where, last->pings_total,
              last->pings_total == 1 ? "" : "s", asdic_mission_sonar(mission)->receiver_count,
              asdic_mission_sonar(mission)->receiver_count == 1 ? "" : "s", last->elapsed_s, rate);
 }
@@ -191,7 +192,8 @@ done:
 }
 
 static const cli_option options[] = {
-    {"output", 'o', "DIR", "run folder; default: run_<name of the scene>"},
+    {"output", 'o', "DIR",
+     "run folder; default: run_<name of the scene>; - writes bins.csv alone to standard output"},
     {"rays", 0, "N", "rays per ping, instead of the scene's"},
     {"tolerance", 0, "DB",
      "double the rays until one standard error of every bin above the noise is at most this"},

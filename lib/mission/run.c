@@ -6,8 +6,10 @@
 #include "base/context.h"
 #include "run_folder.h"
 #include "run_queue.h"
+#include "run_stream.h"
 
 #include <stdio.h>
+#include <string.h>
 
 asdic_run_options asdic_run_options_default(void) {
     return (asdic_run_options){.count = SIZE_MAX};
@@ -24,8 +26,7 @@ static void report(const asdic_run_job *job, double since_s) {
     }
 }
 
-/* What a ping's levels are kept with. */
-static asdic_record_head head_of(const asdic_mission *mission, size_t ping,
+asdic_record_head asdic_job_head(const asdic_mission *mission, size_t ping,
                                  const asdic_ping *result) {
     asdic_record_head head = {.ping = ping, .rays = result->rays, .saturated = result->saturated};
     asdic_pose pose = asdic_mission_pose(mission, ping, &head.time_s);
@@ -50,7 +51,7 @@ static asdic_status take(void *user, size_t ping, const asdic_ping *result) {
     asdic_run_job *job = t->job;
     double begin_s = asdic_clock_s();
     asdic_record record;
-    asdic_record_head head = head_of(job->mission, ping, result);
+    asdic_record_head head = asdic_job_head(job->mission, ping, result);
     asdic_record_pack(&head, result, job->bytes);
     asdic_status status = asdic_store_append(job->store, job->bytes);
     if (status != ASDIC_OK) {
@@ -125,8 +126,9 @@ asdic_status asdic_mission_run(asdic_context *ctx, asdic_mission *mission, asdic
                          .devices = devices,
                          .device_count = device_count,
                          .options = options};
-    asdic_status status = asdic_job_begin(&job);
-    if (status != ASDIC_OK || job.is_complete) {
+    bool is_stream = options->folder && strcmp(options->folder, "-") == 0;
+    asdic_status status = is_stream ? asdic_run_stream(&job) : asdic_job_begin(&job);
+    if (status != ASDIC_OK || is_stream || job.is_complete) {
         goto done;
     }
     if (job.resumed < job.facts.pings_planned) {

@@ -173,14 +173,16 @@ static asdic_status open_csv(asdic_run_job *job) {
     return status;
 }
 
-asdic_status asdic_job_begin(asdic_run_job *job) {
+asdic_status asdic_job_describe(asdic_run_job *job) {
     asdic_status status = check_range(job);
     if (status == ASDIC_OK) {
         status = asdic_files_check(job->ctx, job->mission);
     }
-    if (status == ASDIC_OK) {
-        status = describe(job);
-    }
+    return status == ASDIC_OK ? describe(job) : status;
+}
+
+asdic_status asdic_job_begin(asdic_run_job *job) {
+    asdic_status status = asdic_job_describe(job);
     if (status == ASDIC_OK) {
         status = open_store(job);
     }

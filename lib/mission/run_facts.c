@@ -261,7 +261,7 @@ static void read_all(reader *r, asdic_arena *arena, asdic_run_facts *facts) {
     facts->bin_length_m = read_number(r, r->root, "bin_length_m");
     facts->setup_s = read_number(r, time_s, "setup");
     facts->simulate_s = read_number(r, time_s, "simulate");
-    facts->write_s = read_number(r, time_s, "write");
+    facts->write_s = asdic_yaml_child(time_s, "write") ? read_number(r, time_s, "write") : NAN;
     facts->pictures_s = read_number(r, time_s, "pictures");
     facts->rays_per_s = read_number(r, r->root, "rays_per_s");
     facts->stderr_median_db = read_number(r, stderr_db, "median");

@@ -5,6 +5,7 @@
 #define ASDIC_MISSION_RUN_JOB_H
 
 #include "out/csv.h"
+#include "out/record.h"
 #include "run_facts.h"
 #include "run_store.h"
 
@@ -23,7 +24,15 @@ typedef struct asdic_run_job {
     size_t resumed;   /* pings that were there already */
     bool is_complete; /* they were all, and everything was written */
     uint64_t rays;    /* traced by this call */
+    double begin_s;   /* by the clock, of the simulation */
 } asdic_run_job;
+
+/* Checks what is asked for and plans it. */
+asdic_status asdic_job_describe(asdic_run_job *job);
+
+/* What RESULT's levels are kept with. */
+asdic_record_head asdic_job_head(const asdic_mission *mission, size_t ping,
+                                 const asdic_ping *result);
 
 /* Describes the run, makes or reopens its folder, and writes the rows of pings that are there. */
 asdic_status asdic_job_begin(asdic_run_job *job);

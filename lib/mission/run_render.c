@@ -123,11 +123,21 @@ asdic_picture_options asdic_render_picture(asdic_render *r, const char *title, c
                                    .tvg_db_per_m = r->options.tvg_db_per_m,
                                    .title = title,
                                    .note = r->note,
-                                   .texts = r->texts};
+                                   .texts = r->texts,
+                                   .format = r->options.format};
 }
 
 char *asdic_render_path(const asdic_render *r, const char *stem, const char *name) {
-    return asdic_folder_path(r->run->folder, stem, name, "png");
+    static const char *const extensions[] = {[ASDIC_PICTURE_BY_NAME] = "png",
+                                             [ASDIC_PICTURE_PNG] = "png",
+                                             [ASDIC_PICTURE_PDF] = "pdf",
+                                             [ASDIC_PICTURE_SVG] = "svg"};
+    if (r->options.path) {
+        return strdup(strcmp(r->options.path, "-") == 0 ? "/dev/stdout" : r->options.path);
+    }
+    bool is_raw = strcmp(stem, "raw_") == 0;
+    return asdic_folder_path(r->run->folder, stem, name,
+                             is_raw ? "png" : extensions[r->options.format]);
 }
 
 bool asdic_render_has_fan(const asdic_sonar *sonar) {
@@ -184,18 +194,52 @@ static void drop_impossible(asdic_render *r) {
     }
 }
 
+static bool wants(const asdic_render *r, asdic_image image) {
+    return (r->images & 1u << image) != 0;
+}
+
+/* How many pictures there will be. */
+static size_t count_pictures(const asdic_render *r) {
+    size_t pings = r->options.ping == SIZE_MAX && r->info.pings > 1 ? 2 : 1;
+    return (wants(r, ASDIC_IMAGE_WATERFALL) + r->options.raw) * r->beam_count +
+           wants(r, ASDIC_IMAGE_OVERVIEW) + wants(r, ASDIC_IMAGE_PLAN) +
+           (wants(r, ASDIC_IMAGE_ASCOPE) + wants(r, ASDIC_IMAGE_FAN)) * pings;
+}
+
+static asdic_status check_output(const asdic_render *r) {
+    size_t count = count_pictures(r);
+    bool is_vector =
+        r->options.format == ASDIC_PICTURE_PDF || r->options.format == ASDIC_PICTURE_SVG;
+    if (is_vector && !asdic_picture_annotated()) {
+        return asdic_fail(
+            r->ctx, ASDIC_ERROR_UNSUPPORTED,
+            "no PDF or SVG: built without cairo; install libcairo2-dev and build again");
+    }
+    if (r->options.path && count != 1) {
+        return asdic_fail(r->ctx, ASDIC_ERROR_ARGUMENT,
+                          "one picture can go to '%s', but these are %zu; choose one kind, and one "
+                          "beam or ping of it",
+                          r->options.path, count);
+    }
+    return ASDIC_OK;
+}
+
 static asdic_status render(asdic_render *r) {
     r->info = asdic_run_get_info(r->run);
-    r->images =
-        r->options.images ? r->options.images : asdic_mission_output(r->run->settings)->images;
+    r->images = asdic_mission_output(r->run->settings)->images;
+    if (r->options.images || (r->options.raw && r->options.path)) { /* that, or the raw one alone */
+        r->images = r->options.images;
+    }
     if (r->info.pings == 0) {
         return asdic_fail(r->ctx, ASDIC_ERROR_INPUT, "'%s' holds no ping to draw", r->run->folder);
     }
     drop_impossible(r);
-    asdic_status status =
-        asdic_survey_run(r->ctx, r->run->store, r->info.beams, r->info.bins, &r->survey);
+    asdic_status status = choose_beams(r);
     if (status == ASDIC_OK) {
-        status = choose_beams(r);
+        status = check_output(r);
+    }
+    if (status == ASDIC_OK) {
+        status = asdic_survey_run(r->ctx, r->run->store, r->info.beams, r->info.bins, &r->survey);
     }
     if (status != ASDIC_OK) {
         return status;

@@ -2,11 +2,11 @@
 
 #include "base/context.h"
 #include "out/draw.h"
+#include "out/png_file.h"
 #include "run_folder.h"
 
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 /* Beams up to here are named in the overview. */
 #define MOST_NAMES 16
@@ -35,31 +35,40 @@ static asdic_status draw(asdic_render *r, size_t beam, const asdic_decimator *le
     return status;
 }
 
-/* Every bin of every ping: needs the memory of one beam. */
-static asdic_status draw_raw(asdic_render *r, size_t beam) {
-    size_t bins = r->info.bins, pings = r->info.pings;
-    const char *name = r->info.sonar->receivers[beam].name;
-    char *path = asdic_folder_path(r->run->folder, "raw_", name, "png");
-    float *levels_db =
-        bins <= SIZE_MAX / sizeof(float) / pings ? malloc(pings * bins * sizeof *levels_db) : NULL;
-    asdic_status status = path && levels_db ? ASDIC_OK : asdic_fail_memory(r->ctx, "a raw picture");
-    for (size_t i = 0; i < pings && status == ASDIC_OK; i++) {
-        asdic_record record;
-        status = asdic_run_read(r->run, i, &record);
-        if (status == ASDIC_OK) {
-            memcpy(levels_db + i * bins, record.level_db[ASDIC_TOTAL] + beam * bins,
-                   bins * sizeof *levels_db);
-        }
-    }
+typedef struct raw_rows {
+    asdic_render *render;
+    size_t beam;
+    asdic_picture_options options;
+} raw_rows;
+
+static asdic_status raw_row(void *user, size_t ping, uint16_t *grey) {
+    raw_rows *rows = user;
+    asdic_render *r = rows->render;
+    asdic_record record;
+    asdic_status status = asdic_run_read(r->run, ping, &record);
     if (status == ASDIC_OK) {
-        asdic_picture_options options = asdic_render_picture(r, r->info.scene_name, "beam", name);
-        asdic_waterfall waterfall = {.levels_db = levels_db,
-                                     .pings = pings,
-                                     .bins = bins,
-                                     .bin_length_m = r->run->facts.bin_length_m};
-        status = asdic_picture_raw(r->ctx, path, &waterfall, &options);
+        asdic_draw_grey(&rows->options, record.level_db[ASDIC_TOTAL] + rows->beam * r->info.bins,
+                        r->info.bins, r->run->facts.bin_length_m, grey);
     }
-    free(levels_db);
+    return status;
+}
+
+/* Every bin of every ping, read as it is written. */
+static asdic_status draw_raw(asdic_render *r, size_t beam) {
+    const char *name = r->info.sonar->receivers[beam].name;
+    char *path = asdic_render_path(r, "raw_", name);
+    if (!path) {
+        return asdic_fail_memory(r->ctx, "a file name");
+    }
+    raw_rows rows = {.render = r,
+                     .beam = beam,
+                     .options = asdic_render_picture(r, r->info.scene_name, "beam", name)};
+    asdic_png png = {.width = r->info.bins,
+                     .height = r->info.pings,
+                     .grey_row = raw_row,
+                     .user = &rows,
+                     .texts = rows.options.texts};
+    asdic_status status = asdic_png_write(r->ctx, path, &png);
     free(path);
     return status;
 }

@@ -36,7 +36,7 @@ static asdic_status open_vector(asdic_canvas *c, const char *path) {
     }
     FILE *stream = asdic_file_stream(c->vector_file);
     double width = c->width * POINTS_PER_PX, height = c->height * POINTS_PER_PX;
-    c->surface = has_suffix(path, ".pdf")
+    c->surface = c->format == ASDIC_PICTURE_PDF
                      ? cairo_pdf_surface_create_for_stream(write_vector, stream, width, height)
                      : cairo_svg_surface_create_for_stream(write_vector, stream, width, height);
     return ASDIC_OK;
@@ -44,8 +44,15 @@ static asdic_status open_vector(asdic_canvas *c, const char *path) {
 
 asdic_status asdic_canvas_init(asdic_context *ctx, const char *path, double width, double height,
                                uint32_t background_rgb, asdic_canvas *out) {
-    *out = (asdic_canvas){.ctx = ctx, .width = ceil(width), .height = ceil(height)};
-    if (has_suffix(path, ".pdf") || has_suffix(path, ".svg")) {
+    asdic_picture_format format = out->format;
+    if (format == ASDIC_PICTURE_BY_NAME) {
+        format = has_suffix(path, ".pdf")   ? ASDIC_PICTURE_PDF
+                 : has_suffix(path, ".svg") ? ASDIC_PICTURE_SVG
+                                            : ASDIC_PICTURE_PNG;
+    }
+    *out =
+        (asdic_canvas){.ctx = ctx, .width = ceil(width), .height = ceil(height), .format = format};
+    if (format != ASDIC_PICTURE_PNG) {
         asdic_status status = open_vector(out, path);
         if (status != ASDIC_OK) {
             return status;
@@ -93,9 +100,27 @@ static asdic_status save_png(asdic_canvas *c, const char *path, const char *cons
     return status;
 }
 
+/* What PNG has text chunks for. */
+static void describe_pdf(asdic_canvas *c, const char *const *texts) {
+    char words[1024] = "";
+    for (size_t i = 0; texts && texts[i]; i += 2) {
+        size_t used = strlen(words);
+        if (strcmp(texts[i], "Title") == 0) {
+            cairo_pdf_surface_set_metadata(c->surface, CAIRO_PDF_METADATA_TITLE, texts[i + 1]);
+        } else {
+            snprintf(words + used, sizeof words - used, "%s%s: %s", used ? "; " : "", texts[i],
+                     texts[i + 1]);
+        }
+    }
+    cairo_pdf_surface_set_metadata(c->surface, CAIRO_PDF_METADATA_KEYWORDS, words);
+}
+
 asdic_status asdic_canvas_save(asdic_canvas *c, const char *path, const char *const *texts) {
     if (!c->vector_file) {
         return save_png(c, path, texts);
+    }
+    if (c->format == ASDIC_PICTURE_PDF) {
+        describe_pdf(c, texts);
     }
     cairo_surface_finish(c->surface);
     return asdic_file_commit(&c->vector_file);

@@ -20,7 +20,8 @@ typedef struct asdic_canvas {
     asdic_context *ctx;
     cairo_surface_t *surface;
     cairo_t *cr;
-    struct asdic_file *vector_file; /* .pdf, .svg */
+    asdic_picture_format format;
+    struct asdic_file *vector_file; /* PDF, SVG */
     double width, height;
 } asdic_canvas;
 
@@ -28,6 +29,7 @@ typedef struct asdic_box {
     double x, y, w, h;
 } asdic_box;
 
+/* OUT is all zeros but for its FORMAT. */
 asdic_status asdic_canvas_init(asdic_context *ctx, const char *path, double width, double height,
                                uint32_t background_rgb, asdic_canvas *out);
 /* Writes the file. */

@@ -21,6 +21,10 @@ asdic_status asdic_draw_fan(asdic_context *ctx, const char *path, const asdic_fa
 asdic_status asdic_draw_plot(asdic_context *ctx, const char *path, const asdic_plot *panels,
                              size_t panel_count, const asdic_picture_options *options);
 
+/* A row of a raw picture: 1..65535 over the window, 0 without energy. */
+void asdic_draw_grey(const asdic_picture_options *options, const float *levels_db, size_t bins,
+                     double bin_length_m, uint16_t *grey);
+
 /* "level window -160..-60 dB, + 30 log r + 0.02 r dB gain for display, ..., NOTE" */
 #define ASDIC_NOTE_SIZE 512
 void asdic_draw_note(char note[ASDIC_NOTE_SIZE], const asdic_picture_options *options,

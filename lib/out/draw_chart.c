@@ -378,7 +378,7 @@ static asdic_status draw_map(asdic_canvas *c, const page *p, const asdic_chart *
 
 asdic_status asdic_draw_chart(asdic_context *ctx, const char *path, const asdic_chart *chart,
                               const asdic_picture_options *options) {
-    asdic_canvas canvas = {0};
+    asdic_canvas canvas = {.format = options->format};
     page p = {0};
     lay_out(&p, chart, options);
     asdic_status status = asdic_canvas_init(ctx, path, p.width, p.height, PAPER_RGB, &canvas);

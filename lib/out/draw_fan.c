@@ -161,7 +161,7 @@ static void decorate(asdic_canvas *c, const page *p, const asdic_fan *fan,
 asdic_status asdic_draw_fan(asdic_context *ctx, const char *path, const asdic_fan *fan,
                             const asdic_picture_options *options) {
     char note[ASDIC_NOTE_SIZE];
-    asdic_canvas canvas = {0};
+    asdic_canvas canvas = {.format = options->format};
     asdic_raster raster = {0};
     asdic_draw_note(note, options, NULL);
     page p = lay_out(fan, options, note[0] != 0);

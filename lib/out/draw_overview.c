@@ -117,7 +117,7 @@ asdic_status asdic_draw_overview(asdic_context *ctx, const char *path,
                                  const asdic_overview *overview, const asdic_overview_axes *axes,
                                  const asdic_picture_options *options) {
     char note[ASDIC_NOTE_SIZE];
-    asdic_canvas canvas = {0};
+    asdic_canvas canvas = {.format = options->format};
     const double *values[2] = {overview->shown_db, overview->range_m};
     page p = lay_out(overview, axes, options);
     note_groups(note, overview, options);

@@ -91,7 +91,7 @@ static page lay_out(const asdic_plot *panels, size_t count, const asdic_picture_
 
 asdic_status asdic_draw_plot(asdic_context *ctx, const char *path, const asdic_plot *panels,
                              size_t panel_count, const asdic_picture_options *options) {
-    asdic_canvas canvas = {0};
+    asdic_canvas canvas = {.format = options->format};
     char note[ASDIC_NOTE_SIZE];
     asdic_draw_note(note, options, NULL);
     page p = lay_out(panels, panel_count, options, note[0] != 0);

@@ -59,7 +59,7 @@ asdic_status asdic_draw_waterfall(asdic_context *ctx, const char *path,
                                   const asdic_waterfall *waterfall, const asdic_decimator *levels,
                                   const asdic_picture_options *options) {
     char note[ASDIC_NOTE_SIZE];
-    asdic_canvas canvas = {0};
+    asdic_canvas canvas = {.format = options->format};
     asdic_raster raster = {0};
     asdic_waterfall shown = {.levels_db = levels->levels_db,
                              .pings = levels->rows,

@@ -141,6 +141,26 @@ static uint16_t grey_of(const asdic_picture_options *options, double shown_db) {
     return (uint16_t)(1.0 + rint(65534.0 * fmin(fmax(share, 0.0), 1.0)));
 }
 
+void asdic_draw_grey(const asdic_picture_options *options, const float *levels_db, size_t bins,
+                     double bin_length_m, uint16_t *grey) {
+    for (size_t i = 0; i < bins; i++) {
+        double range_m = ((double)i + 0.5) * bin_length_m;
+        grey[i] = grey_of(options, asdic_raster_gain(options, (double)levels_db[i], range_m));
+    }
+}
+
+typedef struct raw_rows {
+    const asdic_waterfall *waterfall;
+    const asdic_picture_options *options;
+} raw_rows;
+
+static asdic_status raw_row(void *user, size_t ping, uint16_t *grey) {
+    const raw_rows *rows = user;
+    const asdic_waterfall *w = rows->waterfall;
+    asdic_draw_grey(rows->options, w->levels_db + ping * w->bins, w->bins, w->bin_length_m, grey);
+    return ASDIC_OK;
+}
+
 asdic_status asdic_picture_raw(asdic_context *ctx, const char *path,
                                const asdic_waterfall *waterfall,
                                const asdic_picture_options *options) {
@@ -148,21 +168,13 @@ asdic_status asdic_picture_raw(asdic_context *ctx, const char *path,
     if (status != ASDIC_OK) {
         return status;
     }
-    uint16_t *grey = malloc(waterfall->pings * waterfall->bins * sizeof *grey);
-    if (!grey) {
-        return asdic_fail_memory(ctx, "a picture");
-    }
-    for (size_t i = 0; i < waterfall->pings * waterfall->bins; i++) {
-        double range_m = ((double)(i % waterfall->bins) + 0.5) * waterfall->bin_length_m;
-        grey[i] = grey_of(options, asdic_raster_gain(options, waterfall->levels_db[i], range_m));
-    }
+    raw_rows rows = {waterfall, options};
     asdic_png png = {.width = waterfall->bins,
                      .height = waterfall->pings,
-                     .grey = grey,
+                     .grey_row = raw_row,
+                     .user = &rows,
                      .texts = options->texts};
-    status = asdic_png_write(ctx, path, &png);
-    free(grey);
-    return status;
+    return asdic_png_write(ctx, path, &png);
 }
 
 asdic_status asdic_picture_plot(asdic_context *ctx, const char *path, const asdic_plot *panels,

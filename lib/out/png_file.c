@@ -17,7 +17,8 @@ typedef struct png_job {
     png_structp png;
     png_infop info;
     png_textp texts;
-    uint8_t *row;
+    uint16_t *row;
+    asdic_status row_status; /* of the caller's function, which has told why */
 } png_job;
 
 static void on_error(png_structp png, png_const_charp message) {
@@ -79,17 +80,22 @@ static void write_rows(png_job *job, const asdic_png *image) {
         }
         return;
     }
-    job->row = malloc(2 * image->width);
+    job->row = malloc(image->width * sizeof *job->row);
     if (!job->row) {
         png_error(job->png, "out of memory");
     }
     for (size_t y = 0; y < image->height; y++) {
-        const uint16_t *grey = image->grey + image->width * y;
-        for (size_t x = 0; x < image->width; x++) { /* PNG is big-endian */
-            job->row[2 * x] = (uint8_t)(grey[x] >> 8);
-            job->row[2 * x + 1] = (uint8_t)grey[x];
+        job->row_status = image->grey_row(image->user, y, job->row);
+        if (job->row_status != ASDIC_OK) {
+            png_error(job->png, "no data");
         }
-        png_write_row(job->png, job->row);
+        uint8_t *bytes = (uint8_t *)job->row;
+        for (size_t x = 0; x < image->width; x++) { /* PNG is big-endian */
+            uint16_t grey = job->row[x];
+            bytes[2 * x] = (uint8_t)(grey >> 8);
+            bytes[2 * x + 1] = (uint8_t)grey;
+        }
+        png_write_row(job->png, bytes);
     }
 }
 
@@ -124,7 +130,9 @@ asdic_status asdic_png_write(asdic_context *ctx, const char *path, const asdic_p
         job.info = png_create_info_struct(job.png);
     }
     if (!job.info || setjmp(job.leave) != 0) {
-        status = asdic_fail(ctx, ASDIC_ERROR_IO, "cannot write '%s': %s", path, job.why);
+        status = job.row_status != ASDIC_OK
+                     ? job.row_status
+                     : asdic_fail(ctx, ASDIC_ERROR_IO, "cannot write '%s': %s", path, job.why);
         asdic_file_discard(&file);
         goto done;
     }

@@ -8,8 +8,11 @@
 
 typedef struct asdic_png {
     size_t width, height;
-    const uint8_t *rgb;       /* width * height * 3, or NULL */
-    const uint16_t *grey;     /* width * height in host byte order, when RGB is NULL */
+    const uint8_t *rgb; /* width * height * 3, or NULL */
+    /* When RGB is NULL: fills ROW (WIDTH greys in host byte order) with row Y, in order from the
+     * top. What is not ASDIC_OK ends the file. */
+    asdic_status (*grey_row)(void *user, size_t y, uint16_t *row);
+    void *user;
     double pixels_per_m;      /* print resolution; 0: not said */
     const char *const *texts; /* key, value, ..., NULL; may be NULL. UTF-8 */
 } asdic_png;

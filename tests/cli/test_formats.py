@@ -5,6 +5,7 @@ import os
 import re
 import shutil
 import subprocess
+import xml.etree.ElementTree
 
 import program
 import tap
@@ -192,6 +193,66 @@ def test_pictures_in_pngcheck_and_gdal():
         for grey, level in zip(map(float, found), (min(levels), max(levels))):
             if not 0 < level < 200 or abs(grey - (1 + 65534 * level / 200)) > 1:
                 raise AssertionError((grey, level))
+
+
+def render_bytes(run, *arguments):
+    """What render writes to the standard output."""
+    return subprocess.run([program.PATH, "render", run, *arguments, "-o", "-"], check=True,
+                          capture_output=True, timeout=60).stdout
+
+
+def test_one_picture_goes_to_a_file_or_standard_output():
+    with Folder() as folder:
+        run = run_of(folder)
+        names = pictures(folder, "r")
+        tap.equal(render_bytes(run, "--images", "waterfall", "--beam", "down"),
+                  data(folder, "r", "waterfall_down.png"), "the waterfall on standard output")
+        tap.equal(render_bytes(run, "--raw", "--beam", "down")[16:29],
+                  facts(folder, "r")["bins"].to_bytes(4, "big") + b"\0\0\0\4\x10\0\0\0\0", "raw")
+        asdic("render", run, "--images", "waterfall", "--beam", "down", "-o",
+              folder / "w.png").check(code=0, out="")
+        tap.contains(asdic("render", run, "--images", "waterfall", "--beam", "down", "-o",
+                           folder / "w.png").check(code=1).err, "--force")
+        asdic("render", run, "--images", "waterfall", "--beam", "down", "-o", folder / "w.png",
+              "--force").check(code=0)
+        tap.contains(asdic("render", run, "-o", "-").check(code=2, out="").err, "these are")
+        asdic("render", run, "--images", "ascope", "-o", "-").check(code=2, out="")
+        asdic("render", run, "--format", "jpg").check(code=2)
+        asdic("render", run, "--images", "waterfall", "--beam", "down", "-o",
+              "/dev/full").check(code=1)
+        tap.equal(pictures(folder, "r"), names, "pictures of the run")
+
+
+def test_vector_pictures():
+    with Folder() as folder:
+        run = run_of(folder, edits={"fan]": "fan, overview, plan]"})
+        if "plan.png" not in pictures(folder, "r"):
+            raise tap.Skip("built without cairo")
+        stems = [name[:-4] for name in pictures(folder, "r")]
+        digest = facts(folder, "r")["scene"]["sha256"].encode()
+        asdic("render", run, "--format", "pdf").check(code=0)
+        asdic("render", run, "--format", "svg").check(code=0)
+        for stem in stems:
+            content = data(folder, "r", stem + ".pdf")
+            tap.equal((content[:5], b"%%EOF" in content[-8:], digest in content),
+                      (b"%PDF-", True, True), stem)
+            root = xml.etree.ElementTree.fromstring(data(folder, "r", stem + ".svg"))
+            tap.equal(root.tag, "{http://www.w3.org/2000/svg}svg", stem)
+        root = xml.etree.ElementTree.fromstring(
+            render_bytes(run, "--images", "plan", "--format", "svg"))
+        tap.equal(root.tag, "{http://www.w3.org/2000/svg}svg", "on standard output")
+        # Pictures in any format go when the run is replaced.
+        asdic("run", folder / "pool.yaml", "-o", run, "--force").check(code=0)
+        tap.equal([n for n in os.listdir(run) if n.endswith((".pdf", ".svg"))], [], "left over")
+
+
+def test_bins_go_to_standard_output():
+    with Folder() as folder:
+        run_of(folder)
+        done = asdic("run", folder / "pool.yaml", "-o", "-", cwd=folder.path).check(code=0)
+        tap.equal(done.out.encode() == data(folder, "r", "bins.csv"), True, "bins.csv")
+        tap.equal(sorted(folder.names()), ["pool.yaml", "r"], "files")
+        asdic("run", folder / "pool.yaml", "-o", "-", "--resume").check(code=2, out="")
 
 
 def test_terrain_in_gdal_and_outlines_in_sqlite():

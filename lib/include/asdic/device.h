@@ -32,7 +32,7 @@ typedef struct asdic_device_info {
     size_t max_work_group;
     uint64_t global_bytes, local_bytes, max_alloc_bytes;
     bool has_fp64, has_int64_atomics, available, has_compiler;
-    bool usable;           /* OpenCL >= 1.2, available, with a compiler, this byte order */
+    bool usable;            /* OpenCL >= 1.2, available, with a compiler, this byte order */
     char unusable_why[160]; /* "" when usable */
 } asdic_device_info;
 

@@ -18,8 +18,8 @@ typedef struct asdic_model_key {
     const char *words; /* NULL, or the words that stand for min, min + 1, ...: "mud|sand|..." */
     bool numeric;      /* takes a number (a key may take both) */
     bool required;
-    double fallback;   /* value of an optional key; NAN: none, the formula may ask for it */
-    double min, max;   /* accepted domain, inclusive */
+    double fallback; /* value of an optional key; NAN: none, the formula may ask for it */
+    double min, max; /* accepted domain, inclusive */
     double valid_min, valid_max; /* stated validity of the source; outside, a warning in the log */
 } asdic_model_key;
 

@@ -30,15 +30,25 @@ ASDIC_API bool asdic_colormap_find(const char *name, asdic_colormap *out);
 /* Whether axes and titles can be drawn (built with cairo). */
 ASDIC_API bool asdic_picture_annotated(void);
 
+/* How a picture is written. Vector files need cairo. */
+typedef enum asdic_picture_format {
+    ASDIC_PICTURE_BY_NAME, /* PDF or SVG when the path ends so, else PNG */
+    ASDIC_PICTURE_PNG,
+    ASDIC_PICTURE_PDF,
+    ASDIC_PICTURE_SVG
+} asdic_picture_format;
+
 typedef struct asdic_picture_options {
     double db_low, db_high; /* window of the colour scale or of a level axis */
     asdic_colormap colormap;
     double
         tvg_db_per_decade; /* 0: none. Time-varied gain, for display only, stated on the picture */
     double tvg_db_per_m;
-    const char *title;        /* NULL: none */
-    const char *note;         /* small line below the picture; NULL: none */
-    const char *const *texts; /* PNG text chunks: key, value, key, value, ..., NULL; may be NULL */
+    const char *title; /* NULL: none */
+    const char *note;  /* small line below the picture; NULL: none */
+    /* PNG text chunks, in a PDF title and keywords: key, value, ..., NULL; may be NULL */
+    const char *const *texts;
+    asdic_picture_format format;
 } asdic_picture_options;
 
 /* -160..-60 dB, viridis, no gain, no title. */

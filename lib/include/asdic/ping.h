@@ -56,8 +56,9 @@ typedef struct asdic_ping {
     size_t beams, bins;
     double bin_length_m;
     double *intensity_lin[ASDIC_COMPONENT_COUNT];
-    float *stderr_db; /* one standard error of the total's sampling error, dB, [beam * bins + bin] */
-    uint64_t rays;      /* primary and secondary rays traced */
+    float
+        *stderr_db; /* one standard error of the total's sampling error, dB, [beam * bins + bin] */
+    uint64_t rays;  /* primary and secondary rays traced */
     uint64_t saturated; /* deposits cut to the accumulator's range; 0 in any sane scene */
 } asdic_ping;
 

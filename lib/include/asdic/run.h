@@ -56,15 +56,19 @@ typedef struct asdic_render_options {
     double db_low, db_high; /* NAN: from the run, rounded to 10 dB */
     asdic_colormap colormap;
     double tvg_db_per_decade, tvg_db_per_m;
-    const char *beam; /* NULL: those a report would show */
-    size_t ping;      /* number in the mission; SIZE_MAX: first and last */
-    bool raw;         /* 16-bit grey waterfalls as well, one pixel per bin */
+    const char *beam;            /* NULL: those a report would show */
+    size_t ping;                 /* number in the mission; SIZE_MAX: first and last */
+    bool raw;                    /* 16-bit grey waterfalls as well, one pixel per bin */
+    asdic_picture_format format; /* of all but raw ones; by name: PNG */
+    const char
+        *path; /* NULL: into the folder. Else the one picture there is to draw goes there, "-"
+                       * being the standard output; ASDIC_ERROR_ARGUMENT when there are several */
 } asdic_render_options;
 
 ASDIC_API asdic_render_options asdic_render_options_default(void);
 
 /* Draws a run's pictures into its folder: waterfall_<beam>.png, ascope_<ping>.png,
- * fan_<ping>.png, raw_<beam>.png. */
+ * fan_<ping>.png, overview.png, plan.png, raw_<beam>.png. */
 ASDIC_API asdic_status asdic_run_render(asdic_context *ctx, const char *folder,
                                         const asdic_render_options *options);
 
