@@ -285,10 +285,12 @@ asdic_status asdic_run_facts_read(asdic_context *ctx, const char *folder, asdic_
         return asdic_fail_memory(ctx, "a file name");
     }
     asdic_status status = asdic_file_read(ctx, path, MAX_BYTES, &text, &length);
-    if (status != ASDIC_OK) {
+    if (status == ASDIC_ERROR_INPUT) {
         status =
             asdic_fail(ctx, ASDIC_ERROR_INPUT,
                        "'%s' is not a run folder: it has no run.json that can be read", folder);
+    }
+    if (status != ASDIC_OK) {
         goto done;
     }
     problems.name = path;

@@ -5,6 +5,7 @@
 #include <ctype.h>
 #include <dirent.h>
 #include <errno.h>
+#include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -21,21 +22,17 @@ static const char *const names[] = {"run.json",       "pings.npy",   "bins.csv",
 static const char *const stems[] = {"waterfall_", "ascope_", "fan_", "raw_", "overview.", "plan."};
 static const char *const picture_ends[] = {".png", ".pdf", ".svg"};
 
-static bool exists_in(const char *folder, const char *name) {
-    char *path = NULL;
-    struct stat st;
-    bool exists = asprintf(&path, "%s/%s", folder, name) >= 0 && lstat(path, &st) == 0;
-    free(path);
-    return exists;
-}
-
 bool asdic_folder_has_run(const char *folder) {
-    for (size_t i = 0; i < sizeof marks / sizeof *marks; i++) {
-        if (exists_in(folder, marks[i])) {
-            return true;
-        }
+    struct stat st;
+    bool has_run = false;
+    int fd = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    for (size_t i = 0; fd >= 0 && i < sizeof marks / sizeof *marks; i++) {
+        has_run = has_run || fstatat(fd, marks[i], &st, AT_SYMLINK_NOFOLLOW) == 0;
     }
-    return false;
+    if (fd >= 0) {
+        close(fd);
+    }
+    return has_run;
 }
 
 static bool ends_in(const char *name, const char *suffix) {

@@ -97,6 +97,11 @@ static void check_alternatives(const asdic_schema_reader *r, const asdic_table *
     size_t flagged = 0;
     asdic_text names = {0};
     list_alternatives(table, flag, &names);
+    if (names.failed) {
+        r->problems->out_of_memory = true;
+        asdic_text_finish(&names);
+        return;
+    }
     for (size_t i = 0; i < table->key_count; i++) {
         asdic_yaml_node *child = asdic_yaml_child(map, table->keys[i].name);
         if (!(table->keys[i].flags & flag)) {

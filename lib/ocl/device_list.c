@@ -4,21 +4,20 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* More than any driver's list of extensions. */
+#define TEXT_BYTES 16384
+
+/* Empty where the driver does not answer, or at too great length. */
 static void get_text(cl_device_id id, cl_device_info what, char *out, size_t size) {
-    size_t length = 0;
-    char *text = NULL;
+    char text[TEXT_BYTES + 1] = "";
     out[0] = '\0';
-    if (clGetDeviceInfo(id, what, 0, NULL, &length) == CL_SUCCESS && length > 0) {
-        text = calloc(length + 1, 1);
-        if (text && clGetDeviceInfo(id, what, length, text, NULL) == CL_SUCCESS) {
-            snprintf(out, size, "%s", text + strspn(text, " ")); /* some drivers pad names */
-        }
+    if (clGetDeviceInfo(id, what, TEXT_BYTES, text, NULL) == CL_SUCCESS) {
+        snprintf(out, size, "%s", text + strspn(text, " ")); /* some drivers pad names */
     }
-    free(text);
 }
 
 static bool has_extension(cl_device_id id, const char *name) {
-    char text[8192];
+    char text[TEXT_BYTES];
     get_text(id, CL_DEVICE_EXTENSIONS, text, sizeof text);
     size_t length = strlen(name);
     for (const char *p = text; (p = strstr(p, name)) != NULL; p += length) {

@@ -14,6 +14,7 @@
 typedef struct png_job {
     jmp_buf leave;
     char why[128];
+    bool is_memory_short;
     png_structp png;
     png_infop info;
     png_textp texts;
@@ -62,6 +63,7 @@ static void set_texts(png_job *job, const char *const *texts) {
     }
     job->texts = calloc(count, sizeof *job->texts);
     if (!job->texts) {
+        job->is_memory_short = true;
         png_error(job->png, "out of memory");
     }
     for (size_t i = 0; i < count; i++) {
@@ -82,6 +84,7 @@ static void write_rows(png_job *job, const asdic_png *image) {
     }
     job->row = malloc(image->width * sizeof *job->row);
     if (!job->row) {
+        job->is_memory_short = true;
         png_error(job->png, "out of memory");
     }
     for (size_t y = 0; y < image->height; y++) {
@@ -124,15 +127,17 @@ asdic_status asdic_png_write(asdic_context *ctx, const char *path, const asdic_p
     if (status != ASDIC_OK) {
         return status;
     }
-    png_job job = {.why = "out of memory"};
+    png_job job = {.why = "out of memory", .is_memory_short = true};
     job.png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &job, on_error, on_warning);
     if (job.png) {
         job.info = png_create_info_struct(job.png);
+        job.is_memory_short = !job.info;
     }
     if (!job.info || setjmp(job.leave) != 0) {
         status = job.row_status != ASDIC_OK
                      ? job.row_status
-                     : asdic_fail(ctx, ASDIC_ERROR_IO, "cannot write '%s': %s", path, job.why);
+                     : asdic_fail(ctx, job.is_memory_short ? ASDIC_ERROR_MEMORY : ASDIC_ERROR_IO,
+                                  "cannot write '%s': %s", path, job.why);
         asdic_file_discard(&file);
         goto done;
     }

@@ -1,0 +1,347 @@
+/*
+ * Every allocation and every OpenCL call of small jobs fails once, each in a run of its own: the
+ * right status, a sentence, nothing lost; and the next try, without a fault, does the same as ever.
+ *
+ * ASDIC_FAULT_STEP (default 1) takes only every so many-th call of the jobs that use a device.
+ */
+#include "asserts.h"
+#include "test_device.h"
+
+#include <asdic/asdic.h>
+
+#include "base/context.h"
+
+#include "fault.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static char folder[] = "/tmp/asdic-fault-XXXXXX";
+static asdic_context *ctx;
+static asdic_device **devices;
+static size_t device_count;
+static long device_step = 1;
+
+static const char *in_folder(const char *name) {
+    static char paths[4][256];
+    static int turn;
+    char *path = paths[turn++ % 4];
+    snprintf(path, sizeof paths[0], "%s/%s", folder, name);
+    return path;
+}
+
+static void write_text(const char *name, const char *text) {
+    FILE *file = fopen(in_folder(name), "w");
+    assert_non_null(file);
+    fputs(text, file);
+    assert_int_equal(fclose(file), 0);
+}
+
+/* ---- jobs ----------------------------------------------------------------------------------- */
+
+typedef asdic_status (*job)(void);
+
+static asdic_status load(const char *name) {
+    asdic_mission *mission = NULL;
+    asdic_plan plan;
+    asdic_status status = asdic_mission_load(ctx, in_folder(name), &mission);
+    if ((status == ASDIC_OK) != (mission != NULL)) {
+        fail_msg("mission_load: status %d with mission %p", status, (void *)mission);
+    }
+    if (mission) {
+        status = asdic_mission_plan(ctx, mission, &plan);
+    }
+    asdic_mission_destroy(&mission);
+    return status;
+}
+
+static asdic_status load_objects(void) {
+    return load("objects.yaml");
+}
+
+static asdic_status load_track(void) {
+    return load("track.yaml");
+}
+
+static asdic_status load_mesh(const char *path) {
+    asdic_mesh *mesh = NULL;
+    asdic_status status = asdic_mesh_load(ctx, path, 1.0, false, &mesh);
+    asdic_mesh_destroy(&mesh);
+    return status;
+}
+
+static asdic_status load_obj(void) {
+    return load_mesh(in_folder("m.obj"));
+}
+
+static asdic_status load_off(void) {
+    return load_mesh(in_folder("m.off"));
+}
+
+static asdic_status load_ply(void) {
+    return load_mesh(DATA_DIR "/meshes/rocks.ply");
+}
+
+static asdic_status load_grid(void) {
+    asdic_mesh *mesh = NULL;
+    asdic_status status = asdic_mesh_load_grid(ctx, in_folder("g.asc"), true, &mesh);
+    asdic_mesh_destroy(&mesh);
+    return status;
+}
+
+static asdic_status expect(void) {
+    asdic_mission *mission = NULL;
+    asdic_ping *ping = NULL;
+    asdic_status status = asdic_mission_load(ctx, in_folder("small.yaml"), &mission);
+    if (status == ASDIC_OK) {
+        status = asdic_ping_create(ctx, 1, 4, &ping);
+    }
+    if (status == ASDIC_OK) {
+        asdic_pose pose = asdic_mission_pose(mission, 0, NULL);
+        asdic_flat_scene flat = asdic_mission_flat_scene(mission, 0);
+        ping->bin_length_m = asdic_mission_sonar(mission)->bin_length_m;
+        status = asdic_expected_compute(ctx, &flat, asdic_mission_environment(mission),
+                                        asdic_mission_sonar(mission), &pose, ping);
+    }
+    if (status == ASDIC_OK) {
+        status = asdic_expected_write_csv(ctx, in_folder("expected.csv"),
+                                          asdic_mission_sonar(mission), ping);
+    }
+    asdic_ping_destroy(&ping);
+    asdic_mission_destroy(&mission);
+    return status;
+}
+
+static asdic_status open_devices(void) {
+    asdic_device **opened = NULL;
+    size_t count = 0;
+    asdic_status status = asdic_devices_open(ctx, NULL, &opened, &count);
+    if ((status == ASDIC_OK) != (opened != NULL && count > 0)) {
+        fail_msg("devices_open: status %d with %zu devices", status, count);
+    }
+    asdic_devices_close(&opened, count);
+    return status;
+}
+
+/* A mission of two pings, whose pictures and tables are drawn again. */
+static asdic_status run_mission(const char *name, bool resume) {
+    asdic_mission *mission = NULL;
+    asdic_run_options options = asdic_run_options_default();
+    asdic_render_options render = asdic_render_options_default();
+    options.folder = in_folder(name);
+    options.force = !resume;
+    options.resume = resume;
+    asdic_status status = asdic_mission_load(ctx, in_folder("small.yaml"), &mission);
+    if (status == ASDIC_OK) {
+        status = asdic_mission_run(ctx, mission, devices, device_count, &options);
+    }
+    if (status == ASDIC_OK) {
+        render.raw = true;
+        status = asdic_run_render(ctx, options.folder, &render);
+    }
+    asdic_mission_destroy(&mission);
+    return status;
+}
+
+static asdic_status run_small(void) {
+    return run_mission("run", false);
+}
+
+/* The first ping on new devices: kernels are compiled, or taken from the driver's cache. */
+static asdic_status first_ping(void) {
+    asdic_mission *mission = NULL;
+    asdic_device **opened = NULL;
+    asdic_simulator *simulator = NULL;
+    asdic_ping *ping = NULL;
+    size_t count = 0;
+    asdic_status status = asdic_mission_load(ctx, in_folder("small.yaml"), &mission);
+    status = status ? status : asdic_devices_open(ctx, NULL, &opened, &count);
+    if (status == ASDIC_OK) {
+        status = asdic_simulator_create(
+            ctx, opened[0], asdic_mission_scene(mission), asdic_mission_environment(mission),
+            asdic_mission_sonar(mission), asdic_mission_sampling(mission), 5.0, &simulator);
+    }
+    if (status == ASDIC_OK) {
+        status = asdic_ping_create(ctx, 1, asdic_simulator_bin_count(simulator), &ping);
+    }
+    if (status == ASDIC_OK) {
+        asdic_pose pose = asdic_mission_pose(mission, 0, NULL);
+        status = asdic_simulator_ping(simulator, &pose, 0, ping);
+    }
+    asdic_ping_destroy(&ping);
+    asdic_simulator_destroy(&simulator);
+    asdic_devices_close(&opened, count);
+    asdic_mission_destroy(&mission);
+    return status;
+}
+
+static asdic_status merge(void) {
+    const char *parts[] = {in_folder("reference")};
+    return asdic_run_merge(ctx, parts, 1, in_folder("merged"), true);
+}
+
+/* ---- what must hold ------------------------------------------------------------------------- */
+
+static void assert_same_file(const char *a, const char *b, const char *name) {
+    char command[600];
+    snprintf(command, sizeof command, "cmp '%s/%s' '%s/%s'", in_folder(a), name, in_folder(b),
+             name);
+    assert_int_equal(system(command), 0);
+}
+
+/* What a failure left behind is finished by a resume, to the same bytes. */
+static void resume_to_the_same(void) {
+    assert_ok(ctx, run_mission("run", true));
+    assert_same_file("reference", "run", "pings.npy");
+    assert_same_file("reference", "run", "bins.csv");
+}
+
+static bool is_expected(fault_kind kind, asdic_status status) {
+    if (kind == FAULT_OPENCL) {
+        return status == ASDIC_ERROR_DEVICE || status == ASDIC_ERROR_DEVICE_LOST ||
+               status == ASDIC_ERROR_MEMORY;
+    }
+    return status == ASDIC_ERROR_MEMORY;
+}
+
+/* RUN once for each call that it makes, every STEP-th only, which fails. AFTER, if given, must hold
+ * after each failure; at most SPARED calls may be ones that it can do without. */
+static void fail_each(fault_kind kind, job run, long step, long spared, void (*after)(void)) {
+    long failed = 0, done = 0;
+    assert_ok(ctx, run());
+    for (long n = 1;; n += step) {
+        asdic_fail(ctx, ASDIC_OK, "%s", "");
+        fault_arm(kind, n);
+        asdic_status status = run();
+        if (!fault_disarm()) {
+            assert_ok(ctx, status);
+            break;
+        }
+        if (status == ASDIC_OK) {
+            done++;
+            continue;
+        }
+        failed++;
+        if (!is_expected(kind, status) || !asdic_context_error(ctx)[0]) {
+            fail_msg("call %ld: '%s', %s", n, asdic_status_text(status), asdic_context_error(ctx));
+        }
+        if (after) {
+            after();
+        }
+    }
+    print_message("             %ld failed, %ld done without\n", failed, done);
+    assert_true(failed > 0);
+    assert_true(done <= spared);
+}
+
+static void memory_while_loading(void **state) {
+    (void)state;
+    static const job jobs[] = {load_objects, load_track, load_obj, load_off,
+                               load_ply,     load_grid,  expect,   merge};
+    for (size_t i = 0; i < sizeof jobs / sizeof *jobs; i++) {
+        fail_each(FAULT_ALLOCATION, jobs[i], 1, 1, NULL); /* the tree is not trimmed */
+    }
+}
+
+static void memory_while_opening_devices(void **state) {
+    (void)state;
+    fail_each(FAULT_ALLOCATION, open_devices, 1, 0, NULL);
+}
+
+static void memory_while_running(void **state) {
+    (void)state;
+    fail_each(FAULT_ALLOCATION, run_small, device_step, 1, resume_to_the_same);
+}
+
+static void memory_while_compiling(void **state) {
+    (void)state;
+    fail_each(FAULT_ALLOCATION, first_ping, device_step, 1, NULL);
+}
+
+static void opencl_while_opening_devices(void **state) {
+    (void)state;
+    /* questions about a device that it does not answer */
+    fail_each(FAULT_OPENCL, open_devices, 1, 60, NULL);
+}
+
+static void opencl_while_running(void **state) {
+    (void)state;
+    fail_each(FAULT_OPENCL, run_small, device_step, 40, resume_to_the_same);
+}
+
+static void opencl_while_compiling(void **state) {
+    (void)state;
+    fail_each(FAULT_OPENCL, first_ping, device_step, 100, NULL);
+}
+
+static void threads_while_running(void **state) {
+    (void)state;
+    fail_each(FAULT_THREAD, run_small, 1, 4, resume_to_the_same);
+}
+
+/* ---- set up --------------------------------------------------------------------------------- */
+
+static int set_up(void **state) {
+    (void)state;
+    write_text("small.yaml",
+               "version: 1\nbottom: {depth_m: 12}\n"
+               "objects: [{box: {size_m: [1, 1, 1]}, position_m: [8, 0, 6], material: "
+               "{impedance_mrayl: 45, roughness_rms_mm: 0, slope_rms: 0}}]\n"
+               "sonar: {frequency_khz: 100, ping_rate_hz: 50, bin_length_m: 4, "
+               "receivers: [{name: a}]}\n"
+               "mission: {pose: {position_m: [0, 0, 5]}, pings: 2}\n"
+               "sampling: {rays: 64}\noutput: {npy: true, images: [waterfall, ascope]}\n");
+    write_text("objects.yaml",
+               "version: 1\nbottom: {grid: {file: g.asc, values: depths}, type: mud}\n"
+               "objects: [{sphere: {radius_m: 1}, position_m: [8, 0, 6], type: rock}, "
+               "{cylinder: {radius_m: 1, length_m: 2}, position_m: [8, 5, 6], type: rock}, "
+               "{plate: {size_m: [1, 2]}, position_m: [8, -5, 6], type: rock}, "
+               "{mesh: {file: m.obj, scale: 1}, position_m: [9, -5, 6], type: rock}, "
+               "{point: {target_strength_db: -20}, position_m: [9, 0, 5]}]\n"
+               "sonar: {frequency_khz: 100, receivers: {fan: {count: 16, sector_deg: 90}}}\n"
+               "mission: {waypoints: {points_m: [[0, 0, 5], [20, 0, 5]], speed_mps: 2}}\n");
+    write_text("track.yaml", "version: 1\nbottom: none\n"
+                             "sonar: {frequency_khz: 100, receivers: [{name: a}]}\n"
+                             "mission: {track: t.csv}\n");
+    write_text("t.csv", "time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg\n0,0,0,5,0,0,0\n"
+                        "3,6,0,5,0,0,0\n");
+    write_text("g.asc", "ncols 3\nnrows 3\nxllcorner -50\nyllcorner -50\ncellsize 50\n"
+                        "20 20 20\n20 21 20\n20 20 20\n");
+    write_text("m.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n");
+    write_text("m.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
+    return run_mission("reference", false) == ASDIC_OK ? 0 : -1;
+}
+
+static int tear_down(void **state) {
+    (void)state;
+    char command[300];
+    snprintf(command, sizeof command, "rm -r '%s'", folder);
+    return system(command);
+}
+
+int main(void) {
+    const char *step = getenv("ASDIC_FAULT_STEP");
+    test_device t = test_device_open_or_skip();
+    ctx = t.ctx;
+    devices = t.devices;
+    device_count = t.count;
+    device_step = step ? atol(step) : 1;
+    if (!mkdtemp(folder) || device_step < 1) {
+        return 1;
+    }
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(memory_while_loading),
+        cmocka_unit_test(memory_while_opening_devices),
+        cmocka_unit_test(memory_while_running),
+        cmocka_unit_test(memory_while_compiling),
+        cmocka_unit_test(opencl_while_opening_devices),
+        cmocka_unit_test(opencl_while_running),
+        cmocka_unit_test(opencl_while_compiling),
+        cmocka_unit_test(threads_while_running),
+    };
+    int failed = cmocka_run_group_tests_name("faults", tests, set_up, tear_down);
+    test_device_close(&t);
+    return failed;
+}
