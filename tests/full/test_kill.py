@@ -1,0 +1,84 @@
+"""A mission stopped hundreds of times at random moments, by SIGINT, SIGTERM and SIGKILL.
+
+After each stop the exit code is the right one, an interrupt says one sentence, the folder is valid,
+and --resume goes on; now and then it goes on to the end, and the bytes equal those of an
+undisturbed run. ASDIC_KILLS is how often (default 200).
+"""
+import os
+import random
+import signal
+import subprocess
+import time
+
+import program
+import tap
+from program import Folder, asdic
+from run_folder import facts, same, scene
+
+KILLS = int(os.environ.get("ASDIC_KILLS", "200"))
+CODES = {signal.SIGINT: 130, signal.SIGTERM: 143, signal.SIGKILL: -9}
+
+
+def valid(folder, run, was_killed):
+    """What may be there after a stop."""
+    names = os.listdir(folder / run) if os.path.isdir(folder / run) else []
+    if "run.json" not in names:  # stopped before the first ping
+        tap.equal([n for n in names if not n.endswith(".part")], [], "files without run.json")
+        return
+    run_facts = facts(folder, run)
+    if not was_killed:
+        tap.equal(run_facts["state"] in ("interrupted", "complete"), True, run_facts["state"])
+        tap.equal([n for n in names if n.endswith(".part")], [], "unfinished files")
+
+
+def stop_once(folder, path, longest_s, luck):
+    """One stop; the seconds that the run had. None when it was through before."""
+    stop = luck.choice(list(CODES))
+    resume = ["--resume"] if os.path.exists(folder / "r/run.json") else ["--force"]
+    begin = time.monotonic()
+    child = subprocess.Popen([program.PATH, "run", path, "-o", folder / "r", *resume],
+                             stderr=subprocess.PIPE, stdout=subprocess.DEVNULL)
+    time.sleep(luck.uniform(0, longest_s))
+    child.send_signal(stop)
+    err = child.communicate()[1].decode()
+    took = time.monotonic() - begin
+    if child.returncode == 0:
+        return None, stop, took
+    # Before the handlers stand, a signal ends a program at once; Python gives -2 and -15 for that.
+    tap.equal(child.returncode in (CODES[stop], -stop), True,
+              f"exit code {child.returncode} of {stop.name} ({err!r})")
+    if child.returncode > 0:
+        # LLVM's own handler removes what it is writing, so that its compiler complains as well.
+        lines = [line for line in err.splitlines() if line != "1 error generated."]
+        tap.equal(len(lines), 1, f"sentences ({err!r})")
+        tap.contains(lines[0], "--resume")
+    valid(folder, "r", child.returncode < 0)
+    return child.returncode, stop, took
+
+
+def test_stopped_at_random_moments():
+    program.need_device()
+    luck = random.Random(1)
+    with Folder() as folder:
+        path = scene(folder, pings=60, rays=1000)
+        begin = time.monotonic()
+        asdic("run", path, "-o", folder / "whole").check(code=0)
+        longest_s = 1.1 * (time.monotonic() - begin)
+        stops, through, seen = 0, 0, {}
+        while stops < KILLS:
+            code, stop, _ = stop_once(folder, path, longest_s, luck)
+            if code is None:
+                through += 1
+                same(folder, "whole", "r")
+                for name in os.listdir(folder / "r"):
+                    os.unlink(folder / f"r/{name}")
+            else:
+                stops += 1
+                seen[stop.name, code] = seen.get((stop.name, code), 0) + 1
+        asdic("run", path, "-o", folder / "r", "--resume").check(code=0)
+        same(folder, "whole", "r")
+        told = ", ".join(f"{name} ({code}) {count}" for (name, code), count in sorted(seen.items()))
+        print(f"# {stops} stops: {told}; finished and equal {through + 1} times")
+
+
+tap.main(globals())
