@@ -219,7 +219,9 @@ static void define_levels(asdic_netcdf *f, const int dimensions[3]) {
         f->level_ids[i] = id;
         if (id < 0 || !asdic_nc_check(&f->nc, nc_def_var_fill(group, id, NC_FILL, &fill)) ||
             !asdic_nc_check(&f->nc, nc_def_var_chunking(group, id, NC_CHUNKED, chunks)) ||
-            !asdic_nc_check(&f->nc, nc_def_var_deflate(group, id, 1, 1, DEFLATE_LEVEL))) {
+            !asdic_nc_check(&f->nc, nc_def_var_deflate(group, id, 1, 1, DEFLATE_LEVEL)) ||
+            /* Whole chunks are written, once: netCDF's 16 MiB a variable would only be filled. */
+            !asdic_nc_check(&f->nc, nc_set_var_chunk_cache(group, id, 1, 1, 1.0f))) {
             return;
         }
         const asdic_nc_attribute texts[] = {{"coordinates", "range"}, {NULL, NULL}};
