@@ -8,6 +8,9 @@
 
 #define CLI_MAX_OPTIONS 48
 
+/* Not even errors: one of several processes that would say the same. */
+#define CLI_MUTE (-2)
+
 struct cli {
     asdic_context *ctx;
     const cli_command *command;
@@ -16,7 +19,7 @@ struct cli {
     size_t option_count;
     char **operands;
     size_t operand_count;
-    int verbosity; /* -1 quiet, 0, 1 verbose, 2 more so */
+    int verbosity; /* CLI_MUTE, -1 quiet, 0, 1 verbose, 2 more so */
     bool colour;
     bool bad_usage;
 };

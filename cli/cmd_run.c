@@ -1,5 +1,6 @@
 #include "commands.h"
 #include "progress.h"
+#include "team.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -142,14 +143,14 @@ static asdic_status simulate(cli *c, asdic_mission *mission, double tolerance_db
     asdic_device **devices = NULL;
     size_t count = 0;
     asdic_run_options options = *wanted;
-    cli_progress progress = cli_progress_begin(c);
+    cli_progress progress = cli_progress_begin(c); /* of process 0: a member reports none */
     asdic_status status = cli_open_devices(c, &devices, &count);
     if (status != ASDIC_OK) {
         return status;
     }
     options.progress = cli_progress_report;
     options.user = &progress;
-    if (!isnan(tolerance_db)) {
+    if (!isnan(tolerance_db) && !cli_team_is_member(options.team)) {
         status = keep_tolerance(c, mission, devices[0], tolerance_db);
     }
     if (status == ASDIC_OK) {
@@ -163,7 +164,7 @@ static asdic_status simulate(cli *c, asdic_mission *mission, double tolerance_db
     return status;
 }
 
-static int run(cli *c) {
+static int run_alone_or_in(cli *c, asdic_team *team) {
     request r;
     asdic_mission *mission = NULL;
     asdic_run_options options = asdic_run_options_default();
@@ -184,11 +185,23 @@ static int run(cli *c) {
     options.folder = r.folder ? r.folder : folder;
     options.force = r.force;
     options.resume = r.resume;
+    options.team = team;
     code = cli_end(c, simulate(c, mission, r.tolerance_db, &options));
 done:
     free(folder);
     asdic_mission_destroy(&mission);
     return code;
+}
+
+static int run(cli *c) {
+    asdic_team *team = NULL;
+    if (!cli_team_begin(c, &team)) {
+        return CLI_USAGE;
+    }
+    bool is_member = cli_team_is_member(team);
+    int code = run_alone_or_in(c, team);
+    cli_team_end(c, &team);
+    return is_member ? CLI_OK : code;
 }
 
 static const cli_option options[] = {
@@ -217,7 +230,10 @@ const cli_command cli_run_command = {
                "run, on what, how fast, how good). A run that was interrupted, or killed, is "
                "finished by --resume.\n\n"
                "--tolerance looks at pings spread over the mission and gives all pings as many "
-               "rays as the roughest needs, at most 4194304; bins that need more are named.",
+               "rays as the roughest needs, at most 4194304; bins that need more are named.\n\n"
+               "Where asdic was built with MPI, 'mpirun -n 4 --bind-to none asdic run ...' shares "
+               "the pings among four processes, which may be on several machines that see the "
+               "same files; one run folder is written, with the bytes of a single process.",
     .options = options,
     .traits = CLI_HAS_DEVICE | CLI_INTERRUPTIBLE,
     .run = run,

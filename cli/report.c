@@ -35,6 +35,9 @@ static void print_message(const cli *c, const char *word, const char *colour, co
 
 static void on_log(void *user, asdic_log_level level, const char *message) {
     const cli *c = user;
+    if (c->verbosity == CLI_MUTE) {
+        return;
+    }
     switch (level) {
     case ASDIC_LOG_ERROR:
         print_message(c, "error", RED_BOLD, message);
@@ -53,7 +56,8 @@ void cli_report_begin(cli *c) {
     static const asdic_log_level levels[] = {ASDIC_LOG_ERROR, ASDIC_LOG_WARNING, ASDIC_LOG_INFO,
                                              ASDIC_LOG_DEBUG};
     c->colour = terminal_shows_colour();
-    asdic_context_set_log(c->ctx, levels[c->verbosity + 1], on_log, c);
+    asdic_context_set_log(c->ctx, levels[c->verbosity == CLI_MUTE ? 0 : c->verbosity + 1], on_log,
+                          c);
 }
 
 static void print_formatted(const cli *c, asdic_log_level level, const char *format, va_list args) {
@@ -100,7 +104,9 @@ int cli_usage(cli *c, const char *format, ...) {
     va_start(args, format);
     print_formatted(c, ASDIC_LOG_ERROR, format, args);
     va_end(args);
-    fprintf(stderr, "'asdic %s --help' shows how it is used\n", c->command->name);
+    if (c->verbosity != CLI_MUTE) {
+        fprintf(stderr, "'asdic %s --help' shows how it is used\n", c->command->name);
+    }
     return CLI_USAGE;
 }
 

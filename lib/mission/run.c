@@ -5,6 +5,7 @@
 
 #include "base/context.h"
 #include "run_folder.h"
+#include "run_member.h"
 #include "run_queue.h"
 #include "run_stream.h"
 
@@ -65,8 +66,28 @@ static asdic_status take(void *user, size_t ping, const asdic_ping *result) {
     return status;
 }
 
+/* Notes a device of another process, as run.json lists them. */
+static void name_device(void *user, const char *device) {
+    asdic_run_job *job = ((taker *)user)->job;
+    asdic_run_facts *f = &job->facts;
+    for (size_t i = 0; i < f->device_count; i++) {
+        if (strcmp(f->devices[i], device) == 0) {
+            return;
+        }
+    }
+    const char **more = asdic_arena_alloc(&job->arena, (f->device_count + 1) * sizeof *more);
+    const char *copy = asdic_arena_string(&job->arena, device, strlen(device));
+    if (more && copy) {
+        memcpy(more, f->devices, f->device_count * sizeof *more);
+        more[f->device_count++] = copy;
+        f->devices = more;
+    }
+}
+
 static asdic_status simulate(asdic_run_job *job) {
     taker t = {.job = job};
+    char hash[65];
+    asdic_job_hash(job, hash);
     double begin_s = asdic_clock_s();
     asdic_queue_work work = {.mission = job->mission,
                              .devices = job->devices,
@@ -75,6 +96,9 @@ static asdic_status simulate(asdic_run_job *job) {
                              .end = job->facts.first_ping + job->facts.pings_planned,
                              .bins = job->facts.bins,
                              .take = take,
+                             .name = name_device,
+                             .team = job->options->team,
+                             .run_hash = hash,
                              .user = &t};
     report(job, begin_s);
     asdic_status status = asdic_queue_run(job->ctx, &work, &t.result);
@@ -126,9 +150,12 @@ asdic_status asdic_mission_run(asdic_context *ctx, asdic_mission *mission, asdic
                          .devices = devices,
                          .device_count = device_count,
                          .options = options};
+    bool is_member = options->team && options->team->rank > 0;
     bool is_stream = options->folder && strcmp(options->folder, "-") == 0;
-    asdic_status status = is_stream ? asdic_run_stream(&job) : asdic_job_begin(&job);
-    if (status != ASDIC_OK || is_stream || job.is_complete) {
+    asdic_status status = is_member   ? asdic_member_run(&job)
+                          : is_stream ? asdic_run_stream(&job)
+                                      : asdic_job_begin(&job);
+    if (status != ASDIC_OK || is_member || is_stream || job.is_complete) {
         goto done;
     }
     if (job.resumed < job.facts.pings_planned) {

@@ -1,6 +1,7 @@
 #include "run_job.h"
 
 #include "base/context.h"
+#include "base/sha256.h"
 #include "run_files.h"
 #include "run_folder.h"
 #include "run_inputs.h"
@@ -71,6 +72,17 @@ static asdic_status describe(asdic_run_job *job) {
     return asdic_inputs_hash(job->ctx, m, job->inputs_hash);
 }
 
+void asdic_job_hash(const asdic_run_job *job, char hex[65]) {
+    char text[512];
+    const asdic_run_facts *f = &job->facts;
+    const asdic_sampling *s = &f->sampling;
+    int length = snprintf(text, sizeof text, "%s %s %s %zu+%zu %zu*%zu %u %d %d %llu %u",
+                          f->version, f->scene_hash, f->geometry_hash, f->first_ping,
+                          f->pings_planned, f->beams, f->bins, s->rays, (int)s->sampler,
+                          (int)s->multipath, (unsigned long long)s->seed, s->left_out);
+    asdic_sha256_hex(text, (size_t)length, hex);
+}
+
 /* This call's devices, after those of an earlier one that it does not use as well. */
 static asdic_status list_devices(asdic_run_job *job, const asdic_run_facts *earlier) {
     asdic_run_facts *f = &job->facts;
@@ -119,7 +131,10 @@ static asdic_status open_store(asdic_run_job *job) {
     asdic_store_mode mode = ASDIC_STORE_CREATE;
     if (job->options->resume && asdic_folder_has_run(folder)) {
         mode = ASDIC_STORE_RESUME;
-        status = asdic_run_facts_read(job->ctx, folder, &job->arena, &earlier);
+        status = asdic_folder_check_idle(job->ctx, folder);
+        if (status == ASDIC_OK) {
+            status = asdic_run_facts_read(job->ctx, folder, &job->arena, &earlier);
+        }
         if (status == ASDIC_OK) {
             status = compare(job, &earlier);
         }

@@ -9,6 +9,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -62,6 +63,28 @@ static bool is_ours(const char *name) {
     return is_picture && has_stem;
 }
 
+/* Whether somebody holds the lock that a run's store has on FOLDER/pings.EXTENSION. */
+static bool is_locked(const char *folder, const char *extension) {
+    char *path = asdic_folder_path(folder, "pings", "", extension);
+    int fd = path ? open(path, O_RDONLY | O_CLOEXEC) : -1;
+    bool locked = fd >= 0 && flock(fd, LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+    if (fd >= 0) {
+        close(fd);
+    }
+    free(path);
+    return locked;
+}
+
+asdic_status asdic_folder_check_idle(asdic_context *ctx, const char *folder) {
+    if (is_locked(folder, "npy.part") || is_locked(folder, "npy")) {
+        return asdic_fail(ctx, ASDIC_ERROR_EXISTS,
+                          "another process is writing a run to '%s' just now; wait for it, or "
+                          "choose another folder",
+                          folder);
+    }
+    return ASDIC_OK;
+}
+
 static asdic_status clear(asdic_context *ctx, const char *folder) {
     asdic_status status = ASDIC_OK;
     DIR *dir = opendir(folder);
@@ -100,7 +123,8 @@ asdic_status asdic_folder_prepare(asdic_context *ctx, const char *folder, bool f
                           "continue it, or another folder",
                           folder);
     }
-    return clear(ctx, folder);
+    asdic_status status = asdic_folder_check_idle(ctx, folder);
+    return status == ASDIC_OK ? clear(ctx, folder) : status;
 }
 
 void asdic_folder_remove(asdic_context *ctx, const char *folder) {

@@ -9,6 +9,9 @@
 /* Whether FOLDER holds a run, finished or not. */
 bool asdic_folder_has_run(const char *folder);
 
+/* ASDIC_ERROR_EXISTS when another process is writing a run to FOLDER just now. */
+asdic_status asdic_folder_check_idle(asdic_context *ctx, const char *folder);
+
 /* Creates FOLDER (its parents must exist); one that is there already is fine unless it holds a
  * run, which FORCE removes: the files that a run writes, nothing else. */
 asdic_status asdic_folder_prepare(asdic_context *ctx, const char *folder, bool force);

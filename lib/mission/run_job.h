@@ -27,8 +27,12 @@ typedef struct asdic_run_job {
     double begin_s;   /* by the clock, of the simulation */
 } asdic_run_job;
 
-/* Checks what is asked for and plans it. */
+/* Checks what is asked for and plans it: fills the facts that are known before the first ping; the
+ * mission's sampling follows the plan from here on. */
 asdic_status asdic_job_describe(asdic_run_job *job);
+
+/* What processes that work on one run must agree in. */
+void asdic_job_hash(const asdic_run_job *job, char hex[65]);
 
 /* What RESULT's levels are kept with. */
 asdic_record_head asdic_job_head(const asdic_mission *mission, size_t ping,

@@ -1,56 +1,26 @@
-#include "run_queue.h"
+#include "run_queue_inside.h"
 
 #include "base/context.h"
+#include "run_crew.h"
+#include "run_seat.h"
 
-#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <time.h>
 
 /* Results that wait to be taken may hold this much memory. */
 #define WINDOW_BYTES ((size_t)256 << 20)
-#define NO_PING SIZE_MAX
 
-typedef struct range {
-    size_t next, end;
-} range;
+typedef asdic_queue queue;
 
-typedef struct slot {
-    asdic_ping *result;
-    bool is_ready;
-} slot;
-
-struct queue;
-
-typedef struct worker {
-    struct queue *queue;
+typedef struct asdic_queue_worker {
+    queue *queue;
     asdic_device *device;
-    asdic_simulator *simulator;
-    range own;    /* pings dealt to this worker and not begun */
-    size_t block; /* the simulator has learnt for this block; NO_PING: for none */
+    asdic_seat seat;
+    asdic_range own; /* pings dealt to this worker and not begun */
     pthread_t thread;
     bool has_thread;
 } worker;
-
-typedef struct queue {
-    asdic_context *ctx;
-    const asdic_queue_work *work;
-    pthread_mutex_t lock; /* guards everything below */
-    pthread_cond_t changed;
-    slot *slots; /* ping p lives in slots[p % slot_count] */
-    size_t slot_count;
-    size_t chunk;     /* pings dealt at once, within a learning block */
-    size_t fresh;     /* first ping that was not dealt */
-    size_t taken;     /* first ping that was not taken */
-    size_t remaining; /* pings not simulated yet */
-    range *returned;  /* by devices that failed, one range each */
-    size_t returned_count;
-    size_t alive; /* workers */
-    bool is_stopped;
-    asdic_status failure; /* of the last device that failed */
-    double ready_s;
-    worker *workers;
-} queue;
 
 static size_t least(size_t a, size_t b) {
     return a < b ? a : b;
@@ -60,40 +30,64 @@ static size_t most(size_t a, size_t b) {
     return a > b ? a : b;
 }
 
-/* The lowest ping that a failed device gave back, if there is room for its result. */
-static size_t claim_returned(queue *q) {
-    range *lowest = NULL;
+asdic_range asdic_queue_take_returned(queue *q, size_t most_pings) {
+    asdic_range *lowest = NULL;
+    size_t room = q->taken + q->slot_count;
     for (size_t i = 0; i < q->returned_count; i++) {
-        range *r = &q->returned[i];
+        asdic_range *r = &q->returned[i];
         if (r->next < r->end && (!lowest || r->next < lowest->next)) {
             lowest = r;
         }
     }
-    return lowest && lowest->next < q->taken + q->slot_count ? lowest->next++ : NO_PING;
+    if (q->is_stopped || !lowest || lowest->next >= room) {
+        return (asdic_range){0, 0};
+    }
+    asdic_range found = {lowest->next, least(least(lowest->end, room), lowest->next + most_pings)};
+    lowest->next = found.end;
+    return found;
 }
 
-/* Deals the next chunk; chunks do not cross learning blocks, so that a device seldom learns for
- * few pings. */
-static void deal(queue *q, worker *w) {
+asdic_range asdic_queue_deal(queue *q) {
     size_t block_end = (q->fresh / ASDIC_LEARN_BLOCK + 1) * ASDIC_LEARN_BLOCK;
-    w->own.next = q->fresh;
-    w->own.end = least(least(q->fresh + q->chunk, block_end), q->work->end);
-    q->fresh = w->own.end;
+    asdic_range range = {q->fresh, least(least(q->fresh + q->chunk, block_end), q->work->end)};
+    q->fresh = range.end;
+    return range;
 }
 
-/* The next ping for W, waiting for room; NO_PING when there will be none. Returned pings go first:
- * the window cannot move on without them. */
+bool asdic_queue_reserve(queue *q, size_t count) {
+    size_t capacity = q->returned_capacity + count;
+    asdic_range *more = realloc(q->returned, capacity * sizeof *more);
+    if (more) {
+        q->returned = more;
+        q->returned_capacity = capacity;
+    }
+    return more != NULL;
+}
+
+void asdic_queue_return(queue *q, asdic_range range) {
+    q->returned[q->returned_count++] = range;
+}
+
+void asdic_queue_finish_ping(queue *q, size_t ping) {
+    q->slots[ping % q->slot_count].is_ready = true;
+    q->remaining--;
+    q->ready_s = q->ready_s > 0.0 ? q->ready_s : asdic_clock_s();
+    pthread_cond_broadcast(&q->changed);
+}
+
+/* The next ping for W, waiting for room; ASDIC_NO_PING when there will be none. Returned pings go
+ * first: the window cannot move on without them. */
 static size_t claim(queue *q, worker *w) {
     for (;;) {
         if (q->is_stopped || q->remaining == 0 || asdic_context_interrupted(q->ctx)) {
-            return NO_PING;
+            return ASDIC_NO_PING;
         }
-        size_t ping = claim_returned(q);
-        if (ping != NO_PING) {
-            return ping;
+        asdic_range back = asdic_queue_take_returned(q, 1);
+        if (back.next < back.end) {
+            return back.next;
         }
         if (w->own.next == w->own.end && q->fresh < q->work->end) {
-            deal(q, w);
+            w->own = asdic_queue_deal(q);
         }
         if (w->own.next < w->own.end && w->own.next < q->taken + q->slot_count) {
             return w->own.next++;
@@ -103,66 +97,26 @@ static size_t claim(queue *q, worker *w) {
     }
 }
 
-static asdic_status simulate(queue *q, worker *w, size_t ping, asdic_ping *result) {
-    const asdic_mission *mission = q->work->mission;
-    size_t block = ping / ASDIC_LEARN_BLOCK;
-    if (w->block != block) {
-        size_t pilot = block * ASDIC_LEARN_BLOCK;
-        asdic_pose pose = asdic_mission_pose(mission, pilot, NULL);
-        asdic_status status = asdic_mission_place(mission, w->simulator, pilot);
-        if (status == ASDIC_OK) {
-            status = asdic_simulator_learn(w->simulator, &pose, pilot);
-        }
-        if (status != ASDIC_OK) {
-            return status;
-        }
-        w->block = block;
-    }
-    asdic_pose pose = asdic_mission_pose(mission, ping, NULL);
-    asdic_status status = asdic_mission_place(mission, w->simulator, ping);
-    return status == ASDIC_OK ? asdic_simulator_ping(w->simulator, &pose, ping, result) : status;
-}
-
 static asdic_status work_through(queue *q, worker *w) {
     asdic_status status = ASDIC_OK;
     pthread_mutex_lock(&q->lock);
     for (;;) {
         size_t ping = claim(q, w);
-        if (ping == NO_PING) {
+        if (ping == ASDIC_NO_PING) {
             break;
         }
-        slot *s = &q->slots[ping % q->slot_count];
+        asdic_ping *result = q->slots[ping % q->slot_count].result;
         pthread_mutex_unlock(&q->lock);
-        status = simulate(q, w, ping, s->result);
+        status = asdic_seat_ping(&w->seat, ping, result);
         pthread_mutex_lock(&q->lock);
         if (status != ASDIC_OK) {
-            q->returned[q->returned_count++] = (range){ping, ping + 1};
+            asdic_queue_return(q, (asdic_range){ping, ping + 1});
             break;
         }
-        s->is_ready = true;
-        q->remaining--;
-        pthread_cond_broadcast(&q->changed);
+        asdic_queue_finish_ping(q, ping);
     }
     pthread_mutex_unlock(&q->lock);
     return status;
-}
-
-static asdic_status start_simulator(queue *q, worker *w) {
-    asdic_mission *mission = q->work->mission;
-    /* Every part of a mission has as many bins as its first ping. */
-    double depth_m = asdic_mission_pose(mission, 0, NULL).position_m.z;
-    asdic_status status = asdic_simulator_create(
-        q->ctx, w->device, asdic_mission_scene(mission), asdic_mission_environment(mission),
-        asdic_mission_sonar(mission), asdic_mission_sampling(mission), depth_m, &w->simulator);
-    if (status != ASDIC_OK) {
-        return status;
-    }
-    size_t bins = asdic_simulator_bin_count(w->simulator);
-    if (bins != q->work->bins) {
-        return asdic_fail(q->ctx, ASDIC_ERROR_ARGUMENT, "the simulator has %zu bins, the run %zu",
-                          bins, q->work->bins);
-    }
-    return ASDIC_OK;
 }
 
 /* Says goodbye: what was dealt to this worker is for others. */
@@ -170,7 +124,7 @@ static void retire(queue *q, worker *w, asdic_status status) {
     char why[512];
     snprintf(why, sizeof why, "%s", asdic_context_error(q->ctx));
     pthread_mutex_lock(&q->lock);
-    q->returned[q->returned_count++] = w->own;
+    asdic_queue_return(q, w->own);
     q->alive--;
     bool is_dropped = status != ASDIC_OK && q->alive > 0;
     if (status != ASDIC_OK) {
@@ -192,13 +146,15 @@ static void note_ready(queue *q) {
 
 static void *run_worker(void *argument) {
     worker *w = argument;
-    asdic_status status = start_simulator(w->queue, w);
-    note_ready(w->queue);
+    queue *q = w->queue;
+    asdic_status status =
+        asdic_seat_open(&w->seat, q->ctx, q->work->mission, w->device, q->work->bins);
+    note_ready(q);
     if (status == ASDIC_OK) {
-        status = work_through(w->queue, w);
+        status = work_through(q, w);
     }
-    retire(w->queue, w, status);
-    asdic_simulator_destroy(&w->simulator);
+    retire(q, w, status);
+    asdic_seat_close(&w->seat);
     return NULL;
 }
 
@@ -207,7 +163,7 @@ static asdic_status take_results(queue *q, asdic_queue_result *result) {
     asdic_status status = ASDIC_OK;
     pthread_mutex_lock(&q->lock);
     while (status == ASDIC_OK && q->taken < q->work->end) {
-        slot *s = &q->slots[q->taken % q->slot_count];
+        asdic_slot *s = &q->slots[q->taken % q->slot_count];
         if (s->is_ready) {
             result->ready_s = q->ready_s;
             pthread_mutex_unlock(&q->lock);
@@ -233,16 +189,15 @@ static asdic_status queue_init(queue *q) {
     size_t beams = asdic_mission_sonar(work->mission)->receiver_count;
     size_t bytes = beams * work->bins * (ASDIC_COMPONENT_COUNT * sizeof(double) + sizeof(float));
     size_t pings = work->end - work->first;
-    q->slot_count = least(most(WINDOW_BYTES / bytes, 2 * work->device_count),
-                          2 * ASDIC_LEARN_BLOCK * work->device_count);
-    q->chunk = least(least(q->slot_count / (2 * work->device_count), ASDIC_LEARN_BLOCK),
-                     most(1, pings / (4 * work->device_count)));
+    size_t devices = work->device_count + (work->team ? work->team->size - 1 : 0);
+    q->slot_count = least(most(WINDOW_BYTES / bytes, 2 * devices), 2 * ASDIC_LEARN_BLOCK * devices);
+    q->chunk = least(least(q->slot_count / (2 * devices), ASDIC_LEARN_BLOCK),
+                     most(1, pings / (4 * devices)));
     q->slot_count = least(q->slot_count, pings);
     q->slots = calloc(q->slot_count, sizeof *q->slots);
     q->workers = calloc(work->device_count, sizeof *q->workers);
     /* A worker returns the ping that failed and what it had left. */
-    q->returned = calloc(2 * work->device_count, sizeof *q->returned);
-    if (!q->slots || !q->workers || !q->returned) {
+    if (!q->slots || !q->workers || !asdic_queue_reserve(q, 2 * work->device_count)) {
         return asdic_fail_memory(q->ctx, "the queue of pings");
     }
     for (size_t i = 0; i < q->slot_count; i++) {
@@ -268,7 +223,7 @@ static void start_workers(queue *q) {
     pthread_mutex_lock(&q->lock);
     for (size_t i = 0; i < q->work->device_count; i++) {
         worker *w = &q->workers[i];
-        *w = (worker){.queue = q, .device = q->work->devices[i], .block = NO_PING};
+        *w = (worker){.queue = q, .device = q->work->devices[i]};
         w->has_thread = pthread_create(&w->thread, NULL, run_worker, w) == 0;
         q->alive += w->has_thread;
     }
@@ -294,7 +249,11 @@ asdic_status asdic_queue_run(asdic_context *ctx, const asdic_queue_work *work,
                .fresh = work->first,
                .taken = work->first};
     *result = (asdic_queue_result){.ready_s = asdic_clock_s()};
+    asdic_crew *crew = NULL;
     asdic_status status = queue_init(&q);
+    if (status == ASDIC_OK && work->team) {
+        status = asdic_crew_start(&q, work->team, &crew);
+    }
     if (status == ASDIC_OK) {
         start_workers(&q);
         status = take_results(&q, result);
@@ -303,6 +262,7 @@ asdic_status asdic_queue_run(asdic_context *ctx, const asdic_queue_work *work,
                 pthread_join(q.workers[i].thread, NULL);
             }
         }
+        asdic_crew_finish(&crew, work->name, work->user);
         result->taken = q.taken - work->first;
         if (status == ASDIC_OK && q.taken < work->end) {
             status = asdic_context_interrupted(ctx) ? asdic_fail(ctx, ASDIC_ERROR_INTERRUPTED,

@@ -14,7 +14,12 @@ typedef struct asdic_queue_work {
     size_t bins;
     /* Called in the calling thread, ping by ping, while devices go on; a failure stops the run. */
     asdic_status (*take)(void *user, size_t ping, const asdic_ping *result);
+    /* Called at the end with the name of every device of another process that took part; may be
+     * NULL. */
+    void (*name)(void *user, const char *device);
     void *user;
+    asdic_team *team;     /* NULL: this process alone */
+    const char *run_hash; /* asdic_job_hash, for a team */
 } asdic_queue_work;
 
 typedef struct asdic_queue_result {

@@ -10,6 +10,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -121,6 +122,7 @@ static asdic_status open_file(asdic_store *store, asdic_store_mode mode) {
     if (store->fd < 0) {
         return fail_io(store, "write");
     }
+    flock(store->fd, LOCK_EX | LOCK_NB); /* for asdic_folder_check_idle; gone when closed */
     struct stat st;
     if (!is_new && fstat(store->fd, &st) == 0 && (size_t)st.st_size < store->header_bytes) {
         is_new = true; /* killed before the header was complete */

@@ -44,6 +44,8 @@ asdic_status asdic_run_stream(asdic_run_job *job) {
     if (status != ASDIC_OK) {
         return status;
     }
+    char hash[65];
+    asdic_job_hash(job, hash);
     job->begin_s = asdic_clock_s();
     asdic_queue_work work = {.mission = job->mission,
                              .devices = job->devices,
@@ -52,6 +54,8 @@ asdic_status asdic_run_stream(asdic_run_job *job) {
                              .end = job->facts.first_ping + job->facts.pings_planned,
                              .bins = job->facts.bins,
                              .take = take,
+                             .team = job->options->team,
+                             .run_hash = hash,
                              .user = job};
     status = asdic_queue_run(job->ctx, &work, &result);
     asdic_status closed = asdic_csv_commit(&job->csv); /* whole rows, also when interrupted */

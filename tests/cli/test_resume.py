@@ -1,6 +1,8 @@
 """Runs in parts, on two devices, stopped and resumed: always the same bytes."""
 import os
+import re
 import resource
+import shutil
 import signal
 import subprocess
 import time
@@ -41,6 +43,31 @@ def test_shards_merge_to_the_whole():
         tap.equal(rows, [row for row in whole if row.split(",")[0] in "234"], "--pings 2:5")
 
 
+def test_recipes_of_the_readme():
+    """The commands for xargs and GNU parallel, as printed, give the bytes of one run."""
+    program.need_device()
+    readme = open(os.path.join(os.path.dirname(__file__), "..", "..", "README.md"),
+                  encoding="utf-8").read()
+    merge = re.search(r"^asdic merge run_mission_\*_of_8 .*$", readme, re.MULTILINE).group()
+    recipes = {"xargs": re.search(r"^seq 8 \| xargs .*$", readme, re.MULTILINE).group(),
+               "parallel": re.search(r"`(parallel [^`]*)`", readme).group(1)}
+    with Folder() as folder:
+        os.rename(scene(folder, pings=24, rays=500), folder / "mission.yaml")
+        asdic("run", "mission.yaml", "-o", "whole", cwd=folder.path).check(code=0)
+        os.symlink(program.PATH, folder / "asdic")
+        for tool, recipe in recipes.items():
+            version = subprocess.run([tool, "--version"], capture_output=True, check=False) \
+                if shutil.which(tool) else None
+            if not version or b"GNU" not in version.stdout:
+                continue
+            subprocess.run(["sh", "-ec", recipe + "\n" + merge], cwd=folder.path, check=True,
+                           env=program.environment({"PATH": f"{folder.path}:{os.environ['PATH']}"}))
+            same(folder, "whole", "run_mission")
+            for name in folder.names():
+                if name.startswith("run_mission"):
+                    shutil.rmtree(folder / name)
+
+
 def start(path, run):
     return subprocess.Popen([program.PATH, "run", path, "-o", run], stderr=subprocess.PIPE)
 
@@ -65,6 +92,10 @@ def test_killed_and_interrupted_runs_go_on():
         asdic("run", path, "-o", folder / "whole").check(code=0)
         child = start(path, folder / "r")
         wait_for_pings(child, folder / "r", 20000)
+        child.send_signal(signal.SIGSTOP)
+        for option in ("--resume", "--force"):
+            done = asdic("run", path, "-o", folder / "r", option).check(code=1)
+            tap.contains(done.err, "another process is writing a run to")
         child.kill()
         child.communicate()
         tap.equal(facts(folder, "r")["state"], "running", "state")

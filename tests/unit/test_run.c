@@ -1,264 +1,13 @@
 /*
- * Running a mission over several devices, some of which fail: a fake simulator stands in for the
- * real one (the linker's --wrap), so that order, loss and interruption can be arranged.
+ * Running a mission over several devices, some of which fail.
  */
-#include "asserts.h"
+#include "run_rig.h"
 
-#include <asdic/asdic.h>
-
-#include <dirent.h>
 #include <math.h>
 #include <signal.h>
 #include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/resource.h>
 #include <unistd.h>
-
-#define PINGS 150
-#define BEAMS 2
-
-/* ---- the fake ------------------------------------------------------------------------------- */
-
-struct asdic_device {
-    asdic_device_info info;
-    bool refuses;       /* to create a simulator */
-    size_t fails_after; /* pings */
-    unsigned delay_us;
-    size_t pings, learnt; /* counted */
-};
-
-struct asdic_simulator {
-    asdic_context *ctx;
-    asdic_device *device;
-    uint64_t block, seed;
-    size_t bins;
-};
-
-asdic_status __wrap_asdic_simulator_create(asdic_context *ctx, asdic_device *device,
-                                           const asdic_scene *scene, const asdic_environment *env,
-                                           const asdic_sonar *sonar, const asdic_sampling *sampling,
-                                           double depth_m, asdic_simulator **out);
-void __wrap_asdic_simulator_destroy(asdic_simulator **sim);
-size_t __wrap_asdic_simulator_bin_count(const asdic_simulator *sim);
-asdic_status __wrap_asdic_simulator_learn(asdic_simulator *sim, const asdic_pose *pose,
-                                          uint64_t index);
-asdic_status __wrap_asdic_simulator_ping(asdic_simulator *sim, const asdic_pose *pose,
-                                         uint64_t index, asdic_ping *ping);
-const asdic_device_info *__wrap_asdic_device_get_info(const asdic_device *device);
-
-asdic_status __wrap_asdic_simulator_create(asdic_context *ctx, asdic_device *device,
-                                           const asdic_scene *scene, const asdic_environment *env,
-                                           const asdic_sonar *sonar, const asdic_sampling *sampling,
-                                           double depth_m, asdic_simulator **out) {
-    (void)scene;
-    *out = NULL;
-    if (device->refuses) {
-        return ASDIC_ERROR_DEVICE;
-    }
-    *out = calloc(1, sizeof **out);
-    (*out)->ctx = ctx;
-    (*out)->device = device;
-    (*out)->block = UINT64_MAX;
-    (*out)->seed = sampling->seed;
-    (*out)->bins = asdic_sonar_bin_count(sonar, asdic_environment_sound_speed_mps(env, depth_m));
-    return ASDIC_OK;
-}
-
-void __wrap_asdic_simulator_destroy(asdic_simulator **sim) {
-    free(*sim);
-    *sim = NULL;
-}
-
-size_t __wrap_asdic_simulator_bin_count(const asdic_simulator *sim) {
-    return sim->bins;
-}
-
-asdic_status __wrap_asdic_simulator_learn(asdic_simulator *sim, const asdic_pose *pose,
-                                          uint64_t index) {
-    (void)pose;
-    assert_int_equal(index % ASDIC_LEARN_BLOCK, 0);
-    sim->block = index / ASDIC_LEARN_BLOCK;
-    sim->device->learnt++;
-    return ASDIC_OK;
-}
-
-/* Levels that tell ping, beam, bin and what was learnt. */
-asdic_status __wrap_asdic_simulator_ping(asdic_simulator *sim, const asdic_pose *pose,
-                                         uint64_t index, asdic_ping *ping) {
-    (void)pose;
-    if (sim->device->pings == sim->device->fails_after) {
-        return ASDIC_ERROR_DEVICE_LOST;
-    }
-    sim->device->pings++;
-    usleep(sim->device->delay_us);
-    for (size_t i = 0; i < ping->beams * ping->bins; i++) {
-        for (int c = 0; c < ASDIC_COMPONENT_COUNT; c++) {
-            double x = (double)(1 + i + 1000 * index + 7 * sim->block + sim->seed) * (1 + c);
-            ping->intensity_lin[c][i] = i % 5 == 0 && c == ASDIC_OBJECT ? 0.0 : 1e-9 * x;
-        }
-        ping->stderr_db[i] = 0.125f;
-    }
-    ping->rays = 1000;
-    return ASDIC_OK;
-}
-
-const asdic_device_info *__wrap_asdic_device_get_info(const asdic_device *device) {
-    return &device->info;
-}
-
-/* ---- a mission to run ----------------------------------------------------------------------- */
-
-static char folder[] = "/tmp/asdic-run-XXXXXX";
-
-typedef struct fixture {
-    asdic_context *ctx;
-    asdic_mission *mission;
-    asdic_device devices[3], *pointers[3];
-    size_t stop_at; /* interrupt when so many pings are done */
-    size_t reported;
-    char warnings[1024];
-} fixture;
-
-static char *in_folder(const char *name) {
-    static char paths[4][256];
-    static int turn;
-    char *path = paths[turn++ % 4];
-    snprintf(path, sizeof paths[0], "%s/%s", folder, name);
-    return path;
-}
-
-static void on_log(void *user, asdic_log_level level, const char *message) {
-    fixture *f = user;
-    if (level <= ASDIC_LOG_WARNING) {
-        size_t used = strlen(f->warnings);
-        snprintf(f->warnings + used, sizeof f->warnings - used, "%s\n", message);
-    }
-}
-
-static void begin(fixture *f) {
-    *f = (fixture){.stop_at = SIZE_MAX};
-    assert_int_equal(asdic_context_create(&f->ctx), ASDIC_OK);
-    asdic_context_set_log(f->ctx, ASDIC_LOG_WARNING, on_log, f);
-    assert_int_equal(asdic_mission_load(f->ctx, in_folder("scene.yaml"), &f->mission), ASDIC_OK);
-    for (int i = 0; i < 3; i++) {
-        f->devices[i].fails_after = SIZE_MAX;
-        f->devices[i].delay_us = 50u * (unsigned)(i + 1);
-        snprintf(f->devices[i].info.name, sizeof f->devices[i].info.name, "fake %d", i);
-        f->pointers[i] = &f->devices[i];
-    }
-}
-
-static void end(fixture *f) {
-    asdic_mission_destroy(&f->mission);
-    asdic_context_destroy(&f->ctx);
-}
-
-static void on_progress(void *user, const asdic_run_progress *progress) {
-    fixture *f = user;
-    assert_true(progress->pings_done <= progress->pings_total);
-    f->reported = progress->pings_done;
-    if (progress->pings_done >= f->stop_at) {
-        asdic_context_interrupt(f->ctx);
-    }
-}
-
-static asdic_status run(fixture *f, size_t devices, asdic_run_options options, const char *name) {
-    options.folder = in_folder(name);
-    options.progress = on_progress;
-    options.user = f;
-    return asdic_mission_run(f->ctx, f->mission, f->pointers, devices, &options);
-}
-
-static char *read_file(const char *run_name, const char *name, size_t *length) {
-    char path[512];
-    snprintf(path, sizeof path, "%s/%s/%s", folder, run_name, name);
-    FILE *file = fopen(path, "rb");
-    assert_non_null(file);
-    fseek(file, 0, SEEK_END);
-    *length = (size_t)ftell(file);
-    rewind(file);
-    char *data = malloc(*length + 1);
-    assert_int_equal(fread(data, 1, *length, file), *length);
-    data[*length] = 0;
-    fclose(file);
-    return data;
-}
-
-static void assert_same_files(const char *a, const char *b) {
-    static const char *const names[] = {"bins.csv", "pings.npy", "levels.npy",
-                                        "waterfall_forward.png", "waterfall_down.png"};
-    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
-        size_t length, other_length;
-        char *data = read_file(a, names[i], &length),
-             *other = read_file(b, names[i], &other_length);
-        assert_int_equal(length, other_length);
-        assert_memory_equal(data, other, length);
-        free(data);
-        free(other);
-    }
-}
-
-static void assert_state(const char *run_name, const char *state, size_t pings) {
-    char expected[64];
-    size_t length;
-    char *json = read_file(run_name, "run.json", &length);
-    snprintf(expected, sizeof expected, "\"state\": \"%s\"", state);
-    assert_non_null(strstr(json, expected));
-    snprintf(expected, sizeof expected, "\"pings\": %zu,", pings);
-    assert_non_null(strstr(json, expected));
-    free(json);
-}
-
-/* Every file of a folder is whole. */
-static void assert_no_part(const char *run_name) {
-    DIR *dir = opendir(in_folder(run_name));
-    assert_non_null(dir);
-    for (struct dirent *entry; (entry = readdir(dir));) {
-        assert_null(strstr(entry->d_name, ".part"));
-    }
-    closedir(dir);
-}
-
-static int set_up(void **state) {
-    (void)state;
-    if (!mkdtemp(folder)) {
-        return -1;
-    }
-    FILE *file = fopen(in_folder("scene.yaml"), "w");
-    fprintf(file,
-            "version: 1\n"
-            "bottom: {depth_m: 12, type: sand}\n"
-            "sonar:\n"
-            "  frequency_khz: 100\n"
-            "  ping_rate_hz: 20\n"
-            "  bin_length_m: 1\n"
-            "  receivers:\n"
-            "    - {name: forward}\n"
-            "    - {name: down, pitch_deg: 45}\n"
-            "mission: {pose: {position_m: [0, 0, 5]}, pings: %d}\n"
-            "output: {npy: true, images: [waterfall]}\n",
-            PINGS);
-    fclose(file);
-    fixture f;
-    begin(&f);
-    assert_int_equal(run(&f, 1, asdic_run_options_default(), "reference"), ASDIC_OK);
-    assert_int_equal(f.reported, PINGS);
-    assert_int_equal(f.devices[0].learnt, (PINGS + ASDIC_LEARN_BLOCK - 1) / ASDIC_LEARN_BLOCK);
-    assert_no_part("reference");
-    assert_state("reference", "complete", PINGS);
-    end(&f);
-    return 0;
-}
-
-static int tear_down(void **state) {
-    (void)state;
-    char command[300];
-    snprintf(command, sizeof command, "rm -r '%s'", folder);
-    return system(command);
-}
-
-/* ---- tests ---------------------------------------------------------------------------------- */
 
 static void devices_do_not_change_a_byte(void **state) {
     (void)state;
@@ -352,15 +101,15 @@ static void undo(const char *run_name, double share) {
     size_t length;
     char *json = read_file(run_name, "run.json", &length);
     memcpy(strstr(json, "\"complete\""), "\"running\" ", 10);
-    snprintf(path, sizeof path, "%s/%s/run.json", folder, run_name);
+    snprintf(path, sizeof path, "%s/%s/run.json", run_rig_folder, run_name);
     FILE *file = fopen(path, "wb");
     fwrite(json, 1, length, file);
     fclose(file);
     free(json);
-    snprintf(path, sizeof path, "%s/%s/bins.csv", folder, run_name);
+    snprintf(path, sizeof path, "%s/%s/bins.csv", run_rig_folder, run_name);
     assert_int_equal(unlink(path), 0);
-    snprintf(path, sizeof path, "%s/%s/pings.npy", folder, run_name);
-    snprintf(part, sizeof part, "%s/%s/pings.npy.part", folder, run_name);
+    snprintf(path, sizeof path, "%s/%s/pings.npy", run_rig_folder, run_name);
+    snprintf(part, sizeof part, "%s/%s/pings.npy.part", run_rig_folder, run_name);
     assert_int_equal(rename(path, part), 0);
     free(read_file(run_name, "pings.npy.part", &length));
     assert_int_equal(truncate(part, (off_t)(share * (double)length)), 0);
@@ -421,7 +170,7 @@ static void parts_join_to_the_whole(void **state) {
     assert_int_equal(run(&f, 3, options, "c"), ASDIC_OK);
     const char *parts[] = {in_folder("c"), in_folder("a"), in_folder("b")};
     char whole[256];
-    snprintf(whole, sizeof whole, "%s/whole", folder);
+    snprintf(whole, sizeof whole, "%s/whole", run_rig_folder);
     assert_int_equal(asdic_run_merge(f.ctx, parts, 3, whole, false), ASDIC_OK);
     assert_same_files("reference", "whole");
     assert_state("whole", "complete", PINGS);
@@ -429,7 +178,7 @@ static void parts_join_to_the_whole(void **state) {
     assert_int_equal(asdic_run_merge(f.ctx, parts, 3, whole, true), ASDIC_OK);
     /* A gap, an overlap, another seed, and a result on top of a part are refused. */
     char other[256];
-    snprintf(other, sizeof other, "%s/other", folder);
+    snprintf(other, sizeof other, "%s/other", run_rig_folder);
     assert_int_equal(asdic_run_merge(f.ctx, parts, 2, other, false), ASDIC_ERROR_INPUT);
     const char *twice[] = {parts[1], parts[1]};
     assert_int_equal(asdic_run_merge(f.ctx, twice, 2, other, false), ASDIC_ERROR_INPUT);
@@ -514,13 +263,13 @@ static void damaged_folders_are_refused(void **state) {
     fixture f;
     asdic_run *opened;
     begin(&f);
-    assert_int_equal(asdic_run_open(f.ctx, folder, &opened), ASDIC_ERROR_INPUT);
+    assert_int_equal(asdic_run_open(f.ctx, run_rig_folder, &opened), ASDIC_ERROR_INPUT);
     assert_int_equal(asdic_run_open(f.ctx, in_folder("nowhere"), &opened), ASDIC_ERROR_INPUT);
     asdic_run_options options = asdic_run_options_default();
     options.count = 3;
     assert_int_equal(run(&f, 1, options, "damaged"), ASDIC_OK);
     char path[300];
-    snprintf(path, sizeof path, "%s/damaged/pings.npy", folder);
+    snprintf(path, sizeof path, "%s/damaged/pings.npy", run_rig_folder);
     assert_int_equal(truncate(path, 2000), 0);
     assert_int_equal(asdic_run_open(f.ctx, in_folder("damaged"), &opened), ASDIC_ERROR_INPUT);
     assert_null(opened);

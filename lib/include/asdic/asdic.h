@@ -32,5 +32,6 @@
 #include <asdic/run.h>
 #include <asdic/scene.h>
 #include <asdic/sonar.h>
+#include <asdic/team.h>
 
 #endif

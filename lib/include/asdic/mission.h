@@ -7,6 +7,7 @@
 #include <asdic/detect.h>
 #include <asdic/expected.h>
 #include <asdic/plan.h>
+#include <asdic/team.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -141,13 +142,15 @@ typedef struct asdic_run_options {
     const char *folder;  /* output folder, created */
     bool force, resume;  /* overwrite, or continue */
     size_t first, count; /* pings to run; count SIZE_MAX: to the end */
+    asdic_team *team;    /* the processes that share the work; NULL: this one alone */
     void (*progress)(void *user, const asdic_run_progress *progress); /* may be NULL */
     void *user;
 } asdic_run_options;
 
 ASDIC_API asdic_run_options asdic_run_options_default(void);
 
-/* Runs pings on the given devices and writes the run folder. */
+/* Runs pings on the given devices and writes the run folder. In a team, all processes call it with the
+ * same mission and the same pings: process 0 writes, the others return when it is done with them. */
 ASDIC_API asdic_status asdic_mission_run(asdic_context *ctx, asdic_mission *mission,
                                          asdic_device **devices, size_t device_count,
                                          const asdic_run_options *options);

@@ -1,0 +1,126 @@
+#include "team_message.h"
+
+#include "base/context.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+asdic_status asdic_message_send(const asdic_team *team, unsigned to, const asdic_message *head,
+                                const void *payload, size_t bytes) {
+    char *whole = malloc(sizeof *head + bytes);
+    if (!whole) {
+        return ASDIC_ERROR_MEMORY;
+    }
+    memcpy(whole, head, sizeof *head);
+    if (bytes > 0) {
+        memcpy(whole + sizeof *head, payload, bytes);
+    }
+    asdic_status status = team->send(team->user, to, whole, sizeof *head + bytes);
+    free(whole);
+    return status;
+}
+
+asdic_status asdic_message_receive(const asdic_team *team, unsigned *from, asdic_message *head,
+                                   const void **payload, size_t *bytes) {
+    const void *data = NULL;
+    size_t length = 0;
+    head->kind = 0;
+    for (;;) {
+        asdic_status status = team->receive(team->user, from, &data, &length);
+        if (status != ASDIC_OK || !data) {
+            return status;
+        }
+        if (length >= sizeof *head) {
+            memcpy(head, data, sizeof *head);
+            *payload = (const char *)data + sizeof *head;
+            *bytes = length - sizeof *head;
+            return ASDIC_OK;
+        }
+    }
+}
+
+size_t asdic_message_ping_bytes(size_t beams, size_t bins) {
+    return 2 * sizeof(uint64_t) +
+           beams * bins * (ASDIC_COMPONENT_COUNT * sizeof(double) + sizeof(float));
+}
+
+void asdic_message_pack_ping(const asdic_ping *ping, void *payload) {
+    const uint64_t counts[2] = {ping->rays, ping->saturated};
+    size_t cells = ping->beams * ping->bins;
+    char *at = payload;
+    memcpy(at, counts, sizeof counts);
+    at += sizeof counts;
+    for (int c = 0; c < ASDIC_COMPONENT_COUNT; c++, at += cells * sizeof(double)) {
+        memcpy(at, ping->intensity_lin[c], cells * sizeof(double));
+    }
+    memcpy(at, ping->stderr_db, cells * sizeof(float));
+}
+
+void asdic_message_unpack_ping(const void *payload, asdic_ping *ping) {
+    uint64_t counts[2];
+    size_t cells = ping->beams * ping->bins;
+    const char *at = payload;
+    memcpy(counts, at, sizeof counts);
+    ping->rays = counts[0];
+    ping->saturated = counts[1];
+    at += sizeof counts;
+    for (int c = 0; c < ASDIC_COMPONENT_COUNT; c++, at += cells * sizeof(double)) {
+        memcpy(ping->intensity_lin[c], at, cells * sizeof(double));
+    }
+    memcpy(ping->stderr_db, at, cells * sizeof(float));
+}
+
+void asdic_message_rest(void) {
+    nanosleep(&(struct timespec){.tv_nsec = 500000}, NULL);
+}
+
+/* ---- the end -------------------------------------------------------------------------------- */
+
+/* Tells all others to stop and waits until each has said its last word. */
+static asdic_status dismiss(asdic_team *team) {
+    const asdic_message stop = {.kind = ASDIC_MESSAGE_STOP};
+    asdic_status status = ASDIC_OK;
+    for (unsigned to = 1; to < team->size && status == ASDIC_OK; to++) {
+        status = asdic_message_send(team, to, &stop, NULL, 0);
+    }
+    for (unsigned left = team->size - 1; left > 0 && status == ASDIC_OK;) {
+        asdic_message head;
+        const void *payload;
+        size_t bytes;
+        unsigned from;
+        status = asdic_message_receive(team, &from, &head, &payload, &bytes);
+        left -= head.kind == ASDIC_MESSAGE_BYE;
+        if (head.kind == 0) {
+            asdic_message_rest();
+        }
+    }
+    return status;
+}
+
+static asdic_status excuse(asdic_context *ctx, asdic_team *team) {
+    const asdic_message hello = {.kind = ASDIC_MESSAGE_HELLO, .status = ASDIC_ERROR_INPUT};
+    const asdic_message bye = {.kind = ASDIC_MESSAGE_BYE};
+    asdic_message_hello about = {{0}, {0}};
+    strncpy(about.why, asdic_context_error(ctx), sizeof about.why - 1);
+    asdic_status status = asdic_message_send(team, 0, &hello, &about, sizeof about);
+    asdic_message head = {0};
+    while (status == ASDIC_OK && head.kind != ASDIC_MESSAGE_STOP) {
+        const void *payload;
+        size_t bytes;
+        unsigned from;
+        status = asdic_message_receive(team, &from, &head, &payload, &bytes);
+        if (head.kind == 0) {
+            asdic_message_rest();
+        }
+    }
+    return status == ASDIC_OK ? asdic_message_send(team, 0, &bye, NULL, 0) : status;
+}
+
+asdic_status asdic_team_end(asdic_context *ctx, asdic_team *team) {
+    if (!team || team->is_over) {
+        return ASDIC_OK;
+    }
+    team->is_over = true;
+    return team->rank == 0 ? dismiss(team) : excuse(ctx, team);
+}
