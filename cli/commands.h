@@ -8,6 +8,7 @@
 
 extern const cli_command cli_bench_command;
 extern const cli_command cli_check_command;
+extern const cli_command cli_detect_command;
 extern const cli_command cli_devices_command;
 extern const cli_command cli_expect_command;
 extern const cli_command cli_merge_command;

@@ -119,6 +119,9 @@ double asdic_cfar_pd(asdic_cfar_kind kind, unsigned count, unsigned rank, unsign
     if (looks == 1 && target == ASDIC_TARGET_SWERLING1) {
         return asdic_cfar_pfa(kind, count, rank, 1, factor / (1.0 + snr));
     }
+    if (target == ASDIC_TARGET_SWERLING2) {
+        return asdic_cfar_pfa(kind, count, rank, looks, factor / (1.0 + snr));
+    }
     window w = window_of(kind, count, rank, looks, factor);
     w.snr = snr;
     w.target = asdic_target_code(target);

@@ -39,6 +39,14 @@ int asdic_target_code(asdic_target target) {
                                               : TARGET_SWERLING3;
 }
 
+/* Background and target together, where both are exponential per look. */
+static asdic_background both_of(const asdic_background *b, double target_lin) {
+    asdic_background both = *b;
+    both.mean_lin += target_lin;
+    both.noise_share = (b->noise_share * b->mean_lin + target_lin) / both.mean_lin;
+    return both;
+}
+
 static double exceed(const asdic_background *b, asdic_target target, double snr, double threshold) {
     int code = asdic_target_code(target);
     double looks = (double)b->looks;
@@ -61,6 +69,10 @@ double asdic_detect_pd(const asdic_background *b, asdic_target target, double ta
                        double threshold_lin) {
     if (!asdic_background_is_good(b) || isnan(threshold_lin) || !(target_lin >= 0.0)) {
         return NAN;
+    }
+    if (target == ASDIC_TARGET_SWERLING2) {
+        asdic_background both = both_of(b, target_lin);
+        return asdic_detect_pfa(&both, threshold_lin);
     }
     return exceed(b, target, target_lin / b->mean_lin, threshold_lin / b->mean_lin);
 }

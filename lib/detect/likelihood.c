@@ -8,6 +8,8 @@
  *     steady   e^(-x - y) 0F1(m; x y)
  *     other    e^-x (1 - q)^a 1F1(a; m; q x),   q = (y / a) / (1 + y / a)
  *
+ *
+ * and, with a target that changes from look to look (Swerling II), e^(-x / (1 + snr)) (1 + snr)^-m;
  * hence for one look p1 / p0 = I0(2 sqrt(x y)) e^-y and, for Swerling I, e^(q x) / (1 + snr). The
  * series have positive terms and are summed from the largest one; far out their asymptotic forms
  * take over (Abramowitz & Stegun 9.7.1, 13.1.4). For K both densities are averaged over the texture
@@ -81,6 +83,9 @@ static double log_density(asdic_target target, double m, double x, double snr) {
     double y = m * snr;
     if (snr <= 0.0) {
         return -x;
+    }
+    if (target == ASDIC_TARGET_SWERLING2) {
+        return -x / (1.0 + snr) - m * log1p(snr);
     }
     if (target == ASDIC_TARGET_SWERLING0) {
         double apart = sqrt(x) - sqrt(y);

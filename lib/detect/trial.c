@@ -69,6 +69,10 @@ static double draw_one(const asdic_background *b, asdic_target target, double sn
         double texture = asdic_variates_gamma(&t, b->shape) / b->shape;
         mean = (1.0 - b->noise_share) * texture + b->noise_share;
     }
+    if (target == ASDIC_TARGET_SWERLING2) { /* one more part of every look's amplitude */
+        mean += snr;
+        snr = 0.0;
+    }
     double amplitude = sqrt(snr * fluctuation), scale = sqrt(mean);
     for (unsigned look = 0; look < b->looks; look++) {
         double radius2 = asdic_variates_exponential(&v), phase = asdic_variates_uniform(&v);

@@ -50,7 +50,8 @@ asdic_status asdic_mission_build_settings(mission_builder *b) {
     m->keeps_all_terms = file->model.terms == FILE_TERMS_ALL;
     m->detector = (asdic_detector){.target = (asdic_target)file->detector.target,
                                    .pfa = file->detector.pfa,
-                                   .prior = file->detector.prior};
+                                   .prior = file->detector.prior,
+                                   .snr_db = file->detector.snr_db};
     m->output = (asdic_output_options){.csv = (asdic_csv_form)file->output.csv,
                                        .npy = file->output.npy,
                                        .netcdf = file->output.netcdf,

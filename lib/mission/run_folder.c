@@ -19,7 +19,8 @@ static const char *const marks[] = {"run.json", "pings.npy", "pings.npy.part", "
 /* Everything a run, detect or render may have written there. */
 static const char *const names[] = {"run.json",       "pings.npy",   "bins.csv",  "levels.npy",
                                     "run.nc",         "terrain.asc", "track.csv", "objects.csv",
-                                    "detections.csv", "roc.csv",     "roc.png",   "occupancy.png"};
+                                    "detections.csv", "roc.csv",     "roc.png",   "occupancy.png",
+                                    "tracks.csv"};
 static const char *const stems[] = {"waterfall_", "ascope_", "fan_", "raw_", "overview.", "plan."};
 static const char *const picture_ends[] = {".png", ".pdf", ".svg"};
 

@@ -89,6 +89,7 @@ asdic_run_info asdic_run_get_info(const asdic_run *run) {
                             .bins = facts->bins,
                             .sonar = asdic_mission_sonar(run->settings),
                             .environment = asdic_mission_environment(run->settings),
+                            .detector = asdic_mission_detector(run->settings),
                             .sampling = facts->sampling,
                             .has_surface = facts->has_surface,
                             .bottom_type = facts->bottom_type,

@@ -37,9 +37,10 @@ static const asdic_word sampler_words[] = {{"adaptive", ASDIC_SAMPLER_ADAPTIVE, 
                                            {"beam", ASDIC_SAMPLER_BEAM, false},
                                            {"uniform-sphere", ASDIC_SAMPLER_UNIFORM_SPHERE, false},
                                            {NULL, 0, false}};
-static const asdic_word multipath_words[] = {
-    {"off", ASDIC_MULTIPATH_OFF, false}, {"first", ASDIC_MULTIPATH_FIRST, false},
-    {"boundaries", ASDIC_MULTIPATH_BOUNDARIES, false}, {NULL, 0, false}};
+static const asdic_word multipath_words[] = {{"off", ASDIC_MULTIPATH_OFF, false},
+                                             {"first", ASDIC_MULTIPATH_FIRST, false},
+                                             {"boundaries", ASDIC_MULTIPATH_BOUNDARIES, false},
+                                             {NULL, 0, false}};
 static const asdic_key sampling_keys[] = {
     {"rays", ASDIC_KEY_INTEGER, AT(file_sampling, rays), .min = 64, .max = 268435456,
      .fallback = "20000", .doc = "rays per ping"},
@@ -69,15 +70,19 @@ static const asdic_table model_table = {TABLE(model_keys, file_model), .doc = "t
 
 static const asdic_word target_words[] = {{"swerling0", ASDIC_TARGET_SWERLING0, false},
                                           {"swerling1", ASDIC_TARGET_SWERLING1, false},
+                                          {"swerling2", ASDIC_TARGET_SWERLING2, false},
                                           {"swerling3", ASDIC_TARGET_SWERLING3, false},
                                           {NULL, 0, false}};
 static const asdic_key detector_keys[] = {
     {"target", ASDIC_KEY_WORD, AT(file_detector, target), .words = target_words,
      .fallback = "swerling1", .doc = "how the target's echo fluctuates"},
     {"pfa", ASDIC_KEY_NUMBER, AT(file_detector, pfa), .min = 1e-12, .max = 0.5,
-     .fallback = "1.0e-3", .doc = "probability of false alarm per cell"},
+     .fallback = "1.0e-3", .doc = "probability of false alarm per bin"},
     {"prior", ASDIC_KEY_NUMBER, AT(file_detector, prior), .min = 1e-9, .max = 0.999,
-     .fallback = "0.01", .doc = "prior probability that a cell holds a target"},
+     .fallback = "0.01", .doc = "prior probability that a bin holds a target"},
+    {"snr_db", ASDIC_KEY_NUMBER, AT(file_detector, snr_db), .unit = "dB", .min = -20, .max = 60,
+     .fallback = "10",
+     .doc = "strength of the target that likelihood ratios assume, re the background"},
 };
 static const asdic_table detector_table = {TABLE(detector_keys, file_detector),
                                            .doc = "the detector"};
@@ -124,8 +129,7 @@ static const asdic_key scene_keys[] = {
     {"sampling", ASDIC_KEY_MAP, SCENE(sampling), .table = &sampling_table,
      .doc = "how rays are spent"},
     {"model", ASDIC_KEY_MAP, SCENE(model), .table = &model_table, .doc = "the formulas"},
-    {"detector", ASDIC_KEY_MAP, ASDIC_KEY_PLANNED, SCENE(detector), .table = &detector_table,
-     .doc = "the detector"},
+    {"detector", ASDIC_KEY_MAP, SCENE(detector), .table = &detector_table, .doc = "the detector"},
     {"output", ASDIC_KEY_MAP, SCENE(output), .table = &output_table, .doc = "what a run writes"},
 };
 const asdic_table asdic_scene_table = {

@@ -5,6 +5,7 @@
 #define ASDIC_OUT_DRAW_H
 
 #include "decimate.h"
+#include "raster.h"
 
 #include <asdic/output.h>
 
@@ -24,6 +25,10 @@ asdic_status asdic_draw_plot(asdic_context *ctx, const char *path, const asdic_p
 /* A row of a raw picture: 1..65535 over the window, 0 without energy. */
 void asdic_draw_grey(const asdic_picture_options *options, const float *levels_db, size_t bins,
                      double bin_length_m, uint16_t *grey);
+
+/* RASTER shows MAP, its north-western cell in the first pixel. */
+asdic_status asdic_draw_map(asdic_context *ctx, const char *path, const asdic_map *map,
+                            const asdic_raster *raster, const asdic_picture_options *options);
 
 /* "level window -160..-60 dB, + 30 log r + 0.02 r dB gain for display, ..., NOTE" */
 #define ASDIC_NOTE_SIZE 512

@@ -64,3 +64,9 @@ asdic_status asdic_draw_overview(asdic_context *ctx, const char *path,
     (void)options;
     return fail_plain(ctx, path);
 }
+
+asdic_status asdic_draw_map(asdic_context *ctx, const char *path, const asdic_map *map,
+                            const asdic_raster *raster, const asdic_picture_options *options) {
+    (void)map;
+    return asdic_raster_write(ctx, path, raster, options->texts);
+}

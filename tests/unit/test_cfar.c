@@ -73,7 +73,7 @@ static void rates_are_as_designed(void **state) {
     double factor;
     assert_ok(ctx, asdic_cfar_factor(ctx, s.kind, s.count, s.rank, s.looks, 1e-2, &factor));
     assert_inside("P_FA", 1e-2, count_alarms(&s, factor, ASDIC_TARGET_SWERLING1, 0.0, 300000));
-    for (int t = 0; t < 3; t++) {
+    for (int t = 0; t < 4; t++) {
         double pd = asdic_cfar_pd(s.kind, s.count, s.rank, s.looks, factor, (asdic_target)t, 4.0);
         assert_inside("P_D", pd, count_alarms(&s, factor, (asdic_target)t, 4.0, 100000));
     }

@@ -56,7 +56,7 @@ static void yaml_of_serialisers_is_refused(void **state) {
     expect_edit("version: 1", "? [version]\n: 1\nversion: 1",
                 "1:1: error: a key is a list or a map, not a word  [scene]\n"
                 "1:3: error: unknown key '?'; the keys here are version, environment, surface, "
-                "bottom, objects, sonar, mission, sampling, model, output  [scene]\n");
+                "bottom, objects, sonar, mission, sampling, model, detector, output  [scene]\n");
 }
 
 static void duplicate_keys_are_refused(void **state) {

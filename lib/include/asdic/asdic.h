@@ -18,6 +18,7 @@
 #include <asdic/common.h>
 #include <asdic/context.h>
 #include <asdic/detect.h>
+#include <asdic/detections.h>
 #include <asdic/device.h>
 #include <asdic/environment.h>
 #include <asdic/expected.h>
@@ -30,6 +31,7 @@
 #include <asdic/plan.h>
 #include <asdic/rays.h>
 #include <asdic/run.h>
+#include <asdic/scan.h>
 #include <asdic/scene.h>
 #include <asdic/sonar.h>
 #include <asdic/team.h>

@@ -17,12 +17,14 @@
 extern "C" {
 #endif
 
-/* How the target's echo fluctuates from bin to bin: not at all, or exponential (Swerling I), or
- * chi-square with four degrees of freedom (Swerling III). */
+/* How the target's echo fluctuates: not at all; from bin to bin, exponential (Swerling I) or
+ * chi-square with four degrees of freedom (III); from look to look, exponential (II), as objects do in
+ * simulated speckle. With one look I and II are the same. */
 typedef enum asdic_target {
     ASDIC_TARGET_SWERLING0,
     ASDIC_TARGET_SWERLING1,
     ASDIC_TARGET_SWERLING3,
+    ASDIC_TARGET_SWERLING2,
 } asdic_target;
 
 typedef struct asdic_background {

@@ -4,9 +4,9 @@
 #ifndef ASDIC_MISSION_H
 #define ASDIC_MISSION_H
 
-#include <asdic/detect.h>
 #include <asdic/expected.h>
 #include <asdic/plan.h>
+#include <asdic/scan.h>
 #include <asdic/team.h>
 
 #ifdef __cplusplus
@@ -28,12 +28,6 @@ ASDIC_API const asdic_sonar *asdic_mission_sonar(const asdic_mission *mission);
 ASDIC_API const asdic_scene *asdic_mission_scene(const asdic_mission *mission);
 ASDIC_API asdic_sampling *asdic_mission_sampling(asdic_mission *mission); /* may be changed */
 ASDIC_API size_t asdic_mission_ping_count(const asdic_mission *mission);
-
-typedef struct asdic_detector {
-    asdic_target target;
-    double pfa;   /* probability of false alarm per cell */
-    double prior; /* probability that a cell holds a target */
-} asdic_detector;
 
 typedef enum asdic_csv_form { ASDIC_CSV_LONG, ASDIC_CSV_WIDE } asdic_csv_form;
 

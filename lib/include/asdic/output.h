@@ -126,6 +126,23 @@ ASDIC_API asdic_status asdic_picture_plot(asdic_context *ctx, const char *path,
                                           const asdic_plot *panels, size_t panel_count,
                                           const asdic_picture_options *options);
 
+/* A map fixed in the world, seen from above. VALUES[row * columns + column]: rows go north, columns
+ * east; NAN: unknown. */
+typedef struct asdic_map {
+    const float *values;
+    size_t rows, columns;
+    double north_m, east_m, cell_m; /* south-western corner; side of a cell */
+    const char *label;              /* of the values */
+    const asdic_series *lines;      /* drawn over it: x east, y north, metres; may be NULL */
+    size_t line_count;
+} asdic_map;
+
+/* North up, east to the right, both to one scale; OPTIONS->db_low..db_high is the window of the
+ * values. Of more cells than a page resolves each pixel shows the greatest value, and the picture
+ * says so. */
+ASDIC_API asdic_status asdic_picture_map(asdic_context *ctx, const char *path, const asdic_map *map,
+                                         const asdic_picture_options *options);
+
 /* Echo level over range of one beam; a NULL array is left out of the picture. */
 typedef struct asdic_ascope {
     const char *title; /* of the panel, "beam 'forward'" */

@@ -23,6 +23,7 @@ typedef struct asdic_run_info {
     size_t beams, bins;
     const asdic_sonar *sonar; /* beam names and aims; borrowed from the run */
     const asdic_environment *environment;
+    const asdic_detector *detector; /* of the scene */
     asdic_sampling sampling;
     bool has_surface;
     double bottom_type;

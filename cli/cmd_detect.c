@@ -1,0 +1,304 @@
+#include "commands.h"
+#include "json.h"
+#include "progress.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+typedef struct request {
+    asdic_detect_options options;
+    asdic_detector detector;
+    bool has_target, has_pfa, has_prior, has_snr;
+} request;
+
+static const char *const targets[] = {"swerling0", "swerling1", "swerling3", "swerling2", NULL};
+static const char *const cfars[] = {"ca", "os", NULL};
+
+static bool read_request(cli *c, request *r) {
+    int target = 0, cfar = 0;
+    uint64_t cells = 8, guard = 2;
+    *r = (request){.options = asdic_detect_options_default(), .detector = {0}};
+    cli_choice(c, "target", targets, &target);
+    cli_number(c, "pfa", 1e-12, 0.5, &r->detector.pfa);
+    cli_number(c, "prior", 1e-9, 0.999, &r->detector.prior);
+    cli_number(c, "snr", -20.0, 60.0, &r->detector.snr_db);
+    cli_choice(c, "cfar", cfars, &cfar);
+    cli_integer(c, "cfar-cells", 1, 256, &cells);
+    cli_integer(c, "cfar-guard", 0, 256, &guard);
+    cli_number(c, "truth", -20.0, 60.0, &r->options.truth_snr_db);
+    cli_number(c, "cell", 0.001, 1000.0, &r->options.cell_m);
+    r->detector.target = (asdic_target)target;
+    r->has_target = cli_given(c, "target");
+    r->has_pfa = cli_given(c, "pfa");
+    r->has_prior = cli_given(c, "prior");
+    r->has_snr = cli_given(c, "snr");
+    r->options.has_cfar = cli_given(c, "cfar");
+    r->options.cfar.kind = (asdic_cfar_kind)cfar;
+    r->options.cfar.cells = (unsigned)cells;
+    r->options.cfar.guard = (unsigned)guard;
+    r->options.force = cli_given(c, "force");
+    if (!r->options.has_cfar && (cli_given(c, "cfar-cells") || cli_given(c, "cfar-guard"))) {
+        cli_usage(c, "--cfar-cells and --cfar-guard go with --cfar");
+        return false;
+    }
+    return !cli_bad_usage(c);
+}
+
+/* The scene's detector, with what was typed. */
+static asdic_status choose_detector(cli *c, const char *folder, request *r) {
+    asdic_run *run = NULL;
+    asdic_status status = asdic_run_open(cli_context(c), folder, &run);
+    if (status != ASDIC_OK) {
+        return status;
+    }
+    asdic_detector chosen = *asdic_run_get_info(run).detector;
+    chosen.target = r->has_target ? r->detector.target : chosen.target;
+    chosen.pfa = r->has_pfa ? r->detector.pfa : chosen.pfa;
+    chosen.prior = r->has_prior ? r->detector.prior : chosen.prior;
+    chosen.snr_db = r->has_snr ? r->detector.snr_db : chosen.snr_db;
+    r->detector = chosen;
+    r->options.detector = &r->detector;
+    asdic_run_close(&run);
+    return ASDIC_OK;
+}
+
+static void print_classes(const asdic_detect_report *r) {
+    printf("%-24s %12s %12s %12s %10s\n", "truth", "bins", "detected", "predicted", "rate");
+    for (size_t i = 0; i < r->class_count; i++) {
+        const asdic_detect_class *k = &r->classes[i];
+        if (k->bins == 0 && k->truth != ASDIC_TRUTH_NONE) {
+            continue;
+        }
+        printf("%-24s %12llu %12llu ", k->name, (unsigned long long)k->bins,
+               (unsigned long long)k->detected);
+        if (isnan(k->expected)) {
+            printf("%12s ", "");
+        } else {
+            printf("%12.1f ", k->expected);
+        }
+        printf("%10.3g\n", k->bins ? (double)k->detected / (double)k->bins : 0.0);
+    }
+    if (r->is_sample) {
+        printf("P_FA: design %g, measured %.4g, 99 %% bounds %.4g..%.4g\n", r->detector.pfa,
+               r->pfa.value, r->pfa.low, r->pfa.high);
+    }
+}
+
+/* Beams of an object that are listed; of more, only the one in which it stands out most. */
+#define MOST_BEAMS 8
+
+static void print_sight(const asdic_detect_sight *s, const char *beam) {
+    printf("%-20s %-20s %5zu/%-5zu %6.4g m %6.1f dB %8.4f %7s\n", s->object, beam,
+           s->pings_detected, s->pings_seen, s->range_m, s->snr_db, s->pd,
+           s->detected ? "yes" : "no");
+}
+
+static void print_sights(const asdic_detect_report *r) {
+    if (r->sight_count == 0) {
+        return;
+    }
+    printf("\n%-20s %-20s %11s %8s %9s %8s %7s\n", "object", "beam", "pings", "best at", "snr",
+           "P_D", "found");
+    for (size_t i = 0, end; i < r->sight_count; i = end) {
+        const asdic_detect_sight *best = &r->sights[i];
+        for (end = i; end < r->sight_count && strcmp(r->sights[end].object, best->object) == 0;) {
+            best = r->sights[end].snr_db > best->snr_db ? &r->sights[end] : best;
+            end++;
+        }
+        if (end - i > MOST_BEAMS) {
+            char beam[ASDIC_NAME_SIZE + 32];
+            snprintf(beam, sizeof beam, "%s (of %zu)", best->beam, end - i);
+            print_sight(best, beam);
+            continue;
+        }
+        for (size_t k = i; k < end; k++) {
+            print_sight(&r->sights[k], r->sights[k].beam);
+        }
+    }
+}
+
+static void print_report(const asdic_detect_report *r) {
+    print_classes(r);
+    print_sights(r);
+    printf("\ntracks: %zu begun, %zu confirmed, %zu of these on objects\n", r->tracks,
+           r->tracks_confirmed, r->tracks_of_objects);
+}
+
+static void print_json(const asdic_detect_report *r) {
+    json j = json_begin(stdout);
+    json_open(&j, NULL, '{');
+    json_text(&j, "target", targets[r->detector.target]);
+    json_number(&j, "pfa", r->detector.pfa);
+    json_number(&j, "prior", r->detector.prior);
+    json_number(&j, "snr_db", r->detector.snr_db);
+    json_bool(&j, "cfar", r->by_cfar);
+    json_bool(&j, "speckle", r->is_sample);
+    json_integer(&j, "looks", r->looks);
+    json_integer(&j, "pings", r->pings);
+    json_integer(&j, "bins", r->bins);
+    json_integer(&j, "detections", r->detections);
+    json_open(&j, "pfa_measured", '{');
+    json_number(&j, "value", r->pfa.value);
+    json_number(&j, "low", r->pfa.low);
+    json_number(&j, "high", r->pfa.high);
+    json_close(&j);
+    json_open(&j, "confusion", '[');
+    for (size_t i = 0; i < r->class_count; i++) {
+        json_open(&j, NULL, '{');
+        json_text(&j, "truth", r->classes[i].name);
+        json_integer(&j, "bins", r->classes[i].bins);
+        json_integer(&j, "detected", r->classes[i].detected);
+        json_number(&j, "predicted", r->classes[i].expected);
+        json_close(&j);
+    }
+    json_close(&j);
+    json_open(&j, "objects", '[');
+    for (size_t i = 0; i < r->sight_count; i++) {
+        const asdic_detect_sight *s = &r->sights[i];
+        json_open(&j, NULL, '{');
+        json_text(&j, "object", s->object);
+        json_text(&j, "beam", s->beam);
+        json_integer(&j, "pings_seen", s->pings_seen);
+        json_integer(&j, "pings_detected", s->pings_detected);
+        json_integer(&j, "ping", s->ping);
+        json_number(&j, "range_m", s->range_m);
+        json_number(&j, "snr_db", s->snr_db);
+        json_number(&j, "pd", s->pd);
+        json_bool(&j, "detected", s->detected);
+        json_close(&j);
+    }
+    json_close(&j);
+    json_open(&j, "tracks", '{');
+    json_integer(&j, "begun", r->tracks);
+    json_integer(&j, "confirmed", r->tracks_confirmed);
+    json_integer(&j, "on_objects", r->tracks_of_objects);
+    json_close(&j);
+    json_close(&j);
+}
+
+static asdic_status detect(cli *c, const char *folder, request *r) {
+    asdic_detect_report *report = NULL;
+    asdic_status status = choose_detector(c, folder, r);
+    if (status == ASDIC_OK) {
+        status = asdic_run_detect(cli_context(c), folder, &r->options, &report);
+    }
+    if (status != ASDIC_OK) {
+        return status;
+    }
+    if (!report->is_sample) {
+        cli_warning(c, "the scene has 'speckle: none': levels are means, of which none is a false "
+                       "alarm by chance; 'speckle: rayleigh' draws them");
+    }
+    if (report->sampling_error_db > 0.5) {
+        cli_warning(
+            c,
+            "the levels' sampling error, %.2g dB in the median bin, passes for targets; give "
+            "the run more rays (asdic run --tolerance)",
+            report->sampling_error_db);
+    }
+    if (report->by_cfar && !r->options.has_cfar) {
+        cli_note(c, "the bottom is no plane: background from neighbouring bins (--cfar ca)");
+    }
+    (cli_given(c, "json") ? print_json : print_report)(report);
+    cli_note(c, "%s: detections.csv (%llu), tracks.csv, occupancy.png", folder,
+             (unsigned long long)report->detections);
+    asdic_detect_report_destroy(&report);
+    return ASDIC_OK;
+}
+
+/* Runs a scene into FOLDER first. */
+static asdic_status simulate(cli *c, const char *scene, const char *folder) {
+    asdic_mission *mission = NULL;
+    asdic_device **devices = NULL;
+    size_t count = 0;
+    asdic_run_options options = asdic_run_options_default();
+    cli_progress progress = cli_progress_begin(c);
+    asdic_status status = asdic_mission_load(cli_context(c), scene, &mission);
+    if (status == ASDIC_OK) {
+        status = cli_open_devices(c, &devices, &count);
+    }
+    if (status == ASDIC_OK) {
+        options.folder = folder;
+        options.force = cli_given(c, "force");
+        options.progress = cli_progress_report;
+        options.user = &progress;
+        status = asdic_mission_run(cli_context(c), mission, devices, count, &options);
+        cli_progress_end(&progress);
+    }
+    asdic_devices_close(&devices, count);
+    asdic_mission_destroy(&mission);
+    return status;
+}
+
+/* "run_NAME" of "path/NAME.yaml", as asdic run has it. */
+static char *default_folder(const char *scene) {
+    const char *slash = strrchr(scene, '/');
+    const char *base = strcmp(scene, "-") == 0 ? "scene" : slash ? slash + 1 : scene;
+    const char *dot = strrchr(base, '.');
+    int length = (int)(dot && dot != base ? dot - base : (long)strlen(base));
+    char *folder = NULL;
+    return asprintf(&folder, "run_%.*s", length, base) < 0 ? NULL : folder;
+}
+
+static int run(cli *c) {
+    request r;
+    struct stat st;
+    const char *operand = cli_operand(c, 0);
+    if (!read_request(c, &r)) {
+        return CLI_USAGE;
+    }
+    if (stat(operand, &st) == 0 && S_ISDIR(st.st_mode)) {
+        if (cli_given(c, "output")) {
+            return cli_usage(c,
+                             "--output goes with a scene; a run's detections stay in its folder");
+        }
+        return cli_end(c, detect(c, operand, &r));
+    }
+    char *own = cli_given(c, "output") ? NULL : default_folder(operand);
+    const char *folder = own ? own : cli_text(c, "output");
+    asdic_status status = folder ? simulate(c, operand, folder) : ASDIC_ERROR_MEMORY;
+    if (status == ASDIC_OK) {
+        status = detect(c, folder, &r);
+    }
+    free(own);
+    return cli_end(c, status);
+}
+
+static const cli_option options[] = {
+    {"output", 'o', "DIR", "with a scene: its run folder; default: run_<name of the scene>"},
+    {"target", 0, "NAME", "swerling0, 1, 2 or 3, instead of the scene's"},
+    {"pfa", 0, "P", "probability of false alarm per bin, instead of the scene's"},
+    {"prior", 0, "P", "prior probability of a target in a bin, instead of the scene's"},
+    {"snr", 0, "DB", "strength of the target that likelihood ratios assume, re the background"},
+    {"cfar", 0, "KIND",
+     "background from neighbouring bins: ca (their mean) or os (their third "
+     "quartile)"},
+    {"cfar-cells", 0, "N", "bins on either side, else 8"},
+    {"cfar-guard", 0, "N", "bins left out next to the bin, else 2"},
+    {"truth", 0, "DB",
+     "an object is in a bin when its echo is so strong re all else there, else 0"},
+    {"cell", 0, "M", "side of the occupancy map's cells, else 0.5"},
+    {"force", 0, NULL, "replace the detections, or the run, that are there"},
+    {0},
+};
+
+const cli_command cli_detect_command = {
+    .name = "detect",
+    .operands = "DIR|SCENE.yaml",
+    .min_operands = 1,
+    .max_operands = 1,
+    .summary = "detect, map and track what is in a run's pings",
+    .details = "A bin is detected when its intensity exceeds a threshold of the false-alarm "
+               "probability asked for: over the level expected without objects or, with --cfar and "
+               "over bottoms that are no plane, over its neighbours. Writes into the run folder "
+               "detections.csv (log-likelihood ratio, posterior probability, position on the "
+               "beam's axis, and which object was there), occupancy.png (log-odds of all pings, "
+               "in a map fixed in the world) and tracks.csv (nearest-neighbour Kalman tracks), "
+               "and prints the confusion table.\n\n"
+               "Of a scene file a run is made first, as by 'asdic run'.",
+    .options = options,
+    .traits = CLI_HAS_DEVICE | CLI_HAS_JSON | CLI_INTERRUPTIBLE,
+    .run = run,
+};

@@ -1,0 +1,136 @@
+#include <asdic/scan.h>
+
+#include "law.h"
+
+#include "base/context.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* Thresholds of K speckle depend on the noise's share of a bin; shares are told apart to this. */
+#define SHARE_STEPS 1000
+
+struct asdic_scan {
+    asdic_context *ctx;
+    size_t beams, bins;
+    asdic_detector detector;
+    bool has_cfar;
+    asdic_cfar cfar;
+    asdic_background law; /* its mean and noise share are those of each bin */
+    double *factor;       /* threshold over mean by the noise's share; 0: not computed yet */
+    double *background_lin, *threshold_lin, *llr; /* one block */
+};
+
+asdic_detector asdic_detector_default(void) {
+    return (asdic_detector){
+        .target = ASDIC_TARGET_SWERLING1, .pfa = 1e-3, .prior = 0.01, .snr_db = 10.0};
+}
+
+asdic_status asdic_scan_create(asdic_context *ctx, const asdic_sonar *sonar, double sound_speed_mps,
+                               size_t bins, const asdic_detector *detector, const asdic_cfar *cfar,
+                               asdic_scan **out) {
+    if (!out || !sonar || !detector || bins == 0 || sonar->receiver_count == 0) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
+                          "asdic_scan_create: a sonar, bins and a detector are needed");
+    }
+    *out = NULL;
+    if (!(detector->pfa > 0.0 && detector->pfa < 1.0) || !isfinite(detector->snr_db)) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
+                          "a detector of P_FA %g (between 0 and 1) for targets of %g dB",
+                          detector->pfa, detector->snr_db);
+    }
+    asdic_scan *scan = calloc(1, sizeof *scan);
+    if (!scan) {
+        return asdic_fail_memory(ctx, "a detector");
+    }
+    scan->ctx = ctx;
+    scan->beams = sonar->receiver_count;
+    scan->bins = bins;
+    scan->detector = *detector;
+    scan->has_cfar = cfar != NULL;
+    scan->cfar = cfar ? *cfar : asdic_cfar_default();
+    scan->law = asdic_background_of(sonar, sound_speed_mps, 1.0, 0.0);
+    scan->factor = calloc(SHARE_STEPS + 1, sizeof *scan->factor);
+    scan->background_lin = calloc(3 * scan->beams * bins, sizeof *scan->background_lin);
+    if (!scan->factor || !scan->background_lin) {
+        asdic_scan_destroy(&scan);
+        return asdic_fail_memory(ctx, "a detector");
+    }
+    scan->threshold_lin = scan->background_lin + scan->beams * bins;
+    scan->llr = scan->threshold_lin + scan->beams * bins;
+    *out = scan;
+    return ASDIC_OK;
+}
+
+void asdic_scan_destroy(asdic_scan **scan) {
+    if (scan && *scan) {
+        free((*scan)->factor);
+        free((*scan)->background_lin);
+        free(*scan);
+        *scan = NULL;
+    }
+}
+
+/* The threshold of a bin over its expected mean. */
+static asdic_status find_factor(asdic_scan *scan, double noise_share, double *factor) {
+    bool is_k = scan->law.shape <= ASDIC_SHAPE_MAX;
+    size_t step = is_k ? (size_t)lround(noise_share * SHARE_STEPS) : 0;
+    asdic_background law = scan->law;
+    law.noise_share = (double)step / SHARE_STEPS;
+    asdic_status status = ASDIC_OK;
+    if (scan->factor[step] == 0.0) {
+        status = asdic_detect_threshold(scan->ctx, &law, scan->detector.pfa, &scan->factor[step]);
+    }
+    *factor = scan->factor[step];
+    return status;
+}
+
+static asdic_status against_expected(asdic_scan *scan, const double *expected_lin,
+                                     const double *noise_lin) {
+    asdic_status status = ASDIC_OK;
+    for (size_t i = 0; i < scan->beams * scan->bins && status == ASDIC_OK; i++) {
+        double mean = expected_lin[i], factor = NAN;
+        bool is_known = mean > 0.0 && isfinite(mean);
+        if (is_known) {
+            double share = noise_lin ? fmin(fmax(noise_lin[i] / mean, 0.0), 1.0) : 0.0;
+            status = find_factor(scan, share, &factor);
+        }
+        scan->background_lin[i] = is_known ? mean : NAN;
+        scan->threshold_lin[i] = factor * mean;
+    }
+    return status;
+}
+
+asdic_status asdic_scan_ping(asdic_scan *scan, const double *intensity_lin,
+                             const double *expected_lin, const double *noise_lin) {
+    asdic_status status = ASDIC_OK;
+    if (!intensity_lin || (!scan->has_cfar && !expected_lin)) {
+        return asdic_fail(scan->ctx, ASDIC_ERROR_ARGUMENT,
+                          "asdic_scan_ping: intensities and, without CFAR, what is expected");
+    }
+    for (size_t b = 0; scan->has_cfar && status == ASDIC_OK && b < scan->beams; b++) {
+        size_t first = b * scan->bins;
+        status = asdic_cfar_row(scan->ctx, &scan->cfar, scan->law.looks, scan->detector.pfa,
+                                intensity_lin + first, scan->bins, scan->background_lin + first,
+                                scan->threshold_lin + first);
+    }
+    if (!scan->has_cfar) {
+        status = against_expected(scan, expected_lin, noise_lin);
+    }
+    double snr = pow(10.0, 0.1 * scan->detector.snr_db);
+    for (size_t i = 0; i < scan->beams * scan->bins && status == ASDIC_OK; i++) {
+        asdic_background law = scan->law;
+        law.mean_lin = scan->background_lin[i];
+        law.noise_share = noise_lin && law.mean_lin > 0.0
+                              ? fmin(fmax(noise_lin[i] / law.mean_lin, 0.0), 1.0)
+                              : 0.0;
+        scan->llr[i] = law.mean_lin > 0.0 ? asdic_detect_llr(&law, scan->detector.target,
+                                                             snr * law.mean_lin, intensity_lin[i])
+                                          : NAN;
+    }
+    return status;
+}
+
+asdic_scan_result asdic_scan_get(const asdic_scan *scan) {
+    return (asdic_scan_result){scan->background_lin, scan->threshold_lin, scan->llr};
+}

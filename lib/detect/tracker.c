@@ -1,0 +1,217 @@
+/*
+ * Nearest-neighbour tracking with Kalman filters (Bar-Shalom & Li, Estimation and Tracking, 1993):
+ * state (north, east, their rates), white-noise acceleration, plots as measured positions.
+ */
+#include <asdic/scan.h>
+
+#include "base/context.h"
+#include "kalman.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct track {
+    asdic_track_state state;
+    asdic_kalman filter;
+    uint32_t history; /* bit 0: the last ping hit */
+    unsigned missed;  /* pings since the last hit */
+} track;
+
+/* A track and a plot in its gate. */
+typedef struct pair {
+    double distance2;
+    size_t track, plot;
+} pair;
+
+struct asdic_tracker {
+    asdic_context *ctx;
+    asdic_tracker_options options;
+    track *tracks;
+    asdic_track_state *states; /* copies, for asdic_tracker_get */
+    pair *pairs;
+    bool *taken; /* plots */
+    size_t count, capacity, pair_capacity, plot_capacity;
+    unsigned next_id;
+    double time_s;
+};
+
+asdic_tracker_options asdic_tracker_options_default(void) {
+    return (asdic_tracker_options){
+        .gate = 9.21, .acceleration = 0.01, .speed_mps = 0.5, .confirm = 3, .of = 5, .misses = 5};
+}
+
+asdic_status asdic_tracker_create(asdic_context *ctx, const asdic_tracker_options *options,
+                                  asdic_tracker **out) {
+    *out = NULL;
+    if (!(options->gate > 0.0) || !(options->acceleration >= 0.0) || !(options->speed_mps > 0.0) ||
+        options->confirm < 1 || options->confirm > options->of || options->of > 32 ||
+        options->misses < 1) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
+                          "a tracker with gate %g, %u hits of %u pings (at most 32), %u misses",
+                          options->gate, options->confirm, options->of, options->misses);
+    }
+    asdic_tracker *t = calloc(1, sizeof *t);
+    if (!t) {
+        return asdic_fail_memory(ctx, "a tracker");
+    }
+    t->ctx = ctx;
+    t->options = *options;
+    t->next_id = 1;
+    t->time_s = NAN;
+    *out = t;
+    return ASDIC_OK;
+}
+
+void asdic_tracker_destroy(asdic_tracker **tracker) {
+    if (tracker && *tracker) {
+        free((*tracker)->tracks);
+        free((*tracker)->states);
+        free((*tracker)->pairs);
+        free((*tracker)->taken);
+        free(*tracker);
+        *tracker = NULL;
+    }
+}
+
+static bool grow(void **items, size_t *capacity, size_t needed, size_t size) {
+    if (needed <= *capacity) {
+        return true;
+    }
+    size_t room = needed + needed / 2 + 16;
+    void *larger = realloc(*items, room * size);
+    if (larger) {
+        *items = larger;
+        *capacity = room;
+    }
+    return larger != NULL;
+}
+
+static int nearer(const void *a, const void *b) {
+    const pair *x = a, *y = b;
+    if (x->distance2 != y->distance2) {
+        return x->distance2 < y->distance2 ? -1 : 1;
+    }
+    if (x->track != y->track) { /* no order is left to chance */
+        return x->track < y->track ? -1 : 1;
+    }
+    return x->plot < y->plot ? -1 : x->plot > y->plot;
+}
+
+static bool find_pairs(asdic_tracker *t, const asdic_plot_point *plots, size_t count,
+                       size_t *pairs) {
+    *pairs = 0;
+    for (size_t i = 0; i < t->count; i++) {
+        for (size_t k = 0; k < count; k++) {
+            double distance2 = asdic_kalman_distance2(&t->tracks[i].filter, &plots[k]);
+            if (distance2 > t->options.gate) {
+                continue;
+            }
+            if (!grow((void **)&t->pairs, &t->pair_capacity, *pairs + 1, sizeof *t->pairs)) {
+                return false;
+            }
+            t->pairs[(*pairs)++] = (pair){distance2, i, k};
+        }
+    }
+    if (*pairs) {
+        qsort(t->pairs, *pairs, sizeof *t->pairs, nearer);
+    }
+    return true;
+}
+
+static void hit(track *tr, const asdic_plot_point *plot) {
+    asdic_kalman_update(&tr->filter, plot);
+    tr->state.hit = true;
+    tr->state.hits++;
+    tr->state.label = plot->label;
+    tr->history |= 1u;
+    tr->missed = 0;
+}
+
+static void found(asdic_tracker *t, const asdic_plot_point *plot) {
+    track *tr = &t->tracks[t->count++];
+    *tr = (track){.state = {.id = t->next_id++, .hit = true, .hits = 1, .label = plot->label},
+                  .filter = asdic_kalman_begin(plot, t->options.speed_mps),
+                  .history = 1u};
+}
+
+/* Confirms; false when the track is to be dropped. A tentative one must be hit OF pings long. */
+static bool judge(track *tr, const asdic_tracker_options *o) {
+    uint32_t window = o->of == 32 ? 0xffffffffu : (1u << o->of) - 1u;
+    unsigned hits = (unsigned)__builtin_popcount(tr->history & window);
+    tr->state.age++;
+    tr->state.confirmed |= hits >= o->confirm;
+    if (!tr->state.confirmed) { /* what can still come is not enough */
+        unsigned left = tr->state.age < o->of ? o->of - tr->state.age : 0;
+        return hits + left >= o->confirm && tr->missed <= o->misses;
+    }
+    return tr->missed < o->misses;
+}
+
+static void show(asdic_tracker *t) {
+    for (size_t i = 0; i < t->count; i++) {
+        const asdic_kalman *f = &t->tracks[i].filter;
+        asdic_track_state *s = &t->tracks[i].state;
+        s->north_m = f->mean[0][0];
+        s->north_mps = f->mean[0][1];
+        s->east_m = f->mean[1][0];
+        s->east_mps = f->mean[1][1];
+        s->sd_north_m = sqrt(f->covariance[0][0]);
+        s->sd_east_m = sqrt(f->covariance[2][2]);
+        t->states[i] = *s;
+    }
+}
+
+asdic_status asdic_tracker_update(asdic_tracker *t, double time_s, const asdic_plot_point *plots,
+                                  size_t count) {
+    size_t pairs = 0, kept = 0, state_capacity = t->capacity;
+    double step_s = isnan(t->time_s) ? 0.0 : time_s - t->time_s;
+    if (!(step_s >= 0.0)) {
+        return asdic_fail(t->ctx, ASDIC_ERROR_ARGUMENT, "a ping at %g s after one at %g s", time_s,
+                          t->time_s);
+    }
+    if (!grow((void **)&t->tracks, &t->capacity, t->count + count, sizeof *t->tracks) ||
+        !grow((void **)&t->states, &state_capacity, t->count + count, sizeof *t->states) ||
+        !grow((void **)&t->taken, &t->plot_capacity, count, sizeof *t->taken)) {
+        return asdic_fail_memory(t->ctx, "tracks");
+    }
+    t->time_s = time_s;
+    for (size_t i = 0; i < t->count; i++) {
+        track *tr = &t->tracks[i];
+        asdic_kalman_predict(&tr->filter, step_s, t->options.acceleration);
+        tr->state.hit = false;
+        tr->history <<= 1;
+        tr->missed++;
+    }
+    if (!find_pairs(t, plots, count, &pairs)) {
+        return asdic_fail_memory(t->ctx, "tracks");
+    }
+    for (size_t k = 0; k < count; k++) {
+        t->taken[k] = false;
+    }
+    for (size_t i = 0; i < pairs; i++) {
+        track *tr = &t->tracks[t->pairs[i].track];
+        if (!tr->state.hit && !t->taken[t->pairs[i].plot]) {
+            hit(tr, &plots[t->pairs[i].plot]);
+            t->taken[t->pairs[i].plot] = true;
+        }
+    }
+    for (size_t k = 0; k < count; k++) {
+        if (!t->taken[k]) {
+            found(t, &plots[k]);
+        }
+    }
+    for (size_t i = 0; i < t->count; i++) {
+        if (judge(&t->tracks[i], &t->options)) {
+            t->tracks[kept++] = t->tracks[i];
+        }
+    }
+    t->count = kept;
+    show(t);
+    return ASDIC_OK;
+}
+
+const asdic_track_state *asdic_tracker_get(const asdic_tracker *tracker, size_t *count) {
+    *count = tracker->count;
+    return tracker->states;
+}

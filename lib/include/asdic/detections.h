@@ -1,0 +1,79 @@
+/*
+ * A run, judged: what a detector finds in its pings, and what was there.
+ */
+#ifndef ASDIC_DETECTIONS_H
+#define ASDIC_DETECTIONS_H
+
+#include <asdic/run.h>
+#include <asdic/scan.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct asdic_detect_options {
+    const asdic_detector *detector; /* NULL: the scene's */
+    bool has_cfar;                  /* background from neighbouring bins instead of from what is
+                                     * expected; always over a bottom that is no plane */
+    asdic_cfar cfar;
+    double truth_snr_db; /* an object is in a bin when its echo is so strong re all else there */
+    double cell_m;       /* of the occupancy map; NAN: none */
+    asdic_tracker_options tracker;
+    bool force; /* replace what an earlier call left */
+} asdic_detect_options;
+
+/* The scene's detector, expected background, 0 dB, 0.5 m, the default tracker. */
+ASDIC_API asdic_detect_options asdic_detect_options_default(void);
+
+/* What a bin holds, by the expected intensities that the run recorded beside the levels. */
+typedef enum asdic_truth {
+    ASDIC_TRUTH_NONE,   /* neither of the following */
+    ASDIC_TRUTH_OBJECT, /* an object's echo above truth_snr_db */
+    ASDIC_TRUTH_GHOST,  /* an echo by way of a mirror, as strong */
+    ASDIC_TRUTH_FAINT,  /* an echo of either kind, weaker, but above -20 dB: counted apart */
+} asdic_truth;
+
+/* A row of the confusion table. */
+typedef struct asdic_detect_class {
+    asdic_truth truth;
+    char name[ASDIC_NAME_SIZE]; /* of the object; else "none", "ghost", "faint" */
+    uint64_t bins, detected;
+    double expected; /* detections that P_D, or P_FA, predicts; NAN: not predicted */
+} asdic_detect_class;
+
+/* An object as one beam saw it. */
+typedef struct asdic_detect_sight {
+    char object[ASDIC_NAME_SIZE], beam[ASDIC_NAME_SIZE];
+    size_t pings_seen, pings_detected; /* with a bin that holds it, and detected in one of them */
+    size_t ping;                       /* where it stood out most: */
+    double range_m, snr_db, pd; /* re all else in the bin; closed form for the run's speckle */
+    bool detected;
+} asdic_detect_sight;
+
+typedef struct asdic_detect_report {
+    asdic_detector detector;
+    bool by_cfar;
+    bool is_sample; /* the sonar has speckle; else levels are means and rates mean little */
+    double sampling_error_db; /* median over bins of the rays' standard error: keep it small */
+    unsigned looks;
+    size_t pings;
+    uint64_t bins, detections;
+    asdic_estimate pfa; /* over bins that hold nothing */
+    size_t tracks, tracks_confirmed, tracks_of_objects;
+    size_t class_count, sight_count;
+    asdic_detect_class *classes; /* objects in order of appearance, then ghost, faint, none */
+    asdic_detect_sight *sights;  /* by object, then beam */
+} asdic_detect_report;
+
+/* Detects in every ping of a run. Writes detections.csv, tracks.csv and occupancy.png into its
+ * folder. *OUT is to be freed by asdic_detect_report_destroy; OUT may be NULL. */
+ASDIC_API asdic_status asdic_run_detect(asdic_context *ctx, const char *folder,
+                                        const asdic_detect_options *options,
+                                        asdic_detect_report **out);
+ASDIC_API void asdic_detect_report_destroy(asdic_detect_report **report);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,131 @@
+/*
+ * A detector at work: one ping's intensities in, what it decides about every bin out; many pings
+ * fused in an occupancy grid; detections joined to tracks.
+ */
+#ifndef ASDIC_SCAN_H
+#define ASDIC_SCAN_H
+
+#include <asdic/detect.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct asdic_detector {
+    asdic_target target;
+    double pfa;    /* probability of false alarm per bin */
+    double prior;  /* probability that a bin holds a target */
+    double snr_db; /* strength of the target that the likelihood ratio assumes, re the background */
+} asdic_detector;
+
+/* Swerling I, 1e-3, 0.01, 10 dB. */
+ASDIC_API asdic_detector asdic_detector_default(void);
+
+/* ---- one ping ------------------------------------------------------------------------------- */
+
+typedef struct asdic_scan asdic_scan;
+
+/* CFAR NULL: against expected intensities; else against what the neighbouring bins hold. SONAR says how
+ * many looks a bin has and what its speckle is; nothing is borrowed. */
+ASDIC_API asdic_status asdic_scan_create(asdic_context *ctx, const asdic_sonar *sonar,
+                                         double sound_speed_mps, size_t bins,
+                                         const asdic_detector *detector, const asdic_cfar *cfar,
+                                         asdic_scan **out);
+ASDIC_API void asdic_scan_destroy(asdic_scan **scan);
+
+/* Decides about INTENSITY_LIN[beam * bins + bin]. EXPECTED_LIN: the background's mean, noise
+ * included; NULL with CFAR. NOISE_LIN: the ambient noise in it, for K speckle; NULL: none. */
+ASDIC_API asdic_status asdic_scan_ping(asdic_scan *scan, const double *intensity_lin,
+                                       const double *expected_lin, const double *noise_lin);
+
+/* Of the last ping, [beam * bins + bin]; NAN where there is nothing to decide. */
+typedef struct asdic_scan_result {
+    const double *background_lin; /* mean of the background */
+    const double *threshold_lin;
+    const double *llr;
+} asdic_scan_result;
+
+ASDIC_API asdic_scan_result asdic_scan_get(const asdic_scan *scan);
+
+/* Where a beam looks: unit vector in the world. */
+ASDIC_API asdic_vec3 asdic_beam_axis(const asdic_beam *beam, const asdic_pose *pose);
+
+/* Width between the half-power points of the two-way pattern in the horizontal, rad; that of a
+ * Gaussian of the two apertures. At most pi. */
+ASDIC_API double asdic_beam_width_rad(const asdic_sonar *sonar, size_t receiver,
+                                      double sound_speed_mps);
+
+/* ---- many pings: where something is --------------------------------------------------------- */
+
+/* Log-odds of a target in the cells of a map fixed in the world; independent looks add. */
+typedef struct asdic_occupancy {
+    double north_m, east_m; /* south-western corner */
+    double cell_m;
+    size_t rows, columns; /* to the north, to the east */
+    double prior_log_odds, limit;
+    float *log_odds; /* [row * columns + column]; NAN: never looked at */
+    float *ping_llr; /* the same, of the ping that is being added */
+} asdic_occupancy;
+
+/* Covers the box; at most 2^26 cells. LIMIT, 10 say, clips the log-odds, so that a map can change its mind. */
+ASDIC_API asdic_status asdic_occupancy_create(asdic_context *ctx, asdic_vec3 min_m,
+                                              asdic_vec3 max_m, double cell_m, double prior,
+                                              double limit, asdic_occupancy **out);
+ASDIC_API void asdic_occupancy_destroy(asdic_occupancy **map);
+
+/* Adds LLR[beam * bins + bin] of a ping at POSE to every cell within half a beam's width of its axis,
+ * at the slant range that the axis has there. A cell stands for all the water above and below it: of
+ * several beams that look at it, the one that says most for a target counts. */
+ASDIC_API void asdic_occupancy_add(asdic_occupancy *map, const asdic_sonar *sonar,
+                                   double sound_speed_mps, const asdic_pose *pose, size_t bins,
+                                   const double *llr);
+
+/* ---- many pings: what moves where ----------------------------------------------------------- */
+
+/* A detection in the plane, with its covariance. */
+typedef struct asdic_plot_point {
+    double north_m, east_m;
+    double variance_nn_m2, variance_ne_m2, variance_ee_m2;
+    long label; /* of the caller's; tracks pass it on */
+} asdic_plot_point;
+
+typedef struct asdic_tracker_options {
+    double gate;          /* squared Mahalanobis distance: 9.21 holds 99 % */
+    double acceleration;  /* spectral density of the targets' accelerations, m^2/s^3 */
+    double speed_mps;     /* standard deviation of a new track's speed, each way */
+    unsigned confirm, of; /* a track is confirmed by `confirm` hits in `of` pings */
+    unsigned misses;      /* ... and dropped after so many pings without one */
+} asdic_tracker_options;
+
+/* 9.21, 0.01 m^2/s^3, 0.5 m/s, 3 of 5, 5. */
+ASDIC_API asdic_tracker_options asdic_tracker_options_default(void);
+
+typedef struct asdic_track_state {
+    unsigned id; /* from 1, in the order of birth */
+    bool confirmed;
+    bool hit; /* by the last update */
+    double north_m, east_m, north_mps, east_mps;
+    double sd_north_m, sd_east_m;
+    unsigned hits, age; /* pings */
+    long label;         /* of the last hit */
+} asdic_track_state;
+
+typedef struct asdic_tracker asdic_tracker;
+
+/* Kalman filters of constant velocity; every ping's plots go to the nearest track whose gate they are
+ * in, nearest pairs first, and found a new track when there is none. */
+ASDIC_API asdic_status asdic_tracker_create(asdic_context *ctx,
+                                            const asdic_tracker_options *options,
+                                            asdic_tracker **out);
+ASDIC_API void asdic_tracker_destroy(asdic_tracker **tracker);
+ASDIC_API asdic_status asdic_tracker_update(asdic_tracker *tracker, double time_s,
+                                            const asdic_plot_point *plots, size_t count);
+
+/* Tracks alive, valid until the next update. */
+ASDIC_API const asdic_track_state *asdic_tracker_get(const asdic_tracker *tracker, size_t *count);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,163 @@
+/*
+ * What was detected against what was there.
+ */
+#include "detect_job.h"
+
+#include "base/context.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Places of the rows behind the objects'. */
+enum { GHOST, FAINT, NONE, OTHERS };
+
+static size_t objects_of(const asdic_detect_job *job) {
+    return asdic_namer_count(job->namer);
+}
+
+asdic_status asdic_detect_report_create(asdic_detect_job *job) {
+    static const char *const names[OTHERS] = {"ghost", "faint", "none"};
+    static const asdic_truth truths[OTHERS] = {ASDIC_TRUTH_GHOST, ASDIC_TRUTH_FAINT,
+                                               ASDIC_TRUTH_NONE};
+    size_t objects = objects_of(job), beams = job->info.beams;
+    asdic_detect_report *r = calloc(1, sizeof *r);
+    job->report = r;
+    if (!r || !(r->classes = calloc(objects + OTHERS, sizeof *r->classes)) ||
+        !(r->sights = calloc(objects * beams, sizeof *r->sights))) {
+        return asdic_fail_memory(job->ctx, "a report");
+    }
+    asdic_background law = asdic_background_of(job->info.sonar, job->sound_speed_mps, 1.0, 0.0);
+    r->detector = job->detector;
+    r->by_cfar = job->by_cfar;
+    r->is_sample = job->info.sonar->speckle != ASDIC_SPECKLE_NONE;
+    r->looks = law.looks;
+    r->class_count = objects + OTHERS;
+    r->sight_count = objects * beams;
+    for (size_t i = 0; i < r->class_count; i++) {
+        bool is_object = i < objects;
+        r->classes[i].truth = is_object ? ASDIC_TRUTH_OBJECT : truths[i - objects];
+        snprintf(r->classes[i].name, ASDIC_NAME_SIZE, "%s",
+                 is_object ? asdic_namer_name(job->namer, i) : names[i - objects]);
+        bool is_predicted = is_object || i == objects + NONE;
+        r->classes[i].expected = is_predicted ? 0.0 : (double)NAN;
+    }
+    for (size_t i = 0; i < r->sight_count; i++) {
+        memcpy(r->sights[i].object, r->classes[i / beams].name, ASDIC_NAME_SIZE);
+        memcpy(r->sights[i].beam, job->info.sonar->receivers[i % beams].name, ASDIC_NAME_SIZE);
+        r->sights[i].snr_db = -INFINITY;
+    }
+    return ASDIC_OK;
+}
+
+void asdic_detect_report_destroy(asdic_detect_report **report) {
+    if (report && *report) {
+        free((*report)->classes);
+        free((*report)->sights);
+        free(*report);
+        *report = NULL;
+    }
+}
+
+asdic_background asdic_detect_rest(const asdic_detect_job *job, size_t cell) {
+    return asdic_background_of(job->info.sonar, job->sound_speed_mps, job->rest_lin[cell],
+                               job->noise_lin[cell]);
+}
+
+double asdic_detect_bin_pd(const asdic_detect_job *job, size_t cell) {
+    double threshold = asdic_scan_get(job->scan).threshold_lin[cell];
+    if (!(job->rest_lin[cell] > 0.0)) { /* nothing but the echo */
+        return 1.0;
+    }
+    asdic_background rest = asdic_detect_rest(job, cell);
+    return asdic_detect_pd(&rest, ASDIC_TARGET_SWERLING2, job->object_lin[cell], threshold);
+}
+
+static asdic_detect_class *class_of(asdic_detect_job *job, size_t cell) {
+    asdic_detect_class *others = job->report->classes + objects_of(job);
+    switch (job->truth[cell]) {
+    case ASDIC_TRUTH_OBJECT:
+        return &job->report->classes[job->label[cell]];
+    case ASDIC_TRUTH_GHOST:
+        return &others[GHOST];
+    case ASDIC_TRUTH_FAINT:
+        return &others[FAINT];
+    case ASDIC_TRUTH_NONE:
+        break;
+    }
+    return &others[NONE];
+}
+
+/* Which objects the beam sees in this ping, and where each stands out most. */
+static void count_sights(asdic_detect_job *job, const asdic_record *record, size_t beam) {
+    size_t bins = job->info.bins;
+    const double *threshold_lin = asdic_scan_get(job->scan).threshold_lin;
+    for (size_t n = 0; n < bins; n++) {
+        size_t cell = beam * bins + n;
+        if (job->truth[cell] != ASDIC_TRUTH_OBJECT || isnan(threshold_lin[cell])) {
+            continue;
+        }
+        size_t at = (size_t)job->label[cell] * job->info.beams + beam;
+        asdic_detect_sight *s = &job->report->sights[at];
+        /* Counted once a ping: one more than pings before. */
+        if (job->sight_ping[at] != record->ping + 1) {
+            job->sight_ping[at] = record->ping + 1;
+            job->sight_hit[at] = false;
+            s->pings_seen++;
+        }
+        if (job->detected[cell] && !job->sight_hit[at]) {
+            job->sight_hit[at] = true;
+            s->pings_detected++;
+        }
+        double snr_db = asdic_level_db(job->object_lin[cell] / job->rest_lin[cell]);
+        if (snr_db > s->snr_db) {
+            s->snr_db = snr_db;
+            s->ping = (size_t)record->ping;
+            s->range_m = ((double)n + 0.5) * job->info.sonar->bin_length_m;
+            s->pd = asdic_detect_bin_pd(job, cell);
+            s->detected = job->detected[cell];
+        }
+    }
+}
+
+void asdic_detect_count(asdic_detect_job *job, const asdic_record *record) {
+    const double *threshold_lin = asdic_scan_get(job->scan).threshold_lin;
+    asdic_detect_report *r = job->report;
+    r->pings++;
+    for (size_t i = 0; i < job->info.beams * job->info.bins; i++) {
+        if (isnan(threshold_lin[i])) {
+            continue;
+        }
+        asdic_detect_class *c = class_of(job, i);
+        r->bins++;
+        r->detections += job->detected[i];
+        c->bins++;
+        c->detected += job->detected[i];
+        if (c->truth == ASDIC_TRUTH_OBJECT) {
+            c->expected += asdic_detect_bin_pd(job, i);
+        } else if (c->truth == ASDIC_TRUTH_NONE) {
+            c->expected += job->detector.pfa;
+        }
+    }
+    for (size_t b = 0; b < job->info.beams; b++) {
+        count_sights(job, record, b);
+    }
+}
+
+void asdic_detect_finish_report(asdic_detect_job *job) {
+    asdic_detect_report *r = job->report;
+    size_t kept = 0;
+    const asdic_detect_class *none = &r->classes[objects_of(job) + NONE];
+    r->pfa = asdic_estimate_of(none->detected, none->bins);
+    for (size_t i = 0; i < r->sight_count; i++) {
+        if (r->sights[i].pings_seen > 0) {
+            r->sights[kept++] = r->sights[i];
+        }
+    }
+    r->sight_count = kept;
+    for (size_t i = 0; i < job->track_capacity; i++) {
+        r->tracks += (job->track_seen[i] & 4u) != 0;
+        r->tracks_confirmed += (job->track_seen[i] & 1u) != 0;
+        r->tracks_of_objects += (job->track_seen[i] & 2u) != 0;
+    }
+}

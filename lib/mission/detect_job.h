@@ -1,0 +1,72 @@
+/*
+ * One call of asdic_run_detect: what its parts share.
+ */
+#ifndef ASDIC_MISSION_DETECT_JOB_H
+#define ASDIC_MISSION_DETECT_JOB_H
+
+#include <asdic/detections.h>
+
+#include "detect_truth.h"
+#include "out/file.h"
+
+typedef struct asdic_detect_job {
+    asdic_context *ctx;
+    const asdic_detect_options *options;
+    asdic_run *run;
+    asdic_run_info info;
+    asdic_detector detector;
+    bool by_cfar;
+    asdic_scan *scan;
+    asdic_namer *namer;
+    asdic_tracker *tracker;
+    asdic_occupancy *map;     /* NULL: none */
+    asdic_ping *expected;     /* NULL with CFAR */
+    asdic_pose expected_pose; /* that it is of */
+    double expected_altitude_m;
+    double *intensity_lin, *noise_lin; /* of the ping, [beam * bins + bin] */
+    double *rest_lin, *object_lin;     /* expected: all but objects' and ghosts' echoes; theirs */
+    asdic_truth *truth;
+    long *label; /* object of a bin; -1: none */
+    bool *detected;
+    asdic_plot_point *plots; /* of the ping */
+    double *plots_llr;
+    size_t plot_count;
+    double sound_speed_mps;
+    asdic_file *detections, *tracks;
+    uint8_t *track_seen; /* bits by track number: 1 confirmed, 2 of an object */
+    size_t track_capacity;
+    double *track_north_m, *track_east_m; /* of the vehicle, per ping: for the map */
+    size_t pings_done;
+    asdic_detect_report *report;
+    uint64_t *sight_ping; /* by sight: 1 + the last ping with a bin of it */
+    bool *sight_hit;      /* ... and whether it was detected in that */
+} asdic_detect_job;
+
+/* detect_rows.c: the files' first line; the rows of a ping's detections; of its tracks. */
+asdic_status asdic_detect_open_files(asdic_detect_job *job);
+void asdic_detect_write_rows(asdic_detect_job *job, const asdic_record *record);
+asdic_status asdic_detect_write_tracks(asdic_detect_job *job, const asdic_record *record);
+
+/* detect_plots.c: joins neighbouring detections into plots. */
+void asdic_detect_find_plots(asdic_detect_job *job, const asdic_record *record);
+
+/* detect_count.c: the report's tables. */
+asdic_status asdic_detect_report_create(asdic_detect_job *job);
+void asdic_detect_count(asdic_detect_job *job, const asdic_record *record);
+void asdic_detect_finish_report(asdic_detect_job *job);
+/* The law of a bin's background as it is under an echo: what else is there. */
+asdic_background asdic_detect_rest(const asdic_detect_job *job, size_t cell);
+double asdic_detect_bin_pd(const asdic_detect_job *job, size_t cell);
+
+/* detect_map.c */
+asdic_status asdic_detect_create_map(asdic_detect_job *job);
+asdic_status asdic_detect_draw_map(asdic_detect_job *job);
+
+/* Names of a bin's truth: the object's, or "ghost", "faint", "none". */
+const char *asdic_detect_truth_name(const asdic_detect_job *job, size_t cell);
+
+/* World position of a bin on its beam's axis. */
+asdic_vec3 asdic_detect_position(const asdic_detect_job *job, const asdic_record *record,
+                                 size_t beam, size_t bin);
+
+#endif

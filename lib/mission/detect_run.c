@@ -1,0 +1,236 @@
+/*
+ * A run's pings through a detector.
+ */
+#include "detect_job.h"
+
+#include "base/context.h"
+#include "base/number.h"
+#include "base/vec.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* An echo weaker than this re all else in its bin is none. */
+#define FAINT_LIN 0.01
+
+asdic_detect_options asdic_detect_options_default(void) {
+    return (asdic_detect_options){.cfar = asdic_cfar_default(),
+                                  .truth_snr_db = 0.0,
+                                  .cell_m = 0.5,
+                                  .tracker = asdic_tracker_options_default()};
+}
+
+static double linear(float level_db) {
+    return isnan(level_db) ? 0.0 : pow(10.0, 0.1 * (double)level_db);
+}
+
+/* The ping's intensities, and what in them is known to be what. */
+static void read_truth(asdic_detect_job *job, const asdic_record *record) {
+    double least = pow(10.0, 0.1 * job->options->truth_snr_db);
+    for (size_t i = 0; i < job->info.beams * job->info.bins; i++) {
+        double object = linear(record->level_db[ASDIC_OBJECT][i]);
+        double ghost = linear(record->level_db[ASDIC_MULTIPATH][i]);
+        job->intensity_lin[i] = linear(record->level_db[ASDIC_TOTAL][i]);
+        job->noise_lin[i] = linear(record->level_db[ASDIC_NOISE][i]);
+        double rest = linear(record->level_db[ASDIC_BOTTOM][i]) +
+                      linear(record->level_db[ASDIC_SURFACE][i]) +
+                      linear(record->level_db[ASDIC_VOLUME][i]) + job->noise_lin[i];
+        job->rest_lin[i] = rest;
+        job->object_lin[i] = object + ghost;
+        job->truth[i] = object > 0.0 && object >= least * (rest + ghost)  ? ASDIC_TRUTH_OBJECT
+                        : ghost > 0.0 && ghost >= least * (rest + object) ? ASDIC_TRUTH_GHOST
+                        : object + ghost > FAINT_LIN * rest               ? ASDIC_TRUTH_FAINT
+                                                                          : ASDIC_TRUTH_NONE;
+    }
+    for (size_t i = 0; i < job->info.beams * job->info.bins; i++) {
+        bool is_object = job->truth[i] == ASDIC_TRUTH_OBJECT;
+        job->label[i] =
+            is_object ? (long)asdic_namer_find(job->namer, i / job->info.bins, i % job->info.bins)
+                      : -1;
+    }
+}
+
+/* The null hypothesis; the same for pings from one place. */
+static asdic_status expect(asdic_detect_job *job, const asdic_record *record) {
+    if (job->by_cfar || (memcmp(&job->expected_pose, &record->pose, sizeof record->pose) == 0 &&
+                         job->expected_altitude_m == record->altitude_m)) {
+        return ASDIC_OK;
+    }
+    asdic_flat_scene flat = asdic_run_flat_scene(job->run, record);
+    job->expected_pose = record->pose;
+    job->expected_altitude_m = record->altitude_m;
+    return asdic_expected_compute(job->ctx, &flat, job->info.environment, job->info.sonar,
+                                  &record->pose, job->expected);
+}
+
+static asdic_status take_ping(asdic_detect_job *job, const asdic_record *record) {
+    job->sound_speed_mps =
+        asdic_environment_sound_speed_mps(job->info.environment, record->pose.position_m.z);
+    asdic_status status = asdic_namer_begin_ping(job->namer, record);
+    if (status == ASDIC_OK) {
+        read_truth(job, record);
+        status = expect(job, record);
+    }
+    if (status == ASDIC_OK) {
+        const double *mean = job->by_cfar ? NULL : job->expected->intensity_lin[ASDIC_TOTAL];
+        status = asdic_scan_ping(job->scan, job->intensity_lin, mean, job->noise_lin);
+    }
+    if (status != ASDIC_OK) {
+        return status;
+    }
+    asdic_scan_result result = asdic_scan_get(job->scan);
+    for (size_t i = 0; i < job->info.beams * job->info.bins; i++) {
+        job->detected[i] = job->intensity_lin[i] > result.threshold_lin[i]; /* not when NAN */
+    }
+    asdic_detect_count(job, record);
+    asdic_detect_write_rows(job, record);
+    asdic_detect_find_plots(job, record);
+    if (job->map) {
+        asdic_occupancy_add(job->map, job->info.sonar, job->sound_speed_mps, &record->pose,
+                            job->info.bins, result.llr);
+    }
+    status = asdic_tracker_update(job->tracker, record->time_s, job->plots, job->plot_count);
+    if (status == ASDIC_OK) {
+        status = asdic_detect_write_tracks(job, record);
+    }
+    job->track_north_m[job->pings_done] = record->pose.position_m.x;
+    job->track_east_m[job->pings_done++] = record->pose.position_m.y;
+    return status;
+}
+
+static asdic_status allocate(asdic_detect_job *job) {
+    size_t cells = job->info.beams * job->info.bins;
+    job->intensity_lin = calloc(4 * cells, sizeof *job->intensity_lin);
+    job->truth = calloc(cells, sizeof *job->truth);
+    job->label = calloc(cells, sizeof *job->label);
+    job->detected = calloc(cells, sizeof *job->detected);
+    job->plots = calloc(cells, sizeof *job->plots);
+    job->plots_llr = calloc(cells, sizeof *job->plots_llr);
+    size_t sights = asdic_namer_count(job->namer) * job->info.beams;
+    job->sight_ping = calloc(sights, sizeof *job->sight_ping);
+    job->sight_hit = calloc(sights, sizeof *job->sight_hit);
+    job->track_north_m = calloc(2 * (job->info.pings + 1), sizeof *job->track_north_m);
+    if (!job->intensity_lin || !job->truth || !job->label || !job->detected || !job->plots ||
+        !job->plots_llr || !job->sight_ping || !job->sight_hit || !job->track_north_m) {
+        return asdic_fail_memory(job->ctx, "detections");
+    }
+    job->noise_lin = job->intensity_lin + cells;
+    job->rest_lin = job->noise_lin + cells;
+    job->object_lin = job->rest_lin + cells;
+    job->track_east_m = job->track_north_m + job->info.pings + 1;
+    return ASDIC_OK;
+}
+
+/* What a run's detection needs before its first ping. */
+static asdic_status begin(asdic_detect_job *job, const char *folder) {
+    asdic_status status = asdic_run_open(job->ctx, folder, &job->run);
+    if (status != ASDIC_OK) {
+        return status;
+    }
+    job->info = asdic_run_get_info(job->run);
+    job->detector = job->options->detector ? *job->options->detector
+                                           : *asdic_mission_detector(job->run->settings);
+    job->by_cfar =
+        job->options->has_cfar || strcmp(job->run->facts.bottom, ASDIC_RUN_BOTTOM_MESH) == 0;
+    job->expected_altitude_m = NAN;
+    job->sound_speed_mps = asdic_environment_sound_speed_mps(job->info.environment, 0.0);
+    if (job->info.pings == 0) {
+        return asdic_fail(job->ctx, ASDIC_ERROR_INPUT, "'%s' holds no ping yet", folder);
+    }
+    asdic_record first;
+    status = asdic_run_read(job->run, 0, &first);
+    if (status == ASDIC_OK) {
+        job->sound_speed_mps =
+            asdic_environment_sound_speed_mps(job->info.environment, first.pose.position_m.z);
+        status = asdic_scan_create(job->ctx, job->info.sonar, job->sound_speed_mps, job->info.bins,
+                                   &job->detector, job->by_cfar ? &job->options->cfar : NULL,
+                                   &job->scan);
+    }
+    if (status == ASDIC_OK && !job->by_cfar) {
+        status = asdic_ping_create(job->ctx, job->info.beams, job->info.bins, &job->expected);
+    }
+    if (status == ASDIC_OK) {
+        status = asdic_namer_create(job->run, &job->namer);
+    }
+    if (status == ASDIC_OK) {
+        status = asdic_tracker_create(job->ctx, &job->options->tracker, &job->tracker);
+    }
+    if (status == ASDIC_OK) {
+        status = allocate(job);
+    }
+    if (status == ASDIC_OK) {
+        status = asdic_detect_report_create(job);
+    }
+    if (status == ASDIC_OK) {
+        status = asdic_detect_create_map(job);
+    }
+    return status == ASDIC_OK ? asdic_detect_open_files(job) : status;
+}
+
+static void finish(asdic_detect_job *job) {
+    asdic_file_discard(&job->detections);
+    asdic_file_discard(&job->tracks);
+    asdic_occupancy_destroy(&job->map);
+    asdic_tracker_destroy(&job->tracker);
+    asdic_namer_destroy(&job->namer);
+    asdic_scan_destroy(&job->scan);
+    asdic_ping_destroy(&job->expected);
+    asdic_detect_report_destroy(&job->report);
+    asdic_run_close(&job->run);
+    free(job->intensity_lin);
+    free(job->truth);
+    free(job->label);
+    free(job->detected);
+    free(job->plots);
+    free(job->plots_llr);
+    free(job->sight_ping);
+    free(job->sight_hit);
+    free(job->track_seen);
+    free(job->track_north_m);
+}
+
+static asdic_status detect(asdic_detect_job *job) {
+    asdic_status status = ASDIC_OK;
+    for (size_t i = 0; i < job->info.pings && status == ASDIC_OK; i++) {
+        asdic_record record;
+        if (asdic_context_interrupted(job->ctx)) {
+            return asdic_fail(job->ctx, ASDIC_ERROR_INTERRUPTED,
+                              "interrupted after %zu of %zu pings; nothing was written", i,
+                              job->info.pings);
+        }
+        status = asdic_run_read(job->run, i, &record);
+        if (status == ASDIC_OK) {
+            status = take_ping(job, &record);
+        }
+    }
+    if (status == ASDIC_OK) {
+        status = asdic_file_commit(&job->detections);
+    }
+    if (status == ASDIC_OK) {
+        status = asdic_file_commit(&job->tracks);
+    }
+    return status == ASDIC_OK && job->map ? asdic_detect_draw_map(job) : status;
+}
+
+asdic_status asdic_run_detect(asdic_context *ctx, const char *folder,
+                              const asdic_detect_options *options, asdic_detect_report **out) {
+    asdic_detect_job job = {.ctx = ctx, .options = options};
+    if (!folder || !options) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "asdic_run_detect: a folder and options");
+    }
+    locale_t before = asdic_c_locale_enter();
+    asdic_status status = begin(&job, folder);
+    if (status == ASDIC_OK) {
+        status = detect(&job);
+    }
+    if (status == ASDIC_OK && out) {
+        job.report->sampling_error_db = job.run->facts.stderr_median_db;
+        asdic_detect_finish_report(&job);
+        *out = job.report;
+        job.report = NULL;
+    }
+    finish(&job);
+    asdic_c_locale_leave(before);
+    return status;
+}

@@ -1,0 +1,142 @@
+#include "canvas.h"
+#include "colormap.h"
+#include "draw.h"
+
+#include <math.h>
+
+#define PAPER_RGB 0xffffffu
+#define INK_RGB 0x202020u
+#define NOTE_RGB 0x606060u
+#define BAR_PX 24.0
+#define LEAST_PX 300.0 /* room for the axes of a narrow map */
+
+typedef struct page {
+    asdic_box box, bar; /* the box has the map's shape */
+    asdic_plot_axis east, north, value;
+    double legend_y, width, height;
+} page;
+
+static page lay_out(const asdic_map *map, const asdic_raster *raster,
+                    const asdic_picture_options *options, bool has_note) {
+    page p = {.east = {.label = "east (m)",
+                       .low = map->east_m,
+                       .high = map->east_m + (double)map->columns * map->cell_m},
+              .north = {.label = "north (m)",
+                        .low = map->north_m,
+                        .high = map->north_m + (double)map->rows * map->cell_m},
+              .value = {.label = map->label, .low = options->db_low, .high = options->db_high}};
+    double shorter = (double)(raster->width < raster->height ? raster->width : raster->height);
+    double longer = (double)(raster->width < raster->height ? raster->height : raster->width);
+    double stretch = fmin(fmax(LEAST_PX / shorter, 760.0 / longer), fmax(1400.0 / longer, 1.0));
+    stretch = fmin(stretch, 900.0 / (double)raster->height);
+    p.box.w = floor((double)raster->width * stretch);
+    p.box.h = floor((double)raster->height * stretch);
+    p.box.x = ASDIC_MARGIN_PX + ceil(asdic_canvas_axis_y_room(&p.north, p.box.h));
+    p.legend_y = ASDIC_MARGIN_PX + (options->title ? 1.7 * ASDIC_TITLE_PX : 0.0);
+    p.box.y = p.legend_y + (map->line_count ? 1.8 * ASDIC_TEXT_PX : 0.0);
+    p.bar = (asdic_box){p.box.x + p.box.w + 30.0 + asdic_canvas_axis_y_room(&p.value, p.box.h),
+                        p.box.y, BAR_PX, p.box.h};
+    p.width = fmax(p.bar.x + p.bar.w + ASDIC_MARGIN_PX, 700.0);
+    p.height = p.box.y + p.box.h + 4.0 * ASDIC_TEXT_PX + ASDIC_MARGIN_PX +
+               (has_note ? 1.6 * ASDIC_NOTE_PX : 0.0);
+    return p;
+}
+
+static void draw_bar(asdic_canvas *c, const page *p, const asdic_picture_options *options) {
+    uint8_t pixels[256 * 3];
+    asdic_raster scale = {.width = 1, .height = 256, .rgb = pixels};
+    for (unsigned i = 0; i < 256; i++) {
+        asdic_raster_set(&scale, 0, i, asdic_colormap_rgb(options->colormap, 255 - i));
+    }
+    asdic_canvas_raster(c, &scale, p->bar);
+    asdic_canvas_axis_y(c, p->bar, &p->value, false, false);
+}
+
+static void frame(asdic_canvas *c, asdic_box box) {
+    cairo_new_path(c->cr);
+    asdic_canvas_color(c, INK_RGB);
+    cairo_set_line_width(c->cr, 1.0);
+    cairo_rectangle(c->cr, box.x - 0.5, box.y - 0.5, box.w + 1.0, box.h + 1.0);
+    cairo_stroke(c->cr);
+}
+
+static void draw_line(asdic_canvas *c, const page *p, const asdic_series *line) {
+    cairo_save(c->cr);
+    cairo_rectangle(c->cr, p->box.x, p->box.y, p->box.w, p->box.h);
+    cairo_clip(c->cr);
+    cairo_new_path(c->cr);
+    for (size_t i = 0; i < line->count; i++) {
+        cairo_line_to(c->cr, p->box.x + p->box.w * asdic_axis_share(&p->east, line->x[i]),
+                      p->box.y + p->box.h * (1.0 - asdic_axis_share(&p->north, line->y[i])));
+    }
+    asdic_canvas_color(c, line->rgb);
+    cairo_set_line_width(c->cr, 1.5 * line->width);
+    cairo_stroke(c->cr);
+    if (line->count > 0) { /* where it ends */
+        cairo_new_path(c->cr);
+        size_t last = line->count - 1;
+        cairo_arc(c->cr, p->box.x + p->box.w * asdic_axis_share(&p->east, line->x[last]),
+                  p->box.y + p->box.h * (1.0 - asdic_axis_share(&p->north, line->y[last])),
+                  3.0 + 1.5 * line->width, 0.0, 6.2831853);
+        cairo_fill(c->cr);
+    }
+    cairo_restore(c->cr);
+}
+
+static void draw_legend(asdic_canvas *c, const page *p, const asdic_map *map) {
+    double x = p->box.x, y = p->legend_y + 0.6 * ASDIC_TEXT_PX;
+    for (size_t i = 0; i < map->line_count; i++) {
+        const asdic_series *line = &map->lines[i];
+        if (!line->label) {
+            continue;
+        }
+        asdic_canvas_color(c, line->rgb);
+        cairo_set_line_width(c->cr, 1.5 * line->width);
+        asdic_canvas_line(c, x, y, x + 40.0, y);
+        asdic_canvas_color(c, INK_RGB);
+        asdic_canvas_text(
+            c, (asdic_text){.x = x + 50.0, .y = y, .align_y = 0.5, .size_px = ASDIC_TEXT_PX},
+            line->label);
+        x += 80.0 + asdic_canvas_text_width(line->label, ASDIC_TEXT_PX);
+    }
+}
+
+asdic_status asdic_draw_map(asdic_context *ctx, const char *path, const asdic_map *map,
+                            const asdic_raster *raster, const asdic_picture_options *options) {
+    asdic_canvas canvas = {0};
+    page p = lay_out(map, raster, options, options->note != NULL);
+    asdic_status status = asdic_canvas_init(ctx, path, p.width, p.height, PAPER_RGB, &canvas);
+    if (status != ASDIC_OK) {
+        goto done;
+    }
+    asdic_canvas_raster(&canvas, raster, p.box);
+    for (size_t i = 0; i < map->line_count; i++) {
+        draw_line(&canvas, &p, &map->lines[i]);
+    }
+    asdic_canvas_axis_x(&canvas, p.box, &p.east, false);
+    asdic_canvas_axis_y(&canvas, p.box, &p.north, false, false);
+    draw_bar(&canvas, &p, options);
+    frame(&canvas, p.box);
+    frame(&canvas, p.bar);
+    draw_legend(&canvas, &p, map);
+    double room = p.width - p.box.x - ASDIC_MARGIN_PX;
+    if (options->title) {
+        asdic_text where = {.x = p.box.x,
+                            .y = ASDIC_MARGIN_PX,
+                            .align_y = 1.0,
+                            .size_px = ASDIC_TITLE_PX,
+                            .bold = true};
+        asdic_canvas_color(&canvas, INK_RGB);
+        asdic_canvas_text_fit(&canvas, where, options->title, room);
+    }
+    if (options->note) {
+        asdic_text where = {
+            .x = p.box.x, .y = p.height - ASDIC_MARGIN_PX, .size_px = ASDIC_NOTE_PX};
+        asdic_canvas_color(&canvas, NOTE_RGB);
+        asdic_canvas_text_fit(&canvas, where, options->note, room);
+    }
+    status = asdic_canvas_save(&canvas, path, options->texts);
+done:
+    asdic_canvas_finish(&canvas);
+    return status;
+}

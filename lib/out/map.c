@@ -1,0 +1,70 @@
+#include "draw.h"
+
+#include "base/context.h"
+#include "colormap.h"
+
+#include <math.h>
+
+#define MOST_PX 1000
+#define UNKNOWN_RGB 0xffffffu
+
+/* Cells a side that a pixel shows. */
+static size_t group_of(const asdic_map *map) {
+    size_t longer = map->rows > map->columns ? map->rows : map->columns;
+    return (longer + MOST_PX - 1) / MOST_PX;
+}
+
+/* The greatest value of a block of cells; NAN when all are unknown. */
+static double greatest(const asdic_map *map, size_t row, size_t column, size_t group) {
+    double best = NAN;
+    for (size_t r = row; r < row + group && r < map->rows; r++) {
+        for (size_t c = column; c < column + group && c < map->columns; c++) {
+            double value = map->values[r * map->columns + c];
+            best = isnan(best) || value > best ? value : best;
+        }
+    }
+    return best;
+}
+
+static asdic_status paint(asdic_context *ctx, const asdic_map *map,
+                          const asdic_picture_options *options, asdic_raster *out) {
+    size_t group = group_of(map);
+    size_t rows = (map->rows + group - 1) / group, columns = (map->columns + group - 1) / group;
+    size_t longer = rows > columns ? rows : columns, scale = MOST_PX / longer;
+    scale = scale < 1 ? 1 : scale;
+    asdic_status status = asdic_raster_init(ctx, columns * scale, rows * scale, out);
+    for (size_t y = 0; y < rows * scale && status == ASDIC_OK; y++) {
+        size_t row = rows - 1 - y / scale; /* north up */
+        for (size_t x = 0; x < columns * scale; x++) {
+            double value = greatest(map, row * group, x / scale * group, group);
+            asdic_raster_set(out, x, y,
+                             isnan(value) ? UNKNOWN_RGB
+                                          : asdic_colormap_rgb(options->colormap,
+                                                               asdic_raster_index(options, value)));
+        }
+    }
+    return status;
+}
+
+asdic_status asdic_picture_map(asdic_context *ctx, const char *path, const asdic_map *map,
+                               const asdic_picture_options *options) {
+    if (map->rows == 0 || map->columns == 0 || !(map->cell_m > 0.0) ||
+        !(options->db_low < options->db_high)) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
+                          "nothing to draw: a map of %zu x %zu cells of %g m, window %g..%g",
+                          map->rows, map->columns, map->cell_m, options->db_low, options->db_high);
+    }
+    size_t group = group_of(map);
+    /* Whole blocks: what the picture covers to the north and east. */
+    asdic_map shown = *map;
+    shown.cell_m = map->cell_m * (double)group;
+    shown.rows = (map->rows + group - 1) / group;
+    shown.columns = (map->columns + group - 1) / group;
+    asdic_raster raster = {0};
+    asdic_status status = paint(ctx, map, options, &raster);
+    if (status == ASDIC_OK) {
+        status = asdic_draw_map(ctx, path, &shown, &raster, options);
+    }
+    asdic_raster_finish(&raster);
+    return status;
+}

@@ -1,0 +1,143 @@
+"""asdic detect: detections, confusion table, map and tracks of a run."""
+import csv
+import json
+import pathlib
+
+import tap
+from program import Folder, asdic, need_device
+
+DATA = pathlib.Path(__file__).resolve().parents[2] / "data"
+COLUMNS = ["ping", "time_s", "beam", "bin", "range_m", "x_m", "y_m", "z_m", "level_db",
+           "background_db", "llr", "posterior", "pd", "truth"]
+# Rayleigh speckle; two objects at one range on either side, seen by a beam each.
+TWO = """version: 1
+bottom: {depth_m: 20, type: sand}
+objects:
+  - {name: left, sphere: {radius_m: 1}, position_m: [26, -15, 8], material: {impedance_mrayl: 45}}
+  - {name: right, sphere: {radius_m: 1}, position_m: [26, 15, 8], material: {impedance_mrayl: 45}}
+sonar:
+  frequency_khz: 100
+  source_level_db: 220
+  receivers:
+    - {name: port, yaw_deg: -30, length_h_m: 0.1, length_v_m: 0.1}
+    - {name: starboard, yaw_deg: 30, length_h_m: 0.1, length_v_m: 0.1}
+  transmitter: {length_h_m: 0.02, length_v_m: 0.1}
+  speckle: rayleigh
+mission: {pose: {position_m: [0, 0, 8]}, pings: 20}
+sampling: {rays: 20000}
+detector: {pfa: 1.0e-4}
+"""
+
+
+def rows(path):
+    with open(path, newline="", encoding="ascii") as file:
+        return list(csv.DictReader(file))
+
+
+def scene2(folder, pings=12):
+    text = (DATA / "scenes" / "scenario2.yaml").read_text()
+    text = text.replace("noise: {enabled: false}", "noise: {enabled: false}\n  speckle: rayleigh")
+    return folder.write("rise.yaml", text.replace("pings: 1", f"pings: {pings}"))
+
+
+def test_all_beams_find_the_rise():
+    need_device()
+    with Folder() as folder:
+        scene2(folder)
+        asdic("run", "rise.yaml", "-q", "-o", "out", cwd=folder.path).check(0)
+        done = asdic("detect", "out", "--json", "-q", cwd=folder.path).check(0, err="")
+        report = json.loads(done.out)
+        tap.equal([o["beam"] for o in report["objects"]], ["forward", "down", "up"])
+        for seen in report["objects"]:
+            # The wall is at 35 m, for the tilted beams a little beyond: its far ends.
+            tap.equal((seen["object"], seen["range_m"] in (35.25, 35.75), seen["pings_detected"]),
+                      ("rise", True, 12), seen["beam"])
+            tap.equal(seen["pd"] > 0.999, True, "P_D")
+        found = rows(folder / "out/detections.csv")
+        tap.equal(list(found[0]), COLUMNS)
+        tap.equal(len(found), report["detections"])
+        walls = [r for r in found if r["bin"] == "70"]
+        tap.equal({(r["beam"], r["truth"]) for r in walls},
+                  {("forward", "rise"), ("down", "rise"), ("up", "rise")})
+        ahead = next(r for r in walls if r["beam"] == "forward")
+        tap.equal((float(ahead["x_m"]), float(ahead["y_m"]), float(ahead["z_m"])), (35.25, 0, 7))
+        tap.equal(float(ahead["level_db"]) > float(ahead["background_db"]) + 20, True, "level")
+        tap.equal(float(ahead["posterior"]) > 0.999, True, "posterior")
+        # What the closed form predicts of the object's bins, and what was detected of them.
+        rise = next(c for c in report["confusion"] if c["truth"] == "rise")
+        tap.equal(abs(rise["detected"] - rise["predicted"]) < 5 * rise["predicted"] ** 0.5, True,
+                  f"{rise}")
+        tap.equal(sorted(n for n in folder.names() if n.startswith("out")), ["out"])
+        tracks = rows(folder / "out/tracks.csv")
+        last = [t for t in tracks if t["ping"] == "11" and t["confirmed"] == "1"]
+        tap.equal([t["truth"] for t in last], ["rise"] * len(last))
+        tap.equal(abs(float(last[0]["x_m"]) - 35.25) < 0.5, True, "the first track is the wall")
+        tap.equal(report["tracks"]["on_objects"] >= 1, True)
+
+
+def test_objects_are_named_and_mapped():
+    need_device()
+    with Folder() as folder:
+        folder.write("two.yaml", TWO)
+        done = asdic("detect", "two.yaml", "-o", "out", "--json", cwd=folder.path).check(0)
+        report = json.loads(done.out)
+        seen = {(o["object"], o["beam"]) for o in report["objects"] if o["pings_detected"] > 15}
+        tap.equal(seen, {("left", "port"), ("right", "starboard")})
+        tap.equal(report["confusion"][-1]["truth"], "none")
+        with open(folder / "out/occupancy.png", "rb") as file:
+            tap.equal(file.read(4), b"\x89PNG")
+        # The table in text says the same; a run is not detected in twice without --force.
+        asdic("detect", "out", cwd=folder.path).check(1)
+        text = asdic("detect", "out", "--force", cwd=folder.path).check(0).out
+        tap.contains(text, "P_FA: design 0.0001")
+        tap.contains(text, "left")
+        # Elsewhere the scene is not there: one name for all.
+        (pathlib.Path(folder.path) / "two.yaml").unlink()
+        done = asdic("detect", "out", "--force", "--json", cwd=folder.path).check(0)
+        tap.contains(done.err, "have no names")
+        tap.equal({o["object"] for o in json.loads(done.out)["objects"]}, {"object"})
+
+
+def test_options_replace_the_scenes_detector():
+    need_device()
+    with Folder() as folder:
+        scene2(folder, 6)
+        asdic("run", "rise.yaml", "-q", "-o", "out", cwd=folder.path).check(0)
+
+        def detect(*options):
+            done = asdic("detect", "out", "--json", "--force", *options, cwd=folder.path)
+            return json.loads(done.check(0).out)
+
+        many = detect("--pfa", "0.1")
+        tap.equal(many["pfa"], 0.1)
+        low, high = many["pfa_measured"]["low"], many["pfa_measured"]["high"]
+        tap.equal(low <= 0.1 <= high, True, f"P_FA in {low}..{high}")
+        for kind in "ca", "os":
+            cfar = detect("--cfar", kind, "--pfa", "0.01", "--cfar-cells", "12")
+            tap.equal((cfar["cfar"], cfar["detections"] > 0), (True, True))
+        tap.equal(detect("--target", "swerling3", "--prior", "0.5")["target"], "swerling3")
+        strict = detect("--truth", "20")["confusion"][0]["bins"]
+        tap.equal(strict < detect()["confusion"][0]["bins"], True, "bins that hold the rise")
+
+
+def test_mistakes():
+    need_device()
+    with Folder() as folder:
+        asdic("detect").check(2)
+        asdic("detect", folder.path).check(3)
+        asdic("detect", "nothing.yaml", cwd=folder.path).check(3)
+        done = asdic("detect", folder.path, "--cfar", "cb").check(2)
+        tap.contains(done.err, "did you mean 'ca'")
+        done = asdic("detect", folder.path, "--cfar-cells", "4").check(2)
+        tap.contains(done.err, "go with --cfar")
+        done = asdic("detect", folder.path, "--pfa", "2").check(2)
+        tap.contains(done.err, "[1e-12, 0.5]")
+        scene2(folder, 1)
+        asdic("run", "rise.yaml", "-q", "-o", "out", cwd=folder.path).check(0)
+        done = asdic("detect", "out", "--cell", "0.001", cwd=folder.path).check(2)
+        tap.contains(done.err, "larger")
+        tap.equal([n for n in (pathlib.Path(folder.path) / "out").iterdir()
+                   if n.suffix == ".part"], [])
+
+
+tap.main(globals())
