@@ -22,17 +22,26 @@
 #define ZONE_CAP_RAD 0.1745
 static const float zone_share[5] = {0.03f, 0.57f, 0.07f, 0.30f, 0.03f};
 
+/* A sonar that lies on a bottom plane is taken to be this share of the range above it: what the
+ * bottom returns hardly depends on so little, and grazing angles stay in reach of single precision. */
+#define LEAST_PLANE 2e-6
+/* Meshes as near as this have slopes that the zones of a plane would starve. */
+#define LEAST_MESH 2e-3
+
 static bool surface_is_silent(const asdic_simulator *sim) {
     return sim->sampling.left_out & (1u << ASDIC_TERM_SURFACE);
 }
 
 /* A zone that ends beyond the range leaves its share to the gap. */
 static void place_zones(const asdic_simulator *sim, const asdic_pose *pose, dev_ping *ping) {
-    double range = ping->reach_m, least = 2e-3 * range;
+    double range = ping->reach_m;
     double altitude = asdic_scene_altitude_m(sim->scene, pose->position_m);
+    bool plane = sim->scene->has_bottom_plane &&
+                 altitude == sim->scene->bottom_plane_depth_m - pose->position_m.z;
+    double least = (plane ? LEAST_PLANE : LEAST_MESH) * range;
     bool sounds = sim->scene->has_surface && !surface_is_silent(sim);
     double depth = sounds ? pose->position_m.z : INFINITY;
-    double h = fmax(sim->zone_altitude * altitude, least), hs = fmax(depth, least);
+    double h = fmax(sim->zone_altitude * altitude, least), hs = fmax(depth, LEAST_PLANE * range);
     bool bottom = h < 0.95 * range, surface = hs < 0.95 * range;
     ping->zone_bottom_m = (float)(bottom ? h : 2.0 * range);
     ping->zone_surface_m = (float)(surface ? hs : 2.0 * range);
@@ -106,7 +115,8 @@ void asdic_simulator_describe(asdic_simulator *sim, const asdic_pose *pose, uint
     ping->origin[2] = (float)origin.z;
     ping->surface_m = scene->has_surface ? (float)pose->position_m.z : INFINITY;
     ping->bottom_m = scene->has_bottom_plane
-                         ? (float)(scene->bottom_plane_depth_m - pose->position_m.z)
+                         ? (float)fmax(scene->bottom_plane_depth_m - pose->position_m.z,
+                                       LEAST_PLANE * ping->reach_m)
                          : INFINITY;
     ping->absorption_np_per_m = (float)water.absorption_np_per_m;
     ping->wavelength_m = (float)water.wavelength_m;
