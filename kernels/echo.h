@@ -291,10 +291,22 @@ static split_echo split(__global const dev_ping *ping, real at, real nearest, re
     return e;
 }
 
-/* Rounds one lane's energy to quanta and adds it; returns 1 if it had to be cut. */
+/* Energies beneath this many quanta are rounded by chance. */
+#define FEW_QUANTA 65536.0f
+
+/* Rounds one lane's energy to quanta and adds it; returns 1 if it had to be cut. Small energies are
+ * rounded up as often as their fraction says, by a hash of their own bits: many rays of less than a
+ * quantum each then add up to what they are worth, and the bytes repeat. */
 static uint add_quanta(__global const dev_ping *ping, __global long *cell, float quanta) {
-    if (quanta >= 0.5f) {
-        deposit_add(cell, convert_long_rte(min(quanta, ping->deposit_limit)));
+    float whole = min(quanta, ping->deposit_limit);
+    if (quanta < FEW_QUANTA) {
+        uint hash = as_uint(quanta) * 2654435769u;
+        hash = (hash ^ (hash >> 15)) * 2246822519u;
+        hash ^= hash >> 13;
+        whole = floor(quanta + (float)(hash >> 8) * 5.9604645e-8f);
+    }
+    if (whole > 0.0f) {
+        deposit_add(cell, convert_long_rte(whole));
     }
     return (uint)(quanta > ping->deposit_limit);
 }

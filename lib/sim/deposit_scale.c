@@ -33,19 +33,23 @@ static double loudest(const dev_material *m, const dev_ping *ping) {
     return most;
 }
 
-void asdic_deposit_scales(const dev_material *materials, size_t count, dev_ping *ping) {
-    double solid = 1e-12;
-    for (size_t i = 0; i < count; i++) {
-        solid = fmax(solid, loudest(&materials[i], ping));
+void asdic_deposit_scales(const asdic_scene *scene, const dev_material *materials, dev_ping *ping) {
+    double bottom = 1e-12, object = 1e-12, surface = loudest(NULL, ping);
+    if (scene->has_bottom_plane) {
+        bottom = loudest(&materials[scene->bottom_plane_material], ping);
+    }
+    for (size_t i = 0; i < scene->part_count; i++) {
+        double *most = scene->parts[i].kind == DEV_KIND_BOTTOM ? &bottom : &object;
+        *most = fmax(*most, loudest(&materials[scene->parts[i].material], ping));
     }
     /* All directions at full gain, on the loudest thing there is. One factor of 4 covers the relative
      * loss inside a bin, (d_n / d)^2 <= 4; one of 2 the wavelength at another depth, on which a
      * facet's peak depends by its square. */
     double bound[DEV_DEPOSIT_COUNT];
-    bound[DEV_DEPOSIT_BOTTOM] = solid;
-    bound[DEV_DEPOSIT_OBJECT] = solid;
-    bound[DEV_DEPOSIT_MULTIPATH] = solid;
-    bound[DEV_DEPOSIT_SURFACE] = loudest(NULL, ping);
+    bound[DEV_DEPOSIT_BOTTOM] = bottom;
+    bound[DEV_DEPOSIT_OBJECT] = object;
+    bound[DEV_DEPOSIT_MULTIPATH] = fmax(fmax(bottom, object), surface);
+    bound[DEV_DEPOSIT_SURFACE] = surface;
     bound[DEV_DEPOSIT_VOLUME] = 1.0;
     for (int c = 0; c < DEV_DEPOSIT_COUNT; c++) {
         double sum = 2.0 * 4.0 * 4.0 * 3.14159265358979323846 * bound[c];
