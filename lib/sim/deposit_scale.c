@@ -1,5 +1,7 @@
 #include "deposit_scale.h"
 
+#include "base/vec.h"
+
 #include "../../kernels/backscatter.h"
 #include "../../kernels/target.h"
 
@@ -9,6 +11,8 @@
  * it exceeds the loudest value above. */
 #define MIN_SIN 1e-3
 #define STEPS 256
+/* Solid angle, times the number of rays, by which their sum may err. */
+#define FEW_RAYS_SR 200.0
 
 static double strength(const dev_material *m, const dev_ping *ping, double sin_grazing) {
     if (m->law == DEV_LAW_BOTTOM) {
@@ -33,7 +37,18 @@ static double loudest(const dev_material *m, const dev_ping *ping) {
     return most;
 }
 
-void asdic_deposit_scales(const asdic_scene *scene, const dev_material *materials, dev_ping *ping) {
+/* Not less than the solid angle that an aperture's pattern covers: of [sinc(L vy) sinc(M vz)]^2
+ * dvy dvz / vx the part within 60 degrees of the axis is at most 2 / (L M); beyond, one direction
+ * cosine exceeds 0.61, where the pattern is below 1 / (0.61 pi L)^2, over pi sr. */
+static double pattern_sr(const asdic_beam *beam, const dev_ping *ping) {
+    double l = beam->length_h_m / ping->wavelength_m, m = beam->length_v_m / ping->wavelength_m;
+    double lobes = fmin(1.0, 0.28 / pow(fmin(l, m), 2.0));
+    double front = fmin(2.0 / (l * m) + ASDIC_PI * lobes, 2.0 * ASDIC_PI);
+    return front + 2.0 * ASDIC_PI * ping->rear_lin;
+}
+
+void asdic_deposit_scales(const asdic_scene *scene, const asdic_beam *transmitter,
+                          const dev_material *materials, dev_ping *ping) {
     double bottom = 1e-12, object = 1e-12, surface = loudest(NULL, ping);
     if (scene->has_bottom_plane) {
         bottom = loudest(&materials[scene->bottom_plane_material], ping);
@@ -42,20 +57,23 @@ void asdic_deposit_scales(const asdic_scene *scene, const dev_material *material
         double *most = scene->parts[i].kind == DEV_KIND_BOTTOM ? &bottom : &object;
         *most = fmax(*most, loudest(&materials[scene->parts[i].material], ping));
     }
-    /* All directions at full gain, on the loudest thing there is. One factor of 4 covers the relative
-     * loss inside a bin, (d_n / d)^2 <= 4; one of 2 the wavelength at another depth, on which a
-     * facet's peak depends by its square. */
     double bound[DEV_DEPOSIT_COUNT];
     bound[DEV_DEPOSIT_BOTTOM] = bottom;
     bound[DEV_DEPOSIT_OBJECT] = object;
     bound[DEV_DEPOSIT_MULTIPATH] = fmax(fmax(bottom, object), surface);
     bound[DEV_DEPOSIT_SURFACE] = surface;
     bound[DEV_DEPOSIT_VOLUME] = 1.0;
+    /* What the transmitter sends out, on the loudest thing there is; of multipath, which also comes
+     * from where it does not look, all directions at full gain. Few rays are given room for one that
+     * stands for much. One factor of 4 covers the relative loss inside a bin, (d_n / d)^2 <= 4; one
+     * of 2 the wavelength at another depth, on which a facet's peak depends by its square. */
+    double sphere = 4.0 * ASDIC_PI;
+    double sent = fmin(pattern_sr(transmitter, ping) + FEW_RAYS_SR / ping->rays, sphere);
     for (int c = 0; c < DEV_DEPOSIT_COUNT; c++) {
-        double sum = 2.0 * 4.0 * 4.0 * 3.14159265358979323846 * bound[c];
+        double sum = 2.0 * 4.0 * (c == DEV_DEPOSIT_MULTIPATH ? sphere : sent) * bound[c];
         ping->deposit_scale[c] = (float)exp2(floor(61.0 - log2(sum)));
     }
-    /* A sum overflows at 64 such deposits. Each needs a ray that stands for pi / 4 steradians or more
-     * and meets the loudest thing there is; all rays together stand for 4 pi. */
+    /* A sum overflows at 64 such deposits. Each needs a ray that stands for half of what the
+     * transmitter sends out or more and meets the loudest thing there is. */
     ping->deposit_limit = (float)exp2(57.0);
 }

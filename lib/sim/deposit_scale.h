@@ -6,12 +6,15 @@
 
 #include "scene/scene.h"
 
+#include <asdic/sonar.h>
+
 #include "../../kernels/ping_types.h"
 
-/* Fills PING's deposit_scale and deposit_limit from its water, its rays and what the scene's parts
- * are made of (MATERIALS, as the scene numbers them), for all pings of a simulator. A sum of `rays`
- * deposits at the limit stays below 2^62, so that no sum can overflow; the quantum lies about 180 dB
+/* Fills PING's deposit_scale and deposit_limit from its water, its rays, the transmitter and what the
+ * scene's parts are made of (MATERIALS, as the scene numbers them), for all pings of a simulator.
+ * Sums come to 2^61 at most if rays were exact, 2^63 being the end; the quantum lies about 180 dB
  * below the loudest conceivable sum of its component, before range. */
-void asdic_deposit_scales(const asdic_scene *scene, const dev_material *materials, dev_ping *ping);
+void asdic_deposit_scales(const asdic_scene *scene, const asdic_beam *transmitter,
+                          const dev_material *materials, dev_ping *ping);
 
 #endif

@@ -97,7 +97,7 @@ void asdic_simulator_prepare(asdic_simulator *sim, const asdic_water_column *wat
         .boundary_mirrors = sim->sampling.multipath == ASDIC_MULTIPATH_BOUNDARIES,
         .wavelength_m = (float)water->wavelength_m,
     };
-    asdic_deposit_scales(sim->scene, sim->host_materials, fixed);
+    asdic_deposit_scales(sim->scene, &sim->sonar.transmitter, sim->host_materials, fixed);
 }
 
 void asdic_simulator_describe(asdic_simulator *sim, const asdic_pose *pose, uint64_t index,
