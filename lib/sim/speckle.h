@@ -16,8 +16,8 @@ void asdic_pulse_smear(const asdic_sonar *sonar, double sound_speed_mps, double 
 /* Replaces the total of every bin by one realisation: the mean of as many exponential intensities
  * (Rayleigh amplitudes) as the bin has looks. For K a gamma-distributed texture of shape nu, common
  * to the looks, modulates what bottom, surface and water scatter; objects and noise have none (Ward,
- * Tough & Watts, Sea Clutter, 2006). Components stay expected values. The numbers depend on (seed,
- * ping index, beam, bin). */
+ * Tough & Watts, Sea Clutter, 2006). Bins shorter than a resolution cell share what it draws.
+ * Components stay expected values. The numbers depend on (seed, ping index, beam, bin or cell). */
 void asdic_speckle_apply(const asdic_sonar *sonar, double sound_speed_mps, uint64_t seed,
                          uint64_t index, asdic_ping *ping);
 

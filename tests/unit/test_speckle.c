@@ -101,6 +101,67 @@ static void looks_are_cells(void **state) {
     assert_int_equal(asdic_sonar_looks(&sonar, 1500.0), 1000);
 }
 
+/* Whole pings: PINGS of BEAMS x BINS bins of even intensity. */
+enum { PINGS = 100, BEAMS = 2, BINS = 1000 };
+
+typedef struct statistics {
+    double mean, contrast, neighbours; /* correlation of neighbouring bins */
+} statistics;
+
+static statistics speckled(asdic_speckle kind, double shape, double bin_m, double cell_m) {
+    asdic_context *ctx = NULL;
+    asdic_ping *ping = NULL;
+    assert_int_equal(asdic_context_create(&ctx), ASDIC_OK);
+    assert_ok(ctx, asdic_ping_create(ctx, BEAMS, BINS, &ping));
+    asdic_sonar sonar = asdic_sonar_default();
+    sonar.speckle = kind;
+    sonar.speckle_shape = shape;
+    sonar.bin_length_m = bin_m;
+    sonar.bandwidth_hz = 1500.0 / (2.0 * cell_m);
+    double sum = 0.0, square = 0.0, product = 0.0, count = (double)PINGS * BEAMS * BINS;
+    for (size_t i = 0; i < BEAMS * BINS; i++) {
+        ping->intensity_lin[ASDIC_BOTTOM][i] = 1.0;
+    }
+    for (uint64_t k = 0; k < PINGS; k++) {
+        const double *x = ping->intensity_lin[ASDIC_TOTAL];
+        asdic_speckle_apply(&sonar, 1500.0, 7, k, ping);
+        for (size_t i = 0; i < BEAMS * BINS; i++) {
+            sum += x[i] / count;
+            square += x[i] * x[i] / count;
+            product += x[i] * x[(i + 1) % (BEAMS * BINS)] / count;
+        }
+    }
+    asdic_ping_destroy(&ping);
+    asdic_context_destroy(&ctx);
+    double variance = square - sum * sum;
+    return (statistics){sum, sqrt(variance) / sum, (product - sum * sum) / variance};
+}
+
+static void pings_have_speckle_per_resolution_cell(void **state) {
+    (void)state;
+    static const struct {
+        asdic_speckle kind;
+        double shape, bin_m, cell_m;
+        double contrast, neighbours, tolerance;
+    } cases[] = {
+        {ASDIC_SPECKLE_RAYLEIGH, INFINITY, 0.5, 0.5, 1.0, 0.0, 0.02},
+        {ASDIC_SPECKLE_RAYLEIGH, INFINITY, 0.5, 0.125, 0.5, 0.0, 0.02},
+        {ASDIC_SPECKLE_RAYLEIGH, INFINITY, 0.1, 0.5, 1.0, 0.8, 0.02}, /* 4 of 5 share a cell */
+        {ASDIC_SPECKLE_RAYLEIGH, INFINITY, 0.4, 0.5, 1.0, 0.2, 0.02},
+        {ASDIC_SPECKLE_K, 2.0, 0.5, 0.5, 1.4142, 0.0, 0.04}, /* sqrt(1 + 2 / shape) */
+        {ASDIC_SPECKLE_K, 2.0, 0.1, 0.5, 1.4142, 0.8, 0.04},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        statistics s = speckled(cases[i].kind, cases[i].shape, cases[i].bin_m, cases[i].cell_m);
+        print_message("%s, bins %.1f m, cells %.3f m: mean %.3f, contrast %.3f, neighbours %.3f\n",
+                      cases[i].kind == ASDIC_SPECKLE_K ? "K, shape 2" : "Rayleigh", cases[i].bin_m,
+                      cases[i].cell_m, s.mean, s.contrast, s.neighbours);
+        assert_close(s.mean, 1.0, 0.02);
+        assert_close(s.contrast, cases[i].contrast, cases[i].tolerance);
+        assert_close(s.neighbours, cases[i].neighbours, 0.03);
+    }
+}
+
 static void pulse_keeps_energy_and_widens(void **state) {
     (void)state;
     asdic_context *ctx = NULL;
@@ -137,6 +198,7 @@ int main(void) {
         cmocka_unit_test(looks_average),
         cmocka_unit_test(k_shape_is_recovered),
         cmocka_unit_test(looks_are_cells),
+        cmocka_unit_test(pings_have_speckle_per_resolution_cell),
         cmocka_unit_test(pulse_keeps_energy_and_widens),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
