@@ -11,10 +11,10 @@
 #define RAYS 20000
 #define MOST_PINGS 48
 #define SIZES 3
-#define BIN_COUNTS 3
+#define BIN_COUNTS 4
 
 static const size_t sizes[SIZES] = {10000, 100000, 1000000};
-static const size_t bin_counts[BIN_COUNTS] = {150, 1000, 4000};
+static const size_t bin_counts[BIN_COUNTS] = {150, 1000, 2048, 4000};
 
 static asdic_sonar make_sonar(size_t bins, asdic_beam *receivers) {
     asdic_sonar sonar = asdic_sonar_default();

@@ -36,30 +36,39 @@ __kernel void fan_table(__global const dev_ping *ping, __global float *table, ui
     table[id] = value;
 }
 
-/* fan_rows: quanta to floats; FILLED tells whether a level of a (component, bin) holds anything; both
- * begin as zeros. Clears what it read, for the next ping. One work-item per (component, bin, level). */
-__kernel void fan_rows(__global const dev_ping *ping, __global long *accumulator,
-                       __global float *rows, __global uint *filled) {
+/* What a cell holds. */
+typedef struct fan_entry {
+    uint cell;
+    float quanta;
+} fan_entry;
+
+/* fan_pack: what a level of a (component, bin) holds, as a list of its filled cells, COUNTS long;
+ * a ping of many short bins fills few. Clears what it read, for the next ping. One work-item per
+ * (component, bin, level). */
+__kernel void fan_pack(__global const dev_ping *ping, __global long *accumulator,
+                       __global fan_entry *entries, __global uint *counts) {
     uint id = (uint)(get_global_id(0));
     if (id >= ping->components * ping->bins * DEV_FAN_LEVELS) {
         return;
     }
+    __global uint *touched = fan_touched(ping, accumulator) + id;
     size_t first = (size_t)(id)*ping->fan_cells;
-    uint any = 0u;
-    for (uint k = 0; k < ping->fan_cells; k++) {
-        any |= (uint)(accumulator[first + k] != 0);
-    }
-    if ((any | filled[id]) != 0u) { /* else the row is zero already */
+    uint count = 0u;
+    if (*touched != 0u) {
+        *touched = 0u;
         for (uint k = 0; k < ping->fan_cells; k++) {
-            rows[first + k] = convert_float(accumulator[first + k]);
-            accumulator[first + k] = 0;
+            long quanta = accumulator[first + k];
+            if (quanta != 0) {
+                accumulator[first + k] = 0;
+                fan_entry entry = {k, convert_float(quanta)};
+                entries[first + count++] = entry;
+            }
         }
     }
-    filled[id] = any;
+    counts[id] = count;
 }
 
-#define TILE 16 /* beams of a work-item */
-#define BLOCK 8 /* bins it sums at a time */
+#define TILE 128 /* beams of a work-item */
 
 #if defined(FP_FAST_FMAF) || defined(__FMA__)
 #define MULTIPLY_ADD(a, b, c) fma((a), (b), (c))
@@ -67,58 +76,44 @@ __kernel void fan_rows(__global const dev_ping *ping, __global long *accumulator
 #define MULTIPLY_ADD(a, b, c) ((a) * (b) + (c))
 #endif
 
-/* fan_project: one work-item per (block of rows, tile of beams); a row is a (component, bin). RESULTS
- * begins as in reduce.cl. */
-__kernel void fan_project(__global const dev_ping *ping, __global const float *rows,
-                          __global const uint *filled, __global const float *table,
-                          __global uint *saturated, __global long *results, uint stride) {
+/* fan_project: one work-item per (component, bin) and tile of beams. RESULTS holds floats,
+ * [component][beam][bin], and the number of deposits that had to be cut. */
+__kernel void fan_project(__global const dev_ping *ping, __global const fan_entry *entries,
+                          __global const uint *counts, __global const float *table,
+                          __global uint *saturated, __global float *results, uint stride) {
     /* Neighbouring work-items share a tile: its part of the table stays in the cache. */
-    uint count = ping->components * ping->bins, blocks = (count + BLOCK - 1u) / BLOCK;
-    uint id = (uint)(get_global_id(0)), tile = id / blocks, first = id % blocks * BLOCK;
+    uint rows = ping->components * ping->bins;
+    uint id = (uint)(get_global_id(0)), tile = id / rows, row = id - tile * rows;
     if (tile * TILE >= stride) {
         return;
     }
     if (id == 0u) {
-        results[(size_t)(count)*ping->beams] = (long)(*saturated);
+        ((__global uint *)results)[(size_t)(rows)*ping->beams] = *saturated;
         *saturated = 0u;
     }
-    uint have = min((uint)(BLOCK), count - first);
-    float16 sum[BLOCK];
-    for (uint r = 0; r < BLOCK; r++) {
-        sum[r] = (float16)(0.0f);
-    }
+    float16 sum0 = (float16)(0.0f), sum1 = sum0, sum2 = sum0, sum3 = sum0;
+    float16 sum4 = sum0, sum5 = sum0, sum6 = sum0, sum7 = sum0;
     for (uint level = 0; level < DEV_FAN_LEVELS; level++) {
-        uint any = 0u;
-        for (uint r = 0; r < have; r++) {
-            any |= filled[(first + r) * DEV_FAN_LEVELS + level];
-        }
-        if (any == 0u) {
-            continue;
-        }
+        uint list = row * DEV_FAN_LEVELS + level, count = counts[list];
+        __global const fan_entry *entry = entries + (size_t)(list)*ping->fan_cells;
         __global const float *p = table + (size_t)(level)*ping->fan_cells * stride + tile * TILE;
-        __global const float *h[BLOCK];
-        for (uint r = 0; r < BLOCK; r++) {
-            uint row = first + min(r, have - 1u);
-            h[r] = rows + ((size_t)(row)*DEV_FAN_LEVELS + level) * ping->fan_cells;
-        }
-        for (uint k = 0; k < ping->fan_cells; k++) {
-            float16 pattern = vload16(0, p + (size_t)(k)*stride);
-            sum[0] = MULTIPLY_ADD((float16)(h[0][k]), pattern, sum[0]);
-            sum[1] = MULTIPLY_ADD((float16)(h[1][k]), pattern, sum[1]);
-            sum[2] = MULTIPLY_ADD((float16)(h[2][k]), pattern, sum[2]);
-            sum[3] = MULTIPLY_ADD((float16)(h[3][k]), pattern, sum[3]);
-            sum[4] = MULTIPLY_ADD((float16)(h[4][k]), pattern, sum[4]);
-            sum[5] = MULTIPLY_ADD((float16)(h[5][k]), pattern, sum[5]);
-            sum[6] = MULTIPLY_ADD((float16)(h[6][k]), pattern, sum[6]);
-            sum[7] = MULTIPLY_ADD((float16)(h[7][k]), pattern, sum[7]);
+        for (uint k = 0; k < count; k++) {
+            __global const float *pattern = p + (size_t)(entry[k].cell) * stride;
+            float16 quanta = (float16)(entry[k].quanta);
+            sum0 = MULTIPLY_ADD(quanta, vload16(0, pattern), sum0);
+            sum1 = MULTIPLY_ADD(quanta, vload16(1, pattern), sum1);
+            sum2 = MULTIPLY_ADD(quanta, vload16(2, pattern), sum2);
+            sum3 = MULTIPLY_ADD(quanta, vload16(3, pattern), sum3);
+            sum4 = MULTIPLY_ADD(quanta, vload16(4, pattern), sum4);
+            sum5 = MULTIPLY_ADD(quanta, vload16(5, pattern), sum5);
+            sum6 = MULTIPLY_ADD(quanta, vload16(6, pattern), sum6);
+            sum7 = MULTIPLY_ADD(quanta, vload16(7, pattern), sum7);
         }
     }
+    float16 sums[TILE / 16] = {sum0, sum1, sum2, sum3, sum4, sum5, sum6, sum7};
+    uint component = row / ping->bins, bin = row - component * ping->bins;
     for (uint b = 0; b < TILE && tile * TILE + b < ping->beams; b++) {
-        for (uint r = 0; r < have; r++) {
-            uint component = (first + r) / ping->bins, bin = (first + r) % ping->bins;
-            float value = ((float *)&sum[r])[b];
-            results[((size_t)(component)*ping->beams + tile * TILE + b) * ping->bins + bin] =
-                convert_long_rte(max(value, 0.0f));
-        }
+        results[((size_t)(component)*ping->beams + tile * TILE + b) * ping->bins + bin] =
+            max(((float *)sums)[b], 0.0f);
     }
 }

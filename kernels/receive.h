@@ -20,13 +20,12 @@
 
 #define MAX_ARRIVALS 4
 
-/* Up to four parcels of energy from one direction, in quanta, for the first column of a (component,
- * bin) each. Small on purpose: PoCL keeps the private arrays of a whole work-group on one stack. */
+/* Up to four parcels of energy from one direction, in quanta, for a row (component, bin) each. Small on purpose: PoCL keeps the private arrays of a whole work-group on one stack. */
 typedef struct arrivals {
     uint count;
     mask even; /* spread over azimuth, not from a point */
     real quanta[MAX_ARRIVALS];
-    natural cell[MAX_ARRIVALS];
+    natural row[MAX_ARRIVALS];
 } arrivals;
 
 /* Adds a parcel for COMPONENT and BIN, both per lane. */
@@ -36,7 +35,7 @@ static void arrivals_add(const world *w, arrivals *a, natural component, natural
         AT(scale, float) = w->ping->deposit_scale[AT(component, uint)];
     }
     a->quanta[a->count] = energy * scale;
-    a->cell[a->count++] = (component * w->ping->bins + bin) * w->ping->columns;
+    a->row[a->count++] = component * w->ping->bins + bin;
 }
 
 /* Adds both halves of an echo. */
@@ -47,13 +46,13 @@ static void arrivals_add_echo(const world *w, arrivals *a, natural component,
     arrivals_add(w, a, component, min(echo->bin + 1u, last), echo->second);
 }
 
-/* Adds GAIN times every parcel to column COLUMN of its cell; returns how many had to be cut. */
+/* Adds GAIN times every parcel to column COLUMN of its row; returns how many had to be cut. */
 static uint add_column(const world *w, const arrivals *a, __global long *cells, natural column,
                        real gain) {
     uint cut = 0u;
     for (uint c = 0; c < a->count; c++) {
         real quanta = gain * a->quanta[c];
-        natural at = a->cell[c] + column;
+        natural at = a->row[c] * (natural)(w->ping->columns) + column;
         LANES {
             cut += add_quanta(w->ping, cells + AT(at, uint), AT(quanta, float));
         }
@@ -68,6 +67,25 @@ static uint add_column(const world *w, const arrivals *a, __global long *cells, 
 FORMULA real fan_level_m(int level) {
     const float m[DEV_FAN_LEVELS] = {1.0f, 0.88f, 0.66f, 0.4f, 0.05f};
     return (real)(m[level]);
+}
+
+/* Behind the cells, one word per (component, bin, level): whether anything was added. */
+static __global uint *fan_touched(__global const dev_ping *ping, __global long *cells) {
+    return (__global uint *)(cells + (size_t)(ping->components) * ping->bins * ping->columns);
+}
+
+static void touch(const world *w, const arrivals *a, __global long *cells, natural level,
+                  real gain) {
+    __global uint *touched = fan_touched(w->ping, cells);
+    for (uint c = 0; c < a->count; c++) {
+        real quanta = gain * a->quanta[c];
+        natural at = a->row[c] * (natural)(DEV_FAN_LEVELS) + level;
+        LANES {
+            if (AT(quanta, float) > 0.0f) {
+                touched[AT(at, uint)] = 1u;
+            }
+        }
+    }
 }
 
 static uint receive(const world *w, const arrivals *a, __global long *cells, real ux, real uy,
@@ -94,15 +112,24 @@ static uint receive(const world *w, const arrivals *a, __global long *cells, rea
     real lower = (R(1.0) / m - R(1.0) / hi) / (R(1.0) / lo - R(1.0) / hi);
     lower = r_min(r_max(lower, R(0.0)), R(1.0));
     real gain = vertical * vertical;
+    /* What is spread: to the nearer level alone. */
     mask low = m * m < lo * hi;
     gain *= choose(a->even, choose(low, lo, hi) / m, R(1.0));
-    lower = choose(a->even, choose(low, R(1.0), R(0.0)), lower);
+    level = choose_natural(a->even & low, level + (natural)(1u), level);
+    lower = choose(a->even, R(0.0), lower);
     natural column = level * (natural)(ping->fan_cells) + cell;
+    touch(w, a, cells, level, gain);
     uint cut = add_column(w, a, cells, column, gain * (R(1.0) - lower) * (R(1.0) - right));
     cut += add_column(w, a, cells, column + 1u, gain * (R(1.0) - lower) * right);
-    column += (natural)(ping->fan_cells);
-    cut += add_column(w, a, cells, column, gain * lower * (R(1.0) - right));
-    return cut + add_column(w, a, cells, column + 1u, gain * lower * right);
+    if (any_true(lower > R(0.0))) {
+        gain *= lower;
+        level = min(level + (natural)(1u), (natural)(DEV_FAN_LEVELS - 1));
+        column = level * (natural)(ping->fan_cells) + cell;
+        touch(w, a, cells, level, gain);
+        cut += add_column(w, a, cells, column, gain * (R(1.0) - right));
+        cut += add_column(w, a, cells, column + 1u, gain * right);
+    }
+    return cut;
 }
 
 #else

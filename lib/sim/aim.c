@@ -15,6 +15,10 @@
 #define STEEP 0.5
 /* Distinct aims that get a lobe of their own; beyond, lobes are spread over the sector. */
 #define MAX_AIMS 8
+/* A sector's lobe reaches so far beyond the outermost beams. */
+#define SECTOR_MARGIN_RAD 0.05
+/* A scale far beyond any window: evenly spread. */
+#define EVEN_SCALE 1e4f
 
 dev_beam asdic_aim_beam(const asdic_beam *beam, const asdic_pose *pose, double wavelength_m) {
     asdic_face face = asdic_face_aim(beam, pose, wavelength_m);
@@ -33,7 +37,7 @@ static double wrap(double phi) {
 
 /* A lobe without preference: everything in front of the transmitter, or everything. */
 static dev_lobe wide_lobe(asdic_sampler sampler, const dev_beam *transmitter, bool rear) {
-    dev_lobe lobe = {.scale_h = 1e4f, .scale_v = 1e4f};
+    dev_lobe lobe = {.scale_h = EVEN_SCALE, .scale_v = EVEN_SCALE};
     memcpy(lobe.rows, transmitter->rows, sizeof lobe.rows);
     lobe.beta_rad = (float)(atan2(transmitter->rows[1], transmitter->rows[0]) - ASDIC_PI / 2.0);
     lobe.side = 1.0f;
@@ -121,36 +125,63 @@ static void add_beam(asdic_sampler sampler, const dev_beam *beam, dev_lobe *lobe
     }
 }
 
-/* Many receivers: lobes at evenly picked ones, wide enough to overlap. */
-static void add_sector(asdic_sampler sampler, const dev_beam *receivers, size_t receiver_count,
-                       dev_lobe *lobes, unsigned *count) {
-    double first = atan2(receivers[0].rows[1], receivers[0].rows[0]);
+static double heading_of(const dev_beam *beam) {
+    return atan2(beam->rows[1], beam->rows[0]);
+}
+
+/* Many receivers, beam sampler: lobes at evenly picked ones, wide enough to overlap. */
+static void add_picked(const dev_beam *receivers, size_t receiver_count, dev_lobe *lobes,
+                       unsigned *count) {
+    double first = heading_of(&receivers[0]);
     double widest = 0.0;
     for (size_t r = 1; r < receiver_count; r++) {
-        double d = fabs(wrap(atan2(receivers[r].rows[1], receivers[r].rows[0]) - first));
-        widest = fmax(widest, d);
+        widest = fmax(widest, fabs(wrap(heading_of(&receivers[r]) - first)));
     }
     for (size_t a = 0; a < MAX_AIMS; a++) {
-        dev_lobe lobe = {0};
-        const dev_beam *beam = &receivers[a * (receiver_count - 1) / (MAX_AIMS - 1)];
-        lobe = sampler == ASDIC_SAMPLER_BEAM ? beam_lobe(beam) : ridge_lobe(beam, false, false);
+        dev_lobe lobe = beam_lobe(&receivers[a * (receiver_count - 1) / (MAX_AIMS - 1)]);
         lobe.scale_h = (float)fmax(lobe.scale_h, widest / MAX_AIMS);
         lobes[(*count)++] = lobe;
     }
 }
 
+/* Many receivers, adaptive sampler: even over the sector that they span, which keeps the lattice in
+ * one piece. */
+static void add_sector(const dev_beam *receivers, size_t receiver_count, dev_lobe *lobes,
+                       unsigned *count) {
+    double at = 0.0, least = 0.0, most = 0.0, first = heading_of(&receivers[0]);
+    for (size_t r = 1; r < receiver_count; r++) {
+        at += wrap(heading_of(&receivers[r]) - heading_of(&receivers[r - 1]));
+        least = fmin(least, at);
+        most = fmax(most, at);
+    }
+    double middle = first + 0.5 * (least + most);
+    const dev_beam *central = &receivers[0];
+    for (size_t r = 1; r < receiver_count; r++) {
+        if (fabs(wrap(heading_of(&receivers[r]) - middle)) <
+            fabs(wrap(heading_of(central) - middle))) {
+            central = &receivers[r];
+        }
+    }
+    dev_lobe lobe = ridge_lobe(central, false, false);
+    double margin = fmax(lobe.scale_h, SECTOR_MARGIN_RAD);
+    lobe.scale_h = EVEN_SCALE;
+    lobe.limit_rad = (float)fmin(0.5 * (most - least) + margin, ASDIC_PI);
+    lobes[(*count)++] = lobe;
+}
+
 unsigned asdic_aim_lobes(asdic_sampler sampler, const dev_beam *beams, size_t receiver_count,
                          bool rear, dev_lobe *lobes) {
     unsigned count = 0;
+    bool many = receiver_count > MAX_AIMS && sampler == ASDIC_SAMPLER_ADAPTIVE;
     if (receiver_count > MAX_AIMS) {
-        add_sector(sampler, beams + 1, receiver_count, lobes, &count);
+        (many ? add_sector : add_picked)(beams + 1, receiver_count, lobes, &count);
     } else {
         for (size_t b = 0; b <= receiver_count; b++) {
             add_beam(sampler, &beams[b], lobes, &count);
         }
         count = count > DEV_MAX_LOBES - 1 ? DEV_MAX_LOBES - 1 : count;
     }
-    double wide = sampler == ASDIC_SAMPLER_BEAM || rear ? WIDE_SHARE : 0.0;
+    double wide = sampler == ASDIC_SAMPLER_BEAM || rear || many ? WIDE_SHARE : 0.0;
     for (unsigned j = 0; j < count; j++) {
         lobes[j].share = (float)((1.0 - wide) / count);
     }

@@ -6,11 +6,11 @@
 #include <string.h>
 
 #define LEAST_RECEIVERS 16
-#define TILE 16 /* as in fan.cl */
-#define BLOCK 8
+#define TILE 128 /* as in fan.cl */
 /* Cells per wavelength of aperture and radian. */
 #define CELLS_PER_WAVELENGTH 3.0
 #define LEAST_CELLS 64
+#define ENTRY_BYTES 8 /* of a fan_entry */
 
 static bool same(float a, float b) {
     return fabsf(a - b) < 1e-5f;
@@ -54,7 +54,7 @@ asdic_status asdic_beam_fan_init(asdic_beam_fan *fan, asdic_device *device, cons
     asdic_status status =
         asdic_kernel_create(device, "fan.cl", options, "fan_table", &fan->make_table);
     if (!status) {
-        status = asdic_kernel_create(device, "fan.cl", options, "fan_rows", &fan->make_rows);
+        status = asdic_kernel_create(device, "fan.cl", options, "fan_pack", &fan->pack);
     }
     if (!status) {
         status = asdic_kernel_create(device, "fan.cl", options, "fan_project", &fan->project);
@@ -64,27 +64,21 @@ asdic_status asdic_beam_fan_init(asdic_beam_fan *fan, asdic_device *device, cons
             asdic_buffer_create(device, columns * fan->stride * sizeof(float), NULL, &fan->table);
     }
     if (!status) {
-        status = asdic_buffer_create(device, rows * fan->cells * sizeof(float), NULL, &fan->rows);
+        status = asdic_buffer_create(device, rows * fan->cells * ENTRY_BYTES, NULL, &fan->entries);
     }
     if (!status) {
-        status = asdic_buffer_create(device, rows * sizeof(uint32_t), NULL, &fan->filled);
-    }
-    if (!status) {
-        status = asdic_buffer_zero(fan->rows, rows * fan->cells * sizeof(float));
-    }
-    if (!status) {
-        status = asdic_buffer_zero(fan->filled, rows * sizeof(uint32_t));
+        status = asdic_buffer_create(device, rows * sizeof(uint32_t), NULL, &fan->counts);
     }
     return status;
 }
 
 void asdic_beam_fan_finish(asdic_beam_fan *fan) {
     asdic_kernel_destroy(&fan->make_table);
-    asdic_kernel_destroy(&fan->make_rows);
+    asdic_kernel_destroy(&fan->pack);
     asdic_kernel_destroy(&fan->project);
     asdic_buffer_destroy(&fan->table);
-    asdic_buffer_destroy(&fan->rows);
-    asdic_buffer_destroy(&fan->filled);
+    asdic_buffer_destroy(&fan->entries);
+    asdic_buffer_destroy(&fan->counts);
 }
 
 /* x: the transmitter's axis in the plane across the fan's axis z; y: z cross x. */
@@ -138,16 +132,15 @@ asdic_status asdic_beam_fan_project(asdic_beam_fan *fan, const dev_ping *ping,
     }
     if (!status) {
         asdic_kernel_arg args[] = {ASDIC_ARG_BUFFER(ping_buffer), ASDIC_ARG_BUFFER(accumulator),
-                                   ASDIC_ARG_BUFFER(fan->rows), ASDIC_ARG_BUFFER(fan->filled)};
-        status = asdic_kernel_run(fan->make_rows, args, 4, rows * DEV_FAN_LEVELS, 16);
+                                   ASDIC_ARG_BUFFER(fan->entries), ASDIC_ARG_BUFFER(fan->counts)};
+        status = asdic_kernel_run(fan->pack, args, 4, rows * DEV_FAN_LEVELS, 16);
     }
     if (!status) {
-        size_t blocks = (rows + BLOCK - 1) / BLOCK;
-        asdic_kernel_arg args[] = {ASDIC_ARG_BUFFER(ping_buffer), ASDIC_ARG_BUFFER(fan->rows),
-                                   ASDIC_ARG_BUFFER(fan->filled), ASDIC_ARG_BUFFER(fan->table),
+        asdic_kernel_arg args[] = {ASDIC_ARG_BUFFER(ping_buffer), ASDIC_ARG_BUFFER(fan->entries),
+                                   ASDIC_ARG_BUFFER(fan->counts), ASDIC_ARG_BUFFER(fan->table),
                                    ASDIC_ARG_BUFFER(saturated),   ASDIC_ARG_BUFFER(results),
                                    ASDIC_ARG_VALUE(stride)};
-        status = asdic_kernel_run(fan->project, args, 7, blocks * (stride / TILE), 16);
+        status = asdic_kernel_run(fan->project, args, 7, rows * (stride / TILE), 16);
     }
     return status;
 }

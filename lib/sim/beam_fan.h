@@ -14,8 +14,8 @@ typedef struct asdic_beam_fan {
     unsigned stride; /* beams rounded up to a tile of fan.cl */
     bool circle;     /* cells go all round, not only over the front */
     double table_wavelength_m;
-    asdic_kernel *make_table, *make_rows, *project;
-    asdic_buffer *table, *rows, *filled;
+    asdic_kernel *make_table, *pack, *project;
+    asdic_buffer *table, *entries, *counts;
 } asdic_beam_fan;
 
 /* Fills CELLS, STRIDE and CIRCLE: a fan is at least 16 receivers of one size whose faces differ in
@@ -30,8 +30,8 @@ void asdic_beam_fan_finish(asdic_beam_fan *fan);
 /* The fan's frame and cells of a ping whose beams (transmitter first) are aimed. */
 void asdic_beam_fan_describe(const asdic_beam_fan *fan, const dev_beam *beams, dev_ping *ping);
 
-/* Enqueues cells to beams: ACCUMULATOR, which is cleared, to RESULTS as in reduce.cl, but without
- * spreads. */
+/* Enqueues cells to beams: ACCUMULATOR, which is cleared, to RESULTS, floats
+ * [component][beam][bin] and one word of cut deposits. */
 asdic_status asdic_beam_fan_project(asdic_beam_fan *fan, const dev_ping *ping,
                                     asdic_buffer *ping_buffer, asdic_buffer *accumulator,
                                     asdic_buffer *saturated, asdic_buffer *results);

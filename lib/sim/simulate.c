@@ -171,42 +171,29 @@ static asdic_status reduce_groups(asdic_simulator *sim) {
     return asdic_kernel_run(sim->reduce, args, COUNT(args), sim->cells, sim->layout.local);
 }
 
-/* Water that ends in a bin to water that crosses it: a fan's, which is linear in what its map holds
- * and cheaper by beams than by azimuths. */
-static void sum_crossings(asdic_simulator *sim) {
-    int64_t *water = sim->host_results + DEV_DEPOSIT_VOLUME * sim->cells;
-    for (size_t beam = 0; beam < sim->sonar.receiver_count; beam++, water += sim->bins) {
-        for (size_t bin = sim->bins; bin-- > 1;) {
-            water[bin - 1] += water[bin];
-        }
-    }
-}
-
-/* The results, see reduce.cl; a fan has no spreads. */
 static asdic_status reduce(asdic_simulator *sim) {
-    size_t bytes = (sim->components * sim->cells + 1) * sizeof(int64_t);
-    if (!sim->fan.cells) {
-        bytes += sim->cells * sizeof(float);
-    }
     asdic_status status =
         sim->fan.cells ? asdic_beam_fan_project(&sim->fan, sim->ping, sim->ping_buffer,
                                                 sim->accumulator, sim->saturated, sim->results)
                        : reduce_groups(sim);
-    if (!status) {
-        status = asdic_buffer_read(sim->results, 0, bytes, sim->host_results);
-    }
-    if (!status && sim->fan.cells) {
-        sum_crossings(sim);
-    }
-    return status;
+    return status ? status
+                  : asdic_buffer_read(sim->results, 0, asdic_simulator_results_bytes(sim),
+                                      sim->host_results);
 }
 
 double asdic_simulator_spread(const asdic_simulator *sim, size_t cell) {
     if (sim->fan.cells) {
         return 1.0; /* one group: the calibration is the relative error itself */
     }
-    const int64_t *after = sim->host_results + sim->components * sim->cells + 1;
+    const int64_t *after = (const int64_t *)sim->host_results + sim->components * sim->cells + 1;
     return ((const float *)after)[cell];
+}
+
+/* Deposits that had to be cut. */
+static uint64_t saturated_of(const asdic_simulator *sim) {
+    size_t at = sim->components * sim->cells;
+    return sim->fan.cells ? ((const uint32_t *)sim->host_results)[at]
+                          : (uint64_t)((const int64_t *)sim->host_results)[at];
 }
 
 /* Relative standard error of a total to dB: its spread over groups, calibrated. */
@@ -219,6 +206,22 @@ double asdic_simulator_source_lin(const asdic_simulator *sim, const asdic_water_
     /* The paper prints 2 d - 1 metres of absorption where 2 (d - 1) is meant: one metre more. */
     bool printed = sim->env.variant == ASDIC_VARIANT_PRINTED;
     return printed ? source * exp(-water->absorption_np_per_m) : source;
+}
+
+/* Quanta of a component in the bins from FIRST on. A fan's water still has to be summed from where it
+ * ends to what it crosses: cheaper by beams than by azimuths. */
+static void take_quanta(const asdic_simulator *sim, size_t component, size_t first, double *out) {
+    size_t at = component * sim->cells + first;
+    const int64_t *whole = (const int64_t *)sim->host_results + at;
+    const float *floats = (const float *)sim->host_results + at;
+    for (size_t n = 0; n < sim->bins; n++) {
+        out[n] = sim->fan.cells ? (double)floats[n] : (double)whole[n];
+    }
+    if (sim->fan.cells && component == DEV_DEPOSIT_VOLUME) {
+        for (size_t n = sim->bins; n-- > 1;) {
+            out[n - 1] += out[n];
+        }
+    }
 }
 
 /* Quanta to energies of one beam; UNIT[component] is a quantum's energy at loss 1. */
@@ -240,10 +243,10 @@ static void convert_beam(const asdic_simulator *sim, const double *unit, size_t 
             memset(energy, 0, sim->bins * sizeof *energy);
             continue;
         }
-        const int64_t *quanta = sim->host_results + c * sim->cells + first;
+        take_quanta(sim, c, first, energy);
         const double *loss = c == DEV_DEPOSIT_VOLUME ? sim->bin_volume : sim->bin_loss;
         for (size_t n = 0; n < sim->bins; n++) {
-            energy[n] = quanta[n] > 0 ? (double)quanta[n] * unit[c] * loss[n] : 0.0;
+            energy[n] = energy[n] > 0.0 ? energy[n] * unit[c] * loss[n] : 0.0;
             total[n] += energy[n];
         }
     }
@@ -306,7 +309,7 @@ asdic_status asdic_simulator_simulate(asdic_simulator *sim, const asdic_pose *po
     convert_levels(sim, &water, out);
     out->bin_length_m = sim->sonar.bin_length_m;
     out->rays = sim->sampling.rays;
-    out->saturated = (uint64_t)sim->host_results[sim->components * sim->cells];
+    out->saturated = saturated_of(sim);
     return ASDIC_OK;
 }
 

@@ -77,8 +77,11 @@ static size_t ping_bytes(const asdic_simulator *sim) {
     return sizeof(dev_ping) + (sim->sonar.receiver_count + 1) * sizeof(dev_beam);
 }
 
-/* Sums, one word of cut deposits, spreads. */
-static size_t results_bytes(const asdic_simulator *sim) {
+/* Sums, one word of cut deposits, spreads; of a fan: sums as floats, the word. */
+size_t asdic_simulator_results_bytes(const asdic_simulator *sim) {
+    if (sim->fan.cells) {
+        return sim->components * sim->cells * sizeof(float) + sizeof(uint32_t);
+    }
     return (sim->components * sim->cells + 1) * sizeof(int64_t) + sim->cells * sizeof(float);
 }
 
@@ -94,7 +97,9 @@ static asdic_status create_buffers(asdic_simulator *sim) {
     size_t slots = sim->groups * most, beams = sim->sonar.receiver_count;
     size_t bounce_slots = sim->has_mirrors ? slots : 0;
     size_t columns = sim->fan.cells ? (size_t)DEV_FAN_LEVELS * sim->fan.cells : beams;
-    size_t accumulator = sim->groups * sim->components * sim->bins * columns * sizeof(int64_t);
+    size_t rows = sim->components * sim->bins;
+    size_t accumulator = sim->groups * rows * columns * sizeof(int64_t);
+    accumulator += sim->fan.cells ? rows * DEV_FAN_LEVELS * sizeof(uint32_t) : 0; /* receive.h */
     const struct {
         size_t bytes;
         asdic_buffer **buffer;
@@ -114,7 +119,7 @@ static asdic_status create_buffers(asdic_simulator *sim) {
         {sim->bins * sizeof(float), &sim->volume_inverse},
         {sim->bins * sizeof(float), &sim->volume_ratio},
         {accumulator, &sim->accumulator},
-        {results_bytes(sim), &sim->results},
+        {asdic_simulator_results_bytes(sim), &sim->results},
         {sizeof(uint32_t), &sim->saturated},
     };
     for (size_t i = 0; i < sizeof wanted / sizeof *wanted; i++) {
@@ -228,7 +233,7 @@ static asdic_status allocate_host(asdic_simulator *sim) {
     sim->bin_table = calloc(2 * sim->bins, sizeof *sim->bin_table);
     sim->bin_loss = calloc(sim->bins, sizeof *sim->bin_loss);
     sim->bin_volume = calloc(sim->bins, sizeof *sim->bin_volume);
-    sim->host_results = malloc(results_bytes(sim));
+    sim->host_results = malloc(asdic_simulator_results_bytes(sim));
     sim->calibration = malloc(sim->cells * sizeof *sim->calibration);
     sim->smear_scratch = malloc((3 * sim->bins + 1) * sizeof *sim->smear_scratch);
     if (!sim->smear_scratch || !sim->receivers || !sim->calibration || !sim->ping ||

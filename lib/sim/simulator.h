@@ -86,7 +86,7 @@ struct asdic_simulator {
     double phase_from_s;  /* when the current phase began */
     bool table_uploaded;
     bool accumulator_clear;
-    int64_t *host_results;
+    void *host_results; /* as RESULTS in reduce.cl, or of a fan in fan.cl */
 };
 
 /* asdic_simulator_create with a layout of the caller's. */
@@ -120,6 +120,9 @@ asdic_status asdic_simulator_draw(asdic_simulator *sim);
 /* Slots of a group in one batch of a ping with RAYS rays: whole vectors, and whole work-groups over
  * all groups. */
 size_t asdic_simulator_per_group(const asdic_simulator *sim, size_t rays);
+
+/* Bytes of a ping's sums on their way to the host. */
+size_t asdic_simulator_results_bytes(const asdic_simulator *sim);
 
 /* The scene's triangles on the device, or a buffer to point at when there are none. */
 asdic_buffer *asdic_simulator_triangles(const asdic_simulator *sim);

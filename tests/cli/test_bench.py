@@ -35,10 +35,25 @@ def test_error_keeps_its_goals():
         tap.equal(folder.names(), ["error.csv"], "nothing left over")
 
 
+def test_fan_keeps_its_error():
+    """Many beams err as few of the same sector do, and all rows are there."""
+    program.need_device()
+    with Folder() as folder:
+        done = asdic("bench", "fan", "--quick", "--json", "-o", folder / "fan.csv").check(code=0)
+        rows = json.loads(done.out)["rows"]
+        tap.equal([r["beams"] for r in rows], [6, 64, 256, 512, 1024, 512, 512], "beams")
+        tap.equal([r["bins"] for r in rows[-2:]], [2399, 599], "bins")
+        errors = [r["rms_db"] for r in rows[1:5]]
+        if not (max(errors) < 1.3 and max(errors) < 1.3 * min(errors)):
+            raise AssertionError(errors)
+        tap.equal(len(list(csv.DictReader(io.StringIO(folder.read("fan.csv"))))), 7, "rows")
+
+
 def test_mistakes_have_their_exit_codes():
     asdic("bench").check(code=2, out="")
     asdic("bench", "rain").check(code=2, out="")
     asdic("bench", "pings", "scene.yaml").check(code=2, out="")
+    asdic("bench", "fan", "scene.yaml").check(code=2, out="")
     program.need_device()
     asdic("bench", "error", "nowhere.yaml").check(code=3, out="")
     with Folder() as folder:
