@@ -10,6 +10,9 @@ static void keep_all(const asdic_mission *mission, asdic_plan *plan) {
     const bool is_there[ASDIC_TERM_COUNT] = {
         [ASDIC_TERM_SURFACE] = asdic_scene_get_info(mission->scene).has_surface,
         [ASDIC_TERM_VOLUME] = true,
+        [ASDIC_TERM_OBJECTS] = asdic_mission_object_count(mission) > 0,
+        [ASDIC_TERM_BORIC_ACID] = true,
+        [ASDIC_TERM_RAYS] = true,
         [ASDIC_TERM_MULTIPATH] = mission->sampling.multipath != ASDIC_MULTIPATH_OFF};
     for (int t = 0; t < ASDIC_TERM_COUNT; t++) {
         asdic_plan_row *row = &plan->rows[t];

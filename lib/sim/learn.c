@@ -5,6 +5,8 @@
  */
 #include "simulator.h"
 
+#include <asdic/plan.h>
+
 #include "base/context.h"
 
 #include "../../kernels/sampler.h"
@@ -195,7 +197,8 @@ asdic_status asdic_simulator_learn(asdic_simulator *sim, const asdic_pose *pose,
         return asdic_fail(sim ? sim->ctx : NULL, ASDIC_ERROR_ARGUMENT,
                           "asdic_simulator_learn: NULL argument");
     }
-    if (sim->sampling.sampler != ASDIC_SAMPLER_ADAPTIVE) {
+    if (sim->sampling.sampler != ASDIC_SAMPLER_ADAPTIVE ||
+        sim->sampling.left_out & (1u << ASDIC_TERM_RAYS)) {
         return ASDIC_OK;
     }
     asdic_simulator_forget(sim);

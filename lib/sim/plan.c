@@ -1,13 +1,10 @@
 #include <asdic/plan.h>
 
-#include "aim.h"
 #include "base/context.h"
 #include "base/vec.h"
-#include "materials.h"
 #include "noise_level.h"
-#include "scene/moving.h"
+#include "plan_row.h"
 #include "scene/scene.h"
-#include "water_column.h"
 
 #include "../../kernels/backscatter.h"
 #include "../../kernels/beam.h"
@@ -16,33 +13,23 @@
 #include <stdarg.h>
 #include <stdio.h>
 
-/* What the poses of a mission span. */
-typedef struct span {
-    double depth_least_m, depth_most_m;
-    double altitude_least_m; /* above a bottom plane; INFINITY without one */
-    double range_m;
-} span;
-
-static span span_of(const asdic_scene *scene, const asdic_sonar *sonar, double sound_speed_mps,
-                    const asdic_pose *poses, size_t count) {
-    span s = {INFINITY, -INFINITY, INFINITY, 0.0};
-    for (size_t i = 0; i < count; i++) {
-        double z = poses[i].position_m.z;
-        s.depth_least_m = fmin(s.depth_least_m, z);
-        s.depth_most_m = fmax(s.depth_most_m, z);
-        if (scene->has_bottom_plane) {
-            s.altitude_least_m = fmin(s.altitude_least_m, scene->bottom_plane_depth_m - z);
+static void span(asdic_plan_case *c) {
+    c->depth_least_m = c->altitude_least_m = INFINITY;
+    c->depth_most_m = -INFINITY;
+    for (size_t i = 0; i < c->count; i++) {
+        double z = c->poses[i].position_m.z;
+        c->depth_least_m = fmin(c->depth_least_m, z);
+        c->depth_most_m = fmax(c->depth_most_m, z);
+        if (c->scene->has_bottom_plane) {
+            c->altitude_least_m = fmin(c->altitude_least_m, c->scene->bottom_plane_depth_m - z);
         }
     }
-    s.range_m = (double)asdic_sonar_bin_count(sonar, sound_speed_mps) * sonar->bin_length_m;
-    return s;
+    c->range_m =
+        (double)asdic_sonar_bin_count(c->sonar, c->water.sound_speed_mps) * c->sonar->bin_length_m;
 }
 
-static void row_set(asdic_plan *plan, asdic_term term, bool kept, double bound_db,
-                    const char *format, ...) __attribute__((format(printf, 5, 6)));
-
-static void row_set(asdic_plan *plan, asdic_term term, bool kept, double bound_db,
-                    const char *format, ...) {
+void asdic_plan_row_set(asdic_plan *plan, asdic_term term, bool kept, double bound_db,
+                        const char *format, ...) {
     asdic_plan_row *row = &plan->rows[term];
     row->kept = kept;
     row->bound_db = bound_db;
@@ -72,167 +59,121 @@ static double transmit_solid_angle(const asdic_sonar *sonar, double wavelength_m
     return (1.0 + rear) * sum * 2.0 / rows * ASDIC_PI / columns;
 }
 
-/* How much an energy E added to a bin of noise N changes its level, dB; INFINITY without noise. */
-static double change_db(double energy, double noise) {
+double asdic_plan_change_db(double energy, double noise) {
     return noise > 0.0 ? 10.0 * log10(1.0 + energy / noise) : INFINITY;
 }
 
 /* The largest change that the water can make in any bin: all of it, seen through the transmitter's
  * whole solid angle. */
-static double volume_bound_db(const asdic_environment *env, const asdic_sonar *sonar,
-                              const asdic_water_column *water, double noise, double range_m) {
-    double strength = pow(
-        10.0, 0.1 * volume_backscatter_db(env->particle_strength_db, sonar->frequency_hz / 1e3));
-    double source = pow(10.0, sonar->source_level_db / 10.0), most = 0.0;
-    double solid_angle = transmit_solid_angle(sonar, water->wavelength_m);
-    size_t bins = (size_t)(range_m / sonar->bin_length_m + 0.5);
+static double volume_bound_db(const asdic_plan_case *c) {
+    double strength = pow(10.0, 0.1 * volume_backscatter_db(c->env->particle_strength_db,
+                                                            c->sonar->frequency_hz / 1e3));
+    double source = pow(10.0, c->sonar->source_level_db / 10.0), most = 0.0;
+    double solid_angle = transmit_solid_angle(c->sonar, c->water.wavelength_m);
+    size_t bins = (size_t)(c->range_m / c->sonar->bin_length_m + 0.5);
     for (size_t n = 0; n < bins; n++) {
-        double part = asdic_water_column_volume(water, sonar->bin_length_m, sonar->blanking_m, n);
+        double part =
+            asdic_water_column_volume(&c->water, c->sonar->bin_length_m, c->sonar->blanking_m, n);
         most = fmax(most, source * strength * solid_angle * part);
     }
-    return change_db(most, noise);
+    return asdic_plan_change_db(most, c->noise_lin);
 }
 
 /* The same for the surface: whole rings at full gain, at the steepest angle the mission has. */
-static double surface_bound_db(const asdic_environment *env, const asdic_sonar *sonar,
-                               const asdic_water_column *water, double noise, const span *s) {
-    double f_khz = sonar->frequency_hz / 1e3, wind = env->wind_speed_kn;
-    double source = pow(10.0, sonar->source_level_db / 10.0), most = 0.0;
-    double bin = sonar->bin_length_m;
-    size_t bins = (size_t)(s->range_m / bin + 0.5);
-    for (size_t n = (size_t)(fmax(s->depth_least_m, sonar->blanking_m) / bin); n < bins; n++) {
+static double surface_bound_db(const asdic_plan_case *c) {
+    double f_khz = c->sonar->frequency_hz / 1e3, wind = c->env->wind_speed_kn;
+    double source = pow(10.0, c->sonar->source_level_db / 10.0), most = 0.0;
+    double bin = c->sonar->bin_length_m;
+    size_t bins = (size_t)(c->range_m / bin + 0.5);
+    for (size_t n = (size_t)(fmax(c->depth_least_m, c->sonar->blanking_m) / bin); n < bins; n++) {
         double near = fmax((double)n * bin, 1e-3);
-        double sin_grazing = fmin(1.0, fmax(s->depth_most_m, 0.0) / near);
+        double sin_grazing = fmin(1.0, fmax(c->depth_most_m, 0.0) / near);
         double scatter =
             surface_backscatter_lin(surface_gain(wind, f_khz), surface_beta0(wind),
                                     surface_beta1(f_khz), surface_cap_lin(wind), sin_grazing);
         /* dA = 2 pi d dd, times TL at the near end, where it is least. */
         double area = 2.0 * ASDIC_PI * (near + 0.5 * bin) * bin;
-        double loss = exp(-2.0 * water->absorption_np_per_m * (near - 1.0)) / pow(near, 4.0);
+        double loss = exp(-2.0 * c->water.absorption_np_per_m * (near - 1.0)) / pow(near, 4.0);
         most = fmax(most, source * scatter * area * loss);
     }
-    return change_db(most, noise);
+    return asdic_plan_change_db(most, c->noise_lin);
 }
 
-static void plan_surface(asdic_plan *plan, const asdic_scene *scene, const asdic_environment *env,
-                         const asdic_sonar *sonar, const asdic_water_column *water, double noise,
-                         const span *s) {
-    if (!scene->has_surface) {
-        row_set(plan, ASDIC_TERM_SURFACE, false, 0.0, "the scene has no surface");
+static void plan_surface(const asdic_plan_case *c, asdic_plan *plan) {
+    if (!c->scene->has_surface) {
+        asdic_plan_row_set(plan, ASDIC_TERM_SURFACE, false, 0.0, "the scene has no surface");
         return;
     }
-    if (s->depth_least_m > s->range_m) {
-        row_set(plan, ASDIC_TERM_SURFACE, false, 0.0,
-                "the surface is never nearer than %.1f m, the range ends at %.1f m",
-                s->depth_least_m, s->range_m);
+    if (c->depth_least_m > c->range_m) {
+        asdic_plan_row_set(plan, ASDIC_TERM_SURFACE, false, 0.0,
+                           "the surface is never nearer than %.1f m, the range ends at %.1f m",
+                           c->depth_least_m, c->range_m);
         return;
     }
-    double bound = surface_bound_db(env, sonar, water, noise, s);
+    double bound = surface_bound_db(c);
     bool kept = !(bound <= ASDIC_PLAN_NEGLIGIBLE_DB);
-    row_set(plan, ASDIC_TERM_SURFACE, kept, bound, "from %.1f m on%s", s->depth_least_m,
-            kept ? "" : ", below the noise in every bin");
+    asdic_plan_row_set(plan, ASDIC_TERM_SURFACE, kept, bound, "from %.1f m on%s", c->depth_least_m,
+                       kept ? "" : ", below the noise in every bin");
 }
 
-static void plan_bottom(asdic_plan *plan, const asdic_scene *scene, const span *s) {
+static void plan_bottom(const asdic_plan_case *c, asdic_plan *plan) {
     bool mesh = false;
-    for (size_t i = 0; i < scene->part_count; i++) {
-        mesh = mesh || scene->parts[i].kind == DEV_KIND_BOTTOM;
+    for (size_t i = 0; i < c->scene->part_count; i++) {
+        mesh = mesh || c->scene->parts[i].kind == DEV_KIND_BOTTOM;
     }
     if (mesh) {
-        row_set(plan, ASDIC_TERM_BOTTOM, true, INFINITY, "a mesh, traced");
-    } else if (!scene->has_bottom_plane) {
-        row_set(plan, ASDIC_TERM_BOTTOM, false, 0.0, "the scene has no bottom");
-    } else if (s->altitude_least_m > s->range_m) {
-        row_set(plan, ASDIC_TERM_BOTTOM, false, 0.0,
-                "the bottom is never nearer than %.1f m, the range ends at %.1f m",
-                s->altitude_least_m, s->range_m);
+        asdic_plan_row_set(plan, ASDIC_TERM_BOTTOM, true, INFINITY, "a mesh, traced");
+    } else if (!c->scene->has_bottom_plane) {
+        asdic_plan_row_set(plan, ASDIC_TERM_BOTTOM, false, 0.0, "the scene has no bottom");
+    } else if (c->altitude_least_m > c->range_m) {
+        asdic_plan_row_set(plan, ASDIC_TERM_BOTTOM, false, 0.0,
+                           "the bottom is never nearer than %.1f m, the range ends at %.1f m",
+                           c->altitude_least_m, c->range_m);
     } else {
-        row_set(plan, ASDIC_TERM_BOTTOM, true, INFINITY, "a plane, from %.1f m",
-                s->altitude_least_m);
+        asdic_plan_row_set(plan, ASDIC_TERM_BOTTOM, true, INFINITY, "a plane, from %.1f m",
+                           c->altitude_least_m);
     }
 }
 
-static bool part_in_reach(const asdic_part *part, const asdic_pose *poses, size_t count,
-                          double range_m) {
-    if (part->moves) { /* anywhere */
-        return true;
-    }
-    for (size_t i = 0; i < count; i++) {
-        asdic_vec3 d = asdic_vec3_sub(part->center_m, poses[i].position_m);
-        if (asdic_vec3_length(d) - part->radius_m <= range_m) {
-            return true;
-        }
-    }
-    return false;
+/* Absorption less its boric acid: both ways over the whole range. */
+static void plan_boric_acid(const asdic_plan_case *c, asdic_plan *plan) {
+    double f_khz = c->sonar->frequency_hz / 1e3;
+    double z = isnan(c->env->max_depth_m) ? c->depth_most_m : c->env->max_depth_m;
+    double c_mps =
+        sound_speed_francois_garrison_mps(c->env->temperature_degc, c->env->salinity_ppt, z);
+    double boric = absorption_boric_db_per_km(8.86, f_khz, c->env->temperature_degc,
+                                              c->env->salinity_ppt, c->env->ph, c_mps);
+    /* Levels count from 1 m, to which absorption adds. */
+    double bound = 2.0 * fmax(c->range_m, 1.0) / 1e3 * boric;
+    bool kept = !(bound <= ASDIC_PLAN_NEGLIGIBLE_DB);
+    asdic_plan_row_set(plan, ASDIC_TERM_BORIC_ACID, kept, bound, "%.3g dB/km at %.0f kHz%s", boric,
+                       f_khz, kept ? "; costs nothing" : "");
 }
 
-/* Where an object moves to is not known here. */
-static bool moves(const asdic_scene *scene, size_t part) {
-    for (size_t i = 0; i < scene->movable_count; i++) {
-        if (scene->movables[i].part == part) {
-            return true;
-        }
-    }
-    return false;
-}
-
-/* Objects, and whether one within reach passes mirror rays on. */
-static void plan_objects(asdic_plan *plan, const asdic_scene *scene, const asdic_sonar *sonar,
-                         const asdic_sampling *sampling, double sound_speed_mps,
-                         const asdic_pose *poses, size_t count, double range_m) {
-    size_t objects = 0, reached = 0, mirrors = 0;
-    for (size_t i = 0; i < scene->part_count; i++) {
-        const asdic_part *part = &scene->parts[i];
-        if (part->kind != DEV_KIND_OBJECT) {
-            continue;
-        }
-        objects++;
-        if (!moves(scene, i) && !part_in_reach(part, poses, count, range_m)) {
-            continue;
-        }
-        reached++;
-        dev_material m = asdic_material_coefficients(&scene->materials[part->material],
-                                                     sonar->frequency_hz, sound_speed_mps);
-        mirrors += m.law == DEV_LAW_FACET && m.reflection2 > DEV_MIN_MIRROR;
-    }
-    for (size_t i = 0; i < scene->point_count; i++) {
-        asdic_part point = {.center_m = scene->points[i].position_m};
-        objects++;
-        reached += part_in_reach(&point, poses, count, range_m);
-    }
-    if (reached > 0) {
-        row_set(plan, ASDIC_TERM_OBJECTS, true, INFINITY, "%zu of %zu come within range", reached,
-                objects);
+static void plan_rest(const asdic_plan_case *c, asdic_plan *plan) {
+    double volume = volume_bound_db(c);
+    bool keep_volume = !(volume <= ASDIC_PLAN_NEGLIGIBLE_DB);
+    asdic_plan_row_set(plan, ASDIC_TERM_VOLUME, keep_volume, volume, "particles at %.0f dB%s",
+                       c->env->particle_strength_db,
+                       keep_volume ? "" : ", below the noise in every bin");
+    if (c->sonar->noise_enabled) {
+        asdic_plan_row_set(plan, ASDIC_TERM_NOISE, true, INFINITY, "from %.1f dB in a bin",
+                           asdic_level_db(c->noise_lin));
     } else {
-        row_set(plan, ASDIC_TERM_OBJECTS, false, 0.0, "none of %zu comes within range", objects);
+        asdic_plan_row_set(plan, ASDIC_TERM_NOISE, false, INFINITY, "switched off in the scene");
     }
-    if (sampling->multipath == ASDIC_MULTIPATH_OFF) {
-        row_set(plan, ASDIC_TERM_MULTIPATH, false, INFINITY, "switched off in the scene");
-    } else if (sampling->multipath == ASDIC_MULTIPATH_BOUNDARIES) {
-        row_set(plan, ASDIC_TERM_MULTIPATH, true, INFINITY,
-                "%zu objects and the boundaries reflect", mirrors);
-    } else if (mirrors > 0) {
-        row_set(plan, ASDIC_TERM_MULTIPATH, true, INFINITY, "%zu objects reflect", mirrors);
+    if (isfinite(c->sonar->rear_floor_db)) {
+        asdic_plan_row_set(plan, ASDIC_TERM_REAR, true, INFINITY, "faces leak %.0f dB backwards",
+                           c->sonar->rear_floor_db);
     } else {
-        row_set(plan, ASDIC_TERM_MULTIPATH, false, 0.0, "nothing within range reflects");
+        asdic_plan_row_set(plan, ASDIC_TERM_REAR, false, 0.0, "nothing is sent or heard backwards");
     }
-}
-
-static void plan_boric_acid(asdic_plan *plan, const asdic_environment *env,
-                            const asdic_sonar *sonar, double depth_m, double range_m) {
-    double f_khz = sonar->frequency_hz / 1e3;
-    double z = isnan(env->max_depth_m) ? depth_m : env->max_depth_m;
-    double c_mps = sound_speed_francois_garrison_mps(env->temperature_degc, env->salinity_ppt, z);
-    double boric = absorption_boric_db_per_km(8.86, f_khz, env->temperature_degc, env->salinity_ppt,
-                                              env->ph, c_mps);
-    double bound = 2.0 * range_m / 1e3 * boric;
-    row_set(plan, ASDIC_TERM_BORIC_ACID, true, bound, "%.3g dB/km at %.0f kHz; costs nothing",
-            boric, f_khz);
 }
 
 const char *asdic_term_name(asdic_term term) {
-    static const char *const names[ASDIC_TERM_COUNT] = {
-        "bottom", "surface", "volume", "objects", "multipath", "noise", "rear half", "boric acid"};
+    static const char *const names[ASDIC_TERM_COUNT] = {"bottom",    "surface",    "volume",
+                                                        "objects",   "multipath",  "noise",
+                                                        "rear half", "boric acid", "rays"};
     return (unsigned)term < ASDIC_TERM_COUNT ? names[term] : "unknown term";
 }
 
@@ -251,28 +192,15 @@ asdic_status asdic_plan_make(asdic_context *ctx, const asdic_scene *scene,
     for (int t = 0; t < ASDIC_TERM_COUNT; t++) {
         out->rows[t].name = asdic_term_name((asdic_term)t);
     }
-    asdic_water_column water = asdic_water_column_at(env, sonar, poses[0].position_m.z);
-    span s = span_of(scene, sonar, water.sound_speed_mps, poses, count);
-    double noise = asdic_noise_least_lin(env, sonar, water.sound_speed_mps);
-    plan_bottom(out, scene, &s);
-    plan_surface(out, scene, env, sonar, &water, noise, &s);
-    double volume = volume_bound_db(env, sonar, &water, noise, s.range_m);
-    bool keep_volume = !(volume <= ASDIC_PLAN_NEGLIGIBLE_DB);
-    row_set(out, ASDIC_TERM_VOLUME, keep_volume, volume, "particles at %.0f dB%s",
-            env->particle_strength_db, keep_volume ? "" : ", below the noise in every bin");
-    plan_objects(out, scene, sonar, sampling, water.sound_speed_mps, poses, count, s.range_m);
-    if (sonar->noise_enabled) {
-        row_set(out, ASDIC_TERM_NOISE, true, INFINITY, "from %.1f dB in a bin",
-                asdic_level_db(noise));
-    } else {
-        row_set(out, ASDIC_TERM_NOISE, false, INFINITY, "switched off in the scene");
-    }
-    if (isfinite(sonar->rear_floor_db)) {
-        row_set(out, ASDIC_TERM_REAR, true, INFINITY, "faces leak %.0f dB backwards",
-                sonar->rear_floor_db);
-    } else {
-        row_set(out, ASDIC_TERM_REAR, false, 0.0, "nothing is sent or heard backwards");
-    }
-    plan_boric_acid(out, env, sonar, s.depth_most_m, s.range_m);
+    asdic_plan_case c = {scene, env, sonar, sampling, poses, count, .water = {0}};
+    c.water = asdic_water_column_at(env, sonar, poses[0].position_m.z);
+    c.noise_lin = asdic_noise_least_lin(env, sonar, c.water.sound_speed_mps);
+    span(&c);
+    plan_bottom(&c, out);
+    plan_surface(&c, out);
+    asdic_plan_objects(&c, out);
+    plan_rest(&c, out);
+    plan_boric_acid(&c, out);
+    asdic_plan_rays(&c, out);
     return ASDIC_OK;
 }

@@ -270,6 +270,9 @@ asdic_status asdic_simulator_create_with(asdic_context *ctx, asdic_device *devic
                              .sampling = *sampling,
                              .layout = *layout,
                              .tabulated_absorption = -1.0};
+    if (sampling->left_out & (1u << ASDIC_TERM_BORIC_ACID)) {
+        sim->env.ph = -INFINITY; /* 10^(0.78 pH - 5), its strength, is then zero */
+    }
     sim->layout.local = layout->local < LOCAL_LIMIT ? layout->local : LOCAL_LIMIT;
     asdic_water_column water = asdic_water_column_at(env, sonar, depth_m);
     sim->bins = asdic_sonar_bin_count(sonar, water.sound_speed_mps);
@@ -355,6 +358,7 @@ void asdic_simulator_destroy(asdic_simulator **pointer) {
     asdic_kernel_destroy(&sim->connect);
     asdic_kernel_destroy(&sim->bounce);
     asdic_beam_fan_finish(&sim->fan);
+    asdic_quadrature_finish(&sim->quadrature);
     asdic_points_finish(sim);
     asdic_tracer_destroy(&sim->tracer);
     asdic_placement_destroy(&sim->placement);

@@ -8,6 +8,7 @@
 
 #include "../../kernels/ping_types.h"
 #include "beam_fan.h"
+#include "quadrature_ping.h"
 #include "ocl/ocl.h"
 #include "scene/tracer.h"
 #include "water_column.h"
@@ -84,6 +85,7 @@ struct asdic_simulator {
     double zone_altitude; /* where the bottom zone assumes the bottom, re the altitude; learnt */
     double *phase_s;      /* NULL, or where asdic_simulator_profile adds */
     double phase_from_s;  /* when the current phase began */
+    asdic_quadrature_cache quadrature; /* where a plan left rays out */
     bool table_uploaded;
     bool accumulator_clear;
     void *host_results; /* as RESULTS in reduce.cl, or of a fan in fan.cl */

@@ -20,6 +20,7 @@ typedef enum asdic_term {
     ASDIC_TERM_NOISE,
     ASDIC_TERM_REAR,
     ASDIC_TERM_BORIC_ACID,
+    ASDIC_TERM_RAYS, /* left out: the scene is flat, quadrature tells all */
     ASDIC_TERM_COUNT
 } asdic_term;
 

@@ -1,0 +1,326 @@
+/*
+ * Whether objects matter: none is in reach, none is in front of the faces, or what they could send
+ * back at most drowns in the noise of every bin.
+ */
+#include "plan_row.h"
+
+#include "base/vec.h"
+#include "materials.h"
+#include "ring.h"
+#include "scene/moving.h"
+#include "scene/scene.h"
+
+#include "../../kernels/backscatter.h"
+#include "../../kernels/ping_types.h"
+#include "../../kernels/target.h"
+
+/* Receivers looked at one by one; of more, each is given full gain. */
+#define RECEIVERS_MOST 16
+/* Steps in which s(Theta) / sin(Theta) is bounded, both laws rising with Theta. */
+#define STEPS 256
+/* As in return_gain of multipath.cl. */
+#define FOCUS_MOST 100.0
+
+/* Where an object moves to is not known here. */
+static bool moves(const asdic_scene *scene, size_t part) {
+    for (size_t i = 0; i < scene->movable_count; i++) {
+        if (scene->movables[i].part == part) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* A bounding sphere from a pose. */
+typedef struct sight {
+    asdic_vec3 towards;
+    double nearest_m, chord; /* length of the chord to a direction at the sphere's limb, <= 2 */
+    double solid_angle;
+} sight;
+
+static sight sight_of(const asdic_part *part, const asdic_pose *pose) {
+    asdic_vec3 to = asdic_vec3_sub(part->center_m, pose->position_m);
+    double d = asdic_vec3_length(to), sine = part->radius_m / fmax(d, 1e-9);
+    sight s = {.nearest_m = d - part->radius_m, .chord = 2.0, .solid_angle = 4.0 * ASDIC_PI};
+    if (sine < 1.0) {
+        double cosine = sqrt((1.0 - sine) * (1.0 + sine));
+        s.towards = asdic_vec3_scale(to, 1.0 / d);
+        s.chord = sqrt(2.0 * (1.0 - cosine));
+        s.solid_angle = 2.0 * ASDIC_PI * (1.0 - cosine);
+    }
+    return s;
+}
+
+static double row_dot(const asdic_face *face, int row, asdic_vec3 u) {
+    const double *r = face->world_to_face.m[row];
+    return r[0] * u.x + r[1] * u.y + r[2] * u.z;
+}
+
+/* Envelope of sinc^2 at direction cosines within CHORD of V. */
+static double envelope(double length_wl, double v, double chord) {
+    double x = ASDIC_PI * length_wl * fmax(fabs(v) - chord, 0.0);
+    return x > 1.0 ? 1.0 / (x * x) : 1.0;
+}
+
+/* The most that a face can make of a sphere's directions: cosines differ by at most the chord. */
+static double gain_most(const asdic_face *face, const sight *s, double rear_lin) {
+    double pattern = envelope(face->length_h_wl, row_dot(face, 1, s->towards), s->chord) *
+                     envelope(face->length_v_wl, row_dot(face, 2, s->towards), s->chord);
+    return row_dot(face, 0, s->towards) < -s->chord ? rear_lin * pattern : pattern;
+}
+
+typedef struct gains {
+    double send, receive; /* the receive gain that is largest */
+} gains;
+
+static gains gains_of(const asdic_plan_case *c, const asdic_pose *pose, const sight *s) {
+    double rear = pow(10.0, 0.1 * c->sonar->rear_floor_db);
+    asdic_face sender = asdic_face_aim(&c->sonar->transmitter, pose, c->water.wavelength_m);
+    gains g = {gain_most(&sender, s, rear), 0.0};
+    for (size_t r = 0; r < c->sonar->receiver_count; r++) {
+        asdic_face face = asdic_face_aim(&c->sonar->receivers[r], pose, c->water.wavelength_m);
+        double gain = c->sonar->receiver_count > RECEIVERS_MOST ? 1.0 : gain_most(&face, s, rear);
+        g.receive = fmax(g.receive, gain);
+        if (g.receive >= 1.0) {
+            break;
+        }
+    }
+    return g;
+}
+
+/* Most of s(Theta) over all angles. */
+static double strength_most(const asdic_plan_case *c, const dev_material *m) {
+    if (m->law == DEV_LAW_BOTTOM) {
+        return bottom_backscatter_lin(m->bottom_gain, m->bottom_peak, m->bottom_type, 1.0);
+    }
+    /* The lobe is highest at normal incidence while its slope is at most 1/2, which it is; the
+     * narrowest lobe belongs to the largest area in phase, lambda d (see facet_slope_ms). */
+    double narrowest = fmin(m->slope_ms + c->water.wavelength_m / (4.0 * ASDIC_PI * c->range_m),
+                            FACET_MOST_SLOPE_MS);
+    return m->reflection2 * (1.0 / (4.0 * ASDIC_PI * narrowest) + 1.0 / ASDIC_PI);
+}
+
+/* Most of s(Theta) / sin(Theta) from LEAST on for a law that rises with Theta. */
+static double steepest(double (*law)(const void *of, double sin_grazing), const void *of,
+                       double least) {
+    double most = 0.0, from = fmax(least, 1e-6), ratio = pow(1.0 / from, 1.0 / STEPS);
+    for (int i = 0; i < STEPS; i++, from *= ratio) {
+        most = fmax(most, law(of, fmin(from * ratio, 1.0)) / from);
+    }
+    return most;
+}
+
+static double bottom_law(const void *of, double sin_grazing) {
+    const dev_material *m = of;
+    return bottom_backscatter_lin(m->bottom_gain, m->bottom_peak, m->bottom_type, sin_grazing);
+}
+
+static double surface_law(const void *of, double sin_grazing) {
+    const asdic_plan_case *c = of;
+    double wind = c->env->wind_speed_kn, f_khz = 1e-3 * c->sonar->frequency_hz;
+    return surface_backscatter_lin(surface_gain(wind, f_khz), surface_beta0(wind),
+                                   surface_beta1(f_khz), surface_cap_lin(wind), sin_grazing);
+}
+
+static dev_material material_of(const asdic_plan_case *c, size_t index) {
+    return asdic_material_coefficients(&c->scene->materials[index], c->sonar->frequency_hz,
+                                       c->water.sound_speed_mps);
+}
+
+/* What bottom and surface send back per solid angle, times d^2 / TL: s / sin(Theta) at most. INFINITY
+ * for a bottom of triangles, which may stand at any angle. */
+static double background_most(const asdic_plan_case *c) {
+    double sum = 0.0;
+    for (size_t i = 0; i < c->scene->part_count; i++) {
+        if (c->scene->parts[i].kind == DEV_KIND_BOTTOM) {
+            return INFINITY;
+        }
+    }
+    if (c->scene->has_bottom_plane) {
+        dev_material m = material_of(c, c->scene->bottom_plane_material);
+        double least = c->altitude_least_m / c->range_m;
+        sum += m.law == DEV_LAW_BOTTOM ? steepest(bottom_law, &m, least)
+                                       : strength_most(c, &m) / fmax(least, 1e-6);
+    }
+    if (c->scene->has_surface) {
+        sum += steepest(surface_law, c, c->depth_least_m / c->range_m);
+    }
+    return sum;
+}
+
+static double area_of(const asdic_scene *scene, size_t part) {
+    double sum = 0.0;
+    for (size_t i = 0; i < scene->triangle_count; i++) {
+        if (scene->triangles[i].part == part) {
+            const dev_triangle *t = &scene->triangles[i];
+            asdic_vec3 a = {t->v1[0] - t->v0[0], t->v1[1] - t->v0[1], t->v1[2] - t->v0[2]};
+            asdic_vec3 b = {t->v2[0] - t->v0[0], t->v2[1] - t->v0[1], t->v2[2] - t->v0[2]};
+            sum += 0.5 * asdic_vec3_length(asdic_vec3_cross(a, b));
+        }
+    }
+    return sum;
+}
+
+/* What the rules know of one object, over all poses. */
+typedef struct verdict {
+    bool reached, faced, mirrors;
+    double echo_lin, bounce_lin; /* most in a bin */
+} verdict;
+
+typedef struct bounds {
+    double background; /* see background_most */
+    double objects;    /* the same of objects that are met after a reflection */
+    double nearest_m;  /* of anything that can be met */
+} bounds;
+
+static double volume_strength(const asdic_plan_case *c) {
+    return pow(10.0, 0.1 * volume_backscatter_db(c->env->particle_strength_db,
+                                                 1e-3 * c->sonar->frequency_hz));
+}
+
+static void judge_pose(const asdic_plan_case *c, const bounds *b, size_t part, double area_m2,
+                       const asdic_pose *pose, verdict *v) {
+    const asdic_part *object = &c->scene->parts[part];
+    sight s = sight_of(object, pose);
+    if (s.nearest_m > c->range_m) {
+        return;
+    }
+    v->reached = true;
+    gains g = gains_of(c, pose, &s);
+    v->faced = v->faced || (g.send > 0.0 && g.receive > 0.0);
+    if (!(c->noise_lin > 0.0) || v->echo_lin == INFINITY) {
+        return;
+    }
+    if (s.nearest_m <= fmax(c->sonar->blanking_m, 0.1)) {
+        v->echo_lin = v->bounce_lin = INFINITY;
+        return;
+    }
+    dev_material m = material_of(c, object->material);
+    double near2 = s.nearest_m * s.nearest_m;
+    double source = pow(10.0, 0.1 * c->sonar->source_level_db) *
+                    exp(2.0 * c->water.absorption_np_per_m * fmax(1.0 - s.nearest_m, 0.0));
+    /* Its own echo; and what is behind it, which would no longer be hidden. */
+    double echo = strength_most(c, &m) * area_m2 / (near2 * near2);
+    double behind = s.solid_angle * (b->background / near2 + volume_strength(c) / s.nearest_m);
+    v->echo_lin = fmax(v->echo_lin, source * g.send * g.receive * (echo + behind));
+    /* Over it there and back; over it one way, the other way straight. */
+    double met = b->background + b->objects, share = m.reflection2;
+    double same = share * share * g.send * g.receive * FOCUS_MOST / near2;
+    double cross = share * (g.send + g.receive) / (b->nearest_m * b->nearest_m);
+    source = pow(10.0, 0.1 * c->sonar->source_level_db) * exp(2.0 * c->water.absorption_np_per_m);
+    v->bounce_lin = fmax(v->bounce_lin, source * s.solid_angle * met * (same + cross));
+}
+
+static verdict judge(const asdic_plan_case *c, const bounds *b, size_t part) {
+    verdict v = {0};
+    dev_material m = material_of(c, c->scene->parts[part].material);
+    v.mirrors = m.law == DEV_LAW_FACET && m.reflection2 > DEV_MIN_MIRROR;
+    if (moves(c->scene, part)) {
+        v.reached = v.faced = true;
+        v.echo_lin = v.bounce_lin = INFINITY;
+        return v;
+    }
+    double area_m2 = c->noise_lin > 0.0 ? area_of(c->scene, part) : 0.0;
+    for (size_t i = 0; i < c->count; i++) {
+        judge_pose(c, b, part, area_m2, &c->poses[i], &v);
+    }
+    if (!(c->noise_lin > 0.0)) {
+        v.echo_lin = v.bounce_lin = INFINITY;
+    }
+    return v;
+}
+
+static bounds bounds_of(const asdic_plan_case *c) {
+    bounds b = {.background = background_most(c)};
+    b.nearest_m = fmin(c->altitude_least_m, c->scene->has_surface ? c->depth_least_m : INFINITY);
+    for (size_t i = 0; i < c->scene->part_count; i++) {
+        dev_material m = material_of(c, c->scene->parts[i].material);
+        b.objects = fmax(b.objects, strength_most(c, &m) / 1e-3); /* as grazing() in echo.h */
+        for (size_t k = 0; k < c->count; k++) {
+            b.nearest_m = fmin(b.nearest_m, sight_of(&c->scene->parts[i], &c->poses[k]).nearest_m);
+        }
+    }
+    b.nearest_m = fmax(b.nearest_m, 0.0);
+    return b;
+}
+
+typedef struct census {
+    size_t objects, reached, faced, mirrors;
+    double echo_lin, bounce_lin; /* sums over objects */
+} census;
+
+static census take_census(const asdic_plan_case *c) {
+    census n = {0};
+    bounds b = bounds_of(c);
+    for (size_t i = 0; i < c->scene->part_count; i++) {
+        if (c->scene->parts[i].kind != DEV_KIND_OBJECT) {
+            continue;
+        }
+        verdict v = judge(c, &b, i);
+        n.objects++;
+        n.reached += v.reached;
+        n.faced += v.reached && v.faced;
+        n.mirrors += v.reached && v.mirrors;
+        n.echo_lin += v.reached ? v.echo_lin : 0.0;
+        n.bounce_lin += v.reached && v.mirrors ? v.bounce_lin : 0.0;
+    }
+    return n;
+}
+
+/* Point targets cost no rays: they count, but never keep triangles. */
+static size_t points_reached(const asdic_plan_case *c) {
+    size_t reached = 0;
+    for (size_t i = 0; i < c->scene->point_count; i++) {
+        asdic_part point = {.center_m = c->scene->points[i].position_m};
+        bool near = false;
+        for (size_t k = 0; !near && k < c->count; k++) {
+            near = sight_of(&point, &c->poses[k]).nearest_m <= c->range_m;
+        }
+        reached += near;
+    }
+    return reached;
+}
+
+static void plan_multipath(const asdic_plan_case *c, const census *n, asdic_plan *plan) {
+    double bound = n->mirrors ? asdic_plan_change_db(n->bounce_lin, c->noise_lin) : 0.0;
+    bool boundaries = c->sampling->multipath == ASDIC_MULTIPATH_BOUNDARIES;
+    if (c->sampling->multipath == ASDIC_MULTIPATH_OFF) {
+        asdic_plan_row_set(plan, ASDIC_TERM_MULTIPATH, false, INFINITY,
+                           "switched off in the scene");
+    } else if (boundaries) {
+        asdic_plan_row_set(plan, ASDIC_TERM_MULTIPATH, true, INFINITY,
+                           "%zu objects and the boundaries reflect", n->mirrors);
+    } else if (n->mirrors == 0) {
+        asdic_plan_row_set(plan, ASDIC_TERM_MULTIPATH, false, 0.0, "nothing within range reflects");
+    } else if (bound <= ASDIC_PLAN_NEGLIGIBLE_DB) {
+        asdic_plan_row_set(plan, ASDIC_TERM_MULTIPATH, false, bound,
+                           "%zu objects reflect, below the noise in every bin", n->mirrors);
+    } else {
+        asdic_plan_row_set(plan, ASDIC_TERM_MULTIPATH, true, bound, "%zu objects reflect",
+                           n->mirrors);
+    }
+}
+
+void asdic_plan_objects(const asdic_plan_case *c, asdic_plan *plan) {
+    census n = take_census(c);
+    size_t points = points_reached(c), all = n.objects + c->scene->point_count;
+    double bound = n.objects ? asdic_plan_change_db(n.echo_lin, c->noise_lin) : 0.0;
+    /* Over the boundaries and back an object is heard that no face looks at. */
+    bool direct = c->sampling->multipath != ASDIC_MULTIPATH_BOUNDARIES;
+    plan_multipath(c, &n, plan);
+    bool bounced = !(plan->left_out & (1u << ASDIC_TERM_MULTIPATH)) && n.mirrors > 0;
+    if (n.reached + points == 0) {
+        asdic_plan_row_set(plan, ASDIC_TERM_OBJECTS, false, 0.0, "none of %zu comes within range",
+                           all);
+    } else if (points == 0 && direct && n.faced == 0 && !bounced) {
+        asdic_plan_row_set(plan, ASDIC_TERM_OBJECTS, false, 0.0,
+                           "%zu of %zu come within range, behind the faces", n.reached, all);
+    } else if (points == 0 && direct && bound <= ASDIC_PLAN_NEGLIGIBLE_DB && !bounced) {
+        asdic_plan_row_set(plan, ASDIC_TERM_OBJECTS, false, bound,
+                           "%zu of %zu come within range, below the noise in every bin", n.reached,
+                           all);
+    } else {
+        asdic_plan_row_set(plan, ASDIC_TERM_OBJECTS, true, points ? INFINITY : bound,
+                           "%zu of %zu come within range", n.reached + points, all);
+    }
+}

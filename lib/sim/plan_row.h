@@ -1,0 +1,36 @@
+/*
+ * What the rules of a plan share: the poses it is for, and a row to fill in.
+ */
+#ifndef ASDIC_SIM_PLAN_ROW_H
+#define ASDIC_SIM_PLAN_ROW_H
+
+#include <asdic/plan.h>
+
+#include "water_column.h"
+
+/* What the rules look at. */
+typedef struct asdic_plan_case {
+    const asdic_scene *scene;
+    const asdic_environment *env;
+    const asdic_sonar *sonar;
+    const asdic_sampling *sampling;
+    const asdic_pose *poses;
+    size_t count;
+    asdic_water_column water; /* where the mission begins */
+    double noise_lin;         /* least of any bin; 0: none */
+    double depth_least_m, depth_most_m;
+    double altitude_least_m; /* above a bottom plane; INFINITY without one */
+    double range_m;
+} asdic_plan_case;
+
+void asdic_plan_row_set(asdic_plan *plan, asdic_term term, bool kept, double bound_db,
+                        const char *format, ...) __attribute__((format(printf, 5, 6)));
+
+/* How much an energy E added to a bin of noise N changes its level, dB; INFINITY without noise. */
+double asdic_plan_change_db(double energy, double noise);
+
+/* The rules on objects and on multipath; that on quadrature instead of rays. */
+void asdic_plan_objects(const asdic_plan_case *c, asdic_plan *plan);
+void asdic_plan_rays(const asdic_plan_case *c, asdic_plan *plan);
+
+#endif
