@@ -17,6 +17,7 @@ typedef struct loop_figures {
     double rate_hz;                  /* of the scene */
     double pings_per_s;              /* one after the other, learning included */
     double median_s, p99_s, worst_s; /* latency at the scene's rate */
+    double frames_per_s;             /* of a view, pings included; NAN: built without cairo */
     size_t late;                     /* pings whose latency exceeds 1 / rate */
 } loop_figures;
 
@@ -82,6 +83,28 @@ static asdic_status measure(cli *c, asdic_loop *loop, const asdic_mission *missi
     return ASDIC_OK;
 }
 
+/* A view at the speed that the machine gives; rays as asked for. */
+static asdic_status look(cli *c, asdic_device *device, asdic_mission *mission, loop_figures *f) {
+    asdic_view_options options = asdic_view_options_default();
+    asdic_view *view = NULL;
+    double begin_s = 0.0;
+    options.real_time = true; /* expected curves in the background, as in a window */
+    options.least_rays = f->rays;
+    asdic_status status = asdic_view_create(cli_context(c), mission, device, &options, &view);
+    f->frames_per_s = NAN;
+    if (status == ASDIC_ERROR_UNSUPPORTED) {
+        return ASDIC_OK;
+    }
+    for (size_t k = 0; !status && k < ASDIC_LEARN_BLOCK + f->pings / 2; k++) {
+        begin_s = k == ASDIC_LEARN_BLOCK ? bench_now_s() : begin_s;
+        status = asdic_context_interrupted(cli_context(c)) ? ASDIC_ERROR_INTERRUPTED
+                                                           : asdic_view_step(view);
+    }
+    f->frames_per_s = (double)(f->pings / 2) / (bench_now_s() - begin_s);
+    asdic_view_destroy(&view);
+    return status;
+}
+
 static void name_scene(const char *path, char *out, size_t size) {
     const char *slash = strrchr(path, '/'), *base = slash ? slash + 1 : path;
     const char *dot = strrchr(base, '.');
@@ -94,10 +117,9 @@ static asdic_status measure_scene(cli *c, asdic_device *device, const char *path
     asdic_status status = asdic_mission_load(cli_context(c), path, &mission);
     if (!status) {
         const asdic_sonar *sonar = asdic_mission_sonar(mission);
-        status = asdic_loop_create(cli_context(c), device, asdic_mission_scene(mission),
-                                   asdic_mission_environment(mission), sonar,
-                                   asdic_mission_sampling(mission),
-                                   asdic_mission_pose(mission, 0, NULL).position_m.z, &loop);
+        double start_s, depth_m = asdic_mission_pose(mission, 0, &start_s).position_m.z;
+        status =
+            asdic_loop_create_mission(cli_context(c), device, mission, depth_m, start_s, &loop);
         name_scene(path, f->scene, sizeof f->scene);
         f->beams = sonar->receiver_count;
         f->rate_hz = sonar->ping_rate_hz;
@@ -109,14 +131,17 @@ static asdic_status measure_scene(cli *c, asdic_device *device, const char *path
         status = measure(c, loop, mission, f);
     }
     asdic_loop_destroy(&loop);
+    if (!status) {
+        status = look(c, device, mission, f);
+    }
     asdic_mission_destroy(&mission);
     return status;
 }
 
 static void print_row(const loop_figures *f) {
-    printf("%-12s %9zu %6zu %6zu %8u %8.1f %7.2fx %9.2f %8.2f %8.2f %5zu\n", f->scene, f->triangles,
-           f->beams, f->bins, f->rays, f->pings_per_s, f->pings_per_s / f->rate_hz,
-           1e3 * f->median_s, 1e3 * f->p99_s, 1e3 * f->worst_s, f->late);
+    printf("%-12s %9zu %6zu %6zu %8u %8.1f %7.2fx %9.2f %8.2f %8.2f %5zu %8.1f\n", f->scene,
+           f->triangles, f->beams, f->bins, f->rays, f->pings_per_s, f->pings_per_s / f->rate_hz,
+           1e3 * f->median_s, 1e3 * f->p99_s, 1e3 * f->worst_s, f->late, f->frames_per_s);
     fflush(stdout);
 }
 
@@ -141,6 +166,7 @@ static void print_json(const loop_figures *figures, size_t count, const char *de
         json_number(&j, "latency_p99_s", f->p99_s);
         json_number(&j, "latency_worst_s", f->worst_s);
         json_integer(&j, "late", f->late);
+        json_number(&j, "frames_per_s", f->frames_per_s);
         json_close(&j);
     }
     json_close(&j);
@@ -153,12 +179,12 @@ static int write_csv(const cli *c, const char *path, const loop_figures *figures
         return CLI_FAILED;
     }
     fprintf(file, "scene,triangles,beams,bins,rays,pings,ping_rate_hz,pings_per_s,"
-                  "latency_median_s,latency_p99_s,latency_worst_s,late\n");
+                  "latency_median_s,latency_p99_s,latency_worst_s,late,frames_per_s\n");
     for (size_t i = 0; i < count; i++) {
         const loop_figures *f = &figures[i];
-        fprintf(file, "%s,%zu,%zu,%zu,%u,%zu,%.9g,%.6g,%.6g,%.6g,%.6g,%zu\n", f->scene,
+        fprintf(file, "%s,%zu,%zu,%zu,%u,%zu,%.9g,%.6g,%.6g,%.6g,%.6g,%zu,%.6g\n", f->scene,
                 f->triangles, f->beams, f->bins, f->rays, f->pings, f->rate_hz, f->pings_per_s,
-                f->median_s, f->p99_s, f->worst_s, f->late);
+                f->median_s, f->p99_s, f->worst_s, f->late, f->frames_per_s);
     }
     return bench_end_file(c, file, path);
 }
@@ -185,8 +211,9 @@ int bench_loop(cli *c, const bench_options *options) {
     if (!options->json) {
         printf("%s: latency at the scene's ping rate, learning every %d pings included\n",
                asdic_device_get_info(devices[0])->name, ASDIC_LEARN_BLOCK);
-        printf("%-12s %9s %6s %6s %8s %8s %8s %9s %8s %8s %5s\n", "scene", "triangles", "beams",
-               "bins", "rays", "pings/s", "margin", "median ms", "p99 ms", "worst ms", "late");
+        printf("%-12s %9s %6s %6s %8s %8s %8s %9s %8s %8s %5s %8s\n", "scene", "triangles", "beams",
+               "bins", "rays", "pings/s", "margin", "median ms", "p99 ms", "worst ms", "late",
+               "frames/s");
     }
     for (size_t i = 0; !status && i < count; i++) {
         figures[i].pings = options->quick ? ASDIC_LEARN_BLOCK : MOST_PINGS;

@@ -173,11 +173,9 @@ static int serve(server *s) {
 static asdic_status start(server *s, asdic_device *device) {
     asdic_context *ctx = cli_context(s->c);
     const asdic_sonar *sonar = asdic_mission_sonar(s->mission);
-    const asdic_environment *env = asdic_mission_environment(s->mission);
-    double depth_m = asdic_mission_pose(s->mission, 0, NULL).position_m.z;
+    double start_s, depth_m = asdic_mission_pose(s->mission, 0, &start_s).position_m.z;
     asdic_status status =
-        asdic_loop_create(ctx, device, asdic_mission_scene(s->mission), env, sonar,
-                          asdic_mission_sampling(s->mission), depth_m, &s->loop);
+        asdic_loop_create_mission(ctx, device, s->mission, depth_m, start_s, &s->loop);
     if (status) {
         return status;
     }

@@ -1,6 +1,7 @@
-#include <asdic/loop.h>
+#include "loop.h"
 
 #include "base/context.h"
+#include "mission/mission.h"
 #include "mission/run_queue.h"
 #include "mission/track_write.h"
 
@@ -20,7 +21,8 @@ struct asdic_loop {
     asdic_context *ctx;
     const asdic_scene *scene;
     asdic_simulator *simulator;
-    double ping_rate_hz;
+    const asdic_mission *mission; /* NULL: nothing moves but the vehicle */
+    double ping_rate_hz, start_s;
     loop_slot slots[2];
     uint64_t next; /* ping to be submitted */
 
@@ -40,12 +42,19 @@ static loop_slot *slot_of(asdic_loop *loop, uint64_t ping) {
     return &loop->slots[ping % 2];
 }
 
+static double time_of(const asdic_loop *loop, uint64_t ping) {
+    return loop->start_s + (double)ping / loop->ping_rate_hz;
+}
+
 /* Ping NEXT - 1: learnt at the first pose of its block, as a mission's pings are. */
 static asdic_status simulate(asdic_loop *loop) {
     uint64_t index = loop->next - 1;
     loop_slot *slot = slot_of(loop, index);
     asdic_status status = ASDIC_OK;
-    if (index % ASDIC_LEARN_BLOCK == 0) {
+    if (loop->mission) {
+        status = asdic_mission_place_at(loop->mission, loop->simulator, time_of(loop, index));
+    }
+    if (!status && index % ASDIC_LEARN_BLOCK == 0) {
         status = asdic_simulator_learn(loop->simulator, &loop->pose, index);
     }
     if (!status) {
@@ -133,6 +142,29 @@ asdic_status asdic_loop_create(asdic_context *ctx, asdic_device *device, const a
 fail:
     asdic_loop_destroy(&loop);
     return status;
+}
+
+asdic_status asdic_loop_create_mission(asdic_context *ctx, asdic_device *device,
+                                       const asdic_mission *mission, double depth_m, double start_s,
+                                       asdic_loop **out) {
+    if (!mission || !isfinite(start_s)) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
+                          "asdic_loop_create_mission: no mission or time");
+    }
+    asdic_sampling sampling = mission->sampling;
+    sampling.left_out = 0; /* nobody knows yet where the vehicle will go */
+    asdic_status status =
+        asdic_loop_create(ctx, device, asdic_mission_scene(mission), &mission->environment,
+                          &mission->sonar, &sampling, depth_m, out);
+    if (!status) {
+        (*out)->mission = mission;
+        (*out)->start_s = start_s;
+    }
+    return status;
+}
+
+asdic_simulator *asdic_loop_simulator(const asdic_loop *loop) {
+    return loop->simulator;
 }
 
 void asdic_loop_destroy(asdic_loop **pointer) {
@@ -249,7 +281,7 @@ asdic_status asdic_loop_collect(asdic_loop *loop, asdic_loop_ping *out) {
     const loop_slot *slot = slot_of(loop, index);
     *out =
         (asdic_loop_ping){.ping = index,
-                          .time_s = (double)index / loop->ping_rate_hz,
+                          .time_s = time_of(loop, index),
                           .pose = loop->pose,
                           .altitude_m = asdic_scene_altitude_m(loop->scene, loop->pose.position_m),
                           .latency_s = loop->latency_s,

@@ -25,9 +25,12 @@ typedef struct flight_state {
     double rudder_rad, plane_rad;
 } flight_state;
 
-/* Where guidance wants the vehicle to point and to be. */
+/* Where guidance wants the vehicle to point and to be; or what a hand at the helm does: a share of
+ * full rudder to starboard and of the steepest dive, the depth held when that is asked for. */
 typedef struct flight_aim {
     double yaw_rad, z_m;
+    bool by_hand, holds_depth;
+    double rudder, planes; /* -1..1 */
 } flight_aim;
 
 typedef struct flight_model {

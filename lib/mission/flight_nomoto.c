@@ -9,8 +9,11 @@ static flight_state derivative(const asdic_flight *f, const flight_aim *aim,
     double forward_mps = f->speed_mps * cos(s->pitch_rad);
     double most_yaw = forward_mps / f->turn_radius_m;
     double error_rad = remainder(aim->yaw_rad - s->yaw_rad, 2.0 * ASDIC_PI);
-    double yaw_command = asdic_flight_clamp(error_rad / slow_s, most_yaw);
-    double sink_command = asdic_flight_clamp((aim->z_m - s->z_m) / slow_s, f->dive_rate_mps);
+    double yaw_command =
+        aim->by_hand ? aim->rudder * most_yaw : asdic_flight_clamp(error_rad / slow_s, most_yaw);
+    double sink_command = aim->by_hand && !aim->holds_depth
+                              ? aim->planes * f->dive_rate_mps
+                              : asdic_flight_clamp((aim->z_m - s->z_m) / slow_s, f->dive_rate_mps);
     double sink_change = (sink_command - sink_mps) / f->response_s;
     return (flight_state){.x_m = forward_mps * cos(s->yaw_rad) + f->current_mps[0],
                           .y_m = forward_mps * sin(s->yaw_rad) + f->current_mps[1],

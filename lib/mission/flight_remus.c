@@ -121,9 +121,17 @@ static pair heave_pitch_change(const flight_state *s) {
 /* Positive fins turn to port and down. */
 static void steer(const flight_aim *aim, const flight_state *s, double *rudder, double *plane) {
     double error_rad = remainder(aim->yaw_rad - s->yaw_rad, 2.0 * ASDIC_PI);
-    double pitch_rad = -asdic_flight_clamp(DEPTH_GAIN * (aim->z_m - s->z_m), MAX_PITCH_RAD);
-    *rudder =
-        asdic_flight_clamp(YAW_RATE_GAIN * s->yaw_rate - HEADING_GAIN * error_rad, MAX_FIN_RAD);
+    double dive_rad = aim->by_hand && !aim->holds_depth
+                          ? aim->planes * MAX_PITCH_RAD
+                          : asdic_flight_clamp(DEPTH_GAIN * (aim->z_m - s->z_m), MAX_PITCH_RAD);
+    double pitch_rad = -dive_rad;
+    /* By hand: a share of full rudder and of the circle that it gives, with the rate damped: left to
+     * itself the vehicle would not swim straight. */
+    double wanted_rate = aim->rudder * s->surge_mps / TURN_RADIUS_M;
+    double fin_rad = aim->by_hand
+                         ? YAW_RATE_GAIN * (s->yaw_rate - wanted_rate) - aim->rudder * MAX_FIN_RAD
+                         : YAW_RATE_GAIN * s->yaw_rate - HEADING_GAIN * error_rad;
+    *rudder = asdic_flight_clamp(fin_rad, MAX_FIN_RAD);
     *plane = asdic_flight_clamp(
         PITCH_GAIN * (s->pitch_rad - pitch_rad) + PITCH_RATE_GAIN * s->pitch_rate, MAX_FIN_RAD);
 }

@@ -6,6 +6,7 @@
 
 #include <asdic/mission.h>
 
+#include "flight.h"
 #include "track.h"
 
 /* Where an object goes, by its name. */
@@ -32,9 +33,14 @@ struct asdic_mission {
     bool keeps_all_terms; /* whatever the plan says */
     asdic_detector detector;
     asdic_output_options output;
+    asdic_flight flight; /* how the vehicle answers; without waypoints, an ordinary one */
     asdic_pose pose;    /* of every ping, when there is no track */
     asdic_track *track; /* NULL: at rest */
     size_t ping_count;
 };
+
+/* asdic_mission_place at a time of the pings' clock. */
+asdic_status asdic_mission_place_at(const asdic_mission *mission, asdic_simulator *simulator,
+                                    double time_s);
 
 #endif

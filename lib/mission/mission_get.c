@@ -82,10 +82,15 @@ static double time_of(const asdic_mission *mission, size_t index) {
 
 asdic_status asdic_mission_place(const asdic_mission *mission, asdic_simulator *simulator,
                                  size_t index) {
+    return asdic_mission_place_at(mission, simulator, time_of(mission, index));
+}
+
+asdic_status asdic_mission_place_at(const asdic_mission *mission, asdic_simulator *simulator,
+                                    double time_s) {
     asdic_status status = ASDIC_OK;
     for (size_t i = 0; status == ASDIC_OK && i < mission->motion_count; i++) {
         const asdic_motion *motion = &mission->motions[i];
-        asdic_pose pose = asdic_track_pose(motion->track, time_of(mission, index));
+        asdic_pose pose = asdic_track_pose(motion->track, time_s);
         status = asdic_simulator_move(simulator, motion->name, &pose);
     }
     return status;

@@ -60,6 +60,8 @@ static asdic_status fly(mission_builder *b) {
                                  .altitude_m = w->altitude_m,
                                  .bottom_m = bottom_below_m,
                                  .user = b->mission->scene};
+    b->mission->flight = flight;
+    b->mission->flight.points_m = NULL; /* the file's, which is not kept */
     return asdic_flight_fly(b->ctx, &flight, &b->mission->track);
 }
 
@@ -104,6 +106,12 @@ asdic_status asdic_mission_build_pings(mission_builder *b) {
     asdic_yaml_node *track = asdic_yaml_child(mission->node, "track");
     asdic_yaml_node *waypoints = mission->waypoints.node;
     asdic_status status = ASDIC_OK;
+    b->mission->flight = (asdic_flight){.vehicle = ASDIC_VEHICLE_NOMOTO,
+                                        .speed_mps = 1.5,
+                                        .turn_radius_m = 6.0,
+                                        .response_s = 1.0,
+                                        .dive_rate_mps = 0.5,
+                                        .altitude_m = NAN};
     b->mission->ping_count = mission->pings > 0 ? (size_t)mission->pings : 1;
     if (asdic_scene_node_good(waypoints)) {
         status = fly(b);

@@ -282,3 +282,14 @@ asdic_status asdic_scene_add_point(asdic_scene *scene, const char *name, asdic_v
     scene->points[scene->point_count++] = point;
     return ASDIC_OK;
 }
+
+void asdic_scene_set_bottom_type(asdic_scene *scene, double type) {
+    if (scene->has_bottom_plane) {
+        scene->materials[scene->bottom_plane_material].bottom_type = type;
+    }
+    for (size_t i = 0; i < scene->part_count; i++) {
+        if (scene->parts[i].kind == DEV_KIND_BOTTOM) {
+            scene->materials[scene->parts[i].material].bottom_type = type;
+        }
+    }
+}

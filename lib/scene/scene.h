@@ -73,6 +73,9 @@ asdic_status asdic_bvh_build(asdic_context *ctx, const dev_triangle *triangles, 
                              size_t count, unsigned threads, asdic_bvh *out);
 void asdic_bvh_finish(asdic_bvh *bvh);
 
+/* Makes every bottom of a TYPE from 1 to 4; simulators created before keep what they have. */
+void asdic_scene_set_bottom_type(asdic_scene *scene, double type);
+
 /* Whether a pose is finite. */
 asdic_status asdic_pose_check(asdic_context *ctx, const asdic_pose *pose);
 

@@ -19,6 +19,7 @@ PING = {"ASDIC_WIDTH": (1, 8, 16), "ASDIC_DEPOSIT": (0, 1, 2), "ASDIC_HAS_MESH":
 SPECIALISATIONS = {
     "fan.cl": {"ASDIC_FAN": (1,)},
     "trace.cl": {"TRACE_STACK": (64,)},
+    "camera.cl": {},
     "model.cl": {},
 }
 

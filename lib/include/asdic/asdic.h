@@ -35,5 +35,6 @@
 #include <asdic/scene.h>
 #include <asdic/sonar.h>
 #include <asdic/team.h>
+#include <asdic/view.h>
 
 #endif

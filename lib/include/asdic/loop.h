@@ -12,7 +12,7 @@
 #ifndef ASDIC_LOOP_H
 #define ASDIC_LOOP_H
 
-#include <asdic/ping.h>
+#include <asdic/mission.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -23,7 +23,7 @@ typedef struct asdic_loop asdic_loop;
 /* A ping as it leaves the loop; what it points to is valid until the next collect. */
 typedef struct asdic_loop_ping {
     uint64_t ping;     /* its number */
-    double time_s;     /* simulated: ping / ping_rate_hz */
+    double time_s;     /* simulated: of the first ping, plus ping / ping_rate_hz */
     asdic_pose pose;   /* as submitted, angles in whole nanodegrees, as track files hold them */
     double altitude_m; /* above the bottom straight below; INFINITY where there is none */
     double latency_s;  /* from submit to levels */
@@ -39,6 +39,13 @@ ASDIC_API asdic_status asdic_loop_create(asdic_context *ctx, asdic_device *devic
                                          const asdic_scene *scene, const asdic_environment *env,
                                          const asdic_sonar *sonar, const asdic_sampling *sampling,
                                          double depth_m, asdic_loop **out);
+
+/* The same for what a mission describes, all of its terms, and its moving objects where they are when
+ * the first ping happens at START_S. The mission must outlive the loop. */
+ASDIC_API asdic_status asdic_loop_create_mission(asdic_context *ctx, asdic_device *device,
+                                                 const asdic_mission *mission, double depth_m,
+                                                 double start_s, asdic_loop **out);
+
 /* Waits for a ping that is being simulated. */
 ASDIC_API void asdic_loop_destroy(asdic_loop **loop);
 

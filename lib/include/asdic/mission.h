@@ -90,6 +90,28 @@ ASDIC_API asdic_status asdic_mission_place(const asdic_mission *mission, asdic_s
 ASDIC_API asdic_pose asdic_mission_object_pose(const asdic_mission *mission, size_t object,
                                                size_t index);
 
+/* What may be tried while a mission is flown, without another scene file. */
+typedef struct asdic_choices {
+    double wind_speed_kn;   /* 0..60 */
+    double bottom_type;     /* 1 mud .. 4 rock: of every bottom, not of objects */
+    double source_level_db; /* dB re 1 uPa at 1 m */
+    uint32_t rays;          /* 64..2^28 */
+    uint64_t seed;
+} asdic_choices;
+
+ASDIC_API asdic_choices asdic_mission_get_choices(const asdic_mission *mission);
+
+/* Changes the mission; simulators that are created afterwards follow, others stay as they are.
+ * Nothing may work with the mission meanwhile. ASDIC_ERROR_ARGUMENT when a choice is out of range:
+ * nothing has changed then. */
+ASDIC_API asdic_status asdic_mission_choose(asdic_context *ctx, asdic_mission *mission,
+                                            const asdic_choices *choices);
+
+/* Writes a scene file of the mission as chosen, flown along the track file TRACK (relative to PATH's
+ * folder), with nothing left out of the model. Files that the scene names become absolute. */
+ASDIC_API asdic_status asdic_mission_write_scene(asdic_context *ctx, const asdic_mission *mission,
+                                                 const char *path, const char *track);
+
 /* Writes the vehicle's pose at every ping as a track, CSV as a scene's `track` reads it. */
 ASDIC_API asdic_status asdic_mission_write_track(asdic_context *ctx, const asdic_mission *mission,
                                                  const char *path);

@@ -1,0 +1,117 @@
+/* A view without a display: as a stream of frames that ffmpeg and ffplay read, or as pictures. */
+#include "view.h"
+
+#include <errno.h>
+#include <math.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+/* BT.601 in the range 16..235, as Y4M readers expect: 16.16 fixed point. */
+static void to_yuv(const asdic_view_image *image, unsigned char *y, unsigned char *u,
+                   unsigned char *v) {
+    for (unsigned row = 0; row < image->height; row++) {
+        for (unsigned column = 0; column < image->width; column++) {
+            uint32_t rgb = image->rgb[row * image->stride + column];
+            int r = (int)(rgb >> 16 & 255), g = (int)(rgb >> 8 & 255), b = (int)(rgb & 255);
+            *y++ = (unsigned char)((16829 * r + 33039 * g + 6416 * b + (16 << 16) + 32768) >> 16);
+            *u++ = (unsigned char)((-9714 * r - 19070 * g + 28784 * b + (128 << 16) + 32768) >> 16);
+            *v++ = (unsigned char)((28784 * r - 24103 * g - 4681 * b + (128 << 16) + 32768) >> 16);
+        }
+    }
+}
+
+static void write_head(FILE *out, const asdic_view_image *image, double rate_hz) {
+    unsigned long above = (unsigned long)rint(1000.0 * rate_hz), below = 1000;
+    for (unsigned long k = 10; above % k == 0 && below % k == 0 && below > 1;) {
+        above /= k;
+        below /= k;
+    }
+    fprintf(out, "YUV4MPEG2 W%u H%u F%lu:%lu Ip A1:1 C444 XCOLORRANGE=LIMITED\n", image->width,
+            image->height, above ? above : 1, below);
+}
+
+static bool write_frame(FILE *out, const asdic_view_image *image, unsigned char *planes) {
+    size_t pixels = (size_t)image->width * image->height;
+    to_yuv(image, planes, planes + pixels, planes + 2 * pixels);
+    fputs("FRAME\n", out);
+    fwrite(planes, 1, 3 * pixels, out);
+    return fflush(out) == 0 && !ferror(out);
+}
+
+static asdic_status stream(view_job *job, FILE *out, bool *is_broken) {
+    asdic_status status = ASDIC_OK;
+    unsigned char *planes = NULL;
+    while (!*is_broken && view_next(job, &status)) {
+        asdic_view_image image = asdic_view_get_frame(job->view);
+        if (!planes) {
+            planes = malloc(3 * (size_t)image.width * image.height);
+            if (!planes) {
+                return ASDIC_ERROR_MEMORY;
+            }
+            write_head(out, &image, job->rate_hz);
+        }
+        *is_broken = !write_frame(out, &image, planes);
+    }
+    free(planes);
+    return status;
+}
+
+int view_stream(view_job *job, const char *path) {
+    bool is_stdout = strcmp(path, "-") == 0, is_broken = false;
+    FILE *out = stdout;
+    signal(SIGPIPE, SIG_IGN); /* a player that was closed must not cost the recording */
+    if (!is_stdout) {
+        out = fopen(path, "wb");
+        if (!out) {
+            cli_error(job->c, "cannot write '%s': %s", path, strerror(errno));
+            return CLI_FAILED;
+        }
+    }
+    asdic_status status = stream(job, out, &is_broken);
+    int code = cli_end(job->c, status);
+    if (!is_stdout && (fclose(out) != 0 || is_broken)) {
+        cli_error(job->c, "cannot write '%s': %s", path, strerror(errno));
+        code = CLI_FAILED;
+    }
+    return code; /* of a broken stdout, main tells */
+}
+
+static bool take_snapshot(view_job *job, const char *folder, bool force) {
+    char path[4096];
+    size_t ping = asdic_view_get_clock(job->view).pings - 1;
+    snprintf(path, sizeof path, "%s/view_%zu.png", folder, ping);
+    if (!force && access(path, F_OK) == 0) {
+        cli_error(job->c, "'%s' exists; use --force to replace it", path);
+        return false;
+    }
+    asdic_status status = asdic_view_save(job->view, path);
+    if (status) {
+        cli_end(job->c, status);
+        return false;
+    }
+    cli_note(job->c, "%s: t = %g s", path, asdic_view_get_clock(job->view).time_s);
+    return true;
+}
+
+int view_snapshots(view_job *job, size_t count, size_t pings, const char *folder, bool force) {
+    asdic_status status = ASDIC_OK;
+    size_t taken = 0;
+    if (mkdir(folder, 0777) != 0 && errno != EEXIST) {
+        cli_error(job->c, "cannot create folder '%s': %s", folder, strerror(errno));
+        return CLI_FAILED;
+    }
+    while (taken < count && view_next(job, &status)) {
+        size_t done = asdic_view_get_clock(job->view).pings;
+        /* Evenly, the last one at the end. */
+        if (done * count >= (taken + 1) * pings) {
+            if (!take_snapshot(job, folder, force)) {
+                return CLI_FAILED;
+            }
+            taken++;
+        }
+    }
+    return cli_end(job->c, status);
+}

@@ -1,0 +1,241 @@
+/* A frame: the layout, the title bar, the pictures that the panels need, the panels. */
+#include "panel.h"
+
+#include "base/context.h"
+#include "base/vec.h"
+#include "loop.h"
+#include "out/png_file.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#define RELIEF_CELLS 180
+
+/* Thousands apart: "20,000". */
+static void with_commas(char text[24], uint32_t value) {
+    if (value >= 1000000) {
+        snprintf(text, 24, "%u,%03u,%03u", value / 1000000, value / 1000 % 1000, value % 1000);
+    } else if (value >= 1000) {
+        snprintf(text, 24, "%u,%03u", value / 1000, value % 1000);
+    } else {
+        snprintf(text, 24, "%u", value);
+    }
+}
+
+static void name_of(const asdic_view *view, char name[64]) {
+    const char *path = asdic_mission_path(view->mission), *slash = strrchr(path, '/');
+    const char *base = strcmp(path, "-") == 0 ? "scene" : slash ? slash + 1 : path;
+    const char *dot = strrchr(base, '.');
+    snprintf(name, 64, "%.*s", (int)(dot && dot != base ? dot - base : (long)strlen(base)), base);
+}
+
+void asdic_view_write_title(asdic_view *view) {
+    char name[64], rays[24], wanted[24], budget[64], clock[48] = "as fast as it goes";
+    const asdic_governor *g = &view->governor;
+    double stretch = asdic_governor_stretch(g);
+    name_of(view, name);
+    with_commas(rays, g->rays);
+    with_commas(wanted, g->wanted);
+    snprintf(budget, sizeof budget, g->rays < g->wanted ? "%s of %s rays" : "%s rays", rays,
+             wanted);
+    if (view->options.real_time) {
+        snprintf(clock, sizeof clock, stretch > 1.0 ? "time stretched %.2f\u00d7" : "real time",
+                 stretch);
+    }
+    snprintf(view->title, sizeof view->title,
+             "asdic  \u00b7  %s  \u00b7  %g pings/s  \u00b7  %s  \u00b7  %s", name,
+             asdic_mission_sonar(view->mission)->ping_rate_hz, budget, clock);
+}
+
+static asdic_box inset(double x, double y, double w, double h) {
+    return (asdic_box){floor(x), floor(y), floor(w), floor(h)};
+}
+
+view_layout asdic_view_lay_out(unsigned width, unsigned height) {
+    double w = width, h = height, s = h / 720.0, gap = 10.0 * s, top = 38.0 * s;
+    double column = 0.5 * (w - 3.0 * gap), rows = h - top - 2.0 * gap;
+    double upper = 0.585 * rows, right_upper = 0.555 * rows;
+    double right = 2.0 * gap + column, lower = rows - right_upper;
+    return (view_layout){
+        .scale = s,
+        .title = inset(gap, 0.0, w - 2.0 * gap, top),
+        .sonar = inset(gap, top, column, upper),
+        .ascope = inset(gap, top + upper + gap, column, rows - upper),
+        .chase = inset(right, top, column, right_upper),
+        .plan = inset(right, top + right_upper + gap, lower * 1.02, lower),
+        .status = inset(right + lower * 1.02 + gap, top + right_upper + gap,
+                        column - lower * 1.02 - gap, lower),
+    };
+}
+
+asdic_status asdic_view_prepare_pictures(asdic_view *view) {
+    const view_layout *l = &view->layout;
+    asdic_status status = asdic_canvas_init(view->ctx, "frame", view->options.width,
+                                            view->options.height, PANEL_NIGHT_RGB, &view->canvas);
+    if (!status) {
+        status = asdic_camera_create(view->ctx, view->device, (unsigned)l->chase.w,
+                                     (unsigned)l->chase.h, &view->camera);
+    }
+    return status ? status : asdic_relief_init(view->ctx, RELIEF_CELLS, &view->relief);
+}
+
+/* A map with the vehicle well inside: drawn anew when it comes near an edge. */
+static asdic_status follow_map(asdic_view *view) {
+    asdic_relief *r = &view->relief;
+    asdic_vec3 at = view->ping.pose.position_m;
+    double side_m = 2.5 * asdic_view_range_m(view), half = 0.5 * side_m;
+    bool inside = fabs(at.x - (r->north_m + half)) < 0.28 * side_m &&
+                  fabs(at.y - (r->east_m + half)) < 0.28 * side_m;
+    if (view->has_relief && inside) {
+        return ASDIC_OK;
+    }
+    r->cell_m = side_m / RELIEF_CELLS;
+    /* Ahead there is more to be seen than behind. */
+    r->north_m = at.x + 0.18 * side_m * cos(view->ping.pose.yaw_rad) - half;
+    r->east_m = at.y + 0.18 * side_m * sin(view->ping.pose.yaw_rad) - half;
+    view->has_relief = true;
+    return asdic_relief_trace(view->ctx, asdic_loop_simulator(view->loop), r);
+}
+
+static dev_cone_view cone_of(const asdic_view *view, const asdic_beam *beam, double half_h_rad,
+                             double half_v_rad) {
+    const asdic_pose *p = &view->ping.pose;
+    asdic_mat3 body = asdic_mat3_attitude(p->roll_rad, p->pitch_rad, p->yaw_rad);
+    /* Positive pitch of a beam looks down. */
+    asdic_mat3 face = asdic_mat3_attitude(beam->roll_rad, -beam->pitch_rad, beam->yaw_rad);
+    asdic_mat3 turn = asdic_mat3_multiply(body, face);
+    const double over[3] = {1.0, 1.0 / tan(fmin(half_h_rad, 1.45)),
+                            1.0 / tan(fmin(half_v_rad, 1.45))};
+    dev_cone_view cone = {.strength = 1.0f};
+    for (int row = 0; row < 3; row++) {
+        for (int column = 0; column < 3; column++) {
+            cone.rows[3 * row + column] = (float)(turn.m[column][row] * over[row]);
+        }
+    }
+    return cone;
+}
+
+static void tint(dev_cone_view *cone, uint32_t rgb, float strength) {
+    for (int k = 0; k < 3; k++) {
+        float c = (float)(rgb >> (16 - 8 * k) & 255) / 255.0f;
+        cone->rgb[k] = c * c; /* the picture is made in linear light */
+    }
+    cone->strength = strength;
+}
+
+/* Few beams one by one, many as one wedge; the chosen one in amber. */
+static void see_beams(const asdic_view *view, asdic_shot *shot) {
+    const asdic_sonar *sonar = asdic_mission_sonar(view->mission);
+    size_t n = sonar->receiver_count;
+    double low = INFINITY, high = -INFINITY;
+    for (size_t b = 0; b < n; b++) {
+        const asdic_beam *beam = &sonar->receivers[b];
+        double half_h = asdic_view_half_width_rad(view, beam->length_h_m);
+        double half_v = asdic_view_half_width_rad(view, beam->length_v_m);
+        low = fmin(low, beam->yaw_rad - half_h);
+        high = fmax(high, beam->yaw_rad + half_h);
+        if (n < DEV_CAMERA_CONES || b == view->beam) {
+            dev_cone_view *cone = &shot->cone[shot->cones++];
+            *cone = cone_of(view, beam, half_h, half_v);
+            tint(cone, b == view->beam ? PANEL_AMBER_RGB : PANEL_CYAN_RGB,
+                 b == view->beam ? 1.0f
+                 : n > 1         ? 0.55f
+                                 : 0.9f);
+        }
+    }
+    if (n >= DEV_CAMERA_CONES) {
+        asdic_beam middle = sonar->receivers[n / 2];
+        middle.yaw_rad = 0.5 * (low + high);
+        dev_cone_view *cone = &shot->cone[shot->cones++];
+        *cone = cone_of(view, &middle, 0.5 * (high - low),
+                        asdic_view_half_width_rad(view, middle.length_v_m));
+        tint(cone, PANEL_CYAN_RGB, 0.5f);
+    }
+}
+
+/* Behind and above the vehicle, turning after it. */
+static asdic_status shoot(asdic_view *view) {
+    const asdic_pose *pose = &view->ping.pose;
+    double range_m = asdic_view_range_m(view), away_m = fmin(3.0 + 0.11 * range_m, 40.0);
+    double lag = remainder(pose->yaw_rad - view->camera_yaw_rad, 2.0 * ASDIC_PI);
+    view->camera_yaw_rad += view->steps <= 1 ? lag : 0.18 * lag;
+    double yaw = view->camera_yaw_rad, rise_m = 0.36 * away_m;
+    asdic_vec3 eye = {pose->position_m.x - away_m * cos(yaw),
+                      pose->position_m.y - away_m * sin(yaw), pose->position_m.z - rise_m};
+    asdic_vec3 top = {eye.x, eye.y, 0.0};
+    double floor_z = asdic_scene_altitude_m(asdic_mission_scene(view->mission), top);
+    eye.z = fmin(eye.z, floor_z - 0.12 * away_m);
+    if (asdic_scene_get_info(asdic_mission_scene(view->mission)).has_surface) {
+        eye.z = fmax(eye.z, 0.4);
+    }
+    asdic_shot shot = {
+        .eye_m = eye, .yaw_rad = yaw, .vehicle = pose, .range_m = range_m, .time_s = view->time_s};
+    /* At a point ahead of the vehicle and a little below. */
+    double drop = pose->position_m.z - eye.z + 0.10 * away_m;
+    shot.pitch_rad = -atan2(drop, 2.4 * away_m);
+    see_beams(view, &shot);
+    return asdic_camera_shoot(view->camera, asdic_loop_simulator(view->loop), &shot);
+}
+
+static void draw_title(const asdic_view *view) {
+    char text[96];
+    panel p = {(asdic_canvas *)&view->canvas, view->layout.title, view->layout.scale};
+    double y = p.box.y + 0.5 * p.box.h;
+    panel_text(&p,
+               (asdic_text){.x = p.box.x, .y = y, .align_y = 0.5, .size_px = 14.5, .bold = true},
+               PANEL_INK_RGB, view->title);
+    snprintf(text, sizeof text, "%sping %zu  \u00b7  t = %.1f s",
+             view->is_paused ? "PAUSED  \u00b7  " : "", view->steps - 1, view->time_s);
+    panel_text(&p,
+               (asdic_text){
+                   .x = p.box.x + p.box.w, .y = y, .align_x = 1.0, .align_y = 0.5, .size_px = 14.5},
+               view->is_paused ? PANEL_AMBER_RGB : PANEL_INK_RGB, text);
+}
+
+asdic_status asdic_view_draw(asdic_view *view) {
+    static void (*const draw[])(const panel *, const asdic_view *) = {
+        panel_sonar, panel_ascope, panel_chase, panel_plan, panel_status};
+    const view_layout *l = &view->layout;
+    const asdic_box boxes[] = {l->sonar, l->ascope, l->chase, l->plan, l->status};
+    asdic_status status = follow_map(view);
+    if (!status) {
+        status = shoot(view);
+    }
+    if (!status) {
+        status =
+            asdic_live_expected_follow(&view->expected, view->mission, &view->ping, view->beam);
+    }
+    if (status) {
+        return status;
+    }
+    asdic_view_write_title(view);
+    asdic_canvas_color(&view->canvas, PANEL_NIGHT_RGB);
+    cairo_paint(view->canvas.cr);
+    draw_title(view);
+    for (size_t i = 0; i < sizeof boxes / sizeof *boxes; i++) {
+        panel p = {&view->canvas, boxes[i], l->scale};
+        draw[i](&p, view);
+    }
+    cairo_surface_flush(view->canvas.surface);
+    return cairo_status(view->canvas.cr) == CAIRO_STATUS_SUCCESS
+               ? ASDIC_OK
+               : asdic_fail_memory(view->ctx, "a frame");
+}
+
+asdic_view_image asdic_view_get_frame(const asdic_view *view) {
+    cairo_surface_t *surface = view->canvas.surface;
+    return (asdic_view_image){
+        .width = view->options.width,
+        .height = view->options.height,
+        .stride = (size_t)cairo_image_surface_get_stride(surface) / sizeof(uint32_t),
+        .rgb = (const uint32_t *)(const void *)cairo_image_surface_get_data(surface)};
+}
+
+asdic_status asdic_view_save(const asdic_view *view, const char *path) {
+    if (!view || !path) {
+        return asdic_fail(view ? view->ctx : NULL, ASDIC_ERROR_ARGUMENT,
+                          "asdic_view_save: NULL argument");
+    }
+    return asdic_canvas_save((asdic_canvas *)&view->canvas, path, NULL);
+}

@@ -1,0 +1,74 @@
+#include "governor.h"
+
+#include <math.h>
+
+/* A mission learns every 32 pings, which costs some pings' time: a fair mean holds all of that. Of a
+ * machine that is hopelessly late a few pings tell enough. */
+#define FAIR_STEPS 32
+#define FEW_STEPS 6
+#define HOPELESS 1.5
+/* Busy shares of the period: above the first, rays fall, so that the second is met; below the third
+ * they rise. Far enough apart not to swing. */
+#define TOO_BUSY 0.95
+#define AIM 0.80
+#define IDLE 0.50
+#define MOST_RISE 1.5
+#define MOST_FALL 0.4
+
+void asdic_governor_init(asdic_governor *g, double period_s, uint32_t wanted, uint32_t least,
+                         bool follows) {
+    *g = (asdic_governor){.period_s = period_s,
+                          .wanted = wanted,
+                          .least = least < wanted ? least : wanted,
+                          .rays = wanted,
+                          .follows = follows,
+                          .stretch = 1.0};
+}
+
+static void restart(asdic_governor *g, uint32_t rays) {
+    g->rays = rays;
+    g->busy_s = g->wall_s = 0.0;
+    g->steps = 0;
+}
+
+void asdic_governor_want(asdic_governor *g, uint32_t rays) {
+    g->wanted = rays;
+    g->least = g->least < rays ? g->least : rays;
+    restart(g, rays);
+}
+
+/* Rays that bring SHARE of the period to AIM, if all of the work grew with them. */
+static uint32_t fitting(const asdic_governor *g, double share) {
+    double factor = fmin(fmax(AIM / share, MOST_FALL), MOST_RISE);
+    double rays = fmin(fmax(factor * g->rays, g->least), g->wanted);
+    return (uint32_t)rays;
+}
+
+bool asdic_governor_note(asdic_governor *g, double busy_s, double wall_s) {
+    g->busy_s += busy_s;
+    g->steps++;
+    if (wall_s > 0.0) {
+        /* Some seconds' memory: a single late ping shows and passes. */
+        double now = wall_s / g->period_s;
+        g->stretch += 0.1 * (now - g->stretch);
+    }
+    double share = g->busy_s / ((double)g->steps * g->period_s);
+    bool tells = g->steps >= FAIR_STEPS || (g->steps >= FEW_STEPS && share > HOPELESS);
+    if (!g->follows || !tells) {
+        return false;
+    }
+    uint32_t before = g->rays, after = before;
+    if (share > TOO_BUSY || (share < IDLE && before < g->wanted)) {
+        after = fitting(g, share);
+    }
+    restart(g, after);
+    return after != before;
+}
+
+uint32_t asdic_governor_rays(const asdic_governor *g) {
+    return g->rays;
+}
+
+double asdic_governor_stretch(const asdic_governor *g) {
+    return fabs(g->stretch - 1.0) < 0.03 ? 1.0 : g->stretch;
+}

@@ -1,0 +1,12 @@
+/*
+ * The loop inside.
+ */
+#ifndef ASDIC_LIVE_LOOP_H
+#define ASDIC_LIVE_LOOP_H
+
+#include <asdic/loop.h>
+
+/* The simulator, for use while no ping is submitted. */
+asdic_simulator *asdic_loop_simulator(const asdic_loop *loop);
+
+#endif

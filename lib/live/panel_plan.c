@@ -1,0 +1,260 @@
+/* From above, north up: the sea floor's relief, the way flown, and where the beams look. */
+#include "panel.h"
+
+#include "base/vec.h"
+
+#include <math.h>
+#include <stdio.h>
+
+/* Of few beams each is drawn, of many their sector. */
+#define SINGLE_BEAMS 8
+
+typedef struct map {
+    const panel *p;
+    const asdic_relief *relief;
+    asdic_box box;
+    double px_per_m;
+} map;
+
+static double map_x(const map *m, double east_m) {
+    return m->box.x + (east_m - m->relief->east_m) * m->px_per_m;
+}
+
+static double map_y(const map *m, double north_m) {
+    return m->box.y + m->box.h - (north_m - m->relief->north_m) * m->px_per_m;
+}
+
+static void depth_span(const asdic_relief *r, double *least, double *most) {
+    *least = INFINITY;
+    *most = -INFINITY;
+    for (size_t i = 0; i < r->cells * r->cells; i++) {
+        if (isfinite(r->depth_m[i]) && !r->is_object[i]) {
+            *least = fmin(*least, (double)r->depth_m[i]);
+            *most = fmax(*most, (double)r->depth_m[i]);
+        }
+    }
+}
+
+static uint32_t blend(const double dark[3], const double bright[3], double share, double light) {
+    uint32_t rgb = 0;
+    for (int k = 0; k < 3; k++) {
+        double v = (dark[k] + share * (bright[k] - dark[k])) * light;
+        rgb = rgb << 8 | (uint32_t)(255.0 * fmin(fmax(v, 0.0), 1.0));
+    }
+    return rgb;
+}
+
+/* Shoals bright, depths dark, lit from the north-west as maps are. */
+static uint32_t cell_color(const asdic_relief *r, size_t row, size_t column, double least,
+                           double most) {
+    static const double deep[3] = {0.04, 0.13, 0.20}, shoal[3] = {0.33, 0.53, 0.56};
+    static const double dark[3] = {0.55, 0.46, 0.30}, pale[3] = {0.95, 0.84, 0.62};
+    size_t at = row * r->cells + column;
+    if (!isfinite(r->depth_m[at])) {
+        return PANEL_NIGHT_RGB;
+    }
+    size_t north = row + 1 < r->cells ? at + r->cells : at,
+           east = column + 1 < r->cells ? at + 1 : at;
+    double slope_n =
+        (double)(r->depth_m[at] - r->depth_m[north]) / r->cell_m; /* rises to the north */
+    double slope_e = (double)(r->depth_m[at] - r->depth_m[east]) / r->cell_m;
+    slope_n = isfinite(slope_n) ? slope_n : 0.0;
+    slope_e = isfinite(slope_e) ? slope_e : 0.0;
+    double scale = 1.0 / sqrt(1.0 + slope_n * slope_n + slope_e * slope_e);
+    double light = (-0.5 * slope_n * 1.6 + 0.5 * slope_e * 1.6 + 0.75) * scale;
+    light = fmin(fmax(0.45 + 0.75 * light, 0.25), 1.5);
+    if (r->is_object[at]) {
+        return blend(dark, pale, 0.5, light);
+    }
+    double share = most - least > 0.2 ? (most - (double)r->depth_m[at]) / (most - least) : 0.45;
+    return blend(deep, shoal, share, light);
+}
+
+static void relief(const map *m, const asdic_view *view) {
+    const asdic_relief *r = m->relief;
+    asdic_raster raster;
+    double least, most;
+    if (asdic_raster_init(view->ctx, r->cells, r->cells, &raster) != ASDIC_OK) {
+        return;
+    }
+    depth_span(r, &least, &most);
+    for (size_t row = 0; row < r->cells; row++) {
+        for (size_t column = 0; column < r->cells; column++) {
+            asdic_raster_set(&raster, column, r->cells - 1 - row,
+                             cell_color(r, row, column, least, most));
+        }
+    }
+    double side = (double)r->cells * r->cell_m * m->px_per_m;
+    asdic_canvas_raster(m->p->canvas, &raster,
+                        (asdic_box){m->box.x, m->box.y + m->box.h - side, side, side});
+    asdic_raster_finish(&raster);
+}
+
+static void grid(const map *m) {
+    cairo_t *cr = m->p->canvas->cr;
+    double span_m = m->box.w / m->px_per_m, step = asdic_axis_step(span_m, 5);
+    cairo_set_line_width(cr, 1.0);
+    cairo_set_source_rgba(cr, 0.8, 0.9, 0.95, 0.13);
+    for (double e = ceil(m->relief->east_m / step) * step; e < m->relief->east_m + span_m;
+         e += step) {
+        double x = floor(map_x(m, e)) + 0.5;
+        asdic_canvas_line(m->p->canvas, x, m->box.y, x, m->box.y + m->box.h);
+    }
+    for (double n = ceil(m->relief->north_m / step) * step;
+         n < m->relief->north_m + m->box.h / m->px_per_m; n += step) {
+        double y = floor(map_y(m, n)) + 0.5;
+        asdic_canvas_line(m->p->canvas, m->box.x, y, m->box.x + m->box.w, y);
+    }
+}
+
+/* A sector from the vehicle, between two bearings of the world. */
+static void sector(const map *m, asdic_vec3 at_m, double low_rad, double high_rad, double range_m,
+                   uint32_t rgb, double fill, double edge) {
+    cairo_t *cr = m->p->canvas->cr;
+    double x = map_x(m, at_m.y), y = map_y(m, at_m.x);
+    double r = (rgb >> 16) / 255.0, g = (rgb >> 8 & 255) / 255.0, b = (rgb & 255) / 255.0;
+    cairo_new_path(cr);
+    cairo_move_to(cr, x, y);
+    cairo_arc(cr, x, y, range_m * m->px_per_m, low_rad - 0.5 * ASDIC_PI, high_rad - 0.5 * ASDIC_PI);
+    cairo_close_path(cr);
+    cairo_set_source_rgba(cr, r, g, b, fill);
+    cairo_fill_preserve(cr);
+    cairo_set_source_rgba(cr, r, g, b, edge);
+    cairo_set_line_width(cr, 1.0);
+    cairo_stroke(cr);
+}
+
+static void beams(const map *m, const asdic_view *view) {
+    const asdic_sonar *sonar = asdic_mission_sonar(view->mission);
+    const asdic_pose *pose = &view->ping.pose;
+    double range_m = asdic_view_range_m(view), low = INFINITY, high = -INFINITY;
+    for (size_t b = 0; b < sonar->receiver_count; b++) {
+        const asdic_beam *beam = &sonar->receivers[b];
+        double half = asdic_view_half_width_rad(view, beam->length_h_m);
+        double bearing = pose->yaw_rad + beam->yaw_rad;
+        low = fmin(low, bearing - half);
+        high = fmax(high, bearing + half);
+        if (sonar->receiver_count <= SINGLE_BEAMS && b != view->beam) {
+            sector(m, pose->position_m, bearing - half, bearing + half, range_m, PANEL_CYAN_RGB,
+                   0.10, 0.45);
+        }
+    }
+    if (sonar->receiver_count > SINGLE_BEAMS) {
+        high = fmin(high, low + 2.0 * ASDIC_PI);
+        sector(m, pose->position_m, low, high, range_m, PANEL_CYAN_RGB, 0.10, 0.5);
+    }
+    const asdic_beam *chosen = &sonar->receivers[view->beam];
+    double half = asdic_view_half_width_rad(view, chosen->length_h_m);
+    double bearing = pose->yaw_rad + chosen->yaw_rad;
+    sector(m, pose->position_m, bearing - half, bearing + half, range_m, PANEL_AMBER_RGB, 0.14,
+           0.7);
+}
+
+static void tracks(const map *m, const asdic_view *view) {
+    cairo_t *cr = m->p->canvas->cr;
+    size_t pings = asdic_mission_ping_count(view->mission), step = pings / 400 + 1;
+    const double dash[] = {4.0, 4.0};
+    cairo_new_path(cr);
+    for (size_t i = 0; i < pings && pings > 1; i += step) {
+        asdic_vec3 at = asdic_mission_pose(view->mission, i, NULL).position_m;
+        cairo_line_to(cr, map_x(m, at.y), map_y(m, at.x));
+    }
+    cairo_set_dash(cr, dash, 2, 0.0);
+    cairo_set_source_rgba(cr, 0.85, 0.92, 0.97, 0.45);
+    cairo_set_line_width(cr, 1.0);
+    cairo_stroke(cr);
+    cairo_set_dash(cr, NULL, 0, 0.0);
+    for (size_t i = 0; i < view->trail_count; i++) {
+        cairo_line_to(cr, map_x(m, view->trail_m[i].y), map_y(m, view->trail_m[i].x));
+    }
+    cairo_set_source_rgba(cr, 1.0, 0.76, 0.30, 0.95);
+    cairo_set_line_width(cr, 1.8 * m->p->scale);
+    cairo_stroke(cr);
+}
+
+static void vehicle(const map *m, const asdic_pose *pose) {
+    cairo_t *cr = m->p->canvas->cr;
+    double size = 8.0 * m->p->scale;
+    cairo_save(cr);
+    cairo_translate(cr, map_x(m, pose->position_m.y), map_y(m, pose->position_m.x));
+    cairo_rotate(cr, pose->yaw_rad);
+    cairo_move_to(cr, 0.0, -size);
+    cairo_line_to(cr, 0.55 * size, 0.7 * size);
+    cairo_line_to(cr, 0.0, 0.35 * size);
+    cairo_line_to(cr, -0.55 * size, 0.7 * size);
+    cairo_close_path(cr);
+    asdic_canvas_color(m->p->canvas, 0xffffffu);
+    cairo_fill_preserve(cr);
+    asdic_canvas_color(m->p->canvas, 0x10161cu);
+    cairo_set_line_width(cr, 1.2);
+    cairo_stroke(cr);
+    cairo_restore(cr);
+}
+
+static void scale_bar(const map *m, double least, double most) {
+    const panel *p = m->p;
+    char label[64], low[24], high[24];
+    double length_m = asdic_axis_step(m->box.w / m->px_per_m, 5);
+    double x = m->box.x + 8.0 * p->scale, y = m->box.y + m->box.h - 10.0 * p->scale;
+    panel_plate(p, m->box.x, m->box.y + m->box.h - 26.0 * p->scale, m->box.w, 26.0 * p->scale);
+    asdic_canvas_color(p->canvas, PANEL_INK_RGB);
+    cairo_set_line_width(p->canvas->cr, 2.0);
+    asdic_canvas_line(p->canvas, x, y, x + length_m * m->px_per_m, y);
+    snprintf(label, sizeof label, "%g m", length_m);
+    panel_text(p,
+               (asdic_text){.x = x + length_m * m->px_per_m + 6.0 * p->scale,
+                            .y = y,
+                            .align_y = 0.5,
+                            .size_px = PANEL_SMALL_PX},
+               PANEL_INK_RGB, label);
+    if (isfinite(least)) {
+        asdic_axis_label(low, least, 0.1);
+        asdic_axis_label(high, most, 0.1);
+        snprintf(label, sizeof label, most - least > 0.2 ? "floor at %s to %s m" : "floor at %s m",
+                 low, high);
+        panel_text(p,
+                   (asdic_text){.x = m->box.x + m->box.w - 8.0 * p->scale,
+                                .y = y,
+                                .align_x = 1.0,
+                                .align_y = 0.5,
+                                .size_px = PANEL_SMALL_PX},
+                   PANEL_INK_RGB, label);
+    }
+}
+
+static void north_arrow(const map *m) {
+    cairo_t *cr = m->p->canvas->cr;
+    double s = m->p->scale, x = m->box.x + m->box.w - 16.0 * s, y = m->box.y + 12.0 * s;
+    cairo_move_to(cr, x, y);
+    cairo_line_to(cr, x + 5.0 * s, y + 14.0 * s);
+    cairo_line_to(cr, x, y + 10.5 * s);
+    cairo_line_to(cr, x - 5.0 * s, y + 14.0 * s);
+    cairo_close_path(cr);
+    asdic_canvas_color(m->p->canvas, PANEL_INK_RGB);
+    cairo_fill(cr);
+    panel_text(
+        m->p,
+        (asdic_text){
+            .x = x, .y = y + 20.0 * s, .align_x = 0.5, .align_y = 1.0, .size_px = PANEL_SMALL_PX},
+        PANEL_INK_RGB, "N");
+}
+
+void panel_plan(const panel *p, const asdic_view *view) {
+    map m = {.p = p, .relief = &view->relief, .box = p->box};
+    double least, most;
+    m.px_per_m = p->box.w / ((double)view->relief.cells * view->relief.cell_m);
+    m.px_per_m = fmax(m.px_per_m, p->box.h / ((double)view->relief.cells * view->relief.cell_m));
+    panel_begin(p, NULL);
+    cairo_save(p->canvas->cr);
+    cairo_rectangle(p->canvas->cr, p->box.x, p->box.y, p->box.w, p->box.h);
+    cairo_clip(p->canvas->cr);
+    relief(&m, view);
+    grid(&m);
+    beams(&m, view);
+    tracks(&m, view);
+    vehicle(&m, &view->ping.pose);
+    depth_span(m.relief, &least, &most);
+    scale_bar(&m, least, most);
+    north_arrow(&m);
+    cairo_restore(p->canvas->cr);
+}

@@ -1,0 +1,225 @@
+#include "recording.h"
+
+#include "base/context.h"
+#include "mission/run_folder.h"
+#include "mission/run_job.h"
+#include "mission/track_write.h"
+#include "out/record.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#define MOST_NUMBERS 1000
+
+struct asdic_recording {
+    asdic_context *ctx;
+    const asdic_mission *mission;
+    asdic_device *device;
+    char *folder;
+    unsigned number;
+    asdic_file *track;
+    FILE *spool; /* records, without a name: gone with the process */
+    void *bytes; /* one record */
+    size_t record_bytes, pings, beams, bins;
+};
+
+static asdic_status fail_io(asdic_recording *r, const char *what) {
+    return asdic_fail(r->ctx, ASDIC_ERROR_IO, "cannot write %s of recording '%s': %s", what,
+                      r->folder, strerror(errno));
+}
+
+static asdic_status make_folder(asdic_recording *r, const char *parent) {
+    if (mkdir(parent, 0777) != 0 && errno != EEXIST) {
+        return asdic_fail(r->ctx, ASDIC_ERROR_IO, "cannot create folder '%s': %s", parent,
+                          strerror(errno));
+    }
+    for (r->number = 0; r->number < MOST_NUMBERS; r->number++) {
+        free(r->folder);
+        if (asprintf(&r->folder, "%s/%03u", parent, r->number) < 0) {
+            r->folder = NULL;
+            return asdic_fail_memory(r->ctx, "a recording's name");
+        }
+        if (mkdir(r->folder, 0777) == 0) {
+            return ASDIC_OK;
+        }
+        if (errno != EEXIST) {
+            return asdic_fail(r->ctx, ASDIC_ERROR_IO, "cannot create folder '%s': %s", r->folder,
+                              strerror(errno));
+        }
+    }
+    return asdic_fail(r->ctx, ASDIC_ERROR_EXISTS, "'%s' holds %d recordings; give another folder",
+                      parent, MOST_NUMBERS);
+}
+
+static void finish(asdic_recording **recording) {
+    asdic_recording *r = *recording;
+    asdic_file_discard(&r->track);
+    if (r->spool) {
+        fclose(r->spool);
+    }
+    free(r->bytes);
+    free(r->folder);
+    free(r);
+    *recording = NULL;
+}
+
+static asdic_status open_files(asdic_recording *r) {
+    char *scene = asdic_folder_path(r->folder, "scene", "", "yaml");
+    char *track = asdic_folder_path(r->folder, "track", "", "csv");
+    asdic_status status = scene && track ? ASDIC_OK : asdic_fail_memory(r->ctx, "a file name");
+    if (!status) {
+        status = asdic_mission_write_scene(r->ctx, r->mission, scene, "track.csv");
+    }
+    if (!status) {
+        status = asdic_file_create(r->ctx, track, &r->track);
+    }
+    if (!status) {
+        asdic_track_file_begin(r->track);
+        r->spool = tmpfile();
+        status = r->spool ? ASDIC_OK : fail_io(r, "the pings");
+    }
+    free(scene);
+    free(track);
+    return status;
+}
+
+asdic_status asdic_recording_begin(asdic_context *ctx, const asdic_mission *mission,
+                                   asdic_device *device, const char *parent,
+                                   asdic_recording **out) {
+    *out = NULL;
+    asdic_recording *r = calloc(1, sizeof *r);
+    if (!r) {
+        return asdic_fail_memory(ctx, "a recording");
+    }
+    r->ctx = ctx;
+    r->mission = mission;
+    r->device = device;
+    asdic_status status = make_folder(r, parent);
+    if (!status) {
+        status = open_files(r);
+    }
+    if (status) {
+        finish(&r);
+    }
+    *out = r;
+    return status;
+}
+
+asdic_status asdic_recording_add(asdic_recording *r, const asdic_loop_ping *ping) {
+    const asdic_pose *pose = &ping->pose;
+    asdic_record_head head = {
+        .ping = ping->ping,
+        .time_s = ping->time_s,
+        .position_m = {pose->position_m.x, pose->position_m.y, pose->position_m.z},
+        .attitude_rad = {pose->roll_rad, pose->pitch_rad, pose->yaw_rad},
+        .altitude_m = ping->altitude_m,
+        .rays = ping->parts->rays,
+        .saturated = ping->parts->saturated};
+    if (!r->bytes) {
+        r->beams = ping->beams;
+        r->bins = ping->bins;
+        r->record_bytes = asdic_record_bytes(r->beams, r->bins);
+        r->bytes = malloc(r->record_bytes);
+        if (!r->bytes) {
+            return asdic_fail_memory(r->ctx, "a record");
+        }
+    }
+    asdic_record_pack(&head, ping->parts, r->bytes);
+    asdic_track_file_add(r->track, ping->time_s, pose);
+    if (fwrite(r->bytes, r->record_bytes, 1, r->spool) != 1) {
+        return fail_io(r, "a ping");
+    }
+    r->pings++;
+    return ASDIC_OK;
+}
+
+/* Every record into the run's files, as a run's pings go. */
+static asdic_status copy_records(asdic_recording *r, asdic_run_job *job) {
+    asdic_status status = ASDIC_OK;
+    rewind(r->spool);
+    if (job->facts.bins != r->bins || job->facts.beams != r->beams ||
+        job->facts.pings_planned != r->pings) {
+        return asdic_fail(r->ctx, ASDIC_ERROR_IO,
+                          "recording '%s' holds %zu pings of %zu bins, its scene asks for %zu of "
+                          "%zu",
+                          r->folder, r->pings, r->bins, job->facts.pings_planned, job->facts.bins);
+    }
+    for (size_t i = 0; !status && i < r->pings; i++) {
+        asdic_record record;
+        if (fread(r->bytes, r->record_bytes, 1, r->spool) != 1) {
+            return fail_io(r, "a ping");
+        }
+        status = asdic_store_append(job->store, r->bytes);
+        if (!status) {
+            asdic_record_view(r->bytes, r->beams, r->bins, &record);
+            status = asdic_csv_add(job->csv, &record);
+        }
+    }
+    return status;
+}
+
+static asdic_status write_run(asdic_recording *r) {
+    asdic_mission *mission = NULL;
+    asdic_run_options options = asdic_run_options_default();
+    char *scene = asdic_folder_path(r->folder, "scene", "", "yaml");
+    asdic_status status =
+        scene ? asdic_mission_load(r->ctx, scene, &mission) : asdic_fail_memory(r->ctx, "a name");
+    options.folder = r->folder;
+    asdic_run_job job = {.ctx = r->ctx,
+                         .mission = mission,
+                         .devices = &r->device,
+                         .device_count = 1,
+                         .options = &options};
+    if (!status) {
+        status = asdic_job_begin(&job);
+        if (!status) {
+            status = copy_records(r, &job);
+        }
+        if (!status) {
+            status = asdic_job_end(&job, true);
+        }
+        asdic_job_finish(&job);
+    }
+    asdic_mission_destroy(&mission);
+    free(scene);
+    return status;
+}
+
+static void remove_empty(asdic_recording *r) {
+    char *scene = asdic_folder_path(r->folder, "scene", "", "yaml");
+    asdic_file_discard(&r->track);
+    if (scene) {
+        unlink(scene);
+    }
+    rmdir(r->folder);
+    free(scene);
+}
+
+asdic_status asdic_recording_end(asdic_recording **recording) {
+    asdic_recording *r = *recording;
+    if (!r) {
+        return ASDIC_OK;
+    }
+    asdic_status status = ASDIC_OK;
+    if (r->pings == 0) {
+        remove_empty(r);
+    } else {
+        status = asdic_file_commit(&r->track);
+        status = status ? status : write_run(r);
+    }
+    finish(recording);
+    return status;
+}
+
+unsigned asdic_recording_number(const asdic_recording *recording) {
+    return recording->number;
+}
+
+size_t asdic_recording_pings(const asdic_recording *recording) {
+    return recording->pings;
+}

@@ -1,0 +1,341 @@
+#include "view_state.h"
+
+#include "base/context.h"
+#include "base/vec.h"
+#include "loop.h"
+#include "mission/mission.h"
+#include "mission/run_queue.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define HISTORY_BYTES ((size_t)64 << 20)
+#define HISTORY_ROWS 400
+#define LEAST_WIDTH 640
+#define LEAST_HEIGHT 360
+#define MOST_SIDE 7680
+/* A fan to look at has many beams. */
+#define FAN_BEAMS 12
+
+asdic_view_options asdic_view_options_default(void) {
+    return (asdic_view_options){.width = 1280,
+                                .height = 720,
+                                .least_rays = 2000,
+                                .db_low = NAN,
+                                .db_high = NAN,
+                                .colormap = ASDIC_COLORMAP_INFERNO};
+}
+
+double asdic_view_range_m(const asdic_view *view) {
+    return (double)asdic_loop_bin_count(view->loop) *
+           asdic_mission_sonar(view->mission)->bin_length_m;
+}
+
+/* sinc^2(L sin(theta) / lambda) = 1/2 at L sin(theta) / lambda = 0.443. */
+double asdic_view_half_width_rad(const asdic_view *view, double length_m) {
+    double speed_mps = asdic_environment_sound_speed_mps(asdic_mission_environment(view->mission),
+                                                         view->ping.pose.position_m.z);
+    double wavelength_m = speed_mps / asdic_mission_sonar(view->mission)->frequency_hz;
+    return asin(fmin(0.443 * wavelength_m / length_m, 1.0));
+}
+
+double asdic_view_mission_speed_mps(const asdic_view *view) {
+    size_t pings = asdic_mission_ping_count(view->mission), i = view->mission_ping;
+    if (pings < 2) {
+        return 0.0;
+    }
+    i = i + 1 < pings ? i : pings - 2;
+    double t0, t1;
+    asdic_vec3 a = asdic_mission_pose(view->mission, i, &t0).position_m;
+    asdic_vec3 b = asdic_mission_pose(view->mission, i + 1, &t1).position_m;
+    return asdic_vec3_length(asdic_vec3_sub(b, a)) / (t1 - t0);
+}
+
+/* Ascending bearings, in one plane. */
+static bool is_fan(const asdic_sonar *sonar) {
+    for (size_t i = 1; i < sonar->receiver_count; i++) {
+        const asdic_beam *a = &sonar->receivers[i - 1], *b = &sonar->receivers[i];
+        if (!(b->yaw_rad > a->yaw_rad) || b->pitch_rad != a->pitch_rad) {
+            return false;
+        }
+    }
+    return sonar->receiver_count > 1;
+}
+
+/* The beam that looks ahead. */
+static size_t middle_beam(const asdic_sonar *sonar) {
+    size_t best = 0;
+    for (size_t i = 1; i < sonar->receiver_count; i++) {
+        const asdic_beam *a = &sonar->receivers[best], *b = &sonar->receivers[i];
+        if (hypot(b->yaw_rad, b->pitch_rad) < hypot(a->yaw_rad, a->pitch_rad) - 1e-12) {
+            best = i;
+        }
+    }
+    return best;
+}
+
+static asdic_status begin_history(asdic_view *view) {
+    const asdic_sonar *sonar = asdic_mission_sonar(view->mission);
+    size_t cells = sonar->receiver_count * asdic_loop_bin_count(view->loop);
+    size_t rows = HISTORY_BYTES / (cells * sizeof(float));
+    rows = rows > HISTORY_ROWS ? HISTORY_ROWS : rows < 2 ? 2 : rows;
+    free(view->history.levels_db);
+    view->history = (view_history){.rows = rows};
+    view->history.levels_db = malloc(rows * cells * sizeof(float));
+    return view->history.levels_db ? ASDIC_OK : asdic_fail_memory(view->ctx, "the last pings");
+}
+
+/* A loop from POSE on, for what is chosen now; with a recording when one is wanted. */
+static asdic_status begin_part(asdic_view *view, const asdic_pose *pose, double start_s) {
+    size_t bins = asdic_loop_bin_count(view->loop);
+    asdic_choices now = view->chosen;
+    now.rays = asdic_governor_rays(&view->governor);
+    asdic_loop_destroy(&view->loop);
+    view->ping = (asdic_loop_ping){.pose = view->ping.pose}; /* what it pointed to is gone */
+    asdic_status status = asdic_mission_choose(view->ctx, view->mission, &now);
+    if (!status) {
+        status = asdic_loop_create_mission(view->ctx, view->device, view->mission,
+                                           pose->position_m.z, start_s, &view->loop);
+    }
+    if (!status && asdic_loop_bin_count(view->loop) != bins) {
+        asdic_live_expected_finish(&view->expected);
+        status = begin_history(view);
+        if (!status) {
+            status = asdic_live_expected_init(view->ctx, asdic_loop_bin_count(view->loop),
+                                              view->options.real_time, &view->expected);
+        }
+    }
+    if (!status && view->wants_recording) {
+        status = asdic_recording_begin(view->ctx, view->mission, view->device, view->options.folder,
+                                       &view->recording);
+        if (!status) {
+            asdic_view_say(view, "recording %03u", asdic_recording_number(view->recording));
+        }
+    }
+    view->is_changed = false;
+    return status;
+}
+
+asdic_status asdic_view_stop(asdic_view *view) {
+    if (!view || !view->recording) {
+        return ASDIC_OK;
+    }
+    unsigned number = asdic_recording_number(view->recording);
+    size_t pings = asdic_recording_pings(view->recording);
+    asdic_status status = asdic_recording_end(&view->recording);
+    if (!status) {
+        asdic_view_say(view, "recorded %zu pings to %s/%03u", pings, view->options.folder, number);
+    }
+    return status;
+}
+
+static asdic_status remember(asdic_view *view) {
+    view_history *h = &view->history;
+    size_t cells = view->ping.beams * view->ping.bins;
+    memcpy(h->levels_db + h->next * cells, view->ping.level_db, cells * sizeof(float));
+    h->next = (h->next + 1) % h->rows;
+    h->count += h->count < h->rows;
+    if (view->trail_count == view->trail_capacity) {
+        size_t capacity = view->trail_capacity ? 2 * view->trail_capacity : 1024;
+        asdic_vec3 *trail = realloc(view->trail_m, capacity * sizeof *trail);
+        if (!trail) {
+            return asdic_fail_memory(view->ctx, "the way flown");
+        }
+        view->trail_m = trail;
+        view->trail_capacity = capacity;
+    }
+    view->trail_m[view->trail_count++] = view->ping.pose.position_m;
+    return ASDIC_OK;
+}
+
+/* The window of levels that nobody gave: the strongest echo on top, rounded to 10 dB. */
+static void open_window(asdic_view *view) {
+    double most = -INFINITY;
+    for (size_t i = 0; i < view->ping.beams * view->ping.bins; i++) {
+        most = fmax(most, (double)view->ping.level_db[i]);
+    }
+    double high = isfinite(most) ? 10.0 * ceil(0.1 * most) : 0.0;
+    view->look.db_high = isnan(view->options.db_high) ? high : view->options.db_high;
+    view->look.db_low =
+        isnan(view->options.db_low) ? view->look.db_high - 70.0 : view->options.db_low;
+    view->has_window = true;
+}
+
+/* Where the vehicle is at the next ping, and when. */
+static asdic_pose fly(asdic_view *view, double *time_s) {
+    double period_s = 1.0 / asdic_mission_sonar(view->mission)->ping_rate_hz;
+    size_t last = asdic_mission_ping_count(view->mission) - 1;
+    *time_s = view->steps > 0 ? view->time_s + period_s : 0.0;
+    if (view->is_manual) {
+        return asdic_helm_advance(&view->helm, asdic_mission_scene(view->mission), period_s);
+    }
+    asdic_pose pose =
+        asdic_mission_pose(view->mission, view->mission_ping, view->steps ? NULL : time_s);
+    view->helm.flight.speed_mps = asdic_view_mission_speed_mps(view);
+    view->mission_ping += view->mission_ping < last;
+    view->is_flown = view->mission_ping >= last && view->steps >= last && last > 0;
+    return pose;
+}
+
+static asdic_status ping(asdic_view *view) {
+    double time_s;
+    asdic_pose pose = fly(view, &time_s);
+    bool switches = view->wants_recording != (view->recording != NULL);
+    asdic_status status = ASDIC_OK;
+    if (!view->loop || view->is_changed || switches) {
+        status = asdic_view_stop(view);
+        if (!status) {
+            status = begin_part(view, &pose, time_s);
+        }
+    }
+    if (!status) {
+        status = asdic_loop_submit(view->loop, &pose);
+    }
+    if (!status) {
+        status = asdic_loop_collect(view->loop, &view->ping);
+    }
+    if (!status && view->recording) {
+        status = asdic_recording_add(view->recording, &view->ping);
+    }
+    if (!status) {
+        view->time_s = view->ping.time_s;
+        view->steps++;
+        status = remember(view);
+    }
+    return status;
+}
+
+asdic_status asdic_view_step(asdic_view *view) {
+    if (!view) {
+        return asdic_fail(NULL, ASDIC_ERROR_ARGUMENT, "asdic_view_step: no view");
+    }
+    double begin_s = asdic_clock_s();
+    double wall_s = view->begun_s > 0.0 ? begin_s - view->begun_s : 0.0;
+    bool pings = !view->is_paused || view->steps_allowed > 0 || view->steps == 0;
+    asdic_status status = ASDIC_OK;
+    view->steps_allowed -= view->steps_allowed > 0;
+    if (pings) {
+        status = ping(view);
+    }
+    if (status) {
+        return status;
+    }
+    if (!view->has_window) {
+        open_window(view);
+    }
+    status = asdic_view_draw(view);
+    if (pings && asdic_governor_note(&view->governor, asdic_clock_s() - begin_s, wall_s)) {
+        view->is_changed = true;
+    }
+    view->begun_s = pings && !view->is_paused ? begin_s : 0.0;
+    return status;
+}
+
+static asdic_status check_options(asdic_context *ctx, const asdic_view_options *o) {
+    if (o->width < LEAST_WIDTH || o->height < LEAST_HEIGHT || o->width > MOST_SIDE ||
+        o->height > MOST_SIDE) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
+                          "a frame of %u x %u pixels; at least %d x %d, at most %d a side",
+                          o->width, o->height, LEAST_WIDTH, LEAST_HEIGHT, MOST_SIDE);
+    }
+    if (!asdic_colormap_name(o->colormap)) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "no colour map %d", (int)o->colormap);
+    }
+    return ASDIC_OK;
+}
+
+/* What does not need a ping. */
+static asdic_status begin(asdic_view *view) {
+    const asdic_sonar *sonar = asdic_mission_sonar(view->mission);
+    const asdic_view_options *o = &view->options;
+    view->chosen = asdic_mission_get_choices(view->mission);
+    asdic_governor_init(&view->governor, 1.0 / sonar->ping_rate_hz, view->chosen.rays,
+                        o->least_rays, o->real_time);
+    asdic_helm_init(&view->helm, &view->mission->flight);
+    view->look = asdic_picture_options_default();
+    view->look.colormap = o->colormap;
+    view->has_fan = is_fan(sonar);
+    view->shows_fan = view->has_fan && sonar->receiver_count >= FAN_BEAMS;
+    view->beam = middle_beam(sonar);
+    view->layout = asdic_view_lay_out(o->width, o->height);
+    view->bearing_rad = calloc(sonar->receiver_count, sizeof *view->bearing_rad);
+    if (!view->bearing_rad) {
+        return asdic_fail_memory(view->ctx, "bearings");
+    }
+    for (size_t i = 0; i < sonar->receiver_count; i++) {
+        view->bearing_rad[i] = sonar->receivers[i].yaw_rad;
+    }
+    if (o->folder) {
+        view->folder = strdup(o->folder);
+        view->options.folder = view->folder;
+        if (!view->folder) {
+            return asdic_fail_memory(view->ctx, "a name");
+        }
+    }
+    return asdic_view_prepare_pictures(view);
+}
+
+asdic_status asdic_view_create(asdic_context *ctx, asdic_mission *mission, asdic_device *device,
+                               const asdic_view_options *options, asdic_view **out) {
+    if (!mission || !device || !options || !out) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "asdic_view_create: NULL argument");
+    }
+    *out = NULL;
+    asdic_status status = check_options(ctx, options);
+    if (status) {
+        return status;
+    }
+    asdic_view *view = calloc(1, sizeof *view);
+    if (!view) {
+        return asdic_fail_memory(ctx, "a view");
+    }
+    view->ctx = ctx;
+    view->mission = mission;
+    view->device = device;
+    view->options = *options;
+    status = begin(view);
+    if (status) {
+        asdic_view_destroy(&view);
+    }
+    *out = view;
+    return status;
+}
+
+void asdic_view_destroy(asdic_view **pointer) {
+    if (!pointer || !*pointer) {
+        return;
+    }
+    asdic_view *view = *pointer;
+    asdic_recording_end(&view->recording);
+    asdic_live_expected_finish(&view->expected);
+    asdic_camera_destroy(&view->camera);
+    asdic_relief_finish(&view->relief);
+    asdic_loop_destroy(&view->loop);
+    asdic_canvas_finish(&view->canvas);
+    free(view->history.levels_db);
+    free(view->bearing_rad);
+    free(view->trail_m);
+    free(view->folder);
+    free(view);
+    *pointer = NULL;
+}
+
+bool asdic_view_is_over(const asdic_view *view) {
+    return view->is_quit || (view->is_flown && !view->is_manual);
+}
+
+bool asdic_view_is_paused(const asdic_view *view) {
+    return view->is_paused;
+}
+
+const char *asdic_view_title(const asdic_view *view) {
+    return view->title;
+}
+
+asdic_view_clock asdic_view_get_clock(const asdic_view *view) {
+    return (asdic_view_clock){.pings = view->steps,
+                              .rays = asdic_governor_rays(&view->governor),
+                              .time_s = view->time_s,
+                              .stretch = asdic_governor_stretch(&view->governor)};
+}

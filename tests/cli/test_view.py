@@ -1,0 +1,303 @@
+"""asdic view: frames as video and as pictures, keys, recordings that replay, the window under Xvfb."""
+import csv
+import io
+import json
+import os
+import shutil
+import struct
+import subprocess
+import time
+import zlib
+
+import program
+import tap
+from program import Folder, asdic
+
+SCENES = os.path.join(os.path.dirname(__file__), "..", "..", "data", "scenes")
+SCENE = """version: 1
+environment: {wind_speed_kn: 10}
+bottom: {grid: {file: floor.asc, values: depths}, type: sand}
+objects:
+  - name: ball
+    sphere: {radius_m: 0.7}
+    track: ball.csv
+    material: {impedance_mrayl: 45}
+sonar:
+  frequency_khz: 100
+  bandwidth_khz: 10
+  ping_rate_hz: 20
+  source_level_db: 200
+  bin_length_m: 0.25
+  speckle: rayleigh
+  receivers: [{name: ahead}, {name: down, pitch_deg: 20}]
+mission: {waypoints: {points_m: [[0, 0, 7], [40, 0, 8]], speed_mps: 2}}
+sampling: {rays: 2048, seed: 5}
+"""
+
+
+def write_scene(folder):
+    rows = [" ".join(f"{14 + 0.05 * ((3 * i + 5 * k) % 11):.2f}" for k in range(41)) for i in range(41)]
+    folder.write("floor.asc", "ncols 41\nnrows 41\nxllcorner -40\nyllcorner -40\ncellsize 2\n" +
+                 "\n".join(rows) + "\n")
+    folder.write("ball.csv", "time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg\n"
+                 "0,15,-3,9,0,0,0\n60,15,27,9,0,0,0\n")
+    return folder.write("scene.yaml", SCENE)
+
+
+def view(scene, *options, code=0, **env):
+    return asdic("view", scene, *options, **env).check(code=code)
+
+
+def need_view():
+    program.need_device()
+    with Folder() as folder:
+        scene = write_scene(folder)
+        done = asdic("view", scene, "--snapshot", "1", "--pings", "1", "-o", folder / "v")
+        if "needs cairo" in done.err:
+            raise tap.Skip("built without cairo")
+        done.check(code=0)
+
+
+def read_png(data):
+    """Rows of (r, g, b), of the kind of PNG that asdic and ffmpeg write."""
+    at, packed, size = 8, b"", None
+    while at < len(data):
+        length, kind = struct.unpack_from(">I4s", data, at)
+        if kind == b"IHDR":
+            size = struct.unpack_from(">IIBB", data, at + 8)
+        if kind == b"IDAT":
+            packed += data[at + 8:at + 8 + length]
+        at += 12 + length
+    width, height, depth, colour = size
+    tap.equal((depth, colour), (8, 2), "8-bit RGB")
+    raw, rows, before, at = zlib.decompress(packed), [], bytes(3 * width), 0
+    for _ in range(height):
+        kind, line = raw[at], bytearray(raw[at + 1:at + 1 + 3 * width])
+        at += 1 + 3 * width
+        for i in range(3 * width if kind else 0):
+            left = line[i - 3] if i >= 3 else 0
+            up, corner = before[i], before[i - 3] if i >= 3 else 0
+            if kind == 1:
+                line[i] = (line[i] + left) & 255
+            elif kind == 2:
+                line[i] = (line[i] + up) & 255
+            elif kind == 3:
+                line[i] = (line[i] + (left + up) // 2) & 255
+            elif kind == 4:
+                p = left + up - corner
+                best = min((abs(p - left), 0, left), (abs(p - up), 1, up), (abs(p - corner), 2, corner))
+                line[i] = (line[i] + best[2]) & 255
+        rows.append(bytes(line))
+        before = bytes(line)
+    return rows
+
+
+def colours(rows, x0, x1, y0, y1):
+    """Different colours within a part of a picture; places are shares of its sides."""
+    height, width = len(rows), len(rows[0]) // 3
+    found = set()
+    for row in rows[int(y0 * height):int(y1 * height)]:
+        for x in range(int(x0 * width), int(x1 * width)):
+            found.add(row[3 * x:3 * x + 3])
+    return len(found)
+
+
+def check_frame(rows, size):
+    tap.equal((len(rows[0]) // 3, len(rows)), size, "size")
+    parts = {"sonar": (0.05, 0.44, 0.1, 0.2, 60), "A-scope": (0.05, 0.48, 0.68, 0.95, 10),
+             "chase": (0.52, 0.98, 0.1, 0.5, 1000), "plan": (0.52, 0.7, 0.6, 0.9, 60),
+             "status": (0.76, 0.98, 0.6, 0.95, 20)}
+    for name, (x0, x1, y0, y1, least) in parts.items():
+        got = colours(rows, x0, x1, y0, y1)
+        if got < least:
+            raise AssertionError(f"{name}: {got} colours, {least} at least")
+
+
+def test_snapshots_are_pictures_of_everything():
+    need_view()
+    with Folder() as folder:
+        scene = write_scene(folder)
+        view(scene, "--snapshot", "2", "--pings", "40", "--size", "960x540", "-o", folder / "v")
+        tap.equal(sorted(os.listdir(folder / "v")), ["view_19.png", "view_39.png"])
+        with open(folder / "v/view_39.png", "rb") as file:
+            data = file.read()
+        check_frame(read_png(data), (960, 540))
+        view(scene, "--snapshot", "1", "--pings", "40", "-o", folder / "v", code=1)  # exists
+        view(scene, "--snapshot", "1", "--pings", "40", "--size", "960x540", "-o", folder / "v", "--force")
+        with open(folder / "v/view_39.png", "rb") as file:
+            tap.equal(file.read() == data, True, "the same ping gives the same bytes")
+
+
+def test_video_is_read_by_ffmpeg():
+    need_view()
+    if not shutil.which("ffmpeg"):
+        raise tap.Skip("there is no ffmpeg")
+    with Folder() as folder:
+        scene = write_scene(folder)
+        shown = subprocess.Popen([program.PATH, "view", scene, "--y4m", "-", "--pings", "12", "--size",
+                                  "640x360"], stdout=subprocess.PIPE)
+        read = subprocess.run(["ffmpeg", "-v", "error", "-f", "yuv4mpegpipe", "-i", "-", "-f", "image2",
+                               "-pix_fmt", "rgb24", folder / "frame_%02d.png"], stdin=shown.stdout,
+                              capture_output=True, check=False)
+        shown.stdout.close()
+        tap.equal((shown.wait(), read.returncode, read.stderr.decode()), (0, 0, ""))
+        frames = [name for name in folder.names() if name.startswith("frame_")]
+        tap.equal(len(frames), 12, "frames")
+        view(scene, "--snapshot", "1", "--pings", "12", "--size", "640x360", "-o", folder / "v")
+        with open(folder / frames[-1], "rb") as file:
+            rows = read_png(file.read())
+        with open(folder / "v/view_11.png", "rb") as file:
+            same = read_png(file.read())
+        # The video holds what the picture holds, up to the rounding of colours.
+        worst = max(abs(a - b) for x, y in zip(rows, same) for a, b in zip(x, y))
+        tap.equal(worst <= 4, True, f"differs by {worst}")
+        data = subprocess.run([program.PATH, "view", scene, "--y4m", "/dev/stdout", "--pings", "1"],
+                              capture_output=True, check=True).stdout
+        head, rest = data.split(b"\n", 1)
+        tap.equal(head, b"YUV4MPEG2 W1280 H720 F20:1 Ip A1:1 C444 XCOLORRANGE=LIMITED")
+        tap.equal(len(rest), 6 + 3 * 1280 * 720)
+
+
+def same_bytes(folder, number):
+    """A recording's run, and the run of its scene."""
+    part = folder / f"rec/{number:03d}"
+    tap.equal({"scene.yaml", "track.csv", "bins.csv", "pings.npy", "run.json"} <= set(os.listdir(part)),
+              True, f"files of {number:03d}")
+    again = folder / f"again{number}"
+    asdic("run", f"{part}/scene.yaml", "-o", again).check(code=0)
+    for name in ("bins.csv", "pings.npy", "track.csv"):
+        with open(f"{part}/{name}", "rb") as one, open(f"{again}/{name}", "rb") as other:
+            tap.equal(one.read() == other.read(), True, f"{number:03d}/{name} is the same")
+    with open(f"{part}/run.json", encoding="utf-8") as file:
+        return json.load(file)
+
+
+def test_recordings_replay_to_the_same_bytes():
+    need_view()
+    with Folder() as folder:
+        scene = write_scene(folder)
+        keys = ("0.2:r,0.4:up,0.5:right,0.5:right,0.7:pagedown,1.3:h,1.5:p,1.5:4,1.6:l,1.7:m,2.3:left,"
+                "2.5:r,2.6:a")
+        done = view(scene, "--y4m", "/dev/null", "--pings", "70", "--size", "640x360", "-o",
+                    folder / "rec", "--keys", keys)
+        tap.equal(done.out, "")
+        numbers = sorted(os.listdir(folder / "rec"))
+        # Recording began; then wind with bottom, source level, and rays were changed.
+        tap.equal(numbers, ["000", "001", "002", "003"])
+        pings = []
+        for number in range(4):
+            facts = same_bytes(folder, number)
+            pings.append(facts["pings"])
+        tap.equal(sum(pings), 46, f"pings from 0.2 s to 2.5 s: {pings}")
+        with open(folder / "rec/003/scene.yaml", encoding="utf-8") as file:
+            text = file.read()
+        for line in ("wind_speed_kn: 15", "type: 4", "source_level_db: 205", "rays: 4096", "seed: 5",
+                     'track: "track.csv"', "terms: all"):
+            tap.contains(text, line)
+        with open(folder / "rec/003/track.csv", encoding="utf-8") as file:
+            track = list(csv.DictReader(file))
+        with open(folder / "rec/000/track.csv", encoding="utf-8") as file:
+            first = next(csv.DictReader(file))
+        if not (float(track[-1]["yaw_deg"]) > 5 and float(track[-1]["z_m"]) > float(first["z_m"]) + 0.1):
+            raise AssertionError((first, track[-1]))  # it turned to starboard, and dived
+        rows = list(csv.DictReader(io.StringIO(folder.read("rec/003/bins.csv"))))
+        tap.equal(len(rows), pings[3] * 2 * len({row["bin"] for row in rows}))
+
+
+def test_keys_and_mistakes():
+    with Folder() as folder:
+        scene = write_scene(folder)
+        for options in (["--y4m", "-", "--snapshot", "1"], ["--size", "12"], ["--colormap", "jet"],
+                        ["--snapshot", "0"], ["--snapshot", "1", "--db-range", "5:1"]):
+            view(scene, *options, code=2)
+        program.need_device()
+        for keys in ("up", "1:nokey", "x:up", "2:up,1:up", "1:"):
+            view(scene, "--snapshot", "1", "--keys", keys, "-o", folder / "v", code=2)
+        view(scene, "--snapshot", "9", "--pings", "3", "-o", folder / "v", code=2)
+        view(scene, "--y4m", folder / "no/such", code=1)
+        view(scene, "--y4m", "-", "--size", "100x100", code=2)
+        view("nowhere.yaml", "--y4m", "-", code=3)
+
+
+class Display:
+    """An X server of one's own; skips where there is none."""
+
+    def __enter__(self):
+        for tool in ("Xvfb", "xdotool", "ffmpeg"):
+            if not shutil.which(tool):
+                raise tap.Skip(f"there is no {tool}")
+        out, number = os.pipe()
+        self.server = subprocess.Popen(["Xvfb", "-displayfd", str(number), "-screen", "0",
+                                        "1000x600x24", "-nolisten", "tcp"], pass_fds=[number],
+                                       stderr=subprocess.DEVNULL)
+        os.close(number)
+        with os.fdopen(out) as file:
+            self.name = ":" + file.readline().strip()
+        return self
+
+    def __exit__(self, *_):
+        self.server.terminate()
+        self.server.wait()
+
+    def tool(self, *words):
+        done = subprocess.run(["xdotool", *words], env=program.environment({"DISPLAY": self.name}),
+                              capture_output=True, text=True, check=False)
+        return done.stdout.strip()
+
+    def screenshot(self, path):
+        subprocess.run(["ffmpeg", "-v", "error", "-y", "-f", "x11grab", "-video_size", "1000x600", "-i",
+                        self.name, "-frames:v", "1", "-pix_fmt", "rgb24", path], check=True)
+        with open(path, "rb") as file:
+            return read_png(file.read())
+
+
+def wait_for(what, answer, seconds=60):
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        value = answer()
+        if value:
+            return value
+        time.sleep(0.1)
+    raise AssertionError(f"no {what} in {seconds} s")
+
+
+def test_the_window_is_driven_by_keys():
+    need_view()
+    with Folder() as folder, Display() as display:
+        scene = write_scene(folder)
+        child = subprocess.Popen([program.PATH, "view", scene, "--size", "960x540", "-o", folder / "rec"],
+                                 env=program.environment({"DISPLAY": display.name,
+                                                          "SDL_VIDEODRIVER": "x11"}),
+                                 stderr=subprocess.PIPE, text=True)
+        time.sleep(1.0)
+        if child.poll() is not None and "without SDL2" in child.stderr.read():
+            raise tap.Skip("built without SDL2")
+        number = wait_for("window", lambda: display.tool("search", "--name", "asdic").split("\n")[0])
+        title = lambda: display.tool("getwindowname", number)
+        wait_for("ping", lambda: "20 pings/s" in title())
+        tap.contains(title(), "scene")
+        if not ("real time" in title() or "stretched" in title()):
+            raise AssertionError(title())
+        before = display.screenshot(folder / "one.png")
+        if colours(before, 0.1, 0.9, 0.1, 0.9) < 1500:
+            raise AssertionError("the window is empty")
+        display.tool("windowfocus", number)
+        for key in ("r", "Up", "Right", "Right", "c", "n", "space"):
+            display.tool("key", "--window", number, key)
+            time.sleep(0.4)
+        wait_for("fewer rays", lambda: "1,024 rays" in title())
+        paused = display.screenshot(folder / "two.png")
+        time.sleep(0.5)
+        tap.equal(display.screenshot(folder / "three.png") == paused, True, "nothing moves while paused")
+        display.tool("key", "--window", number, "period")
+        wait_for("single ping", lambda: display.screenshot(folder / "three.png") != paused, 10)
+        for key in ("r", "space", "q"):
+            display.tool("key", "--window", number, key)
+            time.sleep(0.4)
+        tap.equal(child.wait(timeout=60), 0, child.stderr.read())
+        for number in range(len(os.listdir(folder / "rec"))):
+            same_bytes(folder, number)
+        tap.equal(len(os.listdir(folder / "rec")) >= 2, True, "recordings")
+
+
+tap.main(globals())

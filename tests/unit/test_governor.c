@@ -1,0 +1,82 @@
+/* The honest clock: rays fall to the floor, then time is stretched, and rays come back. */
+#include "asserts.h"
+
+#include "live/governor.h"
+
+#define PERIOD_S 0.1
+
+/* A machine that takes FIXED_S and so much per ray; returns the rays after COUNT steps. */
+static uint32_t run(asdic_governor *g, double fixed_s, double per_ray_s, size_t count) {
+    for (size_t i = 0; i < count; i++) {
+        double busy_s = fixed_s + per_ray_s * asdic_governor_rays(g);
+        asdic_governor_note(g, busy_s, busy_s > PERIOD_S ? busy_s : PERIOD_S);
+    }
+    return asdic_governor_rays(g);
+}
+
+static void a_fast_machine_keeps_its_rays(void **state) {
+    (void)state;
+    asdic_governor g;
+    asdic_governor_init(&g, PERIOD_S, 20000, 2000, true);
+    assert_int_equal(run(&g, 0.02, 2e-6, 500), 20000);
+    assert_true(asdic_governor_stretch(&g) == 1.0);
+}
+
+static void rays_fall_before_time_is_stretched(void **state) {
+    (void)state;
+    asdic_governor g;
+    asdic_governor_init(&g, PERIOD_S, 20000, 2000, true);
+    uint32_t rays = run(&g, 0.03, 8e-6, 600); /* 0.19 s with all of them */
+    assert_in_range(rays, 2001, 8749);        /* 8750 take the whole period */
+    assert_true(0.03 + 8e-6 * rays > 0.5 * PERIOD_S);
+    assert_true(asdic_governor_stretch(&g) == 1.0);
+    /* Steady: it does not swing between two numbers. */
+    assert_int_equal(run(&g, 0.03, 8e-6, 200), rays);
+}
+
+static void at_the_floor_time_is_stretched(void **state) {
+    (void)state;
+    asdic_governor g;
+    asdic_governor_init(&g, PERIOD_S, 20000, 2000, true);
+    assert_int_equal(run(&g, 0.1, 5e-5, 400), 2000); /* 0.2 s at the floor */
+    assert_close(asdic_governor_stretch(&g), 2.0, 0.01);
+    assert_int_equal(run(&g, 0.01, 1e-6, 1000), 20000); /* the others have gone home */
+    assert_true(asdic_governor_stretch(&g) == 1.0);
+}
+
+/* A machine late by far is not watched for three seconds of pings. */
+static void a_hopeless_start_is_noticed_soon(void **state) {
+    (void)state;
+    asdic_governor g;
+    asdic_governor_init(&g, PERIOD_S, 100000, 1000, true);
+    assert_true(run(&g, 0.0, 1e-5, 8) < 100000);
+}
+
+static void without_a_clock_nothing_changes(void **state) {
+    (void)state;
+    asdic_governor g;
+    asdic_governor_init(&g, PERIOD_S, 20000, 2000, false);
+    assert_int_equal(run(&g, 0.5, 1e-4, 200), 20000);
+    asdic_governor_want(&g, 1000);
+    assert_int_equal(asdic_governor_rays(&g), 1000);
+}
+
+/* A floor above what is wanted is no floor. */
+static void the_user_decides(void **state) {
+    (void)state;
+    asdic_governor g;
+    asdic_governor_init(&g, PERIOD_S, 1000, 2000, true);
+    assert_int_equal(run(&g, 0.2, 1e-6, 100), 1000);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_fast_machine_keeps_its_rays),
+        cmocka_unit_test(rays_fall_before_time_is_stretched),
+        cmocka_unit_test(at_the_floor_time_is_stretched),
+        cmocka_unit_test(a_hopeless_start_is_noticed_soon),
+        cmocka_unit_test(without_a_clock_nothing_changes),
+        cmocka_unit_test(the_user_decides),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
