@@ -36,15 +36,6 @@ static void sketch_finish(sketch *s) {
     }
 }
 
-static bool is_moving(const asdic_render_pass *pass) {
-    for (size_t i = 1; i < pass->track_count; i++) {
-        if (hypot(pass->north_m[i] - pass->north_m[0], pass->east_m[i] - pass->east_m[0]) > 0.01) {
-            return true;
-        }
-    }
-    return false;
-}
-
 /* The areas of all beams at one place. */
 static asdic_status add_place(asdic_render *r, sketch *s, const asdic_record *record,
                               const asdic_ground *ground) {
@@ -80,7 +71,8 @@ static asdic_status add_place(asdic_render *r, sketch *s, const asdic_record *re
 
 static asdic_status add_areas(asdic_render *r, const asdic_render_pass *pass,
                               const asdic_ground *ground, sketch *s) {
-    size_t last = r->info.pings - 1, places = is_moving(pass) ? PLACES : 1;
+    size_t last = r->info.pings - 1,
+           places = asdic_track_moves(pass->north_m, pass->east_m, pass->track_count) ? PLACES : 1;
     places = places > r->info.pings ? r->info.pings : places;
     snprintf(s->places, sizeof s->places, "ping%s", places > 1 ? "s" : "");
     for (size_t i = 0; i < places; i++) {

@@ -231,7 +231,10 @@ void asdic_canvas_raster(asdic_canvas *c, const asdic_raster *raster, asdic_box 
         cairo_scale(c->cr, box.w / (double)raster->width, box.h / (double)raster->height);
         cairo_set_source_surface(c->cr, image, 0.0, 0.0);
         cairo_pattern_set_filter(cairo_get_source(c->cr), CAIRO_FILTER_NEAREST);
-        cairo_paint(c->cr);
+        /* Without padding a pixel stretched over a page fades at its edges. */
+        cairo_pattern_set_extend(cairo_get_source(c->cr), CAIRO_EXTEND_PAD);
+        cairo_rectangle(c->cr, 0.0, 0.0, (double)raster->width, (double)raster->height);
+        cairo_fill(c->cr);
         cairo_restore(c->cr);
     }
     cairo_surface_destroy(image);

@@ -83,8 +83,12 @@ static void add_entry(page *p, asdic_series entry) {
     }
 }
 
+static bool is_moving(const asdic_chart *chart) {
+    return asdic_track_moves(chart->north_m, chart->east_m, chart->track_count);
+}
+
 static void list_entries(page *p, const asdic_chart *chart) {
-    add_entry(p, (asdic_series){.label = chart->track_count > 1 ? "track" : "vehicle",
+    add_entry(p, (asdic_series){.label = is_moving(chart) ? "track" : "vehicle",
                                 .rgb = TRACK_RGB,
                                 .width = 2.0});
     if (chart->outline_count > 0) {
@@ -284,13 +288,15 @@ static void draw_track(asdic_canvas *c, const page *p, const asdic_chart *chart,
     size_t last = chart->track_count - 1;
     double x0 = px_x(p, chart->east_m[0]), y0 = px_y(p, chart->north_m[0]);
     double x1 = px_x(p, chart->east_m[last]), y1 = px_y(p, chart->north_m[last]);
-    trace(c, p, chart->north_m, chart->east_m, chart->track_count);
-    stroke_over(c, TRACK_RGB, 2.5, false);
-    cairo_new_path(c->cr);
-    cairo_arc(c->cr, x0, y0, 5.0, 0.0, 2.0 * ASDIC_PI);
-    set_paint(c, 0xffffff, 1.0);
-    cairo_fill_preserve(c->cr);
-    stroke_over(c, TRACK_RGB, 2.5, false);
+    if (is_moving(chart)) {
+        trace(c, p, chart->north_m, chart->east_m, chart->track_count);
+        stroke_over(c, TRACK_RGB, 2.5, false);
+        cairo_new_path(c->cr);
+        cairo_arc(c->cr, x0, y0, 5.0, 0.0, 2.0 * ASDIC_PI);
+        set_paint(c, 0xffffff, 1.0);
+        cairo_fill_preserve(c->cr);
+        stroke_over(c, TRACK_RGB, 2.5, false);
+    }
     cairo_save(c->cr);
     cairo_translate(c->cr, x1, y1);
     cairo_rotate(c->cr, chart->last_yaw_rad); /* clockwise from north, as on the page */
@@ -303,7 +309,7 @@ static void draw_track(asdic_canvas *c, const page *p, const asdic_chart *chart,
     asdic_canvas_color(c, TRACK_RGB);
     cairo_fill_preserve(c->cr);
     stroke_over(c, INK_RGB, 1.0, false);
-    if (chart->last_time_s > chart->first_time_s) {
+    if (is_moving(chart)) {
         name_time(text, "start,", chart->first_time_s);
         draw_name(c, p, x0 + 4.0, y0, text, taken, count);
         name_time(text, "end,", chart->last_time_s);

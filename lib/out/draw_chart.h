@@ -8,6 +8,8 @@
 
 #include <asdic/output.h>
 
+#include <math.h>
+
 /* A closed line; dashed where it is not on the bottom. */
 typedef struct asdic_chart_area {
     double *north_m, *east_m;
@@ -28,6 +30,16 @@ typedef struct asdic_chart {
     double first_time_s, last_time_s, last_yaw_rad;
     const char *caption; /* what the areas are */
 } asdic_chart;
+
+/* Whether a track leads away from where it begins. */
+static inline bool asdic_track_moves(const double *north_m, const double *east_m, size_t count) {
+    for (size_t i = 1; i < count; i++) {
+        if (hypot(north_m[i] - north_m[0], east_m[i] - east_m[0]) > 0.01) {
+            return true;
+        }
+    }
+    return false;
+}
 
 asdic_status asdic_draw_chart(asdic_context *ctx, const char *path, const asdic_chart *chart,
                               const asdic_picture_options *options);

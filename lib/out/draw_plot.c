@@ -15,12 +15,20 @@ static bool is_drawable(const asdic_plot_axis *axis, double value) {
     return isfinite(value) && !(axis->logarithmic && value <= 0.0);
 }
 
+static bool is_point(const asdic_plot *plot, const asdic_series *series, size_t i) {
+    return i < series->count && is_drawable(&plot->x, series->x[i]) &&
+           is_drawable(&plot->y, series->y[i]);
+}
+
+/* Half the length of the dash that a point without neighbours is drawn as. */
+#define LONE_PX 4.0
+
 static void draw_series(asdic_canvas *c, asdic_box box, const asdic_plot *plot,
                         const asdic_series *series) {
     bool drawing = false;
     cairo_new_path(c->cr);
     for (size_t i = 0; i < series->count; i++) {
-        if (!is_drawable(&plot->x, series->x[i]) || !is_drawable(&plot->y, series->y[i])) {
+        if (!is_point(plot, series, i)) {
             drawing = false;
             continue;
         }
@@ -31,9 +39,11 @@ static void draw_series(asdic_canvas *c, asdic_box box, const asdic_plot *plot,
         y = fmin(fmax(y, box.y - box.h), box.y + 2.0 * box.h);
         if (drawing) {
             cairo_line_to(c->cr, x, y);
-        } else {
+        } else if (is_point(plot, series, i + 1)) {
             cairo_move_to(c->cr, x, y);
-            cairo_line_to(c->cr, x, y); /* a lone point is drawn as a dot */
+        } else {
+            cairo_move_to(c->cr, x - LONE_PX, y);
+            cairo_line_to(c->cr, x + LONE_PX, y);
         }
         drawing = true;
     }
