@@ -1,0 +1,164 @@
+"""Devices that fail half-way, unequal devices, and what can go wrong with files."""
+import os
+import re
+import shutil
+import subprocess
+
+import program
+import tap
+from program import Folder, asdic
+from run_folder import data, facts, same, scene
+
+FAULT = os.environ["OPENCL_FAULT_LIBRARY"]
+
+# Name, the fault (see opencl_fault.c), words of the warning.
+FAULTS = (
+    ("build", "build:0:-11", "does not compile"),
+    ("build, of the last program", "build:3:-11", "does not compile"),
+    ("memory, at the beginning", "buffer:4:-4", "CL_MEM_OBJECT_ALLOCATION_FAILURE"),
+    ("resources, first ping", "kernel:0:-5", "CL_OUT_OF_RESOURCES"),
+    ("resources, half-way", "kernel:120:-5", "CL_OUT_OF_RESOURCES"),
+    ("host memory, half-way", "kernel:160:-6", "CL_OUT_OF_HOST_MEMORY"),
+    ("lost, half-way", "read:20:-2", "CL_DEVICE_NOT_AVAILABLE"),
+    ("lost, while writing", "write:60:-36", "CL_INVALID_COMMAND_QUEUE"),
+)
+
+
+def with_fault(device, fault, *args, **env):
+    return asdic(*args, LD_PRELOAD=FAULT, OPENCL_FAULT=f"{device}:{fault}", **env)
+
+
+def two_devices():
+    """The environment of two unequal devices."""
+    env = {"POCL_DEVICES": "pthread basic"}
+    if "0:1" not in asdic("devices", **env).out:
+        raise tap.Skip("PoCL's pthread and basic devices are not here")
+    return env
+
+
+def test_device_that_fails_is_dropped():
+    env = two_devices()
+    with Folder() as folder:
+        path = scene(folder, pings=80, rays=500)
+        asdic("run", path, "-o", folder / "whole").check(code=0)
+        for n, (name, fault, words) in enumerate(FAULTS):
+            for device in (n % 2,):
+                done = with_fault(device, fault, "run", path, "-o", folder / "r", "--force",
+                                  "--device", "all", **env).check(code=0)
+                dropped = re.findall(r"device '.*' failed and is no longer used: .*", done.err)
+                tap.equal(len(dropped), 1, f"{name}: warnings in {done.err!r}")
+                tap.contains(dropped[0], words)
+                same(folder, "whole", "r")
+
+
+def test_last_device_that_fails_leaves_a_run_to_resume():
+    program.need_device()
+    with Folder() as folder:
+        path = scene(folder, pings=80, rays=500)
+        asdic("run", path, "-o", folder / "whole").check(code=0)
+        done = with_fault(0, "kernel:300:-5", "run", path, "-o", folder / "r").check(code=1)
+        tap.contains(done.err, "CL_OUT_OF_RESOURCES")
+        tap.contains(done.err, "--resume goes on")
+        run = facts(folder, "r")
+        tap.equal((run["state"], 0 < run["pings"] < 80), ("interrupted", True))
+        asdic("run", path, "-o", folder / "r", "--resume").check(code=0)
+        same(folder, "whole", "r")
+        with_fault(0, "build:0:-11", "run", path, "-o", folder / "none").check(code=4)
+        tap.equal(os.path.exists(folder / "none"), False, "a folder for nothing")
+
+
+def test_lists_of_devices():
+    env = two_devices()
+    with Folder() as folder:
+        path = scene(folder, pings=80, rays=500)
+        asdic("run", path, "-o", folder / "whole", "--device", "0:0", **env).check(code=0)
+        for which, count in (("0:1,0:0", 2), ("all", 2), ("cpu", 2), ("name:basic", 1)):
+            asdic("run", path, "-o", folder / "r", "--force", "--device", which, **env).check(code=0)
+            same(folder, "whole", "r")
+            tap.equal(len(facts(folder, "r")["devices"]), count, which)
+        asdic("run", path, "-o", folder / "x", "--device", "0:7", **env).check(code=4)
+        asdic("run", path, "-o", folder / "x", "--device", "0:0,0:0", **env).check(code=2)
+
+
+def test_two_platforms_in_one_process():
+    """Oclgrind, an interpreter, beside PoCL: the pings of both, in order, within 1e-3 dB of one's."""
+    found = subprocess.run(["sh", "-c", "ls /usr/lib/*/oclgrind/liboclgrind-rt-icd.so "
+                            "/usr/lib/*/liboclgrind-rt-icd.so /usr/lib/liboclgrind-rt-icd.so"],
+                           capture_output=True, text=True, check=False).stdout.split()
+    if not found or not os.path.exists("/etc/OpenCL/vendors/pocl.icd"):
+        raise tap.Skip("Oclgrind's or PoCL's ICD library is not here")
+    with Folder() as folder:
+        vendors = folder / "vendors"
+        os.mkdir(vendors)
+        shutil.copy("/etc/OpenCL/vendors/pocl.icd", vendors)
+        with open(os.path.join(vendors, "oclgrind.icd"), "w", encoding="ascii") as icd:
+            icd.write(found[0] + "\n")
+        env = {"OCL_ICD_VENDORS": vendors}
+        listed = asdic("devices", **env).check(code=0).out
+        if "Oclgrind" not in listed:
+            raise tap.Skip("Oclgrind's device does not show")
+        path = scene(folder, pings=96, rays=64, receivers="    - {name: forward}")
+        asdic("run", path, "-o", folder / "pocl", "--device", "cpu").check(code=0)
+        asdic("run", path, "-o", folder / "both", "--device", "all", **env).check(code=0)
+        tap.equal(len(facts(folder, "both")["devices"]), 2, "devices")
+        rows = [[line.split(",") for line in data(folder, run, "bins.csv").decode().splitlines()[1:]]
+                for run in ("pocl", "both")]
+        tap.equal([r[:5] for r in rows[0]], [r[:5] for r in rows[1]], "order")
+        for a, b in zip(*rows):
+            for x, y in zip(a[5:12], b[5:12]):
+                if (x == "") != (y == "") or (x and abs(float(x) - float(y)) > 1e-3):
+                    raise AssertionError(f"{a}\n{b}")
+
+
+def unprivileged(*args, cwd):
+    """asdic as a user who may not write everywhere."""
+    if os.getuid() != 0:
+        return asdic(*args, cwd=cwd)
+    done = subprocess.run([program.PATH, *map(str, args)], cwd=cwd, capture_output=True,
+                          check=False, user=65534, group=65534, extra_groups=[])
+    return program.Result(done.returncode, done.stdout.decode(), done.stderr.decode())
+
+
+def test_read_only_folders():
+    program.need_device()
+    with Folder() as folder:
+        path = scene(folder, pings=4, rays=500)
+        asdic("run", path, "-o", folder / "r", "--pings", "0:2").check(code=0)
+        os.chmod(folder.path, 0o755)
+        os.chmod(folder / "r", 0o555)
+        try:
+            for args in (["-o", folder / "new"], ["-o", folder / "r", "--force"]):
+                done = unprivileged("run", path, *args, cwd="/")
+                if "unusable" in done.err or done.code == 4:
+                    raise tap.Skip("another user finds no device")
+                done.check(code=1)
+                tap.contains(done.err, "Permission denied")
+            before = data(folder, "r", "bins.csv")
+            tap.equal(before == data(folder, "r", "bins.csv"), True)
+            tap.equal(facts(folder, "r")["state"], "complete", "what was there")
+        finally:
+            os.chmod(folder / "r", 0o755)
+
+
+def test_mesh_that_vanishes():
+    program.need_device()
+    with Folder() as folder:
+        folder.write("floor.obj", "v -50 -50 -12\nv 50 -50 -12\nv 50 50 -12\nv -50 50 -12\n"
+                     "f 1 2 3\nf 1 3 4\n")
+        text = folder.read(os.path.basename(scene(folder, pings=4, rays=500)))
+        path = folder.write("floor.yaml", text.replace("bottom: {depth_m: 12, type: sand}",
+                                                       "bottom: {mesh: {file: floor.obj}}"))
+        asdic("run", path, "-o", folder / "r", "--shard", "1/2").check(code=0)
+        before = {name: data(folder, "r", name) for name in os.listdir(folder / "r")}
+        os.rename(folder / "floor.obj", folder / "gone.obj")
+        for args in (["--shard", "1/2", "--resume"], ["--force"]):
+            done = asdic("run", path, "-o", folder / "r", *args).check(code=3)
+            tap.contains(done.err, "floor.obj: cannot open: No such file")
+        tap.equal({name: data(folder, "r", name) for name in os.listdir(folder / "r")}, before,
+                  "the run that was there")
+        asdic("render", folder / "r").check(code=0)  # needs no mesh
+        os.rename(folder / "gone.obj", folder / "floor.obj")
+        asdic("run", path, "-o", folder / "r", "--force").check(code=0)
+
+
+tap.main(globals())
