@@ -133,4 +133,39 @@ def test_full_disk_is_an_error_that_loses_nothing():
         same(folder, "whole", "r")
 
 
+def test_disk_that_is_full_and_then_larger():
+    """A small file system of its own: records, tables, pictures and run.json all meet its end."""
+    program.need_device()
+    with Folder() as folder:
+        path = scene(folder, pings=60, rays=500)
+        asdic("run", path, "-o", folder / "whole").check(code=0)
+        size = sum(os.path.getsize(folder / "whole/" + n) for n in os.listdir(folder / "whole"))
+        shell = f"""
+set -eu
+mount -t tmpfs -o size={{size}}k none disk || exit 77
+for part in {{parts}}; do
+  mount -o remount,size=${{{{part}}}}k disk
+  code=0; "{program.PATH}" run pool.yaml -o disk/r --resume 2>>messages || code=$?
+  echo $code >>codes
+done
+cp -r disk/r out
+"""
+        os.mkdir(folder / "disk")
+        kilobytes = size // 1024
+        # Pages of 4 KiB: ends in the records, in the tables, in the pictures; then there is room.
+        parts = [kilobytes * k // 100 for k in (20, 45, 70, 90, 97)] + [3 * kilobytes]
+        done = subprocess.run(
+            ["unshare", "-m", "sh", "-c", shell.format(
+                size=parts[0], parts=" ".join(map(str, parts)))],
+            cwd=folder.path, capture_output=True, check=False) if shutil.which("unshare") else None
+        if not done or done.returncode == 77 or b"unshare" in done.stderr:
+            raise tap.Skip("no file system of its own can be mounted here")
+        tap.equal((done.returncode, done.stderr), (0, b""))
+        codes = folder.read("codes").split()
+        tap.equal((set(codes[:-1]) <= {"0", "1"}, codes[:2], codes[-1]), (True, ["1", "1"], "0"), "")
+        tap.contains(folder.read("messages"), "No space left on device")
+        tap.contains(folder.read("messages"), "--resume goes on")
+        same(folder, "whole", "out")
+
+
 tap.main(globals())

@@ -97,6 +97,8 @@ static void begin_team(process *p, const char *name) {
 static void run_team(process *p) {
     for (unsigned rank = 0; rank < RANKS; rank++) {
         boxes[rank] = (mailbox){.lock = PTHREAD_MUTEX_INITIALIZER};
+    }
+    for (unsigned rank = 0; rank < RANKS; rank++) {
         assert_int_equal(pthread_create(&p[rank].thread, NULL, run_process, &p[rank]), 0);
     }
     for (unsigned rank = 0; rank < RANKS; rank++) {
