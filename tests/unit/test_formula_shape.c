@@ -3,6 +3,8 @@
 
 #include "../../kernels/backscatter.h"
 #include "../../kernels/beam.h"
+#include "../../kernels/detection.h"
+#include "../../kernels/noise.h"
 #include "../../kernels/target.h"
 #include "../../kernels/water.h"
 
@@ -81,6 +83,78 @@ static void very_rough_facet_is_a_lambert_surface(void **state) {
     assert_close(sum * 3.14159265358979323846, 2.0 / 3.0, 1e-3);
 }
 
+static void water_is_monotone(void **state) {
+    (void)state;
+    for (double s = 0.0; s <= 45.0; s += 5.0) {
+        for (double z = 0.0; z <= 1000.0; z += 100.0) {
+            for (double t = 0.0; t < 35.0; t += 0.5) {
+                double c = sound_speed_medwin_mps(t, s, z);
+                assert_true(sound_speed_medwin_mps(t + 0.5, s, z) > c);
+                assert_true(sound_speed_medwin_mps(t, s + 1.0, z) > c);
+                assert_true(sound_speed_medwin_mps(t, s, z + 1.0) > c);
+            }
+        }
+    }
+    for (double d = 1e-3; d < 1e5; d *= 1.1) {
+        double loss = transmission_loss_db(d, 30.0);
+        assert_true(transmission_loss_db(1.1 * d, 30.0) > loss);
+        assert_true((transmission_loss_db(d, 40.0) > loss) == (d > 1.0) || d == 1.0);
+        assert_close(10.0 * log10(transmission_lin(d, 1.0)), -transmission_loss_db(d, 1.0), 1e-9);
+    }
+}
+
+static void noise_is_the_sum_of_its_parts(void **state) {
+    (void)state;
+    for (double f = 0.1; f < 1000.0; f *= 1.1) {
+        assert_true(noise_turbulence_db(1.1 * f) < noise_turbulence_db(f));
+        assert_true(noise_traffic_db(1.1 * f, 0.5) < noise_traffic_db(f, 0.5));
+        assert_true(noise_thermal_db(1.1 * f) > noise_thermal_db(f));
+        for (double wind = 0.0; wind < 40.0; wind += 5.0) {
+            double sea = noise_sea_state_db(f, wind), all = noise_db(f, 0.5, wind);
+            double most = fmax(fmax(noise_turbulence_db(f), noise_traffic_db(f, 0.5)),
+                               fmax(sea, noise_thermal_db(f)));
+            assert_true(all >= most && all <= most + 10.0 * log10(4.0));
+            assert_true(noise_sea_state_db(f, wind + 5.0) > sea);
+            assert_true(noise_db(f, 0.6, wind) > all);
+        }
+    }
+}
+
+/* Between 0 and 1, falling with the threshold, rising with the target, without a jump where one way of
+ * summing gives over to another. */
+static void check_chances(double looks, int target, double snr, double shape) {
+    double last = 1.0;
+    for (double x = 1e-3; x < 300.0; x *= 1.07) {
+        double chance[3];
+        for (int i = 0; i < 3; i++) { /* here, a hair beyond, and for a louder target */
+            double threshold = i == 1 ? x * (1.0 + 1e-9) : x, level = i == 2 ? 1.1 * snr : snr;
+            chance[i] = isinf(shape) ? detection_exponential(threshold, level, looks, target)
+                                     : detection_k(threshold, level, looks, target, shape, 0.0);
+        }
+        assert_true(chance[0] >= 0.0 && chance[0] <= last * (1.0 + 1e-10));
+        assert_true(chance[2] >= chance[0] * (1.0 - 1e-10));
+        assert_true(fabs(chance[1] - chance[0]) <= chance[0] * (1e-9 + 2e-9 * looks * x));
+        last = chance[0];
+    }
+}
+
+static void chances_are_monotone_and_continuous(void **state) {
+    (void)state;
+    static const double looks[] = {1, 4, 15, 16, 17, 100}, snrs[] = {0.0, 0.1, 3.0, 50.0, 1000.0};
+    static const int targets[] = {TARGET_STEADY, TARGET_SWERLING1, TARGET_SWERLING3};
+    for (int l = 0; l < 6; l++) {
+        for (int s = 0; s < 5; s++) {
+            for (int k = 0; k < 3; k++) {
+                check_chances(looks[l], targets[k], snrs[s], INFINITY);
+            }
+        }
+    }
+    check_chances(1, TARGET_SWERLING1, 0.0, 0.05);
+    check_chances(1, TARGET_SWERLING1, 10.0, 1.0);
+    check_chances(4, TARGET_SWERLING1, 10.0, 50.0);
+    check_chances(1, TARGET_STEADY, 3.0, 1000.0);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(backscatter_rises_with_the_grazing_angle),
@@ -88,6 +162,9 @@ int main(void) {
         cmocka_unit_test(absorption_rises_with_frequency_and_hardly_jumps_at_20_degrees),
         cmocka_unit_test(sinc_is_even_bounded_and_zero_at_whole_numbers),
         cmocka_unit_test(very_rough_facet_is_a_lambert_surface),
+        cmocka_unit_test(water_is_monotone),
+        cmocka_unit_test(noise_is_the_sum_of_its_parts),
+        cmocka_unit_test(chances_are_monotone_and_continuous),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

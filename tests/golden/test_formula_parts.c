@@ -1,0 +1,105 @@
+/*
+ * Values of an independent program for what has no name in `asdic model`: parts of formulas, and what
+ * the detector is made of.
+ */
+#include "asserts.h"
+
+#include <asdic/detect.h>
+
+#include "../../kernels/backscatter.h"
+#include "../../kernels/beam.h"
+#include "../../kernels/detection.h"
+#include "../../kernels/target.h"
+#include "../../kernels/water.h"
+
+typedef struct part {
+    const char *name;
+    double actual, expected, absolute, relative;
+} part;
+
+static void check(const part *parts, size_t count) {
+    double worst = 0.0;
+    for (size_t i = 0; i < count; i++) {
+        const part *p = &parts[i];
+        double off = fabs(p->actual - p->expected);
+        worst = fmax(worst, off / fabs(p->expected));
+        test_assert_close(p->actual, p->expected, p->absolute + p->relative * fabs(p->expected),
+                          p->name, __FILE__, __LINE__);
+    }
+    print_message("%zu values, worst relative error %.2g\n", count, worst);
+}
+
+static double mirror_share_at(double grazing_deg, double roughness_m) {
+    double sine = sin(grazing_deg * 3.14159265358979323846 / 180.0);
+    return mirror_share(sine, 1.0, roughness_parameter(1500.0 / 100e3, roughness_m));
+}
+
+/* Integral of the facet law over the visible half of a sphere of radius 1 m, dB. */
+static double facet_sphere_db(double slope_ms) {
+    enum { STEPS = 200000 };
+    double sum = 0.0;
+    for (int i = 0; i < STEPS; i++) {
+        sum += facet_strength_lin((i + 0.5) / STEPS, 1.0, 0.0, slope_ms) / STEPS;
+    }
+    return 10.0 * log10(2.0 * 3.14159265358979323846 * sum);
+}
+
+static void parts_of_formulas(void **state) {
+    (void)state;
+    const double c = sound_speed_francois_garrison_mps(10.0, 35.0, 12.0), l = 10.0 / 3.0;
+    const part parts[] = {
+        {"boric acid", absorption_boric_db_per_km(8.86, 100, 10, 35, 8, c), 0.11567513571981158, 0,
+         1e-9},
+        {"magnesium sulphate", absorption_magnesium_db_per_km(100, 10, 35, 12, c),
+         30.35257033778568, 0, 1e-9},
+        {"viscosity", absorption_viscosity_db_per_km(100, 10, 12), 3.10657178250048, 0, 1e-9},
+        {"pattern on the axis", beam_pattern_lin(1, 0, 0, l, l, 0), 1.0, 1e-15, 1e-9},
+        {"pattern at 53 degrees", beam_pattern_lin(0.6, 0.8, 0, l, l, 0), 0.010686218587277797,
+         1e-15, 1e-9},
+        {"pattern in the face", beam_pattern_lin(1e-6, 1, 0, l, l, 0), 0.006839179895823285, 1e-15,
+         1e-9},
+        {"cap of the surface", 10 * log10(surface_cap_lin(0)), 14.236688812582415, 1e-9, 1e-9},
+        {"coherent share, 1 mm", mirror_share_at(5, 0.001), 0.9946829337181282, 0, 1e-9},
+        {"coherent share, 0.5 mm", mirror_share_at(90, 0.0005), 0.8390712666108275, 0, 1e-9},
+        {"facets on a sphere", facet_sphere_db(0.01), -5.999045749125747, 1e-6, 1e-9},
+        {"K clutter in noise", detection_k(5, 0, 1, TARGET_STEADY, 1, 0.3), 0.02263427136342417,
+         1e-12, 1e-7},
+    };
+    check(parts, sizeof parts / sizeof *parts);
+}
+
+static void parts_of_the_detector(void **state) {
+    (void)state;
+    const asdic_background one = {.mean_lin = 1.0, .looks = 1, .shape = INFINITY};
+    const asdic_background four = {.mean_lin = 1.0, .looks = 4, .shape = INFINITY};
+    const asdic_background noisy = {.mean_lin = 1.0, .looks = 1, .shape = 1.0, .noise_share = 0.3};
+    asdic_context *ctx = NULL;
+    double factor = 0.0;
+    assert_int_equal(asdic_context_create(&ctx), ASDIC_OK);
+    assert_ok(ctx, asdic_cfar_factor(ctx, ASDIC_CFAR_CA, 16, 0, 1, 1e-4, &factor));
+    asdic_context_destroy(&ctx);
+    const part parts[] = {
+        {"CA-CFAR factor", factor, 12.452470560622764, 0, 1e-9},
+        {"CA-CFAR P_D", asdic_cfar_pd(ASDIC_CFAR_CA, 16, 0, 1, 12.4525, ASDIC_TARGET_SWERLING1, 10),
+         0.33494402479401175, 0, 1e-9},
+        {"log-likelihood ratio, Swerling I, silence",
+         asdic_detect_llr(&one, ASDIC_TARGET_SWERLING1, 8, 0), -2.197224577336219, 0, 1e-9},
+        {"log-likelihood ratio, steady, silence",
+         asdic_detect_llr(&one, ASDIC_TARGET_SWERLING0, 8, 0), -8.0, 1e-12, 1e-9},
+        {"log-likelihood ratio, steady, 60 dB",
+         asdic_detect_llr(&one, ASDIC_TARGET_SWERLING0, 8, 1e6), 5643.615021443025, 1e-6, 1e-9},
+        {"P_D, Swerling II, 4 looks", asdic_detect_pd(&four, ASDIC_TARGET_SWERLING2, 2, 2),
+         0.7214269441774828, 1e-14, 1e-8},
+        {"P_FA, K clutter in noise", asdic_detect_pfa(&noisy, 5), 0.02263427136342417, 1e-12, 1e-7},
+        {"posterior", asdic_detect_posterior(3, 0.01), 0.1686647887068201, 0, 1e-9},
+    };
+    check(parts, sizeof parts / sizeof *parts);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(parts_of_formulas),
+        cmocka_unit_test(parts_of_the_detector),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
