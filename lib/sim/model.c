@@ -74,11 +74,6 @@ static asdic_status read_value(asdic_context *ctx, const asdic_model_info *info,
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "%s: '%s' = %s is out of range [%g, %g]",
                           info->name, key->name, text, key->min, key->max);
     }
-    if (*out < key->valid_min || *out > key->valid_max) {
-        asdic_log(ctx, ASDIC_LOG_WARNING,
-                  "%s: '%s' = %s is outside the validity [%g, %g] of its source (%s)", info->name,
-                  key->name, text, key->valid_min, key->valid_max, info->source);
-    }
     return ASDIC_OK;
 }
 
@@ -111,6 +106,24 @@ static asdic_status find_key(asdic_context *ctx, const asdic_model_info *info,
                       keys);
 }
 
+/* One warning, whatever the number of keys outside. */
+static void warn_validity(asdic_context *ctx, const asdic_model_info *info, const double *values) {
+    char keys[512] = "";
+    size_t used = 0;
+    for (size_t i = 0; i < info->key_count && used < sizeof keys; i++) {
+        const asdic_model_key *key = &info->keys[i];
+        if (values[i] < key->valid_min || values[i] > key->valid_max) {
+            used += (size_t)snprintf(keys + used, sizeof keys - used, "%s'%s' = %g not in [%g, %g]",
+                                     used ? ", " : "", key->name, values[i], key->valid_min,
+                                     key->valid_max);
+        }
+    }
+    if (used) {
+        asdic_log(ctx, ASDIC_LOG_WARNING, "%s: outside the validity of its source (%s), with %s",
+                  info->name, info->source, keys);
+    }
+}
+
 static asdic_status read_assignments(asdic_context *ctx, const asdic_model_info *info,
                                      const char *const *assignments, size_t count, double *values) {
     bool given[ASDIC_MODEL_MAX_KEYS] = {false};
@@ -141,6 +154,7 @@ static asdic_status read_assignments(asdic_context *ctx, const asdic_model_info 
                               info->name, info->keys[i].name, keys);
         }
     }
+    warn_validity(ctx, info, values);
     return ASDIC_OK;
 }
 

@@ -62,6 +62,37 @@ def test_validity_is_warned_about_once():
     tap.contains(done.err, "[50, 400]")
 
 
+def test_every_limit_warns_once():
+    """Each formula with every key at its middle is silent; at each end of a domain that its source
+    does not cover it warns, once."""
+    warned = 0
+    for info in json.loads(model("--json")):
+        middle = {}
+        for k in info["keys"]:
+            if k["words"] and not k.get("min"):
+                middle[k["name"]] = k["words"].split("|")[0]
+            elif k["required"]:
+                middle[k["name"]] = 0.5 * (k["valid_min"] + k["valid_max"])
+        if info["name"] == "target-strength":
+            middle["radius_m"], middle["f_khz"] = 1, 100
+
+        def warnings(keys):
+            done = asdic("model", info["name"], *(f"{k}={v}" for k, v in keys.items()))
+            return done.check(code=0).err.count("warning")
+
+        tap.equal(warnings(middle), 0, info["name"])
+        for k in info["keys"]:
+            for end in ("min", "max"):
+                if k.get(end) is not None and k[end] != k["valid_" + end]:
+                    tap.equal(warnings({**middle, k["name"]: k[end]}), 1, info["name"] + k["name"])
+                    warned += 1
+        outside = {k["name"]: k["max"] for k in info["keys"] if k.get("max") is not None
+                   and k["max"] != k["valid_max"]}
+        if len(outside) > 1:
+            tap.equal(warnings({**middle, **outside}), 1, info["name"] + ", all at once")
+    tap.equal(warned >= 15, True, f"{warned} ends outside their source's validity")
+
+
 def test_errors_say_what_to_do():
     for args, parts in (
             (("absorbtion",), ("did you mean 'absorption'",)),
