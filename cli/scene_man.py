@@ -1,6 +1,6 @@
 """asdic-scene(5), the manual page of the scene file, from what `asdic schema` prints.
 
-    scene_man.py ASDIC EXAMPLE.yaml VERSION > asdic-scene.5
+    scene_man.py ASDIC EXAMPLE.yaml MATERIAL_PRESETS.h VERSION > asdic-scene.5
 """
 import json
 import re
@@ -17,6 +17,24 @@ remedy. Anchors, aliases, tags and doubled keys are refused; numbers are plain d
 Positions are north, east, down in metres from a point of the sea surface. Rotations are roll,
 pitch, yaw in degrees, applied yaw first (aerospace order); a vehicle's positive pitch raises the
 bow, a beam's positive pitch looks down. Files are named relative to the scene file."""
+
+
+TARGETS = """\
+An object scatters by impedance, roughness, slope and the flat area that reflects in phase, or as a
+type of bottom. This is geometric optics on facets: good for bodies of many wavelengths. It cannot
+give what bodies of few wavelengths (ka below 5), edges, tips, oblique plates beside their main
+lobe, thin shells and elastic resonances return; for calibration spheres, fish and floats use a
+point with a measured target strength.
+
+Impedances of the presets in MRayl, density times longitudinal speed of bodies many wavelengths
+thick (Kinsler, Frey, Coppens, Sanders, Fundamentals of Acoustics, 4th ed. 2000, table A10):
+{}."""
+
+
+def presets(path):
+    """NAME VALUE, ... from the library's own table."""
+    with open(path, encoding="utf-8") as file:
+        return ", ".join(" ".join(found) for found in re.findall(r"X\((\w+), ([\d.]+)\)", file.read()))
 
 
 def escape(text):
@@ -95,7 +113,7 @@ def print_map(path, schema, title):
 
 
 def main():
-    program, example, version = sys.argv[1:4]
+    program, example, materials, version = sys.argv[1:5]
     schema = json.loads(subprocess.run([program, "schema"], capture_output=True, check=True).stdout)
     with open(example, encoding="utf-8") as file:
         text = file.read()
@@ -104,6 +122,8 @@ def main():
     print(".SH DESCRIPTION\n" + escape(INTRODUCTION).replace("\n\n", "\n.PP\n"))
     print(".SH KEYS")
     print_map("", schema, "The file")
+    targets = escape(TARGETS.format(presets(materials))).replace("\n\n", "\n.PP\n")
+    print(".SH TARGETS\n" + targets)
     print(".SH EXAMPLE\n.nf\n" + escape(text.rstrip()) + "\n.fi")
     print(".SH SEE ALSO\n.BR asdic (1)")
 
