@@ -63,7 +63,8 @@ static asdic_status build(mission_builder *b) {
     return status;
 }
 
-static asdic_status load(asdic_context *ctx, asdic_mission *m) {
+static asdic_status load(asdic_context *ctx, asdic_mission *m, const asdic_setting *settings,
+                         size_t count) {
     asdic_arena arena = {0};
     asdic_scene_file file;
     asdic_problems problems = {.name = strcmp(m->path, "-") == 0 ? "stdin" : m->path};
@@ -74,7 +75,7 @@ static asdic_status load(asdic_context *ctx, asdic_mission *m) {
     if (status != ASDIC_OK) {
         goto fail;
     }
-    if (!asdic_scene_file_parse(m->text, length, &arena, &problems, &file)) {
+    if (!asdic_scene_file_parse_with(m->text, length, settings, count, &arena, &problems, &file)) {
         status = asdic_fail_memory(ctx, "the scene file's content");
         goto fail;
     }
@@ -89,6 +90,12 @@ fail:
 }
 
 asdic_status asdic_mission_load(asdic_context *ctx, const char *path, asdic_mission **out) {
+    return asdic_mission_load_with(ctx, path, NULL, 0, out);
+}
+
+asdic_status asdic_mission_load_with(asdic_context *ctx, const char *path,
+                                     const asdic_setting *settings, size_t count,
+                                     asdic_mission **out) {
     if (!out) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "asdic_mission_load: nowhere to put it");
     }
@@ -104,7 +111,8 @@ asdic_status asdic_mission_load(asdic_context *ctx, const char *path, asdic_miss
         goto fail;
     }
     m->ctx = ctx;
-    status = load(ctx, m);
+    m->is_varied = count > 0;
+    status = load(ctx, m, settings, count);
     if (status != ASDIC_OK) {
         goto fail;
     }

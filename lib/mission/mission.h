@@ -31,6 +31,7 @@ struct asdic_mission {
     double bottom_type;
     asdic_sampling sampling;
     bool keeps_all_terms; /* whatever the plan says */
+    bool is_varied; /* the text is not all that it was made from */
     asdic_detector detector;
     asdic_output_options output;
     asdic_flight flight; /* how the vehicle answers; without waypoints, an ordinary one */

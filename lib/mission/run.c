@@ -4,6 +4,7 @@
 #include "run_job.h"
 
 #include "base/context.h"
+#include "mission.h"
 #include "run_folder.h"
 #include "run_member.h"
 #include "run_queue.h"
@@ -144,6 +145,12 @@ asdic_status asdic_mission_run(asdic_context *ctx, asdic_mission *mission, asdic
     if (!mission || !options || !devices || device_count == 0) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
                           "asdic_mission_run: a mission, options and a device are needed");
+    }
+    if (mission->is_varied) {
+        return asdic_fail(
+            ctx, ASDIC_ERROR_UNSUPPORTED,
+            "a mission with settings of its own cannot be run: the folder would keep a "
+            "text that does not say them; write them into a scene file");
     }
     asdic_run_job job = {.ctx = ctx,
                          .mission = mission,

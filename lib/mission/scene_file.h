@@ -200,6 +200,11 @@ extern const asdic_table asdic_scene_table;
 bool asdic_scene_file_parse(const char *text, size_t size, asdic_arena *arena,
                             asdic_problems *problems, asdic_scene_file *file);
 
+/* The same with SETTINGS in place of what the text says. */
+bool asdic_scene_file_parse_with(const char *text, size_t size, const asdic_setting *settings,
+                                 size_t count, asdic_arena *arena, asdic_problems *problems,
+                                 asdic_scene_file *file);
+
 /* What the tables cannot say: limits that depend on several keys. Names what has no name. */
 void asdic_scene_file_check(asdic_scene_file *file, asdic_arena *arena, asdic_problems *problems);
 

@@ -30,6 +30,7 @@
 #include <asdic/ping.h>
 #include <asdic/plan.h>
 #include <asdic/rays.h>
+#include <asdic/roc.h>
 #include <asdic/run.h>
 #include <asdic/scan.h>
 #include <asdic/scene.h>

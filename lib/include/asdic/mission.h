@@ -20,6 +20,19 @@ typedef struct asdic_mission asdic_mission;
  * limit and remedy; the context's error then counts them. */
 ASDIC_API asdic_status asdic_mission_load(asdic_context *ctx, const char *path,
                                           asdic_mission **out);
+
+/* A value of a scene file by its path, as error messages print paths. */
+typedef struct asdic_setting {
+    const char *key;   /* "sonar.receivers[0].pitch_deg" */
+    const char *value; /* a number or a word, as in the file */
+} asdic_setting;
+
+/* The same with SETTINGS in place of what the file says; keys that it lacks are added, entries of
+ * lists must be there. Such a mission is for asdic_roc_compute and the like: asdic_mission_run refuses
+ * it, since a run's folder keeps the file's text. */
+ASDIC_API asdic_status asdic_mission_load_with(asdic_context *ctx, const char *path,
+                                               const asdic_setting *settings, size_t count,
+                                               asdic_mission **out);
 ASDIC_API void asdic_mission_destroy(asdic_mission **mission);
 
 /* What the file describes. Valid until the mission is destroyed. */

@@ -1,0 +1,268 @@
+#include "commands.h"
+#include "roc_print.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+typedef struct request {
+    asdic_roc_options options;
+    bool has_target, has_pfa;
+    char *vary;            /* KEY=a,b,c, cut into pieces; NULL: none */
+    const char *key;       /* of it */
+    roc_variants variants; /* values are the names */
+    char *labels[ROC_MOST_VARIANTS];
+} request;
+
+static const char *const targets[] = {"swerling0", "swerling1", "swerling3", "swerling2", NULL};
+
+/* Cuts --vary into its key and values. */
+static bool read_vary(cli *c, request *r) {
+    const char *text = cli_text(c, "vary");
+    if (!text) {
+        r->variants.count = 1;
+        return true;
+    }
+    r->vary = strdup(text);
+    char *values = r->vary ? strchr(r->vary, '=') : NULL;
+    if (!values || values == r->vary || values[1] == 0) {
+        cli_usage(c, "option '--vary': '%s' is not KEY=VALUE,VALUE,...", text);
+        return false;
+    }
+    *values++ = 0;
+    r->key = r->vary;
+    for (char *next = values; next;) {
+        char *value = strsep(&next, ",");
+        if (*value == 0 || r->variants.count == ROC_MOST_VARIANTS) {
+            cli_usage(c, "option '--vary': 1 to %d values, none of them empty", ROC_MOST_VARIANTS);
+            return false;
+        }
+        r->variants.names[r->variants.count++] = value;
+    }
+    return true;
+}
+
+static bool read_request(cli *c, request *r) {
+    int target = 0;
+    uint64_t ping = 0;
+    *r = (request){.options = asdic_roc_options_default()};
+    r->options.target_strength_db = 0.0;
+    cli_number(c, "range", 0.01, 1e5, &r->options.range_m);
+    double bearing_deg = 0.0;
+    cli_number(c, "bearing", -180.0, 180.0, &bearing_deg);
+    r->options.bearing_rad = bearing_deg * 3.14159265358979323846 / 180.0;
+    cli_number(c, "strength", -200.0, 100.0, &r->options.target_strength_db);
+    cli_choice(c, "target", targets, &target);
+    cli_number(c, "pfa", 1e-12, 0.5, &r->options.pfa);
+    cli_integer(c, "trials", 1000, 100000000, &r->options.trials);
+    cli_integer(c, "seed", 0, UINT64_MAX, &r->options.seed);
+    cli_integer(c, "ping", 0, SIZE_MAX - 1, &ping);
+    r->options.object = cli_text(c, "object");
+    r->options.beam = cli_text(c, "beam");
+    r->options.ping = (size_t)ping;
+    r->options.target = (asdic_target)target;
+    r->has_target = cli_given(c, "target");
+    r->has_pfa = cli_given(c, "pfa");
+    if (r->options.object && cli_given(c, "range")) {
+        cli_usage(c, "--object and --range are two targets; give one of them");
+        return false;
+    }
+    if (!cli_given(c, "range") && (cli_given(c, "strength") || cli_given(c, "bearing"))) {
+        cli_usage(c, "--strength and --bearing are those of a target at --range");
+        return false;
+    }
+    return !cli_bad_usage(c) && read_vary(c, r);
+}
+
+/* What the scene says where nothing was typed; without a target, its first object. */
+static asdic_status complete(cli *c, const asdic_mission *mission, request *r) {
+    const asdic_detector *detector = asdic_mission_detector(mission);
+    r->options.target = r->has_target ? r->options.target : detector->target;
+    r->options.pfa = r->has_pfa ? r->options.pfa : detector->pfa;
+    for (size_t i = 0;
+         !r->options.object && !cli_given(c, "range") && i < asdic_mission_object_count(mission);
+         i++) {
+        const asdic_mission_object *o = asdic_mission_get_object(mission, i);
+        if (o->name[0]) {
+            r->options.object = o->name;
+        }
+    }
+    if (!r->options.object && !cli_given(c, "range")) {
+        cli_usage(c, "the scene has no object; give --range, and the --strength of a target there");
+        return ASDIC_ERROR_ARGUMENT;
+    }
+    return ASDIC_OK;
+}
+
+static asdic_status compute(cli *c, request *r, asdic_device *device, size_t index) {
+    asdic_context *ctx = cli_context(c);
+    roc_variants *v = &r->variants;
+    asdic_mission *mission = NULL;
+    asdic_setting setting = {r->key, v->names[index]};
+    request own = *r;
+    asdic_status status =
+        asdic_mission_load_with(ctx, cli_operand(c, 0), &setting, r->key ? 1 : 0, &mission);
+    if (status == ASDIC_OK) {
+        status = complete(c, mission, &own);
+    }
+    if (status == ASDIC_OK) {
+        status = asdic_roc_compute(ctx, mission, device, &own.options, &v->rocs[index]);
+    }
+    /* "pitch_deg = 10" of "sonar.receivers[0].pitch_deg" */
+    const char *dot = r->key ? strrchr(r->key, '.') : NULL, *key = dot ? dot + 1 : r->key;
+    if (status == ASDIC_OK && asprintf(&r->labels[index], "%s%s%s", key ? key : "",
+                                       r->key               ? " = "
+                                       : own.options.object ? own.options.object
+                                                            : "target",
+                                       r->key ? v->names[index] : "") < 0) {
+        r->labels[index] = NULL;
+        status = ASDIC_ERROR_MEMORY;
+    }
+    if (status == ASDIC_OK && !r->key) {
+        v->names[0] = r->labels[0];
+    }
+    if (status == ASDIC_OK && index > 0) {
+        status = asdic_roc_compare(ctx, v->rocs[0], v->rocs[index], &v->differences[index]);
+    }
+    asdic_mission_destroy(&mission);
+    return status;
+}
+
+/* FOLDER/NAME, which must not exist yet. */
+static bool out_path(cli *c, const char *folder, const char *name, char **path) {
+    if (asprintf(path, "%s/%s", folder, name) < 0) {
+        *path = NULL;
+        cli_error(c, "out of memory");
+        return false;
+    }
+    if (!cli_given(c, "force") && access(*path, F_OK) == 0) {
+        cli_error(c, "'%s' exists; --force replaces it", *path);
+        return false;
+    }
+    return true;
+}
+
+static char *default_folder(const char *scene) {
+    const char *slash = strrchr(scene, '/');
+    const char *base = strcmp(scene, "-") == 0 ? "scene" : slash ? slash + 1 : scene;
+    const char *dot = strrchr(base, '.');
+    int length = (int)(dot && dot != base ? dot - base : (long)strlen(base));
+    char *folder = NULL;
+    return asprintf(&folder, "roc_%.*s", length, base) < 0 ? NULL : folder;
+}
+
+static asdic_status write_files(cli *c, request *r, char *const paths[3]) {
+    const char *names[ROC_MOST_VARIANTS];
+    char title[256];
+    roc_variants *v = &r->variants;
+    for (size_t i = 0; i < v->count; i++) {
+        names[i] = r->labels[i];
+    }
+    asdic_status status =
+        asdic_roc_write_csv(cli_context(c), paths[0], paths[1], names, v->rocs, v->count);
+    if (status == ASDIC_OK && asdic_picture_annotated()) {
+        const asdic_roc *first = v->rocs[0];
+        snprintf(title, sizeof title, "%s%s%s at %.4g m, beam \u2018%s\u2019, %u look%s",
+                 r->key ? r->key : "", r->key ? ": target" : names[0], r->key ? " first" : "",
+                 first->range_m, first->beam, first->background.looks,
+                 first->background.looks == 1 ? "" : "s");
+        status = asdic_roc_draw(cli_context(c), paths[2], title, names, v->rocs, v->count);
+    }
+    return status;
+}
+
+static int judge(cli *c, request *r, const char *folder) {
+    static const char *const files[3] = {"roc.csv", "roc_range.csv", "roc.png"};
+    char *paths[3] = {NULL, NULL, NULL};
+    asdic_device **devices = NULL;
+    size_t count = 0;
+    int code = CLI_FAILED;
+    bool is_new = mkdir(folder, 0777) == 0;
+    if (!is_new && errno != EEXIST) {
+        cli_error(c, "cannot create folder '%s': %s", folder, strerror(errno));
+        return CLI_FAILED;
+    }
+    for (int i = 0; i < 3; i++) {
+        if (!out_path(c, folder, files[i], &paths[i])) {
+            goto done;
+        }
+    }
+    asdic_status status = cli_open_devices(c, &devices, &count);
+    for (size_t i = 0; i < r->variants.count && status == ASDIC_OK; i++) {
+        status = compute(c, r, devices[0], i);
+    }
+    if (status == ASDIC_OK) {
+        status = write_files(c, r, paths);
+    }
+    if (status == ASDIC_OK) {
+        (cli_given(c, "json") ? roc_print_json : roc_print_table)(&r->variants);
+        cli_note(c, "%s: roc.csv, roc_range.csv%s", folder,
+                 asdic_picture_annotated() ? ", roc.png" : "");
+    }
+    code = cli_bad_usage(c) ? CLI_USAGE : cli_end(c, status);
+done:
+    if (is_new && code != CLI_OK) {
+        rmdir(folder);
+    }
+    asdic_devices_close(&devices, count);
+    for (int i = 0; i < 3; i++) {
+        free(paths[i]);
+    }
+    return code;
+}
+
+static int run(cli *c) {
+    request r;
+    int code = CLI_USAGE;
+    if (read_request(c, &r)) {
+        char *own = cli_given(c, "output") ? NULL : default_folder(cli_operand(c, 0));
+        const char *folder = own ? own : cli_text(c, "output");
+        code = folder ? judge(c, &r, folder) : CLI_FAILED;
+        free(own);
+    }
+    for (size_t i = 0; i < ROC_MOST_VARIANTS; i++) {
+        asdic_roc_destroy(&r.variants.rocs[i]);
+        free(r.labels[i]);
+    }
+    free(r.vary);
+    return code;
+}
+
+static const cli_option options[] = {
+    {"output", 'o', "DIR",
+     "where roc.csv, roc_range.csv and roc.png go; default: roc_<name of the "
+     "scene>"},
+    {"object", 0, "NAME", "detect this object, where it stands out most; default: the first"},
+    {"range", 0, "M", "detect a point at this range instead, level with the vehicle"},
+    {"bearing", 0, "DEG", "its bearing, to starboard of the bow, else 0"},
+    {"strength", 0, "DB", "its target strength, dB re 1 m^2, else 0"},
+    {"beam", 0, "NAME", "in this beam; default: that in which the target stands out most"},
+    {"ping", 0, "N", "from where the vehicle is at this ping, else 0"},
+    {"target", 0, "NAME", "swerling0, 1, 2 or 3: how the echo fluctuates; default: the scene's"},
+    {"pfa", 0, "P", "P_FA at which P_D is compared; default: the scene's"},
+    {"trials", 0, "N", "draws with and draws without the target, else 1000000"},
+    {"seed", 0, "N", "of the draws, else 1; variants share them"},
+    {"vary", 0, "KEY=A,B,..",
+     "a curve for each value of this key of the scene, as sonar.receivers[0].pitch_deg=0,10,20"},
+    {"force", 0, NULL, "replace files that are there"},
+    {0},
+};
+
+const cli_command cli_roc_command = {
+    .name = "roc",
+    .operands = "SCENE.yaml",
+    .min_operands = 1,
+    .max_operands = 1,
+    .summary = "probability of detection against that of false alarm",
+    .details = "Simulates one ping for the mean intensities, then draws speckle, noise and the "
+               "target's fluctuation round them, and counts. The closed form stands beside. The "
+               "background is what is expected without objects; over a bottom that is no plane, "
+               "what the ping holds beside them. A scene without speckle gets Rayleigh's.\n\n"
+               "With --vary designs are compared: all use the same random numbers, so that the "
+               "difference of their areas has much narrower bounds than the areas.",
+    .options = options,
+    .traits = CLI_HAS_DEVICE | CLI_HAS_JSON | CLI_INTERRUPTIBLE,
+    .run = run,
+};

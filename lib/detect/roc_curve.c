@@ -1,0 +1,126 @@
+#include "roc_curve.h"
+
+#include "base/context.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <time.h>
+
+#define DECADES 6
+#define PER_DECADE 8
+#define RARE_TRIALS 100000u
+/* P_FA is counted where at least so many events are expected. */
+#define LEAST_EVENTS 1000.0
+
+static double clock_s(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+/* The others get numbers of their own: a draw with the target is not the one without, plus an echo. */
+static uint64_t seed_of(uint64_t seed, bool present) {
+    return present ? seed ^ 0x9E3779B97F4A7C15u : seed;
+}
+
+static asdic_status draw(asdic_context *ctx, const asdic_roc_case *c,
+                         const asdic_roc_options *options, asdic_roc *roc) {
+    size_t trials = roc->trials;
+    roc->none = malloc(2 * trials * sizeof *roc->none);
+    if (!roc->none) {
+        return asdic_fail_memory(ctx, "draws");
+    }
+    roc->present = roc->none + trials;
+    double from_s = clock_s();
+    asdic_detect_draw(&c->none, options->target, 0.0, seed_of(options->seed, false), 0, trials,
+                      roc->none);
+    asdic_detect_draw(&c->rest, options->target, c->target_lin, seed_of(options->seed, true), 0,
+                      trials, roc->present);
+    roc->draw_s = (clock_s() - from_s) / (2.0 * (double)trials) * 1e6;
+    return ASDIC_OK;
+}
+
+static asdic_estimate count(const double *z, size_t trials, double threshold) {
+    uint64_t events = 0;
+    for (size_t i = 0; i < trials; i++) {
+        events += z[i] > threshold;
+    }
+    return asdic_estimate_of(events, trials);
+}
+
+static asdic_status add_point(asdic_context *ctx, const asdic_roc_case *c,
+                              const asdic_roc_options *options, asdic_roc *roc, double pfa) {
+    double threshold;
+    asdic_status status = asdic_detect_threshold(ctx, &c->none, pfa, &threshold);
+    if (status != ASDIC_OK) {
+        return status;
+    }
+    bool is_rare = pfa * (double)roc->trials < LEAST_EVENTS;
+    asdic_roc_point *p = &roc->points[roc->point_count++];
+    p->design_pfa = pfa;
+    p->threshold_db = asdic_level_db(threshold);
+    p->pfa = is_rare ? asdic_detect_simulate_rare(&c->none, threshold, RARE_TRIALS, options->seed)
+                     : count(roc->none, roc->trials, threshold);
+    p->pd = count(roc->present, roc->trials, threshold);
+    p->closed_pd = asdic_detect_pd(&c->rest, options->target, c->target_lin, threshold);
+    return ASDIC_OK;
+}
+
+/* Integral of P_D over P_FA by Simpson's rule in u, ln P_FA = -60 (1 - u)^2: dense towards 1, and where the
+ * curve is steep for strong targets. */
+static asdic_status closed_area(asdic_context *ctx, const asdic_roc_case *c,
+                                const asdic_roc_options *options, double *area) {
+    enum { STEPS = 400 };
+    double sum = 0.0;
+    for (int i = 0; i <= STEPS; i++) {
+        /* From ln P_FA = -60 on; below there is nothing. */
+        double log_pfa = -60.0 * (1.0 - (double)i / STEPS) * (1.0 - (double)i / STEPS), threshold;
+        double slope = 120.0 * (1.0 - (double)i / STEPS) * exp(log_pfa);
+        asdic_status status = asdic_detect_threshold(ctx, &c->none, exp(log_pfa), &threshold);
+        if (status != ASDIC_OK) {
+            return status;
+        }
+        double pd = asdic_detect_pd(&c->rest, options->target, c->target_lin, threshold);
+        sum += (i == 0 || i == STEPS ? 1.0 : i % 2 ? 4.0 : 2.0) * pd * slope;
+    }
+    *area = sum / (3.0 * STEPS);
+    return ASDIC_OK;
+}
+
+asdic_status asdic_roc_fill(asdic_context *ctx, const asdic_roc_case *c,
+                            const asdic_roc_options *options, asdic_roc *roc) {
+    double threshold;
+    asdic_status status = draw(ctx, c, options, roc);
+    roc->points = calloc(DECADES * PER_DECADE + 1, sizeof *roc->points);
+    if (status == ASDIC_OK && !roc->points) {
+        status = asdic_fail_memory(ctx, "a curve");
+    }
+    for (int i = 0; i <= DECADES * PER_DECADE && status == ASDIC_OK; i++) {
+        double pfa = pow(10.0, (double)i / PER_DECADE - DECADES);
+        status = add_point(ctx, c, options, roc, pfa);
+    }
+    if (status == ASDIC_OK) {
+        status = asdic_roc_area(ctx, roc->none, roc->present, roc->trials, &roc->area);
+    }
+    if (status == ASDIC_OK) {
+        status = closed_area(ctx, c, options, &roc->closed_area);
+    }
+    if (status == ASDIC_OK) {
+        status = asdic_detect_threshold(ctx, &c->none, roc->pfa, &threshold);
+    }
+    if (status == ASDIC_OK) {
+        roc->pd = count(roc->present, roc->trials, threshold);
+        roc->closed_pd = asdic_detect_pd(&c->rest, options->target, c->target_lin, threshold);
+    }
+    return status;
+}
+
+void asdic_roc_destroy(asdic_roc **roc) {
+    if (roc && *roc) {
+        free((*roc)->none);
+        free((*roc)->points);
+        free((*roc)->reach);
+        free(*roc);
+        *roc = NULL;
+    }
+}

@@ -1,0 +1,221 @@
+/*
+ * Curves as a table and as a picture.
+ */
+#include <asdic/roc.h>
+
+#include "base/context.h"
+#include "base/number.h"
+#include "out/csv.h"
+#include "out/file.h"
+
+#include <asdic/output.h>
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define MOST_CURVES 8
+/* Simulated, its bounds twice, closed form. */
+#define LINES_EACH 4
+#define LABEL_SIZE 160
+
+static void print_estimate(FILE *out, asdic_estimate e) {
+    fprintf(out, "%.9g,%.9g,%.9g", e.value, e.low, e.high);
+}
+
+static void print_curve(FILE *out, const char *name, const asdic_roc *roc) {
+    for (size_t i = 0; i < roc->point_count; i++) {
+        const asdic_roc_point *p = &roc->points[i];
+        fprintf(out, "%s,%.9g,", name, p->design_pfa);
+        if (isfinite(p->threshold_db)) {
+            fprintf(out, "%.9g", p->threshold_db);
+        }
+        fputc(',', out);
+        print_estimate(out, p->pfa);
+        fputc(',', out);
+        print_estimate(out, p->pd);
+        fprintf(out, ",%.9g\n", p->closed_pd);
+    }
+}
+
+static void print_reach(FILE *out, const char *name, const asdic_roc *roc) {
+    for (size_t i = 0; i < roc->reach_count; i++) {
+        const asdic_roc_reach *r = &roc->reach[i];
+        fprintf(out, "%s,%.9g,%.9g,", name, r->range_m, r->snr_db);
+        print_estimate(out, r->pd);
+        fprintf(out, ",%.9g\n", r->closed_pd);
+    }
+}
+
+static asdic_status write_table(asdic_context *ctx, const char *path, const char *header,
+                                void (*print)(FILE *, const char *, const asdic_roc *),
+                                const char *const *names, asdic_roc *const *rocs, size_t count) {
+    asdic_file *file = NULL;
+    asdic_status status = asdic_file_create(ctx, path, &file);
+    locale_t before = asdic_c_locale_enter();
+    for (size_t i = 0; i < count && status == ASDIC_OK; i++) {
+        char *name = malloc(2 * strlen(names[i]) + 3);
+        if (!name) {
+            status = asdic_fail_memory(ctx, "a table");
+            break;
+        }
+        asdic_csv_field(name, names[i]);
+        if (i == 0) {
+            fputs(header, asdic_file_stream(file));
+        }
+        print(asdic_file_stream(file), name, rocs[i]);
+        free(name);
+    }
+    asdic_c_locale_leave(before);
+    if (status == ASDIC_OK) {
+        status = asdic_file_commit(&file);
+    }
+    asdic_file_discard(&file);
+    return status;
+}
+
+asdic_status asdic_roc_write_csv(asdic_context *ctx, const char *path, const char *range_path,
+                                 const char *const *names, asdic_roc *const *rocs, size_t count) {
+    asdic_status status = write_table(
+        ctx, path,
+        "variant,design_pfa,threshold_db,pfa,pfa_low,pfa_high,pd,pd_low,pd_high,closed_pd\n",
+        print_curve, names, rocs, count);
+    return status ? status
+                  : write_table(ctx, range_path,
+                                "variant,range_m,snr_db,pd,pd_low,pd_high,closed_pd\n", print_reach,
+                                names, rocs, count);
+}
+
+/* Columns of numbers, as plots take them. */
+typedef struct columns {
+    double *x, *value, *low, *high, *closed;
+    size_t count;
+} columns;
+
+static bool columns_init(columns *c, size_t count) {
+    c->count = count;
+    c->x = malloc(5 * (count + 1) * sizeof *c->x);
+    c->value = c->x ? c->x + count : NULL;
+    c->low = c->x ? c->x + 2 * count : NULL;
+    c->high = c->x ? c->x + 3 * count : NULL;
+    c->closed = c->x ? c->x + 4 * count : NULL;
+    return c->x != NULL;
+}
+
+static bool curve_of(const asdic_roc *roc, columns *c) {
+    if (!columns_init(c, roc->point_count)) {
+        return false;
+    }
+    for (size_t i = 0; i < c->count; i++) {
+        const asdic_roc_point *p = &roc->points[i];
+        c->x[i] = p->design_pfa;
+        c->value[i] = p->pd.value;
+        c->low[i] = p->pd.low;
+        c->high[i] = p->pd.high;
+        c->closed[i] = p->closed_pd;
+    }
+    return true;
+}
+
+static bool reach_of(const asdic_roc *roc, columns *c) {
+    if (!columns_init(c, roc->reach_count)) {
+        return false;
+    }
+    for (size_t i = 0; i < c->count; i++) {
+        const asdic_roc_reach *r = &roc->reach[i];
+        c->x[i] = r->range_m;
+        c->value[i] = r->pd.value;
+        c->low[i] = r->pd.low;
+        c->high[i] = r->pd.high;
+        c->closed[i] = r->closed_pd;
+    }
+    return true;
+}
+
+static size_t add_lines(asdic_series *out, const columns *c, uint32_t rgb, const char *label) {
+    asdic_series line = {.x = c->x, .count = c->count, .rgb = rgb};
+    const double *y[LINES_EACH] = {c->value, c->low, c->high, c->closed};
+    static const double width[LINES_EACH] = {1.8, 0.7, 0.7, 1.2};
+    static const asdic_line_style style[LINES_EACH] = {ASDIC_LINE_SOLID, ASDIC_LINE_SOLID,
+                                                       ASDIC_LINE_SOLID, ASDIC_LINE_DASHED};
+    for (int k = 0; k < LINES_EACH; k++) {
+        out[k] = line;
+        out[k].y = y[k];
+        out[k].width = width[k];
+        out[k].style = style[k];
+        out[k].label = k == 0 ? label : NULL;
+        out[k].rgb = k == 3 ? 0x202020u : rgb;
+    }
+    return LINES_EACH;
+}
+
+static void describe(char label[LABEL_SIZE], const char *name, const asdic_roc *roc) {
+    snprintf(label, LABEL_SIZE, "%s: area %.4f (%.4f\u2026%.4f), closed form %.4f", name,
+             roc->area.value, roc->area.low, roc->area.high, roc->closed_area);
+}
+
+asdic_status asdic_roc_draw(asdic_context *ctx, const char *path, const char *title,
+                            const char *const *names, asdic_roc *const *rocs, size_t count) {
+    static const uint32_t colors[MOST_CURVES] = {0x0072b2u, 0xd55e00u, 0x009e73u, 0xcc79a7u,
+                                                 0xe69f00u, 0x56b4e9u, 0x7f7f7fu, 0x8c564bu};
+    columns curve[MOST_CURVES] = {{0}}, reach[MOST_CURVES] = {{0}};
+    char labels[MOST_CURVES][LABEL_SIZE], range_title[160];
+    double chance_x[61], chance_y[61];
+    asdic_series lines[MOST_CURVES * LINES_EACH + 1], range_lines[MOST_CURVES * LINES_EACH];
+    size_t n = 0, m = 0, panels = 1;
+    asdic_status status = ASDIC_OK;
+    double farthest = 0.0;
+    if (count == 0 || count > MOST_CURVES) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "%zu curves in a picture: 1 to %d", count,
+                          MOST_CURVES);
+    }
+    locale_t before = asdic_c_locale_enter();
+    for (size_t i = 0; i < count && status == ASDIC_OK; i++) {
+        if (!curve_of(rocs[i], &curve[i]) || !reach_of(rocs[i], &reach[i])) {
+            status = asdic_fail_memory(ctx, "a picture");
+            break;
+        }
+        describe(labels[i], names[i], rocs[i]);
+        n += add_lines(lines + n, &curve[i], colors[i], labels[i]);
+        m += add_lines(range_lines + m, &reach[i], colors[i], NULL);
+        for (size_t k = 0; k < reach[i].count; k++) {
+            farthest = fmax(farthest, reach[i].x[k]);
+            panels = 2;
+        }
+    }
+    for (int i = 0; i < 61; i++) {
+        chance_x[i] = chance_y[i] = pow(10.0, -6.0 + 0.1 * i);
+    }
+    lines[n++] = (asdic_series){.label = "chance",
+                                .x = chance_x,
+                                .y = chance_y,
+                                .count = 61,
+                                .rgb = 0x909090u,
+                                .width = 1.0,
+                                .style = ASDIC_LINE_DOTTED};
+    snprintf(range_title, sizeof range_title,
+             "The same target at other ranges in its bearing, level with the vehicle, P_FA = %g",
+             rocs[0]->pfa);
+    asdic_plot plots[2] = {{.x = {.label = "P_FA", .low = 1e-6, .high = 1.0, .logarithmic = true},
+                            .y = {.label = "P_D", .low = 0.0, .high = 1.0},
+                            .series = lines,
+                            .series_count = n},
+                           {.title = range_title,
+                            .x = {.label = "range (m)", .low = 0.0, .high = farthest},
+                            .y = {.label = "P_D", .low = 0.0, .high = 1.0},
+                            .series = range_lines,
+                            .series_count = m}};
+    asdic_picture_options options = asdic_picture_options_default();
+    options.title = title;
+    options.note = "solid: drawn, with bounds of 99 %; dashed: closed form";
+    if (status == ASDIC_OK) {
+        status = asdic_picture_plot(ctx, path, plots, panels, &options);
+    }
+    asdic_c_locale_leave(before);
+    for (size_t i = 0; i < count; i++) {
+        free(curve[i].x);
+        free(reach[i].x);
+    }
+    return status;
+}

@@ -1,0 +1,107 @@
+"""asdic roc: curves, tables, pictures, and designs compared."""
+import csv
+import json
+import pathlib
+
+import tap
+from program import Folder, asdic, need_device
+
+SCENES = pathlib.Path(__file__).resolve().parents[2] / "data" / "scenes"
+SCENE2 = SCENES / "scenario2.yaml"
+
+
+def rows(path):
+    with open(path, newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def test_the_rise():
+    need_device()
+    with Folder() as folder:
+        done = asdic("roc", SCENE2, "--trials", "100000", "-o", "out", "--json", "-q",
+                     cwd=folder.path).check(0, err="")
+        curve, = json.loads(done.out)
+        tap.equal((curve["variant"], curve["beam"], curve["range_m"], curve["looks"]),
+                  ("rise", "forward", 35.25, 7))
+        tap.equal(curve["area"]["low"] <= curve["closed_area"] <= curve["area"]["high"], True)
+        tap.equal(curve["closed_pd"] > 0.999, True, "P_D of Swerling I at 34 dB")
+        table = rows(folder / "out/roc.csv")
+        tap.equal(list(table[0]), ["variant", "design_pfa", "threshold_db", "pfa", "pfa_low",
+                                   "pfa_high", "pd", "pd_low", "pd_high", "closed_pd"])
+        tap.equal(len(table), 49)
+        for row in table:
+            design = float(row["design_pfa"])
+            ratio = (float(row["pfa"]) - design) / max(design - float(row["pfa_low"]), 1e-12)
+            tap.equal(abs(ratio) < 2, True, f"P_FA {row['pfa']} designed {design}")
+        far = rows(folder / "out/roc_range.csv")
+        tap.equal(list(far[0]), ["variant", "range_m", "snr_db", "pd", "pd_low", "pd_high",
+                                 "closed_pd"])
+        tap.equal(float(far[-1]["range_m"]) > 70, True)
+        done = asdic("roc", SCENE2, "-o", "out", cwd=folder.path).check(1)
+        tap.contains(done.err, "--force")
+
+
+def test_other_beams_and_targets():
+    need_device()
+    with Folder() as folder:
+        def ask(*options):
+            done = asdic("roc", SCENE2, "--trials", "20000", "-o", "out", "--force", "--json", "-q",
+                         *options, cwd=folder.path).check(0)
+            return json.loads(done.out)[0]
+
+        for beam in "down", "up":
+            curve = ask("--beam", beam)
+            tap.equal((curve["beam"], curve["closed_pd"] > 0.99), (beam, True))
+        point = ask("--range", "60", "--strength", "-20", "--target", "swerling0", "--pfa", "1e-4")
+        tap.equal((point["variant"], point["range_m"], point["pfa"]), ("target", 60, 1e-4))
+        # The sonar equation by hand, on axis: TS - 40 log r - 2 alpha (r - 1), bins of one echo.
+        level = -20 - 40 * 1.7781512503836436 - 2 * 0.03358 * 59
+        tap.equal(abs(point["target_db"] - level) < 0.05, True, f"{point['target_db']} {level}")
+        aside = ask("--range", "60", "--strength", "-20", "--bearing", "10")
+        tap.equal(aside["target_db"] < point["target_db"] - 3, True, "off the axis")
+
+
+def test_designs_are_compared():
+    need_device()
+    with Folder() as folder:
+        done = asdic("roc", SCENE2, "--range", "60", "--strength", "-20", "--beam", "forward",
+                     "--vary", "sonar.receivers[0].pitch_deg=0,1,10", "--trials", "50000", "-o",
+                     "out", "--json", "-q", cwd=folder.path).check(0)
+        first, near, far = json.loads(done.out)
+        tap.equal([first["variant"], near["variant"], far["variant"]], ["0", "1", "10"])
+        wide = near["area"]["high"] - near["area"]["low"]
+        for other in near, far:
+            difference = other["area_difference"]
+            tap.equal(difference["high"] < 0, True, "a beam aimed elsewhere is worse")
+            tap.equal(difference["high"] - difference["low"] < 0.8 * wide, True, "pairs")
+        tap.equal({row["variant"] for row in rows(folder / "out/roc.csv")},
+                  {"pitch_deg = 0", "pitch_deg = 1", "pitch_deg = 10"})
+        asdic("roc", SCENE2, "--vary", "sonar.frequency_khz=80,100", "--trials", "5000", "-o",
+              "tone", cwd=folder.path).check(0)
+        text = asdic("roc", SCENE2, "--vary", "objects[0].position_m[0]=55,60", "--trials", "5000",
+                     "-o", "place", cwd=folder.path).check(0).out
+        tap.contains(text, "40.25 m")
+
+
+def test_mistakes():
+    need_device()
+    with Folder() as folder:
+        def fail(code, says, *options):
+            done = asdic("roc", *options, "-o", "out", cwd=folder.path).check(code)
+            tap.contains(done.err, says)
+            tap.equal(folder.names(), [], "files left behind")
+
+        fail(2, "KEY=VALUE", SCENE2, "--vary", "sonar")
+        fail(2, "none of them empty", SCENE2, "--vary", "sonar.frequency_khz=80,,90")
+        fail(3, "frequency_khz", SCENE2, "--vary", "sonar.frequenci_khz=80")
+        fail(2, "no object 'wreck'", SCENE2, "--object", "wreck")
+        fail(2, "no beam 'aft'", SCENE2, "--beam", "aft")
+        fail(2, "give --range", SCENES / "scenario1.yaml")
+        fail(2, "those of a target at --range", SCENE2, "--strength", "3")
+        fail(2, "two targets", SCENE2, "--object", "rise", "--range", "5")
+        fail(2, "end at 74.5 m", SCENE2, "--range", "500")
+        fail(2, "ping 7 of a mission of 1", SCENE2, "--ping", "7")
+        fail(3, "nothing.yaml", "nothing.yaml")
+
+
+tap.main(globals())

@@ -1,0 +1,170 @@
+/* Areas under curves against what is known of them, and scenes with settings put into them. */
+#include "asserts.h"
+
+#include "detect/roc_curve.h"
+
+#include <asdic/mission.h>
+
+#include <stdlib.h>
+
+static asdic_context *ctx;
+
+static int begin(void **state) {
+    (void)state;
+    return asdic_context_create(&ctx);
+}
+
+static int end(void **state) {
+    (void)state;
+    asdic_context_destroy(&ctx);
+    return 0;
+}
+
+/* Two against three by hand: of nine pairs six are in order, one is a tie. */
+static void an_area_counts_pairs(void **state) {
+    (void)state;
+    const double none[3] = {1.0, 2.0, 3.0}, present[3] = {2.0, 5.0, 2.5};
+    asdic_estimate area;
+    assert_ok(ctx, asdic_roc_area(ctx, none, present, 3, &area));
+    assert_close(area.value, (1.5 + 3.0 + 2.0) / 9.0, 1e-15);
+    const double apart[3] = {10.0, 11.0, 12.0};
+    assert_ok(ctx, asdic_roc_area(ctx, none, apart, 3, &area));
+    assert_close(area.value, 1.0, 0.0);
+    assert_close(area.low, pow(0.005, 1.0 / 3.0), 1e-9); /* 3 draws say little */
+    assert_status(ctx, asdic_roc_area(ctx, none, apart, 1, &area), ASDIC_ERROR_ARGUMENT);
+}
+
+static asdic_roc *compute(double snr, unsigned looks, asdic_target target, uint64_t seed) {
+    asdic_roc_options options = asdic_roc_options_default();
+    asdic_roc *roc = calloc(1, sizeof *roc);
+    asdic_roc_case c = {.none = {1e-9, looks, INFINITY, 0.0}, .target_lin = snr * 1e-9};
+    c.rest = c.none;
+    options.target = target;
+    options.seed = seed;
+    roc->trials = 200000;
+    roc->pfa = 1e-2;
+    assert_ok(ctx, asdic_roc_fill(ctx, &c, &options, roc));
+    return roc;
+}
+
+static void closed_forms_lie_in_the_bounds(void **state) {
+    (void)state;
+    for (int t = 0; t < 4; t++) {
+        asdic_roc *roc = compute(4.0, t == 1 ? 1 : 5, (asdic_target)t, 5);
+        if (t == 1) { /* exponentials of means 1 and 1 + snr: (1 + snr) / (2 + snr) */
+            assert_close(roc->closed_area, 5.0 / 6.0, 1e-6);
+        }
+        print_message("target %d: area %.6f [%.6f, %.6f], closed form %.6f\n", t, roc->area.value,
+                      roc->area.low, roc->area.high, roc->closed_area);
+        assert_true(roc->closed_area >= roc->area.low && roc->closed_area <= roc->area.high);
+        assert_true(roc->area.high - roc->area.low < 0.01);
+        assert_true(roc->closed_pd >= roc->pd.low && roc->closed_pd <= roc->pd.high);
+        assert_int_equal(roc->point_count, 49);
+        int outside = 0;
+        for (size_t i = 0; i < roc->point_count; i++) {
+            const asdic_roc_point *p = &roc->points[i];
+            outside += p->closed_pd < p->pd.low || p->closed_pd > p->pd.high;
+            outside += p->design_pfa < p->pfa.low || p->design_pfa > p->pfa.high;
+        }
+        assert_true(outside <= 6); /* of 98 that hang together */
+        asdic_roc_destroy(&roc);
+    }
+    asdic_roc *chance = compute(0.0, 2, ASDIC_TARGET_SWERLING1, 1);
+    assert_close(chance->closed_area, 0.5, 1e-7);
+    assert_true(chance->area.low < 0.5 && chance->area.high > 0.5);
+    asdic_roc_destroy(&chance);
+}
+
+/* A tenth of a decibel is lost in the bounds of the areas, not in those of their difference. */
+static void pairs_compare_better(void **state) {
+    (void)state;
+    asdic_roc *a = compute(4.0, 3, ASDIC_TARGET_SWERLING1, 9);
+    asdic_roc *b = compute(4.0 * 1.023, 3, ASDIC_TARGET_SWERLING1, 9);
+    asdic_roc *other = compute(4.0, 3, ASDIC_TARGET_SWERLING1, 10);
+    asdic_estimate paired, unpaired;
+    assert_ok(ctx, asdic_roc_compare(ctx, a, b, &paired));
+    assert_ok(ctx, asdic_roc_compare(ctx, other, b, &unpaired));
+    double truth = b->closed_area - a->closed_area;
+    print_message("difference %.5f: paired %.5f..%.5f, unpaired %.5f..%.5f\n", truth, paired.low,
+                  paired.high, unpaired.low, unpaired.high);
+    assert_true(paired.low > 0.0 && truth >= paired.low && truth <= paired.high);
+    assert_true(truth >= unpaired.low && truth <= unpaired.high);
+    assert_true(paired.high - paired.low < 0.1 * (unpaired.high - unpaired.low));
+    asdic_roc_destroy(&a);
+    asdic_roc_destroy(&b);
+    asdic_roc_destroy(&other);
+}
+
+static void load_with(const char *key, const char *value, asdic_mission **out) {
+    asdic_setting setting = {key, value};
+    assert_ok(ctx,
+              asdic_mission_load_with(ctx, DATA_DIR "/scenes/scenario2.yaml", &setting, 1, out));
+}
+
+static void settings_replace_and_add(void **state) {
+    (void)state;
+    asdic_mission *m = NULL;
+    load_with("sonar.receivers[1].pitch_deg", "45", &m);
+    assert_close(asdic_mission_sonar(m)->receivers[1].pitch_rad, 0.78539816339744831, 1e-15);
+    assert_close(asdic_mission_sonar(m)->receivers[2].pitch_rad, -0.3490658503988659, 1e-12);
+    asdic_mission_destroy(&m);
+    load_with("mission.pose.position_m[2]", "9", &m);
+    assert_close(asdic_mission_pose(m, 0, NULL).position_m.z, 9.0, 0.0);
+    asdic_mission_destroy(&m);
+    load_with("objects[0].box.size_m[0]", "10", &m); /* its centre stays at 55 m */
+    assert_close(asdic_mission_get_object(m, 0)->min_m.x, 50.0, 1e-5);
+    asdic_mission_destroy(&m);
+    load_with("detector.pfa", "0.25", &m); /* not in the file */
+    assert_close(asdic_mission_detector(m)->pfa, 0.25, 0.0);
+    asdic_run_options options = asdic_run_options_default();
+    asdic_device *none = NULL;
+    options.folder = "unused";
+    assert_status(ctx, asdic_mission_run(ctx, m, &none, 1, &options), ASDIC_ERROR_UNSUPPORTED);
+    asdic_mission_destroy(&m);
+}
+
+static char last[1024];
+
+static void remember(void *user, asdic_log_level level, const char *message) {
+    (void)user;
+    (void)level;
+    snprintf(last, sizeof last, "%s", message);
+}
+
+static void wrong_settings_are_named(void **state) {
+    (void)state;
+    static const struct {
+        const char *key, *value, *says;
+    } wrong[] = {
+        {"sonar.receivers[3].pitch_deg", "1", "there is no '[3]'"},
+        {"sonar.receivers[x].pitch_deg", "1", "there is no '[x]'"},
+        {"sonar.receivers.pitch_deg", "1", "not in a map"},
+        {"sonar..frequency_khz", "1", "a key is missing"},
+        {"", "1", "a key is missing"},
+        {"sonar.frequenci_khz", "1", "did you mean 'frequency_khz'"},
+        {"sonar.frequency_khz", "9000", "out of range"},
+        {"sonar.frequency_khz", "loud", "loud"},
+    };
+    asdic_context_set_log(ctx, ASDIC_LOG_ERROR, remember, NULL);
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
+        asdic_setting setting = {wrong[i].key, wrong[i].value};
+        asdic_mission *m = NULL;
+        assert_status(
+            ctx, asdic_mission_load_with(ctx, DATA_DIR "/scenes/scenario2.yaml", &setting, 1, &m),
+            ASDIC_ERROR_INPUT);
+        assert_null(m);
+        assert_contains(last, wrong[i].says);
+    }
+    asdic_context_set_log(ctx, ASDIC_LOG_ERROR, NULL, NULL);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(an_area_counts_pairs),
+        cmocka_unit_test(closed_forms_lie_in_the_bounds),
+        cmocka_unit_test(pairs_compare_better),
+        cmocka_unit_test(settings_replace_and_add),
+        cmocka_unit_test(wrong_settings_are_named),
+    };
+    return cmocka_run_group_tests(tests, begin, end);
+}
