@@ -91,7 +91,7 @@ typedef struct bench_ray_result {
     char scene[64];
     size_t triangles, nodes;
     uint64_t bytes;
-    double build_s, embree_build_s; /* medians */
+    double build_s, embree_build_s; /* the fastest of several, wall time */
     bench_ray_row rows[BENCH_RAY_SETS];
     size_t count;
 } bench_ray_result;

@@ -6,14 +6,26 @@
 #include <stdlib.h>
 #include <unistd.h>
 
-static void item_from_triangle(const dev_triangle *t, uint32_t id, asdic_bvh_item *item) {
-    item->id = id;
-    item->zero = 0;
-    for (int k = 0; k < 3; k++) {
-        float a = t->v0[k], b = t->v1[k], c = t->v2[k];
-        float lo = a < b ? a : b, hi = a > b ? a : b;
-        item->lo[k] = lo < c ? lo : c;
-        item->hi[k] = hi > c ? hi : c;
+typedef struct filler {
+    const dev_triangle *triangles;
+    const uint32_t *ids; /* NULL: 0, 1, ... */
+    asdic_bvh_item *items;
+} filler;
+
+static void fill_items(void *user, size_t first, size_t end) {
+    const filler *f = user;
+    for (size_t i = first; i < end; i++) {
+        uint32_t id = f->ids ? f->ids[i] : (uint32_t)i;
+        const dev_triangle *t = &f->triangles[id];
+        asdic_bvh_item *item = &f->items[i];
+        item->id = id;
+        item->zero = 0;
+        for (int k = 0; k < 3; k++) {
+            float a = t->v0[k], b = t->v1[k], c = t->v2[k];
+            float lo = a < b ? a : b, hi = a > b ? a : b;
+            item->lo[k] = lo < c ? lo : c;
+            item->hi[k] = hi > c ? hi : c;
+        }
     }
 }
 
@@ -41,28 +53,25 @@ asdic_status asdic_bvh_build(asdic_context *ctx, const dev_triangle *triangles, 
         long online = sysconf(_SC_NPROCESSORS_ONLN);
         threads = online > 0 ? (unsigned)online : 1;
     }
-    asdic_status status;
-    asdic_bvh_item *items = malloc(count * sizeof *items);
-    asdic_bvh_node2 *nodes = calloc(2 * count - 1, sizeof *nodes);
-    if (!items || !nodes) {
+    asdic_bvh_tree tree = {.nodes = NULL};
+    filler f = {triangles, ids, malloc(count * sizeof *f.items)};
+    asdic_status status = ASDIC_OK;
+    if (!f.items) {
         status = asdic_fail(ctx, ASDIC_ERROR_MEMORY,
                             "out of memory while building a hierarchy of %zu triangles", count);
         goto fail;
     }
-    for (size_t i = 0; i < count; i++) {
-        uint32_t id = ids ? ids[i] : (uint32_t)i;
-        item_from_triangle(&triangles[id], id, &items[i]);
-    }
-    status = asdic_bvh_split(ctx, items, count, threads, nodes);
+    asdic_bvh_share(threads, count, fill_items, &f);
+    status = asdic_bvh_grow(ctx, f.items, count, threads, &tree);
     if (status == ASDIC_OK) {
-        status = asdic_bvh_pack(ctx, nodes, items, triangles, count, out);
+        status = asdic_bvh_pack(ctx, &tree, f.items, triangles, threads, out);
     }
     if (status == ASDIC_OK) {
-        out->extent_m = largest_coordinate(&nodes[0]);
+        out->extent_m = largest_coordinate(&tree.nodes[0]);
     }
 fail:
-    free(nodes);
-    free(items);
+    asdic_bvh_tree_finish(&tree);
+    free(f.items);
     return status;
 }
 

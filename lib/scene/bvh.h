@@ -1,11 +1,13 @@
 /*
- * The two steps of building a hierarchy: a binary tree by surface-area heuristic, then its
- * collapse into eight-wide nodes and blocks of four triangles.
+ * The steps of building a hierarchy: a binary tree by surface-area heuristic, on the way back up the
+ * plan of its collapse, then the eight-wide nodes and blocks of four triangles.
  */
 #ifndef ASDIC_SCENE_BVH_H
 #define ASDIC_SCENE_BVH_H
 
 #include "scene.h"
+
+#include "../base/float4.h"
 
 /* One triangle while building: its box and its id. */
 typedef struct asdic_bvh_item {
@@ -15,8 +17,7 @@ typedef struct asdic_bvh_item {
     uint32_t zero;
 } asdic_bvh_item;
 
-/* Inner node: count 0, left child at its own index + 1, right child at `link`. Leaf: count items
- * from `link`. */
+/* Inner node: count 0, children at `link` and `link` + 1. Leaf: count items from `link`. */
 typedef struct asdic_bvh_node2 {
     float lo[3];
     uint32_t link;
@@ -24,21 +25,59 @@ typedef struct asdic_bvh_node2 {
     uint32_t count;
 } asdic_bvh_node2;
 
+/* Entry i - 1: the least sum of areas of wide nodes that hold a binary node's subtree under at most i
+ * roots; zeros for a leaf. The first is negative while it is not known. */
+typedef float asdic_bvh_forest[DEV_BVH_WIDTH - 1];
+
+typedef struct asdic_bvh_tree {
+    asdic_bvh_node2 *nodes; /* the root first; not every entry is used */
+    asdic_bvh_forest *best; /* by node */
+    size_t leaves;
+} asdic_bvh_tree;
+
 /* Below this depth the heuristic gives way to halving, which ends within 32 more levels. */
 #define ASDIC_BVH_HEURISTIC_DEPTH 40
+#define ASDIC_BVH_MOST_DEPTH (ASDIC_BVH_HEURISTIC_DEPTH + 40)
 
-/* Fills NODES (2 * count - 1 zeroed entries, the root first; those in between that no node needs
- * stay zero, children come after their parents)
- * and sorts ITEMS into leaf order, with THREADS threads; the result does not depend on THREADS. */
-asdic_status asdic_bvh_split(asdic_context *ctx, asdic_bvh_item *items, size_t count,
-                             unsigned threads, asdic_bvh_node2 *nodes);
+/* A box; the fourth lanes are idle. */
+typedef struct asdic_bvh_box {
+    float4 lo, hi;
+} asdic_bvh_box;
+
+/* One subtree to build: items [first, first + count), its box and the box of twice its centroids. */
+typedef struct asdic_bvh_task {
+    size_t first, count, node;
+    unsigned depth;
+    asdic_bvh_box box, centroids;
+} asdic_bvh_task;
+
+/* The boxes of a task's items. */
+void asdic_bvh_measure(const asdic_bvh_item *items, asdic_bvh_task *task);
+
+/* Sorts the items of T, more than a leaf's, into those of two halves of the work, whose nodes are
+ * left to the caller. */
+void asdic_bvh_split(asdic_bvh_item *items, const asdic_bvh_task *t, asdic_bvh_task *left,
+                     asdic_bvh_task *right);
+
+/* Builds the tree over ITEMS, which it sorts into leaf order, with THREADS threads; the shape of the
+ * tree does not depend on THREADS. Finish it even when this fails. */
+asdic_status asdic_bvh_grow(asdic_context *ctx, asdic_bvh_item *items, size_t count,
+                            unsigned threads, asdic_bvh_tree *tree);
+void asdic_bvh_tree_finish(asdic_bvh_tree *tree);
+
+/* Fills the forest of an inner node whose children's are known. */
+void asdic_bvh_plan(const asdic_bvh_node2 *nodes, asdic_bvh_forest *best, size_t node);
 
 /* Turns the binary tree into OUT's nodes and blocks, which it allocates. */
-asdic_status asdic_bvh_pack(asdic_context *ctx, const asdic_bvh_node2 *nodes,
+asdic_status asdic_bvh_pack(asdic_context *ctx, const asdic_bvh_tree *tree,
                             const asdic_bvh_item *items, const dev_triangle *triangles,
-                            size_t count, asdic_bvh *out);
+                            unsigned threads, asdic_bvh *out);
 
 /* Makes child I of NODE the box LO to HI with WORD below it; LO NULL: no child. */
 void asdic_node8_set_child(dev_node8 *node, int i, const float *lo, const float *hi, uint32_t word);
+
+/* Calls WORK(USER, first, end) for parts of 0 .. COUNT on up to THREADS threads, this one included. */
+void asdic_bvh_share(unsigned threads, size_t count,
+                     void (*work)(void *user, size_t first, size_t end), void *user);
 
 #endif

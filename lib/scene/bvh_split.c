@@ -1,36 +1,22 @@
 /*
- * Binary tree by binned surface-area heuristic (I. Wald, "On fast Construction of SAH-based
- * Bounding Volume Hierarchies", 2007): 16 bins per axis over the centroids, items sorted in place.
- * A leaf costs what it takes to test its blocks of four triangles, ceil(n / 4).
- *
- * A subtree over n items owns 2n - 1 entries of the node array, wherever it is built, so that
- * threads need no shared counter and the tree never depends on their number.
+ * One split by the binned surface-area heuristic (I. Wald, "On fast Construction of SAH-based
+ * Bounding Volume Hierarchies", 2007): up to 16 bins per axis over the centroids, items sorted in
+ * place. A leaf costs what it takes to test its blocks of four triangles, ceil(n / 4).
  */
 #include "bvh.h"
 
-#include "../base/context.h"
-
 #include <math.h>
-#include <pthread.h>
-#include <string.h>
 
 #define BINS 16
+/* Few items need few bins: clearing and sweeping them costs more than sorting into them. */
+#define FEW_ITEMS 64
+#define FEW_BINS 8
+#define MANY_ITEMS 128
+/* Axes much shorter than the longest never win. */
+#define SHORT_AXIS 0.05f
 #define LEAF DEV_LEAF_TRIANGLES
-/* Smaller subtrees are built by the thread that meets them. */
-#define TASK_ITEMS 8192
-#define MAX_TASKS 512
-#define MAX_THREADS 64
 
-typedef struct bounds {
-    float lo[4], hi[4]; /* the fourth lane is idle */
-} bounds;
-
-/* One subtree to build: items [first, first + count), its box and the box of twice its centroids. */
-typedef struct task {
-    size_t first, count, node;
-    unsigned depth;
-    bounds box, centroids;
-} task;
+typedef asdic_bvh_box bounds;
 
 typedef struct split_plan {
     int axis; /* -1: halve */
@@ -39,46 +25,43 @@ typedef struct split_plan {
     bounds left, right;
 } split_plan;
 
-typedef struct builder {
-    asdic_bvh_item *items;
-    asdic_bvh_node2 *nodes;
-    pthread_mutex_t lock;
-    pthread_cond_t changed;
-    task queue[MAX_TASKS];
-    size_t queued, running;
-} builder;
-
-static const bounds NOTHING = {{INFINITY, INFINITY, INFINITY, INFINITY},
-                               {-INFINITY, -INFINITY, -INFINITY, -INFINITY}};
-
-static inline void grow(bounds *b, const float lo[4], const float hi[4]) {
-    for (int k = 0; k < 4; k++) {
-        b->lo[k] = lo[k] < b->lo[k] ? lo[k] : b->lo[k];
-        b->hi[k] = hi[k] > b->hi[k] ? hi[k] : b->hi[k];
-    }
+static inline bounds nothing(void) {
+    return (bounds){float4_splat(INFINITY), float4_splat(-INFINITY)};
 }
 
-static inline void item_corners(const asdic_bvh_item *item, float lo[4], float hi[4]) {
-    for (int k = 0; k < 3; k++) {
-        lo[k] = item->lo[k];
-        hi[k] = item->hi[k];
-    }
-    lo[3] = hi[3] = 0.0f;
+static inline void grow(bounds *b, float4 lo, float4 hi) {
+    b->lo = float4_min(lo, b->lo);
+    b->hi = float4_max(hi, b->hi);
 }
 
-/* Twice the centroid: the sum of the corners, saved a multiplication. */
-static inline void item_centroid(const float lo[4], const float hi[4], float centroid[4]) {
-    for (int k = 0; k < 4; k++) {
-        centroid[k] = lo[k] + hi[k];
-    }
+/* The halves of an item, id and zero in the fourth lanes. In pieces, a load right after a store would
+ * wait for it. */
+static inline float4 low_of(const asdic_bvh_item *item) {
+    return float4_load(item);
 }
 
-static float half_area(const bounds *b) {
-    float x = b->hi[0] - b->lo[0], y = b->hi[1] - b->lo[1], z = b->hi[2] - b->lo[2];
-    return x * y + y * z + z * x;
+static inline float4 high_of(const asdic_bvh_item *item) {
+    return float4_load((const char *)item + offsetof(asdic_bvh_item, hi));
 }
 
-static float leaf_cost(const bounds *b, size_t count) {
+static inline void set_item(asdic_bvh_item *item, float4 lo, float4 hi) {
+    float4_store(lo, item);
+    float4_store(hi, (char *)item + offsetof(asdic_bvh_item, hi));
+}
+
+/* Twice the centroid: the sum of the corners, saved a multiplication. The id in the fourth lane is
+ * masked, as no number to add. */
+static inline float4 twice_centroid(float4 lo, float4 hi) {
+    const int4 three = {-1, -1, -1, 0};
+    return (float4)((int4)lo & three) + hi;
+}
+
+static inline float half_area(const bounds *b) {
+    float4 d = b->hi - b->lo;
+    return d[0] * d[1] + d[1] * d[2] + d[2] * d[0];
+}
+
+static inline float leaf_cost(const bounds *b, size_t count) {
     return count ? half_area(b) * (float)((count + LEAF - 1) / LEAF) : 0.0f;
 }
 
@@ -87,42 +70,69 @@ typedef struct bin_set {
     uint32_t count[3][BINS];
 } bin_set;
 
-static void fill_bins(const asdic_bvh_item *items, size_t count, const float offset[4],
-                      const float scale[4], bin_set *bins) {
+static void clear_bins(bin_set *bins, int used) {
     for (int axis = 0; axis < 3; axis++) {
-        for (int i = 0; i < BINS; i++) {
-            bins->box[axis][i] = NOTHING;
+        for (int i = 0; i < used; i++) {
+            bins->box[axis][i] = nothing();
             bins->count[axis][i] = 0;
         }
     }
-    for (size_t i = 0; i < count; i++) {
-        float lo[4], hi[4], centroid[4];
-        item_corners(&items[i], lo, hi);
-        item_centroid(lo, hi, centroid);
-        for (int axis = 0; axis < 3; axis++) {
-            int bin = (int)((centroid[axis] - offset[axis]) * scale[axis]);
-            grow(&bins->box[axis][bin], lo, hi);
-            bins->count[axis][bin]++;
+}
+
+static inline void add_to_bins(bin_set *bins, const asdic_bvh_item *item, float4 offset,
+                               float4 scale) {
+    float4 lo = low_of(item), hi = high_of(item);
+    int4 cell = __builtin_convertvector((twice_centroid(lo, hi) - offset) * scale, int4);
+    for (int axis = 0; axis < 3; axis++) {
+        grow(&bins->box[axis][cell[axis]], lo, hi);
+        bins->count[axis][cell[axis]]++;
+    }
+}
+
+/* Neighbours fall into the same bins, whose last store the next load would wait for: where there are
+ * many items, even and odd ones have bins of their own. */
+static void fill_bins(const asdic_bvh_item *items, size_t count, float4 offset, float4 scale,
+                      int used, bin_set *bins) {
+    clear_bins(bins, used);
+    if (count < MANY_ITEMS) {
+        for (size_t i = 0; i < count; i++) {
+            add_to_bins(bins, &items[i], offset, scale);
+        }
+        return;
+    }
+    bin_set odd;
+    clear_bins(&odd, used);
+    for (size_t i = 0; i + 1 < count; i += 2) {
+        add_to_bins(bins, &items[i], offset, scale);
+        add_to_bins(&odd, &items[i + 1], offset, scale);
+    }
+    if (count % 2) {
+        add_to_bins(bins, &items[count - 1], offset, scale);
+    }
+    for (int axis = 0; axis < 3; axis++) {
+        for (int i = 0; i < used; i++) {
+            grow(&bins->box[axis][i], odd.box[axis][i].lo, odd.box[axis][i].hi);
+            bins->count[axis][i] += odd.count[axis][i];
         }
     }
 }
 
 /* The cheapest cut of one axis; ties go to the lower bin. Returns whether it beats *BEST. */
-static bool sweep_axis(const bounds box[BINS], const uint32_t count[BINS], float *best,
+static bool sweep_axis(const bounds *box, const uint32_t *count, int used, float *best,
                        split_plan *plan) {
     float cost_right[BINS];
-    bounds right[BINS], b = NOTHING;
+    bounds right[BINS], b = nothing();
     uint32_t n = 0;
-    for (int i = BINS - 1; i > 0; i--) {
+    for (int i = used - 1; i > 0; i--) {
         grow(&b, box[i].lo, box[i].hi);
         n += count[i];
         right[i] = b;
         cost_right[i] = n ? leaf_cost(&b, n) : INFINITY;
     }
     bool better = false;
-    b = NOTHING;
+    b = nothing();
     n = 0;
-    for (int i = 0; i < BINS - 1; i++) {
+    for (int i = 0; i < used - 1; i++) {
         grow(&b, box[i].lo, box[i].hi);
         n += count[i];
         if (n == 0) {
@@ -140,22 +150,25 @@ static bool sweep_axis(const bounds box[BINS], const uint32_t count[BINS], float
     return better;
 }
 
-static split_plan plan_split(const builder *b, const task *t) {
+static split_plan plan_split(const asdic_bvh_item *items, const asdic_bvh_task *t) {
     split_plan plan = {.axis = -1};
     if (t->depth >= ASDIC_BVH_HEURISTIC_DEPTH) {
         return plan;
     }
-    float scale[4] = {0};
+    int used = t->count < FEW_ITEMS ? FEW_BINS : BINS;
+    float4 scale = float4_splat(0.0f), span = t->centroids.hi - t->centroids.lo;
+    float longest = fmaxf(fmaxf(span[0], span[1]), span[2]);
+    float least = fmaxf(1e-30f, SHORT_AXIS * longest);
     for (int k = 0; k < 3; k++) {
-        float span = t->centroids.hi[k] - t->centroids.lo[k];
-        /* Just under BINS, so that the largest centroid still falls into the last bin. */
-        scale[k] = span > 1e-30f ? 0.9999f * BINS / span : 0.0f;
+        /* Just under the bins used, so that the largest centroid still falls into the last one. */
+        scale[k] = span[k] > least ? 0.9999f * (float)used / span[k] : 0.0f;
     }
     bin_set bins;
-    fill_bins(b->items + t->first, t->count, t->centroids.lo, scale, &bins);
+    fill_bins(items, t->count, t->centroids.lo, scale, used, &bins);
     float best = INFINITY;
     for (int axis = 0; axis < 3; axis++) {
-        if (scale[axis] > 0.0f && sweep_axis(bins.box[axis], bins.count[axis], &best, &plan)) {
+        if (scale[axis] > 0.0f &&
+            sweep_axis(bins.box[axis], bins.count[axis], used, &best, &plan)) {
             plan.axis = axis;
             plan.offset = t->centroids.lo[axis];
             plan.scale = scale[axis];
@@ -164,147 +177,58 @@ static split_plan plan_split(const builder *b, const task *t) {
     return plan;
 }
 
-/* Sorts the items by the plan; returns the size of the left side and the sides' centroid boxes. */
+/* Sorts the items by the plan; returns the size of the left side and the sides' centroid boxes. Every
+ * item changes places with the first of the right side, which is no branch to guess. */
 static size_t partition(asdic_bvh_item *items, size_t count, const split_plan *plan, bounds *left,
                         bounds *right) {
-    *left = *right = NOTHING;
-    size_t i = 0, end = count;
-    while (i < end) {
-        float lo[4], hi[4], centroid[4];
-        item_corners(&items[i], lo, hi);
-        item_centroid(lo, hi, centroid);
-        if ((int)((centroid[plan->axis] - plan->offset) * plan->scale) <= plan->bin) {
-            grow(left, centroid, centroid);
-            i++;
-        } else {
-            grow(right, centroid, centroid);
-            asdic_bvh_item held = items[--end];
-            items[end] = items[i];
-            items[i] = held;
-        }
-    }
-    return i;
-}
-
-static void measure(const asdic_bvh_item *items, size_t count, bounds *box, bounds *centroids) {
-    *box = *centroids = NOTHING;
+    bounds l = nothing(), r = nothing();
+    const float4 low = float4_splat(INFINITY), high = float4_splat(-INFINITY);
+    size_t end = 0;
     for (size_t i = 0; i < count; i++) {
-        float lo[4], hi[4], centroid[4];
-        item_corners(&items[i], lo, hi);
-        item_centroid(lo, hi, centroid);
-        grow(box, lo, hi);
-        grow(centroids, centroid, centroid);
+        float4 lo = low_of(&items[i]), hi = high_of(&items[i]);
+        float4 centroid = twice_centroid(lo, hi);
+        bool goes = (int)((centroid[plan->axis] - plan->offset) * plan->scale) <= plan->bin;
+        int4 mask = (int4){0, 0, 0, 0} - (int)goes;
+        set_item(&items[i], low_of(&items[end]), high_of(&items[end]));
+        set_item(&items[end], lo, hi);
+        end += goes;
+        grow(&l, float4_choose(mask, centroid, low), float4_choose(mask, centroid, high));
+        grow(&r, float4_choose(mask, low, centroid), float4_choose(mask, high, centroid));
     }
+    *left = l;
+    *right = r;
+    return end;
 }
 
-/* Writes the node of T; returns false for a leaf, else the two halves of the work. */
-static bool split_node(const builder *b, const task *t, task *left, task *right) {
-    asdic_bvh_node2 *node = &b->nodes[t->node];
-    memcpy(node->lo, t->box.lo, sizeof node->lo);
-    memcpy(node->hi, t->box.hi, sizeof node->hi);
-    if (t->count <= LEAF) {
-        node->link = (uint32_t)t->first;
-        node->count = (uint32_t)t->count;
-        return false;
+void asdic_bvh_measure(const asdic_bvh_item *items, asdic_bvh_task *task) {
+    bounds b = nothing(), c = nothing();
+    for (size_t i = task->first; i < task->first + task->count; i++) {
+        float4 lo = low_of(&items[i]), hi = high_of(&items[i]);
+        float4 centroid = twice_centroid(lo, hi);
+        grow(&b, lo, hi);
+        grow(&c, centroid, centroid);
     }
-    asdic_bvh_item *items = b->items + t->first;
-    split_plan plan = plan_split(b, t);
-    size_t cut;
-    if (plan.axis >= 0) {
-        cut = partition(items, t->count, &plan, &left->centroids, &right->centroids);
-        left->box = plan.left;
-        right->box = plan.right;
-    } else { /* centroids that cannot be told apart, or too deep: halve, in whole blocks */
-        cut = (t->count / 2 + LEAF - 1) / LEAF * LEAF;
-        measure(items, cut, &left->box, &left->centroids);
-        measure(items + cut, t->count - cut, &right->box, &right->centroids);
-    }
+    task->box = b;
+    task->centroids = c;
+}
+
+void asdic_bvh_split(asdic_bvh_item *items, const asdic_bvh_task *t, asdic_bvh_task *left,
+                     asdic_bvh_task *right) {
+    split_plan plan = plan_split(items + t->first, t);
+    bool halve = plan.axis < 0;
+    /* Centroids that cannot be told apart, or too deep: halve, in whole blocks. */
+    size_t cut =
+        halve ? (t->count / 2 + LEAF - 1) / LEAF * LEAF
+              : partition(items + t->first, t->count, &plan, &left->centroids, &right->centroids);
     left->first = t->first;
     left->count = cut;
-    left->node = t->node + 1;
     right->first = t->first + cut;
     right->count = t->count - cut;
-    right->node = t->node + 2 * cut;
     left->depth = right->depth = t->depth + 1;
-    node->link = (uint32_t)right->node;
-    node->count = 0;
-    return true;
-}
-
-/* Hands T to another thread; false when the queue is full. */
-static bool offer(builder *b, const task *t) {
-    pthread_mutex_lock(&b->lock);
-    bool taken = b->queued < MAX_TASKS;
-    if (taken) {
-        b->queue[b->queued++] = *t;
-        pthread_cond_signal(&b->changed);
+    left->box = plan.left;
+    right->box = plan.right;
+    if (halve) {
+        asdic_bvh_measure(items, left);
+        asdic_bvh_measure(items, right);
     }
-    pthread_mutex_unlock(&b->lock);
-    return taken;
-}
-
-static void build_subtree(builder *b, const task *root) {
-    task stack[ASDIC_BVH_HEURISTIC_DEPTH + 40];
-    size_t top = 0;
-    stack[top++] = *root;
-    while (top > 0) {
-        task t = stack[--top], left, right;
-        if (!split_node(b, &t, &left, &right)) {
-            continue;
-        }
-        if (right.count < TASK_ITEMS || !offer(b, &right)) {
-            stack[top++] = right;
-        }
-        stack[top++] = left;
-    }
-}
-
-static void *work(void *user) {
-    builder *b = user;
-    pthread_mutex_lock(&b->lock);
-    for (;;) {
-        while (b->queued == 0 && b->running > 0) {
-            pthread_cond_wait(&b->changed, &b->lock);
-        }
-        if (b->queued == 0) {
-            break;
-        }
-        task t = b->queue[--b->queued];
-        b->running++;
-        pthread_mutex_unlock(&b->lock);
-        build_subtree(b, &t);
-        pthread_mutex_lock(&b->lock);
-        b->running--;
-    }
-    pthread_cond_broadcast(&b->changed);
-    pthread_mutex_unlock(&b->lock);
-    return NULL;
-}
-
-asdic_status asdic_bvh_split(asdic_context *ctx, asdic_bvh_item *items, size_t count,
-                             unsigned threads, asdic_bvh_node2 *nodes) {
-    builder b = {.items = items, .nodes = nodes, .queued = 1};
-    if (pthread_mutex_init(&b.lock, NULL) != 0) {
-        return asdic_fail_memory(ctx, "the hierarchy's lock");
-    }
-    if (pthread_cond_init(&b.changed, NULL) != 0) {
-        pthread_mutex_destroy(&b.lock);
-        return asdic_fail_memory(ctx, "the hierarchy's lock");
-    }
-    b.queue[0] = (task){.count = count};
-    measure(items, count, &b.queue[0].box, &b.queue[0].centroids);
-    pthread_t helpers[MAX_THREADS];
-    unsigned started = 0;
-    /* A thread that cannot be started is no loss: the others do its work. */
-    while (started + 1 < threads && started < MAX_THREADS &&
-           pthread_create(&helpers[started], NULL, work, &b) == 0) {
-        started++;
-    }
-    work(&b);
-    for (unsigned i = 0; i < started; i++) {
-        pthread_join(helpers[i], NULL);
-    }
-    pthread_cond_destroy(&b.changed);
-    pthread_mutex_destroy(&b.lock);
-    return ASDIC_OK;
 }
