@@ -40,6 +40,14 @@
 #define TRACE_FMA(a, b, c) ((a) * (b) + (c))
 #endif
 
+/* A function of its own, so that its arrays lie on the stack once: PoCL gives what it inlines into a
+ * kernel a place for every work-item of the group, which then do not fit the cache. */
+#if defined(__clang__)
+#define TRACE_APART __attribute__((noinline))
+#else
+#define TRACE_APART
+#endif
+
 /* Not fmin and fmax: those honour NaN and cost several instructions. */
 #define LESSER(a, b) ((a) < (b) ? (a) : (b))
 #define GREATER(a, b) ((a) > (b) ? (a) : (b))

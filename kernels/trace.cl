@@ -39,7 +39,7 @@ __kernel void trace_pkt16(__global const dev_node8 *nodes, __global const dev_bl
                           uint root, float extent_m) {
     uint first = 16 * (uint)get_global_id(0);
     if (first < count) {
-        trace_sixteen(nodes, blocks, rays, hits, first, count, root, extent_m);
+        trace_sixteen_new(nodes, blocks, rays, hits, first, count, root, extent_m);
     }
 }
 

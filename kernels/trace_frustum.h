@@ -8,8 +8,15 @@
 
 #include "trace_packet.h"
 
-#define FRUSTUM_BUDGET_64 100
-#define FRUSTUM_BUDGET_16 100
+/* Work after which a packet gives up: a node counts 1, a leaf 2, each of its triangles that a group of
+ * sixteen has to test 1; each is some fifty cycles. About what the rays cost in smaller parts. */
+#define FRUSTUM_BUDGET_64 400
+#define FRUSTUM_BUDGET_16 160
+
+/* A packet gives up at its first leaf already when a group's window is so many times larger than the
+ * leaf's largest triangle: its rays then meet a triangle each. */
+#define FRUSTUM_WIDE_64 8.0f
+#define FRUSTUM_WIDE_16 16.0f
 
 /* Sixteen rays; s as in intersect.h. */
 typedef struct group16 {
@@ -30,6 +37,8 @@ typedef struct frustum {
     uint kx, ky, kz;
     float16 window[4]; /* centre and half width of (sx, sy): lane 4 * group + triangle */
     float limit;       /* the farthest hit so far */
+    float widest; /* twice the area of the largest window, over how often a triangle may go into it;
+                          0 once that was checked */
 } frustum;
 
 /* All rays from one point, and none skipped. */
@@ -155,6 +164,8 @@ static inline bool frustum_prepare(const rays16 *r, uint groups, float extent_m,
         group_prepare(r[i], kz, &g[i]);
     }
     frustum_enclose(g, groups, f);
+    float16 windows = f->window[2] * f->window[3];
+    f->widest = 8.0f * greatest16(windows) / (groups == 4 ? FRUSTUM_WIDE_64 : FRUSTUM_WIDE_16);
     return true;
 }
 
@@ -205,7 +216,8 @@ typedef struct edge4 {
 /* Four triangles in the plane of (x / z, y / z), where a ray is the point (sx, sy). */
 typedef struct outline4 {
     edge4 edge[3];
-    int4 plain; /* all corners ahead, and not far aside: the outline can be trusted */
+    int4 plain;  /* all corners ahead, and not far aside: the outline can be trusted */
+    float4 area; /* twice */
 } outline4;
 
 /* The edges lie outside of the triangles by more than what rounding and the tolerance of the exact
@@ -222,6 +234,7 @@ static inline outline4 outline_of(const seen4 *s, float ahead) {
         o.plain &= (z * ahead > 0.0f) & (fabs(x[c]) < 8.0f) & (fabs(y[c]) < 8.0f);
     }
     float4 area = EDGE(x[1] - x[0], y[1] - y[0], x[2] - x[0], y[2] - y[0]);
+    o.area = fabs(area);
     float4 sign = area < 0.0f ? (float4)(1.0f) : (float4)(-1.0f), slack = 1e-3f * fabs(area);
 #pragma unroll
     for (uint c = 0; c < 3; c++) {
@@ -280,11 +293,19 @@ static inline void hit_seen(const seen4 *s, uint lane, uint id, group16 *g) {
     g->best.id = met ? (uint16)(id) : best.id;
 }
 
-static inline void hit_leaf(__global const dev_block4 *block, uint groups, frustum *f, group16 *g) {
+/* Returns how many triangles were tested; ~0u: none, the packet is too wide for them. */
+static inline uint hit_leaf(__global const dev_block4 *block, uint groups, frustum *f, group16 *g) {
     seen4 seen;
     seen4_prepare((__global const float4 *)block, f, &seen);
     outline4 outline = outline_of(&seen, f->axis[f->kz].least);
-    uint bits = groups == 4 ? touch4(&outline, f) : touch1(&outline, f);
+    if (f->widest > 0.0f) {
+        float4 area = outline.plain ? outline.area : (float4)(INFINITY);
+        if (!any4(area > f->widest)) {
+            return ~0u;
+        }
+        f->widest = 0.0f;
+    }
+    uint bits = groups == 4 ? touch4(&outline, f) : touch1(&outline, f), tested = popcount(bits);
     for (; bits; bits &= bits - 1) {
         uint bit = lowest_bit(bits), lane = bit & 3, id = block->id[lane];
         if (id != ~0u) {
@@ -292,6 +313,7 @@ static inline void hit_leaf(__global const dev_block4 *block, uint groups, frust
         }
     }
     set_limit(g, groups, f);
+    return tested;
 }
 
 /* Puts the entered children on the stack in order, the nearest on top. Unlike for a single ray it
@@ -315,12 +337,12 @@ static inline void push_entered(__global const dev_node8 *nodes, __global const 
     }
 }
 
-/* The nearest hits below ROOT; false when BUDGET nodes did not suffice. What was found until then
- * is right: it only has to be beaten. */
+/* The nearest hits below ROOT; false when BUDGET did not suffice. What was found until then is right:
+ * it only has to be beaten. */
 static inline bool walk_frustum(__global const dev_node8 *nodes, __global const dev_block4 *blocks,
                                 uint root, uint groups, uint budget, frustum *f, group16 *g) {
     stack8 s;
-    uint top = 1, visited = 0;
+    uint top = 1, work = 0;
     s.child[0] = root;
     s.entry[0] = 0.0f;
     while (top > 0) {
@@ -329,11 +351,16 @@ static inline bool walk_frustum(__global const dev_node8 *nodes, __global const 
         if (s.entry[top] > f->limit) {
             continue;
         }
-        if (++visited > budget) {
+        if (work > budget) {
             return false;
         }
+        work++;
         if (word & DEV_LEAF) {
-            hit_leaf(&blocks[word & ~DEV_LEAF], groups, f, g);
+            uint tested = hit_leaf(&blocks[word & ~DEV_LEAF], groups, f, g);
+            if (tested == ~0u) {
+                return false;
+            }
+            work += 1 + tested;
         } else {
             push_entered(nodes, blocks, word, f, &s, &top);
         }
@@ -341,42 +368,63 @@ static inline bool walk_frustum(__global const dev_node8 *nodes, __global const 
     return true;
 }
 
-/* Sixteen rays FIRST .. FIRST + 15 in the best way there is. */
-static inline void trace_sixteen(__global const dev_node8 *nodes, __global const dev_block4 *blocks,
-                                 __global const dev_ray *rays, __global dev_hit *hits, uint first,
-                                 uint count, uint root, float extent_m) {
-    rays16 r = load_rays16(rays, first, count);
+/* The rays R, FIRST .. FIRST + 15 of RAYS, in the best way there is; KNOWN is what was found so far. */
+TRACE_APART static void trace_sixteen(__global const dev_node8 *nodes,
+                                      __global const dev_block4 *blocks,
+                                      __global const dev_ray *rays, __global dev_hit *hits,
+                                      rays16 r, hits16 known, uint first, uint count, uint root,
+                                      float extent_m) {
     frustum f;
     group16 g;
-    if (root != DEV_EMPTY && frustum_prepare(&r, 1, extent_m, &f, &g) &&
-        walk_frustum(nodes, blocks, root, 1, FRUSTUM_BUDGET_16, &f, &g)) {
-        store_hits16(hits, first, count, g.best);
-        return;
-    }
-    trace_packet16(nodes, blocks, rays, hits, r, first, count, root, extent_m);
-}
-
-static inline void trace_sixty_four(__global const dev_node8 *nodes,
-                                    __global const dev_block4 *blocks, __global const dev_ray *rays,
-                                    __global dev_hit *hits, uint first, uint count, uint root,
-                                    float extent_m) {
-    if (first + 64 <= count && root != DEV_EMPTY) {
-        rays16 r[4];
-        frustum f;
-        group16 g[4];
-        for (uint i = 0; i < 4; i++) {
-            r[i] = load_rays16(rays, first + 16 * i, count);
-        }
-        if (frustum_prepare(r, 4, extent_m, &f, g) &&
-            walk_frustum(nodes, blocks, root, 4, FRUSTUM_BUDGET_64, &f, g)) {
-            for (uint i = 0; i < 4; i++) {
-                store_hits16(hits, first + 16 * i, count, g[i].best);
-            }
+    uint alone = PACKET_ALONE;
+    if (root != DEV_EMPTY && frustum_prepare(&r, 1, extent_m, &f, &g)) {
+        g.best = known;
+        f.limit = greatest16(known.t);
+        bool done = walk_frustum(nodes, blocks, root, 1, FRUSTUM_BUDGET_16, &f, &g);
+        known = g.best;
+        if (done) {
+            store_hits16(hits, first, count, known);
             return;
         }
+        alone = PACKET_ALONE_WIDE;
     }
-    for (uint at = first; at < first + 64 && at < count; at += 16) {
-        trace_sixteen(nodes, blocks, rays, hits, at, count, root, extent_m);
+    trace_packet16(nodes, blocks, rays, hits, r, known, alone, first, count, root, extent_m);
+}
+
+TRACE_APART static void trace_sixteen_new(__global const dev_node8 *nodes,
+                                          __global const dev_block4 *blocks,
+                                          __global const dev_ray *rays, __global dev_hit *hits,
+                                          uint first, uint count, uint root, float extent_m) {
+    rays16 r = load_rays16(rays, first, count);
+    hits16 none = {r.t_max, (uint16)(~0u)};
+    trace_sixteen(nodes, blocks, rays, hits, r, none, first, count, root, extent_m);
+}
+
+TRACE_APART static void trace_sixty_four(__global const dev_node8 *nodes,
+                                         __global const dev_block4 *blocks,
+                                         __global const dev_ray *rays, __global dev_hit *hits,
+                                         uint first, uint count, uint root, float extent_m) {
+    rays16 r[4];
+    frustum f;
+    group16 g[4];
+    bool whole = first + 64 <= count && root != DEV_EMPTY;
+    for (uint i = 0; i < 4 && whole; i++) {
+        r[i] = load_rays16(rays, first + 16 * i, count);
+    }
+    if (!whole || !frustum_prepare(r, 4, extent_m, &f, g)) {
+        for (uint at = first; at < first + 64 && at < count; at += 16) {
+            trace_sixteen_new(nodes, blocks, rays, hits, at, count, root, extent_m);
+        }
+        return;
+    }
+    bool done = walk_frustum(nodes, blocks, root, 4, FRUSTUM_BUDGET_64, &f, g);
+    for (uint i = 0; i < 4; i++) {
+        uint at = first + 16 * i;
+        if (done) {
+            store_hits16(hits, at, count, g[i].best);
+        } else {
+            trace_sixteen(nodes, blocks, rays, hits, r[i], g[i].best, at, count, root, extent_m);
+        }
     }
 }
 

@@ -10,8 +10,9 @@
 
 #include "trace_wide8.h"
 
-/* So many rays or fewer go on alone. */
+/* So many rays or fewer go on alone; of a packet that is known to be wide, more. */
 #define PACKET_ALONE 3
+#define PACKET_ALONE_WIDE 10
 
 DEFINE_INTERSECT(intersect16, float16, int16)
 
@@ -40,6 +41,7 @@ typedef struct columns {
 
 static inline columns unzip(columns in) {
     columns out;
+#pragma unroll
     for (int i = 0; i < 4; i++) {
         float16 a = in.c[2 * i], b = in.c[2 * i + 1];
         out.c[i] = (float16)(a.even, b.even);
@@ -66,6 +68,7 @@ static inline rays16 load_rays16(__global const dev_ray *rays, uint first, uint 
     rays16 r;
     if (first + 16 <= count) {
         columns c;
+#pragma unroll
         for (uint i = 0; i < 8; i++) {
             c.c[i] = ((__global const float16 *)&rays[first])[i];
         }
@@ -150,6 +153,7 @@ typedef struct packet16 {
     bool one_axis;
     hits16 best;
     float limit; /* the farthest of best.t */
+    uint alone;  /* so many rays or fewer go on alone */
 } packet16;
 
 static inline float16 choose3(int16 k, float16 at0, float16 at1, float16 at2) {
@@ -194,9 +198,7 @@ static inline bool packet16_prepare(rays16 r, float extent_m, packet16 *p) {
     p->ox = p->one_axis ? choose3(p->kz, r.oy, r.oz, r.ox) : r.ox;
     p->oy = p->one_axis ? choose3(p->kz, r.oz, r.ox, r.oy) : r.oy;
     p->oz = p->one_axis ? choose3(p->kz, r.ox, r.oy, r.oz) : r.oz;
-    p->best.t = r.t_max;
-    p->best.id = (uint16)(~0u);
-    p->limit = greatest16(r.t_max);
+    p->limit = greatest16(p->best.t);
     return agree;
 }
 
@@ -365,7 +367,7 @@ static inline void walk16(__global const dev_node8 *nodes, __global const dev_bl
         if (s.entry[top] > p->limit) {
             continue;
         }
-        if (popcount(lanes) <= PACKET_ALONE) {
+        if (popcount(lanes) <= p->alone) {
             walk_alone(nodes, blocks, rays, lanes, word, extent_m, p);
         } else if (word & DEV_LEAF) {
             hit_block16(&blocks[word & ~DEV_LEAF], p);
@@ -375,22 +377,23 @@ static inline void walk16(__global const dev_node8 *nodes, __global const dev_bl
     }
 }
 
-/* The rays R, which are FIRST .. FIRST + 15 of RAYS. */
+/* The rays R, which are FIRST .. FIRST + 15 of RAYS; KNOWN is what was found so far. */
 static inline void trace_packet16(__global const dev_node8 *nodes,
                                   __global const dev_block4 *blocks, __global const dev_ray *rays,
-                                  __global dev_hit *hits, rays16 r, uint first, uint count,
-                                  uint root, float extent_m) {
+                                  __global dev_hit *hits, rays16 r, hits16 known, uint alone,
+                                  uint first, uint count, uint root, float extent_m) {
     float16 sum = ((r.ox + r.oy) + (r.oz + r.dx)) + (r.dy + r.dz);
     int16 live = (r.t_max > 0.0f) & (fabs(sum) < INFINITY); /* a NAN must not spoil the intervals */
     packet16 p;
-    p.best.t = r.t_max;
-    p.best.id = (uint16)(~0u);
+    p.best = known;
     if (any16(live) && root != DEV_EMPTY) {
         if (any16(~live)) {
             r = fill_skipped(r, live);
-            r.t_max = live ? r.t_max : (float16)(-1.0f);
+            known.t = live ? known.t : (float16)(-1.0f);
         }
+        p.best = known;
         if (packet16_prepare(r, extent_m, &p)) {
+            p.alone = alone;
             walk16(nodes, blocks, &rays[first], root, extent_m, &p);
         } else {
             walk_alone(nodes, blocks, &rays[first], bits16(live), root, extent_m, &p);
