@@ -40,8 +40,10 @@ void asdic_context_destroy(asdic_context **ctx) {
     *ctx = NULL;
 }
 
-void asdic_context_set_log(asdic_context *ctx, asdic_log_level level, asdic_log_fn fn,
-                           void *user) {
+void asdic_context_set_log(asdic_context *ctx, asdic_log_level level, asdic_log_fn fn, void *user) {
+    if (!ctx) {
+        return;
+    }
     pthread_mutex_lock(&ctx->lock);
     ctx->level = level;
     ctx->log = fn;
@@ -75,6 +77,11 @@ asdic_status asdic_fail(asdic_context *ctx, asdic_status status, const char *for
         pthread_mutex_unlock(&ctx->lock);
     }
     return status;
+}
+
+asdic_status asdic_fail_null(asdic_context *ctx, const char *function) {
+    return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "%s: an argument that is needed is NULL",
+                      function);
 }
 
 asdic_status asdic_fail_memory(asdic_context *ctx, const char *what) {

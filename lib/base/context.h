@@ -11,6 +11,9 @@
 asdic_status asdic_fail(asdic_context *ctx, asdic_status status, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
+/* A pointer that FUNCTION cannot do without is NULL: ASDIC_ERROR_ARGUMENT. */
+asdic_status asdic_fail_null(asdic_context *ctx, const char *function);
+
 /* Out of memory while allocating WHAT ("1000 bins"). */
 asdic_status asdic_fail_memory(asdic_context *ctx, const char *what);
 

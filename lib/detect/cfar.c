@@ -217,6 +217,9 @@ static asdic_status find_scale(asdic_context *ctx, const asdic_cfar *cfar, unsig
 asdic_status asdic_cfar_row(asdic_context *ctx, const asdic_cfar *cfar, unsigned looks, double pfa,
                             const double *intensity_lin, size_t bins, double *background_lin,
                             double *threshold_lin) {
+    if (!cfar || !intensity_lin || !background_lin || !threshold_lin) {
+        return asdic_fail_null(ctx, __func__);
+    }
     double near[2 * MOST_CELLS];
     scale scales[2 * MOST_CELLS + 1] = {0};
     if (cfar->cells < 1 || cfar->cells > MOST_CELLS || !(cfar->rank > 0.0 && cfar->rank <= 1.0)) {

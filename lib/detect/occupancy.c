@@ -28,6 +28,9 @@ double asdic_beam_width_rad(const asdic_sonar *sonar, size_t receiver, double so
 asdic_status asdic_occupancy_create(asdic_context *ctx, asdic_vec3 min_m, asdic_vec3 max_m,
                                     double cell_m, double prior, double limit,
                                     asdic_occupancy **out) {
+    if (!out) {
+        return asdic_fail_null(ctx, __func__);
+    }
     *out = NULL;
     double rows = ceil((max_m.x - min_m.x) / cell_m), columns = ceil((max_m.y - min_m.y) / cell_m);
     if (!(cell_m > 0.0) || !(prior > 0.0 && prior < 1.0) || !(limit > 0.0)) {

@@ -103,6 +103,9 @@ static asdic_status against_expected(asdic_scan *scan, const double *expected_li
 
 asdic_status asdic_scan_ping(asdic_scan *scan, const double *intensity_lin,
                              const double *expected_lin, const double *noise_lin) {
+    if (!scan) {
+        return asdic_fail_null(NULL, __func__);
+    }
     asdic_status status = ASDIC_OK;
     if (!intensity_lin || (!scan->has_cfar && !expected_lin)) {
         return asdic_fail(scan->ctx, ASDIC_ERROR_ARGUMENT,

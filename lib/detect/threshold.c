@@ -12,6 +12,9 @@
 
 asdic_status asdic_detect_threshold(asdic_context *ctx, const asdic_background *b, double pfa,
                                     double *threshold_lin) {
+    if (!b || !threshold_lin) {
+        return asdic_fail_null(ctx, __func__);
+    }
     asdic_status status = asdic_background_check(ctx, b);
     if (status != ASDIC_OK) {
         return status;
@@ -41,6 +44,9 @@ asdic_status asdic_detect_threshold(asdic_context *ctx, const asdic_background *
 asdic_status asdic_detect_threshold_llr(asdic_context *ctx, const asdic_background *b,
                                         asdic_target target, double target_lin, double llr,
                                         double *threshold_lin) {
+    if (!b || !threshold_lin) {
+        return asdic_fail_null(ctx, __func__);
+    }
     asdic_status status = asdic_background_check(ctx, b);
     if (status != ASDIC_OK) {
         return status;

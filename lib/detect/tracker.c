@@ -43,6 +43,9 @@ asdic_tracker_options asdic_tracker_options_default(void) {
 
 asdic_status asdic_tracker_create(asdic_context *ctx, const asdic_tracker_options *options,
                                   asdic_tracker **out) {
+    if (!options || !out) {
+        return asdic_fail_null(ctx, __func__);
+    }
     *out = NULL;
     if (!(options->gate > 0.0) || !(options->acceleration >= 0.0) || !(options->speed_mps > 0.0) ||
         options->confirm < 1 || options->confirm > options->of || options->of > 32 ||
@@ -164,6 +167,9 @@ static void show(asdic_tracker *t) {
 
 asdic_status asdic_tracker_update(asdic_tracker *t, double time_s, const asdic_plot_point *plots,
                                   size_t count) {
+    if (!t || (!plots && count > 0)) {
+        return asdic_fail_null(t ? t->ctx : NULL, __func__);
+    }
     size_t pairs = 0, kept = 0, state_capacity = t->capacity;
     double step_s = isnan(t->time_s) ? 0.0 : time_s - t->time_s;
     if (!(step_s >= 0.0)) {

@@ -3,6 +3,7 @@
  */
 #include "mission.h"
 
+#include "base/context.h"
 #include "track_write.h"
 
 #include <math.h>
@@ -17,6 +18,9 @@ const asdic_sonar *asdic_mission_sonar(const asdic_mission *mission) {
 }
 
 const asdic_scene *asdic_mission_scene(const asdic_mission *mission) {
+    if (!mission) {
+        return NULL;
+    }
     return mission->scene;
 }
 
@@ -33,10 +37,16 @@ const asdic_output_options *asdic_mission_output(const asdic_mission *mission) {
 }
 
 const char *asdic_mission_path(const asdic_mission *mission) {
+    if (!mission) {
+        return NULL;
+    }
     return mission->path;
 }
 
 const char *asdic_mission_text(const asdic_mission *mission) {
+    if (!mission) {
+        return NULL;
+    }
     return mission->text;
 }
 
@@ -45,14 +55,23 @@ const char *asdic_mission_hash(const asdic_mission *mission) {
 }
 
 size_t asdic_mission_object_count(const asdic_mission *mission) {
+    if (!mission) {
+        return 0;
+    }
     return mission->object_count;
 }
 
 const asdic_mission_object *asdic_mission_get_object(const asdic_mission *mission, size_t index) {
+    if (!mission) {
+        return NULL;
+    }
     return index < mission->object_count ? &mission->objects[index] : NULL;
 }
 
 size_t asdic_mission_ping_count(const asdic_mission *mission) {
+    if (!mission) {
+        return 0;
+    }
     return mission->ping_count;
 }
 
@@ -65,6 +84,9 @@ static asdic_pose pose_on_track(const asdic_track *track, double time_s) {
 }
 
 asdic_pose asdic_mission_pose(const asdic_mission *mission, size_t index, double *time_s) {
+    if (!mission) {
+        return (asdic_pose){0};
+    }
     double elapsed_s = (double)index / mission->sonar.ping_rate_hz;
     double start_s = mission->track ? asdic_track_start_s(mission->track) : 0.0;
     if (time_s) {
@@ -82,11 +104,17 @@ static double time_of(const asdic_mission *mission, size_t index) {
 
 asdic_status asdic_mission_place(const asdic_mission *mission, asdic_simulator *simulator,
                                  size_t index) {
+    if (!mission || !simulator) {
+        return asdic_fail_null(NULL, __func__);
+    }
     return asdic_mission_place_at(mission, simulator, time_of(mission, index));
 }
 
 asdic_status asdic_mission_place_at(const asdic_mission *mission, asdic_simulator *simulator,
                                     double time_s) {
+    if (!mission || !simulator) {
+        return asdic_fail_null(NULL, __func__);
+    }
     asdic_status status = ASDIC_OK;
     for (size_t i = 0; status == ASDIC_OK && i < mission->motion_count; i++) {
         const asdic_motion *motion = &mission->motions[i];
@@ -97,6 +125,9 @@ asdic_status asdic_mission_place_at(const asdic_mission *mission, asdic_simulato
 }
 
 asdic_pose asdic_mission_object_pose(const asdic_mission *mission, size_t object, size_t index) {
+    if (!mission) {
+        return (asdic_pose){0};
+    }
     const asdic_mission_object *o = &mission->objects[object];
     for (size_t i = 0; o->moves && i < mission->motion_count; i++) {
         if (strcmp(mission->motions[i].name, o->name) == 0) {
@@ -107,6 +138,9 @@ asdic_pose asdic_mission_object_pose(const asdic_mission *mission, size_t object
 }
 
 asdic_flat_scene asdic_mission_flat_scene(const asdic_mission *mission, size_t index) {
+    if (!mission) {
+        return (asdic_flat_scene){0};
+    }
     asdic_vec3 position_m = asdic_mission_pose(mission, index, NULL).position_m;
     double altitude_m = asdic_scene_altitude_m(mission->scene, position_m);
     return (asdic_flat_scene){

@@ -81,6 +81,9 @@ void asdic_run_close(asdic_run **run) {
 }
 
 asdic_run_info asdic_run_get_info(const asdic_run *run) {
+    if (!run) {
+        return (asdic_run_info){0};
+    }
     const asdic_run_facts *facts = &run->facts;
     return (asdic_run_info){.first_ping = facts->first_ping,
                             .pings = asdic_store_count(run->store),
@@ -98,6 +101,9 @@ asdic_run_info asdic_run_get_info(const asdic_run *run) {
 }
 
 asdic_status asdic_run_read(asdic_run *run, size_t index, asdic_record *record) {
+    if (!run || !record) {
+        return asdic_fail_null(run ? run->ctx : NULL, __func__);
+    }
     if (index >= asdic_store_count(run->store)) {
         return asdic_fail(run->ctx, ASDIC_ERROR_ARGUMENT, "record %zu of a run of %zu", index,
                           asdic_store_count(run->store));
@@ -116,6 +122,9 @@ asdic_status asdic_run_read(asdic_run *run, size_t index, asdic_record *record) 
 }
 
 asdic_flat_scene asdic_run_flat_scene(const asdic_run *run, const asdic_record *record) {
+    if (!run || !record) {
+        return (asdic_flat_scene){0};
+    }
     bool has_bottom = isfinite(record->altitude_m);
     return (asdic_flat_scene){.has_surface = run->facts.has_surface,
                               .has_bottom = has_bottom,

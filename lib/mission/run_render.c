@@ -252,6 +252,9 @@ static asdic_status render(asdic_render *r) {
 
 asdic_status asdic_run_render(asdic_context *ctx, const char *folder,
                               const asdic_render_options *options) {
+    if (!folder || !options) {
+        return asdic_fail_null(ctx, __func__);
+    }
     asdic_render r = {.ctx = ctx, .options = *options};
     asdic_status status = asdic_run_open(ctx, folder, &r.run);
     if (status == ASDIC_OK) {

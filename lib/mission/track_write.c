@@ -57,5 +57,8 @@ asdic_status asdic_track_file_write(asdic_context *ctx, const asdic_mission *mis
 
 asdic_status asdic_mission_write_track(asdic_context *ctx, const asdic_mission *mission,
                                        const char *path) {
+    if (!mission || !path) {
+        return asdic_fail_null(ctx, __func__);
+    }
     return asdic_track_file_write(ctx, mission, 0, asdic_mission_ping_count(mission), path);
 }

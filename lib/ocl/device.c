@@ -142,6 +142,9 @@ static asdic_status partition(asdic_device *device, size_t count, cl_device_id *
 }
 
 asdic_status asdic_device_split(asdic_device *device, size_t count, asdic_device ***out) {
+    if (!device || !out) {
+        return asdic_fail_null(device ? device->ctx : NULL, __func__);
+    }
     cl_device_id *ids = NULL;
     cl_uint got = 0;
 

@@ -138,6 +138,9 @@ const char *asdic_colormap_name(asdic_colormap map) {
 }
 
 bool asdic_colormap_find(const char *name, asdic_colormap *out) {
+    if (!name || !out) {
+        return false;
+    }
     for (int i = 0; i < ASDIC_COLORMAP_COUNT; i++) {
         if (strcmp(name, names[i]) == 0) {
             *out = (asdic_colormap)i;

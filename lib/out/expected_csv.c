@@ -31,6 +31,9 @@ static void write_row(FILE *out, const char *beam_field, const asdic_ping *ping,
 
 asdic_status asdic_expected_write_csv(asdic_context *ctx, const char *path,
                                       const asdic_sonar *sonar, const asdic_ping *ping) {
+    if (!path || !sonar || !ping) {
+        return asdic_fail_null(ctx, __func__);
+    }
     asdic_file *file = NULL;
     asdic_status status =
         asdic_file_create(ctx, strcmp(path, "-") == 0 ? "/dev/stdout" : path, &file);

@@ -48,6 +48,9 @@ static asdic_status paint(asdic_context *ctx, const asdic_map *map,
 
 asdic_status asdic_picture_map(asdic_context *ctx, const char *path, const asdic_map *map,
                                const asdic_picture_options *options) {
+    if (!path || !map || !options) {
+        return asdic_fail_null(ctx, __func__);
+    }
     if (map->rows == 0 || map->columns == 0 || !(map->cell_m > 0.0) ||
         !(options->db_low < options->db_high)) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,

@@ -77,6 +77,9 @@ void asdic_draw_note(char note[ASDIC_NOTE_SIZE], const asdic_picture_options *op
 asdic_status asdic_picture_waterfall(asdic_context *ctx, const char *path,
                                      const asdic_waterfall *waterfall,
                                      const asdic_picture_options *options) {
+    if (!path || !waterfall || !options) {
+        return asdic_fail_null(ctx, __func__);
+    }
     asdic_status status = check_waterfall(ctx, waterfall, options);
     if (status != ASDIC_OK) {
         return status;
@@ -98,6 +101,9 @@ asdic_status asdic_picture_waterfall(asdic_context *ctx, const char *path,
 
 asdic_status asdic_picture_fan(asdic_context *ctx, const char *path, const asdic_fan *fan,
                                const asdic_picture_options *options) {
+    if (!path || !fan || !options) {
+        return asdic_fail_null(ctx, __func__);
+    }
     if (fan->beams == 0 || fan->bins == 0 || !(fan->bin_length_m > 0.0)) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
                           "nothing to draw: %zu beams of %zu bins of %g m", fan->beams, fan->bins,
@@ -118,6 +124,9 @@ asdic_status asdic_picture_fan(asdic_context *ctx, const char *path, const asdic
 asdic_status asdic_picture_raster(asdic_context *ctx, const char *path,
                                   const asdic_waterfall *waterfall,
                                   const asdic_picture_options *options) {
+    if (!path || !waterfall || !options) {
+        return asdic_fail_null(ctx, __func__);
+    }
     asdic_raster raster;
     asdic_status status = check_waterfall(ctx, waterfall, options);
     if (status != ASDIC_OK) {
@@ -164,6 +173,9 @@ static asdic_status raw_row(void *user, size_t ping, uint16_t *grey) {
 asdic_status asdic_picture_raw(asdic_context *ctx, const char *path,
                                const asdic_waterfall *waterfall,
                                const asdic_picture_options *options) {
+    if (!path || !waterfall || !options) {
+        return asdic_fail_null(ctx, __func__);
+    }
     asdic_status status = check_waterfall(ctx, waterfall, options);
     if (status != ASDIC_OK) {
         return status;
@@ -179,6 +191,9 @@ asdic_status asdic_picture_raw(asdic_context *ctx, const char *path,
 
 asdic_status asdic_picture_plot(asdic_context *ctx, const char *path, const asdic_plot *panels,
                                 size_t panel_count, const asdic_picture_options *options) {
+    if (!path || !panels || !options) {
+        return asdic_fail_null(ctx, __func__);
+    }
     if (panel_count == 0) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "nothing to draw: no panel");
     }

@@ -60,6 +60,9 @@ static void plumb_word(plumb *p, uint32_t word) {
 }
 
 double asdic_scene_altitude_m(const asdic_scene *scene, asdic_vec3 position_m) {
+    if (!scene) {
+        return INFINITY;
+    }
     plumb p = {position_m.x - scene->origin_m.x, position_m.y - scene->origin_m.y,
                position_m.z - scene->origin_m.z, INFINITY, scene};
     if (scene->bvh.root != DEV_EMPTY) {

@@ -85,6 +85,9 @@ asdic_status asdic_caster_read(asdic_caster *c, asdic_ray_hit *hits) {
 }
 
 const char *asdic_caster_kernel(const asdic_caster *c) {
+    if (!c) {
+        return NULL;
+    }
     return asdic_tracer_form(c->tracer, c->rays);
 }
 
@@ -93,6 +96,9 @@ const char *asdic_ray_kernel_name(size_t index) {
 }
 
 asdic_status asdic_scene_triangle(const asdic_scene *scene, size_t index, float corners_m[9]) {
+    if (!scene || !corners_m) {
+        return asdic_fail_null(scene ? scene->ctx : NULL, __func__);
+    }
     if (!scene->committed || index >= scene->triangle_count) {
         return asdic_fail(scene->ctx, ASDIC_ERROR_ARGUMENT, "triangle %zu of a scene of %zu%s",
                           index, scene->triangle_count,

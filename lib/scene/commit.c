@@ -56,6 +56,9 @@ static asdic_status place_movables(asdic_scene *scene) {
 }
 
 asdic_status asdic_scene_commit(asdic_scene *scene) {
+    if (!scene) {
+        return asdic_fail_null(NULL, __func__);
+    }
     if (scene->committed) {
         return asdic_fail(scene->ctx, ASDIC_ERROR_ARGUMENT, "the scene is committed already");
     }
@@ -90,6 +93,9 @@ asdic_status asdic_scene_commit(asdic_scene *scene) {
 }
 
 asdic_scene_info asdic_scene_get_info(const asdic_scene *scene) {
+    if (!scene) {
+        return (asdic_scene_info){0};
+    }
     asdic_scene_info info = {
         .has_surface = scene->has_surface,
         .has_bottom_plane = scene->has_bottom_plane,

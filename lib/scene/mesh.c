@@ -146,6 +146,9 @@ static void hint_at_units(asdic_mesh_info *info) {
 }
 
 asdic_mesh_info asdic_mesh_get_info(const asdic_mesh *mesh) {
+    if (!mesh) {
+        return (asdic_mesh_info){0};
+    }
     asdic_mesh_info info = {.triangles = mesh->triangle_count,
                             .vertices = mesh->vertex_count,
                             .dropped = mesh->dropped,

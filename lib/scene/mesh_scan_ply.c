@@ -239,6 +239,9 @@ static asdic_status check_counts(const ply_file *ply) {
             return asdic_mesh_scan_fail(ply->scan, 0,
                                         "vertices need x, y, z and faces need vertex_indices");
         }
+        if (bytes <= 0.0 && element->count > 0) {
+            return asdic_mesh_scan_fail(ply->scan, 0, "an element has no properties");
+        }
         needed += bytes * (double)element->count;
         vertices += element->vertex ? element->count : 0;
         facets += element->face ? element->count : 0;

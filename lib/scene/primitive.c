@@ -63,6 +63,9 @@ static asdic_status complete(asdic_context *ctx, writer *w, asdic_mesh **out) {
 }
 
 asdic_status asdic_mesh_box(asdic_context *ctx, asdic_vec3 size_m, asdic_mesh **out) {
+    if (!out) {
+        return asdic_fail_null(ctx, __func__);
+    }
     writer w = {0};
     asdic_status status = check_length(ctx, "the box's x size", size_m.x);
     status = status ? status : check_length(ctx, "the box's y size", size_m.y);
@@ -88,6 +91,9 @@ asdic_status asdic_mesh_box(asdic_context *ctx, asdic_vec3 size_m, asdic_mesh **
 /* SEGMENTS meridians and half as many parallels, poles on the z axis. */
 asdic_status asdic_mesh_sphere(asdic_context *ctx, double radius_m, unsigned segments,
                                asdic_mesh **out) {
+    if (!out) {
+        return asdic_fail_null(ctx, __func__);
+    }
     writer w = {0};
     size_t rings = segments / 2 < 2 ? 1 : segments / 2 - 1; /* between the poles */
     asdic_status status = check_length(ctx, "the sphere's radius", radius_m);
@@ -123,6 +129,9 @@ asdic_status asdic_mesh_sphere(asdic_context *ctx, double radius_m, unsigned seg
 
 asdic_status asdic_mesh_cylinder(asdic_context *ctx, double radius_m, double length_m,
                                  unsigned segments, asdic_mesh **out) {
+    if (!out) {
+        return asdic_fail_null(ctx, __func__);
+    }
     writer w = {0};
     asdic_status status = check_length(ctx, "the cylinder's radius", radius_m);
     status = status ? status : check_length(ctx, "the cylinder's length", length_m);
@@ -153,6 +162,9 @@ asdic_status asdic_mesh_cylinder(asdic_context *ctx, double radius_m, double len
 
 asdic_status asdic_mesh_plate(asdic_context *ctx, double width_m, double height_m,
                               asdic_mesh **out) {
+    if (!out) {
+        return asdic_fail_null(ctx, __func__);
+    }
     writer w = {0};
     asdic_status status = check_length(ctx, "the plate's width", width_m);
     status = status ? status : check_length(ctx, "the plate's height", height_m);

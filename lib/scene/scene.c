@@ -47,10 +47,16 @@ void asdic_scene_destroy(asdic_scene **scene) {
 }
 
 void asdic_scene_set_surface(asdic_scene *scene, bool enabled) {
+    if (!scene) {
+        return;
+    }
     scene->has_surface = enabled;
 }
 
 void asdic_scene_set_threads(asdic_scene *scene, unsigned threads) {
+    if (!scene) {
+        return;
+    }
     scene->threads = threads;
 }
 
@@ -113,6 +119,9 @@ static asdic_status add_material(asdic_scene *scene, const asdic_material *mater
 
 asdic_status asdic_scene_set_bottom_plane(asdic_scene *scene, double depth_m,
                                           asdic_material material) {
+    if (!scene) {
+        return asdic_fail_null(NULL, __func__);
+    }
     asdic_status status = check_open(scene);
     if (status != ASDIC_OK) {
         return status;
@@ -199,6 +208,9 @@ static asdic_status add_part(asdic_scene *scene, asdic_part *part, const asdic_m
 
 asdic_status asdic_scene_add_bottom(asdic_scene *scene, const asdic_mesh *mesh, asdic_pose pose,
                                     asdic_material material) {
+    if (!scene || !mesh) {
+        return asdic_fail_null(scene ? scene->ctx : NULL, __func__);
+    }
     asdic_part part = {.kind = DEV_KIND_BOTTOM};
     return add_part(scene, &part, mesh, &pose, &material);
 }
@@ -217,6 +229,9 @@ static asdic_status copy_name(const asdic_scene *scene, const char *name, char *
 
 asdic_status asdic_scene_add_object(asdic_scene *scene, const char *name, const asdic_mesh *mesh,
                                     asdic_pose pose, asdic_material material) {
+    if (!scene || !mesh) {
+        return asdic_fail_null(scene ? scene->ctx : NULL, __func__);
+    }
     asdic_part part = {.kind = DEV_KIND_OBJECT};
     asdic_status status = copy_name(scene, name, part.name);
     return status ? status : add_part(scene, &part, mesh, &pose, &material);
@@ -237,6 +252,9 @@ static asdic_status reserve_movable(asdic_scene *scene, size_t count) {
 asdic_status asdic_scene_add_moving_object(asdic_scene *scene, const char *name,
                                            const asdic_mesh *mesh, asdic_pose pose,
                                            asdic_material material) {
+    if (!scene || !mesh) {
+        return asdic_fail_null(scene ? scene->ctx : NULL, __func__);
+    }
     asdic_part part = {.kind = DEV_KIND_OBJECT, .moves = true};
     asdic_status status = copy_name(scene, name, part.name);
     status = status ? status : check_open(scene);
@@ -262,6 +280,9 @@ asdic_status asdic_scene_add_moving_object(asdic_scene *scene, const char *name,
 
 asdic_status asdic_scene_add_point(asdic_scene *scene, const char *name, asdic_vec3 position_m,
                                    double target_strength_db) {
+    if (!scene) {
+        return asdic_fail_null(NULL, __func__);
+    }
     asdic_point point = {.position_m = position_m, .target_strength_db = target_strength_db};
     asdic_pose pose = {.position_m = position_m};
     asdic_status status = check_open(scene);

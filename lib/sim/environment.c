@@ -26,6 +26,9 @@ typedef struct environment_field {
 } environment_field;
 
 asdic_status asdic_environment_check(asdic_context *ctx, const asdic_environment *env) {
+    if (!env) {
+        return asdic_fail_null(ctx, __func__);
+    }
     const environment_field fields[] = {
         {"temperature_degc", "degC", env->temperature_degc, -2.0, 40.0, false},
         {"salinity_ppt", "ppt", env->salinity_ppt, 0.0, 45.0, false},
@@ -55,6 +58,9 @@ asdic_status asdic_environment_check(asdic_context *ctx, const asdic_environment
 }
 
 double asdic_environment_sound_speed_mps(const asdic_environment *env, double depth_m) {
+    if (!env) {
+        return NAN;
+    }
     if (!isnan(env->sound_speed_mps)) {
         return env->sound_speed_mps;
     }
@@ -63,6 +69,9 @@ double asdic_environment_sound_speed_mps(const asdic_environment *env, double de
 
 double asdic_environment_absorption_db_per_km(const asdic_environment *env, double frequency_hz,
                                               double depth_m) {
+    if (!env) {
+        return NAN;
+    }
     double z_m = isnan(env->max_depth_m) ? depth_m : env->max_depth_m;
     double f_khz = 1e-3 * frequency_hz;
     if (env->variant == ASDIC_VARIANT_PRINTED) {

@@ -209,6 +209,9 @@ static asdic_status compute(asdic_context *ctx, const asdic_flat_scene *flat,
 asdic_status asdic_expected_compute(asdic_context *ctx, const asdic_flat_scene *flat,
                                     const asdic_environment *env, const asdic_sonar *sonar,
                                     const asdic_pose *pose, asdic_ping *ping) {
+    if (!flat || !env || !sonar || !pose || !ping) {
+        return asdic_fail_null(ctx, __func__);
+    }
     unsigned errata = env->variant == ASDIC_VARIANT_PRINTED ? ASDIC_ERRATA_PRINTED : 0u;
     return compute(ctx, flat, env, sonar, pose, errata, ping);
 }
@@ -216,6 +219,9 @@ asdic_status asdic_expected_compute(asdic_context *ctx, const asdic_flat_scene *
 asdic_status asdic_expected_erratum(asdic_context *ctx, size_t index, const asdic_flat_scene *flat,
                                     const asdic_environment *env, const asdic_sonar *sonar,
                                     const asdic_pose *pose, asdic_ping *ping) {
+    if (!flat || !env || !sonar || !pose || !ping) {
+        return asdic_fail_null(ctx, __func__);
+    }
     if (index >= asdic_erratum_count()) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "erratum %zu of %zu", index,
                           asdic_erratum_count());

@@ -201,8 +201,11 @@ asdic_status asdic_simulator_learn(asdic_simulator *sim, const asdic_pose *pose,
         sim->sampling.left_out & (1u << ASDIC_TERM_RAYS)) {
         return ASDIC_OK;
     }
+    asdic_status status = asdic_pose_check(sim->ctx, pose);
+    if (status) {
+        return status;
+    }
     asdic_simulator_forget(sim);
-    asdic_status status = ASDIC_OK;
     for (uint32_t round = 0; !status && round < PILOT_ROUNDS; round++) {
         status = learn_once(sim, pose, index, ASDIC_STREAM_PILOT + round);
     }

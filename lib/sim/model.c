@@ -266,6 +266,9 @@ asdic_status asdic_model_evaluate_many(asdic_context *ctx, asdic_device *device,
 
 asdic_status asdic_model_evaluate(asdic_context *ctx, asdic_device *device, const char *name,
                                   const char *const *assignments, size_t count, double *out) {
+    if (!name || !out || (!assignments && count > 0)) {
+        return asdic_fail_null(ctx, __func__);
+    }
     double values[ASDIC_MODEL_MAX_KEYS] = {0.0};
     size_t model = 0;
     asdic_status status = find_model(ctx, name, &model);

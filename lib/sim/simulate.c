@@ -326,9 +326,13 @@ asdic_status asdic_simulator_ping(asdic_simulator *sim, const asdic_pose *pose, 
                           "the ping holds %zu beams x %zu bins, the simulator makes %zu x %zu",
                           out->beams, out->bins, sim->sonar.receiver_count, sim->bins);
     }
+    asdic_status status = asdic_pose_check(sim->ctx, pose);
+    if (status) {
+        return status;
+    }
     bool rays = !(sim->sampling.left_out & (1u << ASDIC_TERM_RAYS));
-    asdic_status status = rays ? asdic_simulator_simulate(sim, pose, index, ASDIC_STREAM_PING, out)
-                               : asdic_quadrature_ping(sim, pose, out);
+    status = rays ? asdic_simulator_simulate(sim, pose, index, ASDIC_STREAM_PING, out)
+                  : asdic_quadrature_ping(sim, pose, out);
     asdic_water_column water = asdic_water_column_at(&sim->env, &sim->sonar, pose->position_m.z);
     if (!status) {
         status = asdic_points_add(sim, pose, &water, out);

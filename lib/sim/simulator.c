@@ -258,6 +258,9 @@ asdic_status asdic_simulator_create_with(asdic_context *ctx, asdic_device *devic
     if (status) {
         return status;
     }
+    if (!isfinite(depth_m)) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "the sonar's depth is %g m", depth_m);
+    }
     asdic_simulator *sim = calloc(1, sizeof *sim);
     if (!sim) {
         return asdic_fail_memory(ctx, "a simulator");

@@ -56,6 +56,9 @@ static asdic_status check_beam(asdic_context *ctx, const asdic_beam *beam) {
 }
 
 asdic_status asdic_sonar_check(asdic_context *ctx, const asdic_sonar *sonar) {
+    if (!sonar) {
+        return asdic_fail_null(ctx, __func__);
+    }
     const sonar_field fields[] = {
         {"frequency_hz", "Hz", sonar->frequency_hz, 100.0, 1e6},
         {"bandwidth_hz", "Hz", sonar->bandwidth_hz, 1.0, 1e6},
@@ -92,10 +95,16 @@ asdic_status asdic_sonar_check(asdic_context *ctx, const asdic_sonar *sonar) {
 }
 
 double asdic_sonar_max_range_m(const asdic_sonar *sonar, double sound_speed_mps) {
+    if (!sonar) {
+        return NAN;
+    }
     return max_range_m(sound_speed_mps, sonar->ping_rate_hz);
 }
 
 size_t asdic_sonar_bin_count(const asdic_sonar *sonar, double sound_speed_mps) {
+    if (!sonar) {
+        return 0;
+    }
     double bins = asdic_sonar_max_range_m(sonar, sound_speed_mps) / sonar->bin_length_m;
     /* 75 m of 0.1 m bins are 750 bins, though 75 / 0.1 is 749.9999999999999 somewhere. */
     double whole = floor(bins * (1.0 + 1e-9));
@@ -103,6 +112,9 @@ size_t asdic_sonar_bin_count(const asdic_sonar *sonar, double sound_speed_mps) {
 }
 
 unsigned asdic_sonar_looks(const asdic_sonar *sonar, double sound_speed_mps) {
+    if (!sonar) {
+        return 0;
+    }
     double cells = sonar->bin_length_m * 2.0 * sonar->bandwidth_hz / sound_speed_mps;
     return (unsigned)fmin(fmax(round(cells), 1.0), 1000.0);
 }

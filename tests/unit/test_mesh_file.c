@@ -276,6 +276,7 @@ static void ply_bodies(void **state) {
         {"solid\n", "does not start with 'ply'"},
         {"ply\nformat ascii 1.1\n", ":2: the version"}, /* OpenMesh reads on forever */
         {"ply\nformat ascii 1.0\ncom\n", ":3: unknown line"},
+        {"ply\nformat ascii 1.0\nelement edge 900000000000\nend_header\n", "no properties"},
         {"ply\nformat ascii 1.0\nelement vertex 3 4\n", ":3: '4' follows"},
         {"ply\nformat ascii 1.0\nelement vertex 3\nproperty float\n", ":4: this property has no"},
         {PLY_HEAD("3", "1") "0 0 0\n1 0x1 0\n0 1 0\n3 0 1 2\n", ":11: vertex 1"},

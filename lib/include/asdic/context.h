@@ -5,6 +5,9 @@
  * Threads: one context and the objects created from it may be used by one thread at a time,
  * except where a function says otherwise. The error sentence itself is guarded, so that worker
  * threads inside the library may report through the caller's context.
+ *
+ * NULL where an object is needed: what returns a status answers ASDIC_ERROR_ARGUMENT; what asks a
+ * mission, scene, mesh or run something gets nothing (zeros, NULL). A NULL context only loses the sentence.
  */
 #ifndef ASDIC_CONTEXT_H
 #define ASDIC_CONTEXT_H

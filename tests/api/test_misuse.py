@@ -1,0 +1,156 @@
+"""Every public function with NULL, zeros, NaN and huge numbers: a status, never a crash.
+
+A C program is made from the headers: it calls each function in a child process of its own, with
+arguments of four kinds. A function that returns a status refuses what it cannot work on.
+"""
+import os
+import pathlib
+import re
+import subprocess
+import tempfile
+
+import tap
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+INCLUDE = ROOT / "lib" / "include"
+LIBRARY = pathlib.Path(os.environ["ASDIC_LIBRARY"])
+
+# What may be given nothing and still be right.
+FINE = {"asdic_context_create": {"huge"}, "asdic_device_list": {"huge"},
+        "asdic_scene_create": {"huge"},
+        "asdic_team_end": {"nothing", "context", "nan", "huge"}}  # without a team there is no end
+
+PROGRAM = r"""
+#define _GNU_SOURCE
+#include <asdic/asdic.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+static char room[8][1 << 16];
+static asdic_context *ctx;
+%s
+typedef struct entry { const char *name; int (*call)(int kind); } entry;
+static const entry entries[] = {
+%s
+};
+int main(void) {
+    static const char *const kinds[] = {"nothing", "context", "nan", "huge"};
+    asdic_context_create(&ctx);
+    for (size_t i = 0; i < sizeof entries / sizeof *entries; i++) {
+        for (int kind = 0; kind < 4; kind++) {
+            int state;
+            fflush(stdout);
+            pid_t child = fork();
+            if (child == 0) {
+                alarm(20);
+                _exit(entries[i].call(kind));
+            }
+            waitpid(child, &state, 0);
+            printf("%%s %%s %%s %%d\n", entries[i].name, kinds[kind],
+                   WIFSIGNALED(state) ? "signal" : "status",
+                   WIFSIGNALED(state) ? WTERMSIG(state) : WEXITSTATUS(state));
+        }
+    }
+}
+"""
+
+
+# Arithmetic on what the caller fills in, many times a ping: without a status, and unguarded.
+ARITHMETIC = re.compile(r"asdic_(background_of|detect_(pfa|pd|llr|draw|simulate|simulate_rare)|"
+                        r"beam_axis|beam_width_rad|scan_get|tracker_get|occupancy_add)$")
+
+
+def prototypes():
+    """(result, name, [parameter type, ...]) of every public function but those."""
+    found = []
+    for header in sorted((INCLUDE / "asdic").glob("*.h")):
+        text = re.sub(r"/\*.*?\*/", "", header.read_text(), flags=re.S)
+        text = re.sub(r"^#.*$", "", text, flags=re.M)
+        for match in re.finditer(r"ASDIC_API\s([^;]*);", text):
+            words = " ".join(match.group(1).split())
+            result, name, parameters = re.match(r"(.*?)(\w+)\((.*)\)$", words).groups()
+            if ARITHMETIC.match(name):
+                continue
+            types = []
+            for parameter in parameters.split(", "):
+                array = parameter.endswith("]")
+                kind = re.sub(r"\w+(\[\w*\])?$", "", parameter).strip()
+                if kind and parameter != "void":
+                    types.append(kind + (" *" if array else ""))
+            found.append((result.strip(), name, types))
+    return found
+
+
+def argument(number, kind):
+    """C expressions for the four kinds of one parameter."""
+    if kind == "asdic_context *":
+        return ["NULL", "ctx", "ctx", "ctx"]
+    if "(" in kind or kind == "asdic_log_fn":
+        return ["NULL"] * 4
+    if kind == "double":
+        return ["0.0", "0.0", "NAN", "1e308"]
+    if kind in ("float", "size_t", "uint32_t", "uint64_t", "unsigned", "bool", "int"):
+        return ["0", "0", "0", f"({kind})-1"]
+    if kind == "const char *":
+        return ["NULL", "NULL", '"/nonexistent/x.yaml"', '"/nonexistent/x.yaml"']
+    if kind.endswith("*") and not kind.startswith("const "):
+        opaque = kind in OPAQUE
+        return ["NULL", "NULL", "NULL", "NULL" if opaque else f"(void *)room[{number % 8}]"]
+    if kind.endswith("*"):
+        return ["NULL"] * 4
+    if kind.startswith("asdic_") and kind in VALUES:
+        return [f"zero_{kind}", f"zero_{kind}", f"nan_{kind}", f"nan_{kind}"]
+    return ["0", "0", "0", f"({kind})99"]  # an enumeration
+
+
+OPAQUE = {f"{name} *" for header in (INCLUDE / "asdic").glob("*.h")
+          for name in re.findall(r"typedef struct (asdic_\w+) \1;", header.read_text())}
+OPAQUE.add("asdic_team *")  # functions of the caller's
+VALUES = {"asdic_vec3", "asdic_pose", "asdic_material"}
+
+
+def source():
+    calls, entries = [], []
+    for kind in sorted(VALUES):
+        calls.append(f"static {kind} zero_{kind}, nan_{kind};")
+    for result, name, types in prototypes():
+        columns = [argument(i, kind) for i, kind in enumerate(types)]
+        lines = []
+        for k in range(4):
+            call = f"{name}({', '.join(column[k] for column in columns)})"
+            lines.append(f"    case {k}: " + (f"return (int){call};" if result == "asdic_status"
+                                              else f"(void){call}; return 0;"))
+        calls.append(f"static int call_{name}(int kind) {{\n    memset(&nan_asdic_pose, 0xff, "
+                     "sizeof nan_asdic_pose);\n    memset(&nan_asdic_vec3, 0xff, sizeof "
+                     "nan_asdic_vec3);\n    switch (kind) {\n" + "\n".join(lines)
+                     + "\n    }\n    return 0;\n}")
+        entries.append(f'    {{"{name}", call_{name}}},')
+    return PROGRAM % ("\n".join(calls), "\n".join(entries))
+
+
+def results():
+    with tempfile.TemporaryDirectory() as folder:
+        program, code = pathlib.Path(folder, "misuse"), pathlib.Path(folder, "misuse.c")
+        code.write_text(source())
+        subprocess.run(["cc", "-w", f"-I{INCLUDE}", code, "-o", program, LIBRARY,
+                        f"-Wl,-rpath,{LIBRARY.parent}", "-lm"], check=True)
+        done = subprocess.run([program], check=True, capture_output=True, text=True, timeout=110)
+    return [line.split() for line in done.stdout.splitlines() if line.count(" ") == 3]
+
+
+def test_nothing_crashes():
+    rows = results()
+    tap.equal(len(rows), 4 * len(prototypes()), "number of calls")
+    crashed = [f"{name}({kind}): signal {code}" for name, kind, how, code in rows
+               if how == "signal"]
+    tap.equal(crashed, [], "crashes")
+    has_status = {name for result, name, _ in prototypes() if result == "asdic_status"}
+    taken = [f"{name}({kind})" for name, kind, _, code in rows
+             if name in has_status and code == "0" and kind not in FINE.get(name, {})]
+    tap.equal(taken, [], "accepted though there was nothing to work on")
+
+
+tap.main(globals())

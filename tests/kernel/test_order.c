@@ -1,0 +1,207 @@
+/*
+ * A library used in the wrong order, beyond its limits, after a failure, and by two threads at once,
+ * each with a context of its own.
+ */
+#include "asserts.h"
+#include "test_device.h"
+
+#include <asdic/asdic.h>
+
+#include <pthread.h>
+#include <stdlib.h>
+
+static test_device t;
+
+#define BINS 20
+#define THREAD_PINGS 3
+
+static asdic_sonar sonar_of(const asdic_beam *beam) {
+    asdic_sonar sonar = asdic_sonar_default();
+    sonar.receivers = beam;
+    sonar.receiver_count = 1;
+    sonar.bin_length_m = 1.0;
+    sonar.ping_rate_hz = 30.0;
+    return sonar;
+}
+
+static asdic_scene *scene_of(asdic_context *ctx) {
+    asdic_scene *scene = NULL;
+    assert_ok(ctx, asdic_scene_create(ctx, &scene));
+    assert_ok(ctx, asdic_scene_set_bottom_plane(scene, 12.0, asdic_material_bottom(2.0)));
+    return scene;
+}
+
+static asdic_beam beam(void) {
+    return (asdic_beam){.name = "a", .length_h_m = 0.05, .length_v_m = 0.05};
+}
+
+static asdic_status create(asdic_context *ctx, asdic_device *device, const asdic_scene *scene,
+                           const asdic_sonar *sonar, uint32_t rays, double depth_m,
+                           asdic_simulator **out) {
+    asdic_environment env = asdic_environment_default();
+    asdic_sampling sampling = asdic_sampling_default();
+    sampling.rays = rays;
+    return asdic_simulator_create(ctx, device, scene, &env, sonar, &sampling, depth_m, out);
+}
+
+static void a_scene_is_committed_once(void **state) {
+    (void)state;
+    asdic_scene *scene = scene_of(t.ctx);
+    asdic_mesh *box = NULL;
+    asdic_simulator *sim = NULL;
+    asdic_pose here = {.position_m = {5.0, 0.0, 5.0}};
+    asdic_beam one = beam();
+    asdic_sonar sonar = sonar_of(&one);
+    assert_ok(t.ctx, asdic_mesh_box(t.ctx, (asdic_vec3){1.0, 1.0, 1.0}, &box));
+    assert_status(t.ctx, create(t.ctx, t.device, scene, &sonar, 64, 5.0, &sim),
+                  ASDIC_ERROR_ARGUMENT);
+    assert_null(sim);
+    assert_ok(t.ctx, asdic_scene_commit(scene));
+    assert_status(t.ctx,
+                  asdic_scene_add_object(scene, "late", box, here, asdic_material_bottom(2.0)),
+                  ASDIC_ERROR_ARGUMENT);
+    assert_status(t.ctx, asdic_scene_add_point(scene, "late", here.position_m, -10.0),
+                  ASDIC_ERROR_ARGUMENT);
+    assert_status(t.ctx, asdic_scene_set_bottom_plane(scene, 9.0, asdic_material_bottom(2.0)),
+                  ASDIC_ERROR_ARGUMENT);
+    assert_status(t.ctx, asdic_scene_commit(scene), ASDIC_ERROR_ARGUMENT);
+    asdic_mesh_destroy(&box);
+    asdic_scene_destroy(&scene);
+}
+
+static void numbers_beyond_limits_are_refused(void **state) {
+    (void)state;
+    static const double bad[] = {NAN, INFINITY, -INFINITY, -1.0, 1e300};
+    asdic_scene *scene = scene_of(t.ctx);
+    asdic_simulator *sim = NULL;
+    asdic_ping *ping = NULL;
+    asdic_mesh *mesh = NULL;
+    asdic_beam one = beam();
+    assert_ok(t.ctx, asdic_scene_commit(scene));
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        for (int field = 0; field < 4; field++) {
+            asdic_sonar sonar = sonar_of(&one);
+            double *const at[] = {&sonar.frequency_hz, &sonar.bandwidth_hz, &sonar.ping_rate_hz,
+                                  &sonar.bin_length_m};
+            *at[field] = bad[i];
+            assert_status(t.ctx, asdic_sonar_check(t.ctx, &sonar), ASDIC_ERROR_ARGUMENT);
+            assert_status(t.ctx, create(t.ctx, t.device, scene, &sonar, 64, 5.0, &sim),
+                          ASDIC_ERROR_ARGUMENT);
+            assert_null(sim);
+        }
+        assert_status(t.ctx, asdic_mesh_sphere(t.ctx, bad[i], 16, &mesh), ASDIC_ERROR_ARGUMENT);
+        assert_status(t.ctx, asdic_mesh_box(t.ctx, (asdic_vec3){1.0, bad[i], 1.0}, &mesh),
+                      ASDIC_ERROR_ARGUMENT);
+        assert_null(mesh);
+    }
+    asdic_sonar sonar = sonar_of(&one);
+    assert_status(t.ctx, create(t.ctx, t.device, scene, &sonar, 0, 5.0, &sim),
+                  ASDIC_ERROR_ARGUMENT);
+    assert_status(t.ctx, create(t.ctx, t.device, scene, &sonar, UINT32_MAX, 5.0, &sim),
+                  ASDIC_ERROR_ARGUMENT);
+    assert_status(t.ctx, create(t.ctx, t.device, scene, &sonar, 64, NAN, &sim),
+                  ASDIC_ERROR_ARGUMENT);
+    assert_status(t.ctx, asdic_ping_create(t.ctx, 0, 1, &ping), ASDIC_ERROR_ARGUMENT);
+    asdic_status status = asdic_ping_create(t.ctx, SIZE_MAX / 2, 3, &ping);
+    assert_true(status == ASDIC_ERROR_ARGUMENT || status == ASDIC_ERROR_MEMORY);
+    assert_null(ping);
+    asdic_scene_destroy(&scene);
+}
+
+static void a_ping_that_does_not_fit_is_refused_and_the_next_works(void **state) {
+    (void)state;
+    asdic_scene *scene = scene_of(t.ctx);
+    asdic_simulator *sim = NULL;
+    asdic_ping *small = NULL, *right = NULL;
+    asdic_beam one = beam();
+    asdic_sonar sonar = sonar_of(&one);
+    asdic_pose pose = {.position_m = {0.0, 0.0, 5.0}}, bad = {.position_m = {0.0, NAN, 5.0}};
+    assert_ok(t.ctx, asdic_scene_commit(scene));
+    assert_ok(t.ctx, create(t.ctx, t.device, scene, &sonar, 64, 5.0, &sim));
+    size_t bins = asdic_simulator_bin_count(sim);
+    assert_ok(t.ctx, asdic_ping_create(t.ctx, 1, bins - 1, &small));
+    assert_ok(t.ctx, asdic_ping_create(t.ctx, 1, bins, &right));
+    assert_status(t.ctx, asdic_simulator_ping(sim, &pose, 0, small), ASDIC_ERROR_ARGUMENT);
+    assert_status(t.ctx, asdic_simulator_ping(sim, &bad, 0, right), ASDIC_ERROR_ARGUMENT);
+    assert_status(t.ctx, asdic_simulator_learn(sim, &bad, 0), ASDIC_ERROR_ARGUMENT);
+    assert_ok(t.ctx, asdic_simulator_ping(sim, &pose, 0, right));
+    asdic_ping_destroy(&small);
+    asdic_ping_destroy(&right);
+    asdic_simulator_destroy(&sim);
+    asdic_scene_destroy(&scene);
+}
+
+typedef struct lane {
+    pthread_t thread;
+    asdic_status status;
+    double levels[THREAD_PINGS][BINS];
+} lane;
+
+/* Everything of its own, and a failure in between. */
+static void *drive(void *argument) {
+    lane *l = argument;
+    asdic_context *ctx = NULL;
+    asdic_device **devices = NULL;
+    asdic_mission *none = NULL;
+    asdic_simulator *sim = NULL;
+    asdic_ping *ping = NULL;
+    asdic_scene *scene = NULL;
+    size_t count = 0;
+    asdic_beam one = beam();
+    asdic_sonar sonar = sonar_of(&one);
+    l->status = asdic_context_create(&ctx);
+    l->status =
+        l->status ? l->status : asdic_devices_open(ctx, getenv("ASDIC_DEVICE"), &devices, &count);
+    l->status = l->status ? l->status : asdic_scene_create(ctx, &scene);
+    l->status = l->status ? l->status
+                          : asdic_scene_set_bottom_plane(scene, 12.0, asdic_material_bottom(2.0));
+    l->status = l->status ? l->status : asdic_scene_commit(scene);
+    l->status = l->status ? l->status : create(ctx, devices[0], scene, &sonar, 2000, 5.0, &sim);
+    if (l->status == ASDIC_OK) {
+        l->status = asdic_ping_create(ctx, 1, asdic_simulator_bin_count(sim), &ping);
+    }
+    for (size_t i = 0; i < THREAD_PINGS && l->status == ASDIC_OK; i++) {
+        asdic_pose pose = {.position_m = {(double)i, 0.0, 5.0}};
+        if (asdic_mission_load(ctx, "/nonexistent", &none) != ASDIC_ERROR_INPUT) {
+            l->status = ASDIC_ERROR_IO;
+        }
+        l->status = l->status ? l->status : asdic_simulator_ping(sim, &pose, i, ping);
+        for (size_t bin = 0; bin < BINS && l->status == ASDIC_OK; bin++) {
+            l->levels[i][bin] = ping->intensity_lin[ASDIC_TOTAL][bin];
+        }
+    }
+    asdic_ping_destroy(&ping);
+    asdic_simulator_destroy(&sim);
+    asdic_scene_destroy(&scene);
+    asdic_devices_close(&devices, count);
+    asdic_context_destroy(&ctx);
+    return NULL;
+}
+
+static void two_threads_with_a_context_each(void **state) {
+    (void)state;
+    static lane alone, lanes[2];
+    drive(&alone);
+    assert_int_equal(alone.status, ASDIC_OK);
+    for (int i = 0; i < 2; i++) {
+        assert_int_equal(pthread_create(&lanes[i].thread, NULL, drive, &lanes[i]), 0);
+    }
+    for (int i = 0; i < 2; i++) {
+        pthread_join(lanes[i].thread, NULL);
+        assert_int_equal(lanes[i].status, ASDIC_OK);
+        assert_memory_equal(lanes[i].levels, alone.levels, sizeof alone.levels);
+    }
+}
+
+int main(void) {
+    t = test_device_open_or_skip();
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_scene_is_committed_once),
+        cmocka_unit_test(numbers_beyond_limits_are_refused),
+        cmocka_unit_test(a_ping_that_does_not_fit_is_refused_and_the_next_works),
+        cmocka_unit_test(two_threads_with_a_context_each),
+    };
+    int failed = cmocka_run_group_tests_name("order", tests, NULL, NULL);
+    test_device_close(&t);
+    return failed;
+}
