@@ -98,6 +98,9 @@ asdic_status asdic_roc_area(asdic_context *ctx, const double *none, const double
 
 asdic_status asdic_roc_compare(asdic_context *ctx, const asdic_roc *a, const asdic_roc *b,
                                asdic_estimate *difference) {
+    if (!a || !b || !difference) {
+        return asdic_fail_null(ctx, __func__);
+    }
     double variance;
     if (a->trials != b->trials) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "curves of %zu and %zu draws are no pairs",

@@ -7,6 +7,9 @@
 #include "scene/scene.h"
 
 asdic_choices asdic_mission_get_choices(const asdic_mission *mission) {
+    if (!mission) {
+        return (asdic_choices){0};
+    }
     return (asdic_choices){.wind_speed_kn = mission->environment.wind_speed_kn,
                            .bottom_type = mission->bottom_type,
                            .source_level_db = mission->sonar.source_level_db,

@@ -77,6 +77,9 @@ static asdic_status write_table(asdic_context *ctx, const char *path, const char
 
 asdic_status asdic_roc_write_csv(asdic_context *ctx, const char *path, const char *range_path,
                                  const char *const *names, asdic_roc *const *rocs, size_t count) {
+    if (!path || !names || !rocs) {
+        return asdic_fail_null(ctx, __func__);
+    }
     asdic_status status = write_table(
         ctx, path,
         "variant,design_pfa,threshold_db,pfa,pfa_low,pfa_high,pd,pd_low,pd_high,closed_pd\n",

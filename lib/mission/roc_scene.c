@@ -288,6 +288,9 @@ static void describe(const scene_job *job, size_t cell, const asdic_roc_case *c,
 asdic_status asdic_roc_compute(asdic_context *ctx, const asdic_mission *mission,
                                asdic_device *device, const asdic_roc_options *options,
                                asdic_roc **out) {
+    if (!mission || !device || !options || !out) {
+        return asdic_fail_null(ctx, __func__);
+    }
     size_t cell = 0;
     asdic_roc_case c;
     *out = NULL;

@@ -173,6 +173,9 @@ static char *folder_of(const char *path) {
 
 asdic_status asdic_mission_write_scene(asdic_context *ctx, const asdic_mission *mission,
                                        const char *path, const char *track) {
+    if (!mission || !path) {
+        return asdic_fail_null(ctx, __func__);
+    }
     rewriter r = {.folder = folder_of(mission->path)};
     asdic_problems problems = {.name = mission->path};
     asdic_yaml_node *root = NULL;

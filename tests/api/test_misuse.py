@@ -18,7 +18,9 @@ LIBRARY = pathlib.Path(os.environ["ASDIC_LIBRARY"])
 # What may be given nothing and still be right.
 FINE = {"asdic_context_create": {"huge"}, "asdic_device_list": {"huge"},
         "asdic_scene_create": {"huge"},
-        "asdic_team_end": {"nothing", "context", "nan", "huge"}}  # without a team there is no end
+        # what is not there has ended
+        "asdic_team_end": {"nothing", "context", "nan", "huge"},
+        "asdic_view_stop": {"nothing", "context", "nan", "huge"}}
 
 PROGRAM = r"""
 #define _GNU_SOURCE
@@ -58,13 +60,13 @@ int main(void) {
 """
 
 
-# Arithmetic on what the caller fills in, many times a ping: without a status, and unguarded.
-ARITHMETIC = re.compile(r"asdic_(background_of|detect_(pfa|pd|llr|draw|simulate|simulate_rare)|"
-                        r"beam_axis|beam_width_rad|scan_get|tracker_get|occupancy_add)$")
+# Of the functions without a status, those that ask one of these; the others are arithmetic on
+# what the caller fills in, many times a ping.
+ASKS = re.compile(r"asdic_(mission|scene|mesh|run|environment|sonar|context)_")
 
 
 def prototypes():
-    """(result, name, [parameter type, ...]) of every public function but those."""
+    """(result, name, [parameter type, ...]) of every public function that promises it."""
     found = []
     for header in sorted((INCLUDE / "asdic").glob("*.h")):
         text = re.sub(r"/\*.*?\*/", "", header.read_text(), flags=re.S)
@@ -72,7 +74,7 @@ def prototypes():
         for match in re.finditer(r"ASDIC_API\s([^;]*);", text):
             words = " ".join(match.group(1).split())
             result, name, parameters = re.match(r"(.*?)(\w+)\((.*)\)$", words).groups()
-            if ARITHMETIC.match(name):
+            if result.strip() != "asdic_status" and not ASKS.match(name):
                 continue
             types = []
             for parameter in parameters.split(", "):
