@@ -70,6 +70,28 @@ static void scenario_1_meets_independent_values(void **state) {
     end(s);
 }
 
+/* Band level (golden: 69.09 dB for 10 kHz at 100 kHz, 10 kn), less the face's directivity, over as
+ * many cells as a bin holds: the sonar equation's noise, by hand. */
+static void noise_is_the_band_level_less_directivity(void **state) {
+    (void)state;
+    const double c = 1490.102, band_db = 69.09000504272852, wavelength = c / 100e3;
+    double directivity_db =
+        asdic_level_db(4.0 * 3.14159265358979323846 * 0.05 * 0.05 / (wavelength * wavelength));
+    double cells_db = asdic_level_db(0.5 / (c / (2.0 * 10e3)));
+    setup *s = begin(BINS);
+    s->sonar.noise_enabled = true;
+    for (int directed = 0; directed < 2; directed++) {
+        s->sonar.noise_directivity = directed;
+        compute(s);
+        for (size_t n = 0; n < BINS; n++) {
+            assert_close(level(s, ASDIC_NOISE, n),
+                         band_db + cells_db - (directed ? directivity_db : 0.0), 1e-6);
+        }
+    }
+    print_message("noise %.2f dB, directivity %.2f dB\n", level(s, ASDIC_NOISE, 0), directivity_db);
+    end(s);
+}
+
 /* The corrected model with erratum NUMBER, or with 0 everything that was printed. */
 static void put_back(setup *s, unsigned number, asdic_ping *out) {
     asdic_environment env = s->env;
@@ -181,6 +203,7 @@ static void errata_have_their_published_size(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(scenario_1_meets_independent_values),
+        cmocka_unit_test(noise_is_the_band_level_less_directivity),
         cmocka_unit_test(errata_have_their_published_size),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -81,12 +81,14 @@ double hard_far_coordinates(void) {
         asdic_simulator_destroy(&sim);
         target_rig_destroy(&r);
     }
-    double most = 0.0;
+    double most = 0.0, ball = 0.0;
     for (size_t n = 0; n < pings[0]->bins; n++) {
         double a = pings[0]->intensity_lin[ASDIC_TOTAL][n];
         double b = pings[1]->intensity_lin[ASDIC_TOTAL][n];
+        ball += pings[1]->intensity_lin[ASDIC_OBJECT][n];
         most = a > 0.0 || b > 0.0 ? fmax(most, fabs(asdic_level_db(b / a))) : most;
     }
+    assert_true(ball > 0.0);
     asdic_ping_destroy(&pings[0]);
     asdic_ping_destroy(&pings[1]);
     return most;
