@@ -62,7 +62,7 @@ double hard_far_coordinates(void) {
         asdic_vec3 at = {far ? 4512345.6 : 0.0, far ? 498765.4 : 0.0, 0.0};
         asdic_mesh *mesh = NULL;
         asdic_simulator *sim = NULL;
-        asdic_pose lying = {.position_m = {at.x + 40.0, at.y, 106.0}, .pitch_rad = 1.4};
+        asdic_pose lying = {.position_m = {at.x + 40.0, at.y, 106.0}, .pitch_rad = 1.5};
         asdic_pose ball = {.position_m = {at.x + 33.3, at.y + 1.0, 101.0}};
         asdic_context *ctx = hard_device.ctx;
         assert_ok(ctx, asdic_scene_add_bottom(r.scene, mesh = plain_plate(100.0), lying, sand()));
