@@ -40,6 +40,24 @@ def test_run_folder_holds_what_it_should():
             raise AssertionError(run["stderr_db"])
 
 
+def test_multipath_has_a_column():
+    """A polished wall 25 m ahead shows the ball's back, 29 m away over the wall; off, nothing does."""
+    program.need_device()
+    wall = ("objects:\n  - name: wall\n    plate: {size_m: [20, 10]}\n    position_m: [25, 0, 6]\n"
+            "    material: {impedance_mrayl: 45, roughness_rms_mm: 0, slope_rms: 0}\n")
+    with Folder() as folder:
+        scene(folder, pings=1, rays=20000, npy="false")
+        text = folder.read("pool.yaml").replace("objects:\n", wall)
+        columns = {}
+        for way in ("off", "first"):
+            folder.write("pool.yaml", text.replace("seed: 7", f"seed: 7, multipath: {way}"))
+            asdic("run", "pool.yaml", "-o", way, cwd=folder.path).check(code=0)
+            rows = list(csv.DictReader(data(folder, way, "bins.csv").decode().splitlines()))
+            columns[way] = [r["multipath_db"] for r in rows if r["beam"] == "forward"]
+        tap.equal(set(columns["off"]), {""}, "multipath: off")
+        tap.equal([columns["first"][n] != "" for n in (10, 28, 29)], [False, True, True])
+
+
 def test_binary_and_text_agree():
     program.need_device()
     with Folder() as folder:
