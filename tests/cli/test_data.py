@@ -43,7 +43,7 @@ def test_generators_make_the_files():
             subprocess.run([sys.executable, script, folder], check=True,
                            stdout=subprocess.DEVNULL)
         made = [path for path in pathlib.Path(folder).rglob("*") if path.is_file()]
-        tap.equal(len(made), 14, "number of files")
+        tap.equal(len(made), 15, "number of files")
         for path in made:
             kept = DATA / path.relative_to(folder)
             tap.equal(path.read_bytes() == kept.read_bytes(), True, f"{kept} is as made")
