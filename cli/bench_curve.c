@@ -16,8 +16,9 @@ const char *bench_sampler_name(asdic_sampler sampler) {
 
 /* Sums over the pings of one point. */
 typedef struct tally {
-    double squares, far_squares, honest_squares, most_db;
-    size_t count, far_count, honest_count;
+    double squares, far_squares, honest_squares, far_honest_squares, most_db;
+    size_t count, far_count, honest_count, far_honest_count;
+    double *ratios, *ratio_squares; /* per cell: sums of estimate / truth */
     double *ping_s, *learn_s;
     size_t pings, learns;
 } tally;
@@ -31,6 +32,8 @@ static void add_ping(tally *t, const bench_scene *s, const asdic_ping *ping) {
                 continue;
             }
             double off_db = fmax(10.0 * log10(estimate / truth), EMPTY_DB);
+            t->ratios[at] += estimate / truth;
+            t->ratio_squares[at] += estimate / truth * (estimate / truth);
             t->squares += off_db * off_db;
             t->count++;
             t->most_db = fmax(t->most_db, fabs(off_db));
@@ -40,8 +43,11 @@ static void add_ping(tally *t, const bench_scene *s, const asdic_ping *ping) {
             }
             double stated_db = ping->stderr_db[at];
             if (stated_db > 0.0) {
-                t->honest_squares += off_db * off_db / (stated_db * stated_db);
+                double honest = off_db * off_db / (stated_db * stated_db);
+                t->honest_squares += honest;
                 t->honest_count++;
+                t->far_honest_squares += bin >= s->far_bin ? honest : 0.0;
+                t->far_honest_count += bin >= s->far_bin;
             }
         }
     }
@@ -72,7 +78,22 @@ static asdic_status shoot_block(cli *c, asdic_simulator *sim, const bench_scene 
     return status;
 }
 
-static void finish_point(tally *t, bench_point *point) {
+/* RMS over bins of the mean estimate's error, less what the pings' spread explains of it. */
+static double bias_db(const tally *t, const bench_scene *s) {
+    double sum = 0.0, n = (double)t->pings;
+    size_t count = 0;
+    for (size_t i = 0; i < s->beams * s->bins; i++) {
+        if (t->ratios[i] > 0.0) {
+            double mean = t->ratios[i] / n;
+            double variance = fmax(t->ratio_squares[i] / n - mean * mean, 0.0) / (n - 1.0);
+            sum += (mean - 1.0) * (mean - 1.0) - variance;
+            count++;
+        }
+    }
+    return 10.0 / log(10.0) * root_mean(fmax(sum, 0.0), count);
+}
+
+static void finish_point(tally *t, const bench_scene *s, bench_point *point) {
     double ping_s = bench_median(t->ping_s, t->pings);
     double learn_s = bench_median(t->learn_s, t->learns) / ASDIC_LEARN_BLOCK;
     point->pings = t->pings;
@@ -80,6 +101,8 @@ static void finish_point(tally *t, bench_point *point) {
     point->far_rms_db = root_mean(t->far_squares, t->far_count);
     point->most_db = t->most_db;
     point->honesty = root_mean(t->honest_squares, t->honest_count);
+    point->far_honesty = root_mean(t->far_honest_squares, t->far_honest_count);
+    point->bias_db = bias_db(t, s);
     point->ping_s = ping_s + learn_s;
     point->learn_share = learn_s / point->ping_s;
 }
@@ -94,10 +117,14 @@ static asdic_status measure_point(cli *c, asdic_device *device, const bench_scen
     size_t pings = (size_t)(effort->point_rays / point->rays);
     pings = pings < 2 ? 2 : pings > most ? most : pings;
     size_t blocks = (pings + effort->block_pings - 1) / effort->block_pings;
-    tally t = {.ping_s = calloc(pings, sizeof(double)), .learn_s = calloc(blocks, sizeof(double))};
+    tally t = {.ping_s = calloc(pings, sizeof(double)),
+               .learn_s = calloc(blocks, sizeof(double)),
+               .ratios = calloc(s->beams * s->bins, sizeof(double)),
+               .ratio_squares = calloc(s->beams * s->bins, sizeof(double))};
     asdic_simulator *sim = NULL;
     asdic_ping *ping = NULL;
-    asdic_status status = t.ping_s && t.learn_s ? ASDIC_OK : ASDIC_ERROR_MEMORY;
+    asdic_status status =
+        t.ping_s && t.learn_s && t.ratios && t.ratio_squares ? ASDIC_OK : ASDIC_ERROR_MEMORY;
     if (!status) {
         status = asdic_ping_create(cli_context(c), s->beams, s->bins, &ping);
     }
@@ -116,10 +143,12 @@ static asdic_status measure_point(cli *c, asdic_device *device, const bench_scen
         status = shoot_block(c, sim, s, b, now, ping, &t);
     }
     if (!status) {
-        finish_point(&t, point);
+        finish_point(&t, s, point);
     }
     free(t.ping_s);
     free(t.learn_s);
+    free(t.ratios);
+    free(t.ratio_squares);
     asdic_ping_destroy(&ping);
     asdic_simulator_destroy(&sim);
     return status;

@@ -16,7 +16,7 @@ bench_effort bench_effort_of(const bench_options *options) {
     return (bench_effort){.blocks = 16,
                           .block_pings = 4,
                           .point_rays = 1u << 22,
-                          .reference_pings = 64,
+                          .reference_pings = 96,
                           .reference_rays = 1u << 20};
 }
 

@@ -31,6 +31,7 @@ typedef struct bench_scene {
     double *reference_lin;                  /* [beam * bins + bin] */
     bool exact;                             /* quadrature, else the mean of pings */
     double spread_db;                       /* RMS standard error of the reference */
+    double reference_rays;                  /* 0: quadrature */
 } bench_scene;
 
 asdic_status bench_scene_open(cli *c, asdic_device *device, const char *path,
@@ -42,9 +43,10 @@ typedef struct bench_point {
     uint32_t rays;
     size_t pings;
     double rms_db, far_rms_db, most_db; /* far: the last third of the bins */
-    double honesty;                     /* RMS of true over stated error */
-    double ping_s;                      /* median, with its share of learning */
-    double learn_share;                 /* of ping_s */
+    double bias_db; /* RMS over bins of what is left of the error in the mean of all pings */
+    double honesty, far_honesty; /* RMS of true over stated error */
+    double ping_s;               /* median, with its share of learning */
+    double learn_share;          /* of ping_s */
 } bench_point;
 
 typedef struct bench_curve {

@@ -37,16 +37,18 @@ void bench_error_print(const bench_result *r, bool first) {
     if (s->exact) {
         printf("truth: quadrature\n");
     } else {
-        printf("truth: mean of pings, good to %.2g dB\n", s->spread_db);
+        printf("truth: %.3g rays in one lattice a ping, good to %.2g dB\n", s->reference_rays,
+               s->spread_db);
     }
-    printf("  %-14s %8s %6s  %8s %8s %8s  %11s  %10s %7s\n", "sampler", "rays", "pings", "RMS dB",
-           "far dB", "max dB", "true/stated", "ms/ping", "learn %");
+    printf("  %-14s %8s %5s %8s %8s %8s %8s  %11s %6s %9s %7s\n", "sampler", "rays", "pings",
+           "RMS dB", "far dB", "max dB", "bias dB", "true/stated", "far", "ms/ping", "learn %");
     for (size_t k = 0; k < BENCH_SAMPLERS; k++) {
         for (size_t i = 0; i < r->curves[k].count; i++) {
             const bench_point *p = &r->curves[k].points[i];
-            printf("  %-14s %8u %6zu  %8.4f %8.4f %8.3f  %11.2f  %10.3f %7.1f\n",
+            printf("  %-14s %8u %5zu %8.4f %8.4f %8.3f %8.4f  %11.2f %6.2f %9.3f %7.1f\n",
                    bench_sampler_name(r->curves[k].sampler), p->rays, p->pings, p->rms_db,
-                   p->far_rms_db, p->most_db, p->honesty, 1e3 * p->ping_s, 100.0 * p->learn_share);
+                   p->far_rms_db, p->most_db, p->bias_db, p->honesty, p->far_honesty,
+                   1e3 * p->ping_s, 100.0 * p->learn_share);
         }
     }
     for (size_t k = 0; k < BENCH_SAMPLERS; k++) {
@@ -70,7 +72,9 @@ static void json_curve(json *j, const bench_curve *curve, const bench_curve *bas
         json_number(j, "rms_db", p->rms_db);
         json_number(j, "far_rms_db", p->far_rms_db);
         json_number(j, "max_db", p->most_db);
+        json_number(j, "bias_db", p->bias_db);
         json_number(j, "true_over_stated", p->honesty);
+        json_number(j, "far_true_over_stated", p->far_honesty);
         json_number(j, "ping_s", p->ping_s);
         json_number(j, "learn_share", p->learn_share);
         json_close(j);
@@ -93,6 +97,7 @@ void bench_error_json(const bench_result *results, size_t count, const asdic_dev
         json_integer(&j, "beams", s->beams);
         json_integer(&j, "bins", s->bins);
         json_text(&j, "reference", s->exact ? "quadrature" : "mean of pings");
+        json_number(&j, "reference_rays", s->reference_rays);
         json_number(&j, "reference_spread_db", s->spread_db);
         json_open(&j, "curves", '[');
         for (size_t k = 0; k < BENCH_SAMPLERS; k++) {
@@ -110,16 +115,17 @@ int bench_error_csv(const cli *c, const char *path, const bench_result *results,
     if (!file) {
         return CLI_FAILED;
     }
-    fprintf(file, "scene,sampler,rays,pings,rms_db,far_rms_db,max_db,true_over_stated,ping_s,"
-                  "learn_share,reference_spread_db\n");
+    fprintf(file, "scene,sampler,rays,pings,rms_db,far_rms_db,max_db,bias_db,true_over_stated,"
+                  "far_true_over_stated,ping_s,learn_share,reference_spread_db\n");
     for (size_t i = 0; i < count; i++) {
         for (size_t k = 0; k < BENCH_SAMPLERS; k++) {
             for (size_t n = 0; n < results[i].curves[k].count; n++) {
                 const bench_point *p = &results[i].curves[k].points[n];
-                fprintf(file, "%s,%s,%u,%zu,%.6g,%.6g,%.6g,%.6g,%.6g,%.6g,%.6g\n",
+                fprintf(file, "%s,%s,%u,%zu,%.6g,%.6g,%.6g,%.6g,%.6g,%.6g,%.6g,%.6g,%.6g\n",
                         results[i].scene.name, bench_sampler_name(results[i].curves[k].sampler),
-                        p->rays, p->pings, p->rms_db, p->far_rms_db, p->most_db, p->honesty,
-                        p->ping_s, p->learn_share, results[i].scene.spread_db);
+                        p->rays, p->pings, p->rms_db, p->far_rms_db, p->most_db, p->bias_db,
+                        p->honesty, p->far_honesty, p->ping_s, p->learn_share,
+                        results[i].scene.spread_db);
             }
         }
     }

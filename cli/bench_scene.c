@@ -93,6 +93,7 @@ static asdic_status take_mean(cli *c, asdic_device *device, const bench_effort *
     }
     if (!status) {
         s->spread_db = finish_mean(s, squares, effort->reference_pings);
+        s->reference_rays = (double)effort->reference_pings * effort->reference_rays;
     }
     free(squares);
     asdic_ping_destroy(&ping);

@@ -8,6 +8,7 @@
 #include "simulator.h"
 
 #include "base/context.h"
+#include "speckle.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -53,18 +54,30 @@ static void smooth_ratios(asdic_simulator *sim, size_t beam, const pair *p) {
     }
 }
 
-/* Shoots both pings. */
+/* With no calibration yet, a ping states what its groups suggest. */
+static void take_ping(const asdic_simulator *sim, const asdic_ping *ping, uint32_t k, pair *p) {
+    for (size_t cell = 0; cell < sim->cells; cell++) {
+        double total = ping->intensity_lin[ASDIC_TOTAL][cell];
+        double energy = total - ping->intensity_lin[ASDIC_NOISE][cell];
+        double spread =
+            energy > 0.0 ? log(10.0) / 10.0 * ping->stderr_db[cell] * total / energy : 0.0;
+        p->stated[cell] += (float)(0.5 * spread * spread);
+        p->energy[k][cell] = energy;
+    }
+}
+
+/* Shoots both pings, pulse included: neighbouring bins err against each other, and a pulse takes out
+ * more of that than of errors that know nothing of each other. */
 static asdic_status shoot_pair(asdic_simulator *sim, const asdic_pose *pose, uint64_t index,
                                pair *p) {
     asdic_ping *ping = NULL;
+    asdic_water_column water = asdic_water_column_at(&sim->env, &sim->sonar, pose->position_m.z);
     asdic_status status = asdic_ping_create(sim->ctx, sim->sonar.receiver_count, sim->bins, &ping);
     for (uint32_t k = 0; !status && k < 2; k++) {
         status = asdic_simulator_simulate(sim, pose, index, ASDIC_STREAM_CALIBRATION + k, ping);
-        for (size_t cell = 0; !status && cell < sim->cells; cell++) {
-            double spread = asdic_simulator_spread(sim, cell);
-            p->stated[cell] += (float)(0.5 * spread * spread);
-            p->energy[k][cell] =
-                ping->intensity_lin[ASDIC_TOTAL][cell] - ping->intensity_lin[ASDIC_NOISE][cell];
+        if (!status) {
+            asdic_pulse_smear(&sim->sonar, water.sound_speed_mps, sim->smear_scratch, ping);
+            take_ping(sim, ping, k, p);
         }
     }
     asdic_ping_destroy(&ping);
