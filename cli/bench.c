@@ -19,6 +19,20 @@ double bench_processor_s(void) {
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
+unsigned bench_limit_threads(const bench_options *options, unsigned otherwise) {
+    char text[16];
+    const char *limit = getenv("POCL_MAX_PTHREAD_COUNT");
+    int before = limit ? atoi(limit) : 0;
+    unsigned threads = options->threads ? (unsigned)options->threads
+                       : before > 0     ? (unsigned)before
+                                        : otherwise;
+    if (threads > 0) {
+        snprintf(text, sizeof text, "%u", threads);
+        setenv("POCL_MAX_PTHREAD_COUNT", text, 1);
+    }
+    return threads;
+}
+
 static int compare(const void *a, const void *b) {
     double x = *(const double *)a, y = *(const double *)b;
     return (x > y) - (x < y);

@@ -7,7 +7,7 @@
 #include "cli.h"
 
 typedef struct bench_options {
-    bool quick, json;
+    bool quick, json, first;
     uint64_t threads;          /* 0: not given */
     const char *kernel;        /* NULL: not given */
     const char *csv, *picture; /* NULL: none */
@@ -22,6 +22,10 @@ int bench_rays(cli *c, const bench_options *options);
 
 /* Monotonic, s. */
 double bench_now_s(void);
+
+/* Tells PoCL, which reads it when it starts, how many threads to take: those of --threads, else as the
+ * environment says, else OTHERWISE (0: as many as it likes). Returns the number, 0 if it is PoCL's. */
+unsigned bench_limit_threads(const bench_options *options, unsigned otherwise);
 
 /* Processor time of the process (all its threads), s: what one thread needs, whoever else runs. */
 double bench_processor_s(void);

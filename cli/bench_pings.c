@@ -10,10 +10,10 @@
 #define BEAMS 6
 #define RAYS 20000
 #define MOST_PINGS 48
-#define SIZES 3
+#define SIZES 4
 #define BIN_COUNTS 4
 
-static const size_t sizes[SIZES] = {10000, 100000, 1000000};
+static const size_t sizes[SIZES] = {10000, 100000, 1000000, 4000000};
 static const size_t bin_counts[BIN_COUNTS] = {150, 1000, 2048, 4000};
 
 static asdic_sonar make_sonar(size_t bins, asdic_beam *receivers) {
@@ -41,6 +41,9 @@ static asdic_status shoot(cli *c, asdic_simulator *sim, asdic_ping *ping, bench_
     asdic_pose pose = pose_of(0);
     asdic_status status = asdic_simulator_ping(sim, &pose, 0, ping);
     rate->first_s = bench_now_s() - began;
+    if (rate->pings == 0) {
+        return status;
+    }
     for (int k = 0; !status && k < 2; k++) { /* the first learning compiles for its sizes */
         began = bench_now_s();
         status = asdic_simulator_learn(sim, &pose, 0);
@@ -129,7 +132,24 @@ static void print_row(const bench_rate *r) {
     fflush(stdout);
 }
 
-static void print_json(const bench_rate *rates, size_t count, const asdic_device_info *device) {
+static void print_start(const bench_start *start) {
+    printf("start of a process to its first ping: %.2f s with kernels to compile, %.2f s again\n",
+           start->cold_s, start->warm_s);
+}
+
+/* How the time of a ping grows with triangles and bins: of the largest over the smallest. */
+static void print_growth(const bench_rate *rates, size_t count) {
+    const bench_rate *least = &rates[0], *most = &rates[count - 1], *bins = &rates[BIN_COUNTS - 1];
+    if (count > BIN_COUNTS) {
+        printf("%.0f times the triangles: %.2f times the time; %.0f times the bins: %.2f times\n",
+               (double)most->triangles / (double)least->triangles,
+               rates[count - BIN_COUNTS].ping_s / least->ping_s,
+               (double)bins->bins / (double)least->bins, bins->ping_s / least->ping_s);
+    }
+}
+
+static void print_json(const bench_rate *rates, size_t count, const bench_start *start,
+                       const asdic_device_info *device) {
     json j = json_begin(stdout);
     json_open(&j, NULL, '{');
     json_text(&j, "version", asdic_version());
@@ -138,6 +158,8 @@ static void print_json(const bench_rate *rates, size_t count, const asdic_device
     json_text(&j, "pocl_max_pthread_count", thread_limit());
     json_integer(&j, "rays", RAYS);
     json_integer(&j, "beams", BEAMS);
+    json_number(&j, "cold_start_s", start->cold_s);
+    json_number(&j, "warm_start_s", start->warm_s);
     json_open(&j, "rows", '[');
     for (size_t i = 0; i < count; i++) {
         const bench_rate *r = &rates[i];
@@ -184,7 +206,7 @@ static int write_csv(const cli *c, const char *path, const bench_rate *rates, si
 static asdic_status measure_all(cli *c, asdic_device *device, const bench_options *options,
                                 bench_rate *rates, size_t *count) {
     asdic_status status = ASDIC_OK;
-    for (size_t s = 0; !status && s < SIZES - (options->quick ? 1 : 0); s++) {
+    for (size_t s = 0; !status && s < SIZES - (options->quick ? 2 : 0); s++) {
         asdic_scene *scene = NULL;
         status = bench_terrain(cli_context(c), sizes[s], 0, &scene);
         for (size_t b = 0; !status && b < BIN_COUNTS; b++) {
@@ -200,6 +222,16 @@ static asdic_status measure_all(cli *c, asdic_device *device, const bench_option
     return status;
 }
 
+/* One ping and no more, for bench_start_measure. */
+static asdic_status first_ping(cli *c, asdic_device *device) {
+    asdic_scene *scene = NULL;
+    bench_rate rate = {.pings = 0};
+    asdic_status status = bench_terrain(cli_context(c), sizes[0], 0, &scene);
+    status = status ? status : measure(c, device, scene, bin_counts[1], &rate);
+    asdic_scene_destroy(&scene);
+    return status;
+}
+
 int bench_pings(cli *c, const bench_options *options) {
     bench_rate rates[SIZES * BIN_COUNTS];
     asdic_device **devices = NULL;
@@ -207,8 +239,18 @@ int bench_pings(cli *c, const bench_options *options) {
     if (cli_operand_count(c) > 1 || options->picture) {
         return cli_usage(c, "'bench pings' makes its own scenes and draws nothing");
     }
+    bench_limit_threads(options, 0);
+    bench_start start = {NAN, NAN};
+    if (!options->first) {
+        start = bench_start_measure(c);
+    }
     asdic_status status = cli_open_devices(c, &devices, &device_count);
     if (status) {
+        return cli_end(c, status);
+    }
+    if (options->first) {
+        status = first_ping(c, devices[0]);
+        asdic_devices_close(&devices, device_count);
         return cli_end(c, status);
     }
     const asdic_device_info *device = asdic_device_get_info(devices[0]);
@@ -216,9 +258,13 @@ int bench_pings(cli *c, const bench_options *options) {
         print_head(device);
     }
     status = measure_all(c, devices[0], options, rates, &count);
+    if (!options->json && !status) {
+        print_growth(rates, count);
+        print_start(&start);
+    }
     int code = cli_end(c, status);
     if (options->json && !status) {
-        print_json(rates, count, device);
+        print_json(rates, count, &start, device);
     }
     if (options->csv && !status) {
         code = write_csv(c, options->csv, rates, count);

@@ -222,19 +222,6 @@ static asdic_status measure_scene(bench *b, size_t index, bench_ray_result *resu
     return status;
 }
 
-/* The driver reads its number of threads from the environment, when it starts. */
-static unsigned choose_threads(const bench_options *options) {
-    char text[16];
-    const char *limit = getenv("POCL_MAX_PTHREAD_COUNT");
-    int before = limit ? atoi(limit) : 0;
-    unsigned threads = options->threads ? (unsigned)options->threads
-                       : before > 0     ? (unsigned)before
-                                        : 1;
-    snprintf(text, sizeof text, "%u", threads);
-    setenv("POCL_MAX_PTHREAD_COUNT", text, 1);
-    return threads;
-}
-
 static asdic_status measure_all(cli *c, asdic_device *device, const bench_options *options,
                                 const bench_ray_frame *frame, bench_ray_result *results,
                                 size_t wanted, size_t *count) {
@@ -263,7 +250,7 @@ int bench_rays(cli *c, const bench_options *options) {
     }
     asdic_device **devices = NULL;
     size_t device_count = 0, count = 0;
-    bench_ray_frame frame = {.threads = choose_threads(options)};
+    bench_ray_frame frame = {.threads = bench_limit_threads(options, 1)};
     bench_ray_result *results = calloc(wanted, sizeof *results);
     asdic_status status =
         results ? cli_open_devices(c, &devices, &device_count) : ASDIC_ERROR_MEMORY;

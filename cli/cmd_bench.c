@@ -7,7 +7,8 @@ static const cli_option options[] = {
     {"output", 'o', "FILE.csv", "write the figures as CSV too"},
     {"picture", 0, "FILE", "draw the curves too: .png, .pdf or .svg"},
     {"quick", 0, NULL, "a rougher answer in a fraction of the time"},
-    {"threads", 0, "N", "rays: threads to cast and build with, 1 unless given"},
+    {"threads", 0, "N", "rays, pings: threads of the device; of rays 1 unless given"},
+    {"first", 0, NULL, "pings: only one ping, as a program's first"},
     {"kernel", 0, "NAME", "rays: a form of the ray kernel instead of the fastest"},
     {NULL, 0, NULL, NULL},
 };
@@ -22,6 +23,7 @@ static int run(cli *c) {
                  {"pings", bench_pings},
                  {"rays", bench_rays}};
     bench_options given = {.quick = cli_given(c, "quick"),
+                           .first = cli_given(c, "first"),
                            .json = cli_given(c, "json"),
                            .csv = cli_text(c, "output"),
                            .kernel = cli_text(c, "kernel"),
@@ -61,10 +63,9 @@ const cli_command cli_bench_command = {
         "when first published and 36 ms since, both on CUDA cards. It has cells of 25 mm; the last "
         "row has bins of 0.1 m.\n\n"
         "pings: the paper's case, six beams and 20,000 rays with one bounce, over rough floors of "
-        "1e4 to 1e6 triangles and for 150 to 4,000 bins; 'mission' counts learning, phases are "
-        "timed "
-        "by themselves. Threads and the state of the kernel cache are the process's: set "
-        "POCL_MAX_PTHREAD_COUNT, or POCL_CACHE_DIR to an empty folder for a cold start.\n\n"
+        "1e4 to 4e6 triangles and for 150 to 4,000 bins; 'mission' counts learning, phases are "
+        "timed by themselves. Then how the time grows, and how long a program takes from its start "
+        "to its first ping: cold, with kernels to compile, and warm, with PoCL's cache of them.\n\n"
         "loop: pose in, levels out. How many pings a second there can be, one after the other, and "
         "at the scene's ping rate the latency from pose to levels: median, 99th percentile, worst, "
         "and how many pings took longer than their period; then the frames a second of `asdic "

@@ -49,6 +49,21 @@ def test_fan_keeps_its_error():
         tap.equal(len(list(csv.DictReader(io.StringIO(folder.read("fan.csv"))))), 7, "rows")
 
 
+def test_pings_and_starts():
+    program.need_device()
+    done = asdic("bench", "pings", "--quick", "--json", "--threads", "1").check(code=0)
+    found = json.loads(done.out)
+    tap.equal(found["pocl_max_pthread_count"], "1")
+    tap.equal([(r["triangles"] > 50000, r["bins"]) for r in found["rows"]],
+              [(large, bins) for large in (False, True) for bins in (150, 1000, 2048, 4000)])
+    for row in found["rows"]:
+        tap.equal(0 < row["mission_pings_per_s"] <= row["pings_per_s"], True)
+        tap.equal(all(seconds >= 0 for seconds in row["phase_s"].values()), True)
+    if not found["warm_start_s"] <= found["cold_start_s"]:
+        raise AssertionError(f"warm {found['warm_start_s']}, cold {found['cold_start_s']}")
+    tap.equal(asdic("bench", "pings", "--first").check(code=0).out, "")
+
+
 def test_mistakes_have_their_exit_codes():
     asdic("bench").check(code=2, out="")
     asdic("bench", "rain").check(code=2, out="")
