@@ -7,6 +7,7 @@
 #include <string.h>
 
 static const char *const samplers[] = {"adaptive", "beam", "uniform-sphere", NULL};
+static const char *const kernels[] = {"auto", "wide8", "pkt16", "frustum64", "scalar", NULL};
 
 /* Where --tolerance gives up. */
 #define MOST_RAYS (1u << 22)
@@ -23,7 +24,7 @@ typedef struct request {
 
 static bool read_request(cli *c, request *r) {
     uint64_t rays = 0, seed = 0;
-    int sampler = 0;
+    int sampler = 0, kernel = 0;
     *r = (request){.scene = cli_operand(c, 0),
                    .end = UINT64_MAX,
                    .shard = 1,
@@ -31,6 +32,7 @@ static bool read_request(cli *c, request *r) {
                    .tolerance_db = NAN};
     cli_integer(c, "rays", 64, 1u << 28, &rays);
     cli_choice(c, "sampler", samplers, &sampler);
+    cli_choice(c, "kernel", kernels, &kernel);
     cli_integer(c, "seed", 0, UINT64_MAX, &seed);
     cli_number(c, "tolerance", 1e-4, 20.0, &r->tolerance_db);
     cli_index_range(c, "pings", &r->first, &r->end);
@@ -43,6 +45,7 @@ static bool read_request(cli *c, request *r) {
     r->has_seed = cli_given(c, "seed");
     r->sampling.rays = (uint32_t)rays;
     r->sampling.sampler = (asdic_sampler)sampler;
+    r->sampling.kernel = (asdic_ray_kernel)kernel;
     r->sampling.seed = seed;
     if (r->force && r->resume) {
         cli_usage(c, "--force starts afresh and --resume goes on; give one of them");
@@ -55,6 +58,7 @@ static void apply(const request *r, asdic_mission *mission) {
     asdic_sampling *sampling = asdic_mission_sampling(mission);
     sampling->rays = r->has_rays ? r->sampling.rays : sampling->rays;
     sampling->sampler = r->has_sampler ? r->sampling.sampler : sampling->sampler;
+    sampling->kernel = r->sampling.kernel;
     sampling->seed = r->has_seed ? r->sampling.seed : sampling->seed;
 }
 
@@ -211,6 +215,8 @@ static const cli_option options[] = {
     {"tolerance", 0, "DB",
      "double the rays until one standard error of every bin above the noise is at most this"},
     {"sampler", 0, "NAME", "adaptive, beam or uniform-sphere (the paper's)"},
+    {"kernel", 0, "NAME",
+     "how rays are cast: wide8, pkt16, frustum64, scalar; auto takes the fastest; same bytes"},
     {"seed", 0, "N", "seed of the random directions, instead of the scene's"},
     {"pings", 0, "A:B", "pings A to B-1 only, counted from 0"},
     {"shard", 0, "K/N", "the K-th of N parts of the pings; 'asdic merge' joins the parts"},

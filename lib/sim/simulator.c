@@ -219,6 +219,10 @@ static asdic_status check_arguments(asdic_context *ctx, const asdic_scene *scene
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
                           "the scene is not committed: call asdic_scene_commit first");
     }
+    if ((unsigned)sampling->kernel > ASDIC_RAY_KERNEL_SCALAR) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "unknown ray kernel %d",
+                          (int)sampling->kernel);
+    }
     if (sampling->rays < 64 || sampling->rays > 1u << 28) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
                           "%u rays per ping: out of range [64, 268435456]", sampling->rays);
@@ -297,6 +301,11 @@ asdic_status asdic_simulator_create_with(asdic_context *ctx, asdic_device *devic
     }
     if (needs_triangles(sim) &&
         (status = asdic_tracer_create(device, scene, &sim->tracer)) != ASDIC_OK) {
+        goto fail;
+    }
+    if (sim->tracer && sampling->kernel != ASDIC_RAY_KERNEL_AUTO &&
+        (status = asdic_tracer_set_kernel(
+             sim->tracer, asdic_tracer_kernel_name((size_t)sampling->kernel - 1))) != ASDIC_OK) {
         goto fail;
     }
     if ((status = upload_materials(sim, water.sound_speed_mps)) != ASDIC_OK) {

@@ -45,4 +45,12 @@ def test_whole_ping():
                        checks=("--data-races",))
 
 
+def test_every_ray_kernel():
+    """Packets of sixteen and sixty-four, and one ray a work-item: what the first run did not take."""
+    for kernel in ("pkt16", "frustum64", "scalar"):
+        with tempfile.TemporaryDirectory() as folder:
+            under_oclgrind(PROGRAM, "run", SCENE, "--kernel", kernel, "-o",
+                           os.path.join(folder, "run"), checks=("--data-races",))
+
+
 tap.main(globals())

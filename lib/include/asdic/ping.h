@@ -28,12 +28,22 @@ typedef enum asdic_multipath {
     ASDIC_MULTIPATH_BOUNDARIES, /* over bottom and surface as well, which then scatter less */
 } asdic_multipath;
 
+/* Forms of the ray kernel (asdic/rays.h): how rays are cast, never what they meet. */
+typedef enum asdic_ray_kernel {
+    ASDIC_RAY_KERNEL_AUTO, /* what is fastest on the first rays; on a GPU SCALAR */
+    ASDIC_RAY_KERNEL_WIDE8,
+    ASDIC_RAY_KERNEL_PKT16,
+    ASDIC_RAY_KERNEL_FRUSTUM64,
+    ASDIC_RAY_KERNEL_SCALAR,
+} asdic_ray_kernel;
+
 typedef struct asdic_sampling {
     uint32_t rays; /* 64..2^28 */
     asdic_sampler sampler;
     asdic_multipath multipath;
     uint64_t seed;
     unsigned left_out; /* terms a plan proved negligible (asdic/plan.h); 0: model everything */
+    asdic_ray_kernel kernel; /* changes the speed, never a byte */
 } asdic_sampling;
 
 /* 20,000 rays, adaptive, first-order multipath, seed 1. */
