@@ -95,7 +95,7 @@ static void begin_team(process *p, const char *name) {
 }
 
 static void run_team(process *p) {
-    for (unsigned rank = 0; rank < RANKS; rank++) {
+    for (unsigned rank = 0; rank < RANKS; rank++) { /* before anybody writes letters */
         boxes[rank] = (mailbox){.lock = PTHREAD_MUTEX_INITIALIZER};
     }
     for (unsigned rank = 0; rank < RANKS; rank++) {
