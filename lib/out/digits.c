@@ -63,23 +63,45 @@ size_t asdic_digits_natural(char text[ASDIC_DIGITS_SIZE], uint64_t value) {
 /* 10^0 .. 10^12, all exact in double. */
 static const double powers[] = {1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12};
 
-/* Writes DIGITS = value * 10^SHIFT, nine significant digits, without trailing zeros. */
-static size_t place_point(char *text, uint64_t digits, int shift) {
-    while (shift > 0 && digits % 10 == 0) {
-        digits /= 10;
-        shift--;
-    }
+/* "00", "01", ... "99" */
+static void put_pair(char *text, uint32_t value) {
+    static const char pairs[] = "00010203040506070809101112131415161718192021222324"
+                                "25262728293031323334353637383940414243444546474849"
+                                "50515253545556575859606162636465666768697071727374"
+                                "75767778798081828384858687888990919293949596979899";
+    memcpy(text, pairs + 2 * value, 2);
+}
+
+#define NINE 9 /* digits that identify a float */
+
+/* Writes DIGITS = value * 10^SHIFT, which has NINE digits, without trailing zeros. */
+static size_t place_point(char *text, uint32_t digits, int shift) {
+    char all[NINE];
+    uint32_t high = digits / 10000, low = digits % 10000; /* five and four */
+    all[0] = (char)('0' + high / 10000);
+    put_pair(all + 1, high / 100 % 100);
+    put_pair(all + 3, high % 100);
+    put_pair(all + 5, low / 100);
+    put_pair(all + 7, low % 100);
     size_t length = 0;
-    uint64_t scale = (uint64_t)powers[shift];
-    length += asdic_digits_natural(text, digits / scale);
-    if (shift > 0) {
+    int whole = NINE - shift, end = NINE; /* digits before the point, and in all */
+    while (end > whole && end > 1 && all[end - 1] == '0') {
+        end--;
+    }
+    if (whole > 0) {
+        memcpy(text, all, (size_t)whole);
+        length = (size_t)whole;
+    } else {
+        text[length++] = '0';
+    }
+    if (end > whole) {
         text[length++] = '.';
-        uint64_t fraction = digits % scale;
-        for (int i = shift - 1; i >= 0; i--) {
-            text[length + (size_t)i] = (char)('0' + fraction % 10);
-            fraction /= 10;
+        for (int zeros = whole; zeros < 0; zeros++) {
+            text[length++] = '0';
         }
-        length += (size_t)shift;
+        int first = whole > 0 ? whole : 0;
+        memcpy(text + length, all + first, (size_t)(end - first));
+        length += (size_t)(end - first);
     }
     text[length] = 0;
     return length;
@@ -109,7 +131,10 @@ size_t asdic_digits_float(char text[ASDIC_DIGITS_SIZE], float value) {
     while (shift < 12 && magnitude * powers[shift] < 1e8) {
         shift++;
     }
-    uint64_t digits = (uint64_t)llrint(magnitude * powers[shift]);
+    uint32_t digits = (uint32_t)lrint(magnitude * powers[shift]);
+    if (digits >= 1000000000u) { /* rounded up to a tenth digit */
+        return asdic_digits_print(text, "%.9g", value);
+    }
     size_t sign = value < 0.0f;
     text[0] = '-';
     return sign + place_point(text + sign, digits, shift);
