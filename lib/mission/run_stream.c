@@ -39,8 +39,9 @@ asdic_status asdic_run_stream(asdic_run_job *job) {
     if (!job->bytes) {
         return asdic_fail_memory(job->ctx, "a record");
     }
+    asdic_csv_form form = output->csv == ASDIC_CSV_WIDE ? ASDIC_CSV_WIDE : ASDIC_CSV_LONG;
     status = asdic_csv_create(job->ctx, "/dev/stdout", asdic_mission_sonar(job->mission),
-                              job->facts.bins, output->csv, &job->csv);
+                              job->facts.bins, form, &job->csv);
     if (status != ASDIC_OK) {
         return status;
     }

@@ -88,7 +88,8 @@ static const asdic_table detector_table = {TABLE(detector_keys, file_detector),
                                            .doc = "the detector"};
 
 static const asdic_word csv_words[] = {
-    {"long", ASDIC_CSV_LONG, false}, {"wide", ASDIC_CSV_WIDE, false}, {NULL, 0, false}};
+    {"long", ASDIC_CSV_LONG, false}, {"wide", ASDIC_CSV_WIDE, false}, {"none", ASDIC_CSV_NONE, false},
+    {NULL, 0, false}};
 static const asdic_word image_words[] = {{"waterfall", ASDIC_IMAGE_WATERFALL, false},
                                          {"ascope", ASDIC_IMAGE_ASCOPE, false},
                                          {"fan", ASDIC_IMAGE_FAN, false},
@@ -97,7 +98,8 @@ static const asdic_word image_words[] = {{"waterfall", ASDIC_IMAGE_WATERFALL, fa
                                          {NULL, 0, false}};
 static const asdic_key output_keys[] = {
     {"csv", ASDIC_KEY_WORD, AT(file_output, csv), .words = csv_words, .fallback = "long",
-     .doc = "bins.csv: long has a row per ping, beam and bin, wide one per ping and beam"},
+     .doc = "bins.csv: long has a row per ping, beam and bin, wide one per ping and beam; none: no "
+            "such file, pings.npy holds the same"},
     {"npy", ASDIC_KEY_BOOL, AT(file_output, npy), .fallback = "false",
      .doc = "also levels.npy: float32 by ping, beam and bin"},
     {"netcdf", ASDIC_KEY_BOOL, AT(file_output, netcdf), .fallback = "false",

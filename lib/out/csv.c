@@ -103,6 +103,9 @@ static void write_header(asdic_csv *csv) {
 asdic_status asdic_csv_create(asdic_context *ctx, const char *path, const asdic_sonar *sonar,
                               size_t bins, asdic_csv_form form, asdic_csv **out) {
     *out = NULL;
+    if (form == ASDIC_CSV_NONE) {
+        return ASDIC_OK;
+    }
     asdic_csv *csv = calloc(1, sizeof *csv);
     if (!csv) {
         return asdic_fail_memory(ctx, "a CSV file");
@@ -175,6 +178,9 @@ static bool add_wide(asdic_csv *csv, const asdic_record *record, const char *pre
 }
 
 asdic_status asdic_csv_add(asdic_csv *csv, const asdic_record *record) {
+    if (!csv) {
+        return ASDIC_OK;
+    }
     char start[2 * ASDIC_DIGITS_SIZE];
     size_t length = asdic_digits_natural(start, record->ping);
     start[length++] = ',';
@@ -194,6 +200,9 @@ asdic_status asdic_csv_add(asdic_csv *csv, const asdic_record *record) {
 }
 
 asdic_status asdic_csv_commit(asdic_csv **csv) {
+    if (!*csv) {
+        return ASDIC_OK;
+    }
     asdic_status status = asdic_file_commit(&(*csv)->file);
     csv_free(csv);
     return status;

@@ -8,6 +8,7 @@
 
 typedef struct asdic_csv asdic_csv;
 
+/* Form NONE: *OUT is NULL, with which the calls below do nothing. */
 asdic_status asdic_csv_create(asdic_context *ctx, const char *path, const asdic_sonar *sonar,
                               size_t bins, asdic_csv_form form, asdic_csv **out);
 

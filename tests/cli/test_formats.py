@@ -195,6 +195,30 @@ def test_pictures_in_pngcheck_and_gdal():
                 raise AssertionError((grey, level))
 
 
+def test_without_csv():
+    with Folder() as folder:
+        run_of(folder)
+        before = data(folder, "r", "pings.npy")
+        run = run_of_again(folder, "{npy: true,", "{csv: none, npy: true,")
+        tap.equal((os.path.exists(run + "/bins.csv"), data(folder, "n", "pings.npy") == before),
+                  (False, True), "the same in binary only")
+        for k in (1, 2):
+            asdic("run", folder / "none.yaml", "-o", folder / f"part{k}", "--shard",
+                  f"{k}/2").check(code=0)
+        asdic("merge", folder / "part1", folder / "part2", "-o", folder / "whole").check(code=0)
+        asdic("run", folder / "none.yaml", "-o", folder / "n", "--resume").check(code=0)
+        tap.equal(sorted(os.listdir(folder / "whole")), sorted(os.listdir(run)), "files")
+        done = asdic("run", folder / "none.yaml", "-o", "-").check(code=0)
+        tap.equal(done.out.encode() == data(folder, "r", "bins.csv"), True, "asked for by -o -")
+
+
+def run_of_again(folder, old, new):
+    """A run 'n' of the scene 'none.yaml', the pool with an edit."""
+    path = folder.write("none.yaml", folder.read("pool.yaml").replace(old, new))
+    asdic("run", path, "-o", folder / "n").check(code=0)
+    return folder / "n"
+
+
 def render_bytes(run, *arguments):
     """What render writes to the standard output."""
     return subprocess.run([program.PATH, "render", run, *arguments, "-o", "-"], check=True,

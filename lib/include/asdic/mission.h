@@ -42,7 +42,7 @@ ASDIC_API const asdic_scene *asdic_mission_scene(const asdic_mission *mission);
 ASDIC_API asdic_sampling *asdic_mission_sampling(asdic_mission *mission); /* may be changed */
 ASDIC_API size_t asdic_mission_ping_count(const asdic_mission *mission);
 
-typedef enum asdic_csv_form { ASDIC_CSV_LONG, ASDIC_CSV_WIDE } asdic_csv_form;
+typedef enum asdic_csv_form { ASDIC_CSV_LONG, ASDIC_CSV_WIDE, ASDIC_CSV_NONE } asdic_csv_form;
 
 /* Places of bits in asdic_output_options.images. */
 typedef enum asdic_image {
