@@ -14,6 +14,7 @@
 static const cli_option options[] = {
     {"format", 'f', "FORMAT", "answers as json (the default), csv or raw"},
     {"expected", 0, NULL, "also the expected level without objects, by quadrature"},
+    {"detect", 0, NULL, "also what exceeds the expected level, by the scene's detector"},
     {"rays", 0, "N", "rays per ping, instead of the scene's"},
     {"seed", 0, "N", "random seed, instead of the scene's"},
     {NULL, 0, NULL, NULL},
@@ -26,7 +27,8 @@ typedef struct server {
     serve_reader reader;
     serve_writer writer;
     asdic_ping *expectation;
-    float *expected_db; /* NULL: not asked for */
+    float *expected_db;
+    asdic_scan *scan; /* NULL: not asked for */
     uint64_t line;
 } server;
 
@@ -123,8 +125,15 @@ static asdic_status ping_at(server *s, const serve_request *request) {
     if (!status && s->expected_db) {
         status = expect(s, &ping);
     }
+    if (!status && s->scan) {
+        status = asdic_scan_ping(s->scan, ping.parts->intensity_lin[ASDIC_TOTAL],
+                                 s->expectation->intensity_lin[ASDIC_TOTAL],
+                                 s->expectation->intensity_lin[ASDIC_NOISE]);
+    }
     if (!status) {
-        serve_write_ping(&s->writer, s->line, request, &ping, s->expected_db);
+        asdic_scan_result found = s->scan ? asdic_scan_get(s->scan) : (asdic_scan_result){0};
+        serve_answer answer = {&ping, s->expected_db, s->scan ? &found : NULL};
+        serve_write_ping(&s->writer, s->line, request, &answer);
     }
     return status;
 }
@@ -182,10 +191,16 @@ static asdic_status start(server *s, asdic_device *device) {
     s->writer.sonar = sonar;
     s->writer.bins = asdic_loop_bin_count(s->loop);
     s->writer.bin_length_m = sonar->bin_length_m;
-    if (s->writer.has_expected) {
+    if (s->writer.has_expected || s->writer.has_detections) {
         status = asdic_ping_create(ctx, sonar->receiver_count, s->writer.bins, &s->expectation);
         s->expected_db = malloc(sonar->receiver_count * s->writer.bins * sizeof(float));
         status = !status && !s->expected_db ? ASDIC_ERROR_MEMORY : status;
+    }
+    if (!status && s->writer.has_detections) {
+        double speed_mps =
+            asdic_environment_sound_speed_mps(asdic_mission_environment(s->mission), depth_m);
+        status = asdic_scan_create(ctx, sonar, speed_mps, s->writer.bins,
+                                   asdic_mission_detector(s->mission), NULL, &s->scan);
     }
     return status;
 }
@@ -206,6 +221,7 @@ static int run(cli *c) {
     }
     s.writer.format = (serve_format)format;
     s.writer.has_expected = cli_given(c, "expected");
+    s.writer.has_detections = cli_given(c, "detect");
     asdic_device **devices = NULL;
     size_t device_count = 0;
     asdic_status status = asdic_mission_load(cli_context(c), cli_operand(c, 0), &s.mission);
@@ -220,6 +236,7 @@ static int run(cli *c) {
     }
     int code = status ? cli_end(c, status) : serve(&s);
     asdic_loop_destroy(&s.loop);
+    asdic_scan_destroy(&s.scan);
     asdic_ping_destroy(&s.expectation);
     free(s.expected_db);
     asdic_devices_close(&devices, device_count);
@@ -244,6 +261,11 @@ const cli_command cli_serve_command = {
         "energy. csv: a header, then a line per ping with its levels beam by beam. raw: 56 bytes, "
         "little-endian (\"ASDP\"; uint32 status; uint64 ping; double time_s, altitude_m, "
         "bin_length_m; uint32 beams, bins, arrays, line), then float32 [arrays][beam][bin].\n\n"
+        "--detect adds what exceeds the expected level by more than the scene's detector allows "
+        "(detector.pfa): in JSON \"detections\" with beam, range_m and llr, the logarithm of the "
+        "likelihood ratio; in CSV a last column of beam:range; raw a last array, NaN where nothing "
+        "was "
+        "detected.\n\n"
         "A line that cannot be served is answered as well: an object with \"error\" and \"line\", "
         "a "
         "line whose 'error' is filled, or a frame of status 1 full of NaN; the next line is "

@@ -43,11 +43,18 @@ typedef struct serve_writer {
     const asdic_sonar *sonar;
     size_t bins;
     double bin_length_m;
-    bool has_expected;
+    bool has_expected, has_detections;
 } serve_writer;
 
-/* A raw answer: this, then ARRAYS times beams x bins floats [beam][bin]: level, and expected level
- * when asked for. All little-endian. */
+/* What a line gets. */
+typedef struct serve_answer {
+    const asdic_loop_ping *ping;
+    const float *expected_db;           /* NULL: not asked for */
+    const asdic_scan_result *detection; /* NULL: not asked for */
+} serve_answer;
+
+/* A raw answer: this, then ARRAYS times beams x bins floats [beam][bin]: level; expected level, and the
+ * log-likelihood ratios of what was detected (else NaN), when asked for. All little-endian. */
 typedef struct serve_frame {
     char magic[4];   /* "ASDP" */
     uint32_t status; /* 0, or 1 for a line that could not be served: its floats are NaN */
@@ -59,9 +66,8 @@ typedef struct serve_frame {
 /* What goes before the first answer. */
 void serve_write_head(const serve_writer *w);
 
-/* EXPECTED_DB is NULL unless the writer has_expected. */
 void serve_write_ping(const serve_writer *w, uint64_t line, const serve_request *request,
-                      const asdic_loop_ping *ping, const float *expected_db);
+                      const serve_answer *answer);
 void serve_write_error(const serve_writer *w, uint64_t line, const char *why);
 
 #endif

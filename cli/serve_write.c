@@ -66,8 +66,30 @@ static void put_json_levels(const serve_writer *w, const char *name, const float
     fputc('}', w->out);
 }
 
+static bool is_detected(const serve_answer *answer, size_t cell) {
+    return answer->ping->parts->intensity_lin[ASDIC_TOTAL][cell] >
+           answer->detection->threshold_lin[cell];
+}
+
+static void put_json_detections(const serve_writer *w, const serve_answer *answer) {
+    const char *comma = "";
+    fputs(",\"detections\":[", w->out);
+    for (size_t i = 0; i < cells_of(w); i++) {
+        if (is_detected(answer, i)) {
+            fprintf(w->out, "%s{\"beam\":", comma);
+            put_text(w->out, w->sonar->receivers[i / w->bins].name);
+            fprintf(w->out, ",\"range_m\":");
+            put_number(w->out, ((double)(i % w->bins) + 0.5) * w->bin_length_m, "null");
+            fprintf(w->out, ",\"llr\":%.9g}", answer->detection->llr[i]);
+            comma = ",";
+        }
+    }
+    fputc(']', w->out);
+}
+
 static void write_json(const serve_writer *w, const serve_request *request,
-                       const asdic_loop_ping *ping, const float *expected_db) {
+                       const serve_answer *answer) {
+    const asdic_loop_ping *ping = answer->ping;
     fprintf(w->out, "{\"ping\":%" PRIu64 ",\"time_s\":", ping->ping);
     put_number(w->out, time_of(request, ping), "null");
     for (int i = SERVE_X; i < SERVE_COLUMNS; i++) {
@@ -80,7 +102,10 @@ static void write_json(const serve_writer *w, const serve_request *request,
     put_number(w->out, ping->bin_length_m, "null");
     put_json_levels(w, "level_db", ping->level_db);
     if (w->has_expected) {
-        put_json_levels(w, "expected_db", expected_db);
+        put_json_levels(w, "expected_db", answer->expected_db);
+    }
+    if (w->has_detections) {
+        put_json_detections(w, answer);
     }
     fputs("}\n", w->out);
 }
@@ -94,8 +119,23 @@ static void put_csv_levels(const serve_writer *w, const float *level_db) {
     }
 }
 
+/* "forward:24.75 forward:25.25", beam and range. */
+static void put_csv_detections(const serve_writer *w, const serve_answer *answer) {
+    const char *blank = "";
+    fputs(",\"", w->out);
+    for (size_t i = 0; answer && i < cells_of(w); i++) {
+        if (is_detected(answer, i)) {
+            fprintf(w->out, "%s%s:%.15g", blank, w->sonar->receivers[i / w->bins].name,
+                    ((double)(i % w->bins) + 0.5) * w->bin_length_m);
+            blank = " ";
+        }
+    }
+    fputc('"', w->out);
+}
+
 static void write_csv(const serve_writer *w, const serve_request *request,
-                      const asdic_loop_ping *ping, const float *expected_db) {
+                      const serve_answer *answer) {
+    const asdic_loop_ping *ping = answer->ping;
     fprintf(w->out, "%" PRIu64 ",", ping->ping);
     put_number(w->out, time_of(request, ping), "");
     for (int i = SERVE_X; i < SERVE_COLUMNS; i++) {
@@ -107,7 +147,10 @@ static void write_csv(const serve_writer *w, const serve_request *request,
     fputc(',', w->out);
     put_csv_levels(w, ping->level_db);
     if (w->has_expected) {
-        put_csv_levels(w, expected_db);
+        put_csv_levels(w, answer->expected_db);
+    }
+    if (w->has_detections) {
+        put_csv_detections(w, answer);
     }
     fputc('\n', w->out);
 }
@@ -129,7 +172,7 @@ void serve_write_head(const serve_writer *w) {
     if (w->has_expected) {
         put_csv_names(w, "expected_");
     }
-    fputc('\n', w->out);
+    fputs(w->has_detections ? ",detections\n" : "\n", w->out);
 }
 
 static serve_frame frame_of(const serve_writer *w, uint64_t line) {
@@ -137,26 +180,35 @@ static serve_frame frame_of(const serve_writer *w, uint64_t line) {
                          .bin_length_m = w->bin_length_m,
                          .beams = (uint32_t)w->sonar->receiver_count,
                          .bins = (uint32_t)w->bins,
-                         .arrays = w->has_expected ? 2 : 1,
+                         .arrays = 1u + w->has_expected + w->has_detections,
                          .line = (uint32_t)line};
 }
 
+static void write_raw(const serve_writer *w, uint64_t line, const serve_request *request,
+                      const serve_answer *answer) {
+    serve_frame frame = frame_of(w, line);
+    frame.ping = answer->ping->ping;
+    frame.time_s = time_of(request, answer->ping);
+    frame.altitude_m = answer->ping->altitude_m;
+    fwrite(&frame, sizeof frame, 1, w->out);
+    fwrite(answer->ping->level_db, sizeof(float), cells_of(w), w->out);
+    if (w->has_expected) {
+        fwrite(answer->expected_db, sizeof(float), cells_of(w), w->out);
+    }
+    for (size_t i = 0; w->has_detections && i < cells_of(w); i++) {
+        float llr = is_detected(answer, i) ? (float)answer->detection->llr[i] : NAN;
+        fwrite(&llr, sizeof llr, 1, w->out);
+    }
+}
+
 void serve_write_ping(const serve_writer *w, uint64_t line, const serve_request *request,
-                      const asdic_loop_ping *ping, const float *expected_db) {
+                      const serve_answer *answer) {
     if (w->format == SERVE_JSON) {
-        write_json(w, request, ping, expected_db);
+        write_json(w, request, answer);
     } else if (w->format == SERVE_CSV) {
-        write_csv(w, request, ping, expected_db);
+        write_csv(w, request, answer);
     } else {
-        serve_frame frame = frame_of(w, line);
-        frame.ping = ping->ping;
-        frame.time_s = time_of(request, ping);
-        frame.altitude_m = ping->altitude_m;
-        fwrite(&frame, sizeof frame, 1, w->out);
-        fwrite(ping->level_db, sizeof(float), cells_of(w), w->out);
-        if (w->has_expected) {
-            fwrite(expected_db, sizeof(float), cells_of(w), w->out);
-        }
+        write_raw(w, line, request, answer);
     }
 }
 
@@ -174,6 +226,9 @@ void serve_write_error(const serve_writer *w, uint64_t line, const char *why) {
         put_csv_levels(w, NULL);
         if (w->has_expected) {
             put_csv_levels(w, NULL);
+        }
+        if (w->has_detections) {
+            put_csv_detections(w, NULL);
         }
         fputc('\n', w->out);
     } else {

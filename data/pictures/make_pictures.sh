@@ -15,4 +15,6 @@ trap 'rm -rf "$work"' EXIT
 "$asdic" run -q "$here/../scenes/sonar_m750d.yaml" -o "$work/m750d"
 convert "$work/mission/waterfall_forward.png" -colors 96 "$out/mission.png"
 convert "$work/scenario2/ascope_0.png" -colors 32 "$out/scenario2.png"
+"$asdic" view -q "$here/../scenes/mission.yaml" --snapshot 1 --pings 160 -o "$work/view"
+convert "$work/view/view_159.png" -colors 128 "$out/view.png"
 convert "$work/m750d/fan_0.png" -resize 60% -colors 96 "$out/m750d.png"

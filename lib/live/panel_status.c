@@ -79,7 +79,7 @@ static void write_design(writer *w, const asdic_view *view) {
     row(w, "window", text, PANEL_INK_RGB);
     row(w, "colours", asdic_colormap_name(view->look.colormap), PANEL_INK_RGB);
     if (view->recording) {
-        snprintf(text, sizeof text, "\u25cf %03u, %zu pings",
+        snprintf(text, sizeof text, "\u25cf %03u \u00b7 %zu",
                  asdic_recording_number(view->recording), asdic_recording_pings(view->recording));
         row(w, "recording", text, PANEL_RED_RGB);
     } else {

@@ -117,15 +117,33 @@ static asdic_status begin_part(asdic_view *view, const asdic_pose *pose, double 
     return status;
 }
 
-asdic_status asdic_view_stop(asdic_view *view) {
-    if (!view || !view->recording) {
+/* Another set of choices: the recording waits to be written, so that the clock does not. */
+static asdic_status put_aside(asdic_view *view) {
+    if (!view->recording) {
         return ASDIC_OK;
     }
-    unsigned number = asdic_recording_number(view->recording);
-    size_t pings = asdic_recording_pings(view->recording);
-    asdic_status status = asdic_recording_end(&view->recording);
-    if (!status) {
-        asdic_view_say(view, "recorded %zu pings to %s/%03u", pings, view->options.folder, number);
+    asdic_recording **ended = realloc(view->ended, (view->ended_count + 1) * sizeof *view->ended);
+    if (!ended) {
+        return asdic_fail_memory(view->ctx, "a recording");
+    }
+    view->ended = ended;
+    view->ended[view->ended_count++] = view->recording;
+    view->recording = NULL;
+    return ASDIC_OK;
+}
+
+asdic_status asdic_view_stop(asdic_view *view) {
+    asdic_status status = view ? put_aside(view) : ASDIC_OK;
+    size_t pings = 0, count = view ? view->ended_count : 0;
+    for (size_t i = 0; i < count; i++) {
+        size_t here = asdic_recording_pings(view->ended[i]);
+        asdic_status ended = asdic_recording_end(&view->ended[i]);
+        pings += ended ? 0 : here;
+        status = status ? status : ended;
+    }
+    if (count > 0) {
+        asdic_view_say(view, "recorded %zu pings to %s", pings, view->options.folder);
+        view->ended_count = 0;
     }
     return status;
 }
@@ -184,7 +202,7 @@ static asdic_status ping(asdic_view *view) {
     bool switches = view->wants_recording != (view->recording != NULL);
     asdic_status status = ASDIC_OK;
     if (!view->loop || view->is_changed || switches) {
-        status = asdic_view_stop(view);
+        status = view->wants_recording ? put_aside(view) : asdic_view_stop(view);
         if (!status) {
             status = begin_part(view, &pose, time_s);
         }
@@ -213,6 +231,7 @@ asdic_status asdic_view_step(asdic_view *view) {
     double begin_s = asdic_clock_s();
     double wall_s = view->begun_s > 0.0 ? begin_s - view->begun_s : 0.0;
     bool pings = !view->is_paused || view->steps_allowed > 0 || view->steps == 0;
+    bool was_recording = view->recording != NULL;
     asdic_status status = ASDIC_OK;
     view->steps_allowed -= view->steps_allowed > 0;
     if (pings) {
@@ -225,10 +244,12 @@ asdic_status asdic_view_step(asdic_view *view) {
         open_window(view);
     }
     status = asdic_view_draw(view);
-    if (pings && asdic_governor_note(&view->governor, asdic_clock_s() - begin_s, wall_s)) {
+    /* Writing recordings, and pauses, are no part of the clock. */
+    bool counts = pings && !(was_recording && !view->recording);
+    if (counts && asdic_governor_note(&view->governor, asdic_clock_s() - begin_s, wall_s)) {
         view->is_changed = true;
     }
-    view->begun_s = pings && !view->is_paused ? begin_s : 0.0;
+    view->begun_s = counts && !view->is_paused ? begin_s : 0.0;
     return status;
 }
 
@@ -307,7 +328,8 @@ void asdic_view_destroy(asdic_view **pointer) {
         return;
     }
     asdic_view *view = *pointer;
-    asdic_recording_end(&view->recording);
+    asdic_view_stop(view);
+    free(view->ended);
     asdic_live_expected_finish(&view->expected);
     asdic_camera_destroy(&view->camera);
     asdic_relief_finish(&view->relief);

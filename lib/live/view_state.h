@@ -49,6 +49,8 @@ struct asdic_view {
     asdic_choices chosen; /* wanted; the loop has them unless is_changed */
     bool is_changed;
     asdic_recording *recording; /* NULL: off */
+    asdic_recording **ended;    /* to be written when recording stops: that takes its time */
+    size_t ended_count;
     bool wants_recording;
 
     asdic_picture_options look; /* of fan, waterfall; the window of the A-scope */

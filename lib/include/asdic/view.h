@@ -58,7 +58,7 @@ ASDIC_API const char *asdic_view_key_name(size_t index, const char **does);
 ASDIC_API bool asdic_view_is_over(const asdic_view *view);
 ASDIC_API bool asdic_view_is_paused(const asdic_view *view);
 
-/* Ends a recording: its folder then holds scene.yaml, track.csv and the run, which
+/* Ends recording and writes what was recorded, which takes its time: each folder then holds scene.yaml, track.csv and the run, which
  * `asdic run scene.yaml` gives again to the byte. */
 ASDIC_API asdic_status asdic_view_stop(asdic_view *view);
 
