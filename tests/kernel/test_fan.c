@@ -76,8 +76,8 @@ static void map_meets_every_beam(double pitch_deg, double roll_deg) {
         asdic_component component;
         const char *name;
         double rms_db, most_db;
-    } rows[] = {{ASDIC_TOTAL, "total", 0.1, 2.5},
-                {ASDIC_BOTTOM, "bottom", 0.1, 2.0},
+    } rows[] = {{ASDIC_TOTAL, "total", 0.1, 3.0},
+                {ASDIC_BOTTOM, "bottom", 0.1, 3.0},
                 {ASDIC_VOLUME, "volume", 0.01, 0.05}};
     for (size_t k = 0; k < sizeof rows / sizeof *rows; k++) {
         double rms, most;
