@@ -14,6 +14,7 @@
 #include "detection.h"
 
 #define MODEL_KEYS 12
+#define MODEL_REST 11 /* no formula has so many: degrees that single precision lost of its angle */
 
 #define MODEL_SOUND_SPEED 0
 #define MODEL_ABSORPTION 1
@@ -53,6 +54,11 @@ FORMULA real model_cos_deg(real a_deg) {
     return r_sinpi((R(90.0) - r_abs(a_deg)) / R(180.0));
 }
 
+/* The cosine of A_DEG + REST_DEG within 0..90, to full precision close to 90: the difference is exact. */
+FORMULA real model_steep_cos_deg(real a_deg, real rest_deg) {
+    return r_sinpi((R(90.0) - a_deg - rest_deg) / R(180.0));
+}
+
 FORMULA real model_absorption(const real *key) {
     real right = absorption_db_per_km(key[0], key[1], key[2], key[3], key[4]);
     real printed = absorption_printed_db_per_km(key[0], key[1], key[2], key[3], key[4]);
@@ -80,7 +86,7 @@ FORMULA real model_bottom_backscatter(const real *key) {
 
 /* The cosine comes from the angle: close to 90 degrees a single-precision sine cannot tell it. */
 FORMULA real model_surface_backscatter(const real *key) {
-    real cosine = model_cos_deg(key[2]);
+    real cosine = model_steep_cos_deg(key[2], key[MODEL_REST]);
     real cap = choose(key[3] > R(0.5), INFINITY, surface_cap_lin(key[0]));
     return model_db(surface_backscatter_angle_lin(surface_gain(key[0], key[1]),
                                                   surface_beta0(key[0]), surface_beta1(key[1]), cap,
@@ -101,8 +107,8 @@ FORMULA real model_target_strength(const real *key) {
 FORMULA real model_facet_strength(const real *key) {
     real g = roughness_parameter(key[2] / (R(1000.0) * key[1]), key[3]);
     real sine = model_sin_deg(key[0]);
-    return model_db(
-        facet_strength_angle_lin(model_cos_deg(key[0]), sine * sine, key[5] * key[5], g, key[4]));
+    return model_db(facet_strength_angle_lin(model_steep_cos_deg(key[0], key[MODEL_REST]),
+                                             sine * sine, key[5] * key[5], g, key[4]));
 }
 
 /* MODEL words 0 exponential, 1 k, 2..4 swerling0, 1, 3; a null of finite shape is K-distributed. */

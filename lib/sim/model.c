@@ -206,6 +206,20 @@ static asdic_status check_together(asdic_context *ctx, size_t model, double *val
     return ASDIC_OK;
 }
 
+/* Keys in single precision; of angles whose cosine counts, what that lost goes along. */
+static void round_keys(size_t model, const double *keys, size_t count, float *floats) {
+    for (size_t i = 0; i < count * MODEL_KEYS; i++) {
+        floats[i] = (float)keys[i];
+    }
+    if (model != MODEL_SURFACE_BACKSCATTER && model != MODEL_FACET_STRENGTH) {
+        return;
+    }
+    for (size_t i = 0, angle = model == MODEL_SURFACE_BACKSCATTER ? 2 : 0; i < count; i++) {
+        size_t at = i * MODEL_KEYS + angle;
+        floats[i * MODEL_KEYS + MODEL_REST] = (float)(keys[at] - (double)floats[at]);
+    }
+}
+
 static asdic_status evaluate_on_device(asdic_device *device, size_t model, const double *keys,
                                        size_t count, double *out) {
     asdic_context *ctx = asdic_device_context(device);
@@ -220,9 +234,7 @@ static asdic_status evaluate_on_device(asdic_device *device, size_t model, const
         asdic_fail_memory(ctx, "the keys of a model");
         goto fail;
     }
-    for (size_t i = 0; i < key_count; i++) {
-        floats[i] = (float)keys[i];
-    }
+    round_keys(model, keys, count, floats);
     status = asdic_buffer_create(device, key_count * sizeof *floats, floats, &key_buffer);
     if (status == ASDIC_OK) {
         status = asdic_buffer_create(device, count * sizeof *floats, NULL, &out_buffer);

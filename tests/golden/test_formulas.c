@@ -38,15 +38,10 @@ static bool parse(const char *line, vector *out) {
     return true;
 }
 
-/* What single precision may cost: 1e-3 dB, or 1e-5 of other units. 89.99 degrees as a float is
- * already off by 2e-4 of its distance from 90, on which steep laws depend with up to the eighth
- * power. */
+/* What single precision may cost: 1e-3 dB, or 1e-5 of other units. */
 static void widen(vector *v, bool decibel) {
     v->absolute += decibel ? 1e-3 : 1e-30;
     v->relative += decibel ? 0.0 : 1e-5;
-    for (size_t i = 0; i < v->key_count; i++) {
-        v->absolute += strstr(v->keys[i], "_deg=89.99") ? 2e-2 : 0.0;
-    }
 }
 
 /* Of one formula: values met, the largest error where many digits are known, and the largest share of

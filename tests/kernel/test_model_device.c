@@ -10,6 +10,7 @@
 #include "../../kernels/model.h"
 
 #include <stdio.h>
+#include <string.h>
 #include <stdlib.h>
 
 #define POINTS 4096 /* at least the corners of 12 keys */
@@ -32,7 +33,9 @@ static double spread(const asdic_model_key *key, double u) {
     bool ratio = key->min > 0.0 && key->max / key->min > 100.0;
     double x =
         ratio ? key->min * pow(key->max / key->min, u) : key->min + u * (key->max - key->min);
-    return fmin(fmax((float)x, key->min), key->max);
+    bool is_steep =
+        strcmp(key->name, "grazing_deg") == 0 || strcmp(key->name, "incidence_deg") == 0;
+    return fmin(fmax(is_steep ? x : (float)x, key->min), key->max); /* 89.99 is no float */
 }
 
 /* What makes a point meaningful for single precision, written over the plain domain: apertures up
