@@ -10,7 +10,7 @@
 typedef struct request {
     asdic_detect_options options;
     asdic_detector detector;
-    bool has_target, has_pfa, has_prior, has_snr;
+    bool has_target, has_pfa, has_prior, has_snr, has_cost;
 } request;
 
 static const char *const targets[] = {"swerling0", "swerling1", "swerling3", "swerling2", NULL};
@@ -24,6 +24,7 @@ static bool read_request(cli *c, request *r) {
     cli_number(c, "pfa", 1e-12, 0.5, &r->detector.pfa);
     cli_number(c, "prior", 1e-9, 0.999, &r->detector.prior);
     cli_number(c, "snr", -20.0, 60.0, &r->detector.snr_db);
+    cli_number(c, "cost", 1e-6, 1e12, &r->detector.cost_ratio);
     cli_choice(c, "cfar", cfars, &cfar);
     cli_integer(c, "cfar-cells", 1, 256, &cells);
     cli_integer(c, "cfar-guard", 0, 256, &guard);
@@ -34,6 +35,11 @@ static bool read_request(cli *c, request *r) {
     r->has_pfa = cli_given(c, "pfa");
     r->has_prior = cli_given(c, "prior");
     r->has_snr = cli_given(c, "snr");
+    r->has_cost = cli_given(c, "cost");
+    if (r->has_cost && r->has_pfa) {
+        cli_usage(c, "--cost and --pfa are two thresholds; give one of them");
+        return false;
+    }
     r->options.has_cfar = cli_given(c, "cfar");
     r->options.cfar.kind = (asdic_cfar_kind)cfar;
     r->options.cfar.cells = (unsigned)cells;
@@ -58,6 +64,10 @@ static asdic_status choose_detector(cli *c, const char *folder, request *r) {
     chosen.pfa = r->has_pfa ? r->detector.pfa : chosen.pfa;
     chosen.prior = r->has_prior ? r->detector.prior : chosen.prior;
     chosen.snr_db = r->has_snr ? r->detector.snr_db : chosen.snr_db;
+    /* What was typed replaces the scene's threshold, of whichever kind. */
+    chosen.cost_ratio = r->has_cost  ? r->detector.cost_ratio
+                        : r->has_pfa ? (double)NAN
+                                     : chosen.cost_ratio;
     r->detector = chosen;
     r->options.detector = &r->detector;
     asdic_run_close(&run);
@@ -81,8 +91,9 @@ static void print_classes(const asdic_detect_report *r) {
         printf("%10.3g\n", k->bins ? (double)k->detected / (double)k->bins : 0.0);
     }
     if (r->is_sample) {
-        printf("P_FA: design %g, measured %.4g, 99 %% bounds %.4g..%.4g\n", r->detector.pfa,
-               r->pfa.value, r->pfa.low, r->pfa.high);
+        const asdic_detect_class *none = &r->classes[r->class_count - 1];
+        printf("P_FA: design %.4g, measured %.4g, 99 %% bounds %.4g..%.4g\n",
+               none->expected / (double)none->bins, r->pfa.value, r->pfa.low, r->pfa.high);
     }
 }
 
@@ -133,6 +144,7 @@ static void print_json(const asdic_detect_report *r) {
     json_number(&j, "pfa", r->detector.pfa);
     json_number(&j, "prior", r->detector.prior);
     json_number(&j, "snr_db", r->detector.snr_db);
+    json_number(&j, "cost_ratio", r->detector.cost_ratio);
     json_bool(&j, "cfar", r->by_cfar);
     json_bool(&j, "speckle", r->is_sample);
     json_integer(&j, "looks", r->looks);
@@ -272,6 +284,8 @@ static const cli_option options[] = {
     {"pfa", 0, "P", "probability of false alarm per bin, instead of the scene's"},
     {"prior", 0, "P", "prior probability of a target in a bin, instead of the scene's"},
     {"snr", 0, "DB", "strength of the target that likelihood ratios assume, re the background"},
+    {"cost", 0, "RATIO",
+     "cost of a miss over that of a false alarm: the threshold that costs least, instead of --pfa"},
     {"cfar", 0, "KIND",
      "background from neighbouring bins: ca (their mean) or os (their third "
      "quartile)"},

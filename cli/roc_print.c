@@ -22,14 +22,14 @@ void roc_print_table(const roc_variants *v) {
         int length = snprintf(NULL, 0, "%s", v->names[i]);
         wide = length > wide ? length : wide;
     }
-    printf("%-*s %-12s %9s %9s %8s %20s %8s %7s %18s %8s%s\n", wide, "variant", "beam", "range",
+    printf("%-*s %-12s %9s %9s %8s %20s %8s %8s %19s %8s%s\n", wide, "variant", "beam", "range",
            "snr", "P_D", "99 % bounds", "closed", "area", "99 % bounds", "closed",
            v->count > 1 ? "  area - first's" : "");
     for (size_t i = 0; i < v->count; i++) {
         const asdic_roc *r = v->rocs[i];
-        printf("%-*s %-12s %7.2f m %6.2f dB %8.4f %11.4f..%.4f %8.4f %7.4f %9.4f..%.4f %8.4f", wide,
-               v->names[i], r->beam, r->range_m, r->snr_db, r->pd.value, r->pd.low, r->pd.high,
-               r->closed_pd, r->area.value, r->area.low, r->area.high, r->closed_area);
+        printf("%-*s %-12s %7.2f m %6.2f dB %8.4f %11.4f..%.4f %8.4f %8.5f %10.5f..%.5f %8.5f",
+               wide, v->names[i], r->beam, r->range_m, r->snr_db, r->pd.value, r->pd.low,
+               r->pd.high, r->closed_pd, r->area.value, r->area.low, r->area.high, r->closed_area);
         if (i > 0) {
             const asdic_estimate *d = &v->differences[i];
             printf("  %+.5f (%+.5f..%+.5f)", d->value, d->low, d->high);

@@ -22,8 +22,11 @@ struct asdic_scan {
 };
 
 asdic_detector asdic_detector_default(void) {
-    return (asdic_detector){
-        .target = ASDIC_TARGET_SWERLING1, .pfa = 1e-3, .prior = 0.01, .snr_db = 10.0};
+    return (asdic_detector){.target = ASDIC_TARGET_SWERLING1,
+                            .pfa = 1e-3,
+                            .prior = 0.01,
+                            .snr_db = 10.0,
+                            .cost_ratio = NAN};
 }
 
 asdic_status asdic_scan_create(asdic_context *ctx, const asdic_sonar *sonar, double sound_speed_mps,
@@ -34,6 +37,11 @@ asdic_status asdic_scan_create(asdic_context *ctx, const asdic_sonar *sonar, dou
                           "asdic_scan_create: a sonar, bins and a detector are needed");
     }
     *out = NULL;
+    if (!(detector->prior > 0.0 && detector->prior < 1.0) || detector->cost_ratio <= 0.0) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
+                          "a detector with prior %g (between 0 and 1), costs %g (above 0)",
+                          detector->prior, detector->cost_ratio);
+    }
     if (!(detector->pfa > 0.0 && detector->pfa < 1.0) || !isfinite(detector->snr_db)) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
                           "a detector of P_FA %g (between 0 and 1) for targets of %g dB",
@@ -71,25 +79,31 @@ void asdic_scan_destroy(asdic_scan **scan) {
     }
 }
 
-/* The threshold of a bin over its expected mean. */
+/* The threshold of a bin over its background's mean: by P_FA, or by what errors cost. */
 static asdic_status find_factor(asdic_scan *scan, double noise_share, double *factor) {
     bool is_k = scan->law.shape <= ASDIC_SHAPE_MAX;
     size_t step = is_k ? (size_t)lround(noise_share * SHARE_STEPS) : 0;
+    const asdic_detector *d = &scan->detector;
     asdic_background law = scan->law;
     law.noise_share = (double)step / SHARE_STEPS;
     asdic_status status = ASDIC_OK;
     if (scan->factor[step] == 0.0) {
-        status = asdic_detect_threshold(scan->ctx, &law, scan->detector.pfa, &scan->factor[step]);
+        status =
+            isnan(d->cost_ratio)
+                ? asdic_detect_threshold(scan->ctx, &law, d->pfa, &scan->factor[step])
+                : asdic_detect_threshold_llr(scan->ctx, &law, d->target, pow(10.0, 0.1 * d->snr_db),
+                                             asdic_detect_cost_llr(d->prior, 1.0, d->cost_ratio),
+                                             &scan->factor[step]);
     }
     *factor = scan->factor[step];
     return status;
 }
 
-static asdic_status against_expected(asdic_scan *scan, const double *expected_lin,
-                                     const double *noise_lin) {
+/* Thresholds over MEAN_LIN, which may be what CFAR has estimated. */
+static asdic_status over_means(asdic_scan *scan, const double *mean_lin, const double *noise_lin) {
     asdic_status status = ASDIC_OK;
     for (size_t i = 0; i < scan->beams * scan->bins && status == ASDIC_OK; i++) {
-        double mean = expected_lin[i], factor = NAN;
+        double mean = mean_lin[i], factor = NAN;
         bool is_known = mean > 0.0 && isfinite(mean);
         if (is_known) {
             double share = noise_lin ? fmin(fmax(noise_lin[i] / mean, 0.0), 1.0) : 0.0;
@@ -117,8 +131,8 @@ asdic_status asdic_scan_ping(asdic_scan *scan, const double *intensity_lin,
                                 intensity_lin + first, scan->bins, scan->background_lin + first,
                                 scan->threshold_lin + first);
     }
-    if (!scan->has_cfar) {
-        status = against_expected(scan, expected_lin, noise_lin);
+    if (status == ASDIC_OK && (!scan->has_cfar || !isnan(scan->detector.cost_ratio))) {
+        status = over_means(scan, scan->has_cfar ? scan->background_lin : expected_lin, noise_lin);
     }
     double snr = pow(10.0, 0.1 * scan->detector.snr_db);
     for (size_t i = 0; i < scan->beams * scan->bins && status == ASDIC_OK; i++) {

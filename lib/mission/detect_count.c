@@ -64,6 +64,13 @@ asdic_background asdic_detect_rest(const asdic_detect_job *job, size_t cell) {
                                job->noise_lin[cell]);
 }
 
+/* The law of a bin's background as the detector takes it. */
+static asdic_background null_of(const asdic_detect_job *job, size_t cell) {
+    return asdic_background_of(job->info.sonar, job->sound_speed_mps,
+                               asdic_scan_get(job->scan).background_lin[cell],
+                               job->noise_lin[cell]);
+}
+
 double asdic_detect_bin_pd(const asdic_detect_job *job, size_t cell) {
     double threshold = asdic_scan_get(job->scan).threshold_lin[cell];
     if (!(job->rest_lin[cell] > 0.0)) { /* nothing but the echo */
@@ -136,7 +143,10 @@ void asdic_detect_count(asdic_detect_job *job, const asdic_record *record) {
         if (c->truth == ASDIC_TRUTH_OBJECT) {
             c->expected += asdic_detect_bin_pd(job, i);
         } else if (c->truth == ASDIC_TRUTH_NONE) {
-            c->expected += job->detector.pfa;
+            asdic_background null = null_of(job, i);
+            bool is_designed = isnan(job->detector.cost_ratio);
+            c->expected +=
+                is_designed ? job->detector.pfa : asdic_detect_pfa(&null, threshold_lin[i]);
         }
     }
     for (size_t b = 0; b < job->info.beams; b++) {

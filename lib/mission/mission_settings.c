@@ -51,7 +51,8 @@ asdic_status asdic_mission_build_settings(mission_builder *b) {
     m->detector = (asdic_detector){.target = (asdic_target)file->detector.target,
                                    .pfa = file->detector.pfa,
                                    .prior = file->detector.prior,
-                                   .snr_db = file->detector.snr_db};
+                                   .snr_db = file->detector.snr_db,
+                                   .cost_ratio = file->detector.cost_ratio};
     m->output = (asdic_output_options){.csv = (asdic_csv_form)file->output.csv,
                                        .npy = file->output.npy,
                                        .netcdf = file->output.netcdf,

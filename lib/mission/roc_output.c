@@ -153,8 +153,20 @@ static size_t add_lines(asdic_series *out, const columns *c, uint32_t rgb, const
     return LINES_EACH;
 }
 
+/* An ordinate that shows how far P_D stays from 1, when that is not far. */
+static double lowest(const columns *curves, size_t count) {
+    double least = 1.0;
+    for (size_t i = 0; i < count; i++) {
+        for (size_t k = 0; k < curves[i].count; k++) {
+            least = fmin(least, fmin(curves[i].low[k], curves[i].closed[k]));
+        }
+    }
+    double rest = fmax(1.0 - least, 1e-6);
+    return rest < 0.5 ? 1.0 - 1.1 * rest : 0.0;
+}
+
 static void describe(char label[LABEL_SIZE], const char *name, const asdic_roc *roc) {
-    snprintf(label, LABEL_SIZE, "%s: area %.4f (%.4f\u2026%.4f), closed form %.4f", name,
+    snprintf(label, LABEL_SIZE, "%s: area %.5f (%.5f\u2026%.5f), closed form %.5f", name,
              roc->area.value, roc->area.low, roc->area.high, roc->closed_area);
 }
 
@@ -201,12 +213,12 @@ asdic_status asdic_roc_draw(asdic_context *ctx, const char *path, const char *ti
              "The same target at other ranges in its bearing, level with the vehicle, P_FA = %g",
              rocs[0]->pfa);
     asdic_plot plots[2] = {{.x = {.label = "P_FA", .low = 1e-6, .high = 1.0, .logarithmic = true},
-                            .y = {.label = "P_D", .low = 0.0, .high = 1.0},
+                            .y = {.label = "P_D", .low = lowest(curve, count), .high = 1.0},
                             .series = lines,
                             .series_count = n},
                            {.title = range_title,
                             .x = {.label = "range (m)", .low = 0.0, .high = farthest},
-                            .y = {.label = "P_D", .low = 0.0, .high = 1.0},
+                            .y = {.label = "P_D", .low = lowest(reach, count), .high = 1.0},
                             .series = range_lines,
                             .series_count = m}};
     asdic_picture_options options = asdic_picture_options_default();

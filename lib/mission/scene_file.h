@@ -167,7 +167,7 @@ typedef struct file_model {
 typedef struct file_detector {
     asdic_yaml_node *node;
     int target;
-    double pfa, prior, snr_db;
+    double pfa, prior, snr_db, cost_ratio; /* cost_ratio NAN: none given */
 } file_detector;
 
 typedef struct file_output {

@@ -83,6 +83,9 @@ static const asdic_key detector_keys[] = {
     {"snr_db", ASDIC_KEY_NUMBER, AT(file_detector, snr_db), .unit = "dB", .min = -20, .max = 60,
      .fallback = "10",
      .doc = "strength of the target that likelihood ratios assume, re the background"},
+    {"cost_ratio", ASDIC_KEY_NUMBER, AT(file_detector, cost_ratio), .min = 1e-6, .max = 1e12,
+     .doc =
+         "cost of a miss over that of a false alarm: the threshold that costs least; else by pfa"},
 };
 static const asdic_table detector_table = {TABLE(detector_keys, file_detector),
                                            .doc = "the detector"};

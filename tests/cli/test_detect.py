@@ -116,6 +116,11 @@ def test_options_replace_the_scenes_detector():
             cfar = detect("--cfar", kind, "--pfa", "0.01", "--cfar-cells", "12")
             tap.equal((cfar["cfar"], cfar["detections"] > 0), (True, True))
         tap.equal(detect("--target", "swerling3", "--prior", "0.5")["target"], "swerling3")
+        dear, cheap = detect("--cost", "1000"), detect("--cost", "1")
+        tap.equal(dear["detections"] > cheap["detections"], True, "misses are dear")
+        none = dear["confusion"][-1]
+        low, high = (dear["pfa_measured"][k] * none["bins"] for k in ("low", "high"))
+        tap.equal(low <= none["predicted"] <= high, True, f"{none} in {low}..{high}")
         strict = detect("--truth", "20")["confusion"][0]["bins"]
         tap.equal(strict < detect()["confusion"][0]["bins"], True, "bins that hold the rise")
 
@@ -130,6 +135,8 @@ def test_mistakes():
         tap.contains(done.err, "did you mean 'ca'")
         done = asdic("detect", folder.path, "--cfar-cells", "4").check(2)
         tap.contains(done.err, "go with --cfar")
+        done = asdic("detect", folder.path, "--pfa", "0.1", "--cost", "2").check(2)
+        tap.contains(done.err, "two thresholds")
         done = asdic("detect", folder.path, "--pfa", "2").check(2)
         tap.contains(done.err, "[1e-12, 0.5]")
         scene2(folder, 1)

@@ -67,6 +67,25 @@ static void a_ping_is_decided(void **state) {
     assert_ok(ctx, asdic_scan_ping(scan, z, NULL, NULL));
     assert_true(asdic_scan_get(scan).threshold_lin[50] > z[50]);
     asdic_scan_destroy(&scan);
+    /* By cost: as much P_FA as misses are dear. */
+    double before = 0.0;
+    for (double cost = 1.0; cost < 1e4; cost *= 10.0) {
+        detector.cost_ratio = cost;
+        assert_ok(ctx, asdic_scan_create(ctx, &sonar, SPEED, BINS, &detector, NULL, &scan));
+        assert_ok(ctx, asdic_scan_ping(scan, z, mean, noise));
+        asdic_scan_result r = asdic_scan_get(scan);
+        asdic_background b = asdic_background_of(&sonar, SPEED, mean[7], noise[7]);
+        assert_close(
+            asdic_detect_llr(&b, ASDIC_TARGET_SWERLING1, 10.0 * mean[7], r.threshold_lin[7]),
+            asdic_detect_cost_llr(0.01, 1.0, cost), 0.01);
+        assert_true(asdic_detect_pfa(&b, r.threshold_lin[7]) > before);
+        before = asdic_detect_pfa(&b, r.threshold_lin[7]);
+        asdic_scan_destroy(&scan);
+    }
+    detector.cost_ratio = -1.0;
+    assert_status(ctx, asdic_scan_create(ctx, &sonar, SPEED, BINS, &detector, NULL, &scan),
+                  ASDIC_ERROR_ARGUMENT);
+    detector = asdic_detector_default();
     detector.pfa = 1.0;
     assert_status(ctx, asdic_scan_create(ctx, &sonar, SPEED, BINS, &detector, NULL, &scan),
                   ASDIC_ERROR_ARGUMENT);

@@ -16,9 +16,11 @@ typedef struct asdic_detector {
     double pfa;    /* probability of false alarm per bin */
     double prior;  /* probability that a bin holds a target */
     double snr_db; /* strength of the target that the likelihood ratio assumes, re the background */
+    double cost_ratio; /* of a miss over a false alarm: the threshold that costs least, in place of
+                        * pfa; NAN: by pfa */
 } asdic_detector;
 
-/* Swerling I, 1e-3, 0.01, 10 dB. */
+/* Swerling I, 1e-3, 0.01, 10 dB, by P_FA. */
 ASDIC_API asdic_detector asdic_detector_default(void);
 
 /* ---- one ping ------------------------------------------------------------------------------- */
