@@ -64,26 +64,28 @@ static bool is_ours(const char *name) {
     return is_picture && has_stem;
 }
 
-/* Whether somebody holds the lock that a run's store has on FOLDER/pings.EXTENSION. */
-static bool is_locked(const char *folder, const char *extension) {
+/* Fails when somebody holds the lock that a run's store has on FOLDER/pings.EXTENSION. */
+static asdic_status check_unlocked(asdic_context *ctx, const char *folder, const char *extension) {
     char *path = asdic_folder_path(folder, "pings", "", extension);
-    int fd = path ? open(path, O_RDONLY | O_CLOEXEC) : -1;
+    if (!path) {
+        return asdic_fail_memory(ctx, "a file name");
+    }
+    int fd = open(path, O_RDONLY | O_CLOEXEC);
     bool locked = fd >= 0 && flock(fd, LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK;
     if (fd >= 0) {
         close(fd);
     }
     free(path);
-    return locked;
+    return locked ? asdic_fail(ctx, ASDIC_ERROR_EXISTS,
+                               "another process is writing a run to '%s' just now; wait for it, or "
+                               "choose another folder",
+                               folder)
+                  : ASDIC_OK;
 }
 
 asdic_status asdic_folder_check_idle(asdic_context *ctx, const char *folder) {
-    if (is_locked(folder, "npy.part") || is_locked(folder, "npy")) {
-        return asdic_fail(ctx, ASDIC_ERROR_EXISTS,
-                          "another process is writing a run to '%s' just now; wait for it, or "
-                          "choose another folder",
-                          folder);
-    }
-    return ASDIC_OK;
+    asdic_status status = check_unlocked(ctx, folder, "npy.part");
+    return status == ASDIC_OK ? check_unlocked(ctx, folder, "npy") : status;
 }
 
 static asdic_status clear(asdic_context *ctx, const char *folder) {
