@@ -13,14 +13,13 @@ typedef struct request {
     bool has_target, has_pfa, has_prior, has_snr, has_cost;
 } request;
 
-static const char *const targets[] = {"swerling0", "swerling1", "swerling3", "swerling2", NULL};
 static const char *const cfars[] = {"ca", "os", NULL};
 
 static bool read_request(cli *c, request *r) {
     int target = 0, cfar = 0;
     uint64_t cells = 8, guard = 2;
     *r = (request){.options = asdic_detect_options_default(), .detector = {0}};
-    cli_choice(c, "target", targets, &target);
+    cli_choice(c, "target", cli_target_names, &target);
     cli_number(c, "pfa", 1e-12, 0.5, &r->detector.pfa);
     cli_number(c, "prior", 1e-9, 0.999, &r->detector.prior);
     cli_number(c, "snr", -20.0, 60.0, &r->detector.snr_db);
@@ -140,7 +139,7 @@ static void print_report(const asdic_detect_report *r) {
 static void print_json(const asdic_detect_report *r) {
     json j = json_begin(stdout);
     json_open(&j, NULL, '{');
-    json_text(&j, "target", targets[r->detector.target]);
+    json_text(&j, "target", cli_target_names[r->detector.target]);
     json_number(&j, "pfa", r->detector.pfa);
     json_number(&j, "prior", r->detector.prior);
     json_number(&j, "snr_db", r->detector.snr_db);

@@ -16,8 +16,6 @@ typedef struct request {
     char *labels[ROC_MOST_VARIANTS];
 } request;
 
-static const char *const targets[] = {"swerling0", "swerling1", "swerling3", "swerling2", NULL};
-
 /* Cuts --vary into its key and values. */
 static bool read_vary(cli *c, request *r) {
     const char *text = cli_text(c, "vary");
@@ -54,7 +52,7 @@ static bool read_request(cli *c, request *r) {
     cli_number(c, "bearing", -180.0, 180.0, &bearing_deg);
     r->options.bearing_rad = bearing_deg * 3.14159265358979323846 / 180.0;
     cli_number(c, "strength", -200.0, 100.0, &r->options.target_strength_db);
-    cli_choice(c, "target", targets, &target);
+    cli_choice(c, "target", cli_target_names, &target);
     cli_number(c, "pfa", 1e-12, 0.5, &r->options.pfa);
     cli_integer(c, "trials", 1000, 100000000, &r->options.trials);
     cli_integer(c, "seed", 0, UINT64_MAX, &r->options.seed);

@@ -155,6 +155,8 @@ void cli_share(cli *c, const char *option, uint64_t *k, uint64_t *n) {
     *n = b;
 }
 
+const char *const cli_target_names[] = {"swerling0", "swerling1", "swerling3", "swerling2", NULL};
+
 void cli_choice(cli *c, const char *option, const char *const *words, int *out) {
     const char *text = cli_text(c, option);
     char expected[256] = "one of";

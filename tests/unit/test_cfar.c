@@ -1,22 +1,10 @@
 /* Thresholds that follow the background: closed forms against draws. */
 #include "asserts.h"
+#include "test_context.h"
 
 #include <asdic/detect.h>
 
 #include <stdlib.h>
-
-static asdic_context *ctx;
-
-static int begin(void **state) {
-    (void)state;
-    return asdic_context_create(&ctx);
-}
-
-static int end(void **state) {
-    (void)state;
-    asdic_context_destroy(&ctx);
-    return 0;
-}
 
 static int ascending(const void *a, const void *b) {
     double x = *(const double *)a, y = *(const double *)b;
@@ -144,5 +132,5 @@ int main(void) {
         cmocka_unit_test(quadrature_meets_closed_forms),
         cmocka_unit_test(a_row),
     };
-    return cmocka_run_group_tests(tests, begin, end);
+    return cmocka_run_group_tests(tests, context_begin, context_end);
 }

@@ -3,6 +3,7 @@
  * picture shows them where they say.
  */
 #include "asserts.h"
+#include "test_context.h"
 
 #include "lib/base/vec.h"
 #include "lib/mission/run_footprint.h"
@@ -19,19 +20,6 @@
 #include <unistd.h>
 
 #define HALF_POWER 0.442946 /* sin(u) / u squared is a half at u = 0.442946 pi */
-
-static asdic_context *ctx;
-
-static int set_up(void **state) {
-    (void)state;
-    return asdic_context_create(&ctx) != ASDIC_OK;
-}
-
-static int tear_down(void **state) {
-    (void)state;
-    asdic_context_destroy(&ctx);
-    return 0;
-}
 
 /* A slope from 10 m deep at the south edge (x = 0) to 20 m at the north edge (x = 100), y 0..50. */
 static asdic_scene *slope_scene(void) {
@@ -302,5 +290,5 @@ int main(void) {
         cmocka_unit_test(overview_keeps_the_strongest),
         cmocka_unit_test(pictures_show_them),
     };
-    return cmocka_run_group_tests(tests, set_up, tear_down);
+    return cmocka_run_group_tests(tests, context_begin, context_end);
 }

@@ -1,22 +1,10 @@
 /* False alarms, detections and likelihoods: closed forms against draws, and against each other. */
 #include "asserts.h"
+#include "test_context.h"
 
 #include <asdic/detect.h>
 
 #define TRIALS 1000000u
-
-static asdic_context *ctx;
-
-static int begin(void **state) {
-    (void)state;
-    return asdic_context_create(&ctx);
-}
-
-static int end(void **state) {
-    (void)state;
-    asdic_context_destroy(&ctx);
-    return 0;
-}
 
 static const asdic_background backgrounds[] = {
     {1.0, 1, INFINITY, 0.0}, {2e-11, 4, INFINITY, 0.0}, {3.0, 7, INFINITY, 0.3},
@@ -227,5 +215,5 @@ int main(void) {
         cmocka_unit_test(draws_are_paired),
         cmocka_unit_test(wrong_arguments),
     };
-    return cmocka_run_group_tests(tests, begin, end);
+    return cmocka_run_group_tests(tests, context_begin, context_end);
 }

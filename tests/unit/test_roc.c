@@ -1,24 +1,12 @@
 /* Areas under curves against what is known of them, and scenes with settings put into them. */
 #include "asserts.h"
+#include "test_context.h"
 
 #include "detect/roc_curve.h"
 
 #include <asdic/mission.h>
 
 #include <stdlib.h>
-
-static asdic_context *ctx;
-
-static int begin(void **state) {
-    (void)state;
-    return asdic_context_create(&ctx);
-}
-
-static int end(void **state) {
-    (void)state;
-    asdic_context_destroy(&ctx);
-    return 0;
-}
 
 /* Two against three by hand: of nine pairs six are in order, one is a tie. */
 static void an_area_counts_pairs(void **state) {
@@ -166,5 +154,5 @@ int main(void) {
         cmocka_unit_test(settings_replace_and_add),
         cmocka_unit_test(wrong_settings_are_named),
     };
-    return cmocka_run_group_tests(tests, begin, end);
+    return cmocka_run_group_tests(tests, context_begin, context_end);
 }

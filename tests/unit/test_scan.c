@@ -1,5 +1,6 @@
 /* A detector at work: decisions of a ping, the map, the tracks. */
 #include "asserts.h"
+#include "test_context.h"
 
 #include <asdic/scan.h>
 
@@ -7,19 +8,6 @@
 
 #define DEGREE (3.14159265358979323846 / 180.0)
 #define SPEED 1500.0
-
-static asdic_context *ctx;
-
-static int begin(void **state) {
-    (void)state;
-    return asdic_context_create(&ctx);
-}
-
-static int end(void **state) {
-    (void)state;
-    asdic_context_destroy(&ctx);
-    return 0;
-}
 
 static asdic_sonar sonar_of(const asdic_beam *receivers, size_t count) {
     asdic_sonar sonar = asdic_sonar_default();
@@ -228,5 +216,5 @@ int main(void) {
         cmocka_unit_test(the_map_remembers),
         cmocka_unit_test(tracks_follow),
     };
-    return cmocka_run_group_tests(tests, begin, end);
+    return cmocka_run_group_tests(tests, context_begin, context_end);
 }
