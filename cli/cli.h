@@ -40,7 +40,7 @@ typedef struct cli_command {
     const char *operands; /* as shown: "SCENE.yaml"; "" when there are none */
     unsigned min_operands, max_operands;
     const char *summary;       /* one line, no full stop */
-    const char *details;       /* paragraphs, wrapped when printed; NULL: none */
+    const char *details;       /* paragraphs, wrapped when printed */
     const cli_option *options; /* its own; NULL: none */
     unsigned traits;
     int (*run)(cli *c);

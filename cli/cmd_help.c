@@ -58,6 +58,8 @@ const cli_command cli_help_command_row = {
     .operands = "[COMMAND]",
     .max_operands = 1,
     .summary = "list the commands, or explain one",
+    .details = "With --json the whole table, or one command of it: names, operands, texts and options. "
+               "Manual pages and completions are made from it.",
     .traits = CLI_HAS_JSON,
     .run = run,
 };

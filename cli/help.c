@@ -57,10 +57,8 @@ void cli_help_command(FILE *out, const cli_command *command) {
     size_t count = cli_options_of(command, options);
     fprintf(out, "usage: asdic %s [OPTION...]%s%s\n\n%s.\n", command->name,
             command->operands[0] ? " " : "", command->operands, command->summary);
-    if (command->details) {
-        fputc('\n', out);
-        print_wrapped(out, command->details, 0);
-    }
+    fputc('\n', out);
+    print_wrapped(out, command->details, 0);
     fputs("\noptions:\n", out);
     for (size_t i = 0; i < count; i++) {
         const cli_option *o = options[i];

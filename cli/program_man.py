@@ -1,8 +1,10 @@
-"""asdic(1), the manual page of the program, from what `asdic help --json` prints.
+"""The manual pages of the program, asdic(1) and asdic-COMMAND(1) for every command, from what
+`asdic help --json` prints.
 
-    program_man.py ASDIC VERSION > asdic.1
+    program_man.py ASDIC VERSION FOLDER
 """
 import json
+import os
 import subprocess
 import sys
 
@@ -41,55 +43,77 @@ def paragraphs(text):
     return escape(text).replace("\n\n", "\n.PP\n")
 
 
-def print_pairs(pairs):
-    for name, text in pairs:
-        print(f".TP\n.B {escape(name)}\n{escape(text)}")
+def pairs(rows):
+    return [f".TP\n.B {escape(name)}\n{escape(text)}" for name, text in rows]
 
 
-def print_option(option):
-    names = [f"-{option['letter']}"] if option["letter"] else []
-    names.append(f"--{option['name']}")
-    arg = f" \\fI{escape(option['arg'])}\\fR" if option["arg"] else ""
-    print(".TP\n" + ", ".join(f"\\fB{escape(name)}\\fR" for name in names) + arg)
-    words = option["help"]
-    if words.split()[0].isalpha():  # not a list of values
-        words = words[0].upper() + words[1:]
-    print(escape(words) + ".")
+def head(name, about, version):
+    return [f'.TH {escape(name.upper())} 1 "" "asdic {version}" "User commands"',
+            f".SH NAME\n{escape(name)} \\- {escape(about)}"]
 
 
-def print_command(command, common):
+def option_rows(options):
+    rows = []
+    for option in options:
+        names = [f"-{option['letter']}"] if option["letter"] else []
+        names.append(f"--{option['name']}")
+        arg = f" \\fI{escape(option['arg'])}\\fR" if option["arg"] else ""
+        words = option["help"]
+        if words.split()[0].isalpha():  # not a list of values
+            words = words[0].upper() + words[1:]
+        rows.append(".TP\n" + ", ".join(f"\\fB{escape(name)}\\fR" for name in names) + arg +
+                    f"\n{escape(words)}.")
+    return rows
+
+
+def see_also(pages):
+    return ".SH SEE ALSO\n" + ",\n".join(f".BR {escape(name)} ({section})" for name, section in pages)
+
+
+def page_name(command):
+    return f"asdic-{command['name']}"
+
+
+def program_page(commands, version):
+    common = [o for o in commands[0]["options"] if all(o in c["options"] for c in commands)]
+    return [*head("asdic", "simulate forward-looking sonar on any OpenCL device", version),
+            ".SH SYNOPSIS\n\\fBasdic\\fR \\fIcommand\\fR [\\fIoption\\fR...] [\\fIoperand\\fR...]",
+            ".br\n\\fBasdic \\-\\-version\\fR",
+            ".SH DESCRIPTION\n" + paragraphs(DESCRIPTION),
+            ".SH COMMANDS",
+            *(f".TP\n.BR {escape(page_name(c))} (1)\n{escape(c['summary'][0].upper() + c['summary'][1:])}."
+              for c in commands),
+            ".SH OPTIONS\nEvery command takes", *option_rows(common),
+            ".SH EXIT STATUS", *pairs(EXIT_STATUS),
+            ".SH ENVIRONMENT", *pairs(ENVIRONMENT),
+            see_also([(page_name(c), 1) for c in commands] + [("asdic-scene", 5), ("clinfo", 1)])]
+
+
+def command_page(command, commands, version):
     operands = f" \\fI{escape(command['operands'])}\\fR" if command["operands"] else ""
-    print(f".SS \\fBasdic {escape(command['name'])}\\fR [\\fIoption\\fR...]{operands}")
-    summary = command["summary"]
-    print(escape(summary[0].upper() + summary[1:]) + ".")
-    if command["details"]:
-        print(".PP\n" + paragraphs(command["details"]))
-    for option in command["options"]:
-        if option not in common:
-            print_option(option)
+    text = command["details"]
+    words = text + "".join(option["help"] for option in command["options"])
+    named = [other for other in commands if other is not command and f"asdic {other['name']}" in words]
+    return [*head(page_name(command), command["summary"], version),
+            f".SH SYNOPSIS\n\\fBasdic {escape(command['name'])}\\fR [\\fIoption\\fR...]{operands}",
+            ".SH DESCRIPTION\n" + paragraphs(text),
+            ".SH OPTIONS", *option_rows(command["options"]),
+            ".SH EXIT STATUS\nAs of every command, see\n.BR asdic (1).",
+            see_also([("asdic", 1), *((page_name(c), 1) for c in named), ("asdic-scene", 5)])]
+
+
+def write(folder, name, parts):
+    with open(os.path.join(folder, name), "w", encoding="utf-8") as out:
+        out.write("\n".join(parts) + "\n")
 
 
 def main():
-    program, version = sys.argv[1:3]
+    program, version, folder = sys.argv[1:4]
     done = subprocess.run([program, "help", "--json"], capture_output=True, check=True)
     commands = json.loads(done.stdout)
-    common = [o for o in commands[0]["options"] if all(o in c["options"] for c in commands)]
-    print(f'.TH ASDIC 1 "" "asdic {version}" "User commands"')
-    print(".SH NAME\nasdic \\- simulate forward\\-looking sonar on any OpenCL device")
-    print(".SH SYNOPSIS\n\\fBasdic\\fR \\fIcommand\\fR [\\fIoption\\fR...] [\\fIoperand\\fR...]")
-    print(".br\n\\fBasdic \\-\\-version\\fR")
-    print(".SH DESCRIPTION\n" + paragraphs(DESCRIPTION))
-    print(".SH COMMANDS")
+    write(folder, "asdic.1", program_page(commands, version))
     for command in commands:
-        print_command(command, common)
-    print(".SH OPTIONS\nEvery command takes")
-    for option in common:
-        print_option(option)
-    print(".SH EXIT STATUS")
-    print_pairs(EXIT_STATUS)
-    print(".SH ENVIRONMENT")
-    print_pairs(ENVIRONMENT)
-    print(".SH SEE ALSO\n.BR asdic\\-scene (5),\n.BR clinfo (1)")
+        write(folder, f"{page_name(command)}.1", command_page(command, commands, version))
 
 
 if __name__ == "__main__":

@@ -90,7 +90,7 @@ def test_waterfall():
 def test_manual_pages_are_installed():
     tree = Tree()
     pages = [name for _, _, names in os.walk(Tree.path) for name in names]
-    for page in ("asdic.1", "asdic-scene.5"):
+    for page in ("asdic.1", "asdic-run.1", "asdic-help.1", "asdic-scene.5"):
         assert page in pages, pages
     assert tree.library
 

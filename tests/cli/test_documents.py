@@ -1,6 +1,7 @@
 """Manual pages and completions, made from the command table."""
 import json
 import os
+import re
 import shutil
 import subprocess
 
@@ -35,21 +36,43 @@ def test_table_has_every_command_of_help():
         tap.contains(json.dumps(command["options"]), '"help"')
 
 
-def test_manual_names_every_command_and_option():
-    text = read("asdic.1").replace("\\-", "-")
+def pages():
+    return ["asdic.1", "asdic-scene.5"] + [f"asdic-{c['name']}.1" for c in COMMANDS]
+
+
+def test_every_command_has_a_page_with_every_option():
+    program = read("asdic.1").replace("\\-", "-")
     for command in COMMANDS:
+        text = read(f"asdic-{command['name']}.1").replace("\\-", "-")
         tap.contains(text, f"\\fBasdic {command['name']}\\fR")
+        tap.contains(text.lower(), command["summary"].lower())
         for option in command["options"]:
             tap.contains(text, f"--{option['name']}\\fR")
+        for part in ("COMMANDS", "SEE ALSO"):
+            section = program.split(f".SH {part}\n")[1].split(".SH")[0]
+            tap.contains(section, f".BR asdic-{command['name']} (1)")
+        tap.equal(len(command["details"]) > 40, True, "there is something to read")
+        tap.equal(command["details"] in program, False, "text of a command stands twice")
+
+
+def test_every_page_that_is_named_exists():
+    for page in pages():
+        for name, section in re.findall(r"(asdic[-a-z]*) ?\((\d)\)", read(page).replace("\\-", "-")):
+            tap.contains(pages(), f"{name}.{section}")
 
 
 def test_manuals_render_without_a_warning():
-    need("groff")
-    for page in ("asdic.1", "asdic-scene.5"):
-        done = subprocess.run(["groff", "-man", "-ww", "-Tutf8", os.path.join(BUILD, page)],
-                              capture_output=True, text=True, check=False)
-        tap.equal((done.returncode, done.stderr), (0, ""), f"groff on {page}")
-        tap.contains(done.stdout, "asdic")
+    for name, *lint in (["groff", "-man", "-ww", "-Tutf8"], ["mandoc", "-Tlint", "-Wwarning"]):
+        if name == "groff":
+            need(name)
+        elif not shutil.which(name):
+            continue
+        for page in pages():
+            done = subprocess.run([name, *lint, os.path.join(BUILD, page)], capture_output=True,
+                                  text=True, check=False)
+            complaints = [line for line in (done.stderr + ("" if name == "groff" else done.stdout)).splitlines()
+                          if "missing date" not in line]
+            tap.equal((done.returncode if name == "groff" else 0, complaints), (0, []), f"{name} on {page}")
 
 
 def complete(*words):
