@@ -3,60 +3,79 @@
 
 Usage: make_sonars.py [FOLDER]
 
-Each scene names where its beam widths, sectors, numbers of beams and frequencies were read; what was
-only remembered of a maker's data sheet is marked so: compare with the current sheet. Apertures
-follow from the one-way -3 dB width W of a line aperture, sinc(L sin(W / 2) / wavelength)^2 = 1/2,
-that is L = 0.443 wavelength / sin(W / 2). Source levels are not published: 200 dB is assumed.
-Bandwidths follow from the stated range resolution, B = c / (2 resolution).
+Every value of a sonar names its source, a number in the scene's first lines, or says "assumed": not
+published, or not found. Apertures follow from the one-way -3 dB width W of a line aperture,
+sinc(L sin(W / 2) / wavelength)^2 = 1/2, that is L = 0.443 wavelength / sin(W / 2). Bandwidths follow
+from the range resolution, B = c / (2 resolution); what a maker calls so may be the spacing of samples.
 """
 import math
 
 import place
 
 SOUND_SPEED_MPS = 1490.1
+ASSUMED = 'assumed'
+BLUEPRINT = 'Blueprint Subsea, Oculus M-series data sheet DA-148-P01443-10, as quoted by others'
+LIBOCULUS = 'University of Washington, liboculus, Constants.h (beam widths by model and frequency)'
+CHOI = 'Choi et al. 2021, Frontiers in Robotics and AI 8:706646; nps_uw_multibeam_sonar (the P900-45)'
 
-# Name; file; kHz; beams; sector, horizontal and vertical width in degrees; range resolution in m;
-# ping rate in Hz, bin length in m; remarks.
+# Each value is (number, source): a source is the number of a line of 'sources', or ASSUMED.
 FANS = [
-    ('BlueView P450-45', 'p450', 450, 256, 45, 1, 15, 0.051, 5, 0.25,
-     ['From memory of the data sheet of the BlueView P series: 450 kHz, 45 degrees, 256 beams of',
-      '1 x 15 degrees 0.18 degrees apart, range resolution 51 mm (2 inches).',
-      'The paper names the P450-15E, whose sector is said to be 15 degrees: set sector_deg.']),
-    ('BlueView P900-45', 'p900', 900, 256, 45, 1, 20, 0.025, 15, 0.1,
-     ['Sources: the P900-45 as Choi et al. 2021 simulate it in nps_uw_multibeam_sonar (900 kHz, 29.5',
-      'kHz, range resolution 25 mm, 45 degrees, beams of 1 degree); 256 beams of 20 degrees 0.18',
-      'degrees apart from memory of the data sheet.']),
-    ('Oculus M750d, low frequency', 'm750d', 750, 512, 130, 1, 20, 0.004, 15, 0.1,
-     ['Sources: Oculus M-Series user manual (two frequencies; up to 130 x 20 degrees); 512 beams of 1',
-      'degree and 4 mm from memory of the data sheet. Its 1.2 MHz mode: sonar_m1200d.yaml. Real beams',
-      'are not evenly spaced: a list of receivers with yaw_deg gives any table of beams.']),
-    ('Oculus M1200d, low frequency', 'm1200d', 1000, 512, 130, 0.6, 20, 0.0025, 20, 0.05,
-     ['Sources: Oculus M-Series user manual (two frequencies; up to 130 x 20 degrees); 512 beams of 0.6',
-      'degrees and 2.5 mm from memory of the data sheet. The sonar works at 1.2 MHz, but absorption',
-      'and bottom law end at 1 MHz, at which this scene keeps its beam widths: echoes are then',
-      'absorbed less, by about 0.12 dB per metre and way. The 2.1 MHz mode is beyond the model.']),
-    ('Gemini 720is', 'gemini720', 720, 512, 120, 1, 20, 0.008, 15, 0.1,
-     ['Sources: Gemini 720is product manual 0703-SOM-00002, issue 7 (720 kHz, 120 degrees, 1.0 degree',
-      'acoustic and 0.25 effective, 20 degrees vertical); 512 beams and 8 mm from memory.']),
-    ('DIDSON 300, detection mode', 'didson', 1000, 48, 29, 0.8, 14, 0.04, 20, 0.1,
-     ['Sources: BCO-DMO instrument 892128 (48 or 96 beams of 0.3 to 0.8 x 14 degrees over 29 degrees);',
-      'Belcher et al. 2002, Oceans (1.0 MHz in early units, 1.1 MHz later). The lens gives about 0.6',
-      'degrees two-way, hence 0.8 one-way here; an ideal aperture stands for the lens. The',
-      'identification mode, 1.8 MHz, is beyond the bottom law.']),
+    dict(title='BlueView P450-45', name='p450', sources=[], remarks=[
+             'No public data sheet was found: every value is assumed after the P900. The paper names the',
+             'P450-15E, whose sector is said to be 15 degrees: set sector_deg.'],
+         khz=(450, ASSUMED), beams=(256, ASSUMED), sector=(45, ASSUMED), wide=(1, ASSUMED),
+         high=(15, ASSUMED), resolution=(0.051, ASSUMED), rate=5, bin=0.25),
+    dict(title='BlueView P900-45', name='p900', sources=[CHOI], remarks=[],
+         khz=(900, 1), beams=(256, ASSUMED), sector=(45, 1), wide=(1, 1), high=(20, ASSUMED),
+         resolution=(0.025, 1), rate=15, bin=0.1),
+    dict(title='Oculus M750d, low frequency', name='m750d', sources=[BLUEPRINT, LIBOCULUS], remarks=[
+             'Its 1.2 MHz mode: sonar_m1200d.yaml. Real beams are not evenly spaced: sonar_aris1200.yaml',
+             'shows how a table of beams is written.'],
+         khz=(750, 1), beams=(512, 1), sector=(130, 1), wide=(1, 2), high=(20, 1),
+         resolution=(0.004, 1), rate=15, bin=0.1),
+    dict(title='Oculus M1200d, low frequency', name='m1200d', sources=[BLUEPRINT, LIBOCULUS], remarks=[
+             'The sonar works at 1.2 MHz, but absorption and bottom law end at 1 MHz, at which this scene',
+             'keeps its beam widths: echoes are then absorbed less, by about 0.12 dB per metre and way. The',
+             '2.1 MHz mode is beyond the model.'],
+         khz=(1000, '1.2 MHz: [1]'), beams=(512, 1), sector=(130, 1), wide=(0.6, 2), high=(20, 1),
+         resolution=(0.0025, 1), rate=20, bin=0.05),
+    dict(title='Gemini 720is', name='gemini720', sources=[
+             'Tritech, Gemini 720is product manual 0703-SOM-00002, issues 1 and 7',
+             'Tritech, Gemini 720is data sheet 0703-SOM-00001, issues 11 and 15, as quoted by others'],
+         remarks=['Its elements look down by 10 degrees [1]: pitch_deg.'], pitch=10,
+         khz=(720, 1), beams=(512, 2), sector=(120, 1), wide=(1, 1), high=(20, 1),
+         resolution=(0.004, 2), rate=12, bin=0.1),
+    dict(title='DIDSON, detection mode', name='didson', sources=[
+             'Sound Metrics, www.soundmetrics.com/SONAR101/resolution.html, "DIDSON Resolution"',
+             'BCO-DMO, www.bco-dmo.org/instrument/892128, "Dual Frequency Identification Sonar"',
+             'Belcher et al. 2002, Oceans (1.0 MHz in early units, 1.1 MHz later)'],
+         remarks=['An ideal aperture stands for the lens. The identification mode, 1.8 MHz, is beyond the',
+                  'bottom law.'],
+         khz=(1000, 3), beams=(48, 1), sector=(28.8, '48 beams, 0.6 degrees apart: [1]'), wide=(0.4, 1),
+         high=(14, 2), resolution=(0.04, ASSUMED), rate=20, bin=0.1),
+    dict(title='ARIS Explorer 1200, low frequency', name='aris1200', sources=[
+             'Sound Metrics, aris-file-sdk, beam-width-metrics/BeamWidths_ARIS1800_1200_48.h'],
+         remarks=['A lens spreads its beams: 0.69 degrees apart in the middle, 0.43 at the sides. Their bearings',
+                  'follow 16.432 u - 3.548 u^3 + 0.910 u^5 degrees, u = (beam - 23.5) / 24, which meets the',
+                  'table of [1] within 0.01 degrees.'],
+         khz=(700, ASSUMED), beams=(48, 1), sector=(28, 1), wide=(0.8, ASSUMED), high=(14, ASSUMED),
+         resolution=(0.02, ASSUMED), rate=20, bin=0.1,
+         bearing=lambda u: 16.432 * u - 3.548 * u**3 + 0.910 * u**5),
 ]
 HEADS = [
-    ('Blue Robotics Ping360', 'ping360', 750, 2, 25, 0.04, 14, 0.1,
-     ['Sources: Blue Robotics ping-protocol (650 to 850 kHz practical, up to 1200 samples), the makers\'',
-      'forum (2 degrees wide, steps of 0.9, to 50 m, pulses of 1 to 1000 us); 750 kHz and 25 degrees',
-      'from memory of the data sheet. The bandwidth is assumed.']),
-    ('Imagenex 881L profiling', '881l', 675, 1.8, 1.8, 0.03, 14, 0.1,
-     ['From memory of data sheets, which differ: 600 kHz to 1 MHz, a conical beam of about 1.4 degrees',
-      'at 1 MHz and 2.4 at 600 kHz; 1.8 at 675 kHz is assumed, as is the bandwidth.']),
+    dict(title='Blue Robotics Ping360', name='ping360', sources=[
+             'Blue Robotics, ping-viewer, docs/device-settings-ping360.md (tuned to 750 kHz, 650 to 850)',
+             'discuss.bluerobotics.com/t/understanding-the-ping-360-specifications/9124 (steps of 0.9 deg)',
+             'Blue Robotics, Ping360 product page, as quoted by others'],
+         remarks=[], khz=(750, 1), wide=(2, 2), high=(25, 3), resolution=(0.04, ASSUMED), rate=14, bin=0.1),
+    dict(title='Imagenex 881L imaging, middle frequency', name='881l', sources=[
+             'Imagenex, Model 881L imaging sonar 445-039, January 2006, revised May 2017'],
+         remarks=['Its other frequencies: 310 kHz, 4 x 40 degrees; 1 MHz, 0.9 x 10 degrees [1].'],
+         khz=(675, 1), wide=(1.8, 1), high=(20, 1), resolution=(0.03, ASSUMED), rate=14, bin=0.1),
 ]
 
 SCENE = """# {title}, over flat sand with a few things to see.
-{remarks}
-# Widths are taken as one-way; the source level is assumed; compare with the maker's current sheet.
+{remarks}# Widths are taken as one-way. Compare with the maker's current data sheet.
 # Made by data/generate/make_sonars.py.
 version: 1
 
@@ -81,13 +100,7 @@ objects:
     material: {{impedance_mrayl: 45, roughness_rms_mm: 2, slope_rms: 0.3}}
 
 sonar:
-  frequency_khz: {khz}
-  bandwidth_khz: {band:.3g}
-  ping_rate_hz: {rate}
-  source_level_db: 200
-  bin_length_m: {bin}
-  blanking_m: 0.5
-{beams}
+{sonar}
   noise: {{enabled: true}}
 
 {mission}
@@ -96,6 +109,8 @@ sampling: {{rays: {rays}}}
 """
 POSE = """mission:
   pose: {position_m: [0, 0, 7], pitch_deg: -8}     # 3 m above the bottom, bow down"""
+POSE_LEVEL = """mission:
+  pose: {position_m: [0, 0, 7]}                    # 3 m above the bottom"""
 TURN = """mission:
   track: ../tracks/turn.csv          # the head turns: here the vehicle does, once round"""
 
@@ -105,29 +120,65 @@ def aperture_m(khz, width_deg):
     return 0.443 * wavelength / math.sin(math.radians(width_deg) / 2)
 
 
-def write(name, **fields):
-    with open(place.path('scenes', f'sonar_{name}.yaml'), 'w', encoding='ascii') as out:
-        out.write(SCENE.format(**fields))
+def cited(source):
+    return f'[{source}]' if isinstance(source, int) else source
+
+
+def noted(text, source):
+    """A line of the scene, with where its value comes from behind it."""
+    return f'{text:<40} # {cited(source)}'
+
+
+def aperture(fan, size_deg, indent):
+    """The two sides of an aperture whose beam is so wide and high, each (degrees, source)."""
+    return [noted(f'{indent}length_{side}_m: {aperture_m(fan["khz"][0], width):.5f}',
+                  f'{width:g} deg: {cited(source)}')
+            for side, (width, source) in zip('hv', size_deg)]
+
+
+def receivers(fan):
+    if 'bearing' not in fan:
+        return ['  receivers:', '    fan:', noted(f'      count: {fan["beams"][0]}', fan['beams'][1]),
+                noted(f'      sector_deg: {fan["sector"][0]}', fan['sector'][1]),
+                *([f'      pitch_deg: {fan["pitch"]}'] if 'pitch' in fan else []),
+                *aperture(fan, (fan['wide'], fan['high']), '      ')]
+    size = ', '.join(f'length_{side}_m: {aperture_m(fan["khz"][0], fan[name][0]):.5f}'
+                     for side, name in zip('hv', ('wide', 'high')))
+    count = fan['beams'][0]
+    bearings = [fan['bearing']((2 * i + 1 - count) / count) for i in range(count)]
+    return [f'  receivers:  # bearings: [1]; {fan["wide"][0]} x {fan["high"][0]} degrees: assumed',
+            *(f'    - {{yaw_deg: {bearing:.3f}, {size}}}' for bearing in bearings)]
+
+
+def head_beams(head):
+    size = aperture(head, (head['wide'], head['high']), '    ')
+    return ['  transmitter:', '    pitch_deg: 8', *size, '  receivers:', '  - name: head', '    pitch_deg: 8', *size]
+
+
+def fan_beams(fan):
+    return ['  transmitter:', *([f'    pitch_deg: {fan["pitch"]}'] if 'pitch' in fan else []),
+            *aperture(fan, (fan['sector'][:1] + ('the sector',), fan['high']), '    '), *receivers(fan)]
+
+
+def write(sonar, beams, mission, rays):
+    resolution, source = sonar['resolution']
+    remarks = [f'[{i}] {text}' for i, text in enumerate(sonar['sources'], 1)] + sonar['remarks']
+    lines = [noted(f'  frequency_khz: {sonar["khz"][0]}', sonar['khz'][1]),
+             noted(f'  bandwidth_khz: {SOUND_SPEED_MPS / (2 * resolution) / 1000:.3g}',
+ f'{1000 * resolution:g} mm: {cited(source)}'),
+             noted(f'  ping_rate_hz: {sonar["rate"]}', f'of this scene: {SOUND_SPEED_MPS / 2 / sonar["rate"]:.0f} m'),
+             noted('  source_level_db: 200', 'assumed: not published'),
+             noted(f'  bin_length_m: {sonar["bin"]}', 'of this scene'), '  blanking_m: 0.5', *beams]
+    with open(place.path('scenes', f'sonar_{sonar["name"]}.yaml'), 'w', encoding='ascii') as out:
+        out.write(SCENE.format(title=sonar['title'], remarks=''.join(f'# {line}\n' for line in remarks),
+                               sonar='\n'.join(lines), mission=mission, rays=rays))
 
 
 def main():
-    for title, name, khz, beams, sector, wide, high, resolution, rate, width, remarks in FANS:
-        vertical = aperture_m(khz, high)
-        write(name, title=title, remarks='\n'.join('# ' + line for line in remarks), khz=khz,
-              band=SOUND_SPEED_MPS / (2 * resolution) / 1000, rate=rate, bin=width, mission=POSE,
-              rays=200000,
-              beams=f'  transmitter: {{length_h_m: {aperture_m(khz, sector):.5f}, '
-                    f'length_v_m: {vertical:.5f}}}\n'
-                    f'  receivers:\n    fan: {{count: {beams}, sector_deg: {sector}, '
-                    f'length_h_m: {aperture_m(khz, wide):.4f}, length_v_m: {vertical:.5f}}}')
-    for title, name, khz, wide, high, resolution, rate, width, remarks in HEADS:
-        size = (f'length_h_m: {aperture_m(khz, wide):.4f}, '
-                f'length_v_m: {aperture_m(khz, high):.5f}')
-        write(name, title=title, remarks='\n'.join('# ' + line for line in remarks), khz=khz,
-              band=SOUND_SPEED_MPS / (2 * resolution) / 1000, rate=rate, bin=width, mission=TURN,
-              rays=20000,
-              beams=f'  transmitter: {{pitch_deg: 8, {size}}}\n'
-                    f'  receivers:\n    - {{name: head, pitch_deg: 8, {size}}}')
+    for fan in FANS:
+        write(fan, fan_beams(fan), POSE_LEVEL if 'pitch' in fan else POSE, 200000)
+    for head in HEADS:
+        write(head, head_beams(head), TURN, 20000)
 
 
 if __name__ == '__main__':

@@ -1,6 +1,9 @@
 """data/: every scene and mesh is valid, and the generators make what is there."""
+import csv
 import json
+import math
 import pathlib
+import re
 import subprocess
 import sys
 import tempfile
@@ -43,7 +46,7 @@ def test_generators_make_the_files():
             subprocess.run([sys.executable, script, folder], check=True,
                            stdout=subprocess.DEVNULL)
         made = [path for path in pathlib.Path(folder).rglob("*") if path.is_file()]
-        tap.equal(len(made), 15, "number of files")
+        tap.equal(len(made), 16, "number of files")
         for path in made:
             kept = DATA / path.relative_to(folder)
             tap.equal(path.read_bytes() == kept.read_bytes(), True, f"{kept} is as made")
@@ -54,6 +57,32 @@ def test_flat_faces_are_not_cut():
     with Folder() as folder:  # a face of the box is met square on, by rays that stand for much
         done = asdic("run", "-q", DATA / "scenes" / "sonar_m1200d.yaml", "-o", folder / "out")
         tap.equal((done.code, done.err), (0, ""))
+
+
+def test_sonars_name_the_source_of_every_value():
+    for path in sorted((DATA / "scenes").glob("sonar_*.yaml")):
+        text = path.read_text(encoding="ascii")
+        sources = set(re.findall(r"^# (\[\d\]) ", text, re.M))
+        sonar = re.search(r"^sonar:\n((?:  .*\n)+)", text, re.M).group(1)
+        cited = set(re.findall(r"\[\d\]", sonar))
+        tap.equal(cited <= sources, True, f"{path.name} lists what it cites")
+        for line in sonar.splitlines():
+            if re.search(r"^ *(frequency|bandwidth|source|count|sector|length)\w*:", line):
+                tap.equal(bool(re.search(r"# .*(\[\d\]|assumed|the sector)", line)), True, f"{path.name}: {line}")
+
+
+def test_beams_may_be_unevenly_spread():
+    need_device()
+    scene = DATA / "scenes" / "sonar_aris1200.yaml"
+    bearings = [float(x) for x in re.findall(r"yaw_deg: (\S+),", scene.read_text(encoding="ascii"))]
+    steps = [b - a for a, b in zip(bearings, bearings[1:])]
+    tap.equal((len(bearings), steps[23] > 1.5 * steps[0]), (48, True), "wide in the middle, narrow at the sides")
+    done = asdic("run", "-q", "--rays", "50000", scene, "-o", "-").check(code=0, err="")
+    rows = [row for row in csv.DictReader(done.out.splitlines())
+            if row["object_db"] and 26.5 < float(row["range_m"]) < 27.5]
+    pile = bearings[int(max(rows, key=lambda row: float(row["object_db"]))["beam"])]
+    off_deg = abs(pile - math.degrees(math.atan2(4, 27)))
+    tap.equal(off_deg < 0.35, True, f"a pile {off_deg:.2f} degrees off its beam, little over half a step")
 
 
 tap.main(globals())
