@@ -40,16 +40,18 @@ typedef struct dev_beam {
 
 /* Where a sampler looks. Sampler "beam": directions around the axis of `aim`, heavy-tailed in
  * vertical direction cosine (scale_v) and azimuth (scale_h / cos). Sampler "adaptive": azimuths
- * around the ridge cos(phi - beta) = -tilt uz / cos, on one side of beta. */
+ * around the ridge cos(phi - beta) = -tilt uz / cos, on one side of beta; or over a sector between two
+ * ridges, of its beams with the least and the most azimuth. */
 typedef struct dev_lobe {
     float rows[9]; /* as dev_beam, beam sampler only */
     float scale_h, scale_v;
     float share;                /* of the rays; shares sum to 1 */
     float share_begin;          /* sum of the shares before */
-    float beta_rad, tilt, side; /* adaptive: ridge */
+    float beta_rad, tilt, side; /* adaptive: ridge; of a sector its middle's, and the least's tilt */
     float limit_rad;  /* half-width of the azimuth window; < 0: the front of the transmitter */
-    float offset_rad; /* widens a front window centred on another azimuth */
-    float pad[2];
+    float margin_rad; /* > 0: a sector; added to the window, more where elevations are steep */
+    float most_tilt;  /* of a sector */
+    float pad;
 } dev_lobe;
 
 /* Directions towards an object's bounding sphere, which get COUNT rays of their own, from ray FIRST
@@ -90,6 +92,7 @@ typedef struct dev_ping {
     dev_uint last_batch;    /* 1: no batch follows */
     dev_uint lattice_shift; /* c1 */
     float lattice_offset;   /* c0 */
+    float footprint_rays;   /* rays, next to each other in elevation, that a footprint spans */
     float front[3];         /* transmitter axis, world */
     float front_azimuth_rad;
     float zone_bottom_m, zone_surface_m;    /* h', hs of the elevation zones */

@@ -58,7 +58,7 @@ FORMULA real student_density(real x, real scale, real limit) {
 FORMULA real heavy_density(real x, real scale, real limit) {
     real inside = choose(r_abs(x) <= limit, R(0.5), R(0.0));
     return (real)(1.0f - HEAVY_UNIFORM) * student_density(x, scale, limit) +
-           (real)(HEAVY_UNIFORM) * inside / limit;
+           (real)(HEAVY_UNIFORM)*inside / limit;
 }
 
 FORMULA real heavy_sample(real xi, real scale, real limit) {
@@ -260,6 +260,14 @@ FORMULA azimuth_lobe azimuth_lobe_at(LOBE_SPACE const dev_ping *ping,
     arc = r_min(arc + off + R(1e-3), R_PI);
     arc = choose(c >= R(1.0), R_PI, arc);
     a.limit = choose((real)(lobe->limit_rad) < R(0.0), arc, (real)(lobe->limit_rad));
+    if (lobe->margin_rad > 0.0f) {
+        real r = -(real)(lobe->most_tilt) * uz / m;
+        r = r_max(r_min(r, R(1.0)), R(-1.0));
+        real apart = R(0.5) * (real)(lobe->side) * (acos(r) - acos(q));
+        a.center += apart;
+        a.limit = r_max((real)(lobe->limit_rad) + apart, R(0.0));
+        a.limit = r_min(a.limit + (real)(lobe->margin_rad) / (m * steep), arc);
+    }
     return a;
 }
 
@@ -296,7 +304,7 @@ FORMULA ray_sample sample_adaptive(LOBE_SPACE const dev_ping *ping,
     s.y = m * sin(phi);
     s.z = e.uz;
     s.solid_angle = R(1.0) / (count * e.density * azimuth_density(ping, lobes, phi, e.uz, m));
-    s.splat = R(4.0) / (count * e.density * m);
+    s.splat = (real)(ping->footprint_rays) / (count * e.density * m);
     return s;
 }
 

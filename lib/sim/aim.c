@@ -11,12 +11,17 @@
  * adaptive sampler's tails cover all azimuths in front by themselves; measured on the paper's
  * first scenario, a share of 0.1 costs it a factor of two in error. */
 #define WIDE_SHARE 0.1
+/* The same beside a sector: what comes from beyond its margin is little. */
+#define SECTOR_WIDE_SHARE 0.02
 /* Sine of the slope from which a beam's second ridge gets lobes. */
 #define STEEP 0.5
 /* Distinct aims that get a lobe of their own; beyond, lobes are spread over the sector. */
 #define MAX_AIMS 8
-/* A sector's lobe reaches so far beyond the outermost beams. */
-#define SECTOR_MARGIN_RAD 0.05
+/* A sector's lobe reaches so far beyond the outermost beams, in wavelengths per aperture: past their
+ * first two nulls and side lobes. */
+#define SECTOR_MARGIN 2.5
+/* Rays, next to each other in elevation, that a footprint in range spans. */
+#define FOOTPRINT_RAYS 4.0
 /* A scale far beyond any window: evenly spread. */
 #define EVEN_SCALE 1e4f
 
@@ -144,44 +149,64 @@ static void add_picked(const dev_beam *receivers, size_t receiver_count, dev_lob
     }
 }
 
+/* Where a ridge crosses the horizontal. */
+static double azimuth_of(const dev_lobe *ridge) {
+    return ridge->beta_rad + ridge->side * ASDIC_PI / 2.0;
+}
+
 /* Many receivers, adaptive sampler: even over the sector that they span, which keeps the lattice in
  * one piece. */
 static void add_sector(const dev_beam *receivers, size_t receiver_count, dev_lobe *lobes,
                        unsigned *count) {
-    double at = 0.0, least = 0.0, most = 0.0, first = heading_of(&receivers[0]);
+    dev_lobe ridge = ridge_lobe(&receivers[0], false, false), lobe = ridge;
+    double at = 0.0, least = 0.0, most = 0.0, scale = ridge.scale_h, first = azimuth_of(&ridge);
+    lobe.most_tilt = ridge.tilt;
     for (size_t r = 1; r < receiver_count; r++) {
-        at += wrap(heading_of(&receivers[r]) - heading_of(&receivers[r - 1]));
-        least = fmin(least, at);
-        most = fmax(most, at);
-    }
-    double middle = first + 0.5 * (least + most);
-    const dev_beam *central = &receivers[0];
-    for (size_t r = 1; r < receiver_count; r++) {
-        if (fabs(wrap(heading_of(&receivers[r]) - middle)) <
-            fabs(wrap(heading_of(central) - middle))) {
-            central = &receivers[r];
+        double before = azimuth_of(&ridge);
+        ridge = ridge_lobe(&receivers[r], false, false);
+        at += wrap(azimuth_of(&ridge) - before);
+        scale = fmax(scale, ridge.scale_h);
+        if (at < least) {
+            least = at;
+            lobe.tilt = ridge.tilt;
+        }
+        if (at > most) {
+            most = at;
+            lobe.most_tilt = ridge.tilt;
         }
     }
-    dev_lobe lobe = ridge_lobe(central, false, false);
-    double margin = fmax(lobe.scale_h, SECTOR_MARGIN_RAD);
+    lobe.beta_rad = (float)(first + 0.5 * (least + most) - lobe.side * ASDIC_PI / 2.0);
+    lobe.margin_rad = (float)(SECTOR_MARGIN / LOBE_WIDTH * scale);
     lobe.scale_h = EVEN_SCALE;
-    lobe.limit_rad = (float)fmin(0.5 * (most - least) + margin, ASDIC_PI);
+    lobe.limit_rad = (float)fmin(0.5 * (most - least), ASDIC_PI);
     lobes[(*count)++] = lobe;
+}
+
+/* Lobes of the transmitter and all receivers that look different ways. False: too many of them. */
+static bool add_each(asdic_sampler sampler, const dev_beam *beams, size_t receiver_count,
+                     dev_lobe *lobes, unsigned *count) {
+    for (size_t b = 0; b <= receiver_count; b++) {
+        add_beam(sampler, &beams[b], lobes, count);
+        if (receiver_count > MAX_AIMS && *count > MAX_AIMS) {
+            *count = 0;
+            return false;
+        }
+    }
+    *count = *count > DEV_MAX_LOBES - 1 ? DEV_MAX_LOBES - 1 : *count;
+    return true;
 }
 
 unsigned asdic_aim_lobes(asdic_sampler sampler, const dev_beam *beams, size_t receiver_count,
                          bool rear, dev_lobe *lobes) {
     unsigned count = 0;
-    bool many = receiver_count > MAX_AIMS && sampler == ASDIC_SAMPLER_ADAPTIVE;
-    if (receiver_count > MAX_AIMS) {
-        (many ? add_sector : add_picked)(beams + 1, receiver_count, lobes, &count);
-    } else {
-        for (size_t b = 0; b <= receiver_count; b++) {
-            add_beam(sampler, &beams[b], lobes, &count);
-        }
-        count = count > DEV_MAX_LOBES - 1 ? DEV_MAX_LOBES - 1 : count;
+    bool sector = false;
+    if (!add_each(sampler, beams, receiver_count, lobes, &count)) {
+        sector = sampler == ASDIC_SAMPLER_ADAPTIVE;
+        (sector ? add_sector : add_picked)(beams + 1, receiver_count, lobes, &count);
     }
-    double wide = sampler == ASDIC_SAMPLER_BEAM || rear || many ? WIDE_SHARE : 0.0;
+    double wide = sampler == ASDIC_SAMPLER_BEAM || rear ? WIDE_SHARE
+                  : sector                              ? SECTOR_WIDE_SHARE
+                                                        : 0.0;
     for (unsigned j = 0; j < count; j++) {
         lobes[j].share = (float)((1.0 - wide) / count);
     }
@@ -195,4 +220,9 @@ unsigned asdic_aim_lobes(asdic_sampler sampler, const dev_beam *beams, size_t re
         begin += lobes[j].share;
     }
     return count;
+}
+
+double asdic_aim_footprint_rays(const dev_lobe *lobe) {
+    double widths = 2.0 * SECTOR_MARGIN * (lobe->limit_rad + lobe->margin_rad) / lobe->margin_rad;
+    return lobe->margin_rad > 0.0f ? fmax(widths, FOOTPRINT_RAYS) : FOOTPRINT_RAYS;
 }

@@ -11,9 +11,24 @@
 #define CELLS_PER_WAVELENGTH 3.0
 #define LEAST_CELLS 64
 #define ENTRY_BYTES 8 /* of a fan_entry */
+/* Widest transmitter, in apertures of the receivers: what arrives is taken to be even over a receiver's
+ * width. Against beam by beam, steep bins are up to 0.3 dB off at this, 1.3 at an equal width. */
+#define WIDEST_SENDER 0.25
 
 static bool same(float a, float b) {
     return fabsf(a - b) < 1e-5f;
+}
+
+/* How wide an aperture is across AXIS, in wavelengths. */
+static double width_across(const dev_beam *beam, const float axis[3]) {
+    double width = 0.0;
+    for (int side = 1; side < 3; side++) {
+        const float *row = beam->rows + 3 * side;
+        double along = row[0] * axis[0] + row[1] * axis[1] + row[2] * axis[2];
+        double length = side == 1 ? beam->length_h_wl : beam->length_v_wl;
+        width = fmax(width, length * sqrt(fmax(1.0 - along * along, 0.0)));
+    }
+    return width;
 }
 
 void asdic_beam_fan_plan(const asdic_sonar *sonar, double wavelength_m, asdic_beam_fan *fan) {
@@ -35,6 +50,9 @@ void asdic_beam_fan_plan(const asdic_sonar *sonar, double wavelength_m, asdic_be
         }
     }
     dev_beam sender = asdic_aim_beam(&sonar->transmitter, &level, wavelength_m);
+    if (width_across(&sender, first.rows + 6) > WIDEST_SENDER * first.length_h_wl) {
+        return;
+    }
     double tilt = sender.rows[0] * first.rows[6] + sender.rows[1] * first.rows[7] +
                   sender.rows[2] * first.rows[8];
     fan->circle = fabs(tilt) > 1e-5 || isfinite(sonar->rear_floor_db);

@@ -19,7 +19,7 @@ typedef struct asdic_beam_fan {
 } asdic_beam_fan;
 
 /* Fills CELLS, STRIDE and CIRCLE: a fan is at least 16 receivers of one size whose faces differ in
- * yaw about a common axis only. */
+ * yaw about a common axis only, with a transmitter at most a quarter as wide. */
 void asdic_beam_fan_plan(const asdic_sonar *sonar, double wavelength_m, asdic_beam_fan *fan);
 
 /* Kernels and buffers for a planned fan with ROWS of (component, bin); nothing when there is none. */

@@ -128,6 +128,7 @@ void asdic_simulator_describe(asdic_simulator *sim, const asdic_pose *pose, uint
     }
     ping->lobes = asdic_aim_lobes(sim->sampling.sampler, beams, sim->sonar.receiver_count,
                                   ping->rear_lin > 0.0f, ping->lobe);
+    ping->footprint_rays = (float)asdic_aim_footprint_rays(ping->lobe);
     memcpy(ping->front, beams[0].rows, sizeof ping->front);
     ping->front_azimuth_rad = atan2f(ping->front[1], ping->front[0]);
     asdic_beam_fan_describe(&sim->fan, beams, ping);

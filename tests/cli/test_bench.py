@@ -44,7 +44,7 @@ def test_fan_keeps_its_error():
         tap.equal([r["beams"] for r in rows], [6, 64, 256, 512, 1024, 512, 512], "beams")
         tap.equal([r["bins"] for r in rows[-2:]], [2399, 599], "bins")
         errors = [r["rms_db"] for r in rows[1:5]]
-        if not (max(errors) < 1.3 and max(errors) < 1.3 * min(errors)):
+        if not (max(errors) < 0.6 and max(errors) < 1.3 * min(errors)):
             raise AssertionError(errors)
         tap.equal(len(list(csv.DictReader(io.StringIO(folder.read("fan.csv"))))), 7, "rows")
 
