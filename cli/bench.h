@@ -33,6 +33,10 @@ double bench_processor_s(void);
 /* Sorts VALUES; NAN of none. */
 double bench_median(double *values, size_t count);
 
+/* CURVES (at most 4; x, y in ms a ping, count and label are given) over two logarithmic axes. */
+asdic_status bench_scaling_picture(const cli *c, const char *path, const char *title,
+                                   const char *abscissa, asdic_series *curves, size_t count);
+
 /* A shipped scene or mesh ("scenes/bench_flat.yaml"): in the folder that the environment's
  * ASDIC_DATA names, in the installed share/asdic, or in the source tree's data. False when it is
  * nowhere; OUT then holds the last place looked at. */

@@ -227,6 +227,24 @@ static int write_csv(const cli *c, const char *path, const fan_row *rows, size_t
     return bench_end_file(c, file, path);
 }
 
+/* Time over beams, of the flat scene. */
+static asdic_status draw(const cli *c, const char *path, const fan_row *rows, size_t count) {
+    double beams[ROWS], time_ms[ROWS], learning_ms[ROWS];
+    size_t n = 0;
+    for (; n < count && strcmp(rows[n].scene, rows[0].scene) == 0; n++) {
+        beams[n] = (double)rows[n].beams;
+        time_ms[n] = 1e3 * rows[n].ping_s;
+        learning_ms[n] = 1e3 * rows[n].per_ping_s;
+    }
+    asdic_series curves[] = {{.label = "a ping", .x = beams, .y = time_ms, .count = n},
+                             {.label = "with its share of learning",
+                              .x = beams,
+                              .y = learning_ms,
+                              .count = n,
+                              .style = ASDIC_LINE_DASHED}};
+    return bench_scaling_picture(c, path, "20,000 rays shared by many beams", "beams", curves, 2);
+}
+
 static asdic_status measure_all(cli *c, asdic_device *device, const bench_options *options,
                                 fan_row *rows, size_t *count) {
     size_t pings = options->quick ? 8 : MOST_PINGS;
@@ -249,8 +267,8 @@ int bench_fan(cli *c, const bench_options *options) {
     fan_row rows[ROWS];
     asdic_device **devices = NULL;
     size_t device_count = 0, count = 0;
-    if (cli_operand_count(c) > 1 || options->picture) {
-        return cli_usage(c, "'bench fan' has its own scenes and draws nothing");
+    if (cli_operand_count(c) > 1) {
+        return cli_usage(c, "'bench fan' has its own scenes");
     }
     asdic_status status = cli_open_devices(c, &devices, &device_count);
     if (status) {
@@ -269,6 +287,9 @@ int bench_fan(cli *c, const bench_options *options) {
     }
     if (options->csv && !status) {
         code = write_csv(c, options->csv, rows, count);
+    }
+    if (options->picture && code == CLI_OK) {
+        code = cli_end(c, draw(c, options->picture, rows, count));
     }
     asdic_devices_close(&devices, device_count);
     return code;

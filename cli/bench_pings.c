@@ -203,6 +203,23 @@ static int write_csv(const cli *c, const char *path, const bench_rate *rates, si
     return bench_end_file(c, file, path);
 }
 
+/* Time over triangles, a curve for each number of bins. */
+static asdic_status draw(const cli *c, const char *path, const bench_rate *rates, size_t count) {
+    double triangles[BIN_COUNTS][SIZES], time_ms[BIN_COUNTS][SIZES];
+    char labels[BIN_COUNTS][32];
+    asdic_series curves[BIN_COUNTS] = {{0}};
+    for (size_t i = 0; i < count; i++) { /* sizes, and for each all numbers of bins */
+        size_t b = i % BIN_COUNTS, s = i / BIN_COUNTS;
+        triangles[b][s] = (double)rates[i].triangles;
+        time_ms[b][s] = 1e3 * rates[i].ping_s;
+        snprintf(labels[b], sizeof labels[b], "%zu bins", rates[i].bins);
+        curves[b] = (asdic_series){
+            .label = labels[b], .x = triangles[b], .y = time_ms[b], .count = s + 1};
+    }
+    return bench_scaling_picture(c, path, "Six beams, 20,000 rays, one bounce", "triangles", curves,
+                                 BIN_COUNTS);
+}
+
 static asdic_status measure_all(cli *c, asdic_device *device, const bench_options *options,
                                 bench_rate *rates, size_t *count) {
     asdic_status status = ASDIC_OK;
@@ -236,8 +253,8 @@ int bench_pings(cli *c, const bench_options *options) {
     bench_rate rates[SIZES * BIN_COUNTS];
     asdic_device **devices = NULL;
     size_t device_count = 0, count = 0;
-    if (cli_operand_count(c) > 1 || options->picture) {
-        return cli_usage(c, "'bench pings' makes its own scenes and draws nothing");
+    if (cli_operand_count(c) > 1) {
+        return cli_usage(c, "'bench pings' makes its own scenes");
     }
     bench_limit_threads(options, 0);
     bench_start start = {NAN, NAN};
@@ -268,6 +285,9 @@ int bench_pings(cli *c, const bench_options *options) {
     }
     if (options->csv && !status) {
         code = write_csv(c, options->csv, rates, count);
+    }
+    if (options->picture && code == CLI_OK) {
+        code = cli_end(c, draw(c, options->picture, rates, count));
     }
     asdic_devices_close(&devices, device_count);
     return code;

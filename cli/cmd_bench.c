@@ -5,7 +5,7 @@
 
 static const cli_option options[] = {
     {"output", 'o', "FILE.csv", "write the figures as CSV too"},
-    {"picture", 0, "FILE", "draw the curves too: .png, .pdf or .svg"},
+    {"picture", 0, "FILE", "error, fan, pings: draw the curves too: .png, .pdf or .svg"},
     {"quick", 0, NULL, "a rougher answer in a fraction of the time"},
     {"threads", 0, "N", "rays, pings: threads of the device; of rays 1 unless given"},
     {"first", 0, NULL, "pings: only one ping, as a program's first"},

@@ -39,7 +39,8 @@ def test_fan_keeps_its_error():
     """Many beams err as few of the same sector do, and all rows are there."""
     program.need_device()
     with Folder() as folder:
-        done = asdic("bench", "fan", "--quick", "--json", "-o", folder / "fan.csv").check(code=0)
+        done = asdic("bench", "fan", "--quick", "--json", "-o", folder / "fan.csv",
+                     "--picture", folder / "fan.svg").check(code=0)
         rows = json.loads(done.out)["rows"]
         tap.equal([r["beams"] for r in rows], [6, 64, 256, 512, 1024, 512, 512], "beams")
         tap.equal([r["bins"] for r in rows[-2:]], [2399, 599], "bins")
@@ -47,11 +48,15 @@ def test_fan_keeps_its_error():
         if not (max(errors) < 0.6 and max(errors) < 1.3 * min(errors)):
             raise AssertionError(errors)
         tap.equal(len(list(csv.DictReader(io.StringIO(folder.read("fan.csv"))))), 7, "rows")
+        tap.contains(folder.read("fan.svg"), "</svg>")
 
 
 def test_pings_and_starts():
     program.need_device()
-    done = asdic("bench", "pings", "--quick", "--json", "--threads", "1").check(code=0)
+    with Folder() as folder:
+        done = asdic("bench", "pings", "--quick", "--json", "--threads", "1",
+                     "--picture", folder / "pings.svg").check(code=0)
+        tap.contains(folder.read("pings.svg"), "</svg>")
     found = json.loads(done.out)
     tap.equal(found["pocl_max_pthread_count"], "1")
     tap.equal([(r["triangles"] > 50000, r["bins"]) for r in found["rows"]],

@@ -25,9 +25,11 @@ def simulate(name, *options):
 
 def within(differences, rms_db, most_db, what):
     actual = rms(differences), max(map(abs, differences))
+    measured = (f"{what}: r.m.s. {actual[0]:.4f} dB of {rms_db}, largest {actual[1]:.4f} dB of "
+                f"{most_db}")
     if actual[0] > rms_db or actual[1] > most_db:
-        raise AssertionError(f"{what}: r.m.s. {actual[0]:.4f} dB of {rms_db}, largest "
-                             f"{actual[1]:.4f} dB of {most_db}")
+        raise AssertionError(measured)
+    print(f"# {measured}")
 
 
 def flat_expected_db():

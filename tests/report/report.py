@@ -5,11 +5,12 @@
 One Markdown page, with the tables as CSV and the pictures as PNG beside it. A part that fails is named on
 the page and in the exit code; the others are made all the same.
 """
+import csv
 import json
 import os
 import pathlib
 import platform
-import shutil
+import re
 import subprocess
 import sys
 import time
@@ -20,12 +21,26 @@ QUICK = ["--quick"] if "--quick" in sys.argv[3:] else []
 ASDIC = str(BUILD / "cli/asdic")
 SCENES = ROOT / "data/scenes"
 
+# What tests print, as tables: a pattern for a row and the names of its groups.
+NUMBER = r"([-+]?[0-9.]+(?:e[-+]?[0-9]+)?)"
+TABLES = {
+    "formulas": (rf"(\S+) +(\d+) values, largest error {NUMBER} (\S+), {NUMBER} of a tolerance",
+                 "formula,values,largest_error,unit,share_of_tolerance"),
+    "null": (rf"(\w[\w ]*?)  +(beam|adaptive) +total {NUMBER} +bottom {NUMBER} +surface {NUMBER} +volume {NUMBER}",
+             "attitude,sampler,total,bottom,surface,volume"),
+    "target": (rf"(\S.*?)  +{NUMBER} +{NUMBER} +{NUMBER} \+- {NUMBER} +{NUMBER} \+- {NUMBER} +\({NUMBER}\)",
+               "body,theory_db,ping_db,error_db,error_std_db,beam_sampler_error_db,beam_sampler_std_db,allowed_db"),
+    "hard_cases": (rf"(\S.*?)  +{NUMBER} of {NUMBER} +(\S.*)", "case,largest,allowed,unit"),
+    "false_alarms": (rf"(\S.*?) +(\d+) looks? +P_FA {NUMBER}: {NUMBER} \[{NUMBER}, {NUMBER}\] in (\d+) bins",
+                     "clutter,looks,design_pfa,pfa,pfa_low,pfa_high,bins"),
+}
+
 # Heading; what stands below it; commands of asdic, or tests by name; pictures they make.
 PARTS = [
-    ("Formulas", "206 values that asdic did not compute, in double and in single precision.",
+    ("Formulas", "Values that asdic did not compute, in double and in single precision.",
      [("test", "formulas"), ("test", "formulas_device"), ("test", "model_device")], []),
-    ("Expected levels", "Quadrature against an independent program, bin by bin.",
-     [("test", "expected")], []),
+    ("Expected levels", "Quadrature and simulated pings against independent programs, bin by bin.",
+     [("test", "expected"), ("test", "cli_scenarios")], []),
     ("Slips of the paper", "What each does to the paper's first scenario.",
      [("asdic", "expect", "--errata", SCENES / "scenario1.yaml")], []),
     ("Rays against expectation", "Chi-squared per bin and component, bias, six attitudes.",
@@ -34,13 +49,25 @@ PARTS = [
     ("Hard cases", "Numerical stability where it is most in danger.", [("test", "hard_cases")], []),
     ("False alarms", "Design value against count, Rayleigh and K, one and several looks.",
      [("test", "false_alarms")], []),
+    ("Detection", "P_D against P_FA, counted and in closed form: the rise of the second scenario; a point of "
+     "-20 dB 60 m away, seen by three designs.",
+     [("test", "example_detect"),
+      ("asdic", "roc", "--force", SCENES / "scenario2.yaml", "-o", "roc_rise"),
+      ("asdic", "roc", "--force", SCENES / "scenario2.yaml", "--range", "60", "--strength", "-20", "--vary",
+       "sonar.receivers[0].pitch_deg=0,10,20", "-o", "roc_pitch")],
+     ["roc_rise/roc.png", "roc_pitch/roc.png"]),
     ("Speed against error", "Rays and time for an error, beside the paper's uniform sphere.",
      [("asdic", "bench", "error", *QUICK, "-o", "error.csv", "--picture", "error.png")],
      ["error.png"]),
     ("Rays", "Millions of rays per second; beside Embree where it was built in.",
      [("asdic", "bench", "rays", *QUICK, "-o", "rays.csv")], []),
     ("Whole pings", "The paper's case over larger and larger floors.",
-     [("asdic", "bench", "pings", *QUICK, "-o", "pings.csv")], []),
+     [("asdic", "bench", "pings", *QUICK, "-o", "pings.csv", "--picture", "pings.png")], ["pings.png"]),
+    ("Whole pings, one thread", "The same on one processor.",
+     [("asdic", "bench", "pings", *QUICK, "--threads", "1", "-o", "pings_1.csv", "--picture", "pings_1.png")],
+     ["pings_1.png"]),
+    ("Many beams", "From the same rays; and Project DAVE's published case.",
+     [("asdic", "bench", "fan", *QUICK, "-o", "fan.csv", "--picture", "fan.png")], ["fan.png"]),
     ("Latency", "From a pose to its levels.", [("asdic", "bench", "loop", *QUICK, "-o", "loop.csv")],
      []),
     ("The paper's figures", "Levels against expectation, and the rise in three beams.",
@@ -68,6 +95,27 @@ def lines_of_test(out):
     """What a test measured, without the frame that cmocka and TAP put round it."""
     return "\n".join(line for line in out.splitlines()
                      if line.strip() and not line.startswith(("[", "ok ", "1..")))
+
+
+def write_table(name, text):
+    """NAME.csv of the rows that a test printed; False where it prints no table."""
+    if name not in TABLES:
+        return False
+    pattern, header = TABLES[name]
+    rows = [found.groups() for line in text.splitlines() if (found := re.fullmatch(r"\s*" + pattern, line))]
+    with open(FOLDER / f"{name}.csv", "w", encoding="utf-8", newline="") as out:
+        csv.writer(out).writerows([header.split(","), *rows])
+    return bool(rows)
+
+
+def tables_of(command, out):
+    """The CSV files that belong to a command."""
+    if command[0] == "test":
+        return [f"{command[1]}.csv"] if write_table(command[1], out) else []
+    where = FOLDER / command[command.index("-o") + 1] if "-o" in command else None
+    if where and where.is_dir():
+        return sorted(f"{where.name}/{path.name}" for path in where.glob("*.csv"))
+    return [where.name] if where and where.exists() else []
 
 
 def run(tests, command):
@@ -113,12 +161,11 @@ def main():
                     failed.append(shown)
                 page.write(f"\n`{shown}`{f' failed ({code})' if code else ''}\n")
                 page.write(f"\n```\n{out.rstrip()}\n```\n" if out.strip() else "")
+                for table in tables_of(command, out):
+                    page.write(f"\n[{table}]({table})\n")
             for picture in pictures:
                 if (FOLDER / picture).exists():
-                    flat = picture.replace("/", "_")
-                    if flat != picture:
-                        shutil.copyfile(FOLDER / picture, FOLDER / flat)
-                    page.write(f"\n![{title}]({flat})\n")
+                    page.write(f"\n![{title}]({picture})\n")
     os.replace(FOLDER / "report.md.part", FOLDER / "report.md")
     print(f"report: {FOLDER / 'report.md'}")
     if failed:
