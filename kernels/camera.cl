@@ -83,7 +83,7 @@ __kernel void camera_rays(__constant dev_camera *c, __global dev_ray *rays) {
     ray.direction[0] = d.x;
     ray.direction[1] = d.y;
     ray.direction[2] = d.z;
-    ray.pad = 0.0f;
+    ray.source = 0u;
     rays[i] = ray;
 }
 

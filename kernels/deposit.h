@@ -2,8 +2,9 @@
  * The accumulator: 64-bit fixed point, [group][component][bin][beam]. Integer sums do not depend
  * on order, so that a ping has the same bytes whatever the device's scheduling.
  *
- * Three ways to add, one result: a work-item that owns a group adds plainly; many work-items on
- * one group use 64-bit atomics, or two 32-bit atomics with a carry.
+ * Three ways to add, one result: a work-item that owns a group adds plainly what others have left as
+ * parcels (collect.cl); many work-items on one group use 64-bit atomics, or two 32-bit atomics with a
+ * carry.
  */
 #ifndef ASDIC_KERNEL_DEPOSIT_H
 #define ASDIC_KERNEL_DEPOSIT_H
@@ -32,6 +33,34 @@ static inline void deposit_sum_crossings(__global long *water, uint bins, uint c
         water[(size_t)(bin)*columns] = sum;
     }
 }
+
+/* Energies to whole quanta, never less than 0 nor more than LIMIT. Those beneath 65536 are rounded up as often
+ * as their fraction says, by a hash of their own bits: many rays of less than a quantum each then add
+ * up to what they are worth, and the bytes repeat. */
+static inline real whole_quanta(real quanta, real limit) {
+    real whole = rint(r_min(quanta, limit));
+    natural hash = as_natural(quanta) * (natural)(2654435769u);
+    hash = (hash ^ (hash >> 15)) * (natural)(2246822519u);
+    hash ^= hash >> 13;
+    whole =
+        choose(quanta < R(65536.0), floor(quanta + to_real(hash >> 8) * R(5.9604645e-8)), whole);
+    return choose(whole > R(0.0), whole, R(0.0));
+}
+
+/* Neighbouring cells as one vector. */
+#if ASDIC_WIDTH == 1
+typedef long wholes;
+#define to_wholes convert_long
+#define wholes_to_real convert_float
+#define load_wholes(at, cells) ((cells)[at])
+#define store_wholes(values, at, cells) ((cells)[at] = (values))
+#else
+typedef ASDIC_JOIN(long, ASDIC_WIDTH) wholes;
+#define to_wholes ASDIC_JOIN(convert_long, ASDIC_WIDTH)
+#define wholes_to_real ASDIC_JOIN(convert_float, ASDIC_WIDTH)
+#define load_wholes ASDIC_JOIN(vload, ASDIC_WIDTH)
+#define store_wholes ASDIC_JOIN(vstore, ASDIC_WIDTH)
+#endif
 
 static inline void deposit_add(__global long *cell, long quanta) {
 #if ASDIC_DEPOSIT == DEPOSIT_OWNED

@@ -47,6 +47,15 @@ static triple cross3(triple a, triple b) {
     return c;
 }
 
+/* SLOT and those that follow it, a lane each. */
+static natural slots_from(uint slot) {
+    natural slots = (natural)(0u);
+    LANES {
+        AT(slots, uint) = slot + lane;
+    }
+    return slots;
+}
+
 static vector lane_of(const triple *v, uint lane) {
     return vector_of(AT(v->x, const float), AT(v->y, const float), AT(v->z, const float));
 }
@@ -81,10 +90,10 @@ static void meet_facet(const world *w, dev_hit hit, vector from, vector u, meeti
 }
 #endif
 
-/* Takes the mesh hits of slots SLOT... of rays from FROM along U, and the planes; nothing beyond
- * LIMIT counts. */
-static meeting meet(const world *w, __global const dev_hit *hits, uint slot, triple from, triple u,
-                    real limit) {
+/* Takes the mesh hits in SLOTS, of rays from FROM along U, and the planes; nothing beyond LIMIT
+ * counts. */
+static meeting meet(const world *w, __global const dev_hit *hits, natural slots, triple from,
+                    triple u, real limit) {
     meeting m;
     real uz = u.z, drop = from.z - (real)(w->ping->origin[2]); /* below the sonar */
     m.range = (real)(INFINITY);
@@ -96,7 +105,7 @@ static meeting meet(const world *w, __global const dev_hit *hits, uint slot, tri
     m.coherent_m2 = (real)(ASDIC_PLANE_M2);
 #if ASDIC_HAS_MESH
     LANES {
-        dev_hit hit = hits[slot + lane];
+        dev_hit hit = hits[AT(slots, uint)];
         if (hit.triangle != 0xffffffffu) {
             meet_facet(w, hit, lane_of(&from, lane), lane_of(&u, lane), &m, lane);
         }
@@ -230,11 +239,11 @@ static real mirrored(const world *w, const law_lanes *l, const meeting *m, real 
 }
 
 /* What is left for the published scattering strengths of bottom and surface when those are mirrors as
- * well: no more than arrives may leave. The facet law shares out by itself. */
-static real scattered(const world *w, const law_lanes *l, const meeting *m, real sin_grazing) {
+ * well and take SHARE: no more than arrives may leave. The facet law shares out by itself. */
+static real scattered(const world *w, const law_lanes *l, real share) {
     real left = R(1.0);
     if (w->ping->boundary_mirrors != 0u) {
-        left = choose(l->is_facet, R(1.0), R(1.0) - mirrored(w, l, m, sin_grazing));
+        left = choose(l->is_facet, R(1.0), R(1.0) - share);
     }
     return left;
 }
@@ -289,26 +298,6 @@ static split_echo split(__global const dev_ping *ping, real at, real nearest, re
     e.first = energy * first * relative_loss(ping, range, edge - R(0.5) * bin);
     e.second = energy * second * relative_loss(ping, range, edge + R(0.5) * bin);
     return e;
-}
-
-/* Energies beneath this many quanta are rounded by chance. */
-#define FEW_QUANTA 65536.0f
-
-/* Rounds one lane's energy to quanta and adds it; returns 1 if it had to be cut. Small energies are
- * rounded up as often as their fraction says, by a hash of their own bits: many rays of less than a
- * quantum each then add up to what they are worth, and the bytes repeat. */
-static uint add_quanta(__global const dev_ping *ping, __global long *cell, float quanta) {
-    float whole = min(quanta, ping->deposit_limit);
-    if (quanta < FEW_QUANTA) {
-        uint hash = as_uint(quanta) * 2654435769u;
-        hash = (hash ^ (hash >> 15)) * 2246822519u;
-        hash ^= hash >> 13;
-        whole = floor(quanta + (float)(hash >> 8) * 5.9604645e-8f);
-    }
-    if (whole > 0.0f) {
-        deposit_add(cell, convert_long_rte(whole));
-    }
-    return (uint)(quanta > ping->deposit_limit);
 }
 
 #endif

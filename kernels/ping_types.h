@@ -63,6 +63,20 @@ typedef struct dev_cone {
     dev_uint first, count;
 } dev_cone;
 
+/* What one direction sends to every receiver: energies in quanta for up to four rows (component, bin)
+ * of the accumulator. */
+typedef struct dev_parcel {
+    float direction[3];
+    dev_uint more; /* of a direct parcel: 1 where mirrors add two of their own */
+    dev_uint row[4];
+    float quanta[4];
+} dev_parcel; /* 48 bytes */
+
+/* Sets of parcels, each with one per slot. */
+#define DEV_PARCEL_DIRECT 0 /* echo and water */
+#define DEV_PARCEL_ALONG 1  /* from mirrors, in the ray's own direction */
+#define DEV_PARCEL_ACROSS 2 /* from mirrors, straight from what they showed */
+
 /* In the buffer that kernels get, the apertures follow: the transmitter, then the receivers. One
  * transfer carries them all. */
 typedef struct dev_ping {
@@ -85,6 +99,10 @@ typedef struct dev_ping {
     dev_uint background, cones; /* rays that no cone has, the first ones; number of cones */
     dev_uint components;        /* of the accumulator, DEV_DEPOSIT_COUNT at most */
     dev_uint columns;           /* of the accumulator: beams, or levels x cells of a fan */
+    dev_uint component_rows;    /* of the accumulator, from one component to the next */
+    dev_uint group_cells;       /* of the accumulator, from one group to the next */
+    dev_uint present;           /* a bit for each component that something can be added to */
+    dev_uint order_block, order_step, order_inverse; /* see order.h */
     dev_uint fan_cells;
     float fan_begin_rad, fan_cells_per_rad;
     float fan_rows[9]; /* world to fan: x ahead, y to starboard, z the faces' common axis */

@@ -2,7 +2,8 @@
  * Who receives what arrives from a direction.
  *
  * A few receivers: every arrival is weighed by every receiver's pattern and added to its cell,
- * columns = beams. A fan of many (ASDIC_FAN): its faces share one vertical axis z and one size, so
+ * columns = beams. Where a work-item owns a group, that is left to it (collect.cl), and arrivals are
+ * kept as parcels. A fan of many (ASDIC_FAN): its faces share one vertical axis z and one size, so
  * that with s = u . z, m = sqrt(1 - s^2) and phi the azimuth round z
  *
  *     B(u) = sinc^2(L_V s) sinc^2(L_H m sin(phi - yaw))
@@ -17,10 +18,12 @@
 #define ASDIC_KERNEL_RECEIVE_H
 
 #include "echo.h"
+#include "order.h"
 
 #define MAX_ARRIVALS 4
 
-/* Up to four parcels of energy from one direction, in quanta, for a row (component, bin) each. Small on purpose: PoCL keeps the private arrays of a whole work-group on one stack. */
+/* Up to four parcels of energy from one direction, in quanta, for a row (component, bin) each. Small
+ * on purpose: PoCL keeps the private arrays of a whole work-group on one stack. */
 typedef struct arrivals {
     uint count;
     mask even; /* spread over azimuth, not from a point */
@@ -35,7 +38,7 @@ static void arrivals_add(const world *w, arrivals *a, natural component, natural
         AT(scale, float) = w->ping->deposit_scale[AT(component, uint)];
     }
     a->quanta[a->count] = energy * scale;
-    a->row[a->count++] = component * w->ping->bins + bin;
+    a->row[a->count++] = component * w->ping->component_rows + bin;
 }
 
 /* Adds both halves of an echo. */
@@ -46,19 +49,45 @@ static void arrivals_add_echo(const world *w, arrivals *a, natural component,
     arrivals_add(w, a, component, min(echo->bin + 1u, last), echo->second);
 }
 
-/* Adds GAIN times every parcel to column COLUMN of its row; returns how many had to be cut. */
-static uint add_column(const world *w, const arrivals *a, __global long *cells, natural column,
-                       real gain) {
+/* Where arrivals go: the accumulator, or parcels [set][slot] on their way to it. */
+typedef struct sink {
+    __global long *accumulator;
+    __global dev_parcel *parcels;
+} sink;
+
+#if ASDIC_FAN || ASDIC_DEPOSIT != DEPOSIT_OWNED
+
+/* First cells of the groups that SLOTS belong to. */
+static natural cells_of(const world *w, natural slots) {
+    natural first = (natural)(0u);
+    if (w->ping->groups > 1u) {
+        LANES {
+            AT(first, uint) = group_in(w->ping, AT(slots, uint)) * w->ping->group_cells;
+        }
+    }
+    return first;
+}
+
+/* Adds GAIN times every parcel to column COLUMN of its row, behind cell FIRST; returns how many had
+ * to be cut. */
+static uint add_column(const world *w, const arrivals *a, __global long *cells, natural first,
+                       natural column, real gain) {
     uint cut = 0u;
     for (uint c = 0; c < a->count; c++) {
         real quanta = gain * a->quanta[c];
-        natural at = a->row[c] * (natural)(w->ping->columns) + column;
+        real whole = whole_quanta(quanta, (real)(w->ping->deposit_limit));
+        natural at = first + a->row[c] * (natural)(w->ping->columns) + column;
         LANES {
-            cut += add_quanta(w->ping, cells + AT(at, uint), AT(quanta, float));
+            if (AT(whole, float) > 0.0f) {
+                deposit_add(cells + AT(at, uint), convert_long(AT(whole, float)));
+            }
+            cut += (uint)(AT(quanta, float) > w->ping->deposit_limit);
         }
     }
     return cut;
 }
+
+#endif
 
 #if ASDIC_FAN
 
@@ -88,13 +117,15 @@ static void touch(const world *w, const arrivals *a, __global long *cells, natur
     }
 }
 
-static uint receive(const world *w, const arrivals *a, __global long *cells, real ux, real uy,
-                    real uz) {
+static uint receive(const world *w, const sink *to, uint set, const arrivals *a, natural slots,
+                    triple u) {
     __global const dev_ping *ping = w->ping;
     __global const float *f = ping->fan_rows;
-    real x = f[0] * ux + f[1] * uy + f[2] * uz;
-    real y = f[3] * ux + f[4] * uy + f[5] * uz;
-    real s = f[6] * ux + f[7] * uy + f[8] * uz;
+    __global long *cells = to->accumulator;
+    natural first = cells_of(w, slots);
+    real x = f[0] * u.x + f[1] * u.y + f[2] * u.z;
+    real y = f[3] * u.x + f[4] * u.y + f[5] * u.z;
+    real s = f[6] * u.x + f[7] * u.y + f[8] * u.z;
     real m = sqrt(r_max((R(1.0) - s) * (R(1.0) + s), R(1e-12)));
     real vertical = sinc((real)(w->beams[1].length_v_wl) * s);
     real at = (atan2(y, x) - (real)(ping->fan_begin_rad)) * (real)(ping->fan_cells_per_rad);
@@ -119,27 +150,57 @@ static uint receive(const world *w, const arrivals *a, __global long *cells, rea
     lower = choose(a->even, R(0.0), lower);
     natural column = level * (natural)(ping->fan_cells) + cell;
     touch(w, a, cells, level, gain);
-    uint cut = add_column(w, a, cells, column, gain * (R(1.0) - lower) * (R(1.0) - right));
-    cut += add_column(w, a, cells, column + 1u, gain * (R(1.0) - lower) * right);
+    uint cut = add_column(w, a, cells, first, column, gain * (R(1.0) - lower) * (R(1.0) - right));
+    cut += add_column(w, a, cells, first, column + 1u, gain * (R(1.0) - lower) * right);
     if (any_true(lower > R(0.0))) {
         gain *= lower;
         level = min(level + (natural)(1u), (natural)(DEV_FAN_LEVELS - 1));
         column = level * (natural)(ping->fan_cells) + cell;
         touch(w, a, cells, level, gain);
-        cut += add_column(w, a, cells, column, gain * (R(1.0) - right));
-        cut += add_column(w, a, cells, column + 1u, gain * right);
+        cut += add_column(w, a, cells, first, column, gain * (R(1.0) - right));
+        cut += add_column(w, a, cells, first, column + 1u, gain * right);
     }
     return cut;
 }
 
+#elif ASDIC_DEPOSIT == DEPOSIT_OWNED
+
+/* Keeps arrivals as parcels of SET; collect.cl counts what has to be cut. A direct parcel says that
+ * no others follow; those that do change that. */
+static uint receive(const world *w, const sink *to, uint set, const arrivals *a, natural slots,
+                    triple u) {
+    __global dev_parcel *direct = to->parcels;
+    __global dev_parcel *parcels = to->parcels + (size_t)(set)*batch_slots(w->ping);
+    LANES {
+        dev_parcel p;
+        p.direction[0] = AT(u.x, float);
+        p.direction[1] = AT(u.y, float);
+        p.direction[2] = AT(u.z, float);
+        p.more = 0u;
+        for (uint c = 0; c < MAX_ARRIVALS; c++) {
+            p.row[c] = c < a->count ? AT(a->row[c], const uint) : 0u;
+            p.quanta[c] = c < a->count ? AT(a->quanta[c], const float) : 0.0f;
+        }
+        uint slot = AT(slots, uint);
+        if (slot != NO_SLOT) {
+            parcels[slot] = p;
+            if (set != DEV_PARCEL_DIRECT) {
+                direct[slot].more = 1u;
+            }
+        }
+    }
+    return 0u;
+}
+
 #else
 
-static uint receive(const world *w, const arrivals *a, __global long *cells, real ux, real uy,
-                    real uz) {
+static uint receive(const world *w, const sink *to, uint set, const arrivals *a, natural slots,
+                    triple u) {
     uint cut = 0u;
+    natural first = cells_of(w, slots);
     for (uint b = 0; b < w->ping->beams; b++) {
-        real gain = gain_towards(w->ping, w->beams + 1u + b, ux, uy, uz);
-        cut += add_column(w, a, cells, (natural)(b), gain);
+        real gain = gain_towards(w->ping, w->beams + 1u + b, u.x, u.y, u.z);
+        cut += add_column(w, a, to->accumulator, first, (natural)(b), gain);
     }
     return cut;
 }

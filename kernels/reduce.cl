@@ -4,73 +4,106 @@
 #include "deposit.h"
 
 /* Water that ends in a bin to water that crosses it; ACCUMULATOR is [group][component][bin][beam]. One
- * work-item per group and beam. Work-items that own their group have done it in shade. */
+ * work-item per group and beam. Work-items that own their group have done it in collect. */
 __kernel void suffix(__global const dev_ping *ping, __global long *accumulator) {
     uint id = (uint)(get_global_id(0));
     uint group = id / ping->beams, beam = id - group * ping->beams;
     if (group >= ping->groups) {
         return;
     }
-    size_t plane = (size_t)(ping->bins) * ping->beams;
-    deposit_sum_crossings(
-        accumulator + (group * (size_t)(ping->components) + DEV_DEPOSIT_VOLUME) * plane + beam,
-        ping->bins, ping->beams);
+    size_t plane = (size_t)(ping->component_rows) * ping->beams;
+    deposit_sum_crossings(accumulator + group * (size_t)(ping->group_cells) +
+                              DEV_DEPOSIT_VOLUME * plane + beam,
+                          ping->bins, ping->beams);
 }
 
-/* Relative standard error of the sum of the groups' totals. */
-static float spread(const float *totals, uint groups) {
-    float mean = 0.0f, square = 0.0f;
+/* Cells that a work-item sums, in vectors: long runs of memory. */
+#if ASDIC_WIDTH == 1
+#define VECTORS 1
+#else
+#define VECTORS 4
+#endif
+
+/* Relative standard error of the sum of the groups' TOTALS, each VECTORS from the last. */
+static real spread(const real *totals, uint groups) {
+    real mean = R(0.0), square = R(0.0);
     for (uint g = 0; g < groups; g++) {
-        mean += totals[g];
+        mean += totals[g * VECTORS];
     }
-    if (mean <= 0.0f) {
-        return 0.0f;
-    }
-    mean /= (float)(groups);
+    mean /= (real)((float)(groups));
+    real whole = choose(mean > R(0.0), mean, R(1.0));
     for (uint g = 0; g < groups; g++) {
-        float d = totals[g] / mean - 1.0f;
+        real d = totals[g * VECTORS] / whole - R(1.0);
         square += d * d;
     }
-    return sqrt(square / ((float)(groups) * (float)(groups - 1u)));
+    real error = sqrt(square / (real)((float)(groups) * (float)(groups - 1u)));
+    return choose(mean > R(0.0), error, R(0.0));
+}
+
+/* Sums over groups of a component's cells from FIRST on; clears them. TOTALS takes [group][vector] in
+ * units of the bin's TL d^2. */
+static void sum_component(__global const dev_ping *ping, __global long *cells, const real *units,
+                          wholes *sums, real *totals) {
+    for (uint v = 0; v < VECTORS; v++) {
+        sums[v] = (wholes)(0);
+    }
+    for (uint g = 0; g < ping->groups; g++) {
+        __global long *from = cells + g * (size_t)(ping->group_cells);
+        for (uint v = 0; v < VECTORS; v++) {
+            wholes quanta = load_wholes(v, from);
+            store_wholes((wholes)(0), v, from);
+            sums[v] += quanta;
+            totals[g * VECTORS + v] += wholes_to_real(quanta) * units[v];
+        }
+    }
 }
 
 /*
- * One work-item per (bin, beam): sums over groups for every component, then the relative standard
- * error of the total. RESULTS holds a plane [beam][bin] of sums per component, the number of deposits that
- * had to be cut, and a plane of floats. VOLUME_RATIO[bin] turns water quanta into units of the
- * bin's TL d^2. Clears what it read, for the next ping.
+ * One work-item per run of cells (bin, beam): sums over groups for every component, then the relative
+ * standard error of the total. RESULTS holds a plane [beam][bin] of sums per component, left alone
+ * where nothing can be present, the number of deposits that had to be cut, and a plane of floats.
+ * VOLUME_RATIO[bin] turns water quanta into units of the bin's TL d^2. Clears what it read, for the
+ * next ping.
  */
 __kernel void reduce(__global const dev_ping *ping, __global long *accumulator,
                      __global const float *volume_ratio, __global uint *saturated,
                      __global long *results) {
-    size_t cell = get_global_id(0);
-    size_t plane = (size_t)(ping->bins) * ping->beams;
-    if (cell >= plane) {
+    const uint run = VECTORS * ASDIC_WIDTH, beams = ping->beams, bins = ping->bins;
+    const uint first = (uint)(get_global_id(0)) * run;
+    const size_t plane = (size_t)(bins)*beams;
+    if (first >= plane) {
         return;
     }
-    size_t at = cell % ping->beams * ping->bins + cell / ping->beams;
-    float totals[DEV_MAX_GROUPS];
-    for (uint g = 0; g < ping->groups; g++) {
-        totals[g] = 0.0f;
+    real totals[DEV_MAX_GROUPS * VECTORS], units[VECTORS];
+    wholes sums[VECTORS];
+    for (uint i = 0; i < ping->groups * VECTORS; i++) {
+        totals[i] = R(0.0);
     }
     for (uint c = 0; c < ping->components; c++) {
-        float unit = 1.0f / ping->deposit_scale[c];
-        if (c == DEV_DEPOSIT_VOLUME) {
-            unit *= volume_ratio[cell / ping->beams];
+        if ((ping->present & 1u << c) == 0u) {
+            continue;
         }
-        long sum = 0;
-        for (uint g = 0; g < ping->groups; g++) {
-            __global long *from = accumulator + (g * (size_t)(ping->components) + c) * plane + cell;
-            long quanta = *from;
-            *from = 0;
-            sum += quanta;
-            totals[g] += convert_float(quanta) * unit;
+        for (uint k = 0; k < run; k++) {
+            float unit = 1.0f / ping->deposit_scale[c];
+            uint bin = min((first + k) / beams, bins - 1u);
+            ((float *)units)[k] = c == DEV_DEPOSIT_VOLUME ? unit * volume_ratio[bin] : unit;
         }
-        results[c * plane + at] = sum;
+        __global long *cells = accumulator + (size_t)(c)*ping->component_rows * beams + first;
+        sum_component(ping, cells, units, sums, totals);
+        for (uint k = 0; k < run && first + k < plane; k++) {
+            uint bin = (first + k) / beams, beam = first + k - bin * beams;
+            results[c * plane + (size_t)(beam)*bins + bin] = ((long *)sums)[k];
+        }
     }
     __global float *spreads = (__global float *)(results + ping->components * plane + 1u);
-    spreads[at] = spread(totals, ping->groups);
-    if (cell == 0) {
+    for (uint v = 0; v < VECTORS; v++) {
+        real error = spread(totals + v, ping->groups);
+        for (uint k = 0; k < ASDIC_WIDTH && first + v * ASDIC_WIDTH + k < plane; k++) {
+            uint cell = first + v * ASDIC_WIDTH + k, bin = cell / beams, beam = cell - bin * beams;
+            spreads[(size_t)(beam)*bins + bin] = ((float *)&error)[k];
+        }
+    }
+    if (first == 0u) {
         results[ping->components * plane] = (long)(*saturated);
         *saturated = 0u;
     }

@@ -1,25 +1,21 @@
 /*
  * sample: draws the rays of one batch of a ping.
  *
- * Rays are stored group by group: slot s * per_group + k holds ray (batch_first + k) * groups + s,
- * so that each group is an interleaved, equally good subset whose spread tells the error. Slots
- * beyond the last ray are switched off (t_max 0, solid angle 0).
+ * Slot by slot in the order of order.h. Slots beyond the last ray are switched off (t_max 0, solid
+ * angle 0).
  */
+#include "order.h"
 #include "sampler.h"
 
 /* Cell of the learnt table that holds the quantile XI; CUMULATIVE has DEV_TABLE_CELLS + 1 entries
  * from 0 to 1. */
 static uint table_cell(__global const float *cumulative, float xi) {
-    uint lo = 0, hi = DEV_TABLE_CELLS;
-    while (hi - lo > 1u) {
-        uint mid = (lo + hi) / 2u;
-        if (cumulative[mid] <= xi) {
-            lo = mid;
-        } else {
-            hi = mid;
-        }
+    uint cell = 0;
+#pragma unroll
+    for (uint step = DEV_TABLE_CELLS / 2; step > 0u; step /= 2u) { /* a power of two; no branches */
+        cell += cumulative[cell + step] <= xi ? step : 0u;
     }
-    return lo;
+    return cell;
 }
 
 /* Adaptive: x through the learnt quantile function, and what that does to the density. */
@@ -104,15 +100,12 @@ static ray_sample draw_adaptive(__global const dev_ping *ping, __global const fl
 __kernel void sample(__global const dev_ping *ping, __global const float *cumulative,
                      __global dev_ray *rays, __global float *solid_angles, __global float *splats) {
     uint first = (uint)(get_global_id(0)) * ASDIC_WIDTH;
-    if (first >= ping->groups * ping->per_group) {
+    if (first >= batch_slots(ping)) {
         return;
     }
-    /* per_group is a multiple of the width: the lanes share a group. */
-    uint group = first / ping->per_group;
     natural index;
     for (uint lane = 0; lane < ASDIC_WIDTH; lane++) {
-        uint k = ping->batch_first + first + lane - group * ping->per_group;
-        ((uint *)&index)[lane] = k * ping->groups + group;
+        ((uint *)&index)[lane] = ping->batch_first * ping->groups + ray_in(ping, first + lane);
     }
     real count = (real)((float)(ping->rays));
     ray_sample s;
@@ -138,7 +131,7 @@ __kernel void sample(__global const dev_ping *ping, __global const float *cumula
         ray.direction[0] = ((float *)&s.x)[lane];
         ray.direction[1] = ((float *)&s.y)[lane];
         ray.direction[2] = ((float *)&s.z)[lane];
-        ray.pad = 0.0f;
+        ray.source = slot;
         rays[slot] = ray;
         solid_angles[slot] = on ? ((float *)&s.solid_angle)[lane] : 0.0f;
         splats[slot] = ((float *)&s.splat)[lane];

@@ -10,6 +10,7 @@
  * relative to TL(d) d^2 at the centre of their bin, which the host multiplies back in double: this
  * takes the range out of the accumulator's dynamic range.
  */
+#include "mirror_ray.h"
 #include "receive.h"
 
 /* How much of its last bin's water a ray has crossed when it meets something (or the range ends):
@@ -47,12 +48,13 @@ typedef struct ray_store {
     __global const dev_hit *hits;
 } ray_store;
 
-/* Adds the echoes and the water of ASDIC_WIDTH rays to every receiver; returns how many deposits
- * had to be cut. */
+/* The echoes and the water of ASDIC_WIDTH rays, on their way to every receiver; returns how many
+ * deposits had to be cut. Their mirror rays are appended to MIRRORS from *AT on. */
 static uint shade_rays(const world *w, const ray_store *store, __global const float *volume_inverse,
-                       __global long *cells, uint slot) {
+                       const sink *to, const mirror_store *mirrors, uint slot, uint *at) {
     __global const dev_ping *ping = w->ping;
     real ux, uy, uz, weight, splat;
+    natural slots = slots_from(slot);
     triple from = {(real)(ping->origin[0]), (real)(ping->origin[1]), (real)(ping->origin[2])};
     LANES {
         AT(ux, float) = store->rays[slot + lane].direction[0];
@@ -62,7 +64,7 @@ static uint shade_rays(const world *w, const ray_store *store, __global const fl
         AT(splat, float) = store->splats[slot + lane];
     }
     triple u = {ux, uy, uz};
-    meeting m = meet(w, store->hits, slot, from, u, (real)(ping->reach_m));
+    meeting m = meet(w, store->hits, slots, from, u, (real)(ping->reach_m));
     weight *= gain_towards(ping, w->beams, ux, uy, uz);
 
     /* Echo: its footprint in range follows from the elevation spacing of the samples. */
@@ -74,7 +76,14 @@ static uint shade_rays(const world *w, const ray_store *store, __global const fl
     law_lanes laws = laws_met(w, &m);
     slant met = surface_slant(&m, u);
     real energy = strength(w, &laws, met, m.range) / sin_grazing;
-    energy *= scattered(w, &laws, &m, met.sine);
+    real share = R(0.0);
+    if (ASDIC_HAS_MIRRORS || ping->boundary_mirrors != 0u) {
+        share = mirrored(w, &laws, &m, met.sine);
+    }
+    energy *= scattered(w, &laws, share);
+#if ASDIC_HAS_MIRRORS
+    *at = reflect(w, &m, store->hits, u, share, mirrors, slot, *at);
+#endif
     /* Nothing of a plane is nearer than its perpendicular; the nudge keeps rounding from crossing a
      * bin edge that coincides with it. */
     real nearest = r_min(m.range * sin_grazing * R(1.0000005), m.range);
@@ -104,37 +113,28 @@ static uint shade_rays(const world *w, const ray_store *store, __global const fl
 #else
     (void)volume_inverse;
 #endif
-    return receive(w, &a, cells, ux, uy, uz);
+    return receive(w, to, DEV_PARCEL_DIRECT, &a, slots, u);
 }
 
-/*
- * ITEMS work-items share a group: 1 when each owns its group's cells (DEPOSIT_OWNED), else as many
- * as there are vectors in a group.
- */
+/* One work-item per piece (mirror_ray.h). */
 __kernel void shade(__global const dev_ping *ping, __global const dev_ray *rays,
                     __global const float *solid_angles, __global const float *splats,
                     __global const dev_hit *hits, __global const dev_triangle *triangles,
                     __global const dev_part *parts, __global const dev_material *materials,
-                    __global const float *volume_inverse, __global long *accumulator,
-                    __global uint *saturated, uint items) {
-    uint group = (uint)(get_global_id(0)) / items;
-    if (group >= ping->groups) {
-        return;
-    }
-    uint item = (uint)(get_global_id(0)) - group * items;
+                    __global const float *volume_inverse, __global dev_parcel *parcels,
+                    __global long *accumulator, __global uint *saturated, __global dev_ray *bounced,
+                    __global float4 *mirrors) {
+    uint first = (uint)(get_global_id(0)) * PIECE, at = first, cut = 0u;
+    uint end = min(first + PIECE, batch_slots(ping));
     world w = {ping, beams_of(ping), triangles, parts, materials};
     ray_store store = {rays, solid_angles, splats, hits};
-    size_t plane = (size_t)(ping->bins) * ping->columns;
-    __global long *cells = accumulator + group * (size_t)(ping->components) * plane;
-    uint cut = 0u;
-    for (uint k = item * ASDIC_WIDTH; k < ping->per_group; k += items * ASDIC_WIDTH) {
-        cut += shade_rays(&w, &store, volume_inverse, cells, group * ping->per_group + k);
+    sink to = {accumulator, parcels};
+    mirror_store reflected = {bounced, mirrors};
+    for (uint slot = first; slot < end; slot += ASDIC_WIDTH) {
+        cut += shade_rays(&w, &store, volume_inverse, &to, &reflected, slot, &at);
     }
-#if ASDIC_DEPOSIT == DEPOSIT_OWNED
-    for (uint column = 0; ping->last_batch != 0u && column < ping->columns; column++) {
-        deposit_sum_crossings(cells + DEV_DEPOSIT_VOLUME * plane + column, ping->bins,
-                              ping->columns);
-    }
+#if ASDIC_HAS_MIRRORS
+    end_piece(bounced, at, end);
 #endif
     if (cut != 0u) {
         atomic_add(saturated, cut);

@@ -48,8 +48,8 @@ typedef struct dev_ray {
     float origin[3];
     float t_max;
     float direction[3];
-    float pad;
-} dev_ray; /* 32 bytes */
+    dev_uint source; /* whatever it was made from; for who made it */
+} dev_ray;           /* 32 bytes */
 
 /* Per triangle id: corners, unit normal, part index, and how it goes on beyond its edges. */
 typedef struct dev_triangle {

@@ -123,12 +123,10 @@ static void fan_frame(const dev_beam *beams, float rows[9]) {
 }
 
 void asdic_beam_fan_describe(const asdic_beam_fan *fan, const dev_beam *beams, dev_ping *ping) {
-    ping->columns = ping->beams;
     if (fan->cells == 0) {
         return;
     }
     double arc = fan->circle ? 2.0 * ASDIC_PI : ASDIC_PI;
-    ping->columns = DEV_FAN_LEVELS * fan->cells;
     ping->fan_cells = fan->cells;
     ping->fan_begin_rad = (float)(-0.5 * arc);
     ping->fan_cells_per_rad = (float)((fan->cells - 1) / arc);

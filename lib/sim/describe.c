@@ -10,6 +10,7 @@
 #include "base/vec.h"
 #include "cones.h"
 #include "deposit_scale.h"
+#include "ray_order.h"
 #include "scene/scene.h"
 
 #include "../../kernels/backscatter.h"
@@ -71,6 +72,36 @@ static dev_uint sampler_code(asdic_sampler sampler) {
                                              : DEV_SAMPLER_UNIFORM_SPHERE;
 }
 
+/* Cells of a run of reduce.cl, at most, and of a vector that reaches beyond its row in collect.cl. */
+#define MOST_RUN 64u
+#define MOST_WIDTH 16u
+
+/* Components begin at whole runs, groups at an odd number of cache lines from each other: at a power
+ * of two they would all want the same place in a cache. A fan's map is packed. */
+static void shape_accumulator(const asdic_simulator *sim, dev_ping *fixed) {
+    const asdic_scene *scene = sim->scene;
+    bool fan = sim->fan.cells != 0;
+    size_t columns = fan ? (size_t)DEV_FAN_LEVELS * sim->fan.cells : sim->sonar.receiver_count;
+    size_t rows = fan ? sim->bins : (sim->bins + MOST_RUN - 1) / MOST_RUN * MOST_RUN;
+    size_t cells = sim->components * rows * columns + MOST_WIDTH;
+    fixed->columns = (dev_uint)columns;
+    fixed->component_rows = (dev_uint)rows;
+    fixed->group_cells = (dev_uint)(((cells + 7) / 8 | 1) * 8);
+    fixed->present = 1u << DEV_DEPOSIT_VOLUME;
+    if (scene->has_bottom_plane || asdic_simulator_has(sim, DEV_KIND_BOTTOM)) {
+        fixed->present |= 1u << DEV_DEPOSIT_BOTTOM;
+    }
+    if (scene->has_surface) {
+        fixed->present |= 1u << DEV_DEPOSIT_SURFACE;
+    }
+    if (sim->components > DEV_DEPOSIT_OBJECT && asdic_simulator_has(sim, DEV_KIND_OBJECT)) {
+        fixed->present |= 1u << DEV_DEPOSIT_OBJECT;
+    }
+    if (sim->components > DEV_DEPOSIT_MULTIPATH) {
+        fixed->present |= 1u << DEV_DEPOSIT_MULTIPATH;
+    }
+}
+
 void asdic_simulator_prepare(asdic_simulator *sim, const asdic_water_column *water) {
     double f_khz = sim->sonar.frequency_hz / 1e3, wind = sim->env.wind_speed_kn;
     dev_ping *fixed = &sim->fixed;
@@ -97,6 +128,7 @@ void asdic_simulator_prepare(asdic_simulator *sim, const asdic_water_column *wat
         .boundary_mirrors = sim->sampling.multipath == ASDIC_MULTIPATH_BOUNDARIES,
         .wavelength_m = (float)water->wavelength_m,
     };
+    shape_accumulator(sim, fixed);
     asdic_deposit_scales(sim->scene, &sim->sonar.transmitter, sim->host_materials, fixed);
 }
 
@@ -110,6 +142,7 @@ void asdic_simulator_describe(asdic_simulator *sim, const asdic_pose *pose, uint
     *ping = sim->fixed;
     ping->rays = rays;
     ping->per_group = (dev_uint)asdic_simulator_per_group(sim, rays);
+    asdic_ray_order(ping);
     ping->origin[0] = (float)origin.x;
     ping->origin[1] = (float)origin.y;
     ping->origin[2] = (float)origin.z;

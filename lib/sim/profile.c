@@ -8,8 +8,8 @@
 #include <time.h>
 
 const char *asdic_phase_name(asdic_phase phase) {
-    static const char *const names[ASDIC_PHASE_COUNT] = {"sample", "trace",  "shade",
-                                                         "bounce", "reduce", "levels"};
+    static const char *const names[ASDIC_PHASE_COUNT] = {"sample",  "trace",  "shade", "bounce",
+                                                         "collect", "reduce", "levels"};
     return phase < ASDIC_PHASE_COUNT ? names[phase] : "?";
 }
 

@@ -47,44 +47,48 @@ static asdic_status tabulate_bins(asdic_simulator *sim, const asdic_water_column
 
 #define COUNT(args) (sizeof(args) / sizeof *(args))
 
-/* Mirror rays, what they meet, the way back, the deposit. */
-static asdic_status run_bounces(asdic_simulator *sim, dev_uint items) {
+/* Work-items that take a piece of the slots each, as in mirror_ray.h, and how many a work-group. */
+static size_t piece_count(const asdic_simulator *sim) {
+    size_t piece = sim->layout.width == 1 ? 1 : 64;
+    return ((size_t)sim->ping->groups * sim->ping->per_group + piece - 1) / piece;
+}
+
+static size_t piece_local(const asdic_simulator *sim) {
+    size_t local = sim->layout.local;
+    return sim->layout.width == 1 ? local : local < 8 ? 1 : local / 8;
+}
+
+/* What mirror rays meet, the way back, the deposit. */
+static asdic_status run_bounces(asdic_simulator *sim) {
     const dev_ping *ping = sim->ping;
     size_t slots = (size_t)ping->groups * ping->per_group;
     asdic_buffer *triangles = asdic_simulator_triangles(sim);
-    asdic_kernel_arg reflect[] = {
-        ASDIC_ARG_BUFFER(sim->ping_buffer), ASDIC_ARG_BUFFER(sim->rays),
-        ASDIC_ARG_BUFFER(sim->hits),        ASDIC_ARG_BUFFER(triangles),
-        ASDIC_ARG_BUFFER(sim->parts),       ASDIC_ARG_BUFFER(sim->materials),
-        ASDIC_ARG_BUFFER(sim->bounced),     ASDIC_ARG_BUFFER(sim->shares)};
     asdic_kernel_arg connect[] = {
         ASDIC_ARG_BUFFER(sim->ping_buffer),  ASDIC_ARG_BUFFER(sim->bounced),
         ASDIC_ARG_BUFFER(sim->bounced_hits), ASDIC_ARG_BUFFER(triangles),
         ASDIC_ARG_BUFFER(sim->parts),        ASDIC_ARG_BUFFER(sim->materials),
-        ASDIC_ARG_BUFFER(sim->returning)};
+        ASDIC_ARG_BUFFER(sim->mirrors),      ASDIC_ARG_BUFFER(sim->returning)};
     asdic_kernel_arg bounce[] = {
         ASDIC_ARG_BUFFER(sim->ping_buffer),    ASDIC_ARG_BUFFER(sim->rays),
         ASDIC_ARG_BUFFER(sim->solid_angles),   ASDIC_ARG_BUFFER(sim->bounced),
         ASDIC_ARG_BUFFER(sim->bounced_hits),   ASDIC_ARG_BUFFER(sim->returning),
-        ASDIC_ARG_BUFFER(sim->returning_hits), ASDIC_ARG_BUFFER(sim->shares),
+        ASDIC_ARG_BUFFER(sim->returning_hits), ASDIC_ARG_BUFFER(sim->mirrors),
         ASDIC_ARG_BUFFER(triangles),           ASDIC_ARG_BUFFER(sim->parts),
-        ASDIC_ARG_BUFFER(sim->materials),      ASDIC_ARG_BUFFER(sim->accumulator),
-        ASDIC_ARG_BUFFER(sim->saturated),      ASDIC_ARG_VALUE(items)};
-    size_t vectors = slots / sim->layout.width, local = sim->layout.local;
-    asdic_status status = asdic_kernel_run(sim->reflect, reflect, COUNT(reflect), vectors, local);
-    if (!status && sim->tracer) {
+        ASDIC_ARG_BUFFER(sim->materials),      ASDIC_ARG_BUFFER(sim->parcels),
+        ASDIC_ARG_BUFFER(sim->accumulator),    ASDIC_ARG_BUFFER(sim->saturated)};
+    size_t pieces = piece_count(sim), local = piece_local(sim);
+    asdic_status status = ASDIC_OK;
+    if (sim->tracer) {
         status = asdic_tracer_run(sim->tracer, sim->bounced, sim->bounced_hits, slots);
     }
     if (!status) {
-        status = asdic_kernel_run(sim->connect, connect, COUNT(connect), vectors, local);
+        status = asdic_kernel_run(sim->connect, connect, COUNT(connect), pieces, local);
     }
     if (!status && sim->tracer) {
         status = asdic_tracer_run(sim->tracer, sim->returning, sim->returning_hits, slots);
     }
     if (!status) {
-        local = sim->layout.deposit == ASDIC_DEPOSIT_OWNED ? 1 : local;
-        status = asdic_kernel_run(sim->bounce, bounce, COUNT(bounce), (size_t)ping->groups * items,
-                                  local);
+        status = asdic_kernel_run(sim->bounce, bounce, COUNT(bounce), pieces, local);
     }
     return status;
 }
@@ -134,30 +138,36 @@ static asdic_status run_batch(asdic_simulator *sim) {
     if (status) {
         return status;
     }
-    dev_uint items =
-        sim->layout.deposit == ASDIC_DEPOSIT_OWNED ? 1 : ping->per_group / sim->layout.width;
     asdic_buffer *triangles = sim->tracer ? asdic_tracer_triangles(sim->tracer) : sim->no_triangles;
     asdic_kernel_arg shade[] = {
         ASDIC_ARG_BUFFER(sim->ping_buffer),    ASDIC_ARG_BUFFER(sim->rays),
         ASDIC_ARG_BUFFER(sim->solid_angles),   ASDIC_ARG_BUFFER(sim->splats),
         ASDIC_ARG_BUFFER(sim->hits),           ASDIC_ARG_BUFFER(triangles),
         ASDIC_ARG_BUFFER(sim->parts),          ASDIC_ARG_BUFFER(sim->materials),
-        ASDIC_ARG_BUFFER(sim->volume_inverse), ASDIC_ARG_BUFFER(sim->accumulator),
-        ASDIC_ARG_BUFFER(sim->saturated),      ASDIC_ARG_VALUE(items)};
-    size_t local = sim->layout.deposit == ASDIC_DEPOSIT_OWNED ? 1 : sim->layout.local;
-    status = asdic_kernel_run(sim->shade, shade, COUNT(shade), (size_t)ping->groups * items, local);
+        ASDIC_ARG_BUFFER(sim->volume_inverse), ASDIC_ARG_BUFFER(sim->parcels),
+        ASDIC_ARG_BUFFER(sim->accumulator),    ASDIC_ARG_BUFFER(sim->saturated),
+        ASDIC_ARG_BUFFER(sim->bounced),        ASDIC_ARG_BUFFER(sim->mirrors)};
+    status = asdic_kernel_run(sim->shade, shade, COUNT(shade), piece_count(sim), piece_local(sim));
     if (!status) {
         status = asdic_simulator_end_phase(sim, ASDIC_PHASE_SHADE);
     }
     if (!status && sim->has_mirrors) {
-        status = run_bounces(sim, items);
+        status = run_bounces(sim);
     }
-    return status ? status : asdic_simulator_end_phase(sim, ASDIC_PHASE_BOUNCE);
+    status = status ? status : asdic_simulator_end_phase(sim, ASDIC_PHASE_BOUNCE);
+    if (!status && sim->collect) {
+        asdic_kernel_arg collect[] = {
+            ASDIC_ARG_BUFFER(sim->ping_buffer), ASDIC_ARG_BUFFER(sim->parcels),
+            ASDIC_ARG_BUFFER(sim->accumulator), ASDIC_ARG_BUFFER(sim->saturated)};
+        status = asdic_kernel_run(sim->collect, collect, COUNT(collect), ping->groups, 1);
+        status = status ? status : asdic_simulator_end_phase(sim, ASDIC_PHASE_COLLECT);
+    }
+    return status;
 }
 
 static asdic_status reduce_groups(asdic_simulator *sim) {
     asdic_status status = ASDIC_OK;
-    if (sim->layout.deposit != ASDIC_DEPOSIT_OWNED) { /* else shade has done it */
+    if (sim->suffix) { /* else collect has done it */
         asdic_kernel_arg args[] = {ASDIC_ARG_BUFFER(sim->ping_buffer),
                                    ASDIC_ARG_BUFFER(sim->accumulator)};
         status = asdic_kernel_run(sim->suffix, args, COUNT(args),
@@ -170,7 +180,9 @@ static asdic_status reduce_groups(asdic_simulator *sim) {
                                ASDIC_ARG_BUFFER(sim->accumulator),
                                ASDIC_ARG_BUFFER(sim->volume_ratio),
                                ASDIC_ARG_BUFFER(sim->saturated), ASDIC_ARG_BUFFER(sim->results)};
-    return asdic_kernel_run(sim->reduce, args, COUNT(args), sim->cells, sim->layout.local);
+    size_t run = sim->layout.width == 1 ? 1 : 4 * sim->layout.width; /* as in reduce.cl */
+    return asdic_kernel_run(sim->reduce, args, COUNT(args), (sim->cells + run - 1) / run,
+                            sim->layout.local);
 }
 
 static asdic_status reduce(asdic_simulator *sim) {
@@ -241,7 +253,7 @@ static void convert_beam(const asdic_simulator *sim, const double *unit, size_t 
     memset(total, 0, sim->bins * sizeof *total);
     for (size_t c = 0; c < DEV_DEPOSIT_COUNT; c++) {
         double *energy = out->intensity_lin[component[c]] + first;
-        if (c >= sim->components) {
+        if ((sim->ping->present & 1u << c) == 0) {
             memset(energy, 0, sim->bins * sizeof *energy);
             continue;
         }

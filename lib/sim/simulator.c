@@ -41,9 +41,11 @@ static asdic_status create_kernels(asdic_simulator *sim) {
     char options[160];
     snprintf(options, sizeof options,
              "-D ASDIC_WIDTH=%u -D ASDIC_DEPOSIT=%d -D ASDIC_HAS_MESH=%d -D ASDIC_FAN=%d "
-             "-D ASDIC_HAS_WATER=%d",
+             "-D ASDIC_HAS_WATER=%d -D ASDIC_HAS_MIRRORS=%d",
              sim->layout.width, (int)sim->layout.deposit, sim->tracer ? 1 : 0,
-             sim->fan.cells ? 1 : 0, sim->sampling.left_out & (1u << ASDIC_TERM_VOLUME) ? 0 : 1);
+             sim->fan.cells ? 1 : 0, sim->sampling.left_out & (1u << ASDIC_TERM_VOLUME) ? 0 : 1,
+             sim->has_mirrors ? 1 : 0);
+    bool owned = sim->layout.deposit == ASDIC_DEPOSIT_OWNED;
     bool adaptive = sim->sampling.sampler == ASDIC_SAMPLER_ADAPTIVE;
     const struct {
         const char *file, *name;
@@ -52,10 +54,10 @@ static asdic_status create_kernels(asdic_simulator *sim) {
     } wanted[] = {
         {"sample.cl", "sample", &sim->sample, true},
         {"shade.cl", "shade", &sim->shade, true},
-        {"reduce.cl", "suffix", &sim->suffix, true},
-        {"reduce.cl", "reduce", &sim->reduce, true},
+        {"collect.cl", "collect", &sim->collect, owned},
+        {"reduce.cl", "suffix", &sim->suffix, !owned && !sim->fan.cells},
+        {"reduce.cl", "reduce", &sim->reduce, !sim->fan.cells},
         {"survey.cl", "survey", &sim->survey, adaptive},
-        {"multipath.cl", "reflect", &sim->reflect, sim->has_mirrors},
         {"multipath.cl", "connect", &sim->connect, sim->has_mirrors},
         {"multipath.cl", "bounce", &sim->bounce, sim->has_mirrors},
     };
@@ -94,12 +96,13 @@ size_t asdic_simulator_per_group(const asdic_simulator *sim, size_t rays) {
 static asdic_status create_buffers(asdic_simulator *sim) {
     size_t pilot = asdic_simulator_per_group(sim, ASDIC_PILOT_RAYS);
     size_t most = sim->per_group > pilot ? sim->per_group : pilot;
-    size_t slots = sim->groups * most, beams = sim->sonar.receiver_count;
+    size_t slots = sim->groups * most;
     size_t bounce_slots = sim->has_mirrors ? slots : 0;
-    size_t columns = sim->fan.cells ? (size_t)DEV_FAN_LEVELS * sim->fan.cells : beams;
-    size_t rows = sim->components * sim->bins;
-    size_t accumulator = sim->groups * rows * columns * sizeof(int64_t);
-    accumulator += sim->fan.cells ? rows * DEV_FAN_LEVELS * sizeof(uint32_t) : 0; /* receive.h */
+    size_t sets = sim->layout.deposit != ASDIC_DEPOSIT_OWNED ? 0 : sim->has_mirrors ? 3 : 1;
+    size_t accumulator = sim->groups * (size_t)sim->fixed.group_cells * sizeof(int64_t);
+    if (sim->fan.cells) { /* receive.h */
+        accumulator += sim->components * sim->bins * DEV_FAN_LEVELS * sizeof(uint32_t);
+    }
     const struct {
         size_t bytes;
         asdic_buffer **buffer;
@@ -114,7 +117,8 @@ static asdic_status create_buffers(asdic_simulator *sim) {
         {bounce_slots * sizeof(dev_hit), &sim->bounced_hits},
         {bounce_slots * sizeof(dev_ray), &sim->returning},
         {bounce_slots * sizeof(dev_hit), &sim->returning_hits},
-        {bounce_slots * 4 * sizeof(float), &sim->shares},
+        {bounce_slots * 4 * sizeof(float), &sim->mirrors},
+        {sets * slots * sizeof(dev_parcel), &sim->parcels},
         {0, &sim->no_triangles},
         {sim->bins * sizeof(float), &sim->volume_inverse},
         {sim->bins * sizeof(float), &sim->volume_ratio},
@@ -132,7 +136,7 @@ static asdic_status create_buffers(asdic_simulator *sim) {
     return ASDIC_OK;
 }
 
-static bool scene_has(const asdic_simulator *sim, unsigned kind) {
+bool asdic_simulator_has(const asdic_simulator *sim, unsigned kind) {
     for (size_t i = 0; i < sim->scene->part_count; i++) {
         if (sim->scene->parts[i].kind == kind) {
             return true;
@@ -143,13 +147,13 @@ static bool scene_has(const asdic_simulator *sim, unsigned kind) {
 
 /* Whether objects are modelled. */
 static bool scene_echoes(const asdic_simulator *sim) {
-    return scene_has(sim, DEV_KIND_OBJECT) &&
+    return asdic_simulator_has(sim, DEV_KIND_OBJECT) &&
            !(sim->sampling.left_out & (1u << ASDIC_TERM_OBJECTS));
 }
 
 /* Objects that are left out are not traced either, unless a bottom of triangles is. */
 static bool needs_triangles(const asdic_simulator *sim) {
-    return scene_echoes(sim) || scene_has(sim, DEV_KIND_BOTTOM);
+    return scene_echoes(sim) || asdic_simulator_has(sim, DEV_KIND_BOTTOM);
 }
 
 /* Whether anything in the scene can pass a mirror ray on. */
@@ -318,13 +322,13 @@ asdic_status asdic_simulator_create_with(asdic_context *ctx, asdic_device *devic
     if ((status = allocate_host(sim)) != ASDIC_OK) {
         goto fail;
     }
+    asdic_simulator_prepare(sim, &water);
     if ((status = create_kernels(sim)) != ASDIC_OK || (status = create_buffers(sim)) != ASDIC_OK) {
         goto fail;
     }
     if ((status = asdic_points_init(sim)) != ASDIC_OK) {
         goto fail;
     }
-    asdic_simulator_prepare(sim, &water);
     asdic_simulator_forget(sim);
     *out = sim;
     return ASDIC_OK;
@@ -355,18 +359,18 @@ void asdic_simulator_destroy(asdic_simulator **pointer) {
     asdic_buffer **buffers[] = {
         &sim->ping_buffer, &sim->table_buffer,   &sim->rays,           &sim->solid_angles,
         &sim->splats,      &sim->hits,           &sim->bounced,        &sim->bounced_hits,
-        &sim->returning,   &sim->returning_hits, &sim->shares,         &sim->parts,
+        &sim->returning,   &sim->returning_hits, &sim->mirrors,        &sim->parts,
         &sim->materials,   &sim->no_triangles,   &sim->volume_inverse, &sim->volume_ratio,
-        &sim->accumulator, &sim->saturated,      &sim->results};
+        &sim->parcels,     &sim->accumulator,    &sim->saturated,      &sim->results};
     for (size_t i = 0; i < sizeof buffers / sizeof *buffers; i++) {
         asdic_buffer_destroy(buffers[i]);
     }
     asdic_kernel_destroy(&sim->sample);
     asdic_kernel_destroy(&sim->shade);
+    asdic_kernel_destroy(&sim->collect);
     asdic_kernel_destroy(&sim->suffix);
     asdic_kernel_destroy(&sim->reduce);
     asdic_kernel_destroy(&sim->survey);
-    asdic_kernel_destroy(&sim->reflect);
     asdic_kernel_destroy(&sim->connect);
     asdic_kernel_destroy(&sim->bounce);
     asdic_beam_fan_finish(&sim->fan);

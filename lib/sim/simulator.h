@@ -56,14 +56,15 @@ struct asdic_simulator {
     asdic_placement *placement; /* where objects and points are now */
     asdic_tracer *tracer;       /* NULL without triangles */
     bool has_mirrors;           /* something in the scene reflects, and multipath is wanted */
-    asdic_kernel *sample, *shade, *suffix, *reduce;
+    asdic_kernel *sample, *shade, *collect, *suffix, *reduce; /* collect: or suffix */
     asdic_beam_fan fan;   /* many receivers as one map; cells 0: each receiver by itself */
     asdic_kernel *survey; /* adaptive sampler only */
-    asdic_kernel *reflect, *connect, *bounce; /* NULL without mirrors */
-    asdic_buffer *ping_buffer;                /* dev_ping, then the apertures */
+    asdic_kernel *connect, *bounce; /* NULL without mirrors */
+    asdic_buffer *ping_buffer;      /* dev_ping, then the apertures */
     asdic_buffer *table_buffer;
     asdic_buffer *rays, *solid_angles, *splats, *hits;
-    asdic_buffer *bounced, *bounced_hits, *returning, *returning_hits, *shares; /* mirrors */
+    asdic_buffer *bounced, *bounced_hits, *returning, *returning_hits, *mirrors;
+    asdic_buffer *parcels; /* where work-items own groups, see receive.h */
     asdic_buffer *parts, *materials, *no_triangles;
     asdic_buffer *volume_inverse, *volume_ratio;
     asdic_buffer *accumulator, *saturated, *results; /* see reduce.cl */
@@ -128,6 +129,9 @@ size_t asdic_simulator_results_bytes(const asdic_simulator *sim);
 
 /* The scene's triangles on the device, or a buffer to point at when there are none. */
 asdic_buffer *asdic_simulator_triangles(const asdic_simulator *sim);
+
+/* Whether the scene has a mesh of KIND (DEV_KIND_BOTTOM, DEV_KIND_OBJECT). */
+bool asdic_simulator_has(const asdic_simulator *sim, unsigned kind);
 
 /* What the device is told about a part. */
 dev_part asdic_simulator_part(const asdic_part *part);

@@ -126,9 +126,10 @@ typedef enum asdic_phase {
     ASDIC_PHASE_SAMPLE, /* the host's preparation and the drawing of rays */
     ASDIC_PHASE_TRACE,
     ASDIC_PHASE_SHADE,
-    ASDIC_PHASE_BOUNCE, /* multipath, its tracing included */
-    ASDIC_PHASE_REDUCE, /* sums, and their way back to the host */
-    ASDIC_PHASE_LEVELS, /* the host's work on the sums */
+    ASDIC_PHASE_BOUNCE,  /* multipath, its tracing included */
+    ASDIC_PHASE_COLLECT, /* receiving, where it is not done while shading */
+    ASDIC_PHASE_REDUCE,  /* sums, and their way back to the host */
+    ASDIC_PHASE_LEVELS,  /* the host's work on the sums */
     ASDIC_PHASE_COUNT
 } asdic_phase;
 

@@ -1,0 +1,97 @@
+/*
+ * Secondary rays: where they start, and how they are stored.
+ *
+ * Few rays may have a mirror, fewer a mirror ray that meets something. So that the tracer and the laws
+ * of scattering see full vectors, each stage moves its rays to the front of their piece of the array,
+ * in their order, and switches off the rest of the piece.
+ */
+#ifndef ASDIC_KERNEL_MIRROR_RAY_H
+#define ASDIC_KERNEL_MIRROR_RAY_H
+
+#include "echo.h"
+#include "order.h"
+
+/* Slots of a piece, a work-item's share: vectors want neighbours, GPUs work-items. */
+#if ASDIC_WIDTH == 1
+#define PIECE 1u
+#else
+#define PIECE 64u
+#endif
+
+/* Secondary rays start off the surface they leave, on its SIDE, by more than the rounding of their
+ * coordinates. */
+static triple lift(triple p, triple normal, real side) {
+    real off = R(1e-4) + R(1e-6) * r_max(r_max(r_abs(p.x), r_abs(p.y)), r_abs(p.z));
+    p.x += side * off * normal.x;
+    p.y += side * off * normal.y;
+    p.z += side * off * normal.z;
+    return p;
+}
+
+static dev_ray lane_ray(const triple *from, const triple *to, real t_max, uint source, uint lane) {
+    dev_ray ray;
+    ray.origin[0] = AT(from->x, const float);
+    ray.origin[1] = AT(from->y, const float);
+    ray.origin[2] = AT(from->z, const float);
+    ray.t_max = AT(t_max, float);
+    ray.direction[0] = AT(to->x, const float);
+    ray.direction[1] = AT(to->y, const float);
+    ray.direction[2] = AT(to->z, const float);
+    ray.source = source;
+    return ray;
+}
+
+/* Switches off the rays from AT to END. */
+static void end_piece(__global dev_ray *rays, uint at, uint end) {
+    dev_ray off = {{0.0f, 0.0f, 0.0f}, 0.0f, {0.0f, 0.0f, 1.0f}, NO_SLOT};
+    for (; at < end; at++) {
+        rays[at] = off;
+    }
+}
+
+/* Mirror rays and what the mirror did: its share mu, d1, kappa_t / cos i + kappa_s cos i, and K. */
+typedef struct mirror_store {
+    __global dev_ray *rays;
+    __global float4 *mirrors;
+} mirror_store;
+
+/* Appends the mirror rays of rays along U that lie from SLOT on and met M, mirrored by SHARE, to STORE
+ * from AT on; returns the next AT. */
+static uint reflect(const world *w, const meeting *m, __global const dev_hit *hits, triple u,
+                    real share, const mirror_store *store, uint slot, uint at) {
+    real reach = (real)(w->ping->range_m);
+    triple from = {(real)(w->ping->origin[0]), (real)(w->ping->origin[1]),
+                   (real)(w->ping->origin[2])};
+    mask mirror = (m->kind != DEV_KIND_NONE) & (share > (real)(DEV_MIN_MIRROR));
+    mirror &= m->range <= reach;
+    real along = dot3(m->surface, u);
+    triple to = {u.x - R(2.0) * along * m->surface.x, u.y - R(2.0) * along * m->surface.y,
+                 u.z - R(2.0) * along * m->surface.z};
+    /* It leaves on the facet's near side; what an interpolated normal turns inwards is lost. */
+    real side = choose(dot3(m->facet, u) > R(0.0), R(-1.0), R(1.0));
+    mirror &= side * dot3(m->facet, to) > R(0.0);
+    real d1 = choose(mirror, m->range, R(0.0));
+    triple start = {from.x + d1 * u.x, from.y + d1 * u.y, from.z + d1 * u.z};
+    start = lift(start, m->facet, side);
+    /* The farthest d2 with d1 + d2 + d3 <= 2 range, whatever the mirror ray meets. */
+    real rest = R(2.0) * reach - d1;
+    real t_max = (rest * rest - d1 * d1) / (R(2.0) * r_max(rest + d1 * dot3(u, to), R(1e-3)));
+    t_max = r_min(t_max, reach);
+    LANES {
+        if (AT(mirror, int) == 0) {
+            continue;
+        }
+        smooth_bend bend = {0.0f, 0.0f};
+#if ASDIC_HAS_MESH
+        dev_hit hit = hits[slot + lane];
+        if (hit.t_m == AT(m->range, const float)) {
+            bend = smooth_bend_of(w->triangles + hit.triangle, lane_of(&u, lane));
+        }
+#endif
+        store->rays[at] = lane_ray(&start, &to, t_max, slot + lane, lane);
+        store->mirrors[at++] = (float4)(AT(share, float), AT(d1, float), bend.trace, bend.gauss);
+    }
+    return at;
+}
+
+#endif
