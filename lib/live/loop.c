@@ -1,6 +1,7 @@
 #include "loop.h"
 
 #include "base/context.h"
+#include "base/decibel.h"
 #include "mission/mission.h"
 #include "mission/run_queue.h"
 #include "mission/track_write.h"
@@ -60,9 +61,9 @@ static asdic_status simulate(asdic_loop *loop) {
     if (!status) {
         status = asdic_simulator_ping(loop->simulator, &loop->pose, index, slot->ping);
     }
-    for (size_t i = 0; !status && i < slot->ping->beams * slot->ping->bins; i++) {
-        double intensity_lin = slot->ping->intensity_lin[ASDIC_TOTAL][i];
-        slot->level_db[i] = intensity_lin > 0.0 ? (float)asdic_level_db(intensity_lin) : NAN;
+    if (!status) {
+        asdic_decibels(slot->ping->intensity_lin[ASDIC_TOTAL], slot->ping->beams * slot->ping->bins,
+                       slot->level_db);
     }
     return status;
 }

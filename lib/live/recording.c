@@ -3,6 +3,7 @@
 #include "base/context.h"
 #include "mission/run_folder.h"
 #include "mission/run_job.h"
+#include "mission/run_queue.h"
 #include "mission/track_write.h"
 #include "out/record.h"
 
@@ -150,14 +151,12 @@ static asdic_status copy_records(asdic_recording *r, asdic_run_job *job) {
                           r->folder, r->pings, r->bins, job->facts.pings_planned, job->facts.bins);
     }
     for (size_t i = 0; !status && i < r->pings; i++) {
-        asdic_record record;
         if (fread(r->bytes, r->record_bytes, 1, r->spool) != 1) {
             return fail_io(r, "a ping");
         }
         status = asdic_store_append(job->store, r->bytes);
         if (!status) {
-            asdic_record_view(r->bytes, r->beams, r->bins, &record);
-            status = asdic_csv_add(job->csv, &record);
+            status = asdic_job_keep(job, r->bytes);
         }
     }
     return status;
@@ -174,7 +173,8 @@ static asdic_status write_run(asdic_recording *r) {
                          .mission = mission,
                          .devices = &r->device,
                          .device_count = 1,
-                         .options = &options};
+                         .options = &options,
+                         .begin_s = asdic_clock_s()};
     if (!status) {
         status = asdic_job_begin(&job);
         if (!status) {

@@ -20,7 +20,7 @@ asdic_run_options asdic_run_options_default(void) {
 static void report(const asdic_run_job *job, double since_s) {
     const asdic_run_options *o = job->options;
     if (o->progress) {
-        asdic_run_progress progress = {.pings_done = asdic_store_count(job->store),
+        asdic_run_progress progress = {.pings_done = job->kept,
                                        .pings_total = job->facts.pings_planned,
                                        .rays = job->rays,
                                        .elapsed_s = asdic_clock_s() - since_s};
@@ -28,7 +28,8 @@ static void report(const asdic_run_job *job, double since_s) {
     }
 }
 
-asdic_record_head asdic_job_head(const asdic_mission *mission, size_t ping,
+/* What RESULT's levels are kept with. */
+static asdic_record_head head_of(const asdic_mission *mission, size_t ping,
                                  const asdic_ping *result) {
     asdic_record_head head = {.ping = ping, .rays = result->rays, .saturated = result->saturated};
     asdic_pose pose = asdic_mission_pose(mission, ping, &head.time_s);
@@ -42,6 +43,19 @@ asdic_record_head asdic_job_head(const asdic_mission *mission, size_t ping,
     return head;
 }
 
+asdic_status asdic_job_keep(asdic_run_job *job, const void *bytes) {
+    asdic_record record;
+    double begin_s = asdic_clock_s();
+    asdic_record_view(bytes, job->facts.beams, job->facts.bins, &record);
+    asdic_status status = asdic_csv_add(job->csv, &record);
+    double written_s = asdic_clock_s();
+    asdic_digest_add(job->digest, &record);
+    job->facts.times.write_s += written_s - begin_s;
+    job->facts.times.pictures_s += asdic_clock_s() - written_s;
+    job->kept++;
+    return status;
+}
+
 typedef struct taker {
     asdic_run_job *job;
     asdic_queue_result result;
@@ -52,18 +66,17 @@ static asdic_status take(void *user, size_t ping, const asdic_ping *result) {
     taker *t = user;
     asdic_run_job *job = t->job;
     double begin_s = asdic_clock_s();
-    asdic_record record;
-    asdic_record_head head = asdic_job_head(job->mission, ping, result);
+    asdic_record_head head = head_of(job->mission, ping, result);
     asdic_record_pack(&head, result, job->bytes);
-    asdic_status status = asdic_store_append(job->store, job->bytes);
-    if (status != ASDIC_OK) {
-        return status;
+    asdic_status status = job->store ? asdic_store_append(job->store, job->bytes) : ASDIC_OK;
+    job->facts.times.write_s += asdic_clock_s() - begin_s;
+    if (status == ASDIC_OK) {
+        status = asdic_job_keep(job, job->bytes);
     }
-    asdic_record_view(job->bytes, job->facts.beams, job->facts.bins, &record);
-    status = asdic_csv_add(job->csv, &record);
-    job->facts.write_s += asdic_clock_s() - begin_s;
-    job->rays += result->rays;
-    report(job, t->result.ready_s);
+    if (status == ASDIC_OK) {
+        job->rays += result->rays;
+        report(job, t->result.ready_s);
+    }
     return status;
 }
 
@@ -85,7 +98,7 @@ static void name_device(void *user, const char *device) {
     }
 }
 
-static asdic_status simulate(asdic_run_job *job) {
+asdic_status asdic_job_simulate(asdic_run_job *job) {
     taker t = {.job = job};
     char hash[65];
     asdic_job_hash(job, hash);
@@ -104,9 +117,11 @@ static asdic_status simulate(asdic_run_job *job) {
     report(job, begin_s);
     asdic_status status = asdic_queue_run(job->ctx, &work, &t.result);
     double end_s = asdic_clock_s();
-    job->facts.setup_s = t.result.ready_s - begin_s;
-    job->facts.simulate_s = end_s - t.result.ready_s;
-    job->facts.rays_per_s = (double)job->rays / job->facts.simulate_s;
+    asdic_run_times *times = &job->facts.times;
+    times->setup_s = t.result.ready_s - begin_s;
+    times->simulate_s = end_s - t.result.ready_s;
+    times->devices_s = t.result.devices_s;
+    job->facts.rays_per_s = (double)job->rays / times->simulate_s;
     return status;
 }
 
@@ -156,7 +171,8 @@ asdic_status asdic_mission_run(asdic_context *ctx, asdic_mission *mission, asdic
                          .mission = mission,
                          .devices = devices,
                          .device_count = device_count,
-                         .options = options};
+                         .options = options,
+                         .begin_s = asdic_clock_s()};
     bool is_member = options->team && options->team->rank > 0;
     bool is_stream = options->folder && strcmp(options->folder, "-") == 0;
     asdic_status status = is_member   ? asdic_member_run(&job)
@@ -166,10 +182,14 @@ asdic_status asdic_mission_run(asdic_context *ctx, asdic_mission *mission, asdic
         goto done;
     }
     if (job.resumed < job.facts.pings_planned) {
-        status = simulate(&job);
+        status = asdic_job_simulate(&job);
     }
     status = wind_up(&job, status);
 done:
+    if (options->times) {
+        *options->times = job.facts.times;
+        options->times->whole_s = asdic_clock_s() - job.begin_s;
+    }
     asdic_job_finish(&job);
     return status;
 }

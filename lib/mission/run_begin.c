@@ -67,8 +67,7 @@ static asdic_status describe(asdic_run_job *job) {
     f->bins = asdic_sonar_bin_count(sonar, speed_mps);
     f->bin_length_m = sonar->bin_length_m;
     f->stderr_median_db = f->stderr_worst_db = NAN;
-    f->setup_s = f->simulate_s = f->pictures_s = f->rays_per_s = NAN;
-    f->write_s = 0.0;
+    f->rays_per_s = NAN;
     return asdic_inputs_hash(job->ctx, m, job->inputs_hash);
 }
 
@@ -173,7 +172,18 @@ static asdic_status write_track(asdic_run_job *job) {
     return status;
 }
 
-/* bins.csv from its beginning: rows of earlier pings are written again from their records. */
+/* Records of earlier pings, as if they came now: the rows of bins.csv, what pictures need. */
+static asdic_status replay(asdic_run_job *job) {
+    asdic_status status = ASDIC_OK;
+    for (size_t i = 0; i < job->resumed && status == ASDIC_OK; i++) {
+        status = asdic_store_read(job->store, i, job->bytes);
+        if (status == ASDIC_OK) {
+            status = asdic_job_keep(job, job->bytes);
+        }
+    }
+    return status;
+}
+
 static asdic_status open_csv(asdic_run_job *job) {
     const asdic_sonar *sonar = asdic_mission_sonar(job->mission);
     char *path = asdic_folder_path(job->options->folder, "bins", "", "csv");
@@ -182,9 +192,6 @@ static asdic_status open_csv(asdic_run_job *job) {
                                                  asdic_mission_output(job->mission)->csv, &job->csv)
                               : asdic_fail_memory(job->ctx, "a file name");
     free(path);
-    if (status == ASDIC_OK) {
-        status = asdic_files_replay(job->ctx, job->store, sonar, job->facts.bins, job->csv);
-    }
     return status;
 }
 
@@ -214,6 +221,12 @@ asdic_status asdic_job_begin(asdic_run_job *job) {
     if (status == ASDIC_OK) {
         status = asdic_scenery_write(job->ctx, job->mission, job->options->folder);
     }
-    job->facts.write_s += asdic_clock_s() - begin_s;
-    return status == ASDIC_OK ? open_csv(job) : status;
+    if (status == ASDIC_OK) {
+        status = open_csv(job);
+    }
+    job->facts.times.write_s += asdic_clock_s() - begin_s;
+    if (status == ASDIC_OK) {
+        status = asdic_digest_create_all(job->ctx, job->mission, &job->facts, &job->digest);
+    }
+    return status == ASDIC_OK ? replay(job) : status;
 }

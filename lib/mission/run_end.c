@@ -3,30 +3,20 @@
 #include "base/context.h"
 #include "run_files.h"
 #include "run_queue.h"
-#include "run_survey.h"
-
-#include <asdic/run.h>
+#include "run_render.h"
 
 #include <stdlib.h>
 
-static asdic_status conclude(asdic_run_job *job) {
-    asdic_survey survey;
+static void conclude(asdic_run_job *job) {
     asdic_run_facts *f = &job->facts;
-    asdic_status status = asdic_survey_run(job->ctx, job->store, f->beams, f->bins, &survey);
-    if (status != ASDIC_OK) {
-        return status;
-    }
+    asdic_digest_end(job->digest);
     f->pings = asdic_store_count(job->store);
-    f->rays_traced = survey.rays;
-    f->saturated = survey.saturated;
-    f->stderr_median_db = survey.stderr_median_db;
-    f->stderr_worst_db = survey.stderr_worst_db;
-    if (survey.saturated > 0) {
+    asdic_run_facts_survey(f, &job->digest->survey);
+    if (f->saturated > 0) {
         asdic_log(job->ctx, ASDIC_LOG_WARNING,
                   "%llu echoes were too strong for the accumulator and were cut",
-                  (unsigned long long)survey.saturated);
+                  (unsigned long long)f->saturated);
     }
-    return ASDIC_OK;
 }
 
 static asdic_status draw(asdic_run_job *job) {
@@ -34,10 +24,15 @@ static asdic_status draw(asdic_run_job *job) {
     double begin_s = asdic_clock_s();
     asdic_status status = ASDIC_OK;
     if (asdic_mission_output(job->mission)->images != 0) {
-        status = asdic_run_render(job->ctx, job->options->folder, &options);
+        status = asdic_run_render_digest(job->ctx, job->options->folder, &options, job->digest);
     }
-    job->facts.pictures_s = asdic_clock_s() - begin_s;
+    job->facts.times.pictures_s += asdic_clock_s() - begin_s;
     return status;
+}
+
+static asdic_status write_facts(asdic_run_job *job) {
+    job->facts.times.whole_s = asdic_clock_s() - job->begin_s;
+    return asdic_run_facts_write(job->ctx, job->options->folder, &job->facts);
 }
 
 asdic_status asdic_job_end(asdic_run_job *job, bool is_whole) {
@@ -48,28 +43,29 @@ asdic_status asdic_job_end(asdic_run_job *job, bool is_whole) {
         status = asdic_csv_commit(&job->csv);
     }
     if (status == ASDIC_OK) {
-        status = conclude(job);
+        conclude(job);
     }
     if (status == ASDIC_OK && is_whole) {
         status = asdic_files_write(job->ctx, job->store, folder, job->mission, &job->facts);
     }
-    job->facts.write_s += asdic_clock_s() - begin_s;
+    job->facts.times.write_s += asdic_clock_s() - begin_s;
     /* Not complete before the pictures are there: --resume then draws what is missing. */
     job->facts.state = ASDIC_RUN_STOPPED;
     if (status == ASDIC_OK) {
-        status = asdic_run_facts_write(job->ctx, folder, &job->facts);
+        status = write_facts(job);
     }
     if (status != ASDIC_OK || !is_whole) {
         return status;
     }
     status = draw(job);
     job->facts.state = ASDIC_RUN_COMPLETE;
-    return status == ASDIC_OK ? asdic_run_facts_write(job->ctx, folder, &job->facts) : status;
+    return status == ASDIC_OK ? write_facts(job) : status;
 }
 
 void asdic_job_finish(asdic_run_job *job) {
     asdic_csv_discard(&job->csv);
     asdic_store_close(&job->store);
+    asdic_digest_destroy(&job->digest);
     asdic_arena_finish(&job->arena);
     free(job->bytes);
 }

@@ -8,10 +8,12 @@
 #include "out/file.h"
 #include "problems.h"
 #include "run_folder.h"
+#include "run_survey.h"
 #include "yaml_tree.h"
 
 #include <errno.h>
 #include <math.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -27,6 +29,16 @@ static const char *const sampler_names[] = {[ASDIC_SAMPLER_ADAPTIVE] = "adaptive
 static const char *const multipath_names[] = {[ASDIC_MULTIPATH_OFF] = "off",
                                               [ASDIC_MULTIPATH_FIRST] = "first",
                                               [ASDIC_MULTIPATH_BOUNDARIES] = "boundaries"};
+
+static const struct {
+    const char *name;
+    size_t at;
+} times[] = {{"setup", offsetof(asdic_run_times, setup_s)},
+             {"simulate", offsetof(asdic_run_times, simulate_s)},
+             {"devices", offsetof(asdic_run_times, devices_s)},
+             {"write", offsetof(asdic_run_times, write_s)},
+             {"pictures", offsetof(asdic_run_times, pictures_s)},
+             {"whole", offsetof(asdic_run_times, whole_s)}};
 
 const char *asdic_run_sampler_name(asdic_sampler sampler) {
     return sampler_names[sampler];
@@ -50,6 +62,13 @@ const char *asdic_run_facts_differ(const asdic_run_facts *a, const asdic_run_fac
         return "number of beams or bins";
     }
     return strcmp(a->version, b->version) != 0 ? "version of asdic" : NULL;
+}
+
+void asdic_run_facts_survey(asdic_run_facts *facts, const asdic_survey *survey) {
+    facts->rays_traced = survey->rays;
+    facts->saturated = survey->saturated;
+    facts->stderr_median_db = survey->stderr_median_db;
+    facts->stderr_worst_db = survey->stderr_worst_db;
 }
 
 /* ---- writing: one member a line, the last one without a comma is "bin_length_m" ------------- */
@@ -110,11 +129,14 @@ static void add_terms(asdic_text *json, const asdic_plan *plan) {
 }
 
 static void add_results(asdic_text *json, const asdic_run_facts *facts) {
-    char a[ASDIC_DIGITS_SIZE], b[ASDIC_DIGITS_SIZE], c[ASDIC_DIGITS_SIZE], d[ASDIC_DIGITS_SIZE];
-    asdic_text_format(
-        json, "  \"time_s\": {\"setup\": %s, \"simulate\": %s, \"write\": %s, \"pictures\": %s},\n",
-        number_or_null(a, "%.3f", facts->setup_s), number_or_null(b, "%.3f", facts->simulate_s),
-        number_or_null(c, "%.3f", facts->write_s), number_or_null(d, "%.3f", facts->pictures_s));
+    char a[ASDIC_DIGITS_SIZE], b[ASDIC_DIGITS_SIZE];
+    asdic_text_add(json, "  \"time_s\": {");
+    for (size_t i = 0; i < sizeof times / sizeof *times; i++) {
+        double time_s = *(const double *)((const char *)&facts->times + times[i].at);
+        asdic_text_format(json, "%s\"%s\": %s", i ? ", " : "", times[i].name,
+                          number_or_null(a, "%.3f", time_s));
+    }
+    asdic_text_add(json, "},\n");
     asdic_text_format(json, "  \"rays_per_s\": %s,\n",
                       number_or_null(a, "%.0f", facts->rays_per_s));
     asdic_text_format(json, "  \"stderr_db\": {\"median\": %s, \"worst\": %s},\n",
@@ -259,10 +281,11 @@ static void read_all(reader *r, asdic_arena *arena, asdic_run_facts *facts) {
     facts->beams = read_natural(r, "beams");
     facts->bins = read_natural(r, "bins");
     facts->bin_length_m = read_number(r, r->root, "bin_length_m");
-    facts->setup_s = read_number(r, time_s, "setup");
-    facts->simulate_s = read_number(r, time_s, "simulate");
-    facts->write_s = asdic_yaml_child(time_s, "write") ? read_number(r, time_s, "write") : NAN;
-    facts->pictures_s = read_number(r, time_s, "pictures");
+    for (size_t i = 0; i < sizeof times / sizeof *times; i++) {
+        double *value = (double *)((char *)&facts->times + times[i].at);
+        *value =
+            asdic_yaml_child(time_s, times[i].name) ? read_number(r, time_s, times[i].name) : NAN;
+    }
     facts->rays_per_s = read_number(r, r->root, "rays_per_s");
     facts->stderr_median_db = read_number(r, stderr_db, "median");
     facts->stderr_worst_db = read_number(r, stderr_db, "worst");

@@ -18,6 +18,8 @@
 #define ASDIC_RUN_BOTTOM_MESH "mesh"
 #define ASDIC_RUN_BOTTOM_NONE "none"
 
+struct asdic_survey;
+
 /* Strings are borrowed: from the mission while running, from an arena when read. */
 typedef struct asdic_run_facts {
     const char *version; /* of asdic */
@@ -35,14 +37,16 @@ typedef struct asdic_run_facts {
     const char **devices;
     size_t device_count;
     uint64_t rays_traced, saturated;
-    double setup_s, simulate_s, pictures_s; /* of the last call that worked on the run */
-    double write_s; /* spent on files but pictures; most of it while devices simulate */
+    asdic_run_times times; /* of the last call that worked on the run */
     double rays_per_s;
     double stderr_median_db, stderr_worst_db; /* NAN: no ping yet */
 } asdic_run_facts;
 
 asdic_status asdic_run_facts_write(asdic_context *ctx, const char *folder,
                                    const asdic_run_facts *facts);
+
+/* Fills in what SURVEY, ended, has found in a run's records. */
+void asdic_run_facts_survey(asdic_run_facts *facts, const struct asdic_survey *survey);
 
 /* ASDIC_ERROR_INPUT when there is no run.json or it is not one. */
 asdic_status asdic_run_facts_read(asdic_context *ctx, const char *folder, asdic_arena *arena,

@@ -10,25 +10,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-asdic_status asdic_files_replay(asdic_context *ctx, asdic_store *store, const asdic_sonar *sonar,
-                                size_t bins, asdic_csv *csv) {
-    asdic_status status = ASDIC_OK;
-    void *bytes = malloc(asdic_store_record_bytes(store));
-    if (!bytes) {
-        return asdic_fail_memory(ctx, "a record");
-    }
-    for (size_t i = 0; i < asdic_store_count(store) && status == ASDIC_OK; i++) {
-        asdic_record record;
-        status = asdic_store_read(store, i, bytes);
-        if (status == ASDIC_OK) {
-            asdic_record_view(bytes, sonar->receiver_count, bins, &record);
-            status = asdic_csv_add(csv, &record);
-        }
-    }
-    free(bytes);
-    return status;
-}
-
 static asdic_status write_levels(asdic_context *ctx, asdic_store *store, const char *folder,
                                  size_t beams, size_t bins) {
     char header[ASDIC_NPY_HEADER_SIZE], rest[64];

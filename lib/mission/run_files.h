@@ -1,16 +1,11 @@
 /*
- * What is made of a run's records when they are complete: bins.csv, levels.npy, run.nc.
+ * What is made of a run's records when they are complete: levels.npy, run.nc.
  */
 #ifndef ASDIC_MISSION_RUN_FILES_H
 #define ASDIC_MISSION_RUN_FILES_H
 
-#include "out/csv.h"
 #include "run_facts.h"
 #include "run_store.h"
-
-/* Adds the records of STORE to CSV. */
-asdic_status asdic_files_replay(asdic_context *ctx, asdic_store *store, const asdic_sonar *sonar,
-                                size_t bins, asdic_csv *csv);
 
 /* Those of levels.npy (float32 [ping, beam, bin], NAN where there is no energy) and run.nc that
  * SETTINGS ask for. */

@@ -6,6 +6,7 @@
 
 #include "out/csv.h"
 #include "out/record.h"
+#include "run_digest.h"
 #include "run_facts.h"
 #include "run_store.h"
 
@@ -17,14 +18,16 @@ typedef struct asdic_run_job {
     const asdic_run_options *options;
     asdic_run_facts facts;
     char inputs_hash[65];
-    asdic_arena arena; /* of what was read from an earlier run.json */
-    asdic_store *store;
-    asdic_csv *csv;
-    void *bytes;      /* one record */
-    size_t resumed;   /* pings that were there already */
-    bool is_complete; /* they were all, and everything was written */
-    uint64_t rays;    /* traced by this call */
-    double begin_s;   /* by the clock, of the simulation */
+    asdic_arena arena;    /* of what was read from an earlier run.json */
+    asdic_store *store;   /* NULL: levels go to the standard output alone */
+    asdic_csv *csv;       /* NULL: no rows are asked for */
+    asdic_digest *digest; /* NULL: no pictures are asked for, nor run.json */
+    void *bytes;          /* one record */
+    size_t resumed;       /* pings that were there already */
+    size_t kept;          /* pings that are there, those included */
+    bool is_complete;     /* they were all, and everything was written */
+    uint64_t rays;        /* traced by this call */
+    double begin_s;       /* of this call, by the clock */
 } asdic_run_job;
 
 /* Checks what is asked for and plans it: fills the facts that are known before the first ping; the
@@ -34,9 +37,11 @@ asdic_status asdic_job_describe(asdic_run_job *job);
 /* What processes that work on one run must agree in. */
 void asdic_job_hash(const asdic_run_job *job, char hex[65]);
 
-/* What RESULT's levels are kept with. */
-asdic_record_head asdic_job_head(const asdic_mission *mission, size_t ping,
-                                 const asdic_ping *result);
+/* The record in BYTES, next in order, into everything but the store. */
+asdic_status asdic_job_keep(asdic_run_job *job, const void *bytes);
+
+/* The pings that are not there yet, on the devices, each into the store and everything else. */
+asdic_status asdic_job_simulate(asdic_run_job *job);
 
 /* Describes the run, makes or reopens its folder, and writes the rows of pings that are there. */
 asdic_status asdic_job_begin(asdic_run_job *job);

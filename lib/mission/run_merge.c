@@ -1,11 +1,12 @@
 #include <asdic/run.h>
 
 #include "base/context.h"
+#include "out/csv.h"
 #include "run_files.h"
 #include "run_folder.h"
 #include "run_open.h"
+#include "run_render.h"
 #include "run_scenery.h"
-#include "run_survey.h"
 #include "track_write.h"
 
 #include <stdlib.h>
@@ -21,6 +22,7 @@ typedef struct merger {
     asdic_store *store;
     asdic_csv *csv;
     asdic_file *track;
+    asdic_digest *digest;
 } merger;
 
 static int by_first_ping(const void *a, const void *b) {
@@ -96,7 +98,7 @@ static asdic_status sum_up(merger *m, asdic_arena *arena) {
         device_count += m->parts[i]->facts.device_count;
     }
     /* Times add up: what the whole took of one machine. */
-    f->setup_s = f->simulate_s = f->write_s = f->pictures_s = 0.0;
+    f->times = (asdic_run_times){0};
     f->devices = asdic_arena_alloc(arena, (device_count + 1) * sizeof *f->devices);
     f->device_count = 0;
     if (!f->devices) {
@@ -104,9 +106,12 @@ static asdic_status sum_up(merger *m, asdic_arena *arena) {
     }
     for (size_t i = 0; i < m->count; i++) {
         const asdic_run_facts *part = &m->parts[i]->facts;
-        f->setup_s += part->setup_s;
-        f->simulate_s += part->simulate_s;
-        f->write_s += part->write_s;
+        f->times.setup_s += part->times.setup_s;
+        f->times.simulate_s += part->times.simulate_s;
+        f->times.devices_s += part->times.devices_s;
+        f->times.write_s += part->times.write_s;
+        f->times.pictures_s += part->times.pictures_s;
+        f->times.whole_s += part->times.whole_s;
         for (size_t k = 0; k < part->device_count; k++) {
             bool is_listed = false;
             for (size_t n = 0; n < f->device_count; n++) {
@@ -133,6 +138,7 @@ static asdic_status copy_records(merger *m) {
             if (status == ASDIC_OK) {
                 asdic_track_file_add(m->track, record.time_s, &record.pose);
                 status = asdic_csv_add(m->csv, &record);
+                asdic_digest_add(m->digest, &record);
             }
         }
     }
@@ -164,6 +170,9 @@ static asdic_status write_run(merger *m) {
                                   m->facts.bins, &m->store);
     }
     if (status == ASDIC_OK) {
+        status = asdic_digest_create_all(m->ctx, settings, &m->facts, &m->digest);
+    }
+    if (status == ASDIC_OK) {
         status = copy_records(m);
     }
     if (status == ASDIC_OK) {
@@ -185,22 +194,15 @@ static asdic_status write_run(merger *m) {
 }
 
 static asdic_status conclude(merger *m) {
-    asdic_survey survey;
     asdic_run_facts *f = &m->facts;
-    asdic_status status = asdic_survey_run(m->ctx, m->store, f->beams, f->bins, &survey);
-    if (status != ASDIC_OK) {
-        return status;
-    }
+    asdic_digest_end(m->digest);
     f->pings = asdic_store_count(m->store);
-    f->rays_traced = survey.rays;
-    f->saturated = survey.saturated;
-    f->stderr_median_db = survey.stderr_median_db;
-    f->stderr_worst_db = survey.stderr_worst_db;
-    f->rays_per_s = (double)f->rays_traced / f->simulate_s;
-    status = asdic_run_facts_write(m->ctx, m->folder, f);
+    asdic_run_facts_survey(f, &m->digest->survey);
+    f->rays_per_s = (double)f->rays_traced / f->times.simulate_s;
+    asdic_status status = asdic_run_facts_write(m->ctx, m->folder, f);
     if (status == ASDIC_OK && asdic_mission_output(m->parts[0]->settings)->images) {
         asdic_render_options options = asdic_render_options_default();
-        status = asdic_run_render(m->ctx, m->folder, &options);
+        status = asdic_run_render_digest(m->ctx, m->folder, &options, m->digest);
     }
     f->state = ASDIC_RUN_COMPLETE;
     return status == ASDIC_OK ? asdic_run_facts_write(m->ctx, m->folder, f) : status;
@@ -239,6 +241,7 @@ asdic_status asdic_run_merge(asdic_context *ctx, const char *const *folders, siz
         status = conclude(&m);
     }
     asdic_csv_discard(&m.csv);
+    asdic_digest_destroy(&m.digest);
     asdic_file_discard(&m.track);
     asdic_store_close(&m.store);
     for (size_t i = 0; i < count; i++) {

@@ -107,8 +107,11 @@ static asdic_status work_through(queue *q, worker *w) {
         }
         asdic_ping *result = q->slots[ping % q->slot_count].result;
         pthread_mutex_unlock(&q->lock);
+        double begin_s = asdic_clock_s();
         status = asdic_seat_ping(&w->seat, ping, result);
+        double end_s = asdic_clock_s();
         pthread_mutex_lock(&q->lock);
+        q->devices_s += end_s - begin_s;
         if (status != ASDIC_OK) {
             asdic_queue_return(q, (asdic_range){ping, ping + 1});
             break;
@@ -264,6 +267,7 @@ asdic_status asdic_queue_run(asdic_context *ctx, const asdic_queue_work *work,
         }
         asdic_crew_finish(&crew, work->name, work->user);
         result->taken = q.taken - work->first;
+        result->devices_s = q.devices_s;
         if (status == ASDIC_OK && q.taken < work->end) {
             status = asdic_context_interrupted(ctx) ? asdic_fail(ctx, ASDIC_ERROR_INTERRUPTED,
                                                                  "interrupted at ping %zu", q.taken)

@@ -23,8 +23,9 @@ typedef struct asdic_queue_work {
 } asdic_queue_work;
 
 typedef struct asdic_queue_result {
-    size_t taken;   /* pings handed over, from the first on */
-    double ready_s; /* asdic_clock_s when the first device was ready; known before any taking */
+    size_t taken;     /* pings handed over, from the first on */
+    double ready_s;   /* asdic_clock_s when the first device was ready; known before any taking */
+    double devices_s; /* this process's devices at work on pings, summed over them */
 } asdic_queue_result;
 
 /* ASDIC_OK when all pings were taken, ASDIC_ERROR_INTERRUPTED when the context asked to stop. A

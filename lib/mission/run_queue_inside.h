@@ -38,7 +38,7 @@ typedef struct asdic_queue {
     size_t alive; /* threads that may still bring results */
     bool is_stopped;
     asdic_status failure; /* of the last device that failed */
-    double ready_s;
+    double ready_s, devices_s;
     struct asdic_queue_worker *workers;
 } asdic_queue;
 

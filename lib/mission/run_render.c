@@ -23,46 +23,10 @@ const char *asdic_image_name(asdic_image image) {
     return (unsigned)image < sizeof names / sizeof *names ? names[image] : NULL;
 }
 
-/* The beam that a report of many would show: the one that looks most nearly ahead. */
-static size_t ahead(const asdic_sonar *sonar) {
-    size_t best = 0;
-    for (size_t i = 1; i < sonar->receiver_count; i++) {
-        const asdic_beam *beam = &sonar->receivers[i], *other = &sonar->receivers[best];
-        if (fabs(beam->yaw_rad) < fabs(other->yaw_rad) - 1e-9) {
-            best = i;
-        }
-    }
-    return best;
-}
-
-static asdic_status choose_beams(asdic_render *r) {
-    const asdic_sonar *sonar = r->info.sonar;
-    if (r->options.beam) {
-        for (size_t i = 0; i < sonar->receiver_count; i++) {
-            if (strcmp(sonar->receivers[i].name, r->options.beam) == 0) {
-                r->beams[r->beam_count++] = i;
-                return ASDIC_OK;
-            }
-        }
-        return asdic_fail(r->ctx, ASDIC_ERROR_ARGUMENT, "no beam '%s'; there are '%s' to '%s'",
-                          r->options.beam, sonar->receivers[0].name,
-                          sonar->receivers[sonar->receiver_count - 1].name);
-    }
-    if (sonar->receiver_count > ASDIC_RENDER_WATERFALLS) {
-        r->beams[r->beam_count++] = ahead(sonar);
-        return ASDIC_OK;
-    }
-    while (r->beam_count < sonar->receiver_count) {
-        r->beams[r->beam_count] = r->beam_count;
-        r->beam_count++;
-    }
-    return ASDIC_OK;
-}
-
 static void resolve_window(asdic_render *r) {
     r->has_window = !isnan(r->options.db_low) && !isnan(r->options.db_high);
-    r->options.db_low = isnan(r->options.db_low) ? r->survey.low_db : r->options.db_low;
-    r->options.db_high = isnan(r->options.db_high) ? r->survey.high_db : r->options.db_high;
+    r->options.db_low = isnan(r->options.db_low) ? r->digest->survey.low_db : r->options.db_low;
+    r->options.db_high = isnan(r->options.db_high) ? r->digest->survey.high_db : r->options.db_high;
 }
 
 /* "20000" as "20,000". */
@@ -201,7 +165,7 @@ static bool wants(const asdic_render *r, asdic_image image) {
 /* How many pictures there will be. */
 static size_t count_pictures(const asdic_render *r) {
     size_t pings = r->options.ping == SIZE_MAX && r->info.pings > 1 ? 2 : 1;
-    return (wants(r, ASDIC_IMAGE_WATERFALL) + r->options.raw) * r->beam_count +
+    return (wants(r, ASDIC_IMAGE_WATERFALL) + r->options.raw) * r->plan.beam_count +
            wants(r, ASDIC_IMAGE_OVERVIEW) + wants(r, ASDIC_IMAGE_PLAN) +
            (wants(r, ASDIC_IMAGE_ASCOPE) + wants(r, ASDIC_IMAGE_FAN)) * pings;
 }
@@ -224,7 +188,24 @@ static asdic_status check_output(const asdic_render *r) {
     return ASDIC_OK;
 }
 
-static asdic_status render(asdic_render *r) {
+/* All records once, for what is to be drawn. */
+static asdic_status gather(asdic_render *r, asdic_digest **out) {
+    asdic_status status = asdic_digest_create(r->ctx, &r->plan, out);
+    for (size_t i = 0; i < r->info.pings && status == ASDIC_OK; i++) {
+        asdic_record record;
+        status = asdic_run_read(r->run, i, &record);
+        if (status == ASDIC_OK) {
+            asdic_digest_add(*out, &record);
+        }
+    }
+    if (status == ASDIC_OK) {
+        asdic_digest_end(*out);
+    }
+    return status;
+}
+
+/* What there is to draw, and of which beams. */
+static asdic_status plan(asdic_render *r) {
     r->info = asdic_run_get_info(r->run);
     r->images = asdic_mission_output(r->run->settings)->images;
     if (r->options.images || (r->options.raw && r->options.path)) { /* that, or the raw one alone */
@@ -234,32 +215,48 @@ static asdic_status render(asdic_render *r) {
         return asdic_fail(r->ctx, ASDIC_ERROR_INPUT, "'%s' holds no ping to draw", r->run->folder);
     }
     drop_impossible(r);
-    asdic_status status = choose_beams(r);
-    if (status == ASDIC_OK) {
-        status = check_output(r);
-    }
-    if (status == ASDIC_OK) {
-        status = asdic_survey_run(r->ctx, r->run->store, r->info.beams, r->info.bins, &r->survey);
-    }
-    if (status != ASDIC_OK) {
-        return status;
-    }
+    r->plan = (asdic_digest_plan){.sonar = r->info.sonar,
+                                  .environment = r->info.environment,
+                                  .pings = r->info.pings,
+                                  .bins = r->info.bins,
+                                  .bin_length_m = r->run->facts.bin_length_m,
+                                  .images = r->images,
+                                  .tvg_db_per_decade = r->options.tvg_db_per_decade,
+                                  .tvg_db_per_m = r->options.tvg_db_per_m};
+    asdic_status status = asdic_digest_choose_beams(r->ctx, r->options.beam, &r->plan);
+    return status == ASDIC_OK ? check_output(r) : status;
+}
+
+static asdic_status draw(asdic_render *r) {
     resolve_window(r);
     asdic_render_describe(r);
-    status = asdic_render_many(r);
+    asdic_status status = asdic_render_many(r);
     return status == ASDIC_OK ? render_pings(r) : status;
+}
+
+asdic_status asdic_run_render_digest(asdic_context *ctx, const char *folder,
+                                     const asdic_render_options *options,
+                                     const asdic_digest *digest) {
+    asdic_render r = {.ctx = ctx, .options = *options, .digest = digest};
+    asdic_digest *own = NULL;
+    asdic_status status = asdic_run_open(ctx, folder, &r.run);
+    if (status == ASDIC_OK) {
+        status = plan(&r);
+    }
+    if (status == ASDIC_OK && !digest) {
+        status = gather(&r, &own);
+        r.digest = own;
+    }
+    if (status == ASDIC_OK) {
+        status = draw(&r);
+    }
+    asdic_digest_destroy(&own);
+    asdic_run_close(&r.run);
+    return status;
 }
 
 asdic_status asdic_run_render(asdic_context *ctx, const char *folder,
                               const asdic_render_options *options) {
-    if (!folder || !options) {
-        return asdic_fail_null(ctx, __func__);
-    }
-    asdic_render r = {.ctx = ctx, .options = *options};
-    asdic_status status = asdic_run_open(ctx, folder, &r.run);
-    if (status == ASDIC_OK) {
-        status = render(&r);
-    }
-    asdic_run_close(&r.run);
-    return status;
+    return folder && options ? asdic_run_render_digest(ctx, folder, options, NULL)
+                             : asdic_fail_null(ctx, __func__);
 }

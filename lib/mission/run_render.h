@@ -4,11 +4,10 @@
 #ifndef ASDIC_MISSION_RUN_RENDER_H
 #define ASDIC_MISSION_RUN_RENDER_H
 
+#include "run_digest.h"
 #include "run_open.h"
-#include "run_survey.h"
 
-/* At most this many beams get a waterfall, or a panel of an A-scope, unless one is named. */
-#define ASDIC_RENDER_WATERFALLS 8
+/* At most this many beams get a panel of an A-scope. */
 #define ASDIC_RENDER_PANELS 4
 
 #define ASDIC_RENDER_TEXTS 24
@@ -17,15 +16,19 @@ typedef struct asdic_render {
     asdic_context *ctx;
     asdic_run *run;
     asdic_run_info info;
-    asdic_survey survey;
+    asdic_digest_plan plan;
+    const asdic_digest *digest;   /* of PLAN */
     asdic_render_options options; /* window resolved */
     bool has_window;              /* it was asked for */
     unsigned images;
-    size_t beams[ASDIC_RENDER_WATERFALLS]; /* to be drawn, by index */
-    size_t beam_count;
     char note[256], seed[32], low[32], high[32], gain[96];
     const char *texts[ASDIC_RENDER_TEXTS]; /* key, value, ... of every picture */
 } asdic_render;
+
+/* As asdic_run_render with DIGEST, what was gathered while the run's pings came; NULL: from the folder. */
+asdic_status asdic_run_render_digest(asdic_context *ctx, const char *folder,
+                                     const asdic_render_options *options,
+                                     const asdic_digest *digest);
 
 /* Fills note and texts from the options; to be repeated in a copy. */
 void asdic_render_describe(asdic_render *render);
@@ -42,8 +45,7 @@ asdic_status asdic_render_many(asdic_render *render);
 asdic_status asdic_render_ascope(asdic_render *render, const asdic_record *record);
 asdic_status asdic_render_fan(asdic_render *render, const asdic_record *record);
 
-struct asdic_render_pass;
-asdic_status asdic_render_chart(asdic_render *render, const struct asdic_render_pass *pass);
+asdic_status asdic_render_chart(asdic_render *render);
 
 /* Whether the beams make a fan: three or more, aimed at ascending bearings. */
 bool asdic_render_has_fan(const asdic_sonar *sonar);

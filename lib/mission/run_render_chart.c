@@ -6,7 +6,7 @@
 #include "out/digits.h"
 #include "run_folder.h"
 #include "run_footprint.h"
-#include "run_render_pass.h"
+#include "run_render.h"
 #include "run_scenery.h"
 
 #include <math.h>
@@ -17,7 +17,7 @@
 /* Footprints are drawn at so many places along the track. */
 #define PLACES 3
 /* More beams than these are drawn as one area. */
-#define MOST_APART ASDIC_RENDER_WATERFALLS
+#define MOST_APART ASDIC_DIGEST_BEAMS
 
 /* Okabe & Ito's colours but for the track's. */
 static const uint32_t colors[MOST_APART] = {0x0072b2, 0x009e73, 0xcc79a7, 0xe69f00,
@@ -69,10 +69,11 @@ static asdic_status add_place(asdic_render *r, sketch *s, const asdic_record *re
     return ASDIC_OK;
 }
 
-static asdic_status add_areas(asdic_render *r, const asdic_render_pass *pass,
-                              const asdic_ground *ground, sketch *s) {
+static asdic_status add_areas(asdic_render *r, const asdic_ground *ground, sketch *s) {
+    const asdic_digest *digest = r->digest;
     size_t last = r->info.pings - 1,
-           places = asdic_track_moves(pass->north_m, pass->east_m, pass->track_count) ? PLACES : 1;
+           places =
+               asdic_track_moves(digest->north_m, digest->east_m, digest->track_count) ? PLACES : 1;
     places = places > r->info.pings ? r->info.pings : places;
     snprintf(s->places, sizeof s->places, "ping%s", places > 1 ? "s" : "");
     for (size_t i = 0; i < places; i++) {
@@ -105,21 +106,21 @@ static void describe_bottom(const asdic_render *r, const asdic_ground *ground, c
     }
 }
 
-static asdic_status draw(asdic_render *r, const asdic_render_pass *pass,
-                         const asdic_scenery *scenery, const asdic_ground *ground,
+static asdic_status draw(asdic_render *r, const asdic_scenery *scenery, const asdic_ground *ground,
                          const sketch *s) {
+    const asdic_digest *digest = r->digest;
     char title[256], caption[256], note[384], bottom[64];
     asdic_chart chart = {.relief = &scenery->relief,
                          .outlines = scenery->outlines,
                          .outline_count = scenery->outline_count,
                          .areas = s->areas,
                          .area_count = s->area_count,
-                         .north_m = pass->north_m,
-                         .east_m = pass->east_m,
-                         .track_count = pass->track_count,
-                         .first_time_s = r->survey.first_time_s,
-                         .last_time_s = r->survey.last_time_s,
-                         .last_yaw_rad = pass->last_pose.yaw_rad};
+                         .north_m = digest->north_m,
+                         .east_m = digest->east_m,
+                         .track_count = digest->track_count,
+                         .first_time_s = r->digest->survey.first_time_s,
+                         .last_time_s = r->digest->survey.last_time_s,
+                         .last_yaw_rad = digest->last_pose.yaw_rad};
     snprintf(title, sizeof title, "%s: plan view", r->info.scene_name);
     describe_bottom(r, ground, bottom);
     snprintf(caption, sizeof caption,
@@ -135,7 +136,8 @@ static asdic_status draw(asdic_render *r, const asdic_render_pass *pass,
     return status;
 }
 
-asdic_status asdic_render_chart(asdic_render *r, const asdic_render_pass *pass) {
+asdic_status asdic_render_chart(asdic_render *r) {
+    const asdic_digest *digest = r->digest;
     asdic_scenery scenery;
     sketch s = {0};
     bool is_plane = strcmp(r->run->facts.bottom, ASDIC_RUN_BOTTOM_PLANE) == 0;
@@ -144,10 +146,10 @@ asdic_status asdic_render_chart(asdic_render *r, const asdic_render_pass *pass) 
         return status;
     }
     asdic_ground ground = {.relief = &scenery.relief,
-                           .plane_depth_m = is_plane ? pass->bottom_depth_m : INFINITY};
-    status = add_areas(r, pass, &ground, &s);
+                           .plane_depth_m = is_plane ? digest->bottom_depth_m : INFINITY};
+    status = add_areas(r, &ground, &s);
     if (status == ASDIC_OK) {
-        status = draw(r, pass, &scenery, &ground, &s);
+        status = draw(r, &scenery, &ground, &s);
     }
     sketch_finish(&s);
     asdic_scenery_finish(&scenery);

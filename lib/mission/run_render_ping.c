@@ -44,7 +44,7 @@ static asdic_status expect(asdic_render *r, const asdic_record *record, size_t c
         return ASDIC_OK;
     }
     for (size_t k = 0; k < count; k++) {
-        beams[k] = r->info.sonar->receivers[r->beams[k]];
+        beams[k] = r->info.sonar->receivers[r->plan.beams[k]];
     }
     sonar.receivers = beams;
     sonar.receiver_count = count;
@@ -71,7 +71,7 @@ static asdic_status expect(asdic_render *r, const asdic_record *record, size_t c
 /* With an expectation its mechanisms are drawn, else those of the simulation. */
 static asdic_ascope panel_of(const asdic_render *r, const asdic_record *record,
                              const expectation *expected, size_t k) {
-    size_t bins = r->info.bins, first = r->beams[k] * bins;
+    size_t bins = r->info.bins, first = r->plan.beams[k] * bins;
     asdic_ascope panel = {.bins = bins,
                           .bin_length_m = r->run->facts.bin_length_m,
                           .simulated_db = record->level_db[ASDIC_TOTAL] + first};
@@ -97,14 +97,15 @@ asdic_status asdic_render_ascope(asdic_render *r, const asdic_record *record) {
     asdic_ascope panels[ASDIC_RENDER_PANELS];
     expectation expected;
     /* Of many beams the one that looks ahead, see choose_beams. */
-    size_t count = r->beam_count <= ASDIC_RENDER_PANELS ? r->beam_count : ASDIC_RENDER_PANELS;
+    size_t count =
+        r->plan.beam_count <= ASDIC_RENDER_PANELS ? r->plan.beam_count : ASDIC_RENDER_PANELS;
     asdic_status status = expect(r, record, count, &expected);
     if (status != ASDIC_OK) {
         goto done;
     }
     for (size_t k = 0; k < count; k++) {
         snprintf(panel_titles[k], sizeof panel_titles[k], "beam \u2018%s\u2019",
-                 r->info.sonar->receivers[r->beams[k]].name);
+                 r->info.sonar->receivers[r->plan.beams[k]].name);
         panels[k] = panel_of(r, record, &expected, k);
         panels[k].title = panel_titles[k];
     }

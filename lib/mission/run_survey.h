@@ -1,19 +1,26 @@
 /*
- * One pass over a run's records: the window of its levels and how good they are.
+ * A run's levels as a whole: their window and how good they are.
  */
 #ifndef ASDIC_MISSION_RUN_SURVEY_H
 #define ASDIC_MISSION_RUN_SURVEY_H
 
-#include "run_store.h"
+#include <asdic/run.h>
+
+struct asdic_survey_counts;
 
 typedef struct asdic_survey {
     uint64_t rays, saturated;
     double first_time_s, last_time_s;
+    /* Known at the end: */
     double low_db, high_db;                   /* window of the levels, rounded outwards to 10 dB */
     double stderr_median_db, stderr_worst_db; /* NAN without a level */
+    struct asdic_survey_counts *counts;       /* owned */
 } asdic_survey;
 
-asdic_status asdic_survey_run(asdic_context *ctx, asdic_store *store, size_t beams, size_t bins,
-                              asdic_survey *out);
+asdic_status asdic_survey_begin(asdic_context *ctx, asdic_survey *survey);
+/* A record of CELLS bins of all beams. */
+void asdic_survey_add(asdic_survey *survey, const asdic_record *record, size_t cells);
+void asdic_survey_end(asdic_survey *survey);
+void asdic_survey_finish(asdic_survey *survey);
 
 #endif

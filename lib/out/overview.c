@@ -1,7 +1,6 @@
 #include "overview.h"
 
 #include "base/context.h"
-#include "raster.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -22,7 +21,8 @@ asdic_status asdic_overview_init(asdic_context *ctx, size_t pings, size_t beams,
     out->columns = divide_up(beams, out->beam_group);
     out->shown_db = malloc(out->rows * out->columns * sizeof *out->shown_db);
     out->range_m = malloc(out->rows * out->columns * sizeof *out->range_m);
-    if (!out->shown_db || !out->range_m) {
+    out->gain_db = calloc(bins, sizeof *out->gain_db);
+    if (!out->shown_db || !out->range_m || !out->gain_db) {
         asdic_overview_finish(out);
         return asdic_fail_memory(ctx, "an overview");
     }
@@ -35,37 +35,46 @@ asdic_status asdic_overview_init(asdic_context *ctx, size_t pings, size_t beams,
 void asdic_overview_finish(asdic_overview *overview) {
     free(overview->shown_db);
     free(overview->range_m);
+    free(overview->gain_db);
     *overview = (asdic_overview){0};
 }
 
-/* The strongest bin of a beam; false without an echo. */
-static bool strongest(const asdic_overview *o, const float *levels_db, const float *noise_db,
-                      const asdic_picture_options *options, double *shown_db, double *range_m) {
-    *shown_db = -INFINITY;
-    for (size_t bin = 0; bin < o->bins; bin++) {
-        double at_m = ((double)bin + 0.5) * o->bin_length_m;
-        double level_db = asdic_raster_gain(options, (double)levels_db[bin], at_m);
-        bool is_noise =
-            (double)levels_db[bin] < (double)noise_db[bin] + ASDIC_OVERVIEW_ABOVE_NOISE_DB;
-        if (level_db > *shown_db && !is_noise) { /* false for NAN */
-            *shown_db = level_db;
-            *range_m = at_m;
-        }
-    }
-    return isfinite(*shown_db);
+static double range_of(const asdic_overview *o, size_t bin) {
+    return ((double)bin + 0.5) * o->bin_length_m;
 }
 
-void asdic_overview_add(asdic_overview *o, const float *levels_db, const float *noise_db,
-                        const asdic_picture_options *options) {
+void asdic_overview_set_gain(asdic_overview *o, double db_per_decade, double db_per_m) {
+    for (size_t bin = 0; bin < o->bins; bin++) {
+        double range_m = range_of(o, bin);
+        o->gain_db[bin] = db_per_decade * log10(range_m) + db_per_m * range_m;
+    }
+}
+
+/* The strongest bin of a beam, SHOWN_DB with the gain; as many as there are bins without an echo. */
+static size_t strongest(const asdic_overview *o, const float *levels_db, const float *noise_db,
+                        double *shown_db) {
+    size_t best = o->bins;
+    *shown_db = -INFINITY;
+    for (size_t bin = 0; bin < o->bins; bin++) {
+        double level_db = (double)levels_db[bin], with_gain_db = level_db + o->gain_db[bin];
+        bool is_noise = level_db < (double)noise_db[bin] + ASDIC_OVERVIEW_ABOVE_NOISE_DB;
+        if (with_gain_db > *shown_db && !is_noise) { /* false for NAN */
+            *shown_db = with_gain_db;
+            best = bin;
+        }
+    }
+    return best;
+}
+
+void asdic_overview_add(asdic_overview *o, const float *levels_db, const float *noise_db) {
     size_t row = o->added++ / o->ping_group;
     for (size_t beam = 0; beam < o->beams; beam++) {
         size_t cell = row * o->columns + beam / o->beam_group;
-        double shown_db, range_m = NAN;
-        bool is_there = strongest(o, levels_db + beam * o->bins, noise_db + beam * o->bins, options,
-                                  &shown_db, &range_m);
-        if (is_there && !(o->shown_db[cell] >= shown_db)) {
+        double shown_db;
+        size_t bin = strongest(o, levels_db + beam * o->bins, noise_db + beam * o->bins, &shown_db);
+        if (bin < o->bins && !(o->shown_db[cell] >= shown_db)) {
             o->shown_db[cell] = shown_db;
-            o->range_m[cell] = range_m;
+            o->range_m[cell] = range_of(o, bin);
         }
     }
 }

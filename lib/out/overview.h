@@ -18,6 +18,7 @@ typedef struct asdic_overview {
     size_t added;     /* pings */
     double *shown_db; /* [rows * columns], with the gain; NAN: no energy */
     double *range_m;  /* of the bin's centre */
+    double *gain_db;  /* by bin, 0 until it is set */
 } asdic_overview;
 
 asdic_status asdic_overview_init(asdic_context *ctx, size_t pings, size_t beams, size_t bins,
@@ -27,10 +28,11 @@ void asdic_overview_finish(asdic_overview *overview);
 /* An echo stands at least so much above the noise. */
 #define ASDIC_OVERVIEW_ABOVE_NOISE_DB 10.0
 
-/* The next ping, LEVELS_DB[beam * bins + bin], and its noise, NAN where there is none. The gain of
- * OPTIONS counts in what is strongest. */
-void asdic_overview_add(asdic_overview *overview, const float *levels_db, const float *noise_db,
-                        const asdic_picture_options *options);
+/* A time-varied gain that counts in what is strongest; before the first ping. */
+void asdic_overview_set_gain(asdic_overview *overview, double db_per_decade, double db_per_m);
+
+/* The next ping, LEVELS_DB[beam * bins + bin], and its noise, NAN where there is none. */
+void asdic_overview_add(asdic_overview *overview, const float *levels_db, const float *noise_db);
 
 /* The window of what is shown, rounded outwards to 10 dB; 0..10 when nothing is. */
 void asdic_overview_window(const asdic_overview *overview, double *low_db, double *high_db);

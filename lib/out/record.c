@@ -1,5 +1,7 @@
 #include "record.h"
 
+#include "base/decibel.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -35,10 +37,8 @@ void asdic_record_pack(const asdic_record_head *head, const asdic_ping *ping, vo
     memcpy(bytes, head, sizeof *head);
     float *out = (float *)(void *)((char *)bytes + sizeof *head);
     for (int c = 0; c < ASDIC_COMPONENT_COUNT; c++) {
-        for (size_t i = 0; i < cells; i++) {
-            double intensity_lin = ping->intensity_lin[c][i];
-            *out++ = intensity_lin > 0.0 ? (float)asdic_level_db(intensity_lin) : NAN;
-        }
+        asdic_decibels(ping->intensity_lin[c], cells, out);
+        out += cells;
     }
     for (size_t i = 0; i < cells; i++) {
         bool is_known = ping->intensity_lin[ASDIC_TOTAL][i] > 0.0 && isfinite(ping->stderr_db[i]);

@@ -40,6 +40,25 @@ def test_run_folder_holds_what_it_should():
             raise AssertionError(run["stderr_db"])
 
 
+def test_times_are_said():
+    """What 'asdic run' prints of writing and drawing is what run.json keeps."""
+    program.need_device()
+    with Folder() as folder:
+        path = scene(folder, pings=20, rays=4000)
+        err = asdic("run", path, "-o", folder / "r").check(code=0).err
+        said = re.search(r"devices ([\d.]+) s, writing ([\d.]+) s and drawing ([\d.]+) s: "
+                         r"(\d+) % of ([\d.]+) s", err)
+        kept = facts(folder, "r")["time_s"]
+        tap.equal(sorted(kept), ["devices", "pictures", "setup", "simulate", "whole", "write"], "keys")
+        for number, key in zip(said.group(1, 2, 3), ("devices", "write", "pictures")):
+            tap.equal(abs(float(number) - kept[key]) < 0.006, True, key)
+        share = 100 * (kept["write"] + kept["pictures"]) / kept["whole"]
+        tap.equal(abs(float(said.group(4)) - share) < 2, True, "share")
+        if not (0 < kept["devices"] and kept["simulate"] <= kept["whole"]
+                and 0 < kept["write"] and 0 < kept["pictures"] < kept["whole"]):
+            raise AssertionError(kept)
+
+
 def test_multipath_has_a_column():
     """A polished wall 25 m ahead shows the ball's back, 29 m away over the wall; off, nothing does."""
     program.need_device()

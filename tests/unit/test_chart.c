@@ -203,15 +203,15 @@ static void overview_keeps_the_strongest(void **state) {
     (void)state;
     /* 3000 pings in groups of 3, 2 beams, 4 bins of 10 m; a gain of 20 log r decides. */
     asdic_overview o;
-    asdic_picture_options gain = {.tvg_db_per_decade = 20.0};
     const float noise_db[8] = {NAN, NAN, NAN, NAN, -100, -100, -100, -100};
     assert_int_equal(asdic_overview_init(ctx, 3000, 2, 4, 10.0, &o), ASDIC_OK);
     assert_int_equal(o.rows, 1000);
+    asdic_overview_set_gain(&o, 20.0, 0.0);
     for (int ping = 0; ping < 3000; ping++) {
         float peak_db = ping == 301 ? 0.0f : -60.0f;
         /* Beam 0: -40 dB at 5 m (-26 shown), the peak at 15 m; beam 1: nothing 10 dB above noise. */
         const float levels_db[8] = {-40, peak_db, NAN, -70, -95, -95, NAN, -91};
-        asdic_overview_add(&o, levels_db, noise_db, &gain);
+        asdic_overview_add(&o, levels_db, noise_db);
     }
     for (size_t row = 0; row < 1000; row++) {
         bool is_peak = row == 100;
@@ -273,7 +273,7 @@ static void pictures_show_them(void **state) {
     const float levels_db[2] = {-60, NAN}, noise_db[2] = {NAN, NAN};
     const asdic_overview_axes axes = {0};
     assert_int_equal(asdic_overview_init(ctx, 1, 2, 1, 10.0, &o), ASDIC_OK);
-    asdic_overview_add(&o, levels_db, noise_db, &options);
+    asdic_overview_add(&o, levels_db, noise_db);
     assert_int_equal(asdic_draw_overview(ctx, path, &o, &axes, &options), ASDIC_OK);
     size_t bright = count_pixels(path, 0xfde725, &width, &height);
     assert_close((double)bright, 240.0 * 240.0, 400.0); /* the scale has a few of them */

@@ -167,6 +167,16 @@ typedef struct asdic_run_progress {
     double elapsed_s;
 } asdic_run_progress;
 
+/* Where the time of a call went. Writing and drawing go on while devices work: parts overlap. */
+typedef struct asdic_run_times {
+    double setup_s;    /* until the first device was ready */
+    double simulate_s; /* from then until the last ping was written */
+    double devices_s;  /* this process's devices at work on pings, summed over them */
+    double write_s;    /* files but pictures */
+    double pictures_s; /* what they show gathered, and drawn */
+    double whole_s;    /* by the clock */
+} asdic_run_times;
+
 typedef struct asdic_run_options {
     const char *folder;  /* output folder, created */
     bool force, resume;  /* overwrite, or continue */
@@ -174,6 +184,7 @@ typedef struct asdic_run_options {
     asdic_team *team;    /* the processes that share the work; NULL: this one alone */
     void (*progress)(void *user, const asdic_run_progress *progress); /* may be NULL */
     void *user;
+    asdic_run_times *times; /* filled when a run is complete; may be NULL */
 } asdic_run_options;
 
 ASDIC_API asdic_run_options asdic_run_options_default(void);

@@ -1,0 +1,168 @@
+#include "run_digest.h"
+
+#include "base/context.h"
+#include "out/draw.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static bool wants(const asdic_digest *d, asdic_image image) {
+    return (d->plan.images & 1u << image) != 0;
+}
+
+/* The beam that a report of many would show: the one that looks most nearly ahead. */
+static size_t ahead(const asdic_sonar *sonar) {
+    size_t best = 0;
+    for (size_t i = 1; i < sonar->receiver_count; i++) {
+        const asdic_beam *beam = &sonar->receivers[i], *other = &sonar->receivers[best];
+        if (fabs(beam->yaw_rad) < fabs(other->yaw_rad) - 1e-9) {
+            best = i;
+        }
+    }
+    return best;
+}
+
+asdic_status asdic_digest_choose_beams(asdic_context *ctx, const char *name,
+                                       asdic_digest_plan *plan) {
+    const asdic_sonar *sonar = plan->sonar;
+    plan->beam_count = 0;
+    for (size_t i = 0; name && i < sonar->receiver_count; i++) {
+        if (strcmp(sonar->receivers[i].name, name) == 0) {
+            plan->beams[plan->beam_count++] = i;
+            return ASDIC_OK;
+        }
+    }
+    if (name) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "no beam '%s'; there are '%s' to '%s'", name,
+                          sonar->receivers[0].name,
+                          sonar->receivers[sonar->receiver_count - 1].name);
+    }
+    if (sonar->receiver_count > ASDIC_DIGEST_BEAMS) {
+        plan->beams[plan->beam_count++] = ahead(sonar);
+        return ASDIC_OK;
+    }
+    while (plan->beam_count < sonar->receiver_count) {
+        plan->beams[plan->beam_count] = plan->beam_count;
+        plan->beam_count++;
+    }
+    return ASDIC_OK;
+}
+
+static asdic_status begin(asdic_context *ctx, asdic_digest *d) {
+    const asdic_digest_plan *plan = &d->plan;
+    asdic_status status = asdic_survey_begin(ctx, &d->survey);
+    for (size_t k = 0; wants(d, ASDIC_IMAGE_WATERFALL) && k < plan->beam_count; k++) {
+        if (status == ASDIC_OK) {
+            status = asdic_decimator_init(ctx, plan->pings, plan->bins, ASDIC_WATERFALL_MAX_ROWS,
+                                          ASDIC_WATERFALL_MAX_COLUMNS, &d->waterfalls[k]);
+        }
+    }
+    if (status == ASDIC_OK && wants(d, ASDIC_IMAGE_OVERVIEW)) {
+        status = asdic_overview_init(ctx, plan->pings, plan->sonar->receiver_count, plan->bins,
+                                     plan->bin_length_m, &d->overview);
+    }
+    if (status == ASDIC_OK && wants(d, ASDIC_IMAGE_PLAN)) {
+        d->north_m = malloc((ASDIC_TRACK_POINTS + 1) * sizeof *d->north_m);
+        d->east_m = malloc((ASDIC_TRACK_POINTS + 1) * sizeof *d->east_m);
+        if (!d->north_m || !d->east_m) {
+            return asdic_fail_memory(ctx, "a track");
+        }
+    }
+    return status;
+}
+
+asdic_status asdic_digest_create(asdic_context *ctx, const asdic_digest_plan *plan,
+                                 asdic_digest **out) {
+    asdic_digest *d = *out = calloc(1, sizeof *d);
+    if (!d) {
+        return asdic_fail_memory(ctx, "a run's pictures");
+    }
+    d->plan = *plan;
+    asdic_status status = begin(ctx, d);
+    if (status != ASDIC_OK) {
+        asdic_digest_destroy(out);
+    }
+    return status;
+}
+
+asdic_status asdic_digest_create_all(asdic_context *ctx, const asdic_mission *settings,
+                                     const asdic_run_facts *facts, asdic_digest **out) {
+    asdic_digest_plan plan = {.sonar = asdic_mission_sonar(settings),
+                              .environment = asdic_mission_environment(settings),
+                              .pings = facts->pings_planned,
+                              .bins = facts->bins,
+                              .bin_length_m = facts->bin_length_m,
+                              .images = asdic_mission_output(settings)->images};
+    asdic_status status = asdic_digest_choose_beams(ctx, NULL, &plan);
+    return status == ASDIC_OK ? asdic_digest_create(ctx, &plan, out) : status;
+}
+
+void asdic_digest_destroy(asdic_digest **digest) {
+    asdic_digest *d = *digest;
+    if (!d) {
+        return;
+    }
+    asdic_survey_finish(&d->survey);
+    for (size_t k = 0; k < ASDIC_DIGEST_BEAMS; k++) {
+        asdic_decimator_finish(&d->waterfalls[k]);
+    }
+    asdic_overview_finish(&d->overview);
+    free(d->north_m);
+    free(d->east_m);
+    free(d);
+    *digest = NULL;
+}
+
+/* Every so many pings, and the last. */
+static void add_to_track(asdic_digest *d, const asdic_record *record) {
+    size_t every = (d->plan.pings - 1) / ASDIC_TRACK_POINTS + 1;
+    if (d->added == 0) {
+        d->bottom_depth_m = record->pose.position_m.z + record->altitude_m;
+    }
+    if (d->added % every == 0 || d->added + 1 == d->plan.pings) {
+        d->north_m[d->track_count] = record->pose.position_m.x;
+        d->east_m[d->track_count++] = record->pose.position_m.y;
+    }
+    d->last_pose = record->pose;
+}
+
+/* Without any, the nearest reverberation would always be the strongest: unless a gain is asked for,
+ * that which makes equal targets equal: 40 log r for the spreading both ways, and the absorption. */
+static void set_gain(asdic_digest *d, const asdic_record *first) {
+    const asdic_digest_plan *p = &d->plan;
+    bool is_given = p->tvg_db_per_decade != 0.0 || p->tvg_db_per_m != 0.0;
+    double absorption_db_per_km = asdic_environment_absorption_db_per_km(
+        p->environment, p->sonar->frequency_hz, first->pose.position_m.z);
+    d->overview_db_per_decade = is_given ? p->tvg_db_per_decade : 40.0;
+    d->overview_db_per_m = is_given ? p->tvg_db_per_m : 2e-3 * absorption_db_per_km;
+    asdic_overview_set_gain(&d->overview, d->overview_db_per_decade, d->overview_db_per_m);
+}
+
+void asdic_digest_add(asdic_digest *d, const asdic_record *record) {
+    if (!d) {
+        return;
+    }
+    const float *levels_db = record->level_db[ASDIC_TOTAL];
+    asdic_survey_add(&d->survey, record, d->plan.sonar->receiver_count * d->plan.bins);
+    for (size_t k = 0; wants(d, ASDIC_IMAGE_WATERFALL) && k < d->plan.beam_count; k++) {
+        asdic_decimator_add(&d->waterfalls[k], levels_db + d->plan.beams[k] * d->plan.bins);
+    }
+    if (wants(d, ASDIC_IMAGE_OVERVIEW)) {
+        if (d->added == 0) {
+            set_gain(d, record);
+        }
+        asdic_overview_add(&d->overview, levels_db, record->level_db[ASDIC_NOISE]);
+    }
+    if (wants(d, ASDIC_IMAGE_PLAN)) {
+        add_to_track(d, record);
+    }
+    d->added++;
+}
+
+void asdic_digest_end(asdic_digest *d) {
+    asdic_survey_end(&d->survey);
+    for (size_t k = 0; wants(d, ASDIC_IMAGE_WATERFALL) && k < d->plan.beam_count; k++) {
+        asdic_decimator_end(&d->waterfalls[k]);
+    }
+}
