@@ -1,9 +1,12 @@
 /*
- * How honest the groups' spread is. A lattice of N points errs like 1 / N, its N / 16 interleaved
+ * How far a ping's groups tell its error. A lattice of N points errs like 1 / N, its N / 16 interleaved
  * subsets err more than sixteen-fold less random samples would: taken at face value they overstate
  * the error of the whole. Two more pings with shifts of their own, once per block, show the true
- * error; the ratio, averaged over neighbouring bins, corrects the block's pings. A fan's map has one
- * group and a nominal spread of 1: the "ratio" then is the relative error.
+ * error; its ratio to what the groups suggest corrects the block's pings. A fan's map has one group and
+ * a nominal spread of 1: the "ratio" then is the relative variance.
+ *
+ * Whether a ratio is fit to be used is measured by true over stated error in the benchmark scenes
+ * (tests/kernel/test_honesty.c); so were the constants below chosen.
  */
 #include "simulator.h"
 
@@ -14,43 +17,86 @@
 #include <stdlib.h>
 
 /* Bins on each side that share a ratio: two pings give one degree of freedom per bin. */
-#define WINDOW 8
-#define RATIO_LEAST 1e-8
-#define RATIO_MOST 16.0
+#define WINDOW 12
+/* The beam's typical ratio counts as much as this many bins: neighbours that see the same water err
+ * alike, and tell less than their number. */
+#define TYPICAL_WEIGHT 4.0
+#define TYPICAL_SAMPLES 128
+/* Median of a normal error's square. */
+#define MEDIAN_SQUARE 0.455
+/* What groups suggest is a mean of this ping's (ASDIC_OWN_PING), of the calibration's in this bin and in
+ * its neighbours: a ping that missed a rare bright ray does not know it. */
+#define OWN_BIN 0.4
+#define NEIGHBOURS (1.0 - ASDIC_OWN_PING - OWN_BIN)
+/* Share of the calibration's own error in a bin that is added: spikes err unlike their neighbours. */
+#define OWN_ERROR 0.1
+/* The mean square of error over stated error is to be one: of n squares of normal errors the mean of
+ * the inverse is n / (n - 2). */
+#define FEW_SQUARES (30.0 / 28.0)
 
 /* What the calibration's two pings gave, per cell. */
 typedef struct pair {
     double *energy[2]; /* totals without noise */
-    float *stated;     /* mean of the relative variances that the groups suggest */
+    float *suggested;  /* mean of the relative variances that the groups suggest */
 } pair;
 
-/* Ratio of true to stated variance in one cell; negative where there is none. */
-static double cell_ratio(const pair *p, size_t cell) {
+/* The relative variance of one ping that the two differ by in one cell; negative where there is none. */
+static double cell_variance(const pair *p, size_t cell) {
     double sum = p->energy[0][cell] + p->energy[1][cell];
-    double d = p->energy[0][cell] - p->energy[1][cell], stated = p->stated[cell];
-    return sum > 0.0 && stated > 0.0 ? 2.0 * (d / sum) * (d / sum) / stated : -1.0;
+    double d = p->energy[0][cell] - p->energy[1][cell];
+    return sum > 0.0 && p->suggested[cell] > 0.0f ? 2.0 * (d / sum) * (d / sum) : -1.0;
 }
 
-static void smooth_ratios(asdic_simulator *sim, size_t beam, const pair *p) {
-    double *ratios = sim->smear_scratch;
-    for (size_t bin = 0; bin < sim->bins; bin++) {
-        ratios[bin] = cell_ratio(p, beam * sim->bins + bin);
-    }
-    for (size_t bin = 0; bin < sim->bins; bin++) {
-        size_t first = bin > WINDOW ? bin - WINDOW : 0;
-        size_t last = bin + WINDOW < sim->bins ? bin + WINDOW : sim->bins - 1;
-        double sum = 0.0, count = 0.0;
-        for (size_t n = first; n <= last; n++) {
-            sum += ratios[n] >= 0.0 ? ratios[n] : 0.0;
-            count += ratios[n] >= 0.0 ? 1.0 : 0.0;
+static int compare(const void *a, const void *b) {
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* What most bins of a beam from cell FIRST on have as ratio: by the median, which bins in deep nulls,
+ * far off, do not move. */
+static double typical_ratio(const asdic_simulator *sim, size_t first, const pair *p) {
+    double ratios[TYPICAL_SAMPLES];
+    size_t count = 0, step = (sim->bins + TYPICAL_SAMPLES - 1) / TYPICAL_SAMPLES;
+    for (size_t n = 0; n < sim->bins; n += step) {
+        double variance = cell_variance(p, first + n);
+        if (variance >= 0.0) {
+            ratios[count++] = variance / p->suggested[first + n];
         }
-        /* The mean square of error over stated error is to be one: of n squares of normal errors
-         * the mean of the inverse is n / (n - 2). A bin's own ratio counts where it exceeds its
-         * neighbours': bins that hold a spike err unlike them. */
-        double ratio = count > 3.0 ? sum / (count - 2.0) : count > 0.0 ? sum : 1.0;
-        ratio = fmax(ratio, ratios[bin]);
-        sim->calibration[beam * sim->bins + bin] =
-            (float)sqrt(fmin(fmax(ratio, RATIO_LEAST), RATIO_MOST));
+    }
+    qsort(ratios, count, sizeof *ratios, compare);
+    return count ? ratios[count / 2] / MEDIAN_SQUARE : 1.0;
+}
+
+static double neighbours_of(const float *values, size_t n, size_t bins) {
+    double before = values[n > 0 ? n - 1 : n], after = values[n + 1 < bins ? n + 1 : n];
+    return (before + values[n] + after) / 3.0;
+}
+
+static void calibrate_beam(asdic_simulator *sim, size_t beam, const pair *p) {
+    size_t first = beam * sim->bins, bins = sim->bins;
+    double *sums = sim->smear_scratch, *counts = sums + bins + 1; /* before each bin */
+    sums[0] = counts[0] = 0.0;
+    for (size_t n = 0; n < bins; n++) {
+        double variance = cell_variance(p, first + n);
+        sums[n + 1] = sums[n] + (variance >= 0.0 ? variance / p->suggested[first + n] : 0.0);
+        counts[n + 1] = counts[n] + (variance >= 0.0);
+    }
+    double typical = typical_ratio(sim, first, p);
+    for (size_t n = 0; n < bins; n++) {
+        size_t from = n > WINDOW ? n - WINDOW : 0;
+        size_t to = n + WINDOW + 1 < bins ? n + WINDOW + 1 : bins;
+        double ratio = (sums[to] - sums[from] + TYPICAL_WEIGHT * typical) /
+                       (counts[to] - counts[from] + TYPICAL_WEIGHT);
+        double block = OWN_BIN * p->suggested[first + n] +
+                       NEIGHBOURS * neighbours_of(p->suggested + first, n, bins);
+        double own = OWN_ERROR * fmax(cell_variance(p, first + n), 0.0);
+        asdic_stated_error *stated = &sim->stated[first + n];
+        stated->of_groups = (float)(FEW_SQUARES * ratio);
+        stated->of_block = (float)(FEW_SQUARES * (ratio * block + own));
+        if (sim->fan.cells) { /* nothing of the ping's own to go by */
+            stated->of_block += (float)ASDIC_OWN_PING * stated->of_groups;
+            stated->of_groups = 0.0f;
+        }
     }
 }
 
@@ -61,7 +107,7 @@ static void take_ping(const asdic_simulator *sim, const asdic_ping *ping, uint32
         double energy = total - ping->intensity_lin[ASDIC_NOISE][cell];
         double spread =
             energy > 0.0 ? log(10.0) / 10.0 * ping->stderr_db[cell] * total / energy : 0.0;
-        p->stated[cell] += (float)(0.5 * spread * spread);
+        p->suggested[cell] += (float)(0.5 * spread * spread);
         p->energy[k][cell] = energy;
     }
 }
@@ -88,14 +134,14 @@ asdic_status asdic_simulator_calibrate(asdic_simulator *sim, const asdic_pose *p
                                        uint64_t index) {
     pair p = {{calloc(sim->cells, sizeof(double)), calloc(sim->cells, sizeof(double))},
               calloc(sim->cells, sizeof(float))};
-    asdic_status status = p.energy[0] && p.energy[1] && p.stated
+    asdic_status status = p.energy[0] && p.energy[1] && p.suggested
                               ? shoot_pair(sim, pose, index, &p)
                               : asdic_fail_memory(sim->ctx, "a calibration");
     for (size_t beam = 0; !status && beam < sim->sonar.receiver_count; beam++) {
-        smooth_ratios(sim, beam, &p);
+        calibrate_beam(sim, beam, &p);
     }
     free(p.energy[0]);
     free(p.energy[1]);
-    free(p.stated);
+    free(p.suggested);
     return status;
 }

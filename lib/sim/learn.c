@@ -192,6 +192,17 @@ static asdic_status learn_once(asdic_simulator *sim, const asdic_pose *pose, uin
     return status;
 }
 
+void asdic_simulator_forget(asdic_simulator *sim) {
+    sim->zone_altitude = ASDIC_ZONE_ALTITUDE;
+    for (int i = 0; i <= DEV_TABLE_CELLS; i++) {
+        sim->table[i] = (float)i / DEV_TABLE_CELLS;
+    }
+    sim->table_uploaded = false;
+    for (size_t cell = 0; cell < sim->cells; cell++) {
+        sim->stated[cell] = (asdic_stated_error){1.0f, 0.0f};
+    }
+}
+
 asdic_status asdic_simulator_learn(asdic_simulator *sim, const asdic_pose *pose, uint64_t index) {
     if (!sim || !pose) {
         return asdic_fail(sim ? sim->ctx : NULL, ASDIC_ERROR_ARGUMENT,

@@ -197,7 +197,7 @@ static asdic_status reduce(asdic_simulator *sim) {
 
 double asdic_simulator_spread(const asdic_simulator *sim, size_t cell) {
     if (sim->fan.cells) {
-        return 1.0; /* one group: the calibration is the relative error itself */
+        return 1.0; /* one group: the block's calibration is the error itself */
     }
     const int64_t *after = (const int64_t *)sim->host_results + sim->components * sim->cells + 1;
     return ((const float *)after)[cell];
@@ -210,9 +210,12 @@ static uint64_t saturated_of(const asdic_simulator *sim) {
                           : (uint64_t)((const int64_t *)sim->host_results)[at];
 }
 
-/* Relative standard error of a total to dB: its spread over groups, calibrated. */
+/* Relative standard error of a total to dB, from its spread over groups. */
 static float stderr_db_of(const asdic_simulator *sim, size_t cell) {
-    return (float)(10.0 / log(10.0) * asdic_simulator_spread(sim, cell) * sim->calibration[cell]);
+    double spread = asdic_simulator_spread(sim, cell);
+    const asdic_stated_error *stated = &sim->stated[cell];
+    double own = stated->of_groups * spread * spread;
+    return (float)(10.0 / log(10.0) * sqrt(fmax(own, ASDIC_OWN_PING * own + stated->of_block)));
 }
 
 double asdic_simulator_source_lin(const asdic_simulator *sim, const asdic_water_column *water) {

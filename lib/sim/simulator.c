@@ -242,9 +242,9 @@ static asdic_status allocate_host(asdic_simulator *sim) {
     sim->bin_loss = calloc(sim->bins, sizeof *sim->bin_loss);
     sim->bin_volume = calloc(sim->bins, sizeof *sim->bin_volume);
     sim->host_results = malloc(asdic_simulator_results_bytes(sim));
-    sim->calibration = malloc(sim->cells * sizeof *sim->calibration);
+    sim->stated = malloc(sim->cells * sizeof *sim->stated);
     sim->smear_scratch = malloc((3 * sim->bins + 1) * sizeof *sim->smear_scratch);
-    if (!sim->smear_scratch || !sim->receivers || !sim->calibration || !sim->ping ||
+    if (!sim->smear_scratch || !sim->receivers || !sim->stated || !sim->ping ||
         !sim->bin_table || !sim->bin_loss || !sim->bin_volume || !sim->host_results) {
         return asdic_fail_memory(sim->ctx, "a simulator");
     }
@@ -292,7 +292,7 @@ asdic_status asdic_simulator_create_with(asdic_context *ctx, asdic_device *devic
     if (!layout->beam_by_beam) {
         asdic_beam_fan_plan(sonar, water.wavelength_m, &sim->fan);
     }
-    if (sim->fan.cells) { /* one map that all work-items share; calibration tells the error */
+    if (sim->fan.cells) { /* one map that all work-items share; the block tells the error */
         sim->groups = 1;
         sim->layout.deposit = asdic_device_get_info(device)->has_int64_atomics
                                   ? ASDIC_DEPOSIT_ATOMIC64
@@ -385,7 +385,7 @@ void asdic_simulator_destroy(asdic_simulator **pointer) {
     free(sim->bin_loss);
     free(sim->bin_volume);
     free(sim->host_results);
-    free(sim->calibration);
+    free(sim->stated);
     free(sim->smear_scratch);
     free(sim);
     *pointer = NULL;
@@ -393,17 +393,6 @@ void asdic_simulator_destroy(asdic_simulator **pointer) {
 
 asdic_buffer *asdic_simulator_triangles(const asdic_simulator *sim) {
     return sim->tracer ? asdic_tracer_triangles(sim->tracer) : sim->no_triangles;
-}
-
-void asdic_simulator_forget(asdic_simulator *sim) {
-    sim->zone_altitude = ASDIC_ZONE_ALTITUDE;
-    for (int i = 0; i <= DEV_TABLE_CELLS; i++) {
-        sim->table[i] = (float)i / DEV_TABLE_CELLS;
-    }
-    sim->table_uploaded = false;
-    for (size_t cell = 0; cell < sim->cells; cell++) {
-        sim->calibration[cell] = 1.0f;
-    }
 }
 
 size_t asdic_simulator_bin_count(const asdic_simulator *sim) {

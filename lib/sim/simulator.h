@@ -39,6 +39,14 @@ typedef struct asdic_layout {
 
 asdic_layout asdic_layout_default(const asdic_device_info *info);
 
+/* A cell's relative variance as a ping states it: OF_BLOCK, which the block's calibration found, and
+ * ASDIC_OWN_PING times OF_GROUPS times what the ping's groups suggest; or OF_GROUPS times that alone where
+ * it is more, since the vehicle moves on. */
+#define ASDIC_OWN_PING 0.4
+typedef struct asdic_stated_error {
+    float of_groups, of_block;
+} asdic_stated_error;
+
 struct asdic_simulator {
     asdic_context *ctx;
     asdic_device *device;
@@ -75,13 +83,13 @@ struct asdic_simulator {
 
     dev_material *host_materials;
     size_t material_count;
-    dev_ping fixed;                /* what does not change from ping to ping */
-    dev_ping *ping;                /* the current one; the apertures follow */
-    double tabulated_absorption;   /* of the tables per bin; -1: none */
-    float *bin_table;              /* 2 * bins scratch */
-    double *bin_loss, *bin_volume; /* TL d^2; s_V times the integral of TL d^2 */
-    double *smear_scratch;         /* 3 * bins + 1 */
-    float *calibration;            /* cells: true spread of a ping over what its groups suggest */
+    dev_ping fixed;                   /* what does not change from ping to ping */
+    dev_ping *ping;                   /* the current one; the apertures follow */
+    double tabulated_absorption;      /* of the tables per bin; -1: none */
+    float *bin_table;                 /* 2 * bins scratch */
+    double *bin_loss, *bin_volume;    /* TL d^2; s_V times the integral of TL d^2 */
+    double *smear_scratch;            /* 3 * bins + 1 */
+    asdic_stated_error *stated;       /* cells */
     float table[DEV_TABLE_CELLS + 1]; /* cumulative probabilities of the sampling coordinate */
     double zone_altitude; /* where the bottom zone assumes the bottom, re the altitude; learnt */
     double *phase_s;      /* NULL, or where asdic_simulator_profile adds */
