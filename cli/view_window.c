@@ -4,6 +4,7 @@
 #include <SDL.h>
 #include <ctype.h>
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 typedef struct window {
@@ -20,6 +21,13 @@ static bool fail(const cli *c, const char *what) {
     return false;
 }
 
+/* Where there is no display, SDL's last resort is a driver that shows nothing to anybody. */
+static bool is_seen(void) {
+    const char *driver = SDL_GetCurrentVideoDriver();
+    return getenv("SDL_VIDEODRIVER") ||
+           (strcmp(driver, "offscreen") != 0 && strcmp(driver, "dummy") != 0);
+}
+
 static bool open_window(window *w, unsigned width, unsigned height) {
     const cli *c = w->job->c;
     /* Ctrl-C belongs to the program; the screen may sleep as it likes. */
@@ -27,6 +35,10 @@ static bool open_window(window *w, unsigned width, unsigned height) {
     SDL_SetHint(SDL_HINT_VIDEO_ALLOW_SCREENSAVER, "1");
     SDL_SetHint(SDL_HINT_RENDER_SCALE_QUALITY, "linear");
     if (SDL_Init(SDL_INIT_VIDEO) != 0) {
+        return fail(c, "open a display");
+    }
+    if (!is_seen()) {
+        SDL_SetError("there is none");
         return fail(c, "open a display");
     }
     w->handle =

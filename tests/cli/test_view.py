@@ -261,6 +261,16 @@ def wait_for(what, answer, seconds=60):
     raise AssertionError(f"no {what} in {seconds} s")
 
 
+def test_without_a_display_it_says_so():
+    with Folder() as folder:
+        done = asdic("view", write_scene(folder), DISPLAY=None, WAYLAND_DISPLAY=None, SDL_VIDEODRIVER=None)
+        if "without SDL2" in done.err:
+            raise tap.Skip("built without SDL2")
+        tap.equal((done.code, done.out), (1, ""))
+        tap.contains(done.err, "cannot open a display")
+        tap.contains(done.err, "--y4m")
+
+
 def test_the_window_is_driven_by_keys():
     need_view()
     with Folder() as folder, Display() as display:
