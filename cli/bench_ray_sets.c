@@ -24,14 +24,14 @@ const char *bench_ray_set_name(bench_ray_set set) {
 }
 
 /* splitmix64 (Steele, Lea & Flood 2014). */
-static double uniform(uint64_t *state) {
+double bench_uniform(uint64_t *state) {
     uint64_t z = *state += 0x9e3779b97f4a7c15u;
     z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
     z = (z ^ z >> 27) * 0x94d049bb133111ebu;
     return (double)((z ^ z >> 31) >> 11) * 0x1p-53;
 }
 
-static asdic_ray ray_from(const float from_m[3], const double direction[3]) {
+asdic_ray bench_ray_from(const float from_m[3], const double direction[3]) {
     double length = sqrt(direction[0] * direction[0] + direction[1] * direction[1] +
                          direction[2] * direction[2]);
     asdic_ray ray = {.longest_m = INFINITY};
@@ -86,8 +86,7 @@ static void sort_rays(asdic_ray *rays, size_t count) {
 
 /* ---- sets ----------------------------------------------------------------------------------- */
 
-/* Two axes across W. */
-static void axes_across(const float w[3], double u[3], double v[3]) {
+void bench_axes_across(const float w[3], double u[3], double v[3]) {
     double up[3] = {0.0, 0.0, fabsf(w[2]) < 0.9f ? 1.0 : 0.0};
     up[0] = up[2] == 0.0 ? 1.0 : 0.0;
     for (int k = 0; k < 3; k++) {
@@ -109,49 +108,26 @@ static void fill_cone(const bench_ray_scene *s, asdic_ray *rays, size_t count) {
     uint64_t seed = 1;
     size_t columns = (size_t)ceil(sqrt((double)count));
     double rows = (double)((count + columns - 1) / columns), u[3], v[3];
-    axes_across(s->towards, u, v);
+    bench_axes_across(s->towards, u, v);
     for (size_t i = 0; i < count; i++) {
-        double x = ((double)(i % columns) + uniform(&seed)) / (double)columns;
-        double y = ((double)(i / columns) + uniform(&seed)) / rows;
+        double x = ((double)(i % columns) + bench_uniform(&seed)) / (double)columns;
+        double y = ((double)(i / columns) + bench_uniform(&seed)) / rows;
         double cosine = 1.0 - x * (1.0 - cos(CONE_HALF_ANGLE_RAD));
         double sine = sqrt(1.0 - cosine * cosine), turn = 2.0 * PI * y, direction[3];
         for (int k = 0; k < 3; k++) {
             direction[k] = cosine * s->towards[k] + sine * (cos(turn) * u[k] + sin(turn) * v[k]);
         }
-        rays[i] = ray_from(s->from_m, direction);
+        rays[i] = bench_ray_from(s->from_m, direction);
     }
 }
 
 static void fill_sphere(const bench_ray_scene *s, asdic_ray *rays, size_t count) {
     uint64_t seed = 2;
     for (size_t i = 0; i < count; i++) {
-        double z = 2.0 * uniform(&seed) - 1.0, turn = 2.0 * PI * uniform(&seed);
+        double z = 2.0 * bench_uniform(&seed) - 1.0, turn = 2.0 * PI * bench_uniform(&seed);
         double across = sqrt(1.0 - z * z);
         const double direction[3] = {across * cos(turn), across * sin(turn), z};
-        rays[i] = ray_from(s->from_m, direction);
-    }
-}
-
-/* Aimed at vertices, but for those on the rim of a floor, past which a rounded direction may well see;
- * `unused` keeps the range of the vertex. */
-static void fill_vertices(const bench_ray_scene *s, const float *corners_m, size_t triangles,
-                          asdic_ray *rays, size_t count) {
-    asdic_scene_info info = asdic_scene_get_info(s->scene);
-    double rim_x = 0.499999 * (info.max_m.x - info.min_m.x);
-    double rim_y = 0.499999 * (info.max_m.y - info.min_m.y);
-    uint64_t seed = 3;
-    for (size_t i = 0; i < count; i++) {
-        const float *v;
-        do {
-            v = &corners_m[3 * (size_t)(uniform(&seed) * 3.0 * (double)triangles)];
-        } while (fabsf(v[0]) > rim_x || fabsf(v[1]) > rim_y);
-        double to[3], range2 = 0.0;
-        for (int k = 0; k < 3; k++) {
-            to[k] = (double)v[k] - s->from_m[k];
-            range2 += to[k] * to[k];
-        }
-        rays[i] = ray_from(s->from_m, to);
-        rays[i].unused = (float)sqrt(range2);
+        rays[i] = bench_ray_from(s->from_m, direction);
     }
 }
 
@@ -160,7 +136,7 @@ void bench_rays_fill(bench_ray_set set, const bench_ray_scene *s, const float *c
     if (set == BENCH_CONE_DENSE || set == BENCH_CONE) {
         fill_cone(s, rays, count);
     } else if (set == BENCH_VERTICES) {
-        fill_vertices(s, corners_m, triangles, rays, count);
+        bench_rays_at_vertices(s, corners_m, triangles, rays, count);
     } else {
         fill_sphere(s, rays, count);
     }
@@ -201,7 +177,7 @@ size_t bench_rays_mirror(const float *corners_m, const asdic_ray *rays, const as
             from[k] = (float)(rays[i].origin_m[k] + (double)hits[i].range_m * rays[i].direction[k] -
                               (along > 0.0 ? LIFT_M : -LIFT_M) * n[k]);
         }
-        mirrored[kept++] = ray_from(from, to);
+        mirrored[kept++] = bench_ray_from(from, to);
     }
     return kept;
 }

@@ -89,15 +89,6 @@ static asdic_status time_rays(bench *b, const asdic_ray *rays, bench_ray_row *ro
     return asdic_caster_read(b->caster, b->hits);
 }
 
-/* Rays to a vertex must meet it, or something before. */
-static size_t count_missed(const asdic_ray *rays, const asdic_ray_hit *hits, size_t count) {
-    size_t missed = 0;
-    for (size_t i = 0; i < count; i++) {
-        missed += !(hits[i].range_m <= 1.0001f * rays[i].unused);
-    }
-    return missed;
-}
-
 static void count_hits(const bench *b, const asdic_ray *rays, bench_ray_row *row) {
     for (size_t i = 0; i < row->rays; i++) {
         const asdic_ray_hit *o = &b->hits[i], *t = &b->theirs[i];
@@ -108,10 +99,13 @@ static void count_hits(const bench *b, const asdic_ray *rays, bench_ray_row *row
             (met != theirs || (met && fabsf(o->range_m - t->range_m) > 1e-3f * fabsf(t->range_m)));
     }
     if (row->set == BENCH_VERTICES) {
-        row->missed = count_missed(rays, b->hits, row->rays);
+        size_t passed;
+        row->missed =
+            bench_rays_missed(b->corners_m, b->triangles, rays, b->hits, row->rays, &row->passed);
         if (b->robust) {
             bench_embree_cast(b->robust, BENCH_EMBREE_SINGLE, rays, row->rays, b->theirs);
-            row->embree_missed = count_missed(rays, b->theirs, row->rays);
+            row->embree_missed =
+                bench_rays_missed(b->corners_m, b->triangles, rays, b->theirs, row->rays, &passed);
         }
     }
 }

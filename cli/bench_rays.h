@@ -51,6 +51,24 @@ void bench_rays_fill(bench_ray_set set, const bench_ray_scene *s, const float *c
 size_t bench_rays_mirror(const float *corners_m, const asdic_ray *rays, const asdic_ray_hit *hits,
                          size_t count, asdic_ray *mirrored);
 
+/* splitmix64 (Steele, Lea & Flood 2014), 0 <= x < 1. */
+double bench_uniform(uint64_t *state);
+/* From FROM_M along DIRECTION of any length. */
+asdic_ray bench_ray_from(const float from_m[3], const double direction[3]);
+
+/* Two unit axes across the unit vector W, and each other. */
+void bench_axes_across(const float w[3], double u[3], double v[3]);
+
+#define BENCH_VERTEX_SEED 3
+/* Fills the set BENCH_VERTICES; `unused` is the range of the vertex. */
+void bench_rays_at_vertices(const bench_ray_scene *s, const float *corners_m, size_t triangles,
+                            asdic_ray *rays, size_t count);
+/* How many of that set's rays slipped through: met nothing up to their vertex, although the triangles
+ * there surround the ray by more than rounding can shift it. *PASSED: those that met nothing and may,
+ * past a silhouette or a rim. 0 of both without memory. */
+size_t bench_rays_missed(const float *corners_m, size_t triangles, const asdic_ray *rays,
+                         const asdic_ray_hit *hits, size_t count, size_t *passed);
+
 /* ---- Embree --------------------------------------------------------------------------------- */
 
 typedef struct bench_embree bench_embree;
@@ -84,7 +102,8 @@ typedef struct bench_ray_row {
     double ours_s;      /* medians */
     double embree_s[BENCH_EMBREE_MODES];
     size_t disagree; /* one hits, the other does not, or ranges differ by more than 1e-3 */
-    size_t missed, embree_missed; /* vertices: rays that met nothing up to their vertex */
+    size_t missed, embree_missed; /* vertices: rays that slipped through */
+    size_t passed;                /* vertices: past a silhouette */
 } bench_ray_row;
 
 typedef struct bench_ray_result {

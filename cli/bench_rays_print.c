@@ -72,9 +72,9 @@ static void print_row(const bench_ray_row *row) {
         printf(" %9zu", row->disagree);
     }
     if (row->set == BENCH_VERTICES) {
-        printf("  missed %zu", row->missed);
+        printf("  missed %zu, past a silhouette %zu", row->missed, row->passed);
         if (!isnan(row->embree_s[0])) {
-            printf(", Embree robust %zu", row->embree_missed);
+            printf("; Embree robust missed %zu", row->embree_missed);
         }
     }
     printf("\n");
@@ -114,6 +114,7 @@ static void json_row(json *j, const bench_ray_row *row) {
     }
     if (row->set == BENCH_VERTICES) {
         json_integer(j, "missed", row->missed);
+        json_integer(j, "past_silhouette", row->passed);
         if (!isnan(row->embree_s[0])) {
             json_integer(j, "embree_robust_missed", row->embree_missed);
         }

@@ -77,9 +77,10 @@ const cli_command cli_bench_command = {
         "cones and "
         "whole spheres from one point, in Morton order of direction and in none, their mirror "
         "rays, and "
-        "rays aimed exactly at vertices. A program that was built with -Dembree=enabled casts the "
-        "same "
-        "rays with Intel Embree in between, on as many threads, and prints how many times faster "
+        "rays aimed exactly at vertices, of which those are 'missed' that slip through: a rounded "
+        "direction may pass a silhouette, but no vertex with surface all round it. A program that "
+        "was built with -Dembree=enabled casts the same rays with Intel Embree in between, on as "
+        "many threads, and prints how many times faster "
         "asdic is ('ratio'), on how many rays the two disagree, and how long each takes to "
         "build its hierarchy. One thread is timed by the processor's clock.\n\n"
         "Timings are medians on this machine as it is: close other programs.",
