@@ -99,8 +99,8 @@ static inline float ray_skin(float x, float y, float z, float extent_m) {
         return met & (*t > 0.0f);                                                                  \
     }
 
-/* Lanes of a comparison as bits, folded through bytes: any() on wide vectors is slow in PoCL, and
- * there is no movemask. */
+/* Lanes of a comparison as bits, folded through bytes: there is no movemask. any() on wide vectors is
+ * slow in PoCL; the compiler's own reduction is one instruction where lanes have mask registers. */
 static inline uint bits4(int4 m) {
     return ((as_uint(convert_char4(m)) & 0x08040201u) * 0x01010101u) >> 24;
 }
@@ -110,6 +110,21 @@ static inline uint bits8(int8 m) {
                   56);
 }
 
+#ifdef __has_builtin
+#if __has_builtin(__builtin_reduce_or)
+#define TRACE_REDUCE
+#endif
+#endif
+
+#ifdef TRACE_REDUCE
+static inline bool any4(int4 m) {
+    return __builtin_reduce_or(m) != 0;
+}
+
+static inline bool any16(int16 m) {
+    return __builtin_reduce_or(m) != 0;
+}
+#else
 static inline bool any4(int4 m) {
     return as_uint(convert_char4(m)) != 0;
 }
@@ -118,6 +133,7 @@ static inline bool any16(int16 m) {
     ulong2 folded = as_ulong2(convert_char16(m));
     return (folded.x | folded.y) != 0;
 }
+#endif
 
 static inline uint lowest_bit(uint bits) {
     return 31 - clz(bits & -bits);

@@ -11,8 +11,7 @@
 #endif
 
 #include "types.h"
-#include "trace_frustum.h"
-#include "trace_packet.h"
+#include "trace_hybrid.h"
 #include "trace_wide8.h"
 
 /* One ray a work-item, eight boxes at a time. */

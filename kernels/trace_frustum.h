@@ -1,22 +1,23 @@
 /*
  * Rays from one point, 64 or 16 of them: nodes are culled for all at once and rays are tested in
  * the leaves only. Unbeatable where a packet is narrow against the triangles; one that turns out
- * wide gives up after a number of nodes and goes on in smaller parts: 64, 16, then trace_packet.h.
+ * wide gives up after some work.
  */
 #ifndef ASDIC_KERNEL_TRACE_FRUSTUM_H
 #define ASDIC_KERNEL_TRACE_FRUSTUM_H
 
-#include "trace_packet.h"
+#include "trace_lanes.h"
+#include "trace_wide8.h"
 
 /* Work after which a packet gives up: a node counts 1, a leaf 2, each of its triangles that a group of
  * sixteen has to test 1; each is some fifty cycles. About what the rays cost in smaller parts. */
 #define FRUSTUM_BUDGET_64 400
-#define FRUSTUM_BUDGET_16 160
+#define FRUSTUM_BUDGET_16 300
 
 /* A packet gives up at its first leaf already when a group's window is so many times larger than the
  * leaf's largest triangle: its rays then meet a triangle each. */
 #define FRUSTUM_WIDE_64 8.0f
-#define FRUSTUM_WIDE_16 16.0f
+#define FRUSTUM_WIDE_16 64.0f
 
 /* Sixteen rays; s as in intersect.h. */
 typedef struct group16 {
@@ -247,17 +248,22 @@ static inline outline4 outline_of(const seen4 *s, float ahead) {
     return o;
 }
 
-/* Which triangles the window of one group may touch: it lies beyond no edge. */
-static inline uint touch1(const outline4 *o, const frustum *f) {
-    int4 beyond = (int4)(0);
-    float4 x = f->window[0].s0123, y = f->window[1].s0123;
-    float4 half_x = f->window[2].s0123, half_y = f->window[3].s0123;
+/* Whether some ray of the group lies within the outline of triangle LANE. */
+static inline uint holds(const outline4 *o, uint lane, const group16 *g) {
+    int16 beyond = (int16)(0);
 #pragma unroll
     for (uint c = 0; c < 3; c++) {
-        edge4 e = o->edge[c];
-        beyond |= (e.a * x + e.b * y) - (fabs(e.a) * half_x + fabs(e.b) * half_y) > e.d;
+        float16 a = (float16)(((const float *)&o->edge[c].a)[lane]);
+        float16 b = (float16)(((const float *)&o->edge[c].b)[lane]);
+        float16 d = (float16)(((const float *)&o->edge[c].d)[lane]);
+        beyond |= TRACE_FMA(a, g->sx, b * g->sy) > d;
     }
-    return bits4(~(beyond & o->plain));
+    return any16(~beyond) ? 1u << lane : 0;
+}
+
+/* Which triangles some ray of a group may meet. */
+static inline uint touch1(const outline4 *o, const group16 *g) {
+    return holds(o, 0, g) | holds(o, 1, g) | holds(o, 2, g) | holds(o, 3, g) | bits4(~o->plain);
 }
 
 /* The same for four groups, as bit 4 * group + triangle. */
@@ -305,7 +311,7 @@ static inline uint hit_leaf(__global const dev_block4 *block, uint groups, frust
         }
         f->widest = 0.0f;
     }
-    uint bits = groups == 4 ? touch4(&outline, f) : touch1(&outline, f), tested = popcount(bits);
+    uint bits = groups == 4 ? touch4(&outline, f) : touch1(&outline, g), tested = popcount(bits);
     for (; bits; bits &= bits - 1) {
         uint bit = lowest_bit(bits), lane = bit & 3, id = block->id[lane];
         if (id != ~0u) {
@@ -366,66 +372,6 @@ static inline bool walk_frustum(__global const dev_node8 *nodes, __global const 
         }
     }
     return true;
-}
-
-/* The rays R, FIRST .. FIRST + 15 of RAYS, in the best way there is; KNOWN is what was found so far. */
-TRACE_APART static void trace_sixteen(__global const dev_node8 *nodes,
-                                      __global const dev_block4 *blocks,
-                                      __global const dev_ray *rays, __global dev_hit *hits,
-                                      rays16 r, hits16 known, uint first, uint count, uint root,
-                                      float extent_m) {
-    frustum f;
-    group16 g;
-    uint alone = PACKET_ALONE;
-    if (root != DEV_EMPTY && frustum_prepare(&r, 1, extent_m, &f, &g)) {
-        g.best = known;
-        f.limit = greatest16(known.t);
-        bool done = walk_frustum(nodes, blocks, root, 1, FRUSTUM_BUDGET_16, &f, &g);
-        known = g.best;
-        if (done) {
-            store_hits16(hits, first, count, known);
-            return;
-        }
-        alone = PACKET_ALONE_WIDE;
-    }
-    trace_packet16(nodes, blocks, rays, hits, r, known, alone, first, count, root, extent_m);
-}
-
-TRACE_APART static void trace_sixteen_new(__global const dev_node8 *nodes,
-                                          __global const dev_block4 *blocks,
-                                          __global const dev_ray *rays, __global dev_hit *hits,
-                                          uint first, uint count, uint root, float extent_m) {
-    rays16 r = load_rays16(rays, first, count);
-    hits16 none = {r.t_max, (uint16)(~0u)};
-    trace_sixteen(nodes, blocks, rays, hits, r, none, first, count, root, extent_m);
-}
-
-TRACE_APART static void trace_sixty_four(__global const dev_node8 *nodes,
-                                         __global const dev_block4 *blocks,
-                                         __global const dev_ray *rays, __global dev_hit *hits,
-                                         uint first, uint count, uint root, float extent_m) {
-    rays16 r[4];
-    frustum f;
-    group16 g[4];
-    bool whole = first + 64 <= count && root != DEV_EMPTY;
-    for (uint i = 0; i < 4 && whole; i++) {
-        r[i] = load_rays16(rays, first + 16 * i, count);
-    }
-    if (!whole || !frustum_prepare(r, 4, extent_m, &f, g)) {
-        for (uint at = first; at < first + 64 && at < count; at += 16) {
-            trace_sixteen_new(nodes, blocks, rays, hits, at, count, root, extent_m);
-        }
-        return;
-    }
-    bool done = walk_frustum(nodes, blocks, root, 4, FRUSTUM_BUDGET_64, &f, g);
-    for (uint i = 0; i < 4; i++) {
-        uint at = first + 16 * i;
-        if (done) {
-            store_hits16(hits, at, count, g[i].best);
-        } else {
-            trace_sixteen(nodes, blocks, rays, hits, r[i], g[i].best, at, count, root, extent_m);
-        }
-    }
 }
 
 #endif

@@ -8,118 +8,11 @@
 #ifndef ASDIC_KERNEL_TRACE_PACKET_H
 #define ASDIC_KERNEL_TRACE_PACKET_H
 
+#include "trace_lanes.h"
 #include "trace_wide8.h"
 
-/* So many rays or fewer go on alone; of a packet that is known to be wide, more. */
+/* So many rays or fewer go on alone. */
 #define PACKET_ALONE 3
-#define PACKET_ALONE_WIDE 10
-
-DEFINE_INTERSECT(intersect16, float16, int16)
-
-static inline uint bits16(int16 m) {
-    ulong2 bytes = as_ulong2(convert_char16(m));
-    ulong low = ((bytes.x & 0x8040201008040201ul) * 0x0101010101010101ul) >> 56;
-    ulong high = ((bytes.y & 0x8040201008040201ul) * 0x0101010101010101ul) >> 56;
-    return (uint)(low | high << 8);
-}
-
-static inline float least16(float16 v) {
-    float8 a = LESSER(v.lo, v.hi);
-    float4 b = LESSER(a.lo, a.hi);
-    float2 c = LESSER(b.lo, b.hi);
-    return LESSER(c.x, c.y);
-}
-
-static inline float greatest16(float16 v) {
-    return -least16(-v);
-}
-
-/* Sixteen structs of eight floats become eight vectors of sixteen: three rounds of even and odd. */
-typedef struct columns {
-    float16 c[8];
-} columns;
-
-static inline columns unzip(columns in) {
-    columns out;
-#pragma unroll
-    for (int i = 0; i < 4; i++) {
-        float16 a = in.c[2 * i], b = in.c[2 * i + 1];
-        out.c[i] = (float16)(a.even, b.even);
-        out.c[4 + i] = (float16)(a.odd, b.odd);
-    }
-    return out;
-}
-
-static inline float16 sixteen(__global const dev_ray *rays, uint first, uint last, uint field) {
-    float v[16];
-    for (uint i = 0; i < 16; i++) {
-        uint at = first + i < last ? first + i : last;
-        v[i] = ((__global const float *)&rays[at])[field];
-    }
-    return vload16(0, v);
-}
-
-typedef struct rays16 {
-    float16 ox, oy, oz, dx, dy, dz, t_max;
-} rays16;
-
-/* Rays FIRST .. FIRST + 15; those from COUNT on are skipped rays. */
-static inline rays16 load_rays16(__global const dev_ray *rays, uint first, uint count) {
-    rays16 r;
-    if (first + 16 <= count) {
-        columns c;
-#pragma unroll
-        for (uint i = 0; i < 8; i++) {
-            c.c[i] = ((__global const float16 *)&rays[first])[i];
-        }
-        c = unzip(unzip(unzip(c)));
-        r.ox = c.c[0];
-        r.oy = c.c[1];
-        r.oz = c.c[2];
-        r.t_max = c.c[3];
-        r.dx = c.c[4];
-        r.dy = c.c[5];
-        r.dz = c.c[6];
-        return r;
-    }
-    r.ox = sixteen(rays, first, count - 1, 0);
-    r.oy = sixteen(rays, first, count - 1, 1);
-    r.oz = sixteen(rays, first, count - 1, 2);
-    r.t_max = sixteen(rays, first, count - 1, 3);
-    r.dx = sixteen(rays, first, count - 1, 4);
-    r.dy = sixteen(rays, first, count - 1, 5);
-    r.dz = sixteen(rays, first, count - 1, 6);
-    const int16 lane = (int16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
-    r.t_max = lane < (int)(count - first) ? r.t_max : (float16)(-1.0f);
-    return r;
-}
-
-typedef struct hits16 {
-    float16 t;
-    uint16 id;
-} hits16;
-
-static inline void store_hits16(__global dev_hit *hits, uint first, uint count, hits16 h) {
-    h.t = h.id == ~0u ? (float16)(INFINITY) : h.t;
-    if (first + 16 <= count) {
-        float16 id = as_float16(h.id), low, high;
-        low.even = h.t.lo;
-        low.odd = id.lo;
-        high.even = h.t.hi;
-        high.odd = id.hi;
-        ((__global float16 *)&hits[first])[0] = low;
-        ((__global float16 *)&hits[first])[1] = high;
-        return;
-    }
-    float t[16];
-    uint id[16];
-    vstore16(h.t, 0, t);
-    vstore16(h.id, 0, id);
-    for (uint i = 0; first + i < count; i++) {
-        hits[first + i].t_m = t[i];
-        hits[first + i].triangle = id[i];
-    }
-}
 
 /* One axis of a packet: planes in the order in which its rays meet them. */
 typedef struct axis16 {
@@ -128,20 +21,17 @@ typedef struct axis16 {
     float first_o, last_o, least, most; /* intervals: of near_o, far_o (the wider end), inverse */
 } axis16;
 
-/* False when the rays do not agree on the sign of their directions. */
-static inline bool axis16_prepare(float16 o, float16 d, float16 skin, uint row, axis16 *a) {
-    int16 negative = d < 0.0f;
-    bool any_negative = any16(negative), all_negative = !any16(~negative);
-    float16 clamped = fabs(d) < 1e-18f ? (negative ? (float16)(-1e-18f) : (float16)(1e-18f)) : d;
-    a->inverse = 1.0f / clamped;
-    a->near_o = any_negative ? o - skin : o + skin;
-    a->far_o = any_negative ? o + skin : o - skin;
-    a->near_row = row + (any_negative ? 1 : 0);
-    a->first_o = any_negative ? least16(a->near_o) : greatest16(a->near_o);
-    a->last_o = any_negative ? greatest16(a->far_o) : least16(a->far_o);
+static inline void axis16_prepare(float16 o, float16 d, float16 skin, uint row, axis16 *a) {
+    bool negative = d.s0 < 0.0f;
+    float16 tiny = (float16)(negative ? -1e-18f : 1e-18f);
+    a->inverse = 1.0f / (fabs(d) < 1e-18f ? tiny : d);
+    a->near_o = negative ? o - skin : o + skin;
+    a->far_o = negative ? o + skin : o - skin;
+    a->near_row = row + (negative ? 1 : 0);
+    a->first_o = negative ? least16(a->near_o) : greatest16(a->near_o);
+    a->last_o = negative ? greatest16(a->far_o) : least16(a->far_o);
     a->least = least16(a->inverse);
     a->most = greatest16(a->inverse);
-    return any_negative == all_negative;
 }
 
 typedef struct packet16 {
@@ -153,7 +43,6 @@ typedef struct packet16 {
     bool one_axis;
     hits16 best;
     float limit; /* the farthest of best.t */
-    uint alone;  /* so many rays or fewer go on alone */
 } packet16;
 
 static inline float16 choose3(int16 k, float16 at0, float16 at1, float16 at2) {
@@ -179,13 +68,13 @@ static inline rays16 fill_skipped(rays16 r, int16 live) {
     return r;
 }
 
-/* False when the rays are too different to go together. */
-static inline bool packet16_prepare(rays16 r, float extent_m, packet16 *p) {
+/* P->best is set already; the signs of the rays' directions agree. */
+static inline void packet16_prepare(rays16 r, float extent_m, packet16 *p) {
     float16 reach = GREATER(GREATER(fabs(r.ox), fabs(r.oy)), fabs(r.oz));
     float16 skin = (reach + extent_m) * TRACE_SKIN;
-    bool agree = axis16_prepare(r.ox, r.dx, skin, 0, &p->x);
-    agree &= axis16_prepare(r.oy, r.dy, skin, 2, &p->y);
-    agree &= axis16_prepare(r.oz, r.dz, skin, 4, &p->z);
+    axis16_prepare(r.ox, r.dx, skin, 0, &p->x);
+    axis16_prepare(r.oy, r.dy, skin, 2, &p->y);
+    axis16_prepare(r.oz, r.dz, skin, 4, &p->z);
     float16 ax = fabs(r.dx), ay = fabs(r.dy), az = fabs(r.dz);
     p->kz = ((ax >= ay) & (ax >= az)) ? (int16)(0) : (ay >= az ? (int16)(1) : (int16)(2));
     p->kz1 = p->kz.s0;
@@ -199,7 +88,6 @@ static inline bool packet16_prepare(rays16 r, float extent_m, packet16 *p) {
     p->oy = p->one_axis ? choose3(p->kz, r.oz, r.ox, r.oy) : r.oy;
     p->oz = p->one_axis ? choose3(p->kz, r.ox, r.oy, r.oz) : r.oz;
     p->limit = greatest16(p->best.t);
-    return agree;
 }
 
 /* Bounds of entry and exit of one axis for all rays of the packet. */
@@ -292,25 +180,77 @@ static inline void hit_block16(__global const dev_block4 *block, packet16 *p) {
     p->limit = greatest16(p->best.t);
 }
 
-/* The rays LANES walk on alone from WORD. */
+static inline float lane_of(const float16 *v, uint lane) {
+    return ((const float *)v)[lane];
+}
+
+/* One ray of the packet, as ray8_prepare would make it. */
+static inline ray8 ray8_of(const packet16 *p, uint lane) {
+    ray8 r;
+    bool nx = p->x.near_row & 1, ny = p->y.near_row & 1, nz = p->z.near_row & 1;
+    r.near_o = (float3)(lane_of(&p->x.near_o, lane), lane_of(&p->y.near_o, lane),
+                        lane_of(&p->z.near_o, lane));
+    r.far_o = (float3)(lane_of(&p->x.far_o, lane), lane_of(&p->y.far_o, lane),
+                       lane_of(&p->z.far_o, lane));
+    r.inverse = (float3)(lane_of(&p->x.inverse, lane), lane_of(&p->y.inverse, lane),
+                         lane_of(&p->z.inverse, lane));
+    r.near_x = p->x.near_row;
+    r.near_y = p->y.near_row;
+    r.near_z = p->z.near_row;
+    r.lo_o = (float3)(nx ? r.far_o.x : r.near_o.x, ny ? r.far_o.y : r.near_o.y,
+                      nz ? r.far_o.z : r.near_o.z);
+    r.hi_o = (float3)(nx ? r.near_o.x : r.far_o.x, ny ? r.near_o.y : r.far_o.y,
+                      nz ? r.near_o.z : r.far_o.z);
+    r.kz = ((const int *)&p->kz)[lane];
+    r.kx = r.kz == 2 ? 0 : r.kz + 1;
+    r.ky = r.kx == 2 ? 0 : r.kx + 1;
+    float3 o = (float3)(lane_of(&p->ox, lane), lane_of(&p->oy, lane), lane_of(&p->oz, lane));
+    r.ox = p->one_axis ? o.x : along(o, r.kx);
+    r.oy = p->one_axis ? o.y : along(o, r.ky);
+    r.oz = p->one_axis ? o.z : along(o, r.kz);
+    r.sx = lane_of(&p->sx, lane);
+    r.sy = lane_of(&p->sy, lane);
+    r.sz = lane_of(&p->sz, lane);
+    return r;
+}
+
+/* One ray, LANE of those that BEST is of, from WORD. */
+static inline void walk_one(__global const dev_node8 *nodes, __global const dev_block4 *blocks,
+                            const ray8 *r, uint word, uint lane, hits16 *best) {
+    float *t = (float *)&best->t + lane;
+    uint *id = (uint *)&best->id + lane;
+    dev_hit hit = {*t, *id};
+    if (word & DEV_LEAF) {
+        hit_block(&blocks[word & ~DEV_LEAF], r, &hit);
+    } else {
+        walk8(nodes, blocks, r, word, &hit);
+    }
+    *t = hit.t_m;
+    *id = hit.triangle;
+}
+
+/* The rays LANES of a packet walk on alone from WORD. */
 static inline void walk_alone(__global const dev_node8 *nodes, __global const dev_block4 *blocks,
-                              __global const dev_ray *rays, uint lanes, uint word, float extent_m,
-                              packet16 *p) {
-    float t[16];
-    uint id[16];
-    vstore16(p->best.t, 0, t);
-    vstore16(p->best.id, 0, id);
+                              uint lanes, uint word, packet16 *p) {
     for (; lanes; lanes &= lanes - 1) {
         uint lane = lowest_bit(lanes);
-        dev_hit best = {t[lane], id[lane]};
-        ray8 r = ray8_prepare(rays[lane], extent_m);
-        walk8(nodes, blocks, &r, word, &best);
-        t[lane] = best.t_m;
-        id[lane] = best.triangle;
+        ray8 r = ray8_of(p, lane);
+        walk_one(nodes, blocks, &r, word, lane, &p->best);
     }
-    p->best.t = vload16(0, t);
-    p->best.id = vload16(0, id);
     p->limit = greatest16(p->best.t);
+}
+
+/* Some of sixteen rays, LANES, walk from the root without ever having been a packet. */
+TRACE_APART static hits16 walk_singly(__global const dev_node8 *nodes,
+                                      __global const dev_block4 *blocks,
+                                      __global const dev_ray *rays, hits16 known, uint lanes,
+                                      uint root, float extent_m) {
+    for (; lanes; lanes &= lanes - 1) {
+        uint lane = lowest_bit(lanes);
+        ray8 r = ray8_prepare(rays[lane], extent_m);
+        walk_one(nodes, blocks, &r, root, lane, &known);
+    }
+    return known;
 }
 
 typedef struct stack16 {
@@ -353,9 +293,9 @@ static inline void push_children16(stack16 *s, uint *top, __global const dev_nod
     }
 }
 
-/* The nearest hits of the packet below ROOT. RAYS are the packet's own sixteen. */
+/* The nearest hits of the packet below ROOT. */
 static inline void walk16(__global const dev_node8 *nodes, __global const dev_block4 *blocks,
-                          __global const dev_ray *rays, uint root, float extent_m, packet16 *p) {
+                          uint root, packet16 *p) {
     stack16 s;
     uint top = 1;
     s.child[0] = root;
@@ -367,8 +307,8 @@ static inline void walk16(__global const dev_node8 *nodes, __global const dev_bl
         if (s.entry[top] > p->limit) {
             continue;
         }
-        if (popcount(lanes) <= p->alone) {
-            walk_alone(nodes, blocks, rays, lanes, word, extent_m, p);
+        if (popcount(lanes) <= PACKET_ALONE) {
+            walk_alone(nodes, blocks, lanes, word, p);
         } else if (word & DEV_LEAF) {
             hit_block16(&blocks[word & ~DEV_LEAF], p);
         } else {
@@ -377,29 +317,35 @@ static inline void walk16(__global const dev_node8 *nodes, __global const dev_bl
     }
 }
 
-/* The rays R, which are FIRST .. FIRST + 15 of RAYS; KNOWN is what was found so far. */
+/* The rays R, which are FIRST .. FIRST + 15 of RAYS; KNOWN is what was found so far. Those whose
+ * directions have the same signs go together. */
 static inline void trace_packet16(__global const dev_node8 *nodes,
                                   __global const dev_block4 *blocks, __global const dev_ray *rays,
-                                  __global dev_hit *hits, rays16 r, hits16 known, uint alone,
-                                  uint first, uint count, uint root, float extent_m) {
+                                  __global dev_hit *hits, rays16 r, hits16 known, uint first,
+                                  uint count, uint root, float extent_m) {
     float16 sum = ((r.ox + r.oy) + (r.oz + r.dx)) + (r.dy + r.dz);
     int16 live = (r.t_max > 0.0f) & (fabs(sum) < INFINITY); /* a NAN must not spoil the intervals */
-    packet16 p;
-    p.best = known;
-    if (any16(live) && root != DEV_EMPTY) {
-        if (any16(~live)) {
-            r = fill_skipped(r, live);
-            known.t = live ? known.t : (float16)(-1.0f);
+    int16 octant = ((r.dx < 0.0f) & 1) | ((r.dy < 0.0f) & 2) | ((r.dz < 0.0f) & 4);
+    uint left = root == DEV_EMPTY ? 0 : bits16(live);
+    int code[16];
+    vstore16(octant, 0, code);
+    while (left) {
+        packet16 p;
+        int16 same = live & (octant == code[lowest_bit(left)]);
+        uint lanes = bits16(same);
+        left &= ~lanes;
+        if (popcount(lanes) <= PACKET_ALONE) {
+            known = walk_singly(nodes, blocks, &rays[first], known, lanes, root, extent_m);
+            continue;
         }
-        p.best = known;
-        if (packet16_prepare(r, extent_m, &p)) {
-            p.alone = alone;
-            walk16(nodes, blocks, &rays[first], root, extent_m, &p);
-        } else {
-            walk_alone(nodes, blocks, &rays[first], bits16(live), root, extent_m, &p);
-        }
+        p.best.t = same ? known.t : (float16)(-1.0f);
+        p.best.id = known.id;
+        packet16_prepare(lanes == 0xffff ? r : fill_skipped(r, same), extent_m, &p);
+        walk16(nodes, blocks, root, &p);
+        known.t = same ? p.best.t : known.t;
+        known.id = same ? p.best.id : known.id;
     }
-    store_hits16(hits, first, count, p.best);
+    store_hits16(hits, first, count, known);
 }
 
 #endif
