@@ -48,7 +48,7 @@ static inline double level_of(double x) {
 #endif
 
 /* Two loops: compilers make vectors of the first, which no comparison interrupts. */
-WIDEST void asdic_decibels(const double *intensity_lin, size_t count, float *level_db) {
+WIDEST static void convert(const double *intensity_lin, size_t count, float *level_db) {
     for (size_t i = 0; i < count; i++) {
         level_db[i] = (float)level_of(intensity_lin[i]);
     }
@@ -58,4 +58,9 @@ WIDEST void asdic_decibels(const double *intensity_lin, size_t count, float *lev
             level_db[i] = x > DBL_MAX ? INFINITY : NAN;
         }
     }
+}
+
+/* The choice of a clone stays inside: as a symbol of its own it would be exported. */
+void asdic_decibels(const double *intensity_lin, size_t count, float *level_db) {
+    convert(intensity_lin, count, level_db);
 }
