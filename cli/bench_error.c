@@ -11,13 +11,15 @@ bench_effort bench_effort_of(const bench_options *options) {
                               .block_pings = 4,
                               .point_rays = 1u << 20,
                               .reference_pings = 16,
-                              .reference_rays = 1u << 18};
+                              .reference_rays = 1u << 18,
+                              .cost_pairs = 9};
     }
     return (bench_effort){.blocks = 16,
                           .block_pings = 4,
                           .point_rays = 1u << 22,
                           .reference_pings = 96,
-                          .reference_rays = 1u << 20};
+                          .reference_rays = 1u << 20,
+                          .cost_pairs = 15};
 }
 
 static asdic_status measure(cli *c, asdic_device *device, const char *path,
@@ -28,6 +30,9 @@ static asdic_status measure(cli *c, asdic_device *device, const char *path,
     for (size_t s = 0; !status && s < BENCH_SAMPLERS; s++) {
         status =
             bench_curve_measure(c, device, &result->scene, samplers[s], effort, &result->curves[s]);
+    }
+    if (!status) {
+        status = bench_cost_measure(c, device, &result->scene, effort, &result->stated_cost);
     }
     return status;
 }

@@ -16,6 +16,7 @@ typedef struct bench_effort {
     size_t blocks, block_pings; /* pings of a point with few rays: in so many learnt blocks */
     uint64_t point_rays;        /* rays spent on a point with many */
     size_t reference_pings;     /* where there is no quadrature */
+    size_t cost_pairs;
     uint32_t reference_rays;
 } bench_effort;
 
@@ -66,10 +67,17 @@ asdic_status bench_curve_measure(cli *c, asdic_device *device, const bench_scene
 /* RMS error and time at RAYS rays, interpolated in log-log; NAN outside. */
 double bench_curve_rms_db(const bench_curve *curve, double rays);
 
+/* What stating errors costs at the scene's rays, as part of the time without: of blocks of
+ * ASDIC_LEARN_BLOCK pings, learning and calibration included, by turns one with and one without, the
+ * quickest of each by the processor's clock. */
+asdic_status bench_cost_measure(cli *c, asdic_device *device, const bench_scene *scene,
+                                const bench_effort *effort, double *out);
+
 /* A finished scene: its curves, the baseline last. */
 typedef struct bench_result {
     bench_scene scene;
     bench_curve curves[BENCH_SAMPLERS];
+    double stated_cost; /* see bench_cost_measure */
 } bench_result;
 
 void bench_error_print(const bench_result *result, bool first);

@@ -108,6 +108,7 @@ typedef struct dev_ping {
     float fan_rows[9]; /* world to fan: x ahead, y to starboard, z the faces' common axis */
     dev_uint seed[2], ping[2];
     dev_uint last_batch;    /* 1: no batch follows */
+    dev_uint states_errors; /* 0: nobody asks for the groups' spread */
     dev_uint lattice_shift; /* c1 */
     float lattice_offset;   /* c0 */
     float footprint_rays;   /* rays, next to each other in elevation, that a footprint spans */

@@ -96,7 +96,7 @@ __kernel void reduce(__global const dev_ping *ping, __global long *accumulator,
         }
     }
     __global float *spreads = (__global float *)(results + ping->components * plane + 1u);
-    for (uint v = 0; v < VECTORS; v++) {
+    for (uint v = 0; v < VECTORS && ping->states_errors != 0u; v++) {
         real error = spread(totals + v, ping->groups);
         for (uint k = 0; k < ASDIC_WIDTH && first + v * ASDIC_WIDTH + k < plane; k++) {
             uint cell = first + v * ASDIC_WIDTH + k, bin = cell / beams, beam = cell - bin * beams;

@@ -115,6 +115,7 @@ void asdic_simulator_prepare(asdic_simulator *sim, const asdic_water_column *wat
         .rays = sim->sampling.rays,
         .groups = sim->groups,
         .beams = (dev_uint)sim->sonar.receiver_count,
+        .states_errors = !sim->sampling.without_errors,
         .bins = (dev_uint)sim->bins,
         .components = (dev_uint)sim->components,
         .sampler = sampler_code(sim->sampling.sampler),

@@ -270,8 +270,9 @@ static void convert_beam(const asdic_simulator *sim, const double *unit, size_t 
     for (size_t n = 0; n < sim->bins; n++) {
         double echo = total[n];
         total[n] += noise[n];
+        bool stated = echo > 0.0 && !sim->sampling.without_errors;
         out->stderr_db[first + n] =
-            echo > 0.0 ? (float)(stderr_db_of(sim, first + n) * echo / total[n]) : 0.0f;
+            stated ? (float)(stderr_db_of(sim, first + n) * echo / total[n]) : 0.0f;
     }
 }
 

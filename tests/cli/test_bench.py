@@ -27,6 +27,8 @@ def test_error_keeps_its_goals():
             raise AssertionError(rms)
         if not curves["adaptive"]["fewer_rays"] > 3000:
             raise AssertionError(curves["adaptive"]["fewer_rays"])
+        if not -0.05 < scene["stated_error_cost"] < 0.12:
+            raise AssertionError(scene["stated_error_cost"])
         for curve in curves.values():
             errors = [p["rms_db"] for p in curve["points"]]
             tap.equal(errors, sorted(errors, reverse=True), f"{curve['sampler']}: error over rays")
