@@ -138,7 +138,7 @@ static void summarise(const cli *c, const asdic_mission *mission, const asdic_ru
                       const cli_progress *progress) {
     char rate[16];
     const asdic_run_progress *last = &progress->last;
-    if (last->rays == 0) {
+    if (options->times->simulate_s == 0.0) {
         cli_note(c, "%s: complete already", options->folder);
         return;
     }

@@ -26,12 +26,14 @@ def tool(*arguments, cwd, stdin=""):
     return done.stdout
 
 
-def numpy(script, cwd):
-    done = subprocess.run([SYSTEM_PYTHON, "-c", "import sys\ntry:\n import numpy\n"
+def numpy(script, cwd, also=""):
+    """Output of SCRIPT in a Python that has numpy and ALSO, "xarray, ..."."""
+    modules = "numpy" + (", " + also if also else "")
+    done = subprocess.run([SYSTEM_PYTHON, "-c", f"import sys\ntry:\n import {modules}\n"
                            "except ImportError:\n sys.exit(77)\n" + script],
                           cwd=cwd, capture_output=True, text=True, timeout=60, check=False)
     if done.returncode == 77:
-        raise tap.Skip("no numpy")
+        raise tap.Skip("no " + modules)
     if done.returncode:
         raise AssertionError(done.stderr)
     return done.stdout
@@ -155,6 +157,24 @@ def test_netcdf_in_ncdump():
         for line in ("backscatter_r:_DeflateLevel = 1 ;", 'backscatter_r:_Shuffle = "true" ;',
                      'backscatter_r:_Storage = "chunked" ;', "backscatter_r:_FillValue = NaNf ;"):
             tap.contains(storage, line)
+
+
+def test_netcdf_in_xarray():
+    """Its group of beams is a data set: axes by name, levels by coordinates, the bytes of pings.npy."""
+    with Folder() as folder:
+        run = run_of(folder)
+        out = numpy("d = xarray.open_dataset('run.nc', group='Sonar/Beam_group1')\n"
+                    "p = numpy.load('pings.npy')\n"
+                    "for v, c in (('backscatter_r', 'level_db'), ('surface_db', 'surface_db'),\n"
+                    "             ('noise_db', 'noise_db'), ('stderr_db', 'stderr_db')):\n"
+                    "    assert d[v].dims == ('ping_time', 'beam', 'range_sample'), d[v].dims\n"
+                    "    assert d[v].dtype == numpy.float32, d[v].dtype\n"
+                    "    assert numpy.array_equal(d[v].values, p[c], equal_nan=True), v\n"
+                    "assert list(d.beam.values) == ['forward', 'down'], d.beam\n"
+                    "down = d.backscatter_r.sel(beam='down').isel(ping_time=2)\n"
+                    "assert numpy.array_equal(down, p['level_db'][2, 1], equal_nan=True)\n"
+                    "print(dict(d.sizes))\n", run, also="xarray, netCDF4")
+        tap.contains(out, f"'range_sample': {facts(folder, 'r')['bins']}")
 
 
 def test_netcdf_in_gdal():

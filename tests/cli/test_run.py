@@ -59,6 +59,21 @@ def test_times_are_said():
             raise AssertionError(kept)
 
 
+def test_runs_without_rays_are_no_complete_ones():
+    """A flat scene by quadrature traces no ray; what is said of it must not be what a second run says."""
+    program.need_device()
+    with Folder() as folder:
+        path = folder.write("flat.yaml", "version: 1\nbottom: {depth_m: 12, type: sand}\n"
+                            "sonar: {frequency_khz: 450, ping_rate_hz: 10, source_level_db: 200,\n"
+                            "        bin_length_m: 0.5, receivers: [{name: forward}]}\n"
+                            "mission: {pose: {position_m: [0, 0, 7]}, pings: 70}\n"
+                            "sampling: {multipath: off}\n")
+        tap.contains(asdic("run", path, "-o", folder / "r").check(code=0).err, "70 pings, 1 beam")
+        tap.equal(facts(folder, "r")["rays_traced"], 0, "rays")
+        again = asdic("run", path, "-o", folder / "r", "--resume").check(code=0)
+        tap.contains(again.err, "complete already")
+
+
 def test_multipath_has_a_column():
     """A polished wall 25 m ahead shows the ball's back, 29 m away over the wall; off, nothing does."""
     program.need_device()
