@@ -1,10 +1,13 @@
-/* The command line: the words stand between line ends; and the device selector. */
+/* What reaches the program itself: the command line, its words between line ends; the device
+ * selector; the lines that `asdic serve` is sent. */
 #include "targets.h"
 
 #include "cli/cli_state.h"
 #include "cli/commands.h"
+#include "cli/serve.h"
 #include "ocl/opencl.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -75,5 +78,24 @@ void fuzz_arguments(const uint8_t *data, size_t size) {
     }
     select_devices(ctx, words[count - 1]);
     asdic_context_destroy(&ctx);
+    free(text);
+}
+
+void fuzz_serve(const uint8_t *data, size_t size) {
+    serve_reader reader = serve_reader_begin();
+    char *text = calloc(size + 1, 1), *rest = text;
+    if (text && size > 0) {
+        memcpy(text, data, size);
+    }
+    for (char *line; text && (line = strsep(&rest, "\n"));) {
+        serve_request request;
+        char why[SERVE_WHY_SIZE] = "";
+        serve_line kind = serve_read_line(&reader, line, &request, why);
+        if ((kind == SERVE_BAD) != (why[0] != '\0') || reader.fields > SERVE_MAX_FIELDS ||
+            (kind == SERVE_POSE &&
+             !(isfinite(request.pose.position_m.z) && isfinite(request.pose.yaw_rad)))) {
+            abort();
+        }
+    }
     free(text);
 }

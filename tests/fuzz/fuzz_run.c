@@ -1,10 +1,11 @@
-/* A run folder that somebody damaged: either of its two files, beside a good other one. */
+/* A run folder that somebody damaged: one of its files, beside good others. */
 #include "scratch.h"
 #include "targets.h"
 
 #include <asdic/asdic.h>
 
 #include "mission/run_facts.h"
+#include "mission/run_scenery.h"
 #include "mission/run_store.h"
 #include "out/record.h"
 
@@ -107,5 +108,30 @@ void fuzz_records(const uint8_t *data, size_t size) {
     }
     scratch_write("pings.npy", data, size);
     read_all(ctx);
+    asdic_context_destroy(&ctx);
+}
+
+/* terrain.asc and, behind a line "---", objects.csv. */
+void fuzz_scenery(const uint8_t *data, size_t size) {
+    static const char mark[] = "---\n";
+    asdic_context *ctx = NULL;
+    asdic_scenery scenery;
+    if (asdic_context_create(&ctx) != ASDIC_OK) {
+        return;
+    }
+    const uint8_t *cut = size ? memmem(data, size, mark, sizeof mark - 1) : NULL;
+    size_t first = cut ? (size_t)(cut - data) : size, second = cut ? first + sizeof mark - 1 : size;
+    scratch_write("terrain.asc", data, first);
+    scratch_write("objects.csv", data + second, size - second);
+    asdic_status status = asdic_scenery_read(ctx, folder(), &scenery);
+    if (status != ASDIC_OK && (!asdic_context_error(ctx)[0] || scenery.outline_count)) {
+        abort();
+    }
+    size_t cells = scenery.relief.columns * scenery.relief.rows;
+    if (cells > 0) {
+        volatile float last = scenery.relief.depth_m[cells - 1];
+        (void)last;
+    }
+    asdic_scenery_finish(&scenery);
     asdic_context_destroy(&ctx);
 }

@@ -10,6 +10,8 @@ const fuzz_target fuzz_targets[] = {
     {"stl", fuzz_stl},
     {"facts", fuzz_facts},
     {"records", fuzz_records},
+    {"scenery", fuzz_scenery},
     {"arguments", fuzz_arguments},
+    {"serve", fuzz_serve},
     {NULL, NULL},
 };
