@@ -2,9 +2,11 @@
 #include "cli_state.h"
 
 #include <errno.h>
+#include <poll.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #define RED_BOLD "\033[1;31m"
@@ -132,8 +134,25 @@ static int exit_code(asdic_status status) {
     return CLI_FAILED;
 }
 
+/* As if SIGPIPE had ended us, which somebody ignored. */
+#define READER_LEFT (128 + 13)
+
+/* Whether the data were to go to stdout ("-o -"), where nobody reads any more. */
+static bool reader_left(const cli *c) {
+    struct pollfd out = {.fd = STDOUT_FILENO, .events = POLLOUT};
+    bool to_stdout = false;
+    for (size_t i = 0; i < c->option_count; i++) {
+        to_stdout |= strcmp(c->options[i]->name, "output") == 0 && c->values[i] &&
+                     strcmp(c->values[i], "-") == 0;
+    }
+    return to_stdout && poll(&out, 1, 0) == 1 && (out.revents & POLLERR);
+}
+
 int cli_end(const cli *c, asdic_status status) {
     const char *text = asdic_context_error(c->ctx);
+    if (status == ASDIC_ERROR_IO && reader_left(c)) {
+        return READER_LEFT;
+    }
     if (status == ASDIC_ERROR_INTERRUPTED) {
         cli_note(c, "%s", text[0] ? text : "interrupted");
     } else if (status != ASDIC_OK) {
@@ -142,15 +161,25 @@ int cli_end(const cli *c, asdic_status status) {
     return exit_code(status);
 }
 
+/* Why an earlier write to stdout failed, which stdio does not keep: the system is asked again where a
+ * byte too many does no harm. 0: not known. */
+static int earlier_error(void) {
+    struct stat st;
+    bool is_harmless = fstat(STDOUT_FILENO, &st) == 0 && !S_ISREG(st.st_mode);
+    return is_harmless && write(STDOUT_FILENO, "", 1) < 0 ? errno : 0;
+}
+
 int cli_close_output(const cli *c, int code) {
     bool failed = ferror(stdout) != 0;
+    int error = failed ? earlier_error() : 0;
     errno = 0;
     if (fclose(stdout) != 0 || failed) {
-        if (errno == EPIPE) {
-            return 128 + 13; /* as if SIGPIPE, which somebody ignored, had ended us */
+        error = error ? error : errno;
+        if (error == EPIPE) {
+            return READER_LEFT;
         }
         cli_error(c, "cannot write to standard output: %s",
-                  errno ? strerror(errno) : "an earlier write failed");
+                  error ? strerror(error) : "an earlier write failed");
         return code == CLI_OK ? CLI_FAILED : code;
     }
     return code;

@@ -29,6 +29,7 @@ static FILE *open_stdout(void) {
     FILE *stream = fd >= 0 ? fdopen(fd, "wb") : NULL;
     if (!stream && fd >= 0) {
         close(fd);
+        errno = EBADF; /* not open for writing: stdio says it another way */
     }
     return stream;
 }
@@ -78,12 +79,22 @@ FILE *asdic_file_stream(asdic_file *file) {
     return file->stream;
 }
 
+/* Why an earlier write failed, which the stream does not keep: the system is asked again where a byte
+ * too many does no harm. */
+static int earlier_error(const asdic_file *file) {
+    struct stat st;
+    int fd = fileno(file->stream);
+    bool is_harmless = file->part || (fstat(fd, &st) == 0 && !S_ISREG(st.st_mode));
+    return is_harmless && write(fd, "", 1) < 0 ? errno : EIO;
+}
+
 /* The first error of the stream, then of the disk: a full disk may only show when flushed. */
 static int file_close(asdic_file *file) {
     int error = 0;
-    errno = 0;
-    if (ferror(file->stream) || fflush(file->stream) != 0) {
-        error = errno ? errno : EIO;
+    if (ferror(file->stream)) {
+        error = earlier_error(file);
+    } else if (fflush(file->stream) != 0) {
+        error = errno;
     }
     if (!error && file->part && fsync(fileno(file->stream)) != 0) {
         error = errno;

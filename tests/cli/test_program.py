@@ -4,7 +4,8 @@ import signal
 import subprocess
 
 import tap
-from program import PATH, Result, asdic, asdic_on_terminal
+from program import PATH, Folder, Result, asdic, asdic_on_terminal, need_device
+from run_folder import same
 
 
 def test_no_command_is_a_usage_error():
@@ -63,31 +64,76 @@ def test_colours_are_for_terminals_only():
     tap.lacks(asdic_on_terminal("devcies", TERM="dumb").err, "\033")
 
 
-def test_full_disk_is_noticed():
-    if not os.path.exists("/dev/full"):
-        raise tap.Skip("there is no /dev/full")
-    with open("/dev/full", "w", encoding="utf-8") as full:
-        done = subprocess.run([PATH, "help"], stdout=full, stderr=subprocess.PIPE, text=True,
-                              check=False)
-    Result(done.returncode, "", done.stderr).check(
-        code=1, err="error: cannot write to standard output: No space left on device\n")
+SCENE = """version: 1
+bottom: {depth_m: 12}
+sonar: {frequency_khz: 100, receivers: [{name: a}]}
+mission: {pose: {position_m: [0, 0, 5]}, pings: 3}
+sampling: {rays: 64}
+"""
+# Commands that write to stdout: little, much, by way of a file of the library, line by line.
+WRITERS = (["help"], ["schema"], ["expect", "s.yaml", "-o", "-"], ["run", "s.yaml", "-o", "-"],
+           ["serve", "s.yaml"])
 
 
-def with_closed_pipe(ignore):
-    """'asdic help' when nobody reads its output; IGNORE: the parent ignores SIGPIPE."""
-    reader, writer = os.pipe()
-    os.close(reader)
-    done = subprocess.run([PATH, "help"], stdout=writer, stderr=subprocess.PIPE, text=True,
-                          check=False, restore_signals=False,
-                          preexec_fn=lambda: signal.signal(
-                              signal.SIGPIPE, signal.SIG_IGN if ignore else signal.SIG_DFL))
-    os.close(writer)
+def write_to(stdout, command, folder, ignore=False):
+    """COMMAND with that STDOUT, None: closed; IGNORE: the parent ignores SIGPIPE."""
+    def prepare():
+        signal.signal(signal.SIGPIPE, signal.SIG_IGN if ignore else signal.SIG_DFL)
+        if stdout is None:
+            os.close(1)
+    done = subprocess.run([PATH, *command], stdout=stdout, stderr=subprocess.PIPE, text=True,
+                          input="0,0,0,5,0,0,0\n", check=False, cwd=folder.path,
+                          restore_signals=False, preexec_fn=prepare)
     return Result(done.returncode, "", done.stderr)
 
 
+def writers():
+    has_device = asdic("devices").code == 0
+    return [words for words in WRITERS if has_device or words[0] not in ("run", "serve")]
+
+
+def test_full_disk_is_noticed():
+    if not os.path.exists("/dev/full"):
+        raise tap.Skip("there is no /dev/full")
+    with Folder() as folder, open("/dev/full", "w", encoding="utf-8") as full:
+        folder.write("s.yaml", SCENE)
+        for command in writers():
+            done = write_to(full, command, folder).check(code=1)
+            tap.contains(done.err, "error: cannot write ")
+            tap.equal(done.err.endswith(": No space left on device\n"), True, f"{command}: {done.err}")
+            tap.equal(done.err.count("\n"), 1, f"sentences of {command}")
+
+
 def test_closed_pipe_ends_quietly():
-    with_closed_pipe(ignore=True).check(code=141, err="")
-    with_closed_pipe(ignore=False).check(code=-signal.SIGPIPE, err="")
+    reader, writer = os.pipe()
+    os.close(reader)
+    with Folder() as folder:
+        folder.write("s.yaml", SCENE)
+        for command in writers():
+            write_to(writer, command, folder, ignore=True).check(code=141, err="")
+            write_to(writer, command, folder).check(code=-signal.SIGPIPE, err="")
+    os.close(writer)
+
+
+def test_closed_stdout_is_noticed():
+    with Folder() as folder:
+        folder.write("s.yaml", SCENE)
+        for command in writers():
+            done = write_to(None, command, folder).check(code=1)
+            tap.contains(done.err, ": Bad file descriptor\n")
+
+
+def test_closed_streams_do_not_become_files():
+    need_device()
+    with Folder() as folder:
+        path = folder.write("s.yaml", SCENE)
+        asdic("run", path, "-o", folder / "whole").check(code=0)
+        for name, redirection in (("out", ">&-"), ("err", "2>&-"), ("all", "<&- >&- 2>&-")):
+            run = folder / name
+            done = subprocess.run(["sh", "-c", f'"$0" run "$1" -v -o "$2" {redirection}', PATH,
+                                   path, run], check=False, capture_output=True)
+            tap.equal(done.returncode, 0, f"exit code with {redirection}")
+            same(folder, "whole", name)
 
 
 tap.main(globals())
