@@ -1,8 +1,8 @@
 #include "context.h"
 
 #include <pthread.h>
-#include <signal.h>
 #include <stdarg.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -12,7 +12,7 @@ struct asdic_context {
     asdic_log_level level;
     asdic_log_fn log;
     void *user;
-    volatile sig_atomic_t interrupted;
+    atomic_bool interrupted; /* set by signal handlers, read by every thread */
 };
 
 asdic_status asdic_context_create(asdic_context **out) {
@@ -55,14 +55,20 @@ const char *asdic_context_error(const asdic_context *ctx) {
     return ctx ? ctx->error : "no context";
 }
 
+void asdic_context_copy_error(asdic_context *ctx, char *out, size_t size) {
+    pthread_mutex_lock(&ctx->lock);
+    snprintf(out, size, "%s", ctx->error);
+    pthread_mutex_unlock(&ctx->lock);
+}
+
 void asdic_context_interrupt(asdic_context *ctx) {
     if (ctx) {
-        ctx->interrupted = 1;
+        atomic_store(&ctx->interrupted, true);
     }
 }
 
 bool asdic_context_interrupted(const asdic_context *ctx) {
-    return ctx && ctx->interrupted;
+    return ctx && atomic_load(&ctx->interrupted);
 }
 
 asdic_status asdic_fail(asdic_context *ctx, asdic_status status, const char *format, ...) {

@@ -17,6 +17,9 @@ asdic_status asdic_fail_null(asdic_context *ctx, const char *function);
 /* Out of memory while allocating WHAT ("1000 bins"). */
 asdic_status asdic_fail_memory(asdic_context *ctx, const char *what);
 
+/* The last error into OUT of SIZE bytes, whole, while other threads may fail as well. */
+void asdic_context_copy_error(asdic_context *ctx, char *out, size_t size);
+
 void asdic_log(asdic_context *ctx, asdic_log_level level, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 

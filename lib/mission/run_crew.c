@@ -246,10 +246,12 @@ static void *run_crew(void *argument) {
         }
     }
     /* Stopped, interrupted, or out of touch: nothing more comes from the others. */
+    char why[ASDIC_MESSAGE_TEXT];
+    asdic_context_copy_error(c->queue->ctx, why, sizeof why);
     c->silent = 0;
     for (size_t i = 0; i < c->helper_count; i++) {
         if (status != ASDIC_OK && !c->helpers[i].is_lost) {
-            lose(c, &c->helpers[i], status, asdic_context_error(c->queue->ctx));
+            lose(c, &c->helpers[i], status, why);
         }
         c->helpers[i].is_lost = true;
     }
@@ -267,12 +269,15 @@ asdic_status asdic_crew_start(asdic_queue *q, asdic_team *team, asdic_crew **out
     }
     *c = (asdic_crew){.queue = q, .team = team, .silent = team->size - 1, .is_alive = true};
     c->has_spoken = calloc(team->size, sizeof *c->has_spoken);
-    if (!c->has_spoken || pthread_create(&c->thread, NULL, run_crew, c) != 0) {
+    pthread_mutex_lock(&q->lock); /* the thread may leave the queue before it has been counted */
+    bool is_started = c->has_spoken && pthread_create(&c->thread, NULL, run_crew, c) == 0;
+    q->alive += is_started;
+    pthread_mutex_unlock(&q->lock);
+    if (!is_started) {
         free(c->has_spoken);
         free(c);
         return asdic_fail_memory(q->ctx, "a thread");
     }
-    q->alive++;
     *out = c;
     return ASDIC_OK;
 }

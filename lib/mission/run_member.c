@@ -110,7 +110,7 @@ static void report_failure(hand *h, asdic_status status) {
                                              .status = (int32_t)status},
                              ASDIC_MESSAGE_TEXT);
     if (l) {
-        snprintf(l->payload, ASDIC_MESSAGE_TEXT, "%s", asdic_context_error(h->member->job->ctx));
+        asdic_context_copy_error(h->member->job->ctx, l->payload, ASDIC_MESSAGE_TEXT);
         post(h->member, l);
     }
 }

@@ -125,7 +125,7 @@ static asdic_status work_through(queue *q, worker *w) {
 /* Says goodbye: what was dealt to this worker is for others. */
 static void retire(queue *q, worker *w, asdic_status status) {
     char why[512];
-    snprintf(why, sizeof why, "%s", asdic_context_error(q->ctx));
+    asdic_context_copy_error(q->ctx, why, sizeof why);
     pthread_mutex_lock(&q->lock);
     asdic_queue_return(q, w->own);
     q->alive--;
