@@ -183,6 +183,18 @@ static asdic_status make_comment(const ply_file *ply, const asdic_line *line) {
     return ASDIC_OK;
 }
 
+/* A vertical tab ends a word for OpenMesh, which reads on forever behind "element v\ve 0". */
+static asdic_status check_characters(const ply_file *ply, const asdic_line *line) {
+    for (const char *at = line->at; at < line->end; at++) {
+        unsigned char byte = (unsigned char)*at;
+        if (byte < ' ' && byte != '\t' && byte != '\r') {
+            return asdic_mesh_scan_fail(ply->scan, line->number,
+                                        "a control character (%d) in the header", byte);
+        }
+    }
+    return ASDIC_OK;
+}
+
 static asdic_status scan_header(ply_file *ply) {
     asdic_line line = {0};
     bool format = false;
@@ -190,7 +202,10 @@ static asdic_status scan_header(ply_file *ply) {
         return asdic_mesh_scan_fail(ply->scan, 1, "does not start with 'ply'");
     }
     while (asdic_line_next(ply->scan, &line)) {
-        asdic_status status = ASDIC_OK;
+        asdic_status status = check_characters(ply, &line);
+        if (status != ASDIC_OK) {
+            return status;
+        }
         if (asdic_line_take_word(&line, "end_header")) {
             if (!format) {
                 break;

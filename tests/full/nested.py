@@ -1,8 +1,9 @@
 """Builds the project another way inside the build folder, and runs its tests if asked to.
 
-    nested.py FOLDER SOURCE [--tests] [--then TEST.py] [MESON_OPTION...]
+    nested.py FOLDER SOURCE [--tests | --only NAME,NAME...] [--then TEST.py] [MESON_OPTION...]
 
-Compilers come from CC and CXX; TEST.py is run on the program that was built.
+Compilers come from CC and CXX; --tests runs the default tests, --only those of them that are named;
+TEST.py is run on the program that was built.
 """
 import json
 import os
@@ -35,22 +36,30 @@ def report_tests(folder):
     return good
 
 
+def take(options, name):
+    """The word behind NAME, which leaves OPTIONS with it; None without."""
+    if name not in options:
+        return None
+    at = options.index(name)
+    word = options[at + 1]
+    del options[at:at + 2]
+    return word
+
+
 def main():
     folder, source, *options = sys.argv[1:]
-    tests = "--tests" in options
+    only = take(options, "--only")
+    then = take(options, "--then")
+    tests = only is not None or "--tests" in options
     options = [option for option in options if option != "--tests"]
-    then = None
-    if "--then" in options:
-        at = options.index("--then")
-        then = options[at + 1]
-        del options[at:at + 2]
+    names = only.split(",") if only else []
     meson = ["meson", "setup", folder, source, *options]
     if os.path.exists(f"{folder}/build.ninja"):
         meson.insert(2, "--reconfigure")
     good = run(1, "configure", meson) and run(2, "compile", ["meson", "compile", "-C", folder])
     if good and tests:
         subprocess.run(["meson", "test", "-C", folder, "--no-rebuild",
-                        "--setup", "quick", "-t", "8"], check=False,
+                        "--setup", "quick", "-t", "8", *names], check=False,
                        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         good = report_tests(folder)
     if good and then:
