@@ -4,6 +4,10 @@
  */
 #include "receive.h"
 
+/* Up to so many receivers are served one after the other, each with the parcels of ASDIC_WIDTH rays;
+ * more at once, parcel by parcel. */
+#define FEW_BEAMS 2u
+
 /* ASDIC_WIDTH receivers, from FIRST on, towards as many directions. */
 typedef struct weights {
     real of_beam[ASDIC_WIDTH];
@@ -46,42 +50,63 @@ static uint add_parcel(const world *w, __global const dev_parcel *parcel, __glob
     return cut;
 }
 
-/* The parcels of ASDIC_WIDTH rays to the receivers from FIRST on. */
-static uint add_rays(const world *w, __global const dev_parcel *parcels, __global long *cells,
-                     natural slots, uint first) {
-    const uint all = batch_slots(w->ping);
+/* The first ASDIC_WIDTH parcels of SET, where ON, to the receivers from FIRST on. */
+static uint add_parcels(const world *w, __global const dev_parcel *set, __global long *cells,
+                        mask on, const weights *g, uint first) {
     uint cut = 0u;
-    mask more;
-    triple u, across;
-    LANES {
-        __global const dev_parcel *p = parcels + AT(slots, uint);
-        AT(u.x, float) = p->direction[0];
-        AT(u.y, float) = p->direction[1];
-        AT(u.z, float) = p->direction[2];
-        AT(more, int) = p->more != 0u ? -1 : 0;
-    }
-    weights g = weigh(w, first, u);
-    LANES {
-        cut += add_parcel(w, parcels + AT(slots, uint), cells, &g, lane, first);
-    }
-    if (!any_true(more)) {
+    if (w->ping->beams <= FEW_BEAMS) {
+        arrivals a;
+        a.count = MAX_ARRIVALS;
+        LANES {
+            __global const dev_parcel *p = set + lane;
+            bool here = AT(on, int) != 0;
+            for (uint c = 0; c < MAX_ARRIVALS; c++) {
+                AT(a.row[c], uint) = here ? p->row[c] : 0u;
+                AT(a.quanta[c], float) = here ? p->quanta[c] : 0.0f;
+            }
+        }
+        for (uint b = 0; b < ASDIC_WIDTH && first + b < w->ping->beams; b++) {
+            natural column = (natural)(first + b);
+            cut += add_column(w, &a, cells, (natural)(0u), column, g->of_beam[b]);
+        }
         return cut;
     }
     LANES {
-        __global const dev_parcel *p =
-            parcels + DEV_PARCEL_ACROSS * (size_t)(all) + AT(slots, uint);
-        bool here = AT(more, int) != 0;
-        AT(across.x, float) = here ? p->direction[0] : 1.0f;
-        AT(across.y, float) = here ? p->direction[1] : 0.0f;
-        AT(across.z, float) = here ? p->direction[2] : 0.0f;
-    }
-    weights back = weigh(w, first, across);
-    LANES {
-        if (AT(more, int) != 0) {
-            __global const dev_parcel *p = parcels + AT(slots, uint);
-            cut += add_parcel(w, p + DEV_PARCEL_ALONG * (size_t)(all), cells, &g, lane, first);
-            cut += add_parcel(w, p + DEV_PARCEL_ACROSS * (size_t)(all), cells, &back, lane, first);
+        if (AT(on, int) != 0) {
+            cut += add_parcel(w, set + lane, cells, g, lane, first);
         }
+    }
+    return cut;
+}
+
+static triple parcel_directions(__global const dev_parcel *set, mask on) {
+    triple u;
+    LANES {
+        __global const dev_parcel *p = set + lane;
+        bool here = AT(on, int) != 0;
+        AT(u.x, float) = here ? p->direction[0] : 1.0f;
+        AT(u.y, float) = here ? p->direction[1] : 0.0f;
+        AT(u.z, float) = here ? p->direction[2] : 0.0f;
+    }
+    return u;
+}
+
+/* All parcels of ASDIC_WIDTH rays to the receivers from FIRST on. */
+static uint add_rays(const world *w, __global const dev_parcel *direct, __global long *cells,
+                     uint first) {
+    size_t all = batch_slots(w->ping);
+    __global const dev_parcel *along = direct + DEV_PARCEL_ALONG * all;
+    __global const dev_parcel *across = direct + DEV_PARCEL_ACROSS * all;
+    mask every = (mask)(-1), more;
+    LANES {
+        AT(more, int) = direct[lane].more != 0u ? -1 : 0;
+    }
+    weights g = weigh(w, first, parcel_directions(direct, every));
+    uint cut = add_parcels(w, direct, cells, every, &g, first);
+    if (any_true(more)) {
+        cut += add_parcels(w, along, cells, more, &g, first);
+        g = weigh(w, first, parcel_directions(across, more));
+        cut += add_parcels(w, across, cells, more, &g, first);
     }
     return cut;
 }
@@ -95,12 +120,8 @@ __kernel void collect(__global const dev_ping *ping, __global const dev_parcel *
     world w = {ping, beams_of(ping), 0, 0, 0};
     __global long *cells = accumulator + group * (size_t)(ping->group_cells);
     for (uint k = 0; k < ping->per_group; k += ASDIC_WIDTH) {
-        natural slots;
-        LANES {
-            AT(slots, uint) = slot_of(ping, (k + lane) * ping->groups + group);
-        }
         for (uint first = 0; first < ping->beams; first += ASDIC_WIDTH) {
-            cut += add_rays(&w, parcels, cells, slots, first);
+            cut += add_rays(&w, parcels + group * ping->per_group + k, cells, first);
         }
     }
     if (ping->last_batch != 0u) {

@@ -43,7 +43,7 @@ static dev_ray lane_ray(const triple *from, const triple *to, real t_max, uint s
 
 /* Switches off the rays from AT to END. */
 static void end_piece(__global dev_ray *rays, uint at, uint end) {
-    dev_ray off = {{0.0f, 0.0f, 0.0f}, 0.0f, {0.0f, 0.0f, 1.0f}, NO_SLOT};
+    dev_ray off = {{0.0f, 0.0f, 0.0f}, 0.0f, {0.0f, 0.0f, 1.0f}, NO_RAY};
     for (; at < end; at++) {
         rays[at] = off;
     }

@@ -65,7 +65,7 @@ static uint connect_rays(const world *w, __global const dev_ray *bounced,
     natural slots = slots_from(slot);
     real d1;
     LANES {
-        AT(d1, float) = bounced[slot + lane].source == NO_SLOT ? 0.0f : mirrors[slot + lane].y;
+        AT(d1, float) = bounced[slot + lane].source == NO_RAY ? 0.0f : mirrors[slot + lane].y;
     }
     triple u = load_directions(bounced, slots), from = load_origins(bounced, slots);
     meeting m = meet_bounced(w, bounced, hits, slots, u, from);
@@ -107,7 +107,7 @@ __kernel void connect(__global const dev_ping *ping, __global const dev_ray *bou
     uint first = (uint)(get_global_id(0)) * PIECE, at = first;
     uint end = min(first + PIECE, batch_slots(ping));
     world w = {ping, beams_of(ping), triangles, parts, materials};
-    for (uint slot = first; slot < end && bounced[slot].source != NO_SLOT; slot += ASDIC_WIDTH) {
+    for (uint slot = first; slot < end && bounced[slot].source != NO_RAY; slot += ASDIC_WIDTH) {
         at = connect_rays(&w, bounced, hits, mirrors, returning, slot, at);
     }
     end_piece(returning, at, end);
@@ -135,13 +135,13 @@ static uint shade_bounces(const world *w, const bounce_store *store, const sink 
     mask on;
     LANES { /* the first lane is on; what the others lack it lends them */
         uint own = store->returning[slot + lane].source;
-        uint mirror = own == NO_SLOT ? store->returning[slot].source : own;
+        uint mirror = own == NO_RAY ? store->returning[slot].source : own;
         float4 what = store->mirrors[mirror];
         uint source = store->bounced[mirror].source;
-        AT(on, int) = own == NO_SLOT ? 0 : -1;
+        AT(on, int) = own == NO_RAY ? 0 : -1;
         AT(mirrors, uint) = mirror;
         AT(sources, uint) = source;
-        AT(targets, uint) = own == NO_SLOT ? NO_SLOT : source;
+        AT(targets, uint) = own == NO_RAY ? NO_RAY : ray_in(ping, source);
         AT(share, float) = what.x;
         AT(d1, float) = what.y;
         AT(bend, float) = what.z;
@@ -216,7 +216,7 @@ __kernel void bounce(__global const dev_ping *ping, __global const dev_ray *rays
     sink to = {accumulator, parcels};
     bounce_store store = {rays,           bounced,      returning, bounced_hits,
                           returning_hits, solid_angles, mirrors};
-    for (uint slot = first; slot < end && returning[slot].source != NO_SLOT; slot += ASDIC_WIDTH) {
+    for (uint slot = first; slot < end && returning[slot].source != NO_RAY; slot += ASDIC_WIDTH) {
         cut += shade_bounces(&w, &store, &to, slot);
     }
     if (cut != 0u) {

@@ -6,41 +6,60 @@
  * should lie together, for the packets that trace them and for the triangles that they share.
  * The samplers' lattices step through azimuth by the golden section and slowly through elevation:
  * among F neighbours, F a Fibonacci number, ray r is the (r F' mod F)-th by azimuth, F' being the
- * Fibonacci number before F. So blocks of F rays are stored by azimuth; what is left at the end of a
- * batch stays as it is. Any other order would give the same bytes.
+ * Fibonacci number before F. So blocks of F rays are stored by azimuth, the j-th being ray j I mod F
+ * with I F' = 1 modulo F; what is left at the end of a batch stays as it is. Any other order would
+ * give the same bytes.
  */
 #ifndef ASDIC_KERNEL_ORDER_H
 #define ASDIC_KERNEL_ORDER_H
 
 #include "ping_types.h"
+#include "real.h"
 
-/* A lane without a ray; what it sends is 0. */
-#define NO_SLOT 0xffffffffu
+/* A lane without a ray. */
+#define NO_RAY 0xffffffffu
 
 /* Slots of a batch, a multiple of the vectors' width. */
 static inline uint batch_slots(__global const dev_ping *ping) {
     return ping->groups * ping->per_group;
 }
 
-static inline uint permuted(__global const dev_ping *ping, uint at, uint step) {
-    uint first = at / ping->order_block * ping->order_block;
-    bool whole = first + ping->order_block <= batch_slots(ping);
-    return whole ? first + (at - first) * step % ping->order_block : at;
+/* The rays in SLOT and the slots that follow it, a lane each, counted from the first of the batch. */
+static inline natural rays_in(__global const dev_ping *ping, uint slot) {
+    const uint block = ping->order_block;
+    natural lane, image, first = (natural)(slot / block * block);
+#if ASDIC_WIDTH == 1
+    lane = image = 0u;
+#else
+    for (uint k = 0; k < ASDIC_WIDTH; k++) {
+        ((uint *)&lane)[k] = k;
+    }
+    image = ASDIC_JOIN(vload, ASDIC_WIDTH)(0, ping->order_lanes);
+#endif
+    natural at = slot - first + lane;
+    image += (slot - first) * ping->order_inverse % block;
+    image = choose_natural(image >= block, image - block, image);
+    natural next = choose_natural(at >= block, (natural)(block), (natural)(0u));
+    at -= next;
+    first += next;
+    return first + choose_natural(first + block <= batch_slots(ping), image, at);
 }
 
-/* The ray in SLOT, counted from the first of the batch. */
+/* The ray in SLOT. */
 static inline uint ray_in(__global const dev_ping *ping, uint slot) {
-    return permuted(ping, slot, ping->order_inverse);
+    uint first = slot / ping->order_block * ping->order_block, at = slot - first;
+    bool whole = first + ping->order_block <= batch_slots(ping);
+    return first + (whole ? at * ping->order_inverse % ping->order_block : at);
 }
 
-/* The slot of a ray, counted from the first of the batch. */
-static inline uint slot_of(__global const dev_ping *ping, uint ray) {
-    return permuted(ping, ray, ping->order_step);
+/* A batch begins with a ray of group 0; the number of groups is a power of two. */
+static inline uint group_of(__global const dev_ping *ping, uint ray) {
+    return ray & (ping->groups - 1u);
 }
 
-/* A batch begins with a ray of group 0. */
-static inline uint group_in(__global const dev_ping *ping, uint slot) {
-    return ray_in(ping, slot) % ping->groups;
+/* Where a ray stands when the batch is counted group by group. */
+static inline uint place_of(__global const dev_ping *ping, uint ray) {
+    return group_of(ping, ray) * ping->per_group + (ray >> popcount(ping->groups - 1u));
 }
 
 #endif

@@ -72,7 +72,7 @@ typedef struct dev_parcel {
     float quanta[4];
 } dev_parcel; /* 48 bytes */
 
-/* Sets of parcels, each with one per slot. */
+/* Sets of parcels, each with one per ray, group by group. */
 #define DEV_PARCEL_DIRECT 0 /* echo and water */
 #define DEV_PARCEL_ALONG 1  /* from mirrors, in the ray's own direction */
 #define DEV_PARCEL_ACROSS 2 /* from mirrors, straight from what they showed */
@@ -102,7 +102,8 @@ typedef struct dev_ping {
     dev_uint component_rows;    /* of the accumulator, from one component to the next */
     dev_uint group_cells;       /* of the accumulator, from one group to the next */
     dev_uint present;           /* a bit for each component that something can be added to */
-    dev_uint order_block, order_step, order_inverse; /* see order.h */
+    dev_uint order_block, order_inverse; /* see order.h: F, I */
+    dev_uint order_lanes[16];            /* k I modulo F */
     dev_uint fan_cells;
     float fan_begin_rad, fan_cells_per_rad;
     float fan_rows[9]; /* world to fan: x ahead, y to starboard, z the faces' common axis */

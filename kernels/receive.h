@@ -49,24 +49,12 @@ static void arrivals_add_echo(const world *w, arrivals *a, natural component,
     arrivals_add(w, a, component, min(echo->bin + 1u, last), echo->second);
 }
 
-/* Where arrivals go: the accumulator, or parcels [set][slot] on their way to it. */
+/* Where arrivals go: the accumulator, or parcels [set][ray, group by group]
+ * on their way to it. */
 typedef struct sink {
     __global long *accumulator;
     __global dev_parcel *parcels;
 } sink;
-
-#if ASDIC_FAN || ASDIC_DEPOSIT != DEPOSIT_OWNED
-
-/* First cells of the groups that SLOTS belong to. */
-static natural cells_of(const world *w, natural slots) {
-    natural first = (natural)(0u);
-    if (w->ping->groups > 1u) {
-        LANES {
-            AT(first, uint) = group_in(w->ping, AT(slots, uint)) * w->ping->group_cells;
-        }
-    }
-    return first;
-}
 
 /* Adds GAIN times every parcel to column COLUMN of its row, behind cell FIRST; returns how many had
  * to be cut. */
@@ -87,7 +75,16 @@ static uint add_column(const world *w, const arrivals *a, __global long *cells, 
     return cut;
 }
 
-#endif
+/* First cells of the groups that RAYS belong to. */
+static natural cells_of(const world *w, natural rays) {
+    natural first = (natural)(0u);
+    if (w->ping->groups > 1u) {
+        LANES {
+            AT(first, uint) = group_of(w->ping, AT(rays, uint)) * w->ping->group_cells;
+        }
+    }
+    return first;
+}
 
 #if ASDIC_FAN
 
@@ -117,12 +114,12 @@ static void touch(const world *w, const arrivals *a, __global long *cells, natur
     }
 }
 
-static uint receive(const world *w, const sink *to, uint set, const arrivals *a, natural slots,
+static uint receive(const world *w, const sink *to, uint set, const arrivals *a, natural rays,
                     triple u) {
     __global const dev_ping *ping = w->ping;
     __global const float *f = ping->fan_rows;
     __global long *cells = to->accumulator;
-    natural first = cells_of(w, slots);
+    natural first = cells_of(w, rays);
     real x = f[0] * u.x + f[1] * u.y + f[2] * u.z;
     real y = f[3] * u.x + f[4] * u.y + f[5] * u.z;
     real s = f[6] * u.x + f[7] * u.y + f[8] * u.z;
@@ -167,7 +164,7 @@ static uint receive(const world *w, const sink *to, uint set, const arrivals *a,
 
 /* Keeps arrivals as parcels of SET; collect.cl counts what has to be cut. A direct parcel says that
  * no others follow; those that do change that. */
-static uint receive(const world *w, const sink *to, uint set, const arrivals *a, natural slots,
+static uint receive(const world *w, const sink *to, uint set, const arrivals *a, natural rays,
                     triple u) {
     __global dev_parcel *direct = to->parcels;
     __global dev_parcel *parcels = to->parcels + (size_t)(set)*batch_slots(w->ping);
@@ -181,11 +178,11 @@ static uint receive(const world *w, const sink *to, uint set, const arrivals *a,
             p.row[c] = c < a->count ? AT(a->row[c], const uint) : 0u;
             p.quanta[c] = c < a->count ? AT(a->quanta[c], const float) : 0.0f;
         }
-        uint slot = AT(slots, uint);
-        if (slot != NO_SLOT) {
-            parcels[slot] = p;
+        if (AT(rays, uint) != NO_RAY) {
+            uint place = place_of(w->ping, AT(rays, uint));
+            parcels[place] = p;
             if (set != DEV_PARCEL_DIRECT) {
-                direct[slot].more = 1u;
+                direct[place].more = 1u;
             }
         }
     }
@@ -194,10 +191,10 @@ static uint receive(const world *w, const sink *to, uint set, const arrivals *a,
 
 #else
 
-static uint receive(const world *w, const sink *to, uint set, const arrivals *a, natural slots,
+static uint receive(const world *w, const sink *to, uint set, const arrivals *a, natural rays,
                     triple u) {
     uint cut = 0u;
-    natural first = cells_of(w, slots);
+    natural first = cells_of(w, rays);
     for (uint b = 0; b < w->ping->beams; b++) {
         real gain = gain_towards(w->ping, w->beams + 1u + b, u.x, u.y, u.z);
         cut += add_column(w, a, to->accumulator, first, (natural)(b), gain);

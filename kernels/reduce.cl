@@ -11,10 +11,10 @@ __kernel void suffix(__global const dev_ping *ping, __global long *accumulator) 
     if (group >= ping->groups) {
         return;
     }
-    size_t plane = (size_t)(ping->component_rows) * ping->beams;
+    size_t plane = (size_t)(ping->component_rows) * ping->columns;
     deposit_sum_crossings(accumulator + group * (size_t)(ping->group_cells) +
                               DEV_DEPOSIT_VOLUME * plane + beam,
-                          ping->bins, ping->beams);
+                          ping->bins, ping->columns);
 }
 
 /* Cells that a work-item sums, in vectors: long runs of memory. */
@@ -23,6 +23,9 @@ __kernel void suffix(__global const dev_ping *ping, __global long *accumulator) 
 #else
 #define VECTORS 4
 #endif
+
+#define RUN (VECTORS * ASDIC_WIDTH)
+#define NO_PLACE 0xffffffffu
 
 /* Relative standard error of the sum of the groups' TOTALS, each VECTORS from the last. */
 static real spread(const real *totals, uint groups) {
@@ -59,23 +62,32 @@ static void sum_component(__global const dev_ping *ping, __global long *cells, c
 }
 
 /*
- * One work-item per run of cells (bin, beam): sums over groups for every component, then the relative
- * standard error of the total. RESULTS holds a plane [beam][bin] of sums per component, left alone
- * where nothing can be present, the number of deposits that had to be cut, and a plane of floats.
+ * One work-item per run of cells (bin, column): sums over groups for every component, then the
+ * relative standard error of the total. RESULTS holds a plane [beam][bin] of sums per component, left
+ * alone where nothing can be present, the number of deposits that had to be cut, and a plane of floats.
  * VOLUME_RATIO[bin] turns water quanta into units of the bin's TL d^2. Clears what it read, for the
  * next ping.
  */
 __kernel void reduce(__global const dev_ping *ping, __global long *accumulator,
                      __global const float *volume_ratio, __global uint *saturated,
                      __global long *results) {
-    const uint run = VECTORS * ASDIC_WIDTH, beams = ping->beams, bins = ping->bins;
-    const uint first = (uint)(get_global_id(0)) * run;
+    const uint beams = ping->beams, bins = ping->bins, columns = ping->columns;
+    const uint first = (uint)(get_global_id(0)) * RUN;
     const size_t plane = (size_t)(bins)*beams;
-    if (first >= plane) {
+    if (first / columns >= bins) {
         return;
     }
-    real totals[DEV_MAX_GROUPS * VECTORS], units[VECTORS];
+    real totals[DEV_MAX_GROUPS * VECTORS], ratios[VECTORS], units[VECTORS];
     wholes sums[VECTORS];
+    uint place[RUN]; /* of every cell in a plane of the results, or NO_PLACE */
+    uint bin = first / columns, beam = first - bin * columns;
+    for (uint k = 0; k < RUN; k++) {
+        place[k] = bin < bins && beam < beams ? beam * bins + bin : NO_PLACE;
+        ((float *)ratios)[k] = bin < bins ? volume_ratio[bin] : 0.0f;
+        bool next = ++beam == columns;
+        beam = next ? 0u : beam;
+        bin += next ? 1u : 0u;
+    }
     for (uint i = 0; i < ping->groups * VECTORS; i++) {
         totals[i] = R(0.0);
     }
@@ -83,24 +95,26 @@ __kernel void reduce(__global const dev_ping *ping, __global long *accumulator,
         if ((ping->present & 1u << c) == 0u) {
             continue;
         }
-        for (uint k = 0; k < run; k++) {
-            float unit = 1.0f / ping->deposit_scale[c];
-            uint bin = min((first + k) / beams, bins - 1u);
-            ((float *)units)[k] = c == DEV_DEPOSIT_VOLUME ? unit * volume_ratio[bin] : unit;
+        real unit = (real)(1.0f / ping->deposit_scale[c]);
+        for (uint v = 0; v < VECTORS; v++) {
+            units[v] = c == DEV_DEPOSIT_VOLUME ? unit * ratios[v] : unit;
         }
-        __global long *cells = accumulator + (size_t)(c)*ping->component_rows * beams + first;
-        sum_component(ping, cells, units, sums, totals);
-        for (uint k = 0; k < run && first + k < plane; k++) {
-            uint bin = (first + k) / beams, beam = first + k - bin * beams;
-            results[c * plane + (size_t)(beam)*bins + bin] = ((long *)sums)[k];
+        sum_component(ping, accumulator + (size_t)(c)*ping->component_rows * columns + first, units,
+                      sums, totals);
+        for (uint k = 0; k < RUN; k++) {
+            if (place[k] != NO_PLACE) {
+                results[c * plane + place[k]] = ((long *)sums)[k];
+            }
         }
     }
     __global float *spreads = (__global float *)(results + ping->components * plane + 1u);
     for (uint v = 0; v < VECTORS && ping->states_errors != 0u; v++) {
         real error = spread(totals + v, ping->groups);
-        for (uint k = 0; k < ASDIC_WIDTH && first + v * ASDIC_WIDTH + k < plane; k++) {
-            uint cell = first + v * ASDIC_WIDTH + k, bin = cell / beams, beam = cell - bin * beams;
-            spreads[(size_t)(beam)*bins + bin] = ((float *)&error)[k];
+        for (uint k = 0; k < ASDIC_WIDTH; k++) {
+            uint at = place[v * ASDIC_WIDTH + k];
+            if (at != NO_PLACE) {
+                spreads[at] = ((float *)&error)[k];
+            }
         }
     }
     if (first == 0u) {

@@ -45,8 +45,10 @@ static real background_rays(__global const dev_ping *ping, __global const float 
         uint cell = (uint)(clamp(at, 0.0f, (float)(DEV_TABLE_CELLS - 1)));
         ((float *)&density)[lane] *= (cumulative[cell + 1u] - cumulative[cell]) * DEV_TABLE_CELLS;
     }
+    azimuth_lobes lobes;
+    azimuth_lobes_at(ping, ping->lobe, s->z, m, &lobes);
     return (real)((float)(ping->background)) * density *
-           azimuth_density(ping, ping->lobe, atan2(s->y, s->x), s->z, m);
+           azimuth_density(ping, ping->lobe, &lobes, atan2(s->y, s->x));
 }
 
 /* Which lanes are rays of CONE. */
@@ -103,10 +105,7 @@ __kernel void sample(__global const dev_ping *ping, __global const float *cumula
     if (first >= batch_slots(ping)) {
         return;
     }
-    natural index;
-    for (uint lane = 0; lane < ASDIC_WIDTH; lane++) {
-        ((uint *)&index)[lane] = ping->batch_first * ping->groups + ray_in(ping, first + lane);
-    }
+    natural index = ping->batch_first * ping->groups + rays_in(ping, first);
     real count = (real)((float)(ping->rays));
     ray_sample s;
     if (ping->sampler == DEV_SAMPLER_ADAPTIVE) {

@@ -244,21 +244,25 @@ typedef struct azimuth_lobe {
     real center, scale, limit;
 } azimuth_lobe;
 
+/* Half of the arc of azimuths in front of the transmitter at an elevation; more than pi: all of them. */
+FORMULA real front_arc(LOBE_SPACE const dev_ping *ping, real uz, real m) {
+    real fh = hypot((real)(ping->front[0]), (real)(ping->front[1]));
+    real c = -(real)(ping->front[2]) * uz / r_max(m * fh, R(1e-6));
+    real arc = acos(r_max(r_min(c, R(1.0)), R(-1.0)));
+    return choose(c >= R(1.0), R(4.0), arc);
+}
+
 FORMULA azimuth_lobe azimuth_lobe_at(LOBE_SPACE const dev_ping *ping,
-                                     LOBE_SPACE const dev_lobe *lobe, real uz, real m) {
+                                     LOBE_SPACE const dev_lobe *lobe, real uz, real m,
+                                     real front) {
     azimuth_lobe a;
     real q = -(real)(lobe->tilt) * uz / m;
     q = r_max(r_min(q, R(1.0)), R(-1.0));
     a.center = (real)(lobe->beta_rad) + (real)(lobe->side) * acos(q);
     real steep = sqrt(r_max((R(1.0) - q) * (R(1.0) + q), R(0.01)));
     a.scale = (real)(lobe->scale_h) / (m * steep);
-    /* The azimuths in front of the transmitter at this elevation. */
-    real fh = hypot((real)(ping->front[0]), (real)(ping->front[1]));
-    real c = -(real)(ping->front[2]) * uz / r_max(m * fh, R(1e-6));
-    real arc = acos(r_max(r_min(c, R(1.0)), R(-1.0)));
     real off = r_abs(wrap_angle(a.center - (real)(ping->front_azimuth_rad)));
-    arc = r_min(arc + off + R(1e-3), R_PI);
-    arc = choose(c >= R(1.0), R_PI, arc);
+    real arc = r_min(front + off + R(1e-3), R_PI);
     a.limit = choose((real)(lobe->limit_rad) < R(0.0), arc, (real)(lobe->limit_rad));
     if (lobe->margin_rad > 0.0f) {
         real r = -(real)(lobe->most_tilt) * uz / m;
@@ -271,13 +275,26 @@ FORMULA azimuth_lobe azimuth_lobe_at(LOBE_SPACE const dev_ping *ping,
     return a;
 }
 
+/* All lobes at one elevation. */
+typedef struct azimuth_lobes {
+    azimuth_lobe lobe[DEV_MAX_LOBES];
+} azimuth_lobes;
+
+FORMULA void azimuth_lobes_at(LOBE_SPACE const dev_ping *ping, LOBE_SPACE const dev_lobe *lobes,
+                              real uz, real m, azimuth_lobes *all) {
+    real front = front_arc(ping, uz, m);
+    for (uint j = 0; j < ping->lobes; j++) {
+        all->lobe[j] = azimuth_lobe_at(ping, lobes + j, uz, m, front);
+    }
+}
+
 FORMULA real azimuth_density(LOBE_SPACE const dev_ping *ping, LOBE_SPACE const dev_lobe *lobes,
-                             real phi, real uz, real m) {
+                             const azimuth_lobes *all, real phi) {
     real density = R(0.0);
     for (uint j = 0; j < ping->lobes; j++) {
-        azimuth_lobe a = azimuth_lobe_at(ping, lobes + j, uz, m);
+        const azimuth_lobe *a = &all->lobe[j];
         density +=
-            (real)(lobes[j].share) * heavy_density(wrap_angle(phi - a.center), a.scale, a.limit);
+            (real)(lobes[j].share) * heavy_density(wrap_angle(phi - a->center), a->scale, a->limit);
     }
     return density;
 }
@@ -287,15 +304,16 @@ FORMULA ray_sample sample_adaptive(LOBE_SPACE const dev_ping *ping,
                                    LOBE_SPACE const dev_lobe *lobes, elevation e, real xi2,
                                    real count) {
     ray_sample s;
+    azimuth_lobes all;
     real m = e.across;
-    azimuth_lobe picked = azimuth_lobe_at(ping, lobes, e.uz, m);
+    azimuth_lobes_at(ping, lobes, e.uz, m, &all);
+    azimuth_lobe picked = all.lobe[0];
     real xi = xi2 / (real)(lobes[0].share);
     for (uint j = 1; j < ping->lobes; j++) {
-        azimuth_lobe a = azimuth_lobe_at(ping, lobes + j, e.uz, m);
         mask here = xi2 >= (real)(lobes[j].share_begin);
-        picked.center = choose(here, a.center, picked.center);
-        picked.scale = choose(here, a.scale, picked.scale);
-        picked.limit = choose(here, a.limit, picked.limit);
+        picked.center = choose(here, all.lobe[j].center, picked.center);
+        picked.scale = choose(here, all.lobe[j].scale, picked.scale);
+        picked.limit = choose(here, all.lobe[j].limit, picked.limit);
         xi = choose(here, (xi2 - (real)(lobes[j].share_begin)) / (real)(lobes[j].share), xi);
     }
     xi = r_min(r_max(xi, R(6e-8)), R(0.99999994));
@@ -303,7 +321,7 @@ FORMULA ray_sample sample_adaptive(LOBE_SPACE const dev_ping *ping,
     s.x = m * cos(phi);
     s.y = m * sin(phi);
     s.z = e.uz;
-    s.solid_angle = R(1.0) / (count * e.density * azimuth_density(ping, lobes, phi, e.uz, m));
+    s.solid_angle = R(1.0) / (count * e.density * azimuth_density(ping, lobes, &all, phi));
     s.splat = (real)(ping->footprint_rays) / (count * e.density * m);
     return s;
 }

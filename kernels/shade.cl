@@ -113,7 +113,7 @@ static uint shade_rays(const world *w, const ray_store *store, __global const fl
 #else
     (void)volume_inverse;
 #endif
-    return receive(w, to, DEV_PARCEL_DIRECT, &a, slots, u);
+    return receive(w, to, DEV_PARCEL_DIRECT, &a, rays_in(ping, slot), u);
 }
 
 /* One work-item per piece (mirror_ray.h). */

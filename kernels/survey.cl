@@ -14,7 +14,7 @@ __kernel void survey(__global const dev_ping *ping, __global const dev_ray *rays
                      __global const dev_material *materials, __global float *xs,
                      __global uint *bins, __global float *energies, uint picked) {
     uint slot = (uint)(get_global_id(0)) * ASDIC_WIDTH;
-    if (slot >= ping->groups * ping->per_group) {
+    if (slot >= batch_slots(ping)) {
         return;
     }
     world w = {ping, beams_of(ping), triangles, parts, materials};
@@ -38,9 +38,9 @@ __kernel void survey(__global const dev_ping *ping, __global const dev_ray *rays
     weight = choose(met, weight, R(0.0));
     natural bin = to_natural(r_min(m.range, (real)(ping->range_m)) / (real)(ping->bin_m));
     natural row = (natural)(0u);
+    natural ray = rays_in(ping, slot);
     LANES {
-        uint ray = ray_in(ping, slot + lane);
-        uint at = ray % ping->groups * ping->per_group + ray / ping->groups;
+        uint at = place_of(ping, AT(ray, uint));
         AT(row, uint) = at;
         xs[at] = AT(x, float);
         bins[at] = AT(weight, float) > 0.0f ? min(AT(bin, uint), ping->bins - 1u) : 0xffffffffu;

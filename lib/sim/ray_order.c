@@ -15,6 +15,8 @@ void asdic_ray_order(dev_ping *ping) {
     }
     /* The square of a Fibonacci number is 1 or -1 modulo the next, in turn. */
     ping->order_block = block;
-    ping->order_step = before % block;
     ping->order_inverse = flips ? block - before : before;
+    for (dev_uint k = 0; k < 16; k++) {
+        ping->order_lanes[k] = k * ping->order_inverse % block;
+    }
 }

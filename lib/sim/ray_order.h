@@ -6,7 +6,7 @@
 
 #include "../../kernels/ping_types.h"
 
-/* Fills order_block, order_step and order_inverse for PING's groups and per_group. */
+/* Fills order_block, order_inverse and order_lanes for PING's groups and per_group. */
 void asdic_ray_order(dev_ping *ping);
 
 #endif

@@ -181,8 +181,8 @@ static asdic_status reduce_groups(asdic_simulator *sim) {
                                ASDIC_ARG_BUFFER(sim->volume_ratio),
                                ASDIC_ARG_BUFFER(sim->saturated), ASDIC_ARG_BUFFER(sim->results)};
     size_t run = sim->layout.width == 1 ? 1 : 4 * sim->layout.width; /* as in reduce.cl */
-    return asdic_kernel_run(sim->reduce, args, COUNT(args), (sim->cells + run - 1) / run,
-                            sim->layout.local);
+    return asdic_kernel_run(sim->reduce, args, COUNT(args),
+                            (sim->bins * sim->fixed.columns + run - 1) / run, sim->layout.local);
 }
 
 static asdic_status reduce(asdic_simulator *sim) {

@@ -39,11 +39,14 @@ static void smear_row(double *row, double *prefix, size_t bins, double length) {
     for (size_t n = 0; n < bins; n++) {
         prefix[n + 1] = prefix[n] + row[n];
     }
+    if (prefix[bins] == 0.0) {
+        return; /* a component that the scene lacks */
+    }
     for (size_t n = 0; n < bins; n++) {
         /* Energy of bin [n, n + 1) spreads evenly; what bin n receives is the average of the
          * prefix integral over a window of LENGTH round it. */
         double lo = (double)n + 0.5 - 0.5 * length, hi = lo + length;
-        double edge[2] = {fmin(fmax(lo, 0.0), (double)bins), fmin(fmax(hi, 0.0), (double)bins)};
+        double edge[2] = {lo > 0.0 ? lo : 0.0, hi < (double)bins ? hi : (double)bins};
         double value[2];
         for (int e = 0; e < 2; e++) {
             size_t whole = (size_t)edge[e];
