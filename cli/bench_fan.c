@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define ROWS 7
+#define ROWS 9
 #define MOST_PINGS 48
 #define MOST_SAMPLED 12
 #define ERROR_PINGS 8
@@ -18,16 +18,20 @@ typedef struct fan_row {
     size_t beams;
     double bin_length_m; /* 0: the scene's */
     size_t bins;
-    uint32_t rays;
+    uint32_t rays;                      /* 0: the scene's */
     double ping_s, learn_s, per_ping_s; /* the last with its share of learning */
     double rms_db, most_db;             /* of beams sampled; NAN where there is no quadrature */
 } fan_row;
 
+/* Six receivers get rays aimed at each; from nine on all share rays spread over the sector, from
+ * sixteen on the map, too. */
 static const fan_row rows_wanted[ROWS] = {
     {.scene = "bench_fan", .beams = 6},
+    {.scene = "bench_fan", .beams = 9},
     {.scene = "bench_fan", .beams = 64},
     {.scene = "bench_fan", .beams = 256},
     {.scene = "bench_fan", .beams = 512},
+    {.scene = "bench_fan", .beams = 512, .rays = 28000},
     {.scene = "bench_fan", .beams = 1024},
     {.scene = "bench_anchor", .beams = 512},
     {.scene = "bench_anchor", .beams = 512, .bin_length_m = 0.1},
@@ -150,6 +154,7 @@ static asdic_status measure(cli *c, asdic_device *device, const char *path, size
     sonar.receivers = beams;
     sonar.receiver_count = row->beams;
     sonar.bin_length_m = row->bin_length_m > 0.0 ? row->bin_length_m : sonar.bin_length_m;
+    sampling.rays = row->rays ? row->rays : sampling.rays;
     row->rays = sampling.rays;
     row->bin_length_m = sonar.bin_length_m;
     row->rms_db = row->most_db = NAN;
