@@ -3,7 +3,7 @@
  * subsets err more than sixteen-fold less random samples would: taken at face value they overstate
  * the error of the whole. Two more pings with shifts of their own, once per block, show the true
  * error; its ratio to what the groups suggest corrects the block's pings. A fan's map has one group and
- * a nominal spread of 1: the "ratio" then is the relative variance.
+ * a nominal spread of 1: the ratio then is the relative variance.
  *
  * Whether a ratio is fit to be used is measured by true over stated error in the benchmark scenes
  * (tests/kernel/test_honesty.c); so were the constants below chosen.
@@ -94,8 +94,8 @@ static void calibrate_beam(asdic_simulator *sim, size_t beam, const pair *p) {
         stated->of_groups = (float)(FEW_SQUARES * ratio);
         stated->of_block = (float)(FEW_SQUARES * (ratio * block + own));
         if (sim->fan.cells) { /* nothing of the ping's own to go by */
-            stated->of_block += (float)ASDIC_OWN_PING * stated->of_groups;
-            stated->of_groups = 0.0f;
+            double variance = stated->of_block + ASDIC_OWN_PING * stated->of_groups;
+            *stated = (asdic_stated_error){0.0f, (float)sqrt(variance)};
         }
     }
 }

@@ -199,7 +199,8 @@ void asdic_simulator_forget(asdic_simulator *sim) {
     }
     sim->table_uploaded = false;
     for (size_t cell = 0; cell < sim->cells; cell++) {
-        sim->stated[cell] = (asdic_stated_error){1.0f, 0.0f};
+        sim->stated[cell] =
+            sim->fan.cells ? (asdic_stated_error){0.0f, 1.0f} : (asdic_stated_error){1.0f, 0.0f};
     }
 }
 

@@ -195,10 +195,8 @@ static asdic_status reduce(asdic_simulator *sim) {
                                       sim->host_results);
 }
 
-double asdic_simulator_spread(const asdic_simulator *sim, size_t cell) {
-    if (sim->fan.cells) {
-        return 1.0; /* one group: the block's calibration is the error itself */
-    }
+/* Relative standard error of the last ping's total in CELL (beam * bins + bin) as its groups suggest it. */
+static double spread_of(const asdic_simulator *sim, size_t cell) {
     const int64_t *after = (const int64_t *)sim->host_results + sim->components * sim->cells + 1;
     return ((const float *)after)[cell];
 }
@@ -210,14 +208,6 @@ static uint64_t saturated_of(const asdic_simulator *sim) {
                           : (uint64_t)((const int64_t *)sim->host_results)[at];
 }
 
-/* Relative standard error of a total to dB, from its spread over groups. */
-static float stderr_db_of(const asdic_simulator *sim, size_t cell) {
-    double spread = asdic_simulator_spread(sim, cell);
-    const asdic_stated_error *stated = &sim->stated[cell];
-    double own = stated->of_groups * spread * spread;
-    return (float)(10.0 / log(10.0) * sqrt(fmax(own, ASDIC_OWN_PING * own + stated->of_block)));
-}
-
 double asdic_simulator_source_lin(const asdic_simulator *sim, const asdic_water_column *water) {
     double source = pow(10.0, sim->sonar.source_level_db / 10.0);
     /* The paper prints 2 d - 1 metres of absorption where 2 (d - 1) is meant: one metre more. */
@@ -225,19 +215,53 @@ double asdic_simulator_source_lin(const asdic_simulator *sim, const asdic_water_
     return printed ? source * exp(-water->absorption_np_per_m) : source;
 }
 
-/* Quanta of a component in the bins from FIRST on. A fan's water still has to be summed from where it
- * ends to what it crosses: cheaper by beams than by azimuths. */
-static void take_quanta(const asdic_simulator *sim, size_t component, size_t first, double *out) {
-    size_t at = component * sim->cells + first;
-    const int64_t *whole = (const int64_t *)sim->host_results + at;
-    const float *floats = (const float *)sim->host_results + at;
-    for (size_t n = 0; n < sim->bins; n++) {
-        out[n] = sim->fan.cells ? (double)floats[n] : (double)whole[n];
+/* A component's energies in the bins from FIRST on, added to TOTAL; a quantum is worth UNIT times LOSS. */
+static void convert_whole(const int64_t *restrict quanta, double unit, const double *restrict loss,
+                          size_t bins, double *restrict energy, double *restrict total) {
+    for (size_t n = 0; n < bins; n++) {
+        energy[n] = quanta[n] > 0 ? (double)quanta[n] * unit * loss[n] : 0.0;
+        total[n] += energy[n];
     }
-    if (sim->fan.cells && component == DEV_DEPOSIT_VOLUME) {
-        for (size_t n = sim->bins; n-- > 1;) {
-            out[n - 1] += out[n];
+}
+
+/* The same of a fan. */
+static void convert_floats(const float *restrict quanta, double unit, const double *restrict loss,
+                           size_t bins, double *restrict energy, double *restrict total) {
+    for (size_t n = 0; n < bins; n++) {
+        energy[n] = quanta[n] > 0.0f ? (double)quanta[n] * unit * loss[n] : 0.0;
+        total[n] += energy[n];
+    }
+}
+
+/* A fan's water still has to be summed from where it ends to what it crosses: cheaper by beams than by
+ * azimuths. */
+static void convert_fan_water(const float *restrict quanta, double unit,
+                              const double *restrict loss, size_t bins, double *restrict energy,
+                              double *restrict total) {
+    double crossing = 0.0;
+    for (size_t n = bins; n-- > 0;) {
+        crossing += (double)quanta[n];
+        energy[n] = crossing * unit * loss[n];
+        total[n] += energy[n];
+    }
+}
+
+/* Adds noise to TOTAL, an echo so far, and states its error: that of the echo, from its spread over groups
+ * and what the block's calibration found. */
+static void state_errors(const asdic_simulator *sim, size_t first, const double *restrict noise,
+                         double *restrict total, float *restrict stderr_db) {
+    const asdic_stated_error *stated = sim->stated + first;
+    bool whole = sim->fan.cells != 0, silent = sim->sampling.without_errors;
+    const double to_db = 10.0 / log(10.0);
+    for (size_t n = 0; n < sim->bins; n++) {
+        double echo = total[n], error = stated[n].of_block;
+        total[n] = echo + noise[n];
+        if (!whole && !silent) {
+            double spread = spread_of(sim, first + n);
+            double own = stated[n].of_groups * spread * spread;
+            error = sqrt(fmax(own, ASDIC_OWN_PING * own + error));
         }
+        stderr_db[n] = echo > 0.0 && !silent ? (float)(to_db * error * (echo / total[n])) : 0.0f;
     }
 }
 
@@ -250,30 +274,26 @@ static void convert_beam(const asdic_simulator *sim, const double *unit, size_t 
         [DEV_DEPOSIT_VOLUME] = ASDIC_VOLUME,
         [DEV_DEPOSIT_OBJECT] = ASDIC_OBJECT,
         [DEV_DEPOSIT_MULTIPATH] = ASDIC_MULTIPATH};
-    size_t first = beam * sim->bins;
+    size_t first = beam * sim->bins, bins = sim->bins;
     double *total = out->intensity_lin[ASDIC_TOTAL] + first;
-    const double *noise = out->intensity_lin[ASDIC_NOISE] + first;
-    memset(total, 0, sim->bins * sizeof *total);
+    memset(total, 0, bins * sizeof *total);
     for (size_t c = 0; c < DEV_DEPOSIT_COUNT; c++) {
         double *energy = out->intensity_lin[component[c]] + first;
-        if ((sim->ping->present & 1u << c) == 0) {
-            memset(energy, 0, sim->bins * sizeof *energy);
-            continue;
-        }
-        take_quanta(sim, c, first, energy);
         const double *loss = c == DEV_DEPOSIT_VOLUME ? sim->bin_volume : sim->bin_loss;
-        for (size_t n = 0; n < sim->bins; n++) {
-            energy[n] = energy[n] > 0.0 ? energy[n] * unit[c] * loss[n] : 0.0;
-            total[n] += energy[n];
+        const float *floats = (const float *)sim->host_results + c * sim->cells + first;
+        const int64_t *whole = (const int64_t *)sim->host_results + c * sim->cells + first;
+        if ((sim->ping->present & 1u << c) == 0) {
+            memset(energy, 0, bins * sizeof *energy);
+        } else if (sim->fan.cells == 0) {
+            convert_whole(whole, unit[c], loss, bins, energy, total);
+        } else if (c == DEV_DEPOSIT_VOLUME) {
+            convert_fan_water(floats, unit[c], loss, bins, energy, total);
+        } else {
+            convert_floats(floats, unit[c], loss, bins, energy, total);
         }
     }
-    for (size_t n = 0; n < sim->bins; n++) {
-        double echo = total[n];
-        total[n] += noise[n];
-        bool stated = echo > 0.0 && !sim->sampling.without_errors;
-        out->stderr_db[first + n] =
-            stated ? (float)(stderr_db_of(sim, first + n) * echo / total[n]) : 0.0f;
-    }
+    state_errors(sim, first, out->intensity_lin[ASDIC_NOISE] + first, total,
+                 out->stderr_db + first);
 }
 
 static void convert_levels(asdic_simulator *sim, const asdic_water_column *water, asdic_ping *out) {

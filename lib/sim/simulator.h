@@ -41,7 +41,8 @@ asdic_layout asdic_layout_default(const asdic_device_info *info);
 
 /* A cell's relative variance as a ping states it: OF_BLOCK, which the block's calibration found, and
  * ASDIC_OWN_PING times OF_GROUPS times what the ping's groups suggest; or OF_GROUPS times that alone where
- * it is more, since the vehicle moves on. */
+ * it is more, since the vehicle moves on. A fan's map has one group: OF_BLOCK is its relative standard
+ * error itself, 1 before a calibration. */
 #define ASDIC_OWN_PING 0.4
 typedef struct asdic_stated_error {
     float of_groups, of_block;
@@ -150,10 +151,6 @@ asdic_status asdic_simulator_simulate(asdic_simulator *sim, const asdic_pose *po
 
 /* The source's intensity at 1 m, linear, less the metre of absorption that the paper prints more. */
 double asdic_simulator_source_lin(const asdic_simulator *sim, const asdic_water_column *water);
-
-/* Relative standard error of the last ping's total in CELL (beam * bins + bin) as its groups
- * suggest it, before calibration. */
-double asdic_simulator_spread(const asdic_simulator *sim, size_t cell);
 
 /* Measures how much the groups overstate the error of a whole ping, see calibrate.c. */
 asdic_status asdic_simulator_calibrate(asdic_simulator *sim, const asdic_pose *pose,
