@@ -1,4 +1,5 @@
 #include "check.h"
+#include "remarks.h"
 
 #include <math.h>
 
@@ -70,6 +71,7 @@ static void print_json(const char *path, const asdic_mission *m, const scene_num
     json_number(j, "absorption_db_per_km", n->absorption_db_per_km);
     json_bool(j, "surface", n->info.has_surface);
     json_text(j, "bottom", bottom_kind(m, n));
+    cli_json_remarks(j, m);
     json_integer(j, "triangles", n->info.triangles);
     json_open(j, "meshes", '[');
     for (size_t i = 0; i < asdic_mission_object_count(m); i++) {
@@ -146,6 +148,7 @@ asdic_status check_scene(cli *c, const char *path, json *j) {
         print_json(path, mission, &numbers, j);
     } else {
         print_text(path, mission, &numbers);
+        cli_remark(c, path, mission);
     }
     asdic_mission_destroy(&mission);
     return ASDIC_OK;

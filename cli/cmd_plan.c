@@ -3,6 +3,7 @@
  */
 #include "commands.h"
 #include "json.h"
+#include "remarks.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -121,6 +122,7 @@ static void print_json(const asdic_mission *mission, const asdic_plan *plan, uin
         json_close(&j);
     }
     json_close(&j);
+    cli_json_remarks(&j, mission);
     json_integer(&j, "pings", asdic_mission_ping_count(mission));
     json_integer(&j, "rays", rays);
     json_integer(&j, "triangles", scene.triangles);
@@ -155,6 +157,9 @@ static int run(cli *c) {
     if (!status && measured) {
         asdic_mission_sampling(mission)->left_out = plan.left_out;
         status = measure(c, mission, devices[0], &f);
+    }
+    if (!status && !cli_given(c, "json")) {
+        cli_remark(c, cli_operand(c, 0), mission);
     }
     if (!status) {
         uint32_t rays = asdic_mission_sampling(mission)->rays;

@@ -1,5 +1,6 @@
 #include "commands.h"
 #include "progress.h"
+#include "remarks.h"
 #include "team.h"
 
 #include <math.h>
@@ -191,6 +192,7 @@ static int run_alone_or_in(cli *c, asdic_team *team) {
     if (status != ASDIC_OK) {
         return cli_end(c, status);
     }
+    cli_remark(c, r.scene, mission);
     apply(&r, mission);
     if (!choose_pings(c, &r, asdic_mission_ping_count(mission), &options)) {
         goto done;
@@ -243,7 +245,8 @@ const cli_command cli_run_command = {
     .summary = "simulate every ping of a scene",
     .details = "Writes a run folder: bins.csv (one row per ping, beam and bin), pings.npy (the "
                "same in binary), the pictures that the scene asks for, and run.json (what was "
-               "run, on what, how fast, how good). A run that was interrupted, or killed, is "
+               "run, on what, how fast, how good; remarks where a law is used beyond the range that "
+               "its source states). A run that was interrupted, or killed, is "
                "finished by --resume.\n\n"
                "--tolerance looks at pings spread over the mission and gives all pings as many "
                "rays as the roughest needs, at most 4194304; bins that need more are named.\n\n"

@@ -113,6 +113,15 @@ static void add_devices(asdic_text *json, const asdic_run_facts *facts) {
     asdic_text_add(json, "],\n");
 }
 
+static void add_remarks(asdic_text *json, const asdic_remarks *remarks) {
+    asdic_text_add(json, "  \"remarks\": [");
+    for (size_t i = 0; i < remarks->count; i++) {
+        asdic_text_add(json, i ? ",\n    " : "\n    ");
+        asdic_text_add_json(json, remarks->text[i]);
+    }
+    asdic_text_add(json, remarks->count ? "\n  ],\n" : "],\n");
+}
+
 static void add_terms(asdic_text *json, const asdic_plan *plan) {
     char digits[ASDIC_DIGITS_SIZE];
     asdic_text_add(json, "  \"terms\": [\n");
@@ -166,6 +175,7 @@ asdic_status asdic_run_facts_write(asdic_context *ctx, const char *folder,
     add_natural(&json, "rays_traced", facts->rays_traced);
     add_natural(&json, "saturated", facts->saturated);
     add_devices(&json, facts);
+    add_remarks(&json, &facts->remarks);
     add_terms(&json, &facts->plan);
     add_results(&json, facts);
     add_natural(&json, "beams", facts->beams);
@@ -239,6 +249,14 @@ static void read_devices(reader *r, asdic_arena *arena, asdic_run_facts *facts) 
     }
 }
 
+static void read_remarks(reader *r, asdic_remarks *remarks) {
+    const asdic_yaml_node *list = asdic_yaml_child(r->root, "remarks");
+    const asdic_yaml_node *node = list && list->kind == ASDIC_YAML_LIST ? list->first : NULL;
+    for (; node && node->text && remarks->count < ASDIC_MOST_REMARKS; node = node->next) {
+        snprintf(remarks->text[remarks->count++], ASDIC_REMARK_SIZE, "%s", node->text);
+    }
+}
+
 /* Terms in the order of asdic_term; of a run.json without them everything counts as kept. */
 static void read_terms(reader *r, asdic_plan *plan) {
     const asdic_yaml_node *list = asdic_yaml_child(r->root, "terms");
@@ -290,6 +308,7 @@ static void read_all(reader *r, asdic_arena *arena, asdic_run_facts *facts) {
     facts->stderr_median_db = read_number(r, stderr_db, "median");
     facts->stderr_worst_db = read_number(r, stderr_db, "worst");
     read_devices(r, arena, facts);
+    read_remarks(r, &facts->remarks);
     read_terms(r, &facts->plan);
     if (facts->beams == 0 || facts->beams > 4096 || facts->bins == 0 ||
         facts->bins > SIZE_MAX / 65536 / facts->beams || !(facts->bin_length_m > 0.0)) {

@@ -30,6 +30,7 @@ typedef struct asdic_run_facts {
     const char *bottom; /* ASDIC_RUN_BOTTOM_... */
     double bottom_type;
     asdic_sampling sampling;
+    asdic_remarks remarks; /* on the laws that were used */
     asdic_plan plan; /* of the whole mission, whatever part of it this run is */
     size_t first_ping, pings_planned, pings;
     size_t beams, bins;

@@ -106,19 +106,24 @@ static asdic_status find_key(asdic_context *ctx, const asdic_model_info *info,
                       keys);
 }
 
-/* One warning, whatever the number of keys outside. */
-static void warn_validity(asdic_context *ctx, const asdic_model_info *info, const double *values) {
-    char keys[512] = "";
+bool asdic_model_outside(const asdic_model_info *info, const double *values, char *text,
+                         size_t size) {
     size_t used = 0;
-    for (size_t i = 0; i < info->key_count && used < sizeof keys; i++) {
+    for (size_t i = 0; i < info->key_count && used < size; i++) {
         const asdic_model_key *key = &info->keys[i];
         if (values[i] < key->valid_min || values[i] > key->valid_max) {
-            used += (size_t)snprintf(keys + used, sizeof keys - used, "%s'%s' = %g not in [%g, %g]",
+            used += (size_t)snprintf(text + used, size - used, "%s'%s' = %g not in [%g, %g]",
                                      used ? ", " : "", key->name, values[i], key->valid_min,
                                      key->valid_max);
         }
     }
-    if (used) {
+    return used > 0;
+}
+
+/* One warning, whatever the number of keys outside. */
+static void warn_validity(asdic_context *ctx, const asdic_model_info *info, const double *values) {
+    char keys[512];
+    if (asdic_model_outside(info, values, keys, sizeof keys)) {
         asdic_log(ctx, ASDIC_LOG_WARNING, "%s: outside the validity of its source (%s), with %s",
                   info->name, info->source, keys);
     }

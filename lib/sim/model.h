@@ -9,6 +9,10 @@
 /* In the order of the MODEL_ numbers of kernels/model.h. */
 extern const asdic_model_info asdic_model_table[];
 
+/* Writes which of VALUES, one a key, lie outside the validity that INFO's source states; NAN: not known.
+ * False when none does. */
+bool asdic_model_outside(const asdic_model_info *info, const double *values, char *text, size_t size);
+
 /* Evaluates formula MODEL (its index in the table) for COUNT points of ASDIC_MODEL_MAX_KEYS values
  * each, without checking them. DEVICE NULL: in double on the host. */
 asdic_status asdic_model_evaluate_many(asdic_context *ctx, asdic_device *device, size_t model,

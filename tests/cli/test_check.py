@@ -5,7 +5,7 @@ import pathlib
 import tempfile
 
 import tap
-from program import asdic
+from program import asdic, need_device
 
 SCENES = pathlib.Path(__file__).parent.parent / "unit" / "scenes"
 EXAMPLE = SCENES / "example.yaml"
@@ -241,6 +241,41 @@ def test_encodings_make_no_difference():
                     MINIMAL.replace("\n", "\r\n").encode()):
         done = asdic("check", "-", stdin=encoded)
         tap.equal((done.code, done.out, done.err), (0, plain, ""))
+
+
+def test_laws_beyond_their_sources_are_remarked_once():
+    beyond = MINIMAL.replace("frequency_khz: 100", "frequency_khz: 600").replace(
+        "version: 1", "version: 1\nenvironment: {temperature_degc: 28, salinity_ppt: 7}")
+    with folder(s_yaml=beyond, fixed_yaml=beyond.replace("salinity_ppt: 7", "salinity_ppt: 33, sound_speed_mps: 1500")
+                .replace("28", "36").replace("{depth_m: 12}", "none").replace("bottom:", "surface: {enabled: false}\nbottom:"),
+                within_yaml=MINIMAL) as at:
+        expected = [
+            "absorption: outside the validity of its source, with 't_degc' = 28 not in [-2, 22], "
+            "'s_ppt' = 7 not in [30, 35]",
+            "bottom-backscatter: outside the validity of its source, with 'f_khz' = 600 not in [50, 400]",
+            "surface-backscatter: outside the validity of its source, with 'f_khz' = 600 not in [1, 400]"]
+        scene = os.path.join(at, "s.yaml")
+        lines = "".join(f"{scene}: remark: {text}\n" for text in expected)
+        tap.equal(asdic("check", scene).check(code=0).err, lines)
+        tap.equal(asdic("plan", "--no-forecast", scene).check(code=0).err, lines)
+        for command in (["check", "--json"], ["plan", "--json", "--no-forecast"]):
+            found = json.loads(asdic(*command, scene).check(code=0, err="").out)
+            tap.equal((found[0] if command[0] == "check" else found)["remarks"], expected)
+        # A speed that is given needs no law; what is not there is not remarked on.
+        [fixed] = json.loads(asdic("check", "--json", os.path.join(at, "fixed.yaml")).check(code=0).out)
+        tap.equal(fixed["remarks"], ["absorption: outside the validity of its source, with "
+                                     "'t_degc' = 36 not in [-2, 22]"])
+        asdic("check", os.path.join(at, "within.yaml")).check(code=0, err="")
+        need_device()
+        done = asdic("run", scene, "--rays", "1000", "-o", os.path.join(at, "out")).check(code=0)
+        tap.equal(done.err.startswith(lines), True, "remarks come first")
+        tap.equal(done.err.count("remark"), 3)
+        asdic("run", "-q", "--force", scene, "--rays", "1000", "-o", os.path.join(at, "out")).check(0, "", "")
+        with open(os.path.join(at, "out", "run.json"), encoding="utf-8") as file:
+            tap.equal(json.load(file)["remarks"], expected)
+        asdic("merge", "-q", os.path.join(at, "out"), "-o", os.path.join(at, "all")).check(0, "", "")
+        with open(os.path.join(at, "all", "run.json"), encoding="utf-8") as file:
+            tap.equal(json.load(file)["remarks"], expected, "remarks of a merged run")
 
 
 tap.main(globals())

@@ -129,6 +129,16 @@ ASDIC_API asdic_status asdic_mission_write_scene(asdic_context *ctx, const asdic
 ASDIC_API asdic_status asdic_mission_write_track(asdic_context *ctx, const asdic_mission *mission,
                                                  const char *path);
 
+/* Laws that a mission uses outside the range that their sources state, a sentence each: levels are
+ * computed all the same, and run.json keeps the sentences. */
+#define ASDIC_MOST_REMARKS 4
+#define ASDIC_REMARK_SIZE 256
+typedef struct asdic_remarks {
+    size_t count;
+    char text[ASDIC_MOST_REMARKS][ASDIC_REMARK_SIZE];
+} asdic_remarks;
+ASDIC_API asdic_remarks asdic_mission_remarks(const asdic_mission *mission);
+
 /* What the mission needs, over all its pings; asdic_mission_run follows it. */
 ASDIC_API asdic_status asdic_mission_plan(asdic_context *ctx, const asdic_mission *mission,
                                           asdic_plan *out);
