@@ -1,5 +1,5 @@
 /*
- * What a chart shows: depths on a grid, and the outlines of objects seen from above.
+ * What a chart shows: depths on a grid, outlines of objects seen from above, and where objects go.
  */
 #ifndef ASDIC_BASE_RELIEF_H
 #define ASDIC_BASE_RELIEF_H
@@ -23,5 +23,16 @@ typedef struct asdic_outline {
     size_t count;
     double north_m[ASDIC_OUTLINE_SIDES], east_m[ASDIC_OUTLINE_SIDES];
 } asdic_outline;
+
+typedef struct asdic_route_point {
+    double time_s, north_m, east_m, yaw_rad;
+} asdic_route_point;
+
+/* Where the object NAME goes, in the order of time; the points are borrowed. */
+typedef struct asdic_route {
+    char name[ASDIC_NAME_SIZE];
+    const asdic_route_point *points;
+    size_t count;
+} asdic_route;
 
 #endif

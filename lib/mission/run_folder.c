@@ -20,7 +20,7 @@ static const char *const marks[] = {"run.json", "pings.npy", "pings.npy.part", "
 static const char *const names[] = {"run.json",       "pings.npy",   "bins.csv",  "levels.npy",
                                     "run.nc",         "terrain.asc", "track.csv", "objects.csv",
                                     "detections.csv", "roc.csv",     "roc.png",   "occupancy.png",
-                                    "tracks.csv"};
+                                    "tracks.csv",     "routes.csv"};
 static const char *const stems[] = {"waterfall_", "ascope_", "fan_", "raw_", "overview.", "plan."};
 static const char *const picture_ends[] = {".png", ".pdf", ".svg"};
 

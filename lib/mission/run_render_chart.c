@@ -7,6 +7,7 @@
 #include "run_folder.h"
 #include "run_footprint.h"
 #include "run_render.h"
+#include "run_routes.h"
 #include "run_scenery.h"
 
 #include <math.h>
@@ -113,6 +114,8 @@ static asdic_status draw(asdic_render *r, const asdic_scenery *scenery, const as
     asdic_chart chart = {.relief = &scenery->relief,
                          .outlines = scenery->outlines,
                          .outline_count = scenery->outline_count,
+                         .routes = scenery->routes,
+                         .route_count = scenery->route_count,
                          .areas = s->areas,
                          .area_count = s->area_count,
                          .north_m = digest->north_m,
@@ -147,6 +150,7 @@ asdic_status asdic_render_chart(asdic_render *r) {
     }
     asdic_ground ground = {.relief = &scenery.relief,
                            .plane_depth_m = is_plane ? digest->bottom_depth_m : INFINITY};
+    asdic_routes_cut(&scenery, digest->survey.first_time_s, digest->survey.last_time_s);
     status = add_areas(r, &ground, &s);
     if (status == ASDIC_OK) {
         status = draw(r, &scenery, &ground, &s);

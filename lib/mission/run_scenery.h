@@ -1,7 +1,8 @@
 /*
  * What a run's chart needs beside its pings, kept in the run folder so that pictures can be drawn
- * without the meshes: terrain.asc, the bottom's depths as an ESRI ASCII grid (x east, y north), and
- * objects.csv, outlines of objects (x north, y east). Neither is there where there is nothing to say.
+ * without the meshes: terrain.asc, the bottom's depths as an ESRI ASCII grid (x east, y north),
+ * objects.csv, outlines of objects at the first ping (x north, y east), and routes.csv, where those go
+ * that move. None is there where there is nothing to say.
  */
 #ifndef ASDIC_MISSION_RUN_SCENERY_H
 #define ASDIC_MISSION_RUN_SCENERY_H
@@ -14,6 +15,9 @@ typedef struct asdic_scenery {
     asdic_relief relief; /* no columns: no mesh or grid for a bottom */
     asdic_outline *outlines;
     size_t outline_count;
+    asdic_route *routes;
+    size_t route_count;
+    asdic_route_point *points; /* of all routes, one after the other */
 } asdic_scenery;
 
 /* Of the whole mission, whatever part of it is run. */

@@ -3,6 +3,7 @@
 #include "base/context.h"
 #include "base/file_read.h"
 #include "base/number.h"
+#include "base/vec.h"
 #include "run_folder.h"
 
 #include <math.h>
@@ -46,7 +47,8 @@ static bool header(scan *s, const char *key, double *out) {
            next_number(s, " \n", out);
 }
 
-static bool parse_relief(scan *s, asdic_relief *r) {
+static bool parse_relief(scan *s, asdic_scenery *out) {
+    asdic_relief *r = &out->relief;
     double columns, rows, no_data;
     if (!header(s, "ncols", &columns) || !header(s, "nrows", &rows) ||
         !header(s, "xllcorner", &r->west_m) || !header(s, "yllcorner", &r->south_m) ||
@@ -102,6 +104,35 @@ static bool parse_outlines(scan *s, asdic_scenery *out) {
     return true;
 }
 
+/* One point a line; a new name begins a route. */
+static bool parse_routes(scan *s, asdic_scenery *out) {
+    size_t length, lines = 0, point = 0;
+    for (const char *at = s->at; at < s->end; at++) {
+        lines += *at == '\n';
+    }
+    next_word(s, "\n", &length); /* the names of the columns */
+    out->points = calloc(lines + 1, sizeof *out->points);
+    out->routes = calloc(lines + 1, sizeof *out->routes);
+    for (const char *name; out->points && out->routes && (name = next_word(s, ",\n", &length));) {
+        asdic_route *r = out->route_count ? &out->routes[out->route_count - 1] : NULL;
+        asdic_route_point *p = &out->points[point++];
+        double yaw_deg;
+        if (length >= ASDIC_NAME_SIZE || !next_number(s, ",\n", &p->time_s) ||
+            !next_number(s, ",\n", &p->north_m) || !next_number(s, ",\n", &p->east_m) ||
+            !next_number(s, ",\n", &yaw_deg)) {
+            return false;
+        }
+        p->yaw_rad = yaw_deg * ASDIC_PI / 180.0;
+        if (!r || strlen(r->name) != length || memcmp(r->name, name, length) != 0) {
+            r = &out->routes[out->route_count++];
+            memcpy(r->name, name, length);
+            r->points = p;
+        }
+        r->count++;
+    }
+    return out->points && out->routes;
+}
+
 /* The file's text, or NULL when there is no such file. */
 static asdic_status load(asdic_context *ctx, const char *path, char **text, scan *s) {
     size_t length = 0;
@@ -114,33 +145,33 @@ static asdic_status load(asdic_context *ctx, const char *path, char **text, scan
     return status;
 }
 
-static asdic_status fail_damaged(asdic_context *ctx, const char *path) {
-    return asdic_fail(ctx, ASDIC_ERROR_INPUT,
-                      "'%s' is damaged; the chart cannot be drawn from it, run again with --force",
-                      path);
+/* NAME.EXTENSION of FOLDER by PARSE, if there is such a file. */
+static asdic_status read_part(asdic_context *ctx, const char *folder, const char *name,
+                              const char *extension, bool (*parse)(scan *, asdic_scenery *),
+                              asdic_scenery *out) {
+    char *path = asdic_folder_path(folder, name, "", extension), *text = NULL;
+    scan s;
+    asdic_status status = path ? load(ctx, path, &text, &s) : asdic_fail_memory(ctx, "a file name");
+    if (status == ASDIC_OK && text && !parse(&s, out)) {
+        status = asdic_fail(ctx, ASDIC_ERROR_INPUT,
+                            "'%s' is damaged; the chart cannot be drawn from it, run again with "
+                            "--force",
+                            path);
+    }
+    free(text);
+    free(path);
+    return status;
 }
 
 asdic_status asdic_scenery_read(asdic_context *ctx, const char *folder, asdic_scenery *out) {
-    char *terrain = asdic_folder_path(folder, "terrain", "", "asc"), *text = NULL;
-    char *objects = asdic_folder_path(folder, "objects", "", "csv");
-    scan s;
     *out = (asdic_scenery){0};
-    asdic_status status =
-        terrain && objects ? load(ctx, terrain, &text, &s) : asdic_fail_memory(ctx, "a file name");
-    if (status == ASDIC_OK && text && !parse_relief(&s, &out->relief)) {
-        status = fail_damaged(ctx, terrain);
-    }
-    free(text);
-    text = NULL;
+    asdic_status status = read_part(ctx, folder, "terrain", "asc", parse_relief, out);
     if (status == ASDIC_OK) {
-        status = load(ctx, objects, &text, &s);
+        status = read_part(ctx, folder, "objects", "csv", parse_outlines, out);
     }
-    if (status == ASDIC_OK && text && !parse_outlines(&s, out)) {
-        status = fail_damaged(ctx, objects);
+    if (status == ASDIC_OK) {
+        status = read_part(ctx, folder, "routes", "csv", parse_routes, out);
     }
-    free(text);
-    free(terrain);
-    free(objects);
     if (status != ASDIC_OK) {
         asdic_scenery_finish(out);
     }
@@ -150,5 +181,7 @@ asdic_status asdic_scenery_read(asdic_context *ctx, const char *folder, asdic_sc
 void asdic_scenery_finish(asdic_scenery *scenery) {
     free(scenery->relief.depth_m);
     free(scenery->outlines);
+    free(scenery->routes);
+    free(scenery->points);
     *scenery = (asdic_scenery){0};
 }

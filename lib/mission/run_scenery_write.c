@@ -2,6 +2,7 @@
 
 #include "base/context.h"
 #include "base/file_read.h"
+#include "base/vec.h"
 #include "out/axis.h"
 #include "out/digits.h"
 #include "out/file.h"
@@ -15,6 +16,8 @@
 
 /* At most as many cells along a side of the terrain. */
 #define MOST_CELLS 600
+/* At most as many points of an object's route, and the last one. */
+#define MOST_POINTS 512
 #define MAX_BYTES ((size_t)64 << 20)
 
 typedef struct extent {
@@ -160,18 +163,58 @@ static asdic_status write_objects(asdic_context *ctx, const asdic_mission *missi
     return status;
 }
 
+static void put_route(FILE *stream, const asdic_mission *mission, size_t object) {
+    size_t last = asdic_mission_ping_count(mission) - 1, every = last / MOST_POINTS + 1;
+    for (size_t i = 0; i <= last; i = i + every < last || i == last ? i + every : last) {
+        double time_s;
+        char numbers[4][ASDIC_DIGITS_SIZE];
+        asdic_mission_pose(mission, i, &time_s);
+        asdic_pose pose = asdic_mission_object_pose(mission, object, i);
+        asdic_digits_double(numbers[0], time_s);
+        asdic_digits_print(numbers[1], "%.3f", pose.position_m.x);
+        asdic_digits_print(numbers[2], "%.3f", pose.position_m.y);
+        asdic_digits_print(numbers[3], "%.3f", pose.yaw_rad * 180.0 / ASDIC_PI);
+        fprintf(stream, "%s,%s,%s,%s,%s\n", asdic_mission_get_object(mission, object)->name,
+                numbers[0], numbers[1], numbers[2], numbers[3]);
+    }
+}
+
+static asdic_status write_routes(asdic_context *ctx, const asdic_mission *mission,
+                                 const char *path) {
+    asdic_file *file = NULL;
+    asdic_status status = ASDIC_OK;
+    for (size_t i = 0; i < asdic_mission_object_count(mission) && status == ASDIC_OK; i++) {
+        if (!asdic_mission_get_object(mission, i)->moves) {
+            continue;
+        }
+        if (!file && (status = asdic_file_create(ctx, path, &file)) == ASDIC_OK) {
+            fputs("object,time_s,x_m,y_m,yaw_deg\n", asdic_file_stream(file));
+        }
+        if (status == ASDIC_OK) {
+            put_route(asdic_file_stream(file), mission, i);
+        }
+    }
+    return file ? asdic_file_commit(&file) : status;
+}
+
 asdic_status asdic_scenery_write(asdic_context *ctx, const asdic_mission *mission,
                                  const char *folder) {
     const asdic_mission_object *bottom = bottom_of(mission);
     char *terrain = asdic_folder_path(folder, "terrain", "", "asc");
     char *objects = asdic_folder_path(folder, "objects", "", "csv");
-    asdic_status status = terrain && objects ? ASDIC_OK : asdic_fail_memory(ctx, "a file name");
+    char *routes = asdic_folder_path(folder, "routes", "", "csv");
+    asdic_status status =
+        terrain && objects && routes ? ASDIC_OK : asdic_fail_memory(ctx, "a file name");
     if (status == ASDIC_OK && bottom) {
         status = write_terrain(ctx, mission, bottom, terrain);
     }
     if (status == ASDIC_OK) {
         status = write_objects(ctx, mission, objects);
     }
+    if (status == ASDIC_OK) {
+        status = write_routes(ctx, mission, routes);
+    }
+    free(routes);
     free(terrain);
     free(objects);
     return status;
@@ -197,5 +240,8 @@ static asdic_status copy(asdic_context *ctx, const char *from, const char *to, c
 
 asdic_status asdic_scenery_copy(asdic_context *ctx, const char *from, const char *to) {
     asdic_status status = copy(ctx, from, to, "terrain", "asc");
-    return status == ASDIC_OK ? copy(ctx, from, to, "objects", "csv") : status;
+    if (status == ASDIC_OK) {
+        status = copy(ctx, from, to, "objects", "csv");
+    }
+    return status == ASDIC_OK ? copy(ctx, from, to, "routes", "csv") : status;
 }

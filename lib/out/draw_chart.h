@@ -20,9 +20,11 @@ typedef struct asdic_chart_area {
 } asdic_chart_area;
 
 typedef struct asdic_chart {
-    const asdic_relief *relief; /* no columns: none */
-    const asdic_outline *outlines;
+    const asdic_relief *relief;    /* no columns: none */
+    const asdic_outline *outlines; /* at the end of the routes, for those that move */
     size_t outline_count;
+    const asdic_route *routes;
+    size_t route_count;
     const asdic_chart_area *areas;
     size_t area_count;
     const double *north_m, *east_m; /* the track */

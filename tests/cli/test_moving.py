@@ -1,6 +1,7 @@
 """Objects that move along tracks of their own: where they are heard, in whatever parts it is run."""
 import csv
 import json
+import os
 
 import program
 import tap
@@ -78,6 +79,28 @@ def test_parts_and_devices_do_not_change_a_byte():
         asdic("run", path, "--shard", "3/3", "-o", folder / "part3", "--force").check(code=0)
         done = asdic("merge", "part3", "part1", "part2", "-o", "other", cwd=folder.path)
         tap.contains(done.check(code=3).err, "differ in their mesh, grid or track")
+
+
+def test_routes_are_kept_and_drawn():
+    program.need_device()
+    with Folder() as folder:
+        path = moving(folder)
+        folder.write("moving.yaml", folder.read("moving.yaml").replace("fan]", "fan, plan]"))
+        asdic("run", path, "-o", folder / "r").check(code=0)
+        rows = list(csv.DictReader(data(folder, "r", "routes.csv").decode().splitlines()))
+        tap.equal([[float(row[k]) for k in ("time_s", "x_m", "y_m", "yaw_deg")] for row in rows
+                   if row["object"] == "ball"][::39], [[0, 20, 0, 0], [1.95, 16.1, 0.975, 39]])
+        tap.equal(len(rows), 80, "two objects at 40 pings")
+        if not os.path.exists(folder / "r/plan.png"):
+            raise tap.Skip("built without cairo")
+        drawn = data(folder, "r", "plan.png")
+        asdic("render", folder / "r").check(code=0)
+        tap.equal(data(folder, "r", "plan.png") == drawn, True, "drawn again")
+        os.remove(folder / "r/routes.csv")
+        asdic("render", folder / "r").check(code=0)
+        tap.equal(data(folder, "r", "plan.png") == drawn, False, "routes are seen")
+        folder.write("r/routes.csv", "object,time_s,x_m,y_m,yaw_deg\nball,0,20,x\n")
+        tap.contains(asdic("render", folder / "r").check(code=3).err, "routes.csv' is damaged")
 
 
 def test_check_tells_what_moves():

@@ -7,6 +7,7 @@
 
 #include "lib/base/vec.h"
 #include "lib/mission/run_footprint.h"
+#include "lib/mission/run_routes.h"
 #include "lib/out/overview.h"
 #include "lib/out/raster_relief.h"
 #include "lib/scene/chart.h"
@@ -227,6 +228,43 @@ static void overview_keeps_the_strongest(void **state) {
     asdic_overview_finish(&o);
 }
 
+static void routes_are_the_runs(void **state) {
+    (void)state;
+    /* North 10 m in 10 s, then east 10 m in 10 s, turning from 350 to 20 degrees in the second leg. */
+    const double turn_rad = ASDIC_PI / 180.0;
+    asdic_route_point points[] = {{0, 0, 0, -10 * turn_rad},
+                                  {10, 10, 0, 350 * turn_rad},
+                                  {20, 10, 10, 20 * turn_rad}};
+    asdic_route route = {.name = "boat", .points = points, .count = 3};
+    /* Its bow 2 m ahead of its place at the first ping, a rock elsewhere. */
+    asdic_outline outlines[] = {
+        {.name = "rock", .count = 1, .north_m = {5}, .east_m = {5}},
+        {.name = "boat",
+         .count = 1,
+         .north_m = {2 * cos(-10 * turn_rad)},
+         .east_m = {2 * sin(-10 * turn_rad)}}};
+    asdic_scenery scenery = {.routes = &route,
+                             .route_count = 1,
+                             .points = points,
+                             .outlines = outlines,
+                             .outline_count = 2};
+    asdic_routes_cut(&scenery, 5.0, 15.0);
+    assert_int_equal(scenery.route_count, 1);
+    assert_int_equal(route.count, 3);
+    const double expected[3][3] = {{5, 5, 0}, {10, 10, 0}, {15, 10, 5}};
+    for (int i = 0; i < 3; i++) {
+        assert_close(route.points[i].time_s, expected[i][0], 0);
+        assert_close(route.points[i].north_m, expected[i][1], 1e-12);
+        assert_close(route.points[i].east_m, expected[i][2], 1e-12);
+    }
+    assert_close(outlines[0].north_m[0], 5.0, 0);
+    assert_close(outlines[1].north_m[0], 10.0 + 2.0 * cos(5 * turn_rad), 1e-12);
+    assert_close(outlines[1].east_m[0], 5.0 + 2.0 * sin(5 * turn_rad), 1e-12);
+    /* One ping is no way to go. */
+    asdic_routes_cut(&scenery, 15.0, 15.0);
+    assert_int_equal(scenery.route_count, 0);
+}
+
 /* Width, height and how many pixels are RGB of a picture, which is deleted. */
 static size_t count_pixels(const char *path, uint32_t rgb, size_t *width, size_t *height) {
     png_image image = {.version = PNG_IMAGE_VERSION};
@@ -288,6 +326,7 @@ int main(void) {
         cmocka_unit_test(footprint_on_a_plane),
         cmocka_unit_test(footprint_on_terrain),
         cmocka_unit_test(overview_keeps_the_strongest),
+        cmocka_unit_test(routes_are_the_runs),
         cmocka_unit_test(pictures_show_them),
     };
     return cmocka_run_group_tests(tests, context_begin, context_end);
