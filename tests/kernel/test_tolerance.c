@@ -7,6 +7,8 @@
 #include <asdic/asdic.h>
 
 #include <math.h>
+#include <stdlib.h>
+#include <string.h>
 
 static test_device t;
 
@@ -72,6 +74,73 @@ static void found_rays_keep_the_tolerance(void **state) {
     asdic_mission_destroy(&mission);
 }
 
+/* Adds PINGS pings of RAYS rays from number FIRST on to SUM, or, when TRUTH is given, their squared errors
+ * in dB re that; returns how many there are. */
+static size_t add_pings(const asdic_mission *mission, uint32_t rays, uint64_t first, int pings,
+                        const double *truth, double *sum) {
+    asdic_sampling sampling = *asdic_mission_sampling((asdic_mission *)mission);
+    sampling.rays = rays;
+    asdic_pose pose = asdic_mission_pose(mission, 0, NULL);
+    asdic_simulator *sim = NULL;
+    asdic_ping *ping = NULL;
+    assert_ok(t.ctx, asdic_simulator_create(t.ctx, t.device, asdic_mission_scene(mission),
+                                            asdic_mission_environment(mission),
+                                            asdic_mission_sonar(mission), &sampling,
+                                            pose.position_m.z, &sim));
+    size_t beams = asdic_mission_sonar(mission)->receiver_count;
+    assert_ok(t.ctx, asdic_ping_create(t.ctx, beams, asdic_simulator_bin_count(sim), &ping));
+    size_t cells = ping->beams * ping->bins;
+    assert_ok(t.ctx, asdic_simulator_learn(sim, &pose, first));
+    for (uint64_t k = 0; k < (uint64_t)pings; k++) {
+        assert_ok(t.ctx, asdic_simulator_ping(sim, &pose, first + k, ping));
+        for (size_t i = 0; i < cells; i++) {
+            double energy = ping->intensity_lin[ASDIC_TOTAL][i];
+            double off = truth ? asdic_level_db(energy) - asdic_level_db(truth[i]) : 0.0;
+            sum[i] += truth ? off * off : energy / pings;
+        }
+    }
+    asdic_ping_destroy(&ping);
+    asdic_simulator_destroy(&sim);
+    return cells;
+}
+
+/* On a rough mesh and for a fan of 512 beams: with the rays found no bin errs by more than the
+ * tolerance in truth (r.m.s. over pings, whose own spread over eight is allowed for), with the rays that
+ * the search began with a good many do. */
+static void rough_bottoms_and_fans_keep_it(void **state) {
+    (void)state;
+    enum { MOST_CELLS = 512 * 149, PINGS = 8 };
+    static const char *const scenes[] = {"bench_terrain.yaml", "bench_fan.yaml"};
+    const double tolerance_db = 1.0;
+    double *truth = calloc(MOST_CELLS, sizeof *truth),
+           *squares = calloc(MOST_CELLS, sizeof *squares);
+    for (size_t s = 0; s < 2; s++) {
+        asdic_mission *mission = load(scenes[s], 2000);
+        asdic_ray_budget found;
+        assert_ok(t.ctx, asdic_mission_find_rays(t.ctx, mission, t.device, tolerance_db, 1u << 18,
+                                                 &found));
+        assert_int_equal(found.rough_count, 0);
+        memset(truth, 0, MOST_CELLS * sizeof *truth);
+        size_t cells = add_pings(mission, 1u << 18, 1000000, 12, NULL, truth);
+        size_t over[2] = {0, 0};
+        for (int k = 0; k < 2; k++) {
+            memset(squares, 0, MOST_CELLS * sizeof *squares);
+            add_pings(mission, k ? 2000 : found.rays, 0, PINGS, truth, squares);
+            for (size_t i = 0; i < cells; i++) {
+                over[k] += i % 149 >= 4 && sqrt(squares[i] / PINGS) > 1.5 * tolerance_db;
+            }
+        }
+        print_message(
+            "%s, %g dB: %u rays, stated worst %.2f dB; bins above in truth: %zu, with 2000 "
+            "rays %zu of %zu\n",
+            scenes[s], tolerance_db, found.rays, found.worst_db, over[0], over[1], cells);
+        assert_true(over[0] * 200 < cells && over[1] * 10 > cells);
+        asdic_mission_destroy(&mission);
+    }
+    free(truth);
+    free(squares);
+}
+
 static void what_is_out_of_reach_is_named(void **state) {
     (void)state;
     asdic_mission *mission = load("bench_step.yaml", 1000);
@@ -110,6 +179,7 @@ int main(void) {
     t = test_device_open_or_skip();
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(found_rays_keep_the_tolerance),
+        cmocka_unit_test(rough_bottoms_and_fans_keep_it),
         cmocka_unit_test(what_is_out_of_reach_is_named),
         cmocka_unit_test(noise_forgives),
     };
