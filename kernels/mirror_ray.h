@@ -11,6 +11,10 @@
 #include "echo.h"
 #include "order.h"
 
+#ifndef ASDIC_HAS_MIRRORS
+#define ASDIC_HAS_MIRRORS 0
+#endif
+
 /* Slots of a piece, a work-item's share: vectors want neighbours, GPUs work-items. */
 #if ASDIC_WIDTH == 1
 #define PIECE 1u

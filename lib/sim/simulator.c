@@ -48,25 +48,25 @@ static asdic_status create_kernels(asdic_simulator *sim) {
     bool owned = sim->layout.deposit == ASDIC_DEPOSIT_OWNED;
     bool adaptive = sim->sampling.sampler == ASDIC_SAMPLER_ADAPTIVE;
     const struct {
-        const char *file, *name;
+        const char *name;
         asdic_kernel **kernel;
         bool needed;
     } wanted[] = {
-        {"sample.cl", "sample", &sim->sample, true},
-        {"shade.cl", "shade", &sim->shade, true},
-        {"collect.cl", "collect", &sim->collect, owned},
-        {"reduce.cl", "suffix", &sim->suffix, !owned && !sim->fan.cells},
-        {"reduce.cl", "reduce", &sim->reduce, !sim->fan.cells},
-        {"survey.cl", "survey", &sim->survey, adaptive},
-        {"multipath.cl", "connect", &sim->connect, sim->has_mirrors},
-        {"multipath.cl", "bounce", &sim->bounce, sim->has_mirrors},
+        {"sample", &sim->sample, true},
+        {"shade", &sim->shade, true},
+        {"collect", &sim->collect, owned},
+        {"suffix", &sim->suffix, !owned && !sim->fan.cells},
+        {"reduce", &sim->reduce, !sim->fan.cells},
+        {"survey", &sim->survey, adaptive},
+        {"connect", &sim->connect, sim->has_mirrors},
+        {"bounce", &sim->bounce, sim->has_mirrors},
     };
     for (size_t i = 0; i < sizeof wanted / sizeof *wanted; i++) {
         if (!wanted[i].needed) {
             continue;
         }
-        asdic_status status = asdic_kernel_create(sim->device, wanted[i].file, options,
-                                                  wanted[i].name, wanted[i].kernel);
+        asdic_status status =
+            asdic_kernel_create(sim->device, "ping.cl", options, wanted[i].name, wanted[i].kernel);
         if (status) {
             return status;
         }
@@ -244,8 +244,8 @@ static asdic_status allocate_host(asdic_simulator *sim) {
     sim->host_results = malloc(asdic_simulator_results_bytes(sim));
     sim->stated = malloc(sim->cells * sizeof *sim->stated);
     sim->smear_scratch = malloc((3 * sim->bins + 1) * sizeof *sim->smear_scratch);
-    if (!sim->smear_scratch || !sim->receivers || !sim->stated || !sim->ping ||
-        !sim->bin_table || !sim->bin_loss || !sim->bin_volume || !sim->host_results) {
+    if (!sim->smear_scratch || !sim->receivers || !sim->stated || !sim->ping || !sim->bin_table ||
+        !sim->bin_loss || !sim->bin_volume || !sim->host_results) {
         return asdic_fail_memory(sim->ctx, "a simulator");
     }
     memcpy(sim->receivers, sim->sonar.receivers, beams * sizeof *sim->receivers);

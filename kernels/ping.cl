@@ -1,0 +1,9 @@
+/*
+ * All kernels of a ping as one program: a driver then reads the formulas once, not six times.
+ */
+#include "collect.cl"
+#include "multipath.cl"
+#include "reduce.cl"
+#include "sample.cl"
+#include "shade.cl"
+#include "survey.cl"
