@@ -110,7 +110,8 @@ static inline uint bits8(int8 m) {
                   56);
 }
 
-#ifdef __has_builtin
+/* Only in PoCL: Oclgrind's compiler knows it, Oclgrind itself does not. */
+#if defined(POCL_DEVICE_ADDRESS_BITS) && defined(__has_builtin)
 #if __has_builtin(__builtin_reduce_or)
 #define TRACE_REDUCE
 #endif
