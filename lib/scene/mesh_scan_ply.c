@@ -195,13 +195,31 @@ static asdic_status check_characters(const ply_file *ply, const asdic_line *line
     return ASDIC_OK;
 }
 
+/* The line at FROM, up to TO, becomes the second of the text, where OpenMesh takes whatever stands
+ * there for the format; comments that stood before it move down. */
+static asdic_status lift_format(ply_file *ply, const char *from, const char *to) {
+    char *second = (char *)memchr(ply->scan->text, '\n', ply->scan->size) + 1;
+    size_t length = (size_t)(to - from);
+    char *copy = malloc(length + 1);
+    if (!copy) {
+        return asdic_fail_memory(ply->scan->ctx, "a line of a mesh file");
+    }
+    memcpy(copy, from, length);
+    memmove(second + length, second, (size_t)(from - second));
+    memcpy(second, copy, length);
+    free(copy);
+    return ASDIC_OK;
+}
+
 static asdic_status scan_header(ply_file *ply) {
     asdic_line line = {0};
     bool format = false;
     if (!asdic_line_next(ply->scan, &line) || !asdic_line_take_word(&line, "ply")) {
         return asdic_mesh_scan_fail(ply->scan, 1, "does not start with 'ply'");
     }
+    const char *text_end = ply->scan->text + ply->scan->size;
     while (asdic_line_next(ply->scan, &line)) {
+        const char *from = line.at;
         asdic_status status = check_characters(ply, &line);
         if (status != ASDIC_OK) {
             return status;
@@ -210,12 +228,16 @@ static asdic_status scan_header(ply_file *ply) {
             if (!format) {
                 break;
             }
-            ply->at = line.end < ply->scan->text + ply->scan->size ? line.end + 1 : line.end;
+            ply->at = line.end < text_end ? line.end + 1 : line.end;
             ply->line = line;
             return ASDIC_OK;
         }
         if (asdic_line_take_word(&line, "format")) {
-            status = header_format(ply, &line);
+            status = format ? asdic_mesh_scan_fail(ply->scan, line.number, "a second format")
+                            : header_format(ply, &line);
+            if (status == ASDIC_OK && line.end < text_end) {
+                status = lift_format(ply, from, line.end + 1);
+            }
             format = true;
         } else if (asdic_line_take_word(&line, "element")) {
             status = header_element(ply, &line);

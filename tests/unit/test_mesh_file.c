@@ -273,6 +273,7 @@ static void ply_bodies(void **state) {
          "3 0 1 2\n",
          "vertices need x, y, z"},
         {"ply\nformat ascii 1.0\nelement vertex 3\n", "no format or no end"},
+        {"ply\ncomment\nformat ascii 1.0\nformat binary_little_endian 1.0\n", ":4: a second format"},
         {"ply\nformat ascii 1.0\nelement v\ve 0\n", ":3: a control character"}, /* it reads on forever */
         {"solid\n", "does not start with 'ply'"},
         {"ply\nformat ascii 1.1\n", ":2: the version"}, /* OpenMesh reads on forever */
