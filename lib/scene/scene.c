@@ -6,6 +6,7 @@
 #include "triangles.h"
 
 #include "../base/context.h"
+#include "../base/memory_left.h"
 #include "../base/vec.h"
 
 #include <stdlib.h>
@@ -138,10 +139,34 @@ asdic_status asdic_scene_set_bottom_plane(asdic_scene *scene, double depth_m,
     return status;
 }
 
+/* What a triangle takes at most, corners, hierarchy and the device's copy together: as measured on 4
+ * million, 1,160 MiB. */
+#define TRIANGLE_BYTES 304
+
+/* Before the memory of the machine is at its end and the system stops whom it likes. What there is is
+ * asked before the first triangle. */
+static asdic_status check_memory(asdic_scene *scene, size_t triangles) {
+    uint64_t needed = (uint64_t)triangles * TRIANGLE_BYTES;
+    if (scene->memory_bytes == 0) {
+        scene->memory_bytes = asdic_memory_left();
+    }
+    return needed <= scene->memory_bytes
+               ? ASDIC_OK
+               : asdic_fail(scene->ctx, ASDIC_ERROR_MEMORY,
+                            "a scene of %zu triangles or more needs %llu bytes of memory, %llu are "
+                            "available; use fewer or coarser objects ('segments')",
+                            triangles, (unsigned long long)needed,
+                            (unsigned long long)scene->memory_bytes);
+}
+
 static asdic_status reserve_triangles(asdic_scene *scene, size_t more) {
     size_t needed = scene->triangle_count + more;
     if (needed <= scene->triangle_capacity) {
         return ASDIC_OK;
+    }
+    asdic_status status = check_memory(scene, needed);
+    if (status != ASDIC_OK) {
+        return status;
     }
     size_t capacity = needed > 2 * scene->triangle_capacity ? needed : 2 * scene->triangle_capacity;
     double *corners = realloc(scene->corners_m, capacity * 9 * sizeof *corners);

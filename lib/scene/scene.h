@@ -53,6 +53,7 @@ struct asdic_scene {
     double *corners_m;
     uint32_t *corner_parts;
     size_t triangle_count, triangle_capacity;
+    uint64_t memory_bytes; /* that there were before the first triangle */
     /* After commit: relative to origin_m, in float. */
     asdic_vec3 origin_m;
     dev_triangle *triangles;

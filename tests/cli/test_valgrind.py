@@ -16,7 +16,7 @@ from run_folder import same, scene
 
 HERE = pathlib.Path(__file__).resolve().parent
 FULL = "full" in sys.argv and not sys.argv.remove("full")
-MEMCHECK = ["--leak-check=full", "--errors-for-leak-kinds=definite,possible"]
+MEMCHECK = ["--leak-check=full", "--errors-for-leak-kinds=definite"]
 
 
 def valgrind(*command, tool="memcheck", options=()):

@@ -1,11 +1,13 @@
 /*
- * Preloaded before the OpenCL loader: makes one device fail half-way.
+ * Preloaded before the OpenCL loader: makes one device fail half-way, or small.
  *
  *     LD_PRELOAD=libopencl_fault.so OPENCL_FAULT=DEVICE:CALL:AFTER:CODE
  *
  * The DEVICE-th device that is opened (from 0) answers CODE to CALL, which is "kernel" (enqueue one),
  * "read", "write", "build" or "buffer", from the AFTER-th such call on. Until then the others are
  * slow, so that they do not do its work.
+ *
+ * With OPENCL_WORK_GROUP=N no kernel may run in work-groups of more than N.
  */
 #include <dlfcn.h>
 #include <stdio.h>
@@ -136,4 +138,18 @@ CL_API_ENTRY cl_int CL_API_CALL clEnqueueWriteBuffer(cl_command_queue queue, cl_
     return code != CL_SUCCESS
                ? code
                : real(queue, buffer, blocking, offset, size, from, waits, list, event);
+}
+
+CL_API_ENTRY cl_int CL_API_CALL clGetKernelWorkGroupInfo(cl_kernel kernel, cl_device_id device,
+                                                         cl_kernel_work_group_info what,
+                                                         size_t size, void *to, size_t *got) {
+    cl_int (*real)(cl_kernel, cl_device_id, cl_kernel_work_group_info, size_t, void *, size_t *) =
+        next("clGetKernelWorkGroupInfo");
+    const char *limit = getenv("OPENCL_WORK_GROUP");
+    cl_int code = real(kernel, device, what, size, to, got);
+    if (code == CL_SUCCESS && limit && to && what == CL_KERNEL_WORK_GROUP_SIZE &&
+        *(size_t *)to > strtoul(limit, NULL, 10)) {
+        *(size_t *)to = strtoul(limit, NULL, 10);
+    }
+    return code;
 }
