@@ -279,15 +279,14 @@ static int run(cli *c) {
 
 static const cli_option options[] = {
     {"output", 'o', "DIR", "with a scene: its run folder; default: run_<name of the scene>"},
-    {"target", 0, "NAME", "swerling0, 1, 2 or 3, instead of the scene's"},
+    {"target", 0, "NAME", "swerling0, swerling1, swerling2 or swerling3, instead of the scene's"},
     {"pfa", 0, "P", "probability of false alarm per bin, instead of the scene's"},
     {"prior", 0, "P", "prior probability of a target in a bin, instead of the scene's"},
     {"snr", 0, "DB", "strength of the target that likelihood ratios assume, re the background"},
     {"cost", 0, "RATIO",
      "cost of a miss over that of a false alarm: the threshold that costs least, instead of --pfa"},
     {"cfar", 0, "KIND",
-     "background from neighbouring bins: ca (their mean) or os (their third "
-     "quartile)"},
+     "ca or os: background from neighbouring bins, their mean or their third quartile"},
     {"cfar-cells", 0, "N", "bins on either side, else 8"},
     {"cfar-guard", 0, "N", "bins left out next to the bin, else 2"},
     {"truth", 0, "DB",

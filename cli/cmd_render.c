@@ -100,7 +100,7 @@ static const cli_option options[] = {
     {"tvg", 0, "K", "show levels + K log r + 2 alpha r, alpha being the scene's absorption"},
     {"beam", 0, "NAME", "this beam only"},
     {"ping", 0, "N", "A-scope and fan of this ping, instead of the first and the last"},
-    {"format", 0, "FORMAT", "auto (by the name of the file, else PNG), png, pdf or svg"},
+    {"format", 0, "FORMAT", "auto, png, pdf or svg; auto: by the name of the file, else PNG"},
     {"output", 'o', "FILE",
      "write the one picture that the other options choose there; - is the standard output"},
     {"force", 0, NULL, "overwrite that file"},

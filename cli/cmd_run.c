@@ -228,7 +228,7 @@ static const cli_option options[] = {
      "double the rays until one standard error of every bin above the noise is at most this"},
     {"sampler", 0, "NAME", "adaptive, beam or uniform-sphere (the paper's)"},
     {"kernel", 0, "NAME",
-     "how rays are cast: wide8, pkt16, frustum64, scalar; auto takes the fastest; same bytes"},
+     "auto, wide8, pkt16, frustum64 or scalar: how rays are cast; auto takes the fastest; same bytes"},
     {"seed", 0, "N", "seed of the random directions, instead of the scene's"},
     {"pings", 0, "A:B", "pings A to B-1 only, counted from 0"},
     {"shard", 0, "K/N", "the K-th of N parts of the pings; 'asdic merge' joins the parts"},

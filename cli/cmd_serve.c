@@ -12,7 +12,7 @@
 #define MAX_LINE 4096
 
 static const cli_option options[] = {
-    {"format", 'f', "FORMAT", "answers as json (the default), csv or raw"},
+    {"format", 'f', "FORMAT", "json, csv or raw: the form of answers; default json"},
     {"expected", 0, NULL, "also the expected level without objects, by quadrature"},
     {"detect", 0, NULL, "also what exceeds the expected level, by the scene's detector"},
     {"rays", 0, "N", "rays per ping, instead of the scene's"},

@@ -13,9 +13,12 @@ def quoted(text):
 
 
 def words_of(option):
-    """The words an option takes where its help lists them: 'auto, all, cpu, ...'."""
-    found = re.match(r"(?:[a-z][a-z-]+, )+[a-z][a-z-]+", option["help"]) if option["arg"] else None
-    return found.group(0).split(", ") if found else []
+    """The words an option takes where its help begins with them: 'auto, all, cpu ...', 'ca or os'."""
+    if option["arg"] in (None, "N") or takes_file(option):
+        return []
+    word = r"[a-z][a-z0-9-]+"
+    found = re.match(rf"(?:{word}, )+{word}(?: or {word})?|{word} or {word}", option["help"])
+    return re.split(", | or ", found.group(0)) if found else []
 
 
 def takes_file(option):
@@ -98,7 +101,8 @@ def fish(commands):
                 if words_of(o):
                     line += f" -a {quoted(' '.join(words_of(o)))}"
             out.append(line)
-    return out
+    names = " ".join(c["name"] for c in commands)
+    return [*out, f"complete -c asdic -n '__fish_seen_subcommand_from help' -f -a {quoted(names)}"]
 
 
 def main():

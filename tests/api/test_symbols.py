@@ -1,4 +1,4 @@
-"""The shared library exports the public functions and nothing else."""
+"""The shared library exports the public functions and nothing else, and says which interface it has."""
 import glob
 import os
 import re
@@ -35,6 +35,13 @@ def test_only_public_names_are_exported():
 def test_every_declared_function_is_there():
     tap.equal(len(declared()) > 40, True, "declarations are found")
     tap.equal(sorted(declared() - exported()), [])
+
+
+def test_soname_has_the_interface():
+    if not shutil.which("readelf"):
+        raise tap.Skip("there is no readelf")
+    done = subprocess.run(["readelf", "-d", LIBRARY], capture_output=True, text=True, check=True)
+    tap.equal(re.findall(r"SONAME.*\[(.*)\]", done.stdout), ["libasdic.so.0"])
 
 
 tap.main(globals())

@@ -91,7 +91,23 @@ def test_bash_completes_commands_options_and_values():
     tap.equal(complete("asdic", "devices", "--j"), ["--json"])
     tap.equal(complete("asdic", "model", "--device", "c"), ["cpu"])
     tap.equal(complete("asdic", "help", "dev"), ["devices"])
+    tap.equal(complete("asdic", "run", "--sampler", ""), ["adaptive", "beam", "uniform-sphere"])
+    tap.equal(complete("asdic", "run", "--kernel", "f"), ["frustum64"])
+    tap.equal(complete("asdic", "detect", "--cfar", ""), ["ca", "os"])
+    tap.equal(complete("asdic", "roc", "--target", "swerling3"), ["swerling3"])
+    tap.equal(complete("asdic", "serve", "--format", "")[-1:], ["raw"])
+    tap.equal(complete("asdic", "bench", "--threads", ""), [], "a number")
     tap.contains(complete("asdic", "check", BUILD + "/comp"), BUILD + "/completions")
+
+
+def test_fish_completes():
+    need("fish")
+    script = "source $argv[1]; complete -C $argv[2]"
+    for line, expected in (("asdic ren", "render"), ("asdic run --sam", "--sampler"), ("asdic help mod", "model"),
+                           ("asdic roc --target swerling2", "swerling2")):
+        done = subprocess.run(["fish", "-c", script, os.path.join(BUILD, "completions", "asdic.fish"), line],
+                              capture_output=True, text=True, check=False)
+        tap.equal([offer.split("\t")[0] for offer in done.stdout.splitlines()], [expected], line)
 
 
 def test_bash_zsh_and_fish_accept_their_completions():
