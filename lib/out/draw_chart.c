@@ -14,6 +14,7 @@
 #define SEA_RGB 0xeef2f5u /* where there is no terrain to show */
 #define INK_RGB 0x202020u
 #define MOST_NAMES 40
+#define MOST_ASIDE_PX 24.0 /* names of larger objects stand on them */
 
 typedef asdic_chart_page page;
 
@@ -162,6 +163,15 @@ static void draw_name(labels *l, double x, double y, double gap_px, const char *
     }
 }
 
+static double half_width_m(const asdic_outline *o) {
+    double west_m = INFINITY, east_m = -INFINITY;
+    for (size_t k = 0; k < o->count; k++) {
+        west_m = fmin(west_m, o->east_m[k]);
+        east_m = fmax(east_m, o->east_m[k]);
+    }
+    return 0.5 * (east_m - west_m);
+}
+
 /* Names once each, at the middle of the first outline. */
 static void name_objects(labels *l, const asdic_chart *chart) {
     const page *p = l->p;
@@ -176,7 +186,7 @@ static void name_objects(labels *l, const asdic_chart *chart) {
             y += asdic_chart_y(p, o->north_m[k]) / (double)o->count;
         }
         if (x > p->box.x && x < p->box.x + p->box.w && y > p->box.y && y < p->box.y + p->box.h) {
-            draw_name(l, x, y, 8.0, o->name);
+            draw_name(l, x, y, 8.0 + fmin(half_width_m(o) * p->px_per_m, MOST_ASIDE_PX), o->name);
         }
     }
 }
