@@ -28,6 +28,8 @@ typedef struct server {
     serve_writer writer;
     asdic_ping *expectation;
     float *expected_db;
+    asdic_expected_place place; /* of both */
+    bool has_expected;
     asdic_scan *scan; /* NULL: not asked for */
     uint64_t line;
 } server;
@@ -95,18 +97,24 @@ static const char *next_line(line_source *in, asdic_context *ctx, int *error) {
     }
 }
 
+/* Quadratures take longer than pings, and a vehicle that keeps its altitude and attitude expects what
+ * it expected. To the north, that the answer may not depend on what was asked before. */
 static asdic_status expect(server *s, const asdic_loop_ping *ping) {
-    asdic_flat_scene flat = asdic_mission_flat_scene(s->mission, 0);
-    flat.has_bottom = isfinite(ping->altitude_m);
-    flat.altitude_m = flat.has_bottom ? ping->altitude_m : 0.0;
-    flat.depth_m = ping->pose.position_m.z;
-    asdic_status status =
-        asdic_expected_compute(cli_context(s->c), &flat, asdic_mission_environment(s->mission),
-                               asdic_mission_sonar(s->mission), &ping->pose, s->expectation);
+    asdic_expected_place place = {.flat = asdic_mission_flat_scene(s->mission, 0)};
+    asdic_loop_ping_place(ping, &place);
+    place.pose.yaw_rad = 0.0;
+    if (s->has_expected && asdic_expected_is_near(&place, &s->place, 0.0, 0.0)) {
+        return ASDIC_OK;
+    }
+    asdic_status status = asdic_expected_compute(
+        cli_context(s->c), &place.flat, asdic_mission_environment(s->mission),
+        asdic_mission_sonar(s->mission), &place.pose, s->expectation);
     for (size_t i = 0; !status && i < ping->beams * ping->bins; i++) {
         double level_db = asdic_level_db(s->expectation->intensity_lin[ASDIC_TOTAL][i]);
         s->expected_db[i] = isfinite(level_db) ? (float)level_db : NAN;
     }
+    s->place = place;
+    s->has_expected = !status;
     return status;
 }
 

@@ -41,40 +41,29 @@ void asdic_live_expected_finish(asdic_live_expected *e) {
 
 static live_question question_of(const asdic_mission *mission, const asdic_loop_ping *ping,
                                  size_t beam) {
-    live_question q = {.flat = asdic_mission_flat_scene(mission, 0),
+    live_question q = {.place = {.flat = asdic_mission_flat_scene(mission, 0)},
                        .environment = *asdic_mission_environment(mission),
                        .sonar = *asdic_mission_sonar(mission),
-                       .beam = asdic_mission_sonar(mission)->receivers[beam],
-                       .pose = ping->pose};
-    q.flat.has_bottom = isfinite(ping->altitude_m);
-    q.flat.altitude_m = q.flat.has_bottom ? ping->altitude_m : 0.0;
-    q.flat.depth_m = ping->pose.position_m.z;
+                       .beam = asdic_mission_sonar(mission)->receivers[beam]};
+    asdic_loop_ping_place(ping, &q.place);
     q.sonar.receivers = NULL;
     q.sonar.receiver_count = 1;
     return q;
 }
 
-static bool near(double a, double b) {
-    return fabs(a - b) <= SAME_SHARE * fmax(fabs(a), 1.0);
-}
-
-/* Yaw does not matter over a flat bottom. */
 static bool is_same(const live_question *a, const live_question *b) {
-    return a->flat.has_bottom == b->flat.has_bottom &&
-           near(a->flat.altitude_m, b->flat.altitude_m) && near(a->flat.depth_m, b->flat.depth_m) &&
-           a->flat.bottom_type == b->flat.bottom_type &&
+    return asdic_expected_is_near(&a->place, &b->place, SAME_SHARE, SAME_RAD) &&
            a->environment.wind_speed_kn == b->environment.wind_speed_kn &&
            a->sonar.source_level_db == b->sonar.source_level_db &&
-           memcmp(&a->beam, &b->beam, sizeof a->beam) == 0 &&
-           fabs(a->pose.pitch_rad - b->pose.pitch_rad) < SAME_RAD &&
-           fabs(a->pose.roll_rad - b->pose.roll_rad) < SAME_RAD;
+           memcmp(&a->beam, &b->beam, sizeof a->beam) == 0;
 }
 
 static void *answer(void *argument) {
     asdic_live_expected *e = argument;
     live_question q = e->asked;
     q.sonar.receivers = &q.beam;
-    e->status = asdic_expected_compute(e->ctx, &q.flat, &q.environment, &q.sonar, &q.pose, e->ping);
+    e->status = asdic_expected_compute(e->ctx, &q.place.flat, &q.environment, &q.sonar,
+                                       &q.place.pose, e->ping);
     pthread_mutex_lock(&e->lock);
     e->is_done = true;
     pthread_mutex_unlock(&e->lock);

@@ -12,11 +12,10 @@
 
 /* What a curve is for. */
 typedef struct live_question {
-    asdic_flat_scene flat;
+    asdic_expected_place place;
     asdic_environment environment;
     asdic_sonar sonar; /* of the one beam */
     asdic_beam beam;
-    asdic_pose pose;
 } live_question;
 
 typedef struct asdic_live_expected {

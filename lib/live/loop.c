@@ -293,3 +293,10 @@ asdic_status asdic_loop_collect(asdic_loop *loop, asdic_loop_ping *out) {
                           .parts = slot->ping};
     return ASDIC_OK;
 }
+
+void asdic_loop_ping_place(const asdic_loop_ping *ping, asdic_expected_place *place) {
+    place->pose = ping->pose;
+    place->flat.has_bottom = isfinite(ping->altitude_m);
+    place->flat.altitude_m = place->flat.has_bottom ? ping->altitude_m : 0.0;
+    place->flat.depth_m = ping->pose.position_m.z;
+}

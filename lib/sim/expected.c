@@ -228,3 +228,17 @@ asdic_status asdic_expected_erratum(asdic_context *ctx, size_t index, const asdi
     }
     return compute(ctx, flat, env, sonar, pose, 1u << index, ping);
 }
+
+static bool near(double a, double b, double share) {
+    return fabs(a - b) <= share * fmax(fabs(a), 1.0);
+}
+
+bool asdic_expected_is_near(const asdic_expected_place *a, const asdic_expected_place *b,
+                            double share, double angle_rad) {
+    return a->flat.has_surface == b->flat.has_surface && a->flat.has_bottom == b->flat.has_bottom &&
+           a->flat.bottom_type == b->flat.bottom_type &&
+           near(a->flat.altitude_m, b->flat.altitude_m, share) &&
+           near(a->flat.depth_m, b->flat.depth_m, share) &&
+           fabs(a->pose.pitch_rad - b->pose.pitch_rad) <= angle_rad &&
+           fabs(a->pose.roll_rad - b->pose.roll_rad) <= angle_rad;
+}

@@ -81,6 +81,20 @@ def test_every_format_says_the_same():
                         tap.equal(f"{floats[298 + b * 149 + n]:.9g}", f"{expected:.9g}")
 
 
+def test_expectations_do_not_depend_on_what_was_asked_before():
+    """Kept while altitude and attitude are, whatever the heading; made anew for each that differs."""
+    program.need_device()
+    with Folder() as folder:
+        lines = ["0,0,0,7,0,0,0", "0,5,1,7,0,0,90", "0,0,0,7,0,3,0", "0,0,0,6.99,0,0,0",
+                 "0,0,0,6.99,1,0,0", "0,0,0,7,0,0,0"]
+        expected = [json.loads(line)["expected_db"]
+                    for line in serve(folder, lines, "--expected").out.splitlines()]
+        for i, line in enumerate(lines):
+            alone = json.loads(serve(folder, [line], "--expected").out)["expected_db"]
+            tap.equal(alone == expected[i], True, line)
+        tap.equal([e == expected[0] for e in expected], [True, True, False, False, False, True])
+
+
 def test_detections_are_those_above_the_threshold():
     program.need_device()
     with Folder() as folder:

@@ -25,6 +25,17 @@ ASDIC_API asdic_status asdic_expected_compute(asdic_context *ctx, const asdic_fl
                                               const asdic_sonar *sonar, const asdic_pose *pose,
                                               asdic_ping *ping);
 
+/* What a place expects besides its environment and sonar. */
+typedef struct asdic_expected_place {
+    asdic_flat_scene flat;
+    asdic_pose pose; /* north, east and yaw do not matter */
+} asdic_expected_place;
+
+/* Whether B may do with A's levels: altitude and depth within SHARE (of each, of 1 m when that is less),
+ * roll and pitch within ANGLE_RAD; with 0 and 0 they are the same. */
+ASDIC_API bool asdic_expected_is_near(const asdic_expected_place *a, const asdic_expected_place *b,
+                                      double share, double angle_rad);
+
 /* Writes beam,bin,range_m,total_db,bottom_db,surface_db,volume_db,noise_db, one row per beam and bin;
  * a field is empty where there is no energy. PATH "-" is the standard output. */
 ASDIC_API asdic_status asdic_expected_write_csv(asdic_context *ctx, const char *path,

@@ -12,6 +12,7 @@
 #ifndef ASDIC_LOOP_H
 #define ASDIC_LOOP_H
 
+#include <asdic/expected.h>
 #include <asdic/mission.h>
 
 #ifdef __cplusplus
@@ -61,6 +62,9 @@ ASDIC_API bool asdic_loop_ready(asdic_loop *loop);
 /* Waits for the submitted ping; its failure is returned here. ASDIC_ERROR_ARGUMENT when none was
  * submitted. */
 ASDIC_API asdic_status asdic_loop_collect(asdic_loop *loop, asdic_loop_ping *out);
+
+/* Puts the vehicle of PLACE where PING was: what asdic_expected_compute then gives has no object. */
+ASDIC_API void asdic_loop_ping_place(const asdic_loop_ping *ping, asdic_expected_place *place);
 
 #ifdef __cplusplus
 }
