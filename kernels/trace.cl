@@ -14,22 +14,14 @@
 #include "trace_hybrid.h"
 #include "trace_wide8.h"
 
-/* One ray a work-item, eight boxes at a time. */
+/* Sixteen rays a work-item, each by itself. */
 __kernel void trace_wide8(__global const dev_node8 *nodes, __global const dev_block4 *blocks,
                           __global const dev_ray *rays, __global dev_hit *hits, uint count,
                           uint root, float extent_m) {
-    uint i = (uint)get_global_id(0);
-    if (i >= count) {
-        return;
+    uint first = 16 * (uint)get_global_id(0);
+    if (first < count) {
+        trace_in_turns(nodes, blocks, rays, hits, first, count, root, extent_m);
     }
-    dev_ray ray = rays[i];
-    dev_hit hit = {ray.t_max, ~0u};
-    if (ray.t_max > 0.0f && root != DEV_EMPTY) {
-        ray8 r = ray8_prepare(ray, extent_m);
-        walk8(nodes, blocks, &r, root, &hit);
-    }
-    hit.t_m = hit.triangle == ~0u ? INFINITY : hit.t_m;
-    hits[i] = hit;
 }
 
 /* Sixteen rays a work-item, neighbours in direction. */

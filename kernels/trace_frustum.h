@@ -249,8 +249,8 @@ static inline outline4 outline_of(const seen4 *s, float ahead) {
 }
 
 /* Whether some ray of the group lies within the outline of triangle LANE. */
-static inline uint holds(const outline4 *o, uint lane, const group16 *g) {
-    int16 beyond = (int16)(0);
+static inline uint holds(const outline4 *o, float nearest, uint lane, const group16 *g) {
+    int16 beyond = nearest * g->sz > g->best.t;
 #pragma unroll
     for (uint c = 0; c < 3; c++) {
         float16 a = (float16)(((const float *)&o->edge[c].a)[lane]);
@@ -262,8 +262,9 @@ static inline uint holds(const outline4 *o, uint lane, const group16 *g) {
 }
 
 /* Which triangles some ray of a group may meet. */
-static inline uint touch1(const outline4 *o, const group16 *g) {
-    return holds(o, 0, g) | holds(o, 1, g) | holds(o, 2, g) | holds(o, 3, g) | bits4(~o->plain);
+static inline uint touch1(const outline4 *o, float4 near, const group16 *g) {
+    return holds(o, near.x, 0, g) | holds(o, near.y, 1, g) | holds(o, near.z, 2, g) |
+           holds(o, near.w, 3, g) | bits4(~o->plain);
 }
 
 /* The same for four groups, as bit 4 * group + triangle. */
@@ -311,7 +312,8 @@ static inline uint hit_leaf(__global const dev_block4 *block, uint groups, frust
         }
         f->widest = 0.0f;
     }
-    uint bits = groups == 4 ? touch4(&outline, f) : touch1(&outline, g), tested = popcount(bits);
+    uint bits = groups == 4 ? touch4(&outline, f) : touch1(&outline, seen.near[f->kz], g),
+         tested = popcount(bits);
     for (; bits; bits &= bits - 1) {
         uint bit = lowest_bit(bits), lane = bit & 3, id = block->id[lane];
         if (id != ~0u) {
@@ -322,41 +324,50 @@ static inline uint hit_leaf(__global const dev_block4 *block, uint groups, frust
     return tested;
 }
 
-/* Puts the entered children on the stack in order, the nearest on top. Unlike for a single ray it
- * pays to sort: a packet that meets triangles in the wrong order tests many in vain. */
-static inline void push_entered(__global const dev_node8 *nodes, __global const dev_block4 *blocks,
-                                uint word, const frustum *f, stack8 *s, uint *top) {
+/* The nearest of the entered children, or DEV_EMPTY; the others go on the stack in order. Unlike for a
+ * single ray it pays to sort: a packet that meets triangles in the wrong order tests many in vain. */
+static inline uint nearest_entered(__global const dev_node8 *nodes,
+                                   __global const dev_block4 *blocks, uint word, const frustum *f,
+                                   stack8 *s, uint *top) {
     float8 entry;
     float in[8];
+    __global const uint *child = nodes[word].child;
     uint bits = enter_frustum8((__global const float8 *)&nodes[word], f, &entry), floor = *top;
+    if (!bits) {
+        return DEV_EMPTY;
+    }
     vstore8(entry, 0, in);
-    for (; bits; bits &= bits - 1) {
-        uint lane = lowest_bit(bits), child = nodes[word].child[lane], at = (*top)++;
-        fetch_early(nodes, blocks, child);
-        while (at > floor && s->entry[at - 1] < in[lane]) {
+    uint lane = lowest_bit(bits), best = child[lane];
+    float nearest = in[lane];
+    fetch_early(nodes, blocks, best);
+    for (bits &= bits - 1; bits; bits &= bits - 1) {
+        lane = lowest_bit(bits);
+        uint at = (*top)++, other = child[lane];
+        float other_in = in[lane];
+        fetch_early(nodes, blocks, other);
+        bool swap = other_in < nearest;
+        float later_in = swap ? nearest : other_in;
+        uint later = swap ? best : other;
+        nearest = swap ? other_in : nearest;
+        best = swap ? other : best;
+        while (at > floor && s->entry[at - 1] < later_in) {
             s->entry[at] = s->entry[at - 1];
             s->child[at] = s->child[at - 1];
             at--;
         }
-        s->entry[at] = in[lane];
-        s->child[at] = child;
+        s->entry[at] = later_in;
+        s->child[at] = later;
     }
+    return best;
 }
 
-/* The nearest hits below ROOT; false when BUDGET did not suffice. What was found until then is right:
+/* The nearest hits below WORD; false when BUDGET did not suffice. What was found until then is right:
  * it only has to be beaten. */
 static inline bool walk_frustum(__global const dev_node8 *nodes, __global const dev_block4 *blocks,
-                                uint root, uint groups, uint budget, frustum *f, group16 *g) {
+                                uint word, uint groups, uint budget, frustum *f, group16 *g) {
     stack8 s;
-    uint top = 1, work = 0;
-    s.child[0] = root;
-    s.entry[0] = 0.0f;
-    while (top > 0) {
-        top--;
-        uint word = s.child[top];
-        if (s.entry[top] > f->limit) {
-            continue;
-        }
+    uint top = 0, work = 0;
+    for (;;) {
         if (work > budget) {
             return false;
         }
@@ -368,10 +379,20 @@ static inline bool walk_frustum(__global const dev_node8 *nodes, __global const 
             }
             work += 1 + tested;
         } else {
-            push_entered(nodes, blocks, word, f, &s, &top);
+            uint child = nearest_entered(nodes, blocks, word, f, &s, &top);
+            if (child != DEV_EMPTY) {
+                word = child;
+                continue;
+            }
         }
+        do {
+            if (top == 0) {
+                return true;
+            }
+            top--;
+        } while (s.entry[top] > f->limit);
+        word = s.child[top];
     }
-    return true;
 }
 
 #endif

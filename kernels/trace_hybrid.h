@@ -1,6 +1,7 @@
 /*
- * Which way packets of rays go: rays from one point as a frustum of 64, then of 16 (trace_frustum.h);
- * what gives up or comes from several points as trace_packet.h has it, or alone.
+ * Which way packets of rays go. Rays from one point: as a frustum of 64, then of 16 (trace_frustum.h);
+ * where that gives up they are too far apart for company and go in turns (trace_wide8.h). Rays from
+ * several points: trace_packet.h.
  */
 #ifndef ASDIC_KERNEL_TRACE_HYBRID_H
 #define ASDIC_KERNEL_TRACE_HYBRID_H
@@ -16,17 +17,18 @@ TRACE_APART static void trace_sixteen(__global const dev_node8 *nodes,
                                       float extent_m) {
     frustum f;
     group16 g;
-    if (root != DEV_EMPTY && frustum_prepare(&r, 1, extent_m, &f, &g)) {
-        g.best = known;
-        f.limit = greatest16(known.t);
-        bool done = walk_frustum(nodes, blocks, root, 1, FRUSTUM_BUDGET_16, &f, &g);
-        known = g.best;
-        if (done) {
-            store_hits16(hits, first, count, known);
-            return;
-        }
+    if (root == DEV_EMPTY || !frustum_prepare(&r, 1, extent_m, &f, &g)) {
+        trace_packet16(nodes, blocks, rays, hits, r, known, first, count, root, extent_m);
+        return;
     }
-    trace_packet16(nodes, blocks, rays, hits, r, known, first, count, root, extent_m);
+    g.best = known;
+    f.limit = greatest16(known.t);
+    bool done = walk_frustum(nodes, blocks, root, 1, FRUSTUM_BUDGET_16, &f, &g);
+    known = g.best;
+    if (!done) {
+        known = walk_singly(nodes, blocks, &rays[first], known, 0xffff, root, extent_m);
+    }
+    store_hits16(hits, first, count, known);
 }
 
 TRACE_APART static void trace_sixteen_new(__global const dev_node8 *nodes,

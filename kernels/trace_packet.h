@@ -214,41 +214,51 @@ static inline ray8 ray8_of(const packet16 *p, uint lane) {
     return r;
 }
 
-/* One ray, LANE of those that BEST is of, from WORD. */
-static inline void walk_one(__global const dev_node8 *nodes, __global const dev_block4 *blocks,
-                            const ray8 *r, uint word, uint lane, hits16 *best) {
-    float *t = (float *)&best->t + lane;
-    uint *id = (uint *)&best->id + lane;
-    dev_hit hit = {*t, *id};
-    if (word & DEV_LEAF) {
-        hit_block(&blocks[word & ~DEV_LEAF], r, &hit);
-    } else {
-        walk8(nodes, blocks, r, word, &hit);
-    }
-    *t = hit.t_m;
-    *id = hit.triangle;
-}
-
-/* The rays LANES of a packet walk on alone from WORD. */
+/* The rays LANES of a packet, at most PACKET_ALONE, go on alone from WORD. */
 static inline void walk_alone(__global const dev_node8 *nodes, __global const dev_block4 *blocks,
                               uint lanes, uint word, packet16 *p) {
+    float *t = (float *)&p->best.t;
+    uint *id = (uint *)&p->best.id;
+    walker8 w[PACKET_ALONE];
+    uint count = 0, lane[PACKET_ALONE];
     for (; lanes; lanes &= lanes - 1) {
-        uint lane = lowest_bit(lanes);
-        ray8 r = ray8_of(p, lane);
-        walk_one(nodes, blocks, &r, word, lane, &p->best);
+        uint i = lowest_bit(lanes);
+        w[count].r = ray8_of(p, i);
+        w[count].best.t_m = t[i];
+        w[count].best.triangle = id[i];
+        w[count].word = word;
+        w[count].top = 0;
+        lane[count++] = i;
+    }
+    walk_in_turns(nodes, blocks, w, (1u << count) - 1);
+    for (uint i = 0; i < count; i++) {
+        t[lane[i]] = w[i].best.t_m;
+        id[lane[i]] = w[i].best.triangle;
     }
     p->limit = greatest16(p->best.t);
 }
 
-/* Some of sixteen rays, LANES, walk from the root without ever having been a packet. */
+/* The same of sixteen RAYS that have not been a packet, from ROOT. */
 TRACE_APART static hits16 walk_singly(__global const dev_node8 *nodes,
                                       __global const dev_block4 *blocks,
                                       __global const dev_ray *rays, hits16 known, uint lanes,
                                       uint root, float extent_m) {
+    float *t = (float *)&known.t;
+    uint *id = (uint *)&known.id;
+    walker8 w[16];
+    for (uint left = lanes; left; left &= left - 1) {
+        uint i = lowest_bit(left);
+        w[i].r = ray8_prepare(rays[i], extent_m);
+        w[i].best.t_m = t[i];
+        w[i].best.triangle = id[i];
+        w[i].word = root;
+        w[i].top = 0;
+    }
+    walk_in_turns(nodes, blocks, w, lanes);
     for (; lanes; lanes &= lanes - 1) {
-        uint lane = lowest_bit(lanes);
-        ray8 r = ray8_prepare(rays[lane], extent_m);
-        walk_one(nodes, blocks, &r, root, lane, &known);
+        uint i = lowest_bit(lanes);
+        t[i] = w[i].best.t_m;
+        id[i] = w[i].best.triangle;
     }
     return known;
 }

@@ -1,5 +1,6 @@
 /*
- * One ray at a time, eight boxes at a time: the form for CPUs and rays without order.
+ * Every ray by itself, eight boxes at a time: the form for CPUs and rays without order. Such rays wait
+ * for memory most of the time, so sixteen of them take turns.
  */
 #ifndef ASDIC_KERNEL_TRACE_WIDE8_H
 #define ASDIC_KERNEL_TRACE_WIDE8_H
@@ -144,29 +145,73 @@ static inline uint nearest_child(__global const dev_node8 *nodes, __global const
     return word;
 }
 
-/* The nearest hit below WORD, if it is nearer than *BEST. */
-static inline void walk8(__global const dev_node8 *nodes, __global const dev_block4 *blocks,
-                         const ray8 *r, uint word, dev_hit *best) {
+/* A ray on its way. */
+typedef struct walker8 {
+    ray8 r;
     stack8 s;
-    uint top = 0;
-    for (;;) {
-        if (word & DEV_LEAF) {
-            hit_block(&blocks[word & ~DEV_LEAF], r, best);
-        } else {
-            float8 entry;
-            uint bits = enter8((__global const float8 *)&nodes[word], r, best->t_m, &entry);
-            if (bits) {
-                word = nearest_child(nodes, blocks, &s, &top, nodes[word].child, bits, entry);
-                continue;
-            }
+    uint top, word; /* what it visits next */
+    dev_hit best;
+} walker8;
+
+/* Visits one node or leaf; false at the end of the walk. */
+static inline bool step8(__global const dev_node8 *nodes, __global const dev_block4 *blocks,
+                         walker8 *w) {
+    uint word = w->word;
+    if (word & DEV_LEAF) {
+        hit_block(&blocks[word & ~DEV_LEAF], &w->r, &w->best);
+    } else {
+        float8 entry;
+        uint bits = enter8((__global const float8 *)&nodes[word], &w->r, w->best.t_m, &entry);
+        if (bits) {
+            w->word = nearest_child(nodes, blocks, &w->s, &w->top, nodes[word].child, bits, entry);
+            fetch_early(nodes, blocks, w->word);
+            return true;
         }
-        do {
-            if (top == 0) {
-                return;
-            }
-            top--;
-        } while (s.entry[top] > best->t_m);
-        word = s.child[top];
+    }
+    do {
+        if (w->top == 0) {
+            return false;
+        }
+        w->top--;
+    } while (w->s.entry[w->top] > w->best.t_m);
+    w->word = w->s.child[w->top];
+    return true;
+}
+
+/* The walkers ALIVE to the end of their ways: while one waits for memory the next goes on. */
+static inline void walk_in_turns(__global const dev_node8 *nodes, __global const dev_block4 *blocks,
+                                 walker8 *w, uint alive) {
+    while (alive) {
+        for (uint turn = alive; turn; turn &= turn - 1) {
+            uint i = lowest_bit(turn);
+            alive &= step8(nodes, blocks, &w[i]) ? ~0u : ~(1u << i);
+        }
+    }
+}
+
+/* Rays FIRST .. FIRST + 15, those below COUNT. */
+TRACE_APART static void trace_in_turns(__global const dev_node8 *nodes,
+                                       __global const dev_block4 *blocks,
+                                       __global const dev_ray *rays, __global dev_hit *hits,
+                                       uint first, uint count, uint root, float extent_m) {
+    walker8 w[16];
+    uint alive = 0, end = count - first < 16 ? count - first : 16;
+    for (uint i = 0; i < end; i++) {
+        dev_ray ray = rays[first + i];
+        w[i].best.t_m = ray.t_max;
+        w[i].best.triangle = ~0u;
+        if (ray.t_max > 0.0f && root != DEV_EMPTY) {
+            w[i].r = ray8_prepare(ray, extent_m);
+            w[i].word = root;
+            w[i].top = 0;
+            alive |= 1u << i;
+        }
+    }
+    walk_in_turns(nodes, blocks, w, alive);
+    for (uint i = 0; i < end; i++) {
+        dev_hit hit = w[i].best;
+        hit.t_m = hit.triangle == ~0u ? INFINITY : hit.t_m;
+        hits[first + i] = hit;
     }
 }
 

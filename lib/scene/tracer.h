@@ -1,11 +1,11 @@
 /*
  * A scene on a device, and rays through it.
  *
- * The kernels exist in several forms that give the same bytes and differ in speed: `wide8` one ray
- * against eight boxes, `pkt16` sixteen neighbouring rays together, `frustum64` sixty-four rays from
- * one point, `scalar` one ray a work-item without vectors (GPUs). `auto` takes scalar on a GPU;
- * elsewhere it measures the others on the first large set of rays in a buffer, and remembers the
- * fastest for that buffer.
+ * The kernels exist in several forms that give the same bytes and differ in speed: `wide8` every ray
+ * by itself against eight boxes, `pkt16` sixteen neighbouring rays together, `frustum64` sixty-four
+ * rays from one point, `scalar` one ray a work-item without vectors (GPUs). `auto` takes scalar on a
+ * GPU; elsewhere it measures the others on the first large set of rays in a buffer, and remembers
+ * the fastest for that buffer.
  */
 #ifndef ASDIC_SCENE_TRACER_H
 #define ASDIC_SCENE_TRACER_H
