@@ -14,7 +14,7 @@ FAULT = os.environ["OPENCL_FAULT_LIBRARY"]
 # Name, the fault (see opencl_fault.c), words of the warning.
 FAULTS = (
     ("build", "build:0:-11", "does not compile"),
-    ("build, of the last program", "build:3:-11", "does not compile"),
+    ("build, of the last program", "build:1:-11", "does not compile"),
     ("memory, at the beginning", "buffer:4:-4", "CL_MEM_OBJECT_ALLOCATION_FAILURE"),
     ("resources, first ping", "kernel:0:-5", "CL_OUT_OF_RESOURCES"),
     ("resources, half-way", "kernel:120:-5", "CL_OUT_OF_RESOURCES"),

@@ -2,9 +2,10 @@
  * OpenCL devices: list them, choose them, open them.
  *
  * A selector is what `--device` takes: "auto" (a GPU if there is one, else an accelerator, else a
- * CPU; of several the one with the most compute units), "all", "cpu", "gpu", "acc", "P:D" (platform:device as listed), "P:D,P:D", or "name:TEXT"
- * (case-insensitive part of the device's or platform's name). Nothing is required of a device
- * beyond OpenCL 1.2 and single precision; what it lacks is worked around and listed here.
+ * CPU; of several the one with the most compute units), "all", "cpu", "gpu", "acc", "P:D"
+ * (platform:device as listed), "P:D,P:D", or "name:TEXT" (case-insensitive part of the device's or
+ * platform's name). Nothing is required of a device beyond OpenCL 1.2 and single precision; what it
+ * lacks is worked around and listed here.
  */
 #ifndef ASDIC_DEVICE_H
 #define ASDIC_DEVICE_H

@@ -58,8 +58,8 @@ ASDIC_API const char *asdic_view_key_name(size_t index, const char **does);
 ASDIC_API bool asdic_view_is_over(const asdic_view *view);
 ASDIC_API bool asdic_view_is_paused(const asdic_view *view);
 
-/* Ends recording and writes what was recorded, which takes its time: each folder then holds scene.yaml, track.csv and the run, which
- * `asdic run scene.yaml` gives again to the byte. */
+/* Ends recording and writes what was recorded, which takes its time: each folder then holds
+ * scene.yaml, track.csv and the run, which `asdic run scene.yaml` gives again to the byte. */
 ASDIC_API asdic_status asdic_view_stop(asdic_view *view);
 
 /* Pixels 0x00RRGGBB, STRIDE of them from row to row; valid until the next step. */
