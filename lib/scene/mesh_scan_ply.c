@@ -2,7 +2,7 @@
  * PLY, text or binary of either byte order: the header's counts are checked against the size of
  * the file before anything is allocated, then every element is walked.
  */
-#include "mesh_scan.h"
+#include "mesh_scan_ply.h"
 
 #include "../base/context.h"
 
@@ -10,31 +10,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-#define MAX_ELEMENTS 16
-#define MAX_PROPERTIES 64
-
-typedef enum ply_type {
-    PLY_NONE,
-    PLY_INT8,
-    PLY_UINT8,
-    PLY_INT16,
-    PLY_UINT16,
-    PLY_INT32,
-    PLY_UINT32,
-    PLY_FLOAT,
-    PLY_DOUBLE
-} ply_type;
-
-static const struct {
-    const char *name;
-    ply_type type;
-} type_names[] = {
-    {"char", PLY_INT8},   {"int8", PLY_INT8},     {"uchar", PLY_UINT8},   {"uint8", PLY_UINT8},
-    {"short", PLY_INT16}, {"int16", PLY_INT16},   {"ushort", PLY_UINT16}, {"uint16", PLY_UINT16},
-    {"int", PLY_INT32},   {"int32", PLY_INT32},   {"uint", PLY_UINT32},   {"uint32", PLY_UINT32},
-    {"float", PLY_FLOAT}, {"float32", PLY_FLOAT}, {"double", PLY_DOUBLE}, {"float64", PLY_DOUBLE},
-};
 
 /* What the integers hold: in text, more makes OpenMesh's stream fail for good. */
 static const double type_limits[][2] = {
@@ -47,212 +22,6 @@ static const double type_limits[][2] = {
 };
 
 static const size_t type_bytes[] = {0, 1, 1, 2, 2, 4, 4, 4, 8};
-
-typedef struct ply_property {
-    ply_type count; /* PLY_NONE: a scalar */
-    ply_type type;
-    int axis;     /* 0, 1, 2 for x, y, z of a vertex; else -1 */
-    bool corners; /* the list of a facet's vertices */
-} ply_property;
-
-typedef struct ply_element {
-    bool vertex, face;
-    long long count;
-    ply_property properties[MAX_PROPERTIES];
-    size_t property_count;
-} ply_element;
-
-typedef struct ply_file {
-    asdic_mesh_scan *scan;
-    bool text, big_endian;
-    ply_element elements[MAX_ELEMENTS];
-    size_t element_count;
-    const char *at;  /* reading position in the body */
-    asdic_line line; /* the same for text */
-} ply_file;
-
-static ply_type take_type(asdic_line *line) {
-    for (size_t i = 0; i < sizeof type_names / sizeof *type_names; i++) {
-        if (asdic_line_take_word(line, type_names[i].name)) {
-            return type_names[i].type;
-        }
-    }
-    return PLY_NONE;
-}
-
-/* The name of an element or property. */
-static void skip_word(asdic_line *line) {
-    asdic_line_skip_blanks(line);
-    while (line->at < line->end && *line->at != ' ' && *line->at != '\t' && *line->at != '\r') {
-        line->at++;
-    }
-}
-
-/* OpenMesh reads on in the next line when one is short, and into it when one is long. */
-static asdic_status check_line_end(const ply_file *ply, asdic_line *line) {
-    asdic_line_skip_blanks(line);
-    return line->at == line->end
-               ? ASDIC_OK
-               : asdic_mesh_scan_fail(
-                     ply->scan, line->number, "'%.*s' follows a complete line of the header",
-                     (int)(line->end - line->at < 60 ? line->end - line->at : 60), line->at);
-}
-
-static asdic_status header_property(ply_file *ply, asdic_line *line) {
-    ply_element *element = ply->element_count ? &ply->elements[ply->element_count - 1] : NULL;
-    if (!element || element->property_count == MAX_PROPERTIES) {
-        return asdic_mesh_scan_fail(ply->scan, line->number,
-                                    "a property outside an element, or more than %d of them",
-                                    MAX_PROPERTIES);
-    }
-    ply_property property = {.axis = -1};
-    if (asdic_line_take_word(line, "list")) {
-        property.count = take_type(line);
-        if (property.count == PLY_NONE || property.count >= PLY_FLOAT) {
-            return asdic_mesh_scan_fail(ply->scan, line->number, "unknown type of a list's length");
-        }
-        if (element->vertex) {
-            return asdic_mesh_scan_fail(ply->scan, line->number,
-                                        "a list among a vertex's properties is not read");
-        }
-    }
-    property.type = take_type(line);
-    if (property.type == PLY_NONE) {
-        return asdic_mesh_scan_fail(ply->scan, line->number, "unknown type of a property");
-    }
-    static const char *const axes[] = {"x", "y", "z"};
-    for (int k = 0; k < 3 && element->vertex; k++) {
-        if (asdic_line_take_word(line, axes[k])) {
-            property.axis = k;
-        }
-    }
-    property.corners = element->face && property.count != PLY_NONE &&
-                       (asdic_line_take_word(line, "vertex_indices") ||
-                        asdic_line_take_word(line, "vertex_index"));
-    if (property.axis < 0 && !property.corners) {
-        asdic_line_skip_blanks(line);
-        if (line->at == line->end) {
-            return asdic_mesh_scan_fail(ply->scan, line->number, "this property has no name");
-        }
-        skip_word(line);
-    }
-    element->properties[element->property_count++] = property;
-    return check_line_end(ply, line);
-}
-
-static asdic_status header_element(ply_file *ply, asdic_line *line) {
-    if (ply->element_count == MAX_ELEMENTS) {
-        return asdic_mesh_scan_fail(ply->scan, line->number, "more than %d elements", MAX_ELEMENTS);
-    }
-    ply_element *element = &ply->elements[ply->element_count++];
-    element->vertex = asdic_line_take_word(line, "vertex");
-    element->face = !element->vertex && asdic_line_take_word(line, "face");
-    if (!element->vertex && !element->face) { /* another name */
-        skip_word(line);
-    }
-    if (!asdic_line_take_integer(line, &element->count) || element->count < 0) {
-        return asdic_mesh_scan_fail(ply->scan, line->number, "this element has no count");
-    }
-    return check_line_end(ply, line);
-}
-
-static asdic_status header_format(ply_file *ply, asdic_line *line) {
-    ply->text = asdic_line_take_word(line, "ascii");
-    ply->big_endian = asdic_line_take_word(line, "binary_big_endian");
-    if (!ply->text && !ply->big_endian && !asdic_line_take_word(line, "binary_little_endian")) {
-        return asdic_mesh_scan_fail(ply->scan, line->number, "unknown PLY format");
-    }
-    if (!asdic_line_take_word(line, "1.0")) {
-        return asdic_mesh_scan_fail(ply->scan, line->number, "the version of PLY is not 1.0");
-    }
-    return check_line_end(ply, line);
-}
-
-/* Some writers forget the word "comment"; OpenMesh reads on forever at such a line. */
-static asdic_status make_comment(const ply_file *ply, const asdic_line *line) {
-    static const char word[] = "comment ";
-    size_t left = (size_t)(line->end - line->at);
-    if (left == 0) {
-        return ASDIC_OK;
-    }
-    if (left < sizeof word - 2) {
-        return asdic_mesh_scan_fail(ply->scan, line->number, "unknown line in the header");
-    }
-    memcpy(ply->scan->text + (line->at - ply->scan->text), word,
-           left < sizeof word - 1 ? left : sizeof word - 1);
-    return ASDIC_OK;
-}
-
-/* A vertical tab ends a word for OpenMesh, which reads on forever behind "element v\ve 0". */
-static asdic_status check_characters(const ply_file *ply, const asdic_line *line) {
-    for (const char *at = line->at; at < line->end; at++) {
-        unsigned char byte = (unsigned char)*at;
-        if (byte < ' ' && byte != '\t' && byte != '\r') {
-            return asdic_mesh_scan_fail(ply->scan, line->number,
-                                        "a control character (%d) in the header", byte);
-        }
-    }
-    return ASDIC_OK;
-}
-
-/* The line at FROM, up to TO, becomes the second of the text, where OpenMesh takes whatever stands
- * there for the format; comments that stood before it move down. */
-static asdic_status lift_format(ply_file *ply, const char *from, const char *to) {
-    char *second = (char *)memchr(ply->scan->text, '\n', ply->scan->size) + 1;
-    size_t length = (size_t)(to - from);
-    char *copy = malloc(length + 1);
-    if (!copy) {
-        return asdic_fail_memory(ply->scan->ctx, "a line of a mesh file");
-    }
-    memcpy(copy, from, length);
-    memmove(second + length, second, (size_t)(from - second));
-    memcpy(second, copy, length);
-    free(copy);
-    return ASDIC_OK;
-}
-
-static asdic_status scan_header(ply_file *ply) {
-    asdic_line line = {0};
-    bool format = false;
-    if (!asdic_line_next(ply->scan, &line) || !asdic_line_take_word(&line, "ply")) {
-        return asdic_mesh_scan_fail(ply->scan, 1, "does not start with 'ply'");
-    }
-    const char *text_end = ply->scan->text + ply->scan->size;
-    while (asdic_line_next(ply->scan, &line)) {
-        const char *from = line.at;
-        asdic_status status = check_characters(ply, &line);
-        if (status != ASDIC_OK) {
-            return status;
-        }
-        if (asdic_line_take_word(&line, "end_header")) {
-            if (!format) {
-                break;
-            }
-            ply->at = line.end < text_end ? line.end + 1 : line.end;
-            ply->line = line;
-            return ASDIC_OK;
-        }
-        if (asdic_line_take_word(&line, "format")) {
-            status = format ? asdic_mesh_scan_fail(ply->scan, line.number, "a second format")
-                            : header_format(ply, &line);
-            if (status == ASDIC_OK && line.end < text_end) {
-                status = lift_format(ply, from, line.end + 1);
-            }
-            format = true;
-        } else if (asdic_line_take_word(&line, "element")) {
-            status = header_element(ply, &line);
-        } else if (asdic_line_take_word(&line, "property")) {
-            status = header_property(ply, &line);
-        } else if (!asdic_line_take_word(&line, "comment") &&
-                   !asdic_line_take_word(&line, "obj_info")) {
-            status = make_comment(ply, &line);
-        }
-        if (status != ASDIC_OK) {
-            return status;
-        }
-    }
-    return asdic_mesh_scan_fail(ply->scan, line.number, "the header has no format or no end");
-}
 
 /* What the counts need at least, in double so that nothing can overflow. */
 static asdic_status check_counts(const ply_file *ply) {
@@ -422,7 +191,7 @@ asdic_status asdic_mesh_scan_ply(asdic_mesh_scan *scan) {
         return asdic_fail_memory(scan->ctx, "a PLY header");
     }
     ply->scan = scan;
-    asdic_status status = scan_header(ply);
+    asdic_status status = asdic_ply_scan_header(ply);
     status = status ? status : check_counts(ply);
     for (size_t e = 0; e < ply->element_count && status == ASDIC_OK; e++) {
         status = walk_element(ply, &ply->elements[e]);
