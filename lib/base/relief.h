@@ -6,12 +6,13 @@
 
 #include <asdic/common.h>
 
-/* Depths at the centres of square cells, rows from north to south; NAN where there is no bottom. */
+/* Depths at the centres of square cells, rows from north to south; NAN where there is nothing. */
 typedef struct asdic_relief {
     size_t columns, rows;
     double west_m, south_m; /* outer edges */
     double cell_m;
-    float *depth_m; /* [row * columns + column] */
+    float *depth_m;  /* [row * columns + column] */
+    bool *is_object; /* the same: an object, not the bottom; NULL: bottom alone */
 } asdic_relief;
 
 /* Sides enough for a circle that looks round at the size of an object on a chart. */

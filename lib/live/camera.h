@@ -1,6 +1,6 @@
 /*
- * Pictures of the scene by the hierarchy that traces sound: a chase camera, and the sea floor from
- * above. Both use the simulator's tracer, between its pings.
+ * A chase camera: pictures of the scene by the hierarchy that traces sound. It uses the simulator's
+ * tracer, between its pings.
  */
 #ifndef ASDIC_LIVE_CAMERA_H
 #define ASDIC_LIVE_CAMERA_H
@@ -37,20 +37,5 @@ const float *asdic_camera_far_m(const asdic_camera *camera);
  * behind the camera. */
 bool asdic_camera_project(const asdic_camera *camera, asdic_vec3 at_m, double *x, double *y,
                           double *far_m);
-
-/* The sea floor and what is on it, seen from above over a square of CELLS x CELLS cells of CELL_M:
- * depth, m, NAN where there is nothing; IS_OBJECT tells objects from floor. The corner of the first cell
- * lies at NORTH_M, EAST_M; rows go north, columns east. */
-typedef struct asdic_relief {
-    size_t cells;
-    double cell_m, north_m, east_m;
-    float *depth_m;
-    bool *is_object;
-} asdic_relief;
-
-asdic_status asdic_relief_init(asdic_context *ctx, size_t cells, asdic_relief *out);
-void asdic_relief_finish(asdic_relief *relief);
-asdic_status asdic_relief_trace(asdic_context *ctx, const asdic_simulator *sim,
-                                asdic_relief *relief);
 
 #endif

@@ -5,9 +5,11 @@
 #include "base/vec.h"
 #include "loop.h"
 #include "out/png_file.h"
+#include "scene/chart.h"
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #define RELIEF_CELLS 180
@@ -77,25 +79,31 @@ asdic_status asdic_view_prepare_pictures(asdic_view *view) {
         status = asdic_camera_create(view->ctx, view->device, (unsigned)l->chase.w,
                                      (unsigned)l->chase.h, &view->camera);
     }
-    return status ? status : asdic_relief_init(view->ctx, RELIEF_CELLS, &view->relief);
+    asdic_relief *r = &view->relief;
+    *r = (asdic_relief){.columns = RELIEF_CELLS, .rows = RELIEF_CELLS};
+    r->depth_m = malloc(r->rows * r->columns * sizeof *r->depth_m);
+    r->is_object = malloc(r->rows * r->columns * sizeof *r->is_object);
+    if (!status && (!r->depth_m || !r->is_object)) {
+        status = asdic_fail_memory(view->ctx, "a map");
+    }
+    return status;
 }
 
 /* A map with the vehicle well inside: drawn anew when it comes near an edge. */
-static asdic_status follow_map(asdic_view *view) {
+static void follow_map(asdic_view *view) {
     asdic_relief *r = &view->relief;
     asdic_vec3 at = view->ping.pose.position_m;
     double side_m = 2.5 * asdic_view_range_m(view), half = 0.5 * side_m;
-    bool inside = fabs(at.x - (r->north_m + half)) < 0.28 * side_m &&
-                  fabs(at.y - (r->east_m + half)) < 0.28 * side_m;
-    if (view->has_relief && inside) {
-        return ASDIC_OK;
+    bool inside = fabs(at.x - (r->south_m + half)) < 0.28 * side_m &&
+                  fabs(at.y - (r->west_m + half)) < 0.28 * side_m;
+    if (r->cell_m > 0.0 && inside) {
+        return;
     }
     r->cell_m = side_m / RELIEF_CELLS;
     /* Ahead there is more to be seen than behind. */
-    r->north_m = at.x + 0.18 * side_m * cos(view->ping.pose.yaw_rad) - half;
-    r->east_m = at.y + 0.18 * side_m * sin(view->ping.pose.yaw_rad) - half;
-    view->has_relief = true;
-    return asdic_relief_trace(view->ctx, asdic_loop_simulator(view->loop), r);
+    r->south_m = at.x + 0.18 * side_m * cos(view->ping.pose.yaw_rad) - half;
+    r->west_m = at.y + 0.18 * side_m * sin(view->ping.pose.yaw_rad) - half;
+    asdic_chart_relief(asdic_mission_scene(view->mission), r);
 }
 
 static dev_cone_view cone_of(const asdic_view *view, const asdic_beam *beam, double half_h_rad,
@@ -198,10 +206,8 @@ asdic_status asdic_view_draw(asdic_view *view) {
         panel_sonar, panel_ascope, panel_chase, panel_plan, panel_status};
     const view_layout *l = &view->layout;
     const asdic_box boxes[] = {l->sonar, l->ascope, l->chase, l->plan, l->status};
-    asdic_status status = follow_map(view);
-    if (!status) {
-        status = shoot(view);
-    }
+    follow_map(view);
+    asdic_status status = shoot(view);
     if (!status) {
         status =
             asdic_live_expected_follow(&view->expected, view->mission, &view->ping, view->beam);

@@ -2,6 +2,7 @@
 #include "panel.h"
 
 #include "base/vec.h"
+#include "out/raster_relief.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -14,77 +15,42 @@ typedef struct map {
     const asdic_relief *relief;
     asdic_box box;
     double px_per_m;
+    bool has_bottom; /* where the map is, and its depths */
+    double low_m, high_m;
 } map;
 
 static double map_x(const map *m, double east_m) {
-    return m->box.x + (east_m - m->relief->east_m) * m->px_per_m;
+    return m->box.x + (east_m - m->relief->west_m) * m->px_per_m;
 }
 
 static double map_y(const map *m, double north_m) {
-    return m->box.y + m->box.h - (north_m - m->relief->north_m) * m->px_per_m;
+    return m->box.y + m->box.h - (north_m - m->relief->south_m) * m->px_per_m;
 }
 
-static void depth_span(const asdic_relief *r, double *least, double *most) {
-    *least = INFINITY;
-    *most = -INFINITY;
-    for (size_t i = 0; i < r->cells * r->cells; i++) {
-        if (isfinite(r->depth_m[i]) && !r->is_object[i]) {
-            *least = fmin(*least, (double)r->depth_m[i]);
-            *most = fmax(*most, (double)r->depth_m[i]);
-        }
-    }
-}
-
-static uint32_t blend(const double dark[3], const double bright[3], double share, double light) {
+static uint32_t blend(const double dark[3], const double bright[3], double share) {
     uint32_t rgb = 0;
     for (int k = 0; k < 3; k++) {
-        double v = (dark[k] + share * (bright[k] - dark[k])) * light;
-        rgb = rgb << 8 | (uint32_t)(255.0 * fmin(fmax(v, 0.0), 1.0));
+        rgb = rgb << 8 | (uint32_t)(255.0 * (dark[k] + share * (bright[k] - dark[k])));
     }
     return rgb;
 }
 
-/* Shoals bright, depths dark, lit from the north-west as maps are. */
-static uint32_t cell_color(const asdic_relief *r, size_t row, size_t column, double least,
-                           double most) {
-    static const double deep[3] = {0.04, 0.13, 0.20}, shoal[3] = {0.33, 0.53, 0.56};
-    static const double dark[3] = {0.55, 0.46, 0.30}, pale[3] = {0.95, 0.84, 0.62};
-    size_t at = row * r->cells + column;
-    if (!isfinite(r->depth_m[at])) {
-        return PANEL_NIGHT_RGB;
-    }
-    size_t north = row + 1 < r->cells ? at + r->cells : at,
-           east = column + 1 < r->cells ? at + 1 : at;
-    double slope_n =
-        (double)(r->depth_m[at] - r->depth_m[north]) / r->cell_m; /* rises to the north */
-    double slope_e = (double)(r->depth_m[at] - r->depth_m[east]) / r->cell_m;
-    slope_n = isfinite(slope_n) ? slope_n : 0.0;
-    slope_e = isfinite(slope_e) ? slope_e : 0.0;
-    double scale = 1.0 / sqrt(1.0 + slope_n * slope_n + slope_e * slope_e);
-    double light = (-0.5 * slope_n * 1.6 + 0.5 * slope_e * 1.6 + 0.75) * scale;
-    light = fmin(fmax(0.45 + 0.75 * light, 0.25), 1.5);
-    if (r->is_object[at]) {
-        return blend(dark, pale, 0.5, light);
-    }
-    double share = most - least > 0.2 ? (most - (double)r->depth_m[at]) / (most - least) : 0.45;
-    return blend(deep, shoal, share, light);
-}
-
+/* Shoals bright, depths dark, objects sandy. */
 static void relief(const map *m, const asdic_view *view) {
+    static const double deep[3] = {0.04, 0.13, 0.20}, shoal[3] = {0.33, 0.53, 0.56};
     const asdic_relief *r = m->relief;
+    asdic_relief_look look = {.low_m = m->low_m,
+                              .high_m = m->high_m,
+                              .object_rgb = 0xbfa675u,
+                              .empty_rgb = PANEL_NIGHT_RGB};
     asdic_raster raster;
-    double least, most;
-    if (asdic_raster_init(view->ctx, r->cells, r->cells, &raster) != ASDIC_OK) {
+    for (int i = 0; i < 256; i++) {
+        look.bottom_rgb[i] = blend(deep, shoal, i / 255.0);
+    }
+    if (asdic_raster_relief(view->ctx, r, &look, &raster) != ASDIC_OK) {
         return;
     }
-    depth_span(r, &least, &most);
-    for (size_t row = 0; row < r->cells; row++) {
-        for (size_t column = 0; column < r->cells; column++) {
-            asdic_raster_set(&raster, column, r->cells - 1 - row,
-                             cell_color(r, row, column, least, most));
-        }
-    }
-    double side = (double)r->cells * r->cell_m * m->px_per_m;
+    double side = (double)r->rows * r->cell_m * m->px_per_m;
     asdic_canvas_raster(m->p->canvas, &raster,
                         (asdic_box){m->box.x, m->box.y + m->box.h - side, side, side});
     asdic_raster_finish(&raster);
@@ -95,13 +61,13 @@ static void grid(const map *m) {
     double span_m = m->box.w / m->px_per_m, step = asdic_axis_step(span_m, 5);
     cairo_set_line_width(cr, 1.0);
     cairo_set_source_rgba(cr, 0.8, 0.9, 0.95, 0.13);
-    for (double e = ceil(m->relief->east_m / step) * step; e < m->relief->east_m + span_m;
+    for (double e = ceil(m->relief->west_m / step) * step; e < m->relief->west_m + span_m;
          e += step) {
         double x = floor(map_x(m, e)) + 0.5;
         asdic_canvas_line(m->p->canvas, x, m->box.y, x, m->box.y + m->box.h);
     }
-    for (double n = ceil(m->relief->north_m / step) * step;
-         n < m->relief->north_m + m->box.h / m->px_per_m; n += step) {
+    for (double n = ceil(m->relief->south_m / step) * step;
+         n < m->relief->south_m + m->box.h / m->px_per_m; n += step) {
         double y = floor(map_y(m, n)) + 0.5;
         asdic_canvas_line(m->p->canvas, m->box.x, y, m->box.x + m->box.w, y);
     }
@@ -191,7 +157,7 @@ static void vehicle(const map *m, const asdic_pose *pose) {
     cairo_restore(cr);
 }
 
-static void scale_bar(const map *m, double least, double most) {
+static void scale_bar(const map *m) {
     const panel *p = m->p;
     char label[64], low[24], high[24];
     double length_m = asdic_axis_step(m->box.w / m->px_per_m, 5);
@@ -207,11 +173,11 @@ static void scale_bar(const map *m, double least, double most) {
                             .align_y = 0.5,
                             .size_px = PANEL_SMALL_PX},
                PANEL_INK_RGB, label);
-    if (isfinite(least)) {
-        asdic_axis_label(low, least, 0.1);
-        asdic_axis_label(high, most, 0.1);
-        snprintf(label, sizeof label, most - least > 0.2 ? "floor at %s to %s m" : "floor at %s m",
-                 low, high);
+    if (m->has_bottom) {
+        bool is_flat = m->high_m - m->low_m < 0.2;
+        asdic_axis_label(low, is_flat ? 0.5 * (m->low_m + m->high_m) : m->low_m, 0.1);
+        asdic_axis_label(high, m->high_m, 0.1);
+        snprintf(label, sizeof label, is_flat ? "floor at %s m" : "floor at %s to %s m", low, high);
         panel_text(p,
                    (asdic_text){.x = m->box.x + m->box.w - 8.0 * p->scale,
                                 .y = y,
@@ -240,10 +206,12 @@ static void north_arrow(const map *m) {
 }
 
 void panel_plan(const panel *p, const asdic_view *view) {
-    map m = {.p = p, .relief = &view->relief, .box = p->box};
-    double least, most;
-    m.px_per_m = p->box.w / ((double)view->relief.cells * view->relief.cell_m);
-    m.px_per_m = fmax(m.px_per_m, p->box.h / ((double)view->relief.cells * view->relief.cell_m));
+    const asdic_relief *r = &view->relief;
+    map m = {.p = p, .relief = r, .box = p->box};
+    double side_m = (double)r->rows * r->cell_m;
+    m.px_per_m = fmax(p->box.w, p->box.h) / side_m;
+    m.has_bottom = asdic_relief_span(r, r->west_m, r->west_m + side_m, r->south_m,
+                                     r->south_m + side_m, &m.low_m, &m.high_m);
     panel_begin(p, NULL);
     cairo_save(p->canvas->cr);
     cairo_rectangle(p->canvas->cr, p->box.x, p->box.y, p->box.w, p->box.h);
@@ -253,8 +221,7 @@ void panel_plan(const panel *p, const asdic_view *view) {
     beams(&m, view);
     tracks(&m, view);
     vehicle(&m, &view->ping.pose);
-    depth_span(m.relief, &least, &most);
-    scale_bar(&m, least, most);
+    scale_bar(&m);
     north_arrow(&m);
     cairo_restore(p->canvas->cr);
 }

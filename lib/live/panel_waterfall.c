@@ -9,13 +9,13 @@ static void paint_row(const asdic_view *view, const float *levels_db, size_t y, 
     const asdic_loop_ping *ping = &view->ping;
     for (size_t x = 0; x < out->width; x++) {
         size_t first = x * ping->bins / out->width, end = (x + 1) * ping->bins / out->width;
-        double best_db = (double)levels_db[first];
+        float best_db = levels_db[first];
         for (size_t n = first + 1; n < end; n++) {
-            best_db = fmax(best_db, (double)levels_db[n]); /* NAN gives way */
+            best_db = fmaxf(best_db, levels_db[n]); /* NAN gives way */
         }
         double range_m = ((double)first + 0.5) * ping->bin_length_m;
-        asdic_raster_set(out, x, y,
-                         asdic_raster_color(&view->look, best_db, range_m, PANEL_NIGHT_RGB));
+        asdic_raster_set(
+            out, x, y, asdic_raster_color(&view->look, (double)best_db, range_m, PANEL_NIGHT_RGB));
     }
 }
 

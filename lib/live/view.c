@@ -169,11 +169,11 @@ static asdic_status remember(asdic_view *view) {
 
 /* The window of levels that nobody gave: the strongest echo on top, rounded to 10 dB. */
 static void open_window(asdic_view *view) {
-    double most = -INFINITY;
+    float most = -INFINITY;
     for (size_t i = 0; i < view->ping.beams * view->ping.bins; i++) {
-        most = fmax(most, (double)view->ping.level_db[i]);
+        most = fmaxf(most, view->ping.level_db[i]);
     }
-    double high = isfinite(most) ? 10.0 * ceil(0.1 * most) : 0.0;
+    double high = isfinite(most) ? 10.0 * ceil(0.1 * (double)most) : 0.0;
     view->look.db_high = isnan(view->options.db_high) ? high : view->options.db_high;
     view->look.db_low =
         isnan(view->options.db_low) ? view->look.db_high - 70.0 : view->options.db_low;
@@ -332,7 +332,8 @@ void asdic_view_destroy(asdic_view **pointer) {
     free(view->ended);
     asdic_live_expected_finish(&view->expected);
     asdic_camera_destroy(&view->camera);
-    asdic_relief_finish(&view->relief);
+    free(view->relief.depth_m);
+    free(view->relief.is_object);
     asdic_loop_destroy(&view->loop);
     asdic_canvas_finish(&view->canvas);
     free(view->history.levels_db);

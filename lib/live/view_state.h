@@ -7,6 +7,7 @@
 #include <asdic/mission.h>
 #include <asdic/view.h>
 
+#include "base/relief.h"
 #include "camera.h"
 #include "governor.h"
 #include "helm.h"
@@ -34,8 +35,7 @@ struct asdic_view {
     view_layout layout;
     asdic_canvas canvas;
     asdic_camera *camera;
-    asdic_relief relief;
-    bool has_relief;
+    asdic_relief relief; /* what the plan shows; no cells of a size yet: never made */
 
     asdic_loop *loop;
     asdic_loop_ping ping; /* the last; beams 0: none yet */

@@ -4,6 +4,7 @@
 #include "digits.h"
 #include "draw.h"
 #include "draw_chart_page.h"
+#include "colormap.h"
 #include "raster_relief.h"
 
 #include <math.h>
@@ -31,8 +32,11 @@ static asdic_status draw_relief(asdic_canvas *c, const page *p, const asdic_reli
     if (p->bar.w == 0.0) {
         return ASDIC_OK;
     }
-    asdic_status status =
-        asdic_raster_relief(c->ctx, r, p->depth.low, p->depth.high, map, SEA_RGB, &raster);
+    asdic_relief_look look = {.low_m = p->depth.low, .high_m = p->depth.high, .empty_rgb = SEA_RGB};
+    for (unsigned i = 0; i < 256; i++) {
+        look.bottom_rgb[i] = asdic_colormap_rgb(map, i);
+    }
+    asdic_status status = asdic_raster_relief(c->ctx, r, &look, &raster);
     if (status == ASDIC_OK) {
         double north_m = r->south_m + (double)r->rows * r->cell_m;
         asdic_canvas_raster(c, &raster,

@@ -1,7 +1,5 @@
 #include "raster_relief.h"
 
-#include "colormap.h"
-
 #include <math.h>
 
 /* Light from the north-west, half up, as on printed maps. */
@@ -14,6 +12,11 @@
 #define SHOWN_SLOPE 0.5
 #define MOST_EXAGGERATION 20.0
 
+/* Whether cell I is a place of the bottom. */
+static bool is_bottom(const asdic_relief *r, size_t i) {
+    return isfinite(r->depth_m[i]) && !(r->is_object && r->is_object[i]);
+}
+
 bool asdic_relief_span(const asdic_relief *r, double west_m, double east_m, double south_m,
                        double north_m, double *low_m, double *high_m) {
     *low_m = INFINITY;
@@ -21,7 +24,7 @@ bool asdic_relief_span(const asdic_relief *r, double west_m, double east_m, doub
     for (size_t i = 0; i < r->rows * r->columns; i++) {
         double x = r->west_m + ((double)(i % r->columns) + 0.5) * r->cell_m;
         double y = r->south_m + ((double)(r->rows - 1 - i / r->columns) + 0.5) * r->cell_m;
-        if (isfinite(r->depth_m[i]) && x > west_m && x < east_m && y > south_m && y < north_m) {
+        if (is_bottom(r, i) && x > west_m && x < east_m && y > south_m && y < north_m) {
             *low_m = fmin(*low_m, (double)r->depth_m[i]);
             *high_m = fmax(*high_m, (double)r->depth_m[i]);
         }
@@ -57,7 +60,7 @@ static void slopes(const asdic_relief *r, size_t row, size_t column, double *nor
 static double exaggeration_of(const asdic_relief *r) {
     double sum = 0.0, count = 0.0, north, west;
     for (size_t i = 0; i < r->rows * r->columns; i++) {
-        if (isfinite(r->depth_m[i])) {
+        if (is_bottom(r, i)) {
             slopes(r, i / r->columns, i % r->columns, &north, &west);
             sum += north * north + west * west;
             count += 1.0;
@@ -83,9 +86,8 @@ static uint32_t shaded(uint32_t rgb, double shade) {
     return out;
 }
 
-asdic_status asdic_raster_relief(asdic_context *ctx, const asdic_relief *r, double low_m,
-                                 double high_m, asdic_colormap map, uint32_t empty_rgb,
-                                 asdic_raster *out) {
+asdic_status asdic_raster_relief(asdic_context *ctx, const asdic_relief *r,
+                                 const asdic_relief_look *look, asdic_raster *out) {
     asdic_status status = asdic_raster_init(ctx, r->columns, r->rows, out);
     if (status != ASDIC_OK) {
         return status;
@@ -93,12 +95,14 @@ asdic_status asdic_raster_relief(asdic_context *ctx, const asdic_relief *r, doub
     double exaggeration = exaggeration_of(r);
     for (size_t i = 0; i < r->rows * r->columns; i++) {
         size_t row = i / r->columns, column = i % r->columns;
-        uint32_t rgb = empty_rgb;
+        uint32_t rgb = look->empty_rgb;
         if (isfinite(r->depth_m[i])) {
-            double share = (high_m - (double)r->depth_m[i]) / (high_m - low_m), north, west;
+            double share = (look->high_m - (double)r->depth_m[i]) / (look->high_m - look->low_m);
+            unsigned step = (unsigned)(255.0 * fmin(fmax(share, 0.0), 1.0) + 0.5);
+            double north, west, steeper = is_bottom(r, i) ? exaggeration : 1.0;
             slopes(r, row, column, &north, &west);
-            rgb = asdic_colormap_rgb(map, (unsigned)(255.0 * fmin(fmax(share, 0.0), 1.0) + 0.5));
-            rgb = shaded(rgb, shade_of(north * exaggeration, west * exaggeration));
+            rgb = is_bottom(r, i) ? look->bottom_rgb[step] : look->object_rgb;
+            rgb = shaded(rgb, shade_of(north * steeper, west * steeper));
         }
         asdic_raster_set(out, column, row, rgb);
     }

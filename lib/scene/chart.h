@@ -8,7 +8,8 @@
 
 #include <asdic/scene.h>
 
-/* Fills RELIEF's depths with those of the highest triangle of the bottom at each cell's centre. */
+/* Fills RELIEF's depths with those of the bottom's highest place at each cell's centre; where RELIEF
+ * tells objects apart, of objects that stay where they are as well. */
 void asdic_chart_relief(const asdic_scene *scene, asdic_relief *relief);
 
 /* Outlines of all objects, in the order of the scene: one convex ring for each piece of a mesh whose

@@ -36,7 +36,7 @@ static void cells_in(double low, double high, size_t count, size_t *first, size_
     *end = a < b ? (size_t)b : 0;
 }
 
-static void draw(const flat_triangle *f, asdic_relief *r) {
+static void draw(const flat_triangle *f, bool is_object, asdic_relief *r) {
     size_t first_x, end_x, first_y, end_y;
     double ax = f->x[1] - f->x[0], ay = f->y[1] - f->y[0];
     double bx = f->x[2] - f->x[0], by = f->y[2] - f->y[0];
@@ -55,20 +55,29 @@ static void draw(const flat_triangle *f, asdic_relief *r) {
             bool is_inside = u >= 0.0 && v >= 0.0 && u + v <= 1.0;
             if (is_inside && !((double)*depth_m <= z)) { /* NAN is replaced */
                 *depth_m = (float)z;
+                if (r->is_object) {
+                    r->is_object[row * r->columns + column] = is_object;
+                }
             }
         }
     }
 }
 
 void asdic_chart_relief(const asdic_scene *scene, asdic_relief *relief) {
+    float plane_m = scene->has_bottom_plane ? (float)scene->bottom_plane_depth_m : NAN;
     for (size_t i = 0; i < relief->rows * relief->columns; i++) {
-        relief->depth_m[i] = NAN;
+        relief->depth_m[i] = plane_m;
+        if (relief->is_object) {
+            relief->is_object[i] = false;
+        }
     }
     for (size_t i = 0; i < scene->triangle_count; i++) {
         const dev_triangle *t = &scene->triangles[i];
-        if (scene->parts[t->part].kind == DEV_KIND_BOTTOM) {
+        const asdic_part *part = &scene->parts[t->part];
+        bool is_object = part->kind == DEV_KIND_OBJECT;
+        if (!is_object || (relief->is_object && !part->moves)) {
             flat_triangle flat = flatten(scene, t, relief);
-            draw(&flat, relief);
+            draw(&flat, is_object, relief);
         }
     }
 }

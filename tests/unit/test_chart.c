@@ -65,6 +65,41 @@ static void relief_is_the_bottoms_depth(void **state) {
     asdic_scene_destroy(&scene);
 }
 
+/* A ball over a plane shows where objects are told apart; one that moves does not. */
+static void relief_tells_objects_apart(void **state) {
+    (void)state;
+    asdic_scene *scene;
+    asdic_mesh *ball;
+    asdic_material sand = asdic_material_bottom(2.0);
+    enum { SIDE = 10 };
+    float depth_m[SIDE * SIDE];
+    bool is_object[SIDE * SIDE];
+    asdic_relief relief = {.columns = SIDE, .rows = SIDE, .cell_m = 1, .depth_m = depth_m};
+    assert_int_equal(asdic_scene_create(ctx, &scene), ASDIC_OK);
+    assert_int_equal(asdic_scene_set_bottom_plane(scene, 20, sand), ASDIC_OK);
+    assert_int_equal(asdic_mesh_sphere(ctx, 0.9, 48, &ball), ASDIC_OK);
+    asdic_pose still = {.position_m = {7.5, 2.5, 15}}, moves = {.position_m = {2.5, 7.5, 15}};
+    assert_int_equal(asdic_scene_add_object(scene, "still", ball, still, sand), ASDIC_OK);
+    assert_int_equal(asdic_scene_add_moving_object(scene, "moves", ball, moves, sand), ASDIC_OK);
+    asdic_mesh_destroy(&ball);
+    assert_int_equal(asdic_scene_commit(scene), ASDIC_OK);
+    asdic_chart_relief(scene, &relief);
+    for (size_t i = 0; i < SIDE * SIDE; i++) {
+        assert_close(depth_m[i], 20.0, 1e-6);
+    }
+    relief.is_object = is_object;
+    asdic_chart_relief(scene, &relief);
+    size_t at = 2 * SIDE + 2; /* row 0 is the most northern */
+    assert_close(depth_m[at], 14.1, 0.01);
+    for (size_t i = 0; i < SIDE * SIDE; i++) {
+        assert_int_equal(is_object[i], i == at);
+    }
+    double low_m, high_m;
+    assert_true(asdic_relief_span(&relief, 0, 10, 0, 10, &low_m, &high_m));
+    assert_close(low_m, 19.95, 1e-6);
+    asdic_scene_destroy(&scene);
+}
+
 static void relief_is_lit_from_the_north_west(void **state) {
     (void)state;
     /* Ridges along both diagonals: flanks facing north-west are brighter than those facing
@@ -76,8 +111,11 @@ static void relief_is_lit_from_the_north_west(void **state) {
         depth_m[i] = 20.0f + 0.3f * fabsf((float)(i / SIDE + i % SIDE - SIDE + 1));
     }
     asdic_raster raster;
-    assert_int_equal(asdic_raster_relief(ctx, &relief, 10, 40, ASDIC_COLORMAP_GRAY, 0, &raster),
-                     ASDIC_OK);
+    asdic_relief_look look = {.low_m = 10, .high_m = 40};
+    for (uint32_t i = 0; i < 256; i++) {
+        look.bottom_rgb[i] = i * 0x10101u;
+    }
+    assert_int_equal(asdic_raster_relief(ctx, &relief, &look, &raster), ASDIC_OK);
     const uint8_t *north_west = raster.rgb + 3 * (5 * SIDE + 5);
     const uint8_t *south_east = raster.rgb + 3 * (15 * SIDE + 15);
     assert_true(north_west[0] > south_east[0] + 40);
@@ -232,17 +270,15 @@ static void routes_are_the_runs(void **state) {
     (void)state;
     /* North 10 m in 10 s, then east 10 m in 10 s, turning from 350 to 20 degrees in the second leg. */
     const double turn_rad = ASDIC_PI / 180.0;
-    asdic_route_point points[] = {{0, 0, 0, -10 * turn_rad},
-                                  {10, 10, 0, 350 * turn_rad},
-                                  {20, 10, 10, 20 * turn_rad}};
+    asdic_route_point points[] = {
+        {0, 0, 0, -10 * turn_rad}, {10, 10, 0, 350 * turn_rad}, {20, 10, 10, 20 * turn_rad}};
     asdic_route route = {.name = "boat", .points = points, .count = 3};
     /* Its bow 2 m ahead of its place at the first ping, a rock elsewhere. */
-    asdic_outline outlines[] = {
-        {.name = "rock", .count = 1, .north_m = {5}, .east_m = {5}},
-        {.name = "boat",
-         .count = 1,
-         .north_m = {2 * cos(-10 * turn_rad)},
-         .east_m = {2 * sin(-10 * turn_rad)}}};
+    asdic_outline outlines[] = {{.name = "rock", .count = 1, .north_m = {5}, .east_m = {5}},
+                                {.name = "boat",
+                                 .count = 1,
+                                 .north_m = {2 * cos(-10 * turn_rad)},
+                                 .east_m = {2 * sin(-10 * turn_rad)}}};
     asdic_scenery scenery = {.routes = &route,
                              .route_count = 1,
                              .points = points,
@@ -321,6 +357,7 @@ static void pictures_show_them(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(relief_is_the_bottoms_depth),
+        cmocka_unit_test(relief_tells_objects_apart),
         cmocka_unit_test(relief_is_lit_from_the_north_west),
         cmocka_unit_test(outlines_are_the_objects),
         cmocka_unit_test(footprint_on_a_plane),
