@@ -67,3 +67,14 @@ void mesh_rig_refuse(const mesh_rig *rig, const char *part) {
     assert_null(mesh);
     assert_non_null(strstr(asdic_context_error(rig->ctx), part));
 }
+
+bool mesh_rig_reads_files(mesh_rig *rig) {
+    asdic_mesh *mesh = NULL;
+    mesh_rig_write(rig, "m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    bool reads = asdic_mesh_load(rig->ctx, rig->path, 1.0, false, &mesh) != ASDIC_ERROR_UNSUPPORTED;
+    asdic_mesh_destroy(&mesh);
+    if (!reads) {
+        print_message("skipped: %s\n", asdic_context_error(rig->ctx));
+    }
+    return reads;
+}

@@ -17,6 +17,9 @@ typedef struct mesh_rig {
 void mesh_rig_open(mesh_rig *rig);
 void mesh_rig_close(mesh_rig *rig);
 
+/* Whether asdic was built with OpenMesh; says so if not. */
+bool mesh_rig_reads_files(mesh_rig *rig);
+
 /* Writes a file of BYTES bytes and returns its path; the file before it is removed. */
 const char *mesh_rig_write_bytes(mesh_rig *rig, const char *name, const void *data, size_t bytes);
 const char *mesh_rig_write(mesh_rig *rig, const char *name, const char *text);

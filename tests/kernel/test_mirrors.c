@@ -1,0 +1,189 @@
+/* First-order multipath: a mirror, flat, curved or the sea itself, shows the unfolded scene. */
+#include "multipath_rig.h"
+
+#include "kernels/backscatter.h"
+
+/* A mirror 10 m ahead, turned by YAW, shows a sphere that lies behind the sonar's face. Without
+ * the mirror and with the sphere at its image, the direct echo must be the same. */
+static void a_flat_mirror_shows_the_unfolded_scene(void **state) {
+    (void)state;
+    static const double yaws_deg[] = {0.0, 5.0, -7.0};
+    print_message("%28s %10s %10s %8s\n", "flat mirror, dB", "mirrored", "unfolded", "off");
+    for (int k = 0; k < 3; k++) {
+        double yaw = yaws_deg[k] * DEGREE, nx = cos(yaw), ny = sin(yaw);
+        asdic_vec3 ball = {-8.0, 0.4, 0.3};
+        double toward = 2.0 * ((10.0 - ball.x) * nx - ball.y * ny);
+        asdic_vec3 image = {ball.x + toward * nx, ball.y + toward * ny, ball.z};
+        asdic_ping *pings[2];
+        for (int unfolded = 0; unfolded < 2; unfolded++) {
+            target_rig r = open_sea(40.0);
+            asdic_mesh *mesh = NULL;
+            assert_ok(t.ctx, asdic_mesh_sphere(t.ctx, 1.5, 96, &mesh));
+            add(&r, mesh, unfolded ? image : ball, unfolded ? 180.0 + 2.0 * yaws_deg[k] : 0.0, 0.0,
+                sand());
+            if (!unfolded) {
+                add_plate(&r, 40.0, 40.0, (asdic_vec3){10.0, 0.0, 0.0}, yaws_deg[k], mirror());
+            }
+            pings[unfolded] = shoot(&r);
+            target_rig_destroy(&r);
+        }
+        double most = 0.0;
+        for (size_t n = 0; n < pings[0]->bins; n++) {
+            double a = pings[0]->intensity_lin[ASDIC_MULTIPATH][n];
+            double b = pings[1]->intensity_lin[ASDIC_OBJECT][n];
+            assert_int_equal(a > 0.0, b > 0.0);
+            most = a > 0.0 ? fmax(most, fabs(db(a) - db(b))) : most;
+        }
+        double a = energy(pings[0], ASDIC_MULTIPATH, 0.0, INFINITY);
+        double b = energy(pings[1], ASDIC_OBJECT, 0.0, INFINITY);
+        print_message("%20s %4.0f deg %10.4f %10.4f %+8.4f, in a bin %.4f\n", "turned by",
+                      yaws_deg[k], db(a), db(b), db(a / b), most);
+        assert_true(b > 0.0);
+        assert_close(db(a), db(b), 1e-3);
+        assert_true(most < 0.02);
+        asdic_ping_destroy(&pings[0]);
+        asdic_ping_destroy(&pings[1]);
+    }
+}
+
+/* From the origin along U over a sphere of RADIUS at (CENTRE, 0, 0) to the plane x = WALL; false
+ * where the ray misses. POINT is in the plane, *SIN_WALL its grazing. */
+static bool over_sphere(double centre_m, double radius_m, double wall_m, const double u[3],
+                        double point[3], double *path_m, double *sin_wall) {
+    double along = centre_m * u[0], miss2 = centre_m * centre_m - along * along;
+    if (along <= 0.0 || miss2 >= radius_m * radius_m) {
+        return false;
+    }
+    double d1 = along - sqrt(radius_m * radius_m - miss2);
+    double hit[3] = {d1 * u[0], d1 * u[1], d1 * u[2]};
+    double n[3] = {(hit[0] - centre_m) / radius_m, hit[1] / radius_m, hit[2] / radius_m};
+    double cosine = u[0] * n[0] + u[1] * n[1] + u[2] * n[2];
+    double v[3] = {u[0] - 2 * cosine * n[0], u[1] - 2 * cosine * n[1], u[2] - 2 * cosine * n[2]};
+    double d2 = (wall_m - hit[0]) / v[0];
+    if (d2 <= 0.0) {
+        return false;
+    }
+    for (int k = 0; k < 3; k++) {
+        point[k] = hit[k] + d2 * v[k];
+    }
+    *path_m = d1 + d2;
+    *sin_wall = fabs(v[0]);
+    return true;
+}
+
+static void direction(double across, double down, double u[3]) {
+    double ahead = sqrt(1.0 - across * across - down * down);
+    u[0] = ahead;
+    u[1] = across;
+    u[2] = down;
+}
+
+/* The same-way echo of a white wall behind the sonar in a sphere before it: rays on a fine grid, and
+ * the spreading of each from where its neighbours arrive. FLAT: as if it spread like a flat mirror's. */
+static double integrate_sphere(const target_rig *r, double centre_m, double radius_m, double wall_m,
+                               bool flat) {
+    enum { STEPS = 400 };
+    double gain = bottom_gain(2.0, FREQUENCY_HZ / 1e3), peak = bottom_peak(2.0);
+    double alpha = asdic_environment_absorption_db_per_km(&r->env, FREQUENCY_HZ, 100.0);
+    double k = alpha * log(10.0) / 1e4, limit = radius_m / centre_m, sum = 0.0;
+    double step = 2.0 * limit / STEPS, h = 1e-6;
+    for (int i = 0; i < STEPS; i++) {
+        for (int j = 0; j < STEPS; j++) {
+            double across = (i + 0.5) * step - limit, down = (j + 0.5) * step - limit;
+            double u[3], p[3][3], path_m, sin_wall, other_m, other_sin;
+            direction(across, down, u);
+            if (!over_sphere(centre_m, radius_m, wall_m, u, p[0], &path_m, &sin_wall)) {
+                continue;
+            }
+            double solid_angle = step * step / u[0], spread = path_m * path_m;
+            direction(across + h, down, u);
+            bool met = over_sphere(centre_m, radius_m, wall_m, u, p[1], &other_m, &other_sin);
+            direction(across, down + h, u);
+            met = met && over_sphere(centre_m, radius_m, wall_m, u, p[2], &other_m, &other_sin);
+            if (!met || path_m > 59.0) {
+                continue;
+            }
+            direction(across, down, u);
+            if (!flat) { /* cross-section of the tube at the wall per solid angle at the sonar */
+                double area = fabs((p[1][1] - p[0][1]) * (p[2][2] - p[0][2]) -
+                                   (p[1][2] - p[0][2]) * (p[2][1] - p[0][1]));
+                spread = area * sin_wall / (h * h / u[0]);
+            }
+            double b = one_way(&r->receiver, u[0], u[1], u[2]);
+            double s = bottom_backscatter_lin(gain, peak, 2.0, sin_wall);
+            sum += solid_angle * b * b * s / sin_wall / spread * exp(-2.0 * k * (path_m - 1.0));
+        }
+    }
+    return sum;
+}
+
+static void a_curved_mirror_spreads_what_returns(void **state) {
+    (void)state;
+    const double centre_m = 12.0, radius_m = 2.0, wall_m = -6.0;
+    target_rig r = open_sea(40.0);
+    r.sampling.rays = 1 << 21;
+    asdic_mesh *mesh = NULL;
+    assert_ok(t.ctx, asdic_mesh_sphere(t.ctx, radius_m, 96, &mesh));
+    add(&r, mesh, (asdic_vec3){centre_m, 0.0, 0.0}, 0.0, 0.0, mirror());
+    add_plate(&r, 400.0, 400.0, (asdic_vec3){wall_m, 0.0, 0.0}, 0.0, sand());
+    asdic_ping *ping = shoot(&r);
+    double got = energy(ping, ASDIC_MULTIPATH, 0.0, INFINITY);
+    double expected = integrate_sphere(&r, centre_m, radius_m, wall_m, false);
+    double flat = integrate_sphere(&r, centre_m, radius_m, wall_m, true);
+    print_message(
+        "sphere as mirror: %.2f dB, integrated %.2f; with a flat mirror's spreading %.2f\n",
+        db(got), db(expected), db(flat));
+    assert_close(db(got), db(expected), 0.3);
+    assert_true(db(flat) - db(expected) > 10.0);
+    asdic_ping_destroy(&ping);
+    target_rig_destroy(&r);
+}
+
+/* A calm surface shows a ball, 25 m ahead and hidden by a screen, at its image above the water. */
+static void a_calm_surface_shows_the_unfolded_scene(void **state) {
+    (void)state;
+    asdic_ping *pings[2];
+    for (int unfolded = 0; unfolded < 2; unfolded++) {
+        target_rig r = open_sea(40.0);
+        r.env.wind_speed_kn = 0.0;
+        r.sampling.multipath = ASDIC_MULTIPATH_BOUNDARIES;
+        r.pose.position_m.z = 3.0;
+        asdic_scene_set_surface(r.scene, !unfolded);
+        asdic_mesh *mesh = NULL;
+        assert_ok(t.ctx, asdic_mesh_sphere(t.ctx, 1.5, 96, &mesh));
+        add(&r, mesh, (asdic_vec3){25.0, 0.5, unfolded ? -105.0 : -95.0}, 0.0, 0.0, sand());
+        if (!unfolded) {
+            add_plate(&r, 6.0, 3.0, (asdic_vec3){15.0, 0.5, -95.6}, 0.0, sand());
+        }
+        pings[unfolded] = shoot(&r);
+        target_rig_destroy(&r);
+    }
+    double most = 0.0;
+    for (size_t n = 40; n < pings[0]->bins; n++) { /* beyond the screen and its image */
+        double a = pings[0]->intensity_lin[ASDIC_MULTIPATH][n];
+        double b = pings[1]->intensity_lin[ASDIC_OBJECT][n];
+        assert_int_equal(a > 0.0, b > 0.0);
+        most = a > 0.0 ? fmax(most, fabs(db(a) - db(b))) : most;
+    }
+    print_message("calm surface: %.2f dB, unfolded %.2f; in a bin %.4f off\n",
+                  db(energy(pings[0], ASDIC_MULTIPATH, 20.0, INFINITY)),
+                  db(energy(pings[1], ASDIC_OBJECT, 20.0, INFINITY)), most);
+    assert_true(energy(pings[1], ASDIC_OBJECT, 20.0, INFINITY) > 0.0 && most < 0.02);
+    assert_true(energy(pings[0], ASDIC_OBJECT, 20.0, INFINITY) == 0.0);
+    /* A perfect mirror scatters nothing itself. */
+    assert_true(energy(pings[0], ASDIC_SURFACE, 0.0, INFINITY) == 0.0);
+    asdic_ping_destroy(&pings[0]);
+    asdic_ping_destroy(&pings[1]);
+}
+
+int main(void) {
+    t = test_device_open_or_skip();
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_flat_mirror_shows_the_unfolded_scene),
+        cmocka_unit_test(a_curved_mirror_spreads_what_returns),
+        cmocka_unit_test(a_calm_surface_shows_the_unfolded_scene),
+    };
+    int failed = cmocka_run_group_tests(tests, NULL, NULL);
+    test_device_close(&t);
+    return failed;
+}

@@ -1,0 +1,110 @@
+/* First-order multipath: no more energy leaves a surface than arrives. */
+#include "multipath_rig.h"
+
+#include "kernels/mirror.h"
+
+/* The flat scene with every kind of boundary mirror: what is scattered directly falls by the mirror
+ * share at every range, exactly, for the same rays. */
+static void boundaries_scatter_what_they_do_not_mirror(void **state) {
+    (void)state;
+    static const asdic_component direct[2] = {ASDIC_SURFACE, ASDIC_BOTTOM};
+    double wavelength_m = SPEED_MPS / FREQUENCY_HZ;
+    asdic_ping *pings[2];
+    for (int mirrors = 0; mirrors < 2; mirrors++) {
+        target_rig r = open_sea(40.0);
+        r.sampling.multipath = mirrors ? ASDIC_MULTIPATH_BOUNDARIES : ASDIC_MULTIPATH_FIRST;
+        r.env.wind_speed_kn = 3.0;
+        r.pose.position_m.z = 2.0;
+        asdic_scene_set_surface(r.scene, true);
+        assert_ok(t.ctx, asdic_scene_set_bottom_plane(r.scene, 4.0, sand()));
+        r.sonar.bin_length_m = 0.1;
+        pings[mirrors] = shoot(&r);
+        target_rig_destroy(&r);
+    }
+    double sea_g = roughness_parameter(wavelength_m, sea_height_rms_m(3.0));
+    double sand_g = roughness_parameter(wavelength_m, 0.008);
+    double most = 0.0;
+    for (size_t n = 40; n < pings[0]->bins; n++) {
+        double s = 2.0 / ((n + 0.5) * 0.1);
+        double surface = 1.0 - mirror_share(s, 1.0, sea_g);
+        double bottom = 1.0 - mirror_share(s, fluid_reflection2(s, 1.9, 1.0 / 1.1), sand_g);
+        assert_true(surface >= 0.0 && surface <= 1.0 && bottom >= 0.0 && bottom <= 1.0);
+        const double share[2] = {surface, bottom};
+        for (int c = 0; c < 2; c++) {
+            const double *before = pings[0]->intensity_lin[direct[c]];
+            const double *after = pings[1]->intensity_lin[direct[c]];
+            if (before[n] > 1e-4 * before[40]) { /* beneath, single quanta show */
+                most = fmax(most, fabs(after[n] / before[n] - share[c]));
+            }
+        }
+    }
+    print_message("direct share off by %.2g at most\n", most);
+    assert_true(most < 2e-3); /* the share's slope over half a bin */
+    assert_true(energy(pings[1], ASDIC_MULTIPATH, 0.0, INFINITY) > 0.0);
+    asdic_ping_destroy(&pings[0]);
+    asdic_ping_destroy(&pings[1]);
+}
+
+/* What a facet sends on and what it scatters into the half space add up to R^2 at most, at every
+ * angle, roughness and slope: the lobe by integration over all directions. Monostatic strength
+ * sigma(i) scatters, for reciprocal laws that depend on the half-way normal, the energy that facets
+ * tilted by i turn: 4 sigma cos^4 dOmega_n, once for every normal n. */
+static void no_more_leaves_than_arrives(void **state) {
+    (void)state;
+    static const double slopes[] = {1e-5, 1e-3, 1e-2, 0.1, 0.5};
+    double most = 0.0;
+    for (int m = 0; m < 5; m++) {
+        double sum = 0.0;
+        enum { STEPS = 20000 };
+        for (int i = 0; i < STEPS; i++) { /* over slopes tan i = x, area in the slope plane */
+            double x = (i + 0.5) / STEPS * 12.0 * sqrt(slopes[m]);
+            double cosine = 1.0 / sqrt(1.0 + x * x);
+            double lobe = facet_strength_lin(cosine, 1.0, 0.0, slopes[m]);
+            sum += 2.0 * PI * x * 12.0 * sqrt(slopes[m]) / STEPS * 4.0 * lobe * pow(cosine, 4.0);
+        }
+        most = fmax(most, sum);
+        assert_close(sum, 1.0, 1e-3);
+    }
+    for (double g = 0.0; g < 1e4; g = 2.0 * g + 0.01) {
+        for (double s = 0.001; s <= 1.0; s += 0.001) {
+            double lambert = facet_strength_lin(s, 0.8, g, 1e-9) * PI / (s * s); /* no lobe off 0 */
+            double out = mirror_share(s, 0.8, g) + (s < 0.99 ? lambert : 0.0);
+            assert_true(out <= 0.8 * (1.0 + 1e-12));
+            assert_true(s >= 0.99 || out >= 0.8 * (1.0 - 1e-9));
+        }
+    }
+}
+
+static void boundary_formulas_meet_their_limits(void **state) {
+    (void)state;
+    /* Normal incidence: the impedances alone. */
+    double r = (1.9 * 1.1 - 1.0) / (1.9 * 1.1 + 1.0);
+    assert_close(fluid_reflection2(1.0, 1.9, 1.0 / 1.1), r * r, 1e-12);
+    assert_close(fluid_reflection2(1.0, 1.9, 1.0 / 1.1), impedance_reflection2(1.9 * 1.1, 1.0),
+                 1e-12);
+    /* Total reflection below the critical angle, 24.6 degrees, and at grazing incidence. */
+    assert_true(fluid_reflection2(sin(24.5 * DEGREE), 1.9, 1.0 / 1.1) == 1.0);
+    assert_true(fluid_reflection2(sin(24.8 * DEGREE), 1.9, 1.0 / 1.1) < 0.9);
+    assert_close(fluid_reflection2(0.0, 1.5, 1.02), 1.0, 1e-4);
+    /* Equal sound speeds: the densities alone, (m - 1) / (m + 1) at any angle. */
+    assert_close(fluid_reflection2(0.3, 1.5, 1.0), 0.04, 1e-12);
+    /* Total transmission into a slow bottom at the angle of intromission,
+     * m sin = sqrt(n^2 - cos^2). */
+    double n = 1.02, m = 1.5, sine = sqrt((n * n - 1.0) / (m * m - 1.0));
+    assert_close(fluid_reflection2(sine, m, n), 0.0, 1e-12);
+    /* A fully developed sea at 10 m/s: significant height 2.14 m. */
+    assert_close(4.0 * sea_height_rms_m(10.0 / 0.514444444444444), 2.14, 0.01);
+    assert_true(sea_height_rms_m(0.0) == 0.0);
+}
+
+int main(void) {
+    t = test_device_open_or_skip();
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(boundaries_scatter_what_they_do_not_mirror),
+        cmocka_unit_test(no_more_leaves_than_arrives),
+        cmocka_unit_test(boundary_formulas_meet_their_limits),
+    };
+    int failed = cmocka_run_group_tests(tests, NULL, NULL);
+    test_device_close(&t);
+    return failed;
+}
