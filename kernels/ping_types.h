@@ -15,6 +15,8 @@
 
 /* Levels of m = cos(elevation) in a fan's map. */
 #define DEV_FAN_LEVELS 5
+/* Columns of a fan's map that share a flag. */
+#define DEV_FAN_CHUNK 16u
 
 #define DEV_MAX_LOBES 12
 #define DEV_MAX_CONES 8
@@ -105,6 +107,7 @@ typedef struct dev_ping {
     dev_uint order_block, order_inverse; /* see order.h: F, I */
     dev_uint order_lanes[16];            /* k I modulo F */
     dev_uint fan_cells;
+    dev_uint fan_flags; /* of a row, a multiple of 8; see receive.h */
     float fan_begin_rad, fan_cells_per_rad;
     float fan_rows[9]; /* world to fan: x ahead, y to starboard, z the faces' common axis */
     dev_uint seed[2], ping[2];

@@ -95,23 +95,26 @@ FORMULA real fan_level_m(int level) {
     return (real)(m[level]);
 }
 
-/* Behind the cells, one word per (component, bin, level): whether anything was added. */
-static __global uint *fan_touched(__global const dev_ping *ping, __global long *cells) {
-    return (__global uint *)(cells + (size_t)(ping->components) * ping->bins * ping->columns);
+/* Behind the cells, a byte for every DEV_FAN_CHUNK columns of a row, set where anything was added;
+ * then how many entries fan_pack has made. */
+static __global uchar *fan_flags(__global const dev_ping *ping, __global long *cells) {
+    return (__global uchar *)(cells + (size_t)(ping->components) * ping->bins * ping->columns);
 }
 
-static void touch(const world *w, const arrivals *a, __global long *cells, natural level,
-                  real gain) {
-    __global uint *touched = fan_touched(w->ping, cells);
+/* Adds GAIN times every parcel to column COLUMN of its row, as add_column does, and flags it. */
+static uint add_flagged(const world *w, const arrivals *a, __global long *cells, natural column,
+                        real gain) {
+    __global uchar *flags = fan_flags(w->ping, cells);
     for (uint c = 0; c < a->count; c++) {
         real quanta = gain * a->quanta[c];
-        natural at = a->row[c] * (natural)(DEV_FAN_LEVELS) + level;
+        natural at = a->row[c] * (natural)(w->ping->fan_flags) + column / DEV_FAN_CHUNK;
         LANES {
             if (AT(quanta, float) > 0.0f) {
-                touched[AT(at, uint)] = 1u;
+                flags[AT(at, uint)] = 1u;
             }
         }
     }
+    return add_column(w, a, cells, (natural)(0u), column, gain);
 }
 
 static uint receive(const world *w, const sink *to, uint set, const arrivals *a, natural rays,
@@ -119,7 +122,6 @@ static uint receive(const world *w, const sink *to, uint set, const arrivals *a,
     __global const dev_ping *ping = w->ping;
     __global const float *f = ping->fan_rows;
     __global long *cells = to->accumulator;
-    natural first = cells_of(w, rays);
     real x = f[0] * u.x + f[1] * u.y + f[2] * u.z;
     real y = f[3] * u.x + f[4] * u.y + f[5] * u.z;
     real s = f[6] * u.x + f[7] * u.y + f[8] * u.z;
@@ -146,16 +148,14 @@ static uint receive(const world *w, const sink *to, uint set, const arrivals *a,
     level = choose_natural(a->even & low, level + (natural)(1u), level);
     lower = choose(a->even, R(0.0), lower);
     natural column = level * (natural)(ping->fan_cells) + cell;
-    touch(w, a, cells, level, gain);
-    uint cut = add_column(w, a, cells, first, column, gain * (R(1.0) - lower) * (R(1.0) - right));
-    cut += add_column(w, a, cells, first, column + 1u, gain * (R(1.0) - lower) * right);
+    uint cut = add_flagged(w, a, cells, column, gain * (R(1.0) - lower) * (R(1.0) - right));
+    cut += add_flagged(w, a, cells, column + 1u, gain * (R(1.0) - lower) * right);
     if (any_true(lower > R(0.0))) {
         gain *= lower;
         level = min(level + (natural)(1u), (natural)(DEV_FAN_LEVELS - 1));
         column = level * (natural)(ping->fan_cells) + cell;
-        touch(w, a, cells, level, gain);
-        cut += add_column(w, a, cells, first, column, gain * (R(1.0) - right));
-        cut += add_column(w, a, cells, first, column + 1u, gain * right);
+        cut += add_flagged(w, a, cells, column, gain * (R(1.0) - right));
+        cut += add_flagged(w, a, cells, column + 1u, gain * right);
     }
     return cut;
 }

@@ -1,5 +1,7 @@
 #include "decibel.h"
 
+#include "widest.h"
+
 #include <float.h>
 #include <math.h>
 #include <stdint.h>
@@ -39,13 +41,6 @@ static inline double level_of(double x) {
                             z * (1.0 / 11 + z * (1.0 / 13 + z * (1.0 / 15 + z * (1.0 / 17))))))));
     return e * db_per_octave + (s + s * tail) * twice_db_per_neper;
 }
-
-/* Wider vectors where the processor has them: the same operations, so the same bytes. */
-#if defined(__x86_64__) && defined(__linux__) && defined(__GNUC__) && !defined(__clang__)
-#define WIDEST __attribute__((target_clones("avx512f", "avx2", "default")))
-#else
-#define WIDEST
-#endif
 
 /* Two loops: compilers make vectors of the first, which no comparison interrupts. */
 WIDEST static void convert(const double *intensity_lin, size_t count, float *level_db) {

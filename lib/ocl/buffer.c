@@ -136,12 +136,37 @@ asdic_status asdic_buffer_zero(asdic_buffer *buffer, size_t bytes) {
     return code == CL_SUCCESS ? ASDIC_OK : asdic_cl_fail(buffer->device, code, "clear a buffer");
 }
 
-asdic_status asdic_buffer_read(asdic_buffer *buffer, size_t offset, size_t bytes, void *data) {
+static asdic_status read_buffer(asdic_buffer *buffer, size_t offset, size_t bytes, void *data,
+                                cl_event *event) {
     asdic_status status = check_range(buffer, offset, bytes);
     if (status != ASDIC_OK || bytes == 0) {
         return status;
     }
-    cl_int code = clEnqueueReadBuffer(buffer->device->queue, buffer->mem, CL_TRUE, offset, bytes,
-                                      data, 0, NULL, NULL);
+    cl_int code =
+        clEnqueueReadBuffer(buffer->device->queue, buffer->mem, event ? CL_FALSE : CL_TRUE, offset,
+                            bytes, data, 0, NULL, event);
     return code == CL_SUCCESS ? ASDIC_OK : asdic_cl_fail(buffer->device, code, "read a buffer");
+}
+
+asdic_status asdic_buffer_read(asdic_buffer *buffer, size_t offset, size_t bytes, void *data) {
+    return read_buffer(buffer, offset, bytes, data, NULL);
+}
+
+asdic_status asdic_buffer_fetch(asdic_buffer *buffer, size_t offset, size_t bytes, void *data,
+                                asdic_fetch **out) {
+    cl_event event = NULL;
+    asdic_status status = read_buffer(buffer, offset, bytes, data, &event);
+    *out = (asdic_fetch *)event;
+    return status;
+}
+
+asdic_status asdic_fetch_wait(asdic_device *device, asdic_fetch **fetch) {
+    cl_event event = (cl_event)*fetch;
+    if (!event) {
+        return ASDIC_OK;
+    }
+    cl_int code = clWaitForEvents(1, &event);
+    clReleaseEvent(event);
+    *fetch = NULL;
+    return code == CL_SUCCESS ? ASDIC_OK : asdic_cl_fail(device, code, "read a buffer");
 }

@@ -11,6 +11,7 @@
 
 typedef struct asdic_buffer asdic_buffer;
 typedef struct asdic_kernel asdic_kernel;
+typedef struct asdic_fetch asdic_fetch; /* a reading under way */
 
 /* BYTES 0 gives a buffer of 16 bytes (kernels need something to point at). DATA may be NULL.
  * Beyond CL_DEVICE_MAX_MEM_ALLOC_SIZE: ASDIC_ERROR_MEMORY with both numbers. */
@@ -28,6 +29,11 @@ asdic_status asdic_buffer_send(asdic_buffer *buffer, size_t bytes, const void *d
 asdic_status asdic_buffer_zero(asdic_buffer *buffer, size_t bytes);
 /* Blocks until everything enqueued before has finished. */
 asdic_status asdic_buffer_read(asdic_buffer *buffer, size_t offset, size_t bytes, void *data);
+/* The same without waiting: DATA is there after asdic_fetch_wait, which every *OUT must be given to. */
+asdic_status asdic_buffer_fetch(asdic_buffer *buffer, size_t offset, size_t bytes, void *data,
+                                asdic_fetch **out);
+/* Blocks, and ends *FETCH, also when it fails. NULL: nothing to wait for. */
+asdic_status asdic_fetch_wait(asdic_device *device, asdic_fetch **fetch);
 
 /* Kernel NAME of the embedded source FILE ("trace.cl"), built with OPTIONS ("-D X=1 ..."; "" for
  * none). Programs are cached per device and (file, options); each call gives a kernel object of

@@ -1,16 +1,21 @@
 #include "beam_fan.h"
 
 #include "aim.h"
+#include "base/context.h"
 #include "base/vec.h"
 
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #define LEAST_RECEIVERS 16
-#define TILE 128 /* as in fan.cl */
+/* Bins of a work-item that projects, where work-items are not one another's neighbours: a cache line
+ * of results. */
+#define WIDE_RUN 16
 /* Cells per wavelength of aperture and radian. */
 #define CELLS_PER_WAVELENGTH 3.0
 #define LEAST_CELLS 64
-#define ENTRY_BYTES 8 /* of a fan_entry */
+#define ENTRY_BYTES 8 /* of a fan_entry, and of a fan_list */
 /* Widest transmitter, in apertures of the receivers: what arrives is taken to be even over a receiver's
  * width. Against beam by beam, steep bins are up to 0.3 dB off at this, 1.3 at an equal width. */
 #define WIDEST_SENDER 0.25
@@ -59,44 +64,65 @@ void asdic_beam_fan_plan(const asdic_sonar *sonar, double wavelength_m, asdic_be
     double arc = fan->circle ? 2.0 * ASDIC_PI : ASDIC_PI;
     double cells = ceil(arc * CELLS_PER_WAVELENGTH * first.length_h_wl) + 1.0;
     fan->cells = (unsigned)fmax(cells, LEAST_CELLS);
-    fan->stride = (unsigned)((sonar->receiver_count + TILE - 1) / TILE * TILE);
+    fan->stride =
+        (unsigned)((sonar->receiver_count + ASDIC_FAN_TILE - 1) / ASDIC_FAN_TILE * ASDIC_FAN_TILE);
 }
 
-asdic_status asdic_beam_fan_init(asdic_beam_fan *fan, asdic_device *device, const char *options,
+unsigned asdic_beam_fan_flags(size_t columns) {
+    size_t flags = (columns + DEV_FAN_CHUNK - 1) / DEV_FAN_CHUNK;
+    return (unsigned)((flags + 7) / 8 * 8);
+}
+
+size_t asdic_beam_fan_tail_bytes(const asdic_beam_fan *fan, size_t rows) {
+    size_t flags = asdic_beam_fan_flags((size_t)DEV_FAN_LEVELS * fan->cells);
+    return fan->cells ? rows * flags + sizeof(uint32_t) : 0;
+}
+
+asdic_status asdic_beam_fan_init(asdic_beam_fan *fan, asdic_device *device, unsigned width,
                                  size_t rows) {
     if (fan->cells == 0) {
         return ASDIC_OK;
     }
-    rows *= DEV_FAN_LEVELS;
+    char options[64];
+    fan->run = width == 1 ? 1 : WIDE_RUN;
+    snprintf(options, sizeof options, "-D ASDIC_FAN=1 -D ASDIC_RUN=%u", fan->run);
     const size_t columns = (size_t)DEV_FAN_LEVELS * fan->cells;
-    asdic_status status =
-        asdic_kernel_create(device, "fan.cl", options, "fan_table", &fan->make_table);
-    if (!status) {
-        status = asdic_kernel_create(device, "fan.cl", options, "fan_pack", &fan->pack);
+    const struct {
+        const char *name;
+        asdic_kernel **kernel;
+    } kernels[] = {
+        {"fan_table", &fan->make_table}, {"fan_pack", &fan->pack}, {"fan_project", &fan->project}};
+    const struct {
+        size_t bytes;
+        asdic_buffer **buffer;
+    } buffers[] = {{columns * fan->stride * sizeof(float), &fan->table},
+                   {rows * columns * ENTRY_BYTES, &fan->entries},
+                   {rows * ENTRY_BYTES, &fan->lists}};
+    fan->fetches = calloc(fan->stride / ASDIC_FAN_TILE, sizeof(asdic_fetch *));
+    if (!fan->fetches) {
+        return asdic_fail_memory(asdic_device_context(device), "a fan");
     }
-    if (!status) {
-        status = asdic_kernel_create(device, "fan.cl", options, "fan_project", &fan->project);
+    asdic_status status = ASDIC_OK;
+    for (size_t i = 0; !status && i < sizeof kernels / sizeof *kernels; i++) {
+        status = asdic_kernel_create(device, "fan.cl", options, kernels[i].name, kernels[i].kernel);
     }
-    if (!status) {
-        status =
-            asdic_buffer_create(device, columns * fan->stride * sizeof(float), NULL, &fan->table);
-    }
-    if (!status) {
-        status = asdic_buffer_create(device, rows * fan->cells * ENTRY_BYTES, NULL, &fan->entries);
-    }
-    if (!status) {
-        status = asdic_buffer_create(device, rows * sizeof(uint32_t), NULL, &fan->counts);
+    for (size_t i = 0; !status && i < sizeof buffers / sizeof *buffers; i++) {
+        status = asdic_buffer_create(device, buffers[i].bytes, NULL, buffers[i].buffer);
     }
     return status;
 }
 
-void asdic_beam_fan_finish(asdic_beam_fan *fan) {
+void asdic_beam_fan_finish(asdic_beam_fan *fan, asdic_device *device) {
+    for (size_t tile = 0; fan->fetches && tile < fan->stride / ASDIC_FAN_TILE; tile++) {
+        asdic_fetch_wait(device, &fan->fetches[tile]);
+    }
+    free(fan->fetches);
     asdic_kernel_destroy(&fan->make_table);
     asdic_kernel_destroy(&fan->pack);
     asdic_kernel_destroy(&fan->project);
     asdic_buffer_destroy(&fan->table);
     asdic_buffer_destroy(&fan->entries);
-    asdic_buffer_destroy(&fan->counts);
+    asdic_buffer_destroy(&fan->lists);
 }
 
 /* x: the transmitter's axis in the plane across the fan's axis z; y: z cross x. */
@@ -133,30 +159,49 @@ void asdic_beam_fan_describe(const asdic_beam_fan *fan, const dev_beam *beams, d
     fan_frame(beams, ping->fan_rows);
 }
 
+/* The table depends on how the fan is built and on the wavelength, not on the pose. */
+static asdic_status tabulate(asdic_beam_fan *fan, const dev_ping *ping, asdic_buffer *ping_buffer) {
+    if (fan->table_wavelength_m == (double)ping->wavelength_m) {
+        return ASDIC_OK;
+    }
+    dev_uint stride = fan->stride;
+    asdic_kernel_arg args[] = {ASDIC_ARG_BUFFER(ping_buffer), ASDIC_ARG_BUFFER(fan->table),
+                               ASDIC_ARG_VALUE(stride)};
+    fan->table_wavelength_m = ping->wavelength_m;
+    return asdic_kernel_run(fan->make_table, args, 3, (size_t)ping->columns * stride, 64);
+}
+
 asdic_status asdic_beam_fan_project(asdic_beam_fan *fan, const dev_ping *ping,
                                     asdic_buffer *ping_buffer, asdic_buffer *accumulator,
-                                    asdic_buffer *saturated, asdic_buffer *results) {
-    asdic_status status = ASDIC_OK;
+                                    asdic_buffer *saturated, asdic_buffer *results,
+                                    float *host_results) {
     dev_uint stride = fan->stride;
-    size_t rows = ping->components * (size_t)ping->bins;
-    /* The table depends on how the fan is built and on the wavelength, not on the pose. */
-    if (fan->table_wavelength_m != (double)ping->wavelength_m) {
-        asdic_kernel_arg args[] = {ASDIC_ARG_BUFFER(ping_buffer), ASDIC_ARG_BUFFER(fan->table),
-                                   ASDIC_ARG_VALUE(stride)};
-        status = asdic_kernel_run(fan->make_table, args, 3, (size_t)ping->columns * stride, 64);
-        fan->table_wavelength_m = ping->wavelength_m;
-    }
+    size_t rows = ping->components * (size_t)ping->bins, beams = ping->beams;
+    size_t runs = (ping->bins + fan->run - 1) / fan->run * ping->components;
+    asdic_status status = tabulate(fan, ping, ping_buffer);
     if (!status) {
         asdic_kernel_arg args[] = {ASDIC_ARG_BUFFER(ping_buffer), ASDIC_ARG_BUFFER(accumulator),
-                                   ASDIC_ARG_BUFFER(fan->entries), ASDIC_ARG_BUFFER(fan->counts)};
-        status = asdic_kernel_run(fan->pack, args, 4, rows * DEV_FAN_LEVELS, 16);
+                                   ASDIC_ARG_BUFFER(fan->entries), ASDIC_ARG_BUFFER(fan->lists)};
+        status = asdic_kernel_run(fan->pack, args, 4, rows, 16);
     }
-    if (!status) {
+    for (dev_uint tile = 0; !status && tile * ASDIC_FAN_TILE < beams; tile++) {
         asdic_kernel_arg args[] = {ASDIC_ARG_BUFFER(ping_buffer), ASDIC_ARG_BUFFER(fan->entries),
-                                   ASDIC_ARG_BUFFER(fan->counts), ASDIC_ARG_BUFFER(fan->table),
-                                   ASDIC_ARG_BUFFER(saturated),   ASDIC_ARG_BUFFER(results),
-                                   ASDIC_ARG_VALUE(stride)};
-        status = asdic_kernel_run(fan->project, args, 7, rows * (stride / TILE), 16);
+                                   ASDIC_ARG_BUFFER(fan->lists),  ASDIC_ARG_BUFFER(fan->table),
+                                   ASDIC_ARG_BUFFER(accumulator), ASDIC_ARG_BUFFER(saturated),
+                                   ASDIC_ARG_BUFFER(results),     ASDIC_ARG_VALUE(stride),
+                                   ASDIC_ARG_VALUE(tile)};
+        status = asdic_kernel_run(fan->project, args, 9, runs, fan->run == 1 ? 16 : 1);
+        size_t first = (size_t)tile * ASDIC_FAN_TILE, end = first + ASDIC_FAN_TILE;
+        size_t words = end >= beams ? (beams - first) * rows + 1 : ASDIC_FAN_TILE * rows;
+        if (!status) {
+            status =
+                asdic_buffer_fetch(results, first * rows * sizeof(float), words * sizeof(float),
+                                   host_results + first * rows, &fan->fetches[tile]);
+        }
     }
     return status;
+}
+
+asdic_status asdic_beam_fan_wait(asdic_beam_fan *fan, asdic_device *device, size_t tile) {
+    return asdic_fetch_wait(device, &fan->fetches[tile]);
 }

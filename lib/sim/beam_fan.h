@@ -9,31 +9,44 @@
 #include "../../kernels/ping_types.h"
 #include "ocl/ocl.h"
 
+#define ASDIC_FAN_TILE 128 /* beams that are projected together, as in fan.cl */
+
 typedef struct asdic_beam_fan {
     unsigned cells;  /* azimuth cells; 0: the receivers are not a fan */
     unsigned stride; /* beams rounded up to a tile of fan.cl */
+    unsigned run;    /* bins of a work-item that projects */
     bool circle;     /* cells go all round, not only over the front */
     double table_wavelength_m;
     asdic_kernel *make_table, *pack, *project;
-    asdic_buffer *table, *entries, *counts;
+    asdic_buffer *table, *entries, *lists;
+    asdic_fetch **fetches; /* a tile's each, on their way to the host */
 } asdic_beam_fan;
 
 /* Fills CELLS, STRIDE and CIRCLE: a fan is at least 16 receivers of one size whose faces differ in
  * yaw about a common axis only, with a transmitter at most a quarter as wide. */
 void asdic_beam_fan_plan(const asdic_sonar *sonar, double wavelength_m, asdic_beam_fan *fan);
 
-/* Kernels and buffers for a planned fan with ROWS of (component, bin); nothing when there is none. */
-asdic_status asdic_beam_fan_init(asdic_beam_fan *fan, asdic_device *device, const char *options,
+/* Kernels and buffers for a planned fan with ROWS of (component, bin) and vectors of WIDTH; nothing
+ * when there is none. */
+asdic_status asdic_beam_fan_init(asdic_beam_fan *fan, asdic_device *device, unsigned width,
                                  size_t rows);
-void asdic_beam_fan_finish(asdic_beam_fan *fan);
+void asdic_beam_fan_finish(asdic_beam_fan *fan, asdic_device *device);
 
 /* The fan's frame and cells of a ping whose beams (transmitter first) are aimed. */
 void asdic_beam_fan_describe(const asdic_beam_fan *fan, const dev_beam *beams, dev_ping *ping);
 
-/* Enqueues cells to beams: ACCUMULATOR, which is cleared, to RESULTS, floats
- * [component][beam][bin] and one word of cut deposits. */
+/* Flags of a row of COLUMNS, see receive.h. */
+unsigned asdic_beam_fan_flags(size_t columns);
+/* Bytes behind the accumulator's cells: ROWS of flags, and a count; none where there is no fan. */
+size_t asdic_beam_fan_tail_bytes(const asdic_beam_fan *fan, size_t rows);
+
+/* Enqueues cells to beams, tile by tile: ACCUMULATOR, which is cleared, to RESULTS, floats
+ * [beam][component][bin] and one word of cut deposits, which are fetched to HOST_RESULTS. */
 asdic_status asdic_beam_fan_project(asdic_beam_fan *fan, const dev_ping *ping,
                                     asdic_buffer *ping_buffer, asdic_buffer *accumulator,
-                                    asdic_buffer *saturated, asdic_buffer *results);
+                                    asdic_buffer *saturated, asdic_buffer *results,
+                                    float *host_results);
+/* Blocks until the beams of TILE are there; with the last one, the word of cut deposits. */
+asdic_status asdic_beam_fan_wait(asdic_beam_fan *fan, asdic_device *device, size_t tile);
 
 #endif

@@ -15,6 +15,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* Bins on each side that share a ratio: two pings give one degree of freedom per bin. */
 #define WINDOW 12
@@ -34,10 +35,12 @@
  * the inverse is n / (n - 2). */
 #define FEW_SQUARES (30.0 / 28.0)
 
-/* What the calibration's two pings gave, per cell. */
-typedef struct pair {
+/* What the calibration's two pings gave, per cell. Kept from block to block: of many beams and bins it is
+ * a hundred megabytes, which take longer to get than to fill. */
+typedef struct asdic_pair {
     double *energy[2]; /* totals without noise */
     float *suggested;  /* mean of the relative variances that the groups suggest */
+    asdic_ping *ping;  /* the latest */
 } pair;
 
 /* The relative variance of one ping that the two differ by in one cell; negative where there is none. */
@@ -116,32 +119,60 @@ static void take_ping(const asdic_simulator *sim, const asdic_ping *ping, uint32
  * more of that than of errors that know nothing of each other. */
 static asdic_status shoot_pair(asdic_simulator *sim, const asdic_pose *pose, uint64_t index,
                                pair *p) {
-    asdic_ping *ping = NULL;
     asdic_water_column water = asdic_water_column_at(&sim->env, &sim->sonar, pose->position_m.z);
-    asdic_status status = asdic_ping_create(sim->ctx, sim->sonar.receiver_count, sim->bins, &ping);
+    asdic_status status = ASDIC_OK;
+    memset(p->suggested, 0, sim->cells * sizeof *p->suggested);
     for (uint32_t k = 0; !status && k < 2; k++) {
-        status = asdic_simulator_simulate(sim, pose, index, ASDIC_STREAM_CALIBRATION + k, ping);
+        status = asdic_simulator_simulate(sim, pose, index, ASDIC_STREAM_CALIBRATION + k, p->ping);
         if (!status) {
-            asdic_pulse_smear(&sim->sonar, water.sound_speed_mps, sim->smear_scratch, ping);
-            take_ping(sim, ping, k, p);
+            asdic_pulse_smear(&sim->sonar, water.sound_speed_mps, sim->smear_scratch, p->ping);
+            take_ping(sim, p->ping, k, p);
         }
     }
-    asdic_ping_destroy(&ping);
     return status;
+}
+
+static asdic_status pair_create(asdic_simulator *sim) {
+    if (sim->pair) {
+        return ASDIC_OK;
+    }
+    pair *p = sim->pair = calloc(1, sizeof *p);
+    if (p) {
+        p->energy[0] = malloc(sim->cells * sizeof(double));
+        p->energy[1] = malloc(sim->cells * sizeof(double));
+        p->suggested = malloc(sim->cells * sizeof(float));
+    }
+    if (!p || !p->energy[0] || !p->energy[1] || !p->suggested) {
+        asdic_pair_destroy(&sim->pair);
+        return asdic_fail_memory(sim->ctx, "a calibration");
+    }
+    asdic_status status =
+        asdic_ping_create(sim->ctx, sim->sonar.receiver_count, sim->bins, &p->ping);
+    if (status) {
+        asdic_pair_destroy(&sim->pair);
+    }
+    return status;
+}
+
+void asdic_pair_destroy(asdic_pair **p) {
+    if (*p) {
+        free((*p)->energy[0]);
+        free((*p)->energy[1]);
+        free((*p)->suggested);
+        asdic_ping_destroy(&(*p)->ping);
+        free(*p);
+        *p = NULL;
+    }
 }
 
 asdic_status asdic_simulator_calibrate(asdic_simulator *sim, const asdic_pose *pose,
                                        uint64_t index) {
-    pair p = {{calloc(sim->cells, sizeof(double)), calloc(sim->cells, sizeof(double))},
-              calloc(sim->cells, sizeof(float))};
-    asdic_status status = p.energy[0] && p.energy[1] && p.suggested
-                              ? shoot_pair(sim, pose, index, &p)
-                              : asdic_fail_memory(sim->ctx, "a calibration");
-    for (size_t beam = 0; !status && beam < sim->sonar.receiver_count; beam++) {
-        calibrate_beam(sim, beam, &p);
+    asdic_status status = pair_create(sim);
+    if (!status) {
+        status = shoot_pair(sim, pose, index, sim->pair);
     }
-    free(p.energy[0]);
-    free(p.energy[1]);
-    free(p.suggested);
+    for (size_t beam = 0; !status && beam < sim->sonar.receiver_count; beam++) {
+        calibrate_beam(sim, beam, sim->pair);
+    }
     return status;
 }

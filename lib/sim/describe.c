@@ -85,6 +85,7 @@ static void shape_accumulator(const asdic_simulator *sim, dev_ping *fixed) {
     size_t rows = fan ? sim->bins : (sim->bins + MOST_RUN - 1) / MOST_RUN * MOST_RUN;
     size_t cells = sim->components * rows * columns + MOST_WIDTH;
     fixed->columns = (dev_uint)columns;
+    fixed->fan_flags = fan ? asdic_beam_fan_flags(columns) : 0;
     fixed->component_rows = (dev_uint)rows;
     fixed->group_cells = (dev_uint)(((cells + 7) / 8 | 1) * 8);
     fixed->present = 1u << DEV_DEPOSIT_VOLUME;

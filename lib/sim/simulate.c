@@ -186,26 +186,14 @@ static asdic_status reduce_groups(asdic_simulator *sim) {
 }
 
 static asdic_status reduce(asdic_simulator *sim) {
-    asdic_status status =
-        sim->fan.cells ? asdic_beam_fan_project(&sim->fan, sim->ping, sim->ping_buffer,
-                                                sim->accumulator, sim->saturated, sim->results)
-                       : reduce_groups(sim);
+    if (sim->fan.cells) { /* asdic_simulator_convert waits for it, tile by tile */
+        return asdic_beam_fan_project(&sim->fan, sim->ping, sim->ping_buffer, sim->accumulator,
+                                      sim->saturated, sim->results, sim->host_results);
+    }
+    asdic_status status = reduce_groups(sim);
     return status ? status
                   : asdic_buffer_read(sim->results, 0, asdic_simulator_results_bytes(sim),
                                       sim->host_results);
-}
-
-/* Relative standard error of the last ping's total in CELL (beam * bins + bin) as its groups suggest it. */
-static double spread_of(const asdic_simulator *sim, size_t cell) {
-    const int64_t *after = (const int64_t *)sim->host_results + sim->components * sim->cells + 1;
-    return ((const float *)after)[cell];
-}
-
-/* Deposits that had to be cut. */
-static uint64_t saturated_of(const asdic_simulator *sim) {
-    size_t at = sim->components * sim->cells;
-    return sim->fan.cells ? ((const uint32_t *)sim->host_results)[at]
-                          : (uint64_t)((const int64_t *)sim->host_results)[at];
 }
 
 double asdic_simulator_source_lin(const asdic_simulator *sim, const asdic_water_column *water) {
@@ -213,97 +201,6 @@ double asdic_simulator_source_lin(const asdic_simulator *sim, const asdic_water_
     /* The paper prints 2 d - 1 metres of absorption where 2 (d - 1) is meant: one metre more. */
     bool printed = sim->env.variant == ASDIC_VARIANT_PRINTED;
     return printed ? source * exp(-water->absorption_np_per_m) : source;
-}
-
-/* A component's energies in the bins from FIRST on, added to TOTAL; a quantum is worth UNIT times LOSS. */
-static void convert_whole(const int64_t *restrict quanta, double unit, const double *restrict loss,
-                          size_t bins, double *restrict energy, double *restrict total) {
-    for (size_t n = 0; n < bins; n++) {
-        energy[n] = quanta[n] > 0 ? (double)quanta[n] * unit * loss[n] : 0.0;
-        total[n] += energy[n];
-    }
-}
-
-/* The same of a fan. */
-static void convert_floats(const float *restrict quanta, double unit, const double *restrict loss,
-                           size_t bins, double *restrict energy, double *restrict total) {
-    for (size_t n = 0; n < bins; n++) {
-        energy[n] = quanta[n] > 0.0f ? (double)quanta[n] * unit * loss[n] : 0.0;
-        total[n] += energy[n];
-    }
-}
-
-/* A fan's water still has to be summed from where it ends to what it crosses: cheaper by beams than by
- * azimuths. */
-static void convert_fan_water(const float *restrict quanta, double unit,
-                              const double *restrict loss, size_t bins, double *restrict energy,
-                              double *restrict total) {
-    double crossing = 0.0;
-    for (size_t n = bins; n-- > 0;) {
-        crossing += (double)quanta[n];
-        energy[n] = crossing * unit * loss[n];
-        total[n] += energy[n];
-    }
-}
-
-/* Adds noise to TOTAL, an echo so far, and states its error: that of the echo, from its spread over groups
- * and what the block's calibration found. */
-static void state_errors(const asdic_simulator *sim, size_t first, const double *restrict noise,
-                         double *restrict total, float *restrict stderr_db) {
-    const asdic_stated_error *stated = sim->stated + first;
-    bool whole = sim->fan.cells != 0, silent = sim->sampling.without_errors;
-    const double to_db = 10.0 / log(10.0);
-    for (size_t n = 0; n < sim->bins; n++) {
-        double echo = total[n], error = stated[n].of_block;
-        total[n] = echo + noise[n];
-        if (!whole && !silent) {
-            double spread = spread_of(sim, first + n);
-            double own = stated[n].of_groups * spread * spread;
-            error = sqrt(fmax(own, ASDIC_OWN_PING * own + error));
-        }
-        stderr_db[n] = echo > 0.0 && !silent ? (float)(to_db * error * (echo / total[n])) : 0.0f;
-    }
-}
-
-/* Quanta to energies of one beam; UNIT[component] is a quantum's energy at loss 1. */
-static void convert_beam(const asdic_simulator *sim, const double *unit, size_t beam,
-                         asdic_ping *out) {
-    static const asdic_component component[DEV_DEPOSIT_COUNT] = {
-        [DEV_DEPOSIT_BOTTOM] = ASDIC_BOTTOM,
-        [DEV_DEPOSIT_SURFACE] = ASDIC_SURFACE,
-        [DEV_DEPOSIT_VOLUME] = ASDIC_VOLUME,
-        [DEV_DEPOSIT_OBJECT] = ASDIC_OBJECT,
-        [DEV_DEPOSIT_MULTIPATH] = ASDIC_MULTIPATH};
-    size_t first = beam * sim->bins, bins = sim->bins;
-    double *total = out->intensity_lin[ASDIC_TOTAL] + first;
-    memset(total, 0, bins * sizeof *total);
-    for (size_t c = 0; c < DEV_DEPOSIT_COUNT; c++) {
-        double *energy = out->intensity_lin[component[c]] + first;
-        const double *loss = c == DEV_DEPOSIT_VOLUME ? sim->bin_volume : sim->bin_loss;
-        const float *floats = (const float *)sim->host_results + c * sim->cells + first;
-        const int64_t *whole = (const int64_t *)sim->host_results + c * sim->cells + first;
-        if ((sim->ping->present & 1u << c) == 0) {
-            memset(energy, 0, bins * sizeof *energy);
-        } else if (sim->fan.cells == 0) {
-            convert_whole(whole, unit[c], loss, bins, energy, total);
-        } else if (c == DEV_DEPOSIT_VOLUME) {
-            convert_fan_water(floats, unit[c], loss, bins, energy, total);
-        } else {
-            convert_floats(floats, unit[c], loss, bins, energy, total);
-        }
-    }
-    state_errors(sim, first, out->intensity_lin[ASDIC_NOISE] + first, total,
-                 out->stderr_db + first);
-}
-
-static void convert_levels(asdic_simulator *sim, const asdic_water_column *water, asdic_ping *out) {
-    double unit[DEV_DEPOSIT_COUNT];
-    for (int c = 0; c < DEV_DEPOSIT_COUNT; c++) {
-        unit[c] = asdic_simulator_source_lin(sim, water) / sim->ping->deposit_scale[c];
-    }
-    for (size_t beam = 0; beam < sim->sonar.receiver_count; beam++) {
-        convert_beam(sim, unit, beam, out);
-    }
 }
 
 /* Rays to sums. A ping that fails half-way leaves an accumulator that must be cleared. */
@@ -344,11 +241,11 @@ asdic_status asdic_simulator_simulate(asdic_simulator *sim, const asdic_pose *po
         return status;
     }
     asdic_noise_levels(&sim->env, &sim->sonar, water.sound_speed_mps, out);
-    convert_levels(sim, &water, out);
+    status = asdic_simulator_convert(sim, asdic_simulator_source_lin(sim, &water), out);
+    sim->accumulator_clear = status == ASDIC_OK;
     out->bin_length_m = sim->sonar.bin_length_m;
     out->rays = sim->sampling.rays;
-    out->saturated = saturated_of(sim);
-    return ASDIC_OK;
+    return status;
 }
 
 asdic_status asdic_simulator_ping(asdic_simulator *sim, const asdic_pose *pose, uint64_t index,

@@ -71,8 +71,8 @@ static asdic_status create_kernels(asdic_simulator *sim) {
             return status;
         }
     }
-    snprintf(options, sizeof options, "-D ASDIC_FAN=1");
-    return asdic_beam_fan_init(&sim->fan, sim->device, options, sim->components * sim->bins);
+    return asdic_beam_fan_init(&sim->fan, sim->device, sim->layout.width,
+                               sim->components * sim->bins);
 }
 
 static size_t ping_bytes(const asdic_simulator *sim) {
@@ -99,10 +99,8 @@ static asdic_status create_buffers(asdic_simulator *sim) {
     size_t slots = sim->groups * most;
     size_t bounce_slots = sim->has_mirrors ? slots : 0;
     size_t sets = sim->layout.deposit != ASDIC_DEPOSIT_OWNED ? 0 : sim->has_mirrors ? 3 : 1;
-    size_t accumulator = sim->groups * (size_t)sim->fixed.group_cells * sizeof(int64_t);
-    if (sim->fan.cells) { /* receive.h */
-        accumulator += sim->components * sim->bins * DEV_FAN_LEVELS * sizeof(uint32_t);
-    }
+    size_t accumulator = sim->groups * (size_t)sim->fixed.group_cells * sizeof(int64_t) +
+                         asdic_beam_fan_tail_bytes(&sim->fan, sim->components * sim->bins);
     const struct {
         size_t bytes;
         asdic_buffer **buffer;
@@ -373,7 +371,7 @@ void asdic_simulator_destroy(asdic_simulator **pointer) {
     asdic_kernel_destroy(&sim->survey);
     asdic_kernel_destroy(&sim->connect);
     asdic_kernel_destroy(&sim->bounce);
-    asdic_beam_fan_finish(&sim->fan);
+    asdic_beam_fan_finish(&sim->fan, sim->device);
     asdic_quadrature_finish(&sim->quadrature);
     asdic_points_finish(sim);
     asdic_tracer_destroy(&sim->tracer);
@@ -386,6 +384,7 @@ void asdic_simulator_destroy(asdic_simulator **pointer) {
     free(sim->bin_volume);
     free(sim->host_results);
     free(sim->stated);
+    asdic_pair_destroy(&sim->pair);
     free(sim->smear_scratch);
     free(sim);
     *pointer = NULL;

@@ -48,6 +48,8 @@ typedef struct asdic_stated_error {
     float of_groups, of_block;
 } asdic_stated_error;
 
+typedef struct asdic_pair asdic_pair; /* see calibrate.c */
+
 struct asdic_simulator {
     asdic_context *ctx;
     asdic_device *device;
@@ -91,6 +93,7 @@ struct asdic_simulator {
     double *bin_loss, *bin_volume;    /* TL d^2; s_V times the integral of TL d^2 */
     double *smear_scratch;            /* 3 * bins + 1 */
     asdic_stated_error *stated;       /* cells */
+    asdic_pair *pair;                 /* NULL before a calibration */
     float table[DEV_TABLE_CELLS + 1]; /* cumulative probabilities of the sampling coordinate */
     double zone_altitude; /* where the bottom zone assumes the bottom, re the altitude; learnt */
     double *phase_s;      /* NULL, or where asdic_simulator_profile adds */
@@ -149,12 +152,18 @@ dev_part asdic_simulator_part(const asdic_part *part);
 asdic_status asdic_simulator_simulate(asdic_simulator *sim, const asdic_pose *pose, uint64_t index,
                                       uint32_t stream, asdic_ping *out);
 
+/* The device's sums to energies, total and stated error, and the count of cut deposits; OUT holds the
+ * noise already. Of a fan, waits for the device. A quantum at loss 1 is worth SOURCE_LIN over its scale. */
+asdic_status asdic_simulator_convert(asdic_simulator *sim, double source_lin, asdic_ping *out);
+
 /* The source's intensity at 1 m, linear, less the metre of absorption that the paper prints more. */
 double asdic_simulator_source_lin(const asdic_simulator *sim, const asdic_water_column *water);
 
 /* Measures how much the groups overstate the error of a whole ping, see calibrate.c. */
 asdic_status asdic_simulator_calibrate(asdic_simulator *sim, const asdic_pose *pose,
                                        uint64_t index);
+
+void asdic_pair_destroy(asdic_pair **pair);
 
 /* Back to an even table and no calibration. */
 void asdic_simulator_forget(asdic_simulator *sim);
