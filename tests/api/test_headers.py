@@ -46,4 +46,11 @@ def test_clang_cpp17():
     compile_all("clang++", "c++", "c++17")
 
 
+def test_lines_fit_a_page():
+    for path in sorted(glob.glob(os.path.join(INCLUDE, "asdic", "*.h"))):
+        with open(path, encoding="utf-8") as file:
+            long = [number for number, line in enumerate(file, 1) if len(line.rstrip("\n")) > 100]
+        tap.equal(long, [], f"lines of {os.path.basename(path)} over 100 columns")
+
+
 tap.main(globals())

@@ -87,6 +87,16 @@ def test_waterfall():
     assert done.returncode and "/nonexistent.yaml" in done.stderr, done
 
 
+def test_detect():
+    tree = Tree()
+    program = compiled(tree, "detect", static=False)
+    out = run([program, SCENE, "rise"], env=tree.env)
+    tap.equal(re.findall(r"^(\w+): .* P_D 0\.99", out, re.MULTILINE), ["forward", "down", "up"])
+    done = subprocess.run([program, SCENE, "nothing"], env=tree.env, check=False,
+                          capture_output=True, text=True)
+    assert done.returncode and "nothing" in done.stderr, done
+
+
 def test_manual_pages_are_installed():
     tree = Tree()
     pages = [name for _, _, names in os.walk(Tree.path) for name in names]

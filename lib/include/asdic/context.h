@@ -1,13 +1,14 @@
 /*
- * The context: where the library keeps its last error and its log callback. There is no other
- * state outside the objects a program creates; two contexts are independent.
+ * The context: where the library keeps its last error and its log callback. There is no other state
+ * outside the objects a program creates; two contexts are independent.
  *
- * Threads: one context and the objects created from it may be used by one thread at a time,
- * except where a function says otherwise. The error sentence itself is guarded, so that worker
- * threads inside the library may report through the caller's context.
+ * Threads: one context and the objects created from it may be used by one thread at a time, except
+ * where a function says otherwise. The error sentence itself is guarded, so that worker threads
+ * inside the library may report through the caller's context.
  *
  * NULL where an object is needed: what returns a status answers ASDIC_ERROR_ARGUMENT; what asks a
- * mission, scene, mesh or run something gets nothing (zeros, NULL). A NULL context only loses the sentence.
+ * mission, scene, mesh or run something gets nothing (zeros, NULL). A NULL context only loses the
+ * sentence.
  */
 #ifndef ASDIC_CONTEXT_H
 #define ASDIC_CONTEXT_H

@@ -18,8 +18,8 @@ extern "C" {
 #endif
 
 /* How the target's echo fluctuates: not at all; from bin to bin, exponential (Swerling I) or
- * chi-square with four degrees of freedom (III); from look to look, exponential (II), as objects do in
- * simulated speckle. With one look I and II are the same. */
+ * chi-square with four degrees of freedom (III); from look to look, exponential (II), as objects do
+ * in simulated speckle. With one look I and II are the same. */
 typedef enum asdic_target {
     ASDIC_TARGET_SWERLING0,
     ASDIC_TARGET_SWERLING1,

@@ -48,6 +48,7 @@ ASDIC_API void asdic_device_info_free(asdic_device_info **infos);
  * nothing is usable, with the packages to install when there is no platform. */
 ASDIC_API asdic_status asdic_devices_open(asdic_context *ctx, const char *selector,
                                           asdic_device ***out, size_t *count);
+/* What was created on a device is to be destroyed before. */
 ASDIC_API void asdic_devices_close(asdic_device ***devices, size_t count);
 
 /* Splits an opened CPU-like device into COUNT equal sub-devices where the platform can

@@ -18,8 +18,9 @@ typedef struct asdic_flat_scene {
     double bottom_type; /* 1 mud .. 4 rock */
 } asdic_flat_scene;
 
-/* Fills PING's bottom, surface, volume, noise and total (object and multipath are 0). The vehicle's
- * attitude is taken from POSE, its place from FLAT. env->variant chooses the paper's printed sums. */
+/* Fills PING's bottom, surface, volume, noise and total (object and multipath are 0). The
+ * vehicle's attitude is taken from POSE, its place from FLAT; env->variant chooses the paper's
+ * printed sums. */
 ASDIC_API asdic_status asdic_expected_compute(asdic_context *ctx, const asdic_flat_scene *flat,
                                               const asdic_environment *env,
                                               const asdic_sonar *sonar, const asdic_pose *pose,
@@ -31,18 +32,18 @@ typedef struct asdic_expected_place {
     asdic_pose pose; /* north, east and yaw do not matter */
 } asdic_expected_place;
 
-/* Whether B may do with A's levels: altitude and depth within SHARE (of each, of 1 m when that is less),
- * roll and pitch within ANGLE_RAD; with 0 and 0 they are the same. */
+/* Whether B may do with A's levels: altitude and depth within SHARE (of each, of 1 m when that is
+ * less), roll and pitch within ANGLE_RAD; with 0 and 0 they are the same. */
 ASDIC_API bool asdic_expected_is_near(const asdic_expected_place *a, const asdic_expected_place *b,
                                       double share, double angle_rad);
 
-/* Writes beam,bin,range_m,total_db,bottom_db,surface_db,volume_db,noise_db, one row per beam and bin;
- * a field is empty where there is no energy. PATH "-" is the standard output. */
+/* Writes beam,bin,range_m,total_db,bottom_db,surface_db,volume_db,noise_db, one row per beam and
+ * bin; a field is empty where there is no energy. PATH "-" is the standard output. */
 ASDIC_API asdic_status asdic_expected_write_csv(asdic_context *ctx, const char *path,
                                                 const asdic_sonar *sonar, const asdic_ping *ping);
 
-/* One of the slips of the paper (Morency, Stilwell & Hess) that changes levels, by the number it has
- * in kernels/README.md. */
+/* One of the slips of the paper (Morency, Stilwell & Hess) that changes levels, by the number it
+ * has in kernels/README.md. */
 typedef struct asdic_erratum {
     unsigned number;
     const char *where;   /* "transmission loss, eq. (2)" */

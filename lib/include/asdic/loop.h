@@ -34,15 +34,16 @@ typedef struct asdic_loop_ping {
     const asdic_ping *parts; /* everything else, linear */
 } asdic_loop_ping;
 
-/* As asdic_simulator_create. DEVICE belongs to the loop whenever a ping is submitted and not
- * collected; in between the caller may use it. */
+/* As asdic_simulator_create: SCENE and DEVICE must outlive the loop, the rest is copied. DEVICE
+ * belongs to the loop whenever a ping is submitted and not collected; in between the caller may
+ * use it. */
 ASDIC_API asdic_status asdic_loop_create(asdic_context *ctx, asdic_device *device,
                                          const asdic_scene *scene, const asdic_environment *env,
                                          const asdic_sonar *sonar, const asdic_sampling *sampling,
                                          double depth_m, asdic_loop **out);
 
-/* The same for what a mission describes, all of its terms, and its moving objects where they are when
- * the first ping happens at START_S. The mission must outlive the loop. */
+/* The same for what a mission describes, all of its terms, and its moving objects where they are
+ * when the first ping happens at START_S. The mission must outlive the loop. */
 ASDIC_API asdic_status asdic_loop_create_mission(asdic_context *ctx, asdic_device *device,
                                                  const asdic_mission *mission, double depth_m,
                                                  double start_s, asdic_loop **out);
@@ -63,7 +64,8 @@ ASDIC_API bool asdic_loop_ready(asdic_loop *loop);
  * submitted. */
 ASDIC_API asdic_status asdic_loop_collect(asdic_loop *loop, asdic_loop_ping *out);
 
-/* Puts the vehicle of PLACE where PING was: what asdic_expected_compute then gives has no object. */
+/* Puts the vehicle of PLACE where PING was: what asdic_expected_compute then gives has no
+ * object. */
 ASDIC_API void asdic_loop_ping_place(const asdic_loop_ping *ping, asdic_expected_place *place);
 
 #ifdef __cplusplus

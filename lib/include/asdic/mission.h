@@ -28,8 +28,8 @@ typedef struct asdic_setting {
 } asdic_setting;
 
 /* The same with SETTINGS in place of what the file says; keys that it lacks are added, entries of
- * lists must be there. Such a mission is for asdic_roc_compute and the like: asdic_mission_run refuses
- * it, since a run's folder keeps the file's text. */
+ * lists must be there. Such a mission is for asdic_roc_compute and the like: asdic_mission_run
+ * refuses it, since a run's folder keeps the file's text. */
 ASDIC_API asdic_status asdic_mission_load_with(asdic_context *ctx, const char *path,
                                                const asdic_setting *settings, size_t count,
                                                asdic_mission **out);
@@ -94,8 +94,8 @@ ASDIC_API asdic_flat_scene asdic_mission_flat_scene(const asdic_mission *mission
 /* Pose and time of ping INDEX; INDEX < ping_count. TIME_S may be NULL. */
 ASDIC_API asdic_pose asdic_mission_pose(const asdic_mission *mission, size_t index, double *time_s);
 
-/* Moves SIMULATOR's objects to where those that move are at ping INDEX, on the clock of the pings' times.
- * Before a ping, and before learning for one; does nothing where nothing moves. */
+/* Moves SIMULATOR's objects to where those that move are at ping INDEX, on the clock of the pings'
+ * times. Before a ping, and before learning for one; does nothing where nothing moves. */
 ASDIC_API asdic_status asdic_mission_place(const asdic_mission *mission, asdic_simulator *simulator,
                                            size_t index);
 
@@ -120,8 +120,9 @@ ASDIC_API asdic_choices asdic_mission_get_choices(const asdic_mission *mission);
 ASDIC_API asdic_status asdic_mission_choose(asdic_context *ctx, asdic_mission *mission,
                                             const asdic_choices *choices);
 
-/* Writes a scene file of the mission as chosen, flown along the track file TRACK (relative to PATH's
- * folder), with nothing left out of the model. Files that the scene names become absolute. */
+/* Writes a scene file of the mission as chosen, flown along the track file TRACK (relative to
+ * PATH's folder), with nothing left out of the model. Files that the scene names become
+ * absolute. */
 ASDIC_API asdic_status asdic_mission_write_scene(asdic_context *ctx, const asdic_mission *mission,
                                                  const char *path, const char *track);
 
@@ -143,8 +144,8 @@ ASDIC_API asdic_remarks asdic_mission_remarks(const asdic_mission *mission);
 ASDIC_API asdic_status asdic_mission_plan(asdic_context *ctx, const asdic_mission *mission,
                                           asdic_plan *out);
 
-/* JSON Schema (draft 7) of the scene file, from the table that reads it. Static text is built
- * once per call; the caller frees it with free(). NULL when memory is short. */
+/* JSON Schema (draft 7) of the scene file, from the table that reads it: text that the caller frees
+ * with free(). NULL when memory is short. */
 ASDIC_API char *asdic_mission_schema(void);
 
 /* Why a tolerance cannot be kept: a bin's stated error, dB. */
@@ -164,9 +165,9 @@ typedef struct asdic_ray_budget {
     asdic_rough_bin rough[ASDIC_ROUGH_BINS]; /* the roughest first; empty when all bins keep it */
 } asdic_ray_budget;
 
-/* Doubles the mission's rays until one standard error of every bin whose echo is above the noise is at
- * most TOLERANCE_DB, or MOST_RAYS are reached; sets the mission's rays to what it found. The answer
- * depends on the mission and the kind of device alone, so that parts of a mission agree. */
+/* Doubles the mission's rays until one standard error of every bin whose echo is above the noise is
+ * at most TOLERANCE_DB, or MOST_RAYS are reached; sets the mission's rays to what it found. The
+ * answer depends on the mission and the kind of device alone, so that parts of a mission agree. */
 ASDIC_API asdic_status asdic_mission_find_rays(asdic_context *ctx, asdic_mission *mission,
                                                asdic_device *device, double tolerance_db,
                                                uint32_t most_rays, asdic_ray_budget *out);
@@ -199,8 +200,9 @@ typedef struct asdic_run_options {
 
 ASDIC_API asdic_run_options asdic_run_options_default(void);
 
-/* Runs pings on the given devices and writes the run folder. In a team, all processes call it with the
- * same mission and the same pings: process 0 writes, the others return when it is done with them. */
+/* Runs pings on the given devices and writes the run folder. In a team, all processes call it with
+ * the same mission and the same pings: process 0 writes, the others return when it is done with
+ * them. */
 ASDIC_API asdic_status asdic_mission_run(asdic_context *ctx, asdic_mission *mission,
                                          asdic_device **devices, size_t device_count,
                                          const asdic_run_options *options);

@@ -41,9 +41,8 @@ typedef enum asdic_picture_format {
 typedef struct asdic_picture_options {
     double db_low, db_high; /* window of the colour scale or of a level axis */
     asdic_colormap colormap;
-    double
-        tvg_db_per_decade; /* 0: none. Time-varied gain, for display only, stated on the picture */
-    double tvg_db_per_m;
+    /* Time-varied gain, for display only and stated on the picture; 0: none. */
+    double tvg_db_per_decade, tvg_db_per_m;
     const char *title; /* NULL: none */
     const char *note;  /* small line below the picture; NULL: none */
     /* PNG text chunks, in a PDF title and keywords: key, value, ..., NULL; may be NULL */

@@ -67,9 +67,8 @@ typedef struct asdic_ping {
     size_t beams, bins;
     double bin_length_m;
     double *intensity_lin[ASDIC_COMPONENT_COUNT];
-    float
-        *stderr_db; /* one standard error of the total's sampling error, dB, [beam * bins + bin] */
-    uint64_t rays;  /* primary and secondary rays traced */
+    float *stderr_db;   /* one standard error of the total's sampling, dB, [beam * bins + bin] */
+    uint64_t rays;      /* primary and secondary rays traced */
     uint64_t saturated; /* deposits cut to the accumulator's range; 0 in any sane scene */
 } asdic_ping;
 
@@ -82,8 +81,14 @@ ASDIC_API double asdic_level_db(double intensity_lin);
 
 typedef struct asdic_simulator asdic_simulator;
 
-/* Compiles kernels and uploads the scene. SCENE and DEVICE must outlive the simulator. The number
- * of bins is fixed here from the sound speed at DEPTH_M (a mission's first depth). */
+/* Compiles kernels and uploads the scene. SCENE and DEVICE must outlive the simulator; ENV, SONAR
+ * with its receivers, and SAMPLING are copied. The number of bins is fixed here from the sound
+ * speed at DEPTH_M (a mission's first depth). A committed scene may serve simulators in several
+ * threads; a device serves any number of simulators, one thread at a time.
+ *
+ * ASDIC_ERROR_ARGUMENT: a scene that is not committed, a field out of its range, named with the
+ * limit; ASDIC_ERROR_DEVICE: the compiler refused the kernels; ASDIC_ERROR_MEMORY: more than the
+ * device or the host has, said before anything is simulated. */
 ASDIC_API asdic_status asdic_simulator_create(asdic_context *ctx, asdic_device *device,
                                               const asdic_scene *scene,
                                               const asdic_environment *env,
@@ -103,22 +108,24 @@ ASDIC_API size_t asdic_simulator_bin_count(const asdic_simulator *sim);
 ASDIC_API asdic_status asdic_simulator_learn(asdic_simulator *sim, const asdic_pose *pose,
                                              uint64_t index);
 
-/* Simulates ping number INDEX with the vehicle at POSE. PING must have the simulator's number of
- * beams and bins. */
+/* Simulates ping number INDEX with the vehicle at POSE, and waits for it. PING must have the
+ * simulator's number of beams and bins. ASDIC_ERROR_ARGUMENT: it has others, or POSE is not
+ * finite; ASDIC_ERROR_MEMORY, ASDIC_ERROR_DEVICE_LOST: the device failed, and the simulator can
+ * only be destroyed. */
 ASDIC_API asdic_status asdic_simulator_ping(asdic_simulator *sim, const asdic_pose *pose,
                                             uint64_t index, asdic_ping *ping);
 
-/* Places the scene's moving object or point NAME (of several of that name the first added) at POSE, mesh
- * frame to world, for the pings and the learning that follow; of a point only the position counts.
- * The scene itself stays as it is: every simulator has poses of its own, so that simulators which share
- * a scene, in several threads, may work on different pings. Call it between pings, from the thread that
- * uses the simulator; place every object where it is at ping INDEX before that ping, and before
- * learning at it, and results depend on INDEX alone.
+/* Places the scene's moving object or point NAME (of several of that name the first added) at POSE,
+ * mesh frame to world, for the pings and the learning that follow; of a point only the position
+ * counts. The scene itself stays as it is: every simulator has poses of its own, so that simulators
+ * which share a scene, in several threads, may work on different pings. Call it between pings, from
+ * the thread that uses the simulator; place every object where it is at ping INDEX before that
+ * ping, and before learning at it, and results depend on INDEX alone.
  *
- * The ping then is that of a scene built anew with the object there: the same bytes where the box round
- * the scene stays the same, as inside a bottom mesh; else, or when a curved object is turned, to the
- * rounding of single precision (some 1e-4 dB). ASDIC_ERROR_ARGUMENT: no such name, an object that was
- * not added as moving, a pose that is not finite. */
+ * The ping then is that of a scene built anew with the object there: the same bytes where the box
+ * round the scene stays the same, as inside a bottom mesh; else, or when a curved object is turned,
+ * to the rounding of single precision (some 1e-4 dB). ASDIC_ERROR_ARGUMENT: no such name, an object
+ * that was not added as moving, a pose that is not finite. */
 ASDIC_API asdic_status asdic_simulator_move(asdic_simulator *sim, const char *name,
                                             const asdic_pose *pose);
 

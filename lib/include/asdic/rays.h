@@ -1,10 +1,11 @@
 /*
- * Rays through a committed scene, without a sonar: the nearest triangle along each, cast on a device
- * as pings cast theirs. For visibility questions, tests and `asdic bench rays`.
+ * Rays through a committed scene, without a sonar: the nearest triangle along each, cast on a
+ * device as pings cast theirs. For visibility questions, tests and `asdic bench rays`.
  *
- * Rays and hits are in the scene's frame: world axes, relative to asdic_scene_info.origin_m. The hit
- * of a ray depends on the ray and the triangles alone, bit for bit, never on kernel, device threads
- * or the order of rays; neighbours in the array should be neighbours in direction, for speed.
+ * Rays and hits are in the scene's frame: world axes, relative to asdic_scene_info.origin_m. The
+ * hit of a ray depends on the ray and the triangles alone, bit for bit, never on kernel, device
+ * threads or the order of rays; neighbours in the array should be neighbours in direction, for
+ * speed.
  */
 #ifndef ASDIC_RAYS_H
 #define ASDIC_RAYS_H
@@ -32,8 +33,9 @@ typedef struct asdic_ray_hit {
 
 typedef struct asdic_caster asdic_caster;
 
-/* Uploads SCENE's triangles; SCENE and DEVICE must outlive the caster. KERNEL names a form of the ray
- * kernel, see asdic_ray_kernel_name; NULL or "auto" measures on the first rays and keeps the fastest. */
+/* Uploads SCENE's triangles; SCENE and DEVICE must outlive the caster. KERNEL names a form of the
+ * ray kernel, see asdic_ray_kernel_name; NULL or "auto" measures on the first rays and keeps the
+ * fastest. */
 ASDIC_API asdic_status asdic_caster_create(asdic_context *ctx, asdic_device *device,
                                            const asdic_scene *scene, const char *kernel,
                                            asdic_caster **out);
@@ -53,7 +55,8 @@ ASDIC_API const char *asdic_caster_kernel(const asdic_caster *caster);
  * end. All give the same hits. */
 ASDIC_API const char *asdic_ray_kernel_name(size_t index);
 
-/* Corners of a committed scene's triangle as the device has them, scene frame: 3 x 3 coordinates. */
+/* Corners of a committed scene's triangle as the device has them, scene frame: 3 x 3
+ * coordinates. */
 ASDIC_API asdic_status asdic_scene_triangle(const asdic_scene *scene, size_t index,
                                             float corners_m[9]);
 

@@ -1,6 +1,6 @@
 /*
- * How well a design detects: P_D against P_FA, by drawing speckle and noise round the intensities of a
- * simulated ping, and in closed form beside it.
+ * How well a design detects: P_D against P_FA, by drawing speckle and noise round the intensities
+ * of a simulated ping, and in closed form beside it.
  */
 #ifndef ASDIC_ROC_H
 #define ASDIC_ROC_H
@@ -12,8 +12,9 @@ extern "C" {
 #endif
 
 typedef struct asdic_roc_options {
-    /* What is to be detected: this object of the scene, where it stands out most, or (NULL) a point of
-     * target_strength_db at range_m, level with the vehicle, bearing_rad to starboard of its bow. */
+    /* What is to be detected: this object of the scene, where it stands out most, or (NULL) a point
+     * of target_strength_db at range_m, level with the vehicle, bearing_rad to starboard of its
+     * bow. */
     const char *object;
     double range_m, bearing_rad, target_strength_db;
     const char *beam;    /* NULL: that in which the target stands out most */
@@ -35,8 +36,8 @@ typedef struct asdic_roc_point {
     double closed_pd;
 } asdic_roc_point;
 
-/* A point as strong as the curve's target at other ranges in its bearing, level with the vehicle and in
- * clear sight. */
+/* A point as strong as the curve's target at other ranges in its bearing, level with the vehicle
+ * and in clear sight. */
 typedef struct asdic_roc_reach {
     double range_m, snr_db;
     asdic_estimate pd;
@@ -61,15 +62,15 @@ typedef struct asdic_roc {
 } asdic_roc;
 
 /* Simulates the ping, without its speckle, and draws round it. A scene without speckle is given
- * Rayleigh's. The background is what is expected without objects; over a bottom that is no plane, what
- * the ping holds beside the object. */
+ * Rayleigh's. The background is what is expected without objects; over a bottom that is no plane,
+ * what the ping holds beside the object. */
 ASDIC_API asdic_status asdic_roc_compute(asdic_context *ctx, const asdic_mission *mission,
                                          asdic_device *device, const asdic_roc_options *options,
                                          asdic_roc **out);
 ASDIC_API void asdic_roc_destroy(asdic_roc **roc);
 
-/* B's area less A's, from draws of one seed and number. The pairs make its bounds narrower than those
- * of the areas (DeLong, DeLong & Clarke-Pearson, Biometrics 44, 837 (1988)). */
+/* B's area less A's, from draws of one seed and number. The pairs make its bounds narrower than
+ * those of the areas (DeLong, DeLong & Clarke-Pearson, Biometrics 44, 837 (1988)). */
 ASDIC_API asdic_status asdic_roc_compare(asdic_context *ctx, const asdic_roc *a, const asdic_roc *b,
                                          asdic_estimate *difference);
 

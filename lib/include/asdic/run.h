@@ -61,9 +61,9 @@ typedef struct asdic_render_options {
     size_t ping;                 /* number in the mission; SIZE_MAX: first and last */
     bool raw;                    /* 16-bit grey waterfalls as well, one pixel per bin */
     asdic_picture_format format; /* of all but raw ones; by name: PNG */
-    const char
-        *path; /* NULL: into the folder. Else the one picture there is to draw goes there, "-"
-                       * being the standard output; ASDIC_ERROR_ARGUMENT when there are several */
+    /* NULL: into the folder. Else the one picture there is to draw goes there, "-" being the
+     * standard output; ASDIC_ERROR_ARGUMENT when there are several. */
+    const char *path;
 } asdic_render_options;
 
 ASDIC_API asdic_render_options asdic_render_options_default(void);

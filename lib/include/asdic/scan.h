@@ -27,8 +27,8 @@ ASDIC_API asdic_detector asdic_detector_default(void);
 
 typedef struct asdic_scan asdic_scan;
 
-/* CFAR NULL: against expected intensities; else against what the neighbouring bins hold. SONAR says how
- * many looks a bin has and what its speckle is; nothing is borrowed. */
+/* CFAR NULL: against expected intensities; else against what the neighbouring bins hold. SONAR says
+ * how many looks a bin has and what its speckle is; nothing is borrowed. */
 ASDIC_API asdic_status asdic_scan_create(asdic_context *ctx, const asdic_sonar *sonar,
                                          double sound_speed_mps, size_t bins,
                                          const asdic_detector *detector, const asdic_cfar *cfar,
@@ -69,15 +69,16 @@ typedef struct asdic_occupancy {
     float *ping_llr; /* the same, of the ping that is being added */
 } asdic_occupancy;
 
-/* Covers the box; at most 2^26 cells. LIMIT, 10 say, clips the log-odds, so that a map can change its mind. */
+/* Covers the box; at most 2^26 cells. LIMIT, 10 say, clips the log-odds, so that a map can change
+ * its mind. */
 ASDIC_API asdic_status asdic_occupancy_create(asdic_context *ctx, asdic_vec3 min_m,
                                               asdic_vec3 max_m, double cell_m, double prior,
                                               double limit, asdic_occupancy **out);
 ASDIC_API void asdic_occupancy_destroy(asdic_occupancy **map);
 
-/* Adds LLR[beam * bins + bin] of a ping at POSE to every cell within half a beam's width of its axis,
- * at the slant range that the axis has there. A cell stands for all the water above and below it: of
- * several beams that look at it, the one that says most for a target counts. */
+/* Adds LLR[beam * bins + bin] of a ping at POSE to every cell within half a beam's width of its
+ * axis, at the slant range that the axis has there. A cell stands for all the water above and below
+ * it: of several beams that look at it, the one that says most for a target counts. */
 ASDIC_API void asdic_occupancy_add(asdic_occupancy *map, const asdic_sonar *sonar,
                                    double sound_speed_mps, const asdic_pose *pose, size_t bins,
                                    const double *llr);
@@ -114,8 +115,8 @@ typedef struct asdic_track_state {
 
 typedef struct asdic_tracker asdic_tracker;
 
-/* Kalman filters of constant velocity; every ping's plots go to the nearest track whose gate they are
- * in, nearest pairs first, and found a new track when there is none. */
+/* Kalman filters of constant velocity; every ping's plots go to the nearest track whose gate they
+ * are in, nearest pairs first, and found a new track when there is none. */
 ASDIC_API asdic_status asdic_tracker_create(asdic_context *ctx,
                                             const asdic_tracker_options *options,
                                             asdic_tracker **out);

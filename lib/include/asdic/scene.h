@@ -52,21 +52,22 @@ ASDIC_API asdic_status asdic_scene_add_object(asdic_scene *scene, const char *na
                                               const asdic_mesh *mesh, asdic_pose pose,
                                               asdic_material material);
 
-/* The same for an object that asdic_simulator_move (asdic/ping.h) may place anew between pings; POSE
- * is where it is until then. It has a hierarchy of its own: moving it costs time in proportion to its
- * triangles, not to the scene's. */
+/* The same for an object that asdic_simulator_move (asdic/ping.h) may place anew between pings;
+ * POSE is where it is until then. It has a hierarchy of its own: moving it costs time in proportion
+ * to its triangles, not to the scene's. */
 ASDIC_API asdic_status asdic_scene_add_moving_object(asdic_scene *scene, const char *name,
                                                      const asdic_mesh *mesh, asdic_pose pose,
                                                      asdic_material material);
 
 /* Adds a point with a target strength of its own (dB re 1 m2, -200..100) for what a shape cannot
- * give: calibration spheres, whose resonances are elastic; fish; buoys known by measurement. It sends
- * nothing on to other things and hides nothing; bottom, surface and objects hide it. Any point may be
- * moved between pings. */
+ * give: calibration spheres, whose resonances are elastic; fish; buoys known by measurement. It
+ * sends nothing on to other things and hides nothing; bottom, surface and objects hide it. Any
+ * point may be moved between pings. */
 ASDIC_API asdic_status asdic_scene_add_point(asdic_scene *scene, const char *name,
                                              asdic_vec3 position_m, double target_strength_db);
 
-/* How many threads commit may use; 0, as in a new scene: one per processor. Never changes the result. */
+/* How many threads commit may use; 0, as in a new scene: one per processor. Never changes the
+ * result. */
 ASDIC_API void asdic_scene_set_threads(asdic_scene *scene, unsigned threads);
 
 /* Builds the bounding volume hierarchy. Nothing may be added afterwards. */

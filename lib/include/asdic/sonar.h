@@ -32,14 +32,18 @@ typedef struct asdic_sonar {
     asdic_beam transmitter;
     const asdic_beam *receivers; /* borrowed: must outlive the call it is passed to */
     size_t receiver_count;       /* 1..4096 */
-    bool noise_enabled, noise_directivity;
+    bool noise_enabled;          /* ambient noise in the band, in every bin */
+    bool noise_directivity;      /* less by the receiver's directivity */
     asdic_speckle speckle;
-    double speckle_shape;
+    double speckle_shape; /* of K: nu, 0.05 or more; small is spiky */
     double rear_floor_db; /* two-sided leak behind the face, dB re on-axis; -INFINITY: none */
 } asdic_sonar;
 
-/* 100 kHz, 10 kHz, 10 Hz, 0 dB, 0.5 m bins and blanking, 0.05 m apertures, noise on, NO receiver. */
+/* 100 kHz, 10 kHz, 10 Hz, 0 dB, 0.5 m bins and blanking, 0.05 m apertures, noise on, no speckle.
+ * Source level and receivers are the caller's to give: without a receiver the check fails. */
 ASDIC_API asdic_sonar asdic_sonar_default(void);
+
+/* Checks every field against its range; the error names field, value and limit. */
 ASDIC_API asdic_status asdic_sonar_check(asdic_context *ctx, const asdic_sonar *sonar);
 
 /* c / (2 ping_rate), m, and the number of whole bins within it (at least 1). */

@@ -1,7 +1,7 @@
 /*
  * The view: a mission seen as it happens. Every step flies one ping period, pings, and composes a
- * frame: fan or waterfall, A-scope with the expected curve, the scene from a chase camera, the plan.
- * Frames are pixels in memory; a window, a video stream or a PNG is the caller's business.
+ * frame: fan or waterfall, A-scope with the expected curve, the scene from a chase camera, the
+ * plan. Frames are pixels in memory; a window, a video stream or a PNG is the caller's business.
  *
  *     while (!asdic_view_is_over(view)) {
  *         asdic_view_step(view);
@@ -9,8 +9,8 @@
  *     }
  *
  * Keys are words: "up", "space", "b", "["; asdic_view_key_name lists them. They steer the vehicle
- * through the manoeuvring model of the mission, and change the sea, the bottom, the source level and
- * the rays. Needs cairo: without it asdic_view_create fails with ASDIC_ERROR_UNSUPPORTED.
+ * through the manoeuvring model of the mission, and change the sea, the bottom, the source level
+ * and the rays. Needs cairo: without it asdic_view_create fails with ASDIC_ERROR_UNSUPPORTED.
  */
 #ifndef ASDIC_VIEW_H
 #define ASDIC_VIEW_H

@@ -1,5 +1,9 @@
-/* Which beams of a scene find its object, and with what probability, without the program:
- *     cc example_detect.c $(pkg-config --cflags --libs asdic) -lm && ./a.out scenario2.yaml rise */
+/*
+ * Which beams of a scene find its object, and with what probability: what `asdic roc` does.
+ *
+ *     cc detect.c -o detect $(pkg-config --cflags --libs asdic)
+ *     ./detect scenario2.yaml rise
+ */
 #include <asdic/asdic.h>
 #include <stdio.h>
 
