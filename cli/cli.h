@@ -52,6 +52,9 @@ typedef struct cli_command {
  * cli_bad_usage() true, so that a command fetches everything first and then asks once. */
 
 asdic_context *cli_context(const cli *c);
+
+/* Hangs up at the first signal that asks to stop, for poll; -1 where there is none. */
+int cli_signal_fd(void);
 size_t cli_operand_count(const cli *c);
 const char *cli_operand(const cli *c, size_t index); /* NULL beyond the last */
 

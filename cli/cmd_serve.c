@@ -43,14 +43,16 @@ typedef struct line_source {
 
 /* More bytes into the buffer. False at the end, or when CTX was asked to stop. */
 static bool refill(line_source *in, asdic_context *ctx, int *error) {
-    struct pollfd wait = {.fd = STDIN_FILENO, .events = POLLIN};
+    struct pollfd waits[2] = {{.fd = STDIN_FILENO, .events = POLLIN}, {.fd = cli_signal_fd()}};
     memmove(in->buffer, in->buffer + in->begin, in->end - in->begin);
     in->end -= in->begin;
     in->begin = 0;
     while (!asdic_context_interrupted(ctx)) {
-        int ready = poll(&wait, 1, -1);
-        ssize_t got =
-            ready < 0 ? ready : read(STDIN_FILENO, in->buffer + in->end, MAX_LINE - in->end);
+        ssize_t got = poll(waits, 2, -1);
+        if (got > 0 && !waits[0].revents) {
+            return false; /* a signal */
+        }
+        got = got < 0 ? got : read(STDIN_FILENO, in->buffer + in->end, MAX_LINE - in->end);
         if (got > 0) {
             in->end += (size_t)got;
             return true;

@@ -81,6 +81,7 @@ int main(int argc, char **argv) {
     cli_begin(&c, ctx, &cli_help_command_row);
     cli_report_begin(&c);
     int code = cli_close_output(&c, run_program(&c, argc, argv));
+    cli_signals_end();
     asdic_context_destroy(&ctx);
     return code;
 }

@@ -1,26 +1,72 @@
-/* The one place with static state: a signal handler has no other way to reach the context. */
+/* The one place with static state: a signal has no other way to reach the context. A thread waits for
+ * signals, which all others block: LLVM, by which PoCL compiles, has handlers of its own that remove the
+ * object it is writing, after which PoCL aborts; and a compiler that it started must not stop either. */
 #include "cli_state.h"
 
+#include <fcntl.h>
+#include <pthread.h>
 #include <signal.h>
+#include <stdatomic.h>
+#include <unistd.h>
 
-static asdic_context *handled_context;
-static volatile sig_atomic_t received;
+static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
+static asdic_context *watched_context; /* under the lock */
+static atomic_int received;
+static int wake_fds[2] = {-1, -1};
 
-static void on_signal(int number) {
-    received = number;
-    asdic_context_interrupt(handled_context);
-    signal(SIGINT, SIG_DFL); /* the next one ends the program at once */
-    signal(SIGTERM, SIG_DFL);
+static void stop_signals(sigset_t *set) {
+    sigemptyset(set);
+    sigaddset(set, SIGINT);
+    sigaddset(set, SIGTERM);
 }
 
+static void *wait_for_signals(void *unused) {
+    sigset_t set;
+    int number = 0;
+    (void)unused;
+    stop_signals(&set);
+    sigwait(&set, &number);
+    received = number;
+    pthread_mutex_lock(&lock);
+    if (watched_context) {
+        asdic_context_interrupt(watched_context);
+    }
+    pthread_mutex_unlock(&lock);
+    close(wake_fds[1]); /* who polls the other end learns of it */
+    sigwait(&set, &number);
+    signal(number, SIG_DFL); /* the second one ends the program at once */
+    pthread_sigmask(SIG_UNBLOCK, &set, NULL);
+    raise(number);
+    return NULL;
+}
+
+/* Without a thread or a pipe signals end the program at once, which a run folder survives, too. */
 void cli_signals_begin(asdic_context *ctx) {
-    struct sigaction action = {.sa_handler = on_signal, .sa_flags = SA_RESTART};
-    handled_context = ctx;
-    sigemptyset(&action.sa_mask);
-    sigaction(SIGINT, &action, NULL);
-    sigaction(SIGTERM, &action, NULL);
+    sigset_t set;
+    pthread_t thread;
     signal(SIGXFSZ,
            SIG_IGN); /* a limit on file sizes is then an error of writing, as a full disk */
+    if (pipe2(wake_fds, O_CLOEXEC) != 0) {
+        return;
+    }
+    watched_context = ctx;
+    stop_signals(&set);
+    pthread_sigmask(SIG_BLOCK, &set, NULL);
+    if (pthread_create(&thread, NULL, wait_for_signals, NULL) == 0) {
+        pthread_detach(thread);
+    } else {
+        pthread_sigmask(SIG_UNBLOCK, &set, NULL);
+    }
+}
+
+void cli_signals_end(void) {
+    pthread_mutex_lock(&lock);
+    watched_context = NULL;
+    pthread_mutex_unlock(&lock);
+}
+
+int cli_signal_fd(void) {
+    return wake_fds[0];
 }
 
 int cli_signal_received(void) {

@@ -4,6 +4,7 @@ After each stop the exit code is the right one, an interrupt says one sentence, 
 and --resume goes on; now and then it goes on to the end, and the bytes equal those of an
 undisturbed run. ASDIC_KILLS is how often (default 200).
 """
+import glob
 import os
 import random
 import signal
@@ -56,6 +57,18 @@ def stop_once(folder, path, longest_s, luck):
     return child.returncode, stop, took
 
 
+def children(parent):
+    """Whether any thread of PARENT has started a process that still runs."""
+    for listed in glob.glob(f"/proc/{parent}/task/*/children"):
+        try:
+            with open(listed, encoding="ascii") as file:
+                if file.read().strip():
+                    return True
+        except OSError:
+            pass  # the thread has ended
+    return False
+
+
 def test_stopped_at_random_moments():
     program.need_device()
     luck = random.Random(1)
@@ -79,6 +92,29 @@ def test_stopped_at_random_moments():
         same(folder, "whole", "r")
         told = ", ".join(f"{name} ({code}) {count}" for (name, code), count in sorted(seen.items()))
         print(f"# {stops} stops: {told}; finished and equal {through + 1} times")
+
+
+def test_interrupted_with_its_compilers():
+    """As by Ctrl-C in a terminal, which all processes get: also the linker that PoCL started."""
+    program.need_device()
+    stops = 0
+    with Folder() as folder:
+        path = scene(folder, pings=60, rays=1000)
+        for number in range(5):
+            env = program.environment({"POCL_CACHE_DIR": folder / f"cache{number}"})
+            child = subprocess.Popen([program.PATH, "run", path, "-o", folder / "r", "--force"],
+                                     stderr=subprocess.PIPE, env=env, start_new_session=True)
+            while child.poll() is None and not children(child.pid):
+                time.sleep(0.001)
+            if child.poll() is None:
+                os.killpg(child.pid, signal.SIGINT)
+                stops += 1
+            err = child.communicate()[1].decode()
+            tap.equal(child.returncode in (0, 130), True, f"exit code {child.returncode} ({err!r})")
+            tap.equal(len(err.splitlines()) <= 2, True, f"sentences ({err!r})")
+    if not stops:
+        raise tap.Skip("the device starts no compiler")
+    print(f"# {stops} stops while compilers ran")
 
 
 tap.main(globals())
