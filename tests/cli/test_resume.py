@@ -186,6 +186,18 @@ def test_full_disk_is_an_error_that_loses_nothing():
         same(folder, "whole", "r")
 
 
+def test_reads_and_writes_that_do_a_part():
+    program.need_device()
+    short = {"LD_PRELOAD": os.environ["SHORT_IO_LIBRARY"]}
+    with Folder() as folder:
+        path = scene(folder, pings=9, rays=500)
+        asdic("run", path, "-o", folder / "whole").check(code=0)
+        for k in (1, 2):
+            asdic("run", path, "-o", folder / f"part{k}", "--shard", f"{k}/2", **short).check(code=0)
+        asdic("merge", folder / "part1", folder / "part2", "-o", folder / "r", **short).check(code=0)
+        same(folder, "whole", "r")
+
+
 def test_disk_that_is_full_and_then_larger():
     """A small file system of its own: records, tables, pictures and run.json all meet its end."""
     program.need_device()
