@@ -110,6 +110,10 @@ asdic_status asdic_render_ascope(asdic_render *r, const asdic_record *record) {
         panels[k].title = panel_titles[k];
     }
     name_ping(r, record, title, number);
+    if (count > 1 && count < r->info.beams) { /* a panel alone says of which beam it is */
+        size_t used = strlen(title);
+        snprintf(title + used, sizeof title - used, ", %zu of %zu beams", count, r->info.beams);
+    }
     asdic_picture_options options = asdic_render_picture(r, title, "ping", number);
     options.db_low -= ASCOPE_BELOW_DB;
     options.db_high += ASCOPE_ABOVE_DB;

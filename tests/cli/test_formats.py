@@ -267,6 +267,14 @@ def test_one_picture_goes_to_a_file_or_standard_output():
         tap.equal(pictures(folder, "r"), names, "pictures of the run")
 
 
+def test_ascope_says_how_many_beams_it_leaves_out():
+    with Folder() as folder:
+        more = "".join(f"\n    - {{name: more{i}, pitch_deg: {9 * i}}}" for i in range(3))
+        down = "    - {name: down, pitch_deg: 45}"
+        run_of(folder, pings=1, edits={down: down + more})
+        tap.contains(data(folder, "r", "ascope_0.png").decode("latin-1"), "t = 0 s, 4 of 5 beams")
+
+
 def test_vector_pictures():
     with Folder() as folder:
         run = run_of(folder, edits={"fan]": "fan, overview, plan]"})
