@@ -8,13 +8,6 @@
 
 DEFINE_INTERSECT(intersect16, float16, int16)
 
-static inline uint bits16(int16 m) {
-    ulong2 bytes = as_ulong2(convert_char16(m));
-    ulong low = ((bytes.x & 0x8040201008040201ul) * 0x0101010101010101ul) >> 56;
-    ulong high = ((bytes.y & 0x8040201008040201ul) * 0x0101010101010101ul) >> 56;
-    return (uint)(low | high << 8);
-}
-
 static inline float least16(float16 v) {
     float8 a = LESSER(v.lo, v.hi);
     float4 b = LESSER(a.lo, a.hi);
@@ -54,6 +47,16 @@ static inline float16 sixteen(__global const dev_ray *rays, uint first, uint las
 typedef struct rays16 {
     float16 ox, oy, oz, dx, dy, dz, t_max;
 } rays16;
+
+static inline float16 choose3(int16 k, float16 at0, float16 at1, float16 at2) {
+    return k == 0 ? at0 : k == 1 ? at1 : at2;
+}
+
+/* As dominant_axis, of every ray. */
+static inline int16 dominant_axis16(rays16 r) {
+    float16 ax = fabs(r.dx), ay = fabs(r.dy), az = fabs(r.dz);
+    return ((ax >= ay) & (ax >= az)) ? (int16)(0) : (ay >= az ? (int16)(1) : (int16)(2));
+}
 
 /* Rays FIRST .. FIRST + 15; those from COUNT on are skipped rays. */
 static inline rays16 load_rays16(__global const dev_ray *rays, uint first, uint count) {

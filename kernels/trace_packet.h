@@ -45,10 +45,6 @@ typedef struct packet16 {
     float limit; /* the farthest of best.t */
 } packet16;
 
-static inline float16 choose3(int16 k, float16 at0, float16 at1, float16 at2) {
-    return k == 0 ? at0 : k == 1 ? at1 : at2;
-}
-
 /* Skipped rays take the place of the first live one, so that they widen nothing. */
 static inline rays16 fill_skipped(rays16 r, int16 live) {
     float lane[16];
@@ -75,8 +71,7 @@ static inline void packet16_prepare(rays16 r, float extent_m, packet16 *p) {
     axis16_prepare(r.ox, r.dx, skin, 0, &p->x);
     axis16_prepare(r.oy, r.dy, skin, 2, &p->y);
     axis16_prepare(r.oz, r.dz, skin, 4, &p->z);
-    float16 ax = fabs(r.dx), ay = fabs(r.dy), az = fabs(r.dz);
-    p->kz = ((ax >= ay) & (ax >= az)) ? (int16)(0) : (ay >= az ? (int16)(1) : (int16)(2));
+    p->kz = dominant_axis16(r);
     p->kz1 = p->kz.s0;
     p->kx1 = p->kz1 == 2 ? 0 : p->kz1 + 1;
     p->ky1 = p->kx1 == 2 ? 0 : p->kx1 + 1;
