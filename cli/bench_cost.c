@@ -5,12 +5,19 @@
 
 static asdic_status shoot_block(cli *c, asdic_simulator *sim, const bench_scene *s, uint64_t first,
                                 asdic_ping *ping, double *seconds) {
+    asdic_pose poses[ASDIC_LEARN_BLOCK];
+    asdic_ping *same[ASDIC_LEARN_BLOCK];
+    for (size_t k = 0; k < ASDIC_LEARN_BLOCK; k++) {
+        poses[k] = s->pose;
+        same[k] = ping;
+    }
+    if (asdic_context_interrupted(cli_context(c))) {
+        return ASDIC_ERROR_INTERRUPTED;
+    }
     double began = bench_processor_s();
     asdic_status status = asdic_simulator_learn(sim, &s->pose, first);
-    for (uint64_t k = 0; !status && k < ASDIC_LEARN_BLOCK; k++) {
-        status = asdic_context_interrupted(cli_context(c))
-                     ? ASDIC_ERROR_INTERRUPTED
-                     : asdic_simulator_ping(sim, &s->pose, first + k, ping);
+    if (!status) {
+        status = asdic_simulator_pings(sim, poses, first, ASDIC_LEARN_BLOCK, same);
     }
     *seconds = bench_processor_s() - began;
     return status;

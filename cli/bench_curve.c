@@ -19,8 +19,8 @@ typedef struct tally {
     double squares, far_squares, honest_squares, far_honest_squares, most_db;
     size_t count, far_count, honest_count, far_honest_count;
     double *ratios, *ratio_squares; /* per cell: sums of estimate / truth */
-    double *ping_s, *learn_s;
-    size_t pings, learns;
+    double *ping_s, *learn_s;       /* by blocks: of a ping, of learning */
+    size_t pings, blocks;
 } tally;
 
 static void add_ping(tally *t, const bench_scene *s, const asdic_ping *ping) {
@@ -57,24 +57,29 @@ static double root_mean(double squares, size_t count) {
     return count ? sqrt(squares / (double)count) : NAN;
 }
 
-/* One learnt block's pings, as in a mission. */
+/* One learnt block's pings, handed over as a mission does: all together. */
 static asdic_status shoot_block(cli *c, asdic_simulator *sim, const bench_scene *s, size_t block,
-                                size_t pings, asdic_ping *ping, tally *t) {
+                                size_t pings, asdic_ping *const *out, tally *t) {
     uint64_t first = (uint64_t)block * ASDIC_LEARN_BLOCK;
+    asdic_pose poses[ASDIC_LEARN_BLOCK];
+    for (size_t k = 0; k < pings; k++) {
+        poses[k] = s->pose;
+    }
+    if (asdic_context_interrupted(cli_context(c))) {
+        return ASDIC_ERROR_INTERRUPTED;
+    }
     double began = bench_now_s();
     asdic_status status = asdic_simulator_learn(sim, &s->pose, first);
-    t->learn_s[t->learns++] = bench_now_s() - began;
-    for (size_t k = 0; !status && k < pings; k++) {
-        if (asdic_context_interrupted(cli_context(c))) {
-            return ASDIC_ERROR_INTERRUPTED;
-        }
-        began = bench_now_s();
-        status = asdic_simulator_ping(sim, &s->pose, first + k, ping);
-        t->ping_s[t->pings++] = bench_now_s() - began;
-        if (!status) {
-            add_ping(t, s, ping);
-        }
+    double learnt = bench_now_s();
+    if (!status) {
+        status = asdic_simulator_pings(sim, poses, first, pings, out);
     }
+    t->ping_s[t->blocks] = (bench_now_s() - learnt) / (double)pings;
+    t->learn_s[t->blocks++] = learnt - began;
+    for (size_t k = 0; !status && k < pings; k++) {
+        add_ping(t, s, out[k]);
+    }
+    t->pings += pings;
     return status;
 }
 
@@ -94,8 +99,8 @@ static double bias_db(const tally *t, const bench_scene *s) {
 }
 
 static void finish_point(tally *t, const bench_scene *s, bench_point *point) {
-    double ping_s = bench_median(t->ping_s, t->pings);
-    double learn_s = bench_median(t->learn_s, t->learns) / ASDIC_LEARN_BLOCK;
+    double ping_s = bench_median(t->ping_s, t->blocks);
+    double learn_s = bench_median(t->learn_s, t->blocks) / ASDIC_LEARN_BLOCK;
     point->pings = t->pings;
     point->rms_db = root_mean(t->squares, t->count);
     point->far_rms_db = root_mean(t->far_squares, t->far_count);
@@ -113,20 +118,20 @@ static asdic_status measure_point(cli *c, asdic_device *device, const bench_scen
     asdic_sampling sampling = *asdic_mission_sampling(s->mission);
     sampling.sampler = sampler;
     sampling.rays = point->rays;
-    size_t most = effort->blocks * effort->block_pings;
-    size_t pings = (size_t)(effort->point_rays / point->rays);
-    pings = pings < 2 ? 2 : pings > most ? most : pings;
-    size_t blocks = (pings + effort->block_pings - 1) / effort->block_pings;
-    tally t = {.ping_s = calloc(pings, sizeof(double)),
+    size_t in_block = (size_t)(effort->point_rays / point->rays) / effort->blocks;
+    in_block = in_block < 2 ? 2 : in_block > ASDIC_LEARN_BLOCK ? ASDIC_LEARN_BLOCK : in_block;
+    size_t blocks = (size_t)(effort->point_rays / point->rays) / in_block;
+    blocks = blocks < 1 ? 1 : blocks > effort->blocks ? effort->blocks : blocks;
+    tally t = {.ping_s = calloc(blocks, sizeof(double)),
                .learn_s = calloc(blocks, sizeof(double)),
                .ratios = calloc(s->beams * s->bins, sizeof(double)),
                .ratio_squares = calloc(s->beams * s->bins, sizeof(double))};
     asdic_simulator *sim = NULL;
-    asdic_ping *ping = NULL;
+    asdic_ping *pings[ASDIC_LEARN_BLOCK] = {NULL};
     asdic_status status =
         t.ping_s && t.learn_s && t.ratios && t.ratio_squares ? ASDIC_OK : ASDIC_ERROR_MEMORY;
-    if (!status) {
-        status = asdic_ping_create(cli_context(c), s->beams, s->bins, &ping);
+    for (size_t k = 0; !status && k < in_block; k++) {
+        status = asdic_ping_create(cli_context(c), s->beams, s->bins, &pings[k]);
     }
     if (!status) {
         status = asdic_simulator_create(cli_context(c), device, asdic_mission_scene(s->mission),
@@ -135,12 +140,10 @@ static asdic_status measure_point(cli *c, asdic_device *device, const bench_scen
     }
     /* The first ping of a simulator compiles for its sizes. */
     if (!status) {
-        status = asdic_simulator_ping(sim, &s->pose, 0, ping);
+        status = asdic_simulator_ping(sim, &s->pose, 0, pings[0]);
     }
     for (size_t b = 0; !status && b < blocks; b++) {
-        size_t left = pings - t.pings;
-        size_t now = left < effort->block_pings ? left : effort->block_pings;
-        status = shoot_block(c, sim, s, b, now, ping, &t);
+        status = shoot_block(c, sim, s, b, in_block, pings, &t);
     }
     if (!status) {
         finish_point(&t, s, point);
@@ -149,7 +152,9 @@ static asdic_status measure_point(cli *c, asdic_device *device, const bench_scen
     free(t.learn_s);
     free(t.ratios);
     free(t.ratio_squares);
-    asdic_ping_destroy(&ping);
+    for (size_t k = 0; k < in_block; k++) {
+        asdic_ping_destroy(&pings[k]);
+    }
     asdic_simulator_destroy(&sim);
     return status;
 }

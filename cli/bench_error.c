@@ -8,14 +8,12 @@
 bench_effort bench_effort_of(const bench_options *options) {
     if (options->quick) {
         return (bench_effort){.blocks = 4,
-                              .block_pings = 4,
                               .point_rays = 1u << 20,
                               .reference_pings = 16,
                               .reference_rays = 1u << 18,
                               .cost_pairs = 9};
     }
     return (bench_effort){.blocks = 16,
-                          .block_pings = 4,
                           .point_rays = 1u << 22,
                           .reference_pings = 96,
                           .reference_rays = 1u << 20,

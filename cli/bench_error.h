@@ -13,9 +13,9 @@
 
 /* How much work a measurement takes. */
 typedef struct bench_effort {
-    size_t blocks, block_pings; /* pings of a point with few rays: in so many learnt blocks */
-    uint64_t point_rays;        /* rays spent on a point with many */
-    size_t reference_pings;     /* where there is no quadrature */
+    size_t blocks;          /* of pings of a point, each learnt: whole ones where rays are few */
+    uint64_t point_rays;    /* rays spent on a point with many */
+    size_t reference_pings; /* where there is no quadrature */
     size_t cost_pairs;
     uint32_t reference_rays;
 } bench_effort;
@@ -46,7 +46,7 @@ typedef struct bench_point {
     double rms_db, far_rms_db, most_db; /* far: the last third of the bins */
     double bias_db; /* RMS over bins of what is left of the error in the mean of all pings */
     double honesty, far_honesty; /* RMS of true over stated error */
-    double ping_s;               /* median, with its share of learning */
+    double ping_s;               /* median over blocks, with its share of learning */
     double learn_share;          /* of ping_s */
 } bench_point;
 

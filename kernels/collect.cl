@@ -2,7 +2,9 @@
  * collect: weighs the parcels that shade.cl and multipath.cl left by every receiver's pattern and adds
  * them to the accumulator. One work-item per group, which owns the group's cells (DEPOSIT_OWNED).
  */
+#include "mirror_ray.h"
 #include "receive.h"
+#include "volley.h"
 
 /* Up to so many receivers are served one after the other, each with the parcels of ASDIC_WIDTH rays;
  * more at once, parcel by parcel. */
@@ -111,14 +113,16 @@ static uint add_rays(const world *w, __global const dev_parcel *direct, __global
     return cut;
 }
 
-__kernel void collect(__global const dev_ping *ping, __global const dev_parcel *parcels,
+__kernel void collect(__global const dev_ping *pings, __global const dev_parcel *parcels,
                       __global long *accumulator, __global uint *saturated) {
+    __global const dev_ping *ping = row_ping(pings);
     uint group = (uint)(get_global_id(0)), cut = 0u;
     if (group >= ping->groups) {
         return;
     }
     world w = {ping, beams_of(ping), 0, 0, 0};
-    __global long *cells = accumulator + group * (size_t)(ping->group_cells);
+    __global long *cells = row_cells(ping, accumulator) + group * (size_t)(ping->group_cells);
+    parcels += PARCEL_SETS * row_slots(ping);
     for (uint k = 0; k < ping->per_group; k += ASDIC_WIDTH) {
         for (uint first = 0; first < ping->beams; first += ASDIC_WIDTH) {
             cut += add_rays(&w, parcels + group * ping->per_group + k, cells, first);
@@ -132,6 +136,6 @@ __kernel void collect(__global const dev_ping *ping, __global const dev_parcel *
         }
     }
     if (cut != 0u) {
-        atomic_add(saturated, cut);
+        atomic_add(saturated + get_group_id(1), cut);
     }
 }

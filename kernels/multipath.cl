@@ -22,6 +22,7 @@
  */
 #include "mirror_ray.h"
 #include "receive.h"
+#include "volley.h"
 
 static triple load_directions(__global const dev_ray *rays, natural slots) {
     triple d;
@@ -100,10 +101,16 @@ static uint connect_rays(const world *w, __global const dev_ray *bounced,
  * connect: from every X back to the sonar, to learn whether it is visible. The ray starts off X on
  * the side the mirror ray came from and ends just short of the sonar. One work-item per piece.
  */
-__kernel void connect(__global const dev_ping *ping, __global const dev_ray *bounced,
+__kernel void connect(__global const dev_ping *pings, __global const dev_ray *bounced,
                       __global const dev_hit *hits, __global const dev_triangle *triangles,
                       __global const dev_part *parts, __global const dev_material *materials,
                       __global const float4 *mirrors, __global dev_ray *returning) {
+    __global const dev_ping *ping = row_ping(pings);
+    size_t own = row_slots(ping);
+    bounced += own;
+    hits += own;
+    mirrors += own;
+    returning += own;
     uint first = (uint)(get_global_id(0)) * PIECE, at = first;
     uint end = min(first + PIECE, batch_slots(ping));
     world w = {ping, beams_of(ping), triangles, parts, materials};
@@ -203,23 +210,27 @@ static uint shade_bounces(const world *w, const bounce_store *store, const sink 
 }
 
 /* bounce: both kinds of echo. One work-item per piece. */
-__kernel void bounce(__global const dev_ping *ping, __global const dev_ray *rays,
+__kernel void bounce(__global const dev_ping *pings, __global const dev_ray *rays,
                      __global const float *solid_angles, __global const dev_ray *bounced,
                      __global const dev_hit *bounced_hits, __global const dev_ray *returning,
                      __global const dev_hit *returning_hits, __global const float4 *mirrors,
                      __global const dev_triangle *triangles, __global const dev_part *parts,
                      __global const dev_material *materials, __global dev_parcel *parcels,
                      __global long *accumulator, __global uint *saturated) {
+    __global const dev_ping *ping = row_ping(pings);
+    size_t own = row_slots(ping);
+    returning += own;
     uint first = (uint)(get_global_id(0)) * PIECE, cut = 0u;
     uint end = min(first + PIECE, batch_slots(ping));
     world w = {ping, beams_of(ping), triangles, parts, materials};
-    sink to = {accumulator, parcels};
-    bounce_store store = {rays,           bounced,      returning, bounced_hits,
-                          returning_hits, solid_angles, mirrors};
+    sink to = {row_cells(ping, accumulator), parcels + PARCEL_SETS * own};
+    bounce_store store = {rays + own,         bounced + own,        returning,
+                          bounced_hits + own, returning_hits + own, solid_angles + own,
+                          mirrors + own};
     for (uint slot = first; slot < end && returning[slot].source != NO_RAY; slot += ASDIC_WIDTH) {
         cut += shade_bounces(&w, &store, &to, slot);
     }
     if (cut != 0u) {
-        atomic_add(saturated, cut);
+        atomic_add(saturated + get_group_id(1), cut);
     }
 }

@@ -78,9 +78,10 @@ typedef struct dev_parcel {
 #define DEV_PARCEL_DIRECT 0 /* echo and water */
 #define DEV_PARCEL_ALONG 1  /* from mirrors, in the ray's own direction */
 #define DEV_PARCEL_ACROSS 2 /* from mirrors, straight from what they showed */
+#define DEV_PARCEL_SETS(mirrors) ((mirrors) ? 3u : 1u)
 
 /* In the buffer that kernels get, the apertures follow: the transmitter, then the receivers. One
- * transfer carries them all. */
+ * transfer carries them all, and those of all pings of a volley (volley.h). */
 typedef struct dev_ping {
     float origin[3];           /* of the sonar in the scene frame */
     float surface_m;           /* sonar below the surface; INFINITY: no surface */
@@ -103,6 +104,8 @@ typedef struct dev_ping {
     dev_uint columns;           /* of the accumulator: beams, or levels x cells of a fan */
     dev_uint component_rows;    /* of the accumulator, from one component to the next */
     dev_uint group_cells;       /* of the accumulator, from one group to the next */
+    dev_uint stride;            /* bytes from this ping to the volley's next */
+    dev_uint result_words;      /* 64-bit words of a ping's results */
     dev_uint present;           /* a bit for each component that something can be added to */
     dev_uint order_block, order_inverse; /* see order.h: F, I */
     dev_uint order_lanes[16];            /* k I modulo F */

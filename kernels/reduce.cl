@@ -2,17 +2,19 @@
  * From the groups' accumulators to the ping's sums: totals and their spread over groups.
  */
 #include "deposit.h"
+#include "volley.h"
 
 /* Water that ends in a bin to water that crosses it; ACCUMULATOR is [group][component][bin][beam]. One
  * work-item per group and beam. Work-items that own their group have done it in collect. */
-__kernel void suffix(__global const dev_ping *ping, __global long *accumulator) {
+__kernel void suffix(__global const dev_ping *pings, __global long *accumulator) {
+    __global const dev_ping *ping = row_ping(pings);
     uint id = (uint)(get_global_id(0));
     uint group = id / ping->beams, beam = id - group * ping->beams;
     if (group >= ping->groups) {
         return;
     }
     size_t plane = (size_t)(ping->component_rows) * ping->columns;
-    deposit_sum_crossings(accumulator + group * (size_t)(ping->group_cells) +
+    deposit_sum_crossings(row_cells(ping, accumulator) + group * (size_t)(ping->group_cells) +
                               DEV_DEPOSIT_VOLUME * plane + beam,
                           ping->bins, ping->columns);
 }
@@ -65,18 +67,22 @@ static void sum_component(__global const dev_ping *ping, __global long *cells, c
  * One work-item per run of cells (bin, column): sums over groups for every component, then the
  * relative standard error of the total. RESULTS holds a plane [beam][bin] of sums per component, left
  * alone where nothing can be present, the number of deposits that had to be cut, and a plane of floats.
- * VOLUME_RATIO[bin] turns water quanta into units of the bin's TL d^2. Clears what it read, for the
- * next ping.
+ * Clears what it read, for the next ping.
  */
-__kernel void reduce(__global const dev_ping *ping, __global long *accumulator,
-                     __global const float *volume_ratio, __global uint *saturated,
+__kernel void reduce(__global const dev_ping *pings, __global long *accumulator,
+                     __global const float *water, __global uint *saturated,
                      __global long *results) {
+    __global const dev_ping *ping = row_ping(pings);
     const uint beams = ping->beams, bins = ping->bins, columns = ping->columns;
     const uint first = (uint)(get_global_id(0)) * RUN;
     const size_t plane = (size_t)(bins)*beams;
     if (first / columns >= bins) {
         return;
     }
+    __global const float *volume_ratio = row_water(ping, water) + bins;
+    accumulator = row_cells(ping, accumulator);
+    results += get_group_id(1) * (size_t)(ping->result_words);
+    saturated += get_group_id(1);
     real totals[DEV_MAX_GROUPS * VECTORS], ratios[VECTORS], units[VECTORS];
     wholes sums[VECTORS];
     uint place[RUN]; /* of every cell in a plane of the results, or NO_PLACE */

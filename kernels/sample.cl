@@ -1,11 +1,11 @@
 /*
- * sample: draws the rays of one batch of a ping.
+ * sample: draws the rays of one batch of a ping, or of a volley of pings.
  *
  * Slot by slot in the order of order.h. Slots beyond the last ray are switched off (t_max 0, solid
  * angle 0).
  */
-#include "order.h"
 #include "sampler.h"
+#include "volley.h"
 
 /* Cell of the learnt table that holds the quantile XI; CUMULATIVE has DEV_TABLE_CELLS + 1 entries
  * from 0 to 1. */
@@ -99,12 +99,17 @@ static ray_sample draw_adaptive(__global const dev_ping *ping, __global const fl
     return ping->cones == 0u ? s : add_cones(ping, cumulative, index, s);
 }
 
-__kernel void sample(__global const dev_ping *ping, __global const float *cumulative,
+__kernel void sample(__global const dev_ping *pings, __global const float *cumulative,
                      __global dev_ray *rays, __global float *solid_angles, __global float *splats) {
+    __global const dev_ping *ping = row_ping(pings);
     uint first = (uint)(get_global_id(0)) * ASDIC_WIDTH;
     if (first >= batch_slots(ping)) {
         return;
     }
+    size_t own = row_slots(ping);
+    rays += own;
+    solid_angles += own;
+    splats += own;
     natural index = ping->batch_first * ping->groups + rays_in(ping, first);
     real count = (real)((float)(ping->rays));
     ray_sample s;

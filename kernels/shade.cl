@@ -12,6 +12,7 @@
  */
 #include "mirror_ray.h"
 #include "receive.h"
+#include "volley.h"
 
 /* How much of its last bin's water a ray has crossed when it meets something (or the range ends):
  * the part of the bin's integral of d^-2 exp(-2 k d), by two-point Gauss quadrature in 1/d. */
@@ -117,26 +118,28 @@ static uint shade_rays(const world *w, const ray_store *store, __global const fl
 }
 
 /* One work-item per piece (mirror_ray.h). */
-__kernel void shade(__global const dev_ping *ping, __global const dev_ray *rays,
+__kernel void shade(__global const dev_ping *pings, __global const dev_ray *rays,
                     __global const float *solid_angles, __global const float *splats,
                     __global const dev_hit *hits, __global const dev_triangle *triangles,
                     __global const dev_part *parts, __global const dev_material *materials,
-                    __global const float *volume_inverse, __global dev_parcel *parcels,
+                    __global const float *water, __global dev_parcel *parcels,
                     __global long *accumulator, __global uint *saturated, __global dev_ray *bounced,
                     __global float4 *mirrors) {
+    __global const dev_ping *ping = row_ping(pings);
+    size_t own = row_slots(ping);
     uint first = (uint)(get_global_id(0)) * PIECE, at = first, cut = 0u;
     uint end = min(first + PIECE, batch_slots(ping));
     world w = {ping, beams_of(ping), triangles, parts, materials};
-    ray_store store = {rays, solid_angles, splats, hits};
-    sink to = {accumulator, parcels};
-    mirror_store reflected = {bounced, mirrors};
+    ray_store store = {rays + own, solid_angles + own, splats + own, hits + own};
+    sink to = {row_cells(ping, accumulator), parcels + PARCEL_SETS * own};
+    mirror_store reflected = {bounced + own, mirrors + own};
     for (uint slot = first; slot < end; slot += ASDIC_WIDTH) {
-        cut += shade_rays(&w, &store, volume_inverse, &to, &reflected, slot, &at);
+        cut += shade_rays(&w, &store, row_water(ping, water), &to, &reflected, slot, &at);
     }
 #if ASDIC_HAS_MIRRORS
-    end_piece(bounced, at, end);
+    end_piece(reflected.rays, at, end);
 #endif
     if (cut != 0u) {
-        atomic_add(saturated, cut);
+        atomic_add(saturated + get_group_id(1), cut);
     }
 }

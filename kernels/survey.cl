@@ -5,18 +5,19 @@
 #include "order.h"
 #include "sampler.h"
 
-/* Writes for every ray, group by group, the sampling coordinate x of its elevation, the bin of its
- * echo (0xffffffff: none) and its energy, relative to the bin's TL d^2, in PICKED receivers spread
- * over all of them. */
+/* Writes for every ray, group by group, the sampling coordinate x of its elevation; behind them all the
+ * bins of their echoes (0xffffffff: none); behind these their energies, relative to the bin's TL d^2, in
+ * PICKED receivers spread over all of them. */
 __kernel void survey(__global const dev_ping *ping, __global const dev_ray *rays,
                      __global const float *solid_angles, __global const dev_hit *hits,
                      __global const dev_triangle *triangles, __global const dev_part *parts,
-                     __global const dev_material *materials, __global float *xs,
-                     __global uint *bins, __global float *energies, uint picked) {
+                     __global const dev_material *materials, __global float *xs, uint picked) {
     uint slot = (uint)(get_global_id(0)) * ASDIC_WIDTH;
     if (slot >= batch_slots(ping)) {
         return;
     }
+    __global uint *bins = (__global uint *)(xs + batch_slots(ping));
+    __global float *energies = xs + 2u * (size_t)(batch_slots(ping));
     world w = {ping, beams_of(ping), triangles, parts, materials};
     real ux, uy, uz, weight;
     LANES {

@@ -85,7 +85,7 @@ static asdic_status obey(hand *h, asdic_seat *seat, const asdic_message *order,
                          asdic_ping *result) {
     member *m = h->member;
     for (uint64_t ping = order->first; ping < order->end; ping++) {
-        asdic_status status = asdic_seat_ping(seat, (size_t)ping, result);
+        asdic_status status = asdic_seat_pings(seat, (size_t)ping, 1, &result);
         if (status != ASDIC_OK) {
             return status;
         }

@@ -75,22 +75,26 @@ void asdic_queue_finish_ping(queue *q, size_t ping) {
     pthread_cond_broadcast(&q->changed);
 }
 
-/* The next ping for W, waiting for room; ASDIC_NO_PING when there will be none. Returned pings go
- * first: the window cannot move on without them. */
-static size_t claim(queue *q, worker *w) {
+/* The next pings for W, waiting for room; none when there will be none. Returned pings go first: the
+ * window cannot move on without them. */
+static asdic_range claim(queue *q, worker *w) {
     for (;;) {
         if (q->is_stopped || q->remaining == 0 || asdic_context_interrupted(q->ctx)) {
-            return ASDIC_NO_PING;
+            return (asdic_range){0, 0};
         }
         asdic_range back = asdic_queue_take_returned(q, 1);
         if (back.next < back.end) {
-            return back.next;
+            return back;
         }
         if (w->own.next == w->own.end && q->fresh < q->work->end) {
             w->own = asdic_queue_deal(q);
         }
-        if (w->own.next < w->own.end && w->own.next < q->taken + q->slot_count) {
-            return w->own.next++;
+        size_t room = q->taken + q->slot_count;
+        if (w->own.next < w->own.end && w->own.next < room) {
+            asdic_range mine = {w->own.next, w->own.next};
+            mine.end += asdic_seat_volley(&w->seat, mine.next, least(w->own.end, room) - mine.next);
+            w->own.next = mine.end;
+            return mine;
         }
         /* What remains is with others, who may yet fail. */
         pthread_cond_wait(&q->changed, &q->lock);
@@ -101,22 +105,27 @@ static asdic_status work_through(queue *q, worker *w) {
     asdic_status status = ASDIC_OK;
     pthread_mutex_lock(&q->lock);
     for (;;) {
-        size_t ping = claim(q, w);
-        if (ping == ASDIC_NO_PING) {
+        asdic_ping *results[ASDIC_LEARN_BLOCK];
+        asdic_range mine = claim(q, w);
+        if (mine.next == mine.end) {
             break;
         }
-        asdic_ping *result = q->slots[ping % q->slot_count].result;
+        for (size_t ping = mine.next; ping < mine.end; ping++) {
+            results[ping - mine.next] = q->slots[ping % q->slot_count].result;
+        }
         pthread_mutex_unlock(&q->lock);
         double begin_s = asdic_clock_s();
-        status = asdic_seat_ping(&w->seat, ping, result);
+        status = asdic_seat_pings(&w->seat, mine.next, mine.end - mine.next, results);
         double end_s = asdic_clock_s();
         pthread_mutex_lock(&q->lock);
         q->devices_s += end_s - begin_s;
         if (status != ASDIC_OK) {
-            asdic_queue_return(q, (asdic_range){ping, ping + 1});
+            asdic_queue_return(q, mine);
             break;
         }
-        asdic_queue_finish_ping(q, ping);
+        for (size_t ping = mine.next; ping < mine.end; ping++) {
+            asdic_queue_finish_ping(q, ping);
+        }
     }
     pthread_mutex_unlock(&q->lock);
     return status;

@@ -9,8 +9,6 @@
 
 #include <pthread.h>
 
-#define ASDIC_NO_PING SIZE_MAX
-
 typedef struct asdic_range {
     size_t next, end;
 } asdic_range;

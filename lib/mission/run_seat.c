@@ -1,6 +1,7 @@
 #include "run_seat.h"
 
 #include "base/context.h"
+#include "mission.h"
 
 asdic_status asdic_seat_open(asdic_seat *seat, asdic_context *ctx, asdic_mission *mission,
                              asdic_device *device, size_t bins) {
@@ -29,14 +30,26 @@ static asdic_status learn(asdic_seat *seat, size_t block) {
     return status;
 }
 
-asdic_status asdic_seat_ping(asdic_seat *seat, size_t ping, asdic_ping *result) {
-    size_t block = ping / ASDIC_LEARN_BLOCK;
-    asdic_pose pose = asdic_mission_pose(seat->mission, ping, NULL);
+size_t asdic_seat_volley(const asdic_seat *seat, size_t first, size_t count) {
+    size_t left = ASDIC_LEARN_BLOCK - first % ASDIC_LEARN_BLOCK;
+    size_t most = seat->mission->motion_count ? 1 : asdic_simulator_volley(seat->simulator);
+    most = most < left ? most : left;
+    return count < most ? count : most;
+}
+
+asdic_status asdic_seat_pings(asdic_seat *seat, size_t first, size_t count,
+                              asdic_ping *const *results) {
+    size_t block = first / ASDIC_LEARN_BLOCK;
+    asdic_pose poses[ASDIC_LEARN_BLOCK];
+    for (size_t k = 0; k < count; k++) {
+        poses[k] = asdic_mission_pose(seat->mission, first + k, NULL);
+    }
     asdic_status status = seat->block == block ? ASDIC_OK : learn(seat, block);
     if (status == ASDIC_OK) {
-        status = asdic_mission_place(seat->mission, seat->simulator, ping);
+        status = asdic_mission_place(seat->mission, seat->simulator, first);
     }
-    return status == ASDIC_OK ? asdic_simulator_ping(seat->simulator, &pose, ping, result) : status;
+    return status == ASDIC_OK ? asdic_simulator_pings(seat->simulator, poses, first, count, results)
+                              : status;
 }
 
 void asdic_seat_close(asdic_seat *seat) {

@@ -78,6 +78,11 @@ static cl_int set_argument(asdic_kernel *kernel, cl_uint index, const asdic_kern
 
 asdic_status asdic_kernel_run(asdic_kernel *kernel, const asdic_kernel_arg *args, size_t count,
                               size_t global, size_t local) {
+    return asdic_kernel_run_rows(kernel, args, count, global, local, 1);
+}
+
+asdic_status asdic_kernel_run_rows(asdic_kernel *kernel, const asdic_kernel_arg *args, size_t count,
+                                   size_t global, size_t local, size_t rows) {
     asdic_device *device = kernel->device;
     char what[128];
 
@@ -97,8 +102,9 @@ asdic_status asdic_kernel_run(asdic_kernel *kernel, const asdic_kernel_arg *args
     if (local > 0) {
         global = (global + local - 1) / local * local;
     }
-    cl_int code = clEnqueueNDRangeKernel(device->queue, kernel->id, 1, NULL, &global,
-                                         local > 0 ? &local : NULL, 0, NULL, NULL);
+    const size_t range[2] = {global, rows}, group[2] = {local, 1};
+    cl_int code = clEnqueueNDRangeKernel(device->queue, kernel->id, rows > 1 ? 2 : 1, NULL, range,
+                                         local > 0 ? group : NULL, 0, NULL, NULL);
     if (code != CL_SUCCESS) {
         snprintf(what, sizeof what, "run kernel '%s'", kernel->name);
         return asdic_cl_fail(device, code, what);

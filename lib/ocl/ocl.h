@@ -60,6 +60,10 @@ typedef struct asdic_kernel_arg {
 asdic_status asdic_kernel_run(asdic_kernel *kernel, const asdic_kernel_arg *args, size_t count,
                               size_t global, size_t local);
 
+/* The same ROWS times at once; get_group_id(1) tells a row from the others. LOCAL is not 0. */
+asdic_status asdic_kernel_run_rows(asdic_kernel *kernel, const asdic_kernel_arg *args, size_t count,
+                                   size_t global, size_t local, size_t rows);
+
 /* Largest work-group this kernel can have on its device. */
 size_t asdic_kernel_max_work_group(const asdic_kernel *kernel);
 

@@ -38,9 +38,9 @@
 /* What the calibration's two pings gave, per cell. Kept from block to block: of many beams and bins it is
  * a hundred megabytes, which take longer to get than to fill. */
 typedef struct asdic_pair {
-    double *energy[2]; /* totals without noise */
-    float *suggested;  /* mean of the relative variances that the groups suggest */
-    asdic_ping *ping;  /* the latest */
+    double *energy[2];    /* totals without noise */
+    float *suggested;     /* mean of the relative variances that the groups suggest */
+    asdic_ping *pings[2]; /* the latest; one only where pings go alone */
 } pair;
 
 /* The relative variance of one ping that the two differ by in one cell; negative where there is none. */
@@ -120,13 +120,19 @@ static void take_ping(const asdic_simulator *sim, const asdic_ping *ping, uint32
 static asdic_status shoot_pair(asdic_simulator *sim, const asdic_pose *pose, uint64_t index,
                                pair *p) {
     asdic_water_column water = asdic_water_column_at(&sim->env, &sim->sonar, pose->position_m.z);
+    const asdic_ping_shot shots[2] = {{*pose, index, ASDIC_STREAM_CALIBRATION},
+                                      {*pose, index, ASDIC_STREAM_CALIBRATION + 1}};
+    size_t volley = p->pings[1] ? 2 : 1;
     asdic_status status = ASDIC_OK;
     memset(p->suggested, 0, sim->cells * sizeof *p->suggested);
     for (uint32_t k = 0; !status && k < 2; k++) {
-        status = asdic_simulator_simulate(sim, pose, index, ASDIC_STREAM_CALIBRATION + k, p->ping);
+        asdic_ping *ping = p->pings[k % volley];
+        if (k % volley == 0) {
+            status = asdic_simulator_simulate(sim, shots + k, volley, p->pings);
+        }
         if (!status) {
-            asdic_pulse_smear(&sim->sonar, water.sound_speed_mps, sim->smear_scratch, p->ping);
-            take_ping(sim, p->ping, k, p);
+            asdic_pulse_smear(&sim->sonar, water.sound_speed_mps, sim->smear_scratch, ping);
+            take_ping(sim, ping, k, p);
         }
     }
     return status;
@@ -146,8 +152,10 @@ static asdic_status pair_create(asdic_simulator *sim) {
         asdic_pair_destroy(&sim->pair);
         return asdic_fail_memory(sim->ctx, "a calibration");
     }
-    asdic_status status =
-        asdic_ping_create(sim->ctx, sim->sonar.receiver_count, sim->bins, &p->ping);
+    asdic_status status = ASDIC_OK;
+    for (size_t k = 0; !status && k < 2 && k < sim->volley; k++) {
+        status = asdic_ping_create(sim->ctx, sim->sonar.receiver_count, sim->bins, &p->pings[k]);
+    }
     if (status) {
         asdic_pair_destroy(&sim->pair);
     }
@@ -159,7 +167,8 @@ void asdic_pair_destroy(asdic_pair **p) {
         free((*p)->energy[0]);
         free((*p)->energy[1]);
         free((*p)->suggested);
-        asdic_ping_destroy(&(*p)->ping);
+        asdic_ping_destroy(&(*p)->pings[0]);
+        asdic_ping_destroy(&(*p)->pings[1]);
         free(*p);
         *p = NULL;
     }

@@ -117,6 +117,8 @@ void asdic_simulator_prepare(asdic_simulator *sim, const asdic_water_column *wat
         .groups = sim->groups,
         .beams = (dev_uint)sim->sonar.receiver_count,
         .states_errors = !sim->sampling.without_errors,
+        .stride = (dev_uint)asdic_simulator_ping_bytes(sim),
+        .result_words = (dev_uint)(asdic_simulator_results_bytes(sim) / sizeof(int64_t)),
         .bins = (dev_uint)sim->bins,
         .components = (dev_uint)sim->components,
         .sampler = sampler_code(sim->sampling.sampler),

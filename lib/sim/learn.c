@@ -28,39 +28,31 @@
 /* Cells are smoothed by a triangle of this many cells each side. */
 #define SMOOTH 3
 
+/* What the pilots brought, as in survey.cl. */
 typedef struct survey {
-    float *xs, *energies;
-    uint32_t *bins;
+    const float *xs, *energies;
+    const uint32_t *bins;
     size_t slots;
     uint32_t picked;
 } survey;
 
-static void survey_finish(survey *s) {
-    free(s->xs);
-    free(s->energies);
-    free(s->bins);
+uint32_t asdic_simulator_picked(const asdic_simulator *sim) {
+    size_t beams = sim->sonar.receiver_count;
+    return (uint32_t)(beams < PICKED_MOST ? beams : PICKED_MOST);
+}
+
+size_t asdic_simulator_survey_bytes(const asdic_simulator *sim, size_t slots) {
+    return slots * (sizeof(float) + sizeof(uint32_t) + asdic_simulator_picked(sim) * sizeof(float));
 }
 
 /* Draws, traces and surveys the pilot rays; blocks. */
 static asdic_status survey_run(asdic_simulator *sim, survey *s) {
     const dev_ping *ping = sim->ping;
     s->slots = (size_t)ping->groups * ping->per_group;
-    s->picked = ping->beams < PICKED_MOST ? ping->beams : PICKED_MOST;
-    size_t energies = s->slots * s->picked * sizeof(float);
-    s->xs = malloc(s->slots * sizeof *s->xs);
-    s->bins = malloc(s->slots * sizeof *s->bins);
-    s->energies = malloc(energies);
-    if (!s->xs || !s->bins || !s->energies) {
-        return asdic_fail_memory(sim->ctx, "pilot rays");
-    }
-    asdic_buffer *xs = NULL, *bins = NULL, *energy = NULL;
-    asdic_status status = asdic_buffer_create(sim->device, s->slots * sizeof(float), NULL, &xs);
-    if (status ||
-        (status = asdic_buffer_create(sim->device, s->slots * sizeof(uint32_t), NULL, &bins)) ||
-        (status = asdic_buffer_create(sim->device, energies, NULL, &energy)) ||
-        (status = asdic_simulator_draw(sim))) {
-        goto done;
-    }
+    s->picked = asdic_simulator_picked(sim);
+    s->xs = sim->survey;
+    s->bins = (const uint32_t *)(s->xs + s->slots);
+    s->energies = s->xs + 2 * s->slots;
     asdic_kernel_arg args[] = {ASDIC_ARG_BUFFER(sim->ping_buffer),
                                ASDIC_ARG_BUFFER(sim->rays),
                                ASDIC_ARG_BUFFER(sim->solid_angles),
@@ -68,22 +60,16 @@ static asdic_status survey_run(asdic_simulator *sim, survey *s) {
                                ASDIC_ARG_BUFFER(asdic_simulator_triangles(sim)),
                                ASDIC_ARG_BUFFER(sim->parts),
                                ASDIC_ARG_BUFFER(sim->materials),
-                               ASDIC_ARG_BUFFER(xs),
-                               ASDIC_ARG_BUFFER(bins),
-                               ASDIC_ARG_BUFFER(energy),
+                               ASDIC_ARG_BUFFER(sim->survey_rows),
                                ASDIC_ARG_VALUE(s->picked)};
-    status = asdic_kernel_run(sim->survey, args, sizeof args / sizeof *args,
-                              s->slots / sim->layout.width, sim->layout.local);
-    if (status || (status = asdic_buffer_read(xs, 0, s->slots * sizeof(float), s->xs)) ||
-        (status = asdic_buffer_read(bins, 0, s->slots * sizeof(uint32_t), s->bins))) {
-        goto done;
+    asdic_status status = asdic_simulator_draw(sim, 1);
+    if (!status) {
+        status = asdic_kernel_run(sim->survey_kernel, args, sizeof args / sizeof *args,
+                                  s->slots / sim->layout.width, sim->layout.local);
     }
-    status = asdic_buffer_read(energy, 0, energies, s->energies);
-done:
-    asdic_buffer_destroy(&xs);
-    asdic_buffer_destroy(&bins);
-    asdic_buffer_destroy(&energy);
-    return status;
+    return status ? status
+                  : asdic_buffer_read(sim->survey_rows, 0,
+                                      asdic_simulator_survey_bytes(sim, s->slots), sim->survey);
 }
 
 /* Q[cell] = sum over receivers and bins of the share of the bin's echo that the cell brings. */
@@ -177,6 +163,7 @@ static uint32_t pilot_rays(const asdic_simulator *sim) {
 /* One pilot ping, sampled by the table so far, gives the next. */
 static asdic_status learn_once(asdic_simulator *sim, const asdic_pose *pose, uint64_t index,
                                uint32_t stream) {
+    asdic_simulator_select(sim, 0);
     asdic_simulator_describe(sim, pose, index, stream, pilot_rays(sim));
     survey s = {0};
     double q[DEV_TABLE_CELLS] = {0};
@@ -188,7 +175,6 @@ static asdic_status learn_once(asdic_simulator *sim, const asdic_pose *pose, uin
         tabulate(q, sim->table);
         sim->table_uploaded = false;
     }
-    survey_finish(&s);
     return status;
 }
 

@@ -16,6 +16,11 @@ static const asdic_component component_of[DEV_DEPOSIT_COUNT] = {
     [DEV_DEPOSIT_OBJECT] = ASDIC_OBJECT,
     [DEV_DEPOSIT_MULTIPATH] = ASDIC_MULTIPATH};
 
+/* The current ping's, as RESULTS in reduce.cl or of a fan in fan.cl. */
+static const void *results_of(const asdic_simulator *sim) {
+    return sim->host_results + sim->nth * asdic_simulator_results_bytes(sim);
+}
+
 /* dB per relative error. */
 static double error_to_db(void) {
     return 10.0 / log(10.0);
@@ -36,7 +41,7 @@ static void state_errors(const asdic_simulator *sim, size_t first, const double 
                          double *restrict total, float *restrict stderr_db) {
     const asdic_stated_error *stated = sim->stated + first;
     const float *spread =
-        (const float *)((const int64_t *)sim->host_results + sim->components * sim->cells + 1) +
+        (const float *)((const int64_t *)results_of(sim) + sim->components * sim->cells + 1) +
         first;
     const double to_db = error_to_db();
     for (size_t n = 0; n < sim->bins; n++) {
@@ -55,16 +60,17 @@ static void state_errors(const asdic_simulator *sim, size_t first, const double 
 /* Quanta to energies of one beam; UNIT[component] is a quantum's energy at loss 1. */
 static void convert_beam(const asdic_simulator *sim, const double *unit, size_t beam,
                          asdic_ping *out) {
+    const asdic_bin_laws *laws = &sim->laws[sim->nth];
     size_t first = beam * sim->bins, bins = sim->bins;
     double *total = out->intensity_lin[ASDIC_TOTAL] + first;
     memset(total, 0, bins * sizeof *total);
     for (size_t c = 0; c < DEV_DEPOSIT_COUNT; c++) {
         double *energy = out->intensity_lin[component_of[c]] + first;
-        const double *loss = c == DEV_DEPOSIT_VOLUME ? sim->bin_volume : sim->bin_loss;
+        const double *loss = c == DEV_DEPOSIT_VOLUME ? laws->volume : laws->loss;
         if ((sim->ping->present & 1u << c) == 0) {
             memset(energy, 0, bins * sizeof *energy);
         } else {
-            const int64_t *quanta = (const int64_t *)sim->host_results + c * sim->cells + first;
+            const int64_t *quanta = (const int64_t *)results_of(sim) + c * sim->cells + first;
             convert_whole(quanta, unit[c], loss, bins, energy, total);
         }
     }
@@ -119,10 +125,11 @@ WIDEST static void end_fan(const double *restrict echo, const double *restrict n
 static void convert_fan_beam(const asdic_simulator *sim, const double *unit, size_t beam,
                              asdic_ping *out) {
     size_t first = beam * sim->bins, bins = sim->bins;
-    const float *quanta = (const float *)sim->host_results + first * sim->components;
+    const asdic_bin_laws *laws = &sim->laws[sim->nth];
+    const float *quanta = (const float *)results_of(sim) + first * sim->components;
     const double to_db = sim->sampling.without_errors ? 0.0 : error_to_db();
     double *water = out->intensity_lin[ASDIC_VOLUME] + first;
-    convert_fan_water(quanta + DEV_DEPOSIT_VOLUME * bins, unit[DEV_DEPOSIT_VOLUME], sim->bin_volume,
+    convert_fan_water(quanta + DEV_DEPOSIT_VOLUME * bins, unit[DEV_DEPOSIT_VOLUME], laws->volume,
                       bins, water);
     for (size_t n = 0; n < bins; n += BLOCK) {
         size_t count = bins - n < BLOCK ? bins - n : BLOCK;
@@ -132,7 +139,7 @@ static void convert_fan_beam(const asdic_simulator *sim, const double *unit, siz
             if (c == DEV_DEPOSIT_VOLUME) {
                 add(energy, count, echo);
             } else if (sim->ping->present & 1u << c) {
-                convert_fan_echo(quanta + c * bins + n, unit[c], sim->bin_loss + n, count, energy,
+                convert_fan_echo(quanta + c * bins + n, unit[c], laws->loss + n, count, energy,
                                  echo);
             } else {
                 memset(energy, 0, count * sizeof *energy);
@@ -163,7 +170,7 @@ asdic_status asdic_simulator_convert(asdic_simulator *sim, double source_lin, as
         }
     }
     size_t sums = sim->components * sim->cells;
-    out->saturated = fan ? ((const uint32_t *)sim->host_results)[sums]
-                         : (uint64_t)((const int64_t *)sim->host_results)[sums];
+    out->saturated = fan ? ((const uint32_t *)results_of(sim))[sums]
+                         : (uint64_t)((const int64_t *)results_of(sim))[sums];
     return status;
 }

@@ -1,49 +1,18 @@
 /*
- * One ping: draw, trace and shade its rays, turn sums into levels.
+ * Pings: draw, trace and shade their rays, turn sums into levels. Pings of few rays go through every
+ * step together, as a volley: a launch then has work enough for the device, and its cost is shared.
  */
 #include "simulator.h"
 
 #include <asdic/plan.h>
 
 #include "base/context.h"
+#include "bin_laws.h"
 #include "noise_level.h"
 #include "points.h"
 #include "speckle.h"
 
-#include "../../kernels/backscatter.h"
-
 #include <math.h>
-#include <string.h>
-
-/* Per bin: TL d^2 and the water's integral; what turns a part of that integral into a share of the
- * bin, and water quanta into the bin's TL d^2. Pings at one depth share them. */
-static asdic_status tabulate_bins(asdic_simulator *sim, const asdic_water_column *water) {
-    if (sim->tabulated_absorption == water->absorption_np_per_m) {
-        return ASDIC_OK;
-    }
-    double strength = pow(10.0, 0.1 * volume_backscatter_db(sim->env.particle_strength_db,
-                                                            sim->sonar.frequency_hz / 1e3));
-    float *inverse = sim->bin_table, *ratio = sim->bin_table + sim->bins;
-    for (size_t n = 0; n < sim->bins; n++) {
-        double loss = asdic_water_column_loss(water, sim->sonar.bin_length_m, n);
-        double center = ((double)n + 0.5) * sim->sonar.bin_length_m;
-        double volume =
-            asdic_water_column_volume(water, sim->sonar.bin_length_m, sim->sonar.blanking_m, n);
-        /* The device works relative to the bin's centre: integral of d^-2 exp(-2 k (d - d_n)). */
-        double local = volume / (loss * center * center);
-        inverse[n] = local > 0.0 && isfinite(local) ? (float)(1.0 / local) : 0.0f;
-        ratio[n] = isfinite(volume) ? (float)(strength * volume / loss) : 0.0f;
-        sim->bin_loss[n] = loss;
-        sim->bin_volume[n] = strength * volume;
-    }
-    size_t bytes = sim->bins * sizeof(float);
-    asdic_status status = asdic_buffer_write(sim->volume_inverse, 0, bytes, inverse);
-    if (!status) {
-        status = asdic_buffer_write(sim->volume_ratio, 0, bytes, ratio);
-    }
-    sim->tabulated_absorption = status ? -1.0 : water->absorption_np_per_m;
-    return status;
-}
 
 #define COUNT(args) (sizeof(args) / sizeof *(args))
 
@@ -59,7 +28,7 @@ static size_t piece_local(const asdic_simulator *sim) {
 }
 
 /* What mirror rays meet, the way back, the deposit. */
-static asdic_status run_bounces(asdic_simulator *sim) {
+static asdic_status run_bounces(asdic_simulator *sim, size_t count) {
     const dev_ping *ping = sim->ping;
     size_t slots = (size_t)ping->groups * ping->per_group;
     asdic_buffer *triangles = asdic_simulator_triangles(sim);
@@ -79,40 +48,38 @@ static asdic_status run_bounces(asdic_simulator *sim) {
     size_t pieces = piece_count(sim), local = piece_local(sim);
     asdic_status status = ASDIC_OK;
     if (sim->tracer) {
-        status = asdic_tracer_run(sim->tracer, sim->bounced, sim->bounced_hits, slots);
+        status = asdic_tracer_run(sim->tracer, sim->bounced, sim->bounced_hits, count * slots);
     }
     if (!status) {
-        status = asdic_kernel_run(sim->connect, connect, COUNT(connect), pieces, local);
+        status = asdic_kernel_run_rows(sim->connect, connect, COUNT(connect), pieces, local, count);
     }
     if (!status && sim->tracer) {
-        status = asdic_tracer_run(sim->tracer, sim->returning, sim->returning_hits, slots);
+        status = asdic_tracer_run(sim->tracer, sim->returning, sim->returning_hits, count * slots);
     }
     if (!status) {
-        status = asdic_kernel_run(sim->bounce, bounce, COUNT(bounce), pieces, local);
+        status = asdic_kernel_run_rows(sim->bounce, bounce, COUNT(bounce), pieces, local, count);
     }
     return status;
 }
 
-/* The ping with its apertures; of later batches, the ping alone has changed. */
-static asdic_status upload_ping(asdic_simulator *sim) {
-    size_t bytes = sizeof(dev_ping);
-    if (sim->ping->batch_first == 0) {
-        bytes += (sim->sonar.receiver_count + 1) * sizeof(dev_beam);
-    }
+/* COUNT pings with their apertures; of later batches, the ping alone has changed. */
+static asdic_status upload_pings(asdic_simulator *sim, size_t count) {
+    size_t bytes =
+        sim->pings->batch_first == 0 ? count * asdic_simulator_ping_bytes(sim) : sizeof(dev_ping);
     /* What a batch is told changes only when a further one follows: nothing else needs waiting for. */
-    asdic_status status = sim->ping->last_batch
-                              ? asdic_buffer_send(sim->ping_buffer, bytes, sim->ping)
-                              : asdic_buffer_write(sim->ping_buffer, 0, bytes, sim->ping);
+    asdic_status status = sim->pings->last_batch
+                              ? asdic_buffer_send(sim->ping_buffer, bytes, sim->pings)
+                              : asdic_buffer_write(sim->ping_buffer, 0, bytes, sim->pings);
     if (!status && !sim->table_uploaded) {
-        status = asdic_buffer_write(sim->table_buffer, 0, sizeof sim->table, sim->table);
+        status = asdic_buffer_send(sim->table_buffer, sizeof sim->table, sim->table);
         sim->table_uploaded = status == ASDIC_OK;
     }
     return status;
 }
 
-asdic_status asdic_simulator_draw(asdic_simulator *sim) {
-    const dev_ping *ping = sim->ping;
-    asdic_status status = upload_ping(sim);
+asdic_status asdic_simulator_draw(asdic_simulator *sim, size_t count) {
+    const dev_ping *ping = sim->pings;
+    asdic_status status = upload_pings(sim, count);
     if (status) {
         return status;
     }
@@ -121,78 +88,81 @@ asdic_status asdic_simulator_draw(asdic_simulator *sim) {
                                  ASDIC_ARG_BUFFER(sim->table_buffer), ASDIC_ARG_BUFFER(sim->rays),
                                  ASDIC_ARG_BUFFER(sim->solid_angles),
                                  ASDIC_ARG_BUFFER(sim->splats)};
-    status = asdic_kernel_run(sim->sample, sample, COUNT(sample), slots / sim->layout.width,
-                              sim->layout.local);
+    status = asdic_kernel_run_rows(sim->sample, sample, COUNT(sample), slots / sim->layout.width,
+                                   sim->layout.local, count);
     if (!status) {
         status = asdic_simulator_end_phase(sim, ASDIC_PHASE_SAMPLE);
     }
     if (!status && sim->tracer) {
-        status = asdic_tracer_run(sim->tracer, sim->rays, sim->hits, slots);
+        status = asdic_tracer_run(sim->tracer, sim->rays, sim->hits, count * slots);
     }
     return status ? status : asdic_simulator_end_phase(sim, ASDIC_PHASE_TRACE);
 }
 
-static asdic_status run_batch(asdic_simulator *sim) {
-    const dev_ping *ping = sim->ping;
-    asdic_status status = asdic_simulator_draw(sim);
+static asdic_status run_batch(asdic_simulator *sim, size_t count) {
+    asdic_status status = asdic_simulator_draw(sim, count);
     if (status) {
         return status;
     }
     asdic_buffer *triangles = sim->tracer ? asdic_tracer_triangles(sim->tracer) : sim->no_triangles;
     asdic_kernel_arg shade[] = {
-        ASDIC_ARG_BUFFER(sim->ping_buffer),    ASDIC_ARG_BUFFER(sim->rays),
-        ASDIC_ARG_BUFFER(sim->solid_angles),   ASDIC_ARG_BUFFER(sim->splats),
-        ASDIC_ARG_BUFFER(sim->hits),           ASDIC_ARG_BUFFER(triangles),
-        ASDIC_ARG_BUFFER(sim->parts),          ASDIC_ARG_BUFFER(sim->materials),
-        ASDIC_ARG_BUFFER(sim->volume_inverse), ASDIC_ARG_BUFFER(sim->parcels),
-        ASDIC_ARG_BUFFER(sim->accumulator),    ASDIC_ARG_BUFFER(sim->saturated),
-        ASDIC_ARG_BUFFER(sim->bounced),        ASDIC_ARG_BUFFER(sim->mirrors)};
-    status = asdic_kernel_run(sim->shade, shade, COUNT(shade), piece_count(sim), piece_local(sim));
+        ASDIC_ARG_BUFFER(sim->ping_buffer),  ASDIC_ARG_BUFFER(sim->rays),
+        ASDIC_ARG_BUFFER(sim->solid_angles), ASDIC_ARG_BUFFER(sim->splats),
+        ASDIC_ARG_BUFFER(sim->hits),         ASDIC_ARG_BUFFER(triangles),
+        ASDIC_ARG_BUFFER(sim->parts),        ASDIC_ARG_BUFFER(sim->materials),
+        ASDIC_ARG_BUFFER(sim->water_tables), ASDIC_ARG_BUFFER(sim->parcels),
+        ASDIC_ARG_BUFFER(sim->accumulator),  ASDIC_ARG_BUFFER(sim->saturated),
+        ASDIC_ARG_BUFFER(sim->bounced),      ASDIC_ARG_BUFFER(sim->mirrors)};
+    status = asdic_kernel_run_rows(sim->shade, shade, COUNT(shade), piece_count(sim),
+                                   piece_local(sim), count);
     if (!status) {
         status = asdic_simulator_end_phase(sim, ASDIC_PHASE_SHADE);
     }
     if (!status && sim->has_mirrors) {
-        status = run_bounces(sim);
+        status = run_bounces(sim, count);
     }
     status = status ? status : asdic_simulator_end_phase(sim, ASDIC_PHASE_BOUNCE);
     if (!status && sim->collect) {
         asdic_kernel_arg collect[] = {
             ASDIC_ARG_BUFFER(sim->ping_buffer), ASDIC_ARG_BUFFER(sim->parcels),
             ASDIC_ARG_BUFFER(sim->accumulator), ASDIC_ARG_BUFFER(sim->saturated)};
-        status = asdic_kernel_run(sim->collect, collect, COUNT(collect), ping->groups, 1);
+        status =
+            asdic_kernel_run_rows(sim->collect, collect, COUNT(collect), sim->groups, 1, count);
         status = status ? status : asdic_simulator_end_phase(sim, ASDIC_PHASE_COLLECT);
     }
     return status;
 }
 
-static asdic_status reduce_groups(asdic_simulator *sim) {
+static asdic_status reduce_groups(asdic_simulator *sim, size_t count) {
     asdic_status status = ASDIC_OK;
     if (sim->suffix) { /* else collect has done it */
         asdic_kernel_arg args[] = {ASDIC_ARG_BUFFER(sim->ping_buffer),
                                    ASDIC_ARG_BUFFER(sim->accumulator)};
-        status = asdic_kernel_run(sim->suffix, args, COUNT(args),
-                                  (size_t)sim->ping->groups * sim->ping->beams, sim->layout.local);
+        status = asdic_kernel_run_rows(sim->suffix, args, COUNT(args),
+                                       (size_t)sim->groups * sim->sonar.receiver_count,
+                                       sim->layout.local, count);
     }
     if (status) {
         return status;
     }
     asdic_kernel_arg args[] = {ASDIC_ARG_BUFFER(sim->ping_buffer),
                                ASDIC_ARG_BUFFER(sim->accumulator),
-                               ASDIC_ARG_BUFFER(sim->volume_ratio),
+                               ASDIC_ARG_BUFFER(sim->water_tables),
                                ASDIC_ARG_BUFFER(sim->saturated), ASDIC_ARG_BUFFER(sim->results)};
     size_t run = sim->layout.width == 1 ? 1 : 4 * sim->layout.width; /* as in reduce.cl */
-    return asdic_kernel_run(sim->reduce, args, COUNT(args),
-                            (sim->bins * sim->fixed.columns + run - 1) / run, sim->layout.local);
+    return asdic_kernel_run_rows(sim->reduce, args, COUNT(args),
+                                 (sim->bins * sim->fixed.columns + run - 1) / run,
+                                 sim->layout.local, count);
 }
 
-static asdic_status reduce(asdic_simulator *sim) {
+static asdic_status reduce(asdic_simulator *sim, size_t count) {
     if (sim->fan.cells) { /* asdic_simulator_convert waits for it, tile by tile */
         return asdic_beam_fan_project(&sim->fan, sim->ping, sim->ping_buffer, sim->accumulator,
-                                      sim->saturated, sim->results, sim->host_results);
+                                      sim->saturated, sim->results, (float *)sim->host_results);
     }
-    asdic_status status = reduce_groups(sim);
+    asdic_status status = reduce_groups(sim, count);
     return status ? status
-                  : asdic_buffer_read(sim->results, 0, asdic_simulator_results_bytes(sim),
+                  : asdic_buffer_read(sim->results, 0, count * asdic_simulator_results_bytes(sim),
                                       sim->host_results);
 }
 
@@ -204,23 +174,26 @@ double asdic_simulator_source_lin(const asdic_simulator *sim, const asdic_water_
 }
 
 /* Rays to sums. A ping that fails half-way leaves an accumulator that must be cleared. */
-static asdic_status run_batches(asdic_simulator *sim) {
+static asdic_status run_batches(asdic_simulator *sim, size_t count) {
     asdic_status status = ASDIC_OK;
     if (!sim->accumulator_clear) {
         status = asdic_buffer_zero(sim->accumulator, asdic_buffer_bytes(sim->accumulator));
         if (!status) {
-            status = asdic_buffer_zero(sim->saturated, sizeof(uint32_t));
+            status = asdic_buffer_zero(sim->saturated, asdic_buffer_bytes(sim->saturated));
         }
     }
     sim->accumulator_clear = false;
     size_t rays_per_group = (sim->sampling.rays + sim->groups - 1) / sim->groups;
     for (size_t first = 0; !status && first < rays_per_group; first += sim->per_group) {
-        sim->ping->batch_first = (dev_uint)first;
-        sim->ping->last_batch = first + sim->per_group >= rays_per_group;
-        status = run_batch(sim);
+        for (size_t k = 0; k < count; k++) {
+            asdic_simulator_select(sim, k);
+            sim->ping->batch_first = (dev_uint)first;
+            sim->ping->last_batch = first + sim->per_group >= rays_per_group;
+        }
+        status = run_batch(sim, count);
     }
     if (!status) {
-        status = reduce(sim);
+        status = reduce(sim, count);
     }
     if (!status) {
         status = asdic_simulator_end_phase(sim, ASDIC_PHASE_REDUCE);
@@ -229,50 +202,121 @@ static asdic_status run_batches(asdic_simulator *sim) {
     return status;
 }
 
-asdic_status asdic_simulator_simulate(asdic_simulator *sim, const asdic_pose *pose, uint64_t index,
-                                      uint32_t stream, asdic_ping *out) {
-    asdic_water_column water = asdic_water_column_at(&sim->env, &sim->sonar, pose->position_m.z);
-    asdic_simulator_describe(sim, pose, index, stream, sim->sampling.rays);
-    asdic_status status = tabulate_bins(sim, &water);
-    if (!status) {
-        status = run_batches(sim);
+static asdic_water_column water_at(const asdic_simulator *sim, const asdic_pose *pose) {
+    return asdic_water_column_at(&sim->env, &sim->sonar, pose->position_m.z);
+}
+
+/* Tells the device of SHOTS what does not fit a dev_ping. */
+static asdic_status tabulate(asdic_simulator *sim, const asdic_ping_shot *shots, size_t count) {
+    bool changed = false;
+    for (size_t k = 0; k < count; k++) {
+        asdic_water_column water = water_at(sim, &shots[k].pose);
+        asdic_simulator_select(sim, k);
+        changed |= asdic_bin_laws_tabulate(sim, &water);
     }
-    if (status) {
-        return status;
-    }
+    return changed ? asdic_buffer_send(sim->water_tables,
+                                       count * 2 * sim->bins * sizeof *sim->water, sim->water)
+                   : ASDIC_OK;
+}
+
+/* The sums of the volley's NTH ping to levels. */
+static asdic_status convert(asdic_simulator *sim, size_t nth, const asdic_pose *pose,
+                            asdic_ping *out) {
+    asdic_water_column water = water_at(sim, pose);
+    asdic_simulator_select(sim, nth);
     asdic_noise_levels(&sim->env, &sim->sonar, water.sound_speed_mps, out);
-    status = asdic_simulator_convert(sim, asdic_simulator_source_lin(sim, &water), out);
-    sim->accumulator_clear = status == ASDIC_OK;
     out->bin_length_m = sim->sonar.bin_length_m;
     out->rays = sim->sampling.rays;
+    return asdic_simulator_convert(sim, asdic_simulator_source_lin(sim, &water), out);
+}
+
+asdic_status asdic_simulator_simulate(asdic_simulator *sim, const asdic_ping_shot *shots,
+                                      size_t count, asdic_ping *const *out) {
+    for (size_t k = 0; k < count; k++) {
+        asdic_simulator_select(sim, k);
+        asdic_simulator_describe(sim, &shots[k].pose, shots[k].index, shots[k].stream,
+                                 sim->sampling.rays);
+    }
+    asdic_status status = tabulate(sim, shots, count);
+    if (!status) {
+        status = run_batches(sim, count);
+    }
+    for (size_t k = 0; !status && k < count; k++) {
+        status = convert(sim, k, &shots[k].pose, out[k]);
+    }
+    sim->accumulator_clear = status == ASDIC_OK;
+    for (size_t k = 0; status && k < count; k++) {
+        sim->laws[k].absorption_np_per_m = -1.0; /* the device may not know them */
+    }
     return status;
 }
 
-asdic_status asdic_simulator_ping(asdic_simulator *sim, const asdic_pose *pose, uint64_t index,
-                                  asdic_ping *out) {
-    if (!sim || !pose || !out) {
-        return asdic_fail(sim ? sim->ctx : NULL, ASDIC_ERROR_ARGUMENT,
-                          "asdic_simulator_ping: NULL argument");
+/* What is the same for every sampler: points, then the pulse's length and speckle. */
+static asdic_status finish_ping(asdic_simulator *sim, const asdic_pose *pose, uint64_t index,
+                                asdic_ping *out) {
+    asdic_water_column water = water_at(sim, pose);
+    asdic_status status = asdic_points_add(sim, pose, &water, out);
+    if (!status) {
+        asdic_pulse_smear(&sim->sonar, water.sound_speed_mps, sim->smear_scratch, out);
+        asdic_speckle_apply(&sim->sonar, water.sound_speed_mps, sim->sampling.seed, index, out);
+    }
+    return status;
+}
+
+/* COUNT pings, a volley at most. */
+static asdic_status shoot(asdic_simulator *sim, const asdic_pose *poses, uint64_t first,
+                          size_t count, asdic_ping *const *out) {
+    bool rays = !(sim->sampling.left_out & (1u << ASDIC_TERM_RAYS));
+    asdic_status status = ASDIC_OK;
+    if (rays) {
+        asdic_ping_shot shots[ASDIC_LEARN_BLOCK];
+        for (size_t k = 0; k < count; k++) {
+            shots[k] = (asdic_ping_shot){poses[k], first + k, ASDIC_STREAM_PING};
+        }
+        status = asdic_simulator_simulate(sim, shots, count, out);
+    }
+    for (size_t k = 0; !status && k < count; k++) {
+        asdic_simulator_select(sim, k);
+        status = rays ? ASDIC_OK : asdic_quadrature_ping(sim, &poses[k], out[k]);
+        status = status ? status : finish_ping(sim, &poses[k], first + k, out[k]);
+    }
+    return status;
+}
+
+static asdic_status check_ping(const asdic_simulator *sim, const asdic_pose *pose,
+                               const asdic_ping *out) {
+    if (!out) {
+        return asdic_fail_null(sim->ctx, "asdic_simulator_pings");
     }
     if (out->beams != sim->sonar.receiver_count || out->bins != sim->bins) {
         return asdic_fail(sim->ctx, ASDIC_ERROR_ARGUMENT,
                           "the ping holds %zu beams x %zu bins, the simulator makes %zu x %zu",
                           out->beams, out->bins, sim->sonar.receiver_count, sim->bins);
     }
-    asdic_status status = asdic_pose_check(sim->ctx, pose);
-    if (status) {
-        return status;
+    return asdic_pose_check(sim->ctx, pose);
+}
+
+asdic_status asdic_simulator_pings(asdic_simulator *sim, const asdic_pose *poses, uint64_t first,
+                                   size_t count, asdic_ping *const *out) {
+    if (!sim || !poses || !out) {
+        return asdic_fail_null(sim ? sim->ctx : NULL, __func__);
     }
-    bool rays = !(sim->sampling.left_out & (1u << ASDIC_TERM_RAYS));
-    status = rays ? asdic_simulator_simulate(sim, pose, index, ASDIC_STREAM_PING, out)
-                  : asdic_quadrature_ping(sim, pose, out);
-    asdic_water_column water = asdic_water_column_at(&sim->env, &sim->sonar, pose->position_m.z);
-    if (!status) {
-        status = asdic_points_add(sim, pose, &water, out);
+    asdic_status status = ASDIC_OK;
+    for (size_t k = 0; !status && k < count; k++) {
+        status = check_ping(sim, &poses[k], out[k]);
     }
-    if (!status) {
-        asdic_pulse_smear(&sim->sonar, water.sound_speed_mps, sim->smear_scratch, out);
-        asdic_speckle_apply(&sim->sonar, water.sound_speed_mps, sim->sampling.seed, index, out);
+    for (size_t k = 0; !status && k < count; k += sim->volley) {
+        size_t left = count - k;
+        status = shoot(sim, poses + k, first + k, left < sim->volley ? left : sim->volley, out + k);
     }
     return status;
+}
+
+asdic_status asdic_simulator_ping(asdic_simulator *sim, const asdic_pose *pose, uint64_t index,
+                                  asdic_ping *out) {
+    return asdic_simulator_pings(sim, pose, index, 1, &out);
+}
+
+size_t asdic_simulator_volley(const asdic_simulator *sim) {
+    return sim ? sim->volley : 0;
 }

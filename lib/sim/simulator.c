@@ -15,6 +15,8 @@
 
 /* A group's accumulator is cleared and summed every ping: fewer groups where it is large. */
 #define GROUP_BYTES_LIMIT ((size_t)16 << 20)
+/* A volley's accumulators: they are cleared and summed while they are in a cache. */
+#define VOLLEY_BYTES_LIMIT ((size_t)4 << 20)
 /* PoCL keeps the private variables of a whole work-group, some 2 kB a ray or vector of rays, on one
  * stack of 8 MB; no device gains by more. */
 #define LOCAL_LIMIT 1024
@@ -26,6 +28,7 @@ asdic_layout asdic_layout_default(const asdic_device_info *info) {
                      : info->has_int64_atomics ? ASDIC_DEPOSIT_ATOMIC64
                                                : ASDIC_DEPOSIT_ATOMIC32;
     layout.batch_slots = (size_t)1 << 20;
+    layout.volley_slots = (size_t)1 << (cpu ? 13 : 18);
     return layout;
 }
 
@@ -35,6 +38,16 @@ static unsigned group_count(size_t cells) {
         groups /= 2;
     }
     return groups;
+}
+
+/* Pings of one batch each, none of a fan, whose map is large. */
+static size_t volley_size(const asdic_simulator *sim) {
+    size_t slots = sim->groups * sim->per_group;
+    size_t bytes = sim->groups * sim->components * sim->cells * sizeof(int64_t);
+    size_t size = sim->layout.volley_slots / slots;
+    size = size * bytes > VOLLEY_BYTES_LIMIT ? VOLLEY_BYTES_LIMIT / bytes : size;
+    size = size > ASDIC_LEARN_BLOCK ? ASDIC_LEARN_BLOCK : size;
+    return size == 0 || sim->fan.cells || slots < sim->sampling.rays ? 1 : size;
 }
 
 static asdic_status create_kernels(asdic_simulator *sim) {
@@ -57,7 +70,7 @@ static asdic_status create_kernels(asdic_simulator *sim) {
         {"collect", &sim->collect, owned},
         {"suffix", &sim->suffix, !owned && !sim->fan.cells},
         {"reduce", &sim->reduce, !sim->fan.cells},
-        {"survey", &sim->survey, adaptive},
+        {"survey", &sim->survey_kernel, adaptive},
         {"connect", &sim->connect, sim->has_mirrors},
         {"bounce", &sim->bounce, sim->has_mirrors},
     };
@@ -73,65 +86,6 @@ static asdic_status create_kernels(asdic_simulator *sim) {
     }
     return asdic_beam_fan_init(&sim->fan, sim->device, sim->layout.width,
                                sim->components * sim->bins);
-}
-
-static size_t ping_bytes(const asdic_simulator *sim) {
-    return sizeof(dev_ping) + (sim->sonar.receiver_count + 1) * sizeof(dev_beam);
-}
-
-/* Sums, one word of cut deposits, spreads; of a fan: sums as floats, the word. */
-size_t asdic_simulator_results_bytes(const asdic_simulator *sim) {
-    if (sim->fan.cells) {
-        return sim->components * sim->cells * sizeof(float) + sizeof(uint32_t);
-    }
-    return (sim->components * sim->cells + 1) * sizeof(int64_t) + sim->cells * sizeof(float);
-}
-
-size_t asdic_simulator_per_group(const asdic_simulator *sim, size_t rays) {
-    size_t most = sim->layout.batch_slots, step = sim->groups == 1 ? 64 : 16;
-    rays = rays < most ? rays : most;
-    return ((rays + sim->groups - 1) / sim->groups + step - 1) / step * step;
-}
-
-static asdic_status create_buffers(asdic_simulator *sim) {
-    size_t pilot = asdic_simulator_per_group(sim, ASDIC_PILOT_RAYS);
-    size_t most = sim->per_group > pilot ? sim->per_group : pilot;
-    size_t slots = sim->groups * most;
-    size_t bounce_slots = sim->has_mirrors ? slots : 0;
-    size_t sets = sim->layout.deposit != ASDIC_DEPOSIT_OWNED ? 0 : sim->has_mirrors ? 3 : 1;
-    size_t accumulator = sim->groups * (size_t)sim->fixed.group_cells * sizeof(int64_t) +
-                         asdic_beam_fan_tail_bytes(&sim->fan, sim->components * sim->bins);
-    const struct {
-        size_t bytes;
-        asdic_buffer **buffer;
-    } wanted[] = {
-        {ping_bytes(sim), &sim->ping_buffer},
-        {(DEV_TABLE_CELLS + 1) * sizeof(float), &sim->table_buffer},
-        {slots * sizeof(dev_ray), &sim->rays},
-        {slots * sizeof(float), &sim->solid_angles},
-        {slots * sizeof(float), &sim->splats},
-        {sim->tracer ? slots * sizeof(dev_hit) : 0, &sim->hits},
-        {bounce_slots * sizeof(dev_ray), &sim->bounced},
-        {bounce_slots * sizeof(dev_hit), &sim->bounced_hits},
-        {bounce_slots * sizeof(dev_ray), &sim->returning},
-        {bounce_slots * sizeof(dev_hit), &sim->returning_hits},
-        {bounce_slots * 4 * sizeof(float), &sim->mirrors},
-        {sets * slots * sizeof(dev_parcel), &sim->parcels},
-        {0, &sim->no_triangles},
-        {sim->bins * sizeof(float), &sim->volume_inverse},
-        {sim->bins * sizeof(float), &sim->volume_ratio},
-        {accumulator, &sim->accumulator},
-        {asdic_simulator_results_bytes(sim), &sim->results},
-        {sizeof(uint32_t), &sim->saturated},
-    };
-    for (size_t i = 0; i < sizeof wanted / sizeof *wanted; i++) {
-        asdic_status status =
-            asdic_buffer_create(sim->device, wanted[i].bytes, NULL, wanted[i].buffer);
-        if (status) {
-            return status;
-        }
-    }
-    return ASDIC_OK;
 }
 
 bool asdic_simulator_has(const asdic_simulator *sim, unsigned kind) {
@@ -232,25 +186,6 @@ static asdic_status check_arguments(asdic_context *ctx, const asdic_scene *scene
     return ASDIC_OK;
 }
 
-static asdic_status allocate_host(asdic_simulator *sim) {
-    size_t beams = sim->sonar.receiver_count;
-    sim->receivers = malloc(beams * sizeof *sim->receivers);
-    sim->ping = calloc(1, ping_bytes(sim));
-    sim->bin_table = calloc(2 * sim->bins, sizeof *sim->bin_table);
-    sim->bin_loss = calloc(sim->bins, sizeof *sim->bin_loss);
-    sim->bin_volume = calloc(sim->bins, sizeof *sim->bin_volume);
-    sim->host_results = malloc(asdic_simulator_results_bytes(sim));
-    sim->stated = malloc(sim->cells * sizeof *sim->stated);
-    sim->smear_scratch = malloc((3 * sim->bins + 1) * sizeof *sim->smear_scratch);
-    if (!sim->smear_scratch || !sim->receivers || !sim->stated || !sim->ping || !sim->bin_table ||
-        !sim->bin_loss || !sim->bin_volume || !sim->host_results) {
-        return asdic_fail_memory(sim->ctx, "a simulator");
-    }
-    memcpy(sim->receivers, sim->sonar.receivers, beams * sizeof *sim->receivers);
-    sim->sonar.receivers = sim->receivers;
-    return ASDIC_OK;
-}
-
 asdic_status asdic_simulator_create_with(asdic_context *ctx, asdic_device *device,
                                          const asdic_scene *scene, const asdic_environment *env,
                                          const asdic_sonar *sonar, const asdic_sampling *sampling,
@@ -277,8 +212,7 @@ asdic_status asdic_simulator_create_with(asdic_context *ctx, asdic_device *devic
                              .env = *env,
                              .sonar = *sonar,
                              .sampling = *sampling,
-                             .layout = *layout,
-                             .tabulated_absorption = -1.0};
+                             .layout = *layout};
     if (sampling->left_out & (1u << ASDIC_TERM_BORIC_ACID)) {
         sim->env.ph = -INFINITY; /* 10^(0.78 pH - 5), its strength, is then zero */
     }
@@ -317,11 +251,13 @@ asdic_status asdic_simulator_create_with(asdic_context *ctx, asdic_device *devic
     sim->components = sim->has_mirrors    ? DEV_DEPOSIT_COUNT
                       : scene_echoes(sim) ? DEV_DEPOSIT_OBJECT + 1u
                                           : DEV_DEPOSIT_OBJECT;
-    if ((status = allocate_host(sim)) != ASDIC_OK) {
+    sim->volley = volley_size(sim);
+    if ((status = asdic_store_create_host(sim)) != ASDIC_OK) {
         goto fail;
     }
     asdic_simulator_prepare(sim, &water);
-    if ((status = create_kernels(sim)) != ASDIC_OK || (status = create_buffers(sim)) != ASDIC_OK) {
+    if ((status = create_kernels(sim)) != ASDIC_OK ||
+        (status = asdic_store_create_device(sim)) != ASDIC_OK) {
         goto fail;
     }
     if ((status = asdic_points_init(sim)) != ASDIC_OK) {
@@ -354,21 +290,12 @@ void asdic_simulator_destroy(asdic_simulator **pointer) {
     }
     asdic_simulator *sim = *pointer;
     asdic_device_finish(sim->device); /* it may still read what a failed ping sent */
-    asdic_buffer **buffers[] = {
-        &sim->ping_buffer, &sim->table_buffer,   &sim->rays,           &sim->solid_angles,
-        &sim->splats,      &sim->hits,           &sim->bounced,        &sim->bounced_hits,
-        &sim->returning,   &sim->returning_hits, &sim->mirrors,        &sim->parts,
-        &sim->materials,   &sim->no_triangles,   &sim->volume_inverse, &sim->volume_ratio,
-        &sim->parcels,     &sim->accumulator,    &sim->saturated,      &sim->results};
-    for (size_t i = 0; i < sizeof buffers / sizeof *buffers; i++) {
-        asdic_buffer_destroy(buffers[i]);
-    }
     asdic_kernel_destroy(&sim->sample);
     asdic_kernel_destroy(&sim->shade);
     asdic_kernel_destroy(&sim->collect);
     asdic_kernel_destroy(&sim->suffix);
     asdic_kernel_destroy(&sim->reduce);
-    asdic_kernel_destroy(&sim->survey);
+    asdic_kernel_destroy(&sim->survey_kernel);
     asdic_kernel_destroy(&sim->connect);
     asdic_kernel_destroy(&sim->bounce);
     asdic_beam_fan_finish(&sim->fan, sim->device);
@@ -376,16 +303,8 @@ void asdic_simulator_destroy(asdic_simulator **pointer) {
     asdic_points_finish(sim);
     asdic_tracer_destroy(&sim->tracer);
     asdic_placement_destroy(&sim->placement);
-    free(sim->receivers);
-    free(sim->host_materials);
-    free(sim->ping);
-    free(sim->bin_table);
-    free(sim->bin_loss);
-    free(sim->bin_volume);
-    free(sim->host_results);
-    free(sim->stated);
     asdic_pair_destroy(&sim->pair);
-    free(sim->smear_scratch);
+    asdic_store_destroy(sim);
     free(sim);
     *pointer = NULL;
 }

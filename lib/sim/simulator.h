@@ -32,9 +32,10 @@ typedef enum asdic_deposit {
 typedef struct asdic_layout {
     unsigned width; /* rays per work-item: 1, 8 or 16 */
     asdic_deposit deposit;
-    size_t local;       /* work-group size of the ray kernels */
-    bool beam_by_beam;  /* weigh every ray for every receiver even in a fan */
-    size_t batch_slots; /* rays held on the device at once, at least ASDIC_PILOT_RAYS */
+    size_t local;        /* work-group size of the ray kernels */
+    bool beam_by_beam;   /* weigh every ray for every receiver even in a fan */
+    size_t batch_slots;  /* rays held on the device at once, at least ASDIC_PILOT_RAYS */
+    size_t volley_slots; /* rays up to which pings go to the device together */
 } asdic_layout;
 
 asdic_layout asdic_layout_default(const asdic_device_info *info);
@@ -50,6 +51,19 @@ typedef struct asdic_stated_error {
 
 typedef struct asdic_pair asdic_pair; /* see calibrate.c */
 
+/* What a ping's depth makes of its bins. */
+typedef struct asdic_bin_laws {
+    double absorption_np_per_m; /* they are for; -1: none yet */
+    double *loss, *volume;      /* TL d^2; s_V times the integral of TL d^2 */
+} asdic_bin_laws;
+
+/* A ping to simulate; STREAM as below. */
+typedef struct asdic_ping_shot {
+    asdic_pose pose;
+    uint64_t index;
+    uint32_t stream;
+} asdic_ping_shot;
+
 struct asdic_simulator {
     asdic_context *ctx;
     asdic_device *device;
@@ -63,22 +77,24 @@ struct asdic_simulator {
     size_t components; /* deposited, see ping_types.h */
     unsigned groups;
     size_t per_group; /* slots of a group in one batch */
+    size_t volley;    /* pings that go to the device together, at most */
 
     asdic_placement *placement; /* where objects and points are now */
     asdic_tracer *tracer;       /* NULL without triangles */
     bool has_mirrors;           /* something in the scene reflects, and multipath is wanted */
     asdic_kernel *sample, *shade, *collect, *suffix, *reduce; /* collect: or suffix */
-    asdic_beam_fan fan;   /* many receivers as one map; cells 0: each receiver by itself */
-    asdic_kernel *survey; /* adaptive sampler only */
+    asdic_beam_fan fan;          /* many receivers as one map; cells 0: each receiver by itself */
+    asdic_kernel *survey_kernel; /* adaptive sampler only */
     asdic_kernel *connect, *bounce; /* NULL without mirrors */
-    asdic_buffer *ping_buffer;      /* dev_ping, then the apertures */
+    asdic_buffer *ping_buffer;      /* dev_ping, then the apertures, for each ping of a volley */
     asdic_buffer *table_buffer;
     asdic_buffer *rays, *solid_angles, *splats, *hits;
     asdic_buffer *bounced, *bounced_hits, *returning, *returning_hits, *mirrors;
     asdic_buffer *parcels; /* where work-items own groups, see receive.h */
     asdic_buffer *parts, *materials, *no_triangles;
-    asdic_buffer *volume_inverse, *volume_ratio;
+    asdic_buffer *water_tables;                      /* as row_water in volley.h */
     asdic_buffer *accumulator, *saturated, *results; /* see reduce.cl */
+    asdic_buffer *survey_rows;                       /* see survey.cl; adaptive sampler only */
 
     asdic_buffer *point_ray_buffer, *point_hit_buffer; /* NULL without points or triangles */
     dev_ray *point_rays;
@@ -87,10 +103,11 @@ struct asdic_simulator {
     dev_material *host_materials;
     size_t material_count;
     dev_ping fixed;                   /* what does not change from ping to ping */
-    dev_ping *ping;                   /* the current one; the apertures follow */
-    double tabulated_absorption;      /* of the tables per bin; -1: none */
-    float *bin_table;                 /* 2 * bins scratch */
-    double *bin_loss, *bin_volume;    /* TL d^2; s_V times the integral of TL d^2 */
+    dev_ping *pings, *ping;           /* a volley's, and the current one; the apertures follow */
+    size_t nth;                       /* the current ping's place in its volley */
+    asdic_bin_laws *laws;             /* of each ping of a volley */
+    double *bin_tables;               /* what they hold */
+    float *water;                     /* their part for the device, as WATER_TABLES */
     double *smear_scratch;            /* 3 * bins + 1 */
     asdic_stated_error *stated;       /* cells */
     asdic_pair *pair;                 /* NULL before a calibration */
@@ -101,7 +118,8 @@ struct asdic_simulator {
     asdic_quadrature_cache quadrature; /* where a plan left rays out */
     bool table_uploaded;
     bool accumulator_clear;
-    void *host_results; /* as RESULTS in reduce.cl, or of a fan in fan.cl */
+    char *host_results; /* as RESULTS in reduce.cl, or of a fan in fan.cl */
+    float *survey;      /* as SURVEY_ROWS */
 };
 
 /* asdic_simulator_create with a layout of the caller's. */
@@ -125,19 +143,31 @@ static inline dev_beam *asdic_simulator_beams(const asdic_simulator *sim) {
 #define ASDIC_STREAM_CALIBRATION 1u /* and the next */
 #define ASDIC_STREAM_PILOT 3u       /* and the next */
 
+/* Makes the volley's NTH ping the current one. */
+void asdic_simulator_select(asdic_simulator *sim, size_t nth);
+
 /* Steps of a ping that learning shares with it. Describe: fills sim->ping for INDEX at POSE with
- * RAYS rays. Draw:
- * uploads it, samples and traces the batch that it names. */
+ * RAYS rays. Draw: uploads COUNT pings, samples and traces the batch that the first names. */
 void asdic_simulator_describe(asdic_simulator *sim, const asdic_pose *pose, uint64_t index,
                               uint32_t stream, uint32_t rays);
-asdic_status asdic_simulator_draw(asdic_simulator *sim);
+asdic_status asdic_simulator_draw(asdic_simulator *sim, size_t count);
 
 /* Slots of a group in one batch of a ping with RAYS rays: whole vectors, and whole work-groups over
  * all groups. */
 size_t asdic_simulator_per_group(const asdic_simulator *sim, size_t rays);
 
-/* Bytes of a ping's sums on their way to the host. */
+/* Bytes of a ping with its apertures; of its sums on their way to the host. */
+size_t asdic_simulator_ping_bytes(const asdic_simulator *sim);
 size_t asdic_simulator_results_bytes(const asdic_simulator *sim);
+
+/* Bytes of what a survey tells of SLOTS rays, and receivers that it picks. */
+size_t asdic_simulator_survey_bytes(const asdic_simulator *sim, size_t slots);
+uint32_t asdic_simulator_picked(const asdic_simulator *sim);
+
+/* Memory of host and device, when all that it depends on is known. Host: before anything is described. */
+asdic_status asdic_store_create_host(asdic_simulator *sim);
+asdic_status asdic_store_create_device(asdic_simulator *sim);
+void asdic_store_destroy(asdic_simulator *sim);
 
 /* The scene's triangles on the device, or a buffer to point at when there are none. */
 asdic_buffer *asdic_simulator_triangles(const asdic_simulator *sim);
@@ -148,12 +178,13 @@ bool asdic_simulator_has(const asdic_simulator *sim, unsigned kind);
 /* What the device is told about a part. */
 dev_part asdic_simulator_part(const asdic_part *part);
 
-/* A whole ping. */
-asdic_status asdic_simulator_simulate(asdic_simulator *sim, const asdic_pose *pose, uint64_t index,
-                                      uint32_t stream, asdic_ping *out);
+/* COUNT pings without points, pulse and speckle, a volley at most. */
+asdic_status asdic_simulator_simulate(asdic_simulator *sim, const asdic_ping_shot *shots,
+                                      size_t count, asdic_ping *const *out);
 
-/* The device's sums to energies, total and stated error, and the count of cut deposits; OUT holds the
- * noise already. Of a fan, waits for the device. A quantum at loss 1 is worth SOURCE_LIN over its scale. */
+/* The current ping's sums to energies, total and stated error, and the count of cut deposits; OUT holds
+ * the noise already. Of a fan, waits for the device. A quantum at loss 1 is worth SOURCE_LIN over its
+ * scale. */
 asdic_status asdic_simulator_convert(asdic_simulator *sim, double source_lin, asdic_ping *out);
 
 /* The source's intensity at 1 m, linear, less the metre of absorption that the paper prints more. */

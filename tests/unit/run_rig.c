@@ -23,8 +23,9 @@ void __wrap_asdic_simulator_destroy(asdic_simulator **sim);
 size_t __wrap_asdic_simulator_bin_count(const asdic_simulator *sim);
 asdic_status __wrap_asdic_simulator_learn(asdic_simulator *sim, const asdic_pose *pose,
                                           uint64_t index);
-asdic_status __wrap_asdic_simulator_ping(asdic_simulator *sim, const asdic_pose *pose,
-                                         uint64_t index, asdic_ping *ping);
+size_t __wrap_asdic_simulator_volley(const asdic_simulator *sim);
+asdic_status __wrap_asdic_simulator_pings(asdic_simulator *sim, const asdic_pose *poses,
+                                          uint64_t first, size_t count, asdic_ping *const *pings);
 const asdic_device_info *__wrap_asdic_device_get_info(const asdic_device *device);
 
 asdic_status __wrap_asdic_simulator_create(asdic_context *ctx, asdic_device *device,
@@ -64,9 +65,7 @@ asdic_status __wrap_asdic_simulator_learn(asdic_simulator *sim, const asdic_pose
 }
 
 /* Levels that tell ping, beam, bin and what was learnt. */
-asdic_status __wrap_asdic_simulator_ping(asdic_simulator *sim, const asdic_pose *pose,
-                                         uint64_t index, asdic_ping *ping) {
-    (void)pose;
+static asdic_status fake_ping(asdic_simulator *sim, uint64_t index, asdic_ping *ping) {
     if (sim->device->pings == sim->device->fails_after) {
         return ASDIC_ERROR_DEVICE_LOST;
     }
@@ -81,6 +80,22 @@ asdic_status __wrap_asdic_simulator_ping(asdic_simulator *sim, const asdic_pose 
     }
     ping->rays = 1000;
     return ASDIC_OK;
+}
+
+asdic_status __wrap_asdic_simulator_pings(asdic_simulator *sim, const asdic_pose *poses,
+                                          uint64_t first, size_t count, asdic_ping *const *pings) {
+    asdic_status status = ASDIC_OK;
+    assert_non_null(poses);
+    assert_int_equal(first / ASDIC_LEARN_BLOCK, (first + count - 1) / ASDIC_LEARN_BLOCK);
+    for (size_t k = 0; status == ASDIC_OK && k < count; k++) {
+        status = fake_ping(sim, first + k, pings[k]);
+    }
+    return status;
+}
+
+/* Devices of several kinds: how many go together must not matter. */
+size_t __wrap_asdic_simulator_volley(const asdic_simulator *sim) {
+    return sim->device->volley ? sim->device->volley : 1;
 }
 
 const asdic_device_info *__wrap_asdic_device_get_info(const asdic_device *device) {
