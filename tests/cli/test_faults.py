@@ -20,7 +20,7 @@ FAULTS = (
     ("resources, half-way", "kernel:120:-5", "CL_OUT_OF_RESOURCES"),
     ("host memory, half-way", "kernel:160:-6", "CL_OUT_OF_HOST_MEMORY"),
     ("lost, half-way", "read:20:-2", "CL_DEVICE_NOT_AVAILABLE"),
-    ("lost, while writing", "write:60:-36", "CL_INVALID_COMMAND_QUEUE"),
+    ("lost, while writing", "write:40:-36", "CL_INVALID_COMMAND_QUEUE"),
 )
 
 
@@ -39,7 +39,7 @@ def two_devices():
 def test_device_that_fails_is_dropped():
     env = two_devices()
     with Folder() as folder:
-        path = scene(folder, pings=80, rays=500)
+        path = scene(folder, pings=80, rays=5000)  # one after the other
         asdic("run", path, "-o", folder / "whole").check(code=0)
         for n, (name, fault, words) in enumerate(FAULTS):
             for device in (n % 2,):
@@ -54,7 +54,7 @@ def test_device_that_fails_is_dropped():
 def test_last_device_that_fails_leaves_a_run_to_resume():
     program.need_device()
     with Folder() as folder:
-        path = scene(folder, pings=80, rays=500)
+        path = scene(folder, pings=80, rays=5000)  # one after the other
         asdic("run", path, "-o", folder / "whole").check(code=0)
         done = with_fault(0, "kernel:300:-5", "run", path, "-o", folder / "r").check(code=1)
         tap.contains(done.err, "CL_OUT_OF_RESOURCES")
