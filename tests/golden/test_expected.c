@@ -190,8 +190,13 @@ static void errata_have_their_published_size(void **state) {
         double found[3];
         change(s->ping->intensity_lin[rows[i].component], wrong->intensity_lin[rows[i].component],
                found);
-        print_message("erratum %u, component %d: %+.3f [%+.3f, %+.3f] dB\n", rows[i].number,
-                      rows[i].component, found[0], found[1], found[2]);
+        static const char *const names[ASDIC_COMPONENT_COUNT] = {[ASDIC_BOTTOM] = "bottom",
+                                                                 [ASDIC_SURFACE] = "surface",
+                                                                 [ASDIC_VOLUME] = "volume",
+                                                                 [ASDIC_NOISE] = "noise"};
+        print_message("slip %2u%s, %-7s %+8.3f [%+.3f, %+.3f] dB\n", rows[i].number,
+                      rows[i].number ? "" : " (all of 'printed')", names[rows[i].component],
+                      found[0], found[1], found[2]);
         check_change("median", found[0], rows[i].median, rows[i].tolerance);
         check_change("least", found[1], rows[i].least, rows[i].tolerance);
         check_change("most", found[2], rows[i].most, rows[i].tolerance);
