@@ -186,6 +186,8 @@ static void add_box(ping_rig *r, asdic_material material) {
     asdic_mesh_destroy(&mesh);
 }
 
+/* Work-groups of 1, 8, 64 and 4096, int64 atomics and none, batches. That no kernel needs fp64 or
+ * local memory, tests/full/test_lint.py shows. */
 static void layout_never_changes_a_byte(void **state) {
     (void)state;
     ping_rig r = rig_create(&t);
@@ -197,6 +199,9 @@ static void layout_never_changes_a_byte(void **state) {
     bool has_int64 = asdic_device_get_info(t.device)->has_int64_atomics;
     static const asdic_layout others[] = {
         {.deposit = ASDIC_DEPOSIT_OWNED, .local = 1, .batch_slots = 16384},
+        {.deposit = ASDIC_DEPOSIT_OWNED, .local = 8, .batch_slots = 1 << 20},
+        {.deposit = ASDIC_DEPOSIT_OWNED, .local = 64, .batch_slots = 20000},
+        {.deposit = ASDIC_DEPOSIT_OWNED, .local = 4096, .batch_slots = 1 << 20},
         {.deposit = ASDIC_DEPOSIT_ATOMIC32, .local = 4096, .batch_slots = 20000},
         {.deposit = ASDIC_DEPOSIT_ATOMIC32, .local = 8, .batch_slots = 1 << 20},
         {.deposit = ASDIC_DEPOSIT_ATOMIC64, .local = 64, .batch_slots = 32768},
