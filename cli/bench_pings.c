@@ -88,6 +88,7 @@ static asdic_status measure(cli *c, asdic_device *device, const asdic_scene *sce
                                                  &sampling, pose_of(0).position_m.z, &sim);
     rate->create_s = bench_now_s() - began;
     if (!status) {
+        rate->units = asdic_device_get_info(device)->compute_units;
         rate->bins = asdic_simulator_bin_count(sim);
         rate->triangles = asdic_scene_get_info(scene).triangles;
         rate->build_s = asdic_scene_get_info(scene).build_s;
@@ -114,41 +115,77 @@ static const char *thread_limit(void) {
 static void print_head(const asdic_device_info *device) {
     printf("%s, %u units, POCL_MAX_PTHREAD_COUNT %s: %d beams, %d rays, one bounce\n", device->name,
            device->compute_units, thread_limit(), BEAMS, RAYS);
-    printf("%9s %5s %8s %8s %8s %8s %8s  ", "triangles", "bins", "pings/s", "mission", "create ms",
-           "first ms", "build s");
+    printf("%9s %5s %5s %8s %8s %9s %8s %8s  ", "triangles", "bins", "units", "pings/s", "mission",
+           "create ms", "first ms", "build s");
     for (int p = 0; p < ASDIC_PHASE_COUNT; p++) {
-        printf(" %6s", asdic_phase_name((asdic_phase)p));
+        printf(" %7s", asdic_phase_name((asdic_phase)p));
     }
     printf("  ms\n");
 }
 
-static void print_row(const bench_rate *r) {
-    printf("%9zu %5zu %8.1f %8.1f %8.1f %8.2f %8.3f  ", r->triangles, r->bins, 1.0 / r->ping_s,
-           mission_rate(r), 1e3 * r->create_s, 1e3 * r->first_s, r->build_s);
+static void print_rate(const bench_rate *r) {
+    printf("%9zu %5zu %5u %8.1f %8.1f %9.1f %8.2f %8.3f  ", r->triangles, r->bins, r->units,
+           1.0 / r->ping_s, mission_rate(r), 1e3 * r->create_s, 1e3 * r->first_s, r->build_s);
     for (int p = 0; p < ASDIC_PHASE_COUNT; p++) {
-        printf(" %6.2f", 1e3 * r->phase_s[p]);
+        printf(" %7.2f", 1e3 * r->phase_s[p]);
     }
     printf("\n");
+}
+
+static void print_pair(const bench_pair *pair) {
+    if (pair->one.pings > 0) {
+        print_rate(&pair->one);
+    }
+    print_rate(&pair->whole);
     fflush(stdout);
 }
 
 static void print_start(const bench_start *start) {
-    printf("start of a process to its first ping: %.2f s with kernels to compile, %.2f s again\n",
+    printf("The first rows' 'create' and 'first' have kernels to compile, or to fetch from PoCL's "
+           "cache.\n"
+           "start of a process to its first ping: %.2f s with kernels to compile, %.2f s again\n",
            start->cold_s, start->warm_s);
 }
 
-/* How the time of a ping grows with triangles and bins: of the largest over the smallest. */
-static void print_growth(const bench_rate *rates, size_t count) {
-    const bench_rate *least = &rates[0], *most = &rates[count - 1], *bins = &rates[BIN_COUNTS - 1];
+/* How the time of a ping grows with triangles and bins, and falls with compute units. */
+static void print_growth(const bench_pair *pairs, size_t count) {
+    const bench_rate *least = &pairs[0].whole, *most = &pairs[count - 1].whole;
+    const bench_rate *bins = &pairs[BIN_COUNTS - 1].whole;
+    double gains[SIZES * BIN_COUNTS];
+    for (size_t i = 0; i < count; i++) {
+        gains[i] = pairs[i].one.ping_s / pairs[i].whole.ping_s;
+    }
     if (count > BIN_COUNTS) {
         printf("%.0f times the triangles: %.2f times the time; %.0f times the bins: %.2f times\n",
                (double)most->triangles / (double)least->triangles,
-               rates[count - BIN_COUNTS].ping_s / least->ping_s,
+               pairs[count - BIN_COUNTS].whole.ping_s / least->ping_s,
                (double)bins->bins / (double)least->bins, bins->ping_s / least->ping_s);
+    }
+    if (pairs[0].one.pings > 0) {
+        printf("%u units are %.2f times as fast as one (median of the rows)\n", least->units,
+               bench_median(gains, count));
     }
 }
 
-static void print_json(const bench_rate *rates, size_t count, const bench_start *start,
+static void print_json_rate(json *j, const bench_rate *r) {
+    json_open(j, NULL, '{');
+    json_integer(j, "triangles", r->triangles);
+    json_integer(j, "bins", r->bins);
+    json_integer(j, "units", r->units);
+    json_number(j, "pings_per_s", 1.0 / r->ping_s);
+    json_number(j, "mission_pings_per_s", mission_rate(r));
+    json_number(j, "create_s", r->create_s);
+    json_number(j, "first_ping_s", r->first_s);
+    json_number(j, "build_s", r->build_s);
+    json_open(j, "phase_s", '{');
+    for (int p = 0; p < ASDIC_PHASE_COUNT; p++) {
+        json_number(j, asdic_phase_name((asdic_phase)p), r->phase_s[p]);
+    }
+    json_close(j);
+    json_close(j);
+}
+
+static void print_json(const bench_pair *pairs, size_t count, const bench_start *start,
                        const asdic_device_info *device) {
     json j = json_begin(stdout);
     json_open(&j, NULL, '{');
@@ -162,75 +199,78 @@ static void print_json(const bench_rate *rates, size_t count, const bench_start 
     json_number(&j, "warm_start_s", start->warm_s);
     json_open(&j, "rows", '[');
     for (size_t i = 0; i < count; i++) {
-        const bench_rate *r = &rates[i];
-        json_open(&j, NULL, '{');
-        json_integer(&j, "triangles", r->triangles);
-        json_integer(&j, "bins", r->bins);
-        json_number(&j, "pings_per_s", 1.0 / r->ping_s);
-        json_number(&j, "mission_pings_per_s", mission_rate(r));
-        json_number(&j, "create_s", r->create_s);
-        json_number(&j, "first_ping_s", r->first_s);
-        json_number(&j, "build_s", r->build_s);
-        json_open(&j, "phase_s", '{');
-        for (int p = 0; p < ASDIC_PHASE_COUNT; p++) {
-            json_number(&j, asdic_phase_name((asdic_phase)p), r->phase_s[p]);
+        if (pairs[i].one.pings > 0) {
+            print_json_rate(&j, &pairs[i].one);
         }
-        json_close(&j);
-        json_close(&j);
+        print_json_rate(&j, &pairs[i].whole);
     }
     json_close(&j);
     json_close(&j);
 }
 
-static int write_csv(const cli *c, const char *path, const bench_rate *rates, size_t count) {
+static void print_csv_rate(FILE *file, const bench_rate *r) {
+    fprintf(file, "\n%zu,%zu,%u,%.6g,%.6g,%.6g,%.6g,%.6g", r->triangles, r->bins, r->units,
+            1.0 / r->ping_s, mission_rate(r), r->create_s, r->first_s, r->build_s);
+    for (int p = 0; p < ASDIC_PHASE_COUNT; p++) {
+        fprintf(file, ",%.6g", r->phase_s[p]);
+    }
+}
+
+static int write_csv(const cli *c, const char *path, const bench_pair *pairs, size_t count) {
     FILE *file = bench_begin_file(c, path);
     if (!file) {
         return CLI_FAILED;
     }
-    fprintf(file, "triangles,bins,pings_per_s,mission_pings_per_s,create_s,first_ping_s,build_s");
+    fprintf(file,
+            "triangles,bins,units,pings_per_s,mission_pings_per_s,create_s,first_ping_s,build_s");
     for (int p = 0; p < ASDIC_PHASE_COUNT; p++) {
         fprintf(file, ",%s_s", asdic_phase_name((asdic_phase)p));
     }
     for (size_t i = 0; i < count; i++) {
-        const bench_rate *r = &rates[i];
-        fprintf(file, "\n%zu,%zu,%.6g,%.6g,%.6g,%.6g,%.6g", r->triangles, r->bins, 1.0 / r->ping_s,
-                mission_rate(r), r->create_s, r->first_s, r->build_s);
-        for (int p = 0; p < ASDIC_PHASE_COUNT; p++) {
-            fprintf(file, ",%.6g", r->phase_s[p]);
+        if (pairs[i].one.pings > 0) {
+            print_csv_rate(file, &pairs[i].one);
         }
+        print_csv_rate(file, &pairs[i].whole);
     }
     fprintf(file, "\n");
     return bench_end_file(c, file, path);
 }
 
 /* Time over triangles, a curve for each number of bins. */
-static asdic_status draw(const cli *c, const char *path, const bench_rate *rates, size_t count) {
+static asdic_status draw(const cli *c, const char *path, const bench_pair *pairs, size_t count) {
     double triangles[BIN_COUNTS][SIZES], time_ms[BIN_COUNTS][SIZES];
     char labels[BIN_COUNTS][32];
     asdic_series curves[BIN_COUNTS] = {{0}};
     for (size_t i = 0; i < count; i++) { /* sizes, and for each all numbers of bins */
+        const bench_rate *r = &pairs[i].whole;
         size_t b = i % BIN_COUNTS, s = i / BIN_COUNTS;
-        triangles[b][s] = (double)rates[i].triangles;
-        time_ms[b][s] = 1e3 * rates[i].ping_s;
-        snprintf(labels[b], sizeof labels[b], "%zu bins", rates[i].bins);
-        curves[b] = (asdic_series){
-            .label = labels[b], .x = triangles[b], .y = time_ms[b], .count = s + 1};
+        triangles[b][s] = (double)r->triangles;
+        time_ms[b][s] = 1e3 * r->ping_s;
+        snprintf(labels[b], sizeof labels[b], "%zu bins", r->bins);
+        curves[b] =
+            (asdic_series){.label = labels[b], .x = triangles[b], .y = time_ms[b], .count = s + 1};
     }
     return bench_scaling_picture(c, path, "Six beams, 20,000 rays, one bounce", "triangles", curves,
                                  BIN_COUNTS);
 }
 
-static asdic_status measure_all(cli *c, asdic_device *device, const bench_options *options,
-                                bench_rate *rates, size_t *count) {
+/* UNIT: NULL, or one of the device's. */
+static asdic_status measure_all(cli *c, asdic_device *device, asdic_device *unit,
+                                const bench_options *options, bench_pair *pairs, size_t *count) {
     asdic_status status = ASDIC_OK;
     for (size_t s = 0; !status && s < SIZES - (options->quick ? 2 : 0); s++) {
         asdic_scene *scene = NULL;
         status = bench_terrain(cli_context(c), sizes[s], 0, &scene);
         for (size_t b = 0; !status && b < BIN_COUNTS; b++) {
-            rates[*count] = (bench_rate){.pings = options->quick ? 8 : MOST_PINGS};
-            status = measure(c, device, scene, bin_counts[b], &rates[*count]);
+            bench_pair *pair = &pairs[*count];
+            size_t pings = options->quick ? 8 : MOST_PINGS;
+            *pair = (bench_pair){.whole = {.pings = pings}, .one = {.pings = unit ? pings : 0}};
+            status = measure(c, device, scene, bin_counts[b], &pair->whole);
+            if (!status && unit) {
+                status = measure(c, unit, scene, bin_counts[b], &pair->one);
+            }
             if (!status && !options->json) {
-                print_row(&rates[*count]);
+                print_pair(pair);
             }
             *count += !status;
         }
@@ -250,8 +290,8 @@ static asdic_status first_ping(cli *c, asdic_device *device) {
 }
 
 int bench_pings(cli *c, const bench_options *options) {
-    bench_rate rates[SIZES * BIN_COUNTS];
-    asdic_device **devices = NULL;
+    bench_pair pairs[SIZES * BIN_COUNTS];
+    asdic_device **devices = NULL, **units = NULL;
     size_t device_count = 0, count = 0;
     if (cli_operand_count(c) > 1) {
         return cli_usage(c, "'bench pings' makes its own scenes");
@@ -274,21 +314,25 @@ int bench_pings(cli *c, const bench_options *options) {
     if (!options->json) {
         print_head(device);
     }
-    status = measure_all(c, devices[0], options, rates, &count);
+    if (device->compute_units > 1) { /* a device that cannot be split is measured whole alone */
+        asdic_device_split(devices[0], device->compute_units, &units);
+    }
+    status = measure_all(c, devices[0], units ? units[0] : NULL, options, pairs, &count);
     if (!options->json && !status) {
-        print_growth(rates, count);
+        print_growth(pairs, count);
         print_start(&start);
     }
     int code = cli_end(c, status);
     if (options->json && !status) {
-        print_json(rates, count, &start, device);
+        print_json(pairs, count, &start, device);
     }
     if (options->csv && !status) {
-        code = write_csv(c, options->csv, rates, count);
+        code = write_csv(c, options->csv, pairs, count);
     }
     if (options->picture && code == CLI_OK) {
-        code = cli_end(c, draw(c, options->picture, rates, count));
+        code = cli_end(c, draw(c, options->picture, pairs, count));
     }
+    asdic_devices_close(&units, device->compute_units);
     asdic_devices_close(&devices, device_count);
     return code;
 }

@@ -29,10 +29,17 @@ bench_start bench_start_measure(const cli *c);
 
 typedef struct bench_rate {
     size_t triangles, bins, pings;
+    unsigned units;
     double build_s;           /* of the hierarchy */
     double create_s, first_s; /* a process's first simulator, or a later one; its first ping */
     double ping_s, learn_s;   /* medians: a ping; a block's learning */
     double phase_s[ASDIC_PHASE_COUNT]; /* mean, waiting after each */
 } bench_rate;
+
+/* The same work on the whole device and on one compute unit of it; of that no pings where the device has
+ * no more, or cannot be split. */
+typedef struct bench_pair {
+    bench_rate whole, one;
+} bench_pair;
 
 #endif
