@@ -86,9 +86,10 @@ static void write_header(asdic_csv *csv) {
     FILE *stream = asdic_file_stream(csv->file);
     if (csv->form == ASDIC_CSV_WIDE) {
         fputs("ping,time_s,beam", stream);
-        for (size_t i = 0; i < csv->bins; i++) { /* the range of each bin's centre */
-            const char *range_m = strchr(csv->bin_pieces[i].text, ',') + 1;
-            fprintf(stream, ",%.*s_m", (int)strcspn(range_m, ","), range_m);
+        for (size_t i = 0; i < csv->bins; i++) {          /* the range of each bin's centre */
+            const csv_piece *piece = &csv->bin_pieces[i]; /* without a zero at its end */
+            const char *range_m = (const char *)memchr(piece->text, ',', piece->length) + 1;
+            fprintf(stream, ",%.*s_m", (int)(piece->text + piece->length - 1 - range_m), range_m);
         }
         fputc('\n', stream);
         return;

@@ -42,7 +42,8 @@ def test_fan_keeps_its_error():
     program.need_device()
     with Folder() as folder:
         done = asdic("bench", "fan", "--quick", "--json", "-o", folder / "fan.csv",
-                     "--picture", folder / "fan.svg").check(code=0)
+                     "--picture", folder / "fan.svg",
+                     cwd=os.path.join(SCENES, "..", "..")).check(code=0)
         rows = json.loads(done.out)["rows"]
         tap.equal([r["beams"] for r in rows], [6, 9, 64, 256, 512, 1024, 512, 512, 512], "beams")
         tap.equal([r["bins"] for r in rows[-2:]], [2399, 599], "bins")
