@@ -9,7 +9,7 @@ import tap
 from program import Folder, asdic
 
 HERE = os.path.dirname(__file__)
-SCENE = os.path.join(HERE, "..", "full", "oclgrind.yaml")
+SCENE = os.path.join(HERE, "kernels.yaml")
 
 
 def bins(folder, name, *options, **environment):

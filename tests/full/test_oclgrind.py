@@ -70,6 +70,7 @@ LAYOUTS = ((8, OWNED, 16), (16, OWNED, 4), (1, ATOMIC32, 64), (1, ATOMIC64, 8), 
 # joined of several, also in kernels of one line. These say the same lane by lane.
 EACH = "for (int k = 0; k < 8; k++) ((float *)&{})[{}] = ((float *)&{})[{}];"
 LANE_BY_LANE = (
+    ("intersect.h", "bits8(m.lo) | bits8(m.hi) << 8", "bits8(m.lo) | bits8(((int8 *)&m)[1]) << 8"),
     ("trace_lanes.h", "LESSER(v.lo, v.hi)", "LESSER(v.lo, ((float8 *)&v)[1])"),
     ("trace_lanes.h", "out.c[i] = (float16)(a.even, b.even);",
      EACH.format("out.c[i]", "k", "a", "2 * k") + EACH.format("out.c[i]", "8 + k", "b", "2 * k")),
@@ -80,8 +81,8 @@ LANE_BY_LANE = (
     ("trace_lanes.h", "low.odd = id.lo;", EACH.format("low", "2 * k + 1", "id", "k")),
     ("trace_lanes.h", "high.even = h.t.hi;", EACH.format("high", "2 * k", "h.t", "8 + k")),
     ("trace_lanes.h", "high.odd = id.hi;", EACH.format("high", "2 * k + 1", "id", "8 + k")),
-    ("trace_frustum.h", "(float16)(c.xxxx, c.yyyy, c.zzzz, c.wwww)", "c.xxxxyyyyzzzzwwww"),
-    ("trace_frustum.h", "(float16)(h.xxxx, h.yyyy, h.zzzz, h.wwww)", "h.xxxxyyyyzzzzwwww"),
+    ("trace_bundle.h", "(float16)(c.xxxx, c.yyyy, c.zzzz, c.wwww)", "c.xxxxyyyyzzzzwwww"),
+    ("trace_bundle.h", "(float16)(h.xxxx, h.yyyy, h.zzzz, h.wwww)", "h.xxxxyyyyzzzzwwww"),
 )
 
 
