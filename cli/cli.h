@@ -41,6 +41,7 @@ typedef struct cli_command {
     unsigned min_operands, max_operands;
     const char *summary;       /* one line, no full stop */
     const char *details;       /* paragraphs, wrapped when printed */
+    const char *examples;      /* command lines, one a line */
     const cli_option *options; /* its own; NULL: none */
     unsigned traits;
     int (*run)(cli *c);

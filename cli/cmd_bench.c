@@ -97,6 +97,9 @@ const cli_command cli_bench_command = {
         "asdic is ('ratio'), on how many rays the two disagree, and how long each takes to "
         "build its hierarchy. One thread is timed by the processor's clock.\n\n"
         "Timings are medians on this machine as it is: close other programs.",
+    .examples = "asdic bench error --quick --picture error.png\n"
+                "asdic bench loop scene.yaml\n"
+                "asdic bench rays floor.ply --threads 2",
     .options = options,
     .traits = CLI_HAS_DEVICE | CLI_HAS_JSON | CLI_INTERRUPTIBLE,
     .run = run,

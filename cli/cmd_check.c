@@ -106,6 +106,8 @@ const cli_command cli_check_command = {
                "units. All files are looked at; the exit code is 3 when any of them is bad. With "
                "--track the way of one scene's vehicle is written instead, as a track that "
                "'mission: {track: FILE}' reads.",
+    .examples = "asdic check scene.yaml wreck.ply depths.asc\n"
+                "asdic check scene.yaml --track track.csv",
     .options = options,
     .traits = CLI_HAS_JSON,
     .run = run,

@@ -310,6 +310,8 @@ const cli_command cli_detect_command = {
                "in a map fixed in the world) and tracks.csv (nearest-neighbour Kalman tracks), "
                "and prints the confusion table.\n\n"
                "Of a scene file a run is made first, as by 'asdic run'.",
+    .examples = "asdic run scene.yaml -o out && asdic detect out\n"
+                "asdic detect scene.yaml --cfar os --pfa 1e-4 --cell 1",
     .options = options,
     .traits = CLI_HAS_DEVICE | CLI_HAS_JSON | CLI_INTERRUPTIBLE,
     .run = run,

@@ -120,6 +120,8 @@ const cli_command cli_devices_command = {
     .operands = "",
     .summary = "list the OpenCL devices, and what each lacks",
     .details = "P:D is what --device takes. Without a usable device the exit code is 4.",
+    .examples = "asdic devices\n"
+                "asdic run scene.yaml --device 0:0",
     .traits = CLI_HAS_JSON,
     .run = run,
 };

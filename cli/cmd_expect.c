@@ -171,6 +171,9 @@ const cli_command cli_expect_command = {
         "The printed variant evaluates the paper's own sums, slips included; --errata shows what "
         "each of them changes, one at a time, as median, least and largest difference in dB over "
         "the bins.",
+    .examples = "asdic expect scene.yaml -o - | head\n"
+                "asdic expect scene.yaml --picture expected.png\n"
+                "asdic expect scene.yaml --errata",
     .options = options,
     .run = run,
 };

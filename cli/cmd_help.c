@@ -10,6 +10,7 @@ static void print_command(json *j, const cli_command *command) {
     json_text(j, "operands", command->operands);
     json_text(j, "summary", command->summary);
     json_text(j, "details", command->details);
+    json_text(j, "examples", command->examples);
     json_open(j, "options", '[');
     for (size_t i = 0; i < count; i++) {
         char letter[] = {options[i]->letter, '\0'};
@@ -60,6 +61,8 @@ const cli_command cli_help_command_row = {
     .summary = "list the commands, or explain one",
     .details = "With --json the whole table, or one command of it: names, operands, texts and options. "
                "Manual pages and completions are made from it.",
+    .examples = "asdic help run\n"
+                "asdic help --json",
     .traits = CLI_HAS_JSON,
     .run = run,
 };

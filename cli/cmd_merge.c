@@ -37,6 +37,8 @@ const cli_command cli_merge_command = {
     .details = "The parts may be given in any order; they must follow on each other without gaps. "
                "The result has the same bytes as one run of all pings, but for the times in "
                "run.json.",
+    .examples = "asdic run scene.yaml --shard 1/2 && asdic run scene.yaml --shard 2/2\n"
+                "asdic merge run_scene_1_of_2 run_scene_2_of_2 -o run_scene",
     .options = options,
     .run = run,
 };

@@ -128,6 +128,8 @@ const cli_command cli_model_command = {
     .details = "Prints 'value unit', computed in double precision on the host; with --device in "
                "single precision there. Outside the validity that the formula's source states, "
                "the value is printed with a warning.",
+    .examples = "asdic model\n"
+                "asdic model absorption f_khz=450 t_degc=10 s_ppt=35 z_m=7 ph=8",
     .traits = CLI_HAS_DEVICE | CLI_HAS_JSON,
     .run = run,
 };

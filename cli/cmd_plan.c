@@ -184,6 +184,8 @@ const cli_command cli_plan_command = {
     .details = "Every term of the model is kept or left out, with the reason and a proven bound in "
                "dB on what leaving it out changes in any bin; 'asdic run' follows the plan. The "
                "forecast of time and error is measured on the mission's first ping.",
+    .examples = "asdic plan scene.yaml\n"
+                "asdic plan scene.yaml --no-forecast --json",
     .options = options,
     .traits = CLI_HAS_DEVICE | CLI_HAS_JSON,
     .run = run,

@@ -261,6 +261,8 @@ const cli_command cli_roc_command = {
                "what the ping holds beside them. A scene without speckle gets Rayleigh's.\n\n"
                "With --vary designs are compared: all use the same random numbers, so that the "
                "difference of their areas has much narrower bounds than the areas.",
+    .examples = "asdic roc scene.yaml --object rise\n"
+                "asdic roc scene.yaml --range 60 --vary sonar.receivers[0].pitch_deg=0,10,20",
     .options = options,
     .traits = CLI_HAS_DEVICE | CLI_HAS_JSON | CLI_INTERRUPTIBLE,
     .run = run,

@@ -73,7 +73,7 @@ static bool choose_pings(cli *c, const request *r, size_t pings, asdic_run_optio
     uint64_t count = end - r->first;
     uint64_t from = count * (r->shard - 1) / r->shards, to = count * r->shard / r->shards;
     if (from == to) {
-        cli_usage(c, "--shard %llu/%llu is empty: there are %llu pings",
+        cli_usage(c, "--shard %llu/%llu is empty: pings to share: %llu",
                   (unsigned long long)r->shard, (unsigned long long)r->shards,
                   (unsigned long long)count);
         return false;
@@ -253,6 +253,10 @@ const cli_command cli_run_command = {
                "Where asdic was built with MPI, 'mpirun -n 4 --bind-to none asdic run ...' shares "
                "the pings among four processes, which may be on several machines that see the "
                "same files; one run folder is written, with the bytes of a single process.",
+    .examples = "asdic run scene.yaml -o out\n"
+                "asdic run scene.yaml --tolerance 0.5 --seed 7\n"
+                "asdic run scene.yaml --shard 1/8 --resume\n"
+                "asdic run scene.yaml -q -o - | head",
     .options = options,
     .traits = CLI_HAS_DEVICE | CLI_INTERRUPTIBLE,
     .run = run,

@@ -20,5 +20,6 @@ const cli_command cli_schema_command = {
     .details = "Draft 7, made from the same table that reads scene files: keys, units, ranges, "
                "defaults. Editors with a YAML language server check and complete scenes with it:\n"
                "    # yaml-language-server: $schema=asdic-schema.json",
+    .examples = "asdic schema > asdic-schema.json",
     .run = run,
 };

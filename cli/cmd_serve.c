@@ -265,8 +265,8 @@ const cli_command cli_serve_command = {
         "line is a JSON object, {\"x_m\": 0, \"y_m\": 0, \"z_m\": 7, \"yaw_deg\": 90}, or "
         "comma-separated "
         "values in the order of a track file, time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg, or of "
-        "a header that was sent before. What is not given is 0; time_s is repeated in the answer, "
-        "and counted when it is not given. The scene's own mission gives the first depth alone.\n\n"
+        "a header that was sent before. x_m, y_m, z_m are needed, angles are 0 when not given; "
+        "time_s is repeated in the answer, and counted when it is not given. The scene's own mission gives the first depth alone.\n\n"
         "json: an object a line with \"level_db\", an array for each beam; null where there is no "
         "energy. csv: a header, then a line per ping with its levels beam by beam. raw: 56 bytes, "
         "little-endian (\"ASDP\"; uint32 status; uint64 ping; double time_s, altitude_m, "
@@ -285,6 +285,8 @@ const cli_command cli_serve_command = {
         "Angles are rounded to whole nanodegrees. A run of the scene with model: {terms: all} and "
         "a "
         "track that holds the same poses, one per ping, gives the same levels to the last bit.",
+    .examples = "echo '{\"x_m\": 0, \"y_m\": 0, \"z_m\": 7}' | asdic serve scene.yaml --detect\n"
+                "asdic serve scene.yaml --format csv < poses.csv > levels.csv",
     .options = options,
     .traits = CLI_HAS_DEVICE | CLI_INTERRUPTIBLE,
     .run = run,

@@ -75,7 +75,7 @@ static int show(view_job *job, const request *r, size_t mission_pings, const cha
     bool is_offline = r->y4m || r->snapshots;
     job->pings = is_offline ? pings : r->pings ? r->pings : SIZE_MAX;
     if (r->snapshots > pings) {
-        return cli_usage(job->c, "--snapshot %llu: there are %zu pings; --pings gives more",
+        return cli_usage(job->c, "--snapshot %llu: pings in the mission: %zu; --pings gives more",
                          (unsigned long long)r->snapshots, pings);
     }
     if (r->y4m) {
@@ -162,6 +162,9 @@ const cli_command cli_view_command = {
         "ffplay "
         "-), --snapshot some of them as DIR/view_<ping>.png, both as fast as they come, with all "
         "rays.",
+    .examples = "asdic view scene.yaml\n"
+                "asdic view scene.yaml --y4m - | ffplay -\n"
+                "asdic view scene.yaml --keys 2:up,4:right,9:r --snapshot 5 -o frames",
     .options = options,
     .traits = CLI_HAS_DEVICE | CLI_INTERRUPTIBLE,
     .run = run,

@@ -70,4 +70,10 @@ void cli_help_command(FILE *out, const cli_command *command) {
                  o->arg ? o->arg : "");
         print_row(out, head, o->help);
     }
+    fputs("\nexamples:\n", out);
+    for (const char *line = command->examples; *line; line += *line == '\n') {
+        int length = (int)strcspn(line, "\n");
+        fprintf(out, "  %.*s\n", length, line);
+        line += length;
+    }
 }

@@ -3,11 +3,10 @@
 
     program_man.py ASDIC VERSION FOLDER
 """
-import json
 import os
-import subprocess
 import sys
 
+from command_table import option_words, read_commands
 from scene_man import escape
 
 DESCRIPTION = """\
@@ -59,7 +58,7 @@ def option_rows(options):
         names.append(f"--{option['name']}")
         arg = f" \\fI{escape(option['arg'])}\\fR" if option["arg"] else ""
         words = option["help"]
-        if words.split()[0].isalpha():  # not a list of values
+        if words.split()[0].isalpha() and not option_words(option):
             words = words[0].upper() + words[1:]
         rows.append(".TP\n" + ", ".join(f"\\fB{escape(name)}\\fR" for name in names) + arg +
                     f"\n{escape(words)}.")
@@ -92,12 +91,13 @@ def program_page(commands, version):
 def command_page(command, commands, version):
     operands = f" \\fI{escape(command['operands'])}\\fR" if command["operands"] else ""
     text = command["details"]
-    words = text + "".join(option["help"] for option in command["options"])
+    words = text + command["examples"] + "".join(option["help"] for option in command["options"])
     named = [other for other in commands if other is not command and f"asdic {other['name']}" in words]
     return [*head(page_name(command), command["summary"], version),
             f".SH SYNOPSIS\n\\fBasdic {escape(command['name'])}\\fR [\\fIoption\\fR...]{operands}",
             ".SH DESCRIPTION\n" + paragraphs(text),
             ".SH OPTIONS", *option_rows(command["options"]),
+            ".SH EXAMPLES\n.nf\n" + escape(command["examples"]) + "\n.fi",
             ".SH EXIT STATUS\nAs of every command, see\n.BR asdic (1).",
             see_also([("asdic", 1), *((page_name(c), 1) for c in named), ("asdic-scene", 5)])]
 
@@ -109,8 +109,7 @@ def write(folder, name, parts):
 
 def main():
     program, version, folder = sys.argv[1:4]
-    done = subprocess.run([program, "help", "--json"], capture_output=True, check=True)
-    commands = json.loads(done.stdout)
+    commands = read_commands(program)
     write(folder, "asdic.1", program_page(commands, version))
     for command in commands:
         write(folder, f"{page_name(command)}.1", command_page(command, commands, version))

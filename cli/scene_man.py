@@ -63,11 +63,13 @@ def kind(schema):
         least, most = schema.get("minItems"), schema.get("maxItems")
         count = f"{least} " if least == most and least else ""
         if item.get("type") == "array":
-            return f"a list of points {kind(item)[len('a list of '):]}"
+            return f"a list of points, {kind(item)[len('a list of '):]}"
         if item.get("type") == "number":
             return f"a list of {count}numbers in [{item['minimum']:g}, {item['maximum']:g}]"
         return "a list of " + (words(item["enum"]) if "enum" in item else "maps")
     if of in ("number", "integer"):
+        if schema["minimum"] == schema["maximum"]:
+            return f"{schema['minimum']}"
         name = "a number" if of == "number" else "a whole number"
         return f"{name} in [{schema['minimum']:.10g}, {schema['maximum']:.16g}]"
     if of == "boolean":

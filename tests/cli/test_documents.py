@@ -52,7 +52,25 @@ def test_every_command_has_a_page_with_every_option():
             section = program.split(f".SH {part}\n")[1].split(".SH")[0]
             tap.contains(section, f".BR asdic-{command['name']} (1)")
         tap.equal(len(command["details"]) > 40, True, "there is something to read")
+        section = text.split(".SH EXAMPLES\n")[1].split(".SH")[0]
+        tap.contains(section, f"asdic {command['name']}")
         tap.equal(command["details"] in program, False, "text of a command stands twice")
+
+
+def test_examples_use_options_that_exist():
+    for command in COMMANDS:
+        for line in command["examples"].splitlines():
+            for words in re.findall(r"asdic (\w[^|&;<>]*)", line):
+                name, *rest = words.split()
+                options = {f"--{o['name']}": o for c in COMMANDS if c["name"] == name for o in c["options"]}
+                options |= {f"-{o['letter']}": o for o in options.values()}
+                tap.equal([word for word in rest if word.startswith("-") and word[1:2].isalpha() | (word[:2] == "--")
+                           and word.split("=")[0] not in options], [], line)
+
+
+def test_a_word_that_is_to_be_typed_keeps_its_case():
+    tap.contains(read("asdic-detect.1"), "\nca or os:")
+    tap.contains(read("asdic-expect.1"), "\ncorrected or printed")
 
 
 def test_every_page_that_is_named_exists():
@@ -98,13 +116,18 @@ def test_bash_completes_commands_options_and_values():
     tap.equal(complete("asdic", "serve", "--format", "")[-1:], ["raw"])
     tap.equal(complete("asdic", "bench", "--threads", ""), [], "a number")
     tap.contains(complete("asdic", "check", BUILD + "/comp"), BUILD + "/completions")
+    tap.equal(complete("asdic", "bench", "lo"), ["loop"])
+    tap.contains(complete("asdic", "bench", "loop", BUILD + "/comp"), BUILD + "/completions")
+    tap.equal(complete("asdic", "model", "absor"), ["absorption"])
+    tap.equal(complete("asdic", "devices", ""), [], "no operand")
 
 
 def test_fish_completes():
     need("fish")
     script = "source $argv[1]; complete -C $argv[2]"
     for line, expected in (("asdic ren", "render"), ("asdic run --sam", "--sampler"), ("asdic help mod", "model"),
-                           ("asdic roc --target swerling2", "swerling2")):
+                           ("asdic roc --target swerling2", "swerling2"), ("asdic bench lo", "loop"),
+                           ("asdic model absor", "absorption")):
         done = subprocess.run(["fish", "-c", script, os.path.join(BUILD, "completions", "asdic.fish"), line],
                               capture_output=True, text=True, check=False)
         tap.equal([offer.split("\t")[0] for offer in done.stdout.splitlines()], [expected], line)

@@ -2,59 +2,46 @@
 
     completions.py ASDIC bash|zsh|fish
 """
-import json
 import re
-import subprocess
 import sys
+
+from command_table import option_words, read_commands, takes_file, takes_files
 
 
 def quoted(text):
     return "'" + text.replace("'", "'\\''") + "'"
 
 
-def words_of(option):
-    """The words an option takes where its help begins with them: 'auto, all, cpu ...', 'ca or os'."""
-    if option["arg"] in (None, "N") or takes_file(option):
-        return []
-    word = r"[a-z][a-z0-9-]+"
-    found = re.match(rf"(?:{word}, )+{word}(?: or {word})?|{word} or {word}", option["help"])
-    return re.split(", | or ", found.group(0)) if found else []
-
-
-def takes_file(option):
-    return option["arg"] is not None and re.search(r"FILE|DIR", option["arg"]) is not None
-
-
 def bash(commands):
     names = " ".join(c["name"] for c in commands)
-    out = ["# bash completion of asdic", "# shellcheck shell=bash", "_asdic() {", "    local options values words=",
+    out = ["# bash completion of asdic", "# shellcheck shell=bash", "_asdic() {",
+           "    local options values words= operands= files=",
            "    local current=${COMP_WORDS[COMP_CWORD]} previous=${COMP_WORDS[COMP_CWORD - 1]}",
            "    COMPREPLY=()", "    if [[ $COMP_CWORD -eq 1 ]]; then",
            f"        mapfile -t COMPREPLY < <(compgen -W '{names} --help --version' -- \"$current\")",
            "        return", "    fi", "    case ${COMP_WORDS[1]} in"]
     for c in commands:
         options = " ".join(f"--{o['name']}" for o in c["options"])
-        out += [f"    {c['name']})", f"        options='{options}'", "        case $previous in"]
+        out += [f"    {c['name']})", f"        options='{options}'",
+                f"        operands='{' '.join(c['words'])}' files={'yes' if takes_files(c) else ''}",
+                "        case $previous in"]
         for o in c["options"]:
             if o["arg"]:
                 name = f"--{o['name']}" + (f" | -{o['letter']}" if o["letter"] else "")
-                words = " ".join(words_of(o))
+                words = " ".join(option_words(o))
                 out.append(f"        {name}) values={'file' if takes_file(o) else 'other'} "
                            f"words='{words}' ;;")
         out += ["        *) ;;", "        esac", "        ;;"]
-    names = " ".join(c["name"] for c in commands)
-    out += ["    *) return ;;", "    esac",
-            "    if [[ ${COMP_WORDS[1]} == help ]]; then", f"        options=\"$options {names}\"",
-            "    fi",
-            "    if [[ $values == other ]]; then",
-            "        mapfile -t COMPREPLY < <(compgen -W \"$words\" -- \"$current\")",
-            "    elif [[ -z $values && ( $current == -* || ${COMP_WORDS[1]} == help ) ]]; then",
-            "        mapfile -t COMPREPLY < <(compgen -W \"$options\" -- \"$current\")",
-            "    else",
-            "        compopt -o filenames",
-            "        mapfile -t COMPREPLY < <(compgen -f -- \"$current\")",
+    return [*out, "    *) return ;;", "    esac",
+            "    case $values,$current in",
+            "    other,*) operands=$words files= ;;",
+            "    file,*) operands= files=yes ;;",
+            "    ,-*) operands=$options files= ;;",
+            "    esac",
+            "    mapfile -t COMPREPLY < <(compgen -W \"$operands\" -- \"$current\")",
+            "    if [[ -n $files ]]; then", "        compopt -o filenames",
+            "        mapfile -t -O ${#COMPREPLY[@]} COMPREPLY < <(compgen -f -- \"$current\")",
             "    fi", "}", "complete -F _asdic asdic"]
-    return out
 
 
 def zsh_option(option):
@@ -62,7 +49,7 @@ def zsh_option(option):
     text = re.sub(r"([\[\]:\\])", r"\\\1", option["help"])
     action = ""
     if option["arg"]:
-        words = " ".join(words_of(option))
+        words = " ".join(option_words(option))
         arg = re.sub(r"([\[\]:\\])", r"\\\1", option["arg"])
         action = f":{arg}:" + (f"({words})" if words else "_files" if takes_file(option) else "")
     names = [f"--{option['name']}"] + ([f"-{option['letter']}"] if option["letter"] else [])
@@ -79,8 +66,10 @@ def zsh(commands):
     for c in commands:
         out.append(f"    {c['name']})")
         specs = [spec for option in c["options"] for spec in zsh_option(option)]
-        specs.append(quoted("*:operand:" + (f"({' '.join(x['name'] for x in commands)})"
-                                            if c["name"] == "help" else "_files")))
+        if c["words"]:
+            specs.append(quoted(f"1:operand:({' '.join(c['words'])})"))
+        if takes_files(c):
+            specs.append(quoted("*:file:_files"))
         out.append("      _arguments \\\n        " + " \\\n        ".join(specs) + " ;;")
     out += ["  esac", "}", '_asdic "$@"']
     return out
@@ -98,17 +87,19 @@ def fish(commands):
                 line += f" -s {o['letter']}"
             if o["arg"]:
                 line += " -r" if takes_file(o) else " -x"
-                if words_of(o):
-                    line += f" -a {quoted(' '.join(words_of(o)))}"
+                if option_words(o):
+                    line += f" -a {quoted(' '.join(option_words(o)))}"
             out.append(line)
-    names = " ".join(c["name"] for c in commands)
-    return [*out, f"complete -c asdic -n '__fish_seen_subcommand_from help' -f -a {quoted(names)}"]
+        if c["words"] or not takes_files(c):
+            out.append(f"complete -c asdic -n '__fish_seen_subcommand_from {c['name']}'"
+                       + ("" if takes_files(c) else " -f")
+                       + (f" -a {quoted(' '.join(c['words']))}" if c["words"] else ""))
+    return out
 
 
 def main():
     program, shell = sys.argv[1:3]
-    done = subprocess.run([program, "help", "--json"], capture_output=True, check=True)
-    print("\n".join({"bash": bash, "zsh": zsh, "fish": fish}[shell](json.loads(done.stdout))))
+    print("\n".join({"bash": bash, "zsh": zsh, "fish": fish}[shell](read_commands(program))))
 
 
 if __name__ == "__main__":
