@@ -24,6 +24,10 @@ SCENES = ROOT / "data/scenes"
 # What tests print, as tables: a pattern for a row and the names of its groups.
 NUMBER = r"([-+]?[0-9.]+(?:e[-+]?[0-9]+)?)"
 TABLES = {
+    "expected": (rf"slip +(\d+)(?: \(all of 'printed'\))?, (\w+) +{NUMBER} \[(\S+), {NUMBER}\] dB",
+                 "slip,component,median_db,least_db,largest_db"),
+    "cli_scenarios": (rf"# (.+): r\.m\.s\. {NUMBER} dB of {NUMBER}, largest {NUMBER} dB of {NUMBER}",
+                      "seed_or_beam,rms_db,rms_allowed_db,largest_db,largest_allowed_db"),
     "formulas": (rf"(\S+) +(\d+) values, largest error {NUMBER} (\S+), {NUMBER} of a tolerance",
                  "formula,values,largest_error,unit,share_of_tolerance"),
     "null": (rf"(\w[\w ]*?)  +(beam|adaptive) +total {NUMBER} +bottom {NUMBER} +surface {NUMBER} +volume {NUMBER}",
