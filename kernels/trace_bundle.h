@@ -10,7 +10,7 @@
 /* A packet gives up at its first leaf already when a group's window is so many times larger than the
  * leaf's largest triangle: its rays then meet a triangle each. */
 #define FRUSTUM_WIDE_64 32.0f
-#define FRUSTUM_WIDE_16 64.0f
+#define FRUSTUM_WIDE_16 128.0f
 
 /* Sixteen rays; s as in intersect.h, but along the packet's axis. */
 typedef struct group16 {

@@ -88,20 +88,7 @@ static inline outline4 outline_of(const seen4 *s, float ahead) {
     return o;
 }
 
-/* Which triangles the window of the only group touches. */
-static inline uint touch1(const outline4 *o, const frustum *f) {
-    int4 beyond = (int4)(0);
-#pragma unroll
-    for (uint c = 0; c < 3; c++) {
-        float4 a = o->edge[c].a, b = o->edge[c].b;
-        float4 nearest = (a * f->window[0].lo.lo + b * f->window[1].lo.lo) -
-                         (fabs(a) * f->window[2].lo.lo + fabs(b) * f->window[3].lo.lo);
-        beyond |= nearest > o->edge[c].d;
-    }
-    return bits4(~(beyond & o->plain));
-}
-
-/* The same for four groups, as bit 4 * group + triangle. */
+/* Which triangles the window of which group touches, as bit 4 * group + triangle. */
 static inline uint touch4(const outline4 *o, const frustum *f) {
     int16 beyond = (int16)(0);
 #pragma unroll
@@ -114,26 +101,45 @@ static inline uint touch4(const outline4 *o, const frustum *f) {
     return bits16(~(beyond & o->plain.xyzwxyzwxyzwxyzw));
 }
 
-/* Whether some ray of the group lies within the outline of triangle LANE, and may meet it before what it
- * has met: NEAREST is how far the triangle is along the packet's axis. */
-static inline bool holds(const outline4 *o, float nearest, uint lane, const group16 *g) {
-    int16 beyond = nearest * g->sz > g->best.t;
+/* Four rays of the group at each of four outlines. */
+static inline float16 four_rays(const float16 *v, uint at) {
+    return ((const float4 *)v)[at].xyzwxyzwxyzwxyzw;
+}
+
+/* Within which outlines some ray of the group lies that may meet the triangle before what it has met:
+ * NEAREST is how far the triangles are along the packet's axis. Sixteen pairs of ray and outline at once,
+ * all of them: to look at one outline after the other costs wrongly foreseen branches. */
+static inline uint holding(const outline4 *o, float4 nearest, const group16 *g) {
+    int16 within = (int16)(0), plain = o->plain.xxxxyyyyzzzzwwww;
+    float16 ahead = nearest.xxxxyyyyzzzzwwww, a[3], b[3], d[3];
 #pragma unroll
     for (uint c = 0; c < 3; c++) {
-        float16 a = (float16)(((const float *)&o->edge[c].a)[lane]);
-        float16 b = (float16)(((const float *)&o->edge[c].b)[lane]);
-        float16 d = (float16)(((const float *)&o->edge[c].d)[lane]);
-        beyond |= TRACE_FMA(a, g->sx, b * g->sy) > d;
+        a[c] = o->edge[c].a.xxxxyyyyzzzzwwww;
+        b[c] = o->edge[c].b.xxxxyyyyzzzzwwww;
+        d[c] = o->edge[c].d.xxxxyyyyzzzzwwww;
     }
-    return any16(~beyond);
+#pragma unroll
+    for (uint at = 0; at < 4; at++) {
+        float16 sx = four_rays(&g->sx, at), sy = four_rays(&g->sy, at);
+        int16 beyond = ahead * four_rays(&g->sz, at) > four_rays(&g->best.t, at);
+#pragma unroll
+        for (uint c = 0; c < 3; c++) {
+            beyond |= TRACE_FMA(a[c], sx, b[c] * sy) > d[c];
+        }
+        within |= ~beyond;
+    }
+    uint bits = bits16(within | ~plain);
+    bits |= bits >> 2;
+    bits = (bits | bits >> 1) & 0x1111;
+    return (bits * 0x1248 >> 12) & 0xf;
 }
 
 /* Those of the touched triangles that some ray may meet; where the outline cannot be trusted, all. */
-static inline uint holding(const outline4 *o, float4 nearest, uint touched, const group16 *g) {
-    uint kept = touched & (bits4(~o->plain) * 0x1111);
-    for (uint left = touched & ~kept; left; left &= left - 1) {
-        uint bit = lowest_bit(left), lane = bit & 3;
-        kept |= holds(o, ((const float *)&nearest)[lane], lane, &g[bit >> 2]) ? 1u << bit : 0;
+static inline uint holding4(const outline4 *o, float4 nearest, uint touched, const group16 *g) {
+    uint kept = 0;
+    for (uint i = 0; i < 4; i++) {
+        uint mine = touched & (0xfu << 4 * i);
+        kept |= mine ? mine & (holding(o, nearest, &g[i]) << 4 * i) : 0;
     }
     return kept;
 }
@@ -191,9 +197,9 @@ static inline uint hit_leaf(__global const dev_block4 *block, uint groups, frust
     }
     float4 nearest, farthest;
     see_planes(v, ahead, f->kz, &nearest, &farthest);
-    uint bits = groups == 4 ? touch4(&outline, f) : touch1(&outline, f);
-    if (groups == 1 || f->picky) {
-        bits = holding(&outline, nearest, bits, g);
+    uint bits = groups == 4 ? touch4(&outline, f) : holding(&outline, nearest, g);
+    if (groups == 4 && f->picky) {
+        bits = holding4(&outline, nearest, bits, g);
     }
     if (!bits) {
         return 0;
