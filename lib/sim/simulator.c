@@ -186,6 +186,51 @@ static asdic_status check_arguments(asdic_context *ctx, const asdic_scene *scene
     return ASDIC_OK;
 }
 
+/* Bins, and how the work on them is laid out. */
+static void plan_work(asdic_simulator *sim, const asdic_water_column *water) {
+    sim->bins = asdic_sonar_bin_count(&sim->sonar, water->sound_speed_mps);
+    sim->cells = sim->bins * sim->sonar.receiver_count;
+    sim->groups = group_count(sim->cells);
+    if (sim->layout.local > LOCAL_LIMIT) {
+        sim->layout.local = LOCAL_LIMIT;
+    }
+    if (!sim->layout.beam_by_beam) {
+        asdic_beam_fan_plan(&sim->sonar, water->wavelength_m, &sim->fan);
+    }
+    if (sim->fan.cells) { /* one map that all work-items share; the block tells the error */
+        sim->groups = 1;
+        sim->layout.deposit = asdic_device_get_info(sim->device)->has_int64_atomics
+                                  ? ASDIC_DEPOSIT_ATOMIC64
+                                  : ASDIC_DEPOSIT_ATOMIC32;
+    }
+    size_t most =
+        sim->layout.batch_slots > ASDIC_PILOT_RAYS ? sim->layout.batch_slots : ASDIC_PILOT_RAYS;
+    size_t rays = sim->sampling.rays;
+    sim->per_group = asdic_simulator_per_group(sim, rays < most ? rays : most);
+}
+
+/* What the device needs of the scene. */
+static asdic_status bring_scene(asdic_simulator *sim, double sound_speed_mps) {
+    asdic_ray_kernel kernel = sim->sampling.kernel;
+    asdic_status status = asdic_placement_create(sim->scene, &sim->placement);
+    if (!status && needs_triangles(sim)) {
+        status = asdic_tracer_create(sim->device, sim->scene, &sim->tracer);
+    }
+    if (!status && sim->tracer && kernel != ASDIC_RAY_KERNEL_AUTO) {
+        status = asdic_tracer_set_kernel(sim->tracer, asdic_tracer_kernel_name((size_t)kernel - 1));
+    }
+    if (!status) {
+        status = upload_materials(sim, sound_speed_mps);
+    }
+    if (!status) {
+        sim->has_mirrors = scene_has_mirrors(sim);
+        sim->components = sim->has_mirrors    ? DEV_DEPOSIT_COUNT
+                          : scene_echoes(sim) ? DEV_DEPOSIT_OBJECT + 1u
+                                              : DEV_DEPOSIT_OBJECT;
+    }
+    return status;
+}
+
 asdic_status asdic_simulator_create_with(asdic_context *ctx, asdic_device *device,
                                          const asdic_scene *scene, const asdic_environment *env,
                                          const asdic_sonar *sonar, const asdic_sampling *sampling,
@@ -216,51 +261,19 @@ asdic_status asdic_simulator_create_with(asdic_context *ctx, asdic_device *devic
     if (sampling->left_out & (1u << ASDIC_TERM_BORIC_ACID)) {
         sim->env.ph = -INFINITY; /* 10^(0.78 pH - 5), its strength, is then zero */
     }
-    sim->layout.local = layout->local < LOCAL_LIMIT ? layout->local : LOCAL_LIMIT;
     asdic_water_column water = asdic_water_column_at(env, sonar, depth_m);
-    sim->bins = asdic_sonar_bin_count(sonar, water.sound_speed_mps);
-    sim->cells = sim->bins * sonar->receiver_count;
-    sim->groups = group_count(sim->cells);
-    if (!layout->beam_by_beam) {
-        asdic_beam_fan_plan(sonar, water.wavelength_m, &sim->fan);
-    }
-    if (sim->fan.cells) { /* one map that all work-items share; the block tells the error */
-        sim->groups = 1;
-        sim->layout.deposit = asdic_device_get_info(device)->has_int64_atomics
-                                  ? ASDIC_DEPOSIT_ATOMIC64
-                                  : ASDIC_DEPOSIT_ATOMIC32;
-    }
-    size_t most = layout->batch_slots > ASDIC_PILOT_RAYS ? layout->batch_slots : ASDIC_PILOT_RAYS;
-    sim->per_group = asdic_simulator_per_group(sim, sampling->rays < most ? sampling->rays : most);
-    if ((status = asdic_placement_create(scene, &sim->placement)) != ASDIC_OK) {
+    plan_work(sim, &water);
+    if ((status = bring_scene(sim, water.sound_speed_mps)) != ASDIC_OK) {
         goto fail;
     }
-    if (needs_triangles(sim) &&
-        (status = asdic_tracer_create(device, scene, &sim->tracer)) != ASDIC_OK) {
-        goto fail;
-    }
-    if (sim->tracer && sampling->kernel != ASDIC_RAY_KERNEL_AUTO &&
-        (status = asdic_tracer_set_kernel(
-             sim->tracer, asdic_tracer_kernel_name((size_t)sampling->kernel - 1))) != ASDIC_OK) {
-        goto fail;
-    }
-    if ((status = upload_materials(sim, water.sound_speed_mps)) != ASDIC_OK) {
-        goto fail;
-    }
-    sim->has_mirrors = scene_has_mirrors(sim);
-    sim->components = sim->has_mirrors    ? DEV_DEPOSIT_COUNT
-                      : scene_echoes(sim) ? DEV_DEPOSIT_OBJECT + 1u
-                                          : DEV_DEPOSIT_OBJECT;
     sim->volley = volley_size(sim);
     if ((status = asdic_store_create_host(sim)) != ASDIC_OK) {
         goto fail;
     }
     asdic_simulator_prepare(sim, &water);
     if ((status = create_kernels(sim)) != ASDIC_OK ||
-        (status = asdic_store_create_device(sim)) != ASDIC_OK) {
-        goto fail;
-    }
-    if ((status = asdic_points_init(sim)) != ASDIC_OK) {
+        (status = asdic_store_create_device(sim)) != ASDIC_OK ||
+        (status = asdic_points_init(sim)) != ASDIC_OK) {
         goto fail;
     }
     asdic_simulator_forget(sim);
