@@ -9,6 +9,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* Pings that the track covers, the one at its start included. */
 static double covered_pings(const mission_builder *b) {
@@ -74,9 +75,46 @@ static asdic_status load_track(mission_builder *b, asdic_yaml_node *node, const 
     return status == ASDIC_OK ? status : asdic_mission_file_problem(b, node, status);
 }
 
+/* The object before I whose track is that of object I; I when it is the first. */
+static size_t first_with_track(const file_object *objects, size_t i) {
+    for (size_t k = 0; k < i; k++) {
+        if (objects[k].track && objects[k].name &&
+            strcmp(objects[k].track, objects[i].track) == 0) {
+            return k;
+        }
+    }
+    return i;
+}
+
+/* Ten thousand objects may go the same way: each file is read, and told to be wrong, once. */
+static asdic_status build_motions(mission_builder *b) {
+    const file_object *objects = b->file->objects.items;
+    asdic_mission *m = b->mission;
+    asdic_track **tracks = calloc(b->file->objects.count + 1, sizeof *tracks); /* borrowed */
+    asdic_status status = tracks ? ASDIC_OK : asdic_fail_memory(b->ctx, "the objects' tracks");
+    for (size_t i = 0; status == ASDIC_OK && i < b->file->objects.count; i++) {
+        const file_object *o = &objects[i];
+        asdic_yaml_node *place = asdic_yaml_child(o->node, "track");
+        if (!o->track || !o->name || !asdic_scene_node_good(place)) {
+            continue;
+        }
+        asdic_motion *motion = &m->motions[m->motion_count];
+        size_t first = first_with_track(objects, i);
+        snprintf(motion->name, sizeof motion->name, "%s", o->name);
+        if (first == i) {
+            status = load_track(b, place, o->track, &motion->track);
+            tracks[i] = motion->track;
+        } else if (tracks[first]) {
+            motion->track = asdic_track_share(tracks[first]);
+        }
+        m->motion_count += motion->track != NULL;
+    }
+    free(tracks);
+    return status;
+}
+
 asdic_status asdic_mission_build_tracks(mission_builder *b) {
     const asdic_scene_file *file = b->file;
-    const file_object *objects = file->objects.items;
     asdic_mission *m = b->mission;
     asdic_yaml_node *node = asdic_yaml_child(file->mission.node, "track");
     asdic_status status = ASDIC_OK;
@@ -87,18 +125,7 @@ asdic_status asdic_mission_build_tracks(mission_builder *b) {
     if (file->mission.track && asdic_scene_node_good(node)) {
         status = load_track(b, node, file->mission.track, &m->track);
     }
-    for (size_t i = 0; status == ASDIC_OK && i < file->objects.count; i++) {
-        const file_object *o = &objects[i];
-        asdic_yaml_node *place = asdic_yaml_child(o->node, "track");
-        if (!o->track || !o->name || !asdic_scene_node_good(place)) {
-            continue;
-        }
-        asdic_motion *motion = &m->motions[m->motion_count];
-        snprintf(motion->name, sizeof motion->name, "%s", o->name);
-        status = load_track(b, place, o->track, &motion->track);
-        m->motion_count += motion->track != NULL;
-    }
-    return status;
+    return status ? status : build_motions(b);
 }
 
 asdic_status asdic_mission_build_pings(mission_builder *b) {

@@ -1,6 +1,7 @@
 #include "mission.h"
 
 #include "base/context.h"
+#include "base/memory_left.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -24,22 +25,35 @@ static void keep_all(const asdic_mission *mission, asdic_plan *plan) {
     plan->left_out = 0;
 }
 
+/* The poses of COUNT pings, to be freed; refused before the system ends whom it likes. */
+static asdic_status make_poses(asdic_context *ctx, size_t count, asdic_pose **out) {
+    uint64_t needed = (uint64_t)count * sizeof **out, left = asdic_memory_left();
+    if (needed > left) {
+        return asdic_fail(ctx, ASDIC_ERROR_MEMORY,
+                          "the plan of %zu pings needs %llu bytes of memory, %llu are available; "
+                          "use fewer pings",
+                          count, (unsigned long long)needed, (unsigned long long)left);
+    }
+    *out = malloc(count * sizeof **out);
+    return *out ? ASDIC_OK : asdic_fail_memory(ctx, "the poses of a mission");
+}
+
 asdic_status asdic_mission_plan(asdic_context *ctx, const asdic_mission *mission, asdic_plan *out) {
     if (!mission || !out) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "asdic_mission_plan: NULL argument");
     }
     size_t count = asdic_mission_ping_count(mission);
-    asdic_pose *poses = malloc(count * sizeof *poses);
-    if (!poses) {
-        return asdic_fail_memory(ctx, "the poses of a mission");
+    asdic_pose *poses = NULL;
+    asdic_status status = make_poses(ctx, count, &poses);
+    if (status != ASDIC_OK) {
+        return status;
     }
     for (size_t i = 0; i < count; i++) {
         poses[i] = asdic_mission_pose(mission, i, NULL);
     }
-    asdic_status status =
-        asdic_plan_make(ctx, asdic_mission_scene(mission), asdic_mission_environment(mission),
-                        asdic_mission_sonar(mission),
-                        asdic_mission_sampling((asdic_mission *)mission), poses, count, out);
+    status = asdic_plan_make(ctx, asdic_mission_scene(mission), asdic_mission_environment(mission),
+                             asdic_mission_sonar(mission),
+                             asdic_mission_sampling((asdic_mission *)mission), poses, count, out);
     free(poses);
     if (status == ASDIC_OK && mission->keeps_all_terms) {
         keep_all(mission, out);

@@ -16,9 +16,10 @@ typedef struct situation {
 static const struct {
     const char *key;
     size_t at;
-} quantities[] = {{"t_degc", offsetof(situation, t_degc)}, {"s_ppt", offsetof(situation, s_ppt)},
-                  {"z_m", offsetof(situation, z_m)},       {"ph", offsetof(situation, ph)},
-                  {"f_khz", offsetof(situation, f_khz)},   {"wind_kn", offsetof(situation, wind_kn)}};
+} quantities[] = {
+    {"t_degc", offsetof(situation, t_degc)}, {"s_ppt", offsetof(situation, s_ppt)},
+    {"z_m", offsetof(situation, z_m)},       {"ph", offsetof(situation, ph)},
+    {"f_khz", offsetof(situation, f_khz)},   {"wind_kn", offsetof(situation, wind_kn)}};
 
 static bool computes_speed(const asdic_mission *m) {
     return isnan(m->environment.sound_speed_mps);
@@ -54,13 +55,11 @@ static const struct {
                               {MODEL_BOTTOM_BACKSCATTER, has_bottom_law},
                               {MODEL_SURFACE_BACKSCATTER, has_surface}};
 
-/* At the greatest depth: validity ends there, never near the surface. */
+/* At the greatest depth: validity ends there, never near the surface. A mission may have 1e9 pings. */
 static double depth_of(const asdic_mission *m) {
-    double most_m = 0.0;
-    for (size_t i = 0; i < asdic_mission_ping_count(m); i++) {
-        most_m = fmax(most_m, asdic_mission_pose(m, i, NULL).position_m.z);
-    }
-    return most_m;
+    double last_s;
+    double depth_m = asdic_mission_pose(m, asdic_mission_ping_count(m) - 1, &last_s).position_m.z;
+    return m->track ? asdic_track_deepest_m(m->track, last_s) : depth_m;
 }
 
 asdic_remarks asdic_mission_remarks(const asdic_mission *mission) {

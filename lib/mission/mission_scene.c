@@ -5,6 +5,8 @@
 
 #include "../base/context.h"
 #include "../base/vec.h"
+#include "../scene/primitive.h"
+#include "../scene/scene.h"
 #include "../scene/triangles.h"
 
 #include <stdio.h>
@@ -153,7 +155,23 @@ static asdic_status build_point(mission_builder *b, const file_object *o) {
     return status == ASDIC_OK ? status : asdic_mission_file_problem(b, o->node, status);
 }
 
-static asdic_status build_object(mission_builder *b, const file_object *o) {
+/* Room for MESH of object I as often as the objects from I on ask for its file: ten thousand of them
+ * are refused at the first one. Once for a row of objects of the same file. */
+static asdic_status reserve_copies(const mission_builder *b, size_t i, const asdic_mesh *mesh) {
+    const file_object *objects = b->file->objects.items;
+    const char *file = objects[i].mesh.file;
+    size_t copies = 0;
+    if (i > 0 && objects[i - 1].mesh.file && strcmp(objects[i - 1].mesh.file, file) == 0) {
+        return ASDIC_OK;
+    }
+    for (size_t k = i; k < b->file->objects.count; k++) {
+        copies += objects[k].mesh.file && strcmp(objects[k].mesh.file, file) == 0;
+    }
+    return asdic_scene_reserve(b->mission->scene, copies * mesh->triangle_count);
+}
+
+static asdic_status build_object(mission_builder *b, size_t number) {
+    const file_object *o = (const file_object *)b->file->objects.items + number;
     if (o->point.node) {
         return build_point(b, o);
     }
@@ -163,15 +181,32 @@ static asdic_status build_object(mission_builder *b, const file_object *o) {
                                    .moves = o->track != NULL};
     snprintf(object.name, sizeof object.name, "%s", o->name ? o->name : "");
     asdic_status status = make_shape(b, o, &mesh);
+    if (status == ASDIC_OK && mesh && o->mesh.node) {
+        status = reserve_copies(b, number, mesh);
+    }
     if (status != ASDIC_OK) {
+        asdic_mesh_destroy(&mesh);
         return asdic_mission_file_problem(b, o->node, status);
     }
     return place(b, o->node, &mesh, o->mesh.node != NULL, object);
 }
 
+/* Triangles of all primitives together but boxes and plates, which are small. */
+static size_t count_primitives(const asdic_scene_file *file) {
+    const file_object *objects = file->objects.items;
+    size_t count = 0;
+    for (size_t i = 0; i < file->objects.count; i++) {
+        if (asdic_scene_node_good(objects[i].sphere.node)) {
+            count += asdic_sphere_triangles((unsigned)objects[i].sphere.segments);
+        } else if (asdic_scene_node_good(objects[i].cylinder.node)) {
+            count += asdic_cylinder_triangles((unsigned)objects[i].cylinder.segments);
+        }
+    }
+    return count;
+}
+
 asdic_status asdic_mission_build_scene(mission_builder *b) {
     const asdic_scene_file *file = b->file;
-    const file_object *objects = file->objects.items;
     b->mission->objects = calloc(file->objects.count + 1, sizeof *b->mission->objects);
     if (!b->mission->objects) {
         return asdic_fail_memory(b->ctx, "the objects");
@@ -181,9 +216,12 @@ asdic_status asdic_mission_build_scene(mission_builder *b) {
         return status;
     }
     asdic_scene_set_surface(b->mission->scene, file->surface.enabled);
-    status = build_bottom(b);
+    if (b->problems->total == 0) {
+        status = asdic_scene_reserve(b->mission->scene, count_primitives(file));
+    }
+    status = status ? status : build_bottom(b);
     for (size_t i = 0; status == ASDIC_OK && i < file->objects.count; i++) {
-        status = build_object(b, &objects[i]);
+        status = build_object(b, i);
     }
     if (status == ASDIC_OK && b->problems->total == 0) {
         status = asdic_scene_commit(b->mission->scene);

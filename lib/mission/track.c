@@ -6,10 +6,17 @@
 
 void asdic_track_destroy(asdic_track **track) {
     if (track && *track) {
-        free((*track)->points);
-        free(*track);
+        if ((*track)->sharers-- == 0) {
+            free((*track)->points);
+            free(*track);
+        }
         *track = NULL;
     }
+}
+
+asdic_track *asdic_track_share(asdic_track *track) {
+    track->sharers++;
+    return track;
 }
 
 bool asdic_track_append(asdic_track *track, const track_point *point) {
@@ -75,4 +82,12 @@ asdic_pose asdic_track_pose(const asdic_track *track, double time_s) {
         .pitch_rad = turn(a->pitch_rad, b->pitch_rad, share),
         .yaw_rad = turn(a->yaw_rad, b->yaw_rad, share),
     };
+}
+
+double asdic_track_deepest_m(const asdic_track *track, double time_s) {
+    double most_m = asdic_track_pose(track, time_s).position_m.z;
+    for (size_t i = 0; i < track->count && track->points[i].time_s <= time_s; i++) {
+        most_m = fmax(most_m, track->points[i].z_m);
+    }
+    return most_m;
 }

@@ -12,6 +12,8 @@ typedef struct asdic_track asdic_track;
  * other columns are passed over. Times must increase. Every error is logged with file, line and
  * column; the sentence left in the context counts them. */
 asdic_status asdic_track_load(asdic_context *ctx, const char *path, asdic_track **out);
+/* Another holder of TRACK, which is freed when the last one has destroyed it. Not from two threads. */
+asdic_track *asdic_track_share(asdic_track *track);
 void asdic_track_destroy(asdic_track **track);
 
 size_t asdic_track_point_count(const asdic_track *track);
@@ -21,5 +23,7 @@ double asdic_track_end_s(const asdic_track *track);
 /* Position on the straight line between two points, each angle along the shorter way round.
  * Before the start and behind the end: the first and the last pose. */
 asdic_pose asdic_track_pose(const asdic_track *track, double time_s);
+/* The greatest z_m from the start to TIME_S. */
+double asdic_track_deepest_m(const asdic_track *track, double time_s);
 
 #endif

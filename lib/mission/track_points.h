@@ -15,6 +15,7 @@ typedef struct track_point {
 struct asdic_track {
     track_point *points; /* at least one; times increase */
     size_t count, capacity;
+    size_t sharers; /* holders besides the first */
 };
 
 /* False when memory is short. */

@@ -1,6 +1,8 @@
 /*
  * Primitives, centred at the origin, facets wound counter-clockwise seen from outside.
  */
+#include "primitive.h"
+
 #include "mesh_build.h"
 
 #include "../base/context.h"
@@ -88,6 +90,18 @@ asdic_status asdic_mesh_box(asdic_context *ctx, asdic_vec3 size_m, asdic_mesh **
     return complete(ctx, &w, out);
 }
 
+size_t asdic_sphere_rings(unsigned segments) {
+    return segments / 2 < 2 ? 1 : segments / 2 - 1;
+}
+
+size_t asdic_sphere_triangles(unsigned segments) {
+    return 2 * asdic_sphere_rings(segments) * segments;
+}
+
+size_t asdic_cylinder_triangles(unsigned segments) {
+    return 4 * (size_t)segments;
+}
+
 /* SEGMENTS meridians and half as many parallels, poles on the z axis. */
 asdic_status asdic_mesh_sphere(asdic_context *ctx, double radius_m, unsigned segments,
                                asdic_mesh **out) {
@@ -95,11 +109,12 @@ asdic_status asdic_mesh_sphere(asdic_context *ctx, double radius_m, unsigned seg
         return asdic_fail_null(ctx, __func__);
     }
     writer w = {0};
-    size_t rings = segments / 2 < 2 ? 1 : segments / 2 - 1; /* between the poles */
+    size_t rings = asdic_sphere_rings(segments);
     asdic_status status = check_length(ctx, "the sphere's radius", radius_m);
     status = status ? status : check_segments(ctx, segments);
     status = status ? status
-                    : asdic_mesh_allocate(ctx, 2 + rings * segments, 2 * rings * segments, &w.mesh);
+                    : asdic_mesh_allocate(ctx, 2 + rings * segments,
+                                          asdic_sphere_triangles(segments), &w.mesh);
     if (status != ASDIC_OK) {
         *out = NULL;
         return status;
@@ -136,9 +151,9 @@ asdic_status asdic_mesh_cylinder(asdic_context *ctx, double radius_m, double len
     asdic_status status = check_length(ctx, "the cylinder's radius", radius_m);
     status = status ? status : check_length(ctx, "the cylinder's length", length_m);
     status = status ? status : check_segments(ctx, segments);
-    status =
-        status ? status
-               : asdic_mesh_allocate(ctx, 2 + 2 * (size_t)segments, 4 * (size_t)segments, &w.mesh);
+    status = status ? status
+                    : asdic_mesh_allocate(ctx, 2 + 2 * (size_t)segments,
+                                          asdic_cylinder_triangles(segments), &w.mesh);
     if (status != ASDIC_OK) {
         *out = NULL;
         return status;

@@ -159,7 +159,7 @@ static asdic_status check_memory(asdic_scene *scene, size_t triangles) {
                             (unsigned long long)scene->memory_bytes);
 }
 
-static asdic_status reserve_triangles(asdic_scene *scene, size_t more) {
+asdic_status asdic_scene_reserve(asdic_scene *scene, size_t more) {
     size_t needed = scene->triangle_count + more;
     if (needed <= scene->triangle_capacity) {
         return ASDIC_OK;
@@ -213,7 +213,7 @@ static asdic_status add_part(asdic_scene *scene, asdic_part *part, const asdic_m
                              const asdic_pose *pose, const asdic_material *material) {
     asdic_status status = check_open(scene);
     status = status ? status : asdic_pose_check(scene->ctx, pose);
-    status = status ? status : reserve_triangles(scene, mesh->triangle_count);
+    status = status ? status : asdic_scene_reserve(scene, mesh->triangle_count);
     if (status != ASDIC_OK) {
         return status;
     }

@@ -77,6 +77,10 @@ void asdic_bvh_finish(asdic_bvh *bvh);
 /* Makes every bottom of a TYPE from 1 to 4; simulators created before keep what they have. */
 void asdic_scene_set_bottom_type(asdic_scene *scene, double type);
 
+/* Makes room for MORE triangles than there are; ASDIC_ERROR_MEMORY, before anything is taken, where the
+ * machine has none for them. */
+asdic_status asdic_scene_reserve(asdic_scene *scene, size_t more);
+
 /* Whether a pose is finite. */
 asdic_status asdic_pose_check(asdic_context *ctx, const asdic_pose *pose);
 

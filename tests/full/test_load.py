@@ -45,7 +45,8 @@ def grid(folder, side):
 def measured(what, *arguments):
     """Runs asdic ARGUMENTS, which must succeed within MOST_MIB."""
     begin = time.monotonic()
-    child = subprocess.Popen([program.PATH, *arguments, "-q"], env=program.environment({}))
+    child = subprocess.Popen([program.PATH, *arguments, "-q"], env=program.environment({}),
+                             stdout=subprocess.DEVNULL)
     _, status, usage = os.wait4(child.pid, 0)
     child.returncode = os.waitstatus_to_exitcode(status)
     peak_mib = usage.ru_maxrss / 1024
@@ -89,11 +90,15 @@ def test_ten_million_rays_in_a_ping():
         run("10 million rays", scene(rays=10000000), 37, folder)
 
 
-def refused(text, *words):
+def refused(text, *words, by=("run", "check", "plan"), files=()):
     """By run and by check, within seconds, where a process may have 2 GiB."""
     with Folder() as folder:
         path = folder.write("s.yaml", text)
+        for name, content in dict(files).items():
+            folder.write(name, content)
         for command in (["run", path, "-o", folder / "r"], ["check", path], ["plan", path]):
+            if command[0] not in by:
+                continue
             begin = time.monotonic()
             done = subprocess.run([program.PATH, *command], capture_output=True, text=True,
                                   check=False, preexec_fn=lambda: resource.setrlimit(
@@ -111,6 +116,36 @@ def refused(text, *words):
 def test_triangles_beyond_memory_are_refused_beforehand():
     refused(scene() + "objects:\n" + objects("sphere: {radius_m: 0.1, segments: 128}"),
             "triangles", "segments")
+
+
+def test_copies_of_a_mesh_beyond_memory_are_refused_beforehand():
+    ridge = ("".join(f"v {i} {i % 3} 0\n" for i in range(3000))
+             + "".join(f"f {i} {i + 1} {i + 2}\n" for i in range(1, 2999)))
+    refused(scene() + "objects:\n" + objects("mesh: {file: ridge.obj}"), "19980000 triangles",
+            files={"ridge.obj": ridge})
+
+
+def test_pings_beyond_memory_are_refused_beforehand():
+    refused(scene(pings=1000000000), "1000000000 pings", by=("run", "plan"))
+
+
+def test_a_thousand_million_pings_are_checked_at_once():
+    """Nothing is kept, nor looked at, for each of them."""
+    with Folder() as folder:
+        begin = time.monotonic()
+        asdic("check", folder.write("s.yaml", scene(pings=1000000000))).check(code=0)
+        tap.equal(time.monotonic() - begin < 5, True, "checked at once")
+
+
+def test_ten_thousand_objects_on_one_track():
+    """The track's file of 1 MiB is kept once; each of them apart would be 30 GiB."""
+    rows = "".join(f"{i},0,0,11,0,0,0\n" for i in range(50000))
+    text = scene() + "objects:\n" + "".join(
+        f"  - {{name: o{i}, box: {{size_m: [1, 1, 1]}}, track: t.csv, type: rock}}\n"
+        for i in range(10000))
+    with Folder() as folder:
+        folder.write("t.csv", "time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg\n" + rows)
+        measured("10,000 objects on one track", "check", folder.write("s.yaml", text))
 
 
 def test_levels_beyond_memory_are_refused_beforehand():

@@ -183,6 +183,28 @@ static void long_tracks_are_read(void **state) {
     asdic_text_finish(&csv);
 }
 
+static void tracks_have_several_holders(void **state) {
+    (void)state;
+    asdic_track *track = load(HEADER "0,0,0,5,0,0,0\n1,1,0,6,0,0,0\n", "");
+    asdic_track *other = asdic_track_share(track);
+    asdic_track_destroy(&track);
+    assert_null(track);
+    assert_close(asdic_track_pose(other, 1.0).position_m.x, 1.0, 0.0);
+    asdic_track_destroy(&other);
+}
+
+static void the_deepest_place_may_lie_between_points(void **state) {
+    (void)state;
+    asdic_track *track =
+        load(HEADER "0,0,0,5,0,0,0\n1,0,0,7,0,0,0\n2,0,0,6,0,0,0\n4,0,0,10,0,0,0\n", "");
+    assert_close(asdic_track_deepest_m(track, 0.0), 5.0, 0.0);
+    assert_close(asdic_track_deepest_m(track, 0.5), 6.0, 1e-12);
+    assert_close(asdic_track_deepest_m(track, 2.0), 7.0, 0.0);
+    assert_close(asdic_track_deepest_m(track, 3.0), 8.0, 1e-12);
+    assert_close(asdic_track_deepest_m(track, 9.0), 10.0, 0.0);
+    asdic_track_destroy(&track);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(points_are_joined_by_straight_lines),
@@ -192,6 +214,8 @@ int main(void) {
         cmocka_unit_test(every_bad_row_is_named),
         cmocka_unit_test(missing_files_are_named),
         cmocka_unit_test(long_tracks_are_read),
+        cmocka_unit_test(tracks_have_several_holders),
+        cmocka_unit_test(the_deepest_place_may_lie_between_points),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
