@@ -12,8 +12,10 @@ static float fan_pattern(float length_wl, float m, float psi, float rear) {
     return a * a * (cos(psi) > 0.0f ? 1.0f : rear);
 }
 
-/* fan_table: P, one work-item per (level, cell, beam); STRIDE beams a row, padded with zeros. */
-__kernel void fan_table(__global const dev_ping *ping, __global float *table, uint stride) {
+/* fan_table: P for receivers at BEARINGS_RAD in the fan's frame, one work-item per (level, cell, beam);
+ * STRIDE beams a row, padded with zeros. */
+__kernel void fan_table(__global const dev_ping *ping, __global const float *bearings_rad,
+                        __global float *table, uint stride) {
     __global const dev_beam *beams = beams_of(ping);
     uint id = (uint)(get_global_id(0));
     uint beam = id % stride, column = id / stride;
@@ -22,12 +24,10 @@ __kernel void fan_table(__global const dev_ping *ping, __global float *table, ui
     }
     float value = 0.0f;
     if (beam < ping->beams) {
-        __global const float *x = beams[1u + beam].rows, *f = ping->fan_rows;
-        float yaw =
-            atan2(x[0] * f[3] + x[1] * f[4] + x[2] * f[5], x[0] * f[0] + x[1] * f[1] + x[2] * f[2]);
         float step = 1.0f / ping->fan_cells_per_rad, length = beams[1].length_h_wl;
         float m = fan_level_m((int)(column / ping->fan_cells));
-        float psi = ping->fan_begin_rad + step * (float)(column % ping->fan_cells) - yaw;
+        float psi =
+            ping->fan_begin_rad + step * (float)(column % ping->fan_cells) - bearings_rad[beam];
         float f0 = fan_pattern(length, m, psi, ping->rear_lin);
         float f1 = fan_pattern(length, m, psi - step, ping->rear_lin);
         float f2 = fan_pattern(length, m, psi + step, ping->rear_lin);

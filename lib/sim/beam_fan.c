@@ -78,53 +78,6 @@ size_t asdic_beam_fan_tail_bytes(const asdic_beam_fan *fan, size_t rows) {
     return fan->cells ? rows * flags + sizeof(uint32_t) : 0;
 }
 
-asdic_status asdic_beam_fan_init(asdic_beam_fan *fan, asdic_device *device, unsigned width,
-                                 size_t rows) {
-    if (fan->cells == 0) {
-        return ASDIC_OK;
-    }
-    char options[64];
-    fan->run = width == 1 ? 1 : WIDE_RUN;
-    snprintf(options, sizeof options, "-D ASDIC_FAN=1 -D ASDIC_RUN=%u", fan->run);
-    const size_t columns = (size_t)DEV_FAN_LEVELS * fan->cells;
-    const struct {
-        const char *name;
-        asdic_kernel **kernel;
-    } kernels[] = {
-        {"fan_table", &fan->make_table}, {"fan_pack", &fan->pack}, {"fan_project", &fan->project}};
-    const struct {
-        size_t bytes;
-        asdic_buffer **buffer;
-    } buffers[] = {{columns * fan->stride * sizeof(float), &fan->table},
-                   {rows * columns * ENTRY_BYTES, &fan->entries},
-                   {rows * ENTRY_BYTES, &fan->lists}};
-    fan->fetches = calloc(fan->stride / ASDIC_FAN_TILE, sizeof(asdic_fetch *));
-    if (!fan->fetches) {
-        return asdic_fail_memory(asdic_device_context(device), "a fan");
-    }
-    asdic_status status = ASDIC_OK;
-    for (size_t i = 0; !status && i < sizeof kernels / sizeof *kernels; i++) {
-        status = asdic_kernel_create(device, "fan.cl", options, kernels[i].name, kernels[i].kernel);
-    }
-    for (size_t i = 0; !status && i < sizeof buffers / sizeof *buffers; i++) {
-        status = asdic_buffer_create(device, buffers[i].bytes, NULL, buffers[i].buffer);
-    }
-    return status;
-}
-
-void asdic_beam_fan_finish(asdic_beam_fan *fan, asdic_device *device) {
-    for (size_t tile = 0; fan->fetches && tile < fan->stride / ASDIC_FAN_TILE; tile++) {
-        asdic_fetch_wait(device, &fan->fetches[tile]);
-    }
-    free(fan->fetches);
-    asdic_kernel_destroy(&fan->make_table);
-    asdic_kernel_destroy(&fan->pack);
-    asdic_kernel_destroy(&fan->project);
-    asdic_buffer_destroy(&fan->table);
-    asdic_buffer_destroy(&fan->entries);
-    asdic_buffer_destroy(&fan->lists);
-}
-
 /* x: the transmitter's axis in the plane across the fan's axis z; y: z cross x. */
 static void fan_frame(const dev_beam *beams, float rows[9]) {
     const float *front = beams[0].rows, *z = beams[1].rows + 6;
@@ -148,6 +101,78 @@ static void fan_frame(const dev_beam *beams, float rows[9]) {
     rows[5] = z[0] * rows[1] - z[1] * rows[0];
 }
 
+/* Where the receivers look, in the fan's frame; of a vehicle that lies level, as aimed at any pose they
+ * would differ by its rounding, and pings by the poses before them. */
+static asdic_status make_bearings(asdic_beam_fan *fan, asdic_device *device,
+                                  const asdic_sonar *sonar) {
+    const asdic_pose level = {{0.0, 0.0, 0.0}, 0.0, 0.0, 0.0};
+    dev_beam beams[2] = {asdic_aim_beam(&sonar->transmitter, &level, 1.0),
+                         asdic_aim_beam(&sonar->receivers[0], &level, 1.0)};
+    float rows[9], *bearings_rad = malloc(sonar->receiver_count * sizeof *bearings_rad);
+    if (!bearings_rad) {
+        return asdic_fail_memory(asdic_device_context(device), "a fan");
+    }
+    fan_frame(beams, rows);
+    for (size_t r = 0; r < sonar->receiver_count; r++) {
+        dev_beam beam = asdic_aim_beam(&sonar->receivers[r], &level, 1.0);
+        const float *x = beam.rows;
+        bearings_rad[r] = atan2f(x[0] * rows[3] + x[1] * rows[4] + x[2] * rows[5],
+                                 x[0] * rows[0] + x[1] * rows[1] + x[2] * rows[2]);
+    }
+    asdic_status status = asdic_buffer_create(device, sonar->receiver_count * sizeof *bearings_rad,
+                                              bearings_rad, &fan->bearings);
+    free(bearings_rad);
+    return status;
+}
+
+asdic_status asdic_beam_fan_init(asdic_beam_fan *fan, asdic_device *device,
+                                 const asdic_sonar *sonar, unsigned width, size_t rows) {
+    if (fan->cells == 0) {
+        return ASDIC_OK;
+    }
+    char options[64];
+    fan->run = width == 1 ? 1 : WIDE_RUN;
+    snprintf(options, sizeof options, "-D ASDIC_FAN=1 -D ASDIC_RUN=%u", fan->run);
+    const size_t columns = (size_t)DEV_FAN_LEVELS * fan->cells;
+    const struct {
+        const char *name;
+        asdic_kernel **kernel;
+    } kernels[] = {
+        {"fan_table", &fan->make_table}, {"fan_pack", &fan->pack}, {"fan_project", &fan->project}};
+    const struct {
+        size_t bytes;
+        asdic_buffer **buffer;
+    } buffers[] = {{columns * fan->stride * sizeof(float), &fan->table},
+                   {rows * columns * ENTRY_BYTES, &fan->entries},
+                   {rows * ENTRY_BYTES, &fan->lists}};
+    fan->fetches = calloc(fan->stride / ASDIC_FAN_TILE, sizeof(asdic_fetch *));
+    if (!fan->fetches) {
+        return asdic_fail_memory(asdic_device_context(device), "a fan");
+    }
+    asdic_status status = make_bearings(fan, device, sonar);
+    for (size_t i = 0; !status && i < sizeof kernels / sizeof *kernels; i++) {
+        status = asdic_kernel_create(device, "fan.cl", options, kernels[i].name, kernels[i].kernel);
+    }
+    for (size_t i = 0; !status && i < sizeof buffers / sizeof *buffers; i++) {
+        status = asdic_buffer_create(device, buffers[i].bytes, NULL, buffers[i].buffer);
+    }
+    return status;
+}
+
+void asdic_beam_fan_finish(asdic_beam_fan *fan, asdic_device *device) {
+    for (size_t tile = 0; fan->fetches && tile < fan->stride / ASDIC_FAN_TILE; tile++) {
+        asdic_fetch_wait(device, &fan->fetches[tile]);
+    }
+    free(fan->fetches);
+    asdic_kernel_destroy(&fan->make_table);
+    asdic_kernel_destroy(&fan->pack);
+    asdic_kernel_destroy(&fan->project);
+    asdic_buffer_destroy(&fan->bearings);
+    asdic_buffer_destroy(&fan->table);
+    asdic_buffer_destroy(&fan->entries);
+    asdic_buffer_destroy(&fan->lists);
+}
+
 void asdic_beam_fan_describe(const asdic_beam_fan *fan, const dev_beam *beams, dev_ping *ping) {
     if (fan->cells == 0) {
         return;
@@ -161,14 +186,16 @@ void asdic_beam_fan_describe(const asdic_beam_fan *fan, const dev_beam *beams, d
 
 /* The table depends on how the fan is built and on the wavelength, not on the pose. */
 static asdic_status tabulate(asdic_beam_fan *fan, const dev_ping *ping, asdic_buffer *ping_buffer) {
-    if (fan->table_wavelength_m == (double)ping->wavelength_m) {
+    const dev_beam *beams = (const dev_beam *)(ping + 1); /* as for beams_of on the device */
+    float length_wl = beams[1].length_h_wl;
+    if (fan->table_length_wl == length_wl) {
         return ASDIC_OK;
     }
     dev_uint stride = fan->stride;
-    asdic_kernel_arg args[] = {ASDIC_ARG_BUFFER(ping_buffer), ASDIC_ARG_BUFFER(fan->table),
-                               ASDIC_ARG_VALUE(stride)};
-    fan->table_wavelength_m = ping->wavelength_m;
-    return asdic_kernel_run(fan->make_table, args, 3, (size_t)ping->columns * stride, 64);
+    asdic_kernel_arg args[] = {ASDIC_ARG_BUFFER(ping_buffer), ASDIC_ARG_BUFFER(fan->bearings),
+                               ASDIC_ARG_BUFFER(fan->table), ASDIC_ARG_VALUE(stride)};
+    fan->table_length_wl = length_wl;
+    return asdic_kernel_run(fan->make_table, args, 4, (size_t)ping->columns * stride, 64);
 }
 
 asdic_status asdic_beam_fan_project(asdic_beam_fan *fan, const dev_ping *ping,

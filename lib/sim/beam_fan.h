@@ -12,13 +12,13 @@
 #define ASDIC_FAN_TILE 128 /* beams that are projected together, as in fan.cl */
 
 typedef struct asdic_beam_fan {
-    unsigned cells;  /* azimuth cells; 0: the receivers are not a fan */
-    unsigned stride; /* beams rounded up to a tile of fan.cl */
-    unsigned run;    /* bins of a work-item that projects */
-    bool circle;     /* cells go all round, not only over the front */
-    double table_wavelength_m;
+    unsigned cells;        /* azimuth cells; 0: the receivers are not a fan */
+    unsigned stride;       /* beams rounded up to a tile of fan.cl */
+    unsigned run;          /* bins of a work-item that projects */
+    bool circle;           /* cells go all round, not only over the front */
+    float table_length_wl; /* apertures that the table is of */
     asdic_kernel *make_table, *pack, *project;
-    asdic_buffer *table, *entries, *lists;
+    asdic_buffer *bearings, *table, *entries, *lists;
     asdic_fetch **fetches; /* a tile's each, on their way to the host */
 } asdic_beam_fan;
 
@@ -26,10 +26,10 @@ typedef struct asdic_beam_fan {
  * yaw about a common axis only, with a transmitter at most a quarter as wide. */
 void asdic_beam_fan_plan(const asdic_sonar *sonar, double wavelength_m, asdic_beam_fan *fan);
 
-/* Kernels and buffers for a planned fan with ROWS of (component, bin) and vectors of WIDTH; nothing
- * when there is none. */
-asdic_status asdic_beam_fan_init(asdic_beam_fan *fan, asdic_device *device, unsigned width,
-                                 size_t rows);
+/* Kernels and buffers for a planned fan of SONAR with ROWS of (component, bin) and vectors of WIDTH;
+ * nothing when there is none. */
+asdic_status asdic_beam_fan_init(asdic_beam_fan *fan, asdic_device *device,
+                                 const asdic_sonar *sonar, unsigned width, size_t rows);
 void asdic_beam_fan_finish(asdic_beam_fan *fan, asdic_device *device);
 
 /* The fan's frame and cells of a ping whose beams (transmitter first) are aimed. */

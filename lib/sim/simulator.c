@@ -84,7 +84,7 @@ static asdic_status create_kernels(asdic_simulator *sim) {
             return status;
         }
     }
-    return asdic_beam_fan_init(&sim->fan, sim->device, sim->layout.width,
+    return asdic_beam_fan_init(&sim->fan, sim->device, &sim->sonar, sim->layout.width,
                                sim->components * sim->bins);
 }
 

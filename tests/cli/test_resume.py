@@ -43,6 +43,28 @@ def test_shards_merge_to_the_whole():
         tap.equal(rows, [row for row in whole if row.split(",")[0] in "234"], "--pings 2:5")
 
 
+def test_a_fan_that_turns_is_the_same_in_parts():
+    """At one depth, and so of one wavelength, all that a simulator keeps from ping to ping is in use:
+    a part that begins anywhere must not see that it lacks the pings before."""
+    program.need_device()
+    fan = "    fan: {count: 32, sector_deg: 60, length_h_m: 0.3, length_v_m: 0.02}"
+    with Folder() as folder:
+        text = folder.read(scene(folder, pings=70, rays=500, receivers=fan).rsplit("/", 1)[1])
+        path = folder.write("pool.yaml", text.replace("pose: {position_m: [0, 0, 5]}",
+                                                      "track: turn.csv"))
+        folder.write("turn.csv", "time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg\n"
+                     "0,0,0,5,0,0,170\n3.5,3,1,5,4,-3,250\n")
+        asdic("run", path, "-o", folder / "whole").check(code=0)
+        asdic("run", path, "-o", folder / "all", "--device", "all",
+              POCL_DEVICES="pthread basic").check(code=0)
+        same(folder, "whole", "all")
+        for k in (1, 2):
+            asdic("run", path, "--shard", f"{k}/2", cwd=folder.path).check(code=0)
+        asdic("merge", *[f"run_pool_{k}_of_2" for k in (1, 2)], "-o", "joined",
+              cwd=folder.path).check(code=0)
+        same(folder, "whole", "joined")
+
+
 def readme_text():
     return open(os.path.join(os.path.dirname(__file__), "..", "..", "README.md"),
                 encoding="utf-8").read()
