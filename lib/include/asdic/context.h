@@ -6,6 +6,12 @@
  * where a function says otherwise. The error sentence itself is guarded, so that worker threads
  * inside the library may report through the caller's context.
  *
+ * Errors: what returns a status may answer ASDIC_ERROR_ARGUMENT, for what lies outside the domain
+ * stated with it, and ASDIC_ERROR_MEMORY; which others, stands with the function. What works on a
+ * device may also answer ASDIC_ERROR_DEVICE and ASDIC_ERROR_DEVICE_LOST, what writes files
+ * ASDIC_ERROR_IO, and what takes long ASDIC_ERROR_INTERRUPTED (asdic_context_interrupt). Where OUT
+ * takes an object, it is the caller's to destroy, and *OUT is NULL on failure.
+ *
  * NULL where an object is needed: what returns a status answers ASDIC_ERROR_ARGUMENT; what asks a
  * mission, scene, mesh or run something gets nothing (zeros, NULL). A NULL context only loses the
  * sentence.

@@ -55,6 +55,7 @@ ASDIC_API void asdic_devices_close(asdic_device ***devices, size_t count);
  * (clCreateSubDevices); ASDIC_ERROR_UNSUPPORTED where it cannot. Freed by asdic_devices_close. */
 ASDIC_API asdic_status asdic_device_split(asdic_device *device, size_t count, asdic_device ***out);
 
+/* Valid until the device is closed; NULL for NULL. */
 ASDIC_API const asdic_device_info *asdic_device_get_info(const asdic_device *device);
 
 #ifdef __cplusplus

@@ -20,7 +20,8 @@ typedef struct asdic_flat_scene {
 
 /* Fills PING's bottom, surface, volume, noise and total (object and multipath are 0). The
  * vehicle's attitude is taken from POSE, its place from FLAT; env->variant chooses the paper's
- * printed sums. */
+ * printed sums. PING has as many beams as SONAR has receivers, and any number of bins. Equations
+ * and sources: kernels/README.md. */
 ASDIC_API asdic_status asdic_expected_compute(asdic_context *ctx, const asdic_flat_scene *flat,
                                               const asdic_environment *env,
                                               const asdic_sonar *sonar, const asdic_pose *pose,
@@ -51,6 +52,7 @@ typedef struct asdic_erratum {
     const char *right;   /* "2 (d - 1) alpha / 1000" */
 } asdic_erratum;
 
+/* How many there are, and one of them, which is static. */
 ASDIC_API size_t asdic_erratum_count(void);
 ASDIC_API const asdic_erratum *asdic_erratum_get(size_t index); /* NULL when out of range */
 

@@ -51,6 +51,7 @@ ASDIC_API asdic_status asdic_loop_create_mission(asdic_context *ctx, asdic_devic
 /* Waits for a ping that is being simulated. */
 ASDIC_API void asdic_loop_destroy(asdic_loop **loop);
 
+/* Range bins of a beam, fixed when the loop was made; 0 for NULL. */
 ASDIC_API size_t asdic_loop_bin_count(const asdic_loop *loop);
 
 /* Starts the next ping at POSE and returns at once. ASDIC_ERROR_ARGUMENT when the ping before was

@@ -22,12 +22,15 @@ typedef struct asdic_mesh_info {
 } asdic_mesh_info;
 
 /* Vertices are multiplied by SCALE. With Z_UP the file's (x, y, z) = (east, north, up) becomes
- * NED (y, x, -z), facet orientation kept. Refuses what would load as wrong geometry. */
+ * NED (y, x, -z), facet orientation kept. Refuses what would load as wrong geometry:
+ * ASDIC_ERROR_INPUT, with file, line and what is wrong. ASDIC_ERROR_UNSUPPORTED without
+ * OpenMesh. */
 ASDIC_API asdic_status asdic_mesh_load(asdic_context *ctx, const char *path, double scale,
                                        bool z_up, asdic_mesh **out);
 
 /* ESRI ASCII grid (.asc) of depths or heights; VALUES_ARE_DEPTH: positive down, else heights up.
- * Cells without data leave holes. Rows run south: x north, y east, the grid's own origin. */
+ * Cells without data leave holes. Rows run south: x north, y east, the grid's own origin.
+ * ASDIC_ERROR_INPUT as above. */
 ASDIC_API asdic_status asdic_mesh_load_grid(asdic_context *ctx, const char *path,
                                             bool values_are_depth, asdic_mesh **out);
 
@@ -47,6 +50,7 @@ ASDIC_API asdic_status asdic_mesh_plate(asdic_context *ctx, double width_m, doub
                                         asdic_mesh **out);
 
 ASDIC_API void asdic_mesh_destroy(asdic_mesh **mesh);
+/* In the mesh's own frame, metres. */
 ASDIC_API asdic_mesh_info asdic_mesh_get_info(const asdic_mesh *mesh);
 
 #ifdef __cplusplus

@@ -17,7 +17,7 @@ typedef struct asdic_mission asdic_mission;
 
 /* Reads a scene file (YAML 1.1 or JSON; "-" is stdin), its meshes, grids and tracks. All errors
  * are reported through the context's log, one message each with file, line, column, key, value,
- * limit and remedy; the context's error then counts them. */
+ * limit and remedy; the context's error then counts them: ASDIC_ERROR_INPUT. */
 ASDIC_API asdic_status asdic_mission_load(asdic_context *ctx, const char *path,
                                           asdic_mission **out);
 
@@ -62,6 +62,7 @@ typedef struct asdic_output_options {
     unsigned images; /* 1u << ASDIC_IMAGE_... */
 } asdic_output_options;
 
+/* What the file asks of detectors and of runs. Valid until the mission is destroyed. */
 ASDIC_API const asdic_detector *asdic_mission_detector(const asdic_mission *mission);
 ASDIC_API const asdic_output_options *asdic_mission_output(const asdic_mission *mission);
 
@@ -112,6 +113,7 @@ typedef struct asdic_choices {
     uint64_t seed;
 } asdic_choices;
 
+/* As the file says, or as they were chosen last. */
 ASDIC_API asdic_choices asdic_mission_get_choices(const asdic_mission *mission);
 
 /* Changes the mission; simulators that are created afterwards follow, others stay as they are.
@@ -198,11 +200,13 @@ typedef struct asdic_run_options {
     asdic_run_times *times; /* filled when a run is complete; may be NULL */
 } asdic_run_options;
 
+/* All pings; no folder, which must be given; neither force nor resume; by this process alone. */
 ASDIC_API asdic_run_options asdic_run_options_default(void);
 
 /* Runs pings on the given devices and writes the run folder. In a team, all processes call it with
  * the same mission and the same pings: process 0 writes, the others return when it is done with
- * them. */
+ * them. ASDIC_ERROR_EXISTS: the folder holds a run, and neither force nor resume was asked for;
+ * ASDIC_ERROR_INPUT: it cannot be resumed; ASDIC_ERROR_INTERRUPTED: what is written is valid. */
 ASDIC_API asdic_status asdic_mission_run(asdic_context *ctx, asdic_mission *mission,
                                          asdic_device **devices, size_t device_count,
                                          const asdic_run_options *options);

@@ -32,6 +32,7 @@ typedef struct asdic_model_info {
     asdic_model_key keys[ASDIC_MODEL_MAX_KEYS];
 } asdic_model_info;
 
+/* How many formulas there are, and one of them, which is static. */
 ASDIC_API size_t asdic_model_count(void);
 ASDIC_API const asdic_model_info *asdic_model_get(size_t index); /* NULL when out of range */
 

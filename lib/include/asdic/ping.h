@@ -72,6 +72,7 @@ typedef struct asdic_ping {
     uint64_t saturated; /* deposits cut to the accumulator's range; 0 in any sane scene */
 } asdic_ping;
 
+/* A ping of BEAMS x BINS zeros. */
 ASDIC_API asdic_status asdic_ping_create(asdic_context *ctx, size_t beams, size_t bins,
                                          asdic_ping **out);
 ASDIC_API void asdic_ping_destroy(asdic_ping **ping);
@@ -97,6 +98,7 @@ ASDIC_API asdic_status asdic_simulator_create(asdic_context *ctx, asdic_device *
                                               asdic_simulator **out);
 ASDIC_API void asdic_simulator_destroy(asdic_simulator **sim);
 
+/* Range bins of a beam, for asdic_ping_create; 0 for NULL. */
 ASDIC_API size_t asdic_simulator_bin_count(const asdic_simulator *sim);
 
 /* Teaches the adaptive sampler where rays matter, with a pilot ping at POSE; pings keep what was

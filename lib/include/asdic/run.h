@@ -66,6 +66,7 @@ typedef struct asdic_render_options {
     const char *path;
 } asdic_render_options;
 
+/* The pictures and the ping that the scene asks for, in viridis, the window from the run. */
 ASDIC_API asdic_render_options asdic_render_options_default(void);
 
 /* Draws a run's pictures into its folder: waterfall_<beam>.png, ascope_<ping>.png,
@@ -74,7 +75,8 @@ ASDIC_API asdic_status asdic_run_render(asdic_context *ctx, const char *folder,
                                         const asdic_render_options *options);
 
 /* Joins runs of consecutive parts of one mission, given in any order, into OUT_FOLDER: the same
- * bytes (but run.json's times) as one run of all. */
+ * bytes (but run.json's times) as one run of all. ASDIC_ERROR_INPUT when they are of different
+ * missions or leave gaps, ASDIC_ERROR_EXISTS when OUT_FOLDER holds a run and FORCE is false. */
 ASDIC_API asdic_status asdic_run_merge(asdic_context *ctx, const char *const *folders, size_t count,
                                        const char *out_folder, bool force);
 

@@ -28,6 +28,7 @@ typedef struct asdic_material {
     double coherent_area_m2; /* flat area that reflects in phase; NAN: from the mesh (LAW_FACET) */
 } asdic_material;
 
+/* As structs, unchecked: what adds them to a scene names a field out of range. */
 ASDIC_API asdic_material asdic_material_bottom(double bottom_type);
 ASDIC_API asdic_material asdic_material_facet(double impedance_mrayl, double roughness_rms_m,
                                               double slope_rms);
@@ -36,6 +37,7 @@ ASDIC_API asdic_material asdic_material_facet(double impedance_mrayl, double rou
 ASDIC_API asdic_status asdic_material_find_impedance(asdic_context *ctx, const char *name,
                                                      double *impedance_mrayl);
 
+/* Nothing but the sea surface is in a new scene. */
 ASDIC_API asdic_status asdic_scene_create(asdic_context *ctx, asdic_scene **out);
 ASDIC_API void asdic_scene_destroy(asdic_scene **scene);
 
@@ -45,7 +47,9 @@ ASDIC_API asdic_status asdic_scene_set_bottom_plane(asdic_scene *scene, double d
                                                     asdic_material material);
 
 /* Adds a mesh as (part of) the bottom or as an object, placed by POSE (mesh frame to world). The
- * mesh is copied. NAME identifies an object in detections; the bottom has none. */
+ * mesh is copied. NAME identifies an object in detections; the bottom has none.
+ * ASDIC_ERROR_ARGUMENT: the scene is committed, a field of MATERIAL is out of range, POSE is not
+ * finite. */
 ASDIC_API asdic_status asdic_scene_add_bottom(asdic_scene *scene, const asdic_mesh *mesh,
                                               asdic_pose pose, asdic_material material);
 ASDIC_API asdic_status asdic_scene_add_object(asdic_scene *scene, const char *name,
@@ -88,6 +92,7 @@ typedef struct asdic_scene_info {
     asdic_vec3 min_m, max_m; /* of the triangles; zeros when there are none */
 } asdic_scene_info;
 
+/* Triangles, nodes, sizes and times once the scene is committed. */
 ASDIC_API asdic_scene_info asdic_scene_get_info(const asdic_scene *scene);
 
 #ifdef __cplusplus

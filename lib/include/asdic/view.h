@@ -69,6 +69,7 @@ typedef struct asdic_view_image {
     const uint32_t *rgb;
 } asdic_view_image;
 
+/* The last frame, for the caller to copy or show. */
 ASDIC_API asdic_view_image asdic_view_get_frame(const asdic_view *view);
 
 /* "asdic - mission - 10 pings/s - 20,000 rays - real time": what the clock does, for a title. */
