@@ -127,7 +127,10 @@ def main():
     targets = escape(TARGETS.format(presets(materials))).replace("\n\n", "\n.PP\n")
     print(".SH TARGETS\n" + targets)
     print(".SH EXAMPLE\n.nf\n" + escape(text.rstrip()) + "\n.fi")
-    print(".SH SEE ALSO\n.BR asdic (1)")
+    print(".SH FILES\n.TP\n.I share/asdic/scenes\nUnder the prefix of the installation: examples, and sonars on the "
+          "market to start from.\n.TP\n.I share/asdic/README.md\nWhat each shows; waters and types of bottom.")
+    print(".SH SEE ALSO\n" + ",\n".join(f".BR {page} (1)" for page in (
+        "asdic", "asdic\\-check", "asdic\\-run", "asdic\\-schema")))
 
 
 if __name__ == "__main__":

@@ -104,7 +104,7 @@ static asdic_status run_batch(asdic_simulator *sim, size_t count) {
     if (status) {
         return status;
     }
-    asdic_buffer *triangles = sim->tracer ? asdic_tracer_triangles(sim->tracer) : sim->no_triangles;
+    asdic_buffer *triangles = asdic_simulator_triangles(sim);
     asdic_kernel_arg shade[] = {
         ASDIC_ARG_BUFFER(sim->ping_buffer),  ASDIC_ARG_BUFFER(sim->rays),
         ASDIC_ARG_BUFFER(sim->solid_angles), ASDIC_ARG_BUFFER(sim->splats),

@@ -108,6 +108,17 @@ def test_manual_pages_are_installed():
     assert tree.library
 
 
+def test_scene_page_names_files_that_are_installed():
+    Tree()
+    page = next(os.path.join(folder, "asdic-scene.5") for folder, _, names in os.walk(Tree.path)
+                if "asdic-scene.5" in names)
+    with open(page, encoding="utf-8") as file:
+        places = re.findall(r"^\.I share/(\S+)$", file.read(), re.MULTILINE)
+    share = os.path.dirname(os.path.dirname(os.path.dirname(page)))
+    tap.equal([place for place in places if not os.path.exists(os.path.join(share, place))], [])
+    assert "asdic/scenes" in places, places
+
+
 try:
     tap.main(globals())
 finally:
