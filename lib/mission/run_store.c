@@ -106,10 +106,28 @@ damaged:
                       store->header_bytes);
 }
 
+/* Records are added to a file that is there: it must be the folder's own. */
+static asdic_status refuse_link(asdic_store *store, const char *path) {
+    struct stat st;
+    if (lstat(path, &st) != 0 || !S_ISLNK(st.st_mode)) {
+        return ASDIC_OK;
+    }
+    return asdic_fail(
+        store->ctx, ASDIC_ERROR_IO,
+        "'%s' is a link; a run writes into its own folder only, so put the file itself "
+        "there",
+        path);
+}
+
 static asdic_status open_file(asdic_store *store, asdic_store_mode mode) {
     if (mode == ASDIC_STORE_READ) {
         store->fd = open(store->path, O_RDONLY | O_CLOEXEC);
         return store->fd < 0 ? fail_io(store, "read") : check(store);
+    }
+    asdic_status status = refuse_link(store, store->part);
+    status = status ? status : refuse_link(store, store->path);
+    if (status != ASDIC_OK) {
+        return status;
     }
     /* A finished file becomes the part again; until it is committed its name is free. */
     store->is_part = true;
@@ -118,7 +136,8 @@ static asdic_status open_file(asdic_store *store, asdic_store_mode mode) {
         return fail_io(store, "write");
     }
     bool is_new = mode == ASDIC_STORE_CREATE || access(store->part, F_OK) != 0;
-    store->fd = open(store->part, O_RDWR | O_CREAT | O_CLOEXEC | (is_new ? O_TRUNC : 0), 0666);
+    store->fd =
+        open(store->part, O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | (is_new ? O_TRUNC : 0), 0666);
     if (store->fd < 0) {
         return fail_io(store, "write");
     }

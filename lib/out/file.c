@@ -34,6 +34,25 @@ static FILE *open_stdout(void) {
     return stream;
 }
 
+void asdic_file_unlink_link(const char *path) {
+    struct stat st;
+    if (lstat(path, &st) == 0 && S_ISLNK(st.st_mode)) {
+        unlink(path);
+    }
+}
+
+/* Where PATH is the name of a .part, which nobody else has a right to. */
+static FILE *open_part(const char *path) {
+    asdic_file_unlink_link(path);
+    int fd = open(path, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0666);
+    FILE *stream = fd >= 0 ? fdopen(fd, "wb") : NULL;
+    if (!stream && fd >= 0) {
+        close(fd);
+        errno = ENOMEM;
+    }
+    return stream;
+}
+
 static void file_free(asdic_file **file) {
     if (!file || !*file) {
         return;
@@ -63,7 +82,9 @@ asdic_status asdic_file_create(asdic_context *ctx, const char *path, asdic_file 
         goto fail;
     }
     const char *opened = file->part ? file->part : path;
-    file->stream = is_stdout ? open_stdout() : fopen(opened, "wbe");
+    file->stream = is_stdout    ? open_stdout()
+                   : file->part ? open_part(file->part)
+                                : fopen(path, "wbe");
     if (!file->stream) {
         status = asdic_fail(ctx, ASDIC_ERROR_IO, "cannot write '%s': %s", opened, strerror(errno));
         goto fail;

@@ -1,6 +1,7 @@
 /*
  * An output file that appears complete or not at all: written as NAME.part, renamed on commit.
- * Devices and pipes ("/dev/stdout") cannot be renamed over and are written directly.
+ * Devices and pipes ("/dev/stdout") cannot be renamed over and are written directly. Links that bear
+ * either name are replaced, not followed.
  */
 #ifndef ASDIC_OUT_FILE_H
 #define ASDIC_OUT_FILE_H
@@ -22,6 +23,9 @@ asdic_status asdic_file_commit(asdic_file **file);
 
 /* Closes and removes the .part file. NULL-safe. */
 void asdic_file_discard(asdic_file **file);
+
+/* Removes PATH where it is a link, so that who opens it writes into no other file. */
+void asdic_file_unlink_link(const char *path);
 
 /* Writes LENGTH bytes as the whole file. */
 asdic_status asdic_file_write_all(asdic_context *ctx, const char *path, const void *bytes,

@@ -1,6 +1,7 @@
 #include "netcdf_file.h"
 
 #include "base/context.h"
+#include "file.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -23,6 +24,7 @@ asdic_status asdic_nc_create(asdic_context *ctx, const char *path, asdic_nc *out
         asdic_nc_discard(out);
         return asdic_fail_memory(ctx, "a file name");
     }
+    asdic_file_unlink_link(out->part);
     int code = nc_create(out->part, NC_NETCDF4 | NC_CLOBBER, &out->id);
     out->is_open = code == NC_NOERR;
     if (!asdic_nc_check(out, code)) {

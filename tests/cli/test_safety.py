@@ -56,6 +56,21 @@ def test_nothing_outside_the_folder():
                   "files outside")
         tap.equal([n for n in os.listdir(folder / "run") if os.path.islink(folder / f"run/{n}")],
                   [], "links that are left")
+        asdic("detect", folder / "run").check(code=0)
+        for name in ("detections.csv.part", "tracks.csv.part", "occupancy.png.part"):
+            os.symlink(folder / "precious", folder / f"run/{name}")
+        asdic("detect", folder / "run", "--force").check(code=0)
+        stopped = folder.read("run/run.json").replace('"complete"', '"interrupted"')
+        folder.write("run/run.json", stopped)
+        for name in ("pings.npy", "pings.npy.part"):
+            os.rename(folder / "run/pings.npy", folder / "records")
+            os.symlink(folder / "records", folder / f"run/{name}")
+            before = tree(folder.path)
+            done = asdic("run", path, "-o", folder / "run", "--resume")
+            tap.contains(done.check(code=1).err, f"{name}' is a link")
+            tap.equal(tree(folder.path)["records"], before["records"], "records outside")
+            os.unlink(folder / f"run/{name}")
+            os.rename(folder / "records", folder / "run/pings.npy")
         beams = "    - {name: ../../precious}"
         asdic("run", scene(folder, receivers=beams), "-o", folder / "evil").check(code=3)
         tap.equal(os.path.exists(folder / "evil"), False, "a folder of a refused scene")
