@@ -6,9 +6,15 @@
 #include "../base/context.h"
 
 #include <math.h>
+#include <stdio.h>
 
 /* Poses tested against a bottom that is no plane; longer missions are tested at even steps. */
 #define MAX_TESTED_PINGS 10000
+
+/* A track has a gap where points are this many times farther apart than the others are on average. */
+#define GAP_RATIO 10.0
+/* Tracks of fewer points were written by hand, at what times their author liked. */
+#define RECORDED_POINTS 20
 
 /* A depth above which no bottom lies. */
 #define ABOVE_ALL_M (-1e6)
@@ -109,11 +115,55 @@ static void remark_on_objects(mission_builder *b) {
     }
 }
 
+/* Recorders stop: what a simulation makes of the time between is a straight line. */
+static void remark_on_gap(mission_builder *b) {
+    const asdic_mission *m = b->mission;
+    const asdic_yaml_node *node = asdic_yaml_child(b->file->mission.node, "track");
+    size_t points = node && m->track ? asdic_track_point_count(m->track) : 0;
+    if (points < RECORDED_POINTS) {
+        return;
+    }
+    double from_s = 0.0, gap_s = asdic_track_gap_s(m->track, &from_s);
+    double rest_s = asdic_track_end_s(m->track) - asdic_track_start_s(m->track) - gap_s;
+    if (gap_s > GAP_RATIO * rest_s / (double)(points - 2) && gap_s > 2.0 / m->sonar.ping_rate_hz) {
+        asdic_log(b->ctx, ASDIC_LOG_WARNING,
+                  "%s:%u:%u: warning: the track has no point for %.3g s after %.15g s; the vehicle "
+                  "goes straight on meanwhile  [mission.track]",
+                  b->problems->name, node->line, node->column, gap_s, from_s);
+    }
+}
+
+/* An object's track on another clock than the vehicle's leaves it at rest at an end. */
+static void remark_on_motions(mission_builder *b) {
+    const asdic_mission *m = b->mission;
+    const file_object *objects = b->file->objects.items;
+    double first_s, last_s;
+    asdic_mission_pose(m, 0, &first_s);
+    asdic_mission_pose(m, m->ping_count - 1, &last_s);
+    for (size_t i = 0, k = 0; i < b->file->objects.count && k < m->motion_count; i++) {
+        char text[160];
+        if (!objects[i].track) {
+            continue;
+        }
+        const asdic_track *track = m->motions[k++].track;
+        double begin_s = asdic_track_start_s(track), end_s = asdic_track_end_s(track);
+        if (end_s < first_s || begin_s > last_s) {
+            snprintf(text, sizeof text,
+                     "never moves: its track covers %.15g to %.15g s, the pings are from %.15g to "
+                     "%.15g s",
+                     begin_s, end_s, first_s, last_s);
+            remark(b, i, text);
+        }
+    }
+}
+
 void asdic_mission_check_places(mission_builder *b) {
     check_bottom_depth(b);
     if (b->problems->total == 0) {
         check_depths(b);
         remark_on_bottom(b);
         remark_on_objects(b);
+        remark_on_gap(b);
+        remark_on_motions(b);
     }
 }

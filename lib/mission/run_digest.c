@@ -51,7 +51,12 @@ asdic_status asdic_digest_choose_beams(asdic_context *ctx, const char *name,
 
 static asdic_status begin(asdic_context *ctx, asdic_digest *d) {
     const asdic_digest_plan *plan = &d->plan;
+    const asdic_picture_options gain = {.tvg_db_per_decade = plan->tvg_db_per_decade,
+                                        .tvg_db_per_m = plan->tvg_db_per_m};
     asdic_status status = asdic_survey_begin(ctx, &d->survey);
+    if (status == ASDIC_OK && (gain.tvg_db_per_decade != 0.0 || gain.tvg_db_per_m != 0.0)) {
+        status = asdic_survey_set_gain(ctx, &d->survey, plan->bins, plan->bin_length_m, &gain);
+    }
     for (size_t k = 0; wants(d, ASDIC_IMAGE_WATERFALL) && k < plan->beam_count; k++) {
         if (status == ASDIC_OK) {
             status = asdic_decimator_init(ctx, plan->pings, plan->bins, ASDIC_WATERFALL_MAX_ROWS,

@@ -25,8 +25,12 @@ const char *asdic_image_name(asdic_image image) {
 
 static void resolve_window(asdic_render *r) {
     r->has_window = !isnan(r->options.db_low) && !isnan(r->options.db_high);
-    r->options.db_low = isnan(r->options.db_low) ? r->digest->survey.low_db : r->options.db_low;
-    r->options.db_high = isnan(r->options.db_high) ? r->digest->survey.high_db : r->options.db_high;
+    if (isnan(r->options.db_low)) {
+        r->options.db_low = r->digest->survey.shown_low_db;
+    }
+    if (isnan(r->options.db_high)) {
+        r->options.db_high = r->digest->survey.shown_high_db;
+    }
 }
 
 /* "20000" as "20,000". */
@@ -54,8 +58,8 @@ void asdic_render_describe(asdic_render *r) {
     asdic_digits_natural(r->seed, sampling->seed);
     asdic_digits_print(r->low, "%g", r->options.db_low);
     asdic_digits_print(r->high, "%g", r->options.db_high);
-    asdic_digits_print(spread, "%g", r->options.tvg_db_per_decade);
-    asdic_digits_print(loss, "%g", r->options.tvg_db_per_m);
+    asdic_digits_print(spread, "%.4g", r->options.tvg_db_per_decade);
+    asdic_digits_print(loss, "%.4g", r->options.tvg_db_per_m);
     snprintf(r->gain, sizeof r->gain, "%s log r + %s r dB", spread, loss);
     const char *texts[] = {"Software",     "asdic",
                            "version",      r->run->facts.version,

@@ -42,7 +42,7 @@ char *asdic_render_path(const asdic_render *render, const char *stem, const char
 
 /* Those that show many pings: waterfalls, raw ones, overview, chart. */
 asdic_status asdic_render_many(asdic_render *render);
-asdic_status asdic_render_ascope(asdic_render *render, const asdic_record *record);
+asdic_status asdic_render_ascope(const asdic_render *render, const asdic_record *record);
 asdic_status asdic_render_fan(asdic_render *render, const asdic_record *record);
 
 asdic_status asdic_render_chart(asdic_render *render);

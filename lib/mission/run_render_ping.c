@@ -91,7 +91,9 @@ static asdic_ascope panel_of(const asdic_render *r, const asdic_record *record,
     return panel;
 }
 
-asdic_status asdic_render_ascope(asdic_render *r, const asdic_record *record) {
+/* Levels as they are: without a gain, in the window of that. */
+asdic_status asdic_render_ascope(const asdic_render *whole, const asdic_record *record) {
+    asdic_render own = *whole, *r = &own;
     char title[256], note[384], number[ASDIC_DIGITS_SIZE], *path = NULL;
     char panel_titles[ASDIC_RENDER_PANELS][ASDIC_NAME_SIZE + 16];
     asdic_ascope panels[ASDIC_RENDER_PANELS];
@@ -114,10 +116,15 @@ asdic_status asdic_render_ascope(asdic_render *r, const asdic_record *record) {
         size_t used = strlen(title);
         snprintf(title + used, sizeof title - used, ", %zu of %zu beams", count, r->info.beams);
     }
+    own.options.tvg_db_per_decade = own.options.tvg_db_per_m = 0.0;
+    if (!r->has_window) {
+        own.options.db_low = r->digest->survey.low_db;
+        own.options.db_high = r->digest->survey.high_db;
+    }
+    asdic_render_describe(&own);
     asdic_picture_options options = asdic_render_picture(r, title, "ping", number);
     options.db_low -= ASCOPE_BELOW_DB;
     options.db_high += ASCOPE_ABOVE_DB;
-    options.tvg_db_per_decade = options.tvg_db_per_m = 0.0;
     snprintf(note, sizeof note, "%s  \u00b7  %s", options.note,
              expected.ping ? "expected: flat bottom, no objects, by quadrature; object: simulated"
                            : "no expected curve: the bottom is a mesh or grid; all curves are "

@@ -1,6 +1,7 @@
 #include "run_survey.h"
 
 #include "base/context.h"
+#include "out/raster.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -20,7 +21,7 @@
 #define HIGH_SHARE 0.999
 
 typedef struct asdic_survey_counts {
-    uint64_t levels[LEVEL_BINS], errors[ERROR_BINS];
+    uint64_t levels[LEVEL_BINS], shown[LEVEL_BINS], errors[ERROR_BINS];
     uint64_t level_count, error_count, records;
     float worst_db;
 } counts;
@@ -30,8 +31,20 @@ asdic_status asdic_survey_begin(asdic_context *ctx, asdic_survey *survey) {
     return survey->counts ? ASDIC_OK : asdic_fail_memory(ctx, "a run's statistics");
 }
 
+asdic_status asdic_survey_set_gain(asdic_context *ctx, asdic_survey *survey, size_t bins,
+                                   double bin_length_m, const asdic_picture_options *options) {
+    survey->bins = bins;
+    survey->gain_db = malloc(bins * sizeof *survey->gain_db);
+    for (size_t n = 0; survey->gain_db && n < bins; n++) {
+        survey->gain_db[n] = asdic_raster_gain(options, 0.0, ((double)n + 0.5) * bin_length_m);
+    }
+    return survey->gain_db ? ASDIC_OK : asdic_fail_memory(ctx, "a gain");
+}
+
 void asdic_survey_finish(asdic_survey *survey) {
+    free(survey->gain_db);
     free(survey->counts);
+    survey->gain_db = NULL;
     survey->counts = NULL;
 }
 
@@ -64,6 +77,14 @@ static void add_levels(counts *c, const float *level_db, size_t count) {
     }
 }
 
+static void add_shown(counts *c, const asdic_survey *survey, const float *level_db, size_t count) {
+    for (size_t i = 0; survey->gain_db && i < count; i++) {
+        if (!isnan(level_db[i])) {
+            c->shown[level_bin((float)((double)level_db[i] + survey->gain_db[i % survey->bins]))]++;
+        }
+    }
+}
+
 static void add_errors(counts *c, const float *error_db, size_t count) {
     for (size_t i = 0; i < count; i++) {
         if (!isnan(error_db[i])) {
@@ -77,6 +98,7 @@ static void add_errors(counts *c, const float *error_db, size_t count) {
 void asdic_survey_add(asdic_survey *survey, const asdic_record *record, size_t cells) {
     counts *c = survey->counts;
     add_levels(c, record->level_db[ASDIC_TOTAL], cells);
+    add_shown(c, survey, record->level_db[ASDIC_TOTAL], cells);
     add_errors(c, record->stderr_db, cells);
     survey->rays += record->rays;
     survey->saturated += record->saturated;
@@ -97,20 +119,25 @@ static size_t quantile(const uint64_t *histogram, size_t bins, uint64_t count, d
     return bins - 1;
 }
 
+/* What shows COUNT levels, of which HISTOGRAM tells. */
+static void window(const uint64_t *histogram, uint64_t count, double *low_db, double *high_db) {
+    *low_db = -160.0;
+    *high_db = -60.0;
+    if (count > 0) {
+        double low = (double)quantile(histogram, LEVEL_BINS, count, LOW_SHARE);
+        double high = (double)quantile(histogram, LEVEL_BINS, count, HIGH_SHARE) + 1.0;
+        *low_db = 10.0 * floor((LEVEL_LOW_DB + low * LEVEL_STEP_DB) / 10.0);
+        *high_db = 10.0 * ceil((LEVEL_LOW_DB + high * LEVEL_STEP_DB) / 10.0);
+        *high_db = fmax(*high_db, *low_db + 10.0);
+    }
+}
+
 void asdic_survey_end(asdic_survey *out) {
     const counts *c = out->counts;
-    out->low_db = -160.0;
-    out->high_db = -60.0;
     out->stderr_median_db = out->stderr_worst_db = NAN;
-    if (c->level_count > 0) {
-        double low = (double)quantile(c->levels, LEVEL_BINS, c->level_count, LOW_SHARE);
-        double high = (double)quantile(c->levels, LEVEL_BINS, c->level_count, HIGH_SHARE) + 1.0;
-        out->low_db = 10.0 * floor((LEVEL_LOW_DB + low * LEVEL_STEP_DB) / 10.0);
-        out->high_db = 10.0 * ceil((LEVEL_LOW_DB + high * LEVEL_STEP_DB) / 10.0);
-        if (out->high_db - out->low_db < 10.0) {
-            out->high_db = out->low_db + 10.0;
-        }
-    }
+    window(c->levels, c->level_count, &out->low_db, &out->high_db);
+    window(out->gain_db ? c->shown : c->levels, c->level_count, &out->shown_low_db,
+           &out->shown_high_db);
     if (c->error_count > 0) {
         out->stderr_median_db = error_of(quantile(c->errors, ERROR_BINS, c->error_count, 0.5));
         out->stderr_worst_db = (double)c->worst_db;

@@ -45,6 +45,18 @@ double asdic_track_end_s(const asdic_track *track) {
     return track->points[track->count - 1].time_s;
 }
 
+double asdic_track_gap_s(const asdic_track *track, double *from_s) {
+    double longest_s = 0.0;
+    for (size_t i = 1; i < track->count; i++) {
+        double gap_s = track->points[i].time_s - track->points[i - 1].time_s;
+        if (gap_s > longest_s) {
+            longest_s = gap_s;
+            *from_s = track->points[i - 1].time_s;
+        }
+    }
+    return longest_s;
+}
+
 /* Index of the last point not after TIME_S, so that another follows it; the first when all are. */
 static size_t find_leg(const asdic_track *track, double time_s) {
     size_t low = 0, high = track->count - 1;

@@ -20,6 +20,9 @@ size_t asdic_track_point_count(const asdic_track *track);
 double asdic_track_start_s(const asdic_track *track);
 double asdic_track_end_s(const asdic_track *track);
 
+/* The longest time between two points, the earlier of them at *FROM_S; 0 of one point alone. */
+double asdic_track_gap_s(const asdic_track *track, double *from_s);
+
 /* Position on the straight line between two points, each angle along the shorter way round.
  * Before the start and behind the end: the first and the last pose. */
 asdic_pose asdic_track_pose(const asdic_track *track, double time_s);

@@ -52,8 +52,8 @@ static void note_gain(char *note, const asdic_picture_options *options) {
     if (options->tvg_db_per_decade == 0.0 && options->tvg_db_per_m == 0.0) {
         return;
     }
-    asdic_digits_print(spread, "%g", options->tvg_db_per_decade);
-    asdic_digits_print(loss, "%g", options->tvg_db_per_m);
+    asdic_digits_print(spread, "%.4g", options->tvg_db_per_decade);
+    asdic_digits_print(loss, "%.4g", options->tvg_db_per_m);
     snprintf(text, sizeof text, "time-varied gain for display: %s log r + %s r dB", spread, loss);
     asdic_draw_note_add(note, text);
 }

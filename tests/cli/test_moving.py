@@ -120,4 +120,23 @@ def test_check_tells_what_moves():
             tap.contains(asdic("check", bad).check(code=3).err, words)
 
 
+def test_check_warns_of_other_clocks_and_gaps():
+    with Folder() as folder:
+        path = moving(folder)
+        tap.lacks(asdic("check", path).check(code=0).err, "warning")
+        head = "time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg\n"
+        rows = [f"{1000 + 0.1 * k},{0.1 * k},0,5,0,0,0\n" for k in range(60)]
+        folder.write("moving.yaml", folder.read("moving.yaml").replace(
+            "pose: {position_m: [0, 0, 5]}", "track: own.csv"))
+        folder.write("own.csv", head + "".join(rows))
+        err = asdic("check", path).check(code=0).err
+        tap.contains(err, "warning: object 'ball' never moves: its track covers 0 to 2 s, the pings "
+                     "are from 1000 to 1001.95 s")
+        tap.contains(err, "object 'fish' never moves")
+        tap.lacks(err, "has no point")
+        folder.write("own.csv", head + "".join(rows[:20] + rows[40:]))
+        tap.contains(asdic("check", path).check(code=0).err, "moving.yaml:20:18: warning: the track "
+                     "has no point for 2.1 s after 1001.9 s")
+
+
 tap.main(globals())

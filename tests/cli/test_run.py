@@ -167,6 +167,15 @@ def test_render_draws_again():
         raw = data(folder, "r", "raw_down.png")
         width, height, depth, colour = struct.unpack(">IIBB", raw[16:26])
         tap.equal((width, height, depth, colour), (facts(folder, "r")["bins"], 3, 16, 0))
+        # Without a window, one that shows the levels with their gain: 40 log r is 31 dB at 6 m, where
+        # the bottom begins; an A-scope's levels have none.
+        window = [(int(t["db_low"]), int(t["db_high"]), t["gain"]) for t in (
+            png_texts(before[name]) for name in ("waterfall_down.png", "ascope_0.png"))]
+        asdic("render", run, "--tvg", "40").check(code=0)
+        gained, scope = (png_texts(data(folder, "r", name))
+                         for name in ("waterfall_down.png", "ascope_0.png"))
+        tap.equal(int(gained["db_high"]) >= window[0][1] + 20, True, "the window's end goes along")
+        tap.equal((int(scope["db_low"]), int(scope["db_high"]), scope["gain"]), window[1], "A-scope")
         for arguments in (["--beam", "sideways"], ["--ping", "3"], ["--colormap", "jet"],
                           ["--db-range", "5:-5"], ["--images", "portrait"], ["--tvg", "x"]):
             asdic("render", run, *arguments).check(code=2)
