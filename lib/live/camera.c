@@ -186,7 +186,8 @@ asdic_status asdic_camera_shoot(asdic_camera *c, const asdic_simulator *sim,
     if (!status && has_mesh) {
         status = asdic_kernel_run(c->aim, aim, COUNT(aim), c->slots, 64);
         if (!status) {
-            status = asdic_tracer_run(sim->tracer, c->rays, c->hits, (uint32_t)c->slots);
+            uint32_t slots = (uint32_t)c->slots;
+            status = asdic_tracer_run(sim->tracer, c->rays, c->hits, slots, slots);
         }
     }
     if (!status) {

@@ -75,7 +75,8 @@ static asdic_status check_loaded(const asdic_caster *c) {
 
 asdic_status asdic_caster_cast(asdic_caster *c) {
     asdic_status status = check_loaded(c);
-    status = status ? status : asdic_tracer_run(c->tracer, c->rays, c->hits, (uint32_t)c->count);
+    uint32_t count = (uint32_t)c->count;
+    status = status ? status : asdic_tracer_run(c->tracer, c->rays, c->hits, count, count);
     return status ? status : asdic_device_finish(c->device);
 }
 

@@ -244,11 +244,11 @@ static asdic_status choose(asdic_tracer *t, asdic_buffer *rays, asdic_buffer *hi
 }
 
 asdic_status asdic_tracer_run(asdic_tracer *t, asdic_buffer *rays, asdic_buffer *hits,
-                              uint32_t count) {
+                              uint32_t count, uint32_t sample) {
     int form = t->form;
     asdic_status status = ASDIC_OK;
     if (form == FORM_AUTO) {
-        status = choose(t, rays, hits, count, &form);
+        status = choose(t, rays, hits, sample < count ? sample : count, &form);
     }
     return status ? status : run_form(t, form, rays, hits, count);
 }

@@ -34,9 +34,10 @@ const char *asdic_tracer_form(const asdic_tracer *tracer, const asdic_buffer *ra
 void asdic_tracer_forget(asdic_tracer *tracer);
 
 /* Enqueues COUNT rays (dev_ray, scene frame) and their hits (dev_hit). Neighbours in the buffer
- * should be neighbours in direction: order changes the speed, never a hit. */
+ * should be neighbours in direction: order changes the speed, never a hit. The first SAMPLE of them
+ * stand for all where a form has to be chosen for this buffer. */
 asdic_status asdic_tracer_run(asdic_tracer *tracer, asdic_buffer *rays, asdic_buffer *hits,
-                              uint32_t count);
+                              uint32_t count, uint32_t sample);
 
 /* Brings the device what PLACEMENT, of the tracer's scene, has changed by moving MOVABLE. */
 asdic_status asdic_tracer_move(asdic_tracer *tracer, const asdic_placement *placement,

@@ -207,6 +207,10 @@ asdic_status asdic_simulator_learn(asdic_simulator *sim, const asdic_pose *pose,
     for (uint32_t round = 0; !status && round < PILOT_ROUNDS; round++) {
         status = learn_once(sim, pose, index, ASDIC_STREAM_PILOT + round);
     }
+    if (!status && !sim->learnt && sim->tracer) {
+        asdic_tracer_forget(sim->tracer); /* its forms were chosen for other rays */
+        sim->learnt = true;
+    }
     return status || sim->sampling.without_errors ? status
                                                   : asdic_simulator_calibrate(sim, pose, index);
 }

@@ -59,7 +59,7 @@ static asdic_status trace_points(asdic_simulator *sim, const asdic_pose *pose) {
         asdic_buffer_write(sim->point_ray_buffer, 0, count * sizeof(dev_ray), sim->point_rays);
     if (!status) {
         status = asdic_tracer_run(sim->tracer, sim->point_ray_buffer, sim->point_hit_buffer,
-                                  (uint32_t)count);
+                                  (uint32_t)count, (uint32_t)count);
     }
     return status ? status
                   : asdic_buffer_read(sim->point_hit_buffer, 0, count * sizeof(dev_hit),

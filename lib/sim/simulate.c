@@ -27,10 +27,19 @@ static size_t piece_local(const asdic_simulator *sim) {
     return sim->layout.width == 1 ? local : local < 8 ? 1 : local / 8;
 }
 
+/* So many rays are enough to choose a form of the ray kernel on. */
+#define ENOUGH_RAYS 8192u
+
+/* The rays of COUNT pings; those of the first, or of some, stand for all. */
+static asdic_status run_tracer(asdic_simulator *sim, asdic_buffer *rays, asdic_buffer *hits,
+                               size_t count) {
+    uint32_t slots = sim->ping->groups * sim->ping->per_group;
+    return asdic_tracer_run(sim->tracer, rays, hits, (uint32_t)count * slots,
+                            slots > ENOUGH_RAYS ? slots : ENOUGH_RAYS);
+}
+
 /* What mirror rays meet, the way back, the deposit. */
 static asdic_status run_bounces(asdic_simulator *sim, size_t count) {
-    const dev_ping *ping = sim->ping;
-    size_t slots = (size_t)ping->groups * ping->per_group;
     asdic_buffer *triangles = asdic_simulator_triangles(sim);
     asdic_kernel_arg connect[] = {
         ASDIC_ARG_BUFFER(sim->ping_buffer),  ASDIC_ARG_BUFFER(sim->bounced),
@@ -48,13 +57,13 @@ static asdic_status run_bounces(asdic_simulator *sim, size_t count) {
     size_t pieces = piece_count(sim), local = piece_local(sim);
     asdic_status status = ASDIC_OK;
     if (sim->tracer) {
-        status = asdic_tracer_run(sim->tracer, sim->bounced, sim->bounced_hits, count * slots);
+        status = run_tracer(sim, sim->bounced, sim->bounced_hits, count);
     }
     if (!status) {
         status = asdic_kernel_run_rows(sim->connect, connect, COUNT(connect), pieces, local, count);
     }
     if (!status && sim->tracer) {
-        status = asdic_tracer_run(sim->tracer, sim->returning, sim->returning_hits, count * slots);
+        status = run_tracer(sim, sim->returning, sim->returning_hits, count);
     }
     if (!status) {
         status = asdic_kernel_run_rows(sim->bounce, bounce, COUNT(bounce), pieces, local, count);
@@ -94,7 +103,7 @@ asdic_status asdic_simulator_draw(asdic_simulator *sim, size_t count) {
         status = asdic_simulator_end_phase(sim, ASDIC_PHASE_SAMPLE);
     }
     if (!status && sim->tracer) {
-        status = asdic_tracer_run(sim->tracer, sim->rays, sim->hits, count * slots);
+        status = run_tracer(sim, sim->rays, sim->hits, count);
     }
     return status ? status : asdic_simulator_end_phase(sim, ASDIC_PHASE_TRACE);
 }

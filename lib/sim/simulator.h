@@ -117,6 +117,7 @@ struct asdic_simulator {
     double phase_from_s;  /* when the current phase began */
     asdic_quadrature_cache quadrature; /* where a plan left rays out */
     bool table_uploaded;
+    bool learnt; /* once at least */
     bool accumulator_clear;
     char *host_results; /* as RESULTS in reduce.cl, or of a fan in fan.cl */
     float *survey;      /* as SURVEY_ROWS */
