@@ -48,6 +48,9 @@ asdic_status asdic_job_keep(asdic_run_job *job, const void *bytes) {
     double begin_s = asdic_clock_s();
     asdic_record_view(bytes, job->facts.beams, job->facts.bins, &record);
     asdic_status status = asdic_csv_add(job->csv, &record);
+    if (status == ASDIC_OK) {
+        status = asdic_files_add(job->files, &record);
+    }
     double written_s = asdic_clock_s();
     asdic_digest_add(job->digest, &record);
     job->facts.times.write_s += written_s - begin_s;

@@ -2,7 +2,6 @@
 
 #include "base/context.h"
 #include "base/sha256.h"
-#include "run_files.h"
 #include "run_folder.h"
 #include "run_inputs.h"
 #include "run_queue.h"
@@ -224,6 +223,11 @@ asdic_status asdic_job_begin(asdic_run_job *job) {
     }
     if (status == ASDIC_OK) {
         status = open_csv(job);
+    }
+    if (status == ASDIC_OK) {
+        asdic_pose first = asdic_mission_pose(job->mission, job->facts.first_ping, NULL);
+        status = asdic_files_create(job->ctx, job->options->folder, job->mission, &job->facts,
+                                    first.position_m.z, &job->files);
     }
     job->facts.times.write_s += asdic_clock_s() - begin_s;
     if (status == ASDIC_OK) {

@@ -1,7 +1,6 @@
 #include "run_job.h"
 
 #include "base/context.h"
-#include "run_files.h"
 #include "run_queue.h"
 #include "run_render.h"
 
@@ -36,7 +35,6 @@ static asdic_status write_facts(asdic_run_job *job) {
 }
 
 asdic_status asdic_job_end(asdic_run_job *job, bool is_whole) {
-    const char *folder = job->options->folder;
     double begin_s = asdic_clock_s();
     asdic_status status = asdic_store_commit(job->store);
     if (status == ASDIC_OK) {
@@ -46,7 +44,7 @@ asdic_status asdic_job_end(asdic_run_job *job, bool is_whole) {
         conclude(job);
     }
     if (status == ASDIC_OK && is_whole) {
-        status = asdic_files_write(job->ctx, job->store, folder, job->mission, &job->facts);
+        status = asdic_files_commit(&job->files);
     }
     job->facts.times.write_s += asdic_clock_s() - begin_s;
     /* Not complete before the pictures are there: --resume then draws what is missing. */
@@ -64,6 +62,7 @@ asdic_status asdic_job_end(asdic_run_job *job, bool is_whole) {
 
 void asdic_job_finish(asdic_run_job *job) {
     asdic_csv_discard(&job->csv);
+    asdic_files_discard(&job->files);
     asdic_store_close(&job->store);
     asdic_digest_destroy(&job->digest);
     asdic_arena_finish(&job->arena);

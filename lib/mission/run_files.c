@@ -10,95 +10,103 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-static asdic_status write_levels(asdic_context *ctx, asdic_store *store, const char *folder,
-                                 size_t beams, size_t bins) {
+struct asdic_files {
+    size_t cells;
+    asdic_file *levels;   /* NULL: not asked for */
+    asdic_netcdf *netcdf; /* the same */
+};
+
+static asdic_status create_levels(asdic_context *ctx, const char *folder,
+                                  const asdic_run_facts *facts, asdic_file **out) {
     char header[ASDIC_NPY_HEADER_SIZE], rest[64];
     char *path = asdic_folder_path(folder, "levels", "", "npy");
-    asdic_file *file = NULL;
-    void *bytes = malloc(asdic_store_record_bytes(store));
     asdic_status status =
-        bytes && path ? asdic_file_create(ctx, path, &file) : asdic_fail_memory(ctx, "levels.npy");
-    if (status != ASDIC_OK) {
-        goto done;
-    }
-    snprintf(rest, sizeof rest, "%zu, %zu", beams, bins);
-    size_t length = asdic_npy_header(header, "'<f4'", asdic_store_count(store), rest);
-    fwrite(header, 1, length, asdic_file_stream(file));
-    for (size_t i = 0; i < asdic_store_count(store) && status == ASDIC_OK; i++) {
-        asdic_record record;
-        status = asdic_store_read(store, i, bytes);
-        if (status == ASDIC_OK) {
-            asdic_record_view(bytes, beams, bins, &record);
-            fwrite(record.level_db[ASDIC_TOTAL], sizeof(float), beams * bins,
-                   asdic_file_stream(file));
-        }
-    }
-    if (status == ASDIC_OK) {
-        status = asdic_file_commit(&file);
-    }
-done:
-    asdic_file_discard(&file);
+        path ? asdic_file_create(ctx, path, out) : asdic_fail_memory(ctx, "levels.npy");
     free(path);
-    free(bytes);
+    if (status == ASDIC_OK) {
+        snprintf(rest, sizeof rest, "%zu, %zu", facts->beams, facts->bins);
+        size_t length = asdic_npy_header(header, "'<f4'", facts->pings_planned, rest);
+        fwrite(header, 1, length, asdic_file_stream(*out));
+    }
     return status;
 }
 
-static asdic_status write_netcdf(asdic_context *ctx, asdic_store *store, const char *folder,
-                                 const asdic_mission *settings, const asdic_run_facts *facts) {
+static asdic_status create_netcdf(asdic_context *ctx, const char *folder,
+                                  const asdic_mission *settings, const asdic_run_facts *facts,
+                                  double depth_m, asdic_netcdf **out) {
     const asdic_sonar *sonar = asdic_mission_sonar(settings);
     const asdic_environment *env = asdic_mission_environment(settings);
     char *path = asdic_folder_path(folder, "run", "", "nc");
     char *name = asdic_run_scene_name(facts->scene_path);
-    void *bytes = malloc(asdic_store_record_bytes(store));
-    asdic_netcdf *file = NULL;
-    asdic_record record;
-    asdic_status status = bytes && path && name ? asdic_store_read(store, 0, bytes)
-                                                : asdic_fail_memory(ctx, "run.nc");
-    if (status != ASDIC_OK) {
-        goto done;
-    }
-    asdic_record_view(bytes, facts->beams, facts->bins, &record);
-    double depth_m = record.pose.position_m.z;
     asdic_netcdf_about about = {.sonar = sonar,
                                 .sound_speed_mps = asdic_environment_sound_speed_mps(env, depth_m),
                                 .absorption_db_per_km = asdic_environment_absorption_db_per_km(
                                     env, sonar->frequency_hz, depth_m),
-                                .pings = asdic_store_count(store),
+                                .pings = facts->pings_planned,
                                 .bins = facts->bins,
                                 .scene_name = name,
                                 .scene_hash = facts->scene_hash,
                                 .version = facts->version,
                                 .seed = facts->sampling.seed};
-    status = asdic_netcdf_create(ctx, path, &about, &file);
-    for (size_t i = 0; i < about.pings && status == ASDIC_OK; i++) {
-        status = asdic_store_read(store, i, bytes);
-        if (status == ASDIC_OK) {
-            asdic_record_view(bytes, facts->beams, facts->bins, &record);
-            status = asdic_netcdf_add(file, &record);
-        }
-    }
-    if (status == ASDIC_OK) {
-        status = asdic_netcdf_commit(&file);
-    }
-done:
-    asdic_netcdf_discard(&file);
-    free(bytes);
+    asdic_status status = path && name ? asdic_netcdf_create(ctx, path, &about, out)
+                                       : asdic_fail_memory(ctx, "run.nc");
     free(name);
     free(path);
     return status;
 }
 
-asdic_status asdic_files_write(asdic_context *ctx, asdic_store *store, const char *folder,
-                               const asdic_mission *settings, const asdic_run_facts *facts) {
+asdic_status asdic_files_create(asdic_context *ctx, const char *folder,
+                                const asdic_mission *settings, const asdic_run_facts *facts,
+                                double depth_m, asdic_files **out) {
     const asdic_output_options *output = asdic_mission_output(settings);
+    *out = NULL;
+    if (!output->npy && !output->netcdf) {
+        return ASDIC_OK;
+    }
+    asdic_files *f = calloc(1, sizeof *f);
+    if (!f) {
+        return asdic_fail_memory(ctx, "a run's files");
+    }
+    f->cells = facts->beams * facts->bins;
     asdic_status status = ASDIC_OK;
     if (output->npy) {
-        status = write_levels(ctx, store, folder, facts->beams, facts->bins);
+        status = create_levels(ctx, folder, facts, &f->levels);
     }
     if (status == ASDIC_OK && output->netcdf) {
-        status = write_netcdf(ctx, store, folder, settings, facts);
+        status = create_netcdf(ctx, folder, settings, facts, depth_m, &f->netcdf);
     }
+    if (status != ASDIC_OK) {
+        asdic_files_discard(&f);
+    }
+    *out = f;
     return status;
+}
+
+asdic_status asdic_files_add(asdic_files *f, const asdic_record *record) {
+    if (f && f->levels) {
+        fwrite(record->level_db[ASDIC_TOTAL], sizeof(float), f->cells,
+               asdic_file_stream(f->levels));
+    }
+    return f && f->netcdf ? asdic_netcdf_add(f->netcdf, record) : ASDIC_OK;
+}
+
+asdic_status asdic_files_commit(asdic_files **files) {
+    asdic_files *f = *files;
+    asdic_status status = f && f->levels ? asdic_file_commit(&f->levels) : ASDIC_OK;
+    if (status == ASDIC_OK && f && f->netcdf) {
+        status = asdic_netcdf_commit(&f->netcdf);
+    }
+    asdic_files_discard(files);
+    return status;
+}
+
+void asdic_files_discard(asdic_files **files) {
+    if (*files) {
+        asdic_file_discard(&(*files)->levels);
+        asdic_netcdf_discard(&(*files)->netcdf);
+        free(*files);
+        *files = NULL;
+    }
 }
 
 asdic_status asdic_files_check(asdic_context *ctx, const asdic_mission *settings) {

@@ -8,6 +8,7 @@
 #include "out/record.h"
 #include "run_digest.h"
 #include "run_facts.h"
+#include "run_files.h"
 #include "run_store.h"
 
 typedef struct asdic_run_job {
@@ -21,6 +22,7 @@ typedef struct asdic_run_job {
     asdic_arena arena;    /* of what was read from an earlier run.json */
     asdic_store *store;   /* NULL: levels go to the standard output alone */
     asdic_csv *csv;       /* NULL: no rows are asked for */
+    asdic_files *files;   /* NULL: none is asked for */
     asdic_digest *digest; /* NULL: no pictures are asked for, nor run.json */
     void *bytes;          /* one record */
     size_t resumed;       /* pings that were there already */

@@ -21,6 +21,7 @@ typedef struct merger {
     asdic_run_facts facts; /* of the whole */
     asdic_store *store;
     asdic_csv *csv;
+    asdic_files *files;
     asdic_file *track;
     asdic_digest *digest;
 } merger;
@@ -138,6 +139,9 @@ static asdic_status copy_records(merger *m) {
             if (status == ASDIC_OK) {
                 asdic_track_file_add(m->track, record.time_s, &record.pose);
                 status = asdic_csv_add(m->csv, &record);
+            }
+            if (status == ASDIC_OK) {
+                status = asdic_files_add(m->files, &record);
                 asdic_digest_add(m->digest, &record);
             }
         }
@@ -155,6 +159,14 @@ static asdic_status open_files(merger *m) {
                      : asdic_fail_memory(m->ctx, "a file name");
     if (status == ASDIC_OK) {
         status = asdic_file_create(m->ctx, track, &m->track);
+    }
+    if (status == ASDIC_OK) {
+        asdic_record first;
+        status = asdic_run_read(m->parts[0], 0, &first);
+        if (status == ASDIC_OK) {
+            status = asdic_files_create(m->ctx, m->folder, settings, &m->facts,
+                                        first.pose.position_m.z, &m->files);
+        }
     }
     free(csv);
     free(track);
@@ -185,7 +197,7 @@ static asdic_status write_run(merger *m) {
         status = asdic_file_commit(&m->track);
     }
     if (status == ASDIC_OK) {
-        status = asdic_files_write(m->ctx, m->store, m->folder, settings, &m->facts);
+        status = asdic_files_commit(&m->files);
     }
     if (status == ASDIC_OK) {
         status = asdic_scenery_copy(m->ctx, m->parts[0]->folder, m->folder);
@@ -241,6 +253,7 @@ asdic_status asdic_run_merge(asdic_context *ctx, const char *const *folders, siz
         status = conclude(&m);
     }
     asdic_csv_discard(&m.csv);
+    asdic_files_discard(&m.files);
     asdic_digest_destroy(&m.digest);
     asdic_file_discard(&m.track);
     asdic_store_close(&m.store);
