@@ -113,26 +113,96 @@ static uint add_rays(const world *w, __global const dev_parcel *direct, __global
     return cut;
 }
 
+/* Moves the water of a group's column from CELLS to SUMS, and what crosses each bin to TOTALS, in units of
+ * the bin's TL d^2. */
+static void move_water(__global const dev_ping *ping, __global long *cells, __global long *sums,
+                       __global const float *ratio, __global float *totals) {
+    const float unit = 1.0f / ping->deposit_scale[DEV_DEPOSIT_VOLUME];
+    long crossing = 0;
+    for (uint bin = ping->bins; bin-- > 0u;) {
+        size_t at = (size_t)(bin)*ping->columns;
+        crossing += cells[at];
+        sums[at] += cells[at];
+        cells[at] = 0;
+        totals[at] = convert_float(crossing) * (unit * ratio[bin]);
+    }
+}
+
+/* The same of eight columns. */
+static void move_water8(__global const dev_ping *ping, __global long *cells, __global long *sums,
+                        __global const float *ratio, __global float *totals) {
+    const float unit = 1.0f / ping->deposit_scale[DEV_DEPOSIT_VOLUME];
+    long8 crossing = (long8)(0);
+    for (uint bin = ping->bins; bin-- > 0u;) {
+        size_t at = (size_t)(bin)*ping->columns;
+        long8 ending = vload8(0, cells + at);
+        crossing += ending;
+        vstore8(vload8(0, sums + at) + ending, 0, sums + at);
+        vstore8((long8)(0), 0, cells + at);
+        vstore8(convert_float8(crossing) * (unit * ratio[bin]), 0, totals + at);
+    }
+}
+
+/* Moves a group from CELLS to SUMS, and its totals, in units of the bin's TL d^2, to TOTALS. */
+static void move_group(__global const dev_ping *ping, __global long *cells, __global long *sums,
+                       __global const float *ratio, __global float *totals) {
+    const size_t plane = (size_t)(ping->component_rows) * ping->columns;
+    const size_t water = DEV_DEPOSIT_VOLUME * plane;
+    uint column = 0u;
+    for (; column + 8u <= ping->columns; column += 8u) {
+        move_water8(ping, cells + water + column, sums + water + column, ratio, totals + column);
+    }
+    for (; column < ping->columns; column++) {
+        move_water(ping, cells + water + column, sums + water + column, ratio, totals + column);
+    }
+    for (size_t first = 0; first < (size_t)(ping->bins) * ping->columns; first += ASDIC_WIDTH) {
+        real total = R(0.0);
+        for (uint c = 0; c < ping->components; c++) {
+            size_t at = c * plane + first;
+            if (c == DEV_DEPOSIT_VOLUME) {
+                total += load_reals(0, totals + first);
+            } else if ((ping->present & 1u << c) != 0u) {
+                wholes quanta = load_wholes(0, cells + at);
+                store_wholes(load_wholes(0, sums + at) + quanta, 0, sums + at);
+                store_wholes((wholes)(0), 0, cells + at);
+                total += wholes_to_real(quanta) * (real)(1.0f / ping->deposit_scale[c]);
+            }
+        }
+        store_reals(total, 0, totals + first);
+    }
+}
+
+/* A work-item serves one group after the other, with the same cells while they are in its cache. Those of
+ * a ping in several batches outlast a batch: it has a work-item a group. */
 __kernel void collect(__global const dev_ping *pings, __global const dev_parcel *parcels,
-                      __global long *accumulator, __global uint *saturated) {
+                      __global long *accumulator, __global uint *saturated,
+                      __global const float *water, __global float *totals) {
     __global const dev_ping *ping = row_ping(pings);
-    uint group = (uint)(get_global_id(0)), cut = 0u;
-    if (group >= ping->groups) {
+    const uint owners = ping->blocks / 2u;
+    uint owner = (uint)(get_global_id(0)), cut = 0u;
+    if (owner >= owners) {
         return;
     }
     world w = {ping, beams_of(ping), 0, 0, 0};
-    __global long *cells = row_cells(ping, accumulator) + group * (size_t)(ping->group_cells);
+    __global long *cells = row_cells(ping, accumulator) + 2u * owner * (size_t)(ping->group_cells);
+    __global long *sums = cells + ping->group_cells;
+    __global const float *ratio = row_water(ping, water) + ping->bins;
     parcels += PARCEL_SETS * row_slots(ping);
-    for (uint k = 0; k < ping->per_group; k += ASDIC_WIDTH) {
-        for (uint first = 0; first < ping->beams; first += ASDIC_WIDTH) {
-            cut += add_rays(&w, parcels + group * ping->per_group + k, cells, first);
+    totals = row_totals(ping, totals);
+    for (uint group = owner; group < ping->groups; group += owners) {
+        for (uint k = 0; k < ping->per_group; k += ASDIC_WIDTH) {
+            for (uint first = 0; first < ping->beams; first += ASDIC_WIDTH) {
+                cut += add_rays(&w, parcels + group * ping->per_group + k, cells, first);
+            }
+        }
+        if (ping->last_batch != 0u) {
+            move_group(ping, cells, sums, ratio, totals + group * (size_t)(ping->total_cells));
         }
     }
     if (ping->last_batch != 0u) {
-        __global long *water =
-            cells + DEV_DEPOSIT_VOLUME * (size_t)(ping->component_rows) * ping->columns;
+        sums += DEV_DEPOSIT_VOLUME * (size_t)(ping->component_rows) * ping->columns;
         for (uint column = 0; column < ping->columns; column++) {
-            deposit_sum_crossings(water + column, ping->bins, ping->columns);
+            deposit_sum_crossings(sums + column, ping->bins, ping->columns);
         }
     }
     if (cut != 0u) {

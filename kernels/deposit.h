@@ -1,10 +1,11 @@
 /*
- * The accumulator: 64-bit fixed point, [group][component][bin][beam]. Integer sums do not depend
+ * The accumulator: blocks of [component][bin][beam], 64-bit fixed point. Integer sums do not depend
  * on order, so that a ping has the same bytes whatever the device's scheduling.
  *
  * Three ways to add, one result: a work-item that owns a group adds plainly what others have left as
  * parcels (collect.cl); many work-items on one group use 64-bit atomics, or two 32-bit atomics with a
- * carry.
+ * carry. With atomics every group has a block. A work-item of collect has two, which a processor keeps in
+ * its cache: one for the group in hand, one for the sums of its groups.
  */
 #ifndef ASDIC_KERNEL_DEPOSIT_H
 #define ASDIC_KERNEL_DEPOSIT_H
@@ -54,12 +55,16 @@ typedef long wholes;
 #define wholes_to_real convert_float
 #define load_wholes(at, cells) ((cells)[at])
 #define store_wholes(values, at, cells) ((cells)[at] = (values))
+#define load_reals load_wholes
+#define store_reals store_wholes
 #else
 typedef ASDIC_JOIN(long, ASDIC_WIDTH) wholes;
 #define to_wholes ASDIC_JOIN(convert_long, ASDIC_WIDTH)
 #define wholes_to_real ASDIC_JOIN(convert_float, ASDIC_WIDTH)
 #define load_wholes ASDIC_JOIN(vload, ASDIC_WIDTH)
 #define store_wholes ASDIC_JOIN(vstore, ASDIC_WIDTH)
+#define load_reals load_wholes
+#define store_reals store_wholes
 #endif
 
 static inline void deposit_add(__global long *cell, long quanta) {

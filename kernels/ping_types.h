@@ -103,7 +103,9 @@ typedef struct dev_ping {
     dev_uint components;        /* of the accumulator, DEV_DEPOSIT_COUNT at most */
     dev_uint columns;           /* of the accumulator: beams, or levels x cells of a fan */
     dev_uint component_rows;    /* of the accumulator, from one component to the next */
-    dev_uint group_cells;       /* of the accumulator, from one group to the next */
+    dev_uint group_cells;       /* of a block of the accumulator */
+    dev_uint blocks;            /* of the accumulator, see deposit.h */
+    dev_uint total_cells;       /* of the groups' totals, from one group to the next */
     dev_uint stride;            /* bytes from this ping to the volley's next */
     dev_uint result_words;      /* 64-bit words of a ping's results */
     dev_uint present;           /* a bit for each component that something can be added to */

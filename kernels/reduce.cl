@@ -1,5 +1,5 @@
 /*
- * From the groups' accumulators to the ping's sums: totals and their spread over groups.
+ * From the accumulator's blocks to the ping's sums: totals and their spread over groups.
  */
 #include "deposit.h"
 #include "volley.h"
@@ -45,6 +45,34 @@ static real spread(const real *totals, uint groups) {
     return choose(mean > R(0.0), error, R(0.0));
 }
 
+#if ASDIC_DEPOSIT == DEPOSIT_OWNED
+
+/* Sums over work-items of collect of a component's cells from FIRST on; clears them. */
+static void sum_component(__global const dev_ping *ping, __global long *cells, const real *units,
+                          wholes *sums, real *totals) {
+    for (uint v = 0; v < VECTORS; v++) {
+        sums[v] = (wholes)(0);
+    }
+    for (uint block = 1; block < ping->blocks; block += 2u) {
+        __global long *from = cells + block * (size_t)(ping->group_cells);
+        for (uint v = 0; v < VECTORS; v++) {
+            sums[v] += load_wholes(v, from);
+            store_wholes((wholes)(0), v, from);
+        }
+    }
+}
+
+/* As collect left them in FROM. */
+static void load_totals(__global const dev_ping *ping, __global const float *from, real *totals) {
+    for (uint g = 0; g < ping->groups; g++) {
+        for (uint v = 0; v < VECTORS; v++) {
+            totals[g * VECTORS + v] = load_reals(v, from + g * (size_t)(ping->total_cells));
+        }
+    }
+}
+
+#else
+
 /* Sums over groups of a component's cells from FIRST on; clears them. TOTALS takes [group][vector] in
  * units of the bin's TL d^2. */
 static void sum_component(__global const dev_ping *ping, __global long *cells, const real *units,
@@ -63,6 +91,12 @@ static void sum_component(__global const dev_ping *ping, __global long *cells, c
     }
 }
 
+static void load_totals(__global const dev_ping *ping, __global const float *from, real *totals) {
+    (void)ping, (void)from, (void)totals; /* sum_component fills them */
+}
+
+#endif
+
 /*
  * One work-item per run of cells (bin, column): sums over groups for every component, then the
  * relative standard error of the total. RESULTS holds a plane [beam][bin] of sums per component, left
@@ -71,7 +105,7 @@ static void sum_component(__global const dev_ping *ping, __global long *cells, c
  */
 __kernel void reduce(__global const dev_ping *pings, __global long *accumulator,
                      __global const float *water, __global uint *saturated,
-                     __global long *results) {
+                     __global const float *group_totals, __global long *results) {
     __global const dev_ping *ping = row_ping(pings);
     const uint beams = ping->beams, bins = ping->bins, columns = ping->columns;
     const uint first = (uint)(get_global_id(0)) * RUN;
@@ -97,6 +131,7 @@ __kernel void reduce(__global const dev_ping *pings, __global long *accumulator,
     for (uint i = 0; i < ping->groups * VECTORS; i++) {
         totals[i] = R(0.0);
     }
+    load_totals(ping, row_totals(ping, group_totals) + first, totals);
     for (uint c = 0; c < ping->components; c++) {
         if ((ping->present & 1u << c) == 0u) {
             continue;

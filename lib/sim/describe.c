@@ -81,13 +81,22 @@ static dev_uint sampler_code(asdic_sampler sampler) {
 static void shape_accumulator(const asdic_simulator *sim, dev_ping *fixed) {
     const asdic_scene *scene = sim->scene;
     bool fan = sim->fan.cells != 0;
-    size_t columns = fan ? (size_t)DEV_FAN_LEVELS * sim->fan.cells : sim->sonar.receiver_count;
+    size_t beams = sim->sonar.receiver_count, groups = sim->groups, owners = sim->layout.owners;
+    bool owned = sim->layout.deposit == ASDIC_DEPOSIT_OWNED, wide = owned && beams > 2;
+    size_t columns = fan    ? (size_t)DEV_FAN_LEVELS * sim->fan.cells
+                     : wide ? (beams + 7) / 8 * 8
+                            : beams;
     size_t rows = fan ? sim->bins : (sim->bins + MOST_RUN - 1) / MOST_RUN * MOST_RUN;
     size_t cells = sim->components * rows * columns + MOST_WIDTH;
     fixed->columns = (dev_uint)columns;
     fixed->fan_flags = fan ? asdic_beam_fan_flags(columns) : 0;
     fixed->component_rows = (dev_uint)rows;
     fixed->group_cells = (dev_uint)(((cells + 7) / 8 | 1) * 8);
+    if (owners == 0 || owners > groups || groups * sim->per_group < sim->sampling.rays) {
+        owners = groups;
+    }
+    fixed->blocks = (dev_uint)(owned ? 2 * owners : groups);
+    fixed->total_cells = (dev_uint)((rows * columns / 16 | 1) * 16);
     fixed->present = 1u << DEV_DEPOSIT_VOLUME;
     if (scene->has_bottom_plane || asdic_simulator_has(sim, DEV_KIND_BOTTOM)) {
         fixed->present |= 1u << DEV_DEPOSIT_BOTTOM;

@@ -132,11 +132,13 @@ static asdic_status run_batch(asdic_simulator *sim, size_t count) {
     }
     status = status ? status : asdic_simulator_end_phase(sim, ASDIC_PHASE_BOUNCE);
     if (!status && sim->collect) {
+        const dev_ping *ping = sim->pings;
         asdic_kernel_arg collect[] = {
-            ASDIC_ARG_BUFFER(sim->ping_buffer), ASDIC_ARG_BUFFER(sim->parcels),
-            ASDIC_ARG_BUFFER(sim->accumulator), ASDIC_ARG_BUFFER(sim->saturated)};
-        status =
-            asdic_kernel_run_rows(sim->collect, collect, COUNT(collect), sim->groups, 1, count);
+            ASDIC_ARG_BUFFER(sim->ping_buffer),  ASDIC_ARG_BUFFER(sim->parcels),
+            ASDIC_ARG_BUFFER(sim->accumulator),  ASDIC_ARG_BUFFER(sim->saturated),
+            ASDIC_ARG_BUFFER(sim->water_tables), ASDIC_ARG_BUFFER(sim->totals)};
+        status = asdic_kernel_run_rows(sim->collect, collect, COUNT(collect), ping->blocks / 2, 1,
+                                       count);
         status = status ? status : asdic_simulator_end_phase(sim, ASDIC_PHASE_COLLECT);
     }
     return status;
@@ -154,10 +156,10 @@ static asdic_status reduce_groups(asdic_simulator *sim, size_t count) {
     if (status) {
         return status;
     }
-    asdic_kernel_arg args[] = {ASDIC_ARG_BUFFER(sim->ping_buffer),
-                               ASDIC_ARG_BUFFER(sim->accumulator),
-                               ASDIC_ARG_BUFFER(sim->water_tables),
-                               ASDIC_ARG_BUFFER(sim->saturated), ASDIC_ARG_BUFFER(sim->results)};
+    asdic_kernel_arg args[] = {
+        ASDIC_ARG_BUFFER(sim->ping_buffer),  ASDIC_ARG_BUFFER(sim->accumulator),
+        ASDIC_ARG_BUFFER(sim->water_tables), ASDIC_ARG_BUFFER(sim->saturated),
+        ASDIC_ARG_BUFFER(sim->totals),       ASDIC_ARG_BUFFER(sim->results)};
     size_t run = sim->layout.width == 1 ? 1 : 4 * sim->layout.width; /* as in reduce.cl */
     return asdic_kernel_run_rows(sim->reduce, args, COUNT(args),
                                  (sim->bins * sim->fixed.columns + run - 1) / run,
@@ -189,6 +191,9 @@ static asdic_status run_batches(asdic_simulator *sim, size_t count) {
         status = asdic_buffer_zero(sim->accumulator, asdic_buffer_bytes(sim->accumulator));
         if (!status) {
             status = asdic_buffer_zero(sim->saturated, asdic_buffer_bytes(sim->saturated));
+        }
+        if (!status) {
+            status = asdic_buffer_zero(sim->totals, asdic_buffer_bytes(sim->totals));
         }
     }
     sim->accumulator_clear = false;

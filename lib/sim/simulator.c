@@ -27,6 +27,7 @@ asdic_layout asdic_layout_default(const asdic_device_info *info) {
     layout.deposit = cpu                       ? ASDIC_DEPOSIT_OWNED
                      : info->has_int64_atomics ? ASDIC_DEPOSIT_ATOMIC64
                                                : ASDIC_DEPOSIT_ATOMIC32;
+    layout.owners = info->compute_units;
     layout.batch_slots = (size_t)1 << 20;
     layout.volley_slots = (size_t)1 << (cpu ? 13 : 18);
     return layout;

@@ -33,6 +33,7 @@ typedef struct asdic_layout {
     unsigned width; /* rays per work-item: 1, 8 or 16 */
     asdic_deposit deposit;
     size_t local;        /* work-group size of the ray kernels */
+    size_t owners;       /* work-items that serve the groups; 0: one each */
     bool beam_by_beam;   /* weigh every ray for every receiver even in a fan */
     size_t batch_slots;  /* rays held on the device at once, at least ASDIC_PILOT_RAYS */
     size_t volley_slots; /* rays up to which pings go to the device together */
@@ -94,6 +95,7 @@ struct asdic_simulator {
     asdic_buffer *parts, *materials, *no_triangles;
     asdic_buffer *water_tables;                      /* as row_water in volley.h */
     asdic_buffer *accumulator, *saturated, *results; /* see reduce.cl */
+    asdic_buffer *totals;                            /* of groups, where work-items own them */
     asdic_buffer *survey_rows;                       /* see survey.cl; adaptive sampler only */
 
     asdic_buffer *point_ray_buffer, *point_hit_buffer; /* NULL without points or triangles */

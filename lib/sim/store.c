@@ -67,8 +67,11 @@ asdic_status asdic_store_create_device(asdic_simulator *sim) {
     size_t bounce_slots = sim->has_mirrors ? slots : 0;
     size_t sets =
         sim->layout.deposit == ASDIC_DEPOSIT_OWNED ? DEV_PARCEL_SETS(sim->has_mirrors) : 0;
-    size_t accumulator = pings * sim->groups * (size_t)sim->fixed.group_cells * sizeof(int64_t) +
-                         asdic_beam_fan_tail_bytes(&sim->fan, sim->components * sim->bins);
+    size_t totals =
+        sim->collect ? pings * sim->groups * (size_t)sim->fixed.total_cells * sizeof(float) : 0;
+    size_t accumulator =
+        pings * sim->fixed.blocks * (size_t)sim->fixed.group_cells * sizeof(int64_t) +
+        asdic_beam_fan_tail_bytes(&sim->fan, sim->components * sim->bins);
     bool adaptive = sim->sampling.sampler == ASDIC_SAMPLER_ADAPTIVE;
     const struct {
         size_t bytes;
@@ -89,6 +92,7 @@ asdic_status asdic_store_create_device(asdic_simulator *sim) {
         {0, &sim->no_triangles},
         {pings * 2 * sim->bins * sizeof(float), &sim->water_tables},
         {accumulator, &sim->accumulator},
+        {totals, &sim->totals},
         {pings * asdic_simulator_results_bytes(sim), &sim->results},
         {pings * sizeof(uint32_t), &sim->saturated},
         {adaptive ? asdic_simulator_survey_bytes(sim, pilots) : 0, &sim->survey_rows},
@@ -104,12 +108,13 @@ asdic_status asdic_store_create_device(asdic_simulator *sim) {
 }
 
 void asdic_store_destroy(asdic_simulator *sim) {
-    asdic_buffer **buffers[] = {
-        &sim->ping_buffer, &sim->table_buffer,   &sim->rays,         &sim->solid_angles,
-        &sim->splats,      &sim->hits,           &sim->bounced,      &sim->bounced_hits,
-        &sim->returning,   &sim->returning_hits, &sim->mirrors,      &sim->parts,
-        &sim->materials,   &sim->no_triangles,   &sim->water_tables, &sim->parcels,
-        &sim->accumulator, &sim->saturated,      &sim->results,      &sim->survey_rows};
+    asdic_buffer **buffers[] = {&sim->ping_buffer,    &sim->table_buffer, &sim->rays,
+                                &sim->solid_angles,   &sim->splats,       &sim->hits,
+                                &sim->bounced,        &sim->bounced_hits, &sim->returning,
+                                &sim->returning_hits, &sim->mirrors,      &sim->parts,
+                                &sim->materials,      &sim->no_triangles, &sim->water_tables,
+                                &sim->parcels,        &sim->accumulator,  &sim->saturated,
+                                &sim->results,        &sim->survey_rows,  &sim->totals};
     for (size_t i = 0; i < sizeof buffers / sizeof *buffers; i++) {
         asdic_buffer_destroy(buffers[i]);
     }

@@ -24,8 +24,9 @@ static void layout_never_changes_a_byte(void **state) {
     bool has_int64 = asdic_device_get_info(t.device)->has_int64_atomics;
     static const asdic_layout others[] = {
         {.deposit = ASDIC_DEPOSIT_OWNED, .local = 1, .batch_slots = 16384},
-        {.deposit = ASDIC_DEPOSIT_OWNED, .local = 8, .batch_slots = 1 << 20},
-        {.deposit = ASDIC_DEPOSIT_OWNED, .local = 64, .batch_slots = 20000},
+        {.deposit = ASDIC_DEPOSIT_OWNED, .local = 8, .batch_slots = 1 << 20, .owners = 1},
+        {.deposit = ASDIC_DEPOSIT_OWNED, .local = 8, .batch_slots = 1 << 20, .owners = 3},
+        {.deposit = ASDIC_DEPOSIT_OWNED, .local = 64, .batch_slots = 20000, .owners = 3},
         {.deposit = ASDIC_DEPOSIT_OWNED, .local = 4096, .batch_slots = 1 << 20},
         {.deposit = ASDIC_DEPOSIT_ATOMIC32, .local = 4096, .batch_slots = 20000},
         {.deposit = ASDIC_DEPOSIT_ATOMIC32, .local = 8, .batch_slots = 1 << 20},
