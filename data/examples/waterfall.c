@@ -7,11 +7,6 @@
 #include <asdic/asdic.h>
 #include <stdio.h>
 
-static void print(void *user, asdic_log_level level, const char *message) {
-    fprintf(stderr, "%s: %s\n", level == ASDIC_LOG_ERROR ? "error" : "note", message);
-    (void)user;
-}
-
 int main(int argc, char **argv) {
     if (argc != 3)
         return fprintf(stderr, "usage: waterfall SCENE.yaml FOLDER\n"), 2;
@@ -23,7 +18,6 @@ int main(int argc, char **argv) {
     options.folder = argv[2];
     options.force = true;
     asdic_status status = asdic_context_create(&ctx);
-    asdic_context_set_log(ctx, ASDIC_LOG_WARNING, print, NULL);
     if (!status)
         status = asdic_mission_load(ctx, argv[1], &mission);
     if (!status)
