@@ -188,7 +188,7 @@ __kernel void collect(__global const dev_ping *pings, __global const dev_parcel 
     __global long *sums = cells + ping->group_cells;
     __global const float *ratio = row_water(ping, water) + ping->bins;
     parcels += PARCEL_SETS * row_slots(ping);
-    totals = row_totals(ping, totals);
+    totals += row_first_total(ping);
     for (uint group = owner; group < ping->groups; group += owners) {
         for (uint k = 0; k < ping->per_group; k += ASDIC_WIDTH) {
             for (uint first = 0; first < ping->beams; first += ASDIC_WIDTH) {

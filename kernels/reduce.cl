@@ -131,7 +131,7 @@ __kernel void reduce(__global const dev_ping *pings, __global long *accumulator,
     for (uint i = 0; i < ping->groups * VECTORS; i++) {
         totals[i] = R(0.0);
     }
-    load_totals(ping, row_totals(ping, group_totals) + first, totals);
+    load_totals(ping, group_totals + row_first_total(ping) + first, totals);
     for (uint c = 0; c < ping->components; c++) {
         if ((ping->present & 1u << c) == 0u) {
             continue;

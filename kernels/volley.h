@@ -24,9 +24,9 @@ static inline __global long *row_cells(__global const dev_ping *ping, __global l
     return accumulator + get_group_id(1) * (size_t)(ping->blocks) * ping->group_cells;
 }
 
-/* Its groups' totals. */
-static inline __global float *row_totals(__global const dev_ping *ping, __global float *totals) {
-    return totals + get_group_id(1) * (size_t)(ping->groups) * ping->total_cells;
+/* Where its groups' totals begin. */
+static inline size_t row_first_total(__global const dev_ping *ping) {
+    return get_group_id(1) * (size_t)(ping->groups) * ping->total_cells;
 }
 
 /* Two tables by bins, one behind the other: the inverse of the water's integral, and what turns water

@@ -28,6 +28,15 @@ def test_same_bins_everywhere():
         tap.equal(bins(folder, "basic", POCL_DEVICES="basic"), plain, "PoCL's plainest device")
 
 
+def test_kernels_compile_in_silence():
+    """PoCL prints how many warnings its compiler has, and other drivers take some for errors."""
+    program.need_device()
+    with Folder() as folder:
+        done = asdic("run", SCENE, "--rays", "64", "-q", "-o", folder / "cold",
+                     POCL_CACHE_DIR=folder / "cache")
+        done.check(code=0, err="")
+
+
 def test_kernels_need_no_luxuries():
     """Local memory is never used, so that any amount is enough; neither is double precision."""
     for path in glob.glob(os.path.join(HERE, "..", "..", "kernels", "*.cl")):
