@@ -18,5 +18,5 @@ convert "$work/scenario2/ascope_0.png" -colors 32 "$out/scenario2.png"
 "$asdic" view -q "$here/../scenes/mission.yaml" --snapshot 1 --pings 160 -o "$work/view"
 convert "$work/view/view_159.png" -colors 128 "$out/view.png"
 convert "$work/m750d/fan_0.png" -resize 60% -colors 96 "$out/m750d.png"
-(cd "$work" && "$asdic" bench error -q --quick --picture error.png)
+(cd "$work" && "$asdic" bench error -q --picture error.png)
 convert "$work/error.png" -colors 48 "$out/error.png"
