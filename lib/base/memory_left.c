@@ -1,5 +1,7 @@
 #include "memory_left.h"
 
+#include "context.h"
+
 #include <stdio.h>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -44,4 +46,13 @@ uint64_t asdic_memory_left(void) {
         left = rest < left ? rest : left;
     }
     return left;
+}
+
+asdic_status asdic_memory_check(asdic_context *ctx, uint64_t needed, uint64_t left,
+                                const char *what, const char *remedy) {
+    return needed <= left
+               ? ASDIC_OK
+               : asdic_fail(ctx, ASDIC_ERROR_MEMORY,
+                            "%s %llu bytes of memory, %llu are available; %s", what,
+                            (unsigned long long)needed, (unsigned long long)left, remedy);
 }

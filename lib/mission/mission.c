@@ -8,6 +8,7 @@
 #include "encoding.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -73,14 +74,10 @@ static asdic_status check_memory(asdic_context *ctx, const asdic_mission *m) {
     double speed_mps = asdic_environment_sound_speed_mps(asdic_mission_environment(m), depth_m);
     size_t bins = asdic_sonar_bin_count(sonar, speed_mps);
     uint64_t needed = (uint64_t)sonar->receiver_count * bins * LEVEL_BYTES;
-    uint64_t left = asdic_memory_left();
-    return needed <= left
-               ? ASDIC_OK
-               : asdic_fail(ctx, ASDIC_ERROR_MEMORY,
-                            "%zu beams of %zu bins need %llu bytes of memory, %llu are available; "
-                            "use fewer beams or a longer 'bin_length_m'",
-                            sonar->receiver_count, bins, (unsigned long long)needed,
-                            (unsigned long long)left);
+    char what[64];
+    snprintf(what, sizeof what, "%zu beams of %zu bins need", sonar->receiver_count, bins);
+    return asdic_memory_check(ctx, needed, asdic_memory_left(), what,
+                              "use fewer beams or a longer 'bin_length_m'");
 }
 
 static asdic_status load(asdic_context *ctx, asdic_mission *m, const asdic_setting *settings,

@@ -27,12 +27,12 @@ static void keep_all(const asdic_mission *mission, asdic_plan *plan) {
 
 /* The poses of COUNT pings, to be freed; refused before the system ends whom it likes. */
 static asdic_status make_poses(asdic_context *ctx, size_t count, asdic_pose **out) {
-    uint64_t needed = (uint64_t)count * sizeof **out, left = asdic_memory_left();
-    if (needed > left) {
-        return asdic_fail(ctx, ASDIC_ERROR_MEMORY,
-                          "the plan of %zu pings needs %llu bytes of memory, %llu are available; "
-                          "use fewer pings",
-                          count, (unsigned long long)needed, (unsigned long long)left);
+    char what[64];
+    snprintf(what, sizeof what, "the plan of %zu pings needs", count);
+    asdic_status status = asdic_memory_check(ctx, (uint64_t)count * sizeof **out,
+                                             asdic_memory_left(), what, "use fewer pings");
+    if (status != ASDIC_OK) {
+        return status;
     }
     *out = malloc(count * sizeof **out);
     return *out ? ASDIC_OK : asdic_fail_memory(ctx, "the poses of a mission");

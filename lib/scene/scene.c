@@ -9,6 +9,7 @@
 #include "../base/memory_left.h"
 #include "../base/vec.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -150,13 +151,10 @@ static asdic_status check_memory(asdic_scene *scene, size_t triangles) {
     if (scene->memory_bytes == 0) {
         scene->memory_bytes = asdic_memory_left();
     }
-    return needed <= scene->memory_bytes
-               ? ASDIC_OK
-               : asdic_fail(scene->ctx, ASDIC_ERROR_MEMORY,
-                            "a scene of %zu triangles or more needs %llu bytes of memory, %llu are "
-                            "available; use fewer or coarser objects ('segments')",
-                            triangles, (unsigned long long)needed,
-                            (unsigned long long)scene->memory_bytes);
+    char what[64];
+    snprintf(what, sizeof what, "a scene of %zu triangles or more needs", triangles);
+    return asdic_memory_check(scene->ctx, needed, scene->memory_bytes, what,
+                              "use fewer or coarser objects ('segments')");
 }
 
 asdic_status asdic_scene_reserve(asdic_scene *scene, size_t more) {
