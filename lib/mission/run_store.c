@@ -1,6 +1,7 @@
 #include "run_store.h"
 
 #include "base/context.h"
+#include "out/file.h"
 #include "out/npy.h"
 #include "out/record.h"
 #include "run_folder.h"
@@ -108,8 +109,7 @@ damaged:
 
 /* Records are added to a file that is there: it must be the folder's own. */
 static asdic_status refuse_link(asdic_store *store, const char *path) {
-    struct stat st;
-    if (lstat(path, &st) != 0 || !S_ISLNK(st.st_mode)) {
+    if (!asdic_file_is_link(path)) {
         return ASDIC_OK;
     }
     return asdic_fail(

@@ -34,9 +34,13 @@ static FILE *open_stdout(void) {
     return stream;
 }
 
-void asdic_file_unlink_link(const char *path) {
+bool asdic_file_is_link(const char *path) {
     struct stat st;
-    if (lstat(path, &st) == 0 && S_ISLNK(st.st_mode)) {
+    return lstat(path, &st) == 0 && S_ISLNK(st.st_mode);
+}
+
+void asdic_file_unlink_link(const char *path) {
+    if (asdic_file_is_link(path)) {
         unlink(path);
     }
 }

@@ -24,6 +24,8 @@ asdic_status asdic_file_commit(asdic_file **file);
 /* Closes and removes the .part file. NULL-safe. */
 void asdic_file_discard(asdic_file **file);
 
+bool asdic_file_is_link(const char *path); /* itself; not where it leads to */
+
 /* Removes PATH where it is a link, so that who opens it writes into no other file. */
 void asdic_file_unlink_link(const char *path);
 
