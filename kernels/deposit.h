@@ -55,17 +55,15 @@ typedef long wholes;
 #define wholes_to_real convert_float
 #define load_wholes(at, cells) ((cells)[at])
 #define store_wholes(values, at, cells) ((cells)[at] = (values))
-#define load_reals load_wholes
-#define store_reals store_wholes
 #else
 typedef ASDIC_JOIN(long, ASDIC_WIDTH) wholes;
 #define to_wholes ASDIC_JOIN(convert_long, ASDIC_WIDTH)
 #define wholes_to_real ASDIC_JOIN(convert_float, ASDIC_WIDTH)
 #define load_wholes ASDIC_JOIN(vload, ASDIC_WIDTH)
 #define store_wholes ASDIC_JOIN(vstore, ASDIC_WIDTH)
+#endif
 #define load_reals load_wholes
 #define store_reals store_wholes
-#endif
 
 static inline void deposit_add(__global long *cell, long quanta) {
 #if ASDIC_DEPOSIT == DEPOSIT_OWNED

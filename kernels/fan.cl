@@ -107,7 +107,7 @@ __kernel void fan_pack(__global const dev_ping *ping, __global long *accumulator
     lists[id] = list;
 }
 
-#define TILE 128                /* beams of a work-item */
+#define TILE DEV_FAN_TILE       /* beams of a work-item */
 #define RUN ((uint)(ASDIC_RUN)) /* bins of a work-item */
 
 #if defined(FP_FAST_FMAF) || defined(__FMA__)

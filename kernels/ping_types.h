@@ -17,6 +17,8 @@
 #define DEV_FAN_LEVELS 5
 /* Columns of a fan's map that share a flag. */
 #define DEV_FAN_CHUNK 16u
+/* Receivers of a fan that are projected together. */
+#define DEV_FAN_TILE 128
 
 #define DEV_MAX_LOBES 12
 #define DEV_MAX_CONES 8

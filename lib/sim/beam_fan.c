@@ -65,7 +65,7 @@ void asdic_beam_fan_plan(const asdic_sonar *sonar, double wavelength_m, asdic_be
     double cells = ceil(arc * CELLS_PER_WAVELENGTH * first.length_h_wl) + 1.0;
     fan->cells = (unsigned)fmax(cells, LEAST_CELLS);
     fan->stride =
-        (unsigned)((sonar->receiver_count + ASDIC_FAN_TILE - 1) / ASDIC_FAN_TILE * ASDIC_FAN_TILE);
+        (unsigned)((sonar->receiver_count + DEV_FAN_TILE - 1) / DEV_FAN_TILE * DEV_FAN_TILE);
 }
 
 unsigned asdic_beam_fan_flags(size_t columns) {
@@ -145,7 +145,7 @@ asdic_status asdic_beam_fan_init(asdic_beam_fan *fan, asdic_device *device,
     } buffers[] = {{columns * fan->stride * sizeof(float), &fan->table},
                    {rows * columns * ENTRY_BYTES, &fan->entries},
                    {rows * ENTRY_BYTES, &fan->lists}};
-    fan->fetches = calloc(fan->stride / ASDIC_FAN_TILE, sizeof(asdic_fetch *));
+    fan->fetches = calloc(fan->stride / DEV_FAN_TILE, sizeof(asdic_fetch *));
     if (!fan->fetches) {
         return asdic_fail_memory(asdic_device_context(device), "a fan");
     }
@@ -160,7 +160,7 @@ asdic_status asdic_beam_fan_init(asdic_beam_fan *fan, asdic_device *device,
 }
 
 void asdic_beam_fan_finish(asdic_beam_fan *fan, asdic_device *device) {
-    for (size_t tile = 0; fan->fetches && tile < fan->stride / ASDIC_FAN_TILE; tile++) {
+    for (size_t tile = 0; fan->fetches && tile < fan->stride / DEV_FAN_TILE; tile++) {
         asdic_fetch_wait(device, &fan->fetches[tile]);
     }
     free(fan->fetches);
@@ -194,8 +194,10 @@ static asdic_status tabulate(asdic_beam_fan *fan, const dev_ping *ping, asdic_bu
     dev_uint stride = fan->stride;
     asdic_kernel_arg args[] = {ASDIC_ARG_BUFFER(ping_buffer), ASDIC_ARG_BUFFER(fan->bearings),
                                ASDIC_ARG_BUFFER(fan->table), ASDIC_ARG_VALUE(stride)};
-    fan->table_length_wl = length_wl;
-    return asdic_kernel_run(fan->make_table, args, 4, (size_t)ping->columns * stride, 64);
+    asdic_status status =
+        asdic_kernel_run(fan->make_table, args, 4, (size_t)ping->columns * stride, 64);
+    fan->table_length_wl = status ? 0.0f : length_wl;
+    return status;
 }
 
 asdic_status asdic_beam_fan_project(asdic_beam_fan *fan, const dev_ping *ping,
@@ -211,15 +213,15 @@ asdic_status asdic_beam_fan_project(asdic_beam_fan *fan, const dev_ping *ping,
                                    ASDIC_ARG_BUFFER(fan->entries), ASDIC_ARG_BUFFER(fan->lists)};
         status = asdic_kernel_run(fan->pack, args, 4, rows, 16);
     }
-    for (dev_uint tile = 0; !status && tile * ASDIC_FAN_TILE < beams; tile++) {
+    for (dev_uint tile = 0; !status && tile * DEV_FAN_TILE < beams; tile++) {
         asdic_kernel_arg args[] = {ASDIC_ARG_BUFFER(ping_buffer), ASDIC_ARG_BUFFER(fan->entries),
                                    ASDIC_ARG_BUFFER(fan->lists),  ASDIC_ARG_BUFFER(fan->table),
                                    ASDIC_ARG_BUFFER(accumulator), ASDIC_ARG_BUFFER(saturated),
                                    ASDIC_ARG_BUFFER(results),     ASDIC_ARG_VALUE(stride),
                                    ASDIC_ARG_VALUE(tile)};
         status = asdic_kernel_run(fan->project, args, 9, runs, fan->run == 1 ? 16 : 1);
-        size_t first = (size_t)tile * ASDIC_FAN_TILE, end = first + ASDIC_FAN_TILE;
-        size_t words = end >= beams ? (beams - first) * rows + 1 : ASDIC_FAN_TILE * rows;
+        size_t first = (size_t)tile * DEV_FAN_TILE, end = first + DEV_FAN_TILE;
+        size_t words = end >= beams ? (beams - first) * rows + 1 : DEV_FAN_TILE * rows;
         if (!status) {
             status =
                 asdic_buffer_fetch(results, first * rows * sizeof(float), words * sizeof(float),

@@ -9,8 +9,6 @@
 #include "../../kernels/ping_types.h"
 #include "ocl/ocl.h"
 
-#define ASDIC_FAN_TILE 128 /* beams that are projected together, as in fan.cl */
-
 typedef struct asdic_beam_fan {
     unsigned cells;        /* azimuth cells; 0: the receivers are not a fan */
     unsigned stride;       /* beams rounded up to a tile of fan.cl */

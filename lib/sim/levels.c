@@ -162,8 +162,8 @@ asdic_status asdic_simulator_convert(asdic_simulator *sim, double source_lin, as
             convert_beam(sim, unit, beam, out);
             continue;
         }
-        if (beam % ASDIC_FAN_TILE == 0) {
-            status = asdic_beam_fan_wait(&sim->fan, sim->device, beam / ASDIC_FAN_TILE);
+        if (beam % DEV_FAN_TILE == 0) {
+            status = asdic_beam_fan_wait(&sim->fan, sim->device, beam / DEV_FAN_TILE);
         }
         if (!status) {
             convert_fan_beam(sim, unit, beam, out);

@@ -212,7 +212,6 @@ static asdic_status run_batches(asdic_simulator *sim, size_t count) {
     if (!status) {
         status = asdic_simulator_end_phase(sim, ASDIC_PHASE_REDUCE);
     }
-    sim->accumulator_clear = status == ASDIC_OK;
     return status;
 }
 
