@@ -11,7 +11,7 @@
 #include "simulator.h"
 
 #include "base/context.h"
-#include "speckle.h"
+#include "pulse.h"
 
 #include <math.h>
 #include <stdlib.h>

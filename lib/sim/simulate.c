@@ -10,6 +10,7 @@
 #include "bin_laws.h"
 #include "noise_level.h"
 #include "points.h"
+#include "pulse.h"
 #include "speckle.h"
 
 #include <math.h>

@@ -110,7 +110,7 @@ struct asdic_simulator {
     asdic_bin_laws *laws;             /* of each ping of a volley */
     double *bin_tables;               /* what they hold */
     float *water;                     /* their part for the device, as WATER_TABLES */
-    double *smear_scratch;            /* 3 * bins + 1 */
+    double *smear_scratch;            /* asdic_pulse_scratch, and for calibrations */
     asdic_stated_error *stated;       /* cells */
     asdic_pair *pair;                 /* NULL before a calibration */
     float table[DEV_TABLE_CELLS + 1]; /* cumulative probabilities of the sampling coordinate */

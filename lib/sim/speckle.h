@@ -1,17 +1,10 @@
 /*
- * Speckle: from expected intensities to one random realisation, and the pulse's length in range.
+ * Speckle: from expected intensities to one random realisation.
  */
 #ifndef ASDIC_SIM_SPECKLE_H
 #define ASDIC_SIM_SPECKLE_H
 
 #include <asdic/detect.h>
-
-/* Spreads every component's energy over a resolution cell c / (2 B), centred, when that is longer
- * than a bin; nothing to do otherwise: a bin then holds whole cells, and what leaks over its edges
- * is at most half a cell's share. Stated errors follow the energy. Noise is the same in every bin.
- * SCRATCH: 3 * bins + 1. */
-void asdic_pulse_smear(const asdic_sonar *sonar, double sound_speed_mps, double *scratch,
-                       asdic_ping *ping);
 
 /* Replaces the total of every bin by one realisation: the mean of as many exponential intensities
  * (Rayleigh amplitudes) as the bin has looks. For K a gamma-distributed texture of shape nu, common

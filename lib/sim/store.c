@@ -4,6 +4,7 @@
 #include "simulator.h"
 
 #include "base/context.h"
+#include "pulse.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -44,7 +45,7 @@ asdic_status asdic_store_create_host(asdic_simulator *sim) {
     sim->water = calloc(pings * 2 * bins, sizeof *sim->water);
     sim->host_results = malloc(pings * asdic_simulator_results_bytes(sim));
     sim->stated = malloc(sim->cells * sizeof *sim->stated);
-    sim->smear_scratch = malloc((3 * bins + 1) * sizeof *sim->smear_scratch);
+    sim->smear_scratch = malloc(asdic_pulse_scratch(bins) * sizeof *sim->smear_scratch);
     sim->survey = malloc(asdic_simulator_survey_bytes(sim, pilot_slots(sim)));
     if (!sim->receivers || !sim->pings || !sim->laws || !sim->bin_tables || !sim->water ||
         !sim->host_results || !sim->stated || !sim->smear_scratch || !sim->survey) {

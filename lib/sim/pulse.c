@@ -1,0 +1,88 @@
+#include "pulse.h"
+
+#include "base/widest.h"
+
+#include <math.h>
+#include <string.h>
+
+/* The window that a bin receives from: all of REACH - 1 bins on each side, and a part of one more. */
+typedef struct window {
+    size_t reach;
+    double edge, inverse_length;
+} window;
+
+/* Of LENGTH bins, > 1. What lies beyond BINS is nothing in any case. */
+static window window_of(double length, size_t bins) {
+    double side = 0.5 * (length - 1.0), reach = ceil(side);
+    if (reach > (double)bins) {
+        return (window){bins, 1.0, 1.0 / length};
+    }
+    return (window){(size_t)reach, side - (reach - 1.0), 1.0 / length};
+}
+
+size_t asdic_pulse_scratch(size_t bins) {
+    return 4 * bins; /* a row between margins, and a row of errors */
+}
+
+/* Moving average of ROW. PADDED: room for bins + 2 reach. What would arrive from beyond the row's ends is
+ * not known and counts as nothing. No running sums: they would lose what lies far below the loudest. */
+WIDEST static void smear_row(double *restrict row, double *restrict padded, size_t bins, window w) {
+    memset(padded, 0, w.reach * sizeof *padded);
+    memcpy(padded + w.reach, row, bins * sizeof *padded);
+    memset(padded + w.reach + bins, 0, w.reach * sizeof *padded);
+    for (size_t n = 0; n < bins; n++) {
+        row[n] = (padded[n] + padded[n + 2 * w.reach]) * w.edge;
+    }
+    for (size_t k = 1; k < 2 * w.reach; k++) {
+        for (size_t n = 0; n < bins; n++) {
+            row[n] += padded[n + k];
+        }
+    }
+    for (size_t n = 0; n < bins; n++) {
+        row[n] *= w.inverse_length;
+    }
+}
+
+/* A beam's total from its parts, and its stated error from the smeared ERRORS of the energy. */
+WIDEST static void sum_parts(asdic_ping *ping, size_t first, const double *restrict errors) {
+    double *const *part = ping->intensity_lin;
+    double *restrict total = part[ASDIC_TOTAL] + first;
+    const double *bottom = part[ASDIC_BOTTOM] + first, *surface = part[ASDIC_SURFACE] + first;
+    const double *volume = part[ASDIC_VOLUME] + first, *object = part[ASDIC_OBJECT] + first;
+    const double *multipath = part[ASDIC_MULTIPATH] + first, *noise = part[ASDIC_NOISE] + first;
+    float *restrict stderr_db = ping->stderr_db + first;
+    for (size_t n = 0; n < ping->bins; n++) {
+        double sum = bottom[n] + surface[n] + volume[n] + object[n] + multipath[n] + noise[n];
+        double error = errors[n] / sum;
+        total[n] = sum;
+        stderr_db[n] = sum > 0.0 ? (float)error : 0.0f;
+    }
+}
+
+WIDEST static void weigh(const double *restrict total, const float *restrict stderr_db, size_t bins,
+                         double *restrict errors) {
+    for (size_t n = 0; n < bins; n++) {
+        errors[n] = total[n] * (double)stderr_db[n];
+    }
+}
+
+void asdic_pulse_smear(const asdic_sonar *sonar, double sound_speed_mps, double *scratch,
+                       asdic_ping *ping) {
+    double length = sound_speed_mps / (2.0 * sonar->bandwidth_hz) / sonar->bin_length_m;
+    if (length <= 1.0) {
+        return;
+    }
+    size_t bins = ping->bins;
+    window w = window_of(length, bins);
+    double *errors = scratch, *padded = scratch + bins;
+    for (size_t b = 0; b < ping->beams; b++) {
+        size_t first = b * bins;
+        /* Errors of neighbouring bins are taken to agree, the least favourable case. */
+        weigh(ping->intensity_lin[ASDIC_TOTAL] + first, ping->stderr_db + first, bins, errors);
+        smear_row(errors, padded, bins, w);
+        for (int c = ASDIC_TOTAL + 1; c < ASDIC_NOISE; c++) {
+            smear_row(ping->intensity_lin[c] + first, padded, bins, w);
+        }
+        sum_parts(ping, first, errors);
+    }
+}

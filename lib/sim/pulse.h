@@ -1,0 +1,20 @@
+/*
+ * The pulse's length in range.
+ */
+#ifndef ASDIC_SIM_PULSE_H
+#define ASDIC_SIM_PULSE_H
+
+#include <asdic/ping.h>
+#include <asdic/sonar.h>
+
+/* Doubles of scratch that asdic_pulse_smear needs for so many bins. */
+size_t asdic_pulse_scratch(size_t bins);
+
+/* Spreads every component's energy over a resolution cell c / (2 B), centred, when that is longer
+ * than a bin; nothing to do otherwise: a bin then holds whole cells, and what leaks over its edges
+ * is at most half a cell's share. Stated errors follow the energy. Noise is the same in every bin, and
+ * the total the sum of all. */
+void asdic_pulse_smear(const asdic_sonar *sonar, double sound_speed_mps, double *scratch,
+                       asdic_ping *ping);
+
+#endif

@@ -1,0 +1,110 @@
+/* The pulse's length in range against the integral that it stands for. */
+#include "asserts.h"
+
+#include "sim/pulse.h"
+
+#define BINS 40
+
+typedef struct rig {
+    asdic_context *ctx;
+    asdic_ping *ping;
+    asdic_sonar sonar;
+    double scratch[4 * BINS];
+} rig;
+
+static int set_up(void **state) {
+    static rig r;
+    r = (rig){.sonar = asdic_sonar_default()};
+    assert_int_equal(asdic_context_create(&r.ctx), ASDIC_OK);
+    assert_ok(r.ctx, asdic_ping_create(r.ctx, 2, BINS, &r.ping));
+    assert_true(asdic_pulse_scratch(BINS) <= sizeof r.scratch / sizeof *r.scratch);
+    *state = &r;
+    return 0;
+}
+
+static int tear_down(void **state) {
+    rig *r = *state;
+    asdic_ping_destroy(&r->ping);
+    asdic_context_destroy(&r->ctx);
+    return 0;
+}
+
+/* A resolution cell of LENGTH bins. */
+static void smear(rig *r, double length) {
+    r->sonar.bin_length_m = 0.1;
+    r->sonar.bandwidth_hz = 1500.0 / (2.0 * length * r->sonar.bin_length_m);
+    asdic_pulse_smear(&r->sonar, 1500.0, r->scratch, r->ping);
+}
+
+/* Energy of 1 in one bin spreads over five; a bin that holds nothing but its neighbour's energy errs as
+ * much as that. */
+static void pulse_keeps_energy_and_widens(void **state) {
+    rig *r = *state;
+    double *bottom = r->ping->intensity_lin[ASDIC_BOTTOM], sum = 0.0;
+    bottom[20] = r->ping->intensity_lin[ASDIC_TOTAL][20] = 1.0;
+    r->ping->stderr_db[20] = 0.5f;
+    smear(r, 5.0);
+    for (int n = 0; n < BINS; n++) {
+        double expected = n >= 18 && n <= 22 ? 0.2 : 0.0;
+        sum += bottom[n];
+        assert_close(bottom[n], expected, 1e-12);
+        assert_close(r->ping->intensity_lin[ASDIC_TOTAL][n], expected, 1e-12);
+        assert_close(r->ping->stderr_db[n], expected > 0.0 ? 0.5 : 0.0, 1e-6);
+    }
+    assert_close(sum, 1.0, 1e-12);
+    smear(r, 0.99); /* shorter than a bin: untouched */
+    assert_close(bottom[18], 0.2, 1e-12);
+}
+
+/* What falls of BIN's energy, evenly spread over it, into a window of LENGTH round bin N's centre. */
+static double part_of(int bin, int n, double length) {
+    double from = fmax(bin - n, 0.5 - 0.5 * length);
+    double to = fmin(bin - n + 1.0, 0.5 + 0.5 * length);
+    return to > from ? to - from : 0.0;
+}
+
+/* Every component over 200 dB, of two beams, in windows of any length, longer than the ping, too (none
+ * that ends with a bin, where rounding decides of a louder neighbour); noise stays, and the total is the
+ * sum of all. */
+static void pulse_is_a_window_s_mean(void **state) {
+    rig *r = *state;
+    double before[ASDIC_COMPONENT_COUNT][2 * BINS];
+    static const double lengths[] = {1.001, 1.7, 2.0, 2.05, 3.1, 4.4, 17.2, 79.5, 81.2, 300.0};
+    for (size_t i = 0; i < sizeof lengths / sizeof *lengths; i++) {
+        for (int k = 0; k < ASDIC_COMPONENT_COUNT * 2 * BINS; k++) {
+            int c = k / (2 * BINS), at = k % (2 * BINS);
+            bool lacks = c == ASDIC_OBJECT || c == ASDIC_TOTAL;
+            before[c][at] = lacks ? 0.0 : pow(10.0, -20.0 * fmod(0.618034 * k, 1.0));
+            r->ping->intensity_lin[c][at] = before[c][at];
+            r->ping->stderr_db[at] = 0.1f;
+        }
+        for (int k = 0; k < ASDIC_COMPONENT_COUNT * 2 * BINS; k++) {
+            r->ping->intensity_lin[ASDIC_TOTAL][k % (2 * BINS)] +=
+                k < 2 * BINS ? 0.0 : before[k / (2 * BINS)][k % (2 * BINS)];
+        }
+        smear(r, lengths[i]);
+        for (int at = 0; at < 2 * BINS; at++) {
+            int n = at % BINS, first = at - n;
+            double total = 0.0;
+            for (int c = ASDIC_TOTAL + 1; c < ASDIC_COMPONENT_COUNT; c++) {
+                double sum = 0.0;
+                for (int k = 0; k < BINS; k++) {
+                    sum += before[c][first + k] * part_of(k, n, lengths[i]) / lengths[i];
+                }
+                sum = c == ASDIC_NOISE ? before[c][at] : sum;
+                assert_close(r->ping->intensity_lin[c][at], sum, 1e-9 * sum);
+                total += sum;
+            }
+            assert_close(r->ping->intensity_lin[ASDIC_TOTAL][at], total, 1e-9 * total);
+            assert_true(r->ping->stderr_db[at] > 0.0f);
+        }
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(pulse_keeps_energy_and_widens, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(pulse_is_a_window_s_mean, set_up, tear_down),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
