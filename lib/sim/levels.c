@@ -21,65 +21,80 @@ static const void *results_of(const asdic_simulator *sim) {
     return sim->host_results + sim->nth * asdic_simulator_results_bytes(sim);
 }
 
-/* dB per relative error. */
-static double error_to_db(void) {
-    return 10.0 / log(10.0);
-}
-
-/* A component's energies in the bins from FIRST on, added to TOTAL; a quantum is worth UNIT times LOSS. */
-static void convert_whole(const int64_t *restrict quanta, double unit, const double *restrict loss,
-                          size_t bins, double *restrict energy, double *restrict total) {
+/* A component's energies, added to ECHO; a quantum is worth UNIT times LOSS. */
+WIDEST static void convert_whole(const int64_t *restrict quanta, double unit,
+                                 const double *restrict loss, size_t bins, double *restrict energy,
+                                 double *restrict echo) {
     for (size_t n = 0; n < bins; n++) {
-        energy[n] = quanta[n] > 0 ? (double)quanta[n] * unit * loss[n] : 0.0;
-        total[n] += energy[n];
+        int64_t q = quanta[n] > 0 ? quanta[n] : 0;
+        /* As (double)q; processors have vectors of the halves' conversion more often. */
+        double whole = (double)(uint32_t)(q >> 32) * 0x1p32 + (double)(uint32_t)q;
+        energy[n] = whole * unit * loss[n];
+        echo[n] += energy[n];
     }
 }
 
-/* Adds noise to TOTAL, an echo so far, and states its error: that of the echo, from its spread over groups
- * and what the block's calibration found. */
-static void state_errors(const asdic_simulator *sim, size_t first, const double *restrict noise,
-                         double *restrict total, float *restrict stderr_db) {
-    const asdic_stated_error *stated = sim->stated + first;
-    const float *spread =
-        (const float *)((const int64_t *)results_of(sim) + sim->components * sim->cells + 1) +
-        first;
-    const double to_db = error_to_db();
-    for (size_t n = 0; n < sim->bins; n++) {
-        double echo = total[n], error = stated[n].of_block;
-        total[n] = echo + noise[n];
-        if (!sim->sampling.without_errors) {
-            double own = stated[n].of_groups * (double)spread[n] * (double)spread[n];
-            error = sqrt(fmax(own, ASDIC_OWN_PING * own + error));
-        }
-        stderr_db[n] = echo > 0.0 && !sim->sampling.without_errors
-                           ? (float)(to_db * error * (echo / total[n]))
-                           : 0.0f;
+/* The relative error of an echo, from its SPREAD over the ping's groups and what the block's calibration
+ * found. */
+WIDEST static void estimate_errors(const asdic_stated_error *restrict stated,
+                                   const float *restrict spread, size_t bins,
+                                   float *restrict error) {
+    for (size_t n = 0; n < bins; n++) {
+        float own = stated[n].of_groups * spread[n] * spread[n];
+        float variance = (float)ASDIC_OWN_PING * own + stated[n].of_block;
+        error[n] = sqrtf(variance > own ? variance : own);
     }
+}
+
+/* Echo and noise to the total, and the echo's relative error to its part of the total, in dB. */
+WIDEST static void end_cells(const double *restrict echo, const double *restrict noise,
+                             const float *restrict error, double to_db, size_t bins,
+                             double *restrict total, float *restrict stderr_db) {
+    for (size_t n = 0; n < bins; n++) {
+        double sum = echo[n] + noise[n];
+        double error_db = to_db * (double)error[n] * (echo[n] / sum);
+        total[n] = sum;
+        stderr_db[n] = echo[n] > 0.0 ? (float)error_db : 0.0f;
+    }
+}
+
+/* The cells of a beam are worked on in blocks that stay in the nearest cache. */
+#define BLOCK 256
+
+static void end_block(const double *echo, const float *error, size_t at, size_t count,
+                      asdic_ping *out) {
+    /* dB per relative error */
+    const double to_db = 10.0 / log(10.0);
+    end_cells(echo, out->intensity_lin[ASDIC_NOISE] + at, error, to_db, count,
+              out->intensity_lin[ASDIC_TOTAL] + at, out->stderr_db + at);
 }
 
 /* Quanta to energies of one beam; UNIT[component] is a quantum's energy at loss 1. */
 static void convert_beam(const asdic_simulator *sim, const double *unit, size_t beam,
                          asdic_ping *out) {
     const asdic_bin_laws *laws = &sim->laws[sim->nth];
-    size_t first = beam * sim->bins, bins = sim->bins;
-    double *total = out->intensity_lin[ASDIC_TOTAL] + first;
-    memset(total, 0, bins * sizeof *total);
-    for (size_t c = 0; c < DEV_DEPOSIT_COUNT; c++) {
-        double *energy = out->intensity_lin[component_of[c]] + first;
-        const double *loss = c == DEV_DEPOSIT_VOLUME ? laws->volume : laws->loss;
-        if ((sim->ping->present & 1u << c) == 0) {
-            memset(energy, 0, bins * sizeof *energy);
-        } else {
-            const int64_t *quanta = (const int64_t *)results_of(sim) + c * sim->cells + first;
-            convert_whole(quanta, unit[c], loss, bins, energy, total);
+    const int64_t *quanta = results_of(sim);
+    const float *spread = (const float *)(quanta + sim->components * sim->cells + 1);
+    size_t first = beam * sim->bins;
+    for (size_t n = 0; n < sim->bins; n += BLOCK) {
+        size_t count = sim->bins - n < BLOCK ? sim->bins - n : BLOCK, at = first + n;
+        double echo[BLOCK] = {0.0};
+        float error[BLOCK] = {0.0f};
+        for (size_t c = 0; c < DEV_DEPOSIT_COUNT; c++) {
+            double *energy = out->intensity_lin[component_of[c]] + at;
+            const double *loss = c == DEV_DEPOSIT_VOLUME ? laws->volume : laws->loss;
+            if (sim->ping->present & 1u << c) {
+                convert_whole(quanta + c * sim->cells + at, unit[c], loss + n, count, energy, echo);
+            } else {
+                memset(energy, 0, count * sizeof *energy);
+            }
         }
+        if (!sim->sampling.without_errors) {
+            estimate_errors(sim->stated + at, spread + at, count, error);
+        }
+        end_block(echo, error, at, count, out);
     }
-    state_errors(sim, first, out->intensity_lin[ASDIC_NOISE] + first, total,
-                 out->stderr_db + first);
 }
-
-/* A fan has hundreds of thousands of cells: they are worked on in blocks that stay in the nearest cache. */
-#define BLOCK 256
 
 /* Echoes of a fan to energies, added to ECHO. */
 WIDEST static void convert_fan_echo(const float *restrict quanta, double unit,
@@ -109,15 +124,10 @@ WIDEST static void add(const double *restrict energy, size_t bins, double *restr
     }
 }
 
-/* Echo and noise to the total, and the echo's relative error to its part of the total, in dB. */
-WIDEST static void end_fan(const double *restrict echo, const double *restrict noise,
-                           const asdic_stated_error *restrict stated, double to_db, size_t bins,
-                           double *restrict total, float *restrict stderr_db) {
+WIDEST static void load_errors(const asdic_stated_error *restrict stated, size_t bins,
+                               float *restrict error) {
     for (size_t n = 0; n < bins; n++) {
-        double sum = echo[n] + noise[n];
-        double error_db = to_db * (double)stated[n].of_block * (echo[n] / sum);
-        total[n] = sum;
-        stderr_db[n] = echo[n] > 0.0 ? (float)error_db : 0.0f;
+        error[n] = stated[n].of_block;
     }
 }
 
@@ -127,15 +137,15 @@ static void convert_fan_beam(const asdic_simulator *sim, const double *unit, siz
     size_t first = beam * sim->bins, bins = sim->bins;
     const asdic_bin_laws *laws = &sim->laws[sim->nth];
     const float *quanta = (const float *)results_of(sim) + first * sim->components;
-    const double to_db = sim->sampling.without_errors ? 0.0 : error_to_db();
     double *water = out->intensity_lin[ASDIC_VOLUME] + first;
     convert_fan_water(quanta + DEV_DEPOSIT_VOLUME * bins, unit[DEV_DEPOSIT_VOLUME], laws->volume,
                       bins, water);
     for (size_t n = 0; n < bins; n += BLOCK) {
-        size_t count = bins - n < BLOCK ? bins - n : BLOCK;
+        size_t count = bins - n < BLOCK ? bins - n : BLOCK, at = first + n;
         double echo[BLOCK] = {0.0};
+        float error[BLOCK] = {0.0f};
         for (size_t c = 0; c < DEV_DEPOSIT_COUNT; c++) {
-            double *energy = out->intensity_lin[component_of[c]] + first + n;
+            double *energy = out->intensity_lin[component_of[c]] + at;
             if (c == DEV_DEPOSIT_VOLUME) {
                 add(energy, count, echo);
             } else if (sim->ping->present & 1u << c) {
@@ -145,8 +155,10 @@ static void convert_fan_beam(const asdic_simulator *sim, const double *unit, siz
                 memset(energy, 0, count * sizeof *energy);
             }
         }
-        end_fan(echo, out->intensity_lin[ASDIC_NOISE] + first + n, sim->stated + first + n, to_db,
-                count, out->intensity_lin[ASDIC_TOTAL] + first + n, out->stderr_db + first + n);
+        if (!sim->sampling.without_errors) {
+            load_errors(sim->stated + at, count, error);
+        }
+        end_block(echo, error, at, count, out);
     }
 }
 
