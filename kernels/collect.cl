@@ -26,6 +26,17 @@ static weights weigh(const world *w, uint first, triple u) {
     return g;
 }
 
+/* How many of QUANTA, deposits of a parcel, have to be cut. */
+static uint count_cut(const world *w, real quanta) {
+    uint cut = 0u;
+    if (any_true(quanta > (real)(w->ping->deposit_limit))) {
+        LANES {
+            cut += (uint)(AT(quanta, float) > w->ping->deposit_limit);
+        }
+    }
+    return cut;
+}
+
 /* Adds PARCEL, which arrives with the gains of LANE, to the receivers from FIRST on; returns how many
  * deposits had to be cut. Cells behind a row's last receiver get 0: the work-item owns them, too. */
 static uint add_parcel(const world *w, __global const dev_parcel *parcel, __global long *cells,
@@ -43,14 +54,35 @@ static uint add_parcel(const world *w, __global const dev_parcel *parcel, __glob
         real quanta = gain * arriving;
         __global long *at = cells + (size_t)(parcel->row[c]) * w->ping->columns + first;
         store_wholes(load_wholes(0, at) + to_wholes(whole_quanta(quanta, limit)), 0, at);
-        if (any_true(quanta > limit)) {
-            for (uint b = 0; b < ASDIC_WIDTH; b++) {
-                cut += (uint)(((float *)&quanta)[b] > w->ping->deposit_limit);
-            }
-        }
+        cut += count_cut(w, quanta);
     }
     return cut;
 }
+
+#if ASDIC_WIDTH == 8
+
+/* The same of four columns: what arrives goes to them two by two. */
+static uint add_parcel_to_four(const world *w, __global const dev_parcel *parcel,
+                               __global long *cells, const weights *g, uint lane) {
+    uint cut = 0u;
+    float4 gain;
+    for (uint b = 0; b < 4u; b++) {
+        ((float *)&gain)[b] = ((const float *)&g->of_beam[b])[lane];
+    }
+    for (uint c = 0; c < MAX_ARRIVALS; c += 2u) {
+        float2 arriving = vload2(0, parcel->quanta + c);
+        real quanta = gain.xyzwxyzw * arriving.xxxxyyyy;
+        wholes whole = to_wholes(whole_quanta(quanta, (real)(w->ping->deposit_limit)));
+        __global long *at = cells + (size_t)(parcel->row[c]) * 4u;
+        vstore4(vload4(0, at) + whole.lo, 0, at);
+        at = cells + (size_t)(parcel->row[c + 1u]) * 4u;
+        vstore4(vload4(0, at) + whole.hi, 0, at);
+        cut += count_cut(w, quanta);
+    }
+    return cut;
+}
+
+#endif
 
 /* The first ASDIC_WIDTH parcels of SET, where ON, to the receivers from FIRST on. */
 static uint add_parcels(const world *w, __global const dev_parcel *set, __global long *cells,
@@ -74,9 +106,16 @@ static uint add_parcels(const world *w, __global const dev_parcel *set, __global
         return cut;
     }
     LANES {
-        if (AT(on, int) != 0) {
-            cut += add_parcel(w, set + lane, cells, g, lane, first);
+        if (AT(on, int) == 0) {
+            continue;
         }
+#if ASDIC_WIDTH == 8
+        if (w->ping->columns == 4u) {
+            cut += add_parcel_to_four(w, set + lane, cells, g, lane);
+            continue;
+        }
+#endif
+        cut += add_parcel(w, set + lane, cells, g, lane, first);
     }
     return cut;
 }
@@ -113,47 +152,65 @@ static uint add_rays(const world *w, __global const dev_parcel *direct, __global
     return cut;
 }
 
-/* Moves the water of a group's column from CELLS to SUMS, and what crosses each bin to TOTALS, in units of
- * the bin's TL d^2. */
-static void move_water(__global const dev_ping *ping, __global long *cells, __global long *sums,
-                       __global const float *ratio, __global float *totals) {
+/* Which of a work-item's groups it is at: the sums hold nothing of this ping before the first, and the
+ * cells are to be empty after the last. */
+typedef struct turn {
+    bool first, last;
+} turn;
+
+/* CELLS run on from group to group, and SUMS are what they were before: takes the water of one group from
+ * between, in one column, and what of it crosses each bin to TOTALS, in units of the bin's TL d^2. */
+static void take_water(__global const dev_ping *ping, turn at_group, __global long *cells,
+                       __global long *sums, __global const float *ratio, __global float *totals) {
     const float unit = 1.0f / ping->deposit_scale[DEV_DEPOSIT_VOLUME];
     long crossing = 0;
     for (uint bin = ping->bins; bin-- > 0u;) {
         size_t at = (size_t)(bin)*ping->columns;
-        crossing += cells[at];
-        sums[at] += cells[at];
-        cells[at] = 0;
+        long so_far = cells[at];
+        crossing += so_far - (at_group.first ? 0 : sums[at]);
+        sums[at] = so_far;
+        cells[at] = at_group.last ? 0 : so_far;
         totals[at] = convert_float(crossing) * (unit * ratio[bin]);
     }
 }
 
-/* The same of eight columns. */
-static void move_water8(__global const dev_ping *ping, __global long *cells, __global long *sums,
-                        __global const float *ratio, __global float *totals) {
-    const float unit = 1.0f / ping->deposit_scale[DEV_DEPOSIT_VOLUME];
-    long8 crossing = (long8)(0);
-    for (uint bin = ping->bins; bin-- > 0u;) {
-        size_t at = (size_t)(bin)*ping->columns;
-        long8 ending = vload8(0, cells + at);
-        crossing += ending;
-        vstore8(vload8(0, sums + at) + ending, 0, sums + at);
-        vstore8((long8)(0), 0, cells + at);
-        vstore8(convert_float8(crossing) * (unit * ratio[bin]), 0, totals + at);
+/* The same of N columns. */
+#define TAKE_WATER(N)                                                                              \
+    static void take_water##N(__global const dev_ping *ping, turn at_group, __global long *cells,  \
+                              __global long *sums, __global const float *ratio,                    \
+                              __global float *totals) {                                            \
+        const float unit = 1.0f / ping->deposit_scale[DEV_DEPOSIT_VOLUME];                         \
+        long##N crossing = (long##N)(0);                                                           \
+        for (uint bin = ping->bins; bin-- > 0u;) {                                                 \
+            size_t at = (size_t)(bin)*ping->columns;                                               \
+            long##N so_far = vload##N(0, cells + at);                                              \
+            crossing += so_far - (at_group.first ? (long##N)(0) : vload##N(0, sums + at));         \
+            vstore##N(so_far, 0, sums + at);                                                       \
+            if (at_group.last) {                                                                   \
+                vstore##N((long##N)(0), 0, cells + at);                                            \
+            }                                                                                      \
+            vstore##N(convert_float##N(crossing) * (unit * ratio[bin]), 0, totals + at);           \
+        }                                                                                          \
     }
-}
 
-/* Moves a group from CELLS to SUMS, and its totals, in units of the bin's TL d^2, to TOTALS. */
-static void move_group(__global const dev_ping *ping, __global long *cells, __global long *sums,
-                       __global const float *ratio, __global float *totals) {
+TAKE_WATER(4)
+TAKE_WATER(8)
+
+/* Takes a group's totals, in units of the bin's TL d^2, to TOTALS, and the cells so far to SUMS. */
+static void take_group(__global const dev_ping *ping, turn at_group, __global long *cells,
+                       __global long *sums, __global const float *ratio, __global float *totals) {
     const size_t plane = (size_t)(ping->component_rows) * ping->columns;
-    const size_t water = DEV_DEPOSIT_VOLUME * plane;
+    __global long *water = cells + DEV_DEPOSIT_VOLUME * plane;
+    __global long *water_sums = sums + DEV_DEPOSIT_VOLUME * plane;
     uint column = 0u;
     for (; column + 8u <= ping->columns; column += 8u) {
-        move_water8(ping, cells + water + column, sums + water + column, ratio, totals + column);
+        take_water8(ping, at_group, water + column, water_sums + column, ratio, totals + column);
+    }
+    for (; column + 4u <= ping->columns; column += 4u) {
+        take_water4(ping, at_group, water + column, water_sums + column, ratio, totals + column);
     }
     for (; column < ping->columns; column++) {
-        move_water(ping, cells + water + column, sums + water + column, ratio, totals + column);
+        take_water(ping, at_group, water + column, water_sums + column, ratio, totals + column);
     }
     for (size_t first = 0; first < (size_t)(ping->bins) * ping->columns; first += ASDIC_WIDTH) {
         real total = R(0.0);
@@ -162,10 +219,14 @@ static void move_group(__global const dev_ping *ping, __global long *cells, __gl
             if (c == DEV_DEPOSIT_VOLUME) {
                 total += load_reals(0, totals + first);
             } else if ((ping->present & 1u << c) != 0u) {
-                wholes quanta = load_wholes(0, cells + at);
-                store_wholes(load_wholes(0, sums + at) + quanta, 0, sums + at);
-                store_wholes((wholes)(0), 0, cells + at);
-                total += wholes_to_real(quanta) * (real)(1.0f / ping->deposit_scale[c]);
+                wholes so_far = load_wholes(0, cells + at);
+                wholes before = at_group.first ? (wholes)(0) : load_wholes(0, sums + at);
+                store_wholes(so_far, 0, sums + at);
+                if (at_group.last) {
+                    store_wholes((wholes)(0), 0, cells + at);
+                }
+                real scale = (real)(1.0f / ping->deposit_scale[c]);
+                total += wholes_to_real(so_far - before) * scale;
             }
         }
         store_reals(total, 0, totals + first);
@@ -196,7 +257,9 @@ __kernel void collect(__global const dev_ping *pings, __global const dev_parcel 
             }
         }
         if (ping->last_batch != 0u) {
-            move_group(ping, cells, sums, ratio, totals + group * (size_t)(ping->total_cells));
+            turn at_group = {group == owner, group + owners >= ping->groups};
+            take_group(ping, at_group, cells, sums, ratio,
+                       totals + group * (size_t)(ping->total_cells));
         }
     }
     if (ping->last_batch != 0u) {

@@ -5,7 +5,7 @@
  * Three ways to add, one result: a work-item that owns a group adds plainly what others have left as
  * parcels (collect.cl); many work-items on one group use 64-bit atomics, or two 32-bit atomics with a
  * carry. With atomics every group has a block. A work-item of collect has two, which a processor keeps in
- * its cache: one for the group in hand, one for the sums of its groups.
+ * its cache: one that all its groups add to, one after the other, and what that was a group ago.
  */
 #ifndef ASDIC_KERNEL_DEPOSIT_H
 #define ASDIC_KERNEL_DEPOSIT_H

@@ -36,9 +36,9 @@ static real spread(const real *totals, uint groups) {
         mean += totals[g * VECTORS];
     }
     mean /= (real)((float)(groups));
-    real whole = choose(mean > R(0.0), mean, R(1.0));
+    real inverse = R(1.0) / choose(mean > R(0.0), mean, R(1.0));
     for (uint g = 0; g < groups; g++) {
-        real d = totals[g * VECTORS] / whole - R(1.0);
+        real d = (totals[g * VECTORS] - mean) * inverse;
         square += d * d;
     }
     real error = sqrt(square / (real)((float)(groups) * (float)(groups - 1u)));
@@ -47,17 +47,16 @@ static real spread(const real *totals, uint groups) {
 
 #if ASDIC_DEPOSIT == DEPOSIT_OWNED
 
-/* Sums over work-items of collect of a component's cells from FIRST on; clears them. */
-static void sum_component(__global const dev_ping *ping, __global long *cells, const real *units,
+/* Sums over work-items of collect of a component's cells from FIRST on; the next ping's overwrite them. */
+static void sum_component(__global const dev_ping *ping, __global const long *cells, const real *units,
                           wholes *sums, real *totals) {
     for (uint v = 0; v < VECTORS; v++) {
         sums[v] = (wholes)(0);
     }
     for (uint block = 1; block < ping->blocks; block += 2u) {
-        __global long *from = cells + block * (size_t)(ping->group_cells);
+        __global const long *from = cells + block * (size_t)(ping->group_cells);
         for (uint v = 0; v < VECTORS; v++) {
             sums[v] += load_wholes(v, from);
-            store_wholes((wholes)(0), v, from);
         }
     }
 }
@@ -101,7 +100,7 @@ static void load_totals(__global const dev_ping *ping, __global const float *fro
  * One work-item per run of cells (bin, column): sums over groups for every component, then the
  * relative standard error of the total. RESULTS holds a plane [beam][bin] of sums per component, left
  * alone where nothing can be present, the number of deposits that had to be cut, and a plane of floats.
- * Clears what it read, for the next ping.
+ * Clears what atomics added to, for the next ping.
  */
 __kernel void reduce(__global const dev_ping *pings, __global long *accumulator,
                      __global const float *water, __global uint *saturated,

@@ -84,7 +84,7 @@ static void shape_accumulator(const asdic_simulator *sim, dev_ping *fixed) {
     size_t beams = sim->sonar.receiver_count, groups = sim->groups, owners = sim->layout.owners;
     bool owned = sim->layout.deposit == ASDIC_DEPOSIT_OWNED, wide = owned && beams > 2;
     size_t columns = fan    ? (size_t)DEV_FAN_LEVELS * sim->fan.cells
-                     : wide ? (beams + 7) / 8 * 8
+                     : wide ? (beams <= 4 ? 4 : (beams + 7) / 8 * 8)
                             : beams;
     size_t rows = fan ? sim->bins : (sim->bins + MOST_RUN - 1) / MOST_RUN * MOST_RUN;
     size_t cells = sim->components * rows * columns + MOST_WIDTH;

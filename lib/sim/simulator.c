@@ -13,7 +13,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A group's accumulator is cleared and summed every ping: fewer groups where it is large. */
+/* Every group's accumulator is gone through every ping: fewer groups where they do not fit a processor's
+ * nearer cache, fewer still where they are huge. What pings state of their error was found as true with
+ * 8 and with 4. */
+#define NEAR_CACHE_BYTES ((size_t)2 << 20)
 #define GROUP_BYTES_LIMIT ((size_t)16 << 20)
 /* A volley's accumulators: they are cleared and summed while they are in a cache. */
 #define VOLLEY_BYTES_LIMIT ((size_t)4 << 20)
@@ -34,11 +37,10 @@ asdic_layout asdic_layout_default(const asdic_device_info *info) {
 }
 
 static unsigned group_count(size_t cells) {
-    unsigned groups = DEV_MAX_GROUPS;
-    while (groups > 4 && groups * DEV_DEPOSIT_COUNT * cells * sizeof(int64_t) > GROUP_BYTES_LIMIT) {
-        groups /= 2;
-    }
-    return groups;
+    size_t bytes = DEV_DEPOSIT_COUNT * cells * sizeof(int64_t);
+    return bytes * DEV_MAX_GROUPS <= NEAR_CACHE_BYTES          ? DEV_MAX_GROUPS
+           : bytes * (DEV_MAX_GROUPS / 2) <= GROUP_BYTES_LIMIT ? DEV_MAX_GROUPS / 2
+                                                               : DEV_MAX_GROUPS / 4;
 }
 
 /* Pings of one batch each, none of a fan, whose map is large. */

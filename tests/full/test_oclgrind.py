@@ -53,6 +53,7 @@ def scene(objects=(), beams=2, sampling=(), **more):
 FIRST, BOUNDARIES = {"multipath": "first"}, {"multipath": "boundaries"}
 SCENES = {
     "flat": scene(),
+    "three_beams": scene([BALL], beams=3),
     "mesh": scene([BOX], bottom={"mesh": {"file": "floor.off", "z_up": False}, "type": "sand"}),
     "mirrors": scene([BOX, PLATE, BALL], sampling=FIRST),
     "boundaries": scene([PLATE], sampling=BOUNDARIES, beams=9),

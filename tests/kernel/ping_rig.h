@@ -14,13 +14,14 @@
 #include <stdlib.h>
 
 #define RIG_BEAMS 3
+#define RIG_MOST_BEAMS 9
 #define RIG_DEGREE (3.14159265358979323846 / 180.0)
 
 typedef struct ping_rig {
     test_device *device;
     asdic_environment env;
     asdic_sonar sonar;
-    asdic_beam receivers[RIG_BEAMS]; /* forward, 20 degrees down, 20 degrees up */
+    asdic_beam receivers[RIG_MOST_BEAMS]; /* forward, 20 degrees down, 20 degrees up; round about */
     asdic_sampling sampling;
     asdic_pose pose;
     asdic_scene *scene; /* surface, sand at 12 m; objects may be added before rig_commit */
@@ -34,9 +35,10 @@ static inline ping_rig rig_create(test_device *device) {
     r.sonar = asdic_sonar_default();
     r.sonar.noise_enabled = false;
     static const double pitch_deg[RIG_BEAMS] = {0.0, 20.0, -20.0};
-    for (int b = 0; b < RIG_BEAMS; b++) {
+    for (int b = 0; b < RIG_MOST_BEAMS; b++) {
         r.receivers[b] = r.sonar.transmitter;
-        r.receivers[b].pitch_rad = pitch_deg[b] * RIG_DEGREE;
+        r.receivers[b].pitch_rad = pitch_deg[b % RIG_BEAMS] * RIG_DEGREE;
+        r.receivers[b].yaw_rad = b / RIG_BEAMS * 15.0 * RIG_DEGREE;
     }
     r.sonar.receiver_count = RIG_BEAMS;
     r.sampling = asdic_sampling_default();

@@ -13,10 +13,11 @@ static void add_box(ping_rig *r, asdic_material material) {
 
 /* Work-groups of 1, 8, 64 and 4096, int64 atomics and none, batches. That no kernel needs fp64 or
  * local memory, tests/full/test_lint.py shows. */
-static void layout_never_changes_a_byte(void **state) {
-    (void)state;
+static void layout_never_changes_a_byte_of(size_t beams) {
     ping_rig r = rig_create(&t);
+    const unsigned plain_width = r.layout.width;
     add_box(&r, asdic_material_facet(45.0, 1e-4, 0.1));
+    r.sonar.receiver_count = beams;
     r.sampling.rays = 40000;
     asdic_ping *plain = rig_shoot(&r, 7, true);
     assert_true(asdic_level_db(plain->intensity_lin[ASDIC_OBJECT][70]) > -80.0);
@@ -36,15 +37,23 @@ static void layout_never_changes_a_byte(void **state) {
         if (others[k].deposit == ASDIC_DEPOSIT_ATOMIC64 && !has_int64) {
             continue;
         }
-        unsigned width = r.layout.width;
         r.layout = others[k];
-        r.layout.width = width;
+        r.layout.width = plain_width;
         asdic_ping *other = rig_shoot(&r, 7, true);
         assert_true(rig_same(plain, other));
         asdic_ping_destroy(&other);
     }
     asdic_ping_destroy(&plain);
     rig_destroy(&r);
+}
+
+/* Each of these numbers of beams is added to in a way of its own (collect.cl). */
+static void layout_never_changes_a_byte(void **state) {
+    (void)state;
+    static const size_t beams[] = {1, RIG_BEAMS, RIG_MOST_BEAMS};
+    for (size_t k = 0; k < sizeof beams / sizeof *beams; k++) {
+        layout_never_changes_a_byte_of(beams[k]);
+    }
 }
 
 /* The width is fixed per kind of device; across widths only the last bits of functions differ. */
