@@ -30,7 +30,10 @@ static asdic_status measure(cli *c, asdic_device *device, const char *path,
             bench_curve_measure(c, device, &result->scene, samplers[s], effort, &result->curves[s]);
     }
     if (!status) {
-        status = bench_cost_measure(c, device, &result->scene, effort, &result->stated_cost);
+        status = bench_cost_errors(c, device, &result->scene, effort, &result->stated_cost);
+    }
+    if (!status) {
+        status = bench_cost_bins(c, device, &result->scene, effort, &result->bins_cost);
     }
     return status;
 }

@@ -70,14 +70,27 @@ double bench_curve_rms_db(const bench_curve *curve, double rays);
 /* What stating errors costs at the scene's rays, as part of the time without: of blocks of
  * ASDIC_LEARN_BLOCK pings, learning and calibration included, by turns one with and one without, the
  * quickest of each by the processor's clock. */
-asdic_status bench_cost_measure(cli *c, asdic_device *device, const bench_scene *scene,
-                                const bench_effort *effort, double *out);
+asdic_status bench_cost_errors(cli *c, asdic_device *device, const bench_scene *scene,
+                               const bench_effort *effort, double *out);
+
+/* The scene's range in few bins and in many. */
+#define BENCH_FEW_BINS 150
+#define BENCH_MANY_BINS 2048
+
+typedef struct bench_bins_cost {
+    double few_s, many_s; /* a ping */
+} bench_bins_cost;
+
+/* What bins cost: as bench_cost_errors, by the clock on the wall. */
+asdic_status bench_cost_bins(cli *c, asdic_device *device, const bench_scene *scene,
+                             const bench_effort *effort, bench_bins_cost *out);
 
 /* A finished scene: its curves, the baseline last. */
 typedef struct bench_result {
     bench_scene scene;
     bench_curve curves[BENCH_SAMPLERS];
-    double stated_cost; /* see bench_cost_measure */
+    double stated_cost; /* see bench_cost_errors */
+    bench_bins_cost bins_cost;
 } bench_result;
 
 void bench_error_print(const bench_result *result, bool first);

@@ -29,6 +29,11 @@ static void print_1db(const bench_curve *curve, const bench_curve *baseline) {
     printf("\n");
 }
 
+/* Of many bins, as part of the time of few. */
+static double bins_cost(const bench_result *r) {
+    return r->bins_cost.many_s / r->bins_cost.few_s - 1.0;
+}
+
 void bench_error_print(const bench_result *r, bool first) {
     const bench_scene *s = &r->scene;
     printf("%s%s: %zu beam%s, %zu bins of %g m, from %g m; ", first ? "" : "\n", s->name, s->beams,
@@ -55,6 +60,9 @@ void bench_error_print(const bench_result *r, bool first) {
         print_1db(&r->curves[k], &r->curves[BENCH_SAMPLERS - 1]);
     }
     printf("  stderr_db costs %.1f %% of the time without it\n", 100.0 * r->stated_cost);
+    printf("  %d bins cost %.1f %% more time than %d: %.3f and %.3f ms/ping\n", BENCH_MANY_BINS,
+           100.0 * bins_cost(r), BENCH_FEW_BINS, 1e3 * r->bins_cost.many_s,
+           1e3 * r->bins_cost.few_s);
 }
 
 static void json_curve(json *j, const bench_curve *curve, const bench_curve *baseline) {
@@ -101,6 +109,8 @@ void bench_error_json(const bench_result *results, size_t count, const asdic_dev
         json_number(&j, "reference_rays", s->reference_rays);
         json_number(&j, "reference_spread_db", s->spread_db);
         json_number(&j, "stated_error_cost", results[i].stated_cost);
+        json_number(&j, "ping_s_of_150_bins", results[i].bins_cost.few_s);
+        json_number(&j, "ping_s_of_2048_bins", results[i].bins_cost.many_s);
         json_open(&j, "curves", '[');
         for (size_t k = 0; k < BENCH_SAMPLERS; k++) {
             json_curve(&j, &results[i].curves[k], &results[i].curves[BENCH_SAMPLERS - 1]);
@@ -117,18 +127,19 @@ int bench_error_csv(const cli *c, const char *path, const bench_result *results,
     if (!file) {
         return CLI_FAILED;
     }
-    fprintf(file,
-            "scene,sampler,rays,pings,rms_db,far_rms_db,max_db,bias_db,true_over_stated,"
-            "far_true_over_stated,ping_s,learn_share,reference_spread_db,stated_error_cost\n");
+    fprintf(file, "scene,sampler,rays,pings,rms_db,far_rms_db,max_db,bias_db,true_over_stated,"
+                  "far_true_over_stated,ping_s,learn_share,reference_spread_db,stated_error_cost,"
+                  "bins_cost\n");
     for (size_t i = 0; i < count; i++) {
         for (size_t k = 0; k < BENCH_SAMPLERS; k++) {
             for (size_t n = 0; n < results[i].curves[k].count; n++) {
                 const bench_point *p = &results[i].curves[k].points[n];
-                fprintf(file, "%s,%s,%u,%zu,%.6g,%.6g,%.6g,%.6g,%.6g,%.6g,%.6g,%.6g,%.6g,%.4g\n",
+                fprintf(file,
+                        "%s,%s,%u,%zu,%.6g,%.6g,%.6g,%.6g,%.6g,%.6g,%.6g,%.6g,%.6g,%.4g,%.4g\n",
                         results[i].scene.name, bench_sampler_name(results[i].curves[k].sampler),
                         p->rays, p->pings, p->rms_db, p->far_rms_db, p->most_db, p->bias_db,
                         p->honesty, p->far_honesty, p->ping_s, p->learn_share,
-                        results[i].scene.spread_db, results[i].stated_cost);
+                        results[i].scene.spread_db, results[i].stated_cost, bins_cost(&results[i]));
             }
         }
     }

@@ -37,6 +37,8 @@ def test_error_keeps_its_goals():
             if len(costs) == 3:
                 raise AssertionError(costs)
             costs.append(measure_error(folder)["stated_error_cost"])
+        if not 0.0 < scene["ping_s_of_150_bins"] < scene["ping_s_of_2048_bins"] * 2:
+            raise AssertionError((scene["ping_s_of_150_bins"], scene["ping_s_of_2048_bins"]))
         for curve in curves.values():
             errors = [p["rms_db"] for p in curve["points"]]
             tap.equal(errors, sorted(errors, reverse=True), f"{curve['sampler']}: error over rays")
