@@ -184,7 +184,7 @@ asdic_status bench_error_picture(const cli *c, const char *path, const bench_res
                                    .y = error,
                                    .series = series[0],
                                    .series_count = n},
-                                  {.x = {"milliseconds per ping", 0.05, 1e4, true},
+                                  {.x = {"milliseconds per ping", 0.02, 1e3, true},
                                    .y = error,
                                    .series = series[1],
                                    .series_count = n}};

@@ -9,7 +9,7 @@
 
 #define BEAMS 6
 #define RAYS 20000
-#define MOST_PINGS 48
+#define MOST_PINGS 192
 #define SIZES 4
 #define BIN_COUNTS 4
 
