@@ -6,7 +6,8 @@
  *     E_surf   = int_bin  d   TL(d) s_S(asin hd/d)   G(-asin hd/d)  dd
  *     E_vol    = int_bin  d^2 TL(d) s_V  int_{-asin(hd/d)}^{asin(h/d)} cos e G(e) de  dd
  *
- * where the paper multiplies averages taken at the middle of a bin.
+ * where the paper multiplies averages taken at the middle of a bin. A pulse longer than a bin then spreads
+ * them, as in simulated pings.
  */
 #include "expected.h"
 
@@ -14,7 +15,9 @@
 #include "base/quadrature.h"
 #include "errata.h"
 #include "noise_level.h"
+#include "pulse.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 #include "../../kernels/water.h"
@@ -178,6 +181,17 @@ static void begin_ping(const asdic_sonar *sonar, asdic_ping *ping) {
     ping->rays = ping->saturated = 0;
 }
 
+static asdic_status add_pulse(asdic_context *ctx, const asdic_sonar *sonar, double sound_speed_mps,
+                              asdic_ping *ping) {
+    double *scratch = malloc(asdic_pulse_scratch(ping->bins) * sizeof *scratch);
+    if (!scratch) {
+        return asdic_fail_memory(ctx, "an expected ping");
+    }
+    asdic_pulse_smear(sonar, sound_speed_mps, scratch, ping);
+    free(scratch);
+    return ASDIC_OK;
+}
+
 static asdic_status compute(asdic_context *ctx, const asdic_flat_scene *flat,
                             const asdic_environment *env, const asdic_sonar *sonar,
                             const asdic_pose *pose, unsigned errata, asdic_ping *ping) {
@@ -203,7 +217,7 @@ static asdic_status compute(asdic_context *ctx, const asdic_flat_scene *flat,
             ping->intensity_lin[ASDIC_TOTAL][i] += ping->intensity_lin[c][i];
         }
     }
-    return status;
+    return status ? status : add_pulse(ctx, sonar, laws.water.sound_speed_mps, ping);
 }
 
 asdic_status asdic_expected_compute(asdic_context *ctx, const asdic_flat_scene *flat,

@@ -8,24 +8,25 @@
 /* The window that a bin receives from: all of REACH - 1 bins on each side, and a part of one more. */
 typedef struct window {
     size_t reach;
-    double edge, inverse_length;
+    double edge, half; /* part of the outermost; half the window, in bins */
 } window;
 
 /* Of LENGTH bins, > 1. What lies beyond BINS is nothing in any case. */
 static window window_of(double length, size_t bins) {
     double side = 0.5 * (length - 1.0), reach = ceil(side);
     if (reach > (double)bins) {
-        return (window){bins, 1.0, 1.0 / length};
+        return (window){bins, 1.0, 0.5 * length};
     }
-    return (window){(size_t)reach, side - (reach - 1.0), 1.0 / length};
+    return (window){(size_t)reach, side - (reach - 1.0), 0.5 * length};
 }
 
 size_t asdic_pulse_scratch(size_t bins) {
     return 4 * bins; /* a row between margins, and a row of errors */
 }
 
-/* Moving average of ROW. PADDED: room for bins + 2 reach. What would arrive from beyond the row's ends is
- * not known and counts as nothing. No running sums: they would lose what lies far below the loudest. */
+/* Moving average of ROW. PADDED: room for bins + 2 reach. Nothing arrives from before the first bin; the
+ * echoes beyond the last go on as those before it, and count no more. No running sums: they would lose
+ * what lies far below the loudest. */
 WIDEST static void smear_row(double *restrict row, double *restrict padded, size_t bins, window w) {
     memset(padded, 0, w.reach * sizeof *padded);
     memcpy(padded + w.reach, row, bins * sizeof *padded);
@@ -39,7 +40,8 @@ WIDEST static void smear_row(double *restrict row, double *restrict padded, size
         }
     }
     for (size_t n = 0; n < bins; n++) {
-        row[n] *= w.inverse_length;
+        double ahead = (double)(bins - n) - 0.5;
+        row[n] /= w.half + (ahead < w.half ? ahead : w.half);
     }
 }
 

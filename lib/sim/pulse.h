@@ -13,7 +13,7 @@ size_t asdic_pulse_scratch(size_t bins);
 /* Spreads every component's energy over a resolution cell c / (2 B), centred, when that is longer
  * than a bin; nothing to do otherwise: a bin then holds whole cells, and what leaks over its edges
  * is at most half a cell's share. Stated errors follow the energy. Noise is the same in every bin, and
- * the total the sum of all. */
+ * the total the sum of all. SCRATCH: asdic_pulse_scratch of the ping's bins. */
 void asdic_pulse_smear(const asdic_sonar *sonar, double sound_speed_mps, double *scratch,
                        asdic_ping *ping);
 

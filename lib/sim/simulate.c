@@ -265,14 +265,12 @@ asdic_status asdic_simulator_simulate(asdic_simulator *sim, const asdic_ping_sho
     return status;
 }
 
-/* What is the same for every sampler: points, then the pulse's length and speckle. */
-static asdic_status finish_ping(asdic_simulator *sim, const asdic_pose *pose, uint64_t index,
-                                asdic_ping *out) {
+/* To what rays brought: points, then the pulse's length. */
+static asdic_status finish_rays(asdic_simulator *sim, const asdic_pose *pose, asdic_ping *out) {
     asdic_water_column water = water_at(sim, pose);
     asdic_status status = asdic_points_add(sim, pose, &water, out);
     if (!status) {
         asdic_pulse_smear(&sim->sonar, water.sound_speed_mps, sim->smear_scratch, out);
-        asdic_speckle_apply(&sim->sonar, water.sound_speed_mps, sim->sampling.seed, index, out);
     }
     return status;
 }
@@ -291,8 +289,12 @@ static asdic_status shoot(asdic_simulator *sim, const asdic_pose *poses, uint64_
     }
     for (size_t k = 0; !status && k < count; k++) {
         asdic_simulator_select(sim, k);
-        status = rays ? ASDIC_OK : asdic_quadrature_ping(sim, &poses[k], out[k]);
-        status = status ? status : finish_ping(sim, &poses[k], first + k, out[k]);
+        status = rays ? finish_rays(sim, &poses[k], out[k])
+                      : asdic_quadrature_ping(sim, &poses[k], out[k]);
+        if (!status) {
+            asdic_speckle_apply(&sim->sonar, water_at(sim, &poses[k]).sound_speed_mps,
+                                sim->sampling.seed, first + k, out[k]);
+        }
     }
     return status;
 }

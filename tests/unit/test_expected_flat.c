@@ -203,11 +203,13 @@ static void any_aim_agrees_with_a_plain_sum(void **state) {
 
 /* ---- what must come out ---- */
 
-/* Ten bins of 0.05 m hold together what one of 0.5 m holds, edges at 5 m and 7 m included. */
+/* Ten bins of 0.05 m, longer than a pulse, hold together what one of 0.5 m holds, edges at 5 m and 7 m
+ * included. */
 static void bins_add_up(void **state) {
     (void)state;
     setup s = begin();
     s.receiver.pitch_rad = 13.0 * DEGREE;
+    s.sonar.bandwidth_hz = 20e3;
     asdic_ping *coarse = compute(&s, 40);
     s.sonar.bin_length_m = 0.05;
     asdic_ping *fine = compute(&s, 400);

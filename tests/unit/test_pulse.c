@@ -65,7 +65,7 @@ static double part_of(int bin, int n, double length) {
 
 /* Every component over 200 dB, of two beams, in windows of any length, longer than the ping, too (none
  * that ends with a bin, where rounding decides of a louder neighbour); noise stays, and the total is the
- * sum of all. */
+ * sum of all. A window that reaches beyond the last bin takes the mean of what it has. */
 static void pulse_is_a_window_s_mean(void **state) {
     rig *r = *state;
     double before[ASDIC_COMPONENT_COUNT][2 * BINS];
@@ -87,9 +87,9 @@ static void pulse_is_a_window_s_mean(void **state) {
             int n = at % BINS, first = at - n;
             double total = 0.0;
             for (int c = ASDIC_TOTAL + 1; c < ASDIC_COMPONENT_COUNT; c++) {
-                double sum = 0.0;
+                double sum = 0.0, beyond = fmax(n + 0.5 + 0.5 * lengths[i] - BINS, 0.0);
                 for (int k = 0; k < BINS; k++) {
-                    sum += before[c][first + k] * part_of(k, n, lengths[i]) / lengths[i];
+                    sum += before[c][first + k] * part_of(k, n, lengths[i]) / (lengths[i] - beyond);
                 }
                 sum = c == ASDIC_NOISE ? before[c][at] : sum;
                 assert_close(r->ping->intensity_lin[c][at], sum, 1e-9 * sum);

@@ -18,10 +18,11 @@ typedef struct asdic_flat_scene {
     double bottom_type; /* 1 mud .. 4 rock */
 } asdic_flat_scene;
 
-/* Fills PING's bottom, surface, volume, noise and total (object and multipath are 0). The
- * vehicle's attitude is taken from POSE, its place from FLAT; env->variant chooses the paper's
- * printed sums. PING has as many beams as SONAR has receivers, and any number of bins. Equations
- * and sources: kernels/README.md. */
+/* Fills PING's bottom, surface, volume, noise and total (object and multipath are 0), spread over
+ * the resolution cell c / (2 B) where that is longer than a bin. The vehicle's attitude is taken
+ * from POSE, its place from FLAT; env->variant chooses the paper's printed sums. PING has as many
+ * beams as SONAR has receivers, and any number of bins. Equations and sources:
+ * kernels/README.md. */
 ASDIC_API asdic_status asdic_expected_compute(asdic_context *ctx, const asdic_flat_scene *flat,
                                               const asdic_environment *env,
                                               const asdic_sonar *sonar, const asdic_pose *pose,
