@@ -1,22 +1,16 @@
 #include "roc_curve.h"
 
+#include "base/clock.h"
 #include "base/context.h"
 
 #include <math.h>
 #include <stdlib.h>
-#include <time.h>
 
 #define DECADES 6
 #define PER_DECADE 8
 #define RARE_TRIALS 100000u
 /* P_FA is counted where at least so many events are expected. */
 #define LEAST_EVENTS 1000.0
-
-static double clock_s(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
 
 /* The others get numbers of their own: a draw with the target is not the one without, plus an echo. */
 static uint64_t seed_of(uint64_t seed, bool present) {
@@ -31,12 +25,12 @@ static asdic_status draw(asdic_context *ctx, const asdic_roc_case *c,
         return asdic_fail_memory(ctx, "draws");
     }
     roc->present = roc->none + trials;
-    double from_s = clock_s();
+    double from_s = asdic_clock_s();
     asdic_detect_draw(&c->none, options->target, 0.0, seed_of(options->seed, false), 0, trials,
                       roc->none);
     asdic_detect_draw(&c->rest, options->target, c->target_lin, seed_of(options->seed, true), 0,
                       trials, roc->present);
-    roc->draw_s = (clock_s() - from_s) / (2.0 * (double)trials) * 1e6;
+    roc->draw_s = (asdic_clock_s() - from_s) / (2.0 * (double)trials) * 1e6;
     return ASDIC_OK;
 }
 

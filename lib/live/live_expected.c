@@ -1,7 +1,7 @@
 #include "live_expected.h"
 
+#include "base/clock.h"
 #include "base/context.h"
-#include "mission/run_queue.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,9 +1,9 @@
 #include "loop.h"
 
+#include "base/clock.h"
 #include "base/context.h"
 #include "base/decibel.h"
 #include "mission/mission.h"
-#include "mission/run_queue.h"
 #include "mission/track_write.h"
 
 #include <math.h>

@@ -1,9 +1,9 @@
 #include "recording.h"
 
+#include "base/clock.h"
 #include "base/context.h"
 #include "mission/run_folder.h"
 #include "mission/run_job.h"
-#include "mission/run_queue.h"
 #include "mission/track_write.h"
 #include "out/record.h"
 

@@ -1,10 +1,10 @@
 #include "view_state.h"
 
+#include "base/clock.h"
 #include "base/context.h"
 #include "base/vec.h"
 #include "loop.h"
 #include "mission/mission.h"
-#include "mission/run_queue.h"
 
 #include <math.h>
 #include <stdlib.h>

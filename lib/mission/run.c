@@ -3,6 +3,7 @@
  */
 #include "run_job.h"
 
+#include "base/clock.h"
 #include "base/context.h"
 #include "mission.h"
 #include "run_folder.h"

@@ -1,10 +1,10 @@
 #include "run_job.h"
 
+#include "base/clock.h"
 #include "base/context.h"
 #include "base/sha256.h"
 #include "run_folder.h"
 #include "run_inputs.h"
-#include "run_queue.h"
 #include "run_scenery.h"
 #include "track_write.h"
 

@@ -1,7 +1,7 @@
 #include "run_job.h"
 
+#include "base/clock.h"
 #include "base/context.h"
-#include "run_queue.h"
 #include "run_render.h"
 
 #include <stdlib.h>

@@ -1,12 +1,12 @@
 #include "run_queue_inside.h"
 
+#include "base/clock.h"
 #include "base/context.h"
 #include "run_crew.h"
 #include "run_seat.h"
 
 #include <stdio.h>
 #include <stdlib.h>
-#include <time.h>
 
 /* Results that wait to be taken may hold this much memory. */
 #define WINDOW_BYTES ((size_t)256 << 20)
@@ -243,12 +243,6 @@ static void start_workers(queue *q) {
         q->failure = asdic_fail_memory(q->ctx, "threads");
     }
     pthread_mutex_unlock(&q->lock);
-}
-
-double asdic_clock_s(void) {
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
 asdic_status asdic_queue_run(asdic_context *ctx, const asdic_queue_work *work,

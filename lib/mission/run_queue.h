@@ -34,7 +34,4 @@ typedef struct asdic_queue_result {
 asdic_status asdic_queue_run(asdic_context *ctx, const asdic_queue_work *work,
                              asdic_queue_result *result);
 
-/* Seconds of a clock that only runs forward. */
-double asdic_clock_s(void);
-
 #endif

@@ -6,17 +6,11 @@
 #include "place.h"
 #include "smooth.h"
 
+#include "../base/clock.h"
 #include "../base/context.h"
 #include "../base/vec.h"
 
 #include <stdlib.h>
-#include <time.h>
-
-static double now_s(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
 
 /* Bounding spheres of the parts, whose triangles lie together; the scene's box and its centre. */
 static void measure_parts(asdic_scene *scene) {
@@ -62,7 +56,7 @@ asdic_status asdic_scene_commit(asdic_scene *scene) {
     if (scene->committed) {
         return asdic_fail(scene->ctx, ASDIC_ERROR_ARGUMENT, "the scene is committed already");
     }
-    double start_s = now_s();
+    double start_s = asdic_clock_s();
     measure_parts(scene);
     free(scene->triangles);
     scene->triangles = malloc((scene->triangle_count + 1) * sizeof *scene->triangles);
@@ -76,7 +70,7 @@ asdic_status asdic_scene_commit(asdic_scene *scene) {
     }
     asdic_status status = asdic_scene_smooth(scene);
     status = status ? status : place_movables(scene);
-    double assemble_s = now_s();
+    double assemble_s = asdic_clock_s();
     status = status ? status : asdic_scene_assemble(scene);
     if (status != ASDIC_OK) {
         return status;
@@ -87,8 +81,8 @@ asdic_status asdic_scene_commit(asdic_scene *scene) {
     scene->corner_parts = NULL;
     scene->triangle_capacity = 0;
     scene->committed = true;
-    scene->build_s = now_s() - start_s;
-    scene->hierarchy_s = now_s() - assemble_s;
+    scene->build_s = asdic_clock_s() - start_s;
+    scene->hierarchy_s = asdic_clock_s() - assemble_s;
     return ASDIC_OK;
 }
 

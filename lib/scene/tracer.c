@@ -1,12 +1,12 @@
 #include "tracer.h"
 
+#include "../base/clock.h"
 #include "../base/context.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 /* Below this many rays a measurement says little and costs more than it can win. */
 #define MEASURE_RAYS 2048
@@ -190,12 +190,6 @@ static asdic_status run_form(asdic_tracer *t, int form, asdic_buffer *rays, asdi
                                      forms[form].local);
 }
 
-static double now_s(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
 /* The fastest form on these rays; the hits are right whichever ran last. */
 static asdic_status measure(asdic_tracer *t, asdic_buffer *rays, asdic_buffer *hits, uint32_t count,
                             int *fastest) {
@@ -204,13 +198,13 @@ static asdic_status measure(asdic_tracer *t, asdic_buffer *rays, asdic_buffer *h
     for (int run = 0; run <= LEAST_RUNS || (run <= MOST_RUNS && spent_s < MEASURE_S); run++) {
         for (int form = FORM_WIDE8; form <= FORM_FRUSTUM64; form++) {
             asdic_status status = asdic_device_finish(t->device);
-            double start_s = now_s();
+            double start_s = asdic_clock_s();
             status = status ? status : run_form(t, form, rays, hits, count);
             status = status ? status : asdic_device_finish(t->device);
             if (status != ASDIC_OK) {
                 return status;
             }
-            double taken_s = now_s() - start_s;
+            double taken_s = asdic_clock_s() - start_s;
             spent_s += run > 0 ? taken_s : 0.0; /* the first run compiles */
             if (run > 0 && taken_s < least_s) {
                 least_s = taken_s;

@@ -3,9 +3,8 @@
  */
 #include "simulator.h"
 
+#include "base/clock.h"
 #include "base/context.h"
-
-#include <time.h>
 
 const char *asdic_phase_name(asdic_phase phase) {
     static const char *const names[ASDIC_PHASE_COUNT] = {"sample",  "trace",  "shade", "bounce",
@@ -13,18 +12,12 @@ const char *asdic_phase_name(asdic_phase phase) {
     return phase < ASDIC_PHASE_COUNT ? names[phase] : "?";
 }
 
-static double clock_s(void) {
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
 asdic_status asdic_simulator_end_phase(asdic_simulator *sim, asdic_phase phase) {
     if (!sim->phase_s) {
         return ASDIC_OK;
     }
     asdic_status status = asdic_device_finish(sim->device);
-    double now_s = clock_s();
+    double now_s = asdic_clock_s();
     sim->phase_s[phase] += now_s - sim->phase_from_s;
     sim->phase_from_s = now_s;
     return status;
@@ -37,7 +30,7 @@ asdic_status asdic_simulator_profile(asdic_simulator *sim, const asdic_pose *pos
                           "asdic_simulator_profile: NULL argument");
     }
     sim->phase_s = seconds;
-    sim->phase_from_s = clock_s();
+    sim->phase_from_s = asdic_clock_s();
     asdic_status status = asdic_simulator_ping(sim, pose, index, ping);
     asdic_status ended = asdic_simulator_end_phase(sim, ASDIC_PHASE_LEVELS);
     sim->phase_s = NULL;
