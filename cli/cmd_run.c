@@ -115,6 +115,11 @@ static asdic_status keep_tolerance(cli *c, asdic_mission *mission, asdic_device 
     }
     cli_note(c, "tolerance %g dB: %u rays per ping, worst bin %.3g dB", tolerance_db, budget.rays,
              budget.worst_db);
+    double minutes = budget.ping_s * (double)asdic_mission_ping_count(mission) / 60.0;
+    if (minutes >= 1.0) {
+        cli_note(c, "  the mission's %zu pings take some %.0f minutes on one device",
+                 asdic_mission_ping_count(mission), minutes);
+    }
     if (budget.rough_count > 0) {
         cli_warning(c, "%zu bins of %zu pings stay above %g dB with %u rays, the most there are",
                     budget.rough_count, budget.pings, tolerance_db, budget.rays);

@@ -4,7 +4,10 @@
  */
 #include "mission.h"
 
+#include "base/clock.h"
 #include "base/context.h"
+
+#include <math.h>
 
 /* Pings looked at, spread over the mission. */
 #define MOST_PINGS 4
@@ -52,6 +55,7 @@ static asdic_status look(asdic_context *ctx, const asdic_mission *mission, asdic
     size_t blocks = (asdic_mission_ping_count(mission) + ASDIC_LEARN_BLOCK - 1) / ASDIC_LEARN_BLOCK;
     out->pings = blocks < MOST_PINGS ? blocks : MOST_PINGS;
     out->worst_db = 0.0;
+    out->ping_s = INFINITY;
     out->rough_count = 0;
     for (size_t k = 0; k < out->pings; k++) {
         size_t last = out->pings - 1;
@@ -64,12 +68,14 @@ static asdic_status look(asdic_context *ctx, const asdic_mission *mission, asdic
         if (!status) {
             status = asdic_simulator_learn(sim, &pose, number);
         }
+        double began_s = asdic_clock_s();
         if (!status) {
             status = asdic_simulator_ping(sim, &pose, number, ping);
         }
         if (status) {
             return status;
         }
+        out->ping_s = fmin(out->ping_s, asdic_clock_s() - began_s);
         judge(ping, number, tolerance_db, out);
     }
     return ASDIC_OK;

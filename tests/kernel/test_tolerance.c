@@ -4,6 +4,8 @@
 #include "asserts.h"
 #include "test_device.h"
 
+#include "base/clock.h"
+
 #include <asdic/asdic.h>
 
 #include <math.h>
@@ -27,8 +29,10 @@ static void found_rays_keep_the_tolerance(void **state) {
     const double tolerance_db = 0.1;
     asdic_mission *mission = load("bench_flat.yaml", 512);
     asdic_ray_budget found, again, half;
+    double began_s = asdic_clock_s();
     assert_ok(t.ctx,
               asdic_mission_find_rays(t.ctx, mission, t.device, tolerance_db, 1u << 18, &found));
+    assert_true(found.ping_s > 0.0 && found.ping_s < asdic_clock_s() - began_s);
     print_message("%g dB: %u rays, worst bin %.3f dB\n", tolerance_db, found.rays, found.worst_db);
     assert_int_equal(found.rough_count, 0);
     assert_true(found.worst_db <= tolerance_db && found.rays > 512);

@@ -163,6 +163,7 @@ typedef struct asdic_ray_budget {
     uint32_t rays;   /* per ping */
     size_t pings;    /* looked at: spread over the mission, whatever part of it is run */
     double worst_db; /* largest stated error in a bin that counts */
+    double ping_s;   /* what the quickest of them took, one device at work and nothing learnt */
     size_t rough_count;
     asdic_rough_bin rough[ASDIC_ROUGH_BINS]; /* the roughest first; empty when all bins keep it */
 } asdic_ray_budget;
