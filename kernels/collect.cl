@@ -158,23 +158,14 @@ typedef struct turn {
     bool first, last;
 } turn;
 
-/* CELLS run on from group to group, and SUMS are what they were before: takes the water of one group from
- * between, in one column, and what of it crosses each bin to TOTALS, in units of the bin's TL d^2. */
-static void take_water(__global const dev_ping *ping, turn at_group, __global long *cells,
-                       __global long *sums, __global const float *ratio, __global float *totals) {
-    const float unit = 1.0f / ping->deposit_scale[DEV_DEPOSIT_VOLUME];
-    long crossing = 0;
-    for (uint bin = ping->bins; bin-- > 0u;) {
-        size_t at = (size_t)(bin)*ping->columns;
-        long so_far = cells[at];
-        crossing += so_far - (at_group.first ? 0 : sums[at]);
-        sums[at] = so_far;
-        cells[at] = at_group.last ? 0 : so_far;
-        totals[at] = convert_float(crossing) * (unit * ratio[bin]);
-    }
-}
+/* A single column, by the names that vectors have. */
+typedef long long1;
+#define vload1(at, from) ((from)[at])
+#define vstore1(value, at, to) ((to)[at] = (value))
+#define convert_float1 convert_float
 
-/* The same of N columns. */
+/* CELLS run on from group to group, and SUMS are what they were before: takes the water of one group from
+ * between, in N columns, and what of it crosses each bin to TOTALS, in units of the bin's TL d^2. */
 #define TAKE_WATER(N)                                                                              \
     static void take_water##N(__global const dev_ping *ping, turn at_group, __global long *cells,  \
                               __global long *sums, __global const float *ratio,                    \
@@ -193,6 +184,7 @@ static void take_water(__global const dev_ping *ping, turn at_group, __global lo
         }                                                                                          \
     }
 
+TAKE_WATER(1)
 TAKE_WATER(4)
 TAKE_WATER(8)
 
@@ -210,7 +202,7 @@ static void take_group(__global const dev_ping *ping, turn at_group, __global lo
         take_water4(ping, at_group, water + column, water_sums + column, ratio, totals + column);
     }
     for (; column < ping->columns; column++) {
-        take_water(ping, at_group, water + column, water_sums + column, ratio, totals + column);
+        take_water1(ping, at_group, water + column, water_sums + column, ratio, totals + column);
     }
     for (size_t first = 0; first < (size_t)(ping->bins) * ping->columns; first += ASDIC_WIDTH) {
         real total = R(0.0);

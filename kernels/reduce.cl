@@ -48,8 +48,8 @@ static real spread(const real *totals, uint groups) {
 #if ASDIC_DEPOSIT == DEPOSIT_OWNED
 
 /* Sums over work-items of collect of a component's cells from FIRST on; the next ping's overwrite them. */
-static void sum_component(__global const dev_ping *ping, __global const long *cells, const real *units,
-                          wholes *sums, real *totals) {
+static void sum_component(__global const dev_ping *ping, __global const long *cells,
+                          const real *units, wholes *sums, real *totals) {
     for (uint v = 0; v < VECTORS; v++) {
         sums[v] = (wholes)(0);
     }

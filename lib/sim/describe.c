@@ -77,7 +77,8 @@ static dev_uint sampler_code(asdic_sampler sampler) {
 #define MOST_WIDTH 16u
 
 /* Components begin at whole runs, groups at an odd number of cache lines from each other: at a power
- * of two they would all want the same place in a cache. A fan's map is packed. */
+ * of two they would all want the same place in a cache. A fan's map is packed. Where a work-item owns
+ * its cells, collect.cl adds to rows of four or eights of columns as vectors. */
 static void shape_accumulator(const asdic_simulator *sim, dev_ping *fixed) {
     const asdic_scene *scene = sim->scene;
     bool fan = sim->fan.cells != 0;
