@@ -11,7 +11,8 @@
  *      opposite values of it: no ray slips between. TRACE_TOLERANCE widens triangles by 1e-4 of
  *      their size, for meshes whose corners agree to a few digits only, and for rays aimed at a
  *      silhouette, whose direction is rounded.
- *   2. The ray must enter the triangle's own bounding box, by the same slab test as for the nodes.
+ *   2. The ray must enter the triangle's own bounding box, by the same slab test as for the nodes. The
+ *      box has room for the widened triangle (DEV_BOX_MARGIN).
  *   3. t is clamped to the interval the ray spends in that box.
  *
  * (b - o) * inverse is monotonic in b, so the interval of any enclosing box encloses the interval
@@ -51,6 +52,10 @@
 /* Not fmin and fmax: those honour NaN and cost several instructions. */
 #define LESSER(a, b) ((a) < (b) ? (a) : (b))
 #define GREATER(a, b) ((a) > (b) ? (a) : (b))
+
+/* The planes of a triangle's box from its corners' LO and HI; as the host does it. */
+#define BOX_LO(lo, hi) TRACE_FMA((lo) - (hi), DEV_BOX_MARGIN, (lo))
+#define BOX_HI(lo, hi) TRACE_FMA((hi) - (lo), DEV_BOX_MARGIN, (hi))
 
 #define SLAB(plane, origin, inverse) (((plane) - (origin)) * (inverse))
 

@@ -32,8 +32,9 @@ static inline void see_corners(__global const float4 *v, const frustum *f, seen4
 /* One axis of their boxes: the planes that rays meet first and last. */
 static inline void see_planes(__global const float4 *v, const bound *a, uint k, float4 *near,
                               float4 *far) {
-    float4 lo = LESSER(LESSER(v[k], v[3 + k]), v[6 + k]);
-    float4 hi = GREATER(GREATER(v[k], v[3 + k]), v[6 + k]);
+    float4 least = LESSER(LESSER(v[k], v[3 + k]), v[6 + k]);
+    float4 most = GREATER(GREATER(v[k], v[3 + k]), v[6 + k]);
+    float4 lo = BOX_LO(least, most), hi = BOX_HI(least, most);
     int4 flip = (int4)(-(int)(a->near_row & 1));
     *near = (flip ? hi : lo) - a->near_o;
     *far = (flip ? lo : hi) - a->far_o;

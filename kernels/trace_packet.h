@@ -123,7 +123,8 @@ static inline uint enter_box16(__global const float *node, uint lane, const pack
 /* One axis of a triangle's box: A, B, C are its corners' coordinates. */
 static inline void enter_axis16(float a, float b, float c, const axis16 *x, float16 *in,
                                 float16 *out) {
-    float lo = LESSER(LESSER(a, b), c), hi = GREATER(GREATER(a, b), c);
+    float least = LESSER(LESSER(a, b), c), most = GREATER(GREATER(a, b), c);
+    float lo = BOX_LO(least, most), hi = BOX_HI(least, most);
     bool flip = x->near_row & 1;
     *in = GREATER(*in, SLAB(flip ? hi : lo, x->near_o, x->inverse));
     *out = LESSER(*out, SLAB(flip ? lo : hi, x->far_o, x->inverse));

@@ -60,7 +60,8 @@ static inline void hit_triangle1(__global const float *v, uint id, const ray1 *r
 #pragma unroll
     for (uint k = 0; k < 3; k++) {
         float p = v[4 * k], q = v[12 + 4 * k], s = v[24 + 4 * k];
-        enter_axis1(LESSER(LESSER(p, q), s), GREATER(GREATER(p, q), s), r, k, &in, &out);
+        float lo = LESSER(LESSER(p, q), s), hi = GREATER(GREATER(p, q), s);
+        enter_axis1(BOX_LO(lo, hi), BOX_HI(lo, hi), r, k, &in, &out);
     }
     t = LESSER(GREATER(t, in), out);
     if (in <= out && (t < best->t_m || (t == best->t_m && id < best->triangle))) {

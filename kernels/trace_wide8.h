@@ -71,10 +71,10 @@ static inline uint enter8(__global const float8 *row, const ray8 *r, float t_max
 /* One axis of the boxes of a block's triangles: where the ray enters and leaves. */
 static inline void enter_axis4(float4 a, float4 b, float4 c, float lo_o, float hi_o, float inverse,
                                float4 *in, float4 *out) {
-    float4 lo = SLAB(LESSER(LESSER(a, b), c), lo_o, inverse);
-    float4 hi = SLAB(GREATER(GREATER(a, b), c), hi_o, inverse);
-    *in = GREATER(*in, LESSER(lo, hi));
-    *out = LESSER(*out, GREATER(lo, hi));
+    float4 lo = LESSER(LESSER(a, b), c), hi = GREATER(GREATER(a, b), c);
+    float4 at_lo = SLAB(BOX_LO(lo, hi), lo_o, inverse), at_hi = SLAB(BOX_HI(lo, hi), hi_o, inverse);
+    *in = GREATER(*in, LESSER(at_lo, at_hi));
+    *out = LESSER(*out, GREATER(at_lo, at_hi));
 }
 
 static inline void hit_block(__global const dev_block4 *block, const ray8 *r, dev_hit *best) {

@@ -43,6 +43,11 @@ typedef struct dev_block4 {
     dev_uint id[4]; /* index into the scene's triangles */
 } dev_block4;       /* 160 bytes */
 
+/* A triangle's box is that of its corners, grown on all sides by this share of its extent: room for the
+ * tolerance of intersect.h, by which triangles are met beyond their edges (twice 1e-4 at a corner). A
+ * power of two, so that host and device compute the same bits, whether they fuse products or not. */
+#define DEV_BOX_MARGIN 2.44140625e-4f /* 2^-12 */
+
 /* A ray in the scene frame; direction of unit length. t_max_m <= 0: skip, no hit. */
 typedef struct dev_ray {
     float origin[3];

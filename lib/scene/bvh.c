@@ -12,6 +12,17 @@ typedef struct filler {
     asdic_bvh_item *items;
 } filler;
 
+void asdic_triangle_box(const float *const corner[3], float lo[3], float hi[3]) {
+    for (int k = 0; k < 3; k++) {
+        float a = corner[0][k], b = corner[1][k], c = corner[2][k];
+        float least = a < b ? a : b, most = a > b ? a : b;
+        least = least < c ? least : c;
+        most = most > c ? most : c;
+        lo[k] = least - (most - least) * DEV_BOX_MARGIN;
+        hi[k] = most + (most - least) * DEV_BOX_MARGIN;
+    }
+}
+
 static void fill_items(void *user, size_t first, size_t end) {
     const filler *f = user;
     for (size_t i = first; i < end; i++) {
@@ -20,12 +31,7 @@ static void fill_items(void *user, size_t first, size_t end) {
         asdic_bvh_item *item = &f->items[i];
         item->id = id;
         item->zero = 0;
-        for (int k = 0; k < 3; k++) {
-            float a = t->v0[k], b = t->v1[k], c = t->v2[k];
-            float lo = a < b ? a : b, hi = a > b ? a : b;
-            item->lo[k] = lo < c ? lo : c;
-            item->hi[k] = hi > c ? hi : c;
-        }
+        asdic_triangle_box((const float *const[]){t->v0, t->v1, t->v2}, item->lo, item->hi);
     }
 }
 

@@ -51,6 +51,9 @@ typedef struct asdic_bvh_task {
     asdic_bvh_box box, centroids;
 } asdic_bvh_task;
 
+/* The box of a triangle, as the kernels compute it (BOX_LO and BOX_HI of intersect.h). */
+void asdic_triangle_box(const float *const corner[3], float lo[3], float hi[3]);
+
 /* The boxes of a task's items. */
 void asdic_bvh_measure(const asdic_bvh_item *items, asdic_bvh_task *task);
 

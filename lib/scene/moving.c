@@ -21,13 +21,12 @@ static void root_add(asdic_root *r, const float lo[3], const float hi[3]) {
 
 static void add_block(const dev_block4 *block, asdic_root *r) {
     for (int lane = 0; lane < DEV_LEAF_TRIANGLES && block->id[lane] != ~0u; lane++) {
-        for (int corner = 0; corner < 3; corner++) {
-            float at[3];
-            for (int k = 0; k < 3; k++) {
-                at[k] = block->v[3 * corner + k][lane];
-            }
-            root_add(r, at, at);
+        float corner[3][3], lo[3], hi[3];
+        for (int i = 0; i < 9; i++) {
+            corner[i / 3][i % 3] = block->v[i][lane];
         }
+        asdic_triangle_box((const float *const[]){corner[0], corner[1], corner[2]}, lo, hi);
+        root_add(r, lo, hi);
     }
 }
 

@@ -219,6 +219,40 @@ static void attitude_and_aim_cancel(void **state) {
     rig_destroy(&r);
 }
 
+/* A sonar at the edge of the bounding boxes of a ramp's triangles, 5.257 m from their plane z = 13 m -
+ * 0.55 x: 6 m / sqrt(1 + 0.55^2). */
+static void nothing_echoes_before_the_nearest_surface(void **state) {
+    (void)state;
+    static const double v[18] = {-20, -30, 24, 20,  -30, 2,  -20, 0,  24,
+                                 20,  0,   2,  -20, 30,  24, 20,  30, 2};
+    static const uint32_t corners[12] = {0, 1, 2, 1, 3, 2, 2, 3, 4, 3, 5, 4};
+    ping_rig r = rig_create(&t);
+    r.sonar.receiver_count = 1;
+    r.sonar.transmitter.pitch_rad = r.receivers[0].pitch_rad = 30.0 * RIG_DEGREE;
+    r.sampling.rays = 20000;
+    asdic_mesh *mesh = NULL;
+    assert_ok(t.ctx, asdic_mesh_from_triangles(t.ctx, v, 6, corners, 4, &mesh));
+    assert_ok(t.ctx, asdic_scene_add_object(r.scene, "ramp", mesh, (asdic_pose){.yaw_rad = 0.0},
+                                            asdic_material_facet(8.0, 0.01, 0.1)));
+    asdic_simulator *sim = rig_simulator(&r);
+    asdic_ping *ping = NULL;
+    assert_ok(t.ctx, asdic_ping_create(t.ctx, 1, asdic_simulator_bin_count(sim), &ping));
+    double echo = 0.0;
+    for (uint64_t k = 0; k < 16; k++) {
+        assert_ok(t.ctx, asdic_simulator_ping(sim, &r.pose, k, ping));
+        for (size_t n = 0; n < ping->bins; n++) {
+            bool before = (double)(n + 1) * ping->bin_length_m < 6.0 / hypot(1.0, 0.55);
+            assert_true(!before || ping->intensity_lin[ASDIC_OBJECT][n] == 0.0);
+            echo += ping->intensity_lin[ASDIC_OBJECT][n];
+        }
+    }
+    assert_true(echo > 0.0);
+    asdic_ping_destroy(&ping);
+    asdic_simulator_destroy(&sim);
+    asdic_mesh_destroy(&mesh);
+    rig_destroy(&r);
+}
+
 static void wrong_use_is_refused(void **state) {
     (void)state;
     ping_rig r = rig_create(&t);
@@ -244,9 +278,13 @@ static void wrong_use_is_refused(void **state) {
 int main(void) {
     t = test_device_open_or_skip();
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(adaptive_meets_quadrature),  cmocka_unit_test(nulls_meet_quadrature),
-        cmocka_unit_test(short_bins_meet_quadrature), cmocka_unit_test(every_sampler_is_unbiased),
-        cmocka_unit_test(stated_error_is_honest),     cmocka_unit_test(attitude_and_aim_cancel),
+        cmocka_unit_test(adaptive_meets_quadrature),
+        cmocka_unit_test(nulls_meet_quadrature),
+        cmocka_unit_test(short_bins_meet_quadrature),
+        cmocka_unit_test(every_sampler_is_unbiased),
+        cmocka_unit_test(stated_error_is_honest),
+        cmocka_unit_test(attitude_and_aim_cancel),
+        cmocka_unit_test(nothing_echoes_before_the_nearest_surface),
         cmocka_unit_test(wrong_use_is_refused),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
