@@ -75,7 +75,7 @@ static inline outline4 outline_of(const seen4 *s, float ahead) {
     /* Seen from much nearer one corner than another, a triangle's tolerance would outgrow the slack. */
     float4 z0 = s->corner[2] * ahead, z1 = s->corner[5] * ahead, z2 = s->corner[8] * ahead;
     o.plain &= GREATER(GREATER(z0, z1), z2) <= 8.0f * LESSER(LESSER(z0, z1), z2);
-    float4 area = EDGE(x[1] - x[0], y[1] - y[0], x[2] - x[0], y[2] - y[0]);
+    float4 area = (x[2] - x[0]) * (y[1] - y[0]) - (y[2] - y[0]) * (x[1] - x[0]);
     o.area = fabs(area);
     float4 sign = area < 0.0f ? (float4)(1.0f) : (float4)(-1.0f), slack = 1e-3f * fabs(area);
 #pragma unroll
@@ -84,7 +84,8 @@ static inline outline4 outline_of(const seen4 *s, float ahead) {
         float4 a = sign * (y[next] - y[c]), b = sign * (x[c] - x[next]);
         o.edge[c].a = a;
         o.edge[c].b = b;
-        o.edge[c].d = (a * x[c] + b * y[c]) + (slack + 1e-5f * (fabs(a) + fabs(b)));
+        float4 room = TRACE_FMA((float4)(1e-5f), fabs(a) + fabs(b), slack);
+        o.edge[c].d = TRACE_FMA(a, x[c], TRACE_FMA(b, y[c], room));
     }
     return o;
 }
@@ -95,8 +96,8 @@ static inline uint touch4(const outline4 *o, const frustum *f) {
 #pragma unroll
     for (uint c = 0; c < 3; c++) {
         float16 a = o->edge[c].a.xyzwxyzwxyzwxyzw, b = o->edge[c].b.xyzwxyzwxyzwxyzw;
-        float16 nearest = (a * f->window[0] + b * f->window[1]) -
-                          (fabs(a) * f->window[2] + fabs(b) * f->window[3]);
+        float16 nearest = TRACE_FMA(a, f->window[0], b * f->window[1]) -
+                          TRACE_FMA(fabs(a), f->window[2], fabs(b) * f->window[3]);
         beyond |= nearest > o->edge[c].d.xyzwxyzwxyzwxyzw;
     }
     return bits16(~(beyond & o->plain.xyzwxyzwxyzwxyzw));
@@ -151,16 +152,17 @@ static inline float16 turned(const float *corner, const group16 *g, uint at) {
                    (float16)(corner[4 * ((at + 2) % 3)]));
 }
 
-static inline int16 meet_turned(const float *v, const group16 *g, float16 *t) {
+static inline int16 meet_turned(const float *v, const group16 *g, float16 *over, float16 *under) {
     return intersect16(turned(v, g, 0), turned(v, g, 1), turned(v, g, 2), turned(v + 12, g, 0),
                        turned(v + 12, g, 1), turned(v + 12, g, 2), turned(v + 24, g, 0),
-                       turned(v + 24, g, 1), turned(v + 24, g, 2), g->own_x, g->own_y, g->own_z, t);
+                       turned(v + 24, g, 1), turned(v + 24, g, 2), g->own_x, g->own_y, g->own_z,
+                       over, under);
 }
 
-static inline int16 meet(const float *v, const group16 *g, float16 *t) {
+static inline int16 meet(const float *v, const group16 *g, float16 *over, float16 *under) {
     return intersect16((float16)(v[0]), (float16)(v[4]), (float16)(v[8]), (float16)(v[12]),
                        (float16)(v[16]), (float16)(v[20]), (float16)(v[24]), (float16)(v[28]),
-                       (float16)(v[32]), g->sx, g->sy, g->sz, t);
+                       (float16)(v[32]), g->sx, g->sy, g->sz, over, under);
 }
 
 /* No early way out: what touches mostly hits, and a branch taken wrongly costs more
@@ -168,13 +170,14 @@ static inline int16 meet(const float *v, const group16 *g, float16 *t) {
 static inline void hit_seen(const seen4 *s, uint lane, uint id, bool one_axis, group16 *g) {
     const float *v = (const float *)s->corner + lane;
     const float *near = (const float *)s->near + lane, *far = (const float *)s->far + lane;
-    float16 t;
-    int16 met = one_axis ? meet(v, g, &t) : meet_turned(v, g, &t);
+    float16 over, under;
+    int16 met = one_axis ? meet(v, g, &over, &under) : meet_turned(v, g, &over, &under);
+    float16 t = over / under;
     float16 in = GREATER(near[0] * g->inverse[0], near[4] * g->inverse[1]);
     float16 out = LESSER(far[0] * g->inverse[0], far[4] * g->inverse[1]);
     in = GREATER(GREATER(in, near[8] * g->inverse[2]), (float16)(0.0f));
     out = LESSER(out, far[8] * g->inverse[2]);
-    t = LESSER(GREATER(t, in), out);
+    t = GREATER(t, in);
     hits16 best = g->best;
     met &= (in <= out) & ((t < best.t) | ((t == best.t) & ((uint16)(id) < best.id)));
     g->best.t = met ? t : best.t;

@@ -146,11 +146,12 @@ static inline void corner16(__global const float *v, const packet16 *p, float16 
 }
 
 static inline void hit_triangle16(__global const float *v, uint id, packet16 *p) {
-    float16 ax, ay, az, bx, by, bz, cx, cy, cz, t;
+    float16 ax, ay, az, bx, by, bz, cx, cy, cz, over, under;
     corner16(v, p, &ax, &ay, &az);
     corner16(v + 12, p, &bx, &by, &bz);
     corner16(v + 24, p, &cx, &cy, &cz);
-    int16 met = intersect16(ax, ay, az, bx, by, bz, cx, cy, cz, p->sx, p->sy, p->sz, &t);
+    int16 met = intersect16(ax, ay, az, bx, by, bz, cx, cy, cz, p->sx, p->sy, p->sz, &over, &under);
+    float16 t = over / under;
     if (!any16(met)) {
         return;
     }
@@ -158,7 +159,7 @@ static inline void hit_triangle16(__global const float *v, uint id, packet16 *p)
     enter_axis16(v[0], v[12], v[24], &p->x, &in, &out);
     enter_axis16(v[4], v[16], v[28], &p->y, &in, &out);
     enter_axis16(v[8], v[20], v[32], &p->z, &in, &out);
-    t = LESSER(GREATER(t, in), out);
+    t = GREATER(t, in);
     int16 nearer = (t < p->best.t) | ((t == p->best.t) & ((uint16)(id) < p->best.id));
     met &= (in <= out) & nearer;
     p->best.t = met ? t : p->best.t;

@@ -48,14 +48,15 @@ static inline void permute(float x, float y, float z, uint kz, float *out) {
 }
 
 static inline void hit_triangle1(__global const float *v, uint id, const ray1 *r, dev_hit *best) {
-    float a[3], b[3], c[3], t;
+    float a[3], b[3], c[3], over, under;
     permute(v[0] - r->o[0], v[4] - r->o[1], v[8] - r->o[2], r->kz, a);
     permute(v[12] - r->o[0], v[16] - r->o[1], v[20] - r->o[2], r->kz, b);
     permute(v[24] - r->o[0], v[28] - r->o[1], v[32] - r->o[2], r->kz, c);
     if (!intersect1(a[0], a[1], a[2], b[0], b[1], b[2], c[0], c[1], c[2], r->sx, r->sy, r->sz,
-                    &t)) {
+                    &over, &under)) {
         return;
     }
+    float t = over / under;
     float in = 0.0f, out = INFINITY;
 #pragma unroll
     for (uint k = 0; k < 3; k++) {
@@ -63,7 +64,7 @@ static inline void hit_triangle1(__global const float *v, uint id, const ray1 *r
         float lo = LESSER(LESSER(p, q), s), hi = GREATER(GREATER(p, q), s);
         enter_axis1(BOX_LO(lo, hi), BOX_HI(lo, hi), r, k, &in, &out);
     }
-    t = LESSER(GREATER(t, in), out);
+    t = GREATER(t, in);
     if (in <= out && (t < best->t_m || (t == best->t_m && id < best->triangle))) {
         best->t_m = t;
         best->triangle = id;

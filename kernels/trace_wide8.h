@@ -80,19 +80,20 @@ static inline void enter_axis4(float4 a, float4 b, float4 c, float lo_o, float h
 static inline void hit_block(__global const dev_block4 *block, const ray8 *r, dev_hit *best) {
     __global const float4 *v = (__global const float4 *)block;
     uint kx = r->kx, ky = r->ky, kz = r->kz;
-    float4 t;
-    int4 met =
-        intersect4(v[kx] - r->ox, v[ky] - r->oy, v[kz] - r->oz, v[3 + kx] - r->ox,
-                   v[3 + ky] - r->oy, v[3 + kz] - r->oz, v[6 + kx] - r->ox, v[6 + ky] - r->oy,
-                   v[6 + kz] - r->oz, (float4)(r->sx), (float4)(r->sy), (float4)(r->sz), &t);
+    float4 over, under;
+    int4 met = intersect4(v[kx] - r->ox, v[ky] - r->oy, v[kz] - r->oz, v[3 + kx] - r->ox,
+                          v[3 + ky] - r->oy, v[3 + kz] - r->oz, v[6 + kx] - r->ox,
+                          v[6 + ky] - r->oy, v[6 + kz] - r->oz, (float4)(r->sx), (float4)(r->sy),
+                          (float4)(r->sz), &over, &under);
     if (!any4(met)) {
         return;
     }
+    float4 t = over / under;
     float4 in = (float4)(0.0f), out = (float4)(INFINITY);
     enter_axis4(v[0], v[3], v[6], r->lo_o.x, r->hi_o.x, r->inverse.x, &in, &out);
     enter_axis4(v[1], v[4], v[7], r->lo_o.y, r->hi_o.y, r->inverse.y, &in, &out);
     enter_axis4(v[2], v[5], v[8], r->lo_o.z, r->hi_o.z, r->inverse.z, &in, &out);
-    t = LESSER(GREATER(t, in), out);
+    t = GREATER(t, in);
     float lane_t[4];
     vstore4(t, 0, lane_t);
     for (uint bits = bits4(met & (in <= out) & (t <= best->t_m)); bits; bits &= bits - 1) {
