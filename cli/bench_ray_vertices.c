@@ -1,19 +1,22 @@
-/* Rays aimed exactly at vertices, and which of them a caster lets through the surface. */
+/* Rays aimed exactly at vertices, and which of them a caster lets through the surface. A direction is
+ * rounded: a ray may pass its vertex beside the silhouette, or meet the limb well behind it. */
 #include "bench_rays.h"
 
 #include <math.h>
 #include <stdlib.h>
 
 #define PI 3.14159265358979323846
-/* Lines round a ray, and how far from it, relative to the coordinates in play: four roundings. */
-#define PROBES 8
+/* A ray, and lines round it as far away as rounding may shift it, relative to the coordinates in play:
+ * four roundings. */
+#define LINES 9
 #define ROUNDING 0x1p-22
 
 /* One ray that met nothing up to its vertex. */
 typedef struct suspect {
     float vertex[3];
-    unsigned met; /* probes */
     size_t ray;
+    double range_m[LINES]; /* the farthest that its lines may meet the triangles at the vertex;
+                              INFINITY: they do not */
 } suspect;
 
 /* Corners of triangles, drawn at random: numbers into CORNERS_M / 3. */
@@ -69,9 +72,22 @@ static long double volume(const long double d[3], const long double p[3], const 
            d[2] * (p[0] * q[1] - p[1] * q[0]);
 }
 
-/* Whether the line from ORIGIN along D meets the triangle: products of floats are all but exact in
- * long double. */
-static bool meets(const long double origin[3], const long double d[3], const float *triangle) {
+/* Twice the area of a triangle. */
+static long double area(const long double c[3][3]) {
+    long double e[3], f[3];
+    for (int k = 0; k < 3; k++) {
+        e[k] = c[1][k] - c[0][k];
+        f[k] = c[2][k] - c[0][k];
+    }
+    return hypotl(hypotl(e[1] * f[2] - e[2] * f[1], e[2] * f[0] - e[0] * f[2]),
+                  e[0] * f[1] - e[1] * f[0]);
+}
+
+/* Where the line from ORIGIN along D meets the triangle, edges and all, when SHIFT_M moves it; INFINITY:
+ * nowhere ahead. Differences and products of floats are all but exact in long double: it errs about the
+ * side of an edge within 1e-18 of it only, and for both its triangles alike. */
+static double farthest_m(const long double origin[3], const long double d[3], const float *triangle,
+                         double shift_m) {
     long double corner[3][3];
     for (int c = 0; c < 3; c++) {
         for (int k = 0; k < 3; k++) {
@@ -79,13 +95,15 @@ static bool meets(const long double origin[3], const long double d[3], const flo
         }
     }
     long double u = volume(d, corner[1], corner[2]), v = volume(d, corner[2], corner[0]),
-                w = volume(d, corner[0], corner[1]);
-    return (u > 0.0L && v > 0.0L && w > 0.0L) || (u < 0.0L && v < 0.0L && w < 0.0L);
+                w = volume(d, corner[0], corner[1]), across = u + v + w;
+    bool within = (u >= 0.0L && v >= 0.0L && w >= 0.0L) || (u <= 0.0L && v <= 0.0L && w <= 0.0L);
+    long double range = volume(corner[0], corner[1], corner[2]) / across;
+    return within && range > 0.0L ? (double)(range + shift_m * area(corner) / fabsl(across))
+                                  : INFINITY;
 }
 
-/* Which of PROBES lines round the ray, as far from it as rounding may shift it, meet the triangle. */
-static unsigned probe(const asdic_ray *ray, const float *triangle) {
-    unsigned met = 0;
+/* Tries the lines of a suspect on one of the triangles at its vertex. */
+static void probe(const asdic_ray *ray, const float *triangle, suspect *s) {
     float reach = 0.0f;
     double side[3], up[3];
     long double d[3];
@@ -94,15 +112,15 @@ static unsigned probe(const asdic_ray *ray, const float *triangle) {
         reach = fmaxf(reach, fabsf(ray->origin_m[k]) + ray->unused);
     }
     bench_axes_across(ray->direction, side, up);
-    for (int i = 0; i < PROBES; i++) {
-        double turn = 2.0 * PI * i / PROBES, off_m = ROUNDING * (double)reach;
+    double shift_m = ROUNDING * (double)reach;
+    for (int i = 0; i < LINES; i++) { /* the ray itself comes last */
+        double turn = 2.0 * PI * i / (LINES - 1), off_m = i < LINES - 1 ? shift_m : 0.0;
         long double from[3];
         for (int k = 0; k < 3; k++) {
             from[k] = ray->origin_m[k] + off_m * (cos(turn) * side[k] + sin(turn) * up[k]);
         }
-        met |= (unsigned)meets(from, d, triangle) << i;
+        s->range_m[i] = fmin(s->range_m[i], farthest_m(from, d, triangle, shift_m));
     }
-    return met;
 }
 
 /* Rays that met nothing up to their vertex; returns how many. */
@@ -113,16 +131,37 @@ static size_t gather_suspects(const float *corners_m, size_t triangles, const as
     for (size_t i = 0; i < count; i++) {
         const float *v = &corners_m[3 * next_corner(&seed, triangles)];
         if (!(hits[i].range_m <= 1.0001f * rays[i].unused)) {
-            suspects[found++] = (suspect){{v[0], v[1], v[2]}, 0, i};
+            suspect *s = &suspects[found++];
+            *s = (suspect){{v[0], v[1], v[2]}, i, {0.0}};
+            for (int k = 0; k < LINES; k++) {
+                s->range_m[k] = INFINITY;
+            }
         }
     }
     return found;
 }
 
-size_t bench_rays_missed(const float *corners_m, size_t triangles, const asdic_ray *rays,
-                         const asdic_ray_hit *hits, size_t count, size_t *passed) {
+static void judge(const suspect *s, float range_m, bench_vertex_rays *count) {
+    double most_m = 0.0;
+    bool surrounded = true, met = isfinite(s->range_m[LINES - 1]);
+    for (int i = 0; i < LINES; i++) {
+        bool there = isfinite(s->range_m[i]);
+        most_m = there ? fmax(most_m, s->range_m[i]) : most_m;
+        surrounded &= there;
+    }
+    if (range_m <= most_m) {
+        return; /* what it met is the surface within rounding of the ray */
+    }
+    count->missed += surrounded;
+    count->grazed += met && !surrounded;
+    count->passed += !met;
+}
+
+bench_vertex_rays bench_rays_judge(const float *corners_m, size_t triangles, const asdic_ray *rays,
+                                   const asdic_ray_hit *hits, size_t count) {
     suspect *suspects = malloc(count * sizeof *suspects);
-    size_t missed = 0, found = 0;
+    bench_vertex_rays counts = {0};
+    size_t found = 0;
     if (suspects) {
         found = gather_suspects(corners_m, triangles, rays, hits, count, suspects);
         qsort(suspects, found, sizeof *suspects, compare_suspects);
@@ -131,13 +170,12 @@ size_t bench_rays_missed(const float *corners_m, size_t triangles, const asdic_r
         const float *vertex = &corners_m[3 * i];
         size_t at = find_suspect(suspects, found, vertex);
         for (; at < found && compare_places(suspects[at].vertex, vertex) == 0; at++) {
-            suspects[at].met |= probe(&rays[suspects[at].ray], &corners_m[i / 3 * 9]);
+            probe(&rays[suspects[at].ray], &corners_m[i / 3 * 9], &suspects[at]);
         }
     }
     for (size_t i = 0; i < found; i++) {
-        missed += suspects[i].met == (1u << PROBES) - 1;
+        judge(&suspects[i], hits[suspects[i].ray].range_m, &counts);
     }
-    *passed = found - missed;
     free(suspects);
-    return missed;
+    return counts;
 }

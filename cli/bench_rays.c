@@ -99,13 +99,11 @@ static void count_hits(const bench *b, const asdic_ray *rays, bench_ray_row *row
             (met != theirs || (met && fabsf(o->range_m - t->range_m) > 1e-3f * fabsf(t->range_m)));
     }
     if (row->set == BENCH_VERTICES) {
-        size_t passed;
-        row->missed =
-            bench_rays_missed(b->corners_m, b->triangles, rays, b->hits, row->rays, &row->passed);
+        row->at_vertices = bench_rays_judge(b->corners_m, b->triangles, rays, b->hits, row->rays);
         if (b->robust) {
             bench_embree_cast(b->robust, BENCH_EMBREE_SINGLE, rays, row->rays, b->theirs);
-            row->embree_missed =
-                bench_rays_missed(b->corners_m, b->triangles, rays, b->theirs, row->rays, &passed);
+            row->embree_at_vertices =
+                bench_rays_judge(b->corners_m, b->triangles, rays, b->theirs, row->rays);
         }
     }
 }

@@ -63,11 +63,18 @@ void bench_axes_across(const float w[3], double u[3], double v[3]);
 /* Fills the set BENCH_VERTICES; `unused` is the range of the vertex. */
 void bench_rays_at_vertices(const bench_ray_scene *s, const float *corners_m, size_t triangles,
                             asdic_ray *rays, size_t count);
-/* How many of that set's rays slipped through: met nothing up to their vertex, although the triangles
- * there surround the ray by more than rounding can shift it. *PASSED: those that met nothing and may,
- * past a silhouette or a rim. 0 of both without memory. */
-size_t bench_rays_missed(const float *corners_m, size_t triangles, const asdic_ray *rays,
-                         const asdic_ray_hit *hits, size_t count, size_t *passed);
+/* Rays of that set that met nothing up to their vertex although, by exact arithmetic on the triangles
+ * there, or because. Those that met the limb behind it, where it is, are none of them. */
+typedef struct bench_vertex_rays {
+    size_t
+        missed; /* although they meet the surface, and so do all lines within rounding: slipped through */
+    size_t grazed; /* although they meet it, but within rounding of a silhouette or a rim */
+    size_t passed; /* because they pass a silhouette or a rim */
+} bench_vertex_rays;
+
+/* Zeros without memory. */
+bench_vertex_rays bench_rays_judge(const float *corners_m, size_t triangles, const asdic_ray *rays,
+                                   const asdic_ray_hit *hits, size_t count);
 
 /* ---- Embree --------------------------------------------------------------------------------- */
 
@@ -102,8 +109,7 @@ typedef struct bench_ray_row {
     double ours_s;      /* medians */
     double embree_s[BENCH_EMBREE_MODES];
     size_t disagree; /* one hits, the other does not, or ranges differ by more than 1e-3 */
-    size_t missed, embree_missed; /* vertices: rays that slipped through */
-    size_t passed;                /* vertices: past a silhouette */
+    bench_vertex_rays at_vertices, embree_at_vertices;
 } bench_ray_row;
 
 typedef struct bench_ray_result {

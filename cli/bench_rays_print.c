@@ -72,9 +72,11 @@ static void print_row(const bench_ray_row *row) {
         printf(" %9zu", row->disagree);
     }
     if (row->set == BENCH_VERTICES) {
-        printf("  missed %zu, past a silhouette %zu", row->missed, row->passed);
+        const bench_vertex_rays *ours = &row->at_vertices, *theirs = &row->embree_at_vertices;
+        printf("  missed %zu; at a silhouette: grazed %zu, passed %zu", ours->missed, ours->grazed,
+               ours->passed);
         if (!isnan(row->embree_s[0])) {
-            printf("; Embree robust missed %zu", row->embree_missed);
+            printf("; Embree robust missed %zu, grazed %zu", theirs->missed, theirs->grazed);
         }
     }
     printf("\n");
@@ -113,10 +115,11 @@ static void json_row(json *j, const bench_ray_row *row) {
         json_integer(j, "disagree", row->disagree);
     }
     if (row->set == BENCH_VERTICES) {
-        json_integer(j, "missed", row->missed);
-        json_integer(j, "past_silhouette", row->passed);
+        json_integer(j, "missed", row->at_vertices.missed);
+        json_integer(j, "grazed_silhouette", row->at_vertices.grazed);
+        json_integer(j, "past_silhouette", row->at_vertices.passed);
         if (!isnan(row->embree_s[0])) {
-            json_integer(j, "embree_robust_missed", row->embree_missed);
+            json_integer(j, "embree_robust_missed", row->embree_at_vertices.missed);
         }
     }
     json_close(j);
@@ -187,8 +190,8 @@ int bench_rays_csv(const cli *c, const char *path, const bench_ray_frame *f,
             put_number(file, bench_ray_ratio(row));
             put_number(file, embree ? row->goal : NAN);
             put_number(file, embree ? (double)row->disagree : NAN);
-            put_number(file, vertices ? (double)row->missed : NAN);
-            put_number(file, vertices && embree ? (double)row->embree_missed : NAN);
+            put_number(file, vertices ? (double)row->at_vertices.missed : NAN);
+            put_number(file, vertices && embree ? (double)row->embree_at_vertices.missed : NAN);
             fprintf(file, "\n");
         }
     }
