@@ -83,7 +83,7 @@ static const asdic_key sonar_keys[] = {
      .doc = "the receiving apertures: a list, or fan: {count, sector_deg, ...}"},
     {"noise", ASDIC_KEY_MAP, SONAR(noise), .table = &noise_table, .doc = "ambient noise"},
     {"speckle", ASDIC_KEY_WORD, SONAR(speckle), .words = speckle_words, .fallback = "none",
-     .doc = "random interference of the echoes in a resolution cell"},
+     .doc = "random interference of the echoes in a resolution cell, shared by beams that overlap"},
     {"speckle_shape", ASDIC_KEY_NUMBER, SONAR(speckle_shape), .min = 0.05, .max = 1000,
      .doc = "shape of K-distributed speckle; large is Rayleigh"},
     {"rear_floor_db", ASDIC_KEY_NUMBER, SONAR(rear_floor_db), .unit = "dB", .min = -200, .max = 0,

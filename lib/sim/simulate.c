@@ -11,7 +11,6 @@
 #include "noise_level.h"
 #include "points.h"
 #include "pulse.h"
-#include "speckle.h"
 
 #include <math.h>
 
@@ -292,7 +291,7 @@ static asdic_status shoot(asdic_simulator *sim, const asdic_pose *poses, uint64_
         status = rays ? finish_rays(sim, &poses[k], out[k])
                       : asdic_quadrature_ping(sim, &poses[k], out[k]);
         if (!status) {
-            asdic_speckle_apply(&sim->sonar, water_at(sim, &poses[k]).sound_speed_mps,
+            asdic_speckle_apply(sim->speckle, water_at(sim, &poses[k]).sound_speed_mps,
                                 sim->sampling.seed, first + k, out[k]);
         }
     }

@@ -276,7 +276,9 @@ asdic_status asdic_simulator_create_with(asdic_context *ctx, asdic_device *devic
     asdic_simulator_prepare(sim, &water);
     if ((status = create_kernels(sim)) != ASDIC_OK ||
         (status = asdic_store_create_device(sim)) != ASDIC_OK ||
-        (status = asdic_points_init(sim)) != ASDIC_OK) {
+        (status = asdic_points_init(sim)) != ASDIC_OK ||
+        (status = asdic_speckle_create(ctx, sonar, water.sound_speed_mps, sim->bins,
+                                       &sim->speckle)) != ASDIC_OK) {
         goto fail;
     }
     asdic_simulator_forget(sim);
@@ -316,6 +318,7 @@ void asdic_simulator_destroy(asdic_simulator **pointer) {
     asdic_kernel_destroy(&sim->bounce);
     asdic_beam_fan_finish(&sim->fan, sim->device);
     asdic_quadrature_finish(&sim->quadrature);
+    asdic_speckle_destroy(&sim->speckle);
     asdic_points_finish(sim);
     asdic_tracer_destroy(&sim->tracer);
     asdic_placement_destroy(&sim->placement);

@@ -9,6 +9,7 @@
 #include "../../kernels/ping_types.h"
 #include "beam_fan.h"
 #include "quadrature_ping.h"
+#include "speckle.h"
 #include "ocl/ocl.h"
 #include "scene/tracer.h"
 #include "water_column.h"
@@ -118,6 +119,7 @@ struct asdic_simulator {
     double *phase_s;      /* NULL, or where asdic_simulator_profile adds */
     double phase_from_s;  /* when the current phase began */
     asdic_quadrature_cache quadrature; /* where a plan left rays out */
+    asdic_speckle_field *speckle;      /* NULL: none */
     bool table_uploaded;
     bool learnt; /* once at least */
     bool accumulator_clear;

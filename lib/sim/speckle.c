@@ -1,34 +1,303 @@
 #include "speckle.h"
 
-#include "variates.h"
+#include "base/context.h"
+#include "base/widest.h"
+#include "coherence.h"
+#include "texture.h"
 
 #include "../../kernels/random.h"
 
 #include <math.h>
+#include <stdlib.h>
+#include <string.h>
 
-double asdic_speckle_draw(const asdic_background *law, double fixed_lin, uint64_t seed,
-                          uint64_t index, uint32_t cell) {
-    asdic_variates v = asdic_variates_begin(RANDOM_SPECKLE, seed, index, cell);
-    double speckle = asdic_variates_gamma(&v, (double)law->looks) / (double)law->looks;
-    double texture = isfinite(law->shape) ? asdic_variates_gamma(&v, law->shape) / law->shape : 1.0;
-    return (law->mean_lin * texture + fixed_lin) * speckle;
+/* Numbers that go through a loop at once. */
+#define RUN 256u
+/* Bins are drawn in blocks, so that all sources of one stay in a processor's cache: as long as a
+ * resolution cell, since a block draws one more than it has, up to this. */
+#define MOST_BLOCK 4096.0
+/* A cell's number in a stream: its bin, and above that the look; looks are at most 1000. */
+#define LOOK_SHIFT 22
+#define TEXTURE_LOOK 1023u
+
+struct asdic_speckle_field {
+    asdic_sonar sonar; /* without receivers */
+    asdic_coherence coherence;
+    asdic_texture texture; /* of K */
+    size_t bins, block;
+    float *noise;   /* of one source: two rows of complex numbers */
+    float *sources; /* [source][2][block] */
+    double *drawn;  /* intensities of a beam's block */
+};
+
+/* A stream of complex normal variates. */
+typedef struct stream {
+    uint32_t seed[2], index[2], look;
+} stream;
+
+/* Of a row that is drawn in runs. */
+static size_t noise_length(const asdic_speckle_field *f) {
+    return f->block + f->bins + RUN;
 }
 
-void asdic_speckle_apply(const asdic_sonar *sonar, double sound_speed_mps, uint64_t seed,
-                         uint64_t index, asdic_ping *ping) {
-    double *const *part = ping->intensity_lin;
+asdic_status asdic_speckle_create(asdic_context *ctx, const asdic_sonar *sonar,
+                                  double sound_speed_mps, size_t bins, asdic_speckle_field **out) {
+    *out = NULL;
     if (sonar->speckle == ASDIC_SPECKLE_NONE) {
+        return ASDIC_OK;
+    }
+    asdic_speckle_field *f = calloc(1, sizeof *f);
+    if (!f) {
+        return asdic_fail_memory(ctx, "speckle");
+    }
+    asdic_status status =
+        asdic_coherence_init(&f->coherence, ctx, sonar, sound_speed_mps / sonar->frequency_hz);
+    if (status) {
+        asdic_speckle_destroy(&f);
+        return status;
+    }
+    double cell = 0.5 * sound_speed_mps / sonar->bandwidth_hz / sonar->bin_length_m;
+    double block = RUN * ceil(fmin(fmax(cell, 1.0), MOST_BLOCK) / RUN);
+    f->sonar = *sonar;
+    f->sonar.receivers = NULL;
+    f->bins = bins;
+    f->block = (size_t)block;
+    f->noise = malloc(4 * noise_length(f) * sizeof *f->noise);
+    f->sources = malloc(2 * f->coherence.sources * f->block * sizeof *f->sources);
+    f->drawn = malloc(f->block * sizeof *f->drawn);
+    bool has_texture =
+        sonar->speckle != ASDIC_SPECKLE_K || asdic_texture_init(&f->texture, sonar->speckle_shape);
+    if (!f->noise || !f->sources || !f->drawn || !has_texture) {
+        asdic_speckle_destroy(&f);
+        return asdic_fail_memory(ctx, "speckle");
+    }
+    *out = f;
+    return ASDIC_OK;
+}
+
+void asdic_speckle_destroy(asdic_speckle_field **field) {
+    if (field && *field) {
+        asdic_coherence_finish(&(*field)->coherence);
+        asdic_texture_finish(&(*field)->texture);
+        free((*field)->noise);
+        free((*field)->sources);
+        free((*field)->drawn);
+        free(*field);
+        *field = NULL;
+    }
+}
+
+static inline double as_double(uint64_t bits) {
+    double d;
+    memcpy(&d, &bits, sizeof d);
+    return d;
+}
+
+static inline uint64_t as_bits(double d) {
+    uint64_t bits;
+    memcpy(&bits, &d, sizeof bits);
+    return bits;
+}
+
+/* -ln of the uniform variate in (0, 1) that the upper 40 BITS make, to 1e-10: the logarithm of a
+ * power of two, and 2 artanh s of the rest, between sqrt(1/2) and sqrt(2). No calls and no
+ * branches, here and below, so that loops become vectors. */
+static inline double exponential_of(uint64_t bits) {
+    const uint64_t root_half = 0x3fe6a09e667f3bcdu, bias = 64;
+    uint64_t u = as_bits(2.0 - as_double(0x3ff0000000000000u | (bits >> 24 << 12) | 0x800u));
+    uint64_t over = u - root_half + (bias << 52);
+    double power = as_double(0x4330000000000000u + (over >> 52)) - 0x1p52 - (double)bias;
+    double m = as_double((over & 0x000fffffffffffffu) + root_half);
+    double s = (m - 1.0) / (m + 1.0), q = s * s;
+    double series = 2.0 / 7.0 + q * (2.0 / 9.0 + q * (2.0 / 11.0));
+    double rest = s * (2.0 + q * (2.0 / 3.0 + q * (2.0 / 5.0 + q * series)));
+    return -(power * 0.693147180559945309 + rest);
+}
+
+/* Sine and cosine of X within +-pi/2, to the last bits of a float. */
+static inline float sine_of(float x) {
+    float q = x * x;
+    float rest = -1.98412698e-4f + q * (2.75573192e-6f - q * 2.50521084e-8f);
+    return x * (1.0f + q * (-1.66666667e-1f + q * (8.33333333e-3f + q * rest)));
+}
+
+static inline float cosine_of(float x) {
+    float q = x * x;
+    float rest =
+        -1.38888889e-3f + q * (2.48015873e-5f + q * (-2.75573192e-7f + q * 2.08767570e-9f));
+    return 1.0f + q * (-0.5f + q * (4.16666667e-2f + q * rest));
+}
+
+/* Complex normal variates of unit mean square from the words HIGH and LOW (Box & Muller, Ann.
+ * Math. Stat. 29, 610 (1958)): 40 bits for the intensity, 24 for the phase. */
+WIDEST static void make_normal(const uint32_t *restrict high, const uint32_t *restrict low,
+                               float *restrict re, float *restrict im) {
+    for (unsigned i = 0; i < RUN; i++) {
+        double intensity = exponential_of((uint64_t)high[i] << 32 | low[i]);
+        uint32_t turn = low[i] << 8;
+        float x = (float)(int32_t)(turn << 1) * 7.31459e-10f; /* pi / 2 over 2^31 */
+        float radius = (float)sqrt(intensity);
+        radius = turn >> 31 ? -radius : radius;
+        re[i] = radius * cosine_of(x);
+        im[i] = radius * sine_of(x);
+    }
+}
+
+WIDEST static void draw_words(stream s, uint32_t source, uint32_t first, uint32_t words[4][RUN]) {
+    uint32_t cell = s.look << LOOK_SHIFT | first, purpose = RANDOM_SPECKLE + (source << 4);
+    for (uint32_t i = 0; i < RUN; i++) {
+        random4 r = random_draw(cell + i, s.index[0], s.index[1], purpose, s.seed[0], s.seed[1]);
+        for (int k = 0; k < 4; k++) {
+            words[k][i] = r.v[k];
+        }
+    }
+}
+
+/* A row of complex numbers in two parts. */
+typedef struct row {
+    float *re, *im;
+} row;
+
+/* COUNT pairs of SOURCE from bin FIRST on, a multiple of RUN more or less. */
+static void draw_pairs(stream s, uint32_t source, size_t first, size_t count, row one, row two) {
+    uint32_t words[4][RUN];
+    for (size_t i = 0; i < count; i += RUN) {
+        draw_words(s, source, (uint32_t)(first + i), words);
+        make_normal(words[0], words[1], one.re + i, one.im + i);
+        if (two.re) {
+            make_normal(words[2], words[3], two.re + i, two.im + i);
+        }
+    }
+}
+
+/* A resolution cell for every bin, which begins with the bin and is CELL bins long. It holds
+ * WHOLE bins and PART of a further one, up to a cut that is the same in all bins: the two pieces
+ * of a bin are independent. LAST: amplitude of a beam's last bin, which stands for all the whole
+ * ones beyond it as well. */
+typedef struct cell_length {
+    double cell, part, last;
+    size_t whole; /* at most the beam's bins */
+} cell_length;
+
+static cell_length length_of(double cell, size_t bins) {
+    double whole = floor(cell), kept = fmin(whole, (double)bins);
+    return (cell_length){.cell = cell,
+                         .part = cell - whole,
+                         .last = sqrt(whole - kept + 1.0),
+                         .whole = (size_t)kept};
+}
+
+/* COUNT cells from the pieces BEFORE and AFTER the cut of COUNT + WHOLE bins; LAST as above, if
+ * among them. */
+static void sum_cells(const cell_length *c, size_t count, size_t last, float *before, float *after,
+                      float *restrict out) {
+    size_t all = count + c->whole;
+    float part = (float)sqrt(c->part), rest = (float)sqrt(1.0 - c->part);
+    double sum = 0.0, scale = 1.0 / sqrt(c->cell);
+    for (size_t i = 0; i < all; i++) {
+        before[i] *= part;
+        after[i] = before[i] + rest * after[i];
+    }
+    after[last < all ? last : 0] *= last < all ? (float)c->last : 1.0f;
+    for (size_t i = 0; i < c->whole; i++) {
+        sum += (double)after[i];
+    }
+    for (size_t i = 0; i < count; i++) {
+        out[i] = (float)((sum + (double)before[i + c->whole]) * scale);
+        sum += (double)after[i + c->whole] - (double)after[i];
+    }
+}
+
+/* All sources in the block of COUNT bins that begins at FIRST. */
+static void draw_sources(asdic_speckle_field *f, const cell_length *c, stream s, size_t first,
+                         size_t count) {
+    size_t length = noise_length(f);
+    row before = {f->noise, f->noise + length};
+    row after = {f->noise + 2 * length, f->noise + 3 * length};
+    for (size_t i = 0; i < f->coherence.sources; i++) {
+        row out = {f->sources + 2 * i * f->block, f->sources + (2 * i + 1) * f->block};
+        if (c->cell <= 1.0) {
+            draw_pairs(s, (uint32_t)i, first, count, out, (row){0});
+            continue;
+        }
+        draw_pairs(s, (uint32_t)i, first, count + c->whole, before, after);
+        sum_cells(c, count, f->bins - 1 - first, before.re, after.re, out.re);
+        sum_cells(c, count, f->bins - 1 - first, before.im, after.im, out.im);
+    }
+}
+
+/* Adds to INTENSITY the square of a receiver's pressure: TAPS of the SOURCES, BLOCK bins each,
+ * from their bin AT on, of which COUNT, at most RUN, are wanted. */
+WIDEST static void hear(const float *restrict sources, size_t block,
+                        const uint32_t *restrict source, const float *restrict weight, size_t taps,
+                        size_t count, double *restrict intensity) {
+    float re[RUN] = {0}, im[RUN] = {0};
+    for (size_t k = 0; k < taps; k++) {
+        const float *from = sources + 2 * block * source[k], w = weight[k];
+        for (size_t i = 0; i < RUN; i++) {
+            re[i] += w * from[i];
+        }
+        for (size_t i = 0; i < RUN; i++) {
+            im[i] += w * from[block + i];
+        }
+    }
+    for (size_t i = 0; i < count; i++) {
+        intensity[i] += (double)(re[i] * re[i] + im[i] * im[i]);
+    }
+}
+
+static void hear_beam(const asdic_speckle_field *f, size_t beam, size_t count, double *intensity) {
+    const asdic_coherence *c = &f->coherence;
+    size_t first = c->first[beam], taps = c->first[beam + 1] - first;
+    for (size_t at = 0; at < count; at += RUN) {
+        size_t left = count - at;
+        hear(f->sources + at, f->block, c->source + first, c->weight + first, taps,
+             left < RUN ? left : RUN, intensity + at);
+    }
+}
+
+/* TOTAL of COUNT bins, a sum over LOOKS so far, times what is expected; TEXTURE, or NULL. */
+static void scale_beam(double *const *part, size_t first, size_t count, double looks,
+                       const asdic_texture *texture, const double *drawn) {
+    for (size_t i = first; i < first + count; i++) {
+        double mean = part[ASDIC_BOTTOM][i] + part[ASDIC_SURFACE][i] + part[ASDIC_VOLUME][i];
+        double fixed = part[ASDIC_OBJECT][i] + part[ASDIC_MULTIPATH][i] + part[ASDIC_NOISE][i];
+        mean *= texture ? asdic_texture_of(texture, drawn[i - first]) : 1.0;
+        part[ASDIC_TOTAL][i] = (mean + fixed) * part[ASDIC_TOTAL][i] / looks;
+    }
+}
+
+void asdic_speckle_apply(asdic_speckle_field *f, double sound_speed_mps, uint64_t seed,
+                         uint64_t index, asdic_ping *ping) {
+    if (!f) {
         return;
     }
-    asdic_background law = {.looks = asdic_sonar_looks(sonar, sound_speed_mps),
-                            .shape = sonar->speckle == ASDIC_SPECKLE_K ? sonar->speckle_shape
-                                                                       : (double)INFINITY};
-    /* Bins shorter than a resolution cell are parts of one and share what it draws. */
-    double cells = fmin(sonar->bin_length_m * 2.0 * sonar->bandwidth_hz / sound_speed_mps, 1.0);
-    for (size_t i = 0; i < ping->beams * ping->bins; i++) {
-        size_t bin = i % ping->bins, cell = i - bin + (size_t)(((double)bin + 0.5) * cells);
-        law.mean_lin = part[ASDIC_BOTTOM][i] + part[ASDIC_SURFACE][i] + part[ASDIC_VOLUME][i];
-        double fixed_lin = part[ASDIC_OBJECT][i] + part[ASDIC_MULTIPATH][i] + part[ASDIC_NOISE][i];
-        part[ASDIC_TOTAL][i] = asdic_speckle_draw(&law, fixed_lin, seed, index, (uint32_t)cell);
+    double *const *part = ping->intensity_lin;
+    double cell = 0.5 * sound_speed_mps / f->sonar.bandwidth_hz / f->sonar.bin_length_m;
+    cell_length c = length_of(fmax(cell, 1.0), f->bins);
+    const asdic_texture *texture = f->sonar.speckle == ASDIC_SPECKLE_K ? &f->texture : NULL;
+    unsigned looks = asdic_sonar_looks(&f->sonar, sound_speed_mps);
+    stream s = {.seed = {(uint32_t)seed, (uint32_t)(seed >> 32)},
+                .index = {(uint32_t)index, (uint32_t)(index >> 32)}};
+    memset(part[ASDIC_TOTAL], 0, ping->beams * ping->bins * sizeof *part[ASDIC_TOTAL]);
+    for (size_t first = 0; first < f->bins; first += f->block) {
+        size_t left = f->bins - first, count = left < f->block ? left : f->block;
+        for (s.look = 0; s.look < looks; s.look++) {
+            draw_sources(f, &c, s, first, count);
+            for (size_t b = 0; b < ping->beams; b++) {
+                hear_beam(f, b, count, part[ASDIC_TOTAL] + b * f->bins + first);
+            }
+        }
+        if (texture) {
+            s.look = TEXTURE_LOOK;
+            draw_sources(f, &c, s, first, count);
+        }
+        for (size_t b = 0; b < ping->beams; b++) {
+            memset(f->drawn, 0, count * sizeof *f->drawn);
+            if (texture) {
+                hear_beam(f, b, count, f->drawn);
+            }
+            scale_beam(part, b * f->bins + first, count, looks, texture, f->drawn);
+        }
     }
 }

@@ -4,19 +4,24 @@
 #ifndef ASDIC_SIM_SPECKLE_H
 #define ASDIC_SIM_SPECKLE_H
 
-#include <asdic/detect.h>
+#include <asdic/ping.h>
+
+typedef struct asdic_speckle_field asdic_speckle_field;
+
+/* For pings of so many bins; the receivers' coherence is that at SOUND_SPEED_MPS. *OUT is NULL for
+ * a sonar without speckle, as asdic_speckle_apply takes it. */
+asdic_status asdic_speckle_create(asdic_context *ctx, const asdic_sonar *sonar,
+                                  double sound_speed_mps, size_t bins, asdic_speckle_field **out);
+void asdic_speckle_destroy(asdic_speckle_field **field);
 
 /* Replaces the total of every bin by one realisation: the mean of as many exponential intensities
- * (Rayleigh amplitudes) as the bin has looks. For K a gamma-distributed texture of shape nu, common
- * to the looks, modulates what bottom, surface and water scatter; objects and noise have none (Ward,
- * Tough & Watts, Sea Clutter, 2006). Bins shorter than a resolution cell share what it draws.
- * Components stay expected values. The numbers depend on (seed, ping index, beam, bin or cell). */
-void asdic_speckle_apply(const asdic_sonar *sonar, double sound_speed_mps, uint64_t seed,
+ * (Rayleigh amplitudes) as the bin has looks, coherent over beams and range as coherence.h has it.
+ * For K a gamma-distributed texture of shape nu, common to the looks, modulates what bottom,
+ * surface and water scatter; objects, multipath and noise have none (Ward, Tough & Watts, Sea
+ * Clutter, 2006). Beams that share speckle share the texture: it is a further look, its intensity
+ * mapped to the gamma law. Components stay expected values. The numbers depend on sonar, bins,
+ * seed and ping index. */
+void asdic_speckle_apply(asdic_speckle_field *field, double sound_speed_mps, uint64_t seed,
                          uint64_t index, asdic_ping *ping);
-
-/* One bin of LAW, whose mean_lin has texture, and FIXED_LIN, which has none; noise_share is not
- * read. */
-double asdic_speckle_draw(const asdic_background *law, double fixed_lin, uint64_t seed,
-                          uint64_t index, uint32_t cell);
 
 #endif

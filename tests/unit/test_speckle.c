@@ -1,7 +1,10 @@
 /* Random numbers against published vectors; speckle against its moments. */
 #include "asserts.h"
 
+#include <asdic/detect.h>
+
 #include "sim/speckle.h"
+#include "sim/texture.h"
 
 #include "../../kernels/random.h"
 
@@ -34,17 +37,72 @@ static void uniforms_stay_inside(void **state) {
     assert_true((float)random_uniform(0xffffffffu) < 1.0f);
 }
 
-/* Mean, contrast and third moment of COUNT intensities, FIXED of whose mean of 1 has no texture. */
-static void moments(double shape, unsigned looks, double fixed, double out[3]) {
-    enum { COUNT = 200000 };
-    asdic_background law = {.mean_lin = 1.0 - fixed, .looks = looks, .shape = shape};
-    double m1 = 0.0, m2 = 0.0, m3 = 0.0;
-    for (uint32_t i = 0; i < COUNT; i++) {
-        double x = asdic_speckle_draw(&law, fixed, 42, i / 1000, i % 1000);
-        m1 += x / COUNT;
-        m2 += x * x / COUNT;
-        m3 += x * x * x / COUNT;
+/* Speckle of a sonar over BINS bins of even intensity, FIXED of which has no texture, in PINGS
+ * pings. */
+typedef struct drawing {
+    asdic_context *ctx;
+    asdic_speckle_field *field;
+    asdic_ping *ping;
+    uint64_t index;
+} drawing;
+
+#define SPEED 1500.0
+
+static drawing drawing_begin(const asdic_sonar *sonar, size_t bins, double fixed) {
+    drawing d = {0};
+    assert_int_equal(asdic_context_create(&d.ctx), ASDIC_OK);
+    assert_ok(d.ctx, asdic_ping_create(d.ctx, sonar->receiver_count, bins, &d.ping));
+    assert_ok(d.ctx, asdic_speckle_create(d.ctx, sonar, SPEED, bins, &d.field));
+    for (size_t i = 0; i < sonar->receiver_count * bins; i++) {
+        d.ping->intensity_lin[ASDIC_BOTTOM][i] = 1.0 - fixed;
+        d.ping->intensity_lin[ASDIC_OBJECT][i] = fixed;
     }
+    return d;
+}
+
+/* Intensities of the next ping, [beam * bins + bin]. */
+static const double *drawing_next(drawing *d) {
+    asdic_speckle_apply(d->field, SPEED, 7, d->index++, d->ping);
+    return d->ping->intensity_lin[ASDIC_TOTAL];
+}
+
+static void drawing_end(drawing *d) {
+    asdic_speckle_destroy(&d->field);
+    asdic_ping_destroy(&d->ping);
+    asdic_context_destroy(&d->ctx);
+}
+
+/* A sonar whose resolution cells are CELL_M long. */
+static asdic_sonar sonar_of(const asdic_beam *receivers, size_t count, double bin_m,
+                            double cell_m) {
+    asdic_sonar sonar = asdic_sonar_default();
+    sonar.speckle = ASDIC_SPECKLE_RAYLEIGH;
+    sonar.receivers = receivers;
+    sonar.receiver_count = count;
+    sonar.bin_length_m = bin_m;
+    sonar.bandwidth_hz = SPEED / (2.0 * cell_m);
+    return sonar;
+}
+
+/* Mean, contrast and third moment of a beam's intensities, FIXED of whose mean of 1 has no
+ * texture. */
+static void moments(double shape, unsigned looks, double fixed, double out[3]) {
+    enum { BINS = 1000, PINGS = 400 };
+    asdic_beam beam = asdic_sonar_default().transmitter;
+    asdic_sonar sonar = sonar_of(&beam, 1, 0.5, 0.5 / looks);
+    sonar.speckle = isinf(shape) ? ASDIC_SPECKLE_RAYLEIGH : ASDIC_SPECKLE_K;
+    sonar.speckle_shape = shape;
+    drawing d = drawing_begin(&sonar, BINS, fixed);
+    double m1 = 0.0, m2 = 0.0, m3 = 0.0, count = (double)PINGS * BINS;
+    for (int k = 0; k < PINGS; k++) {
+        const double *x = drawing_next(&d);
+        for (int i = 0; i < BINS; i++) {
+            m1 += x[i] / count;
+            m2 += x[i] * x[i] / count;
+            m3 += x[i] * x[i] * x[i] / count;
+        }
+    }
+    drawing_end(&d);
     out[0] = m1;
     out[1] = sqrt(m2 - m1 * m1) / m1;
     out[2] = m3;
@@ -67,7 +125,7 @@ static void looks_average(void **state) {
     moments(INFINITY, 6, 0.0, m);
     assert_close(m[0], 1.0, 0.01);
     assert_close(m[1], 1.0 / sqrt(6.0), 0.01);
-    moments(INFINITY, 40, 0.0, m); /* by rejection instead of products */
+    moments(INFINITY, 40, 0.0, m);
     assert_close(m[0], 1.0, 0.01);
     assert_close(m[1], 1.0 / sqrt(40.0), 0.003);
 }
@@ -101,64 +159,147 @@ static void looks_are_cells(void **state) {
     assert_int_equal(asdic_sonar_looks(&sonar, 1500.0), 1000);
 }
 
-/* Whole pings: PINGS of BEAMS x BINS bins of even intensity. */
-enum { PINGS = 100, BEAMS = 2, BINS = 1000 };
-
-typedef struct statistics {
-    double mean, contrast, neighbours; /* correlation of neighbouring bins */
-} statistics;
-
-static statistics speckled(asdic_speckle kind, double shape, double bin_m, double cell_m) {
-    asdic_context *ctx = NULL;
-    asdic_ping *ping = NULL;
-    assert_int_equal(asdic_context_create(&ctx), ASDIC_OK);
-    assert_ok(ctx, asdic_ping_create(ctx, BEAMS, BINS, &ping));
-    asdic_sonar sonar = asdic_sonar_default();
-    sonar.speckle = kind;
-    sonar.speckle_shape = shape;
-    sonar.bin_length_m = bin_m;
-    sonar.bandwidth_hz = 1500.0 / (2.0 * cell_m);
-    double sum = 0.0, square = 0.0, product = 0.0, count = (double)PINGS * BEAMS * BINS;
-    for (size_t i = 0; i < BEAMS * BINS; i++) {
-        ping->intensity_lin[ASDIC_BOTTOM][i] = 1.0;
+/* How often intensities exceed what one bin in 10, 100, ... does: their law far out, one beam
+ * among many that share its speckle. */
+static void rare_intensities_are_as_rare_as_they_should_be(void **state) {
+    (void)state;
+    enum { BINS = 1000, PINGS = 1500, BEAMS = 5 };
+    asdic_beam beams[BEAMS] = {{.length_h_m = 0.0}};
+    for (int b = 0; b < BEAMS; b++) {
+        beams[b] = asdic_sonar_default().transmitter;
+        beams[b].yaw_rad = 0.05 * b;
     }
-    for (uint64_t k = 0; k < PINGS; k++) {
-        const double *x = ping->intensity_lin[ASDIC_TOTAL];
-        asdic_speckle_apply(&sonar, 1500.0, 7, k, ping);
-        for (size_t i = 0; i < BEAMS * BINS; i++) {
-            sum += x[i] / count;
-            square += x[i] * x[i] / count;
-            product += x[i] * x[(i + 1) % (BEAMS * BINS)] / count;
+    for (int kind = 0; kind < 3; kind++) { /* one look, three, bins of a third of a cell */
+        asdic_sonar sonar = sonar_of(beams, BEAMS, 0.5,
+                                     kind == 1   ? 0.5 / 3
+                                     : kind == 2 ? 1.6
+                                                 : 0.5);
+        drawing d = drawing_begin(&sonar, BINS, 0.0);
+        asdic_background law = asdic_background_of(&sonar, SPEED, 1.0, 0.0);
+        assert_int_equal(law.looks, kind == 1 ? 3 : 1);
+        double thresholds[5];
+        unsigned counts[5] = {0}, trials = 0;
+        for (int k = 0; k < 5; k++) {
+            assert_ok(d.ctx, asdic_detect_threshold(d.ctx, &law, pow(0.1, k + 1), &thresholds[k]));
         }
+        for (int p = 0; p < PINGS; p++) {
+            const double *x = drawing_next(&d) + 3 * BINS;
+            for (int i = 0; i < BINS; i += kind == 2 ? 4 : 1) { /* bins that share nothing */
+                trials++;
+                for (int k = 0; k < 5; k++) {
+                    counts[k] += x[i] > thresholds[k];
+                }
+            }
+        }
+        for (int k = 0; k < 5; k++) {
+            double expected = trials * pow(0.1, k + 1);
+            print_message("%.0e: %u of %u\n", pow(0.1, k + 1), counts[k], trials);
+            assert_close(counts[k], expected, 4.0 * sqrt(expected) + 2.0);
+        }
+        drawing_end(&d);
     }
-    asdic_ping_destroy(&ping);
-    asdic_context_destroy(&ctx);
-    double variance = square - sum * sum;
-    return (statistics){sum, sqrt(variance) / sum, (product - sum * sum) / variance};
 }
 
-static void pings_have_speckle_per_resolution_cell(void **state) {
+/* Correlation of a beam's intensities over so many bins. */
+typedef struct correlations {
+    double lags[8], contrast;
+} correlations;
+
+static correlations correlate(const asdic_sonar *sonar, size_t bins, int pings) {
+    correlations c = {.contrast = 0.0};
+    double count = 0.0, mean = 0.0;
+    drawing d = drawing_begin(sonar, bins, 0.0);
+    for (int p = 0; p < pings; p++) {
+        const double *x = drawing_next(&d);
+        for (size_t i = 0; i + 8 < bins; i++) {
+            count += 1.0;
+            mean += x[i];
+            for (size_t k = 0; k < 8; k++) {
+                c.lags[k] += (x[i] - 1.0) * (x[i + k] - 1.0);
+            }
+        }
+    }
+    drawing_end(&d);
+    assert_close(mean / count, 1.0, 0.02);
+    double variance = c.lags[0];
+    c.contrast = sqrt(variance / count);
+    for (size_t k = 0; k < 8; k++) {
+        c.lags[k] /= variance;
+    }
+    return c;
+}
+
+/* Pressures by the share that two stretches of range have in common, intensities by its square. */
+static void range_bins_share_what_their_cells_do(void **state) {
     (void)state;
     static const struct {
-        asdic_speckle kind;
-        double shape, bin_m, cell_m;
-        double contrast, neighbours, tolerance;
+        double shape, bin_m, cell_m, contrast;
     } cases[] = {
-        {ASDIC_SPECKLE_RAYLEIGH, INFINITY, 0.5, 0.5, 1.0, 0.0, 0.02},
-        {ASDIC_SPECKLE_RAYLEIGH, INFINITY, 0.5, 0.125, 0.5, 0.0, 0.02},
-        {ASDIC_SPECKLE_RAYLEIGH, INFINITY, 0.1, 0.5, 1.0, 0.8, 0.02}, /* 4 of 5 share a cell */
-        {ASDIC_SPECKLE_RAYLEIGH, INFINITY, 0.4, 0.5, 1.0, 0.2, 0.02},
-        {ASDIC_SPECKLE_K, 2.0, 0.5, 0.5, 1.4142, 0.0, 0.04}, /* sqrt(1 + 2 / shape) */
-        {ASDIC_SPECKLE_K, 2.0, 0.1, 0.5, 1.4142, 0.8, 0.04},
+        {INFINITY, 0.5, 0.5, 1.0},  {INFINITY, 0.5, 0.125, 0.5}, {INFINITY, 0.1, 0.5, 1.0},
+        {INFINITY, 0.4, 0.5, 1.0},  {INFINITY, 0.4, 0.6, 1.0},   {INFINITY, 0.1, 0.77, 1.0},
+        {2.0, 0.5, 0.5, 1.4142136}, {2.0, 0.1, 0.5, 1.4142136}, /* sqrt(1 + 2 / shape) */
     };
+    asdic_beam beam = asdic_sonar_default().transmitter;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        statistics s = speckled(cases[i].kind, cases[i].shape, cases[i].bin_m, cases[i].cell_m);
-        print_message("%s, bins %.1f m, cells %.3f m: mean %.3f, contrast %.3f, neighbours %.3f\n",
-                      cases[i].kind == ASDIC_SPECKLE_K ? "K, shape 2" : "Rayleigh", cases[i].bin_m,
-                      cases[i].cell_m, s.mean, s.contrast, s.neighbours);
-        assert_close(s.mean, 1.0, 0.02);
-        assert_close(s.contrast, cases[i].contrast, cases[i].tolerance);
-        assert_close(s.neighbours, cases[i].neighbours, 0.03);
+        asdic_sonar sonar = sonar_of(&beam, 1, cases[i].bin_m, cases[i].cell_m);
+        sonar.speckle = isinf(cases[i].shape) ? ASDIC_SPECKLE_RAYLEIGH : ASDIC_SPECKLE_K;
+        sonar.speckle_shape = cases[i].shape;
+        correlations c = correlate(&sonar, 1000, 400);
+        print_message("shape %g, bins %.1f m, cells %.3f m: contrast %.3f, neighbours",
+                      cases[i].shape, cases[i].bin_m, cases[i].cell_m, c.contrast);
+        assert_close(c.contrast, cases[i].contrast, isinf(cases[i].shape) ? 0.02 : 0.04);
+        for (int k = 1; k < 8; k++) {
+            double apart = k * cases[i].bin_m / cases[i].cell_m;
+            double rho2 = pow(fmax(1.0 - apart, 0.0), 2);
+            /* Of a product of speckle and texture, each with that correlation, nearly. */
+            double nu = cases[i].shape;
+            double both =
+                isinf(nu) ? rho2 : ((1.0 + rho2) * (1.0 + rho2 / nu) - 1.0) / (1.0 + 2.0 / nu);
+            print_message(" %.3f (%.3f)", c.lags[k], both);
+            assert_close(c.lags[k], both, 0.03);
+        }
+        print_message("\n");
+    }
+}
+
+/* A cell longer than all bins, and bins without number, are drawn as well. */
+static void long_pulses_are_one_cell(void **state) {
+    (void)state;
+    asdic_beam beam = asdic_sonar_default().transmitter;
+    for (size_t bins = 1; bins < 2000; bins = 7 * bins + 3) {
+        asdic_sonar sonar = sonar_of(&beam, 1, 0.01, 1e5);
+        drawing d = drawing_begin(&sonar, bins, 0.0);
+        double sum = 0.0;
+        for (int p = 0; p < 4000; p++) {
+            const double *x = drawing_next(&d);
+            sum += x[0] / 4000.0;
+            assert_close_relative(sqrt(x[bins - 1]), sqrt(x[0]), 0.05 / fmin(sqrt(x[0]), 1.0));
+        }
+        assert_close(sum, 1.0, 0.07);
+        drawing_end(&d);
+    }
+}
+
+/* The texture's law against the gamma density integrated by steps, for shapes of both kinds. */
+static void textures_are_gamma_variates(void **state) {
+    (void)state;
+    static const double shapes[] = {0.05, 0.3, 1.0, 1.5, 12.0, 1000.0};
+    for (size_t s = 0; s < sizeof shapes / sizeof *shapes; s++) {
+        asdic_texture t;
+        int sign;
+        double nu = shapes[s], below = 0.0, step = 1e-4;
+        assert_true(asdic_texture_init(&t, nu));
+        /* of ln of the variate, by the midpoint rule, from where nothing is below */
+        for (double v = -30.0 / fmin(nu, 1.0); v < log(nu + 12.0 * sqrt(nu) + 60.0); v += step) {
+            double x = exp(v + 0.5 * step);
+            below += step * exp(nu * log(x) - x - lgamma_r(nu, &sign));
+            if (below > 1e-6 && below < 1.0 - 1e-6 && fmod(v, 0.1) > -step) {
+                double exponential = -log1p(-below);
+                assert_close_relative(asdic_texture_of(&t, exponential), exp(v + step) / nu, 2e-3);
+            }
+        }
+        assert_close(below, 1.0, 1e-6);
+        asdic_texture_finish(&t);
     }
 }
 
@@ -170,7 +311,10 @@ int main(void) {
         cmocka_unit_test(looks_average),
         cmocka_unit_test(k_shape_is_recovered),
         cmocka_unit_test(looks_are_cells),
-        cmocka_unit_test(pings_have_speckle_per_resolution_cell),
+        cmocka_unit_test(rare_intensities_are_as_rare_as_they_should_be),
+        cmocka_unit_test(range_bins_share_what_their_cells_do),
+        cmocka_unit_test(long_pulses_are_one_cell),
+        cmocka_unit_test(textures_are_gamma_variates),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
