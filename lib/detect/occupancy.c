@@ -6,6 +6,7 @@
 #include "base/context.h"
 #include "sim/ring.h"
 
+#include <limits.h>
 #include <math.h>
 #include <stdlib.h>
 
@@ -19,10 +20,36 @@ asdic_vec3 asdic_beam_axis(const asdic_beam *beam, const asdic_pose *pose) {
     return (asdic_vec3){row[0], row[1], row[2]};
 }
 
-double asdic_beam_width_rad(const asdic_sonar *sonar, size_t receiver, double sound_speed_mps) {
-    double side = hypot(sonar->transmitter.length_h_m, sonar->receivers[receiver].length_h_m);
-    double wide = 0.886 * sound_speed_mps / (sonar->frequency_hz * side);
+/* Half-power width of two apertures that are so many metres long. */
+static double width_rad(const asdic_sonar *sonar, double a_m, double b_m, double sound_speed_mps) {
+    double wide = 0.886 * sound_speed_mps / (sonar->frequency_hz * hypot(a_m, b_m));
     return wide < 1.0 ? 2.0 * asin(0.5 * wide) : fmin(wide, ASDIC_PI);
+}
+
+double asdic_beam_width_rad(const asdic_sonar *sonar, size_t receiver, double sound_speed_mps) {
+    return width_rad(sonar, sonar->transmitter.length_h_m, sonar->receivers[receiver].length_h_m,
+                     sound_speed_mps);
+}
+
+/* Beams whose axes lie within a vertical width of each other look at one layer of water: the
+ * number of RECEIVER's. */
+static long layer_of(const asdic_sonar *sonar, size_t receiver, double sound_speed_mps,
+                     asdic_vec3 axis) {
+    double width = width_rad(sonar, sonar->transmitter.length_v_m,
+                             sonar->receivers[receiver].length_v_m, sound_speed_mps);
+    return lround(atan2(axis.z, hypot(axis.x, axis.y)) / width);
+}
+
+/* What a ping says of a cell, in planes of the map's size: how far aside the axis of the nearest
+ * beam of a layer lies and what that beam says, NAN for nothing; of the layers before, the
+ * logarithm of their likelihood ratios' sum, and how many they are. */
+enum { ASIDE, LLR, SUM, LAYERS, PLANES };
+
+static void forget(float *cell, size_t cells) {
+    cell[ASIDE * cells] = INFINITY;
+    cell[LLR * cells] = NAN;
+    cell[SUM * cells] = -INFINITY;
+    cell[LAYERS * cells] = 0.0f;
 }
 
 asdic_status asdic_occupancy_create(asdic_context *ctx, asdic_vec3 min_m, asdic_vec3 max_m,
@@ -47,7 +74,7 @@ asdic_status asdic_occupancy_create(asdic_context *ctx, asdic_vec3 min_m, asdic_
     }
     asdic_occupancy *map = calloc(1, sizeof *map);
     size_t cells = (size_t)rows * (size_t)columns;
-    if (!map || !(map->log_odds = malloc(2 * cells * sizeof *map->log_odds))) {
+    if (!map || !(map->log_odds = malloc((1 + PLANES) * cells * sizeof *map->log_odds))) {
         free(map);
         return asdic_fail_memory(ctx, "a map");
     }
@@ -58,9 +85,10 @@ asdic_status asdic_occupancy_create(asdic_context *ctx, asdic_vec3 min_m, asdic_
     map->columns = (size_t)columns;
     map->prior_log_odds = log(prior / (1.0 - prior));
     map->limit = limit;
-    map->ping_llr = map->log_odds + cells;
-    for (size_t i = 0; i < 2 * cells; i++) {
+    map->ping = map->log_odds + cells;
+    for (size_t i = 0; i < cells; i++) {
         map->log_odds[i] = NAN;
+        forget(map->ping + i, cells);
     }
     *out = map;
     return ASDIC_OK;
@@ -118,19 +146,37 @@ static void widen(patch *all, const patch *p) {
     all->column_end = p->column_end > all->column_end ? p->column_end : all->column_end;
 }
 
+/* Ends a layer in the cells of PATCH. */
+static void add_layer(asdic_occupancy *map, const patch *p) {
+    size_t cells = map->rows * map->columns;
+    for (size_t row = p->row; row < p->row_end; row++) {
+        for (size_t column = p->column; column < p->column_end; column++) {
+            float *cell = map->ping + row * map->columns + column;
+            float llr = cell[LLR * cells], sum = cell[SUM * cells];
+            if (!isnan(llr)) {
+                cell[SUM * cells] = fmaxf(sum, llr) + log1pf(expf(-fabsf(sum - llr)));
+                cell[LAYERS * cells] += 1.0f;
+            }
+            cell[ASIDE * cells] = INFINITY;
+            cell[LLR * cells] = NAN;
+        }
+    }
+}
+
 /* The ping's say on the cells of PATCH, clipped; then it is forgotten. */
 static void add_ping(asdic_occupancy *map, const patch *p) {
+    size_t cells = map->rows * map->columns;
     for (size_t row = p->row; row < p->row_end; row++) {
         for (size_t column = p->column; column < p->column_end; column++) {
             size_t at = row * map->columns + column;
-            if (isnan(map->ping_llr[at])) {
-                continue;
+            float *cell = map->ping + at;
+            if (cell[LAYERS * cells] > 0.0f) {
+                double before =
+                    isnan(map->log_odds[at]) ? map->prior_log_odds : (double)map->log_odds[at];
+                double llr = (double)(cell[SUM * cells] - logf(cell[LAYERS * cells]));
+                map->log_odds[at] = (float)fmin(fmax(before + llr, -map->limit), map->limit);
             }
-            double before =
-                isnan(map->log_odds[at]) ? map->prior_log_odds : (double)map->log_odds[at];
-            map->log_odds[at] =
-                (float)fmin(fmax(before + (double)map->ping_llr[at], -map->limit), map->limit);
-            map->ping_llr[at] = NAN;
+            forget(cell, cells);
         }
     }
 }
@@ -139,6 +185,7 @@ static patch add_sector(asdic_occupancy *map, const sector *s, double bin_m, siz
                         const double *llr) {
     double low[2], high[2];
     patch p;
+    size_t cells = map->rows * map->columns;
     bound(s, low, high);
     touched(low[0], high[0], map->north_m, map->cell_m, map->rows, &p.row, &p.row_end);
     touched(low[1], high[1], map->east_m, map->cell_m, map->columns, &p.column, &p.column_end);
@@ -149,30 +196,59 @@ static patch add_sector(asdic_occupancy *map, const sector *s, double bin_m, siz
             double plane = hypot(north, east);
             double aside = remainder(atan2(east, north) - s->azimuth_rad, 2.0 * ASDIC_PI);
             double bin = floor(plane / s->cos_elevation / bin_m);
-            if (fabs(aside) <= s->half_rad && bin < (double)bins) { /* fmaxf: not NAN if it can */
-                float *most = &map->ping_llr[row * map->columns + column];
-                *most = fmaxf(*most, (float)llr[(size_t)bin]);
+            float *cell = map->ping + row * map->columns + column;
+            if (fabs(aside) <= s->half_rad && bin < (double)bins && !isnan(llr[(size_t)bin]) &&
+                (float)fabs(aside) < cell[ASIDE * cells]) {
+                cell[ASIDE * cells] = (float)fabs(aside);
+                cell[LLR * cells] = (float)llr[(size_t)bin];
             }
         }
     }
     return p;
 }
 
-void asdic_occupancy_add(asdic_occupancy *map, const asdic_sonar *sonar, double sound_speed_mps,
-                         const asdic_pose *pose, size_t bins, const double *llr) {
+typedef struct view {
+    const asdic_sonar *sonar;
+    double sound_speed_mps;
+    const asdic_pose *pose;
+    size_t bins;
+    const double *llr;
+} view;
+
+/* Adds the beams of LAYER and returns the cells that they see. *NEXT: the lowest layer above it. */
+static patch add_beams(asdic_occupancy *map, const view *v, long layer, long *next) {
+    const asdic_sonar *sonar = v->sonar;
     patch all = {.row = map->rows, .column = map->columns};
+    *next = LONG_MAX;
     for (size_t b = 0; b < sonar->receiver_count; b++) {
-        asdic_vec3 axis = asdic_beam_axis(&sonar->receivers[b], pose);
-        sector s = {.north_m = pose->position_m.x,
-                    .east_m = pose->position_m.y,
+        asdic_vec3 axis = asdic_beam_axis(&sonar->receivers[b], v->pose);
+        long own = layer_of(sonar, b, v->sound_speed_mps, axis);
+        *next = own > layer && own < *next ? own : *next;
+        sector s = {.north_m = v->pose->position_m.x,
+                    .east_m = v->pose->position_m.y,
                     .azimuth_rad = atan2(axis.y, axis.x),
-                    .half_rad = 0.5 * asdic_beam_width_rad(sonar, b, sound_speed_mps),
+                    .half_rad = 0.5 * asdic_beam_width_rad(sonar, b, v->sound_speed_mps),
                     .cos_elevation = hypot(axis.x, axis.y)};
-        s.end_m = (double)bins * sonar->bin_length_m * s.cos_elevation;
-        if (s.cos_elevation >= LEAST_COS) {
-            patch p = add_sector(map, &s, sonar->bin_length_m, bins, llr + b * bins);
+        s.end_m = (double)v->bins * sonar->bin_length_m * s.cos_elevation;
+        if (own == layer && s.cos_elevation >= LEAST_COS) {
+            patch p = add_sector(map, &s, sonar->bin_length_m, v->bins, v->llr + b * v->bins);
             widen(&all, &p);
         }
+    }
+    return all;
+}
+
+/* If an echo comes from one of m layers, from each as likely, the likelihood ratio of all is the
+ * mean of theirs, however much they have in common. */
+void asdic_occupancy_add(asdic_occupancy *map, const asdic_sonar *sonar, double sound_speed_mps,
+                         const asdic_pose *pose, size_t bins, const double *llr) {
+    const view v = {sonar, sound_speed_mps, pose, bins, llr};
+    patch all = {.row = map->rows, .column = map->columns};
+    long next;
+    for (long layer = LONG_MIN; layer != LONG_MAX; layer = next) {
+        patch p = add_beams(map, &v, layer, &next);
+        add_layer(map, &p);
+        widen(&all, &p);
     }
     add_ping(map, &all);
 }

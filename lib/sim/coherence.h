@@ -30,7 +30,7 @@
 
 /* The integral as a sum over directions: the pressure of receiver i is the sum over k of WEIGHT[k]
  * times an independent variate numbered SOURCE[k], from FIRST[i] up to FIRST[i + 1]. The squares
- * of a receiver's weights add up to 1; rho is right to 0.03. */
+ * of a receiver's weights add up to 1; rho^2 is right to 0.04. */
 typedef struct asdic_coherence {
     size_t receivers, sources;
     size_t *first;

@@ -115,7 +115,7 @@ static void the_map_remembers(void **state) {
     ((double)map->log_odds[(size_t)(((north) + 1.0) / 0.25) * map->columns +                       \
                            (size_t)(((east) + 20.0) / 0.25)])
     asdic_occupancy_add(map, &sonar, SPEED, &pose, BINS, llr);
-    assert_close(AT(20.3, 0.1), prior + 3.0, 1e-6); /* what says most for a target counts, once */
+    assert_close(AT(20.3, 0.1), prior + 3.0, 1e-6); /* of two that are alike, the first */
     assert_close(AT(10.3, 0.1), prior - 2.0, 1e-6);
     assert_true(isnan(AT(20.3, 15.0)) && isnan(AT(-0.5, 0.1)) && isnan(AT(55.0, 0.1)));
     for (int i = 0; i < 20; i++) {
@@ -132,6 +132,59 @@ static void the_map_remembers(void **state) {
     assert_status(ctx, asdic_occupancy_create(ctx, low, high, 1e-4, 0.01, 10.0, &map),
                   ASDIC_ERROR_ARGUMENT);
     assert_contains(asdic_context_error(ctx), "larger");
+}
+
+/* Of beams that overlap in bearing the nearest is asked; of elevations, all, and their ratios
+ * averaged. */
+static void the_map_asks_each_elevation_once(void **state) {
+    (void)state;
+    enum { BINS = 100, BEAMS = 5 };
+    asdic_sonar sonar = asdic_sonar_default();
+    asdic_beam beams[BEAMS];
+    double llr[BEAMS * BINS];
+    static const double say[BEAMS] = {1.0, 2.0, -1.0, 4.0, -3.0};
+    for (int b = 0; b < BEAMS; b++) {
+        beams[b] = sonar.transmitter;
+        for (int i = 0; i < BINS; i++) {
+            llr[b * BINS + i] = say[b];
+        }
+    }
+    /* Widths are 10.9 degrees: beams 0 to 2 are one elevation, 3 another, 4 a third. */
+    beams[0].yaw_rad = -4.0 * DEGREE;
+    beams[1].yaw_rad = 4.0 * DEGREE;
+    beams[1].pitch_rad = 1.0 * DEGREE;
+    beams[3].pitch_rad = 15.0 * DEGREE;
+    beams[4].pitch_rad = -30.0 * DEGREE;
+    sonar = sonar_of(beams, BEAMS);
+    asdic_vec3 low = {-1.0, -20.0, 0.0}, high = {60.0, 20.0, 0.0};
+    asdic_occupancy *map = NULL;
+    asdic_pose pose = {0};
+    double prior = log(0.01 / 0.99), above = exp(4.0) + exp(-3.0);
+    for (int turned = 0; turned < 2; turned++) { /* whatever the order of the receivers */
+        assert_ok(ctx, asdic_occupancy_create(ctx, low, high, 0.25, 0.01, 10.0, &map));
+        asdic_occupancy_add(map, &sonar, SPEED, &pose, BINS, llr);
+        assert_close(AT(30.1, 0.1), prior + log((exp(-1.0) + above) / 3.0), 1e-5);
+        assert_close(AT(30.1, 2.1), prior + log((exp(2.0) + above) / 3.0), 1e-5);
+        assert_close(AT(30.1, -2.1), prior + log((exp(1.0) + above) / 3.0), 1e-5);
+        assert_close(AT(30.1, 4.1), prior + 2.0, 1e-5); /* outside of all but one */
+        asdic_occupancy_destroy(&map);
+        for (int i = 0; i < BINS; i++) {
+            double first = llr[i];
+            llr[i] = llr[4 * BINS + i];
+            llr[4 * BINS + i] = first;
+        }
+        asdic_beam first = beams[0];
+        beams[0] = beams[4];
+        beams[4] = first;
+    }
+    /* A bin of which nothing is known says nothing. */
+    for (int i = 0; i < BINS; i++) {
+        llr[2 * BINS + i] = NAN;
+    }
+    assert_ok(ctx, asdic_occupancy_create(ctx, low, high, 0.25, 0.01, 10.0, &map));
+    asdic_occupancy_add(map, &sonar, SPEED, &pose, BINS, llr);
+    assert_close(AT(30.1, 0.2), prior + log((exp(2.0) + above) / 3.0), 1e-5);
+    asdic_occupancy_destroy(&map);
 }
 
 /* A normal variate. */
@@ -211,9 +264,8 @@ static void tracks_follow(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_ping_is_decided),
-        cmocka_unit_test(beams_have_axes_and_widths),
-        cmocka_unit_test(the_map_remembers),
+        cmocka_unit_test(a_ping_is_decided), cmocka_unit_test(beams_have_axes_and_widths),
+        cmocka_unit_test(the_map_remembers), cmocka_unit_test(the_map_asks_each_elevation_once),
         cmocka_unit_test(tracks_follow),
     };
     return cmocka_run_group_tests(tests, context_begin, context_end);
