@@ -132,8 +132,12 @@ static void print_sights(const asdic_detect_report *r) {
 static void print_report(const asdic_detect_report *r) {
     print_classes(r);
     print_sights(r);
-    printf("\ntracks: %zu begun, %zu confirmed, %zu of these on objects\n", r->tracks,
+    printf("\ntracks: %zu begun, %zu confirmed, %zu of these on objects", r->tracks,
            r->tracks_confirmed, r->tracks_of_objects);
+    if (r->is_sample) {
+        printf("; of false alarms alone %.2g are to be expected", r->tracks_by_chance);
+    }
+    printf("\n");
 }
 
 static void print_json(const asdic_detect_report *r) {
@@ -185,6 +189,7 @@ static void print_json(const asdic_detect_report *r) {
     json_integer(&j, "begun", r->tracks);
     json_integer(&j, "confirmed", r->tracks_confirmed);
     json_integer(&j, "on_objects", r->tracks_of_objects);
+    json_number(&j, "by_chance", r->tracks_by_chance);
     json_close(&j);
     json_close(&j);
 }
@@ -308,7 +313,8 @@ const cli_command cli_detect_command = {
                "detections.csv (log-likelihood ratio, posterior probability, position on the "
                "beam's axis, and which object was there), occupancy.png (log-odds of all pings, "
                "in a map fixed in the world) and tracks.csv (nearest-neighbour Kalman tracks), "
-               "and prints the confusion table.\n\n"
+               "and prints the confusion table, and how many tracks false alarms alone are to be "
+               "expected to confirm.\n\n"
                "Of a scene file a run is made first, as by 'asdic run'.",
     .examples = "asdic run scene.yaml -o out && asdic detect out\n"
                 "asdic detect scene.yaml --cfar os --pfa 1e-4 --cell 1",

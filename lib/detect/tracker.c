@@ -221,3 +221,68 @@ const asdic_track_state *asdic_tracker_get(const asdic_tracker *tracker, size_t 
     *count = tracker->count;
     return tracker->states;
 }
+
+/* Ways to go on that are less likely are left out; a confirmed track that lives on by clutter
+ * has so many hits at most; rounds until tracks are as dense as they make each other. */
+#define LEAST_WEIGHT 1e-8
+#define MOST_HITS 1000.0
+#define ROUNDS 30
+
+/* Clutter, and what becomes of a track that it founds. */
+typedef struct clutter {
+    const asdic_tracker_options *options;
+    double step_s, plots_per_m2, tracks_per_m2;
+    asdic_plot_point plot;
+    double confirmed, hits, pings; /* means: probability, further plots it takes, pings it lives */
+} clutter;
+
+/* A track that has come so far with probability WEIGHT: the next ping, with and without a plot
+ * in its gate. Of tracks that have a plot in their gates, one gets it. */
+static void follow(clutter *c, track tr, double weight) {
+    const asdic_tracker_options *o = c->options;
+    asdic_kalman_predict(&tr.filter, c->step_s, o->acceleration);
+    tr.history <<= 1;
+    tr.missed++;
+    double area = o->gate * asdic_kalman_area(&tr.filter, &c->plot);
+    double rivals = fmax(c->tracks_per_m2 * area, 1e-9);
+    double p = -expm1(c->plots_per_m2 * area * expm1(-rivals) / rivals);
+    c->pings += weight;
+    for (int is_hit = 0; is_hit < 2; is_hit++) {
+        track next = tr;
+        double then = weight * (is_hit ? p : 1.0 - p);
+        if (is_hit) {
+            asdic_plot_point plot = c->plot;
+            plot.north_m = tr.filter.mean[0][0];
+            plot.east_m = tr.filter.mean[1][0];
+            hit(&next, &plot);
+            c->hits += then;
+        }
+        bool lives = judge(&next, o);
+        if (next.state.confirmed) { /* until it is missed so often in a row */
+            double further = fmin(pow(1.0 - p, -(double)o->misses) - 1.0, MOST_HITS);
+            c->confirmed += then;
+            c->hits += then * further;
+            c->pings += then * further / p;
+        } else if (lives && then > LEAST_WEIGHT) {
+            follow(c, next, then);
+        }
+    }
+}
+
+double asdic_tracker_false_share(const asdic_tracker_options *options, double step_s,
+                                 const asdic_plot_point *plot, double plots_per_m2) {
+    clutter c = {.options = options, .step_s = step_s, .plots_per_m2 = plots_per_m2, .plot = *plot};
+    for (int i = 0; i < ROUNDS; i++) {
+        track tr = {.state = {.hits = 1},
+                    .filter = asdic_kalman_begin(plot, options->speed_mps),
+                    .history = 1u};
+        c.confirmed = c.hits = c.pings = 0.0;
+        judge(&tr, options);
+        if (tr.state.confirmed) {
+            return 1.0;
+        }
+        follow(&c, tr, 1.0);
+        c.tracks_per_m2 += 0.5 * (plots_per_m2 / (1.0 + c.hits) * c.pings - c.tracks_per_m2);
+    }
+    return c.confirmed / (1.0 + c.hits);
+}

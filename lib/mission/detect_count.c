@@ -158,7 +158,13 @@ void asdic_detect_finish_report(asdic_detect_job *job) {
     asdic_detect_report *r = job->report;
     size_t kept = 0;
     const asdic_detect_class *none = &r->classes[objects_of(job) + NONE];
-    r->pfa = asdic_estimate_of(none->detected, none->bins);
+    /* False alarms come in clumps, since beams and bins share speckle. Of N clumps of random
+     * sizes the sum has a variance of N times the mean square size: as of fewer alarms, each by
+     * itself. */
+    double each = job->false_squares > 0.0 ? job->false_bins / job->false_squares : 1.0;
+    r->pfa = asdic_estimate_of((uint64_t)llround(each * (double)none->detected),
+                               (uint64_t)llround(each * (double)none->bins));
+    r->pfa.value = (double)none->detected / (double)none->bins;
     for (size_t i = 0; i < r->sight_count; i++) {
         if (r->sights[i].pings_seen > 0) {
             r->sights[kept++] = r->sights[i];

@@ -29,8 +29,11 @@ typedef struct asdic_detect_job {
     long *label; /* object of a bin; -1: none */
     bool *detected;
     asdic_plot_point *plots; /* of the ping */
-    double *plots_llr;
+    size_t *plot_cell;       /* where each stands out most */
+    size_t *plot_bins;       /* that it joins */
     size_t plot_count;
+    /* Of all pings' plots where nothing is: how many, the sum of their bins, and of the squares. */
+    double false_plots, false_bins, false_squares;
     double sound_speed_mps;
     asdic_file *detections, *tracks;
     uint8_t *track_seen; /* bits by track number: 1 confirmed, 2 of an object */
@@ -47,8 +50,13 @@ asdic_status asdic_detect_open_files(asdic_detect_job *job);
 void asdic_detect_write_rows(asdic_detect_job *job, const asdic_record *record);
 asdic_status asdic_detect_write_tracks(asdic_detect_job *job, const asdic_record *record);
 
-/* detect_plots.c: joins neighbouring detections into plots. */
+/* detect_plots.c: joins neighbouring detections into plots; what a plot in a bin is. */
 void asdic_detect_find_plots(asdic_detect_job *job, const asdic_record *record);
+asdic_plot_point asdic_detect_plot(const asdic_detect_job *job, const asdic_record *record,
+                                   size_t cell);
+
+/* detect_false.c: fills tracks_by_chance of the report, when all pings are counted. */
+asdic_status asdic_detect_expect_tracks(asdic_detect_job *job);
 
 /* detect_count.c: the report's tables. */
 asdic_status asdic_detect_report_create(asdic_detect_job *job);

@@ -21,8 +21,8 @@ static size_t peak(const asdic_detect_job *job, const double *llr, size_t first,
     return best;
 }
 
-static asdic_plot_point plot_of(const asdic_detect_job *job, const asdic_record *record,
-                                size_t cell) {
+asdic_plot_point asdic_detect_plot(const asdic_detect_job *job, const asdic_record *record,
+                                   size_t cell) {
     const asdic_sonar *sonar = job->info.sonar;
     size_t beam = cell / job->info.bins;
     asdic_vec3 at = asdic_detect_position(job, record, beam, cell % job->info.bins);
@@ -59,18 +59,27 @@ void asdic_detect_find_plots(asdic_detect_job *job, const asdic_record *record) 
             continue;
         }
         size_t at = peak(job, llr, i, &end);
-        asdic_plot_point plot = plot_of(job, record, at);
+        asdic_plot_point plot = asdic_detect_plot(job, record, at);
         bool is_new = true;
         for (size_t k = 0; k < job->plot_count && is_new; k++) {
             is_new = !overlap(&job->plots[k], &plot);
-            if (!is_new && llr[at] > job->plots_llr[k]) {
+            if (!is_new && llr[at] > llr[job->plot_cell[k]]) {
                 job->plots[k] = plot;
-                job->plots_llr[k] = llr[at];
+                job->plot_cell[k] = at;
             }
+            job->plot_bins[k] += is_new ? 0 : end - i;
         }
         if (is_new) {
-            job->plots_llr[job->plot_count] = llr[at];
+            job->plot_cell[job->plot_count] = at;
+            job->plot_bins[job->plot_count] = end - i;
             job->plots[job->plot_count++] = plot;
         }
+    }
+    for (size_t k = 0; k < job->plot_count; k++) {
+        double bins = (double)job->plot_bins[k];
+        bool is_false = job->truth[job->plot_cell[k]] == ASDIC_TRUTH_NONE;
+        job->false_plots += is_false ? 1.0 : 0.0;
+        job->false_bins += is_false ? bins : 0.0;
+        job->false_squares += is_false ? bins * bins : 0.0;
     }
 }

@@ -106,15 +106,16 @@ static asdic_status allocate(asdic_detect_job *job) {
     job->label = calloc(cells, sizeof *job->label);
     job->detected = calloc(cells, sizeof *job->detected);
     job->plots = calloc(cells, sizeof *job->plots);
-    job->plots_llr = calloc(cells, sizeof *job->plots_llr);
+    job->plot_cell = calloc(2 * cells, sizeof *job->plot_cell);
     size_t sights = asdic_namer_count(job->namer) * job->info.beams;
     job->sight_ping = calloc(sights, sizeof *job->sight_ping);
     job->sight_hit = calloc(sights, sizeof *job->sight_hit);
     job->track_north_m = calloc(2 * (job->info.pings + 1), sizeof *job->track_north_m);
     if (!job->intensity_lin || !job->truth || !job->label || !job->detected || !job->plots ||
-        !job->plots_llr || !job->sight_ping || !job->sight_hit || !job->track_north_m) {
+        !job->plot_cell || !job->sight_ping || !job->sight_hit || !job->track_north_m) {
         return asdic_fail_memory(job->ctx, "detections");
     }
+    job->plot_bins = job->plot_cell + cells;
     job->noise_lin = job->intensity_lin + cells;
     job->rest_lin = job->noise_lin + cells;
     job->object_lin = job->rest_lin + cells;
@@ -183,7 +184,7 @@ static void finish(asdic_detect_job *job) {
     free(job->label);
     free(job->detected);
     free(job->plots);
-    free(job->plots_llr);
+    free(job->plot_cell);
     free(job->sight_ping);
     free(job->sight_hit);
     free(job->track_seen);
@@ -203,6 +204,9 @@ static asdic_status detect(asdic_detect_job *job) {
         if (status == ASDIC_OK) {
             status = take_ping(job, &record);
         }
+    }
+    if (status == ASDIC_OK) {
+        status = asdic_detect_expect_tracks(job);
     }
     if (status == ASDIC_OK) {
         status = asdic_file_commit(&job->detections);

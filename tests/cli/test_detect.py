@@ -125,6 +125,42 @@ def test_options_replace_the_scenes_detector():
         tap.equal(strict < detect()["confusion"][0]["bins"], True, "bins that hold the rise")
 
 
+# Eight beams of one degree, a quarter of a degree apart, and nothing to see.
+EMPTY = """version: 1
+bottom: {depth_m: 12, type: sand}
+sonar:
+  frequency_khz: 100
+  bandwidth_khz: 10
+  ping_rate_hz: 40
+  bin_length_m: 0.0745
+  source_level_db: 200
+  speckle: rayleigh
+  receivers: {fan: {count: 8, sector_deg: 1.75, length_h_m: 0.75, length_v_m: 0.05}}
+mission: {pose: {position_m: [0, 0, 7]}, pings: 600}
+sampling: {rays: 20000}
+detector: {pfa: 3.0e-3}
+output: {images: [], csv: none}
+"""
+
+
+def test_an_empty_sea_has_the_false_tracks_that_are_said():
+    need_device()
+    with Folder() as folder:
+        folder.write("empty.yaml", EMPTY)
+        done = asdic("detect", "empty.yaml", "-o", "out", "--json", cwd=folder.path).check(0)
+        report = json.loads(done.out)
+        tracks, pfa = report["tracks"], report["pfa_measured"]
+        tap.equal(pfa["low"] <= 0.003 <= pfa["high"], True, f"{pfa}")
+        # Of 6 false alarms a ping, which are 2.8 plots: 1 in 170 is confirmed. Independent beams
+        # would make 4.9 plots a ping, and 50 tracks.
+        said, found = tracks["by_chance"], tracks["confirmed"]
+        tap.equal(2 < said < 30, True, f"{said} are said")
+        tap.equal(abs(found - said) < 3.3 * said ** 0.5 + 0.3 * said + 1, True,
+                  f"{found} false tracks of {said}")
+        text = asdic("detect", "out", "--force", cwd=folder.path).check(0).out
+        tap.contains(text, "of false alarms alone")
+
+
 def test_mistakes():
     need_device()
     with Folder() as folder:

@@ -262,11 +262,70 @@ static void tracks_follow(void **state) {
     assert_status(ctx, asdic_tracker_create(ctx, &options, &tracker), ASDIC_ERROR_ARGUMENT);
 }
 
+/* Clutter anywhere in a square, from nearly none to a plot in every gate: confirmed tracks per
+ * plot. */
+static void clutter_confirms_tracks_as_said(void **state) {
+    (void)state;
+    static const struct {
+        double step_s, per_ping;
+        int pings;
+        double low, high; /* allowed of what is said */
+    } cases[] = {
+        {0.02, 100.0, 400, 0.8, 1.2}, {0.1, 60.0, 400, 0.75, 1.2}, {0.5, 40.0, 200, 0.5, 1.2}};
+    enum { SIDE_M = 20 };
+    for (size_t n = 0; n < sizeof cases / sizeof *cases; n++) {
+        asdic_tracker *tracker = NULL;
+        asdic_tracker_options options = asdic_tracker_options_default();
+        assert_ok(ctx, asdic_tracker_create(ctx, &options, &tracker));
+        asdic_plot_point plots[400];
+        uint8_t *seen = calloc(400 * 400, 1);
+        unsigned seed = 11;
+        double total = 0.0, confirmed = 0.0;
+        for (int k = 0; k < cases[n].pings; k++) {
+            size_t count = 0; /* Poisson */
+            for (double left = cases[n].per_ping; count < 400; count++) {
+                left += log((rand_r(&seed) + 0.5) / (RAND_MAX + 1.0));
+                if (left < 0.0) {
+                    break;
+                }
+                plots[count] =
+                    (asdic_plot_point){.north_m = SIDE_M * (rand_r(&seed) / (double)RAND_MAX),
+                                       .east_m = SIDE_M * (rand_r(&seed) / (double)RAND_MAX),
+                                       .variance_nn_m2 = 0.01,
+                                       .variance_ee_m2 = 0.04,
+                                       .label = -1};
+            }
+            total += (double)count;
+            assert_ok(ctx, asdic_tracker_update(tracker, k * cases[n].step_s, plots, count));
+            size_t alive = 0;
+            const asdic_track_state *tracks = asdic_tracker_get(tracker, &alive);
+            for (size_t i = 0; i < alive; i++) {
+                confirmed += tracks[i].confirmed && !seen[tracks[i].id];
+                seen[tracks[i].id] |= tracks[i].confirmed;
+            }
+        }
+        double said = asdic_tracker_false_share(&options, cases[n].step_s, &plots[0],
+                                                cases[n].per_ping / (SIDE_M * SIDE_M));
+        print_message("%g plots a ping, %g s apart: %.0f confirmed of %.0f, %.1f were said\n",
+                      cases[n].per_ping, cases[n].step_s, confirmed, total, said * total);
+        double spread = 2.6 * sqrt(said * total);
+        assert_true(confirmed > cases[n].low * said * total - spread);
+        assert_true(confirmed < cases[n].high * said * total + spread);
+        free(seen);
+        asdic_tracker_destroy(&tracker);
+    }
+    asdic_tracker_options at_once = asdic_tracker_options_default();
+    asdic_plot_point plot = {.variance_nn_m2 = 1.0, .variance_ee_m2 = 1.0};
+    assert_close(asdic_tracker_false_share(&at_once, 1.0, &plot, 0.0), 0.0, 0.0);
+    at_once.confirm = 1;
+    assert_close(asdic_tracker_false_share(&at_once, 1.0, &plot, 1.0), 1.0, 0.0);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_ping_is_decided), cmocka_unit_test(beams_have_axes_and_widths),
         cmocka_unit_test(the_map_remembers), cmocka_unit_test(the_map_asks_each_elevation_once),
-        cmocka_unit_test(tracks_follow),
+        cmocka_unit_test(tracks_follow),     cmocka_unit_test(clutter_confirms_tracks_as_said),
     };
     return cmocka_run_group_tests(tests, context_begin, context_end);
 }

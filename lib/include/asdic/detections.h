@@ -58,8 +58,9 @@ typedef struct asdic_detect_report {
     unsigned looks;
     size_t pings;
     uint64_t bins, detections;
-    asdic_estimate pfa; /* over bins that hold nothing */
+    asdic_estimate pfa; /* over bins that hold nothing; its bounds know that they share speckle */
     size_t tracks, tracks_confirmed, tracks_of_objects;
+    double tracks_by_chance; /* confirmed ones that are to be expected of false alarms alone */
     size_t class_count, sight_count;
     asdic_detect_class *classes; /* objects in order of appearance, then ghost, faint, none */
     asdic_detect_sight *sights;  /* by object, then beam */
