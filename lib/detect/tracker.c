@@ -222,11 +222,12 @@ const asdic_track_state *asdic_tracker_get(const asdic_tracker *tracker, size_t 
     return tracker->states;
 }
 
-/* Ways to go on that are less likely are left out; a confirmed track that lives on by clutter
- * has so many hits at most; rounds until tracks are as dense as they make each other. */
-#define LEAST_WEIGHT 1e-8
+/* Ways to go on that are less likely are left out, more of them where there are very many; a
+ * confirmed track that lives on by clutter has so many hits at most; rounds until tracks are as
+ * dense as they make each other. */
+#define LEAST_WEIGHT(of) ((of) > 10 ? 1e-3 : 1e-6)
 #define MOST_HITS 1000.0
-#define ROUNDS 30
+#define ROUNDS 12
 
 /* Clutter, and what becomes of a track that it founds. */
 typedef struct clutter {
@@ -263,7 +264,7 @@ static void follow(clutter *c, track tr, double weight) {
             c->confirmed += then;
             c->hits += then * further;
             c->pings += then * further / p;
-        } else if (lives && then > LEAST_WEIGHT) {
+        } else if (lives && then > LEAST_WEIGHT(o->of)) {
             follow(c, next, then);
         }
     }

@@ -11,7 +11,7 @@
 #include <stdlib.h>
 
 /* Ranges at which clutter is looked at. */
-#define RANGES 48
+#define RANGES 24
 
 /* Plots lie on axes; a gate round one reaches so many beam widths to either side, or a little
  * further. */
@@ -53,8 +53,9 @@ static double confirmed(const asdic_detect_job *job, const asdic_record *record,
     for (size_t k = 0; k < RANGES; k++) {
         size_t bin = bins - heard + (2 * k + 1) * heard / (2 * RANGES);
         asdic_plot_point plot = asdic_detect_plot(job, record, job->info.beams / 2 * bins + bin);
-        double plane_m = hypot(plot.north_m - record->pose.position_m.x,
-                               plot.east_m - record->pose.position_m.y);
+        double plane_m = fmax(hypot(plot.north_m - record->pose.position_m.x,
+                                    plot.east_m - record->pose.position_m.y),
+                              1e-6);
         double depth_m = plane_m / ((double)bin + 0.5) * (double)heard;
         share += asdic_tracker_false_share(&job->options->tracker, step_s, &plot,
                                            plots / (spread * plane_m * depth_m));
