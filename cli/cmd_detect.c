@@ -150,6 +150,8 @@ static void print_json(const asdic_detect_report *r) {
     json_number(&j, "cost_ratio", r->detector.cost_ratio);
     json_bool(&j, "cfar", r->by_cfar);
     json_bool(&j, "speckle", r->is_sample);
+    json_number(&j, "sampling_error_db", r->sampling_error_db);
+    json_number(&j, "sampling_lift_db", r->sampling_lift_db);
     json_integer(&j, "looks", r->looks);
     json_integer(&j, "pings", r->pings);
     json_integer(&j, "bins", r->bins);
@@ -194,6 +196,15 @@ static void print_json(const asdic_detect_report *r) {
     json_close(&j);
 }
 
+static void remark_on_error(cli *c, const asdic_detect_report *r) {
+    void (*say)(const cli *, const char *, ...) =
+        r->sampling_error_db > 0.5 ? cli_warning : cli_note;
+    say(c,
+        "the levels' sampling error, %.2g dB in the median bin, passes for targets; thresholds by "
+        "P_FA are %.2g dB higher for it. More rays lower them (asdic run --tolerance)",
+        r->sampling_error_db, r->sampling_lift_db);
+}
+
 static asdic_status detect(cli *c, const char *folder, request *r) {
     asdic_detect_report *report = NULL;
     asdic_status status = choose_detector(c, folder, r);
@@ -207,12 +218,8 @@ static asdic_status detect(cli *c, const char *folder, request *r) {
         cli_warning(c, "the scene has 'speckle: none': levels are means, of which none is a false "
                        "alarm by chance; 'speckle: rayleigh' draws them");
     }
-    if (report->sampling_error_db > 0.5) {
-        cli_warning(
-            c,
-            "the levels' sampling error, %.2g dB in the median bin, passes for targets; give "
-            "the run more rays (asdic run --tolerance)",
-            report->sampling_error_db);
+    if (report->sampling_error_db > 0.1) {
+        remark_on_error(c, report);
     }
     if (report->by_cfar && !r->options.has_cfar) {
         cli_note(c, "the bottom is no plane: background from neighbouring bins (--cfar ca)");

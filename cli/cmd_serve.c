@@ -138,7 +138,7 @@ static asdic_status ping_at(server *s, const serve_request *request) {
     if (!status && s->scan) {
         status = asdic_scan_ping(s->scan, ping.parts->intensity_lin[ASDIC_TOTAL],
                                  s->expectation->intensity_lin[ASDIC_TOTAL],
-                                 s->expectation->intensity_lin[ASDIC_NOISE]);
+                                 s->expectation->intensity_lin[ASDIC_NOISE], ping.parts->stderr_db);
     }
     if (!status) {
         asdic_scan_result found = s->scan ? asdic_scan_get(s->scan) : (asdic_scan_result){0};
@@ -266,7 +266,8 @@ const cli_command cli_serve_command = {
         "comma-separated "
         "values in the order of a track file, time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg, or of "
         "a header that was sent before. x_m, y_m, z_m are needed, angles are 0 when not given; "
-        "time_s is repeated in the answer, and counted when it is not given. The scene's own mission gives the first depth alone.\n\n"
+        "time_s is repeated in the answer, and counted when it is not given. The scene's own "
+        "mission gives the first depth alone.\n\n"
         "json: an object a line with \"level_db\", an array for each beam; null where there is no "
         "energy. csv: a header, then a line per ping with its levels beam by beam. raw: 56 bytes, "
         "little-endian (\"ASDP\"; uint32 status; uint64 ping; double time_s, altitude_m, "

@@ -33,6 +33,15 @@ asdic_background asdic_background_of(const asdic_sonar *sonar, double sound_spee
         .noise_share = mean_lin > 0.0 ? fmin(fmax(noise_lin / mean_lin, 0.0), 1.0) : 0.0};
 }
 
+asdic_background asdic_background_blurred(asdic_background b, double stderr_db) {
+    double error = stderr_db * log(10.0) / 10.0;
+    if (error > 0.0) {
+        b.noise_share = b.shape <= ASDIC_SHAPE_MAX ? b.noise_share : 0.0;
+        b.shape = fmax(1.0 / ((1.0 + 1.0 / b.shape) * (1.0 + error * error) - 1.0), LEAST_SHAPE);
+    }
+    return b;
+}
+
 int asdic_target_code(asdic_target target) {
     return target == ASDIC_TARGET_SWERLING0   ? TARGET_STEADY
            : target == ASDIC_TARGET_SWERLING1 ? TARGET_SWERLING1

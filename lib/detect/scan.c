@@ -9,6 +9,9 @@
 
 /* Thresholds of K speckle depend on the noise's share of a bin; shares are told apart to this. */
 #define SHARE_STEPS 1000
+/* Sampling errors for which thresholds are found, in steps, and how many. */
+#define ERROR_STEP_DB 0.2
+#define MOST_STEPS 80
 
 struct asdic_scan {
     asdic_context *ctx;
@@ -16,8 +19,9 @@ struct asdic_scan {
     asdic_detector detector;
     bool has_cfar;
     asdic_cfar cfar;
-    asdic_background law; /* its mean and noise share are those of each bin */
-    double *factor;       /* threshold over mean by the noise's share; 0: not computed yet */
+    asdic_background law;        /* its mean and noise share are those of each bin */
+    double *factor;              /* threshold over mean by the noise's share; 0: not computed yet */
+    double lift[MOST_STEPS + 1]; /* of a threshold, by the mean's error; the same */
     double *background_lin, *threshold_lin, *llr; /* one block */
 };
 
@@ -99,6 +103,38 @@ static asdic_status find_factor(asdic_scan *scan, double noise_share, double *fa
     return status;
 }
 
+/* By how much a threshold is higher for means that err, by step. */
+static asdic_status find_lift(asdic_scan *scan, size_t step, double *lift) {
+    asdic_status status = ASDIC_OK;
+    if (scan->lift[step] == 0.0) {
+        asdic_background blurred =
+            asdic_background_blurred(scan->law, ERROR_STEP_DB * (double)step);
+        double before, after;
+        status = asdic_detect_threshold(scan->ctx, &scan->law, scan->detector.pfa, &before);
+        if (!status) {
+            status = asdic_detect_threshold(scan->ctx, &blurred, scan->detector.pfa, &after);
+        }
+        scan->lift[step] = status ? 0.0 : after / before;
+    }
+    *lift = scan->lift[step];
+    return status;
+}
+
+/* Raises thresholds for the means' errors. Between steps lifts go with the errors' squares. */
+static asdic_status lift_thresholds(asdic_scan *scan, const float *stderr_db) {
+    asdic_status status = ASDIC_OK;
+    for (size_t i = 0; i < scan->beams * scan->bins && status == ASDIC_OK; i++) {
+        double at = fmin((double)stderr_db[i] / ERROR_STEP_DB, MOST_STEPS), low, high;
+        double k = floor(fmin(at, MOST_STEPS - 1)), part = (at * at - k * k) / (2.0 * k + 1.0);
+        if (at > 0.0) {
+            status = find_lift(scan, (size_t)k, &low);
+            status = status ? status : find_lift(scan, (size_t)k + 1, &high);
+            scan->threshold_lin[i] *= status ? 1.0 : low + part * (high - low);
+        }
+    }
+    return status;
+}
+
 /* Thresholds over MEAN_LIN, which may be what CFAR has estimated. */
 static asdic_status over_means(asdic_scan *scan, const double *mean_lin, const double *noise_lin) {
     asdic_status status = ASDIC_OK;
@@ -116,7 +152,8 @@ static asdic_status over_means(asdic_scan *scan, const double *mean_lin, const d
 }
 
 asdic_status asdic_scan_ping(asdic_scan *scan, const double *intensity_lin,
-                             const double *expected_lin, const double *noise_lin) {
+                             const double *expected_lin, const double *noise_lin,
+                             const float *stderr_db) {
     if (!scan) {
         return asdic_fail_null(NULL, __func__);
     }
@@ -133,6 +170,9 @@ asdic_status asdic_scan_ping(asdic_scan *scan, const double *intensity_lin,
     }
     if (status == ASDIC_OK && (!scan->has_cfar || !isnan(scan->detector.cost_ratio))) {
         status = over_means(scan, scan->has_cfar ? scan->background_lin : expected_lin, noise_lin);
+    }
+    if (status == ASDIC_OK && stderr_db && isnan(scan->detector.cost_ratio)) {
+        status = lift_thresholds(scan, stderr_db);
     }
     double snr = pow(10.0, 0.1 * scan->detector.snr_db);
     for (size_t i = 0; i < scan->beams * scan->bins && status == ASDIC_OK; i++) {

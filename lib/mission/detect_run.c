@@ -6,6 +6,7 @@
 #include "base/context.h"
 #include "base/number.h"
 #include "base/vec.h"
+#include "detect/law.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -74,7 +75,8 @@ static asdic_status take_ping(asdic_detect_job *job, const asdic_record *record)
     }
     if (status == ASDIC_OK) {
         const double *mean = job->by_cfar ? NULL : job->expected->intensity_lin[ASDIC_TOTAL];
-        status = asdic_scan_ping(job->scan, job->intensity_lin, mean, job->noise_lin);
+        status =
+            asdic_scan_ping(job->scan, job->intensity_lin, mean, job->noise_lin, record->stderr_db);
     }
     if (status != ASDIC_OK) {
         return status;
@@ -217,6 +219,23 @@ static asdic_status detect(asdic_detect_job *job) {
     return status == ASDIC_OK && job->map ? asdic_detect_draw_map(job) : status;
 }
 
+/* By how much thresholds are higher for the levels' sampling error, in the median bin. */
+static asdic_status find_lift(asdic_detect_job *job) {
+    asdic_detect_report *r = job->report;
+    asdic_background law = asdic_background_of(job->info.sonar, job->sound_speed_mps, 1.0, 0.0);
+    r->sampling_error_db = job->run->facts.stderr_median_db;
+    asdic_background blurred = asdic_background_blurred(law, r->sampling_error_db);
+    double before, after;
+    asdic_status status = asdic_detect_threshold(job->ctx, &law, r->detector.pfa, &before);
+    if (status == ASDIC_OK) {
+        status = asdic_detect_threshold(job->ctx, &blurred, r->detector.pfa, &after);
+    }
+    if (status == ASDIC_OK && isnan(r->detector.cost_ratio)) {
+        r->sampling_lift_db = asdic_level_db(after / before);
+    }
+    return status;
+}
+
 asdic_status asdic_run_detect(asdic_context *ctx, const char *folder,
                               const asdic_detect_options *options, asdic_detect_report **out) {
     asdic_detect_job job = {.ctx = ctx, .options = options};
@@ -228,8 +247,10 @@ asdic_status asdic_run_detect(asdic_context *ctx, const char *folder,
     if (status == ASDIC_OK) {
         status = detect(&job);
     }
+    if (status == ASDIC_OK) {
+        status = find_lift(&job);
+    }
     if (status == ASDIC_OK && out) {
-        job.report->sampling_error_db = job.run->facts.stderr_median_db;
         asdic_detect_finish_report(&job);
         *out = job.report;
         job.report = NULL;

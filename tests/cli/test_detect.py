@@ -161,6 +161,38 @@ def test_an_empty_sea_has_the_false_tracks_that_are_said():
         tap.contains(text, "of false alarms alone")
 
 
+# So few rays that levels err by half a dB.
+FEW = """version: 1
+bottom: {depth_m: 12, type: sand}
+objects:
+  - {name: ball, sphere: {radius_m: 0.1}, position_m: [30, 0, 9], material: {impedance_mrayl: 45}}
+sonar:
+  frequency_khz: 100
+  bandwidth_khz: 10
+  bin_length_m: 0.075
+  source_level_db: 200
+  noise: {enabled: false}
+  speckle: rayleigh
+  receivers: [{name: ahead, length_h_m: 0.15}]
+mission: {pose: {position_m: [0, 0, 7]}, pings: 1200}
+sampling: {rays: 8000}
+output: {images: [], csv: none}
+"""
+
+
+def test_few_rays_keep_the_false_alarm_rate():
+    need_device()
+    with Folder() as folder:
+        folder.write("few.yaml", FEW)
+        done = asdic("detect", "few.yaml", "-o", "out", "--json", cwd=folder.path).check(0)
+        report = json.loads(done.out)
+        rate = report["pfa_measured"]["value"]  # 1.25e-3 where the error is not allowed for
+        tap.equal(0.8e-3 < rate < 1.1e-3, True, f"{rate}")
+        tap.equal(0.4 < report["sampling_error_db"] < 0.8, True, f"{report['sampling_error_db']}")
+        tap.equal(0.1 < report["sampling_lift_db"] < 0.3, True, f"{report['sampling_lift_db']}")
+        tap.contains(done.err, "sampling error")
+
+
 def test_mistakes():
     need_device()
     with Folder() as folder:

@@ -60,7 +60,7 @@ static asdic_scan_result sea_next(sea *s, uint64_t index) {
             s->mean[i] += part[c][i];
         }
     }
-    assert_ok(device.ctx, asdic_scan_ping(s->scan, part[ASDIC_TOTAL], s->mean, NULL));
+    assert_ok(device.ctx, asdic_scan_ping(s->scan, part[ASDIC_TOTAL], s->mean, NULL, NULL));
     return asdic_scan_get(s->scan);
 }
 

@@ -16,6 +16,15 @@ static asdic_sonar sonar_of(const asdic_beam *receivers, size_t count) {
     return sonar;
 }
 
+/* A normal variate. */
+static double noise(unsigned *seed) {
+    double sum = 0.0;
+    for (int i = 0; i < 12; i++) {
+        sum += (double)(rand_r(seed) % 10000) / 10000.0;
+    }
+    return sum - 6.0;
+}
+
 static void a_ping_is_decided(void **state) {
     (void)state;
     enum { BINS = 100 };
@@ -34,7 +43,7 @@ static void a_ping_is_decided(void **state) {
             z[i] = mean[i];
             noise[i] = 1e-12;
         }
-        assert_ok(ctx, asdic_scan_ping(scan, z, mean, noise));
+        assert_ok(ctx, asdic_scan_ping(scan, z, mean, noise, NULL));
         asdic_scan_result r = asdic_scan_get(scan);
         assert_true(isnan(r.threshold_lin[0]) && isnan(r.llr[0]));
         for (int i = 1; i < 2 * BINS; i++) {
@@ -52,7 +61,7 @@ static void a_ping_is_decided(void **state) {
     asdic_cfar cfar = asdic_cfar_default();
     asdic_detector detector = asdic_detector_default();
     assert_ok(ctx, asdic_scan_create(ctx, &sonar, SPEED, BINS, &detector, &cfar, &scan));
-    assert_ok(ctx, asdic_scan_ping(scan, z, NULL, NULL));
+    assert_ok(ctx, asdic_scan_ping(scan, z, NULL, NULL, NULL));
     assert_true(asdic_scan_get(scan).threshold_lin[50] > z[50]);
     asdic_scan_destroy(&scan);
     /* By cost: as much P_FA as misses are dear. */
@@ -60,7 +69,7 @@ static void a_ping_is_decided(void **state) {
     for (double cost = 1.0; cost < 1e4; cost *= 10.0) {
         detector.cost_ratio = cost;
         assert_ok(ctx, asdic_scan_create(ctx, &sonar, SPEED, BINS, &detector, NULL, &scan));
-        assert_ok(ctx, asdic_scan_ping(scan, z, mean, noise));
+        assert_ok(ctx, asdic_scan_ping(scan, z, mean, noise, NULL));
         asdic_scan_result r = asdic_scan_get(scan);
         asdic_background b = asdic_background_of(&sonar, SPEED, mean[7], noise[7]);
         assert_close(
@@ -77,6 +86,51 @@ static void a_ping_is_decided(void **state) {
     detector.pfa = 1.0;
     assert_status(ctx, asdic_scan_create(ctx, &sonar, SPEED, BINS, &detector, NULL, &scan),
                   ASDIC_ERROR_ARGUMENT);
+}
+
+/* Intensities whose means err by normal variates: thresholds that know the error keep P_FA. */
+static void sampling_errors_are_allowed_for(void **state) {
+    (void)state;
+    enum { BINS = 1000, PINGS = 600 };
+    static const struct {
+        double error_db, bin_m, shape;
+    } cases[] = {{0.1, 0.075, INFINITY}, {0.3, 0.075, INFINITY}, {0.6, 0.075, INFINITY},
+                 {1.3, 0.075, INFINITY}, {0.3, 0.5, INFINITY},   {0.6, 0.075, 2.0}};
+    for (size_t n = 0; n < sizeof cases / sizeof *cases; n++) {
+        asdic_sonar sonar = asdic_sonar_default();
+        asdic_beam beam = sonar.transmitter;
+        asdic_detector detector = asdic_detector_default();
+        asdic_scan *scan = NULL;
+        double mean[BINS], z[BINS], exact = 0.0, lifted = 0.0;
+        float stderr_db[BINS];
+        unsigned seed = 3;
+        detector.pfa = 3e-3;
+        sonar = sonar_of(&beam, 1);
+        sonar.bin_length_m = cases[n].bin_m;
+        sonar.speckle = isinf(cases[n].shape) ? ASDIC_SPECKLE_RAYLEIGH : ASDIC_SPECKLE_K;
+        sonar.speckle_shape = cases[n].shape;
+        assert_ok(ctx, asdic_scan_create(ctx, &sonar, SPEED, BINS, &detector, NULL, &scan));
+        for (uint64_t p = 0; p < PINGS; p++) {
+            asdic_background law = asdic_background_of(&sonar, SPEED, 1.0, 0.0);
+            asdic_detect_draw(&law, ASDIC_TARGET_SWERLING1, 0.0, 5, p * BINS, BINS, z);
+            for (int i = 0; i < BINS; i++) {
+                mean[i] = 1.0;
+                stderr_db[i] = (float)cases[n].error_db;
+                z[i] *= fmax(1.0 + cases[n].error_db * log(10.0) / 10.0 * noise(&seed), 0.0);
+            }
+            for (int k = 0; k < 2; k++) {
+                assert_ok(ctx, asdic_scan_ping(scan, z, mean, NULL, k ? stderr_db : NULL));
+                for (int i = 0; i < BINS; i++) {
+                    *(k ? &lifted : &exact) += z[i] > asdic_scan_get(scan).threshold_lin[i];
+                }
+            }
+        }
+        print_message("%.1f dB, bins of %.3f m, shape %g: P_FA %.2e, with the error %.2e\n",
+                      cases[n].error_db, cases[n].bin_m, cases[n].shape, exact / (PINGS * BINS),
+                      lifted / (PINGS * BINS));
+        assert_close_relative(lifted / (PINGS * BINS), detector.pfa, 0.08);
+        asdic_scan_destroy(&scan);
+    }
 }
 
 static void beams_have_axes_and_widths(void **state) {
@@ -185,15 +239,6 @@ static void the_map_asks_each_elevation_once(void **state) {
     asdic_occupancy_add(map, &sonar, SPEED, &pose, BINS, llr);
     assert_close(AT(30.1, 0.2), prior + log((exp(2.0) + above) / 3.0), 1e-5);
     asdic_occupancy_destroy(&map);
-}
-
-/* A normal variate. */
-static double noise(unsigned *seed) {
-    double sum = 0.0;
-    for (int i = 0; i < 12; i++) {
-        sum += (double)(rand_r(seed) % 10000) / 10000.0;
-    }
-    return sum - 6.0;
 }
 
 /* Two targets that pass each other, measured with 0.3 m, missed one time in five, among clutter. */
@@ -323,9 +368,13 @@ static void clutter_confirms_tracks_as_said(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_ping_is_decided), cmocka_unit_test(beams_have_axes_and_widths),
-        cmocka_unit_test(the_map_remembers), cmocka_unit_test(the_map_asks_each_elevation_once),
-        cmocka_unit_test(tracks_follow),     cmocka_unit_test(clutter_confirms_tracks_as_said),
+        cmocka_unit_test(a_ping_is_decided),
+        cmocka_unit_test(sampling_errors_are_allowed_for),
+        cmocka_unit_test(beams_have_axes_and_widths),
+        cmocka_unit_test(the_map_remembers),
+        cmocka_unit_test(the_map_asks_each_elevation_once),
+        cmocka_unit_test(tracks_follow),
+        cmocka_unit_test(clutter_confirms_tracks_as_said),
     };
     return cmocka_run_group_tests(tests, context_begin, context_end);
 }

@@ -55,6 +55,7 @@ typedef struct asdic_detect_report {
     bool by_cfar;
     bool is_sample; /* the sonar has speckle; else levels are means and rates mean little */
     double sampling_error_db; /* median over bins of the rays' standard error: keep it small */
+    double sampling_lift_db;  /* by how much a threshold by P_FA is higher for such an error */
     unsigned looks;
     size_t pings;
     uint64_t bins, detections;
