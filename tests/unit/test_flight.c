@@ -176,6 +176,36 @@ static void remus_balances_in_its_circle(void **state) {
     }
 }
 
+/* Radius of the full-rudder circle with a sideways drag of Y_VV: surge, sway and yaw of Prestero
+ * (2001), typed from his tables again, integrated until they are steady. */
+static double circle_m(double y_vv) {
+    const double mass = 30.48, rudder = -13.6 * ASDIC_PI / 180.0, speed = 1.54, step = 0.01;
+    double u = speed, v = 0, r = 0;
+    for (int i = 0; i < 10000; i++) {
+        double x = -1.62 * (u * u - speed * speed) + (35.5 + mass) * v * r - 1.93 * r * r;
+        double y = y_vv * v * fabs(v) + 0.632 * r * fabs(r) - 28.6 * u * v + (5.22 - mass) * u * r +
+                   9.64 * u * u * rudder;
+        double n = -3.18 * v * fabs(v) - 94.0 * r * fabs(r) - 24.0 * u * v - 2.0 * u * r -
+                   6.15 * u * u * rudder;
+        /* (m - Y_vdot) v' - Y_rdot r' = y; -N_vdot v' + (I_zz - N_rdot) r' = n */
+        double a = mass + 35.5, b = -1.93, c = -1.93, d = 3.45 + 4.88, det = a * d - b * c;
+        u += step * x / (mass + 0.93);
+        v += step * (d * y - b * n) / det;
+        r += step * (a * n - c * y) / det;
+    }
+    return hypot(u, v) / fabs(r);
+}
+
+/* The README and flight_remus.c give both radii. */
+static void sideways_drag_is_a_tenth_of_what_is_printed(void **state) {
+    (void)state;
+    flight_model model = asdic_flight_model_remus100();
+    print_message("radius %.3f m; as printed %.3f m\n", circle_m(-131.0), circle_m(-1310.0));
+    assert_close(circle_m(-131.0), 4.41, 0.005);
+    assert_close(circle_m(-1310.0), 6.04, 0.005);
+    assert_close_relative(model.turn_radius_m, circle_m(-131.0), 2e-3);
+}
+
 static void remus_flies_a_box(void **state) {
     (void)state;
     const double points_m[] = {0, 0, 5, 100, 0, 5, 100, 60, 8, 0, 60, 8, 0, 0, 5};
@@ -301,6 +331,7 @@ int main(void) {
         cmocka_unit_test(depth_is_reached_without_overshoot),
         cmocka_unit_test(tightest_turn_has_the_radius),
         cmocka_unit_test(remus_balances_in_its_circle),
+        cmocka_unit_test(sideways_drag_is_a_tenth_of_what_is_printed),
         cmocka_unit_test(remus_flies_a_box),
         cmocka_unit_test(current_is_met_by_a_crab_angle),
         cmocka_unit_test(altitude_is_held_over_the_bottom),
