@@ -1,7 +1,5 @@
 #include "kalman.h"
 
-#include "base/vec.h"
-
 #include <string.h>
 
 /* Places of the positions in the state. */
@@ -40,8 +38,8 @@ void asdic_kalman_predict(asdic_kalman *k, double step_s, double acceleration) {
     }
 }
 
-/* The inverse of the innovation's covariance; returns the determinant of what is inverted. */
-static double invert(const asdic_kalman *k, const asdic_plot_point *plot, double out[2][2]) {
+/* The inverse of the innovation's covariance. */
+static void invert(const asdic_kalman *k, const asdic_plot_point *plot, double out[2][2]) {
     double nn = k->covariance[0][0] + plot->variance_nn_m2;
     double ne = k->covariance[0][2] + plot->variance_ne_m2;
     double ee = k->covariance[2][2] + plot->variance_ee_m2;
@@ -49,12 +47,6 @@ static double invert(const asdic_kalman *k, const asdic_plot_point *plot, double
     out[0][0] = ee / determinant;
     out[1][1] = nn / determinant;
     out[0][1] = out[1][0] = -ne / determinant;
-    return determinant;
-}
-
-double asdic_kalman_area(const asdic_kalman *k, const asdic_plot_point *plot) {
-    double inverse[2][2];
-    return ASDIC_PI * sqrt(invert(k, plot, inverse));
 }
 
 double asdic_kalman_distance2(const asdic_kalman *k, const asdic_plot_point *plot) {

@@ -20,9 +20,6 @@ void asdic_kalman_predict(asdic_kalman *k, double step_s, double acceleration);
 /* Squared Mahalanobis distance of a plot from where it is expected. */
 double asdic_kalman_distance2(const asdic_kalman *k, const asdic_plot_point *plot);
 
-/* Area of the places within a squared distance of 1, m^2. */
-double asdic_kalman_area(const asdic_kalman *k, const asdic_plot_point *plot);
-
 void asdic_kalman_update(asdic_kalman *k, const asdic_plot_point *plot);
 
 #endif

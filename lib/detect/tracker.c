@@ -228,14 +228,29 @@ const asdic_track_state *asdic_tracker_get(const asdic_tracker *tracker, size_t 
 #define LEAST_WEIGHT(of) ((of) > 10 ? 1e-3 : 1e-6)
 #define MOST_HITS 1000.0
 #define ROUNDS 12
+#define SLICES 8
 
 /* Clutter, and what becomes of a track that it founds. */
 typedef struct clutter {
     const asdic_tracker_options *options;
-    double step_s, plots_per_m2, tracks_per_m2;
+    double step_s, plots_per_m2, width_m, tracks_per_m2;
     asdic_plot_point plot;
     double confirmed, hits, pings; /* means: probability, further plots it takes, pings it lives */
 } clutter;
+
+/* What a gate covers on the mean of a strip of clutter in which its middle is anywhere: slices
+ * across the strip, of 2 g, less what reaches beyond, g^2 / width, at most the width. */
+static double covered_m2(const clutter *c, const asdic_kalman *filter) {
+    double gate = c->options->gate, area = 0.0;
+    double along = sqrt(gate * (filter->covariance[0][0] + c->plot.variance_nn_m2));
+    double across = sqrt(gate * (filter->covariance[2][2] + c->plot.variance_ee_m2));
+    for (int i = 0; i < SLICES; i++) {
+        double t = (2.0 * i + 1.0) / SLICES - 1.0, g = across * sqrt(1.0 - t * t);
+        double wide = g < c->width_m ? 2.0 * g - g * g / c->width_m : c->width_m;
+        area += 2.0 * along / SLICES * wide;
+    }
+    return area;
+}
 
 /* A track that has come so far with probability WEIGHT: the next ping, with and without a plot
  * in its gate. Of tracks that have a plot in their gates, one gets it. */
@@ -244,7 +259,7 @@ static void follow(clutter *c, track tr, double weight) {
     asdic_kalman_predict(&tr.filter, c->step_s, o->acceleration);
     tr.history <<= 1;
     tr.missed++;
-    double area = o->gate * asdic_kalman_area(&tr.filter, &c->plot);
+    double area = covered_m2(c, &tr.filter);
     double rivals = fmax(c->tracks_per_m2 * area, 1e-9);
     double p = -expm1(c->plots_per_m2 * area * expm1(-rivals) / rivals);
     c->pings += weight;
@@ -271,8 +286,13 @@ static void follow(clutter *c, track tr, double weight) {
 }
 
 double asdic_tracker_false_share(const asdic_tracker_options *options, double step_s,
-                                 const asdic_plot_point *plot, double plots_per_m2) {
-    clutter c = {.options = options, .step_s = step_s, .plots_per_m2 = plots_per_m2, .plot = *plot};
+                                 const asdic_plot_point *plot, double plots_per_m2,
+                                 double width_m) {
+    clutter c = {.options = options,
+                 .step_s = step_s,
+                 .plots_per_m2 = plots_per_m2,
+                 .width_m = width_m,
+                 .plot = *plot};
     for (int i = 0; i < ROUNDS; i++) {
         track tr = {.state = {.hits = 1},
                     .filter = asdic_kalman_begin(plot, options->speed_mps),

@@ -50,10 +50,11 @@ asdic_status asdic_detect_open_files(asdic_detect_job *job);
 void asdic_detect_write_rows(asdic_detect_job *job, const asdic_record *record);
 asdic_status asdic_detect_write_tracks(asdic_detect_job *job, const asdic_record *record);
 
-/* detect_plots.c: joins neighbouring detections into plots; what a plot in a bin is. */
+/* detect_plots.c: joins neighbouring detections into plots; the standard deviations of a plot of
+ * BEAM that is PLANE_M away. */
 void asdic_detect_find_plots(asdic_detect_job *job, const asdic_record *record);
-asdic_plot_point asdic_detect_plot(const asdic_detect_job *job, const asdic_record *record,
-                                   size_t cell);
+void asdic_detect_spread(const asdic_detect_job *job, size_t beam, double plane_m, double *along_m,
+                         double *across_m);
 
 /* detect_false.c: fills tracks_by_chance of the report, when all pings are counted. */
 asdic_status asdic_detect_expect_tracks(asdic_detect_job *job);

@@ -21,18 +21,23 @@ static size_t peak(const asdic_detect_job *job, const double *llr, size_t first,
     return best;
 }
 
-asdic_plot_point asdic_detect_plot(const asdic_detect_job *job, const asdic_record *record,
-                                   size_t cell) {
+void asdic_detect_spread(const asdic_detect_job *job, size_t beam, double plane_m, double *along_m,
+                         double *across_m) {
     const asdic_sonar *sonar = job->info.sonar;
+    *along_m =
+        UNIFORM * fmax(sonar->bin_length_m, 0.5 * job->sound_speed_mps / sonar->bandwidth_hz);
+    *across_m =
+        fmax(UNIFORM * plane_m * asdic_beam_width_rad(sonar, beam, job->sound_speed_mps), *along_m);
+}
+
+static asdic_plot_point plot_of(const asdic_detect_job *job, const asdic_record *record,
+                                size_t cell) {
     size_t beam = cell / job->info.bins;
     asdic_vec3 at = asdic_detect_position(job, record, beam, cell % job->info.bins);
     double north = at.x - record->pose.position_m.x, east = at.y - record->pose.position_m.y;
-    double plane = fmax(hypot(north, east), 1e-9);
+    double plane = fmax(hypot(north, east), 1e-9), along, across;
     double c = north / plane, s = east / plane;
-    double along =
-        UNIFORM * fmax(sonar->bin_length_m, 0.5 * job->sound_speed_mps / sonar->bandwidth_hz);
-    double across =
-        fmax(UNIFORM * plane * asdic_beam_width_rad(sonar, beam, job->sound_speed_mps), along);
+    asdic_detect_spread(job, beam, plane, &along, &across);
     return (asdic_plot_point){.north_m = at.x,
                               .east_m = at.y,
                               .variance_nn_m2 = pow(c * along, 2) + pow(s * across, 2),
@@ -59,7 +64,7 @@ void asdic_detect_find_plots(asdic_detect_job *job, const asdic_record *record) 
             continue;
         }
         size_t at = peak(job, llr, i, &end);
-        asdic_plot_point plot = asdic_detect_plot(job, record, at);
+        asdic_plot_point plot = plot_of(job, record, at);
         bool is_new = true;
         for (size_t k = 0; k < job->plot_count && is_new; k++) {
             is_new = !overlap(&job->plots[k], &plot);

@@ -229,14 +229,16 @@ static counts count_tracks(sea *s, asdic_detect_job *job, int pings, double ping
 /* Confirmed tracks of PLOTS plots a ping, as many in each of the BINS_HEARD last bins. */
 static double expected_tracks(const sea *s, const asdic_detect_job *job, int pings, double ping_s,
                               double plots, size_t bins_heard) {
-    const asdic_record record = {.pose = s->rig.pose};
     asdic_tracker_options options = asdic_tracker_options_default();
     double sum = 0.0, per_bin = plots / (double)bins_heard;
-    for (size_t n = s->bins - bins_heard; n < s->bins; n += 5) {
-        asdic_plot_point plot = asdic_detect_plot(job, &record, s->beams / 2 * s->bins + n);
-        double range_m = ((double)n + 0.5) * s->rig.sonar.bin_length_m;
-        double density = per_bin / (range_m * SECTOR_RAD * s->rig.sonar.bin_length_m);
-        sum += 5.0 * per_bin * asdic_tracker_false_share(&options, ping_s, &plot, density);
+    for (size_t n = s->bins - bins_heard; n < s->bins; n++) {
+        double range_m = ((double)n + 0.5) * s->rig.sonar.bin_length_m, along, across;
+        asdic_detect_spread(job, s->beams / 2, range_m, &along, &across);
+        asdic_plot_point plot = {.variance_nn_m2 = along * along,
+                                 .variance_ee_m2 = across * across};
+        double width_m = range_m * SECTOR_RAD;
+        double density = per_bin / (width_m * s->rig.sonar.bin_length_m);
+        sum += per_bin * asdic_tracker_false_share(&options, ping_s, &plot, density, width_m);
     }
     return sum * (pings - 3);
 }

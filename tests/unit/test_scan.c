@@ -350,7 +350,7 @@ static void clutter_confirms_tracks_as_said(void **state) {
             }
         }
         double said = asdic_tracker_false_share(&options, cases[n].step_s, &plots[0],
-                                                cases[n].per_ping / (SIDE_M * SIDE_M));
+                                                cases[n].per_ping / (SIDE_M * SIDE_M), SIDE_M);
         print_message("%g plots a ping, %g s apart: %.0f confirmed of %.0f, %.1f were said\n",
                       cases[n].per_ping, cases[n].step_s, confirmed, total, said * total);
         double spread = 2.6 * sqrt(said * total);
@@ -361,9 +361,9 @@ static void clutter_confirms_tracks_as_said(void **state) {
     }
     asdic_tracker_options at_once = asdic_tracker_options_default();
     asdic_plot_point plot = {.variance_nn_m2 = 1.0, .variance_ee_m2 = 1.0};
-    assert_close(asdic_tracker_false_share(&at_once, 1.0, &plot, 0.0), 0.0, 0.0);
+    assert_close(asdic_tracker_false_share(&at_once, 1.0, &plot, 0.0, INFINITY), 0.0, 0.0);
     at_once.confirm = 1;
-    assert_close(asdic_tracker_false_share(&at_once, 1.0, &plot, 1.0), 1.0, 0.0);
+    assert_close(asdic_tracker_false_share(&at_once, 1.0, &plot, 1.0, INFINITY), 1.0, 0.0);
 }
 
 int main(void) {
