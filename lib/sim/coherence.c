@@ -8,6 +8,11 @@
 
 /* Directions in which a receiver hears less than this, re where it hears most, are left out. */
 #define FAINT 0.02
+/* A receiver that hears more directions than this, as one may that the transmitter's main lobe
+ * does not reach, is content with the loudest. */
+#define MOST_TAPS 2048
+/* Directions that receivers hear so much alike are one. */
+#define ALIKE 0.97
 /* One-way amplitude of the transmitter below which there is ambient noise instead. */
 #define NOISE_FLOOR 1e-3
 
@@ -38,7 +43,7 @@ typedef struct search {
     uint32_t receiver;
     double least;
     tap *taps;
-    size_t count, capacity;
+    size_t first, count, capacity; /* of TAPS; the receiver's begin at FIRST */
     bool failed;
 } search;
 
@@ -80,6 +85,10 @@ static double most_of(const asdic_face *face, asdic_vec3 direction, double radiu
     return v.x + radius > 0.0 ? h * hull(face->length_v_wl * v.z, face->length_v_wl * radius) : 0.0;
 }
 
+static bool is_full(const search *s) {
+    return s->failed || s->count - s->first > MOST_TAPS;
+}
+
 static void add(search *s, uint64_t direction, double weight) {
     if (s->count == s->capacity) {
         size_t room = 2 * s->capacity + 1024;
@@ -106,14 +115,14 @@ static void visit(search *s, block b) {
     if (b.az_end - b.az == 1 && b.el_end - b.el == 1) {
         double sent = hypot(amplitude_of(&g->transmitter, middle), NOISE_FLOOR);
         double amplitude = sent * amplitude_of(s->face, middle);
-        if (!s->failed && fabs(amplitude) >= s->least) {
+        if (fabs(amplitude) >= s->least) {
             add(s, (uint64_t)b.az * g->elevations + b.el, amplitude * sqrt(g->cos_el[el]));
         }
         return;
     }
-    if (fmax(most_of(&g->transmitter, middle, wide + half_el), NOISE_FLOOR) *
-            most_of(s->face, middle, wide + half_el) <
-        s->least) {
+    double most = fmax(most_of(&g->transmitter, middle, wide + half_el), NOISE_FLOOR) *
+                  most_of(s->face, middle, wide + half_el);
+    if (most < s->least || is_full(s)) {
         return;
     }
     block first = b, second = b;
@@ -169,17 +178,24 @@ static bool lay(grid *g, const asdic_face *faces, size_t count) {
 /* Adds what RECEIVER hears. */
 static void listen(search *s, const asdic_face *face, size_t receiver) {
     const grid *g = s->g;
-    size_t first = s->count;
+    double loud = fmax(fmax(most_of(&g->transmitter, axis_of(face), 0.0), NOISE_FLOOR),
+                       most_of(face, axis_of(&g->transmitter), 0.0));
     double sum = 0.0;
     s->face = face;
     s->receiver = (uint32_t)receiver;
-    s->least = FAINT * fmax(fmax(most_of(&g->transmitter, axis_of(face), 0.0), NOISE_FLOOR),
-                            most_of(face, axis_of(&g->transmitter), 0.0));
-    visit(s, (block){0, g->azimuths, 0, g->elevations});
-    for (size_t k = first; k < s->count; k++) {
+    s->first = s->count;
+    for (double share = FAINT; share < 1.0; share *= 2.0) {
+        s->count = s->first;
+        s->least = share * loud;
+        visit(s, (block){0, g->azimuths, 0, g->elevations});
+        if (!is_full(s)) {
+            break;
+        }
+    }
+    for (size_t k = s->first; k < s->count; k++) {
         sum += (double)s->taps[k].weight * (double)s->taps[k].weight;
     }
-    for (size_t k = first; k < s->count; k++) {
+    for (size_t k = s->first; k < s->count; k++) {
         s->taps[k].weight = (float)((double)s->taps[k].weight / sqrt(sum));
     }
 }
@@ -200,12 +216,47 @@ static int by_receiver(const void *a, const void *b) {
     return x->direction < y->direction ? -1 : x->direction > y->direction;
 }
 
-/* Directions to sources, numbered in their order; ALONE, where one receiver alone hears it.
- * Returns how many there are. */
+/* Makes one of directions, above each other, that all receivers hear alike, as those of a fan
+ * do: the cosine between what they hear is above ALIKE. Variances add. Returns how many taps are
+ * left. PLACE: as many numbers as receivers, for where a receiver's tap of the current direction
+ * is. */
+static size_t gather(tap *taps, size_t count, size_t elevations, size_t *place) {
+    size_t at = 0, kept = 0; /* the current direction's taps are from AT to KEPT */
+    double square = 0.0;
+    for (size_t k = 0, end; k < count; k = end) {
+        double product = 0.0, own = 0.0;
+        for (end = k; end < count && taps[end].direction == taps[k].direction; end++) {
+            size_t p = place[taps[end].receiver];
+            double w = (double)taps[end].weight;
+            product += p >= at && p < kept ? w * (double)taps[p].weight : 0.0;
+            own += w * w;
+        }
+        bool is_above =
+            kept > at && taps[at].direction / elevations == taps[k].direction / elevations;
+        bool is_alike = is_above && fabs(product) > ALIKE * sqrt(square * own);
+        at = is_alike ? at : kept;
+        square = is_alike ? square + own : own;
+        for (size_t i = k; i < end; i++) {
+            tap t = taps[i];
+            size_t p = place[t.receiver];
+            if (is_alike && p >= at && p < kept) {
+                taps[p].weight = copysignf(hypotf(taps[p].weight, t.weight), taps[p].weight);
+                continue;
+            }
+            t.direction = is_alike ? taps[at].direction : t.direction;
+            t.weight = product < 0.0 && is_alike ? -t.weight : t.weight;
+            place[t.receiver] = kept;
+            taps[kept++] = t;
+        }
+    }
+    return kept;
+}
+
+/* Directions, in order, to sources, numbered; ALONE, where one receiver alone hears it. Returns
+ * how many there are. */
 #define ALONE UINT64_MAX
 static size_t number(tap *taps, size_t count) {
     size_t sources = 0;
-    qsort(taps, count, sizeof *taps, by_direction);
     for (size_t k = 0, end; k < count; k = end) {
         for (end = k + 1; end < count && taps[end].direction == taps[k].direction;) {
             end++;
@@ -215,20 +266,26 @@ static size_t number(tap *taps, size_t count) {
         }
         sources += end - k > 1;
     }
-    qsort(taps, count, sizeof *taps, by_receiver);
     return sources;
 }
 
 /* Taps to lists. What a receiver hears alone is one source, the last of its list. */
-static bool list(asdic_coherence *c, tap *taps, size_t count) {
+static bool list(asdic_coherence *c, tap *taps, size_t count, size_t elevations) {
     size_t room = count + c->receivers, at = 0, k = 0;
+    size_t *place = malloc(c->receivers * sizeof *place);
     c->first = calloc(c->receivers + 1, sizeof *c->first);
     c->source = malloc(room * sizeof *c->source);
     c->weight = malloc(room * sizeof *c->weight);
-    if (!c->first || !c->source || !c->weight) {
+    if (!place || !c->first || !c->source || !c->weight) {
+        free(place);
         return false;
     }
+    memset(place, 0xff, c->receivers * sizeof *place); /* nowhere */
+    qsort(taps, count, sizeof *taps, by_direction);
+    count = gather(taps, count, elevations, place);
     c->sources = number(taps, count);
+    qsort(taps, count, sizeof *taps, by_receiver);
+    free(place);
     for (size_t i = 0; i < c->receivers; i++) {
         double left = 1.0;
         for (; k < count && taps[k].receiver == i; k++) {
@@ -264,7 +321,7 @@ asdic_status asdic_coherence_init(asdic_coherence *c, asdic_context *ctx, const 
     for (size_t i = 0; good && i < count && !s.failed; i++) {
         listen(&s, &faces[i], i);
     }
-    good = good && !s.failed && list(c, s.taps, s.count);
+    good = good && !s.failed && list(c, s.taps, s.count, g.elevations);
     free(faces);
     free(g.cos_az);
     free(s.taps);

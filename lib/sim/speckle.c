@@ -12,7 +12,7 @@
 #include <string.h>
 
 /* Numbers that go through a loop at once. */
-#define RUN 256u
+#define RUN 128u
 /* Bins are drawn in blocks, so that all sources of one stay in a processor's cache: as long as a
  * resolution cell, since a block draws one more than it has, up to this. */
 #define MOST_BLOCK 4096.0
