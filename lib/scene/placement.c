@@ -96,6 +96,25 @@ void asdic_placement_destroy(asdic_placement **placement) {
     *placement = NULL;
 }
 
+const dev_triangle *asdic_placement_triangle(const asdic_placement *p, size_t index) {
+    const asdic_scene *scene = p->scene;
+    const dev_triangle *t = &scene->triangles[index];
+    if (!scene->parts[t->part].moves) {
+        return t;
+    }
+    size_t low = 0,
+           high = scene->movable_count - 1; /* the movable that has it: they follow another */
+    while (low < high) {
+        size_t middle = (low + high + 1) / 2;
+        if (scene->movables[middle].first <= index) {
+            low = middle;
+        } else {
+            high = middle - 1;
+        }
+    }
+    return p->triangles + p->first[low] + (index - scene->movables[low].first);
+}
+
 void asdic_placement_move(asdic_placement *p, size_t movable, const asdic_pose *pose) {
     const asdic_scene *scene = p->scene;
     const asdic_movable *m = &scene->movables[movable];

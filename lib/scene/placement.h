@@ -24,6 +24,9 @@ typedef struct asdic_placement {
 asdic_status asdic_placement_create(const asdic_scene *scene, asdic_placement **out);
 void asdic_placement_destroy(asdic_placement **placement);
 
+/* The triangle with that index in the scene, where it is now. */
+const dev_triangle *asdic_placement_triangle(const asdic_placement *placement, size_t index);
+
 /* Moves a movable of the scene. */
 void asdic_placement_move(asdic_placement *placement, size_t movable, const asdic_pose *pose);
 

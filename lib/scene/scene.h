@@ -81,6 +81,10 @@ void asdic_scene_set_bottom_type(asdic_scene *scene, double type);
  * machine has none for them. */
 asdic_status asdic_scene_reserve(asdic_scene *scene, size_t more);
 
+/* Height above the bottom's highest triangle within REACH_M that lies lower than POSITION_M; INFINITY:
+ * none. Of a bottom that reaches above the position, the triangles below it count. */
+double asdic_scene_clearance_m(const asdic_scene *scene, asdic_vec3 position_m, double reach_m);
+
 /* Whether a pose is finite. */
 asdic_status asdic_pose_check(asdic_context *ctx, const asdic_pose *pose);
 
