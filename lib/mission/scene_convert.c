@@ -59,9 +59,21 @@ asdic_sonar asdic_scene_file_sonar(const asdic_scene_file *file) {
     };
 }
 
+/* The beam of an array, aimed as FAN says, that looks BEARING_DEG to starboard of its front, in its plane. */
+static void turn_in_plane(const file_fan *fan, double bearing_deg, asdic_beam *beam) {
+    asdic_mat3 array = asdic_mat3_attitude(radians(fan->roll_deg), -radians(fan->pitch_deg),
+                                           radians(fan->yaw_deg));
+    asdic_mat3 face =
+        asdic_mat3_multiply(array, asdic_mat3_attitude(0.0, 0.0, radians(bearing_deg)));
+    beam->pitch_rad = asin(fmax(fmin(face.m[2][0], 1.0), -1.0));
+    beam->yaw_rad = atan2(face.m[1][0], face.m[0][0]);
+    beam->roll_rad = atan2(face.m[2][1], face.m[2][2]);
+}
+
 /* COUNT beams share the sector; each looks along the middle of its share, the first to port. */
 static void convert_fan(const file_fan *fan, asdic_beam *beams) {
-    int digits = fan->count > 1000 ? 4 : 3; /* so that names sort as beams do */
+    bool level = fan->pitch_deg == 0.0 && fan->roll_deg == 0.0; /* a plane is a cone then */
+    int digits = fan->count > 1000 ? 4 : 3;                     /* so that names sort as beams do */
     for (int64_t i = 0; i < fan->count; i++) {
         double share = ((double)i + 0.5) / (double)fan->count - 0.5;
         file_beam beam = {.pitch_deg = fan->pitch_deg,
@@ -72,6 +84,9 @@ static void convert_fan(const file_fan *fan, asdic_beam *beams) {
         char name[ASDIC_NAME_SIZE];
         snprintf(name, sizeof name, "%0*lld", digits, (long long)i);
         beams[i] = convert_beam(&beam, name);
+        if (fan->shape == FILE_FAN_PLANE && !level) {
+            turn_in_plane(fan, share * fan->sector_deg, &beams[i]);
+        }
     }
 }
 

@@ -96,10 +96,13 @@ typedef struct file_beam {
     double length_h_m, length_v_m;
 } file_beam;
 
+typedef enum file_fan_shape { FILE_FAN_PLANE, FILE_FAN_CONE } file_fan_shape;
+
 typedef struct file_fan {
     asdic_yaml_node *node;
     int64_t count;
     double sector_deg;
+    int shape; /* file_fan_shape */
     double pitch_deg, yaw_deg, roll_deg;
     double length_h_m, length_v_m;
 } file_fan;

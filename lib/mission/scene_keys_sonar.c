@@ -32,11 +32,17 @@ static const asdic_key beam_keys[] = {
 };
 static const asdic_table beam_table = {TABLE(beam_keys, file_beam), .doc = "a receiving aperture"};
 
+static const asdic_word fan_shape_words[] = {
+    {"plane", FILE_FAN_PLANE, false}, {"cone", FILE_FAN_CONE, false}, {NULL, 0, false}};
+
 static const asdic_key fan_keys[] = {
     {"count", ASDIC_KEY_INTEGER, ASDIC_KEY_REQUIRED, AT(file_fan, count), .min = 1, .max = 4096,
      .doc = "number of beams, named 000, 001, ... from port to starboard"},
     {"sector_deg", ASDIC_KEY_NUMBER, ASDIC_KEY_REQUIRED, AT(file_fan, sector_deg), .unit = "deg",
      .min = 0.001, .max = 360, .doc = "angle that the beams share; each looks along its middle"},
+    {"shape", ASDIC_KEY_WORD, AT(file_fan, shape), .words = fan_shape_words, .fallback = "plane",
+     .doc = "plane: an array is aimed, and its beams lie in one plane; cone: every beam by itself, "
+            "at one pitch"},
     APERTURE(file_fan),
 };
 static const asdic_table fan_table = {TABLE(fan_keys, file_fan), .doc = "evenly spread beams"};

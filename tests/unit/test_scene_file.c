@@ -164,7 +164,7 @@ static void fan_spreads_from_port_to_starboard(void **state) {
     asdic_scene_file file;
     char *text = edited(MINIMAL, "    - name: forward\n",
                         "    fan: {count: 4, sector_deg: 120, yaw_deg: 10, pitch_deg: 5, "
-                        "length_h_m: 0.2}\n");
+                        "shape: cone, length_h_m: 0.2}\n");
     char *errors = read_errors(text, strlen(text), &arena, &file);
     assert_string_equal(errors, "");
     assert_int_equal(asdic_scene_file_sonar(&file).receiver_count, 4);
@@ -179,6 +179,35 @@ static void fan_spreads_from_port_to_starboard(void **state) {
         assert_close(beams[i].length_h_m, 0.2, 0);
         assert_close(beams[i].length_v_m, 0.05, 0);
     }
+    free(errors);
+    free(text);
+    asdic_arena_finish(&arena);
+}
+
+/* A pitched array: its beams lie in one plane, so that those at the sides look down less. */
+static void fan_of_an_array_lies_in_its_plane(void **state) {
+    (void)state;
+    enum { COUNT = 5 };
+    asdic_arena arena = {0};
+    asdic_scene_file file;
+    char *text = edited(MINIMAL, "    - name: forward\n",
+                        "    fan: {count: 5, sector_deg: 150, yaw_deg: 20, pitch_deg: 10}\n");
+    char *errors = read_errors(text, strlen(text), &arena, &file);
+    assert_string_equal(errors, "");
+    asdic_beam beams[COUNT];
+    asdic_scene_file_receivers(&file, beams);
+    const asdic_pose level = {{0.0, 0.0, 0.0}, 0.0, 0.0, 0.0};
+    const double degree = 3.14159265358979323846 / 180, yaw = 20 * degree, pitch = 10 * degree;
+    for (size_t i = 0; i < COUNT; i++) {
+        double bearing = (-60.0 + 30.0 * (double)i) * degree;
+        asdic_vec3 axis = asdic_beam_axis(&beams[i], &level);
+        /* Ahead of the array cos(bearing), turned down by its pitch; aside sin(bearing). */
+        double ahead = cos(bearing) * cos(pitch), aside = sin(bearing);
+        assert_close(axis.x, ahead * cos(yaw) - aside * sin(yaw), 1e-12);
+        assert_close(axis.y, ahead * sin(yaw) + aside * cos(yaw), 1e-12);
+        assert_close(axis.z, cos(bearing) * sin(pitch), 1e-12);
+    }
+    assert_close(asin(asdic_beam_axis(&beams[0], &level).z) / degree, 4.98, 0.01);
     free(errors);
     free(text);
     asdic_arena_finish(&arena);
@@ -242,6 +271,7 @@ int main(void) {
         cmocka_unit_test(example_means_what_it_says),
         cmocka_unit_test(json_is_read_as_yaml_is),
         cmocka_unit_test(fan_spreads_from_port_to_starboard),
+        cmocka_unit_test(fan_of_an_array_lies_in_its_plane),
         cmocka_unit_test(decimal_comma_locale_changes_nothing),
         cmocka_unit_test(damaged_files_are_answered),
     };
