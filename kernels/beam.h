@@ -6,12 +6,21 @@
 
 #include "real.h"
 
-/* sin(pi x) / (pi x), normalised: 1 at 0, exact zeros at whole numbers. Below 1e-9 the series'
- * second term is under 2e-18, and a flushed denormal cannot make 0/0. */
-FORMULA real sinc(real x) {
-    mask tiny = r_abs(x) < R(1.0e-9);
-    real safe = choose(tiny, R(1.0), x);
-    return choose(tiny, R(1.0), r_sinpi(safe) / (R_PI * safe));
+/* [sin(pi x) / (pi x)]^2, normalised: 1 at 0, exact zeros at whole numbers. Below 1e-9 it is 1 to 2e-18.
+ * On a device sin(pi r) / (pi r) of the remainder |r| <= 1/2 is its series to r^10, good to 4e-8: a
+ * library's sine takes three times as long. */
+FORMULA real sinc2(real x) {
+    real safe = choose(r_abs(x) < R(1.0e-9), R(1.0e-9), x);
+#ifdef __OPENCL_C_VERSION__
+    real r = safe - ((safe + R(12582912.0)) - R(12582912.0)), s = r * r; /* 1.5 2^23 rounds */
+    real p = r_fma(s, R(-0.00234608104), R(0.0261478478));
+    p = r_fma(s, r_fma(s, r_fma(s, p, R(-0.190751824)), R(0.811742425)), R(-1.64493407));
+    p = r_fma(s, p, R(1.0));
+    real amplitude = r / safe * p;
+#else
+    real amplitude = r_sinpi(safe) / (R_PI * safe);
+#endif
+    return amplitude * amplitude;
 }
 
 /* One-way intensity re on-axis in the direction of the unit vector (VX, VY, VZ) of the face's own
@@ -24,8 +33,8 @@ FORMULA real sinc(real x) {
  * is 0 dB, and its arctangent cannot tell the front from the back. Far field: d > L^2 / lambda. */
 FORMULA real beam_pattern_lin(real vx, real vy, real vz, real length_h_wl, real length_v_wl,
                               real rear_lin) {
-    real amplitude = sinc(length_h_wl * vy) * sinc(length_v_wl * vz);
-    return amplitude * amplitude * choose(vx > R(0.0), R(1.0), rear_lin);
+    real front = sinc2(length_h_wl * vy) * sinc2(length_v_wl * vz);
+    return front * choose(vx > R(0.0), R(1.0), rear_lin);
 }
 
 #endif

@@ -236,7 +236,7 @@ __kernel void collect(__global const dev_ping *pings, __global const dev_parcel 
     if (owner >= owners) {
         return;
     }
-    world w = {ping, beams_of(ping), 0, 0, 0};
+    world w = {ping, beams_of(ping), 0, 0, 0, 0};
     __global long *cells = row_cells(ping, accumulator) + 2u * owner * (size_t)(ping->group_cells);
     __global long *sums = cells + ping->group_cells;
     __global const float *ratio = row_water(ping, water) + ping->bins;

@@ -26,6 +26,7 @@ typedef struct world {
     __global const dev_triangle *triangles;
     __global const dev_part *parts;
     __global const dev_material *materials;
+    __global const float *face_density; /* by triangle, see faces.h */
 } world;
 
 /* The apertures that follow a ping in its buffer. */
@@ -272,9 +273,9 @@ static real relative_loss(__global const dev_ping *ping, real range, real center
 
 /*
  * An echo of ENERGY (relative to TL d^2 at its range) AT a range, spread evenly over FOOTPRINT metres
- * of range, at most half a bin (more leaks from the nadir's spike into its neighbours). NEAREST is
- * the nearest that such an echo can come from: the footprint ends there. What falls before the
- * blanking or beyond the range is lost, which lets echoes from just beyond give their part.
+ * of range, at most half a bin. NEAREST is the nearest that such an echo can come from: the footprint
+ * ends there. What falls before the blanking or beyond the range is lost, which lets echoes from just
+ * beyond give their part.
  */
 static split_echo split(__global const dev_ping *ping, real at, real nearest, real energy,
                         real footprint) {

@@ -1,153 +1,313 @@
 /*
- * From a fan's azimuth cells to its beams: O[bin][beam] = sum H[bin][level, cell] P[level, cell][beam].
+ * Many receivers: every arrival is weighed by every receiver's own pattern.
  *
- * A sinc^2 pattern of aperture L is band-limited, so that cells of 1 / (3 L) lose nothing; linear
- * splitting rounds its peak by h^2 f'' / 12, which the table takes back.
+ * shade.cl and multipath.cl leave parcels, one direction each, in the order of their rays (receive.h).
+ * fan_count, fan_place and fan_scatter sort them by range: a list of arrivals for every bin. fan_project
+ * sums each list for all receivers, which are the lanes of its vectors. A sort that keeps the order of
+ * rays makes every sum a sum in the order of rays, so that its bytes do not depend on work-groups.
  */
-#include "receive.h"
+#include "beam.h"
+#include "order.h"
 
-/* One-way pattern in azimuth at level M, without the vertical factor. */
-static float fan_pattern(float length_wl, float m, float psi, float rear) {
-    float a = sinc(length_wl * m * sin(psi));
-    return a * a * (cos(psi) > 0.0f ? 1.0f : rear);
-}
+#ifndef ASDIC_HAS_MIRRORS
+#define ASDIC_HAS_MIRRORS 0
+#endif
 
-/* fan_table: P for receivers at BEARINGS_RAD in the fan's frame, one work-item per (level, cell, beam);
- * STRIDE beams a row, padded with zeros. */
-__kernel void fan_table(__global const dev_ping *ping, __global const float *bearings_rad,
-                        __global float *table, uint stride) {
-    __global const dev_beam *beams = beams_of(ping);
-    uint id = (uint)(get_global_id(0));
-    uint beam = id % stride, column = id / stride;
-    if (column >= ping->columns) {
-        return;
-    }
-    float value = 0.0f;
-    if (beam < ping->beams) {
-        float step = 1.0f / ping->fan_cells_per_rad, length = beams[1].length_h_wl;
-        float m = fan_level_m((int)(column / ping->fan_cells));
-        float psi =
-            ping->fan_begin_rad + step * (float)(column % ping->fan_cells) - bearings_rad[beam];
-        float f0 = fan_pattern(length, m, psi, ping->rear_lin);
-        float f1 = fan_pattern(length, m, psi - step, ping->rear_lin);
-        float f2 = fan_pattern(length, m, psi + step, ping->rear_lin);
-        value = f0 - (f1 - 2.0f * f0 + f2) * (1.0f / 12.0f);
-    }
-    table[id] = value;
-}
+/* Components of a row, see ping_types.h. */
+#ifndef ASDIC_COMPONENTS
+#define ASDIC_COMPONENTS DEV_DEPOSIT_COUNT
+#endif
 
-/* What a column of a row holds; a row, that is a (component, bin), as a list of such. */
-typedef struct fan_entry {
-    uint column;
-    float quanta;
-} fan_entry;
+/* Deposits of a parcel, and bins that those of one arrival span. */
+#define DEPOSITS 4u
+#define SPAN 4u
+
+/* Up to four deposits from one direction. Their bins are KEY, the list's own bin, to KEY + SPAN - 1. */
+typedef struct fan_arrival {
+    float direction[3]; /* as in the parcel */
+    uint rows; /* a byte for each deposit: (bins beyond KEY) * ASDIC_COMPONENTS + component */
+    float quanta[4];
+} fan_arrival;
 
 typedef struct fan_list {
     uint first, count;
 } fan_list;
 
-/* What a chunk of a row's columns holds, from COLUMN on, to ENTRIES, or only counted; cleared where
- * it is taken. */
-static uint take_chunk(__global long *row, uint column, uint columns, __global fan_entry *entries) {
-    uint count = 0u, end = min(column + DEV_FAN_CHUNK, columns);
-    for (uint k = column; k < end; k++) {
-        long quanta = row[k];
-        if (quanta != 0) {
-            if (entries) {
-                fan_entry entry = {k, convert_float(quanta)};
-                entries[count] = entry;
-                row[k] = 0;
-            }
-            count++;
-        }
-    }
-    return count;
+/* Where a deposit goes. */
+static inline uint bin_of_row(__global const dev_ping *ping, uint row) {
+    return row % ping->component_rows;
 }
 
-/* fan_pack: a row as a list of its filled columns; a ping of many short bins fills few. Lists lie
- * close together, in any order: who projects them reads little. Clears what it read, for the next
- * ping. One work-item per row. */
-__kernel void fan_pack(__global const dev_ping *ping, __global long *accumulator,
-                       __global fan_entry *entries, __global fan_list *lists) {
-    uint id = (uint)(get_global_id(0)), rows = ping->components * ping->bins;
-    if (id >= rows) {
+/* The lowest and highest bins of deposits FIRST to END of PARCEL that hold anything; none: low > high. */
+typedef struct bin_range {
+    uint low, high;
+} bin_range;
+
+static inline bin_range bins_of(__global const dev_ping *ping, __global const dev_parcel *parcel,
+                                uint first, uint end) {
+    bin_range b = {0xffffffffu, 0u};
+    for (uint c = first; c < end; c++) {
+        if (parcel->quanta[c] > 0.0f) {
+            uint bin = bin_of_row(ping, parcel->row[c]);
+            b.low = min(b.low, bin);
+            b.high = max(b.high, bin);
+        }
+    }
+    return b;
+}
+
+/* Lists of arrivals under way: COUNTS [bin][block] are, of each block of rays, how many arrivals it has
+ * for a bin, then where the next of them goes. ARRIVALS is NULL while they are only counted. */
+typedef struct fan_sort {
+    __global const dev_ping *ping;
+    __global uint *counts;
+    __global fan_arrival *arrivals;
+    uint blocks, block;
+} fan_sort;
+
+/* Deposits FIRST to END of PARCEL to the list of bin KEY. */
+static inline void sort_deposits(const fan_sort *sort, __global const dev_parcel *parcel, uint key,
+                                 uint first, uint end) {
+    uint at = sort->counts[(size_t)(key)*sort->blocks + sort->block]++;
+    if (!sort->arrivals) {
         return;
     }
-    __global uchar *all_flags = fan_flags(ping, accumulator);
-    __global uint *made = (__global uint *)(all_flags + (size_t)(rows)*ping->fan_flags);
-    __global uchar *flags = all_flags + (size_t)(id)*ping->fan_flags;
-    __global long *row = accumulator + (size_t)(id)*ping->columns;
-    fan_list list = {0u, 0u};
-    for (uint pass = 0u; pass < 2u; pass++) {
-        __global fan_entry *to = 0;
-        if (pass == 1u) {
-            list.first = atomic_add(made, list.count);
-            to = entries + list.first;
+    __global const dev_ping *ping = sort->ping;
+    __global fan_arrival *to = sort->arrivals + at;
+    uint rows = 0u;
+    for (uint c = 0; c < DEPOSITS; c++) {
+        bool here = c >= first && c < end && parcel->quanta[c] > 0.0f;
+        uint component = here ? parcel->row[c] / ping->component_rows : 0u;
+        uint beyond = here ? bin_of_row(ping, parcel->row[c]) - key : 0u;
+        rows |= (ASDIC_COMPONENTS * beyond + component) << 8u * c;
+        to->quanta[c] = here ? parcel->quanta[c] : 0.0f;
+    }
+    for (uint k = 0; k < 3u; k++) {
+        to->direction[k] = parcel->direction[k];
+    }
+    to->rows = rows;
+}
+
+/* A parcel is one arrival where its deposits lie close together, else two. */
+static inline void sort_parcel(const fan_sort *sort, __global const dev_parcel *parcel) {
+    bin_range all = bins_of(sort->ping, parcel, 0u, DEPOSITS);
+    if (all.low > all.high) {
+        return;
+    }
+    if (all.high - all.low < SPAN) {
+        sort_deposits(sort, parcel, all.low, 0u, DEPOSITS);
+        return;
+    }
+    for (uint from = 0u; from < DEPOSITS; from += DEPOSITS / 2u) {
+        bin_range own = bins_of(sort->ping, parcel, from, from + DEPOSITS / 2u);
+        if (own.low <= own.high) {
+            sort_deposits(sort, parcel, own.low, from, from + DEPOSITS / 2u);
         }
-        for (uint f = 0; f < ping->fan_flags; f += 8u) {
-            uchar8 eight = vload8(0, flags + f);
-            if (any(eight != (uchar8)(0u))) {
-                for (uint k = f; k < f + 8u; k++) {
-                    if (flags[k] == 0u) {
-                        continue;
-                    }
-                    uint count = take_chunk(row, k * DEV_FAN_CHUNK, ping->columns, to);
-                    if (pass == 0u) {
-                        list.count += count;
-                    } else {
-                        to += count;
-                    }
-                }
-                if (pass == 1u) {
-                    vstore8((uchar8)(0u), 0, flags + f);
-                }
+    }
+}
+
+/* The parcels of a block of rays, ray by ray. */
+static inline void sort_block(const fan_sort *sort, __global const dev_parcel *parcels) {
+    uint slots = batch_slots(sort->ping), each = (slots + sort->blocks - 1u) / sort->blocks;
+    uint end = min((sort->block + 1u) * each, slots);
+    for (uint ray = sort->block * each; ray < end; ray++) {
+        sort_parcel(sort, parcels + ray);
+#if ASDIC_HAS_MIRRORS
+        if (parcels[ray].more != 0u) {
+            sort_parcel(sort, parcels + DEV_PARCEL_ALONG * (size_t)(slots) + ray);
+            sort_parcel(sort, parcels + DEV_PARCEL_ACROSS * (size_t)(slots) + ray);
+        }
+#endif
+    }
+}
+
+/* fan_count: COUNTS of one block of rays each work-item. */
+__kernel void fan_count(__global const dev_ping *ping, __global const dev_parcel *parcels,
+                        __global uint *counts, __global uint *made, uint blocks) {
+    uint block = (uint)(get_global_id(0));
+    if (block >= blocks) {
+        return;
+    }
+    if (block == 0u) {
+        *made = 0u;
+    }
+    for (uint bin = 0; bin < ping->bins; bin++) {
+        counts[(size_t)(bin)*blocks + block] = 0u;
+    }
+    fan_sort sort = {ping, counts, 0, blocks, block};
+    sort_block(&sort, parcels);
+}
+
+/* fan_place: room for the list of one bin each work-item, the blocks' parts one behind the other. Which
+ * list comes first in memory is of no account. */
+__kernel void fan_place(__global const dev_ping *ping, __global uint *counts,
+                        __global fan_list *lists, __global uint *made, uint blocks) {
+    uint bin = (uint)(get_global_id(0)), total = 0u;
+    if (bin >= ping->bins) {
+        return;
+    }
+    __global uint *own = counts + (size_t)(bin)*blocks;
+    for (uint block = 0; block < blocks; block++) {
+        total += own[block];
+    }
+    fan_list list = {atomic_add(made, total), total};
+    lists[bin] = list;
+    for (uint block = 0, next = list.first; block < blocks; block++) {
+        uint count = own[block];
+        own[block] = next;
+        next += count;
+    }
+}
+
+/* fan_scatter: the arrivals of one block of rays each work-item to their lists. */
+__kernel void fan_scatter(__global const dev_ping *ping, __global const dev_parcel *parcels,
+                          __global uint *counts, __global fan_arrival *arrivals, uint blocks) {
+    uint block = (uint)(get_global_id(0));
+    if (block < blocks) {
+        fan_sort sort = {ping, counts, arrivals, blocks, block};
+        sort_block(&sort, parcels);
+    }
+}
+
+/* A work-item sums RUN bins: of one receiver, or for vectors of a tile of them, PARTS vectors at a time. */
+#if ASDIC_WIDTH == 1
+#define PARTS 1u
+#define RUN 1u
+#define RECEIVERS 1u
+#else
+#define PARTS 4u
+#define RUN 16u
+#define RECEIVERS ((uint)(DEV_FAN_TILE))
+#endif
+
+/* Receivers from FIRST on, a lane each; behind the last one it stands again. With a common axis only the
+ * direction of the horizontal side counts, in the plane across that axis. */
+typedef struct receivers {
+    real y[3], length_h_wl;
+#if !ASDIC_COMMON_AXIS
+    real x[3], z[3], length_v_wl;
+#endif
+} receivers;
+
+static receivers receivers_from(__global const dev_ping *ping, uint first) {
+    __global const dev_beam *beams = (__global const dev_beam *)(ping + 1) + 1;
+    receivers r;
+    for (uint lane = 0; lane < ASDIC_WIDTH; lane++) {
+        __global const dev_beam *beam = beams + min(first + lane, ping->beams - 1u);
+        ((float *)&r.length_h_wl)[lane] = beam->length_h_wl;
+#if ASDIC_COMMON_AXIS
+        for (uint k = 0; k < 2u; k++) {
+            __global const float *axis = ping->fan_rows + 3u * k;
+            ((float *)&r.y[k])[lane] =
+                axis[0] * beam->rows[3] + axis[1] * beam->rows[4] + axis[2] * beam->rows[5];
+        }
+#else
+        ((float *)&r.length_v_wl)[lane] = beam->length_v_wl;
+        for (uint k = 0; k < 3u; k++) {
+            ((float *)&r.x[k])[lane] = beam->rows[k];
+            ((float *)&r.y[k])[lane] = beam->rows[3u + k];
+            ((float *)&r.z[k])[lane] = beam->rows[6u + k];
+        }
+#endif
+    }
+    return r;
+}
+
+/* One-way gain of the receivers towards ARRIVAL; with a common axis without the vertical factor, which
+ * the arrival carries. */
+static inline real gains(const receivers *r, __global const fan_arrival *arrival, float rear_lin) {
+    real x = (real)(arrival->direction[0]), y = (real)(arrival->direction[1]);
+#if ASDIC_COMMON_AXIS
+    mask front = r->y[1] * x - r->y[0] * y > R(0.0);
+    return sinc2(r->length_h_wl * (r->y[0] * x + r->y[1] * y)) *
+           choose(front, R(1.0), (real)(rear_lin));
+#else
+    real z = (real)(arrival->direction[2]);
+    return beam_pattern_lin(
+        r->x[0] * x + r->x[1] * y + r->x[2] * z, r->y[0] * x + r->y[1] * y + r->y[2] * z,
+        r->z[0] * x + r->z[1] * y + r->z[2] * z, r->length_h_wl, r->length_v_wl, (real)(rear_lin));
+#endif
+}
+
+#if ASDIC_WIDTH == 1
+
+/* Of one bin and receiver. */
+typedef struct fan_sums {
+    float of[ASDIC_COMPONENTS];
+} fan_sums;
+
+/* Adds what LIST, whose bin lies BEYOND bins before the sums' own, has for that. */
+static void add_list(__global const dev_ping *ping, __global const fan_arrival *arrivals,
+                     fan_list list, const receivers *r, uint beyond, fan_sums *sums) {
+    for (uint k = list.first; k < list.first + list.count; k++) {
+        float gain = gains(r, arrivals + k, ping->rear_lin);
+        uint rows = arrivals[k].rows;
+        for (uint c = 0; c < DEPOSITS; c++) {
+            uint row = rows >> 8u * c & 0xffu;
+            float quanta = row / ASDIC_COMPONENTS == beyond ? arrivals[k].quanta[c] : 0.0f;
+#pragma unroll
+            for (uint component = 0; component < ASDIC_COMPONENTS; component++) {
+                float own = row % ASDIC_COMPONENTS == component ? quanta : 0.0f;
+                sums->of[component] = r_fma(own, gain, sums->of[component]);
             }
         }
     }
-    lists[id] = list;
 }
 
-#define TILE DEV_FAN_TILE       /* beams of a work-item */
-#define RUN ((uint)(ASDIC_RUN)) /* bins of a work-item */
-
-#if defined(FP_FAST_FMAF) || defined(__FMA__)
-#define MULTIPLY_ADD(a, b, c) fma((a), (b), (c))
-#else
-#define MULTIPLY_ADD(a, b, c) ((a) * (b) + (c))
-#endif
-
-/* One row's sums for TILE beams, to TO; TABLE from the first of them on. */
-static void project_row(__global const fan_entry *entry, uint count, __global const float *table,
-                        uint stride, float *to) {
-    float16 sum0 = (float16)(0.0f), sum1 = sum0, sum2 = sum0, sum3 = sum0;
-    float16 sum4 = sum0, sum5 = sum0, sum6 = sum0, sum7 = sum0;
-    for (uint k = 0; k < count; k++) {
-        __global const float *pattern = table + (size_t)(entry[k].column) * stride;
-        float16 quanta = (float16)(entry[k].quanta);
-        sum0 = MULTIPLY_ADD(quanta, vload16(0, pattern), sum0);
-        sum1 = MULTIPLY_ADD(quanta, vload16(1, pattern), sum1);
-        sum2 = MULTIPLY_ADD(quanta, vload16(2, pattern), sum2);
-        sum3 = MULTIPLY_ADD(quanta, vload16(3, pattern), sum3);
-        sum4 = MULTIPLY_ADD(quanta, vload16(4, pattern), sum4);
-        sum5 = MULTIPLY_ADD(quanta, vload16(5, pattern), sum5);
-        sum6 = MULTIPLY_ADD(quanta, vload16(6, pattern), sum6);
-        sum7 = MULTIPLY_ADD(quanta, vload16(7, pattern), sum7);
+/* The sums of bin FIRST and the receiver from RESULTS on, whose components lie BINS apart. */
+static void project(__global const dev_ping *ping, __global const fan_arrival *arrivals,
+                    __global const fan_list *lists, __global float *results, uint receiver,
+                    uint bin, uint add) {
+    receivers r = receivers_from(ping, receiver);
+    fan_sums sums;
+#pragma unroll
+    for (uint c = 0; c < ASDIC_COMPONENTS; c++) {
+        sums.of[c] = 0.0f;
     }
-    vstore16(sum0, 0, to);
-    vstore16(sum1, 1, to);
-    vstore16(sum2, 2, to);
-    vstore16(sum3, 3, to);
-    vstore16(sum4, 4, to);
-    vstore16(sum5, 5, to);
-    vstore16(sum6, 6, to);
-    vstore16(sum7, 7, to);
+    for (uint beyond = min(bin, SPAN - 1u) + 1u; beyond-- > 0u;) {
+        add_list(ping, arrivals, lists[bin - beyond], &r, beyond, &sums);
+    }
+#pragma unroll
+    for (uint c = 0; c < ASDIC_COMPONENTS; c++) {
+        __global float *to = results + (size_t)(c)*ping->bins;
+        *to = sums.of[c] + (add != 0u ? *to : 0.0f);
+    }
 }
 
-/* A row of V's i-th beam becomes the i-th row: four times, halves of two rows are put between each
+#else
+
+/* Of RUN bins, and of those before and behind that share arrivals with them. */
+typedef struct fan_sums {
+    real of[(RUN + 2u * (SPAN - 1u)) * ASDIC_COMPONENTS][PARTS];
+} fan_sums;
+
+/* Adds LIST, whose bin is row AT of the sums. */
+static void add_list(__global const dev_ping *ping, __global const fan_arrival *arrivals,
+                     fan_list list, const receivers *r, uint at, fan_sums *sums) {
+    for (uint k = list.first; k < list.first + list.count; k++) {
+        real gain[PARTS];
+#pragma unroll
+        for (uint p = 0; p < PARTS; p++) {
+            gain[p] = gains(r + p, arrivals + k, ping->rear_lin);
+        }
+        uint rows = arrivals[k].rows;
+#pragma unroll
+        for (uint c = 0; c < DEPOSITS; c++) {
+            real quanta = (real)(arrivals[k].quanta[c]);
+            real *sum = sums->of[at * ASDIC_COMPONENTS + (rows >> 8u * c & 0xffu)];
+#pragma unroll
+            for (uint p = 0; p < PARTS; p++) {
+                sum[p] = r_fma(quanta, gain[p], sum[p]);
+            }
+        }
+    }
+}
+
+/* A row of V's i-th lane becomes the i-th row: four times, halves of two rows are put between each
  * other. */
-static void transpose(float16 *v) {
+static void transpose(real *v) {
     for (uint round = 0; round < 4u; round++) {
-        float16 w[16];
+        real w[16];
         for (uint i = 0; i < 8u; i++) {
             w[2u * i].even = v[i].lo;
             w[2u * i].odd = v[i + 8u].lo;
@@ -160,54 +320,70 @@ static void transpose(float16 *v) {
     }
 }
 
-/* SUMS of BINS rows to the beams' own rows, STRIDE floats from each other, from TO on. */
-static void store_beams(float (*sums)[TILE], uint bins, uint beams, __global float *to,
-                        size_t stride) {
-#if ASDIC_RUN == 16
-    if (bins == RUN) {
-        for (uint b = 0; b < beams; b += 16u) {
-            float16 v[16];
-            for (uint r = 0; r < RUN; r++) {
-                v[r] = max(vload16(0, sums[r] + b), (float16)(0.0f));
-            }
-            transpose(v);
-            for (uint k = 0; k < min(beams - b, 16u); k++) {
-                vstore16(v[k], 0, to + (b + k) * stride);
-            }
-        }
-        return;
+/* The first BINS sums of COMPONENT and part P to the rows of RECEIVERS receivers, STRIDE floats from
+ * each other, from TO on. */
+static void store_sums(const fan_sums *sums, uint component, uint p, uint bins, uint receivers,
+                       __global float *to, size_t stride, uint add) {
+    real v[RUN];
+    for (uint bin = 0; bin < RUN; bin++) {
+        v[bin] = sums->of[(bin + SPAN - 1u) * ASDIC_COMPONENTS + component][p];
     }
-#endif
-    for (uint b = 0; b < beams; b++) {
-        for (uint r = 0; r < bins; r++) {
-            to[b * stride + r] = max(sums[r][b], 0.0f);
+    transpose(v);
+    for (uint k = 0; k < receivers; k++) {
+        __global float *row = to + k * stride;
+        if (bins == RUN) {
+            vstore16(add != 0u ? v[k] + vload16(0, row) : v[k], 0, row);
+            continue;
+        }
+        for (uint bin = 0; bin < bins; bin++) {
+            row[bin] = ((float *)&v[k])[bin] + (add != 0u ? row[bin] : 0.0f);
         }
     }
 }
 
-/* fan_project: the TILE beams of tile number TILE_AT; one work-item per component and RUN bins.
- * RESULTS holds floats, [beam][component][bin], and the number of deposits that had to be cut. */
-__kernel void fan_project(__global const dev_ping *ping, __global const fan_entry *entries,
-                          __global const fan_list *lists, __global const float *table,
-                          __global long *accumulator, __global uint *saturated,
-                          __global float *results, uint stride, uint tile_at) {
-    uint runs = (ping->bins + RUN - 1u) / RUN, rows = ping->components * ping->bins;
-    uint id = (uint)(get_global_id(0)), component = id / runs;
-    if (component >= ping->components) {
-        return;
+/* The sums of the bins from BIN on and of the receivers of a tile from RECEIVER on, whose results begin
+ * at RESULTS. */
+static void project(__global const dev_ping *ping, __global const fan_arrival *arrivals,
+                    __global const fan_list *lists, __global float *results, uint receiver,
+                    uint bin, uint add) {
+    const uint end = min(receiver + RECEIVERS, ping->beams), bins = min(ping->bins - bin, RUN);
+    const size_t stride = (size_t)(ping->components) * ping->bins;
+    for (uint first = receiver; first < end; first += PARTS * ASDIC_WIDTH) {
+        receivers r[PARTS];
+        fan_sums sums;
+        for (uint p = 0; p < PARTS; p++) {
+            r[p] = receivers_from(ping, first + p * ASDIC_WIDTH);
+            for (uint k = 0; k < (RUN + 2u * (SPAN - 1u)) * ASDIC_COMPONENTS; k++) {
+                sums.of[k][p] = R(0.0);
+            }
+        }
+        for (uint at = bin < SPAN - 1u ? SPAN - 1u - bin : 0u; at < bins + SPAN - 1u; at++) {
+            add_list(ping, arrivals, lists[bin + at - (SPAN - 1u)], r, at, &sums);
+        }
+        for (uint p = 0; p < PARTS && first + p * ASDIC_WIDTH < end; p++) {
+            uint own = first + p * ASDIC_WIDTH;
+            for (uint c = 0; c < ASDIC_COMPONENTS; c++) {
+                store_sums(&sums, c, p, bins, min(end - own, (uint)(ASDIC_WIDTH)),
+                           results + (own - receiver) * stride + c * (size_t)(ping->bins), stride,
+                           add);
+            }
+        }
     }
-    uint first_beam = tile_at * TILE, beams = min(ping->beams - first_beam, (uint)(TILE));
-    if (id == 0u && first_beam + TILE >= ping->beams) {
-        ((__global uint *)results)[(size_t)(rows)*ping->beams] = *saturated;
-        *saturated = 0u;
-        *(__global uint *)(fan_flags(ping, accumulator) + (size_t)(rows)*ping->fan_flags) = 0u;
+}
+
+#endif
+
+/* fan_project: tile TILE_AT of receivers. RESULTS: quanta as floats, [receiver][component][bin]; ADD: to
+ * those of the batches before. One work-item per RUN bins and RECEIVERS receivers. */
+__kernel void fan_project(__global const dev_ping *ping, __global const fan_arrival *arrivals,
+                          __global const fan_list *lists, __global float *results, uint tile_at,
+                          uint add) {
+    const uint parts = (uint)(DEV_FAN_TILE) / RECEIVERS, id = (uint)(get_global_id(0));
+    uint receiver = tile_at * (uint)(DEV_FAN_TILE) + id % parts * RECEIVERS;
+    uint bin = id / parts * RUN;
+    if (receiver < ping->beams && bin < ping->bins) {
+        project(ping, arrivals, lists,
+                results + (size_t)(receiver)*ping->components * ping->bins + bin, receiver, bin,
+                add);
     }
-    uint bin = (id - component * runs) * RUN, bins = min(ping->bins - bin, RUN);
-    float sums[ASDIC_RUN][TILE];
-    for (uint r = 0; r < bins; r++) {
-        fan_list list = lists[component * ping->bins + bin + r];
-        project_row(entries + list.first, list.count, table + first_beam, stride, sums[r]);
-    }
-    __global float *to = results + (size_t)(first_beam)*rows + component * ping->bins + bin;
-    store_beams(sums, bins, beams, to, rows);
 }

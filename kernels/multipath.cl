@@ -113,7 +113,7 @@ __kernel void connect(__global const dev_ping *pings, __global const dev_ray *bo
     returning += own;
     uint first = (uint)(get_global_id(0)) * PIECE, at = first;
     uint end = min(first + PIECE, batch_slots(ping));
-    world w = {ping, beams_of(ping), triangles, parts, materials};
+    world w = {ping, beams_of(ping), triangles, parts, materials, 0};
     for (uint slot = first; slot < end && bounced[slot].source != NO_RAY; slot += ASDIC_WIDTH) {
         at = connect_rays(&w, bounced, hits, mirrors, returning, slot, at);
     }
@@ -193,7 +193,6 @@ static uint shade_bounces(const world *w, const bounce_store *store, const sink 
     natural component = (natural)(DEV_DEPOSIT_MULTIPATH);
     arrivals along, direct;
     along.count = direct.count = 0u;
-    along.even = direct.even = met & !met;
     split_echo sent_to_x = cross_echo, sent_to_mirror = cross_echo;
     sent_to_x.first *= x_out;
     sent_to_x.second *= x_out;
@@ -222,7 +221,7 @@ __kernel void bounce(__global const dev_ping *pings, __global const dev_ray *ray
     returning += own;
     uint first = (uint)(get_global_id(0)) * PIECE, cut = 0u;
     uint end = min(first + PIECE, batch_slots(ping));
-    world w = {ping, beams_of(ping), triangles, parts, materials};
+    world w = {ping, beams_of(ping), triangles, parts, materials, 0};
     sink to = {row_cells(ping, accumulator), parcels + PARCEL_SETS * own};
     bounce_store store = {rays + own,         bounced + own,        returning,
                           bounced_hits + own, returning_hits + own, solid_angles + own,

@@ -13,16 +13,19 @@
 /* Mirror shares below this (-60 dB) are not followed. */
 #define DEV_MIN_MIRROR 1e-6f
 
-/* Levels of m = cos(elevation) in a fan's map. */
-#define DEV_FAN_LEVELS 5
-/* Columns of a fan's map that share a flag. */
-#define DEV_FAN_CHUNK 16u
 /* Receivers of a fan that are projected together. */
 #define DEV_FAN_TILE 128
 
+/* Least rays, next to each other in elevation, that a footprint in range spans. */
+#define DEV_FOOTPRINT_RAYS 4.0f
+
 #define DEV_MAX_LOBES 12
 #define DEV_MAX_CONES 8
+/* Of the learnt table, see learnt.h; powers of two. */
 #define DEV_TABLE_CELLS 512
+#define DEV_TABLE_ROWS 32
+#define DEV_AZIMUTH_CELLS 32
+#define DEV_TABLE_FLOATS (DEV_TABLE_CELLS + 1 + DEV_TABLE_ROWS * (DEV_AZIMUTH_CELLS + 1))
 #define DEV_MAX_GROUPS 16
 
 /* Deposit components, in the order of the accumulator; a scene has the first 3, those and objects, or
@@ -49,9 +52,10 @@ typedef struct dev_beam {
 typedef struct dev_lobe {
     float rows[9]; /* as dev_beam, beam sampler only */
     float scale_h, scale_v;
-    float share;                /* of the rays; shares sum to 1 */
-    float share_begin;          /* sum of the shares before */
-    float beta_rad, tilt, side; /* adaptive: ridge; of a sector its middle's, and the least's tilt */
+    float share;       /* of the rays; shares sum to 1 */
+    float share_begin; /* sum of the shares before */
+    float beta_rad, tilt,
+        side;         /* adaptive: ridge; of a sector its middle's, and the least's tilt */
     float limit_rad;  /* half-width of the azimuth window; < 0: the front of the transmitter */
     float margin_rad; /* > 0: a sector; added to the window, more where elevations are steep */
     float most_tilt;  /* of a sector */
@@ -67,6 +71,12 @@ typedef struct dev_cone {
     dev_uint first, count;
 } dev_cone;
 
+/* A triangle that rays are aimed at: its id, and the share of such rays up to it. */
+typedef struct dev_face {
+    float cumulative;
+    dev_uint triangle;
+} dev_face;
+
 /* What one direction sends to every receiver: energies in quanta for up to four rows (component, bin)
  * of the accumulator. */
 typedef struct dev_parcel {
@@ -75,6 +85,12 @@ typedef struct dev_parcel {
     dev_uint row[4];
     float quanta[4];
 } dev_parcel; /* 48 bytes */
+
+/* Where a pilot ray lies in the learnt table, and the last bin that it crosses. */
+typedef struct dev_survey {
+    float x, y;
+    dev_uint last_bin;
+} dev_survey; /* 12 bytes */
 
 /* Sets of parcels, each with one per ray, group by group. */
 #define DEV_PARCEL_DIRECT 0 /* echo and water */
@@ -101,29 +117,28 @@ typedef struct dev_ping {
     dev_uint rays, batch_first, per_group, groups; /* rays; first and count of each group's rays in
                                                     this batch; number of groups (replicates) */
     dev_uint beams, bins, lobes, sampler;
-    dev_uint background, cones; /* rays that no cone has, the first ones; number of cones */
-    dev_uint components;        /* of the accumulator, DEV_DEPOSIT_COUNT at most */
-    dev_uint columns;           /* of the accumulator: beams, or levels x cells of a fan */
-    dev_uint component_rows;    /* of the accumulator, from one component to the next */
-    dev_uint group_cells;       /* of a block of the accumulator */
-    dev_uint blocks;            /* of the accumulator, see deposit.h */
-    dev_uint total_cells;       /* of the groups' totals, from one group to the next */
-    dev_uint stride;            /* bytes from this ping to the volley's next */
-    dev_uint result_words;      /* 64-bit words of a ping's results */
-    dev_uint present;           /* a bit for each component that something can be added to */
+    dev_uint background, cones; /* rays that neither cones nor faces have, the first ones; cones */
+    dev_uint face_first, face_count, faces; /* rays aimed at faces; number of faces */
+    dev_uint components;                    /* of the accumulator, DEV_DEPOSIT_COUNT at most */
+    dev_uint columns;                       /* of the accumulator */
+    dev_uint component_rows;                /* of the accumulator, from one component to the next */
+    dev_uint group_cells;                   /* of a block of the accumulator */
+    dev_uint blocks;                        /* of the accumulator, see deposit.h */
+    dev_uint total_cells;                   /* of the groups' totals, from one group to the next */
+    dev_uint stride;                        /* bytes from this ping to the volley's next */
+    dev_uint result_words;                  /* 64-bit words of a ping's results */
+    dev_uint present; /* a bit for each component that something can be added to */
     dev_uint order_block, order_inverse; /* see order.h: F, I */
     dev_uint order_lanes[16];            /* k I modulo F */
-    dev_uint fan_cells;
-    dev_uint fan_flags; /* of a row, a multiple of 8; see receive.h */
-    float fan_begin_rad, fan_cells_per_rad;
-    float fan_rows[9]; /* world to fan: x ahead, y to starboard, z the faces' common axis */
+    float fan_rows[9]; /* world to fan: z is the faces' common axis; see receive.h */
     dev_uint seed[2], ping[2];
-    dev_uint last_batch;    /* 1: no batch follows */
-    dev_uint states_errors; /* 0: nobody asks for the groups' spread */
-    dev_uint lattice_shift; /* c1 */
-    float lattice_offset;   /* c0 */
-    float footprint_rays;   /* rays, next to each other in elevation, that a footprint spans */
-    float front[3];         /* transmitter axis, world */
+    dev_uint last_batch;      /* 1: no batch follows */
+    dev_uint states_errors;   /* 0: nobody asks for the groups' spread */
+    dev_uint azimuths_learnt; /* 0: all rows of the learnt table are even */
+    dev_uint lattice_shift;   /* c1 */
+    float lattice_offset;     /* c0 */
+    float footprint_rays; /* rays, next to each other in elevation, that a level footprint spans */
+    float front[3];       /* transmitter axis, world */
     float front_azimuth_rad;
     float zone_bottom_m, zone_surface_m;    /* h', hs of the elevation zones */
     float zone_cap_rad;                     /* polar angle of the caps round nadir and zenith */

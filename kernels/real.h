@@ -47,6 +47,11 @@ typedef ASDIC_JOIN(uint, ASDIC_WIDTH) natural;
 #define r_min(a, b) min((real)(a), (real)(b))
 #define r_abs(x) fabs(x)
 #define r_sinpi(x) sinpi(x)
+#if defined(FP_FAST_FMAF) || defined(__FMA__)
+#define r_fma(a, b, c) fma((real)(a), (real)(b), (real)(c))
+#else /* fma() would be a library function */
+#define r_fma(a, b, c) ((a) * (b) + (c))
+#endif
 #define r_exp10(x) exp10(x)
 #define FORMULA static inline
 

@@ -1,18 +1,14 @@
 /*
  * Who receives what arrives from a direction.
  *
- * A few receivers: every arrival is weighed by every receiver's pattern and added to its cell,
- * columns = beams. Where a work-item owns a group, that is left to it (collect.cl), and arrivals are
- * kept as parcels. A fan of many (ASDIC_FAN): its faces share one vertical axis z and one size, so
- * that with s = u . z, m = sqrt(1 - s^2) and phi the azimuth round z
+ * Every arrival is weighed by every receiver's pattern. Where many work-items add to one accumulator, at
+ * once. Else arrivals are kept as parcels: for collect.cl, whose work-items own groups of rays, or, of
+ * many receivers, for fan.cl (ASDIC_FAN), whose work-items own bins. Faces of a fan that share their
+ * vertical axis z and their size (ASDIC_COMMON_AXIS) have, with x, y across that axis,
  *
- *     B(u) = sinc^2(L_V s) sinc^2(L_H m sin(phi - yaw))
+ *     B(u) = sinc^2(L_V u.z) sinc^2(L_H (u.y cos yaw - u.x sin yaw))
  *
- * The first factor is applied at once; of the second an arrival keeps only (phi, m): it is split
- * over two azimuth cells and two levels of m, columns = levels x cells, whatever the number
- * of beams. What bottom, surface and water send from all azimuths goes to the nearest level alone, for
- * half the work: a beam's share of it is proportional to the width of its pattern, hence to 1 / m,
- * which is put right. fan.cl then turns cells into beams with one matrix product.
+ * and the first factor is applied at once.
  */
 #ifndef ASDIC_KERNEL_RECEIVE_H
 #define ASDIC_KERNEL_RECEIVE_H
@@ -26,7 +22,6 @@
  * on purpose: PoCL keeps the private arrays of a whole work-group on one stack. */
 typedef struct arrivals {
     uint count;
-    mask even; /* spread over azimuth, not from a point */
     real quanta[MAX_ARRIVALS];
     natural row[MAX_ARRIVALS];
 } arrivals;
@@ -86,81 +81,7 @@ static natural cells_of(const world *w, natural rays) {
     return first;
 }
 
-#if ASDIC_FAN
-
-/* Levels of m. Between them patterns are interpolated linearly in 1 / m, to which the azimuth width
- * of a pattern is proportional: exact for what is spread over azimuth. */
-FORMULA real fan_level_m(int level) {
-    const float m[DEV_FAN_LEVELS] = {1.0f, 0.88f, 0.66f, 0.4f, 0.05f};
-    return (real)(m[level]);
-}
-
-/* Behind the cells, a byte for every DEV_FAN_CHUNK columns of a row, set where anything was added;
- * then how many entries fan_pack has made. */
-static __global uchar *fan_flags(__global const dev_ping *ping, __global long *cells) {
-    return (__global uchar *)(cells + (size_t)(ping->components) * ping->bins * ping->columns);
-}
-
-/* Adds GAIN times every parcel to column COLUMN of its row, as add_column does, and flags it. */
-static uint add_flagged(const world *w, const arrivals *a, __global long *cells, natural column,
-                        real gain) {
-    __global uchar *flags = fan_flags(w->ping, cells);
-    for (uint c = 0; c < a->count; c++) {
-        real quanta = gain * a->quanta[c];
-        natural at = a->row[c] * (natural)(w->ping->fan_flags) + column / DEV_FAN_CHUNK;
-        LANES {
-            if (AT(quanta, float) > 0.0f) {
-                flags[AT(at, uint)] = 1u;
-            }
-        }
-    }
-    return add_column(w, a, cells, (natural)(0u), column, gain);
-}
-
-static uint receive(const world *w, const sink *to, uint set, const arrivals *a, natural rays,
-                    triple u) {
-    __global const dev_ping *ping = w->ping;
-    __global const float *f = ping->fan_rows;
-    __global long *cells = to->accumulator;
-    real x = f[0] * u.x + f[1] * u.y + f[2] * u.z;
-    real y = f[3] * u.x + f[4] * u.y + f[5] * u.z;
-    real s = f[6] * u.x + f[7] * u.y + f[8] * u.z;
-    real m = sqrt(r_max((R(1.0) - s) * (R(1.0) + s), R(1e-12)));
-    real vertical = sinc((real)(w->beams[1].length_v_wl) * s);
-    real at = (atan2(y, x) - (real)(ping->fan_begin_rad)) * (real)(ping->fan_cells_per_rad);
-    at = r_min(r_max(at, R(0.0)), (real)((float)(ping->fan_cells - 1u)));
-    natural cell = min(to_natural(at), (natural)(ping->fan_cells - 2u));
-    real right = at - to_real(cell);
-    natural level = (natural)(0u);
-    real hi = fan_level_m(0), lo = fan_level_m(1);
-    for (int k = 1; k < DEV_FAN_LEVELS - 1; k++) {
-        mask below = m < fan_level_m(k);
-        level = choose_natural(below, (natural)((uint)(k)), level);
-        hi = choose(below, fan_level_m(k), hi);
-        lo = choose(below, fan_level_m(k + 1), lo);
-    }
-    real lower = (R(1.0) / m - R(1.0) / hi) / (R(1.0) / lo - R(1.0) / hi);
-    lower = r_min(r_max(lower, R(0.0)), R(1.0));
-    real gain = vertical * vertical;
-    /* What is spread: to the nearer level alone. */
-    mask low = m * m < lo * hi;
-    gain *= choose(a->even, choose(low, lo, hi) / m, R(1.0));
-    level = choose_natural(a->even & low, level + (natural)(1u), level);
-    lower = choose(a->even, R(0.0), lower);
-    natural column = level * (natural)(ping->fan_cells) + cell;
-    uint cut = add_flagged(w, a, cells, column, gain * (R(1.0) - lower) * (R(1.0) - right));
-    cut += add_flagged(w, a, cells, column + 1u, gain * (R(1.0) - lower) * right);
-    if (any_true(lower > R(0.0))) {
-        gain *= lower;
-        level = min(level + (natural)(1u), (natural)(DEV_FAN_LEVELS - 1));
-        column = level * (natural)(ping->fan_cells) + cell;
-        cut += add_flagged(w, a, cells, column, gain * (R(1.0) - right));
-        cut += add_flagged(w, a, cells, column + 1u, gain * right);
-    }
-    return cut;
-}
-
-#elif ASDIC_DEPOSIT == DEPOSIT_OWNED
+#if ASDIC_DEPOSIT == DEPOSIT_OWNED
 
 /* Keeps arrivals as parcels of SET; collect.cl counts what has to be cut. A direct parcel says that
  * no others follow; those that do change that. */
@@ -168,6 +89,14 @@ static uint receive(const world *w, const sink *to, uint set, const arrivals *a,
                     triple u) {
     __global dev_parcel *direct = to->parcels;
     __global dev_parcel *parcels = to->parcels + (size_t)(set)*batch_slots(w->ping);
+    real gain = R(1.0);
+#if ASDIC_COMMON_AXIS
+    __global const float *f = w->ping->fan_rows;
+    triple own = {f[0] * u.x + f[1] * u.y + f[2] * u.z, f[3] * u.x + f[4] * u.y + f[5] * u.z,
+                  R(0.0)};
+    gain = sinc2((real)(w->beams[1].length_v_wl) * (f[6] * u.x + f[7] * u.y + f[8] * u.z));
+    u = own;
+#endif
     LANES {
         dev_parcel p;
         p.direction[0] = AT(u.x, float);
@@ -176,7 +105,7 @@ static uint receive(const world *w, const sink *to, uint set, const arrivals *a,
         p.more = 0u;
         for (uint c = 0; c < MAX_ARRIVALS; c++) {
             p.row[c] = c < a->count ? AT(a->row[c], const uint) : 0u;
-            p.quanta[c] = c < a->count ? AT(a->quanta[c], const float) : 0.0f;
+            p.quanta[c] = c < a->count ? AT(gain, float) * AT(a->quanta[c], const float) : 0.0f;
         }
         if (AT(rays, uint) != NO_RAY) {
             uint place = place_of(w->ping, AT(rays, uint));

@@ -4,51 +4,64 @@
  * Slot by slot in the order of order.h. Slots beyond the last ray are switched off (t_max 0, solid
  * angle 0).
  */
-#include "sampler.h"
+#include "learnt.h"
 #include "volley.h"
 
-/* Cell of the learnt table that holds the quantile XI; CUMULATIVE has DEV_TABLE_CELLS + 1 entries
- * from 0 to 1. */
-static uint table_cell(__global const float *cumulative, float xi) {
-    uint cell = 0;
-#pragma unroll
-    for (uint step = DEV_TABLE_CELLS / 2; step > 0u; step /= 2u) { /* a power of two; no branches */
-        cell += cumulative[cell + step] <= xi ? step : 0u;
-    }
-    return cell;
-}
-
-/* Adaptive: x through the learnt quantile function, and what that does to the density. */
-static elevation learnt_elevation(__global const dev_ping *ping, __global const float *cumulative,
-                                  real xi) {
-    real x = xi, factor = R(1.0);
-    for (uint lane = 0; lane < ASDIC_WIDTH; lane++) {
-        float q = ((float *)&xi)[lane];
-        uint cell = table_cell(cumulative, q);
-        float low = cumulative[cell], mass = cumulative[cell + 1u] - low;
-        ((float *)&x)[lane] = ((float)(cell) + (q - low) / mass) * (1.0f / DEV_TABLE_CELLS);
-        ((float *)&factor)[lane] = mass * DEV_TABLE_CELLS;
-    }
-    x = r_min(r_max(x, R(6e-8)), R(0.99999994));
-    elevation e = elevation_of_x(ping, x);
-    e.density *= factor;
-    return e;
-}
-
 /* Background rays per steradian in a direction that a cone drew. */
-static real background_rays(__global const dev_ping *ping, __global const float *cumulative,
+static real background_rays(__global const dev_ping *ping, __global const float *table,
                             const ray_sample *s) {
-    real density, m = sqrt(r_max(s->x * s->x + s->y * s->y, R(1e-12)));
+    real density, y = R(0.0), m = sqrt(r_max(s->x * s->x + s->y * s->y, R(1e-12)));
     real x = x_of_elevation(ping, s->z, m, &density);
     for (uint lane = 0; lane < ASDIC_WIDTH; lane++) {
-        float at = ((float *)&x)[lane] * DEV_TABLE_CELLS;
-        uint cell = (uint)(clamp(at, 0.0f, (float)(DEV_TABLE_CELLS - 1)));
-        ((float *)&density)[lane] *= (cumulative[cell + 1u] - cumulative[cell]) * DEV_TABLE_CELLS;
+        ((float *)&density)[lane] *= learnt_density(table, DEV_TABLE_CELLS, ((float *)&x)[lane]);
     }
     azimuth_lobes lobes;
     azimuth_lobes_at(ping, ping->lobe, s->z, m, &lobes);
     return (real)((float)(ping->background)) * density *
-           azimuth_density(ping, ping->lobe, &lobes, atan2(s->y, s->x));
+           azimuth_density(ping, table, &lobes, x, atan2(s->y, s->x), &y);
+}
+
+/* A direction from the sonar to a point of the face that holds the quantile XI1. */
+static ray_sample sample_face(__global const dev_ping *ping, __global const dev_face *faces,
+                              __global const dev_triangle *triangles, float xi1, float xi2,
+                              uint lane, ray_sample s) {
+    uint low = 0u, high = ping->faces - 1u;
+    while (low < high) {
+        uint middle = (low + high) / 2u;
+        low = faces[middle].cumulative <= xi1 ? middle + 1u : low;
+        high = faces[middle].cumulative <= xi1 ? high : middle;
+    }
+    float before = low > 0u ? faces[low - 1u].cumulative : 0.0f;
+    float part = (xi1 - before) / (faces[low].cumulative - before);
+    float along = sqrt(clamp(part, 0.0f, 1.0f)), across = along * xi2;
+    __global const dev_triangle *t = triangles + faces[low].triangle;
+    float to[3];
+    for (uint k = 0; k < 3u; k++) {
+        to[k] = t->v0[k] + along * (t->v1[k] - t->v0[k]) + across * (t->v2[k] - t->v1[k]) -
+                ping->origin[k];
+    }
+    float inverse = 1.0f / sqrt(max(to[0] * to[0] + to[1] * to[1] + to[2] * to[2], 1e-12f));
+    ((float *)&s.x)[lane] = to[0] * inverse;
+    ((float *)&s.y)[lane] = to[1] * inverse;
+    ((float *)&s.z)[lane] = to[2] * inverse;
+    ((float *)&s.splat)[lane] = as_float(0x80000000u | faces[low].triangle);
+    return s;
+}
+
+/* Aims rays at faces; what they weigh is settled when it is known what they meet (faces.h). */
+static ray_sample aim_at_faces(__global const dev_ping *ping, __global const dev_face *faces,
+                               __global const dev_triangle *triangles, natural index,
+                               ray_sample s) {
+    for (uint lane = 0; lane < ASDIC_WIDTH; lane++) {
+        uint own = ((uint *)&index)[lane] - ping->face_first;
+        if (own < ping->face_count) {
+            float xi1 = ((float)(own) + ping->lattice_offset) / (float)(ping->face_count);
+            uint golden = own * 2654435769u + ping->lattice_shift;
+            float xi2 = ((float)(golden >> 9) + 0.5f) * 1.1920928955078125e-7f;
+            s = sample_face(ping, faces, triangles, min(xi1, 0.99999994f), xi2, lane, s);
+        }
+    }
+    return s;
 }
 
 /* Which lanes are rays of CONE. */
@@ -56,9 +69,17 @@ static mask drawn_by(__global const dev_cone *cone, natural index) {
     return (index >= cone->first) & (index < cone->first + cone->count);
 }
 
-/* Lets cones draw their rays, and weighs every ray by all the ways it could have been drawn. */
-static ray_sample add_cones(__global const dev_ping *ping, __global const float *cumulative,
-                            natural index, ray_sample s) {
+/* What directions are drawn by. */
+typedef struct sampler_store {
+    __global const float *table;
+    __global const dev_face *faces;
+    __global const dev_triangle *triangles;
+} sampler_store;
+
+/* Lets cones and faces draw their rays, and weighs every ray by the ways its direction could have been
+ * drawn. */
+static ray_sample add_objects(__global const dev_ping *ping, const sampler_store *store,
+                              natural index, ray_sample s) {
     mask drawn = index >= ping->background;
     for (uint c = 0; c < ping->cones; c++) {
         mask here = drawn_by(ping->cone + c, index);
@@ -75,9 +96,12 @@ static ray_sample add_cones(__global const dev_ping *ping, __global const float 
             s.splat = choose(here, own.splat, s.splat);
         }
     }
+    if (ping->face_count != 0u) {
+        s = aim_at_faces(ping, store->faces, store->triangles, index, s);
+    }
     real rays = R(1.0) / s.solid_angle;
     if (any_true(drawn)) {
-        rays = choose(drawn, background_rays(ping, cumulative, &s), rays);
+        rays = choose(drawn, background_rays(ping, store->table, &s), rays);
     }
     for (uint c = 0; c < ping->cones; c++) {
         __global const dev_cone *cone = ping->cone + c;
@@ -89,17 +113,18 @@ static ray_sample add_cones(__global const dev_ping *ping, __global const float 
     return s;
 }
 
-static ray_sample draw_adaptive(__global const dev_ping *ping, __global const float *cumulative,
+static ray_sample draw_adaptive(__global const dev_ping *ping, const sampler_store *store,
                                 natural index) {
     real count = (real)((float)(ping->background));
     real xi1 = (to_real(index) + (real)(ping->lattice_offset)) / count;
     natural golden = index * (natural)(2654435769u) + (natural)(ping->lattice_shift);
-    elevation e = learnt_elevation(ping, cumulative, r_min(xi1, R(0.99999994)));
-    ray_sample s = sample_adaptive(ping, ping->lobe, e, random_uniform(golden), count);
-    return ping->cones == 0u ? s : add_cones(ping, cumulative, index, s);
+    ray_sample s = sample_adaptive(ping, store->table, r_min(xi1, R(0.99999994)),
+                                   random_uniform(golden), count);
+    return ping->background == ping->rays ? s : add_objects(ping, store, index, s);
 }
 
-__kernel void sample(__global const dev_ping *pings, __global const float *cumulative,
+__kernel void sample(__global const dev_ping *pings, __global const float *table,
+                     __global const dev_face *faces, __global const dev_triangle *triangles,
                      __global dev_ray *rays, __global float *solid_angles, __global float *splats) {
     __global const dev_ping *ping = row_ping(pings);
     uint first = (uint)(get_global_id(0)) * ASDIC_WIDTH;
@@ -114,7 +139,8 @@ __kernel void sample(__global const dev_ping *pings, __global const float *cumul
     real count = (real)((float)(ping->rays));
     ray_sample s;
     if (ping->sampler == DEV_SAMPLER_ADAPTIVE) {
-        s = draw_adaptive(ping, cumulative, index);
+        sampler_store store = {table, faces, triangles};
+        s = draw_adaptive(ping, &store, index);
     } else {
         random4 random = random_draw(index, ping->ping[0], ping->ping[1], RANDOM_SAMPLE,
                                      ping->seed[0], ping->seed[1]);

@@ -55,10 +55,20 @@ FORMULA real student_density(real x, real scale, real limit) {
  */
 #define HEAVY_UNIFORM 0.06f
 
-FORMULA real heavy_density(real x, real scale, real limit) {
-    real inside = choose(r_abs(x) <= limit, R(0.5), R(0.0));
-    return (real)(1.0f - HEAVY_UNIFORM) * student_density(x, scale, limit) +
-           (real)(HEAVY_UNIFORM)*inside / limit;
+/* Density at an azimuth, and the share below it. */
+typedef struct azimuth_at {
+    real density, below;
+} azimuth_at;
+
+FORMULA azimuth_at heavy_of(real x, real scale, real limit) {
+    const real even = (real)(HEAVY_UNIFORM), odd = (real)(1.0f - HEAVY_UNIFORM);
+    real t = x / scale, q = R(2.0) + t * t, r = R(1.0) / sqrt(q);
+    real mass = student_mass(scale, limit);
+    azimuth_at at;
+    at.density = odd * r / (scale * mass * q) + even * R(0.5) / limit;
+    at.density = choose(r_abs(x) <= limit, at.density, R(0.0));
+    at.below = R(0.5) * (R(1.0) + odd * t * r / mass + even * x / limit);
+    return at;
 }
 
 FORMULA real heavy_sample(real xi, real scale, real limit) {
@@ -77,6 +87,35 @@ FORMULA real heavy_sample(real xi, real scale, real limit) {
         real curl = odd * R(3.0) * t * r / (scale * scale * mass * q * q); /* -f'' / 2 */
         x = r_min(r_max(x - f / (d + f * curl / d), R(0.0)), limit);
     }
+    return choose(xi < R(0.5), -x, x);
+}
+
+/* The same of a sector: even over a core, and with less even over what is left of the window. */
+#define SECTOR_TAILS 0.0625f
+
+FORMULA real sector_tails(real core, real limit) {
+    return (real)(SECTOR_TAILS)*r_min(R(4.0) * (limit - core) / limit, R(1.0));
+}
+
+FORMULA azimuth_at sector_of(real x, real core, real limit) {
+    real tails = sector_tails(core, limit), off = r_abs(x);
+    real width = r_max(limit - core, R(1e-6));
+    mask inside = off <= core;
+    azimuth_at at;
+    at.density = R(0.5) * choose(inside, (R(1.0) - tails) / core, tails / width);
+    at.density = choose(off <= limit, at.density, R(0.0));
+    real beyond = choose(inside, (R(1.0) - tails) * off / core,
+                         R(1.0) - tails + tails * (off - core) / width);
+    at.below = R(0.5) * (R(1.0) + choose(x < R(0.0), -beyond, beyond));
+    return at;
+}
+
+FORMULA real sector_sample(real xi, real core, real limit) {
+    real tails = sector_tails(core, limit);
+    real y = r_abs(R(2.0) * xi - R(1.0)), even = R(1.0) - tails;
+    real x = choose(y <= even, core * y / even,
+                    core + (limit - core) * (y - even) / r_max(tails, R(1e-6)));
+    x = r_min(x, limit);
     return choose(xi < R(0.5), -x, x);
 }
 
@@ -239,39 +278,59 @@ FORMULA real x_of_elevation(LOBE_SPACE const dev_ping *ping, real uz, real acros
     return x;
 }
 
-/* Centre, scale and window of lobe L's azimuths at elevation uz, cosine m. */
+/* Where a lobe's azimuths lie at an elevation: round its ridge's near and far crossing (beyond the nadir
+ * or the zenith), each with its window, and the share of the near one. */
 typedef struct azimuth_lobe {
-    real center, scale, limit;
+    real near, near_limit, far, far_limit, scale, near_share;
+    real core; /* of a sector: half its width; else 0 */
 } azimuth_lobe;
 
-/* Half of the arc of azimuths in front of the transmitter at an elevation; more than pi: all of them. */
+/* Half of the arc of azimuths in front of the transmitter at an elevation; more than pi: all of them, or
+ * none. */
 FORMULA real front_arc(LOBE_SPACE const dev_ping *ping, real uz, real m) {
     real fh = hypot((real)(ping->front[0]), (real)(ping->front[1]));
     real c = -(real)(ping->front[2]) * uz / r_max(m * fh, R(1e-6));
     real arc = acos(r_max(r_min(c, R(1.0)), R(-1.0)));
-    return choose(c >= R(1.0), R(4.0), arc);
+    return choose(r_abs(c) >= R(1.0), R(4.0), arc);
 }
 
+/* How far an azimuth lies from the transmitter's. */
+FORMULA real off_front(LOBE_SPACE const dev_ping *ping, real phi) {
+    return r_abs(wrap_angle(phi - (real)(ping->front_azimuth_rad)));
+}
+
+/* At elevation UZ with cosine M and FRONT as from front_arc. A ridge crosses a ring of constant
+ * elevation twice; where both crossings lie in front of the transmitter, as round nadir and zenith, they
+ * share the lobe's rays. */
 FORMULA azimuth_lobe azimuth_lobe_at(LOBE_SPACE const dev_ping *ping,
-                                     LOBE_SPACE const dev_lobe *lobe, real uz, real m,
-                                     real front) {
+                                     LOBE_SPACE const dev_lobe *lobe, real uz, real m, real front) {
     azimuth_lobe a;
+    real side = (real)(lobe->side);
     real q = -(real)(lobe->tilt) * uz / m;
     q = r_max(r_min(q, R(1.0)), R(-1.0));
-    a.center = (real)(lobe->beta_rad) + (real)(lobe->side) * acos(q);
+    real ridge = acos(q), apart = R(0.0);
     real steep = sqrt(r_max((R(1.0) - q) * (R(1.0) + q), R(0.01)));
     a.scale = (real)(lobe->scale_h) / (m * steep);
-    real off = r_abs(wrap_angle(a.center - (real)(ping->front_azimuth_rad)));
-    real arc = r_min(front + off + R(1e-3), R_PI);
-    a.limit = choose((real)(lobe->limit_rad) < R(0.0), arc, (real)(lobe->limit_rad));
-    if (lobe->margin_rad > 0.0f) {
+    if (lobe->margin_rad > 0.0f) { /* a sector: from one ridge to another */
         real r = -(real)(lobe->most_tilt) * uz / m;
         r = r_max(r_min(r, R(1.0)), R(-1.0));
-        real apart = R(0.5) * (real)(lobe->side) * (acos(r) - acos(q));
-        a.center += apart;
-        a.limit = r_max((real)(lobe->limit_rad) + apart, R(0.0));
-        a.limit = r_min(a.limit + (real)(lobe->margin_rad) / (m * steep), arc);
+        apart = R(0.5) * (acos(r) - ridge);
     }
+    a.near = (real)(lobe->beta_rad) + side * (ridge + apart);
+    a.far = (real)(lobe->beta_rad) - side * (ridge + apart);
+    real near_off = off_front(ping, a.near), far_off = off_front(ping, a.far);
+    a.near_limit = r_min(front + near_off + R(1e-3), R_PI);
+    a.far_limit = r_min(front + far_off + R(1e-3), R_PI);
+    a.core = R(0.0);
+    if (lobe->margin_rad > 0.0f) {
+        a.core = r_max((real)(lobe->limit_rad) + side * apart, R(0.0));
+        a.core += (real)(lobe->margin_rad) / (m * steep);
+    } else if (lobe->limit_rad >= 0.0f) {
+        a.near_limit = a.far_limit = (real)(lobe->limit_rad);
+    }
+    mask both = (far_off < front) & (near_off < front);
+    mask only_far = (far_off < front) & (near_off >= front);
+    a.near_share = choose(both, R(0.5), choose(only_far, R(0.0), R(1.0)));
     return a;
 }
 
@@ -280,50 +339,33 @@ typedef struct azimuth_lobes {
     azimuth_lobe lobe[DEV_MAX_LOBES];
 } azimuth_lobes;
 
+/* Density, as share, of an azimuth OFF the centre of lobe A, whose window ends at LIMIT; and an azimuth
+ * from the quantile XI. */
+FORMULA azimuth_at lobe_of(const azimuth_lobe *a, real off, real limit) {
+    if (any_true(a->core > R(0.0))) {
+        return sector_of(off, r_min(a->core, limit), limit);
+    }
+    return heavy_of(off, a->scale, limit);
+}
+
+FORMULA real lobe_sample(const azimuth_lobe *a, real xi, real limit) {
+    mask sector = a->core > R(0.0); /* lanes may have picked different lobes */
+    real even = R(0.0), heavy = R(0.0);
+    if (any_true(sector)) {
+        even = sector_sample(xi, r_min(a->core, limit), limit);
+    }
+    if (any_true(a->core <= R(0.0))) {
+        heavy = heavy_sample(xi, a->scale, limit);
+    }
+    return choose(sector, even, heavy);
+}
+
 FORMULA void azimuth_lobes_at(LOBE_SPACE const dev_ping *ping, LOBE_SPACE const dev_lobe *lobes,
                               real uz, real m, azimuth_lobes *all) {
     real front = front_arc(ping, uz, m);
     for (uint j = 0; j < ping->lobes; j++) {
         all->lobe[j] = azimuth_lobe_at(ping, lobes + j, uz, m, front);
     }
-}
-
-FORMULA real azimuth_density(LOBE_SPACE const dev_ping *ping, LOBE_SPACE const dev_lobe *lobes,
-                             const azimuth_lobes *all, real phi) {
-    real density = R(0.0);
-    for (uint j = 0; j < ping->lobes; j++) {
-        const azimuth_lobe *a = &all->lobe[j];
-        density +=
-            (real)(lobes[j].share) * heavy_density(wrap_angle(phi - a->center), a->scale, a->limit);
-    }
-    return density;
-}
-
-/* A direction at elevation E (whose density includes any learnt factor) and azimuth from xi2. */
-FORMULA ray_sample sample_adaptive(LOBE_SPACE const dev_ping *ping,
-                                   LOBE_SPACE const dev_lobe *lobes, elevation e, real xi2,
-                                   real count) {
-    ray_sample s;
-    azimuth_lobes all;
-    real m = e.across;
-    azimuth_lobes_at(ping, lobes, e.uz, m, &all);
-    azimuth_lobe picked = all.lobe[0];
-    real xi = xi2 / (real)(lobes[0].share);
-    for (uint j = 1; j < ping->lobes; j++) {
-        mask here = xi2 >= (real)(lobes[j].share_begin);
-        picked.center = choose(here, all.lobe[j].center, picked.center);
-        picked.scale = choose(here, all.lobe[j].scale, picked.scale);
-        picked.limit = choose(here, all.lobe[j].limit, picked.limit);
-        xi = choose(here, (xi2 - (real)(lobes[j].share_begin)) / (real)(lobes[j].share), xi);
-    }
-    xi = r_min(r_max(xi, R(6e-8)), R(0.99999994));
-    real phi = picked.center + heavy_sample(xi, picked.scale, picked.limit);
-    s.x = m * cos(phi);
-    s.y = m * sin(phi);
-    s.z = e.uz;
-    s.solid_angle = R(1.0) / (count * e.density * azimuth_density(ping, lobes, &all, phi));
-    s.splat = (real)(ping->footprint_rays) / (count * e.density * m);
-    return s;
 }
 
 /*

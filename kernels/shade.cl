@@ -10,6 +10,7 @@
  * relative to TL(d) d^2 at the centre of their bin, which the host multiplies back in double: this
  * takes the range out of the accumulator's dynamic range.
  */
+#include "faces.h"
 #include "mirror_ray.h"
 #include "receive.h"
 #include "volley.h"
@@ -45,7 +46,8 @@ static natural component_of(natural kind) {
 /* What sample.cl drew and trace.cl found. */
 typedef struct ray_store {
     __global const dev_ray *rays;
-    __global const float *solid_angles, *splats;
+    __global float *solid_angles;
+    __global const float *splats;
     __global const dev_hit *hits;
 } ray_store;
 
@@ -66,6 +68,15 @@ static uint shade_rays(const world *w, const ray_store *store, __global const fl
     }
     triple u = {ux, uy, uz};
     meeting m = meet(w, store->hits, slots, from, u, (real)(ping->reach_m));
+#if ASDIC_HAS_MESH
+    if (ping->face_count != 0u) {
+        weight = weigh_faces(w, &m, store->hits, slots, u, weight, splat);
+        LANES { /* mirrors go by it, too */
+            store->solid_angles[slot + lane] = AT(weight, float);
+        }
+        splat = r_max(splat, R(0.0));
+    }
+#endif
     weight *= gain_towards(ping, w->beams, ux, uy, uz);
 
     /* Echo: its footprint in range follows from the elevation spacing of the samples. */
@@ -73,7 +84,10 @@ static uint shade_rays(const world *w, const ray_store *store, __global const fl
     real across = sqrt(r_max((R(1.0) - uz) * (R(1.0) + uz), R(1e-12)));
     real tangent = (-uz * (ux * m.facet.x + uy * m.facet.y)) / across + across * m.facet.z;
     real footprint = splat * m.range * r_abs(tangent) / sin_grazing;
-    footprint = choose(m.kind == DEV_KIND_OBJECT, r_min(footprint, R(0.1)), footprint);
+    /* From right below or above it would leak from the spike there into its neighbours. */
+    real most = (real)(ping->bin_m) * (R(0.5) - R(0.4) * sin_grazing * sin_grazing);
+    most = choose(m.kind == DEV_KIND_OBJECT, R(0.1), most);
+    footprint = r_min(footprint, most);
     law_lanes laws = laws_met(w, &m);
     slant met = surface_slant(&m, u);
     real energy = strength(w, &laws, met, m.range) / sin_grazing;
@@ -92,7 +106,6 @@ static uint shade_rays(const world *w, const ray_store *store, __global const fl
 
     arrivals a;
     a.count = 0u;
-    a.even = m.kind != DEV_KIND_OBJECT;
     /* Objects that a plan left out still hide what is behind them. */
     natural component = component_of(m.kind);
     real heard = choose(component < ping->components, weight, R(0.0));
@@ -119,17 +132,17 @@ static uint shade_rays(const world *w, const ray_store *store, __global const fl
 
 /* One work-item per piece (mirror_ray.h). */
 __kernel void shade(__global const dev_ping *pings, __global const dev_ray *rays,
-                    __global const float *solid_angles, __global const float *splats,
-                    __global const dev_hit *hits, __global const dev_triangle *triangles,
-                    __global const dev_part *parts, __global const dev_material *materials,
-                    __global const float *water, __global dev_parcel *parcels,
-                    __global long *accumulator, __global uint *saturated, __global dev_ray *bounced,
-                    __global float4 *mirrors) {
+                    __global float *solid_angles, __global const float *splats,
+                    __global const float *face_density, __global const dev_hit *hits,
+                    __global const dev_triangle *triangles, __global const dev_part *parts,
+                    __global const dev_material *materials, __global const float *water,
+                    __global dev_parcel *parcels, __global long *accumulator,
+                    __global uint *saturated, __global dev_ray *bounced, __global float4 *mirrors) {
     __global const dev_ping *ping = row_ping(pings);
     size_t own = row_slots(ping);
     uint first = (uint)(get_global_id(0)) * PIECE, at = first, cut = 0u;
     uint end = min(first + PIECE, batch_slots(ping));
-    world w = {ping, beams_of(ping), triangles, parts, materials};
+    world w = {ping, beams_of(ping), triangles, parts, materials, face_density};
     ray_store store = {rays + own, solid_angles + own, splats + own, hits + own};
     sink to = {row_cells(ping, accumulator), parcels + PARCEL_SETS * own};
     mirror_store reflected = {bounced + own, mirrors + own};

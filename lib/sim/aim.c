@@ -11,8 +11,6 @@
  * adaptive sampler's tails cover all azimuths in front by themselves; measured on the paper's
  * first scenario, a share of 0.1 costs it a factor of two in error. */
 #define WIDE_SHARE 0.1
-/* The same beside a sector: what comes from beyond its margin is little. */
-#define SECTOR_WIDE_SHARE 0.02
 /* Sine of the slope from which a beam's second ridge gets lobes. */
 #define STEEP 0.5
 /* Distinct aims that get a lobe of their own; beyond, lobes are spread over the sector. */
@@ -63,8 +61,8 @@ static dev_lobe beam_lobe(const dev_beam *beam) {
 }
 
 /* Azimuth ridge of a beam: where the direction cosine along its horizontal (ACROSS false) or
- * vertical side is zero, and with it that side's pattern 1. OTHER_SIDE picks one of the two. */
-static dev_lobe ridge_lobe(const dev_beam *beam, bool across, bool other_side) {
+ * vertical side is zero, and with it that side's pattern 1. */
+static dev_lobe ridge_lobe(const dev_beam *beam, bool across) {
     const float *row = beam->rows + (across ? 6 : 3);
     double horizontal = hypot(row[0], row[1]);
     double length_wl = across ? beam->length_v_wl : beam->length_h_wl;
@@ -74,7 +72,7 @@ static dev_lobe ridge_lobe(const dev_beam *beam, bool across, bool other_side) {
     lobe.tilt = (float)(row[2] / fmax(horizontal, 1e-6));
     double heading = atan2(beam->rows[1], beam->rows[0]);
     double plus = fabs(wrap(lobe.beta_rad + ASDIC_PI / 2.0 - heading));
-    lobe.side = (plus <= ASDIC_PI / 2.0) != other_side ? 1.0f : -1.0f;
+    lobe.side = plus <= ASDIC_PI / 2.0 ? 1.0f : -1.0f;
     return lobe;
 }
 
@@ -115,18 +113,13 @@ static void add_beam(asdic_sampler sampler, const dev_beam *beam, dev_lobe *lobe
         return;
     }
     /* The side that is narrower in azimuth leads the way; a rolled or steep beam has its other ridge
-     * in reach too, a steep one looks at both sides of the nadir. */
+     * in reach too. */
     double along_h = hypot(beam->rows[3], beam->rows[4]) * beam->length_h_wl;
     double along_v = hypot(beam->rows[6], beam->rows[7]) * beam->length_v_wl;
     bool vertical_first = along_v > along_h;
-    bool steep = fabsf(beam->rows[2]) > STEEP;
-    add_lobe(sampler, ridge_lobe(beam, vertical_first, false), lobes, count);
-    if (steep) {
-        add_lobe(sampler, ridge_lobe(beam, vertical_first, true), lobes, count);
-    }
+    add_lobe(sampler, ridge_lobe(beam, vertical_first), lobes, count);
     if (fmin(along_h, along_v) > STEEP * fmax(along_h, along_v)) {
-        add_lobe(sampler, ridge_lobe(beam, !vertical_first, false), lobes, count);
-        add_lobe(sampler, ridge_lobe(beam, !vertical_first, true), lobes, count);
+        add_lobe(sampler, ridge_lobe(beam, !vertical_first), lobes, count);
     }
 }
 
@@ -158,12 +151,12 @@ static double azimuth_of(const dev_lobe *ridge) {
  * one piece. */
 static void add_sector(const dev_beam *receivers, size_t receiver_count, dev_lobe *lobes,
                        unsigned *count) {
-    dev_lobe ridge = ridge_lobe(&receivers[0], false, false), lobe = ridge;
+    dev_lobe ridge = ridge_lobe(&receivers[0], false), lobe = ridge;
     double at = 0.0, least = 0.0, most = 0.0, scale = ridge.scale_h, first = azimuth_of(&ridge);
     lobe.most_tilt = ridge.tilt;
     for (size_t r = 1; r < receiver_count; r++) {
         double before = azimuth_of(&ridge);
-        ridge = ridge_lobe(&receivers[r], false, false);
+        ridge = ridge_lobe(&receivers[r], false);
         at += wrap(azimuth_of(&ridge) - before);
         scale = fmax(scale, ridge.scale_h);
         if (at < least) {
@@ -204,9 +197,7 @@ unsigned asdic_aim_lobes(asdic_sampler sampler, const dev_beam *beams, size_t re
         sector = sampler == ASDIC_SAMPLER_ADAPTIVE;
         (sector ? add_sector : add_picked)(beams + 1, receiver_count, lobes, &count);
     }
-    double wide = sampler == ASDIC_SAMPLER_BEAM || rear ? WIDE_SHARE
-                  : sector                              ? SECTOR_WIDE_SHARE
-                                                        : 0.0;
+    double wide = sampler == ASDIC_SAMPLER_BEAM || rear ? WIDE_SHARE : 0.0;
     for (unsigned j = 0; j < count; j++) {
         lobes[j].share = (float)((1.0 - wide) / count);
     }
@@ -220,6 +211,21 @@ unsigned asdic_aim_lobes(asdic_sampler sampler, const dev_beam *beams, size_t re
         begin += lobes[j].share;
     }
     return count;
+}
+
+static double envelope(const dev_beam *beam, asdic_vec3 u) {
+    const float *y = beam->rows + 3, *z = beam->rows + 6;
+    double h = ASDIC_PI * beam->length_h_wl * (y[0] * u.x + y[1] * u.y + y[2] * u.z);
+    double v = ASDIC_PI * beam->length_v_wl * (z[0] * u.x + z[1] * u.y + z[2] * u.z);
+    return 1.0 / ((1.0 + h * h) * (1.0 + v * v));
+}
+
+double asdic_aim_envelope(const dev_beam *beams, size_t receiver_count, asdic_vec3 towards) {
+    double best = 0.0;
+    for (size_t b = 1; b <= receiver_count; b++) {
+        best = fmax(best, envelope(&beams[b], towards));
+    }
+    return envelope(&beams[0], towards) * best;
 }
 
 double asdic_aim_footprint_rays(const dev_lobe *lobe) {

@@ -17,6 +17,10 @@ dev_beam asdic_aim_beam(const asdic_beam *beam, const asdic_pose *pose, double w
 unsigned asdic_aim_lobes(asdic_sampler sampler, const dev_beam *beams, size_t receiver_count,
                          bool rear, dev_lobe *lobes);
 
+/* How loud a direction TOWARDS a world point may be: envelopes of sinc^2, nulls filled, of the transmitter
+ * (beams[0]) and of the receiver that hears it best. */
+double asdic_aim_envelope(const dev_beam *beams, size_t receiver_count, asdic_vec3 towards);
+
 /* How many rays, next to each other in elevation, a footprint in range should span when LOBE, the
  * first of a ping's, guides them. Successive rays of the lattice look elsewhere: few suffice where
  * they aim at single beams; over a sector as many are needed as beams lie side by side in it, lest

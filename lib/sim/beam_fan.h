@@ -1,5 +1,5 @@
 /*
- * A fan of many receivers: one map of azimuth cells for all of them, see kernels/receive.h.
+ * Many receivers: arrivals sorted by range, then weighed for all receivers at once, see kernels/fan.cl.
  */
 #ifndef ASDIC_SIM_BEAM_FAN_H
 #define ASDIC_SIM_BEAM_FAN_H
@@ -9,42 +9,44 @@
 #include "../../kernels/ping_types.h"
 #include "ocl/ocl.h"
 
+/* Rays of a batch. Sums are floats in the order of rays, batch by batch: the same on every device. */
+#define ASDIC_FAN_BATCH ((size_t)1 << 17)
+
 typedef struct asdic_beam_fan {
-    unsigned cells;        /* azimuth cells; 0: the receivers are not a fan */
-    unsigned stride;       /* beams rounded up to a tile of fan.cl */
-    unsigned run;          /* bins of a work-item that projects */
-    bool circle;           /* cells go all round, not only over the front */
-    float table_length_wl; /* apertures that the table is of */
-    asdic_kernel *make_table, *pack, *project;
-    asdic_buffer *bearings, *table, *entries, *lists;
+    bool many;        /* false: so few receivers that each ray is weighed where it is shaded */
+    bool common_axis; /* faces of one size that differ in yaw about one axis only */
+    unsigned blocks;  /* of rays, that are sorted at the same time */
+    unsigned width;   /* receivers of a vector */
+    asdic_kernel *count, *place, *scatter, *project;
+    asdic_buffer *counts, *made, *lists, *arrivals;
     asdic_fetch **fetches; /* a tile's each, on their way to the host */
+    size_t tiles;
 } asdic_beam_fan;
 
-/* Fills CELLS, STRIDE and CIRCLE: a fan is at least 16 receivers of one size whose faces differ in
- * yaw about a common axis only, with a transmitter at most a quarter as wide. */
-void asdic_beam_fan_plan(const asdic_sonar *sonar, double wavelength_m, asdic_beam_fan *fan);
+/* Fills MANY and COMMON_AXIS. */
+void asdic_beam_fan_plan(const asdic_sonar *sonar, asdic_beam_fan *fan);
 
-/* Kernels and buffers for a planned fan of SONAR with ROWS of (component, bin) and vectors of WIDTH;
- * nothing when there is none. */
+/* What a fan's kernels and buffers are made for. */
+typedef struct asdic_beam_fan_size {
+    size_t receivers, bins, components, slots; /* slots: of rays */
+    bool mirrors;
+    unsigned width; /* of the ray kernels' vectors */
+} asdic_beam_fan_size;
+
+/* Kernels and buffers; nothing where receivers are few. */
 asdic_status asdic_beam_fan_init(asdic_beam_fan *fan, asdic_device *device,
-                                 const asdic_sonar *sonar, unsigned width, size_t rows);
+                                 const asdic_beam_fan_size *size);
 void asdic_beam_fan_finish(asdic_beam_fan *fan, asdic_device *device);
 
-/* The fan's frame and cells of a ping whose beams (transmitter first) are aimed. */
+/* The frame of the common axis of a ping whose beams (transmitter first) are aimed. */
 void asdic_beam_fan_describe(const asdic_beam_fan *fan, const dev_beam *beams, dev_ping *ping);
 
-/* Flags of a row of COLUMNS, see receive.h. */
-unsigned asdic_beam_fan_flags(size_t columns);
-/* Bytes behind the accumulator's cells: ROWS of flags, and a count; none where there is no fan. */
-size_t asdic_beam_fan_tail_bytes(const asdic_beam_fan *fan, size_t rows);
-
-/* Enqueues cells to beams, tile by tile: ACCUMULATOR, which is cleared, to RESULTS, floats
- * [beam][component][bin] and one word of cut deposits, which are fetched to HOST_RESULTS. */
+/* Enqueues what PARCELS of one batch hold to RESULTS, floats [beam][component][bin]; the sums of the
+ * batches before are kept. The last batch's are fetched to HOST_RESULTS, tile by tile. */
 asdic_status asdic_beam_fan_project(asdic_beam_fan *fan, const dev_ping *ping,
-                                    asdic_buffer *ping_buffer, asdic_buffer *accumulator,
-                                    asdic_buffer *saturated, asdic_buffer *results,
-                                    float *host_results);
-/* Blocks until the beams of TILE are there; with the last one, the word of cut deposits. */
+                                    asdic_buffer *ping_buffer, asdic_buffer *parcels,
+                                    asdic_buffer *results, float *host_results);
+/* Blocks until the beams of TILE are there. */
 asdic_status asdic_beam_fan_wait(asdic_beam_fan *fan, asdic_device *device, size_t tile);
 
 #endif

@@ -1,11 +1,14 @@
 /*
  * How far a ping's groups tell its error. A lattice of N points errs like 1 / N, its N / 16 interleaved
- * subsets err more than sixteen-fold less random samples would: taken at face value they overstate
- * the error of the whole. Two more pings with shifts of their own, once per block, show the true
- * error; its ratio to what the groups suggest corrects the block's pings. A fan's map has one group and
- * a nominal spread of 1: the ratio then is the relative variance.
+ * subsets err more than sixteen-fold less random samples would: taken at face value they overstate the
+ * error of the whole. A few more pings with shifts of their own, once per block, show the true error; its
+ * ratio to what the groups suggest corrects the block's pings. A ping of many receivers has one group and a
+ * nominal spread of 1: the ratio then is the relative variance.
  *
- * Whether a ratio is fit to be used is measured by true over stated error in the benchmark scenes
+ * Those pings also tell what a ping may have missed: one that holds less energy than they did knows less of
+ * its error than they do.
+ *
+ * Whether a statement is fit to be used is measured by true over stated error in scenes of every kind
  * (tests/kernel/test_honesty.c); so were the constants below chosen.
  */
 #include "simulator.h"
@@ -17,37 +20,63 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Bins on each side that share a ratio: two pings give one degree of freedom per bin. */
-#define WINDOW 12
-/* The beam's typical ratio counts as much as this many bins: neighbours that see the same water err
- * alike, and tell less than their number. */
-#define TYPICAL_WEIGHT 4.0
+/* Pings of a calibration: the variance of a cell has one degree of freedom less. */
+#define PINGS 3
+/* Median of a normal error's mean square with two degrees of freedom. */
+#define MEDIAN_SQUARE 0.693
+/* Bins on each side that share a ratio. */
+#define WINDOW 16
+/* A beam's typical ratio counts as much as this many bins: neighbours that see the same water err alike,
+ * and tell less than their number. */
+#define TYPICAL_WEIGHT 6.0
 #define TYPICAL_SAMPLES 128
-/* Median of a normal error's square. */
-#define MEDIAN_SQUARE 0.455
+/* No cell moves a ratio by more: a few rare bright rays would rule the window. */
+#define MOST_RATIO 20.0
 /* What groups suggest is a mean of this ping's (ASDIC_OWN_PING), of the calibration's in this bin and in
  * its neighbours: a ping that missed a rare bright ray does not know it. */
 #define OWN_BIN 0.4
 #define NEIGHBOURS (1.0 - ASDIC_OWN_PING - OWN_BIN)
 /* Share of the calibration's own error in a bin that is added: spikes err unlike their neighbours. */
 #define OWN_ERROR 0.1
-/* The mean square of error over stated error is to be one: of n squares of normal errors the mean of
- * the inverse is n / (n - 2). */
-#define FEW_SQUARES (30.0 / 28.0)
+/* The larger of several estimates is taken in places: by so much the variance is too large then, as
+ * measured over scenes of every kind. */
+#define LARGER_OF_SEVERAL 1.25
+/* Cells of more than this relative variance hold an echo or two of a kind that is rare, as of mirrors: the
+ * bins on each side might as well have met it. */
+#define RARE 0.7
+#define RARE_WINDOW 6
+/* Receivers, and bins, on each side that share an error where receivers are many. */
+#define BEAM_WINDOW 8
+#define BIN_WINDOW 1
 
-/* What the calibration's two pings gave, per cell. Kept from block to block: of many beams and bins it is
- * a hundred megabytes, which take longer to get than to fill. */
-typedef struct asdic_pair {
-    double *energy[2];    /* totals without noise */
-    float *suggested;     /* mean of the relative variances that the groups suggest */
-    asdic_ping *pings[2]; /* the latest; one only where pings go alone */
-} pair;
+/* What the calibration's pings gave, per cell. Kept from block to block: of many beams and bins it is a
+ * hundred megabytes, which take longer to get than to fill. */
+typedef struct asdic_calibration {
+    double *energy[PINGS];    /* without noise */
+    double *mean;             /* of the energies before the pulse's length */
+    float *suggested;         /* mean of the relative variances that the groups suggest */
+    float *rare;              /* of these what cells of more than RARE have */
+    asdic_ping *pings[PINGS]; /* the latest; as many as go to the device together */
+    double *row;              /* scratch, 4 (bins + 1) */
+} calibration;
 
-/* The relative variance of one ping that the two differ by in one cell; negative where there is none. */
-static double cell_variance(const pair *p, size_t cell) {
-    double sum = p->energy[0][cell] + p->energy[1][cell];
-    double d = p->energy[0][cell] - p->energy[1][cell];
-    return sum > 0.0 && p->suggested[cell] > 0.0f ? 2.0 * (d / sum) * (d / sum) : -1.0;
+/* The relative variance of one ping by how the calibration's differ in a cell; negative: nothing there. */
+static double cell_variance(const calibration *c, size_t cell) {
+    double sum = 0.0, squares = 0.0;
+    for (int k = 0; k < PINGS; k++) {
+        sum += c->energy[k][cell];
+    }
+    double mean = sum / PINGS;
+    for (int k = 0; k < PINGS; k++) {
+        double d = c->energy[k][cell] - mean;
+        squares += d * d;
+    }
+    return mean > 0.0 && c->suggested[cell] > 0.0f ? squares / ((PINGS - 1) * mean * mean) : -1.0;
+}
+
+static double cell_ratio(const calibration *c, size_t cell) {
+    double variance = cell_variance(c, cell);
+    return variance < 0.0 ? -1.0 : fmin(variance / c->suggested[cell], MOST_RATIO);
 }
 
 static int compare(const void *a, const void *b) {
@@ -57,17 +86,30 @@ static int compare(const void *a, const void *b) {
 
 /* What most bins of a beam from cell FIRST on have as ratio: by the median, which bins in deep nulls,
  * far off, do not move. */
-static double typical_ratio(const asdic_simulator *sim, size_t first, const pair *p) {
+static double typical_ratio(const asdic_simulator *sim, size_t first, const calibration *c) {
     double ratios[TYPICAL_SAMPLES];
     size_t count = 0, step = (sim->bins + TYPICAL_SAMPLES - 1) / TYPICAL_SAMPLES;
     for (size_t n = 0; n < sim->bins; n += step) {
-        double variance = cell_variance(p, first + n);
-        if (variance >= 0.0) {
-            ratios[count++] = variance / p->suggested[first + n];
+        double ratio = cell_ratio(c, first + n);
+        if (ratio >= 0.0) {
+            ratios[count++] = ratio;
         }
     }
     qsort(ratios, count, sizeof *ratios, compare);
     return count ? ratios[count / 2] / MEDIAN_SQUARE : 1.0;
+}
+
+/* Sums of VALUES up to each bin, which SUMS, one longer, takes; then the sum within REACH of bin N. */
+static void add_up(const double *values, size_t bins, double *sums) {
+    sums[0] = 0.0;
+    for (size_t n = 0; n < bins; n++) {
+        sums[n + 1] = sums[n] + values[n];
+    }
+}
+
+static double within(const double *sums, size_t bins, size_t n, size_t reach) {
+    size_t from = n > reach ? n - reach : 0, to = n + reach + 1 < bins ? n + reach + 1 : bins;
+    return sums[to] - sums[from];
 }
 
 static double neighbours_of(const float *values, size_t n, size_t bins) {
@@ -75,113 +117,177 @@ static double neighbours_of(const float *values, size_t n, size_t bins) {
     return (before + values[n] + after) / 3.0;
 }
 
-static void calibrate_beam(asdic_simulator *sim, size_t beam, const pair *p) {
-    size_t first = beam * sim->bins, bins = sim->bins;
-    double *sums = sim->smear_scratch, *counts = sums + bins + 1; /* before each bin */
-    sums[0] = counts[0] = 0.0;
+/* What rare echoes of the bins round N are worth there, as variance. Echoes fall as range^-2. */
+static void spread_rare(const asdic_simulator *sim, size_t first, const calibration *c,
+                        asdic_stated_error *stated) {
+    size_t bins = sim->bins;
+    double *values = c->row, *sums = values + bins + 1;
     for (size_t n = 0; n < bins; n++) {
-        double variance = cell_variance(p, first + n);
-        sums[n + 1] = sums[n] + (variance >= 0.0 ? variance / p->suggested[first + n] : 0.0);
-        counts[n + 1] = counts[n] + (variance >= 0.0);
+        double range2 = ((double)n + 0.5) * ((double)n + 0.5);
+        double at_one = c->mean[first + n] * range2;
+        values[n] = c->rare[first + n] * at_one * at_one;
     }
-    double typical = typical_ratio(sim, first, p);
+    add_up(values, bins, sums);
     for (size_t n = 0; n < bins; n++) {
-        size_t from = n > WINDOW ? n - WINDOW : 0;
-        size_t to = n + WINDOW + 1 < bins ? n + WINDOW + 1 : bins;
-        double ratio = (sums[to] - sums[from] + TYPICAL_WEIGHT * typical) /
-                       (counts[to] - counts[from] + TYPICAL_WEIGHT);
-        double block = OWN_BIN * p->suggested[first + n] +
-                       NEIGHBOURS * neighbours_of(p->suggested + first, n, bins);
-        double own = OWN_ERROR * fmax(cell_variance(p, first + n), 0.0);
-        asdic_stated_error *stated = &sim->stated[first + n];
-        stated->of_groups = (float)(FEW_SQUARES * ratio);
-        stated->of_block = (float)(FEW_SQUARES * (ratio * block + own));
-        if (sim->fan.cells) { /* nothing of the ping's own to go by */
-            double variance = stated->of_block + ASDIC_OWN_PING * stated->of_groups;
-            *stated = (asdic_stated_error){0.0f, (float)sqrt(variance)};
+        double range2 = ((double)n + 0.5) * ((double)n + 0.5), mean = c->mean[first + n] * range2;
+        double shared = within(sums, bins, n, RARE_WINDOW) / (2 * RARE_WINDOW + 1);
+        stated[n].rare = mean > 0.0 ? (float)fmin(0.5 * shared / (mean * mean), 1e6) : 0.0f;
+    }
+}
+
+static void calibrate_beam(asdic_simulator *sim, size_t beam, const calibration *c) {
+    size_t first = beam * sim->bins, bins = sim->bins;
+    double *values = c->row, *sums = values + bins + 1, *counts = sums + bins + 1;
+    for (size_t n = 0; n < bins; n++) {
+        values[n] = fmax(cell_ratio(c, first + n), 0.0);
+    }
+    add_up(values, bins, sums);
+    for (size_t n = 0; n < bins; n++) {
+        values[n] = cell_ratio(c, first + n) >= 0.0;
+    }
+    add_up(values, bins, counts);
+    double typical = typical_ratio(sim, first, c);
+    for (size_t n = 0; n < bins; n++) {
+        double ratio = (within(sums, bins, n, WINDOW) + TYPICAL_WEIGHT * typical) /
+                       (within(counts, bins, n, WINDOW) + TYPICAL_WEIGHT);
+        double block = OWN_BIN * c->suggested[first + n] +
+                       NEIGHBOURS * neighbours_of(c->suggested + first, n, bins);
+        double own = OWN_ERROR * fmax(cell_variance(c, first + n), 0.0) / LARGER_OF_SEVERAL;
+        ratio /= LARGER_OF_SEVERAL;
+        sim->stated[first + n] = (asdic_stated_error){.of_groups = (float)ratio,
+                                                      .of_block = (float)(ratio * block + own),
+                                                      .mean_lin = (float)c->mean[first + n]};
+    }
+    spread_rare(sim, first, c, sim->stated + first);
+}
+
+/* Many receivers: neighbours among them, which see much the same, share an error. */
+static void calibrate_bin(asdic_simulator *sim, size_t n, const calibration *c, double *values,
+                          double *sums) {
+    size_t beams = sim->sonar.receiver_count, bins = sim->bins;
+    size_t from = n > BIN_WINDOW ? n - BIN_WINDOW : 0;
+    size_t to = n + BIN_WINDOW < bins ? n + BIN_WINDOW : bins - 1;
+    for (size_t b = 0; b < beams; b++) {
+        values[b] = 0.0;
+        for (size_t k = from; k <= to; k++) {
+            values[b] += fmax(cell_variance(c, b * bins + k), 0.0) / (double)(to - from + 1);
         }
+    }
+    add_up(values, beams, sums);
+    for (size_t b = 0; b < beams; b++) {
+        size_t low = b > BEAM_WINDOW ? b - BEAM_WINDOW : 0;
+        size_t high = b + BEAM_WINDOW < beams ? b + BEAM_WINDOW : beams - 1;
+        double shared = within(sums, beams, b, BEAM_WINDOW) / (double)(high - low + 1);
+        double own = OWN_ERROR * fmax(cell_variance(c, b * bins + n), 0.0);
+        sim->stated[b * bins + n].of_block = (float)(shared + own);
     }
 }
 
 /* With no calibration yet, a ping states what its groups suggest. */
-static void take_ping(const asdic_simulator *sim, const asdic_ping *ping, uint32_t k, pair *p) {
+static void take_ping(const asdic_simulator *sim, const asdic_ping *ping, int k, calibration *c) {
     for (size_t cell = 0; cell < sim->cells; cell++) {
         double total = ping->intensity_lin[ASDIC_TOTAL][cell];
         double energy = total - ping->intensity_lin[ASDIC_NOISE][cell];
         double spread =
             energy > 0.0 ? log(10.0) / 10.0 * ping->stderr_db[cell] * total / energy : 0.0;
-        p->suggested[cell] += (float)(0.5 * spread * spread);
-        p->energy[k][cell] = energy;
+        double variance = spread * spread / PINGS;
+        c->suggested[cell] += (float)variance;
+        c->rare[cell] += spread * spread > RARE ? (float)variance : 0.0f;
+        c->energy[k][cell] = energy;
     }
 }
 
-/* Shoots both pings, pulse included: neighbouring bins err against each other, and a pulse takes out
- * more of that than of errors that know nothing of each other. */
-static asdic_status shoot_pair(asdic_simulator *sim, const asdic_pose *pose, uint64_t index,
-                               pair *p) {
+static void take_mean(const asdic_simulator *sim, const asdic_ping *ping, calibration *c) {
+    for (size_t cell = 0; cell < sim->cells; cell++) {
+        c->mean[cell] +=
+            (ping->intensity_lin[ASDIC_TOTAL][cell] - ping->intensity_lin[ASDIC_NOISE][cell]) /
+            PINGS;
+    }
+}
+
+/* Shoots them, pulse included: neighbouring bins err against each other, and a pulse takes out more of
+ * that than of errors that know nothing of each other. */
+static asdic_status shoot(asdic_simulator *sim, const asdic_pose *pose, uint64_t index,
+                          calibration *c) {
     asdic_water_column water = asdic_water_column_at(&sim->env, &sim->sonar, pose->position_m.z);
-    const asdic_ping_shot shots[2] = {{*pose, index, ASDIC_STREAM_CALIBRATION},
-                                      {*pose, index, ASDIC_STREAM_CALIBRATION + 1}};
-    size_t volley = p->pings[1] ? 2 : 1;
+    asdic_ping_shot shots[PINGS];
+    for (uint32_t k = 0; k < PINGS; k++) {
+        shots[k] = (asdic_ping_shot){*pose, index, ASDIC_STREAM_CALIBRATION + k};
+    }
+    memset(c->suggested, 0, sim->cells * sizeof *c->suggested);
+    memset(c->rare, 0, sim->cells * sizeof *c->rare);
+    memset(c->mean, 0, sim->cells * sizeof *c->mean);
     asdic_status status = ASDIC_OK;
-    memset(p->suggested, 0, sim->cells * sizeof *p->suggested);
-    for (uint32_t k = 0; !status && k < 2; k++) {
-        asdic_ping *ping = p->pings[k % volley];
-        if (k % volley == 0) {
-            status = asdic_simulator_simulate(sim, shots + k, volley, p->pings);
-        }
-        if (!status) {
-            asdic_pulse_smear(&sim->sonar, water.sound_speed_mps, sim->smear_scratch, ping);
-            take_ping(sim, ping, k, p);
+    for (int k = 0; !status && k < PINGS;) {
+        int together = sim->volley < (size_t)(PINGS - k) ? (int)sim->volley : PINGS - k;
+        status = asdic_simulator_simulate(sim, shots + k, (size_t)together, c->pings);
+        for (int i = 0; !status && i < together; i++, k++) {
+            take_mean(sim, c->pings[i], c);
+            asdic_pulse_smear(&sim->sonar, water.sound_speed_mps, sim->smear_scratch, c->pings[i]);
+            take_ping(sim, c->pings[i], k, c);
         }
     }
     return status;
 }
 
-static asdic_status pair_create(asdic_simulator *sim) {
-    if (sim->pair) {
+static asdic_status calibration_create(asdic_simulator *sim) {
+    if (sim->calibration) {
         return ASDIC_OK;
     }
-    pair *p = sim->pair = calloc(1, sizeof *p);
-    if (p) {
-        p->energy[0] = malloc(sim->cells * sizeof(double));
-        p->energy[1] = malloc(sim->cells * sizeof(double));
-        p->suggested = malloc(sim->cells * sizeof(float));
+    size_t cells = sim->cells,
+           longest = sim->bins > sim->sonar.receiver_count ? sim->bins : sim->sonar.receiver_count;
+    calibration *c = sim->calibration = calloc(1, sizeof *c);
+    bool whole = c != NULL;
+    for (int k = 0; whole && k < PINGS; k++) {
+        whole = (c->energy[k] = malloc(cells * sizeof(double))) != NULL;
     }
-    if (!p || !p->energy[0] || !p->energy[1] || !p->suggested) {
-        asdic_pair_destroy(&sim->pair);
-        return asdic_fail_memory(sim->ctx, "a calibration");
-    }
-    asdic_status status = ASDIC_OK;
-    for (size_t k = 0; !status && k < 2 && k < sim->volley; k++) {
-        status = asdic_ping_create(sim->ctx, sim->sonar.receiver_count, sim->bins, &p->pings[k]);
+    whole = whole && (c->mean = malloc(cells * sizeof *c->mean)) &&
+            (c->suggested = malloc(cells * sizeof *c->suggested)) &&
+            (c->rare = malloc(cells * sizeof *c->rare)) &&
+            (c->row = malloc(4 * (longest + 1) * sizeof *c->row));
+    asdic_status status = whole ? ASDIC_OK : asdic_fail_memory(sim->ctx, "a calibration");
+    for (size_t k = 0; !status && k < PINGS && k < sim->volley; k++) {
+        status = asdic_ping_create(sim->ctx, sim->sonar.receiver_count, sim->bins, &c->pings[k]);
     }
     if (status) {
-        asdic_pair_destroy(&sim->pair);
+        asdic_calibration_destroy(&sim->calibration);
     }
     return status;
 }
 
-void asdic_pair_destroy(asdic_pair **p) {
-    if (*p) {
-        free((*p)->energy[0]);
-        free((*p)->energy[1]);
-        free((*p)->suggested);
-        asdic_ping_destroy(&(*p)->pings[0]);
-        asdic_ping_destroy(&(*p)->pings[1]);
-        free(*p);
-        *p = NULL;
+void asdic_calibration_destroy(asdic_calibration **c) {
+    if (*c) {
+        for (int k = 0; k < PINGS; k++) {
+            free((*c)->energy[k]);
+            asdic_ping_destroy(&(*c)->pings[k]);
+        }
+        free((*c)->mean);
+        free((*c)->suggested);
+        free((*c)->rare);
+        free((*c)->row);
+        free(*c);
+        *c = NULL;
     }
 }
 
 asdic_status asdic_simulator_calibrate(asdic_simulator *sim, const asdic_pose *pose,
                                        uint64_t index) {
-    asdic_status status = pair_create(sim);
+    asdic_status status = calibration_create(sim);
+    calibration *c = sim->calibration;
     if (!status) {
-        status = shoot_pair(sim, pose, index, sim->pair);
+        status = shoot(sim, pose, index, c);
     }
-    for (size_t beam = 0; !status && beam < sim->sonar.receiver_count; beam++) {
-        calibrate_beam(sim, beam, sim->pair);
+    if (status) {
+        return status;
     }
-    return status;
+    if (sim->fan.many) {
+        for (size_t n = 0; n < sim->bins; n++) {
+            calibrate_bin(sim, n, c, c->row, c->row + sim->sonar.receiver_count + 1);
+        }
+        return ASDIC_OK;
+    }
+    for (size_t beam = 0; beam < sim->sonar.receiver_count; beam++) {
+        calibrate_beam(sim, beam, c);
+    }
+    return ASDIC_OK;
 }

@@ -1,5 +1,6 @@
 #include "cones.h"
 
+#include "aim.h"
 #include "base/vec.h"
 
 #include <math.h>
@@ -16,27 +17,17 @@
 typedef struct candidate {
     asdic_vec3 towards; /* unit */
     double sine, score;
+    size_t part;
 } candidate;
 
 static double along(const float *row, asdic_vec3 u) {
     return row[0] * u.x + row[1] * u.y + row[2] * u.z;
 }
 
-/* Envelope of sinc^2: how much an aperture can make of a direction, nulls filled. */
-static double envelope(const dev_beam *beam, asdic_vec3 u) {
-    double h = ASDIC_PI * beam->length_h_wl * along(beam->rows + 3, u);
-    double v = ASDIC_PI * beam->length_v_wl * along(beam->rows + 6, u);
-    return 1.0 / ((1.0 + h * h) * (1.0 + v * v));
-}
-
 /* How loud an object may be: two-way gain, cross-section, spreading. */
 static double score(const candidate *c, const dev_beam *beams, size_t receivers, double range_m) {
-    double best = 0.0;
-    for (size_t b = 1; b <= receivers; b++) {
-        best = fmax(best, envelope(&beams[b], c->towards));
-    }
     double spread = c->sine / range_m;
-    return envelope(&beams[0], c->towards) * best * spread * spread;
+    return asdic_aim_envelope(beams, receivers, c->towards) * spread * spread;
 }
 
 /* False if the object needs no cone, or none of it can be heard. */
@@ -67,6 +58,7 @@ static unsigned pick(const asdic_part *parts, size_t part_count, asdic_vec3 posi
         if (!consider(&parts[i], position_m, beams, ping, &c)) {
             continue;
         }
+        c.part = i;
         unsigned at = count < DEV_MAX_CONES ? count++ : DEV_MAX_CONES;
         while (at > 0 && c.score > best[at - 1].score) {
             if (at < DEV_MAX_CONES) {
@@ -77,6 +69,16 @@ static unsigned pick(const asdic_part *parts, size_t part_count, asdic_vec3 posi
         if (at < DEV_MAX_CONES) {
             best[at] = c;
         }
+    }
+    return count;
+}
+
+unsigned asdic_cones_pick(const asdic_part *parts, size_t part_count, asdic_vec3 position_m,
+                          const dev_beam *beams, const dev_ping *ping, size_t *with_cone) {
+    candidate best[DEV_MAX_CONES];
+    unsigned count = pick(parts, part_count, position_m, beams, ping, best);
+    for (unsigned c = 0; c < count; c++) {
+        with_cone[c] = best[c].part;
     }
     return count;
 }
@@ -98,11 +100,6 @@ static void fill_rows(asdic_vec3 w, float rows[9]) {
 void asdic_cones_place(const asdic_part *parts, size_t part_count, asdic_vec3 position_m,
                        const dev_beam *beams, dev_ping *ping) {
     candidate best[DEV_MAX_CONES];
-    ping->background = ping->rays;
-    ping->cones = 0;
-    if (ping->sampler != DEV_SAMPLER_ADAPTIVE) {
-        return;
-    }
     ping->cones = pick(parts, part_count, position_m, beams, ping, best);
     if (ping->cones == 0) {
         return;

@@ -58,12 +58,32 @@ static void place_zones(const asdic_simulator *sim, const asdic_pose *pose, dev_
     }
 }
 
+/* How far the lattices of a calibration's pings lie from the first's, in turns of the golden coordinate:
+ * shifts drawn independently now and then lie beside each other, and the pings then agree by chance. */
+static const double CALIBRATION_APART[] = {0.0, 2.0 / 15.0, 0.35};
+
 /* The ping's lattice shift: the same for every device and order of pings. */
 static void place_lattice(dev_ping *ping, uint32_t stream) {
     random4 shift = random_draw(stream, ping->ping[0], ping->ping[1], RANDOM_SHIFT, ping->seed[0],
                                 ping->seed[1]);
     ping->lattice_offset = (float)random_uniform(shift.v[0]);
     ping->lattice_shift = shift.v[1];
+    if (stream >= ASDIC_STREAM_CALIBRATION && stream < ASDIC_STREAM_PILOT) {
+        random4 first = random_draw(ASDIC_STREAM_CALIBRATION, ping->ping[0], ping->ping[1],
+                                    RANDOM_SHIFT, ping->seed[0], ping->seed[1]);
+        uint32_t nth = stream - ASDIC_STREAM_CALIBRATION;
+        ping->lattice_shift = first.v[1] + (uint32_t)(CALIBRATION_APART[nth] * 0x1p32);
+    }
+}
+
+/* Share of the rays that is aimed at faces, where there are any. */
+#define FACE_SHARE 0.1
+
+static void place_faces(const asdic_simulator *sim, dev_ping *ping) {
+    ping->faces = (dev_uint)sim->faces.count;
+    ping->face_count = sim->faces.count ? (dev_uint)(FACE_SHARE * ping->rays) : 0;
+    ping->background -= ping->face_count;
+    ping->face_first = ping->background;
 }
 
 static dev_uint sampler_code(asdic_sampler sampler) {
@@ -77,20 +97,16 @@ static dev_uint sampler_code(asdic_sampler sampler) {
 #define MOST_WIDTH 16u
 
 /* Components begin at whole runs, groups at an odd number of cache lines from each other: at a power
- * of two they would all want the same place in a cache. A fan's map is packed. Where a work-item owns
- * its cells, collect.cl adds to rows of four or eights of columns as vectors. */
+ * of two they would all want the same place in a cache. Where a work-item owns its cells, collect.cl
+ * adds to rows of four or eights of columns as vectors. */
 static void shape_accumulator(const asdic_simulator *sim, dev_ping *fixed) {
     const asdic_scene *scene = sim->scene;
-    bool fan = sim->fan.cells != 0;
     size_t beams = sim->sonar.receiver_count, groups = sim->groups, owners = sim->layout.owners;
     bool owned = sim->layout.deposit == ASDIC_DEPOSIT_OWNED, wide = owned && beams > 2;
-    size_t columns = fan    ? (size_t)DEV_FAN_LEVELS * sim->fan.cells
-                     : wide ? (beams <= 4 ? 4 : (beams + 7) / 8 * 8)
-                            : beams;
-    size_t rows = fan ? sim->bins : (sim->bins + MOST_RUN - 1) / MOST_RUN * MOST_RUN;
+    size_t columns = wide ? (beams <= 4 ? 4 : (beams + 7) / 8 * 8) : beams;
+    size_t rows = (sim->bins + MOST_RUN - 1) / MOST_RUN * MOST_RUN;
     size_t cells = sim->components * rows * columns + MOST_WIDTH;
     fixed->columns = (dev_uint)columns;
-    fixed->fan_flags = fan ? asdic_beam_fan_flags(columns) : 0;
     fixed->component_rows = (dev_uint)rows;
     fixed->group_cells = (dev_uint)(((cells + 7) / 8 | 1) * 8);
     if (owners == 0 || owners > groups || groups * sim->per_group < sim->sampling.rays) {
@@ -179,7 +195,13 @@ void asdic_simulator_describe(asdic_simulator *sim, const asdic_pose *pose, uint
     memcpy(ping->front, beams[0].rows, sizeof ping->front);
     ping->front_azimuth_rad = atan2f(ping->front[1], ping->front[0]);
     asdic_beam_fan_describe(&sim->fan, beams, ping);
-    asdic_cones_place(sim->placement->parts, scene->part_count, pose->position_m, beams, ping);
+    ping->azimuths_learnt = sim->azimuths_learnt;
+    ping->background = rays;
+    ping->cones = ping->face_count = 0;
+    if (ping->sampler == DEV_SAMPLER_ADAPTIVE) {
+        place_faces(sim, ping);
+        asdic_cones_place(sim->placement->parts, scene->part_count, pose->position_m, beams, ping);
+    }
     place_zones(sim, pose, ping);
     place_lattice(ping, stream);
 }

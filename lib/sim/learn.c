@@ -1,15 +1,15 @@
 /*
- * Learning where rays matter: pilot pings at a block's first pose give, for every cell of the
- * sampling coordinate, how much of each bin's echo it brings; the block's pings then draw every
- * bin's rays in that proportion.
+ * Learning where rays matter: pilot pings at a block's first pose give, for every cell of elevation and
+ * azimuth, how much of each bin's energy it brings; the block's pings then draw every bin's rays in
+ * that proportion.
  */
 #include "simulator.h"
 
 #include <asdic/plan.h>
 
 #include "base/context.h"
-
-#include "../../kernels/sampler.h"
+#include "bin_laws.h"
+#include "scene/scene.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -17,21 +17,23 @@
 
 #define PICKED_MOST 8
 #define LEAST_PILOT_RAYS 1024u
-/* Share of the density that is learnt; the rest stays even, so that no direction is starved and
- * weights stay bounded whatever the pilots missed. */
-#define LEARNT_SHARE 0.7
+/* Share of the density that is learnt; the rest stays as it was, so that no direction is starved and
+ * weights stay bounded whatever the pilots missed. Of azimuths, cells are fewer and hold more. */
+#define LEARNT_ELEVATION 0.7
+#define STARVED 2.0
+#define SURE 1.5
 /* The second pilot is drawn by what the first learnt: two of 4,096 rays are worth one of 16,384. */
 #define PILOT_ROUNDS 2u
-/* Echoes from the gap count from this share of a bin on, and lower the bottom zone to at most this. */
-#define GAP_DEMAND 0.01
-#define LOWEST 0.2
 /* Cells are smoothed by a triangle of this many cells each side. */
 #define SMOOTH 3
+/* The bottom zone assumes a bottom as high as what stands on it, but not higher than so much of the
+ * altitude. */
+#define LOWEST 0.2
 
 /* What the pilots brought, as in survey.cl. */
 typedef struct survey {
-    const float *xs, *energies;
-    const uint32_t *bins;
+    const dev_survey *rays;
+    const float *energies;
     size_t slots;
     uint32_t picked;
 } survey;
@@ -41,117 +43,171 @@ uint32_t asdic_simulator_picked(const asdic_simulator *sim) {
     return (uint32_t)(beams < PICKED_MOST ? beams : PICKED_MOST);
 }
 
-size_t asdic_simulator_survey_bytes(const asdic_simulator *sim, size_t slots) {
-    return slots * (sizeof(float) + sizeof(uint32_t) + asdic_simulator_picked(sim) * sizeof(float));
-}
-
 /* Draws, traces and surveys the pilot rays; blocks. */
 static asdic_status survey_run(asdic_simulator *sim, survey *s) {
     const dev_ping *ping = sim->ping;
     s->slots = (size_t)ping->groups * ping->per_group;
     s->picked = asdic_simulator_picked(sim);
-    s->xs = sim->survey;
-    s->bins = (const uint32_t *)(s->xs + s->slots);
-    s->energies = s->xs + 2 * s->slots;
+    s->rays = sim->survey_rays;
+    s->energies = sim->survey_energies;
     asdic_kernel_arg args[] = {ASDIC_ARG_BUFFER(sim->ping_buffer),
                                ASDIC_ARG_BUFFER(sim->rays),
                                ASDIC_ARG_BUFFER(sim->solid_angles),
+                               ASDIC_ARG_BUFFER(sim->splats),
+                               ASDIC_ARG_BUFFER(sim->faces.density_buffer),
                                ASDIC_ARG_BUFFER(sim->hits),
                                ASDIC_ARG_BUFFER(asdic_simulator_triangles(sim)),
                                ASDIC_ARG_BUFFER(sim->parts),
                                ASDIC_ARG_BUFFER(sim->materials),
-                               ASDIC_ARG_BUFFER(sim->survey_rows),
+                               ASDIC_ARG_BUFFER(sim->table_buffer),
+                               ASDIC_ARG_BUFFER(sim->survey_ray_buffer),
+                               ASDIC_ARG_BUFFER(sim->survey_energy_buffer),
                                ASDIC_ARG_VALUE(s->picked)};
     asdic_status status = asdic_simulator_draw(sim, 1);
     if (!status) {
         status = asdic_kernel_run(sim->survey_kernel, args, sizeof args / sizeof *args,
                                   s->slots / sim->layout.width, sim->layout.local);
     }
-    return status ? status
-                  : asdic_buffer_read(sim->survey_rows, 0,
-                                      asdic_simulator_survey_bytes(sim, s->slots), sim->survey);
+    if (!status) {
+        status = asdic_buffer_read(sim->survey_ray_buffer, 0, s->slots * sizeof *s->rays,
+                                   sim->survey_rays);
+    }
+    return status
+               ? status
+               : asdic_buffer_read(sim->survey_energy_buffer, 0,
+                                   s->slots * s->picked * 2 * sizeof(float), sim->survey_energies);
 }
 
-/* Q[cell] = sum over receivers and bins of the share of the bin's echo that the cell brings. */
-static asdic_status demand(asdic_simulator *sim, const survey *s, double *q) {
-    double *sums = calloc(sim->bins * s->picked, sizeof *sums);
-    if (!sums) {
+/* For one receiver P: TOTALS[bin], the energy of each bin, relative to its TL d^2; and in CROSSED the sum
+ * of the squared shares that a unit of water is of all bins up to this one. VOLUME is a unit of water's
+ * worth in each bin. */
+static void sum_bins(const survey *s, uint32_t p, const float *volume, size_t bins, double *totals,
+                     double *crossed) {
+    memset(totals, 0, bins * sizeof *totals);
+    memset(crossed, 0, bins * sizeof *crossed);
+    for (size_t i = 0; i < s->slots; i++) {
+        const float *energy = s->energies + 2 * (i * s->picked + p);
+        totals[s->rays[i].last_bin] += energy[0];
+        crossed[s->rays[i].last_bin] += energy[1];
+    }
+    for (size_t n = bins - 1; n-- > 0;) {
+        crossed[n] += crossed[n + 1];
+    }
+    double squares = 0.0;
+    for (size_t n = 0; n < bins; n++) {
+        totals[n] += volume[n] * crossed[n];
+        double share = totals[n] > 0.0 ? volume[n] / totals[n] : 0.0;
+        squares += share * share;
+        crossed[n] = squares;
+    }
+}
+
+/* Of a cell of the table: what its rays need, and the sum of the squares of that. The errors of all bins
+ * are least where the density of rays is as the root of the summed squares of their shares of the bins. */
+typedef struct demand {
+    double sum, squares;
+} demand;
+
+/* Adds to Q[x cell][y cell] what the pilots brought. */
+static asdic_status add_demand(asdic_simulator *sim, const survey *s, demand *q) {
+    double *totals = malloc(2 * sim->bins * sizeof *totals), *crossed = totals + sim->bins;
+    const float *volume =
+        sim->water + sim->bins; /* of the current ping, as row_water in volley.h */
+    double *squares = calloc(s->slots, sizeof *squares);
+    if (!totals || !squares) {
+        free(totals);
+        free(squares);
         return asdic_fail_memory(sim->ctx, "pilot sums");
     }
-    for (size_t i = 0; i < s->slots; i++) {
-        for (uint32_t p = 0; s->bins[i] != UINT32_MAX && p < s->picked; p++) {
-            sums[s->bins[i] * s->picked + p] += s->energies[i * s->picked + p];
+    for (uint32_t p = 0; p < s->picked; p++) {
+        sum_bins(s, p, volume, sim->bins, totals, crossed);
+        for (size_t i = 0; i < s->slots; i++) {
+            const float *energy = s->energies + 2 * (i * s->picked + p);
+            uint32_t last = s->rays[i].last_bin;
+            double echo = totals[last] > 0.0 ? energy[0] / totals[last] : 0.0;
+            squares[i] += echo * echo + (double)energy[1] * energy[1] * crossed[last];
         }
     }
     for (size_t i = 0; i < s->slots; i++) {
-        if (s->bins[i] == UINT32_MAX) {
-            continue;
-        }
-        double *cell = &q[(size_t)fmin(fmax(s->xs[i] * DEV_TABLE_CELLS, 0.0), DEV_TABLE_CELLS - 1)];
-        for (uint32_t p = 0; p < s->picked; p++) {
-            double sum = sums[s->bins[i] * s->picked + p];
-            *cell += sum > 0.0 ? s->energies[i * s->picked + p] / sum : 0.0;
-        }
+        size_t x = (size_t)fmin(fmax(s->rays[i].x * DEV_TABLE_CELLS, 0.0), DEV_TABLE_CELLS - 1);
+        size_t y = (size_t)fmin(fmax(s->rays[i].y * DEV_AZIMUTH_CELLS, 0.0), DEV_AZIMUTH_CELLS - 1);
+        q[x * DEV_AZIMUTH_CELLS + y].sum += sqrt(squares[i]);
+        q[x * DEV_AZIMUTH_CELLS + y].squares += squares[i];
     }
-    free(sums);
+    free(totals);
+    free(squares);
     return ASDIC_OK;
 }
 
-/* Cumulative probabilities from the demand, smoothed, mixed with evenness. */
-static void tabulate(const double *q, float *cumulative) {
-    double smooth[DEV_TABLE_CELLS], total = 0.0, sum = 0.0;
-    for (int i = 0; i < DEV_TABLE_CELLS; i++) {
-        smooth[i] = 0.0;
-        for (int d = -SMOOTH; d <= SMOOTH; d++) {
-            int j = i + d;
-            j = j < 0 ? 0 : j >= DEV_TABLE_CELLS ? DEV_TABLE_CELLS - 1 : j;
-            smooth[i] += q[j] * (SMOOTH + 1 - abs(d));
-        }
-        total += smooth[i];
+/* CUMULATIVE probabilities of COUNT cells from their demand, of which LEARNT is taken. */
+static void accumulate(const double *q, int count, double learnt, float *cumulative) {
+    double total = 0.0, sum = 0.0;
+    for (int i = 0; i < count; i++) {
+        total += q[i];
     }
     cumulative[0] = 0.0f;
-    for (int i = 0; i < DEV_TABLE_CELLS; i++) {
-        double learnt = total > 0.0 ? smooth[i] / total : 1.0 / DEV_TABLE_CELLS;
-        sum += LEARNT_SHARE * learnt + (1.0 - LEARNT_SHARE) / DEV_TABLE_CELLS;
+    for (int i = 0; i < count; i++) {
+        sum += total > 0.0 ? learnt * q[i] / total + (1.0 - learnt) / count : 1.0 / count;
         cumulative[i + 1] = (float)sum;
     }
-    cumulative[DEV_TABLE_CELLS] = 1.0f;
+    cumulative[count] = 1.0f;
 }
 
-/* Whether elevations round the sine UZ belong to an object that has rays of its own. */
-static bool in_cone_band(const dev_ping *ping, double uz) {
-    for (unsigned c = 0; c < ping->cones; c++) {
-        double drop = ping->cone[c].cap, sine = sqrt(drop * (2.0 - drop));
-        double cell = (ping->zone_bottom_m + ping->zone_surface_m) / ping->reach_m /
-                      (ping->zone_share[2] * DEV_TABLE_CELLS);
-        if (fabs(uz - ping->cone[c].rows[8]) <= sine + cell) {
-            return true;
-        }
+static double smoothed(const double *q, int count, int at, int reach) {
+    double sum = 0.0;
+    for (int d = -reach; d <= reach; d++) {
+        int j = at + d < 0 ? 0 : at + d >= count ? count - 1 : at + d;
+        sum += q[j] * (reach + 1 - abs(d));
     }
-    return false;
+    return sum;
 }
 
-/* Where the bottom rises before the range ends, its far bins lie above the bottom zone, crowded in the
- * gap. Whether echoes came from there; if so, the zone is lowered to reach them. Q as from demand. */
-static bool lower_zone(asdic_simulator *sim, const double *q) {
-    const dev_ping *ping = sim->ping;
-    double begin = ping->zone_share[0] + ping->zone_share[1], end = begin + ping->zone_share[2];
-    double sine = INFINITY;
-    for (int i = (int)ceil(begin * DEV_TABLE_CELLS); i + 1 < end * DEV_TABLE_CELLS; i++) {
-        double uz = elevation_of_x(ping, (i + 1.0) / DEV_TABLE_CELLS).uz;
-        if (q[i] > GAP_DEMAND && !in_cone_band(ping, uz)) {
-            sine = uz;
-        }
-        if (uz <= 0.0) {
-            break;
+/* Azimuths of one row of the table from their demand OWN: cells that surely need more than STARVED times
+ * the mean get it, the others stay as they were: noise makes a table coarse, not better. Whether any cell
+ * got more. */
+static bool tabulate_row(const demand *own, float *cumulative) {
+    enum { CELLS = DEV_AZIMUTH_CELLS };
+    double mean = 0.0, weights[CELLS];
+    bool learnt = false;
+    for (int k = 0; k < CELLS; k++) {
+        mean += own[k].sum / CELLS;
+    }
+    for (int k = 0; k < CELLS; k++) {
+        double spread = own[k].sum > 0.0 ? sqrt(own[k].squares) / own[k].sum : 1.0;
+        double needed = mean > 0.0 ? own[k].sum / mean * (1.0 - SURE * spread) : 0.0;
+        weights[k] = needed > STARVED ? needed : 1.0;
+        learnt |= needed > STARVED;
+    }
+    accumulate(weights, CELLS, 1.0, cumulative);
+    return learnt;
+}
+
+/* The learnt table (kernels/learnt.h) from the demand Q; whether azimuths are uneven. */
+static bool tabulate(const demand *q, float *table) {
+    enum { CELLS = DEV_TABLE_CELLS, ROWS = DEV_TABLE_ROWS, AZIMUTHS = DEV_AZIMUTH_CELLS };
+    double elevations[CELLS] = {0.0}, smooth[CELLS];
+    demand rows[ROWS + 2][AZIMUTHS] = {0}; /* with a margin */
+    for (int i = 0; i < CELLS; i++) {
+        for (int k = 0; k < AZIMUTHS; k++) {
+            const demand *own = &q[i * AZIMUTHS + k];
+            elevations[i] += own->sum;
+            for (int near = 0; near < 3; near++) { /* rows share with their neighbours */
+                demand *to = &rows[i / (CELLS / ROWS) + near][k];
+                double weight = near == 1 ? 1.0 : 0.5;
+                to->sum += weight * own->sum;
+                to->squares += weight * weight * own->squares;
+            }
         }
     }
-    double lower = sim->zone_altitude * fmax(sine * ping->reach_m / ping->zone_bottom_m, LOWEST);
-    if (begin <= 0.0 || lower > 0.9 * sim->zone_altitude) {
-        return false;
+    for (int i = 0; i < CELLS; i++) {
+        smooth[i] = smoothed(elevations, CELLS, i, SMOOTH);
     }
-    sim->zone_altitude = lower;
-    return true;
+    accumulate(smooth, CELLS, LEARNT_ELEVATION, table);
+    bool learnt = false;
+    for (int row = 0; row < ROWS; row++) {
+        learnt |= tabulate_row(rows[row + 1], table + CELLS + 1 + (size_t)row * (AZIMUTHS + 1));
+    }
+    return learnt;
 }
 
 /* As many as pay: coarse pings gain little by knowing more than they can use. */
@@ -160,34 +216,85 @@ static uint32_t pilot_rays(const asdic_simulator *sim) {
     return rays > LEAST_PILOT_RAYS ? rays : LEAST_PILOT_RAYS;
 }
 
+static uint32_t picked_beam(const asdic_simulator *sim, uint32_t p) {
+    uint32_t beams = (uint32_t)sim->sonar.receiver_count, picked = asdic_simulator_picked(sim);
+    return picked == beams ? p : p * (beams - 1) / (picked - 1);
+}
+
+/* Where some receivers stand for many, each is as wide as it is to its neighbours, in this ping alone. */
+static void widen_picked(const asdic_simulator *sim) {
+    uint32_t picked = asdic_simulator_picked(sim);
+    dev_beam *receivers = asdic_simulator_beams(sim) + 1;
+    for (uint32_t p = 0; picked < sim->sonar.receiver_count && p < picked; p++) {
+        dev_beam *beam = &receivers[picked_beam(sim, p)];
+        const dev_beam *next = &receivers[picked_beam(sim, p + 1 < picked ? p + 1 : p - 1)];
+        double along = 0.0;
+        for (int k = 0; k < 3; k++) {
+            along += (double)beam->rows[k] * next->rows[k];
+        }
+        double apart = acos(fmin(fmax(along, -1.0), 1.0));
+        beam->length_h_wl = (float)fmin(beam->length_h_wl, 1.0 / fmax(apart, 1e-3));
+    }
+}
+
 /* One pilot ping, sampled by the table so far, gives the next. */
 static asdic_status learn_once(asdic_simulator *sim, const asdic_pose *pose, uint64_t index,
                                uint32_t stream) {
+    asdic_water_column water = asdic_water_column_at(&sim->env, &sim->sonar, pose->position_m.z);
     asdic_simulator_select(sim, 0);
     asdic_simulator_describe(sim, pose, index, stream, pilot_rays(sim));
-    survey s = {0};
-    double q[DEV_TABLE_CELLS] = {0};
-    asdic_status status = survey_run(sim, &s);
-    if (!status) {
-        status = demand(sim, &s, q);
+    widen_picked(sim);
+    if (asdic_bin_laws_tabulate(sim, &water)) {
+        sim->laws[0].absorption_np_per_m = -1.0; /* the device has not been told */
     }
-    if (!status && !(stream == ASDIC_STREAM_PILOT && lower_zone(sim, q))) {
-        tabulate(q, sim->table);
+    survey s = {0};
+    demand *q = calloc((size_t)DEV_TABLE_CELLS * DEV_AZIMUTH_CELLS, sizeof *q);
+    asdic_status status = q ? survey_run(sim, &s) : asdic_fail_memory(sim->ctx, "a pilot ping");
+    if (!status) {
+        status = add_demand(sim, &s, q);
+    }
+    if (!status) {
+        sim->azimuths_learnt = tabulate(q, sim->table);
         sim->table_uploaded = false;
     }
+    free(q);
     return status;
 }
 
 void asdic_simulator_forget(asdic_simulator *sim) {
     sim->zone_altitude = ASDIC_ZONE_ALTITUDE;
+    sim->faces.count = 0;
+    sim->azimuths_learnt = false;
     for (int i = 0; i <= DEV_TABLE_CELLS; i++) {
         sim->table[i] = (float)i / DEV_TABLE_CELLS;
     }
+    for (int i = 0; i < DEV_TABLE_ROWS * (DEV_AZIMUTH_CELLS + 1); i++) {
+        sim->table[DEV_TABLE_CELLS + 1 + i] =
+            (float)(i % (DEV_AZIMUTH_CELLS + 1)) / DEV_AZIMUTH_CELLS;
+    }
     sim->table_uploaded = false;
     for (size_t cell = 0; cell < sim->cells; cell++) {
-        sim->stated[cell] =
-            sim->fan.cells ? (asdic_stated_error){0.0f, 1.0f} : (asdic_stated_error){1.0f, 0.0f};
+        sim->stated[cell] = sim->fan.many ? (asdic_stated_error){.of_block = 1.0f}
+                                          : (asdic_stated_error){.of_groups = 1.0f};
     }
+}
+
+/* Rays that pass over the bottom meet, far out, what stands on it: the zone reaches up to that. */
+static void lower_zone(asdic_simulator *sim, const asdic_pose *pose) {
+    double altitude = asdic_scene_altitude_m(sim->scene, pose->position_m);
+    double bottom = asdic_scene_clearance_m(sim->scene, pose->position_m, sim->fixed.reach_m);
+    double clearance = fmin(bottom, sim->faces.clearance_m);
+    if (isfinite(altitude) && clearance < altitude) {
+        sim->zone_altitude = ASDIC_ZONE_ALTITUDE * fmax(clearance / altitude, LOWEST);
+    }
+}
+
+static asdic_status choose_faces(asdic_simulator *sim, const asdic_pose *pose, uint64_t index) {
+    sim->faces.count = 0;
+    asdic_simulator_select(sim, 0);
+    asdic_simulator_describe(sim, pose, index, ASDIC_STREAM_PILOT, pilot_rays(sim));
+    return asdic_faces_choose(&sim->faces, sim->placement, pose->position_m, sim->ping,
+                              asdic_simulator_beams(sim));
 }
 
 asdic_status asdic_simulator_learn(asdic_simulator *sim, const asdic_pose *pose, uint64_t index) {
@@ -204,6 +311,8 @@ asdic_status asdic_simulator_learn(asdic_simulator *sim, const asdic_pose *pose,
         return status;
     }
     asdic_simulator_forget(sim);
+    status = choose_faces(sim, pose, index);
+    lower_zone(sim, pose);
     for (uint32_t round = 0; !status && round < PILOT_ROUNDS; round++) {
         status = learn_once(sim, pose, index, ASDIC_STREAM_PILOT + round);
     }

@@ -34,15 +34,24 @@ WIDEST static void convert_whole(const int64_t *restrict quanta, double unit,
     }
 }
 
-/* The relative error of an echo, from its SPREAD over the ping's groups and what the block's calibration
- * found. */
+/* Of a ping that holds far less than the block's others, no more is said than that. */
+#define MOST_MISSED 5.0f
+/* Relative; 43 dB say that nothing is known. */
+#define MOST_ERROR 10.0f
+
+/* The relative error of echoes of ENERGY, from their SPREAD over the ping's groups and what the block's
+ * calibration found. */
 WIDEST static void estimate_errors(const asdic_stated_error *restrict stated,
-                                   const float *restrict spread, size_t bins,
-                                   float *restrict error) {
+                                   const float *restrict spread, const double *restrict energy,
+                                   size_t bins, float *restrict error) {
     for (size_t n = 0; n < bins; n++) {
         float own = stated[n].of_groups * spread[n] * spread[n];
-        float variance = (float)ASDIC_OWN_PING * own + stated[n].of_block;
-        error[n] = sqrtf(variance > own ? variance : own);
+        float less = energy[n] > 0.0 ? stated[n].mean_lin / (float)energy[n] : 1.0f;
+        float less2 = less * less < MOST_MISSED ? less * less : MOST_MISSED;
+        float variance =
+            (float)ASDIC_OWN_PING * own + stated[n].of_block * (less > 1.0f ? less2 : 1.0f);
+        variance = (variance > own ? variance : own) + stated[n].rare * less2;
+        error[n] = sqrtf(variance < MOST_ERROR * MOST_ERROR ? variance : MOST_ERROR * MOST_ERROR);
     }
 }
 
@@ -90,7 +99,7 @@ static void convert_beam(const asdic_simulator *sim, const double *unit, size_t 
             }
         }
         if (!sim->sampling.without_errors) {
-            estimate_errors(sim->stated + at, spread + at, count, error);
+            estimate_errors(sim->stated + at, spread + at, echo, count, error);
         }
         end_block(echo, error, at, count, out);
     }
@@ -124,13 +133,6 @@ WIDEST static void add(const double *restrict energy, size_t bins, double *restr
     }
 }
 
-WIDEST static void load_errors(const asdic_stated_error *restrict stated, size_t bins,
-                               float *restrict error) {
-    for (size_t n = 0; n < bins; n++) {
-        error[n] = stated[n].of_block;
-    }
-}
-
 /* convert_beam of a fan. */
 static void convert_fan_beam(const asdic_simulator *sim, const double *unit, size_t beam,
                              asdic_ping *out) {
@@ -156,7 +158,8 @@ static void convert_fan_beam(const asdic_simulator *sim, const double *unit, siz
             }
         }
         if (!sim->sampling.without_errors) {
-            load_errors(sim->stated + at, count, error);
+            static const float none[BLOCK];
+            estimate_errors(sim->stated + at, none, echo, count, error);
         }
         end_block(echo, error, at, count, out);
     }
@@ -164,7 +167,7 @@ static void convert_fan_beam(const asdic_simulator *sim, const double *unit, siz
 
 asdic_status asdic_simulator_convert(asdic_simulator *sim, double source_lin, asdic_ping *out) {
     double unit[DEV_DEPOSIT_COUNT];
-    bool fan = sim->fan.cells != 0;
+    bool fan = sim->fan.many;
     asdic_status status = ASDIC_OK;
     for (int c = 0; c < DEV_DEPOSIT_COUNT; c++) {
         unit[c] = source_lin / sim->ping->deposit_scale[c];
@@ -182,7 +185,6 @@ asdic_status asdic_simulator_convert(asdic_simulator *sim, double source_lin, as
         }
     }
     size_t sums = sim->components * sim->cells;
-    out->saturated = fan ? ((const uint32_t *)results_of(sim))[sums]
-                         : (uint64_t)((const int64_t *)results_of(sim))[sums];
+    out->saturated = fan ? 0 : (uint64_t)((const int64_t *)results_of(sim))[sums];
     return status;
 }

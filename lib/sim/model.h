@@ -11,7 +11,8 @@ extern const asdic_model_info asdic_model_table[];
 
 /* Writes which of VALUES, one a key, lie outside the validity that INFO's source states; NAN: not known.
  * False when none does. */
-bool asdic_model_outside(const asdic_model_info *info, const double *values, char *text, size_t size);
+bool asdic_model_outside(const asdic_model_info *info, const double *values, char *text,
+                         size_t size);
 
 /* Evaluates formula MODEL (its index in the table) for COUNT points of ASDIC_MODEL_MAX_KEYS values
  * each, without checking them. DEVICE NULL: in double on the host. */

@@ -71,8 +71,7 @@ double asdic_ring_cycles(const asdic_ring *ring) {
 /* One-way pattern without the question of front and rear. */
 static double pattern(const asdic_face *face, asdic_vec3 direction) {
     asdic_vec3 v = asdic_mat3_apply(face->world_to_face, direction);
-    double amplitude = sinc(face->length_h_wl * v.y) * sinc(face->length_v_wl * v.z);
-    return amplitude * amplitude;
+    return sinc2(face->length_h_wl * v.y) * sinc2(face->length_v_wl * v.z);
 }
 
 /* Panels of 16 Gauss points hold three cycles to 1e-14. Their nodes turn with the panel's centre. */

@@ -94,7 +94,10 @@ asdic_status asdic_simulator_draw(asdic_simulator *sim, size_t count) {
     }
     size_t slots = (size_t)ping->groups * ping->per_group;
     asdic_kernel_arg sample[] = {ASDIC_ARG_BUFFER(sim->ping_buffer),
-                                 ASDIC_ARG_BUFFER(sim->table_buffer), ASDIC_ARG_BUFFER(sim->rays),
+                                 ASDIC_ARG_BUFFER(sim->table_buffer),
+                                 ASDIC_ARG_BUFFER(sim->faces.face_buffer),
+                                 ASDIC_ARG_BUFFER(asdic_simulator_triangles(sim)),
+                                 ASDIC_ARG_BUFFER(sim->rays),
                                  ASDIC_ARG_BUFFER(sim->solid_angles),
                                  ASDIC_ARG_BUFFER(sim->splats)};
     status = asdic_kernel_run_rows(sim->sample, sample, COUNT(sample), slots / sim->layout.width,
@@ -114,14 +117,21 @@ static asdic_status run_batch(asdic_simulator *sim, size_t count) {
         return status;
     }
     asdic_buffer *triangles = asdic_simulator_triangles(sim);
-    asdic_kernel_arg shade[] = {
-        ASDIC_ARG_BUFFER(sim->ping_buffer),  ASDIC_ARG_BUFFER(sim->rays),
-        ASDIC_ARG_BUFFER(sim->solid_angles), ASDIC_ARG_BUFFER(sim->splats),
-        ASDIC_ARG_BUFFER(sim->hits),         ASDIC_ARG_BUFFER(triangles),
-        ASDIC_ARG_BUFFER(sim->parts),        ASDIC_ARG_BUFFER(sim->materials),
-        ASDIC_ARG_BUFFER(sim->water_tables), ASDIC_ARG_BUFFER(sim->parcels),
-        ASDIC_ARG_BUFFER(sim->accumulator),  ASDIC_ARG_BUFFER(sim->saturated),
-        ASDIC_ARG_BUFFER(sim->bounced),      ASDIC_ARG_BUFFER(sim->mirrors)};
+    asdic_kernel_arg shade[] = {ASDIC_ARG_BUFFER(sim->ping_buffer),
+                                ASDIC_ARG_BUFFER(sim->rays),
+                                ASDIC_ARG_BUFFER(sim->solid_angles),
+                                ASDIC_ARG_BUFFER(sim->splats),
+                                ASDIC_ARG_BUFFER(sim->faces.density_buffer),
+                                ASDIC_ARG_BUFFER(sim->hits),
+                                ASDIC_ARG_BUFFER(triangles),
+                                ASDIC_ARG_BUFFER(sim->parts),
+                                ASDIC_ARG_BUFFER(sim->materials),
+                                ASDIC_ARG_BUFFER(sim->water_tables),
+                                ASDIC_ARG_BUFFER(sim->parcels),
+                                ASDIC_ARG_BUFFER(sim->accumulator),
+                                ASDIC_ARG_BUFFER(sim->saturated),
+                                ASDIC_ARG_BUFFER(sim->bounced),
+                                ASDIC_ARG_BUFFER(sim->mirrors)};
     status = asdic_kernel_run_rows(sim->shade, shade, COUNT(shade), piece_count(sim),
                                    piece_local(sim), count);
     if (!status) {
@@ -139,6 +149,11 @@ static asdic_status run_batch(asdic_simulator *sim, size_t count) {
             ASDIC_ARG_BUFFER(sim->water_tables), ASDIC_ARG_BUFFER(sim->totals)};
         status = asdic_kernel_run_rows(sim->collect, collect, COUNT(collect), ping->blocks / 2, 1,
                                        count);
+        status = status ? status : asdic_simulator_end_phase(sim, ASDIC_PHASE_COLLECT);
+    }
+    if (!status && sim->fan.many) {
+        status = asdic_beam_fan_project(&sim->fan, sim->ping, sim->ping_buffer, sim->parcels,
+                                        sim->results, (float *)sim->host_results);
         status = status ? status : asdic_simulator_end_phase(sim, ASDIC_PHASE_COLLECT);
     }
     return status;
@@ -167,9 +182,8 @@ static asdic_status reduce_groups(asdic_simulator *sim, size_t count) {
 }
 
 static asdic_status reduce(asdic_simulator *sim, size_t count) {
-    if (sim->fan.cells) { /* asdic_simulator_convert waits for it, tile by tile */
-        return asdic_beam_fan_project(&sim->fan, sim->ping, sim->ping_buffer, sim->accumulator,
-                                      sim->saturated, sim->results, (float *)sim->host_results);
+    if (sim->fan.many) { /* asdic_simulator_convert waits for it, tile by tile */
+        return ASDIC_OK;
     }
     asdic_status status = reduce_groups(sim, count);
     return status ? status

@@ -43,24 +43,23 @@ static unsigned group_count(size_t cells) {
                                                                : DEV_MAX_GROUPS / 4;
 }
 
-/* Pings of one batch each, none of a fan, whose map is large. */
+/* Pings of one batch each, none of a fan, which are large. */
 static size_t volley_size(const asdic_simulator *sim) {
     size_t slots = sim->groups * sim->per_group;
     size_t bytes = sim->groups * sim->components * sim->cells * sizeof(int64_t);
     size_t size = sim->layout.volley_slots / slots;
     size = size * bytes > VOLLEY_BYTES_LIMIT ? VOLLEY_BYTES_LIMIT / bytes : size;
     size = size > ASDIC_LEARN_BLOCK ? ASDIC_LEARN_BLOCK : size;
-    return size == 0 || sim->fan.cells || slots < sim->sampling.rays ? 1 : size;
+    return size == 0 || sim->fan.many || slots < sim->sampling.rays ? 1 : size;
 }
 
 static asdic_status create_kernels(asdic_simulator *sim) {
     char options[160];
     snprintf(options, sizeof options,
-             "-D ASDIC_WIDTH=%u -D ASDIC_DEPOSIT=%d -D ASDIC_HAS_MESH=%d -D ASDIC_FAN=%d "
+             "-D ASDIC_WIDTH=%u -D ASDIC_DEPOSIT=%d -D ASDIC_HAS_MESH=%d -D ASDIC_COMMON_AXIS=%d "
              "-D ASDIC_HAS_WATER=%d -D ASDIC_HAS_MIRRORS=%d",
-             sim->layout.width, (int)sim->layout.deposit, sim->tracer ? 1 : 0,
-             sim->fan.cells ? 1 : 0, sim->sampling.left_out & (1u << ASDIC_TERM_VOLUME) ? 0 : 1,
-             sim->has_mirrors ? 1 : 0);
+             sim->layout.width, (int)sim->layout.deposit, sim->tracer ? 1 : 0, sim->fan.common_axis,
+             sim->sampling.left_out & (1u << ASDIC_TERM_VOLUME) ? 0 : 1, sim->has_mirrors ? 1 : 0);
     bool owned = sim->layout.deposit == ASDIC_DEPOSIT_OWNED;
     bool adaptive = sim->sampling.sampler == ASDIC_SAMPLER_ADAPTIVE;
     const struct {
@@ -70,9 +69,9 @@ static asdic_status create_kernels(asdic_simulator *sim) {
     } wanted[] = {
         {"sample", &sim->sample, true},
         {"shade", &sim->shade, true},
-        {"collect", &sim->collect, owned},
-        {"suffix", &sim->suffix, !owned && !sim->fan.cells},
-        {"reduce", &sim->reduce, !sim->fan.cells},
+        {"collect", &sim->collect, owned && !sim->fan.many},
+        {"suffix", &sim->suffix, !owned},
+        {"reduce", &sim->reduce, !sim->fan.many},
         {"survey", &sim->survey_kernel, adaptive},
         {"connect", &sim->connect, sim->has_mirrors},
         {"bounce", &sim->bounce, sim->has_mirrors},
@@ -87,8 +86,13 @@ static asdic_status create_kernels(asdic_simulator *sim) {
             return status;
         }
     }
-    return asdic_beam_fan_init(&sim->fan, sim->device, &sim->sonar, sim->layout.width,
-                               sim->components * sim->bins);
+    const asdic_beam_fan_size size = {.receivers = sim->sonar.receiver_count,
+                                      .bins = sim->bins,
+                                      .components = sim->components,
+                                      .slots = sim->groups * sim->per_group,
+                                      .mirrors = sim->has_mirrors,
+                                      .width = sim->layout.width};
+    return asdic_beam_fan_init(&sim->fan, sim->device, &size);
 }
 
 bool asdic_simulator_has(const asdic_simulator *sim, unsigned kind) {
@@ -197,18 +201,12 @@ static void plan_work(asdic_simulator *sim, const asdic_water_column *water) {
     if (sim->layout.local > LOCAL_LIMIT) {
         sim->layout.local = LOCAL_LIMIT;
     }
-    if (!sim->layout.beam_by_beam) {
-        asdic_beam_fan_plan(&sim->sonar, water->wavelength_m, &sim->fan);
-    }
-    if (sim->fan.cells) { /* one map that all work-items share; the block tells the error */
+    asdic_beam_fan_plan(&sim->sonar, &sim->fan);
+    if (sim->fan.many) { /* the block tells the error */
         sim->groups = 1;
-        sim->layout.deposit = asdic_device_get_info(sim->device)->has_int64_atomics
-                                  ? ASDIC_DEPOSIT_ATOMIC64
-                                  : ASDIC_DEPOSIT_ATOMIC32;
+        sim->layout.deposit = ASDIC_DEPOSIT_OWNED;
     }
-    size_t most =
-        sim->layout.batch_slots > ASDIC_PILOT_RAYS ? sim->layout.batch_slots : ASDIC_PILOT_RAYS;
-    size_t rays = sim->sampling.rays;
+    size_t most = asdic_simulator_batch_slots(sim), rays = sim->sampling.rays;
     sim->per_group = asdic_simulator_per_group(sim, rays < most ? rays : most);
 }
 
@@ -276,6 +274,8 @@ asdic_status asdic_simulator_create_with(asdic_context *ctx, asdic_device *devic
     asdic_simulator_prepare(sim, &water);
     if ((status = create_kernels(sim)) != ASDIC_OK ||
         (status = asdic_store_create_device(sim)) != ASDIC_OK ||
+        (status = asdic_faces_init(&sim->faces, device, scene_echoes(sim) ? scene : NULL)) !=
+            ASDIC_OK ||
         (status = asdic_points_init(sim)) != ASDIC_OK ||
         (status = asdic_speckle_create(ctx, sonar, water.sound_speed_mps, sim->bins,
                                        &sim->speckle)) != ASDIC_OK) {
@@ -319,10 +319,11 @@ void asdic_simulator_destroy(asdic_simulator **pointer) {
     asdic_beam_fan_finish(&sim->fan, sim->device);
     asdic_quadrature_finish(&sim->quadrature);
     asdic_speckle_destroy(&sim->speckle);
+    asdic_faces_finish(&sim->faces);
     asdic_points_finish(sim);
     asdic_tracer_destroy(&sim->tracer);
     asdic_placement_destroy(&sim->placement);
-    asdic_pair_destroy(&sim->pair);
+    asdic_calibration_destroy(&sim->calibration);
     asdic_store_destroy(sim);
     free(sim);
     *pointer = NULL;

@@ -8,6 +8,7 @@
 
 #include "../../kernels/ping_types.h"
 #include "beam_fan.h"
+#include "faces.h"
 #include "quadrature_ping.h"
 #include "speckle.h"
 #include "ocl/ocl.h"
@@ -28,14 +29,12 @@ typedef enum asdic_deposit {
 } asdic_deposit;
 
 /* How the work is laid out on a device. Never changes a byte of the result, except WIDTH (the last
- * bits of functions), which is fixed per kind of device, and BEAM_BY_BEAM (a fan's map is an
- * approximation), which is for tests. */
+ * bits of functions), which is fixed per kind of device. */
 typedef struct asdic_layout {
     unsigned width; /* rays per work-item: 1, 8 or 16 */
     asdic_deposit deposit;
     size_t local;        /* work-group size of the ray kernels */
     size_t owners;       /* work-items that serve the groups; 0: one each */
-    bool beam_by_beam;   /* weigh every ray for every receiver even in a fan */
     size_t batch_slots;  /* rays held on the device at once, at least ASDIC_PILOT_RAYS */
     size_t volley_slots; /* rays up to which pings go to the device together */
 } asdic_layout;
@@ -44,14 +43,16 @@ asdic_layout asdic_layout_default(const asdic_device_info *info);
 
 /* A cell's relative variance as a ping states it: OF_BLOCK, which the block's calibration found, and
  * ASDIC_OWN_PING times OF_GROUPS times what the ping's groups suggest; or OF_GROUPS times that alone where
- * it is more, since the vehicle moves on. A fan's map has one group: OF_BLOCK is its relative standard
- * error itself, 1 before a calibration. */
+ * it is more, since the vehicle moves on. OF_BLOCK is of a ping with the energy MEAN_LIN: one with less
+ * missed something, which stays as uncertain as it was. RARE is the variance, relative to MEAN_LIN, by
+ * echoes that few rays bring. Where receivers are many there is one group: OF_BLOCK is all, 1 before a
+ * calibration. */
 #define ASDIC_OWN_PING 0.4
 typedef struct asdic_stated_error {
-    float of_groups, of_block;
+    float of_groups, of_block, mean_lin, rare;
 } asdic_stated_error;
 
-typedef struct asdic_pair asdic_pair; /* see calibrate.c */
+typedef struct asdic_calibration asdic_calibration; /* see calibrate.c */
 
 /* What a ping's depth makes of its bins. */
 typedef struct asdic_bin_laws {
@@ -85,10 +86,11 @@ struct asdic_simulator {
     asdic_tracer *tracer;       /* NULL without triangles */
     bool has_mirrors;           /* something in the scene reflects, and multipath is wanted */
     asdic_kernel *sample, *shade, *collect, *suffix, *reduce; /* collect: or suffix */
-    asdic_beam_fan fan;          /* many receivers as one map; cells 0: each receiver by itself */
-    asdic_kernel *survey_kernel; /* adaptive sampler only */
-    asdic_kernel *connect, *bounce; /* NULL without mirrors */
-    asdic_buffer *ping_buffer;      /* dev_ping, then the apertures, for each ping of a volley */
+    asdic_beam_fan fan;                                       /* many receivers, where there are */
+    asdic_faces faces;                                        /* that rays are aimed at; learnt */
+    asdic_kernel *survey_kernel;                              /* adaptive sampler only */
+    asdic_kernel *connect, *bounce;                           /* NULL without mirrors */
+    asdic_buffer *ping_buffer; /* dev_ping, then the apertures, for each ping of a volley */
     asdic_buffer *table_buffer;
     asdic_buffer *rays, *solid_angles, *splats, *hits;
     asdic_buffer *bounced, *bounced_hits, *returning, *returning_hits, *mirrors;
@@ -97,7 +99,8 @@ struct asdic_simulator {
     asdic_buffer *water_tables;                      /* as row_water in volley.h */
     asdic_buffer *accumulator, *saturated, *results; /* see reduce.cl */
     asdic_buffer *totals;                            /* of groups, where work-items own them */
-    asdic_buffer *survey_rows;                       /* see survey.cl; adaptive sampler only */
+    asdic_buffer *survey_ray_buffer,
+        *survey_energy_buffer; /* see survey.cl; adaptive sampler only */
 
     asdic_buffer *point_ray_buffer, *point_hit_buffer; /* NULL without points or triangles */
     dev_ray *point_rays;
@@ -105,26 +108,28 @@ struct asdic_simulator {
 
     dev_material *host_materials;
     size_t material_count;
-    dev_ping fixed;                   /* what does not change from ping to ping */
-    dev_ping *pings, *ping;           /* a volley's, and the current one; the apertures follow */
-    size_t nth;                       /* the current ping's place in its volley */
-    asdic_bin_laws *laws;             /* of each ping of a volley */
-    double *bin_tables;               /* what they hold */
-    float *water;                     /* their part for the device, as WATER_TABLES */
-    double *smear_scratch;            /* asdic_pulse_scratch, and for calibrations */
-    asdic_stated_error *stated;       /* cells */
-    asdic_pair *pair;                 /* NULL before a calibration */
-    float table[DEV_TABLE_CELLS + 1]; /* cumulative probabilities of the sampling coordinate */
-    double zone_altitude; /* where the bottom zone assumes the bottom, re the altitude; learnt */
-    double *phase_s;      /* NULL, or where asdic_simulator_profile adds */
-    double phase_from_s;  /* when the current phase began */
+    dev_ping fixed;                 /* what does not change from ping to ping */
+    dev_ping *pings, *ping;         /* a volley's, and the current one; the apertures follow */
+    size_t nth;                     /* the current ping's place in its volley */
+    asdic_bin_laws *laws;           /* of each ping of a volley */
+    double *bin_tables;             /* what they hold */
+    float *water;                   /* their part for the device, as WATER_TABLES */
+    double *smear_scratch;          /* asdic_pulse_scratch, and for calibrations */
+    asdic_stated_error *stated;     /* cells */
+    asdic_calibration *calibration; /* NULL before the first */
+    float table[DEV_TABLE_FLOATS];  /* see kernels/learnt.h */
+    bool azimuths_learnt;           /* some row of it is not even */
+    double zone_altitude;           /* where the bottom zone assumes the bottom, re the altitude */
+    double *phase_s;                /* NULL, or where asdic_simulator_profile adds */
+    double phase_from_s;            /* when the current phase began */
     asdic_quadrature_cache quadrature; /* where a plan left rays out */
     asdic_speckle_field *speckle;      /* NULL: none */
     bool table_uploaded;
     bool learnt; /* once at least */
     bool accumulator_clear;
     char *host_results; /* as RESULTS in reduce.cl, or of a fan in fan.cl */
-    float *survey;      /* as SURVEY_ROWS */
+    dev_survey *survey_rays;
+    float *survey_energies;
 };
 
 /* asdic_simulator_create with a layout of the caller's. */
@@ -142,11 +147,11 @@ static inline dev_beam *asdic_simulator_beams(const asdic_simulator *sim) {
     return (dev_beam *)(sim->ping + 1);
 }
 
-/* Streams of lattice shifts: what users get; the calibration's two pings; the pilots, whose table
+/* Streams of lattice shifts: what users get; the calibration's pings; the pilots, whose table
  * must not depend on the points it is used with. */
 #define ASDIC_STREAM_PING 0u
-#define ASDIC_STREAM_CALIBRATION 1u /* and the next */
-#define ASDIC_STREAM_PILOT 3u       /* and the next */
+#define ASDIC_STREAM_CALIBRATION 1u /* and the next two */
+#define ASDIC_STREAM_PILOT 4u       /* and the next */
 
 /* Makes the volley's NTH ping the current one. */
 void asdic_simulator_select(asdic_simulator *sim, size_t nth);
@@ -161,12 +166,14 @@ asdic_status asdic_simulator_draw(asdic_simulator *sim, size_t count);
  * all groups. */
 size_t asdic_simulator_per_group(const asdic_simulator *sim, size_t rays);
 
+/* Rays that are held on the device at once, at most. */
+size_t asdic_simulator_batch_slots(const asdic_simulator *sim);
+
 /* Bytes of a ping with its apertures; of its sums on their way to the host. */
 size_t asdic_simulator_ping_bytes(const asdic_simulator *sim);
 size_t asdic_simulator_results_bytes(const asdic_simulator *sim);
 
-/* Bytes of what a survey tells of SLOTS rays, and receivers that it picks. */
-size_t asdic_simulator_survey_bytes(const asdic_simulator *sim, size_t slots);
+/* Receivers that a survey of pilot rays picks. */
 uint32_t asdic_simulator_picked(const asdic_simulator *sim);
 
 /* Memory of host and device, when all that it depends on is known. Host: before anything is described. */
@@ -199,7 +206,7 @@ double asdic_simulator_source_lin(const asdic_simulator *sim, const asdic_water_
 asdic_status asdic_simulator_calibrate(asdic_simulator *sim, const asdic_pose *pose,
                                        uint64_t index);
 
-void asdic_pair_destroy(asdic_pair **pair);
+void asdic_calibration_destroy(asdic_calibration **calibration);
 
 /* Back to an even table and no calibration. */
 void asdic_simulator_forget(asdic_simulator *sim);

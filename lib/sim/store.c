@@ -13,22 +13,32 @@ size_t asdic_simulator_ping_bytes(const asdic_simulator *sim) {
     return sizeof(dev_ping) + (sim->sonar.receiver_count + 1) * sizeof(dev_beam);
 }
 
-/* Sums, one word of cut deposits, spreads, in whole words; of a fan: sums as floats, the word. */
+/* Sums, one word of cut deposits, spreads, in whole words; of a fan: sums as floats. */
 size_t asdic_simulator_results_bytes(const asdic_simulator *sim) {
-    if (sim->fan.cells) {
-        return sim->components * sim->cells * sizeof(float) + sizeof(uint32_t);
+    if (sim->fan.many) {
+        return sim->components * sim->cells * sizeof(float);
     }
     return (sim->components * sim->cells + 1 + (sim->cells + 1) / 2) * sizeof(int64_t);
 }
 
 size_t asdic_simulator_per_group(const asdic_simulator *sim, size_t rays) {
-    size_t most = sim->layout.batch_slots, step = sim->groups == 1 ? 64 : 16;
+    size_t most = asdic_simulator_batch_slots(sim), step = sim->groups == 1 ? 64 : 16;
     rays = rays < most ? rays : most;
     return ((rays + sim->groups - 1) / sim->groups + step - 1) / step * step;
 }
 
+size_t asdic_simulator_batch_slots(const asdic_simulator *sim) {
+    size_t slots = sim->fan.many ? ASDIC_FAN_BATCH : sim->layout.batch_slots;
+    return slots > ASDIC_PILOT_RAYS ? slots : ASDIC_PILOT_RAYS;
+}
+
 static size_t pilot_slots(const asdic_simulator *sim) {
     return sim->groups * asdic_simulator_per_group(sim, ASDIC_PILOT_RAYS);
+}
+
+/* Echo and water of every pilot ray in every picked receiver. */
+static size_t survey_energy_bytes(const asdic_simulator *sim) {
+    return pilot_slots(sim) * asdic_simulator_picked(sim) * 2 * sizeof(float);
 }
 
 void asdic_simulator_select(asdic_simulator *sim, size_t nth) {
@@ -46,9 +56,11 @@ asdic_status asdic_store_create_host(asdic_simulator *sim) {
     sim->host_results = malloc(pings * asdic_simulator_results_bytes(sim));
     sim->stated = malloc(sim->cells * sizeof *sim->stated);
     sim->smear_scratch = malloc(asdic_pulse_scratch(bins) * sizeof *sim->smear_scratch);
-    sim->survey = malloc(asdic_simulator_survey_bytes(sim, pilot_slots(sim)));
+    sim->survey_rays = malloc(pilot_slots(sim) * sizeof *sim->survey_rays);
+    sim->survey_energies = malloc(survey_energy_bytes(sim));
     if (!sim->receivers || !sim->pings || !sim->laws || !sim->bin_tables || !sim->water ||
-        !sim->host_results || !sim->stated || !sim->smear_scratch || !sim->survey) {
+        !sim->host_results || !sim->stated || !sim->smear_scratch || !sim->survey_rays ||
+        !sim->survey_energies) {
         return asdic_fail_memory(sim->ctx, "a simulator");
     }
     for (size_t k = 0; k < pings; k++) {
@@ -70,16 +82,16 @@ asdic_status asdic_store_create_device(asdic_simulator *sim) {
         sim->layout.deposit == ASDIC_DEPOSIT_OWNED ? DEV_PARCEL_SETS(sim->has_mirrors) : 0;
     size_t totals =
         sim->collect ? pings * sim->groups * (size_t)sim->fixed.total_cells * sizeof(float) : 0;
-    size_t accumulator =
-        pings * sim->fixed.blocks * (size_t)sim->fixed.group_cells * sizeof(int64_t) +
-        asdic_beam_fan_tail_bytes(&sim->fan, sim->components * sim->bins);
+    size_t accumulator = sim->fan.many ? 0
+                                       : pings * sim->fixed.blocks *
+                                             (size_t)sim->fixed.group_cells * sizeof(int64_t);
     bool adaptive = sim->sampling.sampler == ASDIC_SAMPLER_ADAPTIVE;
     const struct {
         size_t bytes;
         asdic_buffer **buffer;
     } wanted[] = {
         {pings * asdic_simulator_ping_bytes(sim), &sim->ping_buffer},
-        {(DEV_TABLE_CELLS + 1) * sizeof(float), &sim->table_buffer},
+        {sizeof sim->table, &sim->table_buffer},
         {slots * sizeof(dev_ray), &sim->rays},
         {slots * sizeof(float), &sim->solid_angles},
         {slots * sizeof(float), &sim->splats},
@@ -96,7 +108,8 @@ asdic_status asdic_store_create_device(asdic_simulator *sim) {
         {totals, &sim->totals},
         {pings * asdic_simulator_results_bytes(sim), &sim->results},
         {pings * sizeof(uint32_t), &sim->saturated},
-        {adaptive ? asdic_simulator_survey_bytes(sim, pilots) : 0, &sim->survey_rows},
+        {adaptive ? pilots * sizeof(dev_survey) : 0, &sim->survey_ray_buffer},
+        {adaptive ? survey_energy_bytes(sim) : 0, &sim->survey_energy_buffer},
     };
     for (size_t i = 0; i < sizeof wanted / sizeof *wanted; i++) {
         asdic_status status =
@@ -109,13 +122,28 @@ asdic_status asdic_store_create_device(asdic_simulator *sim) {
 }
 
 void asdic_store_destroy(asdic_simulator *sim) {
-    asdic_buffer **buffers[] = {&sim->ping_buffer,    &sim->table_buffer, &sim->rays,
-                                &sim->solid_angles,   &sim->splats,       &sim->hits,
-                                &sim->bounced,        &sim->bounced_hits, &sim->returning,
-                                &sim->returning_hits, &sim->mirrors,      &sim->parts,
-                                &sim->materials,      &sim->no_triangles, &sim->water_tables,
-                                &sim->parcels,        &sim->accumulator,  &sim->saturated,
-                                &sim->results,        &sim->survey_rows,  &sim->totals};
+    asdic_buffer **buffers[] = {&sim->ping_buffer,
+                                &sim->table_buffer,
+                                &sim->rays,
+                                &sim->solid_angles,
+                                &sim->splats,
+                                &sim->hits,
+                                &sim->bounced,
+                                &sim->bounced_hits,
+                                &sim->returning,
+                                &sim->returning_hits,
+                                &sim->mirrors,
+                                &sim->parts,
+                                &sim->materials,
+                                &sim->no_triangles,
+                                &sim->water_tables,
+                                &sim->parcels,
+                                &sim->accumulator,
+                                &sim->saturated,
+                                &sim->results,
+                                &sim->totals,
+                                &sim->survey_ray_buffer,
+                                &sim->survey_energy_buffer};
     for (size_t i = 0; i < sizeof buffers / sizeof *buffers; i++) {
         asdic_buffer_destroy(buffers[i]);
     }
@@ -128,5 +156,6 @@ void asdic_store_destroy(asdic_simulator *sim) {
     free(sim->host_results);
     free(sim->stated);
     free(sim->smear_scratch);
-    free(sim->survey);
+    free(sim->survey_rays);
+    free(sim->survey_energies);
 }
