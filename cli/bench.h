@@ -16,6 +16,7 @@ typedef struct bench_options {
 /* Each prints its table, or JSON, and returns an exit code. Operand 0 is the kind itself. */
 int bench_error(cli *c, const bench_options *options);
 int bench_fan(cli *c, const bench_options *options);
+int bench_honest(cli *c, const bench_options *options);
 int bench_loop(cli *c, const bench_options *options);
 int bench_pings(cli *c, const bench_options *options);
 int bench_rays(cli *c, const bench_options *options);

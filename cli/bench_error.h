@@ -30,6 +30,7 @@ typedef struct bench_scene {
     asdic_pose pose;
     size_t beams, bins, first_bin, far_bin; /* bins counted, and where their last third begins */
     double *reference_lin;                  /* [beam * bins + bin] */
+    double *spread_lin;                     /* its standard error; NULL: quadrature */
     bool exact;                             /* quadrature, else the mean of pings */
     double spread_db;                       /* RMS standard error of the reference */
     double reference_rays;                  /* 0: quadrature */

@@ -49,6 +49,7 @@ static double finish_mean(bench_scene *s, const double *squares, size_t count) {
         double mean = s->reference_lin[i] / n;
         double variance = fmax(squares[i] / n - mean * mean, 0.0) / (n - 1.0);
         s->reference_lin[i] = mean;
+        s->spread_lin[i] = sqrt(variance);
         if (i % s->bins >= s->first_bin && mean > 0.0) {
             sum += variance / (mean * mean);
             counted++;
@@ -66,7 +67,8 @@ static asdic_status take_mean(cli *c, asdic_device *device, const bench_effort *
     asdic_simulator *sim = NULL;
     asdic_ping *ping = NULL;
     double *squares = calloc(cells, sizeof *squares);
-    asdic_status status = squares ? ASDIC_OK : ASDIC_ERROR_MEMORY;
+    s->spread_lin = calloc(cells, sizeof *s->spread_lin);
+    asdic_status status = squares && s->spread_lin ? ASDIC_OK : ASDIC_ERROR_MEMORY;
     if (!status) {
         status = asdic_ping_create(cli_context(c), s->beams, s->bins, &ping);
     }
@@ -132,5 +134,6 @@ asdic_status bench_scene_open(cli *c, asdic_device *device, const char *path,
 void bench_scene_finish(bench_scene *scene) {
     asdic_mission_destroy(&scene->mission);
     free(scene->reference_lin);
-    scene->reference_lin = NULL;
+    free(scene->spread_lin);
+    scene->reference_lin = scene->spread_lin = NULL;
 }

@@ -1,0 +1,36 @@
+"""Stated errors hold in scenes that nobody tuned anything on: in a few, or with 'full' in thirty."""
+import json
+import os
+import subprocess
+import sys
+
+import program
+import tap
+from program import Folder
+
+sys.path.insert(0, os.path.join(os.path.dirname(__file__), "..", "bench"))
+import random_scenes  # noqa: E402
+
+FULL = sys.argv[1:] == ["full"]
+if FULL:
+    del sys.argv[1:]
+
+
+def test_stated_errors_hold_in_random_scenes():
+    program.need_device()
+    with Folder() as folder:
+        numbers = range(30) if FULL else (1, 3, 5, 6)
+        paths = [random_scenes.write(folder.path, n) for n in numbers]
+        done = subprocess.run([program.PATH, "bench", "honest", "--json", *([] if FULL else ["--quick"]),
+                               *paths], capture_output=True, check=True, env=program.environment({}))
+    for scene in json.loads(done.stdout)["scenes"]:
+        ratios = [s["true_over_stated"] for s in scene["seeds"]]
+        beyond = sum(s["beyond"] for s in scene["seeds"]) / len(ratios)
+        pooled = (sum(r * r for r in ratios) / len(ratios)) ** 0.5
+        print(f'# {scene["scene"]}: true over stated {" ".join(f"{r:.2f}" for r in ratios)}, all {pooled:.2f}, '
+              f"{100 * beyond:.2f} % beyond five")
+        if not (0.8 < pooled < 1.3 and 0.7 < min(ratios) and max(ratios) < 1.6 and beyond < 0.005):
+            raise AssertionError(scene)
+
+
+tap.main(globals())
