@@ -4,7 +4,7 @@
 #ifndef ASDIC_LIVE_HELM_H
 #define ASDIC_LIVE_HELM_H
 
-#include "mission/flight_model.h"
+#include "mission/track/flight_model.h"
 
 #include <asdic/scene.h>
 

@@ -2,9 +2,9 @@
 
 #include "base/clock.h"
 #include "base/context.h"
-#include "mission/run_folder.h"
-#include "mission/run_job.h"
-#include "mission/track_write.h"
+#include "mission/run/run_folder.h"
+#include "mission/run/run_job.h"
+#include "mission/track/track_write.h"
 #include "out/record.h"
 
 #include <errno.h>

@@ -1,11 +1,11 @@
 #include "mission_build.h"
 
-#include "../base/context.h"
-#include "../base/file_read.h"
-#include "../base/memory_left.h"
-#include "../base/number.h"
-#include "../base/sha256.h"
-#include "encoding.h"
+#include "base/context.h"
+#include "base/file_read.h"
+#include "base/memory_left.h"
+#include "base/number.h"
+#include "base/sha256.h"
+#include "mission/scene_file/encoding.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -6,8 +6,8 @@
 
 #include <asdic/mission.h>
 
-#include "flight.h"
-#include "track.h"
+#include "mission/track/flight.h"
+#include "mission/track/track.h"
 
 /* Where an object goes, by its name. */
 typedef struct asdic_motion {
@@ -31,12 +31,12 @@ struct asdic_mission {
     double bottom_type;
     asdic_sampling sampling;
     bool keeps_all_terms; /* whatever the plan says */
-    bool is_varied; /* the text is not all that it was made from */
+    bool is_varied;       /* the text is not all that it was made from */
     asdic_detector detector;
     asdic_output_options output;
     asdic_flight flight; /* how the vehicle answers; without waypoints, an ordinary one */
-    asdic_pose pose;    /* of every ping, when there is no track */
-    asdic_track *track; /* NULL: at rest */
+    asdic_pose pose;     /* of every ping, when there is no track */
+    asdic_track *track;  /* NULL: at rest */
     size_t ping_count;
 };
 

@@ -5,7 +5,7 @@
 #define ASDIC_MISSION_MISSION_BUILD_H
 
 #include "mission.h"
-#include "scene_file.h"
+#include "mission/scene_file/scene_file.h"
 
 typedef struct mission_builder {
     asdic_context *ctx;

@@ -4,7 +4,7 @@
 #include "mission.h"
 
 #include "base/context.h"
-#include "track_write.h"
+#include "mission/track/track_write.h"
 
 #include <math.h>
 #include <string.h>

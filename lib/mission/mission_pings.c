@@ -3,8 +3,8 @@
  */
 #include "mission_build.h"
 
-#include "../base/context.h"
-#include "flight.h"
+#include "base/context.h"
+#include "mission/track/flight.h"
 
 #include <math.h>
 #include <stdio.h>

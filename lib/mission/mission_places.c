@@ -3,7 +3,7 @@
  */
 #include "mission_build.h"
 
-#include "../base/context.h"
+#include "base/context.h"
 
 #include <math.h>
 #include <stdio.h>

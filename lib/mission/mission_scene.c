@@ -3,11 +3,11 @@
  */
 #include "mission_build.h"
 
-#include "../base/context.h"
-#include "../base/vec.h"
-#include "../scene/primitive.h"
-#include "../scene/scene.h"
-#include "../scene/triangles.h"
+#include "base/context.h"
+#include "base/vec.h"
+#include "scene/primitive.h"
+#include "scene/scene.h"
+#include "scene/triangles.h"
 
 #include <stdio.h>
 #include <stdlib.h>

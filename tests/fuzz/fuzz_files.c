@@ -4,7 +4,7 @@
 
 #include <asdic/asdic.h>
 
-#include "mission/track.h"
+#include "mission/track/track.h"
 
 #include <math.h>
 #include <stdlib.h>

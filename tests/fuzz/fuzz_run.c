@@ -4,9 +4,9 @@
 
 #include <asdic/asdic.h>
 
-#include "mission/run_facts.h"
-#include "mission/run_scenery.h"
-#include "mission/run_store.h"
+#include "mission/run/run_facts.h"
+#include "mission/run/run_scenery.h"
+#include "mission/run/run_store.h"
 #include "out/record.h"
 
 #include <stdlib.h>

@@ -2,7 +2,7 @@
  * beam alone would fill it, and clutter makes as many plots and tracks as theory says. */
 #include "ping_rig.h"
 
-#include "mission/detect_job.h"
+#include "mission/detect/detect_job.h"
 
 static test_device device;
 

@@ -7,7 +7,7 @@
 #include "asserts.h"
 
 #include "base/context.h"
-#include "mission/scene_file.h"
+#include "mission/scene_file/scene_file.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -6,8 +6,8 @@
 #include "test_context.h"
 
 #include "lib/base/vec.h"
-#include "lib/mission/run_footprint.h"
-#include "lib/mission/run_routes.h"
+#include "lib/mission/run/run_footprint.h"
+#include "lib/mission/run/run_routes.h"
 #include "lib/out/overview.h"
 #include "lib/out/raster_relief.h"
 #include "lib/scene/chart.h"

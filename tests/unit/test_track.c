@@ -5,7 +5,7 @@
 
 #include "base/context.h"
 #include "base/text.h"
-#include "mission/track.h"
+#include "mission/track/track.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,0 +1,27 @@
+/*
+ * Which object an echo comes from. The run recorded how much energy of each bin is an object's; where
+ * the scene has several, the one with the largest area in the bin, weighed by the beams, is named.
+ */
+#ifndef ASDIC_MISSION_DETECT_TRUTH_H
+#define ASDIC_MISSION_DETECT_TRUTH_H
+
+#include "mission/run/run_open.h"
+
+typedef struct asdic_namer asdic_namer;
+
+/* Reads the scene file again for the objects' shapes. Where it is gone or has changed, objects are all
+ * called "object", which is logged. */
+asdic_status asdic_namer_create(asdic_run *run, asdic_namer **out);
+void asdic_namer_destroy(asdic_namer **namer);
+
+/* Names are counted from 0. */
+size_t asdic_namer_count(const asdic_namer *namer);
+const char *asdic_namer_name(const asdic_namer *namer, size_t index);
+
+/* Before a ping's bins are asked for. */
+asdic_status asdic_namer_begin_ping(asdic_namer *namer, const asdic_record *record);
+
+/* The object whose echo BIN of BEAM holds. */
+size_t asdic_namer_find(const asdic_namer *namer, size_t beam, size_t bin);
+
+#endif

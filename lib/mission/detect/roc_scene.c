@@ -1,0 +1,341 @@
+/*
+ * What a scene says about a target: how strong it is in a bin, and what else is there.
+ */
+#include <asdic/roc.h>
+
+#include "base/context.h"
+#include "base/vec.h"
+#include "detect/roc_curve.h"
+#include "mission/mission.h"
+#include "scene/scene.h"
+#include "sim/ring.h"
+#include "sim/water_column.h"
+
+#include "../../../kernels/beam.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* Ranges at which P_D is computed, and draws for each. */
+#define MOST_RANGES 100
+#define REACH_TRIALS 20000u
+
+typedef struct scene_job {
+    asdic_context *ctx;
+    const asdic_mission *mission;
+    const asdic_roc_options *options;
+    asdic_sonar sonar; /* with speckle */
+    asdic_water_column water;
+    asdic_pose pose;
+    double azimuth_rad; /* of the target, from north */
+    size_t beams, bins;
+    bool is_plane;        /* what is expected is known by quadrature */
+    asdic_ping *ping;     /* simulated, its total without speckle */
+    asdic_ping *expected; /* the null hypothesis */
+    double *rest_lin;     /* simulated: all but the objects' echoes */
+} scene_job;
+
+asdic_roc_options asdic_roc_options_default(void) {
+    return (asdic_roc_options){.range_m = NAN,
+                               .target_strength_db = NAN,
+                               .target = ASDIC_TARGET_SWERLING1,
+                               .pfa = 1e-3,
+                               .trials = 1000000,
+                               .seed = 1};
+}
+
+static asdic_status simulate(scene_job *job, asdic_device *device) {
+    const asdic_mission *m = job->mission;
+    asdic_simulator *sim = NULL;
+    asdic_sonar quiet = job->sonar;
+    quiet.speckle = ASDIC_SPECKLE_NONE;
+    asdic_status status =
+        asdic_simulator_create(job->ctx, device, m->scene, &m->environment, &quiet, &m->sampling,
+                               asdic_mission_pose(m, 0, NULL).position_m.z, &sim);
+    if (status == ASDIC_OK) {
+        job->bins = asdic_simulator_bin_count(sim);
+        status = asdic_ping_create(job->ctx, job->beams, job->bins, &job->ping);
+    }
+    if (status == ASDIC_OK) {
+        status = asdic_mission_place(m, sim, job->options->ping);
+    }
+    if (status == ASDIC_OK) {
+        status = asdic_simulator_learn(sim, &job->pose, job->options->ping);
+    }
+    if (status == ASDIC_OK) {
+        status = asdic_simulator_ping(sim, &job->pose, job->options->ping, job->ping);
+    }
+    asdic_simulator_destroy(&sim);
+    return status;
+}
+
+static asdic_status expect(scene_job *job) {
+    const asdic_mission *m = job->mission;
+    asdic_flat_scene flat = asdic_mission_flat_scene(m, job->options->ping);
+    asdic_scene_info info = asdic_scene_get_info(m->scene);
+    job->is_plane = info.has_bottom_plane || !flat.has_bottom;
+    asdic_status status = asdic_ping_create(job->ctx, job->beams, job->bins, &job->expected);
+    job->rest_lin = calloc(job->beams * job->bins, sizeof *job->rest_lin);
+    if (status == ASDIC_OK && !job->rest_lin) {
+        status = asdic_fail_memory(job->ctx, "a background");
+    }
+    if (status == ASDIC_OK && job->is_plane) {
+        status = asdic_expected_compute(job->ctx, &flat, &m->environment, &job->sonar, &job->pose,
+                                        job->expected);
+    }
+    double *const *part = status == ASDIC_OK ? job->ping->intensity_lin : NULL;
+    for (size_t i = 0; i < job->beams * job->bins && status == ASDIC_OK; i++) {
+        job->rest_lin[i] = part[ASDIC_BOTTOM][i] + part[ASDIC_SURFACE][i] + part[ASDIC_VOLUME][i] +
+                           part[ASDIC_MULTIPATH][i] + part[ASDIC_NOISE][i];
+        if (!job->is_plane) {
+            job->expected->intensity_lin[ASDIC_TOTAL][i] = job->rest_lin[i];
+            job->expected->intensity_lin[ASDIC_NOISE][i] = part[ASDIC_NOISE][i];
+        }
+    }
+    return status;
+}
+
+/* Echo in BEAM of a point of 0 dB at RANGE_M in the target's bearing; 0 where that is no water. */
+static double echo_lin(const scene_job *job, size_t beam, double range_m) {
+    const asdic_scene *scene = job->mission->scene;
+    const asdic_sonar *sonar = &job->sonar;
+    asdic_vec3 u = {cos(job->azimuth_rad), sin(job->azimuth_rad), 0.0};
+    double gain = 1.0, z = job->pose.position_m.z;
+    const asdic_beam *apertures[2] = {&sonar->transmitter, &sonar->receivers[beam]};
+    if ((scene->has_surface && z < 0.0) ||
+        (scene->has_bottom_plane && z > scene->bottom_plane_depth_m)) {
+        return 0.0;
+    }
+    for (int i = 0; i < 2; i++) {
+        asdic_face face = asdic_face_aim(apertures[i], &job->pose, job->water.wavelength_m);
+        asdic_vec3 v = asdic_mat3_apply(face.world_to_face, u);
+        gain *= beam_pattern_lin(v.x, v.y, v.z, face.length_h_wl, face.length_v_wl,
+                                 pow(10.0, 0.1 * sonar->rear_floor_db));
+    }
+    return pow(10.0, 0.1 * sonar->source_level_db) * gain *
+           exp(-2.0 * job->water.absorption_np_per_m * (range_m - 1.0)) / pow(range_m, 4.0);
+}
+
+static asdic_roc_case case_of(const scene_job *job, size_t cell) {
+    double mean = job->expected->intensity_lin[ASDIC_TOTAL][cell];
+    double noise = job->expected->intensity_lin[ASDIC_NOISE][cell];
+    asdic_roc_case c = {
+        .none = asdic_background_of(&job->sonar, job->water.sound_speed_mps, mean, noise)};
+    c.rest = c.none;
+    return c;
+}
+
+/* Ranges between which the object lies, by the box round it, and its bearing. */
+static asdic_status bins_of_object(scene_job *job, size_t *first, size_t *end) {
+    const asdic_mission *m = job->mission;
+    double bin_m = job->sonar.bin_length_m;
+    for (size_t i = 0; i < m->object_count; i++) {
+        const asdic_mission_object *o = &m->objects[i];
+        if (strcmp(o->name, job->options->object) != 0) {
+            continue;
+        }
+        asdic_pose now = asdic_mission_object_pose(m, i, job->options->ping);
+        asdic_vec3 shift = asdic_vec3_sub(now.position_m, o->pose.position_m);
+        asdic_vec3 low = asdic_vec3_sub(asdic_vec3_add(o->min_m, shift), job->pose.position_m);
+        asdic_vec3 high = asdic_vec3_sub(asdic_vec3_add(o->max_m, shift), job->pose.position_m);
+        asdic_vec3 near = {fmax(fmax(low.x, -high.x), 0.0), fmax(fmax(low.y, -high.y), 0.0),
+                           fmax(fmax(low.z, -high.z), 0.0)};
+        asdic_vec3 far = {fmax(fabs(low.x), fabs(high.x)), fmax(fabs(low.y), fabs(high.y)),
+                          fmax(fabs(low.z), fabs(high.z))};
+        job->azimuth_rad =
+            atan2(0.5 * (low.y + high.y), low.x > 0.0 ? low.x : 0.5 * (low.x + high.x));
+        double begin = floor(asdic_vec3_length(near) / bin_m) - 1.0;
+        double last = ceil(asdic_vec3_length(far) / bin_m) + 1.0;
+        *first = (size_t)fmin(fmax(begin, 0.0), (double)job->bins);
+        *end = (size_t)fmin(last, (double)job->bins);
+        if (*first >= *end) {
+            return asdic_fail(job->ctx, ASDIC_ERROR_ARGUMENT,
+                              "object '%s' is beyond the sonar's range of %g m",
+                              job->options->object, (double)job->bins * bin_m);
+        }
+        return ASDIC_OK;
+    }
+    return asdic_fail(job->ctx, ASDIC_ERROR_ARGUMENT, "the scene has no object '%s'",
+                      job->options->object);
+}
+
+/* Beams first <= beam < end. */
+static asdic_status choose_beams(const scene_job *job, size_t *first, size_t *end) {
+    *first = 0;
+    *end = job->beams;
+    for (size_t b = 0; job->options->beam && b < job->beams; b++) {
+        if (strcmp(job->sonar.receivers[b].name, job->options->beam) == 0) {
+            *first = b;
+            *end = b + 1;
+            return ASDIC_OK;
+        }
+    }
+    return job->options->beam ? asdic_fail(job->ctx, ASDIC_ERROR_ARGUMENT,
+                                           "the sonar has no beam '%s'", job->options->beam)
+                              : ASDIC_OK;
+}
+
+/* The cell in which the target stands out most, and its case. */
+static asdic_status find_cell(scene_job *job, size_t *cell, asdic_roc_case *found) {
+    size_t beam, beam_end, first = 0, end = 0;
+    const asdic_roc_options *o = job->options;
+    double best = -1.0, bin = floor(o->range_m / job->sonar.bin_length_m);
+    asdic_status status = choose_beams(job, &beam, &beam_end);
+    if (status == ASDIC_OK && o->object) {
+        status = bins_of_object(job, &first, &end);
+    } else if (status == ASDIC_OK) {
+        if (!(bin >= 0.0 && bin < (double)job->bins)) {
+            return asdic_fail(job->ctx, ASDIC_ERROR_ARGUMENT,
+                              "a range of %g m: the sonar's bins end at %g m", o->range_m,
+                              (double)job->bins * job->sonar.bin_length_m);
+        }
+        first = (size_t)bin;
+        end = first + 1;
+    }
+    for (; beam < beam_end && status == ASDIC_OK; beam++) {
+        for (size_t n = first; n < end; n++) {
+            size_t at = beam * job->bins + n;
+            asdic_roc_case c = case_of(job, at);
+            if (!(c.none.mean_lin > 0.0)) {
+                continue;
+            }
+            if (o->object) {
+                double noise = job->ping->intensity_lin[ASDIC_NOISE][at];
+                c.rest =
+                    asdic_background_of(&job->sonar, job->water.sound_speed_mps,
+                                        fmax(job->rest_lin[at], 1e-12 * c.none.mean_lin), noise);
+                c.target_lin = job->ping->intensity_lin[ASDIC_OBJECT][at];
+            } else {
+                c.target_lin =
+                    echo_lin(job, beam, o->range_m) * pow(10.0, 0.1 * o->target_strength_db);
+            }
+            if (c.target_lin / c.none.mean_lin > best) {
+                best = c.target_lin / c.none.mean_lin;
+                *cell = at;
+                *found = c;
+            }
+        }
+    }
+    if (status == ASDIC_OK && best < 0.0) {
+        status = asdic_fail(job->ctx, ASDIC_ERROR_ARGUMENT,
+                            "nothing is received from there: no background to detect against");
+    }
+    return status;
+}
+
+static asdic_status fill_reach(const scene_job *job, size_t beam, asdic_roc *roc) {
+    size_t step = (job->bins + MOST_RANGES - 1) / MOST_RANGES;
+    roc->reach = calloc(job->bins / step + 1, sizeof *roc->reach);
+    if (!roc->reach) {
+        return asdic_fail_memory(job->ctx, "ranges");
+    }
+    for (size_t n = step / 2; n < job->bins; n += step) {
+        if (asdic_context_interrupted(job->ctx)) {
+            return asdic_fail(job->ctx, ASDIC_ERROR_INTERRUPTED,
+                              "interrupted; nothing was written");
+        }
+        double range_m = ((double)n + 0.5) * job->sonar.bin_length_m, threshold;
+        asdic_roc_case c = case_of(job, beam * job->bins + n);
+        c.target_lin = echo_lin(job, beam, range_m) * pow(10.0, 0.1 * roc->target_strength_db);
+        if (!(c.none.mean_lin > 0.0) || !(c.target_lin > 0.0) || range_m < job->sonar.blanking_m) {
+            continue;
+        }
+        asdic_status status = asdic_detect_threshold(job->ctx, &c.none, roc->pfa, &threshold);
+        if (status != ASDIC_OK) {
+            return status;
+        }
+        roc->reach[roc->reach_count++] = (asdic_roc_reach){
+            .range_m = range_m,
+            .snr_db = asdic_level_db(c.target_lin / c.none.mean_lin),
+            .pd = asdic_detect_simulate(&c.none, job->options->target, c.target_lin, threshold,
+                                        REACH_TRIALS, job->options->seed + n),
+            .closed_pd = asdic_detect_pd(&c.none, job->options->target, c.target_lin, threshold)};
+    }
+    return ASDIC_OK;
+}
+
+static asdic_status check(asdic_context *ctx, const asdic_mission *mission,
+                          const asdic_roc_options *o) {
+    bool has_range = isfinite(o->range_m) && isfinite(o->target_strength_db);
+    if (o->object ? isfinite(o->range_m) : !has_range) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
+                          "a target is an object of the scene, or a range with a target strength");
+    }
+    if (o->ping >= asdic_mission_ping_count(mission)) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "ping %zu of a mission of %zu", o->ping,
+                          asdic_mission_ping_count(mission));
+    }
+    if (o->trials < 1000 || o->trials > 100000000 || !(o->pfa > 0.0 && o->pfa < 1.0)) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
+                          "%llu trials (1000 to 1e8) at a P_FA of %g (between 0 and 1)",
+                          (unsigned long long)o->trials, o->pfa);
+    }
+    return ASDIC_OK;
+}
+
+static void describe(const scene_job *job, size_t cell, const asdic_roc_case *c, asdic_roc *roc) {
+    size_t beam = cell / job->bins;
+    roc->bin = cell % job->bins;
+    memcpy(roc->beam, job->sonar.receivers[beam].name, sizeof roc->beam);
+    roc->range_m = job->options->object ? ((double)roc->bin + 0.5) * job->sonar.bin_length_m
+                                        : job->options->range_m;
+    roc->background = c->none;
+    roc->background_db = asdic_level_db(c->none.mean_lin);
+    roc->target_db = asdic_level_db(c->target_lin);
+    roc->snr_db = asdic_level_db(c->target_lin / c->none.mean_lin);
+    roc->target_strength_db = job->options->target_strength_db;
+    if (job->options->object) { /* of the point that would be as strong */
+        roc->target_strength_db = asdic_level_db(c->target_lin / echo_lin(job, beam, roc->range_m));
+    }
+}
+
+asdic_status asdic_roc_compute(asdic_context *ctx, const asdic_mission *mission,
+                               asdic_device *device, const asdic_roc_options *options,
+                               asdic_roc **out) {
+    if (!mission || !device || !options || !out) {
+        return asdic_fail_null(ctx, __func__);
+    }
+    size_t cell = 0;
+    asdic_roc_case c;
+    *out = NULL;
+    asdic_status status = check(ctx, mission, options);
+    if (status != ASDIC_OK) {
+        return status;
+    }
+    scene_job job = {.ctx = ctx,
+                     .mission = mission,
+                     .options = options,
+                     .sonar = mission->sonar,
+                     .pose = asdic_mission_pose(mission, options->ping, NULL),
+                     .beams = mission->sonar.receiver_count};
+    job.azimuth_rad = job.pose.yaw_rad + options->bearing_rad;
+    if (job.sonar.speckle == ASDIC_SPECKLE_NONE) {
+        job.sonar.speckle = ASDIC_SPECKLE_RAYLEIGH;
+    }
+    job.water = asdic_water_column_at(&mission->environment, &job.sonar, job.pose.position_m.z);
+    asdic_roc *roc = calloc(1, sizeof *roc);
+    status = roc ? simulate(&job, device) : asdic_fail_memory(ctx, "a curve");
+    if (status == ASDIC_OK) {
+        status = expect(&job);
+    }
+    if (status == ASDIC_OK) {
+        status = find_cell(&job, &cell, &c);
+    }
+    if (status == ASDIC_OK) {
+        roc->trials = (size_t)options->trials;
+        roc->pfa = options->pfa;
+        describe(&job, cell, &c, roc);
+        status = asdic_roc_fill(ctx, &c, options, roc);
+    }
+    if (status == ASDIC_OK && isfinite(roc->target_strength_db)) {
+        status = fill_reach(&job, cell / job.bins, roc);
+    }
+    if (status != ASDIC_OK) {
+        asdic_roc_destroy(&roc);
+    }
+    asdic_ping_destroy(&job.ping);
+    asdic_ping_destroy(&job.expected);
+    free(job.rest_lin);
+    *out = roc;
+    return status;
+}

@@ -1,0 +1,203 @@
+/*
+ * A scene file written again: with the choices that are in force, flown along another track.
+ */
+#include "mission.h"
+
+#include "base/arena.h"
+#include "base/context.h"
+#include "base/text.h"
+#include "out/digits.h"
+#include "out/file.h"
+#include "mission/scene_file/yaml_tree.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct rewriter {
+    asdic_arena arena;
+    asdic_text text;
+    char *folder; /* of the scene file that was read, absolute */
+    bool failed;  /* memory was short */
+} rewriter;
+
+static asdic_yaml_node *new_node(rewriter *r, asdic_yaml_node *map, const char *key,
+                                 asdic_yaml_kind kind) {
+    asdic_yaml_node *node = asdic_arena_alloc(&r->arena, sizeof *node);
+    if (!node) {
+        r->failed = true;
+        return NULL;
+    }
+    node->kind = kind;
+    node->key = key;
+    node->key_length = strlen(key);
+    asdic_yaml_append(map, node);
+    return node;
+}
+
+/* The map called KEY in MAP, made when it is not there. */
+static asdic_yaml_node *need_map(rewriter *r, asdic_yaml_node *map, const char *key) {
+    asdic_yaml_node *child = asdic_yaml_child(map, key);
+    return child && child->kind == ASDIC_YAML_MAP ? child : new_node(r, map, key, ASDIC_YAML_MAP);
+}
+
+static void set_text(rewriter *r, asdic_yaml_node *map, const char *key, const char *value,
+                     bool quoted) {
+    asdic_yaml_node *node = map ? asdic_yaml_child(map, key) : NULL;
+    node = node || !map ? node : new_node(r, map, key, ASDIC_YAML_SCALAR);
+    if (!node) {
+        return;
+    }
+    node->kind = ASDIC_YAML_SCALAR;
+    node->first = node->last = NULL;
+    node->length = strlen(value);
+    node->text = asdic_arena_string(&r->arena, value, node->length);
+    node->quoted = quoted;
+    r->failed |= node->text == NULL;
+}
+
+static void set_number(rewriter *r, asdic_yaml_node *map, const char *key, double value) {
+    char digits[ASDIC_DIGITS_SIZE];
+    asdic_digits_double(digits, value);
+    set_text(r, map, key, digits, false);
+}
+
+/* Names of files are relative to the scene file, which now lies elsewhere. */
+static void make_absolute(rewriter *r, asdic_yaml_node *node) {
+    for (asdic_yaml_node *child = node->first; child; child = child->next) {
+        bool is_path = child->kind == ASDIC_YAML_SCALAR && child->key &&
+                       (strcmp(child->key, "file") == 0 || strcmp(child->key, "track") == 0);
+        if (is_path && child->text[0] != '/') {
+            char *path = NULL;
+            if (asprintf(&path, "%s/%s", r->folder, child->text) < 0) {
+                r->failed = true;
+                return;
+            }
+            set_text(r, node, child->key, path, true);
+            free(path);
+        }
+        make_absolute(r, child);
+    }
+}
+
+static void apply(rewriter *r, const asdic_mission *m, asdic_yaml_node *root, const char *track) {
+    asdic_yaml_node *bottom = asdic_yaml_child(root, "bottom");
+    asdic_yaml_node *mission = need_map(r, root, "mission");
+    set_number(r, need_map(r, root, "environment"), "wind_speed_kn", m->environment.wind_speed_kn);
+    set_number(r, need_map(r, root, "sonar"), "source_level_db", m->sonar.source_level_db);
+    set_number(r, need_map(r, root, "sampling"), "rays", m->sampling.rays);
+    set_number(r, need_map(r, root, "sampling"), "seed", (double)m->sampling.seed);
+    set_text(r, need_map(r, root, "model"), "terms", "all", false);
+    if (bottom && bottom->kind == ASDIC_YAML_MAP && !asdic_yaml_child(bottom, "none")) {
+        set_number(r, bottom, "type", m->bottom_type);
+    }
+    if (mission) {
+        mission->first = mission->last = NULL;
+        mission->count = 0;
+        set_text(r, mission, "track", track, true);
+    }
+}
+
+/* --- as text ---------------------------------------------------------------------------------- */
+
+static void indent(rewriter *r, unsigned depth) {
+    for (unsigned i = 0; i < depth; i++) {
+        asdic_text_add(&r->text, "  ");
+    }
+}
+
+static void print_scalar(rewriter *r, const asdic_yaml_node *node) {
+    if (node->quoted) {
+        asdic_text_add_json(&r->text, node->text);
+    } else {
+        asdic_text_add(&r->text, node->length ? node->text : "null");
+    }
+}
+
+/* A list of numbers alone fits on a line. */
+static bool is_numeric(const asdic_yaml_node *list) {
+    for (const asdic_yaml_node *child = list->first; child; child = child->next) {
+        bool is_number = child->kind == ASDIC_YAML_SCALAR && !child->quoted && child->length &&
+                         strspn(child->text, "0123456789+-.eE") == child->length;
+        if (!is_number) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static void print_children(rewriter *r, const asdic_yaml_node *node, unsigned depth);
+
+/* What stands behind "key:" or "-", and below it. */
+static void print_value(rewriter *r, const asdic_yaml_node *node, unsigned depth) {
+    if (node->kind == ASDIC_YAML_SCALAR) {
+        asdic_text_add(&r->text, " ");
+        print_scalar(r, node);
+        asdic_text_add(&r->text, "\n");
+    } else if (!node->first) {
+        asdic_text_add(&r->text, node->kind == ASDIC_YAML_MAP ? " {}\n" : " []\n");
+    } else if (node->kind == ASDIC_YAML_LIST && is_numeric(node)) {
+        const char *comma = " [";
+        for (const asdic_yaml_node *child = node->first; child; child = child->next) {
+            asdic_text_add(&r->text, comma);
+            print_scalar(r, child);
+            comma = ", ";
+        }
+        asdic_text_add(&r->text, "]\n");
+    } else {
+        asdic_text_add(&r->text, "\n");
+        print_children(r, node, depth);
+    }
+}
+
+static void print_children(rewriter *r, const asdic_yaml_node *node, unsigned depth) {
+    for (const asdic_yaml_node *child = node->first; child; child = child->next) {
+        indent(r, depth);
+        if (node->kind == ASDIC_YAML_MAP) {
+            asdic_text_add_bytes(&r->text, child->key, child->key_length);
+            asdic_text_add(&r->text, ":");
+        } else {
+            asdic_text_add(&r->text, "-");
+        }
+        print_value(r, child, depth + 1);
+    }
+}
+
+/* The absolute folder of the mission's scene file; freed by the caller. */
+static char *folder_of(const char *path) {
+    const char *slash = strrchr(path, '/');
+    char *name = slash ? strndup(path, (size_t)(slash - path) + 1) : strdup(".");
+    char *folder = name ? realpath(name, NULL) : NULL;
+    free(name);
+    return folder;
+}
+
+asdic_status asdic_mission_write_scene(asdic_context *ctx, const asdic_mission *mission,
+                                       const char *path, const char *track) {
+    if (!mission || !path) {
+        return asdic_fail_null(ctx, __func__);
+    }
+    rewriter r = {.folder = folder_of(mission->path)};
+    asdic_problems problems = {.name = mission->path};
+    asdic_yaml_node *root = NULL;
+    asdic_status status = ASDIC_OK;
+    bool good = r.folder &&
+                asdic_yaml_read(mission->text, strlen(mission->text), &r.arena, &problems, &root);
+    if (!good || !root) {
+        status = asdic_fail_memory(ctx, "a scene file");
+        goto done;
+    }
+    make_absolute(&r, root);
+    apply(&r, mission, root, track);
+    print_children(&r, root, 0);
+    if (r.failed || r.text.failed) {
+        status = asdic_fail_memory(ctx, "a scene file");
+        goto done;
+    }
+    status = asdic_file_write_all(ctx, path, r.text.data, r.text.length);
+done:
+    asdic_problems_finish(&problems);
+    asdic_text_finish(&r.text);
+    asdic_arena_finish(&r.arena);
+    free(r.folder);
+    return status;
+}

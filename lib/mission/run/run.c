@@ -1,0 +1,199 @@
+/*
+ * A mission, run: pings from the devices into pings.npy and bins.csv, then pictures and run.json.
+ */
+#include "run_job.h"
+
+#include "base/clock.h"
+#include "base/context.h"
+#include "mission/mission.h"
+#include "run_folder.h"
+#include "run_member.h"
+#include "run_queue.h"
+#include "run_stream.h"
+
+#include <stdio.h>
+#include <string.h>
+
+asdic_run_options asdic_run_options_default(void) {
+    return (asdic_run_options){.count = SIZE_MAX};
+}
+
+static void report(const asdic_run_job *job, double since_s) {
+    const asdic_run_options *o = job->options;
+    if (o->progress) {
+        asdic_run_progress progress = {.pings_done = job->kept,
+                                       .pings_total = job->facts.pings_planned,
+                                       .rays = job->rays,
+                                       .elapsed_s = asdic_clock_s() - since_s};
+        o->progress(o->user, &progress);
+    }
+}
+
+/* What RESULT's levels are kept with. */
+static asdic_record_head head_of(const asdic_mission *mission, size_t ping,
+                                 const asdic_ping *result) {
+    asdic_record_head head = {.ping = ping, .rays = result->rays, .saturated = result->saturated};
+    asdic_pose pose = asdic_mission_pose(mission, ping, &head.time_s);
+    head.position_m[0] = pose.position_m.x;
+    head.position_m[1] = pose.position_m.y;
+    head.position_m[2] = pose.position_m.z;
+    head.attitude_rad[0] = pose.roll_rad;
+    head.attitude_rad[1] = pose.pitch_rad;
+    head.attitude_rad[2] = pose.yaw_rad;
+    head.altitude_m = asdic_scene_altitude_m(asdic_mission_scene(mission), pose.position_m);
+    return head;
+}
+
+asdic_status asdic_job_keep(asdic_run_job *job, const void *bytes) {
+    asdic_record record;
+    double begin_s = asdic_clock_s();
+    asdic_record_view(bytes, job->facts.beams, job->facts.bins, &record);
+    asdic_status status = asdic_csv_add(job->csv, &record);
+    if (status == ASDIC_OK) {
+        status = asdic_files_add(job->files, &record);
+    }
+    double written_s = asdic_clock_s();
+    asdic_digest_add(job->digest, &record);
+    job->facts.times.write_s += written_s - begin_s;
+    job->facts.times.pictures_s += asdic_clock_s() - written_s;
+    job->kept++;
+    return status;
+}
+
+typedef struct taker {
+    asdic_run_job *job;
+    asdic_queue_result result;
+} taker;
+
+/* One ping, in order: first into the store, which is what survives. */
+static asdic_status take(void *user, size_t ping, const asdic_ping *result) {
+    taker *t = user;
+    asdic_run_job *job = t->job;
+    double begin_s = asdic_clock_s();
+    asdic_record_head head = head_of(job->mission, ping, result);
+    asdic_record_pack(&head, result, job->bytes);
+    asdic_status status = job->store ? asdic_store_append(job->store, job->bytes) : ASDIC_OK;
+    job->facts.times.write_s += asdic_clock_s() - begin_s;
+    if (status == ASDIC_OK) {
+        status = asdic_job_keep(job, job->bytes);
+    }
+    if (status == ASDIC_OK) {
+        job->rays += result->rays;
+        report(job, t->result.ready_s);
+    }
+    return status;
+}
+
+/* Notes a device of another process, as run.json lists them. */
+static void name_device(void *user, const char *device) {
+    asdic_run_job *job = ((taker *)user)->job;
+    asdic_run_facts *f = &job->facts;
+    for (size_t i = 0; i < f->device_count; i++) {
+        if (strcmp(f->devices[i], device) == 0) {
+            return;
+        }
+    }
+    const char **more = asdic_arena_alloc(&job->arena, (f->device_count + 1) * sizeof *more);
+    const char *copy = asdic_arena_string(&job->arena, device, strlen(device));
+    if (more && copy) {
+        memcpy(more, f->devices, f->device_count * sizeof *more);
+        more[f->device_count++] = copy;
+        f->devices = more;
+    }
+}
+
+asdic_status asdic_job_simulate(asdic_run_job *job) {
+    taker t = {.job = job};
+    char hash[65];
+    asdic_job_hash(job, hash);
+    double begin_s = asdic_clock_s();
+    asdic_queue_work work = {.mission = job->mission,
+                             .devices = job->devices,
+                             .device_count = job->device_count,
+                             .first = job->facts.first_ping + job->resumed,
+                             .end = job->facts.first_ping + job->facts.pings_planned,
+                             .bins = job->facts.bins,
+                             .take = take,
+                             .name = name_device,
+                             .team = job->options->team,
+                             .run_hash = hash,
+                             .user = &t};
+    report(job, begin_s);
+    asdic_status status = asdic_queue_run(job->ctx, &work, &t.result);
+    double end_s = asdic_clock_s();
+    asdic_run_times *times = &job->facts.times;
+    times->setup_s = t.result.ready_s - begin_s;
+    times->simulate_s = end_s - t.result.ready_s;
+    times->devices_s = t.result.devices_s;
+    job->facts.rays_per_s = (double)job->rays / times->simulate_s;
+    return status;
+}
+
+/* Adds to the context's sentence what is safe and how to go on. */
+static asdic_status explain(asdic_run_job *job, asdic_status status) {
+    char why[768];
+    snprintf(why, sizeof why, "%s", asdic_context_error(job->ctx));
+    return asdic_fail(job->ctx, status, "%s; %zu of %zu pings are kept in '%s', --resume goes on",
+                      why, asdic_store_count(job->store), job->facts.pings_planned,
+                      job->options->folder);
+}
+
+/* After the pings, all of them or not. */
+static asdic_status wind_up(asdic_run_job *job, asdic_status status) {
+    if (status == ASDIC_OK) {
+        status = asdic_job_end(job, true);
+        return status == ASDIC_OK ? status : explain(job, status);
+    }
+    if (status != ASDIC_ERROR_INTERRUPTED && asdic_store_count(job->store) == 0) {
+        /* No device did anything: there is nothing to keep. */
+        char why[768];
+        snprintf(why, sizeof why, "%s", asdic_context_error(job->ctx));
+        asdic_folder_remove(job->ctx, job->options->folder);
+        return asdic_fail(job->ctx, status, "%s", why);
+    }
+    status = explain(job, status);
+    if (status == ASDIC_ERROR_IO) {
+        return status; /* the disk is full or gone: what was appended stays as it is */
+    }
+    asdic_status ended = asdic_job_end(job, false);
+    return ended == ASDIC_OK ? status : ended;
+}
+
+asdic_status asdic_mission_run(asdic_context *ctx, asdic_mission *mission, asdic_device **devices,
+                               size_t device_count, const asdic_run_options *options) {
+    if (!mission || !options || !devices || device_count == 0) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
+                          "asdic_mission_run: a mission, options and a device are needed");
+    }
+    if (mission->is_varied) {
+        return asdic_fail(
+            ctx, ASDIC_ERROR_UNSUPPORTED,
+            "a mission with settings of its own cannot be run: the folder would keep a "
+            "text that does not say them; write them into a scene file");
+    }
+    asdic_run_job job = {.ctx = ctx,
+                         .mission = mission,
+                         .devices = devices,
+                         .device_count = device_count,
+                         .options = options,
+                         .begin_s = asdic_clock_s()};
+    bool is_member = options->team && options->team->rank > 0;
+    bool is_stream = options->folder && strcmp(options->folder, "-") == 0;
+    asdic_status status = is_member   ? asdic_member_run(&job)
+                          : is_stream ? asdic_run_stream(&job)
+                                      : asdic_job_begin(&job);
+    if (status != ASDIC_OK || is_member || is_stream || job.is_complete) {
+        goto done;
+    }
+    if (job.resumed < job.facts.pings_planned) {
+        status = asdic_job_simulate(&job);
+    }
+    status = wind_up(&job, status);
+done:
+    if (options->times) {
+        *options->times = job.facts.times;
+        options->times->whole_s = asdic_clock_s() - job.begin_s;
+    }
+    asdic_job_finish(&job);
+    return status;
+}

@@ -1,0 +1,237 @@
+#include "run_job.h"
+
+#include "base/clock.h"
+#include "base/context.h"
+#include "base/sha256.h"
+#include "run_folder.h"
+#include "run_inputs.h"
+#include "run_scenery.h"
+#include "mission/track/track_write.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static asdic_status check_range(asdic_run_job *job) {
+    const asdic_run_options *o = job->options;
+    size_t pings = asdic_mission_ping_count(job->mission);
+    if (!o->folder || !o->folder[0]) {
+        return asdic_fail(job->ctx, ASDIC_ERROR_ARGUMENT, "a run needs a folder to write to");
+    }
+    if (o->first >= pings || o->count == 0) {
+        return asdic_fail(job->ctx, ASDIC_ERROR_ARGUMENT,
+                          "no ping to run: ping %zu asked for, but the mission has pings 0..%zu",
+                          o->first, pings - 1);
+    }
+    job->facts.first_ping = o->first;
+    job->facts.pings_planned = o->count < pings - o->first ? o->count : pings - o->first;
+    return ASDIC_OK;
+}
+
+static const char *bottom_of(const asdic_mission *mission) {
+    for (size_t i = 0; i < asdic_mission_object_count(mission); i++) {
+        if (asdic_mission_get_object(mission, i)->name[0] == 0) {
+            return ASDIC_RUN_BOTTOM_MESH;
+        }
+    }
+    return asdic_scene_get_info(asdic_mission_scene(mission)).has_bottom_plane
+               ? ASDIC_RUN_BOTTOM_PLANE
+               : ASDIC_RUN_BOTTOM_NONE;
+}
+
+/* What is known before the first ping; the simulation follows the plan from here on. */
+static asdic_status describe(asdic_run_job *job) {
+    asdic_run_facts *f = &job->facts;
+    const asdic_mission *m = job->mission;
+    const asdic_sonar *sonar = asdic_mission_sonar(m);
+    double depth_m = asdic_mission_pose(m, 0, NULL).position_m.z;
+    double speed_mps = asdic_environment_sound_speed_mps(asdic_mission_environment(m), depth_m);
+    f->version = asdic_version();
+    f->state = ASDIC_RUN_RUNNING;
+    f->scene_path = asdic_mission_path(m);
+    f->scene_hash = asdic_mission_hash(m);
+    f->scene_text = asdic_mission_text(m);
+    f->geometry_hash = job->inputs_hash;
+    f->has_surface = asdic_scene_get_info(asdic_mission_scene(m)).has_surface;
+    f->bottom = bottom_of(m);
+    f->bottom_type = asdic_mission_flat_scene(m, f->first_ping).bottom_type;
+    f->remarks = asdic_mission_remarks(m);
+    asdic_status status = asdic_mission_plan(job->ctx, job->mission, &f->plan);
+    if (status != ASDIC_OK) {
+        return status;
+    }
+    asdic_mission_sampling(job->mission)->left_out = f->plan.left_out;
+    f->sampling = *asdic_mission_sampling(job->mission);
+    f->beams = sonar->receiver_count;
+    f->bins = asdic_sonar_bin_count(sonar, speed_mps);
+    f->bin_length_m = sonar->bin_length_m;
+    f->stderr_median_db = f->stderr_worst_db = NAN;
+    f->rays_per_s = NAN;
+    return asdic_inputs_hash(job->ctx, m, job->inputs_hash);
+}
+
+void asdic_job_hash(const asdic_run_job *job, char hex[65]) {
+    char text[512];
+    const asdic_run_facts *f = &job->facts;
+    const asdic_sampling *s = &f->sampling;
+    int length = snprintf(text, sizeof text, "%s %s %s %zu+%zu %zu*%zu %u %d %d %llu %u",
+                          f->version, f->scene_hash, f->geometry_hash, f->first_ping,
+                          f->pings_planned, f->beams, f->bins, s->rays, (int)s->sampler,
+                          (int)s->multipath, (unsigned long long)s->seed, s->left_out);
+    asdic_sha256_hex(text, (size_t)length, hex);
+}
+
+/* This call's devices, after those of an earlier one that it does not use as well. */
+static asdic_status list_devices(asdic_run_job *job, const asdic_run_facts *earlier) {
+    asdic_run_facts *f = &job->facts;
+    size_t most = job->device_count + earlier->device_count;
+    f->devices = asdic_arena_alloc(&job->arena, most * sizeof *f->devices);
+    if (!f->devices) {
+        return asdic_fail_memory(job->ctx, "device names");
+    }
+    for (size_t i = 0; i < earlier->device_count; i++) {
+        bool is_used = false;
+        for (size_t k = 0; k < job->device_count; k++) {
+            const char *name = asdic_device_get_info(job->devices[k])->name;
+            is_used = is_used || strcmp(name, earlier->devices[i]) == 0;
+        }
+        if (!is_used) {
+            f->devices[f->device_count++] = earlier->devices[i];
+        }
+    }
+    for (size_t k = 0; k < job->device_count; k++) {
+        f->devices[f->device_count++] = asdic_device_get_info(job->devices[k])->name;
+    }
+    return ASDIC_OK;
+}
+
+static asdic_status compare(asdic_run_job *job, const asdic_run_facts *earlier) {
+    const asdic_run_facts *f = &job->facts;
+    const char *difference = asdic_run_facts_differ(f, earlier);
+    if (!difference &&
+        (f->first_ping != earlier->first_ping || f->pings_planned != earlier->pings_planned)) {
+        difference = "range of pings";
+    }
+    if (difference) {
+        return asdic_fail(job->ctx, ASDIC_ERROR_EXISTS,
+                          "'%s' holds a run with another %s; it cannot be resumed, --force "
+                          "replaces it",
+                          job->options->folder, difference);
+    }
+    return ASDIC_OK;
+}
+
+/* Opens the store of a new run or of the one to be resumed. */
+static asdic_status open_store(asdic_run_job *job) {
+    const char *folder = job->options->folder;
+    asdic_run_facts earlier = {0};
+    asdic_status status;
+    asdic_store_mode mode = ASDIC_STORE_CREATE;
+    if (job->options->resume && asdic_folder_has_run(folder)) {
+        mode = ASDIC_STORE_RESUME;
+        status = asdic_folder_check_idle(job->ctx, folder);
+        if (status == ASDIC_OK) {
+            status = asdic_run_facts_read(job->ctx, folder, &job->arena, &earlier);
+        }
+        if (status == ASDIC_OK) {
+            status = compare(job, &earlier);
+        }
+    } else {
+        status = asdic_folder_prepare(job->ctx, folder, job->options->force);
+    }
+    if (status != ASDIC_OK) {
+        return status;
+    }
+    if (earlier.state && strcmp(earlier.state, ASDIC_RUN_COMPLETE) == 0) {
+        job->is_complete = true;
+        return ASDIC_OK;
+    }
+    status = list_devices(job, &earlier);
+    if (status == ASDIC_OK) {
+        status = asdic_run_facts_write(job->ctx, folder, &job->facts);
+    }
+    if (status == ASDIC_OK) {
+        status = asdic_store_open(job->ctx, folder, mode, job->facts.beams, job->facts.bins,
+                                  &job->store);
+    }
+    if (status == ASDIC_OK) {
+        status = asdic_store_cut(job->store, job->facts.pings_planned);
+    }
+    return status;
+}
+
+/* Where the vehicle is at the run's pings. */
+static asdic_status write_track(asdic_run_job *job) {
+    char *path = asdic_folder_path(job->options->folder, "track", "", "csv");
+    asdic_status status =
+        path ? asdic_track_file_write(job->ctx, job->mission, job->facts.first_ping,
+                                      job->facts.pings_planned, path)
+             : asdic_fail_memory(job->ctx, "a file name");
+    free(path);
+    return status;
+}
+
+/* Records of earlier pings, as if they came now: the rows of bins.csv, what pictures need. */
+static asdic_status replay(asdic_run_job *job) {
+    asdic_status status = ASDIC_OK;
+    for (size_t i = 0; i < job->resumed && status == ASDIC_OK; i++) {
+        status = asdic_store_read(job->store, i, job->bytes);
+        if (status == ASDIC_OK) {
+            status = asdic_job_keep(job, job->bytes);
+        }
+    }
+    return status;
+}
+
+static asdic_status open_csv(asdic_run_job *job) {
+    const asdic_sonar *sonar = asdic_mission_sonar(job->mission);
+    char *path = asdic_folder_path(job->options->folder, "bins", "", "csv");
+    asdic_status status = path
+                              ? asdic_csv_create(job->ctx, path, sonar, job->facts.bins,
+                                                 asdic_mission_output(job->mission)->csv, &job->csv)
+                              : asdic_fail_memory(job->ctx, "a file name");
+    free(path);
+    return status;
+}
+
+asdic_status asdic_job_describe(asdic_run_job *job) {
+    asdic_status status = check_range(job);
+    if (status == ASDIC_OK) {
+        status = asdic_files_check(job->ctx, job->mission);
+    }
+    return status == ASDIC_OK ? describe(job) : status;
+}
+
+asdic_status asdic_job_begin(asdic_run_job *job) {
+    asdic_status status = asdic_job_describe(job);
+    if (status == ASDIC_OK) {
+        status = open_store(job);
+    }
+    if (status != ASDIC_OK || job->is_complete) {
+        return status;
+    }
+    job->resumed = asdic_store_count(job->store);
+    job->bytes = malloc(asdic_store_record_bytes(job->store));
+    if (!job->bytes) {
+        return asdic_fail_memory(job->ctx, "a record");
+    }
+    double begin_s = asdic_clock_s();
+    status = write_track(job);
+    if (status == ASDIC_OK) {
+        status = asdic_scenery_write(job->ctx, job->mission, job->options->folder);
+    }
+    if (status == ASDIC_OK) {
+        status = open_csv(job);
+    }
+    if (status == ASDIC_OK) {
+        asdic_pose first = asdic_mission_pose(job->mission, job->facts.first_ping, NULL);
+        status = asdic_files_create(job->ctx, job->options->folder, job->mission, &job->facts,
+                                    first.position_m.z, &job->files);
+    }
+    job->facts.times.write_s += asdic_clock_s() - begin_s;
+    if (status == ASDIC_OK) {
+        status = asdic_digest_create_all(job->ctx, job->mission, &job->facts, &job->digest);
+    }
+    return status == ASDIC_OK ? replay(job) : status;
+}

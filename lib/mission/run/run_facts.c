@@ -1,0 +1,356 @@
+#include "run_facts.h"
+
+#include "base/context.h"
+#include "base/file_read.h"
+#include "base/number.h"
+#include "base/text.h"
+#include "out/digits.h"
+#include "out/file.h"
+#include "base/problems.h"
+#include "run_folder.h"
+#include "run_survey.h"
+#include "mission/scene_file/yaml_tree.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define COUNT_OF(array) ((int)(sizeof(array) / sizeof *(array)))
+
+/* The scene file's text is at most 4 MiB and may double when escaped. */
+#define MAX_BYTES ((size_t)16 << 20)
+
+static const char *const sampler_names[] = {[ASDIC_SAMPLER_ADAPTIVE] = "adaptive",
+                                            [ASDIC_SAMPLER_BEAM] = "beam",
+                                            [ASDIC_SAMPLER_UNIFORM_SPHERE] = "uniform-sphere"};
+static const char *const multipath_names[] = {[ASDIC_MULTIPATH_OFF] = "off",
+                                              [ASDIC_MULTIPATH_FIRST] = "first",
+                                              [ASDIC_MULTIPATH_BOUNDARIES] = "boundaries"};
+
+static const struct {
+    const char *name;
+    size_t at;
+} times[] = {{"setup", offsetof(asdic_run_times, setup_s)},
+             {"simulate", offsetof(asdic_run_times, simulate_s)},
+             {"devices", offsetof(asdic_run_times, devices_s)},
+             {"write", offsetof(asdic_run_times, write_s)},
+             {"pictures", offsetof(asdic_run_times, pictures_s)},
+             {"whole", offsetof(asdic_run_times, whole_s)}};
+
+const char *asdic_run_sampler_name(asdic_sampler sampler) {
+    return sampler_names[sampler];
+}
+
+const char *asdic_run_facts_differ(const asdic_run_facts *a, const asdic_run_facts *b) {
+    if (strcmp(a->scene_hash, b->scene_hash) != 0) {
+        return "scene file";
+    }
+    if (strcmp(a->geometry_hash, b->geometry_hash) != 0) {
+        return "mesh, grid or track";
+    }
+    if (a->sampling.seed != b->sampling.seed) {
+        return "seed";
+    }
+    if (a->sampling.rays != b->sampling.rays || a->sampling.sampler != b->sampling.sampler ||
+        a->sampling.multipath != b->sampling.multipath) {
+        return "sampling";
+    }
+    if (a->beams != b->beams || a->bins != b->bins) {
+        return "number of beams or bins";
+    }
+    return strcmp(a->version, b->version) != 0 ? "version of asdic" : NULL;
+}
+
+void asdic_run_facts_survey(asdic_run_facts *facts, const asdic_survey *survey) {
+    facts->rays_traced = survey->rays;
+    facts->saturated = survey->saturated;
+    facts->stderr_median_db = survey->stderr_median_db;
+    facts->stderr_worst_db = survey->stderr_worst_db;
+}
+
+/* ---- writing: one member a line, the last one without a comma is "bin_length_m" ------------- */
+
+static void add_text(asdic_text *json, const char *key, const char *value) {
+    asdic_text_format(json, "  \"%s\": ", key);
+    asdic_text_add_json(json, value);
+    asdic_text_add(json, ",\n");
+}
+
+static void add_natural(asdic_text *json, const char *key, uint64_t value) {
+    char digits[ASDIC_DIGITS_SIZE];
+    asdic_digits_natural(digits, value);
+    asdic_text_format(json, "  \"%s\": %s,\n", key, digits);
+}
+
+static const char *number_or_null(char digits[ASDIC_DIGITS_SIZE], const char *format,
+                                  double value) {
+    if (!isfinite(value)) {
+        return "null";
+    }
+    asdic_digits_print(digits, format, value);
+    return digits;
+}
+
+static void add_scene(asdic_text *json, const asdic_run_facts *facts) {
+    asdic_text_add(json, "  \"scene\": {\n    \"path\": ");
+    asdic_text_add_json(json, facts->scene_path);
+    asdic_text_format(json, ",\n    \"sha256\": \"%s\",\n    \"geometry_sha256\": \"%s\",\n",
+                      facts->scene_hash, facts->geometry_hash);
+    asdic_text_add(json, "    \"text\": ");
+    asdic_text_add_json(json, facts->scene_text);
+    asdic_text_add(json, "\n  },\n");
+}
+
+static void add_devices(asdic_text *json, const asdic_run_facts *facts) {
+    asdic_text_add(json, "  \"devices\": [");
+    for (size_t i = 0; i < facts->device_count; i++) {
+        asdic_text_add(json, i ? ", " : "");
+        asdic_text_add_json(json, facts->devices[i]);
+    }
+    asdic_text_add(json, "],\n");
+}
+
+static void add_remarks(asdic_text *json, const asdic_remarks *remarks) {
+    asdic_text_add(json, "  \"remarks\": [");
+    for (size_t i = 0; i < remarks->count; i++) {
+        asdic_text_add(json, i ? ",\n    " : "\n    ");
+        asdic_text_add_json(json, remarks->text[i]);
+    }
+    asdic_text_add(json, remarks->count ? "\n  ],\n" : "],\n");
+}
+
+static void add_terms(asdic_text *json, const asdic_plan *plan) {
+    char digits[ASDIC_DIGITS_SIZE];
+    asdic_text_add(json, "  \"terms\": [\n");
+    for (int t = 0; t < ASDIC_TERM_COUNT; t++) {
+        const asdic_plan_row *row = &plan->rows[t];
+        asdic_text_add(json, "    {\"name\": ");
+        asdic_text_add_json(json, asdic_term_name((asdic_term)t));
+        asdic_text_format(
+            json, ", \"kept\": %s, \"bound_db\": %s, \"reason\": ", row->kept ? "true" : "false",
+            number_or_null(digits, "%.3g", row->bound_db));
+        asdic_text_add_json(json, row->reason);
+        asdic_text_add(json, t + 1 < ASDIC_TERM_COUNT ? "},\n" : "}\n  ],\n");
+    }
+}
+
+static void add_results(asdic_text *json, const asdic_run_facts *facts) {
+    char a[ASDIC_DIGITS_SIZE], b[ASDIC_DIGITS_SIZE];
+    asdic_text_add(json, "  \"time_s\": {");
+    for (size_t i = 0; i < sizeof times / sizeof *times; i++) {
+        double time_s = *(const double *)((const char *)&facts->times + times[i].at);
+        asdic_text_format(json, "%s\"%s\": %s", i ? ", " : "", times[i].name,
+                          number_or_null(a, "%.3f", time_s));
+    }
+    asdic_text_add(json, "},\n");
+    asdic_text_format(json, "  \"rays_per_s\": %s,\n",
+                      number_or_null(a, "%.0f", facts->rays_per_s));
+    asdic_text_format(json, "  \"stderr_db\": {\"median\": %s, \"worst\": %s},\n",
+                      number_or_null(a, "%.4g", facts->stderr_median_db),
+                      number_or_null(b, "%.4g", facts->stderr_worst_db));
+}
+
+asdic_status asdic_run_facts_write(asdic_context *ctx, const char *folder,
+                                   const asdic_run_facts *facts) {
+    asdic_text json = {0};
+    char digits[ASDIC_DIGITS_SIZE];
+    asdic_text_add(&json, "{\n");
+    add_text(&json, "version", facts->version);
+    add_text(&json, "state", facts->state);
+    add_scene(&json, facts);
+    asdic_text_format(&json, "  \"surface\": %s,\n", facts->has_surface ? "true" : "false");
+    add_text(&json, "bottom", facts->bottom);
+    asdic_text_format(&json, "  \"bottom_type\": %s,\n",
+                      number_or_null(digits, "%.17g", facts->bottom_type));
+    add_natural(&json, "seed", facts->sampling.seed);
+    add_natural(&json, "rays", facts->sampling.rays);
+    add_text(&json, "sampler", sampler_names[facts->sampling.sampler]);
+    add_text(&json, "multipath", multipath_names[facts->sampling.multipath]);
+    add_natural(&json, "first_ping", facts->first_ping);
+    add_natural(&json, "pings_planned", facts->pings_planned);
+    add_natural(&json, "pings", facts->pings);
+    add_natural(&json, "rays_traced", facts->rays_traced);
+    add_natural(&json, "saturated", facts->saturated);
+    add_devices(&json, facts);
+    add_remarks(&json, &facts->remarks);
+    add_terms(&json, &facts->plan);
+    add_results(&json, facts);
+    add_natural(&json, "beams", facts->beams);
+    add_natural(&json, "bins", facts->bins);
+    asdic_text_format(&json, "  \"bin_length_m\": %s\n}\n",
+                      number_or_null(digits, "%.17g", facts->bin_length_m));
+    size_t length = json.length;
+    char *all = asdic_text_take(&json);
+    char *path = asdic_folder_path(folder, "run", "", "json");
+    asdic_status status = all && path ? asdic_file_write_all(ctx, path, all, length)
+                                      : asdic_fail_memory(ctx, "run.json");
+    free(path);
+    free(all);
+    return status;
+}
+
+/* ---- reading -------------------------------------------------------------------------------- */
+
+typedef struct reader {
+    const asdic_yaml_node *root;
+    const char *missing; /* first key that is not there or not what it should be */
+} reader;
+
+static const char *read_text(reader *r, const asdic_yaml_node *map, const char *key) {
+    const asdic_yaml_node *node = asdic_yaml_child(map, key);
+    if (!node || node->kind != ASDIC_YAML_SCALAR) {
+        r->missing = r->missing ? r->missing : key;
+        return "";
+    }
+    return node->text;
+}
+
+static uint64_t read_natural(reader *r, const char *key) {
+    const char *text = read_text(r, r->root, key);
+    char *end;
+    errno = 0;
+    uint64_t value = strtoull(text, &end, 10);
+    if (end == text || *end || errno || text[0] == '-') {
+        r->missing = r->missing ? r->missing : key;
+        return 0;
+    }
+    return value;
+}
+
+/* NAN for null, and for what is no number. */
+static double read_number(reader *r, const asdic_yaml_node *map, const char *key) {
+    const char *text = read_text(r, map, key);
+    double value;
+    return asdic_number_parse(text, strlen(text), &value) ? NAN : value;
+}
+
+static int read_word(reader *r, const char *key, const char *const *words, int count) {
+    const char *text = read_text(r, r->root, key);
+    for (int i = 0; i < count; i++) {
+        if (strcmp(text, words[i]) == 0) {
+            return i;
+        }
+    }
+    r->missing = r->missing ? r->missing : key;
+    return 0;
+}
+
+static void read_devices(reader *r, asdic_arena *arena, asdic_run_facts *facts) {
+    const asdic_yaml_node *list = asdic_yaml_child(r->root, "devices");
+    if (!list || list->kind != ASDIC_YAML_LIST || list->count == 0) {
+        return;
+    }
+    facts->devices = asdic_arena_alloc(arena, list->count * sizeof *facts->devices);
+    for (asdic_yaml_node *node = list->first; node && facts->devices; node = node->next) {
+        facts->devices[facts->device_count++] = node->text ? node->text : "";
+    }
+}
+
+static void read_remarks(reader *r, asdic_remarks *remarks) {
+    const asdic_yaml_node *list = asdic_yaml_child(r->root, "remarks");
+    const asdic_yaml_node *node = list && list->kind == ASDIC_YAML_LIST ? list->first : NULL;
+    for (; node && node->text && remarks->count < ASDIC_MOST_REMARKS; node = node->next) {
+        snprintf(remarks->text[remarks->count++], ASDIC_REMARK_SIZE, "%s", node->text);
+    }
+}
+
+/* Terms in the order of asdic_term; of a run.json without them everything counts as kept. */
+static void read_terms(reader *r, asdic_plan *plan) {
+    const asdic_yaml_node *list = asdic_yaml_child(r->root, "terms");
+    const asdic_yaml_node *node = list && list->kind == ASDIC_YAML_LIST ? list->first : NULL;
+    for (int t = 0; t < ASDIC_TERM_COUNT && node; t++, node = node->next) {
+        asdic_plan_row *row = &plan->rows[t];
+        double bound_db = read_number(r, node, "bound_db");
+        row->name = asdic_term_name((asdic_term)t);
+        row->kept = strcmp(read_text(r, node, "kept"), "true") == 0;
+        row->bound_db = isnan(bound_db) ? INFINITY : bound_db;
+        snprintf(row->reason, sizeof row->reason, "%s", read_text(r, node, "reason"));
+        plan->left_out |= row->kept ? 0u : 1u << t;
+    }
+}
+
+static void read_all(reader *r, asdic_arena *arena, asdic_run_facts *facts) {
+    const asdic_yaml_node *scene = asdic_yaml_child(r->root, "scene");
+    const asdic_yaml_node *time_s = asdic_yaml_child(r->root, "time_s");
+    const asdic_yaml_node *stderr_db = asdic_yaml_child(r->root, "stderr_db");
+    facts->version = read_text(r, r->root, "version");
+    facts->state = read_text(r, r->root, "state");
+    facts->scene_path = read_text(r, scene, "path");
+    facts->scene_hash = read_text(r, scene, "sha256");
+    facts->geometry_hash = read_text(r, scene, "geometry_sha256");
+    facts->scene_text = read_text(r, scene, "text");
+    facts->has_surface = strcmp(read_text(r, r->root, "surface"), "true") == 0;
+    facts->bottom = read_text(r, r->root, "bottom");
+    facts->bottom_type = read_number(r, r->root, "bottom_type");
+    facts->sampling.seed = read_natural(r, "seed");
+    facts->sampling.rays = (uint32_t)read_natural(r, "rays");
+    facts->sampling.sampler =
+        (asdic_sampler)read_word(r, "sampler", sampler_names, COUNT_OF(sampler_names));
+    facts->sampling.multipath =
+        (asdic_multipath)read_word(r, "multipath", multipath_names, COUNT_OF(multipath_names));
+    facts->first_ping = read_natural(r, "first_ping");
+    facts->pings_planned = read_natural(r, "pings_planned");
+    facts->pings = read_natural(r, "pings");
+    facts->rays_traced = read_natural(r, "rays_traced");
+    facts->saturated = read_natural(r, "saturated");
+    facts->beams = read_natural(r, "beams");
+    facts->bins = read_natural(r, "bins");
+    facts->bin_length_m = read_number(r, r->root, "bin_length_m");
+    for (size_t i = 0; i < sizeof times / sizeof *times; i++) {
+        double *value = (double *)((char *)&facts->times + times[i].at);
+        *value =
+            asdic_yaml_child(time_s, times[i].name) ? read_number(r, time_s, times[i].name) : NAN;
+    }
+    facts->rays_per_s = read_number(r, r->root, "rays_per_s");
+    facts->stderr_median_db = read_number(r, stderr_db, "median");
+    facts->stderr_worst_db = read_number(r, stderr_db, "worst");
+    read_devices(r, arena, facts);
+    read_remarks(r, &facts->remarks);
+    read_terms(r, &facts->plan);
+    if (facts->beams == 0 || facts->beams > 4096 || facts->bins == 0 ||
+        facts->bins > SIZE_MAX / 65536 / facts->beams || !(facts->bin_length_m > 0.0)) {
+        r->missing = r->missing ? r->missing : "beams, bins or bin_length_m";
+    }
+}
+
+asdic_status asdic_run_facts_read(asdic_context *ctx, const char *folder, asdic_arena *arena,
+                                  asdic_run_facts *facts) {
+    char *path = asdic_folder_path(folder, "run", "", "json"), *text = NULL;
+    size_t length = 0;
+    asdic_yaml_node *root = NULL;
+    asdic_problems problems = {0};
+    *facts = (asdic_run_facts){0};
+    if (!path) {
+        return asdic_fail_memory(ctx, "a file name");
+    }
+    asdic_status status = asdic_file_read(ctx, path, MAX_BYTES, &text, &length);
+    if (status == ASDIC_ERROR_INPUT) {
+        status =
+            asdic_fail(ctx, ASDIC_ERROR_INPUT,
+                       "'%s' is not a run folder: it has no run.json that can be read", folder);
+    }
+    if (status != ASDIC_OK) {
+        goto done;
+    }
+    problems.name = path;
+    if (!asdic_yaml_read(text, length, arena, &problems, &root)) {
+        status = asdic_fail_memory(ctx, "run.json");
+        goto done;
+    }
+    reader r = {.root = root};
+    if (root && problems.total == 0) {
+        read_all(&r, arena, facts);
+    }
+    if (!root || problems.total > 0 || r.missing) {
+        status = asdic_fail(ctx, ASDIC_ERROR_INPUT, "'%s' is damaged: %s%s", path,
+                            r.missing ? "no valid " : "it is not JSON", r.missing ? r.missing : "");
+    }
+done:
+    asdic_problems_finish(&problems);
+    free(text);
+    free(path);
+    return status;
+}

@@ -1,0 +1,63 @@
+/*
+ * run.json: what a run is and how it went.
+ */
+#ifndef ASDIC_MISSION_RUN_FACTS_H
+#define ASDIC_MISSION_RUN_FACTS_H
+
+#include "base/arena.h"
+
+#include <asdic/mission.h>
+#include <asdic/plan.h>
+
+/* States of a run: interrupted runs are valid but not whole. */
+#define ASDIC_RUN_RUNNING "running"
+#define ASDIC_RUN_STOPPED "interrupted"
+#define ASDIC_RUN_COMPLETE "complete"
+
+#define ASDIC_RUN_BOTTOM_PLANE "plane"
+#define ASDIC_RUN_BOTTOM_MESH "mesh"
+#define ASDIC_RUN_BOTTOM_NONE "none"
+
+struct asdic_survey;
+
+/* Strings are borrowed: from the mission while running, from an arena when read. */
+typedef struct asdic_run_facts {
+    const char *version; /* of asdic */
+    const char *state;   /* ASDIC_RUN_... */
+    const char *scene_path, *scene_hash, *scene_text;
+    const char *geometry_hash; /* of the triangles: meshes may change behind the scene file */
+    bool has_surface;
+    const char *bottom; /* ASDIC_RUN_BOTTOM_... */
+    double bottom_type;
+    asdic_sampling sampling;
+    asdic_remarks remarks; /* on the laws that were used */
+    asdic_plan plan;       /* of the whole mission, whatever part of it this run is */
+    size_t first_ping, pings_planned, pings;
+    size_t beams, bins;
+    double bin_length_m;
+    const char **devices;
+    size_t device_count;
+    uint64_t rays_traced, saturated;
+    asdic_run_times times; /* of the last call that worked on the run */
+    double rays_per_s;
+    double stderr_median_db, stderr_worst_db; /* NAN: no ping yet */
+} asdic_run_facts;
+
+asdic_status asdic_run_facts_write(asdic_context *ctx, const char *folder,
+                                   const asdic_run_facts *facts);
+
+/* Fills in what SURVEY, ended, has found in a run's records. */
+void asdic_run_facts_survey(asdic_run_facts *facts, const struct asdic_survey *survey);
+
+/* ASDIC_ERROR_INPUT when there is no run.json or it is not one. */
+asdic_status asdic_run_facts_read(asdic_context *ctx, const char *folder, asdic_arena *arena,
+                                  asdic_run_facts *facts);
+
+/* The first thing in which two runs differ that must be the same to continue or to join them; NULL
+ * when there is none. */
+const char *asdic_run_facts_differ(const asdic_run_facts *a, const asdic_run_facts *b);
+
+/* Names as scene files write them. */
+const char *asdic_run_sampler_name(asdic_sampler sampler);
+
+#endif

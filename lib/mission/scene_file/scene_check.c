@@ -1,0 +1,294 @@
+/*
+ * What must hold between the keys of a scene file. Only values that were found good one by one are
+ * judged together, so that one slip makes one error.
+ */
+#include "scene_file.h"
+
+#include "mission/track/flight.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* More bins than any sonar has: a unit is wrong somewhere. */
+#define MAX_BINS 65536
+
+/* A current's part of a vehicle's speed: what is left holds a line and makes headway, turns and
+ * their loss of speed included. */
+#define MAX_CURRENT 0.5
+
+/* Where to report on KEY of MAP: at its value, or at the map when the default is meant. */
+static asdic_yaml_node *at(asdic_yaml_node *map, const char *key) {
+    asdic_yaml_node *child = asdic_yaml_child(map, key);
+    return child ? child : map;
+}
+
+static bool is_bad(const asdic_yaml_node *map, const char *key) {
+    const asdic_yaml_node *child = asdic_yaml_child(map, key);
+    return child && child->bad;
+}
+
+typedef struct named_node {
+    const char *name;
+    asdic_yaml_node *node;
+} named_node;
+
+static int compare_names(const void *pa, const void *pb) {
+    const named_node *a = pa, *b = pb;
+    int order = strcmp(a->name, b->name);
+    return order ? order : (a->node->index < b->node->index ? -1 : 1);
+}
+
+/* Names the unnamed by FORMAT and their number, then looks for twins. The items of LIST have SIZE
+ * bytes, begin with their node, and hold their name at OFFSET. */
+static void check_names(asdic_list list, size_t size, size_t offset, const char *prefix,
+                        asdic_arena *arena, asdic_problems *problems) {
+    named_node *names = asdic_arena_alloc(arena, (list.count + 1) * sizeof *names);
+    size_t count = 0;
+    for (size_t i = 0; names && i < list.count; i++) {
+        char *item = (char *)list.items + i * size;
+        asdic_yaml_node *node = *(asdic_yaml_node **)item;
+        const char **name = (const char **)(item + offset);
+        char automatic[32];
+        int length = snprintf(automatic, sizeof automatic, "%s%0*zu", prefix, *prefix ? 0 : 3, i);
+        if (!*name) {
+            *name = asdic_arena_string(arena, automatic, (size_t)length);
+        }
+        if (*name && node && !is_bad(node, "name")) {
+            names[count++] = (named_node){*name, node};
+        }
+    }
+    if (!names) {
+        problems->out_of_memory = true;
+        return;
+    }
+    qsort(names, count, sizeof *names, compare_names);
+    for (size_t i = 1; i < count; i++) {
+        if (strcmp(names[i].name, names[i - 1].name) == 0) {
+            asdic_yaml_problem(problems, at(names[i].node, "name"),
+                               "'name' = %s is the name of the entry at line %u already",
+                               names[i].name, names[i - 1].node->line);
+        }
+    }
+}
+
+/* The range, and how it is cut, at the sound speed where the sonar is. */
+static void check_bins(const asdic_scene_file *file, asdic_problems *problems) {
+    const file_sonar *s = &file->sonar;
+    if (!s->node || is_bad(s->node, "ping_rate_hz") || is_bad(s->node, "bin_length_m") ||
+        is_bad(s->node, "blanking_m") || is_bad(file->node, "environment")) {
+        return;
+    }
+    const file_pose *pose = &file->mission.pose;
+    double depth_m = asdic_scene_node_good(pose->node) ? fmax(pose->position_m[2], 0.0) : 0.0;
+    asdic_environment env = asdic_scene_file_environment(file);
+    asdic_sonar sonar = asdic_scene_file_sonar(file);
+    double sound_speed_mps = asdic_environment_sound_speed_mps(&env, depth_m);
+    double range_m = asdic_sonar_max_range_m(&sonar, sound_speed_mps);
+    size_t bins = asdic_sonar_bin_count(&sonar, sound_speed_mps);
+    if (s->blanking_m >= range_m) {
+        asdic_yaml_problem(problems, at(s->node, "blanking_m"),
+                           "'blanking_m' = %.15g is not below the maximum range of %.4g m, which "
+                           "is c / (2 ping_rate_hz); lower it or 'ping_rate_hz'",
+                           s->blanking_m, range_m);
+    }
+    if (s->bin_length_m > range_m) {
+        asdic_yaml_problem(problems, at(s->node, "bin_length_m"),
+                           "'bin_length_m' = %.15g is more than the maximum range of %.4g m, which "
+                           "is c / (2 ping_rate_hz); lower it or 'ping_rate_hz'",
+                           s->bin_length_m, range_m);
+    }
+    if (bins > MAX_BINS) {
+        asdic_yaml_problem(problems, at(s->node, "bin_length_m"),
+                           "'bin_length_m' = %.15g makes %zu bins of the maximum range of %.4g m, "
+                           "at most %d are possible; lengthen it or raise 'ping_rate_hz'",
+                           s->bin_length_m, bins, range_m, MAX_BINS);
+    }
+}
+
+static void check_sonar(const asdic_scene_file *file, asdic_arena *arena,
+                        asdic_problems *problems) {
+    const file_sonar *s = &file->sonar;
+    if (!s->node) {
+        return;
+    }
+    if (!is_bad(s->node, "frequency_khz") && !is_bad(s->node, "bandwidth_khz") &&
+        s->bandwidth_khz > 2.0 * s->frequency_khz) {
+        asdic_yaml_problem(problems, at(s->node, "bandwidth_khz"),
+                           "'bandwidth_khz' = %.15g is more than twice 'frequency_khz' = %.15g; "
+                           "the band would begin below zero",
+                           s->bandwidth_khz, s->frequency_khz);
+    }
+    asdic_yaml_node *shape = asdic_yaml_child(s->node, "speckle_shape");
+    if (shape && !is_bad(s->node, "speckle") && s->speckle != ASDIC_SPECKLE_K) {
+        asdic_yaml_key_problem(problems, shape,
+                               "'speckle_shape' has no effect without 'speckle: k'; leave it out");
+    } else if (!shape && s->speckle == ASDIC_SPECKLE_K) {
+        asdic_yaml_problem(problems, at(s->node, "speckle"),
+                           "'speckle' = k needs a 'speckle_shape': 0.5 is spiky, 50 nearly "
+                           "Rayleigh");
+    }
+    check_names(s->receivers, sizeof(file_beam), offsetof(file_beam, name), "", arena, problems);
+    check_bins(file, problems);
+}
+
+/* Keys that the chosen kind of bottom cannot honour. */
+static void check_bottom(const file_bottom *bottom, asdic_problems *problems) {
+    static const char *const placing[] = {"position_m", "rotation_deg", "type"};
+    asdic_yaml_node *node = bottom->node;
+    if (!asdic_scene_node_good(node)) {
+        return;
+    }
+    asdic_yaml_node *none = asdic_yaml_child(node, "none");
+    if (none && !bottom->none) {
+        asdic_yaml_problem(problems, none,
+                           "'none' = false does not say what the bottom is; give 'depth_m', 'mesh' "
+                           "or 'grid'");
+    }
+    bool placed = bottom->mesh.node || bottom->grid.node;
+    for (size_t i = 0; i < sizeof placing / sizeof *placing; i++) {
+        asdic_yaml_node *child = asdic_yaml_child(node, placing[i]);
+        bool is_type = strcmp(placing[i], "type") == 0;
+        if (child && (is_type ? bottom->none : !placed)) {
+            asdic_yaml_key_problem(problems, child, "'%s' has no effect %s; leave it out",
+                                   placing[i],
+                                   bottom->none ? "without a bottom" : "on a flat bottom");
+        }
+    }
+}
+
+/* Keys of OBJECT that only a shape can honour. */
+static void check_point(const file_object *object, asdic_problems *problems) {
+    static const char *const shaped[] = {"rotation_deg", "material", "type"};
+    for (size_t i = 0; asdic_yaml_child(object->node, "point") && i < 3; i++) {
+        asdic_yaml_node *other = asdic_yaml_child(object->node, shaped[i]);
+        if (other) {
+            asdic_yaml_key_problem(problems, other, "'%s' has no effect on a point; leave it out",
+                                   shaped[i]);
+        }
+    }
+}
+
+/* A track says where its object is. */
+static void check_object_track(const file_object *object, asdic_problems *problems) {
+    static const char *const places[] = {"position_m", "rotation_deg"};
+    for (size_t i = 0; asdic_yaml_child(object->node, "track") && i < 2; i++) {
+        asdic_yaml_node *other = asdic_yaml_child(object->node, places[i]);
+        if (other) {
+            asdic_yaml_key_problem(problems, other,
+                                   "'%s' has no effect beside 'track'; give only one of them",
+                                   places[i]);
+        }
+    }
+}
+
+static void check_objects(const asdic_scene_file *file, asdic_arena *arena,
+                          asdic_problems *problems) {
+    static const char *const facet_keys[] = {"preset", "impedance_mrayl", "roughness_rms_mm",
+                                             "slope_rms", "coherent_area_m2"};
+    const file_object *objects = file->objects.items;
+    check_names(file->objects, sizeof *objects, offsetof(file_object, name), "object", arena,
+                problems);
+    for (size_t i = 0; i < file->objects.count; i++) {
+        asdic_yaml_node *material = objects[i].material.node;
+        for (size_t k = 0; k < 5 && asdic_yaml_child(material, "type"); k++) {
+            asdic_yaml_node *other = asdic_yaml_child(material, facet_keys[k]);
+            if (other) {
+                asdic_yaml_key_problem(problems, other,
+                                       "'%s' has no effect beside 'type'; give only one of them",
+                                       facet_keys[k]);
+            }
+        }
+        check_point(&objects[i], problems);
+        check_object_track(&objects[i], problems);
+    }
+}
+
+/* The sonar is in the water. Meshes and tracks are judged when they have been read. */
+static void check_pose(const asdic_scene_file *file, asdic_problems *problems) {
+    const file_pose *pose = &file->mission.pose;
+    if (!asdic_scene_node_good(pose->node)) {
+        return;
+    }
+    double z_m = pose->position_m[2];
+    asdic_yaml_node *position = asdic_yaml_child(pose->node, "position_m");
+    if (z_m < 0.0) {
+        asdic_yaml_problem(problems, position->last,
+                           "the sonar is %.15g m above the sea surface; z is positive down", -z_m);
+    } else if (asdic_scene_node_good(file->bottom.node) && z_m > file->bottom.depth_m) {
+        asdic_yaml_problem(problems, position->last,
+                           "the sonar is at z = %.15g m, below the bottom at %.15g m; raise it or "
+                           "lower the bottom",
+                           z_m, file->bottom.depth_m);
+    }
+}
+
+/* Keys that the vehicle's model does not know, and speeds at which it is not valid. */
+static void check_remus(const file_waypoints *w, asdic_problems *problems) {
+    static const char *const general[] = {"turn_radius_m", "response_s", "dive_rate_mps"};
+    for (size_t i = 0; i < sizeof general / sizeof *general; i++) {
+        asdic_yaml_node *other = asdic_yaml_child(w->node, general[i]);
+        if (other) {
+            asdic_yaml_key_problem(problems, other,
+                                   "'%s' has no effect on 'vehicle: remus100', which has its own; "
+                                   "leave it out",
+                                   general[i]);
+        }
+    }
+    if (w->speed_mps < ASDIC_REMUS100_MIN_MPS || w->speed_mps > ASDIC_REMUS100_MAX_MPS) {
+        asdic_yaml_problem(problems, at(w->node, "speed_mps"),
+                           "'speed_mps' = %.15g is outside the %g to %g m/s for which "
+                           "'vehicle: remus100' is valid; change it or give 'vehicle: nomoto'",
+                           w->speed_mps, ASDIC_REMUS100_MIN_MPS, ASDIC_REMUS100_MAX_MPS);
+    }
+}
+
+/* How the vehicle goes through the water. */
+static void check_vehicle(const file_waypoints *w, asdic_problems *problems) {
+    double current_mps = hypot(w->current_mps[0], w->current_mps[1]);
+    if (w->vehicle == ASDIC_VEHICLE_REMUS100) {
+        check_remus(w, problems);
+    } else if (w->dive_rate_mps >= w->speed_mps) {
+        asdic_yaml_problem(problems, at(w->node, "dive_rate_mps"),
+                           "'dive_rate_mps' = %.15g is not below 'speed_mps' = %.15g",
+                           w->dive_rate_mps, w->speed_mps);
+    }
+    if (current_mps > MAX_CURRENT * w->speed_mps) {
+        asdic_yaml_problem(problems, at(w->node, "current_mps"),
+                           "'current_mps' runs at %.4g m/s, more than %g of 'speed_mps' = %.15g; "
+                           "the vehicle could not hold its line",
+                           current_mps, MAX_CURRENT, w->speed_mps);
+    }
+}
+
+/* That the vehicle can fly from point to point, through water. */
+static void check_waypoints(const asdic_scene_file *file, asdic_problems *problems) {
+    const file_waypoints *w = &file->mission.waypoints;
+    if (!asdic_scene_node_good(w->node)) {
+        return;
+    }
+    check_vehicle(w, problems);
+    asdic_yaml_node *node = asdic_yaml_child(w->node, "points_m")->first;
+    const double *last_m = NULL, *m = w->points.items;
+    for (; node; node = node->next, last_m = m, m += 3) {
+        if (m[2] < 0.0) {
+            asdic_yaml_problem(problems, node->last,
+                               "the waypoint is %.15g m above the sea surface; z is positive down",
+                               -m[2]);
+        }
+        if (last_m && hypot(m[0] - last_m[0], m[1] - last_m[1]) < 1e-3) {
+            asdic_yaml_problem(problems, node,
+                               "the waypoint is at the same place as the one before, or straight "
+                               "above or below it; the vehicle needs a way to fly");
+        }
+    }
+}
+
+void asdic_scene_file_check(asdic_scene_file *file, asdic_arena *arena, asdic_problems *problems) {
+    check_sonar(file, arena, problems);
+    check_bottom(&file->bottom, problems);
+    check_objects(file, arena, problems);
+    check_pose(file, problems);
+    check_waypoints(file, problems);
+}

@@ -1,0 +1,140 @@
+/*
+ * From the units of the scene file to those of the library.
+ */
+#include "scene_file.h"
+
+#include "base/vec.h"
+#include "scene/material_presets.h"
+
+#include <stdio.h>
+
+static double radians(double deg) {
+    return deg * (ASDIC_PI / 180.0);
+}
+
+asdic_environment asdic_scene_file_environment(const asdic_scene_file *file) {
+    const file_environment *e = &file->environment;
+    return (asdic_environment){
+        .temperature_degc = e->temperature_degc,
+        .salinity_ppt = e->salinity_ppt,
+        .ph = e->ph,
+        .wind_speed_kn = e->wind_speed_kn,
+        .shipping_density = e->shipping_density,
+        .particle_strength_db = e->particle_strength_db,
+        .sound_speed_mps = e->sound_speed_mps,
+        .max_depth_m = e->max_depth_m,
+        .variant = (asdic_variant)file->model.variant,
+    };
+}
+
+static asdic_beam convert_beam(const file_beam *b, const char *name) {
+    asdic_beam beam = {
+        .pitch_rad = radians(b->pitch_deg),
+        .yaw_rad = radians(b->yaw_deg),
+        .roll_rad = radians(b->roll_deg),
+        .length_h_m = b->length_h_m,
+        .length_v_m = b->length_v_m,
+    };
+    snprintf(beam.name, sizeof beam.name, "%s", name);
+    return beam;
+}
+
+asdic_sonar asdic_scene_file_sonar(const asdic_scene_file *file) {
+    const file_sonar *s = &file->sonar;
+    return (asdic_sonar){
+        .frequency_hz = 1e3 * s->frequency_khz,
+        .bandwidth_hz = 1e3 * s->bandwidth_khz,
+        .ping_rate_hz = s->ping_rate_hz,
+        .source_level_db = s->source_level_db,
+        .bin_length_m = s->bin_length_m,
+        .blanking_m = s->blanking_m,
+        .transmitter = convert_beam(&s->transmitter, "transmitter"),
+        .receiver_count =
+            s->receiver_fan.node ? (size_t)s->receiver_fan.fan.count : s->receivers.count,
+        .noise_enabled = s->noise.enabled,
+        .noise_directivity = s->noise.directivity,
+        .speckle = (asdic_speckle)s->speckle,
+        .speckle_shape = isnan(s->speckle_shape) ? INFINITY : s->speckle_shape,
+        .rear_floor_db = s->rear_floor_db,
+    };
+}
+
+/* The beam of an array, aimed as FAN says, that looks BEARING_DEG to starboard of its front, in its plane. */
+static void turn_in_plane(const file_fan *fan, double bearing_deg, asdic_beam *beam) {
+    asdic_mat3 array = asdic_mat3_attitude(radians(fan->roll_deg), -radians(fan->pitch_deg),
+                                           radians(fan->yaw_deg));
+    asdic_mat3 face =
+        asdic_mat3_multiply(array, asdic_mat3_attitude(0.0, 0.0, radians(bearing_deg)));
+    beam->pitch_rad = asin(fmax(fmin(face.m[2][0], 1.0), -1.0));
+    beam->yaw_rad = atan2(face.m[1][0], face.m[0][0]);
+    beam->roll_rad = atan2(face.m[2][1], face.m[2][2]);
+}
+
+/* COUNT beams share the sector; each looks along the middle of its share, the first to port. */
+static void convert_fan(const file_fan *fan, asdic_beam *beams) {
+    bool level = fan->pitch_deg == 0.0 && fan->roll_deg == 0.0; /* a plane is a cone then */
+    int digits = fan->count > 1000 ? 4 : 3;                     /* so that names sort as beams do */
+    for (int64_t i = 0; i < fan->count; i++) {
+        double share = ((double)i + 0.5) / (double)fan->count - 0.5;
+        file_beam beam = {.pitch_deg = fan->pitch_deg,
+                          .yaw_deg = fan->yaw_deg + share * fan->sector_deg,
+                          .roll_deg = fan->roll_deg,
+                          .length_h_m = fan->length_h_m,
+                          .length_v_m = fan->length_v_m};
+        char name[ASDIC_NAME_SIZE];
+        snprintf(name, sizeof name, "%0*lld", digits, (long long)i);
+        beams[i] = convert_beam(&beam, name);
+        if (fan->shape == FILE_FAN_PLANE && !level) {
+            turn_in_plane(fan, share * fan->sector_deg, &beams[i]);
+        }
+    }
+}
+
+void asdic_scene_file_receivers(const asdic_scene_file *file, asdic_beam *beams) {
+    if (file->sonar.receiver_fan.node) {
+        convert_fan(&file->sonar.receiver_fan.fan, beams);
+        return;
+    }
+    const file_beam *list = file->sonar.receivers.items;
+    for (size_t i = 0; i < file->sonar.receivers.count; i++) {
+        beams[i] = convert_beam(&list[i], list[i].name);
+    }
+}
+
+asdic_pose asdic_scene_file_place(const double position_m[3], const double rotation_deg[3]) {
+    return (asdic_pose){
+        .position_m = {position_m[0], position_m[1], position_m[2]},
+        .roll_rad = radians(rotation_deg[0]),
+        .pitch_rad = radians(rotation_deg[1]),
+        .yaw_rad = radians(rotation_deg[2]),
+    };
+}
+
+asdic_pose asdic_scene_file_pose(const asdic_scene_file *file) {
+    const file_pose *p = &file->mission.pose;
+    const double rotation_deg[3] = {p->roll_deg, p->pitch_deg, p->yaw_deg};
+    return asdic_scene_file_place(p->position_m, rotation_deg);
+}
+
+asdic_material asdic_scene_file_material(const file_object *object) {
+    const file_material *m = &object->material;
+    if (m->node && !isnan(m->type)) {
+        return asdic_material_bottom(m->type);
+    }
+    if (!m->node && !isnan(object->type)) {
+        return asdic_material_bottom(object->type);
+    }
+    if (!m->node) {
+        return asdic_material_facet(45.0, 1e-3, 0.1);
+    }
+    static const double presets_mrayl[] = {
+#define PRESET(word, value) value,
+        ASDIC_MATERIAL_PRESETS(PRESET)
+#undef PRESET
+    };
+    double impedance_mrayl = m->preset ? presets_mrayl[m->preset - 1] : m->impedance_mrayl;
+    asdic_material material =
+        asdic_material_facet(impedance_mrayl, 1e-3 * m->roughness_rms_mm, m->slope_rms);
+    material.coherent_area_m2 = m->coherent_area_m2;
+    return material;
+}

@@ -1,0 +1,143 @@
+/*
+ * The scene file as a whole, and its short parts.
+ */
+#include "scene_keys.h"
+
+/* --- environment ------------------------------------------------------------------------------ */
+
+static const asdic_word particle_words[] = {
+    {"low", -90, false}, {"moderate", -70, false}, {"high", -50, false}, {NULL, 0, false}};
+
+#define ENV(member) AT(file_environment, member)
+static const asdic_key environment_keys[] = {
+    {"temperature_degc", ASDIC_KEY_NUMBER, ENV(temperature_degc), .unit = "degC", .min = -2,
+     .max = 40, .fallback = "10", .doc = "water temperature"},
+    {"salinity_ppt", ASDIC_KEY_NUMBER, ENV(salinity_ppt), .unit = "ppt", .min = 0, .max = 45,
+     .fallback = "35", .doc = "salinity"},
+    {"ph", ASDIC_KEY_NUMBER, ENV(ph), .min = 7, .max = 8.5, .fallback = "8",
+     .doc = "acidity, for the boric-acid part of absorption"},
+    {"wind_speed_kn", ASDIC_KEY_NUMBER, ENV(wind_speed_kn), .unit = "kn", .min = 0, .max = 60,
+     .fallback = "10", .doc = "wind speed, for surface scattering and sea-state noise"},
+    {"shipping_density", ASDIC_KEY_NUMBER, ENV(shipping_density), .min = 0, .max = 1,
+     .fallback = "0.5", .doc = "distant shipping, from none (0) to heavy (1), for traffic noise"},
+    {"particle_density", ASDIC_KEY_NUMBER, ENV(particle_strength_db), .unit = "dB re 1/m at 1 kHz",
+     .min = -200, .max = 0, .words = particle_words, .fallback = "low",
+     .doc = "particles in the water, for volume scattering: low -90, moderate -70, high -50"},
+    {"sound_speed_mps", ASDIC_KEY_NUMBER, ENV(sound_speed_mps), .unit = "m/s", .min = 1300,
+     .max = 1700, .doc = "sound speed; else from temperature, salinity and the sonar's depth"},
+    {"max_depth_m", ASDIC_KEY_NUMBER, ENV(max_depth_m), .unit = "m", .min = 0, .max = 11000,
+     .doc = "depth that absorption is computed for; else the sonar's depth"},
+};
+static const asdic_table environment_table = {TABLE(environment_keys, file_environment),
+                                              .doc = "the water"};
+
+/* --- how to compute, what to write ------------------------------------------------------------ */
+
+static const asdic_word sampler_words[] = {{"adaptive", ASDIC_SAMPLER_ADAPTIVE, false},
+                                           {"beam", ASDIC_SAMPLER_BEAM, false},
+                                           {"uniform-sphere", ASDIC_SAMPLER_UNIFORM_SPHERE, false},
+                                           {NULL, 0, false}};
+static const asdic_word multipath_words[] = {{"off", ASDIC_MULTIPATH_OFF, false},
+                                             {"first", ASDIC_MULTIPATH_FIRST, false},
+                                             {"boundaries", ASDIC_MULTIPATH_BOUNDARIES, false},
+                                             {NULL, 0, false}};
+static const asdic_key sampling_keys[] = {
+    {"rays", ASDIC_KEY_INTEGER, AT(file_sampling, rays), .min = 64, .max = 268435456,
+     .fallback = "20000", .doc = "rays per ping"},
+    {"sampler", ASDIC_KEY_WORD, AT(file_sampling, sampler), .words = sampler_words,
+     .fallback = "adaptive", .doc = "how directions are drawn; uniform-sphere is the paper's"},
+    {"seed", ASDIC_KEY_INTEGER, AT(file_sampling, seed), .min = 0, .max = 9007199254740992.0,
+     .fallback = "1", .doc = "start of the random sequence; equal seeds give equal bytes"},
+    {"multipath", ASDIC_KEY_WORD, AT(file_sampling, multipath), .words = multipath_words,
+     .fallback = "first",
+     .doc = "echoes over a mirror: of objects (first), of bottom and surface as well (boundaries)"},
+};
+static const asdic_table sampling_table = {TABLE(sampling_keys, file_sampling),
+                                           .doc = "how rays are spent"};
+
+static const asdic_word variant_words[] = {{"corrected", ASDIC_VARIANT_CORRECTED, false},
+                                           {"printed", ASDIC_VARIANT_PRINTED, false},
+                                           {NULL, 0, false}};
+static const asdic_word terms_words[] = {
+    {"needed", FILE_TERMS_NEEDED, false}, {"all", FILE_TERMS_ALL, false}, {NULL, 0, false}};
+static const asdic_key model_keys[] = {
+    {"variant", ASDIC_KEY_WORD, AT(file_model, variant), .words = variant_words,
+     .fallback = "corrected", .doc = "the formulas put right, or as the paper prints them"},
+    {"terms", ASDIC_KEY_WORD, AT(file_model, terms), .words = terms_words, .fallback = "needed",
+     .doc = "leave out what no ping of the mission would show (needed), or nothing (all)"},
+};
+static const asdic_table model_table = {TABLE(model_keys, file_model), .doc = "the formulas"};
+
+static const asdic_word target_words[] = {{"swerling0", ASDIC_TARGET_SWERLING0, false},
+                                          {"swerling1", ASDIC_TARGET_SWERLING1, false},
+                                          {"swerling2", ASDIC_TARGET_SWERLING2, false},
+                                          {"swerling3", ASDIC_TARGET_SWERLING3, false},
+                                          {NULL, 0, false}};
+static const asdic_key detector_keys[] = {
+    {"target", ASDIC_KEY_WORD, AT(file_detector, target), .words = target_words,
+     .fallback = "swerling1", .doc = "how the target's echo fluctuates"},
+    {"pfa", ASDIC_KEY_NUMBER, AT(file_detector, pfa), .min = 1e-12, .max = 0.5,
+     .fallback = "1.0e-3", .doc = "probability of false alarm per bin"},
+    {"prior", ASDIC_KEY_NUMBER, AT(file_detector, prior), .min = 1e-9, .max = 0.999,
+     .fallback = "0.01", .doc = "prior probability that a bin holds a target"},
+    {"snr_db", ASDIC_KEY_NUMBER, AT(file_detector, snr_db), .unit = "dB", .min = -20, .max = 60,
+     .fallback = "10",
+     .doc = "strength of the target that likelihood ratios assume, re the background"},
+    {"cost_ratio", ASDIC_KEY_NUMBER, AT(file_detector, cost_ratio), .min = 1e-6, .max = 1e12,
+     .doc =
+         "cost of a miss over that of a false alarm: the threshold that costs least; else by pfa"},
+};
+static const asdic_table detector_table = {TABLE(detector_keys, file_detector),
+                                           .doc = "the detector"};
+
+static const asdic_word csv_words[] = {{"long", ASDIC_CSV_LONG, false},
+                                       {"wide", ASDIC_CSV_WIDE, false},
+                                       {"none", ASDIC_CSV_NONE, false},
+                                       {NULL, 0, false}};
+static const asdic_word image_words[] = {{"waterfall", ASDIC_IMAGE_WATERFALL, false},
+                                         {"ascope", ASDIC_IMAGE_ASCOPE, false},
+                                         {"fan", ASDIC_IMAGE_FAN, false},
+                                         {"overview", ASDIC_IMAGE_OVERVIEW, false},
+                                         {"plan", ASDIC_IMAGE_PLAN, false},
+                                         {NULL, 0, false}};
+static const asdic_key output_keys[] = {
+    {"csv", ASDIC_KEY_WORD, AT(file_output, csv), .words = csv_words, .fallback = "long",
+     .doc = "bins.csv: long has a row per ping, beam and bin, wide one per ping and beam; none: no "
+            "such file, pings.npy holds the same"},
+    {"npy", ASDIC_KEY_BOOL, AT(file_output, npy), .fallback = "false",
+     .doc = "also levels.npy: float32 by ping, beam and bin"},
+    {"netcdf", ASDIC_KEY_BOOL, AT(file_output, netcdf), .fallback = "false",
+     .doc = "also run.nc: netCDF-4 with names after SONAR-netCDF4"},
+    {"images", ASDIC_KEY_WORDS, AT(file_output, images), .words = image_words,
+     .fallback = "[waterfall, ascope, fan, overview, plan]", .doc = "pictures to draw"},
+};
+static const asdic_table output_table = {TABLE(output_keys, file_output),
+                                         .doc = "what a run writes"};
+
+/* --- the file --------------------------------------------------------------------------------- */
+
+#define SCENE(member) AT(asdic_scene_file, member)
+static const asdic_key scene_keys[] = {
+    {"version", ASDIC_KEY_INTEGER, ASDIC_KEY_REQUIRED, SCENE(version), .min = 1, .max = 1,
+     .doc = "version of this format"},
+    {"environment", ASDIC_KEY_MAP, SCENE(environment), .table = &environment_table,
+     .doc = "the water"},
+    {"surface", ASDIC_KEY_MAP, SCENE(surface), .table = &asdic_surface_table,
+     .doc = "the sea surface, the plane z = 0"},
+    {"bottom", ASDIC_KEY_MAP, ASDIC_KEY_REQUIRED, SCENE(bottom), .table = &asdic_bottom_table,
+     .doc = "the sea floor: depth_m, mesh, grid or none"},
+    {"objects", ASDIC_KEY_LIST, SCENE(objects), .count = 65536, .table = &asdic_object_table,
+     .doc = "what is in the water or on the bottom"},
+    {"sonar", ASDIC_KEY_MAP, ASDIC_KEY_REQUIRED, SCENE(sonar), .table = &asdic_sonar_table,
+     .doc = "transmitter, receivers, pulse and bins"},
+    {"mission", ASDIC_KEY_MAP, ASDIC_KEY_REQUIRED, SCENE(mission), .table = &asdic_mission_table,
+     .doc = "where the vehicle is: pose, track or waypoints"},
+    {"sampling", ASDIC_KEY_MAP, SCENE(sampling), .table = &sampling_table,
+     .doc = "how rays are spent"},
+    {"model", ASDIC_KEY_MAP, SCENE(model), .table = &model_table, .doc = "the formulas"},
+    {"detector", ASDIC_KEY_MAP, SCENE(detector), .table = &detector_table, .doc = "the detector"},
+    {"output", ASDIC_KEY_MAP, SCENE(output), .table = &output_table, .doc = "what a run writes"},
+};
+const asdic_table asdic_scene_table = {
+    TABLE(scene_keys, asdic_scene_file),
+    .doc = "what asdic simulates: water, surface, bottom, objects, sonar and mission"};

@@ -1,0 +1,98 @@
+/*
+ * What a scene file may say, as tables: each key's type, unit, range, default and words. One table
+ * describes one map of the file and the C struct that it fills; the same tables check, fill in
+ * defaults, and print the JSON Schema.
+ */
+#ifndef ASDIC_MISSION_SCHEMA_H
+#define ASDIC_MISSION_SCHEMA_H
+
+#include "base/text.h"
+#include "yaml_tree.h"
+
+typedef enum asdic_key_type {
+    ASDIC_KEY_NUMBER,  /* double; with .words also one of these, each standing for a number */
+    ASDIC_KEY_NUMBERS, /* double[count] */
+    ASDIC_KEY_POINTS,  /* asdic_list of double[3] */
+    ASDIC_KEY_INTEGER, /* int64_t */
+    ASDIC_KEY_BOOL,    /* bool */
+    ASDIC_KEY_WORD,    /* int: the value of one of .words */
+    ASDIC_KEY_WORDS,   /* unsigned: bit set of the values of a list of .words */
+    ASDIC_KEY_NAME,    /* const char *: letters, digits and _ - . only, fit for file names */
+    ASDIC_KEY_PATH,    /* const char *: a file, relative to the scene file */
+    ASDIC_KEY_MAP,     /* the struct of .table */
+    ASDIC_KEY_LIST,    /* asdic_list of structs of .table */
+} asdic_key_type;
+
+/* Exactly one / at most one of the keys of a table that carry the flag may be given. */
+#define ASDIC_KEY_ONE_OF 1u
+#define ASDIC_KEY_AT_MOST_ONE 2u
+#define ASDIC_KEY_REQUIRED 4u
+/* Known, but what it asks for is not done yet: refused by name. Of a BOOL only true is refused, of
+ * a NUMBER with words only the number. */
+#define ASDIC_KEY_PLANNED 8u
+/* A map that may be absent, default or not; its struct is then all zeros. */
+#define ASDIC_KEY_OPTIONAL 16u
+
+typedef struct asdic_word {
+    const char *name; /* NULL ends a list of words */
+    double value;
+    bool planned; /* as ASDIC_KEY_PLANNED */
+} asdic_word;
+
+typedef struct asdic_list {
+    void *items;
+    size_t count;
+} asdic_list;
+
+struct asdic_table;
+
+typedef struct asdic_key {
+    const char *name;
+    asdic_key_type type;
+    unsigned flags;
+    size_t offset; /* of the value in the table's struct */
+    const char *unit;
+    double min, max; /* of numbers, inclusive */
+    size_t least;    /* LIST, POINTS: entries at least ... */
+    size_t count;    /* ... and at most; NUMBERS: how many */
+    const asdic_word *words;
+    const struct asdic_table *table;
+    const struct asdic_table *map_form; /* LIST: what a map in its place means ... */
+    size_t map_offset;                  /* ... and where it goes */
+    const char *unless;                 /* REQUIRED only where this other key is absent */
+    const char *fallback; /* what an absent key means, as YAML; NULL: absent stays NAN, 0, NULL */
+    const char *doc;
+} asdic_key;
+
+typedef struct asdic_table {
+    const char *doc;
+    const asdic_key *keys;
+    size_t key_count;
+    size_t size; /* of the struct; its first member is `asdic_yaml_node *node`, NULL when absent */
+    const char *scalar_key;  /* a scalar in place of the map is the value of this key */
+    const char *scalar_word; /* this word in place of the map sets the bool key of that name */
+    const char *list_key;    /* a list in place of the map is the value of this key */
+} asdic_table;
+
+/* Reads NODE (NULL: absent) into the struct OUT of TABLE; reports what is wrong to PROBLEMS.
+ * Strings and lists live in ARENA. ROOT is where to look for the home of a misplaced key. */
+void asdic_schema_read(const asdic_table *table, const asdic_table *root, asdic_yaml_node *node,
+                       asdic_arena *arena, asdic_problems *problems, void *out);
+
+/* The JSON Schema (draft 7) of ROOT, appended to TEXT. */
+void asdic_schema_print(const asdic_table *root, asdic_text *text);
+
+/* One scalar or list of scalars by its key (schema_value.c). */
+typedef struct asdic_schema_reader {
+    const asdic_table *root;
+    asdic_arena *arena;
+    asdic_problems *problems;
+} asdic_schema_reader;
+
+void asdic_schema_read_value(const asdic_schema_reader *reader, const asdic_key *key,
+                             asdic_yaml_node *node, void *out);
+
+/* KEY's fallback as a node that no file holds; NULL when there is none or memory is short. */
+asdic_yaml_node *asdic_schema_fallback(const asdic_schema_reader *reader, const asdic_key *key);
+
+#endif

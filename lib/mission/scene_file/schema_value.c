@@ -1,0 +1,334 @@
+/*
+ * Scalars and lists of scalars: from text to value, or a report.
+ */
+#include "schema.h"
+
+#include "base/words.h"
+#include "base/number.h"
+
+#include <asdic/common.h>
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+/* More words than any key has. */
+#define MAX_WORDS 16
+
+/* What stands at NODE, for a message: "'frequency_khz' = 9000", cut when long, in plain ASCII
+ * control characters replaced. */
+static const char *show(const asdic_key *key, const asdic_yaml_node *node, char *buffer,
+                        size_t size) {
+    const size_t longest = 40;
+    if (node->kind != ASDIC_YAML_SCALAR) {
+        snprintf(buffer, size, "'%s' is %s, which", key->name,
+                 node->kind == ASDIC_YAML_LIST ? "a list" : "a map");
+        return buffer;
+    }
+    if (node->length == 0 && !node->quoted) {
+        snprintf(buffer, size, "'%s' has no value; it", key->name);
+        return buffer;
+    }
+    const char *quote = node->quoted ? "\"" : "";
+    size_t length = node->length;
+    if (length > longest) {
+        length = longest;
+        while (length > 0 && ((unsigned char)node->text[length] & 0xc0) == 0x80) {
+            length--; /* not in the middle of a character */
+        }
+    }
+    int at = snprintf(buffer, size, "'%s' = %s", key->name, quote);
+    for (size_t i = 0; i < length; i++) {
+        unsigned char c = (unsigned char)node->text[i];
+        buffer[at++] = (char)(c < 0x20 || c == 0x7f ? '?' : c);
+    }
+    snprintf(buffer + at, size - (size_t)at, "%s%s", length < node->length ? "..." : "", quote);
+    return buffer;
+}
+
+/* "mud, sand, gravel": the words of KEY that may be used. */
+static void list_words(const asdic_key *key, asdic_text *text) {
+    for (const asdic_word *word = key->words; word && word->name; word++) {
+        if (!word->planned) {
+            asdic_text_format(text, "%s%s", text->length ? ", " : "", word->name);
+        }
+    }
+}
+
+/* The word of KEY that NODE is, or NULL. */
+static const asdic_word *find_word(const asdic_key *key, const asdic_yaml_node *node) {
+    if (node->kind != ASDIC_YAML_SCALAR || strlen(node->text) != node->length) {
+        return NULL;
+    }
+    /* YAML 1.1 reads a plain off as the boolean false, and so do its converters to JSON. */
+    bool is_off = !node->quoted && strcmp(node->text, "false") == 0;
+    for (const asdic_word *word = key->words; word->name; word++) {
+        if (strcmp(word->name, node->text) == 0 || (is_off && strcmp(word->name, "off") == 0)) {
+            return word;
+        }
+    }
+    return NULL;
+}
+
+/* NODE is none of KEY's words, nor a number where that would do. */
+static void report_no_word(const asdic_schema_reader *r, const asdic_key *key,
+                           asdic_yaml_node *node) {
+    char shown[192];
+    const char *names[MAX_WORDS] = {0};
+    size_t count = 0;
+    asdic_text words = {0};
+    list_words(key, &words);
+    for (const asdic_word *word = key->words; word->name && count < MAX_WORDS; word++) {
+        if (!word->planned) {
+            names[count++] = word->name;
+        }
+    }
+    if (key->type == ASDIC_KEY_NUMBER && !(key->flags & ASDIC_KEY_PLANNED)) {
+        asdic_text_format(&words, " or a number in [%.15g, %.15g]%s%s", key->min, key->max,
+                          key->unit ? " " : "", key->unit ? key->unit : "");
+    }
+    bool scalar = node->kind == ASDIC_YAML_SCALAR;
+    size_t nearest = scalar ? asdic_words_nearest(node->text, names, count) : count;
+    bool found = nearest < count;
+    asdic_yaml_problem(r->problems, node, "%s %s %s%s%s%s", show(key, node, shown, sizeof shown),
+                       scalar && (node->length || node->quoted) ? "is not one of"
+                                                                : "must be one of",
+                       words.data ? words.data : "", found ? "; did you mean '" : "",
+                       found ? names[nearest] : "", found ? "'?" : "");
+    asdic_text_finish(&words);
+}
+
+/* The word of KEY that NODE is and that can be used, or NULL after a report. */
+static const asdic_word *read_word(const asdic_schema_reader *r, const asdic_key *key,
+                                   asdic_yaml_node *node) {
+    char shown[192];
+    const asdic_word *word = find_word(key, node);
+    if (!word) {
+        report_no_word(r, key, node);
+    } else if (word->planned) {
+        asdic_text words = {0};
+        list_words(key, &words);
+        asdic_yaml_problem(r->problems, node, "%s is not supported yet in this version; use %s",
+                           show(key, node, shown, sizeof shown), words.data ? words.data : "");
+        asdic_text_finish(&words);
+        return NULL;
+    }
+    return word;
+}
+
+static void report_type(const asdic_schema_reader *r, const asdic_key *key, asdic_yaml_node *node,
+                        const char *wanted) {
+    char shown[192];
+    const char *joint = node->kind != ASDIC_YAML_SCALAR || (node->length == 0 && !node->quoted)
+                            ? " must be "
+                            : " is not ";
+    asdic_yaml_problem(r->problems, node, "%s%s%s%s%s", show(key, node, shown, sizeof shown), joint,
+                       wanted, key->unit ? " in " : "", key->unit ? key->unit : "");
+}
+
+/* A number that is no list, no map, not empty and not in quotes. */
+static bool is_plain(const asdic_schema_reader *r, const asdic_key *key, asdic_yaml_node *node,
+                     const char *wanted) {
+    char shown[192];
+    if (node->kind != ASDIC_YAML_SCALAR || (node->length == 0 && !node->quoted)) {
+        report_type(r, key, node, wanted);
+        return false;
+    }
+    if (node->quoted) {
+        asdic_yaml_problem(r->problems, node, "%s is text, not %s; leave out the quotes",
+                           show(key, node, shown, sizeof shown), wanted);
+        return false;
+    }
+    return true;
+}
+
+static void report_range(const asdic_schema_reader *r, const asdic_key *key,
+                         asdic_yaml_node *node) {
+    char shown[192];
+    asdic_yaml_problem(r->problems, node, "%s is out of range [%.15g, %.15g]%s%s",
+                       show(key, node, shown, sizeof shown), key->min, key->max,
+                       key->unit ? " " : "", key->unit ? key->unit : "");
+}
+
+static void read_number(const asdic_schema_reader *r, const asdic_key *key, asdic_yaml_node *node,
+                        double *out) {
+    char shown[192];
+    double value = NAN;
+    const asdic_word *word = key->words ? find_word(key, node) : NULL;
+    if (word) {
+        *out = word->value;
+        return;
+    }
+    if (!key->words && !is_plain(r, key, node, "a number")) {
+        return;
+    }
+    const char *why = node->kind != ASDIC_YAML_SCALAR || node->quoted
+                          ? "is not a number"
+                          : asdic_number_parse(node->text, node->length, &value);
+    if (key->words && (why || (key->flags & ASDIC_KEY_PLANNED))) {
+        report_no_word(r, key, node);
+    } else if (why) {
+        asdic_yaml_problem(r->problems, node, "%s %s", show(key, node, shown, sizeof shown), why);
+    } else if (!(value >= key->min && value <= key->max)) {
+        report_range(r, key, node);
+    } else {
+        *out = value;
+    }
+}
+
+static void read_integer(const asdic_schema_reader *r, const asdic_key *key, asdic_yaml_node *node,
+                         int64_t *out) {
+    char shown[192];
+    int64_t value = 0;
+    if (!is_plain(r, key, node, "a whole number")) {
+        return;
+    }
+    const char *why = asdic_integer_parse(node->text, node->length, &value);
+    if (why) {
+        asdic_yaml_problem(r->problems, node, "%s %s", show(key, node, shown, sizeof shown), why);
+    } else if (!((double)value >= key->min && (double)value <= key->max)) {
+        report_range(r, key, node);
+    } else {
+        *out = value;
+    }
+}
+
+static void read_bool(const asdic_schema_reader *r, const asdic_key *key, asdic_yaml_node *node,
+                      bool *out) {
+    char shown[192];
+    /* The booleans of YAML 1.1, of which every third is a trap for a word like off or no. */
+    static const char *const words[2][11] = {
+        {"false", "False", "FALSE", "no", "No", "NO", "off", "Off", "OFF", "n", "N"},
+        {"true", "True", "TRUE", "yes", "Yes", "YES", "on", "On", "ON", "y", "Y"},
+    };
+    if (!is_plain(r, key, node, "true or false")) {
+        return;
+    }
+    for (size_t value = 0; value < 2; value++) {
+        for (size_t i = 0; i < 11; i++) {
+            if (strcmp(node->text, words[value][i]) != 0 || strlen(node->text) != node->length) {
+                continue;
+            }
+            if (value && (key->flags & ASDIC_KEY_PLANNED)) {
+                asdic_yaml_problem(r->problems, node,
+                                   "%s is not supported yet in this version; use false",
+                                   show(key, node, shown, sizeof shown));
+            } else {
+                *out = value != 0;
+            }
+            return;
+        }
+    }
+    report_type(r, key, node, "true or false");
+}
+
+static void read_numbers(const asdic_schema_reader *r, const asdic_key *key, asdic_yaml_node *node,
+                         double *out) {
+    if (node->kind != ASDIC_YAML_LIST || node->count != key->count) {
+        asdic_yaml_problem(r->problems, node, "'%s' must be a list of %zu numbers%s%s", key->name,
+                           key->count, key->unit ? " in " : "", key->unit ? key->unit : "");
+        return;
+    }
+    for (asdic_yaml_node *item = node->first; item; item = item->next) {
+        if (!item->bad) {
+            read_number(r, key, item, &out[item->index]);
+        }
+    }
+}
+
+static void read_words(const asdic_schema_reader *r, const asdic_key *key, asdic_yaml_node *node,
+                       unsigned *out) {
+    if (node->kind != ASDIC_YAML_LIST) {
+        asdic_text words = {0};
+        list_words(key, &words);
+        asdic_yaml_problem(r->problems, node, "'%s' must be a list of %s", key->name,
+                           words.data ? words.data : "words");
+        asdic_text_finish(&words);
+        return;
+    }
+    *out = 0;
+    for (asdic_yaml_node *item = node->first; item; item = item->next) {
+        const asdic_word *word = item->bad ? NULL : read_word(r, key, item);
+        *out |= word ? 1u << (unsigned)word->value : 0;
+    }
+}
+
+/* Names become parts of file names and CSV fields. */
+static void read_string(const asdic_schema_reader *r, const asdic_key *key, asdic_yaml_node *node,
+                        const char **out) {
+    static const char fit[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-.";
+    char shown[192];
+    bool is_name = key->type == ASDIC_KEY_NAME;
+    if (node->kind != ASDIC_YAML_SCALAR || node->length == 0) {
+        asdic_yaml_problem(r->problems, node, "'%s' must be %s", key->name,
+                           is_name ? "a name" : "the name of a file");
+    } else if (strlen(node->text) != node->length) {
+        asdic_yaml_problem(r->problems, node, "'%s' holds a zero character", key->name);
+    } else if (is_name && (strspn(node->text, fit) != node->length || node->text[0] == '.' ||
+                           node->text[0] == '-')) {
+        asdic_yaml_problem(r->problems, node,
+                           "%s is not fit for file names; use letters, digits, '_', '-' and '.', "
+                           "beginning with a letter, digit or '_'",
+                           show(key, node, shown, sizeof shown));
+    } else if (is_name && node->length >= ASDIC_NAME_SIZE) {
+        asdic_yaml_problem(r->problems, node, "%s has %zu characters, at most %d are possible",
+                           show(key, node, shown, sizeof shown), node->length, ASDIC_NAME_SIZE - 1);
+    } else {
+        *out = node->text;
+    }
+}
+
+void asdic_schema_read_value(const asdic_schema_reader *r, const asdic_key *key,
+                             asdic_yaml_node *node, void *out) {
+    if (node->kind == ASDIC_YAML_SCALAR && node->bad) {
+        return;
+    }
+    const asdic_word *word;
+    switch (key->type) {
+    case ASDIC_KEY_NUMBER:
+        read_number(r, key, node, out);
+        break;
+    case ASDIC_KEY_NUMBERS:
+        read_numbers(r, key, node, out);
+        break;
+    case ASDIC_KEY_INTEGER:
+        read_integer(r, key, node, out);
+        break;
+    case ASDIC_KEY_BOOL:
+        read_bool(r, key, node, out);
+        break;
+    case ASDIC_KEY_WORD:
+        word = read_word(r, key, node);
+        if (word) {
+            *(int *)out = (int)word->value;
+        }
+        break;
+    case ASDIC_KEY_WORDS:
+        read_words(r, key, node, out);
+        break;
+    case ASDIC_KEY_NAME:
+    case ASDIC_KEY_PATH:
+        read_string(r, key, node, out);
+        break;
+    case ASDIC_KEY_POINTS:
+    case ASDIC_KEY_MAP:
+    case ASDIC_KEY_LIST:
+        break; /* schema_read.c */
+    }
+}
+
+asdic_yaml_node *asdic_schema_fallback(const asdic_schema_reader *r, const asdic_key *key) {
+    asdic_yaml_node *root = NULL;
+    if (key->fallback && key->fallback[0] != '[') {
+        root = asdic_arena_alloc(r->arena, sizeof *root);
+        if (root) {
+            root->text = key->fallback;
+            root->length = strlen(key->fallback);
+        }
+        r->problems->out_of_memory |= !root;
+    } else if (key->fallback && !asdic_yaml_read(key->fallback, strlen(key->fallback), r->arena,
+                                                 r->problems, &root)) {
+        r->problems->out_of_memory = true;
+    }
+    return root;
+}

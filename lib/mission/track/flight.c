@@ -1,0 +1,185 @@
+#include "flight.h"
+
+#include "base/context.h"
+#include "base/vec.h"
+#include "flight_model.h"
+#include "track_points.h"
+
+#include <stdlib.h>
+
+/* Points of a track: over five days at the usual steps of 0.1 s. */
+#define MAX_POINTS 5000000
+
+/* The line from one waypoint to the next. */
+typedef struct flight_leg {
+    double x_m, y_m;    /* start */
+    double north, east; /* unit vector */
+    double length_m, yaw_rad;
+    double z_m;    /* to be flown at */
+    double lead_m; /* the turn into the next line begins this far before the end */
+} flight_leg;
+
+typedef struct pilot {
+    const asdic_flight *flight;
+    flight_model model;
+    double lookahead_m;
+} pilot;
+
+static flight_leg find_leg(const asdic_flight *flight, size_t index) {
+    const double *a = flight->points_m + 3 * index, *b = a + 3;
+    double north = b[0] - a[0], east = b[1] - a[1], length_m = hypot(north, east);
+    return (flight_leg){.x_m = a[0],
+                        .y_m = a[1],
+                        .north = north / length_m,
+                        .east = east / length_m,
+                        .length_m = length_m,
+                        .yaw_rad = atan2(east, north),
+                        .z_m = b[2]};
+}
+
+/* Where the turn from leg INDEX into the next begins: a circle that touches both lines does so at
+ * R tan(half the turn) from the corner; the response takes some more. */
+static double find_lead_m(const pilot *p, size_t index, const flight_leg *leg) {
+    const asdic_flight *flight = p->flight;
+    if (index + 2 >= flight->count) {
+        return 0.0;
+    }
+    flight_leg next = find_leg(flight, index + 1);
+    double half = 0.5 * fabs(remainder(next.yaw_rad - leg->yaw_rad, 2.0 * ASDIC_PI));
+    double arc_m = p->model.turn_radius_m * fmin(tan(fmin(half, 1.5)), 2.0);
+    double lag_m = half > 0.0 ? flight->speed_mps * p->model.response_s : 0.0;
+    return fmin(arc_m + lag_m, 0.5 * fmin(leg->length_m, next.length_m));
+}
+
+/* Distance flown along LEG, and across it to starboard. */
+static double along(const flight_leg *leg, const flight_state *s, double *across_m) {
+    double dx = s->x_m - leg->x_m, dy = s->y_m - leg->y_m;
+    *across_m = dy * leg->north - dx * leg->east;
+    return dx * leg->north + dy * leg->east;
+}
+
+/* The heading that makes good the COURSE in the current: its part across is met by a crab angle. */
+static double crab(const asdic_flight *f, double course_rad) {
+    double across_mps = f->current_mps[1] * cos(course_rad) - f->current_mps[0] * sin(course_rad);
+    return course_rad - asin(asdic_flight_clamp(across_mps / f->speed_mps, 1.0));
+}
+
+static double wanted_depth_m(const asdic_flight *f, double leg_z_m, double x_m, double y_m) {
+    double bottom_m = isnan(f->altitude_m) ? INFINITY : f->bottom_m(f->user, x_m, y_m);
+    return isfinite(bottom_m) ? fmax(bottom_m - f->altitude_m, 0.0) : leg_z_m;
+}
+
+static flight_state derivative(const pilot *p, const flight_leg *leg, double z_m,
+                               const flight_state *s) {
+    double across_m;
+    along(leg, s, &across_m);
+    double course_rad = leg->yaw_rad - atan2(across_m, p->lookahead_m);
+    flight_aim aim = {.yaw_rad = crab(p->flight, course_rad), .z_m = z_m};
+    return p->model.derivative(p->flight, &aim, s);
+}
+
+static flight_state advance(const flight_state *s, const flight_state *d, double step_s) {
+    return (flight_state){.x_m = s->x_m + step_s * d->x_m,
+                          .y_m = s->y_m + step_s * d->y_m,
+                          .z_m = s->z_m + step_s * d->z_m,
+                          .pitch_rad = s->pitch_rad + step_s * d->pitch_rad,
+                          .yaw_rad = s->yaw_rad + step_s * d->yaw_rad,
+                          .surge_mps = s->surge_mps + step_s * d->surge_mps,
+                          .sway_mps = s->sway_mps + step_s * d->sway_mps,
+                          .heave_mps = s->heave_mps + step_s * d->heave_mps,
+                          .pitch_rate = s->pitch_rate + step_s * d->pitch_rate,
+                          .yaw_rate = s->yaw_rate + step_s * d->yaw_rate,
+                          .rudder_rad = s->rudder_rad + step_s * d->rudder_rad,
+                          .plane_rad = s->plane_rad + step_s * d->plane_rad};
+}
+
+/* One point on, by the midpoint rule: its error is far below the centimetre at the steps taken. The
+ * depth of the bottom is asked for once. */
+static flight_state step(const pilot *p, const flight_leg *leg, flight_state s) {
+    double step_s = p->model.step_s / p->model.substeps;
+    double z_m = wanted_depth_m(p->flight, leg->z_m, s.x_m, s.y_m);
+    for (unsigned i = 0; i < p->model.substeps; i++) {
+        flight_state d = derivative(p, leg, z_m, &s);
+        flight_state middle = advance(&s, &d, 0.5 * step_s);
+        d = derivative(p, leg, z_m, &middle);
+        s = advance(&s, &d, step_s);
+    }
+    s.z_m = fmax(s.z_m, 0.0); /* a vehicle does not fly */
+    return s;
+}
+
+static bool record(asdic_track *track, const flight_state *s, double time_s) {
+    track_point point = {.time_s = time_s,
+                         .x_m = s->x_m,
+                         .y_m = s->y_m,
+                         .z_m = s->z_m,
+                         .pitch_rad = s->pitch_rad,
+                         .yaw_rad = s->yaw_rad};
+    return asdic_track_append(track, &point);
+}
+
+/* Longest time a leg may take: flown at a third of the speed over ground, with some full turns. */
+static double patience_s(const pilot *p, const flight_leg *leg) {
+    const asdic_flight *f = p->flight;
+    double slowest_mps = f->speed_mps - hypot(f->current_mps[0], f->current_mps[1]);
+    double turns_s = 4.0 * 2.0 * ASDIC_PI * p->model.turn_radius_m / f->speed_mps;
+    return 3.0 * (leg->length_m / slowest_mps + turns_s) + 100.0 * p->model.response_s;
+}
+
+static pilot make_pilot(const asdic_flight *flight) {
+    pilot p = {.flight = flight,
+               .model = flight->vehicle == ASDIC_VEHICLE_REMUS100
+                            ? asdic_flight_model_remus100()
+                            : asdic_flight_model_nomoto(flight)};
+    /* The line must be approached slower than the heading is turned. */
+    p.lookahead_m = fmax(2.0 * p.model.turn_radius_m,
+                         3.0 * flight->speed_mps * ASDIC_FLIGHT_DAMPING * p.model.response_s);
+    return p;
+}
+
+static flight_state begin(const asdic_flight *f) {
+    const double *start_m = f->points_m;
+    return (flight_state){.x_m = start_m[0],
+                          .y_m = start_m[1],
+                          .z_m = wanted_depth_m(f, start_m[2], start_m[0], start_m[1]),
+                          .yaw_rad = crab(f, find_leg(f, 0).yaw_rad),
+                          .surge_mps = f->speed_mps};
+}
+
+asdic_status asdic_flight_fly(asdic_context *ctx, const asdic_flight *flight, asdic_track **out) {
+    asdic_status status = ASDIC_OK;
+    pilot p = make_pilot(flight);
+    flight_state s = begin(flight);
+    asdic_track *track = calloc(1, sizeof *track);
+    size_t steps = 0;
+    *out = NULL;
+    if (!track || !record(track, &s, 0.0)) {
+        status = asdic_fail_memory(ctx, "a track");
+        goto fail;
+    }
+    for (size_t i = 0; i + 1 < flight->count; i++) {
+        flight_leg leg = find_leg(flight, i);
+        leg.lead_m = find_lead_m(&p, i, &leg);
+        double late_s = (double)steps * p.model.step_s + patience_s(&p, &leg), across_m;
+        while (along(&leg, &s, &across_m) < leg.length_m - leg.lead_m) {
+            s = step(&p, &leg, s);
+            double time_s = (double)++steps * p.model.step_s;
+            if (time_s > late_s || steps >= MAX_POINTS) {
+                status = asdic_fail(ctx, ASDIC_ERROR_INPUT,
+                                    "waypoint %zu is not reached in %.6g s; give a smaller "
+                                    "turn radius or nearer waypoints",
+                                    i + 1, time_s);
+                goto fail;
+            }
+            if (!record(track, &s, time_s)) {
+                status = asdic_fail_memory(ctx, "a track");
+                goto fail;
+            }
+        }
+    }
+    *out = track;
+    track = NULL;
+fail:
+    asdic_track_destroy(&track);
+    return status;
+}
