@@ -8,6 +8,7 @@
 #include "backscatter.h"
 #include "beam.h"
 #include "deposit.h"
+#include "law_table.h"
 #include "mirror.h"
 #include "ping_types.h"
 #include "smooth.h"
@@ -122,6 +123,7 @@ static meeting meet(const world *w, __global const dev_hit *hits, natural slots,
     mask surface = (up < m.range) & (uz < R(-1e-12));
     m.range = choose(surface, up, m.range);
     m.kind = choose_natural(surface, (natural)(DEV_KIND_SURFACE), m.kind);
+    m.material = choose_natural(surface, (natural)(w->ping->surface_material), m.material);
     mask flat = plane | surface;
     m.facet.x = choose(flat, R(0.0), m.facet.x);
     m.facet.y = choose(flat, R(0.0), m.facet.y);
@@ -138,38 +140,41 @@ static meeting meet(const world *w, __global const dev_hit *hits, natural slots,
 
 /* The scattering laws' coefficients of what was met, lane by lane. */
 typedef struct law_lanes {
-    mask is_surface, is_bottom, is_facet; /* which law */
+    mask is_table, is_searay, is_facet, is_course; /* which law */
+    real formula[4];                               /* as dev_material */
+    real reflection2, roughness_g;
     real density_ratio, index;
-    real bottom_type, bottom_gain, bottom_peak;
-    real reflection2, roughness_g, slope_ms, coherent_area_m2;
+    natural strength, reflected; /* tables */
+    real coherent_area_m2;
 } law_lanes;
 
 static law_lanes laws_met(const world *w, const meeting *m) {
     law_lanes l;
-    natural law = (natural)(DEV_LAW_BOTTOM);
-    l.bottom_type = l.bottom_gain = l.bottom_peak = R(1.0);
+    natural law = (natural)(DEV_LAW_TABLE);
+    l.formula[0] = l.formula[1] = l.formula[2] = l.formula[3] = R(1.0);
     l.reflection2 = l.roughness_g = R(0.0);
-    l.slope_ms = l.density_ratio = l.index = R(1.0);
-    l.coherent_area_m2 = m->coherent_m2;
+    l.density_ratio = l.index = R(1.0);
+    l.strength = l.reflected = (natural)(0u);
     LANES {
         __global const dev_material *c = w->materials + AT(m->material, const uint);
         AT(law, uint) = c->law;
-        AT(l.bottom_type, float) = c->bottom_type;
-        AT(l.bottom_gain, float) = c->bottom_gain;
-        AT(l.bottom_peak, float) = c->bottom_peak;
+        AT(l.formula[0], float) = c->formula[0];
+        AT(l.formula[1], float) = c->formula[1];
+        AT(l.formula[2], float) = c->formula[2];
+        AT(l.formula[3], float) = c->formula[3];
         AT(l.reflection2, float) = c->reflection2;
         AT(l.roughness_g, float) = c->roughness_g;
-        AT(l.slope_ms, float) = c->slope_ms;
         AT(l.density_ratio, float) = c->density_ratio;
         AT(l.index, float) = c->index;
-        if (c->coherent_area_m2 > 0.0f) {
-            AT(l.coherent_area_m2, float) = c->coherent_area_m2;
-        }
+        AT(l.strength, uint) = c->strength;
+        AT(l.reflected, uint) = c->reflected;
     }
-    mask solid = (m->kind == DEV_KIND_BOTTOM) | (m->kind == DEV_KIND_OBJECT);
-    l.is_surface = (m->kind == DEV_KIND_SURFACE);
-    l.is_bottom = solid & (law == DEV_LAW_BOTTOM);
-    l.is_facet = solid & (law == DEV_LAW_FACET);
+    mask met = m->kind != DEV_KIND_NONE;
+    l.is_table = met & (law == DEV_LAW_TABLE);
+    l.is_searay = met & (law == DEV_LAW_SEARAY);
+    l.is_facet = met & (law == DEV_LAW_FACET);
+    l.is_course = met & (law == DEV_LAW_COURSE);
+    l.coherent_area_m2 = choose(l.formula[1] > R(0.0), l.formula[1], m->coherent_m2);
     return l;
 }
 
@@ -183,21 +188,24 @@ typedef struct slant {
 static real strength(const world *w, const law_lanes *l, slant a, real range) {
     __global const dev_ping *ping = w->ping;
     real s = R(0.0);
-    if (any_true(l->is_bottom)) {
-        real f = bottom_backscatter_lin(l->bottom_gain, l->bottom_peak, l->bottom_type, a.sine);
-        s = choose(l->is_bottom, f, s);
+    if (any_true(l->is_searay)) {
+        real f = bottom_backscatter_lin(l->formula[1], l->formula[2], l->formula[0], a.sine);
+        s = choose(l->is_searay, f, s);
     }
     if (any_true(l->is_facet)) {
-        real slope = facet_slope_ms(l->slope_ms, l->coherent_area_m2, (real)(ping->wavelength_m),
+        real slope = facet_slope_ms(l->formula[0], l->coherent_area_m2, (real)(ping->wavelength_m),
                                     r_max(range, R(1e-3)));
         real f = facet_strength_angle_lin(a.sine, a.cos2, l->reflection2, l->roughness_g, slope);
         s = choose(l->is_facet, f, s);
     }
-    if (any_true(l->is_surface)) {
-        real f = surface_backscatter_angle_lin(
-            (real)(ping->surface_gain), (real)(ping->surface_beta0), (real)(ping->surface_beta1),
-            (real)(ping->surface_cap_lin), a.sine, a.cos2);
-        s = choose(l->is_surface, f, s);
+    if (any_true(l->is_course)) {
+        real f = surface_backscatter_angle_lin(l->formula[0], l->formula[1], l->formula[2],
+                                               l->formula[3], a.sine, a.cos2);
+        s = choose(l->is_course, f, s);
+    }
+    if (any_true(l->is_table)) {
+        real f = law_table_lin((__global const uint *)w->materials, l->strength, a.sine, a.cos2);
+        s = choose(l->is_table, f, s);
     }
     return s;
 }
@@ -223,18 +231,23 @@ static slant surface_slant(const meeting *m, triple u) {
     return a;
 }
 
-/* Share of the arriving energy that goes on in the mirror direction. */
-static real mirrored(const world *w, const law_lanes *l, const meeting *m, real sin_grazing) {
+/* Share of the arriving energy that goes on in the mirror direction. Objects mirror by the law of the
+ * facet alone, bottom and surface by any law where boundaries are mirrors. */
+static real mirrored(const world *w, const law_lanes *l, const meeting *m, slant a) {
     mask object = (m->kind == DEV_KIND_OBJECT);
-    real facet = mirror_share(sin_grazing, l->reflection2, l->roughness_g);
+    real facet = mirror_share(a.sine, l->reflection2, l->roughness_g);
     real share = choose(l->is_facet & object, facet, R(0.0));
     if (w->ping->boundary_mirrors != 0u) {
-        real bottom = fluid_reflection2(sin_grazing, l->density_ratio, l->index);
-        bottom = mirror_share(sin_grazing, bottom, l->roughness_g);
-        real surface = mirror_share(sin_grazing, R(1.0), (real)(w->ping->surface_roughness_g));
-        share = choose(l->is_facet, facet, share);
-        share = choose(l->is_bottom & (m->kind == DEV_KIND_BOTTOM), bottom, share);
-        share = choose(l->is_surface, surface, share);
+        real bottom = fluid_reflection2(a.sine, l->density_ratio, l->index);
+        bottom = mirror_share(a.sine, bottom, l->roughness_g);
+        share = choose(l->is_facet | l->is_course, facet, share);
+        share = choose(l->is_searay & (m->kind == DEV_KIND_BOTTOM), bottom, share);
+        mask table = l->is_table & (m->kind != DEV_KIND_OBJECT);
+        if (any_true(table)) {
+            real f =
+                law_table_lin((__global const uint *)w->materials, l->reflected, a.sine, a.cos2);
+            share = choose(table, f, share);
+        }
     }
     return share;
 }

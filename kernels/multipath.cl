@@ -176,9 +176,9 @@ static uint shade_bounces(const world *w, const bounce_store *store, const sink 
     real none = R(0.0), same_range = d1 + d2, cross_range = R(0.5) * (d1 + d2 + d3);
     slant in = surface_slant(&m, v), out = surface_slant(&m, x);
     real s_in =
-        strength(w, &laws, in, same_range) * scattered(w, &laws, mirrored(w, &laws, &m, in.sine));
+        strength(w, &laws, in, same_range) * scattered(w, &laws, mirrored(w, &laws, &m, in));
     real s_out =
-        strength(w, &laws, out, same_range) * scattered(w, &laws, mirrored(w, &laws, &m, out.sine));
+        strength(w, &laws, out, same_range) * scattered(w, &laws, mirrored(w, &laws, &m, out));
     weight *= share / grazing(&m, v);
     real same = choose(met, weight * share * s_in * return_gain(d1, d2, bend, gauss), R(0.0));
     /* split() works relative to TL d^2 at the echo's own range; this leg spreads over d3. */

@@ -109,11 +109,9 @@ typedef struct dev_ping {
     float bin_m;
     float absorption_np_per_m; /* one-way intensity decay: alpha ln 10 / 1e4 */
     float rear_lin;            /* one-way gain behind a face */
-    float surface_gain, surface_beta0, surface_beta1, surface_cap_lin;
-    float surface_roughness_g; /* 4 k^2 s^2 of the sea */
     dev_uint boundary_mirrors; /* 1: bottom and surface reflect, too */
     float wavelength_m;
-    dev_uint bottom_material;
+    dev_uint bottom_material, surface_material;
     dev_uint rays, batch_first, per_group, groups; /* rays; first and count of each group's rays in
                                                     this batch; number of groups (replicates) */
     dev_uint beams, bins, lobes, sampler;

@@ -93,7 +93,7 @@ static uint shade_rays(const world *w, const ray_store *store, __global const fl
     real energy = strength(w, &laws, met, m.range) / sin_grazing;
     real share = R(0.0);
     if (ASDIC_HAS_MIRRORS || ping->boundary_mirrors != 0u) {
-        share = mirrored(w, &laws, &m, met.sine);
+        share = mirrored(w, &laws, &m, met);
     }
     energy *= scattered(w, &laws, share);
 #if ASDIC_HAS_MIRRORS

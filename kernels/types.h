@@ -79,22 +79,25 @@ typedef struct dev_part {
     dev_uint pad;
 } dev_part; /* 16 bytes */
 
-#define DEV_LAW_BOTTOM 0
-#define DEV_LAW_FACET 1
+/* How the device computes a law: by one of three formulas, or from a table (law_table.h). */
+#define DEV_LAW_TABLE 0
+#define DEV_LAW_SEARAY 1 /* bottom of backscatter.h */
+#define DEV_LAW_FACET 2  /* rough facet of target.h */
+#define DEV_LAW_COURSE 3 /* surface of backscatter.h */
 
-/* Coefficients of a scattering law at the sonar's frequency, computed on the host in double. */
+/* A scattering law at the sonar's frequency, computed on the host in double. Behind the materials, in
+ * the same buffer, lie their tables. */
 typedef struct dev_material {
     dev_uint law;
-    float bottom_type;      /* LAW_BOTTOM: bt */
-    float bottom_gain;      /* LAW_BOTTOM: 3.03 f^(3.2 - 0.8 bt) 10^(2.8 bt - 12) */
-    float bottom_peak;      /* LAW_BOTTOM: 125 exp(-2.64 (bt - 1.75)^2) */
-    float reflection2;      /* LAW_FACET: R^2 */
-    float roughness_g;      /* 4 k^2 s^2 */
-    float slope_ms;         /* LAW_FACET: mean-square slope of the roughness */
-    float coherent_area_m2; /* LAW_FACET: A_coh; 0: what the facet says */
-    float density_ratio;    /* LAW_BOTTOM: over that of water */
-    float index;            /* LAW_BOTTOM: sound speed of water over that of the bottom */
-    dev_uint pad[2];
+    float formula[4];    /* SEARAY: bt, gain, peak; FACET: mean-square slope, area that reflects in
+                            phase (0: what the facet says); COURSE: gain, beta0, beta1, cap */
+    float reflection2;   /* FACET, COURSE: R^2 */
+    float roughness_g;   /* formulas: 4 k^2 s^2 */
+    float density_ratio; /* SEARAY: over that of water */
+    float index;         /* SEARAY: sound speed of water over that of the bottom */
+    dev_uint strength;   /* TABLE: where it begins, in words from the first material; 0: silent */
+    dev_uint reflected;  /* the same of the share that is reflected; 0: nothing */
+    dev_uint pad;
 } dev_material; /* 48 bytes */
 
 typedef struct dev_hit {

@@ -23,12 +23,6 @@ static void row(writer *w, const char *label, const char *value, uint32_t rgb) {
     w->y += line;
 }
 
-static const char *bottom_word(double type) {
-    static const char *const words[] = {"mud", "sand", "gravel", "rock"};
-    int n = (int)rint(type);
-    return fabs(type - n) < 1e-9 && n >= 1 && n <= 4 ? words[n - 1] : NULL;
-}
-
 static void write_vehicle(writer *w, const asdic_view *view) {
     const asdic_pose *pose = &view->ping.pose;
     char text[64];
@@ -65,11 +59,10 @@ static void write_vehicle(writer *w, const asdic_view *view) {
 static void write_design(writer *w, const asdic_view *view) {
     const asdic_choices *c = &view->chosen;
     char text[64];
-    const char *bottom = bottom_word(c->bottom_type);
     snprintf(text, sizeof text, "%.0f kn wind", c->wind_speed_kn);
     row(w, "sea", text, PANEL_INK_RGB);
-    snprintf(text, sizeof text, "type %.2g", c->bottom_type);
-    row(w, "bottom", bottom ? bottom : text, PANEL_INK_RGB);
+    asdic_material_describe(&c->bottom, text, sizeof text);
+    row(w, "bottom", text, PANEL_INK_RGB);
     snprintf(text, sizeof text, "%.0f dB", c->source_level_db);
     row(w, "source", text, PANEL_INK_RGB);
     snprintf(text, sizeof text, "%u", asdic_governor_rays(&view->governor));

@@ -144,7 +144,7 @@ static void windier(asdic_view *v) {
 
 static void bottom(asdic_view *v, double type) {
     asdic_choices now = v->chosen;
-    now.bottom_type = type;
+    now.bottom = asdic_material_bottom(type);
     choose(v, &now);
 }
 static void mud(asdic_view *v) {

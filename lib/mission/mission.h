@@ -28,7 +28,7 @@ struct asdic_mission {
     size_t object_count;
     asdic_motion *motions; /* in the order of the file */
     size_t motion_count;
-    double bottom_type;
+    asdic_material bottom; /* no law: there is none */
     asdic_sampling sampling;
     bool keeps_all_terms; /* whatever the plan says */
     bool is_varied;       /* the text is not all that it was made from */

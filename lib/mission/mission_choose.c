@@ -4,6 +4,7 @@
 #include "mission.h"
 
 #include "base/context.h"
+#include "base/try.h"
 #include "scene/scene.h"
 
 asdic_choices asdic_mission_get_choices(const asdic_mission *mission) {
@@ -11,7 +12,7 @@ asdic_choices asdic_mission_get_choices(const asdic_mission *mission) {
         return (asdic_choices){0};
     }
     return (asdic_choices){.wind_speed_kn = mission->environment.wind_speed_kn,
-                           .bottom_type = mission->bottom_type,
+                           .bottom = mission->bottom,
                            .source_level_db = mission->sonar.source_level_db,
                            .rays = mission->sampling.rays,
                            .seed = mission->sampling.seed};
@@ -33,10 +34,8 @@ asdic_status asdic_mission_choose(asdic_context *ctx, asdic_mission *mission,
     if (status) {
         return status;
     }
-    if (!(choices->bottom_type >= 1.0 && choices->bottom_type <= 4.0)) {
-        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
-                          "a bottom of type %g: out of range [1 mud, 4 rock]",
-                          choices->bottom_type);
+    if (choices->bottom.law) {
+        TRY(asdic_material_check(ctx, &choices->bottom));
     }
     if (choices->rays < 64 || choices->rays > 1u << 28) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
@@ -46,12 +45,15 @@ asdic_status asdic_mission_choose(asdic_context *ctx, asdic_mission *mission,
     mission->sonar = sonar;
     mission->sampling.rays = choices->rays;
     mission->sampling.seed = choices->seed;
-    mission->bottom_type = choices->bottom_type;
-    asdic_scene_set_bottom_type(mission->scene, choices->bottom_type);
+    mission->bottom = choices->bottom;
+    if (!choices->bottom.law) {
+        return ASDIC_OK;
+    }
+    asdic_scene_set_bottom(mission->scene, &choices->bottom);
     for (size_t i = 0; i < mission->object_count; i++) {
         asdic_mission_object *object = &mission->objects[i];
         if (object->name[0] == 0) {
-            object->material.bottom_type = choices->bottom_type;
+            object->material = choices->bottom;
         }
     }
     return ASDIC_OK;

@@ -3,6 +3,8 @@
  */
 #include "mission.h"
 
+#include "scene/scene.h"
+
 #include "base/context.h"
 #include "mission/track/track_write.h"
 
@@ -148,6 +150,7 @@ asdic_flat_scene asdic_mission_flat_scene(const asdic_mission *mission, size_t i
         .has_bottom = isfinite(altitude_m),
         .altitude_m = isfinite(altitude_m) ? altitude_m : 0.0,
         .depth_m = position_m.z,
-        .bottom_type = mission->bottom_type,
+        .bottom = mission->bottom,
+        .surface = mission->scene->surface,
     };
 }

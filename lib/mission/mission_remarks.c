@@ -39,7 +39,8 @@ static bool has_bottom_law(const asdic_mission *m) {
         return true;
     }
     for (size_t i = 0; i < m->object_count; i++) {
-        if (m->objects[i].mesh.triangles > 0 && m->objects[i].material.law == ASDIC_LAW_BOTTOM) {
+        if (m->objects[i].mesh.triangles > 0 &&
+            m->objects[i].material.law == asdic_law_find("searay")) {
             return true;
         }
     }

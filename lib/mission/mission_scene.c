@@ -118,7 +118,7 @@ static asdic_status build_bottom(mission_builder *b) {
         return status;
     }
     asdic_material material = asdic_material_bottom(bottom->type);
-    b->mission->bottom_type = bottom->type;
+    b->mission->bottom = material;
     if (!isnan(bottom->depth_m)) {
         return asdic_scene_set_bottom_plane(b->mission->scene, bottom->depth_m, material);
     }

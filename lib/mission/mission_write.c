@@ -88,7 +88,7 @@ static void apply(rewriter *r, const asdic_mission *m, asdic_yaml_node *root, co
     set_number(r, need_map(r, root, "sampling"), "seed", (double)m->sampling.seed);
     set_text(r, need_map(r, root, "model"), "terms", "all", false);
     if (bottom && bottom->kind == ASDIC_YAML_MAP && !asdic_yaml_child(bottom, "none")) {
-        set_number(r, bottom, "type", m->bottom_type);
+        set_number(r, bottom, "type", asdic_material_get(&m->bottom, "type"));
     }
     if (mission) {
         mission->first = mission->last = NULL;

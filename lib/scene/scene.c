@@ -7,6 +7,7 @@
 
 #include "../base/context.h"
 #include "../base/memory_left.h"
+#include "../base/try.h"
 #include "../base/vec.h"
 
 #include <stdio.h>
@@ -23,6 +24,7 @@ asdic_status asdic_scene_create(asdic_context *ctx, asdic_scene **out) {
     }
     (*out)->ctx = ctx;
     (*out)->has_surface = true;
+    (*out)->surface = asdic_material_of(asdic_law_find("course"));
     (*out)->bvh.root = DEV_EMPTY;
     return ASDIC_OK;
 }
@@ -55,6 +57,15 @@ void asdic_scene_set_surface(asdic_scene *scene, bool enabled) {
     scene->has_surface = enabled;
 }
 
+asdic_status asdic_scene_set_surface_law(asdic_scene *scene, asdic_material material) {
+    if (!scene) {
+        return asdic_fail_null(NULL, __func__);
+    }
+    TRY(asdic_material_check(scene->ctx, &material));
+    scene->surface = material;
+    return ASDIC_OK;
+}
+
 void asdic_scene_set_threads(asdic_scene *scene, unsigned threads) {
     if (!scene) {
         return;
@@ -74,41 +85,9 @@ static bool in_range(double value, double low, double high) {
     return value >= low && value <= high; /* false for NAN */
 }
 
-static asdic_status check_material(const asdic_scene *scene, const asdic_material *m) {
-    if (m->law == ASDIC_LAW_BOTTOM) {
-        if (!in_range(m->bottom_type, 1.0, 4.0)) {
-            return asdic_fail(scene->ctx, ASDIC_ERROR_ARGUMENT,
-                              "bottom type %g is out of range [1, 4]", m->bottom_type);
-        }
-        return ASDIC_OK;
-    }
-    if (m->law != ASDIC_LAW_FACET) {
-        return asdic_fail(scene->ctx, ASDIC_ERROR_ARGUMENT, "unknown scattering law %d",
-                          (int)m->law);
-    }
-    if (!in_range(m->impedance_mrayl, 0.0, 1000.0)) {
-        return asdic_fail(scene->ctx, ASDIC_ERROR_ARGUMENT,
-                          "impedance %g Mrayl is out of range [0, 1000]", m->impedance_mrayl);
-    }
-    if (!in_range(m->roughness_rms_m, 0.0, 10.0) || !in_range(m->slope_rms, 0.0, 10.0)) {
-        return asdic_fail(scene->ctx, ASDIC_ERROR_ARGUMENT,
-                          "roughness %g m or slope %g is out of range [0, 10]", m->roughness_rms_m,
-                          m->slope_rms);
-    }
-    if (!isnan(m->coherent_area_m2) && !(m->coherent_area_m2 >= 0.0)) {
-        return asdic_fail(scene->ctx, ASDIC_ERROR_ARGUMENT,
-                          "coherent area %g m2 is negative (NAN takes it from the mesh)",
-                          m->coherent_area_m2);
-    }
-    return ASDIC_OK;
-}
-
 static asdic_status add_material(asdic_scene *scene, const asdic_material *material,
                                  size_t *index) {
-    asdic_status status = check_material(scene, material);
-    if (status != ASDIC_OK) {
-        return status;
-    }
+    TRY(asdic_material_check(scene->ctx, material));
     asdic_material *grown = realloc(scene->materials, (scene->material_count + 1) * sizeof *grown);
     if (!grown) {
         return asdic_fail_memory(scene->ctx, "a material");
@@ -327,13 +306,13 @@ asdic_status asdic_scene_add_point(asdic_scene *scene, const char *name, asdic_v
     return ASDIC_OK;
 }
 
-void asdic_scene_set_bottom_type(asdic_scene *scene, double type) {
+void asdic_scene_set_bottom(asdic_scene *scene, const asdic_material *material) {
     if (scene->has_bottom_plane) {
-        scene->materials[scene->bottom_plane_material].bottom_type = type;
+        scene->materials[scene->bottom_plane_material] = *material;
     }
     for (size_t i = 0; i < scene->part_count; i++) {
         if (scene->parts[i].kind == DEV_KIND_BOTTOM) {
-            scene->materials[scene->parts[i].material].bottom_type = type;
+            scene->materials[scene->parts[i].material] = *material;
         }
     }
 }

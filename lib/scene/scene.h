@@ -41,6 +41,7 @@ struct asdic_scene {
     bool has_surface, has_bottom_plane;
     double bottom_plane_depth_m;
     size_t bottom_plane_material;
+    asdic_material surface;
     asdic_material *materials;
     size_t material_count;
     asdic_part *parts;
@@ -74,8 +75,9 @@ asdic_status asdic_bvh_build(asdic_context *ctx, const dev_triangle *triangles, 
                              size_t count, unsigned threads, asdic_bvh *out);
 void asdic_bvh_finish(asdic_bvh *bvh);
 
-/* Makes every bottom of a TYPE from 1 to 4; simulators created before keep what they have. */
-void asdic_scene_set_bottom_type(asdic_scene *scene, double type);
+/* Makes every bottom of MATERIAL, which has been checked; simulators created before keep what they
+ * have. */
+void asdic_scene_set_bottom(asdic_scene *scene, const asdic_material *material);
 
 /* Makes room for MORE triangles than there are; ASDIC_ERROR_MEMORY, before anything is taken, where the
  * machine has none for them. */

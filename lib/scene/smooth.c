@@ -3,6 +3,8 @@
 #include "moving.h"
 #include "patch.h"
 
+#include "laws/scatterer.h"
+
 #include "../../kernels/smooth.h"
 #include "../base/context.h"
 #include "../base/vec.h"
@@ -210,7 +212,7 @@ asdic_status asdic_scene_smooth(asdic_scene *scene) {
         for (end = begin; end < scene->triangle_count && scene->triangles[end].part == number;) {
             scene->triangles[end++].corner_normals[0] = DEV_FLAT;
         }
-        if (scene->materials[scene->parts[number].material].law == ASDIC_LAW_FACET) {
+        if (scene->materials[scene->parts[number].material].law->formula == DEV_LAW_FACET) {
             status = smooth_part(scene, begin, end);
         }
     }

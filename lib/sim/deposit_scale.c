@@ -2,9 +2,6 @@
 
 #include "base/vec.h"
 
-#include "../../kernels/backscatter.h"
-#include "../../kernels/target.h"
-
 #include <math.h>
 
 /* Strengths are searched down to this sine of the grazing angle; what lies below is cut only if
@@ -14,27 +11,21 @@
 /* Solid angle, times the number of rays, by which their sum may err. */
 #define FEW_RAYS_SR 200.0
 
-static double strength(const dev_material *m, const dev_ping *ping, double sin_grazing) {
-    if (m->law == DEV_LAW_BOTTOM) {
-        return bottom_backscatter_lin(m->bottom_gain, m->bottom_peak, m->bottom_type, sin_grazing);
-    }
-    /* The narrowest lobe: of a flat patch without end. */
-    double slope = facet_slope_ms(m->slope_ms, 1e12, ping->wavelength_m, 2.0 * ping->range_m);
-    return facet_strength_lin(sin_grazing, m->reflection2, m->roughness_g, slope);
-}
-
-/* Largest s / sin(Theta) of a material (of the surface when M is NULL). */
-static double loudest(const dev_material *m, const dev_ping *ping) {
+/* Largest s / sin(Theta) of a material. */
+static double loudest(const asdic_scatterer *s, const dev_ping *ping) {
     double most = 1e-12;
     for (int i = 0; i <= STEPS; i++) {
         double sin_grazing = pow(MIN_SIN, 1.0 - (double)i / STEPS);
-        double s =
-            m ? strength(m, ping, sin_grazing)
-              : surface_backscatter_lin(ping->surface_gain, ping->surface_beta0,
-                                        ping->surface_beta1, ping->surface_cap_lin, sin_grazing);
-        most = fmax(most, s / sin_grazing);
+        /* The narrowest lobe: of a flat patch without end. */
+        asdic_incidence at = {.sine = sin_grazing,
+                              .cos2 = (1.0 - sin_grazing) * (1.0 + sin_grazing),
+                              .coherent_m2 = 1e12,
+                              .range_m = 2.0 * ping->range_m};
+        most = fmax(most, s->material.law->strength_lin(s, &at) / sin_grazing);
     }
-    return most;
+    bool tabled = s->material.law->formula == DEV_LAW_TABLE;
+    most = tabled ? fmax(most, asdic_scatterer_steepest(s, MIN_SIN)) : most;
+    return s->silent ? 1e-12 : most;
 }
 
 /* Not less than the solid angle that an aperture's pattern covers: of [sinc(L vy) sinc(M vz)]^2
@@ -48,14 +39,15 @@ static double pattern_sr(const asdic_beam *beam, const dev_ping *ping) {
 }
 
 void asdic_deposit_scales(const asdic_scene *scene, const asdic_beam *transmitter,
-                          const dev_material *materials, dev_ping *ping) {
-    double bottom = 1e-12, object = 1e-12, surface = loudest(NULL, ping);
+                          const asdic_scatterer *scatterers, dev_ping *ping) {
+    double bottom = 1e-12, object = 1e-12;
+    double surface = loudest(&scatterers[scene->material_count], ping);
     if (scene->has_bottom_plane) {
-        bottom = loudest(&materials[scene->bottom_plane_material], ping);
+        bottom = loudest(&scatterers[scene->bottom_plane_material], ping);
     }
     for (size_t i = 0; i < scene->part_count; i++) {
         double *most = scene->parts[i].kind == DEV_KIND_BOTTOM ? &bottom : &object;
-        *most = fmax(*most, loudest(&materials[scene->parts[i].material], ping));
+        *most = fmax(*most, loudest(&scatterers[scene->parts[i].material], ping));
     }
     double bound[DEV_DEPOSIT_COUNT];
     bound[DEV_DEPOSIT_BOTTOM] = bottom;

@@ -4,6 +4,7 @@
 #ifndef ASDIC_SIM_DEPOSIT_SCALE_H
 #define ASDIC_SIM_DEPOSIT_SCALE_H
 
+#include "laws/scatterer.h"
 #include "scene/scene.h"
 
 #include <asdic/sonar.h>
@@ -11,10 +12,11 @@
 #include "../../kernels/ping_types.h"
 
 /* Fills PING's deposit_scale and deposit_limit from its water, its rays, the transmitter and what the
- * scene's parts are made of (MATERIALS, as the scene numbers them), for all pings of a simulator.
+ * scene's parts are made of (SCATTERERS, as the scene numbers its materials, then the surface), for all
+ * pings of a simulator.
  * Sums come to 2^61 at most if rays were exact, 2^63 being the end; the quantum lies about 180 dB
  * below the loudest conceivable sum of its component, before range. */
 void asdic_deposit_scales(const asdic_scene *scene, const asdic_beam *transmitter,
-                          const dev_material *materials, dev_ping *ping);
+                          const asdic_scatterer *scatterers, dev_ping *ping);
 
 #endif

@@ -130,7 +130,6 @@ static void shape_accumulator(const asdic_simulator *sim, dev_ping *fixed) {
 }
 
 void asdic_simulator_prepare(asdic_simulator *sim, const asdic_water_column *water) {
-    double f_khz = sim->sonar.frequency_hz / 1e3, wind = sim->env.wind_speed_kn;
     dev_ping *fixed = &sim->fixed;
     *fixed = (dev_ping){
         .blanking_m = (float)sim->sonar.blanking_m,
@@ -139,6 +138,7 @@ void asdic_simulator_prepare(asdic_simulator *sim, const asdic_water_column *wat
         .bin_m = (float)sim->sonar.bin_length_m,
         .rear_lin = (float)pow(10.0, sim->sonar.rear_floor_db / 10.0),
         .bottom_material = (dev_uint)sim->scene->bottom_plane_material,
+        .surface_material = (dev_uint)sim->scene->material_count,
         .rays = sim->sampling.rays,
         .groups = sim->groups,
         .beams = (dev_uint)sim->sonar.receiver_count,
@@ -149,17 +149,11 @@ void asdic_simulator_prepare(asdic_simulator *sim, const asdic_water_column *wat
         .components = (dev_uint)sim->components,
         .sampler = sampler_code(sim->sampling.sampler),
         .seed = {(dev_uint)sim->sampling.seed, (dev_uint)(sim->sampling.seed >> 32)},
-        .surface_gain = surface_is_silent(sim) ? 0.0f : (float)surface_gain(wind, f_khz),
-        .surface_beta0 = (float)surface_beta0(wind),
-        .surface_beta1 = (float)surface_beta1(f_khz),
-        .surface_cap_lin = (float)surface_cap_lin(wind),
-        .surface_roughness_g =
-            (float)roughness_parameter(water->wavelength_m, sea_height_rms_m(wind)),
         .boundary_mirrors = sim->sampling.multipath == ASDIC_MULTIPATH_BOUNDARIES,
         .wavelength_m = (float)water->wavelength_m,
     };
     shape_accumulator(sim, fixed);
-    asdic_deposit_scales(sim->scene, &sim->sonar.transmitter, sim->host_materials, fixed);
+    asdic_deposit_scales(sim->scene, &sim->sonar.transmitter, sim->scatterers, fixed);
 }
 
 void asdic_simulator_describe(asdic_simulator *sim, const asdic_pose *pose, uint64_t index,

@@ -36,8 +36,7 @@ static double transmission(const variant *v, double d_m) {
 }
 
 static double strength(const variant *v, double sin_grazing) {
-    return v->surface ? asdic_flat_surface_lin(v->laws, sin_grazing)
-                      : asdic_flat_bottom_lin(v->laws, sin_grazing);
+    return asdic_flat_strength(v->laws, v->surface, sin_grazing);
 }
 
 static double ring_mean(const variant *v, double elevation_rad) {

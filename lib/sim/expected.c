@@ -17,6 +17,8 @@
 #include "noise_level.h"
 #include "pulse.h"
 
+#include "../../kernels/backscatter.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -24,6 +26,39 @@
 
 /* On the difference of two rules, of which the better one is kept: 1e-10 is reached. */
 #define TOLERANCE 1e-7
+
+asdic_flat_laws asdic_flat_laws_at(const asdic_flat_scene *flat, const asdic_environment *env,
+                                   const asdic_sonar *sonar) {
+    asdic_flat_laws laws = {
+        .flat = *flat,
+        .water = asdic_water_column_at(env, sonar, flat->depth_m),
+        .absorption_db_per_km =
+            asdic_environment_absorption_db_per_km(env, sonar->frequency_hz, flat->depth_m),
+        .source_lin = pow(10.0, 0.1 * sonar->source_level_db),
+        .volume_lin = pow(10.0, 0.1 * volume_backscatter_db(env->particle_strength_db,
+                                                            1e-3 * sonar->frequency_hz)),
+    };
+    asdic_law_water water = asdic_water_column_laws(&laws.water, env, sonar);
+    if (flat->has_bottom) {
+        laws.bottom = asdic_scatterer_at(&flat->bottom, &water);
+    }
+    if (flat->has_surface) {
+        asdic_material course = asdic_material_of(asdic_law_find("course"));
+        laws.surface = asdic_scatterer_at(flat->surface.law ? &flat->surface : &course, &water);
+    }
+    return laws;
+}
+
+double asdic_flat_strength(const asdic_flat_laws *laws, bool surface, double sin_grazing) {
+    return asdic_scatterer_strength(surface ? &laws->surface : &laws->bottom, sin_grazing);
+}
+
+double asdic_flat_elevation_rad(double height_m, double d_m) {
+    if (d_m <= height_m) {
+        return 0.5 * ASDIC_PI;
+    }
+    return atan2(height_m, sqrt((d_m - height_m) * (d_m + height_m)));
+}
 
 /* One receiver over one plane or through the water. */
 typedef struct integrand {
@@ -42,8 +77,7 @@ static double boundary_density(double t, void *user) {
     const integrand *in = user;
     double h = in->height_m, d = h + t * t;
     double elevation = atan2(h, t * sqrt(d + h));
-    double strength = in->surface ? asdic_flat_surface_lin(in->laws, h / d)
-                                  : asdic_flat_bottom_lin(in->laws, h / d);
+    double strength = asdic_flat_strength(in->laws, in->surface, h / d);
     double sum = asdic_ring_profile_sum(in->profile, in->surface ? -elevation : elevation);
     return 2.0 * t * d * transmission(in->laws, d) * strength * sum;
 }
@@ -135,10 +169,11 @@ static asdic_status check(asdic_context *ctx, const asdic_flat_scene *flat,
         status = asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
                             "flat scene: the sonar is %g m below the bottom", -flat->altitude_m);
     }
-    if (status == ASDIC_OK && flat->has_bottom &&
-        !(flat->bottom_type >= 1.0 && flat->bottom_type <= 4.0)) {
-        status = asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
-                            "flat scene: bottom type %g is out of range [1, 4]", flat->bottom_type);
+    const asdic_material *bottom = flat->has_bottom ? &flat->bottom : NULL;
+    const asdic_material *surface = flat->has_surface && flat->surface.law ? &flat->surface : NULL;
+    if (status == ASDIC_OK && ((bottom && asdic_material_check(ctx, bottom)) ||
+                               (surface && asdic_material_check(ctx, surface)))) {
+        status = asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "flat scene: %s", asdic_context_error(ctx));
     }
     if (status == ASDIC_OK && ping->beams != sonar->receiver_count) {
         status = asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "a ping of %zu beams for %zu receivers",
@@ -202,8 +237,12 @@ static asdic_status compute(asdic_context *ctx, const asdic_flat_scene *flat,
     asdic_environment water = *env;
     water.variant =
         errata & ASDIC_ERRATUM_ABSORPTION ? ASDIC_VARIANT_PRINTED : ASDIC_VARIANT_CORRECTED;
-    asdic_flat_laws laws = asdic_flat_laws_at(flat, &water, sonar);
-    laws.surface_cap_lin = errata & ASDIC_ERRATUM_SURFACE_CAP ? INFINITY : laws.surface_cap_lin;
+    asdic_flat_scene scene = *flat;
+    if (errata & ASDIC_ERRATUM_SURFACE_CAP) { /* none was printed */
+        scene.surface = asdic_material_of(asdic_law_find("course"));
+        asdic_material_set(ctx, &scene.surface, "cap", 1.0);
+    }
+    asdic_flat_laws laws = asdic_flat_laws_at(&scene, &water, sonar);
     begin_ping(sonar, ping);
     for (size_t b = 0; b < ping->beams && status == ASDIC_OK; b++) {
         asdic_ring ring = aim(&laws, sonar, b, pose, errata);
@@ -250,7 +289,8 @@ static bool near(double a, double b, double share) {
 bool asdic_expected_is_near(const asdic_expected_place *a, const asdic_expected_place *b,
                             double share, double angle_rad) {
     return a->flat.has_surface == b->flat.has_surface && a->flat.has_bottom == b->flat.has_bottom &&
-           a->flat.bottom_type == b->flat.bottom_type &&
+           (!a->flat.has_bottom || asdic_material_equal(&a->flat.bottom, &b->flat.bottom)) &&
+           asdic_material_equal(&a->flat.surface, &b->flat.surface) &&
            near(a->flat.altitude_m, b->flat.altitude_m, share) &&
            near(a->flat.depth_m, b->flat.depth_m, share) &&
            fabs(a->pose.pitch_rad - b->pose.pitch_rad) <= angle_rad &&

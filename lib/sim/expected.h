@@ -15,17 +15,15 @@ typedef struct asdic_flat_laws {
     asdic_water_column water;
     double absorption_db_per_km;
     double source_lin;
-    double bottom_gain, bottom_peak;
-    double surface_gain, surface_beta0, surface_beta1, surface_cap_lin;
-    double volume_lin; /* 1/m */
+    asdic_scatterer bottom, surface; /* that the scene has */
+    double volume_lin;               /* 1/m */
 } asdic_flat_laws;
 
 asdic_flat_laws asdic_flat_laws_at(const asdic_flat_scene *flat, const asdic_environment *env,
                                    const asdic_sonar *sonar);
 
-/* Backscattering strengths, 1/sr, at the sine of the grazing angle. */
-double asdic_flat_bottom_lin(const asdic_flat_laws *laws, double sin_grazing);
-double asdic_flat_surface_lin(const asdic_flat_laws *laws, double sin_grazing);
+/* Backscattering strength of bottom or surface, 1/sr, at the sine of the grazing angle. */
+double asdic_flat_strength(const asdic_flat_laws *laws, bool surface, double sin_grazing);
 
 /* Elevation, from the horizontal, at which slant range D_M meets a plane at distance HEIGHT_M, rad;
  * pi/2 before it is reached. */

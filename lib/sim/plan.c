@@ -81,16 +81,17 @@ static double volume_bound_db(const asdic_plan_case *c) {
 
 /* The same for the surface: whole rings at full gain, at the steepest angle the mission has. */
 static double surface_bound_db(const asdic_plan_case *c) {
-    double f_khz = c->sonar->frequency_hz / 1e3, wind = c->env->wind_speed_kn;
+    asdic_law_water water = asdic_water_column_laws(&c->water, c->env, c->sonar);
+    asdic_scatterer surface = asdic_scatterer_at(&c->scene->surface, &water);
+    bool rises = surface.device.law == DEV_LAW_COURSE;
     double source = pow(10.0, c->sonar->source_level_db / 10.0), most = 0.0;
     double bin = c->sonar->bin_length_m;
     size_t bins = (size_t)(c->range_m / bin + 0.5);
     for (size_t n = (size_t)(fmax(c->depth_least_m, c->sonar->blanking_m) / bin); n < bins; n++) {
         double near = fmax((double)n * bin, 1e-3);
         double sin_grazing = fmin(1.0, fmax(c->depth_most_m, 0.0) / near);
-        double scatter =
-            surface_backscatter_lin(surface_gain(wind, f_khz), surface_beta0(wind),
-                                    surface_beta1(f_khz), surface_cap_lin(wind), sin_grazing);
+        double scatter = rises ? asdic_scatterer_strength(&surface, sin_grazing)
+                               : asdic_scatterer_most(&surface, c->range_m);
         /* dA = 2 pi d dd, times TL at the near end, where it is least. */
         double area = 2.0 * ASDIC_PI * (near + 0.5 * bin) * bin;
         double loss = exp(-2.0 * c->water.absorption_np_per_m * (near - 1.0)) / pow(near, 4.0);

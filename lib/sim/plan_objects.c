@@ -5,19 +5,16 @@
 #include "plan_row.h"
 
 #include "base/vec.h"
-#include "materials.h"
+#include "laws/scatterer.h"
 #include "ring.h"
 #include "scene/moving.h"
 #include "scene/scene.h"
 
 #include "../../kernels/backscatter.h"
 #include "../../kernels/ping_types.h"
-#include "../../kernels/target.h"
 
 /* Receivers looked at one by one; of more, each is given full gain. */
 #define RECEIVERS_MOST 16
-/* Steps in which s(Theta) / sin(Theta) is bounded, both laws rising with Theta. */
-#define STEPS 256
 /* As in return_gain of multipath.cl. */
 #define FOCUS_MOST 100.0
 
@@ -88,43 +85,9 @@ static gains gains_of(const asdic_plan_case *c, const asdic_pose *pose, const si
     return g;
 }
 
-/* Most of s(Theta) over all angles. */
-static double strength_most(const asdic_plan_case *c, const dev_material *m) {
-    if (m->law == DEV_LAW_BOTTOM) {
-        return bottom_backscatter_lin(m->bottom_gain, m->bottom_peak, m->bottom_type, 1.0);
-    }
-    /* The lobe is highest at normal incidence while its slope is at most 1/2, which it is; the
-     * narrowest lobe belongs to the largest area in phase, lambda d (see facet_slope_ms). */
-    double narrowest = fmin(m->slope_ms + c->water.wavelength_m / (4.0 * ASDIC_PI * c->range_m),
-                            FACET_MOST_SLOPE_MS);
-    return m->reflection2 * (1.0 / (4.0 * ASDIC_PI * narrowest) + 1.0 / ASDIC_PI);
-}
-
-/* Most of s(Theta) / sin(Theta) from LEAST on for a law that rises with Theta. */
-static double steepest(double (*law)(const void *of, double sin_grazing), const void *of,
-                       double least) {
-    double most = 0.0, from = fmax(least, 1e-6), ratio = pow(1.0 / from, 1.0 / STEPS);
-    for (int i = 0; i < STEPS; i++, from *= ratio) {
-        most = fmax(most, law(of, fmin(from * ratio, 1.0)) / from);
-    }
-    return most;
-}
-
-static double bottom_law(const void *of, double sin_grazing) {
-    const dev_material *m = of;
-    return bottom_backscatter_lin(m->bottom_gain, m->bottom_peak, m->bottom_type, sin_grazing);
-}
-
-static double surface_law(const void *of, double sin_grazing) {
-    const asdic_plan_case *c = of;
-    double wind = c->env->wind_speed_kn, f_khz = 1e-3 * c->sonar->frequency_hz;
-    return surface_backscatter_lin(surface_gain(wind, f_khz), surface_beta0(wind),
-                                   surface_beta1(f_khz), surface_cap_lin(wind), sin_grazing);
-}
-
-static dev_material material_of(const asdic_plan_case *c, size_t index) {
-    return asdic_material_coefficients(&c->scene->materials[index], c->sonar->frequency_hz,
-                                       c->water.sound_speed_mps);
+static asdic_scatterer scatterer_of(const asdic_plan_case *c, const asdic_material *material) {
+    asdic_law_water water = asdic_water_column_laws(&c->water, c->env, c->sonar);
+    return asdic_scatterer_at(material, &water);
 }
 
 /* What bottom and surface send back per solid angle, times d^2 / TL: s / sin(Theta) at most. INFINITY
@@ -137,13 +100,15 @@ static double background_most(const asdic_plan_case *c) {
         }
     }
     if (c->scene->has_bottom_plane) {
-        dev_material m = material_of(c, c->scene->bottom_plane_material);
+        asdic_scatterer s = scatterer_of(c, &c->scene->materials[c->scene->bottom_plane_material]);
         double least = c->altitude_least_m / c->range_m;
-        sum += m.law == DEV_LAW_BOTTOM ? steepest(bottom_law, &m, least)
-                                       : strength_most(c, &m) / fmax(least, 1e-6);
+        sum += s.device.law == DEV_LAW_FACET
+                   ? asdic_scatterer_most(&s, c->range_m) / fmax(least, 1e-6)
+                   : asdic_scatterer_steepest(&s, least);
     }
     if (c->scene->has_surface) {
-        sum += steepest(surface_law, c, c->depth_least_m / c->range_m);
+        asdic_scatterer s = scatterer_of(c, &c->scene->surface);
+        sum += asdic_scatterer_steepest(&s, c->depth_least_m / c->range_m);
     }
     return sum;
 }
@@ -195,16 +160,16 @@ static void judge_pose(const asdic_plan_case *c, const bounds *b, size_t part, d
         v->echo_lin = v->bounce_lin = INFINITY;
         return;
     }
-    dev_material m = material_of(c, object->material);
+    asdic_scatterer m = scatterer_of(c, &c->scene->materials[object->material]);
     double near2 = s.nearest_m * s.nearest_m;
     double source = pow(10.0, 0.1 * c->sonar->source_level_db) *
                     exp(2.0 * c->water.absorption_np_per_m * fmax(1.0 - s.nearest_m, 0.0));
     /* Its own echo; and what is behind it, which would no longer be hidden. */
-    double echo = strength_most(c, &m) * area_m2 / (near2 * near2);
+    double echo = asdic_scatterer_most(&m, c->range_m) * area_m2 / (near2 * near2);
     double behind = s.solid_angle * (b->background / near2 + volume_strength(c) / s.nearest_m);
     v->echo_lin = fmax(v->echo_lin, source * g.send * g.receive * (echo + behind));
     /* Over it there and back; over it one way, the other way straight. */
-    double met = b->background + b->objects, share = m.reflection2;
+    double met = b->background + b->objects, share = m.device.reflection2;
     double same = share * share * g.send * g.receive * FOCUS_MOST / near2;
     double cross = share * (g.send + g.receive) / (b->nearest_m * b->nearest_m);
     source = pow(10.0, 0.1 * c->sonar->source_level_db) * exp(2.0 * c->water.absorption_np_per_m);
@@ -213,8 +178,8 @@ static void judge_pose(const asdic_plan_case *c, const bounds *b, size_t part, d
 
 static verdict judge(const asdic_plan_case *c, const bounds *b, size_t part) {
     verdict v = {0};
-    dev_material m = material_of(c, c->scene->parts[part].material);
-    v.mirrors = m.law == DEV_LAW_FACET && m.reflection2 > DEV_MIN_MIRROR;
+    asdic_scatterer m = scatterer_of(c, &c->scene->materials[c->scene->parts[part].material]);
+    v.mirrors = m.device.law == DEV_LAW_FACET && m.device.reflection2 > DEV_MIN_MIRROR;
     if (moves(c->scene, part)) {
         v.reached = v.faced = true;
         v.echo_lin = v.bounce_lin = INFINITY;
@@ -234,8 +199,9 @@ static bounds bounds_of(const asdic_plan_case *c) {
     bounds b = {.background = background_most(c)};
     b.nearest_m = fmin(c->altitude_least_m, c->scene->has_surface ? c->depth_least_m : INFINITY);
     for (size_t i = 0; i < c->scene->part_count; i++) {
-        dev_material m = material_of(c, c->scene->parts[i].material);
-        b.objects = fmax(b.objects, strength_most(c, &m) / 1e-3); /* as grazing() in echo.h */
+        asdic_scatterer m = scatterer_of(c, &c->scene->materials[c->scene->parts[i].material]);
+        b.objects = fmax(b.objects,
+                         asdic_scatterer_most(&m, c->range_m) / 1e-3); /* as grazing() in echo.h */
         for (size_t k = 0; k < c->count; k++) {
             b.nearest_m = fmin(b.nearest_m, sight_of(&c->scene->parts[i], &c->poses[k]).nearest_m);
         }

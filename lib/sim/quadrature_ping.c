@@ -11,7 +11,7 @@
 bool asdic_quadrature_knows(const asdic_scene *scene, const asdic_environment *env,
                             const asdic_sampling *sampling, double depth_m, double altitude_m) {
     bool plane_law = !scene->has_bottom_plane ||
-                     scene->materials[scene->bottom_plane_material].law == ASDIC_LAW_BOTTOM;
+                     scene->materials[scene->bottom_plane_material].law->formula != DEV_LAW_FACET;
     return scene->part_count == 0 && scene->point_count == 0 && plane_law &&
            sampling->sampler == ASDIC_SAMPLER_ADAPTIVE &&
            sampling->multipath != ASDIC_MULTIPATH_BOUNDARIES &&
@@ -38,10 +38,10 @@ static asdic_status compute(asdic_simulator *sim, const asdic_pose *pose, size_t
                              .has_bottom = scene->has_bottom_plane,
                              .altitude_m = scene->bottom_plane_depth_m - z,
                              .depth_m = z,
-                             .bottom_type =
-                                 scene->has_bottom_plane
-                                     ? scene->materials[scene->bottom_plane_material].bottom_type
-                                     : 0.0};
+                             .surface = scene->surface};
+    if (scene->has_bottom_plane) {
+        flat.bottom = scene->materials[scene->bottom_plane_material];
+    }
     asdic_status status = ASDIC_OK;
     if (!cache->pings[at]) {
         status =

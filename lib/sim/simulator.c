@@ -3,7 +3,7 @@
 #include <asdic/plan.h>
 
 #include "base/context.h"
-#include "materials.h"
+#include "laws/tabulate.h"
 #include "points.h"
 #include "scene/scene.h"
 #include "water_column.h"
@@ -131,39 +131,56 @@ static bool scene_has_mirrors(const asdic_simulator *sim) {
             return true;
         }
         if (part->kind == DEV_KIND_OBJECT &&
-            sim->host_materials[part->material].law == DEV_LAW_FACET &&
-            sim->host_materials[part->material].reflection2 > DEV_MIN_MIRROR) {
+            sim->scatterers[part->material].device.law == DEV_LAW_FACET &&
+            sim->scatterers[part->material].device.reflection2 > DEV_MIN_MIRROR) {
             return true;
         }
     }
     return false;
 }
 
-/* Scattering coefficients and parts; they depend on the frequency alone. */
-static asdic_status upload_materials(asdic_simulator *sim, double sound_speed_mps) {
+/* What the scene's materials and the surface scatter in this water. */
+static asdic_status make_scatterers(asdic_simulator *sim, const asdic_water_column *water) {
     const asdic_scene *scene = sim->scene;
-    sim->material_count = scene->material_count ? scene->material_count : 1;
-    sim->host_materials = calloc(sim->material_count, sizeof(dev_material));
-    dev_part *parts = calloc(scene->part_count + 1, sizeof(dev_part));
-    asdic_status status = ASDIC_OK;
-    if (!sim->host_materials || !parts) {
-        status = asdic_fail_memory(sim->ctx, "materials");
-        goto done;
+    asdic_law_water in = asdic_water_column_laws(water, &sim->env, &sim->sonar);
+    sim->scatterers = calloc(scene->material_count + 1, sizeof *sim->scatterers);
+    if (!sim->scatterers) {
+        return asdic_fail_memory(sim->ctx, "materials");
     }
     for (size_t i = 0; i < scene->material_count; i++) {
-        sim->host_materials[i] = asdic_material_coefficients(
-            &scene->materials[i], sim->sonar.frequency_hz, sound_speed_mps);
+        sim->scatterers[i] = asdic_scatterer_at(&scene->materials[i], &in);
+    }
+    asdic_scatterer *surface = &sim->scatterers[scene->material_count];
+    *surface = asdic_scatterer_at(&scene->surface, &in);
+    if (sim->sampling.left_out & (1u << ASDIC_TERM_SURFACE)) {
+        asdic_scatterer_silence(surface);
+    }
+    return ASDIC_OK;
+}
+
+static asdic_status upload_materials(asdic_simulator *sim) {
+    asdic_law_words words = {0};
+    asdic_status status =
+        asdic_law_tables(sim->ctx, sim->scatterers, sim->scene->material_count + 1, &words);
+    if (!status) {
+        status = asdic_buffer_create(sim->device, words.count * sizeof *words.words, words.words,
+                                     &sim->materials);
+    }
+    free(words.words);
+    return status;
+}
+
+static asdic_status upload_parts(asdic_simulator *sim) {
+    const asdic_scene *scene = sim->scene;
+    dev_part *parts = calloc(scene->part_count + 1, sizeof *parts);
+    if (!parts) {
+        return asdic_fail_memory(sim->ctx, "the parts of a scene");
     }
     for (size_t i = 0; i < scene->part_count; i++) {
         parts[i] = asdic_simulator_part(&scene->parts[i]);
     }
-    status = asdic_buffer_create(sim->device, sim->material_count * sizeof(dev_material),
-                                 sim->host_materials, &sim->materials);
-    if (!status) {
-        status = asdic_buffer_create(sim->device, (scene->part_count + 1) * sizeof(dev_part), parts,
-                                     &sim->parts);
-    }
-done:
+    asdic_status status = asdic_buffer_create(
+        sim->device, (scene->part_count + 1) * sizeof(dev_part), parts, &sim->parts);
     free(parts);
     return status;
 }
@@ -211,7 +228,7 @@ static void plan_work(asdic_simulator *sim, const asdic_water_column *water) {
 }
 
 /* What the device needs of the scene. */
-static asdic_status bring_scene(asdic_simulator *sim, double sound_speed_mps) {
+static asdic_status bring_scene(asdic_simulator *sim, const asdic_water_column *water) {
     asdic_ray_kernel kernel = sim->sampling.kernel;
     asdic_status status = asdic_placement_create(sim->scene, &sim->placement);
     if (!status && needs_triangles(sim)) {
@@ -220,9 +237,9 @@ static asdic_status bring_scene(asdic_simulator *sim, double sound_speed_mps) {
     if (!status && sim->tracer && kernel != ASDIC_RAY_KERNEL_AUTO) {
         status = asdic_tracer_set_kernel(sim->tracer, asdic_tracer_kernel_name((size_t)kernel - 1));
     }
-    if (!status) {
-        status = upload_materials(sim, sound_speed_mps);
-    }
+    status = status ? status : make_scatterers(sim, water);
+    status = status ? status : upload_materials(sim);
+    status = status ? status : upload_parts(sim);
     if (!status) {
         sim->has_mirrors = scene_has_mirrors(sim);
         sim->components = sim->has_mirrors    ? DEV_DEPOSIT_COUNT
@@ -264,7 +281,7 @@ asdic_status asdic_simulator_create_with(asdic_context *ctx, asdic_device *devic
     }
     asdic_water_column water = asdic_water_column_at(env, sonar, depth_m);
     plan_work(sim, &water);
-    if ((status = bring_scene(sim, water.sound_speed_mps)) != ASDIC_OK) {
+    if ((status = bring_scene(sim, &water)) != ASDIC_OK) {
         goto fail;
     }
     sim->volley = volley_size(sim);

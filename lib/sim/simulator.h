@@ -9,6 +9,7 @@
 #include "../../kernels/ping_types.h"
 #include "beam_fan.h"
 #include "faces.h"
+#include "laws/scatterer.h"
 #include "quadrature_ping.h"
 #include "speckle.h"
 #include "ocl/ocl.h"
@@ -106,8 +107,7 @@ struct asdic_simulator {
     dev_ray *point_rays;
     dev_hit *point_hits;
 
-    dev_material *host_materials;
-    size_t material_count;
+    asdic_scatterer *scatterers;    /* the scene's materials, then the surface */
     dev_ping fixed;                 /* what does not change from ping to ping */
     dev_ping *pings, *ping;         /* a volley's, and the current one; the apertures follow */
     size_t nth;                     /* the current ping's place in its volley */

@@ -148,7 +148,7 @@ void asdic_store_destroy(asdic_simulator *sim) {
         asdic_buffer_destroy(buffers[i]);
     }
     free(sim->receivers);
-    free(sim->host_materials);
+    free(sim->scatterers);
     free(sim->pings);
     free(sim->laws);
     free(sim->bin_tables);

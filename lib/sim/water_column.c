@@ -12,6 +12,14 @@ asdic_water_column asdic_water_column_at(const asdic_environment *env, const asd
     return water;
 }
 
+asdic_law_water asdic_water_column_laws(const asdic_water_column *water,
+                                        const asdic_environment *env, const asdic_sonar *sonar) {
+    return (asdic_law_water){.frequency_hz = sonar->frequency_hz,
+                             .sound_speed_mps = water->sound_speed_mps,
+                             .wavelength_m = water->wavelength_m,
+                             .wind_speed_kn = env->wind_speed_kn};
+}
+
 static double loss_at(const asdic_water_column *water, double d) {
     return exp(-2.0 * water->absorption_np_per_m * (d - 1.0)) / (d * d);
 }

@@ -6,6 +6,8 @@
 
 #include <asdic/sonar.h>
 
+#include "laws/scatterer.h"
+
 typedef struct asdic_water_column {
     double sound_speed_mps, wavelength_m;
     double absorption_np_per_m; /* one-way decay of intensity: alpha ln 10 / 1e4 */
@@ -13,6 +15,10 @@ typedef struct asdic_water_column {
 
 asdic_water_column asdic_water_column_at(const asdic_environment *env, const asdic_sonar *sonar,
                                          double depth_m);
+
+/* The same as scattering laws ask for it. */
+asdic_law_water asdic_water_column_laws(const asdic_water_column *water,
+                                        const asdic_environment *env, const asdic_sonar *sonar);
 
 /* TL(d) d^2 = d^-2 exp(-2 k (d - 1)) at the centre of BIN. */
 double asdic_water_column_loss(const asdic_water_column *water, double bin_m, size_t bin);

@@ -35,7 +35,7 @@ static void write_facts(asdic_context *ctx) {
                                    .geometry_hash = "2",
                                    .scene_text = scene,
                                    .bottom = ASDIC_RUN_BOTTOM_PLANE,
-                                   .bottom_type = 2.0,
+                                   .bottom_law = asdic_material_bottom(2.0),
                                    .sampling = asdic_sampling_default(),
                                    .pings_planned = 2,
                                    .pings = 2,

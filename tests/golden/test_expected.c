@@ -28,7 +28,11 @@ static setup *begin(size_t bins) {
     s.sonar.receiver_count = 1;
     s.sonar.receivers = &s.receiver;
     s.receiver = s.sonar.transmitter;
-    s.flat = (asdic_flat_scene){true, true, 5.0, 7.0, 2.0};
+    s.flat = (asdic_flat_scene){.has_surface = true,
+                                .has_bottom = true,
+                                .altitude_m = 5.0,
+                                .depth_m = 7.0,
+                                .bottom = asdic_material_bottom(2.0)};
     assert_int_equal(asdic_context_create(&s.ctx), ASDIC_OK);
     assert_ok(s.ctx, asdic_ping_create(s.ctx, 1, bins, &s.ping));
     return &s;

@@ -112,7 +112,11 @@ static void crowds_keep_the_flat_bins(void **state) {
     asdic_mesh_destroy(&mesh);
     asdic_ping *ping = rig_shoot(&r, 0, true), *truth = NULL;
     assert_ok(t.ctx, asdic_ping_create(t.ctx, 1, ping->bins, &truth));
-    asdic_flat_scene flat = {true, true, 5.0, 7.0, 2.0};
+    asdic_flat_scene flat = {.has_surface = true,
+                             .has_bottom = true,
+                             .altitude_m = 5.0,
+                             .depth_m = 7.0,
+                             .bottom = asdic_material_bottom(2.0)};
     assert_ok(t.ctx, asdic_expected_compute(t.ctx, &flat, &r.env, &r.sonar, &r.pose, truth));
     double sum = 0.0;
     for (size_t n = 4; n < ping->bins; n++) {

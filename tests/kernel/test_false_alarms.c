@@ -17,7 +17,11 @@ static void simulate(const char *name, asdic_speckle speckle, double shape, doub
     ping_rig r = rig_create(&device);
     asdic_simulator *sim = NULL;
     asdic_ping *ping = NULL, *expected = NULL;
-    asdic_flat_scene flat = {true, true, 5.0, 7.0, 2.0};
+    asdic_flat_scene flat = {.has_surface = true,
+                             .has_bottom = true,
+                             .altitude_m = 5.0,
+                             .depth_m = 7.0,
+                             .bottom = asdic_material_bottom(2.0)};
     tally tallies[4] = {{1e-2, 0}, {1e-3, 0}, {1e-4, 0}, {1e-5, 0}};
     uint64_t bins = 0;
     r.sonar.receivers = r.receivers;

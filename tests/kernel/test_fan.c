@@ -96,7 +96,11 @@ static asdic_ping *shoot(ping_rig *r, bool learn) {
 static asdic_ping *truth_of(const ping_rig *r, const size_t *which, size_t count, size_t bins) {
     asdic_beam picked[MOST_COMPARED];
     asdic_sonar few = r->sonar;
-    asdic_flat_scene flat = {true, true, 12.0 - r->pose.position_m.z, r->pose.position_m.z, 2.0};
+    asdic_flat_scene flat = {.has_surface = true,
+                             .has_bottom = true,
+                             .altitude_m = 12.0 - r->pose.position_m.z,
+                             .depth_m = r->pose.position_m.z,
+                             .bottom = asdic_material_bottom(2.0)};
     asdic_ping *truth = NULL;
     for (size_t k = 0; k < count; k++) {
         picked[k] = r->sonar.receivers[which[k]];
@@ -114,7 +118,8 @@ typedef struct difference {
 
 /* Of all bins within 70 dB of the loudest, of beams spread over the fan. */
 static difference compare(const ping_rig *r, const asdic_ping *ping) {
-    size_t which[MOST_COMPARED] = {0}, count = ping->beams < MOST_COMPARED ? ping->beams : MOST_COMPARED;
+    size_t which[MOST_COMPARED] = {0},
+           count = ping->beams < MOST_COMPARED ? ping->beams : MOST_COMPARED;
     for (size_t k = 0; k < count; k++) {
         which[k] = count > 1 ? k * (ping->beams - 1) / (count - 1) : 0;
     }

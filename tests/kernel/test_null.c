@@ -57,7 +57,7 @@ static asdic_ping *expectation(ping_rig *r) {
                              .has_bottom = true,
                              .altitude_m = 12.0 - r->pose.position_m.z,
                              .depth_m = r->pose.position_m.z,
-                             .bottom_type = 2.0};
+                             .bottom = asdic_material_bottom(2.0)};
     asdic_ping *ping = NULL;
     asdic_simulator *sim = rig_simulator(r);
     assert_ok(t.ctx, asdic_ping_create(t.ctx, RIG_BEAMS, asdic_simulator_bin_count(sim), &ping));

@@ -25,7 +25,11 @@ static double rms_db(ping_rig *r, double altitude, int pings) {
     asdic_ping *ping = NULL, *truth = NULL;
     assert_ok(t.ctx, asdic_ping_create(t.ctx, 1, bins, &ping));
     assert_ok(t.ctx, asdic_ping_create(t.ctx, 1, bins, &truth));
-    asdic_flat_scene flat = {true, true, 5.0, 7.0, 2.0};
+    asdic_flat_scene flat = {.has_surface = true,
+                             .has_bottom = true,
+                             .altitude_m = 5.0,
+                             .depth_m = 7.0,
+                             .bottom = asdic_material_bottom(2.0)};
     assert_ok(t.ctx, asdic_expected_compute(t.ctx, &flat, &r->env, &r->sonar, &r->pose, truth));
     double sum = 0.0, count = 0.0;
     if (altitude > 0.0) {

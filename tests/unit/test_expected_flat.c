@@ -30,7 +30,11 @@ static setup begin(void) {
     s.sonar.noise_enabled = false;
     s.sonar.receiver_count = 1;
     s.receiver = s.sonar.transmitter;
-    s.flat = (asdic_flat_scene){true, true, 5.0, 7.0, 2.0};
+    s.flat = (asdic_flat_scene){.has_surface = true,
+                                .has_bottom = true,
+                                .altitude_m = 5.0,
+                                .depth_m = 7.0,
+                                .bottom = asdic_material_bottom(2.0)};
     assert_int_equal(asdic_context_create(&s.ctx), ASDIC_OK);
     return s;
 }
@@ -100,7 +104,7 @@ static plain_row plain_boundary(const setup *s, bool surface, double d0, double 
     double h = surface ? s->flat.depth_m : s->flat.altitude_m, inner = fmax(d0, h);
     double step2 = (d1 * d1 - inner * inner) / steps; /* equal areas */
     double d = sqrt(inner * inner + (i + 0.5) * step2), f_khz = s->sonar.frequency_hz / 1e3;
-    double wind = s->env.wind_speed_kn, bt = s->flat.bottom_type;
+    double wind = s->env.wind_speed_kn, bt = asdic_material_get(&s->flat.bottom, "type");
     double strength =
         surface ? surface_backscatter_lin(surface_gain(wind, f_khz), surface_beta0(wind),
                                           surface_beta1(f_khz), surface_cap_lin(wind), h / d)
@@ -329,7 +333,7 @@ static void hard_cases_stay_finite(void **state) {
         setup s = begin();
         s.flat.altitude_m = cases[k].altitude_m;
         s.flat.depth_m = cases[k].depth_m;
-        s.flat.bottom_type = cases[k].type;
+        s.flat.bottom = asdic_material_bottom(cases[k].type);
         s.receiver.pitch_rad = s.sonar.transmitter.pitch_rad = cases[k].pitch_deg * DEGREE;
         s.receiver.length_h_m = s.sonar.transmitter.length_h_m = cases[k].length_m;
         s.receiver.length_v_m = s.sonar.transmitter.length_v_m = cases[k].length_m;
@@ -345,7 +349,7 @@ static void hard_cases_stay_finite(void **state) {
         }
         print_message("%s: up to %.1f dB, %.3f s\n", cases[k].what, asdic_level_db(most), seconds);
         assert_true(most > 0.0);
-        assert_true(seconds < 60.0); /* it ends; emulated machines are slow */
+        assert_true(seconds < 60.0);           /* it ends; emulated machines are slow */
         s.env.variant = ASDIC_VARIANT_PRINTED; /* finite as well, whatever it means */
         if (cases[k].length_m < 0.1) {
             asdic_ping_destroy(&ping);
@@ -362,10 +366,41 @@ static void wrong_scenes_are_refused(void **state) {
     asdic_ping *ping = NULL;
     s.sonar.receivers = &s.receiver;
     assert_ok(s.ctx, asdic_ping_create(s.ctx, 1, 10, &ping));
-    asdic_flat_scene wrong[] = {{true, true, -0.1, 7.0, 2.0},  {true, true, 5.0, -0.1, 2.0},
-                                {true, true, NAN, 7.0, 2.0},   {true, true, 5.0, NAN, 2.0},
-                                {true, true, 5.0, 7.0, 0.9},   {true, true, 5.0, 7.0, 4.1},
-                                {true, true, INFINITY, 7, 2.0}};
+    asdic_flat_scene wrong[] = {{.has_surface = true,
+                                 .has_bottom = true,
+                                 .altitude_m = -0.1,
+                                 .depth_m = 7.0,
+                                 .bottom = asdic_material_bottom(2.0)},
+                                {.has_surface = true,
+                                 .has_bottom = true,
+                                 .altitude_m = 5.0,
+                                 .depth_m = -0.1,
+                                 .bottom = asdic_material_bottom(2.0)},
+                                {.has_surface = true,
+                                 .has_bottom = true,
+                                 .altitude_m = NAN,
+                                 .depth_m = 7.0,
+                                 .bottom = asdic_material_bottom(2.0)},
+                                {.has_surface = true,
+                                 .has_bottom = true,
+                                 .altitude_m = 5.0,
+                                 .depth_m = NAN,
+                                 .bottom = asdic_material_bottom(2.0)},
+                                {.has_surface = true,
+                                 .has_bottom = true,
+                                 .altitude_m = 5.0,
+                                 .depth_m = 7.0,
+                                 .bottom = asdic_material_bottom(0.9)},
+                                {.has_surface = true,
+                                 .has_bottom = true,
+                                 .altitude_m = 5.0,
+                                 .depth_m = 7.0,
+                                 .bottom = asdic_material_bottom(4.1)},
+                                {.has_surface = true,
+                                 .has_bottom = true,
+                                 .altitude_m = INFINITY,
+                                 .depth_m = 7,
+                                 .bottom = asdic_material_bottom(2.0)}};
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
         assert_status(s.ctx,
                       asdic_expected_compute(s.ctx, &wrong[i], &s.env, &s.sonar, &s.pose, ping),

@@ -84,7 +84,7 @@ static void flat_bottom_and_rest(void **state) {
     assert_true(flat.has_surface && flat.has_bottom);
     assert_close(flat.altitude_m, 5, 0);
     assert_close(flat.depth_m, 7, 0);
-    assert_close(flat.bottom_type, 2.5, 0);
+    assert_close(asdic_material_get(&flat.bottom, "type"), 2.5, 0);
     assert_int_equal(asdic_mission_object_count(m), 0);
     assert_null(asdic_mission_get_object(m, 0));
     const asdic_sonar *sonar = asdic_mission_sonar(m);
@@ -120,7 +120,7 @@ static void sloping_bottom_and_track(void **state) {
         asdic_flat_scene flat = asdic_mission_flat_scene(m, i);
         assert_true(flat.has_bottom);
         assert_close(flat.altitude_m, depth_m - 5, 1e-5);
-        assert_close(flat.bottom_type, 4, 0);
+        assert_close(asdic_material_get(&flat.bottom, "type"), 4, 0);
     }
     assert_int_equal(asdic_mission_object_count(m), 1);
     const asdic_mission_object *bottom = asdic_mission_get_object(m, 0);

@@ -22,6 +22,7 @@
 #include <asdic/device.h>
 #include <asdic/environment.h>
 #include <asdic/expected.h>
+#include <asdic/law.h>
 #include <asdic/loop.h>
 #include <asdic/mesh.h>
 #include <asdic/mission.h>

@@ -13,9 +13,10 @@ extern "C" {
 
 typedef struct asdic_flat_scene {
     bool has_surface, has_bottom;
-    double altitude_m;  /* of the sonar above the bottom, >= 0 */
-    double depth_m;     /* of the sonar below the surface, >= 0 */
-    double bottom_type; /* 1 mud .. 4 rock */
+    double altitude_m; /* of the sonar above the bottom, >= 0 */
+    double depth_m;    /* of the sonar below the surface, >= 0 */
+    asdic_material bottom;
+    asdic_material surface; /* without a law: the course's */
 } asdic_flat_scene;
 
 /* Fills PING's bottom, surface, volume, noise and total (object and multipath are 0), spread over

@@ -107,7 +107,7 @@ ASDIC_API asdic_pose asdic_mission_object_pose(const asdic_mission *mission, siz
 /* What may be tried while a mission is flown, without another scene file. */
 typedef struct asdic_choices {
     double wind_speed_kn;   /* 0..60 */
-    double bottom_type;     /* 1 mud .. 4 rock: of every bottom, not of objects */
+    asdic_material bottom;  /* of every bottom, not of objects; without a law where there is none */
     double source_level_db; /* dB re 1 uPa at 1 m */
     uint32_t rays;          /* 64..2^28 */
     uint64_t seed;

@@ -21,6 +21,11 @@ typedef struct asdic_model_key {
     double fallback; /* value of an optional key; NAN: none, the formula may ask for it */
     double min, max; /* accepted domain, inclusive */
     double valid_min, valid_max; /* stated validity of the source; outside, a warning in the log */
+    /* Of keys that a scene file gives to a scattering law (asdic/law.h): */
+    const char *doc;     /* what it means; NULL: the scene file has no such key */
+    const char *unit;    /* NULL: a pure number */
+    bool chooses;        /* whoever gives it chooses the law; at most one of these is given */
+    const char *columns; /* the value is a CSV file with these columns; NULL: it is a number */
 } asdic_model_key;
 
 typedef struct asdic_model_info {

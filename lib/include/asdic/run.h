@@ -26,7 +26,7 @@ typedef struct asdic_run_info {
     const asdic_detector *detector; /* of the scene */
     asdic_sampling sampling;
     bool has_surface;
-    double bottom_type;
+    asdic_material bottom;               /* of its law, see asdic/law.h */
     const char *scene_name, *scene_hash; /* borrowed */
 } asdic_run_info;
 

@@ -6,6 +6,7 @@
 #ifndef ASDIC_SCENE_H
 #define ASDIC_SCENE_H
 
+#include <asdic/law.h>
 #include <asdic/mesh.h>
 
 #ifdef __cplusplus
@@ -14,35 +15,13 @@ extern "C" {
 
 typedef struct asdic_scene asdic_scene;
 
-typedef enum asdic_law {
-    ASDIC_LAW_BOTTOM, /* SEARAY bottom backscatter by type */
-    ASDIC_LAW_FACET,  /* rough facet with an impedance: Kirchhoff lobe plus Lambert rest */
-} asdic_law;
-
-typedef struct asdic_material {
-    asdic_law law;
-    double bottom_type;      /* 1 mud, 2 sand, 3 gravel, 4 rock, fractions allowed (LAW_BOTTOM) */
-    double impedance_mrayl;  /* 1e6 kg/(m2 s): water 1.54, steel 45, air 0 (LAW_FACET) */
-    double roughness_rms_m;  /* r.m.s. height of the small-scale roughness (LAW_FACET) */
-    double slope_rms;        /* r.m.s. slope of the roughness; 0 is a polished facet (LAW_FACET) */
-    double coherent_area_m2; /* flat area that reflects in phase; NAN: from the mesh (LAW_FACET) */
-} asdic_material;
-
-/* As structs, unchecked: what adds them to a scene names a field out of range. */
-ASDIC_API asdic_material asdic_material_bottom(double bottom_type);
-ASDIC_API asdic_material asdic_material_facet(double impedance_mrayl, double roughness_rms_m,
-                                              double slope_rms);
-
-/* Impedance of a thick body of steel, concrete, wood, ...; the error lists the names. */
-ASDIC_API asdic_status asdic_material_find_impedance(asdic_context *ctx, const char *name,
-                                                     double *impedance_mrayl);
-
 /* Nothing but the sea surface is in a new scene. */
 ASDIC_API asdic_status asdic_scene_create(asdic_context *ctx, asdic_scene **out);
 ASDIC_API void asdic_scene_destroy(asdic_scene **scene);
 
-/* The plane z = 0; on in a new scene. */
+/* The plane z = 0; on in a new scene, with the law of the course. */
 ASDIC_API void asdic_scene_set_surface(asdic_scene *scene, bool enabled);
+ASDIC_API asdic_status asdic_scene_set_surface_law(asdic_scene *scene, asdic_material material);
 ASDIC_API asdic_status asdic_scene_set_bottom_plane(asdic_scene *scene, double depth_m,
                                                     asdic_material material);
 

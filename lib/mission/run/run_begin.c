@@ -55,7 +55,9 @@ static asdic_status describe(asdic_run_job *job) {
     f->geometry_hash = job->inputs_hash;
     f->has_surface = asdic_scene_get_info(asdic_mission_scene(m)).has_surface;
     f->bottom = bottom_of(m);
-    f->bottom_type = asdic_mission_flat_scene(m, f->first_ping).bottom_type;
+    asdic_flat_scene flat = asdic_mission_flat_scene(m, f->first_ping);
+    f->bottom_law = flat.bottom;
+    f->surface_law = flat.surface;
     f->remarks = asdic_mission_remarks(m);
     asdic_status status = asdic_mission_plan(job->ctx, job->mission, &f->plan);
     if (status != ASDIC_OK) {

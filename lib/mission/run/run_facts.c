@@ -104,6 +104,28 @@ static void add_scene(asdic_text *json, const asdic_run_facts *facts) {
     asdic_text_add(json, "\n  },\n");
 }
 
+/* null without a law. */
+static void add_law(asdic_text *json, const char *key, const asdic_material *material) {
+    char digits[ASDIC_DIGITS_SIZE];
+    asdic_law_info law = asdic_law_get_info(material->law);
+    if (!material->law) {
+        asdic_text_format(json, "  \"%s\": null,\n", key);
+        return;
+    }
+    asdic_text_format(json, "  \"%s\": {\"law\": \"%s\"", key, law.name);
+    for (size_t i = 0; i < law.model->key_count; i++) {
+        if (!isnan(material->value[i])) {
+            asdic_text_format(json, ", \"%s\": %s", law.model->keys[i].name,
+                              number_or_null(digits, "%.17g", material->value[i]));
+        }
+    }
+    for (size_t i = 0; i < 2 * material->row_count; i++) {
+        asdic_text_format(json, "%s%s", i ? ", " : ", \"rows\": [",
+                          number_or_null(digits, "%.17g", material->rows[i]));
+    }
+    asdic_text_add(json, material->row_count ? "]},\n" : "},\n");
+}
+
 static void add_devices(asdic_text *json, const asdic_run_facts *facts) {
     asdic_text_add(json, "  \"devices\": [");
     for (size_t i = 0; i < facts->device_count; i++) {
@@ -163,8 +185,8 @@ asdic_status asdic_run_facts_write(asdic_context *ctx, const char *folder,
     add_scene(&json, facts);
     asdic_text_format(&json, "  \"surface\": %s,\n", facts->has_surface ? "true" : "false");
     add_text(&json, "bottom", facts->bottom);
-    asdic_text_format(&json, "  \"bottom_type\": %s,\n",
-                      number_or_null(digits, "%.17g", facts->bottom_type));
+    add_law(&json, "bottom_law", &facts->bottom_law);
+    add_law(&json, "surface_law", &facts->surface_law);
     add_natural(&json, "seed", facts->sampling.seed);
     add_natural(&json, "rays", facts->sampling.rays);
     add_text(&json, "sampler", sampler_names[facts->sampling.sampler]);
@@ -227,6 +249,37 @@ static double read_number(reader *r, const asdic_yaml_node *map, const char *key
     return asdic_number_parse(text, strlen(text), &value) ? NAN : value;
 }
 
+static void read_rows(reader *r, asdic_arena *arena, const asdic_yaml_node *list,
+                      asdic_material *material) {
+    double *rows = list ? asdic_arena_alloc(arena, (list->count + 1) * sizeof *rows) : NULL;
+    for (asdic_yaml_node *node = rows ? list->first : NULL; node; node = node->next) {
+        bool good = node->text &&
+                    asdic_number_parse(node->text, strlen(node->text), &rows[node->index]) == NULL;
+        r->missing = good || r->missing ? r->missing : "rows";
+    }
+    material->rows = rows;
+    material->row_count = rows ? list->count / 2 : 0;
+}
+
+/* Without a law where there is none. */
+static void read_law(reader *r, asdic_arena *arena, const char *key, asdic_material *material) {
+    const asdic_yaml_node *map = asdic_yaml_child(r->root, key);
+    *material = (asdic_material){0};
+    if (map && map->kind == ASDIC_YAML_SCALAR && strcmp(map->text, "null") == 0) {
+        return;
+    }
+    *material = asdic_material_of(asdic_law_find(map ? read_text(r, map, "law") : ""));
+    const asdic_model_info *model = asdic_law_get_info(material->law).model;
+    for (size_t i = 0; model && i < model->key_count; i++) {
+        const char *name = model->keys[i].name;
+        material->value[i] = asdic_yaml_child(map, name) ? read_number(r, map, name) : NAN;
+    }
+    read_rows(r, arena, asdic_yaml_child(map, "rows"), material);
+    if (!material->law || asdic_material_check(NULL, material) != ASDIC_OK) {
+        r->missing = r->missing ? r->missing : key;
+    }
+}
+
 static int read_word(reader *r, const char *key, const char *const *words, int count) {
     const char *text = read_text(r, r->root, key);
     for (int i = 0; i < count; i++) {
@@ -284,7 +337,8 @@ static void read_all(reader *r, asdic_arena *arena, asdic_run_facts *facts) {
     facts->scene_text = read_text(r, scene, "text");
     facts->has_surface = strcmp(read_text(r, r->root, "surface"), "true") == 0;
     facts->bottom = read_text(r, r->root, "bottom");
-    facts->bottom_type = read_number(r, r->root, "bottom_type");
+    read_law(r, arena, "bottom_law", &facts->bottom_law);
+    read_law(r, arena, "surface_law", &facts->surface_law);
     facts->sampling.seed = read_natural(r, "seed");
     facts->sampling.rays = (uint32_t)read_natural(r, "rays");
     facts->sampling.sampler =

@@ -28,7 +28,7 @@ typedef struct asdic_run_facts {
     const char *geometry_hash; /* of the triangles: meshes may change behind the scene file */
     bool has_surface;
     const char *bottom; /* ASDIC_RUN_BOTTOM_... */
-    double bottom_type;
+    asdic_material bottom_law, surface_law;
     asdic_sampling sampling;
     asdic_remarks remarks; /* on the laws that were used */
     asdic_plan plan;       /* of the whole mission, whatever part of it this run is */

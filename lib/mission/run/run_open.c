@@ -95,7 +95,7 @@ asdic_run_info asdic_run_get_info(const asdic_run *run) {
                             .detector = asdic_mission_detector(run->settings),
                             .sampling = facts->sampling,
                             .has_surface = facts->has_surface,
-                            .bottom_type = facts->bottom_type,
+                            .bottom = facts->bottom_law,
                             .scene_name = run->scene_name,
                             .scene_hash = facts->scene_hash};
 }
@@ -130,5 +130,6 @@ asdic_flat_scene asdic_run_flat_scene(const asdic_run *run, const asdic_record *
                               .has_bottom = has_bottom,
                               .altitude_m = has_bottom ? record->altitude_m : 0.0,
                               .depth_m = record->pose.position_m.z,
-                              .bottom_type = run->facts.bottom_type};
+                              .bottom = run->facts.bottom_law,
+                              .surface = run->facts.surface_law};
 }

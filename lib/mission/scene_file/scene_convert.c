@@ -4,7 +4,7 @@
 #include "scene_file.h"
 
 #include "base/vec.h"
-#include "scene/material_presets.h"
+#include "laws/material_presets.h"
 
 #include <stdio.h>
 
@@ -135,6 +135,6 @@ asdic_material asdic_scene_file_material(const file_object *object) {
     double impedance_mrayl = m->preset ? presets_mrayl[m->preset - 1] : m->impedance_mrayl;
     asdic_material material =
         asdic_material_facet(impedance_mrayl, 1e-3 * m->roughness_rms_mm, m->slope_rms);
-    material.coherent_area_m2 = m->coherent_area_m2;
+    asdic_material_set(NULL, &material, "coherent_area_m2", m->coherent_area_m2);
     return material;
 }

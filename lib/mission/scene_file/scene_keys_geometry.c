@@ -3,7 +3,7 @@
  */
 #include "scene_keys.h"
 
-#include "scene/material_presets.h"
+#include "laws/material_presets.h"
 
 /* --- surface and bottom ----------------------------------------------------------------------- */
 

@@ -5,8 +5,8 @@
  * after table A11. For bodies many wavelengths thick: a shell, or a plate thinner than a wavelength,
  * lets sound through and needs a smaller value.
  */
-#ifndef ASDIC_SCENE_MATERIAL_PRESETS_H
-#define ASDIC_SCENE_MATERIAL_PRESETS_H
+#ifndef ASDIC_LAWS_MATERIAL_PRESETS_H
+#define ASDIC_LAWS_MATERIAL_PRESETS_H
 
 #define ASDIC_MATERIAL_PRESETS(X)                                                                  \
     X(acrylic, 3.2)                                                                                \

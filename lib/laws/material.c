@@ -1,0 +1,125 @@
+#include "scatterer.h"
+
+#include "base/context.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+asdic_material asdic_material_of(const asdic_law *law) {
+    asdic_material material = {.law = law};
+    for (size_t i = 0; i < ASDIC_MODEL_MAX_KEYS; i++) {
+        material.value[i] = NAN;
+    }
+    return material;
+}
+
+/* What is known to be a key of the law. */
+static void give(asdic_material *material, const char *key, double value) {
+    material->value[asdic_law_key(material->law, key)] = value;
+}
+
+asdic_material asdic_material_bottom(double bottom_type) {
+    asdic_material material = asdic_material_of(asdic_law_find("searay"));
+    give(&material, "type", bottom_type);
+    return material;
+}
+
+asdic_material asdic_material_facet(double impedance_mrayl, double roughness_rms_m,
+                                    double slope_rms) {
+    asdic_material material = asdic_material_of(asdic_law_find("rough-facet"));
+    give(&material, "impedance_mrayl", impedance_mrayl);
+    give(&material, "roughness_rms_mm", 1e3 * roughness_rms_m);
+    give(&material, "slope_rms", slope_rms);
+    return material;
+}
+
+double asdic_material_get(const asdic_material *material, const char *key) {
+    size_t at = material && material->law && key ? asdic_law_key(material->law, key) : SIZE_MAX;
+    return at < (at == SIZE_MAX ? 0 : material->law->model.key_count) ? material->value[at] : NAN;
+}
+
+asdic_status asdic_material_set(asdic_context *ctx, asdic_material *material, const char *key,
+                                double value) {
+    if (!material || !material->law || !key) {
+        return asdic_fail_null(ctx, __func__);
+    }
+    size_t at = asdic_law_key(material->law, key);
+    if (at == material->law->model.key_count) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "the law '%s' has no '%s'",
+                          material->law->name, key);
+    }
+    material->value[at] = value;
+    return ASDIC_OK;
+}
+
+/* Columns of the file that the law has. */
+static size_t row_width(const asdic_law *law) {
+    size_t width = 0;
+    for (size_t i = 0; i < law->model.key_count; i++) {
+        const char *at = law->model.keys[i].columns;
+        for (width += at != NULL; at && *at; at++) {
+            width += *at == ',';
+        }
+    }
+    return width;
+}
+
+bool asdic_material_equal(const asdic_material *a, const asdic_material *b) {
+    if (a->law != b->law || a->row_count != b->row_count) {
+        return false;
+    }
+    for (size_t i = 0; a->law && i < a->law->model.key_count; i++) {
+        bool neither = isnan(a->value[i]) && isnan(b->value[i]);
+        if (!neither && a->value[i] != b->value[i]) {
+            return false;
+        }
+    }
+    return a->row_count == 0 || a->rows == b->rows ||
+           memcmp(a->rows, b->rows, a->row_count * row_width(a->law) * sizeof *a->rows) == 0;
+}
+
+void asdic_material_describe(const asdic_material *material, char *text, size_t size) {
+    const asdic_law *law = material ? material->law : NULL;
+    snprintf(text, size, "%s", law ? law->name : "none");
+    for (size_t i = 0; law && i < law->model.key_count; i++) {
+        const asdic_model_key *key = &law->model.keys[i];
+        double value = material->value[i];
+        if (!key->doc || isnan(value)) {
+            continue;
+        }
+        const char *word = value == rint(value) ? key->words : NULL;
+        for (double n = key->min; word && n < value; n++) {
+            word = strchr(word, '|');
+            word = word ? word + 1 : NULL;
+        }
+        if (word) {
+            snprintf(text, size, "%.*s", (int)strcspn(word, "|"), word);
+        } else {
+            snprintf(text, size, "%s %.3g", key->name, value);
+        }
+        return;
+    }
+}
+
+asdic_status asdic_material_check(asdic_context *ctx, const asdic_material *material) {
+    if (!material || !material->law) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "a material without a scattering law");
+    }
+    const asdic_model_info *model = &material->law->model;
+    for (size_t i = 0; i < model->key_count; i++) {
+        const asdic_model_key *key = &model->keys[i];
+        double value = material->value[i];
+        if (!isnan(value) && !(value >= key->min && value <= key->max)) {
+            return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
+                              "%s: '%s' = %g is out of range [%g, %g]%s%s", material->law->name,
+                              key->name, value, key->min, key->max, key->unit ? " " : "",
+                              key->unit ? key->unit : "");
+        }
+        if (key->columns && material->row_count == 0) {
+            return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "%s: no rows of %s", material->law->name,
+                              key->columns);
+        }
+    }
+    return ASDIC_OK;
+}

@@ -1,0 +1,96 @@
+#include "scatterer.h"
+
+#include "base/vec.h"
+
+#include <math.h>
+
+/* Angles at which a law is looked at, in equal steps of the logarithm of the sine and of the cosine,
+ * besides its knots. */
+#define STEPS 256
+#define LEAST 1e-6
+
+asdic_scatterer asdic_scatterer_at(const asdic_material *material, const asdic_law_water *water) {
+    asdic_scatterer s = {.material = *material, .water = *water};
+    const asdic_law *law = material->law;
+    s.device.law = law->formula;
+    for (size_t i = 0; i < law->model.key_count; i++) {
+        bool given = !isnan(material->value[i]);
+        s.value[i] = given ? material->value[i] : law->model.keys[i].fallback;
+    }
+    if (law->prepare) {
+        law->prepare(&s);
+    }
+    return s;
+}
+
+void asdic_scatterer_silence(asdic_scatterer *s) {
+    s->silent = true;
+    s->device.formula[0] = 0.0f; /* the gain of the surface's formula */
+}
+
+/* A plane: its patches are endless. */
+static asdic_incidence on_plane(double sine) {
+    double s = fmin(fmax(sine, 0.0), 1.0);
+    return (asdic_incidence){
+        .sine = s, .cos2 = (1.0 - s) * (1.0 + s), .coherent_m2 = 1e12, .range_m = 1e30};
+}
+
+double asdic_scatterer_strength(const asdic_scatterer *s, double sine) {
+    asdic_incidence at = on_plane(sine);
+    return s->material.law->strength_lin(s, &at);
+}
+
+/* Calls VISIT at sines that miss nothing a law may have: close near normal incidence, at its knots. */
+static void visit_angles(const asdic_scatterer *s,
+                         void (*visit)(const asdic_scatterer *, double, void *), void *user) {
+    const asdic_law *law = s->material.law;
+    for (int i = 0; i <= STEPS; i++) {
+        double cosine = pow(LEAST, (double)i / STEPS);
+        visit(s, sqrt((1.0 - cosine) * (1.0 + cosine)), user);
+    }
+    for (size_t i = 0; law->knot_deg && !isnan(law->knot_deg(s, i)); i++) {
+        visit(s, sin(law->knot_deg(s, i) * (ASDIC_PI / 180.0)), user);
+    }
+    visit(s, 1.0, user);
+}
+
+typedef struct largest {
+    double least, step, most;
+} largest;
+
+static void largest_visit(const asdic_scatterer *s, double sine, void *user) {
+    largest *l = user;
+    l->most = fmax(l->most, asdic_scatterer_strength(s, sine));
+}
+
+static void steepest_visit(const asdic_scatterer *s, double sine, void *user) {
+    largest *l = user;
+    if (sine >= l->least) {
+        l->most = fmax(l->most, asdic_scatterer_strength(s, sine) / fmax(sine / l->step, l->least));
+    }
+}
+
+double asdic_scatterer_most(const asdic_scatterer *s, double range_m) {
+    const asdic_law *law = s->material.law;
+    largest l = {.least = LEAST};
+    if (law->most_lin) {
+        return law->most_lin(s, range_m);
+    }
+    for (int i = 0; i <= STEPS; i++) {
+        largest_visit(s, pow(LEAST, 1.0 - (double)i / STEPS), &l);
+    }
+    visit_angles(s, largest_visit, &l);
+    return l.most;
+}
+
+double asdic_scatterer_steepest(const asdic_scatterer *s, double least) {
+    double from = fmin(fmax(least, LEAST), 1.0);
+    largest l = {.least = from, .step = pow(1.0 / from, 1.0 / STEPS)};
+    for (int i = 0; i < STEPS; i++, from *= l.step) {
+        double most = fmax(asdic_scatterer_strength(s, from),
+                           asdic_scatterer_strength(s, fmin(from * l.step, 1.0)));
+        l.most = fmax(l.most, most / from);
+    }
+    visit_angles(s, steepest_visit, &l);
+    return l.most;
+}
