@@ -28,15 +28,9 @@ void asdic_scatterer_silence(asdic_scatterer *s) {
     s->device.formula[0] = 0.0f; /* the gain of the surface's formula */
 }
 
-/* A plane: its patches are endless. */
-static asdic_incidence on_plane(double sine) {
-    double s = fmin(fmax(sine, 0.0), 1.0);
-    return (asdic_incidence){
-        .sine = s, .cos2 = (1.0 - s) * (1.0 + s), .coherent_m2 = 1e12, .range_m = 1e30};
-}
-
 double asdic_scatterer_strength(const asdic_scatterer *s, double sine) {
-    asdic_incidence at = on_plane(sine);
+    double bounded = fmin(fmax(sine, 0.0), 1.0);
+    asdic_incidence at = asdic_incidence_on_plane(bounded, (1.0 - bounded) * (1.0 + bounded));
     return s->material.law->strength_lin(s, &at);
 }
 

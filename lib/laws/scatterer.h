@@ -22,6 +22,11 @@ typedef struct asdic_incidence {
     double coherent_m2, range_m;
 } asdic_incidence;
 
+/* On a plane: its patches are endless. */
+static inline asdic_incidence asdic_incidence_on_plane(double sine, double cos2) {
+    return (asdic_incidence){.sine = sine, .cos2 = cos2, .coherent_m2 = 1e12, .range_m = 1e30};
+}
+
 /* Room for what a law computes once for all angles. */
 #define ASDIC_LAW_MADE 32
 

@@ -141,7 +141,7 @@ asdic_status asdic_law_table_add(asdic_context *ctx, asdic_law_function *functio
 
 static double strength(const void *of, double sine, double cos2) {
     const asdic_scatterer *s = of;
-    asdic_incidence at = {.sine = sine, .cos2 = cos2};
+    asdic_incidence at = asdic_incidence_on_plane(sine, cos2);
     return s->material.law->strength_lin(s, &at);
 }
 
@@ -151,10 +151,13 @@ static double reflected(const void *of, double sine, double cos2) {
     return s->material.law->reflected(s, sine);
 }
 
-/* Both tables of S, whose material's words stand at INDEX. */
-static asdic_status add_tables(asdic_context *ctx, asdic_scatterer *s, asdic_law_words *out) {
+asdic_status asdic_law_tables_add(asdic_context *ctx, asdic_scatterer *s, asdic_law_words *out) {
     const asdic_law *law = s->material.law;
     size_t count = 0;
+    if (out->count == 0) { /* no table lies at word 0 */
+        bool failed = false;
+        push(out, 0, &failed);
+    }
     while (law->knot_deg && !isnan(law->knot_deg(s, count))) {
         count++;
     }
@@ -188,7 +191,7 @@ asdic_status asdic_law_tables(asdic_context *ctx, asdic_scatterer *scatterers, s
     for (size_t i = 0; i < count; i++) {
         const asdic_law *law = scatterers[i].material.law;
         if (law && law->formula == DEV_LAW_TABLE) {
-            TRY(add_tables(ctx, &scatterers[i], out));
+            TRY(asdic_law_tables_add(ctx, &scatterers[i], out));
         }
         memcpy(out->words + i * words, &scatterers[i].device, sizeof(dev_material));
     }

@@ -21,6 +21,9 @@ asdic_status asdic_law_table_add(asdic_context *ctx, asdic_law_function *functio
                                  const double *knots_deg, size_t count, asdic_law_words *out,
                                  dev_uint *at);
 
+/* Appends the tables of S, strength and reflected share, and notes in its DEVICE where they begin. */
+asdic_status asdic_law_tables_add(asdic_context *ctx, asdic_scatterer *s, asdic_law_words *out);
+
 /* The device's view of COUNT scatterers: their dev_material, then the tables of those without a
  * formula. OUT is empty before; its words are the caller's to free, after a failure, too. */
 asdic_status asdic_law_tables(asdic_context *ctx, asdic_scatterer *scatterers, size_t count,

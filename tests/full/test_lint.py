@@ -23,6 +23,7 @@ SPECIALISATIONS = {
     "fan.cl": {"ASDIC_FAN": (1,), "ASDIC_RUN": (1, 16)},
     "trace.cl": {"TRACE_STACK": (64,)},
     "camera.cl": {},
+    "law.cl": {},
     "model.cl": {},
 }
 

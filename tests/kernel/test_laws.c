@@ -1,0 +1,202 @@
+/*
+ * A law's table on the device and its function on the host meet within 1e-3 dB, from 1e-6 rad to 90
+ * degrees: for every law there is, and for functions worse than any law. 77 without a device.
+ */
+#include "asserts.h"
+#include "test_device.h"
+
+#include "base/vec.h"
+#include "sim/model_law.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#define ANGLES 60000
+/* -300 dB: less is not told apart. */
+#define SILENCE 1e-30
+
+static test_device place;
+
+/* Angles in equal ratios from both ends, and evenly between. */
+static double angle(size_t i) {
+    double u = (double)(i / 3) / (ANGLES / 3 - 1);
+    double small = 1e-6 * pow(0.25 * ASDIC_PI / 1e-6, u);
+    return i % 3 == 0 ? small : i % 3 == 1 ? 0.5 * ASDIC_PI - small * small : 1e-6 + u * 1.570795;
+}
+
+typedef struct compared {
+    asdic_law_function *function;
+    const void *of;
+} compared;
+
+/* Largest deviation in dB of the table AT from what it is made of. */
+static double deviation(const compared *c, const asdic_law_words *tables, dev_uint at,
+                        unsigned width) {
+    double *rad = malloc(2 * ANGLES * sizeof *rad), *lin = rad + ANGLES, most = 0.0;
+    assert_non_null(rad);
+    for (size_t i = 0; i < ANGLES; i++) {
+        rad[i] = fmin(angle(i), 0.5 * ASDIC_PI);
+    }
+    assert_ok(place.ctx, asdic_law_table_read(place.device, tables, at, width, rad, ANGLES, lin));
+    for (size_t i = 0; i < ANGLES; i++) {
+        double cosine = sin(0.5 * ASDIC_PI - rad[i]);
+        double right = c->function(c->of, sin(rad[i]), cosine * cosine);
+        double off = fabs(10.0 * log10(fmax(lin[i], SILENCE) / fmax(right, SILENCE)));
+        most = off > most || isnan(off) ? off : most;
+    }
+    free(rad);
+    return most;
+}
+
+static void compare(const char *name, const compared *c, const double *knots_deg, size_t knots) {
+    static const unsigned widths[] = {1, 8, 16};
+    asdic_law_words tables = {0};
+    dev_uint at = 0;
+    /* Not at word 0, which means none. */
+    assert_ok(place.ctx, asdic_law_table_add(place.ctx, c->function, c->of, NULL, 0, &tables, &at));
+    assert_ok(place.ctx,
+              asdic_law_table_add(place.ctx, c->function, c->of, knots_deg, knots, &tables, &at));
+    for (size_t w = 0; w < 3; w++) {
+        double off = deviation(c, &tables, at, widths[w]);
+        print_message("%-28s width %-2u %.2e dB, %zu kB\n", name, widths[w], off,
+                      tables.count / 2 * sizeof(uint32_t) / 1024);
+        assert_true(off <= 1e-3);
+    }
+    free(tables.words);
+}
+
+/* --- every law --------------------------------------------------------------------------------- */
+
+static double of_law(const void *of, double sine, double cos2) {
+    const asdic_scatterer *s = of;
+    asdic_incidence at = asdic_incidence_on_plane(sine, cos2);
+    return s->material.law->strength_lin(s, &at);
+}
+
+static double of_mirror(const void *of, double sine, double cos2) {
+    const asdic_scatterer *s = of;
+    (void)cos2;
+    return s->material.law->reflected(s, sine);
+}
+
+/* The device's formulas are tabulated, too: as functions they are as good as any. */
+static void every_law_is_met(void **state) {
+    (void)state;
+    static const double rows[] = {0.5, -48, 5, -40, 10, -29, 30, -22.5, 88, -12, 88.5, -3, 90, -1};
+    for (size_t i = 0; i < asdic_law_count(); i++) {
+        asdic_material material = asdic_material_of(asdic_law_get(i));
+        material.rows = rows;
+        material.row_count = sizeof rows / sizeof *rows / 2;
+        for (int f = 0; f < 3; f++) {
+            asdic_law_water water = {.frequency_hz = 1e4 * pow(10.0, f),
+                                     .sound_speed_mps = 1500.0,
+                                     .wavelength_m = 0.15 * pow(0.1, f),
+                                     .wind_speed_kn = 15.0 * f};
+            asdic_scatterer s = asdic_scatterer_at(&material, &water);
+            asdic_law_words tables = {0};
+            assert_ok(place.ctx, asdic_law_tables_add(place.ctx, &s, &tables));
+            compared strength = {of_law, &s}, mirror = {of_mirror, &s};
+            double off = deviation(&strength, &tables, s.device.strength, 8);
+            double mirrored =
+                s.device.reflected ? deviation(&mirror, &tables, s.device.reflected, 8) : 0.0;
+            print_message("%-16s %4.0f kHz: strength %.2e dB, reflected %.2e dB, %zu kB\n",
+                          material.law->name, water.frequency_hz / 1e3, off, mirrored,
+                          tables.count * sizeof(uint32_t) / 1024);
+            assert_true(off <= 1e-3);
+            assert_true(mirrored <= 1e-3);
+            free(tables.words);
+        }
+    }
+}
+
+/* --- nasty functions ---------------------------------------------------------------------------- */
+
+/* A lobe of 10 m2 that reflects in phase, at 1 MHz and 10 m: 1e-5 wide in the squared cosine. */
+static double needle(const void *of, double sine, double cos2) {
+    (void)of;
+    return 3e4 * exp(-cos2 / 1e-5) + 1e-4 * sine;
+}
+
+/* 40 dB up and down again within half a degree. */
+static double spike(const void *of, double sine, double cos2) {
+    (void)of;
+    double deg = atan2(sine, sqrt(cos2)) * (180.0 / ASDIC_PI);
+    return 1e-4 * pow(10.0, 4.0 * fmax(1.0 - fabs(deg - 30.0) / 0.25, 0.0));
+}
+
+/* Lines between levels, every degree another one. */
+static double saw(const void *of, double sine, double cos2) {
+    (void)of;
+    double deg = atan2(sine, sqrt(cos2)) * (180.0 / ASDIC_PI), whole = floor(deg);
+    double up = fmod(whole, 2.0) == 0.0 ? deg - whole : 1.0 - (deg - whole);
+    return pow(10.0, -3.0 + 0.4 * up);
+}
+
+/* The fourth power of the tangent: from -240 dB to more than any float of it squared. */
+static double steep(const void *of, double sine, double cos2) {
+    (void)of;
+    return fmin(1e-3 * pow(sine, 4.0) / fmax(cos2 * cos2, 1e-30), 1e3);
+}
+
+/* Lobes of a third of a degree, as of a corrugated plate; with more, the rounding of the angle to single
+ * precision alone is 1e-3 dB in the troughs. */
+static double ripples(const void *of, double sine, double cos2) {
+    (void)of;
+    return 1e-2 * sine * (1.1 + cos(2.0 * ASDIC_PI * 200.0 * sqrt(cos2)));
+}
+
+/* A critical angle without losses: a root's infinite slope. */
+static double critical(const void *of, double sine, double cos2) {
+    (void)of;
+    double n2 = 0.83 * 0.83, root = sqrt(fmax(n2 - cos2, 0.0));
+    double r = (1.9 * sine - root) / (1.9 * sine + root);
+    return n2 < cos2 ? 1.0 : r * r + 1e-12;
+}
+
+static void functions_worse_than_laws_are_met(void **state) {
+    (void)state;
+    static const double spike_deg[] = {29.75, 30.0, 30.25};
+    const compared functions[] = {{needle, NULL}, {steep, NULL},    {ripples, NULL},
+                                  {saw, NULL},    {critical, NULL}, {spike, NULL}};
+    static const char *const names[] = {"needle", "steep", "ripples", "saw", "critical", "spike"};
+    for (size_t i = 0; i < 6; i++) {
+        bool has_knots = functions[i].function == spike;
+        compare(names[i], &functions[i], spike_deg, has_knots ? 3 : 0);
+    }
+}
+
+/* What no float can hold stays finite: nothing, and everything. */
+static double nothing(const void *of, double sine, double cos2) {
+    (void)of;
+    return sine > 0.1 ? 0.0 : cos2 * NAN;
+}
+
+static void nothing_is_no_sound(void **state) {
+    (void)state;
+    asdic_law_words tables = {0};
+    dev_uint at = 0;
+    double rad[] = {1e-6, 0.05, 0.5, 1.5, 0.5 * ASDIC_PI, 0.0}, lin[6];
+    assert_ok(place.ctx, asdic_law_table_add(place.ctx, nothing, NULL, NULL, 0, &tables, &at));
+    assert_ok(place.ctx, asdic_law_table_add(place.ctx, nothing, NULL, NULL, 0, &tables, &at));
+    assert_ok(place.ctx, asdic_law_table_read(place.device, &tables, at, 8, rad, 6, lin));
+    for (size_t i = 0; i < 6; i++) {
+        assert_true(lin[i] >= 0.0 && lin[i] < 1e-30);
+    }
+    assert_ok(place.ctx, asdic_law_table_read(place.device, &tables, 0, 8, rad, 6, lin));
+    for (size_t i = 0; i < 6; i++) {
+        assert_true(lin[i] == 0.0);
+    }
+    free(tables.words);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(every_law_is_met),
+        cmocka_unit_test(functions_worse_than_laws_are_met),
+        cmocka_unit_test(nothing_is_no_sound),
+    };
+    place = test_device_open_or_skip();
+    int failed = cmocka_run_group_tests(tests, NULL, NULL);
+    test_device_close(&place);
+    return failed;
+}
