@@ -108,6 +108,11 @@ def print_map(path, schema, title):
     excluded = schema.get("not", {}).get("required")
     if excluded:
         print(f".PP\nAt most one of {escape(', '.join(excluded))} is given.")
+    laws = [set(law["propertyNames"]["enum"]) for rule in schema.get("allOf", []) for law in rule["anyOf"]]
+    if len(laws) > 1:
+        own = [" ".join(name for name in schema["properties"] if name in law - set.intersection(*laws))
+               for law in laws]
+        print(f".PP\nKeys of one scattering law at most: {escape('; '.join(own))}.")
     for name, key in schema["properties"].items():
         for suffix, inner in maps(key):
             inner_path = f"{path}.{name}{suffix}" if path else f"{name}{suffix}"

@@ -10,6 +10,9 @@
 
 #include "../../kernels/types.h"
 
+/* Of a law whose keys may stand at an object itself, without a material round them. */
+#define ASDIC_LAW_BRIEF 8u
+
 /* What a law may depend on beside its own numbers. */
 typedef struct asdic_law_water {
     double frequency_hz, sound_speed_mps, wavelength_m, wind_speed_kn;

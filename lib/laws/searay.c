@@ -56,7 +56,7 @@ static double reflected(const asdic_scatterer *s, double sine) {
 
 const asdic_law asdic_law_searay = {
     .name = "searay",
-    .uses = ASDIC_LAW_BOTTOM | ASDIC_LAW_OBJECT,
+    .uses = ASDIC_LAW_BOTTOM | ASDIC_LAW_OBJECT | ASDIC_LAW_BRIEF,
     .formula = DEV_LAW_SEARAY,
     .model = {"bottom-backscatter",
               "dB",

@@ -4,6 +4,7 @@
 #include "mission_build.h"
 
 #include "base/context.h"
+#include "base/try.h"
 #include "base/vec.h"
 #include "scene/primitive.h"
 #include "scene/scene.h"
@@ -117,7 +118,8 @@ static asdic_status build_bottom(mission_builder *b) {
         asdic_mesh_destroy(&mesh);
         return status;
     }
-    asdic_material material = asdic_material_bottom(bottom->type);
+    asdic_material_file rows;
+    asdic_material material = asdic_scene_file_bottom(b->file, &rows);
     b->mission->bottom = material;
     if (!isnan(bottom->depth_m)) {
         return asdic_scene_set_bottom_plane(b->mission->scene, bottom->depth_m, material);
@@ -176,8 +178,9 @@ static asdic_status build_object(mission_builder *b, size_t number) {
         return build_point(b, o);
     }
     asdic_mesh *mesh = NULL;
+    asdic_material_file rows;
     asdic_mission_object object = {.pose = first_pose(b, o),
-                                   .material = asdic_scene_file_material(o),
+                                   .material = asdic_scene_file_material(o, &rows),
                                    .moves = o->track != NULL};
     snprintf(object.name, sizeof object.name, "%s", o->name ? o->name : "");
     asdic_status status = make_shape(b, o, &mesh);
@@ -216,6 +219,8 @@ asdic_status asdic_mission_build_scene(mission_builder *b) {
         return status;
     }
     asdic_scene_set_surface(b->mission->scene, file->surface.enabled);
+    asdic_material_file rows;
+    TRY(asdic_scene_set_surface_law(b->mission->scene, asdic_scene_file_surface(file, &rows)));
     if (b->problems->total == 0) {
         status = asdic_scene_reserve(b->mission->scene, count_primitives(file));
     }

@@ -20,7 +20,7 @@ static void unknown_keys_are_answered(void **state) {
     expect_edit("mission:", "ping_rate_hz: 10\nmission:",
                 "7:1: error: unknown key 'ping_rate_hz' here; it belongs in sonar  [scene]\n");
     expect_edit("mission:", "surface: {zzzzz: 1}\nmission:",
-                "7:11: error: unknown key 'zzzzz'; the keys here are enabled  [surface]\n");
+                "7:11: error: unknown key 'zzzzz'; the keys here are enabled, law  [surface]\n");
     expect_edit("- name: forward", "- {name: forward, gain_db: 3}",
                 "6:23: error: unknown key 'gain_db'; the keys here are name, pitch_deg, yaw_deg, "
                 "roll_deg, length_h_m, length_v_m  [sonar.receivers[0]]\n");
@@ -94,11 +94,12 @@ static void words_and_booleans(void **state) {
     expect_edit("mission:", "model: {variant: Printed}\nmission:",
                 "7:18: error: 'variant' = Printed is not one of corrected, printed; did you mean "
                 "'printed'?  [model.variant]\n");
-    expect_edit("mission:", "output: {images: [waterfall, fann, 3]}\nmission:",
-                "7:30: error: 'images' = fann is not one of waterfall, ascope, fan, overview, plan; "
-                "did you mean 'fan'?  [output.images[1]]\n"
-                "7:36: error: 'images' = 3 is not one of waterfall, ascope, fan, overview, plan  "
-                "[output.images[2]]\n");
+    expect_edit(
+        "mission:", "output: {images: [waterfall, fann, 3]}\nmission:",
+        "7:30: error: 'images' = fann is not one of waterfall, ascope, fan, overview, plan; "
+        "did you mean 'fan'?  [output.images[1]]\n"
+        "7:36: error: 'images' = 3 is not one of waterfall, ascope, fan, overview, plan  "
+        "[output.images[2]]\n");
     expect_edit("mission:", "output: {images: fan}\nmission:",
                 "7:18: error: 'images' must be a list of waterfall, ascope, fan, overview, plan  "
                 "[output.images]\n");

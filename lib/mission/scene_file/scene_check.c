@@ -3,6 +3,7 @@
  * judged together, so that one slip makes one error.
  */
 #include "scene_file.h"
+#include "scene_laws.h"
 
 #include "mission/track/flight.h"
 
@@ -135,7 +136,7 @@ static void check_sonar(const asdic_scene_file *file, asdic_arena *arena,
 
 /* Keys that the chosen kind of bottom cannot honour. */
 static void check_bottom(const file_bottom *bottom, asdic_problems *problems) {
-    static const char *const placing[] = {"position_m", "rotation_deg", "type"};
+    static const char *const placing[] = {"position_m", "rotation_deg"};
     asdic_yaml_node *node = bottom->node;
     if (!asdic_scene_node_good(node)) {
         return;
@@ -149,13 +150,18 @@ static void check_bottom(const file_bottom *bottom, asdic_problems *problems) {
     bool placed = bottom->mesh.node || bottom->grid.node;
     for (size_t i = 0; i < sizeof placing / sizeof *placing; i++) {
         asdic_yaml_node *child = asdic_yaml_child(node, placing[i]);
-        bool is_type = strcmp(placing[i], "type") == 0;
-        if (child && (is_type ? bottom->none : !placed)) {
+        if (child && !placed) {
             asdic_yaml_key_problem(problems, child, "'%s' has no effect %s; leave it out",
                                    placing[i],
                                    bottom->none ? "without a bottom" : "on a flat bottom");
         }
     }
+    asdic_yaml_node *law = asdic_scene_laws_given(ASDIC_LAW_BOTTOM, node);
+    if (law && bottom->none) {
+        asdic_yaml_key_problem(problems, law, "'%s' has no effect without a bottom; leave it out",
+                               law->key);
+    }
+    asdic_scene_laws_check(ASDIC_LAW_BOTTOM, node, problems);
 }
 
 /* Keys of OBJECT that only a shape can honour. */
@@ -185,21 +191,11 @@ static void check_object_track(const file_object *object, asdic_problems *proble
 
 static void check_objects(const asdic_scene_file *file, asdic_arena *arena,
                           asdic_problems *problems) {
-    static const char *const facet_keys[] = {"preset", "impedance_mrayl", "roughness_rms_mm",
-                                             "slope_rms", "coherent_area_m2"};
     const file_object *objects = file->objects.items;
     check_names(file->objects, sizeof *objects, offsetof(file_object, name), "object", arena,
                 problems);
     for (size_t i = 0; i < file->objects.count; i++) {
-        asdic_yaml_node *material = objects[i].material.node;
-        for (size_t k = 0; k < 5 && asdic_yaml_child(material, "type"); k++) {
-            asdic_yaml_node *other = asdic_yaml_child(material, facet_keys[k]);
-            if (other) {
-                asdic_yaml_key_problem(problems, other,
-                                       "'%s' has no effect beside 'type'; give only one of them",
-                                       facet_keys[k]);
-            }
-        }
+        asdic_scene_laws_check(ASDIC_LAW_OBJECT, objects[i].material.node, problems);
         check_point(&objects[i], problems);
         check_object_track(&objects[i], problems);
     }
@@ -287,6 +283,7 @@ static void check_waypoints(const asdic_scene_file *file, asdic_problems *proble
 
 void asdic_scene_file_check(asdic_scene_file *file, asdic_arena *arena, asdic_problems *problems) {
     check_sonar(file, arena, problems);
+    asdic_scene_laws_check(ASDIC_LAW_SURFACE, file->surface.node, problems);
     check_bottom(&file->bottom, problems);
     check_objects(file, arena, problems);
     check_pose(file, problems);

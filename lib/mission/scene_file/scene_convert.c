@@ -2,9 +2,9 @@
  * From the units of the scene file to those of the library.
  */
 #include "scene_file.h"
+#include "scene_laws.h"
 
 #include "base/vec.h"
-#include "laws/material_presets.h"
 
 #include <stdio.h>
 
@@ -116,25 +116,18 @@ asdic_pose asdic_scene_file_pose(const asdic_scene_file *file) {
     return asdic_scene_file_place(p->position_m, rotation_deg);
 }
 
-asdic_material asdic_scene_file_material(const file_object *object) {
+asdic_material asdic_scene_file_surface(const asdic_scene_file *file, asdic_material_file *rows) {
+    const file_surface *surface = &file->surface;
+    return asdic_scene_laws_material(ASDIC_LAW_SURFACE, surface->node, &surface->law, rows);
+}
+
+asdic_material asdic_scene_file_bottom(const asdic_scene_file *file, asdic_material_file *rows) {
+    const file_bottom *bottom = &file->bottom;
+    return asdic_scene_laws_material(ASDIC_LAW_BOTTOM, bottom->node, &bottom->law, rows);
+}
+
+asdic_material asdic_scene_file_material(const file_object *object, asdic_material_file *rows) {
     const file_material *m = &object->material;
-    if (m->node && !isnan(m->type)) {
-        return asdic_material_bottom(m->type);
-    }
-    if (!m->node && !isnan(object->type)) {
-        return asdic_material_bottom(object->type);
-    }
-    if (!m->node) {
-        return asdic_material_facet(45.0, 1e-3, 0.1);
-    }
-    static const double presets_mrayl[] = {
-#define PRESET(word, value) value,
-        ASDIC_MATERIAL_PRESETS(PRESET)
-#undef PRESET
-    };
-    double impedance_mrayl = m->preset ? presets_mrayl[m->preset - 1] : m->impedance_mrayl;
-    asdic_material material =
-        asdic_material_facet(impedance_mrayl, 1e-3 * m->roughness_rms_mm, m->slope_rms);
-    asdic_material_set(NULL, &material, "coherent_area_m2", m->coherent_area_m2);
-    return material;
+    return m->node ? asdic_scene_laws_material(ASDIC_LAW_OBJECT, m->node, &m->law, rows)
+                   : asdic_scene_laws_material(ASDIC_LAW_OBJECT, object->node, &object->law, rows);
 }

@@ -28,7 +28,7 @@ bool asdic_scene_file_parse_with(const char *text, size_t size, const asdic_sett
     for (size_t i = 0; i < count; i++) {
         asdic_scene_set(root, &settings[i], arena, problems);
     }
-    asdic_schema_read(&asdic_scene_table, &asdic_scene_table, root, arena, problems, file);
+    asdic_schema_read(asdic_scene_table(), asdic_scene_table(), root, arena, problems, file);
     asdic_scene_file_check(file, arena, problems);
     return !problems->out_of_memory;
 }
@@ -36,7 +36,7 @@ bool asdic_scene_file_parse_with(const char *text, size_t size, const asdic_sett
 char *asdic_mission_schema(void) {
     asdic_text text = {0};
     locale_t before = asdic_c_locale_enter();
-    asdic_schema_print(&asdic_scene_table, &text);
+    asdic_schema_print(asdic_scene_table(), &text);
     asdic_c_locale_leave(before);
     return asdic_text_take(&text);
 }

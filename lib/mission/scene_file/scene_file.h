@@ -16,9 +16,31 @@ typedef struct file_environment {
     double sound_speed_mps, max_depth_m; /* NAN: derived */
 } file_environment;
 
+/* Keys of all laws together, at most. */
+#define ASDIC_FILE_LAW_KEYS 48
+
+typedef union file_law_value {
+    double number;
+    int word;
+    const char *path;
+} file_law_value;
+
+/* The values of the laws' keys, in the order of the laws and their keys (scene_laws.c). */
+typedef struct file_law {
+    file_law_value value[ASDIC_FILE_LAW_KEYS];
+} file_law;
+
+/* A file that a material's law wants read; PATH NULL: none. */
+typedef struct asdic_material_file {
+    const char *path, *columns;
+    asdic_yaml_node *node; /* that names it */
+} asdic_material_file;
+
 typedef struct file_surface {
     asdic_yaml_node *node;
     bool enabled;
+    int law_index;
+    file_law law;
 } file_surface;
 
 typedef struct file_mesh {
@@ -42,16 +64,13 @@ typedef struct file_bottom {
     file_mesh mesh;
     file_grid grid;
     bool none;
-    double type;
     double position_m[3], rotation_deg[3];
+    file_law law;
 } file_bottom;
 
 typedef struct file_material {
     asdic_yaml_node *node;
-    int preset; /* place in ASDIC_MATERIAL_PRESETS, from 1; 0: none given */
-    double impedance_mrayl, roughness_rms_mm, slope_rms;
-    double coherent_area_m2; /* NAN: from the mesh */
-    double type;             /* NAN: none given */
+    file_law law;
 } file_material;
 
 typedef struct file_box {
@@ -86,7 +105,7 @@ typedef struct file_object {
     const char *track; /* NULL: at rest */
     double position_m[3], rotation_deg[3];
     file_material material;
-    double type; /* NAN: none given */
+    file_law law;
 } file_object;
 
 typedef struct file_beam {
@@ -196,7 +215,7 @@ typedef struct asdic_scene_file {
 } asdic_scene_file;
 
 /* The table of the whole file. */
-extern const asdic_table asdic_scene_table;
+const asdic_table *asdic_scene_table(void);
 
 /* Parses SIZE bytes of UTF-8 text, checks each key by itself and then together (scene_check.c).
  * Every error goes to PROBLEMS; FILE is meaningful where nothing is bad. False: out of memory. */
@@ -221,6 +240,8 @@ asdic_sonar asdic_scene_file_sonar(const asdic_scene_file *file);
 void asdic_scene_file_receivers(const asdic_scene_file *file, asdic_beam *receivers);
 asdic_pose asdic_scene_file_place(const double position_m[3], const double rotation_deg[3]);
 asdic_pose asdic_scene_file_pose(const asdic_scene_file *file);
-asdic_material asdic_scene_file_material(const file_object *object);
+asdic_material asdic_scene_file_surface(const asdic_scene_file *file, asdic_material_file *rows);
+asdic_material asdic_scene_file_bottom(const asdic_scene_file *file, asdic_material_file *rows);
+asdic_material asdic_scene_file_material(const file_object *object, asdic_material_file *rows);
 
 #endif

@@ -138,6 +138,6 @@ static const asdic_key scene_keys[] = {
     {"detector", ASDIC_KEY_MAP, SCENE(detector), .table = &detector_table, .doc = "the detector"},
     {"output", ASDIC_KEY_MAP, SCENE(output), .table = &output_table, .doc = "what a run writes"},
 };
-const asdic_table asdic_scene_table = {
+const asdic_table asdic_file_table = {
     TABLE(scene_keys, asdic_scene_file),
     .doc = "what asdic simulates: water, surface, bottom, objects, sonar and mission"};

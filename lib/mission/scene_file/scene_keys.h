@@ -18,8 +18,11 @@
                                                         .fallback = "0", .doc = what               \
     }
 
+/* Without the keys of scattering laws, which scene_laws.c adds. scene_keys.c */
+extern const asdic_table asdic_file_table;
 /* scene_keys_geometry.c */
-extern const asdic_table asdic_surface_table, asdic_bottom_table, asdic_object_table;
+extern const asdic_table asdic_surface_table, asdic_bottom_table, asdic_object_table,
+    asdic_material_table;
 /* scene_keys_sonar.c */
 extern const asdic_table asdic_sonar_table, asdic_mission_table;
 

@@ -3,8 +3,6 @@
  */
 #include "scene_keys.h"
 
-#include "laws/material_presets.h"
-
 /* --- surface and bottom ----------------------------------------------------------------------- */
 
 static const asdic_key surface_keys[] = {
@@ -36,12 +34,6 @@ static const asdic_key grid_keys[] = {
 static const asdic_table grid_table = {TABLE(grid_keys, file_grid), .doc = "a bathymetric grid",
                                        .scalar_key = "file"};
 
-static const asdic_word bottom_words[] = {{"mud", 1, false},
-                                          {"sand", 2, false},
-                                          {"gravel", 3, false},
-                                          {"rock", 4, false},
-                                          {NULL, 0, false}};
-
 #define BOTTOM(member) AT(file_bottom, member)
 static const asdic_key bottom_keys[] = {
     {"depth_m", ASDIC_KEY_NUMBER, ASDIC_KEY_ONE_OF, BOTTOM(depth_m), .unit = "m", .min = 0.01,
@@ -51,8 +43,6 @@ static const asdic_key bottom_keys[] = {
     {"grid", ASDIC_KEY_MAP, ASDIC_KEY_ONE_OF | ASDIC_KEY_OPTIONAL, BOTTOM(grid),
      .table = &grid_table, .doc = "a bottom from a grid of depths"},
     {"none", ASDIC_KEY_BOOL, ASDIC_KEY_ONE_OF, BOTTOM(none), .doc = "true: no bottom at all"},
-    {"type", ASDIC_KEY_NUMBER, BOTTOM(type), .min = 1, .max = 4, .words = bottom_words,
-     .fallback = "sand", .doc = "what the bottom is made of: mud 1, sand 2, gravel 3, rock 4"},
     {"position_m", ASDIC_KEY_NUMBERS, BOTTOM(position_m), .unit = "m", .min = -1e7, .max = 1e7,
      .count = 3, .fallback = "[0, 0, 0]",
      .doc = "where the origin of a mesh or grid lies: north, east, down"},
@@ -109,37 +99,9 @@ static const asdic_table point_table = {TABLE(point_keys, file_point),
                                         .doc = "a point of known target strength",
                                         .scalar_key = "target_strength_db"};
 
-enum {
-    PRESET_NONE,
-#define PRESET(word, value) PRESET_##word,
-    ASDIC_MATERIAL_PRESETS(PRESET)
-#undef PRESET
-};
-static const asdic_word preset_words[] = {
-#define PRESET(word, value) {#word, PRESET_##word, false},
-    ASDIC_MATERIAL_PRESETS(PRESET)
-#undef PRESET
-        {NULL, 0, false}};
-
-#define MATERIAL(member) AT(file_material, member)
-static const asdic_key material_keys[] = {
-    {"preset", ASDIC_KEY_WORD, ASDIC_KEY_AT_MOST_ONE, MATERIAL(preset), .words = preset_words,
-     .doc = "acoustic impedance by name, of a body many wavelengths thick"},
-    {"impedance_mrayl", ASDIC_KEY_NUMBER, ASDIC_KEY_AT_MOST_ONE, MATERIAL(impedance_mrayl),
-     .unit = "MRayl", .min = 0, .max = 200, .fallback = "45",
-     .doc = "acoustic impedance: steel 45, water 1.54, air 0"},
-    {"roughness_rms_mm", ASDIC_KEY_NUMBER, MATERIAL(roughness_rms_mm), .unit = "mm", .min = 0,
-     .max = 1000, .fallback = "1", .doc = "r.m.s. height of the roughness"},
-    {"slope_rms", ASDIC_KEY_NUMBER, MATERIAL(slope_rms), .min = 0, .max = 2, .fallback = "0.1",
-     .doc = "r.m.s. slope of the roughness"},
-    {"coherent_area_m2", ASDIC_KEY_NUMBER, MATERIAL(coherent_area_m2), .unit = "m2", .min = 1e-8,
-     .max = 1e8,
-     .doc = "flat area that reflects in phase; else of each flat patch of the mesh its own"},
-    {"type", ASDIC_KEY_NUMBER, MATERIAL(type), .min = 1, .max = 4, .words = bottom_words,
-     .doc = "scatters as this bottom instead: mud 1, sand 2, gravel 3, rock 4"},
-};
-static const asdic_table material_table = {TABLE(material_keys, file_material),
-                                           .doc = "how a surface scatters"};
+/* All its keys are those of laws. */
+const asdic_table asdic_material_table = {.size = sizeof(file_material),
+                                          .doc = "how a surface scatters"};
 
 #define OBJECT(member) AT(file_object, member)
 #define SHAPE (ASDIC_KEY_ONE_OF | ASDIC_KEY_OPTIONAL)
@@ -164,9 +126,7 @@ static const asdic_key object_keys[] = {
      .max = 360, .count = 3, .fallback = "[0, 0, 0]",
      .doc = "roll, pitch, yaw; applied yaw, then pitch, then roll"},
     {"material", ASDIC_KEY_MAP, ASDIC_KEY_AT_MOST_ONE | ASDIC_KEY_OPTIONAL, OBJECT(material),
-     .table = &material_table, .doc = "how it scatters; else steel, slightly rough"},
-    {"type", ASDIC_KEY_NUMBER, ASDIC_KEY_AT_MOST_ONE, OBJECT(type), .min = 1, .max = 4,
-     .words = bottom_words, .doc = "scatters as this bottom: mud 1, sand 2, gravel 3, rock 4"},
+     .table = &asdic_material_table, .doc = "how it scatters; else steel, slightly rough"},
 };
 const asdic_table asdic_object_table = {TABLE(object_keys, file_object),
                                         .doc = "something in the water or on the bottom"};

@@ -59,7 +59,9 @@ typedef struct asdic_key {
     const struct asdic_table *table;
     const struct asdic_table *map_form; /* LIST: what a map in its place means ... */
     size_t map_offset;                  /* ... and where it goes */
-    const char *unless;                 /* REQUIRED only where this other key is absent */
+    const char *law;      /* the scattering law whose key it is; keys of two do not go together */
+    bool chooses;         /* of a law: at most one of these is given */
+    const char *unless;   /* REQUIRED only where this other key is absent */
     const char *fallback; /* what an absent key means, as YAML; NULL: absent stays NAN, 0, NULL */
     const char *doc;
 } asdic_key;

@@ -161,6 +161,52 @@ static bool is_hidden(const asdic_key *key) {
     return (key->flags & ASDIC_KEY_PLANNED) && key->type != ASDIC_KEY_BOOL && !key->words;
 }
 
+/* One law's keys beside those that all have, and which of them are alternatives. */
+static void print_law(const asdic_table *table, const char *law, asdic_text *text) {
+    const asdic_key *earlier = NULL;
+    asdic_text names = {0}, pairs = {0};
+    for (size_t i = 0; i < table->key_count; i++) {
+        const asdic_key *key = &table->keys[i];
+        if (key->law && strcmp(key->law, law) != 0) {
+            continue;
+        }
+        asdic_text_format(&names, "%s\"%s\"", names.length ? ", " : "", key->name);
+        for (size_t k = 0; key->law && key->chooses && k < i; k++) {
+            earlier = &table->keys[k];
+            if (earlier->law && strcmp(earlier->law, law) == 0 && earlier->chooses) {
+                asdic_text_format(&pairs, "%s{\"required\": [\"%s\", \"%s\"]}",
+                                  pairs.length ? ", " : "", earlier->name, key->name);
+            }
+        }
+    }
+    asdic_text_format(text, "{\"title\": \"%s\", \"propertyNames\": {\"enum\": [%s]}", law,
+                      names.data ? names.data : "");
+    if (pairs.length) {
+        asdic_text_format(text, ", \"not\": {\"anyOf\": [%s]}", pairs.data);
+    }
+    asdic_text_add(text, "}");
+    asdic_text_finish(&names);
+    asdic_text_finish(&pairs);
+}
+
+/* The keys of one law at most. */
+static void print_laws(const asdic_table *table, asdic_text *text, int indent) {
+    const char *last = NULL;
+    for (size_t i = 0; i < table->key_count; i++) {
+        const char *law = table->keys[i].law;
+        if (law && (!last || strcmp(law, last) != 0)) {
+            asdic_text_add(text, last ? "," : "\"allOf\": [{\"anyOf\": [");
+            new_line(text, indent + 1);
+            print_law(table, law, text);
+            last = law;
+        }
+    }
+    if (last) {
+        asdic_text_add(text, "]}],");
+        new_line(text, indent);
+    }
+}
+
 /* `"required": [...]`, and one sub-schema for each key of which only one may be given. */
 static void print_rules(const asdic_table *table, asdic_text *text, int indent) {
     asdic_text required = {0}, one_of = {0}, pairs = {0};
@@ -209,6 +255,7 @@ static void print_map(const asdic_table *table, asdic_text *text, int indent) {
     asdic_text_add(text, "\"type\": \"object\", \"additionalProperties\": false,");
     new_line(text, indent + 1);
     print_rules(table, text, indent + 1);
+    print_laws(table, text, indent + 1);
     asdic_text_add(text, "\"properties\": {");
     const char *comma = "";
     for (size_t i = 0; i < table->key_count; i++) {

@@ -10,7 +10,7 @@
 #include <string.h>
 
 /* More than any table has. */
-#define MAX_TABLE_KEYS 32
+#define MAX_TABLE_KEYS 64
 
 static void read_map(const asdic_schema_reader *r, const asdic_table *table, asdic_yaml_node *node,
                      void *out);

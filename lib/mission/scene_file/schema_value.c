@@ -13,7 +13,7 @@
 #include <string.h>
 
 /* More words than any key has. */
-#define MAX_WORDS 16
+#define MAX_WORDS 32
 
 /* What stands at NODE, for a message: "'frequency_khz' = 9000", cut when long, in plain ASCII
  * control characters replaced. */
