@@ -1,9 +1,11 @@
 #include "scatterer.h"
 
+#include "base/columns.h"
 #include "base/context.h"
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 asdic_material asdic_material_of(const asdic_law *law) {
@@ -53,18 +55,6 @@ asdic_status asdic_material_set(asdic_context *ctx, asdic_material *material, co
     return ASDIC_OK;
 }
 
-/* Columns of the file that the law has. */
-static size_t row_width(const asdic_law *law) {
-    size_t width = 0;
-    for (size_t i = 0; i < law->model.key_count; i++) {
-        const char *at = law->model.keys[i].columns;
-        for (width += at != NULL; at && *at; at++) {
-            width += *at == ',';
-        }
-    }
-    return width;
-}
-
 bool asdic_material_equal(const asdic_material *a, const asdic_material *b) {
     if (a->law != b->law || a->row_count != b->row_count) {
         return false;
@@ -76,7 +66,17 @@ bool asdic_material_equal(const asdic_material *a, const asdic_material *b) {
         }
     }
     return a->row_count == 0 || a->rows == b->rows ||
-           memcmp(a->rows, b->rows, a->row_count * row_width(a->law) * sizeof *a->rows) == 0;
+           memcmp(a->rows, b->rows, 2 * a->row_count * sizeof *a->rows) == 0;
+}
+
+const char *asdic_law_word(const asdic_model_key *key, double value, int *length) {
+    const char *word = value == rint(value) ? key->words : NULL;
+    for (double n = key->min; word && n < value; n++) {
+        word = strchr(word, '|');
+        word = word ? word + 1 : NULL;
+    }
+    *length = word ? (int)strcspn(word, "|") : 0;
+    return word;
 }
 
 void asdic_material_describe(const asdic_material *material, char *text, size_t size) {
@@ -88,18 +88,44 @@ void asdic_material_describe(const asdic_material *material, char *text, size_t 
         if (!key->doc || isnan(value)) {
             continue;
         }
-        const char *word = value == rint(value) ? key->words : NULL;
-        for (double n = key->min; word && n < value; n++) {
-            word = strchr(word, '|');
-            word = word ? word + 1 : NULL;
-        }
+        int length = 0;
+        const char *word = asdic_law_word(key, value, &length);
         if (word) {
-            snprintf(text, size, "%.*s", (int)strcspn(word, "|"), word);
+            snprintf(text, size, "%.*s", length, word);
         } else {
             snprintf(text, size, "%s %.3g", key->name, value);
         }
         return;
     }
+}
+
+asdic_status asdic_material_read_rows(asdic_context *ctx, asdic_material *material,
+                                      const char *path) {
+    const asdic_law *law = material ? material->law : NULL;
+    double *rows = NULL;
+    size_t *lines = NULL, count = 0, key = 0;
+    while (law && key < law->model.key_count && !law->model.keys[key].columns) {
+        key++;
+    }
+    if (!law || !path || key == law->model.key_count) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "no law that reads a file");
+    }
+    asdic_status status =
+        asdic_columns_read(ctx, path, law->model.keys[key].columns, &rows, &lines, &count);
+    for (size_t i = 0; !status && law->wrong_row && i < count; i++) {
+        const char *why = law->wrong_row(rows, i);
+        if (why) {
+            status = asdic_fail(ctx, ASDIC_ERROR_INPUT, "%s:%zu: %s", path, lines[i], why);
+        }
+    }
+    free(lines);
+    if (status) {
+        free(rows);
+        return status;
+    }
+    material->rows = rows;
+    material->row_count = count;
+    return ASDIC_OK;
 }
 
 asdic_status asdic_material_check(asdic_context *ctx, const asdic_material *material) {

@@ -57,8 +57,9 @@ static void prepare(asdic_scatterer *s) {
 }
 
 static double strength_lin(const asdic_scatterer *s, const asdic_incidence *at) {
+    double area_m2 = isnan(s->value[AREA]) ? at->coherent_m2 : s->value[AREA];
     double slope_ms =
-        facet_slope_ms(s->made[SLOPE_MS], at->coherent_m2, s->water.wavelength_m, at->range_m);
+        facet_slope_ms(s->made[SLOPE_MS], area_m2, s->water.wavelength_m, at->range_m);
     return facet_strength_angle_lin(at->sine, at->cos2, s->made[REFLECTION2], s->made[ROUGHNESS_G],
                                     slope_ms);
 }

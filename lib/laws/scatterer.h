@@ -51,6 +51,8 @@ struct asdic_law {
     asdic_model_info
         model; /* parameters, units, ranges, fallbacks, source; one row of the models */
 
+    /* What is wrong with a row of its file, told when the rows before it are right; NULL: nothing. */
+    const char *(*wrong_row)(const double *rows, size_t index);
     /* Fills MADE and, for a formula, DEVICE; NULL: nothing to compute. */
     void (*prepare)(asdic_scatterer *s);
     /* Backscattering strength, linear, 1/sr. */
@@ -64,8 +66,11 @@ struct asdic_law {
     double (*knot_deg)(const asdic_scatterer *s, size_t index);
 };
 
-/* Places of the keys that every law may have in its model without being asked for them in a scene. */
-size_t asdic_law_key(const asdic_law *law, const char *key); /* key_count: none */
+/* The place of KEY in the law's model; key_count: it has none. */
+size_t asdic_law_key(const asdic_law *law, const char *key);
+
+/* The word that stands for VALUE of KEY, LENGTH characters; NULL: none does. */
+const char *asdic_law_word(const asdic_model_key *key, double value, int *length);
 
 /* MATERIAL, which has passed its check, in WATER. */
 asdic_scatterer asdic_scatterer_at(const asdic_material *material, const asdic_law_water *water);

@@ -25,6 +25,10 @@ void asdic_mission_destroy(asdic_mission **mission) {
     for (size_t i = 0; i < m->motion_count; i++) {
         asdic_track_destroy(&m->motions[i].track);
     }
+    for (size_t i = 0; i < m->row_files; i++) {
+        free((double *)m->rows[i]);
+    }
+    free(m->rows);
     free(m->motions);
     free(m->objects);
     free(m->receivers);

@@ -29,6 +29,8 @@ struct asdic_mission {
     asdic_motion *motions; /* in the order of the file */
     size_t motion_count;
     asdic_material bottom; /* no law: there is none */
+    const double **rows;   /* of the files that materials name */
+    size_t row_files;
     asdic_sampling sampling;
     bool keeps_all_terms; /* whatever the plan says */
     bool is_varied;       /* the text is not all that it was made from */

@@ -2,6 +2,7 @@
 #include "mission.h"
 
 #include "../../kernels/model.h"
+#include "scene/scene.h"
 #include "sim/model.h"
 
 #include <math.h>
@@ -21,46 +22,39 @@ static const struct {
     {"z_m", offsetof(situation, z_m)},       {"ph", offsetof(situation, ph)},
     {"f_khz", offsetof(situation, f_khz)},   {"wind_kn", offsetof(situation, wind_kn)}};
 
-static bool computes_speed(const asdic_mission *m) {
-    return isnan(m->environment.sound_speed_mps);
-}
-
-static bool always(const asdic_mission *m) {
-    (void)m;
-    return true;
-}
-
-static bool has_surface(const asdic_mission *m) {
-    return asdic_scene_get_info(m->scene).has_surface;
-}
-
-static bool has_bottom_law(const asdic_mission *m) {
-    if (asdic_scene_get_info(m->scene).has_bottom_plane) {
-        return true;
+/* Whether something in the scene scatters by LAW. */
+static bool scatters(const asdic_mission *m, const asdic_law *law) {
+    const asdic_scene *scene = m->scene;
+    bool found = scene->has_surface && scene->surface.law == law;
+    for (size_t i = 0; i < scene->material_count; i++) {
+        found |= scene->materials[i].law == law;
     }
-    for (size_t i = 0; i < m->object_count; i++) {
-        if (m->objects[i].mesh.triangles > 0 &&
-            m->objects[i].material.law == asdic_law_find("searay")) {
-            return true;
-        }
-    }
-    return false;
+    return found;
 }
-
-/* The laws whose sources state less than a scene may ask for. */
-static const struct {
-    size_t model;
-    bool (*is_used)(const asdic_mission *m);
-} laws[ASDIC_MOST_REMARKS] = {{MODEL_SOUND_SPEED, computes_speed},
-                              {MODEL_ABSORPTION, always},
-                              {MODEL_BOTTOM_BACKSCATTER, has_bottom_law},
-                              {MODEL_SURFACE_BACKSCATTER, has_surface}};
 
 /* At the greatest depth: validity ends there, never near the surface. A mission may have 1e9 pings. */
 static double depth_of(const asdic_mission *m) {
     double last_s;
     double depth_m = asdic_mission_pose(m, asdic_mission_ping_count(m) - 1, &last_s).position_m.z;
     return m->track ? asdic_track_deepest_m(m->track, last_s) : depth_m;
+}
+
+/* Adds what INFO's source does not vouch for. */
+static void remark(const asdic_model_info *info, const situation *s, asdic_remarks *out) {
+    double values[ASDIC_MODEL_MAX_KEYS];
+    char keys[ASDIC_REMARK_SIZE - 64]; /* the rest is for the words round them */
+    for (size_t k = 0; k < info->key_count; k++) {
+        values[k] = NAN; /* unknown: nothing to remark */
+        for (size_t q = 0; q < sizeof quantities / sizeof *quantities; q++) {
+            if (strcmp(info->keys[k].name, quantities[q].key) == 0) {
+                values[k] = *(const double *)((const char *)s + quantities[q].at);
+            }
+        }
+    }
+    if (out->count < ASDIC_MOST_REMARKS && asdic_model_outside(info, values, keys, sizeof keys)) {
+        snprintf(out->text[out->count++], ASDIC_REMARK_SIZE,
+                 "%s: outside the validity of its source, with %s", info->name, keys);
+    }
 }
 
 asdic_remarks asdic_mission_remarks(const asdic_mission *mission) {
@@ -75,21 +69,13 @@ asdic_remarks asdic_mission_remarks(const asdic_mission *mission) {
                    .ph = env->ph,
                    .f_khz = 1e-3 * mission->sonar.frequency_hz,
                    .wind_kn = env->wind_speed_kn};
-    for (size_t l = 0; l < ASDIC_MOST_REMARKS; l++) {
-        const asdic_model_info *info = asdic_model_get(laws[l].model);
-        double values[ASDIC_MODEL_MAX_KEYS];
-        char keys[ASDIC_REMARK_SIZE - 64]; /* the rest is for the words round them */
-        for (size_t k = 0; k < info->key_count; k++) {
-            values[k] = NAN; /* unknown: nothing to remark */
-            for (size_t q = 0; q < sizeof quantities / sizeof *quantities; q++) {
-                if (strcmp(info->keys[k].name, quantities[q].key) == 0) {
-                    values[k] = *(const double *)((const char *)&s + quantities[q].at);
-                }
-            }
-        }
-        if (laws[l].is_used(mission) && asdic_model_outside(info, values, keys, sizeof keys)) {
-            snprintf(out.text[out.count++], ASDIC_REMARK_SIZE,
-                     "%s: outside the validity of its source, with %s", info->name, keys);
+    if (isnan(env->sound_speed_mps)) { /* computed */
+        remark(asdic_model_get(MODEL_SOUND_SPEED), &s, &out);
+    }
+    remark(asdic_model_get(MODEL_ABSORPTION), &s, &out);
+    for (size_t l = 0; l < asdic_law_count(); l++) {
+        if (scatters(mission, asdic_law_get(l))) {
+            remark(asdic_law_get_info(asdic_law_get(l)).model, &s, &out);
         }
     }
     return out;

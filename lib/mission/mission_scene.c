@@ -59,6 +59,27 @@ static asdic_status make_shape(mission_builder *b, const file_object *o, asdic_m
     return ASDIC_OK;
 }
 
+/* The numbers of the file that MATERIAL's law wants; the mission keeps them. */
+static asdic_status read_rows(mission_builder *b, const asdic_material_file *file,
+                              asdic_material *material) {
+    asdic_mission *m = b->mission;
+    if (!file->path || !asdic_scene_node_good(file->node)) {
+        return ASDIC_OK;
+    }
+    const char *path = asdic_mission_resolve(b, file->path);
+    const double **grown = realloc(m->rows, (m->row_files + 1) * sizeof *grown);
+    m->rows = grown ? grown : m->rows;
+    if (!path || !grown) {
+        return asdic_fail_memory(b->ctx, "the numbers of a material");
+    }
+    asdic_status status = asdic_material_read_rows(b->ctx, material, path);
+    if (status) {
+        return asdic_mission_file_problem(b, file->node, status);
+    }
+    m->rows[m->row_files++] = material->rows;
+    return ASDIC_OK;
+}
+
 /* The box round MESH at OBJECT's pose. */
 static void find_box(const asdic_mesh *mesh, asdic_mission_object *object) {
     const asdic_pose *pose = &object->pose;
@@ -120,6 +141,11 @@ static asdic_status build_bottom(mission_builder *b) {
     }
     asdic_material_file rows;
     asdic_material material = asdic_scene_file_bottom(b->file, &rows);
+    status = read_rows(b, &rows, &material);
+    if (status != ASDIC_OK || b->problems->total > 0) {
+        asdic_mesh_destroy(&mesh);
+        return status;
+    }
     b->mission->bottom = material;
     if (!isnan(bottom->depth_m)) {
         return asdic_scene_set_bottom_plane(b->mission->scene, bottom->depth_m, material);
@@ -183,7 +209,8 @@ static asdic_status build_object(mission_builder *b, size_t number) {
                                    .material = asdic_scene_file_material(o, &rows),
                                    .moves = o->track != NULL};
     snprintf(object.name, sizeof object.name, "%s", o->name ? o->name : "");
-    asdic_status status = make_shape(b, o, &mesh);
+    asdic_status status = read_rows(b, &rows, &object.material);
+    status = status ? status : make_shape(b, o, &mesh);
     if (status == ASDIC_OK && mesh && o->mesh.node) {
         status = reserve_copies(b, number, mesh);
     }
@@ -220,7 +247,11 @@ asdic_status asdic_mission_build_scene(mission_builder *b) {
     }
     asdic_scene_set_surface(b->mission->scene, file->surface.enabled);
     asdic_material_file rows;
-    TRY(asdic_scene_set_surface_law(b->mission->scene, asdic_scene_file_surface(file, &rows)));
+    asdic_material surface = asdic_scene_file_surface(file, &rows);
+    TRY(read_rows(b, &rows, &surface));
+    if (b->problems->total == 0) {
+        TRY(asdic_scene_set_surface_law(b->mission->scene, surface));
+    }
     if (b->problems->total == 0) {
         status = asdic_scene_reserve(b->mission->scene, count_primitives(file));
     }

@@ -7,9 +7,12 @@
 #include "base/context.h"
 #include "base/text.h"
 #include "out/digits.h"
+#include "laws/scatterer.h"
 #include "out/file.h"
 #include "mission/scene_file/yaml_tree.h"
 
+#include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -61,11 +64,58 @@ static void set_number(rewriter *r, asdic_yaml_node *map, const char *key, doubl
     set_text(r, map, key, digits, false);
 }
 
+/* A key of any law in a scene file, of its file alone where IS_FILE. */
+static bool is_law_key(const char *name, bool is_file) {
+    for (size_t l = 0; l < asdic_law_count(); l++) {
+        const asdic_law *law = asdic_law_get(l);
+        size_t k = asdic_law_key(law, name);
+        if (k < law->model.key_count && law->model.keys[k].doc &&
+            (law->model.keys[k].columns || !is_file)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* The law of MATERIAL in place of what MAP says; that of a file is still what MAP says. */
+static void set_law(rewriter *r, asdic_yaml_node *map, const asdic_material *material) {
+    if (!material->law || material->row_count) {
+        return;
+    }
+    asdic_yaml_node *child = map->first;
+    map->first = map->last = NULL;
+    map->count = 0;
+    while (child) {
+        asdic_yaml_node *next = child->next;
+        if (!is_law_key(child->key, false)) {
+            child->next = NULL;
+            asdic_yaml_append(map, child);
+        }
+        child = next;
+    }
+    for (size_t k = 0; k < material->law->model.key_count; k++) {
+        const asdic_model_key *key = &material->law->model.keys[k];
+        int length = 0;
+        const char *word = asdic_law_word(key, material->value[k], &length);
+        char text[64];
+        snprintf(text, sizeof text, "%.*s", length, word ? word : "");
+        if (isnan(material->value[k])) {
+            continue;
+        }
+        if (word && !key->numeric) {
+            set_text(r, map, key->name, text, false);
+        } else {
+            set_number(r, map, key->name, material->value[k]);
+        }
+    }
+}
+
 /* Names of files are relative to the scene file, which now lies elsewhere. */
 static void make_absolute(rewriter *r, asdic_yaml_node *node) {
     for (asdic_yaml_node *child = node->first; child; child = child->next) {
         bool is_path = child->kind == ASDIC_YAML_SCALAR && child->key &&
-                       (strcmp(child->key, "file") == 0 || strcmp(child->key, "track") == 0);
+                       (strcmp(child->key, "file") == 0 || strcmp(child->key, "track") == 0 ||
+                        is_law_key(child->key, true));
         if (is_path && child->text[0] != '/') {
             char *path = NULL;
             if (asprintf(&path, "%s/%s", r->folder, child->text) < 0) {
@@ -88,7 +138,7 @@ static void apply(rewriter *r, const asdic_mission *m, asdic_yaml_node *root, co
     set_number(r, need_map(r, root, "sampling"), "seed", (double)m->sampling.seed);
     set_text(r, need_map(r, root, "model"), "terms", "all", false);
     if (bottom && bottom->kind == ASDIC_YAML_MAP && !asdic_yaml_child(bottom, "none")) {
-        set_number(r, bottom, "type", asdic_material_get(&m->bottom, "type"));
+        set_law(r, bottom, &m->bottom);
     }
     if (mission) {
         mission->first = mission->last = NULL;

@@ -1,6 +1,8 @@
 #include "model.h"
+#include "model_law.h"
 
 #include "../base/context.h"
+#include "../base/try.h"
 #include "../base/words.h"
 #include "../ocl/ocl.h"
 
@@ -12,20 +14,25 @@
 
 _Static_assert(MODEL_KEYS == ASDIC_MODEL_MAX_KEYS, "host and device disagree on the keys");
 
+/* Rows of laws that a slip of a name is compared with. */
+#define LAWS_MOST 64
+
 static asdic_status find_model(asdic_context *ctx, const char *name, size_t *out) {
-    const char *names[MODEL_COUNT];
-    for (size_t i = 0; i < MODEL_COUNT; i++) {
-        names[i] = asdic_model_table[i].name;
+    const char *names[MODEL_COUNT + LAWS_MOST];
+    size_t count = asdic_model_count() < MODEL_COUNT + LAWS_MOST ? asdic_model_count()
+                                                                 : MODEL_COUNT + LAWS_MOST;
+    for (size_t i = 0; i < count; i++) {
+        names[i] = asdic_model_get(i)->name;
         if (strcmp(name, names[i]) == 0) {
             *out = i;
             return ASDIC_OK;
         }
     }
-    size_t near = asdic_words_nearest(name, names, MODEL_COUNT);
+    size_t near = asdic_words_nearest(name, names, count);
     return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
-                      near < MODEL_COUNT ? "unknown model '%s'; did you mean '%s'?"
-                                         : "unknown model '%s'; 'asdic model' lists them",
-                      name, near < MODEL_COUNT ? names[near] : "");
+                      near < count ? "unknown model '%s'; did you mean '%s'?"
+                                   : "unknown model '%s'; 'asdic model' lists them",
+                      name, near < count ? names[near] : "");
 }
 
 /* "f_khz t_degc [variant=corrected|printed]". */
@@ -56,6 +63,10 @@ static int word_index(const char *words, const char *word) {
 
 static asdic_status read_value(asdic_context *ctx, const asdic_model_info *info,
                                const asdic_model_key *key, const char *text, double *out) {
+    if (key->columns) { /* a file, read with the law */
+        *out = 0.0;
+        return ASDIC_OK;
+    }
     int word = word_index(key->words, text);
     if (word >= 0) {
         *out = key->min + word;
@@ -201,7 +212,7 @@ static asdic_status check_detection(asdic_context *ctx, const asdic_model_info *
 }
 
 static asdic_status check_together(asdic_context *ctx, size_t model, double *values) {
-    const asdic_model_info *info = &asdic_model_table[model];
+    const asdic_model_info *info = asdic_model_get(model);
     if (model == MODEL_TARGET_STRENGTH) {
         return check_target(ctx, info, values);
     }
@@ -268,7 +279,7 @@ fail:
 
 asdic_status asdic_model_evaluate_many(asdic_context *ctx, asdic_device *device, size_t model,
                                        const double *keys, size_t count, double *out) {
-    if (model >= MODEL_COUNT || count > UINT32_MAX) {
+    if (model >= MODEL_COUNT || count > UINT32_MAX) { /* laws have asdic_law_strength_db */
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "model %zu of %d, %zu points", model,
                           MODEL_COUNT, count);
     }
@@ -281,6 +292,37 @@ asdic_status asdic_model_evaluate_many(asdic_context *ctx, asdic_device *device,
     return ASDIC_OK;
 }
 
+/* A law at one angle, with the VALUES of its keys; the file it may have is in one of ASSIGNMENTS. */
+static asdic_status evaluate_law(asdic_context *ctx, asdic_device *device, const asdic_law *law,
+                                 const double *values, const char *const *assignments, size_t count,
+                                 double *out) {
+    asdic_material material = asdic_material_of(law);
+    asdic_law_water water = {.frequency_hz = 1e5, .sound_speed_mps = 1500.0};
+    double grazing_deg = 0.0;
+    for (size_t k = 0; k < law->model.key_count; k++) {
+        const asdic_model_key *key = &law->model.keys[k];
+        if (key->columns) {
+            for (size_t i = 0; i < count; i++) {
+                size_t length = strlen(key->name);
+                if (strncmp(assignments[i], key->name, length) == 0) {
+                    TRY(asdic_material_read_rows(ctx, &material, assignments[i] + length + 1));
+                }
+            }
+            continue;
+        }
+        double *to = strcmp(key->name, "f_khz") == 0         ? &water.frequency_hz
+                     : strcmp(key->name, "c_mps") == 0       ? &water.sound_speed_mps
+                     : strcmp(key->name, "wind_kn") == 0     ? &water.wind_speed_kn
+                     : strcmp(key->name, "grazing_deg") == 0 ? &grazing_deg
+                                                             : &material.value[k];
+        *to = strcmp(key->name, "f_khz") == 0 ? 1e3 * values[k] : values[k];
+    }
+    water.wavelength_m = water.sound_speed_mps / water.frequency_hz;
+    asdic_status status = asdic_law_strength_db(ctx, device, &material, &water, grazing_deg, out);
+    free((double *)material.rows);
+    return status;
+}
+
 asdic_status asdic_model_evaluate(asdic_context *ctx, asdic_device *device, const char *name,
                                   const char *const *assignments, size_t count, double *out) {
     if (!name || !out || (!assignments && count > 0)) {
@@ -290,10 +332,13 @@ asdic_status asdic_model_evaluate(asdic_context *ctx, asdic_device *device, cons
     size_t model = 0;
     asdic_status status = find_model(ctx, name, &model);
     if (status == ASDIC_OK) {
-        status = read_assignments(ctx, &asdic_model_table[model], assignments, count, values);
+        status = read_assignments(ctx, asdic_model_get(model), assignments, count, values);
     }
     if (status == ASDIC_OK) {
         status = check_together(ctx, model, values);
+    }
+    if (status == ASDIC_OK && model >= MODEL_COUNT) {
+        return evaluate_law(ctx, device, asdic_model_law(model), values, assignments, count, out);
     }
     if (status == ASDIC_OK) {
         status = asdic_model_evaluate_many(ctx, device, model, values, 1, out);

@@ -6,8 +6,11 @@
 
 #include <asdic/model.h>
 
-/* In the order of the MODEL_ numbers of kernels/model.h. */
-extern const asdic_model_info asdic_model_table[];
+#include "laws/scatterer.h"
+
+/* The scattering law whose row INDEX is: the rows are the MODEL_ numbers of kernels/model.h, then the
+ * laws without a formula there. NULL: it is no law's. */
+const asdic_law *asdic_model_law(size_t index);
 
 /* Writes which of VALUES, one a key, lie outside the validity that INFO's source states; NAN: not known.
  * False when none does. */

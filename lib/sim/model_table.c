@@ -2,6 +2,8 @@
 
 #include "../../kernels/model.h"
 
+#include <string.h>
+
 /* A number that must be given, and one with a fallback: name, domain, stated validity. */
 #define NEEDED(key, lo, hi, valid_lo, valid_hi)                                                    \
     {                                                                                              \
@@ -21,7 +23,6 @@
 #define C_MPS NEEDED("c_mps", 1300.0, 1700.0, 1300.0, 1700.0)
 #define WIND_KN OPTIONAL("wind_kn", 10.0, 0.0, 60.0)
 #define SHIPPING OPTIONAL("shipping", 0.5, 0.0, 1.0)
-#define GRAZING NEEDED("grazing_deg", 0.0, 90.0, 0.0, 90.0)
 #define COATES "Coates, Underwater Acoustic Systems (1990), after Wenz (1962) and Mellen (1952)"
 #define KRAUS "lecture course of D. Kraus (Hochschule Bremen), printed in Morency et al."
 #define DETECTION_MODEL CHOICE("model", "exponential|k|swerling0|swerling1|swerling3", 5, true)
@@ -30,7 +31,7 @@
 #define LOOKS OPTIONAL("looks", 1.0, 1.0, 1000.0)
 #define SHAPE OPTIONAL("shape", NAN, 0.05, 1000.0)
 
-const asdic_model_info asdic_model_table[] = {
+static const asdic_model_info formulas[] = {
     [MODEL_SOUND_SPEED] = {"sound-speed",
                            "m/s",
                            "speed of sound in sea water",
@@ -68,29 +69,8 @@ const asdic_model_info asdic_model_table[] = {
                              NEEDED("length_h_m", 1e-6, 100.0, 1e-6, 100.0),
                              NEEDED("length_v_m", 1e-6, 100.0, 1e-6, 100.0),
                              NEEDED("wavelength_m", 1e-4, 100.0, 1e-4, 100.0)}},
-    [MODEL_BOTTOM_BACKSCATTER] = {"bottom-backscatter",
-                                  "dB",
-                                  "bottom backscattering strength re 1 m^2/m^2",
-                                  "SEARAY model, " KRAUS,
-                                  3,
-                                  {{.name = "type",
-                                    .words = "mud|sand|gravel|rock",
-                                    .numeric = true,
-                                    .required = true,
-                                    .min = 1.0,
-                                    .max = 4.0,
-                                    .valid_min = 1.0,
-                                    .valid_max = 4.0},
-                                   F_KHZ(50.0, 400.0),
-                                   GRAZING}},
-    [MODEL_SURFACE_BACKSCATTER] = {"surface-backscatter",
-                                   "dB",
-                                   "surface backscattering strength re 1 m^2/m^2, capped at the "
-                                   "return of a rough mirror (Cox & Munk 1954)",
-                                   KRAUS,
-                                   4,
-                                   {NEEDED("wind_kn", 0.0, 60.0, 0.0, 40.0), F_KHZ(1.0, 400.0),
-                                    GRAZING, CHOICE("cap", "on|off", 2, false)}},
+    [MODEL_BOTTOM_BACKSCATTER] = {.name = "bottom-backscatter"},   /* the rest in lib/laws */
+    [MODEL_SURFACE_BACKSCATTER] = {.name = "surface-backscatter"}, /* the rest in lib/laws */
     [MODEL_VOLUME_BACKSCATTER] = {"volume-backscatter",
                                   "dB",
                                   "volume backscattering strength re 1/m; sp_db low -90, moderate "
@@ -176,10 +156,30 @@ const asdic_model_info asdic_model_table[] = {
                    SHAPE}},
 };
 
+const asdic_law *asdic_model_law(size_t index) {
+    const char *name = index < MODEL_COUNT ? formulas[index].name : NULL;
+    for (size_t l = 0, next = MODEL_COUNT; l < asdic_law_count(); l++) {
+        const asdic_law *law = asdic_law_get(l);
+        bool has_formula = false;
+        for (size_t i = 0; i < MODEL_COUNT; i++) {
+            has_formula |= strcmp(formulas[i].name, law->model.name) == 0;
+        }
+        if (name ? strcmp(name, law->model.name) == 0 : !has_formula && next++ == index) {
+            return law;
+        }
+    }
+    return NULL;
+}
+
 size_t asdic_model_count(void) {
-    return sizeof asdic_model_table / sizeof *asdic_model_table;
+    size_t count = MODEL_COUNT;
+    while (asdic_model_law(count)) {
+        count++;
+    }
+    return count;
 }
 
 const asdic_model_info *asdic_model_get(size_t index) {
-    return index < asdic_model_count() ? &asdic_model_table[index] : NULL;
+    const asdic_law *law = asdic_model_law(index);
+    return law ? &law->model : index < MODEL_COUNT ? &formulas[index] : NULL;
 }

@@ -18,7 +18,7 @@ BELOW = {
     "out": [],
     "mission/track": ["out"],
     "mission/scene_file": ["mission/track", "laws", "scene", "sim"],
-    "mission": ["mission/scene_file", "mission/track", "out", "scene", "sim", "detect"],
+    "mission": ["mission/scene_file", "mission/track", "laws", "out", "scene", "sim", "detect"],
     "mission/run": ["mission", "mission/scene_file", "mission/track", "out", "scene", "sim"],
     "mission/detect": ["mission/run", "mission", "mission/scene_file", "mission/track", "out",
                        "detect", "scene", "sim"],

@@ -48,7 +48,7 @@ static void narrow(size_t model, double *key, size_t i) {
     } else if (model == MODEL_SURFACE_BACKSCATTER && key[3] > 0.5) {
         key[2] = fmin(key[2], 89.9); /* uncapped it exceeds what a float holds as energy */
     } else if (model == MODEL_PFA || model == MODEL_PD) {
-        size_t last = asdic_model_table[model].key_count - 1;
+        size_t last = asdic_model_get(model)->key_count - 1;
         key[2] = (float)pow(10.0, 6.0 * coordinate(i, 2) - 3.0);
         key[1] = (float)(key[2] * 20.0 * coordinate(i, 1));
         key[last - 1] = floor(key[last - 1] < 500.0 ? 1.0 + 20.0 * coordinate(i, 7) : 1.0);
@@ -58,7 +58,7 @@ static void narrow(size_t model, double *key, size_t i) {
 
 /* Beam patterns are compared as intensities: at a null the dB value means nothing. */
 static double measure(size_t model, double value, double reference) {
-    const asdic_model_info *info = &asdic_model_table[model];
+    const asdic_model_info *info = asdic_model_get(model);
     if (model == MODEL_BEAM_PATTERN) {
         double floor_lin = 1e-6; /* -60 dB */
         double a = pow(10.0, 0.1 * value) + floor_lin, b = pow(10.0, 0.1 * reference) + floor_lin;
@@ -74,7 +74,7 @@ static double measure(size_t model, double value, double reference) {
 
 static void device_agrees_with_host(void **state) {
     size_t model = *(const size_t *)*state;
-    const asdic_model_info *info = &asdic_model_table[model];
+    const asdic_model_info *info = asdic_model_get(model);
     double *keys = calloc(POINTS * ASDIC_MODEL_MAX_KEYS, sizeof *keys);
     double *host = calloc(POINTS, sizeof *host), *device = calloc(POINTS, sizeof *device);
     assert_non_null(keys);
@@ -117,7 +117,7 @@ int main(void) {
     place = test_device_open_or_skip();
     for (size_t i = 0; i < MODEL_COUNT; i++) {
         numbers[i] = i;
-        tests[i] = (struct CMUnitTest){asdic_model_table[i].name, device_agrees_with_host, NULL,
+        tests[i] = (struct CMUnitTest){asdic_model_get(i)->name, device_agrees_with_host, NULL,
                                        NULL, &numbers[i]};
     }
     int failed = cmocka_run_group_tests_name("model_device", tests, NULL, NULL);

@@ -32,7 +32,7 @@ ASDIC_API const asdic_law *asdic_law_find(const char *name);
 ASDIC_API asdic_law_info asdic_law_get_info(const asdic_law *law);
 
 /* A law and the values of its model's keys, in their order: NAN for those that are not given, which
- * have the fallback. ROWS are the numbers of the file that a law may have, row after row; they are
+ * have the fallback. ROWS are the pairs of numbers of the file that a law may have; they are
  * borrowed by everything that holds the material. LAW NULL: none. */
 typedef struct asdic_material {
     const asdic_law *law;
@@ -55,6 +55,11 @@ ASDIC_API asdic_material asdic_material_facet(double impedance_mrayl, double rou
 /* Impedance of a thick body of steel, concrete, wood, ...; the error lists the names. */
 ASDIC_API asdic_status asdic_material_find_impedance(asdic_context *ctx, const char *name,
                                                      double *impedance_mrayl);
+
+/* Reads the CSV file PATH that MATERIAL's law takes into its rows, which free() ends. The error
+ * names file and line of what is missing, no number, out of range or out of order. */
+ASDIC_API asdic_status asdic_material_read_rows(asdic_context *ctx, asdic_material *material,
+                                                const char *path);
 
 /* The value of KEY; NAN where it is not given or the law has no such key. Setting one that the law
  * does not have is an error; ranges are checked where the material is used. */

@@ -134,7 +134,7 @@ ASDIC_API asdic_status asdic_mission_write_track(asdic_context *ctx, const asdic
 
 /* Laws that a mission uses outside the range that their sources state, a sentence each: levels are
  * computed all the same, and run.json keeps the sentences. */
-#define ASDIC_MOST_REMARKS 4
+#define ASDIC_MOST_REMARKS 8
 #define ASDIC_REMARK_SIZE 256
 typedef struct asdic_remarks {
     size_t count;

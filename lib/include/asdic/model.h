@@ -25,7 +25,7 @@ typedef struct asdic_model_key {
     const char *doc;     /* what it means; NULL: the scene file has no such key */
     const char *unit;    /* NULL: a pure number */
     bool chooses;        /* whoever gives it chooses the law; at most one of these is given */
-    const char *columns; /* the value is a CSV file with these columns; NULL: it is a number */
+    const char *columns; /* the value is a CSV file with these two columns; NULL: it is a number */
 } asdic_model_key;
 
 typedef struct asdic_model_info {

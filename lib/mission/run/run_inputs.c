@@ -77,6 +77,14 @@ asdic_status asdic_inputs_hash(asdic_context *ctx, const asdic_mission *mission,
             join_hash(hex, parts.poses);
         }
     }
+    for (size_t i = 0; i <= scene->material_count; i++) {
+        const asdic_material *m =
+            i < scene->material_count ? &scene->materials[i] : &scene->surface;
+        if (m->row_count) {
+            asdic_sha256_hex(m->rows, 2 * m->row_count * sizeof *m->rows, parts.poses);
+            join_hash(hex, parts.poses);
+        }
+    }
     free(chain);
     return ASDIC_OK;
 }
