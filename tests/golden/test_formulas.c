@@ -7,6 +7,8 @@
 
 #include <asdic/model.h>
 
+#include <unistd.h>
+
 typedef struct vector {
     char text[512]; /* the line, cut into words */
     const char *name;
@@ -15,8 +17,8 @@ typedef struct vector {
     double expected, absolute, relative;
 } vector;
 
-static const char *vector_path;
-static test_device place; /* its device is NULL on the host */
+static const char *vector_path; /* files that its lines name lie beside it */
+static test_device place;       /* its device is NULL on the host */
 
 /* false for comments and blank lines. */
 static bool parse(const char *line, vector *out) {
@@ -124,6 +126,14 @@ int main(int argc, char **argv) {
     } else if (asdic_context_create(&place.ctx) != ASDIC_OK) {
         return 1;
     }
+    const char *slash = strrchr(vector_path, '/');
+    char folder[4096];
+    snprintf(folder, sizeof folder, "%.*s", slash ? (int)(slash - vector_path) : 1,
+             slash ? vector_path : ".");
+    if (chdir(folder) != 0) {
+        return 1;
+    }
+    vector_path = slash ? slash + 1 : vector_path;
     const struct CMUnitTest tests[] = {cmocka_unit_test(formulas_meet_independent_values)};
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
     test_device_close(&place);

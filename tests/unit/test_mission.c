@@ -70,6 +70,79 @@ static asdic_mission *load(const workshop *w, const char *bottom, const char *mi
 /* A slope: 10 m deep at x = 0, 20 m at x = 100; north up to 100 m. As a mesh that has z down. */
 static const char SLOPE[] = "v 0 -50 10\nv 100 -50 20\nv 100 50 20\nv 0 50 10\nf 1 2 3\nf 1 3 4\n";
 
+/* Keeps the first line that is logged. */
+static void keep_first(void *user, asdic_log_level level, const char *message) {
+    char *kept = user;
+    (void)level;
+    if (*kept == 0) {
+        snprintf(kept, 512, "%s", message);
+    }
+}
+
+/* The error of loading a scene whose bottom has LAW by the file numbers.csv, "" for none. */
+static void load_law(const workshop *w, const asdic_law *law, asdic_mission **m, char error[512]) {
+    asdic_law_info info = asdic_law_get_info(law);
+    char text[1024], path[128];
+    size_t k = 0;
+    while (!info.model->keys[k].columns) {
+        k++;
+    }
+    snprintf(text, sizeof text,
+             "version: 1\nbottom: {depth_m: 12, %s: numbers.csv}\nmission: {pose: {position_m: [0, "
+             "0, 7]}}\n"
+             "sonar: {frequency_khz: 100, ping_rate_hz: 4, receivers: [{name: a}]}\n",
+             info.model->keys[k].name);
+    write_file(w, "scene.yaml", text);
+    snprintf(path, sizeof path, "%s/scene.yaml", w->folder);
+    *error = 0;
+    asdic_context_set_log(w->ctx, ASDIC_LOG_ERROR, keep_first, error);
+    asdic_mission_load(w->ctx, path, m);
+    asdic_context_set_log(w->ctx, ASDIC_LOG_ERROR, NULL, NULL);
+}
+
+static bool has_file(const asdic_law *law) {
+    asdic_law_info info = asdic_law_get_info(law);
+    bool found = false;
+    for (size_t k = 0; k < info.model->key_count; k++) {
+        found |= info.model->keys[k].columns != NULL;
+    }
+    return found && info.uses & ASDIC_LAW_BOTTOM;
+}
+
+/* Every law that reads a file reads it beside the scene file, and names its lines in errors. */
+static void laws_read_their_files(void **state) {
+    const workshop *w = *state;
+    static const struct {
+        const char *text, *error;
+    } wrong[] = {
+        {"grazing_deg,strength_db\n5,-40\n10,-30x\n", "numbers.csv:3: 'strength_db' = -30x"},
+        {"grazing_deg,strength_db\n5,-40\n5,-30\n", "numbers.csv:3: 'grazing_deg' does not"},
+        {"grazing_deg,strength_db\n5,-40\n95,-30\n", "numbers.csv:3: 'grazing_deg' is out"},
+        {"grazing_deg,strength_db\n5,-400\n", "numbers.csv:2: 'strength_db' is out"},
+        {"grazing,strength_db\n5,-40\n", "numbers.csv:1: missing column 'grazing_deg'"}};
+    for (size_t l = 0; l < asdic_law_count(); l++) {
+        asdic_mission *m = NULL;
+        char error[512];
+        for (size_t i = 0; has_file(asdic_law_get(l)) && i < sizeof wrong / sizeof *wrong; i++) {
+            write_file(w, "numbers.csv", wrong[i].text);
+            load_law(w, asdic_law_get(l), &m, error);
+            assert_contains(error, wrong[i].error);
+            assert_contains(error, "scene.yaml:2:");
+            assert_null(m);
+        }
+        if (has_file(asdic_law_get(l))) {
+            write_file(w, "numbers.csv", "strength_db,grazing_deg\n-40,5\n-30,10\n");
+            load_law(w, asdic_law_get(l), &m, error);
+            assert_string_equal(error, "");
+            asdic_flat_scene flat = asdic_mission_flat_scene(m, 0);
+            assert_ptr_equal(flat.bottom.law, asdic_law_get(l));
+            assert_int_equal(flat.bottom.row_count, 2);
+            assert_close(flat.bottom.rows[3], -30, 0);
+            asdic_mission_destroy(&m);
+        }
+    }
+}
+
 static void flat_bottom_and_rest(void **state) {
     const workshop *w = *state;
     asdic_mission *m = load(w, "{depth_m: 12, type: 2.5}",
@@ -238,6 +311,7 @@ int main(void) {
         cmocka_unit_test(decimal_comma_changes_nothing),
         cmocka_unit_test(damaged_missions_are_answered),
         cmocka_unit_test(misuse_is_answered),
+        cmocka_unit_test(laws_read_their_files),
     };
     return cmocka_run_group_tests(tests, begin, end);
 }

@@ -49,7 +49,7 @@ const char *asdic_run_facts_differ(const asdic_run_facts *a, const asdic_run_fac
         return "scene file";
     }
     if (strcmp(a->geometry_hash, b->geometry_hash) != 0) {
-        return "mesh, grid or track";
+        return "mesh, grid or track, or measured law";
     }
     if (a->sampling.seed != b->sampling.seed) {
         return "seed";
