@@ -4,7 +4,7 @@
 #include "base/context.h"
 #include "base/decibel.h"
 #include "mission/mission.h"
-#include "mission/track/track_write.h"
+#include "mission/track/track.h"
 
 #include <math.h>
 #include <pthread.h>

@@ -4,7 +4,7 @@
 #include "base/context.h"
 #include "mission/run/run_folder.h"
 #include "mission/run/run_job.h"
-#include "mission/track/track_write.h"
+#include "mission/track/track.h"
 #include "out/record.h"
 
 #include <errno.h>

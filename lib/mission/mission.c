@@ -5,7 +5,6 @@
 #include "base/memory_left.h"
 #include "base/number.h"
 #include "base/sha256.h"
-#include "mission/scene_file/encoding.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -44,4 +44,13 @@ struct asdic_mission {
 asdic_status asdic_mission_place_at(const asdic_mission *mission, asdic_simulator *simulator,
                                     double time_s);
 
+/* FOLDER/track.csv: pings FIRST to FIRST + COUNT - 1. */
+asdic_status asdic_mission_write_pings(asdic_context *ctx, const asdic_mission *mission,
+                                       size_t first, size_t count, const char *path);
+
+/* SHA-256 in hexadecimal of the triangles and of every ping's poses, of the vehicle and of objects
+ * that move (mission_hash.c). */
+asdic_status asdic_mission_inputs_hash(asdic_context *ctx, const asdic_mission *mission,
+                                       char hex[65]);
+
 #endif

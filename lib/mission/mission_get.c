@@ -1,13 +1,16 @@
 /*
- * What a mission answers.
+ * What a mission answers, and what may be changed in it without the scene file.
  */
 #include "mission.h"
 
 #include "base/context.h"
-#include "mission/track/track_write.h"
+#include "mission/track/track.h"
+#include "scene/scene.h"
 
 #include <math.h>
 #include <string.h>
+
+/* --- what it is --------------------------------------------------------------------------------- */
 
 const asdic_environment *asdic_mission_environment(const asdic_mission *mission) {
     return &mission->environment;
@@ -150,4 +153,57 @@ asdic_flat_scene asdic_mission_flat_scene(const asdic_mission *mission, size_t i
         .depth_m = position_m.z,
         .bottom_type = mission->bottom_type,
     };
+}
+
+/* --- what may be changed ------------------------------------------------------------------------ */
+
+asdic_choices asdic_mission_get_choices(const asdic_mission *mission) {
+    if (!mission) {
+        return (asdic_choices){0};
+    }
+    return (asdic_choices){.wind_speed_kn = mission->environment.wind_speed_kn,
+                           .bottom_type = mission->bottom_type,
+                           .source_level_db = mission->sonar.source_level_db,
+                           .rays = mission->sampling.rays,
+                           .seed = mission->sampling.seed};
+}
+
+asdic_status asdic_mission_choose(asdic_context *ctx, asdic_mission *mission,
+                                  const asdic_choices *choices) {
+    if (!mission || !choices) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "asdic_mission_choose: NULL argument");
+    }
+    asdic_environment environment = mission->environment;
+    asdic_sonar sonar = mission->sonar;
+    environment.wind_speed_kn = choices->wind_speed_kn;
+    sonar.source_level_db = choices->source_level_db;
+    asdic_status status = asdic_environment_check(ctx, &environment);
+    if (!status) {
+        status = asdic_sonar_check(ctx, &sonar);
+    }
+    if (status) {
+        return status;
+    }
+    if (!(choices->bottom_type >= 1.0 && choices->bottom_type <= 4.0)) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
+                          "a bottom of type %g: out of range [1 mud, 4 rock]",
+                          choices->bottom_type);
+    }
+    if (choices->rays < 64 || choices->rays > 1u << 28) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
+                          "%u rays per ping: out of range [64, 268435456]", choices->rays);
+    }
+    mission->environment = environment;
+    mission->sonar = sonar;
+    mission->sampling.rays = choices->rays;
+    mission->sampling.seed = choices->seed;
+    mission->bottom_type = choices->bottom_type;
+    asdic_scene_set_bottom_type(mission->scene, choices->bottom_type);
+    for (size_t i = 0; i < mission->object_count; i++) {
+        asdic_mission_object *object = &mission->objects[i];
+        if (object->name[0] == 0) {
+            object->material.bottom_type = choices->bottom_type;
+        }
+    }
+    return ASDIC_OK;
 }

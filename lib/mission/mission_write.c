@@ -1,5 +1,6 @@
 /*
- * A scene file written again: with the choices that are in force, flown along another track.
+ * What a mission writes: its scene file again, with the choices that are in force and another track;
+ * and its own track.
  */
 #include "mission.h"
 
@@ -200,4 +201,30 @@ done:
     asdic_arena_finish(&r.arena);
     free(r.folder);
     return status;
+}
+
+/* --- the track -------------------------------------------------------------------------------- */
+
+asdic_status asdic_mission_write_pings(asdic_context *ctx, const asdic_mission *mission,
+                                       size_t first, size_t count, const char *path) {
+    asdic_file *file = NULL;
+    asdic_status status = asdic_file_create(ctx, path, &file);
+    if (status != ASDIC_OK) {
+        return status;
+    }
+    asdic_track_file_begin(file);
+    for (size_t i = first; i < first + count; i++) {
+        double time_s;
+        asdic_pose pose = asdic_mission_pose(mission, i, &time_s);
+        asdic_track_file_add(file, time_s, &pose);
+    }
+    return asdic_file_commit(&file);
+}
+
+asdic_status asdic_mission_write_track(asdic_context *ctx, const asdic_mission *mission,
+                                       const char *path) {
+    if (!mission || !path) {
+        return asdic_fail_null(ctx, __func__);
+    }
+    return asdic_mission_write_pings(ctx, mission, 0, asdic_mission_ping_count(mission), path);
 }

@@ -4,9 +4,8 @@
 #include "base/context.h"
 #include "base/sha256.h"
 #include "run_folder.h"
-#include "run_inputs.h"
+#include "mission/mission.h"
 #include "run_scenery.h"
-#include "mission/track/track_write.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -68,7 +67,7 @@ static asdic_status describe(asdic_run_job *job) {
     f->bin_length_m = sonar->bin_length_m;
     f->stderr_median_db = f->stderr_worst_db = NAN;
     f->rays_per_s = NAN;
-    return asdic_inputs_hash(job->ctx, m, job->inputs_hash);
+    return asdic_mission_inputs_hash(job->ctx, m, job->inputs_hash);
 }
 
 void asdic_job_hash(const asdic_run_job *job, char hex[65]) {
@@ -165,8 +164,8 @@ static asdic_status open_store(asdic_run_job *job) {
 static asdic_status write_track(asdic_run_job *job) {
     char *path = asdic_folder_path(job->options->folder, "track", "", "csv");
     asdic_status status =
-        path ? asdic_track_file_write(job->ctx, job->mission, job->facts.first_ping,
-                                      job->facts.pings_planned, path)
+        path ? asdic_mission_write_pings(job->ctx, job->mission, job->facts.first_ping,
+                                         job->facts.pings_planned, path)
              : asdic_fail_memory(job->ctx, "a file name");
     free(path);
     return status;

@@ -7,7 +7,7 @@
 #include "run_open.h"
 #include "run_render.h"
 #include "run_scenery.h"
-#include "mission/track/track_write.h"
+#include "mission/track/track.h"
 
 #include <stdlib.h>
 #include <string.h>

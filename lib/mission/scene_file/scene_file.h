@@ -198,12 +198,18 @@ typedef struct asdic_scene_file {
 /* The table of the whole file. */
 extern const asdic_table asdic_scene_table;
 
+/* BYTES as UTF-8 without a byte-order mark, with a zero byte behind its *LENGTH bytes, to be freed
+ * with free(); NULL when memory is short. UTF-16 is known by its byte-order mark; what is no valid
+ * text passes through, for the reader of the text to refuse. */
+char *asdic_text_to_utf8(const char *bytes, size_t size, size_t *length);
+
 /* Parses SIZE bytes of UTF-8 text, checks each key by itself and then together (scene_check.c).
  * Every error goes to PROBLEMS; FILE is meaningful where nothing is bad. False: out of memory. */
 bool asdic_scene_file_parse(const char *text, size_t size, asdic_arena *arena,
                             asdic_problems *problems, asdic_scene_file *file);
 
-/* The same with SETTINGS in place of what the text says. */
+/* The same with SETTINGS in place of what the text says. Maps that a setting names are made when they
+ * are missing; entries of lists must be there. */
 bool asdic_scene_file_parse_with(const char *text, size_t size, const asdic_setting *settings,
                                  size_t count, asdic_arena *arena, asdic_problems *problems,
                                  asdic_scene_file *file);

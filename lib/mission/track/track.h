@@ -4,7 +4,7 @@
 #ifndef ASDIC_MISSION_TRACK_H
 #define ASDIC_MISSION_TRACK_H
 
-#include <asdic/context.h>
+#include "out/file.h"
 
 typedef struct asdic_track asdic_track;
 
@@ -28,5 +28,14 @@ double asdic_track_gap_s(const asdic_track *track, double *from_s);
 asdic_pose asdic_track_pose(const asdic_track *track, double time_s);
 /* The greatest z_m from the start to TIME_S. */
 double asdic_track_deepest_m(const asdic_track *track, double time_s);
+
+/* A track file, row by row, in the form that asdic_track_load reads: its header; a point, its angles
+ * as whole nanodegrees. */
+void asdic_track_file_begin(asdic_file *file);
+void asdic_track_file_add(asdic_file *file, double time_s, const asdic_pose *pose);
+
+/* ANGLE as a whole number of nanodegrees, which a track file holds exactly: a track that is written
+ * and read again is the same to the last bit. */
+double asdic_track_round(double angle_rad);
 
 #endif

@@ -1,4 +1,8 @@
-#include "run_inputs.h"
+/*
+ * What a mission depends on besides its scene file: meshes, grids and tracks, which may change while
+ * the scene file does not.
+ */
+#include "mission.h"
 
 #include "base/context.h"
 #include "base/sha256.h"
@@ -55,7 +59,8 @@ static void join_hash(char hex[65], const char next[65]) {
     asdic_sha256_hex(both, sizeof both, hex);
 }
 
-asdic_status asdic_inputs_hash(asdic_context *ctx, const asdic_mission *mission, char hex[65]) {
+asdic_status asdic_mission_inputs_hash(asdic_context *ctx, const asdic_mission *mission,
+                                       char hex[65]) {
     const asdic_scene *scene = asdic_mission_scene(mission);
     struct {
         asdic_vec3 origin_m;

@@ -1,18 +1,21 @@
 /*
- * Track CSV. Read line by line: a day at 10 Hz is 860,000 lines.
+ * The file of a track: read, and written row by row so that it can be read again.
  */
 #include "track_points.h"
 
 #include "base/context.h"
-#include "base/words.h"
 #include "base/number.h"
-#include "base/vec.h"
 #include "base/problems.h"
+#include "base/vec.h"
+#include "base/words.h"
+#include "out/digits.h"
 
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+/* --- reading ------------------------------------------------------------------------------------ */
 
 #define MAX_FIELDS 64
 
@@ -245,4 +248,38 @@ fail:
     asdic_problems_finish(&r.problems);
     fclose(file);
     return status;
+}
+
+/* --- writing ------------------------------------------------------------------------------------ */
+
+#define RADIANS (ASDIC_PI / 180.0)
+
+/* Not more digits than an attitude has, and few enough to be exact in text. */
+static double nanodegrees(double angle_rad) {
+    return rint(angle_rad / RADIANS * 1e9) / 1e9;
+}
+
+double asdic_track_round(double angle_rad) {
+    return nanodegrees(angle_rad) * RADIANS;
+}
+
+void asdic_track_file_begin(asdic_file *file) {
+    fputs("time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg\n", asdic_file_stream(file));
+}
+
+void asdic_track_file_add(asdic_file *file, double time_s, const asdic_pose *pose) {
+    FILE *out = asdic_file_stream(file);
+    const double values[] = {time_s,
+                             pose->position_m.x,
+                             pose->position_m.y,
+                             pose->position_m.z,
+                             nanodegrees(pose->roll_rad),
+                             nanodegrees(pose->pitch_rad),
+                             nanodegrees(pose->yaw_rad)};
+    for (size_t k = 0; k < 7; k++) {
+        char digits[ASDIC_DIGITS_SIZE];
+        asdic_digits_double(digits, values[k]);
+        fputs(digits, out);
+        fputc(k < 6 ? ',' : '\n', out);
+    }
 }
