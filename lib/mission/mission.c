@@ -5,6 +5,7 @@
 #include "base/memory_left.h"
 #include "base/number.h"
 #include "base/sha256.h"
+#include "base/try.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -26,7 +27,7 @@ void asdic_mission_destroy(asdic_mission **mission) {
     }
     free(m->motions);
     free(m->objects);
-    free(m->receivers);
+    asdic_settings_finish(&m->settings);
     free(m->text);
     free(m->path);
     free(m);
@@ -37,31 +38,45 @@ void asdic_mission_destroy(asdic_mission **mission) {
 static asdic_status read_text(asdic_context *ctx, asdic_mission *m, size_t *length) {
     char *bytes = NULL;
     size_t size = 0;
-    asdic_status status = asdic_file_read(ctx, m->path, MAX_SCENE_BYTES, &bytes, &size);
-    if (status != ASDIC_OK) {
-        return status;
-    }
+    TRY(asdic_file_read(ctx, m->path, MAX_SCENE_BYTES, &bytes, &size));
     asdic_sha256_hex(bytes, size, m->hash);
     m->text = asdic_text_to_utf8(bytes, size, length);
     free(bytes);
     return m->text ? ASDIC_OK : asdic_fail_memory(ctx, "the scene file's text");
 }
 
+const char *asdic_mission_resolve(const mission_builder *b, const char *name) {
+    const char *scene = b->mission->path;
+    const char *slash = strrchr(scene, '/');
+    size_t folder = *name != '/' && slash ? (size_t)(slash - scene) + 1 : 0;
+    size_t length = strlen(name);
+    char *path = asdic_arena_alloc(b->arena, folder + length + 1);
+    if (path) {
+        memcpy(path, scene, folder);
+        memcpy(path + folder, name, length + 1);
+    }
+    return path;
+}
+
+asdic_status asdic_mission_file_problem(mission_builder *b, asdic_yaml_node *node,
+                                        asdic_status status) {
+    if (status == ASDIC_ERROR_MEMORY) {
+        return status;
+    }
+    asdic_yaml_problem(b->problems, node, "%s", asdic_context_error(b->ctx));
+    return ASDIC_OK;
+}
+
 static asdic_status build(mission_builder *b) {
-    asdic_status status = asdic_mission_build_settings(b);
-    if (status == ASDIC_OK) {
-        status = asdic_mission_build_tracks(b);
-    }
-    if (status == ASDIC_OK) {
-        status = asdic_mission_build_scene(b);
-    }
-    if (status == ASDIC_OK) {
-        status = asdic_mission_build_pings(b);
-    }
-    if (status == ASDIC_OK && b->problems->total == 0) {
+    TRY(asdic_settings_take(b->ctx, b->file, &b->mission->settings));
+    b->mission->pose = asdic_scene_file_pose(b->file);
+    TRY(asdic_mission_build_tracks(b));
+    TRY(asdic_mission_build_scene(b));
+    TRY(asdic_mission_build_pings(b));
+    if (b->problems->total == 0) {
         asdic_mission_check_places(b);
     }
-    return status;
+    return ASDIC_OK;
 }
 
 /* What a run takes for each bin of each beam, as measured: 1,024 beams of 4,093 bins, 1.2 GiB. */
@@ -79,33 +94,18 @@ static asdic_status check_memory(asdic_context *ctx, const asdic_mission *m) {
                               "use fewer beams or a longer 'bin_length_m'");
 }
 
-static asdic_status load(asdic_context *ctx, asdic_mission *m, const asdic_setting *settings,
-                         size_t count) {
-    asdic_arena arena = {0};
-    asdic_scene_file file;
-    asdic_problems problems = {.name = strcmp(m->path, "-") == 0 ? "stdin" : m->path};
-    mission_builder builder = {
-        .ctx = ctx, .file = &file, .problems = &problems, .arena = &arena, .mission = m};
+static asdic_status load(mission_builder *b, const asdic_setting *settings, size_t count,
+                         asdic_scene_file *file) {
+    asdic_mission *m = b->mission;
     size_t length = 0;
-    asdic_status status = read_text(ctx, m, &length);
-    if (status != ASDIC_OK) {
-        goto fail;
+    TRY(read_text(b->ctx, m, &length));
+    if (!asdic_scene_file_parse_with(m->text, length, settings, count, b->arena, b->problems,
+                                     file)) {
+        return asdic_fail_memory(b->ctx, "the scene file's content");
     }
-    if (!asdic_scene_file_parse_with(m->text, length, settings, count, &arena, &problems, &file)) {
-        status = asdic_fail_memory(ctx, "the scene file's content");
-        goto fail;
-    }
-    status = build(&builder);
-    if (status == ASDIC_OK) {
-        status = asdic_problems_report(&problems, ctx);
-    }
-    if (status == ASDIC_OK) {
-        status = check_memory(ctx, m);
-    }
-fail:
-    asdic_problems_finish(&problems);
-    asdic_arena_finish(&arena);
-    return status;
+    TRY(build(b));
+    TRY(asdic_problems_report(b->problems, b->ctx));
+    return check_memory(b->ctx, m);
 }
 
 asdic_status asdic_mission_load(asdic_context *ctx, const char *path, asdic_mission **out) {
@@ -122,23 +122,26 @@ asdic_status asdic_mission_load_with(asdic_context *ctx, const char *path,
     if (!path) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "asdic_mission_load: no path");
     }
-    locale_t before = asdic_c_locale_enter();
-    asdic_status status = ASDIC_OK;
     asdic_mission *m = calloc(1, sizeof *m);
     if (!m || !(m->path = strdup(path))) {
-        status = asdic_fail_memory(ctx, "a mission");
-        goto fail;
+        free(m);
+        return asdic_fail_memory(ctx, "a mission");
     }
     m->ctx = ctx;
     m->is_varied = count > 0;
-    status = load(ctx, m, settings, count);
-    if (status != ASDIC_OK) {
-        goto fail;
+    asdic_arena arena = {0};
+    asdic_scene_file file;
+    asdic_problems problems = {.name = strcmp(path, "-") == 0 ? "stdin" : path};
+    mission_builder builder = {
+        .ctx = ctx, .file = &file, .problems = &problems, .arena = &arena, .mission = m};
+    locale_t before = asdic_c_locale_enter();
+    asdic_status status = load(&builder, settings, count, &file);
+    asdic_c_locale_leave(before);
+    asdic_problems_finish(&problems);
+    asdic_arena_finish(&arena);
+    if (status) {
+        asdic_mission_destroy(&m);
     }
     *out = m;
-    m = NULL;
-fail:
-    asdic_mission_destroy(&m);
-    asdic_c_locale_leave(before);
     return status;
 }

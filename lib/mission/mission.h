@@ -6,6 +6,7 @@
 
 #include <asdic/mission.h>
 
+#include "mission_settings.h"
 #include "mission/track/flight.h"
 #include "mission/track/track.h"
 
@@ -20,20 +21,14 @@ struct asdic_mission {
     char *path; /* as given; "-" is standard input */
     char *text; /* in UTF-8, as run.json keeps it */
     char hash[65];
-    asdic_environment environment;
-    asdic_beam *receivers;
-    asdic_sonar sonar; /* borrows receivers */
+    asdic_settings settings;
     asdic_scene *scene;
     asdic_mission_object *objects;
     size_t object_count;
     asdic_motion *motions; /* in the order of the file */
     size_t motion_count;
     double bottom_type;
-    asdic_sampling sampling;
-    bool keeps_all_terms; /* whatever the plan says */
-    bool is_varied;       /* the text is not all that it was made from */
-    asdic_detector detector;
-    asdic_output_options output;
+    bool is_varied;      /* the text is not all that it was made from */
     asdic_flight flight; /* how the vehicle answers; without waypoints, an ordinary one */
     asdic_pose pose;     /* of every ping, when there is no track */
     asdic_track *track;  /* NULL: at rest */

@@ -18,8 +18,6 @@ typedef struct mission_builder {
 /* Each adds to the mission and reports what is wrong with the files it opens; only what is not an
  * error of the input (memory) is a status. */
 
-/* Environment, sonar, sampling, detector, output. */
-asdic_status asdic_mission_build_settings(mission_builder *b);
 /* Tracks from files: the vehicle's, and the objects'. */
 asdic_status asdic_mission_build_tracks(mission_builder *b);
 /* Surface, bottom and objects; the scene is committed when nothing was wrong. */

@@ -13,69 +13,61 @@
 /* --- what it is --------------------------------------------------------------------------------- */
 
 const asdic_environment *asdic_mission_environment(const asdic_mission *mission) {
-    return &mission->environment;
+    return mission ? &mission->settings.environment : NULL;
 }
 
 const asdic_sonar *asdic_mission_sonar(const asdic_mission *mission) {
-    return &mission->sonar;
+    return mission ? &mission->settings.sonar : NULL;
 }
 
 const asdic_scene *asdic_mission_scene(const asdic_mission *mission) {
-    if (!mission) {
-        return NULL;
-    }
-    return mission->scene;
+    return mission ? mission->scene : NULL;
 }
 
 asdic_sampling *asdic_mission_sampling(asdic_mission *mission) {
-    return &mission->sampling;
+    return mission ? &mission->settings.sampling : NULL;
 }
 
 const asdic_detector *asdic_mission_detector(const asdic_mission *mission) {
-    return &mission->detector;
+    return mission ? &mission->settings.detector : NULL;
 }
 
 const asdic_output_options *asdic_mission_output(const asdic_mission *mission) {
-    return &mission->output;
+    return mission ? &mission->settings.output : NULL;
+}
+
+char *asdic_scene_name(const char *path) {
+    if (!path) {
+        return NULL;
+    }
+    const char *slash = strrchr(path, '/');
+    const char *base = strcmp(path, "-") == 0 ? "scene" : slash ? slash + 1 : path;
+    const char *dot = strrchr(base, '.');
+    return dot && dot != base ? strndup(base, (size_t)(dot - base)) : strdup(base);
 }
 
 const char *asdic_mission_path(const asdic_mission *mission) {
-    if (!mission) {
-        return NULL;
-    }
-    return mission->path;
+    return mission ? mission->path : NULL;
 }
 
 const char *asdic_mission_text(const asdic_mission *mission) {
-    if (!mission) {
-        return NULL;
-    }
-    return mission->text;
+    return mission ? mission->text : NULL;
 }
 
 const char *asdic_mission_hash(const asdic_mission *mission) {
-    return mission->hash;
+    return mission ? mission->hash : NULL;
 }
 
 size_t asdic_mission_object_count(const asdic_mission *mission) {
-    if (!mission) {
-        return 0;
-    }
-    return mission->object_count;
+    return mission ? mission->object_count : 0;
 }
 
 const asdic_mission_object *asdic_mission_get_object(const asdic_mission *mission, size_t index) {
-    if (!mission) {
-        return NULL;
-    }
-    return index < mission->object_count ? &mission->objects[index] : NULL;
+    return mission && index < mission->object_count ? &mission->objects[index] : NULL;
 }
 
 size_t asdic_mission_ping_count(const asdic_mission *mission) {
-    if (!mission) {
-        return 0;
-    }
-    return mission->ping_count;
+    return mission ? mission->ping_count : 0;
 }
 
 static asdic_pose pose_on_track(const asdic_track *track, double time_s) {
@@ -90,7 +82,7 @@ asdic_pose asdic_mission_pose(const asdic_mission *mission, size_t index, double
     if (!mission) {
         return (asdic_pose){0};
     }
-    double elapsed_s = (double)index / mission->sonar.ping_rate_hz;
+    double elapsed_s = (double)index / mission->settings.sonar.ping_rate_hz;
     double start_s = mission->track ? asdic_track_start_s(mission->track) : 0.0;
     if (time_s) {
         *time_s = start_s + elapsed_s;
@@ -161,11 +153,11 @@ asdic_choices asdic_mission_get_choices(const asdic_mission *mission) {
     if (!mission) {
         return (asdic_choices){0};
     }
-    return (asdic_choices){.wind_speed_kn = mission->environment.wind_speed_kn,
+    return (asdic_choices){.wind_speed_kn = mission->settings.environment.wind_speed_kn,
                            .bottom_type = mission->bottom_type,
-                           .source_level_db = mission->sonar.source_level_db,
-                           .rays = mission->sampling.rays,
-                           .seed = mission->sampling.seed};
+                           .source_level_db = mission->settings.sonar.source_level_db,
+                           .rays = mission->settings.sampling.rays,
+                           .seed = mission->settings.sampling.seed};
 }
 
 asdic_status asdic_mission_choose(asdic_context *ctx, asdic_mission *mission,
@@ -173,8 +165,8 @@ asdic_status asdic_mission_choose(asdic_context *ctx, asdic_mission *mission,
     if (!mission || !choices) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "asdic_mission_choose: NULL argument");
     }
-    asdic_environment environment = mission->environment;
-    asdic_sonar sonar = mission->sonar;
+    asdic_environment environment = mission->settings.environment;
+    asdic_sonar sonar = mission->settings.sonar;
     environment.wind_speed_kn = choices->wind_speed_kn;
     sonar.source_level_db = choices->source_level_db;
     asdic_status status = asdic_environment_check(ctx, &environment);
@@ -193,10 +185,10 @@ asdic_status asdic_mission_choose(asdic_context *ctx, asdic_mission *mission,
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
                           "%u rays per ping: out of range [64, 268435456]", choices->rays);
     }
-    mission->environment = environment;
-    mission->sonar = sonar;
-    mission->sampling.rays = choices->rays;
-    mission->sampling.seed = choices->seed;
+    mission->settings.environment = environment;
+    mission->settings.sonar = sonar;
+    mission->settings.sampling.rays = choices->rays;
+    mission->settings.sampling.seed = choices->seed;
     mission->bottom_type = choices->bottom_type;
     asdic_scene_set_bottom_type(mission->scene, choices->bottom_type);
     for (size_t i = 0; i < mission->object_count; i++) {

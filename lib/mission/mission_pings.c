@@ -16,13 +16,13 @@ static double covered_pings(const mission_builder *b) {
     const asdic_track *track = b->mission->track;
     double length_s = asdic_track_end_s(track) - asdic_track_start_s(track);
     /* 5 s at 10 Hz are 51 pings, though 5 * 10 is 49.99999999 somewhere. */
-    return floor(length_s * b->mission->sonar.ping_rate_hz * (1.0 + 1e-12) + 1e-9) + 1.0;
+    return floor(length_s * b->mission->settings.sonar.ping_rate_hz * (1.0 + 1e-12) + 1e-9) + 1.0;
 }
 
 /* The number of pings of a moving vehicle. */
 static void count_pings(mission_builder *b, asdic_yaml_node *path_node) {
     const file_mission *mission = &b->file->mission;
-    double rate_hz = b->mission->sonar.ping_rate_hz;
+    double rate_hz = b->mission->settings.sonar.ping_rate_hz;
     if (!(rate_hz > 0.0)) {
         return; /* reported already */
     }

@@ -101,7 +101,8 @@ static void remark_on_objects(mission_builder *b) {
     size_t first = m->object_count - b->file->objects.count; /* the bottom may be before them */
     asdic_pose pose = asdic_mission_pose(m, 0, NULL);
     double range_m = asdic_sonar_max_range_m(
-        &m->sonar, asdic_environment_sound_speed_mps(&m->environment, pose.position_m.z));
+        &m->settings.sonar,
+        asdic_environment_sound_speed_mps(&m->settings.environment, pose.position_m.z));
     for (size_t i = first; i < m->object_count; i++) {
         const asdic_mission_object *object = &m->objects[i];
         if (object->moves) {
@@ -125,7 +126,8 @@ static void remark_on_gap(mission_builder *b) {
     }
     double from_s = 0.0, gap_s = asdic_track_gap_s(m->track, &from_s);
     double rest_s = asdic_track_end_s(m->track) - asdic_track_start_s(m->track) - gap_s;
-    if (gap_s > GAP_RATIO * rest_s / (double)(points - 2) && gap_s > 2.0 / m->sonar.ping_rate_hz) {
+    if (gap_s > GAP_RATIO * rest_s / (double)(points - 2) &&
+        gap_s > 2.0 / m->settings.sonar.ping_rate_hz) {
         asdic_log(b->ctx, ASDIC_LOG_WARNING,
                   "%s:%u:%u: warning: the track has no point for %.3g s after %.15g s; the vehicle "
                   "goes straight on meanwhile  [mission.track]",

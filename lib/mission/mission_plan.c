@@ -21,7 +21,7 @@ static void keep_all(const asdic_mission *mission, asdic_plan *plan) {
         [ASDIC_TERM_OBJECTS] = asdic_mission_object_count(mission) > 0,
         [ASDIC_TERM_BORIC_ACID] = true,
         [ASDIC_TERM_RAYS] = true,
-        [ASDIC_TERM_MULTIPATH] = mission->sampling.multipath != ASDIC_MULTIPATH_OFF};
+        [ASDIC_TERM_MULTIPATH] = mission->settings.sampling.multipath != ASDIC_MULTIPATH_OFF};
     for (int t = 0; t < ASDIC_TERM_COUNT; t++) {
         asdic_plan_row *row = &plan->rows[t];
         if (is_there[t] && !row->kept) {
@@ -62,7 +62,7 @@ asdic_status asdic_mission_plan(asdic_context *ctx, const asdic_mission *mission
                              asdic_mission_sonar(mission),
                              asdic_mission_sampling((asdic_mission *)mission), poses, count, out);
     free(poses);
-    if (status == ASDIC_OK && mission->keeps_all_terms) {
+    if (status == ASDIC_OK && mission->settings.keeps_all_terms) {
         keep_all(mission, out);
     }
     return status;

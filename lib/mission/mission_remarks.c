@@ -22,7 +22,7 @@ static const struct {
     {"f_khz", offsetof(situation, f_khz)},   {"wind_kn", offsetof(situation, wind_kn)}};
 
 static bool computes_speed(const asdic_mission *m) {
-    return isnan(m->environment.sound_speed_mps);
+    return isnan(m->settings.environment.sound_speed_mps);
 }
 
 static bool always(const asdic_mission *m) {
@@ -67,12 +67,12 @@ asdic_remarks asdic_mission_remarks(const asdic_mission *mission) {
     if (!mission) {
         return out;
     }
-    const asdic_environment *env = &mission->environment;
+    const asdic_environment *env = &mission->settings.environment;
     situation s = {.t_degc = env->temperature_degc,
                    .s_ppt = env->salinity_ppt,
                    .z_m = depth_of(mission),
                    .ph = env->ph,
-                   .f_khz = 1e-3 * mission->sonar.frequency_hz,
+                   .f_khz = 1e-3 * mission->settings.sonar.frequency_hz,
                    .wind_kn = env->wind_speed_kn};
     for (size_t l = 0; l < ASDIC_MOST_REMARKS; l++) {
         const asdic_model_info *info = asdic_model_get(laws[l].model);

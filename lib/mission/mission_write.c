@@ -83,10 +83,11 @@ static void make_absolute(rewriter *r, asdic_yaml_node *node) {
 static void apply(rewriter *r, const asdic_mission *m, asdic_yaml_node *root, const char *track) {
     asdic_yaml_node *bottom = asdic_yaml_child(root, "bottom");
     asdic_yaml_node *mission = need_map(r, root, "mission");
-    set_number(r, need_map(r, root, "environment"), "wind_speed_kn", m->environment.wind_speed_kn);
-    set_number(r, need_map(r, root, "sonar"), "source_level_db", m->sonar.source_level_db);
-    set_number(r, need_map(r, root, "sampling"), "rays", m->sampling.rays);
-    set_number(r, need_map(r, root, "sampling"), "seed", (double)m->sampling.seed);
+    set_number(r, need_map(r, root, "environment"), "wind_speed_kn",
+               m->settings.environment.wind_speed_kn);
+    set_number(r, need_map(r, root, "sonar"), "source_level_db", m->settings.sonar.source_level_db);
+    set_number(r, need_map(r, root, "sampling"), "rays", m->settings.sampling.rays);
+    set_number(r, need_map(r, root, "sampling"), "seed", (double)m->settings.sampling.seed);
     set_text(r, need_map(r, root, "model"), "terms", "all", false);
     if (bottom && bottom->kind == ASDIC_YAML_MAP && !asdic_yaml_child(bottom, "none")) {
         set_number(r, bottom, "type", m->bottom_type);

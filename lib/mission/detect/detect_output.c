@@ -258,7 +258,7 @@ asdic_status asdic_detect_create_map(asdic_detect_job *job) {
 
 asdic_status asdic_detect_draw_map(asdic_detect_job *job) {
     char title[256], note[256];
-    char *path = asdic_folder_path(job->run->folder, "occupancy", "", "png");
+    char *path = asdic_folder_file(job->run->folder, "occupancy.png");
     const char *texts[] = {"Software", "asdic", "scene_sha256", job->info.scene_hash, NULL};
     asdic_series way = {.label = "vehicle, ending at the dot",
                         .x = job->track_east_m,

@@ -132,8 +132,7 @@ static asdic_status begin(asdic_detect_job *job, const char *folder) {
         return status;
     }
     job->info = asdic_run_get_info(job->run);
-    job->detector = job->options->detector ? *job->options->detector
-                                           : *asdic_mission_detector(job->run->settings);
+    job->detector = job->options->detector ? *job->options->detector : job->run->settings.detector;
     job->by_cfar =
         job->options->has_cfar || strcmp(job->run->facts.bottom, ASDIC_RUN_BOTTOM_MESH) == 0;
     job->expected_altitude_m = NAN;

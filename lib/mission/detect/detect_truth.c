@@ -234,15 +234,14 @@ static bool moves(const asdic_namer *namer) {
 }
 
 asdic_status asdic_namer_begin_ping(asdic_namer *namer, const asdic_record *record) {
-    const asdic_sonar *sonar = asdic_mission_sonar(namer->run->settings);
+    const asdic_sonar *sonar = &namer->run->settings.sonar;
     if (namer->count < 2 ||
         (namer->is_placed && memcmp(&namer->pose, &record->pose, sizeof namer->pose) == 0)) {
         return ASDIC_OK;
     }
-    double wavelength_m =
-        asdic_environment_sound_speed_mps(asdic_mission_environment(namer->run->settings),
-                                          record->pose.position_m.z) /
-        sonar->frequency_hz;
+    double wavelength_m = asdic_environment_sound_speed_mps(&namer->run->settings.environment,
+                                                            record->pose.position_m.z) /
+                          sonar->frequency_hz;
     namer->pose = record->pose;
     namer->transmitter = asdic_face_aim(&sonar->transmitter, &record->pose, wavelength_m);
     for (size_t b = 0; b < sonar->receiver_count; b++) {

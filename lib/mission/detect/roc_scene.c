@@ -49,9 +49,9 @@ static asdic_status simulate(scene_job *job, asdic_device *device) {
     asdic_simulator *sim = NULL;
     asdic_sonar quiet = job->sonar;
     quiet.speckle = ASDIC_SPECKLE_NONE;
-    asdic_status status =
-        asdic_simulator_create(job->ctx, device, m->scene, &m->environment, &quiet, &m->sampling,
-                               asdic_mission_pose(m, 0, NULL).position_m.z, &sim);
+    asdic_status status = asdic_simulator_create(
+        job->ctx, device, m->scene, &m->settings.environment, &quiet, &m->settings.sampling,
+        asdic_mission_pose(m, 0, NULL).position_m.z, &sim);
     if (status == ASDIC_OK) {
         job->bins = asdic_simulator_bin_count(sim);
         status = asdic_ping_create(job->ctx, job->beams, job->bins, &job->ping);
@@ -80,8 +80,8 @@ static asdic_status expect(scene_job *job) {
         status = asdic_fail_memory(job->ctx, "a background");
     }
     if (status == ASDIC_OK && job->is_plane) {
-        status = asdic_expected_compute(job->ctx, &flat, &m->environment, &job->sonar, &job->pose,
-                                        job->expected);
+        status = asdic_expected_compute(job->ctx, &flat, &m->settings.environment, &job->sonar,
+                                        &job->pose, job->expected);
     }
     double *const *part = status == ASDIC_OK ? job->ping->intensity_lin : NULL;
     for (size_t i = 0; i < job->beams * job->bins && status == ASDIC_OK; i++) {
@@ -305,14 +305,15 @@ asdic_status asdic_roc_compute(asdic_context *ctx, const asdic_mission *mission,
     scene_job job = {.ctx = ctx,
                      .mission = mission,
                      .options = options,
-                     .sonar = mission->sonar,
+                     .sonar = mission->settings.sonar,
                      .pose = asdic_mission_pose(mission, options->ping, NULL),
-                     .beams = mission->sonar.receiver_count};
+                     .beams = mission->settings.sonar.receiver_count};
     job.azimuth_rad = job.pose.yaw_rad + options->bearing_rad;
     if (job.sonar.speckle == ASDIC_SPECKLE_NONE) {
         job.sonar.speckle = ASDIC_SPECKLE_RAYLEIGH;
     }
-    job.water = asdic_water_column_at(&mission->environment, &job.sonar, job.pose.position_m.z);
+    job.water =
+        asdic_water_column_at(&mission->settings.environment, &job.sonar, job.pose.position_m.z);
     asdic_roc *roc = calloc(1, sizeof *roc);
     status = roc ? simulate(&job, device) : asdic_fail_memory(ctx, "a curve");
     if (status == ASDIC_OK) {

@@ -18,7 +18,7 @@
 #define ASDIC_RUN_BOTTOM_MESH "mesh"
 #define ASDIC_RUN_BOTTOM_NONE "none"
 
-struct asdic_survey;
+struct asdic_statistics;
 
 /* Strings are borrowed: from the mission while running, from an arena when read. */
 typedef struct asdic_run_facts {
@@ -47,7 +47,7 @@ asdic_status asdic_run_facts_write(asdic_context *ctx, const char *folder,
                                    const asdic_run_facts *facts);
 
 /* Fills in what SURVEY, ended, has found in a run's records. */
-void asdic_run_facts_survey(asdic_run_facts *facts, const struct asdic_survey *survey);
+void asdic_run_facts_statistics(asdic_run_facts *facts, const struct asdic_statistics *statistics);
 
 /* ASDIC_ERROR_INPUT when there is no run.json or it is not one. */
 asdic_status asdic_run_facts_read(asdic_context *ctx, const char *folder, asdic_arena *arena,

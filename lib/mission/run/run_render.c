@@ -26,10 +26,10 @@ const char *asdic_image_name(asdic_image image) {
 static void resolve_window(asdic_render *r) {
     r->has_window = !isnan(r->options.db_low) && !isnan(r->options.db_high);
     if (isnan(r->options.db_low)) {
-        r->options.db_low = r->digest->survey.shown_low_db;
+        r->options.db_low = r->summary->statistics.shown_low_db;
     }
     if (isnan(r->options.db_high)) {
-        r->options.db_high = r->digest->survey.shown_high_db;
+        r->options.db_high = r->summary->statistics.shown_high_db;
     }
 }
 
@@ -193,17 +193,17 @@ static asdic_status check_output(const asdic_render *r) {
 }
 
 /* All records once, for what is to be drawn. */
-static asdic_status gather(asdic_render *r, asdic_digest **out) {
-    asdic_status status = asdic_digest_create(r->ctx, &r->plan, out);
+static asdic_status gather(asdic_render *r, asdic_summary **out) {
+    asdic_status status = asdic_summary_create(r->ctx, &r->plan, out);
     for (size_t i = 0; i < r->info.pings && status == ASDIC_OK; i++) {
         asdic_record record;
         status = asdic_run_read(r->run, i, &record);
         if (status == ASDIC_OK) {
-            asdic_digest_add(*out, &record);
+            asdic_summary_add(*out, &record);
         }
     }
     if (status == ASDIC_OK) {
-        asdic_digest_end(*out);
+        asdic_summary_end(*out);
     }
     return status;
 }
@@ -211,7 +211,7 @@ static asdic_status gather(asdic_render *r, asdic_digest **out) {
 /* What there is to draw, and of which beams. */
 static asdic_status plan(asdic_render *r) {
     r->info = asdic_run_get_info(r->run);
-    r->images = asdic_mission_output(r->run->settings)->images;
+    r->images = r->run->settings.output.images;
     if (r->options.images || (r->options.raw && r->options.path)) { /* that, or the raw one alone */
         r->images = r->options.images;
     }
@@ -219,15 +219,15 @@ static asdic_status plan(asdic_render *r) {
         return asdic_fail(r->ctx, ASDIC_ERROR_INPUT, "'%s' holds no ping to draw", r->run->folder);
     }
     drop_impossible(r);
-    r->plan = (asdic_digest_plan){.sonar = r->info.sonar,
-                                  .environment = r->info.environment,
-                                  .pings = r->info.pings,
-                                  .bins = r->info.bins,
-                                  .bin_length_m = r->run->facts.bin_length_m,
-                                  .images = r->images,
-                                  .tvg_db_per_decade = r->options.tvg_db_per_decade,
-                                  .tvg_db_per_m = r->options.tvg_db_per_m};
-    asdic_status status = asdic_digest_choose_beams(r->ctx, r->options.beam, &r->plan);
+    r->plan = (asdic_summary_plan){.sonar = r->info.sonar,
+                                   .environment = r->info.environment,
+                                   .pings = r->info.pings,
+                                   .bins = r->info.bins,
+                                   .bin_length_m = r->run->facts.bin_length_m,
+                                   .images = r->images,
+                                   .tvg_db_per_decade = r->options.tvg_db_per_decade,
+                                   .tvg_db_per_m = r->options.tvg_db_per_m};
+    asdic_status status = asdic_summary_choose_beams(r->ctx, r->options.beam, &r->plan);
     return status == ASDIC_OK ? check_output(r) : status;
 }
 
@@ -238,29 +238,29 @@ static asdic_status draw(asdic_render *r) {
     return status == ASDIC_OK ? render_pings(r) : status;
 }
 
-asdic_status asdic_run_render_digest(asdic_context *ctx, const char *folder,
-                                     const asdic_render_options *options,
-                                     const asdic_digest *digest) {
-    asdic_render r = {.ctx = ctx, .options = *options, .digest = digest};
-    asdic_digest *own = NULL;
+asdic_status asdic_run_render_summary(asdic_context *ctx, const char *folder,
+                                      const asdic_render_options *options,
+                                      const asdic_summary *summary) {
+    asdic_render r = {.ctx = ctx, .options = *options, .summary = summary};
+    asdic_summary *own = NULL;
     asdic_status status = asdic_run_open(ctx, folder, &r.run);
     if (status == ASDIC_OK) {
         status = plan(&r);
     }
-    if (status == ASDIC_OK && !digest) {
+    if (status == ASDIC_OK && !summary) {
         status = gather(&r, &own);
-        r.digest = own;
+        r.summary = own;
     }
     if (status == ASDIC_OK) {
         status = draw(&r);
     }
-    asdic_digest_destroy(&own);
+    asdic_summary_destroy(&own);
     asdic_run_close(&r.run);
     return status;
 }
 
 asdic_status asdic_run_render(asdic_context *ctx, const char *folder,
                               const asdic_render_options *options) {
-    return folder && options ? asdic_run_render_digest(ctx, folder, options, NULL)
+    return folder && options ? asdic_run_render_summary(ctx, folder, options, NULL)
                              : asdic_fail_null(ctx, __func__);
 }

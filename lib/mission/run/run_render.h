@@ -4,7 +4,7 @@
 #ifndef ASDIC_MISSION_RUN_RENDER_H
 #define ASDIC_MISSION_RUN_RENDER_H
 
-#include "run_digest.h"
+#include "run_summary.h"
 #include "run_open.h"
 
 /* At most this many beams get a panel of an A-scope. */
@@ -16,8 +16,8 @@ typedef struct asdic_render {
     asdic_context *ctx;
     asdic_run *run;
     asdic_run_info info;
-    asdic_digest_plan plan;
-    const asdic_digest *digest;   /* of PLAN */
+    asdic_summary_plan plan;
+    const asdic_summary *summary; /* of PLAN */
     asdic_render_options options; /* window resolved */
     bool has_window;              /* it was asked for */
     unsigned images;
@@ -26,9 +26,9 @@ typedef struct asdic_render {
 } asdic_render;
 
 /* As asdic_run_render with DIGEST, what was gathered while the run's pings came; NULL: from the folder. */
-asdic_status asdic_run_render_digest(asdic_context *ctx, const char *folder,
-                                     const asdic_render_options *options,
-                                     const asdic_digest *digest);
+asdic_status asdic_run_render_summary(asdic_context *ctx, const char *folder,
+                                      const asdic_render_options *options,
+                                      const asdic_summary *summary);
 
 /* Fills note and texts from the options; to be repeated in a copy. */
 void asdic_render_describe(asdic_render *render);

@@ -118,8 +118,8 @@ asdic_status asdic_render_ascope(const asdic_render *whole, const asdic_record *
     }
     own.options.tvg_db_per_decade = own.options.tvg_db_per_m = 0.0;
     if (!r->has_window) {
-        own.options.db_low = r->digest->survey.low_db;
-        own.options.db_high = r->digest->survey.high_db;
+        own.options.db_low = r->summary->statistics.low_db;
+        own.options.db_high = r->summary->statistics.high_db;
     }
     asdic_render_describe(&own);
     asdic_picture_options options = asdic_render_picture(r, title, "ping", number);

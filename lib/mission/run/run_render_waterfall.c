@@ -12,7 +12,7 @@
 #define MOST_NAMES 16
 
 static double ping_period_s(const asdic_render *r) {
-    double whole_s = r->digest->survey.last_time_s - r->digest->survey.first_time_s;
+    double whole_s = r->summary->statistics.last_time_s - r->summary->statistics.first_time_s;
     return r->info.pings > 1 ? whole_s / (double)(r->info.pings - 1) : 0.0;
 }
 
@@ -28,7 +28,7 @@ static asdic_status draw(asdic_render *r, size_t beam, const asdic_decimator *le
     asdic_waterfall waterfall = {.pings = r->info.pings,
                                  .bins = r->info.bins,
                                  .bin_length_m = r->run->facts.bin_length_m,
-                                 .first_time_s = r->digest->survey.first_time_s,
+                                 .first_time_s = r->summary->statistics.first_time_s,
                                  .ping_period_s = ping_period_s(r)};
     asdic_status status = asdic_draw_waterfall(r->ctx, path, &waterfall, levels, &options);
     free(path);
@@ -75,27 +75,27 @@ static asdic_status draw_raw(asdic_render *r, size_t beam) {
 
 /* With a gain, and a window, of its own unless they were asked for. */
 static asdic_status draw_overview(const asdic_render *whole) {
-    const asdic_digest *digest = whole->digest;
+    const asdic_summary *summary = whole->summary;
     asdic_render own = *whole, *r = &own;
     char title[256];
     const char *names[MOST_NAMES];
     asdic_overview_axes axes = {.names = r->info.beams <= MOST_NAMES ? names : NULL,
-                                .first_time_s = r->digest->survey.first_time_s,
+                                .first_time_s = r->summary->statistics.first_time_s,
                                 .ping_period_s = ping_period_s(r)};
     for (size_t i = 0; axes.names && i < r->info.beams; i++) {
         names[i] = r->info.sonar->receivers[i].name;
     }
-    own.options.tvg_db_per_decade = digest->overview_db_per_decade;
-    own.options.tvg_db_per_m = digest->overview_db_per_m;
+    own.options.tvg_db_per_decade = summary->overview_db_per_decade;
+    own.options.tvg_db_per_m = summary->overview_db_per_m;
     if (!whole->has_window) {
-        asdic_overview_window(&digest->overview, &own.options.db_low, &own.options.db_high);
+        asdic_overview_window(&summary->overview, &own.options.db_low, &own.options.db_high);
     }
     asdic_render_describe(&own);
     snprintf(title, sizeof title, "%s: strongest echo of each ping and beam", r->info.scene_name);
     asdic_picture_options options = asdic_render_picture(r, title, "view", "overview");
     char *path = asdic_render_path(r, "overview", "");
     asdic_status status =
-        path ? asdic_draw_overview(r->ctx, path, &digest->overview, &axes, &options)
+        path ? asdic_draw_overview(r->ctx, path, &summary->overview, &axes, &options)
              : asdic_fail_memory(r->ctx, "a file name");
     free(path);
     return status;
@@ -105,7 +105,7 @@ asdic_status asdic_render_many(asdic_render *r) {
     asdic_status status = ASDIC_OK;
     for (size_t k = 0; r->images & 1u << ASDIC_IMAGE_WATERFALL && k < r->plan.beam_count; k++) {
         if (status == ASDIC_OK) {
-            status = draw(r, r->plan.beams[k], &r->digest->waterfalls[k]);
+            status = draw(r, r->plan.beams[k], &r->summary->waterfalls[k]);
         }
     }
     if (status == ASDIC_OK && r->images & 1u << ASDIC_IMAGE_OVERVIEW) {

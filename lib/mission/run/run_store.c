@@ -159,8 +159,8 @@ asdic_status asdic_store_open(asdic_context *ctx, const char *folder, asdic_stor
     }
     store->ctx = ctx;
     store->fd = -1;
-    store->path = asdic_folder_path(folder, "pings", "", "npy");
-    store->part = asdic_folder_path(folder, "pings", "", "npy.part");
+    store->path = asdic_folder_file(folder, "pings.npy");
+    store->part = asdic_folder_file(folder, "pings.npy.part");
     store->record_bytes = asdic_record_bytes(beams, bins);
     asdic_record_dtype(store->dtype, beams, bins);
     store->header_bytes = asdic_npy_header(header, store->dtype, 0, "");

@@ -7,6 +7,7 @@
 
 #include <asdic/mission.h>
 
+#include "out/format.h"
 #include "schema.h"
 
 typedef struct file_environment {
@@ -176,7 +177,7 @@ typedef struct file_detector {
 typedef struct file_output {
     asdic_yaml_node *node;
     int csv;
-    bool npy, netcdf;
+    bool formats[ASDIC_FORMAT_COUNT];
     unsigned images;
 } file_output;
 

@@ -100,16 +100,16 @@ static const asdic_word image_words[] = {{"waterfall", ASDIC_IMAGE_WATERFALL, fa
                                          {"overview", ASDIC_IMAGE_OVERVIEW, false},
                                          {"plan", ASDIC_IMAGE_PLAN, false},
                                          {NULL, 0, false}};
+#define FORMAT_KEY(name_of)                                                                        \
+    {#name_of, ASDIC_KEY_BOOL, AT(file_output, formats[ASDIC_FORMAT_##name_of]),                   \
+     .fallback = "false", .doc = asdic_format_doc_##name_of},
 static const asdic_key output_keys[] = {
     {"csv", ASDIC_KEY_WORD, AT(file_output, csv), .words = csv_words, .fallback = "long",
      .doc = "bins.csv: long has a row per ping, beam and bin, wide one per ping and beam; none: no "
             "such file, pings.npy holds the same"},
-    {"npy", ASDIC_KEY_BOOL, AT(file_output, npy), .fallback = "false",
-     .doc = "also levels.npy: float32 by ping, beam and bin"},
-    {"netcdf", ASDIC_KEY_BOOL, AT(file_output, netcdf), .fallback = "false",
-     .doc = "also run.nc: netCDF-4 with names after SONAR-netCDF4"},
-    {"images", ASDIC_KEY_WORDS, AT(file_output, images), .words = image_words,
-     .fallback = "[waterfall, ascope, fan, overview, plan]", .doc = "pictures to draw"},
+    ASDIC_FORMATS(FORMAT_KEY){
+        "images", ASDIC_KEY_WORDS, AT(file_output, images), .words = image_words,
+        .fallback = "[waterfall, ascope, fan, overview, plan]", .doc = "pictures to draw"},
 };
 static const asdic_table output_table = {TABLE(output_keys, file_output),
                                          .doc = "what a run writes"};

@@ -1,4 +1,4 @@
-#include "run_survey.h"
+#include "run_statistics.h"
 
 #include "base/context.h"
 #include "out/raster.h"
@@ -20,32 +20,33 @@
 #define LOW_SHARE 0.01
 #define HIGH_SHARE 0.999
 
-typedef struct asdic_survey_counts {
+typedef struct asdic_statistics_counts {
     uint64_t levels[LEVEL_BINS], shown[LEVEL_BINS], errors[ERROR_BINS];
     uint64_t level_count, error_count, records;
     float worst_db;
 } counts;
 
-asdic_status asdic_survey_begin(asdic_context *ctx, asdic_survey *survey) {
-    *survey = (asdic_survey){.counts = calloc(1, sizeof(counts))};
-    return survey->counts ? ASDIC_OK : asdic_fail_memory(ctx, "a run's statistics");
+asdic_status asdic_statistics_begin(asdic_context *ctx, asdic_statistics *statistics) {
+    *statistics = (asdic_statistics){.counts = calloc(1, sizeof(counts))};
+    return statistics->counts ? ASDIC_OK : asdic_fail_memory(ctx, "a run's statistics");
 }
 
-asdic_status asdic_survey_set_gain(asdic_context *ctx, asdic_survey *survey, size_t bins,
-                                   double bin_length_m, const asdic_picture_options *options) {
-    survey->bins = bins;
-    survey->gain_db = malloc(bins * sizeof *survey->gain_db);
-    for (size_t n = 0; survey->gain_db && n < bins; n++) {
-        survey->gain_db[n] = asdic_raster_gain(options, 0.0, ((double)n + 0.5) * bin_length_m);
+asdic_status asdic_statistics_set_gain(asdic_context *ctx, asdic_statistics *statistics,
+                                       size_t bins, double bin_length_m,
+                                       const asdic_picture_options *options) {
+    statistics->bins = bins;
+    statistics->gain_db = malloc(bins * sizeof *statistics->gain_db);
+    for (size_t n = 0; statistics->gain_db && n < bins; n++) {
+        statistics->gain_db[n] = asdic_raster_gain(options, 0.0, ((double)n + 0.5) * bin_length_m);
     }
-    return survey->gain_db ? ASDIC_OK : asdic_fail_memory(ctx, "a gain");
+    return statistics->gain_db ? ASDIC_OK : asdic_fail_memory(ctx, "a gain");
 }
 
-void asdic_survey_finish(asdic_survey *survey) {
-    free(survey->gain_db);
-    free(survey->counts);
-    survey->gain_db = NULL;
-    survey->counts = NULL;
+void asdic_statistics_finish(asdic_statistics *statistics) {
+    free(statistics->gain_db);
+    free(statistics->counts);
+    statistics->gain_db = NULL;
+    statistics->counts = NULL;
 }
 
 static size_t level_bin(float level_db) {
@@ -77,10 +78,12 @@ static void add_levels(counts *c, const float *level_db, size_t count) {
     }
 }
 
-static void add_shown(counts *c, const asdic_survey *survey, const float *level_db, size_t count) {
-    for (size_t i = 0; survey->gain_db && i < count; i++) {
+static void add_shown(counts *c, const asdic_statistics *statistics, const float *level_db,
+                      size_t count) {
+    for (size_t i = 0; statistics->gain_db && i < count; i++) {
         if (!isnan(level_db[i])) {
-            c->shown[level_bin((float)((double)level_db[i] + survey->gain_db[i % survey->bins]))]++;
+            c->shown[level_bin(
+                (float)((double)level_db[i] + statistics->gain_db[i % statistics->bins]))]++;
         }
     }
 }
@@ -95,15 +98,15 @@ static void add_errors(counts *c, const float *error_db, size_t count) {
     }
 }
 
-void asdic_survey_add(asdic_survey *survey, const asdic_record *record, size_t cells) {
-    counts *c = survey->counts;
+void asdic_statistics_add(asdic_statistics *statistics, const asdic_record *record, size_t cells) {
+    counts *c = statistics->counts;
     add_levels(c, record->level_db[ASDIC_TOTAL], cells);
-    add_shown(c, survey, record->level_db[ASDIC_TOTAL], cells);
+    add_shown(c, statistics, record->level_db[ASDIC_TOTAL], cells);
     add_errors(c, record->stderr_db, cells);
-    survey->rays += record->rays;
-    survey->saturated += record->saturated;
-    survey->first_time_s = c->records == 0 ? record->time_s : survey->first_time_s;
-    survey->last_time_s = record->time_s;
+    statistics->rays += record->rays;
+    statistics->saturated += record->saturated;
+    statistics->first_time_s = c->records == 0 ? record->time_s : statistics->first_time_s;
+    statistics->last_time_s = record->time_s;
     c->records++;
 }
 
@@ -132,7 +135,7 @@ static void window(const uint64_t *histogram, uint64_t count, double *low_db, do
     }
 }
 
-void asdic_survey_end(asdic_survey *out) {
+void asdic_statistics_end(asdic_statistics *out) {
     const counts *c = out->counts;
     out->stderr_median_db = out->stderr_worst_db = NAN;
     window(c->levels, c->level_count, &out->low_db, &out->high_db);

@@ -3,14 +3,18 @@
 #include "base/clock.h"
 #include "base/context.h"
 #include "base/sha256.h"
-#include "run_folder.h"
+#include "base/try.h"
 #include "mission/mission.h"
-#include "run_scenery.h"
+#include "run_chart_data.h"
+#include "run_folder.h"
+#include "run_render.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+/* --- what is to be run -------------------------------------------------------------------------- */
 
 static asdic_status check_range(asdic_run_job *job) {
     const asdic_run_options *o = job->options;
@@ -56,10 +60,7 @@ static asdic_status describe(asdic_run_job *job) {
     f->bottom = bottom_of(m);
     f->bottom_type = asdic_mission_flat_scene(m, f->first_ping).bottom_type;
     f->remarks = asdic_mission_remarks(m);
-    asdic_status status = asdic_mission_plan(job->ctx, job->mission, &f->plan);
-    if (status != ASDIC_OK) {
-        return status;
-    }
+    TRY(asdic_mission_plan(job->ctx, job->mission, &f->plan));
     asdic_mission_sampling(job->mission)->left_out = f->plan.left_out;
     f->sampling = *asdic_mission_sampling(job->mission);
     f->beams = sonar->receiver_count;
@@ -121,48 +122,46 @@ static asdic_status compare(asdic_run_job *job, const asdic_run_facts *earlier) 
     return ASDIC_OK;
 }
 
+asdic_status asdic_job_describe(asdic_run_job *job) {
+    TRY(check_range(job));
+    TRY(asdic_files_check(job->ctx, &job->mission->settings));
+    return describe(job);
+}
+
+/* --- the beginning ------------------------------------------------------------------------------ */
+
+/* Reads what an earlier call left in the folder, which must be of the same run. */
+static asdic_status read_earlier(asdic_run_job *job, asdic_run_facts *earlier) {
+    const char *folder = job->options->folder;
+    TRY(asdic_folder_check_idle(job->ctx, folder));
+    TRY(asdic_run_facts_read(job->ctx, folder, &job->arena, earlier));
+    return compare(job, earlier);
+}
+
 /* Opens the store of a new run or of the one to be resumed. */
 static asdic_status open_store(asdic_run_job *job) {
     const char *folder = job->options->folder;
     asdic_run_facts earlier = {0};
-    asdic_status status;
     asdic_store_mode mode = ASDIC_STORE_CREATE;
     if (job->options->resume && asdic_folder_has_run(folder)) {
         mode = ASDIC_STORE_RESUME;
-        status = asdic_folder_check_idle(job->ctx, folder);
-        if (status == ASDIC_OK) {
-            status = asdic_run_facts_read(job->ctx, folder, &job->arena, &earlier);
-        }
-        if (status == ASDIC_OK) {
-            status = compare(job, &earlier);
-        }
+        TRY(read_earlier(job, &earlier));
     } else {
-        status = asdic_folder_prepare(job->ctx, folder, job->options->force);
-    }
-    if (status != ASDIC_OK) {
-        return status;
+        TRY(asdic_folder_prepare(job->ctx, folder, job->options->force));
     }
     if (earlier.state && strcmp(earlier.state, ASDIC_RUN_COMPLETE) == 0) {
         job->is_complete = true;
         return ASDIC_OK;
     }
-    status = list_devices(job, &earlier);
-    if (status == ASDIC_OK) {
-        status = asdic_run_facts_write(job->ctx, folder, &job->facts);
-    }
-    if (status == ASDIC_OK) {
-        status = asdic_store_open(job->ctx, folder, mode, job->facts.beams, job->facts.bins,
-                                  &job->store);
-    }
-    if (status == ASDIC_OK) {
-        status = asdic_store_cut(job->store, job->facts.pings_planned);
-    }
-    return status;
+    TRY(list_devices(job, &earlier));
+    TRY(asdic_run_facts_write(job->ctx, folder, &job->facts));
+    TRY(asdic_store_open(job->ctx, folder, mode, job->facts.beams, job->facts.bins, &job->store));
+    return asdic_store_cut(job->store, job->facts.pings_planned);
 }
 
 /* Where the vehicle is at the run's pings. */
 static asdic_status write_track(asdic_run_job *job) {
-    char *path = asdic_folder_path(job->options->folder, "track", "", "csv");
+    char *path = asdic_folder_file(job->options->folder, "track.csv");
     asdic_status status =
         path ? asdic_mission_write_pings(job->ctx, job->mission, job->facts.first_ping,
                                          job->facts.pings_planned, path)
@@ -171,44 +170,29 @@ static asdic_status write_track(asdic_run_job *job) {
     return status;
 }
 
+static asdic_status open_files(asdic_run_job *job) {
+    const char *folder = job->options->folder;
+    asdic_pose first = asdic_mission_pose(job->mission, job->facts.first_ping, NULL);
+    TRY(write_track(job));
+    TRY(asdic_chart_data_write(job->ctx, job->mission, folder));
+    return asdic_files_create(job->ctx, folder, &job->mission->settings, &job->facts,
+                              first.position_m.z, &job->files);
+}
+
 /* Records of earlier pings, as if they came now: the rows of bins.csv, what pictures need. */
 static asdic_status replay(asdic_run_job *job) {
-    asdic_status status = ASDIC_OK;
-    for (size_t i = 0; i < job->resumed && status == ASDIC_OK; i++) {
-        status = asdic_store_read(job->store, i, job->bytes);
-        if (status == ASDIC_OK) {
-            status = asdic_job_keep(job, job->bytes);
-        }
+    for (size_t i = 0; i < job->resumed; i++) {
+        TRY(asdic_store_read(job->store, i, job->bytes));
+        TRY(asdic_job_keep(job, job->bytes));
     }
-    return status;
-}
-
-static asdic_status open_csv(asdic_run_job *job) {
-    const asdic_sonar *sonar = asdic_mission_sonar(job->mission);
-    char *path = asdic_folder_path(job->options->folder, "bins", "", "csv");
-    asdic_status status = path
-                              ? asdic_csv_create(job->ctx, path, sonar, job->facts.bins,
-                                                 asdic_mission_output(job->mission)->csv, &job->csv)
-                              : asdic_fail_memory(job->ctx, "a file name");
-    free(path);
-    return status;
-}
-
-asdic_status asdic_job_describe(asdic_run_job *job) {
-    asdic_status status = check_range(job);
-    if (status == ASDIC_OK) {
-        status = asdic_files_check(job->ctx, job->mission);
-    }
-    return status == ASDIC_OK ? describe(job) : status;
+    return ASDIC_OK;
 }
 
 asdic_status asdic_job_begin(asdic_run_job *job) {
-    asdic_status status = asdic_job_describe(job);
-    if (status == ASDIC_OK) {
-        status = open_store(job);
-    }
-    if (status != ASDIC_OK || job->is_complete) {
-        return status;
+    TRY(asdic_job_describe(job));
+    TRY(open_store(job));
+    if (job->is_complete) {
+        return ASDIC_OK;
     }
     job->resumed = asdic_store_count(job->store);
     job->bytes = malloc(asdic_store_record_bytes(job->store));
@@ -216,21 +200,95 @@ asdic_status asdic_job_begin(asdic_run_job *job) {
         return asdic_fail_memory(job->ctx, "a record");
     }
     double begin_s = asdic_clock_s();
-    status = write_track(job);
-    if (status == ASDIC_OK) {
-        status = asdic_scenery_write(job->ctx, job->mission, job->options->folder);
-    }
-    if (status == ASDIC_OK) {
-        status = open_csv(job);
-    }
-    if (status == ASDIC_OK) {
-        asdic_pose first = asdic_mission_pose(job->mission, job->facts.first_ping, NULL);
-        status = asdic_files_create(job->ctx, job->options->folder, job->mission, &job->facts,
-                                    first.position_m.z, &job->files);
-    }
+    asdic_status status = open_files(job);
     job->facts.times.write_s += asdic_clock_s() - begin_s;
-    if (status == ASDIC_OK) {
-        status = asdic_digest_create_all(job->ctx, job->mission, &job->facts, &job->digest);
+    TRY(status);
+    TRY(asdic_summary_create_all(job->ctx, &job->mission->settings, &job->facts, &job->summary));
+    return replay(job);
+}
+
+asdic_status asdic_job_begin_stream(asdic_run_job *job) {
+    TRY(asdic_job_describe(job));
+    job->bytes = malloc(asdic_record_bytes(job->facts.beams, job->facts.bins));
+    if (!job->bytes) {
+        return asdic_fail_memory(job->ctx, "a record");
     }
-    return status == ASDIC_OK ? replay(job) : status;
+    return asdic_files_create_stream(job->ctx, &job->mission->settings, job->facts.bins,
+                                     &job->files);
+}
+
+/* --- ping by ping ------------------------------------------------------------------------------- */
+
+asdic_status asdic_job_keep(asdic_run_job *job, const void *bytes) {
+    asdic_record record;
+    double begin_s = asdic_clock_s();
+    asdic_record_view(bytes, job->facts.beams, job->facts.bins, &record);
+    asdic_status status = asdic_files_add(job->files, &record);
+    double written_s = asdic_clock_s();
+    asdic_summary_add(job->summary, &record);
+    job->facts.times.write_s += written_s - begin_s;
+    job->facts.times.pictures_s += asdic_clock_s() - written_s;
+    job->kept++;
+    return status;
+}
+
+/* --- the end ------------------------------------------------------------------------------------ */
+
+static void conclude(asdic_run_job *job) {
+    asdic_run_facts *f = &job->facts;
+    asdic_summary_end(job->summary);
+    f->pings = asdic_store_count(job->store);
+    asdic_run_facts_statistics(f, &job->summary->statistics);
+    if (f->saturated > 0) {
+        asdic_log(job->ctx, ASDIC_LOG_WARNING,
+                  "%llu echoes were too strong for the accumulator and were cut",
+                  (unsigned long long)f->saturated);
+    }
+}
+
+static asdic_status draw(asdic_run_job *job) {
+    asdic_render_options options = asdic_render_options_default();
+    double begin_s = asdic_clock_s();
+    asdic_status status = ASDIC_OK;
+    if (asdic_mission_output(job->mission)->images != 0) {
+        status = asdic_run_render_summary(job->ctx, job->options->folder, &options, job->summary);
+    }
+    job->facts.times.pictures_s += asdic_clock_s() - begin_s;
+    return status;
+}
+
+static asdic_status write_facts(asdic_run_job *job) {
+    job->facts.times.whole_s = asdic_clock_s() - job->begin_s;
+    return asdic_run_facts_write(job->ctx, job->options->folder, &job->facts);
+}
+
+static asdic_status commit(asdic_run_job *job, bool is_whole) {
+    TRY(asdic_store_commit(job->store));
+    TRY(asdic_files_commit(job->files, is_whole));
+    conclude(job);
+    return ASDIC_OK;
+}
+
+asdic_status asdic_job_end(asdic_run_job *job, bool is_whole) {
+    double begin_s = asdic_clock_s();
+    asdic_status status = commit(job, is_whole);
+    job->facts.times.write_s += asdic_clock_s() - begin_s;
+    TRY(status);
+    /* Not complete before the pictures are there: --resume then draws what is missing. */
+    job->facts.state = ASDIC_RUN_STOPPED;
+    TRY(write_facts(job));
+    if (!is_whole) {
+        return ASDIC_OK;
+    }
+    TRY(draw(job));
+    job->facts.state = ASDIC_RUN_COMPLETE;
+    return write_facts(job);
+}
+
+void asdic_job_finish(asdic_run_job *job) {
+    asdic_files_destroy(&job->files);
+    asdic_store_close(&job->store);
+    asdic_summary_destroy(&job->summary);
+    asdic_arena_finish(&job->arena);
+    free(job->bytes);
 }

@@ -1,4 +1,4 @@
-#include "run_scenery.h"
+#include "run_chart_data.h"
 
 #include "base/context.h"
 #include "base/file_read.h"
@@ -197,12 +197,12 @@ static asdic_status write_routes(asdic_context *ctx, const asdic_mission *missio
     return file ? asdic_file_commit(&file) : status;
 }
 
-asdic_status asdic_scenery_write(asdic_context *ctx, const asdic_mission *mission,
-                                 const char *folder) {
+asdic_status asdic_chart_data_write(asdic_context *ctx, const asdic_mission *mission,
+                                    const char *folder) {
     const asdic_mission_object *bottom = bottom_of(mission);
-    char *terrain = asdic_folder_path(folder, "terrain", "", "asc");
-    char *objects = asdic_folder_path(folder, "objects", "", "csv");
-    char *routes = asdic_folder_path(folder, "routes", "", "csv");
+    char *terrain = asdic_folder_file(folder, "terrain.asc");
+    char *objects = asdic_folder_file(folder, "objects.csv");
+    char *routes = asdic_folder_file(folder, "routes.csv");
     asdic_status status =
         terrain && objects && routes ? ASDIC_OK : asdic_fail_memory(ctx, "a file name");
     if (status == ASDIC_OK && bottom) {
@@ -238,7 +238,7 @@ static asdic_status copy(asdic_context *ctx, const char *from, const char *to, c
     return status;
 }
 
-asdic_status asdic_scenery_copy(asdic_context *ctx, const char *from, const char *to) {
+asdic_status asdic_chart_data_copy(asdic_context *ctx, const char *from, const char *to) {
     asdic_status status = copy(ctx, from, to, "terrain", "asc");
     if (status == ASDIC_OK) {
         status = copy(ctx, from, to, "objects", "csv");

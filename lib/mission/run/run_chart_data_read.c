@@ -1,4 +1,4 @@
-#include "run_scenery.h"
+#include "run_chart_data.h"
 
 #include "base/context.h"
 #include "base/file_read.h"
@@ -10,6 +10,8 @@
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
+
+/* --- reading ------------------------------------------------------------------------------------ */
 
 #define MAX_BYTES ((size_t)64 << 20)
 /* Far more than a run writes. */
@@ -47,7 +49,7 @@ static bool header(scan *s, const char *key, double *out) {
            next_number(s, " \n", out);
 }
 
-static bool parse_relief(scan *s, asdic_scenery *out) {
+static bool parse_relief(scan *s, asdic_chart_data *out) {
     asdic_relief *r = &out->relief;
     double columns, rows, no_data;
     if (!header(s, "ncols", &columns) || !header(s, "nrows", &rows) ||
@@ -71,7 +73,7 @@ static bool parse_relief(scan *s, asdic_scenery *out) {
 }
 
 /* One corner a line; a new number in the second field begins an outline. */
-static bool parse_outlines(scan *s, asdic_scenery *out) {
+static bool parse_outlines(scan *s, asdic_chart_data *out) {
     size_t length, capacity = 0;
     double number, last = -1.0, x_m, y_m;
     next_word(s, "\n", &length); /* the names of the columns */
@@ -105,7 +107,7 @@ static bool parse_outlines(scan *s, asdic_scenery *out) {
 }
 
 /* One point a line; a new name begins a route. */
-static bool parse_routes(scan *s, asdic_scenery *out) {
+static bool parse_routes(scan *s, asdic_chart_data *out) {
     size_t length, lines = 0, point = 0;
     for (const char *at = s->at; at < s->end; at++) {
         lines += *at == '\n';
@@ -147,8 +149,8 @@ static asdic_status load(asdic_context *ctx, const char *path, char **text, scan
 
 /* NAME.EXTENSION of FOLDER by PARSE, if there is such a file. */
 static asdic_status read_part(asdic_context *ctx, const char *folder, const char *name,
-                              const char *extension, bool (*parse)(scan *, asdic_scenery *),
-                              asdic_scenery *out) {
+                              const char *extension, bool (*parse)(scan *, asdic_chart_data *),
+                              asdic_chart_data *out) {
     char *path = asdic_folder_path(folder, name, "", extension), *text = NULL;
     scan s;
     asdic_status status = path ? load(ctx, path, &text, &s) : asdic_fail_memory(ctx, "a file name");
@@ -163,8 +165,8 @@ static asdic_status read_part(asdic_context *ctx, const char *folder, const char
     return status;
 }
 
-asdic_status asdic_scenery_read(asdic_context *ctx, const char *folder, asdic_scenery *out) {
-    *out = (asdic_scenery){0};
+asdic_status asdic_chart_data_read(asdic_context *ctx, const char *folder, asdic_chart_data *out) {
+    *out = (asdic_chart_data){0};
     asdic_status status = read_part(ctx, folder, "terrain", "asc", parse_relief, out);
     if (status == ASDIC_OK) {
         status = read_part(ctx, folder, "objects", "csv", parse_outlines, out);
@@ -173,15 +175,84 @@ asdic_status asdic_scenery_read(asdic_context *ctx, const char *folder, asdic_sc
         status = read_part(ctx, folder, "routes", "csv", parse_routes, out);
     }
     if (status != ASDIC_OK) {
-        asdic_scenery_finish(out);
+        asdic_chart_data_finish(out);
     }
     return status;
 }
 
-void asdic_scenery_finish(asdic_scenery *scenery) {
-    free(scenery->relief.depth_m);
-    free(scenery->outlines);
-    free(scenery->routes);
-    free(scenery->points);
-    *scenery = (asdic_scenery){0};
+void asdic_chart_data_finish(asdic_chart_data *data) {
+    free(data->relief.depth_m);
+    free(data->outlines);
+    free(data->routes);
+    free(data->points);
+    *data = (asdic_chart_data){0};
+}
+
+/* --- routes ------------------------------------------------------------------------------------- */
+
+/* Between the points of ROUTE; beyond its ends, the nearest but for the time. */
+static asdic_route_point at(const asdic_route *route, double time_s) {
+    const asdic_route_point *p = route->points;
+    size_t next = 0;
+    while (next < route->count && p[next].time_s < time_s) {
+        next++;
+    }
+    if (next == 0 || next == route->count) {
+        asdic_route_point end = p[next == 0 ? 0 : route->count - 1];
+        end.time_s = time_s;
+        return end;
+    }
+    const asdic_route_point *a = &p[next - 1], *b = &p[next];
+    double share = (time_s - a->time_s) / (b->time_s - a->time_s);
+    double turn_rad =
+        remainder(b->yaw_rad - a->yaw_rad, 2.0 * ASDIC_PI); /* the shorter way round */
+    return (asdic_route_point){.time_s = time_s,
+                               .north_m = a->north_m + share * (b->north_m - a->north_m),
+                               .east_m = a->east_m + share * (b->east_m - a->east_m),
+                               .yaw_rad = a->yaw_rad + share * turn_rad};
+}
+
+/* OUTLINE, drawn where the object is at A, to B: turned about the object's place, and moved. */
+static void move(asdic_outline *outline, const asdic_route_point *a, const asdic_route_point *b) {
+    double cosine = cos(b->yaw_rad - a->yaw_rad), sine = sin(b->yaw_rad - a->yaw_rad);
+    for (size_t k = 0; k < outline->count; k++) {
+        double north_m = outline->north_m[k] - a->north_m, east_m = outline->east_m[k] - a->east_m;
+        outline->north_m[k] = b->north_m + cosine * north_m - sine * east_m;
+        outline->east_m[k] = b->east_m + sine * north_m + cosine * east_m;
+    }
+}
+
+/* ROUTE's COUNT POINTS, of which the first is not after FIRST and the last not before LAST, in place to
+ * those two and what lies between; how many these are. */
+static size_t cut(asdic_route_point *points, size_t count, asdic_route_point first,
+                  asdic_route_point last) {
+    size_t kept = 0;
+    points[kept++] = first;
+    for (size_t i = 1; i + 1 < count; i++) {
+        if (points[i].time_s > first.time_s && points[i].time_s < last.time_s) {
+            points[kept++] = points[i];
+        }
+    }
+    points[kept++] = last;
+    return kept;
+}
+
+void asdic_chart_data_cut(asdic_chart_data *data, double first_time_s, double last_time_s) {
+    size_t kept = 0;
+    for (size_t i = 0; i < data->route_count; i++) {
+        asdic_route route = data->routes[i];
+        asdic_route_point *points = data->points + (route.points - data->points);
+        asdic_route_point start = points[0], first = at(&route, first_time_s),
+                          last = at(&route, last_time_s);
+        for (size_t k = 0; k < data->outline_count; k++) {
+            if (strcmp(data->outlines[k].name, route.name) == 0) {
+                move(&data->outlines[k], &start, &last);
+            }
+        }
+        if (route.count > 1 && last_time_s > first_time_s) {
+            route.count = cut(points, route.count, first, last);
+            data->routes[kept++] = route;
+        }
+    }
+    data->route_count = kept;
 }

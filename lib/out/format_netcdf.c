@@ -1,6 +1,17 @@
-#include "netcdf_run.h"
+/*
+ * run.nc: a run as netCDF-4. Groups and names are those of the SONAR-netCDF4 convention (Macaulay &
+ * Pena, eds., ICES Cooperative Research Report 341, 2018) wherever it has one for what is said. The
+ * file does not conform to it and does not claim to: levels are rectangular arrays in dB, where the
+ * convention has ragged arrays of samples, and positions are metres from the scene's origin.
+ */
+#include "format.h"
+
+const char asdic_format_doc_netcdf[] = "also run.nc: netCDF-4 with names after SONAR-netCDF4";
+
+#if ASDIC_HAVE_NETCDF
 
 #include "base/context.h"
+#include "base/try.h"
 #include "base/vec.h"
 #include "digits.h"
 #include "netcdf_file.h"
@@ -20,7 +31,7 @@
 /* What is said of every ping beside its levels. */
 enum { PING_TIME, TIME, HEADING, PITCH, ROLL, NORTH, EAST, DEPTH, ALTITUDE, SERIES_COUNT };
 
-struct asdic_netcdf {
+typedef struct netcdf {
     asdic_nc nc;
     size_t beams, bins, pings;
     int platform, beam_group;
@@ -29,11 +40,7 @@ struct asdic_netcdf {
     float *levels_db[ASDIC_RECORD_ARRAYS]; /* [chunk_pings * beams * bins] */
     uint64_t *ping_numbers;
     double *series[SERIES_COUNT];
-};
-
-bool asdic_netcdf_available(void) {
-    return true;
-}
+} netcdf;
 
 typedef struct label {
     const char *name, *long_name;
@@ -50,7 +57,7 @@ static const label level_names[ASDIC_RECORD_ARRAYS] = {
     [ASDIC_COMPONENT_COUNT] = {"stderr_db", "one standard error of the sampling of the total, dB"},
 };
 
-static void describe_file(asdic_netcdf *f, const asdic_netcdf_about *about) {
+static void describe_file(netcdf *f, const asdic_format_about *about) {
     char seed[ASDIC_DIGITS_SIZE];
     asdic_digits_natural(seed, about->seed);
     const asdic_nc_attribute root[] = {
@@ -73,8 +80,8 @@ static void describe_file(asdic_netcdf *f, const asdic_netcdf_about *about) {
 }
 
 /* A number of its own, without dimension or along DIMENSION. */
-static void put_numbers(asdic_netcdf *f, int group, int dimension, const label *name,
-                        const char *units, const double *values) {
+static void put_numbers(netcdf *f, int group, int dimension, const label *name, const char *units,
+                        const double *values) {
     int id = asdic_nc_variable(&f->nc, group, name->name, NC_DOUBLE, dimension >= 0, &dimension,
                                name->long_name, units);
     if (id >= 0) {
@@ -82,7 +89,7 @@ static void put_numbers(asdic_netcdf *f, int group, int dimension, const label *
     }
 }
 
-static void describe_water(asdic_netcdf *f, const asdic_netcdf_about *about) {
+static void describe_water(netcdf *f, const asdic_format_about *about) {
     const label frequency = {"frequency", "acoustic frequency"},
                 absorption = {"absorption_indicative", "acoustic absorption"},
                 speed = {"sound_speed_indicative", "sound speed"};
@@ -94,7 +101,7 @@ static void describe_water(asdic_netcdf *f, const asdic_netcdf_about *about) {
     put_numbers(f, group, -1, &speed, "m/s", &about->sound_speed_mps);
 }
 
-static void describe_platform(asdic_netcdf *f) {
+static void describe_platform(netcdf *f) {
     static const struct {
         label name;
         const char *units, *standard_name;
@@ -128,7 +135,7 @@ static double beam_width_deg(double wavelength_m, double length_m) {
     return 2.0 * DEGREE * asin(fmin(0.442946 * wavelength_m / length_m, 1.0));
 }
 
-static void put_beam_numbers(asdic_netcdf *f, int beam_dimension, const asdic_netcdf_about *about) {
+static void put_beam_numbers(netcdf *f, int beam_dimension, const asdic_format_about *about) {
     enum { COLUMNS = 7 };
     static const struct {
         label name;
@@ -169,7 +176,7 @@ static void put_beam_numbers(asdic_netcdf *f, int beam_dimension, const asdic_ne
     free(values);
 }
 
-static void put_beam_names(asdic_netcdf *f, int dimension, const asdic_sonar *sonar) {
+static void put_beam_names(netcdf *f, int dimension, const asdic_sonar *sonar) {
     int id = asdic_nc_variable(&f->nc, f->beam_group, "beam", NC_STRING, 1, &dimension, "beam name",
                                NULL);
     for (size_t i = 0; i < f->beams && id >= 0; i++) {
@@ -180,7 +187,7 @@ static void put_beam_names(asdic_netcdf *f, int dimension, const asdic_sonar *so
     }
 }
 
-static void put_pulse(asdic_netcdf *f, const asdic_netcdf_about *about) {
+static void put_pulse(netcdf *f, const asdic_format_about *about) {
     const asdic_sonar *s = about->sonar;
     const struct {
         label name;
@@ -209,7 +216,7 @@ static void put_pulse(asdic_netcdf *f, const asdic_netcdf_about *about) {
     }
 }
 
-static void define_levels(asdic_netcdf *f, const int dimensions[3]) {
+static void define_levels(netcdf *f, const int dimensions[3]) {
     const size_t chunks[3] = {f->chunk_pings, f->beams, f->bins};
     const float fill = NAN;
     for (int i = 0; i < ASDIC_RECORD_ARRAYS; i++) {
@@ -229,7 +236,7 @@ static void define_levels(asdic_netcdf *f, const int dimensions[3]) {
     }
 }
 
-static void describe_beams(asdic_netcdf *f, const asdic_netcdf_about *about) {
+static void describe_beams(netcdf *f, const asdic_format_about *about) {
     const asdic_nc_attribute sonar_texts[] = {
         {"sonar_manufacturer", "none: simulated"}, {"sonar_model", about->scene_name},
         {"sonar_software_name", "asdic"},          {"sonar_software_version", about->version},
@@ -263,7 +270,7 @@ static void describe_beams(asdic_netcdf *f, const asdic_netcdf_about *about) {
     define_levels(f, dimensions);
 }
 
-static bool allocate(asdic_netcdf *f) {
+static bool allocate(netcdf *f) {
     size_t values = f->chunk_pings * f->beams * f->bins;
     bool is_there = (f->ping_numbers = malloc(f->chunk_pings * sizeof *f->ping_numbers)) != NULL;
     for (int i = 0; i < ASDIC_RECORD_ARRAYS; i++) {
@@ -277,11 +284,40 @@ static bool allocate(asdic_netcdf *f) {
     return is_there;
 }
 
-asdic_status asdic_netcdf_create(asdic_context *ctx, const char *path,
-                                 const asdic_netcdf_about *about, asdic_netcdf **out) {
+static void discard_netcdf(void **file) {
+    netcdf *f = *file;
+    if (!f) {
+        return;
+    }
+    asdic_nc_discard(&f->nc);
+    for (int i = 0; i < ASDIC_RECORD_ARRAYS; i++) {
+        free(f->levels_db[i]);
+    }
+    for (int i = 0; i < SERIES_COUNT; i++) {
+        free(f->series[i]);
+    }
+    free(f->ping_numbers);
+    free(f);
+    *file = NULL;
+}
+
+static asdic_status begin(netcdf *f, asdic_context *ctx, const char *path,
+                          const asdic_format_about *about) {
+    TRY(asdic_nc_create(ctx, path, &f->nc));
+    if (!allocate(f)) {
+        return asdic_fail_memory(ctx, "a netCDF file");
+    }
+    describe_file(f, about);
+    describe_water(f, about);
+    describe_platform(f);
+    describe_beams(f, about);
+    return asdic_nc_status(&f->nc);
+}
+
+static asdic_status open_netcdf(asdic_context *ctx, const char *path,
+                                const asdic_format_about *about, void **out) {
     size_t beams = about->sonar->receiver_count, chunk = CHUNK_VALUES / (beams * about->bins);
-    *out = NULL;
-    asdic_netcdf *f = calloc(1, sizeof *f);
+    netcdf *f = *out = calloc(1, sizeof *f);
     if (!f) {
         return asdic_fail_memory(ctx, "a netCDF file");
     }
@@ -289,25 +325,14 @@ asdic_status asdic_netcdf_create(asdic_context *ctx, const char *path,
     f->bins = about->bins;
     f->pings = about->pings;
     f->chunk_pings = chunk < 1 ? 1 : chunk > about->pings ? about->pings : chunk;
-    asdic_status status = asdic_nc_create(ctx, path, &f->nc);
-    if (status == ASDIC_OK && !allocate(f)) {
-        status = asdic_fail_memory(ctx, "a netCDF file");
+    asdic_status status = begin(f, ctx, path, about);
+    if (status) {
+        discard_netcdf(out);
     }
-    if (status == ASDIC_OK) {
-        describe_file(f, about);
-        describe_water(f, about);
-        describe_platform(f);
-        describe_beams(f, about);
-        status = asdic_nc_status(&f->nc);
-    }
-    if (status != ASDIC_OK) {
-        asdic_netcdf_discard(&f);
-    }
-    *out = f;
     return status;
 }
 
-static asdic_status flush(asdic_netcdf *f) {
+static asdic_status flush(netcdf *f) {
     const size_t start[3] = {f->written, 0, 0}, count[3] = {f->buffered, f->beams, f->bins};
     if (f->buffered == 0) {
         return ASDIC_OK;
@@ -328,7 +353,8 @@ static asdic_status flush(asdic_netcdf *f) {
     return asdic_nc_status(&f->nc);
 }
 
-asdic_status asdic_netcdf_add(asdic_netcdf *f, const asdic_record *record) {
+static asdic_status write_netcdf(void *file, const asdic_record *record) {
+    netcdf *f = file;
     size_t n = f->buffered++, cells = f->beams * f->bins;
     const double series[SERIES_COUNT] = {
         [PING_TIME] = record->time_s,
@@ -352,32 +378,25 @@ asdic_status asdic_netcdf_add(asdic_netcdf *f, const asdic_record *record) {
     return f->buffered == f->chunk_pings ? flush(f) : ASDIC_OK;
 }
 
-static void netcdf_free(asdic_netcdf **file) {
-    asdic_netcdf *f = *file;
-    for (int i = 0; i < ASDIC_RECORD_ARRAYS; i++) {
-        free(f->levels_db[i]);
-    }
-    for (int i = 0; i < SERIES_COUNT; i++) {
-        free(f->series[i]);
-    }
-    free(f->ping_numbers);
-    free(f);
-    *file = NULL;
-}
-
-asdic_status asdic_netcdf_commit(asdic_netcdf **file) {
-    asdic_status status = flush(*file);
+static asdic_status commit_netcdf(void **file) {
+    netcdf *f = *file;
+    asdic_status status = flush(f);
     if (status == ASDIC_OK) {
-        status = asdic_nc_commit(&(*file)->nc);
+        status = asdic_nc_commit(&f->nc);
     }
-    asdic_nc_discard(&(*file)->nc);
-    netcdf_free(file);
+    discard_netcdf(file);
     return status;
 }
 
-void asdic_netcdf_discard(asdic_netcdf **file) {
-    if (file && *file) {
-        asdic_nc_discard(&(*file)->nc);
-        netcdf_free(file);
-    }
-}
+const asdic_format asdic_format_netcdf = {.file = "run.nc",
+                                          .open = open_netcdf,
+                                          .write = write_netcdf,
+                                          .commit = commit_netcdf,
+                                          .discard = discard_netcdf};
+
+#else
+
+const asdic_format asdic_format_netcdf = {.file = "run.nc",
+                                          .missing = "netCDF; install libnetcdf-dev"};
+
+#endif

@@ -1,4 +1,4 @@
-#include "run_digest.h"
+#include "run_summary.h"
 
 #include "base/context.h"
 #include "out/draw.h"
@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static bool wants(const asdic_digest *d, asdic_image image) {
+static bool wants(const asdic_summary *d, asdic_image image) {
     return (d->plan.images & 1u << image) != 0;
 }
 
@@ -23,8 +23,8 @@ static size_t ahead(const asdic_sonar *sonar) {
     return best;
 }
 
-asdic_status asdic_digest_choose_beams(asdic_context *ctx, const char *name,
-                                       asdic_digest_plan *plan) {
+asdic_status asdic_summary_choose_beams(asdic_context *ctx, const char *name,
+                                        asdic_summary_plan *plan) {
     const asdic_sonar *sonar = plan->sonar;
     plan->beam_count = 0;
     for (size_t i = 0; name && i < sonar->receiver_count; i++) {
@@ -38,7 +38,7 @@ asdic_status asdic_digest_choose_beams(asdic_context *ctx, const char *name,
                           sonar->receivers[0].name,
                           sonar->receivers[sonar->receiver_count - 1].name);
     }
-    if (sonar->receiver_count > ASDIC_DIGEST_BEAMS) {
+    if (sonar->receiver_count > ASDIC_SUMMARY_BEAMS) {
         plan->beams[plan->beam_count++] = ahead(sonar);
         return ASDIC_OK;
     }
@@ -49,13 +49,14 @@ asdic_status asdic_digest_choose_beams(asdic_context *ctx, const char *name,
     return ASDIC_OK;
 }
 
-static asdic_status begin(asdic_context *ctx, asdic_digest *d) {
-    const asdic_digest_plan *plan = &d->plan;
+static asdic_status begin(asdic_context *ctx, asdic_summary *d) {
+    const asdic_summary_plan *plan = &d->plan;
     const asdic_picture_options gain = {.tvg_db_per_decade = plan->tvg_db_per_decade,
                                         .tvg_db_per_m = plan->tvg_db_per_m};
-    asdic_status status = asdic_survey_begin(ctx, &d->survey);
+    asdic_status status = asdic_statistics_begin(ctx, &d->statistics);
     if (status == ASDIC_OK && (gain.tvg_db_per_decade != 0.0 || gain.tvg_db_per_m != 0.0)) {
-        status = asdic_survey_set_gain(ctx, &d->survey, plan->bins, plan->bin_length_m, &gain);
+        status =
+            asdic_statistics_set_gain(ctx, &d->statistics, plan->bins, plan->bin_length_m, &gain);
     }
     for (size_t k = 0; wants(d, ASDIC_IMAGE_WATERFALL) && k < plan->beam_count; k++) {
         if (status == ASDIC_OK) {
@@ -77,50 +78,50 @@ static asdic_status begin(asdic_context *ctx, asdic_digest *d) {
     return status;
 }
 
-asdic_status asdic_digest_create(asdic_context *ctx, const asdic_digest_plan *plan,
-                                 asdic_digest **out) {
-    asdic_digest *d = *out = calloc(1, sizeof *d);
+asdic_status asdic_summary_create(asdic_context *ctx, const asdic_summary_plan *plan,
+                                  asdic_summary **out) {
+    asdic_summary *d = *out = calloc(1, sizeof *d);
     if (!d) {
         return asdic_fail_memory(ctx, "a run's pictures");
     }
     d->plan = *plan;
     asdic_status status = begin(ctx, d);
     if (status != ASDIC_OK) {
-        asdic_digest_destroy(out);
+        asdic_summary_destroy(out);
     }
     return status;
 }
 
-asdic_status asdic_digest_create_all(asdic_context *ctx, const asdic_mission *settings,
-                                     const asdic_run_facts *facts, asdic_digest **out) {
-    asdic_digest_plan plan = {.sonar = asdic_mission_sonar(settings),
-                              .environment = asdic_mission_environment(settings),
-                              .pings = facts->pings_planned,
-                              .bins = facts->bins,
-                              .bin_length_m = facts->bin_length_m,
-                              .images = asdic_mission_output(settings)->images};
-    asdic_status status = asdic_digest_choose_beams(ctx, NULL, &plan);
-    return status == ASDIC_OK ? asdic_digest_create(ctx, &plan, out) : status;
+asdic_status asdic_summary_create_all(asdic_context *ctx, const asdic_settings *settings,
+                                      const asdic_run_facts *facts, asdic_summary **out) {
+    asdic_summary_plan plan = {.sonar = &settings->sonar,
+                               .environment = &settings->environment,
+                               .pings = facts->pings_planned,
+                               .bins = facts->bins,
+                               .bin_length_m = facts->bin_length_m,
+                               .images = settings->output.images};
+    asdic_status status = asdic_summary_choose_beams(ctx, NULL, &plan);
+    return status == ASDIC_OK ? asdic_summary_create(ctx, &plan, out) : status;
 }
 
-void asdic_digest_destroy(asdic_digest **digest) {
-    asdic_digest *d = *digest;
+void asdic_summary_destroy(asdic_summary **summary) {
+    asdic_summary *d = *summary;
     if (!d) {
         return;
     }
-    asdic_survey_finish(&d->survey);
-    for (size_t k = 0; k < ASDIC_DIGEST_BEAMS; k++) {
+    asdic_statistics_finish(&d->statistics);
+    for (size_t k = 0; k < ASDIC_SUMMARY_BEAMS; k++) {
         asdic_decimator_finish(&d->waterfalls[k]);
     }
     asdic_overview_finish(&d->overview);
     free(d->north_m);
     free(d->east_m);
     free(d);
-    *digest = NULL;
+    *summary = NULL;
 }
 
 /* Every so many pings, and the last. */
-static void add_to_track(asdic_digest *d, const asdic_record *record) {
+static void add_to_track(asdic_summary *d, const asdic_record *record) {
     size_t every = (d->plan.pings - 1) / ASDIC_TRACK_POINTS + 1;
     if (d->added == 0) {
         d->bottom_depth_m = record->pose.position_m.z + record->altitude_m;
@@ -134,8 +135,8 @@ static void add_to_track(asdic_digest *d, const asdic_record *record) {
 
 /* Without any, the nearest reverberation would always be the strongest: unless a gain is asked for,
  * that which makes equal targets equal: 40 log r for the spreading both ways, and the absorption. */
-static void set_gain(asdic_digest *d, const asdic_record *first) {
-    const asdic_digest_plan *p = &d->plan;
+static void set_gain(asdic_summary *d, const asdic_record *first) {
+    const asdic_summary_plan *p = &d->plan;
     bool is_given = p->tvg_db_per_decade != 0.0 || p->tvg_db_per_m != 0.0;
     double absorption_db_per_km = asdic_environment_absorption_db_per_km(
         p->environment, p->sonar->frequency_hz, first->pose.position_m.z);
@@ -144,12 +145,12 @@ static void set_gain(asdic_digest *d, const asdic_record *first) {
     asdic_overview_set_gain(&d->overview, d->overview_db_per_decade, d->overview_db_per_m);
 }
 
-void asdic_digest_add(asdic_digest *d, const asdic_record *record) {
+void asdic_summary_add(asdic_summary *d, const asdic_record *record) {
     if (!d) {
         return;
     }
     const float *levels_db = record->level_db[ASDIC_TOTAL];
-    asdic_survey_add(&d->survey, record, d->plan.sonar->receiver_count * d->plan.bins);
+    asdic_statistics_add(&d->statistics, record, d->plan.sonar->receiver_count * d->plan.bins);
     for (size_t k = 0; wants(d, ASDIC_IMAGE_WATERFALL) && k < d->plan.beam_count; k++) {
         asdic_decimator_add(&d->waterfalls[k], levels_db + d->plan.beams[k] * d->plan.bins);
     }
@@ -165,8 +166,8 @@ void asdic_digest_add(asdic_digest *d, const asdic_record *record) {
     d->added++;
 }
 
-void asdic_digest_end(asdic_digest *d) {
-    asdic_survey_end(&d->survey);
+void asdic_summary_end(asdic_summary *d) {
+    asdic_statistics_end(&d->statistics);
     for (size_t k = 0; wants(d, ASDIC_IMAGE_WATERFALL) && k < d->plan.beam_count; k++) {
         asdic_decimator_end(&d->waterfalls[k]);
     }
