@@ -60,7 +60,7 @@ const char *asdic_mission_resolve(const mission_builder *b, const char *name) {
 
 asdic_status asdic_mission_file_problem(mission_builder *b, asdic_yaml_node *node,
                                         asdic_status status) {
-    if (status == ASDIC_ERROR_MEMORY) {
+    if (status == ASDIC_OK || status == ASDIC_ERROR_MEMORY) {
         return status;
     }
     asdic_yaml_problem(b->problems, node, "%s", asdic_context_error(b->ctx));

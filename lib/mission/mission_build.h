@@ -32,8 +32,8 @@ void asdic_mission_check_places(mission_builder *b);
 /* NAME, which the scene file gives, as a path from here; NULL when memory is short. */
 const char *asdic_mission_resolve(const mission_builder *b, const char *name);
 
-/* What went wrong in opening a file that NODE names: its sentence becomes a problem at NODE, unless
- * STATUS is one of memory, which is returned. */
+/* Makes of a failed STATUS, of opening a file that NODE names for example, a problem at NODE with the
+ * context's sentence. Short memory is no fault of the file and is returned. */
 asdic_status asdic_mission_file_problem(mission_builder *b, asdic_yaml_node *node,
                                         asdic_status status);
 

@@ -4,6 +4,7 @@
 #include "mission.h"
 
 #include "base/context.h"
+#include "base/try.h"
 #include "mission/track/track.h"
 #include "scene/scene.h"
 
@@ -110,13 +111,12 @@ asdic_status asdic_mission_place_at(const asdic_mission *mission, asdic_simulato
     if (!mission || !simulator) {
         return asdic_fail_null(NULL, __func__);
     }
-    asdic_status status = ASDIC_OK;
-    for (size_t i = 0; status == ASDIC_OK && i < mission->motion_count; i++) {
+    for (size_t i = 0; i < mission->motion_count; i++) {
         const asdic_motion *motion = &mission->motions[i];
         asdic_pose pose = asdic_track_pose(motion->track, time_s);
-        status = asdic_simulator_move(simulator, motion->name, &pose);
+        TRY(asdic_simulator_move(simulator, motion->name, &pose));
     }
-    return status;
+    return ASDIC_OK;
 }
 
 asdic_pose asdic_mission_object_pose(const asdic_mission *mission, size_t object, size_t index) {
@@ -169,13 +169,8 @@ asdic_status asdic_mission_choose(asdic_context *ctx, asdic_mission *mission,
     asdic_sonar sonar = mission->settings.sonar;
     environment.wind_speed_kn = choices->wind_speed_kn;
     sonar.source_level_db = choices->source_level_db;
-    asdic_status status = asdic_environment_check(ctx, &environment);
-    if (!status) {
-        status = asdic_sonar_check(ctx, &sonar);
-    }
-    if (status) {
-        return status;
-    }
+    TRY(asdic_environment_check(ctx, &environment));
+    TRY(asdic_sonar_check(ctx, &sonar));
     if (!(choices->bottom_type >= 1.0 && choices->bottom_type <= 4.0)) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
                           "a bottom of type %g: out of range [1 mud, 4 rock]",

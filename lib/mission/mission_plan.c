@@ -6,6 +6,7 @@
 #include "base/clock.h"
 #include "base/context.h"
 #include "base/memory_left.h"
+#include "base/try.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -32,15 +33,13 @@ static void keep_all(const asdic_mission *mission, asdic_plan *plan) {
     plan->left_out = 0;
 }
 
-/* The poses of COUNT pings, to be freed; refused before the system ends whom it likes. */
+/* Room for the poses of COUNT pings, to be freed. More than the memory that is left is refused here,
+ * before the system kills a process for it. */
 static asdic_status make_poses(asdic_context *ctx, size_t count, asdic_pose **out) {
     char what[64];
     snprintf(what, sizeof what, "the plan of %zu pings needs", count);
-    asdic_status status = asdic_memory_check(ctx, (uint64_t)count * sizeof **out,
-                                             asdic_memory_left(), what, "use fewer pings");
-    if (status != ASDIC_OK) {
-        return status;
-    }
+    TRY(asdic_memory_check(ctx, (uint64_t)count * sizeof **out, asdic_memory_left(), what,
+                           "use fewer pings"));
     *out = malloc(count * sizeof **out);
     return *out ? ASDIC_OK : asdic_fail_memory(ctx, "the poses of a mission");
 }
@@ -51,18 +50,16 @@ asdic_status asdic_mission_plan(asdic_context *ctx, const asdic_mission *mission
     }
     size_t count = asdic_mission_ping_count(mission);
     asdic_pose *poses = NULL;
-    asdic_status status = make_poses(ctx, count, &poses);
-    if (status != ASDIC_OK) {
-        return status;
-    }
+    TRY(make_poses(ctx, count, &poses));
     for (size_t i = 0; i < count; i++) {
         poses[i] = asdic_mission_pose(mission, i, NULL);
     }
-    status = asdic_plan_make(ctx, asdic_mission_scene(mission), asdic_mission_environment(mission),
-                             asdic_mission_sonar(mission),
-                             asdic_mission_sampling((asdic_mission *)mission), poses, count, out);
+    asdic_status status =
+        asdic_plan_make(ctx, asdic_mission_scene(mission), asdic_mission_environment(mission),
+                        asdic_mission_sonar(mission),
+                        asdic_mission_sampling((asdic_mission *)mission), poses, count, out);
     free(poses);
-    if (status == ASDIC_OK && mission->settings.keeps_all_terms) {
+    if (!status && mission->settings.keeps_all_terms) {
         keep_all(mission, out);
     }
     return status;
@@ -125,21 +122,24 @@ static asdic_status look(asdic_context *ctx, const asdic_mission *mission, asdic
         if (asdic_context_interrupted(ctx)) {
             return asdic_fail(ctx, ASDIC_ERROR_INTERRUPTED, "interrupted while looking for rays");
         }
-        asdic_status status = asdic_mission_place(mission, sim, number);
-        if (!status) {
-            status = asdic_simulator_learn(sim, &pose, number);
-        }
+        TRY(asdic_mission_place(mission, sim, number));
+        TRY(asdic_simulator_learn(sim, &pose, number));
         double began_s = asdic_clock_s();
-        if (!status) {
-            status = asdic_simulator_ping(sim, &pose, number, ping);
-        }
-        if (status) {
-            return status;
-        }
+        TRY(asdic_simulator_ping(sim, &pose, number, ping));
         out->ping_s = fmin(out->ping_s, asdic_clock_s() - began_s);
         judge(ping, number, tolerance_db, out);
     }
     return ASDIC_OK;
+}
+
+static asdic_status look_with(asdic_context *ctx, const asdic_mission *mission,
+                              asdic_simulator *sim, double tolerance_db, asdic_ray_budget *out) {
+    asdic_ping *ping = NULL;
+    TRY(asdic_ping_create(ctx, asdic_mission_sonar(mission)->receiver_count,
+                          asdic_simulator_bin_count(sim), &ping));
+    asdic_status status = look(ctx, mission, sim, ping, tolerance_db, out);
+    asdic_ping_destroy(&ping);
+    return status;
 }
 
 static asdic_status try_rays(asdic_context *ctx, asdic_mission *mission, asdic_device *device,
@@ -147,19 +147,11 @@ static asdic_status try_rays(asdic_context *ctx, asdic_mission *mission, asdic_d
     asdic_sampling sampling = *asdic_mission_sampling(mission);
     sampling.rays = out->rays;
     asdic_simulator *sim = NULL;
-    asdic_ping *ping = NULL;
     double depth_m = asdic_mission_pose(mission, 0, NULL).position_m.z;
-    asdic_status status = asdic_simulator_create(
-        ctx, device, asdic_mission_scene(mission), asdic_mission_environment(mission),
-        asdic_mission_sonar(mission), &sampling, depth_m, &sim);
-    if (!status) {
-        status = asdic_ping_create(ctx, asdic_mission_sonar(mission)->receiver_count,
-                                   asdic_simulator_bin_count(sim), &ping);
-    }
-    if (!status) {
-        status = look(ctx, mission, sim, ping, tolerance_db, out);
-    }
-    asdic_ping_destroy(&ping);
+    TRY(asdic_simulator_create(ctx, device, asdic_mission_scene(mission),
+                               asdic_mission_environment(mission), asdic_mission_sonar(mission),
+                               &sampling, depth_m, &sim));
+    asdic_status status = look_with(ctx, mission, sim, tolerance_db, out);
     asdic_simulator_destroy(&sim);
     return status;
 }
@@ -177,10 +169,7 @@ asdic_status asdic_mission_find_rays(asdic_context *ctx, asdic_mission *mission,
     asdic_sampling *sampling = asdic_mission_sampling(mission);
     *out = (asdic_ray_budget){.rays = sampling->rays};
     for (;;) {
-        asdic_status status = try_rays(ctx, mission, device, tolerance_db, out);
-        if (status) {
-            return status;
-        }
+        TRY(try_rays(ctx, mission, device, tolerance_db, out));
         if (out->rough_count == 0 || out->rays >= most_rays) {
             break;
         }

@@ -4,6 +4,7 @@
 #include "mission_build.h"
 
 #include "base/context.h"
+#include "base/try.h"
 #include "base/vec.h"
 #include "scene/primitive.h"
 #include "scene/scene.h"
@@ -24,7 +25,7 @@ static asdic_status load_mesh(mission_builder *b, const file_mesh *m, asdic_mesh
         return asdic_fail_memory(b->ctx, "a path");
     }
     asdic_status status = asdic_mesh_load(b->ctx, path, m->scale, m->z_up, out);
-    return status == ASDIC_OK ? status : asdic_mission_file_problem(b, file_node(m->node), status);
+    return asdic_mission_file_problem(b, file_node(m->node), status);
 }
 
 static asdic_status load_grid(mission_builder *b, const file_grid *g, asdic_mesh **out) {
@@ -33,7 +34,7 @@ static asdic_status load_grid(mission_builder *b, const file_grid *g, asdic_mesh
         return asdic_fail_memory(b->ctx, "a path");
     }
     asdic_status status = asdic_mesh_load_grid(b->ctx, path, g->values == FILE_GRID_DEPTHS, out);
-    return status == ASDIC_OK ? status : asdic_mission_file_problem(b, file_node(g->node), status);
+    return asdic_mission_file_problem(b, file_node(g->node), status);
 }
 
 /* The shape of OBJECT; *OUT stays NULL when the file was wrong about it. */
@@ -77,6 +78,15 @@ static void find_box(const asdic_mesh *mesh, asdic_mission_object *object) {
     }
 }
 
+static asdic_status add_to_scene(asdic_scene *scene, const asdic_mesh *mesh,
+                                 const asdic_mission_object *o) {
+    if (o->moves) {
+        return asdic_scene_add_moving_object(scene, o->name, mesh, o->pose, o->material);
+    }
+    return o->name[0] ? asdic_scene_add_object(scene, o->name, mesh, o->pose, o->material)
+                      : asdic_scene_add_bottom(scene, mesh, o->pose, o->material);
+}
+
 /* Puts MESH, which is destroyed, into the scene as OBJECT, whose name, pose and material are set,
  * and remembers it. What the scene refuses becomes a problem at NODE. */
 static asdic_status place(mission_builder *b, asdic_yaml_node *node, asdic_mesh **mesh,
@@ -90,18 +100,10 @@ static asdic_status place(mission_builder *b, asdic_yaml_node *node, asdic_mesh 
             object.mesh.hint[0] = '\0'; /* sizes in the scene file are in metres */
         }
         m->objects[m->object_count++] = object;
-        if (object.moves) {
-            status = asdic_scene_add_moving_object(m->scene, object.name, *mesh, object.pose,
-                                                   object.material);
-        } else if (object.name[0]) {
-            status =
-                asdic_scene_add_object(m->scene, object.name, *mesh, object.pose, object.material);
-        } else {
-            status = asdic_scene_add_bottom(m->scene, *mesh, object.pose, object.material);
-        }
+        status = add_to_scene(m->scene, *mesh, &object);
     }
     asdic_mesh_destroy(mesh);
-    return status == ASDIC_OK ? status : asdic_mission_file_problem(b, node, status);
+    return asdic_mission_file_problem(b, node, status);
 }
 
 static asdic_status build_bottom(mission_builder *b) {
@@ -113,7 +115,7 @@ static asdic_status build_bottom(mission_builder *b) {
     } else if (asdic_scene_node_good(bottom->grid.node)) {
         status = load_grid(b, &bottom->grid, &mesh);
     }
-    if (status != ASDIC_OK || !asdic_scene_node_good(bottom->node) || b->problems->total > 0) {
+    if (status || !asdic_scene_node_good(bottom->node) || b->problems->total > 0) {
         asdic_mesh_destroy(&mesh);
         return status;
     }
@@ -152,7 +154,7 @@ static asdic_status build_point(mission_builder *b, const file_object *o) {
     m->objects[m->object_count++] = object;
     asdic_status status =
         asdic_scene_add_point(m->scene, object.name, at, o->point.target_strength_db);
-    return status == ASDIC_OK ? status : asdic_mission_file_problem(b, o->node, status);
+    return asdic_mission_file_problem(b, o->node, status);
 }
 
 /* Room for MESH of object I as often as the objects from I on ask for its file: ten thousand of them
@@ -181,10 +183,10 @@ static asdic_status build_object(mission_builder *b, size_t number) {
                                    .moves = o->track != NULL};
     snprintf(object.name, sizeof object.name, "%s", o->name ? o->name : "");
     asdic_status status = make_shape(b, o, &mesh);
-    if (status == ASDIC_OK && mesh && o->mesh.node) {
+    if (!status && mesh && o->mesh.node) {
         status = reserve_copies(b, number, mesh);
     }
-    if (status != ASDIC_OK) {
+    if (status) {
         asdic_mesh_destroy(&mesh);
         return asdic_mission_file_problem(b, o->node, status);
     }
@@ -211,20 +213,14 @@ asdic_status asdic_mission_build_scene(mission_builder *b) {
     if (!b->mission->objects) {
         return asdic_fail_memory(b->ctx, "the objects");
     }
-    asdic_status status = asdic_scene_create(b->ctx, &b->mission->scene);
-    if (status != ASDIC_OK) {
-        return status;
-    }
+    TRY(asdic_scene_create(b->ctx, &b->mission->scene));
     asdic_scene_set_surface(b->mission->scene, file->surface.enabled);
     if (b->problems->total == 0) {
-        status = asdic_scene_reserve(b->mission->scene, count_primitives(file));
+        TRY(asdic_scene_reserve(b->mission->scene, count_primitives(file)));
     }
-    status = status ? status : build_bottom(b);
-    for (size_t i = 0; status == ASDIC_OK && i < file->objects.count; i++) {
-        status = build_object(b, i);
+    TRY(build_bottom(b));
+    for (size_t i = 0; i < file->objects.count; i++) {
+        TRY(build_object(b, i));
     }
-    if (status == ASDIC_OK && b->problems->total == 0) {
-        status = asdic_scene_commit(b->mission->scene);
-    }
-    return status;
+    return b->problems->total == 0 ? asdic_scene_commit(b->mission->scene) : ASDIC_OK;
 }

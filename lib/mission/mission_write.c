@@ -7,6 +7,7 @@
 #include "base/arena.h"
 #include "base/context.h"
 #include "base/text.h"
+#include "base/try.h"
 #include "out/digits.h"
 #include "out/file.h"
 #include "mission/scene_file/yaml_tree.h"
@@ -209,10 +210,7 @@ done:
 asdic_status asdic_mission_write_pings(asdic_context *ctx, const asdic_mission *mission,
                                        size_t first, size_t count, const char *path) {
     asdic_file *file = NULL;
-    asdic_status status = asdic_file_create(ctx, path, &file);
-    if (status != ASDIC_OK) {
-        return status;
-    }
+    TRY(asdic_file_create(ctx, path, &file));
     asdic_track_file_begin(file);
     for (size_t i = first; i < first + count; i++) {
         double time_s;

@@ -5,6 +5,7 @@
 #include "detect_job.h"
 
 #include "base/context.h"
+#include "base/try.h"
 #include "base/vec.h"
 
 #include <math.h>
@@ -71,18 +72,16 @@ asdic_status asdic_detect_expect_tracks(asdic_detect_job *job) {
     if (!r->is_sample || lasting <= 0.0) {
         return ASDIC_OK;
     }
-    asdic_status status = asdic_run_read(job->run, r->pings - 1, &record);
+    TRY(asdic_run_read(job->run, r->pings - 1, &record));
     double end_s = record.time_s;
-    status = status ? status : asdic_run_read(job->run, 0, &record);
-    double spread = status ? NAN : spread_rad(job, &record.pose);
-    if (!status && isnan(spread)) {
-        status = asdic_fail_memory(job->ctx, "bearings");
+    TRY(asdic_run_read(job->run, 0, &record));
+    double spread = spread_rad(job, &record.pose);
+    if (isnan(spread)) {
+        return asdic_fail_memory(job->ctx, "bearings");
     }
-    if (!status) {
-        double per_alarm = job->false_bins > 0.0 ? job->false_plots / job->false_bins : 1.0;
-        r->tracks_by_chance =
-            lasting * confirmed(job, &record.pose, (end_s - record.time_s) / (pings - 1.0),
-                                none->expected / pings * per_alarm, spread);
-    }
-    return status;
+    double per_alarm = job->false_bins > 0.0 ? job->false_plots / job->false_bins : 1.0;
+    r->tracks_by_chance =
+        lasting * confirmed(job, &record.pose, (end_s - record.time_s) / (pings - 1.0),
+                            none->expected / pings * per_alarm, spread);
+    return ASDIC_OK;
 }

@@ -5,6 +5,7 @@
 #include "detect_job.h"
 
 #include "base/context.h"
+#include "base/try.h"
 #include "base/vec.h"
 #include "mission/run/run_folder.h"
 #include "out/csv.h"
@@ -99,37 +100,36 @@ void asdic_detect_find_plots(asdic_detect_job *job, const asdic_record *record) 
 
 /* --- rows --------------------------------------------------------------------------------------- */
 
-static asdic_status open_file(asdic_detect_job *job, const char *name, const char *header,
+static asdic_status open_file(asdic_detect_job *job, const char *path, const char *header,
                               asdic_file **out) {
-    char *path = asdic_folder_path(job->run->folder, name, "", "csv");
     if (!path) {
         return asdic_fail_memory(job->ctx, "a file name");
     }
-    asdic_status status = ASDIC_OK;
     if (!job->options->force && access(path, F_OK) == 0) {
-        status = asdic_fail(job->ctx, ASDIC_ERROR_EXISTS, "'%s' exists; --force replaces it", path);
+        return asdic_fail(job->ctx, ASDIC_ERROR_EXISTS, "'%s' exists; --force replaces it", path);
     }
-    if (status == ASDIC_OK) {
-        status = asdic_file_create(job->ctx, path, out);
-    }
-    if (status == ASDIC_OK) {
-        fputs(header, asdic_file_stream(*out));
-    }
-    free(path);
-    return status;
+    TRY(asdic_file_create(job->ctx, path, out));
+    fputs(header, asdic_file_stream(*out));
+    return ASDIC_OK;
 }
 
 asdic_status asdic_detect_open_files(asdic_detect_job *job) {
+    char *detections = asdic_folder_file(job->run->folder, "detections.csv");
+    char *tracks = asdic_folder_file(job->run->folder, "tracks.csv");
     asdic_status status =
-        open_file(job, "detections",
+        open_file(job, detections,
                   "ping,time_s,beam,bin,range_m,x_m,y_m,z_m,level_db,background_db,llr,posterior,"
                   "pd,truth\n",
                   &job->detections);
-    return status ? status
-                  : open_file(job, "tracks",
-                              "ping,time_s,track,confirmed,hit,x_m,y_m,vx_mps,vy_mps,sd_x_m,"
-                              "sd_y_m,truth\n",
-                              &job->tracks);
+    if (!status) {
+        status = open_file(job, tracks,
+                           "ping,time_s,track,confirmed,hit,x_m,y_m,vx_mps,vy_mps,sd_x_m,"
+                           "sd_y_m,truth\n",
+                           &job->tracks);
+    }
+    free(detections);
+    free(tracks);
+    return status;
 }
 
 asdic_vec3 asdic_detect_position(const asdic_detect_job *job, const asdic_record *record,
@@ -200,8 +200,7 @@ asdic_status asdic_detect_write_tracks(asdic_detect_job *job, const asdic_record
     const asdic_track_state *tracks = asdic_tracker_get(job->tracker, &count);
     FILE *out = asdic_file_stream(job->tracks);
     char name[2 * ASDIC_NAME_SIZE + 3];
-    asdic_status status = ASDIC_OK;
-    for (size_t i = 0; i < count && status == ASDIC_OK; i++) {
+    for (size_t i = 0; i < count; i++) {
         const asdic_track_state *t = &tracks[i];
         bool has_name = t->label >= 0;
         asdic_csv_field(name, has_name ? asdic_namer_name(job->namer, (size_t)t->label) : "none");
@@ -209,9 +208,9 @@ asdic_status asdic_detect_write_tracks(asdic_detect_job *job, const asdic_record
                 (unsigned long long)record->ping, record->time_s, t->id, t->confirmed, t->hit,
                 t->north_m, t->east_m, t->north_mps, t->east_mps, t->sd_north_m, t->sd_east_m,
                 name);
-        status = note(job, t);
+        TRY(note(job, t));
     }
-    return status;
+    return ASDIC_OK;
 }
 
 /* --- map ---------------------------------------------------------------------------------------- */
@@ -228,10 +227,7 @@ asdic_status asdic_detect_create_map(asdic_detect_job *job) {
     asdic_vec3 low = {INFINITY, INFINITY, 0.0}, high = {-INFINITY, -INFINITY, 0.0};
     for (size_t i = 0; i < job->info.pings; i++) {
         asdic_record record;
-        asdic_status status = asdic_run_read(job->run, i, &record);
-        if (status != ASDIC_OK) {
-            return status;
-        }
+        TRY(asdic_run_read(job->run, i, &record));
         for (size_t b = 0; b < job->info.beams; b++) {
             asdic_vec3 axis = asdic_beam_axis(&job->info.sonar->receivers[b], &record.pose);
             double half = 0.5 * asdic_beam_width_rad(job->info.sonar, b, job->sound_speed_mps);

@@ -3,6 +3,7 @@
 #include "base/context.h"
 #include "base/file_read.h"
 #include "base/sha256.h"
+#include "base/try.h"
 #include "base/vec.h"
 #include "mission/mission.h"
 #include "scene/scene.h"
@@ -173,8 +174,24 @@ static asdic_status name_nothing(asdic_namer *namer) {
     return ASDIC_OK;
 }
 
+static asdic_status find_names(asdic_namer *namer) {
+    asdic_run *run = namer->run;
+    if (scene_is_there(&run->facts)) {
+        TRY(asdic_mission_load(run->ctx, run->facts.scene_path, &namer->mission));
+        TRY(add_names(namer));
+    } else {
+        asdic_log(run->ctx, ASDIC_LOG_WARNING,
+                  "scene '%s' is not there as it was when it was run: its objects have no names",
+                  run->facts.scene_path);
+    }
+    if (namer->count > 0) {
+        return ASDIC_OK;
+    }
+    free(namer->names);
+    return name_nothing(namer);
+}
+
 asdic_status asdic_namer_create(asdic_run *run, asdic_namer **out) {
-    asdic_status status = ASDIC_OK;
     *out = NULL;
     asdic_namer *namer = calloc(1, sizeof *namer);
     if (!namer || !(namer->receivers = calloc(run->facts.beams, sizeof *namer->receivers))) {
@@ -182,20 +199,8 @@ asdic_status asdic_namer_create(asdic_run *run, asdic_namer **out) {
         return asdic_fail_memory(run->ctx, "objects' names");
     }
     namer->run = run;
-    if (scene_is_there(&run->facts)) {
-        status = asdic_mission_load(run->ctx, run->facts.scene_path, &namer->mission);
-        status = status == ASDIC_OK ? add_names(namer) : status;
-    } else {
-        asdic_log(run->ctx, ASDIC_LOG_WARNING,
-                  "scene '%s' is not there as it was when it was run: its objects have no names",
-                  run->facts.scene_path);
-        status = name_nothing(namer);
-    }
-    if (status == ASDIC_OK && namer->count == 0) {
-        free(namer->names);
-        status = name_nothing(namer);
-    }
-    if (status != ASDIC_OK) {
+    asdic_status status = find_names(namer);
+    if (status) {
         asdic_namer_destroy(&namer);
     }
     *out = namer;

@@ -3,6 +3,7 @@
 #include "base/context.h"
 #include "base/file_read.h"
 #include "base/number.h"
+#include "base/try.h"
 #include "base/vec.h"
 #include "run_folder.h"
 
@@ -135,46 +136,44 @@ static bool parse_routes(scan *s, asdic_chart_data *out) {
     return out->points && out->routes;
 }
 
-/* The file's text, or NULL when there is no such file. */
-static asdic_status load(asdic_context *ctx, const char *path, char **text, scan *s) {
+/* The file PATH by PARSE, if there is such a file. */
+static asdic_status read_file(asdic_context *ctx, const char *path,
+                              bool (*parse)(scan *, asdic_chart_data *), asdic_chart_data *out) {
+    char *text = NULL;
     size_t length = 0;
-    *text = NULL;
     if (access(path, F_OK) != 0) {
         return ASDIC_OK;
     }
-    asdic_status status = asdic_file_read(ctx, path, MAX_BYTES, text, &length);
-    *s = (scan){*text, *text + length};
-    return status;
+    TRY(asdic_file_read(ctx, path, MAX_BYTES, &text, &length));
+    scan s = {text, text + length};
+    bool is_good = parse(&s, out);
+    free(text);
+    return is_good ? ASDIC_OK
+                   : asdic_fail(ctx, ASDIC_ERROR_INPUT,
+                                "'%s' is damaged; the chart cannot be drawn from it, run again "
+                                "with --force",
+                                path);
 }
 
-/* NAME.EXTENSION of FOLDER by PARSE, if there is such a file. */
 static asdic_status read_part(asdic_context *ctx, const char *folder, const char *name,
-                              const char *extension, bool (*parse)(scan *, asdic_chart_data *),
-                              asdic_chart_data *out) {
-    char *path = asdic_folder_path(folder, name, "", extension), *text = NULL;
-    scan s;
-    asdic_status status = path ? load(ctx, path, &text, &s) : asdic_fail_memory(ctx, "a file name");
-    if (status == ASDIC_OK && text && !parse(&s, out)) {
-        status = asdic_fail(ctx, ASDIC_ERROR_INPUT,
-                            "'%s' is damaged; the chart cannot be drawn from it, run again with "
-                            "--force",
-                            path);
-    }
-    free(text);
+                              bool (*parse)(scan *, asdic_chart_data *), asdic_chart_data *out) {
+    char *path = asdic_folder_file(folder, name);
+    asdic_status status =
+        path ? read_file(ctx, path, parse, out) : asdic_fail_memory(ctx, "a file name");
     free(path);
     return status;
 }
 
+static asdic_status read_parts(asdic_context *ctx, const char *folder, asdic_chart_data *out) {
+    TRY(read_part(ctx, folder, "terrain.asc", parse_relief, out));
+    TRY(read_part(ctx, folder, "objects.csv", parse_outlines, out));
+    return read_part(ctx, folder, "routes.csv", parse_routes, out);
+}
+
 asdic_status asdic_chart_data_read(asdic_context *ctx, const char *folder, asdic_chart_data *out) {
     *out = (asdic_chart_data){0};
-    asdic_status status = read_part(ctx, folder, "terrain", "asc", parse_relief, out);
-    if (status == ASDIC_OK) {
-        status = read_part(ctx, folder, "objects", "csv", parse_outlines, out);
-    }
-    if (status == ASDIC_OK) {
-        status = read_part(ctx, folder, "routes", "csv", parse_routes, out);
-    }
-    if (status != ASDIC_OK) {
+    asdic_status status = read_parts(ctx, folder, out);
+    if (status) {
         asdic_chart_data_finish(out);
     }
     return status;

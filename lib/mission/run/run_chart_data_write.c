@@ -2,6 +2,7 @@
 
 #include "base/context.h"
 #include "base/file_read.h"
+#include "base/try.h"
 #include "base/vec.h"
 #include "out/axis.h"
 #include "out/digits.h"
@@ -115,10 +116,11 @@ static void put_relief(FILE *stream, const asdic_relief *r) {
 }
 
 static asdic_status write_terrain(asdic_context *ctx, const asdic_mission *mission,
-                                  const asdic_mission_object *bottom, const char *path) {
+                                  const char *path) {
+    const asdic_mission_object *bottom = bottom_of(mission);
     asdic_relief relief;
     asdic_file *file = NULL;
-    if (!lay_out(mission, bottom, &relief)) {
+    if (!bottom || !lay_out(mission, bottom, &relief)) {
         return ASDIC_OK;
     }
     relief.depth_m = malloc(relief.columns * relief.rows * sizeof *relief.depth_m);
@@ -127,7 +129,7 @@ static asdic_status write_terrain(asdic_context *ctx, const asdic_mission *missi
     }
     asdic_chart_relief(asdic_mission_scene(mission), &relief);
     asdic_status status = asdic_file_create(ctx, path, &file);
-    if (status == ASDIC_OK) {
+    if (!status) {
         put_relief(asdic_file_stream(file), &relief);
         status = asdic_file_commit(&file);
     }
@@ -135,28 +137,30 @@ static asdic_status write_terrain(asdic_context *ctx, const asdic_mission *missi
     return status;
 }
 
+static void put_outlines(FILE *stream, const asdic_outline *outlines, size_t count) {
+    fputs("object,outline,x_m,y_m\n", stream);
+    for (size_t i = 0; i < count; i++) {
+        for (size_t k = 0; k < outlines[i].count; k++) {
+            char x[ASDIC_DIGITS_SIZE], y[ASDIC_DIGITS_SIZE];
+            asdic_digits_print(x, "%.3f", outlines[i].north_m[k]);
+            asdic_digits_print(y, "%.3f", outlines[i].east_m[k]);
+            fprintf(stream, "%s,%zu,%s,%s\n", outlines[i].name, i, x, y);
+        }
+    }
+}
+
 static asdic_status write_objects(asdic_context *ctx, const asdic_mission *mission,
                                   const char *path) {
     asdic_outline *outlines = NULL;
     asdic_file *file = NULL;
     size_t count = 0;
-    asdic_status status =
-        asdic_chart_outlines(ctx, asdic_mission_scene(mission), &outlines, &count);
-    if (status != ASDIC_OK || count == 0) {
-        return status;
+    TRY(asdic_chart_outlines(ctx, asdic_mission_scene(mission), &outlines, &count));
+    if (count == 0) {
+        return ASDIC_OK;
     }
-    status = asdic_file_create(ctx, path, &file);
-    if (status == ASDIC_OK) {
-        FILE *stream = asdic_file_stream(file);
-        fputs("object,outline,x_m,y_m\n", stream);
-        for (size_t i = 0; i < count; i++) {
-            for (size_t k = 0; k < outlines[i].count; k++) {
-                char x[ASDIC_DIGITS_SIZE], y[ASDIC_DIGITS_SIZE];
-                asdic_digits_print(x, "%.3f", outlines[i].north_m[k]);
-                asdic_digits_print(y, "%.3f", outlines[i].east_m[k]);
-                fprintf(stream, "%s,%zu,%s,%s\n", outlines[i].name, i, x, y);
-            }
-        }
+    asdic_status status = asdic_file_create(ctx, path, &file);
+    if (!status) {
+        put_outlines(asdic_file_stream(file), outlines, count);
         status = asdic_file_commit(&file);
     }
     free(outlines);
@@ -182,66 +186,59 @@ static void put_route(FILE *stream, const asdic_mission *mission, size_t object)
 static asdic_status write_routes(asdic_context *ctx, const asdic_mission *mission,
                                  const char *path) {
     asdic_file *file = NULL;
-    asdic_status status = ASDIC_OK;
-    for (size_t i = 0; i < asdic_mission_object_count(mission) && status == ASDIC_OK; i++) {
+    for (size_t i = 0; i < asdic_mission_object_count(mission); i++) {
         if (!asdic_mission_get_object(mission, i)->moves) {
             continue;
         }
-        if (!file && (status = asdic_file_create(ctx, path, &file)) == ASDIC_OK) {
+        if (!file) {
+            TRY(asdic_file_create(ctx, path, &file));
             fputs("object,time_s,x_m,y_m,yaw_deg\n", asdic_file_stream(file));
         }
-        if (status == ASDIC_OK) {
-            put_route(asdic_file_stream(file), mission, i);
-        }
+        put_route(asdic_file_stream(file), mission, i);
     }
-    return file ? asdic_file_commit(&file) : status;
+    return file ? asdic_file_commit(&file) : ASDIC_OK;
+}
+
+/* The writers above, of a file in FOLDER. */
+static asdic_status
+write_part(asdic_context *ctx, const asdic_mission *mission, const char *folder, const char *name,
+           asdic_status (*write)(asdic_context *, const asdic_mission *, const char *)) {
+    char *path = asdic_folder_file(folder, name);
+    asdic_status status = path ? write(ctx, mission, path) : asdic_fail_memory(ctx, "a file name");
+    free(path);
+    return status;
 }
 
 asdic_status asdic_chart_data_write(asdic_context *ctx, const asdic_mission *mission,
                                     const char *folder) {
-    const asdic_mission_object *bottom = bottom_of(mission);
-    char *terrain = asdic_folder_file(folder, "terrain.asc");
-    char *objects = asdic_folder_file(folder, "objects.csv");
-    char *routes = asdic_folder_file(folder, "routes.csv");
-    asdic_status status =
-        terrain && objects && routes ? ASDIC_OK : asdic_fail_memory(ctx, "a file name");
-    if (status == ASDIC_OK && bottom) {
-        status = write_terrain(ctx, mission, bottom, terrain);
-    }
-    if (status == ASDIC_OK) {
-        status = write_objects(ctx, mission, objects);
-    }
-    if (status == ASDIC_OK) {
-        status = write_routes(ctx, mission, routes);
-    }
-    free(routes);
-    free(terrain);
-    free(objects);
-    return status;
+    TRY(write_part(ctx, mission, folder, "terrain.asc", write_terrain));
+    TRY(write_part(ctx, mission, folder, "objects.csv", write_objects));
+    return write_part(ctx, mission, folder, "routes.csv", write_routes);
 }
 
-static asdic_status copy(asdic_context *ctx, const char *from, const char *to, const char *name,
-                         const char *extension) {
-    char *source = asdic_folder_path(from, name, "", extension), *bytes = NULL;
-    char *target = asdic_folder_path(to, name, "", extension);
+static asdic_status copy(asdic_context *ctx, const char *source, const char *target) {
+    char *bytes = NULL;
     size_t length;
-    asdic_status status = source && target ? ASDIC_OK : asdic_fail_memory(ctx, "a file name");
-    if (status == ASDIC_OK && access(source, F_OK) == 0) {
-        status = asdic_file_read(ctx, source, MAX_BYTES, &bytes, &length);
-        if (status == ASDIC_OK) {
-            status = asdic_file_write_all(ctx, target, bytes, length);
-        }
+    if (!source || !target) {
+        return asdic_fail_memory(ctx, "a file name");
     }
+    if (access(source, F_OK) != 0) {
+        return ASDIC_OK;
+    }
+    TRY(asdic_file_read(ctx, source, MAX_BYTES, &bytes, &length));
+    asdic_status status = asdic_file_write_all(ctx, target, bytes, length);
     free(bytes);
-    free(source);
-    free(target);
     return status;
 }
 
 asdic_status asdic_chart_data_copy(asdic_context *ctx, const char *from, const char *to) {
-    asdic_status status = copy(ctx, from, to, "terrain", "asc");
-    if (status == ASDIC_OK) {
-        status = copy(ctx, from, to, "objects", "csv");
+    static const char *const parts[] = {"terrain.asc", "objects.csv", "routes.csv"};
+    for (size_t i = 0; i < sizeof parts / sizeof *parts; i++) {
+        char *source = asdic_folder_file(from, parts[i]), *target = asdic_folder_file(to, parts[i]);
+        asdic_status status = copy(ctx, source, target);
+        free(source);
+        free(target);
+        TRY(status);
     }
-    return status == ASDIC_OK ? copy(ctx, from, to, "routes", "csv") : status;
+    return ASDIC_OK;
 }

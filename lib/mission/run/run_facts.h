@@ -46,7 +46,7 @@ typedef struct asdic_run_facts {
 asdic_status asdic_run_facts_write(asdic_context *ctx, const char *folder,
                                    const asdic_run_facts *facts);
 
-/* Fills in what SURVEY, ended, has found in a run's records. */
+/* Fills in what STATISTICS, ended, has found in a run's records. */
 void asdic_run_facts_statistics(asdic_run_facts *facts, const struct asdic_statistics *statistics);
 
 /* ASDIC_ERROR_INPUT when there is no run.json or it is not one. */

@@ -2,11 +2,12 @@
  * The mission from above.
  */
 #include "base/context.h"
+#include "base/try.h"
 #include "base/vec.h"
 #include "out/digits.h"
 #include "run_folder.h"
 #include "run_footprint.h"
-#include "run_render.h"
+#include "run_picture.h"
 #include "run_chart_data.h"
 
 #include <math.h>
@@ -49,10 +50,7 @@ static asdic_status add_place(asdic_render *r, sketch *s, const asdic_record *re
     for (size_t k = 0; k < (is_apart ? sonar->receiver_count : 1); k++) {
         asdic_chart_area *area = &s->areas[s->area_count];
         swath.beams = &sonar->receivers[k];
-        asdic_status status = asdic_footprint_find(r->ctx, &swath, &record->pose, ground, area);
-        if (status != ASDIC_OK) {
-            return status;
-        }
+        TRY(asdic_footprint_find(r->ctx, &swath, &record->pose, ground, area));
         area->rgb = colors[k];
         if (s->area_count < MOST_APART && s->area_count == k) { /* the first place names them */
             if (is_apart) {
@@ -80,15 +78,10 @@ static asdic_status add_areas(asdic_render *r, const asdic_ground *ground, sketc
     for (size_t i = 0; i < places; i++) {
         asdic_record record;
         size_t index = places > 1 ? last * i / (places - 1) : 0, used = strlen(s->places);
-        asdic_status status = asdic_run_read(r->run, index, &record);
-        if (status == ASDIC_OK) {
-            snprintf(s->places + used, sizeof s->places - used, "%s %llu", i ? "," : "",
-                     (unsigned long long)record.ping);
-            status = add_place(r, s, &record, ground);
-        }
-        if (status != ASDIC_OK) {
-            return status;
-        }
+        TRY(asdic_run_read(r->run, index, &record));
+        snprintf(s->places + used, sizeof s->places - used, "%s %llu", i ? "," : "",
+                 (unsigned long long)record.ping);
+        TRY(add_place(r, s, &record, ground));
     }
     return ASDIC_OK;
 }
@@ -144,15 +137,12 @@ asdic_status asdic_render_chart(asdic_render *r) {
     asdic_chart_data data;
     sketch s = {0};
     bool is_plane = strcmp(r->run->facts.bottom, ASDIC_RUN_BOTTOM_PLANE) == 0;
-    asdic_status status = asdic_chart_data_read(r->ctx, r->run->folder, &data);
-    if (status != ASDIC_OK) {
-        return status;
-    }
+    TRY(asdic_chart_data_read(r->ctx, r->run->folder, &data));
     asdic_ground ground = {.relief = &data.relief,
                            .plane_depth_m = is_plane ? summary->bottom_depth_m : INFINITY};
     asdic_chart_data_cut(&data, summary->statistics.first_time_s, summary->statistics.last_time_s);
-    status = add_areas(r, &ground, &s);
-    if (status == ASDIC_OK) {
+    asdic_status status = add_areas(r, &ground, &s);
+    if (!status) {
         status = draw(r, &data, &ground, &s);
     }
     sketch_finish(&s);

@@ -1,6 +1,7 @@
-#include "run_render.h"
+#include "run_picture.h"
 
 #include "base/context.h"
+#include "base/try.h"
 #include "out/digits.h"
 #include "run_folder.h"
 
@@ -48,24 +49,21 @@ static asdic_status expect(asdic_render *r, const asdic_record *record, size_t c
     }
     sonar.receivers = beams;
     sonar.receiver_count = count;
-    asdic_status status = asdic_ping_create(r->ctx, count, r->info.bins, &out->ping);
-    if (status != ASDIC_OK) {
-        return status;
-    }
+    TRY(asdic_ping_create(r->ctx, count, r->info.bins, &out->ping));
     out->level_db[0] = malloc(ASDIC_COMPONENT_COUNT * cells * sizeof(float));
     if (!out->level_db[0]) {
         return asdic_fail_memory(r->ctx, "expected levels");
     }
     asdic_flat_scene flat = asdic_run_flat_scene(r->run, record);
-    status = asdic_expected_compute(r->ctx, &flat, r->info.environment, &sonar, &record->pose,
-                                    out->ping);
-    for (size_t c = 0; c < ASDIC_COMPONENT_COUNT && status == ASDIC_OK; c++) {
+    TRY(asdic_expected_compute(r->ctx, &flat, r->info.environment, &sonar, &record->pose,
+                               out->ping));
+    for (size_t c = 0; c < ASDIC_COMPONENT_COUNT; c++) {
         out->level_db[c] = out->level_db[0] + c * cells;
         for (size_t i = 0; i < cells; i++) {
             out->level_db[c][i] = (float)asdic_level_db(out->ping->intensity_lin[c][i]);
         }
     }
-    return status;
+    return ASDIC_OK;
 }
 
 /* With an expectation its mechanisms are drawn, else those of the simulation. */

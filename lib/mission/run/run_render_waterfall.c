@@ -1,6 +1,7 @@
-#include "run_render.h"
+#include "run_picture.h"
 
 #include "base/context.h"
+#include "base/try.h"
 #include "out/draw.h"
 #include "out/png_file.h"
 #include "run_folder.h"
@@ -45,12 +46,10 @@ static asdic_status raw_row(void *user, size_t ping, uint16_t *grey) {
     raw_rows *rows = user;
     asdic_render *r = rows->render;
     asdic_record record;
-    asdic_status status = asdic_run_read(r->run, ping, &record);
-    if (status == ASDIC_OK) {
-        asdic_draw_grey(&rows->options, record.level_db[ASDIC_TOTAL] + rows->beam * r->info.bins,
-                        r->info.bins, r->run->facts.bin_length_m, grey);
-    }
-    return status;
+    TRY(asdic_run_read(r->run, ping, &record));
+    asdic_draw_grey(&rows->options, record.level_db[ASDIC_TOTAL] + rows->beam * r->info.bins,
+                    r->info.bins, r->run->facts.bin_length_m, grey);
+    return ASDIC_OK;
 }
 
 /* Every bin of every ping, read as it is written. */
@@ -74,7 +73,7 @@ static asdic_status draw_raw(asdic_render *r, size_t beam) {
 }
 
 /* With a gain, and a window, of its own unless they were asked for. */
-static asdic_status draw_overview(const asdic_render *whole) {
+asdic_status asdic_render_overview(const asdic_render *whole) {
     const asdic_summary *summary = whole->summary;
     asdic_render own = *whole, *r = &own;
     char title[256];
@@ -101,21 +100,16 @@ static asdic_status draw_overview(const asdic_render *whole) {
     return status;
 }
 
-asdic_status asdic_render_many(asdic_render *r) {
-    asdic_status status = ASDIC_OK;
-    for (size_t k = 0; r->images & 1u << ASDIC_IMAGE_WATERFALL && k < r->plan.beam_count; k++) {
-        if (status == ASDIC_OK) {
-            status = draw(r, r->plan.beams[k], &r->summary->waterfalls[k]);
-        }
+asdic_status asdic_render_waterfalls(asdic_render *r) {
+    for (size_t k = 0; k < r->plan.beam_count; k++) {
+        TRY(draw(r, r->plan.beams[k], &r->summary->waterfalls[k]));
     }
-    if (status == ASDIC_OK && r->images & 1u << ASDIC_IMAGE_OVERVIEW) {
-        status = draw_overview(r);
+    return ASDIC_OK;
+}
+
+asdic_status asdic_render_raw(asdic_render *r) {
+    for (size_t k = 0; k < r->plan.beam_count; k++) {
+        TRY(draw_raw(r, r->plan.beams[k]));
     }
-    if (status == ASDIC_OK && r->images & 1u << ASDIC_IMAGE_PLAN) {
-        status = asdic_render_chart(r);
-    }
-    for (size_t k = 0; r->options.raw && k < r->plan.beam_count && status == ASDIC_OK; k++) {
-        status = draw_raw(r, r->plan.beams[k]);
-    }
-    return status;
+    return ASDIC_OK;
 }

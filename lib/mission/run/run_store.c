@@ -1,6 +1,7 @@
 #include "run_store.h"
 
 #include "base/context.h"
+#include "base/try.h"
 #include "out/file.h"
 #include "out/npy.h"
 #include "out/record.h"
@@ -124,11 +125,8 @@ static asdic_status open_file(asdic_store *store, asdic_store_mode mode) {
         store->fd = open(store->path, O_RDONLY | O_CLOEXEC);
         return store->fd < 0 ? fail_io(store, "read") : check(store);
     }
-    asdic_status status = refuse_link(store, store->part);
-    status = status ? status : refuse_link(store, store->path);
-    if (status != ASDIC_OK) {
-        return status;
-    }
+    TRY(refuse_link(store, store->part));
+    TRY(refuse_link(store, store->path));
     /* A finished file becomes the part again; until it is committed its name is free. */
     store->is_part = true;
     if (mode == ASDIC_STORE_RESUME && access(store->part, F_OK) != 0 &&
@@ -209,15 +207,14 @@ asdic_status asdic_store_cut(asdic_store *store, size_t count) {
 }
 
 asdic_status asdic_store_commit(asdic_store *store) {
-    asdic_status status = asdic_store_cut(store, store->count); /* a torn record after the last */
-    if (status == ASDIC_OK) {
-        status = write_header(store, store->count);
+    store->is_part = true;
+    TRY(asdic_store_cut(store, store->count)); /* a torn record after the last */
+    TRY(write_header(store, store->count));
+    if (fsync(store->fd) != 0 || rename(store->part, store->path) != 0) {
+        return fail_io(store, "write");
     }
-    if (status == ASDIC_OK && (fsync(store->fd) != 0 || rename(store->part, store->path) != 0)) {
-        status = fail_io(store, "write");
-    }
-    store->is_part = status != ASDIC_OK;
-    return status;
+    store->is_part = false;
+    return ASDIC_OK;
 }
 
 void asdic_store_close(asdic_store **store) {

@@ -1,6 +1,7 @@
 #include "run_summary.h"
 
 #include "base/context.h"
+#include "base/try.h"
 #include "out/draw.h"
 
 #include <math.h>
@@ -53,29 +54,26 @@ static asdic_status begin(asdic_context *ctx, asdic_summary *d) {
     const asdic_summary_plan *plan = &d->plan;
     const asdic_picture_options gain = {.tvg_db_per_decade = plan->tvg_db_per_decade,
                                         .tvg_db_per_m = plan->tvg_db_per_m};
-    asdic_status status = asdic_statistics_begin(ctx, &d->statistics);
-    if (status == ASDIC_OK && (gain.tvg_db_per_decade != 0.0 || gain.tvg_db_per_m != 0.0)) {
-        status =
-            asdic_statistics_set_gain(ctx, &d->statistics, plan->bins, plan->bin_length_m, &gain);
+    TRY(asdic_statistics_begin(ctx, &d->statistics));
+    if (gain.tvg_db_per_decade != 0.0 || gain.tvg_db_per_m != 0.0) {
+        TRY(asdic_statistics_set_gain(ctx, &d->statistics, plan->bins, plan->bin_length_m, &gain));
     }
     for (size_t k = 0; wants(d, ASDIC_IMAGE_WATERFALL) && k < plan->beam_count; k++) {
-        if (status == ASDIC_OK) {
-            status = asdic_decimator_init(ctx, plan->pings, plan->bins, ASDIC_WATERFALL_MAX_ROWS,
-                                          ASDIC_WATERFALL_MAX_COLUMNS, &d->waterfalls[k]);
-        }
+        TRY(asdic_decimator_init(ctx, plan->pings, plan->bins, ASDIC_WATERFALL_MAX_ROWS,
+                                 ASDIC_WATERFALL_MAX_COLUMNS, &d->waterfalls[k]));
     }
-    if (status == ASDIC_OK && wants(d, ASDIC_IMAGE_OVERVIEW)) {
-        status = asdic_overview_init(ctx, plan->pings, plan->sonar->receiver_count, plan->bins,
-                                     plan->bin_length_m, &d->overview);
+    if (wants(d, ASDIC_IMAGE_OVERVIEW)) {
+        TRY(asdic_overview_init(ctx, plan->pings, plan->sonar->receiver_count, plan->bins,
+                                plan->bin_length_m, &d->overview));
     }
-    if (status == ASDIC_OK && wants(d, ASDIC_IMAGE_PLAN)) {
+    if (wants(d, ASDIC_IMAGE_PLAN)) {
         d->north_m = malloc((ASDIC_TRACK_POINTS + 1) * sizeof *d->north_m);
         d->east_m = malloc((ASDIC_TRACK_POINTS + 1) * sizeof *d->east_m);
         if (!d->north_m || !d->east_m) {
             return asdic_fail_memory(ctx, "a track");
         }
     }
-    return status;
+    return ASDIC_OK;
 }
 
 asdic_status asdic_summary_create(asdic_context *ctx, const asdic_summary_plan *plan,
@@ -86,7 +84,7 @@ asdic_status asdic_summary_create(asdic_context *ctx, const asdic_summary_plan *
     }
     d->plan = *plan;
     asdic_status status = begin(ctx, d);
-    if (status != ASDIC_OK) {
+    if (status) {
         asdic_summary_destroy(out);
     }
     return status;
@@ -100,8 +98,8 @@ asdic_status asdic_summary_create_all(asdic_context *ctx, const asdic_settings *
                                .bins = facts->bins,
                                .bin_length_m = facts->bin_length_m,
                                .images = settings->output.images};
-    asdic_status status = asdic_summary_choose_beams(ctx, NULL, &plan);
-    return status == ASDIC_OK ? asdic_summary_create(ctx, &plan, out) : status;
+    TRY(asdic_summary_choose_beams(ctx, NULL, &plan));
+    return asdic_summary_create(ctx, &plan, out);
 }
 
 void asdic_summary_destroy(asdic_summary **summary) {

@@ -51,7 +51,7 @@ asdic_status asdic_summary_create(asdic_context *ctx, const asdic_summary_plan *
 /* For the pictures that SETTINGS ask for, of all pings that FACTS plan. */
 asdic_status asdic_summary_create_all(asdic_context *ctx, const asdic_settings *settings,
                                       const asdic_run_facts *facts, asdic_summary **out);
-/* DIGEST may be NULL, then nothing is gathered. */
+/* SUMMARY may be NULL, then nothing is gathered. */
 void asdic_summary_add(asdic_summary *summary, const asdic_record *record);
 /* After the last record: everything can be read. */
 void asdic_summary_end(asdic_summary *summary);
