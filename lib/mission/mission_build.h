@@ -27,7 +27,7 @@ asdic_status asdic_mission_build_pings(mission_builder *b);
 /* Depth of the highest bottom at the place of POSITION; INFINITY where there is none. */
 double asdic_mission_bottom_m(const asdic_scene *scene, asdic_vec3 position_m);
 /* That the sonar stays above the bottom; remarks on objects that cannot be seen. */
-void asdic_mission_check_places(mission_builder *b);
+void asdic_mission_check_positions(mission_builder *b);
 
 /* NAME, which the scene file gives, as a path from here; NULL when memory is short. */
 const char *asdic_mission_resolve(const mission_builder *b, const char *name);

@@ -25,7 +25,7 @@ static void dump(const asdic_table *table, const void *struct_of, asdic_text *te
         const asdic_key *key = &table->keys[i];
         const void *at = base + key->offset;
         asdic_text_format(text, "%s:", key->name);
-        if (key->type == ASDIC_KEY_LIST && !(key->flags & ASDIC_KEY_PLANNED)) {
+        if (key->type == ASDIC_KEY_LIST) {
             const asdic_list *list = at;
             for (size_t k = 0; k < list->count; k++) {
                 dump(key->table, (const char *)list->items + k * key->table->size, text);
@@ -48,7 +48,7 @@ static void dump(const asdic_table *table, const void *struct_of, asdic_text *te
             asdic_text_format(text, " %s", string ? string : "-");
         } else if (key->type == ASDIC_KEY_BOOL) {
             asdic_text_add(text, *(const bool *)at ? " true" : " false");
-        } else if (!(key->flags & ASDIC_KEY_PLANNED)) {
+        } else {
             asdic_text_format(text, " %d", *(const int *)at);
         }
         asdic_text_add(text, "\n");

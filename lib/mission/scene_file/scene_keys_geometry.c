@@ -26,7 +26,7 @@ static const asdic_table mesh_table = {TABLE(mesh_keys, file_mesh), .doc = "a me
                                        .scalar_key = "file"};
 
 static const asdic_word grid_words[] = {
-    {"depths", FILE_GRID_DEPTHS, false}, {"heights", FILE_GRID_HEIGHTS, false}, {NULL, 0, false}};
+    {"depths", FILE_GRID_DEPTHS}, {"heights", FILE_GRID_HEIGHTS}, {NULL, 0}};
 static const asdic_key grid_keys[] = {
     {"file", ASDIC_KEY_PATH, ASDIC_KEY_REQUIRED, AT(file_grid, file),
      .doc = "ESRI ASCII grid, relative to the scene file"},
@@ -36,11 +36,8 @@ static const asdic_key grid_keys[] = {
 static const asdic_table grid_table = {TABLE(grid_keys, file_grid), .doc = "a bathymetric grid",
                                        .scalar_key = "file"};
 
-static const asdic_word bottom_words[] = {{"mud", 1, false},
-                                          {"sand", 2, false},
-                                          {"gravel", 3, false},
-                                          {"rock", 4, false},
-                                          {NULL, 0, false}};
+static const asdic_word bottom_words[] = {
+    {"mud", 1}, {"sand", 2}, {"gravel", 3}, {"rock", 4}, {NULL, 0}};
 
 #define BOTTOM(member) AT(file_bottom, member)
 static const asdic_key bottom_keys[] = {
@@ -116,10 +113,10 @@ enum {
 #undef PRESET
 };
 static const asdic_word preset_words[] = {
-#define PRESET(word, value) {#word, PRESET_##word, false},
+#define PRESET(word, value) {#word, PRESET_##word},
     ASDIC_MATERIAL_PRESETS(PRESET)
 #undef PRESET
-        {NULL, 0, false}};
+        {NULL, 0}};
 
 #define MATERIAL(member) AT(file_material, member)
 static const asdic_key material_keys[] = {

@@ -3,7 +3,7 @@
 #include "base/context.h"
 #include "base/vec.h"
 #include "flight_model.h"
-#include "track_points.h"
+#include "track.h"
 
 #include <stdlib.h>
 

@@ -1,4 +1,4 @@
-#include "track_points.h"
+#include "track.h"
 
 #include "base/vec.h"
 

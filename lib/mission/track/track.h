@@ -6,7 +6,17 @@
 
 #include "out/file.h"
 
-typedef struct asdic_track asdic_track;
+typedef struct track_point {
+    double time_s;
+    double x_m, y_m, z_m;
+    double roll_rad, pitch_rad, yaw_rad;
+} track_point;
+
+typedef struct asdic_track {
+    track_point *points; /* at least one; times increase */
+    size_t count, capacity;
+    size_t sharers; /* holders besides the first */
+} asdic_track;
 
 /* Reads a CSV file with a header of time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg in any order;
  * other columns are passed over. Times must increase. Every error is logged with file, line and
@@ -14,6 +24,8 @@ typedef struct asdic_track asdic_track;
 asdic_status asdic_track_load(asdic_context *ctx, const char *path, asdic_track **out);
 /* Another holder of TRACK, which is freed when the last one has destroyed it. Not from two threads. */
 asdic_track *asdic_track_share(asdic_track *track);
+/* Puts POINT behind the last one; false when memory is short. */
+bool asdic_track_append(asdic_track *track, const track_point *point);
 void asdic_track_destroy(asdic_track **track);
 
 size_t asdic_track_point_count(const asdic_track *track);

@@ -1,7 +1,7 @@
 /*
  * The file of a track: read, and written row by row so that it can be read again.
  */
-#include "track_points.h"
+#include "track.h"
 
 #include "base/context.h"
 #include "base/number.h"

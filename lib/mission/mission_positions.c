@@ -159,7 +159,7 @@ static void remark_on_motions(mission_builder *b) {
     }
 }
 
-void asdic_mission_check_places(mission_builder *b) {
+void asdic_mission_check_positions(mission_builder *b) {
     check_bottom_depth(b);
     if (b->problems->total == 0) {
         check_depths(b);
