@@ -34,7 +34,7 @@ void asdic_mission_destroy(asdic_mission **mission) {
     *mission = NULL;
 }
 
-/* The file's text into MISSION, as UTF-8, with the hash of its bytes. */
+/* Reads the file into MISSION: its text as UTF-8 and the hash of its bytes. */
 static asdic_status read_text(asdic_context *ctx, asdic_mission *m, size_t *length) {
     char *bytes = NULL;
     size_t size = 0;
@@ -79,7 +79,7 @@ static asdic_status build(mission_builder *b) {
     return ASDIC_OK;
 }
 
-/* What a run takes for each bin of each beam, as measured: 1,024 beams of 4,093 bins, 1.2 GiB. */
+/* Memory of a run for each bin of each beam, as measured: 1.2 GiB for 1,024 beams of 4,093 bins. */
 #define LEVEL_BYTES 304
 
 static asdic_status check_memory(asdic_context *ctx, const asdic_mission *m) {

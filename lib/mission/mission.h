@@ -1,5 +1,6 @@
 /*
- * A mission inside: what the scene file says, in the library's units, with its geometry loaded.
+ * The inside of a mission: what the scene file says in the library's units, with its geometry
+ * loaded.
  */
 #ifndef ASDIC_MISSION_MISSION_H
 #define ASDIC_MISSION_MISSION_H
@@ -10,7 +11,7 @@
 #include "mission/track/flight.h"
 #include "mission/track/track.h"
 
-/* Where an object goes, by its name. */
+/* The track of the object called NAME. */
 typedef struct asdic_motion {
     char name[ASDIC_NAME_SIZE];
     asdic_track *track;
@@ -28,14 +29,14 @@ struct asdic_mission {
     asdic_motion *motions; /* in the order of the file */
     size_t motion_count;
     double bottom_type;
-    bool is_varied;      /* the text is not all that it was made from */
-    asdic_flight flight; /* how the vehicle answers; without waypoints, an ordinary one */
+    bool is_varied;      /* settings changed what the text says */
+    asdic_flight flight; /* how the vehicle manoeuvres; an ordinary one without waypoints */
     asdic_pose pose;     /* of every ping, when there is no track */
     asdic_track *track;  /* NULL: at rest */
     size_t ping_count;
 };
 
-/* asdic_mission_place at a time of the pings' clock. */
+/* Puts the objects that move where they are at TIME_S of the pings' clock. */
 asdic_status asdic_mission_place_at(const asdic_mission *mission, asdic_simulator *simulator,
                                     double time_s);
 

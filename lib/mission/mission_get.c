@@ -11,7 +11,7 @@
 #include <math.h>
 #include <string.h>
 
-/* --- what it is --------------------------------------------------------------------------------- */
+/* --- what it is ------------------------------------------------------------------------------- */
 
 const asdic_environment *asdic_mission_environment(const asdic_mission *mission) {
     return mission ? &mission->settings.environment : NULL;
@@ -91,7 +91,7 @@ asdic_pose asdic_mission_pose(const asdic_mission *mission, size_t index, double
     return mission->track ? pose_on_track(mission->track, start_s + elapsed_s) : mission->pose;
 }
 
-/* How long the pings' clock has run at ping INDEX. */
+/* Time of ping INDEX by the pings' clock. */
 static double time_of(const asdic_mission *mission, size_t index) {
     double time_s;
     asdic_mission_pose(mission, index, &time_s);
@@ -147,7 +147,7 @@ asdic_flat_scene asdic_mission_flat_scene(const asdic_mission *mission, size_t i
     };
 }
 
-/* --- what may be changed ------------------------------------------------------------------------ */
+/* --- what may be changed ---------------------------------------------------------------------- */
 
 asdic_choices asdic_mission_get_choices(const asdic_mission *mission) {
     if (!mission) {

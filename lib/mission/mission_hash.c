@@ -1,6 +1,6 @@
 /*
- * What a mission depends on besides its scene file: meshes, grids and tracks, which may change while
- * the scene file does not.
+ * The hash of what a mission depends on besides its scene file: meshes, grids and tracks may change
+ * while the scene file does not.
  */
 #include "mission.h"
 
@@ -14,7 +14,7 @@
 /* Time, position, attitude. */
 #define POSE_NUMBERS 7
 
-/* Poses hashed at once: memory does not grow with a mission. */
+/* Poses hashed at once, so that memory does not grow with a mission. */
 #define CHUNK 1024
 
 /* A chunk of poses after the hash of those before it. */
@@ -30,7 +30,7 @@ static void put_pose(double *to, double time_s, const asdic_pose *pose) {
     memcpy(to, numbers, sizeof numbers);
 }
 
-/* HEX: the vehicle's poses, or those of an object, at all pings. */
+/* Hashes the poses of the vehicle, or of OBJECT when it is not NULL, at all pings into HEX. */
 static void hash_poses(const asdic_mission *mission, const size_t *object, pose_chain *chain,
                        char hex[65]) {
     size_t pings = asdic_mission_ping_count(mission), used = 0;

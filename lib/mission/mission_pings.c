@@ -76,7 +76,7 @@ static asdic_status load_track(mission_builder *b, asdic_yaml_node *node, const 
     return asdic_mission_file_problem(b, node, status);
 }
 
-/* The object before I whose track is that of object I; I when it is the first. */
+/* The first object whose track is that of object I; I itself when no earlier one has it. */
 static size_t first_with_track(const file_object *objects, size_t i) {
     for (size_t k = 0; k < i; k++) {
         if (objects[k].track && objects[k].name &&
@@ -87,7 +87,7 @@ static size_t first_with_track(const file_object *objects, size_t i) {
     return i;
 }
 
-/* Ten thousand objects may go the same way: each file is read, and told to be wrong, once. */
+/* Many objects may share a track: each file is read, and its errors are reported, once. */
 static asdic_status build_motions(mission_builder *b) {
     const file_object *objects = b->file->objects.items;
     asdic_mission *m = b->mission;

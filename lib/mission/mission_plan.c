@@ -12,9 +12,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* --- terms -------------------------------------------------------------------------------------- */
+/* --- terms ------------------------------------------------------------------------------------ */
 
-/* A vehicle that is flown by hand may come where a term matters, so nothing is left out. */
+/* Keeps every term: a vehicle that is steered by hand may come where a term matters. */
 static void keep_all(const asdic_mission *mission, asdic_plan *plan) {
     const bool is_there[ASDIC_TERM_COUNT] = {
         [ASDIC_TERM_SURFACE] = asdic_scene_get_info(mission->scene).has_surface,
@@ -33,8 +33,8 @@ static void keep_all(const asdic_mission *mission, asdic_plan *plan) {
     plan->left_out = 0;
 }
 
-/* Room for the poses of COUNT pings, to be freed. More than the memory that is left is refused here,
- * before the system kills a process for it. */
+/* Room for the poses of COUNT pings, to be freed. More than the memory that is left is refused
+ * here, before the system kills a process for it. */
 static asdic_status make_poses(asdic_context *ctx, size_t count, asdic_pose **out) {
     char what[64];
     snprintf(what, sizeof what, "the plan of %zu pings needs", count);
@@ -65,12 +65,12 @@ asdic_status asdic_mission_plan(asdic_context *ctx, const asdic_mission *mission
     return status;
 }
 
-/* --- rays --------------------------------------------------------------------------------------- */
+/* --- rays ------------------------------------------------------------------------------------- */
 
 /* Pings looked at, spread over the mission. */
 #define MOST_PINGS 4
 
-/* Energy that rays bring; speckle and noise are not theirs. */
+/* Energy that rays bring in: all but speckle and noise. */
 static double echo_of(const asdic_ping *ping, size_t at) {
     double sum = 0.0;
     for (int c = ASDIC_BOTTOM; c < ASDIC_NOISE; c++) {
@@ -107,7 +107,7 @@ static void judge(const asdic_ping *ping, size_t number, double tolerance_db,
     }
 }
 
-/* Looks at OUT->pings pings of SIM, the first of evenly spread learning blocks. */
+/* Simulates OUT->pings pings, the first ones of evenly spread learning blocks, and judges them. */
 static asdic_status look(asdic_context *ctx, const asdic_mission *mission, asdic_simulator *sim,
                          asdic_ping *ping, double tolerance_db, asdic_ray_budget *out) {
     size_t blocks = (asdic_mission_ping_count(mission) + ASDIC_LEARN_BLOCK - 1) / ASDIC_LEARN_BLOCK;

@@ -1,5 +1,5 @@
 /*
- * Whether sonar, bottom and objects are where they can meet.
+ * Checks that sonar, bottom and objects are where they can meet.
  */
 #include "mission_build.h"
 
@@ -8,12 +8,13 @@
 #include <math.h>
 #include <stdio.h>
 
-/* Poses tested against a bottom that is no plane; longer missions are tested at even steps. */
+/* Poses tested against a bottom that is no plane. Of longer missions every so many are tested. */
 #define MAX_TESTED_PINGS 10000
 
-/* A track has a gap where points are this many times farther apart than the others are on average. */
+/* Two points of a track have a gap between them when they are this many times farther apart than
+ * the others on average. */
 #define GAP_RATIO 10.0
-/* Tracks of fewer points were written by hand, at what times their author liked. */
+/* A track of fewer points is written by hand, at any times: it has no gaps. */
 #define RECORDED_POINTS 20
 
 /* A depth above which no bottom lies. */
@@ -46,7 +47,7 @@ static void check_depths(mission_builder *b) {
     }
 }
 
-/* A bottom wholly above the surface has its values the wrong way up. */
+/* The values of a bottom that is wholly above the surface have the wrong sign. */
 static void check_bottom_depth(mission_builder *b) {
     const file_bottom *bottom = &b->file->bottom;
     asdic_yaml_node *node = bottom->grid.node ? bottom->grid.node : bottom->mesh.node;
@@ -62,7 +63,7 @@ static void check_bottom_depth(mission_builder *b) {
                        b->mission->objects[0].min_m.z, b->mission->objects[0].max_m.z, remedy);
 }
 
-/* Files of many modellers have y up; such a bottom stands like a wall. */
+/* Many programs for models have y up: such a bottom stands like a wall. */
 static void remark_on_bottom(mission_builder *b) {
     const file_bottom *bottom = &b->file->bottom;
     const double *turn_deg = bottom->rotation_deg;
@@ -116,7 +117,7 @@ static void remark_on_objects(mission_builder *b) {
     }
 }
 
-/* Recorders stop: what a simulation makes of the time between is a straight line. */
+/* A recorder may stop for a while: a simulation then flies a straight line. */
 static void remark_on_gap(mission_builder *b) {
     const asdic_mission *m = b->mission;
     const asdic_yaml_node *node = asdic_yaml_child(b->file->mission.node, "track");
@@ -135,7 +136,7 @@ static void remark_on_gap(mission_builder *b) {
     }
 }
 
-/* An object's track on another clock than the vehicle's leaves it at rest at an end. */
+/* An object whose track has another clock than the vehicle's rests at an end of it. */
 static void remark_on_motions(mission_builder *b) {
     const asdic_mission *m = b->mission;
     const file_object *objects = b->file->objects.items;

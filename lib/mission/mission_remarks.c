@@ -1,4 +1,4 @@
-/* What a mission asks of the laws that their sources do not vouch for. */
+/* Remarks on laws that a mission uses outside the validity that their sources state. */
 #include "mission.h"
 
 #include "../../kernels/model.h"
@@ -8,7 +8,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* What the validity of laws is stated for, by the names that `asdic model` gives it. */
+/* The quantities that the validity of laws is stated in, by the names of `asdic model`. */
 typedef struct situation {
     double t_degc, s_ppt, z_m, ph, f_khz, wind_kn;
 } situation;
@@ -46,7 +46,7 @@ static bool has_bottom_law(const asdic_mission *m) {
     return false;
 }
 
-/* The laws whose sources state less than a scene may ask for. */
+/* The laws that are valid for less than a scene may ask for. */
 static const struct {
     size_t model;
     bool (*is_used)(const asdic_mission *m);
@@ -55,7 +55,8 @@ static const struct {
                               {MODEL_BOTTOM_BACKSCATTER, has_bottom_law},
                               {MODEL_SURFACE_BACKSCATTER, has_surface}};
 
-/* At the greatest depth: validity ends there, never near the surface. A mission may have 1e9 pings. */
+/* The greatest depth: validity ends there, never near the surface. A mission may have 1e9 pings,
+ * so a track is asked for it. */
 static double depth_of(const asdic_mission *m) {
     double last_s;
     double depth_m = asdic_mission_pose(m, asdic_mission_ping_count(m) - 1, &last_s).position_m.z;

@@ -37,7 +37,7 @@ static asdic_status load_grid(mission_builder *b, const file_grid *g, asdic_mesh
     return asdic_mission_file_problem(b, file_node(g->node), status);
 }
 
-/* The shape of OBJECT; *OUT stays NULL when the file was wrong about it. */
+/* The shape of O; *OUT stays NULL when the file is wrong about it. */
 static asdic_status make_shape(mission_builder *b, const file_object *o, asdic_mesh **out) {
     if (asdic_scene_node_good(o->mesh.node)) {
         return load_mesh(b, &o->mesh, out);
@@ -87,8 +87,8 @@ static asdic_status add_to_scene(asdic_scene *scene, const asdic_mesh *mesh,
                       : asdic_scene_add_bottom(scene, mesh, o->pose, o->material);
 }
 
-/* Puts MESH, which is destroyed, into the scene as OBJECT, whose name, pose and material are set,
- * and remembers it. What the scene refuses becomes a problem at NODE. */
+/* Adds MESH, which is destroyed, to the scene as OBJECT, whose name, pose and material are set,
+ * and lists it in the mission. What the scene refuses becomes a problem at NODE. */
 static asdic_status place(mission_builder *b, asdic_yaml_node *node, asdic_mesh **mesh,
                           bool is_file, asdic_mission_object object) {
     asdic_mission *m = b->mission;
@@ -157,8 +157,8 @@ static asdic_status build_point(mission_builder *b, const file_object *o) {
     return asdic_mission_file_problem(b, o->node, status);
 }
 
-/* Room for MESH of object I as often as the objects from I on ask for its file: ten thousand of them
- * are refused at the first one. Once for a row of objects of the same file. */
+/* Reserves room for the MESH of object I as often as the objects from I on use its file, so that
+ * ten thousand copies are refused at the first one. Once for a row of objects of one file. */
 static asdic_status reserve_copies(const mission_builder *b, size_t i, const asdic_mesh *mesh) {
     const file_object *objects = b->file->objects.items;
     const char *file = objects[i].mesh.file;
@@ -193,7 +193,7 @@ static asdic_status build_object(mission_builder *b, size_t number) {
     return place(b, o->node, &mesh, o->mesh.node != NULL, object);
 }
 
-/* Triangles of all primitives together but boxes and plates, which are small. */
+/* Triangles of all spheres and cylinders; boxes and plates are small. */
 static size_t count_primitives(const asdic_scene_file *file) {
     const file_object *objects = file->objects.items;
     size_t count = 0;

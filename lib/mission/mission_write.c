@@ -1,6 +1,6 @@
 /*
- * What a mission writes: its scene file again, with the choices that are in force and another track;
- * and its own track.
+ * The files that a mission writes: its scene file again, with the present choices and another
+ * track, and its own track.
  */
 #include "mission.h"
 
@@ -130,7 +130,7 @@ static bool is_numeric(const asdic_yaml_node *list) {
 
 static void print_children(rewriter *r, const asdic_yaml_node *node, unsigned depth);
 
-/* What stands behind "key:" or "-", and below it. */
+/* Writes what follows "key:" or "-", on its line and below. */
 static void print_value(rewriter *r, const asdic_yaml_node *node, unsigned depth) {
     if (node->kind == ASDIC_YAML_SCALAR) {
         asdic_text_add(&r->text, " ");

@@ -1,8 +1,8 @@
 /*
- * Formats of a run's levels beside its tables. A format is a file, format_NAME.c, that defines its row
- * asdic_format_NAME and the scene key's text asdic_format_doc_NAME, and a line in meson.build, which
- * makes ASDIC_FORMATS. The key in `output:`, what it checks, what --force replaces and what a resumed
- * or merged run writes again follow from the row.
+ * Formats of a run's levels beside its tables. A format is a file, format_NAME.c, that defines its
+ * row asdic_format_NAME and the scene key's text asdic_format_doc_NAME, and a line in meson.build,
+ * which makes ASDIC_FORMATS. The key in `output:`, what it checks, what --force replaces and what a
+ * resumed or merged run writes again follow from the row.
  */
 #ifndef ASDIC_OUT_FORMAT_H
 #define ASDIC_OUT_FORMAT_H

@@ -56,8 +56,8 @@ typedef enum asdic_image {
 /* "waterfall" and the like, as a scene file's output.images; NULL when out of range. */
 ASDIC_API const char *asdic_image_name(asdic_image image);
 
-/* A format in which a run is written beside its tables: "npy", "netcdf" and so on, the key of a scene
- * file's output; NULL behind the last. */
+/* A format in which a run is written beside its tables: "npy", "netcdf" and so on, the key of a
+ * scene file's output; NULL behind the last. */
 ASDIC_API const char *asdic_format_name(size_t index);
 
 typedef struct asdic_output_options {

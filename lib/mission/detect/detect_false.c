@@ -1,6 +1,6 @@
 /*
- * How many false tracks are to be expected: false alarms of the designed probability, as many to a
- * plot as were found, plots anywhere in range and bearing, and what the tracker makes of them.
+ * The number of false tracks to expect: from false alarms of the designed probability, as many to a
+ * plot as were found, with plots anywhere in range and bearing, by the tracker's rule.
  */
 #include "detect_job.h"
 
@@ -11,8 +11,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Stretches of range, each by the same factor longer than the one before: where false tracks
- * crowd is near. */
+/* Intervals of range, each longer than the one before by the same factor: most false tracks are
+ * near. */
 #define RANGES 64
 
 static int by_size(const void *a, const void *b) {

@@ -1,6 +1,6 @@
 /*
- * What becomes of the bins that a ping's detector marks: plots for the tracker, rows of
- * detections.csv and tracks.csv, and the occupancy map.
+ * The output for the bins that the detector marks: plots for the tracker, rows of detections.csv
+ * and tracks.csv, and the occupancy map.
  */
 #include "detect_job.h"
 
@@ -15,12 +15,13 @@
 #include <string.h>
 #include <unistd.h>
 
-/* --- plots -------------------------------------------------------------------------------------- */
+/* --- plots ------------------------------------------------------------------------------------ */
 
 /* Half-widths to standard deviations: a uniform spread. */
 #define UNIFORM (1.0 / 3.4641016151377544)
 
-/* Strongest bin, by likelihood, of the run of detections that begins at FIRST; *END is behind it. */
+/* The bin of greatest likelihood among the consecutive detections that begin at FIRST; *END is
+ * behind the last. */
 static size_t peak(const asdic_detect_job *job, const double *llr, size_t first, size_t *end) {
     size_t last = (first / job->info.bins + 1) * job->info.bins, best = first, i = first;
     for (; i < last && job->detected[i]; i++) {
@@ -55,7 +56,7 @@ static asdic_plot_point plot_of(const asdic_detect_job *job, const asdic_record 
                               .label = job->label[cell]};
 }
 
-/* Whether two plots of one ping may be one thing: near each other as their spreads go. */
+/* Whether two plots of one ping may be one target: nearer than three standard deviations. */
 static bool overlap(const asdic_plot_point *a, const asdic_plot_point *b) {
     double nn = a->variance_nn_m2 + b->variance_nn_m2, ee = a->variance_ee_m2 + b->variance_ee_m2;
     double ne = a->variance_ne_m2 + b->variance_ne_m2;
@@ -98,7 +99,7 @@ void asdic_detect_find_plots(asdic_detect_job *job, const asdic_record *record) 
     }
 }
 
-/* --- rows --------------------------------------------------------------------------------------- */
+/* --- rows ------------------------------------------------------------------------------------- */
 
 static asdic_status open_file(asdic_detect_job *job, const char *path, const char *header,
                               asdic_file **out) {
@@ -178,7 +179,7 @@ void asdic_detect_write_rows(asdic_detect_job *job, const asdic_record *record) 
     }
 }
 
-/* Notes what became of a track. */
+/* Notes whether TRACK is confirmed, and whether an object's. */
 static asdic_status note(asdic_detect_job *job, const asdic_track_state *track) {
     if (track->id >= job->track_capacity) {
         size_t room = 2 * (size_t)track->id + 64;
@@ -213,12 +214,12 @@ asdic_status asdic_detect_write_tracks(asdic_detect_job *job, const asdic_record
     return ASDIC_OK;
 }
 
-/* --- map ---------------------------------------------------------------------------------------- */
+/* --- map -------------------------------------------------------------------------------------- */
 
 /* Log-odds are clipped here: e^10 to 1. */
 #define LIMIT 10.0
 
-/* Round the vehicle's whole way, as far as the sonar reaches. */
+/* The map covers all that the sonar reaches along the track. */
 asdic_status asdic_detect_create_map(asdic_detect_job *job) {
     if (isnan(job->options->cell_m)) {
         return ASDIC_OK;

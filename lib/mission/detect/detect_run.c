@@ -1,5 +1,5 @@
 /*
- * A run's pings through a detector.
+ * The detector applied to the pings of a run.
  */
 #include "detect_job.h"
 
@@ -13,7 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* An echo weaker than this re all else in its bin is none. */
+/* An echo that is weaker than this, re all else in its bin, does not count as one. */
 #define FAINT_LIN 0.01
 
 asdic_detect_options asdic_detect_options_default(void) {
@@ -27,7 +27,7 @@ static double linear(float level_db) {
     return isnan(level_db) ? 0.0 : pow(10.0, 0.1 * (double)level_db);
 }
 
-/* The ping's intensities, and what in them is known to be what. */
+/* The ping's intensities, and the truth about each bin. */
 static void read_truth(asdic_detect_job *job, const asdic_record *record) {
     double least = pow(10.0, 0.1 * job->options->truth_snr_db);
     for (size_t i = 0; i < job->info.beams * job->info.bins; i++) {
@@ -115,7 +115,7 @@ static asdic_status allocate(asdic_detect_job *job) {
     return ASDIC_OK;
 }
 
-/* The run, and with what it is judged. */
+/* Opens the run and chooses the detector. */
 static asdic_status open_run(asdic_detect_job *job, const char *folder) {
     TRY(asdic_run_open(job->ctx, folder, &job->run));
     job->info = asdic_run_get_info(job->run);

@@ -19,7 +19,7 @@
 /* Triangles are halved until they lie in one bin, at most so often. */
 #define MOST_HALVINGS 14
 
-/* What of an object lies in a bin. */
+/* The part of an object that lies in a bin. */
 typedef struct share {
     double area_m2;
     asdic_vec3 towards; /* sum of area x direction from the sonar */
@@ -27,7 +27,7 @@ typedef struct share {
 
 typedef struct named {
     char name[ASDIC_NAME_SIZE];
-    size_t object, part; /* of the mission; of its scene, or SIZE_MAX: a point */
+    size_t object, part; /* index in the mission; in its scene, SIZE_MAX for a point */
     share *shares;       /* per bin */
 } named;
 
@@ -77,7 +77,7 @@ static void add_piece(named *n, const asdic_run_facts *facts, asdic_vec3 from,
     }
 }
 
-/* From where the mission began to where the object is at PING. */
+/* The object's shift from the mission's beginning to PING. */
 static asdic_vec3 moved(const asdic_namer *namer, const named *n, size_t ping, asdic_vec3 at) {
     const asdic_mission_object *o = asdic_mission_get_object(namer->mission, n->object);
     if (!o->moves) {
@@ -150,7 +150,7 @@ static asdic_status add_names(asdic_namer *namer) {
     return namer->names ? ASDIC_OK : asdic_fail_memory(ctx, "objects' names");
 }
 
-/* The scene file is where it was, and what it was. */
+/* Whether the scene file is where it was, unchanged. */
 static bool scene_is_there(const asdic_run_facts *facts) {
     char hash[65] = "";
     char *bytes = NULL;
@@ -264,7 +264,7 @@ static double gain(const asdic_face *face, asdic_vec3 towards) {
     return beam_pattern_lin(v.x, v.y, v.z, face->length_h_wl, face->length_v_wl, 1e-6);
 }
 
-/* Of what lies in BIN; *WEIGHT is 0 when nothing does. */
+/* The object with the largest part in BIN; *WEIGHT is 0 when there is none. */
 static size_t heaviest(const asdic_namer *namer, size_t beam, size_t bin, double *weight) {
     size_t best = 0;
     *weight = 0.0;

@@ -1,5 +1,5 @@
 /*
- * What a scene says about a target: how strong it is in a bin, and what else is there.
+ * A target in a scene: its strength in a bin, and what else is in that bin.
  */
 #include <asdic/roc.h>
 
@@ -17,7 +17,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Ranges at which P_D is computed, and draws for each. */
+/* Ranges at which P_D is computed; draws for each. */
 #define MOST_RANGES 100
 #define REACH_TRIALS 20000u
 
@@ -30,7 +30,7 @@ typedef struct scene_job {
     asdic_pose pose;
     double azimuth_rad; /* of the target, from north */
     size_t beams, bins;
-    bool is_plane;        /* what is expected is known by quadrature */
+    bool is_plane;        /* quadrature knows what is expected */
     asdic_ping *ping;     /* simulated, its total without speckle */
     asdic_ping *expected; /* the null hypothesis */
     double *rest_lin;     /* simulated: all but the objects' echoes */
@@ -122,7 +122,7 @@ static asdic_roc_case case_of(const scene_job *job, size_t cell) {
     return c;
 }
 
-/* Ranges between which the object lies, by the box round it, and its bearing. */
+/* The range bins between which the object lies, by its box, and its bearing. */
 static asdic_status bins_of_object(scene_job *job, size_t *first, size_t *end) {
     const asdic_mission *m = job->mission;
     double bin_m = job->sonar.bin_length_m;

@@ -1,5 +1,6 @@
 /*
- * A mission, run: pings from the devices into pings.npy and bins.csv, then pictures and run.json.
+ * Running a mission: pings from the devices into pings.npy and bins.csv, then pictures and
+ * run.json.
  */
 #include "run_job.h"
 
@@ -29,7 +30,7 @@ static void report(const asdic_run_job *job, double since_s) {
     }
 }
 
-/* What RESULT's levels are kept with. */
+/* The numbers that are stored with RESULT's levels. */
 static asdic_record_head head_of(const asdic_mission *mission, size_t ping,
                                  const asdic_ping *result) {
     asdic_record_head head = {.ping = ping, .rays = result->rays, .saturated = result->saturated};
@@ -49,7 +50,7 @@ typedef struct taker {
     asdic_work_result result;
 } taker;
 
-/* One ping, in order: first into the store, which is what survives. */
+/* Takes the next ping. It goes into the store first, which survives a crash. */
 static asdic_status take(void *user, size_t ping, const asdic_ping *result) {
     taker *t = user;
     asdic_run_job *job = t->job;
@@ -66,7 +67,7 @@ static asdic_status take(void *user, size_t ping, const asdic_ping *result) {
     return ASDIC_OK;
 }
 
-/* Notes a device of another process, as run.json lists them. */
+/* Lists a device of another process for run.json. */
 static void name_device(void *user, const char *device) {
     asdic_run_job *job = ((taker *)user)->job;
     asdic_run_facts *f = &job->facts;
@@ -84,7 +85,7 @@ static void name_device(void *user, const char *device) {
     }
 }
 
-/* The pings that are not there yet, on the devices. */
+/* Simulates the pings that are not there yet. */
 static asdic_status simulate(asdic_run_job *job) {
     taker t = {.job = job};
     char hash[65];
@@ -112,7 +113,7 @@ static asdic_status simulate(asdic_run_job *job) {
     return status;
 }
 
-/* Adds to the context's sentence what is safe and how to go on. */
+/* Adds to the context's sentence what is kept and how to continue. */
 static asdic_status explain(asdic_run_job *job, asdic_status status) {
     char why[768];
     snprintf(why, sizeof why, "%s", asdic_context_error(job->ctx));
@@ -121,7 +122,7 @@ static asdic_status explain(asdic_run_job *job, asdic_status status) {
                       job->options->folder);
 }
 
-/* After the pings, all of them or not. */
+/* Ends the run after the pings, whether all are there or not. */
 static asdic_status wind_up(asdic_run_job *job, asdic_status status) {
     if (status == ASDIC_OK) {
         status = asdic_job_end(job, true);

@@ -1,8 +1,8 @@
 /*
- * What a run's chart needs beside its pings, kept in the run folder so that pictures can be drawn
- * without the meshes: terrain.asc, the bottom's depths as an ESRI ASCII grid (x east, y north),
- * objects.csv, outlines of objects at the first ping (x north, y east), and routes.csv, where those go
- * that move. None is there where there is nothing to say.
+ * What the chart of a run shows beside its pings, kept in the run folder so that pictures can be
+ * drawn without the meshes: terrain.asc, the bottom's depths as an ESRI ASCII grid (x east, y
+ * north); objects.csv, outlines of objects at the first ping (x north, y east); routes.csv, the
+ * routes of objects that move. A file without content is not written.
  */
 #ifndef ASDIC_MISSION_RUN_CHART_DATA_H
 #define ASDIC_MISSION_RUN_CHART_DATA_H
@@ -20,11 +20,11 @@ typedef struct asdic_chart_data {
     asdic_route_point *points; /* of all routes, one after the other */
 } asdic_chart_data;
 
-/* Of the whole mission, whatever part of it is run. */
+/* Writes the files for the whole mission, whatever part of it is run. */
 asdic_status asdic_chart_data_write(asdic_context *ctx, const asdic_mission *mission,
                                     const char *folder);
 
-/* The same files from run FROM to run TO. */
+/* Copies the files of run FROM to run TO. */
 asdic_status asdic_chart_data_copy(asdic_context *ctx, const char *from, const char *to);
 
 asdic_status asdic_chart_data_read(asdic_context *ctx, const char *folder, asdic_chart_data *out);

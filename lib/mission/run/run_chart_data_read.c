@@ -12,7 +12,7 @@
 #include <string.h>
 #include <unistd.h>
 
-/* --- reading ------------------------------------------------------------------------------------ */
+/* --- reading ---------------------------------------------------------------------------------- */
 
 #define MAX_BYTES ((size_t)64 << 20)
 /* Far more than a run writes. */
@@ -136,7 +136,7 @@ static bool parse_routes(scan *s, asdic_chart_data *out) {
     return out->points && out->routes;
 }
 
-/* The file PATH by PARSE, if there is such a file. */
+/* Reads the file PATH by PARSE; does nothing when there is no such file. */
 static asdic_status read_file(asdic_context *ctx, const char *path,
                               bool (*parse)(scan *, asdic_chart_data *), asdic_chart_data *out) {
     char *text = NULL;
@@ -187,9 +187,9 @@ void asdic_chart_data_finish(asdic_chart_data *data) {
     *data = (asdic_chart_data){0};
 }
 
-/* --- routes ------------------------------------------------------------------------------------- */
+/* --- routes ----------------------------------------------------------------------------------- */
 
-/* Between the points of ROUTE; beyond its ends, the nearest but for the time. */
+/* ROUTE at TIME_S, between its points; before and behind them, its nearest end. */
 static asdic_route_point at(const asdic_route *route, double time_s) {
     const asdic_route_point *p = route->points;
     size_t next = 0;
@@ -211,7 +211,8 @@ static asdic_route_point at(const asdic_route *route, double time_s) {
                                .yaw_rad = a->yaw_rad + share * turn_rad};
 }
 
-/* OUTLINE, drawn where the object is at A, to B: turned about the object's place, and moved. */
+/* Moves OUTLINE, drawn with the object at A, to B: turns it about the object's position and shifts
+ * it. */
 static void move(asdic_outline *outline, const asdic_route_point *a, const asdic_route_point *b) {
     double cosine = cos(b->yaw_rad - a->yaw_rad), sine = sin(b->yaw_rad - a->yaw_rad);
     for (size_t k = 0; k < outline->count; k++) {
@@ -221,8 +222,8 @@ static void move(asdic_outline *outline, const asdic_route_point *a, const asdic
     }
 }
 
-/* ROUTE's COUNT POINTS, of which the first is not after FIRST and the last not before LAST, in place to
- * those two and what lies between; how many these are. */
+/* Cuts COUNT POINTS of a route in place to FIRST, LAST and the points between them; returns their
+ * number. The route begins not after FIRST and ends not before LAST. */
 static size_t cut(asdic_route_point *points, size_t count, asdic_route_point first,
                   asdic_route_point last) {
     size_t kept = 0;

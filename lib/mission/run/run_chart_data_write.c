@@ -25,7 +25,7 @@ typedef struct extent {
     double south_m, west_m, north_m, east_m;
 } extent;
 
-/* What the sonar can reach from any ping. */
+/* The area that the sonar reaches from any ping. */
 static extent reach_of(const asdic_mission *mission) {
     const asdic_sonar *sonar = asdic_mission_sonar(mission);
     const asdic_environment *env = asdic_mission_environment(mission);
@@ -44,7 +44,7 @@ static extent reach_of(const asdic_mission *mission) {
                     e.east_m + range_m};
 }
 
-/* The bottom's, when it is a mesh or grid; it comes before the objects and has no name. */
+/* The bottom when it is a mesh or grid; it comes before the objects and has no name. */
 static const asdic_mission_object *bottom_of(const asdic_mission *mission) {
     for (size_t i = 0; i < asdic_mission_object_count(mission); i++) {
         const asdic_mission_object *object = asdic_mission_get_object(mission, i);
@@ -55,7 +55,7 @@ static const asdic_mission_object *bottom_of(const asdic_mission *mission) {
     return NULL;
 }
 
-/* Whole cells round what is both in reach and there; false where nothing is. */
+/* Whole cells round the bottom within reach; false where there is none. */
 static bool lay_out(const asdic_mission *mission, const asdic_mission_object *bottom,
                     asdic_relief *out) {
     extent e = reach_of(mission);
@@ -199,7 +199,7 @@ static asdic_status write_routes(asdic_context *ctx, const asdic_mission *missio
     return file ? asdic_file_commit(&file) : ASDIC_OK;
 }
 
-/* The writers above, of a file in FOLDER. */
+/* Writes the file NAME of FOLDER by WRITE. */
 static asdic_status
 write_part(asdic_context *ctx, const asdic_mission *mission, const char *folder, const char *name,
            asdic_status (*write)(asdic_context *, const asdic_mission *, const char *)) {

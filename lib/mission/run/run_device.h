@@ -21,8 +21,8 @@ asdic_status asdic_run_device_open(asdic_run_device *out, asdic_context *ctx,
  * of one learning block; one where objects move from ping to ping. */
 size_t asdic_run_device_batch(const asdic_run_device *device, size_t first, size_t count);
 
-/* Simulates COUNT pings of one block from FIRST on, at most asdic_run_device_batch. Learns for their
- * block first unless it is that of the last call. */
+/* Simulates COUNT pings of one block from FIRST on, at most asdic_run_device_batch. Learns for
+ * their block first unless it is that of the last call. */
 asdic_status asdic_run_device_pings(asdic_run_device *device, size_t first, size_t count,
                                     asdic_ping *const *results);
 

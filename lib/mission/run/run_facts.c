@@ -257,7 +257,7 @@ static void read_remarks(reader *r, asdic_remarks *remarks) {
     }
 }
 
-/* Terms in the order of asdic_term; of a run.json without them everything counts as kept. */
+/* Reads the terms in the order of asdic_term. Without them in run.json, all count as kept. */
 static void read_terms(reader *r, asdic_plan *plan) {
     const asdic_yaml_node *list = asdic_yaml_child(r->root, "terms");
     const asdic_yaml_node *node = list && list->kind == ASDIC_YAML_LIST ? list->first : NULL;

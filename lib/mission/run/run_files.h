@@ -1,5 +1,6 @@
 /*
- * What a run's records are written to as they come: bins.csv, and the formats that the scene asks for.
+ * The files that a run's records are written to as they come: bins.csv, and the formats that the
+ * scene asks for.
  */
 #ifndef ASDIC_MISSION_RUN_FILES_H
 #define ASDIC_MISSION_RUN_FILES_H

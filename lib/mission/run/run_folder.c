@@ -153,7 +153,7 @@ char *asdic_folder_path(const char *folder, const char *stem, const char *name,
     if (asprintf(&path, "%s/%s%s.%s", folder, stem, name, extension) < 0) {
         return NULL;
     }
-    /* A beam may be called anything: what is not plain becomes an underscore. */
+    /* A beam's name may hold any character: those that are not plain become underscores. */
     for (char *c = path + strlen(folder) + 1 + strlen(stem); *c; c++) {
         bool is_plain = isalnum((unsigned char)*c) || strchr("._-", *c) || (*c & 0x80);
         *c = is_plain ? *c : '_';

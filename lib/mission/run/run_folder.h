@@ -1,5 +1,5 @@
 /*
- * A run folder on the disk: made, checked, cleared.
+ * Making, checking and clearing a run folder on the disk.
  */
 #ifndef ASDIC_MISSION_RUN_FOLDER_H
 #define ASDIC_MISSION_RUN_FOLDER_H

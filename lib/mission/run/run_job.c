@@ -14,7 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* --- what is to be run -------------------------------------------------------------------------- */
+/* --- what is to be run ------------------------------------------------------------------------ */
 
 static asdic_status check_range(asdic_run_job *job) {
     const asdic_run_options *o = job->options;
@@ -43,7 +43,8 @@ static const char *bottom_of(const asdic_mission *mission) {
                : ASDIC_RUN_BOTTOM_NONE;
 }
 
-/* What is known before the first ping; the simulation follows the plan from here on. */
+/* Fills the facts that are known before the first ping. The simulation follows the plan from here
+ * on. */
 static asdic_status describe(asdic_run_job *job) {
     asdic_run_facts *f = &job->facts;
     const asdic_mission *m = job->mission;
@@ -82,7 +83,7 @@ void asdic_job_hash(const asdic_run_job *job, char hex[65]) {
     asdic_sha256_hex(text, (size_t)length, hex);
 }
 
-/* This call's devices, after those of an earlier one that it does not use as well. */
+/* Lists the devices of an earlier call that this one does not use, then this call's. */
 static asdic_status list_devices(asdic_run_job *job, const asdic_run_facts *earlier) {
     asdic_run_facts *f = &job->facts;
     size_t most = job->device_count + earlier->device_count;
@@ -128,7 +129,7 @@ asdic_status asdic_job_describe(asdic_run_job *job) {
     return describe(job);
 }
 
-/* --- the beginning ------------------------------------------------------------------------------ */
+/* --- the beginning ---------------------------------------------------------------------------- */
 
 /* Reads what an earlier call left in the folder, which must be of the same run. */
 static asdic_status read_earlier(asdic_run_job *job, asdic_run_facts *earlier) {
@@ -159,7 +160,7 @@ static asdic_status open_store(asdic_run_job *job) {
     return asdic_store_cut(job->store, job->facts.pings_planned);
 }
 
-/* Where the vehicle is at the run's pings. */
+/* Writes the poses of the vehicle at the run's pings. */
 static asdic_status write_track(asdic_run_job *job) {
     char *path = asdic_folder_file(job->options->folder, "track.csv");
     asdic_status status =
@@ -179,7 +180,7 @@ static asdic_status open_files(asdic_run_job *job) {
                               first.position_m.z, &job->files);
 }
 
-/* Records of earlier pings, as if they came now: the rows of bins.csv, what pictures need. */
+/* Takes the records of earlier pings as if they came now, for bins.csv and the pictures. */
 static asdic_status replay(asdic_run_job *job) {
     for (size_t i = 0; i < job->resumed; i++) {
         TRY(asdic_store_read(job->store, i, job->bytes));
@@ -217,7 +218,7 @@ asdic_status asdic_job_begin_stream(asdic_run_job *job) {
                                      &job->files);
 }
 
-/* --- ping by ping ------------------------------------------------------------------------------- */
+/* --- ping by ping ----------------------------------------------------------------------------- */
 
 asdic_status asdic_job_keep(asdic_run_job *job, const void *bytes) {
     asdic_record record;
@@ -232,7 +233,7 @@ asdic_status asdic_job_keep(asdic_run_job *job, const void *bytes) {
     return status;
 }
 
-/* --- the end ------------------------------------------------------------------------------------ */
+/* --- the end ---------------------------------------------------------------------------------- */
 
 static void conclude(asdic_run_job *job) {
     asdic_run_facts *f = &job->facts;
@@ -274,7 +275,7 @@ asdic_status asdic_job_end(asdic_run_job *job, bool is_whole) {
     asdic_status status = commit(job, is_whole);
     job->facts.times.write_s += asdic_clock_s() - begin_s;
     TRY(status);
-    /* Not complete before the pictures are there: --resume then draws what is missing. */
+    /* The run is complete only with its pictures: --resume draws what is missing. */
     job->facts.state = ASDIC_RUN_STOPPED;
     TRY(write_facts(job));
     if (!is_whole) {

@@ -1,6 +1,7 @@
 /*
- * One run from its first line to its last: what is to be run, the files that its records go to, and
- * what its end leaves. Where the records come from is not its concern: devices (run.c), a recording.
+ * One run from its beginning to its end: what is to be run, the files that its records go to, and
+ * the pictures and facts at the end. The records come from its user: from devices (run.c) or from a
+ * recording.
  */
 #ifndef ASDIC_MISSION_RUN_JOB_H
 #define ASDIC_MISSION_RUN_JOB_H
@@ -26,7 +27,7 @@ typedef struct asdic_run_job {
     void *bytes;            /* one record */
     size_t resumed;         /* pings that were there already */
     size_t kept;            /* pings that are there, those included */
-    bool is_complete;       /* they were all, and everything was written */
+    bool is_complete;       /* the run was complete already */
     uint64_t rays;          /* traced by this call */
     double begin_s;         /* of this call, by the clock */
 } asdic_run_job;
@@ -41,17 +42,17 @@ void asdic_job_hash(const asdic_run_job *job, char hex[65]);
 /* Describes the run, makes or reopens its folder, and writes the rows of pings that are there. */
 asdic_status asdic_job_begin(asdic_run_job *job);
 
-/* The same for the standard output: rows alone, no folder. */
+/* Describes the run and begins to write rows to the standard output, without a folder. */
 asdic_status asdic_job_begin_stream(asdic_run_job *job);
 
-/* The record in BYTES, next in order, into everything but the store. */
+/* Adds the record in BYTES, the next in order, to the files and the summary, not to the store. */
 asdic_status asdic_job_keep(asdic_run_job *job, const void *bytes);
 
-/* Gives the files their names, draws, and says in run.json how it went. With IS_WHOLE false the
- * folder is left valid but unfinished: no pictures. */
+/* Gives the files their names, draws the pictures and writes run.json. With IS_WHOLE false it
+ * leaves a valid folder without pictures, to be resumed. */
 asdic_status asdic_job_end(asdic_run_job *job, bool is_whole);
 
-/* Closes what is open; files that have no name yet stay for --resume or disappear. */
+/* Closes everything. Files that are not committed stay for --resume or disappear. */
 void asdic_job_finish(asdic_run_job *job);
 
 #endif

@@ -40,7 +40,7 @@ static asdic_status open_parts(merger *m, const char *const *folders) {
     return ASDIC_OK;
 }
 
-/* Results do not replace what they are made of. */
+/* The result must not replace a part. */
 static asdic_status check_folder(const merger *m) {
     struct stat out, part;
     if (stat(m->folder, &out) != 0) {
@@ -57,7 +57,7 @@ static asdic_status check_folder(const merger *m) {
     return ASDIC_OK;
 }
 
-/* The parts follow on each other without gaps and overlaps, and are of one mission. */
+/* Checks that the parts follow each other without gaps or overlaps and belong to one mission. */
 static asdic_status check_parts(const merger *m) {
     for (size_t i = 0; i < m->count; i++) {
         const asdic_run *part = m->parts[i], *before = i ? m->parts[i - 1] : NULL;
@@ -95,7 +95,7 @@ static asdic_status sum_up(merger *m) {
         f->pings_planned += m->parts[i]->facts.pings_planned;
         device_count += m->parts[i]->facts.device_count;
     }
-    /* Times add up: what the whole took of one machine. */
+    /* Times are added: what the whole run costs on one machine. */
     f->times = (asdic_run_times){0};
     f->devices = asdic_arena_alloc(&m->arena, (device_count + 1) * sizeof *f->devices);
     f->device_count = 0;

@@ -1,5 +1,5 @@
 /*
- * An opened run folder, inside.
+ * The inside of an opened run folder.
  */
 #ifndef ASDIC_MISSION_RUN_OPEN_H
 #define ASDIC_MISSION_RUN_OPEN_H

@@ -20,7 +20,7 @@ static void group_digits(char out[40], uint64_t value) {
     out[n] = 0;
 }
 
-/* What stands below every picture and in its text chunks. */
+/* The note below every picture and the text chunks in its file. */
 void asdic_render_describe(asdic_render *r) {
     char frequency[ASDIC_DIGITS_SIZE], rays[40], spread[ASDIC_DIGITS_SIZE], loss[ASDIC_DIGITS_SIZE];
     const asdic_sampling *sampling = &r->info.sampling;

@@ -19,28 +19,28 @@ typedef struct asdic_render {
     asdic_summary_plan plan;
     const asdic_summary *summary; /* of PLAN */
     asdic_render_options options; /* window resolved */
-    bool has_window;              /* it was asked for */
+    bool has_window;              /* the options give one */
     unsigned images;
     char note[256], seed[32], low[32], high[32], gain[96];
     const char *texts[ASDIC_RENDER_TEXTS]; /* key, value, ... of every picture */
 } asdic_render;
 
-/* Fills note and texts from the options; to be repeated in a copy. */
+/* Fills note and texts from the options. A copy of RENDER must be described again. */
 void asdic_render_describe(asdic_render *render);
 
 /* Options of one picture, with TITLE and two more text chunks: KEY and VALUE. */
 asdic_picture_options asdic_render_picture(asdic_render *render, const char *title, const char *key,
                                            const char *value);
 
-/* Where to write the picture STEM NAME; freed with free(). */
+/* The path of the picture STEM NAME; freed with free(). */
 char *asdic_render_path(const asdic_render *render, const char *stem, const char *name);
 
-/* run_render_waterfall.c: those that show many pings; a beam's bins as they are; all beams at once. */
+/* run_render_waterfall.c: all pings of a beam; its bins one to one; the strongest of all beams. */
 asdic_status asdic_render_waterfalls(asdic_render *render);
 asdic_status asdic_render_raw(asdic_render *render);
 asdic_status asdic_render_overview(const asdic_render *render);
 
-/* run_render_ping.c: those of one ping. */
+/* run_render_ping.c: one ping. */
 asdic_status asdic_render_ascope(const asdic_render *render, const asdic_record *record);
 asdic_status asdic_render_fan(asdic_render *render, const asdic_record *record);
 

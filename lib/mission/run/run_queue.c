@@ -33,7 +33,7 @@ asdic_status asdic_queue_init(asdic_queue *q, asdic_context *ctx, const asdic_qu
                      most(1, pings / (4 * size->devices)));
     q->slot_count = least(q->slot_count, pings);
     q->slots = calloc(q->slot_count, sizeof *q->slots);
-    /* A worker returns the ping that failed and what it had left. */
+    /* A worker returns the pings that failed and those it has not begun. */
     if (!q->slots || !asdic_queue_reserve(q, 2 * size->own)) {
         return asdic_fail_memory(ctx, "the queue of pings");
     }

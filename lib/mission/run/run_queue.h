@@ -1,7 +1,7 @@
 /*
- * The pings of a run as several threads share them: which are dealt, to whom they return when a
- * device fails, and the results that wait to be taken in order. Threads of this process's devices
- * (run_workers.c) and the one that serves other processes (team_coordinator.c) work on it.
+ * The pings of a run that several threads share: which pings are dealt, which came back from a
+ * device that failed, and the results that wait to be taken in order. The threads of this process's
+ * devices (run_workers.c) and the one that serves other processes (team_coordinator.c) use it.
  */
 #ifndef ASDIC_MISSION_RUN_QUEUE_H
 #define ASDIC_MISSION_RUN_QUEUE_H
@@ -36,10 +36,10 @@ typedef struct asdic_queue {
     bool is_stopped;
     asdic_status failure; /* of the last device that failed */
     double ready_s;       /* asdic_clock_s when the first device was ready; 0 before */
-    double devices_s;     /* this process's devices at work on pings, summed over them */
+    double devices_s;     /* time that this process's devices worked on pings, summed */
 } asdic_queue;
 
-/* What a queue is made for. */
+/* The size of a run. */
 typedef struct asdic_queue_size {
     size_t first, end; /* pings first .. end - 1 */
     size_t devices;    /* that will work on them, of this process and of others */

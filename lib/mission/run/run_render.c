@@ -85,8 +85,8 @@ static bool has_fan(const asdic_sonar *sonar) {
     return sonar->receiver_count >= 3;
 }
 
-/* A scene that asks for pictures it has no beams for, or a build that cannot draw lines, still
- * gets the others; who asks for them by name is told. */
+/* Drops the pictures for which the scene has no beams, or which this build cannot draw; the others
+ * are drawn. A user who asks for one by name is warned. */
 static void drop_impossible(asdic_render *r) {
     bool can_fan = has_fan(r->info.sonar);
     if ((r->images & 1u << ASDIC_IMAGE_FAN) && !can_fan) {
@@ -129,7 +129,7 @@ static asdic_status check_output(const asdic_render *r) {
     return ASDIC_OK;
 }
 
-/* All records once, for what is to be drawn. */
+/* Reads all records once, for what is to be drawn. */
 static asdic_status gather(asdic_render *r, asdic_summary **out) {
     TRY(asdic_summary_create(r->ctx, &r->plan, out));
     for (size_t i = 0; i < r->info.pings; i++) {
@@ -141,11 +141,12 @@ static asdic_status gather(asdic_render *r, asdic_summary **out) {
     return ASDIC_OK;
 }
 
-/* What there is to draw, and of which beams. */
+/* Chooses the pictures to draw, and the beams. */
 static asdic_status plan(asdic_render *r) {
     r->info = asdic_run_get_info(r->run);
     r->images = r->run->settings.output.images;
-    if (r->options.images || (r->options.raw && r->options.path)) { /* that, or the raw one alone */
+    if (r->options.images ||
+        (r->options.raw && r->options.path)) { /* those, or the raw one alone */
         r->images = r->options.images;
     }
     if (r->info.pings == 0) {
@@ -164,7 +165,7 @@ static asdic_status plan(asdic_render *r) {
     return check_output(r);
 }
 
-/* OWN is what is gathered here when R has no summary yet. */
+/* Draws the run in FOLDER. OWN receives the summary that is made here when R has none. */
 static asdic_status render(asdic_render *r, const char *folder, asdic_summary **own) {
     TRY(asdic_run_open(r->ctx, folder, &r->run));
     TRY(plan(r));

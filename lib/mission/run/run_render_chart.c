@@ -15,7 +15,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Footprints are drawn at so many places along the track. */
+/* Footprints are drawn at so many positions along the track. */
 #define PLACES 3
 /* More beams than these are drawn as one area. */
 #define MOST_APART ASDIC_SUMMARY_BEAMS
@@ -37,7 +37,7 @@ static void sketch_finish(sketch *s) {
     }
 }
 
-/* The areas of all beams at one place. */
+/* Adds the areas of all beams at one position. */
 static asdic_status add_place(asdic_render *r, sketch *s, const asdic_record *record,
                               const asdic_ground *ground) {
     const asdic_sonar *sonar = r->info.sonar;

@@ -11,7 +11,7 @@
 
 /* Curves that lie below the window of the total (one of several mechanisms) are worth seeing. */
 #define ASCOPE_BELOW_DB 20.0
-/* A peak shall not touch the frame. */
+/* A peak must not touch the frame. */
 #define ASCOPE_ABOVE_DB 10.0
 
 /* "NAME: ping 17, t = 1.7 s" and the number for the text chunk. */
@@ -34,7 +34,7 @@ static void expectation_finish(expectation *e) {
     free(e->level_db[0]);
 }
 
-/* The null hypothesis for COUNT beams; only where the bottom is one that it knows. */
+/* The expected levels of COUNT beams without objects; none when the bottom is a mesh or grid. */
 static asdic_status expect(asdic_render *r, const asdic_record *record, size_t count,
                            expectation *out) {
     asdic_beam beams[ASDIC_RENDER_PANELS];
@@ -66,7 +66,7 @@ static asdic_status expect(asdic_render *r, const asdic_record *record, size_t c
     return ASDIC_OK;
 }
 
-/* With an expectation its mechanisms are drawn, else those of the simulation. */
+/* The panel shows the expected mechanisms, or the simulated ones when there is no expectation. */
 static asdic_ascope panel_of(const asdic_render *r, const asdic_record *record,
                              const expectation *expected, size_t k) {
     size_t bins = r->info.bins, first = r->plan.beams[k] * bins;
@@ -89,14 +89,14 @@ static asdic_ascope panel_of(const asdic_render *r, const asdic_record *record,
     return panel;
 }
 
-/* Levels as they are: without a gain, in the window of that. */
+/* An A-scope shows levels without a gain, in a window of their own. */
 asdic_status asdic_render_ascope(const asdic_render *whole, const asdic_record *record) {
     asdic_render own = *whole, *r = &own;
     char title[256], note[384], number[ASDIC_DIGITS_SIZE], *path = NULL;
     char panel_titles[ASDIC_RENDER_PANELS][ASDIC_NAME_SIZE + 16];
     asdic_ascope panels[ASDIC_RENDER_PANELS];
     expectation expected;
-    /* Of many beams the one that looks ahead, see choose_beams. */
+    /* Of many beams the one that looks ahead: asdic_summary_choose_beams. */
     size_t count =
         r->plan.beam_count <= ASDIC_RENDER_PANELS ? r->plan.beam_count : ASDIC_RENDER_PANELS;
     asdic_status status = expect(r, record, count, &expected);

@@ -72,7 +72,7 @@ static asdic_status draw_raw(asdic_render *r, size_t beam) {
     return status;
 }
 
-/* With a gain, and a window, of its own unless they were asked for. */
+/* The overview has a gain and a window of its own unless the options give them. */
 asdic_status asdic_render_overview(const asdic_render *whole) {
     const asdic_summary *summary = whole->summary;
     asdic_render own = *whole, *r = &own;

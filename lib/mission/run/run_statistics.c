@@ -11,8 +11,9 @@
 #define LEVEL_LOW_DB -500.0
 #define LEVEL_STEP_DB 0.1
 #define LEVEL_BINS 8000
-/* Histogram of standard errors by the first bits of a float, which take no logarithm: 256 an octave
- * from 2^-20 to 2^14 dB, fine to 0.4 %. What is less, zero first of all, counts as the least. */
+/* Histogram of standard errors by the first bits of a float, which needs no logarithm: 256 bins an
+ * octave from 2^-20 to 2^14 dB, fine to 0.4 %. Smaller errors, zero above all, count in the first
+ * bin. */
 #define ERROR_SHIFT 15
 #define ERROR_LOW ((127u - 20u) << (23 - ERROR_SHIFT))
 #define ERROR_BINS (34u << (23 - ERROR_SHIFT))
@@ -122,7 +123,7 @@ static size_t quantile(const uint64_t *histogram, size_t bins, uint64_t count, d
     return bins - 1;
 }
 
-/* What shows COUNT levels, of which HISTOGRAM tells. */
+/* The window that shows COUNT levels, counted in HISTOGRAM. */
 static void window(const uint64_t *histogram, uint64_t count, double *low_db, double *high_db) {
     *low_db = -160.0;
     *high_db = -60.0;

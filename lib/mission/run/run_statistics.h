@@ -1,5 +1,5 @@
 /*
- * A run's levels as a whole: their window and how good they are.
+ * Statistics of a run's levels: the window that shows them, and their standard errors.
  */
 #ifndef ASDIC_MISSION_RUN_STATISTICS_H
 #define ASDIC_MISSION_RUN_STATISTICS_H

@@ -12,7 +12,7 @@ static bool wants(const asdic_summary *d, asdic_image image) {
     return (d->plan.images & 1u << image) != 0;
 }
 
-/* The beam that a report of many would show: the one that looks most nearly ahead. */
+/* The beam that looks most nearly ahead stands for many. */
 static size_t ahead(const asdic_sonar *sonar) {
     size_t best = 0;
     for (size_t i = 1; i < sonar->receiver_count; i++) {
@@ -131,8 +131,9 @@ static void add_to_track(asdic_summary *d, const asdic_record *record) {
     d->last_pose = record->pose;
 }
 
-/* Without any, the nearest reverberation would always be the strongest: unless a gain is asked for,
- * that which makes equal targets equal: 40 log r for the spreading both ways, and the absorption. */
+/* Without a gain the nearest reverberation would always be the strongest. Unless one is asked for,
+ * the gain is the one that makes equal targets equal: 40 log r for the spreading both ways, and
+ * the absorption. */
 static void set_gain(asdic_summary *d, const asdic_record *first) {
     const asdic_summary_plan *p = &d->plan;
     bool is_given = p->tvg_db_per_decade != 0.0 || p->tvg_db_per_m != 0.0;

@@ -1,6 +1,7 @@
 /*
- * What run.json and the pictures that show many pings need of a run's records, gathered one record at
- * a time, in memory that does not grow with their number: while devices simulate, or from pings.npy.
+ * The summary of a run's records that run.json and the pictures of many pings need. It is made
+ * record by record, while devices simulate or from pings.npy, in memory that does not grow with
+ * their number.
  */
 #ifndef ASDIC_MISSION_RUN_SUMMARY_H
 #define ASDIC_MISSION_RUN_SUMMARY_H
@@ -15,7 +16,7 @@
 #define ASDIC_SUMMARY_BEAMS 8
 #define ASDIC_TRACK_POINTS 4096
 
-/* What is to be gathered. */
+/* What a summary holds. */
 typedef struct asdic_summary_plan {
     const asdic_sonar *sonar; /* borrowed, as is the environment */
     const asdic_environment *environment;
@@ -41,17 +42,17 @@ typedef struct asdic_summary {
     size_t added;          /* records */
 } asdic_summary;
 
-/* Fills PLAN's beams: the one called NAME; without a name all, or of too many the one that looks most
- * nearly ahead. ASDIC_ERROR_ARGUMENT when there is no such beam. */
+/* Fills PLAN's beams: the one called NAME; without a name all, or of too many the one that looks
+ * most nearly ahead. ASDIC_ERROR_ARGUMENT when there is no such beam. */
 asdic_status asdic_summary_choose_beams(asdic_context *ctx, const char *name,
                                         asdic_summary_plan *plan);
 
 asdic_status asdic_summary_create(asdic_context *ctx, const asdic_summary_plan *plan,
                                   asdic_summary **out);
-/* For the pictures that SETTINGS ask for, of all pings that FACTS plan. */
+/* The same for the pictures that SETTINGS ask for, and all pings that FACTS plan. */
 asdic_status asdic_summary_create_all(asdic_context *ctx, const asdic_settings *settings,
                                       const asdic_run_facts *facts, asdic_summary **out);
-/* SUMMARY may be NULL, then nothing is gathered. */
+/* Does nothing when SUMMARY is NULL. */
 void asdic_summary_add(asdic_summary *summary, const asdic_record *record);
 /* After the last record: everything can be read. */
 void asdic_summary_end(asdic_summary *summary);

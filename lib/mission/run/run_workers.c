@@ -18,8 +18,8 @@ typedef struct worker {
     bool has_thread;
 } worker;
 
-/* The next pings for W, waiting for room; none when there will be none. Returned pings go first: the
- * window cannot move on without them. */
+/* The next pings for W, waiting for room; empty when there will be none. Returned pings go first:
+ * results are taken in order, and the rest waits for them. */
 static asdic_range claim(asdic_queue *q, worker *w) {
     for (;;) {
         if (q->is_stopped || q->remaining == 0 || asdic_context_interrupted(q->ctx)) {
@@ -39,7 +39,7 @@ static asdic_range claim(asdic_queue *q, worker *w) {
             w->own.next = mine.end;
             return mine;
         }
-        /* What remains is with others, who may yet fail. */
+        /* Other workers have the remaining pings, and may fail. */
         pthread_cond_wait(&q->changed, &q->lock);
     }
 }

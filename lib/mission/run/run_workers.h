@@ -13,7 +13,7 @@ typedef struct asdic_work {
     size_t device_count;
     size_t first, end; /* pings first .. end - 1 */
     size_t bins;
-    /* Called in the calling thread, ping by ping, while devices go on; a failure stops the run. */
+    /* Called in the caller's thread, ping by ping, while devices go on; a failure stops the run. */
     asdic_status (*take)(void *user, size_t ping, const asdic_ping *result);
     /* Called at the end with the name of every device of another process that took part; may be
      * NULL. */
@@ -25,7 +25,7 @@ typedef struct asdic_work {
 
 typedef struct asdic_work_result {
     double ready_s;   /* asdic_clock_s when the first device was ready; known before any taking */
-    double devices_s; /* this process's devices at work on pings, summed over them */
+    double devices_s; /* time that this process's devices worked on pings, summed */
 } asdic_work_result;
 
 /* ASDIC_OK when all pings were taken, ASDIC_ERROR_INTERRUPTED when the context asked to stop. A

@@ -9,7 +9,8 @@
 #include <string.h>
 #include <time.h>
 
-/* Orders that a device has at once: one that it works on, one that waits, so that it is never idle. */
+/* Orders that a device has at once: one that it works on, one that waits, so that it is never
+ * idle. */
 #define ORDERS 2
 
 /* The thread looks for messages this often. */
@@ -32,8 +33,8 @@ struct asdic_coordinator {
     const char *run_hash; /* what runs must agree in */
     remote *remotes;
     size_t remote_count;
-    bool *has_joined; /* by process: it has said which devices it has */
-    size_t silent;    /* processes that have not */
+    bool *has_joined; /* by process: it has named its devices */
+    size_t silent;    /* processes that have not joined */
     bool is_alive;    /* counted in the queue */
     pthread_t thread;
 };
@@ -169,7 +170,8 @@ static asdic_status take_message(asdic_coordinator *c, bool *any) {
     return status;
 }
 
-/* Pings for R, all of which there is room for; an idle device also takes the beginning of more. */
+/* Pings for R that all have room for their results. A device that is idle also takes a part of a
+ * range. */
 static asdic_range find_order(asdic_queue *q, const remote *r) {
     asdic_range range = asdic_queue_take_returned(q, q->chunk);
     size_t room = q->taken + q->slot_count, begin = q->fresh;
@@ -208,7 +210,7 @@ static asdic_status order_more(asdic_coordinator *c, bool *any) {
     return ASDIC_OK;
 }
 
-/* Until something happens in the queue, or it is time to look for messages. False when the queue is
+/* Waits until the queue changes or it is time to look for messages. False when the queue is
  * stopped. */
 static bool wait_for_change(asdic_queue *q, bool is_busy) {
     struct timespec until;
@@ -274,7 +276,7 @@ asdic_status asdic_coordinator_start(asdic_queue *q, asdic_team *team, uint32_t 
                              .silent = team->size - 1,
                              .is_alive = true};
     c->has_joined = calloc(team->size, sizeof *c->has_joined);
-    pthread_mutex_lock(&q->lock); /* the thread may leave the queue before it has been counted */
+    pthread_mutex_lock(&q->lock); /* the thread must not leave the queue before it is counted */
     bool is_started = c->has_joined && pthread_create(&c->thread, NULL, run_coordinator, c) == 0;
     q->alive += is_started;
     pthread_mutex_unlock(&q->lock);

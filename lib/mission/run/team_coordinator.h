@@ -1,6 +1,6 @@
 /*
- * The devices of a team's other processes, as process 0 keeps them busy: one thread that sends them
- * pings to simulate and puts what comes back into the queue.
+ * The coordinator of a team, in process 0: a thread that sends pings to the devices of the other
+ * processes and puts their results into the queue.
  */
 #ifndef ASDIC_MISSION_TEAM_COORDINATOR_H
 #define ASDIC_MISSION_TEAM_COORDINATOR_H

@@ -43,7 +43,7 @@ typedef struct team_worker {
     device_thread *threads;
 } team_worker;
 
-/* Puts OUT behind the messages that wait. False when the run is over. */
+/* Queues OUT for sending. False when the run is over. */
 static bool post(team_worker *w, message *out) {
     pthread_mutex_lock(&w->lock);
     bool goes_on = !w->is_over;
@@ -159,7 +159,7 @@ static asdic_status send_hello(const team_worker *w) {
     return status;
 }
 
-/* Sends what waits; true when there was something. */
+/* Sends the messages that wait; true when there were any. */
 static bool send_messages(team_worker *w, asdic_status *status) {
     pthread_mutex_lock(&w->lock);
     message *out = w->first;

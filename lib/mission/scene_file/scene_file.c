@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* --- text --------------------------------------------------------------------------------------- */
+/* --- text ------------------------------------------------------------------------------------- */
 
 /* CODE as UTF-8; returns the number of bytes. Lone surrogates become three bytes that no reader of
  * UTF-8 accepts. */
@@ -62,7 +62,7 @@ char *asdic_text_to_utf8(const char *bytes, size_t size, size_t *length) {
     return out;
 }
 
-/* --- settings in place of what the text says ---------------------------------------------------- */
+/* --- settings in place of what the text says -------------------------------------------------- */
 
 /* The child called KEY of MAP, made when there is none. */
 static asdic_yaml_node *child_of(asdic_yaml_node *map, const char *key, size_t length,
@@ -141,7 +141,7 @@ static void set_value(asdic_yaml_node *root, const asdic_setting *setting, asdic
     problems->out_of_memory |= !node->text;
 }
 
-/* --- the file ----------------------------------------------------------------------------------- */
+/* --- the file --------------------------------------------------------------------------------- */
 
 bool asdic_scene_node_good(const asdic_yaml_node *node) {
     return node && !node->bad;

@@ -1,6 +1,6 @@
 /*
- * A scene file as it is written, in its own units: what the tables of scene_keys.c fill. Every
- * struct begins with the node it was read from, NULL when the file does not have it.
+ * A scene file's content in its own units, as the tables of scene_keys.c fill it. Every struct
+ * begins with the node it was read from, NULL when the file does not have it.
  */
 #ifndef ASDIC_MISSION_SCENE_FILE_H
 #define ASDIC_MISSION_SCENE_FILE_H
@@ -49,7 +49,7 @@ typedef struct file_bottom {
 
 typedef struct file_material {
     asdic_yaml_node *node;
-    int preset; /* place in ASDIC_MATERIAL_PRESETS, from 1; 0: none given */
+    int preset; /* index in ASDIC_MATERIAL_PRESETS, from 1; 0: none given */
     double impedance_mrayl, roughness_rms_mm, slope_rms;
     double coherent_area_m2; /* NAN: from the mesh */
     double type;             /* NAN: none given */
@@ -209,16 +209,17 @@ char *asdic_text_to_utf8(const char *bytes, size_t size, size_t *length);
 bool asdic_scene_file_parse(const char *text, size_t size, asdic_arena *arena,
                             asdic_problems *problems, asdic_scene_file *file);
 
-/* The same with SETTINGS in place of what the text says. Maps that a setting names are made when they
- * are missing; entries of lists must be there. */
+/* The same with SETTINGS in place of what the text says. Maps that a setting names are made when
+ * they are missing; entries of lists must be there. */
 bool asdic_scene_file_parse_with(const char *text, size_t size, const asdic_setting *settings,
                                  size_t count, asdic_arena *arena, asdic_problems *problems,
                                  asdic_scene_file *file);
 
-/* What the tables cannot say: limits that depend on several keys. Names what has no name. */
+/* Checks what depends on several keys, and names what has no name (scene_check.c). */
 void asdic_scene_file_check(asdic_scene_file *file, asdic_arena *arena, asdic_problems *problems);
 
-/* NODE was given and nothing in it is wrong, so that it may be judged together with others. */
+/* Whether NODE is given and nothing in it is wrong, so that it can be judged together with
+ * others. */
 bool asdic_scene_node_good(const asdic_yaml_node *node);
 
 /* The file's content in the library's units (scene_convert.c). The sonar comes without its

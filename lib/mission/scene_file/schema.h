@@ -71,7 +71,8 @@ typedef struct asdic_table {
 } asdic_table;
 
 /* Reads NODE (NULL: absent) into the struct OUT of TABLE; reports what is wrong to PROBLEMS.
- * Strings and lists live in ARENA. ROOT is where to look for the home of a misplaced key. */
+ * Strings and lists live in ARENA. A misplaced key is looked for in ROOT, to say where it
+ * belongs. */
 void asdic_schema_read(const asdic_table *table, const asdic_table *root, asdic_yaml_node *node,
                        asdic_arena *arena, asdic_problems *problems, void *out);
 

@@ -49,7 +49,7 @@ static size_t find_homes(const asdic_table *table, const char *key, const char *
     return homes;
 }
 
-/* Did-you-mean for a slip, else the one other map that has such a key, else the keys here. */
+/* Proposes a similar key, else the only other map that has this key, else all keys of this map. */
 static void report_unknown_key(const asdic_schema_reader *r, const asdic_table *table,
                                asdic_yaml_node *node) {
     const char *names[MAX_TABLE_KEYS] = {0};

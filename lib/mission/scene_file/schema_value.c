@@ -15,8 +15,8 @@
 /* More words than any key has. */
 #define MAX_WORDS 16
 
-/* What stands at NODE, for a message: "'frequency_khz' = 9000", cut when long, in plain ASCII
- * control characters replaced. */
+/* NODE's key and value for a message: "'frequency_khz' = 9000", cut when long, control characters
+ * replaced. */
 static const char *show(const asdic_key *key, const asdic_yaml_node *node, char *buffer,
                         size_t size) {
     const size_t longest = 40;
@@ -114,7 +114,7 @@ static void report_type(const asdic_schema_reader *r, const asdic_key *key, asdi
                        wanted, key->unit ? " in " : "", key->unit ? key->unit : "");
 }
 
-/* A number that is no list, no map, not empty and not in quotes. */
+/* Whether NODE can be a number: no list, no map, not empty and not in quotes. */
 static bool is_plain(const asdic_schema_reader *r, const asdic_key *key, asdic_yaml_node *node,
                      const char *wanted) {
     char shown[192];
@@ -183,7 +183,7 @@ static void read_integer(const asdic_schema_reader *r, const asdic_key *key, asd
 
 static void read_bool(const asdic_schema_reader *r, const asdic_key *key, asdic_yaml_node *node,
                       bool *out) {
-    /* The booleans of YAML 1.1, of which every third is a trap for a word like off or no. */
+    /* The booleans of YAML 1.1. Several look like words: off, no, n. */
     static const char *const words[2][11] = {
         {"false", "False", "FALSE", "no", "No", "NO", "off", "Off", "OFF", "n", "N"},
         {"true", "True", "TRUE", "yes", "Yes", "YES", "on", "On", "ON", "y", "Y"},

@@ -4,8 +4,8 @@
  * nomoto: speed through the water is constant and along the body's axis. Yaw answers the rudder as
  * a first order, the reduced form of sway and yaw (Nomoto et al. 1957, "On the steering qualities
  * of ships", Int. Shipbuilding Progress 4; Fossen 2011, section 7.2): T dr/dt + r = r_c,
- * |r_c| <= speed / turn radius; depth answers the stern planes in the same way with the dive rate as
- * its limit. For any vehicle whose turning circle is known; no sideslip, no loss of speed in turns.
+ * |r_c| <= speed / turn radius; depth answers the stern planes in the same way with the dive rate
+ * as its limit. For any vehicle whose turning circle is known; no sideslip, no loss of speed in turns.
  *
  * remus100: surge, sway, heave, pitch and yaw of the REMUS 100 with its published coefficients
  * (flight_remus.c), rudder and stern planes as its fins allow.
@@ -25,8 +25,9 @@ typedef struct flight_state {
     double rudder_rad, plane_rad;
 } flight_state;
 
-/* Where guidance wants the vehicle to point and to be; or what a hand at the helm does: a share of
- * full rudder to starboard and of the steepest dive, the depth held when that is asked for. */
+/* What the vehicle is to do: the heading and depth that guidance wants, or, steered by hand, a
+ * share of full rudder to starboard and of the steepest dive, with the depth held when that is
+ * asked for. */
 typedef struct flight_aim {
     double yaw_rad, z_m;
     bool by_hand, holds_depth;

@@ -1,5 +1,5 @@
 /*
- * A vehicle's track: poses at times, and between them.
+ * A vehicle's track: its poses at given times, and between them.
  */
 #ifndef ASDIC_MISSION_TRACK_H
 #define ASDIC_MISSION_TRACK_H
@@ -15,14 +15,14 @@ typedef struct track_point {
 typedef struct asdic_track {
     track_point *points; /* at least one; times increase */
     size_t count, capacity;
-    size_t sharers; /* holders besides the first */
+    size_t sharers; /* references beside the first */
 } asdic_track;
 
 /* Reads a CSV file with a header of time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg in any order;
  * other columns are passed over. Times must increase. Every error is logged with file, line and
  * column; the sentence left in the context counts them. */
 asdic_status asdic_track_load(asdic_context *ctx, const char *path, asdic_track **out);
-/* Another holder of TRACK, which is freed when the last one has destroyed it. Not from two threads. */
+/* Another reference to TRACK, which is freed when the last one is destroyed. Not thread-safe. */
 asdic_track *asdic_track_share(asdic_track *track);
 /* Puts POINT behind the last one; false when memory is short. */
 bool asdic_track_append(asdic_track *track, const track_point *point);
@@ -41,8 +41,8 @@ asdic_pose asdic_track_pose(const asdic_track *track, double time_s);
 /* The greatest z_m from the start to TIME_S. */
 double asdic_track_deepest_m(const asdic_track *track, double time_s);
 
-/* A track file, row by row, in the form that asdic_track_load reads: its header; a point, its angles
- * as whole nanodegrees. */
+/* A track file, row by row, in the form that asdic_track_load reads: its header; a point, its
+ * angles as whole nanodegrees. */
 void asdic_track_file_begin(asdic_file *file);
 void asdic_track_file_add(asdic_file *file, double time_s, const asdic_pose *pose);
 

@@ -15,7 +15,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* --- reading ------------------------------------------------------------------------------------ */
+/* --- reading ---------------------------------------------------------------------------------- */
 
 #define MAX_FIELDS 64
 
@@ -44,7 +44,7 @@ typedef struct track_reader {
     asdic_track *track;
     unsigned line, last_line;   /* this one, and that of the point before it */
     size_t field_count;         /* of the header */
-    size_t place[COLUMN_COUNT]; /* which field holds a column */
+    size_t place[COLUMN_COUNT]; /* the field that holds each column */
 } track_reader;
 
 /* A field without the blanks and quotes round it. */
@@ -250,7 +250,7 @@ fail:
     return status;
 }
 
-/* --- writing ------------------------------------------------------------------------------------ */
+/* --- writing ---------------------------------------------------------------------------------- */
 
 #define RADIANS (ASDIC_PI / 180.0)
 
