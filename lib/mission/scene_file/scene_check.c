@@ -18,6 +18,10 @@
  * line and make headway, with the speed that turns cost. */
 #define MAX_CURRENT 0.5
 
+bool asdic_scene_node_good(const asdic_yaml_node *node) {
+    return node && !node->bad;
+}
+
 /* Where to report on KEY of MAP: at its value, or at the map when the default is meant. */
 static asdic_yaml_node *at(asdic_yaml_node *map, const char *key) {
     asdic_yaml_node *child = asdic_yaml_child(map, key);

@@ -143,10 +143,6 @@ static void set_value(asdic_yaml_node *root, const asdic_setting *setting, asdic
 
 /* --- the file --------------------------------------------------------------------------------- */
 
-bool asdic_scene_node_good(const asdic_yaml_node *node) {
-    return node && !node->bad;
-}
-
 bool asdic_scene_file_parse(const char *text, size_t size, asdic_arena *arena,
                             asdic_problems *problems, asdic_scene_file *file) {
     return asdic_scene_file_parse_with(text, size, NULL, 0, arena, problems, file);

@@ -2,7 +2,6 @@
 
 #include "base/context.h"
 #include "base/vec.h"
-#include "flight_model.h"
 #include "track.h"
 
 #include <stdlib.h>
