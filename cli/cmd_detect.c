@@ -257,12 +257,10 @@ static asdic_status simulate(cli *c, const char *scene, const char *folder) {
 
 /* "run_NAME" of "path/NAME.yaml", as asdic run has it. */
 static char *default_folder(const char *scene) {
-    const char *slash = strrchr(scene, '/');
-    const char *base = strcmp(scene, "-") == 0 ? "scene" : slash ? slash + 1 : scene;
-    const char *dot = strrchr(base, '.');
-    int length = (int)(dot && dot != base ? dot - base : (long)strlen(base));
-    char *folder = NULL;
-    return asprintf(&folder, "run_%.*s", length, base) < 0 ? NULL : folder;
+    char *name = asdic_scene_name(scene), *folder = NULL;
+    int length = name ? asprintf(&folder, "run_%s", name) : -1;
+    free(name);
+    return length < 0 ? NULL : folder;
 }
 
 static int run(cli *c) {

@@ -19,12 +19,10 @@ static const cli_option options[] = {
 
 /* "expected_NAME.csv" of "path/NAME.yaml". */
 static char *default_output(const char *scene) {
-    const char *slash = strrchr(scene, '/');
-    const char *base = strcmp(scene, "-") == 0 ? "scene" : slash ? slash + 1 : scene;
-    const char *dot = strrchr(base, '.');
-    int length = (int)(dot && dot != base ? dot - base : (long)strlen(base));
-    char *path = NULL;
-    return asprintf(&path, "expected_%.*s.csv", length, base) < 0 ? NULL : path;
+    char *name = asdic_scene_name(scene), *path = NULL;
+    int length = name ? asprintf(&path, "expected_%s.csv", name) : -1;
+    free(name);
+    return length < 0 ? NULL : path;
 }
 
 static bool may_write(cli *c, const char *path) {

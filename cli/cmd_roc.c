@@ -142,13 +142,12 @@ static bool out_path(cli *c, const char *folder, const char *name, char **path) 
     return true;
 }
 
+/* "roc_NAME" of "path/NAME.yaml". */
 static char *default_folder(const char *scene) {
-    const char *slash = strrchr(scene, '/');
-    const char *base = strcmp(scene, "-") == 0 ? "scene" : slash ? slash + 1 : scene;
-    const char *dot = strrchr(base, '.');
-    int length = (int)(dot && dot != base ? dot - base : (long)strlen(base));
-    char *folder = NULL;
-    return asprintf(&folder, "roc_%.*s", length, base) < 0 ? NULL : folder;
+    char *name = asdic_scene_name(scene), *folder = NULL;
+    int length = name ? asprintf(&folder, "roc_%s", name) : -1;
+    free(name);
+    return length < 0 ? NULL : folder;
 }
 
 static asdic_status write_files(cli *c, request *r, char *const paths[3]) {

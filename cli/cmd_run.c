@@ -85,22 +85,14 @@ static bool choose_pings(cli *c, const request *r, size_t pings, asdic_run_optio
 
 /* "run_NAME" of "path/NAME.yaml", with the shard when there are several. */
 static char *default_folder(const request *r) {
-    const char *slash = strrchr(r->scene, '/');
-    const char *base = slash ? slash + 1 : r->scene;
-    const char *dot = strrchr(base, '.');
-    int length = (int)(dot && dot != base ? dot - base : (long)strlen(base));
-    char *folder = NULL;
-    if (strcmp(r->scene, "-") == 0) {
-        base = "scene";
-        length = 5;
-    }
-    if (r->shards > 1) {
-        return asprintf(&folder, "run_%.*s_%llu_of_%llu", length, base,
-                        (unsigned long long)r->shard, (unsigned long long)r->shards) < 0
-                   ? NULL
-                   : folder;
-    }
-    return asprintf(&folder, "run_%.*s", length, base) < 0 ? NULL : folder;
+    char *name = asdic_scene_name(r->scene), *folder = NULL;
+    int length = !name ? -1
+                 : r->shards > 1
+                     ? asprintf(&folder, "run_%s_%llu_of_%llu", name, (unsigned long long)r->shard,
+                                (unsigned long long)r->shards)
+                     : asprintf(&folder, "run_%s", name);
+    free(name);
+    return length < 0 ? NULL : folder;
 }
 
 /* Finds the rays that --tolerance takes, and says so. */

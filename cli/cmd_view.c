@@ -62,12 +62,10 @@ static bool read_request(cli *c, request *r) {
 
 /* "view_NAME" of "path/NAME.yaml". */
 static char *default_folder(const char *scene) {
-    const char *slash = strrchr(scene, '/'), *base = slash ? slash + 1 : scene;
-    const char *dot = strrchr(base, '.');
-    char *folder = NULL;
-    base = strcmp(scene, "-") == 0 ? "scene" : base;
-    int length = (int)(dot && dot > base ? dot - base : (long)strlen(base));
-    return asprintf(&folder, "view_%.*s", length, base) < 0 ? NULL : folder;
+    char *name = asdic_scene_name(scene), *folder = NULL;
+    int length = name ? asprintf(&folder, "view_%s", name) : -1;
+    free(name);
+    return length < 0 ? NULL : folder;
 }
 
 static int show(view_job *job, const request *r, size_t mission_pings, const char *folder) {

@@ -1,5 +1,5 @@
 /*
- * All that is wrong with one file, collected and reported in the order of its lines.
+ * All errors in one file, collected and reported in the order of its lines.
  */
 #ifndef ASDIC_BASE_PROBLEMS_H
 #define ASDIC_BASE_PROBLEMS_H
@@ -8,7 +8,7 @@
 
 typedef struct asdic_problem {
     unsigned line, column; /* from 1; 0: the file as a whole */
-    size_t order;          /* of discovery */
+    size_t order;          /* in which they were found */
     char *message;
 } asdic_problem;
 

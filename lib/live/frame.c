@@ -25,11 +25,10 @@ static void with_commas(char text[24], uint32_t value) {
     }
 }
 
-static void name_of(const asdic_view *view, char name[64]) {
-    const char *path = asdic_mission_path(view->mission), *slash = strrchr(path, '/');
-    const char *base = strcmp(path, "-") == 0 ? "scene" : slash ? slash + 1 : path;
-    const char *dot = strrchr(base, '.');
-    snprintf(name, 64, "%.*s", (int)(dot && dot != base ? dot - base : (long)strlen(base)), base);
+static void name_of(const asdic_view *view, char out[64]) {
+    char *name = asdic_scene_name(asdic_mission_path(view->mission));
+    snprintf(out, 64, "%s", name ? name : "");
+    free(name);
 }
 
 void asdic_view_write_title(asdic_view *view) {

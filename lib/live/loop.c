@@ -4,7 +4,7 @@
 #include "base/context.h"
 #include "base/decibel.h"
 #include "mission/mission.h"
-#include "mission/track/track_write.h"
+#include "mission/track/track.h"
 
 #include <math.h>
 #include <pthread.h>
@@ -152,11 +152,11 @@ asdic_status asdic_loop_create_mission(asdic_context *ctx, asdic_device *device,
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
                           "asdic_loop_create_mission: no mission or time");
     }
-    asdic_sampling sampling = mission->sampling;
+    asdic_sampling sampling = mission->settings.sampling;
     sampling.left_out = 0; /* nobody knows yet where the vehicle will go */
     asdic_status status =
-        asdic_loop_create(ctx, device, asdic_mission_scene(mission), &mission->environment,
-                          &mission->sonar, &sampling, depth_m, out);
+        asdic_loop_create(ctx, device, asdic_mission_scene(mission), &mission->settings.environment,
+                          &mission->settings.sonar, &sampling, depth_m, out);
     if (!status) {
         (*out)->mission = mission;
         (*out)->start_s = start_s;

@@ -4,7 +4,7 @@
 #include "base/context.h"
 #include "mission/run/run_folder.h"
 #include "mission/run/run_job.h"
-#include "mission/track/track_write.h"
+#include "mission/track/track.h"
 #include "out/record.h"
 
 #include <errno.h>
@@ -70,8 +70,8 @@ static void finish(asdic_recording **recording) {
 }
 
 static asdic_status open_files(asdic_recording *r) {
-    char *scene = asdic_folder_path(r->folder, "scene", "", "yaml");
-    char *track = asdic_folder_path(r->folder, "track", "", "csv");
+    char *scene = asdic_folder_file(r->folder, "scene.yaml");
+    char *track = asdic_folder_file(r->folder, "track.csv");
     asdic_status status = scene && track ? ASDIC_OK : asdic_fail_memory(r->ctx, "a file name");
     if (!status) {
         status = asdic_mission_write_scene(r->ctx, r->mission, scene, "track.csv");
@@ -165,7 +165,7 @@ static asdic_status copy_records(asdic_recording *r, asdic_run_job *job) {
 static asdic_status write_run(asdic_recording *r) {
     asdic_mission *mission = NULL;
     asdic_run_options options = asdic_run_options_default();
-    char *scene = asdic_folder_path(r->folder, "scene", "", "yaml");
+    char *scene = asdic_folder_file(r->folder, "scene.yaml");
     asdic_status status =
         scene ? asdic_mission_load(r->ctx, scene, &mission) : asdic_fail_memory(r->ctx, "a name");
     options.folder = r->folder;
@@ -191,7 +191,7 @@ static asdic_status write_run(asdic_recording *r) {
 }
 
 static void remove_empty(asdic_recording *r) {
-    char *scene = asdic_folder_path(r->folder, "scene", "", "yaml");
+    char *scene = asdic_folder_file(r->folder, "scene.yaml");
     asdic_file_discard(&r->track);
     if (scene) {
         unlink(scene);

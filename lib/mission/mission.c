@@ -1,19 +1,16 @@
-#include "mission_build.h"
+/*
+ * A mission: what it answers, and what may be changed in it without the scene file.
+ */
+#include "mission.h"
 
 #include "base/context.h"
-#include "base/file_read.h"
-#include "base/memory_left.h"
-#include "base/number.h"
-#include "base/sha256.h"
-#include "mission/scene_file/encoding.h"
+#include "base/try.h"
+#include "mission/track/track.h"
+#include "scene/scene.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-/* A scene file is written by hand or by a small script; geometry is elsewhere. */
-#define MAX_SCENE_BYTES ((size_t)4 << 20)
 
 void asdic_mission_destroy(asdic_mission **mission) {
     if (!mission || !*mission) {
@@ -31,119 +28,195 @@ void asdic_mission_destroy(asdic_mission **mission) {
     free(m->rows);
     free(m->motions);
     free(m->objects);
-    free(m->receivers);
+    asdic_settings_finish(&m->settings);
     free(m->text);
     free(m->path);
     free(m);
     *mission = NULL;
 }
 
-/* The file's text into MISSION, as UTF-8, with the hash of its bytes. */
-static asdic_status read_text(asdic_context *ctx, asdic_mission *m, size_t *length) {
-    char *bytes = NULL;
-    size_t size = 0;
-    asdic_status status = asdic_file_read(ctx, m->path, MAX_SCENE_BYTES, &bytes, &size);
-    if (status != ASDIC_OK) {
-        return status;
-    }
-    asdic_sha256_hex(bytes, size, m->hash);
-    m->text = asdic_text_to_utf8(bytes, size, length);
-    free(bytes);
-    return m->text ? ASDIC_OK : asdic_fail_memory(ctx, "the scene file's text");
+/* --- what it is ------------------------------------------------------------------------------- */
+
+const asdic_environment *asdic_mission_environment(const asdic_mission *mission) {
+    return mission ? &mission->settings.environment : NULL;
 }
 
-static asdic_status build(mission_builder *b) {
-    asdic_status status = asdic_mission_build_settings(b);
-    if (status == ASDIC_OK) {
-        status = asdic_mission_build_tracks(b);
-    }
-    if (status == ASDIC_OK) {
-        status = asdic_mission_build_scene(b);
-    }
-    if (status == ASDIC_OK) {
-        status = asdic_mission_build_pings(b);
-    }
-    if (status == ASDIC_OK && b->problems->total == 0) {
-        asdic_mission_check_places(b);
-    }
-    return status;
+const asdic_sonar *asdic_mission_sonar(const asdic_mission *mission) {
+    return mission ? &mission->settings.sonar : NULL;
 }
 
-/* What a run takes for each bin of each beam, as measured: 1,024 beams of 4,093 bins, 1.2 GiB. */
-#define LEVEL_BYTES 304
-
-static asdic_status check_memory(asdic_context *ctx, const asdic_mission *m) {
-    const asdic_sonar *sonar = asdic_mission_sonar(m);
-    double depth_m = asdic_mission_pose(m, 0, NULL).position_m.z;
-    double speed_mps = asdic_environment_sound_speed_mps(asdic_mission_environment(m), depth_m);
-    size_t bins = asdic_sonar_bin_count(sonar, speed_mps);
-    uint64_t needed = (uint64_t)sonar->receiver_count * bins * LEVEL_BYTES;
-    char what[64];
-    snprintf(what, sizeof what, "%zu beams of %zu bins need", sonar->receiver_count, bins);
-    return asdic_memory_check(ctx, needed, asdic_memory_left(), what,
-                              "use fewer beams or a longer 'bin_length_m'");
+const asdic_scene *asdic_mission_scene(const asdic_mission *mission) {
+    return mission ? mission->scene : NULL;
 }
 
-static asdic_status load(asdic_context *ctx, asdic_mission *m, const asdic_setting *settings,
-                         size_t count) {
-    asdic_arena arena = {0};
-    asdic_scene_file file;
-    asdic_problems problems = {.name = strcmp(m->path, "-") == 0 ? "stdin" : m->path};
-    mission_builder builder = {
-        .ctx = ctx, .file = &file, .problems = &problems, .arena = &arena, .mission = m};
-    size_t length = 0;
-    asdic_status status = read_text(ctx, m, &length);
-    if (status != ASDIC_OK) {
-        goto fail;
-    }
-    if (!asdic_scene_file_parse_with(m->text, length, settings, count, &arena, &problems, &file)) {
-        status = asdic_fail_memory(ctx, "the scene file's content");
-        goto fail;
-    }
-    status = build(&builder);
-    if (status == ASDIC_OK) {
-        status = asdic_problems_report(&problems, ctx);
-    }
-    if (status == ASDIC_OK) {
-        status = check_memory(ctx, m);
-    }
-fail:
-    asdic_problems_finish(&problems);
-    asdic_arena_finish(&arena);
-    return status;
+asdic_sampling *asdic_mission_sampling(asdic_mission *mission) {
+    return mission ? &mission->settings.sampling : NULL;
 }
 
-asdic_status asdic_mission_load(asdic_context *ctx, const char *path, asdic_mission **out) {
-    return asdic_mission_load_with(ctx, path, NULL, 0, out);
+const asdic_detector *asdic_mission_detector(const asdic_mission *mission) {
+    return mission ? &mission->settings.detector : NULL;
 }
 
-asdic_status asdic_mission_load_with(asdic_context *ctx, const char *path,
-                                     const asdic_setting *settings, size_t count,
-                                     asdic_mission **out) {
-    if (!out) {
-        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "asdic_mission_load: nowhere to put it");
-    }
-    *out = NULL;
+const asdic_output_options *asdic_mission_output(const asdic_mission *mission) {
+    return mission ? &mission->settings.output : NULL;
+}
+
+char *asdic_scene_name(const char *path) {
     if (!path) {
-        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "asdic_mission_load: no path");
+        return NULL;
     }
-    locale_t before = asdic_c_locale_enter();
-    asdic_status status = ASDIC_OK;
-    asdic_mission *m = calloc(1, sizeof *m);
-    if (!m || !(m->path = strdup(path))) {
-        status = asdic_fail_memory(ctx, "a mission");
-        goto fail;
+    const char *slash = strrchr(path, '/');
+    const char *base = strcmp(path, "-") == 0 ? "scene" : slash ? slash + 1 : path;
+    const char *dot = strrchr(base, '.');
+    return dot && dot != base ? strndup(base, (size_t)(dot - base)) : strdup(base);
+}
+
+const char *asdic_mission_path(const asdic_mission *mission) {
+    return mission ? mission->path : NULL;
+}
+
+const char *asdic_mission_text(const asdic_mission *mission) {
+    return mission ? mission->text : NULL;
+}
+
+const char *asdic_mission_hash(const asdic_mission *mission) {
+    return mission ? mission->hash : NULL;
+}
+
+size_t asdic_mission_object_count(const asdic_mission *mission) {
+    return mission ? mission->object_count : 0;
+}
+
+const asdic_mission_object *asdic_mission_get_object(const asdic_mission *mission, size_t index) {
+    return mission && index < mission->object_count ? &mission->objects[index] : NULL;
+}
+
+size_t asdic_mission_ping_count(const asdic_mission *mission) {
+    return mission ? mission->ping_count : 0;
+}
+
+static asdic_pose pose_on_track(const asdic_track *track, double time_s) {
+    asdic_pose pose = asdic_track_pose(track, time_s);
+    pose.roll_rad = asdic_track_round(pose.roll_rad);
+    pose.pitch_rad = asdic_track_round(pose.pitch_rad);
+    pose.yaw_rad = asdic_track_round(pose.yaw_rad);
+    return pose;
+}
+
+asdic_pose asdic_mission_pose(const asdic_mission *mission, size_t index, double *time_s) {
+    if (!mission) {
+        return (asdic_pose){0};
     }
-    m->ctx = ctx;
-    m->is_varied = count > 0;
-    status = load(ctx, m, settings, count);
-    if (status != ASDIC_OK) {
-        goto fail;
+    double elapsed_s = (double)index / mission->settings.sonar.ping_rate_hz;
+    double start_s = mission->track ? asdic_track_start_s(mission->track) : 0.0;
+    if (time_s) {
+        *time_s = start_s + elapsed_s;
     }
-    *out = m;
-    m = NULL;
-fail:
-    asdic_mission_destroy(&m);
-    asdic_c_locale_leave(before);
-    return status;
+    return mission->track ? pose_on_track(mission->track, start_s + elapsed_s) : mission->pose;
+}
+
+/* Time of ping INDEX by the pings' clock. */
+static double time_of(const asdic_mission *mission, size_t index) {
+    double time_s;
+    asdic_mission_pose(mission, index, &time_s);
+    return time_s;
+}
+
+asdic_status asdic_mission_place(const asdic_mission *mission, asdic_simulator *simulator,
+                                 size_t index) {
+    if (!mission || !simulator) {
+        return asdic_fail_null(NULL, __func__);
+    }
+    return asdic_mission_place_at(mission, simulator, time_of(mission, index));
+}
+
+asdic_status asdic_mission_place_at(const asdic_mission *mission, asdic_simulator *simulator,
+                                    double time_s) {
+    if (!mission || !simulator) {
+        return asdic_fail_null(NULL, __func__);
+    }
+    for (size_t i = 0; i < mission->motion_count; i++) {
+        const asdic_motion *motion = &mission->motions[i];
+        asdic_pose pose = asdic_track_pose(motion->track, time_s);
+        TRY(asdic_simulator_move(simulator, motion->name, &pose));
+    }
+    return ASDIC_OK;
+}
+
+asdic_pose asdic_mission_object_pose(const asdic_mission *mission, size_t object, size_t index) {
+    if (!mission) {
+        return (asdic_pose){0};
+    }
+    const asdic_mission_object *o = &mission->objects[object];
+    for (size_t i = 0; o->moves && i < mission->motion_count; i++) {
+        if (strcmp(mission->motions[i].name, o->name) == 0) {
+            return asdic_track_pose(mission->motions[i].track, time_of(mission, index));
+        }
+    }
+    return o->pose;
+}
+
+asdic_flat_scene asdic_mission_flat_scene(const asdic_mission *mission, size_t index) {
+    if (!mission) {
+        return (asdic_flat_scene){0};
+    }
+    asdic_vec3 position_m = asdic_mission_pose(mission, index, NULL).position_m;
+    double altitude_m = asdic_scene_altitude_m(mission->scene, position_m);
+    return (asdic_flat_scene){
+        .has_surface = asdic_scene_get_info(mission->scene).has_surface,
+        .has_bottom = isfinite(altitude_m),
+        .altitude_m = isfinite(altitude_m) ? altitude_m : 0.0,
+        .depth_m = position_m.z,
+        .bottom = mission->bottom,
+        .surface = mission->scene->surface,
+    };
+}
+
+/* --- what may be changed ---------------------------------------------------------------------- */
+
+asdic_choices asdic_mission_get_choices(const asdic_mission *mission) {
+    if (!mission) {
+        return (asdic_choices){0};
+    }
+    return (asdic_choices){.wind_speed_kn = mission->settings.environment.wind_speed_kn,
+                           .bottom = mission->bottom,
+                           .source_level_db = mission->settings.sonar.source_level_db,
+                           .rays = mission->settings.sampling.rays,
+                           .seed = mission->settings.sampling.seed};
+}
+
+asdic_status asdic_mission_choose(asdic_context *ctx, asdic_mission *mission,
+                                  const asdic_choices *choices) {
+    if (!mission || !choices) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "asdic_mission_choose: NULL argument");
+    }
+    asdic_environment environment = mission->settings.environment;
+    asdic_sonar sonar = mission->settings.sonar;
+    environment.wind_speed_kn = choices->wind_speed_kn;
+    sonar.source_level_db = choices->source_level_db;
+    TRY(asdic_environment_check(ctx, &environment));
+    TRY(asdic_sonar_check(ctx, &sonar));
+    if (choices->bottom.law) {
+        TRY(asdic_material_check(ctx, &choices->bottom));
+    }
+    if (choices->rays < 64 || choices->rays > 1u << 28) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
+                          "%u rays per ping: out of range [64, 268435456]", choices->rays);
+    }
+    mission->settings.environment = environment;
+    mission->settings.sonar = sonar;
+    mission->settings.sampling.rays = choices->rays;
+    mission->settings.sampling.seed = choices->seed;
+    mission->bottom = choices->bottom;
+    if (!choices->bottom.law) {
+        return ASDIC_OK;
+    }
+    asdic_scene_set_bottom(mission->scene, &choices->bottom);
+    for (size_t i = 0; i < mission->object_count; i++) {
+        asdic_mission_object *object = &mission->objects[i];
+        if (object->name[0] == 0) {
+            object->material = choices->bottom;
+        }
+    }
+    return ASDIC_OK;
 }

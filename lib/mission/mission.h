@@ -1,15 +1,17 @@
 /*
- * A mission inside: what the scene file says, in the library's units, with its geometry loaded.
+ * The inside of a mission: what the scene file says in the library's units, with its geometry
+ * loaded.
  */
 #ifndef ASDIC_MISSION_MISSION_H
 #define ASDIC_MISSION_MISSION_H
 
 #include <asdic/mission.h>
 
+#include "mission_settings.h"
 #include "mission/track/flight.h"
 #include "mission/track/track.h"
 
-/* Where an object goes, by its name. */
+/* The track of the object called NAME. */
 typedef struct asdic_motion {
     char name[ASDIC_NAME_SIZE];
     asdic_track *track;
@@ -20,30 +22,33 @@ struct asdic_mission {
     char *path; /* as given; "-" is standard input */
     char *text; /* in UTF-8, as run.json keeps it */
     char hash[65];
-    asdic_environment environment;
-    asdic_beam *receivers;
-    asdic_sonar sonar; /* borrows receivers */
+    asdic_settings settings;
     asdic_scene *scene;
     asdic_mission_object *objects;
     size_t object_count;
     asdic_motion *motions; /* in the order of the file */
     size_t motion_count;
-    asdic_material bottom; /* no law: there is none */
+    asdic_material bottom; /* without a law where there is none */
     const double **rows;   /* of the files that materials name */
     size_t row_files;
-    asdic_sampling sampling;
-    bool keeps_all_terms; /* whatever the plan says */
-    bool is_varied;       /* the text is not all that it was made from */
-    asdic_detector detector;
-    asdic_output_options output;
-    asdic_flight flight; /* how the vehicle answers; without waypoints, an ordinary one */
+    bool is_varied;      /* settings changed what the text says */
+    asdic_flight flight; /* how the vehicle manoeuvres; an ordinary one without waypoints */
     asdic_pose pose;     /* of every ping, when there is no track */
     asdic_track *track;  /* NULL: at rest */
     size_t ping_count;
 };
 
-/* asdic_mission_place at a time of the pings' clock. */
+/* Puts the objects that move where they are at TIME_S of the pings' clock. */
 asdic_status asdic_mission_place_at(const asdic_mission *mission, asdic_simulator *simulator,
                                     double time_s);
+
+/* FOLDER/track.csv: pings FIRST to FIRST + COUNT - 1. */
+asdic_status asdic_mission_write_pings(asdic_context *ctx, const asdic_mission *mission,
+                                       size_t first, size_t count, const char *path);
+
+/* SHA-256 in hexadecimal of the triangles and of every ping's poses, of the vehicle and of objects
+ * that move (mission_hash.c). */
+asdic_status asdic_mission_inputs_hash(asdic_context *ctx, const asdic_mission *mission,
+                                       char hex[65]);
 
 #endif

@@ -1,5 +1,5 @@
 /*
- * Between a scene file that was read and the mission it describes.
+ * The steps from a scene file that was read to the mission it describes.
  */
 #ifndef ASDIC_MISSION_MISSION_BUILD_H
 #define ASDIC_MISSION_MISSION_BUILD_H
@@ -15,27 +15,27 @@ typedef struct mission_builder {
     asdic_mission *mission;
 } mission_builder;
 
-/* Each adds to the mission and reports what is wrong with the files it opens; only what is not an
- * error of the input (memory) is a status. */
+/* Each step adds to the mission and reports what is wrong with the files it opens to PROBLEMS. Its
+ * status is only for what is no error of the input: short memory. */
 
-/* Environment, sonar, sampling, detector, output. */
-asdic_status asdic_mission_build_settings(mission_builder *b);
 /* Tracks from files: the vehicle's, and the objects'. */
 asdic_status asdic_mission_build_tracks(mission_builder *b);
 /* Surface, bottom and objects; the scene is committed when nothing was wrong. */
 asdic_status asdic_mission_build_scene(mission_builder *b);
-/* Waypoints flown, and the number of pings; after the scene, whose bottom a flight may follow. */
+/* The flight along waypoints, and the number of pings. It comes after the scene, whose bottom a
+ * flight may follow. */
 asdic_status asdic_mission_build_pings(mission_builder *b);
-/* Depth of the highest bottom at the place of POSITION; INFINITY where there is none. */
+/* Depth of the highest bottom at POSITION's north and east; INFINITY where there is none. */
 double asdic_mission_bottom_m(const asdic_scene *scene, asdic_vec3 position_m);
-/* That the sonar stays above the bottom; remarks on objects that cannot be seen. */
-void asdic_mission_check_places(mission_builder *b);
+/* Checks that the sonar stays above the bottom, and remarks on objects that cannot be seen. */
+void asdic_mission_check_positions(mission_builder *b);
 
 /* NAME, which the scene file gives, as a path from here; NULL when memory is short. */
 const char *asdic_mission_resolve(const mission_builder *b, const char *name);
 
-/* What went wrong in opening a file that NODE names: its sentence becomes a problem at NODE, unless
- * STATUS is one of memory, which is returned. */
+/* Turns a failed STATUS, of opening a file that NODE names for example, into a problem at NODE
+ * that says the context's sentence. Short memory is no fault of the file: that status is
+ * returned. */
 asdic_status asdic_mission_file_problem(mission_builder *b, asdic_yaml_node *node,
                                         asdic_status status);
 

@@ -4,6 +4,7 @@
 #include "mission_build.h"
 
 #include "base/context.h"
+#include "base/try.h"
 #include "mission/track/flight.h"
 
 #include <math.h>
@@ -16,13 +17,13 @@ static double covered_pings(const mission_builder *b) {
     const asdic_track *track = b->mission->track;
     double length_s = asdic_track_end_s(track) - asdic_track_start_s(track);
     /* 5 s at 10 Hz are 51 pings, though 5 * 10 is 49.99999999 somewhere. */
-    return floor(length_s * b->mission->sonar.ping_rate_hz * (1.0 + 1e-12) + 1e-9) + 1.0;
+    return floor(length_s * b->mission->settings.sonar.ping_rate_hz * (1.0 + 1e-12) + 1e-9) + 1.0;
 }
 
 /* The number of pings of a moving vehicle. */
 static void count_pings(mission_builder *b, asdic_yaml_node *path_node) {
     const file_mission *mission = &b->file->mission;
-    double rate_hz = b->mission->sonar.ping_rate_hz;
+    double rate_hz = b->mission->settings.sonar.ping_rate_hz;
     if (!(rate_hz > 0.0)) {
         return; /* reported already */
     }
@@ -72,10 +73,10 @@ static asdic_status load_track(mission_builder *b, asdic_yaml_node *node, const 
     const char *path = asdic_mission_resolve(b, name);
     asdic_status status =
         path ? asdic_track_load(b->ctx, path, out) : asdic_fail_memory(b->ctx, "a path");
-    return status == ASDIC_OK ? status : asdic_mission_file_problem(b, node, status);
+    return asdic_mission_file_problem(b, node, status);
 }
 
-/* The object before I whose track is that of object I; I when it is the first. */
+/* The first object whose track is that of object I; I itself when no earlier one has it. */
 static size_t first_with_track(const file_object *objects, size_t i) {
     for (size_t k = 0; k < i; k++) {
         if (objects[k].track && objects[k].name &&
@@ -86,13 +87,13 @@ static size_t first_with_track(const file_object *objects, size_t i) {
     return i;
 }
 
-/* Ten thousand objects may go the same way: each file is read, and told to be wrong, once. */
+/* Many objects may share a track: each file is read, and its errors are reported, once. */
 static asdic_status build_motions(mission_builder *b) {
     const file_object *objects = b->file->objects.items;
     asdic_mission *m = b->mission;
     asdic_track **tracks = calloc(b->file->objects.count + 1, sizeof *tracks); /* borrowed */
     asdic_status status = tracks ? ASDIC_OK : asdic_fail_memory(b->ctx, "the objects' tracks");
-    for (size_t i = 0; status == ASDIC_OK && i < b->file->objects.count; i++) {
+    for (size_t i = 0; !status && i < b->file->objects.count; i++) {
         const file_object *o = &objects[i];
         asdic_yaml_node *place = asdic_yaml_child(o->node, "track");
         if (!o->track || !o->name || !asdic_scene_node_good(place)) {
@@ -117,22 +118,20 @@ asdic_status asdic_mission_build_tracks(mission_builder *b) {
     const asdic_scene_file *file = b->file;
     asdic_mission *m = b->mission;
     asdic_yaml_node *node = asdic_yaml_child(file->mission.node, "track");
-    asdic_status status = ASDIC_OK;
     m->motions = calloc(file->objects.count + 1, sizeof *m->motions);
     if (!m->motions) {
         return asdic_fail_memory(b->ctx, "the objects' tracks");
     }
     if (file->mission.track && asdic_scene_node_good(node)) {
-        status = load_track(b, node, file->mission.track, &m->track);
+        TRY(load_track(b, node, file->mission.track, &m->track));
     }
-    return status ? status : build_motions(b);
+    return build_motions(b);
 }
 
 asdic_status asdic_mission_build_pings(mission_builder *b) {
     const file_mission *mission = &b->file->mission;
     asdic_yaml_node *track = asdic_yaml_child(mission->node, "track");
     asdic_yaml_node *waypoints = mission->waypoints.node;
-    asdic_status status = ASDIC_OK;
     b->mission->flight = (asdic_flight){.vehicle = ASDIC_VEHICLE_NOMOTO,
                                         .speed_mps = 1.5,
                                         .turn_radius_m = 6.0,
@@ -141,10 +140,7 @@ asdic_status asdic_mission_build_pings(mission_builder *b) {
                                         .altitude_m = NAN};
     b->mission->ping_count = mission->pings > 0 ? (size_t)mission->pings : 1;
     if (asdic_scene_node_good(waypoints)) {
-        status = fly(b);
-    }
-    if (status != ASDIC_OK) {
-        return asdic_mission_file_problem(b, waypoints, status);
+        TRY(asdic_mission_file_problem(b, waypoints, fly(b)));
     }
     if (b->mission->track) {
         count_pings(b, track ? track : waypoints);

@@ -1,4 +1,4 @@
-/* What a mission asks of the laws that their sources do not vouch for. */
+/* Remarks on laws that a mission uses outside the validity that their sources state. */
 #include "mission.h"
 
 #include "../../kernels/model.h"
@@ -9,7 +9,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* What the validity of laws is stated for, by the names that `asdic model` gives it. */
+/* The quantities that the validity of laws is stated in, by the names of `asdic model`. */
 typedef struct situation {
     double t_degc, s_ppt, z_m, ph, f_khz, wind_kn;
 } situation;
@@ -32,7 +32,8 @@ static bool scatters(const asdic_mission *m, const asdic_law *law) {
     return found;
 }
 
-/* At the greatest depth: validity ends there, never near the surface. A mission may have 1e9 pings. */
+/* The greatest depth: validity ends there, never near the surface. A mission may have 1e9 pings,
+ * so a track is asked for it. */
 static double depth_of(const asdic_mission *m) {
     double last_s;
     double depth_m = asdic_mission_pose(m, asdic_mission_ping_count(m) - 1, &last_s).position_m.z;
@@ -62,12 +63,12 @@ asdic_remarks asdic_mission_remarks(const asdic_mission *mission) {
     if (!mission) {
         return out;
     }
-    const asdic_environment *env = &mission->environment;
+    const asdic_environment *env = &mission->settings.environment;
     situation s = {.t_degc = env->temperature_degc,
                    .s_ppt = env->salinity_ppt,
                    .z_m = depth_of(mission),
                    .ph = env->ph,
-                   .f_khz = 1e-3 * mission->sonar.frequency_hz,
+                   .f_khz = 1e-3 * mission->settings.sonar.frequency_hz,
                    .wind_kn = env->wind_speed_kn};
     if (isnan(env->sound_speed_mps)) { /* computed */
         remark(asdic_model_get(MODEL_SOUND_SPEED), &s, &out);

@@ -25,7 +25,7 @@ static asdic_status load_mesh(mission_builder *b, const file_mesh *m, asdic_mesh
         return asdic_fail_memory(b->ctx, "a path");
     }
     asdic_status status = asdic_mesh_load(b->ctx, path, m->scale, m->z_up, out);
-    return status == ASDIC_OK ? status : asdic_mission_file_problem(b, file_node(m->node), status);
+    return asdic_mission_file_problem(b, file_node(m->node), status);
 }
 
 static asdic_status load_grid(mission_builder *b, const file_grid *g, asdic_mesh **out) {
@@ -34,10 +34,10 @@ static asdic_status load_grid(mission_builder *b, const file_grid *g, asdic_mesh
         return asdic_fail_memory(b->ctx, "a path");
     }
     asdic_status status = asdic_mesh_load_grid(b->ctx, path, g->values == FILE_GRID_DEPTHS, out);
-    return status == ASDIC_OK ? status : asdic_mission_file_problem(b, file_node(g->node), status);
+    return asdic_mission_file_problem(b, file_node(g->node), status);
 }
 
-/* The shape of OBJECT; *OUT stays NULL when the file was wrong about it. */
+/* The shape of O; *OUT stays NULL when the file is wrong about it. */
 static asdic_status make_shape(mission_builder *b, const file_object *o, asdic_mesh **out) {
     if (asdic_scene_node_good(o->mesh.node)) {
         return load_mesh(b, &o->mesh, out);
@@ -99,8 +99,17 @@ static void find_box(const asdic_mesh *mesh, asdic_mission_object *object) {
     }
 }
 
-/* Puts MESH, which is destroyed, into the scene as OBJECT, whose name, pose and material are set,
- * and remembers it. What the scene refuses becomes a problem at NODE. */
+static asdic_status add_to_scene(asdic_scene *scene, const asdic_mesh *mesh,
+                                 const asdic_mission_object *o) {
+    if (o->moves) {
+        return asdic_scene_add_moving_object(scene, o->name, mesh, o->pose, o->material);
+    }
+    return o->name[0] ? asdic_scene_add_object(scene, o->name, mesh, o->pose, o->material)
+                      : asdic_scene_add_bottom(scene, mesh, o->pose, o->material);
+}
+
+/* Adds MESH, which is destroyed, to the scene as OBJECT, whose name, pose and material are set,
+ * and lists it in the mission. What the scene refuses becomes a problem at NODE. */
 static asdic_status place(mission_builder *b, asdic_yaml_node *node, asdic_mesh **mesh,
                           bool is_file, asdic_mission_object object) {
     asdic_mission *m = b->mission;
@@ -112,18 +121,10 @@ static asdic_status place(mission_builder *b, asdic_yaml_node *node, asdic_mesh 
             object.mesh.hint[0] = '\0'; /* sizes in the scene file are in metres */
         }
         m->objects[m->object_count++] = object;
-        if (object.moves) {
-            status = asdic_scene_add_moving_object(m->scene, object.name, *mesh, object.pose,
-                                                   object.material);
-        } else if (object.name[0]) {
-            status =
-                asdic_scene_add_object(m->scene, object.name, *mesh, object.pose, object.material);
-        } else {
-            status = asdic_scene_add_bottom(m->scene, *mesh, object.pose, object.material);
-        }
+        status = add_to_scene(m->scene, *mesh, &object);
     }
     asdic_mesh_destroy(mesh);
-    return status == ASDIC_OK ? status : asdic_mission_file_problem(b, node, status);
+    return asdic_mission_file_problem(b, node, status);
 }
 
 static asdic_status build_bottom(mission_builder *b) {
@@ -135,7 +136,7 @@ static asdic_status build_bottom(mission_builder *b) {
     } else if (asdic_scene_node_good(bottom->grid.node)) {
         status = load_grid(b, &bottom->grid, &mesh);
     }
-    if (status != ASDIC_OK || !asdic_scene_node_good(bottom->node) || b->problems->total > 0) {
+    if (status || !asdic_scene_node_good(bottom->node) || b->problems->total > 0) {
         asdic_mesh_destroy(&mesh);
         return status;
     }
@@ -180,11 +181,11 @@ static asdic_status build_point(mission_builder *b, const file_object *o) {
     m->objects[m->object_count++] = object;
     asdic_status status =
         asdic_scene_add_point(m->scene, object.name, at, o->point.target_strength_db);
-    return status == ASDIC_OK ? status : asdic_mission_file_problem(b, o->node, status);
+    return asdic_mission_file_problem(b, o->node, status);
 }
 
-/* Room for MESH of object I as often as the objects from I on ask for its file: ten thousand of them
- * are refused at the first one. Once for a row of objects of the same file. */
+/* Reserves room for the MESH of object I as often as the objects from I on use its file, so that
+ * ten thousand copies are refused at the first one. Once for a row of objects of one file. */
 static asdic_status reserve_copies(const mission_builder *b, size_t i, const asdic_mesh *mesh) {
     const file_object *objects = b->file->objects.items;
     const char *file = objects[i].mesh.file;
@@ -211,17 +212,17 @@ static asdic_status build_object(mission_builder *b, size_t number) {
     snprintf(object.name, sizeof object.name, "%s", o->name ? o->name : "");
     asdic_status status = read_rows(b, &rows, &object.material);
     status = status ? status : make_shape(b, o, &mesh);
-    if (status == ASDIC_OK && mesh && o->mesh.node) {
+    if (!status && mesh && o->mesh.node) {
         status = reserve_copies(b, number, mesh);
     }
-    if (status != ASDIC_OK) {
+    if (status) {
         asdic_mesh_destroy(&mesh);
         return asdic_mission_file_problem(b, o->node, status);
     }
     return place(b, o->node, &mesh, o->mesh.node != NULL, object);
 }
 
-/* Triangles of all primitives together but boxes and plates, which are small. */
+/* Triangles of all spheres and cylinders; boxes and plates are small. */
 static size_t count_primitives(const asdic_scene_file *file) {
     const file_object *objects = file->objects.items;
     size_t count = 0;
@@ -241,10 +242,7 @@ asdic_status asdic_mission_build_scene(mission_builder *b) {
     if (!b->mission->objects) {
         return asdic_fail_memory(b->ctx, "the objects");
     }
-    asdic_status status = asdic_scene_create(b->ctx, &b->mission->scene);
-    if (status != ASDIC_OK) {
-        return status;
-    }
+    TRY(asdic_scene_create(b->ctx, &b->mission->scene));
     asdic_scene_set_surface(b->mission->scene, file->surface.enabled);
     asdic_material_file rows;
     asdic_material surface = asdic_scene_file_surface(file, &rows);
@@ -253,14 +251,11 @@ asdic_status asdic_mission_build_scene(mission_builder *b) {
         TRY(asdic_scene_set_surface_law(b->mission->scene, surface));
     }
     if (b->problems->total == 0) {
-        status = asdic_scene_reserve(b->mission->scene, count_primitives(file));
+        TRY(asdic_scene_reserve(b->mission->scene, count_primitives(file)));
     }
-    status = status ? status : build_bottom(b);
-    for (size_t i = 0; status == ASDIC_OK && i < file->objects.count; i++) {
-        status = build_object(b, i);
+    TRY(build_bottom(b));
+    for (size_t i = 0; i < file->objects.count; i++) {
+        TRY(build_object(b, i));
     }
-    if (status == ASDIC_OK && b->problems->total == 0) {
-        status = asdic_scene_commit(b->mission->scene);
-    }
-    return status;
+    return b->problems->total == 0 ? asdic_scene_commit(b->mission->scene) : ASDIC_OK;
 }

@@ -1,62 +1,68 @@
-/*
- * The settings of a mission, and where its files are.
- */
-#include "mission_build.h"
+#include "mission_settings.h"
 
 #include "base/context.h"
+#include "base/number.h"
+#include "base/try.h"
+#include "mission/scene_file/scene_file.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-const char *asdic_mission_resolve(const mission_builder *b, const char *name) {
-    const char *scene = b->mission->path;
-    const char *slash = strrchr(scene, '/');
-    size_t folder = *name != '/' && slash ? (size_t)(slash - scene) + 1 : 0;
-    size_t length = strlen(name);
-    char *path = asdic_arena_alloc(b->arena, folder + length + 1);
-    if (path) {
-        memcpy(path, scene, folder);
-        memcpy(path + folder, name, length + 1);
+asdic_status asdic_settings_take(asdic_context *ctx, const asdic_scene_file *file,
+                                 asdic_settings *out) {
+    *out = (asdic_settings){
+        .environment = asdic_scene_file_environment(file),
+        .sonar = asdic_scene_file_sonar(file),
+        .sampling = {.rays = (uint32_t)file->sampling.rays,
+                     .sampler = (asdic_sampler)file->sampling.sampler,
+                     .multipath = (asdic_multipath)file->sampling.multipath,
+                     .seed = (uint64_t)file->sampling.seed},
+        .keeps_all_terms = file->model.terms == FILE_TERMS_ALL,
+        .detector = {.target = (asdic_target)file->detector.target,
+                     .pfa = file->detector.pfa,
+                     .prior = file->detector.prior,
+                     .snr_db = file->detector.snr_db,
+                     .cost_ratio = file->detector.cost_ratio},
+        .output = {.csv = (asdic_csv_form)file->output.csv, .images = file->output.images}};
+    for (size_t i = 0; i < ASDIC_FORMAT_COUNT; i++) {
+        out->output.formats |= file->output.formats[i] ? 1u << i : 0u;
     }
-    return path;
-}
-
-asdic_status asdic_mission_file_problem(mission_builder *b, asdic_yaml_node *node,
-                                        asdic_status status) {
-    if (status == ASDIC_ERROR_MEMORY) {
-        return status;
+    out->receivers = calloc(out->sonar.receiver_count + 1, sizeof *out->receivers);
+    if (!out->receivers) {
+        return asdic_fail_memory(ctx, "the receivers");
     }
-    asdic_yaml_problem(b->problems, node, "%s", asdic_context_error(b->ctx));
+    asdic_scene_file_receivers(file, out->receivers);
+    out->sonar.receivers = out->receivers;
     return ASDIC_OK;
 }
 
-asdic_status asdic_mission_build_settings(mission_builder *b) {
-    const asdic_scene_file *file = b->file;
-    asdic_mission *m = b->mission;
-    m->environment = asdic_scene_file_environment(file);
-    m->sonar = asdic_scene_file_sonar(file);
-    m->receivers = calloc(m->sonar.receiver_count + 1, sizeof *m->receivers);
-    if (!m->receivers) {
-        return asdic_fail_memory(b->ctx, "the receivers");
+static asdic_status read_text(asdic_context *ctx, const char *text, asdic_arena *arena,
+                              asdic_problems *problems, asdic_settings *out) {
+    asdic_scene_file file;
+    if (!asdic_scene_file_parse(text, strlen(text), arena, problems, &file)) {
+        return asdic_fail_memory(ctx, "a scene's settings");
     }
-    asdic_scene_file_receivers(file, m->receivers);
-    m->sonar.receivers = m->receivers;
-    m->sampling = (asdic_sampling){
-        .rays = (uint32_t)file->sampling.rays,
-        .sampler = (asdic_sampler)file->sampling.sampler,
-        .multipath = (asdic_multipath)file->sampling.multipath,
-        .seed = (uint64_t)file->sampling.seed,
-    };
-    m->keeps_all_terms = file->model.terms == FILE_TERMS_ALL;
-    m->detector = (asdic_detector){.target = (asdic_target)file->detector.target,
-                                   .pfa = file->detector.pfa,
-                                   .prior = file->detector.prior,
-                                   .snr_db = file->detector.snr_db,
-                                   .cost_ratio = file->detector.cost_ratio};
-    m->output = (asdic_output_options){.csv = (asdic_csv_form)file->output.csv,
-                                       .npy = file->output.npy,
-                                       .netcdf = file->output.netcdf,
-                                       .images = file->output.images};
-    m->pose = asdic_scene_file_pose(file);
-    return ASDIC_OK;
+    TRY(asdic_settings_take(ctx, &file, out));
+    return asdic_problems_report(problems, ctx);
+}
+
+asdic_status asdic_settings_read(asdic_context *ctx, const char *name, const char *text,
+                                 asdic_settings *out) {
+    asdic_arena arena = {0};
+    asdic_problems problems = {.name = name};
+    locale_t before = asdic_c_locale_enter();
+    *out = (asdic_settings){0};
+    asdic_status status = read_text(ctx, text, &arena, &problems, out);
+    if (status) {
+        asdic_settings_finish(out);
+    }
+    asdic_problems_finish(&problems);
+    asdic_arena_finish(&arena);
+    asdic_c_locale_leave(before);
+    return status;
+}
+
+void asdic_settings_finish(asdic_settings *settings) {
+    free(settings->receivers);
+    *settings = (asdic_settings){0};
 }

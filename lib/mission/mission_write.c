@@ -1,11 +1,13 @@
 /*
- * A scene file written again: with the choices that are in force, flown along another track.
+ * The files that a mission writes: its scene file again, with the present choices and another
+ * track, and its own track.
  */
 #include "mission.h"
 
 #include "base/arena.h"
 #include "base/context.h"
 #include "base/text.h"
+#include "base/try.h"
 #include "out/digits.h"
 #include "laws/scatterer.h"
 #include "out/file.h"
@@ -132,10 +134,11 @@ static void make_absolute(rewriter *r, asdic_yaml_node *node) {
 static void apply(rewriter *r, const asdic_mission *m, asdic_yaml_node *root, const char *track) {
     asdic_yaml_node *bottom = asdic_yaml_child(root, "bottom");
     asdic_yaml_node *mission = need_map(r, root, "mission");
-    set_number(r, need_map(r, root, "environment"), "wind_speed_kn", m->environment.wind_speed_kn);
-    set_number(r, need_map(r, root, "sonar"), "source_level_db", m->sonar.source_level_db);
-    set_number(r, need_map(r, root, "sampling"), "rays", m->sampling.rays);
-    set_number(r, need_map(r, root, "sampling"), "seed", (double)m->sampling.seed);
+    set_number(r, need_map(r, root, "environment"), "wind_speed_kn",
+               m->settings.environment.wind_speed_kn);
+    set_number(r, need_map(r, root, "sonar"), "source_level_db", m->settings.sonar.source_level_db);
+    set_number(r, need_map(r, root, "sampling"), "rays", m->settings.sampling.rays);
+    set_number(r, need_map(r, root, "sampling"), "seed", (double)m->settings.sampling.seed);
     set_text(r, need_map(r, root, "model"), "terms", "all", false);
     if (bottom && bottom->kind == ASDIC_YAML_MAP && !asdic_yaml_child(bottom, "none")) {
         set_law(r, bottom, &m->bottom);
@@ -177,7 +180,7 @@ static bool is_numeric(const asdic_yaml_node *list) {
 
 static void print_children(rewriter *r, const asdic_yaml_node *node, unsigned depth);
 
-/* What stands behind "key:" or "-", and below it. */
+/* Writes what follows "key:" or "-", on its line and below. */
 static void print_value(rewriter *r, const asdic_yaml_node *node, unsigned depth) {
     if (node->kind == ASDIC_YAML_SCALAR) {
         asdic_text_add(&r->text, " ");
@@ -250,4 +253,27 @@ done:
     asdic_arena_finish(&r.arena);
     free(r.folder);
     return status;
+}
+
+/* --- the track -------------------------------------------------------------------------------- */
+
+asdic_status asdic_mission_write_pings(asdic_context *ctx, const asdic_mission *mission,
+                                       size_t first, size_t count, const char *path) {
+    asdic_file *file = NULL;
+    TRY(asdic_file_create(ctx, path, &file));
+    asdic_track_file_begin(file);
+    for (size_t i = first; i < first + count; i++) {
+        double time_s;
+        asdic_pose pose = asdic_mission_pose(mission, i, &time_s);
+        asdic_track_file_add(file, time_s, &pose);
+    }
+    return asdic_file_commit(&file);
+}
+
+asdic_status asdic_mission_write_track(asdic_context *ctx, const asdic_mission *mission,
+                                       const char *path) {
+    if (!mission || !path) {
+        return asdic_fail_null(ctx, __func__);
+    }
+    return asdic_mission_write_pings(ctx, mission, 0, asdic_mission_ping_count(mission), path);
 }

@@ -17,7 +17,7 @@ BELOW = {
     "detect": ["sim"],
     "out": [],
     "mission/track": ["out"],
-    "mission/scene_file": ["mission/track", "laws", "scene", "sim"],
+    "mission/scene_file": ["mission/track", "laws", "out", "scene", "sim"],
     "mission": ["mission/scene_file", "mission/track", "laws", "out", "scene", "sim", "detect"],
     "mission/run": ["mission", "mission/scene_file", "mission/track", "out", "scene", "sim"],
     "mission/detect": ["mission/run", "mission", "mission/scene_file", "mission/track", "out",

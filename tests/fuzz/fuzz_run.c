@@ -5,7 +5,7 @@
 #include <asdic/asdic.h>
 
 #include "mission/run/run_facts.h"
-#include "mission/run/run_scenery.h"
+#include "mission/run/run_chart_data.h"
 #include "mission/run/run_store.h"
 #include "out/record.h"
 
@@ -115,7 +115,7 @@ void fuzz_records(const uint8_t *data, size_t size) {
 void fuzz_scenery(const uint8_t *data, size_t size) {
     static const char mark[] = "---\n";
     asdic_context *ctx = NULL;
-    asdic_scenery scenery;
+    asdic_chart_data scenery;
     if (asdic_context_create(&ctx) != ASDIC_OK) {
         return;
     }
@@ -123,7 +123,7 @@ void fuzz_scenery(const uint8_t *data, size_t size) {
     size_t first = cut ? (size_t)(cut - data) : size, second = cut ? first + sizeof mark - 1 : size;
     scratch_write("terrain.asc", data, first);
     scratch_write("objects.csv", data + second, size - second);
-    asdic_status status = asdic_scenery_read(ctx, folder(), &scenery);
+    asdic_status status = asdic_chart_data_read(ctx, folder(), &scenery);
     if (status != ASDIC_OK && (!asdic_context_error(ctx)[0] || scenery.outline_count)) {
         abort();
     }
@@ -132,6 +132,6 @@ void fuzz_scenery(const uint8_t *data, size_t size) {
         volatile float last = scenery.relief.depth_m[cells - 1];
         (void)last;
     }
-    asdic_scenery_finish(&scenery);
+    asdic_chart_data_finish(&scenery);
     asdic_context_destroy(&ctx);
 }

@@ -1,7 +1,7 @@
 /* The loop: the simulator's bytes, one ping at a time. */
 #include "ping_rig.h"
 
-#include "mission/track/track_write.h"
+#include "mission/track/track.h"
 
 static test_device t;
 

@@ -7,7 +7,7 @@
 
 #include "lib/base/vec.h"
 #include "lib/mission/run/run_footprint.h"
-#include "lib/mission/run/run_routes.h"
+#include "lib/mission/run/run_chart_data.h"
 #include "lib/out/overview.h"
 #include "lib/out/raster_relief.h"
 #include "lib/scene/chart.h"
@@ -279,13 +279,13 @@ static void routes_are_the_runs(void **state) {
                                  .count = 1,
                                  .north_m = {2 * cos(-10 * turn_rad)},
                                  .east_m = {2 * sin(-10 * turn_rad)}}};
-    asdic_scenery scenery = {.routes = &route,
+    asdic_chart_data data = {.routes = &route,
                              .route_count = 1,
                              .points = points,
                              .outlines = outlines,
                              .outline_count = 2};
-    asdic_routes_cut(&scenery, 5.0, 15.0);
-    assert_int_equal(scenery.route_count, 1);
+    asdic_chart_data_cut(&data, 5.0, 15.0);
+    assert_int_equal(data.route_count, 1);
     assert_int_equal(route.count, 3);
     const double expected[3][3] = {{5, 5, 0}, {10, 10, 0}, {15, 10, 5}};
     for (int i = 0; i < 3; i++) {
@@ -297,8 +297,8 @@ static void routes_are_the_runs(void **state) {
     assert_close(outlines[1].north_m[0], 10.0 + 2.0 * cos(5 * turn_rad), 1e-12);
     assert_close(outlines[1].east_m[0], 5.0 + 2.0 * sin(5 * turn_rad), 1e-12);
     /* One ping is no way to go. */
-    asdic_routes_cut(&scenery, 15.0, 15.0);
-    assert_int_equal(scenery.route_count, 0);
+    asdic_chart_data_cut(&data, 15.0, 15.0);
+    assert_int_equal(data.route_count, 0);
 }
 
 /* Width, height and how many pixels are RGB of a picture, which is deleted. */

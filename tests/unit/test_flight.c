@@ -5,8 +5,8 @@
 
 #include "base/context.h"
 #include "base/vec.h"
-#include "mission/track/flight_model.h"
-#include "mission/track/track_points.h"
+#include "mission/track/flight.h"
+#include "mission/track/track.h"
 
 static asdic_flight nomoto(const double *points_m, size_t count, double speed_mps,
                            double turn_radius_m, double response_s, double dive_rate_mps) {

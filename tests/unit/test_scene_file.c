@@ -8,6 +8,7 @@
 #include "base/number.h"
 #include "de_locale.h"
 #include "damage.h"
+#include "mission/mission_settings.h"
 
 static char *read_file(const char *name, size_t *size) {
     char path[512];
@@ -24,7 +25,7 @@ static void dump(const asdic_table *table, const void *struct_of, asdic_text *te
         const asdic_key *key = &table->keys[i];
         const void *at = base + key->offset;
         asdic_text_format(text, "%s:", key->name);
-        if (key->type == ASDIC_KEY_LIST && !(key->flags & ASDIC_KEY_PLANNED)) {
+        if (key->type == ASDIC_KEY_LIST) {
             const asdic_list *list = at;
             for (size_t k = 0; k < list->count; k++) {
                 dump(key->table, (const char *)list->items + k * key->table->size, text);
@@ -47,7 +48,7 @@ static void dump(const asdic_table *table, const void *struct_of, asdic_text *te
             asdic_text_format(text, " %s", string ? string : "-");
         } else if (key->type == ASDIC_KEY_BOOL) {
             asdic_text_add(text, *(const bool *)at ? " true" : " false");
-        } else if (!(key->flags & ASDIC_KEY_PLANNED)) {
+        } else {
             asdic_text_format(text, " %d", *(const int *)at);
         }
         asdic_text_add(text, "\n");
@@ -143,10 +144,49 @@ static void example_means_what_it_says(void **state) {
     assert_int_equal(file.mission.pings, 1);
     assert_int_equal(file.sampling.multipath, ASDIC_MULTIPATH_FIRST);
     assert_close(file.detector.pfa, 1e-3, 0);
-    assert_false(file.output.netcdf);
+    assert_false(file.output.formats[ASDIC_FORMAT_netcdf]);
     free(errors);
     asdic_arena_finish(&arena);
     free(text);
+}
+
+/* Every format of the list is a key of `output`, off unless it is asked for, and its own bit. */
+static void formats_are_keys_of_output(void **state) {
+    (void)state;
+    size_t count = 0;
+    for (; asdic_format_name(count); count++) {
+        char scene[512];
+        asdic_settings settings;
+        asdic_context *ctx = NULL;
+        assert_int_equal(asdic_context_create(&ctx), ASDIC_OK);
+        snprintf(scene, sizeof scene,
+                 "version: 1\nbottom: {none: true}\nmission: {pose: {position_m: [0, 0, 5]}}\n"
+                 "sonar: {frequency_khz: 100, receivers: [{name: a}]}\noutput: {%s: true}\n",
+                 asdic_format_name(count));
+        assert_int_equal(asdic_settings_read(ctx, "scene", scene, &settings), ASDIC_OK);
+        assert_int_equal(settings.output.formats, 1u << count);
+        assert_int_equal(settings.output.csv, ASDIC_CSV_LONG);
+        asdic_settings_finish(&settings);
+        asdic_context_destroy(&ctx);
+    }
+    assert_int_equal(count, ASDIC_FORMAT_COUNT);
+    assert_true(count >= 2);
+    assert_string_equal(asdic_formats[ASDIC_FORMAT_npy]->file, "levels.npy");
+}
+
+static void a_scene_has_its_file_s_name(void **state) {
+    (void)state;
+    static const char *const names[][2] = {{"a/b.c/reef.yaml", "reef"},
+                                           {"reef", "reef"},
+                                           {"./a.b.yaml", "a.b"},
+                                           {"-", "scene"},
+                                           {"a/.hidden", ".hidden"}};
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        char *name = asdic_scene_name(names[i][0]);
+        assert_string_equal(name, names[i][1]);
+        free(name);
+    }
+    assert_null(asdic_scene_name(NULL));
 }
 
 static void json_is_read_as_yaml_is(void **state) {
@@ -274,6 +314,8 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(materials_have_names),
         cmocka_unit_test(example_means_what_it_says),
+        cmocka_unit_test(formats_are_keys_of_output),
+        cmocka_unit_test(a_scene_has_its_file_s_name),
         cmocka_unit_test(json_is_read_as_yaml_is),
         cmocka_unit_test(fan_spreads_from_port_to_starboard),
         cmocka_unit_test(fan_of_an_array_lies_in_its_plane),

@@ -4,7 +4,7 @@
  */
 #include "scene_text.h"
 
-#include "mission/scene_file/encoding.h"
+#include "mission/scene_file/scene_file.h"
 
 static void syntax_errors_have_a_place(void **state) {
     (void)state;

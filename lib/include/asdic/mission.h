@@ -56,15 +56,23 @@ typedef enum asdic_image {
 /* "waterfall" and the like, as a scene file's output.images; NULL when out of range. */
 ASDIC_API const char *asdic_image_name(asdic_image image);
 
+/* A format in which a run is written beside its tables: "npy", "netcdf" and so on, the key of a
+ * scene file's output; NULL behind the last. */
+ASDIC_API const char *asdic_format_name(size_t index);
+
 typedef struct asdic_output_options {
     asdic_csv_form csv;
-    bool npy, netcdf;
-    unsigned images; /* 1u << ASDIC_IMAGE_... */
+    unsigned formats; /* 1u << place of asdic_format_name */
+    unsigned images;  /* 1u << ASDIC_IMAGE_... */
 } asdic_output_options;
 
 /* What the file asks of detectors and of runs. Valid until the mission is destroyed. */
 ASDIC_API const asdic_detector *asdic_mission_detector(const asdic_mission *mission);
 ASDIC_API const asdic_output_options *asdic_mission_output(const asdic_mission *mission);
+
+/* The name of the scene in the file PATH: its last part without extension, or "scene" for "-", the
+ * standard input. To be freed with free(); NULL when memory is short. */
+ASDIC_API char *asdic_scene_name(const char *path);
 
 /* Where the mission came from: the path as given, the text in UTF-8, and the SHA-256 of the file's
  * bytes in hexadecimal. */

@@ -1,5 +1,5 @@
 /*
- * What was detected against what was there.
+ * Counts what was detected against what was there.
  */
 #include "detect_job.h"
 
@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Places of the rows behind the objects'. */
+/* Indices of the rows after the objects'. */
 enum { GHOST, FAINT, NONE, OTHERS };
 
 static size_t objects_of(const asdic_detect_job *job) {
@@ -95,7 +95,7 @@ static asdic_detect_class *class_of(asdic_detect_job *job, size_t cell) {
     return &others[NONE];
 }
 
-/* Which objects the beam sees in this ping, and where each stands out most. */
+/* Finds the objects that the beam sees in this ping, and the bin where each stands out most. */
 static void count_sights(asdic_detect_job *job, const asdic_record *record, size_t beam) {
     size_t bins = job->info.bins;
     const double *threshold_lin = asdic_scan_get(job->scan).threshold_lin;
@@ -158,9 +158,9 @@ void asdic_detect_finish_report(asdic_detect_job *job) {
     asdic_detect_report *r = job->report;
     size_t kept = 0;
     const asdic_detect_class *none = &r->classes[objects_of(job) + NONE];
-    /* False alarms come in clumps, since beams and bins share speckle. Of N clumps of random
-     * sizes the sum has a variance of N times the mean square size: as of fewer alarms, each by
-     * itself. */
+    /* False alarms come in clumps, since beams and bins share speckle. The sum of N clumps of
+     * random sizes has a variance of N times the mean square size, as if there were fewer alarms,
+     * each independent. */
     double each = job->false_squares > 0.0 ? job->false_bins / job->false_squares : 1.0;
     r->pfa = asdic_estimate_of((uint64_t)llround(each * (double)none->detected),
                                (uint64_t)llround(each * (double)none->bins));

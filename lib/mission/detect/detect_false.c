@@ -1,17 +1,18 @@
 /*
- * How many false tracks are to be expected: false alarms of the designed probability, as many to a
- * plot as were found, plots anywhere in range and bearing, and what the tracker makes of them.
+ * The number of false tracks to expect: from false alarms of the designed probability, as many to a
+ * plot as were found, with plots anywhere in range and bearing, by the tracker's rule.
  */
 #include "detect_job.h"
 
 #include "base/context.h"
+#include "base/try.h"
 #include "base/vec.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-/* Stretches of range, each by the same factor longer than the one before: where false tracks
- * crowd is near. */
+/* Intervals of range, each longer than the one before by the same factor: most false tracks are
+ * near. */
 #define RANGES 64
 
 static int by_size(const void *a, const void *b) {
@@ -71,18 +72,16 @@ asdic_status asdic_detect_expect_tracks(asdic_detect_job *job) {
     if (!r->is_sample || lasting <= 0.0) {
         return ASDIC_OK;
     }
-    asdic_status status = asdic_run_read(job->run, r->pings - 1, &record);
+    TRY(asdic_run_read(job->run, r->pings - 1, &record));
     double end_s = record.time_s;
-    status = status ? status : asdic_run_read(job->run, 0, &record);
-    double spread = status ? NAN : spread_rad(job, &record.pose);
-    if (!status && isnan(spread)) {
-        status = asdic_fail_memory(job->ctx, "bearings");
+    TRY(asdic_run_read(job->run, 0, &record));
+    double spread = spread_rad(job, &record.pose);
+    if (isnan(spread)) {
+        return asdic_fail_memory(job->ctx, "bearings");
     }
-    if (!status) {
-        double per_alarm = job->false_bins > 0.0 ? job->false_plots / job->false_bins : 1.0;
-        r->tracks_by_chance =
-            lasting * confirmed(job, &record.pose, (end_s - record.time_s) / (pings - 1.0),
-                                none->expected / pings * per_alarm, spread);
-    }
-    return status;
+    double per_alarm = job->false_bins > 0.0 ? job->false_plots / job->false_bins : 1.0;
+    r->tracks_by_chance =
+        lasting * confirmed(job, &record.pose, (end_s - record.time_s) / (pings - 1.0),
+                            none->expected / pings * per_alarm, spread);
+    return ASDIC_OK;
 }

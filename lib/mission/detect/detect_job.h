@@ -1,5 +1,5 @@
 /*
- * One call of asdic_run_detect: what its parts share.
+ * What the parts of one call of asdic_run_detect share.
  */
 #ifndef ASDIC_MISSION_DETECT_JOB_H
 #define ASDIC_MISSION_DETECT_JOB_H
@@ -21,18 +21,20 @@ typedef struct asdic_detect_job {
     asdic_tracker *tracker;
     asdic_occupancy *map;     /* NULL: none */
     asdic_ping *expected;     /* NULL with CFAR */
-    asdic_pose expected_pose; /* that it is of */
+    asdic_pose expected_pose; /* for which it was computed */
     double expected_altitude_m;
     double *intensity_lin, *noise_lin; /* of the ping, [beam * bins + bin] */
-    double *rest_lin, *object_lin;     /* expected: all but objects' and ghosts' echoes; theirs */
+    double *rest_lin;                  /* expected, without the echoes of objects and ghosts */
+    double *object_lin;                /* those echoes */
     asdic_truth *truth;
     long *label; /* object of a bin; -1: none */
     bool *detected;
     asdic_plot_point *plots; /* of the ping */
-    size_t *plot_cell;       /* where each stands out most */
-    size_t *plot_bins;       /* that it joins */
+    size_t *plot_cell;       /* the cell where each stands out most */
+    size_t *plot_bins;       /* that each joins */
     size_t plot_count;
-    /* Of all pings' plots where nothing is: how many, the sum of their bins, and of the squares. */
+    /* Over all pings, plots where there is no object: their number, the sum of their bins, the sum
+     * of the squares. */
     double false_plots, false_bins, false_squares;
     double sound_speed_mps;
     asdic_file *detections, *tracks;
@@ -45,13 +47,14 @@ typedef struct asdic_detect_job {
     bool *sight_hit;      /* ... and whether it was detected in that */
 } asdic_detect_job;
 
-/* detect_rows.c: the files' first line; the rows of a ping's detections; of its tracks. */
+/* detect_output.c: opens the files and writes their first line; the rows of a ping's detections;
+ * the rows of its tracks. */
 asdic_status asdic_detect_open_files(asdic_detect_job *job);
 void asdic_detect_write_rows(asdic_detect_job *job, const asdic_record *record);
 asdic_status asdic_detect_write_tracks(asdic_detect_job *job, const asdic_record *record);
 
-/* detect_plots.c: joins neighbouring detections into plots; the standard deviations of a plot of
- * BEAM that is PLANE_M away. */
+/* detect_output.c: joins neighbouring detections into plots; gives the standard deviations of a
+ * plot in BEAM at the horizontal distance PLANE_M. */
 void asdic_detect_find_plots(asdic_detect_job *job, const asdic_record *record);
 void asdic_detect_spread(const asdic_detect_job *job, size_t beam, double plane_m, double *along_m,
                          double *across_m);
@@ -63,11 +66,11 @@ asdic_status asdic_detect_expect_tracks(asdic_detect_job *job);
 asdic_status asdic_detect_report_create(asdic_detect_job *job);
 void asdic_detect_count(asdic_detect_job *job, const asdic_record *record);
 void asdic_detect_finish_report(asdic_detect_job *job);
-/* The law of a bin's background as it is under an echo: what else is there. */
+/* The law of what is in a bin beside an object's echo. */
 asdic_background asdic_detect_rest(const asdic_detect_job *job, size_t cell);
 double asdic_detect_bin_pd(const asdic_detect_job *job, size_t cell);
 
-/* detect_map.c */
+/* detect_output.c: the occupancy map. */
 asdic_status asdic_detect_create_map(asdic_detect_job *job);
 asdic_status asdic_detect_draw_map(asdic_detect_job *job);
 

@@ -1,10 +1,11 @@
 /*
- * A run's pings through a detector.
+ * The detector applied to the pings of a run.
  */
 #include "detect_job.h"
 
 #include "base/context.h"
 #include "base/number.h"
+#include "base/try.h"
 #include "base/vec.h"
 #include "detect/law.h"
 
@@ -12,7 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* An echo weaker than this re all else in its bin is none. */
+/* An echo that is weaker than this, re all else in its bin, does not count as one. */
 #define FAINT_LIN 0.01
 
 asdic_detect_options asdic_detect_options_default(void) {
@@ -26,7 +27,7 @@ static double linear(float level_db) {
     return isnan(level_db) ? 0.0 : pow(10.0, 0.1 * (double)level_db);
 }
 
-/* The ping's intensities, and what in them is known to be what. */
+/* The ping's intensities, and the truth about each bin. */
 static void read_truth(asdic_detect_job *job, const asdic_record *record) {
     double least = pow(10.0, 0.1 * job->options->truth_snr_db);
     for (size_t i = 0; i < job->info.beams * job->info.bins; i++) {
@@ -68,19 +69,11 @@ static asdic_status expect(asdic_detect_job *job, const asdic_record *record) {
 static asdic_status take_ping(asdic_detect_job *job, const asdic_record *record) {
     job->sound_speed_mps =
         asdic_environment_sound_speed_mps(job->info.environment, record->pose.position_m.z);
-    asdic_status status = asdic_namer_begin_ping(job->namer, record);
-    if (status == ASDIC_OK) {
-        read_truth(job, record);
-        status = expect(job, record);
-    }
-    if (status == ASDIC_OK) {
-        const double *mean = job->by_cfar ? NULL : job->expected->intensity_lin[ASDIC_TOTAL];
-        status =
-            asdic_scan_ping(job->scan, job->intensity_lin, mean, job->noise_lin, record->stderr_db);
-    }
-    if (status != ASDIC_OK) {
-        return status;
-    }
+    TRY(asdic_namer_begin_ping(job->namer, record));
+    read_truth(job, record);
+    TRY(expect(job, record));
+    const double *mean = job->by_cfar ? NULL : job->expected->intensity_lin[ASDIC_TOTAL];
+    TRY(asdic_scan_ping(job->scan, job->intensity_lin, mean, job->noise_lin, record->stderr_db));
     asdic_scan_result result = asdic_scan_get(job->scan);
     for (size_t i = 0; i < job->info.beams * job->info.bins; i++) {
         job->detected[i] = job->intensity_lin[i] > result.threshold_lin[i]; /* not when NAN */
@@ -92,13 +85,10 @@ static asdic_status take_ping(asdic_detect_job *job, const asdic_record *record)
         asdic_occupancy_add(job->map, job->info.sonar, job->sound_speed_mps, &record->pose,
                             job->info.bins, result.llr);
     }
-    status = asdic_tracker_update(job->tracker, record->time_s, job->plots, job->plot_count);
-    if (status == ASDIC_OK) {
-        status = asdic_detect_write_tracks(job, record);
-    }
+    TRY(asdic_tracker_update(job->tracker, record->time_s, job->plots, job->plot_count));
     job->track_north_m[job->pings_done] = record->pose.position_m.x;
     job->track_east_m[job->pings_done++] = record->pose.position_m.y;
-    return status;
+    return asdic_detect_write_tracks(job, record);
 }
 
 static asdic_status allocate(asdic_detect_job *job) {
@@ -125,50 +115,38 @@ static asdic_status allocate(asdic_detect_job *job) {
     return ASDIC_OK;
 }
 
-/* What a run's detection needs before its first ping. */
-static asdic_status begin(asdic_detect_job *job, const char *folder) {
-    asdic_status status = asdic_run_open(job->ctx, folder, &job->run);
-    if (status != ASDIC_OK) {
-        return status;
-    }
+/* Opens the run and chooses the detector. */
+static asdic_status open_run(asdic_detect_job *job, const char *folder) {
+    TRY(asdic_run_open(job->ctx, folder, &job->run));
     job->info = asdic_run_get_info(job->run);
-    job->detector = job->options->detector ? *job->options->detector
-                                           : *asdic_mission_detector(job->run->settings);
+    job->detector = job->options->detector ? *job->options->detector : job->run->settings.detector;
     job->by_cfar =
         job->options->has_cfar || strcmp(job->run->facts.bottom, ASDIC_RUN_BOTTOM_MESH) == 0;
     job->expected_altitude_m = NAN;
-    job->sound_speed_mps = asdic_environment_sound_speed_mps(job->info.environment, 0.0);
     if (job->info.pings == 0) {
         return asdic_fail(job->ctx, ASDIC_ERROR_INPUT, "'%s' holds no ping yet", folder);
     }
     asdic_record first;
-    status = asdic_run_read(job->run, 0, &first);
-    if (status == ASDIC_OK) {
-        job->sound_speed_mps =
-            asdic_environment_sound_speed_mps(job->info.environment, first.pose.position_m.z);
-        status = asdic_scan_create(job->ctx, job->info.sonar, job->sound_speed_mps, job->info.bins,
-                                   &job->detector, job->by_cfar ? &job->options->cfar : NULL,
-                                   &job->scan);
+    TRY(asdic_run_read(job->run, 0, &first));
+    job->sound_speed_mps =
+        asdic_environment_sound_speed_mps(job->info.environment, first.pose.position_m.z);
+    return ASDIC_OK;
+}
+
+/* What a run's detection needs before its first ping. */
+static asdic_status begin(asdic_detect_job *job, const char *folder) {
+    TRY(open_run(job, folder));
+    TRY(asdic_scan_create(job->ctx, job->info.sonar, job->sound_speed_mps, job->info.bins,
+                          &job->detector, job->by_cfar ? &job->options->cfar : NULL, &job->scan));
+    if (!job->by_cfar) {
+        TRY(asdic_ping_create(job->ctx, job->info.beams, job->info.bins, &job->expected));
     }
-    if (status == ASDIC_OK && !job->by_cfar) {
-        status = asdic_ping_create(job->ctx, job->info.beams, job->info.bins, &job->expected);
-    }
-    if (status == ASDIC_OK) {
-        status = asdic_namer_create(job->run, &job->namer);
-    }
-    if (status == ASDIC_OK) {
-        status = asdic_tracker_create(job->ctx, &job->options->tracker, &job->tracker);
-    }
-    if (status == ASDIC_OK) {
-        status = allocate(job);
-    }
-    if (status == ASDIC_OK) {
-        status = asdic_detect_report_create(job);
-    }
-    if (status == ASDIC_OK) {
-        status = asdic_detect_create_map(job);
-    }
-    return status == ASDIC_OK ? asdic_detect_open_files(job) : status;
+    TRY(asdic_namer_create(job->run, &job->namer));
+    TRY(asdic_tracker_create(job->ctx, &job->options->tracker, &job->tracker));
+    TRY(allocate(job));
+    TRY(asdic_detect_report_create(job));
+    TRY(asdic_detect_create_map(job));
+    return asdic_detect_open_files(job);
 }
 
 static void finish(asdic_detect_job *job) {
@@ -194,29 +172,20 @@ static void finish(asdic_detect_job *job) {
 }
 
 static asdic_status detect(asdic_detect_job *job) {
-    asdic_status status = ASDIC_OK;
-    for (size_t i = 0; i < job->info.pings && status == ASDIC_OK; i++) {
+    for (size_t i = 0; i < job->info.pings; i++) {
         asdic_record record;
         if (asdic_context_interrupted(job->ctx)) {
             return asdic_fail(job->ctx, ASDIC_ERROR_INTERRUPTED,
                               "interrupted after %zu of %zu pings; nothing was written", i,
                               job->info.pings);
         }
-        status = asdic_run_read(job->run, i, &record);
-        if (status == ASDIC_OK) {
-            status = take_ping(job, &record);
-        }
+        TRY(asdic_run_read(job->run, i, &record));
+        TRY(take_ping(job, &record));
     }
-    if (status == ASDIC_OK) {
-        status = asdic_detect_expect_tracks(job);
-    }
-    if (status == ASDIC_OK) {
-        status = asdic_file_commit(&job->detections);
-    }
-    if (status == ASDIC_OK) {
-        status = asdic_file_commit(&job->tracks);
-    }
-    return status == ASDIC_OK && job->map ? asdic_detect_draw_map(job) : status;
+    TRY(asdic_detect_expect_tracks(job));
+    TRY(asdic_file_commit(&job->detections));
+    TRY(asdic_file_commit(&job->tracks));
+    return job->map ? asdic_detect_draw_map(job) : ASDIC_OK;
 }
 
 /* By how much thresholds are higher for the levels' sampling error, in the median bin. */
@@ -226,14 +195,18 @@ static asdic_status find_lift(asdic_detect_job *job) {
     r->sampling_error_db = job->run->facts.stderr_median_db;
     asdic_background blurred = asdic_background_blurred(law, r->sampling_error_db);
     double before, after;
-    asdic_status status = asdic_detect_threshold(job->ctx, &law, r->detector.pfa, &before);
-    if (status == ASDIC_OK) {
-        status = asdic_detect_threshold(job->ctx, &blurred, r->detector.pfa, &after);
-    }
-    if (status == ASDIC_OK && isnan(r->detector.cost_ratio)) {
+    TRY(asdic_detect_threshold(job->ctx, &law, r->detector.pfa, &before));
+    TRY(asdic_detect_threshold(job->ctx, &blurred, r->detector.pfa, &after));
+    if (isnan(r->detector.cost_ratio)) {
         r->sampling_lift_db = asdic_level_db(after / before);
     }
-    return status;
+    return ASDIC_OK;
+}
+
+static asdic_status work(asdic_detect_job *job, const char *folder) {
+    TRY(begin(job, folder));
+    TRY(detect(job));
+    return find_lift(job);
 }
 
 asdic_status asdic_run_detect(asdic_context *ctx, const char *folder,
@@ -243,13 +216,7 @@ asdic_status asdic_run_detect(asdic_context *ctx, const char *folder,
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "asdic_run_detect: a folder and options");
     }
     locale_t before = asdic_c_locale_enter();
-    asdic_status status = begin(&job, folder);
-    if (status == ASDIC_OK) {
-        status = detect(&job);
-    }
-    if (status == ASDIC_OK) {
-        status = find_lift(&job);
-    }
+    asdic_status status = work(&job, folder);
     if (status == ASDIC_OK && out) {
         asdic_detect_finish_report(&job);
         *out = job.report;

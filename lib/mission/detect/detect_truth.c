@@ -3,6 +3,7 @@
 #include "base/context.h"
 #include "base/file_read.h"
 #include "base/sha256.h"
+#include "base/try.h"
 #include "base/vec.h"
 #include "mission/mission.h"
 #include "scene/scene.h"
@@ -18,7 +19,7 @@
 /* Triangles are halved until they lie in one bin, at most so often. */
 #define MOST_HALVINGS 14
 
-/* What of an object lies in a bin. */
+/* The part of an object that lies in a bin. */
 typedef struct share {
     double area_m2;
     asdic_vec3 towards; /* sum of area x direction from the sonar */
@@ -26,7 +27,7 @@ typedef struct share {
 
 typedef struct named {
     char name[ASDIC_NAME_SIZE];
-    size_t object, part; /* of the mission; of its scene, or SIZE_MAX: a point */
+    size_t object, part; /* index in the mission; in its scene, SIZE_MAX for a point */
     share *shares;       /* per bin */
 } named;
 
@@ -76,7 +77,7 @@ static void add_piece(named *n, const asdic_run_facts *facts, asdic_vec3 from,
     }
 }
 
-/* From where the mission began to where the object is at PING. */
+/* The object's shift from the mission's beginning to PING. */
 static asdic_vec3 moved(const asdic_namer *namer, const named *n, size_t ping, asdic_vec3 at) {
     const asdic_mission_object *o = asdic_mission_get_object(namer->mission, n->object);
     if (!o->moves) {
@@ -149,7 +150,7 @@ static asdic_status add_names(asdic_namer *namer) {
     return namer->names ? ASDIC_OK : asdic_fail_memory(ctx, "objects' names");
 }
 
-/* The scene file is where it was, and what it was. */
+/* Whether the scene file is where it was, unchanged. */
 static bool scene_is_there(const asdic_run_facts *facts) {
     char hash[65] = "";
     char *bytes = NULL;
@@ -173,8 +174,24 @@ static asdic_status name_nothing(asdic_namer *namer) {
     return ASDIC_OK;
 }
 
+static asdic_status find_names(asdic_namer *namer) {
+    asdic_run *run = namer->run;
+    if (scene_is_there(&run->facts)) {
+        TRY(asdic_mission_load(run->ctx, run->facts.scene_path, &namer->mission));
+        TRY(add_names(namer));
+    } else {
+        asdic_log(run->ctx, ASDIC_LOG_WARNING,
+                  "scene '%s' is not there as it was when it was run: its objects have no names",
+                  run->facts.scene_path);
+    }
+    if (namer->count > 0) {
+        return ASDIC_OK;
+    }
+    free(namer->names);
+    return name_nothing(namer);
+}
+
 asdic_status asdic_namer_create(asdic_run *run, asdic_namer **out) {
-    asdic_status status = ASDIC_OK;
     *out = NULL;
     asdic_namer *namer = calloc(1, sizeof *namer);
     if (!namer || !(namer->receivers = calloc(run->facts.beams, sizeof *namer->receivers))) {
@@ -182,20 +199,8 @@ asdic_status asdic_namer_create(asdic_run *run, asdic_namer **out) {
         return asdic_fail_memory(run->ctx, "objects' names");
     }
     namer->run = run;
-    if (scene_is_there(&run->facts)) {
-        status = asdic_mission_load(run->ctx, run->facts.scene_path, &namer->mission);
-        status = status == ASDIC_OK ? add_names(namer) : status;
-    } else {
-        asdic_log(run->ctx, ASDIC_LOG_WARNING,
-                  "scene '%s' is not there as it was when it was run: its objects have no names",
-                  run->facts.scene_path);
-        status = name_nothing(namer);
-    }
-    if (status == ASDIC_OK && namer->count == 0) {
-        free(namer->names);
-        status = name_nothing(namer);
-    }
-    if (status != ASDIC_OK) {
+    asdic_status status = find_names(namer);
+    if (status) {
         asdic_namer_destroy(&namer);
     }
     *out = namer;
@@ -234,15 +239,14 @@ static bool moves(const asdic_namer *namer) {
 }
 
 asdic_status asdic_namer_begin_ping(asdic_namer *namer, const asdic_record *record) {
-    const asdic_sonar *sonar = asdic_mission_sonar(namer->run->settings);
+    const asdic_sonar *sonar = &namer->run->settings.sonar;
     if (namer->count < 2 ||
         (namer->is_placed && memcmp(&namer->pose, &record->pose, sizeof namer->pose) == 0)) {
         return ASDIC_OK;
     }
-    double wavelength_m =
-        asdic_environment_sound_speed_mps(asdic_mission_environment(namer->run->settings),
-                                          record->pose.position_m.z) /
-        sonar->frequency_hz;
+    double wavelength_m = asdic_environment_sound_speed_mps(&namer->run->settings.environment,
+                                                            record->pose.position_m.z) /
+                          sonar->frequency_hz;
     namer->pose = record->pose;
     namer->transmitter = asdic_face_aim(&sonar->transmitter, &record->pose, wavelength_m);
     for (size_t b = 0; b < sonar->receiver_count; b++) {
@@ -260,7 +264,7 @@ static double gain(const asdic_face *face, asdic_vec3 towards) {
     return beam_pattern_lin(v.x, v.y, v.z, face->length_h_wl, face->length_v_wl, 1e-6);
 }
 
-/* Of what lies in BIN; *WEIGHT is 0 when nothing does. */
+/* The object with the largest part in BIN; *WEIGHT is 0 when there is none. */
 static size_t heaviest(const asdic_namer *namer, size_t beam, size_t bin, double *weight) {
     size_t best = 0;
     *weight = 0.0;

@@ -1,6 +1,7 @@
 /*
- * Which object an echo comes from. The run recorded how much energy of each bin is an object's; where
- * the scene has several, the one with the largest area in the bin, weighed by the beams, is named.
+ * The object that an echo comes from. The run recorded how much energy of each bin comes from
+ * objects. Where the scene has several, the one with the largest area in the bin, weighted by the
+ * beams, gives the name.
  */
 #ifndef ASDIC_MISSION_DETECT_TRUTH_H
 #define ASDIC_MISSION_DETECT_TRUTH_H
@@ -9,8 +10,8 @@
 
 typedef struct asdic_namer asdic_namer;
 
-/* Reads the scene file again for the objects' shapes. Where it is gone or has changed, objects are all
- * called "object", which is logged. */
+/* Reads the scene file again for the objects' shapes. Where it is gone or has changed, objects are
+ * all called "object", which is logged. */
 asdic_status asdic_namer_create(asdic_run *run, asdic_namer **out);
 void asdic_namer_destroy(asdic_namer **namer);
 

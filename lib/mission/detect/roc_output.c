@@ -1,10 +1,11 @@
 /*
- * Curves as a table and as a picture.
+ * Receiver operating characteristics as a table and as a picture.
  */
 #include <asdic/roc.h>
 
 #include "base/context.h"
 #include "base/number.h"
+#include "base/try.h"
 #include "out/csv.h"
 #include "out/file.h"
 
@@ -48,27 +49,32 @@ static void print_reach(FILE *out, const char *name, const asdic_roc *roc) {
     }
 }
 
-static asdic_status write_table(asdic_context *ctx, const char *path, const char *header,
-                                void (*print)(FILE *, const char *, const asdic_roc *),
-                                const char *const *names, asdic_roc *const *rocs, size_t count) {
-    asdic_file *file = NULL;
-    asdic_status status = asdic_file_create(ctx, path, &file);
-    locale_t before = asdic_c_locale_enter();
-    for (size_t i = 0; i < count && status == ASDIC_OK; i++) {
+typedef void print_rows(FILE *out, const char *name, const asdic_roc *roc);
+
+static asdic_status print_all(asdic_context *ctx, FILE *out, print_rows *print,
+                              const char *const *names, asdic_roc *const *rocs, size_t count) {
+    for (size_t i = 0; i < count; i++) {
         char *name = malloc(2 * strlen(names[i]) + 3);
         if (!name) {
-            status = asdic_fail_memory(ctx, "a table");
-            break;
+            return asdic_fail_memory(ctx, "a table");
         }
         asdic_csv_field(name, names[i]);
-        if (i == 0) {
-            fputs(header, asdic_file_stream(file));
-        }
-        print(asdic_file_stream(file), name, rocs[i]);
+        print(out, name, rocs[i]);
         free(name);
     }
+    return ASDIC_OK;
+}
+
+static asdic_status write_table(asdic_context *ctx, const char *path, const char *header,
+                                print_rows *print, const char *const *names, asdic_roc *const *rocs,
+                                size_t count) {
+    asdic_file *file = NULL;
+    TRY(asdic_file_create(ctx, path, &file));
+    locale_t before = asdic_c_locale_enter();
+    fputs(header, asdic_file_stream(file));
+    asdic_status status = print_all(ctx, asdic_file_stream(file), print, names, rocs, count);
     asdic_c_locale_leave(before);
-    if (status == ASDIC_OK) {
+    if (!status) {
         status = asdic_file_commit(&file);
     }
     asdic_file_discard(&file);
@@ -80,14 +86,12 @@ asdic_status asdic_roc_write_csv(asdic_context *ctx, const char *path, const cha
     if (!path || !names || !rocs) {
         return asdic_fail_null(ctx, __func__);
     }
-    asdic_status status = write_table(
+    TRY(write_table(
         ctx, path,
         "variant,design_pfa,threshold_db,pfa,pfa_low,pfa_high,pd,pd_low,pd_high,closed_pd\n",
-        print_curve, names, rocs, count);
-    return status ? status
-                  : write_table(ctx, range_path,
-                                "variant,range_m,snr_db,pd,pd_low,pd_high,closed_pd\n", print_reach,
-                                names, rocs, count);
+        print_curve, names, rocs, count));
+    return write_table(ctx, range_path, "variant,range_m,snr_db,pd,pd_low,pd_high,closed_pd\n",
+                       print_reach, names, rocs, count);
 }
 
 /* Columns of numbers, as plots take them. */
@@ -153,7 +157,7 @@ static size_t add_lines(asdic_series *out, const columns *c, uint32_t rgb, const
     return LINES_EACH;
 }
 
-/* An ordinate that shows how far P_D stays from 1, when that is not far. */
+/* The lowest P_D of the axis: it shows how far P_D stays from 1 when that is not far. */
 static double lowest(const columns *curves, size_t count) {
     double least = 1.0;
     for (size_t i = 0; i < count; i++) {
@@ -170,67 +174,93 @@ static void describe(char label[LABEL_SIZE], const char *name, const asdic_roc *
              roc->area.value, roc->area.low, roc->area.high, roc->closed_area);
 }
 
-asdic_status asdic_roc_draw(asdic_context *ctx, const char *path, const char *title,
-                            const char *const *names, asdic_roc *const *rocs, size_t count) {
-    static const uint32_t colors[MOST_CURVES] = {0x0072b2u, 0xd55e00u, 0x009e73u, 0xcc79a7u,
-                                                 0xe69f00u, 0x56b4e9u, 0x7f7f7fu, 0x8c564bu};
-    columns curve[MOST_CURVES] = {{0}}, reach[MOST_CURVES] = {{0}};
-    char labels[MOST_CURVES][LABEL_SIZE], range_title[160];
+/* The curves of a picture, and the numbers that they point to. */
+typedef struct drawing {
+    columns curve[MOST_CURVES], reach[MOST_CURVES];
+    char labels[MOST_CURVES][LABEL_SIZE];
     double chance_x[61], chance_y[61];
     asdic_series lines[MOST_CURVES * LINES_EACH + 1], range_lines[MOST_CURVES * LINES_EACH];
-    size_t n = 0, m = 0, panels = 1;
-    asdic_status status = ASDIC_OK;
-    double farthest = 0.0;
+    size_t line_count, range_line_count;
+    double farthest_m;
+} drawing;
+
+static void drawing_finish(drawing *d) {
+    for (size_t i = 0; i < MOST_CURVES; i++) {
+        free(d->curve[i].x);
+        free(d->reach[i].x);
+    }
+    free(d);
+}
+
+/* False when memory is short. */
+static bool add_curves(drawing *d, const char *const *names, asdic_roc *const *rocs, size_t count) {
+    static const uint32_t colors[MOST_CURVES] = {0x0072b2u, 0xd55e00u, 0x009e73u, 0xcc79a7u,
+                                                 0xe69f00u, 0x56b4e9u, 0x7f7f7fu, 0x8c564bu};
+    for (size_t i = 0; i < count; i++) {
+        if (!curve_of(rocs[i], &d->curve[i]) || !reach_of(rocs[i], &d->reach[i])) {
+            return false;
+        }
+        describe(d->labels[i], names[i], rocs[i]);
+        d->line_count += add_lines(d->lines + d->line_count, &d->curve[i], colors[i], d->labels[i]);
+        d->range_line_count +=
+            add_lines(d->range_lines + d->range_line_count, &d->reach[i], colors[i], NULL);
+        for (size_t k = 0; k < d->reach[i].count; k++) {
+            d->farthest_m = fmax(d->farthest_m, d->reach[i].x[k]);
+        }
+    }
+    return true;
+}
+
+static void add_chance(drawing *d) {
+    for (int i = 0; i < 61; i++) {
+        d->chance_x[i] = d->chance_y[i] = pow(10.0, -6.0 + 0.1 * i);
+    }
+    d->lines[d->line_count++] = (asdic_series){.label = "chance",
+                                               .x = d->chance_x,
+                                               .y = d->chance_y,
+                                               .count = 61,
+                                               .rgb = 0x909090u,
+                                               .width = 1.0,
+                                               .style = ASDIC_LINE_DOTTED};
+}
+
+static asdic_status draw(asdic_context *ctx, const char *path, const char *title, const drawing *d,
+                         size_t count, double pfa) {
+    char range_title[160];
+    snprintf(range_title, sizeof range_title,
+             "The same target at other ranges in its bearing, level with the vehicle, P_FA = %g",
+             pfa);
+    asdic_plot plots[2] = {{.x = {.label = "P_FA", .low = 1e-6, .high = 1.0, .logarithmic = true},
+                            .y = {.label = "P_D", .low = lowest(d->curve, count), .high = 1.0},
+                            .series = d->lines,
+                            .series_count = d->line_count},
+                           {.title = range_title,
+                            .x = {.label = "range (m)", .low = 0.0, .high = d->farthest_m},
+                            .y = {.label = "P_D", .low = lowest(d->reach, count), .high = 1.0},
+                            .series = d->range_lines,
+                            .series_count = d->range_line_count}};
+    asdic_picture_options options = asdic_picture_options_default();
+    options.title = title;
+    options.note = "solid: drawn, with bounds of 99 %; dashed: closed form";
+    return asdic_picture_plot(ctx, path, plots, d->farthest_m > 0.0 ? 2 : 1, &options);
+}
+
+asdic_status asdic_roc_draw(asdic_context *ctx, const char *path, const char *title,
+                            const char *const *names, asdic_roc *const *rocs, size_t count) {
     if (count == 0 || count > MOST_CURVES) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "%zu curves in a picture: 1 to %d", count,
                           MOST_CURVES);
     }
+    drawing *d = calloc(1, sizeof *d);
+    if (!d) {
+        return asdic_fail_memory(ctx, "a picture");
+    }
     locale_t before = asdic_c_locale_enter();
-    for (size_t i = 0; i < count && status == ASDIC_OK; i++) {
-        if (!curve_of(rocs[i], &curve[i]) || !reach_of(rocs[i], &reach[i])) {
-            status = asdic_fail_memory(ctx, "a picture");
-            break;
-        }
-        describe(labels[i], names[i], rocs[i]);
-        n += add_lines(lines + n, &curve[i], colors[i], labels[i]);
-        m += add_lines(range_lines + m, &reach[i], colors[i], NULL);
-        for (size_t k = 0; k < reach[i].count; k++) {
-            farthest = fmax(farthest, reach[i].x[k]);
-            panels = 2;
-        }
-    }
-    for (int i = 0; i < 61; i++) {
-        chance_x[i] = chance_y[i] = pow(10.0, -6.0 + 0.1 * i);
-    }
-    lines[n++] = (asdic_series){.label = "chance",
-                                .x = chance_x,
-                                .y = chance_y,
-                                .count = 61,
-                                .rgb = 0x909090u,
-                                .width = 1.0,
-                                .style = ASDIC_LINE_DOTTED};
-    snprintf(range_title, sizeof range_title,
-             "The same target at other ranges in its bearing, level with the vehicle, P_FA = %g",
-             rocs[0]->pfa);
-    asdic_plot plots[2] = {{.x = {.label = "P_FA", .low = 1e-6, .high = 1.0, .logarithmic = true},
-                            .y = {.label = "P_D", .low = lowest(curve, count), .high = 1.0},
-                            .series = lines,
-                            .series_count = n},
-                           {.title = range_title,
-                            .x = {.label = "range (m)", .low = 0.0, .high = farthest},
-                            .y = {.label = "P_D", .low = lowest(reach, count), .high = 1.0},
-                            .series = range_lines,
-                            .series_count = m}};
-    asdic_picture_options options = asdic_picture_options_default();
-    options.title = title;
-    options.note = "solid: drawn, with bounds of 99 %; dashed: closed form";
-    if (status == ASDIC_OK) {
-        status = asdic_picture_plot(ctx, path, plots, panels, &options);
-    }
+    bool is_there = add_curves(d, names, rocs, count);
+    add_chance(d);
+    asdic_status status = is_there ? draw(ctx, path, title, d, count, rocs[0]->pfa)
+                                   : asdic_fail_memory(ctx, "a picture");
     asdic_c_locale_leave(before);
-    for (size_t i = 0; i < count; i++) {
-        free(curve[i].x);
-        free(reach[i].x);
-    }
+    drawing_finish(d);
     return status;
 }

@@ -1,9 +1,10 @@
 /*
- * What a scene says about a target: how strong it is in a bin, and what else is there.
+ * A target in a scene: its strength in a bin, and what else is in that bin.
  */
 #include <asdic/roc.h>
 
 #include "base/context.h"
+#include "base/try.h"
 #include "base/vec.h"
 #include "detect/roc_curve.h"
 #include "mission/mission.h"
@@ -16,7 +17,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Ranges at which P_D is computed, and draws for each. */
+/* Ranges at which P_D is computed; draws for each. */
 #define MOST_RANGES 100
 #define REACH_TRIALS 20000u
 
@@ -29,7 +30,7 @@ typedef struct scene_job {
     asdic_pose pose;
     double azimuth_rad; /* of the target, from north */
     size_t beams, bins;
-    bool is_plane;        /* what is expected is known by quadrature */
+    bool is_plane;        /* quadrature knows what is expected */
     asdic_ping *ping;     /* simulated, its total without speckle */
     asdic_ping *expected; /* the null hypothesis */
     double *rest_lin;     /* simulated: all but the objects' echoes */
@@ -44,27 +45,23 @@ asdic_roc_options asdic_roc_options_default(void) {
                                .seed = 1};
 }
 
+static asdic_status ping_with(scene_job *job, asdic_simulator *sim) {
+    job->bins = asdic_simulator_bin_count(sim);
+    TRY(asdic_ping_create(job->ctx, job->beams, job->bins, &job->ping));
+    TRY(asdic_mission_place(job->mission, sim, job->options->ping));
+    TRY(asdic_simulator_learn(sim, &job->pose, job->options->ping));
+    return asdic_simulator_ping(sim, &job->pose, job->options->ping, job->ping);
+}
+
 static asdic_status simulate(scene_job *job, asdic_device *device) {
     const asdic_mission *m = job->mission;
     asdic_simulator *sim = NULL;
     asdic_sonar quiet = job->sonar;
     quiet.speckle = ASDIC_SPECKLE_NONE;
-    asdic_status status =
-        asdic_simulator_create(job->ctx, device, m->scene, &m->environment, &quiet, &m->sampling,
-                               asdic_mission_pose(m, 0, NULL).position_m.z, &sim);
-    if (status == ASDIC_OK) {
-        job->bins = asdic_simulator_bin_count(sim);
-        status = asdic_ping_create(job->ctx, job->beams, job->bins, &job->ping);
-    }
-    if (status == ASDIC_OK) {
-        status = asdic_mission_place(m, sim, job->options->ping);
-    }
-    if (status == ASDIC_OK) {
-        status = asdic_simulator_learn(sim, &job->pose, job->options->ping);
-    }
-    if (status == ASDIC_OK) {
-        status = asdic_simulator_ping(sim, &job->pose, job->options->ping, job->ping);
-    }
+    TRY(asdic_simulator_create(job->ctx, device, m->scene, &m->settings.environment, &quiet,
+                               &m->settings.sampling, asdic_mission_pose(m, 0, NULL).position_m.z,
+                               &sim));
+    asdic_status status = ping_with(job, sim);
     asdic_simulator_destroy(&sim);
     return status;
 }
@@ -74,17 +71,17 @@ static asdic_status expect(scene_job *job) {
     asdic_flat_scene flat = asdic_mission_flat_scene(m, job->options->ping);
     asdic_scene_info info = asdic_scene_get_info(m->scene);
     job->is_plane = info.has_bottom_plane || !flat.has_bottom;
-    asdic_status status = asdic_ping_create(job->ctx, job->beams, job->bins, &job->expected);
+    TRY(asdic_ping_create(job->ctx, job->beams, job->bins, &job->expected));
     job->rest_lin = calloc(job->beams * job->bins, sizeof *job->rest_lin);
-    if (status == ASDIC_OK && !job->rest_lin) {
-        status = asdic_fail_memory(job->ctx, "a background");
+    if (!job->rest_lin) {
+        return asdic_fail_memory(job->ctx, "a background");
     }
-    if (status == ASDIC_OK && job->is_plane) {
-        status = asdic_expected_compute(job->ctx, &flat, &m->environment, &job->sonar, &job->pose,
-                                        job->expected);
+    if (job->is_plane) {
+        TRY(asdic_expected_compute(job->ctx, &flat, &m->settings.environment, &job->sonar,
+                                   &job->pose, job->expected));
     }
-    double *const *part = status == ASDIC_OK ? job->ping->intensity_lin : NULL;
-    for (size_t i = 0; i < job->beams * job->bins && status == ASDIC_OK; i++) {
+    double *const *part = job->ping->intensity_lin;
+    for (size_t i = 0; i < job->beams * job->bins; i++) {
         job->rest_lin[i] = part[ASDIC_BOTTOM][i] + part[ASDIC_SURFACE][i] + part[ASDIC_VOLUME][i] +
                            part[ASDIC_MULTIPATH][i] + part[ASDIC_NOISE][i];
         if (!job->is_plane) {
@@ -92,7 +89,7 @@ static asdic_status expect(scene_job *job) {
             job->expected->intensity_lin[ASDIC_NOISE][i] = part[ASDIC_NOISE][i];
         }
     }
-    return status;
+    return ASDIC_OK;
 }
 
 /* Echo in BEAM of a point of 0 dB at RANGE_M in the target's bearing; 0 where that is no water. */
@@ -125,7 +122,7 @@ static asdic_roc_case case_of(const scene_job *job, size_t cell) {
     return c;
 }
 
-/* Ranges between which the object lies, by the box round it, and its bearing. */
+/* The range bins between which the object lies, by its box, and its bearing. */
 static asdic_status bins_of_object(scene_job *job, size_t *first, size_t *end) {
     const asdic_mission *m = job->mission;
     double bin_m = job->sonar.bin_length_m;
@@ -175,40 +172,50 @@ static asdic_status choose_beams(const scene_job *job, size_t *first, size_t *en
                               : ASDIC_OK;
 }
 
+/* The bins in which the target may be. */
+static asdic_status find_bins(scene_job *job, size_t *first, size_t *end) {
+    const asdic_roc_options *o = job->options;
+    double bin = floor(o->range_m / job->sonar.bin_length_m);
+    if (o->object) {
+        return bins_of_object(job, first, end);
+    }
+    if (!(bin >= 0.0 && bin < (double)job->bins)) {
+        return asdic_fail(job->ctx, ASDIC_ERROR_ARGUMENT,
+                          "a range of %g m: the sonar's bins end at %g m", o->range_m,
+                          (double)job->bins * job->sonar.bin_length_m);
+    }
+    *first = (size_t)bin;
+    *end = *first + 1;
+    return ASDIC_OK;
+}
+
+/* The target in CELL, a bin of BEAM. */
+static asdic_roc_case target_in(const scene_job *job, size_t beam, size_t cell) {
+    const asdic_roc_options *o = job->options;
+    asdic_roc_case c = case_of(job, cell);
+    if (o->object) {
+        double noise = job->ping->intensity_lin[ASDIC_NOISE][cell];
+        c.rest = asdic_background_of(&job->sonar, job->water.sound_speed_mps,
+                                     fmax(job->rest_lin[cell], 1e-12 * c.none.mean_lin), noise);
+        c.target_lin = job->ping->intensity_lin[ASDIC_OBJECT][cell];
+    } else {
+        c.target_lin = echo_lin(job, beam, o->range_m) * pow(10.0, 0.1 * o->target_strength_db);
+    }
+    return c;
+}
+
 /* The cell in which the target stands out most, and its case. */
 static asdic_status find_cell(scene_job *job, size_t *cell, asdic_roc_case *found) {
     size_t beam, beam_end, first = 0, end = 0;
-    const asdic_roc_options *o = job->options;
-    double best = -1.0, bin = floor(o->range_m / job->sonar.bin_length_m);
-    asdic_status status = choose_beams(job, &beam, &beam_end);
-    if (status == ASDIC_OK && o->object) {
-        status = bins_of_object(job, &first, &end);
-    } else if (status == ASDIC_OK) {
-        if (!(bin >= 0.0 && bin < (double)job->bins)) {
-            return asdic_fail(job->ctx, ASDIC_ERROR_ARGUMENT,
-                              "a range of %g m: the sonar's bins end at %g m", o->range_m,
-                              (double)job->bins * job->sonar.bin_length_m);
-        }
-        first = (size_t)bin;
-        end = first + 1;
-    }
-    for (; beam < beam_end && status == ASDIC_OK; beam++) {
-        for (size_t n = first; n < end; n++) {
-            size_t at = beam * job->bins + n;
-            asdic_roc_case c = case_of(job, at);
-            if (!(c.none.mean_lin > 0.0)) {
+    double best = -1.0;
+    TRY(choose_beams(job, &beam, &beam_end));
+    TRY(find_bins(job, &first, &end));
+    for (; beam < beam_end; beam++) {
+        for (size_t at = beam * job->bins + first; at < beam * job->bins + end; at++) {
+            if (!(case_of(job, at).none.mean_lin > 0.0)) {
                 continue;
             }
-            if (o->object) {
-                double noise = job->ping->intensity_lin[ASDIC_NOISE][at];
-                c.rest =
-                    asdic_background_of(&job->sonar, job->water.sound_speed_mps,
-                                        fmax(job->rest_lin[at], 1e-12 * c.none.mean_lin), noise);
-                c.target_lin = job->ping->intensity_lin[ASDIC_OBJECT][at];
-            } else {
-                c.target_lin =
-                    echo_lin(job, beam, o->range_m) * pow(10.0, 0.1 * o->target_strength_db);
-            }
+            asdic_roc_case c = target_in(job, beam, at);
             if (c.target_lin / c.none.mean_lin > best) {
                 best = c.target_lin / c.none.mean_lin;
                 *cell = at;
@@ -216,11 +223,10 @@ static asdic_status find_cell(scene_job *job, size_t *cell, asdic_roc_case *foun
             }
         }
     }
-    if (status == ASDIC_OK && best < 0.0) {
-        status = asdic_fail(job->ctx, ASDIC_ERROR_ARGUMENT,
-                            "nothing is received from there: no background to detect against");
-    }
-    return status;
+    return best < 0.0
+               ? asdic_fail(job->ctx, ASDIC_ERROR_ARGUMENT,
+                            "nothing is received from there: no background to detect against")
+               : ASDIC_OK;
 }
 
 static asdic_status fill_reach(const scene_job *job, size_t beam, asdic_roc *roc) {
@@ -240,10 +246,7 @@ static asdic_status fill_reach(const scene_job *job, size_t beam, asdic_roc *roc
         if (!(c.none.mean_lin > 0.0) || !(c.target_lin > 0.0) || range_m < job->sonar.blanking_m) {
             continue;
         }
-        asdic_status status = asdic_detect_threshold(job->ctx, &c.none, roc->pfa, &threshold);
-        if (status != ASDIC_OK) {
-            return status;
-        }
+        TRY(asdic_detect_threshold(job->ctx, &c.none, roc->pfa, &threshold));
         roc->reach[roc->reach_count++] = (asdic_roc_reach){
             .range_m = range_m,
             .snr_db = asdic_level_db(c.target_lin / c.none.mean_lin),
@@ -289,48 +292,43 @@ static void describe(const scene_job *job, size_t cell, const asdic_roc_case *c,
     }
 }
 
+static asdic_status compute(scene_job *job, asdic_device *device, asdic_roc *roc) {
+    const asdic_roc_options *options = job->options;
+    size_t cell = 0;
+    asdic_roc_case c;
+    TRY(simulate(job, device));
+    TRY(expect(job));
+    TRY(find_cell(job, &cell, &c));
+    roc->trials = (size_t)options->trials;
+    roc->pfa = options->pfa;
+    describe(job, cell, &c, roc);
+    TRY(asdic_roc_fill(job->ctx, &c, options, roc));
+    return isfinite(roc->target_strength_db) ? fill_reach(job, cell / job->bins, roc) : ASDIC_OK;
+}
+
 asdic_status asdic_roc_compute(asdic_context *ctx, const asdic_mission *mission,
                                asdic_device *device, const asdic_roc_options *options,
                                asdic_roc **out) {
     if (!mission || !device || !options || !out) {
         return asdic_fail_null(ctx, __func__);
     }
-    size_t cell = 0;
-    asdic_roc_case c;
     *out = NULL;
-    asdic_status status = check(ctx, mission, options);
-    if (status != ASDIC_OK) {
-        return status;
-    }
+    TRY(check(ctx, mission, options));
     scene_job job = {.ctx = ctx,
                      .mission = mission,
                      .options = options,
-                     .sonar = mission->sonar,
+                     .sonar = mission->settings.sonar,
                      .pose = asdic_mission_pose(mission, options->ping, NULL),
-                     .beams = mission->sonar.receiver_count};
+                     .beams = mission->settings.sonar.receiver_count};
     job.azimuth_rad = job.pose.yaw_rad + options->bearing_rad;
     if (job.sonar.speckle == ASDIC_SPECKLE_NONE) {
         job.sonar.speckle = ASDIC_SPECKLE_RAYLEIGH;
     }
-    job.water = asdic_water_column_at(&mission->environment, &job.sonar, job.pose.position_m.z);
+    job.water =
+        asdic_water_column_at(&mission->settings.environment, &job.sonar, job.pose.position_m.z);
     asdic_roc *roc = calloc(1, sizeof *roc);
-    status = roc ? simulate(&job, device) : asdic_fail_memory(ctx, "a curve");
-    if (status == ASDIC_OK) {
-        status = expect(&job);
-    }
-    if (status == ASDIC_OK) {
-        status = find_cell(&job, &cell, &c);
-    }
-    if (status == ASDIC_OK) {
-        roc->trials = (size_t)options->trials;
-        roc->pfa = options->pfa;
-        describe(&job, cell, &c, roc);
-        status = asdic_roc_fill(ctx, &c, options, roc);
-    }
-    if (status == ASDIC_OK && isfinite(roc->target_strength_db)) {
-        status = fill_reach(&job, cell / job.bins, roc);
-    }
-    if (status != ASDIC_OK) {
+    asdic_status status = roc ? compute(&job, device, roc) : asdic_fail_memory(ctx, "a curve");
+    if (status) {
         asdic_roc_destroy(&roc);
     }
     asdic_ping_destroy(&job.ping);

@@ -1,15 +1,16 @@
 /*
- * A mission, run: pings from the devices into pings.npy and bins.csv, then pictures and run.json.
+ * Running a mission: pings from the devices into pings.npy and bins.csv, then pictures and
+ * run.json.
  */
 #include "run_job.h"
 
 #include "base/clock.h"
 #include "base/context.h"
 #include "mission/mission.h"
+#include "base/try.h"
 #include "run_folder.h"
-#include "run_member.h"
-#include "run_queue.h"
-#include "run_stream.h"
+#include "run_workers.h"
+#include "team_worker.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -29,7 +30,7 @@ static void report(const asdic_run_job *job, double since_s) {
     }
 }
 
-/* What RESULT's levels are kept with. */
+/* The numbers that are stored with RESULT's levels. */
 static asdic_record_head head_of(const asdic_mission *mission, size_t ping,
                                  const asdic_ping *result) {
     asdic_record_head head = {.ping = ping, .rays = result->rays, .saturated = result->saturated};
@@ -44,47 +45,29 @@ static asdic_record_head head_of(const asdic_mission *mission, size_t ping,
     return head;
 }
 
-asdic_status asdic_job_keep(asdic_run_job *job, const void *bytes) {
-    asdic_record record;
-    double begin_s = asdic_clock_s();
-    asdic_record_view(bytes, job->facts.beams, job->facts.bins, &record);
-    asdic_status status = asdic_csv_add(job->csv, &record);
-    if (status == ASDIC_OK) {
-        status = asdic_files_add(job->files, &record);
-    }
-    double written_s = asdic_clock_s();
-    asdic_digest_add(job->digest, &record);
-    job->facts.times.write_s += written_s - begin_s;
-    job->facts.times.pictures_s += asdic_clock_s() - written_s;
-    job->kept++;
-    return status;
-}
-
 typedef struct taker {
     asdic_run_job *job;
-    asdic_queue_result result;
+    asdic_work_result result;
 } taker;
 
-/* One ping, in order: first into the store, which is what survives. */
+/* Takes the next ping. It goes into the store first, which survives a crash. */
 static asdic_status take(void *user, size_t ping, const asdic_ping *result) {
     taker *t = user;
     asdic_run_job *job = t->job;
     double begin_s = asdic_clock_s();
     asdic_record_head head = head_of(job->mission, ping, result);
     asdic_record_pack(&head, result, job->bytes);
-    asdic_status status = job->store ? asdic_store_append(job->store, job->bytes) : ASDIC_OK;
+    if (job->store) {
+        TRY(asdic_store_append(job->store, job->bytes));
+    }
     job->facts.times.write_s += asdic_clock_s() - begin_s;
-    if (status == ASDIC_OK) {
-        status = asdic_job_keep(job, job->bytes);
-    }
-    if (status == ASDIC_OK) {
-        job->rays += result->rays;
-        report(job, t->result.ready_s);
-    }
-    return status;
+    TRY(asdic_job_keep(job, job->bytes));
+    job->rays += result->rays;
+    report(job, t->result.ready_s);
+    return ASDIC_OK;
 }
 
-/* Notes a device of another process, as run.json lists them. */
+/* Lists a device of another process for run.json. */
 static void name_device(void *user, const char *device) {
     asdic_run_job *job = ((taker *)user)->job;
     asdic_run_facts *f = &job->facts;
@@ -102,24 +85,25 @@ static void name_device(void *user, const char *device) {
     }
 }
 
-asdic_status asdic_job_simulate(asdic_run_job *job) {
+/* Simulates the pings that are not there yet. */
+static asdic_status simulate(asdic_run_job *job) {
     taker t = {.job = job};
     char hash[65];
     asdic_job_hash(job, hash);
     double begin_s = asdic_clock_s();
-    asdic_queue_work work = {.mission = job->mission,
-                             .devices = job->devices,
-                             .device_count = job->device_count,
-                             .first = job->facts.first_ping + job->resumed,
-                             .end = job->facts.first_ping + job->facts.pings_planned,
-                             .bins = job->facts.bins,
-                             .take = take,
-                             .name = name_device,
-                             .team = job->options->team,
-                             .run_hash = hash,
-                             .user = &t};
+    asdic_work work = {.mission = job->mission,
+                       .devices = job->devices,
+                       .device_count = job->device_count,
+                       .first = job->facts.first_ping + job->resumed,
+                       .end = job->facts.first_ping + job->facts.pings_planned,
+                       .bins = job->facts.bins,
+                       .take = take,
+                       .name = name_device,
+                       .team = job->options->team,
+                       .run_hash = hash,
+                       .user = &t};
     report(job, begin_s);
-    asdic_status status = asdic_queue_run(job->ctx, &work, &t.result);
+    asdic_status status = asdic_workers_run(job->ctx, &work, &t.result);
     double end_s = asdic_clock_s();
     asdic_run_times *times = &job->facts.times;
     times->setup_s = t.result.ready_s - begin_s;
@@ -129,7 +113,7 @@ asdic_status asdic_job_simulate(asdic_run_job *job) {
     return status;
 }
 
-/* Adds to the context's sentence what is safe and how to go on. */
+/* Adds to the context's sentence what is kept and how to continue. */
 static asdic_status explain(asdic_run_job *job, asdic_status status) {
     char why[768];
     snprintf(why, sizeof why, "%s", asdic_context_error(job->ctx));
@@ -138,7 +122,7 @@ static asdic_status explain(asdic_run_job *job, asdic_status status) {
                       job->options->folder);
 }
 
-/* After the pings, all of them or not. */
+/* Ends the run after the pings, whether all are there or not. */
 static asdic_status wind_up(asdic_run_job *job, asdic_status status) {
     if (status == ASDIC_OK) {
         status = asdic_job_end(job, true);
@@ -155,8 +139,33 @@ static asdic_status wind_up(asdic_run_job *job, asdic_status status) {
     if (status == ASDIC_ERROR_IO) {
         return status; /* the disk is full or gone: what was appended stays as it is */
     }
-    asdic_status ended = asdic_job_end(job, false);
-    return ended == ASDIC_OK ? status : ended;
+    TRY(asdic_job_end(job, false));
+    return status;
+}
+
+static asdic_status run_into_folder(asdic_run_job *job) {
+    asdic_status status = ASDIC_OK;
+    TRY(asdic_job_begin(job));
+    if (job->is_complete) {
+        return ASDIC_OK;
+    }
+    if (job->resumed < job->facts.pings_planned) {
+        status = simulate(job);
+    }
+    return wind_up(job, status);
+}
+
+/* The rows of bins.csv to the standard output, as they come. */
+static asdic_status run_to_stream(asdic_run_job *job) {
+    if (job->options->resume) {
+        return asdic_fail(job->ctx, ASDIC_ERROR_ARGUMENT,
+                          "what went to the standard output cannot be resumed; give a folder");
+    }
+    TRY(asdic_job_begin_stream(job));
+    asdic_status status = simulate(job);
+    asdic_status closed =
+        asdic_files_commit(job->files, false); /* whole rows, also when interrupted */
+    return status == ASDIC_OK ? closed : status;
 }
 
 asdic_status asdic_mission_run(asdic_context *ctx, asdic_mission *mission, asdic_device **devices,
@@ -177,19 +186,11 @@ asdic_status asdic_mission_run(asdic_context *ctx, asdic_mission *mission, asdic
                          .device_count = device_count,
                          .options = options,
                          .begin_s = asdic_clock_s()};
-    bool is_member = options->team && options->team->rank > 0;
+    bool is_worker = options->team && options->team->rank > 0;
     bool is_stream = options->folder && strcmp(options->folder, "-") == 0;
-    asdic_status status = is_member   ? asdic_member_run(&job)
-                          : is_stream ? asdic_run_stream(&job)
-                                      : asdic_job_begin(&job);
-    if (status != ASDIC_OK || is_member || is_stream || job.is_complete) {
-        goto done;
-    }
-    if (job.resumed < job.facts.pings_planned) {
-        status = asdic_job_simulate(&job);
-    }
-    status = wind_up(&job, status);
-done:
+    asdic_status status = is_worker   ? asdic_team_worker_run(&job)
+                          : is_stream ? run_to_stream(&job)
+                                      : run_into_folder(&job);
     if (options->times) {
         *options->times = job.facts.times;
         options->times->whole_s = asdic_clock_s() - job.begin_s;

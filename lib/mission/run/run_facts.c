@@ -8,7 +8,7 @@
 #include "out/file.h"
 #include "base/problems.h"
 #include "run_folder.h"
-#include "run_survey.h"
+#include "run_statistics.h"
 #include "mission/scene_file/yaml_tree.h"
 
 #include <errno.h>
@@ -64,11 +64,11 @@ const char *asdic_run_facts_differ(const asdic_run_facts *a, const asdic_run_fac
     return strcmp(a->version, b->version) != 0 ? "version of asdic" : NULL;
 }
 
-void asdic_run_facts_survey(asdic_run_facts *facts, const asdic_survey *survey) {
-    facts->rays_traced = survey->rays;
-    facts->saturated = survey->saturated;
-    facts->stderr_median_db = survey->stderr_median_db;
-    facts->stderr_worst_db = survey->stderr_worst_db;
+void asdic_run_facts_statistics(asdic_run_facts *facts, const asdic_statistics *statistics) {
+    facts->rays_traced = statistics->rays;
+    facts->saturated = statistics->saturated;
+    facts->stderr_median_db = statistics->stderr_median_db;
+    facts->stderr_worst_db = statistics->stderr_worst_db;
 }
 
 /* ---- writing: one member a line, the last one without a comma is "bin_length_m" ------------- */
@@ -206,7 +206,7 @@ asdic_status asdic_run_facts_write(asdic_context *ctx, const char *folder,
                       number_or_null(digits, "%.17g", facts->bin_length_m));
     size_t length = json.length;
     char *all = asdic_text_take(&json);
-    char *path = asdic_folder_path(folder, "run", "", "json");
+    char *path = asdic_folder_file(folder, "run.json");
     asdic_status status = all && path ? asdic_file_write_all(ctx, path, all, length)
                                       : asdic_fail_memory(ctx, "run.json");
     free(path);
@@ -310,7 +310,7 @@ static void read_remarks(reader *r, asdic_remarks *remarks) {
     }
 }
 
-/* Terms in the order of asdic_term; of a run.json without them everything counts as kept. */
+/* Reads the terms in the order of asdic_term. Without them in run.json, all count as kept. */
 static void read_terms(reader *r, asdic_plan *plan) {
     const asdic_yaml_node *list = asdic_yaml_child(r->root, "terms");
     const asdic_yaml_node *node = list && list->kind == ASDIC_YAML_LIST ? list->first : NULL;
@@ -372,7 +372,7 @@ static void read_all(reader *r, asdic_arena *arena, asdic_run_facts *facts) {
 
 asdic_status asdic_run_facts_read(asdic_context *ctx, const char *folder, asdic_arena *arena,
                                   asdic_run_facts *facts) {
-    char *path = asdic_folder_path(folder, "run", "", "json"), *text = NULL;
+    char *path = asdic_folder_file(folder, "run.json"), *text = NULL;
     size_t length = 0;
     asdic_yaml_node *root = NULL;
     asdic_problems problems = {0};

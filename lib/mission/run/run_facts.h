@@ -1,5 +1,5 @@
 /*
- * run.json: what a run is and how it went.
+ * run.json: what was run, and how it went.
  */
 #ifndef ASDIC_MISSION_RUN_FACTS_H
 #define ASDIC_MISSION_RUN_FACTS_H
@@ -18,14 +18,15 @@
 #define ASDIC_RUN_BOTTOM_MESH "mesh"
 #define ASDIC_RUN_BOTTOM_NONE "none"
 
-struct asdic_survey;
+struct asdic_statistics;
 
 /* Strings are borrowed: from the mission while running, from an arena when read. */
 typedef struct asdic_run_facts {
     const char *version; /* of asdic */
     const char *state;   /* ASDIC_RUN_... */
     const char *scene_path, *scene_hash, *scene_text;
-    const char *geometry_hash; /* of the triangles: meshes may change behind the scene file */
+    const char
+        *geometry_hash; /* of the triangles: meshes may change while the scene file does not */
     bool has_surface;
     const char *bottom; /* ASDIC_RUN_BOTTOM_... */
     asdic_material bottom_law, surface_law;
@@ -46,15 +47,15 @@ typedef struct asdic_run_facts {
 asdic_status asdic_run_facts_write(asdic_context *ctx, const char *folder,
                                    const asdic_run_facts *facts);
 
-/* Fills in what SURVEY, ended, has found in a run's records. */
-void asdic_run_facts_survey(asdic_run_facts *facts, const struct asdic_survey *survey);
+/* Fills in the figures of STATISTICS, which must be ended. */
+void asdic_run_facts_statistics(asdic_run_facts *facts, const struct asdic_statistics *statistics);
 
 /* ASDIC_ERROR_INPUT when there is no run.json or it is not one. */
 asdic_status asdic_run_facts_read(asdic_context *ctx, const char *folder, asdic_arena *arena,
                                   asdic_run_facts *facts);
 
-/* The first thing in which two runs differ that must be the same to continue or to join them; NULL
- * when there is none. */
+/* The first property that must be the same to continue or to join two runs and is not; NULL when
+ * there is none. */
 const char *asdic_run_facts_differ(const asdic_run_facts *a, const asdic_run_facts *b);
 
 /* Names as scene files write them. */

@@ -1,6 +1,8 @@
 #include "run_folder.h"
 
 #include "base/context.h"
+#include "base/try.h"
+#include "out/format.h"
 
 #include <ctype.h>
 #include <dirent.h>
@@ -16,11 +18,10 @@
 /* What makes a folder a run folder. */
 static const char *const marks[] = {"run.json", "pings.npy", "pings.npy.part", "bins.csv"};
 
-/* Everything a run, detect or render may have written there. */
-static const char *const names[] = {"run.json",       "pings.npy",   "bins.csv",  "levels.npy",
-                                    "run.nc",         "terrain.asc", "track.csv", "objects.csv",
-                                    "detections.csv", "roc.csv",     "roc.png",   "occupancy.png",
-                                    "tracks.csv",     "routes.csv"};
+/* Everything a run, detect or render may have written there, beside the formats' files. */
+static const char *const names[] = {"run.json",  "pings.npy",     "bins.csv",       "terrain.asc",
+                                    "track.csv", "objects.csv",   "detections.csv", "roc.csv",
+                                    "roc.png",   "occupancy.png", "tracks.csv",     "routes.csv"};
 static const char *const stems[] = {"waterfall_", "ascope_", "fan_", "raw_", "overview.", "plan."};
 static const char *const picture_ends[] = {".png", ".pdf", ".svg"};
 
@@ -54,6 +55,11 @@ static bool is_ours(const char *name) {
             return true;
         }
     }
+    for (size_t i = 0; i < ASDIC_FORMAT_COUNT; i++) {
+        if (strcmp(bare, asdic_formats[i]->file) == 0) {
+            return true;
+        }
+    }
     bool is_picture = false, has_stem = false;
     for (size_t i = 0; i < sizeof picture_ends / sizeof *picture_ends; i++) {
         is_picture = is_picture || ends_in(bare, picture_ends[i]);
@@ -64,9 +70,9 @@ static bool is_ours(const char *name) {
     return is_picture && has_stem;
 }
 
-/* Fails when somebody holds the lock that a run's store has on FOLDER/pings.EXTENSION. */
-static asdic_status check_unlocked(asdic_context *ctx, const char *folder, const char *extension) {
-    char *path = asdic_folder_path(folder, "pings", "", extension);
+/* Fails when another process holds the lock that a run's store has on FOLDER/NAME. */
+static asdic_status check_unlocked(asdic_context *ctx, const char *folder, const char *name) {
+    char *path = asdic_folder_file(folder, name);
     if (!path) {
         return asdic_fail_memory(ctx, "a file name");
     }
@@ -84,8 +90,8 @@ static asdic_status check_unlocked(asdic_context *ctx, const char *folder, const
 }
 
 asdic_status asdic_folder_check_idle(asdic_context *ctx, const char *folder) {
-    asdic_status status = check_unlocked(ctx, folder, "npy.part");
-    return status == ASDIC_OK ? check_unlocked(ctx, folder, "npy") : status;
+    TRY(check_unlocked(ctx, folder, "pings.npy.part"));
+    return check_unlocked(ctx, folder, "pings.npy");
 }
 
 static asdic_status clear(asdic_context *ctx, const char *folder) {
@@ -126,8 +132,8 @@ asdic_status asdic_folder_prepare(asdic_context *ctx, const char *folder, bool f
                           "continue it, or another folder",
                           folder);
     }
-    asdic_status status = asdic_folder_check_idle(ctx, folder);
-    return status == ASDIC_OK ? clear(ctx, folder) : status;
+    TRY(asdic_folder_check_idle(ctx, folder));
+    return clear(ctx, folder);
 }
 
 void asdic_folder_remove(asdic_context *ctx, const char *folder) {
@@ -136,13 +142,18 @@ void asdic_folder_remove(asdic_context *ctx, const char *folder) {
     }
 }
 
+char *asdic_folder_file(const char *folder, const char *name) {
+    char *path = NULL;
+    return asprintf(&path, "%s/%s", folder, name) < 0 ? NULL : path;
+}
+
 char *asdic_folder_path(const char *folder, const char *stem, const char *name,
                         const char *extension) {
     char *path = NULL;
     if (asprintf(&path, "%s/%s%s.%s", folder, stem, name, extension) < 0) {
         return NULL;
     }
-    /* A beam may be called anything: what is not plain becomes an underscore. */
+    /* A beam's name may hold any character: those that are not plain become underscores. */
     for (char *c = path + strlen(folder) + 1 + strlen(stem); *c; c++) {
         bool is_plain = isalnum((unsigned char)*c) || strchr("._-", *c) || (*c & 0x80);
         *c = is_plain ? *c : '_';

@@ -1,5 +1,5 @@
 /*
- * A run folder on the disk: made, checked, cleared.
+ * Making, checking and clearing a run folder on the disk.
  */
 #ifndef ASDIC_MISSION_RUN_FOLDER_H
 #define ASDIC_MISSION_RUN_FOLDER_H
@@ -18,6 +18,9 @@ asdic_status asdic_folder_prepare(asdic_context *ctx, const char *folder, bool f
 
 /* Removes a run that holds nothing, and the folder when it is empty then. */
 void asdic_folder_remove(asdic_context *ctx, const char *folder);
+
+/* "FOLDER/NAME", freed with free(); NULL when memory is short. */
+char *asdic_folder_file(const char *folder, const char *name);
 
 /* "FOLDER/STEMNAME.EXTENSION" with NAME made fit for a file; freed with free(), NULL when memory
  * is short. */

@@ -12,13 +12,13 @@
 /* Steps along a ray over terrain, at most. */
 #define MOST_STEPS 4000.0
 
-/* Where a lobe is cut: a direction of the axis or beside it, with the edges above and below. */
+/* A section of a lobe: the direction of its axis or beside it, and the edges above and below. */
 typedef struct cut {
     asdic_vec3 upper, lower, axis; /* world, unit */
 } cut;
 
-/* From the axis to half power, one way: the pattern sinc^2 u of a line is a half at u = 0.4429 (R. J.
- * Urick, Principles of Underwater Sound, 3rd ed., 1983, table 3.2). */
+/* From the axis to half power, one way: the pattern sinc^2 u of a line is a half at u = 0.4429 (R.
+ * J. Urick, Principles of Underwater Sound, 3rd ed., 1983, table 3.2). */
 static double half_width_rad(double wavelength_m, double length_m) {
     return asin(fmin(0.442946 * wavelength_m / length_m, 1.0));
 }

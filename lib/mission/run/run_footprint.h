@@ -1,5 +1,5 @@
 /*
- * Where beams meet the bottom, seen from above.
+ * The areas where beams meet the bottom, seen from above.
  */
 #ifndef ASDIC_MISSION_RUN_FOOTPRINT_H
 #define ASDIC_MISSION_RUN_FOOTPRINT_H
@@ -19,9 +19,9 @@ typedef struct asdic_swath {
     double wavelength_m, range_m;
 } asdic_swath;
 
-/* Outline of where the main lobes (half power, one way) meet the bottom within the range, for a
- * vehicle at POSE; of those that do not, dashed, of the lobe itself out to the range. OUT's
- * coordinates are freed by _finish. */
+/* Outline of the area where the main lobes (half power, one way) meet the bottom within the range,
+ * for a vehicle at POSE. Lobes that do not meet it are drawn themselves, dashed, out to the range.
+ * OUT's coordinates are freed by _finish. */
 asdic_status asdic_footprint_find(asdic_context *ctx, const asdic_swath *swath,
                                   const asdic_pose *pose, const asdic_ground *ground,
                                   asdic_chart_area *out);

@@ -1,15 +1,16 @@
 /*
- * One call of asdic_mission_run: what its beginning, its pings and its end share.
+ * One run from its beginning to its end: what is to be run, the files that its records go to, and
+ * the pictures and facts at the end. The records come from its user: from devices (run.c) or from a
+ * recording.
  */
 #ifndef ASDIC_MISSION_RUN_JOB_H
 #define ASDIC_MISSION_RUN_JOB_H
 
-#include "out/csv.h"
 #include "out/record.h"
-#include "run_digest.h"
 #include "run_facts.h"
 #include "run_files.h"
 #include "run_store.h"
+#include "run_summary.h"
 
 typedef struct asdic_run_job {
     asdic_context *ctx;
@@ -19,40 +20,39 @@ typedef struct asdic_run_job {
     const asdic_run_options *options;
     asdic_run_facts facts;
     char inputs_hash[65];
-    asdic_arena arena;    /* of what was read from an earlier run.json */
-    asdic_store *store;   /* NULL: levels go to the standard output alone */
-    asdic_csv *csv;       /* NULL: no rows are asked for */
-    asdic_files *files;   /* NULL: none is asked for */
-    asdic_digest *digest; /* NULL: no pictures are asked for, nor run.json */
-    void *bytes;          /* one record */
-    size_t resumed;       /* pings that were there already */
-    size_t kept;          /* pings that are there, those included */
-    bool is_complete;     /* they were all, and everything was written */
-    uint64_t rays;        /* traced by this call */
-    double begin_s;       /* of this call, by the clock */
+    asdic_arena arena;      /* of what was read from an earlier run.json */
+    asdic_store *store;     /* NULL: levels go to the standard output alone */
+    asdic_files *files;     /* bins.csv and the like */
+    asdic_summary *summary; /* NULL: neither pictures nor run.json are written */
+    void *bytes;            /* one record */
+    size_t resumed;         /* pings that were there already */
+    size_t kept;            /* pings that are there, those included */
+    bool is_complete;       /* the run was complete already */
+    uint64_t rays;          /* traced by this call */
+    double begin_s;         /* of this call, by the clock */
 } asdic_run_job;
 
-/* Checks what is asked for and plans it: fills the facts that are known before the first ping; the
+/* Checks what is asked for and plans it: fills the facts that are known before the first ping. The
  * mission's sampling follows the plan from here on. */
 asdic_status asdic_job_describe(asdic_run_job *job);
 
 /* What processes that work on one run must agree in. */
 void asdic_job_hash(const asdic_run_job *job, char hex[65]);
 
-/* The record in BYTES, next in order, into everything but the store. */
-asdic_status asdic_job_keep(asdic_run_job *job, const void *bytes);
-
-/* The pings that are not there yet, on the devices, each into the store and everything else. */
-asdic_status asdic_job_simulate(asdic_run_job *job);
-
 /* Describes the run, makes or reopens its folder, and writes the rows of pings that are there. */
 asdic_status asdic_job_begin(asdic_run_job *job);
 
-/* Gives the files their names, draws, and says in run.json how it went. With IS_WHOLE false the
- * folder is left valid but unfinished: no pictures. */
+/* Describes the run and begins to write rows to the standard output, without a folder. */
+asdic_status asdic_job_begin_stream(asdic_run_job *job);
+
+/* Adds the record in BYTES, the next in order, to the files and the summary, not to the store. */
+asdic_status asdic_job_keep(asdic_run_job *job, const void *bytes);
+
+/* Gives the files their names, draws the pictures and writes run.json. With IS_WHOLE false it
+ * leaves a valid folder without pictures, to be resumed. */
 asdic_status asdic_job_end(asdic_run_job *job, bool is_whole);
 
-/* Closes what is open; files that have no name yet stay for --resume or disappear. */
+/* Closes everything. Files that are not committed stay for --resume or disappear. */
 void asdic_job_finish(asdic_run_job *job);
 
 #endif

@@ -1,13 +1,13 @@
 #include <asdic/run.h>
 
 #include "base/context.h"
-#include "out/csv.h"
+#include "base/try.h"
 #include "run_files.h"
 #include "run_folder.h"
 #include "run_open.h"
 #include "run_render.h"
-#include "run_scenery.h"
-#include "mission/track/track_write.h"
+#include "run_chart_data.h"
+#include "mission/track/track.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -18,12 +18,12 @@ typedef struct merger {
     asdic_run **parts; /* by first ping */
     size_t count;
     const char *folder;
+    asdic_arena arena;
     asdic_run_facts facts; /* of the whole */
     asdic_store *store;
-    asdic_csv *csv;
     asdic_files *files;
     asdic_file *track;
-    asdic_digest *digest;
+    asdic_summary *summary;
 } merger;
 
 static int by_first_ping(const void *a, const void *b) {
@@ -34,16 +34,13 @@ static int by_first_ping(const void *a, const void *b) {
 
 static asdic_status open_parts(merger *m, const char *const *folders) {
     for (size_t i = 0; i < m->count; i++) {
-        asdic_status status = asdic_run_open(m->ctx, folders[i], &m->parts[i]);
-        if (status != ASDIC_OK) {
-            return status;
-        }
+        TRY(asdic_run_open(m->ctx, folders[i], &m->parts[i]));
     }
     qsort(m->parts, m->count, sizeof *m->parts, by_first_ping);
     return ASDIC_OK;
 }
 
-/* Results do not replace what they are made of. */
+/* The result must not replace a part. */
 static asdic_status check_folder(const merger *m) {
     struct stat out, part;
     if (stat(m->folder, &out) != 0) {
@@ -60,7 +57,7 @@ static asdic_status check_folder(const merger *m) {
     return ASDIC_OK;
 }
 
-/* The parts follow on each other without gaps and overlaps, and are of one mission. */
+/* Checks that the parts follow each other without gaps or overlaps and belong to one mission. */
 static asdic_status check_parts(const merger *m) {
     for (size_t i = 0; i < m->count; i++) {
         const asdic_run *part = m->parts[i], *before = i ? m->parts[i - 1] : NULL;
@@ -88,7 +85,7 @@ static asdic_status check_parts(const merger *m) {
     return ASDIC_OK;
 }
 
-static asdic_status sum_up(merger *m, asdic_arena *arena) {
+static asdic_status sum_up(merger *m) {
     asdic_run_facts *f = &m->facts;
     size_t device_count = 0;
     *f = m->parts[0]->facts;
@@ -98,9 +95,9 @@ static asdic_status sum_up(merger *m, asdic_arena *arena) {
         f->pings_planned += m->parts[i]->facts.pings_planned;
         device_count += m->parts[i]->facts.device_count;
     }
-    /* Times add up: what the whole took of one machine. */
+    /* Times are added: what the whole run costs on one machine. */
     f->times = (asdic_run_times){0};
-    f->devices = asdic_arena_alloc(arena, (device_count + 1) * sizeof *f->devices);
+    f->devices = asdic_arena_alloc(&m->arena, (device_count + 1) * sizeof *f->devices);
     f->device_count = 0;
     if (!f->devices) {
         return asdic_fail_memory(m->ctx, "device names");
@@ -127,97 +124,69 @@ static asdic_status sum_up(merger *m, asdic_arena *arena) {
 }
 
 static asdic_status copy_records(merger *m) {
-    asdic_status status = ASDIC_OK;
-    for (size_t i = 0; i < m->count && status == ASDIC_OK; i++) {
+    for (size_t i = 0; i < m->count; i++) {
         asdic_run *part = m->parts[i];
-        for (size_t k = 0; k < part->facts.pings_planned && status == ASDIC_OK; k++) {
+        for (size_t k = 0; k < part->facts.pings_planned; k++) {
             asdic_record record; /* read as one, so that damage is noticed */
-            status = asdic_run_read(part, k, &record);
-            if (status == ASDIC_OK) {
-                status = asdic_store_append(m->store, part->buffer);
-            }
-            if (status == ASDIC_OK) {
-                asdic_track_file_add(m->track, record.time_s, &record.pose);
-                status = asdic_csv_add(m->csv, &record);
-            }
-            if (status == ASDIC_OK) {
-                status = asdic_files_add(m->files, &record);
-                asdic_digest_add(m->digest, &record);
-            }
+            TRY(asdic_run_read(part, k, &record));
+            TRY(asdic_store_append(m->store, part->buffer));
+            asdic_track_file_add(m->track, record.time_s, &record.pose);
+            TRY(asdic_files_add(m->files, &record));
+            asdic_summary_add(m->summary, &record);
         }
     }
-    return status;
+    return ASDIC_OK;
 }
 
 static asdic_status open_files(merger *m) {
-    const asdic_mission *settings = m->parts[0]->settings;
-    char *csv = asdic_folder_path(m->folder, "bins", "", "csv");
-    char *track = asdic_folder_path(m->folder, "track", "", "csv");
-    asdic_status status =
-        csv && track ? asdic_csv_create(m->ctx, csv, asdic_mission_sonar(settings), m->facts.bins,
-                                        asdic_mission_output(settings)->csv, &m->csv)
-                     : asdic_fail_memory(m->ctx, "a file name");
-    if (status == ASDIC_OK) {
-        status = asdic_file_create(m->ctx, track, &m->track);
-    }
-    if (status == ASDIC_OK) {
-        asdic_record first;
-        status = asdic_run_read(m->parts[0], 0, &first);
-        if (status == ASDIC_OK) {
-            status = asdic_files_create(m->ctx, m->folder, settings, &m->facts,
-                                        first.pose.position_m.z, &m->files);
-        }
-    }
-    free(csv);
+    char *track = asdic_folder_file(m->folder, "track.csv");
+    asdic_status status = track ? asdic_file_create(m->ctx, track, &m->track)
+                                : asdic_fail_memory(m->ctx, "a file name");
+    asdic_record first;
     free(track);
-    return status;
+    TRY(status);
+    asdic_track_file_begin(m->track);
+    TRY(asdic_run_read(m->parts[0], 0, &first));
+    return asdic_files_create(m->ctx, m->folder, &m->parts[0]->settings, &m->facts,
+                              first.pose.position_m.z, &m->files);
 }
 
 static asdic_status write_run(merger *m) {
-    const asdic_mission *settings = m->parts[0]->settings;
-    asdic_status status = open_files(m);
-    if (status == ASDIC_OK) {
-        asdic_track_file_begin(m->track);
-        status = asdic_store_open(m->ctx, m->folder, ASDIC_STORE_CREATE, m->facts.beams,
-                                  m->facts.bins, &m->store);
-    }
-    if (status == ASDIC_OK) {
-        status = asdic_digest_create_all(m->ctx, settings, &m->facts, &m->digest);
-    }
-    if (status == ASDIC_OK) {
-        status = copy_records(m);
-    }
-    if (status == ASDIC_OK) {
-        status = asdic_store_commit(m->store);
-    }
-    if (status == ASDIC_OK) {
-        status = asdic_csv_commit(&m->csv);
-    }
-    if (status == ASDIC_OK) {
-        status = asdic_file_commit(&m->track);
-    }
-    if (status == ASDIC_OK) {
-        status = asdic_files_commit(&m->files);
-    }
-    if (status == ASDIC_OK) {
-        status = asdic_scenery_copy(m->ctx, m->parts[0]->folder, m->folder);
-    }
-    return status;
+    TRY(open_files(m));
+    TRY(asdic_store_open(m->ctx, m->folder, ASDIC_STORE_CREATE, m->facts.beams, m->facts.bins,
+                         &m->store));
+    TRY(asdic_summary_create_all(m->ctx, &m->parts[0]->settings, &m->facts, &m->summary));
+    TRY(copy_records(m));
+    TRY(asdic_store_commit(m->store));
+    TRY(asdic_file_commit(&m->track));
+    TRY(asdic_files_commit(m->files, true));
+    return asdic_chart_data_copy(m->ctx, m->parts[0]->folder, m->folder);
 }
 
 static asdic_status conclude(merger *m) {
     asdic_run_facts *f = &m->facts;
-    asdic_digest_end(m->digest);
+    asdic_summary_end(m->summary);
     f->pings = asdic_store_count(m->store);
-    asdic_run_facts_survey(f, &m->digest->survey);
+    asdic_run_facts_statistics(f, &m->summary->statistics);
     f->rays_per_s = (double)f->rays_traced / f->times.simulate_s;
-    asdic_status status = asdic_run_facts_write(m->ctx, m->folder, f);
-    if (status == ASDIC_OK && asdic_mission_output(m->parts[0]->settings)->images) {
+    TRY(asdic_run_facts_write(m->ctx, m->folder, f));
+    if (m->parts[0]->settings.output.images) {
         asdic_render_options options = asdic_render_options_default();
-        status = asdic_run_render_digest(m->ctx, m->folder, &options, m->digest);
+        TRY(asdic_run_render_summary(m->ctx, m->folder, &options, m->summary));
     }
     f->state = ASDIC_RUN_COMPLETE;
-    return status == ASDIC_OK ? asdic_run_facts_write(m->ctx, m->folder, f) : status;
+    return asdic_run_facts_write(m->ctx, m->folder, f);
+}
+
+static asdic_status join(merger *m, const char *const *folders, bool force) {
+    TRY(open_parts(m, folders));
+    TRY(check_parts(m));
+    TRY(check_folder(m));
+    TRY(sum_up(m));
+    /* Only now: a wrong part must not cost an earlier result. */
+    TRY(asdic_folder_prepare(m->ctx, m->folder, force));
+    TRY(write_run(m));
+    return conclude(m);
 }
 
 asdic_status asdic_run_merge(asdic_context *ctx, const char *const *folders, size_t count,
@@ -226,41 +195,19 @@ asdic_status asdic_run_merge(asdic_context *ctx, const char *const *folders, siz
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "asdic_run_merge: nothing to join");
     }
     merger m = {.ctx = ctx, .count = count, .folder = out_folder};
-    asdic_arena arena = {0};
-    asdic_status status = ASDIC_OK;
     m.parts = calloc(count, sizeof *m.parts);
     if (!m.parts) {
         return asdic_fail_memory(ctx, "a list of runs");
     }
-    status = open_parts(&m, folders);
-    if (status == ASDIC_OK) {
-        status = check_parts(&m);
-    }
-    if (status == ASDIC_OK) {
-        status = check_folder(&m);
-    }
-    if (status == ASDIC_OK) {
-        status = sum_up(&m, &arena);
-    }
-    /* Only now: a wrong part must not cost an earlier result. */
-    if (status == ASDIC_OK) {
-        status = asdic_folder_prepare(ctx, out_folder, force);
-    }
-    if (status == ASDIC_OK) {
-        status = write_run(&m);
-    }
-    if (status == ASDIC_OK) {
-        status = conclude(&m);
-    }
-    asdic_csv_discard(&m.csv);
-    asdic_files_discard(&m.files);
-    asdic_digest_destroy(&m.digest);
+    asdic_status status = join(&m, folders, force);
+    asdic_files_destroy(&m.files);
+    asdic_summary_destroy(&m.summary);
     asdic_file_discard(&m.track);
     asdic_store_close(&m.store);
     for (size_t i = 0; i < count; i++) {
         asdic_run_close(&m.parts[i]);
     }
     free(m.parts);
-    asdic_arena_finish(&arena);
+    asdic_arena_finish(&m.arena);
     return status;
 }

@@ -1,48 +1,32 @@
 #include "run_open.h"
 
 #include "base/context.h"
+#include "base/try.h"
 #include "out/record.h"
-#include "run_settings.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-char *asdic_run_scene_name(const char *path) {
-    const char *slash = strrchr(path, '/');
-    const char *base = slash ? slash + 1 : path;
-    const char *dot = strrchr(base, '.');
-    size_t length = dot && dot != base ? (size_t)(dot - base) : strlen(base);
-    return strcmp(path, "-") == 0 ? strdup("scene") : strndup(base, length);
-}
-
 static asdic_status open_run(asdic_run *run) {
-    asdic_status status = asdic_run_facts_read(run->ctx, run->folder, &run->arena, &run->facts);
-    if (status != ASDIC_OK) {
-        return status;
-    }
-    const asdic_run_facts *facts = &run->facts;
-    status = asdic_settings_read(run->ctx, facts->scene_path, facts->scene_text, &run->settings);
-    if (status != ASDIC_OK) {
-        return status;
-    }
-    if (asdic_mission_sonar(run->settings)->receiver_count != facts->beams) {
+    asdic_run_facts *facts = &run->facts;
+    TRY(asdic_run_facts_read(run->ctx, run->folder, &run->arena, facts));
+    TRY(asdic_settings_read(run->ctx, facts->scene_path, facts->scene_text, &run->settings));
+    if (run->settings.sonar.receiver_count != facts->beams) {
         return asdic_fail(run->ctx, ASDIC_ERROR_INPUT,
                           "'%s/run.json' is damaged: %zu beams, but its scene has %zu", run->folder,
-                          facts->beams, asdic_mission_sonar(run->settings)->receiver_count);
+                          facts->beams, run->settings.sonar.receiver_count);
     }
-    status = asdic_store_open(run->ctx, run->folder, ASDIC_STORE_READ, facts->beams, facts->bins,
-                              &run->store);
+    asdic_status status = asdic_store_open(run->ctx, run->folder, ASDIC_STORE_READ, facts->beams,
+                                           facts->bins, &run->store);
     if (status == ASDIC_ERROR_IO) {
-        status = asdic_fail(run->ctx, ASDIC_ERROR_INPUT,
-                            "'%s' has no pings.npy that can be read; if the run was killed, finish "
-                            "it by --resume",
-                            run->folder);
+        return asdic_fail(run->ctx, ASDIC_ERROR_INPUT,
+                          "'%s' has no pings.npy that can be read; if the run was killed, finish "
+                          "it by --resume",
+                          run->folder);
     }
-    if (status != ASDIC_OK) {
-        return status;
-    }
-    run->scene_name = asdic_run_scene_name(facts->scene_path);
+    TRY(status);
+    run->scene_name = asdic_scene_name(facts->scene_path);
     run->buffer = malloc(asdic_store_record_bytes(run->store));
     return run->scene_name && run->buffer ? ASDIC_OK : asdic_fail_memory(run->ctx, "a run");
 }
@@ -71,7 +55,7 @@ void asdic_run_close(asdic_run **run) {
         return;
     }
     asdic_store_close(&(*run)->store);
-    asdic_mission_destroy(&(*run)->settings);
+    asdic_settings_finish(&(*run)->settings);
     asdic_arena_finish(&(*run)->arena);
     free((*run)->buffer);
     free((*run)->scene_name);
@@ -90,9 +74,9 @@ asdic_run_info asdic_run_get_info(const asdic_run *run) {
                             .pings_planned = facts->pings_planned,
                             .beams = facts->beams,
                             .bins = facts->bins,
-                            .sonar = asdic_mission_sonar(run->settings),
-                            .environment = asdic_mission_environment(run->settings),
-                            .detector = asdic_mission_detector(run->settings),
+                            .sonar = &run->settings.sonar,
+                            .environment = &run->settings.environment,
+                            .detector = &run->settings.detector,
                             .sampling = facts->sampling,
                             .has_surface = facts->has_surface,
                             .bottom = facts->bottom_law,
@@ -108,10 +92,7 @@ asdic_status asdic_run_read(asdic_run *run, size_t index, asdic_record *record) 
         return asdic_fail(run->ctx, ASDIC_ERROR_ARGUMENT, "record %zu of a run of %zu", index,
                           asdic_store_count(run->store));
     }
-    asdic_status status = asdic_store_read(run->store, index, run->buffer);
-    if (status != ASDIC_OK) {
-        return status;
-    }
+    TRY(asdic_store_read(run->store, index, run->buffer));
     asdic_record_view(run->buffer, run->facts.beams, run->facts.bins, record);
     if (record->ping != run->facts.first_ping + index) {
         return asdic_fail(run->ctx, ASDIC_ERROR_INPUT,

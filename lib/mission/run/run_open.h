@@ -1,9 +1,10 @@
 /*
- * An opened run folder, inside.
+ * The inside of an opened run folder.
  */
 #ifndef ASDIC_MISSION_RUN_OPEN_H
 #define ASDIC_MISSION_RUN_OPEN_H
 
+#include "mission/mission_settings.h"
 #include "run_facts.h"
 #include "run_store.h"
 
@@ -14,12 +15,9 @@ struct asdic_run {
     char *folder, *scene_name;
     asdic_arena arena; /* of the facts' strings */
     asdic_run_facts facts;
-    asdic_mission *settings; /* no geometry */
+    asdic_settings settings;
     asdic_store *store;
     void *buffer; /* one record */
 };
-
-/* Name of a scene: its file's, without folder and extension; "scene" for standard input. */
-char *asdic_run_scene_name(const char *path);
 
 #endif

@@ -1,8 +1,8 @@
 #include "run_render.h"
 
 #include "base/context.h"
-#include "out/digits.h"
-#include "run_folder.h"
+#include "base/try.h"
+#include "run_picture.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -26,108 +26,39 @@ const char *asdic_image_name(asdic_image image) {
 static void resolve_window(asdic_render *r) {
     r->has_window = !isnan(r->options.db_low) && !isnan(r->options.db_high);
     if (isnan(r->options.db_low)) {
-        r->options.db_low = r->digest->survey.shown_low_db;
+        r->options.db_low = r->summary->statistics.shown_low_db;
     }
     if (isnan(r->options.db_high)) {
-        r->options.db_high = r->digest->survey.shown_high_db;
+        r->options.db_high = r->summary->statistics.shown_high_db;
     }
 }
 
-/* "20000" as "20,000". */
-static void group_digits(char out[40], uint64_t value) {
-    char digits[ASDIC_DIGITS_SIZE];
-    size_t length = asdic_digits_natural(digits, value), n = 0;
-    for (size_t i = 0; i < length; i++) {
-        out[n++] = digits[i];
-        if (i + 1 < length && (length - i - 1) % 3 == 0) {
-            out[n++] = ',';
-        }
-    }
-    out[n] = 0;
+static bool wants(const asdic_render *r, asdic_image image) {
+    return (r->images & 1u << image) != 0;
 }
 
-/* What stands below every picture and in its text chunks. */
-void asdic_render_describe(asdic_render *r) {
-    char frequency[ASDIC_DIGITS_SIZE], rays[40], spread[ASDIC_DIGITS_SIZE], loss[ASDIC_DIGITS_SIZE];
-    const asdic_sampling *sampling = &r->info.sampling;
-    asdic_digits_print(frequency, "%g", r->info.sonar->frequency_hz / 1000.0);
-    group_digits(rays, sampling->rays);
-    snprintf(r->note, sizeof r->note, "%s kHz  \u00b7  %s rays a ping, %s sampling, seed %llu",
-             frequency, rays, asdic_run_sampler_name(sampling->sampler),
-             (unsigned long long)sampling->seed);
-    asdic_digits_natural(r->seed, sampling->seed);
-    asdic_digits_print(r->low, "%g", r->options.db_low);
-    asdic_digits_print(r->high, "%g", r->options.db_high);
-    asdic_digits_print(spread, "%.4g", r->options.tvg_db_per_decade);
-    asdic_digits_print(loss, "%.4g", r->options.tvg_db_per_m);
-    snprintf(r->gain, sizeof r->gain, "%s log r + %s r dB", spread, loss);
-    const char *texts[] = {"Software",     "asdic",
-                           "version",      r->run->facts.version,
-                           "scene",        r->info.scene_name,
-                           "scene_sha256", r->info.scene_hash,
-                           "seed",         r->seed,
-                           "db_low",       r->low,
-                           "db_high",      r->high,
-                           "colormap",     asdic_colormap_name(r->options.colormap),
-                           "gain",         r->gain};
-    _Static_assert(sizeof texts + 5 * sizeof *texts <= sizeof r->texts, "room for one more text");
-    memcpy(r->texts, texts, sizeof texts);
-}
-
-asdic_picture_options asdic_render_picture(asdic_render *r, const char *title, const char *key,
-                                           const char *value) {
-    size_t i = 0;
-    while (r->texts[i] && strcmp(r->texts[i], "Title") != 0) {
-        i += 2;
+/* The pictures that show many pings. */
+static asdic_status render_many(asdic_render *r) {
+    if (wants(r, ASDIC_IMAGE_WATERFALL)) {
+        TRY(asdic_render_waterfalls(r));
     }
-    r->texts[i] = "Title";
-    r->texts[i + 1] = title;
-    r->texts[i + 2] = key;
-    r->texts[i + 3] = value;
-    return (asdic_picture_options){.db_low = r->options.db_low,
-                                   .db_high = r->options.db_high,
-                                   .colormap = r->options.colormap,
-                                   .tvg_db_per_decade = r->options.tvg_db_per_decade,
-                                   .tvg_db_per_m = r->options.tvg_db_per_m,
-                                   .title = title,
-                                   .note = r->note,
-                                   .texts = r->texts,
-                                   .format = r->options.format};
-}
-
-char *asdic_render_path(const asdic_render *r, const char *stem, const char *name) {
-    static const char *const extensions[] = {[ASDIC_PICTURE_BY_NAME] = "png",
-                                             [ASDIC_PICTURE_PNG] = "png",
-                                             [ASDIC_PICTURE_PDF] = "pdf",
-                                             [ASDIC_PICTURE_SVG] = "svg"};
-    if (r->options.path) {
-        return strdup(strcmp(r->options.path, "-") == 0 ? "/dev/stdout" : r->options.path);
+    if (wants(r, ASDIC_IMAGE_OVERVIEW)) {
+        TRY(asdic_render_overview(r));
     }
-    bool is_raw = strcmp(stem, "raw_") == 0;
-    return asdic_folder_path(r->run->folder, stem, name,
-                             is_raw ? "png" : extensions[r->options.format]);
-}
-
-bool asdic_render_has_fan(const asdic_sonar *sonar) {
-    for (size_t i = 1; i < sonar->receiver_count; i++) {
-        if (!(sonar->receivers[i].yaw_rad > sonar->receivers[i - 1].yaw_rad)) {
-            return false;
-        }
+    if (wants(r, ASDIC_IMAGE_PLAN)) {
+        TRY(asdic_render_chart(r));
     }
-    return sonar->receiver_count >= 3;
+    return r->options.raw ? asdic_render_raw(r) : ASDIC_OK;
 }
 
 /* A-scope and fan of the ping with INDEX within the run. */
 static asdic_status render_ping(asdic_render *r, size_t index) {
     asdic_record record;
-    asdic_status status = asdic_run_read(r->run, index, &record);
-    if (status == ASDIC_OK && (r->images & 1u << ASDIC_IMAGE_ASCOPE)) {
-        status = asdic_render_ascope(r, &record);
+    TRY(asdic_run_read(r->run, index, &record));
+    if (wants(r, ASDIC_IMAGE_ASCOPE)) {
+        TRY(asdic_render_ascope(r, &record));
     }
-    if (status == ASDIC_OK && (r->images & 1u << ASDIC_IMAGE_FAN)) {
-        status = asdic_render_fan(r, &record);
-    }
-    return status;
+    return wants(r, ASDIC_IMAGE_FAN) ? asdic_render_fan(r, &record) : ASDIC_OK;
 }
 
 static asdic_status render_pings(asdic_render *r) {
@@ -140,15 +71,25 @@ static asdic_status render_pings(asdic_render *r) {
         }
         return render_ping(r, index);
     }
-    asdic_status status = render_ping(r, 0);
-    return status == ASDIC_OK && last > 0 ? render_ping(r, last) : status;
+    TRY(render_ping(r, 0));
+    return last > 0 ? render_ping(r, last) : ASDIC_OK;
 }
 
-/* A scene that asks for pictures it has no beams for, or a build that cannot draw lines, still
- * gets the others; who asks for them by name is told. */
+/* Whether the beams make a fan: three or more, aimed at ascending bearings. */
+static bool has_fan(const asdic_sonar *sonar) {
+    for (size_t i = 1; i < sonar->receiver_count; i++) {
+        if (!(sonar->receivers[i].yaw_rad > sonar->receivers[i - 1].yaw_rad)) {
+            return false;
+        }
+    }
+    return sonar->receiver_count >= 3;
+}
+
+/* Drops the pictures for which the scene has no beams, or which this build cannot draw; the others
+ * are drawn. A user who asks for one by name is warned. */
 static void drop_impossible(asdic_render *r) {
-    bool has_fan = asdic_render_has_fan(r->info.sonar);
-    if ((r->images & 1u << ASDIC_IMAGE_FAN) && !has_fan) {
+    bool can_fan = has_fan(r->info.sonar);
+    if ((r->images & 1u << ASDIC_IMAGE_FAN) && !can_fan) {
         asdic_log(r->ctx, r->options.images ? ASDIC_LOG_WARNING : ASDIC_LOG_INFO,
                   "no fan picture: it needs three beams or more at ascending bearings");
         r->images &= ~(1u << ASDIC_IMAGE_FAN);
@@ -160,10 +101,6 @@ static void drop_impossible(asdic_render *r) {
                   "no A-scope, overview or plan view: built without cairo");
         r->images &= ~lines;
     }
-}
-
-static bool wants(const asdic_render *r, asdic_image image) {
-    return (r->images & 1u << image) != 0;
 }
 
 /* How many pictures there will be. */
@@ -192,75 +129,69 @@ static asdic_status check_output(const asdic_render *r) {
     return ASDIC_OK;
 }
 
-/* All records once, for what is to be drawn. */
-static asdic_status gather(asdic_render *r, asdic_digest **out) {
-    asdic_status status = asdic_digest_create(r->ctx, &r->plan, out);
-    for (size_t i = 0; i < r->info.pings && status == ASDIC_OK; i++) {
+/* Reads all records once, for what is to be drawn. */
+static asdic_status gather(asdic_render *r, asdic_summary **out) {
+    TRY(asdic_summary_create(r->ctx, &r->plan, out));
+    for (size_t i = 0; i < r->info.pings; i++) {
         asdic_record record;
-        status = asdic_run_read(r->run, i, &record);
-        if (status == ASDIC_OK) {
-            asdic_digest_add(*out, &record);
-        }
+        TRY(asdic_run_read(r->run, i, &record));
+        asdic_summary_add(*out, &record);
     }
-    if (status == ASDIC_OK) {
-        asdic_digest_end(*out);
-    }
-    return status;
+    asdic_summary_end(*out);
+    return ASDIC_OK;
 }
 
-/* What there is to draw, and of which beams. */
+/* Chooses the pictures to draw, and the beams. */
 static asdic_status plan(asdic_render *r) {
     r->info = asdic_run_get_info(r->run);
-    r->images = asdic_mission_output(r->run->settings)->images;
-    if (r->options.images || (r->options.raw && r->options.path)) { /* that, or the raw one alone */
+    r->images = r->run->settings.output.images;
+    if (r->options.images ||
+        (r->options.raw && r->options.path)) { /* those, or the raw one alone */
         r->images = r->options.images;
     }
     if (r->info.pings == 0) {
         return asdic_fail(r->ctx, ASDIC_ERROR_INPUT, "'%s' holds no ping to draw", r->run->folder);
     }
     drop_impossible(r);
-    r->plan = (asdic_digest_plan){.sonar = r->info.sonar,
-                                  .environment = r->info.environment,
-                                  .pings = r->info.pings,
-                                  .bins = r->info.bins,
-                                  .bin_length_m = r->run->facts.bin_length_m,
-                                  .images = r->images,
-                                  .tvg_db_per_decade = r->options.tvg_db_per_decade,
-                                  .tvg_db_per_m = r->options.tvg_db_per_m};
-    asdic_status status = asdic_digest_choose_beams(r->ctx, r->options.beam, &r->plan);
-    return status == ASDIC_OK ? check_output(r) : status;
+    r->plan = (asdic_summary_plan){.sonar = r->info.sonar,
+                                   .environment = r->info.environment,
+                                   .pings = r->info.pings,
+                                   .bins = r->info.bins,
+                                   .bin_length_m = r->run->facts.bin_length_m,
+                                   .images = r->images,
+                                   .tvg_db_per_decade = r->options.tvg_db_per_decade,
+                                   .tvg_db_per_m = r->options.tvg_db_per_m};
+    TRY(asdic_summary_choose_beams(r->ctx, r->options.beam, &r->plan));
+    return check_output(r);
 }
 
-static asdic_status draw(asdic_render *r) {
+/* Draws the run in FOLDER. OWN receives the summary that is made here when R has none. */
+static asdic_status render(asdic_render *r, const char *folder, asdic_summary **own) {
+    TRY(asdic_run_open(r->ctx, folder, &r->run));
+    TRY(plan(r));
+    if (!r->summary) {
+        TRY(gather(r, own));
+        r->summary = *own;
+    }
     resolve_window(r);
     asdic_render_describe(r);
-    asdic_status status = asdic_render_many(r);
-    return status == ASDIC_OK ? render_pings(r) : status;
+    TRY(render_many(r));
+    return render_pings(r);
 }
 
-asdic_status asdic_run_render_digest(asdic_context *ctx, const char *folder,
-                                     const asdic_render_options *options,
-                                     const asdic_digest *digest) {
-    asdic_render r = {.ctx = ctx, .options = *options, .digest = digest};
-    asdic_digest *own = NULL;
-    asdic_status status = asdic_run_open(ctx, folder, &r.run);
-    if (status == ASDIC_OK) {
-        status = plan(&r);
-    }
-    if (status == ASDIC_OK && !digest) {
-        status = gather(&r, &own);
-        r.digest = own;
-    }
-    if (status == ASDIC_OK) {
-        status = draw(&r);
-    }
-    asdic_digest_destroy(&own);
+asdic_status asdic_run_render_summary(asdic_context *ctx, const char *folder,
+                                      const asdic_render_options *options,
+                                      const asdic_summary *summary) {
+    asdic_render r = {.ctx = ctx, .options = *options, .summary = summary};
+    asdic_summary *own = NULL;
+    asdic_status status = render(&r, folder, &own);
+    asdic_summary_destroy(&own);
     asdic_run_close(&r.run);
     return status;
 }
 
 asdic_status asdic_run_render(asdic_context *ctx, const char *folder,
                               const asdic_render_options *options) {
-    return folder && options ? asdic_run_render_digest(ctx, folder, options, NULL)
+    return folder && options ? asdic_run_render_summary(ctx, folder, options, NULL)
                              : asdic_fail_null(ctx, __func__);
 }

@@ -2,23 +2,23 @@
  * The mission from above.
  */
 #include "base/context.h"
+#include "base/try.h"
 #include "base/vec.h"
 #include "out/digits.h"
 #include "run_folder.h"
 #include "run_footprint.h"
-#include "run_render.h"
-#include "run_routes.h"
-#include "run_scenery.h"
+#include "run_picture.h"
+#include "run_chart_data.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* Footprints are drawn at so many places along the track. */
+/* Footprints are drawn at so many positions along the track. */
 #define PLACES 3
 /* More beams than these are drawn as one area. */
-#define MOST_APART ASDIC_DIGEST_BEAMS
+#define MOST_APART ASDIC_SUMMARY_BEAMS
 
 /* Okabe & Ito's colours but for the track's. */
 static const uint32_t colors[MOST_APART] = {0x0072b2, 0x009e73, 0xcc79a7, 0xe69f00,
@@ -37,7 +37,7 @@ static void sketch_finish(sketch *s) {
     }
 }
 
-/* The areas of all beams at one place. */
+/* Adds the areas of all beams at one position. */
 static asdic_status add_place(asdic_render *r, sketch *s, const asdic_record *record,
                               const asdic_ground *ground) {
     const asdic_sonar *sonar = r->info.sonar;
@@ -50,10 +50,7 @@ static asdic_status add_place(asdic_render *r, sketch *s, const asdic_record *re
     for (size_t k = 0; k < (is_apart ? sonar->receiver_count : 1); k++) {
         asdic_chart_area *area = &s->areas[s->area_count];
         swath.beams = &sonar->receivers[k];
-        asdic_status status = asdic_footprint_find(r->ctx, &swath, &record->pose, ground, area);
-        if (status != ASDIC_OK) {
-            return status;
-        }
+        TRY(asdic_footprint_find(r->ctx, &swath, &record->pose, ground, area));
         area->rgb = colors[k];
         if (s->area_count < MOST_APART && s->area_count == k) { /* the first place names them */
             if (is_apart) {
@@ -71,24 +68,20 @@ static asdic_status add_place(asdic_render *r, sketch *s, const asdic_record *re
 }
 
 static asdic_status add_areas(asdic_render *r, const asdic_ground *ground, sketch *s) {
-    const asdic_digest *digest = r->digest;
+    const asdic_summary *summary = r->summary;
     size_t last = r->info.pings - 1,
-           places =
-               asdic_track_moves(digest->north_m, digest->east_m, digest->track_count) ? PLACES : 1;
+           places = asdic_track_moves(summary->north_m, summary->east_m, summary->track_count)
+                        ? PLACES
+                        : 1;
     places = places > r->info.pings ? r->info.pings : places;
     snprintf(s->places, sizeof s->places, "ping%s", places > 1 ? "s" : "");
     for (size_t i = 0; i < places; i++) {
         asdic_record record;
         size_t index = places > 1 ? last * i / (places - 1) : 0, used = strlen(s->places);
-        asdic_status status = asdic_run_read(r->run, index, &record);
-        if (status == ASDIC_OK) {
-            snprintf(s->places + used, sizeof s->places - used, "%s %llu", i ? "," : "",
-                     (unsigned long long)record.ping);
-            status = add_place(r, s, &record, ground);
-        }
-        if (status != ASDIC_OK) {
-            return status;
-        }
+        TRY(asdic_run_read(r->run, index, &record));
+        snprintf(s->places + used, sizeof s->places - used, "%s %llu", i ? "," : "",
+                 (unsigned long long)record.ping);
+        TRY(add_place(r, s, &record, ground));
     }
     return ASDIC_OK;
 }
@@ -107,23 +100,23 @@ static void describe_bottom(const asdic_render *r, const asdic_ground *ground, c
     }
 }
 
-static asdic_status draw(asdic_render *r, const asdic_scenery *scenery, const asdic_ground *ground,
+static asdic_status draw(asdic_render *r, const asdic_chart_data *data, const asdic_ground *ground,
                          const sketch *s) {
-    const asdic_digest *digest = r->digest;
+    const asdic_summary *summary = r->summary;
     char title[256], caption[256], note[384], bottom[64];
-    asdic_chart chart = {.relief = &scenery->relief,
-                         .outlines = scenery->outlines,
-                         .outline_count = scenery->outline_count,
-                         .routes = scenery->routes,
-                         .route_count = scenery->route_count,
+    asdic_chart chart = {.relief = &data->relief,
+                         .outlines = data->outlines,
+                         .outline_count = data->outline_count,
+                         .routes = data->routes,
+                         .route_count = data->route_count,
                          .areas = s->areas,
                          .area_count = s->area_count,
-                         .north_m = digest->north_m,
-                         .east_m = digest->east_m,
-                         .track_count = digest->track_count,
-                         .first_time_s = r->digest->survey.first_time_s,
-                         .last_time_s = r->digest->survey.last_time_s,
-                         .last_yaw_rad = digest->last_pose.yaw_rad};
+                         .north_m = summary->north_m,
+                         .east_m = summary->east_m,
+                         .track_count = summary->track_count,
+                         .first_time_s = r->summary->statistics.first_time_s,
+                         .last_time_s = r->summary->statistics.last_time_s,
+                         .last_yaw_rad = summary->last_pose.yaw_rad};
     snprintf(title, sizeof title, "%s: plan view", r->info.scene_name);
     describe_bottom(r, ground, bottom);
     snprintf(caption, sizeof caption,
@@ -140,22 +133,19 @@ static asdic_status draw(asdic_render *r, const asdic_scenery *scenery, const as
 }
 
 asdic_status asdic_render_chart(asdic_render *r) {
-    const asdic_digest *digest = r->digest;
-    asdic_scenery scenery;
+    const asdic_summary *summary = r->summary;
+    asdic_chart_data data;
     sketch s = {0};
     bool is_plane = strcmp(r->run->facts.bottom, ASDIC_RUN_BOTTOM_PLANE) == 0;
-    asdic_status status = asdic_scenery_read(r->ctx, r->run->folder, &scenery);
-    if (status != ASDIC_OK) {
-        return status;
-    }
-    asdic_ground ground = {.relief = &scenery.relief,
-                           .plane_depth_m = is_plane ? digest->bottom_depth_m : INFINITY};
-    asdic_routes_cut(&scenery, digest->survey.first_time_s, digest->survey.last_time_s);
-    status = add_areas(r, &ground, &s);
-    if (status == ASDIC_OK) {
-        status = draw(r, &scenery, &ground, &s);
+    TRY(asdic_chart_data_read(r->ctx, r->run->folder, &data));
+    asdic_ground ground = {.relief = &data.relief,
+                           .plane_depth_m = is_plane ? summary->bottom_depth_m : INFINITY};
+    asdic_chart_data_cut(&data, summary->statistics.first_time_s, summary->statistics.last_time_s);
+    asdic_status status = add_areas(r, &ground, &s);
+    if (!status) {
+        status = draw(r, &data, &ground, &s);
     }
     sketch_finish(&s);
-    asdic_scenery_finish(&scenery);
+    asdic_chart_data_finish(&data);
     return status;
 }

@@ -1,6 +1,7 @@
-#include "run_render.h"
+#include "run_picture.h"
 
 #include "base/context.h"
+#include "base/try.h"
 #include "out/digits.h"
 #include "run_folder.h"
 
@@ -10,7 +11,7 @@
 
 /* Curves that lie below the window of the total (one of several mechanisms) are worth seeing. */
 #define ASCOPE_BELOW_DB 20.0
-/* A peak shall not touch the frame. */
+/* A peak must not touch the frame. */
 #define ASCOPE_ABOVE_DB 10.0
 
 /* "NAME: ping 17, t = 1.7 s" and the number for the text chunk. */
@@ -33,7 +34,7 @@ static void expectation_finish(expectation *e) {
     free(e->level_db[0]);
 }
 
-/* The null hypothesis for COUNT beams; only where the bottom is one that it knows. */
+/* The expected levels of COUNT beams without objects; none when the bottom is a mesh or grid. */
 static asdic_status expect(asdic_render *r, const asdic_record *record, size_t count,
                            expectation *out) {
     asdic_beam beams[ASDIC_RENDER_PANELS];
@@ -48,27 +49,24 @@ static asdic_status expect(asdic_render *r, const asdic_record *record, size_t c
     }
     sonar.receivers = beams;
     sonar.receiver_count = count;
-    asdic_status status = asdic_ping_create(r->ctx, count, r->info.bins, &out->ping);
-    if (status != ASDIC_OK) {
-        return status;
-    }
+    TRY(asdic_ping_create(r->ctx, count, r->info.bins, &out->ping));
     out->level_db[0] = malloc(ASDIC_COMPONENT_COUNT * cells * sizeof(float));
     if (!out->level_db[0]) {
         return asdic_fail_memory(r->ctx, "expected levels");
     }
     asdic_flat_scene flat = asdic_run_flat_scene(r->run, record);
-    status = asdic_expected_compute(r->ctx, &flat, r->info.environment, &sonar, &record->pose,
-                                    out->ping);
-    for (size_t c = 0; c < ASDIC_COMPONENT_COUNT && status == ASDIC_OK; c++) {
+    TRY(asdic_expected_compute(r->ctx, &flat, r->info.environment, &sonar, &record->pose,
+                               out->ping));
+    for (size_t c = 0; c < ASDIC_COMPONENT_COUNT; c++) {
         out->level_db[c] = out->level_db[0] + c * cells;
         for (size_t i = 0; i < cells; i++) {
             out->level_db[c][i] = (float)asdic_level_db(out->ping->intensity_lin[c][i]);
         }
     }
-    return status;
+    return ASDIC_OK;
 }
 
-/* With an expectation its mechanisms are drawn, else those of the simulation. */
+/* The panel shows the expected mechanisms, or the simulated ones when there is no expectation. */
 static asdic_ascope panel_of(const asdic_render *r, const asdic_record *record,
                              const expectation *expected, size_t k) {
     size_t bins = r->info.bins, first = r->plan.beams[k] * bins;
@@ -91,14 +89,14 @@ static asdic_ascope panel_of(const asdic_render *r, const asdic_record *record,
     return panel;
 }
 
-/* Levels as they are: without a gain, in the window of that. */
+/* An A-scope shows levels without a gain, in a window of their own. */
 asdic_status asdic_render_ascope(const asdic_render *whole, const asdic_record *record) {
     asdic_render own = *whole, *r = &own;
     char title[256], note[384], number[ASDIC_DIGITS_SIZE], *path = NULL;
     char panel_titles[ASDIC_RENDER_PANELS][ASDIC_NAME_SIZE + 16];
     asdic_ascope panels[ASDIC_RENDER_PANELS];
     expectation expected;
-    /* Of many beams the one that looks ahead, see choose_beams. */
+    /* Of many beams the one that looks ahead: asdic_summary_choose_beams. */
     size_t count =
         r->plan.beam_count <= ASDIC_RENDER_PANELS ? r->plan.beam_count : ASDIC_RENDER_PANELS;
     asdic_status status = expect(r, record, count, &expected);
@@ -118,8 +116,8 @@ asdic_status asdic_render_ascope(const asdic_render *whole, const asdic_record *
     }
     own.options.tvg_db_per_decade = own.options.tvg_db_per_m = 0.0;
     if (!r->has_window) {
-        own.options.db_low = r->digest->survey.low_db;
-        own.options.db_high = r->digest->survey.high_db;
+        own.options.db_low = r->summary->statistics.low_db;
+        own.options.db_high = r->summary->statistics.high_db;
     }
     asdic_render_describe(&own);
     asdic_picture_options options = asdic_render_picture(r, title, "ping", number);

@@ -1,6 +1,7 @@
-#include "run_render.h"
+#include "run_picture.h"
 
 #include "base/context.h"
+#include "base/try.h"
 #include "out/draw.h"
 #include "out/png_file.h"
 #include "run_folder.h"
@@ -12,7 +13,7 @@
 #define MOST_NAMES 16
 
 static double ping_period_s(const asdic_render *r) {
-    double whole_s = r->digest->survey.last_time_s - r->digest->survey.first_time_s;
+    double whole_s = r->summary->statistics.last_time_s - r->summary->statistics.first_time_s;
     return r->info.pings > 1 ? whole_s / (double)(r->info.pings - 1) : 0.0;
 }
 
@@ -28,7 +29,7 @@ static asdic_status draw(asdic_render *r, size_t beam, const asdic_decimator *le
     asdic_waterfall waterfall = {.pings = r->info.pings,
                                  .bins = r->info.bins,
                                  .bin_length_m = r->run->facts.bin_length_m,
-                                 .first_time_s = r->digest->survey.first_time_s,
+                                 .first_time_s = r->summary->statistics.first_time_s,
                                  .ping_period_s = ping_period_s(r)};
     asdic_status status = asdic_draw_waterfall(r->ctx, path, &waterfall, levels, &options);
     free(path);
@@ -45,12 +46,10 @@ static asdic_status raw_row(void *user, size_t ping, uint16_t *grey) {
     raw_rows *rows = user;
     asdic_render *r = rows->render;
     asdic_record record;
-    asdic_status status = asdic_run_read(r->run, ping, &record);
-    if (status == ASDIC_OK) {
-        asdic_draw_grey(&rows->options, record.level_db[ASDIC_TOTAL] + rows->beam * r->info.bins,
-                        r->info.bins, r->run->facts.bin_length_m, grey);
-    }
-    return status;
+    TRY(asdic_run_read(r->run, ping, &record));
+    asdic_draw_grey(&rows->options, record.level_db[ASDIC_TOTAL] + rows->beam * r->info.bins,
+                    r->info.bins, r->run->facts.bin_length_m, grey);
+    return ASDIC_OK;
 }
 
 /* Every bin of every ping, read as it is written. */
@@ -73,49 +72,44 @@ static asdic_status draw_raw(asdic_render *r, size_t beam) {
     return status;
 }
 
-/* With a gain, and a window, of its own unless they were asked for. */
-static asdic_status draw_overview(const asdic_render *whole) {
-    const asdic_digest *digest = whole->digest;
+/* The overview has a gain and a window of its own unless the options give them. */
+asdic_status asdic_render_overview(const asdic_render *whole) {
+    const asdic_summary *summary = whole->summary;
     asdic_render own = *whole, *r = &own;
     char title[256];
     const char *names[MOST_NAMES];
     asdic_overview_axes axes = {.names = r->info.beams <= MOST_NAMES ? names : NULL,
-                                .first_time_s = r->digest->survey.first_time_s,
+                                .first_time_s = r->summary->statistics.first_time_s,
                                 .ping_period_s = ping_period_s(r)};
     for (size_t i = 0; axes.names && i < r->info.beams; i++) {
         names[i] = r->info.sonar->receivers[i].name;
     }
-    own.options.tvg_db_per_decade = digest->overview_db_per_decade;
-    own.options.tvg_db_per_m = digest->overview_db_per_m;
+    own.options.tvg_db_per_decade = summary->overview_db_per_decade;
+    own.options.tvg_db_per_m = summary->overview_db_per_m;
     if (!whole->has_window) {
-        asdic_overview_window(&digest->overview, &own.options.db_low, &own.options.db_high);
+        asdic_overview_window(&summary->overview, &own.options.db_low, &own.options.db_high);
     }
     asdic_render_describe(&own);
     snprintf(title, sizeof title, "%s: strongest echo of each ping and beam", r->info.scene_name);
     asdic_picture_options options = asdic_render_picture(r, title, "view", "overview");
     char *path = asdic_render_path(r, "overview", "");
     asdic_status status =
-        path ? asdic_draw_overview(r->ctx, path, &digest->overview, &axes, &options)
+        path ? asdic_draw_overview(r->ctx, path, &summary->overview, &axes, &options)
              : asdic_fail_memory(r->ctx, "a file name");
     free(path);
     return status;
 }
 
-asdic_status asdic_render_many(asdic_render *r) {
-    asdic_status status = ASDIC_OK;
-    for (size_t k = 0; r->images & 1u << ASDIC_IMAGE_WATERFALL && k < r->plan.beam_count; k++) {
-        if (status == ASDIC_OK) {
-            status = draw(r, r->plan.beams[k], &r->digest->waterfalls[k]);
-        }
+asdic_status asdic_render_waterfalls(asdic_render *r) {
+    for (size_t k = 0; k < r->plan.beam_count; k++) {
+        TRY(draw(r, r->plan.beams[k], &r->summary->waterfalls[k]));
     }
-    if (status == ASDIC_OK && r->images & 1u << ASDIC_IMAGE_OVERVIEW) {
-        status = draw_overview(r);
+    return ASDIC_OK;
+}
+
+asdic_status asdic_render_raw(asdic_render *r) {
+    for (size_t k = 0; k < r->plan.beam_count; k++) {
+        TRY(draw_raw(r, r->plan.beams[k]));
     }
-    if (status == ASDIC_OK && r->images & 1u << ASDIC_IMAGE_PLAN) {
-        status = asdic_render_chart(r);
-    }
-    for (size_t k = 0; r->options.raw && k < r->plan.beam_count && status == ASDIC_OK; k++) {
-        status = draw_raw(r, r->plan.beams[k]);
-    }
-    return status;
+    return ASDIC_OK;
 }

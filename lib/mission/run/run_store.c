@@ -1,6 +1,7 @@
 #include "run_store.h"
 
 #include "base/context.h"
+#include "base/try.h"
 #include "out/file.h"
 #include "out/npy.h"
 #include "out/record.h"
@@ -71,8 +72,8 @@ static asdic_status write_header(asdic_store *store, size_t count) {
     return write_at(store->fd, header, length, 0) ? ASDIC_OK : fail_io(store, "write");
 }
 
-/* Takes the number of records from the file's size. A finished file must say the same number; a
- * .part has 0 in its header, or a number when it was finished once. */
+/* Takes the number of records from the file's size. The header of a finished file must state it;
+ * that of a .part states 0, or the number when it was last finished. */
 static asdic_status check(asdic_store *store) {
     char expected[ASDIC_NPY_HEADER_SIZE], found[ASDIC_NPY_HEADER_SIZE];
     struct stat st;
@@ -107,7 +108,7 @@ damaged:
                       store->header_bytes);
 }
 
-/* Records are added to a file that is there: it must be the folder's own. */
+/* A file to which records are added must be the folder's own. */
 static asdic_status refuse_link(asdic_store *store, const char *path) {
     if (!asdic_file_is_link(path)) {
         return ASDIC_OK;
@@ -124,12 +125,9 @@ static asdic_status open_file(asdic_store *store, asdic_store_mode mode) {
         store->fd = open(store->path, O_RDONLY | O_CLOEXEC);
         return store->fd < 0 ? fail_io(store, "read") : check(store);
     }
-    asdic_status status = refuse_link(store, store->part);
-    status = status ? status : refuse_link(store, store->path);
-    if (status != ASDIC_OK) {
-        return status;
-    }
-    /* A finished file becomes the part again; until it is committed its name is free. */
+    TRY(refuse_link(store, store->part));
+    TRY(refuse_link(store, store->path));
+    /* A finished file becomes the .part again until it is committed. */
     store->is_part = true;
     if (mode == ASDIC_STORE_RESUME && access(store->part, F_OK) != 0 &&
         rename(store->path, store->part) != 0 && errno != ENOENT) {
@@ -159,8 +157,8 @@ asdic_status asdic_store_open(asdic_context *ctx, const char *folder, asdic_stor
     }
     store->ctx = ctx;
     store->fd = -1;
-    store->path = asdic_folder_path(folder, "pings", "", "npy");
-    store->part = asdic_folder_path(folder, "pings", "", "npy.part");
+    store->path = asdic_folder_file(folder, "pings.npy");
+    store->part = asdic_folder_file(folder, "pings.npy.part");
     store->record_bytes = asdic_record_bytes(beams, bins);
     asdic_record_dtype(store->dtype, beams, bins);
     store->header_bytes = asdic_npy_header(header, store->dtype, 0, "");
@@ -209,15 +207,14 @@ asdic_status asdic_store_cut(asdic_store *store, size_t count) {
 }
 
 asdic_status asdic_store_commit(asdic_store *store) {
-    asdic_status status = asdic_store_cut(store, store->count); /* a torn record after the last */
-    if (status == ASDIC_OK) {
-        status = write_header(store, store->count);
+    store->is_part = true;
+    TRY(asdic_store_cut(store, store->count)); /* drops an incomplete record */
+    TRY(write_header(store, store->count));
+    if (fsync(store->fd) != 0 || rename(store->part, store->path) != 0) {
+        return fail_io(store, "write");
     }
-    if (status == ASDIC_OK && (fsync(store->fd) != 0 || rename(store->part, store->path) != 0)) {
-        status = fail_io(store, "write");
-    }
-    store->is_part = status != ASDIC_OK;
-    return status;
+    store->is_part = false;
+    return ASDIC_OK;
 }
 
 void asdic_store_close(asdic_store **store) {

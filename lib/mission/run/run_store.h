@@ -1,7 +1,6 @@
 /*
  * pings.npy: the records of a run, appended ping by ping. While a run goes on the file is called
- * pings.npy.part; records that were appended survive the death of the process, a torn one is
- * forgotten.
+ * pings.npy.part. Appended records survive the death of the process; an incomplete one is dropped.
  */
 #ifndef ASDIC_MISSION_RUN_STORE_H
 #define ASDIC_MISSION_RUN_STORE_H
@@ -25,7 +24,7 @@ size_t asdic_store_record_bytes(const asdic_store *store);
 asdic_status asdic_store_append(asdic_store *store, const void *bytes);
 asdic_status asdic_store_read(asdic_store *store, size_t index, void *bytes);
 
-/* Forgets the records from COUNT on. */
+/* Drops the records from COUNT on. */
 asdic_status asdic_store_cut(asdic_store *store, size_t count);
 
 /* Completes the header and gives the file its name; the store stays open for reading. */

@@ -1,6 +1,7 @@
 #include "team_message.h"
 
 #include "base/context.h"
+#include "base/try.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -27,9 +28,9 @@ asdic_status asdic_message_receive(const asdic_team *team, unsigned *from, asdic
     size_t length = 0;
     head->kind = 0;
     for (;;) {
-        asdic_status status = team->receive(team->user, from, &data, &length);
-        if (status != ASDIC_OK || !data) {
-            return status;
+        TRY(team->receive(team->user, from, &data, &length));
+        if (!data) {
+            return ASDIC_OK;
         }
         if (length >= sizeof *head) {
             memcpy(head, data, sizeof *head);
@@ -71,50 +72,51 @@ void asdic_message_unpack_ping(const void *payload, asdic_ping *ping) {
     memcpy(ping->stderr_db, at, cells * sizeof(float));
 }
 
-void asdic_message_rest(void) {
+void asdic_message_wait(void) {
     nanosleep(&(struct timespec){.tv_nsec = 500000}, NULL);
 }
 
 /* ---- the end -------------------------------------------------------------------------------- */
 
-/* Tells all others to stop and waits until each has said its last word. */
-static asdic_status dismiss(asdic_team *team) {
-    const asdic_message stop = {.kind = ASDIC_MESSAGE_STOP};
-    asdic_status status = ASDIC_OK;
-    for (unsigned to = 1; to < team->size && status == ASDIC_OK; to++) {
-        status = asdic_message_send(team, to, &stop, NULL, 0);
-    }
-    for (unsigned left = team->size - 1; left > 0 && status == ASDIC_OK;) {
-        asdic_message head;
-        const void *payload;
-        size_t bytes;
-        unsigned from;
-        status = asdic_message_receive(team, &from, &head, &payload, &bytes);
-        left -= head.kind == ASDIC_MESSAGE_BYE;
-        if (head.kind == 0) {
-            asdic_message_rest();
+/* The next message, waiting for it. */
+static asdic_status wait_for_message(const asdic_team *team, asdic_message *head) {
+    const void *payload;
+    size_t bytes;
+    unsigned from;
+    for (;;) {
+        TRY(asdic_message_receive(team, &from, head, &payload, &bytes));
+        if (head->kind != 0) {
+            return ASDIC_OK;
         }
+        asdic_message_wait();
     }
-    return status;
 }
 
-static asdic_status excuse(asdic_context *ctx, asdic_team *team) {
+/* Process 0: tells all others to stop and waits for the last message of each. */
+static asdic_status dismiss(const asdic_team *team) {
+    const asdic_message stop = {.kind = ASDIC_MESSAGE_STOP};
+    asdic_message head = {0};
+    for (unsigned to = 1; to < team->size; to++) {
+        TRY(asdic_message_send(team, to, &stop, NULL, 0));
+    }
+    for (unsigned left = team->size - 1; left > 0; left -= head.kind == ASDIC_MESSAGE_BYE) {
+        TRY(wait_for_message(team, &head));
+    }
+    return ASDIC_OK;
+}
+
+/* Another process that did not take part: tells process 0 why and waits to be told to stop. */
+static asdic_status excuse(asdic_context *ctx, const asdic_team *team) {
     const asdic_message hello = {.kind = ASDIC_MESSAGE_HELLO, .status = ASDIC_ERROR_INPUT};
     const asdic_message bye = {.kind = ASDIC_MESSAGE_BYE};
     asdic_message_hello about = {{0}, {0}};
-    strncpy(about.why, asdic_context_error(ctx), sizeof about.why - 1);
-    asdic_status status = asdic_message_send(team, 0, &hello, &about, sizeof about);
     asdic_message head = {0};
-    while (status == ASDIC_OK && head.kind != ASDIC_MESSAGE_STOP) {
-        const void *payload;
-        size_t bytes;
-        unsigned from;
-        status = asdic_message_receive(team, &from, &head, &payload, &bytes);
-        if (head.kind == 0) {
-            asdic_message_rest();
-        }
+    strncpy(about.why, asdic_context_error(ctx), sizeof about.why - 1);
+    TRY(asdic_message_send(team, 0, &hello, &about, sizeof about));
+    while (head.kind != ASDIC_MESSAGE_STOP) {
+        TRY(wait_for_message(team, &head));
     }
-    return status == ASDIC_OK ? asdic_message_send(team, 0, &bye, NULL, 0) : status;
+    return asdic_message_send(team, 0, &bye, NULL, 0);
 }
 
 asdic_status asdic_team_end(asdic_context *ctx, asdic_team *team) {

@@ -1,12 +1,12 @@
 /*
- * What the processes of a team say to each other: a head, then a payload.
+ * The messages between the processes of a team: a head, then a payload.
  *
  *     0 -> others   BEGIN   the number of rays, which a tolerance may have changed
  *     others -> 0   HELLO   a hash of what is to be run, the devices' names; or why not
  *     0 -> others   ORDER   pings for a device
  *     others -> 0   RESULT  one ping
  *     others -> 0   FAILED  a device is lost, and why
- *     0 -> others   STOP    go home
+ *     0 -> others   STOP    the run is over
  *     others -> 0   BYE     the last message
  */
 #ifndef ASDIC_MISSION_TEAM_MESSAGE_H
@@ -49,7 +49,7 @@ asdic_status asdic_message_send(const asdic_team *team, unsigned to, const asdic
                                 const void *payload, size_t bytes);
 
 /* The next message, its head copied; *PAYLOAD is valid until the next call. HEAD's kind is 0 when
- * there is none. What is not a message is passed over. */
+ * there is none. What is no message is skipped. */
 asdic_status asdic_message_receive(const asdic_team *team, unsigned *from, asdic_message *head,
                                    const void **payload, size_t *bytes);
 
@@ -58,7 +58,7 @@ size_t asdic_message_ping_bytes(size_t beams, size_t bins);
 void asdic_message_pack_ping(const asdic_ping *ping, void *payload);
 void asdic_message_unpack_ping(const void *payload, asdic_ping *ping);
 
-/* A moment's rest of who waits for messages. */
-void asdic_message_rest(void);
+/* Sleeps for a moment, between two looks for messages. */
+void asdic_message_wait(void);
 
 #endif

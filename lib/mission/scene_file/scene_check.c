@@ -1,6 +1,6 @@
 /*
- * What must hold between the keys of a scene file. Only values that were found good one by one are
- * judged together, so that one slip makes one error.
+ * Checks of several keys of a scene file together. Only values that are good one by one are judged
+ * together, so that one mistake makes one error.
  */
 #include "scene_file.h"
 #include "scene_laws.h"
@@ -15,9 +15,13 @@
 /* More bins than any sonar has: a unit is wrong somewhere. */
 #define MAX_BINS 65536
 
-/* A current's part of a vehicle's speed: what is left holds a line and makes headway, turns and
- * their loss of speed included. */
+/* The largest share that a current may have of a vehicle's speed. The rest is enough to hold a
+ * line and make headway, with the speed that turns cost. */
 #define MAX_CURRENT 0.5
+
+bool asdic_scene_node_good(const asdic_yaml_node *node) {
+    return node && !node->bad;
+}
 
 /* Where to report on KEY of MAP: at its value, or at the map when the default is meant. */
 static asdic_yaml_node *at(asdic_yaml_node *map, const char *key) {
@@ -41,8 +45,8 @@ static int compare_names(const void *pa, const void *pb) {
     return order ? order : (a->node->index < b->node->index ? -1 : 1);
 }
 
-/* Names the unnamed by FORMAT and their number, then looks for twins. The items of LIST have SIZE
- * bytes, begin with their node, and hold their name at OFFSET. */
+/* Names unnamed items by PREFIX and their number, then looks for equal names. The items of LIST
+ * have SIZE bytes, begin with their node, and hold their name at OFFSET. */
 static void check_names(asdic_list list, size_t size, size_t offset, const char *prefix,
                         asdic_arena *arena, asdic_problems *problems) {
     named_node *names = asdic_arena_alloc(arena, (list.count + 1) * sizeof *names);
@@ -74,7 +78,7 @@ static void check_names(asdic_list list, size_t size, size_t offset, const char 
     }
 }
 
-/* The range, and how it is cut, at the sound speed where the sonar is. */
+/* Checks the range and its bins, at the sound speed where the sonar is. */
 static void check_bins(const asdic_scene_file *file, asdic_problems *problems) {
     const file_sonar *s = &file->sonar;
     if (!s->node || is_bad(s->node, "ping_rate_hz") || is_bad(s->node, "bin_length_m") ||
@@ -176,7 +180,7 @@ static void check_point(const file_object *object, asdic_problems *problems) {
     }
 }
 
-/* A track says where its object is. */
+/* A track excludes the keys that place an object. */
 static void check_object_track(const file_object *object, asdic_problems *problems) {
     static const char *const places[] = {"position_m", "rotation_deg"};
     for (size_t i = 0; asdic_yaml_child(object->node, "track") && i < 2; i++) {
@@ -201,7 +205,7 @@ static void check_objects(const asdic_scene_file *file, asdic_arena *arena,
     }
 }
 
-/* The sonar is in the water. Meshes and tracks are judged when they have been read. */
+/* Checks that the sonar is in the water. Meshes and tracks are checked when they are read. */
 static void check_pose(const asdic_scene_file *file, asdic_problems *problems) {
     const file_pose *pose = &file->mission.pose;
     if (!asdic_scene_node_good(pose->node)) {
@@ -240,7 +244,7 @@ static void check_remus(const file_waypoints *w, asdic_problems *problems) {
     }
 }
 
-/* How the vehicle goes through the water. */
+/* Checks speeds, and the keys of the vehicle's model. */
 static void check_vehicle(const file_waypoints *w, asdic_problems *problems) {
     double current_mps = hypot(w->current_mps[0], w->current_mps[1]);
     if (w->vehicle == ASDIC_VEHICLE_REMUS100) {
@@ -258,7 +262,7 @@ static void check_vehicle(const file_waypoints *w, asdic_problems *problems) {
     }
 }
 
-/* That the vehicle can fly from point to point, through water. */
+/* Checks that the vehicle can fly from point to point through water. */
 static void check_waypoints(const asdic_scene_file *file, asdic_problems *problems) {
     const file_waypoints *w = &file->mission.waypoints;
     if (!asdic_scene_node_good(w->node)) {

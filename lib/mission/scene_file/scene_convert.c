@@ -59,7 +59,8 @@ asdic_sonar asdic_scene_file_sonar(const asdic_scene_file *file) {
     };
 }
 
-/* The beam of an array, aimed as FAN says, that looks BEARING_DEG to starboard of its front, in its plane. */
+/* The beam of an array, aimed as FAN says, that looks BEARING_DEG to starboard of its front, in its
+ * plane. */
 static void turn_in_plane(const file_fan *fan, double bearing_deg, asdic_beam *beam) {
     asdic_mat3 array = asdic_mat3_attitude(radians(fan->roll_deg), -radians(fan->pitch_deg),
                                            radians(fan->yaw_deg));

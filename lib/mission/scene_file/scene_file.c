@@ -1,13 +1,147 @@
+/*
+ * From the bytes of a scene file to the struct that its tables fill.
+ */
 #include "scene_file.h"
 
 #include "base/number.h"
-#include "scene_settings.h"
 
+#include <stdint.h>
+#include <stdlib.h>
 #include <string.h>
 
-bool asdic_scene_node_good(const asdic_yaml_node *node) {
-    return node && !node->bad;
+/* --- text ------------------------------------------------------------------------------------- */
+
+/* CODE as UTF-8; returns the number of bytes. Lone surrogates become three bytes that no reader of
+ * UTF-8 accepts. */
+static size_t put_utf8(uint32_t code, char *out) {
+    if (code < 0x80) {
+        out[0] = (char)code;
+        return 1;
+    }
+    size_t bytes = code < 0x800 ? 2 : code < 0x10000 ? 3 : 4;
+    static const unsigned char lead[] = {0, 0, 0xc0, 0xe0, 0xf0};
+    for (size_t i = bytes - 1; i > 0; i--) {
+        out[i] = (char)(0x80 | (code & 0x3f));
+        code >>= 6;
+    }
+    out[0] = (char)(lead[bytes] | code);
+    return bytes;
 }
+
+static size_t utf16_to_utf8(const unsigned char *bytes, size_t size, int big_endian, char *out) {
+    size_t length = 0;
+    for (size_t i = 0; i + 1 < size; i += 2) {
+        uint32_t unit = (uint32_t)bytes[i + !big_endian] << 8 | bytes[i + big_endian];
+        if (unit >= 0xd800 && unit < 0xdc00 && i + 3 < size) {
+            uint32_t low = (uint32_t)bytes[i + 2 + !big_endian] << 8 | bytes[i + 2 + big_endian];
+            if (low >= 0xdc00 && low < 0xe000) {
+                unit = 0x10000 + ((unit - 0xd800) << 10) + (low - 0xdc00);
+                i += 2;
+            }
+        }
+        length += put_utf8(unit, out + length);
+    }
+    return length;
+}
+
+char *asdic_text_to_utf8(const char *bytes, size_t size, size_t *length) {
+    const unsigned char *b = (const unsigned char *)bytes;
+    /* Two bytes of UTF-16 make at most three of UTF-8. */
+    char *out = malloc(size + size / 2 + 4);
+    if (!out) {
+        return NULL;
+    }
+    if (size >= 2 && ((b[0] == 0xff && b[1] == 0xfe) || (b[0] == 0xfe && b[1] == 0xff))) {
+        *length = utf16_to_utf8(b + 2, size - 2, b[0] == 0xfe, out);
+    } else {
+        size_t mark = size >= 3 && memcmp(bytes, "\xef\xbb\xbf", 3) == 0 ? 3 : 0;
+        *length = size - mark;
+        memcpy(out, bytes + mark, *length);
+    }
+    out[*length] = '\0';
+    return out;
+}
+
+/* --- settings in place of what the text says -------------------------------------------------- */
+
+/* The child called KEY of MAP, made when there is none. */
+static asdic_yaml_node *child_of(asdic_yaml_node *map, const char *key, size_t length,
+                                 asdic_arena *arena) {
+    for (asdic_yaml_node *child = map->first; child; child = child->next) {
+        if (child->key_length == length && memcmp(child->key, key, length) == 0) {
+            return child;
+        }
+    }
+    asdic_yaml_node *child = asdic_arena_alloc(arena, sizeof *child);
+    if (child) {
+        child->kind = ASDIC_YAML_MAP;
+        child->line = child->key_line = map->line;
+        child->column = child->key_column = map->column;
+        child->key = asdic_arena_string(arena, key, length);
+        child->key_length = length;
+        asdic_yaml_append(map, child);
+    }
+    return child && child->key ? child : NULL;
+}
+
+static asdic_yaml_node *item_of(asdic_yaml_node *list, size_t index) {
+    asdic_yaml_node *item = list->first;
+    while (item && index-- > 0) {
+        item = item->next;
+    }
+    return item;
+}
+
+/* One step of PATH from NODE; *AT moves behind it. NULL after a problem, or without memory. */
+static asdic_yaml_node *step(asdic_yaml_node *node, const char *path, const char **at,
+                             asdic_arena *arena, asdic_problems *problems) {
+    if (**at == '[') {
+        char *end;
+        size_t index = strtoul(*at + 1, &end, 10);
+        if (end == *at + 1 || *end != ']' || node->kind != ASDIC_YAML_LIST ||
+            index >= node->count) {
+            asdic_yaml_problem(problems, node, "cannot set '%s': there is no '%.*s' here", path,
+                               (int)(strcspn(*at, "].") + 1), *at);
+            return NULL;
+        }
+        *at = end + 1;
+        return item_of(node, index);
+    }
+    *at += **at == '.';
+    size_t length = strcspn(*at, ".[");
+    if (length == 0 || node->kind != ASDIC_YAML_MAP) {
+        asdic_yaml_problem(problems, node,
+                           length ? "cannot set '%s': '%.*s' is not in a map here"
+                                  : "cannot set '%s': a key is missing in it%.*s",
+                           path, (int)length, *at);
+        return NULL;
+    }
+    asdic_yaml_node *child = child_of(node, *at, length, arena);
+    problems->out_of_memory |= !child;
+    *at += length;
+    return child;
+}
+
+static void set_value(asdic_yaml_node *root, const asdic_setting *setting, asdic_arena *arena,
+                      asdic_problems *problems) {
+    asdic_yaml_node *node = root;
+    const char *at = setting->key;
+    while (node && (*at || node == root)) {
+        node = step(node, setting->key, &at, arena, problems);
+    }
+    if (!node) {
+        return;
+    }
+    node->kind = ASDIC_YAML_SCALAR;
+    node->first = node->last = NULL;
+    node->count = 0;
+    node->quoted = false;
+    node->length = strlen(setting->value);
+    node->text = asdic_arena_string(arena, setting->value, node->length);
+    problems->out_of_memory |= !node->text;
+}
+
+/* --- the file --------------------------------------------------------------------------------- */
 
 bool asdic_scene_file_parse(const char *text, size_t size, asdic_arena *arena,
                             asdic_problems *problems, asdic_scene_file *file) {
@@ -26,7 +160,7 @@ bool asdic_scene_file_parse_with(const char *text, size_t size, const asdic_sett
         return true;
     }
     for (size_t i = 0; i < count; i++) {
-        asdic_scene_set(root, &settings[i], arena, problems);
+        set_value(root, &settings[i], arena, problems);
     }
     asdic_schema_read(asdic_scene_table(), asdic_scene_table(), root, arena, problems, file);
     asdic_scene_file_check(file, arena, problems);

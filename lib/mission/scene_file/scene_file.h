@@ -1,12 +1,13 @@
 /*
- * A scene file as it is written, in its own units: what the tables of scene_keys.c fill. Every
- * struct begins with the node it was read from, NULL when the file does not have it.
+ * A scene file's content in its own units, as the tables of scene_keys.c fill it. Every struct
+ * begins with the node it was read from, NULL when the file does not have it.
  */
 #ifndef ASDIC_MISSION_SCENE_FILE_H
 #define ASDIC_MISSION_SCENE_FILE_H
 
 #include <asdic/mission.h>
 
+#include "out/format.h"
 #include "schema.h"
 
 typedef struct file_environment {
@@ -195,7 +196,7 @@ typedef struct file_detector {
 typedef struct file_output {
     asdic_yaml_node *node;
     int csv;
-    bool npy, netcdf;
+    bool formats[ASDIC_FORMAT_COUNT];
     unsigned images;
 } file_output;
 
@@ -217,20 +218,27 @@ typedef struct asdic_scene_file {
 /* The table of the whole file. */
 const asdic_table *asdic_scene_table(void);
 
+/* BYTES as UTF-8 without a byte-order mark, with a zero byte behind its *LENGTH bytes, to be freed
+ * with free(); NULL when memory is short. UTF-16 is known by its byte-order mark; what is no valid
+ * text passes through, for the reader of the text to refuse. */
+char *asdic_text_to_utf8(const char *bytes, size_t size, size_t *length);
+
 /* Parses SIZE bytes of UTF-8 text, checks each key by itself and then together (scene_check.c).
  * Every error goes to PROBLEMS; FILE is meaningful where nothing is bad. False: out of memory. */
 bool asdic_scene_file_parse(const char *text, size_t size, asdic_arena *arena,
                             asdic_problems *problems, asdic_scene_file *file);
 
-/* The same with SETTINGS in place of what the text says. */
+/* The same with SETTINGS in place of what the text says. Maps that a setting names are made when
+ * they are missing; entries of lists must be there. */
 bool asdic_scene_file_parse_with(const char *text, size_t size, const asdic_setting *settings,
                                  size_t count, asdic_arena *arena, asdic_problems *problems,
                                  asdic_scene_file *file);
 
-/* What the tables cannot say: limits that depend on several keys. Names what has no name. */
+/* Checks what depends on several keys, and names what has no name (scene_check.c). */
 void asdic_scene_file_check(asdic_scene_file *file, asdic_arena *arena, asdic_problems *problems);
 
-/* NODE was given and nothing in it is wrong, so that it may be judged together with others. */
+/* Whether NODE is given and nothing in it is wrong, so that it can be judged together with
+ * others. */
 bool asdic_scene_node_good(const asdic_yaml_node *node);
 
 /* The file's content in the library's units (scene_convert.c). The sonar comes without its

@@ -6,7 +6,7 @@
 /* --- environment ------------------------------------------------------------------------------ */
 
 static const asdic_word particle_words[] = {
-    {"low", -90, false}, {"moderate", -70, false}, {"high", -50, false}, {NULL, 0, false}};
+    {"low", -90}, {"moderate", -70}, {"high", -50}, {NULL, 0}};
 
 #define ENV(member) AT(file_environment, member)
 static const asdic_key environment_keys[] = {
@@ -33,14 +33,14 @@ static const asdic_table environment_table = {TABLE(environment_keys, file_envir
 
 /* --- how to compute, what to write ------------------------------------------------------------ */
 
-static const asdic_word sampler_words[] = {{"adaptive", ASDIC_SAMPLER_ADAPTIVE, false},
-                                           {"beam", ASDIC_SAMPLER_BEAM, false},
-                                           {"uniform-sphere", ASDIC_SAMPLER_UNIFORM_SPHERE, false},
-                                           {NULL, 0, false}};
-static const asdic_word multipath_words[] = {{"off", ASDIC_MULTIPATH_OFF, false},
-                                             {"first", ASDIC_MULTIPATH_FIRST, false},
-                                             {"boundaries", ASDIC_MULTIPATH_BOUNDARIES, false},
-                                             {NULL, 0, false}};
+static const asdic_word sampler_words[] = {{"adaptive", ASDIC_SAMPLER_ADAPTIVE},
+                                           {"beam", ASDIC_SAMPLER_BEAM},
+                                           {"uniform-sphere", ASDIC_SAMPLER_UNIFORM_SPHERE},
+                                           {NULL, 0}};
+static const asdic_word multipath_words[] = {{"off", ASDIC_MULTIPATH_OFF},
+                                             {"first", ASDIC_MULTIPATH_FIRST},
+                                             {"boundaries", ASDIC_MULTIPATH_BOUNDARIES},
+                                             {NULL, 0}};
 static const asdic_key sampling_keys[] = {
     {"rays", ASDIC_KEY_INTEGER, AT(file_sampling, rays), .min = 64, .max = 268435456,
      .fallback = "20000", .doc = "rays per ping"},
@@ -55,11 +55,10 @@ static const asdic_key sampling_keys[] = {
 static const asdic_table sampling_table = {TABLE(sampling_keys, file_sampling),
                                            .doc = "how rays are spent"};
 
-static const asdic_word variant_words[] = {{"corrected", ASDIC_VARIANT_CORRECTED, false},
-                                           {"printed", ASDIC_VARIANT_PRINTED, false},
-                                           {NULL, 0, false}};
+static const asdic_word variant_words[] = {
+    {"corrected", ASDIC_VARIANT_CORRECTED}, {"printed", ASDIC_VARIANT_PRINTED}, {NULL, 0}};
 static const asdic_word terms_words[] = {
-    {"needed", FILE_TERMS_NEEDED, false}, {"all", FILE_TERMS_ALL, false}, {NULL, 0, false}};
+    {"needed", FILE_TERMS_NEEDED}, {"all", FILE_TERMS_ALL}, {NULL, 0}};
 static const asdic_key model_keys[] = {
     {"variant", ASDIC_KEY_WORD, AT(file_model, variant), .words = variant_words,
      .fallback = "corrected", .doc = "the formulas put right, or as the paper prints them"},
@@ -68,11 +67,11 @@ static const asdic_key model_keys[] = {
 };
 static const asdic_table model_table = {TABLE(model_keys, file_model), .doc = "the formulas"};
 
-static const asdic_word target_words[] = {{"swerling0", ASDIC_TARGET_SWERLING0, false},
-                                          {"swerling1", ASDIC_TARGET_SWERLING1, false},
-                                          {"swerling2", ASDIC_TARGET_SWERLING2, false},
-                                          {"swerling3", ASDIC_TARGET_SWERLING3, false},
-                                          {NULL, 0, false}};
+static const asdic_word target_words[] = {{"swerling0", ASDIC_TARGET_SWERLING0},
+                                          {"swerling1", ASDIC_TARGET_SWERLING1},
+                                          {"swerling2", ASDIC_TARGET_SWERLING2},
+                                          {"swerling3", ASDIC_TARGET_SWERLING3},
+                                          {NULL, 0}};
 static const asdic_key detector_keys[] = {
     {"target", ASDIC_KEY_WORD, AT(file_detector, target), .words = target_words,
      .fallback = "swerling1", .doc = "how the target's echo fluctuates"},
@@ -90,26 +89,21 @@ static const asdic_key detector_keys[] = {
 static const asdic_table detector_table = {TABLE(detector_keys, file_detector),
                                            .doc = "the detector"};
 
-static const asdic_word csv_words[] = {{"long", ASDIC_CSV_LONG, false},
-                                       {"wide", ASDIC_CSV_WIDE, false},
-                                       {"none", ASDIC_CSV_NONE, false},
-                                       {NULL, 0, false}};
-static const asdic_word image_words[] = {{"waterfall", ASDIC_IMAGE_WATERFALL, false},
-                                         {"ascope", ASDIC_IMAGE_ASCOPE, false},
-                                         {"fan", ASDIC_IMAGE_FAN, false},
-                                         {"overview", ASDIC_IMAGE_OVERVIEW, false},
-                                         {"plan", ASDIC_IMAGE_PLAN, false},
-                                         {NULL, 0, false}};
+static const asdic_word csv_words[] = {
+    {"long", ASDIC_CSV_LONG}, {"wide", ASDIC_CSV_WIDE}, {"none", ASDIC_CSV_NONE}, {NULL, 0}};
+static const asdic_word image_words[] = {
+    {"waterfall", ASDIC_IMAGE_WATERFALL}, {"ascope", ASDIC_IMAGE_ASCOPE}, {"fan", ASDIC_IMAGE_FAN},
+    {"overview", ASDIC_IMAGE_OVERVIEW},   {"plan", ASDIC_IMAGE_PLAN},     {NULL, 0}};
+#define FORMAT_KEY(name_of)                                                                        \
+    {#name_of, ASDIC_KEY_BOOL, AT(file_output, formats[ASDIC_FORMAT_##name_of]),                   \
+     .fallback = "false", .doc = asdic_format_doc_##name_of},
 static const asdic_key output_keys[] = {
     {"csv", ASDIC_KEY_WORD, AT(file_output, csv), .words = csv_words, .fallback = "long",
      .doc = "bins.csv: long has a row per ping, beam and bin, wide one per ping and beam; none: no "
             "such file, pings.npy holds the same"},
-    {"npy", ASDIC_KEY_BOOL, AT(file_output, npy), .fallback = "false",
-     .doc = "also levels.npy: float32 by ping, beam and bin"},
-    {"netcdf", ASDIC_KEY_BOOL, AT(file_output, netcdf), .fallback = "false",
-     .doc = "also run.nc: netCDF-4 with names after SONAR-netCDF4"},
-    {"images", ASDIC_KEY_WORDS, AT(file_output, images), .words = image_words,
-     .fallback = "[waterfall, ascope, fan, overview, plan]", .doc = "pictures to draw"},
+    ASDIC_FORMATS(FORMAT_KEY){
+        "images", ASDIC_KEY_WORDS, AT(file_output, images), .words = image_words,
+        .fallback = "[waterfall, ascope, fan, overview, plan]", .doc = "pictures to draw"},
 };
 static const asdic_table output_table = {TABLE(output_keys, file_output),
                                          .doc = "what a run writes"};

@@ -1,6 +1,5 @@
 /*
- * The tables of the scene file, by part. One row says all there is to say about a key; adding a
- * feature adds a row, and finishing one takes the ASDIC_KEY_PLANNED flag off its row.
+ * The tables of the scene file, by part. One row says all there is to say about a key.
  */
 #ifndef ASDIC_MISSION_SCENE_KEYS_H
 #define ASDIC_MISSION_SCENE_KEYS_H

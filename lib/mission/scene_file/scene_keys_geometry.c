@@ -24,7 +24,7 @@ static const asdic_table mesh_table = {TABLE(mesh_keys, file_mesh), .doc = "a me
                                        .scalar_key = "file"};
 
 static const asdic_word grid_words[] = {
-    {"depths", FILE_GRID_DEPTHS, false}, {"heights", FILE_GRID_HEIGHTS, false}, {NULL, 0, false}};
+    {"depths", FILE_GRID_DEPTHS}, {"heights", FILE_GRID_HEIGHTS}, {NULL, 0}};
 static const asdic_key grid_keys[] = {
     {"file", ASDIC_KEY_PATH, ASDIC_KEY_REQUIRED, AT(file_grid, file),
      .doc = "ESRI ASCII grid, relative to the scene file"},

@@ -33,7 +33,7 @@ static const asdic_key beam_keys[] = {
 static const asdic_table beam_table = {TABLE(beam_keys, file_beam), .doc = "a receiving aperture"};
 
 static const asdic_word fan_shape_words[] = {
-    {"plane", FILE_FAN_PLANE, false}, {"cone", FILE_FAN_CONE, false}, {NULL, 0, false}};
+    {"plane", FILE_FAN_PLANE}, {"cone", FILE_FAN_CONE}, {NULL, 0}};
 
 static const asdic_key fan_keys[] = {
     {"count", ASDIC_KEY_INTEGER, ASDIC_KEY_REQUIRED, AT(file_fan, count), .min = 1, .max = 4096,
@@ -61,11 +61,11 @@ static const asdic_key noise_keys[] = {
 };
 static const asdic_table noise_table = {TABLE(noise_keys, file_noise), .doc = "ambient noise"};
 
-static const asdic_word speckle_words[] = {{"none", ASDIC_SPECKLE_NONE, false},
-                                           {"rayleigh", ASDIC_SPECKLE_RAYLEIGH, false},
-                                           {"k", ASDIC_SPECKLE_K, false},
-                                           {NULL, 0, false}};
-static const asdic_word rear_words[] = {{"none", -INFINITY, false}, {NULL, 0, false}};
+static const asdic_word speckle_words[] = {{"none", ASDIC_SPECKLE_NONE},
+                                           {"rayleigh", ASDIC_SPECKLE_RAYLEIGH},
+                                           {"k", ASDIC_SPECKLE_K},
+                                           {NULL, 0}};
+static const asdic_word rear_words[] = {{"none", -INFINITY}, {NULL, 0}};
 
 #define SONAR(member) AT(file_sonar, member)
 static const asdic_key sonar_keys[] = {
@@ -109,9 +109,8 @@ static const asdic_key pose_keys[] = {
 };
 static const asdic_table pose_table = {TABLE(pose_keys, file_pose), .doc = "a vehicle at rest"};
 
-static const asdic_word vehicle_words[] = {{"nomoto", ASDIC_VEHICLE_NOMOTO, false},
-                                           {"remus100", ASDIC_VEHICLE_REMUS100, false},
-                                           {NULL, 0, false}};
+static const asdic_word vehicle_words[] = {
+    {"nomoto", ASDIC_VEHICLE_NOMOTO}, {"remus100", ASDIC_VEHICLE_REMUS100}, {NULL, 0}};
 
 #define WAYPOINTS(member) AT(file_waypoints, member)
 static const asdic_key waypoints_keys[] = {

@@ -27,16 +27,12 @@ typedef enum asdic_key_type {
 #define ASDIC_KEY_ONE_OF 1u
 #define ASDIC_KEY_AT_MOST_ONE 2u
 #define ASDIC_KEY_REQUIRED 4u
-/* Known, but what it asks for is not done yet: refused by name. Of a BOOL only true is refused, of
- * a NUMBER with words only the number. */
-#define ASDIC_KEY_PLANNED 8u
 /* A map that may be absent, default or not; its struct is then all zeros. */
-#define ASDIC_KEY_OPTIONAL 16u
+#define ASDIC_KEY_OPTIONAL 8u
 
 typedef struct asdic_word {
     const char *name; /* NULL ends a list of words */
     double value;
-    bool planned; /* as ASDIC_KEY_PLANNED */
 } asdic_word;
 
 typedef struct asdic_list {
@@ -77,7 +73,8 @@ typedef struct asdic_table {
 } asdic_table;
 
 /* Reads NODE (NULL: absent) into the struct OUT of TABLE; reports what is wrong to PROBLEMS.
- * Strings and lists live in ARENA. ROOT is where to look for the home of a misplaced key. */
+ * Strings and lists live in ARENA. A misplaced key is looked for in ROOT, to say where it
+ * belongs. */
 void asdic_schema_read(const asdic_table *table, const asdic_table *root, asdic_yaml_node *node,
                        asdic_arena *arena, asdic_problems *problems, void *out);
 

@@ -18,12 +18,10 @@ static void print_words(const asdic_key *key, asdic_text *text) {
     const char *comma = "";
     bool off = false;
     for (const asdic_word *word = key->words; word->name; word++) {
-        if (!word->planned) {
-            asdic_text_add(text, comma);
-            asdic_text_add_json(text, word->name);
-            comma = ", ";
-            off |= strcmp(word->name, "off") == 0;
-        }
+        asdic_text_add(text, comma);
+        asdic_text_add_json(text, word->name);
+        comma = ", ";
+        off |= strcmp(word->name, "off") == 0;
     }
     asdic_text_add(text, off ? ", false]" : "]"); /* YAML 1.1: a plain off is false */
 }
@@ -37,8 +35,6 @@ static void print_range(const asdic_key *key, const char *type, asdic_text *text
 static void print_number(const asdic_key *key, asdic_text *text) {
     if (!key->words) {
         print_range(key, "number", text);
-    } else if (key->flags & ASDIC_KEY_PLANNED) {
-        print_words(key, text);
     } else {
         asdic_text_add(text, "\"anyOf\": [{");
         print_range(key, "number", text);
@@ -93,8 +89,7 @@ static void print_type(const asdic_key *key, asdic_text *text, int indent) {
         print_range(key, "integer", text);
         break;
     case ASDIC_KEY_BOOL:
-        asdic_text_add(text, key->flags & ASDIC_KEY_PLANNED ? "\"const\": false"
-                                                            : "\"type\": \"boolean\"");
+        asdic_text_add(text, "\"type\": \"boolean\"");
         break;
     case ASDIC_KEY_WORD:
         print_words(key, text);
@@ -157,10 +152,6 @@ static void print_key(const asdic_key *key, asdic_text *text, int indent) {
     asdic_text_add(text, "}");
 }
 
-static bool is_hidden(const asdic_key *key) {
-    return (key->flags & ASDIC_KEY_PLANNED) && key->type != ASDIC_KEY_BOOL && !key->words;
-}
-
 /* One law's keys beside those that all have, and which of them are alternatives. */
 static void print_law(const asdic_table *table, const char *law, asdic_text *text) {
     const asdic_key *earlier = NULL;
@@ -213,9 +204,6 @@ static void print_rules(const asdic_table *table, asdic_text *text, int indent) 
     const asdic_key *earlier = NULL;
     for (size_t i = 0; i < table->key_count; i++) {
         const asdic_key *key = &table->keys[i];
-        if (is_hidden(key)) {
-            continue;
-        }
         if ((key->flags & ASDIC_KEY_REQUIRED) && key->unless) {
             asdic_text_format(text,
                               "\"if\": {\"not\": {\"required\": [\"%s\"]}}, "
@@ -259,12 +247,10 @@ static void print_map(const asdic_table *table, asdic_text *text, int indent) {
     asdic_text_add(text, "\"properties\": {");
     const char *comma = "";
     for (size_t i = 0; i < table->key_count; i++) {
-        if (!is_hidden(&table->keys[i])) {
-            asdic_text_add(text, comma);
-            new_line(text, indent + 2);
-            print_key(&table->keys[i], text, indent + 2);
-            comma = ",";
-        }
+        asdic_text_add(text, comma);
+        new_line(text, indent + 2);
+        print_key(&table->keys[i], text, indent + 2);
+        comma = ",";
     }
     asdic_text_add(text, "}");
 }

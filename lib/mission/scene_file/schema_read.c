@@ -24,10 +24,6 @@ static const asdic_key *find_key(const asdic_table *table, const char *name) {
     return NULL;
 }
 
-static bool is_hidden(const asdic_key *key) {
-    return (key->flags & ASDIC_KEY_PLANNED) && key->type != ASDIC_KEY_BOOL && !key->words;
-}
-
 /* How many tables under TABLE have KEY; PATH becomes the path of the last one. */
 static size_t find_homes(const asdic_table *table, const char *key, const char *here,
                          asdic_text *path) {
@@ -53,18 +49,16 @@ static size_t find_homes(const asdic_table *table, const char *key, const char *
     return homes;
 }
 
-/* Did-you-mean for a slip, else the one other map that has such a key, else the keys here. */
+/* Proposes a similar key, else the only other map that has this key, else all keys of this map. */
 static void report_unknown_key(const asdic_schema_reader *r, const asdic_table *table,
                                asdic_yaml_node *node) {
     const char *names[MAX_TABLE_KEYS] = {0};
     size_t count = 0;
     asdic_text home = {0}, list = {0};
     for (size_t i = 0; i < table->key_count && count < MAX_TABLE_KEYS; i++) {
-        if (!is_hidden(&table->keys[i])) {
-            names[count] = table->keys[i].name;
-            asdic_text_format(&list, "%s%s", count ? ", " : "", names[count]);
-            count++;
-        }
+        names[count] = table->keys[i].name;
+        asdic_text_format(&list, "%s%s", count ? ", " : "", names[count]);
+        count++;
     }
     size_t nearest = asdic_words_nearest(node->key, names, count);
     if (nearest < count) {
@@ -81,10 +75,10 @@ static void report_unknown_key(const asdic_schema_reader *r, const asdic_table *
     asdic_text_finish(&home);
 }
 
-/* "a, b or c" of the keys of TABLE with FLAG that can be used, quoted. */
+/* "a, b or c" of the keys of TABLE with FLAG, quoted. */
 static void list_alternatives(const asdic_table *table, unsigned flag, asdic_text *text) {
     for (size_t i = 0; i < table->key_count; i++) {
-        if ((table->keys[i].flags & flag) && !is_hidden(&table->keys[i])) {
+        if (table->keys[i].flags & flag) {
             asdic_text_format(text, "%s'%s'", text->length ? ", " : "", table->keys[i].name);
         }
     }
@@ -192,12 +186,6 @@ static void read_key(const asdic_schema_reader *r, const asdic_key *key, asdic_y
     if (!node && map && (key->flags & ASDIC_KEY_REQUIRED) &&
         !(key->unless && asdic_yaml_child(map, key->unless))) {
         report_missing(r, key, map);
-    }
-    if (node && is_hidden(key)) {
-        asdic_yaml_key_problem(r->problems, node,
-                               "'%s' is not supported yet in this version; leave it out",
-                               key->name);
-        return;
     }
     switch (key->type) {
     case ASDIC_KEY_MAP:

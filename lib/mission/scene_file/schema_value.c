@@ -15,8 +15,8 @@
 /* More words than any key has. */
 #define MAX_WORDS 32
 
-/* What stands at NODE, for a message: "'frequency_khz' = 9000", cut when long, in plain ASCII
- * control characters replaced. */
+/* NODE's key and value for a message: "'frequency_khz' = 9000", cut when long, control characters
+ * replaced. */
 static const char *show(const asdic_key *key, const asdic_yaml_node *node, char *buffer,
                         size_t size) {
     const size_t longest = 40;
@@ -46,12 +46,10 @@ static const char *show(const asdic_key *key, const asdic_yaml_node *node, char 
     return buffer;
 }
 
-/* "mud, sand, gravel": the words of KEY that may be used. */
+/* "mud, sand, gravel": the words of KEY. */
 static void list_words(const asdic_key *key, asdic_text *text) {
     for (const asdic_word *word = key->words; word && word->name; word++) {
-        if (!word->planned) {
-            asdic_text_format(text, "%s%s", text->length ? ", " : "", word->name);
-        }
+        asdic_text_format(text, "%s%s", text->length ? ", " : "", word->name);
     }
 }
 
@@ -79,11 +77,9 @@ static void report_no_word(const asdic_schema_reader *r, const asdic_key *key,
     asdic_text words = {0};
     list_words(key, &words);
     for (const asdic_word *word = key->words; word->name && count < MAX_WORDS; word++) {
-        if (!word->planned) {
-            names[count++] = word->name;
-        }
+        names[count++] = word->name;
     }
-    if (key->type == ASDIC_KEY_NUMBER && !(key->flags & ASDIC_KEY_PLANNED)) {
+    if (key->type == ASDIC_KEY_NUMBER) {
         asdic_text_format(&words, " or a number in [%.15g, %.15g]%s%s", key->min, key->max,
                           key->unit ? " " : "", key->unit ? key->unit : "");
     }
@@ -98,20 +94,12 @@ static void report_no_word(const asdic_schema_reader *r, const asdic_key *key,
     asdic_text_finish(&words);
 }
 
-/* The word of KEY that NODE is and that can be used, or NULL after a report. */
+/* The word of KEY that NODE is, or NULL after a report. */
 static const asdic_word *read_word(const asdic_schema_reader *r, const asdic_key *key,
                                    asdic_yaml_node *node) {
-    char shown[192];
     const asdic_word *word = find_word(key, node);
     if (!word) {
         report_no_word(r, key, node);
-    } else if (word->planned) {
-        asdic_text words = {0};
-        list_words(key, &words);
-        asdic_yaml_problem(r->problems, node, "%s is not supported yet in this version; use %s",
-                           show(key, node, shown, sizeof shown), words.data ? words.data : "");
-        asdic_text_finish(&words);
-        return NULL;
     }
     return word;
 }
@@ -126,7 +114,7 @@ static void report_type(const asdic_schema_reader *r, const asdic_key *key, asdi
                        wanted, key->unit ? " in " : "", key->unit ? key->unit : "");
 }
 
-/* A number that is no list, no map, not empty and not in quotes. */
+/* Whether NODE can be a number: no list, no map, not empty and not in quotes. */
 static bool is_plain(const asdic_schema_reader *r, const asdic_key *key, asdic_yaml_node *node,
                      const char *wanted) {
     char shown[192];
@@ -165,7 +153,7 @@ static void read_number(const asdic_schema_reader *r, const asdic_key *key, asdi
     const char *why = node->kind != ASDIC_YAML_SCALAR || node->quoted
                           ? "is not a number"
                           : asdic_number_parse(node->text, node->length, &value);
-    if (key->words && (why || (key->flags & ASDIC_KEY_PLANNED))) {
+    if (key->words && why) {
         report_no_word(r, key, node);
     } else if (why) {
         asdic_yaml_problem(r->problems, node, "%s %s", show(key, node, shown, sizeof shown), why);
@@ -195,8 +183,7 @@ static void read_integer(const asdic_schema_reader *r, const asdic_key *key, asd
 
 static void read_bool(const asdic_schema_reader *r, const asdic_key *key, asdic_yaml_node *node,
                       bool *out) {
-    char shown[192];
-    /* The booleans of YAML 1.1, of which every third is a trap for a word like off or no. */
+    /* The booleans of YAML 1.1. Several look like words: off, no, n. */
     static const char *const words[2][11] = {
         {"false", "False", "FALSE", "no", "No", "NO", "off", "Off", "OFF", "n", "N"},
         {"true", "True", "TRUE", "yes", "Yes", "YES", "on", "On", "ON", "y", "Y"},
@@ -209,13 +196,7 @@ static void read_bool(const asdic_schema_reader *r, const asdic_key *key, asdic_
             if (strcmp(node->text, words[value][i]) != 0 || strlen(node->text) != node->length) {
                 continue;
             }
-            if (value && (key->flags & ASDIC_KEY_PLANNED)) {
-                asdic_yaml_problem(r->problems, node,
-                                   "%s is not supported yet in this version; use false",
-                                   show(key, node, shown, sizeof shown));
-            } else {
-                *out = value != 0;
-            }
+            *out = value != 0;
             return;
         }
     }

@@ -1,6 +1,6 @@
 /*
- * libyaml's events into a tree. libyaml accepts doubled keys and ignores a second document; it is
- * slow on deep nesting. Hence the limits, which no scene comes near.
+ * Builds a tree from libyaml's events. libyaml accepts doubled keys, ignores a second document and
+ * is slow on deep nesting; the limits prevent that and are far above any scene's needs.
  */
 #include "yaml_tree.h"
 
@@ -78,7 +78,7 @@ static void report_at(yaml_reader *r, const yaml_event_t *event, const char *mes
                        (unsigned)event->start_mark.column + 1, "%s", message);
 }
 
-/* A node for EVENT without its children; NULL when memory or patience is at an end. */
+/* A node for EVENT without its children; NULL when memory is short or there are too many. */
 static asdic_yaml_node *new_node(yaml_reader *r, const yaml_event_t *event) {
     if (++r->values > MAX_VALUES) {
         report_at(r, event, "more than 500000 values; put geometry into mesh files");
@@ -109,7 +109,7 @@ static asdic_yaml_node *new_node(yaml_reader *r, const yaml_event_t *event) {
     return node;
 }
 
-/* Anchors, aliases and tags: what they say can be said plainly, and they hide errors. */
+/* Refuses anchors, aliases and tags: they hide errors, and a scene needs none. */
 static void refuse_decoration(yaml_reader *r, const yaml_event_t *event, asdic_yaml_node *node) {
     const yaml_char_t *anchor = NULL, *tag = NULL;
     switch (event->type) {

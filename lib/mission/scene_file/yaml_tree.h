@@ -1,6 +1,6 @@
 /*
- * A YAML 1.1 (or JSON) text as a tree of nodes that know their line and column, read with limits:
- * one document, at most 32 levels and 500,000 values, no anchors, aliases, tags or doubled keys.
+ * A YAML 1.1 (or JSON) text as a tree of nodes with line and column. Limits: one document, at most
+ * 32 levels and 500,000 values, no anchors, aliases, tags or doubled keys.
  */
 #ifndef ASDIC_MISSION_YAML_TREE_H
 #define ASDIC_MISSION_YAML_TREE_H
@@ -21,7 +21,7 @@ struct asdic_yaml_node {
     const char *text;      /* SCALAR: LENGTH bytes and a zero byte */
     size_t length;
     bool quoted; /* SCALAR: written in quotes or as a block, hence text and nothing else */
-    bool bad;    /* something within was reported: what depends on it is not judged again */
+    bool bad;    /* something in it was reported: what depends on it is not judged */
     asdic_yaml_node *parent, *first, *last, *next;
     size_t index, count; /* place in a list; number of children */
     const char *key;     /* in a map */

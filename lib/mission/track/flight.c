@@ -2,12 +2,11 @@
 
 #include "base/context.h"
 #include "base/vec.h"
-#include "flight_model.h"
-#include "track_points.h"
+#include "track.h"
 
 #include <stdlib.h>
 
-/* Points of a track: over five days at the usual steps of 0.1 s. */
+/* Most points of a track: over five days at the usual steps of 0.1 s. */
 #define MAX_POINTS 5000000
 
 /* The line from one waypoint to the next. */
@@ -93,8 +92,8 @@ static flight_state advance(const flight_state *s, const flight_state *d, double
                           .plane_rad = s->plane_rad + step_s * d->plane_rad};
 }
 
-/* One point on, by the midpoint rule: its error is far below the centimetre at the steps taken. The
- * depth of the bottom is asked for once. */
+/* One point further, by the midpoint rule, whose error is far below a centimetre at these steps.
+ * The depth of the bottom is looked up once. */
 static flight_state step(const pilot *p, const flight_leg *leg, flight_state s) {
     double step_s = p->model.step_s / p->model.substeps;
     double z_m = wanted_depth_m(p->flight, leg->z_m, s.x_m, s.y_m);

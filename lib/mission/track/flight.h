@@ -15,28 +15,8 @@
 #ifndef ASDIC_MISSION_FLIGHT_H
 #define ASDIC_MISSION_FLIGHT_H
 
+#include "flight_model.h"
 #include "track.h"
-
-typedef enum asdic_vehicle { ASDIC_VEHICLE_NOMOTO, ASDIC_VEHICLE_REMUS100 } asdic_vehicle;
-
-/* Between these speeds, m/s, the coefficients of the REMUS 100 may be used: they were found, and
- * compared with trials, at 1.54 m/s. */
-#define ASDIC_REMUS100_MIN_MPS 1.0
-#define ASDIC_REMUS100_MAX_MPS 2.5
-
-typedef struct asdic_flight {
-    const double *points_m; /* 3 per waypoint: north, east, down; the flight starts in the first */
-    size_t count;           /* at least 2, no two in a row at the same place */
-    asdic_vehicle vehicle;
-    double speed_mps;                 /* through the water */
-    double turn_radius_m, response_s; /* of ASDIC_VEHICLE_NOMOTO */
-    double dive_rate_mps;             /* the same; below the speed */
-    double current_mps[2];            /* towards north and east; well below the speed */
-    double altitude_m;                /* above the bottom; NAN: depths are given */
-    /* Depth of the bottom; INFINITY where there is none, and the waypoint's depth is flown. */
-    double (*bottom_m)(const void *user, double north_m, double east_m);
-    const void *user;
-} asdic_flight;
 
 /* From the first waypoint at 0 s to the line across the last. ASDIC_ERROR_INPUT when a waypoint is
  * not reached in a reasonable time, or the flight is too long. */

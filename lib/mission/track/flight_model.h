@@ -4,8 +4,8 @@
  * nomoto: speed through the water is constant and along the body's axis. Yaw answers the rudder as
  * a first order, the reduced form of sway and yaw (Nomoto et al. 1957, "On the steering qualities
  * of ships", Int. Shipbuilding Progress 4; Fossen 2011, section 7.2): T dr/dt + r = r_c,
- * |r_c| <= speed / turn radius; depth answers the stern planes in the same way with the dive rate as
- * its limit. For any vehicle whose turning circle is known; no sideslip, no loss of speed in turns.
+ * |r_c| <= speed / turn radius; depth answers the stern planes in the same way with the dive rate
+ * as its limit. For any vehicle whose turning circle is known; no sideslip, no loss of speed in turns.
  *
  * remus100: surge, sway, heave, pitch and yaw of the REMUS 100 with its published coefficients
  * (flight_remus.c), rudder and stern planes as its fins allow.
@@ -13,7 +13,28 @@
 #ifndef ASDIC_MISSION_FLIGHT_MODEL_H
 #define ASDIC_MISSION_FLIGHT_MODEL_H
 
-#include "flight.h"
+#include <asdic/context.h>
+
+typedef enum asdic_vehicle { ASDIC_VEHICLE_NOMOTO, ASDIC_VEHICLE_REMUS100 } asdic_vehicle;
+
+/* Between these speeds, m/s, the coefficients of the REMUS 100 may be used: they were found, and
+ * compared with trials, at 1.54 m/s. */
+#define ASDIC_REMUS100_MIN_MPS 1.0
+#define ASDIC_REMUS100_MAX_MPS 2.5
+
+typedef struct asdic_flight {
+    const double *points_m; /* 3 per waypoint: north, east, down; the flight starts in the first */
+    size_t count;           /* at least 2, no two in a row at the same place */
+    asdic_vehicle vehicle;
+    double speed_mps;                 /* through the water */
+    double turn_radius_m, response_s; /* of ASDIC_VEHICLE_NOMOTO */
+    double dive_rate_mps;             /* the same; below the speed */
+    double current_mps[2];            /* towards north and east; well below the speed */
+    double altitude_m;                /* above the bottom; NAN: depths are given */
+    /* Depth of the bottom; INFINITY where there is none, and the waypoint's depth is flown. */
+    double (*bottom_m)(const void *user, double north_m, double east_m);
+    const void *user;
+} asdic_flight;
 
 /* Position in the world, m; attitude, rad; velocity relative to the water along the body's axes,
  * m/s; rates, rad/s; deflections, rad. */
@@ -25,8 +46,9 @@ typedef struct flight_state {
     double rudder_rad, plane_rad;
 } flight_state;
 
-/* Where guidance wants the vehicle to point and to be; or what a hand at the helm does: a share of
- * full rudder to starboard and of the steepest dive, the depth held when that is asked for. */
+/* What the vehicle is to do: the heading and depth that guidance wants, or, steered by hand, a
+ * share of full rudder to starboard and of the steepest dive, with the depth held when that is
+ * asked for. */
 typedef struct flight_aim {
     double yaw_rad, z_m;
     bool by_hand, holds_depth;

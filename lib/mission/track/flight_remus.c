@@ -11,8 +11,8 @@
  * One coefficient differs: the table prints Y_vv = -1310 kg/m. The body is round, its formula is
  * that of Z_ww = -131, and the planform that the same tables give makes 131; that is used. It
  * matters in turns: full rudder gives a circle of 4.41 m, and would give one of 6.04 m with what is
- * printed, since a body that resists sideways motion ten times as much drifts by 3.4 degrees instead
- * of 9.2.
+ * printed, since a body that resists sideways motion ten times as much drifts by 3.4 degrees
+ * instead of 9.2.
  *
  * Valid near 1.5 m/s (1 to 2.5 m/s are accepted) and for small angles of attack. The autopilot's
  * gains are not REMUS's: they are chosen for a quick answer without much overshoot over these
@@ -129,8 +129,8 @@ static void steer(const flight_aim *aim, const flight_state *s, double *rudder, 
                           ? aim->planes * MAX_PITCH_RAD
                           : asdic_flight_clamp(DEPTH_GAIN * (aim->z_m - s->z_m), MAX_PITCH_RAD);
     double pitch_rad = -dive_rad;
-    /* By hand: a share of full rudder and of the circle that it gives, with the rate damped:
-     * left to itself the vehicle would not swim straight. */
+    /* Steered by hand: a share of full rudder and of the circle that it gives. The rate is damped,
+     * since the vehicle alone does not swim straight. */
     double wanted_rate = aim->rudder * s->surge_mps / TURN_RADIUS_M;
     double fin_rad = aim->by_hand
                          ? YAW_RATE_GAIN * (s->yaw_rate - wanted_rate) - aim->rudder * MAX_FIN_RAD

@@ -1,4 +1,4 @@
-#include "track_points.h"
+#include "track.h"
 
 #include "base/vec.h"
 
@@ -57,7 +57,8 @@ double asdic_track_gap_s(const asdic_track *track, double *from_s) {
     return longest_s;
 }
 
-/* Index of the last point not after TIME_S, so that another follows it; the first when all are. */
+/* Index of the last point not after TIME_S that has another behind it; of the first when all are
+ * after. */
 static size_t find_leg(const asdic_track *track, double time_s) {
     size_t low = 0, high = track->count - 1;
     while (high - low > 1) {

@@ -1,19 +1,31 @@
 /*
- * A vehicle's track: poses at times, and between them.
+ * A vehicle's track: its poses at given times, and between them.
  */
 #ifndef ASDIC_MISSION_TRACK_H
 #define ASDIC_MISSION_TRACK_H
 
-#include <asdic/context.h>
+#include "out/file.h"
 
-typedef struct asdic_track asdic_track;
+typedef struct track_point {
+    double time_s;
+    double x_m, y_m, z_m;
+    double roll_rad, pitch_rad, yaw_rad;
+} track_point;
+
+typedef struct asdic_track {
+    track_point *points; /* at least one; times increase */
+    size_t count, capacity;
+    size_t sharers; /* references beside the first */
+} asdic_track;
 
 /* Reads a CSV file with a header of time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg in any order;
  * other columns are passed over. Times must increase. Every error is logged with file, line and
  * column; the sentence left in the context counts them. */
 asdic_status asdic_track_load(asdic_context *ctx, const char *path, asdic_track **out);
-/* Another holder of TRACK, which is freed when the last one has destroyed it. Not from two threads. */
+/* Another reference to TRACK, which is freed when the last one is destroyed. Not thread-safe. */
 asdic_track *asdic_track_share(asdic_track *track);
+/* Puts POINT behind the last one; false when memory is short. */
+bool asdic_track_append(asdic_track *track, const track_point *point);
 void asdic_track_destroy(asdic_track **track);
 
 size_t asdic_track_point_count(const asdic_track *track);
@@ -28,5 +40,14 @@ double asdic_track_gap_s(const asdic_track *track, double *from_s);
 asdic_pose asdic_track_pose(const asdic_track *track, double time_s);
 /* The greatest z_m from the start to TIME_S. */
 double asdic_track_deepest_m(const asdic_track *track, double time_s);
+
+/* A track file, row by row, in the form that asdic_track_load reads: its header; a point, its
+ * angles as whole nanodegrees. */
+void asdic_track_file_begin(asdic_file *file);
+void asdic_track_file_add(asdic_file *file, double time_s, const asdic_pose *pose);
+
+/* ANGLE as a whole number of nanodegrees, which a track file holds exactly: a track that is written
+ * and read again is the same to the last bit. */
+double asdic_track_round(double angle_rad);
 
 #endif

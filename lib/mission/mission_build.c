@@ -1,0 +1,27 @@
+#include "mission_build.h"
+
+#include "base/context.h"
+
+#include <string.h>
+
+const char *asdic_mission_resolve(const mission_builder *b, const char *name) {
+    const char *scene = b->mission->path;
+    const char *slash = strrchr(scene, '/');
+    size_t folder = *name != '/' && slash ? (size_t)(slash - scene) + 1 : 0;
+    size_t length = strlen(name);
+    char *path = asdic_arena_alloc(b->arena, folder + length + 1);
+    if (path) {
+        memcpy(path, scene, folder);
+        memcpy(path + folder, name, length + 1);
+    }
+    return path;
+}
+
+asdic_status asdic_mission_file_problem(mission_builder *b, asdic_yaml_node *node,
+                                        asdic_status status) {
+    if (status == ASDIC_OK || status == ASDIC_ERROR_MEMORY) {
+        return status;
+    }
+    asdic_yaml_problem(b->problems, node, "%s", asdic_context_error(b->ctx));
+    return ASDIC_OK;
+}

@@ -1,0 +1,109 @@
+/*
+ * From a scene file to a mission.
+ */
+#include "mission_build.h"
+
+#include "base/context.h"
+#include "base/file_read.h"
+#include "base/memory_left.h"
+#include "base/number.h"
+#include "base/sha256.h"
+#include "base/try.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* A scene file is written by hand or by a small script; geometry is elsewhere. */
+#define MAX_SCENE_BYTES ((size_t)4 << 20)
+
+/* Reads the file into MISSION: its text as UTF-8 and the hash of its bytes. */
+static asdic_status read_text(asdic_context *ctx, asdic_mission *m, size_t *length) {
+    char *bytes = NULL;
+    size_t size = 0;
+    TRY(asdic_file_read(ctx, m->path, MAX_SCENE_BYTES, &bytes, &size));
+    asdic_sha256_hex(bytes, size, m->hash);
+    m->text = asdic_text_to_utf8(bytes, size, length);
+    free(bytes);
+    return m->text ? ASDIC_OK : asdic_fail_memory(ctx, "the scene file's text");
+}
+
+static asdic_status build(mission_builder *b) {
+    TRY(asdic_settings_take(b->ctx, b->file, &b->mission->settings));
+    b->mission->pose = asdic_scene_file_pose(b->file);
+    TRY(asdic_mission_build_tracks(b));
+    TRY(asdic_mission_build_scene(b));
+    TRY(asdic_mission_build_pings(b));
+    if (b->problems->total == 0) {
+        asdic_mission_check_positions(b);
+    }
+    return ASDIC_OK;
+}
+
+/* Memory of a run for each bin of each beam, as measured: 1.2 GiB for 1,024 beams of 4,093 bins. */
+#define LEVEL_BYTES 304
+
+static asdic_status check_memory(asdic_context *ctx, const asdic_mission *m) {
+    const asdic_sonar *sonar = asdic_mission_sonar(m);
+    double depth_m = asdic_mission_pose(m, 0, NULL).position_m.z;
+    double speed_mps = asdic_environment_sound_speed_mps(asdic_mission_environment(m), depth_m);
+    size_t bins = asdic_sonar_bin_count(sonar, speed_mps);
+    uint64_t needed = (uint64_t)sonar->receiver_count * bins * LEVEL_BYTES;
+    char what[64];
+    snprintf(what, sizeof what, "%zu beams of %zu bins need", sonar->receiver_count, bins);
+    return asdic_memory_check(ctx, needed, asdic_memory_left(), what,
+                              "use fewer beams or a longer 'bin_length_m'");
+}
+
+static asdic_status load(mission_builder *b, const asdic_setting *settings, size_t count,
+                         asdic_scene_file *file) {
+    asdic_mission *m = b->mission;
+    size_t length = 0;
+    TRY(read_text(b->ctx, m, &length));
+    if (!asdic_scene_file_parse_with(m->text, length, settings, count, b->arena, b->problems,
+                                     file)) {
+        return asdic_fail_memory(b->ctx, "the scene file's content");
+    }
+    TRY(build(b));
+    TRY(asdic_problems_report(b->problems, b->ctx));
+    return check_memory(b->ctx, m);
+}
+
+asdic_status asdic_mission_load(asdic_context *ctx, const char *path, asdic_mission **out) {
+    return asdic_mission_load_with(ctx, path, NULL, 0, out);
+}
+
+asdic_status asdic_mission_load_with(asdic_context *ctx, const char *path,
+                                     const asdic_setting *settings, size_t count,
+                                     asdic_mission **out) {
+    if (!out) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "asdic_mission_load: nowhere to put it");
+    }
+    *out = NULL;
+    if (!path) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "asdic_mission_load: no path");
+    }
+    asdic_mission *m = calloc(1, sizeof *m);
+    if (!m || !(m->path = strdup(path))) {
+        free(m);
+        return asdic_fail_memory(ctx, "a mission");
+    }
+    m->ctx = ctx;
+    m->is_varied = count > 0;
+    asdic_arena arena = {0};
+    asdic_scene_file file;
+    asdic_problems problems = {.name = strcmp(path, "-") == 0 ? "stdin" : path};
+    mission_builder builder = {
+        .ctx = ctx, .file = &file, .problems = &problems, .arena = &arena, .mission = m};
+    locale_t before = asdic_c_locale_enter();
+    asdic_status status = load(&builder, settings, count, &file);
+    asdic_c_locale_leave(before);
+    asdic_problems_finish(&problems);
+    asdic_arena_finish(&arena);
+    if (status) {
+        asdic_mission_destroy(&m);
+    }
+    *out = m;
+    return status;
+}

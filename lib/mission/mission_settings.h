@@ -1,0 +1,33 @@
+/*
+ * What a scene file says without its geometry: water, sonar, sampling, detector, output. It can be
+ * read from the text that a run folder keeps, where meshes and tracks may be gone.
+ */
+#ifndef ASDIC_MISSION_MISSION_SETTINGS_H
+#define ASDIC_MISSION_MISSION_SETTINGS_H
+
+#include <asdic/mission.h>
+
+struct asdic_scene_file;
+
+typedef struct asdic_settings {
+    asdic_environment environment;
+    asdic_beam *receivers;
+    asdic_sonar sonar; /* borrows receivers */
+    asdic_sampling sampling;
+    bool keeps_all_terms; /* whatever the plan says */
+    asdic_detector detector;
+    asdic_output_options output;
+} asdic_settings;
+
+/* What FILE says. OUT is to be finished in any case. */
+asdic_status asdic_settings_take(asdic_context *ctx, const struct asdic_scene_file *file,
+                                 asdic_settings *out);
+
+/* From a scene file's TEXT, which errors call NAME. */
+asdic_status asdic_settings_read(asdic_context *ctx, const char *name, const char *text,
+                                 asdic_settings *out);
+
+/* Safe on zeros. */
+void asdic_settings_finish(asdic_settings *settings);
+
+#endif

@@ -1,0 +1,297 @@
+#include "run_job.h"
+
+#include "base/clock.h"
+#include "base/context.h"
+#include "base/sha256.h"
+#include "base/try.h"
+#include "mission/mission.h"
+#include "run_chart_data.h"
+#include "run_folder.h"
+#include "run_render.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* --- what is to be run ------------------------------------------------------------------------ */
+
+static asdic_status check_range(asdic_run_job *job) {
+    const asdic_run_options *o = job->options;
+    size_t pings = asdic_mission_ping_count(job->mission);
+    if (!o->folder || !o->folder[0]) {
+        return asdic_fail(job->ctx, ASDIC_ERROR_ARGUMENT, "a run needs a folder to write to");
+    }
+    if (o->first >= pings || o->count == 0) {
+        return asdic_fail(job->ctx, ASDIC_ERROR_ARGUMENT,
+                          "no ping to run: ping %zu asked for, but the mission has pings 0..%zu",
+                          o->first, pings - 1);
+    }
+    job->facts.first_ping = o->first;
+    job->facts.pings_planned = o->count < pings - o->first ? o->count : pings - o->first;
+    return ASDIC_OK;
+}
+
+static const char *bottom_of(const asdic_mission *mission) {
+    for (size_t i = 0; i < asdic_mission_object_count(mission); i++) {
+        if (asdic_mission_get_object(mission, i)->name[0] == 0) {
+            return ASDIC_RUN_BOTTOM_MESH;
+        }
+    }
+    return asdic_scene_get_info(asdic_mission_scene(mission)).has_bottom_plane
+               ? ASDIC_RUN_BOTTOM_PLANE
+               : ASDIC_RUN_BOTTOM_NONE;
+}
+
+/* Fills the facts that are known before the first ping. The simulation follows the plan from here
+ * on. */
+static asdic_status describe(asdic_run_job *job) {
+    asdic_run_facts *f = &job->facts;
+    const asdic_mission *m = job->mission;
+    const asdic_sonar *sonar = asdic_mission_sonar(m);
+    double depth_m = asdic_mission_pose(m, 0, NULL).position_m.z;
+    double speed_mps = asdic_environment_sound_speed_mps(asdic_mission_environment(m), depth_m);
+    f->version = asdic_version();
+    f->state = ASDIC_RUN_RUNNING;
+    f->scene_path = asdic_mission_path(m);
+    f->scene_hash = asdic_mission_hash(m);
+    f->scene_text = asdic_mission_text(m);
+    f->geometry_hash = job->inputs_hash;
+    f->has_surface = asdic_scene_get_info(asdic_mission_scene(m)).has_surface;
+    f->bottom = bottom_of(m);
+    asdic_flat_scene flat = asdic_mission_flat_scene(m, f->first_ping);
+    f->bottom_law = flat.bottom;
+    f->surface_law = flat.surface;
+    f->remarks = asdic_mission_remarks(m);
+    TRY(asdic_mission_plan(job->ctx, job->mission, &f->plan));
+    asdic_mission_sampling(job->mission)->left_out = f->plan.left_out;
+    f->sampling = *asdic_mission_sampling(job->mission);
+    f->beams = sonar->receiver_count;
+    f->bins = asdic_sonar_bin_count(sonar, speed_mps);
+    f->bin_length_m = sonar->bin_length_m;
+    f->stderr_median_db = f->stderr_worst_db = NAN;
+    f->rays_per_s = NAN;
+    return asdic_mission_inputs_hash(job->ctx, m, job->inputs_hash);
+}
+
+void asdic_job_hash(const asdic_run_job *job, char hex[65]) {
+    char text[512];
+    const asdic_run_facts *f = &job->facts;
+    const asdic_sampling *s = &f->sampling;
+    int length = snprintf(text, sizeof text, "%s %s %s %zu+%zu %zu*%zu %u %d %d %llu %u",
+                          f->version, f->scene_hash, f->geometry_hash, f->first_ping,
+                          f->pings_planned, f->beams, f->bins, s->rays, (int)s->sampler,
+                          (int)s->multipath, (unsigned long long)s->seed, s->left_out);
+    asdic_sha256_hex(text, (size_t)length, hex);
+}
+
+/* Lists the devices of an earlier call that this one does not use, then this call's. */
+static asdic_status list_devices(asdic_run_job *job, const asdic_run_facts *earlier) {
+    asdic_run_facts *f = &job->facts;
+    size_t most = job->device_count + earlier->device_count;
+    f->devices = asdic_arena_alloc(&job->arena, most * sizeof *f->devices);
+    if (!f->devices) {
+        return asdic_fail_memory(job->ctx, "device names");
+    }
+    for (size_t i = 0; i < earlier->device_count; i++) {
+        bool is_used = false;
+        for (size_t k = 0; k < job->device_count; k++) {
+            const char *name = asdic_device_get_info(job->devices[k])->name;
+            is_used = is_used || strcmp(name, earlier->devices[i]) == 0;
+        }
+        if (!is_used) {
+            f->devices[f->device_count++] = earlier->devices[i];
+        }
+    }
+    for (size_t k = 0; k < job->device_count; k++) {
+        f->devices[f->device_count++] = asdic_device_get_info(job->devices[k])->name;
+    }
+    return ASDIC_OK;
+}
+
+static asdic_status compare(asdic_run_job *job, const asdic_run_facts *earlier) {
+    const asdic_run_facts *f = &job->facts;
+    const char *difference = asdic_run_facts_differ(f, earlier);
+    if (!difference &&
+        (f->first_ping != earlier->first_ping || f->pings_planned != earlier->pings_planned)) {
+        difference = "range of pings";
+    }
+    if (difference) {
+        return asdic_fail(job->ctx, ASDIC_ERROR_EXISTS,
+                          "'%s' holds a run with another %s; it cannot be resumed, --force "
+                          "replaces it",
+                          job->options->folder, difference);
+    }
+    return ASDIC_OK;
+}
+
+asdic_status asdic_job_describe(asdic_run_job *job) {
+    TRY(check_range(job));
+    TRY(asdic_files_check(job->ctx, &job->mission->settings));
+    return describe(job);
+}
+
+/* --- the beginning ---------------------------------------------------------------------------- */
+
+/* Reads what an earlier call left in the folder, which must be of the same run. */
+static asdic_status read_earlier(asdic_run_job *job, asdic_run_facts *earlier) {
+    const char *folder = job->options->folder;
+    TRY(asdic_folder_check_idle(job->ctx, folder));
+    TRY(asdic_run_facts_read(job->ctx, folder, &job->arena, earlier));
+    return compare(job, earlier);
+}
+
+/* Opens the store of a new run or of the one to be resumed. */
+static asdic_status open_store(asdic_run_job *job) {
+    const char *folder = job->options->folder;
+    asdic_run_facts earlier = {0};
+    asdic_store_mode mode = ASDIC_STORE_CREATE;
+    if (job->options->resume && asdic_folder_has_run(folder)) {
+        mode = ASDIC_STORE_RESUME;
+        TRY(read_earlier(job, &earlier));
+    } else {
+        TRY(asdic_folder_prepare(job->ctx, folder, job->options->force));
+    }
+    if (earlier.state && strcmp(earlier.state, ASDIC_RUN_COMPLETE) == 0) {
+        job->is_complete = true;
+        return ASDIC_OK;
+    }
+    TRY(list_devices(job, &earlier));
+    TRY(asdic_run_facts_write(job->ctx, folder, &job->facts));
+    TRY(asdic_store_open(job->ctx, folder, mode, job->facts.beams, job->facts.bins, &job->store));
+    return asdic_store_cut(job->store, job->facts.pings_planned);
+}
+
+/* Writes the poses of the vehicle at the run's pings. */
+static asdic_status write_track(asdic_run_job *job) {
+    char *path = asdic_folder_file(job->options->folder, "track.csv");
+    asdic_status status =
+        path ? asdic_mission_write_pings(job->ctx, job->mission, job->facts.first_ping,
+                                         job->facts.pings_planned, path)
+             : asdic_fail_memory(job->ctx, "a file name");
+    free(path);
+    return status;
+}
+
+static asdic_status open_files(asdic_run_job *job) {
+    const char *folder = job->options->folder;
+    asdic_pose first = asdic_mission_pose(job->mission, job->facts.first_ping, NULL);
+    TRY(write_track(job));
+    TRY(asdic_chart_data_write(job->ctx, job->mission, folder));
+    return asdic_files_create(job->ctx, folder, &job->mission->settings, &job->facts,
+                              first.position_m.z, &job->files);
+}
+
+/* Takes the records of earlier pings as if they came now, for bins.csv and the pictures. */
+static asdic_status replay(asdic_run_job *job) {
+    for (size_t i = 0; i < job->resumed; i++) {
+        TRY(asdic_store_read(job->store, i, job->bytes));
+        TRY(asdic_job_keep(job, job->bytes));
+    }
+    return ASDIC_OK;
+}
+
+asdic_status asdic_job_begin(asdic_run_job *job) {
+    TRY(asdic_job_describe(job));
+    TRY(open_store(job));
+    if (job->is_complete) {
+        return ASDIC_OK;
+    }
+    job->resumed = asdic_store_count(job->store);
+    job->bytes = malloc(asdic_store_record_bytes(job->store));
+    if (!job->bytes) {
+        return asdic_fail_memory(job->ctx, "a record");
+    }
+    double begin_s = asdic_clock_s();
+    asdic_status status = open_files(job);
+    job->facts.times.write_s += asdic_clock_s() - begin_s;
+    TRY(status);
+    TRY(asdic_summary_create_all(job->ctx, &job->mission->settings, &job->facts, &job->summary));
+    return replay(job);
+}
+
+asdic_status asdic_job_begin_stream(asdic_run_job *job) {
+    TRY(asdic_job_describe(job));
+    job->bytes = malloc(asdic_record_bytes(job->facts.beams, job->facts.bins));
+    if (!job->bytes) {
+        return asdic_fail_memory(job->ctx, "a record");
+    }
+    return asdic_files_create_stream(job->ctx, &job->mission->settings, job->facts.bins,
+                                     &job->files);
+}
+
+/* --- ping by ping ----------------------------------------------------------------------------- */
+
+asdic_status asdic_job_keep(asdic_run_job *job, const void *bytes) {
+    asdic_record record;
+    double begin_s = asdic_clock_s();
+    asdic_record_view(bytes, job->facts.beams, job->facts.bins, &record);
+    asdic_status status = asdic_files_add(job->files, &record);
+    double written_s = asdic_clock_s();
+    asdic_summary_add(job->summary, &record);
+    job->facts.times.write_s += written_s - begin_s;
+    job->facts.times.pictures_s += asdic_clock_s() - written_s;
+    job->kept++;
+    return status;
+}
+
+/* --- the end ---------------------------------------------------------------------------------- */
+
+static void conclude(asdic_run_job *job) {
+    asdic_run_facts *f = &job->facts;
+    asdic_summary_end(job->summary);
+    f->pings = asdic_store_count(job->store);
+    asdic_run_facts_statistics(f, &job->summary->statistics);
+    if (f->saturated > 0) {
+        asdic_log(job->ctx, ASDIC_LOG_WARNING,
+                  "%llu echoes were too strong for the accumulator and were cut",
+                  (unsigned long long)f->saturated);
+    }
+}
+
+static asdic_status draw(asdic_run_job *job) {
+    asdic_render_options options = asdic_render_options_default();
+    double begin_s = asdic_clock_s();
+    asdic_status status = ASDIC_OK;
+    if (asdic_mission_output(job->mission)->images != 0) {
+        status = asdic_run_render_summary(job->ctx, job->options->folder, &options, job->summary);
+    }
+    job->facts.times.pictures_s += asdic_clock_s() - begin_s;
+    return status;
+}
+
+static asdic_status write_facts(asdic_run_job *job) {
+    job->facts.times.whole_s = asdic_clock_s() - job->begin_s;
+    return asdic_run_facts_write(job->ctx, job->options->folder, &job->facts);
+}
+
+static asdic_status commit(asdic_run_job *job, bool is_whole) {
+    TRY(asdic_store_commit(job->store));
+    TRY(asdic_files_commit(job->files, is_whole));
+    conclude(job);
+    return ASDIC_OK;
+}
+
+asdic_status asdic_job_end(asdic_run_job *job, bool is_whole) {
+    double begin_s = asdic_clock_s();
+    asdic_status status = commit(job, is_whole);
+    job->facts.times.write_s += asdic_clock_s() - begin_s;
+    TRY(status);
+    /* The run is complete only with its pictures: --resume draws what is missing. */
+    job->facts.state = ASDIC_RUN_STOPPED;
+    TRY(write_facts(job));
+    if (!is_whole) {
+        return ASDIC_OK;
+    }
+    TRY(draw(job));
+    job->facts.state = ASDIC_RUN_COMPLETE;
+    return write_facts(job);
+}
+
+void asdic_job_finish(asdic_run_job *job) {
+    asdic_files_destroy(&job->files);
+    asdic_store_close(&job->store);
+    asdic_summary_destroy(&job->summary);
+    asdic_arena_finish(&job->arena);
+    free(job->bytes);
+}

@@ -1,0 +1,83 @@
+#include "run_picture.h"
+
+#include "base/context.h"
+#include "out/digits.h"
+#include "run_folder.h"
+
+#include <stdio.h>
+#include <string.h>
+
+/* "20000" as "20,000". */
+static void group_digits(char out[40], uint64_t value) {
+    char digits[ASDIC_DIGITS_SIZE];
+    size_t length = asdic_digits_natural(digits, value), n = 0;
+    for (size_t i = 0; i < length; i++) {
+        out[n++] = digits[i];
+        if (i + 1 < length && (length - i - 1) % 3 == 0) {
+            out[n++] = ',';
+        }
+    }
+    out[n] = 0;
+}
+
+/* The note below every picture and the text chunks in its file. */
+void asdic_render_describe(asdic_render *r) {
+    char frequency[ASDIC_DIGITS_SIZE], rays[40], spread[ASDIC_DIGITS_SIZE], loss[ASDIC_DIGITS_SIZE];
+    const asdic_sampling *sampling = &r->info.sampling;
+    asdic_digits_print(frequency, "%g", r->info.sonar->frequency_hz / 1000.0);
+    group_digits(rays, sampling->rays);
+    snprintf(r->note, sizeof r->note, "%s kHz  \u00b7  %s rays a ping, %s sampling, seed %llu",
+             frequency, rays, asdic_run_sampler_name(sampling->sampler),
+             (unsigned long long)sampling->seed);
+    asdic_digits_natural(r->seed, sampling->seed);
+    asdic_digits_print(r->low, "%g", r->options.db_low);
+    asdic_digits_print(r->high, "%g", r->options.db_high);
+    asdic_digits_print(spread, "%.4g", r->options.tvg_db_per_decade);
+    asdic_digits_print(loss, "%.4g", r->options.tvg_db_per_m);
+    snprintf(r->gain, sizeof r->gain, "%s log r + %s r dB", spread, loss);
+    const char *texts[] = {"Software",     "asdic",
+                           "version",      r->run->facts.version,
+                           "scene",        r->info.scene_name,
+                           "scene_sha256", r->info.scene_hash,
+                           "seed",         r->seed,
+                           "db_low",       r->low,
+                           "db_high",      r->high,
+                           "colormap",     asdic_colormap_name(r->options.colormap),
+                           "gain",         r->gain};
+    _Static_assert(sizeof texts + 5 * sizeof *texts <= sizeof r->texts, "room for one more text");
+    memcpy(r->texts, texts, sizeof texts);
+}
+
+asdic_picture_options asdic_render_picture(asdic_render *r, const char *title, const char *key,
+                                           const char *value) {
+    size_t i = 0;
+    while (r->texts[i] && strcmp(r->texts[i], "Title") != 0) {
+        i += 2;
+    }
+    r->texts[i] = "Title";
+    r->texts[i + 1] = title;
+    r->texts[i + 2] = key;
+    r->texts[i + 3] = value;
+    return (asdic_picture_options){.db_low = r->options.db_low,
+                                   .db_high = r->options.db_high,
+                                   .colormap = r->options.colormap,
+                                   .tvg_db_per_decade = r->options.tvg_db_per_decade,
+                                   .tvg_db_per_m = r->options.tvg_db_per_m,
+                                   .title = title,
+                                   .note = r->note,
+                                   .texts = r->texts,
+                                   .format = r->options.format};
+}
+
+char *asdic_render_path(const asdic_render *r, const char *stem, const char *name) {
+    static const char *const extensions[] = {[ASDIC_PICTURE_BY_NAME] = "png",
+                                             [ASDIC_PICTURE_PNG] = "png",
+                                             [ASDIC_PICTURE_PDF] = "pdf",
+                                             [ASDIC_PICTURE_SVG] = "svg"};
+    if (r->options.path) {
+        return strdup(strcmp(r->options.path, "-") == 0 ? "/dev/stdout" : r->options.path);
+    }
+    bool is_raw = strcmp(stem, "raw_") == 0;
+    return asdic_folder_path(r->run->folder, stem, name,
+                             is_raw ? "png" : extensions[r->options.format]);
+}

@@ -1,0 +1,50 @@
+/*
+ * The pictures of a run, and what they share: options, notes, names of files.
+ */
+#ifndef ASDIC_MISSION_RUN_PICTURE_H
+#define ASDIC_MISSION_RUN_PICTURE_H
+
+#include "run_open.h"
+#include "run_summary.h"
+
+/* At most this many beams get a panel of an A-scope. */
+#define ASDIC_RENDER_PANELS 4
+
+#define ASDIC_RENDER_TEXTS 24
+
+typedef struct asdic_render {
+    asdic_context *ctx;
+    asdic_run *run;
+    asdic_run_info info;
+    asdic_summary_plan plan;
+    const asdic_summary *summary; /* of PLAN */
+    asdic_render_options options; /* window resolved */
+    bool has_window;              /* the options give one */
+    unsigned images;
+    char note[256], seed[32], low[32], high[32], gain[96];
+    const char *texts[ASDIC_RENDER_TEXTS]; /* key, value, ... of every picture */
+} asdic_render;
+
+/* Fills note and texts from the options. A copy of RENDER must be described again. */
+void asdic_render_describe(asdic_render *render);
+
+/* Options of one picture, with TITLE and two more text chunks: KEY and VALUE. */
+asdic_picture_options asdic_render_picture(asdic_render *render, const char *title, const char *key,
+                                           const char *value);
+
+/* The path of the picture STEM NAME; freed with free(). */
+char *asdic_render_path(const asdic_render *render, const char *stem, const char *name);
+
+/* run_render_waterfall.c: all pings of a beam; its bins one to one; the strongest of all beams. */
+asdic_status asdic_render_waterfalls(asdic_render *render);
+asdic_status asdic_render_raw(asdic_render *render);
+asdic_status asdic_render_overview(const asdic_render *render);
+
+/* run_render_ping.c: one ping. */
+asdic_status asdic_render_ascope(const asdic_render *render, const asdic_record *record);
+asdic_status asdic_render_fan(asdic_render *render, const asdic_record *record);
+
+/* run_render_chart.c: the mission from above. */
+asdic_status asdic_render_chart(asdic_render *render);
+
+#endif

@@ -1,0 +1,173 @@
+#include "run_summary.h"
+
+#include "base/context.h"
+#include "base/try.h"
+#include "out/draw.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static bool wants(const asdic_summary *d, asdic_image image) {
+    return (d->plan.images & 1u << image) != 0;
+}
+
+/* The beam that looks most nearly ahead stands for many. */
+static size_t ahead(const asdic_sonar *sonar) {
+    size_t best = 0;
+    for (size_t i = 1; i < sonar->receiver_count; i++) {
+        const asdic_beam *beam = &sonar->receivers[i], *other = &sonar->receivers[best];
+        if (fabs(beam->yaw_rad) < fabs(other->yaw_rad) - 1e-9) {
+            best = i;
+        }
+    }
+    return best;
+}
+
+asdic_status asdic_summary_choose_beams(asdic_context *ctx, const char *name,
+                                        asdic_summary_plan *plan) {
+    const asdic_sonar *sonar = plan->sonar;
+    plan->beam_count = 0;
+    for (size_t i = 0; name && i < sonar->receiver_count; i++) {
+        if (strcmp(sonar->receivers[i].name, name) == 0) {
+            plan->beams[plan->beam_count++] = i;
+            return ASDIC_OK;
+        }
+    }
+    if (name) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "no beam '%s'; there are '%s' to '%s'", name,
+                          sonar->receivers[0].name,
+                          sonar->receivers[sonar->receiver_count - 1].name);
+    }
+    if (sonar->receiver_count > ASDIC_SUMMARY_BEAMS) {
+        plan->beams[plan->beam_count++] = ahead(sonar);
+        return ASDIC_OK;
+    }
+    while (plan->beam_count < sonar->receiver_count) {
+        plan->beams[plan->beam_count] = plan->beam_count;
+        plan->beam_count++;
+    }
+    return ASDIC_OK;
+}
+
+static asdic_status begin(asdic_context *ctx, asdic_summary *d) {
+    const asdic_summary_plan *plan = &d->plan;
+    const asdic_picture_options gain = {.tvg_db_per_decade = plan->tvg_db_per_decade,
+                                        .tvg_db_per_m = plan->tvg_db_per_m};
+    TRY(asdic_statistics_begin(ctx, &d->statistics));
+    if (gain.tvg_db_per_decade != 0.0 || gain.tvg_db_per_m != 0.0) {
+        TRY(asdic_statistics_set_gain(ctx, &d->statistics, plan->bins, plan->bin_length_m, &gain));
+    }
+    for (size_t k = 0; wants(d, ASDIC_IMAGE_WATERFALL) && k < plan->beam_count; k++) {
+        TRY(asdic_decimator_init(ctx, plan->pings, plan->bins, ASDIC_WATERFALL_MAX_ROWS,
+                                 ASDIC_WATERFALL_MAX_COLUMNS, &d->waterfalls[k]));
+    }
+    if (wants(d, ASDIC_IMAGE_OVERVIEW)) {
+        TRY(asdic_overview_init(ctx, plan->pings, plan->sonar->receiver_count, plan->bins,
+                                plan->bin_length_m, &d->overview));
+    }
+    if (wants(d, ASDIC_IMAGE_PLAN)) {
+        d->north_m = malloc((ASDIC_TRACK_POINTS + 1) * sizeof *d->north_m);
+        d->east_m = malloc((ASDIC_TRACK_POINTS + 1) * sizeof *d->east_m);
+        if (!d->north_m || !d->east_m) {
+            return asdic_fail_memory(ctx, "a track");
+        }
+    }
+    return ASDIC_OK;
+}
+
+asdic_status asdic_summary_create(asdic_context *ctx, const asdic_summary_plan *plan,
+                                  asdic_summary **out) {
+    asdic_summary *d = *out = calloc(1, sizeof *d);
+    if (!d) {
+        return asdic_fail_memory(ctx, "a run's pictures");
+    }
+    d->plan = *plan;
+    asdic_status status = begin(ctx, d);
+    if (status) {
+        asdic_summary_destroy(out);
+    }
+    return status;
+}
+
+asdic_status asdic_summary_create_all(asdic_context *ctx, const asdic_settings *settings,
+                                      const asdic_run_facts *facts, asdic_summary **out) {
+    asdic_summary_plan plan = {.sonar = &settings->sonar,
+                               .environment = &settings->environment,
+                               .pings = facts->pings_planned,
+                               .bins = facts->bins,
+                               .bin_length_m = facts->bin_length_m,
+                               .images = settings->output.images};
+    TRY(asdic_summary_choose_beams(ctx, NULL, &plan));
+    return asdic_summary_create(ctx, &plan, out);
+}
+
+void asdic_summary_destroy(asdic_summary **summary) {
+    asdic_summary *d = *summary;
+    if (!d) {
+        return;
+    }
+    asdic_statistics_finish(&d->statistics);
+    for (size_t k = 0; k < ASDIC_SUMMARY_BEAMS; k++) {
+        asdic_decimator_finish(&d->waterfalls[k]);
+    }
+    asdic_overview_finish(&d->overview);
+    free(d->north_m);
+    free(d->east_m);
+    free(d);
+    *summary = NULL;
+}
+
+/* Every so many pings, and the last. */
+static void add_to_track(asdic_summary *d, const asdic_record *record) {
+    size_t every = (d->plan.pings - 1) / ASDIC_TRACK_POINTS + 1;
+    if (d->added == 0) {
+        d->bottom_depth_m = record->pose.position_m.z + record->altitude_m;
+    }
+    if (d->added % every == 0 || d->added + 1 == d->plan.pings) {
+        d->north_m[d->track_count] = record->pose.position_m.x;
+        d->east_m[d->track_count++] = record->pose.position_m.y;
+    }
+    d->last_pose = record->pose;
+}
+
+/* Without a gain the nearest reverberation would always be the strongest. Unless one is asked for,
+ * the gain is the one that makes equal targets equal: 40 log r for the spreading both ways, and
+ * the absorption. */
+static void set_gain(asdic_summary *d, const asdic_record *first) {
+    const asdic_summary_plan *p = &d->plan;
+    bool is_given = p->tvg_db_per_decade != 0.0 || p->tvg_db_per_m != 0.0;
+    double absorption_db_per_km = asdic_environment_absorption_db_per_km(
+        p->environment, p->sonar->frequency_hz, first->pose.position_m.z);
+    d->overview_db_per_decade = is_given ? p->tvg_db_per_decade : 40.0;
+    d->overview_db_per_m = is_given ? p->tvg_db_per_m : 2e-3 * absorption_db_per_km;
+    asdic_overview_set_gain(&d->overview, d->overview_db_per_decade, d->overview_db_per_m);
+}
+
+void asdic_summary_add(asdic_summary *d, const asdic_record *record) {
+    if (!d) {
+        return;
+    }
+    const float *levels_db = record->level_db[ASDIC_TOTAL];
+    asdic_statistics_add(&d->statistics, record, d->plan.sonar->receiver_count * d->plan.bins);
+    for (size_t k = 0; wants(d, ASDIC_IMAGE_WATERFALL) && k < d->plan.beam_count; k++) {
+        asdic_decimator_add(&d->waterfalls[k], levels_db + d->plan.beams[k] * d->plan.bins);
+    }
+    if (wants(d, ASDIC_IMAGE_OVERVIEW)) {
+        if (d->added == 0) {
+            set_gain(d, record);
+        }
+        asdic_overview_add(&d->overview, levels_db, record->level_db[ASDIC_NOISE]);
+    }
+    if (wants(d, ASDIC_IMAGE_PLAN)) {
+        add_to_track(d, record);
+    }
+    d->added++;
+}
+
+void asdic_summary_end(asdic_summary *d) {
+    asdic_statistics_end(&d->statistics);
+    for (size_t k = 0; wants(d, ASDIC_IMAGE_WATERFALL) && k < d->plan.beam_count; k++) {
+        asdic_decimator_end(&d->waterfalls[k]);
+    }
+}

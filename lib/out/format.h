@@ -1,0 +1,48 @@
+/*
+ * Formats of a run's levels beside its tables. A format is a file, format_NAME.c, that defines its
+ * row asdic_format_NAME and the scene key's text asdic_format_doc_NAME, and a line in meson.build,
+ * which makes ASDIC_FORMATS. The key in `output:`, what it checks, what --force replaces and what a
+ * resumed or merged run writes again follow from the row.
+ */
+#ifndef ASDIC_OUT_FORMAT_H
+#define ASDIC_OUT_FORMAT_H
+
+#include "asdic_config.h"
+#include "record.h"
+
+/* What a file says once. */
+typedef struct asdic_format_about {
+    const asdic_sonar *sonar;
+    double sound_speed_mps, absorption_db_per_km; /* at the first ping's depth */
+    size_t pings, bins;
+    const char *scene_name, *scene_hash, *version;
+    uint64_t seed;
+} asdic_format_about;
+
+/* A file appears under its name on commit, complete, or not at all. */
+typedef struct asdic_format {
+    const char *file;    /* its name in the run folder */
+    const char *missing; /* what this build lacks to write it, and how to get that; NULL: nothing */
+    asdic_status (*open)(asdic_context *ctx, const char *path, const asdic_format_about *about,
+                         void **out);
+    /* The next ping. */
+    asdic_status (*write)(void *file, const asdic_record *record);
+    /* After the last ping; *FILE becomes NULL either way. */
+    asdic_status (*commit)(void **file);
+    /* Removes what was written; nothing of NULL. */
+    void (*discard)(void **file);
+} asdic_format;
+
+#define ASDIC_FORMAT_NUMBER(name) ASDIC_FORMAT_##name,
+enum { ASDIC_FORMATS(ASDIC_FORMAT_NUMBER) ASDIC_FORMAT_COUNT };
+#undef ASDIC_FORMAT_NUMBER
+
+#define ASDIC_FORMAT_ROW(name)                                                                     \
+    extern const asdic_format asdic_format_##name;                                                 \
+    extern const char asdic_format_doc_##name[];
+ASDIC_FORMATS(ASDIC_FORMAT_ROW)
+#undef ASDIC_FORMAT_ROW
+
+extern const asdic_format *const asdic_formats[ASDIC_FORMAT_COUNT];
+
+#endif

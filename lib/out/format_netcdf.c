@@ -1,0 +1,403 @@
+/*
+ * run.nc: a run as netCDF-4. Groups and names are those of the SONAR-netCDF4 convention (Macaulay &
+ * Pena, eds., ICES Cooperative Research Report 341, 2018) wherever it has one for what is said. The
+ * file does not conform to it and does not claim to: levels are rectangular arrays in dB, where the
+ * convention has ragged arrays of samples, and positions are metres from the scene's origin.
+ */
+#include "format.h"
+
+const char asdic_format_doc_netcdf[] = "also run.nc: netCDF-4 with names after SONAR-netCDF4";
+
+#if ASDIC_HAVE_NETCDF
+
+#include "base/context.h"
+#include "base/try.h"
+#include "base/vec.h"
+#include "digits.h"
+#include "netcdf_file.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* About as many numbers per chunk: large enough to compress, small enough to be read alone. */
+#define CHUNK_VALUES ((size_t)1 << 18)
+/* Deflate's fastest level, on shuffled bytes: slower levels hardly make noise smaller. */
+#define DEFLATE_LEVEL 1
+
+#define SINCE_BEGINNING "time since the mission's beginning"
+#define DEGREE (180.0 / ASDIC_PI)
+
+/* What is said of every ping beside its levels. */
+enum { PING_TIME, TIME, HEADING, PITCH, ROLL, NORTH, EAST, DEPTH, ALTITUDE, SERIES_COUNT };
+
+typedef struct netcdf {
+    asdic_nc nc;
+    size_t beams, bins, pings;
+    int platform, beam_group;
+    int level_ids[ASDIC_RECORD_ARRAYS], ping_id, series_ids[SERIES_COUNT];
+    size_t chunk_pings, buffered, written; /* pings */
+    float *levels_db[ASDIC_RECORD_ARRAYS]; /* [chunk_pings * beams * bins] */
+    uint64_t *ping_numbers;
+    double *series[SERIES_COUNT];
+} netcdf;
+
+typedef struct label {
+    const char *name, *long_name;
+} label;
+
+static const label level_names[ASDIC_RECORD_ARRAYS] = {
+    [ASDIC_TOTAL] = {"backscatter_r", "echo level of the bin, all mechanisms, dB re 1 uPa"},
+    [ASDIC_BOTTOM] = {"bottom_db", "reverberation of the bottom, dB re 1 uPa"},
+    [ASDIC_SURFACE] = {"surface_db", "reverberation of the surface, dB re 1 uPa"},
+    [ASDIC_VOLUME] = {"volume_db", "reverberation of the water, dB re 1 uPa"},
+    [ASDIC_OBJECT] = {"object_db", "echo of objects, dB re 1 uPa"},
+    [ASDIC_MULTIPATH] = {"multipath_db", "echo over a mirror, dB re 1 uPa"},
+    [ASDIC_NOISE] = {"noise_db", "ambient noise, dB re 1 uPa"},
+    [ASDIC_COMPONENT_COUNT] = {"stderr_db", "one standard error of the sampling of the total, dB"},
+};
+
+static void describe_file(netcdf *f, const asdic_format_about *about) {
+    char seed[ASDIC_DIGITS_SIZE];
+    asdic_digits_natural(seed, about->seed);
+    const asdic_nc_attribute root[] = {
+        {"Conventions", "CF-1.7"},
+        {"title", about->scene_name},
+        {"summary", "Simulated forward-looking sonar: echo levels by ping, beam and range."},
+        {"comment", "Groups and names after SONAR-netCDF4; the file does not conform to it: "
+                    "backscatter_r is a rectangular array in dB re 1 uPa, a bin's level being the "
+                    "integral of the returned intensity over the bin, and positions are metres "
+                    "north, east and down from the scene's origin."},
+        {"source", "asdic"},
+        {NULL, NULL}};
+    const asdic_nc_attribute provenance[] = {{"conversion_software_name", "asdic"},
+                                             {"conversion_software_version", about->version},
+                                             {"scene_sha256", about->scene_hash},
+                                             {"seed", seed},
+                                             {NULL, NULL}};
+    asdic_nc_texts(&f->nc, f->nc.id, NC_GLOBAL, root);
+    asdic_nc_texts(&f->nc, asdic_nc_group(&f->nc, f->nc.id, "Provenance"), NC_GLOBAL, provenance);
+}
+
+/* A number of its own, without dimension or along DIMENSION. */
+static void put_numbers(netcdf *f, int group, int dimension, const label *name, const char *units,
+                        const double *values) {
+    int id = asdic_nc_variable(&f->nc, group, name->name, NC_DOUBLE, dimension >= 0, &dimension,
+                               name->long_name, units);
+    if (id >= 0) {
+        asdic_nc_check(&f->nc, nc_put_var_double(group, id, values));
+    }
+}
+
+static void describe_water(netcdf *f, const asdic_format_about *about) {
+    const label frequency = {"frequency", "acoustic frequency"},
+                absorption = {"absorption_indicative", "acoustic absorption"},
+                speed = {"sound_speed_indicative", "sound speed"};
+    double absorption_db_per_m = about->absorption_db_per_km / 1000.0;
+    int group = asdic_nc_group(&f->nc, f->nc.id, "Environment");
+    int dimension = asdic_nc_dimension(&f->nc, group, "frequency", 1);
+    put_numbers(f, group, dimension, &frequency, "Hz", &about->sonar->frequency_hz);
+    put_numbers(f, group, dimension, &absorption, "dB/m", &absorption_db_per_m);
+    put_numbers(f, group, -1, &speed, "m/s", &about->sound_speed_mps);
+}
+
+static void describe_platform(netcdf *f) {
+    static const struct {
+        label name;
+        const char *units, *standard_name;
+        int series;
+    } rows[] = {
+        {{"heading", "yaw from north towards east"}, "degree", "platform_orientation", HEADING},
+        {{"pitch", "bow up"}, "degree", "platform_pitch_angle", PITCH},
+        {{"roll", "starboard down"}, "degree", "platform_roll_angle", ROLL},
+        {{"north", "north of the scene's origin"}, "m", NULL, NORTH},
+        {{"east", "east of the scene's origin"}, "m", NULL, EAST},
+        {{"depth", "below the sea surface"}, "m", "depth", DEPTH},
+        {{"altitude", "above the bottom straight below"}, "m", "height_above_sea_floor", ALTITUDE},
+    };
+    f->platform = asdic_nc_group(&f->nc, f->nc.id, "Platform");
+    int time = asdic_nc_dimension(&f->nc, f->platform, "time", f->pings);
+    f->series_ids[TIME] =
+        asdic_nc_variable(&f->nc, f->platform, "time", NC_DOUBLE, 1, &time, SINCE_BEGINNING, "s");
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        int id = asdic_nc_variable(&f->nc, f->platform, rows[i].name.name, NC_DOUBLE, 1, &time,
+                                   rows[i].name.long_name, rows[i].units);
+        const asdic_nc_attribute standard[] = {
+            {rows[i].standard_name ? "standard_name" : NULL, rows[i].standard_name}, {NULL, NULL}};
+        asdic_nc_texts(&f->nc, f->platform, id, standard);
+        f->series_ids[rows[i].series] = id;
+    }
+}
+
+/* Full width between half-power points of a line of LENGTH_M, one way: the pattern sinc^2 u is a
+ * half at u = 0.4429 (e.g. R. J. Urick, Principles of Underwater Sound, 3rd ed., 1983, table
+ * 3.2). */
+static double beam_width_deg(double wavelength_m, double length_m) {
+    return 2.0 * DEGREE * asin(fmin(0.442946 * wavelength_m / length_m, 1.0));
+}
+
+static void put_beam_numbers(netcdf *f, int beam_dimension, const asdic_format_about *about) {
+    enum { COLUMNS = 7 };
+    static const struct {
+        label name;
+        const char *units;
+    } columns[COLUMNS] = {
+        {{"beam_direction_x", "direction of the beam's axis, forward"}, "1"},
+        {{"beam_direction_y", "direction of the beam's axis, to starboard"}, "1"},
+        {{"beam_direction_z", "direction of the beam's axis, down"}, "1"},
+        {{"beamwidth_receive_major", "half power, one way, horizontally"}, "degree"},
+        {{"beamwidth_receive_minor", "half power, one way, vertically"}, "degree"},
+        {{"beamwidth_transmit_major", "half power, one way, horizontally"}, "degree"},
+        {{"beamwidth_transmit_minor", "half power, one way, vertically"}, "degree"},
+    };
+    const asdic_sonar *sonar = about->sonar;
+    double wavelength_m = about->sound_speed_mps / sonar->frequency_hz;
+    double *values = malloc(COLUMNS * f->beams * sizeof *values);
+    if (!values) {
+        asdic_nc_check(&f->nc, NC_ENOMEM);
+        return;
+    }
+    for (size_t i = 0; i < f->beams; i++) {
+        const asdic_beam *rx = &sonar->receivers[i], *tx = &sonar->transmitter;
+        const double row[COLUMNS] = {cos(rx->pitch_rad) * cos(rx->yaw_rad),
+                                     cos(rx->pitch_rad) * sin(rx->yaw_rad),
+                                     sin(rx->pitch_rad),
+                                     beam_width_deg(wavelength_m, rx->length_h_m),
+                                     beam_width_deg(wavelength_m, rx->length_v_m),
+                                     beam_width_deg(wavelength_m, tx->length_h_m),
+                                     beam_width_deg(wavelength_m, tx->length_v_m)};
+        for (size_t k = 0; k < COLUMNS; k++) {
+            values[k * f->beams + i] = row[k];
+        }
+    }
+    for (size_t k = 0; k < COLUMNS; k++) {
+        put_numbers(f, f->beam_group, beam_dimension, &columns[k].name, columns[k].units,
+                    values + k * f->beams);
+    }
+    free(values);
+}
+
+static void put_beam_names(netcdf *f, int dimension, const asdic_sonar *sonar) {
+    int id = asdic_nc_variable(&f->nc, f->beam_group, "beam", NC_STRING, 1, &dimension, "beam name",
+                               NULL);
+    for (size_t i = 0; i < f->beams && id >= 0; i++) {
+        const char *name = sonar->receivers[i].name;
+        if (!asdic_nc_check(&f->nc, nc_put_var1_string(f->beam_group, id, &i, &name))) {
+            return;
+        }
+    }
+}
+
+static void put_pulse(netcdf *f, const asdic_format_about *about) {
+    const asdic_sonar *s = about->sonar;
+    const struct {
+        label name;
+        const char *units;
+        double value;
+    } rows[] = {
+        {{"transmit_frequency_start", "start of the pulse"},
+         "Hz",
+         s->frequency_hz - 0.5 * s->bandwidth_hz},
+        {{"transmit_frequency_stop", "end of the pulse"},
+         "Hz",
+         s->frequency_hz + 0.5 * s->bandwidth_hz},
+        {{"transmit_bandwidth", "bandwidth of the pulse"}, "Hz", s->bandwidth_hz},
+        {{"transmit_source_level", "dB re 1 uPa at 1 m, after pulse compression"},
+         "dB",
+         s->source_level_db},
+        {{"sample_interval", "two-way time of a bin"},
+         "s",
+         2.0 * s->bin_length_m / about->sound_speed_mps},
+        {{"blanking_interval", "two-way time before reception"},
+         "s",
+         2.0 * s->blanking_m / about->sound_speed_mps},
+    };
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        put_numbers(f, f->beam_group, -1, &rows[i].name, rows[i].units, &rows[i].value);
+    }
+}
+
+static void define_levels(netcdf *f, const int dimensions[3]) {
+    const size_t chunks[3] = {f->chunk_pings, f->beams, f->bins};
+    const float fill = NAN;
+    for (int i = 0; i < ASDIC_RECORD_ARRAYS; i++) {
+        int group = f->beam_group;
+        int id = asdic_nc_variable(&f->nc, group, level_names[i].name, NC_FLOAT, 3, dimensions,
+                                   level_names[i].long_name, "dB");
+        f->level_ids[i] = id;
+        if (id < 0 || !asdic_nc_check(&f->nc, nc_def_var_fill(group, id, NC_FILL, &fill)) ||
+            !asdic_nc_check(&f->nc, nc_def_var_chunking(group, id, NC_CHUNKED, chunks)) ||
+            !asdic_nc_check(&f->nc, nc_def_var_deflate(group, id, 1, 1, DEFLATE_LEVEL)) ||
+            /* Whole chunks are written, once: netCDF's 16 MiB a variable would only be filled. */
+            !asdic_nc_check(&f->nc, nc_set_var_chunk_cache(group, id, 1, 1, 1.0f))) {
+            return;
+        }
+        const asdic_nc_attribute texts[] = {{"coordinates", "range"}, {NULL, NULL}};
+        asdic_nc_texts(&f->nc, group, id, texts);
+    }
+}
+
+static void describe_beams(netcdf *f, const asdic_format_about *about) {
+    const asdic_nc_attribute sonar_texts[] = {
+        {"sonar_manufacturer", "none: simulated"}, {"sonar_model", about->scene_name},
+        {"sonar_software_name", "asdic"},          {"sonar_software_version", about->version},
+        {"sonar_type", "forward-looking sonar"},   {NULL, NULL}};
+    const asdic_nc_attribute group_texts[] = {{"beam_mode", "horizontal"}, {NULL, NULL}};
+    const label range = {"range", "range of the bin's centre"};
+    int sonar = asdic_nc_group(&f->nc, f->nc.id, "Sonar");
+    asdic_nc_texts(&f->nc, sonar, NC_GLOBAL, sonar_texts);
+    f->beam_group = asdic_nc_group(&f->nc, sonar, "Beam_group1");
+    asdic_nc_texts(&f->nc, f->beam_group, NC_GLOBAL, group_texts);
+    const int dimensions[3] = {asdic_nc_dimension(&f->nc, f->beam_group, "ping_time", f->pings),
+                               asdic_nc_dimension(&f->nc, f->beam_group, "beam", f->beams),
+                               asdic_nc_dimension(&f->nc, f->beam_group, "range_sample", f->bins)};
+    f->ping_id = asdic_nc_variable(&f->nc, f->beam_group, "ping", NC_UINT64, 1, dimensions,
+                                   "number of the ping in the mission", "1");
+    f->series_ids[PING_TIME] = asdic_nc_variable(&f->nc, f->beam_group, "ping_time", NC_DOUBLE, 1,
+                                                 dimensions, SINCE_BEGINNING, "s");
+    double *range_m = malloc(f->bins * sizeof *range_m);
+    if (!range_m) {
+        asdic_nc_check(&f->nc, NC_ENOMEM);
+        return;
+    }
+    for (size_t i = 0; i < f->bins; i++) {
+        range_m[i] = ((double)i + 0.5) * about->sonar->bin_length_m;
+    }
+    put_numbers(f, f->beam_group, dimensions[2], &range, "m", range_m);
+    free(range_m);
+    put_beam_names(f, dimensions[1], about->sonar);
+    put_beam_numbers(f, dimensions[1], about);
+    put_pulse(f, about);
+    define_levels(f, dimensions);
+}
+
+static bool allocate(netcdf *f) {
+    size_t values = f->chunk_pings * f->beams * f->bins;
+    bool is_there = (f->ping_numbers = malloc(f->chunk_pings * sizeof *f->ping_numbers)) != NULL;
+    for (int i = 0; i < ASDIC_RECORD_ARRAYS; i++) {
+        f->levels_db[i] = malloc(values * sizeof(float));
+        is_there = is_there && f->levels_db[i];
+    }
+    for (int i = 0; i < SERIES_COUNT; i++) {
+        f->series[i] = malloc(f->chunk_pings * sizeof(double));
+        is_there = is_there && f->series[i];
+    }
+    return is_there;
+}
+
+static void discard_netcdf(void **file) {
+    netcdf *f = *file;
+    if (!f) {
+        return;
+    }
+    asdic_nc_discard(&f->nc);
+    for (int i = 0; i < ASDIC_RECORD_ARRAYS; i++) {
+        free(f->levels_db[i]);
+    }
+    for (int i = 0; i < SERIES_COUNT; i++) {
+        free(f->series[i]);
+    }
+    free(f->ping_numbers);
+    free(f);
+    *file = NULL;
+}
+
+static asdic_status begin(netcdf *f, asdic_context *ctx, const char *path,
+                          const asdic_format_about *about) {
+    TRY(asdic_nc_create(ctx, path, &f->nc));
+    if (!allocate(f)) {
+        return asdic_fail_memory(ctx, "a netCDF file");
+    }
+    describe_file(f, about);
+    describe_water(f, about);
+    describe_platform(f);
+    describe_beams(f, about);
+    return asdic_nc_status(&f->nc);
+}
+
+static asdic_status open_netcdf(asdic_context *ctx, const char *path,
+                                const asdic_format_about *about, void **out) {
+    size_t beams = about->sonar->receiver_count, chunk = CHUNK_VALUES / (beams * about->bins);
+    netcdf *f = *out = calloc(1, sizeof *f);
+    if (!f) {
+        return asdic_fail_memory(ctx, "a netCDF file");
+    }
+    f->beams = beams;
+    f->bins = about->bins;
+    f->pings = about->pings;
+    f->chunk_pings = chunk < 1 ? 1 : chunk > about->pings ? about->pings : chunk;
+    asdic_status status = begin(f, ctx, path, about);
+    if (status) {
+        discard_netcdf(out);
+    }
+    return status;
+}
+
+static asdic_status flush(netcdf *f) {
+    const size_t start[3] = {f->written, 0, 0}, count[3] = {f->buffered, f->beams, f->bins};
+    if (f->buffered == 0) {
+        return ASDIC_OK;
+    }
+    asdic_nc_check(&f->nc, nc_put_vara_ulonglong(f->beam_group, f->ping_id, start, count,
+                                                 (const unsigned long long *)f->ping_numbers));
+    for (int i = 0; i < SERIES_COUNT; i++) {
+        int group = i == PING_TIME ? f->beam_group : f->platform;
+        asdic_nc_check(&f->nc,
+                       nc_put_vara_double(group, f->series_ids[i], start, count, f->series[i]));
+    }
+    for (int i = 0; i < ASDIC_RECORD_ARRAYS && f->nc.failure == NC_NOERR; i++) {
+        asdic_nc_check(&f->nc, nc_put_vara_float(f->beam_group, f->level_ids[i], start, count,
+                                                 f->levels_db[i]));
+    }
+    f->written += f->buffered;
+    f->buffered = 0;
+    return asdic_nc_status(&f->nc);
+}
+
+static asdic_status write_netcdf(void *file, const asdic_record *record) {
+    netcdf *f = file;
+    size_t n = f->buffered++, cells = f->beams * f->bins;
+    const double series[SERIES_COUNT] = {
+        [PING_TIME] = record->time_s,
+        [TIME] = record->time_s,
+        [HEADING] = record->pose.yaw_rad * DEGREE,
+        [PITCH] = record->pose.pitch_rad * DEGREE,
+        [ROLL] = record->pose.roll_rad * DEGREE,
+        [NORTH] = record->pose.position_m.x,
+        [EAST] = record->pose.position_m.y,
+        [DEPTH] = record->pose.position_m.z,
+        [ALTITUDE] = isfinite(record->altitude_m) ? record->altitude_m : NAN};
+    for (int i = 0; i < SERIES_COUNT; i++) {
+        f->series[i][n] = series[i];
+    }
+    f->ping_numbers[n] = record->ping;
+    for (int i = 0; i < ASDIC_RECORD_ARRAYS; i++) {
+        memcpy(f->levels_db[i] + n * cells,
+               i < ASDIC_COMPONENT_COUNT ? record->level_db[i] : record->stderr_db,
+               cells * sizeof(float));
+    }
+    return f->buffered == f->chunk_pings ? flush(f) : ASDIC_OK;
+}
+
+static asdic_status commit_netcdf(void **file) {
+    netcdf *f = *file;
+    asdic_status status = flush(f);
+    if (status == ASDIC_OK) {
+        status = asdic_nc_commit(&f->nc);
+    }
+    discard_netcdf(file);
+    return status;
+}
+
+const asdic_format asdic_format_netcdf = {.file = "run.nc",
+                                          .open = open_netcdf,
+                                          .write = write_netcdf,
+                                          .commit = commit_netcdf,
+                                          .discard = discard_netcdf};
+
+#else
+
+const asdic_format asdic_format_netcdf = {.file = "run.nc",
+                                          .missing = "netCDF; install libnetcdf-dev"};
+
+#endif
