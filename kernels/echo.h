@@ -11,6 +11,7 @@
 #include "law_table.h"
 #include "mirror.h"
 #include "ping_types.h"
+#include "ray.h"
 #include "smooth.h"
 #include "target.h"
 
@@ -35,18 +36,10 @@ static __global const dev_beam *beams_of(__global const dev_ping *ping) {
     return (__global const dev_beam *)(ping + 1);
 }
 
-/* Points or directions of ASDIC_WIDTH rays. */
-typedef struct triple {
-    real x, y, z;
-} triple;
-
-static real dot3(triple a, triple b) {
-    return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-
-static triple cross3(triple a, triple b) {
-    triple c = {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-    return c;
+/* Where the sonar is. */
+static triple sonar_of(__global const dev_ping *ping) {
+    triple at = {(real)(ping->origin[0]), (real)(ping->origin[1]), (real)(ping->origin[2])};
+    return at;
 }
 
 /* SLOT and those that follow it, a lane each. */
@@ -64,7 +57,7 @@ static vector lane_of(const triple *v, uint lane) {
 
 /* What ASDIC_WIDTH rays met: nearest of mesh, bottom plane and surface. */
 typedef struct meeting {
-    real range;       /* m along the ray; INFINITY where nothing was met within its length */
+    real t;           /* along the ray (ray.h); INFINITY where nothing was met within its length */
     natural kind;     /* DEV_KIND_* */
     triple facet;     /* unit normal of what was hit, either side: for areas */
     triple surface;   /* of the surface it stands for: for angles of scattering and reflection */
@@ -74,11 +67,10 @@ typedef struct meeting {
 
 #if ASDIC_HAS_MESH
 /* One lane's facet: normals, flat area, kind, material. */
-static void meet_facet(const world *w, dev_hit hit, vector from, vector u, meeting *m, uint lane) {
-    __global const dev_triangle *t = w->triangles + hit.triangle;
+static void meet_facet(const world *w, uint triangle, vector at, meeting *m, uint lane) {
+    __global const dev_triangle *t = w->triangles + triangle;
     __global const dev_part *part = w->parts + t->part;
-    vector normal = smooth_normal(t, vector_step(from, hit.t_m, u));
-    AT(m->range, float) = hit.t_m;
+    vector normal = smooth_normal(t, at);
     AT(m->facet.x, float) = t->normal[0];
     AT(m->facet.y, float) = t->normal[1];
     AT(m->facet.z, float) = t->normal[2];
@@ -92,13 +84,12 @@ static void meet_facet(const world *w, dev_hit hit, vector from, vector u, meeti
 }
 #endif
 
-/* Takes the mesh hits in SLOTS, of rays from FROM along U, and the planes; nothing beyond LIMIT
- * counts. */
-static meeting meet(const world *w, __global const dev_hit *hits, natural slots, triple from,
-                    triple u, real limit) {
+/* Takes the mesh hits in SLOTS, of the rays R, and the planes; nothing beyond LIMIT counts. */
+static meeting meet(const world *w, __global const dev_hit *hits, natural slots, const ray *r,
+                    real limit) {
     meeting m;
-    real uz = u.z, drop = from.z - (real)(w->ping->origin[2]); /* below the sonar */
-    m.range = (real)(INFINITY);
+    real uz = r->u.z, drop = r->from.z - (real)(w->ping->origin[2]); /* below the sonar */
+    m.t = (real)(INFINITY);
     m.kind = (natural)(DEV_KIND_NONE);
     m.material = (natural)(w->ping->bottom_material);
     m.facet.x = m.facet.y = R(0.0);
@@ -106,22 +97,30 @@ static meeting meet(const world *w, __global const dev_hit *hits, natural slots,
     m.surface = m.facet;
     m.coherent_m2 = (real)(ASDIC_PLANE_M2);
 #if ASDIC_HAS_MESH
+    natural met = (natural)(0xffffffffu);
     LANES {
         dev_hit hit = hits[AT(slots, uint)];
+        AT(met, uint) = hit.triangle;
         if (hit.triangle != 0xffffffffu) {
-            meet_facet(w, hit, lane_of(&from, lane), lane_of(&u, lane), &m, lane);
+            AT(m.t, float) = hit.t_m;
+        }
+    }
+    triple at = ray_point(r, m.t);
+    LANES {
+        if (AT(met, uint) != 0xffffffffu) {
+            meet_facet(w, AT(met, uint), lane_of(&at, lane), &m, lane);
         }
     }
 #endif
     /* Planes. A ray along a plane never meets it. */
-    real down = ((real)(w->ping->bottom_m) - drop) / r_max(uz, R(1e-12));
-    mask plane = (down < m.range) & (uz > R(1e-12));
-    m.range = choose(plane, down, m.range);
+    real down = ray_to_plane((real)(w->ping->bottom_m) - drop, uz);
+    mask plane = (down < m.t) & (uz > (real)(RAY_LEVEL));
+    m.t = choose(plane, down, m.t);
     m.kind = choose_natural(plane, (natural)(DEV_KIND_BOTTOM), m.kind);
     m.material = choose_natural(plane, (natural)(w->ping->bottom_material), m.material);
-    real up = ((real)(w->ping->surface_m) + drop) / r_max(-uz, R(1e-12));
-    mask surface = (up < m.range) & (uz < R(-1e-12));
-    m.range = choose(surface, up, m.range);
+    real up = ray_to_plane((real)(w->ping->surface_m) + drop, -uz);
+    mask surface = (up < m.t) & (uz < (real)(-RAY_LEVEL));
+    m.t = choose(surface, up, m.t);
     m.kind = choose_natural(surface, (natural)(DEV_KIND_SURFACE), m.kind);
     m.material = choose_natural(surface, (natural)(w->ping->surface_material), m.material);
     mask flat = plane | surface;
@@ -132,9 +131,9 @@ static meeting meet(const world *w, __global const dev_hit *hits, natural slots,
     m.surface.y = choose(flat, R(0.0), m.surface.y);
     m.surface.z = choose(flat, R(-1.0), m.surface.z);
     m.coherent_m2 = choose(flat, (real)(ASDIC_PLANE_M2), m.coherent_m2);
-    mask far = m.range > limit;
+    mask far = m.t > limit;
     m.kind = choose_natural(far, (natural)(DEV_KIND_NONE), m.kind);
-    m.range = choose(far, (real)(INFINITY), m.range);
+    m.t = choose(far, (real)(INFINITY), m.t);
     return m;
 }
 
@@ -278,12 +277,6 @@ typedef struct split_echo {
     real first, second; /* energies in bin and bin + 1, relative to TL d^2 at their centres */
 } split_echo;
 
-/* TL(d) d^2 relative to the centre of bin N. */
-static real relative_loss(__global const dev_ping *ping, real range, real center) {
-    real q = center / range;
-    return q * q * exp((real)(-2.0f * ping->absorption_np_per_m) * (range - center));
-}
-
 /*
  * An echo of ENERGY (relative to TL d^2 at its range) AT a range, spread evenly over FOOTPRINT metres
  * of range, at most half a bin. NEAREST is the nearest that such an echo can come from: the footprint
@@ -309,8 +302,9 @@ static split_echo split(__global const dev_ping *ping, real at, real nearest, re
     first = choose(point, choose(received, R(1.0), R(0.0)), first);
     second = choose(point, R(0.0), second);
     range = r_max(range, R(1e-3));
-    e.first = energy * first * relative_loss(ping, range, edge - R(0.5) * bin);
-    e.second = energy * second * relative_loss(ping, range, edge + R(0.5) * bin);
+    real minus_2k = (real)(-2.0f * ping->absorption_np_per_m);
+    e.first = energy * first * ray_relative_loss(minus_2k, range, edge - R(0.5) * bin);
+    e.second = energy * second * ray_relative_loss(minus_2k, range, edge + R(0.5) * bin);
     return e;
 }
 

@@ -6,7 +6,7 @@
  * that are even over faces. Such a ray counts if the point that it was aimed at is what it meets first.
  * A ray that meets a face, however it was drawn, weighs by the density of all ways to draw it (balance
  * heuristic, Veach 1997, section 9.2): per unit of solid angle, DENSITY rays per square metre are
- * DENSITY d^2 / cos(incidence).
+ * DENSITY d^2 / cos(incidence) (ray_per_steradian).
  */
 #ifndef ASDIC_KERNEL_FACES_H
 #define ASDIC_KERNEL_FACES_H
@@ -18,9 +18,9 @@ static inline float aimed_at(uint triangle) {
     return as_float(0x80000000u | triangle);
 }
 
-/* The solid angle of rays that were drawn with WEIGHT and met M along U. */
+/* The solid angle of rays that were drawn as R with WEIGHT and met M. */
 static real weigh_faces(const world *w, const meeting *m, __global const dev_hit *hits,
-                        natural slots, triple u, real weight, real splat) {
+                        natural slots, const ray *r, real weight, real splat) {
     if (w->ping->face_count == 0u) {
         return weight;
     }
@@ -35,8 +35,8 @@ static real weigh_faces(const world *w, const meeting *m, __global const dev_hit
         AT(missed, int) = aim >= 0x80000000u && met != (aim & 0x7fffffffu) ? -1 : 0;
     }
     density *= (real)((float)(w->ping->face_count));
-    real cosine = r_max(r_abs(dot3(m->facet, u)), R(1e-6));
-    real faces = choose(density > R(0.0), density * m->range * m->range / cosine, R(0.0));
+    real cosine = r_max(r_abs(dot3(m->facet, ray_direction(r, m->t))), R(1e-6));
+    real faces = choose(density > R(0.0), ray_per_steradian(r, m->t, density, cosine), R(0.0));
     real all = choose(weight > R(0.0), R(1.0) / weight + faces, R(1.0));
     weight = choose(weight > R(0.0), R(1.0) / all, R(0.0));
     return choose(missed, R(0.0), weight);

@@ -62,28 +62,24 @@ typedef struct mirror_store {
     __global float4 *mirrors;
 } mirror_store;
 
-/* Appends the mirror rays of rays along U that lie from SLOT on and met M, mirrored by SHARE, to STORE
- * from AT on; returns the next AT. */
-static uint reflect(const world *w, const meeting *m, __global const dev_hit *hits, triple u,
+/* Appends the mirror rays of the rays R that lie from SLOT on and met M, mirrored by SHARE, to STORE from
+ * AT on; returns the next AT. */
+static uint reflect(const world *w, const meeting *m, __global const dev_hit *hits, const ray *r,
                     real share, const mirror_store *store, uint slot, uint at) {
-    real reach = (real)(w->ping->range_m);
-    triple from = {(real)(w->ping->origin[0]), (real)(w->ping->origin[1]),
-                   (real)(w->ping->origin[2])};
+    real reach = ray_at_range(r, (real)(w->ping->range_m));
     mask mirror = (m->kind != DEV_KIND_NONE) & (share > (real)(DEV_MIN_MIRROR));
-    mirror &= m->range <= reach;
+    mirror &= m->t <= reach;
+    real d1 = choose(mirror, m->t, R(0.0));
+    triple u = ray_direction(r, d1);
     real along = dot3(m->surface, u);
     triple to = {u.x - R(2.0) * along * m->surface.x, u.y - R(2.0) * along * m->surface.y,
                  u.z - R(2.0) * along * m->surface.z};
     /* It leaves on the facet's near side; what an interpolated normal turns inwards is lost. */
     real side = choose(dot3(m->facet, u) > R(0.0), R(-1.0), R(1.0));
     mirror &= side * dot3(m->facet, to) > R(0.0);
-    real d1 = choose(mirror, m->range, R(0.0));
-    triple start = {from.x + d1 * u.x, from.y + d1 * u.y, from.z + d1 * u.z};
-    start = lift(start, m->facet, side);
+    triple start = lift(ray_point(r, d1), m->facet, side);
     /* The farthest d2 with d1 + d2 + d3 <= 2 range, whatever the mirror ray meets. */
-    real rest = R(2.0) * reach - d1;
-    real t_max = (rest * rest - d1 * d1) / (R(2.0) * r_max(rest + d1 * dot3(u, to), R(1e-3)));
-    t_max = r_min(t_max, reach);
+    real t_max = r_min(ray_mirror_reach(R(2.0) * reach - d1, d1, dot3(u, to)), reach);
     LANES {
         if (AT(mirror, int) == 0) {
             continue;
@@ -91,7 +87,7 @@ static uint reflect(const world *w, const meeting *m, __global const dev_hit *hi
         smooth_bend bend = {0.0f, 0.0f};
 #if ASDIC_HAS_MESH
         dev_hit hit = hits[slot + lane];
-        if (hit.t_m == AT(m->range, const float)) {
+        if (hit.t_m == AT(m->t, const float)) {
             bend = smooth_bend_of(w->triangles + hit.triangle, lane_of(&u, lane));
         }
 #endif

@@ -12,13 +12,8 @@
  *         d3^-2 exp(-2 k (D - 1))
  *
  * The tube's outgoing spreading cancels against its area, so that only the return spreads. D^-2 is
- * for flat mirrors; at a curved one it becomes 1 / J,
- *
- *     J = D^2 + 2 D d1 d2 (kappa_t / cos i + kappa_s cos i) + 4 d1^2 d2^2 K
- *
- * with the curvatures along and across the plane of incidence and their product K, positive where
- * convex (G. A. Deschamps, "Ray techniques in electromagnetics", Proc. IEEE 60(9), 1972). Near the
- * focus of a concave mirror the gain is held to 20 dB. sqrt(s_in s_out) is exact for Lambert's law.
+ * for flat mirrors; at a curved one it becomes 1 / J (ray_mirror_gain). sqrt(s_in s_out) is exact for
+ * Lambert's law.
  */
 #include "mirror_ray.h"
 #include "receive.h"
@@ -35,25 +30,26 @@ static triple load_directions(__global const dev_ray *rays, natural slots) {
     return d;
 }
 
-static triple load_origins(__global const dev_ray *rays, natural slots) {
-    triple d;
+static ray load_rays(__global const dev_ray *rays, natural slots) {
+    ray r;
     LANES {
         __global const float *from = rays[AT(slots, uint)].origin;
-        AT(d.x, float) = from[0];
-        AT(d.y, float) = from[1];
-        AT(d.z, float) = from[2];
+        AT(r.from.x, float) = from[0];
+        AT(r.from.y, float) = from[1];
+        AT(r.from.z, float) = from[2];
     }
-    return d;
+    r.u = load_directions(rays, slots);
+    return r;
 }
 
-/* What the mirror rays in SLOTS met. */
+/* What the mirror rays R in SLOTS met. */
 static meeting meet_bounced(const world *w, __global const dev_ray *bounced,
-                            __global const dev_hit *hits, natural slots, triple u, triple from) {
+                            __global const dev_hit *hits, natural slots, const ray *r) {
     real limit;
     LANES {
         AT(limit, float) = bounced[AT(slots, uint)].t_max;
     }
-    meeting m = meet(w, hits, slots, from, u, limit);
+    meeting m = meet(w, hits, slots, r, limit);
     mask off = limit <= R(0.0);
     m.kind = choose_natural(off, (natural)(DEV_KIND_NONE), m.kind);
     return m;
@@ -68,30 +64,24 @@ static uint connect_rays(const world *w, __global const dev_ray *bounced,
     LANES {
         AT(d1, float) = bounced[slot + lane].source == NO_RAY ? 0.0f : mirrors[slot + lane].y;
     }
-    triple u = load_directions(bounced, slots), from = load_origins(bounced, slots);
-    meeting m = meet_bounced(w, bounced, hits, slots, u, from);
+    ray r = load_rays(bounced, slots);
+    meeting m = meet_bounced(w, bounced, hits, slots, &r);
     mask met = m.kind != DEV_KIND_NONE;
     if (!any_true(met)) {
         return at;
     }
-    real d2 = choose(met, m.range, R(0.0));
-    triple x = {from.x + d2 * u.x, from.y + d2 * u.y, from.z + d2 * u.z};
-    real along = dot3(m.facet, u);
-    x = lift(x, m.facet, choose(along > R(0.0), R(-1.0), R(1.0)));
-    triple to = {(real)(w->ping->origin[0]) - x.x, (real)(w->ping->origin[1]) - x.y,
-                 (real)(w->ping->origin[2]) - x.z};
-    real d3 = r_max(sqrt(dot3(to, to)), R(1e-6));
-    to.x /= d3;
-    to.y /= d3;
-    to.z /= d3;
+    real d2 = choose(met, m.t, R(0.0));
+    real along = dot3(m.facet, ray_direction(&r, d2));
+    triple x = lift(ray_point(&r, d2), m.facet, choose(along > R(0.0), R(-1.0), R(1.0)));
+    ray_way home = ray_between(x, sonar_of(w->ping), R(1e-6));
     /* Both legs at X must be on one side of it. */
-    mask faces = dot3(to, m.facet) * along < R(0.0);
+    mask faces = dot3(home.r.u, m.facet) * along < R(0.0);
     /* What comes back across from beyond the range is not received; let rounding pass. */
-    mask near = d1 + d2 + d3 < (real)(2.0002f * w->ping->range_m);
-    real t_max = choose(faces & near, d3 * R(0.9999), R(0.0));
+    mask near = d1 + d2 + home.t < (real)(2.0002f * w->ping->range_m);
+    real t_max = choose(faces & near, home.t * R(0.9999), R(0.0));
     LANES {
         if (AT(met, int) != 0) {
-            returning[at++] = lane_ray(&x, &to, t_max, slot + lane, lane);
+            returning[at++] = lane_ray(&x, &home.r.u, t_max, slot + lane, lane);
         }
     }
     return at;
@@ -127,13 +117,6 @@ typedef struct bounce_store {
     __global const float4 *mirrors;
 } bounce_store;
 
-/* D^2 / J: what the curvature of the mirror does to the echo that comes back over it. */
-static real return_gain(real d1, real d2, real bend, real gauss) {
-    real d = d1 + d2, twice = R(2.0) * d1 * d2;
-    real spread = r_abs(R(1.0) + twice * bend / d + twice * twice * gauss / (d * d));
-    return R(1.0) / r_max(spread, R(1e-2));
-}
-
 /* The echoes of what ASDIC_WIDTH mirror rays met, by their ways back from SLOT on. */
 static uint shade_bounces(const world *w, const bounce_store *store, const sink *to, uint slot) {
     __global const dev_ping *ping = w->ping;
@@ -155,14 +138,15 @@ static uint shade_bounces(const world *w, const bounce_store *store, const sink 
         AT(gauss, float) = what.w;
         AT(weight, float) = store->solid_angles[source];
     }
-    triple v = load_directions(store->bounced, mirrors);
-    triple from = load_origins(store->bounced, mirrors);
+    ray r = load_rays(store->bounced, mirrors);
     triple u = load_directions(store->rays, sources);
-    triple x = load_directions(store->returning, slots);
-    meeting m = meet_bounced(w, store->bounced, store->bounced_hits, mirrors, v, from);
+    ray home = load_rays(store->returning, slots);
+    triple x = home.u;
+    meeting m = meet_bounced(w, store->bounced, store->bounced_hits, mirrors, &r);
     law_lanes laws = laws_met(w, &m);
     mask met = on & (m.kind != DEV_KIND_NONE);
-    real d2 = choose(met, m.range, R(0.0));
+    real d2 = choose(met, m.t, R(0.0));
+    triple v = ray_direction(&r, d2);
     real visible = R(0.0), d3 = R(1.0);
     LANES {
         dev_ray back = store->returning[slot + lane];
@@ -180,15 +164,16 @@ static uint shade_bounces(const world *w, const bounce_store *store, const sink 
     real s_out =
         strength(w, &laws, out, same_range) * scattered(w, &laws, mirrored(w, &laws, &m, out));
     weight *= share / grazing(&m, v);
-    real same = choose(met, weight * share * s_in * return_gain(d1, d2, bend, gauss), R(0.0));
+    real same = choose(met, weight * share * s_in * ray_mirror_gain(d1, d2, bend, gauss), R(0.0));
     /* split() works relative to TL d^2 at the echo's own range; this leg spreads over d3. */
     real ratio = cross_range / r_max(d3, R(1e-3));
     real cross = visible * weight * sqrt(s_in * s_out) * ratio * ratio;
     cross = choose(met, cross, R(0.0));
     split_echo same_echo = split(ping, same_range, none, same, none);
     split_echo cross_echo = split(ping, cross_range, none, cross, none);
+    triple back = ray_back(&home, d3);
     real ray_out = gain_towards(ping, w->beams, u.x, u.y, u.z);
-    real x_out = gain_towards(ping, w->beams, -x.x, -x.y, -x.z);
+    real x_out = gain_towards(ping, w->beams, back.x, back.y, back.z);
     /* What returns along the ray: the same-way echo, and the across echo sent towards X. */
     natural component = (natural)(DEV_DEPOSIT_MULTIPATH);
     arrivals along, direct;
@@ -203,7 +188,6 @@ static uint shade_bounces(const world *w, const bounce_store *store, const sink 
     arrivals_add_echo(w, &along, component, &same_echo);
     arrivals_add_echo(w, &along, component, &sent_to_x);
     arrivals_add_echo(w, &direct, component, &sent_to_mirror);
-    triple back = {-x.x, -x.y, -x.z};
     return receive(w, to, DEV_PARCEL_ALONG, &along, targets, u) +
            receive(w, to, DEV_PARCEL_ACROSS, &direct, targets, back);
 }

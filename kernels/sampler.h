@@ -12,6 +12,7 @@
 
 #include "ping_types.h"
 #include "random.h"
+#include "ray.h"
 
 #ifdef __OPENCL_C_VERSION__
 #define LOBE_SPACE __global
@@ -200,10 +201,10 @@ FORMULA zones zones_of(LOBE_SPACE const dev_ping *ping) {
     z.h = (real)(ping->zone_bottom_m);
     z.hs = (real)(ping->zone_surface_m);
     z.range = (real)(ping->reach_m);
-    z.h1 = z.h / cap;
-    z.hs1 = z.hs / cap;
-    z.high = r_min(z.h / z.range, R(1.0));
-    z.low = -r_min(z.hs / z.range, R(1.0));
+    z.h1 = ray_plane_range(z.h, cap);
+    z.hs1 = ray_plane_range(z.hs, cap);
+    z.high = r_min(ray_plane_sine(z.h, z.range), R(1.0));
+    z.low = -r_min(ray_plane_sine(z.hs, z.range), R(1.0));
     real begin = R(0.0);
     for (int i = 0; i < 5; i++) {
         z.begin[i] = begin;
@@ -213,12 +214,8 @@ FORMULA zones zones_of(LOBE_SPACE const dev_ping *ping) {
     return z;
 }
 
-/* Density of uz where rays of SHARE are equally spaced in range over [near, far] on a plane H
- * away, at range D; and in polar angle EPSILON within a cap. */
-FORMULA real range_zone_density(real share, real d, real h, real near, real far) {
-    return share * d * d / (h * (far - near));
-}
-
+/* Density of uz where rays of SHARE are equally spaced in polar angle within a cap. In the zones of bottom
+ * and surface it is ray_plane_density. */
 FORMULA real cap_zone_density(real share, real cap, real sin_polar) {
     return share / (cap * r_max(sin_polar, R(1e-7)));
 }
@@ -237,12 +234,11 @@ FORMULA elevation elevation_of_x(LOBE_SPACE const dev_ping *ping, real x) {
     /* Bottom and surface. */
     real db = z.h1 + part[1] * (z.range - z.h1), ds = z.range - part[3] * (z.range - z.hs1);
     mask in_bottom = x < z.begin[2], in_surface = x >= z.begin[3];
-    e.uz = choose(in_bottom, z.h / db, e.uz);
+    e.uz = choose(in_bottom, ray_plane_sine(z.h, db), e.uz);
+    e.density = choose(in_bottom, ray_plane_density(z.share[1], db, z.h, z.h1, z.range), e.density);
+    e.uz = choose(in_surface, -ray_plane_sine(z.hs, ds), e.uz);
     e.density =
-        choose(in_bottom, range_zone_density(z.share[1], db, z.h, z.h1, z.range), e.density);
-    e.uz = choose(in_surface, -z.hs / ds, e.uz);
-    e.density =
-        choose(in_surface, range_zone_density(z.share[3], ds, z.hs, z.hs1, z.range), e.density);
+        choose(in_surface, ray_plane_density(z.share[3], ds, z.hs, z.hs1, z.range), e.density);
     e.across = sqrt(r_max((R(1.0) - e.uz) * (R(1.0) + e.uz), R(1e-12)));
     /* Caps: polar angles, so that the cosine near 1 loses nothing. */
     mask nadir = x < z.begin[1], zenith = x >= z.begin[4];
@@ -261,12 +257,13 @@ FORMULA real x_of_elevation(LOBE_SPACE const dev_ping *ping, real uz, real acros
     real cap = (real)(ping->zone_cap_rad);
     real x = z.begin[2] + z.share[2] * (z.high - uz) / (z.high - z.low);
     real p = z.share[2] / (z.high - z.low);
-    real db = z.h / r_max(uz, R(1e-9)), ds = z.hs / r_max(-uz, R(1e-9));
+    real db = ray_plane_range(z.h, r_max(uz, R(1e-9)));
+    real ds = ray_plane_range(z.hs, r_max(-uz, R(1e-9)));
     mask in_bottom = uz > z.high, in_surface = uz < z.low;
     x = choose(in_bottom, z.begin[1] + z.share[1] * (db - z.h1) / (z.range - z.h1), x);
-    p = choose(in_bottom, range_zone_density(z.share[1], db, z.h, z.h1, z.range), p);
+    p = choose(in_bottom, ray_plane_density(z.share[1], db, z.h, z.h1, z.range), p);
     x = choose(in_surface, z.begin[3] + z.share[3] * (z.range - ds) / (z.range - z.hs1), x);
-    p = choose(in_surface, range_zone_density(z.share[3], ds, z.hs, z.hs1, z.range), p);
+    p = choose(in_surface, ray_plane_density(z.share[3], ds, z.hs, z.hs1, z.range), p);
     real polar = asin(r_min(across, R(1.0)));
     mask nadir = in_bottom & (uz > R(0.0)) & (polar < cap);
     mask zenith = in_surface & (uz < R(0.0)) & (polar < cap);

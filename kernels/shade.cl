@@ -15,25 +15,20 @@
 #include "receive.h"
 #include "volley.h"
 
-/* How much of its last bin's water a ray has crossed when it meets something (or the range ends):
- * the part of the bin's integral of d^-2 exp(-2 k d), by two-point Gauss quadrature in 1/d. */
+/* How much of its last bin's water a ray has crossed when it meets something (or the range ends): its
+ * part of the bin's integral, ray_water. */
 static real crossed_part(__global const dev_ping *ping, __global const float *volume_inverse,
                          real range, natural bin_index) {
     real bin = (real)(ping->bin_m);
     real center = (to_real(bin_index) + R(0.5)) * bin;
     real begin = r_max(center - R(0.5) * bin, (real)(ping->blanking_m));
     begin = r_max(begin, R(1e-6));
-    real length = r_max(range - begin, R(0.0));
-    real total = length / (begin * r_max(range, begin));
-    real y0 = R(1.0) / r_max(range, begin);
-    real k2 = (real)(-2.0f * ping->absorption_np_per_m);
-    real e1 = exp(k2 * (R(1.0) / (y0 + R(0.21132486540518712) * total) - center));
-    real e2 = exp(k2 * (R(1.0) / (y0 + R(0.78867513459481288) * total) - center));
     real inverse = R(0.0);
     LANES {
         AT(inverse, float) = volume_inverse[AT(bin_index, uint)];
     }
-    return r_min(R(0.5) * (e1 + e2) * total * inverse, R(1.0));
+    real minus_2k = (real)(-2.0f * ping->absorption_np_per_m);
+    return r_min(ray_water_part(minus_2k, begin, range, center) * inverse, R(1.0));
 }
 
 /* Which accumulator component an echo from KIND belongs to. */
@@ -56,53 +51,49 @@ typedef struct ray_store {
 static uint shade_rays(const world *w, const ray_store *store, __global const float *volume_inverse,
                        const sink *to, const mirror_store *mirrors, uint slot, uint *at) {
     __global const dev_ping *ping = w->ping;
-    real ux, uy, uz, weight, splat;
+    real weight, splat;
     natural slots = slots_from(slot);
-    triple from = {(real)(ping->origin[0]), (real)(ping->origin[1]), (real)(ping->origin[2])};
+    ray r = {sonar_of(ping), {R(0.0), R(0.0), R(0.0)}};
     LANES {
-        AT(ux, float) = store->rays[slot + lane].direction[0];
-        AT(uy, float) = store->rays[slot + lane].direction[1];
-        AT(uz, float) = store->rays[slot + lane].direction[2];
+        AT(r.u.x, float) = store->rays[slot + lane].direction[0];
+        AT(r.u.y, float) = store->rays[slot + lane].direction[1];
+        AT(r.u.z, float) = store->rays[slot + lane].direction[2];
         AT(weight, float) = store->solid_angles[slot + lane];
         AT(splat, float) = store->splats[slot + lane];
     }
-    triple u = {ux, uy, uz};
-    meeting m = meet(w, store->hits, slots, from, u, (real)(ping->reach_m));
+    meeting m = meet(w, store->hits, slots, &r, ray_at_range(&r, (real)(ping->reach_m)));
 #if ASDIC_HAS_MESH
     if (ping->face_count != 0u) {
-        weight = weigh_faces(w, &m, store->hits, slots, u, weight, splat);
+        weight = weigh_faces(w, &m, store->hits, slots, &r, weight, splat);
         LANES { /* mirrors go by it, too */
             store->solid_angles[slot + lane] = AT(weight, float);
         }
         splat = r_max(splat, R(0.0));
     }
 #endif
-    weight *= gain_towards(ping, w->beams, ux, uy, uz);
+    weight *= gain_towards(ping, w->beams, r.u.x, r.u.y, r.u.z);
 
     /* Echo: its footprint in range follows from the elevation spacing of the samples. */
-    real sin_grazing = grazing(&m, u);
-    real across = sqrt(r_max((R(1.0) - uz) * (R(1.0) + uz), R(1e-12)));
-    real tangent = (-uz * (ux * m.facet.x + uy * m.facet.y)) / across + across * m.facet.z;
-    real footprint = splat * m.range * r_abs(tangent) / sin_grazing;
+    triple arriving = ray_direction(&r, m.t);
+    real range = ray_range(&r, m.t);
+    real sin_grazing = grazing(&m, arriving);
+    real footprint = ray_footprint(&r, m.t, splat, m.facet, sin_grazing);
     /* From right below or above it would leak from the spike there into its neighbours. */
     real most = (real)(ping->bin_m) * (R(0.5) - R(0.4) * sin_grazing * sin_grazing);
     most = choose(m.kind == DEV_KIND_OBJECT, R(0.1), most);
     footprint = r_min(footprint, most);
     law_lanes laws = laws_met(w, &m);
-    slant met = surface_slant(&m, u);
-    real energy = strength(w, &laws, met, m.range) / sin_grazing;
+    slant met = surface_slant(&m, arriving);
+    real energy = strength(w, &laws, met, ray_spread(&r, m.t)) / sin_grazing;
     real share = R(0.0);
     if (ASDIC_HAS_MIRRORS || ping->boundary_mirrors != 0u) {
         share = mirrored(w, &laws, &m, met);
     }
     energy *= scattered(w, &laws, share);
 #if ASDIC_HAS_MIRRORS
-    *at = reflect(w, &m, store->hits, u, share, mirrors, slot, *at);
+    *at = reflect(w, &m, store->hits, &r, share, mirrors, slot, *at);
 #endif
-    /* Nothing of a plane is nearer than its perpendicular; the nudge keeps rounding from crossing a
-     * bin edge that coincides with it. */
-    real nearest = r_min(m.range * sin_grazing * R(1.0000005), m.range);
-    split_echo echo = split(ping, m.range, nearest, energy, footprint);
+    split_echo echo = split(ping, range, ray_plane_nearest(range, sin_grazing), energy, footprint);
 
     arrivals a;
     a.count = 0u;
@@ -115,10 +106,10 @@ static uint shade_rays(const world *w, const ray_store *store, __global const fl
     arrivals_add_echo(w, &a, component, &echo);
 #if ASDIC_HAS_WATER
     /* Water: full bins before the last, part of the last. */
-    real reach = (real)(ping->range_m), end = r_min(m.range, reach);
+    real reach = (real)(ping->range_m), end = r_min(range, reach);
     natural last = min(to_natural(end / (real)(ping->bin_m)), (natural)(ping->bins - 1u));
     real part = crossed_part(ping, volume_inverse, end, last);
-    part = choose(m.range >= reach, R(1.0), part);
+    part = choose(range >= reach, R(1.0), part);
 
     real before = choose(last == 0u, R(0.0), R(1.0) - part);
     natural water = (natural)(DEV_DEPOSIT_VOLUME);
@@ -127,7 +118,7 @@ static uint shade_rays(const world *w, const ray_store *store, __global const fl
 #else
     (void)volume_inverse;
 #endif
-    return receive(w, to, DEV_PARCEL_DIRECT, &a, rays_in(ping, slot), u);
+    return receive(w, to, DEV_PARCEL_DIRECT, &a, rays_in(ping, slot), r.u);
 }
 
 /* One work-item per piece (mirror_ray.h). */

@@ -20,32 +20,34 @@ __kernel void survey(__global const dev_ping *ping, __global const dev_ray *rays
         return;
     }
     world w = {ping, beams_of(ping), triangles, parts, materials, face_density};
-    real ux, uy, uz, weight, splat;
+    real weight, splat;
+    ray r = {sonar_of(ping), {R(0.0), R(0.0), R(0.0)}};
     LANES {
-        AT(ux, float) = rays[slot + lane].direction[0];
-        AT(uy, float) = rays[slot + lane].direction[1];
-        AT(uz, float) = rays[slot + lane].direction[2];
+        AT(r.u.x, float) = rays[slot + lane].direction[0];
+        AT(r.u.y, float) = rays[slot + lane].direction[1];
+        AT(r.u.z, float) = rays[slot + lane].direction[2];
         AT(weight, float) = solid_angles[slot + lane];
         AT(splat, float) = splats[slot + lane];
     }
     real density, y = R(0.0);
-    real across = sqrt(r_max(ux * ux + uy * uy, R(1e-12)));
-    real x = x_of_elevation(ping, uz, across, &density);
+    real across = sqrt(r_max(r.u.x * r.u.x + r.u.y * r.u.y, R(1e-12)));
+    real x = x_of_elevation(ping, r.u.z, across, &density);
     azimuth_lobes lobes;
-    azimuth_lobes_at(ping, ping->lobe, uz, across, &lobes);
-    azimuth_density(ping, table, &lobes, x, atan2(uy, ux), &y);
-    triple from = {(real)(ping->origin[0]), (real)(ping->origin[1]), (real)(ping->origin[2])};
-    triple u = {ux, uy, uz};
-    meeting m = meet(&w, hits, slots_from(slot), from, u, (real)(ping->range_m));
+    azimuth_lobes_at(ping, ping->lobe, r.u.z, across, &lobes);
+    azimuth_density(ping, table, &lobes, x, atan2(r.u.y, r.u.x), &y);
+    meeting m = meet(&w, hits, slots_from(slot), &r, ray_at_range(&r, (real)(ping->range_m)));
 #if ASDIC_HAS_MESH
-    weight = weigh_faces(&w, &m, hits, slots_from(slot), u, weight, splat);
+    weight = weigh_faces(&w, &m, hits, slots_from(slot), &r, weight, splat);
 #endif
     law_lanes laws = laws_met(&w, &m);
-    real echo = strength(&w, &laws, surface_slant(&m, u), m.range) / grazing(&m, u);
-    mask met = (m.kind != DEV_KIND_NONE) & (m.range >= (real)(ping->blanking_m));
+    triple arriving = ray_direction(&r, m.t);
+    real range = ray_range(&r, m.t);
+    real echo = strength(&w, &laws, surface_slant(&m, arriving), ray_spread(&r, m.t)) /
+                grazing(&m, arriving);
+    mask met = (m.kind != DEV_KIND_NONE) & (range >= (real)(ping->blanking_m));
     echo = choose(met, echo, R(0.0));
-    weight *= gain_towards(ping, w.beams, ux, uy, uz);
-    natural last = to_natural(r_min(m.range, (real)(ping->range_m)) / (real)(ping->bin_m));
+    weight *= gain_towards(ping, w.beams, r.u.x, r.u.y, r.u.z);
+    natural last = to_natural(r_min(range, (real)(ping->range_m)) / (real)(ping->bin_m));
     natural row = (natural)(0u);
     natural ray = rays_in(ping, slot);
     LANES {
@@ -56,7 +58,7 @@ __kernel void survey(__global const dev_ping *ping, __global const dev_ray *rays
     }
     for (uint p = 0; p < picked; p++) {
         uint beam = picked == ping->beams ? p : p * (ping->beams - 1u) / (picked - 1u);
-        real water = weight * gain_towards(ping, w.beams + 1u + beam, ux, uy, uz);
+        real water = weight * gain_towards(ping, w.beams + 1u + beam, r.u.x, r.u.y, r.u.z);
         real energy = water * echo;
         LANES {
             vstore2((float2)(AT(energy, float), AT(water, float)), 0,

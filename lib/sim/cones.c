@@ -3,6 +3,8 @@
 #include "aim.h"
 #include "base/vec.h"
 
+#include "../../kernels/ray.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -33,14 +35,16 @@ static double score(const candidate *c, const dev_beam *beams, size_t receivers,
 /* False if the object needs no cone, or none of it can be heard. */
 static bool consider(const asdic_part *part, asdic_vec3 position_m, const dev_beam *beams,
                      const dev_ping *ping, candidate *out) {
-    asdic_vec3 to = asdic_vec3_sub(part->center_m, position_m);
-    double distance = asdic_vec3_length(to);
+    asdic_vec3 at = part->center_m;
+    ray_way to = ray_between((triple){position_m.x, position_m.y, position_m.z},
+                             (triple){at.x, at.y, at.z}, 0.0);
+    double distance = to.t;
     double radius = MARGIN * part->radius_m;
     if (part->kind != DEV_KIND_OBJECT || !(radius > 0.0) || radius > WIDEST * distance ||
         distance - radius > ping->range_m) {
         return false;
     }
-    out->towards = asdic_vec3_scale(to, 1.0 / distance);
+    out->towards = (asdic_vec3){to.r.u.x, to.r.u.y, to.r.u.z};
     out->sine = radius / distance;
     if (ping->rear_lin <= 0.0f && along(beams[0].rows, out->towards) < -out->sine) {
         return false;

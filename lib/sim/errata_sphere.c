@@ -6,6 +6,7 @@
 #include "base/context.h"
 
 #include "../../kernels/beam.h"
+#include "../../kernels/ray.h"
 
 #include <stdlib.h>
 
@@ -142,7 +143,7 @@ static double cut(const asdic_errata_sphere *s, bool present, double height_m, d
     if (present && d_m <= height_m && (s->errata & ASDIC_ERRATUM_WINDOW)) {
         return 0.0;
     }
-    return present ? asdic_flat_elevation_rad(height_m, d_m) : 0.5 * ASDIC_PI;
+    return present ? ray_plane_elevation(height_m, d_m) : 0.5 * ASDIC_PI;
 }
 
 static double window_sum(const asdic_errata_sphere *s, const cumulative *table, double d_m) {

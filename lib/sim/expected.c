@@ -22,6 +22,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "../../kernels/ray.h"
 #include "../../kernels/water.h"
 
 /* On the difference of two rules, of which the better one is kept: 1e-10 is reached. */
@@ -53,13 +54,6 @@ double asdic_flat_strength(const asdic_flat_laws *laws, bool surface, double sin
     return asdic_scatterer_strength(surface ? &laws->surface : &laws->bottom, sin_grazing);
 }
 
-double asdic_flat_elevation_rad(double height_m, double d_m) {
-    if (d_m <= height_m) {
-        return 0.5 * ASDIC_PI;
-    }
-    return atan2(height_m, sqrt((d_m - height_m) * (d_m + height_m)));
-}
-
 /* One receiver over one plane or through the water. */
 typedef struct integrand {
     const asdic_flat_laws *laws;
@@ -72,14 +66,14 @@ static double transmission(const asdic_flat_laws *laws, double d_m) {
     return transmission_lin(d_m, laws->absorption_db_per_km);
 }
 
-/* In d = h + t^2, which removes the square root at the nadir. */
-static double boundary_density(double t, void *user) {
+/* By the coordinate of ray_ring_at. */
+static double boundary_density(double s, void *user) {
     const integrand *in = user;
-    double h = in->height_m, d = h + t * t;
-    double elevation = atan2(h, t * sqrt(d + h));
-    double strength = asdic_flat_strength(in->laws, in->surface, h / d);
-    double sum = asdic_ring_profile_sum(in->profile, in->surface ? -elevation : elevation);
-    return 2.0 * t * d * transmission(in->laws, d) * strength * sum;
+    ray_ring ring = ray_ring_at(in->height_m, s);
+    double strength = asdic_flat_strength(in->laws, in->surface, ring.grazing);
+    double sum =
+        asdic_ring_profile_sum(in->profile, in->surface ? -ring.elevation : ring.elevation);
+    return ring.area * transmission(in->laws, ring.range) * strength * sum;
 }
 
 static double boundary_energy(integrand *in, double begin_m, double end_m) {
@@ -87,23 +81,21 @@ static double boundary_energy(integrand *in, double begin_m, double end_m) {
     if (end_m <= h) {
         return 0.0;
     }
-    return asdic_quadrature(boundary_density, in, sqrt(fmax(begin_m - h, 0.0)), sqrt(end_m - h),
-                            TOLERANCE);
+    return asdic_quadrature(boundary_density, in, ray_ring_coordinate(h, begin_m),
+                            ray_ring_coordinate(h, end_m), TOLERANCE);
 }
 
 double asdic_flat_solid_angle(const asdic_flat_scene *flat, const asdic_ring_profile *profile,
                               double d_m) {
-    double low =
-        flat->has_surface ? -asdic_flat_elevation_rad(flat->depth_m, d_m) : -0.5 * ASDIC_PI;
-    double high =
-        flat->has_bottom ? asdic_flat_elevation_rad(flat->altitude_m, d_m) : 0.5 * ASDIC_PI;
+    double low = flat->has_surface ? -ray_plane_elevation(flat->depth_m, d_m) : -0.5 * ASDIC_PI;
+    double high = flat->has_bottom ? ray_plane_elevation(flat->altitude_m, d_m) : 0.5 * ASDIC_PI;
     return asdic_ring_profile_solid_angle(profile, high) -
            asdic_ring_profile_solid_angle(profile, low);
 }
 
 static double volume_density(double d, void *user) {
     const integrand *in = user;
-    return d * d * transmission(in->laws, d) *
+    return ray_tube_area(d) * transmission(in->laws, d) *
            asdic_flat_solid_angle(&in->laws->flat, in->profile, d);
 }
 

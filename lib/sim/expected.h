@@ -25,10 +25,6 @@ asdic_flat_laws asdic_flat_laws_at(const asdic_flat_scene *flat, const asdic_env
 /* Backscattering strength of bottom or surface, 1/sr, at the sine of the grazing angle. */
 double asdic_flat_strength(const asdic_flat_laws *laws, bool surface, double sin_grazing);
 
-/* Elevation, from the horizontal, at which slant range D_M meets a plane at distance HEIGHT_M, rad;
- * pi/2 before it is reached. */
-double asdic_flat_elevation_rad(double height_m, double d_m);
-
 /* The two-way solid angle in the water at slant range D_M: what bottom and surface leave of the
  * sphere, sr. */
 double asdic_flat_solid_angle(const asdic_flat_scene *flat, const asdic_ring_profile *profile,

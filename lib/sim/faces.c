@@ -5,6 +5,8 @@
 #include "base/vec.h"
 #include "cones.h"
 
+#include "../../kernels/ray.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -58,13 +60,14 @@ static view look(const dev_triangle *t, const dev_ping *ping, const dev_beam *ai
     asdic_vec3 to = asdic_vec3_sub(a, corner(ping->origin));
     asdic_vec3 middle = asdic_vec3_add(to, asdic_vec3_scale(asdic_vec3_add(ab, ac), 1.0 / 3.0));
     double reach = sqrt(fmax(asdic_vec3_dot(ab, ab), asdic_vec3_dot(ac, ac)));
-    double distance = asdic_vec3_length(middle);
+    ray_way way = ray_between((triple){0.0, 0.0, 0.0}, (triple){middle.x, middle.y, middle.z}, 0.0);
+    double distance = way.t;
     view v = {0.5 * asdic_vec3_length(asdic_vec3_cross(ab, ac)), 0.0};
     if (distance - reach <= ping->reach_m) {
         /* The beams' pattern in the middle of a large face says little of it. */
         double gain = 1.0;
         if (reach < 0.3 * distance && ping->beams <= MANY_RECEIVERS) {
-            asdic_vec3 towards = asdic_vec3_scale(middle, 1.0 / distance);
+            asdic_vec3 towards = {way.r.u.x, way.r.u.y, way.r.u.z};
             gain = sqrt(asdic_aim_envelope(aimed, ping->beams, towards));
         }
         bool seen = asdic_vec3_dot(to, corner(t->normal)) < 0.0;

@@ -8,6 +8,7 @@
 
 #include "../../kernels/backscatter.h"
 #include "../../kernels/beam.h"
+#include "../../kernels/ray.h"
 #include "../../kernels/water.h"
 
 #include <stdarg.h>
@@ -89,12 +90,12 @@ static double surface_bound_db(const asdic_plan_case *c) {
     size_t bins = (size_t)(c->range_m / bin + 0.5);
     for (size_t n = (size_t)(fmax(c->depth_least_m, c->sonar->blanking_m) / bin); n < bins; n++) {
         double near = fmax((double)n * bin, 1e-3);
-        double sin_grazing = fmin(1.0, fmax(c->depth_most_m, 0.0) / near);
+        double sin_grazing = fmin(1.0, ray_plane_grazing(fmax(c->depth_most_m, 0.0), near));
         double scatter = rises ? asdic_scatterer_strength(&surface, sin_grazing)
                                : asdic_scatterer_most(&surface, c->range_m);
         /* dA = 2 pi d dd, times TL at the near end, where it is least. */
         double area = 2.0 * ASDIC_PI * (near + 0.5 * bin) * bin;
-        double loss = exp(-2.0 * c->water.absorption_np_per_m * (near - 1.0)) / pow(near, 4.0);
+        double loss = ray_transmission(c->water.absorption_np_per_m, near);
         most = fmax(most, source * scatter * area * loss);
     }
     return asdic_plan_change_db(most, c->noise_lin);

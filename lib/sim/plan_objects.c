@@ -12,10 +12,11 @@
 
 #include "../../kernels/backscatter.h"
 #include "../../kernels/ping_types.h"
+#include "../../kernels/ray.h"
 
 /* Receivers looked at one by one; of more, each is given full gain. */
 #define RECEIVERS_MOST 16
-/* As in return_gain of multipath.cl. */
+/* As in ray_mirror_gain of ray.h. */
 #define FOCUS_MOST 100.0
 
 /* Where an object moves to is not known here. */
@@ -36,12 +37,13 @@ typedef struct sight {
 } sight;
 
 static sight sight_of(const asdic_part *part, const asdic_pose *pose) {
-    asdic_vec3 to = asdic_vec3_sub(part->center_m, pose->position_m);
-    double d = asdic_vec3_length(to), sine = part->radius_m / fmax(d, 1e-9);
+    asdic_vec3 from = pose->position_m, at = part->center_m;
+    ray_way to = ray_between((triple){from.x, from.y, from.z}, (triple){at.x, at.y, at.z}, 0.0);
+    double d = to.t, sine = part->radius_m / fmax(d, 1e-9);
     sight s = {.nearest_m = d - part->radius_m, .chord = 2.0, .solid_angle = 4.0 * ASDIC_PI};
     if (sine < 1.0) {
         double cosine = sqrt((1.0 - sine) * (1.0 + sine));
-        s.towards = asdic_vec3_scale(to, 1.0 / d);
+        s.towards = (asdic_vec3){to.r.u.x, to.r.u.y, to.r.u.z};
         s.chord = sqrt(2.0 * (1.0 - cosine));
         s.solid_angle = 2.0 * ASDIC_PI * (1.0 - cosine);
     }
@@ -101,14 +103,14 @@ static double background_most(const asdic_plan_case *c) {
     }
     if (c->scene->has_bottom_plane) {
         asdic_scatterer s = scatterer_of(c, &c->scene->materials[c->scene->bottom_plane_material]);
-        double least = c->altitude_least_m / c->range_m;
+        double least = ray_plane_grazing(c->altitude_least_m, c->range_m);
         sum += s.device.law == DEV_LAW_FACET
                    ? asdic_scatterer_most(&s, c->range_m) / fmax(least, 1e-6)
                    : asdic_scatterer_steepest(&s, least);
     }
     if (c->scene->has_surface) {
         asdic_scatterer s = scatterer_of(c, &c->scene->surface);
-        sum += asdic_scatterer_steepest(&s, c->depth_least_m / c->range_m);
+        sum += asdic_scatterer_steepest(&s, ray_plane_grazing(c->depth_least_m, c->range_m));
     }
     return sum;
 }

@@ -5,12 +5,15 @@
 #include "scene/scene.h"
 
 #include "../../kernels/beam.h"
+#include "../../kernels/ray.h"
 
 #include <math.h>
 #include <stdlib.h>
 
 /* The ray to a point ends just before it, so that a point on a body's skin is seen. */
 #define SHORT_OF_POINT 0.9999
+/* A point at the sonar itself, m, is not heard. */
+#define NEAREST 1e-9
 
 asdic_status asdic_points_init(asdic_simulator *sim) {
     size_t count = sim->scene->point_count;
@@ -39,17 +42,22 @@ void asdic_points_finish(asdic_simulator *sim) {
     free(sim->point_hits);
 }
 
+/* From the sonar at POSE to the point NTH. */
+static ray_way way_to(const asdic_simulator *sim, size_t nth, const asdic_pose *pose) {
+    asdic_vec3 from = pose->position_m, to = sim->placement->points[nth].position_m;
+    return ray_between((triple){from.x, from.y, from.z}, (triple){to.x, to.y, to.z}, NEAREST);
+}
+
 /* Hits of the rays from the sonar to every point; none without triangles. */
 static asdic_status trace_points(asdic_simulator *sim, const asdic_pose *pose) {
     size_t count = sim->scene->point_count;
     asdic_vec3 origin = asdic_vec3_sub(pose->position_m, sim->scene->origin_m);
     for (size_t i = 0; i < count; i++) {
-        asdic_vec3 to = asdic_vec3_sub(sim->placement->points[i].position_m, pose->position_m);
-        double d = fmax(asdic_vec3_length(to), 1e-9);
+        ray_way to = way_to(sim, i, pose);
         sim->point_rays[i] =
             (dev_ray){.origin = {(float)origin.x, (float)origin.y, (float)origin.z},
-                      .t_max = (float)(SHORT_OF_POINT * d),
-                      .direction = {(float)(to.x / d), (float)(to.y / d), (float)(to.z / d)}};
+                      .t_max = (float)(SHORT_OF_POINT * to.t),
+                      .direction = {(float)to.r.u.x, (float)to.r.u.y, (float)to.r.u.z}};
         sim->point_hits[i] = (dev_hit){INFINITY, ~0u};
     }
     if (!sim->tracer) {
@@ -72,7 +80,7 @@ static bool in_water(const asdic_scene *scene, double z) {
            !(scene->has_bottom_plane && z > scene->bottom_plane_depth_m);
 }
 
-static double gain_towards(const dev_beam *beam, asdic_vec3 u, double rear_lin) {
+static double gain_towards(const dev_beam *beam, triple u, double rear_lin) {
     const float *r = beam->rows;
     return beam_pattern_lin(
         r[0] * u.x + r[1] * u.y + r[2] * u.z, r[3] * u.x + r[4] * u.y + r[5] * u.z,
@@ -88,17 +96,16 @@ static void add_energy(asdic_ping *out, size_t cell, double energy) {
     }
 }
 
-static void add_point(const asdic_simulator *sim, const asdic_point *point, asdic_vec3 to,
+static void add_point(const asdic_simulator *sim, const asdic_point *point, ray_way to,
                       const asdic_water_column *water, asdic_ping *out) {
-    double d = asdic_vec3_length(to);
-    double bin = floor(d / sim->sonar.bin_length_m);
-    if (!(d > 0.0) || d < sim->sonar.blanking_m || bin >= (double)sim->bins) {
+    double range = ray_range(&to.r, to.t), bin = floor(range / sim->sonar.bin_length_m);
+    if (!(to.t > NEAREST) || range < sim->sonar.blanking_m || bin >= (double)sim->bins) {
         return;
     }
-    asdic_vec3 u = asdic_vec3_scale(to, 1.0 / d);
+    triple u = to.r.u;
     const dev_beam *beams = asdic_simulator_beams(sim);
-    double loss = exp(-2.0 * water->absorption_np_per_m * (d - 1.0)) / (d * d * d * d);
-    double energy = asdic_simulator_source_lin(sim, water) * loss *
+    double energy = asdic_simulator_source_lin(sim, water) *
+                    ray_transmission(water->absorption_np_per_m, range) *
                     pow(10.0, point->target_strength_db / 10.0) *
                     gain_towards(&beams[0], u, sim->ping->rear_lin);
     for (size_t b = 0; b < out->beams; b++) {
@@ -118,8 +125,7 @@ asdic_status asdic_points_add(asdic_simulator *sim, const asdic_pose *pose,
     for (size_t i = 0; !status && i < scene->point_count; i++) {
         const asdic_point *point = &sim->placement->points[i];
         if (sim->point_hits[i].triangle == ~0u && in_water(scene, point->position_m.z) == wet) {
-            asdic_vec3 to = asdic_vec3_sub(point->position_m, pose->position_m);
-            add_point(sim, point, to, water, out);
+            add_point(sim, point, way_to(sim, i, pose), water, out);
         }
     }
     return status;

@@ -1,0 +1,259 @@
+/*
+ * The geometry of a ray: where it comes to, how long it takes, how its energy spreads.
+ *
+ * This is the one place that knows rays are straight. A ray leaves a point in a direction of unit length;
+ * T is what a tracer measures along it. The functions below say what T means:
+ *
+ *     range   c at the sonar times the travel time, one way; bins count it
+ *     length  of the path; absorption takes it
+ *     spread  the distance at which a straight ray has spread as much: intensity falls by its square
+ *     width   root of the cross-section of a tube of one steradian: turns solid angle into area
+ *
+ * In water of one sound speed all four are T itself, and a ray keeps its direction. Water whose sound
+ * speed changes with depth needs other bodies for the same functions. All lengths are in metres, angles in
+ * radians, elevations positive downwards, absorption K in nepers of intensity per metre
+ * (alpha ln 10 / 1e4 with alpha in dB/km).
+ *
+ * Sources: spherical spreading and absorption, R. J. Urick, "Principles of underwater sound", 3rd ed.
+ * 1983, ch. 5; spreading after a mirror, G. A. Deschamps, "Ray techniques in electromagnetics",
+ * Proc. IEEE 60(9), 1972.
+ */
+#ifndef ASDIC_KERNEL_RAY_H
+#define ASDIC_KERNEL_RAY_H
+
+#include "real.h"
+
+/* Points or directions of ASDIC_WIDTH rays. */
+typedef struct triple {
+    real x, y, z;
+} triple;
+
+FORMULA real dot3(triple a, triple b) {
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+FORMULA triple cross3(triple a, triple b) {
+    triple c = {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+    return c;
+}
+
+/* A ray: where it leaves, and in which direction. */
+typedef struct ray {
+    triple from, u;
+} ray;
+
+/* ---- Along a ray ---- */
+
+FORMULA triple ray_point(const ray *r, real t) {
+    triple p = {r->from.x + t * r->u.x, r->from.y + t * r->u.y, r->from.z + t * r->u.z};
+    return p;
+}
+
+FORMULA triple ray_direction(const ray *r, real t) {
+    (void)t;
+    return r->u;
+}
+
+FORMULA real ray_range(const ray *r, real t) {
+    (void)r;
+    return t;
+}
+
+FORMULA real ray_spread(const ray *r, real t) {
+    (void)r;
+    return t;
+}
+
+/* The T at which RANGE is reached. */
+FORMULA real ray_at_range(const ray *r, real range) {
+    (void)r;
+    return range;
+}
+
+/* Density per steradian at the start of what has DENSITY per square metre at T, on a surface that the ray
+ * meets with COSINE of its angle to the normal. */
+FORMULA real ray_per_steradian(const ray *r, real t, real density, real cosine) {
+    (void)r;
+    return density * t * t / cosine;
+}
+
+/* Range that a step of SPLAT (ray_sample in sampler.h) in elevation covers on a surface with unit NORMAL,
+ * met at T at a grazing angle with SIN_GRAZING. */
+FORMULA real ray_footprint(const ray *r, real t, real splat, triple normal, real sin_grazing) {
+    real across = sqrt(r_max((R(1.0) - r->u.z) * (R(1.0) + r->u.z), R(1e-12)));
+    real tangent = (-r->u.z * (r->u.x * normal.x + r->u.y * normal.y)) / across + across * normal.z;
+    return splat * t * r_abs(tangent) / sin_grazing;
+}
+
+/* ---- From one point to another ---- */
+
+/* The ray from a point to another, which it reaches at T. */
+typedef struct ray_way {
+    ray r;
+    real t;
+} ray_way;
+
+/* T is LEAST at least. */
+FORMULA ray_way ray_between(triple from, triple to, real least) {
+    triple apart = {to.x - from.x, to.y - from.y, to.z - from.z};
+    ray_way way;
+    way.t = r_max(sqrt(dot3(apart, apart)), least);
+    way.r.from = from;
+    way.r.u.x = apart.x / way.t;
+    way.r.u.y = apart.y / way.t;
+    way.r.u.z = apart.z / way.t;
+    return way;
+}
+
+/* Direction in which the reverse of a ray leaves its end at T. */
+FORMULA triple ray_back(const ray *r, real t) {
+    triple back = {-r->u.x, -r->u.y, -r->u.z};
+    (void)t;
+    return back;
+}
+
+/* ---- Loss ---- */
+
+/* TL(d), two ways, re 1 m: d^-4 exp(-2 K (d - 1)), at RANGE > 0. */
+FORMULA real ray_transmission(real k_np_per_m, real range) {
+    return exp(R(-2.0) * k_np_per_m * (range - R(1.0))) / (range * range * range * range);
+}
+
+/* TL(d) times the area of a tube of one steradian, d^-2 exp(-2 K (d - 1)), at RANGE > 0: the loss of what
+ * fills a ray's whole tube. */
+FORMULA real ray_tube_loss(real k_np_per_m, real range) {
+    return exp(R(-2.0) * k_np_per_m * (range - R(1.0))) / (range * range);
+}
+
+/* Area across a tube of one steradian at RANGE. */
+FORMULA real ray_tube_area(real range) {
+    return range * range;
+}
+
+/* ray_tube_loss at RANGE over that at CENTER; MINUS_2K is -2 K. */
+FORMULA real ray_relative_loss(real minus_2k, real range, real center) {
+    real q = center / range;
+    return q * q * exp(minus_2k * (range - center));
+}
+
+/* Integral of ray_tube_loss over ranges from BEGIN to END, 1/m, times e^(-2 K (REFERENCE - 1)) taken out:
+ * in y = 1/d the integrand is exp(-2 K (1/y - reference)), so smooth that Gauss' rule of two points does
+ * in a bin's part. MINUS_2K is -2 K; BEGIN > 0. */
+FORMULA real ray_water_part(real minus_2k, real begin, real end, real reference) {
+    real length = r_max(end - begin, R(0.0));
+    real total = length / (begin * r_max(end, begin));
+    real y0 = R(1.0) / r_max(end, begin);
+    real e1 = exp(minus_2k * (R(1.0) / (y0 + R(0.21132486540518712) * total) - reference));
+    real e2 = exp(minus_2k * (R(1.0) / (y0 + R(0.78867513459481288) * total) - reference));
+    return R(0.5) * (e1 + e2) * total;
+}
+
+#ifndef __OPENCL_C_VERSION__
+
+/* The same integral from the sonar's metre, with five points: exact to 1e-12 for any bin a sonar has. */
+FORMULA real ray_water(real k_np_per_m, real begin, real end) {
+    static const real node[5] = {0.04691007703066800, 0.23076534494715845, 0.5, 0.76923465505284155,
+                                 0.95308992296933200};
+    static const real weight[5] = {0.11846344252809454, 0.23931433524968324, 0.28444444444444444,
+                                   0.23931433524968324, 0.11846344252809454};
+    real y0 = 1.0 / end, length = 1.0 / begin - 1.0 / end, sum = 0.0;
+    for (int i = 0; i < 5; i++) {
+        sum += weight[i] * exp(-2.0 * k_np_per_m * (1.0 / (y0 + node[i] * length) - 1.0));
+    }
+    return sum * length;
+}
+
+#endif
+
+/* ---- Horizontal planes ---- */
+
+/* Rays that hardly leave the horizontal never meet one. */
+#define RAY_LEVEL 1e-12f
+
+/* T at which a ray with sine DOWN of its elevation meets a plane HEIGHT below its start. */
+FORMULA real ray_to_plane(real height, real down) {
+    return height / r_max(down, (real)(RAY_LEVEL));
+}
+
+/* Sine of the elevation at which a ray leaves that meets a plane HEIGHT away at RANGE; and of the grazing
+ * angle at which it meets it. */
+FORMULA real ray_plane_sine(real height, real range) {
+    return height / range;
+}
+
+FORMULA real ray_plane_grazing(real height, real range) {
+    return height / range;
+}
+
+/* The range at which a ray with SINE of its elevation meets it. */
+FORMULA real ray_plane_range(real height, real sine) {
+    return height / sine;
+}
+
+/* Density over the elevation's sine of SHARE of all rays, when they meet the plane at ranges that are even
+ * from NEAR to FAR; at RANGE. */
+FORMULA real ray_plane_density(real share, real range, real height, real near, real far) {
+    return share * range * range / (height * (far - near));
+}
+
+/* Nearest to the sonar that anything of the facet's plane can be that is met at T with SIN_GRAZING: the
+ * foot of the perpendicular. A nudge keeps rounding from crossing a bin's edge that lies there. */
+FORMULA real ray_plane_nearest(real t, real sin_grazing) {
+    return r_min(t * sin_grazing * R(1.0000005), t);
+}
+
+#ifndef __OPENCL_C_VERSION__
+
+/* Elevation at which RANGE meets a plane HEIGHT away, from the horizontal; pi/2 before it is reached. */
+FORMULA real ray_plane_elevation(real height, real range) {
+    if (range <= height) {
+        return 0.5 * R_PI;
+    }
+    return atan2(height, sqrt((range - height) * (range + height)));
+}
+
+/* A ring of a plane, by the coordinate S = root of (range - height), in which nothing is singular at the
+ * nadir. */
+typedef struct ray_ring {
+    real range, elevation;
+    real grazing; /* sine */
+    real area;    /* per unit of S and radian of azimuth: dA / dS dphi */
+} ray_ring;
+
+FORMULA real ray_ring_coordinate(real height, real range) {
+    return sqrt(r_max(range - height, 0.0));
+}
+
+FORMULA ray_ring ray_ring_at(real height, real s) {
+    ray_ring ring;
+    ring.range = height + s * s;
+    ring.elevation = atan2(height, s * sqrt(ring.range + height));
+    ring.grazing = height / ring.range;
+    ring.area = 2.0 * s * ring.range; /* dA = d dd dphi */
+    return ring;
+}
+
+#endif
+
+/* ---- Mirrors ---- */
+
+/* The farthest T of a ray that leaves a mirror at T1 from the sonar for what it meets to be heard straight:
+ * the way on and the way back make REST together. COSINE: between the ray before and after the mirror. */
+FORMULA real ray_mirror_reach(real rest, real t1, real cosine) {
+    return (rest * rest - t1 * t1) / (R(2.0) * r_max(rest + t1 * cosine, R(1e-3)));
+}
+
+/* What a mirror's curvature does to the echo that comes back over it: the spreading D^2 of a flat mirror
+ * over that of a curved one,
+ *
+ *     J = D^2 + 2 D d1 d2 (kappa_t / cos i + kappa_s cos i) + 4 d1^2 d2^2 K,  D = d1 + d2
+ *
+ * BEND: the curvatures along and across the plane of incidence as above, GAUSS: their product K, positive
+ * where convex. Near the focus of a concave mirror the gain is held to 20 dB. */
+FORMULA real ray_mirror_gain(real d1, real d2, real bend, real gauss) {
+    real d = d1 + d2, twice = R(2.0) * d1 * d2;
+    real spread = r_abs(R(1.0) + twice * bend / d + twice * twice * gauss / (d * d));
+    return R(1.0) / r_max(spread, R(1e-2));
+}
+
+#endif
