@@ -1,13 +1,13 @@
 /*
- * collect: weighs the parcels that shade.cl and multipath.cl left by every receiver's pattern and adds
+ * collect: weighs the arrivals that shade.cl and multipath.cl left by every receiver's pattern and adds
  * them to the accumulator. One work-item per group, which owns the group's cells (DEPOSIT_OWNED).
  */
 #include "mirror_ray.h"
 #include "receive.h"
-#include "volley.h"
+#include "ping_batch.h"
 
-/* Up to so many receivers are served one after the other, each with the parcels of ASDIC_WIDTH rays;
- * more at once, parcel by parcel. */
+/* Up to so many receivers are served one after the other, each with the arrivals of ASDIC_WIDTH rays;
+ * more at once, arrival by arrival. */
 #define FEW_BEAMS 2u
 
 /* ASDIC_WIDTH receivers, from FIRST on, towards as many directions. */
@@ -26,7 +26,7 @@ static weights weigh(const world *w, uint first, triple u) {
     return g;
 }
 
-/* How many of QUANTA, deposits of a parcel, have to be cut. */
+/* How many of QUANTA, deposits of an arrival, have to be cut. */
 static uint count_cut(const world *w, real quanta) {
     uint cut = 0u;
     if (any_true(quanta > (real)(w->ping->deposit_limit))) {
@@ -37,22 +37,22 @@ static uint count_cut(const world *w, real quanta) {
     return cut;
 }
 
-/* Adds PARCEL, which arrives with the gains of LANE, to the receivers from FIRST on; returns how many
+/* Adds ARRIVAL, which arrives with the gains of LANE, to the receivers from FIRST on; returns how many
  * deposits had to be cut. Cells behind a row's last receiver get 0: the work-item owns them, too. */
-static uint add_parcel(const world *w, __global const dev_parcel *parcel, __global long *cells,
-                       const weights *g, uint lane, uint first) {
+static uint add_arrival(const world *w, __global const dev_arrival *arrival, __global long *cells,
+                        const weights *g, uint lane, uint first) {
     uint cut = 0u;
     real gain, limit = (real)(w->ping->deposit_limit);
     for (uint b = 0; b < ASDIC_WIDTH; b++) {
         ((float *)&gain)[b] = ((const float *)&g->of_beam[b])[lane];
     }
     for (uint c = 0; c < MAX_ARRIVALS; c++) {
-        float arriving = parcel->quanta[c];
+        float arriving = arrival->quanta[c];
         if (!(arriving > 0.0f)) {
             continue;
         }
         real quanta = gain * arriving;
-        __global long *at = cells + (size_t)(parcel->row[c]) * w->ping->columns + first;
+        __global long *at = cells + (size_t)(arrival->row[c]) * w->ping->columns + first;
         store_wholes(load_wholes(0, at) + to_wholes(whole_quanta(quanta, limit)), 0, at);
         cut += count_cut(w, quanta);
     }
@@ -62,20 +62,20 @@ static uint add_parcel(const world *w, __global const dev_parcel *parcel, __glob
 #if ASDIC_WIDTH == 8
 
 /* The same of four columns: what arrives goes to them two by two. */
-static uint add_parcel_to_four(const world *w, __global const dev_parcel *parcel,
-                               __global long *cells, const weights *g, uint lane) {
+static uint add_arrival_to_four(const world *w, __global const dev_arrival *arrival,
+                                __global long *cells, const weights *g, uint lane) {
     uint cut = 0u;
     float4 gain;
     for (uint b = 0; b < 4u; b++) {
         ((float *)&gain)[b] = ((const float *)&g->of_beam[b])[lane];
     }
     for (uint c = 0; c < MAX_ARRIVALS; c += 2u) {
-        float2 arriving = vload2(0, parcel->quanta + c);
+        float2 arriving = vload2(0, arrival->quanta + c);
         real quanta = gain.xyzwxyzw * arriving.xxxxyyyy;
         wholes whole = to_wholes(whole_quanta(quanta, (real)(w->ping->deposit_limit)));
-        __global long *at = cells + (size_t)(parcel->row[c]) * 4u;
+        __global long *at = cells + (size_t)(arrival->row[c]) * 4u;
         vstore4(vload4(0, at) + whole.lo, 0, at);
-        at = cells + (size_t)(parcel->row[c + 1u]) * 4u;
+        at = cells + (size_t)(arrival->row[c + 1u]) * 4u;
         vstore4(vload4(0, at) + whole.hi, 0, at);
         cut += count_cut(w, quanta);
     }
@@ -84,15 +84,15 @@ static uint add_parcel_to_four(const world *w, __global const dev_parcel *parcel
 
 #endif
 
-/* The first ASDIC_WIDTH parcels of SET, where ON, to the receivers from FIRST on. */
-static uint add_parcels(const world *w, __global const dev_parcel *set, __global long *cells,
-                        mask on, const weights *g, uint first) {
+/* The first ASDIC_WIDTH arrivals of SET, where ON, to the receivers from FIRST on. */
+static uint add_arrivals(const world *w, __global const dev_arrival *set, __global long *cells,
+                         mask on, const weights *g, uint first) {
     uint cut = 0u;
     if (w->ping->beams <= FEW_BEAMS) {
         arrivals a;
         a.count = MAX_ARRIVALS;
         LANES {
-            __global const dev_parcel *p = set + lane;
+            __global const dev_arrival *p = set + lane;
             bool here = AT(on, int) != 0;
             for (uint c = 0; c < MAX_ARRIVALS; c++) {
                 AT(a.row[c], uint) = here ? p->row[c] : 0u;
@@ -111,19 +111,19 @@ static uint add_parcels(const world *w, __global const dev_parcel *set, __global
         }
 #if ASDIC_WIDTH == 8
         if (w->ping->columns == 4u) {
-            cut += add_parcel_to_four(w, set + lane, cells, g, lane);
+            cut += add_arrival_to_four(w, set + lane, cells, g, lane);
             continue;
         }
 #endif
-        cut += add_parcel(w, set + lane, cells, g, lane, first);
+        cut += add_arrival(w, set + lane, cells, g, lane, first);
     }
     return cut;
 }
 
-static triple parcel_directions(__global const dev_parcel *set, mask on) {
+static triple arrival_directions(__global const dev_arrival *set, mask on) {
     triple u;
     LANES {
-        __global const dev_parcel *p = set + lane;
+        __global const dev_arrival *p = set + lane;
         bool here = AT(on, int) != 0;
         AT(u.x, float) = here ? p->direction[0] : 1.0f;
         AT(u.y, float) = here ? p->direction[1] : 0.0f;
@@ -132,22 +132,22 @@ static triple parcel_directions(__global const dev_parcel *set, mask on) {
     return u;
 }
 
-/* All parcels of ASDIC_WIDTH rays to the receivers from FIRST on. */
-static uint add_rays(const world *w, __global const dev_parcel *direct, __global long *cells,
+/* All arrivals of ASDIC_WIDTH rays to the receivers from FIRST on. */
+static uint add_rays(const world *w, __global const dev_arrival *direct, __global long *cells,
                      uint first) {
     size_t all = batch_slots(w->ping);
-    __global const dev_parcel *along = direct + DEV_PARCEL_ALONG * all;
-    __global const dev_parcel *across = direct + DEV_PARCEL_ACROSS * all;
+    __global const dev_arrival *along = direct + DEV_ARRIVAL_ALONG * all;
+    __global const dev_arrival *across = direct + DEV_ARRIVAL_ACROSS * all;
     mask every = (mask)(-1), more;
     LANES {
         AT(more, int) = direct[lane].more != 0u ? -1 : 0;
     }
-    weights g = weigh(w, first, parcel_directions(direct, every));
-    uint cut = add_parcels(w, direct, cells, every, &g, first);
+    weights g = weigh(w, first, arrival_directions(direct, every));
+    uint cut = add_arrivals(w, direct, cells, every, &g, first);
     if (any_true(more)) {
-        cut += add_parcels(w, along, cells, more, &g, first);
-        g = weigh(w, first, parcel_directions(across, more));
-        cut += add_parcels(w, across, cells, more, &g, first);
+        cut += add_arrivals(w, along, cells, more, &g, first);
+        g = weigh(w, first, arrival_directions(across, more));
+        cut += add_arrivals(w, across, cells, more, &g, first);
     }
     return cut;
 }
@@ -227,7 +227,7 @@ static void take_group(__global const dev_ping *ping, turn at_group, __global lo
 
 /* A work-item serves one group after the other, with the same cells while they are in its cache. Those of
  * a ping in several batches outlast a batch: it has a work-item a group. */
-__kernel void collect(__global const dev_ping *pings, __global const dev_parcel *parcels,
+__kernel void collect(__global const dev_ping *pings, __global const dev_arrival *arrivals,
                       __global long *accumulator, __global uint *saturated,
                       __global const float *water, __global float *totals) {
     __global const dev_ping *ping = row_ping(pings);
@@ -240,12 +240,12 @@ __kernel void collect(__global const dev_ping *pings, __global const dev_parcel 
     __global long *cells = row_cells(ping, accumulator) + 2u * owner * (size_t)(ping->group_cells);
     __global long *sums = cells + ping->group_cells;
     __global const float *ratio = row_water(ping, water) + ping->bins;
-    parcels += PARCEL_SETS * row_slots(ping);
+    arrivals += ARRIVAL_SETS * row_slots(ping);
     totals += row_first_total(ping);
     for (uint group = owner; group < ping->groups; group += owners) {
         for (uint k = 0; k < ping->per_group; k += ASDIC_WIDTH) {
             for (uint first = 0; first < ping->beams; first += ASDIC_WIDTH) {
-                cut += add_rays(&w, parcels + group * ping->per_group + k, cells, first);
+                cut += add_rays(&w, arrivals + group * ping->per_group + k, cells, first);
             }
         }
         if (ping->last_batch != 0u) {

@@ -3,7 +3,7 @@
  * on order, so that a ping has the same bytes whatever the device's scheduling.
  *
  * Three ways to add, one result: a work-item that owns a group adds plainly what others have left as
- * parcels (collect.cl); many work-items on one group use 64-bit atomics, or two 32-bit atomics with a
+ * arrivals (collect.cl); many work-items on one group use 64-bit atomics, or two 32-bit atomics with a
  * carry. With atomics every group has a block. A work-item of collect has two, which a processor keeps in
  * its cache: one that all its groups add to, one after the other, and what that was a group ago.
  */

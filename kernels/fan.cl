@@ -1,8 +1,8 @@
 /*
  * Many receivers: every arrival is weighed by every receiver's own pattern.
  *
- * shade.cl and multipath.cl leave parcels, one direction each, in the order of their rays (receive.h).
- * fan_count, fan_place and fan_scatter sort them by range: a list of arrivals for every bin. fan_project
+ * shade.cl and multipath.cl leave arrivals, one direction each, in the order of their rays (receive.h).
+ * fan_count, fan_place and fan_scatter sort them by range: a list of entries for every bin. fan_project
  * sums each list for all receivers, which are the lanes of its vectors. A sort that keeps the order of
  * rays makes every sum a sum in the order of rays, so that its bytes do not depend on work-groups.
  */
@@ -18,16 +18,16 @@
 #define ASDIC_COMPONENTS DEV_DEPOSIT_COUNT
 #endif
 
-/* Deposits of a parcel, and bins that those of one arrival span. */
+/* Deposits of an arrival, and bins that those of one entry span. */
 #define DEPOSITS 4u
 #define SPAN 4u
 
 /* Up to four deposits from one direction. Their bins are KEY, the list's own bin, to KEY + SPAN - 1. */
-typedef struct fan_arrival {
-    float direction[3]; /* as in the parcel */
+typedef struct fan_entry {
+    float direction[3]; /* as in the arrival */
     uint rows; /* a byte for each deposit: (bins beyond KEY) * ASDIC_COMPONENTS + component */
     float quanta[4];
-} fan_arrival;
+} fan_entry;
 
 typedef struct fan_list {
     uint first, count;
@@ -38,17 +38,17 @@ static inline uint bin_of_row(__global const dev_ping *ping, uint row) {
     return row % ping->component_rows;
 }
 
-/* The lowest and highest bins of deposits FIRST to END of PARCEL that hold anything; none: low > high. */
+/* The lowest and highest bins of deposits FIRST to END of ARRIVAL that hold anything; none: low > high. */
 typedef struct bin_range {
     uint low, high;
 } bin_range;
 
-static inline bin_range bins_of(__global const dev_ping *ping, __global const dev_parcel *parcel,
+static inline bin_range bins_of(__global const dev_ping *ping, __global const dev_arrival *arrival,
                                 uint first, uint end) {
     bin_range b = {0xffffffffu, 0u};
     for (uint c = first; c < end; c++) {
-        if (parcel->quanta[c] > 0.0f) {
-            uint bin = bin_of_row(ping, parcel->row[c]);
+        if (arrival->quanta[c] > 0.0f) {
+            uint bin = bin_of_row(ping, arrival->row[c]);
             b.low = min(b.low, bin);
             b.high = max(b.high, bin);
         }
@@ -56,73 +56,73 @@ static inline bin_range bins_of(__global const dev_ping *ping, __global const de
     return b;
 }
 
-/* Lists of arrivals under way: COUNTS [bin][block] are, of each block of rays, how many arrivals it has
- * for a bin, then where the next of them goes. ARRIVALS is NULL while they are only counted. */
+/* Lists of entries under way: COUNTS [bin][block] are, of each block of rays, how many entries it has
+ * for a bin, then where the next of them goes. ENTRIES is NULL while they are only counted. */
 typedef struct fan_sort {
     __global const dev_ping *ping;
     __global uint *counts;
-    __global fan_arrival *arrivals;
+    __global fan_entry *entries;
     uint blocks, block;
 } fan_sort;
 
-/* Deposits FIRST to END of PARCEL to the list of bin KEY. */
-static inline void sort_deposits(const fan_sort *sort, __global const dev_parcel *parcel, uint key,
-                                 uint first, uint end) {
+/* Deposits FIRST to END of ARRIVAL to the list of bin KEY. */
+static inline void sort_deposits(const fan_sort *sort, __global const dev_arrival *arrival,
+                                 uint key, uint first, uint end) {
     uint at = sort->counts[(size_t)(key)*sort->blocks + sort->block]++;
-    if (!sort->arrivals) {
+    if (!sort->entries) {
         return;
     }
     __global const dev_ping *ping = sort->ping;
-    __global fan_arrival *to = sort->arrivals + at;
+    __global fan_entry *to = sort->entries + at;
     uint rows = 0u;
     for (uint c = 0; c < DEPOSITS; c++) {
-        bool here = c >= first && c < end && parcel->quanta[c] > 0.0f;
-        uint component = here ? parcel->row[c] / ping->component_rows : 0u;
-        uint beyond = here ? bin_of_row(ping, parcel->row[c]) - key : 0u;
+        bool here = c >= first && c < end && arrival->quanta[c] > 0.0f;
+        uint component = here ? arrival->row[c] / ping->component_rows : 0u;
+        uint beyond = here ? bin_of_row(ping, arrival->row[c]) - key : 0u;
         rows |= (ASDIC_COMPONENTS * beyond + component) << 8u * c;
-        to->quanta[c] = here ? parcel->quanta[c] : 0.0f;
+        to->quanta[c] = here ? arrival->quanta[c] : 0.0f;
     }
     for (uint k = 0; k < 3u; k++) {
-        to->direction[k] = parcel->direction[k];
+        to->direction[k] = arrival->direction[k];
     }
     to->rows = rows;
 }
 
-/* A parcel is one arrival where its deposits lie close together, else two. */
-static inline void sort_parcel(const fan_sort *sort, __global const dev_parcel *parcel) {
-    bin_range all = bins_of(sort->ping, parcel, 0u, DEPOSITS);
+/* An arrival is one entry where its deposits lie close together, else two. */
+static inline void sort_arrival(const fan_sort *sort, __global const dev_arrival *arrival) {
+    bin_range all = bins_of(sort->ping, arrival, 0u, DEPOSITS);
     if (all.low > all.high) {
         return;
     }
     if (all.high - all.low < SPAN) {
-        sort_deposits(sort, parcel, all.low, 0u, DEPOSITS);
+        sort_deposits(sort, arrival, all.low, 0u, DEPOSITS);
         return;
     }
     for (uint from = 0u; from < DEPOSITS; from += DEPOSITS / 2u) {
-        bin_range own = bins_of(sort->ping, parcel, from, from + DEPOSITS / 2u);
+        bin_range own = bins_of(sort->ping, arrival, from, from + DEPOSITS / 2u);
         if (own.low <= own.high) {
-            sort_deposits(sort, parcel, own.low, from, from + DEPOSITS / 2u);
+            sort_deposits(sort, arrival, own.low, from, from + DEPOSITS / 2u);
         }
     }
 }
 
-/* The parcels of a block of rays, ray by ray. */
-static inline void sort_block(const fan_sort *sort, __global const dev_parcel *parcels) {
+/* The arrivals of a block of rays, ray by ray. */
+static inline void sort_block(const fan_sort *sort, __global const dev_arrival *arrivals) {
     uint slots = batch_slots(sort->ping), each = (slots + sort->blocks - 1u) / sort->blocks;
     uint end = min((sort->block + 1u) * each, slots);
     for (uint ray = sort->block * each; ray < end; ray++) {
-        sort_parcel(sort, parcels + ray);
+        sort_arrival(sort, arrivals + ray);
 #if ASDIC_HAS_MIRRORS
-        if (parcels[ray].more != 0u) {
-            sort_parcel(sort, parcels + DEV_PARCEL_ALONG * (size_t)(slots) + ray);
-            sort_parcel(sort, parcels + DEV_PARCEL_ACROSS * (size_t)(slots) + ray);
+        if (arrivals[ray].more != 0u) {
+            sort_arrival(sort, arrivals + DEV_ARRIVAL_ALONG * (size_t)(slots) + ray);
+            sort_arrival(sort, arrivals + DEV_ARRIVAL_ACROSS * (size_t)(slots) + ray);
         }
 #endif
     }
 }
 
 /* fan_count: COUNTS of one block of rays each work-item. */
-__kernel void fan_count(__global const dev_ping *ping, __global const dev_parcel *parcels,
+__kernel void fan_count(__global const dev_ping *ping, __global const dev_arrival *arrivals,
                         __global uint *counts, __global uint *made, uint blocks) {
     uint block = (uint)(get_global_id(0));
     if (block >= blocks) {
@@ -135,7 +135,7 @@ __kernel void fan_count(__global const dev_ping *ping, __global const dev_parcel
         counts[(size_t)(bin)*blocks + block] = 0u;
     }
     fan_sort sort = {ping, counts, 0, blocks, block};
-    sort_block(&sort, parcels);
+    sort_block(&sort, arrivals);
 }
 
 /* fan_place: room for the list of one bin each work-item, the blocks' parts one behind the other. Which
@@ -159,13 +159,13 @@ __kernel void fan_place(__global const dev_ping *ping, __global uint *counts,
     }
 }
 
-/* fan_scatter: the arrivals of one block of rays each work-item to their lists. */
-__kernel void fan_scatter(__global const dev_ping *ping, __global const dev_parcel *parcels,
-                          __global uint *counts, __global fan_arrival *arrivals, uint blocks) {
+/* fan_scatter: the entries of one block of rays each work-item to their lists. */
+__kernel void fan_scatter(__global const dev_ping *ping, __global const dev_arrival *arrivals,
+                          __global uint *counts, __global fan_entry *entries, uint blocks) {
     uint block = (uint)(get_global_id(0));
     if (block < blocks) {
-        fan_sort sort = {ping, counts, arrivals, blocks, block};
-        sort_block(&sort, parcels);
+        fan_sort sort = {ping, counts, entries, blocks, block};
+        sort_block(&sort, arrivals);
     }
 }
 
@@ -214,15 +214,15 @@ static receivers receivers_from(__global const dev_ping *ping, uint first) {
 }
 
 /* One-way gain of the receivers towards ARRIVAL; with a common axis without the vertical factor, which
- * the arrival carries. */
-static inline real gains(const receivers *r, __global const fan_arrival *arrival, float rear_lin) {
-    real x = (real)(arrival->direction[0]), y = (real)(arrival->direction[1]);
+ * the entry carries. */
+static inline real gains(const receivers *r, __global const fan_entry *entry, float rear_lin) {
+    real x = (real)(entry->direction[0]), y = (real)(entry->direction[1]);
 #if ASDIC_COMMON_AXIS
     mask front = r->y[1] * x - r->y[0] * y > R(0.0);
     return sinc2(r->length_h_wl * (r->y[0] * x + r->y[1] * y)) *
            choose(front, R(1.0), (real)(rear_lin));
 #else
-    real z = (real)(arrival->direction[2]);
+    real z = (real)(entry->direction[2]);
     return beam_pattern_lin(
         r->x[0] * x + r->x[1] * y + r->x[2] * z, r->y[0] * x + r->y[1] * y + r->y[2] * z,
         r->z[0] * x + r->z[1] * y + r->z[2] * z, r->length_h_wl, r->length_v_wl, (real)(rear_lin));
@@ -237,14 +237,14 @@ typedef struct fan_sums {
 } fan_sums;
 
 /* Adds what LIST, whose bin lies BEYOND bins before the sums' own, has for that. */
-static void add_list(__global const dev_ping *ping, __global const fan_arrival *arrivals,
+static void add_list(__global const dev_ping *ping, __global const fan_entry *entries,
                      fan_list list, const receivers *r, uint beyond, fan_sums *sums) {
     for (uint k = list.first; k < list.first + list.count; k++) {
-        float gain = gains(r, arrivals + k, ping->rear_lin);
-        uint rows = arrivals[k].rows;
+        float gain = gains(r, entries + k, ping->rear_lin);
+        uint rows = entries[k].rows;
         for (uint c = 0; c < DEPOSITS; c++) {
             uint row = rows >> 8u * c & 0xffu;
-            float quanta = row / ASDIC_COMPONENTS == beyond ? arrivals[k].quanta[c] : 0.0f;
+            float quanta = row / ASDIC_COMPONENTS == beyond ? entries[k].quanta[c] : 0.0f;
 #pragma unroll
             for (uint component = 0; component < ASDIC_COMPONENTS; component++) {
                 float own = row % ASDIC_COMPONENTS == component ? quanta : 0.0f;
@@ -255,7 +255,7 @@ static void add_list(__global const dev_ping *ping, __global const fan_arrival *
 }
 
 /* The sums of bin FIRST and the receiver from RESULTS on, whose components lie BINS apart. */
-static void project(__global const dev_ping *ping, __global const fan_arrival *arrivals,
+static void project(__global const dev_ping *ping, __global const fan_entry *entries,
                     __global const fan_list *lists, __global float *results, uint receiver,
                     uint bin, uint add) {
     receivers r = receivers_from(ping, receiver);
@@ -265,7 +265,7 @@ static void project(__global const dev_ping *ping, __global const fan_arrival *a
         sums.of[c] = 0.0f;
     }
     for (uint beyond = min(bin, SPAN - 1u) + 1u; beyond-- > 0u;) {
-        add_list(ping, arrivals, lists[bin - beyond], &r, beyond, &sums);
+        add_list(ping, entries, lists[bin - beyond], &r, beyond, &sums);
     }
 #pragma unroll
     for (uint c = 0; c < ASDIC_COMPONENTS; c++) {
@@ -276,24 +276,24 @@ static void project(__global const dev_ping *ping, __global const fan_arrival *a
 
 #else
 
-/* Of RUN bins, and of those before and behind that share arrivals with them. */
+/* Of RUN bins, and of those before and behind that share entries with them. */
 typedef struct fan_sums {
     real of[(RUN + 2u * (SPAN - 1u)) * ASDIC_COMPONENTS][PARTS];
 } fan_sums;
 
 /* Adds LIST, whose bin is row AT of the sums. */
-static void add_list(__global const dev_ping *ping, __global const fan_arrival *arrivals,
+static void add_list(__global const dev_ping *ping, __global const fan_entry *entries,
                      fan_list list, const receivers *r, uint at, fan_sums *sums) {
     for (uint k = list.first; k < list.first + list.count; k++) {
         real gain[PARTS];
 #pragma unroll
         for (uint p = 0; p < PARTS; p++) {
-            gain[p] = gains(r + p, arrivals + k, ping->rear_lin);
+            gain[p] = gains(r + p, entries + k, ping->rear_lin);
         }
-        uint rows = arrivals[k].rows;
+        uint rows = entries[k].rows;
 #pragma unroll
         for (uint c = 0; c < DEPOSITS; c++) {
-            real quanta = (real)(arrivals[k].quanta[c]);
+            real quanta = (real)(entries[k].quanta[c]);
             real *sum = sums->of[at * ASDIC_COMPONENTS + (rows >> 8u * c & 0xffu)];
 #pragma unroll
             for (uint p = 0; p < PARTS; p++) {
@@ -343,7 +343,7 @@ static void store_sums(const fan_sums *sums, uint component, uint p, uint bins, 
 
 /* The sums of the bins from BIN on and of the receivers of a tile from RECEIVER on, whose results begin
  * at RESULTS. */
-static void project(__global const dev_ping *ping, __global const fan_arrival *arrivals,
+static void project(__global const dev_ping *ping, __global const fan_entry *entries,
                     __global const fan_list *lists, __global float *results, uint receiver,
                     uint bin, uint add) {
     const uint end = min(receiver + RECEIVERS, ping->beams), bins = min(ping->bins - bin, RUN);
@@ -358,7 +358,7 @@ static void project(__global const dev_ping *ping, __global const fan_arrival *a
             }
         }
         for (uint at = bin < SPAN - 1u ? SPAN - 1u - bin : 0u; at < bins + SPAN - 1u; at++) {
-            add_list(ping, arrivals, lists[bin + at - (SPAN - 1u)], r, at, &sums);
+            add_list(ping, entries, lists[bin + at - (SPAN - 1u)], r, at, &sums);
         }
         for (uint p = 0; p < PARTS && first + p * ASDIC_WIDTH < end; p++) {
             uint own = first + p * ASDIC_WIDTH;
@@ -375,14 +375,14 @@ static void project(__global const dev_ping *ping, __global const fan_arrival *a
 
 /* fan_project: tile TILE_AT of receivers. RESULTS: quanta as floats, [receiver][component][bin]; ADD: to
  * those of the batches before. One work-item per RUN bins and RECEIVERS receivers. */
-__kernel void fan_project(__global const dev_ping *ping, __global const fan_arrival *arrivals,
+__kernel void fan_project(__global const dev_ping *ping, __global const fan_entry *entries,
                           __global const fan_list *lists, __global float *results, uint tile_at,
                           uint add) {
     const uint parts = (uint)(DEV_FAN_TILE) / RECEIVERS, id = (uint)(get_global_id(0));
     uint receiver = tile_at * (uint)(DEV_FAN_TILE) + id % parts * RECEIVERS;
     uint bin = id / parts * RUN;
     if (receiver < ping->beams && bin < ping->bins) {
-        project(ping, arrivals, lists,
+        project(ping, entries, lists,
                 results + (size_t)(receiver)*ping->components * ping->bins + bin, receiver, bin,
                 add);
     }

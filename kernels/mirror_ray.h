@@ -15,8 +15,8 @@
 #define ASDIC_HAS_MIRRORS 0
 #endif
 
-/* Sets of parcels that a ping leaves. */
-#define PARCEL_SETS ((size_t)(DEV_PARCEL_SETS(ASDIC_HAS_MIRRORS)))
+/* Sets of arrivals that a ping leaves. */
+#define ARRIVAL_SETS ((size_t)(DEV_ARRIVAL_SETS(ASDIC_HAS_MIRRORS)))
 
 /* Slots of a piece, a work-item's share: vectors want neighbours, GPUs work-items. */
 #if ASDIC_WIDTH == 1

@@ -17,7 +17,7 @@
  */
 #include "mirror_ray.h"
 #include "receive.h"
-#include "volley.h"
+#include "ping_batch.h"
 
 static triple load_directions(__global const dev_ray *rays, natural slots) {
     triple d;
@@ -188,8 +188,8 @@ static uint shade_bounces(const world *w, const bounce_store *store, const sink 
     arrivals_add_echo(w, &along, component, &same_echo);
     arrivals_add_echo(w, &along, component, &sent_to_x);
     arrivals_add_echo(w, &direct, component, &sent_to_mirror);
-    return receive(w, to, DEV_PARCEL_ALONG, &along, targets, u) +
-           receive(w, to, DEV_PARCEL_ACROSS, &direct, targets, back);
+    return receive(w, to, DEV_ARRIVAL_ALONG, &along, targets, u) +
+           receive(w, to, DEV_ARRIVAL_ACROSS, &direct, targets, back);
 }
 
 /* bounce: both kinds of echo. One work-item per piece. */
@@ -198,7 +198,7 @@ __kernel void bounce(__global const dev_ping *pings, __global const dev_ray *ray
                      __global const dev_hit *bounced_hits, __global const dev_ray *returning,
                      __global const dev_hit *returning_hits, __global const float4 *mirrors,
                      __global const dev_triangle *triangles, __global const dev_part *parts,
-                     __global const dev_material *materials, __global dev_parcel *parcels,
+                     __global const dev_material *materials, __global dev_arrival *arrivals,
                      __global long *accumulator, __global uint *saturated) {
     __global const dev_ping *ping = row_ping(pings);
     size_t own = row_slots(ping);
@@ -206,7 +206,7 @@ __kernel void bounce(__global const dev_ping *pings, __global const dev_ray *ray
     uint first = (uint)(get_global_id(0)) * PIECE, cut = 0u;
     uint end = min(first + PIECE, batch_slots(ping));
     world w = {ping, beams_of(ping), triangles, parts, materials, 0};
-    sink to = {row_cells(ping, accumulator), parcels + PARCEL_SETS * own};
+    sink to = {row_cells(ping, accumulator), arrivals + ARRIVAL_SETS * own};
     bounce_store store = {rays + own,         bounced + own,        returning,
                           bounced_hits + own, returning_hits + own, solid_angles + own,
                           mirrors + own};

@@ -6,4 +6,4 @@
 #include "reduce.cl"
 #include "sample.cl"
 #include "shade.cl"
-#include "survey.cl"
+#include "pilot.cl"

@@ -79,27 +79,27 @@ typedef struct dev_face {
 
 /* What one direction sends to every receiver: energies in quanta for up to four rows (component, bin)
  * of the accumulator. */
-typedef struct dev_parcel {
+typedef struct dev_arrival {
     float direction[3];
-    dev_uint more; /* of a direct parcel: 1 where mirrors add two of their own */
+    dev_uint more; /* of a direct arrival: 1 where mirrors add two of their own */
     dev_uint row[4];
     float quanta[4];
-} dev_parcel; /* 48 bytes */
+} dev_arrival; /* 48 bytes */
 
 /* Where a pilot ray lies in the learnt table, and the last bin that it crosses. */
-typedef struct dev_survey {
+typedef struct dev_pilot {
     float x, y;
     dev_uint last_bin;
-} dev_survey; /* 12 bytes */
+} dev_pilot; /* 12 bytes */
 
-/* Sets of parcels, each with one per ray, group by group. */
-#define DEV_PARCEL_DIRECT 0 /* echo and water */
-#define DEV_PARCEL_ALONG 1  /* from mirrors, in the ray's own direction */
-#define DEV_PARCEL_ACROSS 2 /* from mirrors, straight from what they showed */
-#define DEV_PARCEL_SETS(mirrors) ((mirrors) ? 3u : 1u)
+/* Sets of arrivals, each with one per ray, group by group. */
+#define DEV_ARRIVAL_DIRECT 0 /* echo and water */
+#define DEV_ARRIVAL_ALONG 1  /* from mirrors, in the ray's own direction */
+#define DEV_ARRIVAL_ACROSS 2 /* from mirrors, straight from what they showed */
+#define DEV_ARRIVAL_SETS(mirrors) ((mirrors) ? 3u : 1u)
 
 /* In the buffer that kernels get, the apertures follow: the transmitter, then the receivers. One
- * transfer carries them all, and those of all pings of a volley (volley.h). */
+ * transfer carries them all, and those of all pings that go together (ping_batch.h). */
 typedef struct dev_ping {
     float origin[3];           /* of the sonar in the scene frame */
     float surface_m;           /* sonar below the surface; INFINITY: no surface */
@@ -123,7 +123,7 @@ typedef struct dev_ping {
     dev_uint group_cells;                   /* of a block of the accumulator */
     dev_uint blocks;                        /* of the accumulator, see deposit.h */
     dev_uint total_cells;                   /* of the groups' totals, from one group to the next */
-    dev_uint stride;                        /* bytes from this ping to the volley's next */
+    dev_uint stride;                        /* bytes from this ping to the next that goes with it */
     dev_uint result_words;                  /* 64-bit words of a ping's results */
     dev_uint present; /* a bit for each component that something can be added to */
     dev_uint order_block, order_inverse; /* see order.h: F, I */

@@ -2,7 +2,7 @@
  * Who receives what arrives from a direction.
  *
  * Every arrival is weighed by every receiver's pattern. Where many work-items add to one accumulator, at
- * once. Else arrivals are kept as parcels: for collect.cl, whose work-items own groups of rays, or, of
+ * once. Else arrivals are kept as arrivals: for collect.cl, whose work-items own groups of rays, or, of
  * many receivers, for fan.cl (ASDIC_FAN), whose work-items own bins. Faces of a fan that share their
  * vertical axis z and their size (ASDIC_COMMON_AXIS) have, with x, y across that axis,
  *
@@ -18,7 +18,7 @@
 
 #define MAX_ARRIVALS 4
 
-/* Up to four parcels of energy from one direction, in quanta, for a row (component, bin) each. Small
+/* Up to four arrivals of energy from one direction, in quanta, for a row (component, bin) each. Small
  * on purpose: PoCL keeps the private arrays of a whole work-group on one stack. */
 typedef struct arrivals {
     uint count;
@@ -26,7 +26,7 @@ typedef struct arrivals {
     natural row[MAX_ARRIVALS];
 } arrivals;
 
-/* Adds a parcel for COMPONENT and BIN, both per lane. */
+/* Adds an arrival for COMPONENT and BIN, both per lane. */
 static void arrivals_add(const world *w, arrivals *a, natural component, natural bin, real energy) {
     real scale = R(0.0);
     LANES {
@@ -44,14 +44,14 @@ static void arrivals_add_echo(const world *w, arrivals *a, natural component,
     arrivals_add(w, a, component, min(echo->bin + 1u, last), echo->second);
 }
 
-/* Where arrivals go: the accumulator, or parcels [set][ray, group by group]
+/* Where arrivals go: the accumulator, or arrivals [set][ray, group by group]
  * on their way to it. */
 typedef struct sink {
     __global long *accumulator;
-    __global dev_parcel *parcels;
+    __global dev_arrival *arrivals;
 } sink;
 
-/* Adds GAIN times every parcel to column COLUMN of its row, behind cell FIRST; returns how many had
+/* Adds GAIN times every arrival to column COLUMN of its row, behind cell FIRST; returns how many had
  * to be cut. */
 static uint add_column(const world *w, const arrivals *a, __global long *cells, natural first,
                        natural column, real gain) {
@@ -83,12 +83,12 @@ static natural cells_of(const world *w, natural rays) {
 
 #if ASDIC_DEPOSIT == DEPOSIT_OWNED
 
-/* Keeps arrivals as parcels of SET; collect.cl counts what has to be cut. A direct parcel says that
+/* Keeps arrivals as arrivals of SET; collect.cl counts what has to be cut. A direct arrival says that
  * no others follow; those that do change that. */
 static uint receive(const world *w, const sink *to, uint set, const arrivals *a, natural rays,
                     triple u) {
-    __global dev_parcel *direct = to->parcels;
-    __global dev_parcel *parcels = to->parcels + (size_t)(set)*batch_slots(w->ping);
+    __global dev_arrival *direct = to->arrivals;
+    __global dev_arrival *arrivals = to->arrivals + (size_t)(set)*batch_slots(w->ping);
     real gain = R(1.0);
 #if ASDIC_COMMON_AXIS
     __global const float *f = w->ping->fan_rows;
@@ -98,7 +98,7 @@ static uint receive(const world *w, const sink *to, uint set, const arrivals *a,
     u = own;
 #endif
     LANES {
-        dev_parcel p;
+        dev_arrival p;
         p.direction[0] = AT(u.x, float);
         p.direction[1] = AT(u.y, float);
         p.direction[2] = AT(u.z, float);
@@ -109,8 +109,8 @@ static uint receive(const world *w, const sink *to, uint set, const arrivals *a,
         }
         if (AT(rays, uint) != NO_RAY) {
             uint place = place_of(w->ping, AT(rays, uint));
-            parcels[place] = p;
-            if (set != DEV_PARCEL_DIRECT) {
+            arrivals[place] = p;
+            if (set != DEV_ARRIVAL_DIRECT) {
                 direct[place].more = 1u;
             }
         }

@@ -2,7 +2,7 @@
  * From the accumulator's blocks to the ping's sums: totals and their spread over groups.
  */
 #include "deposit.h"
-#include "volley.h"
+#include "ping_batch.h"
 
 /* Water that ends in a bin to water that crosses it; ACCUMULATOR is [group][component][bin][beam]. One
  * work-item per group and beam. Work-items that own their group have done it in collect. */

@@ -1,11 +1,10 @@
 /*
- * sample: draws the rays of one batch of a ping, or of a volley of pings.
+ * sample: draws one batch of rays, of one ping or of several that go together.
  *
- * Slot by slot in the order of order.h. Slots beyond the last ray are switched off (t_max 0, solid
- * angle 0).
+ * Rays lie in the order of order.h. Slots beyond the last ray are switched off (t_max 0, solid angle 0).
  */
 #include "learnt.h"
-#include "volley.h"
+#include "ping_batch.h"
 
 /* Background rays per steradian in a direction that a cone drew. */
 static real background_rays(__global const dev_ping *ping, __global const float *table,

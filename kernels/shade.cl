@@ -13,7 +13,7 @@
 #include "faces.h"
 #include "mirror_ray.h"
 #include "receive.h"
-#include "volley.h"
+#include "ping_batch.h"
 
 /* How much of its last bin's water a ray has crossed when it meets something (or the range ends): its
  * part of the bin's integral, ray_water. */
@@ -118,7 +118,7 @@ static uint shade_rays(const world *w, const ray_store *store, __global const fl
 #else
     (void)volume_inverse;
 #endif
-    return receive(w, to, DEV_PARCEL_DIRECT, &a, rays_in(ping, slot), r.u);
+    return receive(w, to, DEV_ARRIVAL_DIRECT, &a, rays_in(ping, slot), r.u);
 }
 
 /* One work-item per piece (mirror_ray.h). */
@@ -127,7 +127,7 @@ __kernel void shade(__global const dev_ping *pings, __global const dev_ray *rays
                     __global const float *face_density, __global const dev_hit *hits,
                     __global const dev_triangle *triangles, __global const dev_part *parts,
                     __global const dev_material *materials, __global const float *water,
-                    __global dev_parcel *parcels, __global long *accumulator,
+                    __global dev_arrival *arrivals, __global long *accumulator,
                     __global uint *saturated, __global dev_ray *bounced, __global float4 *mirrors) {
     __global const dev_ping *ping = row_ping(pings);
     size_t own = row_slots(ping);
@@ -135,7 +135,7 @@ __kernel void shade(__global const dev_ping *pings, __global const dev_ray *rays
     uint end = min(first + PIECE, batch_slots(ping));
     world w = {ping, beams_of(ping), triangles, parts, materials, face_density};
     ray_store store = {rays + own, solid_angles + own, splats + own, hits + own};
-    sink to = {row_cells(ping, accumulator), parcels + PARCEL_SETS * own};
+    sink to = {row_cells(ping, accumulator), arrivals + ARRIVAL_SETS * own};
     mirror_store reflected = {bounced + own, mirrors + own};
     for (uint slot = first; slot < end; slot += ASDIC_WIDTH) {
         cut += shade_rays(&w, &store, row_water(ping, water), &to, &reflected, slot, &at);

@@ -174,14 +174,16 @@ asdic_status asdic_camera_shoot(asdic_camera *c, const asdic_simulator *sim,
                                 const asdic_shot *shot) {
     size_t pixels = (size_t)c->width * c->height;
     dev_uint has_mesh = sim->tracer != NULL;
-    c->last = describe(c, sim->scene, shot);
-    c->origin_m = sim->scene->origin_m;
+    c->last = describe(c, sim->setup.scene, shot);
+    c->origin_m = sim->setup.scene->origin_m;
     asdic_kernel_arg aim[] = {ASDIC_ARG_BUFFER(c->settings), ASDIC_ARG_BUFFER(c->rays)};
-    asdic_kernel_arg shade[] = {
-        ASDIC_ARG_BUFFER(c->settings),  ASDIC_ARG_BUFFER(c->hits),
-        ASDIC_ARG_VALUE(has_mesh),      ASDIC_ARG_BUFFER(asdic_simulator_triangles(sim)),
-        ASDIC_ARG_BUFFER(sim->parts),   ASDIC_ARG_BUFFER(c->rgb_buffer),
-        ASDIC_ARG_BUFFER(c->far_buffer)};
+    asdic_kernel_arg shade[] = {ASDIC_ARG_BUFFER(c->settings),
+                                ASDIC_ARG_BUFFER(c->hits),
+                                ASDIC_ARG_VALUE(has_mesh),
+                                ASDIC_ARG_BUFFER(asdic_simulator_triangles(sim)),
+                                ASDIC_ARG_BUFFER(sim->buffers.parts),
+                                ASDIC_ARG_BUFFER(c->rgb_buffer),
+                                ASDIC_ARG_BUFFER(c->far_buffer)};
     asdic_status status = asdic_buffer_write(c->settings, 0, sizeof c->last, &c->last);
     if (!status && has_mesh) {
         status = asdic_kernel_run(c->aim, aim, COUNT(aim), c->slots, 64);

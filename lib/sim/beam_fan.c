@@ -10,8 +10,8 @@
 
 /* Fewer receivers are served ray by ray, and tell their error by groups of rays. */
 #define LEAST_RECEIVERS 16
-/* Bytes of a fan_arrival and of a fan_list in fan.cl. */
-#define ARRIVAL_BYTES 32
+/* Bytes of a fan_entry and of a fan_list in fan.cl. */
+#define ENTRY_BYTES 32
 #define LIST_BYTES 8
 /* Blocks of rays: some for each core of a processor, many for a GPU; fewer where a table of them by bins
  * would be large. */
@@ -65,14 +65,14 @@ asdic_status asdic_beam_fan_init(asdic_beam_fan *fan, asdic_device *device,
                    {"fan_place", &fan->place},
                    {"fan_scatter", &fan->scatter},
                    {"fan_project", &fan->project}};
-    /* A mirror's parcels are up to three arrivals more. */
+    /* A mirror's arrivals are up to three entries more. */
     const struct {
         size_t bytes;
         asdic_buffer **buffer;
     } buffers[] = {{size->bins * fan->blocks * sizeof(uint32_t), &fan->counts},
                    {sizeof(uint32_t), &fan->made},
                    {size->bins * LIST_BYTES, &fan->lists},
-                   {size->slots * (size->mirrors ? 4 : 1) * ARRIVAL_BYTES, &fan->arrivals}};
+                   {size->slots * (size->mirrors ? 4 : 1) * ENTRY_BYTES, &fan->entries}};
     fan->fetches = calloc(tiles, sizeof *fan->fetches);
     if (!fan->fetches) {
         return asdic_fail_memory(asdic_device_context(device), "a fan");
@@ -100,7 +100,7 @@ void asdic_beam_fan_finish(asdic_beam_fan *fan, asdic_device *device) {
     asdic_buffer_destroy(&fan->counts);
     asdic_buffer_destroy(&fan->made);
     asdic_buffer_destroy(&fan->lists);
-    asdic_buffer_destroy(&fan->arrivals);
+    asdic_buffer_destroy(&fan->entries);
 }
 
 void asdic_beam_fan_describe(const asdic_beam_fan *fan, const dev_beam *beams, dev_ping *ping) {
@@ -109,19 +109,19 @@ void asdic_beam_fan_describe(const asdic_beam_fan *fan, const dev_beam *beams, d
     }
 }
 
-/* Parcels to lists of arrivals by bins. */
+/* Arrivals to lists of entries by bins. */
 static asdic_status sort(asdic_beam_fan *fan, const dev_ping *ping, asdic_buffer *ping_buffer,
-                         asdic_buffer *parcels) {
+                         asdic_buffer *arrivals) {
     dev_uint blocks = fan->blocks;
     size_t local = fan->width > 1 ? 1 : 64;
-    asdic_kernel_arg count[] = {ASDIC_ARG_BUFFER(ping_buffer), ASDIC_ARG_BUFFER(parcels),
+    asdic_kernel_arg count[] = {ASDIC_ARG_BUFFER(ping_buffer), ASDIC_ARG_BUFFER(arrivals),
                                 ASDIC_ARG_BUFFER(fan->counts), ASDIC_ARG_BUFFER(fan->made),
                                 ASDIC_ARG_VALUE(blocks)};
     asdic_kernel_arg place[] = {ASDIC_ARG_BUFFER(ping_buffer), ASDIC_ARG_BUFFER(fan->counts),
                                 ASDIC_ARG_BUFFER(fan->lists), ASDIC_ARG_BUFFER(fan->made),
                                 ASDIC_ARG_VALUE(blocks)};
-    asdic_kernel_arg scatter[] = {ASDIC_ARG_BUFFER(ping_buffer), ASDIC_ARG_BUFFER(parcels),
-                                  ASDIC_ARG_BUFFER(fan->counts), ASDIC_ARG_BUFFER(fan->arrivals),
+    asdic_kernel_arg scatter[] = {ASDIC_ARG_BUFFER(ping_buffer), ASDIC_ARG_BUFFER(arrivals),
+                                  ASDIC_ARG_BUFFER(fan->counts), ASDIC_ARG_BUFFER(fan->entries),
                                   ASDIC_ARG_VALUE(blocks)};
     asdic_status status = asdic_kernel_run(fan->count, count, 5, blocks, local);
     if (!status) {
@@ -131,15 +131,15 @@ static asdic_status sort(asdic_beam_fan *fan, const dev_ping *ping, asdic_buffer
 }
 
 asdic_status asdic_beam_fan_project(asdic_beam_fan *fan, const dev_ping *ping,
-                                    asdic_buffer *ping_buffer, asdic_buffer *parcels,
+                                    asdic_buffer *ping_buffer, asdic_buffer *arrivals,
                                     asdic_buffer *results, float *host_results) {
     size_t rows = ping->components * (size_t)ping->bins;
     bool wide = fan->width > 1;
     size_t items = wide ? (ping->bins + 15) / 16 : ping->bins * (size_t)DEV_FAN_TILE;
     dev_uint add = ping->batch_first != 0;
-    asdic_status status = sort(fan, ping, ping_buffer, parcels);
+    asdic_status status = sort(fan, ping, ping_buffer, arrivals);
     for (dev_uint tile = 0; !status && tile < fan->tiles; tile++) {
-        asdic_kernel_arg args[] = {ASDIC_ARG_BUFFER(ping_buffer), ASDIC_ARG_BUFFER(fan->arrivals),
+        asdic_kernel_arg args[] = {ASDIC_ARG_BUFFER(ping_buffer), ASDIC_ARG_BUFFER(fan->entries),
                                    ASDIC_ARG_BUFFER(fan->lists),  ASDIC_ARG_BUFFER(results),
                                    ASDIC_ARG_VALUE(tile),         ASDIC_ARG_VALUE(add)};
         status = asdic_kernel_run(fan->project, args, 6, items, wide ? 1 : 64);

@@ -18,7 +18,7 @@ typedef struct asdic_beam_fan {
     unsigned blocks;  /* of rays, that are sorted at the same time */
     unsigned width;   /* receivers of a vector */
     asdic_kernel *count, *place, *scatter, *project;
-    asdic_buffer *counts, *made, *lists, *arrivals;
+    asdic_buffer *counts, *made, *lists, *entries;
     asdic_fetch **fetches; /* a tile's each, on their way to the host */
     size_t tiles;
 } asdic_beam_fan;
@@ -41,10 +41,10 @@ void asdic_beam_fan_finish(asdic_beam_fan *fan, asdic_device *device);
 /* The frame of the common axis of a ping whose beams (transmitter first) are aimed. */
 void asdic_beam_fan_describe(const asdic_beam_fan *fan, const dev_beam *beams, dev_ping *ping);
 
-/* Enqueues what PARCELS of one batch hold to RESULTS, floats [beam][component][bin]; the sums of the
+/* Enqueues what ARRIVALS of one batch hold to RESULTS, floats [beam][component][bin]; the sums of the
  * batches before are kept. The last batch's are fetched to HOST_RESULTS, tile by tile. */
 asdic_status asdic_beam_fan_project(asdic_beam_fan *fan, const dev_ping *ping,
-                                    asdic_buffer *ping_buffer, asdic_buffer *parcels,
+                                    asdic_buffer *ping_buffer, asdic_buffer *arrivals,
                                     asdic_buffer *results, float *host_results);
 /* Blocks until the beams of TILE are there. */
 asdic_status asdic_beam_fan_wait(asdic_beam_fan *fan, asdic_device *device, size_t tile);

@@ -14,6 +14,7 @@
 #include "simulator.h"
 
 #include "base/context.h"
+#include "base/try.h"
 #include "pulse.h"
 
 #include <math.h>
@@ -88,8 +89,8 @@ static int compare(const void *a, const void *b) {
  * far off, do not move. */
 static double typical_ratio(const asdic_simulator *sim, size_t first, const calibration *c) {
     double ratios[TYPICAL_SAMPLES];
-    size_t count = 0, step = (sim->bins + TYPICAL_SAMPLES - 1) / TYPICAL_SAMPLES;
-    for (size_t n = 0; n < sim->bins; n += step) {
+    size_t count = 0, step = (sim->setup.bins + TYPICAL_SAMPLES - 1) / TYPICAL_SAMPLES;
+    for (size_t n = 0; n < sim->setup.bins; n += step) {
         double ratio = cell_ratio(c, first + n);
         if (ratio >= 0.0) {
             ratios[count++] = ratio;
@@ -120,7 +121,7 @@ static double neighbours_of(const float *values, size_t n, size_t bins) {
 /* What rare echoes of the bins round N are worth there, as variance. Echoes fall as range^-2. */
 static void spread_rare(const asdic_simulator *sim, size_t first, const calibration *c,
                         asdic_stated_error *stated) {
-    size_t bins = sim->bins;
+    size_t bins = sim->setup.bins;
     double *values = c->row, *sums = values + bins + 1;
     for (size_t n = 0; n < bins; n++) {
         double range2 = ((double)n + 0.5) * ((double)n + 0.5);
@@ -136,7 +137,7 @@ static void spread_rare(const asdic_simulator *sim, size_t first, const calibrat
 }
 
 static void calibrate_beam(asdic_simulator *sim, size_t beam, const calibration *c) {
-    size_t first = beam * sim->bins, bins = sim->bins;
+    size_t first = beam * sim->setup.bins, bins = sim->setup.bins;
     double *values = c->row, *sums = values + bins + 1, *counts = sums + bins + 1;
     for (size_t n = 0; n < bins; n++) {
         values[n] = fmax(cell_ratio(c, first + n), 0.0);
@@ -154,17 +155,18 @@ static void calibrate_beam(asdic_simulator *sim, size_t beam, const calibration 
                        NEIGHBOURS * neighbours_of(c->suggested + first, n, bins);
         double own = OWN_ERROR * fmax(cell_variance(c, first + n), 0.0) / LARGER_OF_SEVERAL;
         ratio /= LARGER_OF_SEVERAL;
-        sim->stated[first + n] = (asdic_stated_error){.of_groups = (float)ratio,
-                                                      .of_block = (float)(ratio * block + own),
-                                                      .mean_lin = (float)c->mean[first + n]};
+        sim->learnt.stated[first + n] =
+            (asdic_stated_error){.of_groups = (float)ratio,
+                                 .of_block = (float)(ratio * block + own),
+                                 .mean_lin = (float)c->mean[first + n]};
     }
-    spread_rare(sim, first, c, sim->stated + first);
+    spread_rare(sim, first, c, sim->learnt.stated + first);
 }
 
 /* Many receivers: neighbours among them, which see much the same, share an error. */
 static void calibrate_bin(asdic_simulator *sim, size_t n, const calibration *c, double *values,
                           double *sums) {
-    size_t beams = sim->sonar.receiver_count, bins = sim->bins;
+    size_t beams = sim->setup.sonar.receiver_count, bins = sim->setup.bins;
     size_t from = n > BIN_WINDOW ? n - BIN_WINDOW : 0;
     size_t to = n + BIN_WINDOW < bins ? n + BIN_WINDOW : bins - 1;
     for (size_t b = 0; b < beams; b++) {
@@ -179,13 +181,14 @@ static void calibrate_bin(asdic_simulator *sim, size_t n, const calibration *c, 
         size_t high = b + BEAM_WINDOW < beams ? b + BEAM_WINDOW : beams - 1;
         double shared = within(sums, beams, b, BEAM_WINDOW) / (double)(high - low + 1);
         double own = OWN_ERROR * fmax(cell_variance(c, b * bins + n), 0.0);
-        sim->stated[b * bins + n].of_block = (float)(shared + own);
+        sim->learnt.stated[b * bins + n].of_block = (float)(shared + own);
     }
 }
 
 /* With no calibration yet, a ping states what its groups suggest. */
-static void take_ping(const asdic_simulator *sim, const asdic_ping *ping, int k, calibration *c) {
-    for (size_t cell = 0; cell < sim->cells; cell++) {
+static void take_ping(const asdic_simulator *sim, const asdic_ping *ping, uint32_t k,
+                      calibration *c) {
+    for (size_t cell = 0; cell < sim->setup.cells; cell++) {
         double total = ping->intensity_lin[ASDIC_TOTAL][cell];
         double energy = total - ping->intensity_lin[ASDIC_NOISE][cell];
         double spread =
@@ -198,45 +201,46 @@ static void take_ping(const asdic_simulator *sim, const asdic_ping *ping, int k,
 }
 
 static void take_mean(const asdic_simulator *sim, const asdic_ping *ping, calibration *c) {
-    for (size_t cell = 0; cell < sim->cells; cell++) {
+    for (size_t cell = 0; cell < sim->setup.cells; cell++) {
         c->mean[cell] +=
             (ping->intensity_lin[ASDIC_TOTAL][cell] - ping->intensity_lin[ASDIC_NOISE][cell]) /
             PINGS;
     }
 }
 
-/* Shoots them, pulse included: neighbouring bins err against each other, and a pulse takes out more of
- * that than of errors that know nothing of each other. */
-static asdic_status shoot(asdic_simulator *sim, const asdic_pose *pose, uint64_t index,
-                          calibration *c) {
-    asdic_water_column water = asdic_water_column_at(&sim->env, &sim->sonar, pose->position_m.z);
-    asdic_ping_shot shots[PINGS];
-    for (uint32_t k = 0; k < PINGS; k++) {
-        shots[k] = (asdic_ping_shot){*pose, index, ASDIC_STREAM_CALIBRATION + k};
-    }
-    memset(c->suggested, 0, sim->cells * sizeof *c->suggested);
-    memset(c->rare, 0, sim->cells * sizeof *c->rare);
-    memset(c->mean, 0, sim->cells * sizeof *c->mean);
-    asdic_status status = ASDIC_OK;
-    for (int k = 0; !status && k < PINGS;) {
-        int together = sim->volley < (size_t)(PINGS - k) ? (int)sim->volley : PINGS - k;
-        status = asdic_simulator_simulate(sim, shots + k, (size_t)together, c->pings);
-        for (int i = 0; !status && i < together; i++, k++) {
+/* Runs the calibration's pings, pulse included: the errors of neighbouring bins are negatively correlated,
+ * and a pulse takes out more of such errors than of independent ones. */
+static asdic_status run_pings(asdic_simulator *sim, const asdic_pose *pose, uint64_t index,
+                              calibration *c) {
+    memset(c->suggested, 0, sim->setup.cells * sizeof *c->suggested);
+    memset(c->rare, 0, sim->setup.cells * sizeof *c->rare);
+    memset(c->mean, 0, sim->setup.cells * sizeof *c->mean);
+    for (uint32_t k = 0; k < PINGS;) {
+        uint32_t left = PINGS - k;
+        uint32_t together = sim->setup.ping_batch < left ? (uint32_t)sim->setup.ping_batch : left;
+        for (uint32_t i = 0; i < together; i++) {
+            asdic_shot_aim(sim, &sim->shots[i], pose, index, ASDIC_STREAM_CALIBRATION + k + i,
+                           sim->setup.sampling.rays);
+        }
+        TRY(asdic_simulator_simulate(sim, together, c->pings));
+        for (uint32_t i = 0; i < together; i++, k++) {
             take_mean(sim, c->pings[i], c);
-            asdic_pulse_smear(&sim->sonar, water.sound_speed_mps, sim->smear_scratch, c->pings[i]);
+            asdic_pulse_smear(&sim->setup.sonar, sim->shots[i].water.sound_speed_mps,
+                              sim->host.scratch, c->pings[i]);
             take_ping(sim, c->pings[i], k, c);
         }
     }
-    return status;
+    return ASDIC_OK;
 }
 
 static asdic_status calibration_create(asdic_simulator *sim) {
-    if (sim->calibration) {
+    if (sim->learnt.calibration) {
         return ASDIC_OK;
     }
-    size_t cells = sim->cells,
-           longest = sim->bins > sim->sonar.receiver_count ? sim->bins : sim->sonar.receiver_count;
-    calibration *c = sim->calibration = calloc(1, sizeof *c);
+    size_t cells = sim->setup.cells, longest = sim->setup.bins > sim->setup.sonar.receiver_count
+                                                   ? sim->setup.bins
+                                                   : sim->setup.sonar.receiver_count;
+    calibration *c = sim->learnt.calibration = calloc(1, sizeof *c);
     bool whole = c != NULL;
     for (int k = 0; whole && k < PINGS; k++) {
         whole = (c->energy[k] = malloc(cells * sizeof(double))) != NULL;
@@ -246,11 +250,12 @@ static asdic_status calibration_create(asdic_simulator *sim) {
             (c->rare = malloc(cells * sizeof *c->rare)) &&
             (c->row = malloc(4 * (longest + 1) * sizeof *c->row));
     asdic_status status = whole ? ASDIC_OK : asdic_fail_memory(sim->ctx, "a calibration");
-    for (size_t k = 0; !status && k < PINGS && k < sim->volley; k++) {
-        status = asdic_ping_create(sim->ctx, sim->sonar.receiver_count, sim->bins, &c->pings[k]);
+    for (size_t k = 0; !status && k < PINGS && k < sim->setup.ping_batch; k++) {
+        status = asdic_ping_create(sim->ctx, sim->setup.sonar.receiver_count, sim->setup.bins,
+                                   &c->pings[k]);
     }
     if (status) {
-        asdic_calibration_destroy(&sim->calibration);
+        asdic_calibration_destroy(&sim->learnt.calibration);
     }
     return status;
 }
@@ -272,21 +277,16 @@ void asdic_calibration_destroy(asdic_calibration **c) {
 
 asdic_status asdic_simulator_calibrate(asdic_simulator *sim, const asdic_pose *pose,
                                        uint64_t index) {
-    asdic_status status = calibration_create(sim);
-    calibration *c = sim->calibration;
-    if (!status) {
-        status = shoot(sim, pose, index, c);
-    }
-    if (status) {
-        return status;
-    }
+    TRY(calibration_create(sim));
+    calibration *c = sim->learnt.calibration;
+    TRY(run_pings(sim, pose, index, c));
     if (sim->fan.many) {
-        for (size_t n = 0; n < sim->bins; n++) {
-            calibrate_bin(sim, n, c, c->row, c->row + sim->sonar.receiver_count + 1);
+        for (size_t n = 0; n < sim->setup.bins; n++) {
+            calibrate_bin(sim, n, c, c->row, c->row + sim->setup.sonar.receiver_count + 1);
         }
         return ASDIC_OK;
     }
-    for (size_t beam = 0; beam < sim->sonar.receiver_count; beam++) {
+    for (size_t beam = 0; beam < sim->setup.sonar.receiver_count; beam++) {
         calibrate_beam(sim, beam, c);
     }
     return ASDIC_OK;

@@ -7,7 +7,7 @@
 #include <asdic/expected.h>
 
 #include "ring_profile.h"
-#include "water_column.h"
+#include "environment.h"
 
 /* What a scene's laws are made of, in double precision. */
 typedef struct asdic_flat_laws {

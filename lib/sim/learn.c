@@ -8,7 +8,7 @@
 #include <asdic/plan.h>
 
 #include "base/context.h"
-#include "bin_laws.h"
+#include "base/try.h"
 #include "scene/scene.h"
 
 #include <math.h>
@@ -30,58 +30,52 @@
  * altitude. */
 #define LOWEST 0.2
 
-/* What the pilots brought, as in survey.cl. */
-typedef struct survey {
-    const dev_survey *rays;
+/* What a pilot ping's rays brought, as in pilot.cl. */
+typedef struct pilots {
+    const dev_pilot *rays;
     const float *energies;
     size_t slots;
     uint32_t picked;
-} survey;
+} pilots;
 
 uint32_t asdic_simulator_picked(const asdic_simulator *sim) {
-    size_t beams = sim->sonar.receiver_count;
+    size_t beams = sim->setup.sonar.receiver_count;
     return (uint32_t)(beams < PICKED_MOST ? beams : PICKED_MOST);
 }
 
-/* Draws, traces and surveys the pilot rays; blocks. */
-static asdic_status survey_run(asdic_simulator *sim, survey *s) {
-    const dev_ping *ping = sim->ping;
-    s->slots = (size_t)ping->groups * ping->per_group;
-    s->picked = asdic_simulator_picked(sim);
-    s->rays = sim->survey_rays;
-    s->energies = sim->survey_energies;
-    asdic_kernel_arg args[] = {ASDIC_ARG_BUFFER(sim->ping_buffer),
-                               ASDIC_ARG_BUFFER(sim->rays),
-                               ASDIC_ARG_BUFFER(sim->solid_angles),
-                               ASDIC_ARG_BUFFER(sim->splats),
-                               ASDIC_ARG_BUFFER(sim->faces.density_buffer),
-                               ASDIC_ARG_BUFFER(sim->hits),
+/* Draws and traces the rays of the pilot ping SHOT and weighs what they brought; blocks. */
+static asdic_status run_pilots(asdic_simulator *sim, const asdic_ping_shot *shot, pilots *p) {
+    const dev_ping *ping = shot->ping;
+    p->slots = (size_t)ping->groups * ping->per_group;
+    p->picked = asdic_simulator_picked(sim);
+    p->rays = sim->host.pilot_rays;
+    p->energies = sim->host.pilot_energies;
+    asdic_kernel_arg args[] = {ASDIC_ARG_BUFFER(sim->buffers.pings),
+                               ASDIC_ARG_BUFFER(sim->buffers.rays),
+                               ASDIC_ARG_BUFFER(sim->buffers.solid_angles),
+                               ASDIC_ARG_BUFFER(sim->buffers.splats),
+                               ASDIC_ARG_BUFFER(sim->learnt.faces.density_buffer),
+                               ASDIC_ARG_BUFFER(sim->buffers.hits),
                                ASDIC_ARG_BUFFER(asdic_simulator_triangles(sim)),
-                               ASDIC_ARG_BUFFER(sim->parts),
-                               ASDIC_ARG_BUFFER(sim->materials),
-                               ASDIC_ARG_BUFFER(sim->table_buffer),
-                               ASDIC_ARG_BUFFER(sim->survey_ray_buffer),
-                               ASDIC_ARG_BUFFER(sim->survey_energy_buffer),
-                               ASDIC_ARG_VALUE(s->picked)};
-    asdic_status status = asdic_simulator_draw(sim, 1);
-    if (!status) {
-        status = asdic_kernel_run(sim->survey_kernel, args, sizeof args / sizeof *args,
-                                  s->slots / sim->layout.width, sim->layout.local);
-    }
-    if (!status) {
-        status = asdic_buffer_read(sim->survey_ray_buffer, 0, s->slots * sizeof *s->rays,
-                                   sim->survey_rays);
-    }
-    return status
-               ? status
-               : asdic_buffer_read(sim->survey_energy_buffer, 0,
-                                   s->slots * s->picked * 2 * sizeof(float), sim->survey_energies);
+                               ASDIC_ARG_BUFFER(sim->buffers.parts),
+                               ASDIC_ARG_BUFFER(sim->buffers.materials),
+                               ASDIC_ARG_BUFFER(sim->buffers.table),
+                               ASDIC_ARG_BUFFER(sim->buffers.pilot_rays),
+                               ASDIC_ARG_BUFFER(sim->buffers.pilot_energies),
+                               ASDIC_ARG_VALUE(p->picked)};
+    TRY(asdic_simulator_draw(sim, 1));
+    TRY(asdic_kernel_run(sim->kernels.pilot, args, sizeof args / sizeof *args,
+                         p->slots / sim->setup.layout.width, sim->setup.layout.local));
+    TRY(asdic_buffer_read(sim->buffers.pilot_rays, 0, p->slots * sizeof *p->rays,
+                          sim->host.pilot_rays));
+    return asdic_buffer_read(sim->buffers.pilot_energies, 0,
+                             p->slots * p->picked * 2 * sizeof(float), sim->host.pilot_energies);
 }
 
 /* For one receiver P: TOTALS[bin], the energy of each bin, relative to its TL d^2; and in CROSSED the sum
  * of the squared shares that a unit of water is of all bins up to this one. VOLUME is a unit of water's
  * worth in each bin. */
-static void sum_bins(const survey *s, uint32_t p, const float *volume, size_t bins, double *totals,
+static void sum_bins(const pilots *s, uint32_t p, const float *volume, size_t bins, double *totals,
                      double *crossed) {
     memset(totals, 0, bins * sizeof *totals);
     memset(crossed, 0, bins * sizeof *crossed);
@@ -109,10 +103,11 @@ typedef struct demand {
 } demand;
 
 /* Adds to Q[x cell][y cell] what the pilots brought. */
-static asdic_status add_demand(asdic_simulator *sim, const survey *s, demand *q) {
-    double *totals = malloc(2 * sim->bins * sizeof *totals), *crossed = totals + sim->bins;
-    const float *volume =
-        sim->water + sim->bins; /* of the current ping, as row_water in volley.h */
+static asdic_status add_demand(const asdic_simulator *sim, const asdic_ping_shot *shot,
+                               const pilots *s, demand *q) {
+    double *totals = malloc(2 * sim->setup.bins * sizeof *totals),
+           *crossed = totals + sim->setup.bins;
+    const float *volume = shot->for_device + sim->setup.bins; /* as row_water in ping_batch.h */
     double *squares = calloc(s->slots, sizeof *squares);
     if (!totals || !squares) {
         free(totals);
@@ -120,7 +115,7 @@ static asdic_status add_demand(asdic_simulator *sim, const survey *s, demand *q)
         return asdic_fail_memory(sim->ctx, "pilot sums");
     }
     for (uint32_t p = 0; p < s->picked; p++) {
-        sum_bins(s, p, volume, sim->bins, totals, crossed);
+        sum_bins(s, p, volume, sim->setup.bins, totals, crossed);
         for (size_t i = 0; i < s->slots; i++) {
             const float *energy = s->energies + 2 * (i * s->picked + p);
             uint32_t last = s->rays[i].last_bin;
@@ -212,20 +207,22 @@ static bool tabulate(const demand *q, float *table) {
 
 /* As many as pay: coarse pings gain little by knowing more than they can use. */
 static uint32_t pilot_rays(const asdic_simulator *sim) {
-    uint32_t rays = sim->sampling.rays < ASDIC_PILOT_RAYS ? sim->sampling.rays : ASDIC_PILOT_RAYS;
+    uint32_t rays =
+        sim->setup.sampling.rays < ASDIC_PILOT_RAYS ? sim->setup.sampling.rays : ASDIC_PILOT_RAYS;
     return rays > LEAST_PILOT_RAYS ? rays : LEAST_PILOT_RAYS;
 }
 
 static uint32_t picked_beam(const asdic_simulator *sim, uint32_t p) {
-    uint32_t beams = (uint32_t)sim->sonar.receiver_count, picked = asdic_simulator_picked(sim);
+    uint32_t beams = (uint32_t)sim->setup.sonar.receiver_count,
+             picked = asdic_simulator_picked(sim);
     return picked == beams ? p : p * (beams - 1) / (picked - 1);
 }
 
 /* Where some receivers stand for many, each is as wide as it is to its neighbours, in this ping alone. */
-static void widen_picked(const asdic_simulator *sim) {
+static void widen_picked(const asdic_simulator *sim, const asdic_ping_shot *shot) {
     uint32_t picked = asdic_simulator_picked(sim);
-    dev_beam *receivers = asdic_simulator_beams(sim) + 1;
-    for (uint32_t p = 0; picked < sim->sonar.receiver_count && p < picked; p++) {
+    dev_beam *receivers = asdic_shot_beams(shot) + 1;
+    for (uint32_t p = 0; picked < sim->setup.sonar.receiver_count && p < picked; p++) {
         dev_beam *beam = &receivers[picked_beam(sim, p)];
         const dev_beam *next = &receivers[picked_beam(sim, p + 1 < picked ? p + 1 : p - 1)];
         double along = 0.0;
@@ -237,64 +234,68 @@ static void widen_picked(const asdic_simulator *sim) {
     }
 }
 
+/* Fills Q from what the rays of the pilot ping SHOT bring. */
+static asdic_status measure_demand(asdic_simulator *sim, const asdic_ping_shot *shot, demand *q) {
+    pilots p;
+    TRY(run_pilots(sim, shot, &p));
+    return add_demand(sim, shot, &p, q);
+}
+
 /* One pilot ping, sampled by the table so far, gives the next. */
 static asdic_status learn_once(asdic_simulator *sim, const asdic_pose *pose, uint64_t index,
                                uint32_t stream) {
-    asdic_water_column water = asdic_water_column_at(&sim->env, &sim->sonar, pose->position_m.z);
-    asdic_simulator_select(sim, 0);
-    asdic_simulator_describe(sim, pose, index, stream, pilot_rays(sim));
-    widen_picked(sim);
-    if (asdic_bin_laws_tabulate(sim, &water)) {
-        sim->laws[0].absorption_np_per_m = -1.0; /* the device has not been told */
+    asdic_ping_shot *shot = &sim->shots[0];
+    asdic_shot_aim(sim, shot, pose, index, stream, pilot_rays(sim));
+    widen_picked(sim, shot);
+    if (asdic_shot_tabulate(sim, shot)) {
+        shot->tables_np_per_m = -1.0; /* the device has not been told */
     }
-    survey s = {0};
     demand *q = calloc((size_t)DEV_TABLE_CELLS * DEV_AZIMUTH_CELLS, sizeof *q);
-    asdic_status status = q ? survey_run(sim, &s) : asdic_fail_memory(sim->ctx, "a pilot ping");
+    asdic_status status =
+        q ? measure_demand(sim, shot, q) : asdic_fail_memory(sim->ctx, "a pilot ping");
     if (!status) {
-        status = add_demand(sim, &s, q);
-    }
-    if (!status) {
-        sim->azimuths_learnt = tabulate(q, sim->table);
-        sim->table_uploaded = false;
+        sim->learnt.azimuths = tabulate(q, sim->learnt.table);
+        sim->learnt.table_uploaded = false;
     }
     free(q);
     return status;
 }
 
 void asdic_simulator_forget(asdic_simulator *sim) {
-    sim->zone_altitude = ASDIC_ZONE_ALTITUDE;
-    sim->faces.count = 0;
-    sim->azimuths_learnt = false;
+    sim->learnt.zone_altitude = ASDIC_ZONE_ALTITUDE;
+    sim->learnt.faces.count = 0;
+    sim->learnt.azimuths = false;
     for (int i = 0; i <= DEV_TABLE_CELLS; i++) {
-        sim->table[i] = (float)i / DEV_TABLE_CELLS;
+        sim->learnt.table[i] = (float)i / DEV_TABLE_CELLS;
     }
     for (int i = 0; i < DEV_TABLE_ROWS * (DEV_AZIMUTH_CELLS + 1); i++) {
-        sim->table[DEV_TABLE_CELLS + 1 + i] =
+        sim->learnt.table[DEV_TABLE_CELLS + 1 + i] =
             (float)(i % (DEV_AZIMUTH_CELLS + 1)) / DEV_AZIMUTH_CELLS;
     }
-    sim->table_uploaded = false;
-    for (size_t cell = 0; cell < sim->cells; cell++) {
-        sim->stated[cell] = sim->fan.many ? (asdic_stated_error){.of_block = 1.0f}
-                                          : (asdic_stated_error){.of_groups = 1.0f};
+    sim->learnt.table_uploaded = false;
+    for (size_t cell = 0; cell < sim->setup.cells; cell++) {
+        sim->learnt.stated[cell] = sim->fan.many ? (asdic_stated_error){.of_block = 1.0f}
+                                                 : (asdic_stated_error){.of_groups = 1.0f};
     }
 }
 
 /* Rays that pass over the bottom meet, far out, what stands on it: the zone reaches up to that. */
 static void lower_zone(asdic_simulator *sim, const asdic_pose *pose) {
-    double altitude = asdic_scene_altitude_m(sim->scene, pose->position_m);
-    double bottom = asdic_scene_clearance_m(sim->scene, pose->position_m, sim->fixed.reach_m);
-    double clearance = fmin(bottom, sim->faces.clearance_m);
+    double altitude = asdic_scene_altitude_m(sim->setup.scene, pose->position_m);
+    double bottom =
+        asdic_scene_clearance_m(sim->setup.scene, pose->position_m, sim->setup.ping.reach_m);
+    double clearance = fmin(bottom, sim->learnt.faces.clearance_m);
     if (isfinite(altitude) && clearance < altitude) {
-        sim->zone_altitude = ASDIC_ZONE_ALTITUDE * fmax(clearance / altitude, LOWEST);
+        sim->learnt.zone_altitude = ASDIC_ZONE_ALTITUDE * fmax(clearance / altitude, LOWEST);
     }
 }
 
 static asdic_status choose_faces(asdic_simulator *sim, const asdic_pose *pose, uint64_t index) {
-    sim->faces.count = 0;
-    asdic_simulator_select(sim, 0);
-    asdic_simulator_describe(sim, pose, index, ASDIC_STREAM_PILOT, pilot_rays(sim));
-    return asdic_faces_choose(&sim->faces, sim->placement, pose->position_m, sim->ping,
-                              asdic_simulator_beams(sim));
+    asdic_ping_shot *shot = &sim->shots[0];
+    sim->learnt.faces.count = 0;
+    asdic_shot_aim(sim, shot, pose, index, ASDIC_STREAM_PILOT, pilot_rays(sim));
+    return asdic_faces_choose(&sim->learnt.faces, sim->placement, pose->position_m, shot->ping,
+                              asdic_shot_beams(shot));
 }
 
 asdic_status asdic_simulator_learn(asdic_simulator *sim, const asdic_pose *pose, uint64_t index) {
@@ -302,24 +303,21 @@ asdic_status asdic_simulator_learn(asdic_simulator *sim, const asdic_pose *pose,
         return asdic_fail(sim ? sim->ctx : NULL, ASDIC_ERROR_ARGUMENT,
                           "asdic_simulator_learn: NULL argument");
     }
-    if (sim->sampling.sampler != ASDIC_SAMPLER_ADAPTIVE ||
-        sim->sampling.left_out & (1u << ASDIC_TERM_RAYS)) {
+    const asdic_sampling *sampling = &sim->setup.sampling;
+    if (sampling->sampler != ASDIC_SAMPLER_ADAPTIVE ||
+        sampling->left_out & (1u << ASDIC_TERM_RAYS)) {
         return ASDIC_OK;
     }
-    asdic_status status = asdic_pose_check(sim->ctx, pose);
-    if (status) {
-        return status;
-    }
+    TRY(asdic_pose_check(sim->ctx, pose));
     asdic_simulator_forget(sim);
-    status = choose_faces(sim, pose, index);
+    TRY(choose_faces(sim, pose, index));
     lower_zone(sim, pose);
-    for (uint32_t round = 0; !status && round < PILOT_ROUNDS; round++) {
-        status = learn_once(sim, pose, index, ASDIC_STREAM_PILOT + round);
+    for (uint32_t round = 0; round < PILOT_ROUNDS; round++) {
+        TRY(learn_once(sim, pose, index, ASDIC_STREAM_PILOT + round));
     }
-    if (!status && !sim->learnt && sim->tracer) {
+    if (!sim->learnt.once && sim->tracer) {
         asdic_tracer_forget(sim->tracer); /* its forms were chosen for other rays */
-        sim->learnt = true;
+        sim->learnt.once = true;
     }
-    return status || sim->sampling.without_errors ? status
-                                                  : asdic_simulator_calibrate(sim, pose, index);
+    return sampling->without_errors ? ASDIC_OK : asdic_simulator_calibrate(sim, pose, index);
 }

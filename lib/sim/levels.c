@@ -4,6 +4,7 @@
  */
 #include "simulator.h"
 
+#include "base/try.h"
 #include "base/widest.h"
 
 #include <math.h>
@@ -15,11 +16,6 @@ static const asdic_component component_of[DEV_DEPOSIT_COUNT] = {
     [DEV_DEPOSIT_VOLUME] = ASDIC_VOLUME,
     [DEV_DEPOSIT_OBJECT] = ASDIC_OBJECT,
     [DEV_DEPOSIT_MULTIPATH] = ASDIC_MULTIPATH};
-
-/* The current ping's, as RESULTS in reduce.cl or of a fan in fan.cl. */
-static const void *results_of(const asdic_simulator *sim) {
-    return sim->host_results + sim->nth * asdic_simulator_results_bytes(sim);
-}
 
 /* A component's energies, added to ECHO; a quantum is worth UNIT times LOSS. */
 WIDEST static void convert_whole(const int64_t *restrict quanta, double unit,
@@ -79,27 +75,27 @@ static void end_block(const double *echo, const float *error, size_t at, size_t 
 }
 
 /* Quanta to energies of one beam; UNIT[component] is a quantum's energy at loss 1. */
-static void convert_beam(const asdic_simulator *sim, const double *unit, size_t beam,
-                         asdic_ping *out) {
-    const asdic_bin_laws *laws = &sim->laws[sim->nth];
-    const int64_t *quanta = results_of(sim);
-    const float *spread = (const float *)(quanta + sim->components * sim->cells + 1);
-    size_t first = beam * sim->bins;
-    for (size_t n = 0; n < sim->bins; n += BLOCK) {
-        size_t count = sim->bins - n < BLOCK ? sim->bins - n : BLOCK, at = first + n;
+static void convert_beam(const asdic_simulator *sim, const asdic_ping_shot *shot,
+                         const double *unit, size_t beam, asdic_ping *out) {
+    const int64_t *quanta = (const int64_t *)shot->sums;
+    const float *spread = (const float *)(quanta + sim->setup.components * sim->setup.cells + 1);
+    size_t first = beam * sim->setup.bins;
+    for (size_t n = 0; n < sim->setup.bins; n += BLOCK) {
+        size_t count = sim->setup.bins - n < BLOCK ? sim->setup.bins - n : BLOCK, at = first + n;
         double echo[BLOCK] = {0.0};
         float error[BLOCK] = {0.0f};
         for (size_t c = 0; c < DEV_DEPOSIT_COUNT; c++) {
             double *energy = out->intensity_lin[component_of[c]] + at;
-            const double *loss = c == DEV_DEPOSIT_VOLUME ? laws->volume : laws->loss;
-            if (sim->ping->present & 1u << c) {
-                convert_whole(quanta + c * sim->cells + at, unit[c], loss + n, count, energy, echo);
+            const double *loss = c == DEV_DEPOSIT_VOLUME ? shot->volume : shot->loss;
+            if (shot->ping->present & 1u << c) {
+                convert_whole(quanta + c * sim->setup.cells + at, unit[c], loss + n, count, energy,
+                              echo);
             } else {
                 memset(energy, 0, count * sizeof *energy);
             }
         }
-        if (!sim->sampling.without_errors) {
-            estimate_errors(sim->stated + at, spread + at, echo, count, error);
+        if (!sim->setup.sampling.without_errors) {
+            estimate_errors(sim->learnt.stated + at, spread + at, echo, count, error);
         }
         end_block(echo, error, at, count, out);
     }
@@ -134,13 +130,12 @@ WIDEST static void add(const double *restrict energy, size_t bins, double *restr
 }
 
 /* convert_beam of a fan. */
-static void convert_fan_beam(const asdic_simulator *sim, const double *unit, size_t beam,
-                             asdic_ping *out) {
-    size_t first = beam * sim->bins, bins = sim->bins;
-    const asdic_bin_laws *laws = &sim->laws[sim->nth];
-    const float *quanta = (const float *)results_of(sim) + first * sim->components;
+static void convert_fan_beam(const asdic_simulator *sim, const asdic_ping_shot *shot,
+                             const double *unit, size_t beam, asdic_ping *out) {
+    size_t first = beam * sim->setup.bins, bins = sim->setup.bins;
+    const float *quanta = (const float *)shot->sums + first * sim->setup.components;
     double *water = out->intensity_lin[ASDIC_VOLUME] + first;
-    convert_fan_water(quanta + DEV_DEPOSIT_VOLUME * bins, unit[DEV_DEPOSIT_VOLUME], laws->volume,
+    convert_fan_water(quanta + DEV_DEPOSIT_VOLUME * bins, unit[DEV_DEPOSIT_VOLUME], shot->volume,
                       bins, water);
     for (size_t n = 0; n < bins; n += BLOCK) {
         size_t count = bins - n < BLOCK ? bins - n : BLOCK, at = first + n;
@@ -150,41 +145,39 @@ static void convert_fan_beam(const asdic_simulator *sim, const double *unit, siz
             double *energy = out->intensity_lin[component_of[c]] + at;
             if (c == DEV_DEPOSIT_VOLUME) {
                 add(energy, count, echo);
-            } else if (sim->ping->present & 1u << c) {
-                convert_fan_echo(quanta + c * bins + n, unit[c], laws->loss + n, count, energy,
+            } else if (shot->ping->present & 1u << c) {
+                convert_fan_echo(quanta + c * bins + n, unit[c], shot->loss + n, count, energy,
                                  echo);
             } else {
                 memset(energy, 0, count * sizeof *energy);
             }
         }
-        if (!sim->sampling.without_errors) {
+        if (!sim->setup.sampling.without_errors) {
             static const float none[BLOCK];
-            estimate_errors(sim->stated + at, none, echo, count, error);
+            estimate_errors(sim->learnt.stated + at, none, echo, count, error);
         }
         end_block(echo, error, at, count, out);
     }
 }
 
-asdic_status asdic_simulator_convert(asdic_simulator *sim, double source_lin, asdic_ping *out) {
+asdic_status asdic_simulator_convert(asdic_simulator *sim, const asdic_ping_shot *shot,
+                                     double source_lin, asdic_ping *out) {
     double unit[DEV_DEPOSIT_COUNT];
     bool fan = sim->fan.many;
-    asdic_status status = ASDIC_OK;
     for (int c = 0; c < DEV_DEPOSIT_COUNT; c++) {
-        unit[c] = source_lin / sim->ping->deposit_scale[c];
+        unit[c] = source_lin / shot->ping->deposit_scale[c];
     }
-    for (size_t beam = 0; !status && beam < sim->sonar.receiver_count; beam++) {
+    for (size_t beam = 0; beam < sim->setup.sonar.receiver_count; beam++) {
         if (!fan) {
-            convert_beam(sim, unit, beam, out);
+            convert_beam(sim, shot, unit, beam, out);
             continue;
         }
         if (beam % DEV_FAN_TILE == 0) {
-            status = asdic_beam_fan_wait(&sim->fan, sim->device, beam / DEV_FAN_TILE);
+            TRY(asdic_beam_fan_wait(&sim->fan, sim->device, beam / DEV_FAN_TILE));
         }
-        if (!status) {
-            convert_fan_beam(sim, unit, beam, out);
-        }
+        convert_fan_beam(sim, shot, unit, beam, out);
     }
-    size_t sums = sim->components * sim->cells;
-    out->saturated = fan ? 0 : (uint64_t)((const int64_t *)results_of(sim))[sums];
-    return status;
+    size_t sums = sim->setup.components * sim->setup.cells;
+    out->saturated = fan ? 0 : (uint64_t)((const int64_t *)shot->sums)[sums];
+    return ASDIC_OK;
 }

@@ -14,10 +14,11 @@ dev_part asdic_simulator_part(const asdic_part *part) {
 }
 
 static asdic_status move_object(asdic_simulator *sim, size_t movable, const asdic_pose *pose) {
-    size_t part = sim->scene->movables[movable].part;
+    size_t part = sim->setup.scene->movables[movable].part;
     asdic_placement_move(sim->placement, movable, pose);
     dev_part moved = asdic_simulator_part(&sim->placement->parts[part]);
-    asdic_status status = asdic_buffer_write(sim->parts, part * sizeof moved, sizeof moved, &moved);
+    asdic_status status =
+        asdic_buffer_write(sim->buffers.parts, part * sizeof moved, sizeof moved, &moved);
     return status || !sim->tracer ? status /* objects that a plan left out are not traced */
                                   : asdic_tracer_move(sim->tracer, sim->placement, movable);
 }
@@ -37,7 +38,7 @@ asdic_status asdic_simulator_move(asdic_simulator *sim, const char *name, const 
         return asdic_fail(sim ? sim->ctx : NULL, ASDIC_ERROR_ARGUMENT,
                           "asdic_simulator_move: NULL argument");
     }
-    const asdic_scene *scene = sim->scene;
+    const asdic_scene *scene = sim->setup.scene;
     asdic_status status = asdic_pose_check(sim->ctx, pose);
     if (status) {
         return status;

@@ -6,7 +6,7 @@
 
 #include <asdic/plan.h>
 
-#include "water_column.h"
+#include "environment.h"
 
 /* What the rules look at. */
 typedef struct asdic_plan_case {

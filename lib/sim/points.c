@@ -1,6 +1,7 @@
 #include "points.h"
 
 #include "base/context.h"
+#include "base/try.h"
 #include "base/vec.h"
 #include "scene/scene.h"
 
@@ -16,30 +17,27 @@
 #define NEAREST 1e-9
 
 asdic_status asdic_points_init(asdic_simulator *sim) {
-    size_t count = sim->scene->point_count;
+    size_t count = sim->setup.scene->point_count;
     if (count == 0) {
         return ASDIC_OK;
     }
-    sim->point_rays = calloc(count, sizeof *sim->point_rays);
-    sim->point_hits = calloc(count, sizeof *sim->point_hits);
-    if (!sim->point_rays || !sim->point_hits) {
+    sim->points.rays = calloc(count, sizeof *sim->points.rays);
+    sim->points.hits = calloc(count, sizeof *sim->points.hits);
+    if (!sim->points.rays || !sim->points.hits) {
         return asdic_fail_memory(sim->ctx, "point targets");
     }
     if (!sim->tracer) {
         return ASDIC_OK;
     }
-    asdic_status status =
-        asdic_buffer_create(sim->device, count * sizeof(dev_ray), NULL, &sim->point_ray_buffer);
-    return status ? status
-                  : asdic_buffer_create(sim->device, count * sizeof(dev_hit), NULL,
-                                        &sim->point_hit_buffer);
+    TRY(asdic_buffer_create(sim->device, count * sizeof(dev_ray), NULL, &sim->points.ray_buffer));
+    return asdic_buffer_create(sim->device, count * sizeof(dev_hit), NULL, &sim->points.hit_buffer);
 }
 
 void asdic_points_finish(asdic_simulator *sim) {
-    asdic_buffer_destroy(&sim->point_ray_buffer);
-    asdic_buffer_destroy(&sim->point_hit_buffer);
-    free(sim->point_rays);
-    free(sim->point_hits);
+    asdic_buffer_destroy(&sim->points.ray_buffer);
+    asdic_buffer_destroy(&sim->points.hit_buffer);
+    free(sim->points.rays);
+    free(sim->points.hits);
 }
 
 /* From the sonar at POSE to the point NTH. */
@@ -50,28 +48,23 @@ static ray_way way_to(const asdic_simulator *sim, size_t nth, const asdic_pose *
 
 /* Hits of the rays from the sonar to every point; none without triangles. */
 static asdic_status trace_points(asdic_simulator *sim, const asdic_pose *pose) {
-    size_t count = sim->scene->point_count;
-    asdic_vec3 origin = asdic_vec3_sub(pose->position_m, sim->scene->origin_m);
+    size_t count = sim->setup.scene->point_count;
+    asdic_vec3 origin = asdic_vec3_sub(pose->position_m, sim->setup.scene->origin_m);
     for (size_t i = 0; i < count; i++) {
         ray_way to = way_to(sim, i, pose);
-        sim->point_rays[i] =
+        sim->points.rays[i] =
             (dev_ray){.origin = {(float)origin.x, (float)origin.y, (float)origin.z},
                       .t_max = (float)(SHORT_OF_POINT * to.t),
                       .direction = {(float)to.r.u.x, (float)to.r.u.y, (float)to.r.u.z}};
-        sim->point_hits[i] = (dev_hit){INFINITY, ~0u};
+        sim->points.hits[i] = (dev_hit){INFINITY, ~0u};
     }
     if (!sim->tracer) {
         return ASDIC_OK;
     }
-    asdic_status status =
-        asdic_buffer_write(sim->point_ray_buffer, 0, count * sizeof(dev_ray), sim->point_rays);
-    if (!status) {
-        status = asdic_tracer_run(sim->tracer, sim->point_ray_buffer, sim->point_hit_buffer,
-                                  (uint32_t)count, (uint32_t)count);
-    }
-    return status ? status
-                  : asdic_buffer_read(sim->point_hit_buffer, 0, count * sizeof(dev_hit),
-                                      sim->point_hits);
+    TRY(asdic_buffer_write(sim->points.ray_buffer, 0, count * sizeof(dev_ray), sim->points.rays));
+    TRY(asdic_tracer_run(sim->tracer, sim->points.ray_buffer, sim->points.hit_buffer,
+                         (uint32_t)count, (uint32_t)count));
+    return asdic_buffer_read(sim->points.hit_buffer, 0, count * sizeof(dev_hit), sim->points.hits);
 }
 
 /* Whether Z lies in the water; a sonar out of it sees nothing of what is in it, and the reverse. */
@@ -96,37 +89,38 @@ static void add_energy(asdic_ping *out, size_t cell, double energy) {
     }
 }
 
-static void add_point(const asdic_simulator *sim, const asdic_point *point, ray_way to,
-                      const asdic_water_column *water, asdic_ping *out) {
-    double range = ray_range(&to.r, to.t), bin = floor(range / sim->sonar.bin_length_m);
-    if (!(to.t > NEAREST) || range < sim->sonar.blanking_m || bin >= (double)sim->bins) {
+static void add_point(const asdic_simulator *sim, const asdic_ping_shot *shot,
+                      const asdic_point *point, ray_way to, asdic_ping *out) {
+    double range = ray_range(&to.r, to.t), bin = floor(range / sim->setup.sonar.bin_length_m);
+    if (!(to.t > NEAREST) || range < sim->setup.sonar.blanking_m ||
+        bin >= (double)sim->setup.bins) {
         return;
     }
     triple u = to.r.u;
-    const dev_beam *beams = asdic_simulator_beams(sim);
-    double energy = asdic_simulator_source_lin(sim, water) *
-                    ray_transmission(water->absorption_np_per_m, range) *
+    const dev_beam *beams = asdic_shot_beams(shot);
+    double energy = asdic_simulator_source_lin(sim, &shot->water) *
+                    ray_transmission(shot->water.absorption_np_per_m, range) *
                     pow(10.0, point->target_strength_db / 10.0) *
-                    gain_towards(&beams[0], u, sim->ping->rear_lin);
+                    gain_towards(&beams[0], u, shot->ping->rear_lin);
     for (size_t b = 0; b < out->beams; b++) {
-        double gain = gain_towards(&beams[b + 1], u, sim->ping->rear_lin);
+        double gain = gain_towards(&beams[b + 1], u, shot->ping->rear_lin);
         add_energy(out, b * out->bins + (size_t)bin, energy * gain);
     }
 }
 
-asdic_status asdic_points_add(asdic_simulator *sim, const asdic_pose *pose,
-                              const asdic_water_column *water, asdic_ping *out) {
-    const asdic_scene *scene = sim->scene;
+asdic_status asdic_points_add(asdic_simulator *sim, const asdic_ping_shot *shot, asdic_ping *out) {
+    const asdic_scene *scene = sim->setup.scene;
+    const asdic_pose *pose = &shot->pose;
     if (scene->point_count == 0) {
         return ASDIC_OK;
     }
-    asdic_status status = trace_points(sim, pose);
+    TRY(trace_points(sim, pose));
     bool wet = in_water(scene, pose->position_m.z);
-    for (size_t i = 0; !status && i < scene->point_count; i++) {
+    for (size_t i = 0; i < scene->point_count; i++) {
         const asdic_point *point = &sim->placement->points[i];
-        if (sim->point_hits[i].triangle == ~0u && in_water(scene, point->position_m.z) == wet) {
-            add_point(sim, point, way_to(sim, i, pose), water, out);
+        if (sim->points.hits[i].triangle == ~0u && in_water(scene, point->position_m.z) == wet) {
+            add_point(sim, shot, point, way_to(sim, i, pose), out);
         }
     }
-    return status;
+    return ASDIC_OK;
 }

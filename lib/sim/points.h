@@ -10,11 +10,9 @@
 asdic_status asdic_points_init(asdic_simulator *sim);
 void asdic_points_finish(asdic_simulator *sim);
 
-/* Adds the echo of every visible point to the object component and the total of OUT, a ping of the
- * current sim->ping: SL - TL(d) + TS with both beam patterns, in double, in the bin of its range. One
- * ray tells whether bottom, surface or an object hides it. Nothing random is in it, so that it has no
- * sampling error. */
-asdic_status asdic_points_add(asdic_simulator *sim, const asdic_pose *pose,
-                              const asdic_water_column *water, asdic_ping *out);
+/* Adds the echo of every visible point to the object component and the total of OUT, SHOT's ping:
+ * SL - TL(d) + TS with both beam patterns, in double, in the bin of its range. One ray tells whether
+ * bottom, surface or an object hides it. Nothing in it is random: it has no sampling error. */
+asdic_status asdic_points_add(asdic_simulator *sim, const asdic_ping_shot *shot, asdic_ping *out);
 
 #endif

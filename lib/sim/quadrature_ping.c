@@ -2,6 +2,7 @@
 
 #include "simulator.h"
 
+#include "base/try.h"
 #include "scene/scene.h"
 
 #include <asdic/expected.h>
@@ -32,7 +33,7 @@ void asdic_quadrature_finish(asdic_quadrature_cache *cache) {
 
 static asdic_status compute(asdic_simulator *sim, const asdic_pose *pose, size_t at) {
     asdic_quadrature_cache *cache = &sim->quadrature;
-    const asdic_scene *scene = sim->scene;
+    const asdic_scene *scene = sim->setup.scene;
     double z = pose->position_m.z;
     asdic_flat_scene flat = {.has_surface = scene->has_surface,
                              .has_bottom = scene->has_bottom_plane,
@@ -42,18 +43,15 @@ static asdic_status compute(asdic_simulator *sim, const asdic_pose *pose, size_t
     if (scene->has_bottom_plane) {
         flat.bottom = scene->materials[scene->bottom_plane_material];
     }
-    asdic_status status = ASDIC_OK;
     if (!cache->pings[at]) {
-        status =
-            asdic_ping_create(sim->ctx, sim->sonar.receiver_count, sim->bins, &cache->pings[at]);
+        TRY(asdic_ping_create(sim->ctx, sim->setup.sonar.receiver_count, sim->setup.bins,
+                              &cache->pings[at]));
     }
     /* Always on one heading: pings on others must not differ by rounding. */
     cache->poses[at] = *pose;
     cache->poses[at].yaw_rad = 0.0;
-    if (!status) {
-        status = asdic_expected_compute(sim->ctx, &flat, &sim->env, &sim->sonar, &cache->poses[at],
-                                        cache->pings[at]);
-    }
+    asdic_status status = asdic_expected_compute(
+        sim->ctx, &flat, &sim->setup.env, &sim->setup.sonar, &cache->poses[at], cache->pings[at]);
     if (status) {
         asdic_ping_destroy(&cache->pings[at]);
     }
@@ -70,17 +68,14 @@ asdic_status asdic_quadrature_ping(asdic_simulator *sim, const asdic_pose *pose,
     if (at == ASDIC_QUADRATURE_VIEWS) {
         at = cache->next;
         cache->next = (at + 1) % ASDIC_QUADRATURE_VIEWS;
-        asdic_status status = compute(sim, pose, at);
-        if (status) {
-            return status;
-        }
+        TRY(compute(sim, pose, at));
     }
     for (int c = 0; c < ASDIC_COMPONENT_COUNT; c++) {
         memcpy(out->intensity_lin[c], cache->pings[at]->intensity_lin[c],
-               sim->cells * sizeof(double));
+               sim->setup.cells * sizeof(double));
     }
-    memset(out->stderr_db, 0, sim->cells * sizeof *out->stderr_db);
-    out->bin_length_m = sim->sonar.bin_length_m;
+    memset(out->stderr_db, 0, sim->setup.cells * sizeof *out->stderr_db);
+    out->bin_length_m = sim->setup.sonar.bin_length_m;
     out->rays = out->saturated = 0;
     return ASDIC_OK;
 }

@@ -3,23 +3,24 @@
 #include <asdic/plan.h>
 
 #include "base/context.h"
+#include "base/try.h"
 #include "laws/tabulate.h"
 #include "points.h"
 #include "scene/scene.h"
-#include "water_column.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* Every group's accumulator is gone through every ping: fewer groups where they do not fit a processor's
- * nearer cache, fewer still where they are huge. What pings state of their error was found as true with
- * 8 and with 4. */
+/* Each ping goes through the accumulators of all groups. There are fewer groups where the accumulators do
+ * not fit a processor's nearer cache, fewer still where they are huge. Stated errors are as true with 8 and
+ * with 4 groups as with 16. */
 #define NEAR_CACHE_BYTES ((size_t)2 << 20)
 #define GROUP_BYTES_LIMIT ((size_t)16 << 20)
-/* A volley's accumulators: they are cleared and summed while they are in a cache. */
-#define VOLLEY_BYTES_LIMIT ((size_t)4 << 20)
+/* The accumulators of pings that go to the device together: they stay in a cache until they are summed and
+ * cleared. */
+#define PING_BATCH_BYTES_LIMIT ((size_t)4 << 20)
 /* PoCL keeps the private variables of a whole work-group, some 2 kB a ray or vector of rays, on one
  * stack of 8 MB; no device gains by more. */
 #define LOCAL_LIMIT 1024
@@ -32,7 +33,7 @@ asdic_layout asdic_layout_default(const asdic_device_info *info) {
                                                : ASDIC_DEPOSIT_ATOMIC32;
     layout.owners = info->compute_units;
     layout.batch_slots = (size_t)1 << 20;
-    layout.volley_slots = (size_t)1 << (cpu ? 13 : 18);
+    layout.ping_batch_slots = (size_t)1 << (cpu ? 13 : 18);
     return layout;
 }
 
@@ -43,14 +44,15 @@ static unsigned group_count(size_t cells) {
                                                                : DEV_MAX_GROUPS / 4;
 }
 
-/* Pings of one batch each, none of a fan, which are large. */
-static size_t volley_size(const asdic_simulator *sim) {
-    size_t slots = sim->groups * sim->per_group;
-    size_t bytes = sim->groups * sim->components * sim->cells * sizeof(int64_t);
-    size_t size = sim->layout.volley_slots / slots;
-    size = size * bytes > VOLLEY_BYTES_LIMIT ? VOLLEY_BYTES_LIMIT / bytes : size;
+/* How many pings go to the device together: those whose rays need one batch. A fan's pings are large and
+ * go one by one. */
+static size_t ping_batch_size(const asdic_simulator *sim) {
+    size_t slots = sim->setup.groups * sim->setup.per_group;
+    size_t bytes = sim->setup.groups * sim->setup.components * sim->setup.cells * sizeof(int64_t);
+    size_t size = sim->setup.layout.ping_batch_slots / slots;
+    size = size * bytes > PING_BATCH_BYTES_LIMIT ? PING_BATCH_BYTES_LIMIT / bytes : size;
     size = size > ASDIC_LEARN_BLOCK ? ASDIC_LEARN_BLOCK : size;
-    return size == 0 || sim->fan.many || slots < sim->sampling.rays ? 1 : size;
+    return size == 0 || sim->fan.many || slots < sim->setup.sampling.rays ? 1 : size;
 }
 
 static asdic_status create_kernels(asdic_simulator *sim) {
@@ -58,46 +60,43 @@ static asdic_status create_kernels(asdic_simulator *sim) {
     snprintf(options, sizeof options,
              "-D ASDIC_WIDTH=%u -D ASDIC_DEPOSIT=%d -D ASDIC_HAS_MESH=%d -D ASDIC_COMMON_AXIS=%d "
              "-D ASDIC_HAS_WATER=%d -D ASDIC_HAS_MIRRORS=%d",
-             sim->layout.width, (int)sim->layout.deposit, sim->tracer ? 1 : 0, sim->fan.common_axis,
-             sim->sampling.left_out & (1u << ASDIC_TERM_VOLUME) ? 0 : 1, sim->has_mirrors ? 1 : 0);
-    bool owned = sim->layout.deposit == ASDIC_DEPOSIT_OWNED;
-    bool adaptive = sim->sampling.sampler == ASDIC_SAMPLER_ADAPTIVE;
+             sim->setup.layout.width, (int)sim->setup.layout.deposit, sim->tracer ? 1 : 0,
+             sim->fan.common_axis, sim->setup.sampling.left_out & (1u << ASDIC_TERM_VOLUME) ? 0 : 1,
+             sim->setup.has_mirrors ? 1 : 0);
+    bool owned = sim->setup.layout.deposit == ASDIC_DEPOSIT_OWNED;
+    bool adaptive = sim->setup.sampling.sampler == ASDIC_SAMPLER_ADAPTIVE;
     const struct {
         const char *name;
         asdic_kernel **kernel;
         bool needed;
     } wanted[] = {
-        {"sample", &sim->sample, true},
-        {"shade", &sim->shade, true},
-        {"collect", &sim->collect, owned && !sim->fan.many},
-        {"suffix", &sim->suffix, !owned},
-        {"reduce", &sim->reduce, !sim->fan.many},
-        {"survey", &sim->survey_kernel, adaptive},
-        {"connect", &sim->connect, sim->has_mirrors},
-        {"bounce", &sim->bounce, sim->has_mirrors},
+        {"sample", &sim->kernels.sample, true},
+        {"shade", &sim->kernels.shade, true},
+        {"collect", &sim->kernels.collect, owned && !sim->fan.many},
+        {"suffix", &sim->kernels.suffix, !owned},
+        {"reduce", &sim->kernels.reduce, !sim->fan.many},
+        {"pilot", &sim->kernels.pilot, adaptive},
+        {"connect", &sim->kernels.connect, sim->setup.has_mirrors},
+        {"bounce", &sim->kernels.bounce, sim->setup.has_mirrors},
     };
     for (size_t i = 0; i < sizeof wanted / sizeof *wanted; i++) {
         if (!wanted[i].needed) {
             continue;
         }
-        asdic_status status =
-            asdic_kernel_create(sim->device, "ping.cl", options, wanted[i].name, wanted[i].kernel);
-        if (status) {
-            return status;
-        }
+        TRY(asdic_kernel_create(sim->device, "ping.cl", options, wanted[i].name, wanted[i].kernel));
     }
-    const asdic_beam_fan_size size = {.receivers = sim->sonar.receiver_count,
-                                      .bins = sim->bins,
-                                      .components = sim->components,
-                                      .slots = sim->groups * sim->per_group,
-                                      .mirrors = sim->has_mirrors,
-                                      .width = sim->layout.width};
+    const asdic_beam_fan_size size = {.receivers = sim->setup.sonar.receiver_count,
+                                      .bins = sim->setup.bins,
+                                      .components = sim->setup.components,
+                                      .slots = sim->setup.groups * sim->setup.per_group,
+                                      .mirrors = sim->setup.has_mirrors,
+                                      .width = sim->setup.layout.width};
     return asdic_beam_fan_init(&sim->fan, sim->device, &size);
 }
 
 bool asdic_simulator_has(const asdic_simulator *sim, unsigned kind) {
-    for (size_t i = 0; i < sim->scene->part_count; i++) {
-        if (sim->scene->parts[i].kind == kind) {
+    for (size_t i = 0; i < sim->setup.scene->part_count; i++) {
+        if (sim->setup.scene->parts[i].kind == kind) {
             return true;
         }
     }
@@ -107,7 +106,7 @@ bool asdic_simulator_has(const asdic_simulator *sim, unsigned kind) {
 /* Whether objects are modelled. */
 static bool scene_echoes(const asdic_simulator *sim) {
     return asdic_simulator_has(sim, DEV_KIND_OBJECT) &&
-           !(sim->sampling.left_out & (1u << ASDIC_TERM_OBJECTS));
+           !(sim->setup.sampling.left_out & (1u << ASDIC_TERM_OBJECTS));
 }
 
 /* Objects that are left out are not traced either, unless a bottom of triangles is. */
@@ -117,22 +116,22 @@ static bool needs_triangles(const asdic_simulator *sim) {
 
 /* Whether anything in the scene can pass a mirror ray on. */
 static bool scene_has_mirrors(const asdic_simulator *sim) {
-    if (sim->sampling.multipath == ASDIC_MULTIPATH_OFF ||
-        sim->sampling.left_out & (1u << ASDIC_TERM_MULTIPATH)) {
+    if (sim->setup.sampling.multipath == ASDIC_MULTIPATH_OFF ||
+        sim->setup.sampling.left_out & (1u << ASDIC_TERM_MULTIPATH)) {
         return false;
     }
-    bool boundaries = sim->sampling.multipath == ASDIC_MULTIPATH_BOUNDARIES;
-    if (boundaries && (sim->scene->has_surface || sim->scene->has_bottom_plane)) {
+    bool boundaries = sim->setup.sampling.multipath == ASDIC_MULTIPATH_BOUNDARIES;
+    if (boundaries && (sim->setup.scene->has_surface || sim->setup.scene->has_bottom_plane)) {
         return true;
     }
-    for (size_t i = 0; i < sim->scene->part_count; i++) {
-        const asdic_part *part = &sim->scene->parts[i];
+    for (size_t i = 0; i < sim->setup.scene->part_count; i++) {
+        const asdic_part *part = &sim->setup.scene->parts[i];
         if (boundaries && part->kind == DEV_KIND_BOTTOM) {
             return true;
         }
         if (part->kind == DEV_KIND_OBJECT &&
-            sim->scatterers[part->material].device.law == DEV_LAW_FACET &&
-            sim->scatterers[part->material].device.reflection2 > DEV_MIN_MIRROR) {
+            sim->setup.scatterers[part->material].device.law == DEV_LAW_FACET &&
+            sim->setup.scatterers[part->material].device.reflection2 > DEV_MIN_MIRROR) {
             return true;
         }
     }
@@ -141,18 +140,19 @@ static bool scene_has_mirrors(const asdic_simulator *sim) {
 
 /* What the scene's materials and the surface scatter in this water. */
 static asdic_status make_scatterers(asdic_simulator *sim, const asdic_water_column *water) {
-    const asdic_scene *scene = sim->scene;
-    asdic_law_water in = asdic_water_column_laws(water, &sim->env, &sim->sonar);
-    sim->scatterers = calloc(scene->material_count + 1, sizeof *sim->scatterers);
-    if (!sim->scatterers) {
+    asdic_setup *setup = &sim->setup;
+    const asdic_scene *scene = setup->scene;
+    asdic_law_water in = asdic_water_column_laws(water, &setup->env, &setup->sonar);
+    setup->scatterers = calloc(scene->material_count + 1, sizeof *setup->scatterers);
+    if (!setup->scatterers) {
         return asdic_fail_memory(sim->ctx, "materials");
     }
     for (size_t i = 0; i < scene->material_count; i++) {
-        sim->scatterers[i] = asdic_scatterer_at(&scene->materials[i], &in);
+        setup->scatterers[i] = asdic_scatterer_at(&scene->materials[i], &in);
     }
-    asdic_scatterer *surface = &sim->scatterers[scene->material_count];
+    asdic_scatterer *surface = &setup->scatterers[scene->material_count];
     *surface = asdic_scatterer_at(&scene->surface, &in);
-    if (sim->sampling.left_out & (1u << ASDIC_TERM_SURFACE)) {
+    if (setup->sampling.left_out & (1u << ASDIC_TERM_SURFACE)) {
         asdic_scatterer_silence(surface);
     }
     return ASDIC_OK;
@@ -160,18 +160,18 @@ static asdic_status make_scatterers(asdic_simulator *sim, const asdic_water_colu
 
 static asdic_status upload_materials(asdic_simulator *sim) {
     asdic_law_words words = {0};
-    asdic_status status =
-        asdic_law_tables(sim->ctx, sim->scatterers, sim->scene->material_count + 1, &words);
+    asdic_status status = asdic_law_tables(sim->ctx, sim->setup.scatterers,
+                                           sim->setup.scene->material_count + 1, &words);
     if (!status) {
         status = asdic_buffer_create(sim->device, words.count * sizeof *words.words, words.words,
-                                     &sim->materials);
+                                     &sim->buffers.materials);
     }
     free(words.words);
     return status;
 }
 
 static asdic_status upload_parts(asdic_simulator *sim) {
-    const asdic_scene *scene = sim->scene;
+    const asdic_scene *scene = sim->setup.scene;
     dev_part *parts = calloc(scene->part_count + 1, sizeof *parts);
     if (!parts) {
         return asdic_fail_memory(sim->ctx, "the parts of a scene");
@@ -180,7 +180,7 @@ static asdic_status upload_parts(asdic_simulator *sim) {
         parts[i] = asdic_simulator_part(&scene->parts[i]);
     }
     asdic_status status = asdic_buffer_create(
-        sim->device, (scene->part_count + 1) * sizeof(dev_part), parts, &sim->parts);
+        sim->device, (scene->part_count + 1) * sizeof(dev_part), parts, &sim->buffers.parts);
     free(parts);
     return status;
 }
@@ -188,13 +188,8 @@ static asdic_status upload_parts(asdic_simulator *sim) {
 static asdic_status check_arguments(asdic_context *ctx, const asdic_scene *scene,
                                     const asdic_environment *env, const asdic_sonar *sonar,
                                     const asdic_sampling *sampling) {
-    asdic_status status = asdic_environment_check(ctx, env);
-    if (!status) {
-        status = asdic_sonar_check(ctx, sonar);
-    }
-    if (status) {
-        return status;
-    }
+    TRY(asdic_environment_check(ctx, env));
+    TRY(asdic_sonar_check(ctx, sonar));
     if (!scene->committed) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
                           "the scene is not committed: call asdic_scene_commit first");
@@ -212,41 +207,57 @@ static asdic_status check_arguments(asdic_context *ctx, const asdic_scene *scene
 
 /* Bins, and how the work on them is laid out. */
 static void plan_work(asdic_simulator *sim, const asdic_water_column *water) {
-    sim->bins = asdic_sonar_bin_count(&sim->sonar, water->sound_speed_mps);
-    sim->cells = sim->bins * sim->sonar.receiver_count;
-    sim->groups = group_count(sim->cells);
-    if (sim->layout.local > LOCAL_LIMIT) {
-        sim->layout.local = LOCAL_LIMIT;
+    sim->setup.bins = asdic_sonar_bin_count(&sim->setup.sonar, water->sound_speed_mps);
+    sim->setup.cells = sim->setup.bins * sim->setup.sonar.receiver_count;
+    sim->setup.groups = group_count(sim->setup.cells);
+    if (sim->setup.layout.local > LOCAL_LIMIT) {
+        sim->setup.layout.local = LOCAL_LIMIT;
     }
-    asdic_beam_fan_plan(&sim->sonar, &sim->fan);
+    asdic_beam_fan_plan(&sim->setup.sonar, &sim->fan);
     if (sim->fan.many) { /* the block tells the error */
-        sim->groups = 1;
-        sim->layout.deposit = ASDIC_DEPOSIT_OWNED;
+        sim->setup.groups = 1;
+        sim->setup.layout.deposit = ASDIC_DEPOSIT_OWNED;
     }
-    size_t most = asdic_simulator_batch_slots(sim), rays = sim->sampling.rays;
-    sim->per_group = asdic_simulator_per_group(sim, rays < most ? rays : most);
+    size_t most = asdic_simulator_batch_slots(sim), rays = sim->setup.sampling.rays;
+    sim->setup.per_group = asdic_simulator_per_group(sim, rays < most ? rays : most);
 }
 
 /* What the device needs of the scene. */
 static asdic_status bring_scene(asdic_simulator *sim, const asdic_water_column *water) {
-    asdic_ray_kernel kernel = sim->sampling.kernel;
-    asdic_status status = asdic_placement_create(sim->scene, &sim->placement);
-    if (!status && needs_triangles(sim)) {
-        status = asdic_tracer_create(sim->device, sim->scene, &sim->tracer);
+    asdic_ray_kernel kernel = sim->setup.sampling.kernel;
+    TRY(asdic_placement_create(sim->setup.scene, &sim->placement));
+    if (needs_triangles(sim)) {
+        TRY(asdic_tracer_create(sim->device, sim->setup.scene, &sim->tracer));
     }
-    if (!status && sim->tracer && kernel != ASDIC_RAY_KERNEL_AUTO) {
-        status = asdic_tracer_set_kernel(sim->tracer, asdic_tracer_kernel_name((size_t)kernel - 1));
+    if (sim->tracer && kernel != ASDIC_RAY_KERNEL_AUTO) {
+        TRY(asdic_tracer_set_kernel(sim->tracer, asdic_tracer_kernel_name((size_t)kernel - 1)));
     }
-    status = status ? status : make_scatterers(sim, water);
-    status = status ? status : upload_materials(sim);
-    status = status ? status : upload_parts(sim);
-    if (!status) {
-        sim->has_mirrors = scene_has_mirrors(sim);
-        sim->components = sim->has_mirrors    ? DEV_DEPOSIT_COUNT
-                          : scene_echoes(sim) ? DEV_DEPOSIT_OBJECT + 1u
-                                              : DEV_DEPOSIT_OBJECT;
-    }
-    return status;
+    TRY(make_scatterers(sim, water));
+    TRY(upload_materials(sim));
+    TRY(upload_parts(sim));
+    sim->setup.has_mirrors = scene_has_mirrors(sim);
+    sim->setup.components = sim->setup.has_mirrors ? DEV_DEPOSIT_COUNT
+                            : scene_echoes(sim)    ? DEV_DEPOSIT_OBJECT + 1u
+                                                   : DEV_DEPOSIT_OBJECT;
+    return ASDIC_OK;
+}
+
+/* Everything of SIM that follows from its setup, for a sonar in WATER. */
+static asdic_status furnish(asdic_simulator *sim, const asdic_water_column *water) {
+    const asdic_scene *scene = sim->setup.scene;
+    plan_work(sim, water);
+    TRY(bring_scene(sim, water));
+    sim->setup.ping_batch = ping_batch_size(sim);
+    TRY(asdic_store_create_host(sim));
+    asdic_simulator_prepare(sim, water);
+    TRY(create_kernels(sim));
+    TRY(asdic_store_create_device(sim));
+    TRY(asdic_faces_init(&sim->learnt.faces, sim->device, scene_echoes(sim) ? scene : NULL));
+    TRY(asdic_points_init(sim));
+    TRY(asdic_speckle_create(sim->ctx, &sim->setup.sonar, water->sound_speed_mps, sim->setup.bins,
+                             &sim->speckle));
+    asdic_simulator_forget(sim);
+    return ASDIC_OK;
 }
 
 asdic_status asdic_simulator_create_with(asdic_context *ctx, asdic_device *device,
@@ -258,10 +269,7 @@ asdic_status asdic_simulator_create_with(asdic_context *ctx, asdic_device *devic
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "asdic_simulator_create: NULL argument");
     }
     *out = NULL;
-    asdic_status status = check_arguments(ctx, scene, env, sonar, sampling);
-    if (status) {
-        return status;
-    }
+    TRY(check_arguments(ctx, scene, env, sonar, sampling));
     if (!isfinite(depth_m)) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "the sonar's depth is %g m", depth_m);
     }
@@ -271,39 +279,20 @@ asdic_status asdic_simulator_create_with(asdic_context *ctx, asdic_device *devic
     }
     *sim = (asdic_simulator){.ctx = ctx,
                              .device = device,
-                             .scene = scene,
-                             .env = *env,
-                             .sonar = *sonar,
-                             .sampling = *sampling,
-                             .layout = *layout};
+                             .setup = {.scene = scene,
+                                       .env = *env,
+                                       .sonar = *sonar,
+                                       .sampling = *sampling,
+                                       .layout = *layout}};
     if (sampling->left_out & (1u << ASDIC_TERM_BORIC_ACID)) {
-        sim->env.ph = -INFINITY; /* 10^(0.78 pH - 5), its strength, is then zero */
+        sim->setup.env.ph = -INFINITY; /* 10^(0.78 pH - 5), its strength, is then zero */
     }
-    asdic_water_column water = asdic_water_column_at(env, sonar, depth_m);
-    plan_work(sim, &water);
-    if ((status = bring_scene(sim, &water)) != ASDIC_OK) {
-        goto fail;
+    const asdic_water_column water = asdic_water_column_at(env, sonar, depth_m);
+    asdic_status status = furnish(sim, &water);
+    if (status) {
+        asdic_simulator_destroy(&sim);
     }
-    sim->volley = volley_size(sim);
-    if ((status = asdic_store_create_host(sim)) != ASDIC_OK) {
-        goto fail;
-    }
-    asdic_simulator_prepare(sim, &water);
-    if ((status = create_kernels(sim)) != ASDIC_OK ||
-        (status = asdic_store_create_device(sim)) != ASDIC_OK ||
-        (status = asdic_faces_init(&sim->faces, device, scene_echoes(sim) ? scene : NULL)) !=
-            ASDIC_OK ||
-        (status = asdic_points_init(sim)) != ASDIC_OK ||
-        (status = asdic_speckle_create(ctx, sonar, water.sound_speed_mps, sim->bins,
-                                       &sim->speckle)) != ASDIC_OK) {
-        goto fail;
-    }
-    asdic_simulator_forget(sim);
     *out = sim;
-    return ASDIC_OK;
-
-fail:
-    asdic_simulator_destroy(&sim);
     return status;
 }
 
@@ -325,31 +314,31 @@ void asdic_simulator_destroy(asdic_simulator **pointer) {
     }
     asdic_simulator *sim = *pointer;
     asdic_device_finish(sim->device); /* it may still read what a failed ping sent */
-    asdic_kernel_destroy(&sim->sample);
-    asdic_kernel_destroy(&sim->shade);
-    asdic_kernel_destroy(&sim->collect);
-    asdic_kernel_destroy(&sim->suffix);
-    asdic_kernel_destroy(&sim->reduce);
-    asdic_kernel_destroy(&sim->survey_kernel);
-    asdic_kernel_destroy(&sim->connect);
-    asdic_kernel_destroy(&sim->bounce);
+    asdic_kernel_destroy(&sim->kernels.sample);
+    asdic_kernel_destroy(&sim->kernels.shade);
+    asdic_kernel_destroy(&sim->kernels.collect);
+    asdic_kernel_destroy(&sim->kernels.suffix);
+    asdic_kernel_destroy(&sim->kernels.reduce);
+    asdic_kernel_destroy(&sim->kernels.pilot);
+    asdic_kernel_destroy(&sim->kernels.connect);
+    asdic_kernel_destroy(&sim->kernels.bounce);
     asdic_beam_fan_finish(&sim->fan, sim->device);
     asdic_quadrature_finish(&sim->quadrature);
     asdic_speckle_destroy(&sim->speckle);
-    asdic_faces_finish(&sim->faces);
+    asdic_faces_finish(&sim->learnt.faces);
     asdic_points_finish(sim);
     asdic_tracer_destroy(&sim->tracer);
     asdic_placement_destroy(&sim->placement);
-    asdic_calibration_destroy(&sim->calibration);
+    asdic_calibration_destroy(&sim->learnt.calibration);
     asdic_store_destroy(sim);
     free(sim);
     *pointer = NULL;
 }
 
 asdic_buffer *asdic_simulator_triangles(const asdic_simulator *sim) {
-    return sim->tracer ? asdic_tracer_triangles(sim->tracer) : sim->no_triangles;
+    return sim->tracer ? asdic_tracer_triangles(sim->tracer) : sim->buffers.no_triangles;
 }
 
 size_t asdic_simulator_bin_count(const asdic_simulator *sim) {
-    return sim ? sim->bins : 0;
+    return sim ? sim->setup.bins : 0;
 }

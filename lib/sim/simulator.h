@@ -1,5 +1,11 @@
 /*
- * The simulator inside: what a ping needs on the device, and how hosts and tests tune it.
+ * The simulator inside. It holds four things apart:
+ *
+ *     setup             what is fixed when it is made: scene, sonar, environment, layout of the work
+ *     kernels, buffers  what lives on the device
+ *     learnt            what pilot pings and calibrations found out; asdic_simulator_forget clears it
+ *     shots             one for each ping that goes to the device together: its pose, its water, its
+ *                       parameters, its sums. Functions that work on one ping are given its shot.
  */
 #ifndef ASDIC_SIM_SIMULATOR_H
 #define ASDIC_SIM_SIMULATOR_H
@@ -12,42 +18,46 @@
 #include "laws/scatterer.h"
 #include "quadrature_ping.h"
 #include "speckle.h"
+#include "environment.h"
 #include "ocl/ocl.h"
 #include "scene/tracer.h"
-#include "water_column.h"
 
-/* Most rays of a pilot ping. */
+/* A pilot ping has at most this many rays. */
 #define ASDIC_PILOT_RAYS 4096u
 
-/* The bottom zone of the adaptive sampler assumes a little less altitude than measured: too low
- * costs nothing, too high starves the last bins. */
+/* The bottom zone of the adaptive sampler takes the bottom to be at this share of the altitude: a bottom
+ * assumed too near costs nothing, one assumed too far takes rays from the last bins. */
 #define ASDIC_ZONE_ALTITUDE 0.9
 
 typedef enum asdic_deposit {
-    ASDIC_DEPOSIT_OWNED = 0, /* a work-item owns a group's cells */
+    ASDIC_DEPOSIT_OWNED = 0, /* one work-item alone adds to a group's cells */
     ASDIC_DEPOSIT_ATOMIC64 = 1,
     ASDIC_DEPOSIT_ATOMIC32 = 2,
 } asdic_deposit;
 
-/* How the work is laid out on a device. Never changes a byte of the result, except WIDTH (the last
- * bits of functions), which is fixed per kind of device. */
+/* How the work is laid out on a device. The layout changes no byte of the result, with one exception:
+ * WIDTH changes the last bits of mathematical functions, and is fixed per kind of device. */
 typedef struct asdic_layout {
     unsigned width; /* rays per work-item: 1, 8 or 16 */
     asdic_deposit deposit;
-    size_t local;        /* work-group size of the ray kernels */
-    size_t owners;       /* work-items that serve the groups; 0: one each */
-    size_t batch_slots;  /* rays held on the device at once, at least ASDIC_PILOT_RAYS */
-    size_t volley_slots; /* rays up to which pings go to the device together */
+    size_t local;       /* work-group size of the ray kernels */
+    size_t owners;      /* work-items that share the groups in collect.cl; 0: one for each group */
+    size_t batch_slots; /* rays held on the device at once, at least ASDIC_PILOT_RAYS */
+    size_t
+        ping_batch_slots; /* pings go to the device together while their rays are no more than this */
 } asdic_layout;
 
 asdic_layout asdic_layout_default(const asdic_device_info *info);
 
-/* A cell's relative variance as a ping states it: OF_BLOCK, which the block's calibration found, and
- * ASDIC_OWN_PING times OF_GROUPS times what the ping's groups suggest; or OF_GROUPS times that alone where
- * it is more, since the vehicle moves on. OF_BLOCK is of a ping with the energy MEAN_LIN: one with less
- * missed something, which stays as uncertain as it was. RARE is the variance, relative to MEAN_LIN, by
- * echoes that few rays bring. Where receivers are many there is one group: OF_BLOCK is all, 1 before a
- * calibration. */
+/* How the relative variance of a cell is stated. GROUP is the variance that the spread of a ping's own
+ * groups suggests. The cell states
+ *
+ *     max(ASDIC_OWN_PING of_groups GROUP + of_block, of_groups GROUP) + rare
+ *
+ * OF_BLOCK comes from the calibration of the block of pings and belongs to pings with the energy MEAN_LIN;
+ * a ping with less energy missed something, so that of_block counts for more. RARE is the variance,
+ * relative to MEAN_LIN, of echoes that only few rays bring. With many receivers there is one group:
+ * of_block is then all there is, 1 before a calibration. */
 #define ASDIC_OWN_PING 0.4
 typedef struct asdic_stated_error {
     float of_groups, of_block, mean_lin, rare;
@@ -55,81 +65,111 @@ typedef struct asdic_stated_error {
 
 typedef struct asdic_calibration asdic_calibration; /* see calibrate.c */
 
-/* What a ping's depth makes of its bins. */
-typedef struct asdic_bin_laws {
-    double absorption_np_per_m; /* they are for; -1: none yet */
-    double *loss, *volume;      /* TL d^2; s_V times the integral of TL d^2 */
-} asdic_bin_laws;
-
-/* A ping to simulate; STREAM as below. */
+/* One ping on its way through the simulator. */
 typedef struct asdic_ping_shot {
     asdic_pose pose;
-    uint64_t index;
-    uint32_t stream;
+    uint64_t index;           /* of the ping in its mission */
+    uint32_t stream;          /* of random numbers, ASDIC_STREAM_... */
+    asdic_water_column water; /* at the depth of the pose */
+    dev_ping *ping;           /* what the device is told; the apertures follow it */
+    double tables_np_per_m;   /* absorption that the tables below are for; -1: none yet */
+    double *loss, *volume;    /* per bin: TL d^2; s_V times the integral of TL d^2 */
+    float *for_device;        /* the device's tables, as row_water in ping_batch.h */
+    const char *sums;         /* as RESULTS in reduce.cl, or of a fan in fan.cl */
 } asdic_ping_shot;
+
+/* What is fixed when a simulator is made. */
+typedef struct asdic_setup {
+    const asdic_scene *scene;
+    asdic_environment env;
+    asdic_sonar sonar;
+    asdic_beam *receivers; /* copy that sonar.receivers points to */
+    asdic_sampling sampling;
+    asdic_layout layout;
+    size_t bins, cells; /* cells: bins times receivers */
+    size_t components;  /* that are deposited, see ping_types.h */
+    unsigned groups;    /* replicates of a ping, whose spread tells its error */
+    size_t per_group;   /* slots of a group in one batch of rays */
+    size_t ping_batch;  /* that go to the device together */
+    bool has_mirrors;   /* multipath is wanted, and something in the scene reflects */
+    asdic_scatterer *scatterers; /* the scene's materials, then the surface */
+    dev_ping ping; /* the members that are the same in every ping */
+} asdic_setup;
+
+/* Those that a simulator does not need are NULL. */
+typedef struct asdic_kernels {
+    asdic_kernel *sample, *pilot, *shade;
+    asdic_kernel *connect, *bounce; /* multipath */
+    asdic_kernel *collect, *suffix; /* one or the other, by layout.deposit */
+    asdic_kernel *reduce;
+} asdic_kernels;
+
+/* Memory on the device; what kernels find in it stands at the kernels. */
+typedef struct asdic_buffers {
+    asdic_buffer *pings; /* dev_ping and apertures of each shot */
+    asdic_buffer *table; /* kernels/learnt.h */
+    asdic_buffer *parts, *materials, *no_triangles;
+    asdic_buffer *rays, *solid_angles, *splats, *hits;
+    asdic_buffer *bounced, *bounced_hits, *returning, *returning_hits, *mirrors;
+    asdic_buffer *arrivals; /* layout.deposit OWNED alone, see receive.h */
+    asdic_buffer *water_tables;
+    asdic_buffer *accumulator, *saturated, *totals, *results; /* see reduce.cl */
+    asdic_buffer *pilot_rays, *pilot_energies;                /* adaptive sampler only */
+    bool accumulator_clear;
+} asdic_buffers;
+
+/* The shots' memory on the host. */
+typedef struct asdic_host_store {
+    dev_ping *pings; /* each followed by its apertures */
+    double *bin_tables;
+    float *water;
+    char *results;
+    double *scratch; /* asdic_pulse_scratch */
+    dev_pilot *pilot_rays;
+    float *pilot_energies;
+} asdic_host_store;
+
+/* What a simulator has found out. */
+typedef struct asdic_learnt {
+    float table[DEV_TABLE_FLOATS]; /* see kernels/learnt.h */
+    bool table_uploaded;
+    bool azimuths;                  /* some row of the table's azimuths is not even */
+    bool once;                      /* something was learnt, even if it is forgotten by now */
+    double zone_altitude;           /* height of the sampler's bottom zone over the altitude */
+    asdic_faces faces;              /* that rays are aimed at */
+    asdic_stated_error *stated;     /* by cell */
+    asdic_calibration *calibration; /* NULL before the first */
+} asdic_learnt;
+
+/* Rays to point targets; buffers only where something can hide them. */
+typedef struct asdic_point_rays {
+    dev_ray *rays;
+    dev_hit *hits;
+    asdic_buffer *ray_buffer, *hit_buffer;
+} asdic_point_rays;
+
+/* Where asdic_simulator_profile adds up time. */
+typedef struct asdic_profile {
+    double *seconds; /* NULL: nobody asks */
+    double from_s;   /* when the current phase began */
+} asdic_profile;
 
 struct asdic_simulator {
     asdic_context *ctx;
     asdic_device *device;
-    const asdic_scene *scene;
-    asdic_environment env;
-    asdic_sonar sonar;
-    asdic_beam *receivers; /* owned copy that sonar.receivers points to */
-    asdic_sampling sampling;
-    asdic_layout layout;
-    size_t bins, cells;
-    size_t components; /* deposited, see ping_types.h */
-    unsigned groups;
-    size_t per_group; /* slots of a group in one batch */
-    size_t volley;    /* pings that go to the device together, at most */
-
+    asdic_setup setup;
     asdic_placement *placement; /* where objects and points are now */
     asdic_tracer *tracer;       /* NULL without triangles */
-    bool has_mirrors;           /* something in the scene reflects, and multipath is wanted */
-    asdic_kernel *sample, *shade, *collect, *suffix, *reduce; /* collect: or suffix */
-    asdic_beam_fan fan;                                       /* many receivers, where there are */
-    asdic_faces faces;                                        /* that rays are aimed at; learnt */
-    asdic_kernel *survey_kernel;                              /* adaptive sampler only */
-    asdic_kernel *connect, *bounce;                           /* NULL without mirrors */
-    asdic_buffer *ping_buffer; /* dev_ping, then the apertures, for each ping of a volley */
-    asdic_buffer *table_buffer;
-    asdic_buffer *rays, *solid_angles, *splats, *hits;
-    asdic_buffer *bounced, *bounced_hits, *returning, *returning_hits, *mirrors;
-    asdic_buffer *parcels; /* where work-items own groups, see receive.h */
-    asdic_buffer *parts, *materials, *no_triangles;
-    asdic_buffer *water_tables;                      /* as row_water in volley.h */
-    asdic_buffer *accumulator, *saturated, *results; /* see reduce.cl */
-    asdic_buffer *totals;                            /* of groups, where work-items own them */
-    asdic_buffer *survey_ray_buffer,
-        *survey_energy_buffer; /* see survey.cl; adaptive sampler only */
-
-    asdic_buffer *point_ray_buffer, *point_hit_buffer; /* NULL without points or triangles */
-    dev_ray *point_rays;
-    dev_hit *point_hits;
-
-    asdic_scatterer *scatterers;    /* the scene's materials, then the surface */
-    dev_ping fixed;                 /* what does not change from ping to ping */
-    dev_ping *pings, *ping;         /* a volley's, and the current one; the apertures follow */
-    size_t nth;                     /* the current ping's place in its volley */
-    asdic_bin_laws *laws;           /* of each ping of a volley */
-    double *bin_tables;             /* what they hold */
-    float *water;                   /* their part for the device, as WATER_TABLES */
-    double *smear_scratch;          /* asdic_pulse_scratch, and for calibrations */
-    asdic_stated_error *stated;     /* cells */
-    asdic_calibration *calibration; /* NULL before the first */
-    float table[DEV_TABLE_FLOATS];  /* see kernels/learnt.h */
-    bool azimuths_learnt;           /* some row of it is not even */
-    double zone_altitude;           /* where the bottom zone assumes the bottom, re the altitude */
-    double *phase_s;                /* NULL, or where asdic_simulator_profile adds */
-    double phase_from_s;            /* when the current phase began */
+    asdic_kernels kernels;
+    asdic_buffers buffers;
+    asdic_beam_fan fan; /* where receivers are many */
+    asdic_point_rays points;
+    asdic_learnt learnt;
+    asdic_host_store host;
+    asdic_ping_shot *shots;            /* setup.ping_batch */
     asdic_quadrature_cache quadrature; /* where a plan left rays out */
     asdic_speckle_field *speckle;      /* NULL: none */
-    bool table_uploaded;
-    bool learnt; /* once at least */
-    bool accumulator_clear;
-    char *host_results; /* as RESULTS in reduce.cl, or of a fan in fan.cl */
-    dev_survey *survey_rays;
-    float *survey_energies;
+    asdic_profile profile;
 };
 
 /* asdic_simulator_create with a layout of the caller's. */
@@ -142,9 +182,9 @@ asdic_status asdic_simulator_create_with(asdic_context *ctx, asdic_device *devic
 /* Fills what does not change from ping to ping; WATER where the mission begins. */
 void asdic_simulator_prepare(asdic_simulator *sim, const asdic_water_column *water);
 
-/* The apertures of the current ping: transmitter, then receivers. */
-static inline dev_beam *asdic_simulator_beams(const asdic_simulator *sim) {
-    return (dev_beam *)(sim->ping + 1);
+/* A shot's apertures: transmitter, then receivers. */
+static inline dev_beam *asdic_shot_beams(const asdic_ping_shot *shot) {
+    return (dev_beam *)(shot->ping + 1);
 }
 
 /* Streams of lattice shifts: what users get; the calibration's pings; the pilots, whose table
@@ -153,14 +193,25 @@ static inline dev_beam *asdic_simulator_beams(const asdic_simulator *sim) {
 #define ASDIC_STREAM_CALIBRATION 1u /* and the next two */
 #define ASDIC_STREAM_PILOT 4u       /* and the next */
 
-/* Makes the volley's NTH ping the current one. */
-void asdic_simulator_select(asdic_simulator *sim, size_t nth);
+/* Aims SHOT at POSE: its water column, and its ping of RAYS rays with INDEX and STREAM. */
+void asdic_shot_aim(const asdic_simulator *sim, asdic_ping_shot *shot, const asdic_pose *pose,
+                    uint64_t index, uint32_t stream, uint32_t rays);
 
-/* Steps of a ping that learning shares with it. Describe: fills sim->ping for INDEX at POSE with
- * RAYS rays. Draw: uploads COUNT pings, samples and traces the batch that the first names. */
-void asdic_simulator_describe(asdic_simulator *sim, const asdic_pose *pose, uint64_t index,
-                              uint32_t stream, uint32_t rays);
+/* Fills SHOT's tables over the bins, unless they are there already: pings at one depth share them. Says
+ * whether the device's part of them has changed. */
+bool asdic_shot_tabulate(const asdic_simulator *sim, asdic_ping_shot *shot);
+
+/* Uploads the first COUNT shots, samples and traces the batch of rays that the first names. */
 asdic_status asdic_simulator_draw(asdic_simulator *sim, size_t count);
+
+/* Runs the first COUNT shots, which are aimed, with setup.sampling.rays rays each; without points, pulse
+ * and speckle. */
+asdic_status asdic_simulator_simulate(asdic_simulator *sim, size_t count, asdic_ping *const *out);
+
+/* SHOT's sums to energies, total, stated error and the count of cut deposits; OUT holds the noise already.
+ * Of a fan, waits for the device. A quantum at loss 1 is worth SOURCE_LIN over its scale. */
+asdic_status asdic_simulator_convert(asdic_simulator *sim, const asdic_ping_shot *shot,
+                                     double source_lin, asdic_ping *out);
 
 /* Slots of a group in one batch of a ping with RAYS rays: whole vectors, and whole work-groups over
  * all groups. */
@@ -173,10 +224,10 @@ size_t asdic_simulator_batch_slots(const asdic_simulator *sim);
 size_t asdic_simulator_ping_bytes(const asdic_simulator *sim);
 size_t asdic_simulator_results_bytes(const asdic_simulator *sim);
 
-/* Receivers that a survey of pilot rays picks. */
+/* Receivers that the pilot rays are weighed for. */
 uint32_t asdic_simulator_picked(const asdic_simulator *sim);
 
-/* Memory of host and device, when all that it depends on is known. Host: before anything is described. */
+/* Memory on the host and on the device, once all sizes are known. Host first: it holds the shots. */
 asdic_status asdic_store_create_host(asdic_simulator *sim);
 asdic_status asdic_store_create_device(asdic_simulator *sim);
 void asdic_store_destroy(asdic_simulator *sim);
@@ -190,15 +241,6 @@ bool asdic_simulator_has(const asdic_simulator *sim, unsigned kind);
 /* What the device is told about a part. */
 dev_part asdic_simulator_part(const asdic_part *part);
 
-/* COUNT pings without points, pulse and speckle, a volley at most. */
-asdic_status asdic_simulator_simulate(asdic_simulator *sim, const asdic_ping_shot *shots,
-                                      size_t count, asdic_ping *const *out);
-
-/* The current ping's sums to energies, total and stated error, and the count of cut deposits; OUT holds
- * the noise already. Of a fan, waits for the device. A quantum at loss 1 is worth SOURCE_LIN over its
- * scale. */
-asdic_status asdic_simulator_convert(asdic_simulator *sim, double source_lin, asdic_ping *out);
-
 /* The source's intensity at 1 m, linear, less the metre of absorption that the paper prints more. */
 double asdic_simulator_source_lin(const asdic_simulator *sim, const asdic_water_column *water);
 
@@ -210,8 +252,5 @@ void asdic_calibration_destroy(asdic_calibration **calibration);
 
 /* Back to an even table and no calibration. */
 void asdic_simulator_forget(asdic_simulator *sim);
-
-/* Ends a phase of a ping that is profiled: waits for the device, adds the time. */
-asdic_status asdic_simulator_end_phase(asdic_simulator *sim, asdic_phase phase);
 
 #endif

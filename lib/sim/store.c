@@ -4,158 +4,147 @@
 #include "simulator.h"
 
 #include "base/context.h"
+#include "base/try.h"
 #include "pulse.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 size_t asdic_simulator_ping_bytes(const asdic_simulator *sim) {
-    return sizeof(dev_ping) + (sim->sonar.receiver_count + 1) * sizeof(dev_beam);
+    return sizeof(dev_ping) + (sim->setup.sonar.receiver_count + 1) * sizeof(dev_beam);
 }
 
 /* Sums, one word of cut deposits, spreads, in whole words; of a fan: sums as floats. */
 size_t asdic_simulator_results_bytes(const asdic_simulator *sim) {
     if (sim->fan.many) {
-        return sim->components * sim->cells * sizeof(float);
+        return sim->setup.components * sim->setup.cells * sizeof(float);
     }
-    return (sim->components * sim->cells + 1 + (sim->cells + 1) / 2) * sizeof(int64_t);
+    return (sim->setup.components * sim->setup.cells + 1 + (sim->setup.cells + 1) / 2) *
+           sizeof(int64_t);
 }
 
 size_t asdic_simulator_per_group(const asdic_simulator *sim, size_t rays) {
-    size_t most = asdic_simulator_batch_slots(sim), step = sim->groups == 1 ? 64 : 16;
+    size_t most = asdic_simulator_batch_slots(sim), step = sim->setup.groups == 1 ? 64 : 16;
     rays = rays < most ? rays : most;
-    return ((rays + sim->groups - 1) / sim->groups + step - 1) / step * step;
+    return ((rays + sim->setup.groups - 1) / sim->setup.groups + step - 1) / step * step;
 }
 
 size_t asdic_simulator_batch_slots(const asdic_simulator *sim) {
-    size_t slots = sim->fan.many ? ASDIC_FAN_BATCH : sim->layout.batch_slots;
+    size_t slots = sim->fan.many ? ASDIC_FAN_BATCH : sim->setup.layout.batch_slots;
     return slots > ASDIC_PILOT_RAYS ? slots : ASDIC_PILOT_RAYS;
 }
 
 static size_t pilot_slots(const asdic_simulator *sim) {
-    return sim->groups * asdic_simulator_per_group(sim, ASDIC_PILOT_RAYS);
+    return sim->setup.groups * asdic_simulator_per_group(sim, ASDIC_PILOT_RAYS);
 }
 
 /* Echo and water of every pilot ray in every picked receiver. */
-static size_t survey_energy_bytes(const asdic_simulator *sim) {
+static size_t pilot_energy_bytes(const asdic_simulator *sim) {
     return pilot_slots(sim) * asdic_simulator_picked(sim) * 2 * sizeof(float);
 }
 
-void asdic_simulator_select(asdic_simulator *sim, size_t nth) {
-    sim->nth = nth;
-    sim->ping = (dev_ping *)((char *)sim->pings + nth * asdic_simulator_ping_bytes(sim));
-}
-
 asdic_status asdic_store_create_host(asdic_simulator *sim) {
-    size_t beams = sim->sonar.receiver_count, bins = sim->bins, pings = sim->volley;
-    sim->receivers = malloc(beams * sizeof *sim->receivers);
-    sim->pings = calloc(pings, asdic_simulator_ping_bytes(sim));
-    sim->laws = calloc(pings, sizeof *sim->laws);
-    sim->bin_tables = calloc(pings * 2 * bins, sizeof *sim->bin_tables);
-    sim->water = calloc(pings * 2 * bins, sizeof *sim->water);
-    sim->host_results = malloc(pings * asdic_simulator_results_bytes(sim));
-    sim->stated = malloc(sim->cells * sizeof *sim->stated);
-    sim->smear_scratch = malloc(asdic_pulse_scratch(bins) * sizeof *sim->smear_scratch);
-    sim->survey_rays = malloc(pilot_slots(sim) * sizeof *sim->survey_rays);
-    sim->survey_energies = malloc(survey_energy_bytes(sim));
-    if (!sim->receivers || !sim->pings || !sim->laws || !sim->bin_tables || !sim->water ||
-        !sim->host_results || !sim->stated || !sim->smear_scratch || !sim->survey_rays ||
-        !sim->survey_energies) {
+    size_t beams = sim->setup.sonar.receiver_count, bins = sim->setup.bins,
+           pings = sim->setup.ping_batch;
+    sim->setup.receivers = malloc(beams * sizeof *sim->setup.receivers);
+    sim->host.pings = calloc(pings, asdic_simulator_ping_bytes(sim));
+    sim->shots = calloc(pings, sizeof *sim->shots);
+    sim->host.bin_tables = calloc(pings * 2 * bins, sizeof *sim->host.bin_tables);
+    sim->host.water = calloc(pings * 2 * bins, sizeof *sim->host.water);
+    sim->host.results = malloc(pings * asdic_simulator_results_bytes(sim));
+    sim->learnt.stated = malloc(sim->setup.cells * sizeof *sim->learnt.stated);
+    sim->host.scratch = malloc(asdic_pulse_scratch(bins) * sizeof *sim->host.scratch);
+    sim->host.pilot_rays = malloc(pilot_slots(sim) * sizeof *sim->host.pilot_rays);
+    sim->host.pilot_energies = malloc(pilot_energy_bytes(sim));
+    if (!sim->setup.receivers || !sim->host.pings || !sim->shots || !sim->host.bin_tables ||
+        !sim->host.water || !sim->host.results || !sim->learnt.stated || !sim->host.scratch ||
+        !sim->host.pilot_rays || !sim->host.pilot_energies) {
         return asdic_fail_memory(sim->ctx, "a simulator");
     }
     for (size_t k = 0; k < pings; k++) {
-        double *tables = sim->bin_tables + k * 2 * bins;
-        sim->laws[k] = (asdic_bin_laws){-1.0, tables, tables + bins};
+        double *tables = sim->host.bin_tables + k * 2 * bins;
+        sim->shots[k] = (asdic_ping_shot){
+            .ping = (dev_ping *)((char *)sim->host.pings + k * asdic_simulator_ping_bytes(sim)),
+            .tables_np_per_m = -1.0,
+            .loss = tables,
+            .volume = tables + bins,
+            .for_device = sim->host.water + k * 2 * bins,
+            .sums = sim->host.results + k * asdic_simulator_results_bytes(sim),
+        };
     }
-    asdic_simulator_select(sim, 0);
-    memcpy(sim->receivers, sim->sonar.receivers, beams * sizeof *sim->receivers);
-    sim->sonar.receivers = sim->receivers;
+    memcpy(sim->setup.receivers, sim->setup.sonar.receivers, beams * sizeof *sim->setup.receivers);
+    sim->setup.sonar.receivers = sim->setup.receivers;
     return ASDIC_OK;
 }
 
 asdic_status asdic_store_create_device(asdic_simulator *sim) {
-    size_t pings = sim->volley, pilots = pilot_slots(sim),
-           slots = pings * sim->groups * sim->per_group;
+    size_t pings = sim->setup.ping_batch, pilots = pilot_slots(sim),
+           slots = pings * sim->setup.groups * sim->setup.per_group;
     slots = slots > pilots ? slots : pilots;
-    size_t bounce_slots = sim->has_mirrors ? slots : 0;
-    size_t sets =
-        sim->layout.deposit == ASDIC_DEPOSIT_OWNED ? DEV_PARCEL_SETS(sim->has_mirrors) : 0;
-    size_t totals =
-        sim->collect ? pings * sim->groups * (size_t)sim->fixed.total_cells * sizeof(float) : 0;
+    size_t bounce_slots = sim->setup.has_mirrors ? slots : 0;
+    size_t sets = sim->setup.layout.deposit == ASDIC_DEPOSIT_OWNED
+                      ? DEV_ARRIVAL_SETS(sim->setup.has_mirrors)
+                      : 0;
+    size_t totals = sim->kernels.collect ? pings * sim->setup.groups *
+                                               (size_t)sim->setup.ping.total_cells * sizeof(float)
+                                         : 0;
     size_t accumulator = sim->fan.many ? 0
-                                       : pings * sim->fixed.blocks *
-                                             (size_t)sim->fixed.group_cells * sizeof(int64_t);
-    bool adaptive = sim->sampling.sampler == ASDIC_SAMPLER_ADAPTIVE;
+                                       : pings * sim->setup.ping.blocks *
+                                             (size_t)sim->setup.ping.group_cells * sizeof(int64_t);
+    bool adaptive = sim->setup.sampling.sampler == ASDIC_SAMPLER_ADAPTIVE;
     const struct {
         size_t bytes;
         asdic_buffer **buffer;
     } wanted[] = {
-        {pings * asdic_simulator_ping_bytes(sim), &sim->ping_buffer},
-        {sizeof sim->table, &sim->table_buffer},
-        {slots * sizeof(dev_ray), &sim->rays},
-        {slots * sizeof(float), &sim->solid_angles},
-        {slots * sizeof(float), &sim->splats},
-        {sim->tracer ? slots * sizeof(dev_hit) : 0, &sim->hits},
-        {bounce_slots * sizeof(dev_ray), &sim->bounced},
-        {bounce_slots * sizeof(dev_hit), &sim->bounced_hits},
-        {bounce_slots * sizeof(dev_ray), &sim->returning},
-        {bounce_slots * sizeof(dev_hit), &sim->returning_hits},
-        {bounce_slots * 4 * sizeof(float), &sim->mirrors},
-        {sets * slots * sizeof(dev_parcel), &sim->parcels},
-        {0, &sim->no_triangles},
-        {pings * 2 * sim->bins * sizeof(float), &sim->water_tables},
-        {accumulator, &sim->accumulator},
-        {totals, &sim->totals},
-        {pings * asdic_simulator_results_bytes(sim), &sim->results},
-        {pings * sizeof(uint32_t), &sim->saturated},
-        {adaptive ? pilots * sizeof(dev_survey) : 0, &sim->survey_ray_buffer},
-        {adaptive ? survey_energy_bytes(sim) : 0, &sim->survey_energy_buffer},
+        {pings * asdic_simulator_ping_bytes(sim), &sim->buffers.pings},
+        {sizeof sim->learnt.table, &sim->buffers.table},
+        {slots * sizeof(dev_ray), &sim->buffers.rays},
+        {slots * sizeof(float), &sim->buffers.solid_angles},
+        {slots * sizeof(float), &sim->buffers.splats},
+        {sim->tracer ? slots * sizeof(dev_hit) : 0, &sim->buffers.hits},
+        {bounce_slots * sizeof(dev_ray), &sim->buffers.bounced},
+        {bounce_slots * sizeof(dev_hit), &sim->buffers.bounced_hits},
+        {bounce_slots * sizeof(dev_ray), &sim->buffers.returning},
+        {bounce_slots * sizeof(dev_hit), &sim->buffers.returning_hits},
+        {bounce_slots * 4 * sizeof(float), &sim->buffers.mirrors},
+        {sets * slots * sizeof(dev_arrival), &sim->buffers.arrivals},
+        {0, &sim->buffers.no_triangles},
+        {pings * 2 * sim->setup.bins * sizeof(float), &sim->buffers.water_tables},
+        {accumulator, &sim->buffers.accumulator},
+        {totals, &sim->buffers.totals},
+        {pings * asdic_simulator_results_bytes(sim), &sim->buffers.results},
+        {pings * sizeof(uint32_t), &sim->buffers.saturated},
+        {adaptive ? pilots * sizeof(dev_pilot) : 0, &sim->buffers.pilot_rays},
+        {adaptive ? pilot_energy_bytes(sim) : 0, &sim->buffers.pilot_energies},
     };
     for (size_t i = 0; i < sizeof wanted / sizeof *wanted; i++) {
-        asdic_status status =
-            asdic_buffer_create(sim->device, wanted[i].bytes, NULL, wanted[i].buffer);
-        if (status) {
-            return status;
-        }
+        TRY(asdic_buffer_create(sim->device, wanted[i].bytes, NULL, wanted[i].buffer));
     }
     return ASDIC_OK;
 }
 
 void asdic_store_destroy(asdic_simulator *sim) {
-    asdic_buffer **buffers[] = {&sim->ping_buffer,
-                                &sim->table_buffer,
-                                &sim->rays,
-                                &sim->solid_angles,
-                                &sim->splats,
-                                &sim->hits,
-                                &sim->bounced,
-                                &sim->bounced_hits,
-                                &sim->returning,
-                                &sim->returning_hits,
-                                &sim->mirrors,
-                                &sim->parts,
-                                &sim->materials,
-                                &sim->no_triangles,
-                                &sim->water_tables,
-                                &sim->parcels,
-                                &sim->accumulator,
-                                &sim->saturated,
-                                &sim->results,
-                                &sim->totals,
-                                &sim->survey_ray_buffer,
-                                &sim->survey_energy_buffer};
+    asdic_buffer **buffers[] = {
+        &sim->buffers.pings,          &sim->buffers.table,        &sim->buffers.rays,
+        &sim->buffers.solid_angles,   &sim->buffers.splats,       &sim->buffers.hits,
+        &sim->buffers.bounced,        &sim->buffers.bounced_hits, &sim->buffers.returning,
+        &sim->buffers.returning_hits, &sim->buffers.mirrors,      &sim->buffers.parts,
+        &sim->buffers.materials,      &sim->buffers.no_triangles, &sim->buffers.water_tables,
+        &sim->buffers.arrivals,       &sim->buffers.accumulator,  &sim->buffers.saturated,
+        &sim->buffers.results,        &sim->buffers.totals,       &sim->buffers.pilot_rays,
+        &sim->buffers.pilot_energies};
     for (size_t i = 0; i < sizeof buffers / sizeof *buffers; i++) {
         asdic_buffer_destroy(buffers[i]);
     }
-    free(sim->receivers);
-    free(sim->scatterers);
-    free(sim->pings);
-    free(sim->laws);
-    free(sim->bin_tables);
-    free(sim->water);
-    free(sim->host_results);
-    free(sim->stated);
-    free(sim->smear_scratch);
-    free(sim->survey_rays);
-    free(sim->survey_energies);
+    free(sim->setup.receivers);
+    free(sim->setup.scatterers);
+    free(sim->host.pings);
+    free(sim->shots);
+    free(sim->host.bin_tables);
+    free(sim->host.water);
+    free(sim->host.results);
+    free(sim->learnt.stated);
+    free(sim->host.scratch);
+    free(sim->host.pilot_rays);
+    free(sim->host.pilot_energies);
 }

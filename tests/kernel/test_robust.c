@@ -33,7 +33,7 @@ static double rms_db(ping_rig *r, double altitude, int pings) {
     assert_ok(t.ctx, asdic_expected_compute(t.ctx, &flat, &r->env, &r->sonar, &r->pose, truth));
     double sum = 0.0, count = 0.0;
     if (altitude > 0.0) {
-        sim->zone_altitude = altitude * ASDIC_ZONE_ALTITUDE;
+        sim->learnt.zone_altitude = altitude * ASDIC_ZONE_ALTITUDE;
     }
     for (int k = 0; k < pings; k++) {
         if (altitude <= 0.0 && k % 4 == 0) {

@@ -23,7 +23,7 @@ void __wrap_asdic_simulator_destroy(asdic_simulator **sim);
 size_t __wrap_asdic_simulator_bin_count(const asdic_simulator *sim);
 asdic_status __wrap_asdic_simulator_learn(asdic_simulator *sim, const asdic_pose *pose,
                                           uint64_t index);
-size_t __wrap_asdic_simulator_volley(const asdic_simulator *sim);
+size_t __wrap_asdic_simulator_ping_batch(const asdic_simulator *sim);
 asdic_status __wrap_asdic_simulator_pings(asdic_simulator *sim, const asdic_pose *poses,
                                           uint64_t first, size_t count, asdic_ping *const *pings);
 const asdic_device_info *__wrap_asdic_device_get_info(const asdic_device *device);
@@ -94,7 +94,7 @@ asdic_status __wrap_asdic_simulator_pings(asdic_simulator *sim, const asdic_pose
 }
 
 /* Devices of several kinds: how many go together must not matter. */
-size_t __wrap_asdic_simulator_volley(const asdic_simulator *sim) {
+size_t __wrap_asdic_simulator_ping_batch(const asdic_simulator *sim) {
     return sim->device->volley ? sim->device->volley : 1;
 }
 

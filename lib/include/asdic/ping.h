@@ -119,14 +119,14 @@ ASDIC_API asdic_status asdic_simulator_ping(asdic_simulator *sim, const asdic_po
 
 /* COUNT pings, numbered from FIRST on, with the vehicle at POSES[0] and so on: the same bytes as
  * one after the other. Pings of few rays are simulated together, as many at once as
- * asdic_simulator_volley says, in a fraction of the time; the caller learns between blocks, and
+ * asdic_simulator_ping_batch says, in a fraction of the time; the caller learns between blocks, and
  * moves objects. Errors as of asdic_simulator_ping; all of PINGS are undefined then. */
 ASDIC_API asdic_status asdic_simulator_pings(asdic_simulator *sim, const asdic_pose *poses,
                                              uint64_t first, size_t count,
                                              asdic_ping *const *pings);
 
 /* 1 where nothing is gained by handing over more than one, at most ASDIC_LEARN_BLOCK; 0: NULL. */
-ASDIC_API size_t asdic_simulator_volley(const asdic_simulator *sim);
+ASDIC_API size_t asdic_simulator_ping_batch(const asdic_simulator *sim);
 
 /* Places the scene's moving object or point NAME (of several of that name the first added) at POSE,
  * mesh frame to world, for the pings and the learning that follow; of a point only the position

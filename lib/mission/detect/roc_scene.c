@@ -10,7 +10,7 @@
 #include "mission/mission.h"
 #include "scene/scene.h"
 #include "sim/ring.h"
-#include "sim/water_column.h"
+#include "sim/environment.h"
 
 #include "../../../kernels/beam.h"
 

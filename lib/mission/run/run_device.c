@@ -31,7 +31,7 @@ static asdic_status learn(asdic_run_device *d, size_t block) {
 
 size_t asdic_run_device_batch(const asdic_run_device *d, size_t first, size_t count) {
     size_t left = ASDIC_LEARN_BLOCK - first % ASDIC_LEARN_BLOCK;
-    size_t most = d->mission->motion_count ? 1 : asdic_simulator_volley(d->simulator);
+    size_t most = d->mission->motion_count ? 1 : asdic_simulator_ping_batch(d->simulator);
     most = most < left ? most : left;
     return count < most ? count : most;
 }

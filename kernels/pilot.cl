@@ -1,5 +1,5 @@
 /*
- * survey: what the pilot rays of a block of pings brought, for learning where rays matter.
+ * pilot: what the pilot rays of a block of pings brought, for learning where rays matter.
  */
 #include "faces.h"
 #include "learnt.h"
@@ -9,12 +9,12 @@
  * and its energies in PICKED receivers spread over all of them: of its echo, relative to
  * the bin's TL d^2, and of the water it crosses, relative to that of a bin. ENERGIES is
  * [ray][receiver][echo, water]. */
-__kernel void survey(__global const dev_ping *ping, __global const dev_ray *rays,
-                     __global const float *solid_angles, __global const float *splats,
-                     __global const float *face_density, __global const dev_hit *hits,
-                     __global const dev_triangle *triangles, __global const dev_part *parts,
-                     __global const dev_material *materials, __global const float *table,
-                     __global dev_survey *surveys, __global float *energies, uint picked) {
+__kernel void pilot(__global const dev_ping *ping, __global const dev_ray *rays,
+                    __global const float *solid_angles, __global const float *splats,
+                    __global const float *face_density, __global const dev_hit *hits,
+                    __global const dev_triangle *triangles, __global const dev_part *parts,
+                    __global const dev_material *materials, __global const float *table,
+                    __global dev_pilot *pilots, __global float *energies, uint picked) {
     uint slot = (uint)(get_global_id(0)) * ASDIC_WIDTH;
     if (slot >= batch_slots(ping)) {
         return;
@@ -52,9 +52,9 @@ __kernel void survey(__global const dev_ping *ping, __global const dev_ray *rays
     natural ray = rays_in(ping, slot);
     LANES {
         uint at = place_of(ping, AT(ray, uint));
-        dev_survey s = {AT(x, float), AT(y, float), min(AT(last, uint), ping->bins - 1u)};
+        dev_pilot s = {AT(x, float), AT(y, float), min(AT(last, uint), ping->bins - 1u)};
         AT(row, uint) = at;
-        surveys[at] = s;
+        pilots[at] = s;
     }
     for (uint p = 0; p < picked; p++) {
         uint beam = picked == ping->beams ? p : p * (ping->beams - 1u) / (picked - 1u);

@@ -1,6 +1,6 @@
 /*
  * Pings that go to the device together give the bytes of pings one after the other: for any size of a
- * volley, deposit and sampler, over changing depths, with mirrors, points and speckle.
+ * batch of pings, deposit and sampler, over changing depths, with mirrors, points and speckle.
  */
 #include "ping_rig.h"
 
@@ -24,10 +24,10 @@ static ping_rig rig_with_everything(void) {
 }
 
 /* PINGS pings from number 5 on, handed over by AT_ONCE. */
-static void shoot(ping_rig *r, size_t at_once, asdic_ping **pings, size_t *volley) {
+static void shoot(ping_rig *r, size_t at_once, asdic_ping **pings, size_t *together_most) {
     asdic_simulator *sim = rig_simulator(r);
     asdic_pose poses[PINGS];
-    *volley = asdic_simulator_volley(sim);
+    *together_most = asdic_simulator_ping_batch(sim);
     assert_ok(t.ctx, asdic_simulator_learn(sim, &r->pose, 0));
     for (size_t k = 0; k < PINGS; k++) {
         poses[k] = r->pose;
@@ -44,12 +44,12 @@ static void shoot(ping_rig *r, size_t at_once, asdic_ping **pings, size_t *volle
     asdic_simulator_destroy(&sim);
 }
 
-static void compare(ping_rig *r, size_t expected_volley) {
+static void compare(ping_rig *r, size_t expected) {
     asdic_ping *single[PINGS], *together[PINGS];
-    size_t volley;
-    shoot(r, 1, single, &volley);
-    shoot(r, PINGS, together, &volley);
-    assert_int_equal(volley, expected_volley);
+    size_t together_most;
+    shoot(r, 1, single, &together_most);
+    shoot(r, PINGS, together, &together_most);
+    assert_int_equal(together_most, expected);
     for (size_t k = 0; k < PINGS; k++) {
         assert_true(rig_same(single[k], together[k]));
         assert_true(k == 0 || !rig_same(together[0], together[k]));
@@ -60,11 +60,11 @@ static void compare(ping_rig *r, size_t expected_volley) {
     }
 }
 
-static void a_volley_changes_no_byte(void **state) {
+static void a_batch_changes_no_byte(void **state) {
     (void)state;
     static const struct {
         uint32_t rays;
-        size_t volley_slots, volley;
+        size_t ping_batch_slots, together_most;
         asdic_sampler sampler;
         asdic_deposit deposit;
         unsigned width;
@@ -81,8 +81,8 @@ static void a_volley_changes_no_byte(void **state) {
         r.sampling.sampler = cases[i].sampler;
         r.layout.deposit = cases[i].deposit;
         r.layout.width = cases[i].width;
-        r.layout.volley_slots = cases[i].volley_slots;
-        compare(&r, cases[i].volley);
+        r.layout.ping_batch_slots = cases[i].ping_batch_slots;
+        compare(&r, cases[i].together_most);
         rig_destroy(&r);
     }
 }
@@ -93,7 +93,7 @@ static void large_pings_go_alone(void **state) {
     ping_rig r = rig_create(&t);
     r.sampling.rays = 6000;
     r.layout.batch_slots = 4096;
-    r.layout.volley_slots = 1 << 20;
+    r.layout.ping_batch_slots = 1 << 20;
     compare(&r, 1);
     rig_destroy(&r);
 }
@@ -124,7 +124,7 @@ static void arguments_are_checked(void **state) {
 int main(void) {
     t = test_device_open_or_skip();
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_volley_changes_no_byte),
+        cmocka_unit_test(a_batch_changes_no_byte),
         cmocka_unit_test(large_pings_go_alone),
         cmocka_unit_test(arguments_are_checked),
     };

@@ -1,9 +1,10 @@
 /*
- * What a ping's depth decides: sound speed, absorption, and the range laws of its bins.
+ * The water at a sonar's depth: sound speed, absorption, and how levels fall with range.
  */
-#ifndef ASDIC_SIM_WATER_COLUMN_H
-#define ASDIC_SIM_WATER_COLUMN_H
+#ifndef ASDIC_SIM_ENVIRONMENT_H
+#define ASDIC_SIM_ENVIRONMENT_H
 
+#include <asdic/environment.h>
 #include <asdic/sonar.h>
 
 #include "laws/scatterer.h"

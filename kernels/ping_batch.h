@@ -1,10 +1,9 @@
 /*
- * Pings of few rays go to a device several at a time, as a volley: the launch of a kernel has a row of
- * work-groups for each, its second dimension. A row works on a ping's own part of every buffer, and
- * knows nothing of the other rows.
+ * Pings of few rays go to a device several at a time. A launch of a kernel then has two dimensions: each
+ * ping has a row of work-groups, which works on that ping's part of every buffer and nothing else.
  */
-#ifndef ASDIC_KERNEL_VOLLEY_H
-#define ASDIC_KERNEL_VOLLEY_H
+#ifndef ASDIC_KERNEL_PING_BATCH_H
+#define ASDIC_KERNEL_PING_BATCH_H
 
 #include "order.h"
 

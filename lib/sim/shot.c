@@ -1,0 +1,271 @@
+/*
+ * One ping on its way: what the device is told about it. Where the sonar is and how its apertures are
+ * aimed, the water, where the sampler's zones and lobes lie, and tables over the bins.
+ */
+#include "simulator.h"
+
+#include <asdic/plan.h>
+
+#include "aim.h"
+#include "base/vec.h"
+#include "cones.h"
+#include "deposit_scale.h"
+#include "scene/scene.h"
+
+#include "../../kernels/backscatter.h"
+#include "../../kernels/mirror.h"
+#include "../../kernels/random.h"
+
+#include <math.h>
+#include <string.h>
+
+#define ZONE_CAP_RAD 0.1745
+static const float zone_share[5] = {0.03f, 0.57f, 0.07f, 0.30f, 0.03f};
+
+/* A sonar that lies on a bottom plane is taken to be this share of the range above it: what the
+ * bottom returns hardly depends on so little, and grazing angles stay in reach of single precision. */
+#define LEAST_PLANE 2e-6
+/* Meshes as near as this have slopes that the zones of a plane would starve. */
+#define LEAST_MESH 2e-3
+
+static bool surface_is_silent(const asdic_simulator *sim) {
+    return sim->setup.sampling.left_out & (1u << ASDIC_TERM_SURFACE);
+}
+
+/* A zone that ends beyond the range leaves its share to the gap. */
+static void place_zones(const asdic_simulator *sim, const asdic_pose *pose, dev_ping *ping) {
+    double range = ping->reach_m;
+    double altitude = asdic_scene_altitude_m(sim->setup.scene, pose->position_m);
+    bool plane = sim->setup.scene->has_bottom_plane &&
+                 altitude == sim->setup.scene->bottom_plane_depth_m - pose->position_m.z;
+    double least = (plane ? LEAST_PLANE : LEAST_MESH) * range;
+    bool sounds = sim->setup.scene->has_surface && !surface_is_silent(sim);
+    double depth = sounds ? pose->position_m.z : INFINITY;
+    double h = fmax(sim->learnt.zone_altitude * altitude, least),
+           hs = fmax(depth, LEAST_PLANE * range);
+    bool bottom = h < 0.95 * range, surface = hs < 0.95 * range;
+    ping->zone_bottom_m = (float)(bottom ? h : 2.0 * range);
+    ping->zone_surface_m = (float)(surface ? hs : 2.0 * range);
+    ping->zone_cap_rad = (float)ZONE_CAP_RAD;
+    memcpy(ping->zone_share, zone_share, sizeof zone_share);
+    if (!bottom) {
+        ping->zone_share[2] += ping->zone_share[0] + ping->zone_share[1];
+        ping->zone_share[0] = ping->zone_share[1] = 0.0f;
+    }
+    if (!surface) {
+        ping->zone_share[2] += ping->zone_share[3] + ping->zone_share[4];
+        ping->zone_share[3] = ping->zone_share[4] = 0.0f;
+    }
+}
+
+/* How far the lattices of a calibration's pings lie from the first's, in turns of the golden coordinate:
+ * shifts drawn independently now and then lie beside each other, and the pings then agree by chance. */
+static const double CALIBRATION_APART[] = {0.0, 2.0 / 15.0, 0.35};
+
+/* The ping's lattice shift: the same for every device and order of pings. */
+static void place_lattice(dev_ping *ping, uint32_t stream) {
+    random4 shift = random_draw(stream, ping->ping[0], ping->ping[1], RANDOM_SHIFT, ping->seed[0],
+                                ping->seed[1]);
+    ping->lattice_offset = (float)random_uniform(shift.v[0]);
+    ping->lattice_shift = shift.v[1];
+    if (stream >= ASDIC_STREAM_CALIBRATION && stream < ASDIC_STREAM_PILOT) {
+        random4 first = random_draw(ASDIC_STREAM_CALIBRATION, ping->ping[0], ping->ping[1],
+                                    RANDOM_SHIFT, ping->seed[0], ping->seed[1]);
+        uint32_t nth = stream - ASDIC_STREAM_CALIBRATION;
+        ping->lattice_shift = first.v[1] + (uint32_t)(CALIBRATION_APART[nth] * 0x1p32);
+    }
+}
+
+/* Share of the rays that is aimed at faces, where there are any. */
+#define FACE_SHARE 0.1
+
+static void place_faces(const asdic_simulator *sim, dev_ping *ping) {
+    ping->faces = (dev_uint)sim->learnt.faces.count;
+    ping->face_count = sim->learnt.faces.count ? (dev_uint)(FACE_SHARE * ping->rays) : 0;
+    ping->background -= ping->face_count;
+    ping->face_first = ping->background;
+}
+
+static dev_uint sampler_code(asdic_sampler sampler) {
+    return sampler == ASDIC_SAMPLER_ADAPTIVE ? DEV_SAMPLER_ADAPTIVE
+           : sampler == ASDIC_SAMPLER_BEAM   ? DEV_SAMPLER_BEAM
+                                             : DEV_SAMPLER_UNIFORM_SPHERE;
+}
+
+/* Cells of a run of reduce.cl, at most, and of a vector that reaches beyond its row in collect.cl. */
+#define MOST_RUN 64u
+#define MOST_WIDTH 16u
+
+/* Components begin at whole runs, groups at an odd number of cache lines from each other: at a power
+ * of two they would all want the same place in a cache. Where a work-item owns its cells, collect.cl
+ * adds to rows of four or eights of columns as vectors. */
+static void shape_accumulator(const asdic_simulator *sim, dev_ping *fixed) {
+    const asdic_scene *scene = sim->setup.scene;
+    size_t beams = sim->setup.sonar.receiver_count, groups = sim->setup.groups,
+           owners = sim->setup.layout.owners;
+    bool owned = sim->setup.layout.deposit == ASDIC_DEPOSIT_OWNED, wide = owned && beams > 2;
+    size_t columns = wide ? (beams <= 4 ? 4 : (beams + 7) / 8 * 8) : beams;
+    size_t rows = (sim->setup.bins + MOST_RUN - 1) / MOST_RUN * MOST_RUN;
+    size_t cells = sim->setup.components * rows * columns + MOST_WIDTH;
+    fixed->columns = (dev_uint)columns;
+    fixed->component_rows = (dev_uint)rows;
+    fixed->group_cells = (dev_uint)(((cells + 7) / 8 | 1) * 8);
+    if (owners == 0 || owners > groups ||
+        groups * sim->setup.per_group < sim->setup.sampling.rays) {
+        owners = groups;
+    }
+    fixed->blocks = (dev_uint)(owned ? 2 * owners : groups);
+    fixed->total_cells = (dev_uint)((rows * columns / 16 | 1) * 16);
+    fixed->present = 1u << DEV_DEPOSIT_VOLUME;
+    if (scene->has_bottom_plane || asdic_simulator_has(sim, DEV_KIND_BOTTOM)) {
+        fixed->present |= 1u << DEV_DEPOSIT_BOTTOM;
+    }
+    if (scene->has_surface) {
+        fixed->present |= 1u << DEV_DEPOSIT_SURFACE;
+    }
+    if (sim->setup.components > DEV_DEPOSIT_OBJECT && asdic_simulator_has(sim, DEV_KIND_OBJECT)) {
+        fixed->present |= 1u << DEV_DEPOSIT_OBJECT;
+    }
+    if (sim->setup.components > DEV_DEPOSIT_MULTIPATH) {
+        fixed->present |= 1u << DEV_DEPOSIT_MULTIPATH;
+    }
+}
+
+void asdic_simulator_prepare(asdic_simulator *sim, const asdic_water_column *water) {
+    dev_ping *fixed = &sim->setup.ping;
+    *fixed = (dev_ping){
+        .blanking_m = (float)sim->setup.sonar.blanking_m,
+        .range_m = (float)((double)sim->setup.bins * sim->setup.sonar.bin_length_m),
+        .reach_m = (float)(((double)sim->setup.bins + 0.25) * sim->setup.sonar.bin_length_m),
+        .bin_m = (float)sim->setup.sonar.bin_length_m,
+        .rear_lin = (float)pow(10.0, sim->setup.sonar.rear_floor_db / 10.0),
+        .bottom_material = (dev_uint)sim->setup.scene->bottom_plane_material,
+        .surface_material = (dev_uint)sim->setup.scene->material_count,
+        .rays = sim->setup.sampling.rays,
+        .groups = sim->setup.groups,
+        .beams = (dev_uint)sim->setup.sonar.receiver_count,
+        .states_errors = !sim->setup.sampling.without_errors,
+        .stride = (dev_uint)asdic_simulator_ping_bytes(sim),
+        .result_words = (dev_uint)(asdic_simulator_results_bytes(sim) / sizeof(int64_t)),
+        .bins = (dev_uint)sim->setup.bins,
+        .components = (dev_uint)sim->setup.components,
+        .sampler = sampler_code(sim->setup.sampling.sampler),
+        .seed = {(dev_uint)sim->setup.sampling.seed, (dev_uint)(sim->setup.sampling.seed >> 32)},
+        .boundary_mirrors = sim->setup.sampling.multipath == ASDIC_MULTIPATH_BOUNDARIES,
+        .wavelength_m = (float)water->wavelength_m,
+    };
+    shape_accumulator(sim, fixed);
+    asdic_deposit_scales(sim->setup.scene, &sim->setup.sonar.transmitter, sim->setup.scatterers,
+                         fixed);
+}
+
+/* Rays that are traced as one packet. */
+#define PACKET 16.0
+
+/* In which order the rays lie in memory: kernels/order.h says why. */
+static void order_rays(dev_ping *ping) {
+    double slots = (double)ping->groups * ping->per_group;
+    /* A packet of a block of F rays out of N spans F / N of elevation and PACKET / F of azimuth. */
+    dev_uint before = 1, block = 1, flips = 0;
+    while ((double)block * block < PACKET * slots) {
+        dev_uint next = before + block;
+        before = block;
+        block = next;
+        flips ^= 1;
+    }
+    /* The square of a Fibonacci number is 1 or -1 modulo the next, in turn. */
+    ping->order_block = block;
+    ping->order_inverse = flips ? block - before : before;
+    for (dev_uint k = 0; k < 16; k++) {
+        ping->order_lanes[k] = k * ping->order_inverse % block;
+    }
+}
+
+/* Where the sonar is, in which water. */
+static void place_sonar(const asdic_scene *scene, const asdic_ping_shot *shot) {
+    const asdic_pose *pose = &shot->pose;
+    dev_ping *ping = shot->ping;
+    asdic_vec3 origin = asdic_vec3_sub(pose->position_m, scene->origin_m);
+    ping->origin[0] = (float)origin.x;
+    ping->origin[1] = (float)origin.y;
+    ping->origin[2] = (float)origin.z;
+    ping->surface_m = scene->has_surface ? (float)pose->position_m.z : INFINITY;
+    ping->bottom_m = scene->has_bottom_plane
+                         ? (float)fmax(scene->bottom_plane_depth_m - pose->position_m.z,
+                                       LEAST_PLANE * ping->reach_m)
+                         : INFINITY;
+    ping->absorption_np_per_m = (float)shot->water.absorption_np_per_m;
+    ping->wavelength_m = (float)shot->water.wavelength_m;
+}
+
+/* How the apertures are aimed, and where rays should look for them. */
+static void aim_beams(const asdic_simulator *sim, const asdic_ping_shot *shot) {
+    const asdic_sonar *sonar = &sim->setup.sonar;
+    dev_ping *ping = shot->ping;
+    dev_beam *beams = asdic_shot_beams(shot);
+    double wavelength_m = shot->water.wavelength_m;
+    beams[0] = asdic_aim_beam(&sonar->transmitter, &shot->pose, wavelength_m);
+    for (size_t b = 0; b < sonar->receiver_count; b++) {
+        beams[b + 1] = asdic_aim_beam(&sonar->receivers[b], &shot->pose, wavelength_m);
+    }
+    ping->lobes = asdic_aim_lobes(sim->setup.sampling.sampler, beams, sonar->receiver_count,
+                                  ping->rear_lin > 0.0f, ping->lobe);
+    ping->footprint_rays = (float)asdic_aim_footprint_rays(ping->lobe);
+    memcpy(ping->front, beams[0].rows, sizeof ping->front);
+    ping->front_azimuth_rad = atan2f(ping->front[1], ping->front[0]);
+    asdic_beam_fan_describe(&sim->fan, beams, ping);
+}
+
+void asdic_shot_aim(const asdic_simulator *sim, asdic_ping_shot *shot, const asdic_pose *pose,
+                    uint64_t index, uint32_t stream, uint32_t rays) {
+    const asdic_scene *scene = sim->setup.scene;
+    dev_ping *ping = shot->ping;
+    shot->pose = *pose;
+    shot->index = index;
+    shot->stream = stream;
+    shot->water = asdic_water_column_at(&sim->setup.env, &sim->setup.sonar, pose->position_m.z);
+    *ping = sim->setup.ping;
+    ping->rays = rays;
+    ping->per_group = (dev_uint)asdic_simulator_per_group(sim, rays);
+    order_rays(ping);
+    ping->ping[0] = (dev_uint)index;
+    ping->ping[1] = (dev_uint)(index >> 32);
+    place_sonar(scene, shot);
+    aim_beams(sim, shot);
+    ping->azimuths_learnt = sim->learnt.azimuths;
+    ping->background = rays;
+    ping->cones = ping->face_count = 0;
+    if (ping->sampler == DEV_SAMPLER_ADAPTIVE) {
+        place_faces(sim, ping);
+        asdic_cones_place(sim->placement->parts, scene->part_count, pose->position_m,
+                          asdic_shot_beams(shot), ping);
+    }
+    place_zones(sim, pose, ping);
+    place_lattice(ping, stream);
+}
+
+/* Per bin: TL d^2 and the water's integral; what turns a part of that integral into a share of the
+ * bin, and water quanta into the bin's TL d^2. */
+bool asdic_shot_tabulate(const asdic_simulator *sim, asdic_ping_shot *shot) {
+    const asdic_water_column *water = &shot->water;
+    if (shot->tables_np_per_m == water->absorption_np_per_m) {
+        return false;
+    }
+    double strength = pow(10.0, 0.1 * volume_backscatter_db(sim->setup.env.particle_strength_db,
+                                                            sim->setup.sonar.frequency_hz / 1e3));
+    float *inverse = shot->for_device, *ratio = inverse + sim->setup.bins;
+    for (size_t n = 0; n < sim->setup.bins; n++) {
+        double loss = asdic_water_column_loss(water, sim->setup.sonar.bin_length_m, n);
+        double center = ((double)n + 0.5) * sim->setup.sonar.bin_length_m;
+        double volume = asdic_water_column_volume(water, sim->setup.sonar.bin_length_m,
+                                                  sim->setup.sonar.blanking_m, n);
+        /* The device works relative to the bin's centre: integral of d^-2 exp(-2 k (d - d_n)). */
+        double local = volume / (loss * center * center);
+        inverse[n] = local > 0.0 && isfinite(local) ? (float)(1.0 / local) : 0.0f;
+        ratio[n] = isfinite(volume) ? (float)(strength * volume / loss) : 0.0f;
+        shot->loss[n] = loss;
+        shot->volume[n] = strength * volume;
+    }
+    shot->tables_np_per_m = water->absorption_np_per_m;
+    return true;
+}
