@@ -29,9 +29,9 @@ static weights weigh(const world *w, uint first, triple u) {
 /* How many of QUANTA, deposits of an arrival, have to be cut. */
 static uint count_cut(const world *w, real quanta) {
     uint cut = 0u;
-    if (any_true(quanta > (real)(w->ping->deposit_limit))) {
+    if (any_true(quanta > (real)(w->ping->sums.limit))) {
         LANES {
-            cut += (uint)(AT(quanta, float) > w->ping->deposit_limit);
+            cut += (uint)(AT(quanta, float) > w->ping->sums.limit);
         }
     }
     return cut;
@@ -42,7 +42,7 @@ static uint count_cut(const world *w, real quanta) {
 static uint add_arrival(const world *w, __global const dev_arrival *arrival, __global long *cells,
                         const weights *g, uint lane, uint first) {
     uint cut = 0u;
-    real gain, limit = (real)(w->ping->deposit_limit);
+    real gain, limit = (real)(w->ping->sums.limit);
     for (uint b = 0; b < ASDIC_WIDTH; b++) {
         ((float *)&gain)[b] = ((const float *)&g->of_beam[b])[lane];
     }
@@ -52,7 +52,7 @@ static uint add_arrival(const world *w, __global const dev_arrival *arrival, __g
             continue;
         }
         real quanta = gain * arriving;
-        __global long *at = cells + (size_t)(arrival->row[c]) * w->ping->columns + first;
+        __global long *at = cells + (size_t)(arrival->row[c]) * w->ping->sums.columns + first;
         store_wholes(load_wholes(0, at) + to_wholes(whole_quanta(quanta, limit)), 0, at);
         cut += count_cut(w, quanta);
     }
@@ -72,7 +72,7 @@ static uint add_arrival_to_four(const world *w, __global const dev_arrival *arri
     for (uint c = 0; c < MAX_ARRIVALS; c += 2u) {
         float2 arriving = vload2(0, arrival->quanta + c);
         real quanta = gain.xyzwxyzw * arriving.xxxxyyyy;
-        wholes whole = to_wholes(whole_quanta(quanta, (real)(w->ping->deposit_limit)));
+        wholes whole = to_wholes(whole_quanta(quanta, (real)(w->ping->sums.limit)));
         __global long *at = cells + (size_t)(arrival->row[c]) * 4u;
         vstore4(vload4(0, at) + whole.lo, 0, at);
         at = cells + (size_t)(arrival->row[c + 1u]) * 4u;
@@ -110,7 +110,7 @@ static uint add_arrivals(const world *w, __global const dev_arrival *set, __glob
             continue;
         }
 #if ASDIC_WIDTH == 8
-        if (w->ping->columns == 4u) {
+        if (w->ping->sums.columns == 4u) {
             cut += add_arrival_to_four(w, set + lane, cells, g, lane);
             continue;
         }
@@ -170,10 +170,10 @@ typedef long long1;
     static void take_water##N(__global const dev_ping *ping, turn at_group, __global long *cells,  \
                               __global long *sums, __global const float *ratio,                    \
                               __global float *totals) {                                            \
-        const float unit = 1.0f / ping->deposit_scale[DEV_DEPOSIT_VOLUME];                         \
+        const float unit = 1.0f / ping->sums.scale[DEV_DEPOSIT_VOLUME];                            \
         long##N crossing = (long##N)(0);                                                           \
         for (uint bin = ping->bins; bin-- > 0u;) {                                                 \
-            size_t at = (size_t)(bin)*ping->columns;                                               \
+            size_t at = (size_t)(bin)*ping->sums.columns;                                          \
             long##N so_far = vload##N(0, cells + at);                                              \
             crossing += so_far - (at_group.first ? (long##N)(0) : vload##N(0, sums + at));         \
             vstore##N(so_far, 0, sums + at);                                                       \
@@ -191,33 +191,34 @@ TAKE_WATER(8)
 /* Takes a group's totals, in units of the bin's TL d^2, to TOTALS, and the cells so far to SUMS. */
 static void take_group(__global const dev_ping *ping, turn at_group, __global long *cells,
                        __global long *sums, __global const float *ratio, __global float *totals) {
-    const size_t plane = (size_t)(ping->component_rows) * ping->columns;
+    const size_t plane = (size_t)(ping->sums.component_rows) * ping->sums.columns;
     __global long *water = cells + DEV_DEPOSIT_VOLUME * plane;
     __global long *water_sums = sums + DEV_DEPOSIT_VOLUME * plane;
     uint column = 0u;
-    for (; column + 8u <= ping->columns; column += 8u) {
+    for (; column + 8u <= ping->sums.columns; column += 8u) {
         take_water8(ping, at_group, water + column, water_sums + column, ratio, totals + column);
     }
-    for (; column + 4u <= ping->columns; column += 4u) {
+    for (; column + 4u <= ping->sums.columns; column += 4u) {
         take_water4(ping, at_group, water + column, water_sums + column, ratio, totals + column);
     }
-    for (; column < ping->columns; column++) {
+    for (; column < ping->sums.columns; column++) {
         take_water1(ping, at_group, water + column, water_sums + column, ratio, totals + column);
     }
-    for (size_t first = 0; first < (size_t)(ping->bins) * ping->columns; first += ASDIC_WIDTH) {
+    for (size_t first = 0; first < (size_t)(ping->bins) * ping->sums.columns;
+         first += ASDIC_WIDTH) {
         real total = R(0.0);
-        for (uint c = 0; c < ping->components; c++) {
+        for (uint c = 0; c < ping->sums.components; c++) {
             size_t at = c * plane + first;
             if (c == DEV_DEPOSIT_VOLUME) {
                 total += load_reals(0, totals + first);
-            } else if ((ping->present & 1u << c) != 0u) {
+            } else if ((ping->sums.present & 1u << c) != 0u) {
                 wholes so_far = load_wholes(0, cells + at);
                 wholes before = at_group.first ? (wholes)(0) : load_wholes(0, sums + at);
                 store_wholes(so_far, 0, sums + at);
                 if (at_group.last) {
                     store_wholes((wholes)(0), 0, cells + at);
                 }
-                real scale = (real)(1.0f / ping->deposit_scale[c]);
+                real scale = (real)(1.0f / ping->sums.scale[c]);
                 total += wholes_to_real(so_far - before) * scale;
             }
         }
@@ -231,33 +232,34 @@ __kernel void collect(__global const dev_ping *pings, __global const dev_arrival
                       __global long *accumulator, __global uint *saturated,
                       __global const float *water, __global float *totals) {
     __global const dev_ping *ping = row_ping(pings);
-    const uint owners = ping->blocks / 2u;
+    const uint owners = ping->sums.blocks / 2u;
     uint owner = (uint)(get_global_id(0)), cut = 0u;
     if (owner >= owners) {
         return;
     }
     world w = {ping, beams_of(ping), 0, 0, 0, 0};
-    __global long *cells = row_cells(ping, accumulator) + 2u * owner * (size_t)(ping->group_cells);
-    __global long *sums = cells + ping->group_cells;
+    __global long *cells =
+        row_cells(ping, accumulator) + 2u * owner * (size_t)(ping->sums.group_cells);
+    __global long *sums = cells + ping->sums.group_cells;
     __global const float *ratio = row_water(ping, water) + ping->bins;
     arrivals += ARRIVAL_SETS * row_slots(ping);
     totals += row_first_total(ping);
-    for (uint group = owner; group < ping->groups; group += owners) {
-        for (uint k = 0; k < ping->per_group; k += ASDIC_WIDTH) {
+    for (uint group = owner; group < ping->batch.groups; group += owners) {
+        for (uint k = 0; k < ping->batch.per_group; k += ASDIC_WIDTH) {
             for (uint first = 0; first < ping->beams; first += ASDIC_WIDTH) {
-                cut += add_rays(&w, arrivals + group * ping->per_group + k, cells, first);
+                cut += add_rays(&w, arrivals + group * ping->batch.per_group + k, cells, first);
             }
         }
-        if (ping->last_batch != 0u) {
-            turn at_group = {group == owner, group + owners >= ping->groups};
+        if (ping->batch.last != 0u) {
+            turn at_group = {group == owner, group + owners >= ping->batch.groups};
             take_group(ping, at_group, cells, sums, ratio,
-                       totals + group * (size_t)(ping->total_cells));
+                       totals + group * (size_t)(ping->sums.total_cells));
         }
     }
-    if (ping->last_batch != 0u) {
-        sums += DEV_DEPOSIT_VOLUME * (size_t)(ping->component_rows) * ping->columns;
-        for (uint column = 0; column < ping->columns; column++) {
-            deposit_sum_crossings(sums + column, ping->bins, ping->columns);
+    if (ping->batch.last != 0u) {
+        sums += DEV_DEPOSIT_VOLUME * (size_t)(ping->sums.component_rows) * ping->sums.columns;
+        for (uint column = 0; column < ping->sums.columns; column++) {
+            deposit_sum_crossings(sums + column, ping->bins, ping->sums.columns);
         }
     }
     if (cut != 0u) {

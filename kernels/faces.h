@@ -21,7 +21,7 @@ static inline float aimed_at(uint triangle) {
 /* The solid angle of rays that were drawn as R with WEIGHT and met M. */
 static real weigh_faces(const world *w, const meeting *m, __global const dev_hit *hits,
                         natural slots, const ray *r, real weight, real splat) {
-    if (w->ping->face_count == 0u) {
+    if (w->ping->sampling.face_count == 0u) {
         return weight;
     }
     real density = R(0.0);
@@ -34,7 +34,7 @@ static real weigh_faces(const world *w, const meeting *m, __global const dev_hit
         }
         AT(missed, int) = aim >= 0x80000000u && met != (aim & 0x7fffffffu) ? -1 : 0;
     }
-    density *= (real)((float)(w->ping->face_count));
+    density *= (real)((float)(w->ping->sampling.face_count));
     real cosine = r_max(r_abs(dot3(m->facet, ray_direction(r, m->t))), R(1e-6));
     real faces = choose(density > R(0.0), ray_per_steradian(r, m->t, density, cosine), R(0.0));
     real all = choose(weight > R(0.0), R(1.0) / weight + faces, R(1.0));

@@ -35,7 +35,7 @@ typedef struct fan_list {
 
 /* Where a deposit goes. */
 static inline uint bin_of_row(__global const dev_ping *ping, uint row) {
-    return row % ping->component_rows;
+    return row % ping->sums.component_rows;
 }
 
 /* The lowest and highest bins of deposits FIRST to END of ARRIVAL that hold anything; none: low > high. */
@@ -77,7 +77,7 @@ static inline void sort_deposits(const fan_sort *sort, __global const dev_arriva
     uint rows = 0u;
     for (uint c = 0; c < DEPOSITS; c++) {
         bool here = c >= first && c < end && arrival->quanta[c] > 0.0f;
-        uint component = here ? arrival->row[c] / ping->component_rows : 0u;
+        uint component = here ? arrival->row[c] / ping->sums.component_rows : 0u;
         uint beyond = here ? bin_of_row(ping, arrival->row[c]) - key : 0u;
         rows |= (ASDIC_COMPONENTS * beyond + component) << 8u * c;
         to->quanta[c] = here ? arrival->quanta[c] : 0.0f;
@@ -347,7 +347,7 @@ static void project(__global const dev_ping *ping, __global const fan_entry *ent
                     __global const fan_list *lists, __global float *results, uint receiver,
                     uint bin, uint add) {
     const uint end = min(receiver + RECEIVERS, ping->beams), bins = min(ping->bins - bin, RUN);
-    const size_t stride = (size_t)(ping->components) * ping->bins;
+    const size_t stride = (size_t)(ping->sums.components) * ping->bins;
     for (uint first = receiver; first < end; first += PARTS * ASDIC_WIDTH) {
         receivers r[PARTS];
         fan_sums sums;
@@ -383,7 +383,7 @@ __kernel void fan_project(__global const dev_ping *ping, __global const fan_entr
     uint bin = id / parts * RUN;
     if (receiver < ping->beams && bin < ping->bins) {
         project(ping, entries, lists,
-                results + (size_t)(receiver)*ping->components * ping->bins + bin, receiver, bin,
-                add);
+                results + (size_t)(receiver)*ping->sums.components * ping->bins + bin, receiver,
+                bin, add);
     }
 }

@@ -55,9 +55,10 @@ static real azimuth_factor(__global const float *table, real x, real y) {
 static real azimuth_density(__global const dev_ping *ping, __global const float *table,
                             const azimuth_lobes *all, real x, real phi, real *y) {
     real density = R(0.0), most = R(-1.0);
-    for (uint j = 0; j < ping->lobes; j++) {
+    for (uint j = 0; j < ping->sampling.lobes; j++) {
         const azimuth_lobe *a = &all->lobe[j];
-        real share = (real)(ping->lobe[j].share), begin = (real)(ping->lobe[j].share_begin);
+        real share = (real)(ping->sampling.lobe[j].share),
+             begin = (real)(ping->sampling.lobe[j].share_begin);
         real part = share * a->near_share;
         for (uint side = 0; side < 2u; side++) {
             real center = side == 0u ? a->near : a->far;
@@ -66,7 +67,8 @@ static real azimuth_density(__global const dev_ping *ping, __global const float 
             real here = begin + part * at.below, own = part * at.density;
             *y = choose(own > most, here, *y);
             most = r_max(most, own);
-            density += ping->azimuths_learnt != 0u ? own * azimuth_factor(table, x, here) : own;
+            density +=
+                ping->sampling.azimuths_learnt != 0u ? own * azimuth_factor(table, x, here) : own;
             begin += part;
             part = share - part;
             if (!any_true(part > R(0.0))) {
@@ -86,12 +88,12 @@ static ray_sample sample_adaptive(__global const dev_ping *ping, __global const 
             learnt_quantile(table, DEV_TABLE_CELLS, ((float *)&xi1)[lane], (float *)&factor + lane);
     }
     x = r_min(r_max(x, R(6e-8)), R(0.99999994));
-    for (uint lane = 0; lane < ASDIC_WIDTH && ping->azimuths_learnt != 0u; lane++) {
+    for (uint lane = 0; lane < ASDIC_WIDTH && ping->sampling.azimuths_learnt != 0u; lane++) {
         float unused;
         ((float *)&y)[lane] = learnt_quantile(learnt_row(table, ((float *)&x)[lane]),
                                               DEV_AZIMUTH_CELLS, ((float *)&xi2)[lane], &unused);
     }
-    __global const dev_lobe *lobes = ping->lobe;
+    __global const dev_lobe *lobes = ping->sampling.lobe;
     elevation e = elevation_of_x(ping, x);
     e.density *= factor;
     ray_sample s;
@@ -100,7 +102,7 @@ static ray_sample sample_adaptive(__global const dev_ping *ping, __global const 
     azimuth_lobes_at(ping, lobes, e.uz, m, &all);
     azimuth_lobe picked = all.lobe[0];
     real xi = y / (real)(lobes[0].share);
-    for (uint j = 1; j < ping->lobes; j++) {
+    for (uint j = 1; j < ping->sampling.lobes; j++) {
         mask here = y >= (real)(lobes[j].share_begin);
         picked.near = choose(here, all.lobe[j].near, picked.near);
         picked.near_limit = choose(here, all.lobe[j].near_limit, picked.near_limit);
@@ -123,7 +125,7 @@ static ray_sample sample_adaptive(__global const dev_ping *ping, __global const 
     real density = e.density * azimuth_density(ping, table, &all, x, phi, &xi);
     s.solid_angle = R(1.0) / (count * density);
     /* Steep patterns are wide in azimuth, and see more of the rays of a sector. */
-    real rays = r_max((real)(ping->footprint_rays) * m, (real)(DEV_FOOTPRINT_RAYS));
+    real rays = r_max((real)(ping->sampling.footprint_rays) * m, (real)(DEV_FOOTPRINT_RAYS));
     s.splat = rays / (count * e.density * m);
     return s;
 }

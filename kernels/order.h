@@ -21,12 +21,12 @@
 
 /* Slots of a batch, a multiple of the vectors' width. */
 static inline uint batch_slots(__global const dev_ping *ping) {
-    return ping->groups * ping->per_group;
+    return ping->batch.groups * ping->batch.per_group;
 }
 
 /* The rays in SLOT and the slots that follow it, a lane each, counted from the first of the batch. */
 static inline natural rays_in(__global const dev_ping *ping, uint slot) {
-    const uint block = ping->order_block;
+    const uint block = ping->batch.order_block;
     natural lane, image, first = (natural)(slot / block * block);
 #if ASDIC_WIDTH == 1
     lane = image = 0u;
@@ -34,10 +34,10 @@ static inline natural rays_in(__global const dev_ping *ping, uint slot) {
     for (uint k = 0; k < ASDIC_WIDTH; k++) {
         ((uint *)&lane)[k] = k;
     }
-    image = ASDIC_JOIN(vload, ASDIC_WIDTH)(0, ping->order_lanes);
+    image = ASDIC_JOIN(vload, ASDIC_WIDTH)(0, ping->batch.order_lanes);
 #endif
     natural at = slot - first + lane;
-    image += (slot - first) * ping->order_inverse % block;
+    image += (slot - first) * ping->batch.order_inverse % block;
     image = choose_natural(image >= block, image - block, image);
     natural next = choose_natural(at >= block, (natural)(block), (natural)(0u));
     at -= next;
@@ -47,19 +47,19 @@ static inline natural rays_in(__global const dev_ping *ping, uint slot) {
 
 /* The ray in SLOT. */
 static inline uint ray_in(__global const dev_ping *ping, uint slot) {
-    uint first = slot / ping->order_block * ping->order_block, at = slot - first;
-    bool whole = first + ping->order_block <= batch_slots(ping);
-    return first + (whole ? at * ping->order_inverse % ping->order_block : at);
+    uint first = slot / ping->batch.order_block * ping->batch.order_block, at = slot - first;
+    bool whole = first + ping->batch.order_block <= batch_slots(ping);
+    return first + (whole ? at * ping->batch.order_inverse % ping->batch.order_block : at);
 }
 
 /* A batch begins with a ray of group 0; the number of groups is a power of two. */
 static inline uint group_of(__global const dev_ping *ping, uint ray) {
-    return ray & (ping->groups - 1u);
+    return ray & (ping->batch.groups - 1u);
 }
 
 /* Where a ray stands when the batch is counted group by group. */
 static inline uint place_of(__global const dev_ping *ping, uint ray) {
-    return group_of(ping, ray) * ping->per_group + (ray >> popcount(ping->groups - 1u));
+    return group_of(ping, ray) * ping->batch.per_group + (ray >> popcount(ping->batch.groups - 1u));
 }
 
 #endif

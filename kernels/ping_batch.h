@@ -20,12 +20,12 @@ static inline size_t row_slots(__global const dev_ping *ping) {
 
 /* Its accumulator. */
 static inline __global long *row_cells(__global const dev_ping *ping, __global long *accumulator) {
-    return accumulator + get_group_id(1) * (size_t)(ping->blocks) * ping->group_cells;
+    return accumulator + get_group_id(1) * (size_t)(ping->sums.blocks) * ping->sums.group_cells;
 }
 
 /* Where its groups' totals begin. */
 static inline size_t row_first_total(__global const dev_ping *ping) {
-    return get_group_id(1) * (size_t)(ping->groups) * ping->total_cells;
+    return get_group_id(1) * (size_t)(ping->batch.groups) * ping->sums.total_cells;
 }
 
 /* Two tables by bins, one behind the other: the inverse of the water's integral, and what turns water

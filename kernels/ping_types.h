@@ -98,8 +98,58 @@ typedef struct dev_pilot {
 #define DEV_ARRIVAL_ACROSS 2 /* from mirrors, straight from what they showed */
 #define DEV_ARRIVAL_SETS(mirrors) ((mirrors) ? 3u : 1u)
 
-/* In the buffer that kernels get, the apertures follow: the transmitter, then the receivers. One
- * transfer carries them all, and those of all pings that go together (ping_batch.h). */
+/* A ping's rays, and those of them that are in the current batch. Each group (replicate) has its share;
+ * order.h says how they lie in memory. */
+typedef struct dev_batch {
+    dev_uint rays, groups;               /* of the ping */
+    dev_uint first;                      /* of each group's rays in this batch */
+    dev_uint per_group;                  /* slots of each group in this batch */
+    dev_uint last;                       /* 1: no batch follows */
+    dev_uint order_block, order_inverse; /* order.h: F, I */
+    dev_uint order_lanes[16];            /* k I modulo F */
+} dev_batch;
+
+/* Elevation zones of the adaptive sampler. */
+typedef struct dev_zones {
+    float bottom_m, surface_m; /* h', hs: distances of the planes that rays are spread over */
+    float cap_rad;             /* polar angle of the caps round nadir and zenith */
+    float share[5];            /* nadir cap, bottom, gap, surface, zenith cap; sum 1 */
+} dev_zones;
+
+/* How directions are drawn. */
+typedef struct dev_sampling {
+    dev_uint sampler;    /* DEV_SAMPLER_... */
+    dev_uint background; /* rays that neither cones nor faces have, the first ones */
+    dev_uint cones;      /* number of cones */
+    dev_uint face_first, face_count, faces; /* rays aimed at faces; number of faces */
+    dev_uint azimuths_learnt;               /* 0: all rows of the learnt table are even */
+    dev_uint lattice_shift;                 /* c1 */
+    float lattice_offset;                   /* c0 */
+    float footprint_rays; /* rays, next to each other in elevation, that a level footprint spans */
+    float front[3];       /* transmitter axis, world */
+    float front_azimuth_rad;
+    dev_zones zones;
+    dev_uint lobes;
+    dev_lobe lobe[DEV_MAX_LOBES];
+    dev_cone cone[DEV_MAX_CONES];
+} dev_sampling;
+
+/* The accumulator and what becomes of it, see deposit.h and reduce.cl. */
+typedef struct dev_sums {
+    dev_uint components;     /* DEV_DEPOSIT_COUNT at most */
+    dev_uint present;        /* a bit for each component that something can be added to */
+    dev_uint columns;        /* receivers, rounded up */
+    dev_uint component_rows; /* bins, rounded up: from one component to the next */
+    dev_uint group_cells;    /* of a block */
+    dev_uint blocks;
+    dev_uint total_cells;           /* of the groups' totals, from one group to the next */
+    dev_uint result_words;          /* 64-bit words of a ping's results */
+    float scale[DEV_DEPOSIT_COUNT]; /* quanta per energy, powers of two */
+    float limit;                    /* largest single deposit, in quanta */
+} dev_sums;
+
+/* In the buffer that kernels get, the apertures follow: the transmitter, then the receivers. One transfer
+ * carries them all, and those of all pings that go together (ping_batch.h). */
 typedef struct dev_ping {
     float origin[3];           /* of the sonar in the scene frame */
     float surface_m;           /* sonar below the surface; INFINITY: no surface */
@@ -112,39 +162,14 @@ typedef struct dev_ping {
     dev_uint boundary_mirrors; /* 1: bottom and surface reflect, too */
     float wavelength_m;
     dev_uint bottom_material, surface_material;
-    dev_uint rays, batch_first, per_group, groups; /* rays; first and count of each group's rays in
-                                                    this batch; number of groups (replicates) */
-    dev_uint beams, bins, lobes, sampler;
-    dev_uint background, cones; /* rays that neither cones nor faces have, the first ones; cones */
-    dev_uint face_first, face_count, faces; /* rays aimed at faces; number of faces */
-    dev_uint components;                    /* of the accumulator, DEV_DEPOSIT_COUNT at most */
-    dev_uint columns;                       /* of the accumulator */
-    dev_uint component_rows;                /* of the accumulator, from one component to the next */
-    dev_uint group_cells;                   /* of a block of the accumulator */
-    dev_uint blocks;                        /* of the accumulator, see deposit.h */
-    dev_uint total_cells;                   /* of the groups' totals, from one group to the next */
-    dev_uint stride;                        /* bytes from this ping to the next that goes with it */
-    dev_uint result_words;                  /* 64-bit words of a ping's results */
-    dev_uint present; /* a bit for each component that something can be added to */
-    dev_uint order_block, order_inverse; /* see order.h: F, I */
-    dev_uint order_lanes[16];            /* k I modulo F */
-    float fan_rows[9]; /* world to fan: z is the faces' common axis; see receive.h */
+    dev_uint beams, bins;
+    dev_uint stride;        /* bytes from this ping to the next that goes with it */
+    dev_uint states_errors; /* 0: nobody asks for the groups' spread */
     dev_uint seed[2], ping[2];
-    dev_uint last_batch;      /* 1: no batch follows */
-    dev_uint states_errors;   /* 0: nobody asks for the groups' spread */
-    dev_uint azimuths_learnt; /* 0: all rows of the learnt table are even */
-    dev_uint lattice_shift;   /* c1 */
-    float lattice_offset;     /* c0 */
-    float footprint_rays; /* rays, next to each other in elevation, that a level footprint spans */
-    float front[3];       /* transmitter axis, world */
-    float front_azimuth_rad;
-    float zone_bottom_m, zone_surface_m;    /* h', hs of the elevation zones */
-    float zone_cap_rad;                     /* polar angle of the caps round nadir and zenith */
-    float zone_share[5];                    /* nadir cap, bottom, gap, surface, zenith cap; sum 1 */
-    float deposit_scale[DEV_DEPOSIT_COUNT]; /* powers of two */
-    float deposit_limit;                    /* largest single deposit, in quanta */
-    dev_lobe lobe[DEV_MAX_LOBES];
-    dev_cone cone[DEV_MAX_CONES];
+    float fan_rows[9]; /* world to fan: z is the faces' common axis; see receive.h */
+    dev_batch batch;
+    dev_sampling sampling;
+    dev_sums sums;
 } dev_ping;
 
 #endif

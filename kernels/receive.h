@@ -30,10 +30,10 @@ typedef struct arrivals {
 static void arrivals_add(const world *w, arrivals *a, natural component, natural bin, real energy) {
     real scale = R(0.0);
     LANES {
-        AT(scale, float) = w->ping->deposit_scale[AT(component, uint)];
+        AT(scale, float) = w->ping->sums.scale[AT(component, uint)];
     }
     a->quanta[a->count] = energy * scale;
-    a->row[a->count++] = component * w->ping->component_rows + bin;
+    a->row[a->count++] = component * w->ping->sums.component_rows + bin;
 }
 
 /* Adds both halves of an echo. */
@@ -58,13 +58,13 @@ static uint add_column(const world *w, const arrivals *a, __global long *cells, 
     uint cut = 0u;
     for (uint c = 0; c < a->count; c++) {
         real quanta = gain * a->quanta[c];
-        real whole = whole_quanta(quanta, (real)(w->ping->deposit_limit));
-        natural at = first + a->row[c] * (natural)(w->ping->columns) + column;
+        real whole = whole_quanta(quanta, (real)(w->ping->sums.limit));
+        natural at = first + a->row[c] * (natural)(w->ping->sums.columns) + column;
         LANES {
             if (AT(whole, float) > 0.0f) {
                 deposit_add(cells + AT(at, uint), convert_long(AT(whole, float)));
             }
-            cut += (uint)(AT(quanta, float) > w->ping->deposit_limit);
+            cut += (uint)(AT(quanta, float) > w->ping->sums.limit);
         }
     }
     return cut;
@@ -73,9 +73,9 @@ static uint add_column(const world *w, const arrivals *a, __global long *cells, 
 /* First cells of the groups that RAYS belong to. */
 static natural cells_of(const world *w, natural rays) {
     natural first = (natural)(0u);
-    if (w->ping->groups > 1u) {
+    if (w->ping->batch.groups > 1u) {
         LANES {
-            AT(first, uint) = group_of(w->ping, AT(rays, uint)) * w->ping->group_cells;
+            AT(first, uint) = group_of(w->ping, AT(rays, uint)) * w->ping->sums.group_cells;
         }
     }
     return first;

@@ -10,13 +10,13 @@ __kernel void suffix(__global const dev_ping *pings, __global long *accumulator)
     __global const dev_ping *ping = row_ping(pings);
     uint id = (uint)(get_global_id(0));
     uint group = id / ping->beams, beam = id - group * ping->beams;
-    if (group >= ping->groups) {
+    if (group >= ping->batch.groups) {
         return;
     }
-    size_t plane = (size_t)(ping->component_rows) * ping->columns;
-    deposit_sum_crossings(row_cells(ping, accumulator) + group * (size_t)(ping->group_cells) +
+    size_t plane = (size_t)(ping->sums.component_rows) * ping->sums.columns;
+    deposit_sum_crossings(row_cells(ping, accumulator) + group * (size_t)(ping->sums.group_cells) +
                               DEV_DEPOSIT_VOLUME * plane + beam,
-                          ping->bins, ping->columns);
+                          ping->bins, ping->sums.columns);
 }
 
 /* Cells that a work-item sums, in vectors: long runs of memory. */
@@ -53,8 +53,8 @@ static void sum_component(__global const dev_ping *ping, __global const long *ce
     for (uint v = 0; v < VECTORS; v++) {
         sums[v] = (wholes)(0);
     }
-    for (uint block = 1; block < ping->blocks; block += 2u) {
-        __global const long *from = cells + block * (size_t)(ping->group_cells);
+    for (uint block = 1; block < ping->sums.blocks; block += 2u) {
+        __global const long *from = cells + block * (size_t)(ping->sums.group_cells);
         for (uint v = 0; v < VECTORS; v++) {
             sums[v] += load_wholes(v, from);
         }
@@ -63,9 +63,9 @@ static void sum_component(__global const dev_ping *ping, __global const long *ce
 
 /* As collect left them in FROM. */
 static void load_totals(__global const dev_ping *ping, __global const float *from, real *totals) {
-    for (uint g = 0; g < ping->groups; g++) {
+    for (uint g = 0; g < ping->batch.groups; g++) {
         for (uint v = 0; v < VECTORS; v++) {
-            totals[g * VECTORS + v] = load_reals(v, from + g * (size_t)(ping->total_cells));
+            totals[g * VECTORS + v] = load_reals(v, from + g * (size_t)(ping->sums.total_cells));
         }
     }
 }
@@ -79,8 +79,8 @@ static void sum_component(__global const dev_ping *ping, __global long *cells, c
     for (uint v = 0; v < VECTORS; v++) {
         sums[v] = (wholes)(0);
     }
-    for (uint g = 0; g < ping->groups; g++) {
-        __global long *from = cells + g * (size_t)(ping->group_cells);
+    for (uint g = 0; g < ping->batch.groups; g++) {
+        __global long *from = cells + g * (size_t)(ping->sums.group_cells);
         for (uint v = 0; v < VECTORS; v++) {
             wholes quanta = load_wholes(v, from);
             store_wholes((wholes)(0), v, from);
@@ -106,7 +106,7 @@ __kernel void reduce(__global const dev_ping *pings, __global long *accumulator,
                      __global const float *water, __global uint *saturated,
                      __global const float *group_totals, __global long *results) {
     __global const dev_ping *ping = row_ping(pings);
-    const uint beams = ping->beams, bins = ping->bins, columns = ping->columns;
+    const uint beams = ping->beams, bins = ping->bins, columns = ping->sums.columns;
     const uint first = (uint)(get_global_id(0)) * RUN;
     const size_t plane = (size_t)(bins)*beams;
     if (first / columns >= bins) {
@@ -114,7 +114,7 @@ __kernel void reduce(__global const dev_ping *pings, __global long *accumulator,
     }
     __global const float *volume_ratio = row_water(ping, water) + bins;
     accumulator = row_cells(ping, accumulator);
-    results += get_group_id(1) * (size_t)(ping->result_words);
+    results += get_group_id(1) * (size_t)(ping->sums.result_words);
     saturated += get_group_id(1);
     real totals[DEV_MAX_GROUPS * VECTORS], ratios[VECTORS], units[VECTORS];
     wholes sums[VECTORS];
@@ -127,29 +127,29 @@ __kernel void reduce(__global const dev_ping *pings, __global long *accumulator,
         beam = next ? 0u : beam;
         bin += next ? 1u : 0u;
     }
-    for (uint i = 0; i < ping->groups * VECTORS; i++) {
+    for (uint i = 0; i < ping->batch.groups * VECTORS; i++) {
         totals[i] = R(0.0);
     }
     load_totals(ping, group_totals + row_first_total(ping) + first, totals);
-    for (uint c = 0; c < ping->components; c++) {
-        if ((ping->present & 1u << c) == 0u) {
+    for (uint c = 0; c < ping->sums.components; c++) {
+        if ((ping->sums.present & 1u << c) == 0u) {
             continue;
         }
-        real unit = (real)(1.0f / ping->deposit_scale[c]);
+        real unit = (real)(1.0f / ping->sums.scale[c]);
         for (uint v = 0; v < VECTORS; v++) {
             units[v] = c == DEV_DEPOSIT_VOLUME ? unit * ratios[v] : unit;
         }
-        sum_component(ping, accumulator + (size_t)(c)*ping->component_rows * columns + first, units,
-                      sums, totals);
+        sum_component(ping, accumulator + (size_t)(c)*ping->sums.component_rows * columns + first,
+                      units, sums, totals);
         for (uint k = 0; k < RUN; k++) {
             if (place[k] != NO_PLACE) {
                 results[c * plane + place[k]] = ((long *)sums)[k];
             }
         }
     }
-    __global float *spreads = (__global float *)(results + ping->components * plane + 1u);
+    __global float *spreads = (__global float *)(results + ping->sums.components * plane + 1u);
     for (uint v = 0; v < VECTORS && ping->states_errors != 0u; v++) {
-        real error = spread(totals + v, ping->groups);
+        real error = spread(totals + v, ping->batch.groups);
         for (uint k = 0; k < ASDIC_WIDTH; k++) {
             uint at = place[v * ASDIC_WIDTH + k];
             if (at != NO_PLACE) {
@@ -158,7 +158,7 @@ __kernel void reduce(__global const dev_ping *pings, __global long *accumulator,
         }
     }
     if (first == 0u) {
-        results[ping->components * plane] = (long)(*saturated);
+        results[ping->sums.components * plane] = (long)(*saturated);
         *saturated = 0u;
     }
 }

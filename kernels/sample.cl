@@ -15,8 +15,8 @@ static real background_rays(__global const dev_ping *ping, __global const float 
         ((float *)&density)[lane] *= learnt_density(table, DEV_TABLE_CELLS, ((float *)&x)[lane]);
     }
     azimuth_lobes lobes;
-    azimuth_lobes_at(ping, ping->lobe, s->z, m, &lobes);
-    return (real)((float)(ping->background)) * density *
+    azimuth_lobes_at(ping, ping->sampling.lobe, s->z, m, &lobes);
+    return (real)((float)(ping->sampling.background)) * density *
            azimuth_density(ping, table, &lobes, x, atan2(s->y, s->x), &y);
 }
 
@@ -24,7 +24,7 @@ static real background_rays(__global const dev_ping *ping, __global const float 
 static ray_sample sample_face(__global const dev_ping *ping, __global const dev_face *faces,
                               __global const dev_triangle *triangles, float xi1, float xi2,
                               uint lane, ray_sample s) {
-    uint low = 0u, high = ping->faces - 1u;
+    uint low = 0u, high = ping->sampling.faces - 1u;
     while (low < high) {
         uint middle = (low + high) / 2u;
         low = faces[middle].cumulative <= xi1 ? middle + 1u : low;
@@ -52,10 +52,11 @@ static ray_sample aim_at_faces(__global const dev_ping *ping, __global const dev
                                __global const dev_triangle *triangles, natural index,
                                ray_sample s) {
     for (uint lane = 0; lane < ASDIC_WIDTH; lane++) {
-        uint own = ((uint *)&index)[lane] - ping->face_first;
-        if (own < ping->face_count) {
-            float xi1 = ((float)(own) + ping->lattice_offset) / (float)(ping->face_count);
-            uint golden = own * 2654435769u + ping->lattice_shift;
+        uint own = ((uint *)&index)[lane] - ping->sampling.face_first;
+        if (own < ping->sampling.face_count) {
+            float xi1 =
+                ((float)(own) + ping->sampling.lattice_offset) / (float)(ping->sampling.face_count);
+            uint golden = own * 2654435769u + ping->sampling.lattice_shift;
             float xi2 = ((float)(golden >> 9) + 0.5f) * 1.1920928955078125e-7f;
             s = sample_face(ping, faces, triangles, min(xi1, 0.99999994f), xi2, lane, s);
         }
@@ -79,31 +80,31 @@ typedef struct sampler_store {
  * drawn. */
 static ray_sample add_objects(__global const dev_ping *ping, const sampler_store *store,
                               natural index, ray_sample s) {
-    mask drawn = index >= ping->background;
-    for (uint c = 0; c < ping->cones; c++) {
-        mask here = drawn_by(ping->cone + c, index);
+    mask drawn = index >= ping->sampling.background;
+    for (uint c = 0; c < ping->sampling.cones; c++) {
+        mask here = drawn_by(ping->sampling.cone + c, index);
         if (any_true(here)) {
-            natural j = index - ping->cone[c].first;
-            real xi1 =
-                (to_real(j) + (real)(ping->lattice_offset)) / (real)((float)(ping->cone[c].count));
-            natural golden = j * (natural)(2654435769u) + (natural)(ping->lattice_shift);
+            natural j = index - ping->sampling.cone[c].first;
+            real xi1 = (to_real(j) + (real)(ping->sampling.lattice_offset)) /
+                       (real)((float)(ping->sampling.cone[c].count));
+            natural golden = j * (natural)(2654435769u) + (natural)(ping->sampling.lattice_shift);
             ray_sample own =
-                sample_cone(ping->cone + c, r_min(xi1, R(1.0)), random_uniform(golden));
+                sample_cone(ping->sampling.cone + c, r_min(xi1, R(1.0)), random_uniform(golden));
             s.x = choose(here, own.x, s.x);
             s.y = choose(here, own.y, s.y);
             s.z = choose(here, own.z, s.z);
             s.splat = choose(here, own.splat, s.splat);
         }
     }
-    if (ping->face_count != 0u) {
+    if (ping->sampling.face_count != 0u) {
         s = aim_at_faces(ping, store->faces, store->triangles, index, s);
     }
     real rays = R(1.0) / s.solid_angle;
     if (any_true(drawn)) {
         rays = choose(drawn, background_rays(ping, store->table, &s), rays);
     }
-    for (uint c = 0; c < ping->cones; c++) {
-        __global const dev_cone *cone = ping->cone + c;
+    for (uint c = 0; c < ping->sampling.cones; c++) {
+        __global const dev_cone *cone = ping->sampling.cone + c;
         mask inside = in_cone(cone, s.x, s.y, s.z) | drawn_by(cone, index);
         float own = (float)(cone->count) / (6.28318530718f * cone->cap);
         rays += choose(inside, (real)(own), R(0.0));
@@ -114,12 +115,12 @@ static ray_sample add_objects(__global const dev_ping *ping, const sampler_store
 
 static ray_sample draw_adaptive(__global const dev_ping *ping, const sampler_store *store,
                                 natural index) {
-    real count = (real)((float)(ping->background));
-    real xi1 = (to_real(index) + (real)(ping->lattice_offset)) / count;
-    natural golden = index * (natural)(2654435769u) + (natural)(ping->lattice_shift);
+    real count = (real)((float)(ping->sampling.background));
+    real xi1 = (to_real(index) + (real)(ping->sampling.lattice_offset)) / count;
+    natural golden = index * (natural)(2654435769u) + (natural)(ping->sampling.lattice_shift);
     ray_sample s = sample_adaptive(ping, store->table, r_min(xi1, R(0.99999994)),
                                    random_uniform(golden), count);
-    return ping->background == ping->rays ? s : add_objects(ping, store, index, s);
+    return ping->sampling.background == ping->batch.rays ? s : add_objects(ping, store, index, s);
 }
 
 __kernel void sample(__global const dev_ping *pings, __global const float *table,
@@ -134,24 +135,24 @@ __kernel void sample(__global const dev_ping *pings, __global const float *table
     rays += own;
     solid_angles += own;
     splats += own;
-    natural index = ping->batch_first * ping->groups + rays_in(ping, first);
-    real count = (real)((float)(ping->rays));
+    natural index = ping->batch.first * ping->batch.groups + rays_in(ping, first);
+    real count = (real)((float)(ping->batch.rays));
     ray_sample s;
-    if (ping->sampler == DEV_SAMPLER_ADAPTIVE) {
+    if (ping->sampling.sampler == DEV_SAMPLER_ADAPTIVE) {
         sampler_store store = {table, faces, triangles};
         s = draw_adaptive(ping, &store, index);
     } else {
         random4 random = random_draw(index, ping->ping[0], ping->ping[1], RANDOM_SAMPLE,
                                      ping->seed[0], ping->seed[1]);
-        if (ping->sampler == DEV_SAMPLER_BEAM) {
-            s = sample_beam(ping->lobe, ping->lobes, random, count);
+        if (ping->sampling.sampler == DEV_SAMPLER_BEAM) {
+            s = sample_beam(ping->sampling.lobe, ping->sampling.lobes, random, count);
         } else {
             s = sample_uniform_sphere(random, count);
         }
     }
     for (uint lane = 0; lane < ASDIC_WIDTH; lane++) {
         uint slot = first + lane;
-        bool on = ((uint *)&index)[lane] < ping->rays;
+        bool on = ((uint *)&index)[lane] < ping->batch.rays;
         dev_ray ray;
         ray.origin[0] = ping->origin[0];
         ray.origin[1] = ping->origin[1];

@@ -197,9 +197,9 @@ typedef struct zones {
 
 FORMULA zones zones_of(LOBE_SPACE const dev_ping *ping) {
     zones z;
-    real cap = cos((real)(ping->zone_cap_rad));
-    z.h = (real)(ping->zone_bottom_m);
-    z.hs = (real)(ping->zone_surface_m);
+    real cap = cos((real)(ping->sampling.zones.cap_rad));
+    z.h = (real)(ping->sampling.zones.bottom_m);
+    z.hs = (real)(ping->sampling.zones.surface_m);
     z.range = (real)(ping->reach_m);
     z.h1 = ray_plane_range(z.h, cap);
     z.hs1 = ray_plane_range(z.hs, cap);
@@ -208,8 +208,8 @@ FORMULA zones zones_of(LOBE_SPACE const dev_ping *ping) {
     real begin = R(0.0);
     for (int i = 0; i < 5; i++) {
         z.begin[i] = begin;
-        z.share[i] = r_max((real)(ping->zone_share[i]), R(1e-9));
-        begin += (real)(ping->zone_share[i]);
+        z.share[i] = r_max((real)(ping->sampling.zones.share[i]), R(1e-9));
+        begin += (real)(ping->sampling.zones.share[i]);
     }
     return z;
 }
@@ -222,7 +222,7 @@ FORMULA real cap_zone_density(real share, real cap, real sin_polar) {
 
 FORMULA elevation elevation_of_x(LOBE_SPACE const dev_ping *ping, real x) {
     zones z = zones_of(ping);
-    real cap = (real)(ping->zone_cap_rad);
+    real cap = (real)(ping->sampling.zones.cap_rad);
     real part[5];
     for (int i = 0; i < 5; i++) {
         part[i] = r_min(r_max((x - z.begin[i]) / z.share[i], R(0.0)), R(1.0));
@@ -254,7 +254,7 @@ FORMULA elevation elevation_of_x(LOBE_SPACE const dev_ping *ping, real x) {
 /* The inverse: x of an elevation, with the same density. */
 FORMULA real x_of_elevation(LOBE_SPACE const dev_ping *ping, real uz, real across, real *density) {
     zones z = zones_of(ping);
-    real cap = (real)(ping->zone_cap_rad);
+    real cap = (real)(ping->sampling.zones.cap_rad);
     real x = z.begin[2] + z.share[2] * (z.high - uz) / (z.high - z.low);
     real p = z.share[2] / (z.high - z.low);
     real db = ray_plane_range(z.h, r_max(uz, R(1e-9)));
@@ -285,15 +285,15 @@ typedef struct azimuth_lobe {
 /* Half of the arc of azimuths in front of the transmitter at an elevation; more than pi: all of them, or
  * none. */
 FORMULA real front_arc(LOBE_SPACE const dev_ping *ping, real uz, real m) {
-    real fh = hypot((real)(ping->front[0]), (real)(ping->front[1]));
-    real c = -(real)(ping->front[2]) * uz / r_max(m * fh, R(1e-6));
+    real fh = hypot((real)(ping->sampling.front[0]), (real)(ping->sampling.front[1]));
+    real c = -(real)(ping->sampling.front[2]) * uz / r_max(m * fh, R(1e-6));
     real arc = acos(r_max(r_min(c, R(1.0)), R(-1.0)));
     return choose(r_abs(c) >= R(1.0), R(4.0), arc);
 }
 
 /* How far an azimuth lies from the transmitter's. */
 FORMULA real off_front(LOBE_SPACE const dev_ping *ping, real phi) {
-    return r_abs(wrap_angle(phi - (real)(ping->front_azimuth_rad)));
+    return r_abs(wrap_angle(phi - (real)(ping->sampling.front_azimuth_rad)));
 }
 
 /* At elevation UZ with cosine M and FRONT as from front_arc. A ridge crosses a ring of constant
@@ -360,7 +360,7 @@ FORMULA real lobe_sample(const azimuth_lobe *a, real xi, real limit) {
 FORMULA void azimuth_lobes_at(LOBE_SPACE const dev_ping *ping, LOBE_SPACE const dev_lobe *lobes,
                               real uz, real m, azimuth_lobes *all) {
     real front = front_arc(ping, uz, m);
-    for (uint j = 0; j < ping->lobes; j++) {
+    for (uint j = 0; j < ping->sampling.lobes; j++) {
         all->lobe[j] = azimuth_lobe_at(ping, lobes + j, uz, m, front);
     }
 }

@@ -63,7 +63,7 @@ static uint shade_rays(const world *w, const ray_store *store, __global const fl
     }
     meeting m = meet(w, store->hits, slots, &r, ray_at_range(&r, (real)(ping->reach_m)));
 #if ASDIC_HAS_MESH
-    if (ping->face_count != 0u) {
+    if (ping->sampling.face_count != 0u) {
         weight = weigh_faces(w, &m, store->hits, slots, &r, weight, splat);
         LANES { /* mirrors go by it, too */
             store->solid_angles[slot + lane] = AT(weight, float);
@@ -99,10 +99,10 @@ static uint shade_rays(const world *w, const ray_store *store, __global const fl
     a.count = 0u;
     /* Objects that a plan left out still hide what is behind them. */
     natural component = component_of(m.kind);
-    real heard = choose(component < ping->components, weight, R(0.0));
+    real heard = choose(component < ping->sums.components, weight, R(0.0));
     echo.first *= heard;
     echo.second *= heard;
-    component = min(component, (natural)(ping->components - 1u));
+    component = min(component, (natural)(ping->sums.components - 1u));
     arrivals_add_echo(w, &a, component, &echo);
 #if ASDIC_HAS_WATER
     /* Water: full bins before the last, part of the last. */

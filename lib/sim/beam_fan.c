@@ -133,10 +133,10 @@ static asdic_status sort(asdic_beam_fan *fan, const dev_ping *ping, asdic_buffer
 asdic_status asdic_beam_fan_project(asdic_beam_fan *fan, const dev_ping *ping,
                                     asdic_buffer *ping_buffer, asdic_buffer *arrivals,
                                     asdic_buffer *results, float *host_results) {
-    size_t rows = ping->components * (size_t)ping->bins;
+    size_t rows = ping->sums.components * (size_t)ping->bins;
     bool wide = fan->width > 1;
     size_t items = wide ? (ping->bins + 15) / 16 : ping->bins * (size_t)DEV_FAN_TILE;
-    dev_uint add = ping->batch_first != 0;
+    dev_uint add = ping->batch.first != 0;
     asdic_status status = sort(fan, ping, ping_buffer, arrivals);
     for (dev_uint tile = 0; !status && tile < fan->tiles; tile++) {
         asdic_kernel_arg args[] = {ASDIC_ARG_BUFFER(ping_buffer), ASDIC_ARG_BUFFER(fan->entries),
@@ -145,7 +145,7 @@ asdic_status asdic_beam_fan_project(asdic_beam_fan *fan, const dev_ping *ping,
         status = asdic_kernel_run(fan->project, args, 6, items, wide ? 1 : 64);
         size_t first = (size_t)tile * DEV_FAN_TILE, left = ping->beams - first;
         size_t bytes = (left < DEV_FAN_TILE ? left : DEV_FAN_TILE) * rows * sizeof(float);
-        if (!status && ping->last_batch) {
+        if (!status && ping->batch.last) {
             status = asdic_buffer_fetch(results, first * rows * sizeof(float), bytes,
                                         host_results + first * rows, &fan->fetches[tile]);
         }

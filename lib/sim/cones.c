@@ -104,21 +104,21 @@ static void fill_rows(asdic_vec3 w, float rows[9]) {
 void asdic_cones_place(const asdic_part *parts, size_t part_count, asdic_vec3 position_m,
                        const dev_beam *beams, dev_ping *ping) {
     candidate best[DEV_MAX_CONES];
-    ping->cones = pick(parts, part_count, position_m, beams, ping, best);
-    if (ping->cones == 0) {
+    ping->sampling.cones = pick(parts, part_count, position_m, beams, ping, best);
+    if (ping->sampling.cones == 0) {
         return;
     }
-    double share = fmin(SHARE_ONE * sqrt(ping->cones), SHARE_MOST) / ping->cones;
-    dev_uint each = (dev_uint)fmax(share * ping->rays, 1.0);
-    ping->background -= ping->cones * each;
-    for (unsigned c = 0; c < ping->cones; c++) {
-        dev_cone *cone = &ping->cone[c];
+    double share = fmin(SHARE_ONE * sqrt(ping->sampling.cones), SHARE_MOST) / ping->sampling.cones;
+    dev_uint each = (dev_uint)fmax(share * ping->batch.rays, 1.0);
+    ping->sampling.background -= ping->sampling.cones * each;
+    for (unsigned c = 0; c < ping->sampling.cones; c++) {
+        dev_cone *cone = &ping->sampling.cone[c];
         double sine = best[c].sine, cosine = sqrt((1.0 - sine) * (1.0 + sine));
         fill_rows(best[c].towards, cone->rows);
         cone->cap = (float)(sine * sine / (1.0 + cosine));
         /* Its rays cover twice the half-angle of elevation, see sample_adaptive. */
         cone->splat = (float)(4.0 * 2.0 * asin(sine) / each);
-        cone->first = ping->background + c * each;
+        cone->first = ping->sampling.background + c * each;
         cone->count = each;
     }
 }

@@ -60,12 +60,12 @@ void asdic_deposit_scales(const asdic_scene *scene, const asdic_beam *transmitte
      * stands for much. One factor of 4 covers the relative loss inside a bin, (d_n / d)^2 <= 4; one
      * of 2 the wavelength at another depth, on which a facet's peak depends by its square. */
     double sphere = 4.0 * ASDIC_PI;
-    double sent = fmin(pattern_sr(transmitter, ping) + FEW_RAYS_SR / ping->rays, sphere);
+    double sent = fmin(pattern_sr(transmitter, ping) + FEW_RAYS_SR / ping->batch.rays, sphere);
     for (int c = 0; c < DEV_DEPOSIT_COUNT; c++) {
         double sum = 2.0 * 4.0 * (c == DEV_DEPOSIT_MULTIPATH ? sphere : sent) * bound[c];
-        ping->deposit_scale[c] = (float)exp2(floor(61.0 - log2(sum)));
+        ping->sums.scale[c] = (float)exp2(floor(61.0 - log2(sum)));
     }
     /* A sum overflows at 64 such deposits. Each needs a ray that stands for half of what the
      * transmitter sends out or more and meets the loudest thing there is. */
-    ping->deposit_limit = (float)exp2(57.0);
+    ping->sums.limit = (float)exp2(57.0);
 }

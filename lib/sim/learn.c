@@ -46,7 +46,7 @@ uint32_t asdic_simulator_picked(const asdic_simulator *sim) {
 /* Draws and traces the rays of the pilot ping SHOT and weighs what they brought; blocks. */
 static asdic_status run_pilots(asdic_simulator *sim, const asdic_ping_shot *shot, pilots *p) {
     const dev_ping *ping = shot->ping;
-    p->slots = (size_t)ping->groups * ping->per_group;
+    p->slots = (size_t)ping->batch.groups * ping->batch.per_group;
     p->picked = asdic_simulator_picked(sim);
     p->rays = sim->host.pilot_rays;
     p->energies = sim->host.pilot_energies;

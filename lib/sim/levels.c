@@ -87,7 +87,7 @@ static void convert_beam(const asdic_simulator *sim, const asdic_ping_shot *shot
         for (size_t c = 0; c < DEV_DEPOSIT_COUNT; c++) {
             double *energy = out->intensity_lin[component_of[c]] + at;
             const double *loss = c == DEV_DEPOSIT_VOLUME ? shot->volume : shot->loss;
-            if (shot->ping->present & 1u << c) {
+            if (shot->ping->sums.present & 1u << c) {
                 convert_whole(quanta + c * sim->setup.cells + at, unit[c], loss + n, count, energy,
                               echo);
             } else {
@@ -145,7 +145,7 @@ static void convert_fan_beam(const asdic_simulator *sim, const asdic_ping_shot *
             double *energy = out->intensity_lin[component_of[c]] + at;
             if (c == DEV_DEPOSIT_VOLUME) {
                 add(energy, count, echo);
-            } else if (shot->ping->present & 1u << c) {
+            } else if (shot->ping->sums.present & 1u << c) {
                 convert_fan_echo(quanta + c * bins + n, unit[c], shot->loss + n, count, energy,
                                  echo);
             } else {
@@ -165,7 +165,7 @@ asdic_status asdic_simulator_convert(asdic_simulator *sim, const asdic_ping_shot
     double unit[DEV_DEPOSIT_COUNT];
     bool fan = sim->fan.many;
     for (int c = 0; c < DEV_DEPOSIT_COUNT; c++) {
-        unit[c] = source_lin / shot->ping->deposit_scale[c];
+        unit[c] = source_lin / shot->ping->sums.scale[c];
     }
     for (size_t beam = 0; beam < sim->setup.sonar.receiver_count; beam++) {
         if (!fan) {

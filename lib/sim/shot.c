@@ -44,17 +44,19 @@ static void place_zones(const asdic_simulator *sim, const asdic_pose *pose, dev_
     double h = fmax(sim->learnt.zone_altitude * altitude, least),
            hs = fmax(depth, LEAST_PLANE * range);
     bool bottom = h < 0.95 * range, surface = hs < 0.95 * range;
-    ping->zone_bottom_m = (float)(bottom ? h : 2.0 * range);
-    ping->zone_surface_m = (float)(surface ? hs : 2.0 * range);
-    ping->zone_cap_rad = (float)ZONE_CAP_RAD;
-    memcpy(ping->zone_share, zone_share, sizeof zone_share);
+    ping->sampling.zones.bottom_m = (float)(bottom ? h : 2.0 * range);
+    ping->sampling.zones.surface_m = (float)(surface ? hs : 2.0 * range);
+    ping->sampling.zones.cap_rad = (float)ZONE_CAP_RAD;
+    memcpy(ping->sampling.zones.share, zone_share, sizeof zone_share);
     if (!bottom) {
-        ping->zone_share[2] += ping->zone_share[0] + ping->zone_share[1];
-        ping->zone_share[0] = ping->zone_share[1] = 0.0f;
+        ping->sampling.zones.share[2] +=
+            ping->sampling.zones.share[0] + ping->sampling.zones.share[1];
+        ping->sampling.zones.share[0] = ping->sampling.zones.share[1] = 0.0f;
     }
     if (!surface) {
-        ping->zone_share[2] += ping->zone_share[3] + ping->zone_share[4];
-        ping->zone_share[3] = ping->zone_share[4] = 0.0f;
+        ping->sampling.zones.share[2] +=
+            ping->sampling.zones.share[3] + ping->sampling.zones.share[4];
+        ping->sampling.zones.share[3] = ping->sampling.zones.share[4] = 0.0f;
     }
 }
 
@@ -66,13 +68,13 @@ static const double CALIBRATION_APART[] = {0.0, 2.0 / 15.0, 0.35};
 static void place_lattice(dev_ping *ping, uint32_t stream) {
     random4 shift = random_draw(stream, ping->ping[0], ping->ping[1], RANDOM_SHIFT, ping->seed[0],
                                 ping->seed[1]);
-    ping->lattice_offset = (float)random_uniform(shift.v[0]);
-    ping->lattice_shift = shift.v[1];
+    ping->sampling.lattice_offset = (float)random_uniform(shift.v[0]);
+    ping->sampling.lattice_shift = shift.v[1];
     if (stream >= ASDIC_STREAM_CALIBRATION && stream < ASDIC_STREAM_PILOT) {
         random4 first = random_draw(ASDIC_STREAM_CALIBRATION, ping->ping[0], ping->ping[1],
                                     RANDOM_SHIFT, ping->seed[0], ping->seed[1]);
         uint32_t nth = stream - ASDIC_STREAM_CALIBRATION;
-        ping->lattice_shift = first.v[1] + (uint32_t)(CALIBRATION_APART[nth] * 0x1p32);
+        ping->sampling.lattice_shift = first.v[1] + (uint32_t)(CALIBRATION_APART[nth] * 0x1p32);
     }
 }
 
@@ -80,10 +82,11 @@ static void place_lattice(dev_ping *ping, uint32_t stream) {
 #define FACE_SHARE 0.1
 
 static void place_faces(const asdic_simulator *sim, dev_ping *ping) {
-    ping->faces = (dev_uint)sim->learnt.faces.count;
-    ping->face_count = sim->learnt.faces.count ? (dev_uint)(FACE_SHARE * ping->rays) : 0;
-    ping->background -= ping->face_count;
-    ping->face_first = ping->background;
+    ping->sampling.faces = (dev_uint)sim->learnt.faces.count;
+    ping->sampling.face_count =
+        sim->learnt.faces.count ? (dev_uint)(FACE_SHARE * ping->batch.rays) : 0;
+    ping->sampling.background -= ping->sampling.face_count;
+    ping->sampling.face_first = ping->sampling.background;
 }
 
 static dev_uint sampler_code(asdic_sampler sampler) {
@@ -107,27 +110,27 @@ static void shape_accumulator(const asdic_simulator *sim, dev_ping *fixed) {
     size_t columns = wide ? (beams <= 4 ? 4 : (beams + 7) / 8 * 8) : beams;
     size_t rows = (sim->setup.bins + MOST_RUN - 1) / MOST_RUN * MOST_RUN;
     size_t cells = sim->setup.components * rows * columns + MOST_WIDTH;
-    fixed->columns = (dev_uint)columns;
-    fixed->component_rows = (dev_uint)rows;
-    fixed->group_cells = (dev_uint)(((cells + 7) / 8 | 1) * 8);
+    fixed->sums.columns = (dev_uint)columns;
+    fixed->sums.component_rows = (dev_uint)rows;
+    fixed->sums.group_cells = (dev_uint)(((cells + 7) / 8 | 1) * 8);
     if (owners == 0 || owners > groups ||
         groups * sim->setup.per_group < sim->setup.sampling.rays) {
         owners = groups;
     }
-    fixed->blocks = (dev_uint)(owned ? 2 * owners : groups);
-    fixed->total_cells = (dev_uint)((rows * columns / 16 | 1) * 16);
-    fixed->present = 1u << DEV_DEPOSIT_VOLUME;
+    fixed->sums.blocks = (dev_uint)(owned ? 2 * owners : groups);
+    fixed->sums.total_cells = (dev_uint)((rows * columns / 16 | 1) * 16);
+    fixed->sums.present = 1u << DEV_DEPOSIT_VOLUME;
     if (scene->has_bottom_plane || asdic_simulator_has(sim, DEV_KIND_BOTTOM)) {
-        fixed->present |= 1u << DEV_DEPOSIT_BOTTOM;
+        fixed->sums.present |= 1u << DEV_DEPOSIT_BOTTOM;
     }
     if (scene->has_surface) {
-        fixed->present |= 1u << DEV_DEPOSIT_SURFACE;
+        fixed->sums.present |= 1u << DEV_DEPOSIT_SURFACE;
     }
     if (sim->setup.components > DEV_DEPOSIT_OBJECT && asdic_simulator_has(sim, DEV_KIND_OBJECT)) {
-        fixed->present |= 1u << DEV_DEPOSIT_OBJECT;
+        fixed->sums.present |= 1u << DEV_DEPOSIT_OBJECT;
     }
     if (sim->setup.components > DEV_DEPOSIT_MULTIPATH) {
-        fixed->present |= 1u << DEV_DEPOSIT_MULTIPATH;
+        fixed->sums.present |= 1u << DEV_DEPOSIT_MULTIPATH;
     }
 }
 
@@ -141,15 +144,15 @@ void asdic_simulator_prepare(asdic_simulator *sim, const asdic_water_column *wat
         .rear_lin = (float)pow(10.0, sim->setup.sonar.rear_floor_db / 10.0),
         .bottom_material = (dev_uint)sim->setup.scene->bottom_plane_material,
         .surface_material = (dev_uint)sim->setup.scene->material_count,
-        .rays = sim->setup.sampling.rays,
-        .groups = sim->setup.groups,
+        .batch.rays = sim->setup.sampling.rays,
+        .batch.groups = sim->setup.groups,
         .beams = (dev_uint)sim->setup.sonar.receiver_count,
         .states_errors = !sim->setup.sampling.without_errors,
         .stride = (dev_uint)asdic_simulator_ping_bytes(sim),
-        .result_words = (dev_uint)(asdic_simulator_results_bytes(sim) / sizeof(int64_t)),
+        .sums.result_words = (dev_uint)(asdic_simulator_results_bytes(sim) / sizeof(int64_t)),
         .bins = (dev_uint)sim->setup.bins,
-        .components = (dev_uint)sim->setup.components,
-        .sampler = sampler_code(sim->setup.sampling.sampler),
+        .sums.components = (dev_uint)sim->setup.components,
+        .sampling.sampler = sampler_code(sim->setup.sampling.sampler),
         .seed = {(dev_uint)sim->setup.sampling.seed, (dev_uint)(sim->setup.sampling.seed >> 32)},
         .boundary_mirrors = sim->setup.sampling.multipath == ASDIC_MULTIPATH_BOUNDARIES,
         .wavelength_m = (float)water->wavelength_m,
@@ -164,7 +167,7 @@ void asdic_simulator_prepare(asdic_simulator *sim, const asdic_water_column *wat
 
 /* In which order the rays lie in memory: kernels/order.h says why. */
 static void order_rays(dev_ping *ping) {
-    double slots = (double)ping->groups * ping->per_group;
+    double slots = (double)ping->batch.groups * ping->batch.per_group;
     /* A packet of a block of F rays out of N spans F / N of elevation and PACKET / F of azimuth. */
     dev_uint before = 1, block = 1, flips = 0;
     while ((double)block * block < PACKET * slots) {
@@ -174,10 +177,10 @@ static void order_rays(dev_ping *ping) {
         flips ^= 1;
     }
     /* The square of a Fibonacci number is 1 or -1 modulo the next, in turn. */
-    ping->order_block = block;
-    ping->order_inverse = flips ? block - before : before;
+    ping->batch.order_block = block;
+    ping->batch.order_inverse = flips ? block - before : before;
     for (dev_uint k = 0; k < 16; k++) {
-        ping->order_lanes[k] = k * ping->order_inverse % block;
+        ping->batch.order_lanes[k] = k * ping->batch.order_inverse % block;
     }
 }
 
@@ -208,11 +211,12 @@ static void aim_beams(const asdic_simulator *sim, const asdic_ping_shot *shot) {
     for (size_t b = 0; b < sonar->receiver_count; b++) {
         beams[b + 1] = asdic_aim_beam(&sonar->receivers[b], &shot->pose, wavelength_m);
     }
-    ping->lobes = asdic_aim_lobes(sim->setup.sampling.sampler, beams, sonar->receiver_count,
-                                  ping->rear_lin > 0.0f, ping->lobe);
-    ping->footprint_rays = (float)asdic_aim_footprint_rays(ping->lobe);
-    memcpy(ping->front, beams[0].rows, sizeof ping->front);
-    ping->front_azimuth_rad = atan2f(ping->front[1], ping->front[0]);
+    ping->sampling.lobes =
+        asdic_aim_lobes(sim->setup.sampling.sampler, beams, sonar->receiver_count,
+                        ping->rear_lin > 0.0f, ping->sampling.lobe);
+    ping->sampling.footprint_rays = (float)asdic_aim_footprint_rays(ping->sampling.lobe);
+    memcpy(ping->sampling.front, beams[0].rows, sizeof ping->sampling.front);
+    ping->sampling.front_azimuth_rad = atan2f(ping->sampling.front[1], ping->sampling.front[0]);
     asdic_beam_fan_describe(&sim->fan, beams, ping);
 }
 
@@ -225,17 +229,17 @@ void asdic_shot_aim(const asdic_simulator *sim, asdic_ping_shot *shot, const asd
     shot->stream = stream;
     shot->water = asdic_water_column_at(&sim->setup.env, &sim->setup.sonar, pose->position_m.z);
     *ping = sim->setup.ping;
-    ping->rays = rays;
-    ping->per_group = (dev_uint)asdic_simulator_per_group(sim, rays);
+    ping->batch.rays = rays;
+    ping->batch.per_group = (dev_uint)asdic_simulator_per_group(sim, rays);
     order_rays(ping);
     ping->ping[0] = (dev_uint)index;
     ping->ping[1] = (dev_uint)(index >> 32);
     place_sonar(scene, shot);
     aim_beams(sim, shot);
-    ping->azimuths_learnt = sim->learnt.azimuths;
-    ping->background = rays;
-    ping->cones = ping->face_count = 0;
-    if (ping->sampler == DEV_SAMPLER_ADAPTIVE) {
+    ping->sampling.azimuths_learnt = sim->learnt.azimuths;
+    ping->sampling.background = rays;
+    ping->sampling.cones = ping->sampling.face_count = 0;
+    if (ping->sampling.sampler == DEV_SAMPLER_ADAPTIVE) {
         place_faces(sim, ping);
         asdic_cones_place(sim->placement->parts, scene->part_count, pose->position_m,
                           asdic_shot_beams(shot), ping);

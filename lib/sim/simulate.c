@@ -32,7 +32,7 @@ static asdic_status end_phase(asdic_simulator *sim, asdic_phase phase) {
 /* Slots of a batch of rays of one ping; all pings of a batch of pings have as many. */
 static size_t batch_slots(const asdic_simulator *sim) {
     const dev_ping *ping = sim->shots[0].ping;
-    return (size_t)ping->groups * ping->per_group;
+    return (size_t)ping->batch.groups * ping->batch.per_group;
 }
 
 /* A work-item takes a piece of the slots, as in mirror_ray.h. Pieces, and work-items of a work-group. */
@@ -98,9 +98,9 @@ static asdic_status upload_pings(asdic_simulator *sim, size_t count) {
     const dev_ping *first = sim->shots[0].ping;
     asdic_buffer *buffer = sim->buffers.pings;
     size_t bytes =
-        first->batch_first == 0 ? count * asdic_simulator_ping_bytes(sim) : sizeof(dev_ping);
+        first->batch.first == 0 ? count * asdic_simulator_ping_bytes(sim) : sizeof(dev_ping);
     /* The host changes this memory again only when a further batch follows: then wait for the transfer. */
-    TRY(first->last_batch ? asdic_buffer_send(buffer, bytes, first)
+    TRY(first->batch.last ? asdic_buffer_send(buffer, bytes, first)
                           : asdic_buffer_write(buffer, 0, bytes, first));
     if (!sim->learnt.table_uploaded) {
         TRY(asdic_buffer_send(sim->buffers.table, sizeof sim->learnt.table, sim->learnt.table));
@@ -154,7 +154,7 @@ static asdic_status run_collect(asdic_simulator *sim, size_t count) {
         ASDIC_ARG_BUFFER(sim->buffers.accumulator),  ASDIC_ARG_BUFFER(sim->buffers.saturated),
         ASDIC_ARG_BUFFER(sim->buffers.water_tables), ASDIC_ARG_BUFFER(sim->buffers.totals)};
     return asdic_kernel_run_rows(sim->kernels.collect, collect, COUNT(collect),
-                                 sim->shots[0].ping->blocks / 2, 1, count);
+                                 sim->shots[0].ping->sums.blocks / 2, 1, count);
 }
 
 static asdic_status run_batch(asdic_simulator *sim, size_t count) {
@@ -191,7 +191,7 @@ static asdic_status reduce_groups(asdic_simulator *sim, size_t count) {
         ASDIC_ARG_BUFFER(sim->buffers.totals),       ASDIC_ARG_BUFFER(sim->buffers.results)};
     size_t run = setup->layout.width == 1 ? 1 : 4 * setup->layout.width; /* as in reduce.cl */
     return asdic_kernel_run_rows(sim->kernels.reduce, args, COUNT(args),
-                                 (setup->bins * setup->ping.columns + run - 1) / run,
+                                 (setup->bins * setup->ping.sums.columns + run - 1) / run,
                                  setup->layout.local, count);
 }
 
@@ -230,8 +230,8 @@ static asdic_status run_batches(asdic_simulator *sim, size_t count) {
     size_t rays_per_group = (sim->setup.sampling.rays + groups - 1) / groups;
     for (size_t first = 0; first < rays_per_group; first += step) {
         for (size_t k = 0; k < count; k++) {
-            sim->shots[k].ping->batch_first = (dev_uint)first;
-            sim->shots[k].ping->last_batch = first + step >= rays_per_group;
+            sim->shots[k].ping->batch.first = (dev_uint)first;
+            sim->shots[k].ping->batch.last = first + step >= rays_per_group;
         }
         TRY(run_batch(sim, count));
     }

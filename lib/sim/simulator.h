@@ -86,14 +86,14 @@ typedef struct asdic_setup {
     asdic_beam *receivers; /* copy that sonar.receivers points to */
     asdic_sampling sampling;
     asdic_layout layout;
-    size_t bins, cells; /* cells: bins times receivers */
-    size_t components;  /* that are deposited, see ping_types.h */
-    unsigned groups;    /* replicates of a ping, whose spread tells its error */
-    size_t per_group;   /* slots of a group in one batch of rays */
-    size_t ping_batch;  /* that go to the device together */
-    bool has_mirrors;   /* multipath is wanted, and something in the scene reflects */
+    size_t bins, cells;          /* cells: bins times receivers */
+    size_t components;           /* that are deposited, see ping_types.h */
+    unsigned groups;             /* replicates of a ping, whose spread tells its error */
+    size_t per_group;            /* slots of a group in one batch of rays */
+    size_t ping_batch;           /* that go to the device together */
+    bool has_mirrors;            /* multipath is wanted, and something in the scene reflects */
     asdic_scatterer *scatterers; /* the scene's materials, then the surface */
-    dev_ping ping; /* the members that are the same in every ping */
+    dev_ping ping;               /* the members that are the same in every ping */
 } asdic_setup;
 
 /* Those that a simulator does not need are NULL. */

@@ -85,12 +85,14 @@ asdic_status asdic_store_create_device(asdic_simulator *sim) {
     size_t sets = sim->setup.layout.deposit == ASDIC_DEPOSIT_OWNED
                       ? DEV_ARRIVAL_SETS(sim->setup.has_mirrors)
                       : 0;
-    size_t totals = sim->kernels.collect ? pings * sim->setup.groups *
-                                               (size_t)sim->setup.ping.total_cells * sizeof(float)
-                                         : 0;
-    size_t accumulator = sim->fan.many ? 0
-                                       : pings * sim->setup.ping.blocks *
-                                             (size_t)sim->setup.ping.group_cells * sizeof(int64_t);
+    size_t totals =
+        sim->kernels.collect
+            ? pings * sim->setup.groups * (size_t)sim->setup.ping.sums.total_cells * sizeof(float)
+            : 0;
+    size_t accumulator = sim->fan.many
+                             ? 0
+                             : pings * sim->setup.ping.sums.blocks *
+                                   (size_t)sim->setup.ping.sums.group_cells * sizeof(int64_t);
     bool adaptive = sim->setup.sampling.sampler == ASDIC_SAMPLER_ADAPTIVE;
     const struct {
         size_t bytes;
