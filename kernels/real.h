@@ -9,6 +9,8 @@
 #ifndef ASDIC_KERNEL_REAL_H
 #define ASDIC_KERNEL_REAL_H
 
+#define R_PI R(3.14159265358979323846) /* R stands below, for either side */
+
 #ifdef __OPENCL_C_VERSION__
 
 #pragma OPENCL FP_CONTRACT OFF
@@ -85,11 +87,9 @@ static inline __attribute__((unused)) double r_sinpi(double x) {
     } else if (r < -0.5) {
         r = -1.0 - r;
     }
-    return sin(3.14159265358979323846 * r);
+    return sin(R_PI * r);
 }
 
 #endif
-
-#define R_PI R(3.14159265358979323846)
 
 #endif

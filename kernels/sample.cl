@@ -106,8 +106,8 @@ static ray_sample add_objects(__global const dev_ping *ping, const sampler_store
     for (uint c = 0; c < ping->sampling.cones; c++) {
         __global const dev_cone *cone = ping->sampling.cone + c;
         mask inside = in_cone(cone, s.x, s.y, s.z) | drawn_by(cone, index);
-        float own = (float)(cone->count) / (6.28318530718f * cone->cap);
-        rays += choose(inside, (real)(own), R(0.0));
+        real own = (real)((float)(cone->count)) / (R(2.0) * R_PI * (real)(cone->cap));
+        rays += choose(inside, own, R(0.0));
     }
     s.solid_angle = R(1.0) / rays;
     return s;

@@ -2,6 +2,7 @@
 
 #include "aim.h"
 #include "base/context.h"
+#include "base/try.h"
 #include "base/vec.h"
 
 #include <stdio.h>
@@ -77,15 +78,14 @@ asdic_status asdic_beam_fan_init(asdic_beam_fan *fan, asdic_device *device,
     if (!fan->fetches) {
         return asdic_fail_memory(asdic_device_context(device), "a fan");
     }
-    asdic_status status = ASDIC_OK;
-    for (size_t i = 0; !status && i < sizeof kernels / sizeof *kernels; i++) {
-        status = asdic_kernel_create(device, "fan.cl", options, kernels[i].name, kernels[i].kernel);
+    fan->tiles = tiles;
+    for (size_t i = 0; i < sizeof kernels / sizeof *kernels; i++) {
+        TRY(asdic_kernel_create(device, "fan.cl", options, kernels[i].name, kernels[i].kernel));
     }
-    for (size_t i = 0; !status && i < sizeof buffers / sizeof *buffers; i++) {
-        status = asdic_buffer_create(device, buffers[i].bytes, NULL, buffers[i].buffer);
+    for (size_t i = 0; i < sizeof buffers / sizeof *buffers; i++) {
+        TRY(asdic_buffer_create(device, buffers[i].bytes, NULL, buffers[i].buffer));
     }
-    fan->tiles = fan->fetches ? tiles : 0;
-    return status;
+    return ASDIC_OK;
 }
 
 void asdic_beam_fan_finish(asdic_beam_fan *fan, asdic_device *device) {
@@ -123,11 +123,9 @@ static asdic_status sort(asdic_beam_fan *fan, const dev_ping *ping, asdic_buffer
     asdic_kernel_arg scatter[] = {ASDIC_ARG_BUFFER(ping_buffer), ASDIC_ARG_BUFFER(arrivals),
                                   ASDIC_ARG_BUFFER(fan->counts), ASDIC_ARG_BUFFER(fan->entries),
                                   ASDIC_ARG_VALUE(blocks)};
-    asdic_status status = asdic_kernel_run(fan->count, count, 5, blocks, local);
-    if (!status) {
-        status = asdic_kernel_run(fan->place, place, 5, ping->bins, 64);
-    }
-    return status ? status : asdic_kernel_run(fan->scatter, scatter, 5, blocks, local);
+    TRY(asdic_kernel_run(fan->count, count, 5, blocks, local));
+    TRY(asdic_kernel_run(fan->place, place, 5, ping->bins, 64));
+    return asdic_kernel_run(fan->scatter, scatter, 5, blocks, local);
 }
 
 asdic_status asdic_beam_fan_project(asdic_beam_fan *fan, const dev_ping *ping,
@@ -137,20 +135,20 @@ asdic_status asdic_beam_fan_project(asdic_beam_fan *fan, const dev_ping *ping,
     bool wide = fan->width > 1;
     size_t items = wide ? (ping->bins + 15) / 16 : ping->bins * (size_t)DEV_FAN_TILE;
     dev_uint add = ping->batch.first != 0;
-    asdic_status status = sort(fan, ping, ping_buffer, arrivals);
-    for (dev_uint tile = 0; !status && tile < fan->tiles; tile++) {
+    TRY(sort(fan, ping, ping_buffer, arrivals));
+    for (dev_uint tile = 0; tile < fan->tiles; tile++) {
         asdic_kernel_arg args[] = {ASDIC_ARG_BUFFER(ping_buffer), ASDIC_ARG_BUFFER(fan->entries),
                                    ASDIC_ARG_BUFFER(fan->lists),  ASDIC_ARG_BUFFER(results),
                                    ASDIC_ARG_VALUE(tile),         ASDIC_ARG_VALUE(add)};
-        status = asdic_kernel_run(fan->project, args, 6, items, wide ? 1 : 64);
+        TRY(asdic_kernel_run(fan->project, args, 6, items, wide ? 1 : 64));
         size_t first = (size_t)tile * DEV_FAN_TILE, left = ping->beams - first;
         size_t bytes = (left < DEV_FAN_TILE ? left : DEV_FAN_TILE) * rows * sizeof(float);
-        if (!status && ping->batch.last) {
-            status = asdic_buffer_fetch(results, first * rows * sizeof(float), bytes,
-                                        host_results + first * rows, &fan->fetches[tile]);
+        if (ping->batch.last) {
+            TRY(asdic_buffer_fetch(results, first * rows * sizeof(float), bytes,
+                                   host_results + first * rows, &fan->fetches[tile]));
         }
     }
-    return status;
+    return ASDIC_OK;
 }
 
 asdic_status asdic_beam_fan_wait(asdic_beam_fan *fan, asdic_device *device, size_t tile) {

@@ -233,30 +233,37 @@ static asdic_status run_pings(asdic_simulator *sim, const asdic_pose *pose, uint
     return ASDIC_OK;
 }
 
-static asdic_status calibration_create(asdic_simulator *sim) {
-    if (sim->learnt.calibration) {
-        return ASDIC_OK;
-    }
-    size_t cells = sim->setup.cells, longest = sim->setup.bins > sim->setup.sonar.receiver_count
-                                                   ? sim->setup.bins
-                                                   : sim->setup.sonar.receiver_count;
-    calibration *c = sim->learnt.calibration = calloc(1, sizeof *c);
-    bool whole = c != NULL;
-    for (int k = 0; whole && k < PINGS; k++) {
-        whole = (c->energy[k] = malloc(cells * sizeof(double))) != NULL;
+static asdic_status allocate(const asdic_simulator *sim, calibration *c) {
+    const asdic_setup *setup = &sim->setup;
+    size_t cells = setup->cells, beams = setup->sonar.receiver_count;
+    size_t longest = setup->bins > beams ? setup->bins : beams;
+    bool whole = true;
+    for (int k = 0; k < PINGS; k++) {
+        whole = whole && (c->energy[k] = malloc(cells * sizeof(double)));
     }
     whole = whole && (c->mean = malloc(cells * sizeof *c->mean)) &&
             (c->suggested = malloc(cells * sizeof *c->suggested)) &&
             (c->rare = malloc(cells * sizeof *c->rare)) &&
             (c->row = malloc(4 * (longest + 1) * sizeof *c->row));
-    asdic_status status = whole ? ASDIC_OK : asdic_fail_memory(sim->ctx, "a calibration");
-    for (size_t k = 0; !status && k < PINGS && k < sim->setup.ping_batch; k++) {
-        status = asdic_ping_create(sim->ctx, sim->setup.sonar.receiver_count, sim->setup.bins,
-                                   &c->pings[k]);
+    if (!whole) {
+        return asdic_fail_memory(sim->ctx, "a calibration");
     }
+    for (size_t k = 0; k < PINGS && k < setup->ping_batch; k++) {
+        TRY(asdic_ping_create(sim->ctx, beams, setup->bins, &c->pings[k]));
+    }
+    return ASDIC_OK;
+}
+
+static asdic_status calibration_create(asdic_simulator *sim) {
+    if (sim->learnt.calibration) {
+        return ASDIC_OK;
+    }
+    calibration *c = calloc(1, sizeof *c);
+    asdic_status status = c ? allocate(sim, c) : asdic_fail_memory(sim->ctx, "a calibration");
     if (status) {
-        asdic_calibration_destroy(&sim->learnt.calibration);
+        asdic_calibration_destroy(&c);
     }
+    sim->learnt.calibration = c;
     return status;
 }
 

@@ -2,6 +2,7 @@
 
 #include "aim.h"
 #include "base/context.h"
+#include "base/try.h"
 #include "base/vec.h"
 #include "cones.h"
 
@@ -27,11 +28,10 @@ asdic_status asdic_faces_init(asdic_faces *faces, asdic_device *device, const as
     if (!faces->faces || !faces->density) {
         return asdic_fail_memory(asdic_device_context(device), "faces");
     }
-    asdic_status status = asdic_buffer_create(device, faces->capacity * sizeof *faces->faces, NULL,
-                                              &faces->face_buffer);
-    return status ? status
-                  : asdic_buffer_create(device, faces->triangles * sizeof *faces->density, NULL,
-                                        &faces->density_buffer);
+    TRY(asdic_buffer_create(device, faces->capacity * sizeof *faces->faces, NULL,
+                            &faces->face_buffer));
+    return asdic_buffer_create(device, faces->triangles * sizeof *faces->density, NULL,
+                               &faces->density_buffer);
 }
 
 void asdic_faces_finish(asdic_faces *faces) {
@@ -129,6 +129,16 @@ static void weigh(asdic_faces *faces, const asdic_placement *placement, const de
     }
 }
 
+static asdic_status upload(const asdic_faces *faces) {
+    if (faces->count == 0) {
+        return ASDIC_OK;
+    }
+    TRY(asdic_buffer_write(faces->face_buffer, 0, faces->count * sizeof *faces->faces,
+                           faces->faces));
+    return asdic_buffer_write(faces->density_buffer, 0, faces->triangles * sizeof *faces->density,
+                              faces->density);
+}
+
 asdic_status asdic_faces_choose(asdic_faces *faces, const asdic_placement *placement,
                                 asdic_vec3 position_m, const dev_ping *ping,
                                 const dev_beam *aimed) {
@@ -136,22 +146,16 @@ asdic_status asdic_faces_choose(asdic_faces *faces, const asdic_placement *place
     if (faces->capacity == 0) {
         return ASDIC_OK;
     }
-    asdic_context *ctx = placement->scene->ctx;
     bool *wanted = calloc(placement->scene->part_count, sizeof *wanted);
     double *sums = malloc(faces->capacity * sizeof *sums);
-    asdic_status status = wanted && sums ? ASDIC_OK : asdic_fail_memory(ctx, "faces");
-    if (!status) {
+    asdic_status status = ASDIC_OK;
+    if (wanted && sums) {
         want_parts(placement, position_m, ping, aimed, wanted);
         double sum = gather(faces, placement, wanted, ping, aimed, sums);
         weigh(faces, placement, ping, aimed, sums, sum);
-    }
-    if (!status && faces->count > 0) {
-        status = asdic_buffer_write(faces->face_buffer, 0, faces->count * sizeof *faces->faces,
-                                    faces->faces);
-    }
-    if (!status && faces->count > 0) {
-        status = asdic_buffer_write(faces->density_buffer, 0,
-                                    faces->triangles * sizeof *faces->density, faces->density);
+        status = upload(faces);
+    } else {
+        status = asdic_fail_memory(placement->scene->ctx, "faces");
     }
     free(wanted);
     free(sums);

@@ -4,6 +4,7 @@
 #include "simulator.h"
 
 #include "base/context.h"
+#include "base/try.h"
 
 #include <string.h>
 
@@ -17,10 +18,9 @@ static asdic_status move_object(asdic_simulator *sim, size_t movable, const asdi
     size_t part = sim->setup.scene->movables[movable].part;
     asdic_placement_move(sim->placement, movable, pose);
     dev_part moved = asdic_simulator_part(&sim->placement->parts[part]);
-    asdic_status status =
-        asdic_buffer_write(sim->buffers.parts, part * sizeof moved, sizeof moved, &moved);
-    return status || !sim->tracer ? status /* objects that a plan left out are not traced */
-                                  : asdic_tracer_move(sim->tracer, sim->placement, movable);
+    TRY(asdic_buffer_write(sim->buffers.parts, part * sizeof moved, sizeof moved, &moved));
+    return sim->tracer ? asdic_tracer_move(sim->tracer, sim->placement, movable)
+                       : ASDIC_OK; /* objects that a plan left out are not traced */
 }
 
 /* Whether the scene has a part of that name that stays. */
@@ -39,10 +39,7 @@ asdic_status asdic_simulator_move(asdic_simulator *sim, const char *name, const 
                           "asdic_simulator_move: NULL argument");
     }
     const asdic_scene *scene = sim->setup.scene;
-    asdic_status status = asdic_pose_check(sim->ctx, pose);
-    if (status) {
-        return status;
-    }
+    TRY(asdic_pose_check(sim->ctx, pose));
     for (size_t i = 0; i < scene->movable_count; i++) {
         if (strcmp(scene->parts[scene->movables[i].part].name, name) == 0) {
             return move_object(sim, i, pose);

@@ -1,6 +1,7 @@
 #include "ring_profile.h"
 
 #include "base/context.h"
+#include "base/try.h"
 
 #include <stdlib.h>
 
@@ -119,8 +120,8 @@ static asdic_status fit(asdic_context *ctx, asdic_ring_profile *p, size_t at, do
     transform(sum, add.sum);
     if (!converged(add.sum) && depth < DEEPEST) {
         double middle = 0.5 * (s0 + s1);
-        asdic_status status = fit(ctx, p, at, s0, middle, depth + 1);
-        return status != ASDIC_OK ? status : fit(ctx, p, at, middle, s1, depth + 1);
+        TRY(fit(ctx, p, at, s0, middle, depth + 1));
+        return fit(ctx, p, at, middle, s1, depth + 1);
     }
     transform(solid, series);
     integrate(series, 0.5 * (s1 - s0), add.integral);
@@ -142,9 +143,21 @@ static void find_stretches(asdic_ring_profile *p) {
     }
 }
 
+static asdic_status fit_all(asdic_context *ctx, asdic_ring_profile *p) {
+    for (size_t i = 0; i < p->stretch_count; i++) {
+        const stretch *w = &p->stretches[i];
+        /* Elevation changes with the position by up to pi / 2 times the stretch. */
+        double cycles = asdic_ring_cycles(&p->ring) * 0.5 * ASDIC_PI * (w->end_rad - w->begin_rad);
+        size_t cuts = 1 + (size_t)(cycles / CYCLES);
+        for (size_t j = 0; j < cuts; j++) {
+            TRY(fit(ctx, p, i, (double)j / (double)cuts, (double)(j + 1) / (double)cuts, 0));
+        }
+    }
+    return ASDIC_OK;
+}
+
 asdic_status asdic_ring_profile_create(asdic_context *ctx, const asdic_ring *ring,
                                        asdic_ring_profile **out) {
-    asdic_status status = ASDIC_OK;
     asdic_ring_profile *p = calloc(1, sizeof *p);
     *out = NULL;
     if (!p) {
@@ -152,16 +165,8 @@ asdic_status asdic_ring_profile_create(asdic_context *ctx, const asdic_ring *rin
     }
     p->ring = *ring;
     find_stretches(p);
-    for (size_t i = 0; i < p->stretch_count && status == ASDIC_OK; i++) {
-        const stretch *w = &p->stretches[i];
-        /* Elevation changes with the place by up to pi / 2 times the stretch. */
-        double cycles = asdic_ring_cycles(ring) * 0.5 * ASDIC_PI * (w->end_rad - w->begin_rad);
-        size_t cuts = 1 + (size_t)(cycles / CYCLES);
-        for (size_t j = 0; j < cuts && status == ASDIC_OK; j++) {
-            status = fit(ctx, p, i, (double)j / (double)cuts, (double)(j + 1) / (double)cuts, 0);
-        }
-    }
-    if (status != ASDIC_OK) {
+    asdic_status status = fit_all(ctx, p);
+    if (status) {
         asdic_ring_profile_destroy(&p);
     }
     *out = p;

@@ -1,12 +1,15 @@
 #include <asdic/sonar.h>
 
-#include "../base/context.h"
+#include "base/context.h"
+#include "base/try.h"
+#include "base/vec.h"
 
 #include "../../kernels/water.h"
 
-/* Bins beyond this are a mistake in a unit, not a sonar. */
-#define MAX_BINS 1048576
 #define MAX_RECEIVERS 4096
+/* Bins are counted in the slowest water that an environment can have, where a range holds fewest: a scene
+ * that is within the limit in its own water is then within it here. */
+#define SLOWEST_MPS 1300.0
 
 asdic_sonar asdic_sonar_default(void) {
     return (asdic_sonar){
@@ -44,7 +47,7 @@ static asdic_status check_fields(asdic_context *ctx, const char *where, const so
 }
 
 static asdic_status check_beam(asdic_context *ctx, const asdic_beam *beam) {
-    const double turn = 2.0 * 3.14159265358979323846;
+    const double turn = 2.0 * ASDIC_PI;
     const sonar_field fields[] = {
         {"pitch_rad", "rad", beam->pitch_rad, -turn, turn},
         {"yaw_rad", "rad", beam->yaw_rad, -turn, turn},
@@ -68,30 +71,28 @@ asdic_status asdic_sonar_check(asdic_context *ctx, const asdic_sonar *sonar) {
         {"blanking_m", "m", sonar->blanking_m, 0.01, 1e4},
         {"receiver_count", "", (double)sonar->receiver_count, 1.0, MAX_RECEIVERS},
     };
-    asdic_status status = check_fields(ctx, "", fields, sizeof fields / sizeof *fields);
-    if (status == ASDIC_OK && asdic_sonar_bin_count(sonar, 1500.0) > MAX_BINS) {
-        status = asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
-                            "sonar: %zu bins, more than %d; lengthen bin_length_m or raise "
-                            "ping_rate_hz",
-                            asdic_sonar_bin_count(sonar, 1500.0), MAX_BINS);
+    TRY(check_fields(ctx, "", fields, sizeof fields / sizeof *fields));
+    size_t bins = asdic_sonar_bin_count(sonar, SLOWEST_MPS);
+    if (bins > ASDIC_SONAR_MAX_BINS) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
+                          "sonar: %zu bins, more than %d; lengthen bin_length_m or raise "
+                          "ping_rate_hz",
+                          bins, ASDIC_SONAR_MAX_BINS);
     }
-    if (status == ASDIC_OK && !(sonar->rear_floor_db <= 0.0)) {
-        status = asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
-                            "sonar: 'rear_floor_db' = %g is above 0 dB re on-axis",
-                            sonar->rear_floor_db);
+    if (!(sonar->rear_floor_db <= 0.0)) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
+                          "sonar: 'rear_floor_db' = %g is above 0 dB re on-axis",
+                          sonar->rear_floor_db);
     }
-    if (status == ASDIC_OK && sonar->speckle == ASDIC_SPECKLE_K &&
-        !(sonar->speckle_shape >= 0.05)) {
-        status = asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "sonar: 'speckle_shape' = %g is below 0.05",
-                            sonar->speckle_shape);
+    if (sonar->speckle == ASDIC_SPECKLE_K && !(sonar->speckle_shape >= 0.05)) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "sonar: 'speckle_shape' = %g is below 0.05",
+                          sonar->speckle_shape);
     }
-    if (status == ASDIC_OK) {
-        status = check_beam(ctx, &sonar->transmitter);
+    TRY(check_beam(ctx, &sonar->transmitter));
+    for (size_t i = 0; i < sonar->receiver_count; i++) {
+        TRY(check_beam(ctx, &sonar->receivers[i]));
     }
-    for (size_t i = 0; status == ASDIC_OK && i < sonar->receiver_count; i++) {
-        status = check_beam(ctx, &sonar->receivers[i]);
-    }
-    return status;
+    return ASDIC_OK;
 }
 
 double asdic_sonar_max_range_m(const asdic_sonar *sonar, double sound_speed_mps) {

@@ -1,5 +1,7 @@
 #include "variates.h"
 
+#include "base/vec.h"
+
 #include "../../kernels/random.h"
 
 #include <math.h>
@@ -38,7 +40,7 @@ double asdic_variates_exponential(asdic_variates *v) {
 
 void asdic_variates_normal(asdic_variates *v, double out[2]) {
     double radius = sqrt(2.0 * asdic_variates_exponential(v));
-    double angle = 2.0 * 3.14159265358979323846 * asdic_variates_uniform(v);
+    double angle = 2.0 * ASDIC_PI * asdic_variates_uniform(v);
     out[0] = radius * cos(angle);
     out[1] = radius * sin(angle);
 }

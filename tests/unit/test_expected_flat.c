@@ -411,6 +411,21 @@ static void wrong_scenes_are_refused(void **state) {
     end(&s);
 }
 
+/* A range of 650 m in the slowest water, c / (2 ping_rate_hz), in more bins than the limit that scene files
+ * have, and in fewer. */
+static void too_many_bins_are_refused(void **state) {
+    (void)state;
+    setup s = begin();
+    s.sonar.receivers = &s.receiver;
+    s.sonar.ping_rate_hz = 1.0;
+    s.sonar.bin_length_m = 650.0 / 70000.0;
+    assert_status(s.ctx, asdic_sonar_check(s.ctx, &s.sonar), ASDIC_ERROR_ARGUMENT);
+    assert_contains(asdic_context_error(s.ctx), "bins, more than 65536");
+    s.sonar.bin_length_m = 650.0 / 60000.0;
+    assert_ok(s.ctx, asdic_sonar_check(s.ctx, &s.sonar));
+    end(&s);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(any_aim_agrees_with_a_plain_sum),
@@ -420,6 +435,7 @@ int main(void) {
         cmocka_unit_test(energy_is_continuous_at_bin_edges),
         cmocka_unit_test(hard_cases_stay_finite),
         cmocka_unit_test(wrong_scenes_are_refused),
+        cmocka_unit_test(too_many_bins_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -23,6 +23,9 @@ typedef enum asdic_speckle {
     ASDIC_SPECKLE_K,        /* gamma-modulated exponential, shape nu */
 } asdic_speckle;
 
+/* More bins than any sonar has: a unit is wrong somewhere. */
+#define ASDIC_SONAR_MAX_BINS 65536
+
 typedef struct asdic_sonar {
     double frequency_hz, bandwidth_hz;
     double ping_rate_hz;    /* maximum range is c / (2 ping_rate) */

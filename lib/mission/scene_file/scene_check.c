@@ -12,9 +12,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* More bins than any sonar has: a unit is wrong somewhere. */
-#define MAX_BINS 65536
-
 /* The largest share that a current may have of a vehicle's speed. The rest is enough to hold a
  * line and make headway, with the speed that turns cost. */
 #define MAX_CURRENT 0.5
@@ -104,11 +101,11 @@ static void check_bins(const asdic_scene_file *file, asdic_problems *problems) {
                            "is c / (2 ping_rate_hz); lower it or 'ping_rate_hz'",
                            s->bin_length_m, range_m);
     }
-    if (bins > MAX_BINS) {
+    if (bins > ASDIC_SONAR_MAX_BINS) {
         asdic_yaml_problem(problems, at(s->node, "bin_length_m"),
                            "'bin_length_m' = %.15g makes %zu bins of the maximum range of %.4g m, "
                            "at most %d are possible; lengthen it or raise 'ping_rate_hz'",
-                           s->bin_length_m, bins, range_m, MAX_BINS);
+                           s->bin_length_m, bins, range_m, ASDIC_SONAR_MAX_BINS);
     }
 }
 
