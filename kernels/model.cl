@@ -1,7 +1,7 @@
 /*
  * `asdic model --device`: COUNT evaluations of formula MODEL in single precision.
  */
-#include "model.h"
+#include "formulas.h"
 
 __kernel void model(int model_number, __global const float *keys, __global float *out, uint count) {
     size_t i = get_global_id(0);

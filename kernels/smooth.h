@@ -6,60 +6,25 @@
  * A corner's normal takes 32 bits: the octahedral map of Meyer et al., "On floating-point normal
  * vectors", EGSR 2010, at 16 bits a coordinate, 6e-5 rad at worst: a twentieth of the narrowest lobe,
  * that of a flat patch 100 m away at 1 MHz.
- *
- * Vectors are structs, never arrays: PoCL keeps the private arrays of a whole work-group on one
- * stack.
  */
 #ifndef ASDIC_KERNEL_SMOOTH_H
 #define ASDIC_KERNEL_SMOOTH_H
 
 #include "types.h"
+#include "vector.h"
 
 #ifdef __OPENCL_C_VERSION__
 #define SMOOTH_SPACE __global
 #define smooth_abs fabs
-#define smooth_sqrt sqrt
 #else
-#include <math.h>
 #define SMOOTH_SPACE
 #define smooth_abs fabsf
-#define smooth_sqrt sqrtf
 #endif
 
 #define OCTAHEDRON_STEPS 32767.0f
 
-typedef struct vector {
-    float x, y, z;
-} vector;
-
-static inline vector vector_of(float x, float y, float z) {
-    vector v;
-    v.x = x;
-    v.y = y;
-    v.z = z;
-    return v;
-}
-
 static inline vector vector_load(SMOOTH_SPACE const float v[3]) {
     return vector_of(v[0], v[1], v[2]);
-}
-
-/* A + T B */
-static inline vector vector_step(vector a, float t, vector b) {
-    return vector_of(a.x + t * b.x, a.y + t * b.y, a.z + t * b.z);
-}
-
-static inline float vector_dot(vector a, vector b) {
-    return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-
-static inline vector vector_cross(vector a, vector b) {
-    return vector_of(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
-}
-
-static inline vector vector_unit(vector a) {
-    float scale = 1.0f / smooth_sqrt(vector_dot(a, a));
-    return vector_of(a.x * scale, a.y * scale, a.z * scale);
 }
 
 static inline vector smooth_unpack(dev_uint word) {

@@ -185,23 +185,23 @@ static inline float lane_of(const float16 *v, uint lane) {
 static inline ray8 ray8_of(const packet16 *p, uint lane) {
     ray8 r;
     bool nx = p->x.near_row & 1, ny = p->y.near_row & 1, nz = p->z.near_row & 1;
-    r.near_o = (float3)(lane_of(&p->x.near_o, lane), lane_of(&p->y.near_o, lane),
-                        lane_of(&p->z.near_o, lane));
-    r.far_o = (float3)(lane_of(&p->x.far_o, lane), lane_of(&p->y.far_o, lane),
-                       lane_of(&p->z.far_o, lane));
-    r.inverse = (float3)(lane_of(&p->x.inverse, lane), lane_of(&p->y.inverse, lane),
-                         lane_of(&p->z.inverse, lane));
+    r.near_o = vector_of(lane_of(&p->x.near_o, lane), lane_of(&p->y.near_o, lane),
+                         lane_of(&p->z.near_o, lane));
+    r.far_o = vector_of(lane_of(&p->x.far_o, lane), lane_of(&p->y.far_o, lane),
+                        lane_of(&p->z.far_o, lane));
+    r.inverse = vector_of(lane_of(&p->x.inverse, lane), lane_of(&p->y.inverse, lane),
+                          lane_of(&p->z.inverse, lane));
     r.near_x = p->x.near_row;
     r.near_y = p->y.near_row;
     r.near_z = p->z.near_row;
-    r.lo_o = (float3)(nx ? r.far_o.x : r.near_o.x, ny ? r.far_o.y : r.near_o.y,
-                      nz ? r.far_o.z : r.near_o.z);
-    r.hi_o = (float3)(nx ? r.near_o.x : r.far_o.x, ny ? r.near_o.y : r.far_o.y,
-                      nz ? r.near_o.z : r.far_o.z);
+    r.lo_o = vector_of(nx ? r.far_o.x : r.near_o.x, ny ? r.far_o.y : r.near_o.y,
+                       nz ? r.far_o.z : r.near_o.z);
+    r.hi_o = vector_of(nx ? r.near_o.x : r.far_o.x, ny ? r.near_o.y : r.far_o.y,
+                       nz ? r.near_o.z : r.far_o.z);
     r.kz = ((const int *)&p->kz)[lane];
     r.kx = r.kz == 2 ? 0 : r.kz + 1;
     r.ky = r.kx == 2 ? 0 : r.kx + 1;
-    float3 o = (float3)(lane_of(&p->ox, lane), lane_of(&p->oy, lane), lane_of(&p->oz, lane));
+    vector o = vector_of(lane_of(&p->ox, lane), lane_of(&p->oy, lane), lane_of(&p->oz, lane));
     r.ox = p->one_axis ? o.x : along(o, r.kx);
     r.oy = p->one_axis ? o.y : along(o, r.ky);
     r.oz = p->one_axis ? o.z : along(o, r.kz);

@@ -6,37 +6,45 @@
 #define ASDIC_KERNEL_TRACE_WIDE8_H
 
 #include "intersect.h"
+#include "vector.h"
 
 /* A ray made ready for traversal. Planes are chosen by the sign of the direction, and the origin
  * is moved by the skin away from near planes and towards far planes. */
 typedef struct ray8 {
-    float3 near_o, far_o, inverse;
+    vector near_o, far_o, inverse;
     uint near_x, near_y, near_z; /* rows of a node: lo_x hi_x lo_y hi_y lo_z hi_z; far is ^ 1 */
-    float3 lo_o, hi_o;           /* the same by plane instead of by order */
+    vector lo_o, hi_o;           /* the same by plane instead of by order */
     uint kx, ky, kz;
     float ox, oy, oz; /* origin along kx, ky, kz */
     float sx, sy, sz;
 } ray8;
 
 /* Not an index into memory: a store that a load has to wait for costs more than the choice. */
-static inline float along(float3 v, uint k) {
+static inline float along(vector v, uint k) {
     return k == 0 ? v.x : k == 1 ? v.y : v.z;
+}
+
+/* One over a direction's cosine, finite for those that are nearly zero. */
+static inline float inverse_of(float cosine) {
+    return 1.0f / (fabs(cosine) < 1e-18f ? (cosine < 0.0f ? -1e-18f : 1e-18f) : cosine);
 }
 
 static inline ray8 ray8_prepare(dev_ray ray, float extent_m) {
     ray8 r;
-    float3 o = (float3)(ray.origin[0], ray.origin[1], ray.origin[2]);
-    float3 d = (float3)(ray.direction[0], ray.direction[1], ray.direction[2]);
-    int3 negative = d < 0.0f;
-    float3 skin = (float3)(ray_skin(o.x, o.y, o.z, extent_m));
-    r.lo_o = o + skin;
-    r.hi_o = o - skin;
-    r.near_o = negative ? r.hi_o : r.lo_o;
-    r.far_o = negative ? r.lo_o : r.hi_o;
-    r.inverse = 1.0f / (fabs(d) < 1e-18f ? (negative ? (float3)(-1e-18f) : (float3)(1e-18f)) : d);
-    r.near_x = negative.x ? 1 : 0;
-    r.near_y = negative.y ? 3 : 2;
-    r.near_z = negative.z ? 5 : 4;
+    vector o = vector_of(ray.origin[0], ray.origin[1], ray.origin[2]);
+    vector d = vector_of(ray.direction[0], ray.direction[1], ray.direction[2]);
+    bool nx = d.x < 0.0f, ny = d.y < 0.0f, nz = d.z < 0.0f;
+    float skin = ray_skin(o.x, o.y, o.z, extent_m);
+    r.lo_o = vector_of(o.x + skin, o.y + skin, o.z + skin);
+    r.hi_o = vector_of(o.x - skin, o.y - skin, o.z - skin);
+    r.near_o =
+        vector_of(nx ? r.hi_o.x : r.lo_o.x, ny ? r.hi_o.y : r.lo_o.y, nz ? r.hi_o.z : r.lo_o.z);
+    r.far_o =
+        vector_of(nx ? r.lo_o.x : r.hi_o.x, ny ? r.lo_o.y : r.hi_o.y, nz ? r.lo_o.z : r.hi_o.z);
+    r.inverse = vector_of(inverse_of(d.x), inverse_of(d.y), inverse_of(d.z));
+    r.near_x = nx ? 1 : 0;
+    r.near_y = ny ? 3 : 2;
+    r.near_z = nz ? 5 : 4;
     r.kz = dominant_axis(d.x, d.y, d.z);
     r.kx = r.kz == 2 ? 0 : r.kz + 1;
     r.ky = r.kx == 2 ? 0 : r.kx + 1;

@@ -1,9 +1,9 @@
 /* Remarks on laws that a mission uses outside the validity that their sources state. */
 #include "mission.h"
 
-#include "../../kernels/model.h"
+#include "../../kernels/formulas.h"
 #include "scene/scene.h"
-#include "sim/model.h"
+#include "sim/model_table.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,4 +1,4 @@
-#include "model.h"
+#include "model_table.h"
 #include "model_law.h"
 
 #include "../base/context.h"
@@ -6,7 +6,7 @@
 #include "../base/words.h"
 #include "../ocl/ocl.h"
 
-#include "../../kernels/model.h"
+#include "../../kernels/formulas.h"
 
 #include <stdio.h>
 #include <stdlib.h>

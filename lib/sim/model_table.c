@@ -1,6 +1,6 @@
-#include "model.h"
+#include "model_table.h"
 
-#include "../../kernels/model.h"
+#include "../../kernels/formulas.h"
 
 #include <string.h>
 

@@ -3,7 +3,8 @@
 #include "base/context.h"
 #include "base/vec.h"
 #include "noise_level.h"
-#include "plan_row.h"
+#include "plan_case.h"
+#include "quadrature_ping.h"
 #include "scene/scene.h"
 
 #include "../../kernels/backscatter.h"
@@ -172,6 +173,46 @@ static void plan_rest(const asdic_plan_case *c, asdic_plan *plan) {
     }
 }
 
+/* Whether rays are needed: a quadrature gives what a flat scene without objects holds, once for every depth
+ * and attitude of the mission. It takes some ten milliseconds a beam and pays when many pings share it. */
+
+/* Pings per beam that one quadrature must serve. */
+#define PINGS_PER_BEAM 32
+
+/* How many depths and attitudes there are, or one more than a simulator remembers. */
+static size_t count_views(const asdic_plan_case *c) {
+    const asdic_pose *views[ASDIC_QUADRATURE_VIEWS];
+    size_t count = 0;
+    for (size_t i = 0; i < c->count; i++) {
+        size_t k = 0;
+        while (k < count && !asdic_quadrature_same_view(views[k], &c->poses[i])) {
+            k++;
+        }
+        if (k == count && count == ASDIC_QUADRATURE_VIEWS) {
+            return ASDIC_QUADRATURE_VIEWS + 1;
+        }
+        views[k] = k == count ? &c->poses[i] : views[k];
+        count += k == count;
+    }
+    return count;
+}
+
+static void plan_rays(const asdic_plan_case *c, asdic_plan *plan) {
+    size_t views = count_views(c);
+    if (!asdic_quadrature_knows(c->scene, c->env, c->sampling, c->depth_least_m,
+                                c->altitude_least_m)) {
+        asdic_plan_row_set(plan, ASDIC_TERM_RAYS, true, INFINITY, "%u a ping", c->sampling->rays);
+    } else if (views > ASDIC_QUADRATURE_VIEWS ||
+               c->count < PINGS_PER_BEAM * c->sonar->receiver_count * views) {
+        asdic_plan_row_set(plan, ASDIC_TERM_RAYS, true, 0.0,
+                           "%u a ping: a quadrature would serve too few pings", c->sampling->rays);
+    } else {
+        asdic_plan_row_set(plan, ASDIC_TERM_RAYS, false, 0.0,
+                           "a flat scene without objects: %zu quadratures for %zu pings", views,
+                           c->count);
+    }
+}
+
 const char *asdic_term_name(asdic_term term) {
     static const char *const names[ASDIC_TERM_COUNT] = {"bottom",    "surface",    "volume",
                                                         "objects",   "multipath",  "noise",
@@ -203,6 +244,6 @@ asdic_status asdic_plan_make(asdic_context *ctx, const asdic_scene *scene,
     asdic_plan_objects(&c, out);
     plan_rest(&c, out);
     plan_boric_acid(&c, out);
-    asdic_plan_rays(&c, out);
+    plan_rays(&c, out);
     return ASDIC_OK;
 }

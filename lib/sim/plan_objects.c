@@ -2,7 +2,7 @@
  * Whether objects matter: none is in reach, none is in front of the faces, or what they could send
  * back at most drowns in the noise of every bin.
  */
-#include "plan_row.h"
+#include "plan_case.h"
 
 #include "base/vec.h"
 #include "laws/scatterer.h"

@@ -2,8 +2,8 @@
 #include "hard_cases.h"
 #include "ping_rig.h"
 
-#include "kernels/model.h"
-#include "sim/model.h"
+#include "kernels/formulas.h"
+#include "sim/model_table.h"
 
 /* Grazing or incidence angles, the ends and their neighbours included. */
 static const double angles_deg[] = {0,  1e-30, 1e-7, 1e-4, 0.01, 0.5,  5,     20,      45,

@@ -5,9 +5,9 @@
 #include "asserts.h"
 #include "test_device.h"
 
-#include "sim/model.h"
+#include "sim/model_table.h"
 
-#include "../../kernels/model.h"
+#include "../../kernels/formulas.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -1,14 +1,14 @@
 /*
  * The table behind asdic_model_*, and evaluating many points at once.
  */
-#ifndef ASDIC_SIM_MODEL_H
-#define ASDIC_SIM_MODEL_H
+#ifndef ASDIC_SIM_MODEL_TABLE_H
+#define ASDIC_SIM_MODEL_TABLE_H
 
 #include <asdic/model.h>
 
 #include "laws/scatterer.h"
 
-/* The scattering law whose row INDEX is: the rows are the MODEL_ numbers of kernels/model.h, then the
+/* The scattering law whose row INDEX is: the rows are the MODEL_ numbers of kernels/formulas.h, then the
  * laws without a formula there. NULL: it is no law's. */
 const asdic_law *asdic_model_law(size_t index);
 

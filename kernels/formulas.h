@@ -2,8 +2,8 @@
  * The formulas by number, for `asdic model` on host and device. KEY holds the values of the keys in
  * the order of the table in lib/sim/model_table.c, which says their units and sources.
  */
-#ifndef ASDIC_KERNEL_MODEL_H
-#define ASDIC_KERNEL_MODEL_H
+#ifndef ASDIC_KERNEL_FORMULAS_H
+#define ASDIC_KERNEL_FORMULAS_H
 
 #include "real.h"
 #include "water.h"

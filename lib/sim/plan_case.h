@@ -1,8 +1,8 @@
 /*
  * What the rules of a plan share: the poses it is for, and a row to fill in.
  */
-#ifndef ASDIC_SIM_PLAN_ROW_H
-#define ASDIC_SIM_PLAN_ROW_H
+#ifndef ASDIC_SIM_PLAN_CASE_H
+#define ASDIC_SIM_PLAN_CASE_H
 
 #include <asdic/plan.h>
 
@@ -29,8 +29,7 @@ void asdic_plan_row_set(asdic_plan *plan, asdic_term term, bool kept, double bou
 /* How much an energy E added to a bin of noise N changes its level, dB; INFINITY without noise. */
 double asdic_plan_change_db(double energy, double noise);
 
-/* The rules on objects and on multipath; that on quadrature instead of rays. */
+/* The rules on objects and on multipath. */
 void asdic_plan_objects(const asdic_plan_case *c, asdic_plan *plan);
-void asdic_plan_rays(const asdic_plan_case *c, asdic_plan *plan);
 
 #endif
