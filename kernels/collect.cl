@@ -1,16 +1,17 @@
 /*
- * collect: weighs the arrivals that shade.cl and multipath.cl left by every receiver's pattern and adds
- * them to the accumulator. One work-item per group, which owns the group's cells (DEPOSIT_OWNED).
+ * collect: adds the arrivals that shade.cl and multipath.cl left in memory to the accumulator, weighed by
+ * every receiver's pattern (DEPOSIT_COLLECT). A work-item takes whole groups, so that no other adds to the
+ * same cells.
  */
 #include "mirror_ray.h"
 #include "receive.h"
 #include "ping_batch.h"
 
-/* Up to so many receivers are served one after the other, each with the arrivals of ASDIC_WIDTH rays;
- * more at once, arrival by arrival. */
+/* With this many receivers or fewer, the lanes of a vector are rays and receivers are taken one by one; with
+ * more, lanes are receivers and arrivals are taken one by one. */
 #define FEW_BEAMS 2u
 
-/* ASDIC_WIDTH receivers, from FIRST on, towards as many directions. */
+/* Gains of ASDIC_WIDTH receivers, each towards the directions of ASDIC_WIDTH rays. */
 typedef struct weights {
     real of_beam[ASDIC_WIDTH];
 } weights;
@@ -26,7 +27,7 @@ static weights weigh(const world *w, uint first, triple u) {
     return g;
 }
 
-/* How many of QUANTA, deposits of an arrival, have to be cut. */
+/* How many of QUANTA are above the limit of a deposit. */
 static uint count_cut(const world *w, real quanta) {
     uint cut = 0u;
     if (any_true(quanta > (real)(w->ping->sums.limit))) {
@@ -37,8 +38,8 @@ static uint count_cut(const world *w, real quanta) {
     return cut;
 }
 
-/* Adds ARRIVAL, which arrives with the gains of LANE, to the receivers from FIRST on; returns how many
- * deposits had to be cut. Cells behind a row's last receiver get 0: the work-item owns them, too. */
+/* Adds ARRIVAL, whose gains are those of LANE, to the receivers from FIRST on; returns how many deposits were
+ * cut to the limit. The last vector may reach beyond the last receiver: its cells are padding and get 0. */
 static uint add_arrival(const world *w, __global const dev_arrival *arrival, __global long *cells,
                         const weights *g, uint lane, uint first) {
     uint cut = 0u;
@@ -61,7 +62,7 @@ static uint add_arrival(const world *w, __global const dev_arrival *arrival, __g
 
 #if ASDIC_WIDTH == 8
 
-/* The same of four columns: what arrives goes to them two by two. */
+/* The same for four columns: a vector of eight holds two deposits, four receivers each. */
 static uint add_arrival_to_four(const world *w, __global const dev_arrival *arrival,
                                 __global long *cells, const weights *g, uint lane) {
     uint cut = 0u;
@@ -84,7 +85,7 @@ static uint add_arrival_to_four(const world *w, __global const dev_arrival *arri
 
 #endif
 
-/* The first ASDIC_WIDTH arrivals of SET, where ON, to the receivers from FIRST on. */
+/* Adds the arrivals of ASDIC_WIDTH rays in SET, those of the lanes ON, to the receivers from FIRST on. */
 static uint add_arrivals(const world *w, __global const dev_arrival *set, __global long *cells,
                          mask on, const weights *g, uint first) {
     uint cut = 0u;
@@ -132,7 +133,7 @@ static triple arrival_directions(__global const dev_arrival *set, mask on) {
     return u;
 }
 
-/* All arrivals of ASDIC_WIDTH rays to the receivers from FIRST on. */
+/* Adds all arrivals of ASDIC_WIDTH rays, of every set, to the receivers from FIRST on. */
 static uint add_rays(const world *w, __global const dev_arrival *direct, __global long *cells,
                      uint first) {
     size_t all = batch_slots(w->ping);
@@ -152,8 +153,8 @@ static uint add_rays(const world *w, __global const dev_arrival *direct, __globa
     return cut;
 }
 
-/* Which of a work-item's groups it is at: the sums hold nothing of this ping before the first, and the
- * cells are to be empty after the last. */
+/* Whether the current group is the work-item's first or last. Before the first, the copy of the sums is of
+ * another ping; after the last, the cells are cleared for the next ping. */
 typedef struct turn {
     bool first, last;
 } turn;
@@ -164,8 +165,10 @@ typedef long long1;
 #define vstore1(value, at, to) ((to)[at] = (value))
 #define convert_float1 convert_float
 
-/* CELLS run on from group to group, and SUMS are what they were before: takes the water of one group from
- * between, in N columns, and what of it crosses each bin to TOTALS, in units of the bin's TL d^2. */
+/* Takes the current group's water to TOTALS, in N columns. CELLS are the sums of this group and those before
+ * it, SUMS those without it, so that the difference is this group's own; SUMS is brought up to date. Water
+ * is deposited in the bin where its ray ends: summed from the far bins to the near ones it becomes the water
+ * that crosses each bin. TOTALS is in units of the bin's TL d^2. */
 #define TAKE_WATER(N)                                                                              \
     static void take_water##N(__global const dev_ping *ping, turn at_group, __global long *cells,  \
                               __global long *sums, __global const float *ratio,                    \
@@ -188,7 +191,8 @@ TAKE_WATER(1)
 TAKE_WATER(4)
 TAKE_WATER(8)
 
-/* Takes a group's totals, in units of the bin's TL d^2, to TOTALS, and the cells so far to SUMS. */
+/* Takes the current group's totals over all components to TOTALS, in units of the bin's TL d^2, and brings
+ * SUMS up to date with CELLS. */
 static void take_group(__global const dev_ping *ping, turn at_group, __global long *cells,
                        __global long *sums, __global const float *ratio, __global float *totals) {
     const size_t plane = (size_t)(ping->sums.component_rows) * ping->sums.columns;
@@ -226,32 +230,32 @@ static void take_group(__global const dev_ping *ping, turn at_group, __global lo
     }
 }
 
-/* A work-item serves one group after the other, with the same cells while they are in its cache. Those of
- * a ping in several batches outlast a batch: it has a work-item a group. */
+/* A work-item takes one group after the other, with the same cells: they stay in its processor's cache. The
+ * cells of a ping in several batches must outlast a batch: then each group has a work-item of its own. */
 __kernel void collect(__global const dev_ping *pings, __global const dev_arrival *arrivals,
                       __global long *accumulator, __global uint *saturated,
                       __global const float *water, __global float *totals) {
     __global const dev_ping *ping = row_ping(pings);
-    const uint owners = ping->sums.blocks / 2u;
-    uint owner = (uint)(get_global_id(0)), cut = 0u;
-    if (owner >= owners) {
+    const uint workers = ping->sums.blocks / 2u;
+    uint worker = (uint)(get_global_id(0)), cut = 0u;
+    if (worker >= workers) {
         return;
     }
     world w = {ping, beams_of(ping), 0, 0, 0, 0};
     __global long *cells =
-        row_cells(ping, accumulator) + 2u * owner * (size_t)(ping->sums.group_cells);
+        row_cells(ping, accumulator) + 2u * worker * (size_t)(ping->sums.group_cells);
     __global long *sums = cells + ping->sums.group_cells;
     __global const float *ratio = row_water(ping, water) + ping->bins;
     arrivals += ARRIVAL_SETS * row_slots(ping);
     totals += row_first_total(ping);
-    for (uint group = owner; group < ping->batch.groups; group += owners) {
+    for (uint group = worker; group < ping->batch.groups; group += workers) {
         for (uint k = 0; k < ping->batch.per_group; k += ASDIC_WIDTH) {
             for (uint first = 0; first < ping->beams; first += ASDIC_WIDTH) {
                 cut += add_rays(&w, arrivals + group * ping->batch.per_group + k, cells, first);
             }
         }
         if (ping->batch.last != 0u) {
-            turn at_group = {group == owner, group + owners >= ping->batch.groups};
+            turn at_group = {group == worker, group + workers >= ping->batch.groups};
             take_group(ping, at_group, cells, sums, ratio,
                        totals + group * (size_t)(ping->sums.total_cells));
         }

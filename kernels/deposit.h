@@ -2,10 +2,12 @@
  * The accumulator: blocks of [component][bin][beam], 64-bit fixed point. Integer sums do not depend
  * on order, so that a ping has the same bytes whatever the device's scheduling.
  *
- * Three ways to add, one result: a work-item that owns a group adds plainly what others have left as
- * arrivals (collect.cl); many work-items on one group use 64-bit atomics, or two 32-bit atomics with a
- * carry. With atomics every group has a block. A work-item of collect has two, which a processor keeps in
- * its cache: one that all its groups add to, one after the other, and what that was a group ago.
+ * There are three ways to add, with one result. Many work-items may add to one group: by 64-bit atomics
+ * (DEPOSIT_ATOMIC64), or by two 32-bit atomics with a carry (DEPOSIT_ATOMIC32); each group then has a block.
+ * Or rays leave their arrivals in memory, and one work-item a group adds them without atomics
+ * (DEPOSIT_COLLECT, collect.cl). Such a work-item takes its groups one after the other and has two blocks,
+ * which stay in a processor's cache: the running sums of all its groups so far, and a copy of those sums
+ * from before the current group, so that the difference is the current group's own.
  */
 #ifndef ASDIC_KERNEL_DEPOSIT_H
 #define ASDIC_KERNEL_DEPOSIT_H
@@ -13,12 +15,12 @@
 #include "ping_types.h"
 #include "real.h"
 
-#define DEPOSIT_OWNED 0
+#define DEPOSIT_COLLECT 0
 #define DEPOSIT_ATOMIC64 1
 #define DEPOSIT_ATOMIC32 2
 
 #ifndef ASDIC_DEPOSIT
-#define ASDIC_DEPOSIT DEPOSIT_OWNED
+#define ASDIC_DEPOSIT DEPOSIT_COLLECT
 #endif
 
 #if ASDIC_DEPOSIT == DEPOSIT_ATOMIC64
@@ -66,7 +68,7 @@ typedef ASDIC_JOIN(long, ASDIC_WIDTH) wholes;
 #define store_reals store_wholes
 
 static inline void deposit_add(__global long *cell, long quanta) {
-#if ASDIC_DEPOSIT == DEPOSIT_OWNED
+#if ASDIC_DEPOSIT == DEPOSIT_COLLECT
     *cell += quanta;
 #elif ASDIC_DEPOSIT == DEPOSIT_ATOMIC64
     atom_add(cell, quanta);

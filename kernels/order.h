@@ -57,8 +57,8 @@ static inline uint group_of(__global const dev_ping *ping, uint ray) {
     return ray & (ping->batch.groups - 1u);
 }
 
-/* Where a ray stands when the batch is counted group by group. */
-static inline uint place_of(__global const dev_ping *ping, uint ray) {
+/* The position of a ray when the batch is counted group by group. */
+static inline uint position_of(__global const dev_ping *ping, uint ray) {
     return group_of(ping, ray) * ping->batch.per_group + (ray >> popcount(ping->batch.groups - 1u));
 }
 

@@ -51,7 +51,7 @@ __kernel void pilot(__global const dev_ping *ping, __global const dev_ray *rays,
     natural row = (natural)(0u);
     natural ray = rays_in(ping, slot);
     LANES {
-        uint at = place_of(ping, AT(ray, uint));
+        uint at = position_of(ping, AT(ray, uint));
         dev_pilot s = {AT(x, float), AT(y, float), min(AT(last, uint), ping->bins - 1u)};
         AT(row, uint) = at;
         pilots[at] = s;

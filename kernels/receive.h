@@ -1,14 +1,16 @@
 /*
  * Who receives what arrives from a direction.
  *
- * Every arrival is weighed by every receiver's pattern. Where many work-items add to one accumulator, at
- * once. Else arrivals are kept as arrivals: for collect.cl, whose work-items own groups of rays, or, of
- * many receivers, for fan.cl (ASDIC_FAN), whose work-items own bins. Faces of a fan that share their
- * vertical axis z and their size (ASDIC_COMMON_AXIS) have, with x, y across that axis,
+ * Every receiver's pattern weighs every arrival. Where work-items add by atomics, each does so at once for
+ * its own rays. Else (DEPOSIT_COLLECT) arrivals are kept in memory: collect.cl adds them group by group, or,
+ * where receivers are many, fan.cl bin by bin (ASDIC_FAN).
+ *
+ * A fan's faces may share their vertical axis z and their size (ASDIC_COMMON_AXIS). Then, with x and y
+ * across that axis,
  *
  *     B(u) = sinc^2(L_V u.z) sinc^2(L_H (u.y cos yaw - u.x sin yaw))
  *
- * and the first factor is applied at once.
+ * and the first factor, the same for all of them, is applied before arrivals are kept.
  */
 #ifndef ASDIC_KERNEL_RECEIVE_H
 #define ASDIC_KERNEL_RECEIVE_H
@@ -18,15 +20,15 @@
 
 #define MAX_ARRIVALS 4
 
-/* Up to four arrivals of energy from one direction, in quanta, for a row (component, bin) each. Small
- * on purpose: PoCL keeps the private arrays of a whole work-group on one stack. */
+/* Up to four deposits from one direction: quanta, each for a row (component, bin); the dev_arrivals of
+ * ASDIC_WIDTH rays. Few on purpose: PoCL keeps the private arrays of a whole work-group on one stack. */
 typedef struct arrivals {
     uint count;
     real quanta[MAX_ARRIVALS];
     natural row[MAX_ARRIVALS];
 } arrivals;
 
-/* Adds an arrival for COMPONENT and BIN, both per lane. */
+/* Adds a deposit for COMPONENT and BIN, both per lane. */
 static void arrivals_add(const world *w, arrivals *a, natural component, natural bin, real energy) {
     real scale = R(0.0);
     LANES {
@@ -44,15 +46,14 @@ static void arrivals_add_echo(const world *w, arrivals *a, natural component,
     arrivals_add(w, a, component, min(echo->bin + 1u, last), echo->second);
 }
 
-/* Where arrivals go: the accumulator, or arrivals [set][ray, group by group]
- * on their way to it. */
+/* Where arrivals go: to the accumulator at once, or to memory, [set][ray, group by group]. */
 typedef struct sink {
     __global long *accumulator;
     __global dev_arrival *arrivals;
 } sink;
 
-/* Adds GAIN times every arrival to column COLUMN of its row, behind cell FIRST; returns how many had
- * to be cut. */
+/* Adds GAIN times every deposit to column COLUMN of its row, counted from cell FIRST; returns how many were
+ * cut to the limit. */
 static uint add_column(const world *w, const arrivals *a, __global long *cells, natural first,
                        natural column, real gain) {
     uint cut = 0u;
@@ -81,10 +82,11 @@ static natural cells_of(const world *w, natural rays) {
     return first;
 }
 
-#if ASDIC_DEPOSIT == DEPOSIT_OWNED
+#if ASDIC_DEPOSIT == DEPOSIT_COLLECT
 
-/* Keeps arrivals as arrivals of SET; collect.cl counts what has to be cut. A direct arrival says that
- * no others follow; those that do change that. */
+/* Writes the arrivals to SET; collect.cl counts what it cuts. A direct arrival (DEV_ARRIVAL_DIRECT) says
+ * whether the ray has arrivals in other sets: it is written first and says no, those that follow change
+ * that. */
 static uint receive(const world *w, const sink *to, uint set, const arrivals *a, natural rays,
                     triple u) {
     __global dev_arrival *direct = to->arrivals;
@@ -108,10 +110,10 @@ static uint receive(const world *w, const sink *to, uint set, const arrivals *a,
             p.quanta[c] = c < a->count ? AT(gain, float) * AT(a->quanta[c], const float) : 0.0f;
         }
         if (AT(rays, uint) != NO_RAY) {
-            uint place = place_of(w->ping, AT(rays, uint));
-            arrivals[place] = p;
+            uint position = position_of(w->ping, AT(rays, uint));
+            arrivals[position] = p;
             if (set != DEV_ARRIVAL_DIRECT) {
-                direct[place].more = 1u;
+                direct[position].more = 1u;
             }
         }
     }

@@ -5,7 +5,7 @@
 #include "ping_batch.h"
 
 /* Water that ends in a bin to water that crosses it; ACCUMULATOR is [group][component][bin][beam]. One
- * work-item per group and beam. Work-items that own their group have done it in collect. */
+ * work-item per group and beam. With DEPOSIT_COLLECT collect.cl has done it. */
 __kernel void suffix(__global const dev_ping *pings, __global long *accumulator) {
     __global const dev_ping *ping = row_ping(pings);
     uint id = (uint)(get_global_id(0));
@@ -27,7 +27,7 @@ __kernel void suffix(__global const dev_ping *pings, __global long *accumulator)
 #endif
 
 #define RUN (VECTORS * ASDIC_WIDTH)
-#define NO_PLACE 0xffffffffu
+#define NO_POSITION 0xffffffffu
 
 /* Relative standard error of the sum of the groups' TOTALS, each VECTORS from the last. */
 static real spread(const real *totals, uint groups) {
@@ -45,9 +45,10 @@ static real spread(const real *totals, uint groups) {
     return choose(mean > R(0.0), error, R(0.0));
 }
 
-#if ASDIC_DEPOSIT == DEPOSIT_OWNED
+#if ASDIC_DEPOSIT == DEPOSIT_COLLECT
 
-/* Sums over work-items of collect of a component's cells from FIRST on; the next ping's overwrite them. */
+/* A component's sums over all work-items of collect.cl, in the cells from FIRST on; the next ping overwrites
+ * them. */
 static void sum_component(__global const dev_ping *ping, __global const long *cells,
                           const real *units, wholes *sums, real *totals) {
     for (uint v = 0; v < VECTORS; v++) {
@@ -61,7 +62,7 @@ static void sum_component(__global const dev_ping *ping, __global const long *ce
     }
 }
 
-/* As collect left them in FROM. */
+/* Reads the groups' totals as collect.cl left them in FROM. */
 static void load_totals(__global const dev_ping *ping, __global const float *from, real *totals) {
     for (uint g = 0; g < ping->batch.groups; g++) {
         for (uint v = 0; v < VECTORS; v++) {
@@ -118,10 +119,10 @@ __kernel void reduce(__global const dev_ping *pings, __global long *accumulator,
     saturated += get_group_id(1);
     real totals[DEV_MAX_GROUPS * VECTORS], ratios[VECTORS], units[VECTORS];
     wholes sums[VECTORS];
-    uint place[RUN]; /* of every cell in a plane of the results, or NO_PLACE */
+    uint position[RUN]; /* of every cell in a plane of the results, or NO_POSITION */
     uint bin = first / columns, beam = first - bin * columns;
     for (uint k = 0; k < RUN; k++) {
-        place[k] = bin < bins && beam < beams ? beam * bins + bin : NO_PLACE;
+        position[k] = bin < bins && beam < beams ? beam * bins + bin : NO_POSITION;
         ((float *)ratios)[k] = bin < bins ? volume_ratio[bin] : 0.0f;
         bool next = ++beam == columns;
         beam = next ? 0u : beam;
@@ -142,8 +143,8 @@ __kernel void reduce(__global const dev_ping *pings, __global long *accumulator,
         sum_component(ping, accumulator + (size_t)(c)*ping->sums.component_rows * columns + first,
                       units, sums, totals);
         for (uint k = 0; k < RUN; k++) {
-            if (place[k] != NO_PLACE) {
-                results[c * plane + place[k]] = ((long *)sums)[k];
+            if (position[k] != NO_POSITION) {
+                results[c * plane + position[k]] = ((long *)sums)[k];
             }
         }
     }
@@ -151,8 +152,8 @@ __kernel void reduce(__global const dev_ping *pings, __global long *accumulator,
     for (uint v = 0; v < VECTORS && ping->states_errors != 0u; v++) {
         real error = spread(totals + v, ping->batch.groups);
         for (uint k = 0; k < ASDIC_WIDTH; k++) {
-            uint at = place[v * ASDIC_WIDTH + k];
-            if (at != NO_PLACE) {
+            uint at = position[v * ASDIC_WIDTH + k];
+            if (at != NO_POSITION) {
                 spreads[at] = ((float *)&error)[k];
             }
         }

@@ -220,13 +220,13 @@ static int by_receiver(const void *a, const void *b) {
  * do: the cosine between what they hear is above ALIKE. Variances add. Returns how many taps are
  * left. PLACE: as many numbers as receivers, for where a receiver's tap of the current direction
  * is. */
-static size_t gather(tap *taps, size_t count, size_t elevations, size_t *place) {
+static size_t gather(tap *taps, size_t count, size_t elevations, size_t *position) {
     size_t at = 0, kept = 0; /* the current direction's taps are from AT to KEPT */
     double square = 0.0;
     for (size_t k = 0, end; k < count; k = end) {
         double product = 0.0, own = 0.0;
         for (end = k; end < count && taps[end].direction == taps[k].direction; end++) {
-            size_t p = place[taps[end].receiver];
+            size_t p = position[taps[end].receiver];
             double w = (double)taps[end].weight;
             product += p >= at && p < kept ? w * (double)taps[p].weight : 0.0;
             own += w * w;
@@ -238,14 +238,14 @@ static size_t gather(tap *taps, size_t count, size_t elevations, size_t *place) 
         square = is_alike ? square + own : own;
         for (size_t i = k; i < end; i++) {
             tap t = taps[i];
-            size_t p = place[t.receiver];
+            size_t p = position[t.receiver];
             if (is_alike && p >= at && p < kept) {
                 taps[p].weight = copysignf(hypotf(taps[p].weight, t.weight), taps[p].weight);
                 continue;
             }
             t.direction = is_alike ? taps[at].direction : t.direction;
             t.weight = product < 0.0 && is_alike ? -t.weight : t.weight;
-            place[t.receiver] = kept;
+            position[t.receiver] = kept;
             taps[kept++] = t;
         }
     }
@@ -272,20 +272,20 @@ static size_t number(tap *taps, size_t count) {
 /* Taps to lists. What a receiver hears alone is one source, the last of its list. */
 static bool list(asdic_coherence *c, tap *taps, size_t count, size_t elevations) {
     size_t room = count + c->receivers, at = 0, k = 0;
-    size_t *place = malloc(c->receivers * sizeof *place);
+    size_t *position = malloc(c->receivers * sizeof *position);
     c->first = calloc(c->receivers + 1, sizeof *c->first);
     c->source = malloc(room * sizeof *c->source);
     c->weight = malloc(room * sizeof *c->weight);
-    if (!place || !c->first || !c->source || !c->weight) {
-        free(place);
+    if (!position || !c->first || !c->source || !c->weight) {
+        free(position);
         return false;
     }
-    memset(place, 0xff, c->receivers * sizeof *place); /* nowhere */
+    memset(position, 0xff, c->receivers * sizeof *position); /* nowhere */
     qsort(taps, count, sizeof *taps, by_direction);
-    count = gather(taps, count, elevations, place);
+    count = gather(taps, count, elevations, position);
     c->sources = number(taps, count);
     qsort(taps, count, sizeof *taps, by_receiver);
-    free(place);
+    free(position);
     for (size_t i = 0; i < c->receivers; i++) {
         double left = 1.0;
         for (; k < count && taps[k].receiver == i; k++) {

@@ -14,7 +14,7 @@
 /* Below this share of a piece's largest value the series' error would show: ask the ring itself. */
 #define NULL_SHARE 1e-4
 
-/* One stretch between kinks. Elevation is a cosine of the place s in [0, 1]: a square-root kink at
+/* One stretch between kinks. Elevation is a cosine of the position s in [0, 1]: a square-root kink at
  * an end becomes smooth. */
 typedef struct stretch {
     double begin_rad, end_rad;
@@ -41,7 +41,7 @@ static double elevation_at(const stretch *w, double s) {
     return w->begin_rad + 0.5 * (w->end_rad - w->begin_rad) * (1.0 - cos(ASDIC_PI * s));
 }
 
-static double place_of(const stretch *w, double elevation_rad) {
+static double position_of(const stretch *w, double elevation_rad) {
     double share = (elevation_rad - w->begin_rad) / (w->end_rad - w->begin_rad);
     return 2.0 / ASDIC_PI * asin(sqrt(fmin(fmax(share, 0.0), 1.0)));
 }
@@ -181,13 +181,13 @@ void asdic_ring_profile_destroy(asdic_ring_profile **profile) {
     }
 }
 
-/* The piece that holds ELEVATION_RAD, and the place in it, [-1, 1]. */
+/* The piece that holds ELEVATION_RAD, and the position in it, [-1, 1]. */
 static const piece *find_piece(const asdic_ring_profile *p, double elevation_rad, double *x) {
     size_t at = 0;
     while (at + 1 < p->stretch_count && elevation_rad > p->stretches[at].end_rad) {
         at++;
     }
-    double s = place_of(&p->stretches[at], elevation_rad);
+    double s = position_of(&p->stretches[at], elevation_rad);
     size_t low = 0, high = p->count - 1;
     while (low < high) {
         size_t middle = (low + high) / 2;

@@ -105,19 +105,20 @@ static dev_uint sampler_code(asdic_sampler sampler) {
 static void shape_accumulator(const asdic_simulator *sim, dev_ping *fixed) {
     const asdic_scene *scene = sim->setup.scene;
     size_t beams = sim->setup.sonar.receiver_count, groups = sim->setup.groups,
-           owners = sim->setup.layout.owners;
-    bool owned = sim->setup.layout.deposit == ASDIC_DEPOSIT_OWNED, wide = owned && beams > 2;
+           workers = sim->setup.layout.workers;
+    bool collects = sim->setup.layout.deposit == ASDIC_DEPOSIT_COLLECT,
+         wide = collects && beams > 2;
     size_t columns = wide ? (beams <= 4 ? 4 : (beams + 7) / 8 * 8) : beams;
     size_t rows = (sim->setup.bins + MOST_RUN - 1) / MOST_RUN * MOST_RUN;
     size_t cells = sim->setup.components * rows * columns + MOST_WIDTH;
     fixed->sums.columns = (dev_uint)columns;
     fixed->sums.component_rows = (dev_uint)rows;
     fixed->sums.group_cells = (dev_uint)(((cells + 7) / 8 | 1) * 8);
-    if (owners == 0 || owners > groups ||
+    if (workers == 0 || workers > groups ||
         groups * sim->setup.per_group < sim->setup.sampling.rays) {
-        owners = groups;
+        workers = groups;
     }
-    fixed->sums.blocks = (dev_uint)(owned ? 2 * owners : groups);
+    fixed->sums.blocks = (dev_uint)(collects ? 2 * workers : groups);
     fixed->sums.total_cells = (dev_uint)((rows * columns / 16 | 1) * 16);
     fixed->sums.present = 1u << DEV_DEPOSIT_VOLUME;
     if (scene->has_bottom_plane || asdic_simulator_has(sim, DEV_KIND_BOTTOM)) {

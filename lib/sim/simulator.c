@@ -28,10 +28,10 @@
 asdic_layout asdic_layout_default(const asdic_device_info *info) {
     bool cpu = info->kind == ASDIC_DEVICE_CPU;
     asdic_layout layout = {.width = cpu ? 8 : 1, .local = cpu ? 16 : 64};
-    layout.deposit = cpu                       ? ASDIC_DEPOSIT_OWNED
+    layout.deposit = cpu                       ? ASDIC_DEPOSIT_COLLECT
                      : info->has_int64_atomics ? ASDIC_DEPOSIT_ATOMIC64
                                                : ASDIC_DEPOSIT_ATOMIC32;
-    layout.owners = info->compute_units;
+    layout.workers = info->compute_units;
     layout.batch_slots = (size_t)1 << 20;
     layout.ping_batch_slots = (size_t)1 << (cpu ? 13 : 18);
     return layout;
@@ -63,7 +63,7 @@ static asdic_status create_kernels(asdic_simulator *sim) {
              sim->setup.layout.width, (int)sim->setup.layout.deposit, sim->tracer ? 1 : 0,
              sim->fan.common_axis, sim->setup.sampling.left_out & (1u << ASDIC_TERM_VOLUME) ? 0 : 1,
              sim->setup.has_mirrors ? 1 : 0);
-    bool owned = sim->setup.layout.deposit == ASDIC_DEPOSIT_OWNED;
+    bool collects = sim->setup.layout.deposit == ASDIC_DEPOSIT_COLLECT;
     bool adaptive = sim->setup.sampling.sampler == ASDIC_SAMPLER_ADAPTIVE;
     const struct {
         const char *name;
@@ -72,8 +72,8 @@ static asdic_status create_kernels(asdic_simulator *sim) {
     } wanted[] = {
         {"sample", &sim->kernels.sample, true},
         {"shade", &sim->kernels.shade, true},
-        {"collect", &sim->kernels.collect, owned && !sim->fan.many},
-        {"suffix", &sim->kernels.suffix, !owned},
+        {"collect", &sim->kernels.collect, collects && !sim->fan.many},
+        {"suffix", &sim->kernels.suffix, !collects},
         {"reduce", &sim->kernels.reduce, !sim->fan.many},
         {"pilot", &sim->kernels.pilot, adaptive},
         {"connect", &sim->kernels.connect, sim->setup.has_mirrors},
@@ -216,7 +216,7 @@ static void plan_work(asdic_simulator *sim, const asdic_water_column *water) {
     asdic_beam_fan_plan(&sim->setup.sonar, &sim->fan);
     if (sim->fan.many) { /* the block tells the error */
         sim->setup.groups = 1;
-        sim->setup.layout.deposit = ASDIC_DEPOSIT_OWNED;
+        sim->setup.layout.deposit = ASDIC_DEPOSIT_COLLECT;
     }
     size_t most = asdic_simulator_batch_slots(sim), rays = sim->setup.sampling.rays;
     sim->setup.per_group = asdic_simulator_per_group(sim, rays < most ? rays : most);

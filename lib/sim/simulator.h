@@ -30,7 +30,7 @@
 #define ASDIC_ZONE_ALTITUDE 0.9
 
 typedef enum asdic_deposit {
-    ASDIC_DEPOSIT_OWNED = 0, /* one work-item alone adds to a group's cells */
+    ASDIC_DEPOSIT_COLLECT = 0, /* arrivals are kept; each group has one work-item that adds them */
     ASDIC_DEPOSIT_ATOMIC64 = 1,
     ASDIC_DEPOSIT_ATOMIC32 = 2,
 } asdic_deposit;
@@ -41,7 +41,7 @@ typedef struct asdic_layout {
     unsigned width; /* rays per work-item: 1, 8 or 16 */
     asdic_deposit deposit;
     size_t local;       /* work-group size of the ray kernels */
-    size_t owners;      /* work-items that share the groups in collect.cl; 0: one for each group */
+    size_t workers;     /* work-items that share the groups in collect.cl; 0: one for each group */
     size_t batch_slots; /* rays held on the device at once, at least ASDIC_PILOT_RAYS */
     size_t
         ping_batch_slots; /* pings go to the device together while their rays are no more than this */

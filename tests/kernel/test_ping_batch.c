@@ -69,11 +69,11 @@ static void a_batch_changes_no_byte(void **state) {
         asdic_deposit deposit;
         unsigned width;
     } cases[] = {
-        {500, 16384, 14, ASDIC_SAMPLER_ADAPTIVE, ASDIC_DEPOSIT_OWNED, 8},
-        {500, 1600, 3, ASDIC_SAMPLER_ADAPTIVE, ASDIC_DEPOSIT_OWNED, 8},
+        {500, 16384, 14, ASDIC_SAMPLER_ADAPTIVE, ASDIC_DEPOSIT_COLLECT, 8},
+        {500, 1600, 3, ASDIC_SAMPLER_ADAPTIVE, ASDIC_DEPOSIT_COLLECT, 8},
         {500, 1600, 3, ASDIC_SAMPLER_ADAPTIVE, ASDIC_DEPOSIT_ATOMIC32, 1},
         {500, 2048, 4, ASDIC_SAMPLER_UNIFORM_SPHERE, ASDIC_DEPOSIT_ATOMIC32, 8},
-        {5000, 4096, 1, ASDIC_SAMPLER_BEAM, ASDIC_DEPOSIT_OWNED, 8},
+        {5000, 4096, 1, ASDIC_SAMPLER_BEAM, ASDIC_DEPOSIT_COLLECT, 8},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         ping_rig r = rig_with_everything();

@@ -24,11 +24,11 @@ static void layout_never_changes_a_byte_of(size_t beams) {
     assert_true(plain->intensity_lin[ASDIC_MULTIPATH][75] > 0.0);
     bool has_int64 = asdic_device_get_info(t.device)->has_int64_atomics;
     static const asdic_layout others[] = {
-        {.deposit = ASDIC_DEPOSIT_OWNED, .local = 1, .batch_slots = 16384},
-        {.deposit = ASDIC_DEPOSIT_OWNED, .local = 8, .batch_slots = 1 << 20, .owners = 1},
-        {.deposit = ASDIC_DEPOSIT_OWNED, .local = 8, .batch_slots = 1 << 20, .owners = 3},
-        {.deposit = ASDIC_DEPOSIT_OWNED, .local = 64, .batch_slots = 20000, .owners = 3},
-        {.deposit = ASDIC_DEPOSIT_OWNED, .local = 4096, .batch_slots = 1 << 20},
+        {.deposit = ASDIC_DEPOSIT_COLLECT, .local = 1, .batch_slots = 16384},
+        {.deposit = ASDIC_DEPOSIT_COLLECT, .local = 8, .batch_slots = 1 << 20, .workers = 1},
+        {.deposit = ASDIC_DEPOSIT_COLLECT, .local = 8, .batch_slots = 1 << 20, .workers = 3},
+        {.deposit = ASDIC_DEPOSIT_COLLECT, .local = 64, .batch_slots = 20000, .workers = 3},
+        {.deposit = ASDIC_DEPOSIT_COLLECT, .local = 4096, .batch_slots = 1 << 20},
         {.deposit = ASDIC_DEPOSIT_ATOMIC32, .local = 4096, .batch_slots = 20000},
         {.deposit = ASDIC_DEPOSIT_ATOMIC32, .local = 8, .batch_slots = 1 << 20},
         {.deposit = ASDIC_DEPOSIT_ATOMIC64, .local = 64, .batch_slots = 32768},
