@@ -1,10 +1,10 @@
 #include "model_table.h"
 #include "model_law.h"
 
-#include "../base/context.h"
-#include "../base/try.h"
-#include "../base/words.h"
-#include "../ocl/ocl.h"
+#include "base/context.h"
+#include "base/try.h"
+#include "base/words.h"
+#include "ocl/ocl.h"
 
 #include "../../kernels/formulas.h"
 
@@ -148,18 +148,12 @@ static asdic_status read_assignments(asdic_context *ctx, const asdic_model_info 
     }
     for (size_t i = 0; i < count; i++) {
         size_t k = 0;
-        asdic_status status = find_key(ctx, info, assignments[i], &k);
-        if (status == ASDIC_OK && given[k]) {
-            status = asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "%s: key '%s' is given twice",
-                                info->name, info->keys[k].name);
+        TRY(find_key(ctx, info, assignments[i], &k));
+        if (given[k]) {
+            return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "%s: key '%s' is given twice", info->name,
+                              info->keys[k].name);
         }
-        if (status == ASDIC_OK) {
-            status =
-                read_value(ctx, info, &info->keys[k], strchr(assignments[i], '=') + 1, &values[k]);
-        }
-        if (status != ASDIC_OK) {
-            return status;
-        }
+        TRY(read_value(ctx, info, &info->keys[k], strchr(assignments[i], '=') + 1, &values[k]));
         given[k] = true;
     }
     for (size_t i = 0; i < info->key_count; i++) {
@@ -236,43 +230,42 @@ static void round_keys(size_t model, const double *keys, size_t count, float *fl
     }
 }
 
-static asdic_status evaluate_on_device(asdic_device *device, size_t model, const double *keys,
-                                       size_t count, double *out) {
-    asdic_context *ctx = asdic_device_context(device);
-    asdic_buffer *key_buffer = NULL, *out_buffer = NULL;
-    asdic_kernel *kernel = NULL;
+/* What an evaluation holds on the device. */
+typedef struct device_points {
+    asdic_buffer *keys, *out;
+    asdic_kernel *kernel;
+} device_points;
+
+/* FLOATS: the keys of COUNT points, then room for their values. */
+static asdic_status run_on_device(asdic_device *device, device_points *d, size_t model,
+                                  size_t count, float *floats) {
     size_t key_count = count * MODEL_KEYS;
     int number = (int)model;
     uint32_t points = (uint32_t)count;
-    asdic_status status = ASDIC_ERROR_MEMORY;
-    float *floats = malloc((key_count + count) * sizeof *floats);
+    TRY(asdic_buffer_create(device, key_count * sizeof *floats, floats, &d->keys));
+    TRY(asdic_buffer_create(device, count * sizeof *floats, NULL, &d->out));
+    TRY(asdic_kernel_create(device, "model.cl", "", "model", &d->kernel));
+    const asdic_kernel_arg args[] = {ASDIC_ARG_VALUE(number), ASDIC_ARG_BUFFER(d->keys),
+                                     ASDIC_ARG_BUFFER(d->out), ASDIC_ARG_VALUE(points)};
+    TRY(asdic_kernel_run(d->kernel, args, sizeof args / sizeof *args, count, 0));
+    return asdic_buffer_read(d->out, 0, count * sizeof *floats, floats + key_count);
+}
+
+static asdic_status evaluate_on_device(asdic_device *device, size_t model, const double *keys,
+                                       size_t count, double *out) {
+    device_points d = {0};
+    float *floats = malloc(count * (MODEL_KEYS + 1) * sizeof *floats);
     if (!floats) {
-        asdic_fail_memory(ctx, "the keys of a model");
-        goto fail;
+        return asdic_fail_memory(asdic_device_context(device), "the keys of a model");
     }
     round_keys(model, keys, count, floats);
-    status = asdic_buffer_create(device, key_count * sizeof *floats, floats, &key_buffer);
-    if (status == ASDIC_OK) {
-        status = asdic_buffer_create(device, count * sizeof *floats, NULL, &out_buffer);
+    asdic_status status = run_on_device(device, &d, model, count, floats);
+    for (size_t i = 0; !status && i < count; i++) {
+        out[i] = floats[count * MODEL_KEYS + i];
     }
-    if (status == ASDIC_OK) {
-        status = asdic_kernel_create(device, "model.cl", "", "model", &kernel);
-    }
-    if (status == ASDIC_OK) {
-        const asdic_kernel_arg args[] = {ASDIC_ARG_VALUE(number), ASDIC_ARG_BUFFER(key_buffer),
-                                         ASDIC_ARG_BUFFER(out_buffer), ASDIC_ARG_VALUE(points)};
-        status = asdic_kernel_run(kernel, args, sizeof args / sizeof *args, count, 0);
-    }
-    if (status == ASDIC_OK) {
-        status = asdic_buffer_read(out_buffer, 0, count * sizeof *floats, floats + key_count);
-    }
-    for (size_t i = 0; status == ASDIC_OK && i < count; i++) {
-        out[i] = floats[key_count + i];
-    }
-fail:
-    asdic_kernel_destroy(&kernel);
-    asdic_buffer_destroy(&out_buffer);
-    asdic_buffer_destroy(&key_buffer);
+    asdic_kernel_destroy(&d.kernel);
+    asdic_buffer_destroy(&d.out);
+    asdic_buffer_destroy(&d.keys);
     free(floats);
     return status;
 }
@@ -330,18 +323,11 @@ asdic_status asdic_model_evaluate(asdic_context *ctx, asdic_device *device, cons
     }
     double values[ASDIC_MODEL_MAX_KEYS] = {0.0};
     size_t model = 0;
-    asdic_status status = find_model(ctx, name, &model);
-    if (status == ASDIC_OK) {
-        status = read_assignments(ctx, asdic_model_get(model), assignments, count, values);
-    }
-    if (status == ASDIC_OK) {
-        status = check_together(ctx, model, values);
-    }
-    if (status == ASDIC_OK && model >= MODEL_COUNT) {
+    TRY(find_model(ctx, name, &model));
+    TRY(read_assignments(ctx, asdic_model_get(model), assignments, count, values));
+    TRY(check_together(ctx, model, values));
+    if (model >= MODEL_COUNT) {
         return evaluate_law(ctx, device, asdic_model_law(model), values, assignments, count, out);
     }
-    if (status == ASDIC_OK) {
-        status = asdic_model_evaluate_many(ctx, device, model, values, 1, out);
-    }
-    return status;
+    return asdic_model_evaluate_many(ctx, device, model, values, 1, out);
 }
