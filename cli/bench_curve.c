@@ -10,9 +10,8 @@
 #define EMPTY_DB (-100.0)
 
 const char *bench_sampler_name(asdic_sampler sampler) {
-    static const char *const names[] = {[ASDIC_SAMPLER_ADAPTIVE] = "adaptive",
-                                        [ASDIC_SAMPLER_BEAM] = "beam",
-                                        [ASDIC_SAMPLER_UNIFORM_SPHERE] = "uniform-sphere"};
+#define SAMPLER_NAME(sampler, name) [sampler] = name,
+    static const char *const names[] = {ASDIC_SAMPLERS(SAMPLER_NAME)};
     return names[sampler];
 }
 

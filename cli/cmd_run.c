@@ -7,7 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char *const samplers[] = {"adaptive", "beam", "uniform-sphere", NULL};
+#define SAMPLER_NAME(sampler, name) [sampler] = name,
+static const char *const samplers[] = {ASDIC_SAMPLERS(SAMPLER_NAME) NULL};
 static const char *const kernels[] = {"auto", "wide8", "pkt16", "frustum64", "scalar", NULL};
 
 /* Where --tolerance gives up. */

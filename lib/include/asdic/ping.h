@@ -22,6 +22,12 @@ typedef enum asdic_sampler {
     ASDIC_SAMPLER_UNIFORM_SPHERE, /* the paper's */
 } asdic_sampler;
 
+/* X(ASDIC_SAMPLER_..., name) for each, in their order: what scene files and programs call them. */
+#define ASDIC_SAMPLERS(X)                                                                          \
+    X(ASDIC_SAMPLER_ADAPTIVE, "adaptive")                                                          \
+    X(ASDIC_SAMPLER_BEAM, "beam")                                                                  \
+    X(ASDIC_SAMPLER_UNIFORM_SPHERE, "uniform-sphere")
+
 typedef enum asdic_multipath {
     ASDIC_MULTIPATH_OFF,
     ASDIC_MULTIPATH_FIRST,      /* over objects, one reflection */

@@ -23,9 +23,8 @@
 /* The scene file's text is at most 4 MiB and may double when escaped. */
 #define MAX_BYTES ((size_t)16 << 20)
 
-static const char *const sampler_names[] = {[ASDIC_SAMPLER_ADAPTIVE] = "adaptive",
-                                            [ASDIC_SAMPLER_BEAM] = "beam",
-                                            [ASDIC_SAMPLER_UNIFORM_SPHERE] = "uniform-sphere"};
+#define SAMPLER_NAME(sampler, name) [sampler] = name,
+static const char *const sampler_names[] = {ASDIC_SAMPLERS(SAMPLER_NAME)};
 static const char *const multipath_names[] = {[ASDIC_MULTIPATH_OFF] = "off",
                                               [ASDIC_MULTIPATH_FIRST] = "first",
                                               [ASDIC_MULTIPATH_BOUNDARIES] = "boundaries"};

@@ -33,10 +33,8 @@ static const asdic_table environment_table = {TABLE(environment_keys, file_envir
 
 /* --- how to compute, what to write ------------------------------------------------------------ */
 
-static const asdic_word sampler_words[] = {{"adaptive", ASDIC_SAMPLER_ADAPTIVE},
-                                           {"beam", ASDIC_SAMPLER_BEAM},
-                                           {"uniform-sphere", ASDIC_SAMPLER_UNIFORM_SPHERE},
-                                           {NULL, 0}};
+#define SAMPLER_WORD(sampler, name) {name, sampler},
+static const asdic_word sampler_words[] = {ASDIC_SAMPLERS(SAMPLER_WORD){NULL, 0}};
 static const asdic_word multipath_words[] = {{"off", ASDIC_MULTIPATH_OFF},
                                              {"first", ASDIC_MULTIPATH_FIRST},
                                              {"boundaries", ASDIC_MULTIPATH_BOUNDARIES},
