@@ -55,7 +55,7 @@ static vector lane_of(const triple *v, uint lane) {
     return vector_of(AT(v->x, const float), AT(v->y, const float), AT(v->z, const float));
 }
 
-/* What ASDIC_WIDTH rays met: nearest of mesh, bottom plane and surface. */
+/* What ASDIC_WIDTH rays met: the nearest of mesh, bottom plane and surface. */
 typedef struct meeting {
     real t;           /* along the ray (ray.h); INFINITY where nothing was met within its length */
     natural kind;     /* DEV_KIND_* */
@@ -218,8 +218,8 @@ static real grazing(const meeting *m, triple u) {
     return r_max(r_min(s, R(1.0)), choose(object, R(1e-3), R(1e-6)));
 }
 
-/* The same with the surface that the facet stands for, for the laws of scattering; where that
- * faces away, although the facet does not, as if it were seen edge on. */
+/* The grazing angle on the surface that the facet stands for, which scattering laws ask for. Where that
+ * surface faces away although the facet does not, it counts as seen edge on. */
 static slant surface_slant(const meeting *m, triple u) {
     real s = dot3(m->surface, u);
     s = choose(dot3(m->facet, u) < R(0.0), -s, s);

@@ -1,9 +1,9 @@
 /*
  * Rays towards the faces of large objects.
  *
- * What a sampler knows of directions says little of objects: far ends of walls, pipes and tops seen
- * almost edge on fill many range bins and hardly any solid angle. Some rays are therefore aimed at points
- * that are even over faces. Such a ray counts if the point that it was aimed at is what it meets first.
+ * Far ends of walls, pipes and tops that are seen almost edge on fill many range bins but hardly any solid
+ * angle, so that a sampler of directions seldom meets them. Some rays are therefore aimed at points spread
+ * evenly over faces. Such a ray counts if it meets the point that it was aimed at first.
  * A ray that meets a face, however it was drawn, weighs by the density of all ways to draw it (balance
  * heuristic, Veach 1997, section 9.2): per unit of solid angle, DENSITY rays per square metre are
  * DENSITY d^2 / cos(incidence) (ray_per_steradian).

@@ -1,9 +1,9 @@
 /*
  * Secondary rays: where they start, and how they are stored.
  *
- * Few rays may have a mirror, fewer a mirror ray that meets something. So that the tracer and the laws
- * of scattering see full vectors, each stage moves its rays to the front of their piece of the array,
- * in their order, and switches off the rest of the piece.
+ * Few rays meet a mirror, and few mirror rays meet anything. Each stage therefore moves its rays to the
+ * front of their piece of the array, in their order, and switches off the rest of the piece: the tracer and
+ * the scattering laws then work on full vectors.
  */
 #ifndef ASDIC_KERNEL_MIRROR_RAY_H
 #define ASDIC_KERNEL_MIRROR_RAY_H
@@ -18,15 +18,15 @@
 /* Sets of arrivals that a ping leaves. */
 #define ARRIVAL_SETS ((size_t)(DEV_ARRIVAL_SETS(ASDIC_HAS_MIRRORS)))
 
-/* Slots of a piece, a work-item's share: vectors want neighbours, GPUs work-items. */
+/* Slots of a piece, which is one work-item's share. Vectors need neighbours; GPUs need many work-items. */
 #if ASDIC_WIDTH == 1
 #define PIECE 1u
 #else
 #define PIECE 64u
 #endif
 
-/* Secondary rays start off the surface they leave, on its SIDE, by more than the rounding of their
- * coordinates. */
+/* Moves the start P of a secondary ray off the surface that it leaves, to SIDE of its normal, by more than
+ * the rounding of coordinates. */
 static triple lift(triple p, triple normal, real side) {
     real off = R(1e-4) + R(1e-6) * r_max(r_max(r_abs(p.x), r_abs(p.y)), r_abs(p.z));
     p.x += side * off * normal.x;
@@ -56,7 +56,7 @@ static void end_piece(__global dev_ray *rays, uint at, uint end) {
     }
 }
 
-/* Mirror rays and what the mirror did: its share mu, d1, kappa_t / cos i + kappa_s cos i, and K. */
+/* Mirror rays, and for each what its mirror did: (share mu, d1, kappa_t / cos i + kappa_s cos i, K). */
 typedef struct mirror_store {
     __global dev_ray *rays;
     __global float4 *mirrors;
@@ -74,7 +74,8 @@ static uint reflect(const world *w, const meeting *m, __global const dev_hit *hi
     real along = dot3(m->surface, u);
     triple to = {u.x - R(2.0) * along * m->surface.x, u.y - R(2.0) * along * m->surface.y,
                  u.z - R(2.0) * along * m->surface.z};
-    /* It leaves on the facet's near side; what an interpolated normal turns inwards is lost. */
+    /* It leaves on the side that the ray came from; where an interpolated normal would turn it into the
+     * body, it is dropped. */
     real side = choose(dot3(m->facet, u) > R(0.0), R(-1.0), R(1.0));
     mirror &= side * dot3(m->facet, to) > R(0.0);
     triple start = lift(ray_point(r, d1), m->facet, side);

@@ -123,7 +123,7 @@ static uint shade_bounces(const world *w, const bounce_store *store, const sink 
     real share, d1, bend, gauss, weight;
     natural slots = slots_from(slot), mirrors, sources, targets;
     mask on;
-    LANES { /* the first lane is on; what the others lack it lends them */
+    LANES { /* the first lane is on; lanes that are off compute with its mirror ray */
         uint own = store->returning[slot + lane].source;
         uint mirror = own == NO_RAY ? store->returning[slot].source : own;
         float4 what = store->mirrors[mirror];

@@ -1,14 +1,14 @@
 /*
- * Where a ping's rays lie in memory, and which replicate each belongs to.
+ * Where a ping's rays lie in memory, and which group (replicate) each belongs to.
  *
- * Ray i of a ping belongs to group i mod groups: interleaved, equally good subsets, whose spread
- * tells the error. A batch holds neighbouring i, but not in their order: rays that fly together
- * should lie together, for the packets that trace them and for the triangles that they share.
- * The samplers' lattices step through azimuth by the golden section and slowly through elevation:
- * among F neighbours, F a Fibonacci number, ray r is the (r F' mod F)-th by azimuth, F' being the
- * Fibonacci number before F. So blocks of F rays are stored by azimuth, the j-th being ray j I mod F
- * with I F' = 1 modulo F; what is left at the end of a batch stays as it is. Any other order would
- * give the same bytes.
+ * Ray i of a ping belongs to group i mod groups. The groups are interleaved, equally good subsets, and their
+ * spread tells the error. A batch holds rays with neighbouring i, stored so that rays of similar directions
+ * lie together: packets trace them together, and they share triangles.
+ *
+ * The samplers' lattices step through azimuth by the golden section and slowly through elevation. Among F
+ * neighbours, F a Fibonacci number and F' the one before it, ray r is the (r F' mod F)-th by azimuth. Blocks
+ * of F rays are therefore stored by azimuth: the j-th is ray j I mod F with I F' = 1 modulo F. Rays that
+ * fill no whole block at the end of a batch keep their order. Any other order would give the same bytes.
  */
 #ifndef ASDIC_KERNEL_ORDER_H
 #define ASDIC_KERNEL_ORDER_H

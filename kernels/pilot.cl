@@ -1,14 +1,13 @@
 /*
- * pilot: what the pilot rays of a block of pings brought, for learning where rays matter.
+ * pilot: what each ray of a pilot ping brings, for learning where rays matter (lib/sim/learn.c).
  */
 #include "faces.h"
 #include "learnt.h"
 #include "order.h"
 
-/* Writes for every ray, group by group, where it lies in the learnt table, the last bin it crosses,
- * and its energies in PICKED receivers spread over all of them: of its echo, relative to
- * the bin's TL d^2, and of the water it crosses, relative to that of a bin. ENERGIES is
- * [ray][receiver][echo, water]. */
+/* Writes for every ray, group by group: its position in the learnt table, the last bin that it crosses, and
+ * its energies in PICKED receivers, which are spread over all of them. ENERGIES is
+ * [ray][receiver][echo, water]: the echo relative to the bin's TL d^2, the water relative to a bin's. */
 __kernel void pilot(__global const dev_ping *ping, __global const dev_ray *rays,
                     __global const float *solid_angles, __global const float *splats,
                     __global const float *face_density, __global const dev_hit *hits,

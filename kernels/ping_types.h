@@ -10,13 +10,13 @@
 #define DEV_SAMPLER_BEAM 1
 #define DEV_SAMPLER_ADAPTIVE 2
 
-/* Mirror shares below this (-60 dB) are not followed. */
+/* A mirror that reflects less than this share (-60 dB) is not followed. */
 #define DEV_MIN_MIRROR 1e-6f
 
-/* Receivers of a fan that are projected together. */
+/* fan.cl computes this many receivers together. */
 #define DEV_FAN_TILE 128
 
-/* Least rays, next to each other in elevation, that a footprint in range spans. */
+/* A footprint in range spans at least this many rays, next to each other in elevation. */
 #define DEV_FOOTPRINT_RAYS 4.0f
 
 #define DEV_MAX_LOBES 12
@@ -77,8 +77,8 @@ typedef struct dev_face {
     dev_uint triangle;
 } dev_face;
 
-/* What one direction sends to every receiver: energies in quanta for up to four rows (component, bin)
- * of the accumulator. */
+/* What one ray's direction sends to every receiver: up to four deposits, quanta for a row (component, bin) of
+ * the accumulator each, before a receiver's gain. */
 typedef struct dev_arrival {
     float direction[3];
     dev_uint more; /* of a direct arrival: 1 where mirrors add two of their own */
@@ -86,7 +86,7 @@ typedef struct dev_arrival {
     float quanta[4];
 } dev_arrival; /* 48 bytes */
 
-/* Where a pilot ray lies in the learnt table, and the last bin that it crosses. */
+/* A pilot ray: its position in the learnt table, and the last bin that it crosses. */
 typedef struct dev_pilot {
     float x, y;
     dev_uint last_bin;

@@ -47,7 +47,7 @@ static ray_sample sample_face(__global const dev_ping *ping, __global const dev_
     return s;
 }
 
-/* Aims rays at faces; what they weigh is settled when it is known what they meet (faces.h). */
+/* Aims rays at faces. Their weights are set in shade.cl, when it is known what they meet (faces.h). */
 static ray_sample aim_at_faces(__global const dev_ping *ping, __global const dev_face *faces,
                                __global const dev_triangle *triangles, natural index,
                                ray_sample s) {
@@ -76,8 +76,8 @@ typedef struct sampler_store {
     __global const dev_triangle *triangles;
 } sampler_store;
 
-/* Lets cones and faces draw their rays, and weighs every ray by the ways its direction could have been
- * drawn. */
+/* Replaces the directions of the rays that belong to cones and faces, and weighs every ray by all the ways
+ * in which its direction could have been drawn. */
 static ray_sample add_objects(__global const dev_ping *ping, const sampler_store *store,
                               natural index, ray_sample s) {
     mask drawn = index >= ping->sampling.background;

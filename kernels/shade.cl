@@ -73,12 +73,12 @@ static uint shade_rays(const world *w, const ray_store *store, __global const fl
 #endif
     weight *= gain_towards(ping, w->beams, r.u.x, r.u.y, r.u.z);
 
-    /* Echo: its footprint in range follows from the elevation spacing of the samples. */
+    /* The echo's footprint in range follows from the spacing of the samples in elevation. */
     triple arriving = ray_direction(&r, m.t);
     real range = ray_range(&r, m.t);
     real sin_grazing = grazing(&m, arriving);
     real footprint = ray_footprint(&r, m.t, splat, m.facet, sin_grazing);
-    /* From right below or above it would leak from the spike there into its neighbours. */
+    /* Near normal incidence it is cut: it would leak from the peak there into neighbouring bins. */
     real most = (real)(ping->bin_m) * (R(0.5) - R(0.4) * sin_grazing * sin_grazing);
     most = choose(m.kind == DEV_KIND_OBJECT, R(0.1), most);
     footprint = r_min(footprint, most);

@@ -1,15 +1,17 @@
 /*
- * How far a ping's groups tell its error. A lattice of N points errs like 1 / N, its N / 16 interleaved
- * subsets err more than sixteen-fold less random samples would: taken at face value they overstate the
- * error of the whole. A few more pings with shifts of their own, once per block, show the true error; its
- * ratio to what the groups suggest corrects the block's pings. A ping of many receivers has one group and a
- * nominal spread of 1: the ratio then is the relative variance.
+ * Calibration: how much the spread of a ping's groups overstates the error of the ping.
  *
- * Those pings also tell what a ping may have missed: one that holds less energy than they did knows less of
- * its error than they do.
+ * A lattice of N points errs like 1 / N. Its 16 interleaved subsets of N / 16 points err more than random
+ * subsets would, so that their spread, taken at face value, overstates the error of the whole. A few more
+ * pings with lattice shifts of their own, once per block of pings, show the true error. Its ratio to what
+ * the groups suggest corrects the stated errors of the block. A ping of many receivers has one group and a
+ * nominal spread of 1: there the ratio is the relative variance itself.
  *
- * Whether a statement is fit to be used is measured by true over stated error in scenes of every kind
- * (tests/kernel/test_honesty.c); so were the constants below chosen.
+ * The calibration also shows what a ping may have missed: a ping that holds less energy than the
+ * calibration's pings knows less of its error than they do.
+ *
+ * tests/kernel/test_honesty.c measures true over stated error in scenes of every kind; the constants below
+ * were chosen by it.
  */
 #include "simulator.h"
 
@@ -21,47 +23,49 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Pings of a calibration: the variance of a cell has one degree of freedom less. */
+/* Pings of a calibration. The variance of a cell has one degree of freedom less. */
 #define PINGS 3
 /* Median of a normal error's mean square with two degrees of freedom. */
 #define MEDIAN_SQUARE 0.693
 /* Bins on each side that share a ratio. */
 #define WINDOW 16
-/* A beam's typical ratio counts as much as this many bins: neighbours that see the same water err alike,
- * and tell less than their number. */
+/* A beam's typical ratio counts as much as this many bins. Neighbouring bins see the same water and err
+ * alike: together they tell less than as many independent ones. */
 #define TYPICAL_WEIGHT 6.0
 #define TYPICAL_SAMPLES 128
-/* No cell moves a ratio by more: a few rare bright rays would rule the window. */
+/* A cell's ratio is cut to this: else a few rare bright rays would rule the window. */
 #define MOST_RATIO 20.0
-/* What groups suggest is a mean of this ping's (ASDIC_OWN_PING), of the calibration's in this bin and in
- * its neighbours: a ping that missed a rare bright ray does not know it. */
+/* The variance that groups suggest is averaged: ASDIC_OWN_PING of it is this ping's, OWN_BIN the
+ * calibration's in the same bin, NEIGHBOURS the calibration's in the bins beside it. A ping that missed a
+ * rare bright ray cannot tell so from its own groups. */
 #define OWN_BIN 0.4
 #define NEIGHBOURS (1.0 - ASDIC_OWN_PING - OWN_BIN)
-/* Share of the calibration's own error in a bin that is added: spikes err unlike their neighbours. */
+/* This share of a bin's own variance in the calibration is added: spikes err unlike their neighbours. */
 #define OWN_ERROR 0.1
-/* The larger of several estimates is taken in places: by so much the variance is too large then, as
+/* Where the larger of several estimates is taken, the variance comes out too large by this factor, as
  * measured over scenes of every kind. */
 #define LARGER_OF_SEVERAL 1.25
-/* Cells of more than this relative variance hold an echo or two of a kind that is rare, as of mirrors: the
- * bins on each side might as well have met it. */
+/* A cell of more than this relative variance holds an echo or two of a rare kind, such as mirrors give. The
+ * bins within RARE_WINDOW on each side might as well have held it. */
 #define RARE 0.7
 #define RARE_WINDOW 6
 /* Receivers, and bins, on each side that share an error where receivers are many. */
 #define BEAM_WINDOW 8
 #define BIN_WINDOW 1
 
-/* What the calibration's pings gave, per cell. Kept from block to block: of many beams and bins it is a
- * hundred megabytes, which take longer to get than to fill. */
+/* What the calibration's pings gave, per cell. The memory is kept from block to block: for many beams and
+ * bins it is a hundred megabytes, which take longer to allocate than to fill. */
 typedef struct asdic_calibration {
     double *energy[PINGS];    /* without noise */
     double *mean;             /* of the energies before the pulse's length */
     float *suggested;         /* mean of the relative variances that the groups suggest */
-    float *rare;              /* of these what cells of more than RARE have */
+    float *rare;              /* the same, 0 in cells of RARE or less */
     asdic_ping *pings[PINGS]; /* the latest; as many as go to the device together */
     double *row;              /* scratch, 4 (bins + 1) */
 } calibration;
 
-/* The relative variance of one ping by how the calibration's differ in a cell; negative: nothing there. */
+/* The relative variance of one ping, from how the calibration's pings differ in a cell; negative: the cell
+ * is empty. */
 static double cell_variance(const calibration *c, size_t cell) {
     double sum = 0.0, squares = 0.0;
     for (int k = 0; k < PINGS; k++) {
@@ -85,8 +89,8 @@ static int compare(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-/* What most bins of a beam from cell FIRST on have as ratio: by the median, which bins in deep nulls,
- * far off, do not move. */
+/* The typical ratio of a beam whose bins begin at cell FIRST: from the median, which outliers in deep nulls
+ * do not move. */
 static double typical_ratio(const asdic_simulator *sim, size_t first, const calibration *c) {
     double ratios[TYPICAL_SAMPLES];
     size_t count = 0, step = (sim->setup.bins + TYPICAL_SAMPLES - 1) / TYPICAL_SAMPLES;
@@ -100,7 +104,7 @@ static double typical_ratio(const asdic_simulator *sim, size_t first, const cali
     return count ? ratios[count / 2] / MEDIAN_SQUARE : 1.0;
 }
 
-/* Sums of VALUES up to each bin, which SUMS, one longer, takes; then the sum within REACH of bin N. */
+/* SUMS[n] is the sum of the first n VALUES; within() is then the sum of those within REACH of bin N. */
 static void add_up(const double *values, size_t bins, double *sums) {
     sums[0] = 0.0;
     for (size_t n = 0; n < bins; n++) {
@@ -118,7 +122,8 @@ static double neighbours_of(const float *values, size_t n, size_t bins) {
     return (before + values[n] + after) / 3.0;
 }
 
-/* What rare echoes of the bins round N are worth there, as variance. Echoes fall as range^-2. */
+/* The variance that rare echoes of the bins around add to each bin. An echo moved to another bin changes as
+ * range^-2. */
 static void spread_rare(const asdic_simulator *sim, size_t first, const calibration *c,
                         asdic_stated_error *stated) {
     size_t bins = sim->setup.bins;
@@ -163,7 +168,7 @@ static void calibrate_beam(asdic_simulator *sim, size_t beam, const calibration 
     spread_rare(sim, first, c, sim->learnt.stated + first);
 }
 
-/* Many receivers: neighbours among them, which see much the same, share an error. */
+/* The same with many receivers: neighbouring receivers see much the same and share an error. */
 static void calibrate_bin(asdic_simulator *sim, size_t n, const calibration *c, double *values,
                           double *sums) {
     size_t beams = sim->setup.sonar.receiver_count, bins = sim->setup.bins;
@@ -185,7 +190,8 @@ static void calibrate_bin(asdic_simulator *sim, size_t n, const calibration *c, 
     }
 }
 
-/* With no calibration yet, a ping states what its groups suggest. */
+/* Takes ping K. Before a calibration a ping states what its groups suggest, so that its stated error is
+ * theirs. */
 static void take_ping(const asdic_simulator *sim, const asdic_ping *ping, uint32_t k,
                       calibration *c) {
     for (size_t cell = 0; cell < sim->setup.cells; cell++) {

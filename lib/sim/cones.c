@@ -8,9 +8,10 @@
 #include <math.h>
 #include <string.h>
 
-/* Bounding spheres are widened by this, so that no ray at a limb is drawn by the background alone. */
+/* Bounding spheres are widened by this factor, so that every ray that meets an object could have been drawn
+ * by its cone. */
 #define MARGIN 1.02
-/* Objects that look larger than this (sine of the half-angle) are met often enough. */
+/* Objects that look larger than this (sine of the half-angle) are met often enough without a cone. */
 #define WIDEST 0.3
 /* Share of the rays for one object, and at most for all. */
 #define SHARE_ONE 0.12
@@ -26,7 +27,7 @@ static double along(const float *row, asdic_vec3 u) {
     return row[0] * u.x + row[1] * u.y + row[2] * u.z;
 }
 
-/* How loud an object may be: two-way gain, cross-section, spreading. */
+/* How loud an object may be: two-way gain times cross-section over spreading. */
 static double score(const candidate *c, const dev_beam *beams, size_t receivers, double range_m) {
     double spread = c->sine / range_m;
     return asdic_aim_envelope(beams, receivers, c->towards) * spread * spread;

@@ -12,9 +12,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What faces away may come into view before the block of pings ends. */
+/* A face that looks away keeps this share: it may come into view before the block of pings ends. */
 #define AWAY 0.02
-/* No face is so far off the beams that it is given less. */
+/* A face far off the beams keeps at least this share. */
 #define OFF_BEAM 0.05
 
 asdic_status asdic_faces_init(asdic_faces *faces, asdic_device *device, const asdic_scene *scene) {
@@ -51,7 +51,7 @@ typedef struct view {
     double area_m2, weight;
 } view;
 
-/* Of many receivers, one looks everywhere. */
+/* With more receivers, some receiver looks at every face. */
 #define MANY_RECEIVERS 8
 
 static view look(const dev_triangle *t, const dev_ping *ping, const dev_beam *aimed) {
@@ -64,7 +64,7 @@ static view look(const dev_triangle *t, const dev_ping *ping, const dev_beam *ai
     double distance = way.t;
     view v = {0.5 * asdic_vec3_length(asdic_vec3_cross(ab, ac)), 0.0};
     if (distance - reach <= ping->reach_m) {
-        /* The beams' pattern in the middle of a large face says little of it. */
+        /* The pattern at the middle of a large face says little about the rest of it. */
         double gain = 1.0;
         if (reach < 0.3 * distance && ping->beams <= MANY_RECEIVERS) {
             asdic_vec3 towards = {way.r.u.x, way.r.u.y, way.r.u.z};
@@ -114,7 +114,7 @@ static double gather(asdic_faces *faces, const asdic_placement *placement, const
     return sum;
 }
 
-/* What rays are drawn by, from the running sums. */
+/* Fills the cumulative shares by which rays pick a face, and their density, from the running sums. */
 static void weigh(asdic_faces *faces, const asdic_placement *placement, const dev_ping *ping,
                   const dev_beam *aimed, const double *sums, double sum) {
     float before = 0.0f;

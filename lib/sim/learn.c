@@ -1,7 +1,6 @@
 /*
- * Learning where rays matter: pilot pings at a block's first pose give, for every cell of elevation and
- * azimuth, how much of each bin's energy it brings; the block's pings then draw every bin's rays in
- * that proportion.
+ * Learning where rays matter. Pilot pings at the first pose of a block of pings show how much of each bin's
+ * energy each cell of elevation and azimuth brings. The block's pings then draw their rays in proportion.
  */
 #include "simulator.h"
 
@@ -17,17 +16,18 @@
 
 #define PICKED_MOST 8
 #define LEAST_PILOT_RAYS 1024u
-/* Share of the density that is learnt; the rest stays as it was, so that no direction is starved and
- * weights stay bounded whatever the pilots missed. Of azimuths, cells are fewer and hold more. */
+/* This share of the density over elevations is learnt. The rest stays even, so that no direction is starved
+ * and weights stay bounded whatever the pilots missed. An azimuth's cell is changed only where it needs more
+ * than STARVED times the mean, by SURE standard errors: azimuths have fewer cells, each with more rays. */
 #define LEARNT_ELEVATION 0.7
 #define STARVED 2.0
 #define SURE 1.5
-/* The second pilot is drawn by what the first learnt: two of 4,096 rays are worth one of 16,384. */
+/* The second pilot draws by what the first learnt: two of 4,096 rays are worth one of 16,384. */
 #define PILOT_ROUNDS 2u
 /* Cells are smoothed by a triangle of this many cells each side. */
 #define SMOOTH 3
-/* The bottom zone assumes a bottom as high as what stands on it, but not higher than so much of the
- * altitude. */
+/* The sampler's bottom zone takes the bottom to be as high as what stands on it, but no nearer to the sonar
+ * than this share of the altitude. */
 #define LOWEST 0.2
 
 /* What a pilot ping's rays brought, as in pilot.cl. */
@@ -72,9 +72,9 @@ static asdic_status run_pilots(asdic_simulator *sim, const asdic_ping_shot *shot
                              p->slots * p->picked * 2 * sizeof(float), sim->host.pilot_energies);
 }
 
-/* For one receiver P: TOTALS[bin], the energy of each bin, relative to its TL d^2; and in CROSSED the sum
- * of the squared shares that a unit of water is of all bins up to this one. VOLUME is a unit of water's
- * worth in each bin. */
+/* For one receiver P. TOTALS[bin] is the energy of each bin, relative to its TL d^2. A ray that crosses the
+ * water brings VOLUME[bin] per unit of its gain to every bin on its way: CROSSED[bin] is the sum, over the
+ * bins up to this one, of the squared shares of their totals that one unit makes. */
 static void sum_bins(const pilots *s, uint32_t p, const float *volume, size_t bins, double *totals,
                      double *crossed) {
     memset(totals, 0, bins * sizeof *totals);
@@ -96,13 +96,14 @@ static void sum_bins(const pilots *s, uint32_t p, const float *volume, size_t bi
     }
 }
 
-/* Of a cell of the table: what its rays need, and the sum of the squares of that. The errors of all bins
- * are least where the density of rays is as the root of the summed squares of their shares of the bins. */
+/* What the rays of a cell of the table need. A ray's need is the root of the summed squares of its shares of
+ * the bins: the errors of all bins are least where the density of rays is in proportion to it. SUM is over
+ * the cell's rays, SQUARES that of the squared needs. */
 typedef struct demand {
     double sum, squares;
 } demand;
 
-/* Adds to Q[x cell][y cell] what the pilots brought. */
+/* Adds the needs of the pilot rays to Q[x cell][y cell]. */
 static asdic_status add_demand(const asdic_simulator *sim, const asdic_ping_shot *shot,
                                const pilots *s, demand *q) {
     double *totals = malloc(2 * sim->setup.bins * sizeof *totals),
@@ -134,7 +135,7 @@ static asdic_status add_demand(const asdic_simulator *sim, const asdic_ping_shot
     return ASDIC_OK;
 }
 
-/* CUMULATIVE probabilities of COUNT cells from their demand, of which LEARNT is taken. */
+/* CUMULATIVE probabilities of COUNT cells: the share LEARNT in proportion to Q, the rest even. */
 static void accumulate(const double *q, int count, double learnt, float *cumulative) {
     double total = 0.0, sum = 0.0;
     for (int i = 0; i < count; i++) {
@@ -157,9 +158,9 @@ static double smoothed(const double *q, int count, int at, int reach) {
     return sum;
 }
 
-/* Azimuths of one row of the table from their demand OWN: cells that surely need more than STARVED times
- * the mean get it, the others stay as they were: noise makes a table coarse, not better. Whether any cell
- * got more. */
+/* Azimuths of one row of the table from their demand OWN. Cells that surely need more than STARVED times the
+ * mean get what they need, the others stay even: noise makes a table rough, not better. Returns whether any
+ * cell got more. */
 static bool tabulate_row(const demand *own, float *cumulative) {
     enum { CELLS = DEV_AZIMUTH_CELLS };
     double mean = 0.0, weights[CELLS];
@@ -177,7 +178,7 @@ static bool tabulate_row(const demand *own, float *cumulative) {
     return learnt;
 }
 
-/* The learnt table (kernels/learnt.h) from the demand Q; whether azimuths are uneven. */
+/* Fills the learnt table (kernels/learnt.h) from the demand Q; returns whether azimuths are uneven. */
 static bool tabulate(const demand *q, float *table) {
     enum { CELLS = DEV_TABLE_CELLS, ROWS = DEV_TABLE_ROWS, AZIMUTHS = DEV_AZIMUTH_CELLS };
     double elevations[CELLS] = {0.0}, smooth[CELLS];
@@ -205,7 +206,7 @@ static bool tabulate(const demand *q, float *table) {
     return learnt;
 }
 
-/* As many as pay: coarse pings gain little by knowing more than they can use. */
+/* Pilots have no more rays than the pings: coarse pings gain little from a fine table. */
 static uint32_t pilot_rays(const asdic_simulator *sim) {
     uint32_t rays =
         sim->setup.sampling.rays < ASDIC_PILOT_RAYS ? sim->setup.sampling.rays : ASDIC_PILOT_RAYS;
@@ -218,7 +219,7 @@ static uint32_t picked_beam(const asdic_simulator *sim, uint32_t p) {
     return picked == beams ? p : p * (beams - 1) / (picked - 1);
 }
 
-/* Where some receivers stand for many, each is as wide as it is to its neighbours, in this ping alone. */
+/* Where picked receivers stand for many, each is widened to the distance of the next one, in this ping. */
 static void widen_picked(const asdic_simulator *sim, const asdic_ping_shot *shot) {
     uint32_t picked = asdic_simulator_picked(sim);
     dev_beam *receivers = asdic_shot_beams(shot) + 1;
@@ -241,7 +242,7 @@ static asdic_status measure_demand(asdic_simulator *sim, const asdic_ping_shot *
     return add_demand(sim, shot, &p, q);
 }
 
-/* One pilot ping, sampled by the table so far, gives the next. */
+/* One pilot ping, drawn by the table so far, gives the next table. */
 static asdic_status learn_once(asdic_simulator *sim, const asdic_pose *pose, uint64_t index,
                                uint32_t stream) {
     asdic_ping_shot *shot = &sim->shots[0];
@@ -279,7 +280,7 @@ void asdic_simulator_forget(asdic_simulator *sim) {
     }
 }
 
-/* Rays that pass over the bottom meet, far out, what stands on it: the zone reaches up to that. */
+/* Far out, rays that pass over the bottom meet what stands on it: the zone begins at the top of that. */
 static void lower_zone(asdic_simulator *sim, const asdic_pose *pose) {
     double altitude = asdic_scene_altitude_m(sim->setup.scene, pose->position_m);
     double bottom =
