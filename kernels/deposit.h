@@ -27,8 +27,8 @@
 #pragma OPENCL EXTENSION cl_khr_int64_base_atomics : enable
 #endif
 
-/* Water is deposited where rays end, yet a ray crosses every bin before its last: turns "rays that
- * end in bin n" into "rays that cross bin n" in one column of a group's water. */
+/* Water is deposited in the bin where its ray ends, yet a ray crosses every bin before that. In one column of
+ * a group's water, turns "rays that end in bin n" into "rays that cross bin n". */
 static inline void deposit_sum_crossings(__global long *water, uint bins, uint columns) {
     long sum = 0;
     for (uint bin = bins; bin-- > 0u;) {
@@ -37,9 +37,9 @@ static inline void deposit_sum_crossings(__global long *water, uint bins, uint c
     }
 }
 
-/* Energies to whole quanta, never less than 0 nor more than LIMIT. Those beneath 65536 are rounded up as often
- * as their fraction says, by a hash of their own bits: many rays of less than a quantum each then add
- * up to what they are worth, and the bytes repeat. */
+/* Energies to whole quanta from 0 to LIMIT. Below 65536 quanta an energy is rounded up as often as its
+ * fraction says, by a hash of its own bits: many rays of less than a quantum each then add up to what they
+ * are worth, and the bytes repeat. */
 static inline real whole_quanta(real quanta, real limit) {
     real whole = rint(r_min(quanta, limit));
     natural hash = as_natural(quanta) * (natural)(2654435769u);

@@ -1,8 +1,10 @@
 /*
- * What pilot pings learnt of where rays matter, as a table: first the cumulative probabilities of
- * DEV_TABLE_CELLS cells of the elevation's coordinate x; then, for each of DEV_TABLE_ROWS rows of them,
- * those of DEV_AZIMUTH_CELLS cells of the azimuth's coordinate y. x and y run from 0 to 1; y runs over
- * the lobes, in each over its near crossing, then its far one (sampler.h).
+ * The learnt table: where rays matter, as pilot pings found.
+ *
+ * First come the cumulative probabilities of DEV_TABLE_CELLS cells of the elevation's coordinate x. Then, for
+ * each of DEV_TABLE_ROWS rows of those cells, come the cumulative probabilities of DEV_AZIMUTH_CELLS cells of
+ * the azimuth's coordinate y. Both coordinates run from 0 to 1; y runs over the lobes, in each lobe first
+ * over its near crossing, then over its far one (sampler.h).
  */
 #ifndef ASDIC_KERNEL_LEARNT_H
 #define ASDIC_KERNEL_LEARNT_H

@@ -15,8 +15,8 @@
 #define STEEP 0.5
 /* Distinct aims that get a lobe of their own; beyond, lobes are spread over the sector. */
 #define MAX_AIMS 8
-/* A sector's lobe reaches so far beyond the outermost beams, in wavelengths per aperture: past their
- * first two nulls and side lobes. */
+/* How far a sector's lobe reaches beyond the outermost beams, in wavelengths per aperture: past their first
+ * two nulls and side lobes. */
 #define SECTOR_MARGIN 2.5
 /* Rays, next to each other in elevation, that a footprint in range spans. */
 #define FOOTPRINT_RAYS 4.0
@@ -38,7 +38,7 @@ static double wrap(double phi) {
     return phi - 2.0 * ASDIC_PI * floor(phi / (2.0 * ASDIC_PI) + 0.5);
 }
 
-/* A lobe without preference: everything in front of the transmitter, or everything. */
+/* A lobe without preference: all directions in front of the transmitter, or all directions. */
 static dev_lobe wide_lobe(asdic_sampler sampler, const dev_beam *transmitter, bool rear) {
     dev_lobe lobe = {.scale_h = EVEN_SCALE, .scale_v = EVEN_SCALE};
     memcpy(lobe.rows, transmitter->rows, sizeof lobe.rows);
@@ -76,7 +76,7 @@ static dev_lobe ridge_lobe(const dev_beam *beam, bool across) {
     return lobe;
 }
 
-/* Two lobes that look the same way with much the same width are one. */
+/* Whether two lobes look the same way with much the same width: then one is enough. */
 static bool same_lobe(asdic_sampler sampler, const dev_lobe *a, const dev_lobe *b) {
     double width = fmin(a->scale_h, b->scale_h), ratio = a->scale_h / b->scale_h;
     if (ratio > 1.5 || ratio < 1.0 / 1.5) {

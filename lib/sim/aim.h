@@ -21,10 +21,10 @@ unsigned asdic_aim_lobes(asdic_sampler sampler, const dev_beam *beams, size_t re
  * (beams[0]) and of the receiver that hears it best. */
 double asdic_aim_envelope(const dev_beam *beams, size_t receiver_count, asdic_vec3 towards);
 
-/* How many rays, next to each other in elevation, a footprint in range should span when LOBE, the
- * first of a ping's, guides them. Successive rays of the lattice look elsewhere: few suffice where
- * they aim at single beams; over a sector as many are needed as beams lie side by side in it, lest
- * a beam's bins depend on which of them looked its way. */
+/* How many rays, next to each other in elevation, a footprint in range should span; LOBE is the first of a
+ * ping's lobes. Successive rays of the lattice differ in azimuth. Where they aim at single beams, few
+ * suffice. Over a sector as many are needed as beams lie side by side in it: else a beam's bins would depend
+ * on which of the rays happened to look its way. */
 double asdic_aim_footprint_rays(const dev_lobe *lobe);
 
 #endif

@@ -9,13 +9,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Fewer receivers are served ray by ray, and tell their error by groups of rays. */
+/* With fewer receivers arrivals are added group by group (collect.cl), and the groups tell the error. */
 #define LEAST_RECEIVERS 16
 /* Bytes of a fan_entry and of a fan_list in fan.cl. */
 #define ENTRY_BYTES 32
 #define LIST_BYTES 8
-/* Blocks of rays: some for each core of a processor, many for a GPU; fewer where a table of them by bins
- * would be large. */
+/* Blocks of rays that are sorted at the same time: some for each core of a processor, many for a GPU, fewer
+ * where a table of blocks by bins would be large. */
 #define FEW_BLOCKS 8
 #define MANY_BLOCKS 256
 #define MOST_COUNTS ((size_t)1 << 22)
@@ -109,7 +109,7 @@ void asdic_beam_fan_describe(const asdic_beam_fan *fan, const dev_beam *beams, d
     }
 }
 
-/* Arrivals to lists of entries by bins. */
+/* Sorts arrivals into lists of entries, a list for every bin. */
 static asdic_status sort(asdic_beam_fan *fan, const dev_ping *ping, asdic_buffer *ping_buffer,
                          asdic_buffer *arrivals) {
     dev_uint blocks = fan->blocks;

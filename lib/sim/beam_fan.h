@@ -9,11 +9,12 @@
 #include "../../kernels/ping_types.h"
 #include "ocl/ocl.h"
 
-/* Rays of a batch. Sums are floats in the order of rays, batch by batch: the same on every device. */
+/* Rays of a batch. Its size is fixed: sums are floats, added in the order of rays batch by batch, and so the
+ * same on every device. */
 #define ASDIC_FAN_BATCH ((size_t)1 << 17)
 
 typedef struct asdic_beam_fan {
-    bool many;        /* false: so few receivers that each ray is weighed where it is shaded */
+    bool many;        /* false: few receivers, for which collect.cl adds arrivals */
     bool common_axis; /* faces of one size that differ in yaw about one axis only */
     unsigned blocks;  /* of rays, that are sorted at the same time */
     unsigned width;   /* receivers of a vector */
@@ -41,8 +42,8 @@ void asdic_beam_fan_finish(asdic_beam_fan *fan, asdic_device *device);
 /* The frame of the common axis of a ping whose beams (transmitter first) are aimed. */
 void asdic_beam_fan_describe(const asdic_beam_fan *fan, const dev_beam *beams, dev_ping *ping);
 
-/* Enqueues what ARRIVALS of one batch hold to RESULTS, floats [beam][component][bin]; the sums of the
- * batches before are kept. The last batch's are fetched to HOST_RESULTS, tile by tile. */
+/* Enqueues the sums of one batch's ARRIVALS, added to those of the batches before, in RESULTS: floats
+ * [beam][component][bin]. After the last batch they are fetched to HOST_RESULTS, tile by tile. */
 asdic_status asdic_beam_fan_project(asdic_beam_fan *fan, const dev_ping *ping,
                                     asdic_buffer *ping_buffer, asdic_buffer *arrivals,
                                     asdic_buffer *results, float *host_results);

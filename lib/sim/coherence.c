@@ -6,12 +6,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Directions in which a receiver hears less than this, re where it hears most, are left out. */
+/* A direction in which a receiver hears less than this, relative to its loudest direction, is left out. */
 #define FAINT 0.02
-/* A receiver that hears more directions than this, as one may that the transmitter's main lobe
- * does not reach, is content with the loudest. */
+/* A receiver takes its loudest directions up to this many. One that the transmitter's main lobe does not
+ * reach may hear more. */
 #define MOST_TAPS 2048
-/* Directions that receivers hear so much alike are one. */
+/* Directions are merged where the cosine between what the receivers hear of them is above this. */
 #define ALIKE 0.97
 /* One-way amplitude of the transmitter below which there is ambient noise instead. */
 #define NOISE_FLOOR 1e-3
@@ -25,7 +25,7 @@ typedef struct grid {
     double *cos_az, *sin_az, *cos_el, *sin_el;
 } grid;
 
-/* Part of a grid; the ends are behind the last. */
+/* Part of a grid; each end is one past the last. */
 typedef struct block {
     size_t az, az_end, el, el_end;
 } block;
@@ -103,7 +103,7 @@ static void add(search *s, uint64_t direction, double weight) {
     s->taps[s->count++] = (tap){direction, s->receiver, (float)weight};
 }
 
-/* Adds the directions of a block; of large blocks those of the parts that matter. */
+/* Adds the directions of a block; a large block is divided, and only the parts that matter are taken. */
 static void visit(search *s, block b) {
     const grid *g = s->g;
     size_t az = b.az + b.az_end, el = b.el + b.el_end; /* its middle, in half cells */
@@ -216,10 +216,9 @@ static int by_receiver(const void *a, const void *b) {
     return x->direction < y->direction ? -1 : x->direction > y->direction;
 }
 
-/* Makes one of directions, above each other, that all receivers hear alike, as those of a fan
- * do: the cosine between what they hear is above ALIKE. Variances add. Returns how many taps are
- * left. PLACE: as many numbers as receivers, for where a receiver's tap of the current direction
- * is. */
+/* Merges directions above each other that all receivers hear alike, as those of a fan do: where the cosine
+ * between what they hear is above ALIKE. Variances add. Returns how many taps are left. POSITION is scratch,
+ * one number a receiver: where its tap of the current direction is. */
 static size_t gather(tap *taps, size_t count, size_t elevations, size_t *position) {
     size_t at = 0, kept = 0; /* the current direction's taps are from AT to KEPT */
     double square = 0.0;
@@ -252,8 +251,8 @@ static size_t gather(tap *taps, size_t count, size_t elevations, size_t *positio
     return kept;
 }
 
-/* Directions, in order, to sources, numbered; ALONE, where one receiver alone hears it. Returns
- * how many there are. */
+/* Numbers the directions, which are in order, as sources; ALONE marks one that a single receiver hears.
+ * Returns how many there are. */
 #define ALONE UINT64_MAX
 static size_t number(tap *taps, size_t count) {
     size_t sources = 0;
@@ -269,7 +268,7 @@ static size_t number(tap *taps, size_t count) {
     return sources;
 }
 
-/* Taps to lists. What a receiver hears alone is one source, the last of its list. */
+/* Writes each receiver's taps as a list. What it hears alone is one source, the last of the list. */
 static bool list(asdic_coherence *c, tap *taps, size_t count, size_t elevations) {
     size_t room = count + c->receivers, at = 0, k = 0;
     size_t *position = malloc(c->receivers * sizeof *position);

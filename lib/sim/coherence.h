@@ -28,9 +28,9 @@
 
 #include <asdic/sonar.h>
 
-/* The integral as a sum over directions: the pressure of receiver i is the sum over k of WEIGHT[k]
- * times an independent variate numbered SOURCE[k], from FIRST[i] up to FIRST[i + 1]. The squares
- * of a receiver's weights add up to 1; rho^2 is right to 0.04. */
+/* The integral as a sum over directions. The pressure of receiver i is the sum, over k from FIRST[i] up to
+ * FIRST[i + 1], of WEIGHT[k] times an independent variate numbered SOURCE[k]. The squares of a receiver's
+ * weights add up to 1; rho^2 is right to 0.04. */
 typedef struct asdic_coherence {
     size_t receivers, sources;
     size_t *first;

@@ -8,7 +8,7 @@
  * it exceeds the loudest value above. */
 #define MIN_SIN 1e-3
 #define STEPS 256
-/* Solid angle, times the number of rays, by which their sum may err. */
+/* The rays' solid angles may add up to too much: by this, divided by the number of rays. */
 #define FEW_RAYS_SR 200.0
 
 /* Largest s / sin(Theta) of a material. */
@@ -55,10 +55,11 @@ void asdic_deposit_scales(const asdic_scene *scene, const asdic_beam *transmitte
     bound[DEV_DEPOSIT_MULTIPATH] = fmax(fmax(bottom, object), surface);
     bound[DEV_DEPOSIT_SURFACE] = surface;
     bound[DEV_DEPOSIT_VOLUME] = 1.0;
-    /* What the transmitter sends out, on the loudest thing there is; of multipath, which also comes
-     * from where it does not look, all directions at full gain. Few rays are given room for one that
-     * stands for much. One factor of 4 covers the relative loss inside a bin, (d_n / d)^2 <= 4; one
-     * of 2 the wavelength at another depth, on which a facet's peak depends by its square. */
+    /* All that the transmitter sends out meets the loudest thing there is. Multipath also comes from where
+     * the transmitter does not look: there, all directions count at full gain. With few rays one of them may
+     * stand for much, and gets room. A factor of 4 covers the relative loss inside a bin, (d_n / d)^2 <= 4
+     * (ray_relative_loss); a factor of 2 covers the wavelength at another depth, whose square a facet's peak
+     * depends on. */
     double sphere = 4.0 * ASDIC_PI;
     double sent = fmin(pattern_sr(transmitter, ping) + FEW_RAYS_SR / ping->batch.rays, sphere);
     for (int c = 0; c < DEV_DEPOSIT_COUNT; c++) {

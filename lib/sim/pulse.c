@@ -11,7 +11,7 @@ typedef struct window {
     double edge, half; /* part of the outermost; half the window, in bins */
 } window;
 
-/* Of LENGTH bins, > 1. What lies beyond BINS is nothing in any case. */
+/* The window of LENGTH bins, > 1, in a ping of BINS. */
 static window window_of(double length, size_t bins) {
     double side = 0.5 * (length - 1.0), reach = ceil(side);
     if (reach > (double)bins) {
@@ -24,9 +24,9 @@ size_t asdic_pulse_scratch(size_t bins) {
     return 4 * bins; /* a row between margins, and a row of errors */
 }
 
-/* Moving average of ROW. PADDED: room for bins + 2 reach. Nothing arrives from before the first bin; the
- * echoes beyond the last go on as those before it, and count no more. No running sums: they would lose
- * what lies far below the loudest. */
+/* Moving average of ROW. PADDED has room for bins + 2 reach. Nothing arrives from before the first bin. What
+ * lies beyond the last is taken to be like the bins before it: the mean is over the bins that there are.
+ * Running sums are not used: they would lose what lies far below the loudest bin. */
 WIDEST static void smear_row(double *restrict row, double *restrict padded, size_t bins, window w) {
     memset(padded, 0, w.reach * sizeof *padded);
     memcpy(padded + w.reach, row, bins * sizeof *padded);

@@ -7,11 +7,11 @@
 
 #define TERMS 24
 #define DEEPEST 6
-/* Of the last terms to the largest. */
+/* A series has converged when its last terms are this small beside the largest. */
 #define CONVERGED 1e-10
-/* Cycles of a two-way pattern that so many terms hold. */
+/* TERMS terms hold this many cycles of a two-way pattern. */
 #define CYCLES 2.5
-/* Below this share of a piece's largest value the series' error would show: ask the ring itself. */
+/* Below this share of a piece's largest value the series is too coarse: the ring itself is summed. */
 #define NULL_SHARE 1e-4
 
 /* One stretch between kinks. Elevation is a cosine of the position s in [0, 1]: a square-root kink at

@@ -11,10 +11,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Numbers that go through a loop at once. */
+/* Loops work on this many numbers at once. */
 #define RUN 128u
-/* Bins are drawn in blocks, so that all sources of one stay in a processor's cache: as long as a
- * resolution cell, since a block draws one more than it has, up to this. */
+/* Bins are drawn in blocks, so that all sources of a block stay in a processor's cache. A block draws one
+ * resolution cell more than it has: it is therefore as long as a cell, at most this. */
 #define MOST_BLOCK 4096.0
 /* A cell's number in a stream: its bin, and above that the look; looks are at most 1000. */
 #define LOOK_SHIFT 22
@@ -35,7 +35,7 @@ typedef struct stream {
     uint32_t seed[2], index[2], look;
 } stream;
 
-/* Of a row that is drawn in runs. */
+/* Length of a row of variates, which is drawn in whole runs. */
 static size_t noise_length(const asdic_speckle_field *f) {
     return f->block + f->bins + RUN;
 }
@@ -153,12 +153,12 @@ WIDEST static void draw_words(stream s, uint32_t source, uint32_t first, uint32_
     }
 }
 
-/* A row of complex numbers in two parts. */
+/* A row of complex numbers: real and imaginary parts. */
 typedef struct row {
     float *re, *im;
 } row;
 
-/* COUNT pairs of SOURCE from bin FIRST on, a multiple of RUN more or less. */
+/* Draws COUNT complex numbers of SOURCE from bin FIRST on, rounded up to whole runs. */
 static void draw_pairs(stream s, uint32_t source, size_t first, size_t count, row one, row two) {
     uint32_t words[4][RUN];
     for (size_t i = 0; i < count; i += RUN) {
@@ -208,7 +208,7 @@ static void sum_cells(const cell_length *c, size_t count, size_t last, float *be
     }
 }
 
-/* All sources in the block of COUNT bins that begins at FIRST. */
+/* Draws all sources in the block of COUNT bins that begins at FIRST. */
 static void draw_sources(asdic_speckle_field *f, const cell_length *c, stream s, size_t first,
                          size_t count) {
     size_t length = noise_length(f);
@@ -256,7 +256,8 @@ static void hear_beam(const asdic_speckle_field *f, size_t beam, size_t count, d
     }
 }
 
-/* TOTAL of COUNT bins, a sum over LOOKS so far, times what is expected; TEXTURE, or NULL. */
+/* Turns TOTAL of COUNT bins, so far a sum over LOOKS, into intensities: times what is expected, and times
+ * TEXTURE unless NULL. */
 static void scale_beam(double *const *part, size_t first, size_t count, double looks,
                        const asdic_texture *texture, const double *drawn) {
     for (size_t i = first; i < first + count; i++) {

@@ -8,8 +8,8 @@
 
 typedef struct asdic_speckle_field asdic_speckle_field;
 
-/* For pings of so many bins; the receivers' coherence is that at SOUND_SPEED_MPS. *OUT is NULL for
- * a sonar without speckle, as asdic_speckle_apply takes it. */
+/* For pings of BINS bins; the receivers' coherence is that at SOUND_SPEED_MPS. A sonar without speckle gives
+ * *OUT NULL, which asdic_speckle_apply accepts. */
 asdic_status asdic_speckle_create(asdic_context *ctx, const asdic_sonar *sonar,
                                   double sound_speed_mps, size_t bins, asdic_speckle_field **out);
 void asdic_speckle_destroy(asdic_speckle_field **field);
