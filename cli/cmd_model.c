@@ -8,6 +8,9 @@
 static void print_key(const asdic_model_key *key) {
     printf("    %s%s%s%s", key->name, key->required ? "" : " (optional)", key->words ? " " : "",
            key->words ? key->words : "");
+    if (key->columns) {
+        printf(" CSV file of %s", key->columns);
+    }
     if (key->numeric) {
         printf("%s [%.9g, %.9g]", key->words ? " or" : "", key->min, key->max);
     }
@@ -36,6 +39,7 @@ static void print_key_json(json *j, const asdic_model_key *key) {
     json_text(j, "name", key->name);
     json_bool(j, "required", key->required);
     json_text(j, "words", key->words);
+    json_text(j, "columns", key->columns);
     if (key->numeric) {
         json_number(j, "min", key->min);
         json_number(j, "max", key->max);
