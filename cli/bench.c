@@ -1,36 +1,24 @@
+/* The frame of a bench: command line, device, table; clocks, medians, shipped scenes, a picture. */
 #include "bench.h"
 
-#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
 #include <unistd.h>
 
-double bench_now_s(void) {
+static double clock_s(clockid_t clock) {
     struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
+    clock_gettime(clock, &now);
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+double bench_now_s(void) {
+    return clock_s(CLOCK_MONOTONIC);
 }
 
 double bench_processor_s(void) {
-    struct timespec now;
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
-unsigned bench_limit_threads(const bench_options *options, unsigned otherwise) {
-    char text[16];
-    const char *limit = getenv("POCL_MAX_PTHREAD_COUNT");
-    int before = limit ? atoi(limit) : 0;
-    unsigned threads = options->threads ? (unsigned)options->threads
-                       : before > 0     ? (unsigned)before
-                                        : otherwise;
-    if (threads > 0) {
-        snprintf(text, sizeof text, "%u", threads);
-        setenv("POCL_MAX_PTHREAD_COUNT", text, 1);
-    }
-    return threads;
+    return clock_s(CLOCK_PROCESS_CPUTIME_ID);
 }
 
 static int compare(const void *a, const void *b) {
@@ -46,7 +34,20 @@ double bench_median(double *values, size_t count) {
     return 0.5 * (values[(count - 1) / 2] + values[count / 2]);
 }
 
-bool bench_find_data(const char *name, char *out, size_t size) {
+void bench_name(const char *path, char *out, size_t size) {
+    const char *slash = strrchr(path, '/'), *base = slash ? slash + 1 : path;
+    const char *dot = strrchr(base, '.');
+    snprintf(out, size, "%.*s", (int)(dot && dot != base ? dot - base : (long)strlen(base)), base);
+}
+
+void bench_find_data(const char *name, char *out, size_t size) {
+    /* Beside bin/, beside build/cli/, and below the folder the user is in. */
+    static const char *const places[] = {"/../share/asdic/", "/../../data/", "/../../../data/"};
+    const char *given = getenv("ASDIC_DATA");
+    if (given && given[0]) {
+        snprintf(out, size, "%s/%s", given, name);
+        return;
+    }
     char program[1024];
     ssize_t length = readlink("/proc/self/exe", program, sizeof program - 1);
     program[length > 0 ? length : 0] = '\0';
@@ -54,45 +55,138 @@ bool bench_find_data(const char *name, char *out, size_t size) {
     if (slash) {
         *slash = '\0';
     }
-    const char *given = getenv("ASDIC_DATA");
-    if (given && given[0]) {
-        snprintf(out, size, "%s/%s", given, name);
-        return access(out, R_OK) == 0;
-    }
-    /* Beside bin/, beside build/cli/, and below the folder the user is in. */
-    static const char *const places[] = {"/../share/asdic/", "/../../data/"};
     for (size_t i = 0; i < sizeof places / sizeof *places; i++) {
         snprintf(out, size, "%s%s%s", program, places[i], name);
         if (access(out, R_OK) == 0) {
-            return true;
+            return;
         }
     }
     snprintf(out, size, "data/%s", name);
-    return access(out, R_OK) == 0;
 }
 
-static bool part_name(char *out, size_t size, const char *path) {
-    return (size_t)snprintf(out, size, "%s.part", path) < size;
-}
-
-FILE *bench_begin_file(const cli *c, const char *path) {
-    char part[4096];
-    FILE *file = part_name(part, sizeof part, path) ? fopen(part, "w") : NULL;
-    if (!file) {
-        cli_error(c, "cannot write '%s': %s", path, strerror(errno ? errno : ENAMETOOLONG));
+size_t bench_scene_count(const bench *b) {
+    size_t count = cli_operand_count(b->c) - 1;
+    for (size_t i = 0; count == 0 && b->kind->shipped; i++) {
+        if (!b->kind->shipped[i]) {
+            return i;
+        }
     }
-    return file;
+    return count;
 }
 
-int bench_end_file(const cli *c, FILE *file, const char *path) {
-    char part[4096];
-    bool named = part_name(part, sizeof part, path);
-    bool failed = ferror(file) != 0;
-    failed = fclose(file) != 0 || failed;
-    if (failed || !named || rename(part, path) != 0) {
-        cli_error(c, "cannot write '%s': %s", path, strerror(errno));
-        remove(part);
-        return CLI_FAILED;
+const char *bench_scene_path(const bench *b, size_t index, char *buffer, size_t size) {
+    if (cli_operand_count(b->c) > 1) {
+        return cli_operand(b->c, index + 1);
     }
-    return CLI_OK;
+    bench_find_data(b->kind->shipped[index], buffer, size);
+    return buffer;
+}
+
+asdic_status bench_interrupted(const bench *b) {
+    return asdic_context_interrupted(cli_context(b->c)) ? ASDIC_ERROR_INTERRUPTED : ASDIC_OK;
+}
+
+/* PoCL reads the number of its threads when it starts: THREADS, else what the environment says, else
+ * OTHERWISE. */
+static unsigned limit_threads(uint64_t threads, unsigned otherwise) {
+    char text[16];
+    const char *limit = getenv("POCL_MAX_PTHREAD_COUNT");
+    int before = limit ? atoi(limit) : 0;
+    unsigned wanted = threads ? (unsigned)threads : before > 0 ? (unsigned)before : otherwise;
+    if (wanted > 0) {
+        snprintf(text, sizeof text, "%u", wanted);
+        setenv("POCL_MAX_PTHREAD_COUNT", text, 1);
+    }
+    return wanted;
+}
+
+static int measure(bench *b) {
+    asdic_device **devices = NULL;
+    size_t device_count = 0;
+    asdic_status status = cli_open_devices(b->c, &devices, &device_count);
+    if (!status) {
+        b->device = devices[0];
+        const asdic_device_info *device = asdic_device_get_info(b->device);
+        bench_say(b, "%s, %u units\n", device->name, device->compute_units);
+        b->table = bench_table_create(b->kind->columns);
+        status = b->table ? b->kind->run(b) : ASDIC_ERROR_MEMORY;
+    }
+    if (!status && !bench_table_is_complete(b->table)) {
+        status = ASDIC_ERROR_MEMORY;
+    }
+    int code = cli_end(b->c, status);
+    if (!status && b->json) {
+        bench_table_json(b);
+    }
+    if (!status && cli_given(b->c, "output")) {
+        code = bench_table_csv(b, cli_text(b->c, "output"));
+    }
+    bench_table_destroy(b->table);
+    asdic_devices_close(&devices, device_count);
+    return code;
+}
+
+static const bench_kind *find_kind(const bench_kind *kinds, const char *name) {
+    while (kinds->name && strcmp(kinds->name, name) != 0) {
+        kinds++;
+    }
+    return kinds;
+}
+
+int bench_run(cli *c, const bench_kind *kinds) {
+    const bench_kind *kind = find_kind(kinds, cli_operand(c, 0));
+    bench b = {.c = c,
+               .kind = kind,
+               .quick = cli_given(c, "quick"),
+               .json = cli_given(c, "json"),
+               .picture = cli_text(c, "picture")};
+    size_t operands = cli_operand_count(c) - 1;
+    uint64_t threads = 0;
+    cli_integer(c, "threads", 1, 64, &threads);
+    if (cli_bad_usage(c)) {
+        return CLI_USAGE;
+    }
+    if (!kind->name) {
+        return cli_usage(c, "'%s' is no kind of bench", cli_operand(c, 0));
+    }
+    if (operands < kind->least) {
+        return cli_usage(c, "'bench %s' needs a scene", kind->name);
+    }
+    if (operands > kind->most) {
+        return cli_usage(c, "'bench %s' does not take '%s'", kind->name,
+                         cli_operand(c, kind->most + 1));
+    }
+    if (b.picture && !kind->draws) {
+        return cli_usage(c, "'bench %s' draws nothing; -o writes a table", kind->name);
+    }
+    b.threads = limit_threads(threads, kind->threads);
+    return measure(&b);
+}
+
+static void widen(const double *values, size_t count, double *low, double *high) {
+    for (size_t i = 0; i < count; i++) {
+        *low = fmin(*low, values[i]);
+        *high = fmax(*high, values[i]);
+    }
+}
+
+asdic_status bench_scaling_picture(const bench *b, const char *title, const char *abscissa,
+                                   asdic_series *curves, size_t count) {
+    static const uint32_t colors[] = {0x0072b2, 0x009e73, 0xd55e00, 0xcc79a7};
+    double low_x = INFINITY, high_x = 0.0, low_y = INFINITY, high_y = 0.0;
+    for (size_t i = 0; i < count; i++) {
+        widen(curves[i].x, curves[i].count, &low_x, &high_x);
+        widen(curves[i].y, curves[i].count, &low_y, &high_y);
+        curves[i].rgb = colors[i % (sizeof colors / sizeof colors[0])];
+        curves[i].width = 1.5;
+    }
+    const asdic_plot panel = {.x = {abscissa, 0.7 * low_x, 1.4 * high_x, true},
+                              /* whole decades, so that the axis has marks */
+                              .y = {"milliseconds per ping", pow(10.0, floor(log10(0.9 * low_y))),
+                                    pow(10.0, ceil(log10(1.1 * high_y))), true},
+                              .series = curves,
+                              .series_count = count};
+    asdic_picture_options options = asdic_picture_options_default();
+    options.title = title;
+    return asdic_picture_plot(cli_context(b->c), b->picture, &panel, 1, &options);
 }

@@ -59,29 +59,25 @@ static double root_mean(double squares, size_t count) {
 }
 
 /* One learnt block's pings, handed over as a mission does: all together. */
-static asdic_status shoot_block(cli *c, asdic_simulator *sim, const bench_scene *s, size_t block,
-                                size_t pings, asdic_ping *const *out, tally *t) {
+static asdic_status shoot_block(const bench *b, asdic_simulator *sim, const bench_scene *s,
+                                size_t block, size_t pings, asdic_ping *const *out, tally *t) {
     uint64_t first = (uint64_t)block * ASDIC_LEARN_BLOCK;
     asdic_pose poses[ASDIC_LEARN_BLOCK];
     for (size_t k = 0; k < pings; k++) {
         poses[k] = s->pose;
     }
-    if (asdic_context_interrupted(cli_context(c))) {
-        return ASDIC_ERROR_INTERRUPTED;
-    }
+    TRY(bench_interrupted(b));
     double began = bench_now_s();
-    asdic_status status = asdic_simulator_learn(sim, &s->pose, first);
+    TRY(asdic_simulator_learn(sim, &s->pose, first));
     double learnt = bench_now_s();
-    if (!status) {
-        status = asdic_simulator_pings(sim, poses, first, pings, out);
-    }
+    TRY(asdic_simulator_pings(sim, poses, first, pings, out));
     t->ping_s[t->blocks] = (bench_now_s() - learnt) / (double)pings;
     t->learn_s[t->blocks++] = learnt - began;
-    for (size_t k = 0; !status && k < pings; k++) {
+    for (size_t k = 0; k < pings; k++) {
         add_ping(t, s, out[k]);
     }
     t->pings += pings;
-    return status;
+    return ASDIC_OK;
 }
 
 /* RMS over bins of the mean estimate's error, less what the pings' spread explains of it. */
@@ -113,9 +109,30 @@ static void finish_point(tally *t, const bench_scene *s, bench_point *point) {
     point->learn_share = learn_s / point->ping_s;
 }
 
-static asdic_status measure_point(cli *c, asdic_device *device, const bench_scene *s,
-                                  asdic_sampler sampler, const bench_effort *effort,
-                                  bench_point *point) {
+/* BLOCKS of IN_BLOCK pings, after the simulator and the machine are warm: the first ping compiles for
+ * its sizes, and a machine that rested is slow to wake. */
+static asdic_status shoot(const bench *b, asdic_simulator *sim, const bench_scene *s, size_t blocks,
+                          size_t in_block, asdic_ping *const *pings, tally *t) {
+    double began = bench_now_s();
+    do {
+        TRY(asdic_simulator_ping(sim, &s->pose, 0, pings[0]));
+    } while (bench_now_s() - began < WARM_UP_S);
+    for (size_t k = 0; k < blocks; k++) {
+        TRY(shoot_block(b, sim, s, k, in_block, pings, t));
+    }
+    return ASDIC_OK;
+}
+
+static asdic_status create_pings(const bench *b, const bench_scene *s, size_t count,
+                                 asdic_ping **pings) {
+    for (size_t k = 1; k < count; k++) {
+        TRY(asdic_ping_create(cli_context(b->c), s->beams, s->bins, &pings[k]));
+    }
+    return ASDIC_OK;
+}
+
+static asdic_status measure_point(const bench *b, const bench_scene *s, asdic_sampler sampler,
+                                  const bench_effort *effort, bench_point *point) {
     asdic_sampling sampling = *asdic_mission_sampling(s->mission);
     sampling.sampler = sampler;
     sampling.rays = point->rays;
@@ -129,23 +146,13 @@ static asdic_status measure_point(cli *c, asdic_device *device, const bench_scen
                .ratio_squares = calloc(s->beams * s->bins, sizeof(double))};
     asdic_simulator *sim = NULL;
     asdic_ping *pings[ASDIC_LEARN_BLOCK] = {NULL};
-    asdic_status status =
-        t.ping_s && t.learn_s && t.ratios && t.ratio_squares ? ASDIC_OK : ASDIC_ERROR_MEMORY;
-    for (size_t k = 0; !status && k < in_block; k++) {
-        status = asdic_ping_create(cli_context(c), s->beams, s->bins, &pings[k]);
+    bool room = t.ping_s && t.learn_s && t.ratios && t.ratio_squares;
+    asdic_status status = room ? create_pings(b, s, in_block, pings) : ASDIC_ERROR_MEMORY;
+    if (!status) {
+        status = bench_scene_simulator(b, s, &sampling, &sim, &pings[0]);
     }
     if (!status) {
-        status = asdic_simulator_create(cli_context(c), device, asdic_mission_scene(s->mission),
-                                        asdic_mission_environment(s->mission), &s->sonar, &sampling,
-                                        s->pose.position_m.z, &sim);
-    }
-    /* The first ping of a simulator compiles for its sizes, and a machine that rested is slow to wake. */
-    double began = bench_now_s();
-    do {
-        status = status ? status : asdic_simulator_ping(sim, &s->pose, 0, pings[0]);
-    } while (!status && bench_now_s() - began < WARM_UP_S);
-    for (size_t b = 0; !status && b < blocks; b++) {
-        status = shoot_block(c, sim, s, b, in_block, pings, &t);
+        status = shoot(b, sim, s, blocks, in_block, pings, &t);
     }
     if (!status) {
         finish_point(&t, s, point);
@@ -167,16 +174,6 @@ static double between(double x0, double y0, double x1, double y1, double x) {
     return exp(log(y0) + t * (log(y1) - log(y0)));
 }
 
-double bench_curve_rms_db(const bench_curve *curve, double rays) {
-    for (size_t i = 1; i < curve->count; i++) {
-        const bench_point *a = &curve->points[i - 1], *b = &curve->points[i];
-        if (rays >= a->rays && rays <= b->rays) {
-            return between(a->rays, a->rms_db, b->rays, b->rms_db, rays);
-        }
-    }
-    return NAN;
-}
-
 /* The last crossing of 1 dB: errors of few rays scatter. */
 static void find_1db(bench_curve *curve) {
     curve->rays_1db = curve->seconds_1db = NAN;
@@ -189,25 +186,19 @@ static void find_1db(bench_curve *curve) {
     }
 }
 
-asdic_status bench_curve_measure(cli *c, asdic_device *device, const bench_scene *scene,
-                                 asdic_sampler sampler, const bench_effort *effort,
-                                 bench_curve *out) {
-    /* Powers of four, but 20,000 where the paper and the goals have it. */
+asdic_status bench_curve_measure(const bench *b, const bench_scene *scene,
+                                 const bench_effort *effort, bench_curve *out) {
+    /* Powers of four, and the paper's 20,000. */
     static const uint32_t few[] = {64, 256, 1024, 4096, 20000, 65536, 0};
     static const uint32_t more[] = {1024, 4096, 20000, 65536, 262144, 0};
     static const uint32_t most[] = {20000, 65536, 262144, 1048576, 4194304, 0};
-    const uint32_t *rays = sampler == ASDIC_SAMPLER_ADAPTIVE ? few
-                           : sampler == ASDIC_SAMPLER_BEAM   ? more
-                                                             : most;
-    *out = (bench_curve){.sampler = sampler};
-    for (; *rays; rays++) {
+    const uint32_t *rays = out->sampler == ASDIC_SAMPLER_ADAPTIVE ? few
+                           : out->sampler == ASDIC_SAMPLER_BEAM   ? more
+                                                                  : most;
+    for (out->count = 0; *rays; rays++, out->count++) {
         bench_point *point = &out->points[out->count];
         point->rays = *rays;
-        asdic_status status = measure_point(c, device, scene, sampler, effort, point);
-        if (status) {
-            return status;
-        }
-        out->count++;
+        TRY(measure_point(b, scene, out->sampler, effort, point));
     }
     find_1db(out);
     return ASDIC_OK;

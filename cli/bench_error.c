@@ -1,115 +1,180 @@
-/* `asdic bench error`: the scenes one after another. */
+/* `asdic bench error`: what error a number of rays leaves, and what it costs. */
 #include "bench_error.h"
 
+#include <math.h>
 #include <stdlib.h>
 
-#define DEFAULT_SCENES 4
+const bench_column bench_error_columns[] = {{"scene", "scene", 14, 0, 0.0},
+                                            {"sampler", "sampler", 14, 0, 0.0},
+                                            {"rays", "rays", 8, 0, 0.0},
+                                            {"pings", "pings", 5, 0, 0.0},
+                                            {"rms_db", "RMS dB", 8, 4, 0.0},
+                                            {"far_rms_db", "far dB", 8, 4, 0.0},
+                                            {"max_db", "max dB", 8, 3, 0.0},
+                                            {"bias_db", "bias dB", 8, 4, 0.0},
+                                            {"true_over_stated", "true/stated", 11, 2, 0.0},
+                                            {"far_true_over_stated", "far", 6, 2, 0.0},
+                                            {"ping_s", "ms/ping", 9, 3, 1e3},
+                                            {"learn_share", "learn %", 7, 1, 100.0},
+                                            {"beams", NULL, 0, 0, 0.0},
+                                            {"bins", NULL, 0, 0, 0.0},
+                                            {"reference", NULL, 0, 0, 0.0},
+                                            {"reference_rays", NULL, 0, 0, 0.0},
+                                            {"reference_spread_db", NULL, 0, 0, 0.0},
+                                            {"rays_for_1db", NULL, 0, 0, 0.0},
+                                            {"seconds_for_1db", NULL, 0, 0, 0.0},
+                                            {"fewer_rays", NULL, 0, 0, 0.0},
+                                            {"less_time", NULL, 0, 0, 0.0},
+                                            {NULL, NULL, 0, 0, 0.0}};
 
-bench_effort bench_effort_of(const bench_options *options) {
-    if (options->quick) {
-        return (bench_effort){.blocks = 4,
-                              .point_rays = 1u << 20,
-                              .reference_pings = 16,
-                              .reference_rays = 1u << 18,
-                              .cost_pairs = 9};
-    }
-    return (bench_effort){.blocks = 16,
-                          .point_rays = 1u << 22,
-                          .reference_pings = 96,
-                          .reference_rays = 1u << 20,
-                          .cost_pairs = 15};
+/* A finished scene: its curves, the baseline last. */
+typedef struct result {
+    bench_scene scene;
+    bench_curve curves[BENCH_SAMPLERS];
+} result;
+
+bench_effort bench_effort_of(bool quick) {
+    return quick ? (bench_effort){.blocks = 4,
+                                  .point_rays = 1u << 20,
+                                  .reference_pings = 16,
+                                  .reference_rays = 1u << 18}
+                 : (bench_effort){.blocks = 16,
+                                  .point_rays = 1u << 22,
+                                  .reference_pings = 96,
+                                  .reference_rays = 1u << 20};
 }
 
-static asdic_status measure(cli *c, asdic_device *device, const char *path,
-                            const bench_effort *effort, bench_result *result) {
+static void add_rows(bench *b, const bench_scene *s, const bench_curve *curve,
+                     const bench_curve *baseline) {
+    for (size_t i = 0; i < curve->count; i++) {
+        const bench_point *p = &curve->points[i];
+        const bench_cell cells[] = {BENCH_TEXT(s->name),
+                                    BENCH_TEXT(bench_sampler_name(curve->sampler)),
+                                    BENCH_NUMBER(p->rays),
+                                    BENCH_NUMBER(p->pings),
+                                    BENCH_NUMBER(p->rms_db),
+                                    BENCH_NUMBER(p->far_rms_db),
+                                    BENCH_NUMBER(p->most_db),
+                                    BENCH_NUMBER(p->bias_db),
+                                    BENCH_NUMBER(p->honesty),
+                                    BENCH_NUMBER(p->far_honesty),
+                                    BENCH_NUMBER(p->ping_s),
+                                    BENCH_NUMBER(p->learn_share),
+                                    BENCH_NUMBER(s->beams),
+                                    BENCH_NUMBER(s->bins),
+                                    BENCH_TEXT(s->exact ? "quadrature" : "mean of pings"),
+                                    BENCH_NUMBER(s->reference_rays),
+                                    BENCH_NUMBER(s->spread_db),
+                                    BENCH_NUMBER(curve->rays_1db),
+                                    BENCH_NUMBER(curve->seconds_1db),
+                                    BENCH_NUMBER(baseline->rays_1db / curve->rays_1db),
+                                    BENCH_NUMBER(baseline->seconds_1db / curve->seconds_1db)};
+        bench_add(b, cells);
+    }
+}
+
+static void say(const bench *b, const result *r) {
+    const bench_scene *s = &r->scene;
+    const bench_curve *baseline = &r->curves[BENCH_SAMPLERS - 1];
+    bench_say(b, "%s: %zu beam%s, %zu bins of %g m, counted from %g m; truth: ", s->name, s->beams,
+              s->beams == 1 ? "" : "s", s->bins, s->sonar.bin_length_m,
+              (double)s->first_bin * s->sonar.bin_length_m);
+    if (s->exact) {
+        bench_say(b, "quadrature\n");
+    } else {
+        bench_say(b, "%.3g rays, good to %.2g dB\n", s->reference_rays, s->spread_db);
+    }
+    for (size_t k = 0; k < BENCH_SAMPLERS; k++) {
+        const bench_curve *curve = &r->curves[k];
+        if (isfinite(curve->rays_1db)) {
+            bench_say(b, "  %-14s 1 dB with %.4g rays in %.4g ms",
+                      bench_sampler_name(curve->sampler), curve->rays_1db,
+                      1e3 * curve->seconds_1db);
+            if (curve != baseline && isfinite(baseline->rays_1db)) {
+                bench_say(b, ": %.4gx fewer rays, %.4gx less time than the uniform sphere",
+                          baseline->rays_1db / curve->rays_1db,
+                          baseline->seconds_1db / curve->seconds_1db);
+            }
+            bench_say(b, "\n");
+        }
+    }
+    bench_say(b, "\n");
+}
+
+static asdic_status measure(bench *b, size_t index, result *r) {
     static const asdic_sampler samplers[BENCH_SAMPLERS] = {
         ASDIC_SAMPLER_ADAPTIVE, ASDIC_SAMPLER_BEAM, ASDIC_SAMPLER_UNIFORM_SPHERE};
-    asdic_status status = bench_scene_open(c, device, path, effort, &result->scene);
-    for (size_t s = 0; !status && s < BENCH_SAMPLERS; s++) {
-        status =
-            bench_curve_measure(c, device, &result->scene, samplers[s], effort, &result->curves[s]);
+    bench_effort effort = bench_effort_of(b->quick);
+    TRY(bench_scene_open(b, index, &effort, &r->scene));
+    for (size_t k = 0; k < BENCH_SAMPLERS; k++) {
+        r->curves[k].sampler = samplers[k];
+        TRY(bench_curve_measure(b, &r->scene, &effort, &r->curves[k]));
     }
-    if (!status) {
-        status = bench_cost_errors(c, device, &result->scene, effort, &result->stated_cost);
+    for (size_t k = 0; k < BENCH_SAMPLERS; k++) {
+        add_rows(b, &r->scene, &r->curves[k], &r->curves[BENCH_SAMPLERS - 1]);
     }
-    if (!status) {
-        status = bench_cost_bins(c, device, &result->scene, effort, &result->bins_cost);
-    }
-    return status;
+    say(b, r);
+    return ASDIC_OK;
 }
 
-/* The scenes asked for, or the shipped ones. False after a message. */
-static bool scene_path(cli *c, size_t index, char *out, size_t size) {
-    static const char *const shipped[DEFAULT_SCENES] = {
-        "scenes/bench_flat.yaml", "scenes/bench_step.yaml", "scenes/bench_sphere.yaml",
-        "scenes/bench_terrain.yaml"};
-    if (cli_operand_count(c) > 1) {
-        snprintf(out, size, "%s", cli_operand(c, index + 1));
-        return true;
+/* Two panels: error over rays, error over time. A colour per sampler, a line style per scene. */
+static asdic_status draw(const bench *b, const result *results, size_t count) {
+    enum { MOST_SCENES = 8 };
+    static const uint32_t colors[BENCH_SAMPLERS] = {0x0072b2, 0x009e73, 0xd55e00};
+    static const asdic_line_style styles[4] = {ASDIC_LINE_SOLID, ASDIC_LINE_DASHED,
+                                               ASDIC_LINE_DOTTED, ASDIC_LINE_DASH_DOT};
+    static double x[2][MOST_SCENES * BENCH_SAMPLERS][BENCH_MOST_POINTS];
+    static double y[MOST_SCENES * BENCH_SAMPLERS][BENCH_MOST_POINTS];
+    static char labels[MOST_SCENES * BENCH_SAMPLERS][96];
+    asdic_series series[2][MOST_SCENES * BENCH_SAMPLERS];
+    size_t n = 0;
+    for (; n < count * BENCH_SAMPLERS && n < MOST_SCENES * BENCH_SAMPLERS; n++) {
+        size_t scene = n / BENCH_SAMPLERS, k = n % BENCH_SAMPLERS;
+        const bench_curve *curve = &results[scene].curves[k];
+        snprintf(labels[n], sizeof labels[n], "%s, %s", results[scene].scene.name,
+                 bench_sampler_name(curve->sampler));
+        for (size_t p = 0; p < curve->count; p++) {
+            x[0][n][p] = curve->points[p].rays;
+            x[1][n][p] = 1e3 * curve->points[p].ping_s;
+            y[n][p] = curve->points[p].rms_db;
+        }
+        for (int panel = 0; panel < 2; panel++) {
+            series[panel][n] = (asdic_series){.label = labels[n],
+                                              .x = x[panel][n],
+                                              .y = y[n],
+                                              .count = curve->count,
+                                              .rgb = colors[k],
+                                              .width = 1.5,
+                                              .style = styles[scene % 4]};
+        }
     }
-    if (!bench_find_data(shipped[index], out, size)) {
-        cli_error(c,
-                  "cannot find the shipped scene '%s'; name scenes, or set ASDIC_DATA to the "
-                  "folder that holds scenes/",
-                  out);
-        return false;
-    }
-    return true;
+    const asdic_plot_axis error = {"RMS error, dB", 1e-3, 100.0, true};
+    const asdic_plot panels[2] = {{.x = {"rays per ping", 50.0, 1e7, true},
+                                   .y = error,
+                                   .series = series[0],
+                                   .series_count = n},
+                                  {.x = {"milliseconds per ping", 0.02, 1e3, true},
+                                   .y = error,
+                                   .series = series[1],
+                                   .series_count = n}};
+    asdic_picture_options options = asdic_picture_options_default();
+    options.title = "Error of a ping against its cost";
+    return asdic_picture_plot(cli_context(b->c), b->picture, panels, 2, &options);
 }
 
-static int write_files(cli *c, const bench_options *options, const bench_result *results,
-                       size_t count) {
-    int code = CLI_OK;
-    if (options->csv) {
-        code = bench_error_csv(c, options->csv, results, count);
+asdic_status bench_error(bench *b) {
+    size_t count = bench_scene_count(b);
+    result *results = calloc(count, sizeof *results);
+    asdic_status status = results ? ASDIC_OK : ASDIC_ERROR_MEMORY;
+    for (size_t i = 0; !status && i < count; i++) {
+        status = measure(b, i, &results[i]);
     }
-    if (options->picture && code == CLI_OK) {
-        code = cli_end(c, bench_error_picture(c, options->picture, results, count));
+    if (!status && b->picture) {
+        status = draw(b, results, count);
     }
-    return code;
-}
-
-int bench_error(cli *c, const bench_options *options) {
-    size_t wanted = cli_operand_count(c) > 1 ? cli_operand_count(c) - 1 : DEFAULT_SCENES;
-    bench_effort effort = bench_effort_of(options);
-    asdic_device **devices = NULL;
-    size_t device_count = 0, count = 0;
-    int code = CLI_OK;
-    bench_result *results = calloc(wanted, sizeof *results);
-    asdic_status status =
-        results ? cli_open_devices(c, &devices, &device_count) : ASDIC_ERROR_MEMORY;
-    if (status) {
-        code = cli_end(c, status);
-        goto done;
-    }
-    for (; count < wanted && code == CLI_OK; count++) {
-        char path[4096];
-        if (!scene_path(c, count, path, sizeof path)) {
-            code = CLI_INPUT;
-            break;
-        }
-        status = measure(c, devices[0], path, &effort, &results[count]);
-        if (status) {
-            bench_scene_finish(&results[count].scene);
-            code = cli_end(c, status);
-            break;
-        }
-        if (!options->json) {
-            bench_error_print(&results[count], count == 0);
-            fflush(stdout);
-        }
-    }
-    if (options->json && count > 0) {
-        bench_error_json(results, count, asdic_device_get_info(devices[0]));
-    }
-    if (code == CLI_OK) {
-        code = write_files(c, options, results, count);
-    }
-done:
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; results && i < count; i++) {
         bench_scene_finish(&results[i].scene);
     }
     free(results);
-    asdic_devices_close(&devices, device_count);
-    return code;
+    return status;
 }

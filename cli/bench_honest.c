@@ -1,28 +1,27 @@
 /* `asdic bench honest`: whether the error that every bin states holds. */
 #include "bench_error.h"
-#include "json.h"
 
 #include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 #define SEEDS 3
 #define PINGS 8
 /* Errors beyond so many stated ones should be rare. */
 #define FAR 5.0
 
-/* Errors of a seed's pings, over all bins that are counted. */
-typedef struct seed_errors {
-    double true_db, stated_db;       /* r.m.s. */
-    double true_over_stated, beyond; /* r.m.s.; share of bins beyond FAR stated errors */
-} seed_errors;
+const bench_column bench_honest_columns[] = {{"scene", "scene", 20, 0, 0.0},
+                                             {"beams", "beams", 5, 0, 0.0},
+                                             {"bins", "bins", 5, 0, 0.0},
+                                             {"rays", "rays", 8, 0, 0.0},
+                                             {"seed", "seed", 5, 0, 0.0},
+                                             {"true_over_stated", "true/stated", 11, 2, 0.0},
+                                             {"true_over_stated_all", "all", 6, 2, 0.0},
+                                             {"beyond", "beyond 5, %", 11, 2, 100.0},
+                                             {"true_db", "true dB", 9, 4, 0.0},
+                                             {"stated_db", "stated dB", 9, 4, 0.0},
+                                             {"truth_stderr_db", "truth dB", 9, 4, 0.0},
+                                             {NULL, NULL, 0, 0, 0.0}};
 
-typedef struct honest_row {
-    bench_scene scene;
-    uint32_t rays;
-    seed_errors seeds[SEEDS];
-} honest_row;
-
+/* Sums over the bins that are counted of a seed's pings. */
 typedef struct tally {
     double squares, stated, ratios, beyond, count;
 } tally;
@@ -46,142 +45,68 @@ static void count_ping(const bench_scene *s, const asdic_ping *ping, tally *t) {
     }
 }
 
-/* A learnt block's first pings. */
-static asdic_status measure_seed(cli *c, asdic_device *device, honest_row *row, size_t seed) {
-    bench_scene *s = &row->scene;
+static asdic_status shoot(bench *b, const bench_scene *s, asdic_simulator *sim, asdic_ping *ping,
+                          tally *t) {
+    TRY(asdic_simulator_learn(sim, &s->pose, 0));
+    for (uint64_t k = 0; k < PINGS; k++) {
+        TRY(bench_interrupted(b));
+        TRY(asdic_simulator_ping(sim, &s->pose, k, ping));
+        count_ping(s, ping, t);
+    }
+    return ASDIC_OK;
+}
+
+static asdic_status measure_seed(bench *b, const bench_scene *s, uint64_t seed, tally *t) {
     asdic_sampling sampling = *asdic_mission_sampling(s->mission);
-    sampling.sampler = ASDIC_SAMPLER_ADAPTIVE;
-    sampling.seed += seed;
-    row->rays = sampling.rays;
     asdic_simulator *sim = NULL;
     asdic_ping *ping = NULL;
-    tally t = {0};
-    asdic_status status = asdic_ping_create(cli_context(c), s->beams, s->bins, &ping);
+    sampling.sampler = ASDIC_SAMPLER_ADAPTIVE;
+    sampling.seed += seed;
+    asdic_status status = bench_scene_simulator(b, s, &sampling, &sim, &ping);
     if (!status) {
-        status = asdic_simulator_create(cli_context(c), device, asdic_mission_scene(s->mission),
-                                        asdic_mission_environment(s->mission), &s->sonar, &sampling,
-                                        s->pose.position_m.z, &sim);
+        status = shoot(b, s, sim, ping, t);
     }
-    if (!status) {
-        status = asdic_simulator_learn(sim, &s->pose, 0);
-    }
-    for (uint64_t k = 0; !status && k < PINGS; k++) {
-        status = asdic_context_interrupted(cli_context(c))
-                     ? ASDIC_ERROR_INTERRUPTED
-                     : asdic_simulator_ping(sim, &s->pose, k, ping);
-        if (!status) {
-            count_ping(s, ping, &t);
-        }
-    }
-    row->seeds[seed] = (seed_errors){sqrt(t.squares / t.count), sqrt(t.stated / t.count),
-                                     sqrt(t.ratios / t.count), t.beyond / t.count};
     asdic_simulator_destroy(&sim);
     asdic_ping_destroy(&ping);
     return status;
 }
 
-static void print_row(const honest_row *r) {
+static void add_rows(bench *b, const bench_scene *s, const tally *tallies) {
     double squares = 0.0;
-    printf("%-20.20s %5zu %5zu %8u ", r->scene.name, r->scene.beams, r->scene.bins, r->rays);
     for (size_t k = 0; k < SEEDS; k++) {
-        printf(" %5.2f", r->seeds[k].true_over_stated);
-        squares += r->seeds[k].true_over_stated * r->seeds[k].true_over_stated;
+        squares += tallies[k].ratios / tallies[k].count;
     }
-    printf("  %5.2f ", sqrt(squares / SEEDS));
     for (size_t k = 0; k < SEEDS; k++) {
-        printf(" %5.2f", 100.0 * r->seeds[k].beyond);
+        const tally *t = &tallies[k];
+        const bench_cell cells[] = {BENCH_TEXT(s->name),
+                                    BENCH_NUMBER(s->beams),
+                                    BENCH_NUMBER(s->bins),
+                                    BENCH_NUMBER(asdic_mission_sampling(s->mission)->rays),
+                                    BENCH_NUMBER(k),
+                                    BENCH_NUMBER(sqrt(t->ratios / t->count)),
+                                    BENCH_NUMBER(sqrt(squares / SEEDS)),
+                                    BENCH_NUMBER(t->beyond / t->count),
+                                    BENCH_NUMBER(sqrt(t->squares / t->count)),
+                                    BENCH_NUMBER(sqrt(t->stated / t->count)),
+                                    BENCH_NUMBER(s->spread_db)};
+        bench_add(b, cells);
     }
-    printf("  %8.4f %9.4f %8.4f\n", r->seeds[0].true_db, r->seeds[0].stated_db, r->scene.spread_db);
-    fflush(stdout);
 }
 
-static void print_json(const honest_row *rows, size_t count, const asdic_device_info *device) {
-    json j = json_begin(stdout);
-    json_open(&j, NULL, '{');
-    json_text(&j, "version", asdic_version());
-    json_text(&j, "device", device->name);
-    json_open(&j, "scenes", '[');
-    for (size_t i = 0; i < count; i++) {
-        json_open(&j, NULL, '{');
-        json_text(&j, "scene", rows[i].scene.name);
-        json_integer(&j, "beams", rows[i].scene.beams);
-        json_integer(&j, "bins", rows[i].scene.bins);
-        json_integer(&j, "rays", rows[i].rays);
-        json_number(&j, "truth_stderr_db", rows[i].scene.spread_db);
-        json_open(&j, "seeds", '[');
-        for (size_t k = 0; k < SEEDS; k++) {
-            json_open(&j, NULL, '{');
-            json_number(&j, "true_db", rows[i].seeds[k].true_db);
-            json_number(&j, "stated_db", rows[i].seeds[k].stated_db);
-            json_number(&j, "true_over_stated", rows[i].seeds[k].true_over_stated);
-            json_number(&j, "beyond", rows[i].seeds[k].beyond);
-            json_close(&j);
+asdic_status bench_honest(bench *b) {
+    bench_effort effort = bench_effort_of(b->quick);
+    asdic_status status = ASDIC_OK;
+    for (size_t i = 0; !status && i < bench_scene_count(b); i++) {
+        tally tallies[SEEDS] = {{0}};
+        bench_scene scene;
+        status = bench_scene_open(b, i, &effort, &scene);
+        for (size_t seed = 0; !status && seed < SEEDS; seed++) {
+            status = measure_seed(b, &scene, seed, &tallies[seed]);
         }
-        json_close(&j);
-        json_close(&j);
-    }
-    json_close(&j);
-    json_close(&j);
-}
-
-static int write_csv(const cli *c, const char *path, const honest_row *rows, size_t count) {
-    FILE *file = bench_begin_file(c, path);
-    if (!file) {
-        return CLI_FAILED;
-    }
-    fprintf(file, "scene,beams,bins,rays,seed,true_db,stated_db,true_over_stated,beyond,"
-                  "truth_stderr_db\n");
-    for (size_t i = 0; i < count; i++) {
-        for (size_t k = 0; k < SEEDS; k++) {
-            const seed_errors *e = &rows[i].seeds[k];
-            fprintf(file, "%s,%zu,%zu,%u,%zu,%.6g,%.6g,%.6g,%.6g,%.6g\n", rows[i].scene.name,
-                    rows[i].scene.beams, rows[i].scene.bins, rows[i].rays, k, e->true_db,
-                    e->stated_db, e->true_over_stated, e->beyond, rows[i].scene.spread_db);
+        if (!status) {
+            add_rows(b, &scene, tallies);
         }
-    }
-    return bench_end_file(c, file, path);
-}
-
-static asdic_status measure(cli *c, asdic_device *device, const bench_effort *effort,
-                            const char *path, honest_row *row) {
-    asdic_status status = bench_scene_open(c, device, path, effort, &row->scene);
-    for (size_t seed = 0; !status && seed < SEEDS; seed++) {
-        status = measure_seed(c, device, row, seed);
+        bench_scene_finish(&scene);
     }
     return status;
-}
-
-int bench_honest(cli *c, const bench_options *options) {
-    size_t wanted = cli_operand_count(c) - 1, count = 0;
-    if (wanted == 0) {
-        return cli_usage(c, "'bench honest' wants scenes");
-    }
-    bench_effort effort = bench_effort_of(options);
-    asdic_device **devices = NULL;
-    size_t device_count = 0;
-    honest_row *rows = calloc(wanted, sizeof *rows);
-    asdic_status status = rows ? cli_open_devices(c, &devices, &device_count) : ASDIC_ERROR_MEMORY;
-    if (!status && !options->json) {
-        printf("%-20s %5s %5s %8s  %17s  %5s  %17s  %8s %9s %8s\n", "scene", "beams", "bins",
-               "rays", "true/stated", "all", "beyond 5, %", "true dB", "stated dB", "truth dB");
-    }
-    for (; !status && count < wanted; count++) {
-        status = measure(c, devices[0], &effort, cli_operand(c, count + 1), &rows[count]);
-        if (!status && !options->json) {
-            print_row(&rows[count]);
-        }
-    }
-    int code = cli_end(c, status);
-    if (options->json && !status) {
-        print_json(rows, count, asdic_device_get_info(devices[0]));
-    }
-    if (options->csv && !status) {
-        code = write_csv(c, options->csv, rows, count);
-    }
-    for (size_t i = 0; i < count; i++) {
-        bench_scene_finish(&rows[i].scene);
-    }
-    free(rows);
-    asdic_devices_close(&devices, device_count);
-    return code;
 }

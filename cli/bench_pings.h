@@ -1,5 +1,5 @@
 /*
- * Pings per second, inside: the sea floor and the measurement.
+ * Pings per second, inside: the rough sea floor and the measurement, which tests/bench/ uses too.
  */
 #ifndef ASDIC_CLI_BENCH_PINGS_H
 #define ASDIC_CLI_BENCH_PINGS_H
@@ -18,17 +18,22 @@ double bench_height_m(double x, double y);
 asdic_status bench_terrain(asdic_context *ctx, size_t triangles, unsigned threads,
                            asdic_scene **out);
 
-/* From the start of a process to its first ping, over a floor of 10,000 triangles: with an empty cache
- * of PoCL's kernels, and with the one that left behind; NAN where no process could be started. Before
- * any device is opened. */
-typedef struct bench_start {
-    double cold_s, warm_s;
-} bench_start;
+/* The floors and numbers of bins that are measured without a scene. */
+#define BENCH_FLOORS 4
+#define BENCH_BIN_COUNTS 4
+extern const size_t bench_floors[BENCH_FLOORS], bench_bin_counts[BENCH_BIN_COUNTS];
 
-bench_start bench_start_measure(const cli *c);
+/* What is measured: pings of MISSION, or where that is NULL of the paper's six beams over SCENE. */
+typedef struct bench_case {
+    asdic_mission *mission;
+    const asdic_scene *scene;
+    size_t bins;
+    size_t pings; /* 0: only the first */
+} bench_case;
 
 typedef struct bench_rate {
-    size_t triangles, bins, pings;
+    size_t triangles, beams, bins;
+    uint32_t rays;
     unsigned units;
     double build_s;           /* of the hierarchy */
     double create_s, first_s; /* a process's first simulator, or a later one; its first ping */
@@ -36,10 +41,8 @@ typedef struct bench_rate {
     double phase_s[ASDIC_PHASE_COUNT]; /* mean, waiting after each */
 } bench_rate;
 
-/* The same work on the whole device and on one compute unit of it; of that no pings where the device has
- * no more, or cannot be split. */
-typedef struct bench_pair {
-    bench_rate whole, one;
-} bench_pair;
+asdic_status bench_pings_measure(const bench *b, asdic_device *device, const bench_case *of,
+                                 bench_rate *out);
+void bench_pings_add(bench *b, const char *scene, const bench_rate *r);
 
 #endif

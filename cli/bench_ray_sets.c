@@ -1,4 +1,4 @@
-/* The rays of `asdic bench rays`: what a sonar casts, and what is hard for a caster. */
+/* The rays of `asdic bench rays`: cones and spheres, in order of direction and in none. */
 #include "bench_rays.h"
 
 #include <math.h>
@@ -6,20 +6,13 @@
 
 #define PI 3.14159265358979323846
 #define CONE_HALF_ANGLE_RAD (10.0 * PI / 180.0)
-/* Mirror rays start this far off the surface. */
-#define LIFT_M 1e-3
 
 const char *bench_ray_set_name(bench_ray_set set) {
-    static const char *const names[BENCH_RAY_SETS] = {
-        [BENCH_CONE_DENSE] = "cone-dense",
-        [BENCH_MIRRORED_DENSE] = "mirrored-dense",
-        [BENCH_CONE] = "cone",
-        [BENCH_SPHERE_DENSE] = "sphere-dense",
-        [BENCH_SPHERE] = "sphere",
-        [BENCH_SPHERE_RANDOM] = "sphere-random",
-        [BENCH_MIRRORED_RANDOM] = "mirrored-random",
-        [BENCH_VERTICES] = "vertices",
-    };
+    static const char *const names[BENCH_RAY_SETS] = {[BENCH_CONE_DENSE] = "cone-dense",
+                                                      [BENCH_CONE] = "cone",
+                                                      [BENCH_SPHERE_DENSE] = "sphere-dense",
+                                                      [BENCH_SPHERE] = "sphere",
+                                                      [BENCH_SPHERE_RANDOM] = "sphere-random"};
     return set < BENCH_RAY_SETS ? names[set] : "?";
 }
 
@@ -131,53 +124,13 @@ static void fill_sphere(const bench_ray_scene *s, asdic_ray *rays, size_t count)
     }
 }
 
-void bench_rays_fill(bench_ray_set set, const bench_ray_scene *s, const float *corners_m,
-                     size_t triangles, asdic_ray *rays, size_t count) {
+void bench_rays_fill(bench_ray_set set, const bench_ray_scene *s, asdic_ray *rays, size_t count) {
     if (set == BENCH_CONE_DENSE || set == BENCH_CONE) {
         fill_cone(s, rays, count);
-    } else if (set == BENCH_VERTICES) {
-        bench_rays_at_vertices(s, corners_m, triangles, rays, count);
     } else {
         fill_sphere(s, rays, count);
     }
-    if (set != BENCH_SPHERE_RANDOM && set != BENCH_VERTICES) {
+    if (set != BENCH_SPHERE_RANDOM) {
         sort_rays(rays, count);
     }
-}
-
-static void unit_normal(const float *v, double n[3]) {
-    double length = 0.0;
-    for (int k = 0; k < 3; k++) {
-        int a = (k + 1) % 3, b = (k + 2) % 3;
-        n[k] = ((double)v[3 + a] - v[a]) * ((double)v[6 + b] - v[b]) -
-               ((double)v[3 + b] - v[b]) * ((double)v[6 + a] - v[a]);
-        length += n[k] * n[k];
-    }
-    length = sqrt(length);
-    for (int k = 0; k < 3; k++) {
-        n[k] = length > 0.0 ? n[k] / length : 0.0;
-    }
-}
-
-size_t bench_rays_mirror(const float *corners_m, const asdic_ray *rays, const asdic_ray_hit *hits,
-                         size_t count, asdic_ray *mirrored) {
-    size_t kept = 0;
-    for (size_t i = 0; i < count; i++) {
-        if (hits[i].triangle == ASDIC_NO_TRIANGLE) {
-            continue;
-        }
-        double n[3], along = 0.0, to[3];
-        float from[3];
-        unit_normal(&corners_m[9 * (size_t)hits[i].triangle], n);
-        for (int k = 0; k < 3; k++) {
-            along += n[k] * rays[i].direction[k];
-        }
-        for (int k = 0; k < 3; k++) {
-            to[k] = rays[i].direction[k] - 2.0 * along * n[k];
-            from[k] = (float)(rays[i].origin_m[k] + (double)hits[i].range_m * rays[i].direction[k] -
-                              (along > 0.0 ? LIFT_M : -LIFT_M) * n[k]);
-        }
-        mirrored[kept++] = bench_ray_from(from, to);
-    }
-    return kept;
 }

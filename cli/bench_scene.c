@@ -8,34 +8,27 @@
 /* Pings of references and of sweeps have numbers far apart, hence other lattice shifts. */
 #define REFERENCE_INDEX 1000000u
 
-/* "data/scenes/bench_flat.yaml" to "bench_flat". */
-static void take_name(const char *path, char *out, size_t size) {
-    const char *slash = strrchr(path, '/');
-    snprintf(out, size, "%s", slash ? slash + 1 : path);
-    char *dot = strrchr(out, '.');
-    if (dot && dot != out) {
-        *dot = '\0';
-    }
-}
-
 /* Whether quadrature knows this scene: planes only, nothing that a mirror or a mesh changes. */
 static bool is_flat(const asdic_mission *mission) {
     return asdic_mission_object_count(mission) == 0;
 }
 
-static asdic_status take_quadrature(cli *c, bench_scene *s) {
+asdic_status bench_scene_simulator(const bench *b, const bench_scene *s,
+                                   const asdic_sampling *sampling, asdic_simulator **sim,
+                                   asdic_ping **ping) {
+    TRY(asdic_simulator_create(cli_context(b->c), b->device, asdic_mission_scene(s->mission),
+                               asdic_mission_environment(s->mission), &s->sonar, sampling,
+                               s->pose.position_m.z, sim));
+    return asdic_ping_create(cli_context(b->c), s->beams, asdic_simulator_bin_count(*sim), ping);
+}
+
+static asdic_status take_quadrature(const bench *b, bench_scene *s) {
     asdic_flat_scene flat = asdic_mission_flat_scene(s->mission, 0);
     asdic_ping *ping = NULL;
-    asdic_status status = asdic_ping_create(cli_context(c), s->beams, s->bins, &ping);
-    if (!status) {
-        status =
-            asdic_expected_compute(cli_context(c), &flat, asdic_mission_environment(s->mission),
-                                   &s->sonar, &s->pose, ping);
-    }
-    if (!status) {
-        memcpy(s->reference_lin, ping->intensity_lin[ASDIC_TOTAL],
-               s->beams * s->bins * sizeof(double));
-    }
+    TRY(asdic_ping_create(cli_context(b->c), s->beams, s->bins, &ping));
+    asdic_status status = asdic_expected_compute(
+        cli_context(b->c), &flat, asdic_mission_environment(s->mission), &s->sonar, &s->pose, ping);
+    memcpy(s->reference_lin, ping->intensity_lin[ASDIC_TOTAL], s->beams * s->bins * sizeof(double));
     asdic_ping_destroy(&ping);
     return status;
 }
@@ -58,40 +51,36 @@ static double finish_mean(bench_scene *s, const double *squares, size_t count) {
     return 10.0 / log(10.0) * sqrt(sum / (double)(counted ? counted : 1));
 }
 
-static asdic_status take_mean(cli *c, asdic_device *device, const bench_effort *effort,
-                              bench_scene *s) {
-    asdic_sampling sampling = *asdic_mission_sampling(s->mission);
-    sampling.sampler = ASDIC_SAMPLER_ADAPTIVE;
-    sampling.rays = effort->reference_rays;
-    size_t cells = s->beams * s->bins;
-    asdic_simulator *sim = NULL;
-    asdic_ping *ping = NULL;
-    double *squares = calloc(cells, sizeof *squares);
-    s->spread_lin = calloc(cells, sizeof *s->spread_lin);
-    asdic_status status = squares && s->spread_lin ? ASDIC_OK : ASDIC_ERROR_MEMORY;
-    if (!status) {
-        status = asdic_ping_create(cli_context(c), s->beams, s->bins, &ping);
-    }
-    if (!status) {
-        status = asdic_simulator_create(cli_context(c), device, asdic_mission_scene(s->mission),
-                                        asdic_mission_environment(s->mission), &s->sonar, &sampling,
-                                        s->pose.position_m.z, &sim);
-    }
-    for (size_t k = 0; !status && k < effort->reference_pings; k++) {
-        uint64_t index = REFERENCE_INDEX + k;
-        if (asdic_context_interrupted(cli_context(c))) {
-            status = ASDIC_ERROR_INTERRUPTED;
-        } else if (k == 0) {
-            status = asdic_simulator_learn(sim, &s->pose, index);
-        }
-        if (!status) {
-            status = asdic_simulator_ping(sim, &s->pose, index, ping);
-        }
-        for (size_t i = 0; !status && i < cells; i++) {
+/* Sums of energies, and of their squares, over the pings of the reference. */
+static asdic_status add_pings(const bench *b, const bench_effort *effort, bench_scene *s,
+                              double *squares, asdic_simulator *sim, asdic_ping *ping) {
+    TRY(asdic_simulator_learn(sim, &s->pose, REFERENCE_INDEX));
+    for (size_t k = 0; k < effort->reference_pings; k++) {
+        TRY(bench_interrupted(b));
+        TRY(asdic_simulator_ping(sim, &s->pose, REFERENCE_INDEX + k, ping));
+        for (size_t i = 0; i < s->beams * s->bins; i++) {
             double e = ping->intensity_lin[ASDIC_TOTAL][i];
             s->reference_lin[i] += e;
             squares[i] += e * e;
         }
+    }
+    return ASDIC_OK;
+}
+
+static asdic_status take_mean(const bench *b, const bench_effort *effort, bench_scene *s) {
+    asdic_sampling sampling = *asdic_mission_sampling(s->mission);
+    size_t cells = s->beams * s->bins;
+    asdic_simulator *sim = NULL;
+    asdic_ping *ping = NULL;
+    sampling.sampler = ASDIC_SAMPLER_ADAPTIVE;
+    sampling.rays = effort->reference_rays;
+    double *squares = calloc(cells, sizeof *squares);
+    s->spread_lin = calloc(cells, sizeof *s->spread_lin);
+    asdic_status status = squares && s->spread_lin
+                              ? bench_scene_simulator(b, s, &sampling, &sim, &ping)
+                              : ASDIC_ERROR_MEMORY;
+    if (!status) {
+        status = add_pings(b, effort, s, squares, sim, ping);
     }
     if (!status) {
         s->spread_db = finish_mean(s, squares, effort->reference_pings);
@@ -103,14 +92,13 @@ static asdic_status take_mean(cli *c, asdic_device *device, const bench_effort *
     return status;
 }
 
-asdic_status bench_scene_open(cli *c, asdic_device *device, const char *path,
-                              const bench_effort *effort, bench_scene *out) {
+asdic_status bench_scene_open(const bench *b, size_t index, const bench_effort *effort,
+                              bench_scene *out) {
+    char buffer[4096];
+    const char *path = bench_scene_path(b, index, buffer, sizeof buffer);
     *out = (bench_scene){0};
-    take_name(path, out->name, sizeof out->name);
-    asdic_status status = asdic_mission_load(cli_context(c), path, &out->mission);
-    if (status) {
-        return status;
-    }
+    bench_name(path, out->name, sizeof out->name);
+    TRY(asdic_mission_load(cli_context(b->c), path, &out->mission));
     out->pose = asdic_mission_pose(out->mission, 0, NULL);
     out->sonar = *asdic_mission_sonar(out->mission);
     out->sonar.noise_enabled = false;
@@ -128,7 +116,7 @@ asdic_status bench_scene_open(cli *c, asdic_device *device, const char *path,
         return ASDIC_ERROR_MEMORY;
     }
     out->exact = is_flat(out->mission);
-    return out->exact ? take_quadrature(c, out) : take_mean(c, device, effort, out);
+    return out->exact ? take_quadrature(b, out) : take_mean(b, effort, out);
 }
 
 void bench_scene_finish(bench_scene *scene) {

@@ -13,6 +13,16 @@
 
 #include <asdic/asdic.h>
 
+/* Leaves a function with the status of a call that failed. Where something must be released on the way,
+ * the calls stand in a function of their own and the release in its caller. */
+#define TRY(call)                                                                                  \
+    do {                                                                                           \
+        asdic_status try_status = (call);                                                          \
+        if (try_status) {                                                                          \
+            return try_status;                                                                     \
+        }                                                                                          \
+    } while (0)
+
 /* Exit codes. An interrupted command ends with 128 + signal. */
 #define CLI_OK 0
 #define CLI_FAILED 1 /* while running: input and output, memory, device lost */

@@ -23,14 +23,19 @@ def test_stated_errors_hold_in_random_scenes():
         paths = [random_scenes.write(folder.path, n) for n in numbers]
         done = subprocess.run([program.PATH, "bench", "honest", "--json", *([] if FULL else ["--quick"]),
                                *paths], capture_output=True, check=True, env=program.environment({}))
-    for scene in json.loads(done.stdout)["scenes"]:
-        ratios = [s["true_over_stated"] for s in scene["seeds"]]
-        beyond = sum(s["beyond"] for s in scene["seeds"]) / len(ratios)
+    scenes = {}
+    for row in json.loads(done.stdout)["rows"]:
+        scenes.setdefault(row["scene"], []).append(row)
+    for name, seeds in scenes.items():
+        ratios = [s["true_over_stated"] for s in seeds]
+        beyond = sum(s["beyond"] for s in seeds) / len(ratios)
         pooled = (sum(r * r for r in ratios) / len(ratios)) ** 0.5
-        print(f'# {scene["scene"]}: true over stated {" ".join(f"{r:.2f}" for r in ratios)}, all {pooled:.2f}, '
+        print(f'# {name}: true over stated {" ".join(f"{r:.2f}" for r in ratios)}, all {pooled:.2f}, '
               f"{100 * beyond:.2f} % beyond five")
+        tap.equal(abs(pooled - seeds[0]["true_over_stated_all"]) < 1e-9, True)
         if not (0.8 < pooled < 1.3 and 0.7 < min(ratios) and max(ratios) < 1.6 and beyond < 0.005):
-            raise AssertionError(scene)
+            raise AssertionError(seeds)
+    tap.equal(len(scenes), len(paths), "scenes")
 
 
 tap.main(globals())

@@ -3,7 +3,7 @@
     nested.py FOLDER SOURCE [--tests | --only NAME,NAME...] [--then TEST.py] [MESON_OPTION...]
 
 Compilers come from CC and CXX; --tests runs the default tests, --only those of them that are named;
-TEST.py is run on the program that was built.
+TEST.py is run on asdic-bench, which alone is built then.
 """
 import json
 import os
@@ -56,7 +56,8 @@ def main():
     meson = ["meson", "setup", folder, source, *options]
     if os.path.exists(f"{folder}/build.ninja"):
         meson.insert(2, "--reconfigure")
-    good = run(1, "configure", meson) and run(2, "compile", ["meson", "compile", "-C", folder])
+    built = ["asdic", "asdic-bench"] if then else []
+    good = run(1, "configure", meson) and run(2, "compile", ["meson", "compile", "-C", folder, *built])
     if good and tests:
         subprocess.run(["meson", "test", "-C", folder, "--no-rebuild",
                         "--setup", "quick", "-t", "8", *names], check=False,
@@ -64,7 +65,7 @@ def main():
         good = report_tests(folder)
     if good and then:
         good = run(3, os.path.basename(then), [sys.executable, then],
-                   ASDIC=f"{folder}/cli/asdic")
+                   ASDIC=f"{folder}/cli/asdic", ASDIC_BENCH=f"{folder}/tests/bench/asdic-bench")
     sys.exit(0 if good else 1)
 
 

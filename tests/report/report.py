@@ -20,6 +20,7 @@ BUILD, FOLDER = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]).r
 QUICK = ["--quick"] if "--quick" in sys.argv[3:] else []
 FEW_PINGS = ["--pings", "0:40"] if QUICK else []
 ASDIC = str(BUILD / "cli/asdic")
+PROJECT_BENCH = str(BUILD / "tests/bench/asdic-bench")
 SCENES = ROOT / "data/scenes"
 
 # What tests print, as tables: a pattern for a row and the names of its groups.
@@ -62,19 +63,22 @@ PARTS = [
        "sonar.receivers[0].pitch_deg=0,10,20", "-o", "roc_pitch")],
      ["roc_rise/roc.png", "roc_pitch/roc.png"]),
     ("Speed against error", "Rays and time for an error, beside the paper's uniform sphere.",
-     [("asdic", "bench", "error", *QUICK, "-o", "error.csv", "--picture", "error.png")],
+     [("asdic", "bench", "error", *QUICK, "-o", "error.csv", "--picture", "error.png"),
+      ("asdic-bench", "cost", *QUICK, SCENES / "bench_flat.yaml", SCENES / "bench_terrain.yaml", "-o", "cost.csv")],
      ["error.png"]),
     ("Rays", "Millions of rays per second; beside Embree where it was built in.",
-     [("asdic", "bench", "rays", *QUICK, "-o", "rays.csv")], []),
+     [("asdic-bench", "beside", *QUICK, "-o", "rays.csv")], []),
     ("Whole pings", "The paper's case over larger and larger floors, on one processor and on all.",
-     [("asdic", "bench", "pings", *QUICK, "-o", "pings.csv", "--picture", "pings.png")], ["pings.png"]),
+     [("asdic", "bench", "pings", *QUICK, "-o", "pings.csv", "--picture", "pings.png"),
+      ("asdic-bench", "growth", *QUICK, "-o", "growth.csv"), ("asdic-bench", "start", "-o", "start.csv")],
+     ["pings.png"]),
     ("Many beams", "From the same rays; and Project DAVE's published case.",
-     [("asdic", "bench", "fan", *QUICK, "-o", "fan.csv", "--picture", "fan.png")], ["fan.png"]),
+     [("asdic-bench", "fan", *QUICK, "-o", "fan.csv", "--picture", "fan.png")], ["fan.png"]),
     ("Writing and drawing", "Their share of the time by the clock, the processor being the device.",
      [("asdic", "run", "--force", *FEW_PINGS, SCENES / "mission.yaml", "-o", "mission"),
       ("asdic", "run", "--force", *FEW_PINGS, SCENES / "mission_fan.yaml", "-o", "mission_fan")],
      ["mission/plan.png"]),
-    ("Latency", "From a pose to its levels.", [("asdic", "bench", "loop", *QUICK, "-o", "loop.csv")],
+    ("Latency", "From a pose to its levels.", [("asdic-bench", "latency", *QUICK, "-o", "loop.csv")],
      []),
     ("The paper's figures", "Levels against expectation, and the rise in three beams.",
      [("asdic", "run", "-q", "--force", SCENES / "scenario1.yaml", "-o", "scenario1"),
@@ -133,8 +137,8 @@ def drop_bulk():
 
 def run(tests, command):
     """Exit code, heading and text of one command."""
-    if command[0] == "asdic":
-        code, out, err = text_of([ASDIC, *command[1:]])
+    if command[0] in ("asdic", "asdic-bench"):
+        code, out, err = text_of([ASDIC if command[0] == "asdic" else PROJECT_BENCH, *command[1:]])
         shown = " ".join(str(word).replace(str(ROOT) + "/", "") for word in command)
         told = code != 0 or command[1] == "run"  # a run says on stderr where its time went
         return code, shown, out + (err if told else "")

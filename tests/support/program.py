@@ -42,6 +42,13 @@ def asdic(*args, stdin=b"", cwd=None, **env):
     return Result(done.returncode, done.stdout.decode(), done.stderr.decode())
 
 
+def asdic_bench(*args, **env):
+    """The same of asdic-bench, the benches that only the project needs."""
+    done = subprocess.run([os.environ["ASDIC_BENCH"], *map(str, args)], capture_output=True,
+                          timeout=240, check=False, env=environment(env))
+    return Result(done.returncode, done.stdout.decode(), done.stderr.decode())
+
+
 def asdic_on_terminal(*args, **env):
     """The same when stderr is a terminal; stdout is dropped."""
     try:

@@ -1,5 +1,5 @@
 /* Intel Embree 3 on the same rays, for comparison only: the library never sees it. */
-#include "bench_rays.h"
+#include "beside.h"
 
 #include <embree3/rtcore.h>
 #include <math.h>

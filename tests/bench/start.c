@@ -1,5 +1,6 @@
 /* How long a program takes from its start to its first ping: with nothing compiled yet, and again. */
 #include "bench_pings.h"
+#include "kinds.h"
 
 #include <ftw.h>
 #include <math.h>
@@ -10,6 +11,12 @@
 
 extern char **environ;
 
+const bench_column start_columns[] = {{"cold_start_s", "cold s", 8, 2, 0.0},
+                                      {"warm_start_s", "warm s", 8, 2, 0.0},
+                                      {NULL, NULL, 0, 0, 0.0}};
+const bench_column first_columns[] = {{"first_ping_s", "first ping s", 12, 3, 0.0},
+                                      {NULL, NULL, 0, 0, 0.0}};
+
 static int remove_entry(const char *path, const struct stat *status, int type, struct FTW *walk) {
     (void)status;
     (void)type;
@@ -19,11 +26,11 @@ static int remove_entry(const char *path, const struct stat *status, int type, s
 
 /* This program again, for one ping; its wall time, or NAN. */
 static double run_once(const cli *c) {
-    char program[] = "/proc/self/exe", bench[] = "bench", pings[] = "pings", first[] = "--first";
+    char program[] = "/proc/self/exe", kind[] = "first";
     char option[] = "--device", device[256];
     const char *given = cli_text(c, "device");
     snprintf(device, sizeof device, "%s", given ? given : "");
-    char *arguments[] = {program, bench, pings, first, given ? option : NULL, device, NULL};
+    char *arguments[] = {program, kind, given ? option : NULL, device, NULL};
     posix_spawn_file_actions_t actions;
     pid_t child;
     int status = -1;
@@ -39,28 +46,40 @@ static double run_once(const cli *c) {
     return ran && status == 0 ? seconds : NAN;
 }
 
-bench_start bench_start_measure(const cli *c) {
+asdic_status start(bench *b) {
     enum { WARM_RUNS = 3 };
     const char *tmp = getenv("TMPDIR"), *before = getenv("POCL_CACHE_DIR");
     char folder[4096], kept[4096];
-    bench_start start = {NAN, NAN};
     snprintf(folder, sizeof folder, "%s/asdic-start-XXXXXX", tmp && tmp[0] ? tmp : "/tmp");
     if (!mkdtemp(folder)) {
-        return start;
+        return ASDIC_ERROR_IO;
     }
     snprintf(kept, sizeof kept, "%s", before ? before : "");
     setenv("POCL_CACHE_DIR", folder, 1);
-    start.cold_s = run_once(c);
-    double warm_s[WARM_RUNS];
+    double cold_s = run_once(b->c), warm_s[WARM_RUNS];
     for (int k = 0; k < WARM_RUNS; k++) {
-        warm_s[k] = run_once(c);
+        warm_s[k] = run_once(b->c);
     }
-    start.warm_s = bench_median(warm_s, WARM_RUNS);
     if (before) {
         setenv("POCL_CACHE_DIR", kept, 1);
     } else {
         unsetenv("POCL_CACHE_DIR");
     }
     nftw(folder, remove_entry, 16, FTW_DEPTH | FTW_PHYS);
-    return start;
+    const bench_cell cells[] = {BENCH_NUMBER(cold_s),
+                                BENCH_NUMBER(bench_median(warm_s, WARM_RUNS))};
+    bench_add(b, cells);
+    return ASDIC_OK;
+}
+
+asdic_status first(bench *b) {
+    asdic_scene *scene = NULL;
+    bench_rate rate;
+    TRY(bench_terrain(cli_context(b->c), bench_floors[0], 0, &scene));
+    bench_case of = {.scene = scene, .bins = bench_bin_counts[1]};
+    asdic_status status = bench_pings_measure(b, b->device, &of, &rate);
+    asdic_scene_destroy(&scene);
+    const bench_cell cells[] = {BENCH_NUMBER(rate.first_s)};
+    bench_add(b, cells);
+    return status;
 }

@@ -1,10 +1,8 @@
-/* The scenes of `asdic bench loop`: six beams, and 256, over a million triangles of half a metre. */
-#include "bench_loop.h"
+/* `asdic bench loop` of six beams, and of 256, over a million triangles of half a metre. */
 #include "bench_pings.h"
+#include "kinds.h"
 
-#include <errno.h>
 #include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 #define CELLS 708 /* a side: 2 x 708 x 708 triangles */
@@ -17,7 +15,8 @@
     "mission:\n"                                                                                   \
     "  waypoints: {points_m: [[80, 177, 25], [270, 177, 25]], speed_mps: 2}\n"
 
-static const char *const files[] = {"floor.asc", "six.yaml", "fan256.yaml"};
+#define FILES 3
+static const char *const files[FILES] = {"floor.asc", "six.yaml", "fan256.yaml"};
 
 static const char six[] = HEAD MISSION
     "sampling: {rays: 20000, multipath: boundaries}\n"
@@ -29,27 +28,14 @@ static const char six[] = HEAD MISSION
     "     pitch_deg: 10}, {name: stbd_2, yaw_deg: 15, pitch_deg: 10}, {name: stbd_3,\n"
     "     yaw_deg: 25, pitch_deg: 10}]}\n";
 
-static const char fan[] = HEAD MISSION
+static const char fan256[] = HEAD MISSION
     "sampling: {rays: 20000}\n"
     "sonar:\n"
     "  {frequency_khz: 300, bandwidth_khz: 30, ping_rate_hz: 10, source_level_db: 200,\n"
     "   bin_length_m: 0.25, transmitter: {length_h_m: 0.0025, length_v_m: 0.0125},\n"
     "   receivers: {fan: {count: 256, sector_deg: 120, length_h_m: 0.15, length_v_m: 0.0125}}}\n";
 
-static bool write_text(const cli *c, const char *path, const char *text) {
-    FILE *file = bench_begin_file(c, path);
-    if (!file) {
-        return false;
-    }
-    fputs(text, file);
-    return bench_end_file(c, file, path) == CLI_OK;
-}
-
-static bool write_floor(const cli *c, const char *path) {
-    FILE *file = bench_begin_file(c, path);
-    if (!file) {
-        return false;
-    }
+static bool write_floor(FILE *file) {
     fprintf(file, "ncols %d\nnrows %d\nxllcorner 0\nyllcorner 0\ncellsize %g\n", CELLS + 1,
             CELLS + 1, CELL_M);
     for (int row = 0; row <= CELLS; row++) {
@@ -59,36 +45,37 @@ static bool write_floor(const cli *c, const char *path) {
         }
         fputc('\n', file);
     }
-    return bench_end_file(c, file, path) == CLI_OK;
+    return !ferror(file);
 }
 
-bool bench_folder_make(cli *c, bench_folder *folder) {
+static bool write_file(const char *path, const char *text) {
+    FILE *file = fopen(path, "w");
+    return file && (text ? fputs(text, file) >= 0 : write_floor(file)) && fclose(file) == 0;
+}
+
+/* A bench of files in a temporary folder, given to bench_loop as its shipped scenes. */
+asdic_status latency(bench *b) {
     const char *parent = getenv("TMPDIR");
-    char path[320];
-    *folder = (bench_folder){.path = ""};
-    snprintf(path, sizeof path, "%.200s/asdic-bench-XXXXXX", parent && *parent ? parent : "/tmp");
-    if (!mkdtemp(path)) {
-        cli_error(c, "cannot make a temporary folder '%s': %s", path, strerror(errno));
-        return false;
+    const char *const texts[FILES] = {NULL, six, fan256};
+    char folder[256], paths[FILES][320];
+    snprintf(folder, sizeof folder, "%.200s/asdic-bench-XXXXXX",
+             parent && *parent ? parent : "/tmp");
+    bool good = mkdtemp(folder) != NULL;
+    for (int i = 0; good && i < FILES; i++) {
+        snprintf(paths[i], sizeof paths[i], "%s/%s", folder, files[i]);
+        good = write_file(paths[i], texts[i]);
     }
-    snprintf(folder->path, sizeof folder->path, "%.255s", path);
-    snprintf(path, sizeof path, "%s/%s", folder->path, files[0]);
-    bool good = write_floor(c, path);
-    static const char *const texts[BENCH_LOOP_SCENES] = {six, fan};
-    for (int i = 0; good && i < BENCH_LOOP_SCENES; i++) {
-        snprintf(folder->scenes[i], sizeof folder->scenes[i], "%s/%s", folder->path, files[i + 1]);
-        good = write_text(c, folder->scenes[i], texts[i]);
+    const char *const shipped[] = {files[1], files[2], NULL};
+    bench_kind kind = *b->kind;
+    kind.shipped = shipped;
+    b->kind = &kind;
+    if (good) {
+        setenv("ASDIC_DATA", folder, 1);
     }
-    return good;
-}
-
-void bench_folder_remove(bench_folder *folder) {
-    char path[320];
-    for (size_t i = 0; folder->path[0] && i < sizeof files / sizeof *files; i++) {
-        snprintf(path, sizeof path, "%s/%s", folder->path, files[i]);
-        unlink(path);
+    asdic_status status = good ? bench_loop(b) : ASDIC_ERROR_IO;
+    for (int i = 0; good && i < FILES; i++) {
+        unlink(paths[i]);
     }
-    if (folder->path[0]) {
-        rmdir(folder->path);
-    }
+    rmdir(folder);
+    return status;
 }

@@ -1,6 +1,6 @@
 /* Rays aimed exactly at vertices, and which of them a caster lets through the surface. A direction is
  * rounded: a ray may pass its vertex beside the silhouette, or meet the limb well behind it. */
-#include "bench_rays.h"
+#include "beside.h"
 
 #include <math.h>
 #include <stdlib.h>

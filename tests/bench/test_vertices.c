@@ -1,11 +1,11 @@
 /*
- * What `asdic bench rays` says of rays aimed at vertices, for casters that are right, blind or dull by
+ * What the bench says of rays aimed at vertices, for casters that are right, blind or dull by
  * construction: over a rough floor seen at a ten-thousandth of a radian, where rounding a direction
  * moves ranges by a thousandth.
  */
 #include "asserts.h"
 
-#include "../../cli/bench_rays.h"
+#include "beside.h"
 
 #include <stdlib.h>
 

@@ -1,5 +1,5 @@
 /* A program that was built without Embree. */
-#include "bench_rays.h"
+#include "beside.h"
 
 const char *bench_embree_version(void) {
     return NULL;

@@ -1,0 +1,20 @@
+/*
+ * The benches that only this project needs, on the frame of `asdic bench`.
+ */
+#ifndef TESTS_BENCH_KINDS_H
+#define TESTS_BENCH_KINDS_H
+
+#include "bench.h"
+
+asdic_status beside(bench *b);  /* rays beside Embree's */
+asdic_status cost(bench *b);    /* what stated errors and many bins cost */
+asdic_status fan(bench *b);     /* many beams of the same rays; the published case to beat */
+asdic_status growth(bench *b);  /* bench pings on the whole device and on one unit of it */
+asdic_status latency(bench *b); /* bench loop over a floor of a million triangles */
+asdic_status start(bench *b);   /* from the start of a process to its first ping */
+asdic_status first(bench *b);   /* that first ping, and no more */
+
+extern const bench_column beside_columns[], cost_columns[], fan_columns[], start_columns[],
+    first_columns[];
+
+#endif
