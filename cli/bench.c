@@ -86,8 +86,8 @@ asdic_status bench_interrupted(const bench *b) {
     return asdic_context_interrupted(cli_context(b->c)) ? ASDIC_ERROR_INTERRUPTED : ASDIC_OK;
 }
 
-/* PoCL reads the number of its threads when it starts: THREADS, else what the environment says, else
- * OTHERWISE. */
+/* PoCL reads the number of its threads when it starts: THREADS, else what the environment says,
+ * else OTHERWISE. */
 static unsigned limit_threads(uint64_t threads, unsigned otherwise) {
     char text[16];
     const char *limit = getenv("POCL_MAX_PTHREAD_COUNT");

@@ -1,5 +1,6 @@
 /*
- * What the kinds of `asdic bench` share: the frame that runs one, its table, clocks, shipped scenes.
+ * What the kinds of `asdic bench` share: the frame that runs one, its table, clocks, shipped
+ * scenes.
  *
  * A kind is one row: its columns, and a function that measures and adds rows. The frame reads the
  * command line, opens the device, prints rows as they come, and writes JSON and CSV of the same

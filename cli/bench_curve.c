@@ -109,8 +109,8 @@ static void finish_point(tally *t, const bench_scene *s, bench_point *point) {
     point->learn_share = learn_s / point->ping_s;
 }
 
-/* BLOCKS of IN_BLOCK pings, after the simulator and the machine are warm: the first ping compiles for
- * its sizes, and a machine that rested is slow to wake. */
+/* BLOCKS of IN_BLOCK pings, after the simulator and the machine are warm: the first ping compiles
+ * for its sizes, and a machine that rested is slow to wake. */
 static asdic_status shoot(const bench *b, asdic_simulator *sim, const bench_scene *s, size_t blocks,
                           size_t in_block, asdic_ping *const *pings, tally *t) {
     double began = bench_now_s();

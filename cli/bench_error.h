@@ -38,7 +38,8 @@ typedef struct bench_scene {
 /* Scene INDEX of those asked for. It is finished after a failure, too. */
 asdic_status bench_scene_open(const bench *b, size_t index, const bench_effort *effort,
                               bench_scene *out);
-/* A simulator of the scene and a ping that fits it; both destroyed by the caller, also on failure. */
+/* A simulator of the scene and a ping that fits it; both destroyed by the caller, also on
+ * failure. */
 asdic_status bench_scene_simulator(const bench *b, const bench_scene *s,
                                    const asdic_sampling *sampling, asdic_simulator **sim,
                                    asdic_ping **ping);

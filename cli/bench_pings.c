@@ -1,5 +1,5 @@
-/* `asdic bench pings`: pings a second of scenes; else of the paper's case, six beams and 20,000 rays with
- * one bounce, over sea floors of many sizes and for many numbers of bins. */
+/* `asdic bench pings`: pings a second of scenes; else of the paper's case, six beams and 20,000
+ * rays with one bounce, over sea floors of many sizes and for many numbers of bins. */
 #include "bench_pings.h"
 
 #include <math.h>
@@ -177,7 +177,8 @@ static asdic_status measure_missions(bench *b) {
     return status;
 }
 
-/* Time over triangles, a curve for each number of bins. RATES are of every size all numbers of bins. */
+/* Time over triangles, a curve for each number of bins. RATES are of every size all numbers of
+ * bins. */
 static asdic_status draw(const bench *b, const bench_rate *rates, size_t count) {
     double triangles[BENCH_BIN_COUNTS][BENCH_FLOORS], time_ms[BENCH_BIN_COUNTS][BENCH_FLOORS];
     char labels[BENCH_BIN_COUNTS][32];

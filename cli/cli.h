@@ -13,8 +13,8 @@
 
 #include <asdic/asdic.h>
 
-/* Leaves a function with the status of a call that failed. Where something must be released on the way,
- * the calls stand in a function of their own and the release in its caller. */
+/* Leaves a function with the status of a call that failed. Where something must be released on the
+ * way, the calls stand in a function of their own and the release in its caller. */
 #define TRY(call)                                                                                  \
     do {                                                                                           \
         asdic_status try_status = (call);                                                          \

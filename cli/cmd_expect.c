@@ -1,5 +1,4 @@
 #include "commands.h"
-#include "expect_errata.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -11,11 +10,18 @@ static const cli_option options[] = {
     {"variant", 0, "WORD", "corrected or printed, else as the scene says"},
     {"ping", 0, "N", "the pose of this ping, else 0"},
     {"picture", 0, "FILE", "draw the levels too (up to 8 beams): .png, .pdf or .svg"},
-    {"errata", 0, NULL, "print what each slip of the paper changes on this scene instead"},
-    {"beam", 0, "NAME", "with --errata: this receiver, else the first"},
     {"force", 'f', NULL, "overwrite what exists"},
     {NULL, 0, NULL, NULL},
 };
+
+/* One ping of a mission without objects. */
+typedef struct expect_scene {
+    asdic_environment env;
+    asdic_sonar sonar;
+    asdic_flat_scene flat;
+    asdic_pose pose;
+    size_t bins;
+} expect_scene;
 
 /* "expected_NAME.csv" of "path/NAME.yaml". */
 static char *default_output(const char *scene) {
@@ -83,37 +89,37 @@ static asdic_status draw(cli *c, const char *path, const asdic_sonar *sonar,
     return status;
 }
 
-static asdic_status write_levels(cli *c, const expect_scene *scene) {
+static asdic_status compute(cli *c, const char *path, const expect_scene *scene, asdic_ping *ping) {
     asdic_context *ctx = cli_context(c);
+    const char *picture = cli_text(c, "picture");
+    TRY(asdic_expected_compute(ctx, &scene->flat, &scene->env, &scene->sonar, &scene->pose, ping));
+    TRY(asdic_expected_write_csv(ctx, path, &scene->sonar, ping));
+    if (picture) {
+        TRY(draw(c, picture, &scene->sonar, ping));
+    }
+    if (strcmp(path, "-") != 0) {
+        cli_note(c, "%s: %zu beam%s, %zu bins", path, ping->beams, ping->beams == 1 ? "" : "s",
+                 ping->bins);
+    }
+    return ASDIC_OK;
+}
+
+static int write_levels(cli *c, const expect_scene *scene) {
     asdic_ping *ping = NULL;
     char *own_path = cli_text(c, "output") ? NULL : default_output(cli_operand(c, 0));
     const char *path = own_path ? own_path : cli_text(c, "output");
     const char *picture = cli_text(c, "picture");
-    asdic_status status = path ? ASDIC_OK : ASDIC_ERROR_MEMORY;
-    if (status == ASDIC_OK && (!may_write(c, path) || (picture && !may_write(c, picture)))) {
-        free(own_path);
-        return ASDIC_ERROR_EXISTS;
-    }
-    if (status == ASDIC_OK) {
-        status = asdic_ping_create(ctx, scene->sonar.receiver_count, scene->bins, &ping);
-    }
-    if (status == ASDIC_OK) {
-        status = asdic_expected_compute(ctx, &scene->flat, &scene->env, &scene->sonar, &scene->pose,
-                                        ping);
-    }
-    if (status == ASDIC_OK) {
-        status = asdic_expected_write_csv(ctx, path, &scene->sonar, ping);
-    }
-    if (status == ASDIC_OK && picture) {
-        status = draw(c, picture, &scene->sonar, ping);
-    }
-    if (status == ASDIC_OK && strcmp(path, "-") != 0) {
-        cli_note(c, "%s: %zu beam%s, %zu bins", path, ping->beams, ping->beams == 1 ? "" : "s",
-                 ping->bins);
+    int code = CLI_FAILED;
+    if (!path) {
+        code = cli_end(c, ASDIC_ERROR_MEMORY);
+    } else if (may_write(c, path) && (!picture || may_write(c, picture))) {
+        asdic_status status =
+            asdic_ping_create(cli_context(c), scene->sonar.receiver_count, scene->bins, &ping);
+        code = cli_end(c, status ? status : compute(c, path, scene, ping));
     }
     asdic_ping_destroy(&ping);
     free(own_path);
-    return status;
+    return code;
 }
 
 static int run_on(cli *c, asdic_mission *mission, uint64_t index) {
@@ -137,11 +143,7 @@ static int run_on(cli *c, asdic_mission *mission, uint64_t index) {
     double depth_m = asdic_mission_pose(mission, 0, NULL).position_m.z;
     scene.bins =
         asdic_sonar_bin_count(&scene.sonar, asdic_environment_sound_speed_mps(&scene.env, depth_m));
-    if (cli_given(c, "errata")) {
-        return expect_errata(c, &scene);
-    }
-    asdic_status status = write_levels(c, &scene);
-    return status == ASDIC_ERROR_EXISTS ? CLI_FAILED : cli_end(c, status);
+    return write_levels(c, &scene);
 }
 
 static int run(cli *c) {
@@ -166,12 +168,10 @@ const cli_command cli_expect_command = {
     .details =
         "The null hypothesis: bottom, surface, volume and noise over a flat bottom at the depth "
         "straight below the vehicle, in double precision. Objects and speckle are left out.\n\n"
-        "The printed variant evaluates the paper's own sums, slips included; --errata shows what "
-        "each of them changes, one at a time, as median, least and largest difference in dB over "
-        "the bins.",
+        "The printed variant takes absorption and transmission loss as the paper prints them, as "
+        "simulated pings do; kernels/README.md lists the paper's slips and what each changes.",
     .examples = "asdic expect scene.yaml -o - | head\n"
-                "asdic expect scene.yaml --picture expected.png\n"
-                "asdic expect scene.yaml --errata",
+                "asdic expect scene.yaml --picture expected.png",
     .options = options,
     .run = run,
 };

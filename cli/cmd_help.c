@@ -59,8 +59,9 @@ const cli_command cli_help_command_row = {
     .operands = "[COMMAND]",
     .max_operands = 1,
     .summary = "list the commands, or explain one",
-    .details = "With --json the whole table, or one command of it: names, operands, texts and options. "
-               "Manual pages and completions are made from it.",
+    .details =
+        "With --json the whole table, or one command of it: names, operands, texts and options. "
+        "Manual pages and completions are made from it.",
     .examples = "asdic help run\n"
                 "asdic help --json",
     .traits = CLI_HAS_JSON,

@@ -99,8 +99,8 @@ static const char *next_line(line_source *in, asdic_context *ctx, int *error) {
     }
 }
 
-/* Quadratures take longer than pings, and a vehicle that keeps its altitude and attitude expects what
- * it expected. To the north, that the answer may not depend on what was asked before. */
+/* Quadratures take longer than pings, and a vehicle that keeps its altitude and attitude expects
+ * what it expected. To the north, that the answer may not depend on what was asked before. */
 static asdic_status expect(server *s, const asdic_loop_ping *ping) {
     asdic_expected_place place = {.flat = asdic_mission_flat_scene(s->mission, 0)};
     asdic_loop_ping_place(ping, &place);

@@ -161,8 +161,8 @@ int cli_end(const cli *c, asdic_status status) {
     return exit_code(status);
 }
 
-/* Why an earlier write to stdout failed, which stdio does not keep: the system is asked again where a
- * byte too many does no harm. 0: not known. */
+/* Why an earlier write to stdout failed, which stdio does not keep: the system is asked again where
+ * a byte too many does no harm. 0: not known. */
 static int earlier_error(void) {
     struct stat st;
     bool is_harmless = fstat(STDOUT_FILENO, &st) == 0 && !S_ISREG(st.st_mode);

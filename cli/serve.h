@@ -53,8 +53,8 @@ typedef struct serve_answer {
     const asdic_scan_result *detection; /* NULL: not asked for */
 } serve_answer;
 
-/* A raw answer: this, then ARRAYS times beams x bins floats [beam][bin]: level; expected level, and the
- * log-likelihood ratios of what was detected (else NaN), when asked for. All little-endian. */
+/* A raw answer: this, then ARRAYS times beams x bins floats [beam][bin]: level; expected level, and
+ * the log-likelihood ratios of what was detected (else NaN), when asked for. All little-endian. */
 typedef struct serve_frame {
     char magic[4];   /* "ASDP" */
     uint32_t status; /* 0, or 1 for a line that could not be served: its floats are NaN */

@@ -1,6 +1,7 @@
-/* The one place with static state: a signal has no other way to reach the context. A thread waits for
- * signals, which all others block: LLVM, by which PoCL compiles, has handlers of its own that remove the
- * object it is writing, after which PoCL aborts; and a compiler that it started must not stop either. */
+/* The one place with static state: a signal has no other way to reach the context. A thread waits
+ * for signals, which all others block: LLVM, by which PoCL compiles, has handlers of its own that
+ * remove the object it is writing, after which PoCL aborts; and a compiler that it started must not
+ * stop either. */
 #include "cli_state.h"
 
 #include <fcntl.h>

@@ -103,6 +103,13 @@ asdic_law_water asdic_water_column_laws(const asdic_water_column *water,
                              .wind_speed_kn = env->wind_speed_kn};
 }
 
+double asdic_water_column_source_lin(const asdic_water_column *water, const asdic_environment *env,
+                                     const asdic_sonar *sonar) {
+    double source = pow(10.0, sonar->source_level_db / 10.0);
+    return env->variant == ASDIC_VARIANT_PRINTED ? source * exp(-water->absorption_np_per_m)
+                                                 : source;
+}
+
 double asdic_water_column_loss(const asdic_water_column *water, double bin_m, size_t bin) {
     return ray_tube_loss(water->absorption_np_per_m, ((double)bin + 0.5) * bin_m);
 }

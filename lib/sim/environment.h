@@ -21,6 +21,11 @@ asdic_water_column asdic_water_column_at(const asdic_environment *env, const asd
 asdic_law_water asdic_water_column_laws(const asdic_water_column *water,
                                         const asdic_environment *env, const asdic_sonar *sonar);
 
+/* The energy of the source, linear, re 1 uPa^2 at 1 m. The paper prints 2 d - 1 metres of absorption
+ * where 2 (d - 1) is meant: its variant takes one metre more. */
+double asdic_water_column_source_lin(const asdic_water_column *water, const asdic_environment *env,
+                                     const asdic_sonar *sonar);
+
 /* TL(d) d^2 = d^-2 exp(-2 k (d - 1)) at the centre of BIN. */
 double asdic_water_column_loss(const asdic_water_column *water, double bin_m, size_t bin);
 

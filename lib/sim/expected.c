@@ -6,14 +6,14 @@
  *     E_surf   = int_bin  d   TL(d) s_S(asin hd/d)   G(-asin hd/d)  dd
  *     E_vol    = int_bin  d^2 TL(d) s_V  int_{-asin(hd/d)}^{asin(h/d)} cos e G(e) de  dd
  *
- * where the paper multiplies averages taken at the middle of a bin. A pulse longer than a bin then spreads
- * them, as in simulated pings.
+ * where the paper multiplies averages taken at the middle of a bin. A pulse longer than a bin then
+ * spreads them, as in simulated pings.
  */
 #include "expected.h"
 
 #include "base/context.h"
 #include "base/quadrature.h"
-#include "errata.h"
+#include "base/try.h"
 #include "noise_level.h"
 #include "pulse.h"
 
@@ -30,12 +30,13 @@
 
 asdic_flat_laws asdic_flat_laws_at(const asdic_flat_scene *flat, const asdic_environment *env,
                                    const asdic_sonar *sonar) {
+    asdic_water_column column = asdic_water_column_at(env, sonar, flat->depth_m);
     asdic_flat_laws laws = {
         .flat = *flat,
-        .water = asdic_water_column_at(env, sonar, flat->depth_m),
+        .water = column,
         .absorption_db_per_km =
             asdic_environment_absorption_db_per_km(env, sonar->frequency_hz, flat->depth_m),
-        .source_lin = pow(10.0, 0.1 * sonar->source_level_db),
+        .source_lin = asdic_water_column_source_lin(&column, env, sonar),
         .volume_lin = pow(10.0, 0.1 * volume_backscatter_db(env->particle_strength_db,
                                                             1e-3 * sonar->frequency_hz)),
     };
@@ -113,14 +114,11 @@ static double volume_energy(integrand *in, double begin_m, double end_m) {
     return in->laws->volume_lin * sum;
 }
 
-static asdic_status corrected_beam(asdic_context *ctx, const asdic_flat_laws *laws,
-                                   const asdic_sonar *sonar, const asdic_ring *ring,
-                                   asdic_ping *ping, size_t beam) {
+static asdic_status compute_beam(asdic_context *ctx, const asdic_flat_laws *laws,
+                                 const asdic_sonar *sonar, const asdic_ring *ring, asdic_ping *ping,
+                                 size_t beam) {
     asdic_ring_profile *profile = NULL;
-    asdic_status status = asdic_ring_profile_create(ctx, ring, &profile);
-    if (status != ASDIC_OK) {
-        return status;
-    }
+    TRY(asdic_ring_profile_create(ctx, ring, &profile));
     integrand bottom = {laws, profile, laws->flat.altitude_m, false};
     integrand surface = {laws, profile, laws->flat.depth_m, true};
     for (size_t n = 0; n < ping->bins; n++) {
@@ -148,54 +146,35 @@ static asdic_status corrected_beam(asdic_context *ctx, const asdic_flat_laws *la
 static asdic_status check(asdic_context *ctx, const asdic_flat_scene *flat,
                           const asdic_environment *env, const asdic_sonar *sonar,
                           const asdic_ping *ping) {
-    asdic_status status = asdic_environment_check(ctx, env);
-    if (status == ASDIC_OK) {
-        status = asdic_sonar_check(ctx, sonar);
+    TRY(asdic_environment_check(ctx, env));
+    TRY(asdic_sonar_check(ctx, sonar));
+    if (!(flat->depth_m >= 0.0 && isfinite(flat->depth_m))) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
+                          "flat scene: the sonar is %g m above the surface", -flat->depth_m);
     }
-    if (status == ASDIC_OK && !(flat->depth_m >= 0.0 && isfinite(flat->depth_m))) {
-        status = asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
-                            "flat scene: the sonar is %g m above the surface", -flat->depth_m);
-    }
-    if (status == ASDIC_OK && flat->has_bottom &&
-        !(flat->altitude_m >= 0.0 && isfinite(flat->altitude_m))) {
-        status = asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
-                            "flat scene: the sonar is %g m below the bottom", -flat->altitude_m);
+    if (flat->has_bottom && !(flat->altitude_m >= 0.0 && isfinite(flat->altitude_m))) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
+                          "flat scene: the sonar is %g m below the bottom", -flat->altitude_m);
     }
     const asdic_material *bottom = flat->has_bottom ? &flat->bottom : NULL;
     const asdic_material *surface = flat->has_surface && flat->surface.law ? &flat->surface : NULL;
-    if (status == ASDIC_OK && ((bottom && asdic_material_check(ctx, bottom)) ||
-                               (surface && asdic_material_check(ctx, surface)))) {
-        status = asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "flat scene: %s", asdic_context_error(ctx));
+    if ((bottom && asdic_material_check(ctx, bottom)) ||
+        (surface && asdic_material_check(ctx, surface))) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "flat scene: %s", asdic_context_error(ctx));
     }
-    if (status == ASDIC_OK && ping->beams != sonar->receiver_count) {
-        status = asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "a ping of %zu beams for %zu receivers",
-                            ping->beams, sonar->receiver_count);
+    if (ping->beams != sonar->receiver_count) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "a ping of %zu beams for %zu receivers",
+                          ping->beams, sonar->receiver_count);
     }
-    return status;
+    return ASDIC_OK;
 }
 
-/* The scene as ERRATA have it, apart from what asdic_errata_beam does. */
 static asdic_ring aim(const asdic_flat_laws *laws, const asdic_sonar *sonar, size_t receiver,
-                      const asdic_pose *pose, unsigned errata) {
+                      const asdic_pose *pose) {
     double wavelength_m = laws->water.wavelength_m;
-    wavelength_m *= errata & ASDIC_ERRATUM_WAVELENGTH ? 1000.0 : 1.0;
-    wavelength_m *= errata & ASDIC_ERRATUM_SINC ? ASDIC_PI : 1.0;
-    double rear_lin = pow(10.0, 0.1 * sonar->rear_floor_db);
     return (asdic_ring){asdic_face_aim(&sonar->transmitter, pose, wavelength_m),
                         asdic_face_aim(&sonar->receivers[receiver], pose, wavelength_m),
-                        errata & ASDIC_ERRATUM_MIRROR ? 1.0 : rear_lin};
-}
-
-static void add_noise(const asdic_environment *env, const asdic_sonar *sonar,
-                      double sound_speed_mps, unsigned errata, asdic_ping *ping) {
-    asdic_environment air = *env;
-    asdic_sonar heard = *sonar;
-    air.wind_speed_kn *= errata & ASDIC_ERRATUM_NOISE_WIND ? 1852.0 / 3600.0 : 1.0;
-    heard.noise_directivity &= !(errata & ASDIC_ERRATUM_DIRECTIVITY);
-    if (errata & ASDIC_ERRATUM_NOISE_CELLS) { /* a bin of one cell */
-        heard.bin_length_m = sound_speed_mps / (2.0 * sonar->bandwidth_hz);
-    }
-    asdic_noise_levels(&air, &heard, sound_speed_mps, ping);
+                        pow(10.0, 0.1 * sonar->rear_floor_db)};
 }
 
 static void begin_ping(const asdic_sonar *sonar, asdic_ping *ping) {
@@ -219,59 +198,26 @@ static asdic_status add_pulse(asdic_context *ctx, const asdic_sonar *sonar, doub
     return ASDIC_OK;
 }
 
-static asdic_status compute(asdic_context *ctx, const asdic_flat_scene *flat,
-                            const asdic_environment *env, const asdic_sonar *sonar,
-                            const asdic_pose *pose, unsigned errata, asdic_ping *ping) {
-    asdic_status status = check(ctx, flat, env, sonar, ping);
-    if (status != ASDIC_OK) {
-        return status;
-    }
-    asdic_environment water = *env;
-    water.variant =
-        errata & ASDIC_ERRATUM_ABSORPTION ? ASDIC_VARIANT_PRINTED : ASDIC_VARIANT_CORRECTED;
-    asdic_flat_scene scene = *flat;
-    if (errata & ASDIC_ERRATUM_SURFACE_CAP) { /* none was printed */
-        scene.surface = asdic_material_of(asdic_law_find("course"));
-        asdic_material_set(ctx, &scene.surface, "cap", 1.0);
-    }
-    asdic_flat_laws laws = asdic_flat_laws_at(&scene, &water, sonar);
-    begin_ping(sonar, ping);
-    for (size_t b = 0; b < ping->beams && status == ASDIC_OK; b++) {
-        asdic_ring ring = aim(&laws, sonar, b, pose, errata);
-        status = errata & ASDIC_ERRATA_OF_BEAM
-                     ? asdic_errata_beam(ctx, &laws, sonar, &ring, errata, ping, b)
-                     : corrected_beam(ctx, &laws, sonar, &ring, ping, b);
-    }
-    add_noise(env, sonar, laws.water.sound_speed_mps, errata, ping);
-    for (size_t i = 0; i < ping->beams * ping->bins; i++) {
-        for (int c = ASDIC_TOTAL + 1; c < ASDIC_COMPONENT_COUNT; c++) {
-            ping->intensity_lin[ASDIC_TOTAL][i] += ping->intensity_lin[c][i];
-        }
-    }
-    return status ? status : add_pulse(ctx, sonar, laws.water.sound_speed_mps, ping);
-}
-
 asdic_status asdic_expected_compute(asdic_context *ctx, const asdic_flat_scene *flat,
                                     const asdic_environment *env, const asdic_sonar *sonar,
                                     const asdic_pose *pose, asdic_ping *ping) {
     if (!flat || !env || !sonar || !pose || !ping) {
         return asdic_fail_null(ctx, __func__);
     }
-    unsigned errata = env->variant == ASDIC_VARIANT_PRINTED ? ASDIC_ERRATA_PRINTED : 0u;
-    return compute(ctx, flat, env, sonar, pose, errata, ping);
-}
-
-asdic_status asdic_expected_erratum(asdic_context *ctx, size_t index, const asdic_flat_scene *flat,
-                                    const asdic_environment *env, const asdic_sonar *sonar,
-                                    const asdic_pose *pose, asdic_ping *ping) {
-    if (!flat || !env || !sonar || !pose || !ping) {
-        return asdic_fail_null(ctx, __func__);
+    TRY(check(ctx, flat, env, sonar, ping));
+    asdic_flat_laws laws = asdic_flat_laws_at(flat, env, sonar);
+    begin_ping(sonar, ping);
+    for (size_t b = 0; b < ping->beams; b++) {
+        asdic_ring ring = aim(&laws, sonar, b, pose);
+        TRY(compute_beam(ctx, &laws, sonar, &ring, ping, b));
     }
-    if (index >= asdic_erratum_count()) {
-        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "erratum %zu of %zu", index,
-                          asdic_erratum_count());
+    asdic_noise_levels(env, sonar, laws.water.sound_speed_mps, ping);
+    for (size_t i = 0; i < ping->beams * ping->bins; i++) {
+        for (int c = ASDIC_TOTAL + 1; c < ASDIC_COMPONENT_COUNT; c++) {
+            ping->intensity_lin[ASDIC_TOTAL][i] += ping->intensity_lin[c][i];
+        }
     }
-    return compute(ctx, flat, env, sonar, pose, 1u << index, ping);
+    return add_pulse(ctx, sonar, laws.water.sound_speed_mps, ping);
 }
 
 static bool near(double a, double b, double share) {

@@ -205,10 +205,7 @@ static asdic_status reduce(asdic_simulator *sim, size_t count) {
 }
 
 double asdic_simulator_source_lin(const asdic_simulator *sim, const asdic_water_column *water) {
-    double source = pow(10.0, sim->setup.sonar.source_level_db / 10.0);
-    /* The paper prints 2 d - 1 metres of absorption where 2 (d - 1) is meant: one metre more. */
-    bool printed = sim->setup.env.variant == ASDIC_VARIANT_PRINTED;
-    return printed ? source * exp(-water->absorption_np_per_m) : source;
+    return asdic_water_column_source_lin(water, &sim->setup.env, &sim->setup.sonar);
 }
 
 /* A ping that fails half-way leaves sums behind. */

@@ -20,8 +20,8 @@ size_t bench_rays_mirror(const float *corners_m, const asdic_ray *rays, const as
 /* Rays aimed exactly at vertices, in no order; `unused` is the range of the vertex. */
 void bench_rays_at_vertices(const bench_ray_scene *s, const float *corners_m, size_t triangles,
                             asdic_ray *rays, size_t count);
-/* Rays of that set that met nothing up to their vertex although, by exact arithmetic on the triangles
- * there, or because. Those that met the limb behind it, where it is, are none of them. */
+/* Rays of that set that met nothing up to their vertex although, by exact arithmetic on the
+ * triangles there, or because. Those that met the limb behind it, where it is, are none of them. */
 typedef struct bench_vertex_rays {
     size_t missed; /* although they meet the surface, and so do all lines within rounding */
     size_t grazed; /* although they meet it, but within rounding of a silhouette or a rim */
@@ -46,8 +46,8 @@ typedef enum bench_embree_mode {
 /* "3.13.5"; NULL in a program that was built without it. */
 const char *bench_embree_version(void);
 
-/* Builds its hierarchy of quality "medium" with THREADS threads; *BUILD_S is what that took. ROBUST:
- * its watertight intersection. NULL when it fails. */
+/* Builds its hierarchy of quality "medium" with THREADS threads; *BUILD_S is what that took.
+ * ROBUST: its watertight intersection. NULL when it fails. */
 bench_embree *bench_embree_create(const float *corners_m, size_t triangles, unsigned threads,
                                   bool robust, double *build_s);
 void bench_embree_destroy(bench_embree *e);

@@ -1,4 +1,5 @@
-/* How long a program takes from its start to its first ping: with nothing compiled yet, and again. */
+/* How long a program takes from its start to its first ping: with nothing compiled yet, and
+ * again. */
 #include "bench_pings.h"
 #include "kinds.h"
 

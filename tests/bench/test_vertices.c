@@ -16,7 +16,8 @@
 static float corners[9 * TRIANGLES];
 static const bench_ray_scene scene = {.from_m = {0.1f, -0.2f, 0.3f}};
 
-/* Metres ahead, aside and below of the point that rays start from, in axes that no coordinate follows. */
+/* Metres ahead, aside and below of the point that rays start from, in axes that no coordinate
+ * follows. */
 static void put_corner(int i, int j, float out[3]) {
     static const double ahead[3] = {2.0 / 3.0, 2.0 / 3.0, 1.0 / 3.0},
                         aside[3] = {-2.0 / 3.0, 1.0 / 3.0, 2.0 / 3.0},
@@ -38,7 +39,8 @@ static int make_floor(void **state) {
     return 0;
 }
 
-/* Where the ray meets the triangle: T. Moeller, B. Trumbore, Journal of Graphics Tools 2(1), 1997. */
+/* Where the ray meets the triangle: T. Moeller, B. Trumbore, Journal of Graphics Tools 2(1),
+ * 1997. */
 static double meet(const asdic_ray *ray, const float *v) {
     long double e[3], f[3], s[3], p[3], q[3], det = 0.0L, u = 0.0L, w = 0.0L, t = 0.0L;
     for (int k = 0; k < 3; k++) {

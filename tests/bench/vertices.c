@@ -1,13 +1,13 @@
-/* Rays aimed exactly at vertices, and which of them a caster lets through the surface. A direction is
- * rounded: a ray may pass its vertex beside the silhouette, or meet the limb well behind it. */
+/* Rays aimed exactly at vertices, and which of them a caster lets through the surface. A direction
+ * is rounded: a ray may pass its vertex beside the silhouette, or meet the limb well behind it. */
 #include "beside.h"
 
 #include <math.h>
 #include <stdlib.h>
 
 #define PI 3.14159265358979323846
-/* A ray, and lines round it as far away as rounding may shift it, relative to the coordinates in play:
- * four roundings. */
+/* A ray, and lines round it as far away as rounding may shift it, relative to the coordinates in
+ * play: four roundings. */
 #define LINES 9
 #define ROUNDING 0x1p-22
 
@@ -83,9 +83,9 @@ static long double area(const long double c[3][3]) {
                   e[0] * f[1] - e[1] * f[0]);
 }
 
-/* Where the line from ORIGIN along D meets the triangle, edges and all, when SHIFT_M moves it; INFINITY:
- * nowhere ahead. Differences and products of floats are all but exact in long double: it errs about the
- * side of an edge within 1e-18 of it only, and for both its triangles alike. */
+/* Where the line from ORIGIN along D meets the triangle, edges and all, when SHIFT_M moves it;
+ * INFINITY: nowhere ahead. Differences and products of floats are all but exact in long double: it
+ * errs about the side of an edge within 1e-18 of it only, and for both its triangles alike. */
 static double farthest_m(const long double origin[3], const long double d[3], const float *triangle,
                          double shift_m) {
     long double corner[3][3];

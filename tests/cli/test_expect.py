@@ -1,4 +1,4 @@
-"""asdic expect: levels as CSV, variants, errata, refusals."""
+"""asdic expect: levels as CSV, variants, refusals."""
 import csv
 import io
 import os
@@ -66,7 +66,7 @@ def test_printed_variant_from_option_and_scene():
         tap.equal(right, expected(folder))
         changes = sorted(float(by_option[key]["bottom_db"]) - float(right[key]["bottom_db"])
                          for key in right if key[0] == "forward" and right[key]["bottom_db"])
-        near(changes[len(changes) // 2], -13.0, 0.5)
+        near(changes[len(changes) // 2], -0.034 + 0.007, 2e-3)  # slips 5, and 1 and 2
 
 
 def test_objects_are_ignored():
@@ -101,20 +101,6 @@ def test_picture():
         done.check(code=0)
         with open(folder / "a.png", "rb") as file:
             tap.equal(file.read(8), b"\x89PNG\r\n\x1a\n")
-
-
-def test_errata_name_each_slip_with_its_size():
-    with Folder() as folder:
-        path = folder.write("scene.yaml", SCENE)
-        text = asdic("expect", path, "--errata").check(code=0, err="").out
-        tap.contains(text, "Beam 'forward'")
-        lines = text.splitlines()
-        at = next(i for i, line in enumerate(lines) if line.startswith("5 "))
-        tap.contains(lines[at], "(2d - 1) alpha / 1000")
-        tap.contains(lines[at + 1], "-0.034 [-0.034, -0.034]")
-        tap.contains(asdic("expect", path, "--errata", "--beam", "down").check(code=0).out,
-                     "Beam 'down'")
-        asdic("expect", path, "--errata", "--beam", "up").check(code=2, out="")
 
 
 def test_wrong_use():

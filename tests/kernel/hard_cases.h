@@ -18,7 +18,6 @@ double hard_surface_law(void);
 double hard_patterns_beside_nulls(void);
 double hard_facet_law(void);
 double hard_zero_energy(void);
-double hard_whole_cells(void);
 double hard_wrong_input(void);
 double hard_one_bin(void);
 double hard_same_bytes(void);

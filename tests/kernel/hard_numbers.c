@@ -126,40 +126,6 @@ double hard_zero_energy(void) {
     return wrong;
 }
 
-/* 0.3 / 0.1 is 2.9999999999999996: the erratum of whole cells must find three. */
-double hard_whole_cells(void) {
-    ping_rig r = rig_create(&hard_device);
-    asdic_flat_scene flat = {.has_surface = true,
-                             .has_bottom = true,
-                             .altitude_m = 5.0,
-                             .depth_m = 7.0,
-                             .bottom = asdic_material_bottom(2.0)};
-    asdic_ping *right = NULL, *whole = NULL;
-    double most = 0.0;
-    size_t erratum = 0;
-    r.env.sound_speed_mps = 1500.0;
-    r.sonar.bandwidth_hz = 7500.0;
-    r.sonar.bin_length_m = 0.3;
-    r.sonar.receivers = r.receivers;
-    while (asdic_erratum_get(erratum)->number != 26) {
-        erratum++;
-    }
-    assert_ok(hard_device.ctx, asdic_ping_create(hard_device.ctx, RIG_BEAMS, 100, &right));
-    assert_ok(hard_device.ctx, asdic_ping_create(hard_device.ctx, RIG_BEAMS, 100, &whole));
-    assert_ok(hard_device.ctx,
-              asdic_expected_compute(hard_device.ctx, &flat, &r.env, &r.sonar, &r.pose, right));
-    assert_ok(hard_device.ctx, asdic_expected_erratum(hard_device.ctx, erratum, &flat, &r.env,
-                                                      &r.sonar, &r.pose, whole));
-    for (size_t i = 2; i < 100; i++) {
-        most = fmax(most, fabs(asdic_level_db(whole->intensity_lin[ASDIC_TOTAL][i] /
-                                              right->intensity_lin[ASDIC_TOTAL][i])));
-    }
-    asdic_ping_destroy(&right);
-    asdic_ping_destroy(&whole);
-    rig_destroy(&r);
-    return most;
-}
-
 double hard_wrong_input(void) {
     static const struct {
         const char *model, *keys[5];

@@ -22,7 +22,6 @@ static const hard_case numbers[] = {
     {"beam pattern 1e-4 of a lobe beside its nulls", hard_patterns_beside_nulls, 1e-9,
      "of the main lobe"},
     {"zero energy: empty bins, nulls, behind a face", hard_zero_energy, 0, "values not -inf"},
-    {"whole cells in a bin: 0.3 m of 0.1 m", hard_whole_cells, 1e-6, "dB"},
     {"-273 degC, f < 0, NaN: refused; 0 ppt, 0 kn: taken", hard_wrong_input, 0, "wrong answers"},
     {"10 million rays into two bins", hard_one_bin, 2e-3, "dB"},
     {"repeats and layouts, a million rays", hard_same_bytes, 0, "values that differ"},

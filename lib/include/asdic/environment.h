@@ -11,7 +11,8 @@
 extern "C" {
 #endif
 
-/* The physically right form, or the form the paper prints (see the errata in kernels/README.md). */
+/* The right form, or the form that the paper prints, of absorption and transmission loss: slips 1,
+ * 2 and 5 in kernels/README.md. */
 typedef enum asdic_variant { ASDIC_VARIANT_CORRECTED, ASDIC_VARIANT_PRINTED } asdic_variant;
 
 typedef struct asdic_environment {

@@ -21,7 +21,8 @@ typedef struct asdic_flat_scene {
 
 /* Fills PING's bottom, surface, volume, noise and total (object and multipath are 0), spread over
  * the resolution cell c / (2 B) where that is longer than a bin. The vehicle's attitude is taken
- * from POSE, its place from FLAT; env->variant chooses the paper's printed sums. PING has as many
+ * from POSE, its place from FLAT; env->variant chooses absorption and transmission loss, as in
+ * simulated pings. PING has as many
  * beams as SONAR has receivers, and any number of bins. Equations and sources:
  * kernels/README.md. */
 ASDIC_API asdic_status asdic_expected_compute(asdic_context *ctx, const asdic_flat_scene *flat,
@@ -44,26 +45,6 @@ ASDIC_API bool asdic_expected_is_near(const asdic_expected_place *a, const asdic
  * bin; a field is empty where there is no energy. PATH "-" is the standard output. */
 ASDIC_API asdic_status asdic_expected_write_csv(asdic_context *ctx, const char *path,
                                                 const asdic_sonar *sonar, const asdic_ping *ping);
-
-/* One of the slips of the paper (Morency, Stilwell & Hess) that changes levels, by the number it
- * has in kernels/README.md. */
-typedef struct asdic_erratum {
-    unsigned number;
-    const char *where;   /* "transmission loss, eq. (2)" */
-    const char *printed; /* "(2d - 1) alpha / 1000" */
-    const char *right;   /* "2 (d - 1) alpha / 1000" */
-} asdic_erratum;
-
-/* How many there are, and one of them, which is static. */
-ASDIC_API size_t asdic_erratum_count(void);
-ASDIC_API const asdic_erratum *asdic_erratum_get(size_t index); /* NULL when out of range */
-
-/* asdic_expected_compute in the corrected model with erratum INDEX alone put back in. */
-ASDIC_API asdic_status asdic_expected_erratum(asdic_context *ctx, size_t index,
-                                              const asdic_flat_scene *flat,
-                                              const asdic_environment *env,
-                                              const asdic_sonar *sonar, const asdic_pose *pose,
-                                              asdic_ping *ping);
 
 #ifdef __cplusplus
 }

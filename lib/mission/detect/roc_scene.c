@@ -13,6 +13,7 @@
 #include "sim/environment.h"
 
 #include "../../../kernels/beam.h"
+#include "../../../kernels/ray.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -109,8 +110,8 @@ static double echo_lin(const scene_job *job, size_t beam, double range_m) {
         gain *= beam_pattern_lin(v.x, v.y, v.z, face.length_h_wl, face.length_v_wl,
                                  pow(10.0, 0.1 * sonar->rear_floor_db));
     }
-    return pow(10.0, 0.1 * sonar->source_level_db) * gain *
-           exp(-2.0 * job->water.absorption_np_per_m * (range_m - 1.0)) / pow(range_m, 4.0);
+    return gain * asdic_water_column_source_lin(&job->water, &job->mission->settings.environment, sonar) *
+           ray_transmission(job->water.absorption_np_per_m, range_m);
 }
 
 static asdic_roc_case case_of(const scene_job *job, size_t cell) {
