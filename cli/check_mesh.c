@@ -45,11 +45,8 @@ static void print_text(const char *path, bool is_grid, const asdic_mesh_info *in
 
 asdic_status check_mesh(cli *c, const char *path, bool is_grid, json *j) {
     asdic_mesh *mesh = NULL;
-    asdic_status status = is_grid ? asdic_mesh_load_grid(cli_context(c), path, true, &mesh)
-                                  : asdic_mesh_load(cli_context(c), path, 1.0, false, &mesh);
-    if (status != ASDIC_OK) {
-        return status;
-    }
+    TRY(is_grid ? asdic_mesh_load_grid(cli_context(c), path, true, &mesh)
+                : asdic_mesh_load(cli_context(c), path, 1.0, false, &mesh));
     asdic_mesh_info info = asdic_mesh_get_info(mesh);
     if (j) {
         print_json(path, is_grid, &info, j);

@@ -139,10 +139,7 @@ static void print_text(const char *path, const asdic_mission *m, const scene_num
 
 asdic_status check_scene(cli *c, const char *path, json *j) {
     asdic_mission *mission = NULL;
-    asdic_status status = asdic_mission_load(cli_context(c), path, &mission);
-    if (status != ASDIC_OK) {
-        return status;
-    }
+    TRY(asdic_mission_load(cli_context(c), path, &mission));
     scene_numbers numbers = find_numbers(mission);
     if (j) {
         print_json(path, mission, &numbers, j);

@@ -54,10 +54,7 @@ static bool read_request(cli *c, request *r) {
 /* The scene's detector, with what was typed. */
 static asdic_status choose_detector(cli *c, const char *folder, request *r) {
     asdic_run *run = NULL;
-    asdic_status status = asdic_run_open(cli_context(c), folder, &run);
-    if (status != ASDIC_OK) {
-        return status;
-    }
+    TRY(asdic_run_open(cli_context(c), folder, &run));
     asdic_detector chosen = *asdic_run_get_info(run).detector;
     chosen.target = r->has_target ? r->detector.target : chosen.target;
     chosen.pfa = r->has_pfa ? r->detector.pfa : chosen.pfa;
@@ -207,13 +204,8 @@ static void remark_on_error(cli *c, const asdic_detect_report *r) {
 
 static asdic_status detect(cli *c, const char *folder, request *r) {
     asdic_detect_report *report = NULL;
-    asdic_status status = choose_detector(c, folder, r);
-    if (status == ASDIC_OK) {
-        status = asdic_run_detect(cli_context(c), folder, &r->options, &report);
-    }
-    if (status != ASDIC_OK) {
-        return status;
-    }
+    TRY(choose_detector(c, folder, r));
+    TRY(asdic_run_detect(cli_context(c), folder, &r->options, &report));
     if (!report->is_sample) {
         cli_warning(c, "the scene has 'speckle: none': levels are means, of which none is a false "
                        "alarm by chance; 'speckle: rayleigh' draws them");

@@ -101,11 +101,7 @@ static asdic_status keep_tolerance(cli *c, asdic_mission *mission, asdic_device 
                                    double tolerance_db) {
     const asdic_sonar *sonar = asdic_mission_sonar(mission);
     asdic_ray_budget budget;
-    asdic_status status =
-        asdic_mission_find_rays(cli_context(c), mission, device, tolerance_db, MOST_RAYS, &budget);
-    if (status != ASDIC_OK) {
-        return status;
-    }
+    TRY(asdic_mission_find_rays(cli_context(c), mission, device, tolerance_db, MOST_RAYS, &budget));
     cli_note(c, "tolerance %g dB: %u rays per ping, worst bin %.3g dB", tolerance_db, budget.rays,
              budget.worst_db);
     double minutes = budget.ping_s * (double)asdic_mission_ping_count(mission) / 60.0;

@@ -13,6 +13,7 @@
 
 #include "base/context.h"
 #include "base/quadrature.h"
+#include "base/try.h"
 
 #include "../../kernels/detection.h"
 
@@ -234,10 +235,7 @@ asdic_status asdic_cfar_row(asdic_context *ctx, const asdic_cfar *cfar, unsigned
             continue;
         }
         if (scales[count].factor == 0.0) {
-            asdic_status status = find_scale(ctx, cfar, looks, pfa, count, &scales[count]);
-            if (status != ASDIC_OK) {
-                return status;
-            }
+            TRY(find_scale(ctx, cfar, looks, pfa, count, &scales[count]));
         }
         double found = statistic(cfar, near, count);
         background_lin[i] = found / scales[count].bias;

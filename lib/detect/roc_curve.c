@@ -2,6 +2,7 @@
 
 #include "base/clock.h"
 #include "base/context.h"
+#include "base/try.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -45,10 +46,7 @@ static asdic_estimate count(const double *z, size_t trials, double threshold) {
 static asdic_status add_point(asdic_context *ctx, const asdic_roc_case *c,
                               const asdic_roc_options *options, asdic_roc *roc, double pfa) {
     double threshold;
-    asdic_status status = asdic_detect_threshold(ctx, &c->none, pfa, &threshold);
-    if (status != ASDIC_OK) {
-        return status;
-    }
+    TRY(asdic_detect_threshold(ctx, &c->none, pfa, &threshold));
     bool is_rare = pfa * (double)roc->trials < LEAST_EVENTS;
     asdic_roc_point *p = &roc->points[roc->point_count++];
     p->design_pfa = pfa;
@@ -70,10 +68,7 @@ static asdic_status closed_area(asdic_context *ctx, const asdic_roc_case *c,
         /* From ln P_FA = -60 on; below there is nothing. */
         double log_pfa = -60.0 * (1.0 - (double)i / STEPS) * (1.0 - (double)i / STEPS), threshold;
         double slope = 120.0 * (1.0 - (double)i / STEPS) * exp(log_pfa);
-        asdic_status status = asdic_detect_threshold(ctx, &c->none, exp(log_pfa), &threshold);
-        if (status != ASDIC_OK) {
-            return status;
-        }
+        TRY(asdic_detect_threshold(ctx, &c->none, exp(log_pfa), &threshold));
         double pd = asdic_detect_pd(&c->rest, options->target, c->target_lin, threshold);
         sum += (i == 0 || i == STEPS ? 1.0 : i % 2 ? 4.0 : 2.0) * pd * slope;
     }
@@ -84,29 +79,21 @@ static asdic_status closed_area(asdic_context *ctx, const asdic_roc_case *c,
 asdic_status asdic_roc_fill(asdic_context *ctx, const asdic_roc_case *c,
                             const asdic_roc_options *options, asdic_roc *roc) {
     double threshold;
-    asdic_status status = draw(ctx, c, options, roc);
+    TRY(draw(ctx, c, options, roc));
     roc->points = calloc(DECADES * PER_DECADE + 1, sizeof *roc->points);
-    if (status == ASDIC_OK && !roc->points) {
-        status = asdic_fail_memory(ctx, "a curve");
+    if (!roc->points) {
+        return asdic_fail_memory(ctx, "a curve");
     }
-    for (int i = 0; i <= DECADES * PER_DECADE && status == ASDIC_OK; i++) {
+    for (int i = 0; i <= DECADES * PER_DECADE; i++) {
         double pfa = pow(10.0, (double)i / PER_DECADE - DECADES);
-        status = add_point(ctx, c, options, roc, pfa);
+        TRY(add_point(ctx, c, options, roc, pfa));
     }
-    if (status == ASDIC_OK) {
-        status = asdic_roc_area(ctx, roc->none, roc->present, roc->trials, &roc->area);
-    }
-    if (status == ASDIC_OK) {
-        status = closed_area(ctx, c, options, &roc->closed_area);
-    }
-    if (status == ASDIC_OK) {
-        status = asdic_detect_threshold(ctx, &c->none, roc->pfa, &threshold);
-    }
-    if (status == ASDIC_OK) {
-        roc->pd = count(roc->present, roc->trials, threshold);
-        roc->closed_pd = asdic_detect_pd(&c->rest, options->target, c->target_lin, threshold);
-    }
-    return status;
+    TRY(asdic_roc_area(ctx, roc->none, roc->present, roc->trials, &roc->area));
+    TRY(closed_area(ctx, c, options, &roc->closed_area));
+    TRY(asdic_detect_threshold(ctx, &c->none, roc->pfa, &threshold));
+    roc->pd = count(roc->present, roc->trials, threshold);
+    roc->closed_pd = asdic_detect_pd(&c->rest, options->target, c->target_lin, threshold);
+    return ASDIC_OK;
 }
 
 void asdic_roc_destroy(asdic_roc **roc) {

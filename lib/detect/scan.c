@@ -3,6 +3,7 @@
 #include "law.h"
 
 #include "base/context.h"
+#include "base/try.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -105,50 +106,45 @@ static asdic_status find_factor(asdic_scan *scan, double noise_share, double *fa
 
 /* By how much a threshold is higher for means that err, by step. */
 static asdic_status find_lift(asdic_scan *scan, size_t step, double *lift) {
-    asdic_status status = ASDIC_OK;
     if (scan->lift[step] == 0.0) {
         asdic_background blurred =
             asdic_background_blurred(scan->law, ERROR_STEP_DB * (double)step);
         double before, after;
-        status = asdic_detect_threshold(scan->ctx, &scan->law, scan->detector.pfa, &before);
-        if (!status) {
-            status = asdic_detect_threshold(scan->ctx, &blurred, scan->detector.pfa, &after);
-        }
-        scan->lift[step] = status ? 0.0 : after / before;
+        TRY(asdic_detect_threshold(scan->ctx, &scan->law, scan->detector.pfa, &before));
+        TRY(asdic_detect_threshold(scan->ctx, &blurred, scan->detector.pfa, &after));
+        scan->lift[step] = after / before;
     }
     *lift = scan->lift[step];
-    return status;
+    return ASDIC_OK;
 }
 
 /* Raises thresholds for the means' errors. Between steps lifts go with the errors' squares. */
 static asdic_status lift_thresholds(asdic_scan *scan, const float *stderr_db) {
-    asdic_status status = ASDIC_OK;
-    for (size_t i = 0; i < scan->beams * scan->bins && status == ASDIC_OK; i++) {
+    for (size_t i = 0; i < scan->beams * scan->bins; i++) {
         double at = fmin((double)stderr_db[i] / ERROR_STEP_DB, MOST_STEPS), low, high;
         double k = floor(fmin(at, MOST_STEPS - 1)), part = (at * at - k * k) / (2.0 * k + 1.0);
         if (at > 0.0) {
-            status = find_lift(scan, (size_t)k, &low);
-            status = status ? status : find_lift(scan, (size_t)k + 1, &high);
-            scan->threshold_lin[i] *= status ? 1.0 : low + part * (high - low);
+            TRY(find_lift(scan, (size_t)k, &low));
+            TRY(find_lift(scan, (size_t)k + 1, &high));
+            scan->threshold_lin[i] *= low + part * (high - low);
         }
     }
-    return status;
+    return ASDIC_OK;
 }
 
 /* Thresholds over MEAN_LIN, which may be what CFAR has estimated. */
 static asdic_status over_means(asdic_scan *scan, const double *mean_lin, const double *noise_lin) {
-    asdic_status status = ASDIC_OK;
-    for (size_t i = 0; i < scan->beams * scan->bins && status == ASDIC_OK; i++) {
+    for (size_t i = 0; i < scan->beams * scan->bins; i++) {
         double mean = mean_lin[i], factor = NAN;
         bool is_known = mean > 0.0 && isfinite(mean);
         if (is_known) {
             double share = noise_lin ? fmin(fmax(noise_lin[i] / mean, 0.0), 1.0) : 0.0;
-            status = find_factor(scan, share, &factor);
+            TRY(find_factor(scan, share, &factor));
         }
         scan->background_lin[i] = is_known ? mean : NAN;
         scan->threshold_lin[i] = factor * mean;
     }
-    return status;
+    return ASDIC_OK;
 }
 
 asdic_status asdic_scan_ping(asdic_scan *scan, const double *intensity_lin,
@@ -157,25 +153,24 @@ asdic_status asdic_scan_ping(asdic_scan *scan, const double *intensity_lin,
     if (!scan) {
         return asdic_fail_null(NULL, __func__);
     }
-    asdic_status status = ASDIC_OK;
     if (!intensity_lin || (!scan->has_cfar && !expected_lin)) {
         return asdic_fail(scan->ctx, ASDIC_ERROR_ARGUMENT,
                           "asdic_scan_ping: intensities and, without CFAR, what is expected");
     }
-    for (size_t b = 0; scan->has_cfar && status == ASDIC_OK && b < scan->beams; b++) {
+    for (size_t b = 0; scan->has_cfar && b < scan->beams; b++) {
         size_t first = b * scan->bins;
-        status = asdic_cfar_row(scan->ctx, &scan->cfar, scan->law.looks, scan->detector.pfa,
-                                intensity_lin + first, scan->bins, scan->background_lin + first,
-                                scan->threshold_lin + first);
+        TRY(asdic_cfar_row(scan->ctx, &scan->cfar, scan->law.looks, scan->detector.pfa,
+                           intensity_lin + first, scan->bins, scan->background_lin + first,
+                           scan->threshold_lin + first));
     }
-    if (status == ASDIC_OK && (!scan->has_cfar || !isnan(scan->detector.cost_ratio))) {
-        status = over_means(scan, scan->has_cfar ? scan->background_lin : expected_lin, noise_lin);
+    if (!scan->has_cfar || !isnan(scan->detector.cost_ratio)) {
+        TRY(over_means(scan, scan->has_cfar ? scan->background_lin : expected_lin, noise_lin));
     }
-    if (status == ASDIC_OK && stderr_db && isnan(scan->detector.cost_ratio)) {
-        status = lift_thresholds(scan, stderr_db);
+    if (stderr_db && isnan(scan->detector.cost_ratio)) {
+        TRY(lift_thresholds(scan, stderr_db));
     }
     double snr = pow(10.0, 0.1 * scan->detector.snr_db);
-    for (size_t i = 0; i < scan->beams * scan->bins && status == ASDIC_OK; i++) {
+    for (size_t i = 0; i < scan->beams * scan->bins; i++) {
         asdic_background law = scan->law;
         law.mean_lin = scan->background_lin[i];
         law.noise_share = noise_lin && law.mean_lin > 0.0
@@ -185,7 +180,7 @@ asdic_status asdic_scan_ping(asdic_scan *scan, const double *intensity_lin,
                                                              snr * law.mean_lin, intensity_lin[i])
                                           : NAN;
     }
-    return status;
+    return ASDIC_OK;
 }
 
 asdic_scan_result asdic_scan_get(const asdic_scan *scan) {

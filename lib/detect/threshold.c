@@ -1,6 +1,7 @@
 #include "law.h"
 
 #include "base/context.h"
+#include "base/try.h"
 
 #include <math.h>
 
@@ -15,10 +16,7 @@ asdic_status asdic_detect_threshold(asdic_context *ctx, const asdic_background *
     if (!b || !threshold_lin) {
         return asdic_fail_null(ctx, __func__);
     }
-    asdic_status status = asdic_background_check(ctx, b);
-    if (status != ASDIC_OK) {
-        return status;
-    }
+    TRY(asdic_background_check(ctx, b));
     if (!(pfa >= 1e-300 && pfa <= 1.0)) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
                           "a false-alarm probability of %g: must be in [1e-300, 1]", pfa);
@@ -47,10 +45,7 @@ asdic_status asdic_detect_threshold_llr(asdic_context *ctx, const asdic_backgrou
     if (!b || !threshold_lin) {
         return asdic_fail_null(ctx, __func__);
     }
-    asdic_status status = asdic_background_check(ctx, b);
-    if (status != ASDIC_OK) {
-        return status;
-    }
+    TRY(asdic_background_check(ctx, b));
     if (!(target_lin > 0.0) || !isfinite(target_lin) || isnan(llr)) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
                           "a target of intensity %g, a log-likelihood ratio of %g: no threshold",

@@ -1,6 +1,7 @@
 #include "camera.h"
 
 #include "base/context.h"
+#include "base/try.h"
 #include "base/vec.h"
 
 #include <math.h>
@@ -26,7 +27,7 @@ struct asdic_camera {
     asdic_vec3 origin_m; /* of the last picture's scene */
 };
 
-static asdic_status create_buffers(asdic_camera *c, asdic_device *device) {
+static asdic_status create_on_device(asdic_camera *c, asdic_device *device) {
     size_t pixels = (size_t)c->width * c->height;
     const struct {
         size_t bytes;
@@ -36,18 +37,16 @@ static asdic_status create_buffers(asdic_camera *c, asdic_device *device) {
                   {c->slots * sizeof(dev_hit), &c->hits},
                   {pixels * sizeof(uint32_t), &c->rgb_buffer},
                   {pixels * sizeof(float), &c->far_buffer}};
+    TRY(asdic_kernel_create(device, "camera.cl", "", "camera_rays", &c->aim));
+    TRY(asdic_kernel_create(device, "camera.cl", "", "camera_shade", &c->shade));
     for (size_t i = 0; i < sizeof wanted / sizeof *wanted; i++) {
-        asdic_status status = asdic_buffer_create(device, wanted[i].bytes, NULL, wanted[i].buffer);
-        if (status) {
-            return status;
-        }
+        TRY(asdic_buffer_create(device, wanted[i].bytes, NULL, wanted[i].buffer));
     }
     return ASDIC_OK;
 }
 
 asdic_status asdic_camera_create(asdic_context *ctx, asdic_device *device, unsigned width,
                                  unsigned height, asdic_camera **out) {
-    asdic_status status;
     *out = NULL;
     asdic_camera *c = calloc(1, sizeof *c);
     if (!c) {
@@ -61,21 +60,12 @@ asdic_status asdic_camera_create(asdic_context *ctx, asdic_device *device, unsig
     c->slots = tiles_x * tiles_y * DEV_CAMERA_TILE * DEV_CAMERA_TILE;
     c->rgb = calloc((size_t)width * height, sizeof *c->rgb);
     c->far_m = calloc((size_t)width * height, sizeof *c->far_m);
-    if (!c->rgb || !c->far_m) {
-        status = asdic_fail_memory(ctx, "a camera's picture");
-        goto fail;
-    }
-    status = asdic_kernel_create(device, "camera.cl", "", "camera_rays", &c->aim);
-    status =
-        status ? status : asdic_kernel_create(device, "camera.cl", "", "camera_shade", &c->shade);
-    status = status ? status : create_buffers(c, device);
+    asdic_status status = c->rgb && c->far_m ? create_on_device(c, device)
+                                             : asdic_fail_memory(ctx, "a camera's picture");
     if (status) {
-        goto fail;
+        asdic_camera_destroy(&c);
     }
     *out = c;
-    return ASDIC_OK;
-fail:
-    asdic_camera_destroy(&c);
     return status;
 }
 
@@ -184,21 +174,15 @@ asdic_status asdic_camera_shoot(asdic_camera *c, const asdic_simulator *sim,
                                 ASDIC_ARG_BUFFER(sim->buffers.parts),
                                 ASDIC_ARG_BUFFER(c->rgb_buffer),
                                 ASDIC_ARG_BUFFER(c->far_buffer)};
-    asdic_status status = asdic_buffer_write(c->settings, 0, sizeof c->last, &c->last);
-    if (!status && has_mesh) {
-        status = asdic_kernel_run(c->aim, aim, COUNT(aim), c->slots, 64);
-        if (!status) {
-            uint32_t slots = (uint32_t)c->slots;
-            status = asdic_tracer_run(sim->tracer, c->rays, c->hits, slots, slots);
-        }
+    TRY(asdic_buffer_write(c->settings, 0, sizeof c->last, &c->last));
+    if (has_mesh) {
+        uint32_t slots = (uint32_t)c->slots;
+        TRY(asdic_kernel_run(c->aim, aim, COUNT(aim), c->slots, 64));
+        TRY(asdic_tracer_run(sim->tracer, c->rays, c->hits, slots, slots));
     }
-    if (!status) {
-        status = asdic_kernel_run(c->shade, shade, COUNT(shade), c->slots, 64);
-    }
-    if (!status) {
-        status = asdic_buffer_read(c->rgb_buffer, 0, pixels * sizeof(uint32_t), c->rgb);
-    }
-    return status ? status : asdic_buffer_read(c->far_buffer, 0, pixels * sizeof(float), c->far_m);
+    TRY(asdic_kernel_run(c->shade, shade, COUNT(shade), c->slots, 64));
+    TRY(asdic_buffer_read(c->rgb_buffer, 0, pixels * sizeof(uint32_t), c->rgb));
+    return asdic_buffer_read(c->far_buffer, 0, pixels * sizeof(float), c->far_m);
 }
 
 const uint32_t *asdic_camera_rgb(const asdic_camera *camera) {

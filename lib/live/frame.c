@@ -2,6 +2,7 @@
 #include "panel.h"
 
 #include "base/context.h"
+#include "base/try.h"
 #include "base/vec.h"
 #include "loop.h"
 #include "out/png_file.h"
@@ -72,20 +73,15 @@ view_layout asdic_view_lay_out(unsigned width, unsigned height) {
 
 asdic_status asdic_view_prepare_pictures(asdic_view *view) {
     const view_layout *l = &view->layout;
-    asdic_status status = asdic_canvas_init(view->ctx, "frame", view->options.width,
-                                            view->options.height, PANEL_NIGHT_RGB, &view->canvas);
-    if (!status) {
-        status = asdic_camera_create(view->ctx, view->device, (unsigned)l->chase.w,
-                                     (unsigned)l->chase.h, &view->camera);
-    }
+    TRY(asdic_canvas_init(view->ctx, "frame", view->options.width, view->options.height,
+                          PANEL_NIGHT_RGB, &view->canvas));
+    TRY(asdic_camera_create(view->ctx, view->device, (unsigned)l->chase.w, (unsigned)l->chase.h,
+                            &view->camera));
     asdic_relief *r = &view->relief;
     *r = (asdic_relief){.columns = RELIEF_CELLS, .rows = RELIEF_CELLS};
     r->depth_m = malloc(r->rows * r->columns * sizeof *r->depth_m);
     r->is_object = malloc(r->rows * r->columns * sizeof *r->is_object);
-    if (!status && (!r->depth_m || !r->is_object)) {
-        status = asdic_fail_memory(view->ctx, "a map");
-    }
-    return status;
+    return r->depth_m && r->is_object ? ASDIC_OK : asdic_fail_memory(view->ctx, "a map");
 }
 
 /* A map with the vehicle well inside: drawn anew when it comes near an edge. */
@@ -206,14 +202,8 @@ asdic_status asdic_view_draw(asdic_view *view) {
     const view_layout *l = &view->layout;
     const asdic_box boxes[] = {l->sonar, l->ascope, l->chase, l->plan, l->status};
     follow_map(view);
-    asdic_status status = shoot(view);
-    if (!status) {
-        status =
-            asdic_live_expected_follow(&view->expected, view->mission, &view->ping, view->beam);
-    }
-    if (status) {
-        return status;
-    }
+    TRY(shoot(view));
+    TRY(asdic_live_expected_follow(&view->expected, view->mission, &view->ping, view->beam));
     asdic_view_write_title(view);
     asdic_canvas_color(&view->canvas, PANEL_NIGHT_RGB);
     cairo_paint(view->canvas.cr);

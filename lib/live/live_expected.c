@@ -2,6 +2,7 @@
 
 #include "base/clock.h"
 #include "base/context.h"
+#include "base/try.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -15,10 +16,10 @@
 asdic_status asdic_live_expected_init(asdic_context *ctx, size_t bins, bool in_background,
                                       asdic_live_expected *e) {
     *e = (asdic_live_expected){.ctx = ctx, .in_background = in_background, .begun_s = -1e9};
-    asdic_status status = asdic_ping_create(ctx, 1, bins, &e->ping);
+    TRY(asdic_ping_create(ctx, 1, bins, &e->ping));
     e->level_db[0] = calloc(ASDIC_COMPONENT_COUNT * bins, sizeof(float));
-    if (status || !e->level_db[0]) {
-        return status ? status : asdic_fail_memory(ctx, "expected levels");
+    if (!e->level_db[0]) {
+        return asdic_fail_memory(ctx, "expected levels");
     }
     for (size_t c = 1; c < ASDIC_COMPONENT_COUNT; c++) {
         e->level_db[c] = e->level_db[0] + c * bins;

@@ -3,6 +3,7 @@
 #include "base/clock.h"
 #include "base/context.h"
 #include "base/decibel.h"
+#include "base/try.h"
 #include "mission/mission.h"
 #include "mission/track/track.h"
 
@@ -51,21 +52,16 @@ static double time_of(const asdic_loop *loop, uint64_t ping) {
 static asdic_status simulate(asdic_loop *loop) {
     uint64_t index = loop->next - 1;
     loop_slot *slot = slot_of(loop, index);
-    asdic_status status = ASDIC_OK;
     if (loop->mission) {
-        status = asdic_mission_place_at(loop->mission, loop->simulator, time_of(loop, index));
+        TRY(asdic_mission_place_at(loop->mission, loop->simulator, time_of(loop, index)));
     }
-    if (!status && index % ASDIC_LEARN_BLOCK == 0) {
-        status = asdic_simulator_learn(loop->simulator, &loop->pose, index);
+    if (index % ASDIC_LEARN_BLOCK == 0) {
+        TRY(asdic_simulator_learn(loop->simulator, &loop->pose, index));
     }
-    if (!status) {
-        status = asdic_simulator_ping(loop->simulator, &loop->pose, index, slot->ping);
-    }
-    if (!status) {
-        asdic_decibels(slot->ping->intensity_lin[ASDIC_TOTAL], slot->ping->beams * slot->ping->bins,
-                       slot->level_db);
-    }
-    return status;
+    TRY(asdic_simulator_ping(loop->simulator, &loop->pose, index, slot->ping));
+    asdic_decibels(slot->ping->intensity_lin[ASDIC_TOTAL], slot->ping->beams * slot->ping->bins,
+                   slot->level_db);
+    return ASDIC_OK;
 }
 
 static void *work(void *argument) {
@@ -94,10 +90,7 @@ static void *work(void *argument) {
 static asdic_status allocate(asdic_loop *loop, size_t beams) {
     size_t bins = asdic_simulator_bin_count(loop->simulator);
     for (int k = 0; k < 2; k++) {
-        asdic_status status = asdic_ping_create(loop->ctx, beams, bins, &loop->slots[k].ping);
-        if (status) {
-            return status;
-        }
+        TRY(asdic_ping_create(loop->ctx, beams, bins, &loop->slots[k].ping));
         loop->slots[k].level_db = malloc(beams * bins * sizeof(float));
         if (!loop->slots[k].level_db) {
             return asdic_fail_memory(loop->ctx, "a loop's levels");
@@ -154,14 +147,11 @@ asdic_status asdic_loop_create_mission(asdic_context *ctx, asdic_device *device,
     }
     asdic_sampling sampling = mission->settings.sampling;
     sampling.left_out = 0; /* nobody knows yet where the vehicle will go */
-    asdic_status status =
-        asdic_loop_create(ctx, device, asdic_mission_scene(mission), &mission->settings.environment,
-                          &mission->settings.sonar, &sampling, depth_m, out);
-    if (!status) {
-        (*out)->mission = mission;
-        (*out)->start_s = start_s;
-    }
-    return status;
+    TRY(asdic_loop_create(ctx, device, asdic_mission_scene(mission), &mission->settings.environment,
+                          &mission->settings.sonar, &sampling, depth_m, out));
+    (*out)->mission = mission;
+    (*out)->start_s = start_s;
+    return ASDIC_OK;
 }
 
 asdic_simulator *asdic_loop_simulator(const asdic_loop *loop) {
@@ -239,10 +229,7 @@ asdic_status asdic_loop_submit(asdic_loop *loop, const asdic_pose *pose) {
                           "ping %llu was submitted and not collected",
                           (unsigned long long)(loop->next - 1));
     }
-    asdic_status status = check_pose(loop, pose);
-    if (status) {
-        return status;
-    }
+    TRY(check_pose(loop, pose));
     loop->submitted_s = asdic_clock_s();
     loop->pose = *pose;
     loop->pose.roll_rad = asdic_track_round(pose->roll_rad);

@@ -2,6 +2,7 @@
 
 #include "base/clock.h"
 #include "base/context.h"
+#include "base/try.h"
 #include "mission/run/run_folder.h"
 #include "mission/run/run_job.h"
 #include "mission/track/track.h"
@@ -69,21 +70,19 @@ static void finish(asdic_recording **recording) {
     *recording = NULL;
 }
 
+static asdic_status write_head(asdic_recording *r, const char *scene, const char *track) {
+    TRY(asdic_mission_write_scene(r->ctx, r->mission, scene, "track.csv"));
+    TRY(asdic_file_create(r->ctx, track, &r->track));
+    asdic_track_file_begin(r->track);
+    r->spool = tmpfile();
+    return r->spool ? ASDIC_OK : fail_io(r, "the pings");
+}
+
 static asdic_status open_files(asdic_recording *r) {
     char *scene = asdic_folder_file(r->folder, "scene.yaml");
     char *track = asdic_folder_file(r->folder, "track.csv");
-    asdic_status status = scene && track ? ASDIC_OK : asdic_fail_memory(r->ctx, "a file name");
-    if (!status) {
-        status = asdic_mission_write_scene(r->ctx, r->mission, scene, "track.csv");
-    }
-    if (!status) {
-        status = asdic_file_create(r->ctx, track, &r->track);
-    }
-    if (!status) {
-        asdic_track_file_begin(r->track);
-        r->spool = tmpfile();
-        status = r->spool ? ASDIC_OK : fail_io(r, "the pings");
-    }
+    asdic_status status =
+        scene && track ? write_head(r, scene, track) : asdic_fail_memory(r->ctx, "a file name");
     free(scene);
     free(track);
     return status;
@@ -141,7 +140,6 @@ asdic_status asdic_recording_add(asdic_recording *r, const asdic_loop_ping *ping
 
 /* Every record into the run's files, as a run's pings go. */
 static asdic_status copy_records(asdic_recording *r, asdic_run_job *job) {
-    asdic_status status = ASDIC_OK;
     rewind(r->spool);
     if (job->facts.bins != r->bins || job->facts.beams != r->beams ||
         job->facts.pings_planned != r->pings) {
@@ -150,16 +148,20 @@ static asdic_status copy_records(asdic_recording *r, asdic_run_job *job) {
                           "%zu",
                           r->folder, r->pings, r->bins, job->facts.pings_planned, job->facts.bins);
     }
-    for (size_t i = 0; !status && i < r->pings; i++) {
+    for (size_t i = 0; i < r->pings; i++) {
         if (fread(r->bytes, r->record_bytes, 1, r->spool) != 1) {
             return fail_io(r, "a ping");
         }
-        status = asdic_store_append(job->store, r->bytes);
-        if (!status) {
-            status = asdic_job_keep(job, r->bytes);
-        }
+        TRY(asdic_store_append(job->store, r->bytes));
+        TRY(asdic_job_keep(job, r->bytes));
     }
-    return status;
+    return ASDIC_OK;
+}
+
+static asdic_status run_job(asdic_recording *r, asdic_run_job *job) {
+    TRY(asdic_job_begin(job));
+    TRY(copy_records(r, job));
+    return asdic_job_end(job, true);
 }
 
 static asdic_status write_run(asdic_recording *r) {
@@ -176,13 +178,7 @@ static asdic_status write_run(asdic_recording *r) {
                          .options = &options,
                          .begin_s = asdic_clock_s()};
     if (!status) {
-        status = asdic_job_begin(&job);
-        if (!status) {
-            status = copy_records(r, &job);
-        }
-        if (!status) {
-            status = asdic_job_end(&job, true);
-        }
+        status = run_job(r, &job);
         asdic_job_finish(&job);
     }
     asdic_mission_destroy(&mission);
@@ -210,7 +206,9 @@ asdic_status asdic_recording_end(asdic_recording **recording) {
         remove_empty(r);
     } else {
         status = asdic_file_commit(&r->track);
-        status = status ? status : write_run(r);
+        if (!status) {
+            status = write_run(r);
+        }
     }
     finish(recording);
     return status;

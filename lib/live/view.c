@@ -2,6 +2,7 @@
 
 #include "base/clock.h"
 #include "base/context.h"
+#include "base/try.h"
 #include "base/vec.h"
 #include "loop.h"
 #include "mission/mission.h"
@@ -87,32 +88,36 @@ static asdic_status begin_history(asdic_view *view) {
 }
 
 /* A loop from POSE on, for what is chosen now; with a recording when one is wanted. */
-static asdic_status begin_part(asdic_view *view, const asdic_pose *pose, double start_s) {
+/* Another number of bins empties what the pictures remember. */
+static asdic_status resize(asdic_view *view) {
+    asdic_live_expected_finish(&view->expected);
+    TRY(begin_history(view));
+    return asdic_live_expected_init(view->ctx, asdic_loop_bin_count(view->loop),
+                                    view->options.real_time, &view->expected);
+}
+
+static asdic_status open_loop(asdic_view *view, const asdic_pose *pose, double start_s) {
     size_t bins = asdic_loop_bin_count(view->loop);
     asdic_choices now = view->chosen;
     now.rays = asdic_governor_rays(&view->governor);
     asdic_loop_destroy(&view->loop);
     view->ping = (asdic_loop_ping){.pose = view->ping.pose}; /* what it pointed to is gone */
-    asdic_status status = asdic_mission_choose(view->ctx, view->mission, &now);
-    if (!status) {
-        status = asdic_loop_create_mission(view->ctx, view->device, view->mission,
-                                           pose->position_m.z, start_s, &view->loop);
+    TRY(asdic_mission_choose(view->ctx, view->mission, &now));
+    TRY(asdic_loop_create_mission(view->ctx, view->device, view->mission, pose->position_m.z,
+                                  start_s, &view->loop));
+    if (asdic_loop_bin_count(view->loop) != bins) {
+        TRY(resize(view));
     }
-    if (!status && asdic_loop_bin_count(view->loop) != bins) {
-        asdic_live_expected_finish(&view->expected);
-        status = begin_history(view);
-        if (!status) {
-            status = asdic_live_expected_init(view->ctx, asdic_loop_bin_count(view->loop),
-                                              view->options.real_time, &view->expected);
-        }
+    if (view->wants_recording) {
+        TRY(asdic_recording_begin(view->ctx, view->mission, view->device, view->options.folder,
+                                  &view->recording));
+        asdic_view_say(view, "recording %03u", asdic_recording_number(view->recording));
     }
-    if (!status && view->wants_recording) {
-        status = asdic_recording_begin(view->ctx, view->mission, view->device, view->options.folder,
-                                       &view->recording);
-        if (!status) {
-            asdic_view_say(view, "recording %03u", asdic_recording_number(view->recording));
-        }
-    }
+    return ASDIC_OK;
+}
+
+static asdic_status begin_part(asdic_view *view, const asdic_pose *pose, double start_s) {
+    asdic_status status = open_loop(view, pose, start_s);
     view->is_changed = false;
     return status;
 }
@@ -200,28 +205,18 @@ static asdic_status ping(asdic_view *view) {
     double time_s;
     asdic_pose pose = fly(view, &time_s);
     bool switches = view->wants_recording != (view->recording != NULL);
-    asdic_status status = ASDIC_OK;
     if (!view->loop || view->is_changed || switches) {
-        status = view->wants_recording ? put_aside(view) : asdic_view_stop(view);
-        if (!status) {
-            status = begin_part(view, &pose, time_s);
-        }
+        TRY(view->wants_recording ? put_aside(view) : asdic_view_stop(view));
+        TRY(begin_part(view, &pose, time_s));
     }
-    if (!status) {
-        status = asdic_loop_submit(view->loop, &pose);
+    TRY(asdic_loop_submit(view->loop, &pose));
+    TRY(asdic_loop_collect(view->loop, &view->ping));
+    if (view->recording) {
+        TRY(asdic_recording_add(view->recording, &view->ping));
     }
-    if (!status) {
-        status = asdic_loop_collect(view->loop, &view->ping);
-    }
-    if (!status && view->recording) {
-        status = asdic_recording_add(view->recording, &view->ping);
-    }
-    if (!status) {
-        view->time_s = view->ping.time_s;
-        view->steps++;
-        status = remember(view);
-    }
-    return status;
+    view->time_s = view->ping.time_s;
+    view->steps++;
+    return remember(view);
 }
 
 asdic_status asdic_view_step(asdic_view *view) {
@@ -303,10 +298,7 @@ asdic_status asdic_view_create(asdic_context *ctx, asdic_mission *mission, asdic
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "asdic_view_create: NULL argument");
     }
     *out = NULL;
-    asdic_status status = check_options(ctx, options);
-    if (status) {
-        return status;
-    }
+    TRY(check_options(ctx, options));
     asdic_view *view = calloc(1, sizeof *view);
     if (!view) {
         return asdic_fail_memory(ctx, "a view");
@@ -315,7 +307,7 @@ asdic_status asdic_view_create(asdic_context *ctx, asdic_mission *mission, asdic
     view->mission = mission;
     view->device = device;
     view->options = *options;
-    status = begin(view);
+    asdic_status status = begin(view);
     if (status) {
         asdic_view_destroy(&view);
     }

@@ -176,7 +176,7 @@ asdic_status asdic_device_split(asdic_device *device, size_t count, asdic_device
 }
 
 const asdic_device_info *asdic_device_get_info(const asdic_device *device) {
-    return &device->info;
+    return device ? &device->info : NULL;
 }
 
 asdic_context *asdic_device_context(const asdic_device *device) {

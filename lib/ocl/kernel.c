@@ -1,5 +1,7 @@
 #include "opencl.h"
 
+#include "base/try.h"
+
 #include <stdlib.h>
 #include <stdio.h>
 
@@ -35,10 +37,7 @@ asdic_status asdic_kernel_create(asdic_device *device, const char *file, const c
     char text[64];
 
     *out = NULL;
-    asdic_status status = asdic_program_get(device, file, options, &program);
-    if (status != ASDIC_OK) {
-        return status;
-    }
+    TRY(asdic_program_get(device, file, options, &program));
     asdic_kernel *kernel = calloc(1, sizeof *kernel);
     if (!kernel) {
         return asdic_fail_memory(device->ctx, "a kernel");

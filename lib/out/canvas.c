@@ -1,6 +1,7 @@
 #include "canvas.h"
 
 #include "base/context.h"
+#include "base/try.h"
 #include "base/vec.h"
 #include "colormap.h"
 #include "file.h"
@@ -30,10 +31,7 @@ static cairo_status_t write_vector(void *closure, const unsigned char *data, uns
 }
 
 static asdic_status open_vector(asdic_canvas *c, const char *path) {
-    asdic_status status = asdic_file_create(c->ctx, path, &c->vector_file);
-    if (status != ASDIC_OK) {
-        return status;
-    }
+    TRY(asdic_file_create(c->ctx, path, &c->vector_file));
     FILE *stream = asdic_file_stream(c->vector_file);
     double width = c->width * POINTS_PER_PX, height = c->height * POINTS_PER_PX;
     c->surface = c->format == ASDIC_PICTURE_PDF
@@ -53,10 +51,7 @@ asdic_status asdic_canvas_init(asdic_context *ctx, const char *path, double widt
     *out =
         (asdic_canvas){.ctx = ctx, .width = ceil(width), .height = ceil(height), .format = format};
     if (format != ASDIC_PICTURE_PNG) {
-        asdic_status status = open_vector(out, path);
-        if (status != ASDIC_OK) {
-            return status;
-        }
+        TRY(open_vector(out, path));
     } else {
         out->surface =
             cairo_image_surface_create(CAIRO_FORMAT_RGB24, (int)out->width, (int)out->height);
@@ -77,10 +72,7 @@ asdic_status asdic_canvas_init(asdic_context *ctx, const char *path, double widt
 /* cairo keeps 0xXXRRGGBB words; libpng wants bytes. */
 static asdic_status save_png(asdic_canvas *c, const char *path, const char *const *texts) {
     asdic_raster raster;
-    asdic_status status = asdic_raster_init(c->ctx, (size_t)c->width, (size_t)c->height, &raster);
-    if (status != ASDIC_OK) {
-        return status;
-    }
+    TRY(asdic_raster_init(c->ctx, (size_t)c->width, (size_t)c->height, &raster));
     cairo_surface_flush(c->surface);
     const uint8_t *data = cairo_image_surface_get_data(c->surface);
     size_t stride = (size_t)cairo_image_surface_get_stride(c->surface);
@@ -95,7 +87,7 @@ static asdic_status save_png(asdic_canvas *c, const char *path, const char *cons
                      .rgb = raster.rgb,
                      .pixels_per_m = PIXELS_PER_M,
                      .texts = texts};
-    status = asdic_png_write(c->ctx, path, &png);
+    asdic_status status = asdic_png_write(c->ctx, path, &png);
     asdic_raster_finish(&raster);
     return status;
 }

@@ -1,5 +1,6 @@
 #include "draw_chart.h"
 
+#include "base/try.h"
 #include "base/vec.h"
 #include "digits.h"
 #include "draw.h"
@@ -36,16 +37,14 @@ static asdic_status draw_relief(asdic_canvas *c, const page *p, const asdic_reli
     for (unsigned i = 0; i < 256; i++) {
         look.bottom_rgb[i] = asdic_colormap_rgb(map, i);
     }
-    asdic_status status = asdic_raster_relief(c->ctx, r, &look, &raster);
-    if (status == ASDIC_OK) {
-        double north_m = r->south_m + (double)r->rows * r->cell_m;
-        asdic_canvas_raster(c, &raster,
-                            (asdic_box){asdic_chart_x(p, r->west_m), asdic_chart_y(p, north_m),
-                                        (double)r->columns * r->cell_m * p->px_per_m,
-                                        (double)r->rows * r->cell_m * p->px_per_m});
-        asdic_raster_finish(&raster);
-    }
-    return status;
+    TRY(asdic_raster_relief(c->ctx, r, &look, &raster));
+    double north_m = r->south_m + (double)r->rows * r->cell_m;
+    asdic_canvas_raster(c, &raster,
+                        (asdic_box){asdic_chart_x(p, r->west_m), asdic_chart_y(p, north_m),
+                                    (double)r->columns * r->cell_m * p->px_per_m,
+                                    (double)r->rows * r->cell_m * p->px_per_m});
+    asdic_raster_finish(&raster);
+    return ASDIC_OK;
 }
 
 static void trace(asdic_canvas *c, const page *p, const double *north_m, const double *east_m,

@@ -1,4 +1,6 @@
 #include "canvas.h"
+
+#include "base/try.h"
 #include "colormap.h"
 #include "draw.h"
 #include "overview.h"
@@ -59,10 +61,7 @@ static asdic_status draw_panel(asdic_canvas *c, asdic_box box, const asdic_overv
                                const double *values, const asdic_plot_axis *scale,
                                asdic_colormap map) {
     asdic_raster raster;
-    asdic_status status = asdic_raster_init(c->ctx, o->columns, o->rows, &raster);
-    if (status != ASDIC_OK) {
-        return status;
-    }
+    TRY(asdic_raster_init(c->ctx, o->columns, o->rows, &raster));
     for (size_t i = 0; i < o->rows * o->columns; i++) {
         double share = (values[i] - scale->low) / (scale->high - scale->low);
         uint32_t rgb = PAPER_RGB;

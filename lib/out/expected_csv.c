@@ -1,6 +1,7 @@
 #include <asdic/expected.h>
 
 #include "base/context.h"
+#include "base/try.h"
 #include "csv.h"
 #include "digits.h"
 #include "file.h"
@@ -35,11 +36,7 @@ asdic_status asdic_expected_write_csv(asdic_context *ctx, const char *path,
         return asdic_fail_null(ctx, __func__);
     }
     asdic_file *file = NULL;
-    asdic_status status =
-        asdic_file_create(ctx, strcmp(path, "-") == 0 ? "/dev/stdout" : path, &file);
-    if (status != ASDIC_OK) {
-        return status;
-    }
+    TRY(asdic_file_create(ctx, strcmp(path, "-") == 0 ? "/dev/stdout" : path, &file));
     FILE *out = asdic_file_stream(file);
     fputs("beam,bin,range_m,total_db,bottom_db,surface_db,volume_db,noise_db\n", out);
     for (size_t b = 0; b < ping->beams; b++) {

@@ -1,6 +1,7 @@
 #include "file.h"
 
 #include "base/context.h"
+#include "base/try.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -163,10 +164,7 @@ void asdic_file_discard(asdic_file **file) {
 asdic_status asdic_file_write_all(asdic_context *ctx, const char *path, const void *bytes,
                                   size_t length) {
     asdic_file *file;
-    asdic_status status = asdic_file_create(ctx, path, &file);
-    if (status != ASDIC_OK) {
-        return status;
-    }
+    TRY(asdic_file_create(ctx, path, &file));
     fwrite(bytes, 1, length, file->stream);
     return asdic_file_commit(&file);
 }

@@ -1,6 +1,7 @@
 #include "draw.h"
 
 #include "base/context.h"
+#include "base/try.h"
 #include "colormap.h"
 
 #include <math.h>
@@ -32,8 +33,8 @@ static asdic_status paint(asdic_context *ctx, const asdic_map *map,
     size_t rows = (map->rows + group - 1) / group, columns = (map->columns + group - 1) / group;
     size_t longer = rows > columns ? rows : columns, scale = MOST_PX / longer;
     scale = scale < 1 ? 1 : scale;
-    asdic_status status = asdic_raster_init(ctx, columns * scale, rows * scale, out);
-    for (size_t y = 0; y < rows * scale && status == ASDIC_OK; y++) {
+    TRY(asdic_raster_init(ctx, columns * scale, rows * scale, out));
+    for (size_t y = 0; y < rows * scale; y++) {
         size_t row = rows - 1 - y / scale; /* north up */
         for (size_t x = 0; x < columns * scale; x++) {
             double value = greatest(map, row * group, x / scale * group, group);
@@ -43,7 +44,7 @@ static asdic_status paint(asdic_context *ctx, const asdic_map *map,
                                                                asdic_raster_index(options, value)));
         }
     }
-    return status;
+    return ASDIC_OK;
 }
 
 asdic_status asdic_picture_map(asdic_context *ctx, const char *path, const asdic_map *map,

@@ -1,6 +1,7 @@
 #include "draw.h"
 
 #include "base/context.h"
+#include "base/try.h"
 #include "colormap.h"
 #include "digits.h"
 #include "png_file.h"
@@ -80,21 +81,15 @@ asdic_status asdic_picture_waterfall(asdic_context *ctx, const char *path,
     if (!path || !waterfall || !options) {
         return asdic_fail_null(ctx, __func__);
     }
-    asdic_status status = check_waterfall(ctx, waterfall, options);
-    if (status != ASDIC_OK) {
-        return status;
-    }
+    TRY(check_waterfall(ctx, waterfall, options));
     asdic_decimator levels;
-    status = asdic_decimator_init(ctx, waterfall->pings, waterfall->bins, ASDIC_WATERFALL_MAX_ROWS,
-                                  ASDIC_WATERFALL_MAX_COLUMNS, &levels);
-    if (status != ASDIC_OK) {
-        return status;
-    }
+    TRY(asdic_decimator_init(ctx, waterfall->pings, waterfall->bins, ASDIC_WATERFALL_MAX_ROWS,
+                             ASDIC_WATERFALL_MAX_COLUMNS, &levels));
     for (size_t ping = 0; ping < waterfall->pings; ping++) {
         asdic_decimator_add(&levels, waterfall->levels_db + ping * waterfall->bins);
     }
     asdic_decimator_end(&levels);
-    status = asdic_draw_waterfall(ctx, path, waterfall, &levels, options);
+    asdic_status status = asdic_draw_waterfall(ctx, path, waterfall, &levels, options);
     asdic_decimator_finish(&levels);
     return status;
 }
@@ -117,8 +112,8 @@ asdic_status asdic_picture_fan(asdic_context *ctx, const char *path, const asdic
                               i - 1, fan->bearing_rad[i - 1], i, fan->bearing_rad[i]);
         }
     }
-    asdic_status status = check_options(ctx, options);
-    return status == ASDIC_OK ? asdic_draw_fan(ctx, path, fan, options) : status;
+    TRY(check_options(ctx, options));
+    return asdic_draw_fan(ctx, path, fan, options);
 }
 
 asdic_status asdic_picture_raster(asdic_context *ctx, const char *path,
@@ -128,15 +123,9 @@ asdic_status asdic_picture_raster(asdic_context *ctx, const char *path,
         return asdic_fail_null(ctx, __func__);
     }
     asdic_raster raster;
-    asdic_status status = check_waterfall(ctx, waterfall, options);
-    if (status != ASDIC_OK) {
-        return status;
-    }
-    status = asdic_raster_levels(ctx, waterfall, options, &raster);
-    if (status != ASDIC_OK) {
-        return status;
-    }
-    status = asdic_raster_write(ctx, path, &raster, options->texts);
+    TRY(check_waterfall(ctx, waterfall, options));
+    TRY(asdic_raster_levels(ctx, waterfall, options, &raster));
+    asdic_status status = asdic_raster_write(ctx, path, &raster, options->texts);
     asdic_raster_finish(&raster);
     return status;
 }
@@ -176,10 +165,7 @@ asdic_status asdic_picture_raw(asdic_context *ctx, const char *path,
     if (!path || !waterfall || !options) {
         return asdic_fail_null(ctx, __func__);
     }
-    asdic_status status = check_waterfall(ctx, waterfall, options);
-    if (status != ASDIC_OK) {
-        return status;
-    }
+    TRY(check_waterfall(ctx, waterfall, options));
     raw_rows rows = {waterfall, options};
     asdic_png png = {.width = waterfall->bins,
                      .height = waterfall->pings,

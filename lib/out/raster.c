@@ -1,6 +1,7 @@
 #include "raster.h"
 
 #include "base/context.h"
+#include "base/try.h"
 #include "colormap.h"
 #include "png_file.h"
 
@@ -53,10 +54,7 @@ uint32_t asdic_raster_color(const asdic_picture_options *options, double level_d
 
 asdic_status asdic_raster_levels(asdic_context *ctx, const asdic_waterfall *image,
                                  const asdic_picture_options *options, asdic_raster *out) {
-    asdic_status status = asdic_raster_init(ctx, image->bins, image->pings, out);
-    if (status != ASDIC_OK) {
-        return status;
-    }
+    TRY(asdic_raster_init(ctx, image->bins, image->pings, out));
     for (size_t ping = 0; ping < image->pings; ping++) {
         for (size_t bin = 0; bin < image->bins; bin++) {
             double range_m = ((double)bin + 0.5) * image->bin_length_m;

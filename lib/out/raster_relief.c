@@ -1,5 +1,7 @@
 #include "raster_relief.h"
 
+#include "base/try.h"
+
 #include <math.h>
 
 /* Light from the north-west, half up, as on printed maps. */
@@ -88,10 +90,7 @@ static uint32_t shaded(uint32_t rgb, double shade) {
 
 asdic_status asdic_raster_relief(asdic_context *ctx, const asdic_relief *r,
                                  const asdic_relief_look *look, asdic_raster *out) {
-    asdic_status status = asdic_raster_init(ctx, r->columns, r->rows, out);
-    if (status != ASDIC_OK) {
-        return status;
-    }
+    TRY(asdic_raster_init(ctx, r->columns, r->rows, out));
     double exaggeration = exaggeration_of(r);
     for (size_t i = 0; i < r->rows * r->columns; i++) {
         size_t row = i / r->columns, column = i % r->columns;

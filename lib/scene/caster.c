@@ -2,6 +2,8 @@
 
 #include "tracer.h"
 
+#include "base/try.h"
+
 #include "../base/context.h"
 
 #include <stdlib.h>
@@ -60,11 +62,10 @@ asdic_status asdic_caster_load(asdic_caster *c, const asdic_ray *rays, size_t co
     asdic_buffer_destroy(&c->rays);
     asdic_buffer_destroy(&c->hits);
     c->count = 0;
-    asdic_status status = asdic_buffer_create(c->device, count * sizeof *rays, rays, &c->rays);
-    status = status ? status
-                    : asdic_buffer_create(c->device, count * sizeof(asdic_ray_hit), NULL, &c->hits);
-    c->count = status ? 0 : count;
-    return status;
+    TRY(asdic_buffer_create(c->device, count * sizeof *rays, rays, &c->rays));
+    TRY(asdic_buffer_create(c->device, count * sizeof(asdic_ray_hit), NULL, &c->hits));
+    c->count = count;
+    return ASDIC_OK;
 }
 
 static asdic_status check_loaded(const asdic_caster *c) {
@@ -74,15 +75,15 @@ static asdic_status check_loaded(const asdic_caster *c) {
 }
 
 asdic_status asdic_caster_cast(asdic_caster *c) {
-    asdic_status status = check_loaded(c);
+    TRY(check_loaded(c));
     uint32_t count = (uint32_t)c->count;
-    status = status ? status : asdic_tracer_run(c->tracer, c->rays, c->hits, count, count);
-    return status ? status : asdic_device_finish(c->device);
+    TRY(asdic_tracer_run(c->tracer, c->rays, c->hits, count, count));
+    return asdic_device_finish(c->device);
 }
 
 asdic_status asdic_caster_read(asdic_caster *c, asdic_ray_hit *hits) {
-    asdic_status status = check_loaded(c);
-    return status ? status : asdic_buffer_read(c->hits, 0, c->count * sizeof *hits, hits);
+    TRY(check_loaded(c));
+    return asdic_buffer_read(c->hits, 0, c->count * sizeof *hits, hits);
 }
 
 const char *asdic_caster_kernel(const asdic_caster *c) {

@@ -3,6 +3,8 @@
  * scene a million metres from the world's origin loses nothing, and the hierarchy is built.
  */
 #include "moving.h"
+
+#include "base/try.h"
 #include "place.h"
 #include "smooth.h"
 
@@ -68,13 +70,10 @@ asdic_status asdic_scene_commit(asdic_scene *scene) {
         scene->triangles[i] = (dev_triangle){.part = scene->corner_parts[i]};
         asdic_place_triangle(&scene->corners_m[9 * i], scene->origin_m, &scene->triangles[i]);
     }
-    asdic_status status = asdic_scene_smooth(scene);
-    status = status ? status : place_movables(scene);
+    TRY(asdic_scene_smooth(scene));
+    TRY(place_movables(scene));
     double assemble_s = asdic_clock_s();
-    status = status ? status : asdic_scene_assemble(scene);
-    if (status != ASDIC_OK) {
-        return status;
-    }
+    TRY(asdic_scene_assemble(scene));
     free(scene->corners_m);
     free(scene->corner_parts);
     scene->corners_m = NULL;

@@ -3,6 +3,8 @@
  * of values from north to south. Values stand at the centres of the cells, which become vertices.
  */
 #include "mesh_build.h"
+
+#include "base/try.h"
 #include "mesh_scan.h"
 
 #include "../base/context.h"
@@ -110,10 +112,7 @@ static asdic_status read_header(grid *g) {
         if (!asdic_line_next(g->scan, &g->line)) {
             return asdic_mesh_scan_fail(g->scan, g->line.number, "ends within its header");
         }
-        asdic_status status = header_line(g, &g->line, &known);
-        if (status != ASDIC_OK) {
-            return status;
-        }
+        TRY(header_line(g, &g->line, &known));
         g->line = known ? g->line : before;
     }
     if (isnan(g->cell_y_m)) {
@@ -220,10 +219,7 @@ static size_t connect(const grid *g, uint32_t *indices) {
 
 static asdic_status build(grid *g, bool values_are_depth, asdic_mesh **out) {
     size_t cells = (size_t)g->columns * (size_t)g->rows;
-    asdic_status status = asdic_mesh_allocate(g->scan->ctx, cells, 2 * cells, out);
-    if (status != ASDIC_OK) {
-        return status;
-    }
+    TRY(asdic_mesh_allocate(g->scan->ctx, cells, 2 * cells, out));
     (*out)->vertex_count = place_vertices(g, values_are_depth, (*out)->vertices_m);
     (*out)->triangle_count = connect(g, (*out)->indices);
     return asdic_mesh_complete(g->scan->ctx, *out, g->scan->path);
@@ -250,6 +246,14 @@ static asdic_status refuse_other_grids(const asdic_mesh_scan *scan) {
     return ASDIC_OK;
 }
 
+static asdic_status read_grid(grid *g, bool values_are_depth, asdic_mesh **mesh) {
+    TRY(refuse_other_grids(g->scan));
+    TRY(asdic_mesh_scan_check_text(g->scan));
+    TRY(read_header(g));
+    TRY(read_values(g));
+    return build(g, values_are_depth, mesh);
+}
+
 asdic_status asdic_mesh_load_grid(asdic_context *ctx, const char *path, bool values_are_depth,
                                   asdic_mesh **out) {
     if (!path || !out) {
@@ -260,12 +264,10 @@ asdic_status asdic_mesh_load_grid(asdic_context *ctx, const char *path, bool val
     grid g = {.scan = &scan};
     asdic_mesh *mesh = NULL;
     asdic_status status = asdic_mesh_scan_open(ctx, path, &scan);
-    status = status ? status : refuse_other_grids(&scan);
-    status = status ? status : asdic_mesh_scan_check_text(&scan);
-    status = status ? status : read_header(&g);
-    status = status ? status : read_values(&g);
-    status = status ? status : build(&g, values_are_depth, &mesh);
-    if (status != ASDIC_OK) {
+    if (!status) {
+        status = read_grid(&g, values_are_depth, &mesh);
+    }
+    if (status) {
         asdic_mesh_destroy(&mesh);
     }
     free(g.values);

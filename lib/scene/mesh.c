@@ -1,5 +1,7 @@
 #include "mesh_build.h"
 
+#include "base/try.h"
+
 #include "../base/context.h"
 #include "../base/vec.h"
 
@@ -88,10 +90,7 @@ asdic_status asdic_mesh_allocate(asdic_context *ctx, size_t vertex_count, size_t
 }
 
 asdic_status asdic_mesh_complete(asdic_context *ctx, asdic_mesh *mesh, const char *name) {
-    asdic_status status = check_numbers(ctx, mesh, name);
-    if (status != ASDIC_OK) {
-        return status;
-    }
+    TRY(check_numbers(ctx, mesh, name));
     drop_degenerate(mesh);
     if (mesh->triangle_count == 0) {
         return asdic_fail(ctx, ASDIC_ERROR_INPUT, "%s: no facet with an area (%zu without)", name,
@@ -111,13 +110,10 @@ asdic_status asdic_mesh_from_triangles(asdic_context *ctx, const double *vertice
     if (!vertices_m || !indices) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "a mesh needs vertices and indices");
     }
-    asdic_status status = asdic_mesh_allocate(ctx, vertex_count, triangle_count, &mesh);
-    if (status != ASDIC_OK) {
-        return status;
-    }
+    TRY(asdic_mesh_allocate(ctx, vertex_count, triangle_count, &mesh));
     memcpy(mesh->vertices_m, vertices_m, 3 * vertex_count * sizeof *vertices_m);
     memcpy(mesh->indices, indices, 3 * triangle_count * sizeof *indices);
-    status = asdic_mesh_complete(ctx, mesh, "mesh");
+    asdic_status status = asdic_mesh_complete(ctx, mesh, "mesh");
     if (status != ASDIC_OK) {
         asdic_mesh_destroy(&mesh);
     }

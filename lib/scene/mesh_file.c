@@ -2,6 +2,8 @@
  * A mesh from a file: scan it, let OpenMesh read it, compare the two, cut polygons into triangles.
  */
 #include "mesh_build.h"
+
+#include "base/try.h"
 #include "mesh_openmesh.h"
 #include "mesh_polygon.h"
 
@@ -107,14 +109,19 @@ static void place(asdic_mesh *mesh, double scale, bool z_up) {
 }
 
 static asdic_status build(const asdic_mesh_scan *scan, asdic_polygons *p, asdic_mesh **out) {
-    asdic_status status = check_counts(scan, p);
-    if (status != ASDIC_OK) {
-        return status;
-    }
+    TRY(check_counts(scan, p));
     size_t triangles = p->corner_count - 2 * p->facet_count; /* every facet has 3 or more */
-    status = asdic_mesh_allocate(scan->ctx, p->vertex_count, triangles, out);
-    status = status ? status : take_vertices(scan, p, (*out)->vertices_m);
-    return status ? status : triangulate(scan, p, *out);
+    TRY(asdic_mesh_allocate(scan->ctx, p->vertex_count, triangles, out));
+    TRY(take_vertices(scan, p, (*out)->vertices_m));
+    return triangulate(scan, p, *out);
+}
+
+static asdic_status read_mesh(asdic_mesh_scan *scan, asdic_polygons *polygons, double scale,
+                              bool z_up, asdic_mesh **mesh) {
+    TRY(asdic_openmesh_read(scan, polygons));
+    TRY(build(scan, polygons, mesh));
+    place(*mesh, scale, z_up);
+    return asdic_mesh_complete(scan->ctx, *mesh, scan->path);
 }
 
 asdic_status asdic_mesh_load(asdic_context *ctx, const char *path, double scale, bool z_up,
@@ -130,13 +137,10 @@ asdic_status asdic_mesh_load(asdic_context *ctx, const char *path, double scale,
     asdic_polygons polygons = {0};
     asdic_mesh *mesh = NULL;
     asdic_status status = asdic_mesh_scan_file(ctx, path, &scan);
-    status = status ? status : asdic_openmesh_read(&scan, &polygons);
-    status = status ? status : build(&scan, &polygons, &mesh);
-    if (status == ASDIC_OK) {
-        place(mesh, scale, z_up);
-        status = asdic_mesh_complete(ctx, mesh, path);
+    if (!status) {
+        status = read_mesh(&scan, &polygons, scale, z_up, &mesh);
     }
-    if (status != ASDIC_OK) {
+    if (status) {
         asdic_mesh_destroy(&mesh);
     }
     asdic_polygons_finish(&polygons);

@@ -1,5 +1,7 @@
 #include "mesh_scan.h"
 
+#include "base/try.h"
+
 #include "../base/context.h"
 
 #include <errno.h>
@@ -190,9 +192,11 @@ asdic_status asdic_mesh_scan_file(asdic_context *ctx, const char *path, asdic_me
         if (strcasecmp(dot + 1, formats[i].extension) != 0) {
             continue;
         }
-        asdic_status status = asdic_mesh_scan_open(ctx, path, out);
-        status = status || !formats[i].text ? status : asdic_mesh_scan_check_text(out);
-        return status ? status : formats[i].scan(out);
+        TRY(asdic_mesh_scan_open(ctx, path, out));
+        if (formats[i].text) {
+            TRY(asdic_mesh_scan_check_text(out));
+        }
+        return formats[i].scan(out);
     }
     return asdic_fail(ctx, ASDIC_ERROR_INPUT,
                       "%s: '%s' is not a mesh format; use .obj, .off, .ply or .stl", path,

@@ -2,6 +2,8 @@
  * Wavefront OBJ: `v` and `f` lines; everything else is not geometry.
  */
 #include "mesh_polygon.h"
+
+#include "base/try.h"
 #include "mesh_scan.h"
 
 #include "../base/context.h"
@@ -71,10 +73,7 @@ static asdic_status scan_facet(asdic_mesh_scan *scan, asdic_line *line, obj_stat
     size_t corners = 0;
     asdic_line_skip_blanks(line);
     while (line->at < line->end && *line->at != '#') {
-        asdic_status status = scan_corner(scan, line, state, corners++);
-        if (status != ASDIC_OK) {
-            return status;
-        }
+        TRY(scan_corner(scan, line, state, corners++));
     }
     if (corners < 3) {
         return asdic_mesh_scan_fail(scan, line->number, "a facet with %zu corners; 3 are needed",

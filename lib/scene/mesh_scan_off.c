@@ -5,6 +5,8 @@
  */
 #include "mesh_scan.h"
 
+#include "base/try.h"
+
 #include "../base/context.h"
 
 #include <float.h>
@@ -110,10 +112,7 @@ static asdic_status scan_vertices(off_text *text, asdic_line *line, long long ve
             }
         }
         keep(text, from, line->at);
-        asdic_status status = asdic_mesh_scan_add_vertex(scan, v, &capacity);
-        if (status != ASDIC_OK) {
-            return status;
-        }
+        TRY(asdic_mesh_scan_add_vertex(scan, v, &capacity));
     }
     return ASDIC_OK;
 }
@@ -151,12 +150,10 @@ asdic_status asdic_mesh_scan_off(asdic_mesh_scan *scan) {
     long long vertices, facets;
     scan->format = ASDIC_MESH_OFF;
     off_text text = {.scan = scan, .to = scan->text};
-    asdic_status status = scan_counts(&text, &line, &vertices, &facets);
-    status = status ? status : scan_vertices(&text, &line, vertices);
-    status = status ? status : scan_facets(&text, &line, facets);
-    if (status == ASDIC_OK) {
-        *text.to = 0;
-        scan->size = (size_t)(text.to - scan->text);
-    }
-    return status;
+    TRY(scan_counts(&text, &line, &vertices, &facets));
+    TRY(scan_vertices(&text, &line, vertices));
+    TRY(scan_facets(&text, &line, facets));
+    *text.to = 0;
+    scan->size = (size_t)(text.to - scan->text);
+    return ASDIC_OK;
 }

@@ -4,6 +4,8 @@
  */
 #include "mesh_scan_ply.h"
 
+#include "base/try.h"
+
 #include "../base/context.h"
 
 #include <float.h>
@@ -174,12 +176,17 @@ static asdic_status walk_element(ply_file *ply, const ply_element *element) {
                     what, i, element->count);
             }
         }
-        asdic_status status =
-            element->vertex ? asdic_mesh_scan_add_vertex(ply->scan, v, &capacity) : ASDIC_OK;
-        if (status != ASDIC_OK) {
-            return status;
-        }
+        TRY(element->vertex ? asdic_mesh_scan_add_vertex(ply->scan, v, &capacity) : ASDIC_OK);
         ply->scan->facets += element->face;
+    }
+    return ASDIC_OK;
+}
+
+static asdic_status walk(ply_file *ply) {
+    TRY(asdic_ply_scan_header(ply));
+    TRY(check_counts(ply));
+    for (size_t e = 0; e < ply->element_count; e++) {
+        TRY(walk_element(ply, &ply->elements[e]));
     }
     return ASDIC_OK;
 }
@@ -191,11 +198,7 @@ asdic_status asdic_mesh_scan_ply(asdic_mesh_scan *scan) {
         return asdic_fail_memory(scan->ctx, "a PLY header");
     }
     ply->scan = scan;
-    asdic_status status = asdic_ply_scan_header(ply);
-    status = status ? status : check_counts(ply);
-    for (size_t e = 0; e < ply->element_count && status == ASDIC_OK; e++) {
-        status = walk_element(ply, &ply->elements[e]);
-    }
+    asdic_status status = walk(ply);
     free(ply);
     return status;
 }

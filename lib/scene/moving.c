@@ -1,5 +1,7 @@
 #include "moving.h"
 
+#include "base/try.h"
+
 #include "bvh.h"
 #include "place.h"
 #include "smooth.h"
@@ -142,10 +144,7 @@ static asdic_status allocate(asdic_scene *scene, const asdic_bvh *parts, size_t 
 static asdic_status join_all(asdic_scene *scene, const asdic_bvh *parts, asdic_root *roots) {
     size_t movables = scene->movable_count, count = movables + 1;
     asdic_bvh *bvh = &scene->bvh;
-    asdic_status status = allocate(scene, parts, count);
-    if (status) {
-        return status;
-    }
+    TRY(allocate(scene, parts, count));
     joiner j = {.out = bvh};
     bvh->node_count = count;
     for (size_t i = 0; i < movables; i++) {
@@ -183,19 +182,17 @@ static size_t list_still(const asdic_scene *scene, uint32_t *ids) {
 }
 
 static asdic_status build_parts(asdic_scene *scene, uint32_t *ids, asdic_bvh *parts) {
-    asdic_status status = ASDIC_OK;
-    for (size_t i = 0; !status && i < scene->movable_count; i++) {
+    for (size_t i = 0; i < scene->movable_count; i++) {
         const asdic_movable *m = &scene->movables[i];
         for (size_t k = 0; k < m->count; k++) {
             ids[k] = (uint32_t)(m->first + k);
         }
-        status =
-            asdic_bvh_build(scene->ctx, scene->triangles, ids, m->count, scene->threads, &parts[i]);
+        TRY(asdic_bvh_build(scene->ctx, scene->triangles, ids, m->count, scene->threads,
+                            &parts[i]));
     }
     size_t still = list_still(scene, ids);
-    return status ? status
-                  : asdic_bvh_build(scene->ctx, scene->triangles, ids, still, scene->threads,
-                                    &parts[scene->movable_count]);
+    return asdic_bvh_build(scene->ctx, scene->triangles, ids, still, scene->threads,
+                           &parts[scene->movable_count]);
 }
 
 asdic_status asdic_scene_assemble(asdic_scene *scene) {

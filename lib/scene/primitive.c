@@ -3,6 +3,8 @@
  */
 #include "primitive.h"
 
+#include "base/try.h"
+
 #include "mesh_build.h"
 
 #include "../base/context.h"
@@ -69,14 +71,11 @@ asdic_status asdic_mesh_box(asdic_context *ctx, asdic_vec3 size_m, asdic_mesh **
         return asdic_fail_null(ctx, __func__);
     }
     writer w = {0};
-    asdic_status status = check_length(ctx, "the box's x size", size_m.x);
-    status = status ? status : check_length(ctx, "the box's y size", size_m.y);
-    status = status ? status : check_length(ctx, "the box's z size", size_m.z);
-    status = status ? status : asdic_mesh_allocate(ctx, 8, 12, &w.mesh);
-    if (status != ASDIC_OK) {
-        *out = NULL;
-        return status;
-    }
+    *out = NULL;
+    TRY(check_length(ctx, "the box's x size", size_m.x));
+    TRY(check_length(ctx, "the box's y size", size_m.y));
+    TRY(check_length(ctx, "the box's z size", size_m.z));
+    TRY(asdic_mesh_allocate(ctx, 8, 12, &w.mesh));
     for (int i = 0; i < 8; i++) { /* bit 0: +x, bit 1: +y, bit 2: +z */
         put_vertex(&w, (i & 1 ? 0.5 : -0.5) * size_m.x, (i & 2 ? 0.5 : -0.5) * size_m.y,
                    (i & 4 ? 0.5 : -0.5) * size_m.z);
@@ -110,15 +109,10 @@ asdic_status asdic_mesh_sphere(asdic_context *ctx, double radius_m, unsigned seg
     }
     writer w = {0};
     size_t rings = asdic_sphere_rings(segments);
-    asdic_status status = check_length(ctx, "the sphere's radius", radius_m);
-    status = status ? status : check_segments(ctx, segments);
-    status = status ? status
-                    : asdic_mesh_allocate(ctx, 2 + rings * segments,
-                                          asdic_sphere_triangles(segments), &w.mesh);
-    if (status != ASDIC_OK) {
-        *out = NULL;
-        return status;
-    }
+    *out = NULL;
+    TRY(check_length(ctx, "the sphere's radius", radius_m));
+    TRY(check_segments(ctx, segments));
+    TRY(asdic_mesh_allocate(ctx, 2 + rings * segments, asdic_sphere_triangles(segments), &w.mesh));
     uint32_t north = put_vertex(&w, 0.0, 0.0, radius_m);
     for (size_t ring = 1; ring <= rings; ring++) {
         double polar = ASDIC_PI * (double)ring / (double)(rings + 1);
@@ -148,16 +142,12 @@ asdic_status asdic_mesh_cylinder(asdic_context *ctx, double radius_m, double len
         return asdic_fail_null(ctx, __func__);
     }
     writer w = {0};
-    asdic_status status = check_length(ctx, "the cylinder's radius", radius_m);
-    status = status ? status : check_length(ctx, "the cylinder's length", length_m);
-    status = status ? status : check_segments(ctx, segments);
-    status = status ? status
-                    : asdic_mesh_allocate(ctx, 2 + 2 * (size_t)segments,
-                                          asdic_cylinder_triangles(segments), &w.mesh);
-    if (status != ASDIC_OK) {
-        *out = NULL;
-        return status;
-    }
+    *out = NULL;
+    TRY(check_length(ctx, "the cylinder's radius", radius_m));
+    TRY(check_length(ctx, "the cylinder's length", length_m));
+    TRY(check_segments(ctx, segments));
+    TRY(asdic_mesh_allocate(ctx, 2 + 2 * (size_t)segments, asdic_cylinder_triangles(segments),
+                            &w.mesh));
     uint32_t port = put_vertex(&w, 0.0, -0.5 * length_m, 0.0);
     uint32_t starboard = put_vertex(&w, 0.0, 0.5 * length_m, 0.0);
     for (unsigned s = 0; s < segments; s++) {
@@ -181,13 +171,10 @@ asdic_status asdic_mesh_plate(asdic_context *ctx, double width_m, double height_
         return asdic_fail_null(ctx, __func__);
     }
     writer w = {0};
-    asdic_status status = check_length(ctx, "the plate's width", width_m);
-    status = status ? status : check_length(ctx, "the plate's height", height_m);
-    status = status ? status : asdic_mesh_allocate(ctx, 4, 2, &w.mesh);
-    if (status != ASDIC_OK) {
-        *out = NULL;
-        return status;
-    }
+    *out = NULL;
+    TRY(check_length(ctx, "the plate's width", width_m));
+    TRY(check_length(ctx, "the plate's height", height_m));
+    TRY(asdic_mesh_allocate(ctx, 4, 2, &w.mesh));
     put_vertex(&w, 0.0, -0.5 * width_m, -0.5 * height_m);
     put_vertex(&w, 0.0, 0.5 * width_m, -0.5 * height_m);
     put_vertex(&w, 0.0, 0.5 * width_m, 0.5 * height_m);

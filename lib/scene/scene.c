@@ -2,6 +2,8 @@
  * Scene assembly: meshes are placed in the world in double precision and kept until commit.
  */
 #include "moving.h"
+
+#include "base/try.h"
 #include "place.h"
 #include "triangles.h"
 
@@ -103,20 +105,15 @@ asdic_status asdic_scene_set_bottom_plane(asdic_scene *scene, double depth_m,
     if (!scene) {
         return asdic_fail_null(NULL, __func__);
     }
-    asdic_status status = check_open(scene);
-    if (status != ASDIC_OK) {
-        return status;
-    }
+    TRY(check_open(scene));
     if (!in_range(depth_m, 0.0, 12000.0)) {
         return asdic_fail(scene->ctx, ASDIC_ERROR_ARGUMENT,
                           "bottom depth %g m is out of range [0, 12000]", depth_m);
     }
-    status = add_material(scene, &material, &scene->bottom_plane_material);
-    if (status == ASDIC_OK) {
-        scene->has_bottom_plane = true;
-        scene->bottom_plane_depth_m = depth_m;
-    }
-    return status;
+    TRY(add_material(scene, &material, &scene->bottom_plane_material));
+    scene->has_bottom_plane = true;
+    scene->bottom_plane_depth_m = depth_m;
+    return ASDIC_OK;
 }
 
 /* What a triangle takes at most, corners, hierarchy and the device's copy together: as measured on 4
@@ -141,10 +138,7 @@ asdic_status asdic_scene_reserve(asdic_scene *scene, size_t more) {
     if (needed <= scene->triangle_capacity) {
         return ASDIC_OK;
     }
-    asdic_status status = check_memory(scene, needed);
-    if (status != ASDIC_OK) {
-        return status;
-    }
+    TRY(check_memory(scene, needed));
     size_t capacity = needed > 2 * scene->triangle_capacity ? needed : 2 * scene->triangle_capacity;
     double *corners = realloc(scene->corners_m, capacity * 9 * sizeof *corners);
     if (corners) {
@@ -188,21 +182,15 @@ asdic_status asdic_pose_check(asdic_context *ctx, const asdic_pose *pose) {
 
 static asdic_status add_part(asdic_scene *scene, asdic_part *part, const asdic_mesh *mesh,
                              const asdic_pose *pose, const asdic_material *material) {
-    asdic_status status = check_open(scene);
-    status = status ? status : asdic_pose_check(scene->ctx, pose);
-    status = status ? status : asdic_scene_reserve(scene, mesh->triangle_count);
-    if (status != ASDIC_OK) {
-        return status;
-    }
+    TRY(check_open(scene));
+    TRY(asdic_pose_check(scene->ctx, pose));
+    TRY(asdic_scene_reserve(scene, mesh->triangle_count));
     asdic_part *grown = realloc(scene->parts, (scene->part_count + 1) * sizeof *grown);
     if (!grown) {
         return asdic_fail_memory(scene->ctx, "an object");
     }
     scene->parts = grown;
-    status = add_material(scene, material, &part->material);
-    if (status != ASDIC_OK) {
-        return status;
-    }
+    TRY(add_material(scene, material, &part->material));
     place_triangles(scene, mesh, pose);
     scene->parts[scene->part_count++] = *part;
     return ASDIC_OK;
@@ -235,8 +223,8 @@ asdic_status asdic_scene_add_object(asdic_scene *scene, const char *name, const 
         return asdic_fail_null(scene ? scene->ctx : NULL, __func__);
     }
     asdic_part part = {.kind = DEV_KIND_OBJECT};
-    asdic_status status = copy_name(scene, name, part.name);
-    return status ? status : add_part(scene, &part, mesh, &pose, &material);
+    TRY(copy_name(scene, name, part.name));
+    return add_part(scene, &part, mesh, &pose, &material);
 }
 
 /* Makes room for a movable of COUNT triangles, which is not counted yet. */
@@ -258,17 +246,14 @@ asdic_status asdic_scene_add_moving_object(asdic_scene *scene, const char *name,
         return asdic_fail_null(scene ? scene->ctx : NULL, __func__);
     }
     asdic_part part = {.kind = DEV_KIND_OBJECT, .moves = true};
-    asdic_status status = copy_name(scene, name, part.name);
-    status = status ? status : check_open(scene);
-    status = status ? status : reserve_movable(scene, mesh->triangle_count);
-    if (status) {
-        return status;
-    }
+    TRY(copy_name(scene, name, part.name));
+    TRY(check_open(scene));
+    TRY(reserve_movable(scene, mesh->triangle_count));
     asdic_movable *m = &scene->movables[scene->movable_count];
     m->part = scene->part_count;
     m->first = scene->triangle_count;
     m->pose = pose;
-    status = add_part(scene, &part, mesh, &pose, &material);
+    asdic_status status = add_part(scene, &part, mesh, &pose, &material);
     if (status) {
         free(m->corners_m);
         return status;
@@ -287,12 +272,9 @@ asdic_status asdic_scene_add_point(asdic_scene *scene, const char *name, asdic_v
     }
     asdic_point point = {.position_m = position_m, .target_strength_db = target_strength_db};
     asdic_pose pose = {.position_m = position_m};
-    asdic_status status = check_open(scene);
-    status = status ? status : copy_name(scene, name, point.name);
-    status = status ? status : asdic_pose_check(scene->ctx, &pose);
-    if (status != ASDIC_OK) {
-        return status;
-    }
+    TRY(check_open(scene));
+    TRY(copy_name(scene, name, point.name));
+    TRY(asdic_pose_check(scene->ctx, &pose));
     if (!in_range(target_strength_db, -200.0, 100.0)) {
         return asdic_fail(scene->ctx, ASDIC_ERROR_ARGUMENT,
                           "target strength %g dB is out of range [-200, 100]", target_strength_db);

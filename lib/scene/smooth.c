@@ -1,5 +1,7 @@
 #include "smooth.h"
 
+#include "base/try.h"
+
 #include "moving.h"
 #include "patch.h"
 
@@ -182,15 +184,12 @@ static asdic_status smooth_part(asdic_scene *scene, size_t begin, size_t end) {
     asdic_surface surface;
     asdic_movable *moving;
     size_t number = scene->triangles[begin].part;
-    asdic_status status = reserve_normals(scene, number, &moving);
-    if (status) {
-        return status;
-    }
+    TRY(reserve_normals(scene, number, &moving));
     asdic_vec3 *turned = moving ? calloc(3 * moving->count, sizeof *turned) : NULL;
     if (moving && !turned) {
         return asdic_fail_memory(scene->ctx, "a moving object's normals");
     }
-    status =
+    asdic_status status =
         asdic_surface_init(scene->ctx, scene->corners_m + 9 * begin, scene->triangles + begin,
                            (uint32_t)(end - begin), 2.0 * scene->parts[number].radius_m, &surface);
     for (uint32_t facet = 0; !status && facet < surface.count; facet++) {
@@ -205,16 +204,15 @@ static asdic_status smooth_part(asdic_scene *scene, size_t begin, size_t end) {
 }
 
 asdic_status asdic_scene_smooth(asdic_scene *scene) {
-    asdic_status status = ASDIC_OK;
-    for (size_t begin = 0, end; begin < scene->triangle_count && !status; begin = end) {
+    for (size_t begin = 0, end; begin < scene->triangle_count; begin = end) {
         /* A part's triangles lie together, in the order in which they were added. */
         uint32_t number = scene->triangles[begin].part;
         for (end = begin; end < scene->triangle_count && scene->triangles[end].part == number;) {
             scene->triangles[end++].corner_normals[0] = DEV_FLAT;
         }
         if (scene->materials[scene->parts[number].material].law->formula == DEV_LAW_FACET) {
-            status = smooth_part(scene, begin, end);
+            TRY(smooth_part(scene, begin, end));
         }
     }
-    return status;
+    return ASDIC_OK;
 }

@@ -1,5 +1,7 @@
 #include "tracer.h"
 
+#include "base/try.h"
+
 #include "../base/clock.h"
 #include "../base/context.h"
 
@@ -59,14 +61,12 @@ static unsigned stack_entries(const asdic_bvh *bvh) {
 
 static asdic_status upload(asdic_tracer *t, const asdic_scene *scene) {
     const asdic_bvh *bvh = &scene->bvh;
-    asdic_status status =
-        asdic_buffer_create(t->device, bvh->node_count * sizeof *bvh->nodes, bvh->nodes, &t->nodes);
-    status = status ? status
-                    : asdic_buffer_create(t->device, bvh->block_count * sizeof *bvh->blocks,
-                                          bvh->blocks, &t->blocks);
-    return status ? status
-                  : asdic_buffer_create(t->device, scene->triangle_count * sizeof *scene->triangles,
-                                        scene->triangles, &t->triangles);
+    TRY(asdic_buffer_create(t->device, bvh->node_count * sizeof *bvh->nodes, bvh->nodes,
+                            &t->nodes));
+    TRY(asdic_buffer_create(t->device, bvh->block_count * sizeof *bvh->blocks, bvh->blocks,
+                            &t->blocks));
+    return asdic_buffer_create(t->device, scene->triangle_count * sizeof *scene->triangles,
+                               scene->triangles, &t->triangles);
 }
 
 /* What `auto` takes without measuring: vectors are for processors that have them. */
@@ -97,8 +97,10 @@ asdic_status asdic_tracer_create(asdic_device *device, const asdic_scene *scene,
     t->form = FORM_AUTO;
     snprintf(t->options, sizeof t->options, "-D TRACE_STACK=%u", stack_entries(&scene->bvh));
     asdic_status status = upload(t, scene);
-    status = status ? status : need_kernel(t, plain_form(t));
-    if (status != ASDIC_OK) {
+    if (!status) {
+        status = need_kernel(t, plain_form(t));
+    }
+    if (status) {
         asdic_tracer_destroy(&t);
     }
     *out = t;
@@ -119,13 +121,11 @@ asdic_status asdic_tracer_move(asdic_tracer *t, const asdic_placement *p, size_t
         {t->blocks, m->first_block * block, m->block_count * block, p->blocks + m->first_block},
         {t->triangles, m->first * triangle, m->count * triangle, p->triangles + p->first[movable]},
     };
-    asdic_status status = ASDIC_OK;
-    for (size_t i = 0; !status && i < sizeof parts / sizeof *parts; i++) {
-        status =
-            asdic_buffer_write(parts[i].buffer, parts[i].offset, parts[i].bytes, parts[i].data);
+    for (size_t i = 0; i < sizeof parts / sizeof *parts; i++) {
+        TRY(asdic_buffer_write(parts[i].buffer, parts[i].offset, parts[i].bytes, parts[i].data));
     }
     t->extent_m = p->extent_m;
-    return status;
+    return ASDIC_OK;
 }
 
 void asdic_tracer_destroy(asdic_tracer **tracer) {
@@ -184,10 +184,9 @@ static asdic_status run_form(asdic_tracer *t, int form, asdic_buffer *rays, asdi
         ASDIC_ARG_VALUE(t->extent_m),
     };
     size_t items = (count + forms[form].rays - 1) / forms[form].rays;
-    asdic_status status = need_kernel(t, form);
-    return status ? status
-                  : asdic_kernel_run(t->kernels[form], args, sizeof args / sizeof *args, items,
-                                     forms[form].local);
+    TRY(need_kernel(t, form));
+    return asdic_kernel_run(t->kernels[form], args, sizeof args / sizeof *args, items,
+                            forms[form].local);
 }
 
 /* The fastest form on these rays; the hits are right whichever ran last. */
@@ -197,13 +196,10 @@ static asdic_status measure(asdic_tracer *t, asdic_buffer *rays, asdic_buffer *h
     /* In turn, so that what else the machine does meets all of them. */
     for (int run = 0; run <= LEAST_RUNS || (run <= MOST_RUNS && spent_s < MEASURE_S); run++) {
         for (int form = FORM_WIDE8; form <= FORM_FRUSTUM64; form++) {
-            asdic_status status = asdic_device_finish(t->device);
+            TRY(asdic_device_finish(t->device));
             double start_s = asdic_clock_s();
-            status = status ? status : run_form(t, form, rays, hits, count);
-            status = status ? status : asdic_device_finish(t->device);
-            if (status != ASDIC_OK) {
-                return status;
-            }
+            TRY(run_form(t, form, rays, hits, count));
+            TRY(asdic_device_finish(t->device));
             double taken_s = asdic_clock_s() - start_s;
             spent_s += run > 0 ? taken_s : 0.0; /* the first run compiles */
             if (run > 0 && taken_s < least_s) {
@@ -228,23 +224,22 @@ static asdic_status choose(asdic_tracer *t, asdic_buffer *rays, asdic_buffer *hi
     if ((!gpu && count < MEASURE_RAYS) || t->choice_count == MAX_CHOICES) {
         return ASDIC_OK;
     }
-    asdic_status status = gpu ? ASDIC_OK : measure(t, rays, hits, count, form);
-    if (status == ASDIC_OK) {
-        t->choices[t->choice_count++] = (choice){rays, *form};
-        asdic_log(asdic_device_context(t->device), ASDIC_LOG_DEBUG, "ray kernel: %s for %u rays",
-                  forms[*form].name, count);
+    if (!gpu) {
+        TRY(measure(t, rays, hits, count, form));
     }
-    return status;
+    t->choices[t->choice_count++] = (choice){rays, *form};
+    asdic_log(asdic_device_context(t->device), ASDIC_LOG_DEBUG, "ray kernel: %s for %u rays",
+              forms[*form].name, count);
+    return ASDIC_OK;
 }
 
 asdic_status asdic_tracer_run(asdic_tracer *t, asdic_buffer *rays, asdic_buffer *hits,
                               uint32_t count, uint32_t sample) {
     int form = t->form;
-    asdic_status status = ASDIC_OK;
     if (form == FORM_AUTO) {
-        status = choose(t, rays, hits, sample < count ? sample : count, &form);
+        TRY(choose(t, rays, hits, sample < count ? sample : count, &form));
     }
-    return status ? status : run_form(t, form, rays, hits, count);
+    return run_form(t, form, rays, hits, count);
 }
 
 asdic_buffer *asdic_tracer_triangles(asdic_tracer *tracer) {
