@@ -39,6 +39,14 @@ static void fill(size_t cells, double *vertices, uint32_t *indices) {
     }
 }
 
+static asdic_status make_scene(const asdic_mesh *mesh, unsigned threads, asdic_scene *scene) {
+    asdic_scene_set_surface(scene, false);
+    asdic_scene_set_threads(scene, threads);
+    TRY(asdic_scene_add_bottom(scene, mesh, (asdic_pose){{0.0, 0.0, 0.0}, 0.0, 0.0, 0.0},
+                               asdic_material_facet(6.0, 1e-3, 0.3)));
+    return asdic_scene_commit(scene);
+}
+
 asdic_status bench_terrain(asdic_context *ctx, size_t triangles, unsigned threads,
                            asdic_scene **out) {
     size_t cells = (size_t)fmax(floor(sqrt(0.5 * (double)triangles)), 1.0);
@@ -46,24 +54,15 @@ asdic_status bench_terrain(asdic_context *ctx, size_t triangles, unsigned thread
     double *vertices = malloc(3 * points * sizeof *vertices);
     uint32_t *indices = malloc(6 * cells * cells * sizeof *indices);
     asdic_mesh *mesh = NULL;
-    asdic_status status = vertices && indices ? ASDIC_OK : ASDIC_ERROR_MEMORY;
     *out = NULL;
+    asdic_status status = vertices && indices ? asdic_scene_create(ctx, out) : ASDIC_ERROR_MEMORY;
     if (!status) {
         fill(cells, vertices, indices);
         status =
             asdic_mesh_from_triangles(ctx, vertices, points, indices, 2 * cells * cells, &mesh);
     }
     if (!status) {
-        status = asdic_scene_create(ctx, out);
-    }
-    if (!status) {
-        asdic_scene_set_surface(*out, false);
-        asdic_scene_set_threads(*out, threads);
-        status = asdic_scene_add_bottom(*out, mesh, (asdic_pose){{0.0, 0.0, 0.0}, 0.0, 0.0, 0.0},
-                                        asdic_material_facet(6.0, 1e-3, 0.3));
-    }
-    if (!status) {
-        status = asdic_scene_commit(*out);
+        status = make_scene(mesh, threads, *out);
     }
     if (status) {
         asdic_scene_destroy(out);

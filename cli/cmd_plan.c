@@ -28,6 +28,28 @@ static int compare_floats(const void *a, const void *b) {
 }
 
 /* Shoots the mission's first ping a few times: the forecast is a measurement. */
+static asdic_status shoot(asdic_simulator *sim, const asdic_pose *pose, asdic_ping *ping,
+                          forecast *f) {
+    double start = now_ms();
+    TRY(asdic_simulator_learn(sim, pose, 0)); /* compiles */
+    f->first_ms += now_ms() - start;
+    start = now_ms();
+    TRY(asdic_simulator_learn(sim, pose, 0));
+    f->learn_ms = now_ms() - start;
+    f->ping_ms = INFINITY;
+    for (int k = 0; k < 5; k++) {
+        start = now_ms();
+        TRY(asdic_simulator_ping(sim, pose, 0, ping));
+        f->ping_ms = fmin(f->ping_ms, now_ms() - start);
+    }
+    size_t cells = ping->beams * ping->bins;
+    qsort(ping->stderr_db, cells, sizeof(float), compare_floats);
+    f->median_db = ping->stderr_db[cells / 2];
+    f->worst_db = ping->stderr_db[cells - 1];
+    f->known = true;
+    return ASDIC_OK;
+}
+
 static asdic_status measure(cli *c, asdic_mission *mission, asdic_device *device, forecast *f) {
     asdic_context *ctx = cli_context(c);
     const asdic_sonar *sonar = asdic_mission_sonar(mission);
@@ -35,34 +57,14 @@ static asdic_status measure(cli *c, asdic_mission *mission, asdic_device *device
     asdic_simulator *sim = NULL;
     asdic_ping *ping = NULL;
     double start = now_ms();
-    asdic_status status = asdic_simulator_create(
-        ctx, device, asdic_mission_scene(mission), asdic_mission_environment(mission), sonar,
-        asdic_mission_sampling(mission), pose.position_m.z, &sim);
-    if (!status) {
-        status =
-            asdic_ping_create(ctx, sonar->receiver_count, asdic_simulator_bin_count(sim), &ping);
-    }
-    if (!status) {
-        status = asdic_simulator_learn(sim, &pose, 0);
-    }
+    TRY(asdic_simulator_create(ctx, device, asdic_mission_scene(mission),
+                               asdic_mission_environment(mission), sonar,
+                               asdic_mission_sampling(mission), pose.position_m.z, &sim));
+    asdic_status status =
+        asdic_ping_create(ctx, sonar->receiver_count, asdic_simulator_bin_count(sim), &ping);
     f->first_ms = now_ms() - start;
-    start = now_ms();
     if (!status) {
-        status = asdic_simulator_learn(sim, &pose, 0);
-    }
-    f->learn_ms = now_ms() - start;
-    f->ping_ms = INFINITY;
-    for (int k = 0; !status && k < 5; k++) {
-        start = now_ms();
-        status = asdic_simulator_ping(sim, &pose, 0, ping);
-        f->ping_ms = fmin(f->ping_ms, now_ms() - start);
-    }
-    if (!status) {
-        size_t cells = ping->beams * ping->bins;
-        qsort(ping->stderr_db, cells, sizeof(float), compare_floats);
-        f->median_db = ping->stderr_db[cells / 2];
-        f->worst_db = ping->stderr_db[cells - 1];
-        f->known = true;
+        status = shoot(sim, &pose, ping, f);
     }
     asdic_ping_destroy(&ping);
     asdic_simulator_destroy(&sim);
@@ -140,32 +142,33 @@ static void print_json(const asdic_mission *mission, const asdic_plan *plan, uin
     json_close(&j);
 }
 
-static int run(cli *c) {
-    asdic_mission *mission = NULL;
+static asdic_status show(cli *c, asdic_mission *mission) {
     asdic_device **devices = NULL;
     size_t count = 0;
     asdic_plan plan;
     forecast f = {0};
-    bool measured = !cli_given(c, "no-forecast");
-    asdic_status status = asdic_mission_load(cli_context(c), cli_operand(c, 0), &mission);
-    if (!status) {
-        status = asdic_mission_plan(cli_context(c), mission, &plan);
-    }
-    if (!status && measured) {
-        status = cli_open_devices(c, &devices, &count);
-    }
-    if (!status && measured) {
+    TRY(asdic_mission_plan(cli_context(c), mission, &plan));
+    if (!cli_given(c, "no-forecast")) {
+        TRY(cli_open_devices(c, &devices, &count));
         asdic_mission_sampling(mission)->left_out = plan.left_out;
-        status = measure(c, mission, devices[0], &f);
+        asdic_status status = measure(c, mission, devices[0], &f);
+        asdic_devices_close(&devices, count);
+        TRY(status);
     }
-    if (!status && !cli_given(c, "json")) {
+    if (!cli_given(c, "json")) {
         cli_remark(c, cli_operand(c, 0), mission);
     }
+    uint32_t rays = asdic_mission_sampling(mission)->rays;
+    (cli_given(c, "json") ? print_json : print_text)(mission, &plan, rays, &f);
+    return ASDIC_OK;
+}
+
+static int run(cli *c) {
+    asdic_mission *mission = NULL;
+    asdic_status status = asdic_mission_load(cli_context(c), cli_operand(c, 0), &mission);
     if (!status) {
-        uint32_t rays = asdic_mission_sampling(mission)->rays;
-        (cli_given(c, "json") ? print_json : print_text)(mission, &plan, rays, &f);
+        status = show(c, mission);
     }
-    asdic_devices_close(&devices, count);
     asdic_mission_destroy(&mission);
     return cli_end(c, status);
 }

@@ -94,36 +94,36 @@ static asdic_status complete(cli *c, const asdic_mission *mission, request *r) {
     return ASDIC_OK;
 }
 
-static asdic_status compute(cli *c, request *r, asdic_device *device, size_t index) {
+static asdic_status compute_on(cli *c, request *r, asdic_mission *mission, asdic_device *device,
+                               size_t index) {
     asdic_context *ctx = cli_context(c);
     roc_variants *v = &r->variants;
-    asdic_mission *mission = NULL;
-    asdic_setting setting = {r->key, v->names[index]};
     request own = *r;
-    asdic_status status =
-        asdic_mission_load_with(ctx, cli_operand(c, 0), &setting, r->key ? 1 : 0, &mission);
-    if (status == ASDIC_OK) {
-        status = complete(c, mission, &own);
-    }
-    if (status == ASDIC_OK) {
-        status = asdic_roc_compute(ctx, mission, device, &own.options, &v->rocs[index]);
-    }
+    TRY(complete(c, mission, &own));
+    TRY(asdic_roc_compute(ctx, mission, device, &own.options, &v->rocs[index]));
     /* "pitch_deg = 10" of "sonar.receivers[0].pitch_deg" */
     const char *dot = r->key ? strrchr(r->key, '.') : NULL, *key = dot ? dot + 1 : r->key;
-    if (status == ASDIC_OK && asprintf(&r->labels[index], "%s%s%s", key ? key : "",
-                                       r->key               ? " = "
-                                       : own.options.object ? own.options.object
-                                                            : "target",
-                                       r->key ? v->names[index] : "") < 0) {
+    if (asprintf(&r->labels[index], "%s%s%s", key ? key : "",
+                 r->key               ? " = "
+                 : own.options.object ? own.options.object
+                                      : "target",
+                 r->key ? v->names[index] : "") < 0) {
         r->labels[index] = NULL;
-        status = ASDIC_ERROR_MEMORY;
+        return ASDIC_ERROR_MEMORY;
     }
-    if (status == ASDIC_OK && !r->key) {
+    if (!r->key) {
         v->names[0] = r->labels[0];
     }
-    if (status == ASDIC_OK && index > 0) {
-        status = asdic_roc_compare(ctx, v->rocs[0], v->rocs[index], &v->differences[index]);
-    }
+    return index > 0 ? asdic_roc_compare(ctx, v->rocs[0], v->rocs[index], &v->differences[index])
+                     : ASDIC_OK;
+}
+
+static asdic_status compute(cli *c, request *r, asdic_device *device, size_t index) {
+    asdic_mission *mission = NULL;
+    asdic_setting setting = {r->key, r->variants.names[index]};
+    TRY(asdic_mission_load_with(cli_context(c), cli_operand(c, 0), &setting, r->key ? 1 : 0,
+                                &mission));
+    asdic_status status = compute_on(c, r, mission, device, index);
     asdic_mission_destroy(&mission);
     return status;
 }
@@ -157,24 +157,38 @@ static asdic_status write_files(cli *c, request *r, char *const paths[3]) {
     for (size_t i = 0; i < v->count; i++) {
         names[i] = r->labels[i];
     }
-    asdic_status status =
-        asdic_roc_write_csv(cli_context(c), paths[0], paths[1], names, v->rocs, v->count);
-    if (status == ASDIC_OK && asdic_picture_annotated()) {
+    TRY(asdic_roc_write_csv(cli_context(c), paths[0], paths[1], names, v->rocs, v->count));
+    if (asdic_picture_annotated()) {
         const asdic_roc *first = v->rocs[0];
         snprintf(title, sizeof title, "%s%s%s at %.4g m, beam \u2018%s\u2019, %u look%s",
                  r->key ? r->key : "", r->key ? ": target" : names[0], r->key ? " first" : "",
                  first->range_m, first->beam, first->background.looks,
                  first->background.looks == 1 ? "" : "s");
-        status = asdic_roc_draw(cli_context(c), paths[2], title, names, v->rocs, v->count);
+        TRY(asdic_roc_draw(cli_context(c), paths[2], title, names, v->rocs, v->count));
     }
-    return status;
+    return ASDIC_OK;
+}
+
+static asdic_status compute_all(cli *c, request *r, const char *folder, char *const paths[3]) {
+    asdic_device **devices = NULL;
+    size_t count = 0;
+    TRY(cli_open_devices(c, &devices, &count));
+    asdic_status status = ASDIC_OK;
+    for (size_t i = 0; i < r->variants.count && !status; i++) {
+        status = compute(c, r, devices[0], i);
+    }
+    asdic_devices_close(&devices, count);
+    TRY(status);
+    TRY(write_files(c, r, paths));
+    (cli_given(c, "json") ? roc_print_json : roc_print_table)(&r->variants);
+    cli_note(c, "%s: roc.csv, roc_range.csv%s", folder,
+             asdic_picture_annotated() ? ", roc.png" : "");
+    return ASDIC_OK;
 }
 
 static int judge(cli *c, request *r, const char *folder) {
     static const char *const files[3] = {"roc.csv", "roc_range.csv", "roc.png"};
     char *paths[3] = {NULL, NULL, NULL};
-    asdic_device **devices = NULL;
-    size_t count = 0;
     int code = CLI_FAILED;
     bool is_new = mkdir(folder, 0777) == 0;
     if (!is_new && errno != EEXIST) {
@@ -186,24 +200,12 @@ static int judge(cli *c, request *r, const char *folder) {
             goto done;
         }
     }
-    asdic_status status = cli_open_devices(c, &devices, &count);
-    for (size_t i = 0; i < r->variants.count && status == ASDIC_OK; i++) {
-        status = compute(c, r, devices[0], i);
-    }
-    if (status == ASDIC_OK) {
-        status = write_files(c, r, paths);
-    }
-    if (status == ASDIC_OK) {
-        (cli_given(c, "json") ? roc_print_json : roc_print_table)(&r->variants);
-        cli_note(c, "%s: roc.csv, roc_range.csv%s", folder,
-                 asdic_picture_annotated() ? ", roc.png" : "");
-    }
+    asdic_status status = compute_all(c, r, folder, paths);
     code = cli_bad_usage(c) ? CLI_USAGE : cli_end(c, status);
 done:
     if (is_new && code != CLI_OK) {
         rmdir(folder);
     }
-    asdic_devices_close(&devices, count);
     for (int i = 0; i < 3; i++) {
         free(paths[i]);
     }

@@ -108,16 +108,17 @@ static asdic_status expect(server *s, const asdic_loop_ping *ping) {
     if (s->has_expected && asdic_expected_is_near(&place, &s->place, 0.0, 0.0)) {
         return ASDIC_OK;
     }
-    asdic_status status = asdic_expected_compute(
-        cli_context(s->c), &place.flat, asdic_mission_environment(s->mission),
-        asdic_mission_sonar(s->mission), &place.pose, s->expectation);
-    for (size_t i = 0; !status && i < ping->beams * ping->bins; i++) {
+    s->has_expected = false;
+    TRY(asdic_expected_compute(cli_context(s->c), &place.flat,
+                               asdic_mission_environment(s->mission),
+                               asdic_mission_sonar(s->mission), &place.pose, s->expectation));
+    for (size_t i = 0; i < ping->beams * ping->bins; i++) {
         double level_db = asdic_level_db(s->expectation->intensity_lin[ASDIC_TOTAL][i]);
         s->expected_db[i] = isfinite(level_db) ? (float)level_db : NAN;
     }
     s->place = place;
-    s->has_expected = !status;
-    return status;
+    s->has_expected = true;
+    return ASDIC_OK;
 }
 
 static asdic_status ping_at(server *s, const serve_request *request) {
@@ -129,23 +130,20 @@ static asdic_status ping_at(server *s, const serve_request *request) {
         cli_warning(s->c, "line %llu: %s", (unsigned long long)s->line, why);
         return ASDIC_OK;
     }
-    if (!status) {
-        status = asdic_loop_collect(s->loop, &ping);
+    TRY(status);
+    TRY(asdic_loop_collect(s->loop, &ping));
+    if (s->expected_db) {
+        TRY(expect(s, &ping));
     }
-    if (!status && s->expected_db) {
-        status = expect(s, &ping);
+    if (s->scan) {
+        TRY(asdic_scan_ping(s->scan, ping.parts->intensity_lin[ASDIC_TOTAL],
+                            s->expectation->intensity_lin[ASDIC_TOTAL],
+                            s->expectation->intensity_lin[ASDIC_NOISE], ping.parts->stderr_db));
     }
-    if (!status && s->scan) {
-        status = asdic_scan_ping(s->scan, ping.parts->intensity_lin[ASDIC_TOTAL],
-                                 s->expectation->intensity_lin[ASDIC_TOTAL],
-                                 s->expectation->intensity_lin[ASDIC_NOISE], ping.parts->stderr_db);
-    }
-    if (!status) {
-        asdic_scan_result found = s->scan ? asdic_scan_get(s->scan) : (asdic_scan_result){0};
-        serve_answer answer = {&ping, s->expected_db, s->scan ? &found : NULL};
-        serve_write_ping(&s->writer, s->line, request, &answer);
-    }
-    return status;
+    asdic_scan_result found = s->scan ? asdic_scan_get(s->scan) : (asdic_scan_result){0};
+    serve_answer answer = {&ping, s->expected_db, s->scan ? &found : NULL};
+    serve_write_ping(&s->writer, s->line, request, &answer);
+    return ASDIC_OK;
 }
 
 /* Whether stdout takes more; main says what is wrong when it does not. */
@@ -193,26 +191,22 @@ static asdic_status start(server *s, asdic_device *device) {
     asdic_context *ctx = cli_context(s->c);
     const asdic_sonar *sonar = asdic_mission_sonar(s->mission);
     double start_s, depth_m = asdic_mission_pose(s->mission, 0, &start_s).position_m.z;
-    asdic_status status =
-        asdic_loop_create_mission(ctx, device, s->mission, depth_m, start_s, &s->loop);
-    if (status) {
-        return status;
-    }
+    TRY(asdic_loop_create_mission(ctx, device, s->mission, depth_m, start_s, &s->loop));
     s->writer.sonar = sonar;
     s->writer.bins = asdic_loop_bin_count(s->loop);
     s->writer.bin_length_m = sonar->bin_length_m;
     if (s->writer.has_expected || s->writer.has_detections) {
-        status = asdic_ping_create(ctx, sonar->receiver_count, s->writer.bins, &s->expectation);
+        TRY(asdic_ping_create(ctx, sonar->receiver_count, s->writer.bins, &s->expectation));
         s->expected_db = malloc(sonar->receiver_count * s->writer.bins * sizeof(float));
-        status = !status && !s->expected_db ? ASDIC_ERROR_MEMORY : status;
+        TRY(s->expected_db ? ASDIC_OK : ASDIC_ERROR_MEMORY);
     }
-    if (!status && s->writer.has_detections) {
+    if (s->writer.has_detections) {
         double speed_mps =
             asdic_environment_sound_speed_mps(asdic_mission_environment(s->mission), depth_m);
-        status = asdic_scan_create(ctx, sonar, speed_mps, s->writer.bins,
-                                   asdic_mission_detector(s->mission), NULL, &s->scan);
+        TRY(asdic_scan_create(ctx, sonar, speed_mps, s->writer.bins,
+                              asdic_mission_detector(s->mission), NULL, &s->scan));
     }
-    return status;
+    return ASDIC_OK;
 }
 
 static int run(cli *c) {

@@ -90,6 +90,11 @@ static void allocation_beyond_the_limit_names_both_numbers(void **state) {
     assert_contains(asdic_context_error(t.ctx), text);
 }
 
+static void no_device_has_no_information(void **state) {
+    (void)state;
+    assert_null(asdic_device_get_info(NULL));
+}
+
 static void kernel_computes(void **state) {
     (void)state;
     asdic_buffer *a = NULL, *b = NULL;
@@ -287,6 +292,7 @@ int main(void) {
         cmocka_unit_test(buffer_gives_back_what_was_written),
         cmocka_unit_test(buffer_zero_clears_exactly_the_bytes_asked_for),
         cmocka_unit_test(empty_buffer_can_be_an_argument),
+        cmocka_unit_test(no_device_has_no_information),
         cmocka_unit_test(access_beyond_a_buffer_is_refused),
         cmocka_unit_test(allocation_beyond_the_limit_names_both_numbers),
         cmocka_unit_test_setup(kernel_computes, use_test_kernels),
