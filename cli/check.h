@@ -1,6 +1,6 @@
 /*
- * What 'asdic check' says about one file: as text on stdout, or as an object into J when it is not
- * NULL. Failures are left to the caller to report.
+ * What 'asdic check' reports on one file: as text on stdout, or as an object in J when it is not
+ * NULL. The caller reports failures.
  */
 #ifndef ASDIC_CLI_CHECK_H
 #define ASDIC_CLI_CHECK_H

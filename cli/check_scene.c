@@ -6,7 +6,7 @@
 /* Objects listed as text; a scene may have thousands. */
 #define MOST_SHOWN 40
 
-/* What follows from a scene rather than stands in it. */
+/* Values derived from a scene, not written in it. */
 typedef struct scene_numbers {
     size_t pings, beams, bins;
     double depth_m; /* of the sonar at the first ping */
@@ -81,7 +81,7 @@ static void print_json(const char *path, const asdic_mission *m, const scene_num
     json_close(j);
 }
 
-/* Without the dust that a quarter turn leaves: cos(90 deg) is 6e-17. */
+/* Rounding residue of a quarter turn set to 0: cos(90 deg) gives 6e-17. */
 static double tidy(double x_m) {
     return fabs(x_m) < 1e-9 ? 0.0 : x_m;
 }

@@ -64,7 +64,8 @@ typedef struct cli_command {
 
 asdic_context *cli_context(const cli *c);
 
-/* Hangs up at the first signal that asks to stop, for poll; -1 where there is none. */
+/* A descriptor for poll that hangs up at the first signal that asks to stop; -1 where there is
+ * none. */
 int cli_signal_fd(void);
 size_t cli_operand_count(const cli *c);
 const char *cli_operand(const cli *c, size_t index); /* NULL beyond the last */
@@ -73,10 +74,10 @@ bool cli_given(const cli *c, const char *option);
 const char *cli_text(const cli *c, const char *option); /* NULL when not given */
 void cli_number(cli *c, const char *option, double low, double high, double *out);
 void cli_integer(cli *c, const char *option, uint64_t low, uint64_t high, uint64_t *out);
-/* LOW:HIGH, both inside [LIMIT_LOW, LIMIT_HIGH] and in order. */
+/* LOW:HIGH; both must lie in [LIMIT_LOW, LIMIT_HIGH], LOW below HIGH. */
 void cli_number_range(cli *c, const char *option, double limit_low, double limit_high, double *low,
                       double *high);
-/* FIRST:END, as in Python: [first, end); "A" is A:A+1; a side left out keeps *FIRST or *END. */
+/* FIRST:END as in Python: [first, end); "A" is A:A+1; an omitted side keeps *FIRST or *END. */
 void cli_index_range(cli *c, const char *option, uint64_t *first, uint64_t *end);
 /* K/N with 1 <= K <= N. */
 void cli_share(cli *c, const char *option, uint64_t *k, uint64_t *n);

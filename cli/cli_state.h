@@ -1,5 +1,5 @@
 /*
- * What stands behind `cli`, for the files that parse and report; commands use cli.h.
+ * The struct behind `cli`, for the files that parse and report; commands use cli.h.
  */
 #ifndef ASDIC_CLI_STATE_H
 #define ASDIC_CLI_STATE_H
@@ -8,7 +8,7 @@
 
 #define CLI_MAX_OPTIONS 48
 
-/* Not even errors: one of several processes that would say the same. */
+/* Not even errors: several processes would print the same. */
 #define CLI_MUTE (-2)
 
 struct cli {
@@ -27,26 +27,26 @@ struct cli {
 /* Gathers the options COMMAND takes. */
 void cli_begin(cli *c, asdic_context *ctx, const cli_command *command);
 
-/* Reads ARGV, whose first word is the command's name. False after a mistake, which is reported. */
+/* Reads ARGV; its first word is the command's name. False after a mistake, which is reported. */
 bool cli_parse(cli *c, int argc, char **argv);
 
 /* Help on stdout: of the program, or of one command. */
 void cli_help_program(FILE *out);
 void cli_help_command(FILE *out, const cli_command *command);
 
-/* The nearest of COUNT words to TEXT, or NULL when none looks meant. */
+/* The word of COUNT that is nearest to TEXT; NULL when none is near enough. */
 const char *cli_nearest(const char *text, const char *const *words, size_t count);
 
 /* Sends the library's messages to stderr with the verbosity asked for. */
 void cli_report_begin(cli *c);
 
-/* The first SIGINT or SIGTERM asks CTX to stop, the second ends the program. Before threads
+/* The first SIGINT or SIGTERM asks CTX to stop, the second ends the program. Call it before threads
  * begin. */
 void cli_signals_begin(asdic_context *ctx);
 void cli_signals_end(void);    /* before the context is destroyed */
 int cli_signal_received(void); /* 0: none */
 
-/* Closes stdout; CODE, or what the failure to write makes of it. */
+/* Closes stdout. Returns CODE, or CLI_FAILED where writing failed. */
 int cli_close_output(const cli *c, int code);
 
 #endif

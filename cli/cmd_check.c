@@ -1,4 +1,5 @@
-/* Which file is what, and what is said about all of them; check_scene.c and check_mesh.c say it. */
+/* Tells scenes from meshes and collects the results; check_scene.c and check_mesh.c report on
+ * each. */
 #include "check.h"
 #include "commands.h"
 
@@ -18,7 +19,8 @@ static bool has_suffix(const char *path, const char *const *words) {
 }
 
 static asdic_status check_file(cli *c, const char *path, json *j) {
-    /* Those behind "off" and "asc" cannot be read, and the library says so best. */
+    /* Formats behind "off" and "asc" cannot be read; the library has the better message for
+     * them. */
     static const char *const meshes[] = {"obj", "ply", "stl", "off", "dae",  "gltf",  "glb", "fbx",
                                          "3ds", "x3d", "wrl", "stp", "step", "blend", NULL};
     static const char *const grids[] = {"asc", "nc", "tif", "tiff", NULL};
@@ -31,7 +33,7 @@ static asdic_status check_file(cli *c, const char *path, json *j) {
     return check_scene(c, path, j);
 }
 
-/* What a failed check leaves in the array of --json. */
+/* The entry of a failed check in the array of --json. */
 static void print_failure(cli *c, const char *path, json *j) {
     json_open(j, NULL, '{');
     json_text(j, "file", path);

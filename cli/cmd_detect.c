@@ -60,7 +60,7 @@ static asdic_status choose_detector(cli *c, const char *folder, request *r) {
     chosen.pfa = r->has_pfa ? r->detector.pfa : chosen.pfa;
     chosen.prior = r->has_prior ? r->detector.prior : chosen.prior;
     chosen.snr_db = r->has_snr ? r->detector.snr_db : chosen.snr_db;
-    /* What was typed replaces the scene's threshold, of whichever kind. */
+    /* An option replaces the scene's threshold, of whichever kind that is. */
     chosen.cost_ratio = r->has_cost  ? r->detector.cost_ratio
                         : r->has_pfa ? (double)NAN
                                      : chosen.cost_ratio;
@@ -93,7 +93,8 @@ static void print_classes(const asdic_detect_report *r) {
     }
 }
 
-/* Beams of an object that are listed; of more, only the one in which it stands out most. */
+/* At most so many beams of an object are listed; of more, only the one in which it stands out
+ * most. */
 #define MOST_BEAMS 8
 
 static void print_sight(const asdic_detect_sight *s, const char *beam) {

@@ -17,7 +17,7 @@ static const char *kind_name(asdic_device_kind kind) {
     return "other";
 }
 
-/* What the device cannot do; "" when nothing is missing. */
+/* What the device lacks; "" when nothing is missing. */
 static const char *lacks(const asdic_device_info *info) {
     if (!info->usable) {
         return info->unusable_why;

@@ -25,7 +25,7 @@ static void print_command(json *j, const cli_command *command) {
     json_close(j);
 }
 
-/* The whole table: man page and completions are made from it. */
+/* The whole table; man pages and completions are made from it. */
 static void print_table(const cli_command *only) {
     json j = json_begin(stdout);
     json_open(&j, NULL, '[');

@@ -74,7 +74,7 @@ static bool read_request(cli *c, request *r) {
     return !cli_bad_usage(c) && read_vary(c, r);
 }
 
-/* What the scene says where nothing was typed; without a target, its first object. */
+/* Takes what was not typed from the scene; without a target, its first object. */
 static asdic_status complete(cli *c, const asdic_mission *mission, request *r) {
     const asdic_detector *detector = asdic_mission_detector(mission);
     r->options.target = r->has_target ? r->options.target : detector->target;

@@ -96,7 +96,7 @@ static char *default_folder(const request *r) {
     return length < 0 ? NULL : folder;
 }
 
-/* Finds the rays that --tolerance takes, and says so. */
+/* Finds the number of rays that --tolerance needs and prints it. */
 static asdic_status keep_tolerance(cli *c, asdic_mission *mission, asdic_device *device,
                                    double tolerance_db) {
     const asdic_sonar *sonar = asdic_mission_sonar(mission);
@@ -150,7 +150,7 @@ static asdic_status simulate(cli *c, asdic_mission *mission, double tolerance_db
     asdic_device **devices = NULL;
     size_t count = 0;
     asdic_run_options options = *wanted;
-    cli_progress progress = cli_progress_begin(c); /* of process 0: a member reports none */
+    cli_progress progress = cli_progress_begin(c); /* only process 0 reports progress */
     asdic_status status = cli_open_devices(c, &devices, &count);
     if (status != ASDIC_OK) {
         return status;
@@ -159,7 +159,7 @@ static asdic_status simulate(cli *c, asdic_mission *mission, double tolerance_db
     options.times = &times;
     options.progress = cli_progress_report;
     options.user = &progress;
-    if (!isnan(tolerance_db) && !cli_team_is_member(options.team)) {
+    if (!isnan(tolerance_db) && !cli_team_is_worker(options.team)) {
         status = keep_tolerance(c, mission, devices[0], tolerance_db);
     }
     if (status == ASDIC_OK) {
@@ -208,10 +208,10 @@ static int run(cli *c) {
     if (!cli_team_begin(c, &team)) {
         return CLI_USAGE;
     }
-    bool is_member = cli_team_is_member(team);
+    bool is_worker = cli_team_is_worker(team);
     int code = run_alone_or_in(c, team);
     cli_team_end(c, &team);
-    return is_member ? CLI_OK : code;
+    return is_worker ? CLI_OK : code;
 }
 
 static const cli_option options[] = {

@@ -8,7 +8,7 @@
 #include <string.h>
 #include <unistd.h>
 
-/* Longer than any pose; a client that sends more has lost its way. */
+/* Longer than any pose: a longer line is an error of the client. */
 #define MAX_LINE 4096
 
 static const cli_option options[] = {
@@ -65,8 +65,8 @@ static bool refill(line_source *in, asdic_context *ctx, int *error) {
     return false;
 }
 
-/* The next line, ended by a zero; NULL when there is none. What is longer than the buffer is cut,
- * and its rest passed over. A last line without an end counts. */
+/* The next line with a terminating zero; NULL when there is none. A line longer than the buffer is
+ * cut and its rest skipped. A last line without a line end counts. */
 static const char *next_line(line_source *in, asdic_context *ctx, int *error) {
     *error = 0;
     for (;;) {
@@ -99,8 +99,9 @@ static const char *next_line(line_source *in, asdic_context *ctx, int *error) {
     }
 }
 
-/* Quadratures take longer than pings, and a vehicle that keeps its altitude and attitude expects
- * what it expected. To the north, that the answer may not depend on what was asked before. */
+/* Quadrature takes longer than a ping, so a place with the same altitude and attitude keeps its
+ * expected levels. The heading is set north, so that an answer does not depend on earlier
+ * requests. */
 static asdic_status expect(server *s, const asdic_loop_ping *ping) {
     asdic_expected_place place = {.flat = asdic_mission_flat_scene(s->mission, 0)};
     asdic_loop_ping_place(ping, &place);
@@ -146,7 +147,7 @@ static asdic_status ping_at(server *s, const serve_request *request) {
     return ASDIC_OK;
 }
 
-/* Whether stdout takes more; main says what is wrong when it does not. */
+/* Whether stdout still accepts data; main reports the reason when it does not. */
 static bool flush(server *s) {
     return fflush(s->writer.out) == 0 && !ferror(s->writer.out);
 }

@@ -84,7 +84,7 @@ static int show(view_job *job, const request *r, size_t mission_pings, const cha
                : view_window(job);
 }
 
-/* What a recording has to say comes last, whatever ended the view. */
+/* A recording reports last, whatever ended the view. */
 static int wind_up(view_job *job, int code) {
     asdic_status status = asdic_view_stop(job->view);
     return status ? cli_end(job->c, status) : code;

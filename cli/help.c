@@ -8,7 +8,7 @@
 #define TEXT_COLUMN 26
 #define LAST_COLUMN 78
 
-/* TEXT wrapped between two columns, its own line ends kept; the cursor is at INDENT. */
+/* TEXT wrapped between two columns; its own line ends are kept. The cursor is at INDENT. */
 static void print_wrapped(FILE *out, const char *text, int indent) {
     int column = indent;
     while (*text) {

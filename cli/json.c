@@ -22,7 +22,7 @@ static void print_string(FILE *out, const char *text) {
     fputc('"', out);
 }
 
-/* Comma, new line, indentation and key in front of a value. */
+/* Writes comma, new line, indentation and key before a value. */
 static void begin_value(json *j, const char *key) {
     if (j->depth > 0) {
         fputs(j->filled[j->depth] ? ",\n" : "\n", j->out);

@@ -60,8 +60,9 @@ static int run_program(cli *c, int argc, char **argv) {
     return run_command(c, argc - 1, argv + 1);
 }
 
-/* Where the caller closed a standard stream, the next file to be opened would take its number, and
- * be written into by messages. What stands in for it here can neither be read nor written. */
+/* Where the caller closed a standard stream, the next file opened would get its number and receive
+ * messages. /dev/null takes the number instead, opened so that reading stdin and writing stdout
+ * fail. */
 static void hold_standard_streams(void) {
     for (int fd = 0; fd <= 2; fd++) {
         if (fcntl(fd, F_GETFD) < 0 && open("/dev/null", fd == 0 ? O_WRONLY : O_RDONLY) < 0) {

@@ -63,7 +63,7 @@ static void unknown_option(cli *c, const char *typed) {
     }
 }
 
-/* What getopt_long made of ARGV went wrong: '?' or ':'. */
+/* Reports an error of getopt_long: '?' or ':'. */
 static void report_mistake(cli *c, int result, const char *typed) {
     const cli_option *known = NULL;
     if (optopt >= FIRST_VALUE) {

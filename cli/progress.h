@@ -8,7 +8,7 @@
 
 typedef struct cli_progress {
     bool is_shown, is_drawn;
-    size_t resumed; /* pings that were there at the beginning; SIZE_MAX: not known yet */
+    size_t resumed; /* pings present at the start; SIZE_MAX: not known yet */
     double last_s;  /* elapsed when the bar was drawn */
     asdic_run_progress last;
 } cli_progress;

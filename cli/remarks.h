@@ -1,5 +1,6 @@
 /*
- * Where a scene leaves the validity of a law: told once, the command goes on.
+ * Remarks on laws that a scene uses outside their range of validity: printed once, the command goes
+ * on.
  */
 #ifndef ASDIC_CLI_REMARKS_H
 #define ASDIC_CLI_REMARKS_H

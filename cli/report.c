@@ -21,7 +21,7 @@ static bool terminal_shows_colour(void) {
            !(term && strcmp(term, "dumb") == 0);
 }
 
-/* "scene.yaml:5:3: error: text" already has its word, other messages get it in front. */
+/* "scene.yaml:5:3: error: text" already names its severity; other messages get it in front. */
 static void print_message(const cli *c, const char *word, const char *colour, const char *text) {
     char mark[32];
     const char *on = c->colour ? colour : "", *off = c->colour ? PLAIN : "";
@@ -134,10 +134,10 @@ static int exit_code(asdic_status status) {
     return CLI_FAILED;
 }
 
-/* As if SIGPIPE had ended us, which somebody ignored. */
+/* Exits as SIGPIPE would have, where the parent ignores that signal. */
 #define READER_LEFT (128 + 13)
 
-/* Whether the data were to go to stdout ("-o -"), where nobody reads any more. */
+/* Whether data went to stdout ("-o -") and its reader is gone. */
 static bool reader_left(const cli *c) {
     struct pollfd out = {.fd = STDOUT_FILENO, .events = POLLOUT};
     bool to_stdout = false;
@@ -161,8 +161,8 @@ int cli_end(const cli *c, asdic_status status) {
     return exit_code(status);
 }
 
-/* Why an earlier write to stdout failed, which stdio does not keep: the system is asked again where
- * a byte too many does no harm. 0: not known. */
+/* Why an earlier write to stdout failed. stdio does not keep the reason, so one more byte is
+ * written where that does no harm. 0: not known. */
 static int earlier_error(void) {
     struct stat st;
     bool is_harmless = fstat(STDOUT_FILENO, &st) == 0 && !S_ISREG(st.st_mode);

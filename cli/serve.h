@@ -14,7 +14,7 @@ enum { SERVE_TIME, SERVE_X, SERVE_Y, SERVE_Z, SERVE_ROLL, SERVE_PITCH, SERVE_YAW
 /* The columns of a track file: "time_s", "x_m", ... */
 extern const char *const serve_columns[SERVE_COLUMNS];
 
-/* How the values of a line without names are told apart: as the last header said. */
+/* How values of a line without names are assigned: as the last header said. */
 typedef struct serve_reader {
     bool has_header;
     int column[SERVE_MAX_FIELDS]; /* which column a field holds; -1: none of ours */
@@ -30,8 +30,9 @@ typedef enum serve_line { SERVE_POSE, SERVE_NOTHING, SERVE_BAD } serve_line;
 
 serve_reader serve_reader_begin(void);
 
-/* One line without its end: a JSON object when it begins with '{', else comma-separated values or
- * their header. SERVE_NOTHING: a blank line, or a header. WHY is filled when SERVE_BAD. */
+/* Reads one line without its end: a JSON object when it begins with '{', else comma-separated
+ * values or their header. SERVE_NOTHING: a blank line or a header. SERVE_BAD: WHY tells what is
+ * wrong. */
 serve_line serve_read_line(serve_reader *reader, const char *line, serve_request *out,
                            char why[SERVE_WHY_SIZE]);
 

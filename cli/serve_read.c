@@ -19,7 +19,7 @@ serve_reader serve_reader_begin(void) {
     return r;
 }
 
-/* Place of the name TEXT[0..LENGTH) among the columns; -1: none of ours. */
+/* Index of the name TEXT[0..LENGTH) among the columns; -1: unknown. */
 static int find_column(const char *text, size_t length) {
     for (int i = 0; i < SERVE_COLUMNS; i++) {
         if (strlen(serve_columns[i]) == length && memcmp(serve_columns[i], text, length) == 0) {
@@ -70,7 +70,7 @@ static serve_line bad_json(const char *line, const char *at, const char *expecte
     return SERVE_BAD;
 }
 
-/* A value that is none of ours: a string without escapes, a number, true, false or null. */
+/* Skips the value of an unknown name: a string without escapes, a number, true, false or null. */
 static bool skip_value(const char **at) {
     double number;
     if (**at == '"') {
@@ -88,7 +88,7 @@ static bool skip_value(const char **at) {
     return read_number(at, &number);
 }
 
-/* {"x_m": 1, "y_m": 2, ...}: flat; names of no meaning here are passed over. */
+/* {"x_m": 1, "y_m": 2, ...}: flat; unknown names are skipped. */
 static serve_line read_json(const char *line, serve_request *out, char *why) {
     const char *at = skip_blanks(skip_blanks(line) + 1);
     while (*at != '}') {

@@ -1,7 +1,8 @@
-/* The one place with static state: a signal has no other way to reach the context. A thread waits
- * for signals, which all others block: LLVM, by which PoCL compiles, has handlers of its own that
- * remove the object it is writing, after which PoCL aborts; and a compiler that it started must not
- * stop either. */
+/* The one place with static state: a signal has no other way to reach the context.
+ * 
+ * A thread waits for signals, and all other threads block them. LLVM, with which PoCL compiles,
+ * installs handlers that delete the object it is writing, after which PoCL aborts; a compiler that
+ * it started must not stop either. */
 #include "cli_state.h"
 
 #include <fcntl.h>
@@ -41,7 +42,7 @@ static void *wait_for_signals(void *unused) {
     return NULL;
 }
 
-/* Without a thread or a pipe signals end the program at once, which a run folder survives, too. */
+/* Without a thread or a pipe, signals end the program at once; a run folder survives that. */
 void cli_signals_begin(asdic_context *ctx) {
     sigset_t set;
     pthread_t thread;

@@ -38,7 +38,7 @@ const char *cli_nearest(const char *text, const char *const *words, size_t count
             continue;
         }
         size_t d = distance(text, words[i]);
-        /* A third of the letters wrong, or two swapped in a short word, still looks meant. */
+        /* At most a third of the letters differ, or two are swapped in a short word. */
         if (d <= smaller(strlen(words[i]) / 3 + 1, 3) && (!best || d < best_distance)) {
             best = words[i];
             best_distance = d;

@@ -4,7 +4,8 @@
 
 #include <stdlib.h>
 
-/* How launchers say how many processes they started: Open MPI; MPICH, Intel, Slurm's PMI. */
+/* Variables in which launchers tell how many processes they started: Open MPI; MPICH, Intel,
+ * Slurm's PMI. */
 static const char *const sizes[] = {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "MPI_LOCALNRANKS"};
 
 static long launched(void) {
@@ -14,7 +15,7 @@ static long launched(void) {
             return strtol(value, NULL, 10);
         }
     }
-    /* PMIx tells the rank alone: how many there are, MPI will say. */
+    /* PMIx tells only the rank; MPI tells how many there are. */
     return getenv("PMIX_RANK") ? 2 : 1;
 }
 
@@ -28,7 +29,7 @@ bool cli_team_begin(cli *c, asdic_team **out) {
         cli_error(c, "%s", asdic_context_error(cli_context(c)));
         return false;
     }
-    if (cli_team_is_member(*out)) {
+    if (cli_team_is_worker(*out)) {
         c->verbosity = CLI_MUTE;
         cli_report_begin(c);
     }
@@ -57,6 +58,6 @@ void cli_team_end(cli *c, asdic_team **team) {
 #endif
 }
 
-bool cli_team_is_member(const asdic_team *team) {
+bool cli_team_is_worker(const asdic_team *team) {
     return team && team->rank > 0;
 }

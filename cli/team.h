@@ -6,15 +6,16 @@
 
 #include "cli.h"
 
-/* The team that this process is one of, NULL when it is alone; false after a report when a
- * launcher started several but this program cannot speak with the others. */
+/* The team of this process, NULL when it is alone. False after a report when a launcher started
+ * several processes but this program was built without MPI. */
 bool cli_team_begin(cli *c, asdic_team **out);
 
-/* When everything else is done, in every process and whatever happened. */
+/* Call it last, in every process, whatever happened. */
 void cli_team_end(cli *c, asdic_team **team);
 
-/* Not process 0, which alone speaks and whose exit code counts. */
-bool cli_team_is_member(const asdic_team *team);
+/* Whether this process is a worker: not process 0, the coordinator, which alone prints and sets the
+ * exit code. */
+bool cli_team_is_worker(const asdic_team *team);
 
 /* By MPI (team_mpi.c); *OUT is NULL when there is only one process. */
 asdic_status cli_mpi_begin(asdic_context *ctx, asdic_team **out);

@@ -1,6 +1,6 @@
 /*
- * Messages by MPI. Sends do not wait: what is under way is kept until MPI has done with it. Nothing
- * here blocks, because MPI libraries spin while they wait, which would take a core from the device.
+ * Messages by MPI. Sends do not wait: a message is kept until MPI has sent it. Nothing here blocks,
+ * because MPI libraries spin while they wait and would take a core from the device.
  */
 #include "team.h"
 
@@ -12,27 +12,27 @@
 
 #define TAG 1
 
-typedef struct parcel {
-    struct parcel *next;
+typedef struct message {
+    struct message *next;
     MPI_Request request;
     char data[];
-} parcel;
+} message;
 
 typedef struct post_office {
     asdic_context *ctx;
     asdic_team team;
-    parcel *sent;
+    message *sent;
     char *received;
     size_t capacity;
 } post_office;
 
-/* Forgets parcels that have been sent. */
+/* Frees messages that have been sent. */
 static void sweep(post_office *p) {
-    for (parcel **at = &p->sent; *at;) {
+    for (message **at = &p->sent; *at;) {
         int done = 0;
         MPI_Test(&(*at)->request, &done, MPI_STATUS_IGNORE);
         if (done) {
-            parcel *old = *at;
+            message *old = *at;
             *at = old->next;
             free(old);
         } else {
@@ -44,7 +44,7 @@ static void sweep(post_office *p) {
 static asdic_status send_parcel(void *user, unsigned to, const void *data, size_t bytes) {
     post_office *p = user;
     sweep(p);
-    parcel *new = bytes <= INT_MAX ? malloc(sizeof *new + bytes) : NULL;
+    message *new = bytes <= INT_MAX ? malloc(sizeof *new + bytes) : NULL;
     if (!new) {
         return ASDIC_ERROR_MEMORY;
     }

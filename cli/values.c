@@ -1,4 +1,4 @@
-/* What was typed, as values. The program never leaves the "C" locale, so strtod is safe. */
+/* Typed arguments as values. The program never leaves the "C" locale, so strtod is safe. */
 #include "cli_state.h"
 
 #include <ctype.h>

@@ -1,12 +1,12 @@
 /*
- * What the ways to show a view share: what is asked for, keys from a script.
+ * Shared by the window and the stream: options, and keys from a script.
  */
 #ifndef ASDIC_CLI_VIEW_H
 #define ASDIC_CLI_VIEW_H
 
 #include "cli.h"
 
-/* A key to be pressed when TIME_S of the mission have gone. */
+/* A key and the mission time at which it is pressed. */
 typedef struct view_key {
     double time_s;
     const char *name;

@@ -1,4 +1,4 @@
-/* Keys by script, for views that nobody sits at. */
+/* Keys from a script, for views without a user. */
 #include "view.h"
 
 #include <math.h>

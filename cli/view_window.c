@@ -21,7 +21,7 @@ static bool fail(const cli *c, const char *what) {
     return false;
 }
 
-/* Where there is no display, SDL's last resort is a driver that shows nothing to anybody. */
+/* Without a display, SDL falls back to a driver that shows nothing. */
 static bool is_seen(void) {
     const char *driver = SDL_GetCurrentVideoDriver();
     return getenv("SDL_VIDEODRIVER") ||
@@ -30,7 +30,7 @@ static bool is_seen(void) {
 
 static bool open_window(window *w, unsigned width, unsigned height) {
     const cli *c = w->job->c;
-    /* Ctrl-C belongs to the program; the screen may sleep as it likes. */
+    /* Ctrl-C is left to the program, and the screen may sleep. */
     SDL_SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1");
     SDL_SetHint(SDL_HINT_VIDEO_ALLOW_SCREENSAVER, "1");
     SDL_SetHint(SDL_HINT_RENDER_SCALE_QUALITY, "linear");
@@ -126,7 +126,7 @@ static void wait(window *w, double until_s) {
     }
 }
 
-/* Steps at the ping rate; a step that is late moves those after it: time is stretched. */
+/* Steps at the ping rate; a late step delays the following ones, so that time stretches. */
 static asdic_status show(window *w) {
     asdic_status status = ASDIC_OK;
     double period_s = 1.0 / w->job->rate_hz, due_s = now_s();

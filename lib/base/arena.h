@@ -1,5 +1,5 @@
 /*
- * Memory that is freed all at once: many small objects of one owner.
+ * Memory that is freed all at once, for many small objects of one structure.
  */
 #ifndef ASDIC_BASE_ARENA_H
 #define ASDIC_BASE_ARENA_H

@@ -42,7 +42,7 @@ static inline double level_of(double x) {
     return e * db_per_octave + (s + s * tail) * twice_db_per_neper;
 }
 
-/* Two loops: compilers make vectors of the first, which no comparison interrupts. */
+/* Two loops: compilers vectorise the first, which has no comparison. */
 WIDEST static void convert(const double *intensity_lin, size_t count, float *level_db) {
     for (size_t i = 0; i < count; i++) {
         level_db[i] = (float)level_of(intensity_lin[i]);
@@ -55,7 +55,7 @@ WIDEST static void convert(const double *intensity_lin, size_t count, float *lev
     }
 }
 
-/* The choice of a clone stays inside: as a symbol of its own it would be exported. */
+/* The resolver of clones is static: as a symbol of its own it would be exported. */
 void asdic_decibels(const double *intensity_lin, size_t count, float *level_db) {
     convert(intensity_lin, count, level_db);
 }

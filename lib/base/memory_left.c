@@ -6,7 +6,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-/* Of /proc/meminfo, Linux; elsewhere there is none. */
+/* From /proc/meminfo, Linux; not known elsewhere. */
 static uint64_t system_left(void) {
     unsigned long long kib = 0;
     char line[128];
@@ -24,7 +24,7 @@ static uint64_t system_left(void) {
     return bytes;
 }
 
-/* What this process has of addresses; 0 where the system does not say. */
+/* The process's limit of address space; 0 where the system does not tell. */
 static uint64_t used(void) {
     unsigned long long pages = 0;
     FILE *file = fopen("/proc/self/statm", "re");

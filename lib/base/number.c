@@ -14,7 +14,7 @@ static size_t count_digits(const char *text, size_t length, size_t at) {
     return n;
 }
 
-/* What is wrong with TEXT that has not the form of a number. */
+/* Why TEXT has not the form of a number. */
 static const char *explain(const char *text, size_t length) {
     static const char *const not_finite[] = {"nan", "inf", "infinity"};
     size_t skip = length > 0 && (text[0] == '+' || text[0] == '-');

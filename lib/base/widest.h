@@ -1,6 +1,6 @@
 /*
- * WIDEST before a static function: also compiled for the wider vectors that a processor may have, and chosen
- * when the library is loaded. The same operations, so the same bytes.
+ * WIDEST before a static function: the function is also compiled for wider vectors, and the loader
+ * picks the widest that the processor has. The operations are the same, so the bytes are the same.
  */
 #ifndef ASDIC_BASE_WIDEST_H
 #define ASDIC_BASE_WIDEST_H

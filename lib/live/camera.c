@@ -10,7 +10,7 @@
 
 #define FIELD_OF_VIEW_RAD 1.15 /* from side to side */
 #define GRID_M 10.0
-/* Visibility follows the sonar's range: what it hears should be seen, the far end dimly. */
+/* Visibility follows the sonar's range: what it hears is visible, dim at the far end. */
 #define FOG_RED 3.6
 #define FOG_GREEN 1.7
 #define FOG_BLUE 1.4
@@ -125,7 +125,7 @@ static void place_vehicle(const asdic_shot *shot, asdic_vec3 origin_m, dev_camer
             cone->eye[row] = (float)along(cone->rows + 3 * row, from);
         }
     }
-    /* Larger than life where the view is wide, so that it is seen. */
+    /* Drawn larger than it is where the view is wide, so that it stays visible. */
     d->body_length_m = (float)fmax(1.6, 0.032 * shot->range_m);
     d->body_radius_m = 0.075f * d->body_length_m;
 }

@@ -1,6 +1,6 @@
 /*
- * A chase camera: pictures of the scene by the hierarchy that traces sound. It uses the simulator's
- * tracer, between its pings.
+ * A chase camera: pictures of the scene, cast through the hierarchy that traces sound. It uses the
+ * simulator's tracer between pings.
  */
 #ifndef ASDIC_LIVE_CAMERA_H
 #define ASDIC_LIVE_CAMERA_H

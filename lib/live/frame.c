@@ -84,7 +84,7 @@ asdic_status asdic_view_prepare_pictures(asdic_view *view) {
     return r->depth_m && r->is_object ? ASDIC_OK : asdic_fail_memory(view->ctx, "a map");
 }
 
-/* A map with the vehicle well inside: drawn anew when it comes near an edge. */
+/* A map round the vehicle; it is drawn again when the vehicle comes near an edge. */
 static void follow_map(asdic_view *view) {
     asdic_relief *r = &view->relief;
     asdic_vec3 at = view->ping.pose.position_m;

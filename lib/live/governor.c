@@ -2,13 +2,13 @@
 
 #include <math.h>
 
-/* A mission learns every 32 pings, which costs some pings' time: a fair mean holds all of that. Of a
- * machine that is hopelessly late a few pings tell enough. */
+/* A mission learns every 32 pings, which costs the time of some pings: a fair mean spans a whole
+ * block. A machine that is far too slow shows it in a few pings. */
 #define FAIR_STEPS 32
 #define FEW_STEPS 6
 #define HOPELESS 1.5
-/* Busy shares of the period: above the first, rays fall, so that the second is met; below the third
- * they rise. Far enough apart not to swing. */
+/* Busy shares of the period. Above the first, rays fall until the second is met; below the third
+ * they rise. They lie far enough apart not to oscillate. */
 #define TOO_BUSY 0.95
 #define AIM 0.80
 #define IDLE 0.50
@@ -37,7 +37,7 @@ void asdic_governor_want(asdic_governor *g, uint32_t rays) {
     restart(g, rays);
 }
 
-/* Rays that bring SHARE of the period to AIM, if all of the work grew with them. */
+/* The number of rays that brings SHARE of the period to AIM, if all work grew with rays. */
 static uint32_t fitting(const asdic_governor *g, double share) {
     double factor = fmin(fmax(AIM / share, MOST_FALL), MOST_RISE);
     double rays = fmin(fmax(factor * g->rays, g->least), g->wanted);
@@ -48,7 +48,7 @@ bool asdic_governor_note(asdic_governor *g, double busy_s, double wall_s) {
     g->busy_s += busy_s;
     g->steps++;
     if (wall_s > 0.0) {
-        /* Some seconds' memory: a single late ping shows and passes. */
+        /* Averages over some seconds: a single late ping shows and fades. */
         double now = wall_s / g->period_s;
         g->stretch += 0.1 * (now - g->stretch);
     }

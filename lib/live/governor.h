@@ -1,7 +1,7 @@
 /*
- * The honest clock: pings happen at their rate of simulated time. When a machine cannot follow, rays
- * per ping are lowered, to a floor; what is still late stretches time. When it can again, rays come
- * back.
+ * The ping clock of a view: pings happen at their rate of simulated time. Where a machine cannot
+ * follow, rays per ping are lowered to a floor; if that is not enough, time stretches. Rays come
+ * back when the machine can follow again.
  */
 #ifndef ASDIC_LIVE_GOVERNOR_H
 #define ASDIC_LIVE_GOVERNOR_H
@@ -13,7 +13,7 @@
 typedef struct asdic_governor {
     double period_s;
     uint32_t wanted, least, rays;
-    bool follows;          /* false: rays are what is wanted, whatever it takes */
+    bool follows;          /* false: the number of rays is fixed */
     double busy_s, wall_s; /* summed since rays changed */
     size_t steps;
     double stretch; /* of the last steps */
@@ -25,8 +25,8 @@ void asdic_governor_init(asdic_governor *governor, double period_s, uint32_t wan
 /* The user wants another number of rays. */
 void asdic_governor_want(asdic_governor *governor, uint32_t rays);
 
-/* A step worked for BUSY_S and began WALL_S after the one before it (0: it was the first, or came
- * after a pause). True when the rays changed. */
+/* Reports a step that worked for BUSY_S and began WALL_S after the one before (0: the first, or
+ * after a pause). True when the number of rays changed. */
 bool asdic_governor_note(asdic_governor *governor, double busy_s, double wall_s);
 
 uint32_t asdic_governor_rays(const asdic_governor *governor);

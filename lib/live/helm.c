@@ -4,10 +4,10 @@
 
 /* Distance kept from surface and bottom, m. */
 #define CLEARANCE_M 0.3
-/* Slower than this a vehicle does not answer its fins: it stays where it is. */
+/* Below this speed a vehicle does not answer its fins and stays where it is. */
 #define STEERAGE_MPS 0.05
 #define MOST_NOMOTO_MPS 6.0
-/* A dive steeper than about 35 degrees is not what the models are for. */
+/* Steeper dives, beyond about 35 degrees, are outside the models. */
 #define STEEPEST 0.57
 
 void asdic_helm_init(asdic_helm *h, const asdic_flight *flight) {
@@ -34,7 +34,7 @@ static bool is_remus(const asdic_helm *h) {
     return h->flight.vehicle == ASDIC_VEHICLE_REMUS100;
 }
 
-/* The REMUS 100 is known between two speeds, and at rest. */
+/* The REMUS 100 model holds between two speeds, and at rest. */
 void asdic_helm_change_speed(asdic_helm *h, double by_mps) {
     double most = is_remus(h) ? ASDIC_REMUS100_MAX_MPS : MOST_NOMOTO_MPS;
     double wanted = fmin(fmax(h->wanted_mps + by_mps, 0.0), most);
@@ -113,7 +113,7 @@ asdic_pose asdic_helm_advance(asdic_helm *h, const asdic_scene *scene, double st
     size_t steps = (size_t)ceil(step_s / (h->model.step_s / h->model.substeps));
     double part_s = step_s / (double)steps;
     for (size_t i = 0; i < steps; i++) {
-        /* The propeller answers as everything does: by a first order. */
+        /* The propeller responds with a first-order lag, as the rudder does. */
         double share = 1.0 - exp(-part_s / h->model.response_s);
         h->flight.speed_mps += share * (h->wanted_mps - h->flight.speed_mps);
         if (h->flight.speed_mps < STEERAGE_MPS) {

@@ -1,5 +1,5 @@
 /*
- * A hand at the helm: speed, rudder and planes through the manoeuvring models that fly waypoints.
+ * Manual steering: speed, rudder and planes, with the manoeuvring models that fly waypoints.
  */
 #ifndef ASDIC_LIVE_HELM_H
 #define ASDIC_LIVE_HELM_H

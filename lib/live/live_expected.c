@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* In the background, pings come first: a new curve at most so often. */
+/* In the background pings come first: at most one new curve in this time. */
 #define BREAK_S 0.7
 #define SAME_SHARE 0.01
 #define SAME_RAD 0.009

@@ -1,6 +1,6 @@
 /*
- * The expected curve of one beam as the vehicle goes: by quadrature, in a thread of its own when the
- * clock must not wait for it.
+ * The expected curve of one beam along the track, by quadrature; in its own thread when the clock
+ * must not wait for it.
  */
 #ifndef ASDIC_LIVE_LIVE_EXPECTED_H
 #define ASDIC_LIVE_LIVE_EXPECTED_H
@@ -37,8 +37,8 @@ asdic_status asdic_live_expected_init(asdic_context *ctx, size_t bins, bool in_b
                                       asdic_live_expected *out);
 void asdic_live_expected_finish(asdic_live_expected *expected);
 
-/* Asks for BEAM at the place of PING, and takes what is ready. What changed little is not asked for
- * again: 1 % of the altitude or depth, half a degree. */
+/* Requests the curve of BEAM at PING's position and takes one that is ready. A position within 1 %
+ * of altitude and depth and half a degree needs no new curve. */
 asdic_status asdic_live_expected_follow(asdic_live_expected *expected, const asdic_mission *mission,
                                         const asdic_loop_ping *ping, size_t beam);
 

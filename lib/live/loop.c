@@ -34,7 +34,7 @@ struct asdic_loop {
     pthread_cond_t changed;
     loop_state state;
 
-    /* Of the worker while a ping is submitted, of the caller otherwise. */
+    /* Owned by the worker thread while a ping is submitted, by the caller otherwise. */
     asdic_pose pose;
     double submitted_s, latency_s;
     asdic_status status;
@@ -48,7 +48,7 @@ static double time_of(const asdic_loop *loop, uint64_t ping) {
     return loop->start_s + (double)ping / loop->ping_rate_hz;
 }
 
-/* Ping NEXT - 1: learnt at the first pose of its block, as a mission's pings are. */
+/* Simulates ping NEXT - 1. The first pose of a block is learnt, as in a mission. */
 static asdic_status simulate(asdic_loop *loop) {
     uint64_t index = loop->next - 1;
     loop_slot *slot = slot_of(loop, index);

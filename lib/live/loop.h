@@ -6,7 +6,7 @@
 
 #include <asdic/loop.h>
 
-/* The simulator, for use while no ping is submitted. */
+/* The simulator; it may be used while no ping is submitted. */
 asdic_simulator *asdic_loop_simulator(const asdic_loop *loop);
 
 #endif

@@ -43,7 +43,7 @@ void panel_chase(const panel *p, const asdic_view *view);
 void panel_plan(const panel *p, const asdic_view *view);
 void panel_status(const panel *p, const asdic_view *view);
 
-/* The fan and the waterfall, of which panel_sonar chooses. */
+/* The fan and the waterfall; panel_sonar chooses between them. */
 void panel_fan(const panel *p, const asdic_view *view);
 void panel_waterfall(const panel *p, const asdic_view *view);
 

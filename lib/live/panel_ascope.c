@@ -1,4 +1,4 @@
-/* Level over range of one beam, with what is expected of it where nothing but sea is. */
+/* Level over range of one beam, with the level expected without objects. */
 #include "panel.h"
 
 #include <math.h>

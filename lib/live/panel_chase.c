@@ -1,4 +1,4 @@
-/* The scene behind the vehicle, and the way it came. */
+/* The scene seen from behind the vehicle, and its track so far. */
 #include "panel.h"
 
 #include "base/vec.h"
@@ -21,7 +21,7 @@ static void blit(const panel *p, const asdic_view *view, size_t width, size_t he
     cairo_surface_mark_dirty(surface);
 }
 
-/* Whether something stands before a point of the picture. */
+/* Whether something hides a point of the picture. */
 static bool is_hidden(const asdic_view *view, size_t width, size_t height, double x, double y,
                       double far_m) {
     if (x < 0.0 || y < 0.0 || x >= (double)width || y >= (double)height) {
@@ -52,7 +52,7 @@ static void trail(const panel *p, const asdic_view *view, size_t width, size_t h
     }
 }
 
-/* Whether a label there would lie on one that is drawn; else it is noted. */
+/* Whether a label there would overlap one that is drawn; if not, records it. */
 static bool is_taken(double spots[][2], size_t *count, double x, double y, double scale) {
     for (size_t k = 0; k < *count; k++) {
         if (fabs(spots[k][0] - x) < 70.0 * scale && fabs(spots[k][1] - y) < 12.0 * scale) {

@@ -1,4 +1,4 @@
-/* From above, north up: the sea floor's relief, the way flown, and where the beams look. */
+/* Map, north up: the relief of the sea floor, the track, and where the beams look. */
 #include "panel.h"
 
 #include "base/vec.h"
@@ -7,7 +7,7 @@
 #include <math.h>
 #include <stdio.h>
 
-/* Of few beams each is drawn, of many their sector. */
+/* Few beams are drawn each, many as their sector. */
 #define SINGLE_BEAMS 8
 
 typedef struct map {

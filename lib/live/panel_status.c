@@ -1,4 +1,4 @@
-/* Where the vehicle is and what it is told, the design that is tried, and the keys. */
+/* The vehicle's state and commands, the sonar design under trial, and the keys. */
 #include "panel.h"
 
 #include "base/vec.h"
@@ -80,7 +80,7 @@ static void write_design(writer *w, const asdic_view *view) {
     }
 }
 
-/* The keys in two columns, as short as they can be said. */
+/* The keys in two columns, in short words. */
 static void write_keys(const panel *p, double y, double width) {
     static const char *const keys[][2] = {{"\u2191 \u2193", "speed"},
                                           {"space  .", "pause, step"},

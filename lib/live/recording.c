@@ -25,7 +25,7 @@ struct asdic_recording {
     char *folder;
     unsigned number;
     asdic_file *track;
-    FILE *spool; /* records, without a name: gone with the process */
+    FILE *spool; /* records; an unnamed file that vanishes with the process */
     void *bytes; /* one record */
     size_t record_bytes, pings, beams, bins;
 };
@@ -138,7 +138,7 @@ asdic_status asdic_recording_add(asdic_recording *r, const asdic_loop_ping *ping
     return ASDIC_OK;
 }
 
-/* Every record into the run's files, as a run's pings go. */
+/* Copies every record into the run's files, as a run writes its pings. */
 static asdic_status copy_records(asdic_recording *r, asdic_run_job *job) {
     rewind(r->spool);
     if (job->facts.bins != r->bins || job->facts.beams != r->beams ||

@@ -1,6 +1,6 @@
 /*
- * A recording: what was flown and heard with one set of choices, kept as a scene file, a track and a
- * run folder that a run of that scene gives again to the byte.
+ * A recording of one part of a view: a scene file, a track, and a run folder. A run of that scene
+ * gives the same bytes.
  */
 #ifndef ASDIC_LIVE_RECORDING_H
 #define ASDIC_LIVE_RECORDING_H
@@ -16,7 +16,7 @@ asdic_status asdic_recording_begin(asdic_context *ctx, const asdic_mission *miss
 
 asdic_status asdic_recording_add(asdic_recording *recording, const asdic_loop_ping *ping);
 
-/* Writes the run folder; *RECORDING becomes NULL. Without a ping nothing is left of it. */
+/* Writes the run folder; *RECORDING becomes NULL. A recording without pings is removed. */
 asdic_status asdic_recording_end(asdic_recording **recording);
 
 unsigned asdic_recording_number(const asdic_recording *recording);

@@ -87,8 +87,8 @@ static asdic_status begin_history(asdic_view *view) {
     return view->history.levels_db ? ASDIC_OK : asdic_fail_memory(view->ctx, "the last pings");
 }
 
-/* A loop from POSE on, for what is chosen now; with a recording when one is wanted. */
-/* Another number of bins empties what the pictures remember. */
+/* Opens a loop from POSE on with the present choices, and a recording where one is wanted. */
+/* Clears histories after a change of the number of bins. */
 static asdic_status resize(asdic_view *view) {
     asdic_live_expected_finish(&view->expected);
     TRY(begin_history(view));
@@ -122,7 +122,8 @@ static asdic_status begin_part(asdic_view *view, const asdic_pose *pose, double 
     return status;
 }
 
-/* Another set of choices: the recording waits to be written, so that the clock does not. */
+/* Ends the recording after a change of choices. It is written later, so that the clock does not
+ * wait. */
 static asdic_status put_aside(asdic_view *view) {
     if (!view->recording) {
         return ASDIC_OK;
@@ -172,7 +173,7 @@ static asdic_status remember(asdic_view *view) {
     return ASDIC_OK;
 }
 
-/* The window of levels that nobody gave: the strongest echo on top, rounded to 10 dB. */
+/* The default window of levels: the strongest echo on top, rounded to 10 dB. */
 static void open_window(asdic_view *view) {
     float most = -INFINITY;
     for (size_t i = 0; i < view->ping.beams * view->ping.bins; i++) {
@@ -185,7 +186,7 @@ static void open_window(asdic_view *view) {
     view->has_window = true;
 }
 
-/* Where the vehicle is at the next ping, and when. */
+/* The pose at the next ping, and its time. */
 static asdic_pose fly(asdic_view *view, double *time_s) {
     double period_s = 1.0 / asdic_mission_sonar(view->mission)->ping_rate_hz;
     size_t last = asdic_mission_ping_count(view->mission) - 1;
@@ -239,7 +240,7 @@ asdic_status asdic_view_step(asdic_view *view) {
         open_window(view);
     }
     status = asdic_view_draw(view);
-    /* Writing recordings, and pauses, are no part of the clock. */
+    /* Writing a recording and pauses do not count as time. */
     bool counts = pings && !(was_recording && !view->recording);
     if (counts && asdic_governor_note(&view->governor, asdic_clock_s() - begin_s, wall_s)) {
         view->is_changed = true;

@@ -15,7 +15,7 @@ void asdic_view_say(asdic_view *view, const char *format, ...) {
     va_end(args);
 }
 
-/* The first steering key takes the helm where the vehicle is. */
+/* The first steering key starts manual steering at the vehicle's pose. */
 static asdic_helm *helm_of(asdic_view *view) {
     if (!view->is_manual) {
         view->is_manual = true;

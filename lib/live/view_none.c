@@ -19,7 +19,7 @@ asdic_status asdic_view_create(asdic_context *ctx, asdic_mission *mission, asdic
                       "the view needs cairo, which this build of asdic is without");
 }
 
-/* No view was ever created: what follows is never called with one. */
+/* No view exists in this build: the functions below are never called. */
 void asdic_view_destroy(asdic_view **view) {
     (void)view;
 }

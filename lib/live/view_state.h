@@ -35,7 +35,7 @@ struct asdic_view {
     view_layout layout;
     asdic_canvas canvas;
     asdic_camera *camera;
-    asdic_relief relief; /* what the plan shows; no cells of a size yet: never made */
+    asdic_relief relief; /* what the plan shows; cell size 0: not made yet */
 
     asdic_loop *loop;
     asdic_loop_ping ping; /* the last; beams 0: none yet */
@@ -49,7 +49,7 @@ struct asdic_view {
     asdic_choices chosen; /* wanted; the loop has them unless is_changed */
     bool is_changed;
     asdic_recording *recording; /* NULL: off */
-    asdic_recording **ended;    /* to be written when recording stops: that takes its time */
+    asdic_recording **ended;    /* written when recording stops, because that takes time */
     size_t ended_count;
     bool wants_recording;
 

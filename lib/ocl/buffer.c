@@ -6,8 +6,8 @@
 /* Kernels need something to point at. */
 #define SMALLEST_BYTES 16
 
-/* From this size on, a buffer of a device that shares the host's memory lies in huge pages: a walk
- * through tens of megabytes of a tree misses the address cache at every step otherwise. */
+/* From this size on, a buffer of a device that shares the host's memory lies in huge pages:
+ * otherwise a walk through tens of megabytes of a tree misses the address cache at every step. */
 #define HUGE_BUFFER_BYTES ((size_t)4 << 20)
 #define HUGE_PAGE_BYTES ((size_t)2 << 20)
 
@@ -16,7 +16,7 @@ static void CL_CALLBACK free_pages(cl_mem mem, void *pages) {
     free(pages);
 }
 
-/* NULL where huge pages do not apply or cannot be had; the caller then leaves it to OpenCL. */
+/* NULL where huge pages do not apply or are not available; the caller then lets OpenCL allocate. */
 static cl_mem create_in_huge_pages(const asdic_device *device, size_t bytes) {
     void *pages = NULL;
     cl_int code;
@@ -24,7 +24,7 @@ static cl_mem create_in_huge_pages(const asdic_device *device, size_t bytes) {
         posix_memalign(&pages, HUGE_PAGE_BYTES, bytes) != 0) {
         return NULL;
     }
-    madvise(pages, bytes, MADV_HUGEPAGE); /* a wish: without it the buffer is merely slower */
+    madvise(pages, bytes, MADV_HUGEPAGE); /* only a hint: without it the buffer is slower */
     cl_mem mem =
         clCreateBuffer(device->cl, CL_MEM_READ_WRITE | CL_MEM_USE_HOST_PTR, bytes, pages, &code);
     if (code != CL_SUCCESS) {

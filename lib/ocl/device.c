@@ -20,7 +20,7 @@ static void device_destroy(asdic_device **device) {
     *device = NULL;
 }
 
-/* A sub-device's ID belongs to the result, also when this fails. */
+/* The result owns a sub-device's ID, also when this fails. */
 static asdic_status device_create(asdic_context *ctx, cl_device_id id,
                                   const asdic_device_info *info, bool is_sub_device,
                                   asdic_device **out) {

@@ -7,7 +7,7 @@
 /* More than any driver's list of extensions. */
 #define TEXT_BYTES 16384
 
-/* Empty where the driver does not answer, or at too great length. */
+/* Empty where the driver gives no answer, or one that is too long. */
 static void get_text(cl_device_id id, cl_device_info what, char *out, size_t size) {
     char text[TEXT_BYTES + 1] = "";
     out[0] = '\0';
@@ -101,7 +101,7 @@ static void describe(cl_device_id id, asdic_device_info *info) {
     judge(id, info);
 }
 
-/* Adds the devices of one platform; one that cannot be asked has none. */
+/* Adds the devices of one platform; a platform that fails to answer has none. */
 static asdic_status add_platform(asdic_context *ctx, cl_platform_id platform, unsigned number,
                                  asdic_listed **list, size_t *count) {
     cl_uint found = 0;

@@ -74,8 +74,8 @@ static asdic_status select_pairs(asdic_context *ctx, const asdic_listed *list, s
     }
 }
 
-/* Among the usable a GPU, else an accelerator, else a processor; among equals the one with the most
- * compute units, then the first. */
+/* Prefers, among usable devices, a GPU, then an accelerator, then a processor; among equals the one
+ * with the most compute units, then the first. */
 static void select_auto(const asdic_listed *list, size_t count, size_t *chosen,
                         size_t *chosen_count) {
     static const asdic_device_kind order[] = {ASDIC_DEVICE_GPU, ASDIC_DEVICE_ACCELERATOR,

@@ -1,8 +1,9 @@
 /*
- * What the rest of the library sees of OpenCL: buffers, kernels, enqueue, wait. cl.h and its error
- * codes stay inside lib/ocl. All work goes through one in-order queue per device; calls do not
- * block unless they say so. Not thread-safe per device; different devices may be used from
- * different threads.
+ * OpenCL for the rest of the library: buffers, kernels, enqueue, wait. cl.h and its error codes
+ * stay inside lib/ocl.
+ *
+ * All work goes through one in-order queue per device; calls do not block unless they say so. One
+ * device must not be used from two threads at once; different devices may.
  */
 #ifndef ASDIC_OCL_OCL_H
 #define ASDIC_OCL_OCL_H
@@ -23,13 +24,14 @@ size_t asdic_buffer_bytes(const asdic_buffer *buffer);
 /* The host memory may be reused when the call returns. */
 asdic_status asdic_buffer_write(asdic_buffer *buffer, size_t offset, size_t bytes,
                                 const void *data);
-/* The same from the buffer's beginning without waiting: DATA must stay as it is until the device has
+/* The same from the buffer's beginning without waiting: DATA must not change until the device has
  * finished. */
 asdic_status asdic_buffer_send(asdic_buffer *buffer, size_t bytes, const void *data);
 asdic_status asdic_buffer_zero(asdic_buffer *buffer, size_t bytes);
 /* Blocks until everything enqueued before has finished. */
 asdic_status asdic_buffer_read(asdic_buffer *buffer, size_t offset, size_t bytes, void *data);
-/* The same without waiting: DATA is there after asdic_fetch_wait, which every *OUT must be given to. */
+/* The same without waiting: DATA is valid after asdic_fetch_wait, which must be called for every
+ * *OUT. */
 asdic_status asdic_buffer_fetch(asdic_buffer *buffer, size_t offset, size_t bytes, void *data,
                                 asdic_fetch **out);
 /* Blocks, and ends *FETCH, also when it fails. NULL: nothing to wait for. */

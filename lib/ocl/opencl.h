@@ -1,5 +1,5 @@
 /*
- * OpenCL itself and what stands behind asdic_device: only files of lib/ocl include this.
+ * OpenCL itself and the struct behind asdic_device; only files of lib/ocl include this.
  */
 #ifndef ASDIC_OCL_OPENCL_H
 #define ASDIC_OCL_OPENCL_H
