@@ -305,15 +305,16 @@ const cli_command cli_detect_command = {
     .min_operands = 1,
     .max_operands = 1,
     .summary = "detect, map and track what is in a run's pings",
-    .details = "A bin is detected when its intensity exceeds a threshold of the false-alarm "
-               "probability asked for: over the level expected without objects or, with --cfar and "
-               "over bottoms that are no plane, over its neighbours. Writes into the run folder "
-               "detections.csv (log-likelihood ratio, posterior probability, position on the "
-               "beam's axis, and which object was there), occupancy.png (log-odds of all pings, "
-               "in a map fixed in the world) and tracks.csv (nearest-neighbour Kalman tracks), "
-               "and prints the confusion table, and how many tracks false alarms alone are to be "
-               "expected to confirm.\n\n"
-               "Of a scene file a run is made first, as by 'asdic run'.",
+    .details =
+        "A bin is detected when its intensity exceeds the threshold for the false-alarm "
+        "probability. The threshold stands over the level expected without objects; with "
+        "--cfar, and over a bottom that is not a plane, over the neighbouring bins. Writes into "
+        "the run folder "
+        "detections.csv (log-likelihood ratio, posterior probability, position on the "
+        "beam's axis, and the object there), occupancy.png (log-odds of all pings in a map "
+        "fixed in the world) and tracks.csv (nearest-neighbour Kalman tracks). Prints the "
+        "confusion table, and the number of tracks that false alarms alone should confirm.\n\n"
+        "A scene file is simulated first, as by 'asdic run'.",
     .examples = "asdic run scene.yaml -o out && asdic detect out\n"
                 "asdic detect scene.yaml --cfar os --pfa 1e-4 --cell 1",
     .options = options,

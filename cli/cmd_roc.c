@@ -257,9 +257,9 @@ const cli_command cli_roc_command = {
     .max_operands = 1,
     .summary = "probability of detection against that of false alarm",
     .details = "Simulates one ping for the mean intensities, then draws speckle, noise and the "
-               "target's fluctuation round them, and counts. The closed form stands beside. The "
-               "background is what is expected without objects; over a bottom that is no plane, "
-               "what the ping holds beside them. A scene without speckle gets Rayleigh's.\n\n"
+               "target's fluctuation round them, and counts. The closed form is printed beside. "
+               "The background is the level expected without objects; over a bottom that is not a "
+               "plane, the rest of the ping. A scene without speckle gets Rayleigh speckle.\n\n"
                "With --vary designs are compared: all use the same random numbers, so that the "
                "difference of their areas has much narrower bounds than the areas.",
     .examples = "asdic roc scene.yaml --object rise\n"

@@ -1,5 +1,5 @@
 /* The one place with static state: a signal has no other way to reach the context.
- * 
+ *
  * A thread waits for signals, and all other threads block them. LLVM, with which PoCL compiles,
  * installs handlers that delete the object it is writing, after which PoCL aborts; a compiler that
  * it started must not stop either. */

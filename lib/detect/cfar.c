@@ -47,8 +47,8 @@ static window window_of(asdic_cfar_kind kind, unsigned count, unsigned rank, uns
     return w;
 }
 
-/* The density of the estimate at s = looks x estimate (OS), or looks x count x estimate (CA), times the
- * chance of exceeding factor x estimate. */
+/* The density of the estimate at s = looks x estimate (OS), or looks x count x estimate (CA), times
+ * the chance of exceeding factor x estimate. */
 static double part(double s, void *user) {
     const window *w = user;
     if (w->kind == ASDIC_CFAR_CA) {
@@ -71,7 +71,7 @@ static double part(double s, void *user) {
            detection_exponential(w->factor * s / w->looks, w->snr, w->looks, w->target);
 }
 
-/* In pieces, lest a narrow peak lies between the nodes of a wide one. */
+/* In pieces, so that a narrow peak does not fall between the nodes of a wide one. */
 static double average(window *w) {
     double shape = w->kind == ASDIC_CFAR_CA ? w->count * w->looks : w->looks;
     double end = shape + 12.0 * sqrt(shape) + 60.0, sum = 0.0;
@@ -169,7 +169,8 @@ static unsigned rank_of(const asdic_cfar *cfar, unsigned count) {
     return rank < 1.0 ? 1 : (unsigned)rank;
 }
 
-/* The window's bins round AT into WINDOW; returns how many. Bins without energy do not count. */
+/* Copies the bins of the window round AT into WINDOW and returns how many. Bins without energy do
+ * not count. */
 static unsigned gather(const asdic_cfar *cfar, const double *row, size_t bins, size_t at,
                        double *out) {
     unsigned count = 0;
@@ -184,7 +185,7 @@ static unsigned gather(const asdic_cfar *cfar, const double *row, size_t bins, s
     return count;
 }
 
-/* What the window says: the mean, or the order statistic. */
+/* The window's estimate: the mean, or the order statistic. */
 static double statistic(const asdic_cfar *cfar, double *bins, unsigned count) {
     if (cfar->kind == ASDIC_CFAR_OS) {
         qsort(bins, count, sizeof *bins, ascending);
@@ -197,8 +198,8 @@ static double statistic(const asdic_cfar *cfar, double *bins, unsigned count) {
     return sum / (double)count;
 }
 
-/* What depends on the number of bins in a window: the factor, and the statistic over the background's
- * mean. */
+/* Values that depend on the number of bins in a window: the factor, and the statistic over the
+ * background's mean. */
 typedef struct scale {
     double factor, bias;
 } scale;

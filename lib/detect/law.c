@@ -48,7 +48,7 @@ int asdic_target_code(asdic_target target) {
                                               : TARGET_SWERLING3;
 }
 
-/* Background and target together, where both are exponential per look. */
+/* Background plus target, where both are exponential per look. */
 static asdic_background both_of(const asdic_background *b, double target_lin) {
     asdic_background both = *b;
     both.mean_lin += target_lin;

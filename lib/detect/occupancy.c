@@ -11,7 +11,7 @@
 #include <stdlib.h>
 
 #define MOST_CELLS ((size_t)1 << 26)
-/* Beams that look steeper than this (84 degrees) say nothing about where in the plane. */
+/* Beams steeper than this (84 degrees) tell nothing about the place in the plane. */
 #define LEAST_COS 0.1
 
 asdic_vec3 asdic_beam_axis(const asdic_beam *beam, const asdic_pose *pose) {
@@ -20,7 +20,7 @@ asdic_vec3 asdic_beam_axis(const asdic_beam *beam, const asdic_pose *pose) {
     return (asdic_vec3){row[0], row[1], row[2]};
 }
 
-/* Half-power width of two apertures that are so many metres long. */
+/* Half-power width of two apertures of the given lengths, m. */
 static double width_rad(const asdic_sonar *sonar, double a_m, double b_m, double sound_speed_mps) {
     double wide = 0.886 * sound_speed_mps / (sonar->frequency_hz * hypot(a_m, b_m));
     return wide < 1.0 ? 2.0 * asin(0.5 * wide) : fmin(wide, ASDIC_PI);
@@ -31,8 +31,8 @@ double asdic_beam_width_rad(const asdic_sonar *sonar, size_t receiver, double so
                      sound_speed_mps);
 }
 
-/* Beams whose axes lie within a vertical width of each other look at one layer of water: the
- * number of RECEIVER's. */
+/* The layer of RECEIVER. Beams whose axes lie within one vertical width of each other see the same
+ * layer of water. */
 static long layer_of(const asdic_sonar *sonar, size_t receiver, double sound_speed_mps,
                      asdic_vec3 axis) {
     double width = width_rad(sonar, sonar->transmitter.length_v_m,
@@ -40,9 +40,9 @@ static long layer_of(const asdic_sonar *sonar, size_t receiver, double sound_spe
     return lround(atan2(axis.z, hypot(axis.x, axis.y)) / width);
 }
 
-/* What a ping says of a cell, in planes of the map's size: how far aside the axis of the nearest
- * beam of a layer lies and what that beam says, NAN for nothing; of the layers before, the
- * logarithm of their likelihood ratios' sum, and how many they are. */
+/* A ping's evidence by cell, in planes of the map's size: distance from the axis of the nearest
+ * beam of a layer, that beam's evidence (NAN: none), the logarithm of the summed likelihood ratios
+ * of the layers before, and their number. */
 enum { ASIDE, LLR, SUM, LAYERS, PLANES };
 
 static void forget(float *cell, size_t cells) {
@@ -163,7 +163,7 @@ static void add_layer(asdic_occupancy *map, const patch *p) {
     }
 }
 
-/* The ping's say on the cells of PATCH, clipped; then it is forgotten. */
+/* Adds the ping's evidence to the cells of PATCH, clips, and clears the evidence. */
 static void add_ping(asdic_occupancy *map, const patch *p) {
     size_t cells = map->rows * map->columns;
     for (size_t row = p->row; row < p->row_end; row++) {
@@ -238,8 +238,8 @@ static patch add_beams(asdic_occupancy *map, const view *v, long layer, long *ne
     return all;
 }
 
-/* If an echo comes from one of m layers, from each as likely, the likelihood ratio of all is the
- * mean of theirs, however much they have in common. */
+/* An echo comes from one of m layers, each equally likely: the likelihood ratio is the mean of the
+ * layers' ratios, also where they are correlated. */
 void asdic_occupancy_add(asdic_occupancy *map, const asdic_sonar *sonar, double sound_speed_mps,
                          const asdic_pose *pose, size_t bins, const double *llr) {
     const view v = {sonar, sound_speed_mps, pose, bins, llr};

@@ -13,7 +13,8 @@
 /* P_FA is counted where at least so many events are expected. */
 #define LEAST_EVENTS 1000.0
 
-/* The others get numbers of their own: a draw with the target is not the one without, plus an echo. */
+/* Draws with the target use their own random numbers: they are not the draws without it plus an
+ * echo. */
 static uint64_t seed_of(uint64_t seed, bool present) {
     return present ? seed ^ 0x9E3779B97F4A7C15u : seed;
 }
@@ -58,14 +59,14 @@ static asdic_status add_point(asdic_context *ctx, const asdic_roc_case *c,
     return ASDIC_OK;
 }
 
-/* Integral of P_D over P_FA by Simpson's rule in u, ln P_FA = -60 (1 - u)^2: dense towards 1, and where the
- * curve is steep for strong targets. */
+/* Integral of P_D over P_FA by Simpson's rule in u, ln P_FA = -60 (1 - u)^2: dense towards 1, and
+ * where the curve is steep for strong targets. */
 static asdic_status closed_area(asdic_context *ctx, const asdic_roc_case *c,
                                 const asdic_roc_options *options, double *area) {
     enum { STEPS = 400 };
     double sum = 0.0;
     for (int i = 0; i <= STEPS; i++) {
-        /* From ln P_FA = -60 on; below there is nothing. */
+        /* The integral begins at ln P_FA = -60; what lies below is negligible. */
         double log_pfa = -60.0 * (1.0 - (double)i / STEPS) * (1.0 - (double)i / STEPS), threshold;
         double slope = 120.0 * (1.0 - (double)i / STEPS) * exp(log_pfa);
         TRY(asdic_detect_threshold(ctx, &c->none, exp(log_pfa), &threshold));

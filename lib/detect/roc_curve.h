@@ -12,7 +12,7 @@ typedef struct asdic_roc_case {
     double target_lin;
 } asdic_roc_case;
 
-/* Draws, and fills points, area, P_D and times of ROC, whose trials and pfa are set. */
+/* Draws, then fills points, area, P_D and times of ROC; its trials and pfa are set. */
 asdic_status asdic_roc_fill(asdic_context *ctx, const asdic_roc_case *c,
                             const asdic_roc_options *options, asdic_roc *roc);
 

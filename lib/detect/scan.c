@@ -8,9 +8,9 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Thresholds of K speckle depend on the noise's share of a bin; shares are told apart to this. */
+/* Thresholds of K speckle depend on the noise's share of a bin; shares are rounded to this step. */
 #define SHARE_STEPS 1000
-/* Sampling errors for which thresholds are found, in steps, and how many. */
+/* Steps of the sampling error for which thresholds are computed, and their number. */
 #define ERROR_STEP_DB 0.2
 #define MOST_STEPS 80
 
@@ -84,7 +84,7 @@ void asdic_scan_destroy(asdic_scan **scan) {
     }
 }
 
-/* The threshold of a bin over its background's mean: by P_FA, or by what errors cost. */
+/* The threshold of a bin over its background's mean: from P_FA, or from the costs of errors. */
 static asdic_status find_factor(asdic_scan *scan, double noise_share, double *factor) {
     bool is_k = scan->law.shape <= ASDIC_SHAPE_MAX;
     size_t step = is_k ? (size_t)lround(noise_share * SHARE_STEPS) : 0;
@@ -104,7 +104,7 @@ static asdic_status find_factor(asdic_scan *scan, double noise_share, double *fa
     return status;
 }
 
-/* By how much a threshold is higher for means that err, by step. */
+/* The factor by which an uncertain mean raises the threshold, by step of its error. */
 static asdic_status find_lift(asdic_scan *scan, size_t step, double *lift) {
     if (scan->lift[step] == 0.0) {
         asdic_background blurred =
@@ -118,7 +118,8 @@ static asdic_status find_lift(asdic_scan *scan, size_t step, double *lift) {
     return ASDIC_OK;
 }
 
-/* Raises thresholds for the means' errors. Between steps lifts go with the errors' squares. */
+/* Raises thresholds for the errors of the means. Between steps the factor is interpolated in the
+ * squared error. */
 static asdic_status lift_thresholds(asdic_scan *scan, const float *stderr_db) {
     for (size_t i = 0; i < scan->beams * scan->bins; i++) {
         double at = fmin((double)stderr_db[i] / ERROR_STEP_DB, MOST_STEPS), low, high;
@@ -132,7 +133,7 @@ static asdic_status lift_thresholds(asdic_scan *scan, const float *stderr_db) {
     return ASDIC_OK;
 }
 
-/* Thresholds over MEAN_LIN, which may be what CFAR has estimated. */
+/* Thresholds over MEAN_LIN, which may be an estimate of CFAR. */
 static asdic_status over_means(asdic_scan *scan, const double *mean_lin, const double *noise_lin) {
     for (size_t i = 0; i < scan->beams * scan->bins; i++) {
         double mean = mean_lin[i], factor = NAN;

@@ -5,8 +5,8 @@
 
 #include <math.h>
 
-/* Intensities re the mean between which a threshold is looked for, and how finely the likelihood ratio
- * of K clutter is looked through for its first crossing. */
+/* Intensities re the mean between which a threshold is looked for, and how finely the likelihood
+ * ratio of K clutter is looked through for its first crossing. */
 #define LEAST 1e-12
 #define MOST 1e12
 #define STEP 1.25
@@ -51,7 +51,7 @@ asdic_status asdic_detect_threshold_llr(asdic_context *ctx, const asdic_backgrou
                           "a target of intensity %g, a log-likelihood ratio of %g: no threshold",
                           target_lin, llr);
     }
-    /* A target is hardly ever 1000 times stronger than its mean, nor is the clutter. */
+    /* Neither target nor clutter is more than 1000 times its mean, but for negligible shares. */
     double most = 1e3 * (b->mean_lin * fmax(1.0, 1.0 / b->shape) + target_lin);
     double low = 0.0, high = 1e-6 * b->mean_lin;
     if (asdic_detect_llr(b, target, target_lin, 0.0) >= llr) {

@@ -230,7 +230,7 @@ const asdic_track_state *asdic_tracker_get(const asdic_tracker *tracker, size_t 
 #define ROUNDS 12
 #define SLICES 8
 
-/* Clutter, and what becomes of a track that it founds. */
+/* The clutter, and the fate of a track that begins with it. */
 typedef struct clutter {
     const asdic_tracker_options *options;
     double step_s, plots_per_m2, width_m, tracks_per_m2;

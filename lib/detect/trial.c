@@ -1,5 +1,5 @@
 /*
- * Detection by chance: intensities drawn look by look, and probabilities counted.
+ * Monte Carlo detection: intensities drawn look by look, and probabilities counted.
  */
 #include "law.h"
 
@@ -12,8 +12,8 @@
 /* 99 % of a normal variate lie within so many standard deviations. */
 #define NORMAL_99 2.5758293035489004
 
-/* Events of K in N trials are rarer than TAIL at P: P(X <= k) or P(X >= k) of a binomial variate, by
- * the sum from the largest term on, relative to which the rest of the terms is below EPSILON. */
+/* Events of K in N trials are rarer than TAIL at P: P(X <= k) or P(X >= k) of a binomial variate,
+ * by the sum from the largest term on, relative to which the rest of the terms is below EPSILON. */
 static double binomial_tail(double k, double n, double p, bool upper) {
     double step = upper ? 1.0 : -1.0;
     int sign;
@@ -53,9 +53,9 @@ asdic_estimate asdic_estimate_of(uint64_t events, uint64_t trials) {
                             .high = events == trials ? 1.0 : bound(k, n, false)};
 }
 
-/* One intensity re the background's mean. The order of the numbers is fixed: two for the target, two
- * a look, and the texture's, of which there may be any number, last but drawn from a cell of their
- * own. */
+/* One intensity re the background's mean. The order of the numbers is fixed: two for the target,
+ * two a look, and the texture's, of which there may be any number, last but drawn from a cell of
+ * their own. */
 static double draw_one(const asdic_background *b, asdic_target target, double snr, uint64_t seed,
                        uint64_t index) {
     asdic_variates v = asdic_variates_begin(RANDOM_TRIAL, seed, index, 0);
@@ -105,8 +105,8 @@ asdic_estimate asdic_detect_simulate(const asdic_background *b, asdic_target tar
 }
 
 /* Speckle from a gamma law wider by THETA and texture from one wider by BETA: the product of means
- * is the threshold, shared as the largest part of the tail shares it (detection_k). The weight is the
- * ratio of the true densities to these. */
+ * is the threshold, shared as the largest part of the tail shares it (detection_k). The weight is
+ * the ratio of the true densities to these. */
 asdic_estimate asdic_detect_simulate_rare(const asdic_background *b, double threshold_lin,
                                           uint64_t trials, uint64_t seed) {
     double m = (double)b->looks, threshold = threshold_lin / b->mean_lin;

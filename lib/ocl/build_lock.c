@@ -9,7 +9,7 @@
 #include <time.h>
 #include <unistd.h>
 
-/* A process that holds the lock longer is stopped; building without the lock beats waiting. */
+/* A process that holds the lock longer hangs; building without the lock beats waiting. */
 #define PATIENCE_MS 60000
 #define STEP_MS 2
 

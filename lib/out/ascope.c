@@ -20,8 +20,8 @@
 #define OKABE_VERMILION 0xd55e00u
 #define GREY 0xa0a0a0u
 
-/* Look and place in asdic_ascope of each curve, in drawing order: the simulated one, thin, lies on
- * the bold expected one, so that both are seen where they agree. */
+/* Look of each curve and its member of asdic_ascope, in drawing order: the thin simulated curve
+ * lies on the bold expected one, so that both are visible where they agree. */
 static const struct curve {
     size_t offset; /* of the levels' pointer */
     asdic_series look;
@@ -45,7 +45,7 @@ static const float *levels_of(const asdic_ascope *beam, size_t curve) {
     return levels_db;
 }
 
-/* Whether any beam has a level on the curve; others would only crowd the legend. */
+/* Whether any beam has a level on the curve; empty curves are left out of the legend. */
 static bool is_shown(const asdic_ascope *beams, size_t beam_count, size_t curve) {
     for (size_t k = 0; k < beam_count; k++) {
         const float *levels_db = levels_of(&beams[k], curve);
@@ -58,8 +58,8 @@ static bool is_shown(const asdic_ascope *beams, size_t beam_count, size_t curve)
     return false;
 }
 
-/* Curves of BEAM on NUMBERS, which holds CURVES + 1 arrays: x, then each curve. A curve that only
- * other beams have is there without points, for the legend's sake. */
+/* Fills the curves of BEAM into NUMBERS, which holds CURVES + 1 arrays: x, then each curve. A curve
+ * that only other beams have stays without points, for the legend. */
 static size_t collect(const asdic_ascope *beam, const bool shown[CURVES],
                       asdic_series series[CURVES], double *numbers) {
     size_t count = 0;

@@ -1,6 +1,6 @@
 /*
- * A page to draw on by cairo: what all annotated pictures share. Pixels go to disk by libpng, so
- * that text chunks are there; .pdf and .svg paths give vector files.
+ * A page drawn with cairo, shared by all annotated pictures. libpng writes the pixels, so that text
+ * chunks are possible; .pdf and .svg paths give vector files.
  */
 #ifndef ASDIC_OUT_CANVAS_H
 #define ASDIC_OUT_CANVAS_H
@@ -74,11 +74,11 @@ void asdic_canvas_axis_x(asdic_canvas *canvas, asdic_box box, const asdic_plot_a
                          bool grid);
 void asdic_canvas_axis_y(asdic_canvas *canvas, asdic_box box, const asdic_plot_axis *axis,
                          bool down, bool grid);
-/* Room an ordinate's labels need left of its box, its title included. */
+/* Width that an ordinate's labels and title need left of its box. */
 double asdic_canvas_axis_y_room(const asdic_plot_axis *axis, double height_px);
 
-/* A colour scale along AXIS in BOX, low at the bottom (or, DOWN, at the top) with labels to its right.
- * Low is the map's first colour, unless DOWN: then high is. */
+/* A colour scale along AXIS in BOX, low at the bottom (or, DOWN, at the top) with labels to its
+ * right. Low is the map's first colour, unless DOWN: then high is. */
 void asdic_canvas_scale(asdic_canvas *canvas, asdic_box box, const asdic_plot_axis *axis,
                         asdic_colormap map, bool down, uint32_t ink_rgb);
 

@@ -107,9 +107,9 @@ static size_t place_point(char *text, uint32_t digits, int shift) {
     return length;
 }
 
-/* Levels are 1e-4 .. 1e9 in magnitude but for rare exceptions. There a float (24 bits) times the
- * power of ten that leaves nine digits before the point (at most 10^12 = 5^12 2^12, 28 bits) is
- * exact in double, so that rounding it once gives printf's digits at a tenth of its cost. */
+/* Almost all levels are 1e-4 .. 1e9 in magnitude. There a float (24 bits) times the power of ten
+ * that leaves nine digits before the point (at most 10^12 = 5^12 2^12, 28 bits) is exact in double:
+ * rounding it once gives printf's digits at a tenth of the cost. */
 size_t asdic_digits_float(char text[ASDIC_DIGITS_SIZE], float value) {
     double magnitude = fabs((double)value);
     text[0] = 0;

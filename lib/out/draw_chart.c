@@ -60,7 +60,7 @@ static void set_paint(asdic_canvas *c, uint32_t rgb, double alpha) {
                           alpha);
 }
 
-/* The path in hand, in RGB over a pale border that keeps it apart from any terrain. */
+/* Strokes the current path in RGB, over a pale border that sets it off from any terrain. */
 static void stroke_over(asdic_canvas *c, uint32_t rgb, double width, bool dashed) {
     const double dashes[2] = {8.0, 6.0};
     cairo_set_line_join(c->cr, CAIRO_LINE_JOIN_ROUND);
@@ -108,7 +108,7 @@ static void draw_outline(asdic_canvas *c, const page *p, const asdic_outline *o)
     cairo_stroke(c->cr);
 }
 
-/* An object's way: a small ring where it begins, the object where it ends. */
+/* The path of an object: a small ring at its beginning, the object at its end. */
 static void draw_route(asdic_canvas *c, const page *p, const asdic_route *route) {
     cairo_new_path(c->cr);
     for (size_t i = 0; i < route->count; i++) {
@@ -136,7 +136,8 @@ static bool overlap(asdic_box a, asdic_box b) {
     return a.x < b.x + b.w && b.x < a.x + a.w && a.y < b.y + b.h && b.y < a.y + a.h;
 }
 
-/* NAME on a pale ground, GAP_PX right of (X, Y), or left, above or below where there is no room. */
+/* NAME on a pale background, GAP_PX right of (X, Y), or left, above or below where there is no
+ * room. */
 static void draw_name(labels *l, double x, double y, double gap_px, const char *name) {
     asdic_canvas *c = l->c;
     const asdic_box *map = &l->p->box;
@@ -175,7 +176,7 @@ static double half_width_m(const asdic_outline *o) {
     return 0.5 * (east_m - west_m);
 }
 
-/* Names once each, at the middle of the first outline. */
+/* Writes each name once, at the middle of its first outline. */
 static void name_objects(labels *l, const asdic_chart *chart) {
     const page *p = l->p;
     for (size_t i = 0; i < chart->outline_count; i++) {
@@ -200,7 +201,7 @@ static void name_time(char text[48], const char *what, double time_s) {
     snprintf(text, 48, "%s %s s", what, digits);
 }
 
-/* A ring where it begins, an arrow head where it ends. */
+/* A ring at the beginning, an arrow head at the end. */
 static void draw_track(labels *l, const asdic_chart *chart) {
     asdic_canvas *c = l->c;
     const page *p = l->p;

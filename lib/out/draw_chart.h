@@ -1,5 +1,5 @@
 /*
- * A mission from above: terrain, objects, track and what the beams light up. North is up.
+ * A mission from above: terrain, objects, track, and the area that the beams cover. North is up.
  */
 #ifndef ASDIC_OUT_DRAW_CHART_H
 #define ASDIC_OUT_DRAW_CHART_H

@@ -1,5 +1,5 @@
 /*
- * How a chart is laid out: what it shows of the world, and where on the page.
+ * The layout of a chart: the area of the world that it shows, and where on the page.
  */
 #ifndef ASDIC_OUT_DRAW_CHART_PAGE_H
 #define ASDIC_OUT_DRAW_CHART_PAGE_H

@@ -23,14 +23,15 @@ static bool is_special(const char *path) {
     return stat(path, &st) == 0 && !S_ISREG(st.st_mode) && !S_ISDIR(st.st_mode);
 }
 
-/* Standard output as the caller has it, redirected or not. Opening /dev/stdout instead would cut a
- * file that is appended to; renaming over it would replace the device's name for everybody. */
+/* Standard output as the caller opened it, redirected or not. Opening /dev/stdout instead would
+ * truncate a file that the caller appends to; renaming over it would replace the device for
+ * everybody. */
 static FILE *open_stdout(void) {
     int fd = fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, 3);
     FILE *stream = fd >= 0 ? fdopen(fd, "wb") : NULL;
     if (!stream && fd >= 0) {
         close(fd);
-        errno = EBADF; /* not open for writing: stdio says it another way */
+        errno = EBADF; /* not open for writing: stdio reports that differently */
     }
     return stream;
 }
@@ -46,7 +47,7 @@ void asdic_file_unlink_link(const char *path) {
     }
 }
 
-/* Where PATH is the name of a .part, which nobody else has a right to. */
+/* Opens the .part file; a link of that name is replaced. */
 static FILE *open_part(const char *path) {
     asdic_file_unlink_link(path);
     int fd = open(path, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0666);
@@ -105,8 +106,8 @@ FILE *asdic_file_stream(asdic_file *file) {
     return file->stream;
 }
 
-/* Why an earlier write failed, which the stream does not keep: the system is asked again where a byte
- * too many does no harm. */
+/* Why an earlier write failed. The stream does not keep the reason, so one more byte is written
+ * where that does no harm. */
 static int earlier_error(const asdic_file *file) {
     struct stat st;
     int fd = fileno(file->stream);
@@ -114,7 +115,7 @@ static int earlier_error(const asdic_file *file) {
     return is_harmless && write(fd, "", 1) < 0 ? errno : EIO;
 }
 
-/* The first error of the stream, then of the disk: a full disk may only show when flushed. */
+/* The first error of the stream, then of the disk: a full disk may show only at the flush. */
 static int file_close(asdic_file *file) {
     int error = 0;
     if (ferror(file->stream)) {

@@ -1,7 +1,7 @@
 /*
  * An output file that appears complete or not at all: written as NAME.part, renamed on commit.
- * Devices and pipes ("/dev/stdout") cannot be renamed over and are written directly. Links that bear
- * either name are replaced, not followed.
+ * Devices and pipes ("/dev/stdout") cannot be renamed over and are written directly. Links that
+ * bear either name are replaced, not followed.
  */
 #ifndef ASDIC_OUT_FILE_H
 #define ASDIC_OUT_FILE_H
@@ -26,7 +26,7 @@ void asdic_file_discard(asdic_file **file);
 
 bool asdic_file_is_link(const char *path); /* itself; not where it leads to */
 
-/* Removes PATH where it is a link, so that who opens it writes into no other file. */
+/* Removes PATH where it is a link, so that opening it does not write to another file. */
 void asdic_file_unlink_link(const char *path);
 
 /* Writes LENGTH bytes as the whole file. */

@@ -79,7 +79,7 @@ static void describe_file(netcdf *f, const asdic_format_about *about) {
     asdic_nc_texts(&f->nc, asdic_nc_group(&f->nc, f->nc.id, "Provenance"), NC_GLOBAL, provenance);
 }
 
-/* A number of its own, without dimension or along DIMENSION. */
+/* A single number, without dimension or along DIMENSION. */
 static void put_numbers(netcdf *f, int group, int dimension, const label *name, const char *units,
                         const double *values) {
     int id = asdic_nc_variable(&f->nc, group, name->name, NC_DOUBLE, dimension >= 0, &dimension,
@@ -228,7 +228,8 @@ static void define_levels(netcdf *f, const int dimensions[3]) {
         if (id < 0 || !asdic_nc_check(&f->nc, nc_def_var_fill(group, id, NC_FILL, &fill)) ||
             !asdic_nc_check(&f->nc, nc_def_var_chunking(group, id, NC_CHUNKED, chunks)) ||
             !asdic_nc_check(&f->nc, nc_def_var_deflate(group, id, 1, 1, DEFLATE_LEVEL)) ||
-            /* Whole chunks are written, once: netCDF's 16 MiB a variable would only be filled. */
+            /* Every chunk is written whole, once; netCDF's cache of 16 MiB a variable would be of
+             * no use. */
             !asdic_nc_check(&f->nc, nc_set_var_chunk_cache(group, id, 1, 1, 1.0f))) {
             return;
         }

@@ -81,7 +81,7 @@ asdic_status asdic_nc_status(const asdic_nc *nc) {
                       nc_strerror(nc->failure));
 }
 
-/* The name must not be there before the bytes are. */
+/* The file gets its name only after its bytes are on the disk. */
 static int sync_file(const char *path) {
     int fd = open(path, O_RDONLY | O_CLOEXEC);
     int error = fd < 0 || fsync(fd) != 0 ? errno : 0;

@@ -1,6 +1,6 @@
 /*
- * A netCDF-4 file that appears complete or not at all. Calls after the first failure do nothing, so
- * that a file can be described without a check after each line; the failure is told at the end.
+ * A netCDF-4 file that appears complete or not at all. Calls after a failure do nothing, so that a
+ * file can be described without a check after each line; the end reports the failure.
  */
 #ifndef ASDIC_OUT_NETCDF_FILE_H
 #define ASDIC_OUT_NETCDF_FILE_H

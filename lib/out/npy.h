@@ -1,5 +1,5 @@
 /*
- * NumPy's file format, version 1.0: a header that says type and shape, then the numbers.
+ * NumPy's file format, version 1.0: a header with type and shape, then the numbers.
  */
 #ifndef ASDIC_OUT_NPY_H
 #define ASDIC_OUT_NPY_H

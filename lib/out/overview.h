@@ -34,10 +34,11 @@ void asdic_overview_set_gain(asdic_overview *overview, double db_per_decade, dou
 /* The next ping, LEVELS_DB[beam * bins + bin], and its noise, NAN where there is none. */
 void asdic_overview_add(asdic_overview *overview, const float *levels_db, const float *noise_db);
 
-/* The window of what is shown, rounded outwards to 10 dB; 0..10 when nothing is. */
+/* The window of the levels shown, rounded outwards to 10 dB; 0..10 without levels. */
 void asdic_overview_window(const asdic_overview *overview, double *low_db, double *high_db);
 
-/* NAMES of the beams; the time of ping n is FIRST_TIME_S + n PING_PERIOD_S, period 0: pings count. */
+/* NAMES of the beams; the time of ping n is FIRST_TIME_S + n PING_PERIOD_S, period 0: pings
+ * count. */
 typedef struct asdic_overview_axes {
     const char *const *names; /* NULL: beams are numbered */
     double first_time_s, ping_period_s;

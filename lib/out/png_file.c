@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What libpng's error callback needs to leave: it may not return. */
+/* State of libpng's error callback, which must not return. */
 typedef struct png_job {
     jmp_buf leave;
     char why[128];

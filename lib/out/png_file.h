@@ -9,8 +9,8 @@
 typedef struct asdic_png {
     size_t width, height;
     const uint8_t *rgb; /* width * height * 3, or NULL */
-    /* When RGB is NULL: fills ROW (WIDTH greys in host byte order) with row Y, in order from the
-     * top. What is not ASDIC_OK ends the file. */
+    /* When RGB is NULL: fills ROW (WIDTH greys in host byte order) with row Y, from the top on. A
+     * failure ends the file. */
     asdic_status (*grey_row)(void *user, size_t y, uint16_t *row);
     void *user;
     double pixels_per_m;      /* print resolution; 0: not said */

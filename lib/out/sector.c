@@ -7,7 +7,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Half the width of a beam that has no neighbour to tell it. */
+/* Half the width of a beam without neighbours. */
 #define LONE_BEAM_RAD (ASDIC_PI / 180.0)
 
 /* Half-way bearings between neighbours; the outer beams are as wide outside as inside. */
@@ -44,7 +44,7 @@ asdic_sector asdic_sector_of(const asdic_fan *fan, double radius_px) {
         up = fmax(up, cos(bearing));
         down = fmax(down, -cos(bearing));
     }
-    /* A millionth of a pixel absorbs sin(pi) and its like. */
+    /* A millionth of a pixel absorbs rounding, as of sin(pi). */
     s.apex_x_px = ceil(left * radius_px - 1e-6);
     s.apex_y_px = ceil(up * radius_px - 1e-6);
     s.width = (size_t)fmax(1.0, s.apex_x_px + ceil(right * radius_px - 1e-6));

@@ -1,6 +1,6 @@
 /*
- * Altitude above the bottom, straight below and above its summits: the same hierarchy, walked on the host
- * in double.
+ * Altitude above the bottom, straight below and above its summits: walks the same hierarchy on the
+ * host in double.
  */
 #include "scene.h"
 

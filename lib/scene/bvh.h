@@ -1,6 +1,6 @@
 /*
- * The steps of building a hierarchy: a binary tree by surface-area heuristic, on the way back up the
- * plan of its collapse, then the eight-wide nodes and blocks of four triangles.
+ * The steps of building a hierarchy: a binary tree by surface-area heuristic, the plan of its
+ * collapse from the leaves up, then eight-wide nodes and blocks of four triangles.
  */
 #ifndef ASDIC_SCENE_BVH_H
 #define ASDIC_SCENE_BVH_H
@@ -25,8 +25,8 @@ typedef struct asdic_bvh_node2 {
     uint32_t count;
 } asdic_bvh_node2;
 
-/* Entry i - 1: the least sum of areas of wide nodes that hold a binary node's subtree under at most i
- * roots; zeros for a leaf. The first is negative while it is not known. */
+/* Entry i - 1: the least sum of areas of wide nodes that hold a binary node's subtree under at most
+ * i roots; zeros for a leaf. The first is negative while it is not known. */
 typedef float asdic_bvh_forest[DEV_BVH_WIDTH - 1];
 
 typedef struct asdic_bvh_tree {
@@ -44,7 +44,8 @@ typedef struct asdic_bvh_box {
     float4 lo, hi;
 } asdic_bvh_box;
 
-/* One subtree to build: items [first, first + count), its box and the box of twice its centroids. */
+/* One subtree to build: items [first, first + count), its box and the box of twice its
+ * centroids. */
 typedef struct asdic_bvh_task {
     size_t first, count, node;
     unsigned depth;
@@ -57,18 +58,18 @@ void asdic_triangle_box(const float *const corner[3], float lo[3], float hi[3]);
 /* The boxes of a task's items. */
 void asdic_bvh_measure(const asdic_bvh_item *items, asdic_bvh_task *task);
 
-/* Sorts the items of T, more than a leaf's, into those of two halves of the work, whose nodes are
- * left to the caller. */
+/* Sorts the items of T, which are more than a leaf holds, into two halves of the work. The caller
+ * makes their nodes. */
 void asdic_bvh_split(asdic_bvh_item *items, const asdic_bvh_task *t, asdic_bvh_task *left,
                      asdic_bvh_task *right);
 
-/* Builds the tree over ITEMS, which it sorts into leaf order, with THREADS threads; the shape of the
- * tree does not depend on THREADS. Finish it even when this fails. */
+/* Builds the tree over ITEMS, which it sorts into leaf order, with THREADS threads; the shape of
+ * the tree does not depend on THREADS. Finish it even when this fails. */
 asdic_status asdic_bvh_grow(asdic_context *ctx, asdic_bvh_item *items, size_t count,
                             unsigned threads, asdic_bvh_tree *tree);
 void asdic_bvh_tree_finish(asdic_bvh_tree *tree);
 
-/* Fills the forest of an inner node whose children's are known. */
+/* Fills the forest of an inner node from those of its children. */
 void asdic_bvh_plan(const asdic_bvh_node2 *nodes, asdic_bvh_forest *best, size_t node);
 
 /* Turns the binary tree into OUT's nodes and blocks, which it allocates. */
@@ -79,7 +80,8 @@ asdic_status asdic_bvh_pack(asdic_context *ctx, const asdic_bvh_tree *tree,
 /* Makes child I of NODE the box LO to HI with WORD below it; LO NULL: no child. */
 void asdic_node8_set_child(dev_node8 *node, int i, const float *lo, const float *hi, uint32_t word);
 
-/* Calls WORK(USER, first, end) for parts of 0 .. COUNT on up to THREADS threads, this one included. */
+/* Calls WORK(USER, first, end) for parts of 0 .. COUNT on up to THREADS threads, this one
+ * included. */
 void asdic_bvh_share(unsigned threads, size_t count,
                      void (*work)(void *user, size_t first, size_t end), void *user);
 

@@ -1,6 +1,6 @@
 /*
- * The binary tree, grown by several threads. A thread offers the larger subtrees it meets to the
- * others; where nodes lie in memory depends on who took what, their shape does not.
+ * The binary tree, grown by several threads. A thread offers large subtrees to the others. The
+ * memory order of nodes depends on the threads, the shape of the tree does not.
  */
 #include "bvh.h"
 
@@ -10,11 +10,11 @@
 #include <stdatomic.h>
 #include <stdlib.h>
 
-/* Smaller subtrees are built by the thread that meets them. */
+/* Smaller subtrees stay with the thread that meets them. */
 #define TASK_ITEMS 8192
 #define MAX_TASKS 512
 #define MAX_THREADS 64
-/* Nodes that a thread takes at once; even, as children lie in pairs. */
+/* Nodes that a thread allocates at once; even, as children lie in pairs. */
 #define CHUNK 1024
 
 typedef struct grower {
@@ -27,7 +27,7 @@ typedef struct grower {
     size_t queued, running;
 } grower;
 
-/* What one thread has: nodes to use up, leaves made. */
+/* The state of one thread: nodes left, leaves made. */
 typedef struct worker {
     grower *g;
     size_t next, end, leaves;
@@ -58,7 +58,7 @@ static bool is_planned(const asdic_bvh_tree *tree, size_t node) {
     return tree->best[node][0] >= 0.0f;
 }
 
-/* The subtree of T, and its plan where no part of it went to another thread. */
+/* Builds the subtree of T, and its plan where no part of it went to another thread. */
 static void grow_subtree(worker *w, const asdic_bvh_task *t) {
     asdic_bvh_tree *tree = w->g->tree;
     asdic_bvh_node2 *node = &tree->nodes[t->node];
@@ -113,7 +113,7 @@ static void *help(void *user) {
     return NULL;
 }
 
-/* The trunk, whose branches several threads have grown. */
+/* Plans the top of the tree after several threads have grown its subtrees. */
 static void plan_trunk(asdic_bvh_tree *tree, size_t node) {
     if (is_planned(tree, node)) {
         return;
@@ -124,16 +124,16 @@ static void plan_trunk(asdic_bvh_tree *tree, size_t node) {
 }
 
 static void run(grower *g, unsigned threads) {
-    pthread_t helpers[MAX_THREADS];
+    pthread_t workers[MAX_THREADS];
     unsigned started = 0;
-    /* A thread that cannot be started is no loss: the others do its work. */
+    /* Where a thread cannot be started, the others do its work. */
     while (started + 1 < threads && started < MAX_THREADS &&
-           pthread_create(&helpers[started], NULL, help, g) == 0) {
+           pthread_create(&workers[started], NULL, help, g) == 0) {
         started++;
     }
     help(g);
     for (unsigned i = 0; i < started; i++) {
-        pthread_join(helpers[i], NULL);
+        pthread_join(workers[i], NULL);
     }
 }
 
@@ -187,20 +187,20 @@ static void *work_part(void *user) {
 
 void asdic_bvh_share(unsigned threads, size_t count,
                      void (*work)(void *user, size_t first, size_t end), void *user) {
-    pthread_t helpers[MAX_THREADS];
+    pthread_t workers[MAX_THREADS];
     part parts[MAX_THREADS];
     bool started[MAX_THREADS] = {false};
     threads = threads > MAX_THREADS ? MAX_THREADS : count < TASK_ITEMS ? 1 : threads;
     for (unsigned i = threads; i-- > 0;) {
         parts[i] = (part){work, user, count * i / threads, count * (i + 1) / threads};
-        started[i] = i > 0 && pthread_create(&helpers[i], NULL, work_part, &parts[i]) == 0;
+        started[i] = i > 0 && pthread_create(&workers[i], NULL, work_part, &parts[i]) == 0;
         if (!started[i]) {
             work_part(&parts[i]);
         }
     }
     for (unsigned i = 0; i < threads; i++) {
         if (started[i]) {
-            pthread_join(helpers[i], NULL);
+            pthread_join(workers[i], NULL);
         }
     }
 }

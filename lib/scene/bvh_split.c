@@ -34,8 +34,8 @@ static inline void grow(bounds *b, float4 lo, float4 hi) {
     b->hi = float4_max(hi, b->hi);
 }
 
-/* The halves of an item, id and zero in the fourth lanes. In pieces, a load right after a store would
- * wait for it. */
+/* The halves of an item, with id and zero in the fourth lanes. Read in pieces, because a load right
+ * after a store would wait for it. */
 static inline float4 low_of(const asdic_bvh_item *item) {
     return float4_load(item);
 }
@@ -49,8 +49,8 @@ static inline void set_item(asdic_bvh_item *item, float4 lo, float4 hi) {
     float4_store(hi, (char *)item + offsetof(asdic_bvh_item, hi));
 }
 
-/* Twice the centroid: the sum of the corners, saved a multiplication. The id in the fourth lane is
- * masked, as no number to add. */
+/* Twice the centroid: the sum of the corners, which saves a multiplication. The id in the fourth
+ * lane is masked, since it is not a number to add. */
 static inline float4 twice_centroid(float4 lo, float4 hi) {
     const int4 three = {-1, -1, -1, 0};
     return (float4)((int4)lo & three) + hi;
@@ -89,8 +89,8 @@ static inline void add_to_bins(bin_set *bins, const asdic_bvh_item *item, float4
     }
 }
 
-/* Neighbours fall into the same bins, whose last store the next load would wait for: where there are
- * many items, even and odd ones have bins of their own. */
+/* Neighbours fall into the same bins, where a load would wait for the store before it. With many
+ * items, even and odd ones therefore have separate bins. */
 static void fill_bins(const asdic_bvh_item *items, size_t count, float4 offset, float4 scale,
                       int used, bin_set *bins) {
     clear_bins(bins, used);
@@ -177,8 +177,8 @@ static split_plan plan_split(const asdic_bvh_item *items, const asdic_bvh_task *
     return plan;
 }
 
-/* Sorts the items by the plan; returns the size of the left side and the sides' centroid boxes. Every
- * item changes places with the first of the right side, which is no branch to guess. */
+/* Sorts the items by the plan; returns the size of the left side and the sides' centroid boxes.
+ * Every item is swapped with the first of the right side, without a branch to guess. */
 static size_t partition(asdic_bvh_item *items, size_t count, const split_plan *plan, bounds *left,
                         bounds *right) {
     bounds l = nothing(), r = nothing();
@@ -216,7 +216,7 @@ void asdic_bvh_split(asdic_bvh_item *items, const asdic_bvh_task *t, asdic_bvh_t
                      asdic_bvh_task *right) {
     split_plan plan = plan_split(items + t->first, t);
     bool halve = plan.axis < 0;
-    /* Centroids that cannot be told apart, or too deep: halve, in whole blocks. */
+    /* Equal centroids, or too deep: halves, in whole blocks. */
     size_t cut =
         halve ? (t->count / 2 + LEAF - 1) / LEAF * LEAF
               : partition(items + t->first, t->count, &plan, &left->centroids, &right->centroids);

@@ -1,7 +1,7 @@
 /*
- * Objects from above. A mesh may hold many things (boulders): cells that its triangles touch are
- * marked, and each group of cells that hang together gets a ring of the corners that lie farthest
- * in each of a few directions.
+ * Objects from above. A mesh may hold many things (boulders): the cells that its triangles touch
+ * are marked, and each connected group of cells gets a ring of the corners that lie farthest in
+ * each of a few directions.
  */
 #include "chart.h"
 #include "scene.h"
@@ -26,7 +26,7 @@ typedef struct piece {
 typedef struct charter {
     asdic_context *ctx;
     const asdic_scene *scene;
-    const uint32_t *order; /* triangles of the part in hand */
+    const uint32_t *order; /* triangles of the current part */
     size_t order_count;
     double low[2], cell_m; /* north, east */
     size_t cells;
@@ -87,7 +87,7 @@ static void mark(charter *c) {
     }
 }
 
-/* Gives NUMBER to all cells that hang together with cell START. */
+/* Gives NUMBER to all cells connected with cell START. */
 static void flood(charter *c, size_t start, int32_t number) {
     size_t depth = 0;
     c->stack[depth++] = (uint32_t)start;

@@ -14,7 +14,8 @@
 
 #include <stdlib.h>
 
-/* Bounding spheres of the parts, whose triangles lie together; the scene's box and its centre. */
+/* Bounding spheres of the parts; the triangles of a part are contiguous. The scene's box and its
+ * centre. */
 static void measure_parts(asdic_scene *scene) {
     asdic_vec3 lo = {INFINITY, INFINITY, INFINITY}, hi = {-INFINITY, -INFINITY, -INFINITY};
     for (size_t begin = 0, end; begin < scene->triangle_count; begin = end) {
@@ -35,7 +36,8 @@ static void measure_parts(asdic_scene *scene) {
     }
 }
 
-/* What moves is placed as later poses place it, so that moving it back gives the same bytes. */
+/* Moving objects are placed as later poses place them, so that moving one back gives the same
+ * bytes. */
 static asdic_status place_movables(asdic_scene *scene) {
     size_t most = 0;
     for (size_t i = 0; i < scene->movable_count; i++) {

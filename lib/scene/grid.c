@@ -225,7 +225,7 @@ static asdic_status build(grid *g, bool values_are_depth, asdic_mesh **out) {
     return asdic_mesh_complete(g->scan->ctx, *out, g->scan->path);
 }
 
-/* Other grids people have, by their first bytes. */
+/* Other formats of grids, by their first bytes. */
 static asdic_status refuse_other_grids(const asdic_mesh_scan *scan) {
     static const struct {
         const char *name, *bytes;

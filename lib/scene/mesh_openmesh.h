@@ -10,7 +10,7 @@
 extern "C" {
 #endif
 
-/* What OpenMesh hands over, polygon by polygon. Freed by asdic_polygons_finish. */
+/* Polygons as OpenMesh returns them. Freed by asdic_polygons_finish. */
 typedef struct asdic_polygons {
     float *vertices_m; /* 3 * vertex_count */
     uint32_t *corners; /* of all facets, one after the other */

@@ -148,7 +148,7 @@ static asdic_status read_stream(asdic_mesh_scan *scan, FILE *file) {
     return ASDIC_OK;
 }
 
-/* A zero byte ends strings early, and is how UTF-16 looks from here. */
+/* A zero byte would end strings early; UTF-16 has them, too. */
 asdic_status asdic_mesh_scan_check_text(const asdic_mesh_scan *scan) {
     if (memchr(scan->text, '\0', scan->size)) {
         return asdic_mesh_scan_fail(scan, 0,

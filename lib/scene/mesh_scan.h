@@ -1,5 +1,5 @@
 /*
- * An independent look at a mesh file before OpenMesh reads it: how many vertices and facets it
+ * An independent scan of a mesh file before OpenMesh reads it: the vertices and facets that it
  * declares and holds, and the coordinates in double. OpenMesh returns success for many files that
  * it reads wrongly (a vertex with a word in it is skipped and shifts all indices; a wrong count
  * gives an empty mesh), and keeps single precision only.

@@ -14,7 +14,7 @@ typedef struct obj_state {
     size_t vertex_capacity;
     long long highest; /* largest vertex number used so far, and where */
     size_t highest_line;
-    uint32_t facet[ASDIC_POLYGON_MAX_CORNERS]; /* the facet at hand, indices from 0 */
+    uint32_t facet[ASDIC_POLYGON_MAX_CORNERS]; /* the current facet, indices from 0 */
 } obj_state;
 
 static asdic_status scan_vertex(asdic_mesh_scan *scan, asdic_line *line, obj_state *state) {

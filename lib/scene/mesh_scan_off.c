@@ -1,7 +1,7 @@
 /*
- * Object File Format: a keyword, three counts, a line per vertex, a line per facet. What a sonar
- * does not hear (comments, colours, normals) is cut out of the text while it is scanned: OpenMesh 9
- * loses its place at some of it, and may then read on for minutes.
+ * Object File Format: a keyword, three counts, a line per vertex, a line per facet. Comments,
+ * colours and normals are cut out of the text during the scan: OpenMesh 9 loses its place at some
+ * of them and may then read on for minutes.
  */
 #include "mesh_scan.h"
 

@@ -1,4 +1,4 @@
-/* The header of a PLY, line by line: whatever OpenMesh reads in another way is refused or put right. */
+/* The header of a PLY, line by line; what OpenMesh reads differently is refused or rewritten. */
 #include "mesh_scan_ply.h"
 
 #include "../base/context.h"
@@ -33,7 +33,7 @@ static void skip_word(asdic_line *line) {
     }
 }
 
-/* OpenMesh reads on in the next line when one is short, and into it when one is long. */
+/* OpenMesh continues in the next line when one is short, and into it when one is long. */
 static asdic_status check_line_end(const ply_file *ply, asdic_line *line) {
     asdic_line_skip_blanks(line);
     return line->at == line->end

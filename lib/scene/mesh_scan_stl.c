@@ -46,8 +46,8 @@ static asdic_status scan_binary(asdic_mesh_scan *scan, uint32_t count) {
     return ASDIC_OK;
 }
 
-/* The reader keeps single precision; where that moves a corner by more than 1e-5 of the mesh's
- * size, the shape would be another. */
+/* OpenMesh keeps single precision; a corner that it moves by more than 1e-5 of the mesh's size
+ * would change the shape. */
 typedef struct precision {
     double lo[3], hi[3], error;
 } precision;
@@ -89,7 +89,7 @@ static asdic_status scan_corner(asdic_mesh_scan *scan, asdic_line *line, size_t 
 
 static asdic_status scan_text(asdic_mesh_scan *scan) {
     asdic_line line = {0};
-    size_t corners = 0; /* of the facet at hand */
+    size_t corners = 0; /* of the current facet */
     float v[3][3];
     precision p = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}, 0.0};
     while (asdic_line_next(scan, &line)) {

@@ -99,7 +99,7 @@ void asdic_movable_place(const asdic_movable *m, const asdic_pose *pose, asdic_v
 
 /* ---- assembly ------------------------------------------------------------------------------- */
 
-/* One tree of several: the top's room, then the parts' in the order given. */
+/* Joins several trees into one: room for the top, then the parts in the order given. */
 typedef struct joiner {
     asdic_bvh *out;
     unsigned deepest;

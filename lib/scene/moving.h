@@ -1,8 +1,8 @@
 /*
  * Objects that move. Each has a subtree of its own, and a few nodes on top join those with the tree
- * of all that stays. A new pose moves the object's triangles and fits its subtree's boxes round them
- * anew, so that its cost does not depend on the rest of the scene. A hit is a function of ray and
- * triangle alone (kernels/intersect.h): the shape of the tree never shows.
+ * of all that stays. A new pose moves the object's triangles and fits its subtree's boxes round
+ * them anew, so that its cost does not depend on the rest of the scene. A hit is a function of ray
+ * and triangle alone (kernels/intersect.h): the shape of the tree never shows.
  *
  * Nodes and blocks of what moves come first in the scene's arrays: top nodes, then the movables'.
  */
@@ -28,23 +28,23 @@ typedef struct asdic_root {
     uint32_t word;
 } asdic_root;
 
-/* Builds the hierarchy of a scene whose triangles are made; parts that move apart. */
+/* Builds the hierarchy of a scene from its triangles; moving objects have subtrees of their own. */
 asdic_status asdic_scene_assemble(asdic_scene *scene);
 
-/* Where what NODES and BLOCKS hold under WORD ends. */
+/* The end of the nodes and blocks that lie under WORD. */
 asdic_root asdic_root_of(const dev_node8 *nodes, const dev_block4 *blocks, uint32_t word);
 
 /* Joins COUNT roots, which it sorts, under the first of NODES; returns how many nodes it took, at
  * most COUNT, and in *DEPTH the levels of them, both of which depend on COUNT alone. */
 size_t asdic_top_build(dev_node8 *nodes, asdic_root *roots, size_t count, unsigned *depth);
 
-/* Brings the movable's blocks and nodes, its root first, round TRIANGLES (by triangle id less
+/* Fits the movable's blocks and nodes, its root first, round TRIANGLES (indexed by triangle id less
  * FIRST). */
 void asdic_movable_refit(const asdic_movable *m, const dev_triangle *triangles, dev_node8 *nodes,
                          dev_block4 *blocks);
 
-/* Triangles of the movable at POSE, of which only places, normals change; WORLD_M, 9 per triangle,
- * takes the corners. */
+/* Triangles of the movable at POSE; only positions and normals change. WORLD_M, 9 per triangle,
+ * receives the corners. */
 void asdic_movable_place(const asdic_movable *m, const asdic_pose *pose, asdic_vec3 origin_m,
                          double *world_m, dev_triangle *triangles);
 

@@ -30,7 +30,7 @@ void asdic_place_triangle(const double world_m[9], asdic_vec3 origin_m, dev_tria
     round_corner(a, origin_m, out->v0);
     round_corner(b, origin_m, out->v1);
     round_corner(c, origin_m, out->v2);
-    /* A facet of a mesh has an area; far from the origin a tiny one may lose it in the placing. */
+    /* A facet of a mesh has an area, but far from the origin a tiny one may lose it to rounding. */
     n = length > 0.0 ? asdic_vec3_scale(n, 1.0 / length) : (asdic_vec3){0.0, 0.0, -1.0};
     out->normal[0] = (float)n.x;
     out->normal[1] = (float)n.y;

@@ -12,7 +12,7 @@
 void asdic_place_corners(const double mesh_m[9], asdic_mat3 turn, asdic_vec3 position_m,
                          double world_m[9]);
 
-/* Corners, recentred and rounded, and normal of OUT; what else it holds stays. */
+/* Fills corners, recentred and rounded, and the normal of OUT; its other members stay. */
 void asdic_place_triangle(const double world_m[9], asdic_vec3 origin_m, dev_triangle *out);
 
 /* Bounding sphere of COUNT triangles' corners, and their box. */

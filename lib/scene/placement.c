@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A copy of COUNT things of BYTES each; never NULL for want of things. */
+/* A copy of COUNT things of BYTES each; not NULL when COUNT is 0. */
 static void *copy(const void *from, size_t count, size_t bytes) {
     void *to = calloc(count + 1, bytes);
     if (to && count > 0) {
@@ -27,7 +27,7 @@ static float largest_coordinate(const asdic_root *roots, size_t count) {
     return extent;
 }
 
-/* Roots by movable and what stays, the latter only where there is something. */
+/* Roots of the movables, and of the rest where there is any. */
 static size_t root_count(const asdic_scene *scene) {
     return scene->movable_count + (scene->still_root != DEV_EMPTY);
 }

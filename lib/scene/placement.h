@@ -1,6 +1,6 @@
 /*
- * Where a scene's objects are now: what a simulator has of its own, so that others may see the
- * same scene at another time.
+ * The present positions of a scene's objects. Each simulator has its own, so that others can see
+ * the same scene at another time.
  */
 #ifndef ASDIC_SCENE_PLACEMENT_H
 #define ASDIC_SCENE_PLACEMENT_H
@@ -11,11 +11,11 @@ typedef struct asdic_placement {
     const asdic_scene *scene;
     asdic_part *parts;   /* the scene's, spheres as they are now */
     asdic_point *points; /* the scene's, positions as they are now */
-    dev_node8 *nodes;    /* the scene's first ones: of the top, of what moves */
+    dev_node8 *nodes;    /* the first nodes of the scene: the top, and the moving objects */
     dev_block4 *blocks;
     dev_triangle *triangles; /* of what moves, in the scene's order of it */
     size_t *first;           /* by movable: in triangles */
-    asdic_root *roots;       /* by movable, then what stays; the last is empty where nothing does */
+    asdic_root *roots;       /* of the movables, then of the rest, empty where nothing stays */
     float extent_m;          /* largest coordinate by magnitude, as of asdic_bvh */
     double *scratch_m;
 } asdic_placement;

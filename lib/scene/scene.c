@@ -116,12 +116,12 @@ asdic_status asdic_scene_set_bottom_plane(asdic_scene *scene, double depth_m,
     return ASDIC_OK;
 }
 
-/* What a triangle takes at most, corners, hierarchy and the device's copy together: as measured on 4
- * million, 1,160 MiB. */
+/* Bytes that a triangle takes at most: corners, hierarchy and the device's copy together. Measured
+ * on 4 million triangles: 1,160 MiB. */
 #define TRIANGLE_BYTES 304
 
-/* Before the memory of the machine is at its end and the system stops whom it likes. What there is is
- * asked before the first triangle. */
+/* Fails before the memory of the machine runs out and the system kills the process. The free memory
+ * is read before the first triangle. */
 static asdic_status check_memory(asdic_scene *scene, size_t triangles) {
     uint64_t needed = (uint64_t)triangles * TRIANGLE_BYTES;
     if (scene->memory_bytes == 0) {
@@ -227,7 +227,7 @@ asdic_status asdic_scene_add_object(asdic_scene *scene, const char *name, const 
     return add_part(scene, &part, mesh, &pose, &material);
 }
 
-/* Makes room for a movable of COUNT triangles, which is not counted yet. */
+/* Makes room for a movable of COUNT triangles; it is not counted yet. */
 static asdic_status reserve_movable(asdic_scene *scene, size_t count) {
     asdic_movable *grown = realloc(scene->movables, (scene->movable_count + 1) * sizeof *grown);
     if (!grown) {

@@ -79,12 +79,12 @@ void asdic_bvh_finish(asdic_bvh *bvh);
  * have. */
 void asdic_scene_set_bottom(asdic_scene *scene, const asdic_material *material);
 
-/* Makes room for MORE triangles than there are; ASDIC_ERROR_MEMORY, before anything is taken, where the
- * machine has none for them. */
+/* Makes room for MORE triangles. ASDIC_ERROR_MEMORY, before anything is allocated, where the
+ * machine has no room. */
 asdic_status asdic_scene_reserve(asdic_scene *scene, size_t more);
 
-/* Height above the bottom's highest triangle within REACH_M that lies lower than POSITION_M; INFINITY:
- * none. Of a bottom that reaches above the position, the triangles below it count. */
+/* Height above the bottom's highest triangle within REACH_M that lies lower than POSITION_M;
+ * INFINITY: none. Of a bottom that reaches above the position, the triangles below it count. */
 double asdic_scene_clearance_m(const asdic_scene *scene, asdic_vec3 position_m, double reach_m);
 
 /* Whether a pose is finite. */

@@ -20,7 +20,7 @@
 #define FACE_RATIO 4.0
 /* A vertex with more corners than this stays sharp: the tip of a cone, or a broken mesh. */
 #define MOST_CORNERS 1024
-/* A surface bent this much more one way than the other is straight the other way. */
+/* A surface that bends this much more one way than the other is straight the other way. */
 #define STRAIGHT 1e-4
 
 uint32_t asdic_smooth_pack(asdic_vec3 n) {
@@ -37,8 +37,8 @@ uint32_t asdic_smooth_pack(asdic_vec3 n) {
 }
 
 /* Weight of a facet's normal at one of its corners, sin / (|a| |b|) of the edges a and b that meet
- * there: exact where the vertices lie on a sphere (N. Max, "Weights for computing vertex normals from
- * facet normals", J. Graphics Tools 4(2), 1999). */
+ * there: exact where the vertices lie on a sphere (N. Max, "Weights for computing vertex normals
+ * from facet normals", J. Graphics Tools 4(2), 1999). */
 static double corner_weight(const asdic_surface *s, uint32_t corner) {
     size_t facet = 3 * (size_t)(corner / 3);
     asdic_vec3 p = asdic_surface_corner(s, corner);
@@ -95,8 +95,8 @@ static bool solve3(const double a[3][3], const double b[3], double x[3]) {
 }
 
 /* Larger radius of curvature, from how the corner normals differ along the edges (S. Rusinkiewicz,
- * "Estimating curvatures and their derivatives on triangle meshes", 3DPVT 2004); 0 where the surface
- * is straight one way. */
+ * "Estimating curvatures and their derivatives on triangle meshes", 3DPVT 2004); 0 where the
+ * surface is straight one way. */
 static double larger_radius(const asdic_surface *s, uint32_t facet, const asdic_vec3 normals[3]) {
     asdic_vec3 n = asdic_surface_normal(s, facet), p[3];
     for (int k = 0; k < 3; k++) {
@@ -168,7 +168,7 @@ static asdic_status reserve_normals(asdic_scene *scene, size_t part, asdic_movab
     return (*out)->normals ? ASDIC_OK : asdic_fail_memory(scene->ctx, "a moving object's normals");
 }
 
-/* From the world, where they were found, to the mesh's frame. */
+/* Turns normals from the world to the mesh's frame. */
 static void turn_back(const asdic_movable *m, const asdic_vec3 *world) {
     asdic_mat3 turn = asdic_mat3_attitude(m->pose.roll_rad, m->pose.pitch_rad, m->pose.yaw_rad);
     for (size_t i = 0; i < 3 * m->count; i++) {

@@ -12,7 +12,7 @@ typedef struct group {
 
 static int compare_axis(const asdic_root *a, const asdic_root *b, int axis) {
     float x = a->lo[axis] + a->hi[axis], y = b->lo[axis] + b->hi[axis];
-    /* Equal centres: by word, so that the order never depends on the sort. */
+    /* Equal centres are ordered by word, so that the order does not depend on the sort. */
     return x < y ? -1 : x > y ? 1 : (a->word > b->word) - (a->word < b->word);
 }
 

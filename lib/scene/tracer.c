@@ -10,13 +10,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Below this many rays a measurement says little and costs more than it can win. */
+/* Below this number of rays a measurement tells little and costs more than it can gain. */
 #define MEASURE_RAYS 2048
-/* Runs of each form: so many at least, and more as long as they take less than so much in all. */
+/* Runs of each form: at least the first, and up to the second while they take less than this in
+ * all. */
 #define LEAST_RUNS 3
 #define MOST_RUNS 8
 #define MEASURE_S 0.02
-/* Buffers whose choice is remembered; more than a simulator has. */
+/* Buffers for which the choice is kept; more than a simulator has. */
 #define MAX_CHOICES 16
 
 enum { FORM_WIDE8, FORM_PKT16, FORM_FRUSTUM64, FORM_SCALAR, FORM_COUNT, FORM_AUTO = FORM_COUNT };
@@ -50,7 +51,7 @@ struct asdic_tracer {
     size_t choice_count;
 };
 
-/* Few sizes, hence few programs: the smallest power of two that a walk of the tree cannot fill. */
+/* Few sizes give few programs: the smallest power of two that a walk of the tree cannot fill. */
 static unsigned stack_entries(const asdic_bvh *bvh) {
     unsigned entries = 64;
     while (entries < 7 * bvh->depth + 8) {
@@ -193,7 +194,7 @@ static asdic_status run_form(asdic_tracer *t, int form, asdic_buffer *rays, asdi
 static asdic_status measure(asdic_tracer *t, asdic_buffer *rays, asdic_buffer *hits, uint32_t count,
                             int *fastest) {
     double least_s = INFINITY, spent_s = 0.0;
-    /* In turn, so that what else the machine does meets all of them. */
+    /* The forms take turns, so that other load meets all of them alike. */
     for (int run = 0; run <= LEAST_RUNS || (run <= MOST_RUNS && spent_s < MEASURE_S); run++) {
         for (int form = FORM_WIDE8; form <= FORM_FRUSTUM64; form++) {
             TRY(asdic_device_finish(t->device));

@@ -1,11 +1,11 @@
 /*
  * A scene on a device, and rays through it.
  *
- * The kernels exist in several forms that give the same bytes and differ in speed: `wide8` every ray
- * by itself against eight boxes, `pkt16` sixteen neighbouring rays together, `frustum64` sixty-four
- * rays from one point, `scalar` one ray a work-item without vectors (GPUs). `auto` takes scalar on a
- * GPU; elsewhere it measures the others on the first large set of rays in a buffer, and remembers
- * the fastest for that buffer.
+ * The kernels exist in several forms that give the same bytes and differ in speed: `wide8` every
+ * ray by itself against eight boxes, `pkt16` sixteen neighbouring rays together, `frustum64`
+ * sixty-four rays from one point, `scalar` one ray a work-item without vectors (GPUs). `auto` takes
+ * scalar on a GPU; elsewhere it measures the others on the first large set of rays in a buffer, and
+ * remembers the fastest for that buffer.
  */
 #ifndef ASDIC_SCENE_TRACER_H
 #define ASDIC_SCENE_TRACER_H
@@ -27,7 +27,7 @@ asdic_status asdic_tracer_set_kernel(asdic_tracer *tracer, const char *name);
 /* The names for set_kernel one after the other, "auto" left out; NULL at the end. */
 const char *asdic_tracer_kernel_name(size_t index);
 
-/* What was set, or chosen for the rays in this buffer; "auto" where nothing is known yet. */
+/* The form that was set, or chosen for the rays in this buffer; "auto" where none is chosen yet. */
 const char *asdic_tracer_form(const asdic_tracer *tracer, const asdic_buffer *rays);
 
 /* Forgets what was chosen for any buffer. */
@@ -39,7 +39,7 @@ void asdic_tracer_forget(asdic_tracer *tracer);
 asdic_status asdic_tracer_run(asdic_tracer *tracer, asdic_buffer *rays, asdic_buffer *hits,
                               uint32_t count, uint32_t sample);
 
-/* Brings the device what PLACEMENT, of the tracer's scene, has changed by moving MOVABLE. */
+/* Uploads the changes in PLACEMENT, of the tracer's scene, after MOVABLE has moved. */
 asdic_status asdic_tracer_move(asdic_tracer *tracer, const asdic_placement *placement,
                                size_t movable);
 
