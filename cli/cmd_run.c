@@ -222,7 +222,8 @@ static const cli_option options[] = {
      "double the rays until one standard error of every bin above the noise is at most this"},
     {"sampler", 0, "NAME", "adaptive, beam or uniform-sphere (the paper's)"},
     {"kernel", 0, "NAME",
-     "auto, wide8, pkt16, frustum64 or scalar: how rays are cast; auto takes the fastest; same bytes"},
+     "auto, wide8, pkt16, frustum64 or scalar: how rays are cast; auto takes the fastest; same "
+     "bytes"},
     {"seed", 0, "N", "seed of the random directions, instead of the scene's"},
     {"pings", 0, "A:B", "pings A to B-1 only, counted from 0"},
     {"shard", 0, "K/N", "the K-th of N parts of the pings; 'asdic merge' joins the parts"},
@@ -237,16 +238,17 @@ const cli_command cli_run_command = {
     .min_operands = 1,
     .max_operands = 1,
     .summary = "simulate every ping of a scene",
-    .details = "Writes a run folder: bins.csv (one row per ping, beam and bin), pings.npy (the "
-               "same in binary), the pictures that the scene asks for, and run.json (what was "
-               "run, on what, how fast, how good; remarks where a law is used beyond the range that "
-               "its source states). A run that was interrupted, or killed, is "
-               "finished by --resume.\n\n"
-               "--tolerance looks at pings spread over the mission and gives all pings as many "
-               "rays as the roughest needs, at most 4194304; bins that need more are named.\n\n"
-               "Where asdic was built with MPI, 'mpirun -n 4 --bind-to none asdic run ...' shares "
-               "the pings among four processes, which may be on several machines that see the "
-               "same files; one run folder is written, with the bytes of a single process.",
+    .details =
+        "Writes a run folder: bins.csv (one row per ping, beam and bin), pings.npy (the "
+        "same in binary), the pictures that the scene asks for, and run.json (what was "
+        "run, on what, how fast, how good; remarks where a law is used beyond the range that "
+        "its source states). A run that was interrupted, or killed, is "
+        "finished by --resume.\n\n"
+        "--tolerance looks at pings spread over the mission and gives all pings as many "
+        "rays as the roughest needs, at most 4194304; bins that need more are named.\n\n"
+        "Where asdic was built with MPI, 'mpirun -n 4 --bind-to none asdic run ...' shares "
+        "the pings among four processes, which may be on several machines that see the "
+        "same files; one run folder is written, with the bytes of a single process.",
     .examples = "asdic run scene.yaml -o out\n"
                 "asdic run scene.yaml --tolerance 0.5 --seed 7\n"
                 "asdic run scene.yaml --shard 1/8 --resume\n"
