@@ -4,6 +4,12 @@
 
 #include "../../kernels/beam.h"
 
+/* A stretch of azimuth in which neither face's front edge is crossed. */
+typedef struct arc {
+    double begin_rad, end_rad;
+    bool front_t, front_r; /* in front of the transmitter, of the receiver */
+} arc;
+
 asdic_face asdic_face_aim(const asdic_beam *beam, const asdic_pose *pose, double wavelength_m) {
     asdic_mat3 vehicle = asdic_mat3_attitude(pose->roll_rad, pose->pitch_rad, pose->yaw_rad);
     /* A beam's positive pitch looks down, an attitude's positive pitch looks up. */
@@ -39,7 +45,8 @@ static bool in_front(const asdic_face *face, asdic_vec3 direction) {
     return asdic_mat3_apply(face->world_to_face, direction).x > 0.0;
 }
 
-size_t asdic_ring_arcs(const asdic_ring *ring, double elevation_rad, asdic_arc arcs[5]) {
+/* At most 5 arcs that cover the circle of elevation E (positive down) once; returns how many. */
+static size_t find_arcs(const asdic_ring *ring, double elevation_rad, arc arcs[5]) {
     double sin_e = sin(elevation_rad), cos_e = cos(elevation_rad);
     double edge[4];
     size_t edges = crossings(&ring->transmitter, sin_e, cos_e, edge);
@@ -75,8 +82,8 @@ static double pattern(const asdic_face *face, asdic_vec3 direction) {
 }
 
 /* Panels of 16 Gauss points hold three cycles to 1e-14. Their nodes turn with the panel's centre. */
-static double arc_sum(const asdic_ring *ring, const asdic_arc *arc, double sin_e, double cos_e) {
-    double length = arc->end_rad - arc->begin_rad;
+static double arc_sum(const asdic_ring *ring, const arc *part, double sin_e, double cos_e) {
+    double length = part->end_rad - part->begin_rad;
     int panels = 1 + (int)(length * cos_e * asdic_ring_cycles(ring) / 3.0);
     double half = 0.5 * length / panels, sum = 0.0;
     double cos_node[ASDIC_GAUSS16_HALF], sin_node[ASDIC_GAUSS16_HALF];
@@ -85,7 +92,7 @@ static double arc_sum(const asdic_ring *ring, const asdic_arc *arc, double sin_e
         sin_node[k] = cos_e * sin(half * asdic_gauss16_node[k]);
     }
     for (int p = 0; p < panels; p++) {
-        double centre = arc->begin_rad + (2 * p + 1) * half;
+        double centre = part->begin_rad + (2 * p + 1) * half;
         double c = cos(centre), s = sin(centre);
         for (int k = 0; k < ASDIC_GAUSS16_HALF; k++) {
             double cc = c * cos_node[k], ss = s * sin_node[k];
@@ -101,8 +108,8 @@ static double arc_sum(const asdic_ring *ring, const asdic_arc *arc, double sin_e
 
 double asdic_ring_sum(const asdic_ring *ring, double elevation_rad) {
     double sin_e = sin(elevation_rad), cos_e = cos(elevation_rad), sum = 0.0;
-    asdic_arc arcs[5];
-    size_t count = asdic_ring_arcs(ring, elevation_rad, arcs);
+    arc arcs[5];
+    size_t count = find_arcs(ring, elevation_rad, arcs);
     for (size_t i = 0; i < count; i++) {
         double gain =
             (arcs[i].front_t ? 1.0 : ring->rear_lin) * (arcs[i].front_r ? 1.0 : ring->rear_lin);

@@ -23,15 +23,6 @@ typedef struct asdic_ring {
     double rear_lin; /* one-way gain behind a face */
 } asdic_ring;
 
-/* A stretch of azimuth in which neither face's front edge is crossed. */
-typedef struct asdic_arc {
-    double begin_rad, end_rad;
-    bool front_t, front_r; /* in front of the transmitter, of the receiver */
-} asdic_arc;
-
-/* At most 5 arcs that cover the circle of elevation E (positive down) once; returns how many. */
-size_t asdic_ring_arcs(const asdic_ring *ring, double elevation_rad, asdic_arc arcs[5]);
-
 /* How often a two-way pattern of these apertures turns per radian, at most. */
 double asdic_ring_cycles(const asdic_ring *ring);
 
