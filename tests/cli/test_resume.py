@@ -65,18 +65,18 @@ def test_a_fan_that_turns_is_the_same_in_parts():
         same(folder, "whole", "joined")
 
 
-def readme_text():
-    return open(os.path.join(os.path.dirname(__file__), "..", "..", "README.md"),
+def page_text():
+    return open(os.path.join(os.path.dirname(__file__), "..", "..", "docs", "machines.md"),
                 encoding="utf-8").read()
 
 
 def test_the_slurm_recipe():
     """The script for a Slurm array, as printed, with what Slurm sets for each task; then its merge."""
     program.need_device()
-    readme = readme_text()
-    script = re.search(r"```sh\n(#!/bin/sh\n#SBATCH --array=1-(\d+)\n.*?)```", readme, re.DOTALL)
+    page = page_text()
+    script = re.search(r"```sh by=cli_resume\n(#!/bin/sh\n#SBATCH --array=1-(\d+)\n.*?)```", page, re.DOTALL)
     tasks = int(script.group(2))
-    merge = re.search(rf"`(asdic merge run_mission_\*_of_{tasks} [^`]*)`", readme).group(1)
+    merge = re.search(rf"`(asdic merge run_mission_\*_of_{tasks} [^`]*)`", page).group(1)
     with Folder() as folder:
         os.rename(scene(folder, pings=tasks, rays=500), folder / "mission.yaml")
         asdic("run", "mission.yaml", "-o", "whole", cwd=folder.path).check(code=0)
@@ -118,13 +118,13 @@ def test_multipath_between_boundaries_goes_on():
             same(folder, "whole", "r")
 
 
-def test_recipes_of_the_readme():
+def test_recipes_of_the_page_on_many_machines():
     """The commands for xargs and GNU parallel, as printed, give the bytes of one run."""
     program.need_device()
-    readme = readme_text()
-    merge = re.search(r"^asdic merge run_mission_\*_of_8 .*$", readme, re.MULTILINE).group()
-    recipes = {"xargs": re.search(r"^seq 8 \| xargs .*$", readme, re.MULTILINE).group(),
-               "parallel": re.search(r"`(parallel [^`]*)`", readme).group(1)}
+    page = page_text()
+    merge = re.search(r"^asdic merge run_mission_\*_of_8 .*$", page, re.MULTILINE).group()
+    recipes = {"xargs": re.search(r"^seq 8 \| xargs .*$", page, re.MULTILINE).group(),
+               "parallel": re.search(r"`(parallel [^`]*)`", page).group(1)}
     with Folder() as folder:
         os.rename(scene(folder, pings=24, rays=500), folder / "mission.yaml")
         asdic("run", "mission.yaml", "-o", "whole", cwd=folder.path).check(code=0)
