@@ -1,5 +1,5 @@
-"""The manual pages of the program, asdic(1) and asdic-COMMAND(1) for every command, from what
-`asdic help --json` prints.
+"""Makes the manual pages of the program, asdic(1) and asdic-COMMAND(1) for every command, from
+what `asdic help --json` prints.
 
     program_man.py ASDIC VERSION FOLDER
 """
@@ -10,31 +10,31 @@ from command_table import option_words, read_commands
 from scene_man import escape
 
 DESCRIPTION = """\
-asdic simulates the pings of a forward-looking sonar: it traces rays on any OpenCL 1.2 device,
+asdic simulates the pings of a forward-looking sonar. It traces rays on any OpenCL 1.2 device,
 follows published laws of propagation, scattering and noise, and gives calibrated levels in dB re
-1 uPa per beam and range bin. A scene file says all that a simulation depends on, see
-asdic-scene(5); the same scene and seed give the same bytes.
+1 uPa for each beam and range bin. A scene file holds everything that a simulation depends on, see
+asdic-scene(5). The same scene and seed give the same bytes.
 
-Data goes to files, or to standard output where a command says so; messages and a progress bar go
-to standard error, the bar only when that is a terminal. A file is written under its name with
-.part behind it and renamed when it is complete."""
+Data goes to files, or to standard output where a command says so. Messages and a progress bar go
+to standard error, the bar only if that is a terminal. A file is written as NAME.part and renamed
+when it is complete."""
 
 EXIT_STATUS = [
     ("0", "Done."),
-    ("1", "Failed while running: input or output, memory, a device that was lost."),
+    ("1", "Failed while running: input or output, memory, or a lost device."),
     ("2", "The command line is wrong."),
     ("3", "An input file is missing, malformed or out of range."),
-    ("4", "There is no usable device, or its compiler refused the kernels."),
-    ("130, 143", "Interrupted by SIGINT, SIGTERM. The first one lets the ping finish and leaves a "
-                 "run that --resume continues; the second ends the program at once."),
-    ("141", "Nobody reads standard output."),
+    ("4", "No device is usable, or its compiler refused the kernels."),
+    ("130, 143", "Interrupted by SIGINT or SIGTERM. The first signal lets the ping finish and leaves "
+                 "a run that --resume continues; a second one ends the program at once."),
+    ("141", "The reader of standard output has closed it."),
 ]
 
 ENVIRONMENT = [
-    ("ASDIC_DEVICE", "What --device takes when it is not given."),
-    ("NO_COLOR", "When set and not empty, messages have no colour."),
+    ("ASDIC_DEVICE", "The default of --device."),
+    ("NO_COLOR", "If set and not empty, messages have no colour."),
     ("POCL_CACHE_DIR", "Where PoCL, the driver for processors, keeps compiled kernels."),
-    ("ASDIC_KERNEL_DIR", "A folder to read the kernel sources from, for those who change them."),
+    ("ASDIC_KERNEL_DIR", "A folder from which the kernel sources are read, for those who change them."),
 ]
 
 
@@ -82,7 +82,7 @@ def program_page(commands, version):
             ".SH COMMANDS",
             *(f".TP\n.BR {escape(page_name(c))} (1)\n{escape(c['summary'][0].upper() + c['summary'][1:])}."
               for c in commands),
-            ".SH OPTIONS\nEvery command takes", *option_rows(common),
+            ".SH OPTIONS\nEvery command takes these options.", *option_rows(common),
             ".SH EXIT STATUS", *pairs(EXIT_STATUS),
             ".SH ENVIRONMENT", *pairs(ENVIRONMENT),
             see_also([(page_name(c), 1) for c in commands] + [("asdic-scene", 5), ("clinfo", 1)])]
@@ -98,7 +98,7 @@ def command_page(command, commands, version):
             ".SH DESCRIPTION\n" + paragraphs(text),
             ".SH OPTIONS", *option_rows(command["options"]),
             ".SH EXAMPLES\n.nf\n" + escape(command["examples"]) + "\n.fi",
-            ".SH EXIT STATUS\nAs of every command, see\n.BR asdic (1).",
+            ".SH EXIT STATUS\nThe same for every command, see\n.BR asdic (1).",
             see_also([("asdic", 1), *((page_name(c), 1) for c in named), ("asdic-scene", 5)])]
 
 

@@ -1,4 +1,4 @@
-"""asdic-scene(5), the manual page of the scene file, from what `asdic schema` prints.
+"""Makes asdic-scene(5), the manual page of the scene file, from what `asdic schema` prints.
 
     scene_man.py ASDIC EXAMPLE.yaml MATERIAL_PRESETS.h VERSION > asdic-scene.5
 """
@@ -8,31 +8,32 @@ import subprocess
 import sys
 
 INTRODUCTION = """\
-A scene file says all that a simulation depends on: the water, what sound meets, the sonar and
-where it goes. It is YAML 1.1, or JSON. Every key carries its unit in its name; a key that is left
-out has the default given here. Unknown keys, values out of range and keys that contradict each
-other are errors, all of which are named in one run with line, column, key, value, limit and
-remedy. Anchors, aliases, tags and doubled keys are refused; numbers are plain decimals.
+A scene file holds everything that a simulation depends on: the water, the bottom, the objects, the
+sonar and its track. It is YAML 1.1, or JSON. Every key carries its unit in its name; a key that is
+left out has the default given here. Unknown keys, values out of range and keys that contradict
+each other are errors. All errors of a file are reported in one run, each with line, column, key,
+value, limit and remedy. Anchors, aliases, tags and repeated keys are refused; numbers are plain
+decimals.
 
-Positions are north, east, down in metres from a point of the sea surface. Rotations are roll,
-pitch, yaw in degrees, applied yaw first (aerospace order); a vehicle's positive pitch raises the
-bow, a beam's positive pitch looks down. Files are named relative to the scene file."""
+Positions are north, east, down, in metres from a point on the sea surface. Rotations are roll,
+pitch, yaw in degrees, applied yaw first (aerospace order). A vehicle's positive pitch raises the
+bow; a beam's positive pitch looks down. Paths are relative to the scene file."""
 
 
 TARGETS = """\
-An object scatters by impedance, roughness, slope and the flat area that reflects in phase, or as a
-type of bottom. This is geometric optics on facets: good for bodies of many wavelengths. It cannot
-give what bodies of few wavelengths (ka below 5), edges, tips, oblique plates beside their main
-lobe, thin shells and elastic resonances return; for calibration spheres, fish and floats use a
-point with a measured target strength.
+An object scatters by its impedance, its roughness and slope, and the flat area that reflects in
+phase; or as a type of bottom. This is geometric optics on facets, which is good for bodies of many
+wavelengths. It cannot represent bodies of few wavelengths (ka below 5), edges, tips, the side lobes
+of plates seen obliquely, thin shells and elastic resonances. Describe calibration spheres, fish and
+floats as a point with a measured target strength.
 
-Impedances of the presets in MRayl, density times longitudinal speed of bodies many wavelengths
-thick (Kinsler, Frey, Coppens, Sanders, Fundamentals of Acoustics, 4th ed. 2000, table A10):
-{}."""
+The presets have these impedances in MRayl: density times longitudinal speed, for bodies many
+wavelengths thick (Kinsler, Frey, Coppens, Sanders, Fundamentals of Acoustics, 4th ed. 2000, table
+A10): {}."""
 
 
 def presets(path):
-    """NAME VALUE, ... from the library's own table."""
+    """NAME VALUE, ... from the table in the library."""
     with open(path, encoding="utf-8") as file:
         return ", ".join(" ".join(found) for found in re.findall(r"X\((\w+), ([\d.]+)\)", file.read()))
 
@@ -78,7 +79,7 @@ def kind(schema):
 
 
 def maps(schema):
-    """The maps that SCHEMA may be, and what follows the key's name for each."""
+    """The maps that SCHEMA allows, each with the suffix that its key's name gets."""
     if schema.get("type") == "object":
         yield "", schema
     elif schema.get("type") == "array":
@@ -132,8 +133,8 @@ def main():
     targets = escape(TARGETS.format(presets(materials))).replace("\n\n", "\n.PP\n")
     print(".SH TARGETS\n" + targets)
     print(".SH EXAMPLE\n.nf\n" + escape(text.rstrip()) + "\n.fi")
-    print(".SH FILES\n.TP\n.I share/asdic/scenes\nUnder the prefix of the installation: examples, and sonars on the "
-          "market to start from.\n.TP\n.I share/asdic/README.md\nWhat each shows; waters and types of bottom.")
+    print(".SH FILES\n.TP\n.I share/asdic/scenes\nExamples, and sonars on the market to start from; under the prefix of "
+          "the installation.\n.TP\n.I share/asdic/README.md\nWhat each scene shows; waters and types of bottom.")
     print(".SH SEE ALSO\n" + ",\n".join(f".BR {page} (1)" for page in (
         "asdic", "asdic\\-check", "asdic\\-run", "asdic\\-schema")))
 
