@@ -131,6 +131,13 @@ def replaced(scene, keys):
     return scene + keys
 
 
+def test_commands_of_dev_exist():
+    usage = text_of(ROOT / "dev").split("usage: ./dev COMMAND")[1].split("\nTEXT\n")[0]
+    for page in PAGES + FOLDERS:
+        for word in re.findall(r"\./dev ([a-z]+)", text_of(page)):
+            tap.contains(usage, f"\n  {word} ")
+
+
 def is_scene(text):
     return text.startswith("version:")
 
