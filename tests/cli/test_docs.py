@@ -138,6 +138,18 @@ def test_commands_of_dev_exist():
             tap.contains(usage, f"\n  {word} ")
 
 
+def test_waters_have_the_figures_that_asdic_model_prints():
+    rows = re.findall(r"^\| [^|]+ \| `\{(temperature_degc: [^`]*)\}` \| (\d+) \| (\d+) \|$",
+                      text_of(ROOT / "data" / "README.md"), re.M)
+    tap.equal(len(rows) >= 6, True, "six waters or more")
+    for water, *figures in rows:
+        value = dict(re.findall(r"(\w+): ([-\d.]+)", water))
+        keys = [f"t_degc={value['temperature_degc']}", f"s_ppt={value['salinity_ppt']}", "z_m=5"]
+        printed = [asdic("model", "sound-speed", *keys).check(code=0).out,
+                   asdic("model", "absorption", *keys, f"ph={value['ph']}", "f_khz=450").check(code=0).out]
+        tap.equal([f"{float(line.split()[0]):.0f}" for line in printed], figures, water)
+
+
 def is_scene(text):
     return text.startswith("version:")
 
