@@ -10,6 +10,7 @@ A fence says how its text is tested:
     ```yaml           a scene, kept as scene.yaml; or some keys of one, put in place of those of the
                       page's last scene (README's on a page without): asdic check accepts it
     ```c, ```python   a whole program, compiled without a warning; run, where it takes no argument
+    ```c from=FILE    stands in that file, word for word
     ```text           nothing to run
 """
 import json
@@ -36,10 +37,10 @@ def text_of(page):
 
 
 def fences(page):
-    """(kind, test that runs it or '', text) of every fence, in order."""
-    found = re.findall(r"^```(\w+)(?: by=(\w+))?\n(.*?)^```$", text_of(page), re.M | re.S)
+    """(kind, test that runs it or '', text) of every fence but excerpts, in order."""
+    found = re.findall(r"^```(\w+)(?: (by|from)=(\S+))?\n(.*?)^```$", text_of(page), re.M | re.S)
     tap.equal(2 * len(found), len(re.findall(r"^```", text_of(page), re.M)), f"fences of {page.name}")
-    return found
+    return [(kind, by, text) for kind, what, by, text in found if what != "from"]
 
 
 def prose(page):
@@ -82,6 +83,12 @@ def test_links_lead_somewhere():
             if place:
                 known = [anchor(heading) for level in (1, 2, 3) for heading in headings(there, level)]
                 tap.contains(known, place)
+
+
+def test_excerpts_stand_in_their_files():
+    for page in PAGES:
+        for name, text in re.findall(r"^```\w+ from=(\S+)\n(.*?)^```$", text_of(page), re.M | re.S):
+            tap.contains(text_of(ROOT / name), text)
 
 
 def test_names_of_files_exist():
