@@ -1,4 +1,4 @@
-"""The report: everything the README claims, measured again on this machine, in one folder.
+"""The report: what README.md and docs claim, measured again on this machine, in one folder.
 
     report.py BUILD FOLDER [--quick]
 
@@ -53,6 +53,10 @@ PARTS = [
      [("test", "null")], []),
     ("Target strength", "Bodies of known strength, through whole pings.", [("test", "target")], []),
     ("Hard cases", "Numerical stability where it is most in danger.", [("test", "hard_cases")], []),
+    ("Stated errors", "True over stated error, and errors at all, in scenes that nothing was tuned on.",
+     [("test", "cli_honest"), ("test", "robust")], []),
+    ("Fans", "Beams that share rays, against quadrature.", [("test", "fan")], []),
+    ("Overlapping beams", "False alarms, plots, tracks and map cells of an empty sea.", [("test", "empty_sea")], []),
     ("False alarms", "Design value against count, Rayleigh and K, one and several looks.",
      [("test", "false_alarms")], []),
     ("Detection", "P_D against P_FA, counted and in closed form: the rise of the second scenario; a point of "
