@@ -6,7 +6,7 @@ Usage: reference_sphere.py [-o sphere_expected.json]      (needs numpy)
 The sphere's near side is cut into rings about the axis. With D the distance of its centre, a its
 radius and d the slant range, a ring has the area dA = 2 pi (a / D) d dd exactly, lies at the angle
 w off the axis with cos w = (d^2 + D^2 - a^2) / (2 d D), and is met at the incidence i from the
-normal with cos i = (D^2 - a^2 - d^2) / (2 a d). It scatters by the facet law of data/README.md.
+normal with cos i = (D^2 - a^2 - d^2) / (2 a d). It scatters by the facet law of kernels/target.h.
 The water behind the sphere's limb is shadowed; its shadow cone (half a degree) meets neither bottom
 nor surface within range, so these are those of the flat scene. Direct echoes only, no noise.
 """
