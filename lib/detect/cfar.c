@@ -18,10 +18,9 @@
 #include "../../kernels/detection.h"
 
 #include <math.h>
-#include <stdlib.h>
+#include <string.h>
 
 #define TOLERANCE 1e-10
-#define MOST_CELLS 256u
 
 asdic_cfar asdic_cfar_default(void) {
     return (asdic_cfar){.kind = ASDIC_CFAR_CA, .cells = 8, .guard = 2, .rank = 0.75};
@@ -47,8 +46,22 @@ static window window_of(asdic_cfar_kind kind, unsigned count, unsigned rank, uns
     return w;
 }
 
-/* The density of the estimate at s = looks x estimate (OS), or looks x count x estimate (CA), times
- * the chance of exceeding factor x estimate. */
+/* The chance that the mean of M looks, times M, is below S, without the cancellation of one minus a
+ * number close to it: what powers of it carry into an integrand no quadrature can resolve. */
+static double gamma_below(double m, double s) {
+    if (s >= m) {
+        return 1.0 - poisson_below(m, s);
+    }
+    double sum = 0.0, term = poisson_pmf(m, s);
+    for (double j = m; term > 0.0 && term > 1e-17 * sum; j += 1.0) {
+        sum += term;
+        term *= s / (j + 1.0);
+    }
+    return sum;
+}
+
+/* The density of the estimate at s = looks x estimate (OS), or looks x count x estimate (CA), times the
+ * chance of exceeding factor x estimate. */
 static double part(double s, void *user) {
     const window *w = user;
     if (w->kind == ASDIC_CFAR_CA) {
@@ -57,11 +70,7 @@ static double part(double s, void *user) {
         return poisson_pmf(shape - 1.0, s) *
                detection_exponential(w->factor * estimate, w->snr, w->looks, w->target);
     }
-    double above = poisson_below(w->looks, s), below = 1.0 - above;
-    if (s < 1e-3 * w->looks) { /* without cancellation: pmf(m) (1 + s / (m + 1) + ...) */
-        below =
-            poisson_pmf(w->looks, s) * (1.0 + s / (w->looks + 1.0) * (1.0 + s / (w->looks + 2.0)));
-    }
+    double below = gamma_below(w->looks, s), above = poisson_below(w->looks, s);
     if (!(below > 0.0) || !(above > 0.0)) {
         return 0.0;
     }
@@ -71,7 +80,7 @@ static double part(double s, void *user) {
            detection_exponential(w->factor * s / w->looks, w->snr, w->looks, w->target);
 }
 
-/* In pieces, so that a narrow peak does not fall between the nodes of a wide one. */
+/* In pieces, lest a narrow peak lies between the nodes of a wide one. */
 static double average(window *w) {
     double shape = w->kind == ASDIC_CFAR_CA ? w->count * w->looks : w->looks;
     double end = shape + 12.0 * sqrt(shape) + 60.0, sum = 0.0;
@@ -83,8 +92,8 @@ static double average(window *w) {
 
 static bool is_good(asdic_cfar_kind kind, unsigned count, unsigned rank, unsigned looks,
                     double factor) {
-    return count >= 1 && count <= 2 * MOST_CELLS && looks >= 1 && looks <= 1000 && factor >= 0.0 &&
-           (kind == ASDIC_CFAR_CA || (rank >= 1 && rank <= count));
+    return count >= 1 && count <= 2 * ASDIC_CFAR_MOST_CELLS && looks >= 1 && looks <= 1000 &&
+           factor >= 0.0 && (kind == ASDIC_CFAR_CA || (rank >= 1 && rank <= count));
 }
 
 double asdic_cfar_pfa(asdic_cfar_kind kind, unsigned count, unsigned rank, unsigned looks,
@@ -134,7 +143,7 @@ asdic_status asdic_cfar_factor(asdic_context *ctx, asdic_cfar_kind kind, unsigne
     if (!is_good(kind, count, rank, looks, 0.0) || !(pfa > 0.0 && pfa < 1.0)) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
                           "CFAR over %u bins (1..%u), rank %u, %u looks (1..1000), P_FA %g (0..1)",
-                          count, 2 * MOST_CELLS, rank, looks, pfa);
+                          count, 2 * ASDIC_CFAR_MOST_CELLS, rank, looks, pfa);
     }
     double low = 0.0, high = 1.0;
     while (asdic_cfar_pfa(kind, count, rank, looks, high) > pfa) {
@@ -158,62 +167,134 @@ asdic_status asdic_cfar_factor(asdic_context *ctx, asdic_cfar_kind kind, unsigne
     return ASDIC_OK;
 }
 
-static int ascending(const void *a, const void *b) {
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 /* Rank of COUNT bins. */
 static unsigned rank_of(const asdic_cfar *cfar, unsigned count) {
     double rank = ceil(cfar->rank * (double)count - 1e-9);
     return rank < 1.0 ? 1 : (unsigned)rank;
 }
 
-/* Copies the bins of the window round AT into WINDOW and returns how many. Bins without energy do
- * not count. */
-static unsigned gather(const asdic_cfar *cfar, const double *row, size_t bins, size_t at,
-                       double *out) {
-    unsigned count = 0;
-    for (size_t k = cfar->guard + 1; k <= cfar->guard + cfar->cells; k++) {
-        if (at >= k && row[at - k] > 0.0) {
-            out[count++] = row[at - k];
-        }
-        if (at + k < bins && row[at + k] > 0.0) {
-            out[count++] = row[at + k];
+/* The window's bins in ascending order, kept from bin to bin: a step adds and removes two. */
+typedef struct ordered {
+    double values[2 * ASDIC_CFAR_MOST_CELLS];
+    unsigned count;
+} ordered;
+
+/* How many values are below VALUE. */
+static unsigned place_of(const ordered *o, double value) {
+    unsigned low = 0, high = o->count;
+    while (low < high) {
+        unsigned middle = (low + high) / 2;
+        if (o->values[middle] < value) {
+            low = middle + 1;
+        } else {
+            high = middle;
         }
     }
-    return count;
+    return low;
 }
 
-/* The window's estimate: the mean, or the order statistic. */
-static double statistic(const asdic_cfar *cfar, double *bins, unsigned count) {
-    if (cfar->kind == ASDIC_CFAR_OS) {
-        qsort(bins, count, sizeof *bins, ascending);
-        return bins[rank_of(cfar, count) - 1];
+/* Bins without energy do not count; nor do those before the first and after the last. */
+static bool counts(const double *row, size_t bins, size_t at) {
+    return at < bins && row[at] > 0.0;
+}
+
+static void add(ordered *o, const double *row, size_t bins, size_t at) {
+    if (counts(row, bins, at)) {
+        unsigned place = place_of(o, row[at]);
+        memmove(o->values + place + 1, o->values + place, (o->count - place) * sizeof(double));
+        o->values[place] = row[at];
+        o->count++;
     }
+}
+
+static void take(ordered *o, const double *row, size_t bins, size_t at) {
+    if (counts(row, bins, at)) {
+        unsigned place = place_of(o, row[at]);
+        o->count--;
+        memmove(o->values + place, o->values + place + 1, (o->count - place) * sizeof(double));
+    }
+}
+
+/* From the window of bin AT - 1 to that of bin AT. An index before the first wraps round to one beyond the
+ * last. */
+static void step(ordered *o, const asdic_cfar *cfar, const double *row, size_t bins, size_t at) {
+    size_t guard = cfar->guard, cells = cfar->cells;
+    take(o, row, bins, at - 1 - guard - cells);
+    take(o, row, bins, at + guard);
+    add(o, row, bins, at - 1 - guard);
+    add(o, row, bins, at + guard + cells);
+}
+
+/* The mean of the window's bins round AT, and how many there are. */
+static double mean_of(const asdic_cfar *cfar, const double *row, size_t bins, size_t at,
+                      unsigned *count) {
     double sum = 0.0;
-    for (unsigned i = 0; i < count; i++) {
-        sum += bins[i];
+    *count = 0;
+    for (size_t k = cfar->guard + 1; k <= cfar->guard + cfar->cells; k++) {
+        if (counts(row, bins, at - k)) {
+            sum += row[at - k];
+            ++*count;
+        }
+        if (counts(row, bins, at + k)) {
+            sum += row[at + k];
+            ++*count;
+        }
     }
-    return sum / (double)count;
+    return sum / (double)*count;
 }
-
-/* Values that depend on the number of bins in a window: the factor, and the statistic over the
- * background's mean. */
-typedef struct scale {
-    double factor, bias;
-} scale;
 
 static asdic_status find_scale(asdic_context *ctx, const asdic_cfar *cfar, unsigned looks,
-                               double pfa, unsigned count, scale *out) {
+                               double pfa, unsigned count, asdic_cfar_scale *out) {
+    if (out->factor > 0.0) {
+        return ASDIC_OK;
+    }
     unsigned rank = rank_of(cfar, count);
     asdic_background unit = {.mean_lin = 1.0, .looks = looks, .shape = INFINITY};
-    asdic_status status = asdic_cfar_factor(ctx, cfar->kind, count, rank, looks, pfa, &out->factor);
+    TRY(asdic_cfar_factor(ctx, cfar->kind, count, rank, looks, pfa, &out->factor));
     out->bias = 1.0;
-    if (status == ASDIC_OK && cfar->kind == ASDIC_CFAR_OS) { /* the quantile that it estimates */
-        status = asdic_detect_threshold(ctx, &unit, 1.0 - rank / (count + 1.0), &out->bias);
+    if (cfar->kind == ASDIC_CFAR_OS) { /* the quantile that it estimates */
+        TRY(asdic_detect_threshold(ctx, &unit, 1.0 - rank / (count + 1.0), &out->bias));
     }
-    return status;
+    return ASDIC_OK;
+}
+
+asdic_status asdic_cfar_check(asdic_context *ctx, const asdic_cfar *cfar) {
+    if (cfar->cells < 1 || cfar->cells > ASDIC_CFAR_MOST_CELLS ||
+        !(cfar->rank > 0.0 && cfar->rank <= 1.0)) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
+                          "CFAR of %u cells a side (1..%u), rank %g (0..1]", cfar->cells,
+                          ASDIC_CFAR_MOST_CELLS, cfar->rank);
+    }
+    return ASDIC_OK;
+}
+
+asdic_status asdic_cfar_row_scaled(asdic_context *ctx, const asdic_cfar *cfar, unsigned looks,
+                                   double pfa, const double *intensity_lin, size_t bins,
+                                   double *background_lin, double *threshold_lin,
+                                   asdic_cfar_scale *scales) {
+    bool orders = cfar->kind == ASDIC_CFAR_OS;
+    ordered near = {.count = 0};
+    for (size_t k = cfar->guard; orders && k < cfar->guard + cfar->cells; k++) {
+        add(&near, intensity_lin, bins, k); /* of the bin before the first */
+    }
+    for (size_t i = 0; i < bins; i++) {
+        unsigned count = 0;
+        double found = 0.0;
+        if (orders) {
+            step(&near, cfar, intensity_lin, bins, i);
+            count = near.count;
+            found = count ? near.values[rank_of(cfar, count) - 1] : 0.0;
+        } else {
+            found = mean_of(cfar, intensity_lin, bins, i, &count);
+        }
+        background_lin[i] = threshold_lin[i] = NAN;
+        if (count > 0 && intensity_lin[i] > 0.0) {
+            TRY(find_scale(ctx, cfar, looks, pfa, count, &scales[count]));
+            background_lin[i] = found / scales[count].bias;
+            threshold_lin[i] = found * scales[count].factor;
+        }
+    }
+    return ASDIC_OK;
 }
 
 asdic_status asdic_cfar_row(asdic_context *ctx, const asdic_cfar *cfar, unsigned looks, double pfa,
@@ -222,25 +303,8 @@ asdic_status asdic_cfar_row(asdic_context *ctx, const asdic_cfar *cfar, unsigned
     if (!cfar || !intensity_lin || !background_lin || !threshold_lin) {
         return asdic_fail_null(ctx, __func__);
     }
-    double near[2 * MOST_CELLS];
-    scale scales[2 * MOST_CELLS + 1] = {0};
-    if (cfar->cells < 1 || cfar->cells > MOST_CELLS || !(cfar->rank > 0.0 && cfar->rank <= 1.0)) {
-        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
-                          "CFAR of %u cells a side (1..%u), rank %g (0..1]", cfar->cells,
-                          MOST_CELLS, cfar->rank);
-    }
-    for (size_t i = 0; i < bins; i++) {
-        unsigned count = gather(cfar, intensity_lin, bins, i, near);
-        background_lin[i] = threshold_lin[i] = NAN;
-        if (count == 0 || !(intensity_lin[i] > 0.0)) {
-            continue;
-        }
-        if (scales[count].factor == 0.0) {
-            TRY(find_scale(ctx, cfar, looks, pfa, count, &scales[count]));
-        }
-        double found = statistic(cfar, near, count);
-        background_lin[i] = found / scales[count].bias;
-        threshold_lin[i] = found * scales[count].factor;
-    }
-    return ASDIC_OK;
+    asdic_cfar_scale scales[ASDIC_CFAR_SCALES] = {0};
+    TRY(asdic_cfar_check(ctx, cfar));
+    return asdic_cfar_row_scaled(ctx, cfar, looks, pfa, intensity_lin, bins, background_lin,
+                                 threshold_lin, scales);
 }

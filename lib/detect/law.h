@@ -18,6 +18,24 @@ asdic_status asdic_background_check(asdic_context *ctx, const asdic_background *
  * texture modulates. */
 asdic_background asdic_background_blurred(asdic_background background, double stderr_db);
 
+/* What CFAR needs to know of a window of so many bins: threshold over statistic, and the statistic over
+ * the background's mean. Factor 0: not computed yet. */
+typedef struct asdic_cfar_scale {
+    double factor, bias;
+} asdic_cfar_scale;
+
+#define ASDIC_CFAR_MOST_CELLS 256u /* on either side */
+#define ASDIC_CFAR_SCALES (2 * ASDIC_CFAR_MOST_CELLS + 1)
+
+asdic_status asdic_cfar_check(asdic_context *ctx, const asdic_cfar *cfar);
+
+/* asdic_cfar_row of a CFAR that was checked, with SCALES[ASDIC_CFAR_SCALES] kept from row to row: of several looks each takes
+ * thousands of integrals. */
+asdic_status asdic_cfar_row_scaled(asdic_context *ctx, const asdic_cfar *cfar, unsigned looks,
+                                   double pfa, const double *intensity_lin, size_t bins,
+                                   double *background_lin, double *threshold_lin,
+                                   asdic_cfar_scale *scales);
+
 /* TARGET_... of kernels/detection.h. */
 int asdic_target_code(asdic_target target);
 

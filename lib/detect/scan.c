@@ -20,6 +20,7 @@ struct asdic_scan {
     asdic_detector detector;
     bool has_cfar;
     asdic_cfar cfar;
+    asdic_cfar_scale scales[ASDIC_CFAR_SCALES];
     asdic_background law;        /* its mean and noise share are those of each bin */
     double *factor;              /* threshold over mean by the noise's share; 0: not computed yet */
     double lift[MOST_STEPS + 1]; /* of a threshold, by the mean's error; the same */
@@ -158,11 +159,14 @@ asdic_status asdic_scan_ping(asdic_scan *scan, const double *intensity_lin,
         return asdic_fail(scan->ctx, ASDIC_ERROR_ARGUMENT,
                           "asdic_scan_ping: intensities and, without CFAR, what is expected");
     }
+    if (scan->has_cfar) {
+        TRY(asdic_cfar_check(scan->ctx, &scan->cfar));
+    }
     for (size_t b = 0; scan->has_cfar && b < scan->beams; b++) {
         size_t first = b * scan->bins;
-        TRY(asdic_cfar_row(scan->ctx, &scan->cfar, scan->law.looks, scan->detector.pfa,
-                           intensity_lin + first, scan->bins, scan->background_lin + first,
-                           scan->threshold_lin + first));
+        TRY(asdic_cfar_row_scaled(scan->ctx, &scan->cfar, scan->law.looks, scan->detector.pfa,
+                                  intensity_lin + first, scan->bins, scan->background_lin + first,
+                                  scan->threshold_lin + first, scan->scales));
     }
     if (!scan->has_cfar || !isnan(scan->detector.cost_ratio)) {
         TRY(over_means(scan, scan->has_cfar ? scan->background_lin : expected_lin, noise_lin));

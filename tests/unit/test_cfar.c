@@ -91,6 +91,81 @@ static void quadrature_meets_closed_forms(void **state) {
                           0.05);
 }
 
+/* P(Poisson(X) >= M), summed from its largest term on. */
+static double poisson_from(unsigned m, double x) {
+    double sum = 0.0;
+    for (unsigned j = m; j < m + 600; j++) {
+        sum += exp(j * log(x) - x - lgamma(j + 1.0));
+    }
+    return fmin(sum, 1.0);
+}
+
+/* P_FA of the RANK-th of COUNT bins of so many looks: the rank's bin at s, so many below it, the others
+ * above, and the bin under test beyond FACTOR times it; by the midpoint rule. */
+static double os_pfa(unsigned count, unsigned rank, unsigned looks, double factor) {
+    enum { POINTS = 2000 };
+    const double end = 4.0 * looks, step = end / POINTS;
+    double sum = 0.0;
+    for (int i = 0; i < POINTS; i++) {
+        double s = (i + 0.5) * step, below = poisson_from(looks, s);
+        double above = fmax(1.0 - below, 1e-300), beyond = 1.0 - poisson_from(looks, factor * s);
+        double density = exp((looks - 1.0) * log(s) - s - lgamma(looks));
+        double orders = lgamma(count + 1.0) - lgamma(rank) - lgamma(count - rank + 1.0);
+        sum += step * density * beyond *
+               exp(orders + (rank - 1.0) * log(below) + (count - rank) * log(above));
+    }
+    return sum;
+}
+
+/* Many looks make a chance near 0 of being below, whose powers are to be had without cancellation. */
+static void order_statistics_of_many_looks(void **state) {
+    (void)state;
+    for (unsigned looks = 4; looks <= 64; looks *= 2) {
+        assert_close_relative(asdic_cfar_pfa(ASDIC_CFAR_OS, 16, 12, looks, 1.3),
+                              os_pfa(16, 12, looks, 1.3), 1e-5);
+        double factor;
+        assert_ok(ctx, asdic_cfar_factor(ctx, ASDIC_CFAR_OS, 16, 12, looks, 1e-3, &factor));
+        assert_close_relative(os_pfa(16, 12, looks, factor), 1e-3, 1e-5);
+    }
+}
+
+/* What sorting every window gives, bins without energy left out. */
+static void sorted_windows(void **state) {
+    (void)state;
+    enum { BINS = 300 };
+    double z[BINS], background[BINS], threshold[BINS], near[BINS];
+    asdic_background b = {1.0, 1, INFINITY, 0.0};
+    asdic_detect_draw(&b, ASDIC_TARGET_SWERLING1, 0.0, 5, 0, BINS, z);
+    for (int i = 0; i < BINS; i += 7) {
+        z[i] = i % 2 ? 0.0 : z[1]; /* gaps, and equal values */
+    }
+    for (unsigned cells = 1; cells <= 256; cells = 3 * cells + 1) {
+        for (unsigned guard = 0; guard <= 2; guard += 2) {
+            asdic_cfar cfar = {ASDIC_CFAR_OS, cells, guard, 0.75};
+            assert_ok(ctx, asdic_cfar_row(ctx, &cfar, 1, 1e-2, z, BINS, background, threshold));
+            for (int i = 0; i < BINS; i++) {
+                unsigned count = 0;
+                for (int k = 0; k < BINS; k++) {
+                    unsigned off = (unsigned)abs(k - i);
+                    if (off > guard && off <= guard + cells && z[k] > 0.0) {
+                        near[count++] = z[k];
+                    }
+                }
+                qsort(near, count, sizeof *near, ascending);
+                if (!(z[i] > 0.0) || count == 0) {
+                    assert_true(isnan(threshold[i]));
+                    continue;
+                }
+                unsigned rank = (unsigned)ceil(0.75 * count - 1e-9);
+                double factor;
+                assert_ok(ctx,
+                          asdic_cfar_factor(ctx, ASDIC_CFAR_OS, count, rank, 1, 1e-2, &factor));
+                assert_close_relative(threshold[i], near[rank - 1] * factor, 1e-12);
+            }
+        }
+    }
+}
+
 static void a_row(void **state) {
     (void)state;
     enum { BINS = 60000 };
@@ -130,6 +205,8 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(rates_are_as_designed),
         cmocka_unit_test(quadrature_meets_closed_forms),
+        cmocka_unit_test(order_statistics_of_many_looks),
+        cmocka_unit_test(sorted_windows),
         cmocka_unit_test(a_row),
     };
     return cmocka_run_group_tests(tests, context_begin, context_end);
