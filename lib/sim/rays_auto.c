@@ -1,0 +1,62 @@
+/*
+ * How many rays a ping takes for a stated error of about 0.5 dB r.m.s. in bins above the noise, by the cells
+ * that a sonar tells apart: bins times the beams that do not overlap. Measured, in dB:
+ *
+ *     over planes    4 rays a cell           fans of data/scenes 0.18 to 0.4, single beams below 0.06
+ *     over meshes    128 a cell to 400,000   5 beams 0.5, 3 beams 0.8
+ *                    32 a cell beyond        512 beams 0.5
+ */
+#include <asdic/ping.h>
+
+#include "base/vec.h"
+
+#include <math.h>
+
+#define OVER_PLANES 4.0
+#define OVER_MESHES 32.0
+#define OVER_MESHES_OF_FEW 128.0
+#define MOST_OF_FEW 400000.0
+#define LEAST_RAYS 20000.0
+#define MOST_RAYS 524288.0
+
+/* Half-power width of an aperture of LENGTH wavelengths, sinc^2 (sin(x) / x = 1 / sqrt 2 at x = 1.3916), at
+ * most a half-space. */
+static double width_rad(double length_wl) {
+    double sine = 0.4430 / fmax(length_wl, 0.4430);
+    return 2.0 * asin(fmin(sine, 1.0));
+}
+
+/* How much of beam A the nearest other beam leaves to it, 0 to 1. */
+static double share_of(const asdic_sonar *sonar, size_t a, double wavelength_m) {
+    const asdic_beam *own = &sonar->receivers[a];
+    double wide = width_rad(own->length_h_m / wavelength_m);
+    double high = width_rad(own->length_v_m / wavelength_m), nearest2 = 1.0;
+    for (size_t b = 0; b < sonar->receiver_count; b++) {
+        const asdic_beam *other = &sonar->receivers[b];
+        double across =
+            remainder(other->yaw_rad - own->yaw_rad, 2.0 * ASDIC_PI) * cos(own->pitch_rad) / wide;
+        double down = remainder(other->pitch_rad - own->pitch_rad, 2.0 * ASDIC_PI) / high;
+        double off2 = across * across + down * down;
+        nearest2 = b != a && off2 < nearest2 ? off2 : nearest2;
+    }
+    return sqrt(nearest2);
+}
+
+uint32_t asdic_rays_auto(const asdic_sonar *sonar, double sound_speed_mps, bool meshes) {
+    if (!sonar || !(sonar->frequency_hz > 0.0) || !(sound_speed_mps > 0.0)) {
+        return (uint32_t)LEAST_RAYS;
+    }
+    double beams = 0.0;
+    for (size_t r = 0; r < sonar->receiver_count; r++) {
+        beams += share_of(sonar, r, sound_speed_mps / sonar->frequency_hz);
+    }
+    double cells = beams * (double)asdic_sonar_bin_count(sonar, sound_speed_mps);
+    double rays = cells * OVER_PLANES;
+    if (meshes) {
+        rays = fmax(fmin(cells * OVER_MESHES_OF_FEW, MOST_OF_FEW), cells * OVER_MESHES);
+    }
+    rays = fmin(fmax(rays, LEAST_RAYS), MOST_RAYS);
+    double digit =
+        pow(10.0, floor(log10(rays)) - 1.0); /* two digits, so that a report reads well */
+    return (uint32_t)fmin(ceil(rays / digit) * digit, MOST_RAYS);
+}

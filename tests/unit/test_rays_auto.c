@@ -1,0 +1,75 @@
+/*
+ * How many rays a sonar takes when nobody says: the same for beams however finely they part a sector, in
+ * proportion to bins and to beams that see nothing of each other, within its limits.
+ */
+#include "asserts.h"
+
+#include <asdic/ping.h>
+
+#define MOST 512
+#define SPEED 1500.0
+
+static uint32_t rays_of(size_t beams, double sector_deg, double pitch_step_deg, double range_m,
+                        bool meshes) {
+    static asdic_beam receivers[MOST];
+    asdic_sonar sonar = asdic_sonar_default();
+    for (size_t i = 0; i < beams; i++) {
+        double at = (i + 0.5) / (double)beams - 0.5;
+        receivers[i] = sonar.transmitter;
+        receivers[i].length_h_m = 0.75; /* 1.02 degrees */
+        receivers[i].yaw_rad = at * sector_deg * 3.14159265 / 180.0;
+        receivers[i].pitch_rad = i * pitch_step_deg * 3.14159265 / 180.0;
+    }
+    sonar.receivers = receivers;
+    sonar.receiver_count = beams;
+    sonar.bin_length_m = 0.1;
+    sonar.ping_rate_hz = SPEED / (2.0 * range_m);
+    return asdic_rays_auto(&sonar, SPEED, meshes);
+}
+
+static void overlap_asks_for_nothing(void **state) {
+    (void)state;
+    uint32_t once = rays_of(128, 128.0, 0.0, 50.0, false);
+    assert_in_range(once, 245000, 260000); /* 4 x 500 bins x 125.5 beams, in two digits */
+    assert_int_equal(rays_of(256, 128.0, 0.0, 50.0, false), once);
+    assert_int_equal(rays_of(512, 128.0, 0.0, 50.0, false), once);
+}
+
+static void beams_apart_count_each(void **state) {
+    (void)state;
+    assert_int_equal(rays_of(20, 120.0, 0.0, 50.0, false), 40000);
+    assert_int_equal(rays_of(40, 120.0, 0.0, 50.0, false), 80000);
+    assert_int_equal(rays_of(4, 0.0, 40.0, 500.0, false), 80000); /* one above the other */
+}
+
+static void range_counts(void **state) {
+    (void)state;
+    uint32_t near = rays_of(128, 128.0, 0.0, 10.0, false),
+             far = rays_of(128, 128.0, 0.0, 20.0, false);
+    assert_in_range(far, 2 * near - near / 5, 2 * near + near / 5); /* two digits */
+}
+
+static void limits(void **state) {
+    (void)state;
+    assert_int_equal(rays_of(1, 0.0, 0.0, 10.0, false), 20000);
+    assert_int_equal(rays_of(512, 150.0, 0.0, 300.0, false), 524288);
+    assert_int_equal(asdic_rays_auto(NULL, SPEED, false), 20000);
+}
+
+static void meshes_ask_for_more(void **state) {
+    (void)state;
+    assert_int_equal(rays_of(5, 350.0, 0.0, 60.0, true), 390000); /* 128 a cell */
+    assert_int_equal(rays_of(100, 120.0, 0.0, 10.0, true), 400000);
+    assert_int_equal(rays_of(100, 120.0, 0.0, 15.0, true), 480000); /* 32 a cell */
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(overlap_asks_for_nothing),
+        cmocka_unit_test(beams_apart_count_each),
+        cmocka_unit_test(range_counts),
+        cmocka_unit_test(limits),
+        cmocka_unit_test(meshes_ask_for_more),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
