@@ -56,8 +56,9 @@ typedef struct asdic_sampling {
 /* 20,000 rays, adaptive, first-order multipath, seed 1. */
 ASDIC_API asdic_sampling asdic_sampling_default(void);
 
-/* Rays for a stated error of about 0.5 dB r.m.s. in bins above the noise: by the bins and by the beams as far
- * as they do not overlap, more where a scene has MESHES; 20,000 to 524,288. The same on every machine. */
+/* Rays for a stated error of about 0.5 dB r.m.s. in bins above the noise: by the bins and by the
+ * beams as far as they do not overlap, more where a scene has MESHES; 20,000 to 524,288. The same
+ * on every machine. */
 ASDIC_API uint32_t asdic_rays_auto(const asdic_sonar *sonar, double sound_speed_mps, bool meshes);
 
 typedef enum asdic_component {
