@@ -4,8 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#define PI 3.14159265358979323846
-#define CONE_HALF_ANGLE_RAD (10.0 * PI / 180.0)
+#define CONE_HALF_ANGLE_RAD (10.0 * CLI_PI / 180.0)
 
 const char *bench_ray_set_name(bench_ray_set set) {
     static const char *const names[BENCH_RAY_SETS] = {[BENCH_CONE_DENSE] = "cone-dense",
@@ -106,7 +105,7 @@ static void fill_cone(const bench_ray_scene *s, asdic_ray *rays, size_t count) {
         double x = ((double)(i % columns) + bench_uniform(&seed)) / (double)columns;
         double y = ((double)(i / columns) + bench_uniform(&seed)) / rows;
         double cosine = 1.0 - x * (1.0 - cos(CONE_HALF_ANGLE_RAD));
-        double sine = sqrt(1.0 - cosine * cosine), turn = 2.0 * PI * y, direction[3];
+        double sine = sqrt(1.0 - cosine * cosine), turn = 2.0 * CLI_PI * y, direction[3];
         for (int k = 0; k < 3; k++) {
             direction[k] = cosine * s->towards[k] + sine * (cos(turn) * u[k] + sin(turn) * v[k]);
         }
@@ -117,7 +116,7 @@ static void fill_cone(const bench_ray_scene *s, asdic_ray *rays, size_t count) {
 static void fill_sphere(const bench_ray_scene *s, asdic_ray *rays, size_t count) {
     uint64_t seed = 2;
     for (size_t i = 0; i < count; i++) {
-        double z = 2.0 * bench_uniform(&seed) - 1.0, turn = 2.0 * PI * bench_uniform(&seed);
+        double z = 2.0 * bench_uniform(&seed) - 1.0, turn = 2.0 * CLI_PI * bench_uniform(&seed);
         double across = sqrt(1.0 - z * z);
         const double direction[3] = {across * cos(turn), across * sin(turn), z};
         rays[i] = bench_ray_from(s->from_m, direction);

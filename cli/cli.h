@@ -23,6 +23,8 @@
         }                                                                                          \
     } while (0)
 
+#define CLI_PI 3.14159265358979323846
+
 /* Exit codes. An interrupted command ends with 128 + signal. */
 #define CLI_OK 0
 #define CLI_FAILED 1 /* while running: input and output, memory, device lost */

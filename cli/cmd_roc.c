@@ -50,7 +50,7 @@ static bool read_request(cli *c, request *r) {
     cli_number(c, "range", 0.01, 1e5, &r->options.range_m);
     double bearing_deg = 0.0;
     cli_number(c, "bearing", -180.0, 180.0, &bearing_deg);
-    r->options.bearing_rad = bearing_deg * 3.14159265358979323846 / 180.0;
+    r->options.bearing_rad = bearing_deg * CLI_PI / 180.0;
     cli_number(c, "strength", -200.0, 100.0, &r->options.target_strength_db);
     cli_choice(c, "target", cli_target_names, &target);
     cli_number(c, "pfa", 1e-12, 0.5, &r->options.pfa);

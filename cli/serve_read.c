@@ -46,7 +46,7 @@ static bool read_number(const char **at, double *out) {
 }
 
 static serve_line take(serve_request *out, char *why) {
-    const double degree = 3.14159265358979323846 / 180.0; /* as tracks are read */
+    const double degree = CLI_PI / 180.0; /* as tracks are read */
     for (int i = SERVE_X; i <= SERVE_Z; i++) {
         if (isnan(out->value[i])) {
             snprintf(why, SERVE_WHY_SIZE, "'%s' is missing; x_m, y_m and z_m are needed",

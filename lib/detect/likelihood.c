@@ -17,6 +17,8 @@
  */
 #include "law.h"
 
+#include "base/vec.h"
+
 #include <math.h>
 
 /* Terms below this share of their sum are left out, as are textures. */
@@ -63,8 +65,7 @@ static double log_bessel(double m, double root) {
     double e = 0.125 / t;
     double rest =
         1.0 - (mu - 1.0) * e * (1.0 - 0.5 * (mu - 9.0) * e * (1.0 - (mu - 25.0) * e / 3.0));
-    return log_gamma(m) + (1.0 - m) * log(root) - 0.5 * log(2.0 * 3.14159265358979323846 * t) +
-           log(rest);
+    return log_gamma(m) + (1.0 - m) * log(root) - 0.5 * log(2.0 * ASDIC_PI * t) + log(rest);
 }
 
 /* ln 1F1(a; m; c) - c for a = 1 or 2, whose asymptotic series end. */

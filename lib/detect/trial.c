@@ -3,6 +3,7 @@
  */
 #include "law.h"
 
+#include "base/vec.h"
 #include "sim/variates.h"
 
 #include "../../kernels/random.h"
@@ -78,7 +79,7 @@ static double draw_one(const asdic_background *b, asdic_target target, double sn
         double radius2 = asdic_variates_exponential(&v), phase = asdic_variates_uniform(&v);
         sum += mean * radius2;
         if (snr > 0.0) { /* |a + n|^2 = |n|^2 + 2 a Re n + a^2 */
-            double in_phase = scale * sqrt(radius2) * cos(2.0 * 3.14159265358979323846 * phase);
+            double in_phase = scale * sqrt(radius2) * cos(2.0 * ASDIC_PI * phase);
             sum += amplitude * (2.0 * in_phase + amplitude);
         }
     }
