@@ -112,10 +112,10 @@ void fuzz_records(const uint8_t *data, size_t size) {
 }
 
 /* terrain.asc and, behind a line "---", objects.csv. */
-void fuzz_scenery(const uint8_t *data, size_t size) {
+void fuzz_chart_data(const uint8_t *data, size_t size) {
     static const char mark[] = "---\n";
     asdic_context *ctx = NULL;
-    asdic_chart_data scenery;
+    asdic_chart_data chart;
     if (asdic_context_create(&ctx) != ASDIC_OK) {
         return;
     }
@@ -123,15 +123,15 @@ void fuzz_scenery(const uint8_t *data, size_t size) {
     size_t first = cut ? (size_t)(cut - data) : size, second = cut ? first + sizeof mark - 1 : size;
     scratch_write("terrain.asc", data, first);
     scratch_write("objects.csv", data + second, size - second);
-    asdic_status status = asdic_chart_data_read(ctx, folder(), &scenery);
-    if (status != ASDIC_OK && (!asdic_context_error(ctx)[0] || scenery.outline_count)) {
+    asdic_status status = asdic_chart_data_read(ctx, folder(), &chart);
+    if (status != ASDIC_OK && (!asdic_context_error(ctx)[0] || chart.outline_count)) {
         abort();
     }
-    size_t cells = scenery.relief.columns * scenery.relief.rows;
+    size_t cells = chart.relief.columns * chart.relief.rows;
     if (cells > 0) {
-        volatile float last = scenery.relief.depth_m[cells - 1];
+        volatile float last = chart.relief.depth_m[cells - 1];
         (void)last;
     }
-    asdic_chart_data_finish(&scenery);
+    asdic_chart_data_finish(&chart);
     asdic_context_destroy(&ctx);
 }

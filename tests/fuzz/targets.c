@@ -10,7 +10,7 @@ const fuzz_target fuzz_targets[] = {
     {"stl", fuzz_stl},
     {"facts", fuzz_facts},
     {"records", fuzz_records},
-    {"scenery", fuzz_scenery},
+    {"chart_data", fuzz_chart_data},
     {"arguments", fuzz_arguments},
     {"serve", fuzz_serve},
     {NULL, NULL},

@@ -95,7 +95,7 @@ asdic_status __wrap_asdic_simulator_pings(asdic_simulator *sim, const asdic_pose
 
 /* Devices of several kinds: how many go together must not matter. */
 size_t __wrap_asdic_simulator_ping_batch(const asdic_simulator *sim) {
-    return sim->device->volley ? sim->device->volley : 1;
+    return sim->device->together ? sim->device->together : 1;
 }
 
 const asdic_device_info *__wrap_asdic_device_get_info(const asdic_device *device) {

@@ -21,7 +21,7 @@ struct asdic_device {
     asdic_device_info info;
     bool refuses;       /* to create a simulator */
     size_t fails_after; /* pings */
-    size_t volley;      /* pings that it takes at once; 0: one */
+    size_t together;    /* pings that it takes at once; 0: one */
     unsigned delay_us;
     size_t pings, learnt; /* counted */
 };

@@ -13,8 +13,8 @@ static void devices_do_not_change_a_byte(void **state) {
     (void)state;
     fixture f;
     begin(&f);
-    f.devices[1].volley = 3;
-    f.devices[2].volley = ASDIC_LEARN_BLOCK;
+    f.devices[1].together = 3;
+    f.devices[2].together = ASDIC_LEARN_BLOCK;
     assert_int_equal(run(&f, 3, asdic_run_options_default(), "three"), ASDIC_OK);
     for (int i = 0; i < 3; i++) {
         assert_true(f.devices[i].pings > 0);
@@ -32,7 +32,7 @@ static void lost_device_is_replaced(void **state) {
         fixture f;
         begin(&f);
         f.devices[k % 3].fails_after = k;
-        f.devices[k % 3].volley = k / 2; /* fails within a volley */
+        f.devices[k % 3].together = k / 2; /* fails within a batch */
         f.devices[(k + 1) % 3].refuses = k > 2;
         snprintf(name, sizeof name, "lost%zu", k);
         assert_int_equal(run(&f, 3, asdic_run_options_default(), name), ASDIC_OK);
