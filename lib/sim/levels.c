@@ -32,8 +32,9 @@ WIDEST static void convert_whole(const int64_t *restrict quanta, double unit,
 
 /* Of a ping that holds far less than the block's others, no more is said than that. */
 #define MOST_MISSED 5.0f
-/* Relative; 43 dB say that nothing is known. */
-#define MOST_ERROR 10.0f
+/* Relative; twice itself, 8.7 dB, says that a level is not known. More would only stand out in reports: true
+ * over stated error is the same with ten. */
+#define MOST_ERROR 2.0f
 
 /* The relative error of echoes of ENERGY, from their SPREAD over the ping's groups and what the block's
  * calibration found. */
