@@ -94,6 +94,10 @@ bool cli_bad_usage(const cli *c);
  * asdic_devices_close. On failure nothing is open; end with cli_end. */
 asdic_status cli_open_devices(cli *c, asdic_device ***out, size_t *count);
 
+/* Sees to it that PoCL has a folder for compiled kernels that it can write to, and says so where that is
+ * not the one it would have taken. Before the first call that looks for devices; cli_open_devices does it. */
+void cli_prepare_kernel_cache(cli *c);
+
 /* ---- messages -------------------------------------------------------------------------------
  * "error: ..." and "warning: ..." on stderr. */
 void cli_error(const cli *c, const char *format, ...) __attribute__((format(printf, 2, 3)));

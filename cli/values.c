@@ -183,5 +183,6 @@ void cli_choice(cli *c, const char *option, const char *const *words, int *out) 
 
 asdic_status cli_open_devices(cli *c, asdic_device ***out, size_t *count) {
     const char *selector = cli_text(c, "device");
+    cli_prepare_kernel_cache(c);
     return asdic_devices_open(c->ctx, selector ? selector : getenv("ASDIC_DEVICE"), out, count);
 }

@@ -110,13 +110,14 @@ def test_two_platforms_in_one_process():
                     raise AssertionError(f"{a}\n{b}")
 
 
-def unprivileged(*args, cwd):
+def unprivileged(*args, cwd, **env):
     """asdic as a user who may not write everywhere: root without its privileges, which still may read the
     program in a home of its own that others may not enter."""
     drop = [] if os.getuid() != 0 else ["setpriv", "--bounding-set=-all", "--inh-caps=-all", "--"]
     if drop and not shutil.which("setpriv"):
         raise tap.Skip("there is no setpriv to drop root's privileges with")
-    done = subprocess.run([*drop, program.PATH, *map(str, args)], cwd=cwd, capture_output=True, check=False)
+    done = subprocess.run([*drop, program.PATH, *map(str, args)], cwd=cwd, capture_output=True, check=False,
+                          env=program.environment(env))
     return program.Result(done.returncode, done.stdout.decode(), done.stderr.decode())
 
 
@@ -137,6 +138,29 @@ def test_read_only_folders():
         finally:
             os.chmod(folder.path, 0o755)
             os.chmod(folder / "r", 0o755)
+
+
+def test_kernel_cache_that_cannot_be_written():
+    program.need_device()
+    with Folder() as folder:
+        path = scene(folder, pings=1, rays=500)
+        closed = folder / "closed"
+        os.mkdir(closed)
+        os.chmod(closed, 0o555)
+        places = ({"HOME": closed, "XDG_CACHE_HOME": None, "POCL_CACHE_DIR": None},
+                  {"XDG_CACHE_HOME": closed, "POCL_CACHE_DIR": None}, {"POCL_CACHE_DIR": closed})
+        try:
+            for place in places:
+                env = {name: value and str(value) for name, value in place.items()}
+                done = unprivileged("run", path, "-o", folder / "r", "--force", cwd="/",
+                                    TMPDIR=folder.path, **env).check(code=0)
+                tap.contains(done.err, "warning: compiled kernels cannot be kept in")
+                tap.contains(done.err, "Permission denied")
+            kept = [name for name in os.listdir(folder.path) if name.startswith("asdic-kernels-")]
+            tap.equal(len(kept), 1, "folders, which later runs share")
+            done = unprivileged("devices", cwd="/", TMPDIR=folder.path, POCL_CACHE_DIR="").check(code=0)
+        finally:
+            os.chmod(closed, 0o755)
 
 
 def test_mesh_that_vanishes():
