@@ -65,9 +65,9 @@ static bool refill(line_source *in, asdic_context *ctx, int *error) {
     return false;
 }
 
-/* The next line with a terminating zero; NULL when there is none. A line longer than the buffer is
+/* The next line with a terminating zero, and its LENGTH; NULL when there is none. A line longer than the buffer is
  * cut and its rest skipped. A last line without a line end counts. */
-static const char *next_line(line_source *in, asdic_context *ctx, int *error) {
+static const char *next_line(line_source *in, asdic_context *ctx, size_t *length, int *error) {
     *error = 0;
     for (;;) {
         char *from = in->buffer + in->begin;
@@ -95,6 +95,7 @@ static const char *next_line(line_source *in, asdic_context *ctx, int *error) {
         }
         end -= end > from && end[-1] == '\r';
         *end = '\0';
+        *length = (size_t)(end - from);
         return from;
     }
 }
@@ -158,7 +159,8 @@ static int serve(server *s) {
     int error = 0;
     serve_write_head(&s->writer);
     while (flush(s) && !status) {
-        const char *line = next_line(&in, cli_context(s->c), &error);
+        size_t length = 0;
+        const char *line = next_line(&in, cli_context(s->c), &length, &error);
         serve_request request;
         char why[SERVE_WHY_SIZE] = "";
         if (!line) {
@@ -166,7 +168,7 @@ static int serve(server *s) {
         }
         s->line++;
         serve_line kind =
-            in.is_too_long ? SERVE_BAD : serve_read_line(&s->reader, line, &request, why);
+            in.is_too_long ? SERVE_BAD : serve_read_line(&s->reader, line, length, &request, why);
         if (in.is_too_long) {
             snprintf(why, sizeof why, "the line is longer than %d characters", MAX_LINE);
             in.is_too_long = false;

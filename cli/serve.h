@@ -30,11 +30,11 @@ typedef enum serve_line { SERVE_POSE, SERVE_NOTHING, SERVE_BAD } serve_line;
 
 serve_reader serve_reader_begin(void);
 
-/* Reads one line without its end: a JSON object when it begins with '{', else comma-separated
+/* Reads one line of LENGTH bytes without its end: a JSON object when it begins with '{', else comma-separated
  * values or their header. SERVE_NOTHING: a blank line or a header. SERVE_BAD: WHY tells what is
  * wrong. */
-serve_line serve_read_line(serve_reader *reader, const char *line, serve_request *out,
-                           char why[SERVE_WHY_SIZE]);
+serve_line serve_read_line(serve_reader *reader, const char *line, size_t length,
+                           serve_request *out, char why[SERVE_WHY_SIZE]);
 
 typedef enum serve_format { SERVE_JSON, SERVE_CSV, SERVE_RAW } serve_format;
 

@@ -143,6 +143,23 @@ def test_every_line_that_asks_is_answered():
         tap.equal(None in rows[0], False, "the line of an error has as many fields")
 
 
+def test_lines_that_are_no_text_are_answered_in_text():
+    program.need_device()
+    lines = [b'{"x_m": 1, "y_m": 2, "z_m": 7}', b"\0\0\0\0", b'{"x_m": 1, "\xff\xfe": 2, "z_m": 7}',
+             b"x_m,\xc3\x28,z_m", b"\xed\xa0\x80", b"1,2\0,7", '{"x_m": 1, "y_m": 2, "z_m": 7, "é𝄞": "日"}'.encode()]
+    with Folder() as folder:
+        scene = folder.write("scene.yaml", SCENE % "{pose: {position_m: [0, 0, 7]}}")
+        for form in ("json", "csv"):
+            done = subprocess.run([program.PATH, "serve", scene, "-f", form], input=b"\n".join(lines),
+                                  capture_output=True, check=False, timeout=100)
+            text = done.stdout.decode("utf-8")  # or it raises
+            if form == "json":
+                answers = [json.loads(line) for line in text.splitlines()]
+                tap.equal(["error" in a for a in answers], [False, True, True, True, True, True, False])
+                tap.contains(answers[1]["error"], "column 1: the byte 0x00 is no text in UTF-8")
+                tap.contains(answers[2]["error"], "column 13: the byte 0xff")
+
+
 def talk(folder, *options):
     scene = folder.write("scene.yaml", SCENE % "{pose: {position_m: [0, 0, 7]}}")
     return subprocess.Popen([program.PATH, "serve", scene, *options], stdin=subprocess.PIPE,

@@ -90,7 +90,7 @@ void fuzz_serve(const uint8_t *data, size_t size) {
     for (char *line; text && (line = strsep(&rest, "\n"));) {
         serve_request request;
         char why[SERVE_WHY_SIZE] = "";
-        serve_line kind = serve_read_line(&reader, line, &request, why);
+        serve_line kind = serve_read_line(&reader, line, strlen(line), &request, why);
         if ((kind == SERVE_BAD) != (why[0] != '\0') || reader.fields > SERVE_MAX_FIELDS ||
             (kind == SERVE_POSE &&
              !(isfinite(request.pose.position_m.z) && isfinite(request.pose.yaw_rad)))) {
