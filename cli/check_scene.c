@@ -12,6 +12,7 @@ typedef struct scene_numbers {
     double depth_m; /* of the sonar at the first ping */
     double sound_speed_mps, absorption_db_per_km, range_m, duration_s;
     asdic_scene_info info;
+    asdic_ray_forecast rays;
 } scene_numbers;
 
 static scene_numbers find_numbers(const asdic_mission *m) {
@@ -28,6 +29,7 @@ static scene_numbers find_numbers(const asdic_mission *m) {
     n.range_m = asdic_sonar_max_range_m(sonar, n.sound_speed_mps);
     n.bins = asdic_sonar_bin_count(sonar, n.sound_speed_mps);
     n.info = asdic_scene_get_info(asdic_mission_scene(m));
+    n.rays = asdic_mission_ray_forecast(m);
     return n;
 }
 
@@ -71,6 +73,9 @@ static void print_json(const char *path, const asdic_mission *m, const scene_num
     json_number(j, "absorption_db_per_km", n->absorption_db_per_km);
     json_bool(j, "surface", n->info.has_surface);
     json_text(j, "bottom", bottom_kind(m, n));
+    json_integer(j, "rays", n->rays.rays);
+    json_bool(j, "rays_auto", n->rays.is_auto);
+    json_number(j, "expected_stderr_db", n->rays.stderr_db);
     cli_json_remarks(j, m);
     json_integer(j, "triangles", n->info.triangles);
     json_open(j, "meshes", '[');
@@ -120,6 +125,8 @@ static void print_text(const char *path, const asdic_mission *m, const scene_num
     }
     printf("  bins        %zu of %.4g m, from %.4g to %.5g m\n", n->bins, sonar->bin_length_m,
            sonar->blanking_m, n->range_m);
+    printf("  rays        %u a ping%s, for a stated error of about %.2g dB r.m.s.\n", n->rays.rays,
+           n->rays.is_auto ? " (auto)" : "", n->rays.stderr_db);
     printf("  water       %.6g m/s and %.4g dB/km at %.4g kHz, %.4g m deep\n", n->sound_speed_mps,
            n->absorption_db_per_km, 1e-3 * sonar->frequency_hz, n->depth_m);
     printf("  surface     %s\n", n->info.has_surface ? "at z = 0" : "none");

@@ -13,7 +13,7 @@
 typedef struct forecast {
     bool known;
     double first_ms, learn_ms, ping_ms; /* kernels and upload; once per block; every ping */
-    double median_db, worst_db;         /* stated standard error */
+    double median_db, worst_db, rms_db; /* stated standard error */
 } forecast;
 
 static double now_ms(void) {
@@ -25,6 +25,23 @@ static double now_ms(void) {
 static int compare_floats(const void *a, const void *b) {
     float x = *(const float *)a, y = *(const float *)b;
     return (x > y) - (x < y);
+}
+
+/* Stated error, r.m.s., of the bins whose echo is at least as strong as the noise. */
+static double rms_of_heard(const asdic_ping *ping) {
+    double sum = 0.0;
+    size_t heard = 0;
+    for (size_t i = 0; i < ping->beams * ping->bins; i++) {
+        double echo_lin = 0.0, error_db = ping->stderr_db[i];
+        for (int c = ASDIC_BOTTOM; c < ASDIC_NOISE; c++) {
+            echo_lin += ping->intensity_lin[c][i];
+        }
+        if (echo_lin > 0.0 && echo_lin >= ping->intensity_lin[ASDIC_NOISE][i]) {
+            sum += error_db * error_db;
+            heard++;
+        }
+    }
+    return heard ? sqrt(sum / (double)heard) : NAN;
 }
 
 /* Shoots the mission's first ping a few times: the forecast is a measurement. */
@@ -43,6 +60,7 @@ static asdic_status shoot(asdic_simulator *sim, const asdic_pose *pose, asdic_pi
         f->ping_ms = fmin(f->ping_ms, now_ms() - start);
     }
     size_t cells = ping->beams * ping->bins;
+    f->rms_db = rms_of_heard(ping);
     qsort(ping->stderr_db, cells, sizeof(float), compare_floats);
     f->median_db = ping->stderr_db[cells / 2];
     f->worst_db = ping->stderr_db[cells - 1];
@@ -104,8 +122,10 @@ static void print_text(const asdic_mission *mission, const asdic_plan *plan, uin
             "measured here: first ping after %.0f ms, then %.2f ms each and %.1f ms per block of "
             "%d: about %.1f s in all\n",
             f->first_ms, f->ping_ms, f->learn_ms, ASDIC_LEARN_BLOCK, mission_seconds(f, pings));
-        printf("stated standard error of the first ping: median %.3f dB, worst %.2f dB\n",
-               f->median_db, f->worst_db);
+        printf(
+            "stated standard error of the first ping: %.2f dB r.m.s. in bins above the noise; of "
+            "all, median %.3f dB, worst %.2f dB\n",
+            f->rms_db, f->median_db, f->worst_db);
     }
 }
 
@@ -135,6 +155,7 @@ static void print_json(const asdic_mission *mission, const asdic_plan *plan, uin
         json_number(&j, "ping_ms", f->ping_ms);
         json_number(&j, "learn_ms", f->learn_ms);
         json_number(&j, "mission_s", mission_seconds(f, asdic_mission_ping_count(mission)));
+        json_number(&j, "stderr_rms_db", f->rms_db);
         json_number(&j, "stderr_median_db", f->median_db);
         json_number(&j, "stderr_worst_db", f->worst_db);
         json_close(&j);

@@ -129,7 +129,24 @@ static void say_times(const cli *c, const asdic_run_times *t) {
              100.0 * (t->write_s + t->pictures_s) / t->whole_s, t->whole_s);
 }
 
-static void summarise(const cli *c, const asdic_mission *mission, const asdic_run_options *options,
+/* "stated error 0.41 dB r.m.s. in bins above the noise (median 0.2, worst 3.1)" */
+static void say_errors(cli *c, const char *folder) {
+    asdic_run *run = NULL;
+    if (strcmp(folder, "-") == 0 || asdic_run_open(cli_context(c), folder, &run) != ASDIC_OK) {
+        return;
+    }
+    asdic_run_errors e = asdic_run_get_errors(run);
+    if (!isnan(e.rms_db)) {
+        cli_note(c,
+                 "stated error %.2g dB r.m.s. in bins above the noise; of all, median %.2g, worst "
+                 "%.2g%s",
+                 e.rms_db, e.median_db, e.worst_db,
+                 e.rms_db > ASDIC_ROUGH_DB ? ": take more rays, --rays N" : "");
+    }
+    asdic_run_close(&run);
+}
+
+static void summarise(cli *c, const asdic_mission *mission, const asdic_run_options *options,
                       const cli_progress *progress) {
     char rate[16];
     const asdic_run_progress *last = &progress->last;
@@ -143,6 +160,7 @@ static void summarise(const cli *c, const asdic_mission *mission, const asdic_ru
              last->pings_total == 1 ? "" : "s", asdic_mission_sonar(mission)->receiver_count,
              asdic_mission_sonar(mission)->receiver_count == 1 ? "" : "s", last->elapsed_s, rate);
     say_times(c, options->times);
+    say_errors(c, options->folder);
 }
 
 static asdic_status simulate(cli *c, asdic_mission *mission, double tolerance_db,
@@ -186,8 +204,8 @@ static int run_alone_or_in(cli *c, asdic_team *team) {
     if (status != ASDIC_OK) {
         return cli_end(c, status);
     }
-    cli_remark(c, r.scene, mission);
     apply(&r, mission);
+    cli_remark(c, r.scene, mission);
     if (!choose_pings(c, &r, asdic_mission_ping_count(mission), &options)) {
         goto done;
     }

@@ -267,6 +267,9 @@ static asdic_status begin(asdic_view *view) {
     const asdic_sonar *sonar = asdic_mission_sonar(view->mission);
     const asdic_view_options *o = &view->options;
     view->chosen = asdic_mission_get_choices(view->mission);
+    if (asdic_mission_ray_forecast(view->mission).is_auto) {
+        view->chosen.rays = asdic_sampling_default().rays;
+    }
     asdic_governor_init(&view->governor, 1.0 / sonar->ping_rate_hz, view->chosen.rays,
                         o->least_rays, o->real_time);
     asdic_helm_init(&view->helm, &view->mission->flight);

@@ -36,6 +36,7 @@ static asdic_status build(mission_builder *b) {
     TRY(asdic_mission_build_scene(b));
     TRY(asdic_mission_build_pings(b));
     if (b->problems->total == 0) {
+        asdic_mission_build_rays(b);
         asdic_mission_check_positions(b);
     }
     return ASDIC_OK;

@@ -1,4 +1,7 @@
-/* Remarks on laws that a mission uses outside the validity that their sources state. */
+/*
+ * Remarks on laws that a mission uses outside the validity that their sources state, and on rays
+ * that are too few.
+ */
 #include "mission.h"
 
 #include "../../kernels/formulas.h"
@@ -58,6 +61,17 @@ static void remark(const asdic_model_info *info, const situation *s, asdic_remar
     }
 }
 
+/* Adds that rays are too few, where they are. */
+static void remark_rays(const asdic_mission *m, asdic_remarks *out) {
+    asdic_ray_forecast f = asdic_mission_ray_forecast(m);
+    if (f.is_rough && out->count < ASDIC_MOST_REMARKS) {
+        snprintf(out->text[out->count++], ASDIC_REMARK_SIZE,
+                 "rays: %u a ping are few for this sonar and scene: expect a stated error of about "
+                 "%.1f dB r.m.s.; 'rays: auto' would take %u",
+                 f.rays, f.stderr_db, f.auto_rays);
+    }
+}
+
 asdic_remarks asdic_mission_remarks(const asdic_mission *mission) {
     asdic_remarks out = {0};
     if (!mission) {
@@ -79,5 +93,6 @@ asdic_remarks asdic_mission_remarks(const asdic_mission *mission) {
             remark(asdic_law_get_info(asdic_law_get(l)).model, &s, &out);
         }
     }
+    remark_rays(mission, &out);
     return out;
 }

@@ -14,6 +14,8 @@ typedef struct asdic_settings {
     asdic_beam *receivers;
     asdic_sonar sonar; /* borrows receivers */
     asdic_sampling sampling;
+    bool has_meshes;      /* a bottom or objects of facets that files hold */
+    uint32_t auto_rays;   /* what `rays: auto` came to; 0: the file gives a number */
     bool keeps_all_terms; /* whatever the plan says */
     asdic_detector detector;
     asdic_output_options output;

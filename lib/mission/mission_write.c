@@ -137,7 +137,11 @@ static void apply(rewriter *r, const asdic_mission *m, asdic_yaml_node *root, co
     set_number(r, need_map(r, root, "environment"), "wind_speed_kn",
                m->settings.environment.wind_speed_kn);
     set_number(r, need_map(r, root, "sonar"), "source_level_db", m->settings.sonar.source_level_db);
-    set_number(r, need_map(r, root, "sampling"), "rays", m->settings.sampling.rays);
+    if (asdic_mission_ray_forecast(m).is_auto) {
+        set_text(r, need_map(r, root, "sampling"), "rays", "auto", false);
+    } else {
+        set_number(r, need_map(r, root, "sampling"), "rays", m->settings.sampling.rays);
+    }
     set_number(r, need_map(r, root, "sampling"), "seed", (double)m->settings.sampling.seed);
     set_text(r, need_map(r, root, "model"), "terms", "all", false);
     if (bottom && bottom->kind == ASDIC_YAML_MAP && !asdic_yaml_child(bottom, "none")) {

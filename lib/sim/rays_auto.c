@@ -18,6 +18,7 @@
 #define MOST_OF_FEW 400000.0
 #define LEAST_RAYS 20000.0
 #define MOST_RAYS 524288.0
+#define AUTO_DB 0.5
 
 /* Half-power width of an aperture of LENGTH wavelengths, sinc^2 (sin(x) / x = 1 / sqrt 2 at x = 1.3916), at
  * most a half-space. */
@@ -42,21 +43,30 @@ static double share_of(const asdic_sonar *sonar, size_t a, double wavelength_m) 
     return sqrt(nearest2);
 }
 
-uint32_t asdic_rays_auto(const asdic_sonar *sonar, double sound_speed_mps, bool meshes) {
+/* Rays for AUTO_DB without limits; 0 of no sonar. */
+static double rays_needed(const asdic_sonar *sonar, double sound_speed_mps, bool meshes) {
     if (!sonar || !(sonar->frequency_hz > 0.0) || !(sound_speed_mps > 0.0)) {
-        return (uint32_t)LEAST_RAYS;
+        return 0.0;
     }
     double beams = 0.0;
     for (size_t r = 0; r < sonar->receiver_count; r++) {
         beams += share_of(sonar, r, sound_speed_mps / sonar->frequency_hz);
     }
     double cells = beams * (double)asdic_sonar_bin_count(sonar, sound_speed_mps);
-    double rays = cells * OVER_PLANES;
-    if (meshes) {
-        rays = fmax(fmin(cells * OVER_MESHES_OF_FEW, MOST_OF_FEW), cells * OVER_MESHES);
-    }
+    return meshes ? fmax(fmin(cells * OVER_MESHES_OF_FEW, MOST_OF_FEW), cells * OVER_MESHES)
+                  : cells * OVER_PLANES;
+}
+
+uint32_t asdic_rays_auto(const asdic_sonar *sonar, double sound_speed_mps, bool meshes) {
+    double rays = rays_needed(sonar, sound_speed_mps, meshes);
     rays = fmin(fmax(rays, LEAST_RAYS), MOST_RAYS);
     double digit =
         pow(10.0, floor(log10(rays)) - 1.0); /* two digits, so that a report reads well */
     return (uint32_t)fmin(ceil(rays / digit) * digit, MOST_RAYS);
+}
+
+/* An error of independent samples falls with the root of their number. */
+double asdic_rays_error_db(const asdic_sonar *sonar, double sound_speed_mps, bool meshes,
+                           uint32_t rays) {
+    return AUTO_DB * sqrt(rays_needed(sonar, sound_speed_mps, meshes) / fmax(rays, 1.0));
 }

@@ -1,5 +1,6 @@
 """asdic run and render: what a run folder holds, and what is refused."""
 import csv
+import json
 import os
 import re
 import shutil
@@ -38,6 +39,42 @@ def test_run_folder_holds_what_it_should():
                 raise AssertionError(f"run.json says nothing of {key}")
         if not 0 < run["stderr_db"]["median"] <= run["stderr_db"]["worst"]:
             raise AssertionError(run["stderr_db"])
+
+
+def test_error_is_said():
+    """The r.m.s. stated error of the bins that a mechanism fills above the noise."""
+    program.need_device()
+    with Folder() as folder:
+        done = asdic("run", scene(folder, rays=200), "-o", folder / "r").check(code=0)
+        rows = csv.DictReader(data(folder, "r", "bins.csv").decode().splitlines())
+        errors = [float(row["stderr_db"]) for row in rows
+                  if any(row[f"{echo}_db"] and float(row[f"{echo}_db"]) >= float(row["noise_db"])
+                         for echo in ("bottom", "surface", "volume", "object", "multipath"))]
+        rms = (sum(error**2 for error in errors) / len(errors)) ** 0.5
+        said = facts(folder, "r")["stderr_db"]["rms"]
+        tap.equal(abs(said / rms - 1) < 1e-3, True, f"run.json: {said}, bins.csv: {rms}")
+        printed = re.search(r"stated error ([\d.]+) dB r\.m\.s\.", done.err)
+        tap.equal(abs(float(printed.group(1)) / rms - 1) < 0.06, True, done.err)
+
+
+def test_rays_follow_the_sonar():
+    """Without a number a fan of many beams gets more than 20,000 rays; few rays are remarked on."""
+    program.need_device()
+    with Folder() as folder:
+        scene(folder, pings=1, receivers="    fan: {count: 64, sector_deg: 120, length_h_m: 0.3}")
+        text = folder.read("pool.yaml").replace("rays: 2000", "rays: auto")
+        path = folder.write("auto.yaml", text.replace("ping_rate_hz: 20", "ping_rate_hz: 2"))
+        wanted = json.loads(asdic("check", path, "--json").check(code=0).out)[0]
+        tap.equal((wanted["rays_auto"], 40000 < wanted["rays"] < 200000), (True, True), wanted)
+        tap.contains(asdic("check", path).out, f"{wanted['rays']} a ping (auto)")
+        done = asdic("run", path, "-o", folder / "r").check(code=0)
+        tap.equal(facts(folder, "r")["rays"], wanted["rays"], "rays of the run")
+        tap.equal(facts(folder, "r")["stderr_db"]["rms"] < 1, True, "its error")
+        tap.equal("few for this sonar" in done.err, False, "remark")
+        few = asdic("run", path, "-o", folder / "few", "--rays", 500).check(code=0)
+        tap.contains(few.err, "remark: rays: 500 a ping are few for this sonar")
+        tap.equal(facts(folder, "few")["rays"], 500, "--rays")
+        tap.contains(" ".join(facts(folder, "few")["remarks"]), "'rays: auto' would take")
 
 
 def test_times_are_said():

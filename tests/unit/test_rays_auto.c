@@ -63,6 +63,23 @@ static void meshes_ask_for_more(void **state) {
     assert_int_equal(rays_of(100, 120.0, 0.0, 15.0, true), 480000); /* 32 a cell */
 }
 
+/* Four times the rays, half the error; 0.5 dB where nothing limits the number. */
+static void error_is_foretold(void **state) {
+    (void)state;
+    asdic_beam beam = asdic_sonar_default().transmitter;
+    asdic_sonar sonar = asdic_sonar_default();
+    sonar.receivers = &beam;
+    sonar.receiver_count = 1;
+    sonar.bin_length_m = 0.1;
+    sonar.ping_rate_hz = SPEED / (2.0 * 800.0); /* 8,000 cells: 32,000 rays over a plane */
+    uint32_t rays = asdic_rays_auto(&sonar, SPEED, false);
+    assert_int_equal(rays, 32000);
+    assert_close(asdic_rays_error_db(&sonar, SPEED, false, rays), 0.5, 0.002);
+    assert_close(asdic_rays_error_db(&sonar, SPEED, false, rays / 4), 1.0, 0.004);
+    assert_close(asdic_rays_error_db(&sonar, SPEED, true, 400000), 0.5, 0.002);
+    assert_close(asdic_rays_error_db(NULL, SPEED, true, 400000), 0.0, 0.0);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(overlap_asks_for_nothing),
@@ -70,6 +87,7 @@ int main(void) {
         cmocka_unit_test(range_counts),
         cmocka_unit_test(limits),
         cmocka_unit_test(meshes_ask_for_more),
+        cmocka_unit_test(error_is_foretold),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

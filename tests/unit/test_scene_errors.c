@@ -83,6 +83,21 @@ static void numbers_are_plain_decimal(void **state) {
     expect_edit("mission:\n", "mission:\n  pings: 2e1\n", "");
 }
 
+/* A whole number, or a word in its place. */
+static void rays_or_auto(void **state) {
+    (void)state;
+    expect_edit("mission:", "sampling: {rays: auto}\nmission:", "");
+    expect_edit("mission:", "sampling: {rays: 30000}\nmission:", "");
+    expect_edit("mission:", "sampling: {rays: atuo}\nmission:",
+                "7:18: error: 'rays' = atuo is not one of auto or a whole number in "
+                "[64, 268435456]; did you mean 'auto'?  [sampling.rays]\n");
+    expect_edit("mission:", "sampling: {rays: 12}\nmission:",
+                "7:18: error: 'rays' = 12 is out of range [64, 268435456]  [sampling.rays]\n");
+    expect_edit("mission:", "sampling: {rays: 100.5}\nmission:",
+                "7:18: error: 'rays' = 100.5 is not one of auto or a whole number in "
+                "[64, 268435456]  [sampling.rays]\n");
+}
+
 static void words_and_booleans(void **state) {
     (void)state;
     expect_edit("depth_m: 12}", "depth_m: 12, type: sandd}",
@@ -380,6 +395,7 @@ int main(void) {
         cmocka_unit_test(unknown_keys_are_answered),
         cmocka_unit_test(ranges_name_value_limit_and_unit),
         cmocka_unit_test(numbers_are_plain_decimal),
+        cmocka_unit_test(rays_or_auto),
         cmocka_unit_test(words_and_booleans),
         cmocka_unit_test(maps_and_lists_have_their_form),
         cmocka_unit_test(missing_keys_are_all_named),

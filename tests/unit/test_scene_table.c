@@ -235,7 +235,7 @@ static void defaults_are_the_librarys(void **state) {
     asdic_material sand = asdic_scene_file_bottom(&file, &rows);
     assert_ptr_equal(sand.law, asdic_law_find("searay"));
     assert_true(isnan(asdic_material_get(&sand, "type"))); /* the law's own */
-    assert_int_equal(file.sampling.rays, 20000);
+    assert_int_equal(file.sampling.rays, FILE_RAYS_AUTO);
     assert_int_equal(file.sampling.seed, 1);
     assert_int_equal(file.output.images, 31);
     free(errors);

@@ -140,8 +140,8 @@ ASDIC_API asdic_status asdic_mission_write_scene(asdic_context *ctx, const asdic
 ASDIC_API asdic_status asdic_mission_write_track(asdic_context *ctx, const asdic_mission *mission,
                                                  const char *path);
 
-/* Laws that a mission uses outside the range that their sources state, a sentence each: levels are
- * computed all the same, and run.json keeps the sentences. */
+/* Laws that a mission uses outside the range that their sources state, and rays too few for its
+ * sonar, a sentence each: levels are computed all the same, and run.json keeps the sentences. */
 #define ASDIC_MOST_REMARKS 8
 #define ASDIC_REMARK_SIZE 256
 typedef struct asdic_remarks {
@@ -157,6 +157,20 @@ ASDIC_API asdic_status asdic_mission_plan(asdic_context *ctx, const asdic_missio
 /* JSON Schema (draft 7) of the scene file, from the table that reads it: text that the caller frees
  * with free(). NULL when memory is short. */
 ASDIC_API char *asdic_mission_schema(void);
+
+/* Stated error, r.m.s., above which ripples of the sampling look like those of sand. */
+#define ASDIC_ROUGH_DB 1.0
+
+/* What a mission's rays come to, known without simulating. */
+typedef struct asdic_ray_forecast {
+    uint32_t rays;      /* per ping, as the mission will run */
+    bool is_auto;       /* the scene leaves their number to asdic */
+    uint32_t auto_rays; /* what asdic_rays_auto takes for it */
+    double stderr_db;   /* stated error to expect, r.m.s., by asdic_rays_error_db */
+    bool is_rough;      /* that is above ASDIC_ROUGH_DB */
+} asdic_ray_forecast;
+
+ASDIC_API asdic_ray_forecast asdic_mission_ray_forecast(const asdic_mission *mission);
 
 /* Why a tolerance cannot be kept: a bin's stated error, dB. */
 typedef struct asdic_rough_bin {

@@ -57,9 +57,14 @@ typedef struct asdic_sampling {
 ASDIC_API asdic_sampling asdic_sampling_default(void);
 
 /* Rays for a stated error of about 0.5 dB r.m.s. in bins above the noise: by the bins and by the
- * beams as far as they do not overlap, more where a scene has MESHES; 20,000 to 524,288. The same
- * on every machine. */
+ * beams as far as they do not overlap, more where a scene has MESHES, which is a bottom or objects
+ * from files; 20,000 to 524,288. The same on every machine. */
 ASDIC_API uint32_t asdic_rays_auto(const asdic_sonar *sonar, double sound_speed_mps, bool meshes);
+
+/* The stated error to expect of RAYS a ping, dB r.m.s. in bins above the noise, by the same rule:
+ * good to a factor of about 3, without simulating anything. */
+ASDIC_API double asdic_rays_error_db(const asdic_sonar *sonar, double sound_speed_mps, bool meshes,
+                                     uint32_t rays);
 
 typedef enum asdic_component {
     ASDIC_TOTAL = 0,

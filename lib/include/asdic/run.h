@@ -46,6 +46,14 @@ ASDIC_API asdic_status asdic_run_open(asdic_context *ctx, const char *folder, as
 ASDIC_API void asdic_run_close(asdic_run **run);
 ASDIC_API asdic_run_info asdic_run_get_info(const asdic_run *run);
 
+/* The errors that all bins of a run state together, dB; NAN where it says none. */
+typedef struct asdic_run_errors {
+    double median_db, worst_db;
+    double rms_db; /* of the bins whose echo is above the noise */
+} asdic_run_errors;
+
+ASDIC_API asdic_run_errors asdic_run_get_errors(const asdic_run *run);
+
 /* Record INDEX, counted from 0 within the folder. RECORD's arrays are valid until the next read. */
 ASDIC_API asdic_status asdic_run_read(asdic_run *run, size_t index, asdic_record *record);
 

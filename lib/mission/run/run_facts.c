@@ -68,6 +68,7 @@ void asdic_run_facts_statistics(asdic_run_facts *facts, const asdic_statistics *
     facts->saturated = statistics->saturated;
     facts->stderr_median_db = statistics->stderr_median_db;
     facts->stderr_worst_db = statistics->stderr_worst_db;
+    facts->stderr_rms_db = statistics->stderr_rms_db;
 }
 
 /* ---- writing: one member a line, the last one without a comma is "bin_length_m" ------------- */
@@ -159,7 +160,7 @@ static void add_terms(asdic_text *json, const asdic_plan *plan) {
 }
 
 static void add_results(asdic_text *json, const asdic_run_facts *facts) {
-    char a[ASDIC_DIGITS_SIZE], b[ASDIC_DIGITS_SIZE];
+    char a[ASDIC_DIGITS_SIZE], b[ASDIC_DIGITS_SIZE], c[ASDIC_DIGITS_SIZE];
     asdic_text_add(json, "  \"time_s\": {");
     for (size_t i = 0; i < sizeof times / sizeof *times; i++) {
         double time_s = *(const double *)((const char *)&facts->times + times[i].at);
@@ -169,9 +170,10 @@ static void add_results(asdic_text *json, const asdic_run_facts *facts) {
     asdic_text_add(json, "},\n");
     asdic_text_format(json, "  \"rays_per_s\": %s,\n",
                       number_or_null(a, "%.0f", facts->rays_per_s));
-    asdic_text_format(json, "  \"stderr_db\": {\"median\": %s, \"worst\": %s},\n",
+    asdic_text_format(json, "  \"stderr_db\": {\"median\": %s, \"worst\": %s, \"rms\": %s},\n",
                       number_or_null(a, "%.4g", facts->stderr_median_db),
-                      number_or_null(b, "%.4g", facts->stderr_worst_db));
+                      number_or_null(b, "%.4g", facts->stderr_worst_db),
+                      number_or_null(c, "%.4g", facts->stderr_rms_db));
 }
 
 asdic_status asdic_run_facts_write(asdic_context *ctx, const char *folder,
@@ -360,6 +362,8 @@ static void read_all(reader *r, asdic_arena *arena, asdic_run_facts *facts) {
     facts->rays_per_s = read_number(r, r->root, "rays_per_s");
     facts->stderr_median_db = read_number(r, stderr_db, "median");
     facts->stderr_worst_db = read_number(r, stderr_db, "worst");
+    facts->stderr_rms_db =
+        asdic_yaml_child(stderr_db, "rms") ? read_number(r, stderr_db, "rms") : NAN;
     read_devices(r, arena, facts);
     read_remarks(r, &facts->remarks);
     read_terms(r, &facts->plan);

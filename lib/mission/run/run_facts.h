@@ -42,6 +42,8 @@ typedef struct asdic_run_facts {
     asdic_run_times times; /* of the last call that worked on the run */
     double rays_per_s;
     double stderr_median_db, stderr_worst_db; /* NAN: no ping yet */
+    double
+        stderr_rms_db; /* in bins above the noise; NAN: none, or a run that says no such figure */
 } asdic_run_facts;
 
 asdic_status asdic_run_facts_write(asdic_context *ctx, const char *folder,

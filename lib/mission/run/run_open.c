@@ -84,6 +84,16 @@ asdic_run_info asdic_run_get_info(const asdic_run *run) {
                             .scene_hash = facts->scene_hash};
 }
 
+asdic_run_errors asdic_run_get_errors(const asdic_run *run) {
+    if (!run) {
+        return (asdic_run_errors){NAN, NAN, NAN};
+    }
+    const asdic_run_facts *facts = &run->facts;
+    return (asdic_run_errors){.median_db = facts->stderr_median_db,
+                              .worst_db = facts->stderr_worst_db,
+                              .rms_db = facts->stderr_rms_db};
+}
+
 asdic_status asdic_run_read(asdic_run *run, size_t index, asdic_record *record) {
     if (!run || !record) {
         return asdic_fail_null(run ? run->ctx : NULL, __func__);

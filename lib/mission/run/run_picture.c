@@ -20,6 +20,18 @@ static void group_digits(char out[40], uint64_t value) {
     out[n] = 0;
 }
 
+/* Where the sampling's error may be taken for structure of the sea floor. */
+static void add_error(asdic_render *r) {
+    char error_db[ASDIC_DIGITS_SIZE];
+    double rms_db = r->summary->statistics.stderr_rms_db;
+    size_t used = strlen(r->note);
+    if (rms_db > ASDIC_ROUGH_DB) {
+        asdic_digits_print(error_db, "%.1f", rms_db);
+        snprintf(r->note + used, sizeof r->note - used,
+                 "  \u00b7  stated error %s dB r.m.s.: take more rays", error_db);
+    }
+}
+
 /* The note below every picture and the text chunks in its file. */
 void asdic_render_describe(asdic_render *r) {
     char frequency[ASDIC_DIGITS_SIZE], rays[40], spread[ASDIC_DIGITS_SIZE], loss[ASDIC_DIGITS_SIZE];
@@ -29,6 +41,7 @@ void asdic_render_describe(asdic_render *r) {
     snprintf(r->note, sizeof r->note, "%s kHz  \u00b7  %s rays a ping, %s sampling, seed %llu",
              frequency, rays, asdic_run_sampler_name(sampling->sampler),
              (unsigned long long)sampling->seed);
+    add_error(r);
     asdic_digits_natural(r->seed, sampling->seed);
     asdic_digits_print(r->low, "%g", r->options.db_low);
     asdic_digits_print(r->high, "%g", r->options.db_high);

@@ -25,6 +25,8 @@ typedef struct asdic_statistics_counts {
     uint64_t levels[LEVEL_BINS], shown[LEVEL_BINS], errors[ERROR_BINS];
     uint64_t level_count, error_count, records;
     float worst_db;
+    double error2_sum; /* of heard bins, dB^2 */
+    uint64_t heard;
 } counts;
 
 asdic_status asdic_statistics_begin(asdic_context *ctx, asdic_statistics *statistics) {
@@ -99,11 +101,33 @@ static void add_errors(counts *c, const float *error_db, size_t count) {
     }
 }
 
+/* Whether a mechanism's echo in bin I is at least as strong as the noise. */
+static bool is_heard(const asdic_record *record, size_t i) {
+    float noise_db = record->level_db[ASDIC_NOISE][i];
+    bool heard = false;
+    for (int c = ASDIC_BOTTOM; c < ASDIC_NOISE; c++) {
+        float echo_db = record->level_db[c][i];
+        heard |= !isnan(echo_db) && !(echo_db < noise_db);
+    }
+    return heard;
+}
+
+static void add_heard(counts *c, const asdic_record *record, size_t count) {
+    for (size_t i = 0; i < count; i++) {
+        double error_db = (double)record->stderr_db[i];
+        if (!isnan(error_db) && is_heard(record, i)) {
+            c->error2_sum += error_db * error_db;
+            c->heard++;
+        }
+    }
+}
+
 void asdic_statistics_add(asdic_statistics *statistics, const asdic_record *record, size_t cells) {
     counts *c = statistics->counts;
     add_levels(c, record->level_db[ASDIC_TOTAL], cells);
     add_shown(c, statistics, record->level_db[ASDIC_TOTAL], cells);
     add_errors(c, record->stderr_db, cells);
+    add_heard(c, record, cells);
     statistics->rays += record->rays;
     statistics->saturated += record->saturated;
     statistics->first_time_s = c->records == 0 ? record->time_s : statistics->first_time_s;
@@ -139,6 +163,7 @@ static void window(const uint64_t *histogram, uint64_t count, double *low_db, do
 void asdic_statistics_end(asdic_statistics *out) {
     const counts *c = out->counts;
     out->stderr_median_db = out->stderr_worst_db = NAN;
+    out->stderr_rms_db = c->heard > 0 ? sqrt(c->error2_sum / (double)c->heard) : NAN;
     window(c->levels, c->level_count, &out->low_db, &out->high_db);
     window(out->gain_db ? c->shown : c->levels, c->level_count, &out->shown_low_db,
            &out->shown_high_db);

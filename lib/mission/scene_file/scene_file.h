@@ -173,6 +173,8 @@ typedef struct file_mission {
     int64_t pings; /* 0: one, or what the track covers */
 } file_mission;
 
+#define FILE_RAYS_AUTO 0 /* of file_sampling.rays */
+
 typedef struct file_sampling {
     asdic_yaml_node *node;
     int64_t rays, seed;

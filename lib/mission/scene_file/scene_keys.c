@@ -39,9 +39,11 @@ static const asdic_word multipath_words[] = {{"off", ASDIC_MULTIPATH_OFF},
                                              {"first", ASDIC_MULTIPATH_FIRST},
                                              {"boundaries", ASDIC_MULTIPATH_BOUNDARIES},
                                              {NULL, 0}};
+static const asdic_word rays_words[] = {{"auto", FILE_RAYS_AUTO}, {NULL, 0}};
 static const asdic_key sampling_keys[] = {
     {"rays", ASDIC_KEY_INTEGER, AT(file_sampling, rays), .min = 64, .max = 268435456,
-     .fallback = "20000", .doc = "rays per ping"},
+     .words = rays_words, .fallback = "auto",
+     .doc = "rays per ping; auto: by beams, bins and meshes, for a stated error of about 0.5 dB"},
     {"sampler", ASDIC_KEY_WORD, AT(file_sampling, sampler), .words = sampler_words,
      .fallback = "adaptive", .doc = "how directions are drawn; uniform-sphere is the paper's"},
     {"seed", ASDIC_KEY_INTEGER, AT(file_sampling, seed), .min = 0, .max = 9007199254740992.0,

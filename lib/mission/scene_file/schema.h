@@ -13,7 +13,7 @@ typedef enum asdic_key_type {
     ASDIC_KEY_NUMBER,  /* double; with .words also one of these, each standing for a number */
     ASDIC_KEY_NUMBERS, /* double[count] */
     ASDIC_KEY_POINTS,  /* asdic_list of double[3] */
-    ASDIC_KEY_INTEGER, /* int64_t */
+    ASDIC_KEY_INTEGER, /* int64_t; with .words as NUMBER */
     ASDIC_KEY_BOOL,    /* bool */
     ASDIC_KEY_WORD,    /* int: the value of one of .words */
     ASDIC_KEY_WORDS,   /* unsigned: bit set of the values of a list of .words */

@@ -31,13 +31,13 @@ static void print_range(const asdic_key *key, const char *type, asdic_text *text
                       key->min, key->max);
 }
 
-/* A number, one of some words, or either. */
-static void print_number(const asdic_key *key, asdic_text *text) {
+/* A number of TYPE, or one of some words as well. */
+static void print_number(const asdic_key *key, const char *type, asdic_text *text) {
     if (!key->words) {
-        print_range(key, "number", text);
+        print_range(key, type, text);
     } else {
         asdic_text_add(text, "\"anyOf\": [{");
-        print_range(key, "number", text);
+        print_range(key, type, text);
         asdic_text_add(text, "}, {");
         print_words(key, text);
         asdic_text_add(text, "}]");
@@ -73,7 +73,7 @@ static void print_points(const asdic_key *key, asdic_text *text) {
 static void print_type(const asdic_key *key, asdic_text *text, int indent) {
     switch (key->type) {
     case ASDIC_KEY_NUMBER:
-        print_number(key, text);
+        print_number(key, "number", text);
         break;
     case ASDIC_KEY_NUMBERS:
         asdic_text_format(text, "\"type\": \"array\", \"minItems\": %zu, \"maxItems\": %zu, ",
@@ -86,7 +86,7 @@ static void print_type(const asdic_key *key, asdic_text *text, int indent) {
         print_points(key, text);
         break;
     case ASDIC_KEY_INTEGER:
-        print_range(key, "integer", text);
+        print_number(key, "integer", text);
         break;
     case ASDIC_KEY_BOOL:
         asdic_text_add(text, "\"type\": \"boolean\"");

@@ -79,8 +79,9 @@ static void report_no_word(const asdic_schema_reader *r, const asdic_key *key,
     for (const asdic_word *word = key->words; word->name && count < MAX_WORDS; word++) {
         names[count++] = word->name;
     }
-    if (key->type == ASDIC_KEY_NUMBER) {
-        asdic_text_format(&words, " or a number in [%.15g, %.15g]%s%s", key->min, key->max,
+    if (key->type == ASDIC_KEY_NUMBER || key->type == ASDIC_KEY_INTEGER) {
+        asdic_text_format(&words, " or a %snumber in [%.15g, %.15g]%s%s",
+                          key->type == ASDIC_KEY_INTEGER ? "whole " : "", key->min, key->max,
                           key->unit ? " " : "", key->unit ? key->unit : "");
     }
     bool scalar = node->kind == ASDIC_YAML_SCALAR;
@@ -168,11 +169,18 @@ static void read_integer(const asdic_schema_reader *r, const asdic_key *key, asd
                          int64_t *out) {
     char shown[192];
     int64_t value = 0;
+    const asdic_word *word = key->words ? find_word(key, node) : NULL;
+    if (word) {
+        *out = (int64_t)word->value;
+        return;
+    }
     if (!is_plain(r, key, node, "a whole number")) {
         return;
     }
     const char *why = asdic_integer_parse(node->text, node->length, &value);
-    if (why) {
+    if (why && key->words) {
+        report_no_word(r, key, node);
+    } else if (why) {
         asdic_yaml_problem(r->problems, node, "%s %s", show(key, node, shown, sizeof shown), why);
     } else if (!((double)value >= key->min && (double)value <= key->max)) {
         report_range(r, key, node);
