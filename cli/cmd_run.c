@@ -18,25 +18,28 @@ typedef struct request {
     const char *scene, *folder;
     asdic_sampling sampling; /* what the options change is marked below */
     bool has_rays, has_sampler, has_seed;
-    double tolerance_db;    /* NAN: none asked for */
-    uint64_t first, end;    /* pings */
-    uint64_t shard, shards; /* K of N */
+    asdic_tolerance tolerance; /* stderr_db NAN: none asked for */
+    uint64_t first, end;       /* pings */
+    uint64_t shard, shards;    /* K of N */
     bool force, resume;
 } request;
 
 static bool read_request(cli *c, request *r) {
     uint64_t rays = 0, seed = 0;
+    double percent = 99.0;
     int sampler = 0, kernel = 0;
     *r = (request){.scene = cli_operand(c, 0),
                    .end = UINT64_MAX,
                    .shard = 1,
                    .shards = 1,
-                   .tolerance_db = NAN};
+                   .tolerance = {.stderr_db = NAN, .most_rays = MOST_RAYS}};
     cli_integer(c, "rays", 64, 1u << 28, &rays);
     cli_choice(c, "sampler", samplers, &sampler);
     cli_choice(c, "kernel", kernels, &kernel);
     cli_integer(c, "seed", 0, UINT64_MAX, &seed);
-    cli_number(c, "tolerance", 1e-4, 20.0, &r->tolerance_db);
+    cli_number(c, "tolerance", 1e-4, 20.0, &r->tolerance.stderr_db);
+    cli_number(c, "tolerance-percent", 1.0, 100.0, &percent);
+    r->tolerance.share = percent / 100.0;
     cli_index_range(c, "pings", &r->first, &r->end);
     cli_share(c, "shard", &r->shard, &r->shards);
     r->folder = cli_text(c, "output");
@@ -49,6 +52,10 @@ static bool read_request(cli *c, request *r) {
     r->sampling.sampler = (asdic_sampler)sampler;
     r->sampling.kernel = (asdic_ray_kernel)kernel;
     r->sampling.seed = seed;
+    if (cli_given(c, "tolerance-percent") && isnan(r->tolerance.stderr_db)) {
+        cli_usage(c, "--tolerance-percent needs --tolerance DB");
+        return false;
+    }
     if (r->force && r->resume) {
         cli_usage(c, "--force starts afresh and --resume goes on; give one of them");
         return false;
@@ -96,29 +103,36 @@ static char *default_folder(const request *r) {
     return length < 0 ? NULL : folder;
 }
 
-/* Finds the number of rays that --tolerance needs and prints it. */
-static asdic_status keep_tolerance(cli *c, asdic_mission *mission, asdic_device *device,
-                                   double tolerance_db) {
-    const asdic_sonar *sonar = asdic_mission_sonar(mission);
-    asdic_ray_budget budget;
-    TRY(asdic_mission_find_rays(cli_context(c), mission, device, tolerance_db, MOST_RAYS, &budget));
-    cli_note(c, "tolerance %g dB: %u rays per ping, worst bin %.3g dB", tolerance_db, budget.rays,
-             budget.worst_db);
-    double minutes = budget.ping_s * (double)asdic_mission_ping_count(mission) / 60.0;
-    if (minutes >= 1.0) {
-        cli_note(c, "  the mission's %zu pings take some %.0f minutes on one device",
-                 asdic_mission_ping_count(mission), minutes);
+/* Which bins stay above the tolerance. */
+static void say_rough(const cli *c, const asdic_sonar *sonar, const asdic_tolerance *wanted,
+                      const asdic_ray_budget *found) {
+    if (found->rough_count == 0) {
+        return;
     }
-    if (budget.rough_count > 0) {
-        cli_warning(c, "%zu bins of %zu pings stay above %g dB with %u rays, the most there are",
-                    budget.rough_count, budget.pings, tolerance_db, budget.rays);
-    }
-    for (size_t i = 0; i < budget.rough_count && i < ASDIC_ROUGH_BINS; i++) {
-        const asdic_rough_bin *b = &budget.rough[i];
+    (found->is_kept ? cli_note : cli_warning)(
+        c, "%zu of %zu bins above the noise, in %zu pings, stay above %g dB%s; the roughest:",
+        found->rough_count, found->judged, found->pings, wanted->stderr_db,
+        found->is_kept ? "" : " with the most rays there are");
+    for (size_t i = 0; i < found->rough_count && i < ASDIC_ROUGH_BINS; i++) {
+        const asdic_rough_bin *b = &found->rough[i];
         cli_note(c, "  ping %zu, beam '%s', bin %zu (%g m): %.3g dB", b->ping,
                  sonar->receivers[b->beam].name, b->bin,
                  ((double)b->bin + 0.5) * sonar->bin_length_m, b->stderr_db);
     }
+}
+
+/* Finds the number of rays that --tolerance needs; prints it, and what it costs PINGS pings. */
+static asdic_status keep_tolerance(cli *c, asdic_mission *mission, asdic_device *device,
+                                   const asdic_tolerance *wanted, size_t pings) {
+    asdic_ray_budget found;
+    TRY(asdic_mission_find_rays(cli_context(c), mission, device, wanted, &found));
+    double kept = found.judged ? 1.0 - (double)found.rough_count / (double)found.judged : 1.0;
+    cli_note(c, "tolerance %g dB: %u rays per ping keep it in %.4g %% of bins, worst bin %.3g dB",
+             wanted->stderr_db, found.rays, 100.0 * kept, found.worst_db);
+    double seconds = found.ping_s * (double)pings;
+    cli_note(c, "  %zu pings take about %.3g %s on one device", pings,
+             seconds < 120.0 ? seconds : seconds / 60.0, seconds < 120.0 ? "s" : "minutes");
+    say_rough(c, asdic_mission_sonar(mission), wanted, &found);
     return ASDIC_OK;
 }
 
@@ -163,7 +177,7 @@ static void summarise(cli *c, const asdic_mission *mission, const asdic_run_opti
     say_errors(c, options->folder);
 }
 
-static asdic_status simulate(cli *c, asdic_mission *mission, double tolerance_db,
+static asdic_status simulate(cli *c, asdic_mission *mission, const asdic_tolerance *tolerance,
                              const asdic_run_options *wanted) {
     asdic_device **devices = NULL;
     size_t count = 0;
@@ -177,8 +191,8 @@ static asdic_status simulate(cli *c, asdic_mission *mission, double tolerance_db
     options.times = &times;
     options.progress = cli_progress_report;
     options.user = &progress;
-    if (!isnan(tolerance_db) && !cli_team_is_worker(options.team)) {
-        status = keep_tolerance(c, mission, devices[0], tolerance_db);
+    if (!isnan(tolerance->stderr_db) && !cli_team_is_worker(options.team)) {
+        status = keep_tolerance(c, mission, devices[0], tolerance, options.count);
     }
     if (status == ASDIC_OK) {
         status = asdic_mission_run(cli_context(c), mission, devices, count, &options);
@@ -214,7 +228,7 @@ static int run_alone_or_in(cli *c, asdic_team *team) {
     options.force = r.force;
     options.resume = r.resume;
     options.team = team;
-    code = cli_end(c, simulate(c, mission, r.tolerance_db, &options));
+    code = cli_end(c, simulate(c, mission, &r.tolerance, &options));
 done:
     free(folder);
     asdic_mission_destroy(&mission);
@@ -237,7 +251,8 @@ static const cli_option options[] = {
      "run folder; default: run_<name of the scene>; - writes bins.csv alone to standard output"},
     {"rays", 0, "N", "rays per ping, instead of the scene's"},
     {"tolerance", 0, "DB",
-     "double the rays until one standard error of every bin above the noise is at most this"},
+     "double the rays until one standard error of bins above the noise is at most this"},
+    {"tolerance-percent", 0, "P", "... in this percentage of these bins; default 99"},
     {"sampler", 0, "NAME", "adaptive, beam or uniform-sphere (the paper's)"},
     {"kernel", 0, "NAME",
      "auto, wide8, pkt16, frustum64 or scalar: how rays are cast; auto takes the fastest; same "
@@ -262,8 +277,10 @@ const cli_command cli_run_command = {
         "run, on what, how fast, how good; remarks where a law is used beyond the range that "
         "its source states). A run that was interrupted, or killed, is "
         "finished by --resume.\n\n"
-        "--tolerance looks at pings spread over the mission and gives all pings as many "
-        "rays as the roughest needs, at most 4194304; bins that need more are named.\n\n"
+        "--tolerance looks at up to 4 pings spread over the mission and doubles the rays "
+        "until 99 % of the bins above the noise keep it, or what --tolerance-percent says, at most "
+        "4194304 a ping. It prints the rays, the time that they will take, and the roughest of the "
+        "bins that would need more.\n\n"
         "Where asdic was built with MPI, 'mpirun -n 4 --bind-to none asdic run ...' shares "
         "the pings among four processes, which may be on several machines that see the "
         "same files; one run folder is written, with the bytes of a single process.",

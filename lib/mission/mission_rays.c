@@ -4,6 +4,12 @@
  */
 #include "mission_build.h"
 
+#include "base/clock.h"
+#include "base/context.h"
+#include "base/try.h"
+
+#include <math.h>
+
 /* The sound speed for which a simulator fixes the number of bins. */
 static double speed_mps(const asdic_mission *m) {
     return asdic_environment_sound_speed_mps(&m->settings.environment,
@@ -41,4 +47,128 @@ asdic_ray_forecast asdic_mission_ray_forecast(const asdic_mission *mission) {
                                 .auto_rays = asdic_rays_auto(&s->sonar, c_mps, s->has_meshes),
                                 .stderr_db = error_db,
                                 .is_rough = error_db > ASDIC_ROUGH_DB};
+}
+
+/* --- found by simulating ---------------------------------------------------------------------- */
+
+/* Pings looked at, spread over the mission. */
+#define MOST_PINGS 4
+
+/* Energy that rays bring in: all but speckle and noise. */
+static double echo_of(const asdic_ping *ping, size_t at) {
+    double sum = 0.0;
+    for (int c = ASDIC_BOTTOM; c < ASDIC_NOISE; c++) {
+        sum += ping->intensity_lin[c][at];
+    }
+    return sum;
+}
+
+/* Keeps the roughest bins, roughest first. */
+static void add_rough(asdic_ray_budget *out, asdic_rough_bin bin) {
+    size_t at = out->rough_count < ASDIC_ROUGH_BINS ? out->rough_count : ASDIC_ROUGH_BINS - 1;
+    if (out->rough_count++ >= ASDIC_ROUGH_BINS && out->rough[at].stderr_db >= bin.stderr_db) {
+        return;
+    }
+    while (at > 0 && out->rough[at - 1].stderr_db < bin.stderr_db) {
+        out->rough[at] = out->rough[at - 1];
+        at--;
+    }
+    out->rough[at] = bin;
+}
+
+static void judge(const asdic_ping *ping, size_t number, double tolerance_db,
+                  asdic_ray_budget *out) {
+    for (size_t at = 0; at < ping->beams * ping->bins; at++) {
+        double echo = echo_of(ping, at);
+        if (!(echo > 0.0) || echo < ping->intensity_lin[ASDIC_NOISE][at]) {
+            continue;
+        }
+        double stderr_db = ping->stderr_db[at];
+        out->judged++;
+        out->worst_db = stderr_db > out->worst_db ? stderr_db : out->worst_db;
+        if (stderr_db > tolerance_db) {
+            add_rough(out, (asdic_rough_bin){number, at / ping->bins, at % ping->bins, stderr_db});
+        }
+    }
+}
+
+/* Simulates OUT->pings pings, the first ones of evenly spread learning blocks, and judges them. */
+static asdic_status look(asdic_context *ctx, const asdic_mission *mission, asdic_simulator *sim,
+                         asdic_ping *ping, double tolerance_db, asdic_ray_budget *out) {
+    size_t blocks = (asdic_mission_ping_count(mission) + ASDIC_LEARN_BLOCK - 1) / ASDIC_LEARN_BLOCK;
+    out->pings = blocks < MOST_PINGS ? blocks : MOST_PINGS;
+    out->worst_db = 0.0;
+    out->ping_s = INFINITY;
+    out->rough_count = out->judged = 0;
+    for (size_t k = 0; k < out->pings; k++) {
+        size_t last = out->pings - 1;
+        size_t number = (last ? k * (blocks - 1) / last : 0) * ASDIC_LEARN_BLOCK;
+        asdic_pose pose = asdic_mission_pose(mission, number, NULL);
+        if (asdic_context_interrupted(ctx)) {
+            return asdic_fail(ctx, ASDIC_ERROR_INTERRUPTED, "interrupted while looking for rays");
+        }
+        TRY(asdic_mission_place(mission, sim, number));
+        TRY(asdic_simulator_learn(sim, &pose, number));
+        double began_s = asdic_clock_s();
+        TRY(asdic_simulator_ping(sim, &pose, number, ping));
+        out->ping_s = fmin(out->ping_s, asdic_clock_s() - began_s);
+        judge(ping, number, tolerance_db, out);
+    }
+    return ASDIC_OK;
+}
+
+static asdic_status look_with(asdic_context *ctx, const asdic_mission *mission,
+                              asdic_simulator *sim, double tolerance_db, asdic_ray_budget *out) {
+    asdic_ping *ping = NULL;
+    TRY(asdic_ping_create(ctx, asdic_mission_sonar(mission)->receiver_count,
+                          asdic_simulator_bin_count(sim), &ping));
+    asdic_status status = look(ctx, mission, sim, ping, tolerance_db, out);
+    asdic_ping_destroy(&ping);
+    return status;
+}
+
+static asdic_status try_rays(asdic_context *ctx, asdic_mission *mission, asdic_device *device,
+                             double tolerance_db, asdic_ray_budget *out) {
+    asdic_sampling sampling = *asdic_mission_sampling(mission);
+    sampling.rays = out->rays;
+    asdic_simulator *sim = NULL;
+    double depth_m = asdic_mission_pose(mission, 0, NULL).position_m.z;
+    TRY(asdic_simulator_create(ctx, device, asdic_mission_scene(mission),
+                               asdic_mission_environment(mission), asdic_mission_sonar(mission),
+                               &sampling, depth_m, &sim));
+    asdic_status status = look_with(ctx, mission, sim, tolerance_db, out);
+    asdic_simulator_destroy(&sim);
+    return status;
+}
+
+/* Whether SHARE of the bins that count keep the tolerance. */
+static bool is_kept(const asdic_ray_budget *budget, double share) {
+    return (double)budget->rough_count <= (1.0 - share) * (double)budget->judged;
+}
+
+asdic_status asdic_mission_find_rays(asdic_context *ctx, asdic_mission *mission,
+                                     asdic_device *device, const asdic_tolerance *tolerance,
+                                     asdic_ray_budget *out) {
+    if (!mission || !device || !tolerance || !out) {
+        return asdic_fail_null(ctx, __func__);
+    }
+    if (!(tolerance->stderr_db > 0.0) || !(tolerance->share > 0.0 && tolerance->share <= 1.0)) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
+                          "a tolerance of %g dB for a share of %g: must be above 0, the share at "
+                          "most 1",
+                          tolerance->stderr_db, tolerance->share);
+    }
+    asdic_sampling *sampling = asdic_mission_sampling(mission);
+    uint32_t most = tolerance->most_rays;
+    *out = (asdic_ray_budget){.rays = sampling->rays};
+    for (;;) {
+        TRY(try_rays(ctx, mission, device, tolerance->stderr_db, out));
+        out->is_kept = is_kept(out, tolerance->share);
+        if (out->is_kept || out->rays >= most) {
+            break;
+        }
+        out->rays = out->rays > most / 2 ? most : 2 * out->rays;
+    }
+    sampling->rays = out->rays;
+    return ASDIC_OK;
 }

@@ -281,6 +281,25 @@ def test_tolerance_finds_rays():
               cwd=folder.path).check(code=2, out="")
 
 
+def test_tolerance_is_for_a_share_of_the_bins():
+    """Fewer rays where fewer bins must keep it; who does not is named, with what it would take."""
+    program.need_device()
+    with Folder() as folder:
+        path = scene(folder, pings=3)
+        rays = {}
+        for percent in (50, 100):
+            done = asdic("run", path, "--rays", 64, "--tolerance", 0.5, "--tolerance-percent",
+                         percent, "-o", folder / f"p{percent}").check(code=0)
+            rays[percent] = facts(folder, f"p{percent}")["rays"]
+            said = re.search(r"(\d+) rays per ping keep it in ([\d.]+) % of bins", done.err)
+            tap.equal((int(said.group(1)), float(said.group(2)) >= percent), (rays[percent], True))
+            tap.contains(done.err, "3 pings take about ")
+            tap.equal("stay above 0.5 dB; the roughest:\n  ping 0, beam '" in done.err,
+                      percent == 50, done.err)
+        tap.equal(rays[50] < rays[100], True, rays)
+        asdic("run", path, "--tolerance-percent", 50, "-o", folder / "no").check(code=2, out="")
+
+
 def test_mistakes_have_their_exit_codes():
     with Folder() as folder:
         path = scene(folder)

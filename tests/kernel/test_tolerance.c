@@ -23,6 +23,12 @@ static asdic_mission *load(const char *scene, uint32_t rays) {
     return mission;
 }
 
+static asdic_status find_rays(asdic_mission *mission, double share, double tolerance_db,
+                              uint32_t most_rays, asdic_ray_budget *out) {
+    const asdic_tolerance tolerance = {tolerance_db, share, most_rays};
+    return asdic_mission_find_rays(t.ctx, mission, t.device, &tolerance, out);
+}
+
 /* The rays found keep the tolerance in truth, too; half of them do not by their own account. */
 static void found_rays_keep_the_tolerance(void **state) {
     (void)state;
@@ -30,8 +36,7 @@ static void found_rays_keep_the_tolerance(void **state) {
     asdic_mission *mission = load("bench_flat.yaml", 512);
     asdic_ray_budget found, again, half;
     double began_s = asdic_clock_s();
-    assert_ok(t.ctx,
-              asdic_mission_find_rays(t.ctx, mission, t.device, tolerance_db, 1u << 18, &found));
+    assert_ok(t.ctx, find_rays(mission, 1.0, tolerance_db, 1u << 18, &found));
     assert_true(found.ping_s > 0.0 && found.ping_s < asdic_clock_s() - began_s);
     print_message("%g dB: %u rays, worst bin %.3f dB\n", tolerance_db, found.rays, found.worst_db);
     assert_int_equal(found.rough_count, 0);
@@ -39,14 +44,12 @@ static void found_rays_keep_the_tolerance(void **state) {
     assert_int_equal(asdic_mission_sampling(mission)->rays, found.rays);
 
     asdic_mission_sampling(mission)->rays = 512;
-    assert_ok(t.ctx,
-              asdic_mission_find_rays(t.ctx, mission, t.device, tolerance_db, 1u << 18, &again));
+    assert_ok(t.ctx, find_rays(mission, 1.0, tolerance_db, 1u << 18, &again));
     assert_int_equal(again.rays, found.rays);
     assert_true(again.worst_db == found.worst_db);
 
     asdic_mission_sampling(mission)->rays = found.rays / 2;
-    assert_ok(t.ctx, asdic_mission_find_rays(t.ctx, mission, t.device, tolerance_db, found.rays / 2,
-                                             &half));
+    assert_ok(t.ctx, find_rays(mission, 1.0, tolerance_db, found.rays / 2, &half));
     assert_true(half.rough_count > 0 && half.worst_db > tolerance_db);
 
     asdic_mission_sampling(mission)->rays = found.rays;
@@ -121,8 +124,7 @@ static void rough_bottoms_and_fans_keep_it(void **state) {
     for (size_t s = 0; s < 2; s++) {
         asdic_mission *mission = load(scenes[s], 2000);
         asdic_ray_budget found;
-        assert_ok(t.ctx, asdic_mission_find_rays(t.ctx, mission, t.device, tolerance_db, 1u << 18,
-                                                 &found));
+        assert_ok(t.ctx, find_rays(mission, 1.0, tolerance_db, 1u << 18, &found));
         assert_int_equal(found.rough_count, 0);
         memset(truth, 0, MOST_CELLS * sizeof *truth);
         size_t cells = add_pings(mission, 1u << 18, 1000000, 12, NULL, truth);
@@ -149,18 +151,42 @@ static void what_is_out_of_reach_is_named(void **state) {
     (void)state;
     asdic_mission *mission = load("bench_step.yaml", 1000);
     asdic_ray_budget found;
-    assert_ok(t.ctx, asdic_mission_find_rays(t.ctx, mission, t.device, 1e-4, 3000, &found));
+    assert_ok(t.ctx, find_rays(mission, 1.0, 1e-4, 3000, &found));
     assert_int_equal(found.rays, 3000);
+    assert_false(found.is_kept);
     assert_true(found.rough_count > ASDIC_ROUGH_BINS);
     assert_true(found.rough[0].stderr_db == found.worst_db);
     for (size_t i = 0; i < ASDIC_ROUGH_BINS; i++) {
         assert_true(found.rough[i].beam < 3 && found.rough[i].bin < 149);
         assert_true(i == 0 || found.rough[i].stderr_db <= found.rough[i - 1].stderr_db);
     }
-    assert_status(t.ctx, asdic_mission_find_rays(t.ctx, mission, t.device, 0.0, 3000, &found),
-                  ASDIC_ERROR_ARGUMENT);
-    assert_status(t.ctx, asdic_mission_find_rays(t.ctx, NULL, t.device, 1.0, 3000, &found),
-                  ASDIC_ERROR_ARGUMENT);
+    assert_status(t.ctx, find_rays(mission, 1.0, 0.0, 3000, &found), ASDIC_ERROR_ARGUMENT);
+    assert_status(t.ctx, find_rays(NULL, 1.0, 1.0, 3000, &found), ASDIC_ERROR_ARGUMENT);
+    asdic_mission_destroy(&mission);
+}
+
+/* What a few bins want, all the others would have to pay for. */
+static void a_share_is_found_with_fewer_rays(void **state) {
+    (void)state;
+    const double tolerance_db = 0.5;
+    asdic_mission *mission = load("bench_terrain.yaml", 1024);
+    asdic_ray_budget most, all;
+    assert_ok(t.ctx, find_rays(mission, 0.9, tolerance_db, 1u << 18, &most));
+    print_message("%u rays: %zu of %zu bins rough, worst %.2f dB\n", most.rays, most.rough_count,
+                  most.judged, most.worst_db);
+    assert_true(most.is_kept && most.rough_count > 0 && most.worst_db > tolerance_db);
+    assert_true((double)most.rough_count <= 0.1 * (double)most.judged);
+    assert_true(most.rough[0].stderr_db == most.worst_db);
+
+    asdic_mission_sampling(mission)->rays = most.rays / 2; /* half of them would not do */
+    assert_ok(t.ctx, find_rays(mission, 0.9, tolerance_db, most.rays / 2, &all));
+    assert_true(!all.is_kept && (double)all.rough_count > 0.1 * (double)all.judged);
+
+    asdic_mission_sampling(mission)->rays = 1024;
+    assert_ok(t.ctx, find_rays(mission, 1.0, tolerance_db, 1u << 18, &all));
+    assert_true(all.rays > most.rays && all.judged > 0);
+    assert_status(t.ctx, find_rays(mission, 0.0, tolerance_db, 4096, &all), ASDIC_ERROR_ARGUMENT);
+    assert_status(t.ctx, find_rays(mission, 1.1, tolerance_db, 4096, &all), ASDIC_ERROR_ARGUMENT);
     asdic_mission_destroy(&mission);
 }
 
@@ -169,10 +195,10 @@ static void noise_forgives(void **state) {
     (void)state;
     asdic_mission *mission = load("bench_step.yaml", 4096);
     asdic_ray_budget silent, noisy;
-    assert_ok(t.ctx, asdic_mission_find_rays(t.ctx, mission, t.device, 0.05, 4096, &silent));
+    assert_ok(t.ctx, find_rays(mission, 1.0, 0.05, 4096, &silent));
     ((asdic_sonar *)asdic_mission_sonar(mission))->noise_enabled = true;
     ((asdic_sonar *)asdic_mission_sonar(mission))->source_level_db = 160.0;
-    assert_ok(t.ctx, asdic_mission_find_rays(t.ctx, mission, t.device, 0.05, 4096, &noisy));
+    assert_ok(t.ctx, find_rays(mission, 1.0, 0.05, 4096, &noisy));
     print_message("rough bins: %zu without noise, %zu with\n", silent.rough_count,
                   noisy.rough_count);
     assert_true(noisy.rough_count < silent.rough_count && noisy.worst_db < silent.worst_db);
@@ -185,6 +211,7 @@ int main(void) {
         cmocka_unit_test(found_rays_keep_the_tolerance),
         cmocka_unit_test(rough_bottoms_and_fans_keep_it),
         cmocka_unit_test(what_is_out_of_reach_is_named),
+        cmocka_unit_test(a_share_is_found_with_fewer_rays),
         cmocka_unit_test(noise_forgives),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);

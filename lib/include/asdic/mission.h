@@ -180,22 +180,32 @@ typedef struct asdic_rough_bin {
 
 #define ASDIC_ROUGH_BINS 8
 
+/* How exact levels shall be. */
+typedef struct asdic_tolerance {
+    double stderr_db;   /* one standard error of a bin's level at most this */
+    double share;       /* in this share of the bins whose echo is above the noise, 0 to 1 */
+    uint32_t most_rays; /* per ping, where the search ends */
+} asdic_tolerance;
+
 /* How many rays a tolerance takes. */
 typedef struct asdic_ray_budget {
-    uint32_t rays;   /* per ping */
-    size_t pings;    /* looked at: spread over the mission, whatever part of it is run */
-    double worst_db; /* largest stated error in a bin that counts */
-    double ping_s;   /* what the quickest of them took, one device at work and nothing learnt */
-    size_t rough_count;
+    uint32_t rays;      /* per ping */
+    bool is_kept;       /* false: most_rays do not keep the tolerance */
+    size_t pings;       /* looked at: spread over the mission, whatever part of it is run */
+    double worst_db;    /* largest stated error in a bin that counts */
+    double ping_s;      /* what the quickest of them took, one device at work and nothing learnt */
+    size_t judged;      /* bins that count */
+    size_t rough_count; /* of these, bins above the tolerance */
     asdic_rough_bin rough[ASDIC_ROUGH_BINS]; /* the roughest first; empty when all bins keep it */
 } asdic_ray_budget;
 
-/* Doubles the mission's rays until one standard error of every bin whose echo is above the noise is
- * at most TOLERANCE_DB, or MOST_RAYS are reached; sets the mission's rays to what it found. The
- * answer depends on the mission and the kind of device alone, so that parts of a mission agree. */
+/* Doubles the mission's rays until TOLERANCE is kept or its most rays are reached; sets the
+ * mission's rays to what it found. The answer depends on the mission and the kind of device alone,
+ * so that parts of a mission agree. */
 ASDIC_API asdic_status asdic_mission_find_rays(asdic_context *ctx, asdic_mission *mission,
-                                               asdic_device *device, double tolerance_db,
-                                               uint32_t most_rays, asdic_ray_budget *out);
+                                               asdic_device *device,
+                                               const asdic_tolerance *tolerance,
+                                               asdic_ray_budget *out);
 
 typedef struct asdic_run_progress {
     size_t pings_done, pings_total;
