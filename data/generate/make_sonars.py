@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Makes scenes/sonar_*.yaml: sonars on the market, each in a small complete scene.
+"""Makes sonars/*.yaml: sonars on the market, and scenes/sonar_*.yaml: each in a small complete scene.
 
 Usage: make_sonars.py [FOLDER]
 
-Every value of a sonar names its source, a number in the scene's first lines, or says "assumed": not
+Every value of a sonar names its source, a number in the file's first lines, or says "assumed": not
 published, or not found. Apertures follow from the one-way -3 dB width W of a line aperture,
 sinc(L sin(W / 2) / wavelength)^2 = 1/2, that is L = 0.443 wavelength / sin(W / 2). Bandwidths follow
 from the range resolution, B = c / (2 resolution); what a maker calls so may be the spacing of samples.
@@ -29,12 +29,12 @@ FANS = [
          khz=(900, 1), beams=(256, ASSUMED), sector=(45, 1), wide=(1, 1), high=(20, ASSUMED),
          resolution=(0.025, 1), rate=15, bin=0.1),
     dict(title='Oculus M750d, low frequency', name='m750d', sources=[BLUEPRINT, LIBOCULUS], remarks=[
-             'Its 1.2 MHz mode: sonar_m1200d.yaml. Real beams are not evenly spaced: sonar_aris1200.yaml',
+             'Its 1.2 MHz mode: m1200d.yaml. Real beams are not evenly spaced: aris1200.yaml',
              'shows how a table of beams is written.'],
          khz=(750, 1), beams=(512, 1), sector=(130, 1), wide=(1, 2), high=(20, 1),
          resolution=(0.004, 1), rate=15, bin=0.1),
     dict(title='Oculus M1200d, low frequency', name='m1200d', sources=[BLUEPRINT, LIBOCULUS], remarks=[
-             'The sonar works at 1.2 MHz, but absorption and bottom law end at 1 MHz, at which this scene',
+             'The sonar works at 1.2 MHz, but absorption and bottom law end at 1 MHz, at which this file',
              'keeps its beam widths: echoes are then absorbed less, by about 0.12 dB per metre and way. The',
              '2.1 MHz mode is beyond the model.'],
          khz=(1000, '1.2 MHz: [1]'), beams=(512, 1), sector=(130, 1), wide=(0.6, 2), high=(20, 1),
@@ -74,8 +74,14 @@ HEADS = [
          khz=(675, 1), wide=(1.8, 1), high=(20, 1), resolution=(0.03, ASSUMED), rate=14, bin=0.1),
 ]
 
-SCENE = """# {title}, over flat sand with a few things to see.
+SONAR = """# {title}.
+# In a scene: sonar: {{file: {name}.yaml}}; keys beside 'file' take the place of those here.
 {remarks}# Widths are taken as one-way. Compare with the maker's current data sheet.
+# Made by data/generate/make_sonars.py.
+{sonar}
+noise: {{enabled: true}}
+"""
+SCENE = """# {title}, over flat sand with a few things to see.
 # Made by data/generate/make_sonars.py.
 version: 1
 
@@ -99,9 +105,7 @@ objects:
     rotation_deg: [90, 0, 0]
     material: {{impedance_mrayl: 45, roughness_rms_mm: 2, slope_rms: 0.3}}
 
-sonar:
-{sonar}
-  noise: {{enabled: true}}
+sonar: {{file: ../sonars/{name}.yaml}}
 
 {mission}
 
@@ -125,7 +129,7 @@ def cited(source):
 
 
 def noted(text, source):
-    """A line of the scene, with where its value comes from behind it."""
+    """A line of the file, with where its value comes from behind it."""
     return f'{text:<40} # {cited(source)}'
 
 
@@ -166,12 +170,14 @@ def write(sonar, beams, mission, rays):
     lines = [noted(f'  frequency_khz: {sonar["khz"][0]}', sonar['khz'][1]),
              noted(f'  bandwidth_khz: {SOUND_SPEED_MPS / (2 * resolution) / 1000:.3g}',
  f'{1000 * resolution:g} mm: {cited(source)}'),
-             noted(f'  ping_rate_hz: {sonar["rate"]}', f'of this scene: {SOUND_SPEED_MPS / 2 / sonar["rate"]:.0f} m'),
+             noted(f'  ping_rate_hz: {sonar["rate"]}', f'for a range of {SOUND_SPEED_MPS / 2 / sonar["rate"]:.0f} m'),
              noted('  source_level_db: 200', 'assumed: not published'),
-             noted(f'  bin_length_m: {sonar["bin"]}', 'of this scene'), '  blanking_m: 0.5', *beams]
+             noted(f'  bin_length_m: {sonar["bin"]}', 'a choice'), '  blanking_m: 0.5', *beams]
+    with open(place.path('sonars', f'{sonar["name"]}.yaml'), 'w', encoding='ascii') as out:
+        out.write(SONAR.format(title=sonar['title'], name=sonar['name'], remarks=''.join(f'# {line}\n' for line in remarks),
+                               sonar='\n'.join(line.removeprefix('  ') for line in lines)))
     with open(place.path('scenes', f'sonar_{sonar["name"]}.yaml'), 'w', encoding='ascii') as out:
-        out.write(SCENE.format(title=sonar['title'], remarks=''.join(f'# {line}\n' for line in remarks),
-                               sonar='\n'.join(lines), mission=mission, rays=rays))
+        out.write(SCENE.format(title=sonar['title'], name=sonar['name'], mission=mission, rays=rays))
 
 
 def main():

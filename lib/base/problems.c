@@ -5,6 +5,7 @@
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* More than a user reads at once; a wrong file (a mesh, a table) makes one for each line. */
 #define MOST_REPORTED 100
@@ -34,6 +35,7 @@ void asdic_problems_add(asdic_problems *problems, unsigned line, unsigned column
         problems->out_of_memory = true;
         return;
     }
+    problem->name = problems->name;
     problem->line = line;
     problem->column = column;
     problem->order = problems->count++;
@@ -41,6 +43,10 @@ void asdic_problems_add(asdic_problems *problems, unsigned line, unsigned column
 
 static int compare(const void *pa, const void *pb) {
     const asdic_problem *a = pa, *b = pb;
+    int by_name = strcmp(a->name ? a->name : "", b->name ? b->name : "");
+    if (by_name != 0) {
+        return by_name;
+    }
     if (a->line != b->line) {
         return a->line < b->line ? -1 : 1;
     }
@@ -61,10 +67,10 @@ asdic_status asdic_problems_report(asdic_problems *problems, asdic_context *ctx)
     for (size_t i = 0; i < problems->count; i++) {
         const asdic_problem *p = &problems->items[i];
         if (p->line > 0) {
-            asdic_log(ctx, ASDIC_LOG_ERROR, "%s:%u:%u: error: %s", problems->name, p->line,
-                      p->column, p->message);
+            asdic_log(ctx, ASDIC_LOG_ERROR, "%s:%u:%u: error: %s", p->name, p->line, p->column,
+                      p->message);
         } else {
-            asdic_log(ctx, ASDIC_LOG_ERROR, "%s: error: %s", problems->name, p->message);
+            asdic_log(ctx, ASDIC_LOG_ERROR, "%s: error: %s", p->name, p->message);
         }
     }
     if (problems->total > problems->count) {

@@ -1,5 +1,5 @@
 /*
- * All errors in one file, collected and reported in the order of its lines.
+ * All errors in a file and those that it names, collected and reported in the order of their lines.
  */
 #ifndef ASDIC_BASE_PROBLEMS_H
 #define ASDIC_BASE_PROBLEMS_H
@@ -7,6 +7,7 @@
 #include <asdic/context.h>
 
 typedef struct asdic_problem {
+    const char *name;      /* of the file, when it was found */
     unsigned line, column; /* from 1; 0: the file as a whole */
     size_t order;          /* in which they were found */
     char *message;
@@ -14,7 +15,7 @@ typedef struct asdic_problem {
 
 /* Zero-initialised but for NAME. */
 typedef struct asdic_problems {
-    const char *name; /* the file, as the user gave it */
+    const char *name; /* the file, as the user gave it; may change from one problem to the next */
     asdic_problem *items;
     size_t count, capacity;
     size_t total; /* found, beyond those kept too */

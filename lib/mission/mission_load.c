@@ -62,8 +62,12 @@ static asdic_status load(mission_builder *b, const asdic_setting *settings, size
     asdic_mission *m = b->mission;
     size_t length = 0;
     TRY(read_text(b->ctx, m, &length));
-    if (!asdic_scene_file_parse_with(m->text, length, settings, count, b->arena, b->problems,
-                                     file)) {
+    asdic_yaml_node *root = NULL;
+    if (!asdic_yaml_read(m->text, length, b->arena, b->problems, &root)) {
+        return asdic_fail_memory(b->ctx, "the scene file's content");
+    }
+    TRY(asdic_mission_include(b, root));
+    if (!asdic_scene_file_take(root, settings, count, b->arena, b->problems, file)) {
         return asdic_fail_memory(b->ctx, "the scene file's content");
     }
     TRY(build(b));

@@ -11,7 +11,7 @@
 #include "out/digits.h"
 #include "laws/scatterer.h"
 #include "out/file.h"
-#include "mission/scene_file/yaml_tree.h"
+#include "mission/scene_file/yaml_print.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -154,71 +154,6 @@ static void apply(rewriter *r, const asdic_mission *m, asdic_yaml_node *root, co
     }
 }
 
-/* --- as text ---------------------------------------------------------------------------------- */
-
-static void indent(rewriter *r, unsigned depth) {
-    for (unsigned i = 0; i < depth; i++) {
-        asdic_text_add(&r->text, "  ");
-    }
-}
-
-static void print_scalar(rewriter *r, const asdic_yaml_node *node) {
-    if (node->quoted) {
-        asdic_text_add_json(&r->text, node->text);
-    } else {
-        asdic_text_add(&r->text, node->length ? node->text : "null");
-    }
-}
-
-/* A list of numbers alone fits on a line. */
-static bool is_numeric(const asdic_yaml_node *list) {
-    for (const asdic_yaml_node *child = list->first; child; child = child->next) {
-        bool is_number = child->kind == ASDIC_YAML_SCALAR && !child->quoted && child->length &&
-                         strspn(child->text, "0123456789+-.eE") == child->length;
-        if (!is_number) {
-            return false;
-        }
-    }
-    return true;
-}
-
-static void print_children(rewriter *r, const asdic_yaml_node *node, unsigned depth);
-
-/* Writes what follows "key:" or "-", on its line and below. */
-static void print_value(rewriter *r, const asdic_yaml_node *node, unsigned depth) {
-    if (node->kind == ASDIC_YAML_SCALAR) {
-        asdic_text_add(&r->text, " ");
-        print_scalar(r, node);
-        asdic_text_add(&r->text, "\n");
-    } else if (!node->first) {
-        asdic_text_add(&r->text, node->kind == ASDIC_YAML_MAP ? " {}\n" : " []\n");
-    } else if (node->kind == ASDIC_YAML_LIST && is_numeric(node)) {
-        const char *comma = " [";
-        for (const asdic_yaml_node *child = node->first; child; child = child->next) {
-            asdic_text_add(&r->text, comma);
-            print_scalar(r, child);
-            comma = ", ";
-        }
-        asdic_text_add(&r->text, "]\n");
-    } else {
-        asdic_text_add(&r->text, "\n");
-        print_children(r, node, depth);
-    }
-}
-
-static void print_children(rewriter *r, const asdic_yaml_node *node, unsigned depth) {
-    for (const asdic_yaml_node *child = node->first; child; child = child->next) {
-        indent(r, depth);
-        if (node->kind == ASDIC_YAML_MAP) {
-            asdic_text_add_bytes(&r->text, child->key, child->key_length);
-            asdic_text_add(&r->text, ":");
-        } else {
-            asdic_text_add(&r->text, "-");
-        }
-        print_value(r, child, depth + 1);
-    }
-}
-
 /* The absolute folder of the mission's scene file; freed by the caller. */
 static char *folder_of(const char *path) {
     const char *slash = strrchr(path, '/');
@@ -245,7 +180,7 @@ asdic_status asdic_mission_write_scene(asdic_context *ctx, const asdic_mission *
     }
     make_absolute(&r, root);
     apply(&r, mission, root, track);
-    print_children(&r, root, 0);
+    asdic_yaml_print(root, &r.text);
     if (r.failed || r.text.failed) {
         status = asdic_fail_memory(ctx, "a scene file");
         goto done;

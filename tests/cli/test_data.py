@@ -46,7 +46,7 @@ def test_generators_make_the_files():
             subprocess.run([sys.executable, script, folder], check=True,
                            stdout=subprocess.DEVNULL)
         made = [path for path in pathlib.Path(folder).rglob("*") if path.is_file()]
-        all_kept = [path for place in ("meshes/*", "tracks/*", "scenes/sonar_*") for path in DATA.glob(place)]
+        all_kept = [path for place in ("meshes/*", "tracks/*", "sonars/*", "scenes/sonar_*") for path in DATA.glob(place)]
         tap.equal(sorted(path.relative_to(folder) for path in made),
                   sorted(path.relative_to(DATA) for path in all_kept))
         for path in made:
@@ -62,10 +62,10 @@ def test_flat_faces_are_not_cut():
 
 
 def test_sonars_name_the_source_of_every_value():
-    for path in sorted((DATA / "scenes").glob("sonar_*.yaml")):
+    for path in sorted((DATA / "sonars").glob("*.yaml")):
         text = path.read_text(encoding="ascii")
         sources = set(re.findall(r"^# (\[\d\]) ", text, re.M))
-        sonar = re.search(r"^sonar:\n((?:  .*\n)+)", text, re.M).group(1)
+        sonar = "".join(re.findall(r"^[^#\n].*\n", text, re.M))
         cited = set(re.findall(r"\[\d\]", sonar))
         tap.equal(cited <= sources, True, f"{path.name} lists what it cites")
         for line in sonar.splitlines():
@@ -73,10 +73,18 @@ def test_sonars_name_the_source_of_every_value():
                 tap.equal(bool(re.search(r"# .*(\[\d\]|assumed|the sector)", line)), True, f"{path.name}: {line}")
 
 
+def test_scenes_take_their_sonar_from_a_file():
+    scenes = sorted((DATA / "scenes").glob("sonar_*.yaml"))
+    for scene in scenes:
+        tap.contains(scene.read_text(encoding="ascii"),
+                     f"sonar: {{file: ../sonars/{scene.name.removeprefix('sonar_')}}}")
+    tap.equal(len(scenes), len(list((DATA / "sonars").glob("*.yaml"))), "a scene for each")
+
+
 def test_beams_may_be_unevenly_spread():
     need_device()
-    scene = DATA / "scenes" / "sonar_aris1200.yaml"
-    bearings = [float(x) for x in re.findall(r"yaw_deg: (\S+),", scene.read_text(encoding="ascii"))]
+    scene, sonar = DATA / "scenes" / "sonar_aris1200.yaml", DATA / "sonars" / "aris1200.yaml"
+    bearings = [float(x) for x in re.findall(r"yaw_deg: (\S+),", sonar.read_text(encoding="ascii"))]
     steps = [b - a for a, b in zip(bearings, bearings[1:])]
     tap.equal((len(bearings), steps[23] > 1.5 * steps[0]), (48, True), "wide in the middle, narrow at the sides")
     done = asdic("run", "-q", "--rays", "50000", scene, "-o", "-").check(code=0, err="")

@@ -283,6 +283,10 @@ static void check_waypoints(const asdic_scene_file *file, asdic_problems *proble
 }
 
 void asdic_scene_file_check(asdic_scene_file *file, asdic_arena *arena, asdic_problems *problems) {
+    if (file->sonar.file && problems->total == 0) { /* nothing read it: only text was given */
+        asdic_yaml_problem(problems, at(file->sonar.node, "file"),
+                           "the sonar's 'file' = %.200s is not here to be read", file->sonar.file);
+    }
     check_sonar(file, arena, problems);
     asdic_scene_laws_check(ASDIC_LAW_SURFACE, file->surface.node, problems);
     check_bottom(&file->bottom, problems);

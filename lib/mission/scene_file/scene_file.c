@@ -145,17 +145,14 @@ static void set_value(asdic_yaml_node *root, const asdic_setting *setting, asdic
 
 bool asdic_scene_file_parse(const char *text, size_t size, asdic_arena *arena,
                             asdic_problems *problems, asdic_scene_file *file) {
-    return asdic_scene_file_parse_with(text, size, NULL, 0, arena, problems, file);
+    asdic_yaml_node *root = NULL;
+    return asdic_yaml_read(text, size, arena, problems, &root) &&
+           asdic_scene_file_take(root, NULL, 0, arena, problems, file);
 }
 
-bool asdic_scene_file_parse_with(const char *text, size_t size, const asdic_setting *settings,
-                                 size_t count, asdic_arena *arena, asdic_problems *problems,
-                                 asdic_scene_file *file) {
+bool asdic_scene_file_take(asdic_yaml_node *root, const asdic_setting *settings, size_t count,
+                           asdic_arena *arena, asdic_problems *problems, asdic_scene_file *file) {
     memset(file, 0, sizeof *file);
-    asdic_yaml_node *root = NULL;
-    if (!asdic_yaml_read(text, size, arena, problems, &root)) {
-        return false;
-    }
     if (!root) {
         return true;
     }

@@ -139,6 +139,7 @@ typedef struct file_noise {
 
 typedef struct file_sonar {
     asdic_yaml_node *node;
+    const char *file; /* NULL: none, or in the tree already (mission_include.c) */
     double frequency_khz, bandwidth_khz, ping_rate_hz, source_level_db;
     double bin_length_m, blanking_m;
     file_beam transmitter;
@@ -230,11 +231,10 @@ char *asdic_text_to_utf8(const char *bytes, size_t size, size_t *length);
 bool asdic_scene_file_parse(const char *text, size_t size, asdic_arena *arena,
                             asdic_problems *problems, asdic_scene_file *file);
 
-/* The same with SETTINGS in place of what the text says. Maps that a setting names are made when
- * they are missing; entries of lists must be there. */
-bool asdic_scene_file_parse_with(const char *text, size_t size, const asdic_setting *settings,
-                                 size_t count, asdic_arena *arena, asdic_problems *problems,
-                                 asdic_scene_file *file);
+/* The same from a tree (NULL: none could be read), with SETTINGS in place of what it says. Maps that a
+ * setting names are made when they are missing; entries of lists must be there. */
+bool asdic_scene_file_take(asdic_yaml_node *root, const asdic_setting *settings, size_t count,
+                           asdic_arena *arena, asdic_problems *problems, asdic_scene_file *file);
 
 /* Checks what depends on several keys, and names what has no name (scene_check.c). */
 void asdic_scene_file_check(asdic_scene_file *file, asdic_arena *arena, asdic_problems *problems);

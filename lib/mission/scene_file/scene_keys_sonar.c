@@ -69,8 +69,10 @@ static const asdic_word rear_words[] = {{"none", -INFINITY}, {NULL, 0}};
 
 #define SONAR(member) AT(file_sonar, member)
 static const asdic_key sonar_keys[] = {
+    {"file", ASDIC_KEY_PATH, SONAR(file),
+     .doc = "a file that holds keys of the sonar; those beside it come first"},
     {"frequency_khz", ASDIC_KEY_NUMBER, ASDIC_KEY_REQUIRED, SONAR(frequency_khz), .unit = "kHz",
-     .min = 0.1, .max = 1000, .doc = "centre frequency"},
+     .min = 0.1, .max = 1000, .unless = "file", .doc = "centre frequency"},
     {"bandwidth_khz", ASDIC_KEY_NUMBER, SONAR(bandwidth_khz), .unit = "kHz", .min = 0.001,
      .max = 1000, .fallback = "10", .doc = "bandwidth; the range resolution is c / (2 bandwidth)"},
     {"ping_rate_hz", ASDIC_KEY_NUMBER, SONAR(ping_rate_hz), .unit = "Hz", .min = 0.01, .max = 1000,
@@ -84,7 +86,7 @@ static const asdic_key sonar_keys[] = {
     {"transmitter", ASDIC_KEY_MAP, SONAR(transmitter), .table = &transmitter_table,
      .doc = "the transmitting aperture"},
     {"receivers", ASDIC_KEY_LIST, ASDIC_KEY_REQUIRED, SONAR(receivers), .least = 1, .count = 4096,
-     .table = &beam_table, .map_form = &fan_map_table,
+     .unless = "file", .table = &beam_table, .map_form = &fan_map_table,
      .map_offset = offsetof(file_sonar, receiver_fan),
      .doc = "the receiving apertures: a list, or fan: {count, sector_deg, ...}"},
     {"noise", ASDIC_KEY_MAP, SONAR(noise), .table = &noise_table, .doc = "ambient noise"},

@@ -51,16 +51,21 @@ static const char *path_of(const asdic_yaml_node *node, char *buffer, size_t siz
     return buffer[at] ? buffer + at : "scene";
 }
 
-static void add_problem(asdic_problems *problems, const asdic_yaml_node *path, unsigned line,
-                        unsigned column, const char *format, va_list args) {
+/* A problem of NODE, with the path of PATH. */
+static void add_problem(asdic_problems *problems, const asdic_yaml_node *node,
+                        const asdic_yaml_node *path, const unsigned place[2], const char *format,
+                        va_list args) {
     char buffer[256];
+    const char *name = problems->name;
     char *message = NULL;
     if (vasprintf(&message, format, args) < 0) {
         problems->out_of_memory = true;
         return;
     }
-    asdic_problems_add(problems, line, column, "%s  [%s]", message,
+    problems->name = node && node->file ? node->file : name;
+    asdic_problems_add(problems, place[0], place[1], "%s  [%s]", message,
                        path_of(path, buffer, sizeof buffer));
+    problems->name = name;
     free(message);
 }
 
@@ -73,7 +78,8 @@ static void mark_bad(asdic_yaml_node *node) {
 void asdic_yaml_problem(asdic_problems *problems, asdic_yaml_node *node, const char *format, ...) {
     va_list args;
     va_start(args, format);
-    add_problem(problems, node, node ? node->line : 0, node ? node->column : 0, format, args);
+    const unsigned place[2] = {node ? node->line : 0, node ? node->column : 0};
+    add_problem(problems, node, node, place, format, args);
     va_end(args);
     mark_bad(node);
 }
@@ -82,7 +88,8 @@ void asdic_yaml_key_problem(asdic_problems *problems, asdic_yaml_node *node, con
                             ...) {
     va_list args;
     va_start(args, format);
-    add_problem(problems, node->parent, node->key_line, node->key_column, format, args);
+    const unsigned place[2] = {node->key_line, node->key_column};
+    add_problem(problems, node, node->parent, place, format, args);
     va_end(args);
     mark_bad(node);
 }

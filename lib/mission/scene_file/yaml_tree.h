@@ -17,6 +17,7 @@ typedef struct asdic_yaml_node asdic_yaml_node;
 
 struct asdic_yaml_node {
     asdic_yaml_kind kind;
+    const char *file;      /* that it stands in; NULL: the one whose problems are collected */
     unsigned line, column; /* from 1; column in characters */
     const char *text;      /* SCALAR: LENGTH bytes and a zero byte */
     size_t length;

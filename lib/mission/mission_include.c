@@ -1,0 +1,113 @@
+/*
+ * A sonar from a file of its own: its keys go into the scene's tree where the scene gives no others.
+ */
+#include "mission_build.h"
+
+#include "base/context.h"
+#include "base/file_read.h"
+#include "base/sha256.h"
+#include "base/try.h"
+#include "mission/scene_file/yaml_print.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* As long as a scene file may be. */
+#define MAX_SONAR_BYTES ((size_t)4 << 20)
+
+static void set_file(asdic_yaml_node *node, const char *file) {
+    node->file = file;
+    for (asdic_yaml_node *child = node->first; child; child = child->next) {
+        set_file(child, file);
+    }
+}
+
+/* The tree of the file PATH; NULL after problems, which name that file. */
+static asdic_status read_tree(mission_builder *b, const char *path, asdic_yaml_node *named,
+                              asdic_yaml_node **out) {
+    char *bytes = NULL;
+    size_t size = 0, length = 0;
+    asdic_status status = asdic_file_read(b->ctx, path, MAX_SONAR_BYTES, &bytes, &size);
+    if (status) {
+        return asdic_mission_file_problem(b, named, status);
+    }
+    const char *scene = b->problems->name;
+    char *text = asdic_text_to_utf8(bytes, size, &length);
+    free(bytes);
+    b->problems->name = path;
+    bool has_memory = text && asdic_yaml_read(text, length, b->arena, b->problems, out);
+    b->problems->name = scene;
+    free(text);
+    if (*out) {
+        set_file(*out, path);
+    }
+    return has_memory ? ASDIC_OK : asdic_fail_memory(b->ctx, "the sonar's file");
+}
+
+/* Takes CHILD out of MAP. */
+static void take_out(asdic_yaml_node *map, const asdic_yaml_node *child) {
+    asdic_yaml_node *next = map->first;
+    map->first = map->last = NULL;
+    map->count = 0;
+    while (next) {
+        asdic_yaml_node *node = next;
+        next = node->next;
+        node->next = NULL;
+        if (node != child) {
+            asdic_yaml_append(map, node);
+        }
+    }
+}
+
+/* Adds what FROM holds and MAP does not. */
+static void add_missing(asdic_yaml_node *map, asdic_yaml_node *from) {
+    for (asdic_yaml_node *next = from->first; next;) {
+        asdic_yaml_node *node = next;
+        next = node->next;
+        node->next = NULL;
+        if (!asdic_yaml_child(map, node->key)) {
+            asdic_yaml_append(map, node);
+        }
+    }
+}
+
+/* A run folder keeps the text, and --resume looks at the hash: both are of all that was read. */
+static asdic_status keep_whole(mission_builder *b, const asdic_yaml_node *root) {
+    asdic_text text = {0};
+    asdic_yaml_print(root, &text);
+    size_t length = text.length;
+    char *whole = asdic_text_take(&text);
+    if (!whole) {
+        return asdic_fail_memory(b->ctx, "the scene with its sonar");
+    }
+    free(b->mission->text);
+    b->mission->text = whole;
+    asdic_sha256_hex(whole, length, b->mission->hash);
+    return ASDIC_OK;
+}
+
+asdic_status asdic_mission_include(mission_builder *b, asdic_yaml_node *root) {
+    asdic_yaml_node *sonar = asdic_yaml_child(root, "sonar");
+    asdic_yaml_node *named = asdic_yaml_child(sonar, "file"), *tree = NULL;
+    if (!named || named->kind != ASDIC_YAML_SCALAR || named->length == 0) {
+        return ASDIC_OK; /* if something is wrong the table says so */
+    }
+    const char *path = asdic_mission_resolve(b, named->text);
+    if (!path) {
+        return asdic_fail_memory(b->ctx, "the name of the sonar's file");
+    }
+    TRY(read_tree(b, path, named, &tree));
+    if (!tree) {
+        return ASDIC_OK; /* reported */
+    }
+    if (tree->kind != ASDIC_YAML_MAP || asdic_yaml_child(tree, "file")) {
+        asdic_yaml_problem(b->problems, tree,
+                           tree->kind == ASDIC_YAML_MAP
+                               ? "a sonar's file cannot name another 'file'"
+                               : "a sonar's file must hold keys of a scene's 'sonar'");
+        return ASDIC_OK;
+    }
+    take_out(sonar, named);
+    add_missing(sonar, tree);
+    return keep_whole(b, root);
+}
