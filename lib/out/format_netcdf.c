@@ -36,6 +36,7 @@ typedef struct netcdf {
     size_t beams, bins, pings;
     int platform, beam_group;
     int level_ids[ASDIC_RECORD_ARRAYS], ping_id, series_ids[SERIES_COUNT];
+    int root_level_id, root_time_id;       /* what a reader finds that names no group */
     size_t chunk_pings, buffered, written; /* pings */
     float *levels_db[ASDIC_RECORD_ARRAYS]; /* [chunk_pings * beams * bins] */
     uint64_t *ping_numbers;
@@ -177,12 +178,25 @@ static void put_beam_numbers(netcdf *f, int beam_dimension, const asdic_format_a
     free(values);
 }
 
-static void put_beam_names(netcdf *f, int dimension, const asdic_sonar *sonar) {
-    int id = asdic_nc_variable(&f->nc, f->beam_group, "beam", NC_STRING, 1, &dimension, "beam name",
-                               NULL);
+static void put_ranges(netcdf *f, int group, int dimension, const asdic_sonar *sonar) {
+    const label range = {"range", "range of the bin's centre"};
+    double *range_m = malloc(f->bins * sizeof *range_m);
+    if (!range_m) {
+        asdic_nc_check(&f->nc, NC_ENOMEM);
+        return;
+    }
+    for (size_t i = 0; i < f->bins; i++) {
+        range_m[i] = ((double)i + 0.5) * sonar->bin_length_m;
+    }
+    put_numbers(f, group, dimension, &range, "m", range_m);
+    free(range_m);
+}
+
+static void put_beam_names(netcdf *f, int group, int dimension, const asdic_sonar *sonar) {
+    int id = asdic_nc_variable(&f->nc, group, "beam", NC_STRING, 1, &dimension, "beam name", NULL);
     for (size_t i = 0; i < f->beams && id >= 0; i++) {
         const char *name = sonar->receivers[i].name;
-        if (!asdic_nc_check(&f->nc, nc_put_var1_string(f->beam_group, id, &i, &name))) {
+        if (!asdic_nc_check(&f->nc, nc_put_var1_string(group, id, &i, &name))) {
             return;
         }
     }
@@ -217,24 +231,27 @@ static void put_pulse(netcdf *f, const asdic_format_about *about) {
     }
 }
 
-static void define_levels(netcdf *f, const int dimensions[3]) {
+/* An array of levels by ping, beam and bin, compressed. */
+static int define_level(netcdf *f, int group, const label *name, const int dimensions[3]) {
     const size_t chunks[3] = {f->chunk_pings, f->beams, f->bins};
     const float fill = NAN;
-    for (int i = 0; i < ASDIC_RECORD_ARRAYS; i++) {
-        int group = f->beam_group;
-        int id = asdic_nc_variable(&f->nc, group, level_names[i].name, NC_FLOAT, 3, dimensions,
-                                   level_names[i].long_name, "dB");
-        f->level_ids[i] = id;
-        if (id < 0 || !asdic_nc_check(&f->nc, nc_def_var_fill(group, id, NC_FILL, &fill)) ||
-            !asdic_nc_check(&f->nc, nc_def_var_chunking(group, id, NC_CHUNKED, chunks)) ||
-            !asdic_nc_check(&f->nc, nc_def_var_deflate(group, id, 1, 1, DEFLATE_LEVEL)) ||
-            /* Every chunk is written whole, once; netCDF's cache of 16 MiB a variable would be of
-             * no use. */
-            !asdic_nc_check(&f->nc, nc_set_var_chunk_cache(group, id, 1, 1, 1.0f))) {
-            return;
-        }
-        const asdic_nc_attribute texts[] = {{"coordinates", "range"}, {NULL, NULL}};
-        asdic_nc_texts(&f->nc, group, id, texts);
+    int id = asdic_nc_variable(&f->nc, group, name->name, NC_FLOAT, 3, dimensions, name->long_name,
+                               "dB");
+    if (id >= 0 && asdic_nc_check(&f->nc, nc_def_var_fill(group, id, NC_FILL, &fill)) &&
+        asdic_nc_check(&f->nc, nc_def_var_chunking(group, id, NC_CHUNKED, chunks)) &&
+        asdic_nc_check(&f->nc, nc_def_var_deflate(group, id, 1, 1, DEFLATE_LEVEL))) {
+        /* Every chunk is written whole, once; netCDF's cache of 16 MiB a variable would be of no
+         * use. */
+        asdic_nc_check(&f->nc, nc_set_var_chunk_cache(group, id, 1, 1, 1.0f));
+    }
+    return id;
+}
+
+static void define_levels(netcdf *f, const int dimensions[3]) {
+    const asdic_nc_attribute texts[] = {{"coordinates", "range"}, {NULL, NULL}};
+    for (int i = 0; i < ASDIC_RECORD_ARRAYS && f->nc.failure == NC_NOERR; i++) {
+        f->level_ids[i] = define_level(f, f->beam_group, &level_names[i], dimensions);
+        asdic_nc_texts(&f->nc, f->beam_group, f->level_ids[i], texts);
     }
 }
 
@@ -244,7 +261,6 @@ static void describe_beams(netcdf *f, const asdic_format_about *about) {
         {"sonar_software_name", "asdic"},          {"sonar_software_version", about->version},
         {"sonar_type", "forward-looking sonar"},   {NULL, NULL}};
     const asdic_nc_attribute group_texts[] = {{"beam_mode", "horizontal"}, {NULL, NULL}};
-    const label range = {"range", "range of the bin's centre"};
     int sonar = asdic_nc_group(&f->nc, f->nc.id, "Sonar");
     asdic_nc_texts(&f->nc, sonar, NC_GLOBAL, sonar_texts);
     f->beam_group = asdic_nc_group(&f->nc, sonar, "Beam_group1");
@@ -256,20 +272,26 @@ static void describe_beams(netcdf *f, const asdic_format_about *about) {
                                    "number of the ping in the mission", "1");
     f->series_ids[PING_TIME] = asdic_nc_variable(&f->nc, f->beam_group, "ping_time", NC_DOUBLE, 1,
                                                  dimensions, SINCE_BEGINNING, "s");
-    double *range_m = malloc(f->bins * sizeof *range_m);
-    if (!range_m) {
-        asdic_nc_check(&f->nc, NC_ENOMEM);
-        return;
-    }
-    for (size_t i = 0; i < f->bins; i++) {
-        range_m[i] = ((double)i + 0.5) * about->sonar->bin_length_m;
-    }
-    put_numbers(f, f->beam_group, dimensions[2], &range, "m", range_m);
-    free(range_m);
-    put_beam_names(f, dimensions[1], about->sonar);
+    put_ranges(f, f->beam_group, dimensions[2], about->sonar);
+    put_beam_names(f, f->beam_group, dimensions[1], about->sonar);
     put_beam_numbers(f, dimensions[1], about);
     put_pulse(f, about);
     define_levels(f, dimensions);
+}
+
+/* The levels once more, with their axes as coordinates, where a reader looks first: tools that
+ * name no group would find nothing else. */
+static void describe_root(netcdf *f, const asdic_format_about *about) {
+    const label level = {"level", level_names[ASDIC_TOTAL].long_name};
+    int root = f->nc.id;
+    const int dimensions[3] = {asdic_nc_dimension(&f->nc, root, "ping_time", f->pings),
+                               asdic_nc_dimension(&f->nc, root, "beam", f->beams),
+                               asdic_nc_dimension(&f->nc, root, "range", f->bins)};
+    f->root_time_id = asdic_nc_variable(&f->nc, root, "ping_time", NC_DOUBLE, 1, dimensions,
+                                        SINCE_BEGINNING, "s");
+    put_beam_names(f, root, dimensions[1], about->sonar);
+    put_ranges(f, root, dimensions[2], about->sonar);
+    f->root_level_id = define_level(f, root, &level, dimensions);
 }
 
 static bool allocate(netcdf *f) {
@@ -313,6 +335,7 @@ static asdic_status begin(netcdf *f, asdic_context *ctx, const char *path,
     describe_water(f, about);
     describe_platform(f);
     describe_beams(f, about);
+    describe_root(f, about);
     return asdic_nc_status(&f->nc);
 }
 
@@ -350,6 +373,10 @@ static asdic_status flush(netcdf *f) {
         asdic_nc_check(&f->nc, nc_put_vara_float(f->beam_group, f->level_ids[i], start, count,
                                                  f->levels_db[i]));
     }
+    asdic_nc_check(
+        &f->nc, nc_put_vara_double(f->nc.id, f->root_time_id, start, count, f->series[PING_TIME]));
+    asdic_nc_check(&f->nc, nc_put_vara_float(f->nc.id, f->root_level_id, start, count,
+                                             f->levels_db[ASDIC_TOTAL]));
     f->written += f->buffered;
     f->buffered = 0;
     return asdic_nc_status(&f->nc);

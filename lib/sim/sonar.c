@@ -16,6 +16,7 @@ asdic_sonar asdic_sonar_default(void) {
         .frequency_hz = 100e3,
         .bandwidth_hz = 10e3,
         .ping_rate_hz = 10.0,
+        .max_range_m = NAN,
         .source_level_db = 0.0,
         .bin_length_m = 0.5,
         .blanking_m = 0.5,
@@ -72,11 +73,15 @@ asdic_status asdic_sonar_check(asdic_context *ctx, const asdic_sonar *sonar) {
         {"receiver_count", "", (double)sonar->receiver_count, 1.0, MAX_RECEIVERS},
     };
     TRY(check_fields(ctx, "", fields, sizeof fields / sizeof *fields));
+    if (!isnan(sonar->max_range_m) && !(sonar->max_range_m > 0.0)) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "sonar: 'max_range_m' = %g is not above 0 m",
+                          sonar->max_range_m);
+    }
     size_t bins = asdic_sonar_bin_count(sonar, SLOWEST_MPS);
     if (bins > ASDIC_SONAR_MAX_BINS) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
-                          "sonar: %zu bins, more than %d; lengthen bin_length_m or raise "
-                          "ping_rate_hz",
+                          "sonar: %zu bins, more than %d; lengthen bin_length_m, lower max_range_m "
+                          "or raise ping_rate_hz",
                           bins, ASDIC_SONAR_MAX_BINS);
     }
     if (!(sonar->rear_floor_db <= 0.0)) {
@@ -99,7 +104,8 @@ double asdic_sonar_max_range_m(const asdic_sonar *sonar, double sound_speed_mps)
     if (!sonar) {
         return NAN;
     }
-    return max_range_m(sound_speed_mps, sonar->ping_rate_hz);
+    /* fmin takes the other one where one is NAN */
+    return fmin(sonar->max_range_m, max_range_m(sound_speed_mps, sonar->ping_rate_hz));
 }
 
 size_t asdic_sonar_bin_count(const asdic_sonar *sonar, double sound_speed_mps) {

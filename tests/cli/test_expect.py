@@ -56,6 +56,14 @@ def test_levels_of_the_first_scenario():
         tap.equal(rows["down", 20]["range_m"], "10.25")
 
 
+def test_range_below_that_of_the_ping_rate():
+    with Folder() as folder:
+        rows = expected(folder)
+        short = expected(folder, scene=SCENE.replace("  bin_length_m",
+                                                     "  max_range_m: 20.3\n  bin_length_m"))
+        tap.equal(short, {key: row for key, row in rows.items() if key[1] < 40}, "whole bins")
+
+
 def test_printed_variant_from_option_and_scene():
     with Folder() as folder:
         by_option = expected(folder, "--variant", "printed")

@@ -177,6 +177,22 @@ def test_netcdf_in_xarray():
         tap.contains(out, f"'range_sample': {facts(folder, 'r')['bins']}")
 
 
+def test_netcdf_in_xarray_without_a_group():
+    """What opens without a group's name: levels by time, beam and range in metres."""
+    with Folder() as folder:
+        run = run_of(folder, edits={"{npy: true,": "{npy: true, netcdf: true,",
+                                    "bin_length_m: 1\n": "bin_length_m: 1\n  max_range_m: 12.5\n"})
+        out = numpy("d = xarray.open_dataset('run.nc')\n"
+                    "p = numpy.load('levels.npy')\n"
+                    "assert d.level.dims == ('ping_time', 'beam', 'range'), d.level.dims\n"
+                    "assert numpy.array_equal(d.level.values, p, equal_nan=True)\n"
+                    "assert d.ping_time.values.tolist() == [0, 0.05, 0.1, 0.15], d.ping_time\n"
+                    "down = d.level.sel(beam='down', range=7.5).values\n"
+                    "assert numpy.array_equal(down, p[:, 1, 7]) and down.max() > 50, down\n"
+                    "print(float(d.range[-1]))\n", run, also="xarray, netCDF4")
+        tap.equal(out.strip(), "11.5", "the last bin's centre, of a sonar that hears 12.5 m")
+
+
 def test_netcdf_in_gdal():
     with Folder() as folder:
         run = run_of(folder)

@@ -250,6 +250,14 @@ static void names_are_fit_for_files_and_differ(void **state) {
 
 static void keys_must_fit_together(void **state) {
     (void)state;
+    expect_edit("100\n", "100\n  max_range_m: 74.5\n", "");
+    expect_edit("100\n", "100\n  max_range_m: 75\n",
+                "5:16: error: 'max_range_m' = 75 is more than the 74.505 m that echoes come from "
+                "before the next ping, c / (2 ping_rate_hz); lower it or 'ping_rate_hz'  "
+                "[sonar.max_range_m]\n");
+    expect_edit("100\n", "100\n  max_range_m: 20\n  blanking_m: 30\n",
+                "6:15: error: 'blanking_m' = 30 is not below the maximum range of 20 m; lower it "
+                "or raise 'max_range_m'  [sonar.blanking_m]\n");
     expect_edit("100\n", "100\n  blanking_m: 80\n",
                 "5:15: error: 'blanking_m' = 80 is not below the maximum range of 74.51 m, which "
                 "is c / (2 ping_rate_hz); lower it or 'ping_rate_hz'  [sonar.blanking_m]\n");

@@ -219,6 +219,7 @@ static void defaults_are_the_librarys(void **state) {
     assert_close(sonar.frequency_hz, sonar0.frequency_hz, 0);
     assert_close(sonar.bandwidth_hz, sonar0.bandwidth_hz, 0);
     assert_close(sonar.ping_rate_hz, sonar0.ping_rate_hz, 0);
+    assert_true(isnan(sonar.max_range_m) && isnan(sonar0.max_range_m));
     assert_close(sonar.source_level_db, sonar0.source_level_db, 0);
     assert_close(sonar.bin_length_m, sonar0.bin_length_m, 0);
     assert_close(sonar.blanking_m, sonar0.blanking_m, 0);

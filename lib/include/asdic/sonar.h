@@ -28,7 +28,8 @@ typedef enum asdic_speckle {
 
 typedef struct asdic_sonar {
     double frequency_hz, bandwidth_hz;
-    double ping_rate_hz;    /* maximum range is c / (2 ping_rate) */
+    double ping_rate_hz;    /* no echo from beyond c / (2 ping_rate) is received */
+    double max_range_m;     /* nor from beyond this; NAN: no such limit */
     double source_level_db; /* dB re 1 uPa at 1 m, after pulse compression */
     double bin_length_m;
     double blanking_m; /* nothing nearer is received */
@@ -42,14 +43,14 @@ typedef struct asdic_sonar {
     double rear_floor_db; /* two-sided leak behind the face, dB re on-axis; -INFINITY: none */
 } asdic_sonar;
 
-/* 100 kHz, 10 kHz, 10 Hz, 0 dB, 0.5 m bins and blanking, 0.05 m apertures, noise on, no speckle.
+/* 100 kHz, 10 kHz, 10 Hz and its range, 0 dB, 0.5 m bins and blanking, 0.05 m apertures, noise on, no speckle.
  * Source level and receivers are the caller's to give: without a receiver the check fails. */
 ASDIC_API asdic_sonar asdic_sonar_default(void);
 
 /* Checks every field against its range; the error names field, value and limit. */
 ASDIC_API asdic_status asdic_sonar_check(asdic_context *ctx, const asdic_sonar *sonar);
 
-/* c / (2 ping_rate), m, and the number of whole bins within it (at least 1). */
+/* c / (2 ping_rate), or max_range_m where that is less, m; and the number of whole bins within it (at least 1). */
 ASDIC_API double asdic_sonar_max_range_m(const asdic_sonar *sonar, double sound_speed_mps);
 ASDIC_API size_t asdic_sonar_bin_count(const asdic_sonar *sonar, double sound_speed_mps);
 

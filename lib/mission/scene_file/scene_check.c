@@ -78,8 +78,9 @@ static void check_names(asdic_list list, size_t size, size_t offset, const char 
 /* Checks the range and its bins, at the sound speed where the sonar is. */
 static void check_bins(const asdic_scene_file *file, asdic_problems *problems) {
     const file_sonar *s = &file->sonar;
-    if (!s->node || is_bad(s->node, "ping_rate_hz") || is_bad(s->node, "bin_length_m") ||
-        is_bad(s->node, "blanking_m") || is_bad(file->node, "environment")) {
+    if (!s->node || is_bad(s->node, "ping_rate_hz") || is_bad(s->node, "max_range_m") ||
+        is_bad(s->node, "bin_length_m") || is_bad(s->node, "blanking_m") ||
+        is_bad(file->node, "environment")) {
         return;
     }
     const file_pose *pose = &file->mission.pose;
@@ -89,23 +90,36 @@ static void check_bins(const asdic_scene_file *file, asdic_problems *problems) {
     double sound_speed_mps = asdic_environment_sound_speed_mps(&env, depth_m);
     double range_m = asdic_sonar_max_range_m(&sonar, sound_speed_mps);
     size_t bins = asdic_sonar_bin_count(&sonar, sound_speed_mps);
+    bool is_set = s->max_range_m <= range_m;
+    const char *which = is_set ? "" : ", which is c / (2 ping_rate_hz)";
+    const char *key = is_set ? "raise 'max_range_m'" : "'ping_rate_hz'";
+    sonar.max_range_m = NAN;
+    double most_m = asdic_sonar_max_range_m(&sonar, sound_speed_mps);
+    if (s->max_range_m > most_m) {
+        asdic_yaml_problem(problems, at(s->node, "max_range_m"),
+                           "'max_range_m' = %.15g is more than the %.5g m that echoes come from "
+                           "before the next ping, c / (2 ping_rate_hz); lower it or 'ping_rate_hz'",
+                           s->max_range_m, most_m);
+        return;
+    }
     if (s->blanking_m >= range_m) {
         asdic_yaml_problem(problems, at(s->node, "blanking_m"),
-                           "'blanking_m' = %.15g is not below the maximum range of %.4g m, which "
-                           "is c / (2 ping_rate_hz); lower it or 'ping_rate_hz'",
-                           s->blanking_m, range_m);
+                           "'blanking_m' = %.15g is not below the maximum range of %.4g m%s; "
+                           "lower it or %s",
+                           s->blanking_m, range_m, which, key);
     }
     if (s->bin_length_m > range_m) {
         asdic_yaml_problem(problems, at(s->node, "bin_length_m"),
-                           "'bin_length_m' = %.15g is more than the maximum range of %.4g m, which "
-                           "is c / (2 ping_rate_hz); lower it or 'ping_rate_hz'",
-                           s->bin_length_m, range_m);
+                           "'bin_length_m' = %.15g is more than the maximum range of %.4g m%s; "
+                           "lower it or %s",
+                           s->bin_length_m, range_m, which, key);
     }
     if (bins > ASDIC_SONAR_MAX_BINS) {
         asdic_yaml_problem(problems, at(s->node, "bin_length_m"),
                            "'bin_length_m' = %.15g makes %zu bins of the maximum range of %.4g m, "
-                           "at most %d are possible; lengthen it or raise 'ping_rate_hz'",
-                           s->bin_length_m, bins, range_m, ASDIC_SONAR_MAX_BINS);
+                           "at most %d are possible; lengthen it or %s",
+                           s->bin_length_m, bins, range_m, ASDIC_SONAR_MAX_BINS,
+                           is_set ? "lower 'max_range_m'" : "raise 'ping_rate_hz'");
     }
 }
 

@@ -45,6 +45,7 @@ asdic_sonar asdic_scene_file_sonar(const asdic_scene_file *file) {
         .frequency_hz = 1e3 * s->frequency_khz,
         .bandwidth_hz = 1e3 * s->bandwidth_khz,
         .ping_rate_hz = s->ping_rate_hz,
+        .max_range_m = s->max_range_m,
         .source_level_db = s->source_level_db,
         .bin_length_m = s->bin_length_m,
         .blanking_m = s->blanking_m,

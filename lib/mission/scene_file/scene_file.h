@@ -140,7 +140,7 @@ typedef struct file_noise {
 typedef struct file_sonar {
     asdic_yaml_node *node;
     const char *file; /* NULL: none, or in the tree already (mission_include.c) */
-    double frequency_khz, bandwidth_khz, ping_rate_hz, source_level_db;
+    double frequency_khz, bandwidth_khz, ping_rate_hz, max_range_m, source_level_db;
     double bin_length_m, blanking_m;
     file_beam transmitter;
     asdic_list receivers; /* of file_beam */
