@@ -1,5 +1,6 @@
 #include "check.h"
 #include "remarks.h"
+#include "size.h"
 
 #include <math.h>
 
@@ -77,6 +78,7 @@ static void print_json(const char *path, const asdic_mission *m, const scene_num
     json_bool(j, "rays_auto", n->rays.is_auto);
     json_number(j, "expected_stderr_db", n->rays.stderr_db);
     cli_json_remarks(j, m);
+    cli_json_size(j, m);
     json_integer(j, "triangles", n->info.triangles);
     json_open(j, "meshes", '[');
     for (size_t i = 0; i < asdic_mission_object_count(m); i++) {
@@ -135,6 +137,8 @@ static void print_text(const char *path, const asdic_mission *m, const scene_num
     } else if (bottom_kind(m, n)[0] == 'n') {
         printf("  bottom      none\n");
     }
+    char size[CLI_SIZE_TEXT];
+    printf("  output      %s\n", cli_size(m, n->pings, ".", size));
     size_t count = asdic_mission_object_count(m), shown = count > MOST_SHOWN ? MOST_SHOWN : count;
     for (size_t i = 0; i < shown; i++) {
         print_object(asdic_mission_get_object(m, i));
@@ -153,6 +157,7 @@ asdic_status check_scene(cli *c, const char *path, json *j) {
     } else {
         print_text(path, mission, &numbers);
         cli_remark(c, path, mission);
+        cli_remark_csv(c, path, mission);
     }
     asdic_mission_destroy(&mission);
     return ASDIC_OK;

@@ -4,6 +4,7 @@
 #include "commands.h"
 #include "json.h"
 #include "remarks.h"
+#include "size.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -13,6 +14,7 @@
 typedef struct forecast {
     bool known;
     double first_ms, learn_ms, ping_ms; /* kernels and upload; once per block; every ping */
+    double write_ms;                    /* every ping into the files */
     double median_db, worst_db, rms_db; /* stated standard error */
 } forecast;
 
@@ -84,6 +86,10 @@ static asdic_status measure(cli *c, asdic_mission *mission, asdic_device *device
     if (!status) {
         status = shoot(sim, &pose, ping, f);
     }
+    if (!status) {
+        status = asdic_mission_time_writing(ctx, mission, ping, &f->write_ms);
+        f->write_ms *= 1e3;
+    }
     asdic_ping_destroy(&ping);
     asdic_simulator_destroy(&sim);
     return status;
@@ -91,7 +97,7 @@ static asdic_status measure(cli *c, asdic_mission *mission, asdic_device *device
 
 static double mission_seconds(const forecast *f, size_t pings) {
     double blocks = ceil((double)pings / ASDIC_LEARN_BLOCK);
-    return 1e-3 * (f->first_ms + blocks * f->learn_ms + (double)pings * f->ping_ms);
+    return 1e-3 * (f->first_ms + blocks * f->learn_ms + (double)pings * (f->ping_ms + f->write_ms));
 }
 
 static void print_bound(const asdic_plan_row *row, char *text, size_t size) {
@@ -117,11 +123,13 @@ static void print_text(const asdic_mission *mission, const asdic_plan *plan, uin
     }
     printf("\n%zu pings of %u rays; %zu triangles, %.1f MB of hierarchy\n", pings, rays,
            scene.triangles, 1e-6 * (double)scene.bvh_bytes);
+    char size[CLI_SIZE_TEXT];
+    printf("files: %s\n", cli_size(mission, pings, ".", size));
     if (f->known) {
-        printf(
-            "measured here: first ping after %.0f ms, then %.2f ms each and %.1f ms per block of "
-            "%d: about %.1f s in all\n",
-            f->first_ms, f->ping_ms, f->learn_ms, ASDIC_LEARN_BLOCK, mission_seconds(f, pings));
+        printf("measured here: first ping after %.0f ms, then %.2f ms each and %.2f ms to write "
+               "it, and %.1f ms per block of %d: about %.1f s in all\n",
+               f->first_ms, f->ping_ms, f->write_ms, f->learn_ms, ASDIC_LEARN_BLOCK,
+               mission_seconds(f, pings));
         printf(
             "stated standard error of the first ping: %.2f dB r.m.s. in bins above the noise; of "
             "all, median %.3f dB, worst %.2f dB\n",
@@ -145,6 +153,7 @@ static void print_json(const asdic_mission *mission, const asdic_plan *plan, uin
     }
     json_close(&j);
     cli_json_remarks(&j, mission);
+    cli_json_size(&j, mission);
     json_integer(&j, "pings", asdic_mission_ping_count(mission));
     json_integer(&j, "rays", rays);
     json_integer(&j, "triangles", scene.triangles);
@@ -153,6 +162,7 @@ static void print_json(const asdic_mission *mission, const asdic_plan *plan, uin
         json_open(&j, "forecast", '{');
         json_number(&j, "first_ping_ms", f->first_ms);
         json_number(&j, "ping_ms", f->ping_ms);
+        json_number(&j, "write_ms", f->write_ms);
         json_number(&j, "learn_ms", f->learn_ms);
         json_number(&j, "mission_s", mission_seconds(f, asdic_mission_ping_count(mission)));
         json_number(&j, "stderr_rms_db", f->rms_db);
@@ -178,6 +188,7 @@ static asdic_status show(cli *c, asdic_mission *mission) {
     }
     if (!cli_given(c, "json")) {
         cli_remark(c, cli_operand(c, 0), mission);
+        cli_remark_csv(c, cli_operand(c, 0), mission);
     }
     uint32_t rays = asdic_mission_sampling(mission)->rays;
     (cli_given(c, "json") ? print_json : print_text)(mission, &plan, rays, &f);

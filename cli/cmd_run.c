@@ -1,6 +1,7 @@
 #include "commands.h"
 #include "progress.h"
 #include "remarks.h"
+#include "size.h"
 #include "team.h"
 
 #include <math.h>
@@ -205,6 +206,16 @@ static asdic_status simulate(cli *c, asdic_mission *mission, const asdic_toleran
     return status;
 }
 
+static void announce(const cli *c, const request *r, const asdic_mission *mission,
+                     const asdic_run_options *options) {
+    char size[CLI_SIZE_TEXT];
+    if (strcmp(options->folder, "-") != 0 && !cli_team_is_worker(options->team)) {
+        cli_remark_csv(c, r->scene, mission);
+        cli_note(c, "%s: %s", options->folder,
+                 cli_size(mission, options->count, options->folder, size));
+    }
+}
+
 static int run_alone_or_in(cli *c, asdic_team *team) {
     request r;
     asdic_mission *mission = NULL;
@@ -228,6 +239,7 @@ static int run_alone_or_in(cli *c, asdic_team *team) {
     options.force = r.force;
     options.resume = r.resume;
     options.team = team;
+    announce(c, &r, mission, &options);
     code = cli_end(c, simulate(c, mission, &r.tolerance, &options));
 done:
     free(folder);
@@ -261,7 +273,7 @@ static const cli_option options[] = {
     {"pings", 0, "A:B", "pings A to B-1 only, counted from 0"},
     {"shard", 0, "K/N", "the K-th of N parts of the pings; 'asdic merge' joins the parts"},
     {"resume", 0, NULL, "go on with a run that was stopped; the files will be the same"},
-    {"force", 0, NULL, "replace a run that is there"},
+    {"force", 0, NULL, "replace a run that is there; begin also where its files may not fit"},
     {0},
 };
 

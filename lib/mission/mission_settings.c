@@ -8,6 +8,23 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A row of bins.csv takes some 100 bytes: of 512 beams of 500 bins, 25 MB a ping. */
+#define MOST_CSV_BEAMS 64
+
+/* What the file writes where it does not say. It depends on the file alone, so that parts of a
+ * mission agree. */
+static void choose_csv(const asdic_scene_file *file, asdic_settings *out) {
+    bool is_one_ping = file->mission.pose.node && file->mission.pings <= 1;
+    if (file->output.csv != FILE_CSV_AUTO) {
+        return;
+    }
+    out->leaves_csv_out = out->sonar.receiver_count > MOST_CSV_BEAMS && !is_one_ping;
+    out->output.csv = out->leaves_csv_out ? ASDIC_CSV_NONE : ASDIC_CSV_LONG;
+    if (out->leaves_csv_out && out->output.formats == 0) {
+        out->output.formats = 1u << ASDIC_FORMAT_npy_float16;
+    }
+}
+
 asdic_status asdic_settings_take(asdic_context *ctx, const asdic_scene_file *file,
                                  asdic_settings *out) {
     *out = (asdic_settings){
@@ -27,6 +44,7 @@ asdic_status asdic_settings_take(asdic_context *ctx, const asdic_scene_file *fil
     for (size_t i = 0; i < ASDIC_FORMAT_COUNT; i++) {
         out->output.formats |= file->output.formats[i] ? 1u << i : 0u;
     }
+    choose_csv(file, out);
     out->receivers = calloc(out->sonar.receiver_count + 1, sizeof *out->receivers);
     if (!out->receivers) {
         return asdic_fail_memory(ctx, "the receivers");

@@ -418,6 +418,8 @@ static asdic_status commit_netcdf(void **file) {
 }
 
 const asdic_format asdic_format_netcdf = {.file = "run.nc",
+                                          /* not compressed; the level twice */
+                                          .level_bytes = (ASDIC_RECORD_ARRAYS + 1) * sizeof(float),
                                           .open = open_netcdf,
                                           .write = write_netcdf,
                                           .commit = commit_netcdf,

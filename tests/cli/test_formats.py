@@ -1,6 +1,7 @@
 """What asdic run writes, read back by programs that are not ours. A test is skipped where its
 program is not installed; `./dev test` installs them."""
 import csv
+import json
 import os
 import re
 import shutil
@@ -120,6 +121,94 @@ def test_npy_in_numpy():
                     "assert numpy.array_equal(t.astype('f4').reshape(q.shape), q, equal_nan=True)\n"
                     "print(q.shape)\n", run)
         tap.equal(out.strip(), f"(4, 2, {facts(folder, 'r')['bins']})", "shape")
+
+
+FAN = "    fan: {count: 65, sector_deg: 90}"
+
+
+def test_small_arrays_in_numpy():
+    """float16 is the nearest that there is, as numpy rounds; int16 is to a hundredth of a dB."""
+    with Folder() as folder:
+        run = run_of(folder, edits={"{npy: true,": "{npy: true, npy_float16: true, npy_int16: true,",
+                                    "bin_length_m: 1\n":
+                                    "bin_length_m: 1\n  blanking_m: 3\n  noise: {enabled: false}\n"})
+        out = numpy("q = numpy.load('levels.npy'); h = numpy.load('levels_float16.npy')\n"
+                    "i = numpy.load('levels_int16.npy')\n"
+                    "assert h.dtype == numpy.float16 and i.dtype == numpy.int16, (h.dtype, i.dtype)\n"
+                    "assert numpy.array_equal(h, q.astype('f2'), equal_nan=True)\n"
+                    "there = ~numpy.isnan(q)\n"
+                    "assert 0 < there.sum() < q.size\n"
+                    "assert (i[~there] == -32768).all()\n"
+                    "assert abs(i[there] / 100 - q[there]).max() <= 0.00501\n"
+                    "print(q.shape == h.shape == i.shape)\n", run)
+        tap.equal(out.strip(), "True", "shapes")
+        tap.equal(os.path.getsize(run + "/levels_int16.npy") < 0.6 *
+                  os.path.getsize(run + "/levels.npy"), True, "half the size")
+
+
+def test_many_beams_write_no_table_unless_asked():
+    with Folder() as folder:
+        path = scene(folder, pings=2, rays=500, receivers=FAN)
+        many = folder.read("pool.yaml").replace("npy: true, ", "")
+        def files_of(text):
+            folder.write("pool.yaml", text)
+            done = asdic("run", path, "-o", folder / "r", "--force").check(code=0)
+            return {n for n in os.listdir(folder / "r") if n == "bins.csv" or "levels" in n}, done.err
+        names, said = files_of(many)
+        tap.equal(names, {"levels_float16.npy"})
+        tap.contains(said, "no bins.csv of 65 beams")
+        tap.equal(asdic("detect", folder / "r").check(code=0).code, 0)
+        asdic("render", folder / "r").check(code=0)
+        for k in (1, 2):
+            asdic("run", path, "-o", folder / f"part{k}", "--shard", f"{k}/2").check(code=0)
+        asdic("merge", folder / "part1", folder / "part2", "-o", folder / "whole").check(code=0)
+        tap.equal(data(folder, "whole", "levels_float16.npy") ==
+                  data(folder, "r", "levels_float16.npy"), True, "of parts")
+        for edit, wanted in (((", pings: 2", ""), {"bins.csv"}),  # one ping
+                             (("count: 65", "count: 64"), {"bins.csv"}),
+                             (("output: {", "output: {csv: long, "), {"bins.csv"}),
+                             (("output: {", "output: {csv: none, "), set()),
+                             (("output: {", "output: {npy: true, "), {"levels.npy"})):
+            tap.contains(many, edit[0])
+            names, said = files_of(many.replace(*edit))
+            tap.equal(names, wanted, edit[1])
+            tap.equal("no bins.csv" in said, wanted == {"levels.npy"}, said)
+
+
+def test_size_is_foretold():
+    """What check, plan and run say is what the files take, within a tenth."""
+    with Folder() as folder:
+        path = scene(folder, pings=30, rays=500)
+        folder.write("pool.yaml", folder.read("pool.yaml").replace(
+            "npy: true,", "npy: true, npy_int16: true,").replace("bin_length_m: 1", "bin_length_m: 0.1"))
+        said = asdic("run", path, "-o", folder / "r").check(code=0).err
+        taken = sum(len(data(folder, "r", name))
+                    for name in ("bins.csv", "pings.npy", "levels.npy", "levels_int16.npy"))
+        found = json.loads(asdic("check", path, "--json").check(code=0).out)[0]["output"]
+        tap.equal(found["bytes"], 30 * found["ping_bytes"])
+        tap.equal(abs(found["bytes"] / taken - 1) < 0.1, True, f"{found} of {taken}")
+        whole = f"{1e-6 * found['bytes']:.3g} MB in all; "
+        tap.contains(said, whole)
+        tap.contains(asdic("check", path).check(code=0).out, whole)
+        plan = asdic("plan", path).check(code=0).out
+        tap.contains(plan, whole)
+        tap.contains(plan, "ms to write it")
+
+
+def test_what_does_not_fit_is_refused():
+    """80 MB a ping, a hundred thousand pings and more: no disk of these days."""
+    with Folder() as folder:
+        text = scene(folder, pings=2000000, rays=500, receivers=FAN.replace("65", "512"))
+        folder.write("pool.yaml", folder.read("pool.yaml").replace("bin_length_m: 1",
+                                                                   "bin_length_m: 0.01"))
+        done = asdic("run", text, "-o", folder / "r").check(code=1)
+        tap.contains(done.err, "room for")
+        tap.contains(done.err, "--force")
+        tap.equal(done.err.count("error:"), 1, done.err)
+        tap.equal(os.path.exists(folder / "r"), False, "a folder")
+        found = json.loads(asdic("check", text, "--json").check(code=0).out)[0]["output"]
+        tap.equal(found["fits"], False)
+        asdic("run", text, "-o", folder / "r", "--pings", "0:1").check(code=0)
 
 
 def cdl_numbers(text, name):

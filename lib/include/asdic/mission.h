@@ -154,6 +154,21 @@ ASDIC_API asdic_remarks asdic_mission_remarks(const asdic_mission *mission);
 ASDIC_API asdic_status asdic_mission_plan(asdic_context *ctx, const asdic_mission *mission,
                                           asdic_plan *out);
 
+/* Bytes that a run writes for every ping: pings.npy, bins.csv (about) and the formats (netCDF before
+ * compression). */
+ASDIC_API uint64_t asdic_mission_ping_bytes(const asdic_mission *mission);
+
+/* Whether bins.csv is not written because of the many beams, the scene not asking for it. */
+ASDIC_API bool asdic_mission_leaves_csv_out(const asdic_mission *mission);
+
+/* What is free where FOLDER is, or would be; UINT64_MAX where the system does not tell. */
+ASDIC_API uint64_t asdic_disk_free_bytes(const char *folder);
+
+/* How long it takes to write PING, which is of this mission, into a run's files: measured in a
+ * temporary folder. */
+ASDIC_API asdic_status asdic_mission_time_writing(asdic_context *ctx, const asdic_mission *mission,
+                                                  const asdic_ping *ping, double *seconds);
+
 /* JSON Schema (draft 7) of the scene file, from the table that reads it: text that the caller frees
  * with free(). NULL when memory is short. */
 ASDIC_API char *asdic_mission_schema(void);
@@ -238,7 +253,7 @@ ASDIC_API asdic_run_options asdic_run_options_default(void);
 
 /* Runs pings on the given devices and writes the run folder. In a team, all processes call it with
  * the same mission and the same pings: process 0 writes, the others return when it is done with
- * them. ASDIC_ERROR_EXISTS: the folder holds a run, and neither force nor resume was asked for;
+ * them. ASDIC_ERROR_IO: without force, also where the disk has too little room; ASDIC_ERROR_EXISTS: the folder holds a run, and neither force nor resume was asked for;
  * ASDIC_ERROR_INPUT: it cannot be resumed; ASDIC_ERROR_INTERRUPTED: what is written is valid. */
 ASDIC_API asdic_status asdic_mission_run(asdic_context *ctx, asdic_mission *mission,
                                          asdic_device **devices, size_t device_count,

@@ -29,7 +29,6 @@ typedef enum asdic_speckle {
 typedef struct asdic_sonar {
     double frequency_hz, bandwidth_hz;
     double ping_rate_hz;    /* no echo from beyond c / (2 ping_rate) is received */
-    double max_range_m;     /* nor from beyond this; NAN: no such limit */
     double source_level_db; /* dB re 1 uPa at 1 m, after pulse compression */
     double bin_length_m;
     double blanking_m; /* nothing nearer is received */
@@ -41,6 +40,7 @@ typedef struct asdic_sonar {
     asdic_speckle speckle;
     double speckle_shape; /* of K: nu, 0.05 or more; small is spiky */
     double rear_floor_db; /* two-sided leak behind the face, dB re on-axis; -INFINITY: none */
+    double max_range_m;   /* nothing farther is received; NAN: as far as the ping rate lets */
 } asdic_sonar;
 
 /* 100 kHz, 10 kHz, 10 Hz and its range, 0 dB, 0.5 m bins and blanking, 0.05 m apertures, noise on, no speckle.

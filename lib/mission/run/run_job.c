@@ -8,6 +8,7 @@
 #include "run_chart_data.h"
 #include "run_folder.h"
 #include "run_render.h"
+#include "run_size.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -192,6 +193,7 @@ static asdic_status replay(asdic_run_job *job) {
 }
 
 asdic_status asdic_job_begin(asdic_run_job *job) {
+    TRY(asdic_run_check_room(job->ctx, job->mission, job->options));
     TRY(asdic_job_describe(job));
     TRY(open_store(job));
     if (job->is_complete) {

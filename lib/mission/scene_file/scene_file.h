@@ -196,6 +196,9 @@ typedef struct file_detector {
     double pfa, prior, snr_db, cost_ratio; /* cost_ratio NAN: none given */
 } file_detector;
 
+/* In file_output.csv, beside asdic_csv_form: as suits the number of beams. */
+#define FILE_CSV_AUTO -1
+
 typedef struct file_output {
     asdic_yaml_node *node;
     int csv;

@@ -89,8 +89,11 @@ static const asdic_key detector_keys[] = {
 static const asdic_table detector_table = {TABLE(detector_keys, file_detector),
                                            .doc = "the detector"};
 
-static const asdic_word csv_words[] = {
-    {"long", ASDIC_CSV_LONG}, {"wide", ASDIC_CSV_WIDE}, {"none", ASDIC_CSV_NONE}, {NULL, 0}};
+static const asdic_word csv_words[] = {{"auto", FILE_CSV_AUTO},
+                                       {"long", ASDIC_CSV_LONG},
+                                       {"wide", ASDIC_CSV_WIDE},
+                                       {"none", ASDIC_CSV_NONE},
+                                       {NULL, 0}};
 static const asdic_word image_words[] = {
     {"waterfall", ASDIC_IMAGE_WATERFALL}, {"ascope", ASDIC_IMAGE_ASCOPE}, {"fan", ASDIC_IMAGE_FAN},
     {"overview", ASDIC_IMAGE_OVERVIEW},   {"plan", ASDIC_IMAGE_PLAN},     {NULL, 0}};
@@ -98,9 +101,10 @@ static const asdic_word image_words[] = {
     {#name_of, ASDIC_KEY_BOOL, AT(file_output, formats[ASDIC_FORMAT_##name_of]),                   \
      .fallback = "false", .doc = asdic_format_doc_##name_of},
 static const asdic_key output_keys[] = {
-    {"csv", ASDIC_KEY_WORD, AT(file_output, csv), .words = csv_words, .fallback = "long",
+    {"csv", ASDIC_KEY_WORD, AT(file_output, csv), .words = csv_words, .fallback = "auto",
      .doc = "bins.csv: long has a row per ping, beam and bin, wide one per ping and beam; none: no "
-            "such file, pings.npy holds the same"},
+            "such file, pings.npy holds the same; auto: long, but of several pings of more than 64 "
+            "beams none, with levels_float16.npy unless another format is asked for"},
     ASDIC_FORMATS(FORMAT_KEY){
         "images", ASDIC_KEY_WORDS, AT(file_output, images), .words = image_words,
         .fallback = "[waterfall, ascope, fan, overview, plan]", .doc = "pictures to draw"},
