@@ -40,6 +40,16 @@ def scene2(folder, pings=12):
     return folder.write("rise.yaml", text.replace("pings: 1", f"pings: {pings}"))
 
 
+def test_objects_keep_their_names_in_another_folder():
+    need_device()
+    with Folder() as folder:
+        scene2(folder, pings=2)
+        asdic("run", "rise.yaml", "-q", "-o", "out", cwd=folder.path).check(0)
+        (pathlib.Path(folder.path) / "away").mkdir()
+        done = asdic("detect", "../out", "--json", "-q", cwd=folder / "away").check(0, err="")
+        tap.equal({o["object"] for o in json.loads(done.out)["objects"]}, {"rise"}, "names")
+
+
 def test_all_beams_find_the_rise():
     need_device()
     with Folder() as folder:

@@ -14,6 +14,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 /* --- what is to be run ------------------------------------------------------------------------ */
 
@@ -44,6 +45,18 @@ static const char *bottom_of(const asdic_mission *mission) {
                : ASDIC_RUN_BOTTOM_NONE;
 }
 
+/* The scene's path as it is from any folder. */
+static const char *path_from_root(asdic_run_job *job) {
+    const char *path = asdic_mission_path(job->mission);
+    char *here = path[0] == '/' || strcmp(path, "-") == 0 ? NULL : getcwd(NULL, 0), *whole = NULL;
+    if (here && asprintf(&whole, "%s/%s", here, path) >= 0) {
+        path = asdic_arena_string(&job->arena, whole, strlen(whole));
+        free(whole);
+    }
+    free(here);
+    return path;
+}
+
 /* Fills the facts that are known before the first ping. The simulation follows the plan from here
  * on. */
 static asdic_status describe(asdic_run_job *job) {
@@ -54,7 +67,10 @@ static asdic_status describe(asdic_run_job *job) {
     double speed_mps = asdic_environment_sound_speed_mps(asdic_mission_environment(m), depth_m);
     f->version = asdic_version();
     f->state = ASDIC_RUN_RUNNING;
-    f->scene_path = asdic_mission_path(m);
+    f->scene_path = path_from_root(job);
+    if (!f->scene_path) {
+        return asdic_fail_memory(job->ctx, "the scene's path");
+    }
     f->scene_hash = asdic_mission_hash(m);
     f->scene_text = asdic_mission_text(m);
     f->geometry_hash = job->inputs_hash;
