@@ -181,11 +181,12 @@ static void hostile_values_are_shown_tamely(void **state) {
     expect_edit("100", "\"\\e[31m%s%n\\0\"",
                 "4:18: error: 'frequency_khz' = \"?[31m%s%n?\" is text, not a number; leave out "
                 "the quotes  [sonar.frequency_khz]\n");
-    expect_edit("frequency_khz: 100", "frequency_khz: 100\n  \"%s%s%n\\0x\": 1",
-                "5:3: error: a key holds a zero character  [sonar]\n"
-                "5:3: error: unknown key '%s%s%n'; the keys here are file, frequency_khz, "
-                "bandwidth_khz, ping_rate_hz, source_level_db, bin_length_m, blanking_m, "
-                "transmitter, receivers, noise, speckle, speckle_shape, rear_floor_db  [sonar]\n");
+    expect_edit(
+        "frequency_khz: 100", "frequency_khz: 100\n  \"%s%s%n\\0x\": 1",
+        "5:3: error: a key holds a zero character  [sonar]\n"
+        "5:3: error: unknown key '%s%s%n'; the keys here are file, frequency_khz, "
+        "bandwidth_khz, ping_rate_hz, max_range_m, source_level_db, bin_length_m, blanking_m, "
+        "transmitter, receivers, noise, speckle, speckle_shape, rear_floor_db  [sonar]\n");
 }
 
 int main(void) {

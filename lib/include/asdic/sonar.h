@@ -43,14 +43,15 @@ typedef struct asdic_sonar {
     double max_range_m;   /* nothing farther is received; NAN: as far as the ping rate lets */
 } asdic_sonar;
 
-/* 100 kHz, 10 kHz, 10 Hz and its range, 0 dB, 0.5 m bins and blanking, 0.05 m apertures, noise on, no speckle.
- * Source level and receivers are the caller's to give: without a receiver the check fails. */
+/* 100 kHz, 10 kHz, 10 Hz and its range, 0 dB, 0.5 m bins and blanking, 0.05 m apertures, noise on,
+ * no speckle. Source level and receivers are the caller's to give: without a receiver the check fails. */
 ASDIC_API asdic_sonar asdic_sonar_default(void);
 
 /* Checks every field against its range; the error names field, value and limit. */
 ASDIC_API asdic_status asdic_sonar_check(asdic_context *ctx, const asdic_sonar *sonar);
 
-/* c / (2 ping_rate), or max_range_m where that is less, m; and the number of whole bins within it (at least 1). */
+/* c / (2 ping_rate), or max_range_m where that is less, m; and the number of whole bins within it
+ * (at least 1). */
 ASDIC_API double asdic_sonar_max_range_m(const asdic_sonar *sonar, double sound_speed_mps);
 ASDIC_API size_t asdic_sonar_bin_count(const asdic_sonar *sonar, double sound_speed_mps);
 
