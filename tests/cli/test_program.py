@@ -68,7 +68,7 @@ SCENE = """version: 1
 bottom: {depth_m: 12}
 sonar: {frequency_khz: 100, receivers: [{name: a}]}
 mission: {pose: {position_m: [0, 0, 5]}, pings: 3}
-sampling: {rays: 64}
+sampling: {rays: 1000}
 """
 # Commands that write to stdout: little, much, by way of a file of the library, line by line.
 WRITERS = (["help"], ["schema"], ["expect", "s.yaml", "-o", "-"], ["run", "s.yaml", "-o", "-"],
