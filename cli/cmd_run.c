@@ -130,7 +130,8 @@ static asdic_status keep_tolerance(cli *c, asdic_mission *mission, asdic_device 
     double kept = found.judged ? 1.0 - (double)found.rough_count / (double)found.judged : 1.0;
     cli_note(c, "tolerance %g dB: %u rays per ping keep it in %.4g %% of bins, worst bin %.3g dB",
              wanted->stderr_db, found.rays, 100.0 * kept, found.worst_db);
-    double seconds = found.ping_s * (double)pings;
+    double blocks = ceil((double)pings / ASDIC_LEARN_BLOCK);
+    double seconds = found.ping_s * (double)pings + found.learn_s * blocks;
     cli_note(c, "  %zu pings take about %.3g %s on one device", pings,
              seconds < 120.0 ? seconds : seconds / 60.0, seconds < 120.0 ? "s" : "minutes");
     say_rough(c, asdic_mission_sonar(mission), wanted, &found);

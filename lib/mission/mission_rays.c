@@ -98,7 +98,7 @@ static asdic_status look(asdic_context *ctx, const asdic_mission *mission, asdic
     size_t blocks = (asdic_mission_ping_count(mission) + ASDIC_LEARN_BLOCK - 1) / ASDIC_LEARN_BLOCK;
     out->pings = blocks < MOST_PINGS ? blocks : MOST_PINGS;
     out->worst_db = 0.0;
-    out->ping_s = INFINITY;
+    out->ping_s = out->learn_s = INFINITY;
     out->rough_count = out->judged = 0;
     for (size_t k = 0; k < out->pings; k++) {
         size_t last = out->pings - 1;
@@ -108,8 +108,10 @@ static asdic_status look(asdic_context *ctx, const asdic_mission *mission, asdic
             return asdic_fail(ctx, ASDIC_ERROR_INTERRUPTED, "interrupted while looking for rays");
         }
         TRY(asdic_mission_place(mission, sim, number));
-        TRY(asdic_simulator_learn(sim, &pose, number));
         double began_s = asdic_clock_s();
+        TRY(asdic_simulator_learn(sim, &pose, number));
+        out->learn_s = fmin(out->learn_s, asdic_clock_s() - began_s);
+        began_s = asdic_clock_s();
         TRY(asdic_simulator_ping(sim, &pose, number, ping));
         out->ping_s = fmin(out->ping_s, asdic_clock_s() - began_s);
         judge(ping, number, tolerance_db, out);

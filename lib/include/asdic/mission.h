@@ -209,6 +209,7 @@ typedef struct asdic_ray_budget {
     size_t pings;       /* looked at: spread over the mission, whatever part of it is run */
     double worst_db;    /* largest stated error in a bin that counts */
     double ping_s;      /* what the quickest of them took, one device at work and nothing learnt */
+    double learn_s;     /* and the quickest learning, once in ASDIC_LEARN_BLOCK pings */
     size_t judged;      /* bins that count */
     size_t rough_count; /* of these, bins above the tolerance */
     asdic_rough_bin rough[ASDIC_ROUGH_BINS]; /* the roughest first; empty when all bins keep it */
