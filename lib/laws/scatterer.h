@@ -61,6 +61,10 @@ struct asdic_law {
     double (*most_lin)(const asdic_scatterer *s, double range_m);
     /* Share of the arriving energy that goes on in the mirror direction; NULL: none. */
     double (*reflected)(const asdic_scatterer *s, double sine);
+    /* The same for a smooth face, and its row of the models, a loss in dB with the keys of MODEL; NULL:
+     * there is none. */
+    double (*smooth_reflected)(const asdic_scatterer *s, double sine);
+    const asdic_model_info *mirror_model;
     /* Grazing angles at which the strength has a kink or a narrow peak, ascending, NAN after the
      * last; NULL: it is smooth. */
     double (*knot_deg)(const asdic_scatterer *s, size_t index);

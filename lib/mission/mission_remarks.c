@@ -14,16 +14,17 @@
 
 /* The quantities that the validity of laws is stated in, by the names of `asdic model`. */
 typedef struct situation {
-    double t_degc, s_ppt, z_m, ph, f_khz, wind_kn;
+    double t_degc, s_ppt, z_m, ph, f_khz, wind_kn, wind_mps;
 } situation;
 
 static const struct {
     const char *key;
     size_t at;
 } quantities[] = {
-    {"t_degc", offsetof(situation, t_degc)}, {"s_ppt", offsetof(situation, s_ppt)},
-    {"z_m", offsetof(situation, z_m)},       {"ph", offsetof(situation, ph)},
-    {"f_khz", offsetof(situation, f_khz)},   {"wind_kn", offsetof(situation, wind_kn)}};
+    {"t_degc", offsetof(situation, t_degc)},    {"s_ppt", offsetof(situation, s_ppt)},
+    {"z_m", offsetof(situation, z_m)},          {"ph", offsetof(situation, ph)},
+    {"f_khz", offsetof(situation, f_khz)},      {"wind_kn", offsetof(situation, wind_kn)},
+    {"wind_mps", offsetof(situation, wind_mps)}};
 
 /* Whether something in the scene scatters by LAW. */
 static bool scatters(const asdic_mission *m, const asdic_law *law) {
@@ -83,7 +84,8 @@ asdic_remarks asdic_mission_remarks(const asdic_mission *mission) {
                    .z_m = depth_of(mission),
                    .ph = env->ph,
                    .f_khz = 1e-3 * mission->settings.sonar.frequency_hz,
-                   .wind_kn = env->wind_speed_kn};
+                   .wind_kn = env->wind_speed_kn,
+                   .wind_mps = env->wind_speed_kn * (1852.0 / 3600.0)};
     if (isnan(env->sound_speed_mps)) { /* computed */
         remark(asdic_model_get(MODEL_SOUND_SPEED), &s, &out);
     }

@@ -156,7 +156,13 @@ static asdic_status read_assignments(asdic_context *ctx, const asdic_model_info 
         TRY(read_value(ctx, info, &info->keys[k], strchr(assignments[i], '=') + 1, &values[k]));
         given[k] = true;
     }
+    const char *choice = NULL;
     for (size_t i = 0; i < info->key_count; i++) {
+        if (given[i] && info->keys[i].chooses && choice) {
+            return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "%s: '%s' and '%s' exclude each other",
+                              info->name, choice, info->keys[i].name);
+        }
+        choice = given[i] && info->keys[i].chooses ? info->keys[i].name : choice;
         if (info->keys[i].required && !given[i]) {
             char keys[512];
             list_keys(info, keys, sizeof keys);
@@ -286,9 +292,11 @@ asdic_status asdic_model_evaluate_many(asdic_context *ctx, asdic_device *device,
 }
 
 /* A law at one angle, with the VALUES of its keys; the file it may have is in one of ASSIGNMENTS. */
-static asdic_status evaluate_law(asdic_context *ctx, asdic_device *device, const asdic_law *law,
+static asdic_status evaluate_law(asdic_context *ctx, asdic_device *device, size_t model,
                                  const double *values, const char *const *assignments, size_t count,
                                  double *out) {
+    bool mirror;
+    const asdic_law *law = asdic_model_law(model, &mirror);
     asdic_material material = asdic_material_of(law);
     asdic_law_water water = {.frequency_hz = 1e5, .sound_speed_mps = 1500.0};
     double grazing_deg = 0.0;
@@ -306,12 +314,18 @@ static asdic_status evaluate_law(asdic_context *ctx, asdic_device *device, const
         double *to = strcmp(key->name, "f_khz") == 0         ? &water.frequency_hz
                      : strcmp(key->name, "c_mps") == 0       ? &water.sound_speed_mps
                      : strcmp(key->name, "wind_kn") == 0     ? &water.wind_speed_kn
+                     : strcmp(key->name, "wind_mps") == 0    ? &water.wind_speed_kn
                      : strcmp(key->name, "grazing_deg") == 0 ? &grazing_deg
                                                              : &material.value[k];
-        *to = strcmp(key->name, "f_khz") == 0 ? 1e3 * values[k] : values[k];
+        double scale = strcmp(key->name, "f_khz") == 0      ? 1e3
+                       : strcmp(key->name, "wind_mps") == 0 ? 3600.0 / 1852.0
+                                                            : 1.0;
+        *to = scale * values[k];
     }
     water.wavelength_m = water.sound_speed_mps / water.frequency_hz;
-    asdic_status status = asdic_law_strength_db(ctx, device, &material, &water, grazing_deg, out);
+    asdic_status status =
+        mirror ? asdic_law_loss_db(ctx, device, &material, &water, grazing_deg, out)
+               : asdic_law_strength_db(ctx, device, &material, &water, grazing_deg, out);
     free((double *)material.rows);
     return status;
 }
@@ -327,7 +341,7 @@ asdic_status asdic_model_evaluate(asdic_context *ctx, asdic_device *device, cons
     TRY(read_assignments(ctx, asdic_model_get(model), assignments, count, values));
     TRY(check_together(ctx, model, values));
     if (model >= MODEL_COUNT) {
-        return evaluate_law(ctx, device, asdic_model_law(model), values, assignments, count, out);
+        return evaluate_law(ctx, device, model, values, assignments, count, out);
     }
     return asdic_model_evaluate_many(ctx, device, model, values, 1, out);
 }

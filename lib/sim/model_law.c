@@ -78,3 +78,32 @@ asdic_status asdic_law_strength_db(asdic_context *ctx, asdic_device *device,
     free(tables.words);
     return status;
 }
+
+static double smooth(const void *of, double sine, double cos2) {
+    const asdic_scatterer *s = of;
+    (void)cos2;
+    return s->material.law->smooth_reflected(s, sine);
+}
+
+asdic_status asdic_law_loss_db(asdic_context *ctx, asdic_device *device,
+                               const asdic_material *material, const asdic_law_water *water,
+                               double grazing_deg, double *out) {
+    TRY(asdic_material_check(ctx, material));
+    asdic_scatterer s = asdic_scatterer_at(material, water);
+    double grazing_rad = grazing_deg * (ASDIC_PI / 180.0);
+    double lin = smooth(&s, sin(grazing_rad), 0.0);
+    asdic_status status = ASDIC_OK;
+    if (device) {
+        asdic_law_words tables = {0};
+        dev_uint at = 0;
+        for (int i = 0; !status && i < 2; i++) { /* none lies at word 0 */
+            status = asdic_law_table_add(ctx, smooth, &s, NULL, 0, &tables, &at);
+        }
+        if (!status) {
+            status = asdic_law_table_read(device, &tables, at, 1, &grazing_rad, 1, &lin);
+        }
+        free(tables.words);
+    }
+    *out = -10.0 * log10(lin);
+    return status;
+}

@@ -20,4 +20,9 @@ asdic_status asdic_law_strength_db(asdic_context *ctx, asdic_device *device,
                                    const asdic_material *material, const asdic_law_water *water,
                                    double grazing_deg, double *out);
 
+/* Loss, dB, of one reflection by the smooth face of MATERIAL, whose law has such a row. */
+asdic_status asdic_law_loss_db(asdic_context *ctx, asdic_device *device,
+                               const asdic_material *material, const asdic_law_water *water,
+                               double grazing_deg, double *out);
+
 #endif

@@ -156,7 +156,8 @@ static const asdic_model_info formulas[] = {
                    SHAPE}},
 };
 
-const asdic_law *asdic_model_law(size_t index) {
+const asdic_law *asdic_model_law(size_t index, bool *mirror) {
+    *mirror = false;
     const char *name = index < MODEL_COUNT ? formulas[index].name : NULL;
     for (size_t l = 0, next = MODEL_COUNT; l < asdic_law_count(); l++) {
         const asdic_law *law = asdic_law_get(l);
@@ -167,19 +168,27 @@ const asdic_law *asdic_model_law(size_t index) {
         if (name ? strcmp(name, law->model.name) == 0 : !has_formula && next++ == index) {
             return law;
         }
+        if (!name && law->mirror_model && next++ == index) {
+            *mirror = true;
+            return law;
+        }
     }
     return NULL;
 }
 
 size_t asdic_model_count(void) {
     size_t count = MODEL_COUNT;
-    while (asdic_model_law(count)) {
+    bool mirror;
+    while (asdic_model_law(count, &mirror)) {
         count++;
     }
     return count;
 }
 
 const asdic_model_info *asdic_model_get(size_t index) {
-    const asdic_law *law = asdic_model_law(index);
-    return law ? &law->model : index < MODEL_COUNT ? &formulas[index] : NULL;
+    bool mirror;
+    const asdic_law *law = asdic_model_law(index, &mirror);
+    return law                   ? mirror ? law->mirror_model : &law->model
+           : index < MODEL_COUNT ? &formulas[index]
+                                 : NULL;
 }

@@ -9,8 +9,9 @@
 #include "laws/scatterer.h"
 
 /* The scattering law whose row INDEX is: the rows are the MODEL_ numbers of kernels/formulas.h, then the
- * laws without a formula there. NULL: it is no law's. */
-const asdic_law *asdic_model_law(size_t index);
+ * laws without a formula there, each with that of its smooth face, of which MIRROR is true. NULL: it is
+ * no law's. */
+const asdic_law *asdic_model_law(size_t index, bool *mirror);
 
 /* Writes which of VALUES, one a key, lie outside the validity that INFO's source states; NAN: not known.
  * False when none does. */

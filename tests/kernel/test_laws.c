@@ -111,6 +111,52 @@ static void every_law_is_met(void **state) {
     }
 }
 
+/* --- APL-UW's laws over their whole domain ------------------------------------------------------ */
+
+/* The table of S and that of its mirror; both within 1e-3 dB of what they are made of, and finite. */
+static double domain_deviation(asdic_scatterer *s) {
+    asdic_law_words tables = {0};
+    assert_ok(place.ctx, asdic_law_tables_add(place.ctx, s, &tables));
+    compared strength = {of_law, s}, mirror = {of_mirror, s};
+    double off = deviation(&strength, &tables, s->device.strength, 8);
+    double mirrored = deviation(&mirror, &tables, s->device.reflected, 8);
+    for (size_t i = 0; i <= 900; i++) {
+        double rad = 0.1 * (double)i * (ASDIC_PI / 180.0), cosine = sin(0.5 * ASDIC_PI - rad);
+        double lin = of_law(s, sin(rad), cosine * cosine), share = of_mirror(s, sin(rad), 0.0);
+        assert_true(isfinite(log10(lin)) && isfinite(share) && share >= 0.0 && share <= 1.0);
+    }
+    free(tables.words);
+    return isnan(mirrored) ? mirrored : fmax(off, mirrored);
+}
+
+static void apl_laws_are_met_over_their_domain(void **state) {
+    (void)state;
+    double most[2] = {0.0, 0.0};
+    asdic_material bottom = asdic_material_of(asdic_law_find("apl-bottom"));
+    asdic_material surface = asdic_material_of(asdic_law_find("apl-surface"));
+    for (int f = 0; f <= 3; f++) {
+        asdic_law_water water = {.frequency_hz = 1e3 * pow(10.0, f),
+                                 .sound_speed_mps = 1500.0,
+                                 .wavelength_m = 1.5 * pow(0.1, f)};
+        for (int i = -3; i <= 10; i++) { /* three stones, then -1 to 9 phi */
+            asdic_material_set(place.ctx, &bottom, "sediment", i < 0 ? i + 4 : NAN);
+            asdic_material_set(place.ctx, &bottom, "grain_size_phi", i < 0 ? NAN : i - 1.0);
+            asdic_scatterer s = asdic_scatterer_at(&bottom, &water);
+            double off = domain_deviation(&s);
+            most[0] = off > most[0] || isnan(off) ? off : most[0];
+        }
+        for (int u = 0; u <= 30; u += 5) {
+            water.wind_speed_kn = u * 3600.0 / 1852.0;
+            asdic_scatterer s = asdic_scatterer_at(&surface, &water);
+            double off = domain_deviation(&s);
+            most[1] = off > most[1] || isnan(off) ? off : most[1];
+        }
+    }
+    print_message("apl-bottom %.2e dB, apl-surface %.2e dB\n", most[0], most[1]);
+    assert_true(most[0] <= 1e-3);
+    assert_true(most[1] <= 1e-3);
+}
+
 /* --- nasty functions ---------------------------------------------------------------------------- */
 
 /* A lobe of 10 m2 that reflects in phase, at 1 MHz and 10 m: 1e-5 wide in the squared cosine. */
@@ -308,6 +354,7 @@ static void pings_meet_their_expectation(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_law_is_met),
+        cmocka_unit_test(apl_laws_are_met_over_their_domain),
         cmocka_unit_test(functions_worse_than_laws_are_met),
         cmocka_unit_test(nothing_is_no_sound),
         cmocka_unit_test(pings_by_tables_are_pings_by_formulas),
