@@ -98,9 +98,12 @@ static void print_classes(const asdic_detect_report *r) {
 #define MOST_BEAMS 8
 
 static void print_sight(const asdic_detect_sight *s, const char *beam) {
-    printf("%-20s %-20s %5zu/%-5zu %6.4g m %6.1f dB %8.4f %7s\n", s->object, beam,
-           s->pings_detected, s->pings_seen, s->range_m, s->snr_db, s->pd,
-           s->detected ? "yes" : "no");
+    printf("%-20s %-20s %5zu/%-5zu %6.4g m %6.1f dB %8.4f %7s", s->object, beam, s->pings_detected,
+           s->pings_seen, s->range_m, s->snr_db, s->pd, s->detected ? "yes" : "no");
+    if (!isnan(s->model_pd.low)) { /* over the error of the scattering laws */
+        printf("   P_D %.4f..%.4f by laws", s->model_pd.low, s->model_pd.high);
+    }
+    printf("\n");
 }
 
 static void print_sights(const asdic_detect_report *r) {
@@ -181,6 +184,10 @@ static void print_json(const asdic_detect_report *r) {
         json_number(&j, "range_m", s->range_m);
         json_number(&j, "snr_db", s->snr_db);
         json_number(&j, "pd", s->pd);
+        json_open(&j, "model_pd", '{');
+        json_number(&j, "low", s->model_pd.low);
+        json_number(&j, "high", s->model_pd.high);
+        json_close(&j);
         json_bool(&j, "detected", s->detected);
         json_close(&j);
     }
@@ -313,7 +320,9 @@ const cli_command cli_detect_command = {
         "detections.csv (log-likelihood ratio, posterior probability, position on the "
         "beam's axis, and the object there), occupancy.png (log-odds of all pings in a map "
         "fixed in the world) and tracks.csv (nearest-neighbour Kalman tracks). Prints the "
-        "confusion table, and the number of tracks that false alarms alone should confirm.\n\n"
+        "confusion table, and the number of tracks that false alarms alone should confirm; where "
+        "the sources of the scattering laws say how far they err, an object's P_D over that "
+        "error.\n\n"
         "A scene file is simulated first, as by 'asdic run'.",
     .examples = "asdic run scene.yaml -o out && asdic detect out\n"
                 "asdic detect scene.yaml --cfar os --pfa 1e-4 --cell 1",

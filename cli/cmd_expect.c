@@ -104,6 +104,20 @@ static asdic_status compute(cli *c, const char *path, const expect_scene *scene,
     return ASDIC_OK;
 }
 
+/* How far the levels may lie from those at sea, as far as the sources of the laws say. */
+static void note_uncertainty(cli *c, const asdic_uncertainty *uncertainty) {
+    static const struct {
+        const char *name;
+        asdic_component component;
+    } parts[] = {{"bottom", ASDIC_BOTTOM}, {"surface", ASDIC_SURFACE}};
+    for (size_t i = 0; i < sizeof parts / sizeof *parts; i++) {
+        double db = uncertainty->db[parts[i].component];
+        if (!isnan(db)) {
+            cli_note(c, "model_uncertainty_db: %s %g", parts[i].name, db);
+        }
+    }
+}
+
 static int write_levels(cli *c, const expect_scene *scene) {
     asdic_ping *ping = NULL;
     char *own_path = cli_text(c, "output") ? NULL : default_output(cli_operand(c, 0));
@@ -143,6 +157,8 @@ static int run_on(cli *c, asdic_mission *mission, uint64_t index) {
     double depth_m = asdic_mission_pose(mission, 0, NULL).position_m.z;
     scene.bins =
         asdic_sonar_bin_count(&scene.sonar, asdic_environment_sound_speed_mps(&scene.env, depth_m));
+    asdic_uncertainty uncertainty = asdic_mission_uncertainty(mission);
+    note_uncertainty(c, &uncertainty);
     return write_levels(c, &scene);
 }
 
@@ -169,7 +185,9 @@ const cli_command cli_expect_command = {
         "The null hypothesis: bottom, surface, volume and noise over a flat bottom at the depth "
         "straight below the vehicle, in double precision. Objects and speckle are left out.\n\n"
         "The printed variant takes absorption and transmission loss as the paper prints them, as "
-        "simulated pings do; kernels/README.md lists the paper's slips and what each changes.",
+        "simulated pings do; kernels/README.md lists the paper's slips and what each changes.\n\n"
+        "Where the source of a scattering law says how far it errs, model_uncertainty_db is told, "
+        "dB either way.",
     .examples = "asdic expect scene.yaml -o - | head\n"
                 "asdic expect scene.yaml --picture expected.png",
     .options = options,

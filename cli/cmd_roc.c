@@ -261,7 +261,11 @@ const cli_command cli_roc_command = {
                "The background is the level expected without objects; over a bottom that is not a "
                "plane, the rest of the ping. A scene without speckle gets Rayleigh speckle.\n\n"
                "With --vary designs are compared: all use the same random numbers, so that the "
-               "difference of their areas has much narrower bounds than the areas.",
+               "difference of their areas has much narrower bounds than the areas.\n\n"
+               "Where the source of a scattering law says how far it errs (model_uncertainty_db in "
+               "run.json), P_D is told over that error, too: background louder and target weaker, "
+               "and the other way round, at the same P_FA. Designs are compared under the same "
+               "error.",
     .examples = "asdic roc scene.yaml --object rise\n"
                 "asdic roc scene.yaml --range 60 --vary sonar.receivers[0].pitch_deg=0,10,20",
     .options = options,

@@ -16,6 +16,24 @@ static void print_rates(const asdic_roc *roc) {
     }
 }
 
+/* What the scattering laws leave open. */
+static void print_model(const roc_variants *v) {
+    for (size_t i = 0; i < v->count; i++) {
+        const asdic_roc *r = v->rocs[i];
+        if (isnan(r->model_pd.low)) {
+            continue;
+        }
+        printf("%s: P_D %.4f..%.4f over the error of the scattering laws", v->names[i],
+               r->model_pd.low, r->model_pd.high);
+        asdic_band paired = asdic_roc_compare_model(v->rocs[0], r);
+        if (i > 0 && !isnan(paired.low)) {
+            printf("; less the first's, with the same error, %+.4f..%+.4f", paired.low,
+                   paired.high);
+        }
+        printf("\n");
+    }
+}
+
 void roc_print_table(const roc_variants *v) {
     int wide = 8;
     for (size_t i = 0; i < v->count; i++) {
@@ -38,9 +56,17 @@ void roc_print_table(const roc_variants *v) {
     }
     printf("P_D at P_FA = %g; %zu draws each, %.2f s per million\n", v->rocs[0]->pfa,
            v->rocs[0]->trials, v->rocs[0]->draw_s);
+    print_model(v);
     if (v->count == 1) {
         print_rates(v->rocs[0]);
     }
+}
+
+static void json_band(json *j, const char *key, asdic_band band) {
+    json_open(j, key, '{');
+    json_number(j, "low", band.low);
+    json_number(j, "high", band.high);
+    json_close(j);
 }
 
 static void json_estimate(json *j, const char *key, asdic_estimate e) {
@@ -61,6 +87,7 @@ static void print_points(json *j, const asdic_roc *r) {
         json_estimate(j, "pfa", p->pfa);
         json_estimate(j, "pd", p->pd);
         json_number(j, "closed_pd", p->closed_pd);
+        json_band(j, "model_pd", p->model_pd);
         json_close(j);
     }
     json_close(j);
@@ -84,6 +111,12 @@ void roc_print_json(const roc_variants *v) {
         json_number(&j, "pfa", r->pfa);
         json_estimate(&j, "pd", r->pd);
         json_number(&j, "closed_pd", r->closed_pd);
+        json_number(&j, "background_uncertainty_db", r->background_uncertainty_db);
+        json_number(&j, "target_uncertainty_db", r->target_uncertainty_db);
+        json_band(&j, "model_pd", r->model_pd);
+        if (i > 0) {
+            json_band(&j, "model_pd_difference", asdic_roc_compare_model(v->rocs[0], r));
+        }
         json_estimate(&j, "area", r->area);
         json_number(&j, "closed_area", r->closed_area);
         if (i > 0) {

@@ -44,6 +44,30 @@ static asdic_estimate count(const double *z, size_t trials, double threshold) {
     return asdic_estimate_of(events, trials);
 }
 
+/* P_D at PFA with the means and the echo so many dB off. */
+static asdic_status pd_with(asdic_context *ctx, const asdic_roc_case *c, asdic_target target,
+                            double pfa, double background_db, double target_db, double *pd) {
+    asdic_background none = c->none, rest = c->rest;
+    double threshold, background = pow(10.0, 0.1 * background_db);
+    none.noise_share = fmin(none.noise_share / background, 1.0);
+    rest.noise_share = fmin(rest.noise_share / background, 1.0);
+    none.mean_lin *= background;
+    rest.mean_lin *= background;
+    TRY(asdic_detect_threshold(ctx, &none, pfa, &threshold));
+    *pd = asdic_detect_pd(&rest, target, pow(10.0, 0.1 * target_db) * c->target_lin, threshold);
+    return ASDIC_OK;
+}
+
+asdic_status asdic_roc_band(asdic_context *ctx, const asdic_roc_case *c, asdic_target target,
+                            double pfa, asdic_band *out) {
+    *out = (asdic_band){NAN, NAN};
+    if (c->background_most_db == 0.0 && c->target_error_db == 0.0) {
+        return ASDIC_OK;
+    }
+    TRY(pd_with(ctx, c, target, pfa, c->background_most_db, -c->target_error_db, &out->low));
+    return pd_with(ctx, c, target, pfa, c->background_least_db, c->target_error_db, &out->high);
+}
+
 static asdic_status add_point(asdic_context *ctx, const asdic_roc_case *c,
                               const asdic_roc_options *options, asdic_roc *roc, double pfa) {
     double threshold;
@@ -56,7 +80,7 @@ static asdic_status add_point(asdic_context *ctx, const asdic_roc_case *c,
                      : count(roc->none, roc->trials, threshold);
     p->pd = count(roc->present, roc->trials, threshold);
     p->closed_pd = asdic_detect_pd(&c->rest, options->target, c->target_lin, threshold);
-    return ASDIC_OK;
+    return asdic_roc_band(ctx, c, options->target, pfa, &p->model_pd);
 }
 
 /* Integral of P_D over P_FA by Simpson's rule in u, ln P_FA = -60 (1 - u)^2: dense towards 1, and
@@ -77,6 +101,15 @@ static asdic_status closed_area(asdic_context *ctx, const asdic_roc_case *c,
     return ASDIC_OK;
 }
 
+asdic_band asdic_roc_compare_model(const asdic_roc *a, const asdic_roc *b) {
+    asdic_band none = {NAN, NAN};
+    if (!a || !b || isnan(a->model_pd.low) || isnan(b->model_pd.low)) {
+        return none;
+    }
+    double low = b->model_pd.low - a->model_pd.low, high = b->model_pd.high - a->model_pd.high;
+    return (asdic_band){fmin(low, high), fmax(low, high)};
+}
+
 asdic_status asdic_roc_fill(asdic_context *ctx, const asdic_roc_case *c,
                             const asdic_roc_options *options, asdic_roc *roc) {
     double threshold;
@@ -94,7 +127,7 @@ asdic_status asdic_roc_fill(asdic_context *ctx, const asdic_roc_case *c,
     TRY(asdic_detect_threshold(ctx, &c->none, roc->pfa, &threshold));
     roc->pd = count(roc->present, roc->trials, threshold);
     roc->closed_pd = asdic_detect_pd(&c->rest, options->target, c->target_lin, threshold);
-    return ASDIC_OK;
+    return asdic_roc_band(ctx, c, options->target, roc->pfa, &roc->model_pd);
 }
 
 void asdic_roc_destroy(asdic_roc **roc) {

@@ -287,6 +287,15 @@ static double strength_lin(const asdic_scatterer *s, const asdic_incidence *at) 
     return rough + averaged(s, theta, volume);
 }
 
+/* The handbook: 3 dB above 5 degrees where sand and silt are well characterised, 5 to 10 dB where they
+ * are not, 10 dB for rock. Here a sediment is well characterised where the numbers that rule its
+ * roughness and its volume are given, and 5 dB stand for a name or a grain size alone. */
+static double uncertainty_db(const asdic_scatterer *s) {
+    const double *v = s->value;
+    bool is_stone = !isnan(v[SEDIMENT]) && v[SEDIMENT] <= (double)STONES;
+    return is_stone ? 10.0 : isnan(v[STRENGTH]) || isnan(v[VOLUME]) ? 5.0 : 3.0;
+}
+
 /* --- the law ------------------------------------------------------------------------------------- */
 
 /* A number of the sediment that may be given in place of its own. */
@@ -351,4 +360,5 @@ const asdic_law asdic_law_apl_bottom = {
     .strength_lin = strength_lin,
     .reflected = reflected,
     .smooth_reflected = reflection2,
+    .uncertainty_db = uncertainty_db,
 };

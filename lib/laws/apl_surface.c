@@ -83,6 +83,11 @@ static double reflected(const asdic_scatterer *s, double sine) {
     return mirror_share(sine, 1.0, s->made[ROUGHNESS_G]) * through_bubbles(s, sine);
 }
 
+/* The handbook's, for winds above and below 8 m/s. */
+static double uncertainty_db(const asdic_scatterer *s) {
+    return s->water.wind_speed_kn * MPS_PER_KN > 8.0 ? 4.0 : 5.0;
+}
+
 const asdic_law asdic_law_apl_surface = {
     .name = "apl-surface",
     .surface_word = "apl",
@@ -98,4 +103,5 @@ const asdic_law asdic_law_apl_surface = {
     .prepare = prepare,
     .strength_lin = strength_lin,
     .reflected = reflected,
+    .uncertainty_db = uncertainty_db,
 };

@@ -23,6 +23,11 @@ asdic_scatterer asdic_scatterer_at(const asdic_material *material, const asdic_l
     return s;
 }
 
+double asdic_scatterer_uncertainty_db(const asdic_scatterer *s) {
+    const asdic_law *law = s->material.law;
+    return law && law->uncertainty_db ? law->uncertainty_db(s) : NAN;
+}
+
 void asdic_scatterer_silence(asdic_scatterer *s) {
     s->silent = true;
     s->device.formula[0] = 0.0f; /* the gain of the surface's formula */

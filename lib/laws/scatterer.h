@@ -65,6 +65,8 @@ struct asdic_law {
      * there is none. */
     double (*smooth_reflected)(const asdic_scatterer *s, double sine);
     const asdic_model_info *mirror_model;
+    /* How far the source of the law says that it may err, dB either way; NULL or NAN: it does not. */
+    double (*uncertainty_db)(const asdic_scatterer *s);
     /* Grazing angles at which the strength has a kink or a narrow peak, ascending, NAN after the
      * last; NULL: it is smooth. */
     double (*knot_deg)(const asdic_scatterer *s, size_t index);
@@ -78,6 +80,9 @@ const char *asdic_law_word(const asdic_model_key *key, double value, int *length
 
 /* MATERIAL, which has passed its check, in WATER. */
 asdic_scatterer asdic_scatterer_at(const asdic_material *material, const asdic_law_water *water);
+
+/* How far S may lie from nature by the law's own source, dB either way; NAN: the source does not say. */
+double asdic_scatterer_uncertainty_db(const asdic_scatterer *s);
 
 /* Makes it return nothing. */
 void asdic_scatterer_silence(asdic_scatterer *s);

@@ -104,4 +104,60 @@ def test_mistakes():
         fail(3, "nothing.yaml", "nothing.yaml")
 
 
+# No noise, no surface, clear water: all that the target stands in is the bottom's.
+SEDIMENT = """version: 1
+environment: {particle_density: -200}
+surface: {enabled: false}
+bottom: {depth_m: 12, sediment: medium_sand}
+mission: {pose: {position_m: [0, 0, 7]}}
+sonar: {frequency_khz: 100, ping_rate_hz: 10, speckle: rayleigh, noise: {enabled: false},
+        receivers: [{name: forward}]}
+"""
+
+
+def test_the_laws_error_moves_detection():
+    need_device()
+    with Folder() as folder:
+        def ask(scene, *options):
+            done = asdic("roc", scene, "--trials", "2000", "-o", "out", "--force", "--json", "-q",
+                         "--range", "40", *options, cwd=folder.path).check(0)
+            return json.loads(done.out)
+
+        pathlib.Path(folder / "sand.yaml").write_text(SEDIMENT, encoding="utf-8")
+        curve, = ask("sand.yaml", "--strength", "-20")
+        tap.equal(round(curve["background_uncertainty_db"], 6), 5.0)
+        tap.equal(curve["target_uncertainty_db"], None, "a point's strength is given")
+        for end, shift in ("low", -25), ("high", -15):
+            moved, = ask("sand.yaml", "--strength", str(shift))
+            off = curve["model_pd"][end] - moved["closed_pd"]
+            tap.equal(abs(off) < 1e-9, True, f"a background 5 dB {end}: {off}")
+        measured = SEDIMENT.replace("medium_sand", "medium_sand, spectral_strength_cm4: 0.0044, "
+                                                   "volume_ratio: 0.002")
+        pathlib.Path(folder / "measured.yaml").write_text(measured, encoding="utf-8")
+        known, = ask("measured.yaml", "--strength", "-20")
+        tap.equal(round(known["background_uncertainty_db"], 6), 3.0, "numbers that are known")
+        paired = ask("sand.yaml", "--strength", "-20", "--vary",
+                     "sonar.receivers[0].pitch_deg=0,4")
+        ends = sorted(paired[1]["model_pd"][e] - paired[0]["model_pd"][e] for e in ("low", "high"))
+        told = paired[1]["model_pd_difference"]
+        tap.equal([told["low"], told["high"]], ends, "the same error for both")
+        silent, = ask(SCENE2, "--strength", "-20")
+        tap.equal(silent["model_pd"], {"low": None, "high": None}, "the course states none")
+
+        pathlib.Path(folder / "rise.yaml").write_text(SEDIMENT + """objects:
+  - {name: rise, box: {size_m: [4, 20, 2]}, position_m: [37, 0, 11], material: {sediment: rock}}
+""", encoding="utf-8")
+        asdic("run", "rise.yaml", "-o", "run", "-q", cwd=folder.path).check(0)
+        facts = json.loads(pathlib.Path(folder / "run/run.json").read_text(encoding="utf-8"))
+        tap.equal(facts["model_uncertainty_db"], {"bottom": 5, "surface": None, "object": 10})
+        done = asdic("detect", "run", "--json", "-q", cwd=folder.path).check(0)
+        sights = json.loads(done.out)["objects"]
+        tap.equal(len(sights) > 0, True, "the rise is seen")
+        for sight in sights:
+            band = sight["model_pd"]
+            tap.equal(band["low"] <= sight["pd"] <= band["high"], True, f"{band} {sight['pd']}")
+        done = asdic("expect", "sand.yaml", "-o", "out.csv", cwd=folder.path).check(0)
+        tap.contains(done.err, "model_uncertainty_db: bottom 5")
+
+
 tap.main(globals())

@@ -48,6 +48,7 @@ typedef struct asdic_detect_sight {
     size_t ping;                       /* where it stood out most: */
     double range_m, snr_db, pd; /* re all else in the bin; closed form for the run's speckle */
     bool detected;
+    asdic_band model_pd; /* of pd over the error of the scattering laws */
 } asdic_detect_sight;
 
 typedef struct asdic_detect_report {

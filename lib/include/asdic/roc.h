@@ -34,6 +34,7 @@ typedef struct asdic_roc_point {
     asdic_estimate pfa;              /* by importance sampling where events are few */
     asdic_estimate pd;
     double closed_pd;
+    asdic_band model_pd; /* of closed_pd */
 } asdic_roc_point;
 
 /* A point as strong as the curve's target at other ranges in its bearing, level with the vehicle
@@ -42,6 +43,7 @@ typedef struct asdic_roc_reach {
     double range_m, snr_db;
     asdic_estimate pd;
     double closed_pd; /* at the P_FA asked for */
+    asdic_band model_pd;
 } asdic_roc_reach;
 
 typedef struct asdic_roc {
@@ -58,7 +60,9 @@ typedef struct asdic_roc {
     asdic_roc_reach *reach;
     double draw_s; /* seconds that a million draws took */
     size_t trials;
-    double *none, *present; /* the draws, [trials] */
+    double *none, *present;                                  /* the draws, [trials] */
+    double background_uncertainty_db, target_uncertainty_db; /* of the laws; NAN: not stated */
+    asdic_band model_pd;                                     /* of closed_pd */
 } asdic_roc;
 
 /* Simulates the ping, without its speckle, and draws round it. A scene without speckle is given
@@ -73,6 +77,10 @@ ASDIC_API void asdic_roc_destroy(asdic_roc **roc);
  * those of the areas (DeLong, DeLong & Clarke-Pearson, Biometrics 44, 837 (1988)). */
 ASDIC_API asdic_status asdic_roc_compare(asdic_context *ctx, const asdic_roc *a, const asdic_roc *b,
                                          asdic_estimate *difference);
+
+/* B's P_D less A's under the same error of the laws, at either end of their bands; low <= high. NAN
+ * where A or B has no band. */
+ASDIC_API asdic_band asdic_roc_compare_model(const asdic_roc *a, const asdic_roc *b);
 
 /* The same by itself: the area under the curve of two sets of intensities. */
 ASDIC_API asdic_status asdic_roc_area(asdic_context *ctx, const double *none, const double *present,

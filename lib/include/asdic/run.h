@@ -28,6 +28,7 @@ typedef struct asdic_run_info {
     bool has_surface;
     asdic_material bottom;               /* of its law, see asdic/law.h */
     const char *scene_name, *scene_hash; /* borrowed */
+    asdic_uncertainty uncertainty;       /* of its scattering laws */
 } asdic_run_info;
 
 /* One ping of a run, in dB re 1 uPa; NAN where there is no energy. */

@@ -80,6 +80,40 @@ double asdic_detect_bin_pd(const asdic_detect_job *job, size_t cell) {
     return asdic_detect_pd(&rest, ASDIC_TARGET_SWERLING2, job->object_lin[cell], threshold);
 }
 
+static double shift(const float *level_db, size_t cell, double error_db) {
+    bool counts = !isnan(level_db[cell]) && !isnan(error_db);
+    return counts ? pow(10.0, 0.1 * (double)level_db[cell]) * (pow(10.0, 0.1 * error_db) - 1.0)
+                  : 0.0;
+}
+
+/* P_D of a bin when background and echo err by SIGN times what the sources of their laws leave open,
+ * the echo the other way; the threshold goes with the background. */
+static double pd_with_error(const asdic_detect_job *job, const asdic_record *record, size_t cell,
+                            double sign) {
+    const double *db = job->info.uncertainty.db;
+    double threshold = asdic_scan_get(job->scan).threshold_lin[cell];
+    double rest_lin = job->rest_lin[cell];
+    double factor = 1.0 + (shift(record->level_db[ASDIC_BOTTOM], cell, sign * db[ASDIC_BOTTOM]) +
+                           shift(record->level_db[ASDIC_SURFACE], cell, sign * db[ASDIC_SURFACE])) /
+                              rest_lin;
+    double echo = isnan(db[ASDIC_OBJECT]) ? 1.0 : pow(10.0, -0.1 * sign * db[ASDIC_OBJECT]);
+    asdic_background rest = asdic_background_of(job->info.sonar, job->sound_speed_mps,
+                                                factor * rest_lin, job->noise_lin[cell]);
+    return asdic_detect_pd(&rest, ASDIC_TARGET_SWERLING2, echo * job->object_lin[cell],
+                           factor * threshold);
+}
+
+static asdic_band band_of(const asdic_detect_job *job, const asdic_record *record, size_t cell) {
+    const double *db = job->info.uncertainty.db;
+    bool is_stated =
+        !isnan(db[ASDIC_BOTTOM]) || !isnan(db[ASDIC_SURFACE]) || !isnan(db[ASDIC_OBJECT]);
+    if (!is_stated || !(job->rest_lin[cell] > 0.0)) {
+        return (asdic_band){NAN, NAN};
+    }
+    return (asdic_band){pd_with_error(job, record, cell, 1.0),
+                        pd_with_error(job, record, cell, -1.0)};
+}
+
 static asdic_detect_class *class_of(asdic_detect_job *job, size_t cell) {
     asdic_detect_class *others = job->report->classes + objects_of(job);
     switch (job->truth[cell]) {
@@ -122,6 +156,7 @@ static void count_sights(asdic_detect_job *job, const asdic_record *record, size
             s->ping = (size_t)record->ping;
             s->range_m = ((double)n + 0.5) * job->info.sonar->bin_length_m;
             s->pd = asdic_detect_bin_pd(job, cell);
+            s->model_pd = band_of(job, record, cell);
             s->detected = job->detected[cell];
         }
     }

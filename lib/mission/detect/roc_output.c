@@ -17,8 +17,8 @@
 #include <string.h>
 
 #define MOST_CURVES 8
-/* Simulated, its bounds twice, closed form. */
-#define LINES_EACH 4
+/* Simulated, its bounds twice, closed form, and that with the laws' errors either way. */
+#define LINES_EACH 6
 #define LABEL_SIZE 160
 
 static void print_estimate(FILE *out, asdic_estimate e) {
@@ -96,17 +96,19 @@ asdic_status asdic_roc_write_csv(asdic_context *ctx, const char *path, const cha
 
 /* Columns of numbers, as plots take them. */
 typedef struct columns {
-    double *x, *value, *low, *high, *closed;
+    double *x, *value, *low, *high, *closed, *model_low, *model_high;
     size_t count;
 } columns;
 
 static bool columns_init(columns *c, size_t count) {
     c->count = count;
-    c->x = malloc(5 * (count + 1) * sizeof *c->x);
+    c->x = malloc(7 * (count + 1) * sizeof *c->x);
     c->value = c->x ? c->x + count : NULL;
     c->low = c->x ? c->x + 2 * count : NULL;
     c->high = c->x ? c->x + 3 * count : NULL;
     c->closed = c->x ? c->x + 4 * count : NULL;
+    c->model_low = c->x ? c->x + 5 * count : NULL;
+    c->model_high = c->x ? c->x + 6 * count : NULL;
     return c->x != NULL;
 }
 
@@ -121,6 +123,8 @@ static bool curve_of(const asdic_roc *roc, columns *c) {
         c->low[i] = p->pd.low;
         c->high[i] = p->pd.high;
         c->closed[i] = p->closed_pd;
+        c->model_low[i] = p->model_pd.low;
+        c->model_high[i] = p->model_pd.high;
     }
     return true;
 }
@@ -136,17 +140,22 @@ static bool reach_of(const asdic_roc *roc, columns *c) {
         c->low[i] = r->pd.low;
         c->high[i] = r->pd.high;
         c->closed[i] = r->closed_pd;
+        c->model_low[i] = r->model_pd.low;
+        c->model_high[i] = r->model_pd.high;
     }
     return true;
 }
 
 static size_t add_lines(asdic_series *out, const columns *c, uint32_t rgb, const char *label) {
     asdic_series line = {.x = c->x, .count = c->count, .rgb = rgb};
-    const double *y[LINES_EACH] = {c->value, c->low, c->high, c->closed};
-    static const double width[LINES_EACH] = {1.8, 0.7, 0.7, 1.2};
-    static const asdic_line_style style[LINES_EACH] = {ASDIC_LINE_SOLID, ASDIC_LINE_SOLID,
-                                                       ASDIC_LINE_SOLID, ASDIC_LINE_DASHED};
-    for (int k = 0; k < LINES_EACH; k++) {
+    const double *y[LINES_EACH] = {c->value,  c->low,       c->high,
+                                   c->closed, c->model_low, c->model_high};
+    static const double width[LINES_EACH] = {1.8, 0.7, 0.7, 1.2, 1.0, 1.0};
+    static const asdic_line_style style[LINES_EACH] = {ASDIC_LINE_SOLID,  ASDIC_LINE_SOLID,
+                                                       ASDIC_LINE_SOLID,  ASDIC_LINE_DASHED,
+                                                       ASDIC_LINE_DOTTED, ASDIC_LINE_DOTTED};
+    int lines = c->count > 0 && isnan(c->model_low[0]) ? LINES_EACH - 2 : LINES_EACH;
+    for (int k = 0; k < lines; k++) {
         out[k] = line;
         out[k].y = y[k];
         out[k].width = width[k];
@@ -154,7 +163,7 @@ static size_t add_lines(asdic_series *out, const columns *c, uint32_t rgb, const
         out[k].label = k == 0 ? label : NULL;
         out[k].rgb = k == 3 ? 0x202020u : rgb;
     }
-    return LINES_EACH;
+    return (size_t)lines;
 }
 
 /* The lowest P_D of the axis: it shows how far P_D stays from 1 when that is not far. */
@@ -163,6 +172,7 @@ static double lowest(const columns *curves, size_t count) {
     for (size_t i = 0; i < count; i++) {
         for (size_t k = 0; k < curves[i].count; k++) {
             least = fmin(least, fmin(curves[i].low[k], curves[i].closed[k]));
+            least = fmin(least, curves[i].model_low[k]); /* NAN gives way */
         }
     }
     double rest = fmax(1.0 - least, 1e-6);

@@ -34,7 +34,8 @@ typedef struct scene_job {
     bool is_plane;        /* quadrature knows what is expected */
     asdic_ping *ping;     /* simulated, its total without speckle */
     asdic_ping *expected; /* the null hypothesis */
-    double *rest_lin;     /* simulated: all but the objects' echoes */
+    asdic_uncertainty uncertainty;
+    double *rest_lin; /* simulated: all but the objects' echoes */
 } scene_job;
 
 asdic_roc_options asdic_roc_options_default(void) {
@@ -110,8 +111,22 @@ static double echo_lin(const scene_job *job, size_t beam, double range_m) {
         gain *= beam_pattern_lin(v.x, v.y, v.z, face.length_h_wl, face.length_v_wl,
                                  pow(10.0, 0.1 * sonar->rear_floor_db));
     }
-    return gain * asdic_water_column_source_lin(&job->water, &job->mission->settings.environment, sonar) *
+    return gain *
+           asdic_water_column_source_lin(&job->water, &job->mission->settings.environment, sonar) *
            ray_transmission(job->water.absorption_np_per_m, range_m);
+}
+
+/* How far the mean is off, dB, when the laws err by SIGN times what their sources state. */
+static double background_error_db(const scene_job *job, size_t cell, double sign) {
+    static const asdic_component parts[] = {ASDIC_BOTTOM, ASDIC_SURFACE};
+    const asdic_ping *ping = job->is_plane ? job->expected : job->ping;
+    double mean = job->expected->intensity_lin[ASDIC_TOTAL][cell], shift = 0.0;
+    for (int i = 0; i < 2; i++) {
+        double db = job->uncertainty.db[parts[i]];
+        double factor = isnan(db) ? 1.0 : pow(10.0, 0.1 * sign * db);
+        shift += ping->intensity_lin[parts[i]][cell] * (factor - 1.0);
+    }
+    return mean > 0.0 ? 10.0 * log10(1.0 + shift / mean) : 0.0;
 }
 
 static asdic_roc_case case_of(const scene_job *job, size_t cell) {
@@ -120,6 +135,8 @@ static asdic_roc_case case_of(const scene_job *job, size_t cell) {
     asdic_roc_case c = {
         .none = asdic_background_of(&job->sonar, job->water.sound_speed_mps, mean, noise)};
     c.rest = c.none;
+    c.background_most_db = background_error_db(job, cell, 1.0);
+    c.background_least_db = background_error_db(job, cell, -1.0);
     return c;
 }
 
@@ -199,6 +216,8 @@ static asdic_roc_case target_in(const scene_job *job, size_t beam, size_t cell) 
         c.rest = asdic_background_of(&job->sonar, job->water.sound_speed_mps,
                                      fmax(job->rest_lin[cell], 1e-12 * c.none.mean_lin), noise);
         c.target_lin = job->ping->intensity_lin[ASDIC_OBJECT][cell];
+        double db = job->uncertainty.db[ASDIC_OBJECT];
+        c.target_error_db = isnan(db) ? 0.0 : db;
     } else {
         c.target_lin = echo_lin(job, beam, o->range_m) * pow(10.0, 0.1 * o->target_strength_db);
     }
@@ -248,12 +267,15 @@ static asdic_status fill_reach(const scene_job *job, size_t beam, asdic_roc *roc
             continue;
         }
         TRY(asdic_detect_threshold(job->ctx, &c.none, roc->pfa, &threshold));
+        asdic_band model_pd;
+        TRY(asdic_roc_band(job->ctx, &c, job->options->target, roc->pfa, &model_pd));
         roc->reach[roc->reach_count++] = (asdic_roc_reach){
             .range_m = range_m,
             .snr_db = asdic_level_db(c.target_lin / c.none.mean_lin),
             .pd = asdic_detect_simulate(&c.none, job->options->target, c.target_lin, threshold,
                                         REACH_TRIALS, job->options->seed + n),
-            .closed_pd = asdic_detect_pd(&c.none, job->options->target, c.target_lin, threshold)};
+            .closed_pd = asdic_detect_pd(&c.none, job->options->target, c.target_lin, threshold),
+            .model_pd = model_pd};
     }
     return ASDIC_OK;
 }
@@ -284,6 +306,9 @@ static void describe(const scene_job *job, size_t cell, const asdic_roc_case *c,
     roc->range_m = job->options->object ? ((double)roc->bin + 0.5) * job->sonar.bin_length_m
                                         : job->options->range_m;
     roc->background = c->none;
+    bool is_stated = c->background_most_db != 0.0;
+    roc->background_uncertainty_db = is_stated ? c->background_most_db : NAN;
+    roc->target_uncertainty_db = c->target_error_db != 0.0 ? c->target_error_db : NAN;
     roc->background_db = asdic_level_db(c->none.mean_lin);
     roc->target_db = asdic_level_db(c->target_lin);
     roc->snr_db = asdic_level_db(c->target_lin / c->none.mean_lin);
@@ -320,6 +345,7 @@ asdic_status asdic_roc_compute(asdic_context *ctx, const asdic_mission *mission,
                      .options = options,
                      .sonar = mission->settings.sonar,
                      .pose = asdic_mission_pose(mission, options->ping, NULL),
+                     .uncertainty = asdic_mission_uncertainty(mission),
                      .beams = mission->settings.sonar.receiver_count};
     job.azimuth_rad = job.pose.yaw_rad + options->bearing_rad;
     if (job.sonar.speckle == ASDIC_SPECKLE_NONE) {

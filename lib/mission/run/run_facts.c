@@ -104,6 +104,13 @@ static void add_scene(asdic_text *json, const asdic_run_facts *facts) {
     asdic_text_add(json, "\n  },\n");
 }
 
+/* Components whose laws may state how far they err. */
+static const struct {
+    const char *name;
+    asdic_component component;
+} uncertain[] = {{"bottom", ASDIC_BOTTOM}, {"surface", ASDIC_SURFACE}, {"object", ASDIC_OBJECT}};
+#define UNCERTAIN (sizeof uncertain / sizeof *uncertain)
+
 /* null without a law. */
 static void add_law(asdic_text *json, const char *key, const asdic_material *material) {
     char digits[ASDIC_DIGITS_SIZE];
@@ -124,6 +131,17 @@ static void add_law(asdic_text *json, const char *key, const asdic_material *mat
                           number_or_null(digits, "%.17g", material->rows[i]));
     }
     asdic_text_add(json, material->row_count ? "]},\n" : "},\n");
+}
+
+/* By component; null where no source says how far it errs. */
+static void add_uncertainty(asdic_text *json, const asdic_uncertainty *uncertainty) {
+    char digits[ASDIC_DIGITS_SIZE];
+    asdic_text_add(json, "  \"model_uncertainty_db\": {");
+    for (size_t i = 0; i < UNCERTAIN; i++) {
+        asdic_text_format(json, "%s\"%s\": %s", i ? ", " : "", uncertain[i].name,
+                          number_or_null(digits, "%.4g", uncertainty->db[uncertain[i].component]));
+    }
+    asdic_text_add(json, "},\n");
 }
 
 static void add_devices(asdic_text *json, const asdic_run_facts *facts) {
@@ -188,6 +206,7 @@ asdic_status asdic_run_facts_write(asdic_context *ctx, const char *folder,
     add_text(&json, "bottom", facts->bottom);
     add_law(&json, "bottom_law", &facts->bottom_law);
     add_law(&json, "surface_law", &facts->surface_law);
+    add_uncertainty(&json, &facts->uncertainty);
     add_natural(&json, "seed", facts->sampling.seed);
     add_natural(&json, "rays", facts->sampling.rays);
     add_text(&json, "sampler", sampler_names[facts->sampling.sampler]);
@@ -281,6 +300,20 @@ static void read_law(reader *r, asdic_arena *arena, const char *key, asdic_mater
     }
 }
 
+static void read_uncertainty(reader *r, asdic_uncertainty *uncertainty) {
+    const asdic_yaml_node *map = asdic_yaml_child(r->root, "model_uncertainty_db");
+    for (size_t i = 0; i < ASDIC_COMPONENT_COUNT; i++) {
+        uncertainty->db[i] = NAN;
+    }
+    for (size_t i = 0; map && i < UNCERTAIN; i++) {
+        const asdic_yaml_node *node = asdic_yaml_child(map, uncertain[i].name);
+        bool stated = node && node->text && strcmp(node->text, "null") != 0;
+        if (stated) {
+            uncertainty->db[uncertain[i].component] = read_number(r, map, uncertain[i].name);
+        }
+    }
+}
+
 static int read_word(reader *r, const char *key, const char *const *words, int count) {
     const char *text = read_text(r, r->root, key);
     for (int i = 0; i < count; i++) {
@@ -340,6 +373,7 @@ static void read_all(reader *r, asdic_arena *arena, asdic_run_facts *facts) {
     facts->bottom = read_text(r, r->root, "bottom");
     read_law(r, arena, "bottom_law", &facts->bottom_law);
     read_law(r, arena, "surface_law", &facts->surface_law);
+    read_uncertainty(r, &facts->uncertainty);
     facts->sampling.seed = read_natural(r, "seed");
     facts->sampling.rays = (uint32_t)read_natural(r, "rays");
     facts->sampling.sampler =

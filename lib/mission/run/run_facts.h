@@ -30,6 +30,7 @@ typedef struct asdic_run_facts {
     bool has_surface;
     const char *bottom; /* ASDIC_RUN_BOTTOM_... */
     asdic_material bottom_law, surface_law;
+    asdic_uncertainty uncertainty; /* written, and read again where it stands */
     asdic_sampling sampling;
     asdic_remarks remarks; /* on the laws that were used */
     asdic_plan plan;       /* of the whole mission, whatever part of it this run is */

@@ -79,6 +79,7 @@ static asdic_status describe(asdic_run_job *job) {
     asdic_flat_scene flat = asdic_mission_flat_scene(m, f->first_ping);
     f->bottom_law = flat.bottom;
     f->surface_law = flat.surface;
+    f->uncertainty = asdic_mission_uncertainty(m);
     f->remarks = asdic_mission_remarks(m);
     TRY(asdic_mission_plan(job->ctx, job->mission, &f->plan));
     asdic_mission_sampling(job->mission)->left_out = f->plan.left_out;

@@ -81,7 +81,8 @@ asdic_run_info asdic_run_get_info(const asdic_run *run) {
                             .has_surface = facts->has_surface,
                             .bottom = facts->bottom_law,
                             .scene_name = run->scene_name,
-                            .scene_hash = facts->scene_hash};
+                            .scene_hash = facts->scene_hash,
+                            .uncertainty = facts->uncertainty};
 }
 
 asdic_run_errors asdic_run_get_errors(const asdic_run *run) {
