@@ -25,4 +25,7 @@ shrink "$work/mission/waterfall_forward.png" mission.png 128
 shrink "$work/scenario2/ascope_0.png" scenario2.png 64
 shrink "$work/m750d/fan_0.png" m750d.png 256 "-resize 70%"
 shrink "$work/error.png" error.png 48
+mkdir "$work/made"
+python3 "$here/../generate/draw_laws.py" "$asdic" "$work/made"
+cp "$work/made/pictures/laws.svg" "$out/laws.svg"
 cp "$work/view/view_159.png" "$out/view.png" # has more colours than a palette holds
