@@ -26,16 +26,6 @@ static const struct {
     {"f_khz", offsetof(situation, f_khz)},      {"wind_kn", offsetof(situation, wind_kn)},
     {"wind_mps", offsetof(situation, wind_mps)}};
 
-/* Whether something in the scene scatters by LAW. */
-static bool scatters(const asdic_mission *m, const asdic_law *law) {
-    const asdic_scene *scene = m->scene;
-    bool found = scene->has_surface && scene->surface.law == law;
-    for (size_t i = 0; i < scene->material_count; i++) {
-        found |= scene->materials[i].law == law;
-    }
-    return found;
-}
-
 /* The greatest depth: validity ends there, never near the surface. A mission may have 1e9 pings,
  * so a track is asked for it. */
 static double depth_of(const asdic_mission *m) {
@@ -44,22 +34,30 @@ static double depth_of(const asdic_mission *m) {
     return m->track ? asdic_track_deepest_m(m->track, last_s) : depth_m;
 }
 
-/* Adds what INFO's source does not vouch for. */
-static void remark(const asdic_model_info *info, const situation *s, asdic_remarks *out) {
+/* Adds what INFO's source does not vouch for, of S and of what MATERIAL (NULL: none) gives. */
+static void remark(const asdic_model_info *info, const asdic_material *material, const situation *s,
+                   asdic_remarks *out) {
     double values[ASDIC_MODEL_MAX_KEYS];
     char keys[ASDIC_REMARK_SIZE - 64]; /* the rest is for the words round them */
     for (size_t k = 0; k < info->key_count; k++) {
-        values[k] = NAN; /* unknown: nothing to remark */
+        values[k] = material ? material->value[k] : NAN; /* unknown: nothing to remark */
         for (size_t q = 0; q < sizeof quantities / sizeof *quantities; q++) {
             if (strcmp(info->keys[k].name, quantities[q].key) == 0) {
                 values[k] = *(const double *)((const char *)s + quantities[q].at);
             }
         }
     }
-    if (out->count < ASDIC_MOST_REMARKS && asdic_model_outside(info, values, keys, sizeof keys)) {
-        snprintf(out->text[out->count++], ASDIC_REMARK_SIZE,
-                 "%s: outside the validity of its source, with %s", info->name, keys);
+    if (out->count == ASDIC_MOST_REMARKS || !asdic_model_outside(info, values, keys, sizeof keys)) {
+        return;
     }
+    char *text = out->text[out->count];
+    snprintf(text, ASDIC_REMARK_SIZE, "%s: outside the validity of its source, with %s", info->name,
+             keys);
+    bool is_new = true;
+    for (size_t i = 0; i < out->count; i++) {
+        is_new &= strcmp(out->text[i], text) != 0;
+    }
+    out->count += is_new;
 }
 
 /* Adds that rays are too few, where they are. */
@@ -87,13 +85,18 @@ asdic_remarks asdic_mission_remarks(const asdic_mission *mission) {
                    .wind_kn = env->wind_speed_kn,
                    .wind_mps = env->wind_speed_kn * (1852.0 / 3600.0)};
     if (isnan(env->sound_speed_mps)) { /* computed */
-        remark(asdic_model_get(MODEL_SOUND_SPEED), &s, &out);
+        remark(asdic_model_get(MODEL_SOUND_SPEED), NULL, &s, &out);
     }
-    remark(asdic_model_get(MODEL_ABSORPTION), &s, &out);
-    for (size_t l = 0; l < asdic_law_count(); l++) {
-        if (scatters(mission, asdic_law_get(l))) {
-            remark(asdic_law_get_info(asdic_law_get(l)).model, &s, &out);
+    remark(asdic_model_get(MODEL_ABSORPTION), NULL, &s, &out);
+    const asdic_scene *scene = mission->scene;
+    for (size_t i = 0; i < scene->material_count; i++) {
+        const asdic_material *material = &scene->materials[i];
+        if (material->law) {
+            remark(&material->law->model, material, &s, &out);
         }
+    }
+    if (scene->has_surface) {
+        remark(&scene->surface.law->model, &scene->surface, &s, &out);
     }
     remark_rays(mission, &out);
     return out;

@@ -281,4 +281,20 @@ def test_laws_beyond_their_sources_are_remarked_once():
             tap.equal(json.load(file)["remarks"], expected, "remarks of a merged run")
 
 
+def test_numbers_of_a_sediment_beyond_the_handbook_are_remarked():
+    handbook = MINIMAL.replace("frequency_khz: 100", "frequency_khz: 300").replace(
+        "{depth_m: 12}", "{depth_m: 12, sediment: medium_sand, density_ratio: 4}").replace(
+            "version: 1", "version: 1\nsurface: {law: apl}")
+    with folder(s_yaml=handbook, two_yaml=handbook.replace("density_ratio: 4", "grain_size_phi: 2"),
+                within_yaml=handbook.replace("300", "30").replace("density_ratio: 4", "density_ratio: 2")) as at:
+        [found] = json.loads(asdic("check", "--json", os.path.join(at, "s.yaml")).check(code=0).out)
+        tap.equal(found["remarks"], [
+            "apl-bottom: outside the validity of its source, with 'density_ratio' = 4 not in [1, 3], "
+            "'f_khz' = 300 not in [10, 100]",
+            "apl-surface: outside the validity of its source, with 'f_khz' = 300 not in [10, 100]"])
+        asdic("check", os.path.join(at, "within.yaml")).check(code=0, err="")
+        done = asdic("check", os.path.join(at, "two.yaml")).check(code=3)
+        tap.contains(done.err, "'sediment' and 'grain_size_phi' exclude each other")
+
+
 tap.main(globals())

@@ -110,6 +110,10 @@ def test_errors_say_what_to_do():
             (("sound-speed", "t_degc=400"), ("400", "[-2, 40]")),
             (("sound-speed", "t_degc"), ("not key=value",)),
             (("sound-speed", "z_m=1", "z_m=2"), ("given twice",)),
+            (("apl-bottom", "sediment=clay", "grain_size_phi=2", "f_khz=30", "grazing_deg=9", "c_mps=1500"),
+             ("'sediment' and 'grain_size_phi' exclude each other",)),
+            (("apl-bottom-loss", "sediment=peat", "f_khz=30", "grazing_deg=9", "c_mps=1500"),
+             ("rough_rock|rock|cobble",)),
             (("pfa", "model=gauss"), ("exponential|k|swerling0",)),
             (("pfa", "model=k", "threshold=1", "mu0=1"), ("needs a shape",)),
             (("target-strength", "shape=plate", "width_m=1"), ("'height_m' is missing",))):

@@ -157,6 +157,43 @@ static void apl_laws_are_met_over_their_domain(void **state) {
     assert_true(most[1] <= 1e-3);
 }
 
+/* The strength of grain sizes just below and above PHI, dB apart, at most over all angles. */
+static double step_db(double phi, double f_hz) {
+    asdic_law_water water = {
+        .frequency_hz = f_hz, .sound_speed_mps = 1500.0, .wavelength_m = 1500.0 / f_hz};
+    asdic_material below = asdic_material_of(asdic_law_find("apl-bottom")), above = below;
+    double most = 0.0;
+    asdic_material_set(place.ctx, &below, "grain_size_phi", phi - 1e-6);
+    asdic_material_set(place.ctx, &above, "grain_size_phi", phi + 1e-6);
+    asdic_scatterer a = asdic_scatterer_at(&below, &water), b = asdic_scatterer_at(&above, &water);
+    for (int i = 0; i <= 900; i++) {
+        double sine = sin(0.1 * i * (ASDIC_PI / 180.0));
+        double off = asdic_scatterer_strength(&b, sine) / asdic_scatterer_strength(&a, sine);
+        most = fmax(most, fabs(10.0 * log10(off)));
+    }
+    return most;
+}
+
+/* Grain sizes make no leap but those that the handbook's fits make: small at 1 and 5.3 phi, and that of
+ * the volume by a factor of 2 at 5.5. */
+static void grain_sizes_step_where_the_handbook_does(void **state) {
+    (void)state;
+    for (double f_hz = 1e4; f_hz < 2e5; f_hz *= 10.0) {
+        double most = 0.0;
+        for (double phi = -0.9; phi < 8.95; phi += 0.1) {
+            bool is_fit =
+                fabs(phi - 1.0) < 0.01 || fabs(phi - 5.3) < 0.01 || fabs(phi - 5.5) < 0.01;
+            double step = step_db(is_fit ? phi + 0.02 : phi, f_hz);
+            most = fmax(most, step);
+        }
+        print_message("steps at 1, 5.3, 5.5 phi: %.3f, %.3f, %.3f dB, elsewhere %.3f\n",
+                      step_db(1.0, f_hz), step_db(5.3, f_hz), step_db(5.5, f_hz), most);
+        assert_true(most < 0.05);
+        assert_true(step_db(1.0, f_hz) < 0.5 && step_db(5.3, f_hz) < 0.5);
+        assert_true(step_db(5.5, f_hz) < 3.0103 && step_db(5.5, f_hz) > 2.5);
+    }
+}
+
 /* --- nasty functions ---------------------------------------------------------------------------- */
 
 /* A lobe of 10 m2 that reflects in phase, at 1 MHz and 10 m: 1e-5 wide in the squared cosine. */
@@ -355,6 +392,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_law_is_met),
         cmocka_unit_test(apl_laws_are_met_over_their_domain),
+        cmocka_unit_test(grain_sizes_step_where_the_handbook_does),
         cmocka_unit_test(functions_worse_than_laws_are_met),
         cmocka_unit_test(nothing_is_no_sound),
         cmocka_unit_test(pings_by_tables_are_pings_by_formulas),
