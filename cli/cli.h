@@ -92,6 +92,7 @@ bool cli_bad_usage(const cli *c);
 /* ---- devices --------------------------------------------------------------------------------
  * Those of --device, else of the environment's ASDIC_DEVICE, else "auto". Closed with
  * asdic_devices_close. On failure nothing is open; end with cli_end. */
+const char *cli_device(cli *c); /* what to open; NULL: "auto" */
 asdic_status cli_open_devices(cli *c, asdic_device ***out, size_t *count);
 
 /* Sees to it that PoCL has a folder for compiled kernels that it can write to, and says so where that is

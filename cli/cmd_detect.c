@@ -14,9 +14,10 @@ typedef struct request {
 } request;
 
 static const char *const cfars[] = {"ca", "os", NULL};
+static const char *const backgrounds[] = {"auto", "flat", "simulated", "cfar", NULL};
 
 static bool read_request(cli *c, request *r) {
-    int target = 0, cfar = 0;
+    int target = 0, cfar = 0, background = 0;
     uint64_t cells = 8, guard = 2;
     *r = (request){.options = asdic_detect_options_default(), .detector = {0}};
     cli_choice(c, "target", cli_target_names, &target);
@@ -25,6 +26,7 @@ static bool read_request(cli *c, request *r) {
     cli_number(c, "snr", -20.0, 60.0, &r->detector.snr_db);
     cli_number(c, "cost", 1e-6, 1e12, &r->detector.cost_ratio);
     cli_choice(c, "cfar", cfars, &cfar);
+    cli_choice(c, "background", backgrounds, &background);
     cli_integer(c, "cfar-cells", 1, 256, &cells);
     cli_integer(c, "cfar-guard", 0, 256, &guard);
     cli_number(c, "truth", -20.0, 60.0, &r->options.truth_snr_db);
@@ -44,6 +46,14 @@ static bool read_request(cli *c, request *r) {
     r->options.cfar.cells = (unsigned)cells;
     r->options.cfar.guard = (unsigned)guard;
     r->options.force = cli_given(c, "force");
+    r->options.background = (asdic_background_source)background;
+    r->options.device = cli_device(c);
+    if (r->options.has_cfar && background != 0 && background != ASDIC_BACKGROUND_CFAR) {
+        cli_usage(c, "--cfar is a background of its own; leave --background %s out",
+                  backgrounds[background]);
+        return false;
+    }
+    r->options.has_cfar = r->options.has_cfar || background == ASDIC_BACKGROUND_CFAR;
     if (!r->options.has_cfar && (cli_given(c, "cfar-cells") || cli_given(c, "cfar-guard"))) {
         cli_usage(c, "--cfar-cells and --cfar-guard go with --cfar");
         return false;
@@ -150,6 +160,9 @@ static void print_json(const asdic_detect_report *r) {
     json_number(&j, "snr_db", r->detector.snr_db);
     json_number(&j, "cost_ratio", r->detector.cost_ratio);
     json_bool(&j, "cfar", r->by_cfar);
+    json_text(&j, "background", backgrounds[r->background]);
+    json_number(&j, "background_error_db", r->background_error_db);
+    json_number(&j, "background_s", r->background_s);
     json_bool(&j, "speckle", r->is_sample);
     json_number(&j, "sampling_error_db", r->sampling_error_db);
     json_number(&j, "sampling_lift_db", r->sampling_lift_db);
@@ -210,10 +223,30 @@ static void remark_on_error(cli *c, const asdic_detect_report *r) {
         r->sampling_error_db, r->sampling_lift_db);
 }
 
+static void remark_on_background(cli *c, const asdic_detect_report *r, bool asked) {
+    if (r->background == ASDIC_BACKGROUND_SIMULATED && r->background_s > 0.0) {
+        cli_note(c,
+                 "background: the scene without its objects, simulated in %.3g s, standard error "
+                 "%.2g dB in the median bin; kept as background.npy",
+                 r->background_s, r->background_error_db);
+    } else if (r->background == ASDIC_BACKGROUND_SIMULATED) {
+        cli_note(c, "background: background.npy, standard error %.2g dB in the median bin",
+                 r->background_error_db);
+    } else if (r->background == ASDIC_BACKGROUND_CFAR && !asked) {
+        cli_note(c, "the bottom is no plane and the scene file is not there as it was: background "
+                    "from neighbouring bins (--cfar ca)");
+    }
+}
+
 static asdic_status detect(cli *c, const char *folder, request *r) {
     asdic_detect_report *report = NULL;
     TRY(choose_detector(c, folder, r));
-    TRY(asdic_run_detect(cli_context(c), folder, &r->options, &report));
+    cli_progress progress = cli_progress_begin(c);
+    r->options.progress = cli_progress_report;
+    r->options.user = &progress;
+    asdic_status status = asdic_run_detect(cli_context(c), folder, &r->options, &report);
+    cli_progress_end(&progress);
+    TRY(status);
     if (!report->is_sample) {
         cli_warning(c, "the scene has 'speckle: none': levels are means, of which none is a false "
                        "alarm by chance; 'speckle: rayleigh' draws them");
@@ -221,9 +254,7 @@ static asdic_status detect(cli *c, const char *folder, request *r) {
     if (report->sampling_error_db > 0.1) {
         remark_on_error(c, report);
     }
-    if (report->by_cfar && !r->options.has_cfar) {
-        cli_note(c, "the bottom is no plane: background from neighbouring bins (--cfar ca)");
-    }
+    remark_on_background(c, report, r->options.has_cfar);
     (cli_given(c, "json") ? print_json : print_report)(report);
     cli_note(c, "%s: detections.csv (%llu), tracks.csv, occupancy.png", folder,
              (unsigned long long)report->detections);
@@ -297,6 +328,9 @@ static const cli_option options[] = {
      "cost of a miss over that of a false alarm: the threshold that costs least, instead of --pfa"},
     {"cfar", 0, "KIND",
      "ca or os: background from neighbouring bins, their mean or their third quartile"},
+    {"background", 0, "KIND",
+     "flat (a plane below the vehicle), simulated (the scene without its objects; background.npy "
+     "keeps it), cfar; else auto: flat, simulated over a bottom from a mesh or grid"},
     {"cfar-cells", 0, "N", "bins on either side, else 8"},
     {"cfar-guard", 0, "N", "bins left out next to the bin, else 2"},
     {"truth", 0, "DB",
@@ -314,9 +348,10 @@ const cli_command cli_detect_command = {
     .summary = "detect, map and track what is in a run's pings",
     .details =
         "A bin is detected when its intensity exceeds the threshold for the false-alarm "
-        "probability. The threshold stands over the level expected without objects; with "
-        "--cfar, and over a bottom that is not a plane, over the neighbouring bins. Writes into "
-        "the run folder "
+        "probability. The threshold stands over the level expected without objects: over a bottom "
+        "from a mesh or grid that of a simulation, which takes up to four times as long as the run "
+        "and is kept in its folder; with --cfar over the neighbouring bins. Writes into the run "
+        "folder "
         "detections.csv (log-likelihood ratio, posterior probability, position on the "
         "beam's axis, and the object there), occupancy.png (log-odds of all pings in a map "
         "fixed in the world) and tracks.csv (nearest-neighbour Kalman tracks). Prints the "

@@ -1,5 +1,6 @@
 /*
- * A bar on stderr while pings are simulated, only on a terminal and without --quiet.
+ * How far a command is, on stderr and without --quiet: a bar on a terminal; elsewhere, in a file or
+ * a pipe, a line now and then.
  */
 #ifndef ASDIC_CLI_PROGRESS_H
 #define ASDIC_CLI_PROGRESS_H
@@ -7,9 +8,10 @@
 #include "cli.h"
 
 typedef struct cli_progress {
-    bool is_shown, is_drawn;
+    const cli *c;
+    bool is_shown, is_terminal, is_drawn;
     size_t resumed; /* pings present at the start; SIZE_MAX: not known yet */
-    double last_s;  /* elapsed when the bar was drawn */
+    double last_s;  /* elapsed when it was shown last */
     asdic_run_progress last;
 } cli_progress;
 

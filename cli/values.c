@@ -181,8 +181,12 @@ void cli_choice(cli *c, const char *option, const char *const *words, int *out) 
     bad(c, option, expected);
 }
 
-asdic_status cli_open_devices(cli *c, asdic_device ***out, size_t *count) {
+const char *cli_device(cli *c) {
     const char *selector = cli_text(c, "device");
     cli_prepare_kernel_cache(c);
-    return asdic_devices_open(c->ctx, selector ? selector : getenv("ASDIC_DEVICE"), out, count);
+    return selector ? selector : getenv("ASDIC_DEVICE");
+}
+
+asdic_status cli_open_devices(cli *c, asdic_device ***out, size_t *count) {
+    return asdic_devices_open(c->ctx, cli_device(c), out, count);
 }

@@ -38,6 +38,10 @@ struct asdic_mission {
     size_t ping_count;
 };
 
+/* What the file describes with its objects left out. Says nothing of what the file may be about to
+ * get wrong: asdic_mission_load does. */
+asdic_status asdic_mission_load_empty(asdic_context *ctx, const char *path, asdic_mission **out);
+
 /* Puts the objects that move where they are at TIME_S of the pings' clock. */
 asdic_status asdic_mission_place_at(const asdic_mission *mission, asdic_simulator *simulator,
                                     double time_s);

@@ -13,6 +13,7 @@ typedef struct mission_builder {
     asdic_problems *problems;
     asdic_arena *arena;
     asdic_mission *mission;
+    bool leaves_objects; /* takes what the file says without its objects */
 } mission_builder;
 
 /* Each step adds to the mission and reports what is wrong with the files it opens to PROBLEMS. Its

@@ -37,6 +37,8 @@ static asdic_status build(mission_builder *b) {
     TRY(asdic_mission_build_pings(b));
     if (b->problems->total == 0) {
         asdic_mission_build_rays(b);
+    }
+    if (b->problems->total == 0 && !b->leaves_objects) {
         asdic_mission_check_positions(b);
     }
     return ASDIC_OK;
@@ -70,18 +72,16 @@ static asdic_status load(mission_builder *b, const asdic_setting *settings, size
     if (!asdic_scene_file_take(root, settings, count, b->arena, b->problems, file)) {
         return asdic_fail_memory(b->ctx, "the scene file's content");
     }
+    if (b->leaves_objects) {
+        file->objects.count = 0;
+    }
     TRY(build(b));
     TRY(asdic_problems_report(b->problems, b->ctx));
     return check_memory(b->ctx, m);
 }
 
-asdic_status asdic_mission_load(asdic_context *ctx, const char *path, asdic_mission **out) {
-    return asdic_mission_load_with(ctx, path, NULL, 0, out);
-}
-
-asdic_status asdic_mission_load_with(asdic_context *ctx, const char *path,
-                                     const asdic_setting *settings, size_t count,
-                                     asdic_mission **out) {
+static asdic_status load_file(asdic_context *ctx, const char *path, const asdic_setting *settings,
+                              size_t count, bool leaves_objects, asdic_mission **out) {
     if (!out) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "asdic_mission_load: nowhere to put it");
     }
@@ -95,12 +95,16 @@ asdic_status asdic_mission_load_with(asdic_context *ctx, const char *path,
         return asdic_fail_memory(ctx, "a mission");
     }
     m->ctx = ctx;
-    m->is_varied = count > 0;
+    m->is_varied = count > 0 || leaves_objects;
     asdic_arena arena = {0};
     asdic_scene_file file;
     asdic_problems problems = {.name = strcmp(path, "-") == 0 ? "stdin" : path};
-    mission_builder builder = {
-        .ctx = ctx, .file = &file, .problems = &problems, .arena = &arena, .mission = m};
+    mission_builder builder = {.ctx = ctx,
+                               .file = &file,
+                               .problems = &problems,
+                               .arena = &arena,
+                               .mission = m,
+                               .leaves_objects = leaves_objects};
     locale_t before = asdic_c_locale_enter();
     asdic_status status = load(&builder, settings, count, &file);
     asdic_c_locale_leave(before);
@@ -111,4 +115,18 @@ asdic_status asdic_mission_load_with(asdic_context *ctx, const char *path,
     }
     *out = m;
     return status;
+}
+
+asdic_status asdic_mission_load(asdic_context *ctx, const char *path, asdic_mission **out) {
+    return load_file(ctx, path, NULL, 0, false, out);
+}
+
+asdic_status asdic_mission_load_with(asdic_context *ctx, const char *path,
+                                     const asdic_setting *settings, size_t count,
+                                     asdic_mission **out) {
+    return load_file(ctx, path, settings, count, false, out);
+}
+
+asdic_status asdic_mission_load_empty(asdic_context *ctx, const char *path, asdic_mission **out) {
+    return load_file(ctx, path, NULL, 0, true, out);
 }

@@ -2,7 +2,11 @@
 import csv
 import json
 import pathlib
+import signal
+import subprocess
+import time
 
+import program
 import tap
 from program import Folder, asdic, need_device
 
@@ -201,6 +205,92 @@ def test_few_rays_keep_the_false_alarm_rate():
         tap.equal(0.4 < report["sampling_error_db"] < 0.8, True, f"{report['sampling_error_db']}")
         tap.equal(0.1 < report["sampling_lift_db"] < 0.3, True, f"{report['sampling_lift_db']}")
         tap.contains(done.err, "sampling error")
+
+
+# Over sand waves, with a ball above them.
+WAVES = """version: 1
+bottom: {mesh: {file: "%s"}, type: sand}
+objects:
+  - {name: ball, sphere: {radius_m: 0.5}, position_m: [40, 0, 20], material: {impedance_mrayl: 45}}
+sonar:
+  frequency_khz: 200
+  bandwidth_khz: 10
+  ping_rate_hz: 10
+  source_level_db: 200
+  bin_length_m: 0.1
+  receivers: {fan: {count: 8, sector_deg: 60, length_h_m: 0.05, length_v_m: 0.02}}
+  transmitter: {length_h_m: 0.01, length_v_m: 0.02, pitch_deg: 10}
+  speckle: rayleigh
+mission:
+  waypoints: {points_m: [[0, 0, 20], [30, 5, 20]], speed_mps: 1.5}
+  pings: 40
+sampling: {rays: 20000}
+output: {images: [], csv: none}
+"""
+
+
+def test_a_background_is_simulated_over_a_mesh():
+    need_device()
+    with Folder() as folder:
+        folder.write("waves.yaml", WAVES % (DATA / "meshes/terrain.ply"))
+        scene = pathlib.Path(folder.path) / "waves.yaml"
+        out = pathlib.Path(folder.path) / "out"
+        asdic("run", "waves.yaml", "-o", "out", "-q", cwd=folder.path).check(0)
+
+        def detect(*options):
+            done = asdic("detect", "out", "--json", "--force", *options, cwd=folder.path).check(0)
+            return json.loads(done.out), done.err
+
+        found, said = detect()
+        tap.equal((found["background"], found["cfar"]), ("simulated", False))
+        tap.contains(said, "without its objects, simulated in")
+        rate = found["pfa_measured"]["value"]
+        tap.equal(0.5e-3 < rate < 2e-3, True, f"P_FA {rate} of 1e-3")
+        tracks = found["tracks"]
+        others = tracks["confirmed"] - tracks["on_objects"]
+        tap.equal(tracks["on_objects"] >= 1 and others <= 3, True, f"{tracks}")
+        ball = [o for o in found["objects"] if o["pings_detected"] > 30]
+        tap.equal(len(ball) >= 1, True, "the ball is found")
+        # What neighbours say of sand waves, and what a plane would return.
+        for other in "cfar", "flat":
+            rate = detect("--background", other)[0]["pfa_measured"]["value"]
+            tap.equal(rate > 3e-3, True, f"P_FA {rate} by {other}")
+        # It is kept, and made again for other rays.
+        again, said = detect("--background", "simulated")
+        tap.equal((again["background_s"], again["pfa_measured"]), (0, found["pfa_measured"]))
+        kept = (out / "background.npy").read_bytes()
+        (out / "background.npy").write_bytes(kept[:-1])
+        again, said = detect()
+        tap.equal((again["background_s"] > 0, again["pfa_measured"]), (True, found["pfa_measured"]))
+        tap.equal((out / "background.npy").read_bytes() == kept, True, "the same bytes")
+        # Without the scene there is none.
+        scene.write_text(scene.read_text() + "# changed\n")
+        (out / "background.npy").unlink()
+        again, said = detect()
+        tap.equal(again["background"], "cfar")
+        done = asdic("detect", "out", "--force", "--background", "simulated", cwd=folder.path)
+        tap.contains(done.check(3).err, "not there as it was")
+        tap.equal([n.name for n in out.iterdir() if n.suffix == ".part"], [])
+
+
+def test_a_background_stops_when_told():
+    need_device()
+    with Folder() as folder:
+        long = (WAVES % (DATA / "meshes/terrain.ply")).replace("count: 8", "count: 128")
+        folder.write("waves.yaml", long.replace("pings: 40", "pings: 6"))
+        out = pathlib.Path(folder.path) / "out"
+        asdic("run", "waves.yaml", "-o", "out", "-q", cwd=folder.path).check(0)
+        before = sorted(n.name for n in out.iterdir())
+        command = [program.PATH, "detect", "out"]
+        with subprocess.Popen(command, cwd=folder.path, stderr=subprocess.PIPE) as child:
+            while not (out / "background.npy.part").exists() and child.poll() is None:
+                time.sleep(0.01)
+            begin = time.monotonic()
+            child.send_signal(signal.SIGTERM)
+            child.communicate()
+            tap.equal(child.returncode, 143)
+            tap.equal(time.monotonic() - begin < 5, True, "seconds until it stopped")
+        tap.equal(sorted(n.name for n in out.iterdir()), before)
 
 
 def test_mistakes():

@@ -11,15 +11,29 @@
 extern "C" {
 #endif
 
+/* What a bin is compared with. */
+typedef enum asdic_background_source {
+    ASDIC_BACKGROUND_AUTO,      /* FLAT over a plane or no bottom; else SIMULATED, or CFAR where the
+                                 * scene file is gone or has changed */
+    ASDIC_BACKGROUND_FLAT,      /* what is expected over a plane, straight below the vehicle */
+    ASDIC_BACKGROUND_SIMULATED, /* the scene without its objects, with its bottom, simulated by many
+                                 * rays; kept in the run folder as background.npy */
+    ASDIC_BACKGROUND_CFAR,      /* the neighbouring bins */
+} asdic_background_source;
+
 typedef struct asdic_detect_options {
     const asdic_detector *detector; /* NULL: the scene's */
-    bool has_cfar;                  /* background from neighbouring bins instead of from what is
-                                     * expected; always over a bottom that is no plane */
+    bool has_cfar;                  /* the same as ASDIC_BACKGROUND_CFAR */
     asdic_cfar cfar;
     double truth_snr_db; /* an object is in a bin when its echo is so strong re all else there */
     double cell_m;       /* of the occupancy map; NAN: none */
     asdic_tracker_options tracker;
     bool force; /* replace what an earlier call left */
+    asdic_background_source background;
+    const char *device; /* that simulates a background, see asdic_devices_open; NULL: "auto" */
+    /* Pings of the background, then pings judged, which cast no rays; may be NULL. */
+    void (*progress)(void *user, const asdic_run_progress *progress);
+    void *user;
 } asdic_detect_options;
 
 /* The scene's detector, expected background, 0 dB, 0.5 m, the default tracker. */
@@ -62,6 +76,9 @@ typedef struct asdic_detect_report {
     uint64_t bins, detections;
     asdic_estimate pfa; /* over bins that hold nothing; its bounds know that they share speckle */
     size_t tracks, tracks_confirmed, tracks_of_objects;
+    asdic_background_source background; /* that was used, never AUTO */
+    double background_error_db;         /* median standard error of a simulated one; else 0 */
+    double background_s;                /* what its simulation took; 0: it was there */
     double tracks_by_chance; /* confirmed ones that are to be expected of false alarms alone */
     size_t class_count, sight_count;
     asdic_detect_class *classes; /* objects in order of appearance, then ghost, faint, none */

@@ -6,6 +6,7 @@
 
 #include <asdic/detections.h>
 
+#include "detect_background.h"
 #include "detect_truth.h"
 #include "out/file.h"
 
@@ -15,17 +16,19 @@ typedef struct asdic_detect_job {
     asdic_run *run;
     asdic_run_info info;
     asdic_detector detector;
-    bool by_cfar;
     asdic_scan *scan;
     asdic_namer *namer;
     asdic_tracker *tracker;
-    asdic_occupancy *map;     /* NULL: none */
-    asdic_ping *expected;     /* NULL with CFAR */
-    asdic_pose expected_pose; /* for which it was computed */
+    asdic_occupancy *map;               /* NULL: none */
+    asdic_background_source background; /* not AUTO */
+    asdic_backdrop *backdrop;           /* NULL: not simulated */
+    asdic_ping *expected;               /* NULL: background is not flat */
+    asdic_pose expected_pose;           /* for which it was computed */
     double expected_altitude_m;
     double *intensity_lin, *noise_lin; /* of the ping, [beam * bins + bin] */
     double *rest_lin;                  /* expected, without the echoes of objects and ghosts */
     double *object_lin;                /* those echoes */
+    float *error_db;                   /* of the levels and of their background together */
     asdic_truth *truth;
     long *label; /* object of a bin; -1: none */
     bool *detected;

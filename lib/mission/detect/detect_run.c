@@ -3,6 +3,7 @@
  */
 #include "detect_job.h"
 
+#include "base/clock.h"
 #include "base/context.h"
 #include "base/number.h"
 #include "base/try.h"
@@ -53,10 +54,10 @@ static void read_truth(asdic_detect_job *job, const asdic_record *record) {
     }
 }
 
-/* The null hypothesis; the same for pings from one place. */
+/* What is expected over a plane; the same for pings from one place. */
 static asdic_status expect(asdic_detect_job *job, const asdic_record *record) {
-    if (job->by_cfar || (memcmp(&job->expected_pose, &record->pose, sizeof record->pose) == 0 &&
-                         job->expected_altitude_m == record->altitude_m)) {
+    if (memcmp(&job->expected_pose, &record->pose, sizeof record->pose) == 0 &&
+        job->expected_altitude_m == record->altitude_m) {
         return ASDIC_OK;
     }
     asdic_flat_scene flat = asdic_run_flat_scene(job->run, record);
@@ -66,14 +67,33 @@ static asdic_status expect(asdic_detect_job *job, const asdic_record *record) {
                                   &record->pose, job->expected);
 }
 
-static asdic_status take_ping(asdic_detect_job *job, const asdic_record *record) {
+/* The null hypothesis of the run's ping INDEX, and how far the level of a bin may be from it by the
+ * sampling of either. MEAN_LIN is NULL with CFAR. */
+static asdic_status find_background(asdic_detect_job *job, size_t index, const asdic_record *record,
+                                    const double **mean_lin) {
+    *mean_lin = NULL;
+    for (size_t i = 0; i < job->info.beams * job->info.bins; i++) {
+        job->error_db[i] = isnan(record->stderr_db[i]) ? 0.0f : record->stderr_db[i];
+    }
+    if (job->expected) {
+        TRY(expect(job, record));
+        *mean_lin = job->expected->intensity_lin[ASDIC_TOTAL];
+    }
+    if (job->backdrop) {
+        TRY(asdic_backdrop_read(job->backdrop, index, mean_lin));
+        asdic_backdrop_add_error(job->backdrop, job->error_db);
+    }
+    return ASDIC_OK;
+}
+
+static asdic_status take_ping(asdic_detect_job *job, size_t index, const asdic_record *record) {
+    const double *mean = NULL;
     job->sound_speed_mps =
         asdic_environment_sound_speed_mps(job->info.environment, record->pose.position_m.z);
     TRY(asdic_namer_begin_ping(job->namer, record));
     read_truth(job, record);
-    TRY(expect(job, record));
-    const double *mean = job->by_cfar ? NULL : job->expected->intensity_lin[ASDIC_TOTAL];
-    TRY(asdic_scan_ping(job->scan, job->intensity_lin, mean, job->noise_lin, record->stderr_db));
+    TRY(find_background(job, index, record, &mean));
+    TRY(asdic_scan_ping(job->scan, job->intensity_lin, mean, job->noise_lin, job->error_db));
     asdic_scan_result result = asdic_scan_get(job->scan);
     for (size_t i = 0; i < job->info.beams * job->info.bins; i++) {
         job->detected[i] = job->intensity_lin[i] > result.threshold_lin[i]; /* not when NAN */
@@ -97,14 +117,16 @@ static asdic_status allocate(asdic_detect_job *job) {
     job->truth = calloc(cells, sizeof *job->truth);
     job->label = calloc(cells, sizeof *job->label);
     job->detected = calloc(cells, sizeof *job->detected);
+    job->error_db = calloc(cells, sizeof *job->error_db);
     job->plots = calloc(cells, sizeof *job->plots);
     job->plot_cell = calloc(2 * cells, sizeof *job->plot_cell);
     size_t sights = asdic_namer_count(job->namer) * job->info.beams;
     job->sight_ping = calloc(sights, sizeof *job->sight_ping);
     job->sight_hit = calloc(sights, sizeof *job->sight_hit);
     job->track_north_m = calloc(2 * (job->info.pings + 1), sizeof *job->track_north_m);
-    if (!job->intensity_lin || !job->truth || !job->label || !job->detected || !job->plots ||
-        !job->plot_cell || !job->sight_ping || !job->sight_hit || !job->track_north_m) {
+    if (!job->intensity_lin || !job->truth || !job->label || !job->detected || !job->error_db ||
+        !job->plots || !job->plot_cell || !job->sight_ping || !job->sight_hit ||
+        !job->track_north_m) {
         return asdic_fail_memory(job->ctx, "detections");
     }
     job->plot_bins = job->plot_cell + cells;
@@ -120,8 +142,6 @@ static asdic_status open_run(asdic_detect_job *job, const char *folder) {
     TRY(asdic_run_open(job->ctx, folder, &job->run));
     job->info = asdic_run_get_info(job->run);
     job->detector = job->options->detector ? *job->options->detector : job->run->settings.detector;
-    job->by_cfar =
-        job->options->has_cfar || strcmp(job->run->facts.bottom, ASDIC_RUN_BOTTOM_MESH) == 0;
     job->expected_altitude_m = NAN;
     if (job->info.pings == 0) {
         return asdic_fail(job->ctx, ASDIC_ERROR_INPUT, "'%s' holds no ping yet", folder);
@@ -133,20 +153,51 @@ static asdic_status open_run(asdic_detect_job *job, const char *folder) {
     return ASDIC_OK;
 }
 
-/* What a run's detection needs before its first ping. */
-static asdic_status begin(asdic_detect_job *job, const char *folder) {
-    TRY(open_run(job, folder));
-    TRY(asdic_scan_create(job->ctx, job->info.sonar, job->sound_speed_mps, job->info.bins,
-                          &job->detector, job->by_cfar ? &job->options->cfar : NULL, &job->scan));
-    if (!job->by_cfar) {
+static asdic_status simulate_background(asdic_detect_job *job) {
+    if (!asdic_backdrop_can(job->run)) {
+        return asdic_fail(job->ctx, ASDIC_ERROR_INPUT,
+                          "no background can be simulated: scene '%s' is not there as it was when "
+                          "it was run",
+                          job->run->facts.scene_path);
+    }
+    return asdic_backdrop_open(job->run, job->options, &job->report->background_s, &job->backdrop);
+}
+
+/* Over a bottom that is no plane a background is simulated, where that can be. */
+static asdic_status choose_background(asdic_detect_job *job) {
+    asdic_background_source wanted =
+        job->options->has_cfar ? ASDIC_BACKGROUND_CFAR : job->options->background;
+    bool is_auto = wanted == ASDIC_BACKGROUND_AUTO;
+    bool is_plane = strcmp(job->run->facts.bottom, ASDIC_RUN_BOTTOM_MESH) != 0;
+    job->background = !is_auto   ? wanted
+                      : is_plane ? ASDIC_BACKGROUND_FLAT
+                                 : ASDIC_BACKGROUND_SIMULATED;
+    if (is_auto && !is_plane && !asdic_backdrop_can(job->run)) {
+        job->background = ASDIC_BACKGROUND_CFAR;
+    }
+    if (job->background == ASDIC_BACKGROUND_SIMULATED) {
+        TRY(simulate_background(job));
+    } else if (job->background == ASDIC_BACKGROUND_FLAT) {
         TRY(asdic_ping_create(job->ctx, job->info.beams, job->info.bins, &job->expected));
     }
+    job->report->background = job->background;
+    job->report->by_cfar = job->background == ASDIC_BACKGROUND_CFAR;
+    const asdic_cfar *cfar = job->report->by_cfar ? &job->options->cfar : NULL;
+    return asdic_scan_create(job->ctx, job->info.sonar, job->sound_speed_mps, job->info.bins,
+                             &job->detector, cfar, &job->scan);
+}
+
+/* What a run's detection needs before its first ping. Files are opened before a background is
+ * simulated, which takes time: they may be refused. */
+static asdic_status begin(asdic_detect_job *job, const char *folder) {
+    TRY(open_run(job, folder));
     TRY(asdic_namer_create(job->run, &job->namer));
     TRY(asdic_tracker_create(job->ctx, &job->options->tracker, &job->tracker));
     TRY(allocate(job));
     TRY(asdic_detect_report_create(job));
-    TRY(asdic_detect_create_map(job));
-    return asdic_detect_open_files(job);
+    TRY(asdic_detect_open_files(job));
+    TRY(choose_background(job));
+    return asdic_detect_create_map(job);
 }
 
 static void finish(asdic_detect_job *job) {
@@ -156,6 +207,7 @@ static void finish(asdic_detect_job *job) {
     asdic_tracker_destroy(&job->tracker);
     asdic_namer_destroy(&job->namer);
     asdic_scan_destroy(&job->scan);
+    asdic_backdrop_close(&job->backdrop);
     asdic_ping_destroy(&job->expected);
     asdic_detect_report_destroy(&job->report);
     asdic_run_close(&job->run);
@@ -163,6 +215,7 @@ static void finish(asdic_detect_job *job) {
     free(job->truth);
     free(job->label);
     free(job->detected);
+    free(job->error_db);
     free(job->plots);
     free(job->plot_cell);
     free(job->sight_ping);
@@ -172,6 +225,7 @@ static void finish(asdic_detect_job *job) {
 }
 
 static asdic_status detect(asdic_detect_job *job) {
+    double begin_s = asdic_clock_s();
     for (size_t i = 0; i < job->info.pings; i++) {
         asdic_record record;
         if (asdic_context_interrupted(job->ctx)) {
@@ -180,7 +234,13 @@ static asdic_status detect(asdic_detect_job *job) {
                               job->info.pings);
         }
         TRY(asdic_run_read(job->run, i, &record));
-        TRY(take_ping(job, &record));
+        TRY(take_ping(job, i, &record));
+        asdic_run_progress now = {.pings_done = i + 1,
+                                  .pings_total = job->info.pings,
+                                  .elapsed_s = asdic_clock_s() - begin_s};
+        if (job->options->progress) {
+            job->options->progress(job->options->user, &now);
+        }
     }
     TRY(asdic_detect_expect_tracks(job));
     TRY(asdic_file_commit(&job->detections));
@@ -193,7 +253,9 @@ static asdic_status find_lift(asdic_detect_job *job) {
     asdic_detect_report *r = job->report;
     asdic_background law = asdic_background_of(job->info.sonar, job->sound_speed_mps, 1.0, 0.0);
     r->sampling_error_db = job->run->facts.stderr_median_db;
-    asdic_background blurred = asdic_background_blurred(law, r->sampling_error_db);
+    r->background_error_db = job->backdrop ? asdic_backdrop_error_db(job->backdrop) : 0.0;
+    double error_db = hypot(r->sampling_error_db, r->background_error_db);
+    asdic_background blurred = asdic_background_blurred(law, error_db);
     double before, after;
     TRY(asdic_detect_threshold(job->ctx, &law, r->detector.pfa, &before));
     TRY(asdic_detect_threshold(job->ctx, &blurred, r->detector.pfa, &after));

@@ -1,8 +1,7 @@
+#include "detect_background.h"
 #include "detect_truth.h"
 
 #include "base/context.h"
-#include "base/file_read.h"
-#include "base/sha256.h"
 #include "base/try.h"
 #include "base/vec.h"
 #include "mission/mission.h"
@@ -13,9 +12,7 @@
 
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
-#define MAX_SCENE_BYTES ((size_t)4 << 20)
 /* Triangles are halved until they lie in one bin, at most so often. */
 #define MOST_HALVINGS 14
 
@@ -150,20 +147,6 @@ static asdic_status add_names(asdic_namer *namer) {
     return namer->names ? ASDIC_OK : asdic_fail_memory(ctx, "objects' names");
 }
 
-/* Whether the scene file is where it was, unchanged. */
-static bool scene_is_there(const asdic_run_facts *facts) {
-    char hash[65] = "";
-    char *bytes = NULL;
-    size_t size = 0;
-    if (strcmp(facts->scene_path, "-") == 0 || access(facts->scene_path, R_OK) != 0 ||
-        asdic_file_read(NULL, facts->scene_path, MAX_SCENE_BYTES, &bytes, &size) != ASDIC_OK) {
-        return false;
-    }
-    asdic_sha256_hex(bytes, size, hash);
-    free(bytes);
-    return strcmp(hash, facts->scene_hash) == 0;
-}
-
 static asdic_status name_nothing(asdic_namer *namer) {
     namer->names = calloc(1, sizeof *namer->names);
     if (!namer->names) {
@@ -176,7 +159,7 @@ static asdic_status name_nothing(asdic_namer *namer) {
 
 static asdic_status find_names(asdic_namer *namer) {
     asdic_run *run = namer->run;
-    if (scene_is_there(&run->facts)) {
+    if (asdic_backdrop_can(run)) {
         TRY(asdic_mission_load(run->ctx, run->facts.scene_path, &namer->mission));
         TRY(add_names(namer));
     } else {

@@ -19,9 +19,10 @@
 static const char *const marks[] = {"run.json", "pings.npy", "pings.npy.part", "bins.csv"};
 
 /* Everything a run, detect or render may have written there, beside the formats' files. */
-static const char *const names[] = {"run.json",  "pings.npy",     "bins.csv",       "terrain.asc",
-                                    "track.csv", "objects.csv",   "detections.csv", "roc.csv",
-                                    "roc.png",   "occupancy.png", "tracks.csv",     "routes.csv"};
+static const char *const names[] = {
+    "run.json",    "pings.npy",      "bins.csv",      "terrain.asc", "track.csv",
+    "objects.csv", "detections.csv", "roc.csv",       "roc.png",     "occupancy.png",
+    "tracks.csv",  "routes.csv",     "background.npy"};
 static const char *const stems[] = {"waterfall_", "ascope_", "fan_", "raw_", "overview.", "plan."};
 static const char *const picture_ends[] = {".png", ".pdf", ".svg"};
 

@@ -1,0 +1,330 @@
+#include "detect_background.h"
+
+#include "base/clock.h"
+#include "base/context.h"
+#include "base/file_read.h"
+#include "base/sha256.h"
+#include "base/try.h"
+#include "mission/mission.h"
+#include "mission/run/run_folder.h"
+#include "mission/run/run_workers.h"
+#include "out/file.h"
+#include "out/npy.h"
+#include "out/record.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#define MAX_SCENE_BYTES ((size_t)4 << 20)
+/* The background's rays over the run's: enough for a median error of GOOD_DB, within limits. A
+ * vehicle at rest needs one ping, which may cost more. */
+#define GOOD_DB 0.25
+#define MOST_TIMES 4.0
+#define MOST_TIMES_AT_REST 64.0
+#define MOST_RAYS ((uint32_t)1 << 23)
+/* A bin that few rays reach may have missed its rare strong echoes, and then states too small an
+ * error: variances are means over so many bins on either side. */
+#define NEIGHBOURS 4
+/* Errors are counted in steps; larger ones in the last. */
+#define ERROR_STEP_DB 0.01
+#define ERROR_STEPS 4000
+
+/* A ping of background.npy; two arrays follow, float32 [beam, bin]: level and error, dB. */
+typedef struct head {
+    uint64_t key, ping;
+} head;
+
+struct asdic_backdrop {
+    asdic_run *run;
+    const asdic_detect_options *options;
+    char *path;
+    uint64_t key; /* of the run, its scene, and the number of rays */
+    uint32_t rays;
+    size_t cells, pings, record_bytes, header_bytes;
+    char header[ASDIC_NPY_HEADER_SIZE];
+    FILE *file;
+    asdic_file *part; /* while it is made */
+    double begin_s;
+    uint64_t rays_done;
+    char *bytes;                      /* a record */
+    double *mean_lin, *variance_lin2; /* of the record; the variance of its own rays alone */
+    size_t read;                      /* the ping in them; SIZE_MAX: none */
+    uint64_t errors[ERROR_STEPS], error_count; /* of the bins that were read */
+};
+
+bool asdic_backdrop_can(const asdic_run *run) {
+    const asdic_run_facts *facts = &run->facts;
+    char hash[65] = "";
+    char *bytes = NULL;
+    size_t size = 0;
+    if (strcmp(facts->scene_path, "-") == 0 || access(facts->scene_path, R_OK) != 0 ||
+        asdic_file_read(NULL, facts->scene_path, MAX_SCENE_BYTES, &bytes, &size) != ASDIC_OK) {
+        return false;
+    }
+    asdic_sha256_hex(bytes, size, hash);
+    free(bytes);
+    return strcmp(hash, facts->scene_hash) == 0;
+}
+
+/* --- the file --------------------------------------------------------------------------------- */
+
+static bool is_at_rest(asdic_run *run) {
+    asdic_record record;
+    size_t count = asdic_store_count(run->store);
+    asdic_pose first;
+    for (size_t i = 0; i < count; i++) {
+        if (asdic_run_read(run, i, &record) != ASDIC_OK) {
+            return false;
+        }
+        first = i == 0 ? record.pose : first;
+        if (memcmp(&first, &record.pose, sizeof first) != 0) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static uint32_t rays_of(const asdic_run_facts *facts, bool at_rest) {
+    double error = facts->stderr_median_db, most = at_rest ? MOST_TIMES_AT_REST : MOST_TIMES;
+    double times = isfinite(error) ? pow(error / GOOD_DB, 2) : most;
+    double rays = fmin(fmax(times, 1.0), most) * (double)facts->sampling.rays;
+    return (uint32_t)fmin(rays, fmax(MOST_RAYS, (double)facts->sampling.rays));
+}
+
+/* The number under which a background of these pings is known. */
+static uint64_t key_of(const asdic_backdrop *b) {
+    const asdic_run_facts *f = &b->run->facts;
+    const asdic_sampling *s = &f->sampling;
+    char text[512], hex[65];
+    int length = snprintf(text, sizeof text, "%s %s %s %zu+%zu %zu*%zu %u %d %d %llu %u",
+                          f->version, f->scene_hash, f->geometry_hash, f->first_ping, b->pings,
+                          f->beams, f->bins, b->rays, (int)s->sampler, (int)s->multipath,
+                          (unsigned long long)s->seed, s->left_out);
+    asdic_sha256_hex(text, (size_t)length, hex);
+    hex[16] = 0;
+    return strtoull(hex, NULL, 16);
+}
+
+/* Reads ping INDEX into BYTES; false where it is not there, or another run's. */
+static bool read_record(asdic_backdrop *b, size_t index) {
+    head h;
+    off_t at = (off_t)(b->header_bytes + index * b->record_bytes);
+    if (fseeko(b->file, at, SEEK_SET) != 0 || fread(b->bytes, b->record_bytes, 1, b->file) != 1) {
+        return false;
+    }
+    memcpy(&h, b->bytes, sizeof h);
+    return h.key == b->key && h.ping == b->run->facts.first_ping + index;
+}
+
+/* Whether the folder holds the whole background of this run. */
+static bool find(asdic_backdrop *b) {
+    b->file = fopen(b->path, "rbe");
+    bool is_there = b->file && read_record(b, 0) && read_record(b, b->pings - 1);
+    if (!is_there && b->file) {
+        fclose(b->file);
+        b->file = NULL;
+    }
+    return is_there;
+}
+
+/* --- simulation ------------------------------------------------------------------------------- */
+
+static void report(const asdic_backdrop *b, size_t done) {
+    asdic_run_progress now = {.pings_done = done,
+                              .pings_total = b->pings,
+                              .rays = b->rays_done,
+                              .elapsed_s = asdic_clock_s() - b->begin_s};
+    if (b->options->progress) {
+        b->options->progress(b->options->user, &now);
+    }
+}
+
+static asdic_status take(void *user, size_t ping, const asdic_ping *result) {
+    asdic_backdrop *b = user;
+    head h = {.key = b->key, .ping = ping};
+    float *level = (float *)(b->bytes + sizeof h), *error = level + b->cells;
+    memcpy(b->bytes, &h, sizeof h);
+    for (size_t i = 0; i < b->cells; i++) {
+        double lin = result->intensity_lin[ASDIC_TOTAL][i];
+        level[i] = lin > 0.0 ? (float)(10.0 * log10(lin)) : NAN;
+        error[i] = (float)result->stderr_db[i];
+    }
+    fwrite(b->bytes, b->record_bytes, 1, asdic_file_stream(b->part)); /* commit tells of errors */
+    b->rays_done += result->rays;
+    report(b, ping + 1 - b->run->facts.first_ping);
+    return ASDIC_OK;
+}
+
+static asdic_status simulate_on(asdic_backdrop *b, asdic_mission *mission, asdic_device **devices,
+                                size_t device_count) {
+    const asdic_run_facts *facts = &b->run->facts;
+    asdic_work_result result;
+    asdic_work work = {.mission = mission,
+                       .devices = devices,
+                       .device_count = device_count,
+                       .first = facts->first_ping,
+                       .end = facts->first_ping + b->pings,
+                       .bins = facts->bins,
+                       .take = take,
+                       .user = b};
+    mission->settings.sampling = facts->sampling;
+    mission->settings.sampling.rays = b->rays;
+    mission->settings.sonar.speckle = ASDIC_SPECKLE_NONE;
+    TRY(asdic_file_create(b->run->ctx, b->path, &b->part));
+    fwrite(b->header, b->header_bytes, 1, asdic_file_stream(b->part));
+    report(b, 0);
+    TRY(asdic_workers_run(b->run->ctx, &work, &result));
+    return asdic_file_commit(&b->part);
+}
+
+static asdic_status simulate(asdic_backdrop *b) {
+    asdic_context *ctx = b->run->ctx;
+    asdic_mission *mission = NULL;
+    asdic_device **devices = NULL;
+    size_t count = 0;
+    b->begin_s = asdic_clock_s();
+    asdic_log(
+        ctx, ASDIC_LOG_INFO,
+        "simulating the background: %zu ping%s of the scene without its objects, %u rays each",
+        b->pings, b->pings == 1 ? "" : "s", b->rays);
+    asdic_status status = asdic_mission_load_empty(ctx, b->run->facts.scene_path, &mission);
+    if (status == ASDIC_OK) {
+        status = asdic_devices_open(ctx, b->options->device, &devices, &count);
+    }
+    if (status == ASDIC_OK) {
+        status = simulate_on(b, mission, devices, count);
+    }
+    asdic_file_discard(&b->part);
+    asdic_devices_close(&devices, count);
+    asdic_mission_destroy(&mission);
+    TRY(status);
+    return find(b) ? ASDIC_OK
+                   : asdic_fail(ctx, ASDIC_ERROR_IO, "'%s' cannot be read back", b->path);
+}
+
+/* --- use -------------------------------------------------------------------------------------- */
+
+static asdic_status prepare(asdic_backdrop *b) {
+    const asdic_run_facts *facts = &b->run->facts;
+    char dtype[ASDIC_RECORD_DTYPE_SIZE];
+    bool at_rest = is_at_rest(b->run);
+    b->pings = at_rest ? 1 : asdic_store_count(b->run->store);
+    b->rays = rays_of(facts, at_rest);
+    b->cells = facts->beams * facts->bins;
+    b->record_bytes = sizeof(head) + 2 * b->cells * sizeof(float);
+    b->read = SIZE_MAX;
+    b->key = key_of(b);
+    snprintf(dtype, sizeof dtype,
+             "[('key', '<u8'), ('ping', '<u8'), ('level_db', '<f4', (%zu, %zu)), "
+             "('stderr_db', '<f4', (%zu, %zu))]",
+             facts->beams, facts->bins, facts->beams, facts->bins);
+    b->header_bytes = asdic_npy_header(b->header, dtype, b->pings, "");
+    b->path = asdic_folder_file(b->run->folder, "background.npy");
+    b->bytes = malloc(b->record_bytes);
+    b->mean_lin = malloc(b->cells * sizeof *b->mean_lin);
+    b->variance_lin2 = malloc(b->cells * sizeof *b->variance_lin2);
+    return b->path && b->bytes && b->mean_lin && b->variance_lin2
+               ? ASDIC_OK
+               : asdic_fail_memory(b->run->ctx, "a background");
+}
+
+asdic_status asdic_backdrop_open(asdic_run *run, const asdic_detect_options *options,
+                                 double *simulated_s, asdic_backdrop **out) {
+    *out = NULL;
+    *simulated_s = 0.0;
+    asdic_backdrop *b = calloc(1, sizeof *b);
+    if (!b) {
+        return asdic_fail_memory(run->ctx, "a background");
+    }
+    b->run = run;
+    b->options = options;
+    asdic_status status = prepare(b);
+    if (status == ASDIC_OK && !find(b)) {
+        status = simulate(b);
+        *simulated_s = asdic_clock_s() - b->begin_s;
+    }
+    if (status != ASDIC_OK) {
+        asdic_backdrop_close(&b);
+    }
+    *out = b;
+    return status;
+}
+
+void asdic_backdrop_close(asdic_backdrop **backdrop) {
+    asdic_backdrop *b = backdrop ? *backdrop : NULL;
+    if (!b) {
+        return;
+    }
+    if (b->file) {
+        fclose(b->file);
+    }
+    free(b->path);
+    free(b->bytes);
+    free(b->mean_lin);
+    free(b->variance_lin2);
+    free(b);
+    *backdrop = NULL;
+}
+
+static void take_record(asdic_backdrop *b, size_t index) {
+    const float *level = (const float *)(b->bytes + sizeof(head)), *error = level + b->cells;
+    b->read = index;
+    for (size_t i = 0; i < b->cells; i++) {
+        bool is_known = !isnan(level[i]);
+        b->mean_lin[i] = is_known ? pow(10.0, 0.1 * (double)level[i]) : 0.0;
+        double share = isnan(error[i]) ? 0.0 : (double)error[i] * 0.1 * log(10.0);
+        b->variance_lin2[i] = pow(share * b->mean_lin[i], 2);
+        if (is_known && !isnan(error[i])) {
+            b->errors[(size_t)fmin(error[i] / ERROR_STEP_DB, ERROR_STEPS - 1)]++;
+            b->error_count++;
+        }
+    }
+}
+
+double asdic_backdrop_error_db(const asdic_backdrop *b) {
+    uint64_t below = 0;
+    for (size_t i = 0; i < ERROR_STEPS; i++) {
+        below += b->errors[i];
+        if (2 * below > b->error_count) {
+            return ERROR_STEP_DB * ((double)i + 0.5);
+        }
+    }
+    return 0.0;
+}
+
+/* The standard error of bin N of the beam that begins at FIRST, as a share of its mean. */
+static double error_share(const asdic_backdrop *b, size_t first, size_t n) {
+    size_t bins = b->run->facts.bins;
+    size_t low = n > NEIGHBOURS ? n - NEIGHBOURS : 0;
+    size_t end = n + NEIGHBOURS + 1 < bins ? n + NEIGHBOURS + 1 : bins;
+    double sum = 0.0, mean = b->mean_lin[first + n];
+    for (size_t k = low; k < end; k++) {
+        sum += b->variance_lin2[first + k];
+    }
+    return mean > 0.0 ? sqrt(sum / (double)(end - low)) / mean : 0.0;
+}
+
+asdic_status asdic_backdrop_read(asdic_backdrop *b, size_t index, const double **mean_lin) {
+    index = b->pings == 1 ? 0 : index;
+    if (b->read != index) {
+        if (!read_record(b, index)) {
+            return asdic_fail(b->run->ctx, ASDIC_ERROR_INPUT,
+                              "'%s' is damaged; remove it, it is made again", b->path);
+        }
+        take_record(b, index);
+    }
+    *mean_lin = b->mean_lin;
+    return ASDIC_OK;
+}
+
+void asdic_backdrop_add_error(const asdic_backdrop *b, float *error_db) {
+    size_t bins = b->run->facts.bins;
+    double db = 10.0 / log(10.0), times = (double)b->rays / (double)b->run->facts.sampling.rays;
+    for (size_t i = 0; i < b->cells; i++) {
+        double own = db * error_share(b, i - i % bins, i % bins);
+        double run = fmax((double)error_db[i], own * sqrt(times));
+        error_db[i] = (float)hypot(own, run);
+    }
+}

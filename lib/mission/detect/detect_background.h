@@ -1,0 +1,34 @@
+/*
+ * The background of a run's pings by simulation: the run's scene without its objects, and without
+ * speckle. It is kept in the run folder as background.npy.
+ */
+#ifndef ASDIC_MISSION_DETECT_BACKGROUND_H
+#define ASDIC_MISSION_DETECT_BACKGROUND_H
+
+#include "mission/run/run_open.h"
+
+#include <asdic/detections.h>
+
+typedef struct asdic_backdrop asdic_backdrop;
+
+/* Whether the scene file is where the run has it from, unchanged. */
+bool asdic_backdrop_can(const asdic_run *run);
+
+/* Opens what an earlier call left for this run, or simulates it; *SIMULATED_S is the time that took,
+ * 0 when it was there. */
+asdic_status asdic_backdrop_open(asdic_run *run, const asdic_detect_options *options,
+                                 double *simulated_s, asdic_backdrop **out);
+void asdic_backdrop_close(asdic_backdrop **backdrop);
+
+/* Of the run's ping INDEX the mean intensity, [beam * bins + bin], valid until the next call. */
+asdic_status asdic_backdrop_read(asdic_backdrop *backdrop, size_t index, const double **mean_lin);
+
+/* Adds to ERROR_DB, standard errors of the levels of the ping that was read last, those of the
+ * background. A level whose own error is below what the background's says of so few rays has that
+ * one. */
+void asdic_backdrop_add_error(const asdic_backdrop *backdrop, float *error_db);
+
+/* The median standard error of the bins read so far, dB. */
+double asdic_backdrop_error_db(const asdic_backdrop *backdrop);
+
+#endif
