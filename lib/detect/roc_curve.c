@@ -19,6 +19,25 @@ static uint64_t seed_of(uint64_t seed, bool present) {
     return present ? seed ^ 0x9E3779B97F4A7C15u : seed;
 }
 
+/* Draws so many at a time, some 10 ms of work, between looks at whether to stop. */
+#define DRAW_BLOCK ((size_t)1 << 16)
+
+static asdic_status check_stop(asdic_context *ctx) {
+    return asdic_context_interrupted(ctx)
+               ? asdic_fail(ctx, ASDIC_ERROR_INTERRUPTED, "interrupted; nothing was written")
+               : ASDIC_OK;
+}
+
+static asdic_status draw_blocks(asdic_context *ctx, const asdic_background *b, asdic_target target,
+                                double target_lin, uint64_t seed, size_t trials, double *out) {
+    for (size_t i = 0; i < trials; i += DRAW_BLOCK) {
+        size_t count = trials - i < DRAW_BLOCK ? trials - i : DRAW_BLOCK;
+        TRY(check_stop(ctx));
+        asdic_detect_draw(b, target, target_lin, seed, i, count, out + i);
+    }
+    return ASDIC_OK;
+}
+
 static asdic_status draw(asdic_context *ctx, const asdic_roc_case *c,
                          const asdic_roc_options *options, asdic_roc *roc) {
     size_t trials = roc->trials;
@@ -28,10 +47,10 @@ static asdic_status draw(asdic_context *ctx, const asdic_roc_case *c,
     }
     roc->present = roc->none + trials;
     double from_s = asdic_clock_s();
-    asdic_detect_draw(&c->none, options->target, 0.0, seed_of(options->seed, false), 0, trials,
-                      roc->none);
-    asdic_detect_draw(&c->rest, options->target, c->target_lin, seed_of(options->seed, true), 0,
-                      trials, roc->present);
+    TRY(draw_blocks(ctx, &c->none, options->target, 0.0, seed_of(options->seed, false), trials,
+                    roc->none));
+    TRY(draw_blocks(ctx, &c->rest, options->target, c->target_lin, seed_of(options->seed, true),
+                    trials, roc->present));
     roc->draw_s = (asdic_clock_s() - from_s) / (2.0 * (double)trials) * 1e6;
     return ASDIC_OK;
 }
@@ -71,6 +90,7 @@ asdic_status asdic_roc_band(asdic_context *ctx, const asdic_roc_case *c, asdic_t
 static asdic_status add_point(asdic_context *ctx, const asdic_roc_case *c,
                               const asdic_roc_options *options, asdic_roc *roc, double pfa) {
     double threshold;
+    TRY(check_stop(ctx));
     TRY(asdic_detect_threshold(ctx, &c->none, pfa, &threshold));
     bool is_rare = pfa * (double)roc->trials < LEAST_EVENTS;
     asdic_roc_point *p = &roc->points[roc->point_count++];
@@ -122,6 +142,7 @@ asdic_status asdic_roc_fill(asdic_context *ctx, const asdic_roc_case *c,
         double pfa = pow(10.0, (double)i / PER_DECADE - DECADES);
         TRY(add_point(ctx, c, options, roc, pfa));
     }
+    TRY(check_stop(ctx));
     TRY(asdic_roc_area(ctx, roc->none, roc->present, roc->trials, &roc->area));
     TRY(closed_area(ctx, c, options, &roc->closed_area));
     TRY(asdic_detect_threshold(ctx, &c->none, roc->pfa, &threshold));

@@ -2,7 +2,11 @@
 import csv
 import json
 import pathlib
+import signal
+import subprocess
+import time
 
+import program
 import tap
 from program import Folder, asdic, need_device
 
@@ -158,6 +162,21 @@ def test_the_laws_error_moves_detection():
             tap.equal(band["low"] <= sight["pd"] <= band["high"], True, f"{band} {sight['pd']}")
         done = asdic("expect", "sand.yaml", "-o", "out.csv", cwd=folder.path).check(0)
         tap.contains(done.err, "model_uncertainty_db: bottom 5")
+
+
+def test_it_stops_within_a_second():
+    need_device()
+    with Folder() as folder:
+        command = [program.PATH, "roc", SCENE2, "--object", "rise", "--trials", "20000000",
+                   "-o", "out"]
+        with subprocess.Popen(command, cwd=folder.path, stderr=subprocess.PIPE) as child:
+            time.sleep(3)  # of a quarter of a minute or more of drawing
+            begin = time.monotonic()
+            child.send_signal(signal.SIGTERM)
+            child.communicate()
+            tap.equal(child.returncode, 143)
+            tap.equal(time.monotonic() - begin < 2, True, "seconds until it stopped")
+        tap.equal(folder.names(), [])
 
 
 tap.main(globals())
