@@ -123,13 +123,27 @@ static asdic_status expect(server *s, const asdic_loop_ping *ping) {
     return ASDIC_OK;
 }
 
+/* Answers a line that cannot be served. */
+static void refuse(server *s, const char *why) {
+    serve_write_error(&s->writer, s->line, why);
+    cli_warning(s->c, "line %llu: %s", (unsigned long long)s->line, why);
+}
+
 static asdic_status ping_at(server *s, const serve_request *request) {
     asdic_loop_ping ping;
+    char why[SERVE_WHY_SIZE];
+    double z_m = request->pose.position_m.z;
+    double bottom_m =
+        asdic_mission_bottom_m(asdic_mission_scene(s->mission), request->pose.position_m);
+    if (z_m > bottom_m + 1e-6 * fabs(bottom_m)) {
+        snprintf(why, sizeof why, "the sonar is at z = %.6g m, below the bottom at %.6g m", z_m,
+                 bottom_m);
+        refuse(s, why);
+        return ASDIC_OK;
+    }
     asdic_status status = asdic_loop_submit(s->loop, &request->pose);
     if (status == ASDIC_ERROR_ARGUMENT) { /* no place for a vehicle */
-        const char *why = asdic_context_error(cli_context(s->c));
-        serve_write_error(&s->writer, s->line, why);
-        cli_warning(s->c, "line %llu: %s", (unsigned long long)s->line, why);
+        refuse(s, asdic_context_error(cli_context(s->c)));
         return ASDIC_OK;
     }
     TRY(status);
@@ -174,8 +188,7 @@ static int serve(server *s) {
             in.is_too_long = false;
         }
         if (kind == SERVE_BAD) {
-            serve_write_error(&s->writer, s->line, why);
-            cli_warning(s->c, "line %llu: %s", (unsigned long long)s->line, why);
+            refuse(s, why);
         } else if (kind == SERVE_POSE) {
             status = ping_at(s, &request);
         }

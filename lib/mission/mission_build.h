@@ -31,8 +31,6 @@ asdic_status asdic_mission_build_scene(mission_builder *b);
 asdic_status asdic_mission_build_pings(mission_builder *b);
 /* What `rays: auto` means for the pings of this scene. */
 void asdic_mission_build_rays(mission_builder *b);
-/* Depth of the highest bottom at POSITION's north and east; INFINITY where there is none. */
-double asdic_mission_bottom_m(const asdic_scene *scene, asdic_vec3 position_m);
 /* Checks that the sonar stays above the bottom, and remarks on objects that cannot be seen. */
 void asdic_mission_check_positions(mission_builder *b);
 

@@ -4,12 +4,17 @@
 #include "mission_build.h"
 
 #include "base/context.h"
+#include "scene/scene.h"
 
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 /* Poses tested against a bottom that is no plane. Of longer missions every so many are tested. */
 #define MAX_TESTED_PINGS 10000
+
+/* Poses tested against objects, and triangles against poses: a second's work at most. */
+#define MAX_TESTS 10000000
 
 /* Two points of a track have a gap between them when they are this many times farther apart than
  * the others on average. */
@@ -97,23 +102,130 @@ static double distance_m(const asdic_mission_object *object, asdic_vec3 position
     return sqrt(x * x + y * y + z * z);
 }
 
+/* Pings from one that is tested against objects to the next: of few objects or pings, 1. */
+static size_t ping_step(const asdic_mission *m) {
+    return (size_t)((double)m->ping_count * (double)m->object_count / MAX_TESTS) + 1;
+}
+
+/* The least distance from a ping's sonar to the box round OBJECT; any that is below ENOUGH_M does. */
+static double nearest_m(const asdic_mission *m, const asdic_mission_object *object,
+                        double enough_m) {
+    double least_m = INFINITY;
+    size_t step = ping_step(m), count = m->track ? m->ping_count : 1;
+    for (size_t i = 0; i < count && !(least_m < enough_m); i += step) {
+        least_m = fmin(least_m, distance_m(object, asdic_mission_pose(m, i, NULL).position_m));
+    }
+    return least_m;
+}
+
+/* Whether the box round OBJECT is below the bottom, at its corners and its middle. */
+static bool is_buried(const asdic_mission *m, const asdic_mission_object *object) {
+    const asdic_vec3 *low = &object->min_m, *high = &object->max_m;
+    const double x_m[] = {low->x, low->x, high->x, high->x, 0.5 * (low->x + high->x)};
+    const double y_m[] = {low->y, high->y, low->y, high->y, 0.5 * (low->y + high->y)};
+    for (size_t i = 0; i < sizeof x_m / sizeof *x_m; i++) {
+        asdic_vec3 at_m = {x_m[i], y_m[i], low->z};
+        if (!(low->z > asdic_mission_bottom_m(m->scene, at_m))) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static double turn(const float a[3], const float b[3], double x, double y) {
+    return ((double)a[0] - x) * ((double)b[1] - y) - ((double)a[1] - y) * ((double)b[0] - x);
+}
+
+/* Whether POSITION is inside the closed mesh of PART: a line straight up leaves it once more than it
+ * enters. */
+static bool is_inside(const asdic_scene *scene, size_t part, asdic_vec3 position_m) {
+    /* A little aside: where things are put by hand, the line would go through edges. */
+    double x = position_m.x - scene->origin_m.x + 1.23e-4;
+    double y = position_m.y - scene->origin_m.y + 2.71e-4, z = position_m.z - scene->origin_m.z;
+    bool is_odd = false;
+    for (size_t i = 0; i < scene->triangle_count; i++) {
+        const dev_triangle *t = &scene->triangles[i];
+        double u = turn(t->v1, t->v2, x, y), v = turn(t->v2, t->v0, x, y);
+        double w = turn(t->v0, t->v1, x, y), area = u + v + w;
+        if (t->part == part && area != 0.0 &&
+            ((u >= 0.0 && v >= 0.0 && w >= 0.0) || (u <= 0.0 && v <= 0.0 && w <= 0.0)) &&
+            (u * t->v0[2] + v * t->v1[2] + w * t->v2[2]) / area < z) {
+            is_odd = !is_odd;
+        }
+    }
+    return is_odd;
+}
+
+/* The first ping whose sonar is inside OBJECT, of those that are tested; SIZE_MAX: none. */
+static size_t first_inside(const asdic_mission *m, const asdic_mission_object *object) {
+    size_t part = 0, step = ping_step(m), count = m->track ? m->ping_count : 1;
+    size_t tests = MAX_TESTS / (m->scene->triangle_count + 1) + 1;
+    while (part < m->scene->part_count && strcmp(m->scene->parts[part].name, object->name) != 0) {
+        part++;
+    }
+    if (object->mesh.triangles == 0 || object->mesh.open_edges > 0) {
+        return SIZE_MAX;
+    }
+    for (size_t i = 0; i < count && tests > 0; i += step) {
+        asdic_vec3 at_m = asdic_mission_pose(m, i, NULL).position_m;
+        if (distance_m(object, at_m) == 0.0 && tests-- > 0 && is_inside(m->scene, part, at_m)) {
+            return i;
+        }
+    }
+    return SIZE_MAX;
+}
+
+static double range_of(const asdic_mission *m) {
+    double depth_m = asdic_mission_pose(m, 0, NULL).position_m.z;
+    return asdic_sonar_max_range_m(
+        &m->settings.sonar, asdic_environment_sound_speed_mps(&m->settings.environment, depth_m));
+}
+
 static void remark_on_objects(mission_builder *b) {
     const asdic_mission *m = b->mission;
     size_t first = m->object_count - b->file->objects.count; /* the bottom may be before them */
-    asdic_pose pose = asdic_mission_pose(m, 0, NULL);
-    double range_m = asdic_sonar_max_range_m(
-        &m->settings.sonar,
-        asdic_environment_sound_speed_mps(&m->settings.environment, pose.position_m.z));
+    double range_m = range_of(m);
     for (size_t i = first; i < m->object_count; i++) {
         const asdic_mission_object *object = &m->objects[i];
+        char text[160];
         if (object->moves) {
             continue;
         }
+        double away_m = nearest_m(m, object, range_m);
+        size_t inside = first_inside(m, object);
         if (object->max_m.z < 0.0) {
             remark(b, i - first, "lies above the sea surface; z is positive down");
-        } else if (!m->track && distance_m(object, pose.position_m) > range_m) {
-            remark(b, i - first, "is beyond the maximum range");
+        } else if (away_m > range_m) {
+            snprintf(text, sizeof text, "is beyond the maximum range: %.4g m away, heard to %.4g m",
+                     away_m, range_m);
+            remark(b, i - first, text);
+        } else if (is_buried(m, object)) {
+            remark(b, i - first, "lies wholly below the bottom; z is positive down");
+        } else if (inside != SIZE_MAX) {
+            snprintf(text, sizeof text, "has the sonar inside it at ping %zu", inside);
+            remark(b, i - first, text);
         }
+    }
+}
+
+/* A bottom in another place, or too deep to be heard. */
+static void remark_on_reach(mission_builder *b) {
+    const asdic_mission *m = b->mission;
+    asdic_scene_info scene = asdic_scene_get_info(m->scene);
+    asdic_mission_object bottom = {.min_m = {-INFINITY, -INFINITY, scene.bottom_plane_depth_m},
+                                   .max_m = {INFINITY, INFINITY, scene.bottom_plane_depth_m}};
+    if (m->object_count > b->file->objects.count) {
+        bottom = m->objects[0];
+    } else if (!scene.has_bottom_plane) {
+        return;
+    }
+    double range_m = range_of(m), away_m = nearest_m(m, &bottom, range_m);
+    if (away_m > range_m) {
+        const asdic_yaml_node *node = b->file->bottom.node;
+        asdic_log(b->ctx, ASDIC_LOG_WARNING,
+                  "%s:%u:%u: warning: the bottom is never in range: %.4g m away, heard to %.4g m  "
+                  "[bottom]",
+                  b->problems->name, node->line, node->column, away_m, range_m);
     }
 }
 
@@ -165,6 +277,7 @@ void asdic_mission_check_positions(mission_builder *b) {
     if (b->problems->total == 0) {
         check_depths(b);
         remark_on_bottom(b);
+        remark_on_reach(b);
         remark_on_objects(b);
         remark_on_gap(b);
         remark_on_motions(b);

@@ -1,6 +1,6 @@
 /*
- * Remarks on laws that a mission uses outside the validity that their sources state, and on rays
- * that are too few.
+ * Remarks on laws that a mission uses outside the validity that their sources state, on a sonar that
+ * is hardly meant, and on rays that are too few.
  */
 #include "mission.h"
 
@@ -71,6 +71,21 @@ static void remark_rays(const asdic_mission *m, asdic_remarks *out) {
     }
 }
 
+/* Bins in a cell of the range resolution: more are the same echo over and over. */
+#define MOST_BINS 10.0
+
+/* Adds what of SETTINGS is hardly meant. */
+static void remark_on_sonar(const asdic_settings *settings, double speed_mps, asdic_remarks *out) {
+    const asdic_sonar *sonar = &settings->sonar;
+    double cell_m = speed_mps / (2.0 * sonar->bandwidth_hz);
+    if (out->count < ASDIC_MOST_REMARKS && cell_m > MOST_BINS * sonar->bin_length_m) {
+        snprintf(out->text[out->count++], ASDIC_REMARK_SIZE,
+                 "sonar: the range resolution c / (2 bandwidth) of %.4g m is %.0f bins; "
+                 "'bandwidth_khz' is %g kHz",
+                 cell_m, cell_m / sonar->bin_length_m, 1e-3 * sonar->bandwidth_hz);
+    }
+}
+
 asdic_remarks asdic_mission_remarks(const asdic_mission *mission) {
     asdic_remarks out = {0};
     if (!mission) {
@@ -99,5 +114,6 @@ asdic_remarks asdic_mission_remarks(const asdic_mission *mission) {
         remark(&scene->surface.law->model, &scene->surface, &s, &out);
     }
     remark_rays(mission, &out);
+    remark_on_sonar(&mission->settings, asdic_environment_sound_speed_mps(env, s.z_m), &out);
     return out;
 }

@@ -75,7 +75,7 @@ def test_json_and_yaml_scenes_are_equal():
 def test_stdin_and_relative_paths():
     scene = MINIMAL.replace("depth_m: 12", "mesh: {file: m.obj, scale: 1000}")
     scene = scene.replace("[0, 0, 7]", "[300, 300, 7]")
-    scene = scene.replace("{mesh", "{position_m: [0, 0, 3000], mesh")
+    scene = scene.replace("{mesh", "{position_m: [0, 0, 2050], mesh")
     with folder(m_obj=TETRAHEDRON, s_yaml=scene) as at:
         beside = asdic("check", os.path.join(at, "s.yaml"))
         piped = asdic("check", "-", stdin=scene, cwd=at)
@@ -156,8 +156,51 @@ mission:""")
     tap.equal(done.code, 0)
     tap.equal(done.err, "stdin:7:5: warning: object 'sky' lies above the sea surface; z is "
                         "positive down  [objects[0]]\n"
-                        "stdin:8:5: warning: object 'far' is beyond the maximum range  "
-                        "[objects[1]]\n")
+                        "stdin:8:5: warning: object 'far' is beyond the maximum range: "
+                        "79.01 m away, heard to 74.51 m  [objects[1]]\n")
+
+
+def remarks_on(scene):
+    done = asdic("check", "-", stdin=scene).check(code=0)
+    return re.sub(r"(stdin|-)(:\d+)*: ", "", done.err)
+
+
+def test_what_is_hardly_meant_is_remarked_on():
+    objects = """objects:
+  - {name: grave, sphere: {radius_m: 1}, position_m: [20, 0, 13.5]}
+  - {name: sunk, sphere: {radius_m: 1}, position_m: [20, 0, 12.5]}
+  - {name: tank, cylinder: {radius_m: 2, length_m: 6}, position_m: [0, 0.5, 7]}
+  - {name: beside, sphere: {radius_m: 2}, position_m: [1.2, 1.2, 8.2]}
+mission:"""
+    # The pose is 2.08 m from the middle of the last: in the box round it, not in it.
+    tap.equal(remarks_on(MINIMAL.replace("mission:", objects)),
+              "warning: object 'grave' lies wholly below the bottom; z is positive down  [objects[0]]\n"
+              "warning: object 'tank' has the sonar inside it at ping 0  [objects[2]]\n")
+    scene = MINIMAL.replace("frequency_khz: 100", "frequency_khz: 100\n  source_level_db: 200")
+    tap.equal(remarks_on(scene), "")
+    tap.equal(remarks_on(scene.replace("  source", "  bandwidth_khz: 0.15\n  source")), "")
+    tap.contains(remarks_on(scene.replace("  source", "  bandwidth_khz: 0.14\n  source")),
+                 "remark: sonar: the range resolution c / (2 bandwidth) of 5.3")
+    tap.equal(remarks_on(scene.replace("depth_m: 12", "depth_m: 81")), "")
+    tap.equal(remarks_on(scene.replace("depth_m: 12", "depth_m: 82")),
+              "warning: the bottom is never in range: 75 m away, heard to 74.51 m  [bottom]\n")
+
+
+def test_objects_far_from_a_track_are_remarked_on():
+    track = "time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg\n0,0,0,7,0,0,0\n10,100,0,7,0,0,0\n"
+    scene = (MINIMAL.replace("pose: {position_m: [0, 0, 7]}", "track: t.csv").replace(
+        "{depth_m: 12}", "{mesh: {file: floor.obj, z_up: false}, position_m: [%s, 0, 0]}").replace(
+            "mission:", """objects:
+  - {name: met, sphere: {radius_m: 1}, position_m: [160, 0, 10]}
+  - {name: far, sphere: {radius_m: 1}, position_m: [5100, 0, 10]}
+mission:"""))
+    floor = "v -100 -80 20\nv 200 -80 20\nv 200 80 20\nv -100 80 20\nf 1 2 3\nf 1 3 4\n"
+    with folder(floor_obj=floor, t_csv=track, here_yaml=scene % 0, away_yaml=scene % 400000) as at:
+        here = asdic("check", "here.yaml", cwd=at).check(code=0).err
+        away = asdic("check", "away.yaml", cwd=at).check(code=0).err
+    tap.equal(here.count("warning"), 1, here)
+    tap.contains(here, "object 'far' is beyond the maximum range: 4999 m away, heard to 74.51 m")
+    tap.contains(away, "the bottom is never in range: 3.998e+05 m away, heard to 74.51 m  [bottom]")
 
 
 def test_upright_bottom_is_remarked_on():

@@ -39,6 +39,15 @@ def serve(folder, lines, *options, mission="{pose: {position_m: [0, 0, 7]}}", co
     return asdic("serve", scene, *options, stdin="\n".join(lines)).check(code=code)
 
 
+def test_a_place_below_the_bottom_is_no_place():
+    program.need_device()
+    with Folder() as folder:
+        done = serve(folder, ["0,0,0,91,0,0,0", "0,0,0,11.9,0,0,0"])
+        below, above = (json.loads(line) for line in done.out.splitlines())
+        tap.contains(below["error"], "the sonar is at z = 91 m, below the bottom at 12 m")
+        tap.equal("error" in above, False, above)
+
+
 def test_levels_are_those_of_a_run():
     program.need_device()
     with Folder() as folder:

@@ -100,6 +100,9 @@ ASDIC_API const asdic_mission_object *asdic_mission_get_object(const asdic_missi
  * the vehicle. */
 ASDIC_API asdic_flat_scene asdic_mission_flat_scene(const asdic_mission *mission, size_t index);
 
+/* Depth of the highest bottom at POSITION's north and east; INFINITY where there is none. */
+ASDIC_API double asdic_mission_bottom_m(const asdic_scene *scene, asdic_vec3 position_m);
+
 /* Pose and time of ping INDEX; INDEX < ping_count. TIME_S may be NULL. */
 ASDIC_API asdic_pose asdic_mission_pose(const asdic_mission *mission, size_t index, double *time_s);
 
@@ -262,7 +265,8 @@ ASDIC_API asdic_run_options asdic_run_options_default(void);
 /* Runs pings on the given devices and writes the run folder. In a team, all processes call it with
  * the same mission and the same pings: process 0 writes, the others return when it is done with
  * them. ASDIC_ERROR_IO: without force, also where the disk has too little room;
- * ASDIC_ERROR_EXISTS: the folder holds a run, and neither force nor resume was asked for; ASDIC_ERROR_INPUT: it cannot be resumed; ASDIC_ERROR_INTERRUPTED: what is written is valid. */
+ * ASDIC_ERROR_EXISTS: the folder holds a run, and neither force nor resume was asked for;
+ * ASDIC_ERROR_INPUT: it cannot be resumed; ASDIC_ERROR_INTERRUPTED: what is written is valid. */
 ASDIC_API asdic_status asdic_mission_run(asdic_context *ctx, asdic_mission *mission,
                                          asdic_device **devices, size_t device_count,
                                          const asdic_run_options *options);

@@ -43,8 +43,9 @@ typedef struct asdic_sonar {
     double max_range_m;   /* nothing farther is received; NAN: as far as the ping rate lets */
 } asdic_sonar;
 
-/* 100 kHz, 10 kHz, 10 Hz and its range, 0 dB, 0.5 m bins and blanking, 0.05 m apertures, noise
- * on, no speckle. Source level and receivers are the caller's to give: without a receiver the check fails. */
+/* 100 kHz, 10 kHz, 10 Hz and its range, 0 dB, 0.5 m bins and blanking, 0.05 m apertures, noise on,
+ * no speckle. Source level and receivers are the caller's to give: without a receiver the check
+ * fails. */
 ASDIC_API asdic_sonar asdic_sonar_default(void);
 
 /* Checks every field against its range; the error names field, value and limit. */
