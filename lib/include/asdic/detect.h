@@ -73,9 +73,9 @@ typedef struct asdic_estimate {
     double value, low, high;
 } asdic_estimate;
 
-/* A P_D in closed form with the background as much louder and the target as much weaker as the sources
- * of the scattering laws leave open, and the other way round; thresholds follow the background. NAN
- * where no source says. */
+/* A P_D in closed form with the background as much louder and the target as much weaker as the
+ * sources of the scattering laws leave open, and the other way round; thresholds follow the
+ * background. NAN where no source says. */
 typedef struct asdic_band {
     double low, high;
 } asdic_band;

@@ -153,8 +153,8 @@ typedef struct asdic_remarks {
 } asdic_remarks;
 ASDIC_API asdic_remarks asdic_mission_remarks(const asdic_mission *mission);
 
-/* How far levels may lie from those at sea because of the scattering laws alone, dB either way, as the
- * sources of the laws say; NAN where they do not. Of several objects that with the most. */
+/* How far levels may lie from those at sea because of the scattering laws alone, dB either way, as
+ * the sources of the laws say; NAN where they do not. Of several objects that with the most. */
 typedef struct asdic_uncertainty {
     double db[ASDIC_COMPONENT_COUNT];
 } asdic_uncertainty;
