@@ -125,22 +125,18 @@ static asdic_status draw(const bench *b, const result *results, size_t count) {
                                                ASDIC_LINE_DOTTED, ASDIC_LINE_DASH_DOT};
     static double x[2][MOST_SCENES * BENCH_SAMPLERS][BENCH_MOST_POINTS];
     static double y[MOST_SCENES * BENCH_SAMPLERS][BENCH_MOST_POINTS];
-    static char labels[MOST_SCENES * BENCH_SAMPLERS][96];
-    asdic_series series[2][MOST_SCENES * BENCH_SAMPLERS];
-    size_t n = 0;
+    asdic_series series[2][MOST_SCENES * BENCH_SAMPLERS + MOST_SCENES + BENCH_SAMPLERS];
+    size_t n = 0, entries = 0;
     for (; n < count * BENCH_SAMPLERS && n < MOST_SCENES * BENCH_SAMPLERS; n++) {
         size_t scene = n / BENCH_SAMPLERS, k = n % BENCH_SAMPLERS;
         const bench_curve *curve = &results[scene].curves[k];
-        snprintf(labels[n], sizeof labels[n], "%s, %s", results[scene].scene.name,
-                 bench_sampler_name(curve->sampler));
         for (size_t p = 0; p < curve->count; p++) {
             x[0][n][p] = curve->points[p].rays;
             x[1][n][p] = 1e3 * curve->points[p].ping_s;
             y[n][p] = curve->points[p].rms_db;
         }
         for (int panel = 0; panel < 2; panel++) {
-            series[panel][n] = (asdic_series){.label = labels[n],
-                                              .x = x[panel][n],
+            series[panel][n] = (asdic_series){.x = x[panel][n],
                                               .y = y[n],
                                               .count = curve->count,
                                               .rgb = colors[k],
@@ -148,11 +144,24 @@ static asdic_status draw(const bench *b, const result *results, size_t count) {
                                               .style = styles[scene % 4]};
         }
     }
-    const asdic_plot_axis error = {"RMS error, dB", 1e-3, 100.0, true};
+    /* The legend names colours and styles, not their every product. */
+    for (size_t k = 0; k < BENCH_SAMPLERS; k++) {
+        series[0][n + entries++] =
+            (asdic_series){.label = bench_sampler_name(results[0].curves[k].sampler),
+                           .rgb = colors[k],
+                           .width = 2.5};
+    }
+    for (size_t scene = 0; scene < count && scene < MOST_SCENES; scene++) {
+        series[0][n + entries++] = (asdic_series){.label = results[scene].scene.name,
+                                                  .rgb = 0x606060,
+                                                  .width = 1.5,
+                                                  .style = styles[scene % 4]};
+    }
+    const asdic_plot_axis error = {"r.m.s. error (dB)", 1e-3, 100.0, true};
     const asdic_plot panels[2] = {{.x = {"rays per ping", 50.0, 1e7, true},
                                    .y = error,
                                    .series = series[0],
-                                   .series_count = n},
+                                   .series_count = n + entries},
                                   {.x = {"milliseconds per ping", 0.02, 1e3, true},
                                    .y = error,
                                    .series = series[1],

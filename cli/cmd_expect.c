@@ -21,6 +21,7 @@ typedef struct expect_scene {
     asdic_flat_scene flat;
     asdic_pose pose;
     size_t bins;
+    const char *file;
 } expect_scene;
 
 /* "expected_NAME.csv" of "path/NAME.yaml". */
@@ -46,7 +47,10 @@ static void to_db(const asdic_ping *ping, asdic_component component, size_t beam
     }
 }
 
-static asdic_status draw(cli *c, const char *path, const asdic_sonar *sonar,
+/* The mechanisms lie below the total. */
+#define BELOW_DB 10.0
+
+static asdic_status draw(cli *c, const char *path, const char *name, const asdic_sonar *sonar,
                          const asdic_ping *ping) {
     enum { MOST_BEAMS = 8, CURVES = 5 };
     static const asdic_component shown[CURVES] = {ASDIC_TOTAL, ASDIC_BOTTOM, ASDIC_SURFACE,
@@ -56,7 +60,10 @@ static asdic_status draw(cli *c, const char *path, const asdic_sonar *sonar,
     size_t beams = ping->beams < MOST_BEAMS ? ping->beams : MOST_BEAMS;
     asdic_picture_options look = asdic_picture_options_default();
     float *levels = malloc(beams * CURVES * ping->bins * sizeof *levels);
-    double top = -INFINITY;
+    double top = -INFINITY, bottom = INFINITY;
+    char heading[512], facts[ASDIC_SUBTITLE_SIZE], low[16], high[16];
+    const char *const texts[] = {"Title", heading, "db_low", low, "db_high", high, NULL};
+    asdic_picture_subtitle(sonar, ping->bin_length_m, facts);
     if (!levels) {
         return ASDIC_ERROR_MEMORY;
     }
@@ -65,7 +72,7 @@ static asdic_status draw(cli *c, const char *path, const asdic_sonar *sonar,
         for (int k = 0; k < CURVES; k++) {
             to_db(ping, shown[k], b, first + (size_t)k * ping->bins);
         }
-        snprintf(titles[b], sizeof titles[b], "beam '%s'", sonar->receivers[b].name);
+        snprintf(titles[b], sizeof titles[b], "beam \u2018%s\u2019", sonar->receivers[b].name);
         panels[b] =
             (asdic_ascope){.title = titles[b],
                            .bins = ping->bins,
@@ -76,14 +83,17 @@ static asdic_status draw(cli *c, const char *path, const asdic_sonar *sonar,
                            .volume_db = first + 3 * ping->bins,
                            .noise_db = sonar->noise_enabled ? first + 4 * ping->bins : NULL};
         for (size_t n = 0; n < ping->bins; n++) {
-            if (first[n] > top) {
-                top = first[n];
-            }
+            top = first[n] > top ? first[n] : top;
+            bottom = isfinite(first[n]) && first[n] < bottom ? first[n] : bottom;
         }
     }
     look.db_high = isfinite(top) ? 10.0 * ceil(0.1 * top) : 0.0;
-    look.db_low = look.db_high - 80.0;
-    look.title = "expected levels without objects";
+    look.db_low = isfinite(bottom) ? 10.0 * floor(0.1 * bottom) - BELOW_DB : -80.0;
+    snprintf(heading, sizeof heading, "%s: expected levels without objects\n%s", name, facts);
+    look.title = heading;
+    look.texts = texts;
+    snprintf(low, sizeof low, "%.0f", look.db_low);
+    snprintf(high, sizeof high, "%.0f", look.db_high);
     asdic_status status = asdic_picture_ascope(cli_context(c), path, panels, beams, &look);
     free(levels);
     return status;
@@ -95,7 +105,10 @@ static asdic_status compute(cli *c, const char *path, const expect_scene *scene,
     TRY(asdic_expected_compute(ctx, &scene->flat, &scene->env, &scene->sonar, &scene->pose, ping));
     TRY(asdic_expected_write_csv(ctx, path, &scene->sonar, ping));
     if (picture) {
-        TRY(draw(c, picture, &scene->sonar, ping));
+        char *name = asdic_scene_name(scene->file);
+        asdic_status status = draw(c, picture, name ? name : "", &scene->sonar, ping);
+        free(name);
+        TRY(status);
     }
     if (strcmp(path, "-") != 0) {
         cli_note(c, "%s: %zu beam%s, %zu bins", path, ping->beams, ping->beams == 1 ? "" : "s",
@@ -150,6 +163,7 @@ static int run_on(cli *c, asdic_mission *mission, uint64_t index) {
                          (unsigned long long)index, asdic_mission_ping_count(mission),
                          asdic_mission_ping_count(mission) - 1);
     }
+    scene.file = cli_operand(c, 0);
     scene.env.variant = (asdic_variant)variant;
     scene.flat = asdic_mission_flat_scene(mission, index);
     scene.pose = asdic_mission_pose(mission, index, NULL);

@@ -1,6 +1,7 @@
 #include <asdic/output.h>
 
 #include "base/context.h"
+#include "base/try.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -8,7 +9,6 @@
 
 #define MAX_BEAMS 8
 #define CURVES 7
-#define TOTAL 5 /* index of the expected total */
 
 /* Okabe & Ito's colours, distinct with every common colour vision deficiency; M. Okabe, K. Ito,
  * "Color Universal Design", 2008. */
@@ -18,10 +18,14 @@
 #define OKABE_GREEN 0x009e73u
 #define OKABE_BLUE 0x0072b2u
 #define OKABE_VERMILION 0xd55e00u
-#define GREY 0xa0a0a0u
+#define GREY 0xb4b4b4u
 
-/* Look of each curve and its member of asdic_ascope, in drawing order: the thin simulated curve
- * lies on the bold expected one, so that both are visible where they agree. */
+#define NOWHERE_DB (-1e4)
+#define OBJECT 4 /* index of the object's curve */
+
+/* Look of each curve and its member of asdic_ascope, in drawing order: the thin black simulated
+ * curve lies on the broad grey expected one and on all others, so that both are visible where they
+ * agree. */
 static const struct curve {
     size_t offset; /* of the levels' pointer */
     asdic_series look;
@@ -34,9 +38,9 @@ static const struct curve {
     {offsetof(asdic_ascope, bottom_db),
      {.label = "bottom", .rgb = OKABE_BLUE, .width = 1.5, .style = ASDIC_LINE_DASHED}},
     {offsetof(asdic_ascope, object_db), {.label = "object", .rgb = OKABE_VERMILION, .width = 1.5}},
-    {offsetof(asdic_ascope, total_db),
-     {.label = "expected total", .rgb = OKABE_BLACK, .width = 2.6}},
-    {offsetof(asdic_ascope, simulated_db), {.label = "simulated", .rgb = GREY, .width = 1.2}},
+    {offsetof(asdic_ascope, total_db), {.label = "expected total", .rgb = GREY, .width = 3.2}},
+    {offsetof(asdic_ascope, simulated_db),
+     {.label = "simulated", .rgb = OKABE_BLACK, .width = 0.9}},
 };
 
 static const float *levels_of(const asdic_ascope *beam, size_t curve) {
@@ -66,9 +70,7 @@ static size_t collect(const asdic_ascope *beam, const bool shown[CURVES],
     for (size_t i = 0; i < beam->bins; i++) {
         numbers[i] = ((double)i + 0.5) * beam->bin_length_m;
     }
-    for (size_t i = 0; i < CURVES; i++) {
-        /* Without an expected one the simulated one comes first: its mechanisms lie on it. */
-        size_t k = shown[TOTAL] ? i : (i + CURVES - 1) % CURVES;
+    for (size_t k = 0; k < CURVES; k++) {
         const float *levels_db = levels_of(beam, k);
         double *y = numbers + (k + 1) * beam->bins;
         if (!shown[k]) {
@@ -80,19 +82,125 @@ static size_t collect(const asdic_ascope *beam, const bool shown[CURVES],
         series[count].count = levels_db ? beam->bins : 0;
         for (size_t n = 0; n < series[count].count; n++) {
             y[n] = (double)levels_db[n];
+            /* Echoes of objects are short: they rise from the panel's floor and do not float. */
+            if (k == OBJECT && !isfinite(y[n])) {
+                y[n] = NOWHERE_DB;
+            }
         }
         count++;
     }
     return count;
 }
 
+/* Of the residuals, a colour for each beam. */
+static const uint32_t beam_colors[MAX_BEAMS] = {
+    OKABE_BLUE, OKABE_VERMILION, OKABE_GREEN, OKABE_ORANGE,
+    OKABE_SKY,  0xcc79a7u,       OKABE_BLACK, GREY};
+#define MOST_RESIDUAL_DB 40.0
+
+/* What the panel of simulated minus expected levels shows. */
+typedef struct residuals {
+    asdic_series series[MAX_BEAMS];
+    double *numbers[MAX_BEAMS]; /* x, y */
+    size_t count;
+    double most_db;
+} residuals;
+
+static void residuals_finish(residuals *r) {
+    for (size_t i = 0; i < r->count; i++) {
+        free(r->numbers[i]);
+    }
+}
+
+static int by_size(const void *a, const void *b) {
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* Half the panel's height: what holds 95 % of the COUNT differences Y, at a round number. */
+static asdic_status height_of(asdic_context *ctx, const double *y, size_t count, double *out_db) {
+    static const double round_db[] = {0.5, 1.0, 2.0, 5.0, 10.0, 20.0};
+    double *sizes = malloc(count * sizeof *sizes);
+    size_t n = 0;
+    if (!sizes) {
+        return asdic_fail_memory(ctx, "an A-scope");
+    }
+    for (size_t i = 0; i < count; i++) {
+        if (isfinite(y[i])) {
+            sizes[n++] = fabs(y[i]);
+        }
+    }
+    qsort(sizes, n, sizeof *sizes, by_size);
+    double most_db = n > 0 ? sizes[(size_t)(0.95 * (double)(n - 1))] : 0.0;
+    free(sizes);
+    *out_db = MOST_RESIDUAL_DB;
+    for (size_t i = sizeof round_db / sizeof *round_db; i-- > 0;) {
+        *out_db = round_db[i] >= most_db ? round_db[i] : *out_db;
+    }
+    return ASDIC_OK;
+}
+
+/* Adds what BEAM has more than it is expected to have. */
+static asdic_status add_residual(asdic_context *ctx, const asdic_ascope *beam, residuals *r) {
+    double *numbers = malloc(2 * beam->bins * sizeof *numbers), most_db = 0.0;
+    if (!numbers) {
+        return asdic_fail_memory(ctx, "an A-scope");
+    }
+    size_t k = r->count++;
+    r->numbers[k] = numbers;
+    for (size_t i = 0; i < beam->bins; i++) {
+        numbers[i] = ((double)i + 0.5) * beam->bin_length_m;
+        numbers[beam->bins + i] = (double)beam->simulated_db[i] - (double)beam->total_db[i];
+    }
+    r->series[k] = (asdic_series){.label = beam->title,
+                                  .x = numbers,
+                                  .y = numbers + beam->bins,
+                                  .count = beam->bins,
+                                  .rgb = beam_colors[k],
+                                  .width = 1.0};
+    TRY(height_of(ctx, r->series[k].y, beam->bins, &most_db));
+    r->most_db = fmax(r->most_db, most_db);
+    return ASDIC_OK;
+}
+
+/* The panels of BEAMS, COUNT of them. */
+typedef struct scope {
+    asdic_plot panels[MAX_BEAMS + 1];
+    asdic_series series[MAX_BEAMS][CURVES];
+    double *numbers[MAX_BEAMS];
+    residuals residuals;
+} scope;
+
+static void scope_finish(scope *s) {
+    residuals_finish(&s->residuals);
+    for (size_t i = 0; i < MAX_BEAMS; i++) {
+        free(s->numbers[i]);
+    }
+}
+
+static asdic_status add_panel(asdic_context *ctx, scope *s, size_t i, const asdic_ascope *beam,
+                              const bool shown[CURVES], const asdic_picture_options *options) {
+    s->numbers[i] = malloc((CURVES + 1) * beam->bins * sizeof *s->numbers[i]);
+    if (!s->numbers[i]) {
+        return asdic_fail_memory(ctx, "an A-scope");
+    }
+    s->panels[i] =
+        (asdic_plot){.title = beam->title,
+                     .x = {.label = "range (m)", .high = (double)beam->bins * beam->bin_length_m},
+                     .y = {.label = "level (dB re 1 \u00b5Pa)",
+                           .low = options->db_low,
+                           .high = options->db_high},
+                     .series = s->series[i],
+                     .series_count = collect(beam, shown, s->series[i], s->numbers[i])};
+    return beam->simulated_db && beam->total_db ? add_residual(ctx, beam, &s->residuals) : ASDIC_OK;
+}
+
 asdic_status asdic_picture_ascope(asdic_context *ctx, const char *path, const asdic_ascope *beams,
                                   size_t beam_count, const asdic_picture_options *options) {
-    asdic_plot panels[MAX_BEAMS] = {0};
-    asdic_series series[MAX_BEAMS][CURVES] = {0};
-    double *numbers[MAX_BEAMS] = {0};
+    scope s = {0};
     bool shown[CURVES];
     asdic_status status = ASDIC_OK;
+    size_t count = beam_count;
     if (beam_count < 1 || beam_count > MAX_BEAMS) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "an A-scope shows 1..%d beams, not %zu",
                           MAX_BEAMS, beam_count);
@@ -100,25 +208,21 @@ asdic_status asdic_picture_ascope(asdic_context *ctx, const char *path, const as
     for (size_t k = 0; k < CURVES; k++) {
         shown[k] = is_shown(beams, beam_count, k);
     }
-    for (size_t i = 0; i < beam_count; i++) {
-        numbers[i] = malloc((CURVES + 1) * beams[i].bins * sizeof *numbers[i]);
-        if (!numbers[i]) {
-            status = asdic_fail_memory(ctx, "an A-scope");
-            goto done;
-        }
-        panels[i] = (asdic_plot){
-            .title = beams[i].title,
-            .x = {.label = "range (m)", .high = (double)beams[i].bins * beams[i].bin_length_m},
-            .y = {.label = "level (dB re 1 \u00b5Pa)",
-                  .low = options->db_low,
-                  .high = options->db_high},
-            .series = series[i],
-            .series_count = collect(&beams[i], shown, series[i], numbers[i])};
+    for (size_t i = 0; i < beam_count && status == ASDIC_OK; i++) {
+        status = add_panel(ctx, &s, i, &beams[i], shown, options);
     }
-    status = asdic_picture_plot(ctx, path, panels, beam_count, options);
-done:
-    for (size_t i = 0; i < beam_count; i++) {
-        free(numbers[i]);
+    if (s.residuals.count > 0) {
+        double most_db = s.residuals.most_db;
+        s.panels[count] = (asdic_plot){.title = "simulated \u2212 expected",
+                                       .x = s.panels[0].x,
+                                       .y = {.label = "dB", .low = -most_db, .high = most_db},
+                                       .series = s.residuals.series,
+                                       .series_count = s.residuals.count};
+        count++;
     }
+    if (status == ASDIC_OK) {
+        status = asdic_picture_plot(ctx, path, s.panels, count, options);
+    }
+    scope_finish(&s);
     return status;
 }

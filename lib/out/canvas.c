@@ -10,6 +10,7 @@
 #include <cairo-pdf.h>
 #include <cairo-svg.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -99,6 +100,8 @@ static void describe_pdf(asdic_canvas *c, const char *const *texts) {
         size_t used = strlen(words);
         if (strcmp(texts[i], "Title") == 0) {
             cairo_pdf_surface_set_metadata(c->surface, CAIRO_PDF_METADATA_TITLE, texts[i + 1]);
+        } else if (strcmp(texts[i], "Description") == 0) {
+            cairo_pdf_surface_set_metadata(c->surface, CAIRO_PDF_METADATA_SUBJECT, texts[i + 1]);
         } else {
             snprintf(words + used, sizeof words - used, "%s%s: %s", used ? "; " : "", texts[i],
                      texts[i + 1]);
@@ -183,24 +186,49 @@ void asdic_canvas_text_fit(asdic_canvas *c, asdic_text where, const char *text,
     asdic_canvas_text(c, where, text);
 }
 
-void asdic_canvas_frame_text(asdic_canvas *c, double x, const char *title, const char *note) {
+double asdic_canvas_title_room(const char *title) {
+    if (!title) {
+        return 0.0;
+    }
+    return 1.7 * ASDIC_TITLE_PX + (strchr(title, '\n') ? 1.3 * ASDIC_NOTE_PX : 0.0);
+}
+
+static void draw_title(asdic_canvas *c, double x, const char *title, double room, uint32_t ink_rgb,
+                       uint32_t note_rgb) {
+    char first[512];
+    const char *second = strchr(title, '\n');
+    size_t length = second ? (size_t)(second - title) : strlen(title);
+    snprintf(first, sizeof first, "%.*s", (int)length, title);
+    asdic_text where = {
+        .x = x, .y = ASDIC_MARGIN_PX, .align_y = 1.0, .size_px = ASDIC_TITLE_PX, .bold = true};
+    asdic_canvas_color(c, ink_rgb);
+    asdic_canvas_text_fit(c, where, first, room);
+    if (second) {
+        where = (asdic_text){.x = x,
+                             .y = ASDIC_MARGIN_PX + 1.35 * ASDIC_TITLE_PX,
+                             .align_y = 1.0,
+                             .size_px = ASDIC_NOTE_PX};
+        asdic_canvas_color(c, note_rgb);
+        asdic_canvas_text_fit(c, where, second + 1, room);
+    }
+}
+
+void asdic_canvas_frame_text_in(asdic_canvas *c, double x, const char *title, const char *note,
+                                uint32_t ink_rgb, uint32_t note_rgb) {
     double room = c->width - x - ASDIC_MARGIN_PX;
     if (title) {
-        asdic_canvas_color(c, INK_RGB);
-        asdic_canvas_text_fit(c,
-                              (asdic_text){.x = x,
-                                           .y = ASDIC_MARGIN_PX,
-                                           .align_y = 1.0,
-                                           .size_px = ASDIC_TITLE_PX,
-                                           .bold = true},
-                              title, room);
+        draw_title(c, x, title, room, ink_rgb, note_rgb);
     }
     if (note) {
-        asdic_canvas_color(c, NOTE_RGB);
+        asdic_canvas_color(c, note_rgb);
         asdic_canvas_text_fit(
             c, (asdic_text){.x = x, .y = c->height - ASDIC_MARGIN_PX, .size_px = ASDIC_NOTE_PX},
             note, room);
     }
+}
+
+void asdic_canvas_frame_text(asdic_canvas *c, double x, const char *title, const char *note) {
+    asdic_canvas_frame_text_in(c, x, title, note, INK_RGB, NOTE_RGB);
 }
 
 void asdic_canvas_raster(asdic_canvas *c, const asdic_raster *raster, asdic_box box) {

@@ -53,8 +53,14 @@ void asdic_canvas_text(asdic_canvas *canvas, asdic_text where, const char *text)
 void asdic_canvas_text_fit(asdic_canvas *canvas, asdic_text where, const char *text,
                            double max_width_px);
 
+/* Height that TITLE needs at the top of a page, 0 when it is NULL. A second line is a subtitle. */
+double asdic_canvas_title_room(const char *title);
+
 /* The page's TITLE at its top and NOTE at its bottom, both from X on; either may be NULL. */
 void asdic_canvas_frame_text(asdic_canvas *canvas, double x, const char *title, const char *note);
+/* The same in other colours. */
+void asdic_canvas_frame_text_in(asdic_canvas *canvas, double x, const char *title, const char *note,
+                                uint32_t ink_rgb, uint32_t note_rgb);
 
 /* Pixels without smoothing, stretched into BOX. */
 void asdic_canvas_raster(asdic_canvas *canvas, const asdic_raster *raster, asdic_box box);

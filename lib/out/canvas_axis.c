@@ -15,7 +15,7 @@ static double crisp(double x) {
     return floor(x) + 0.5;
 }
 
-/* At most every 90 pixels along, 36 pixels down; at least two intervals. */
+/* At most every 90 pixels along, 30 pixels down; at least two intervals. */
 static size_t tick_count(double length_px, double apart_px) {
     double count = floor(length_px / apart_px);
     return count < 2.0 ? 2 : (size_t)count;
@@ -64,14 +64,14 @@ static double label_width(const asdic_plot_axis *axis, size_t max_count) {
 }
 
 double asdic_canvas_axis_y_room(const asdic_plot_axis *axis, double height_px) {
-    double labels = label_width(axis, tick_count(height_px, 36.0));
-    return TICK_PX + GAP_PX + labels + (axis->label ? 2.0 * GAP_PX + ASDIC_TEXT_PX : 0.0);
+    double labels = label_width(axis, tick_count(height_px, 30.0));
+    return TICK_PX + GAP_PX + labels + (axis->label ? 3.0 * GAP_PX + ASDIC_TEXT_PX : 0.0);
 }
 
 void asdic_canvas_axis_y(asdic_canvas *c, asdic_box box, const asdic_plot_axis *axis, bool down,
                          bool grid) {
     asdic_tick ticks[ASDIC_AXIS_MAX_TICKS];
-    size_t max_count = tick_count(box.h, 36.0);
+    size_t max_count = tick_count(box.h, 30.0);
     size_t count = asdic_axis_ticks(axis, max_count, ticks);
     cairo_set_line_width(c->cr, 1.0);
     for (size_t i = 0; i < count; i++) {
@@ -94,7 +94,7 @@ void asdic_canvas_axis_y(asdic_canvas *c, asdic_box box, const asdic_plot_axis *
     if (axis->label) {
         double labels = label_width(axis, max_count);
         asdic_canvas_text(c,
-                          (asdic_text){.x = box.x - TICK_PX - 3.0 * GAP_PX - labels,
+                          (asdic_text){.x = box.x - TICK_PX - 4.0 * GAP_PX - labels,
                                        .y = box.y + 0.5 * box.h,
                                        .align_x = 0.5,
                                        .size_px = ASDIC_TEXT_PX,
@@ -119,7 +119,7 @@ double asdic_canvas_color_bar_room(const asdic_picture_options *options, double 
 void asdic_canvas_scale(asdic_canvas *c, asdic_box box, const asdic_plot_axis *axis,
                         asdic_colormap map, bool down, uint32_t ink_rgb) {
     asdic_tick ticks[ASDIC_AXIS_MAX_TICKS];
-    size_t max_count = tick_count(box.h, 36.0);
+    size_t max_count = tick_count(box.h, 30.0);
     size_t count = asdic_axis_ticks(axis, max_count, ticks);
     uint8_t pixels[256 * 3];
     asdic_raster scale = {.width = 1, .height = 256, .rgb = pixels};

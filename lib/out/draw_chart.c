@@ -15,7 +15,8 @@
 #define PAPER_RGB 0xffffffu
 #define SEA_RGB 0xeef2f5u /* where there is no terrain to show */
 #define INK_RGB 0x202020u
-#define MOST_NAMES 40
+#define MOST_TAKEN 512
+#define SMALL_PX 40.0      /* objects up to this size are not covered by names */
 #define MOST_ASIDE_PX 24.0 /* names of larger objects stand on them */
 
 typedef asdic_chart_page page;
@@ -128,7 +129,7 @@ static void draw_route(asdic_canvas *c, const page *p, const asdic_route *route)
 typedef struct labels {
     asdic_canvas *c;
     const page *p;
-    asdic_box taken[MOST_NAMES];
+    asdic_box taken[MOST_TAKEN];
     size_t count;
 } labels;
 
@@ -136,33 +137,71 @@ static bool overlap(asdic_box a, asdic_box b) {
     return a.x < b.x + b.w && b.x < a.x + a.w && a.y < b.y + b.h && b.y < a.y + a.h;
 }
 
-/* NAME on a pale background, GAP_PX right of (X, Y), or left, above or below where there is no
- * room. */
+static bool is_free(const labels *l, asdic_box box) {
+    const asdic_box *map = &l->p->box;
+    bool out = box.x > map->x && box.x + box.w < map->x + map->w && box.y > map->y &&
+               box.y + box.h < map->y + map->h && l->count < MOST_TAKEN;
+    for (size_t i = 0; i < l->count; i++) {
+        out = out && !overlap(box, l->taken[i]);
+    }
+    return out;
+}
+
+/* Where a name of WIDTH goes that stands GAP_PX beside (X, Y) on SIDE of eight. */
+static asdic_box place_of(double x, double y, double gap_px, double width, size_t side) {
+    static const struct {
+        double x, y;
+    } sides[8] = {{1, 0}, {-1, 0}, {0, -1}, {0, 1}, {1, -1}, {1, 1}, {-1, -1}, {-1, 1}};
+    const double high = 20.0;
+    return (asdic_box){x + sides[side].x * (gap_px + 0.5 * width) - 0.5 * width,
+                       y + sides[side].y * (gap_px + 0.5 * high) - 0.5 * high, width, high};
+}
+
+/* NAME on a pale background beside (X, Y), GAP_PX away or, where there is no room, farther off with
+ * a line that leads there. */
 static void draw_name(labels *l, double x, double y, double gap_px, const char *name) {
     asdic_canvas *c = l->c;
-    const asdic_box *map = &l->p->box;
     double width = asdic_canvas_text_width(name, ASDIC_NOTE_PX) + 6.0;
-    const asdic_box places[] = {{x + gap_px, y - 10.0, width, 20.0},
-                                {x - gap_px - width, y - 10.0, width, 20.0},
-                                {x - 0.5 * width, y - gap_px - 20.0, width, 20.0},
-                                {x - 0.5 * width, y + gap_px, width, 20.0}};
-    for (size_t side = 0; side < sizeof places / sizeof *places; side++) {
-        asdic_box box = places[side];
-        bool is_free = box.x > map->x && box.x + box.w < map->x + map->w && box.y > map->y &&
-                       box.y + box.h < map->y + map->h && l->count < MOST_NAMES;
-        for (size_t i = 0; i < l->count; i++) {
-            is_free = is_free && !overlap(box, l->taken[i]);
+    for (size_t i = 0; i < 40; i++) {
+        double away_px = 18.0 * (double)(i / 8);
+        asdic_box box = place_of(x, y, gap_px + away_px, width, i % 8);
+        if (!is_free(l, box)) {
+            continue;
         }
-        if (is_free) {
-            asdic_text place = {
-                .x = box.x + 3.0, .y = box.y + 10.0, .align_y = 0.5, .size_px = ASDIC_NOTE_PX};
-            l->taken[l->count++] = box;
-            set_paint(c, 0xffffff, 0.7);
-            cairo_rectangle(c->cr, box.x, box.y, box.w, box.h);
-            cairo_fill(c->cr);
-            asdic_canvas_color(c, INK_RGB);
-            asdic_canvas_text(c, place, name);
-            return;
+        asdic_text place = {
+            .x = box.x + 3.0, .y = box.y + 10.0, .align_y = 0.5, .size_px = ASDIC_NOTE_PX};
+        l->taken[l->count++] = box;
+        asdic_canvas_color(c, INK_RGB);
+        cairo_set_line_width(c->cr, 1.0);
+        if (i >= 8) {
+            asdic_canvas_line(c, x, y, fmin(fmax(x, box.x), box.x + box.w),
+                              fmin(fmax(y, box.y), box.y + box.h));
+        }
+        set_paint(c, 0xffffff, 0.8);
+        cairo_rectangle(c->cr, box.x, box.y, box.w, box.h);
+        cairo_fill(c->cr);
+        asdic_canvas_color(c, INK_RGB);
+        asdic_canvas_text(c, place, name);
+        return;
+    }
+}
+
+/* No name covers the small objects, which it would hide. */
+static void keep_clear(labels *l, const asdic_chart *chart) {
+    const page *p = l->p;
+    for (size_t i = 0; i < chart->outline_count && l->count < MOST_TAKEN / 2; i++) {
+        const asdic_outline *o = &chart->outlines[i];
+        double left = INFINITY, right = -INFINITY, top = INFINITY, bottom = -INFINITY;
+        for (size_t k = 0; k < o->count; k++) {
+            double x = asdic_chart_x(p, o->east_m[k]), y = asdic_chart_y(p, o->north_m[k]);
+            left = fmin(left, x);
+            right = fmax(right, x);
+            top = fmin(top, y);
+            bottom = fmax(bottom, y);
+        }
+        if (right - left < SMALL_PX && bottom - top < SMALL_PX) {
+            l->taken[l->count++] =
+                (asdic_box){left - 3.0, top - 3.0, right - left + 6.0, bottom - top + 6.0};
         }
     }
 }
@@ -299,11 +338,12 @@ static asdic_status draw_map(asdic_canvas *c, const page *p, const asdic_chart *
     draw_areas(c, p, chart);
     l.taken[l.count++] = draw_scale(c, p);
     l.taken[l.count++] = draw_north(c, p);
-    for (size_t i = 0; i < chart->route_count && l.count < MOST_NAMES / 2; i++) {
+    for (size_t i = 0; i < chart->route_count && l.count < MOST_TAKEN / 4; i++) {
         const asdic_route_point *end = &chart->routes[i].points[chart->routes[i].count - 1];
         l.taken[l.count++] = (asdic_box){asdic_chart_x(p, end->east_m) - 5.0,
                                          asdic_chart_y(p, end->north_m) - 5.0, 10.0, 10.0};
     }
+    keep_clear(&l, chart);
     draw_track(&l, chart);
     name_objects(&l, chart);
     cairo_restore(c->cr);

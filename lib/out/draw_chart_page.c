@@ -120,12 +120,12 @@ void asdic_chart_page_init(page *p, const asdic_chart *chart,
     double beside = 0.0;
     p->depth.label = "depth (m)";
     if (has_depth) {
-        p->bar = (asdic_box){.w = BAR_PX, .h = fmin(p->box.h, 600.0)};
+        p->bar = (asdic_box){.w = BAR_PX, .h = p->box.h};
         beside = 28.0 + BAR_PX + asdic_canvas_axis_y_room(&p->depth, p->bar.h);
     }
     list_entries(p, chart);
     p->legend =
-        (asdic_box){p->box.x, ASDIC_MARGIN_PX + (options->title ? 1.7 * ASDIC_TITLE_PX : 0.0),
+        (asdic_box){p->box.x, ASDIC_MARGIN_PX + asdic_canvas_title_room(options->title),
                     p->box.w + beside, 0.0};
     p->legend.h = asdic_canvas_legend(NULL, p->legend, p->entries, p->entry_count);
     p->box.y = ceil(p->legend.y + p->legend.h + 12.0);

@@ -25,10 +25,9 @@ static page lay_out(const asdic_fan *fan, const asdic_picture_options *options, 
     /* At most 1000 pixels wide and 760 high. */
     double shrink = fmin(1000.0 / (double)p.sector.width, 760.0 / (double)p.sector.height);
     p.sector = asdic_sector_of(fan, floor(1000.0 * fmin(shrink, 1.0)));
-    p.image =
-        (asdic_box){ASDIC_MARGIN_PX + LABEL_ROOM_PX,
-                    ASDIC_MARGIN_PX + LABEL_ROOM_PX + (options->title ? 1.6 * ASDIC_TITLE_PX : 0.0),
-                    (double)p.sector.width, (double)p.sector.height};
+    p.image = (asdic_box){ASDIC_MARGIN_PX + LABEL_ROOM_PX,
+                          ASDIC_MARGIN_PX + LABEL_ROOM_PX + asdic_canvas_title_room(options->title),
+                          (double)p.sector.width, (double)p.sector.height};
     p.apex_x = p.image.x + p.sector.apex_x_px;
     p.apex_y = p.image.y + p.sector.apex_y_px;
     p.bar = (asdic_box){p.image.x + p.image.w + LABEL_ROOM_PX + 40.0, p.image.y, BAR_PX,
@@ -56,34 +55,42 @@ static bool is_full_circle(const page *p) {
     return p->sector.high_rad - p->sector.low_rad > 2.0 * ASDIC_PI - 1e-6;
 }
 
-/* Rings at round ranges, labelled along the starboard edge. */
+/* LABEL beside the starboard edge, where the ring of RADIUS_PX ends. */
+static void label_ring(asdic_canvas *c, const page *p, double radius_px, const char *label) {
+    double edge = p->sector.high_rad, x, y;
+    double out_x = cos(edge), out_y = sin(edge); /* across the edge, away from the sector */
+    place(p, radius_px, edge, &x, &y);
+    asdic_canvas_line(c, x, y, x + 7.0 * out_x, y + 7.0 * out_y);
+    asdic_canvas_color(c, INK_RGB);
+    asdic_canvas_text(c,
+                      (asdic_text){.x = x + 12.0 * out_x,
+                                   .y = y + 12.0 * out_y,
+                                   .align_x = out_x > 0.3    ? 0.0
+                                              : out_x < -0.3 ? 1.0
+                                                             : 0.5,
+                                   .align_y = 0.5 + 0.5 * out_y,
+                                   .size_px = ASDIC_TEXT_PX},
+                      label);
+}
+
+/* Rings at round ranges and the outermost, labelled along the starboard edge. */
 static void draw_rings(asdic_canvas *c, const page *p, double max_range_m) {
-    double step = asdic_axis_step(max_range_m, 6);
-    double edge = p->sector.high_rad;
-    /* Across the edge, away from the sector. */
-    double out_x = cos(edge), out_y = sin(edge);
-    for (double range_m = step; range_m <= max_range_m * (1.0 + 1e-9); range_m += step) {
-        char number[24], label[32];
-        double radius = p->sector.radius_px * range_m / max_range_m, x, y;
+    double step = asdic_axis_step(max_range_m, 6), fine = 0.01 * step;
+    double outside_m = fine * rint(max_range_m / fine);
+    char number[24], label[32];
+    /* A ring that would touch the outermost is left out. */
+    for (double range_m = step; range_m < max_range_m - 0.3 * step; range_m += step) {
+        double radius = p->sector.radius_px * range_m / max_range_m;
         asdic_canvas_color(c, RING_RGB);
         cairo_set_line_width(c->cr, 1.0);
         arc(c, p, radius);
-        place(p, radius, edge, &x, &y);
-        asdic_canvas_line(c, x, y, x + 7.0 * out_x, y + 7.0 * out_y);
         asdic_axis_label(number, range_m, step);
-        bool last = range_m + step > max_range_m * (1.0 + 1e-9);
-        snprintf(label, sizeof label, last ? "%s m" : "%s", number);
-        asdic_canvas_color(c, INK_RGB);
-        asdic_canvas_text(c,
-                          (asdic_text){.x = x + 12.0 * out_x,
-                                       .y = y + 12.0 * out_y,
-                                       .align_x = out_x > 0.3    ? 0.0
-                                                  : out_x < -0.3 ? 1.0
-                                                                 : 0.5,
-                                       .align_y = 0.5 + 0.5 * out_y,
-                                       .size_px = ASDIC_TEXT_PX},
-                          label);
+        label_ring(c, p, radius, number);
     }
+    asdic_axis_label(number, outside_m, fabs(outside_m - rint(outside_m)) < 0.05 ? 1.0 : 0.1);
+    snprintf(label, sizeof label, "%s m", number);
+    asdic_canvas_color(c, RING_RGB);
+    label_ring(c, p, p->sector.radius_px, label);
 }
 
 /* Ticks outside the arc, every 5, 10, 15, 30 or 45 degrees. */
@@ -140,22 +147,7 @@ static void decorate(asdic_canvas *c, const page *p, const asdic_fan *fan,
     draw_rings(c, p, (double)fan->bins * fan->bin_length_m);
     draw_bearings(c, p);
     asdic_canvas_color_bar(c, p->bar, options, INK_RGB);
-    asdic_canvas_color(c, INK_RGB);
-    if (options->title) {
-        asdic_canvas_text_fit(c,
-                              (asdic_text){.x = ASDIC_MARGIN_PX,
-                                           .y = ASDIC_MARGIN_PX,
-                                           .align_y = 1.0,
-                                           .size_px = ASDIC_TITLE_PX,
-                                           .bold = true},
-                              options->title, p->width - 2.0 * ASDIC_MARGIN_PX);
-    }
-    asdic_canvas_color(c, NOTE_RGB);
-    asdic_canvas_text_fit(c,
-                          (asdic_text){.x = ASDIC_MARGIN_PX,
-                                       .y = p->height - ASDIC_MARGIN_PX,
-                                       .size_px = ASDIC_NOTE_PX},
-                          note, p->width - 2.0 * ASDIC_MARGIN_PX);
+    asdic_canvas_frame_text_in(c, ASDIC_MARGIN_PX, options->title, note, INK_RGB, NOTE_RGB);
 }
 
 asdic_status asdic_draw_fan(asdic_context *ctx, const char *path, const asdic_fan *fan,

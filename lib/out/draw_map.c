@@ -6,7 +6,6 @@
 
 #define PAPER_RGB 0xffffffu
 #define INK_RGB 0x202020u
-#define NOTE_RGB 0x606060u
 #define BAR_PX 24.0
 #define LEAST_PX 300.0 /* room for the axes of a narrow map */
 
@@ -32,7 +31,7 @@ static page lay_out(const asdic_map *map, const asdic_raster *raster,
     p.box.w = floor((double)raster->width * stretch);
     p.box.h = floor((double)raster->height * stretch);
     p.box.x = ASDIC_MARGIN_PX + ceil(asdic_canvas_axis_y_room(&p.north, p.box.h));
-    p.legend_y = ASDIC_MARGIN_PX + (options->title ? 1.7 * ASDIC_TITLE_PX : 0.0);
+    p.legend_y = ASDIC_MARGIN_PX + asdic_canvas_title_room(options->title);
     p.box.y = p.legend_y + (map->line_count ? 1.8 * ASDIC_TEXT_PX : 0.0);
     p.bar = (asdic_box){p.box.x + p.box.w + 30.0 + asdic_canvas_axis_y_room(&p.value, p.box.h),
                         p.box.y, BAR_PX, p.box.h};
@@ -119,22 +118,7 @@ asdic_status asdic_draw_map(asdic_context *ctx, const char *path, const asdic_ma
     frame(&canvas, p.box);
     frame(&canvas, p.bar);
     draw_legend(&canvas, &p, map);
-    double room = p.width - p.box.x - ASDIC_MARGIN_PX;
-    if (options->title) {
-        asdic_text where = {.x = p.box.x,
-                            .y = ASDIC_MARGIN_PX,
-                            .align_y = 1.0,
-                            .size_px = ASDIC_TITLE_PX,
-                            .bold = true};
-        asdic_canvas_color(&canvas, INK_RGB);
-        asdic_canvas_text_fit(&canvas, where, options->title, room);
-    }
-    if (options->note) {
-        asdic_text where = {
-            .x = p.box.x, .y = p.height - ASDIC_MARGIN_PX, .size_px = ASDIC_NOTE_PX};
-        asdic_canvas_color(&canvas, NOTE_RGB);
-        asdic_canvas_text_fit(&canvas, where, options->note, room);
-    }
+    asdic_canvas_frame_text(&canvas, p.box.x, options->title, options->note);
     status = asdic_canvas_save(&canvas, path, options->texts);
 done:
     asdic_canvas_finish(&canvas);

@@ -47,12 +47,14 @@ static page lay_out(const asdic_overview *o, const asdic_overview_axes *axes,
     double high = fmax((double)o->rows * pixels_each(o->rows, 720.0, 240.0), 240.0);
     double x = ASDIC_MARGIN_PX + ceil(asdic_canvas_axis_y_room(&p.time, high));
     for (int i = 0; i < 2; i++) {
-        p.box[i] = (asdic_box){x, ASDIC_MARGIN_PX + (options->title ? 2.0 * ASDIC_TITLE_PX : 0.0),
-                               wide, high};
+        p.box[i] = (asdic_box){
+            x, ASDIC_MARGIN_PX + asdic_canvas_title_room(options->title) + 1.6 * ASDIC_TEXT_PX,
+            wide, high};
         p.bar[i] = (asdic_box){x + wide + GAP_PX, p.box[i].y, BAR_PX, high};
-        x = p.bar[i].x + BAR_PX + ceil(asdic_canvas_axis_y_room(&p.scale[i], high)) + 2.0 * GAP_PX;
+        x = p.bar[i].x + BAR_PX + ceil(asdic_canvas_axis_y_room(&p.scale[i], high)) + GAP_PX +
+            (i == 0 ? ceil(asdic_canvas_axis_y_room(&p.time, high)) : 0.0);
     }
-    p.width = x - 2.0 * GAP_PX + ASDIC_MARGIN_PX;
+    p.width = x - GAP_PX + ASDIC_MARGIN_PX;
     p.height = p.box[0].y + high + 4.0 * ASDIC_TEXT_PX + ASDIC_MARGIN_PX + 1.6 * ASDIC_NOTE_PX;
     return p;
 }
@@ -134,13 +136,18 @@ asdic_status asdic_draw_overview(asdic_context *ctx, const char *path,
         cairo_rectangle(canvas.cr, p.box[i].x - 0.5, p.box[i].y - 0.5, p.box[i].w + 1.0,
                         p.box[i].h + 1.0);
         cairo_stroke(canvas.cr);
+        asdic_canvas_text(
+            &canvas,
+            (asdic_text){
+                .x = p.box[i].x, .y = p.box[i].y - 10.0, .size_px = ASDIC_TEXT_PX, .bold = true},
+            i == 0 ? "level" : "range");
+        if (overview->pings > 1) {
+            asdic_canvas_axis_y(&canvas, p.box[i], &p.time, true, false);
+        }
         asdic_canvas_scale(&canvas, p.bar[i], &p.scale[i], options->colormap, false, INK_RGB);
     }
     if (status != ASDIC_OK) {
         goto done;
-    }
-    if (overview->pings > 1) {
-        asdic_canvas_axis_y(&canvas, p.box[0], &p.time, true, false);
     }
     asdic_canvas_frame_text(&canvas, p.box[0].x, options->title, note);
     status = asdic_canvas_save(&canvas, path, options->texts);

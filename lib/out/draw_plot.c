@@ -1,7 +1,10 @@
 #include "canvas.h"
 #include "draw.h"
 
+#include "base/vec.h"
+
 #include <math.h>
+#include <string.h>
 
 #define PAPER_RGB 0xffffffu
 #define INK_RGB 0x202020u
@@ -20,8 +23,19 @@ static bool is_point(const asdic_plot *plot, const asdic_series *series, size_t 
            is_drawable(&plot->y, series->y[i]);
 }
 
-/* Half the length of the dash that a point without neighbours is drawn as. */
-#define LONE_PX 4.0
+/* A point without neighbours is drawn as a dot of this radius. */
+#define LONE_PX 2.0
+
+/* Apart from the current path. */
+static void dot(asdic_canvas *c, double x, double y, uint32_t rgb) {
+    cairo_path_t *path = cairo_copy_path(c->cr);
+    cairo_new_path(c->cr);
+    asdic_canvas_color(c, rgb);
+    cairo_arc(c->cr, x, y, LONE_PX, 0.0, 2.0 * ASDIC_PI);
+    cairo_fill(c->cr);
+    cairo_append_path(c->cr, path);
+    cairo_path_destroy(path);
+}
 
 static void draw_series(asdic_canvas *c, asdic_box box, const asdic_plot *plot,
                         const asdic_series *series) {
@@ -42,8 +56,7 @@ static void draw_series(asdic_canvas *c, asdic_box box, const asdic_plot *plot,
         } else if (is_point(plot, series, i + 1)) {
             cairo_move_to(c->cr, x, y);
         } else {
-            cairo_move_to(c->cr, x - LONE_PX, y);
-            cairo_line_to(c->cr, x + LONE_PX, y);
+            dot(c, x, y, series->rgb);
         }
         drawing = true;
     }
@@ -52,8 +65,11 @@ static void draw_series(asdic_canvas *c, asdic_box box, const asdic_plot *plot,
     asdic_canvas_set_style(c, NULL);
 }
 
-static void draw_panel(asdic_canvas *c, asdic_box box, const asdic_plot *plot) {
-    asdic_canvas_axis_x(c, box, &plot->x, true);
+/* Without X_LABEL a panel below has the same abscissa. */
+static void draw_panel(asdic_canvas *c, asdic_box box, const asdic_plot *plot, bool x_label) {
+    asdic_plot_axis x = plot->x;
+    x.label = x_label ? x.label : NULL;
+    asdic_canvas_axis_x(c, box, &x, true);
     asdic_canvas_axis_y(c, box, &plot->y, false, true);
     cairo_save(c->cr);
     cairo_rectangle(c->cr, box.x, box.y, box.w, box.h);
@@ -73,13 +89,42 @@ static void draw_panel(asdic_canvas *c, asdic_box box, const asdic_plot *plot) {
     }
 }
 
+/* Curves that the first panel's legend does not name get one beside the panel's title. */
+static void draw_own_legend(asdic_canvas *c, asdic_box box, const asdic_plot *plot,
+                            const asdic_plot *first) {
+    for (size_t i = 0; i < first->series_count; i++) {
+        const char *a = first->series[i].label,
+                   *b = plot->series_count ? plot->series->label : NULL;
+        if (!b || (a && strcmp(a, b) == 0)) {
+            return;
+        }
+    }
+    double room =
+        plot->title ? asdic_canvas_text_width(plot->title, ASDIC_TEXT_PX) * 1.2 + 30.0 : 0;
+    asdic_canvas_legend(c, (asdic_box){box.x + room, box.y - 1.7 * ASDIC_TEXT_PX, box.w - room, 0},
+                        plot->series, plot->series_count);
+}
+
 typedef struct page {
+    bool common; /* one abscissa for all panels, labelled once */
     double left, title_y, legend_y, first_y, panel_h, pitch, width, height;
 } page;
 
+static bool has_common_x(const asdic_plot *panels, size_t count) {
+    for (size_t i = 1; i < count; i++) {
+        const asdic_plot_axis *a = &panels[0].x, *b = &panels[i].x;
+        if (!a->label || !b->label || strcmp(a->label, b->label) != 0 || a->low != b->low ||
+            a->high != b->high || a->logarithmic != b->logarithmic) {
+            return false;
+        }
+    }
+    return true;
+}
+
 static page lay_out(const asdic_plot *panels, size_t count, const asdic_picture_options *options,
                     bool has_note) {
-    page p = {.panel_h = count == 1 ? 560.0 : count == 2 ? 380.0 : 280.0};
+    page p = {.common = has_common_x(panels, count),
+              .panel_h = count == 1 ? 560.0 : fmax(150.0, floor(860.0 / (double)count - 50.0))};
     const asdic_box none = {.w = BOX_WIDTH_PX};
     bool titles = false;
     for (size_t i = 0; i < count; i++) {
@@ -88,11 +133,12 @@ static page lay_out(const asdic_plot *panels, size_t count, const asdic_picture_
     }
     p.left = ceil(p.left) + ASDIC_MARGIN_PX;
     p.title_y = ASDIC_MARGIN_PX;
-    p.legend_y = p.title_y + (options->title ? 1.7 * ASDIC_TITLE_PX : 0.0);
+    p.legend_y = p.title_y + asdic_canvas_title_room(options->title);
     p.first_y = floor(p.legend_y +
                       asdic_canvas_legend(NULL, none, panels[0].series, panels[0].series_count) +
                       (titles ? 2.2 * ASDIC_TEXT_PX : 14.0));
-    p.pitch = p.panel_h + floor(4.2 * ASDIC_TEXT_PX + (titles ? 1.8 * ASDIC_TEXT_PX : 0.0));
+    p.pitch = p.panel_h +
+              floor((p.common ? 2.2 : 4.2) * ASDIC_TEXT_PX + (titles ? 1.8 * ASDIC_TEXT_PX : 0.0));
     p.width = p.left + BOX_WIDTH_PX + 2.0 * ASDIC_MARGIN_PX;
     p.height = p.first_y + (double)(count - 1) * p.pitch + p.panel_h + 3.6 * ASDIC_TEXT_PX +
                ASDIC_MARGIN_PX + (has_note ? 1.6 * ASDIC_NOTE_PX : 0.0);
@@ -113,7 +159,8 @@ asdic_status asdic_draw_plot(asdic_context *ctx, const char *path, const asdic_p
                         panels[0].series, panels[0].series_count);
     for (size_t i = 0; i < panel_count; i++) {
         asdic_box box = {p.left, p.first_y + (double)i * p.pitch, BOX_WIDTH_PX, p.panel_h};
-        draw_panel(&canvas, box, &panels[i]);
+        draw_panel(&canvas, box, &panels[i], !p.common || i + 1 == panel_count);
+        draw_own_legend(&canvas, box, &panels[i], &panels[0]);
     }
     asdic_canvas_frame_text(&canvas, p.left, options->title, note);
     status = asdic_canvas_save(&canvas, path, options->texts);

@@ -34,7 +34,7 @@ static page lay_out(const asdic_waterfall *waterfall, const asdic_decimator *lev
     p.box.w = (double)levels->columns * pixels_each(levels->columns, 1200.0, 1200.0, 0.0);
     p.box.h = (double)levels->rows * pixels_each(levels->rows, 720.0, 40.0, 160.0);
     p.box.x = ASDIC_MARGIN_PX + ceil(asdic_canvas_axis_y_room(&p.time, p.box.h));
-    p.box.y = ASDIC_MARGIN_PX + (options->title ? 2.0 * ASDIC_TITLE_PX : 0.0);
+    p.box.y = ASDIC_MARGIN_PX + asdic_canvas_title_room(options->title);
     p.bar = (asdic_box){p.box.x + p.box.w + 28.0, p.box.y, BAR_PX, p.box.h};
     p.width = p.bar.x + p.bar.w + asdic_canvas_color_bar_room(options, p.bar.h) + ASDIC_MARGIN_PX;
     p.height = p.box.y + p.box.h + 4.0 * ASDIC_TEXT_PX + ASDIC_MARGIN_PX +

@@ -50,7 +50,18 @@ void asdic_overview_set_gain(asdic_overview *o, double db_per_decade, double db_
     }
 }
 
-/* The strongest bin of a beam, SHOWN_DB with the gain; as many as there are bins without an echo. */
+/* Whether no neighbour is stronger. Of the last bin that is not known: where the gain outdoes the
+ * fall of the reverberation it is the strongest without an echo. */
+static bool is_peak(const asdic_overview *o, const float *levels_db, size_t bin) {
+    double here_db = (double)levels_db[bin] + o->gain_db[bin];
+    if (o->bins < 3) {
+        return true;
+    }
+    return bin + 1 < o->bins && !((double)levels_db[bin + 1] + o->gain_db[bin + 1] > here_db) &&
+           (bin == 0 || !((double)levels_db[bin - 1] + o->gain_db[bin - 1] > here_db));
+}
+
+/* The strongest echo of a beam, SHOWN_DB with the gain; as many as there are bins without an echo. */
 static size_t strongest(const asdic_overview *o, const float *levels_db, const float *noise_db,
                         double *shown_db) {
     size_t best = o->bins;
@@ -58,7 +69,8 @@ static size_t strongest(const asdic_overview *o, const float *levels_db, const f
     for (size_t bin = 0; bin < o->bins; bin++) {
         double level_db = (double)levels_db[bin], with_gain_db = level_db + o->gain_db[bin];
         bool is_noise = level_db < (double)noise_db[bin] + ASDIC_OVERVIEW_ABOVE_NOISE_DB;
-        if (with_gain_db > *shown_db && !is_noise) { /* false for NAN */
+        if (with_gain_db > *shown_db && !is_noise &&
+            is_peak(o, levels_db, bin)) { /* false for NAN */
             *shown_db = with_gain_db;
             best = bin;
         }

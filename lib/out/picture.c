@@ -42,6 +42,23 @@ static asdic_status check_waterfall(asdic_context *ctx, const asdic_waterfall *w
     return check_options(ctx, options);
 }
 
+void asdic_picture_subtitle(const asdic_sonar *sonar, double bin_length_m,
+                            char text[ASDIC_SUBTITLE_SIZE]) {
+    char frequency[ASDIC_DIGITS_SIZE], bandwidth[ASDIC_DIGITS_SIZE], bin[ASDIC_DIGITS_SIZE];
+    char source[ASDIC_DIGITS_SIZE];
+    asdic_digits_print(frequency, "%g", sonar->frequency_hz / 1000.0);
+    asdic_digits_print(bandwidth, "%.4g", sonar->bandwidth_hz / 1000.0);
+    asdic_digits_print(bin, "%.4g", bin_length_m);
+    asdic_digits_print(source, "%.5g", sonar->source_level_db);
+    snprintf(
+        text, ASDIC_SUBTITLE_SIZE,
+        sonar->source_level_db == 0.0
+            ? "%s kHz, bandwidth %s kHz  \u00b7  bins of %s m  \u00b7  levels re an SL of %s dB"
+            : "%s kHz, bandwidth %s kHz  \u00b7  bins of %s m  \u00b7  source level %s dB re "
+              "1 \u00b5Pa at 1 m",
+        frequency, bandwidth, bin, source);
+}
+
 /* With a separator between statements. */
 void asdic_draw_note_add(char note[ASDIC_NOTE_SIZE], const char *statement) {
     size_t used = strlen(note);

@@ -9,7 +9,7 @@
 #define LIGHT_WEST 0.5
 #define LIGHT_UP 0.7071067811865476
 /* Shade of ground that is turned away from the light. */
-#define DARKEST 0.35
+#define DARKEST 0.6
 /* Slopes are exaggerated until their root mean square is this, so that a smooth bed shows its form. */
 #define SHOWN_SLOPE 0.5
 #define MOST_EXAGGERATION 20.0

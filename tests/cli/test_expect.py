@@ -6,6 +6,7 @@ import subprocess
 
 import tap
 from program import PATH, Folder, asdic
+from run_folder import png_texts
 
 SCENE = """
 version: 1
@@ -108,7 +109,12 @@ def test_picture():
             raise tap.Skip("built without cairo")
         done.check(code=0)
         with open(folder / "a.png", "rb") as file:
-            tap.equal(file.read(8), b"\x89PNG\r\n\x1a\n")
+            texts = png_texts(file.read())
+        with open(folder / "a.csv", encoding="ascii") as table:
+            levels = [float(row["total_db"]) for row in csv.DictReader(table) if row["total_db"]]
+        tap.equal((float(texts["db_low"]) < min(levels), float(texts["db_high"]) >= max(levels)),
+                  (True, True), "all levels are in the window")
+        tap.contains(texts["Title"], "scene: expected levels without objects\n")
 
 
 def test_wrong_use():

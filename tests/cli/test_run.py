@@ -1,6 +1,7 @@
 """asdic run and render: what a run folder holds, and what is refused."""
 import csv
 import json
+import math
 import os
 import re
 import shutil
@@ -171,9 +172,35 @@ def test_pictures_say_what_they_show():
         tap.equal(texts["scene_sha256"], run["scene"]["sha256"])
         tap.equal((texts["seed"], texts["version"], texts["beam"]), ("7", run["version"], "forward"))
         low, high = float(texts["db_low"]), float(texts["db_high"])
-        tap.equal((low % 10, high % 10, low < high), (0, 0, True), "window")
+        levels = sorted(float(row["level_db"]) for row in csv.DictReader(
+            data(folder, "r", "bins.csv").decode().splitlines()) if row["level_db"])
+        tap.equal((low, high), (10 * math.floor(levels[len(levels) // 20] / 10),
+                                10 * math.ceil(levels[len(levels) * 995 // 1000] / 10)), "window")
+        tap.equal(texts["Description"], "100 kHz, bandwidth 10 kHz  \u00b7  bins of 1 m  \u00b7  "
+                  "source level 200 dB re 1 \u00b5Pa at 1 m", "subtitle")
         if shutil.which("pngcheck"):
             subprocess.run(["pngcheck", "-q"] + [folder / "r/" + n for n in expected], check=True)
+
+
+def test_levels_without_a_source_level_say_so():
+    program.need_device()
+    with Folder() as folder:
+        path = scene(folder, pings=2)
+        text = data(folder, "", "pool.yaml").decode().replace("  source_level_db: 200\n", "")
+        asdic("run", folder.write("pool.yaml", text), "-o", folder / "r").check(code=0)
+        tap.contains(png_texts(data(folder, "r", "waterfall_forward.png"))["Description"],
+                     "levels re an SL of 0 dB")
+
+
+def test_one_ping_has_no_time_to_draw():
+    program.need_device()
+    with Folder() as folder:
+        path = scene(folder, pings=3)
+        asdic("run", path, "-o", folder / "r", "--pings", "0:1").check(code=0)
+        tap.equal([n for n in pictures(folder, "r") if "ascope" not in n], [], "pictures")
+        done = asdic("render", folder / "r", "--images", "waterfall,overview").check(code=0)
+        tap.contains(done.err, "no waterfall, no overview: they need two pings or more")
+        tap.equal([n for n in pictures(folder, "r") if "ascope" not in n], [], "by name")
 
 
 def test_fan_pictures():
@@ -184,7 +211,10 @@ def test_fan_pictures():
         asdic("run", path, "-o", folder / "r").check(code=0)
         names = pictures(folder, "r")
         tap.contains(names, "fan_0.png")
-        tap.equal(len([n for n in names if n.startswith("waterfall_")]), 1, "waterfalls of a fan")
+        asdic("run", scene(folder, pings=2, receivers="    fan: {count: 12, sector_deg: 90, "
+                           "length_h_m: 0.1, length_v_m: 0.05}"), "-o", folder / "s").check(code=0)
+        tap.equal(len([n for n in pictures(folder, "s") if n.startswith("waterfall_")]), 1,
+                  "waterfalls of a fan")
 
 
 def test_render_draws_again():

@@ -16,6 +16,7 @@
 
 #include <math.h>
 #include <png.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -266,6 +267,82 @@ static void overview_keeps_the_strongest(void **state) {
     asdic_overview_finish(&o);
 }
 
+/* Reverberation that its gain makes rise to the last bin is no echo; a weaker one on it is. */
+static void overview_leaves_out_the_last_bin(void **state) {
+    (void)state;
+    asdic_overview o;
+    float levels_db[100], noise_db[100];
+    assert_int_equal(asdic_overview_init(ctx, 1, 1, 100, 1.0, &o), ASDIC_OK);
+    asdic_overview_set_gain(&o, 40.0, 0.0);
+    for (size_t i = 0; i < 100; i++) {
+        levels_db[i] = -50.0f - 30.0f * log10f((float)i + 0.5f) + (i == 60 ? 1.0f : 0.0f);
+        noise_db[i] = NAN;
+    }
+    asdic_overview_add(&o, levels_db, noise_db);
+    assert_close(o.range_m[0], 60.5, 0);
+    asdic_overview_finish(&o);
+}
+
+/* The red of a picture, which is deleted; the caller frees. */
+static uint8_t *reds(const char *path, size_t *count) {
+    png_image image = {.version = PNG_IMAGE_VERSION};
+    assert_true(png_image_begin_read_from_file(&image, path));
+    image.format = PNG_FORMAT_RGB;
+    *count = (size_t)image.width * image.height;
+    uint8_t *rgb = malloc(PNG_IMAGE_SIZE(image));
+    assert_non_null(rgb);
+    assert_true(png_image_finish_read(&image, NULL, rgb, 0, NULL));
+    for (size_t i = 0; i < *count; i++) {
+        rgb[i] = rgb[3 * i];
+    }
+    unlink(path);
+    return rgb;
+}
+
+/* Four piles 10 m apart, without names and with them: whatever was dark stays dark, so that no name
+ * lies on a pile. */
+static void names_do_not_cover_what_they_name(void **state) {
+    (void)state;
+    char path[] = "/tmp/asdic-chart-XXXXXX";
+    assert_true(mkstemp(path) >= 0);
+    const double track_north_m[2] = {0, 100}, track_east_m[2] = {0, 0};
+    asdic_outline piles[4] = {0};
+    asdic_chart chart = {.relief = &no_relief,
+                         .outlines = piles,
+                         .outline_count = 4,
+                         .north_m = track_north_m,
+                         .east_m = track_east_m,
+                         .track_count = 2,
+                         .caption = "caption"};
+    asdic_picture_options options = asdic_picture_options_default();
+    uint8_t *red[2];
+    size_t count = 0, covered = 0, dark = 0;
+    if (!asdic_picture_annotated()) {
+        unlink(path);
+        skip();
+    }
+    for (int named = 0; named < 2; named++) {
+        for (size_t i = 0; i < 4; i++) {
+            piles[i].count = 4;
+            for (size_t k = 0; k < 4; k++) {
+                piles[i].north_m[k] = 2.0 - 10.0 * (double)(i / 2) + (k < 2 ? 0.2 : -0.2);
+                piles[i].east_m[k] = 12.0 + 10.0 * (double)(i % 2) + (k % 3 ? 0.2 : -0.2);
+            }
+            snprintf(piles[i].name, sizeof piles[i].name, named ? "pile_%zu" : "", i);
+        }
+        assert_int_equal(asdic_draw_chart(ctx, path, &chart, &options), ASDIC_OK);
+        red[named] = reds(path, &count);
+    }
+    for (size_t i = 0; i < count; i++) {
+        covered += red[0][i] < 0x60 && red[1][i] > 0x90;
+        dark += red[1][i] < 0x60 && red[0][i] > 0x90;
+    }
+    assert_int_equal(covered, 0);
+    assert_true(dark > 200); /* four names */
+    free(red[0]);
+    free(red[1]);
+}
+
 static void routes_are_the_runs(void **state) {
     (void)state;
     /* North 10 m in 10 s, then east 10 m in 10 s, turning from 350 to 20 degrees in the second leg. */
@@ -363,6 +440,8 @@ int main(void) {
         cmocka_unit_test(footprint_on_a_plane),
         cmocka_unit_test(footprint_on_terrain),
         cmocka_unit_test(overview_keeps_the_strongest),
+        cmocka_unit_test(overview_leaves_out_the_last_bin),
+        cmocka_unit_test(names_do_not_cover_what_they_name),
         cmocka_unit_test(routes_are_the_runs),
         cmocka_unit_test(pictures_show_them),
     };

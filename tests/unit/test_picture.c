@@ -289,7 +289,7 @@ static void ascope_draws_its_curves(void **state) {
     assert_int_equal(status, ASDIC_OK);
     size_t width, height;
     uint8_t *rgb = decode(file_in_folder("p.png"), PNG_FORMAT_RGB, &width, &height);
-    assert_true(count_color(rgb, width * height, 0x000000) > 500); /* the total, bold */
+    assert_true(count_color(rgb, width * height, 0xb4b4b4) > 500); /* the total, bold */
     free(rgb);
     const char *const vector_files[] = {"p.pdf", "p.svg"};
     for (int i = 0; i < 2; i++) {
@@ -300,6 +300,64 @@ static void ascope_draws_its_curves(void **state) {
         assert_true(st.st_size > 2000);
         unlink(path);
     }
+}
+
+/* The simulated levels are 3 dB above the expected ones: a panel of its own shows it, half-way up
+ * its axis of 5 dB either way. An object in one bin alone rises from the floor of its panel. */
+static void ascope_shows_residuals_and_lone_echoes(void **state) {
+    (void)state;
+    float expected_db[50], simulated_db[50], object_db[50];
+    for (size_t i = 0; i < 50; i++) {
+        expected_db[i] = -100.0f;
+        simulated_db[i] = -97.0f;
+        object_db[i] = i == 25 ? -80.0f : NAN;
+    }
+    asdic_ascope scope = {.title = "beam",
+                          .bins = 50,
+                          .bin_length_m = 0.5,
+                          .total_db = expected_db,
+                          .simulated_db = simulated_db,
+                          .object_db = object_db};
+    asdic_picture_options options = asdic_picture_options_default();
+    if (!asdic_picture_annotated()) {
+        skip();
+    }
+    size_t width, height, residual = 0, tall = 0;
+    assert_int_equal(asdic_picture_ascope(ctx, file_in_folder("p.png"), &scope, 1, &options),
+                     ASDIC_OK);
+    uint8_t *rgb = decode(file_in_folder("p.png"), PNG_FORMAT_RGB, &width, &height);
+    for (size_t y = 0; y < height; y++) {
+        size_t blue = 0;
+        for (size_t x = 0; x < width; x++) {
+            uint32_t p = pixel(rgb, width, x, y);
+            blue += (p & 0xff) > (p >> 16) + 0x60; /* 0x0072b2, smoothed */
+            tall += x > width / 2 - 40 && x < width / 2 + 60 && (p >> 16) > (p & 0xff) + 0xa0;
+        }
+        residual = blue > 900 ? residual + 1 : residual;
+    }
+    free(rgb);
+    assert_true(residual >= 1 && residual <= 3); /* one level line, nearly as long as the box */
+    assert_true(tall > 200);                     /* from -160 to -80 dB and back */
+}
+
+/* A second line of the title makes the page taller by its own height, and is drawn in grey. */
+static void subtitles_have_a_line(void **state) {
+    (void)state;
+    asdic_picture_options options = asdic_picture_options_default();
+    size_t width, height[2], grey[2];
+    if (!asdic_picture_annotated()) {
+        skip();
+    }
+    for (int i = 0; i < 2; i++) {
+        options.title = i == 0 ? "title" : "title\nsubtitle that says what the levels hang on";
+        assert_int_equal(asdic_picture_waterfall(ctx, file_in_folder("t.png"), &ramp, &options),
+                         ASDIC_OK);
+        uint8_t *rgb = decode(file_in_folder("t.png"), PNG_FORMAT_RGB, &width, &height[i]);
+        grey[i] = count_color(rgb, width * height[i], 0x606060);
+        free(rgb);
+    }
+    assert_true(height[1] > height[0] + 10 && height[1] < height[0] + 40);
+    assert_true(grey[1] > grey[0] + 20);
 }
 
 static void failures_leave_nothing(void **state) {
@@ -330,6 +388,8 @@ int main(void) {
         cmocka_unit_test(waterfall_averages_energy),
         cmocka_unit_test(fan_starboard_is_right),
         cmocka_unit_test(ascope_draws_its_curves),
+        cmocka_unit_test(ascope_shows_residuals_and_lone_echoes),
+        cmocka_unit_test(subtitles_have_a_line),
         cmocka_unit_test(failures_leave_nothing),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);

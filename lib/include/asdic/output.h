@@ -43,7 +43,7 @@ typedef struct asdic_picture_options {
     asdic_colormap colormap;
     /* Time-varied gain, for display only and stated on the picture; 0: none. */
     double tvg_db_per_decade, tvg_db_per_m;
-    const char *title; /* NULL: none */
+    const char *title; /* NULL: none; a second line is a subtitle */
     const char *note;  /* small line below the picture; NULL: none */
     /* PNG text chunks, in a PDF title and keywords: key, value, ..., NULL; may be NULL */
     const char *const *texts;
@@ -52,6 +52,12 @@ typedef struct asdic_picture_options {
 
 /* -160..-60 dB, viridis, no gain, no title. */
 ASDIC_API asdic_picture_options asdic_picture_options_default(void);
+
+/* What the levels of a picture hang on, for its subtitle: "750 kHz, bandwidth 186 kHz, bins of 0.1 m,
+ * source level 200 dB re 1 uPa at 1 m"; where the source level is 0 dB, that levels are re it. */
+#define ASDIC_SUBTITLE_SIZE 256
+ASDIC_API void asdic_picture_subtitle(const asdic_sonar *sonar, double bin_length_m,
+                                      char text[ASDIC_SUBTITLE_SIZE]);
 
 /* One beam over time. LEVELS_DB[ping * bins + bin]. */
 typedef struct asdic_waterfall {

@@ -146,11 +146,16 @@ static bool reach_of(const asdic_roc *roc, columns *c) {
     return true;
 }
 
+/* Half way to white: bounds stand back behind what they bound. */
+static uint32_t pale(uint32_t rgb) {
+    return 0x808080u + (rgb >> 1 & 0x7f7f7fu);
+}
+
 static size_t add_lines(asdic_series *out, const columns *c, uint32_t rgb, const char *label) {
     asdic_series line = {.x = c->x, .count = c->count, .rgb = rgb};
-    const double *y[LINES_EACH] = {c->value,  c->low,       c->high,
+    const double *y[LINES_EACH] = {c->low,    c->high,      c->value,
                                    c->closed, c->model_low, c->model_high};
-    static const double width[LINES_EACH] = {1.8, 0.7, 0.7, 1.2, 1.0, 1.0};
+    static const double width[LINES_EACH] = {0.7, 0.7, 1.8, 1.0, 1.0, 1.0};
     static const asdic_line_style style[LINES_EACH] = {ASDIC_LINE_SOLID,  ASDIC_LINE_SOLID,
                                                        ASDIC_LINE_SOLID,  ASDIC_LINE_DASHED,
                                                        ASDIC_LINE_DOTTED, ASDIC_LINE_DOTTED};
@@ -160,8 +165,8 @@ static size_t add_lines(asdic_series *out, const columns *c, uint32_t rgb, const
         out[k].y = y[k];
         out[k].width = width[k];
         out[k].style = style[k];
-        out[k].label = k == 0 ? label : NULL;
-        out[k].rgb = k == 3 ? 0x202020u : rgb;
+        out[k].label = k == 2 ? label : NULL;
+        out[k].rgb = k == 3 ? 0x202020u : k == 2 || k > 3 ? rgb : pale(rgb);
     }
     return (size_t)lines;
 }
@@ -251,7 +256,7 @@ static asdic_status draw(asdic_context *ctx, const char *path, const char *title
                             .series_count = d->range_line_count}};
     asdic_picture_options options = asdic_picture_options_default();
     options.title = title;
-    options.note = "solid: drawn, with bounds of 99 %; dashed: closed form";
+    options.note = "solid: drawn, pale: its bounds of 99 %; dashed: closed form";
     return asdic_picture_plot(ctx, path, plots, d->farthest_m > 0.0 ? 2 : 1, &options);
 }
 
@@ -267,7 +272,9 @@ asdic_status asdic_roc_draw(asdic_context *ctx, const char *path, const char *ti
     }
     locale_t before = asdic_c_locale_enter();
     bool is_there = add_curves(d, names, rocs, count);
-    add_chance(d);
+    if (lowest(d->curve, count) == 0.0) { /* else it lies outside */
+        add_chance(d);
+    }
     asdic_status status = is_there ? draw(ctx, path, title, d, count, rocs[0]->pfa)
                                    : asdic_fail_memory(ctx, "a picture");
     asdic_c_locale_leave(before);

@@ -32,15 +32,14 @@ static void add_error(asdic_render *r) {
     }
 }
 
-/* The note below every picture and the text chunks in its file. */
+/* Subtitle and note of every picture, and the text chunks in its file. */
 void asdic_render_describe(asdic_render *r) {
-    char frequency[ASDIC_DIGITS_SIZE], rays[40], spread[ASDIC_DIGITS_SIZE], loss[ASDIC_DIGITS_SIZE];
+    char rays[40], spread[ASDIC_DIGITS_SIZE], loss[ASDIC_DIGITS_SIZE];
     const asdic_sampling *sampling = &r->info.sampling;
-    asdic_digits_print(frequency, "%g", r->info.sonar->frequency_hz / 1000.0);
+    asdic_picture_subtitle(r->info.sonar, r->run->facts.bin_length_m, r->facts);
     group_digits(rays, sampling->rays);
-    snprintf(r->note, sizeof r->note, "%s kHz  \u00b7  %s rays a ping, %s sampling, seed %llu",
-             frequency, rays, asdic_run_sampler_name(sampling->sampler),
-             (unsigned long long)sampling->seed);
+    snprintf(r->note, sizeof r->note, "%s rays a ping, %s sampling, seed %llu", rays,
+             asdic_run_sampler_name(sampling->sampler), (unsigned long long)sampling->seed);
     add_error(r);
     asdic_digits_natural(r->seed, sampling->seed);
     asdic_digits_print(r->low, "%g", r->options.db_low);
@@ -56,7 +55,8 @@ void asdic_render_describe(asdic_render *r) {
                            "db_low",       r->low,
                            "db_high",      r->high,
                            "colormap",     asdic_colormap_name(r->options.colormap),
-                           "gain",         r->gain};
+                           "gain",         r->gain,
+                           "Description",  r->facts};
     _Static_assert(sizeof texts + 5 * sizeof *texts <= sizeof r->texts, "room for one more text");
     memcpy(r->texts, texts, sizeof texts);
 }
@@ -64,6 +64,7 @@ void asdic_render_describe(asdic_render *r) {
 asdic_picture_options asdic_render_picture(asdic_render *r, const char *title, const char *key,
                                            const char *value) {
     size_t i = 0;
+    snprintf(r->heading, sizeof r->heading, "%s\n%s", title, r->facts);
     while (r->texts[i] && strcmp(r->texts[i], "Title") != 0) {
         i += 2;
     }
@@ -76,7 +77,7 @@ asdic_picture_options asdic_render_picture(asdic_render *r, const char *title, c
                                    .colormap = r->options.colormap,
                                    .tvg_db_per_decade = r->options.tvg_db_per_decade,
                                    .tvg_db_per_m = r->options.tvg_db_per_m,
-                                   .title = title,
+                                   .title = r->heading,
                                    .note = r->note,
                                    .texts = r->texts,
                                    .format = r->options.format};

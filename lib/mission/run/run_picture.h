@@ -10,7 +10,7 @@
 /* At most this many beams get a panel of an A-scope. */
 #define ASDIC_RENDER_PANELS 4
 
-#define ASDIC_RENDER_TEXTS 24
+#define ASDIC_RENDER_TEXTS 28
 
 typedef struct asdic_render {
     asdic_context *ctx;
@@ -21,6 +21,8 @@ typedef struct asdic_render {
     asdic_render_options options; /* window resolved */
     bool has_window;              /* the options give one */
     unsigned images;
+    char facts[ASDIC_SUBTITLE_SIZE]; /* the subtitle */
+    char heading[512];               /* title and subtitle */
     char note[256], seed[32], low[32], high[32], gain[96];
     const char *texts[ASDIC_RENDER_TEXTS]; /* key, value, ... of every picture */
 } asdic_render;

@@ -94,6 +94,12 @@ static void drop_impossible(asdic_render *r) {
                   "no fan picture: it needs three beams or more at ascending bearings");
         r->images &= ~(1u << ASDIC_IMAGE_FAN);
     }
+    const unsigned over_time = 1u << ASDIC_IMAGE_WATERFALL | 1u << ASDIC_IMAGE_OVERVIEW;
+    if ((r->images & over_time) && r->info.pings == 1) {
+        asdic_log(r->ctx, r->options.images ? ASDIC_LOG_WARNING : ASDIC_LOG_INFO,
+                  "no waterfall, no overview: they need two pings or more");
+        r->images &= ~over_time;
+    }
     const unsigned lines =
         1u << ASDIC_IMAGE_ASCOPE | 1u << ASDIC_IMAGE_OVERVIEW | 1u << ASDIC_IMAGE_PLAN;
     if ((r->images & lines) && !asdic_picture_annotated()) {

@@ -5,6 +5,7 @@
 #include "out/digits.h"
 #include "run_folder.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -12,7 +13,7 @@
 /* Curves that lie below the window of the total (one of several mechanisms) are worth seeing. */
 #define ASCOPE_BELOW_DB 20.0
 /* A peak must not touch the frame. */
-#define ASCOPE_ABOVE_DB 10.0
+#define ASCOPE_ABOVE_DB 2.0
 
 /* "NAME: ping 17, t = 1.7 s" and the number for the text chunk. */
 static void name_ping(const asdic_render *r, const asdic_record *record, char title[256],
@@ -89,6 +90,20 @@ static asdic_ascope panel_of(const asdic_render *r, const asdic_record *record,
     return panel;
 }
 
+/* Every peak of the panels lies below it, and LEAST_DB. */
+static double highest_db(const asdic_ascope *panels, size_t count, double least_db) {
+    double high_db = least_db;
+    for (size_t k = 0; k < count; k++) {
+        for (size_t i = 0; i < panels[k].bins; i++) {
+            double level_db =
+                fmax((double)panels[k].simulated_db[i], (double)panels[k].object_db[i]);
+            double round_db = 10.0 * ceil((level_db + ASCOPE_ABOVE_DB) / 10.0);
+            high_db = round_db > high_db ? round_db : high_db; /* false for NAN */
+        }
+    }
+    return high_db;
+}
+
 /* An A-scope shows levels without a gain, in a window of their own. */
 asdic_status asdic_render_ascope(const asdic_render *whole, const asdic_record *record) {
     asdic_render own = *whole, *r = &own;
@@ -116,13 +131,11 @@ asdic_status asdic_render_ascope(const asdic_render *whole, const asdic_record *
     }
     own.options.tvg_db_per_decade = own.options.tvg_db_per_m = 0.0;
     if (!r->has_window) {
-        own.options.db_low = r->summary->statistics.low_db;
-        own.options.db_high = r->summary->statistics.high_db;
+        own.options.db_low = r->summary->statistics.low_db - ASCOPE_BELOW_DB;
+        own.options.db_high = highest_db(panels, count, r->summary->statistics.high_db);
     }
     asdic_render_describe(&own);
     asdic_picture_options options = asdic_render_picture(r, title, "ping", number);
-    options.db_low -= ASCOPE_BELOW_DB;
-    options.db_high += ASCOPE_ABOVE_DB;
     snprintf(note, sizeof note, "%s  \u00b7  %s", options.note,
              expected.ping ? "expected: flat bottom, no objects, by quadrature; object: simulated"
                            : "no expected curve: the bottom is a mesh or grid; all curves are "

@@ -17,9 +17,10 @@
 #define ERROR_SHIFT 15
 #define ERROR_LOW ((127u - 20u) << (23 - ERROR_SHIFT))
 #define ERROR_BINS (34u << (23 - ERROR_SHIFT))
-/* The window leaves out this share of the levels at either end. */
-#define LOW_SHARE 0.01
-#define HIGH_SHARE 0.999
+/* The window leaves out this share of the levels at either end: a few spikes would leave most of
+ * the colours unused. */
+#define LOW_SHARE 0.05
+#define HIGH_SHARE 0.995
 
 typedef struct asdic_statistics_counts {
     uint64_t levels[LEVEL_BINS], shown[LEVEL_BINS], errors[ERROR_BINS];
