@@ -12,7 +12,7 @@ static const cli_option options[] = {
     {"pings", 0, "N", "end after N pings"},
     {"keys", 0, "T:KEY,...", "press keys at seconds of the mission: 2:up,4:right,9:r"},
     {"rays", 0, "N", "rays per ping, instead of the scene's"},
-    {"least-rays", 0, "N", "the floor of rays when the machine cannot follow; default 2000"},
+    {"least-rays", 0, "N", "the floor of rays when the machine cannot follow; default: 40 a beam, 2000 at least"},
     {"size", 0, "WxH", "pixels of a frame; default 1280x720"},
     {"db-range", 0, "LOW:HIGH", "window of levels, dB; default: 70 dB below the strongest echo"},
     {"colormap", 0, "NAME", "viridis, cividis, inferno, gray or copper; default inferno"},
@@ -37,7 +37,7 @@ static bool read_size(cli *c, asdic_view_options *o) {
 }
 
 static bool read_request(cli *c, request *r) {
-    uint64_t least = 2000;
+    uint64_t least = 0;
     const char *name = cli_text(c, "colormap");
     *r = (request){.options = asdic_view_options_default(),
                    .y4m = cli_text(c, "y4m"),

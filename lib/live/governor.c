@@ -15,6 +15,11 @@
 #define MOST_RISE 1.5
 #define MOST_FALL 0.4
 
+uint32_t asdic_governor_floor(size_t beams) {
+    size_t floor = ASDIC_GOVERNOR_RAYS_A_BEAM * beams;
+    return floor > ASDIC_GOVERNOR_LEAST_RAYS ? (uint32_t)floor : ASDIC_GOVERNOR_LEAST_RAYS;
+}
+
 void asdic_governor_init(asdic_governor *g, double period_s, uint32_t wanted, uint32_t least,
                          bool follows) {
     *g = (asdic_governor){.period_s = period_s,

@@ -19,6 +19,11 @@ typedef struct asdic_governor {
     double stretch; /* of the last steps */
 } asdic_governor;
 
+/* The floor of rays below which a picture breaks: so many a beam, or a fan of many beams is dashes. */
+#define ASDIC_GOVERNOR_RAYS_A_BEAM 40u
+#define ASDIC_GOVERNOR_LEAST_RAYS 2000u
+uint32_t asdic_governor_floor(size_t beams);
+
 void asdic_governor_init(asdic_governor *governor, double period_s, uint32_t wanted, uint32_t least,
                          bool follows);
 

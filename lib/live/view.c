@@ -22,7 +22,6 @@
 asdic_view_options asdic_view_options_default(void) {
     return (asdic_view_options){.width = 1280,
                                 .height = 720,
-                                .least_rays = 2000,
                                 .db_low = NAN,
                                 .db_high = NAN,
                                 .colormap = ASDIC_COLORMAP_INFERNO};
@@ -271,7 +270,8 @@ static asdic_status begin(asdic_view *view) {
         view->chosen.rays = asdic_sampling_default().rays;
     }
     asdic_governor_init(&view->governor, 1.0 / sonar->ping_rate_hz, view->chosen.rays,
-                        o->least_rays, o->real_time);
+                        o->least_rays ? o->least_rays : asdic_governor_floor(sonar->receiver_count),
+                        o->real_time);
     asdic_helm_init(&view->helm, &view->mission->flight);
     view->look = asdic_picture_options_default();
     view->look.colormap = o->colormap;

@@ -4,7 +4,7 @@
 #include "base/context.h"
 
 asdic_view_options asdic_view_options_default(void) {
-    return (asdic_view_options){.width = 1280, .height = 720, .least_rays = 2000};
+    return (asdic_view_options){.width = 1280, .height = 720};
 }
 
 asdic_status asdic_view_create(asdic_context *ctx, asdic_mission *mission, asdic_device *device,

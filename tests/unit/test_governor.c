@@ -61,6 +61,17 @@ static void without_a_clock_nothing_changes(void **state) {
     assert_int_equal(asdic_governor_rays(&g), 1000);
 }
 
+/* 512 beams keep 40 rays each: time is stretched before the picture breaks into dashes. */
+static void the_floor_follows_the_beams(void **state) {
+    (void)state;
+    asdic_governor g;
+    assert_int_equal(asdic_governor_floor(1), 2000);
+    assert_int_equal(asdic_governor_floor(512), 20480);
+    asdic_governor_init(&g, PERIOD_S, 200000, asdic_governor_floor(512), true);
+    assert_int_equal(run(&g, 0.05, 1e-5, 600), 20480);
+    assert_true(asdic_governor_stretch(&g) > 2.0);
+}
+
 /* A floor above what is wanted is no floor. */
 static void the_user_decides(void **state) {
     (void)state;
@@ -76,6 +87,7 @@ int main(void) {
         cmocka_unit_test(at_the_floor_time_is_stretched),
         cmocka_unit_test(a_hopeless_start_is_noticed_soon),
         cmocka_unit_test(without_a_clock_nothing_changes),
+        cmocka_unit_test(the_floor_follows_the_beams),
         cmocka_unit_test(the_user_decides),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
