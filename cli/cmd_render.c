@@ -1,4 +1,5 @@
 #include "commands.h"
+#include "render_video.h"
 
 #include <math.h>
 #include <string.h>
@@ -80,12 +81,19 @@ static int run(cli *c) {
     options.raw = cli_given(c, "raw");
     options.format = (asdic_picture_format)format;
     options.path = cli_text(c, "output");
-    if (!may_write(c, options.path)) {
+    const char *video = cli_text(c, "video");
+    if (video && (options.path || options.raw || cli_given(c, "ping") || cli_given(c, "format"))) {
+        return cli_usage(c, "--video goes without --output, --raw, --ping and --format");
+    }
+    if (!may_write(c, options.path) || !may_write(c, video)) {
         return CLI_FAILED;
     }
     asdic_status status = ASDIC_OK;
     if (cli_given(c, "tvg")) {
         status = set_gain(c, folder, gain, &options);
+    }
+    if (status == ASDIC_OK && video) {
+        return render_video(c, folder, &options, video);
     }
     if (status == ASDIC_OK) {
         status = asdic_run_render(cli_context(c), folder, &options);
@@ -103,6 +111,8 @@ static const cli_option options[] = {
     {"format", 0, "FORMAT", "auto, png, pdf or svg; auto: by the name of the file, else PNG"},
     {"output", 'o', "FILE",
      "write the one picture that the other options choose there; - is the standard output"},
+    {"video", 0, "FILE",
+     "a video, a frame for each ping: its fan, or --images ascope; with ffmpeg"},
     {"force", 0, NULL, "overwrite that file"},
     {"raw", 0, NULL, "16-bit grey pictures too, a pixel per bin: raw_<beam>.png"},
     {0},
@@ -119,6 +129,7 @@ const cli_command cli_render_command = {
                "display only and is written on the picture.",
     .examples = "asdic render out --db-range=-120:-40 --colormap inferno\n"
                 "asdic render out --images fan --ping 30 --format pdf\n"
+                "asdic render out --video fan.mp4\n"
                 "asdic render out --images plan -o chart.svg",
     .options = options,
     .run = run,

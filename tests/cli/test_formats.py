@@ -372,6 +372,28 @@ def test_one_picture_goes_to_a_file_or_standard_output():
         tap.equal(pictures(folder, "r"), names, "pictures of the run")
 
 
+def test_a_video_has_a_frame_for_each_ping():
+    with Folder() as folder:
+        run = run_of(folder)
+        if "ascope_0.png" not in pictures(folder, "r"):
+            raise tap.Skip("built without cairo")
+        names = pictures(folder, "r")
+        done = asdic("render", run, "--video", folder / "v.mp4", "--images", "ascope",
+                     PATH=folder.path).check(code=1)
+        tap.contains(done.err, "a video needs ffmpeg")
+        asdic("render", run, "--video", folder / "v.mp4", "--ping", "1").check(code=2)
+        if not shutil.which("ffmpeg") or not shutil.which("ffprobe"):
+            raise tap.Skip("no ffmpeg")
+        asdic("render", run, "--video", folder / "v.mp4", "--images", "ascope").check(code=0, out="")
+        facts_of = tool("ffprobe", "-v", "error", "-count_frames", "-show_entries",
+                        "stream=nb_read_frames,r_frame_rate", "-of", "csv=p=0", "v.mp4",
+                        cwd=folder.path)
+        tap.equal(facts_of.strip(), "20/1,4", "frames a second, frames")
+        tap.contains(asdic("render", run, "--video", folder / "v.mp4", "--images",
+                           "ascope").check(code=1).err, "--force")
+        tap.equal(pictures(folder, "r"), names, "pictures of the run")
+
+
 def test_ascope_says_how_many_beams_it_leaves_out():
     with Folder() as folder:
         more = "".join(f"\n    - {{name: more{i}, pitch_deg: {9 * i}}}" for i in range(3))

@@ -83,6 +83,14 @@ ASDIC_API asdic_render_options asdic_render_options_default(void);
 ASDIC_API asdic_status asdic_run_render(asdic_context *ctx, const char *folder,
                                         const asdic_render_options *options);
 
+/* Draws one picture of every ping, all of one size: the fan, or the A-scope if OPTIONS->images is
+ * that. Each goes to OPTIONS->path in the place of the one before, and FRAME is called with that
+ * path; it returns false to stop, which is no error here. OPTIONS->ping is not read. */
+ASDIC_API asdic_status asdic_run_render_frames(asdic_context *ctx, const char *folder,
+                                               const asdic_render_options *options,
+                                               bool (*frame)(void *user, const char *path),
+                                               void *user);
+
 /* Joins runs of consecutive parts of one mission, given in any order, into OUT_FOLDER: the same
  * bytes (but run.json's times) as one run of all. ASDIC_ERROR_INPUT when they are of different
  * missions or leave gaps, ASDIC_ERROR_EXISTS when OUT_FOLDER holds a run and FORCE is false. */

@@ -21,6 +21,8 @@ typedef struct asdic_render {
     asdic_render_options options; /* window resolved */
     bool has_window;              /* the options give one */
     unsigned images;
+    bool (*frame)(void *user, const char *path); /* of every ping; NULL: pictures, no frames */
+    void *frame_user;
     char facts[ASDIC_SUBTITLE_SIZE]; /* the subtitle */
     char heading[512];               /* title and subtitle */
     char note[256], seed[32], low[32], high[32], gain[96];

@@ -61,8 +61,21 @@ static asdic_status render_ping(asdic_render *r, size_t index) {
     return wants(r, ASDIC_IMAGE_FAN) ? asdic_render_fan(r, &record) : ASDIC_OK;
 }
 
+static asdic_status render_frames(asdic_render *r) {
+    for (size_t i = 0; i < r->info.pings; i++) {
+        TRY(render_ping(r, i));
+        if (!r->frame(r->frame_user, r->options.path)) {
+            break;
+        }
+    }
+    return ASDIC_OK;
+}
+
 static asdic_status render_pings(asdic_render *r) {
     size_t last = r->info.pings - 1;
+    if (r->frame) {
+        return render_frames(r);
+    }
     if (r->options.ping != SIZE_MAX) {
         size_t index = r->options.ping - r->info.first_ping;
         if (r->options.ping < r->info.first_ping || index > last) {
@@ -111,7 +124,7 @@ static void drop_impossible(asdic_render *r) {
 
 /* How many pictures there will be. */
 static size_t count_pictures(const asdic_render *r) {
-    size_t pings = r->options.ping == SIZE_MAX && r->info.pings > 1 ? 2 : 1;
+    size_t pings = r->frame ? 1 : r->options.ping == SIZE_MAX && r->info.pings > 1 ? 2 : 1;
     return (wants(r, ASDIC_IMAGE_WATERFALL) + r->options.raw) * r->plan.beam_count +
            wants(r, ASDIC_IMAGE_OVERVIEW) + wants(r, ASDIC_IMAGE_PLAN) +
            (wants(r, ASDIC_IMAGE_ASCOPE) + wants(r, ASDIC_IMAGE_FAN)) * pings;
@@ -190,6 +203,23 @@ asdic_status asdic_run_render_summary(asdic_context *ctx, const char *folder,
                                       const asdic_summary *summary) {
     asdic_render r = {.ctx = ctx, .options = *options, .summary = summary};
     asdic_summary *own = NULL;
+    asdic_status status = render(&r, folder, &own);
+    asdic_summary_destroy(&own);
+    asdic_run_close(&r.run);
+    return status;
+}
+
+asdic_status asdic_run_render_frames(asdic_context *ctx, const char *folder,
+                                     const asdic_render_options *options,
+                                     bool (*frame)(void *user, const char *path), void *user) {
+    if (!folder || !options || !options->path || !frame) {
+        return asdic_fail_null(ctx, __func__);
+    }
+    asdic_render r = {.ctx = ctx, .options = *options, .frame = frame, .frame_user = user};
+    asdic_summary *own = NULL;
+    r.options.ping = SIZE_MAX;
+    r.options.raw = false;
+    r.options.images = options->images ? options->images : 1u << ASDIC_IMAGE_FAN;
     asdic_status status = render(&r, folder, &own);
     asdic_summary_destroy(&own);
     asdic_run_close(&r.run);
