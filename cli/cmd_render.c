@@ -85,12 +85,25 @@ static int run(cli *c) {
     if (video && (options.path || options.raw || cli_given(c, "ping") || cli_given(c, "format"))) {
         return cli_usage(c, "--video goes without --output, --raw, --ping and --format");
     }
-    if (!may_write(c, options.path) || !may_write(c, video)) {
+    const char *mosaic = cli_text(c, "mosaic");
+    double cell_m = 0.0;
+    cli_number(c, "cell", 1e-3, 1e6, &cell_m);
+    if (cli_bad_usage(c)) {
+        return CLI_USAGE;
+    }
+    if (mosaic && (options.path || video)) {
+        return cli_usage(c, "--mosaic goes without --output and --video");
+    }
+    if (!may_write(c, options.path) || !may_write(c, video) || !may_write(c, mosaic)) {
         return CLI_FAILED;
     }
     asdic_status status = ASDIC_OK;
     if (cli_given(c, "tvg")) {
         status = set_gain(c, folder, gain, &options);
+    }
+    if (status == ASDIC_OK && mosaic) {
+        options.path = mosaic;
+        return cli_end(c, asdic_run_mosaic(cli_context(c), folder, cell_m, &options));
     }
     if (status == ASDIC_OK && video) {
         return render_video(c, folder, &options, video);
@@ -113,6 +126,9 @@ static const cli_option options[] = {
      "write the one picture that the other options choose there; - is the standard output"},
     {"video", 0, "FILE",
      "a video, a frame for each ping: its fan, or --images ascope; with ffmpeg"},
+    {"mosaic", 0, "FILE",
+     "the fans of all pings on one map: a PNG, and a world file for GIS beside it"},
+    {"cell", 0, "M", "side of the mosaic's cells; default: a bin's length"},
     {"force", 0, NULL, "overwrite that file"},
     {"raw", 0, NULL, "16-bit grey pictures too, a pixel per bin: raw_<beam>.png"},
     {0},
@@ -130,6 +146,7 @@ const cli_command cli_render_command = {
     .examples = "asdic render out --db-range=-120:-40 --colormap inferno\n"
                 "asdic render out --images fan --ping 30 --format pdf\n"
                 "asdic render out --video fan.mp4\n"
+                "asdic render out --mosaic floor.png --cell 0.25\n"
                 "asdic render out --images plan -o chart.svg",
     .options = options,
     .run = run,

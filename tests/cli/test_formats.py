@@ -394,6 +394,30 @@ def test_a_video_has_a_frame_for_each_ping():
         tap.equal(pictures(folder, "r"), names, "pictures of the run")
 
 
+def test_a_mosaic_lies_where_it_says():
+    """A ball 20 m north of a vehicle that looks north: the brightest place of its floor."""
+    with Folder() as folder:
+        run = run_of(folder, pings=2, edits={
+            "  receivers:\n    - {name: forward}\n    - {name: down, pitch_deg: 45}":
+            "  receivers:\n    fan: {count: 64, sector_deg: 90, length_h_m: 0.5, length_v_m: 0.05}"})
+        asdic("render", run, "--mosaic", folder / "m.png", "--cell", "0.5").check(code=0, out="")
+        world = [float(line) for line in data(folder, "", "m.pgw").decode().split()]
+        reach = facts(folder, "r")["bins"] * 1.0
+        tap.equal(world, [0.5, 0, 0, -0.5, -reach + 0.25, -reach + 0.25 + 0.5 * (4 * reach - 1)],
+                  "world file")
+        tap.contains(asdic("render", run, "--mosaic", folder / "m.png").check(code=1).err, "--force")
+        if not shutil.which("gdallocationinfo"):
+            raise tap.Skip("no gdal")
+        def brightness(east, north):
+            text = tool("gdallocationinfo", "-valonly", "-geoloc", "m.png", str(east), str(north),
+                        cwd=folder.path)
+            return sum(map(int, text.split()))
+        if brightness(0, -20) != 3 * 255:
+            raise AssertionError("behind the vehicle nothing was seen")
+        if brightness(0, 19.2) <= brightness(6, 19.2):
+            raise AssertionError("the ball is brighter than the floor beside it")
+
+
 def test_ascope_says_how_many_beams_it_leaves_out():
     with Folder() as folder:
         more = "".join(f"\n    - {{name: more{i}, pitch_deg: {9 * i}}}" for i in range(3))

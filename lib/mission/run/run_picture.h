@@ -39,6 +39,9 @@ asdic_picture_options asdic_render_picture(asdic_render *render, const char *tit
 /* The path of the picture STEM NAME; freed with free(). */
 char *asdic_render_path(const asdic_render *render, const char *stem, const char *name);
 
+/* Whether the beams make a fan: three or more, aimed at ascending bearings. */
+bool asdic_render_has_fan(const asdic_sonar *sonar);
+
 /* run_render_waterfall.c: all pings of a beam; its bins one to one; the strongest of all beams. */
 asdic_status asdic_render_waterfalls(asdic_render *render);
 asdic_status asdic_render_raw(asdic_render *render);

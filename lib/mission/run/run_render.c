@@ -88,8 +88,7 @@ static asdic_status render_pings(asdic_render *r) {
     return last > 0 ? render_ping(r, last) : ASDIC_OK;
 }
 
-/* Whether the beams make a fan: three or more, aimed at ascending bearings. */
-static bool has_fan(const asdic_sonar *sonar) {
+bool asdic_render_has_fan(const asdic_sonar *sonar) {
     for (size_t i = 1; i < sonar->receiver_count; i++) {
         if (!(sonar->receivers[i].yaw_rad > sonar->receivers[i - 1].yaw_rad)) {
             return false;
@@ -101,7 +100,7 @@ static bool has_fan(const asdic_sonar *sonar) {
 /* Drops the pictures for which the scene has no beams, or which this build cannot draw; the others
  * are drawn. A user who asks for one by name is warned. */
 static void drop_impossible(asdic_render *r) {
-    bool can_fan = has_fan(r->info.sonar);
+    bool can_fan = asdic_render_has_fan(r->info.sonar);
     if ((r->images & 1u << ASDIC_IMAGE_FAN) && !can_fan) {
         asdic_log(r->ctx, r->options.images ? ASDIC_LOG_WARNING : ASDIC_LOG_INFO,
                   "no fan picture: it needs three beams or more at ascending bearings");

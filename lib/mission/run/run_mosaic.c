@@ -1,0 +1,229 @@
+/*
+ * The fans of a mission laid on one map: the mean intensity of all that saw a place, with the gain that
+ * lets far and near floor look alike.
+ */
+#include <asdic/run.h>
+
+#include "base/context.h"
+#include "base/try.h"
+#include "out/digits.h"
+#include "out/file.h"
+#include "out/raster.h"
+#include "run_picture.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Of the map, in cells. */
+#define MOST_SIDE 8192
+#define EMPTY_RGB 0xffffffu
+/* A fan's floor falls as the sound spreads both ways, less the growth of what a bin covers. */
+#define DB_PER_DECADE 30.0
+
+typedef struct mosaic {
+    asdic_context *ctx;
+    asdic_run *run;
+    asdic_run_info info;
+    double bin_length_m, range_m, cell_m;
+    double west_m, south_m;
+    size_t columns, rows;
+    double *sum;     /* [row * columns + column], rows from south to north: intensities with gain */
+    uint32_t *count; /* of pings that saw the cell */
+    double db_per_decade, db_per_m;
+} mosaic;
+
+/* Where the beam that looks along BEARING_RAD is; as many as there are beams beside the fan. */
+static size_t beam_at(const asdic_sonar *sonar, double bearing_rad) {
+    size_t low = 0, high = sonar->receiver_count - 1;
+    const asdic_beam *beams = sonar->receivers;
+    double half_rad = 0.5 * (beams[1].yaw_rad - beams[0].yaw_rad);
+    if (bearing_rad < beams[0].yaw_rad - half_rad || bearing_rad > beams[high].yaw_rad + half_rad) {
+        return sonar->receiver_count;
+    }
+    while (high - low > 1) {
+        size_t middle = low + (high - low) / 2;
+        if (beams[middle].yaw_rad <= bearing_rad) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    return bearing_rad - beams[low].yaw_rad > beams[high].yaw_rad - bearing_rad ? high : low;
+}
+
+/* Adds what RECORD heard from the place (NORTH_M, EAST_M), taken to lie as deep as the bottom
+ * straight below the vehicle. */
+static void add_cell(mosaic *m, const asdic_record *record, size_t cell, double north_m,
+                     double east_m) {
+    double x = north_m - record->pose.position_m.x, y = east_m - record->pose.position_m.y;
+    double yaw = record->pose.yaw_rad, along_m = x * cos(yaw) + y * sin(yaw);
+    double height_m = isfinite(record->altitude_m) ? record->altitude_m : 0.0;
+    double range_m = hypot(hypot(x, y), height_m);
+    size_t bin = (size_t)(range_m / m->bin_length_m);
+    size_t beam = beam_at(m->info.sonar, atan2(y * cos(yaw) - x * sin(yaw), along_m));
+    if (bin >= m->info.bins || beam >= m->info.beams) {
+        return;
+    }
+    double level_db = (double)record->level_db[ASDIC_TOTAL][beam * m->info.bins + bin];
+    if (isfinite(level_db)) {
+        double gain_db = m->db_per_decade * log10(range_m) + m->db_per_m * range_m;
+        m->sum[cell] += pow(10.0, 0.1 * (level_db + gain_db));
+        m->count[cell]++;
+    }
+}
+
+static void add_record(mosaic *m, const asdic_record *record) {
+    double x = record->pose.position_m.x, y = record->pose.position_m.y;
+    double first_row = floor((x - m->range_m - m->south_m) / m->cell_m);
+    double first_column = floor((y - m->range_m - m->west_m) / m->cell_m);
+    size_t wide = (size_t)ceil(2.0 * m->range_m / m->cell_m) + 1;
+    size_t row0 = (size_t)fmax(first_row, 0.0), column0 = (size_t)fmax(first_column, 0.0);
+    for (size_t row = row0; row < row0 + wide && row < m->rows; row++) {
+        double north_m = m->south_m + ((double)row + 0.5) * m->cell_m;
+        for (size_t column = column0; column < column0 + wide && column < m->columns; column++) {
+            double east_m = m->west_m + ((double)column + 0.5) * m->cell_m;
+            add_cell(m, record, row * m->columns + column, north_m, east_m);
+        }
+    }
+}
+
+/* The map holds every place within range of the track. */
+static asdic_status find_extent(mosaic *m) {
+    double north_m = -INFINITY, east_m = -INFINITY;
+    m->west_m = m->south_m = INFINITY;
+    for (size_t i = 0; i < m->info.pings; i++) {
+        asdic_record record;
+        TRY(asdic_run_read(m->run, i, &record));
+        m->south_m = fmin(m->south_m, record.pose.position_m.x - m->range_m);
+        north_m = fmax(north_m, record.pose.position_m.x + m->range_m);
+        m->west_m = fmin(m->west_m, record.pose.position_m.y - m->range_m);
+        east_m = fmax(east_m, record.pose.position_m.y + m->range_m);
+    }
+    double side_m = fmax(north_m - m->south_m, east_m - m->west_m);
+    if (m->cell_m <= 0.0) {
+        m->cell_m = fmax(m->bin_length_m, side_m / 4096.0);
+    }
+    if (side_m / m->cell_m > MOST_SIDE) {
+        return asdic_fail(m->ctx, ASDIC_ERROR_ARGUMENT,
+                          "a mosaic of %g m in cells of %g m has more than %d a side; give larger "
+                          "cells",
+                          side_m, m->cell_m, MOST_SIDE);
+    }
+    m->rows = (size_t)ceil((north_m - m->south_m) / m->cell_m);
+    m->columns = (size_t)ceil((east_m - m->west_m) / m->cell_m);
+    m->sum = calloc(m->rows * m->columns, sizeof *m->sum);
+    m->count = calloc(m->rows * m->columns, sizeof *m->count);
+    return m->sum && m->count ? ASDIC_OK : asdic_fail_memory(m->ctx, "a mosaic");
+}
+
+static int by_level(const void *a, const void *b) {
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* Turns sums into levels, NAN where no ping saw the cell, and finds their window. */
+static asdic_status to_levels(mosaic *m, asdic_picture_options *look) {
+    size_t cells = m->rows * m->columns, seen = 0;
+    double *sorted = malloc(cells * sizeof *sorted);
+    if (!sorted) {
+        return asdic_fail_memory(m->ctx, "a mosaic");
+    }
+    for (size_t i = 0; i < cells; i++) {
+        m->sum[i] = m->count[i] ? 10.0 * log10(m->sum[i] / m->count[i]) : NAN;
+        if (isfinite(m->sum[i])) {
+            sorted[seen++] = m->sum[i];
+        }
+    }
+    qsort(sorted, seen, sizeof *sorted, by_level);
+    double low_db = seen ? 10.0 * floor(0.1 * sorted[seen / 20]) : 0.0;
+    double high_db = seen ? 10.0 * ceil(0.1 * sorted[seen * 995 / 1000]) : 10.0;
+    look->db_low = isnan(look->db_low) ? low_db : look->db_low;
+    look->db_high = isnan(look->db_high) ? fmax(high_db, look->db_low + 10.0) : look->db_high;
+    free(sorted);
+    return ASDIC_OK;
+}
+
+/* Six lines: a pixel's size east and north, and the centre of the north-western one. */
+static asdic_status write_world(const mosaic *m, const char *path) {
+    char name[4096], numbers[3][ASDIC_DIGITS_SIZE];
+    asdic_file *file;
+    size_t length = strlen(path);
+    bool has_ending = length > 4 && path[length - 4] == '.';
+    snprintf(name, sizeof name, "%.*s.pgw", (int)(has_ending ? length - 4 : length), path);
+    asdic_digits_print(numbers[0], "%.10g", m->cell_m);
+    asdic_digits_print(numbers[1], "%.10g", m->west_m + 0.5 * m->cell_m);
+    asdic_digits_print(numbers[2], "%.10g", m->south_m + ((double)m->rows - 0.5) * m->cell_m);
+    TRY(asdic_file_create(m->ctx, name, &file));
+    fprintf(asdic_file_stream(file), "%s\n0\n0\n-%s\n%s\n%s\n", numbers[0], numbers[0], numbers[1],
+            numbers[2]);
+    return asdic_file_commit(&file);
+}
+
+static asdic_status write(mosaic *m, const char *path, const asdic_picture_options *look) {
+    asdic_raster raster;
+    char low[ASDIC_DIGITS_SIZE], high[ASDIC_DIGITS_SIZE], facts[ASDIC_SUBTITLE_SIZE];
+    asdic_digits_print(low, "%g", look->db_low);
+    asdic_digits_print(high, "%g", look->db_high);
+    asdic_picture_subtitle(m->info.sonar, m->bin_length_m, facts);
+    const char *const texts[] = {"Software",    "asdic", "scene",   m->info.scene_name,
+                                 "db_low",      low,     "db_high", high,
+                                 "Description", facts,   NULL};
+    TRY(asdic_raster_init(m->ctx, m->columns, m->rows, &raster));
+    for (size_t row = 0; row < m->rows; row++) {
+        for (size_t column = 0; column < m->columns; column++) {
+            double level_db = m->sum[(m->rows - 1 - row) * m->columns + column]; /* north up */
+            asdic_raster_set(&raster, column, row,
+                             asdic_raster_color(look, level_db, 1.0, EMPTY_RGB));
+        }
+    }
+    asdic_status status = asdic_raster_write(m->ctx, path, &raster, texts);
+    asdic_raster_finish(&raster);
+    return status == ASDIC_OK ? write_world(m, path) : status;
+}
+
+static asdic_status lay(mosaic *m, const asdic_render_options *options) {
+    asdic_picture_options look = {
+        .db_low = options->db_low, .db_high = options->db_high, .colormap = options->colormap};
+    asdic_record record;
+    TRY(find_extent(m));
+    TRY(asdic_run_read(m->run, 0, &record));
+    bool is_given = options->tvg_db_per_decade != 0.0 || options->tvg_db_per_m != 0.0;
+    m->db_per_decade = is_given ? options->tvg_db_per_decade : DB_PER_DECADE;
+    m->db_per_m = is_given
+                      ? options->tvg_db_per_m
+                      : 2e-3 * asdic_environment_absorption_db_per_km(m->info.environment,
+                                                                      m->info.sonar->frequency_hz,
+                                                                      record.pose.position_m.z);
+    for (size_t i = 0; i < m->info.pings; i++) {
+        TRY(asdic_run_read(m->run, i, &record));
+        add_record(m, &record);
+    }
+    TRY(to_levels(m, &look));
+    return write(m, options->path, &look);
+}
+
+asdic_status asdic_run_mosaic(asdic_context *ctx, const char *folder, double cell_m,
+                              const asdic_render_options *options) {
+    mosaic m = {.ctx = ctx, .cell_m = cell_m};
+    if (!folder || !options || !options->path) {
+        return asdic_fail_null(ctx, __func__);
+    }
+    asdic_status status = asdic_run_open(ctx, folder, &m.run);
+    if (status == ASDIC_OK) {
+        m.info = asdic_run_get_info(m.run);
+        m.bin_length_m = m.run->facts.bin_length_m;
+        m.range_m = (double)m.info.bins * m.bin_length_m;
+        status = m.info.pings == 0 || !asdic_render_has_fan(m.info.sonar)
+                     ? asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
+                                  "no mosaic of '%s': it needs a ping or more, and three beams or "
+                                  "more at ascending bearings",
+                                  folder)
+                     : lay(&m, options);
+    }
+    free(m.sum);
+    free(m.count);
+    asdic_run_close(&m.run);
+    return status;
+}
