@@ -6,6 +6,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 /* Few beams are drawn each, many as their sector. */
 #define SINGLE_BEAMS 8
@@ -173,11 +174,21 @@ static void scale_bar(const map *m) {
                             .align_y = 0.5,
                             .size_px = PANEL_SMALL_PX},
                PANEL_INK_RGB, label);
+    double used = x + length_m * m->px_per_m + 6.0 * p->scale +
+                  asdic_canvas_text_width(label, PANEL_SMALL_PX * p->scale);
     if (m->has_bottom) {
         bool is_flat = m->high_m - m->low_m < 0.2;
         asdic_axis_label(low, is_flat ? 0.5 * (m->low_m + m->high_m) : m->low_m, 0.1);
         asdic_axis_label(high, m->high_m, 0.1);
         snprintf(label, sizeof label, is_flat ? "floor at %s m" : "floor at %s to %s m", low, high);
+        double size_px = PANEL_SMALL_PX * p->scale;
+        double room = m->box.x + m->box.w - 16.0 * p->scale - used;
+        if (asdic_canvas_text_width(label, size_px) > room) { /* the depths alone */
+            memmove(label, label + strlen("floor at "), strlen(label + strlen("floor at ")) + 1);
+        }
+        if (asdic_canvas_text_width(label, size_px) > room) {
+            return;
+        }
         panel_text(p,
                    (asdic_text){.x = m->box.x + m->box.w - 8.0 * p->scale,
                                 .y = y,

@@ -172,17 +172,36 @@ static asdic_status remember(asdic_view *view) {
     return ASDIC_OK;
 }
 
-/* The default window of levels: the strongest echo on top, rounded to 10 dB. */
-static void open_window(asdic_view *view) {
-    float most = -INFINITY;
-    for (size_t i = 0; i < view->ping.beams * view->ping.bins; i++) {
-        most = fmaxf(most, view->ping.level_db[i]);
+static int by_level(const void *a, const void *b) {
+    float x = *(const float *)a, y = *(const float *)b;
+    return (x > y) - (x < y);
+}
+
+/* The default window: from the 5th to the 99.5th percentile of the first ping's levels, rounded
+ * outwards to 10 dB, as the pictures of a run have it. */
+static asdic_status open_window(asdic_view *view) {
+    size_t cells = view->ping.beams * view->ping.bins, count = 0;
+    float *levels_db = malloc(cells * sizeof *levels_db);
+    double low = -70.0, high = 0.0;
+    if (!levels_db) {
+        return asdic_fail_memory(view->ctx, "a window of levels");
     }
-    double high = isfinite(most) ? 10.0 * ceil(0.1 * (double)most) : 0.0;
+    for (size_t i = 0; i < cells; i++) {
+        if (isfinite(view->ping.level_db[i])) {
+            levels_db[count++] = view->ping.level_db[i];
+        }
+    }
+    qsort(levels_db, count, sizeof *levels_db, by_level);
+    if (count > 0) {
+        low = 10.0 * floor(0.1 * (double)levels_db[count / 20]);
+        high = 10.0 * ceil(0.1 * (double)levels_db[count * 995 / 1000]);
+        high = fmax(high, low + 30.0);
+    }
+    free(levels_db);
     view->look.db_high = isnan(view->options.db_high) ? high : view->options.db_high;
-    view->look.db_low =
-        isnan(view->options.db_low) ? view->look.db_high - 70.0 : view->options.db_low;
+    view->look.db_low = isnan(view->options.db_low) ? low : view->options.db_low;
     view->has_window = true;
+    return ASDIC_OK;
 }
 
 /* The pose at the next ping, and its time. */
@@ -236,7 +255,7 @@ asdic_status asdic_view_step(asdic_view *view) {
         return status;
     }
     if (!view->has_window) {
-        open_window(view);
+        TRY(open_window(view));
     }
     status = asdic_view_draw(view);
     /* Writing a recording and pauses do not count as time. */
