@@ -42,10 +42,15 @@ static asdic_status check_waterfall(asdic_context *ctx, const asdic_waterfall *w
     return check_options(ctx, options);
 }
 
-void asdic_picture_subtitle(const asdic_sonar *sonar, double bin_length_m,
-                            char text[ASDIC_SUBTITLE_SIZE]) {
+void asdic_picture_subtitle(const asdic_sonar *sonar, double bin_length_m, char *text) {
     char frequency[ASDIC_DIGITS_SIZE], bandwidth[ASDIC_DIGITS_SIZE], bin[ASDIC_DIGITS_SIZE];
     char source[ASDIC_DIGITS_SIZE];
+    if (!sonar || !text) {
+        if (text) {
+            *text = 0;
+        }
+        return;
+    }
     asdic_digits_print(frequency, "%g", sonar->frequency_hz / 1000.0);
     asdic_digits_print(bandwidth, "%.4g", sonar->bandwidth_hz / 1000.0);
     asdic_digits_print(bin, "%.4g", bin_length_m);

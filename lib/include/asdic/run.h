@@ -83,13 +83,15 @@ ASDIC_API asdic_render_options asdic_render_options_default(void);
 ASDIC_API asdic_status asdic_run_render(asdic_context *ctx, const char *folder,
                                         const asdic_render_options *options);
 
+/* Takes the frame at PATH; false ends the frames. */
+typedef bool (*asdic_frame)(void *user, const char *path);
+
 /* Draws one picture of every ping, all of one size: the fan, or the A-scope if OPTIONS->images is
  * that. Each goes to OPTIONS->path in the place of the one before, and FRAME is called with that
  * path; it returns false to stop, which is no error here. OPTIONS->ping is not read. */
 ASDIC_API asdic_status asdic_run_render_frames(asdic_context *ctx, const char *folder,
                                                const asdic_render_options *options,
-                                               bool (*frame)(void *user, const char *path),
-                                               void *user);
+                                               asdic_frame frame, void *user);
 
 /* Lays the fans of all pings on one map, north up, into the PNG file OPTIONS->path, and beside it the
  * world file .pgw, which GIS programs place it by (x east, y north, metres). A cell of CELL_M (0: as

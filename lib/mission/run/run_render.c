@@ -209,8 +209,8 @@ asdic_status asdic_run_render_summary(asdic_context *ctx, const char *folder,
 }
 
 asdic_status asdic_run_render_frames(asdic_context *ctx, const char *folder,
-                                     const asdic_render_options *options,
-                                     bool (*frame)(void *user, const char *path), void *user) {
+                                     const asdic_render_options *options, asdic_frame frame,
+                                     void *user) {
     if (!folder || !options || !options->path || !frame) {
         return asdic_fail_null(ctx, __func__);
     }
