@@ -47,7 +47,8 @@ static asdic_status shoot(bench *b, asdic_loop *loop, const asdic_mission *missi
                           double period_s, double *latency_s) {
     double begin_s = bench_now_s();
     for (size_t k = 0; k < count; k++) {
-        asdic_pose pose = asdic_mission_pose(mission, k % asdic_mission_ping_count(mission), NULL);
+        asdic_pose pose =
+            asdic_mission_vehicle_pose(mission, k % asdic_mission_ping_count(mission), NULL);
         asdic_loop_ping ping;
         sleep_until(begin_s + (double)k * period_s);
         TRY(asdic_loop_submit(loop, &pose));

@@ -66,6 +66,7 @@ static void print_json(const char *path, const asdic_mission *m, const scene_num
         json_text(j, NULL, sonar->receivers[i].name);
     }
     json_close(j);
+    cli_json_scan(j, m);
     json_integer(j, "bins", n->bins);
     json_number(j, "bin_length_m", sonar->bin_length_m);
     json_number(j, "blanking_m", sonar->blanking_m);
@@ -124,6 +125,11 @@ static void print_text(const char *path, const asdic_mission *m, const scene_num
     } else {
         printf("  beams       %zu: %s .. %s\n", n->beams, sonar->receivers[0].name,
                sonar->receivers[n->beams - 1].name);
+    }
+    char scan[CLI_SCAN_SIZE];
+    cli_scan_words(m, scan);
+    if (scan[0]) {
+        printf("  scan        %s\n", scan);
     }
     printf("  bins        %zu of %.4g m, from %.4g to %.5g m\n", n->bins, sonar->bin_length_m,
            sonar->blanking_m, n->range_m);

@@ -125,6 +125,11 @@ static void print_text(const asdic_mission *mission, const asdic_plan *plan, uin
            scene.triangles, 1e-6 * (double)scene.bvh_bytes);
     char size[CLI_SIZE_TEXT];
     printf("files: %s\n", cli_size(mission, pings, ".", size));
+    char scan[CLI_SCAN_SIZE];
+    cli_scan_words(mission, scan);
+    if (scan[0]) {
+        printf("scan: %s\n", scan);
+    }
     if (f->known) {
         printf("measured here: first ping after %.0f ms, then %.2f ms each and %.2f ms to write "
                "it, and %.1f ms per block of %d: about %.1f s in all\n",
@@ -156,6 +161,7 @@ static void print_json(const asdic_mission *mission, const asdic_plan *plan, uin
     cli_json_size(&j, mission);
     json_integer(&j, "pings", asdic_mission_ping_count(mission));
     json_integer(&j, "rays", rays);
+    cli_json_scan(&j, mission);
     json_integer(&j, "triangles", scene.triangles);
     json_integer(&j, "bvh_bytes", scene.bvh_bytes);
     if (f->known) {

@@ -105,7 +105,9 @@ static const char *next_line(line_source *in, asdic_context *ctx, size_t *length
  * requests. */
 static asdic_status expect(server *s, const asdic_loop_ping *ping) {
     asdic_expected_place place = {.flat = asdic_mission_flat_scene(s->mission, 0)};
+    asdic_sweep sweep = asdic_mission_sweep(s->mission);
     asdic_loop_ping_place(ping, &place);
+    place.pose = asdic_sweep_sonar(&sweep, &ping->pose, ping->ping);
     place.pose.yaw_rad = 0.0;
     if (s->has_expected && asdic_expected_is_near(&place, &s->place, 0.0, 0.0)) {
         return ASDIC_OK;

@@ -1,5 +1,7 @@
 #include "remarks.h"
 
+#include <math.h>
+
 void cli_remark(const cli *c, const char *path, const asdic_mission *mission) {
     asdic_remarks remarks = asdic_mission_remarks(mission);
     for (size_t i = 0; i < remarks.count; i++) {
@@ -13,5 +15,42 @@ void cli_json_remarks(json *j, const asdic_mission *mission) {
     for (size_t i = 0; i < remarks.count; i++) {
         json_text(j, NULL, remarks.text[i]);
     }
+    json_close(j);
+}
+
+/* Degrees of RAD without the last digits of a conversion. */
+static double degrees(double rad) {
+    return rint(rad * 180.0 / 3.14159265358979323846 * 1e9) / 1e9;
+}
+
+static double turn_s(const asdic_mission *mission, const asdic_sweep *sweep) {
+    return (double)sweep->directions / asdic_mission_sonar(mission)->ping_rate_hz;
+}
+
+void cli_scan_words(const asdic_mission *mission, char words[CLI_SCAN_SIZE]) {
+    asdic_sweep sweep = asdic_mission_sweep(mission);
+    double half_deg = degrees(asdic_sweep_bearing_rad(&sweep, sweep.directions - 1));
+    words[0] = 0;
+    if (sweep.directions == 0) {
+        return;
+    }
+    int used = snprintf(words, CLI_SCAN_SIZE, "%zu directions, %.6g degrees apart, ",
+                        sweep.directions, degrees(sweep.step_rad));
+    snprintf(words + used, CLI_SCAN_SIZE - (size_t)used,
+             sweep.is_circle ? "round and round; a turn takes %.4g s"
+                             : "back and forth; one way takes %.4g s, to %.6g degrees either side",
+             turn_s(mission, &sweep), half_deg);
+}
+
+void cli_json_scan(json *j, const asdic_mission *mission) {
+    asdic_sweep sweep = asdic_mission_sweep(mission);
+    if (sweep.directions == 0) {
+        return;
+    }
+    json_open(j, "scan", '{');
+    json_integer(j, "directions", sweep.directions);
+    json_number(j, "step_deg", degrees(sweep.step_rad));
+    json_bool(j, "circle", sweep.is_circle);
+    json_number(j, "turn_s", turn_s(mission, &sweep));
     json_close(j);
 }

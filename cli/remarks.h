@@ -1,6 +1,6 @@
 /*
- * Remarks on laws that a scene uses outside their range of validity: printed once, the command goes
- * on.
+ * What several commands say of a scene: remarks on laws that it uses outside their range of validity
+ * (printed once, the command goes on), and how its sonar scans.
  */
 #ifndef ASDIC_CLI_REMARKS_H
 #define ASDIC_CLI_REMARKS_H
@@ -13,5 +13,11 @@ void cli_remark(const cli *c, const char *path, const asdic_mission *mission);
 
 /* "remarks": [...] */
 void cli_json_remarks(json *j, const asdic_mission *mission);
+
+/* How a scanned sonar looks round, as words for people and as "scan": {...}; no words, and nothing,
+ * of a sonar that does not. */
+#define CLI_SCAN_SIZE 160
+void cli_scan_words(const asdic_mission *mission, char words[CLI_SCAN_SIZE]);
+void cli_json_scan(json *j, const asdic_mission *mission);
 
 #endif

@@ -67,11 +67,18 @@ HEADS = [
              'Blue Robotics, ping-viewer, docs/device-settings-ping360.md (tuned to 750 kHz, 650 to 850)',
              'discuss.bluerobotics.com/t/understanding-the-ping-360-specifications/9124 (steps of 0.9 deg)',
              'Blue Robotics, Ping360 product page, as quoted by others'],
-         remarks=[], khz=(750, 1), wide=(2, 2), high=(25, 3), resolution=(0.04, ASSUMED), rate=14, bin=0.1),
+         remarks=[], khz=(750, 1), wide=(2, 2), high=(25, 3), resolution=(0.04, ASSUMED), rate=14, bin=0.1,
+         scan=((360, ASSUMED), (0.9, 2))),
     dict(title='Imagenex 881L imaging, middle frequency', name='881l', sources=[
              'Imagenex, Model 881L imaging sonar 445-039, January 2006, revised May 2017'],
          remarks=['Its other frequencies: 310 kHz, 4 x 40 degrees; 1 MHz, 0.9 x 10 degrees [1].'],
-         khz=(675, 1), wide=(1.8, 1), high=(20, 1), resolution=(0.03, ASSUMED), rate=14, bin=0.1),
+         khz=(675, 1), wide=(1.8, 1), high=(20, 1), resolution=(0.03, ASSUMED), rate=14, bin=0.1,
+         scan=((360, ASSUMED), (0.9, ASSUMED))),
+    dict(title='A head like the Tritech Micron', name='micron', sources=[
+             'McGill Robotics, ros-tritech-micron, cfg/Scan.cfg (steps of 32, 16, 8 and 4 sixteenths of a gradian)'],
+         remarks=['No public data sheet was found: frequency and widths are assumed.'],
+         khz=(700, ASSUMED), wide=(3, ASSUMED), high=(35, ASSUMED), resolution=(0.04, ASSUMED), rate=14, bin=0.1,
+         scan=((90, ASSUMED), (0.9, 1))),
 ]
 
 SONAR = """# {title}.
@@ -115,8 +122,6 @@ POSE = """mission:
   pose: {position_m: [0, 0, 7], pitch_deg: -8}     # 3 m above the bottom, bow down"""
 POSE_LEVEL = """mission:
   pose: {position_m: [0, 0, 7]}                    # 3 m above the bottom"""
-TURN = """mission:
-  track: ../tracks/turn.csv          # the head turns: here the vehicle does, once round"""
 
 
 def aperture_m(khz, width_deg):
@@ -156,7 +161,9 @@ def receivers(fan):
 
 def head_beams(head):
     size = aperture(head, (head['wide'], head['high']), '    ')
-    return ['  transmitter:', '    pitch_deg: 8', *size, '  receivers:', '  - name: head', '    pitch_deg: 8', *size]
+    sector, step = head['scan']
+    scan = ['  scan:', noted(f'    sector_deg: {sector[0]}', sector[1]), noted(f'    step_deg: {step[0]}', step[1])]
+    return [*scan, '  transmitter:', '    pitch_deg: 8', *size, '  receivers:', '  - name: head', '    pitch_deg: 8', *size]
 
 
 def fan_beams(fan):
@@ -184,7 +191,7 @@ def main():
     for fan in FANS:
         write(fan, fan_beams(fan), POSE_LEVEL if 'pitch' in fan else POSE, 200000)
     for head in HEADS:
-        write(head, head_beams(head), TURN, 20000)
+        write(head, head_beams(head), POSE_LEVEL, 20000)
 
 
 if __name__ == '__main__':

@@ -46,7 +46,9 @@ static live_question question_of(const asdic_mission *mission, const asdic_loop_
                        .environment = *asdic_mission_environment(mission),
                        .sonar = *asdic_mission_sonar(mission),
                        .beam = asdic_mission_sonar(mission)->receivers[beam]};
+    asdic_sweep sweep = asdic_mission_sweep(mission);
     asdic_loop_ping_place(ping, &q.place);
+    q.place.pose = asdic_sweep_sonar(&sweep, &ping->pose, ping->ping);
     q.sonar.receivers = NULL;
     q.sonar.receiver_count = 1;
     return q;

@@ -48,17 +48,24 @@ static double time_of(const asdic_loop *loop, uint64_t ping) {
     return loop->start_s + (double)ping / loop->ping_rate_hz;
 }
 
+/* Where the sonar of a vehicle at the submitted pose is, and looks, at ping PING. */
+static asdic_pose sonar_pose(const asdic_loop *loop, uint64_t ping) {
+    return loop->mission ? asdic_sweep_sonar(&loop->mission->settings.sweep, &loop->pose, ping)
+                         : loop->pose;
+}
+
 /* Simulates ping NEXT - 1. The first pose of a block is learnt, as in a mission. */
 static asdic_status simulate(asdic_loop *loop) {
     uint64_t index = loop->next - 1;
     loop_slot *slot = slot_of(loop, index);
+    asdic_pose pose = sonar_pose(loop, index);
     if (loop->mission) {
         TRY(asdic_mission_place_at(loop->mission, loop->simulator, time_of(loop, index)));
     }
     if (index % ASDIC_LEARN_BLOCK == 0) {
-        TRY(asdic_simulator_learn(loop->simulator, &loop->pose, index));
+        TRY(asdic_simulator_learn(loop->simulator, &pose, index));
     }
-    TRY(asdic_simulator_ping(loop->simulator, &loop->pose, index, slot->ping));
+    TRY(asdic_simulator_ping(loop->simulator, &pose, index, slot->ping));
     asdic_decibels(slot->ping->intensity_lin[ASDIC_TOTAL], slot->ping->beams * slot->ping->bins,
                    slot->level_db);
     return ASDIC_OK;

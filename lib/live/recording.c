@@ -3,6 +3,7 @@
 #include "base/clock.h"
 #include "base/context.h"
 #include "base/try.h"
+#include "mission/mission.h"
 #include "mission/run/run_folder.h"
 #include "mission/run/run_job.h"
 #include "mission/track/track.h"
@@ -73,7 +74,7 @@ static void finish(asdic_recording **recording) {
 static asdic_status write_head(asdic_recording *r, const char *scene, const char *track) {
     TRY(asdic_mission_write_scene(r->ctx, r->mission, scene, "track.csv"));
     TRY(asdic_file_create(r->ctx, track, &r->track));
-    asdic_track_file_begin(r->track);
+    asdic_track_file_begin(r->track, &r->mission->settings.sweep);
     r->spool = tmpfile();
     return r->spool ? ASDIC_OK : fail_io(r, "the pings");
 }
@@ -111,12 +112,13 @@ asdic_status asdic_recording_begin(asdic_context *ctx, const asdic_mission *miss
 }
 
 asdic_status asdic_recording_add(asdic_recording *r, const asdic_loop_ping *ping) {
-    const asdic_pose *pose = &ping->pose;
+    const asdic_sweep *sweep = &r->mission->settings.sweep;
+    asdic_pose pose = asdic_sweep_sonar(sweep, &ping->pose, ping->ping);
     asdic_record_head head = {
         .ping = ping->ping,
         .time_s = ping->time_s,
-        .position_m = {pose->position_m.x, pose->position_m.y, pose->position_m.z},
-        .attitude_rad = {pose->roll_rad, pose->pitch_rad, pose->yaw_rad},
+        .position_m = {pose.position_m.x, pose.position_m.y, pose.position_m.z},
+        .attitude_rad = {pose.roll_rad, pose.pitch_rad, pose.yaw_rad},
         .altitude_m = ping->altitude_m,
         .rays = ping->parts->rays,
         .saturated = ping->parts->saturated};
@@ -130,7 +132,7 @@ asdic_status asdic_recording_add(asdic_recording *r, const asdic_loop_ping *ping
         }
     }
     asdic_record_pack(&head, ping->parts, r->bytes);
-    asdic_track_file_add(r->track, ping->time_s, pose);
+    asdic_track_file_add(r->track, sweep, ping->ping, ping->time_s, &ping->pose);
     if (fwrite(r->bytes, r->record_bytes, 1, r->spool) != 1) {
         return fail_io(r, "a ping");
     }

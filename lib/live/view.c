@@ -213,7 +213,7 @@ static asdic_pose fly(asdic_view *view, double *time_s) {
         return asdic_helm_advance(&view->helm, asdic_mission_scene(view->mission), period_s);
     }
     asdic_pose pose =
-        asdic_mission_pose(view->mission, view->mission_ping, view->steps ? NULL : time_s);
+        asdic_mission_vehicle_pose(view->mission, view->mission_ping, view->steps ? NULL : time_s);
     view->helm.flight.speed_mps = asdic_view_mission_speed_mps(view);
     view->mission_ping += view->mission_ping < last;
     view->is_flown = view->mission_ping >= last && view->steps >= last && last > 0;

@@ -20,7 +20,7 @@ static asdic_helm *helm_of(asdic_view *view) {
     if (!view->is_manual) {
         view->is_manual = true;
         asdic_pose pose =
-            view->steps ? view->ping.pose : asdic_mission_pose(view->mission, 0, NULL);
+            view->steps ? view->ping.pose : asdic_mission_vehicle_pose(view->mission, 0, NULL);
         asdic_helm_take(&view->helm, &pose, asdic_view_mission_speed_mps(view));
         asdic_view_say(view, "steered by hand; a: back to the mission");
     }

@@ -103,7 +103,11 @@ static asdic_pose pose_on_track(const asdic_track *track, double time_s) {
     return pose;
 }
 
-asdic_pose asdic_mission_pose(const asdic_mission *mission, size_t index, double *time_s) {
+asdic_sweep asdic_mission_sweep(const asdic_mission *mission) {
+    return mission ? mission->settings.sweep : (asdic_sweep){0};
+}
+
+asdic_pose asdic_mission_vehicle_pose(const asdic_mission *mission, size_t index, double *time_s) {
     if (!mission) {
         return (asdic_pose){0};
     }
@@ -113,6 +117,11 @@ asdic_pose asdic_mission_pose(const asdic_mission *mission, size_t index, double
         *time_s = start_s + elapsed_s;
     }
     return mission->track ? pose_on_track(mission->track, start_s + elapsed_s) : mission->pose;
+}
+
+asdic_pose asdic_mission_pose(const asdic_mission *mission, size_t index, double *time_s) {
+    asdic_pose vehicle = asdic_mission_vehicle_pose(mission, index, time_s);
+    return mission ? asdic_sweep_sonar(&mission->settings.sweep, &vehicle, index) : vehicle;
 }
 
 /* Time of ping INDEX by the pings' clock. */

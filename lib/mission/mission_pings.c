@@ -138,7 +138,8 @@ asdic_status asdic_mission_build_pings(mission_builder *b) {
                                         .response_s = 1.0,
                                         .dive_rate_mps = 0.5,
                                         .altitude_m = NAN};
-    b->mission->ping_count = mission->pings > 0 ? (size_t)mission->pings : 1;
+    size_t turn = b->mission->settings.sweep.directions;
+    b->mission->ping_count = mission->pings > 0 ? (size_t)mission->pings : turn > 1 ? turn : 1;
     if (asdic_scene_node_good(waypoints)) {
         TRY(asdic_mission_file_problem(b, waypoints, fly(b)));
     }

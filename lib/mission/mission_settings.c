@@ -30,6 +30,7 @@ asdic_status asdic_settings_take(asdic_context *ctx, const asdic_scene_file *fil
     *out = (asdic_settings){
         .environment = asdic_scene_file_environment(file),
         .sonar = asdic_scene_file_sonar(file),
+        .sweep = asdic_scene_file_sweep(file),
         .sampling = {.rays = (uint32_t)file->sampling.rays,
                      .sampler = (asdic_sampler)file->sampling.sampler,
                      .multipath = (asdic_multipath)file->sampling.multipath,

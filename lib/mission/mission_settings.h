@@ -13,6 +13,7 @@ typedef struct asdic_settings {
     asdic_environment environment;
     asdic_beam *receivers;
     asdic_sonar sonar; /* borrows receivers */
+    asdic_sweep sweep;
     asdic_sampling sampling;
     bool has_meshes;      /* a bottom or objects of facets that files hold */
     uint32_t auto_rays;   /* what `rays: auto` came to; 0: the file gives a number */

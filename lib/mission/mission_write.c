@@ -200,11 +200,12 @@ asdic_status asdic_mission_write_pings(asdic_context *ctx, const asdic_mission *
                                        size_t first, size_t count, const char *path) {
     asdic_file *file = NULL;
     TRY(asdic_file_create(ctx, path, &file));
-    asdic_track_file_begin(file);
+    const asdic_sweep *sweep = &mission->settings.sweep;
+    asdic_track_file_begin(file, sweep);
     for (size_t i = first; i < first + count; i++) {
         double time_s;
-        asdic_pose pose = asdic_mission_pose(mission, i, &time_s);
-        asdic_track_file_add(file, time_s, &pose);
+        asdic_pose vehicle = asdic_mission_vehicle_pose(mission, i, &time_s);
+        asdic_track_file_add(file, sweep, i, time_s, &vehicle);
     }
     return asdic_file_commit(&file);
 }

@@ -10,9 +10,12 @@
 #include "asdic_config.h"
 #include "record.h"
 
+#include <asdic/sweep.h>
+
 /* What a file says once. */
 typedef struct asdic_format_about {
     const asdic_sonar *sonar;
+    asdic_sweep sweep;
     double sound_speed_mps, absorption_db_per_km; /* at the first ping's depth */
     size_t pings, bins;
     const char *scene_name, *scene_hash, *version;

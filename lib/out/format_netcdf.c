@@ -28,8 +28,8 @@ const char asdic_format_doc_netcdf[] = "also run.nc: netCDF-4 with names after S
 #define SINCE_BEGINNING "time since the mission's beginning"
 #define DEGREE (180.0 / ASDIC_PI)
 
-/* What is said of every ping beside its levels. */
-enum { PING_TIME, TIME, HEADING, PITCH, ROLL, NORTH, EAST, DEPTH, ALTITUDE, SERIES_COUNT };
+/* What is said of every ping beside its levels; HEAD where a head turns. */
+enum { PING_TIME, HEAD, TIME, HEADING, PITCH, ROLL, NORTH, EAST, DEPTH, ALTITUDE, SERIES_COUNT };
 
 typedef struct netcdf {
     asdic_nc nc;
@@ -41,6 +41,10 @@ typedef struct netcdf {
     float *levels_db[ASDIC_RECORD_ARRAYS]; /* [chunk_pings * beams * bins] */
     uint64_t *ping_numbers;
     double *series[SERIES_COUNT];
+    asdic_sweep sweep;
+    double *axes;           /* [3][beams], forward, starboard, down, the head not turned */
+    int axis_ids[3];        /* where the head turns: of every ping */
+    double *turned_axes[3]; /* [chunk_pings * beams] */
 } netcdf;
 
 typedef struct label {
@@ -152,6 +156,7 @@ static void put_beam_numbers(netcdf *f, int beam_dimension, const asdic_format_a
         {{"beamwidth_transmit_minor", "half power, one way, vertically"}, "degree"},
     };
     const asdic_sonar *sonar = about->sonar;
+    size_t first = f->sweep.directions ? 3 : 0; /* axes that turn are put ping by ping */
     double wavelength_m = about->sound_speed_mps / sonar->frequency_hz;
     double *values = malloc(COLUMNS * f->beams * sizeof *values);
     if (!values) {
@@ -171,11 +176,27 @@ static void put_beam_numbers(netcdf *f, int beam_dimension, const asdic_format_a
             values[k * f->beams + i] = row[k];
         }
     }
-    for (size_t k = 0; k < COLUMNS; k++) {
+    memcpy(f->axes, values, 3 * f->beams * sizeof *values);
+    for (size_t k = first; k < COLUMNS; k++) {
         put_numbers(f, f->beam_group, beam_dimension, &columns[k].name, columns[k].units,
                     values + k * f->beams);
     }
     free(values);
+}
+
+/* The head's angle at every ping, and the directions of the beams that turn with it. */
+static void define_head(netcdf *f, const int dimensions[2]) {
+    static const label axes[3] = {
+        {"beam_direction_x", "direction of the beam's axis at the ping, forward of the vehicle"},
+        {"beam_direction_y", "direction of the beam's axis at the ping, to its starboard"},
+        {"beam_direction_z", "direction of the beam's axis at the ping, down from it"}};
+    f->series_ids[HEAD] =
+        asdic_nc_variable(&f->nc, f->beam_group, "head_angle", NC_DOUBLE, 1, dimensions,
+                          "turn of the scanning head from the bow to starboard", "degree");
+    for (int k = 0; k < 3; k++) {
+        f->axis_ids[k] = asdic_nc_variable(&f->nc, f->beam_group, axes[k].name, NC_DOUBLE, 2,
+                                           dimensions, axes[k].long_name, "1");
+    }
 }
 
 static void put_ranges(netcdf *f, int group, int dimension, const asdic_sonar *sonar) {
@@ -275,6 +296,9 @@ static void describe_beams(netcdf *f, const asdic_format_about *about) {
     put_ranges(f, f->beam_group, dimensions[2], about->sonar);
     put_beam_names(f, f->beam_group, dimensions[1], about->sonar);
     put_beam_numbers(f, dimensions[1], about);
+    if (f->sweep.directions) {
+        define_head(f, dimensions);
+    }
     put_pulse(f, about);
     define_levels(f, dimensions);
 }
@@ -305,7 +329,12 @@ static bool allocate(netcdf *f) {
         f->series[i] = malloc(f->chunk_pings * sizeof(double));
         is_there = is_there && f->series[i];
     }
-    return is_there;
+    f->axes = malloc(3 * f->beams * sizeof(double));
+    for (int i = 0; i < 3; i++) {
+        f->turned_axes[i] = malloc(f->chunk_pings * f->beams * sizeof(double));
+        is_there = is_there && f->turned_axes[i];
+    }
+    return is_there && f->axes;
 }
 
 static void discard_netcdf(void **file) {
@@ -320,6 +349,10 @@ static void discard_netcdf(void **file) {
     for (int i = 0; i < SERIES_COUNT; i++) {
         free(f->series[i]);
     }
+    for (int i = 0; i < 3; i++) {
+        free(f->turned_axes[i]);
+    }
+    free(f->axes);
     free(f->ping_numbers);
     free(f);
     *file = NULL;
@@ -346,6 +379,7 @@ static asdic_status open_netcdf(asdic_context *ctx, const char *path,
     if (!f) {
         return asdic_fail_memory(ctx, "a netCDF file");
     }
+    f->sweep = about->sweep;
     f->beams = beams;
     f->bins = about->bins;
     f->pings = about->pings;
@@ -364,8 +398,15 @@ static asdic_status flush(netcdf *f) {
     }
     asdic_nc_check(&f->nc, nc_put_vara_ulonglong(f->beam_group, f->ping_id, start, count,
                                                  (const unsigned long long *)f->ping_numbers));
+    for (int i = 0; i < 3 && f->sweep.directions; i++) {
+        asdic_nc_check(&f->nc, nc_put_vara_double(f->beam_group, f->axis_ids[i], start, count,
+                                                  f->turned_axes[i]));
+    }
     for (int i = 0; i < SERIES_COUNT; i++) {
-        int group = i == PING_TIME ? f->beam_group : f->platform;
+        int group = i <= HEAD ? f->beam_group : f->platform;
+        if (i == HEAD && !f->sweep.directions) {
+            continue;
+        }
         asdic_nc_check(&f->nc,
                        nc_put_vara_double(group, f->series_ids[i], start, count, f->series[i]));
     }
@@ -382,15 +423,30 @@ static asdic_status flush(netcdf *f) {
     return asdic_nc_status(&f->nc);
 }
 
+/* The beams' axes in the vehicle's frame as buffered ping N, with the head at HEAD_RAD. */
+static void turn_axes(netcdf *f, size_t n, double head_rad) {
+    double c = cos(head_rad), s = sin(head_rad);
+    for (size_t b = 0; b < f->beams; b++) {
+        double x = f->axes[b], y = f->axes[f->beams + b];
+        f->turned_axes[0][n * f->beams + b] = c * x - s * y;
+        f->turned_axes[1][n * f->beams + b] = s * x + c * y;
+        f->turned_axes[2][n * f->beams + b] = f->axes[2 * f->beams + b];
+    }
+}
+
 static asdic_status write_netcdf(void *file, const asdic_record *record) {
     netcdf *f = file;
     size_t n = f->buffered++, cells = f->beams * f->bins;
+    asdic_pose vehicle = asdic_sweep_vehicle(&f->sweep, &record->pose, record->ping);
+    double head_rad =
+        asdic_sweep_bearing_rad(&f->sweep, asdic_sweep_direction(&f->sweep, record->ping));
     const double series[SERIES_COUNT] = {
         [PING_TIME] = record->time_s,
+        [HEAD] = head_rad * DEGREE,
         [TIME] = record->time_s,
-        [HEADING] = record->pose.yaw_rad * DEGREE,
-        [PITCH] = record->pose.pitch_rad * DEGREE,
-        [ROLL] = record->pose.roll_rad * DEGREE,
+        [HEADING] = vehicle.yaw_rad * DEGREE,
+        [PITCH] = vehicle.pitch_rad * DEGREE,
+        [ROLL] = vehicle.roll_rad * DEGREE,
         [NORTH] = record->pose.position_m.x,
         [EAST] = record->pose.position_m.y,
         [DEPTH] = record->pose.position_m.z,
@@ -398,6 +454,7 @@ static asdic_status write_netcdf(void *file, const asdic_record *record) {
     for (int i = 0; i < SERIES_COUNT; i++) {
         f->series[i][n] = series[i];
     }
+    turn_axes(f, n, head_rad);
     f->ping_numbers[n] = record->ping;
     for (int i = 0; i < ASDIC_RECORD_ARRAYS; i++) {
         memcpy(f->levels_db[i] + n * cells,

@@ -69,7 +69,7 @@ def test_sonars_name_the_source_of_every_value():
         cited = set(re.findall(r"\[\d\]", sonar))
         tap.equal(cited <= sources, True, f"{path.name} lists what it cites")
         for line in sonar.splitlines():
-            if re.search(r"^ *(frequency|bandwidth|source|count|sector|length)\w*:", line):
+            if re.search(r"^ *(frequency|bandwidth|source|count|sector|step|length)\w*:", line):
                 tap.equal(bool(re.search(r"# .*(\[\d\]|assumed|the sector)", line)), True, f"{path.name}: {line}")
 
 

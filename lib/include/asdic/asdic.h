@@ -36,6 +36,7 @@
 #include <asdic/scan.h>
 #include <asdic/scene.h>
 #include <asdic/sonar.h>
+#include <asdic/sweep.h>
 #include <asdic/team.h>
 #include <asdic/view.h>
 

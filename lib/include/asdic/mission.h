@@ -7,6 +7,7 @@
 #include <asdic/expected.h>
 #include <asdic/plan.h>
 #include <asdic/scan.h>
+#include <asdic/sweep.h>
 #include <asdic/team.h>
 
 #ifdef __cplusplus
@@ -103,8 +104,14 @@ ASDIC_API asdic_flat_scene asdic_mission_flat_scene(const asdic_mission *mission
 /* Depth of the highest bottom at POSITION's north and east; INFINITY where there is none. */
 ASDIC_API double asdic_mission_bottom_m(const asdic_scene *scene, asdic_vec3 position_m);
 
-/* Pose and time of ping INDEX; INDEX < ping_count. TIME_S may be NULL. */
+/* Pose of the sonar and time at ping INDEX; INDEX < ping_count. TIME_S may be NULL. */
 ASDIC_API asdic_pose asdic_mission_pose(const asdic_mission *mission, size_t index, double *time_s);
+
+/* How a scanned sonar's head turns; and the vehicle's pose, in which the head is not turned. The
+ * same as asdic_mission_pose where nothing scans. */
+ASDIC_API asdic_sweep asdic_mission_sweep(const asdic_mission *mission);
+ASDIC_API asdic_pose asdic_mission_vehicle_pose(const asdic_mission *mission, size_t index,
+                                                double *time_s);
 
 /* Moves SIMULATOR's objects to where those that move are at ping INDEX, on the clock of the pings'
  * times. Before a ping, and before learning for one; does nothing where nothing moves. */

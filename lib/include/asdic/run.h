@@ -35,7 +35,7 @@ typedef struct asdic_run_info {
 typedef struct asdic_record {
     uint64_t ping; /* number in the mission */
     double time_s;
-    asdic_pose pose;   /* of the vehicle */
+    asdic_pose pose;   /* of the sonar: the vehicle's, with a scanned head turned */
     double altitude_m; /* above the bottom straight below; INFINITY where there is none */
     uint64_t rays, saturated;
     const float *level_db[ASDIC_COMPONENT_COUNT]; /* [beam * bins + bin] */
@@ -66,9 +66,9 @@ typedef struct asdic_render_options {
     double db_low, db_high; /* NAN: from the run, rounded to 10 dB */
     asdic_colormap colormap;
     double tvg_db_per_decade, tvg_db_per_m;
-    const char *beam;            /* NULL: those a report would show */
-    size_t ping;                 /* number in the mission; SIZE_MAX: first and last */
-    bool raw;                    /* 16-bit grey waterfalls as well, one pixel per bin */
+    const char *beam; /* NULL: those a report would show */
+    size_t ping;      /* in the mission; SIZE_MAX: first (of a scan: first turn's end) and last */
+    bool raw;         /* 16-bit grey waterfalls as well, one pixel per bin */
     asdic_picture_format format; /* of all but raw ones; by name: PNG */
     /* NULL: into the folder. Else the one picture there is to draw goes there, "-" being the
      * standard output; ASDIC_ERROR_ARGUMENT when there are several. */

@@ -4,6 +4,7 @@
 #include "base/file_read.h"
 #include "base/number.h"
 #include "base/text.h"
+#include "base/vec.h"
 #include "out/digits.h"
 #include "out/file.h"
 #include "base/problems.h"
@@ -177,6 +178,17 @@ static void add_terms(asdic_text *json, const asdic_plan *plan) {
     }
 }
 
+static void add_scan(asdic_text *json, const asdic_run_facts *facts) {
+    const asdic_sweep *s = &facts->sweep;
+    char step[ASDIC_DIGITS_SIZE];
+    if (s->directions) {
+        asdic_digits_print(step, "%.10g", s->step_rad * 180.0 / ASDIC_PI);
+        asdic_text_format(json,
+                          "  \"scan\": {\"directions\": %zu, \"step_deg\": %s, \"circle\": %s},\n",
+                          s->directions, step, s->is_circle ? "true" : "false");
+    }
+}
+
 static void add_results(asdic_text *json, const asdic_run_facts *facts) {
     char a[ASDIC_DIGITS_SIZE], b[ASDIC_DIGITS_SIZE], c[ASDIC_DIGITS_SIZE];
     asdic_text_add(json, "  \"time_s\": {");
@@ -220,6 +232,7 @@ asdic_status asdic_run_facts_write(asdic_context *ctx, const char *folder,
     add_remarks(&json, &facts->remarks);
     add_terms(&json, &facts->plan);
     add_results(&json, facts);
+    add_scan(&json, facts);
     add_natural(&json, "beams", facts->beams);
     add_natural(&json, "bins", facts->bins);
     asdic_text_format(&json, "  \"bin_length_m\": %s\n}\n",

@@ -37,6 +37,7 @@ typedef struct asdic_run_facts {
     size_t first_ping, pings_planned, pings;
     size_t beams, bins;
     double bin_length_m;
+    asdic_sweep sweep; /* not read back: it is in the scene's text */
     const char **devices;
     size_t device_count;
     uint64_t rays_traced, saturated;

@@ -65,6 +65,7 @@ asdic_status asdic_files_create(asdic_context *ctx, const char *folder,
     const asdic_environment *env = &settings->environment;
     char *name = asdic_scene_name(facts->scene_path);
     asdic_format_about about = {.sonar = &settings->sonar,
+                                .sweep = settings->sweep,
                                 .sound_speed_mps = asdic_environment_sound_speed_mps(env, depth_m),
                                 .absorption_db_per_km = asdic_environment_absorption_db_per_km(
                                     env, settings->sonar.frequency_hz, depth_m),

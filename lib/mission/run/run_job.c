@@ -87,6 +87,7 @@ static asdic_status describe(asdic_run_job *job) {
     f->beams = sonar->receiver_count;
     f->bins = asdic_sonar_bin_count(sonar, speed_mps);
     f->bin_length_m = sonar->bin_length_m;
+    f->sweep = m->settings.sweep;
     f->stderr_median_db = f->stderr_worst_db = f->stderr_rms_db = NAN;
     f->rays_per_s = NAN;
     return asdic_mission_inputs_hash(job->ctx, m, job->inputs_hash);

@@ -124,13 +124,15 @@ static asdic_status sum_up(merger *m) {
 }
 
 static asdic_status copy_records(merger *m) {
+    const asdic_sweep *sweep = &m->parts[0]->settings.sweep;
     for (size_t i = 0; i < m->count; i++) {
         asdic_run *part = m->parts[i];
         for (size_t k = 0; k < part->facts.pings_planned; k++) {
             asdic_record record; /* read as one, so that damage is noticed */
             TRY(asdic_run_read(part, k, &record));
             TRY(asdic_store_append(m->store, part->buffer));
-            asdic_track_file_add(m->track, record.time_s, &record.pose);
+            asdic_pose vehicle = asdic_sweep_vehicle(sweep, &record.pose, record.ping);
+            asdic_track_file_add(m->track, sweep, record.ping, record.time_s, &vehicle);
             TRY(asdic_files_add(m->files, &record));
             asdic_summary_add(m->summary, &record);
         }
@@ -145,7 +147,7 @@ static asdic_status open_files(merger *m) {
     asdic_record first;
     free(track);
     TRY(status);
-    asdic_track_file_begin(m->track);
+    asdic_track_file_begin(m->track, &m->parts[0]->settings.sweep);
     TRY(asdic_run_read(m->parts[0], 0, &first));
     return asdic_files_create(m->ctx, m->folder, &m->parts[0]->settings, &m->facts,
                               first.pose.position_m.z, &m->files);

@@ -51,6 +51,12 @@ static asdic_status render_many(asdic_render *r) {
     return r->options.raw ? asdic_render_raw(r) : ASDIC_OK;
 }
 
+/* The first ping worth a picture: of a scan the one that ends the first turn. */
+static size_t first_shown(const asdic_render *r) {
+    size_t last = r->info.pings - 1, turn = r->run->settings.sweep.directions;
+    return turn == 0 ? 0 : turn - 1 < last ? turn - 1 : last;
+}
+
 /* A-scope and fan of the ping with INDEX within the run. */
 static asdic_status render_ping(asdic_render *r, size_t index) {
     asdic_record record;
@@ -72,7 +78,7 @@ static asdic_status render_frames(asdic_render *r) {
 }
 
 static asdic_status render_pings(asdic_render *r) {
-    size_t last = r->info.pings - 1;
+    size_t first = first_shown(r), last = r->info.pings - 1;
     if (r->frame) {
         return render_frames(r);
     }
@@ -84,8 +90,8 @@ static asdic_status render_pings(asdic_render *r) {
         }
         return render_ping(r, index);
     }
-    TRY(render_ping(r, 0));
-    return last > 0 ? render_ping(r, last) : ASDIC_OK;
+    TRY(render_ping(r, first));
+    return last > first ? render_ping(r, last) : ASDIC_OK;
 }
 
 bool asdic_render_has_fan(const asdic_sonar *sonar) {
@@ -100,10 +106,11 @@ bool asdic_render_has_fan(const asdic_sonar *sonar) {
 /* Drops the pictures for which the scene has no beams, or which this build cannot draw; the others
  * are drawn. A user who asks for one by name is warned. */
 static void drop_impossible(asdic_render *r) {
-    bool can_fan = asdic_render_has_fan(r->info.sonar);
+    /* Of beams, or that a head which scans makes. */
+    bool can_fan = asdic_render_has_fan(r->info.sonar) || r->run->settings.sweep.directions >= 3;
     if ((r->images & 1u << ASDIC_IMAGE_FAN) && !can_fan) {
         asdic_log(r->ctx, r->options.images ? ASDIC_LOG_WARNING : ASDIC_LOG_INFO,
-                  "no fan picture: it needs three beams or more at ascending bearings");
+                  "no fan picture: it needs three beams or more at ascending bearings, or a scan");
         r->images &= ~(1u << ASDIC_IMAGE_FAN);
     }
     const unsigned over_time = 1u << ASDIC_IMAGE_WATERFALL | 1u << ASDIC_IMAGE_OVERVIEW;
@@ -123,7 +130,8 @@ static void drop_impossible(asdic_render *r) {
 
 /* How many pictures there will be. */
 static size_t count_pictures(const asdic_render *r) {
-    size_t pings = r->frame ? 1 : r->options.ping == SIZE_MAX && r->info.pings > 1 ? 2 : 1;
+    bool has_two = r->options.ping == SIZE_MAX && first_shown(r) < r->info.pings - 1;
+    size_t pings = has_two && !r->frame ? 2 : 1;
     return (wants(r, ASDIC_IMAGE_WATERFALL) + r->options.raw) * r->plan.beam_count +
            wants(r, ASDIC_IMAGE_OVERVIEW) + wants(r, ASDIC_IMAGE_PLAN) +
            (wants(r, ASDIC_IMAGE_ASCOPE) + wants(r, ASDIC_IMAGE_FAN)) * pings;

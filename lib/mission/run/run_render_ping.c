@@ -3,6 +3,7 @@
 #include "base/context.h"
 #include "base/try.h"
 #include "out/digits.h"
+#include "out/polar.h"
 #include "run_folder.h"
 
 #include <math.h>
@@ -150,16 +151,23 @@ done:
     return status;
 }
 
-asdic_status asdic_render_fan(asdic_render *r, const asdic_record *record) {
-    char title[256], number[ASDIC_DIGITS_SIZE];
+/* Draws FAN as the picture of RECORD's ping. */
+static asdic_status draw_fan(asdic_render *r, const asdic_record *record, const char *title,
+                             const asdic_fan *fan) {
+    char number[ASDIC_DIGITS_SIZE];
+    asdic_digits_natural(number, record->ping);
+    char *path = asdic_render_path(r, "fan_", number);
+    asdic_picture_options options = asdic_render_picture(r, title, "ping", number);
+    asdic_status status = path ? asdic_picture_fan(r->ctx, path, fan, &options)
+                               : asdic_fail_memory(r->ctx, "a file name");
+    free(path);
+    return status;
+}
+
+static asdic_status render_beams(asdic_render *r, const asdic_record *record, const char *title) {
     double *bearing_rad = malloc(r->info.beams * sizeof *bearing_rad);
-    char *path = NULL;
-    asdic_status status = ASDIC_OK;
-    name_ping(r, record, title, number);
-    path = asdic_render_path(r, "fan_", number);
-    if (!path || !bearing_rad) {
-        status = asdic_fail_memory(r->ctx, "a fan picture");
-        goto done;
+    if (!bearing_rad) {
+        return asdic_fail_memory(r->ctx, "a fan picture");
     }
     for (size_t i = 0; i < r->info.beams; i++) {
         bearing_rad[i] = r->info.sonar->receivers[i].yaw_rad;
@@ -169,10 +177,46 @@ asdic_status asdic_render_fan(asdic_render *r, const asdic_record *record) {
                      .beams = r->info.beams,
                      .bins = r->info.bins,
                      .bin_length_m = r->run->facts.bin_length_m};
-    asdic_picture_options options = asdic_render_picture(r, title, "ping", number);
-    status = asdic_picture_fan(r->ctx, path, &fan, &options);
-done:
-    free(path);
+    asdic_status status = draw_fan(r, record, title, &fan);
     free(bearing_rad);
     return status;
+}
+
+/* What a scanned sonar's screen shows after RECORD's ping: of every direction the echo that was
+ * received last, in the beam that a report shows. */
+static asdic_status render_scan(asdic_render *r, const asdic_record *record, const char *title) {
+    const asdic_sweep *sweep = &r->run->settings.sweep;
+    size_t beam = r->plan.beams[0], at = (size_t)record->ping - r->info.first_ping;
+    size_t oldest = 2 * sweep->directions; /* pings ago, of the way back and forth */
+    asdic_polar polar;
+    asdic_status status = asdic_polar_init(r->ctx, sweep, r->info.sonar->receivers[beam].yaw_rad,
+                                           r->info.bins, &polar);
+    for (size_t i = at > oldest ? at - oldest : 0; i <= at && !status; i++) {
+        asdic_record earlier;
+        status = asdic_run_read(r->run, i, &earlier);
+        if (!status) {
+            asdic_polar_add(&polar, earlier.ping,
+                            earlier.level_db[ASDIC_TOTAL] + beam * r->info.bins);
+        }
+    }
+    if (!status) {
+        asdic_fan fan = asdic_polar_fan(&polar, r->run->facts.bin_length_m);
+        status = draw_fan(r, record, title, &fan);
+    }
+    asdic_polar_finish(&polar);
+    return status;
+}
+
+asdic_status asdic_render_fan(asdic_render *r, const asdic_record *record) {
+    char title[256], number[ASDIC_DIGITS_SIZE];
+    name_ping(r, record, title, number);
+    if (r->run->settings.sweep.directions == 0) {
+        return render_beams(r, record, title);
+    }
+    size_t used = strlen(title);
+    if (r->info.beams > 1) {
+        snprintf(title + used, sizeof title - used, ", beam \u2018%s\u2019 of a scan",
+                 r->info.sonar->receivers[r->plan.beams[0]].name);
+    }
+    return render_scan(r, record, title);
 }

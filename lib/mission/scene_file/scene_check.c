@@ -123,6 +123,21 @@ static void check_bins(const asdic_scene_file *file, asdic_problems *problems) {
     }
 }
 
+/* Steps must fill the sector: on a circle the last direction's neighbour is the first. */
+static void check_scan(const file_sweep *scan, asdic_problems *problems) {
+    if (!asdic_scene_node_good(scan->node)) {
+        return;
+    }
+    double steps = scan->sector_deg / scan->step_deg;
+    if (fabs(steps - rint(steps)) > 1e-6 * steps || steps < 0.5) {
+        asdic_yaml_problem(problems, at(scan->node, "step_deg"),
+                           "'step_deg' = %.15g goes %.4g times into 'sector_deg' = %.15g; it must "
+                           "be a whole number of times, as with %.6g",
+                           scan->step_deg, steps, scan->sector_deg,
+                           scan->sector_deg / fmax(rint(steps), 1.0));
+    }
+}
+
 static void check_sonar(const asdic_scene_file *file, asdic_arena *arena,
                         asdic_problems *problems) {
     const file_sonar *s = &file->sonar;
@@ -145,6 +160,7 @@ static void check_sonar(const asdic_scene_file *file, asdic_arena *arena,
                            "'speckle' = k needs a 'speckle_shape': 0.5 is spiky, 50 nearly "
                            "Rayleigh");
     }
+    check_scan(&s->scan, problems);
     check_names(s->receivers, sizeof(file_beam), offsetof(file_beam, name), "", arena, problems);
     check_bins(file, problems);
 }

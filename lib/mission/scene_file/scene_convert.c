@@ -60,6 +60,12 @@ asdic_sonar asdic_scene_file_sonar(const asdic_scene_file *file) {
     };
 }
 
+asdic_sweep asdic_scene_file_sweep(const asdic_scene_file *file) {
+    const file_sweep *scan = &file->sonar.scan;
+    return scan->node ? asdic_sweep_of(radians(scan->sector_deg), radians(scan->step_deg))
+                      : (asdic_sweep){0};
+}
+
 /* The beam of an array, aimed as FAN says, that looks BEARING_DEG to starboard of its front, in its
  * plane. */
 static void turn_in_plane(const file_fan *fan, double bearing_deg, asdic_beam *beam) {

@@ -137,6 +137,11 @@ typedef struct file_noise {
     bool enabled, directivity;
 } file_noise;
 
+typedef struct file_sweep {
+    asdic_yaml_node *node;
+    double sector_deg, step_deg;
+} file_sweep;
+
 typedef struct file_sonar {
     asdic_yaml_node *node;
     const char *file; /* NULL: none, or in the tree already (mission_include.c) */
@@ -145,6 +150,7 @@ typedef struct file_sonar {
     file_beam transmitter;
     asdic_list receivers; /* of file_beam */
     file_fan_map receiver_fan;
+    file_sweep scan;
     file_noise noise;
     int speckle;          /* asdic_speckle */
     double speckle_shape; /* NAN: none given */
@@ -250,6 +256,7 @@ bool asdic_scene_node_good(const asdic_yaml_node *node);
  * receivers, but with their number; RECEIVERS has room for them. */
 asdic_environment asdic_scene_file_environment(const asdic_scene_file *file);
 asdic_sonar asdic_scene_file_sonar(const asdic_scene_file *file);
+asdic_sweep asdic_scene_file_sweep(const asdic_scene_file *file);
 void asdic_scene_file_receivers(const asdic_scene_file *file, asdic_beam *receivers);
 asdic_pose asdic_scene_file_place(const double position_m[3], const double rotation_deg[3]);
 asdic_pose asdic_scene_file_pose(const asdic_scene_file *file);

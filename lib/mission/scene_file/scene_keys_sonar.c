@@ -53,6 +53,16 @@ static const asdic_key fan_map_keys[] = {
 static const asdic_table fan_map_table = {TABLE(fan_map_keys, file_fan_map),
                                           .doc = "receivers as a fan"};
 
+static const asdic_key scan_keys[] = {
+    {"sector_deg", ASDIC_KEY_NUMBER, AT(file_sweep, sector_deg), .unit = "deg", .min = 0.01,
+     .max = 360, .fallback = "360",
+     .doc = "sector round the bow: 360 is gone round and round, less back and forth"},
+    {"step_deg", ASDIC_KEY_NUMBER, ASDIC_KEY_REQUIRED, AT(file_sweep, step_deg), .unit = "deg",
+     .min = 0.01, .max = 180, .doc = "turn from ping to ping; divides the sector"},
+};
+static const asdic_table scan_table = {TABLE(scan_keys, file_sweep),
+                                       .doc = "a head that turns from ping to ping"};
+
 static const asdic_key noise_keys[] = {
     {"enabled", ASDIC_KEY_BOOL, AT(file_noise, enabled), .fallback = "true",
      .doc = "whether ambient noise is added"},
@@ -91,6 +101,8 @@ static const asdic_key sonar_keys[] = {
      .unless = "file", .table = &beam_table, .map_form = &fan_map_table,
      .map_offset = offsetof(file_sonar, receiver_fan),
      .doc = "the receiving apertures: a list, or fan: {count, sector_deg, ...}"},
+    {"scan", ASDIC_KEY_MAP, SONAR(scan), .table = &scan_table,
+     .doc = "transmitter and receivers turn together from ping to ping, one direction each"},
     {"noise", ASDIC_KEY_MAP, SONAR(noise), .table = &noise_table, .doc = "ambient noise"},
     {"speckle", ASDIC_KEY_WORD, SONAR(speckle), .words = speckle_words, .fallback = "none",
      .doc = "random interference of the echoes in a resolution cell, shared by beams that overlap"},
@@ -152,7 +164,8 @@ static const asdic_key mission_keys[] = {
      .table = &waypoints_table,
      .doc = "points that the vehicle passes: a list, or a map with its manoeuvring"},
     {"pings", ASDIC_KEY_INTEGER, MISSION(pings), .min = 1, .max = 1e9,
-     .doc = "number of pings; else one, or as many as track or waypoints cover"},
+     .doc = "number of pings; else one, or one turn of a scan, or as many as track or waypoints "
+            "cover"},
 };
 const asdic_table asdic_mission_table = {TABLE(mission_keys, file_mission),
                                          .doc = "where the vehicle is, ping by ping"};

@@ -4,6 +4,8 @@
 #ifndef ASDIC_MISSION_TRACK_H
 #define ASDIC_MISSION_TRACK_H
 
+#include <asdic/sweep.h>
+
 #include "out/file.h"
 
 typedef struct track_point {
@@ -42,9 +44,11 @@ asdic_pose asdic_track_pose(const asdic_track *track, double time_s);
 double asdic_track_deepest_m(const asdic_track *track, double time_s);
 
 /* A track file, row by row, in the form that asdic_track_load reads: its header; a point, its
- * angles as whole nanodegrees. */
-void asdic_track_file_begin(asdic_file *file);
-void asdic_track_file_add(asdic_file *file, double time_s, const asdic_pose *pose);
+ * angles as whole nanodegrees. Where SWEEP turns, the head's angle at ping PING stands behind the
+ * vehicle's pose, in a column that the reader passes over. */
+void asdic_track_file_begin(asdic_file *file, const asdic_sweep *sweep);
+void asdic_track_file_add(asdic_file *file, const asdic_sweep *sweep, uint64_t ping, double time_s,
+                          const asdic_pose *vehicle);
 
 /* ANGLE as a whole number of nanodegrees, which a track file holds exactly: a track that is written
  * and read again is the same to the last bit. */

@@ -263,23 +263,27 @@ double asdic_track_round(double angle_rad) {
     return nanodegrees(angle_rad) * RADIANS;
 }
 
-void asdic_track_file_begin(asdic_file *file) {
-    fputs("time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg\n", asdic_file_stream(file));
+void asdic_track_file_begin(asdic_file *file, const asdic_sweep *sweep) {
+    fprintf(asdic_file_stream(file), HEADER "%s\n", sweep->directions ? ",head_deg" : "");
 }
 
-void asdic_track_file_add(asdic_file *file, double time_s, const asdic_pose *pose) {
+void asdic_track_file_add(asdic_file *file, const asdic_sweep *sweep, uint64_t ping, double time_s,
+                          const asdic_pose *vehicle) {
     FILE *out = asdic_file_stream(file);
+    double head_rad = asdic_sweep_bearing_rad(sweep, asdic_sweep_direction(sweep, ping));
     const double values[] = {time_s,
-                             pose->position_m.x,
-                             pose->position_m.y,
-                             pose->position_m.z,
-                             nanodegrees(pose->roll_rad),
-                             nanodegrees(pose->pitch_rad),
-                             nanodegrees(pose->yaw_rad)};
-    for (size_t k = 0; k < 7; k++) {
+                             vehicle->position_m.x,
+                             vehicle->position_m.y,
+                             vehicle->position_m.z,
+                             nanodegrees(vehicle->roll_rad),
+                             nanodegrees(vehicle->pitch_rad),
+                             nanodegrees(vehicle->yaw_rad),
+                             nanodegrees(head_rad)};
+    size_t count = sweep->directions ? 8 : 7;
+    for (size_t k = 0; k < count; k++) {
         char digits[ASDIC_DIGITS_SIZE];
         asdic_digits_double(digits, values[k]);
         fputs(digits, out);
-        fputc(k < 6 ? ',' : '\n', out);
+        fputc(k + 1 < count ? ',' : '\n', out);
     }
 }
