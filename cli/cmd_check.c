@@ -92,7 +92,7 @@ static int run(cli *c) {
 
 static const cli_option options[] = {
     {"track", 0, "FILE", "write the vehicle's pose at every ping as CSV, '-' to stdout"},
-    {"force", 0, NULL, "overwrite FILE"},
+    {"force", 'f', NULL, "overwrite FILE"},
     {0},
 };
 

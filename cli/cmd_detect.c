@@ -80,6 +80,21 @@ static asdic_status choose_detector(cli *c, const char *folder, request *r) {
     return ASDIC_OK;
 }
 
+/* What the rows are that name no object; only of those that are there. */
+static void explain_classes(const asdic_detect_report *r) {
+    static const char *const words[] = {
+        [ASDIC_TRUTH_GHOST] = "ghost: what stands out came by way of a mirror; nothing is there",
+        [ASDIC_TRUTH_FAINT] =
+            "faint: an echo is in the bin, but does not stand out of what else is",
+        [ASDIC_TRUTH_NONE] = "none: no echo to speak of; every detection is a false alarm"};
+    for (size_t i = 0; i < r->class_count; i++) {
+        asdic_truth truth = r->classes[i].truth;
+        if (r->classes[i].bins > 0 && truth != ASDIC_TRUTH_OBJECT) {
+            printf("  %s\n", words[truth]);
+        }
+    }
+}
+
 static void print_classes(const asdic_detect_report *r) {
     printf("%-24s %12s %12s %12s %10s\n", "truth", "bins", "detected", "predicted", "rate");
     for (size_t i = 0; i < r->class_count; i++) {
@@ -96,6 +111,7 @@ static void print_classes(const asdic_detect_report *r) {
         }
         printf("%10.3g\n", k->bins ? (double)k->detected / (double)k->bins : 0.0);
     }
+    explain_classes(r);
     if (r->is_sample) {
         const asdic_detect_class *none = &r->classes[r->class_count - 1];
         printf("P_FA: design %.4g, measured %.4g, 99 %% bounds %.4g..%.4g\n",
@@ -130,7 +146,7 @@ static void print_sights(const asdic_detect_report *r) {
         }
         if (end - i > MOST_BEAMS) {
             char beam[ASDIC_NAME_SIZE + 32];
-            snprintf(beam, sizeof beam, "%s (of %zu)", best->beam, end - i);
+            snprintf(beam, sizeof beam, "%s, best of %zu", best->beam, end - i);
             print_sight(best, beam);
             continue;
         }
@@ -336,7 +352,7 @@ static const cli_option options[] = {
     {"truth", 0, "DB",
      "an object is in a bin when its echo is so strong re all else there, else 0"},
     {"cell", 0, "M", "side of the occupancy map's cells, else 0.5"},
-    {"force", 0, NULL, "replace the detections, or the run, that are there"},
+    {"force", 'f', NULL, "replace the detections, or the run, that are there"},
     {0},
 };
 

@@ -24,7 +24,7 @@ static int run(cli *c) {
 
 static const cli_option options[] = {
     {"output", 'o', "DIR", "folder of the whole run"},
-    {"force", 0, NULL, "replace a run that is there"},
+    {"force", 'f', NULL, "replace a run that is there"},
     {0},
 };
 

@@ -129,7 +129,7 @@ static const cli_option options[] = {
     {"mosaic", 0, "FILE",
      "the fans of all pings on one map: a PNG, and a world file for GIS beside it"},
     {"cell", 0, "M", "side of the mosaic's cells; default: a bin's length"},
-    {"force", 0, NULL, "overwrite that file"},
+    {"force", 'f', NULL, "overwrite that file"},
     {"raw", 0, NULL, "16-bit grey pictures too, a pixel per bin: raw_<beam>.png"},
     {0},
 };

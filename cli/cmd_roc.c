@@ -246,7 +246,7 @@ static const cli_option options[] = {
     {"seed", 0, "N", "of the draws, else 1; variants share them"},
     {"vary", 0, "KEY=A,B,..",
      "a curve for each value of this key of the scene, as sonar.receivers[0].pitch_deg=0,10,20"},
-    {"force", 0, NULL, "replace files that are there"},
+    {"force", 'f', NULL, "replace files that are there"},
     {0},
 };
 

@@ -274,7 +274,7 @@ static const cli_option options[] = {
     {"pings", 0, "A:B", "pings A to B-1 only, counted from 0"},
     {"shard", 0, "K/N", "the K-th of N parts of the pings; 'asdic merge' joins the parts"},
     {"resume", 0, NULL, "go on with a run that was stopped; the files will be the same"},
-    {"force", 0, NULL, "replace a run that is there; begin also where its files may not fit"},
+    {"force", 'f', NULL, "replace a run that is there; begin also where its files may not fit"},
     {0},
 };
 

@@ -16,7 +16,7 @@ static const cli_option options[] = {
     {"size", 0, "WxH", "pixels of a frame; default 1280x720"},
     {"db-range", 0, "LOW:HIGH", "window of levels, dB; default: 70 dB below the strongest echo"},
     {"colormap", 0, "NAME", "viridis, cividis, inferno, gray or copper; default inferno"},
-    {"force", 0, NULL, "replace snapshots that exist"},
+    {"force", 'f', NULL, "replace snapshots that exist"},
     {NULL, 0, NULL, NULL},
 };
 
@@ -91,7 +91,9 @@ static int wind_up(view_job *job, int code) {
 }
 
 static int view_mission(cli *c, const request *r, asdic_mission *mission, asdic_device *device) {
-    view_job job = {.c = c, .rate_hz = asdic_mission_sonar(mission)->ping_rate_hz};
+    view_job job = {.c = c,
+                    .rate_hz = asdic_mission_sonar(mission)->ping_rate_hz,
+                    .mission_pings = asdic_mission_ping_count(mission)};
     asdic_view_options o = r->options;
     char *folder = r->folder ? strdup(r->folder) : default_folder(cli_operand(c, 0));
     int code = CLI_FAILED;

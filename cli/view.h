@@ -17,6 +17,7 @@ typedef struct view_job {
     asdic_view *view;
     double rate_hz;
     size_t pings; /* SIZE_MAX: until it is over */
+    size_t mission_pings;
     view_key *keys;
     size_t key_count, next_key;
     char *key_text;

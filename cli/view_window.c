@@ -138,6 +138,14 @@ static asdic_status show(window *w) {
     return status;
 }
 
+/* A window that closes by itself says why. */
+static void tell_end(const view_job *job) {
+    asdic_view_clock clock = asdic_view_get_clock(job->view);
+    bool is_flown = clock.pings >= job->mission_pings;
+    cli_note(job->c, "%s after %zu ping%s, at %.4g s", is_flown ? "the mission is flown" : "closed",
+             clock.pings, clock.pings == 1 ? "" : "s", clock.time_s);
+}
+
 int view_window(view_job *job) {
     window w = {.job = job};
     asdic_view_image image = asdic_view_get_frame(job->view);
@@ -145,7 +153,11 @@ int view_window(view_job *job) {
     if (open_window(&w, image.width, image.height)) {
         SDL_RenderClear(w.renderer);
         SDL_RenderPresent(w.renderer);
-        code = cli_end(job->c, show(&w));
+        asdic_status status = show(&w);
+        if (!status) {
+            tell_end(job);
+        }
+        code = cli_end(job->c, status);
     }
     close_window(&w);
     return code;

@@ -44,7 +44,7 @@ static void check_depths(mission_builder *b) {
         /* A mesh in float is not exact to the last digit. */
         if (pose.position_m.z > depth_m + 1e-6 * fabs(depth_m)) {
             asdic_yaml_problem(b->problems, node,
-                               "ping %zu at %.15g s: the sonar is at z = %.6g m, below the bottom "
+                               "ping %zu at %.10g s: the sonar is at z = %.6g m, below the bottom "
                                "at %.6g m; raise it or lower the bottom",
                                i, time_s, pose.position_m.z, depth_m);
             return;
@@ -242,7 +242,7 @@ static void remark_on_gap(mission_builder *b) {
     if (gap_s > GAP_RATIO * rest_s / (double)(points - 2) &&
         gap_s > 2.0 / m->settings.sonar.ping_rate_hz) {
         asdic_log(b->ctx, ASDIC_LOG_WARNING,
-                  "%s:%u:%u: warning: the track has no point for %.3g s after %.15g s; the vehicle "
+                  "%s:%u:%u: warning: the track has no point for %.3g s after %.10g s; the vehicle "
                   "goes straight on meanwhile  [mission.track]",
                   b->problems->name, node->line, node->column, gap_s, from_s);
     }
@@ -264,8 +264,8 @@ static void remark_on_motions(mission_builder *b) {
         double begin_s = asdic_track_start_s(track), end_s = asdic_track_end_s(track);
         if (end_s < first_s || begin_s > last_s) {
             snprintf(text, sizeof text,
-                     "never moves: its track covers %.15g to %.15g s, the pings are from %.15g to "
-                     "%.15g s",
+                     "never moves: its track covers %.10g to %.10g s, the pings are from %.10g to "
+                     "%.10g s",
                      begin_s, end_s, first_s, last_s);
             remark(b, i, text);
         }

@@ -104,6 +104,10 @@ def test_objects_are_named_and_mapped():
         asdic("detect", "out", cwd=folder.path).check(1)
         text = asdic("detect", "out", "--force", cwd=folder.path).check(0).out
         tap.contains(text, "P_FA: design 0.0001")
+        tap.contains(text, "  none: no echo to speak of; every detection is a false alarm\n")
+        tap.equal("  faint: " in text, any(k["truth"] == "faint" and k["bins"] for k in report["confusion"]),
+                  "what a row means is said where there is one")
+        tap.lacks(text, "(of ")
         tap.contains(text, "left")
         # Elsewhere the scene is not there: one name for all.
         (pathlib.Path(folder.path) / "two.yaml").unlink()

@@ -133,6 +133,12 @@ def test_check_warns_of_other_clocks_and_gaps():
         tap.contains(err, "warning: object 'ball' never moves: its track covers 0 to 2 s, the pings "
                      "are from 1000 to 1001.95 s")
         tap.contains(err, "object 'fish' never moves")
+        folder.write("own.csv", head + "5,0,0,5,0,0,0\n5.5333333333333333,1,0,5,0,0,0\n")
+        third = folder.read("moving.yaml").replace("ping_rate_hz: 20", "ping_rate_hz: 3.75")
+        folder.write("third.yaml", third.replace(", pings: 40", ""))
+        err = asdic("check", folder / "third.yaml").check(code=0).err
+        tap.contains(err, "the pings are from 5 to 5.533333333 s")
+        folder.write("own.csv", head + "".join(rows))
         tap.lacks(err, "has no point")
         folder.write("own.csv", head + "".join(rows[:20] + rows[40:]))
         tap.contains(asdic("check", path).check(code=0).err, "moving.yaml:20:18: warning: the track "

@@ -31,6 +31,10 @@ def test_every_command_has_help_within_80_columns():
         for line in text.splitlines():
             if len(line) > 80 and not line.startswith("usage"):
                 raise AssertionError(f"{name}: {line!r} is longer than 80 columns")
+        if "--force" in text:
+            tap.contains(text, "-f, --force")
+    if len(asdic("bench", "--help").out.splitlines()) > 45:
+        raise AssertionError("the help of bench does not fit a screen")
 
 
 def test_unknown_command_is_answered_with_the_nearest():

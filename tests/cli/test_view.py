@@ -271,6 +271,17 @@ def test_without_a_display_it_says_so():
         tap.contains(done.err, "--y4m")
 
 
+def test_a_window_says_why_it_closes():
+    need_view()
+    with Folder() as folder, Display() as display:
+        done = asdic("view", write_scene(folder), "--size", "960x540", DISPLAY=display.name,
+                     SDL_VIDEODRIVER="x11", ASAN_OPTIONS="detect_leaks=0")
+        if "without SDL2" in done.err:
+            raise tap.Skip("built without SDL2")
+        done.check(code=0)
+        tap.contains(done.err, "the mission is flown after ")
+
+
 def test_the_window_is_driven_by_keys():
     need_view()
     with Folder() as folder, Display() as display:
@@ -306,7 +317,9 @@ def test_the_window_is_driven_by_keys():
         for key in ("r", "space", "q"):
             display.tool("key", "--window", number, key)
             time.sleep(0.4)
-        tap.equal(child.wait(timeout=60), 0, child.stderr.read())
+        err = child.stderr.read()
+        tap.equal(child.wait(timeout=60), 0, err)
+        tap.contains(err, "closed after ")
         for number in range(len(os.listdir(folder / "rec"))):
             same_bytes(folder, number)
         tap.equal(len(os.listdir(folder / "rec")) >= 2, True, "recordings")

@@ -98,6 +98,21 @@ static void report_missing_column(track_reader *r, const char *name, const field
                        found ? ", perhaps '" : "", found ? others[nearest] : "", found ? "'" : "");
 }
 
+static bool is_column(const field *f, const char *name) {
+    return strlen(name) == f->length && memcmp(name, f->text, f->length) == 0;
+}
+
+static bool has_any_column(const track_reader *r, const field *fields) {
+    for (size_t i = 0; i < r->field_count; i++) {
+        for (size_t c = 0; c < COLUMN_COUNT; c++) {
+            if (is_column(&fields[i], COLUMNS[c].name)) {
+                return true;
+            }
+        }
+    }
+    return false;
+}
+
 static void read_header(track_reader *r, const char *line) {
     field fields[MAX_FIELDS];
     r->field_count = split(line, fields);
@@ -111,11 +126,15 @@ static void read_header(track_reader *r, const char *line) {
                            "columns are separated by semicolons; they must be by commas");
         return;
     }
+    if (!has_any_column(r, fields)) {
+        asdic_problems_add(&r->problems, r->line, 1,
+                           "there is no header; the first line must be " HEADER);
+        return;
+    }
     for (size_t c = 0; c < COLUMN_COUNT; c++) {
         size_t found = 0;
         for (size_t i = 0; i < r->field_count; i++) {
-            if (strlen(COLUMNS[c].name) != fields[i].length ||
-                memcmp(COLUMNS[c].name, fields[i].text, fields[i].length) != 0) {
+            if (!is_column(&fields[i], COLUMNS[c].name)) {
                 continue;
             }
             if (found++) {
