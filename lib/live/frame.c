@@ -103,7 +103,7 @@ static void follow_map(asdic_view *view) {
 
 static dev_cone_view cone_of(const asdic_view *view, const asdic_beam *beam, double half_h_rad,
                              double half_v_rad) {
-    const asdic_pose *p = &view->ping.pose;
+    asdic_pose pose = asdic_view_sonar_pose(view), *p = &pose;
     asdic_mat3 body = asdic_mat3_attitude(p->roll_rad, p->pitch_rad, p->yaw_rad);
     /* Positive pitch of a beam looks down. */
     asdic_mat3 face = asdic_mat3_attitude(beam->roll_rad, -beam->pitch_rad, beam->yaw_rad);

@@ -1,4 +1,4 @@
-/* The fan of one ping: ahead up, starboard right. */
+/* The fan of one ping, or a scanned sonar's last turn: ahead up, starboard right. */
 #include "panel.h"
 
 #include "base/vec.h"
@@ -39,6 +39,12 @@ static void arc(const panel *p, const fan_place *at, double radius) {
     cairo_stroke(cr);
 }
 
+/* Angle of a scanned head at the last ping; 0 of others. */
+static double head_rad(const asdic_view *view) {
+    const asdic_sweep *sweep = &view->polar.sweep;
+    return asdic_sweep_bearing_rad(sweep, asdic_sweep_direction(sweep, view->ping.ping));
+}
+
 static void decorate(const panel *p, const asdic_view *view, const fan_place *at, double range_m) {
     cairo_t *cr = p->canvas->cr;
     double step = asdic_axis_step(range_m, 5), radius = at->sector.radius_px, gap = 7.0 * p->scale;
@@ -75,22 +81,29 @@ static void decorate(const panel *p, const asdic_view *view, const fan_place *at
                                 .size_px = PANEL_SMALL_PX},
                    PANEL_DIM_RGB, label);
     }
-    asdic_canvas_color(p->canvas, PANEL_AMBER_RGB); /* the beam of the A-scope */
+    asdic_canvas_color(p->canvas, PANEL_AMBER_RGB); /* the beam of the A-scope, or the head */
     cairo_set_line_width(cr, 1.5 * p->scale);
-    ray(p, at, view->bearing_rad[view->beam], radius - 10.0 * p->scale, radius + 3.0 * p->scale);
+    ray(p, at, view->bearing_rad[view->beam] + head_rad(view), radius - 10.0 * p->scale,
+        radius + 3.0 * p->scale);
 }
 
 void panel_fan(const panel *p, const asdic_view *view) {
     const asdic_loop_ping *ping = &view->ping;
     char heading[128], gain[48];
     panel_gain_words(&view->look, gain);
-    snprintf(heading, sizeof heading, "sonar  \u00b7  %zu beams%s", ping->beams, gain);
+    bool scans = view->polar.columns > 0;
+    snprintf(heading, sizeof heading, "sonar  \u00b7  %zu %s%s",
+             scans ? view->polar.sweep.directions : ping->beams, scans ? "directions" : "beams",
+             gain);
     panel_begin(p, heading);
     asdic_fan fan = {.levels_db = ping->level_db,
                      .bearing_rad = view->bearing_rad,
                      .beams = ping->beams,
                      .bins = ping->bins,
                      .bin_length_m = ping->bin_length_m};
+    if (scans) {
+        fan = asdic_polar_fan(&view->polar, ping->bin_length_m);
+    }
     fan_place at = fit(p, &fan);
     asdic_raster raster = {0};
     if (asdic_raster_fan(view->ctx, &fan, &at.sector, &view->look, PANEL_BACK_RGB, &raster) ==

@@ -93,7 +93,7 @@ static void sector(const map *m, asdic_vec3 at_m, double low_rad, double high_ra
 
 static void beams(const map *m, const asdic_view *view) {
     const asdic_sonar *sonar = asdic_mission_sonar(view->mission);
-    const asdic_pose *pose = &view->ping.pose;
+    asdic_pose sonar_pose = asdic_view_sonar_pose(view), *pose = &sonar_pose;
     double range_m = asdic_view_range_m(view), low = INFINITY, high = -INFINITY;
     for (size_t b = 0; b < sonar->receiver_count; b++) {
         const asdic_beam *beam = &sonar->receivers[b];

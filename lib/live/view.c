@@ -32,6 +32,11 @@ double asdic_view_range_m(const asdic_view *view) {
            asdic_mission_sonar(view->mission)->bin_length_m;
 }
 
+asdic_pose asdic_view_sonar_pose(const asdic_view *view) {
+    asdic_sweep sweep = asdic_mission_sweep(view->mission);
+    return asdic_sweep_sonar(&sweep, &view->ping.pose, view->ping.ping);
+}
+
 /* sinc^2(L sin(theta) / lambda) = 1/2 at L sin(theta) / lambda = 0.443. */
 double asdic_view_half_width_rad(const asdic_view *view, double length_m) {
     double speed_mps = asdic_environment_sound_speed_mps(asdic_mission_environment(view->mission),
@@ -83,7 +88,15 @@ static asdic_status begin_history(asdic_view *view) {
     free(view->history.levels_db);
     view->history = (view_history){.rows = rows};
     view->history.levels_db = malloc(rows * cells * sizeof(float));
-    return view->history.levels_db ? ASDIC_OK : asdic_fail_memory(view->ctx, "the last pings");
+    if (!view->history.levels_db) {
+        return asdic_fail_memory(view->ctx, "the last pings");
+    }
+    asdic_sweep sweep = asdic_mission_sweep(view->mission);
+    asdic_polar_finish(&view->polar);
+    return sweep.directions
+               ? asdic_polar_init(view->ctx, &sweep, sonar->receivers[view->beam].yaw_rad,
+                                  asdic_loop_bin_count(view->loop), &view->polar)
+               : ASDIC_OK;
 }
 
 /* Opens a loop from POSE on with the present choices, and a recording where one is wanted. */
@@ -159,6 +172,10 @@ static asdic_status remember(asdic_view *view) {
     memcpy(h->levels_db + h->next * cells, view->ping.level_db, cells * sizeof(float));
     h->next = (h->next + 1) % h->rows;
     h->count += h->count < h->rows;
+    if (view->polar.columns) {
+        asdic_polar_add(&view->polar, view->ping.ping,
+                        view->ping.level_db + view->beam * view->ping.bins);
+    }
     if (view->trail_count == view->trail_capacity) {
         size_t capacity = view->trail_capacity ? 2 * view->trail_capacity : 1024;
         asdic_vec3 *trail = realloc(view->trail_m, capacity * sizeof *trail);
@@ -294,8 +311,9 @@ static asdic_status begin(asdic_view *view) {
     asdic_helm_init(&view->helm, &view->mission->flight);
     view->look = asdic_picture_options_default();
     view->look.colormap = o->colormap;
-    view->has_fan = is_fan(sonar);
-    view->shows_fan = view->has_fan && sonar->receiver_count >= FAN_BEAMS;
+    bool scans = asdic_mission_sweep(view->mission).directions > 2;
+    view->has_fan = scans || is_fan(sonar);
+    view->shows_fan = scans || (view->has_fan && sonar->receiver_count >= FAN_BEAMS);
     view->beam = middle_beam(sonar);
     view->layout = asdic_view_lay_out(o->width, o->height);
     view->bearing_rad = calloc(sonar->receiver_count, sizeof *view->bearing_rad);
@@ -352,6 +370,7 @@ void asdic_view_destroy(asdic_view **pointer) {
     asdic_loop_destroy(&view->loop);
     asdic_canvas_finish(&view->canvas);
     free(view->history.levels_db);
+    asdic_polar_finish(&view->polar);
     free(view->bearing_rad);
     free(view->trail_m);
     free(view->folder);

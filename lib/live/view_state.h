@@ -13,6 +13,7 @@
 #include "helm.h"
 #include "live_expected.h"
 #include "out/canvas.h"
+#include "out/polar.h"
 #include "recording.h"
 
 /* Where the parts of a frame are, in pixels. */
@@ -60,6 +61,7 @@ struct asdic_view {
     double *bearing_rad; /* of the fan's beams */
     asdic_live_expected expected;
     view_history history;
+    asdic_polar polar; /* of a scanned sonar: the last turn, of the beam chosen at each ping */
     asdic_vec3 *trail_m;
     size_t trail_count, trail_capacity;
     double camera_yaw_rad;
@@ -73,6 +75,9 @@ struct asdic_view {
 };
 
 double asdic_view_range_m(const asdic_view *view);
+
+/* The last ping's: the vehicle's, with a scanned head turned. */
+asdic_pose asdic_view_sonar_pose(const asdic_view *view);
 
 /* Half-power half-width of an aperture of LENGTH_M, rad. */
 double asdic_view_half_width_rad(const asdic_view *view, double length_m);

@@ -1,4 +1,5 @@
 """asdic view: frames as video and as pictures, keys, recordings that replay, the window under Xvfb."""
+import collections
 import csv
 import io
 import json
@@ -102,6 +103,14 @@ def colours(rows, x0, x1, y0, y1):
     return len(found)
 
 
+def commonest(rows, x0, x1, y0, y1):
+    """Share of the most frequent colour in a part of a picture: much of an empty panel."""
+    height, width = len(rows), len(rows[0]) // 3
+    part = [row[3 * x:3 * x + 3] for row in rows[int(y0 * height):int(y1 * height)]
+            for x in range(int(x0 * width), int(x1 * width))]
+    return collections.Counter(part).most_common(1)[0][1] / len(part)
+
+
 def check_frame(rows, size):
     tap.equal((len(rows[0]) // 3, len(rows)), size, "size")
     parts = {"sonar": (0.05, 0.44, 0.1, 0.2, 60), "A-scope": (0.05, 0.48, 0.68, 0.95, 10),
@@ -126,6 +135,29 @@ def test_snapshots_are_pictures_of_everything():
         view(scene, "--snapshot", "1", "--pings", "40", "--size", "960x540", "-o", folder / "v", "--force")
         with open(folder / "v/view_39.png", "rb") as file:
             tap.equal(file.read() == data, True, "the same ping gives the same bytes")
+
+
+def test_a_scan_is_renewed_turn_by_turn():
+    """Half a turn shows one side alone; what was recorded meanwhile runs again to the byte."""
+    need_view()
+    with Folder() as folder:
+        write_scene(folder)
+        scene = folder.write("scene.yaml", SCENE.replace(
+            "receivers: [{name: ahead}, {name: down, pitch_deg: 20}]",
+            "scan: {step_deg: 9}\n  receivers: [{name: head}]"))
+        view(scene, "--snapshot", "2", "--pings", "40", "--size", "960x540", "-o", folder / "rec",
+             "--keys", "0:r")
+        frames = []
+        for ping in (19, 39):
+            with open(folder / f"rec/view_{ping}.png", "rb") as file:
+                frames.append(read_png(file.read()))
+        port, starboard = (0.14, 0.20, 0.2, 0.45), (0.26, 0.31, 0.2, 0.45)
+        seen = [[commonest(frame, *side) < 0.3 for side in (port, starboard)] for frame in frames]
+        tap.equal(seen, [[True, False], [True, True]], "sides that the picture shows")
+        same_bytes(folder, 0)
+        with open(folder / "rec/000/track.csv", encoding="utf-8") as file:
+            heads = [float(row["head_deg"]) for row in csv.DictReader(file)]
+        tap.equal(heads[:3], [-180, -171, -162], "the head's angles")
 
 
 def test_video_is_read_by_ffmpeg():
