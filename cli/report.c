@@ -47,6 +47,7 @@ static void on_log(void *user, asdic_log_level level, const char *message) {
     case ASDIC_LOG_WARNING:
         print_message(c, "warning", YELLOW_BOLD, message);
         break;
+    case ASDIC_LOG_NOTE:
     case ASDIC_LOG_INFO:
     case ASDIC_LOG_DEBUG:
         fprintf(stderr, "%s\n", message);
@@ -55,8 +56,9 @@ static void on_log(void *user, asdic_log_level level, const char *message) {
 }
 
 void cli_report_begin(cli *c) {
-    static const asdic_log_level levels[] = {ASDIC_LOG_ERROR, ASDIC_LOG_WARNING, ASDIC_LOG_INFO,
-                                             ASDIC_LOG_DEBUG};
+    /* Notes are for somebody who waits, as the progress bar is. */
+    asdic_log_level usual = isatty(STDERR_FILENO) ? ASDIC_LOG_NOTE : ASDIC_LOG_WARNING;
+    const asdic_log_level levels[] = {ASDIC_LOG_ERROR, usual, ASDIC_LOG_INFO, ASDIC_LOG_DEBUG};
     c->colour = terminal_shows_colour();
     asdic_context_set_log(c->ctx, levels[c->verbosity == CLI_MUTE ? 0 : c->verbosity + 1], on_log,
                           c);

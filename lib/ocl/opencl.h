@@ -25,6 +25,7 @@ struct asdic_device {
     cl_context cl;
     cl_command_queue queue;
     asdic_program *programs;
+    bool is_compiling_told;
 };
 
 struct asdic_buffer {

@@ -1,8 +1,13 @@
 #include "opencl.h"
 
+#include "base/clock.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+/* A program from the cache is there in less. */
+#define CACHED_S 0.4
 
 static void program_destroy(asdic_program **program) {
     if (!program || !*program) {
@@ -78,6 +83,17 @@ static asdic_status build_failed(const asdic_device *device, const asdic_program
     return ASDIC_ERROR_DEVICE;
 }
 
+/* A program that was SECONDS in the building came from no cache; the rest of the kernels, which
+ * PoCL makes when they first run, will take a multiple of that. Said once a device. */
+static void note_compiling(asdic_device *device, double seconds) {
+    if (seconds > CACHED_S && !device->is_compiling_told) {
+        device->is_compiling_told = true;
+        asdic_log(device->ctx, ASDIC_LOG_NOTE,
+                  "compiling kernels for device '%s'; later runs find them in its cache",
+                  device->info.name);
+    }
+}
+
 static asdic_status build(asdic_device *device, asdic_program *program) {
     char *text = NULL, *source_options = NULL, *all_options = NULL;
     cl_int code = CL_SUCCESS;
@@ -99,8 +115,10 @@ static asdic_status build(asdic_device *device, asdic_program *program) {
         goto done;
     }
     int lock = asdic_build_lock(device);
+    double begin_s = asdic_clock_s();
     code = clBuildProgram(program->id, 1, &device->id, all_options, NULL, NULL);
     asdic_build_unlock(lock);
+    note_compiling(device, asdic_clock_s() - begin_s);
     if (code != CL_SUCCESS) {
         status = build_failed(device, program, code);
     }

@@ -3,7 +3,7 @@ import json
 import os
 
 import tap
-from program import Folder, asdic, need_device
+from program import Folder, asdic, asdic_on_terminal, need_device
 
 SCENE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../data/scenes/scenario1.yaml")
 
@@ -73,6 +73,20 @@ def test_selector_that_is_not_understood_exits_2():
         if selector == "0:0,0:0":
             need_device()
         tap.contains(run_on(selector).check(code=2, out="").err, f"'{selector}'")
+
+
+def test_compiling_is_said_once_to_whoever_waits():
+    need_device()
+    with Folder() as folder:
+        def err():
+            done = asdic_on_terminal("run", SCENE, "--rays", 500, "--pings", "0:1", "-o", folder / "r", "-f",
+                                     POCL_CACHE_DIR=folder / "cache")
+            return done.err
+        cold, warm = err(), err()
+        if not os.path.isdir(folder / "cache"):
+            raise tap.Skip("no device with PoCL's cache")
+        tap.equal(cold.count("compiling kernels for device '"), 1, "in an empty cache")
+        tap.lacks(warm, "compiling")
 
 
 tap.main(globals())

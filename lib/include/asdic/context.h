@@ -30,8 +30,9 @@ typedef struct asdic_context asdic_context;
 typedef enum asdic_log_level {
     ASDIC_LOG_ERROR = 0, /* one of several errors in one input; the call will fail */
     ASDIC_LOG_WARNING = 1,
-    ASDIC_LOG_INFO = 2,
-    ASDIC_LOG_DEBUG = 3,
+    ASDIC_LOG_NOTE = 2, /* what a user who waits wants to know */
+    ASDIC_LOG_INFO = 3,
+    ASDIC_LOG_DEBUG = 4,
 } asdic_log_level;
 
 /* MESSAGE is one or more complete lines without a trailing newline, valid during the call only.
