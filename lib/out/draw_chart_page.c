@@ -124,9 +124,8 @@ void asdic_chart_page_init(page *p, const asdic_chart *chart,
         beside = 28.0 + BAR_PX + asdic_canvas_axis_y_room(&p->depth, p->bar.h);
     }
     list_entries(p, chart);
-    p->legend =
-        (asdic_box){p->box.x, ASDIC_MARGIN_PX + asdic_canvas_title_room(options->title),
-                    p->box.w + beside, 0.0};
+    p->legend = (asdic_box){p->box.x, ASDIC_MARGIN_PX + asdic_canvas_title_room(options->title),
+                            p->box.w + beside, 0.0};
     p->legend.h = asdic_canvas_legend(NULL, p->legend, p->entries, p->entry_count);
     p->box.y = ceil(p->legend.y + p->legend.h + 12.0);
     p->bar.x = p->box.x + p->box.w + 28.0;
