@@ -2,7 +2,7 @@
  * From a scene file to waterfalls: what `asdic run SCENE.yaml -o FOLDER` does.
  *
  *     cc waterfall.c -o waterfall $(pkg-config --cflags --libs asdic)
- *     ./waterfall scenario2.yaml out
+ *     ./waterfall mission.yaml out
  */
 #include <asdic/asdic.h>
 #include <stdio.h>

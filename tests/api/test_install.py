@@ -82,7 +82,12 @@ def test_waterfall():
     tree = Tree()
     folder = os.path.join(Tree.path, "run")
     program = compiled(tree, "waterfall", static=False)
-    run([program, SCENE, folder], env=tree.env)
+    with open(SCENE, encoding="utf-8") as file:
+        text = file.read()
+    scene = os.path.join(Tree.path, "two_pings.yaml")  # of one there is nothing to see over time
+    with open(scene, "w", encoding="utf-8") as file:
+        file.write(text.replace("\n  pings: 1\n", "\n  pings: 2\n"))
+    run([program, scene, folder], env=tree.env)
     names = os.listdir(folder)
     assert "bins.csv" in names and any(name.startswith("waterfall_") for name in names), names
     done = subprocess.run([program, "/nonexistent.yaml", folder], env=tree.env, check=False,
