@@ -49,7 +49,8 @@ FORMULA real bottom_backscatter_lin(real gain, real peak, real bt, real sin_graz
  * infinite), so it is capped by the geometric-optics return of a rough mirror at normal incidence,
  * 1 / (4 pi m), with the mean-square slope m = 0.003 + 0.00512 U of Cox & Munk, J. Opt. Soc. Am.
  * 44, 838 (1954), U in m/s. The cap acts above 88.3 degrees at 10 kn, 81.7 at 40 kn. Agrees with
- * Chapman & Harris within 2.5 dB at 20 kn and 1..6.4 kHz. */
+ * Chapman & Harris, JASA 34, 1592 (1962), to 0..2.9 dB at 20 kn, 1..6.4 kHz and 5..20 degrees, to
+ * 5.1 dB up to 40. */
 FORMULA real surface_gain(real wind_kn, real f_khz) {
     real v1 = R(1.0) + wind_kn;
     return R(8.91250938133746e-6) * v1 * v1 * r_exp10(wind_kn / R(150.0) * log10(f_khz + R(0.1)));

@@ -32,6 +32,27 @@ static void backscatter_rises_with_the_grazing_angle(void **state) {
     }
 }
 
+/* Chapman & Harris, JASA 34, 1592 (1962), a fit to explosives at 400..6400 Hz in up to 30 kn:
+ * 3.3 b log10(theta / 30) - 42.4 log10 b + 2.6 dB, b = 158 (v f^(1/3))^-0.58, v in knots, f in Hz. */
+static double chapman_harris_db(double wind_kn, double f_hz, double grazing_deg) {
+    double b = 158.0 * pow(wind_kn * cbrt(f_hz), -0.58);
+    return 3.3 * b * log10(grazing_deg / 30.0) - 42.4 * log10(b) + 2.6;
+}
+
+/* Another measurement of what the course's law says of the surface, at the low end of its band. */
+static void the_surface_is_near_chapman_and_harris(void **state) {
+    (void)state;
+    for (double f_khz = 1.0; f_khz <= 6.4; f_khz += 0.6) {
+        for (int degrees = 5; degrees <= 40; degrees++) {
+            double law = surface_backscatter_lin(surface_gain(20.0, f_khz), surface_beta0(20.0),
+                                                 surface_beta1(f_khz), surface_cap_lin(20.0),
+                                                 sine(100 * degrees));
+            double off_db = 10.0 * log10(law) - chapman_harris_db(20.0, 1000.0 * f_khz, degrees);
+            assert_true(off_db > 0.0 && off_db < (degrees <= 20 ? 2.9 : 5.1));
+        }
+    }
+}
+
 static void rounding_beyond_the_ends_is_harmless(void **state) {
     (void)state;
     static const double beyond[] = {-1e-7, -0.0, 0.0, 1e-300, 1.0, 1.0 + 1e-7};
@@ -158,6 +179,7 @@ static void chances_are_monotone_and_continuous(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(backscatter_rises_with_the_grazing_angle),
+        cmocka_unit_test(the_surface_is_near_chapman_and_harris),
         cmocka_unit_test(rounding_beyond_the_ends_is_harmless),
         cmocka_unit_test(absorption_rises_with_frequency_and_hardly_jumps_at_20_degrees),
         cmocka_unit_test(sinc2_is_even_bounded_and_zero_at_whole_numbers),
