@@ -186,7 +186,7 @@ static void hostile_values_are_shown_tamely(void **state) {
         "5:3: error: a key holds a zero character  [sonar]\n"
         "5:3: error: unknown key '%s%s%n'; the keys here are file, frequency_khz, "
         "bandwidth_khz, ping_rate_hz, max_range_m, source_level_db, bin_length_m, blanking_m, "
-        "transmitter, receivers, noise, speckle, speckle_shape, rear_floor_db  [sonar]\n");
+        "transmitter, receivers, scan, noise, speckle, speckle_shape, rear_floor_db  [sonar]\n");
 }
 
 int main(void) {
