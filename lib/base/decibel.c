@@ -1,11 +1,10 @@
 #include "decibel.h"
 
+#include "bits.h"
 #include "widest.h"
 
 #include <float.h>
 #include <math.h>
-#include <stdint.h>
-#include <string.h>
 
 #define MANTISSA_BITS 52
 #define MANTISSA (((uint64_t)1 << MANTISSA_BITS) - 1)
@@ -13,25 +12,13 @@
 #define SQRT_HALF 0x3fe6a09e667f3bcdu /* sqrt(1/2) */
 #define TWO52 0x4330000000000000u     /* 2^52: its last bits count in ones */
 
-static inline uint64_t bits_of(double x) {
-    uint64_t bits;
-    memcpy(&bits, &x, sizeof bits);
-    return bits;
-}
-
-static inline double double_of(uint64_t bits) {
-    double x;
-    memcpy(&x, &bits, sizeof x);
-    return x;
-}
-
 /* x = 2^e m with m in [sqrt(1/2), sqrt(2)); ln m = 2 artanh(s), s = (m - 1) / (m + 1), |s| < 0.172,
  * by its series up to s^17, which leaves less than 1e-15 of it out. */
 static inline double level_of(double x) {
     const double db_per_octave = 3.010299956639812, twice_db_per_neper = 8.685889638065035;
-    uint64_t shifted = bits_of(x) + (ONE - SQRT_HALF);
-    double e = double_of(TWO52 | shifted >> MANTISSA_BITS) - (0x1p52 + 1023.0);
-    double m = double_of((shifted & MANTISSA) + SQRT_HALF);
+    uint64_t shifted = asdic_bits_of(x) + (ONE - SQRT_HALF);
+    double e = asdic_double_of(TWO52 | shifted >> MANTISSA_BITS) - (0x1p52 + 1023.0);
+    double m = asdic_double_of((shifted & MANTISSA) + SQRT_HALF);
     double s = (m - 1.0) / (m + 1.0), z = s * s;
     double tail =
         z * (1.0 / 3 +

@@ -3,6 +3,7 @@
  */
 #include "mesh_build.h"
 
+#include "../base/bits.h"
 #include "../base/context.h"
 
 #include <stdlib.h>
@@ -29,9 +30,7 @@ static uint64_t hash_vertex(const double v[3]) {
     uint64_t h = 0;
     for (int k = 0; k < 3; k++) {
         double x = v[k] == 0.0 ? 0.0 : v[k]; /* -0 equals 0 */
-        uint64_t bits;
-        memcpy(&bits, &x, sizeof bits);
-        h = mix(h ^ bits);
+        h = mix(h ^ asdic_bits_of(x));
     }
     return h;
 }

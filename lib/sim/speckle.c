@@ -1,5 +1,6 @@
 #include "speckle.h"
 
+#include "base/bits.h"
 #include "base/context.h"
 #include "base/widest.h"
 #include "coherence.h"
@@ -87,27 +88,16 @@ void asdic_speckle_destroy(asdic_speckle_field **field) {
     }
 }
 
-static inline double as_double(uint64_t bits) {
-    double d;
-    memcpy(&d, &bits, sizeof d);
-    return d;
-}
-
-static inline uint64_t as_bits(double d) {
-    uint64_t bits;
-    memcpy(&bits, &d, sizeof bits);
-    return bits;
-}
-
 /* -ln of the uniform variate in (0, 1) that the upper 40 BITS make, to 1e-10: the logarithm of a
  * power of two, and 2 artanh s of the rest, between sqrt(1/2) and sqrt(2). No calls and no
  * branches, here and below, so that loops become vectors. */
 static inline double exponential_of(uint64_t bits) {
     const uint64_t root_half = 0x3fe6a09e667f3bcdu, bias = 64;
-    uint64_t u = as_bits(2.0 - as_double(0x3ff0000000000000u | (bits >> 24 << 12) | 0x800u));
+    uint64_t u =
+        asdic_bits_of(2.0 - asdic_double_of(0x3ff0000000000000u | (bits >> 24 << 12) | 0x800u));
     uint64_t over = u - root_half + (bias << 52);
-    double power = as_double(0x4330000000000000u + (over >> 52)) - 0x1p52 - (double)bias;
-    double m = as_double((over & 0x000fffffffffffffu) + root_half);
+    double power = asdic_double_of(0x4330000000000000u + (over >> 52)) - 0x1p52 - (double)bias;
+    double m = asdic_double_of((over & 0x000fffffffffffffu) + root_half);
     double s = (m - 1.0) / (m + 1.0), q = s * s;
     double series = 2.0 / 7.0 + q * (2.0 / 9.0 + q * (2.0 / 11.0));
     double rest = s * (2.0 + q * (2.0 / 3.0 + q * (2.0 / 5.0 + q * series)));
