@@ -153,7 +153,8 @@ asdic_status asdic_loop_create_mission(asdic_context *ctx, asdic_device *device,
                           "asdic_loop_create_mission: no mission or time");
     }
     asdic_sampling sampling = mission->settings.sampling;
-    if (asdic_mission_ray_forecast(mission).is_auto) { /* `auto` is for runs, which have time */
+    if (asdic_settings_rays_are_auto(
+            &mission->settings)) { /* `auto` is for runs, which have time */
         sampling.rays = asdic_sampling_default().rays;
     }
     sampling.left_out = 0; /* nobody knows yet where the vehicle will go */

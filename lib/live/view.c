@@ -302,7 +302,7 @@ static asdic_status begin(asdic_view *view) {
     const asdic_sonar *sonar = asdic_mission_sonar(view->mission);
     const asdic_view_options *o = &view->options;
     view->chosen = asdic_mission_get_choices(view->mission);
-    if (asdic_mission_ray_forecast(view->mission).is_auto) {
+    if (asdic_settings_rays_are_auto(&view->mission->settings)) {
         view->chosen.rays = asdic_sampling_default().rays;
     }
     asdic_governor_init(&view->governor, 1.0 / sonar->ping_rate_hz, view->chosen.rays,

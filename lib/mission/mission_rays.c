@@ -43,7 +43,7 @@ asdic_ray_forecast asdic_mission_ray_forecast(const asdic_mission *mission) {
     double c_mps = speed_mps(mission);
     double error_db = asdic_rays_error_db(&s->sonar, c_mps, s->has_meshes, rays);
     return (asdic_ray_forecast){.rays = rays,
-                                .is_auto = rays == s->auto_rays,
+                                .is_auto = asdic_settings_rays_are_auto(s),
                                 .auto_rays = asdic_rays_auto(&s->sonar, c_mps, s->has_meshes),
                                 .stderr_db = error_db,
                                 .is_rough = error_db > ASDIC_ROUGH_DB};

@@ -31,6 +31,11 @@ asdic_status asdic_settings_take(asdic_context *ctx, const struct asdic_scene_fi
 asdic_status asdic_settings_read(asdic_context *ctx, const char *name, const char *text,
                                  asdic_settings *out);
 
+/* Whether the rays are still those that asdic chose. */
+static inline bool asdic_settings_rays_are_auto(const asdic_settings *s) {
+    return s->sampling.rays == s->auto_rays;
+}
+
 /* Safe on zeros. */
 void asdic_settings_finish(asdic_settings *settings);
 

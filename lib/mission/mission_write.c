@@ -137,7 +137,7 @@ static void apply(rewriter *r, const asdic_mission *m, asdic_yaml_node *root, co
     set_number(r, need_map(r, root, "environment"), "wind_speed_kn",
                m->settings.environment.wind_speed_kn);
     set_number(r, need_map(r, root, "sonar"), "source_level_db", m->settings.sonar.source_level_db);
-    if (asdic_mission_ray_forecast(m).is_auto) {
+    if (asdic_settings_rays_are_auto(&m->settings)) {
         set_text(r, need_map(r, root, "sampling"), "rays", "auto", false);
     } else {
         set_number(r, need_map(r, root, "sampling"), "rays", m->settings.sampling.rays);
