@@ -42,6 +42,9 @@ struct asdic_mission {
  * get wrong: asdic_mission_load does. */
 asdic_status asdic_mission_load_empty(asdic_context *ctx, const char *path, asdic_mission **out);
 
+/* Whether the scene file at PATH, with what it includes, says what the mission with HASH did. */
+bool asdic_mission_has_hash(const char *path, const char *hash);
+
 /* Puts the objects that move where they are at TIME_S of the pings' clock. */
 asdic_status asdic_mission_place_at(const asdic_mission *mission, asdic_simulator *simulator,
                                     double time_s);

@@ -7,13 +7,16 @@
 #include "mission.h"
 #include "mission/scene_file/scene_file.h"
 
+/* How much of what the file says is taken: all; all but its objects; its text and hash alone. */
+typedef enum mission_extent { MISSION_WHOLE, MISSION_EMPTY, MISSION_TEXT } mission_extent;
+
 typedef struct mission_builder {
     asdic_context *ctx;
     const asdic_scene_file *file;
     asdic_problems *problems;
     asdic_arena *arena;
     asdic_mission *mission;
-    bool leaves_objects; /* takes what the file says without its objects */
+    mission_extent extent;
 } mission_builder;
 
 /* Each step adds to the mission and reports what is wrong with the files it opens to PROBLEMS. Its

@@ -38,7 +38,7 @@ static asdic_status build(mission_builder *b) {
     if (b->problems->total == 0) {
         asdic_mission_build_rays(b);
     }
-    if (b->problems->total == 0 && !b->leaves_objects) {
+    if (b->problems->total == 0 && b->extent == MISSION_WHOLE) {
         asdic_mission_check_positions(b);
     }
     return ASDIC_OK;
@@ -59,29 +59,36 @@ static asdic_status check_memory(asdic_context *ctx, const asdic_mission *m) {
                               "use fewer beams or a longer 'bin_length_m'");
 }
 
-static asdic_status load(mission_builder *b, const asdic_setting *settings, size_t count,
-                         asdic_scene_file *file) {
-    asdic_mission *m = b->mission;
+/* The scene file's tree with what it includes; the mission has text and hash of both. */
+static asdic_status read_scene(mission_builder *b, asdic_yaml_node **root) {
     size_t length = 0;
-    TRY(read_text(b->ctx, m, &length));
-    asdic_yaml_node *root = NULL;
-    if (!asdic_yaml_read(m->text, length, b->arena, b->problems, &root)) {
+    TRY(read_text(b->ctx, b->mission, &length));
+    if (!asdic_yaml_read(b->mission->text, length, b->arena, b->problems, root)) {
         return asdic_fail_memory(b->ctx, "the scene file's content");
     }
-    TRY(asdic_mission_include(b, root));
+    return asdic_mission_include(b, *root);
+}
+
+static asdic_status load(mission_builder *b, const asdic_setting *settings, size_t count,
+                         asdic_scene_file *file) {
+    asdic_yaml_node *root = NULL;
+    TRY(read_scene(b, &root));
+    if (b->extent == MISSION_TEXT) {
+        return ASDIC_OK;
+    }
     if (!asdic_scene_file_take(root, settings, count, b->arena, b->problems, file)) {
         return asdic_fail_memory(b->ctx, "the scene file's content");
     }
-    if (b->leaves_objects) {
+    if (b->extent == MISSION_EMPTY) {
         file->objects.count = 0;
     }
     TRY(build(b));
     TRY(asdic_problems_report(b->problems, b->ctx));
-    return check_memory(b->ctx, m);
+    return check_memory(b->ctx, b->mission);
 }
 
 static asdic_status load_file(asdic_context *ctx, const char *path, const asdic_setting *settings,
-                              size_t count, bool leaves_objects, asdic_mission **out) {
+                              size_t count, mission_extent extent, asdic_mission **out) {
     if (!out) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "asdic_mission_load: nowhere to put it");
     }
@@ -95,7 +102,7 @@ static asdic_status load_file(asdic_context *ctx, const char *path, const asdic_
         return asdic_fail_memory(ctx, "a mission");
     }
     m->ctx = ctx;
-    m->is_varied = count > 0 || leaves_objects;
+    m->is_varied = count > 0 || extent != MISSION_WHOLE;
     asdic_arena arena = {0};
     asdic_scene_file file;
     asdic_problems problems = {.name = strcmp(path, "-") == 0 ? "stdin" : path};
@@ -104,7 +111,7 @@ static asdic_status load_file(asdic_context *ctx, const char *path, const asdic_
                                .problems = &problems,
                                .arena = &arena,
                                .mission = m,
-                               .leaves_objects = leaves_objects};
+                               .extent = extent};
     locale_t before = asdic_c_locale_enter();
     asdic_status status = load(&builder, settings, count, &file);
     asdic_c_locale_leave(before);
@@ -118,15 +125,24 @@ static asdic_status load_file(asdic_context *ctx, const char *path, const asdic_
 }
 
 asdic_status asdic_mission_load(asdic_context *ctx, const char *path, asdic_mission **out) {
-    return load_file(ctx, path, NULL, 0, false, out);
+    return load_file(ctx, path, NULL, 0, MISSION_WHOLE, out);
 }
 
 asdic_status asdic_mission_load_with(asdic_context *ctx, const char *path,
                                      const asdic_setting *settings, size_t count,
                                      asdic_mission **out) {
-    return load_file(ctx, path, settings, count, false, out);
+    return load_file(ctx, path, settings, count, MISSION_WHOLE, out);
 }
 
 asdic_status asdic_mission_load_empty(asdic_context *ctx, const char *path, asdic_mission **out) {
-    return load_file(ctx, path, NULL, 0, true, out);
+    return load_file(ctx, path, NULL, 0, MISSION_EMPTY, out);
+}
+
+bool asdic_mission_has_hash(const char *path, const char *hash) {
+    asdic_mission *m = NULL;
+    bool is_same = strcmp(path, "-") != 0 &&
+                   load_file(NULL, path, NULL, 0, MISSION_TEXT, &m) == ASDIC_OK &&
+                   strcmp(m->hash, hash) == 0;
+    asdic_mission_destroy(&m);
+    return is_same;
 }

@@ -90,4 +90,20 @@ def test_run_keeps_the_whole():
         asdic("render", folder / "r").check(code=0)
 
 
+def test_detect_knows_the_scene_again():
+    program.need_device()
+    with Folder() as folder:
+        scene = write(folder)
+        with open(scene, "a", encoding="utf-8") as file:
+            file.write("objects:\n  - {name: ball, sphere: {radius_m: 1}, position_m: [15, 0, 8],\n"
+                       "     material: {impedance_mrayl: 45}}\n")
+        asdic("run", scene, "-o", folder / "r").check(code=0)
+        done = asdic("detect", folder / "r").check(code=0)
+        tap.contains(done.out, "ball")
+        tap.equal("have no names" in done.err, False, done.err)
+        folder.write("sonars/pair.yaml", SONAR.replace("200\n", "210\n", 1))
+        done = asdic("detect", folder / "r", "--force").check(code=0)
+        tap.contains(done.err, "its objects have no names")
+
+
 tap.main(globals())

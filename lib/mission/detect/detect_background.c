@@ -2,7 +2,6 @@
 
 #include "base/clock.h"
 #include "base/context.h"
-#include "base/file_read.h"
 #include "base/sha256.h"
 #include "base/try.h"
 #include "mission/mission.h"
@@ -15,9 +14,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
-#define MAX_SCENE_BYTES ((size_t)4 << 20)
 /* The background's rays over the run's: enough for a median error of GOOD_DB, within limits. A
  * vehicle at rest needs one ping, which may cost more. */
 #define GOOD_DB 0.25
@@ -55,17 +52,7 @@ struct asdic_backdrop {
 };
 
 bool asdic_backdrop_can(const asdic_run *run) {
-    const asdic_run_facts *facts = &run->facts;
-    char hash[65] = "";
-    char *bytes = NULL;
-    size_t size = 0;
-    if (strcmp(facts->scene_path, "-") == 0 || access(facts->scene_path, R_OK) != 0 ||
-        asdic_file_read(NULL, facts->scene_path, MAX_SCENE_BYTES, &bytes, &size) != ASDIC_OK) {
-        return false;
-    }
-    asdic_sha256_hex(bytes, size, hash);
-    free(bytes);
-    return strcmp(hash, facts->scene_hash) == 0;
+    return asdic_mission_has_hash(run->facts.scene_path, run->facts.scene_hash);
 }
 
 /* --- the file --------------------------------------------------------------------------------- */
