@@ -45,6 +45,7 @@ typedef struct cli cli;
 #define CLI_HAS_DEVICE 1u      /* takes --device, see cli_open_devices */
 #define CLI_HAS_JSON 2u        /* takes --json */
 #define CLI_INTERRUPTIBLE 4u   /* asks asdic_context_interrupted: the first signal only asks */
+#define CLI_STOPS_SOON 8u      /* ends soon after a signal, where it stands: nothing is lost */
 #define CLI_ANY_NUMBER 0xffffu /* of operands */
 
 typedef struct cli_command {

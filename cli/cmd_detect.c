@@ -260,6 +260,7 @@ static asdic_status detect(cli *c, const char *folder, request *r) {
     cli_progress progress = cli_progress_begin(c);
     r->options.progress = cli_progress_report;
     r->options.user = &progress;
+    cli_progress_watch(&progress);
     asdic_status status = asdic_run_detect(cli_context(c), folder, &r->options, &report);
     cli_progress_end(&progress);
     TRY(status);

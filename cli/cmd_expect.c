@@ -1,4 +1,5 @@
 #include "commands.h"
+#include "progress.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -102,7 +103,12 @@ static asdic_status draw(cli *c, const char *path, const char *name, const asdic
 static asdic_status compute(cli *c, const char *path, const expect_scene *scene, asdic_ping *ping) {
     asdic_context *ctx = cli_context(c);
     const char *picture = cli_text(c, "picture");
-    TRY(asdic_expected_compute(ctx, &scene->flat, &scene->env, &scene->sonar, &scene->pose, ping));
+    cli_progress progress = cli_progress_begin(c);
+    cli_progress_watch(&progress);
+    asdic_status computed =
+        asdic_expected_compute(ctx, &scene->flat, &scene->env, &scene->sonar, &scene->pose, ping);
+    cli_progress_end(&progress);
+    TRY(computed);
     TRY(asdic_expected_write_csv(ctx, path, &scene->sonar, ping));
     if (picture) {
         char *name = asdic_scene_name(scene->file);
@@ -205,5 +211,6 @@ const cli_command cli_expect_command = {
     .examples = "asdic expect scene.yaml -o - | head\n"
                 "asdic expect scene.yaml --picture expected.png",
     .options = options,
+    .traits = CLI_STOPS_SOON,
     .run = run,
 };

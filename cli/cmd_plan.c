@@ -3,6 +3,7 @@
  */
 #include "commands.h"
 #include "json.h"
+#include "progress.h"
 #include "remarks.h"
 #include "size.h"
 
@@ -47,8 +48,9 @@ static double rms_of_heard(const asdic_ping *ping) {
 }
 
 /* Shoots the mission's first ping a few times: the forecast is a measurement. */
-static asdic_status shoot(asdic_simulator *sim, const asdic_pose *pose, asdic_ping *ping,
-                          forecast *f) {
+static asdic_status shoot(cli_progress *progress, asdic_simulator *sim, const asdic_pose *pose,
+                          asdic_ping *ping, forecast *f) {
+    enum { PINGS = 5 };
     double start = now_ms();
     TRY(asdic_simulator_learn(sim, pose, 0)); /* compiles */
     f->first_ms += now_ms() - start;
@@ -56,8 +58,9 @@ static asdic_status shoot(asdic_simulator *sim, const asdic_pose *pose, asdic_pi
     TRY(asdic_simulator_learn(sim, pose, 0));
     f->learn_ms = now_ms() - start;
     f->ping_ms = INFINITY;
-    for (int k = 0; k < 5; k++) {
+    for (size_t k = 0; k < PINGS; k++) {
         start = now_ms();
+        cli_progress_step(progress, "pings measured", k, PINGS);
         TRY(asdic_simulator_ping(sim, pose, 0, ping));
         f->ping_ms = fmin(f->ping_ms, now_ms() - start);
     }
@@ -70,7 +73,8 @@ static asdic_status shoot(asdic_simulator *sim, const asdic_pose *pose, asdic_pi
     return ASDIC_OK;
 }
 
-static asdic_status measure(cli *c, asdic_mission *mission, asdic_device *device, forecast *f) {
+static asdic_status measure(cli *c, asdic_mission *mission, asdic_device *device,
+                            cli_progress *progress, forecast *f) {
     asdic_context *ctx = cli_context(c);
     const asdic_sonar *sonar = asdic_mission_sonar(mission);
     asdic_pose pose = asdic_mission_pose(mission, 0, NULL);
@@ -84,7 +88,7 @@ static asdic_status measure(cli *c, asdic_mission *mission, asdic_device *device
         asdic_ping_create(ctx, sonar->receiver_count, asdic_simulator_bin_count(sim), &ping);
     f->first_ms = now_ms() - start;
     if (!status) {
-        status = shoot(sim, &pose, ping, f);
+        status = shoot(progress, sim, &pose, ping, f);
     }
     if (!status) {
         status = asdic_mission_time_writing(ctx, mission, ping, &f->write_ms);
@@ -188,7 +192,9 @@ static asdic_status show(cli *c, asdic_mission *mission) {
     if (!cli_given(c, "no-forecast")) {
         TRY(cli_open_devices(c, &devices, &count));
         asdic_mission_sampling(mission)->left_out = plan.left_out;
-        asdic_status status = measure(c, mission, devices[0], &f);
+        cli_progress progress = cli_progress_begin(c);
+        asdic_status status = measure(c, mission, devices[0], &progress, &f);
+        cli_progress_end(&progress);
         asdic_devices_close(&devices, count);
         TRY(status);
     }
@@ -228,6 +234,6 @@ const cli_command cli_plan_command = {
     .examples = "asdic plan scene.yaml\n"
                 "asdic plan scene.yaml --no-forecast --json",
     .options = options,
-    .traits = CLI_HAS_DEVICE | CLI_HAS_JSON,
+    .traits = CLI_HAS_DEVICE | CLI_HAS_JSON | CLI_STOPS_SOON,
     .run = run,
 };

@@ -1,4 +1,5 @@
 #include "commands.h"
+#include "progress.h"
 #include "render_video.h"
 
 #include <math.h>
@@ -97,21 +98,21 @@ static int run(cli *c) {
     if (!may_write(c, options.path) || !may_write(c, video) || !may_write(c, mosaic)) {
         return CLI_FAILED;
     }
-    asdic_status status = ASDIC_OK;
-    if (cli_given(c, "tvg")) {
-        status = set_gain(c, folder, gain, &options);
+    asdic_status status = cli_given(c, "tvg") ? set_gain(c, folder, gain, &options) : ASDIC_OK;
+    if (status != ASDIC_OK) {
+        return cli_end(c, status);
     }
-    if (status == ASDIC_OK && mosaic) {
+    cli_progress progress = cli_progress_begin(c);
+    cli_progress_watch(&progress);
+    if (mosaic) {
         options.path = mosaic;
-        return cli_end(c, asdic_run_mosaic(cli_context(c), folder, cell_m, &options));
-    }
-    if (status == ASDIC_OK && video) {
-        return render_video(c, folder, &options, video);
-    }
-    if (status == ASDIC_OK) {
+        status = asdic_run_mosaic(cli_context(c), folder, cell_m, &options);
+    } else if (!video) {
         status = asdic_run_render(cli_context(c), folder, &options);
     }
-    return cli_end(c, status);
+    int code = video ? render_video(c, folder, &options, video) : CLI_OK;
+    cli_progress_end(&progress);
+    return video ? code : cli_end(c, status);
 }
 
 static const cli_option options[] = {
@@ -149,5 +150,6 @@ const cli_command cli_render_command = {
                 "asdic render out --mosaic floor.png --cell 0.25\n"
                 "asdic render out --images plan -o chart.svg",
     .options = options,
+    .traits = CLI_STOPS_SOON,
     .run = run,
 };

@@ -1,4 +1,5 @@
 #include "commands.h"
+#include "progress.h"
 #include "roc_print.h"
 
 #include <errno.h>
@@ -174,9 +175,12 @@ static asdic_status compute_all(cli *c, request *r, const char *folder, char *co
     size_t count = 0;
     TRY(cli_open_devices(c, &devices, &count));
     asdic_status status = ASDIC_OK;
+    cli_progress progress = cli_progress_begin(c);
+    cli_progress_watch(&progress);
     for (size_t i = 0; i < r->variants.count && !status; i++) {
         status = compute(c, r, devices[0], i);
     }
+    cli_progress_end(&progress);
     asdic_devices_close(&devices, count);
     TRY(status);
     TRY(write_files(c, r, paths));
@@ -269,6 +273,6 @@ const cli_command cli_roc_command = {
     .examples = "asdic roc scene.yaml --object rise\n"
                 "asdic roc scene.yaml --range 60 --vary sonar.receivers[0].pitch_deg=0,10,20",
     .options = options,
-    .traits = CLI_HAS_DEVICE | CLI_HAS_JSON | CLI_INTERRUPTIBLE,
+    .traits = CLI_HAS_DEVICE | CLI_HAS_JSON | CLI_STOPS_SOON,
     .run = run,
 };

@@ -194,7 +194,9 @@ static asdic_status simulate(cli *c, asdic_mission *mission, const asdic_toleran
     options.progress = cli_progress_report;
     options.user = &progress;
     if (!isnan(tolerance->stderr_db) && !cli_team_is_worker(options.team)) {
+        cli_progress_watch(&progress);
         status = keep_tolerance(c, mission, devices[0], tolerance, options.count);
+        cli_progress_end(&progress);
     }
     if (status == ASDIC_OK) {
         status = asdic_mission_run(cli_context(c), mission, devices, count, &options);

@@ -22,8 +22,8 @@ static int run_command(cli *c, int argc, char **argv) {
         return cli_usage(c, "'%s' does not take '%s'", command->name,
                          c->operands[command->max_operands]);
     }
-    if (command->traits & CLI_INTERRUPTIBLE) {
-        cli_signals_begin(c->ctx);
+    if (command->traits & (CLI_INTERRUPTIBLE | CLI_STOPS_SOON)) {
+        cli_signals_begin(c->ctx, (command->traits & CLI_STOPS_SOON) != 0);
     }
     return command->run(c);
 }

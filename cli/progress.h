@@ -7,18 +7,34 @@
 
 #include "cli.h"
 
+#define CLI_PROGRESS_LOOPS 8
+
+/* A loop of parts, perhaps within another. */
+typedef struct cli_progress_loop {
+    const char *what; /* NULL: none */
+    size_t done;
+    double begun_s;
+} cli_progress_loop;
+
 typedef struct cli_progress {
     const cli *c;
     bool is_shown, is_terminal, is_drawn;
     size_t resumed; /* pings present at the start; SIZE_MAX: not known yet */
-    double last_s;  /* elapsed when it was shown last */
+    double last_s;  /* on the clock, when it was shown last */
     asdic_run_progress last;
+    cli_progress_loop loops[CLI_PROGRESS_LOOPS];
 } cli_progress;
 
 cli_progress cli_progress_begin(const cli *c);
 
 /* For asdic_run_options.progress; USER is the cli_progress. */
 void cli_progress_report(void *user, const asdic_run_progress *progress);
+
+/* DONE of TOTAL parts, which WHAT names, are done; USER is the cli_progress. */
+void cli_progress_step(void *user, const char *what, size_t done, size_t total);
+
+/* Shows the context's reports, too, until cli_progress_end. PROGRESS stays where it is. */
+void cli_progress_watch(cli_progress *progress);
 
 /* Removes the bar. */
 void cli_progress_end(cli_progress *progress);

@@ -94,11 +94,18 @@ static bool add_frame(void *user, const char *path) {
     return is_written;
 }
 
-/* Whether ffmpeg wrote all of the video. */
-static bool finish(film *f) {
+/* Ends ffmpeg. False where it did not write all of the video, of which nothing is left then. */
+static bool finish(film *f, bool is_stopped) {
     int state = 0;
+    if (is_stopped) {
+        kill(f->child, SIGKILL); /* asked, it would encode what it holds first */
+    }
     bool is_whole = fclose(f->pipe) == 0;
     while (waitpid(f->child, &state, 0) < 0 && errno == EINTR) {
+    }
+    if (is_stopped) {
+        unlink(f->path);
+        return false;
     }
     if (!is_whole || !WIFEXITED(state) || WEXITSTATUS(state) != 0) {
         cli_error(f->c, "ffmpeg did not write '%s'", f->path);
@@ -129,7 +136,7 @@ int render_video(cli *c, const char *folder, const asdic_render_options *options
     if (start(&f, rate_hz)) {
         each.path = frame;
         status = asdic_run_render_frames(cli_context(c), folder, &each, add_frame, &f);
-        bool is_whole = finish(&f);
+        bool is_whole = finish(&f, status == ASDIC_ERROR_INTERRUPTED);
         code = status != ASDIC_OK ? cli_end(c, status) : is_whole ? CLI_OK : CLI_FAILED;
     }
     unlink(frame);

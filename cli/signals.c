@@ -9,6 +9,7 @@
 #include <pthread.h>
 #include <signal.h>
 #include <stdatomic.h>
+#include <time.h>
 #include <unistd.h>
 
 static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
@@ -22,10 +23,12 @@ static void stop_signals(sigset_t *set) {
     sigaddset(set, SIGTERM);
 }
 
-static void *wait_for_signals(void *unused) {
+/* A compiler of kernels, or a ping of millions of rays, cannot be asked. */
+static const struct timespec grace = {.tv_nsec = 700000000};
+
+static void *wait_for_signals(void *stops_soon) {
     sigset_t set;
     int number = 0;
-    (void)unused;
     stop_signals(&set);
     sigwait(&set, &number);
     received = number;
@@ -35,7 +38,12 @@ static void *wait_for_signals(void *unused) {
     }
     pthread_mutex_unlock(&lock);
     close(wake_fds[1]); /* who polls the other end learns of it */
-    sigwait(&set, &number);
+    if (stops_soon && sigtimedwait(&set, NULL, &grace) < 0) {
+        _exit(128 + number);
+    }
+    if (!stops_soon) {
+        sigwait(&set, &number);
+    }
     signal(number, SIG_DFL); /* the second one ends the program at once */
     pthread_sigmask(SIG_UNBLOCK, &set, NULL);
     raise(number);
@@ -43,7 +51,7 @@ static void *wait_for_signals(void *unused) {
 }
 
 /* Without a thread or a pipe, signals end the program at once; a run folder survives that. */
-void cli_signals_begin(asdic_context *ctx) {
+void cli_signals_begin(asdic_context *ctx, bool stops_soon) {
     sigset_t set;
     pthread_t thread;
     signal(SIGXFSZ,
@@ -54,7 +62,7 @@ void cli_signals_begin(asdic_context *ctx) {
     watched_context = ctx;
     stop_signals(&set);
     pthread_sigmask(SIG_BLOCK, &set, NULL);
-    if (pthread_create(&thread, NULL, wait_for_signals, NULL) == 0) {
+    if (pthread_create(&thread, NULL, wait_for_signals, stops_soon ? &wake_fds : NULL) == 0) {
         pthread_detach(thread);
     } else {
         pthread_sigmask(SIG_UNBLOCK, &set, NULL);

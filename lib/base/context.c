@@ -12,7 +12,9 @@ struct asdic_context {
     asdic_log_level level;
     asdic_log_fn log;
     void *user;
-    atomic_bool interrupted; /* set by signal handlers, read by every thread */
+    asdic_progress_fn progress;
+    void *progress_user;
+    atomic_bool interrupted, held; /* set by signal handlers, read by every thread */
 };
 
 asdic_status asdic_context_create(asdic_context **out) {
@@ -51,6 +53,37 @@ void asdic_context_set_log(asdic_context *ctx, asdic_log_level level, asdic_log_
     pthread_mutex_unlock(&ctx->lock);
 }
 
+void asdic_context_set_progress(asdic_context *ctx, asdic_progress_fn fn, void *user) {
+    if (!ctx) {
+        return;
+    }
+    pthread_mutex_lock(&ctx->lock);
+    ctx->progress = fn;
+    ctx->progress_user = user;
+    pthread_mutex_unlock(&ctx->lock);
+}
+
+asdic_status asdic_step(asdic_context *ctx, const char *what, size_t done, size_t total) {
+    if (asdic_context_interrupted(ctx)) {
+        return asdic_fail(ctx, ASDIC_ERROR_INTERRUPTED, "interrupted after %zu of %zu %s", done,
+                          total, what);
+    }
+    if (ctx) {
+        pthread_mutex_lock(&ctx->lock);
+        if (ctx->progress) {
+            ctx->progress(ctx->progress_user, what, done, total);
+        }
+        pthread_mutex_unlock(&ctx->lock);
+    }
+    return ASDIC_OK;
+}
+
+void asdic_context_hold_interrupt(asdic_context *ctx, bool held) {
+    if (ctx) {
+        atomic_store(&ctx->held, held);
+    }
+}
+
 const char *asdic_context_error(const asdic_context *ctx) {
     return ctx ? ctx->error : "no context";
 }
@@ -68,7 +101,7 @@ void asdic_context_interrupt(asdic_context *ctx) {
 }
 
 bool asdic_context_interrupted(const asdic_context *ctx) {
-    return ctx && atomic_load(&ctx->interrupted);
+    return ctx && atomic_load(&ctx->interrupted) && !atomic_load(&ctx->held);
 }
 
 asdic_status asdic_fail(asdic_context *ctx, asdic_status status, const char *format, ...) {

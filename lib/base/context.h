@@ -17,6 +17,13 @@ asdic_status asdic_fail_null(asdic_context *ctx, const char *function);
 /* Out of memory while allocating WHAT ("1000 bins"). */
 asdic_status asdic_fail_memory(asdic_context *ctx, const char *what);
 
+/* Begins part DONE of TOTAL of a call that takes long: reports progress, and answers
+ * ASDIC_ERROR_INTERRUPTED where the call is to stop. WHAT is a text that stays, as "beams". */
+asdic_status asdic_step(asdic_context *ctx, const char *what, size_t done, size_t total);
+
+/* While HELD, an interruption waits: what was begun is finished. */
+void asdic_context_hold_interrupt(asdic_context *ctx, bool held);
+
 /* The last error into OUT of SIZE bytes, whole, while other threads may fail as well. */
 void asdic_context_copy_error(asdic_context *ctx, char *out, size_t size);
 

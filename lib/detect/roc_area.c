@@ -6,9 +6,11 @@
 #include <asdic/roc.h>
 
 #include "base/context.h"
+#include "base/try.h"
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #define NORMAL_99 2.5758293035489004
 
@@ -22,10 +24,56 @@ static int ascending(const void *a, const void *b) {
     return x->value < y->value ? -1 : x->value > y->value;
 }
 
+/* So many draws are sorted or counted between looks at whether to stop: some 10 ms of work. */
+#define BLOCK ((size_t)1 << 16)
+
+/* Merges the sorted A and B into OUT. */
+static asdic_status merge(asdic_context *ctx, const draw *a, size_t a_count, const draw *b,
+                          size_t b_count, draw *out) {
+    size_t i = 0, k = 0;
+    while (i + k < a_count + b_count) {
+        if ((i + k) % BLOCK == 0) {
+            TRY(asdic_step(ctx, "draws merged", i + k, a_count + b_count));
+        }
+        bool is_a = k == b_count || (i < a_count && a[i].value <= b[k].value);
+        out[i + k] = is_a ? a[i] : b[k];
+        i += is_a;
+        k += !is_a;
+    }
+    return ASDIC_OK;
+}
+
+/* Sorts in blocks and merges them, for qsort cannot be stopped. SPARE has room for COUNT. */
+static asdic_status sort(asdic_context *ctx, draw *values, draw *spare, size_t count) {
+    draw *from = values, *to = spare;
+    for (size_t i = 0; i < count; i += BLOCK) {
+        TRY(asdic_step(ctx, "draws sorted", i, count));
+        qsort(values + i, count - i < BLOCK ? count - i : BLOCK, sizeof *values, ascending);
+    }
+    for (size_t run = BLOCK; run < count; run *= 2) {
+        for (size_t i = 0; i < count; i += 2 * run) {
+            size_t middle = count - i < run ? count : i + run;
+            size_t end = count - middle < run ? count : middle + run;
+            TRY(merge(ctx, from + i, middle - i, from + middle, end - middle, to + i));
+        }
+        draw *other = from;
+        from = to;
+        to = other;
+    }
+    if (from != values) {
+        memcpy(values, from, count * sizeof *values);
+    }
+    return ASDIC_OK;
+}
+
 /* PLACE[i]: the share of OTHERS below VALUES[i], ties counted half. Both are sorted. */
-static void place(const draw *values, const draw *others, size_t count, double *out) {
+static asdic_status place(asdic_context *ctx, const draw *values, const draw *others, size_t count,
+                          double *out) {
     size_t below = 0, upto = 0;
     for (size_t i = 0; i < count; i++) {
+        if (i % BLOCK == 0) {
+            TRY(asdic_step(ctx, "draws placed", i, count));
+        }
         while (below < count && others[below].value < values[i].value) {
             below++;
         }
@@ -34,27 +82,33 @@ static void place(const draw *values, const draw *others, size_t count, double *
         }
         out[values[i].index] = 0.5 * ((double)below + (double)upto) / (double)count;
     }
+    return ASDIC_OK;
 }
 
-/* Placements of the draws with the target among those without, and the reverse: 2 * TRIALS. */
-static double *placements(const double *none, const double *present, size_t trials) {
-    draw *sorted = malloc(2 * trials * sizeof *sorted);
-    double *out = malloc(2 * trials * sizeof *out);
-    if (!sorted || !out) {
-        free(sorted);
-        free(out);
-        return NULL;
+static asdic_status fill_places(asdic_context *ctx, draw *sorted, size_t trials, double *out) {
+    draw *spare = sorted + 2 * trials;
+    TRY(sort(ctx, sorted, spare, trials));
+    TRY(sort(ctx, sorted + trials, spare, trials));
+    TRY(place(ctx, sorted, sorted + trials, trials, out));
+    return place(ctx, sorted + trials, sorted, trials, out + trials);
+}
+
+/* Placements of the draws with the target among those without, and the reverse: 2 * TRIALS, the
+ * caller's to free. */
+static asdic_status placements(asdic_context *ctx, const double *none, const double *present,
+                               size_t trials, double **out) {
+    draw *sorted = malloc(3 * trials * sizeof *sorted);
+    *out = malloc(2 * trials * sizeof **out);
+    asdic_status status = sorted && *out ? ASDIC_OK : asdic_fail_memory(ctx, "places of draws");
+    if (status == ASDIC_OK) {
+        for (size_t i = 0; i < trials; i++) {
+            sorted[i] = (draw){present[i], i};
+            sorted[trials + i] = (draw){none[i], i};
+        }
+        status = fill_places(ctx, sorted, trials, *out);
     }
-    for (size_t i = 0; i < trials; i++) {
-        sorted[i] = (draw){present[i], i};
-        sorted[trials + i] = (draw){none[i], i};
-    }
-    qsort(sorted, trials, sizeof *sorted, ascending);
-    qsort(sorted + trials, trials, sizeof *sorted, ascending);
-    place(sorted, sorted + trials, trials, out);
-    place(sorted + trials, sorted, trials, out + trials);
     free(sorted);
-    return out;
+    return status;
 }
 
 /* Mean of the first half and the variance that both halves give it. */
@@ -81,12 +135,11 @@ asdic_status asdic_roc_area(asdic_context *ctx, const double *none, const double
     if (trials < 2) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "an area from %zu draws", trials);
     }
-    double *places = placements(none, present, trials);
-    if (!places) {
-        return asdic_fail_memory(ctx, "the area under a curve");
-    }
-    area->value = moments(places, trials, &variance);
+    double *places = NULL;
+    asdic_status status = placements(ctx, none, present, trials, &places);
+    area->value = status == ASDIC_OK ? moments(places, trials, &variance) : NAN;
     free(places);
+    TRY(status);
     double half = NORMAL_99 * sqrt(variance);
     area->low = fmax(area->value - half, 0.0);
     area->high = fmin(area->value + half, 1.0);
@@ -106,9 +159,11 @@ asdic_status asdic_roc_compare(asdic_context *ctx, const asdic_roc *a, const asd
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "curves of %zu and %zu draws are no pairs",
                           a->trials, b->trials);
     }
-    double *first = placements(a->none, a->present, a->trials);
-    double *other = placements(b->none, b->present, b->trials);
-    asdic_status status = first && other ? ASDIC_OK : asdic_fail_memory(ctx, "a comparison");
+    double *first = NULL, *other = NULL;
+    asdic_status status = placements(ctx, a->none, a->present, a->trials, &first);
+    if (status == ASDIC_OK) {
+        status = placements(ctx, b->none, b->present, b->trials, &other);
+    }
     if (status == ASDIC_OK) {
         for (size_t i = 0; i < 2 * a->trials; i++) {
             other[i] -= first[i];

@@ -22,17 +22,11 @@ static uint64_t seed_of(uint64_t seed, bool present) {
 /* Draws so many at a time, some 10 ms of work, between looks at whether to stop. */
 #define DRAW_BLOCK ((size_t)1 << 16)
 
-static asdic_status check_stop(asdic_context *ctx) {
-    return asdic_context_interrupted(ctx)
-               ? asdic_fail(ctx, ASDIC_ERROR_INTERRUPTED, "interrupted; nothing was written")
-               : ASDIC_OK;
-}
-
 static asdic_status draw_blocks(asdic_context *ctx, const asdic_background *b, asdic_target target,
                                 double target_lin, uint64_t seed, size_t trials, double *out) {
     for (size_t i = 0; i < trials; i += DRAW_BLOCK) {
         size_t count = trials - i < DRAW_BLOCK ? trials - i : DRAW_BLOCK;
-        TRY(check_stop(ctx));
+        TRY(asdic_step(ctx, "draws", i, trials));
         asdic_detect_draw(b, target, target_lin, seed, i, count, out + i);
     }
     return ASDIC_OK;
@@ -90,7 +84,6 @@ asdic_status asdic_roc_band(asdic_context *ctx, const asdic_roc_case *c, asdic_t
 static asdic_status add_point(asdic_context *ctx, const asdic_roc_case *c,
                               const asdic_roc_options *options, asdic_roc *roc, double pfa) {
     double threshold;
-    TRY(check_stop(ctx));
     TRY(asdic_detect_threshold(ctx, &c->none, pfa, &threshold));
     bool is_rare = pfa * (double)roc->trials < LEAST_EVENTS;
     asdic_roc_point *p = &roc->points[roc->point_count++];
@@ -110,6 +103,7 @@ static asdic_status closed_area(asdic_context *ctx, const asdic_roc_case *c,
     enum { STEPS = 400 };
     double sum = 0.0;
     for (int i = 0; i <= STEPS; i++) {
+        TRY(asdic_step(ctx, "steps of the closed form", (size_t)i, STEPS + 1));
         /* The integral begins at ln P_FA = -60; what lies below is negligible. */
         double log_pfa = -60.0 * (1.0 - (double)i / STEPS) * (1.0 - (double)i / STEPS), threshold;
         double slope = 120.0 * (1.0 - (double)i / STEPS) * exp(log_pfa);
@@ -140,9 +134,9 @@ asdic_status asdic_roc_fill(asdic_context *ctx, const asdic_roc_case *c,
     }
     for (int i = 0; i <= DECADES * PER_DECADE; i++) {
         double pfa = pow(10.0, (double)i / PER_DECADE - DECADES);
+        TRY(asdic_step(ctx, "points", (size_t)i, DECADES * PER_DECADE + 1));
         TRY(add_point(ctx, c, options, roc, pfa));
     }
-    TRY(check_stop(ctx));
     TRY(asdic_roc_area(ctx, roc->none, roc->present, roc->trials, &roc->area));
     TRY(closed_area(ctx, c, options, &roc->closed_area));
     TRY(asdic_detect_threshold(ctx, &c->none, roc->pfa, &threshold));

@@ -153,12 +153,14 @@ static asdic_status put_aside(asdic_view *view) {
 asdic_status asdic_view_stop(asdic_view *view) {
     asdic_status status = view ? put_aside(view) : ASDIC_OK;
     size_t pings = 0, count = view ? view->ended_count : 0;
+    asdic_context_hold_interrupt(view ? view->ctx : NULL, true); /* recordings are written whole */
     for (size_t i = 0; i < count; i++) {
         size_t here = asdic_recording_pings(view->ended[i]);
         asdic_status ended = asdic_recording_end(&view->ended[i]);
         pings += ended ? 0 : here;
         status = status ? status : ended;
     }
+    asdic_context_hold_interrupt(view ? view->ctx : NULL, false);
     if (count > 0) {
         asdic_view_say(view, "recorded %zu pings to %s", pings, view->options.folder);
         view->ended_count = 0;

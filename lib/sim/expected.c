@@ -209,6 +209,7 @@ asdic_status asdic_expected_compute(asdic_context *ctx, const asdic_flat_scene *
     begin_ping(sonar, ping);
     for (size_t b = 0; b < ping->beams; b++) {
         asdic_ring ring = aim(&laws, sonar, b, pose);
+        TRY(asdic_step(ctx, "beams", b, ping->beams));
         TRY(compute_beam(ctx, &laws, sonar, &ring, ping, b));
     }
     asdic_noise_levels(env, sonar, laws.water.sound_speed_mps, ping);

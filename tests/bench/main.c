@@ -48,7 +48,7 @@ int main(int argc, char **argv) {
     int code = CLI_USAGE;
     if (cli_parse(&c, argc, argv) && cli_operand_count(&c) > 0) {
         cli_report_begin(&c);
-        cli_signals_begin(ctx);
+        cli_signals_begin(ctx, false);
         code = run(&c);
     } else {
         cli_help_command(stderr, &command);

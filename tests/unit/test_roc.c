@@ -7,6 +7,7 @@
 #include <asdic/mission.h>
 
 #include <stdlib.h>
+#include <string.h>
 
 /* Two against three by hand: of nine pairs six are in order, one is a tie. */
 static void an_area_counts_pairs(void **state) {
@@ -20,6 +21,62 @@ static void an_area_counts_pairs(void **state) {
     assert_close(area.value, 1.0, 0.0);
     assert_close(area.low, pow(0.005, 1.0 / 3.0), 1e-9); /* 3 draws say little */
     assert_status(ctx, asdic_roc_area(ctx, none, apart, 1, &area), ASDIC_ERROR_ARGUMENT);
+}
+
+/* More draws than are sorted at a time, of few values: pairs in order and ties counted in whole
+ * numbers. */
+static void an_area_of_many_draws_counts_pairs(void **state) {
+    (void)state;
+    enum { DRAWS = 200001, VALUES = 997 };
+    double *none = malloc(2 * DRAWS * sizeof *none), *present = none + DRAWS;
+    static uint64_t seen[2][VALUES];
+    uint64_t number = 1, twice = 0, below = 0;
+    for (size_t i = 0; i < 2 * DRAWS; i++) {
+        number = number * 6364136223846793005u + 1442695040888963407u;
+        uint64_t value = (number >> 40) % VALUES;
+        value = i < DRAWS ? value * value / VALUES : value; /* less often high without a target */
+        seen[i >= DRAWS][value]++;
+        none[i] = (double)value;
+    }
+    for (size_t v = 0; v < VALUES; v++) {
+        twice += seen[1][v] * (2 * below + seen[0][v]);
+        below += seen[0][v];
+    }
+    asdic_estimate area;
+    assert_ok(ctx, asdic_roc_area(ctx, none, present, DRAWS, &area));
+    assert_close(area.value, 0.5 * (double)twice / DRAWS / DRAWS, 1e-10);
+    free(none);
+}
+
+typedef struct stopper {
+    asdic_context *ctx;
+    const char *at;
+} stopper;
+
+static void stop_at(void *user, const char *what, size_t done, size_t total) {
+    stopper *s = user;
+    assert_true(done < total);
+    if (strcmp(what, s->at) == 0) {
+        asdic_context_interrupt(s->ctx);
+    }
+}
+
+static void an_area_can_be_stopped(void **state) {
+    (void)state;
+    enum { DRAWS = 200000 };
+    static const char *const parts[] = {"draws sorted", "draws merged", "draws placed"};
+    double *draws = calloc(2 * DRAWS, sizeof *draws);
+    for (size_t i = 0; i < sizeof parts / sizeof *parts; i++) {
+        asdic_estimate area;
+        stopper s = {.at = parts[i]};
+        assert_int_equal(asdic_context_create(&s.ctx), ASDIC_OK);
+        asdic_context_set_progress(s.ctx, stop_at, &s);
+        assert_int_equal(asdic_roc_area(s.ctx, draws, draws + DRAWS, DRAWS, &area),
+                         ASDIC_ERROR_INTERRUPTED);
+        assert_non_null(strstr(asdic_context_error(s.ctx), parts[i]));
+        asdic_context_destroy(&s.ctx);
+    }
+    free(draws);
 }
 
 static asdic_roc *compute(double snr, unsigned looks, asdic_target target, uint64_t seed) {
@@ -149,6 +206,8 @@ static void wrong_settings_are_named(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(an_area_counts_pairs),
+        cmocka_unit_test(an_area_of_many_draws_counts_pairs),
+        cmocka_unit_test(an_area_can_be_stopped),
         cmocka_unit_test(closed_forms_lie_in_the_bounds),
         cmocka_unit_test(pairs_compare_better),
         cmocka_unit_test(settings_replace_and_add),

@@ -54,7 +54,16 @@ ASDIC_API void asdic_context_set_log(asdic_context *ctx, asdic_log_level level, 
  * what to do. Valid until the next failing call on this context; "" when nothing has failed. */
 ASDIC_API const char *asdic_context_error(const asdic_context *ctx);
 
-/* Asks a running call (a mission, a bench) to stop at the next ping. Safe in a signal handler. */
+/* A call that takes long has done DONE of TOTAL parts, which WHAT names ("beams"). One that is part
+ * of another reports among the other's reports. As with logs: maybe from a worker thread, never from
+ * two at once. */
+typedef void (*asdic_progress_fn)(void *user, const char *what, size_t done, size_t total);
+
+/* Reports of calls that take long, other than missions, go to FN; NULL silences. */
+ASDIC_API void asdic_context_set_progress(asdic_context *ctx, asdic_progress_fn fn, void *user);
+
+/* Asks a running call (a mission, a bench) to stop at the next ping, an expectation at the next
+ * beam, a drawing at the next picture. Safe in a signal handler. */
 ASDIC_API void asdic_context_interrupt(asdic_context *ctx);
 ASDIC_API bool asdic_context_interrupted(const asdic_context *ctx);
 

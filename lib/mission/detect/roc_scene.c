@@ -256,10 +256,7 @@ static asdic_status fill_reach(const scene_job *job, size_t beam, asdic_roc *roc
         return asdic_fail_memory(job->ctx, "ranges");
     }
     for (size_t n = step / 2; n < job->bins; n += step) {
-        if (asdic_context_interrupted(job->ctx)) {
-            return asdic_fail(job->ctx, ASDIC_ERROR_INTERRUPTED,
-                              "interrupted; nothing was written");
-        }
+        TRY(asdic_step(job->ctx, "bins", n, job->bins));
         double range_m = ((double)n + 0.5) * job->sonar.bin_length_m, threshold;
         asdic_roc_case c = case_of(job, beam * job->bins + n);
         c.target_lin = echo_lin(job, beam, range_m) * pow(10.0, 0.1 * roc->target_strength_db);

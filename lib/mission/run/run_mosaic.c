@@ -197,6 +197,7 @@ static asdic_status lay(mosaic *m, const asdic_render_options *options) {
                                                                       m->info.sonar->frequency_hz,
                                                                       record.pose.position_m.z);
     for (size_t i = 0; i < m->info.pings; i++) {
+        TRY(asdic_step(m->ctx, "pings", i, m->info.pings));
         TRY(asdic_run_read(m->run, i, &record));
         add_record(m, &record);
     }

@@ -69,6 +69,7 @@ static asdic_status render_ping(asdic_render *r, size_t index) {
 
 static asdic_status render_frames(asdic_render *r) {
     for (size_t i = 0; i < r->info.pings; i++) {
+        TRY(asdic_step(r->ctx, "frames", i, r->info.pings));
         TRY(render_ping(r, i));
         if (!r->frame(r->frame_user, r->options.path)) {
             break;
@@ -160,6 +161,7 @@ static asdic_status gather(asdic_render *r, asdic_summary **out) {
     TRY(asdic_summary_create(r->ctx, &r->plan, out));
     for (size_t i = 0; i < r->info.pings; i++) {
         asdic_record record;
+        TRY(asdic_step(r->ctx, "pings read", i, r->info.pings));
         TRY(asdic_run_read(r->run, i, &record));
         asdic_summary_add(*out, &record);
     }

@@ -102,6 +102,7 @@ asdic_status asdic_render_overview(const asdic_render *whole) {
 
 asdic_status asdic_render_waterfalls(asdic_render *r) {
     for (size_t k = 0; k < r->plan.beam_count; k++) {
+        TRY(asdic_step(r->ctx, "waterfalls", k, r->plan.beam_count));
         TRY(draw(r, r->plan.beams[k], &r->summary->waterfalls[k]));
     }
     return ASDIC_OK;
@@ -109,6 +110,7 @@ asdic_status asdic_render_waterfalls(asdic_render *r) {
 
 asdic_status asdic_render_raw(asdic_render *r) {
     for (size_t k = 0; k < r->plan.beam_count; k++) {
+        TRY(asdic_step(r->ctx, "raw pictures", k, r->plan.beam_count));
         TRY(draw_raw(r, r->plan.beams[k]));
     }
     return ASDIC_OK;

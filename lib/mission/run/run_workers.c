@@ -81,7 +81,7 @@ static void retire(asdic_queue *q, worker *w, asdic_status status) {
     pthread_mutex_lock(&q->lock);
     asdic_queue_return(q, w->own);
     q->alive--;
-    bool is_dropped = status != ASDIC_OK && q->alive > 0;
+    bool is_dropped = status != ASDIC_OK && status != ASDIC_ERROR_INTERRUPTED && q->alive > 0;
     if (status != ASDIC_OK) {
         q->failure = status;
     }

@@ -1,0 +1,110 @@
+"""Commands that take long show how far they are, and end soon after a signal."""
+import os
+import shutil
+import signal
+import subprocess
+import time
+
+import program
+import tap
+from program import Folder, asdic
+
+SCENES = os.path.join(os.path.dirname(__file__), "..", "..", "data", "scenes")
+FAN = os.path.abspath(os.path.join(SCENES, "sonar_m750d.yaml"))
+SCENE = """version: 1
+environment: {wind_speed_kn: 10}
+bottom: {depth_m: 12, type: sand}
+objects:
+  - {name: ball, sphere: {radius_m: 0.5}, position_m: [20, 0, 10], material: {type: rock}}
+sonar:
+  frequency_khz: 300
+  bandwidth_khz: 50
+  ping_rate_hz: 10
+  source_level_db: 200
+  speckle: rayleigh
+  receivers: {fan: {count: 12, sector_deg: 90}}
+mission: {waypoints: {points_m: [[0, 0, 7], [60, 0, 7]], speed_mps: 1}}
+sampling: {rays: 4096}
+output: {images: []}
+"""
+
+
+def begin(folder, *args, **env):
+    return subprocess.Popen([program.PATH, *args], cwd=folder.path, stdout=subprocess.DEVNULL,
+                            stderr=subprocess.PIPE, env=program.environment(env))
+
+
+def stop(child, number=signal.SIGTERM):
+    """Sends the signal; the command ends within a second (two where the machine is busy)."""
+    tap.equal(child.poll(), None, "still at work")
+    began = time.monotonic()
+    child.send_signal(number)
+    child.communicate()
+    took = time.monotonic() - began
+    tap.equal(child.returncode, 128 + number, "exit code")
+    tap.equal(took < 2, True, f"{took:.2f} s until it stopped")
+
+
+def test_expect_says_how_far_it_is_and_stops():
+    """Half a minute of quadrature for 512 beams: a line after ten seconds where there is no terminal."""
+    with Folder() as folder:
+        with begin(folder, "expect", FAN, "-o", "out.csv") as child:
+            line = ""
+            while "of 512 beams" not in line:
+                line = child.stderr.readline().decode()
+                tap.equal(line != "", True, "a line before the end")
+            tap.contains(line, " left")
+            stop(child)
+        tap.equal(folder.names(), [])
+
+
+def test_a_plan_stops_while_kernels_are_compiled():
+    program.need_device()
+    with Folder() as folder, Folder() as cache:
+        with begin(folder, "plan", FAN, POCL_CACHE_DIR=cache.path) as child:
+            time.sleep(1)
+            stop(child, signal.SIGINT)
+
+
+def test_a_drawing_stops():
+    program.need_device()
+    with Folder() as folder:
+        path = folder.write("scene.yaml", SCENE)
+        asdic("run", path, "-o", folder / "run", "-q").check(0)
+        before = sorted(os.listdir(folder / "run"))
+        done = asdic("render", folder / "run", "--images", "ascope", "-o", folder / "a.svg", "--ping", "3")
+        if "cairo" in done.err:
+            raise tap.Skip("built without cairo")
+        done.check(0)
+        if shutil.which("ffmpeg"):
+            with begin(folder, "render", "run", "--video", "film.mp4") as child:
+                time.sleep(2)  # of some 40 s
+                stop(child)
+        with begin(folder, "render", "run", "--mosaic", "map.png", "--cell", "0.04") as child:
+            time.sleep(2)
+            stop(child)
+        tap.equal(folder.names(), ["a.svg", "run", "scene.yaml"])
+        tap.equal(sorted(os.listdir(folder / "run")), before)
+
+
+def test_each_shows_a_bar_on_a_terminal():
+    program.need_device()
+    with Folder() as folder:
+        path = folder.write("scene.yaml", SCENE.replace("speed_mps: 1", "speed_mps: 20"))
+        asdic("run", path, "-o", folder / "run", "-q").check(0)
+        for counted, *args in (("beams", "expect", path, "-o", folder / "e.csv"),
+                               ("pings measured", "plan", path),
+                               ("draws", "roc", path, "--trials", "300000", "-o", folder / "roc"),
+                               ("pings read", "render", folder / "run", "--images", "fan"),
+                               ("pings read", "render", folder / "run", "--images", "waterfall"),
+                               ("pings", "render", folder / "run", "--mosaic", folder / "m.png")):
+            done = program.asdic_on_terminal(*args)
+            tap.equal(done.code, 0, done.err)
+            tap.contains(done.err, f" {counted}")
+            tap.contains(done.err, "\r\033[K[")
+            done = program.asdic_on_terminal(*args, *([] if args[0] == "plan" or args[2] == "--images"
+                                                      else ["--force"]), "-q")
+            tap.equal((done.code, "\r" in done.err.replace("\r\n", "\n")), (0, False), done.err)
+
+
+tap.main(globals())
