@@ -4,6 +4,7 @@
 #include "mission_build.h"
 
 #include "base/context.h"
+#include "base/vec.h"
 #include "scene/scene.h"
 
 #include <math.h>
@@ -107,13 +108,59 @@ static size_t ping_step(const asdic_mission *m) {
     return (size_t)((double)m->ping_count * (double)m->object_count / MAX_TESTS) + 1;
 }
 
+/* Pings at which the sonar may be elsewhere, seen from OBJECT. */
+static size_t pings_of(const asdic_mission *m, const asdic_mission_object *object) {
+    return m->track || object->moves ? m->ping_count : 1;
+}
+
+/* POSITION in the world at ping INDEX, as it lies to OBJECT where its box and mesh are, those of its
+ * first pose; back: the reverse. */
+static asdic_vec3 moved(const asdic_mission *m, const asdic_mission_object *object, size_t index,
+                        asdic_vec3 position_m, bool back) {
+    if (!object->moves) {
+        return position_m;
+    }
+    asdic_pose now = asdic_mission_object_pose(m, (size_t)(object - m->objects), index);
+    const asdic_pose *from = back ? &object->pose : &now, *to = back ? &now : &object->pose;
+    asdic_mat3 turn = asdic_mat3_attitude(from->roll_rad, from->pitch_rad, from->yaw_rad);
+    asdic_mat3 turn_to = asdic_mat3_attitude(to->roll_rad, to->pitch_rad, to->yaw_rad);
+    asdic_vec3 own_m = asdic_mat3_apply_inverse(turn, asdic_vec3_sub(position_m, from->position_m));
+    return asdic_vec3_add(to->position_m, asdic_mat3_apply(turn_to, own_m));
+}
+
+static asdic_vec3 sonar_at(const asdic_mission *m, const asdic_mission_object *object,
+                           size_t index) {
+    return moved(m, object, index, asdic_mission_pose(m, index, NULL).position_m, false);
+}
+
+/* OBJECT with the box round its box at ping INDEX. */
+static asdic_mission_object placed(const asdic_mission *m, const asdic_mission_object *object,
+                                   size_t index) {
+    asdic_mission_object there = *object;
+    there.min_m = (asdic_vec3){INFINITY, INFINITY, INFINITY};
+    there.max_m = (asdic_vec3){-INFINITY, -INFINITY, -INFINITY};
+    for (int corner = 0; corner < 8; corner++) {
+        asdic_vec3 at_m = {corner & 1 ? object->min_m.x : object->max_m.x,
+                           corner & 2 ? object->min_m.y : object->max_m.y,
+                           corner & 4 ? object->min_m.z : object->max_m.z};
+        at_m = moved(m, object, index, at_m, true);
+        there.min_m.x = fmin(there.min_m.x, at_m.x);
+        there.min_m.y = fmin(there.min_m.y, at_m.y);
+        there.min_m.z = fmin(there.min_m.z, at_m.z);
+        there.max_m.x = fmax(there.max_m.x, at_m.x);
+        there.max_m.y = fmax(there.max_m.y, at_m.y);
+        there.max_m.z = fmax(there.max_m.z, at_m.z);
+    }
+    return there;
+}
+
 /* The least distance from a ping's sonar to the box round OBJECT; any that is below ENOUGH_M does. */
 static double nearest_m(const asdic_mission *m, const asdic_mission_object *object,
                         double enough_m) {
     double least_m = INFINITY;
-    size_t step = ping_step(m), count = m->track ? m->ping_count : 1;
+    size_t step = ping_step(m), count = pings_of(m, object);
     for (size_t i = 0; i < count && !(least_m < enough_m); i += step) {
-        least_m = fmin(least_m, distance_m(object, asdic_mission_pose(m, i, NULL).position_m));
+        least_m = fmin(least_m, distance_m(object, sonar_at(m, object, i)));
     }
     return least_m;
 }
@@ -126,6 +173,18 @@ static bool is_buried(const asdic_mission *m, const asdic_mission_object *object
     for (size_t i = 0; i < sizeof x_m / sizeof *x_m; i++) {
         asdic_vec3 at_m = {x_m[i], y_m[i], low->z};
         if (!(low->z > asdic_mission_bottom_m(m->scene, at_m))) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* At every ping that is tested. */
+static bool is_always_buried(const asdic_mission *m, const asdic_mission_object *object) {
+    size_t step = m->ping_count / MAX_TESTED_PINGS + 1, count = object->moves ? m->ping_count : 1;
+    for (size_t i = 0; i < count; i += step) {
+        asdic_mission_object there = placed(m, object, i);
+        if (!is_buried(m, &there)) {
             return false;
         }
     }
@@ -158,7 +217,7 @@ static bool is_inside(const asdic_scene *scene, size_t part, asdic_vec3 position
 
 /* The first ping whose sonar is inside OBJECT, of those that are tested; SIZE_MAX: none. */
 static size_t first_inside(const asdic_mission *m, const asdic_mission_object *object) {
-    size_t part = 0, step = ping_step(m), count = m->track ? m->ping_count : 1;
+    size_t part = 0, step = ping_step(m), count = pings_of(m, object);
     size_t tests = MAX_TESTS / (m->scene->triangle_count + 1) + 1;
     while (part < m->scene->part_count && strcmp(m->scene->parts[part].name, object->name) != 0) {
         part++;
@@ -167,7 +226,7 @@ static size_t first_inside(const asdic_mission *m, const asdic_mission_object *o
         return SIZE_MAX;
     }
     for (size_t i = 0; i < count && tests > 0; i += step) {
-        asdic_vec3 at_m = asdic_mission_pose(m, i, NULL).position_m;
+        asdic_vec3 at_m = sonar_at(m, object, i);
         if (distance_m(object, at_m) == 0.0 && tests-- > 0 && is_inside(m->scene, part, at_m)) {
             return i;
         }
@@ -188,9 +247,6 @@ static void remark_on_objects(mission_builder *b) {
     for (size_t i = first; i < m->object_count; i++) {
         const asdic_mission_object *object = &m->objects[i];
         char text[160];
-        if (object->moves) {
-            continue;
-        }
         double away_m = nearest_m(m, object, range_m);
         size_t inside = first_inside(m, object);
         if (object->max_m.z < 0.0) {
@@ -199,7 +255,7 @@ static void remark_on_objects(mission_builder *b) {
             snprintf(text, sizeof text, "is beyond the maximum range: %.4g m away, heard to %.4g m",
                      away_m, range_m);
             remark(b, i - first, text);
-        } else if (is_buried(m, object)) {
+        } else if (is_always_buried(m, object)) {
             remark(b, i - first, "lies wholly below the bottom; z is positive down");
         } else if (inside != SIZE_MAX) {
             snprintf(text, sizeof text, "has the sonar inside it at ping %zu", inside);

@@ -74,7 +74,7 @@ static void remark_rays(const asdic_mission *m, asdic_remarks *out) {
 /* Bins in a cell of the range resolution: more are the same echo over and over. */
 #define MOST_BINS 10.0
 
-/* Adds what of SETTINGS is hardly meant. */
+/* Adds what of SETTINGS is hardly meant, or forgotten. */
 static void remark_on_sonar(const asdic_settings *settings, double speed_mps, asdic_remarks *out) {
     const asdic_sonar *sonar = &settings->sonar;
     double cell_m = speed_mps / (2.0 * sonar->bandwidth_hz);
@@ -83,6 +83,11 @@ static void remark_on_sonar(const asdic_settings *settings, double speed_mps, as
                  "sonar: the range resolution c / (2 bandwidth) of %.4g m is %.0f bins; "
                  "'bandwidth_khz' is %g kHz",
                  cell_m, cell_m / sonar->bin_length_m, 1e-3 * sonar->bandwidth_hz);
+    }
+    if (out->count < ASDIC_MOST_REMARKS && !settings->has_source_level) {
+        snprintf(
+            out->text[out->count++], ASDIC_REMARK_SIZE,
+            "sonar: no 'source_level_db': levels are those of a source of 0 dB re 1 uPa at 1 m");
     }
 }
 

@@ -20,7 +20,8 @@ typedef struct asdic_settings {
     bool keeps_all_terms; /* whatever the plan says */
     asdic_detector detector;
     asdic_output_options output;
-    bool leaves_csv_out; /* because of its many beams: the file does not say which CSV */
+    bool has_source_level; /* the file gives one */
+    bool leaves_csv_out;   /* because of its many beams: the file does not say which CSV */
 } asdic_settings;
 
 /* What FILE says. OUT is to be finished in any case. */

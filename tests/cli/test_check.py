@@ -14,6 +14,7 @@ MINIMAL = """version: 1
 bottom: {depth_m: 12}
 sonar:
   frequency_khz: 100
+  source_level_db: 0
   receivers: [{name: forward}, {name: port, yaw_deg: -20}]
 mission:
   pose: {position_m: [0, 0, 7]}
@@ -102,7 +103,7 @@ def test_every_error_in_one_run():
         tap.equal(lines[1], "s.yaml:4:18: error: 'frequency_khz' = 9000 is out of range "
                             "[0.1, 1000] kHz  [sonar.frequency_khz]")
         tap.contains(lines[2], "s.yaml:5:3: error: unknown key 'frequncy'")
-        tap.contains(lines[3], "s.yaml:7:27: error: ")
+        tap.contains(lines[3], "s.yaml:8:27: error: ")
         tap.contains(lines[3], "none.ply")
         tap.contains(lines[3], "  [objects[0].mesh.file]")
         tap.equal(lines[4], "error: s.yaml: 4 errors")
@@ -154,9 +155,9 @@ def test_objects_out_of_reach_are_remarked_on():
 mission:""")
     done = asdic("check", "-", stdin=scene)
     tap.equal(done.code, 0)
-    tap.equal(done.err, "stdin:7:5: warning: object 'sky' lies above the sea surface; z is "
+    tap.equal(done.err, "stdin:8:5: warning: object 'sky' lies above the sea surface; z is "
                         "positive down  [objects[0]]\n"
-                        "stdin:8:5: warning: object 'far' is beyond the maximum range: "
+                        "stdin:9:5: warning: object 'far' is beyond the maximum range: "
                         "79.01 m away, heard to 74.51 m  [objects[1]]\n")
 
 
@@ -176,14 +177,49 @@ mission:"""
     tap.equal(remarks_on(MINIMAL.replace("mission:", objects)),
               "warning: object 'grave' lies wholly below the bottom; z is positive down  [objects[0]]\n"
               "warning: object 'tank' has the sonar inside it at ping 0  [objects[2]]\n")
-    scene = MINIMAL.replace("frequency_khz: 100", "frequency_khz: 100\n  source_level_db: 200")
-    tap.equal(remarks_on(scene), "")
-    tap.equal(remarks_on(scene.replace("  source", "  bandwidth_khz: 0.15\n  source")), "")
-    tap.contains(remarks_on(scene.replace("  source", "  bandwidth_khz: 0.14\n  source")),
+    tap.equal(remarks_on(MINIMAL.replace("  source", "  bandwidth_khz: 0.15\n  source")), "")
+    tap.contains(remarks_on(MINIMAL.replace("  source", "  bandwidth_khz: 0.14\n  source")),
                  "remark: sonar: the range resolution c / (2 bandwidth) of 5.3")
-    tap.equal(remarks_on(scene.replace("depth_m: 12", "depth_m: 81")), "")
-    tap.equal(remarks_on(scene.replace("depth_m: 12", "depth_m: 82")),
+    tap.equal(remarks_on(MINIMAL.replace("depth_m: 12", "depth_m: 81")), "")
+    tap.equal(remarks_on(MINIMAL.replace("depth_m: 12", "depth_m: 82")),
               "warning: the bottom is never in range: 75 m away, heard to 74.51 m  [bottom]\n")
+
+
+def test_a_missing_source_level_is_remarked_on():
+    without = MINIMAL.replace("  source_level_db: 0\n", "")
+    tap.equal(remarks_on(MINIMAL), "")
+    tap.equal(remarks_on(without), "remark: sonar: no 'source_level_db': levels are those of a source "
+                                   "of 0 dB re 1 uPa at 1 m\n")
+    with folder(own_yaml="frequency_khz: 100\nsource_level_db: 0\nreceivers: [{name: a}]\n") as at:
+        path = pathlib.Path(at, "scene.yaml")
+        path.write_text("version: 1\nbottom: {depth_m: 12}\nsonar: {file: own.yaml}\n"
+                        "mission: {pose: {position_m: [0, 0, 7]}}\n")
+        tap.equal(asdic("check", path).check(0).err, "")
+
+
+def test_moving_objects_out_of_place_are_remarked_on():
+    """Judged over all pings: what is in place at one of them is not remarked on."""
+    head = "time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg\n"
+    tracks = {"sunk": "0,20,0,15,0,0,0\n9,30,0,14,0,0,0\n", "rises": "0,20,0,15,0,0,0\n9,20,0,12.5,0,0,0\n",
+              "far": "0,900,0,6,0,0,0\n9,100,0,6,0,0,0\n", "comes": "0,900,0,6,0,0,0\n9,60,0,6,0,0,0\n",
+              # A long box passes over the sonar: turned across its way in time it does not.
+              "hits": "0,30,0,7,0,0,0\n9,5.5,0,7,0,0,0\n", "turns": "0,30,0,7,0,0,0\n9,5.5,0,7,0,0,90\n"}
+    shapes = {name: "box: {size_m: [12, 2, 2]}" if name in ("hits", "turns") else "sphere: {radius_m: 1}"
+              for name in tracks}
+    objects = "objects:\n" + "".join(
+        f"  - {{name: {name}, {shapes[name]}, track: {name}.csv}}\n" for name in tracks)
+    files = {f"{name}_csv": head + rows for name, rows in tracks.items()}
+    with folder(**files) as at:
+        path = pathlib.Path(at, "scene.yaml")
+        path.write_text(MINIMAL.replace("mission:", objects + "mission:") + "  pings: 91\n")
+        scene = path.read_text().replace("frequency", "ping_rate_hz: 10\n  frequency")
+        path.write_text(scene)
+        said = asdic("check", path).check(0).err
+        found = re.findall(r"object '(\w+)' (.*?)(?:;|:|  \[)", said)
+        tap.equal(found[:-1], [("sunk", "lies wholly below the bottom"), ("far", "is beyond the maximum range")])
+        tap.equal(re.sub(r"\d+$", "N", found[-1][1]), "has the sonar inside it at ping N")
+        tap.equal(found[-1][0], "hits")
+        tap.contains(said, "99 m away")
 
 
 def test_objects_far_from_a_track_are_remarked_on():
@@ -229,15 +265,15 @@ def test_tracks_give_the_pings():
         tap.contains(asdic("check", "s.yaml", cwd=at).out, "  pings       51 in 5 s\n")
         tap.equal(asdic("check", "few.yaml", cwd=at).code, 0)
         tap.contains(asdic("check", "many.yaml", cwd=at).err,
-                     "many.yaml:8:10: error: 'pings' = 52 is more than the 51 that 'track' covers "
+                     "many.yaml:9:10: error: 'pings' = 52 is more than the 51 that 'track' covers "
                      "at ping_rate_hz = 10; leave 'pings' out for all of it  [mission.pings]\n")
         tap.contains(asdic("check", "d.yaml", cwd=at).err,
-                     "d.yaml:7:10: error: ping 44 at 104.4 s: the sonar is at z = 12.04 m, below "
+                     "d.yaml:8:10: error: ping 44 at 104.4 s: the sonar is at z = 12.04 m, below "
                      "the bottom at 12 m; raise it or lower the bottom  [mission.track]\n")
         bad = asdic("check", "b.yaml", cwd=at)
         tap.equal(bad.code, 3)
         tap.contains(bad.err, "bad.csv:1:1: error: missing column 'y_m'")
-        tap.contains(bad.err, "b.yaml:7:10: error: bad.csv: 5 errors  [mission.track]\n")
+        tap.contains(bad.err, "b.yaml:8:10: error: bad.csv: 5 errors  [mission.track]\n")
 
 
 def test_waypoints_are_flown_and_written():
