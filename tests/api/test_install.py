@@ -3,6 +3,7 @@ it, with pkg-config alone, shared and static, and run.
 
     test_install.py BUILD EXAMPLES SCENE
 """
+import json
 import os
 import re
 import shutil
@@ -103,6 +104,13 @@ def test_detect():
     done = subprocess.run([program, SCENE, "nothing"], env=tree.env, check=False,
                           capture_output=True, text=True)
     assert done.returncode and "nothing" in done.stderr, done
+
+
+def test_libraries_go_where_loaders_look():
+    """Into lib of the prefix, whatever packages meson finds: on Debian without dpkg-dev it takes lib64."""
+    source = os.path.join(EXAMPLES, "..", "..", "meson.build")
+    options = json.loads(run(["meson", "introspect", source, "--buildoptions"]))
+    tap.equal([o["value"] for o in options if o["name"] == "libdir"], ["lib"])
 
 
 def test_manual_pages_are_installed():
