@@ -70,7 +70,7 @@ def test_colours_are_for_terminals_only():
 
 SCENE = """version: 1
 bottom: {depth_m: 12}
-sonar: {frequency_khz: 100, receivers: [{name: a}]}
+sonar: {frequency_khz: 100, source_level_db: 0, receivers: [{name: a}]}
 mission: {pose: {position_m: [0, 0, 5]}, pings: 3}
 sampling: {rays: 1000}
 """
