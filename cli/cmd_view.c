@@ -13,7 +13,7 @@ static const cli_option options[] = {
     {"keys", 0, "T:KEY,...", "press keys at seconds of the mission: 2:up,4:right,9:r"},
     {"rays", 0, "N", "rays per ping, instead of the scene's"},
     {"least-rays", 0, "N",
-     "the floor of rays when the machine cannot follow; default: 40 a beam, 2000 at least"},
+     "the floor of rays when the machine cannot follow; default: 80 a beam, 2000 at least"},
     {"size", 0, "WxH", "pixels of a frame; default 1280x720"},
     {"db-range", 0, "LOW:HIGH", "window of levels, dB; default: 70 dB below the strongest echo"},
     {"colormap", 0, "NAME", "viridis, cividis, inferno, gray or copper; default inferno"},
@@ -155,7 +155,8 @@ const cli_command cli_view_command = {
         "the "
         "source level, n and m the rays; q ends.\n\n"
         "Pings happen at ping_rate_hz of simulated time. When the machine cannot follow, rays are "
-        "lowered to --least-rays, then time is stretched; the title says both.\n\n"
+        "lowered to --least-rays and bins shown as one, then time is stretched; it is written "
+        "above.\n\n"
         "A recording is a folder DIR/000, 001, ... for each stretch with the same choices: "
         "scene.yaml "
         "and track.csv, and what a run leaves. `asdic run scene.yaml` gives the same bytes.\n\n"

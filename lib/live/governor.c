@@ -20,6 +20,20 @@ uint32_t asdic_governor_floor(size_t beams) {
     return floor > ASDIC_GOVERNOR_LEAST_RAYS ? (uint32_t)floor : ASDIC_GOVERNOR_LEAST_RAYS;
 }
 
+uint32_t asdic_governor_enough(size_t beams, size_t bins) {
+    double rays = (double)asdic_governor_floor(beams) * (double)bins / ASDIC_GOVERNOR_BINS;
+    return (uint32_t)fmin(fmax(ceil(rays), ASDIC_GOVERNOR_LEAST_RAYS), UINT32_MAX);
+}
+
+size_t asdic_governor_joined(uint32_t rays, size_t beams, size_t bins) {
+    double enough = ASDIC_GOVERNOR_RAYS_A_BEAM * (double)beams * (double)bins / ASDIC_GOVERNOR_BINS;
+    size_t joined = 1;
+    while (2 * joined * ASDIC_GOVERNOR_BINS <= bins && (double)rays * (double)joined < enough) {
+        joined *= 2;
+    }
+    return joined;
+}
+
 void asdic_governor_init(asdic_governor *g, double period_s, uint32_t wanted, uint32_t least,
                          bool follows) {
     *g = (asdic_governor){.period_s = period_s,

@@ -1,7 +1,7 @@
 /*
  * The ping clock of a view: pings happen at their rate of simulated time. Where a machine cannot
- * follow, rays per ping are lowered to a floor; if that is not enough, time stretches. Rays come
- * back when the machine can follow again.
+ * follow, rays per ping are lowered, and as many bins shown as one as keep the picture whole; at a
+ * floor of rays time stretches. Rays come back when the machine can follow again.
  */
 #ifndef ASDIC_LIVE_GOVERNOR_H
 #define ASDIC_LIVE_GOVERNOR_H
@@ -19,10 +19,19 @@ typedef struct asdic_governor {
     double stretch; /* of the last steps */
 } asdic_governor;
 
-/* The floor of rays below which a picture breaks: so many a beam, or a fan of many beams is dashes. */
-#define ASDIC_GOVERNOR_RAYS_A_BEAM 40u
+/* A beam of so many bins, or more that are shown as so many, needs so many rays; of fewer, a fan of
+ * many beams is dashes. Measured on 512 beams of 496 bins over sand, r.m.s. error of what is shown:
+ * 20,480 rays 5.7 dB, four bins as one 1.7 dB; 40,960 rays 3.2 dB and 0.42 dB; 200,000 rays 0.28 dB. */
+#define ASDIC_GOVERNOR_BINS 120u
+#define ASDIC_GOVERNOR_RAYS_A_BEAM 80u
 #define ASDIC_GOVERNOR_LEAST_RAYS 2000u
+
+/* The floor of rays, and the rays with which every bin can be shown. */
 uint32_t asdic_governor_floor(size_t beams);
+uint32_t asdic_governor_enough(size_t beams, size_t bins);
+
+/* How many bins of a ping of RAYS are shown as one, their mean: a power of two. */
+size_t asdic_governor_joined(uint32_t rays, size_t beams, size_t bins);
 
 void asdic_governor_init(asdic_governor *governor, double period_s, uint32_t wanted, uint32_t least,
                          bool follows);

@@ -89,12 +89,16 @@ static void decorate(const panel *p, const asdic_view *view, const fan_place *at
 
 void panel_fan(const panel *p, const asdic_view *view) {
     const asdic_loop_ping *ping = &view->ping;
-    char heading[128], gain[48];
+    char heading[128], gain[48], coarse[48] = "";
     panel_gain_words(&view->look, gain);
     bool scans = view->polar.columns > 0;
-    snprintf(heading, sizeof heading, "sonar  \u00b7  %zu %s%s",
+    if (view->joined > 1) {
+        snprintf(coarse, sizeof coarse, "  \u00b7  bins of %.3g m",
+                 (double)view->joined * ping->bin_length_m);
+    }
+    snprintf(heading, sizeof heading, "sonar  \u00b7  %zu %s%s%s",
              scans ? view->polar.sweep.directions : ping->beams, scans ? "directions" : "beams",
-             gain);
+             coarse, gain);
     panel_begin(p, heading);
     asdic_fan fan = {.levels_db = ping->level_db,
                      .bearing_rad = view->bearing_rad,

@@ -2,6 +2,7 @@
 
 #include "base/clock.h"
 #include "base/context.h"
+#include "base/decibel.h"
 #include "base/try.h"
 #include "base/vec.h"
 #include "loop.h"
@@ -168,6 +169,39 @@ asdic_status asdic_view_stop(asdic_view *view) {
     return status;
 }
 
+/* Shows bins as one where rays are few: their mean in place of each. */
+static asdic_status join_bins(asdic_view *view) {
+    asdic_loop_ping *p = &view->ping;
+    const double *intensity_lin = p->parts->intensity_lin[ASDIC_TOTAL];
+    size_t joined = asdic_governor_joined(asdic_governor_rays(&view->governor), p->beams, p->bins);
+    size_t groups = (p->bins + joined - 1) / joined;
+    view->joined = joined;
+    if (joined == 1) {
+        return ASDIC_OK;
+    }
+    double *mean_lin = malloc(groups * sizeof *mean_lin);
+    float *mean_db = malloc(groups * sizeof *mean_db);
+    float *shown_db = realloc(view->shown_db, p->beams * p->bins * sizeof *shown_db);
+    view->shown_db = shown_db ? shown_db : view->shown_db;
+    bool has_room = mean_lin && mean_db && shown_db;
+    for (size_t b = 0; has_room && b < p->beams; b++) {
+        memset(mean_lin, 0, groups * sizeof *mean_lin);
+        for (size_t n = 0; n < p->bins; n++) {
+            size_t first = n - n % joined, left = p->bins - first;
+            mean_lin[n / joined] +=
+                intensity_lin[b * p->bins + n] / (double)(left < joined ? left : joined);
+        }
+        asdic_decibels(mean_lin, groups, mean_db);
+        for (size_t n = 0; n < p->bins; n++) {
+            shown_db[b * p->bins + n] = mean_db[n / joined];
+        }
+    }
+    free(mean_lin);
+    free(mean_db);
+    p->level_db = has_room ? shown_db : p->level_db;
+    return has_room ? ASDIC_OK : asdic_fail_memory(view->ctx, "levels to show");
+}
+
 static asdic_status remember(asdic_view *view) {
     view_history *h = &view->history;
     size_t cells = view->ping.beams * view->ping.bins;
@@ -254,6 +288,7 @@ static asdic_status ping(asdic_view *view) {
     }
     view->time_s = view->ping.time_s;
     view->steps++;
+    TRY(join_bins(view));
     return remember(view);
 }
 
@@ -305,7 +340,13 @@ static asdic_status begin(asdic_view *view) {
     const asdic_view_options *o = &view->options;
     view->chosen = asdic_mission_get_choices(view->mission);
     if (asdic_settings_rays_are_auto(&view->mission->settings)) {
-        view->chosen.rays = asdic_sampling_default().rays;
+        double speed_mps = asdic_environment_sound_speed_mps(
+            asdic_mission_environment(view->mission),
+            asdic_mission_pose(view->mission, 0, NULL).position_m.z);
+        uint32_t enough =
+            asdic_governor_enough(sonar->receiver_count, asdic_sonar_bin_count(sonar, speed_mps));
+        uint32_t usual = asdic_sampling_default().rays;
+        view->chosen.rays = enough > usual ? enough : usual;
     }
     asdic_governor_init(&view->governor, 1.0 / sonar->ping_rate_hz, view->chosen.rays,
                         o->least_rays ? o->least_rays : asdic_governor_floor(sonar->receiver_count),
@@ -374,6 +415,7 @@ void asdic_view_destroy(asdic_view **pointer) {
     free(view->history.levels_db);
     asdic_polar_finish(&view->polar);
     free(view->bearing_rad);
+    free(view->shown_db);
     free(view->trail_m);
     free(view->folder);
     free(view);

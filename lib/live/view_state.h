@@ -40,6 +40,8 @@ struct asdic_view {
 
     asdic_loop *loop;
     asdic_loop_ping ping; /* the last; beams 0: none yet */
+    float *shown_db;      /* where bins are joined: its levels then */
+    size_t joined;        /* bins of it that are shown as one */
     size_t steps;         /* pings since the view began */
     double time_s;        /* simulated, of the last ping */
 

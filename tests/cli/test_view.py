@@ -137,6 +137,23 @@ def test_snapshots_are_pictures_of_everything():
             tap.equal(file.read() == data, True, "the same ping gives the same bytes")
 
 
+def test_few_rays_make_a_fan_of_coarser_bins_not_of_dashes():
+    """The fan of 512 beams at the view's floor of rays beside one of forty times as many."""
+    need_view()
+    with Folder() as folder:
+        fans = []
+        for rays in 40960, 1600000:
+            view(os.path.join(SCENES, "sonar_m750d.yaml"), "--snapshot", "1", "--pings", "1", "--rays", rays,
+                 "--db-range", "60:130", "--colormap", "gray", "-o", folder / str(rays))
+            with open(folder / f"{rays}/view_0.png", "rb") as file:
+                fans.append(read_png(file.read()))
+        # Bare sand to starboard of the box and the pile, 15 to 40 m away.
+        few, many = ([row[3 * x] for row in fan[200:320] for x in range(340, 440)] for fan in fans)
+        off = (sum((a - b) ** 2 for a, b in zip(few, many)) / len(many)) ** 0.5 * 70 / 255
+        print(f"# {off:.2f} dB r.m.s.")
+        tap.equal(off < 0.8, True, f"{off:.2f} dB r.m.s. between the pictures")
+
+
 def test_a_scan_is_renewed_turn_by_turn():
     """Half a turn shows one side alone; what was recorded meanwhile runs again to the byte."""
     need_view()

@@ -61,15 +61,42 @@ static void without_a_clock_nothing_changes(void **state) {
     assert_int_equal(asdic_governor_rays(&g), 1000);
 }
 
-/* 512 beams keep 40 rays each: time is stretched before the picture breaks into dashes. */
+/* 512 beams keep 80 rays each: time is stretched before the picture breaks into dashes. */
 static void the_floor_follows_the_beams(void **state) {
     (void)state;
     asdic_governor g;
     assert_int_equal(asdic_governor_floor(1), 2000);
-    assert_int_equal(asdic_governor_floor(512), 20480);
+    assert_int_equal(asdic_governor_floor(512), 40960);
     asdic_governor_init(&g, PERIOD_S, 200000, asdic_governor_floor(512), true);
-    assert_int_equal(run(&g, 0.05, 1e-5, 600), 20480);
+    assert_int_equal(run(&g, 0.05, 1e-5, 600), 40960);
     assert_true(asdic_governor_stretch(&g) > 2.0);
+}
+
+/* Slower and slower machines: first rays fall, with them the bins that are shown, and time is
+ * stretched last. Rays for each beam and bin that is shown stay. */
+static void bins_are_joined_before_time_is_stretched(void **state) {
+    (void)state;
+    enum { BEAMS = 512, BINS = 496 };
+    static const double per_ray_s[] = {3e-7, 6e-7, 1.2e-6, 4e-6};
+    size_t before = 1;
+    for (size_t i = 0; i < sizeof per_ray_s / sizeof *per_ray_s; i++) {
+        asdic_governor g;
+        asdic_governor_init(&g, PERIOD_S, 200000, asdic_governor_floor(BEAMS), true);
+        uint32_t rays = run(&g, 0.01, per_ray_s[i], 600);
+        size_t joined = asdic_governor_joined(rays, BEAMS, BINS);
+        double shown = (double)BEAMS * BINS / (double)joined;
+        print_message(
+            "%.1g s a ray: %u rays, bins joined %zu, %.2f rays a beam and bin, time x %.2f\n",
+            per_ray_s[i], rays, joined, rays / shown, asdic_governor_stretch(&g));
+        assert_true(rays / shown > 0.6);
+        assert_true(joined >= before && joined <= 4);
+        assert_true(asdic_governor_stretch(&g) == 1.0 || rays == asdic_governor_floor(BEAMS));
+        assert_true((joined == 1) == (i == 0));
+        before = joined;
+    }
+    assert_int_equal(before, 4); /* 124 bins of 496 */
+    assert_int_equal(asdic_governor_joined(100, BEAMS, 149), 1);
+    assert_int_equal(asdic_governor_joined(asdic_governor_enough(BEAMS, BINS), BEAMS, BINS), 1);
 }
 
 /* A floor above what is wanted is no floor. */
@@ -88,6 +115,7 @@ int main(void) {
         cmocka_unit_test(a_hopeless_start_is_noticed_soon),
         cmocka_unit_test(without_a_clock_nothing_changes),
         cmocka_unit_test(the_floor_follows_the_beams),
+        cmocka_unit_test(bins_are_joined_before_time_is_stretched),
         cmocka_unit_test(the_user_decides),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
