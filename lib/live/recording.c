@@ -154,8 +154,7 @@ static asdic_status copy_records(asdic_recording *r, asdic_run_job *job) {
         if (fread(r->bytes, r->record_bytes, 1, r->spool) != 1) {
             return fail_io(r, "a ping");
         }
-        TRY(asdic_store_append(job->store, r->bytes));
-        TRY(asdic_job_keep(job, r->bytes));
+        TRY(asdic_job_take(job, r->bytes));
     }
     return ASDIC_OK;
 }

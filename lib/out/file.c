@@ -7,8 +7,10 @@
 #include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
+#include <zlib.h>
 
 struct asdic_file {
     asdic_context *ctx;
@@ -36,27 +38,50 @@ static FILE *open_stdout(void) {
     return stream;
 }
 
-bool asdic_file_is_link(const char *path) {
+/* Whether another process holds the lock of the file PATH, which it is writing. */
+static bool is_being_written(const char *path) {
     struct stat st;
-    return lstat(path, &st) == 0 && S_ISLNK(st.st_mode);
-}
-
-void asdic_file_unlink_link(const char *path) {
-    if (asdic_file_is_link(path)) {
-        unlink(path);
+    if (lstat(path, &st) != 0 || !S_ISREG(st.st_mode)) {
+        return false;
     }
+    int fd = open(path, O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
+    bool is_locked = fd >= 0 && flock(fd, LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+    if (fd >= 0) {
+        close(fd);
+    }
+    return is_locked;
 }
 
-/* Opens the .part file; a link of that name is replaced. */
+int asdic_file_open_new(const char *path, int flags) {
+    if (is_being_written(path)) {
+        errno = EBUSY;
+        return -1;
+    }
+    if (unlink(path) != 0 && errno != ENOENT) {
+        return -1;
+    }
+    int fd = open(path, flags | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0666);
+    if (fd >= 0) {
+        flock(fd, LOCK_EX | LOCK_NB); /* where the file system has locks; gone when closed */
+    } else if (errno == EEXIST) {
+        errno = EBUSY; /* another process was quicker */
+    }
+    return fd;
+}
+
 static FILE *open_part(const char *path) {
-    asdic_file_unlink_link(path);
-    int fd = open(path, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0666);
+    int fd = asdic_file_open_new(path, O_WRONLY);
     FILE *stream = fd >= 0 ? fdopen(fd, "wb") : NULL;
     if (!stream && fd >= 0) {
         close(fd);
         errno = ENOMEM;
     }
     return stream;
+}
+
+asdic_status asdic_file_fail(asdic_context *ctx, const char *path, int error) {
+    return asdic_fail(ctx, ASDIC_ERROR_IO, "cannot write '%s': %s", path,
+                      error == EBUSY ? "another process is writing it just now" : strerror(error));
 }
 
 static void file_free(asdic_file **file) {
@@ -92,7 +117,7 @@ asdic_status asdic_file_create(asdic_context *ctx, const char *path, asdic_file 
                    : file->part ? open_part(file->part)
                                 : fopen(path, "wbe");
     if (!file->stream) {
-        status = asdic_fail(ctx, ASDIC_ERROR_IO, "cannot write '%s': %s", opened, strerror(errno));
+        status = asdic_file_fail(ctx, opened, errno);
         goto fail;
     }
     *out = file;
@@ -115,7 +140,15 @@ static int earlier_error(const asdic_file *file) {
     return is_harmless && write(fd, "", 1) < 0 ? errno : EIO;
 }
 
-/* The first error of the stream, then of the disk: a full disk may show only at the flush. */
+/* Whether the .part file is still the one that was opened. */
+static bool is_own(const asdic_file *file) {
+    struct stat opened, named;
+    return fstat(fileno(file->stream), &opened) == 0 && lstat(file->part, &named) == 0 &&
+           opened.st_dev == named.st_dev && opened.st_ino == named.st_ino;
+}
+
+/* The first error of the stream, then of the disk: a full disk may show only at the flush. The file
+ * gets its name while it is locked: nobody else writes the .part file meanwhile. */
 static int file_close(asdic_file *file) {
     int error = 0;
     if (ferror(file->stream)) {
@@ -126,6 +159,12 @@ static int file_close(asdic_file *file) {
     if (!error && file->part && fsync(fileno(file->stream)) != 0) {
         error = errno;
     }
+    if (!error && file->part && !is_own(file)) {
+        error = EBUSY;
+    } else if (file->part && (error || rename(file->part, file->path) != 0)) {
+        error = error ? error : errno;
+        unlink(file->part);
+    }
     if (fclose(file->stream) != 0 && !error) {
         error = errno;
     }
@@ -134,19 +173,8 @@ static int file_close(asdic_file *file) {
 }
 
 asdic_status asdic_file_commit(asdic_file **file) {
-    asdic_file *f = *file;
-    asdic_status status = ASDIC_OK;
-    int error = file_close(f);
-    if (!error && f->part && rename(f->part, f->path) != 0) {
-        error = errno;
-    }
-    if (error) {
-        status =
-            asdic_fail(f->ctx, ASDIC_ERROR_IO, "cannot write '%s': %s", f->path, strerror(error));
-        if (f->part) {
-            unlink(f->part);
-        }
-    }
+    int error = file_close(*file);
+    asdic_status status = error ? asdic_file_fail((*file)->ctx, (*file)->path, error) : ASDIC_OK;
     file_free(file);
     return status;
 }
@@ -155,10 +183,10 @@ void asdic_file_discard(asdic_file **file) {
     if (!file || !*file) {
         return;
     }
-    fclose((*file)->stream);
-    if ((*file)->part) {
+    if ((*file)->part && is_own(*file)) {
         unlink((*file)->part);
     }
+    fclose((*file)->stream);
     file_free(file);
 }
 
@@ -168,4 +196,27 @@ asdic_status asdic_file_write_all(asdic_context *ctx, const char *path, const vo
     TRY(asdic_file_create(ctx, path, &file));
     fwrite(bytes, 1, length, file->stream);
     return asdic_file_commit(&file);
+}
+
+asdic_status asdic_file_sum(asdic_context *ctx, const char *path, asdic_sum *out) {
+    unsigned char bytes[1 << 15];
+    int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    ssize_t got = -1;
+    *out = (asdic_sum){0};
+    while (fd >= 0 && (got = read(fd, bytes, sizeof bytes)) != 0) {
+        if (got < 0 && errno != EINTR) {
+            break;
+        }
+        if (got > 0) {
+            out->bytes += (uint64_t)got;
+            out->crc32 = (uint32_t)crc32_z(out->crc32, bytes, (size_t)got);
+        }
+    }
+    int error = errno;
+    if (fd >= 0) {
+        close(fd);
+    }
+    return got == 0
+               ? ASDIC_OK
+               : asdic_fail(ctx, ASDIC_ERROR_INPUT, "cannot read '%s': %s", path, strerror(error));
 }

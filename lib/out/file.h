@@ -1,7 +1,8 @@
 /*
  * An output file that appears complete or not at all: written as NAME.part, renamed on commit.
- * Devices and pipes ("/dev/stdout") cannot be renamed over and are written directly. Links that
- * bear either name are replaced, not followed.
+ * Devices and pipes ("/dev/stdout") cannot be renamed over and are written directly. Whatever
+ * else bears either name, a link or a pipe, is replaced and not followed; a .part file that another
+ * process is writing is left to it.
  */
 #ifndef ASDIC_OUT_FILE_H
 #define ASDIC_OUT_FILE_H
@@ -24,13 +25,24 @@ asdic_status asdic_file_commit(asdic_file **file);
 /* Closes and removes the .part file. NULL-safe. */
 void asdic_file_discard(asdic_file **file);
 
-bool asdic_file_is_link(const char *path); /* itself; not where it leads to */
+/* Opens PATH anew with FLAGS (open's) and locks it, in the place of what has that name. -1 with
+ * errno: EBUSY while another process writes it. */
+int asdic_file_open_new(const char *path, int flags);
 
-/* Removes PATH where it is a link, so that opening it does not write to another file. */
-void asdic_file_unlink_link(const char *path);
+/* "cannot write PATH", with the reason, an errno. */
+asdic_status asdic_file_fail(asdic_context *ctx, const char *path, int error);
 
 /* Writes LENGTH bytes as the whole file. */
 asdic_status asdic_file_write_all(asdic_context *ctx, const char *path, const void *bytes,
                                   size_t length);
+
+/* What a file's bytes come to. */
+typedef struct asdic_sum {
+    uint64_t bytes;
+    uint32_t crc32; /* as zlib's */
+} asdic_sum;
+
+/* ASDIC_ERROR_INPUT when the file cannot be read. */
+asdic_status asdic_file_sum(asdic_context *ctx, const char *path, asdic_sum *out);
 
 #endif

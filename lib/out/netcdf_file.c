@@ -24,8 +24,9 @@ asdic_status asdic_nc_create(asdic_context *ctx, const char *path, asdic_nc *out
         asdic_nc_discard(out);
         return asdic_fail_memory(ctx, "a file name");
     }
-    asdic_file_unlink_link(out->part);
-    int code = nc_create(out->part, NC_NETCDF4 | NC_CLOBBER, &out->id);
+    int code = unlink(out->part) != 0 && errno != ENOENT
+                   ? errno
+                   : nc_create(out->part, NC_NETCDF4 | NC_NOCLOBBER, &out->id);
     out->is_open = code == NC_NOERR;
     if (!asdic_nc_check(out, code)) {
         asdic_status status = asdic_nc_status(out);

@@ -1,9 +1,12 @@
 #include "png_file.h"
 
 #include "base/context.h"
+#include "base/file_read.h"
+#include "base/try.h"
 #include "file.h"
 
 #include <png.h>
+#include <zlib.h>
 
 #include <errno.h>
 #include <setjmp.h>
@@ -148,4 +151,32 @@ done:
     free(job.texts);
     free(job.row);
     return status;
+}
+
+#define MOST_PNG_BYTES ((size_t)1 << 30)
+#define SIGNATURE 8
+#define CHUNK 12 /* of a chunk: length, type and sum */
+
+static uint32_t big_endian(const unsigned char *b) {
+    return (uint32_t)b[0] << 24 | (uint32_t)b[1] << 16 | (uint32_t)b[2] << 8 | b[3];
+}
+
+asdic_status asdic_png_check(asdic_context *ctx, const char *path) {
+    char *text = NULL;
+    size_t length = 0, at = SIGNATURE;
+    bool is_good = false, is_end = false;
+    TRY(asdic_file_read(ctx, path, MOST_PNG_BYTES, &text, &length));
+    const unsigned char *bytes = (const unsigned char *)text;
+    is_good = length > SIGNATURE && png_sig_cmp(bytes, 0, SIGNATURE) == 0;
+    while (is_good && !is_end) {
+        size_t left = length - at, body = left < CHUNK ? 0 : big_endian(bytes + at);
+        is_good = left >= CHUNK && body <= left - CHUNK &&
+                  crc32_z(0, bytes + at + 4, body + 4) == big_endian(bytes + at + 8 + body);
+        is_end = is_good && memcmp(bytes + at + 4, "IEND", 4) == 0;
+        at += is_good ? body + CHUNK : 0;
+    }
+    free(text);
+    return is_good && at == length
+               ? ASDIC_OK
+               : asdic_fail(ctx, ASDIC_ERROR_INPUT, "'%s' is no whole PNG file", path);
 }

@@ -19,4 +19,8 @@ typedef struct asdic_png {
 
 asdic_status asdic_png_write(asdic_context *ctx, const char *path, const asdic_png *png);
 
+/* ASDIC_ERROR_INPUT unless PATH is a PNG file from its signature to its end, every chunk with its
+ * sum. */
+asdic_status asdic_png_check(asdic_context *ctx, const char *path);
+
 #endif

@@ -5,6 +5,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include <zlib.h>
 
 _Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "records are written as they lie");
 _Static_assert(sizeof(asdic_record_head) == 88, "records are packed");
@@ -17,7 +18,8 @@ const char *const asdic_record_names[ASDIC_RECORD_ARRAYS] = {
 };
 
 size_t asdic_record_bytes(size_t beams, size_t bins) {
-    return sizeof(asdic_record_head) + ASDIC_RECORD_ARRAYS * beams * bins * sizeof(float);
+    return sizeof(asdic_record_head) + ASDIC_RECORD_ARRAYS * beams * bins * sizeof(float) +
+           sizeof(uint32_t);
 }
 
 void asdic_record_dtype(char text[ASDIC_RECORD_DTYPE_SIZE], size_t beams, size_t bins) {
@@ -29,7 +31,20 @@ void asdic_record_dtype(char text[ASDIC_RECORD_DTYPE_SIZE], size_t beams, size_t
         used += snprintf(text + used, ASDIC_RECORD_DTYPE_SIZE - (size_t)used,
                          ", ('%s', '<f4', (%zu, %zu))", asdic_record_names[i], beams, bins);
     }
-    snprintf(text + used, ASDIC_RECORD_DTYPE_SIZE - (size_t)used, "]");
+    snprintf(text + used, ASDIC_RECORD_DTYPE_SIZE - (size_t)used, ", ('crc32', '<u4')]");
+}
+
+/* zlib's sum of all that stands before it. */
+static uint32_t sum_of(const void *bytes, size_t record_bytes) {
+    return (uint32_t)crc32_z(0, bytes, record_bytes - sizeof(uint32_t));
+}
+
+bool asdic_record_is_whole(const void *bytes, size_t record_bytes, uint64_t ping) {
+    asdic_record_head head;
+    uint32_t sum;
+    memcpy(&head, bytes, sizeof head);
+    memcpy(&sum, (const char *)bytes + record_bytes - sizeof sum, sizeof sum);
+    return head.ping == ping && sum == sum_of(bytes, record_bytes);
 }
 
 void asdic_record_pack(const asdic_record_head *head, const asdic_ping *ping, void *bytes) {
@@ -44,6 +59,8 @@ void asdic_record_pack(const asdic_record_head *head, const asdic_ping *ping, vo
         bool is_known = ping->intensity_lin[ASDIC_TOTAL][i] > 0.0 && isfinite(ping->stderr_db[i]);
         *out++ = is_known ? ping->stderr_db[i] : NAN;
     }
+    uint32_t sum = sum_of(bytes, asdic_record_bytes(ping->beams, ping->bins));
+    memcpy(out, &sum, sizeof sum);
 }
 
 void asdic_record_view(const void *bytes, size_t beams, size_t bins, asdic_record *record) {

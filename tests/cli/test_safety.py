@@ -6,7 +6,7 @@ import subprocess
 import program
 import tap
 from program import Folder, asdic
-from run_folder import scene
+from run_folder import edit_facts, scene
 
 
 def tree(path):
@@ -60,8 +60,7 @@ def test_nothing_outside_the_folder():
         for name in ("detections.csv.part", "tracks.csv.part", "occupancy.png.part"):
             os.symlink(folder / "precious", folder / f"run/{name}")
         asdic("detect", folder / "run", "--force").check(code=0)
-        stopped = folder.read("run/run.json").replace('"complete"', '"interrupted"')
-        folder.write("run/run.json", stopped)
+        edit_facts(folder, "run", '"complete"', '"interrupted"')
         for name in ("pings.npy", "pings.npy.part"):
             os.rename(folder / "run/pings.npy", folder / "records")
             os.symlink(folder / "records", folder / f"run/{name}")

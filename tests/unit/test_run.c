@@ -3,6 +3,9 @@
  */
 #include "run_rig.h"
 
+#include "mission/run/run_facts.h"
+#include "out/record.h"
+
 #include <math.h>
 #include <signal.h>
 #include <stdio.h>
@@ -104,6 +107,7 @@ static void undo(const char *run_name, double share) {
     size_t length;
     char *json = read_file(run_name, "run.json", &length);
     memcpy(strstr(json, "\"complete\""), "\"running\" ", 10);
+    asdic_run_facts_sign(json, length);
     snprintf(path, sizeof path, "%s/%s/run.json", run_rig_folder, run_name);
     FILE *file = fopen(path, "wb");
     fwrite(json, 1, length, file);
@@ -133,6 +137,85 @@ static void killed_run_goes_on(void **state) {
         assert_same_files("reference", "killed");
         assert_no_part("killed");
     }
+    end(&f);
+}
+
+/* Changes one bit of ping PING's record. */
+static void flip(const char *run_name, size_t bins, size_t ping, size_t byte) {
+    size_t length, each = asdic_record_bytes(BEAMS, bins);
+    char path[300], *bytes = read_file(run_name, "pings.npy", &length);
+    size_t at = length - (PINGS - ping) * each + byte;
+    snprintf(path, sizeof path, "%s/%s/pings.npy", run_rig_folder, run_name);
+    FILE *file = fopen(path, "r+b");
+    fseek(file, (long)at, SEEK_SET);
+    fputc(bytes[at] ^ 0x10, file);
+    fclose(file);
+    free(bytes);
+}
+
+static void bad_records_are_named_and_made_again(void **state) {
+    (void)state;
+    const size_t bad[] = {3, 4, 100};
+    asdic_run_options resume = {.count = SIZE_MAX, .resume = true};
+    fixture f;
+    asdic_run *opened;
+    asdic_record record;
+    begin(&f);
+    assert_int_equal(run(&f, 1, asdic_run_options_default(), "flawed"), ASDIC_OK);
+    assert_int_equal(asdic_run_open(f.ctx, in_folder("flawed"), &opened), ASDIC_OK);
+    size_t bins = asdic_run_get_info(opened).bins, each = asdic_record_bytes(BEAMS, bins);
+    asdic_run_close(&opened);
+    flip("flawed", bins, bad[0], 12);       /* the head */
+    flip("flawed", bins, bad[1], each / 2); /* a level */
+    flip("flawed", bins, bad[2], each - 1); /* the sum */
+    assert_int_equal(asdic_run_open(f.ctx, in_folder("flawed"), &opened), ASDIC_OK);
+    for (size_t i = 0; i < PINGS; i++) {
+        bool is_bad = i == bad[0] || i == bad[1] || i == bad[2];
+        assert_int_equal(asdic_run_read(opened, i, &record), is_bad ? ASDIC_ERROR_INPUT : ASDIC_OK);
+        char name[32];
+        snprintf(name, sizeof name, "ping %zu is", i);
+        assert_true(!is_bad || strstr(asdic_context_error(f.ctx), name));
+    }
+    asdic_run_close(&opened);
+    const char *parts[] = {in_folder("flawed")};
+    assert_int_equal(asdic_run_merge(f.ctx, parts, 1, in_folder("wrong"), false),
+                     ASDIC_ERROR_INPUT);
+    assert_non_null(strstr(asdic_context_error(f.ctx), "ping 3 is"));
+    f.devices[0].pings = 0;
+    assert_int_equal(run(&f, 1, resume, "flawed"), ASDIC_OK);
+    assert_int_equal(f.devices[0].pings, 3);
+    assert_same_files("reference", "flawed");
+    end(&f);
+}
+
+/* A complete run of which something is gone: made from the records, or simulated where those are
+ * gone as well. */
+static void complete_runs_are_checked(void **state) {
+    (void)state;
+    static const struct {
+        const char *name;
+        off_t left; /* bytes; -1: no file */
+        size_t simulated;
+    } cases[] = {{"bins.csv", 1000, 0},  {"bins.csv", -1, 0},      {"track.csv", 20, 0},
+                 {"levels.npy", -1, 0},  {"pings.npy", -1, PINGS}, {"pings.npy", 5000, PINGS - 1},
+                 {"pings.npy", 0, PINGS}};
+    asdic_run_options resume = {.count = SIZE_MAX, .resume = true};
+    fixture f;
+    begin(&f);
+    assert_int_equal(run(&f, 1, asdic_run_options_default(), "checked"), ASDIC_OK);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char path[300];
+        snprintf(path, sizeof path, "%s/checked/%s", run_rig_folder, cases[i].name);
+        assert_int_equal(cases[i].left < 0 ? unlink(path) : truncate(path, cases[i].left), 0);
+        f.devices[0].pings = 0;
+        assert_int_equal(run(&f, 1, resume, "checked"), ASDIC_OK);
+        assert_int_equal(f.devices[0].pings, cases[i].simulated);
+        assert_same_files("reference", "checked");
+        assert_no_part("checked");
+    }
+    f.devices[0].pings = 0;
+    assert_int_equal(run(&f, 1, resume, "checked"), ASDIC_OK);
+    assert_int_equal(f.devices[0].pings, 0);
     end(&f);
 }
 
@@ -297,6 +380,8 @@ int main(int argc, char **argv) {
         cmocka_unit_test(no_device_leaves_no_folder),
         cmocka_unit_test(interrupted_run_goes_on),
         cmocka_unit_test(killed_run_goes_on),
+        cmocka_unit_test(bad_records_are_named_and_made_again),
+        cmocka_unit_test(complete_runs_are_checked),
         cmocka_unit_test(full_disk_loses_nothing),
         cmocka_unit_test(parts_join_to_the_whole),
         cmocka_unit_test(folders_are_not_overwritten),

@@ -14,6 +14,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <zlib.h>
 
 /* The background's rays over the run's: enough for a median error of GOOD_DB, within limits. A
  * vehicle at rest needs one ping, which may cost more. */
@@ -28,7 +29,8 @@
 #define ERROR_STEP_DB 0.01
 #define ERROR_STEPS 4000
 
-/* A ping of background.npy; two arrays follow, float32 [beam, bin]: level and error, dB. */
+/* A ping of background.npy; two arrays follow, float32 [beam, bin]: level and error, dB; then the
+ * CRC-32 of all before it. */
 typedef struct head {
     uint64_t key, ping;
 } head;
@@ -94,21 +96,31 @@ static uint64_t key_of(const asdic_backdrop *b) {
     return strtoull(hex, NULL, 16);
 }
 
-/* Reads ping INDEX into BYTES; false where it is not there, or another run's. */
+static uint32_t sum_of(const asdic_backdrop *b) {
+    return (uint32_t)crc32_z(0, (const unsigned char *)b->bytes,
+                             b->record_bytes - sizeof(uint32_t));
+}
+
+/* Reads ping INDEX into BYTES; false where it is not there as it was written, or another run's. */
 static bool read_record(asdic_backdrop *b, size_t index) {
     head h;
     off_t at = (off_t)(b->header_bytes + index * b->record_bytes);
     if (fseeko(b->file, at, SEEK_SET) != 0 || fread(b->bytes, b->record_bytes, 1, b->file) != 1) {
         return false;
     }
+    uint32_t sum;
     memcpy(&h, b->bytes, sizeof h);
-    return h.key == b->key && h.ping == b->run->facts.first_ping + index;
+    memcpy(&sum, b->bytes + b->record_bytes - sizeof sum, sizeof sum);
+    return h.key == b->key && h.ping == b->run->facts.first_ping + index && sum == sum_of(b);
 }
 
 /* Whether the folder holds the whole background of this run. */
 static bool find(asdic_backdrop *b) {
     b->file = fopen(b->path, "rbe");
-    bool is_there = b->file && read_record(b, 0) && read_record(b, b->pings - 1);
+    bool is_there = b->file != NULL;
+    for (size_t i = 0; i < b->pings && is_there; i++) {
+        is_there = read_record(b, i);
+    }
     if (!is_there && b->file) {
         fclose(b->file);
         b->file = NULL;
@@ -138,6 +150,8 @@ static asdic_status take(void *user, size_t ping, const asdic_ping *result) {
         level[i] = lin > 0.0 ? (float)(10.0 * log10(lin)) : NAN;
         error[i] = (float)result->stderr_db[i];
     }
+    uint32_t sum = sum_of(b);
+    memcpy(b->bytes + b->record_bytes - sizeof sum, &sum, sizeof sum);
     fwrite(b->bytes, b->record_bytes, 1, asdic_file_stream(b->part)); /* commit tells of errors */
     b->rays_done += result->rays;
     report(b, ping + 1 - b->run->facts.first_ping);
@@ -200,12 +214,12 @@ static asdic_status prepare(asdic_backdrop *b) {
     b->pings = at_rest ? 1 : asdic_store_count(b->run->store);
     b->rays = rays_of(facts, at_rest);
     b->cells = facts->beams * facts->bins;
-    b->record_bytes = sizeof(head) + 2 * b->cells * sizeof(float);
+    b->record_bytes = sizeof(head) + 2 * b->cells * sizeof(float) + sizeof(uint32_t);
     b->read = SIZE_MAX;
     b->key = key_of(b);
     snprintf(dtype, sizeof dtype,
              "[('key', '<u8'), ('ping', '<u8'), ('level_db', '<f4', (%zu, %zu)), "
-             "('stderr_db', '<f4', (%zu, %zu))]",
+             "('stderr_db', '<f4', (%zu, %zu)), ('crc32', '<u4')]",
              facts->beams, facts->bins, facts->beams, facts->bins);
     b->header_bytes = asdic_npy_header(b->header, dtype, b->pings, "");
     b->path = asdic_folder_file(b->run->folder, "background.npy");

@@ -50,18 +50,15 @@ typedef struct taker {
     asdic_work_result result;
 } taker;
 
-/* Takes the next ping. It goes into the store first, which survives a crash. */
+/* Takes the next ping. */
 static asdic_status take(void *user, size_t ping, const asdic_ping *result) {
     taker *t = user;
     asdic_run_job *job = t->job;
     double begin_s = asdic_clock_s();
     asdic_record_head head = head_of(job->mission, ping, result);
     asdic_record_pack(&head, result, job->bytes);
-    if (job->store) {
-        TRY(asdic_store_append(job->store, job->bytes));
-    }
     job->facts.times.write_s += asdic_clock_s() - begin_s;
-    TRY(asdic_job_keep(job, job->bytes));
+    TRY(asdic_job_take(job, job->bytes));
     job->rays += result->rays;
     report(job, t->result.ready_s);
     return ASDIC_OK;
@@ -85,8 +82,9 @@ static void name_device(void *user, const char *device) {
     }
 }
 
-/* Simulates the pings that are not there yet. */
-static asdic_status simulate(asdic_run_job *job) {
+/* Simulates the next pings, to END. The other processes of a team help with the last ones only: they
+ * begin once. */
+static asdic_status simulate(asdic_run_job *job, size_t end) {
     taker t = {.job = job};
     char hash[65];
     asdic_job_hash(job, hash);
@@ -94,23 +92,40 @@ static asdic_status simulate(asdic_run_job *job) {
     asdic_work work = {.mission = job->mission,
                        .devices = job->devices,
                        .device_count = job->device_count,
-                       .first = job->facts.first_ping + job->resumed,
-                       .end = job->facts.first_ping + job->facts.pings_planned,
+                       .first = job->facts.first_ping + job->kept,
+                       .end = job->facts.first_ping + end,
                        .bins = job->facts.bins,
                        .take = take,
                        .name = name_device,
-                       .team = job->options->team,
+                       .team = end == job->facts.pings_planned ? job->options->team : NULL,
                        .run_hash = hash,
                        .user = &t};
     report(job, begin_s);
     asdic_status status = asdic_workers_run(job->ctx, &work, &t.result);
     double end_s = asdic_clock_s();
     asdic_run_times *times = &job->facts.times;
-    times->setup_s = t.result.ready_s - begin_s;
-    times->simulate_s = end_s - t.result.ready_s;
-    times->devices_s = t.result.devices_s;
+    times->setup_s += t.result.ready_s - begin_s;
+    times->simulate_s += end_s - t.result.ready_s;
+    times->devices_s += t.result.devices_s;
     job->facts.rays_per_s = (double)job->rays / times->simulate_s;
     return status;
+}
+
+/* Takes all pings in turn: those that are there, and those that are made now. */
+static asdic_status take_all(asdic_run_job *job) {
+    size_t planned = job->facts.pings_planned;
+    while (job->kept < planned) {
+        size_t end = job->kept;
+        while (end < planned && !job->is_there[end]) {
+            end++;
+        }
+        TRY(end == job->kept ? asdic_job_take_again(job) : simulate(job, end));
+        if (asdic_context_interrupted(job->ctx)) {
+            return asdic_fail(job->ctx, ASDIC_ERROR_INTERRUPTED, "interrupted at ping %zu",
+                              job->facts.first_ping + job->kept);
+        }
+    }
+    return ASDIC_OK;
 }
 
 /* Adds to the context's sentence what is kept and how to continue. */
@@ -118,8 +133,7 @@ static asdic_status explain(asdic_run_job *job, asdic_status status) {
     char why[768];
     snprintf(why, sizeof why, "%s", asdic_context_error(job->ctx));
     return asdic_fail(job->ctx, status, "%s; %zu of %zu pings are kept in '%s', --resume goes on",
-                      why, asdic_store_count(job->store), job->facts.pings_planned,
-                      job->options->folder);
+                      why, asdic_job_stored(job), job->facts.pings_planned, job->options->folder);
 }
 
 /* Ends the run after the pings, whether all are there or not. */
@@ -128,7 +142,7 @@ static asdic_status wind_up(asdic_run_job *job, asdic_status status) {
         status = asdic_job_end(job, true);
         return status == ASDIC_OK ? status : explain(job, status);
     }
-    if (status != ASDIC_ERROR_INTERRUPTED && asdic_store_count(job->store) == 0) {
+    if (status != ASDIC_ERROR_INTERRUPTED && asdic_job_stored(job) == 0) {
         /* No device did anything: there is nothing to keep. */
         char why[768];
         snprintf(why, sizeof why, "%s", asdic_context_error(job->ctx));
@@ -144,15 +158,8 @@ static asdic_status wind_up(asdic_run_job *job, asdic_status status) {
 }
 
 static asdic_status run_into_folder(asdic_run_job *job) {
-    asdic_status status = ASDIC_OK;
     TRY(asdic_job_begin(job));
-    if (job->is_complete) {
-        return ASDIC_OK;
-    }
-    if (job->resumed < job->facts.pings_planned) {
-        status = simulate(job);
-    }
-    return wind_up(job, status);
+    return job->is_complete ? ASDIC_OK : wind_up(job, take_all(job));
 }
 
 /* The rows of bins.csv to the standard output, as they come. */
@@ -162,7 +169,7 @@ static asdic_status run_to_stream(asdic_run_job *job) {
                           "what went to the standard output cannot be resumed; give a folder");
     }
     TRY(asdic_job_begin_stream(job));
-    asdic_status status = simulate(job);
+    asdic_status status = simulate(job, job->facts.pings_planned);
     asdic_status closed =
         asdic_files_commit(job->files, false); /* whole rows, also when interrupted */
     return status == ASDIC_OK ? closed : status;

@@ -18,6 +18,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <zlib.h>
 
 #define COUNT_OF(array) ((int)(sizeof(array) / sizeof *(array)))
 
@@ -72,7 +73,45 @@ void asdic_run_facts_statistics(asdic_run_facts *facts, const asdic_statistics *
     facts->stderr_rms_db = statistics->stderr_rms_db;
 }
 
-/* ---- writing: one member a line, the last one without a comma is "bin_length_m" ------------- */
+/* ---- the sum of run.json: its last member, of all bytes before that member's line ------------- */
+
+#define SUM_KEY "  \"crc32\": \""
+#define SUM_DIGITS 8
+#define SUM_END "\"\n}\n"
+
+/* The line of the sum, which must be the last; NULL when there is none. */
+static char *find_sum(char *text, size_t length) {
+    const size_t line = sizeof SUM_KEY - 1 + SUM_DIGITS + sizeof SUM_END - 1;
+    char *at = length > line ? text + length - line : NULL;
+    return at && memcmp(at, SUM_KEY, sizeof SUM_KEY - 1) == 0 &&
+                   memcmp(text + length - (sizeof SUM_END - 1), SUM_END, sizeof SUM_END - 1) == 0
+               ? at
+               : NULL;
+}
+
+static void print_sum(char digits[SUM_DIGITS + 1], const char *text, const char *end) {
+    uint32_t sum = (uint32_t)crc32_z(0, (const unsigned char *)text, (size_t)(end - text));
+    snprintf(digits, SUM_DIGITS + 1, "%08x", (unsigned)sum);
+}
+
+void asdic_run_facts_sign(char *text, size_t length) {
+    char digits[SUM_DIGITS + 1], *line = find_sum(text, length);
+    if (line) {
+        print_sum(digits, text, line);
+        memcpy(line + sizeof SUM_KEY - 1, digits, SUM_DIGITS);
+    }
+}
+
+static bool is_signed(char *text, size_t length) {
+    char digits[SUM_DIGITS + 1], *line = find_sum(text, length);
+    if (!line) {
+        return false;
+    }
+    print_sum(digits, text, line);
+    return memcmp(line + sizeof SUM_KEY - 1, digits, SUM_DIGITS) == 0;
+}
+
+/* ---- writing: one member a line ------------------------------------------------------------- */
 
 static void add_text(asdic_text *json, const char *key, const char *value) {
     asdic_text_format(json, "  \"%s\": ", key);
@@ -206,6 +245,23 @@ static void add_results(asdic_text *json, const asdic_run_facts *facts) {
                       number_or_null(c, "%.4g", facts->stderr_rms_db));
 }
 
+static void add_files(asdic_text *json, const asdic_run_facts *facts) {
+    asdic_text_add(json, "  \"files\": [");
+    for (size_t i = 0; i < facts->file_count; i++) {
+        const asdic_run_file *file = &facts->files[i];
+        char bytes[ASDIC_DIGITS_SIZE];
+        asdic_digits_natural(bytes, file->sum.bytes);
+        asdic_text_format(json, "%s    {\"name\": \"%s\", \"bytes\": %s, \"crc32\": \"%08x\"}",
+                          i ? ",\n" : "\n", file->name, bytes, (unsigned)file->sum.crc32);
+    }
+    asdic_text_add(json, facts->file_count ? "\n  ],\n  \"pictures\": [" : "],\n  \"pictures\": [");
+    for (size_t i = 0; i < facts->picture_count; i++) {
+        asdic_text_add(json, i ? ", " : "");
+        asdic_text_add_json(json, facts->pictures[i]);
+    }
+    asdic_text_add(json, "],\n");
+}
+
 asdic_status asdic_run_facts_write(asdic_context *ctx, const char *folder,
                                    const asdic_run_facts *facts) {
     asdic_text json = {0};
@@ -235,10 +291,15 @@ asdic_status asdic_run_facts_write(asdic_context *ctx, const char *folder,
     add_scan(&json, facts);
     add_natural(&json, "beams", facts->beams);
     add_natural(&json, "bins", facts->bins);
-    asdic_text_format(&json, "  \"bin_length_m\": %s\n}\n",
+    asdic_text_format(&json, "  \"bin_length_m\": %s,\n",
                       number_or_null(digits, "%.17g", facts->bin_length_m));
+    add_files(&json, facts);
+    asdic_text_add(&json, SUM_KEY "00000000" SUM_END);
     size_t length = json.length;
     char *all = asdic_text_take(&json);
+    if (all) {
+        asdic_run_facts_sign(all, length);
+    }
     char *path = asdic_folder_file(folder, "run.json");
     asdic_status status = all && path ? asdic_file_write_all(ctx, path, all, length)
                                       : asdic_fail_memory(ctx, "run.json");
@@ -338,15 +399,18 @@ static int read_word(reader *r, const char *key, const char *const *words, int c
     return 0;
 }
 
-static void read_devices(reader *r, asdic_arena *arena, asdic_run_facts *facts) {
-    const asdic_yaml_node *list = asdic_yaml_child(r->root, "devices");
+/* The texts of the list KEY; none where there is no such list. */
+static const char **read_texts(reader *r, asdic_arena *arena, const char *key, size_t *count) {
+    const asdic_yaml_node *list = asdic_yaml_child(r->root, key);
+    *count = 0;
     if (!list || list->kind != ASDIC_YAML_LIST || list->count == 0) {
-        return;
+        return NULL;
     }
-    facts->devices = asdic_arena_alloc(arena, list->count * sizeof *facts->devices);
-    for (asdic_yaml_node *node = list->first; node && facts->devices; node = node->next) {
-        facts->devices[facts->device_count++] = node->text ? node->text : "";
+    const char **texts = asdic_arena_alloc(arena, list->count * sizeof *texts);
+    for (asdic_yaml_node *node = list->first; node && texts; node = node->next) {
+        texts[(*count)++] = node->text ? node->text : "";
     }
+    return texts;
 }
 
 static void read_remarks(reader *r, asdic_remarks *remarks) {
@@ -369,6 +433,17 @@ static void read_terms(reader *r, asdic_plan *plan) {
         row->bound_db = isnan(bound_db) ? INFINITY : bound_db;
         snprintf(row->reason, sizeof row->reason, "%s", read_text(r, node, "reason"));
         plan->left_out |= row->kept ? 0u : 1u << t;
+    }
+}
+
+static void read_files(reader *r, asdic_run_facts *facts) {
+    const asdic_yaml_node *list = asdic_yaml_child(r->root, "files");
+    const asdic_yaml_node *node = list && list->kind == ASDIC_YAML_LIST ? list->first : NULL;
+    for (; node && facts->file_count < ASDIC_RUN_FILES; node = node->next) {
+        asdic_run_file *file = &facts->files[facts->file_count++];
+        snprintf(file->name, sizeof file->name, "%s", read_text(r, node, "name"));
+        file->sum.bytes = strtoull(read_text(r, node, "bytes"), NULL, 10);
+        file->sum.crc32 = (uint32_t)strtoul(read_text(r, node, "crc32"), NULL, 16);
     }
 }
 
@@ -411,7 +486,9 @@ static void read_all(reader *r, asdic_arena *arena, asdic_run_facts *facts) {
     facts->stderr_worst_db = read_number(r, stderr_db, "worst");
     facts->stderr_rms_db =
         asdic_yaml_child(stderr_db, "rms") ? read_number(r, stderr_db, "rms") : NAN;
-    read_devices(r, arena, facts);
+    facts->devices = read_texts(r, arena, "devices", &facts->device_count);
+    facts->pictures = read_texts(r, arena, "pictures", &facts->picture_count);
+    read_files(r, facts);
     read_remarks(r, &facts->remarks);
     read_terms(r, &facts->plan);
     if (facts->beams == 0 || facts->beams > 4096 || facts->bins == 0 ||
@@ -437,6 +514,13 @@ asdic_status asdic_run_facts_read(asdic_context *ctx, const char *folder, asdic_
                        "'%s' is not a run folder: it has no run.json that can be read", folder);
     }
     if (status != ASDIC_OK) {
+        goto done;
+    }
+    if (!is_signed(text, length)) {
+        status = asdic_fail(ctx, ASDIC_ERROR_INPUT,
+                            "'%s' is damaged: its bytes do not have the sum that it states; run "
+                            "again with --force",
+                            path);
         goto done;
     }
     problems.name = path;

@@ -5,6 +5,7 @@
 #define ASDIC_MISSION_RUN_FACTS_H
 
 #include "base/arena.h"
+#include "out/file.h"
 
 #include <asdic/mission.h>
 #include <asdic/plan.h>
@@ -19,6 +20,13 @@
 #define ASDIC_RUN_BOTTOM_NONE "none"
 
 struct asdic_statistics;
+
+/* A file of the run, as it was when run.json was written. */
+#define ASDIC_RUN_FILES 16
+typedef struct asdic_run_file {
+    char name[32];
+    asdic_sum sum;
+} asdic_run_file;
 
 /* Strings are borrowed: from the mission while running, from an arena when read. */
 typedef struct asdic_run_facts {
@@ -46,10 +54,17 @@ typedef struct asdic_run_facts {
     double stderr_median_db, stderr_worst_db; /* NAN: no ping yet */
     double
         stderr_rms_db; /* in bins above the noise; NAN: none, or a run that says no such figure */
+    asdic_run_file files[ASDIC_RUN_FILES]; /* beside pings.npy, whose records have their own sums */
+    size_t file_count;
+    const char **pictures; /* names; `render` may have drawn them anew since */
+    size_t picture_count;
 } asdic_run_facts;
 
 asdic_status asdic_run_facts_write(asdic_context *ctx, const char *folder,
                                    const asdic_run_facts *facts);
+
+/* Where TEXT, a run.json, states the sum of what stands before it, sets that right. */
+void asdic_run_facts_sign(char *text, size_t length);
 
 /* Fills in the figures of STATISTICS, which must be ended. */
 void asdic_run_facts_statistics(asdic_run_facts *facts, const struct asdic_statistics *statistics);

@@ -24,6 +24,7 @@ static const char *const names[] = {
     "objects.csv", "detections.csv", "roc.csv",       "roc.png",     "occupancy.png",
     "tracks.csv",  "routes.csv",     "background.npy"};
 static const char *const stems[] = {"waterfall_", "ascope_", "fan_", "raw_", "overview.", "plan."};
+#define MOST_PICTURES 256 /* that run.json lists */
 static const char *const picture_ends[] = {".png", ".pdf", ".svg"};
 
 bool asdic_folder_has_run(const char *folder) {
@@ -44,6 +45,15 @@ static bool ends_in(const char *name, const char *suffix) {
     return n > m && strcmp(name + n - m, suffix) == 0;
 }
 
+static bool has_stem(const char *name) {
+    for (size_t i = 0; i < sizeof stems / sizeof *stems; i++) {
+        if (strncmp(name, stems[i], strlen(stems[i])) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
 /* NAME, or NAME.part, is one that a run writes. */
 static bool is_ours(const char *name) {
     char bare[256];
@@ -61,38 +71,66 @@ static bool is_ours(const char *name) {
             return true;
         }
     }
-    bool is_picture = false, has_stem = false;
+    bool is_picture = false;
     for (size_t i = 0; i < sizeof picture_ends / sizeof *picture_ends; i++) {
         is_picture = is_picture || ends_in(bare, picture_ends[i]);
     }
-    for (size_t i = 0; i < sizeof stems / sizeof *stems; i++) {
-        has_stem = has_stem || strncmp(bare, stems[i], strlen(stems[i])) == 0;
-    }
-    return is_picture && has_stem;
+    return is_picture && has_stem(bare);
 }
 
-/* Fails when another process holds the lock that a run's store has on FOLDER/NAME. */
-static asdic_status check_unlocked(asdic_context *ctx, const char *folder, const char *name) {
-    char *path = asdic_folder_file(folder, name);
-    if (!path) {
-        return asdic_fail_memory(ctx, "a file name");
-    }
-    int fd = open(path, O_RDONLY | O_CLOEXEC);
+/* Whether another process holds the lock that a run's store has on the file NAME. */
+static bool is_locked(int folder, const char *name) {
+    int fd = openat(folder, name, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
     bool locked = fd >= 0 && flock(fd, LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK;
     if (fd >= 0) {
         close(fd);
     }
-    free(path);
-    return locked ? asdic_fail(ctx, ASDIC_ERROR_EXISTS,
-                               "another process is writing a run to '%s' just now; wait for it, or "
-                               "choose another folder",
-                               folder)
-                  : ASDIC_OK;
+    return locked;
 }
 
-asdic_status asdic_folder_check_idle(asdic_context *ctx, const char *folder) {
-    TRY(check_unlocked(ctx, folder, "pings.npy.part"));
-    return check_unlocked(ctx, folder, "pings.npy");
+/* A process that found nothing to keep may have removed the folder since it was opened. */
+static bool is_still_there(DIR *opened, const char *folder) {
+    struct stat own, named;
+    return fstat(dirfd(opened), &own) == 0 && stat(folder, &named) == 0 &&
+           own.st_dev == named.st_dev && own.st_ino == named.st_ino;
+}
+
+static asdic_status fail_open(asdic_context *ctx, const char *folder) {
+    return errno == ENOMEM
+               ? asdic_fail_memory(ctx, "a folder")
+               : asdic_fail(ctx, ASDIC_ERROR_IO, "cannot read '%s': %s", folder, strerror(errno));
+}
+
+static asdic_status open_folder(asdic_context *ctx, const char *folder, DIR **out) {
+    if (mkdir(folder, 0777) != 0 && errno != EEXIST) {
+        return asdic_fail(ctx, ASDIC_ERROR_IO, "cannot create folder '%s': %s", folder,
+                          strerror(errno));
+    }
+    *out = opendir(folder);
+    if (!*out && errno == ENOTDIR) {
+        return asdic_fail(ctx, ASDIC_ERROR_EXISTS, "'%s' exists and is not a folder", folder);
+    }
+    return *out ? ASDIC_OK : fail_open(ctx, folder);
+}
+
+/* On NFS a folder has no lock, but the file of the records has. */
+asdic_status asdic_folder_hold(asdic_context *ctx, const char *folder, DIR **out) {
+    bool is_busy = false, is_there = false;
+    while (!is_there) {
+        TRY(open_folder(ctx, folder, out));
+        is_busy = (flock(dirfd(*out), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) ||
+                  is_locked(dirfd(*out), "pings.npy.part") || is_locked(dirfd(*out), "pings.npy");
+        is_there = is_busy || is_still_there(*out, folder);
+        if (is_busy || !is_there) {
+            closedir(*out);
+            *out = NULL;
+        }
+    }
+    return is_busy ? asdic_fail(ctx, ASDIC_ERROR_EXISTS,
+                                "another process is writing a run to '%s' just now; wait for it, "
+                                "or choose another folder",
+                                folder)
+                   : ASDIC_OK;
 }
 
 static asdic_status clear(asdic_context *ctx, const char *folder) {
@@ -111,30 +149,54 @@ static asdic_status clear(asdic_context *ctx, const char *folder) {
     return status;
 }
 
-asdic_status asdic_folder_prepare(asdic_context *ctx, const char *folder, bool force) {
-    struct stat st;
-    if (mkdir(folder, 0777) == 0) {
-        return ASDIC_OK;
-    }
-    int error = errno;
-    if (error != EEXIST) {
-        return asdic_fail(ctx, ASDIC_ERROR_IO, "cannot create folder '%s': %s", folder,
-                          strerror(error));
-    }
-    if (stat(folder, &st) != 0 || !S_ISDIR(st.st_mode)) {
-        return asdic_fail(ctx, ASDIC_ERROR_EXISTS, "'%s' exists and is not a folder", folder);
-    }
+asdic_status asdic_folder_prepare(asdic_context *ctx, const char *folder, bool force,
+                                  bool can_resume) {
     if (!asdic_folder_has_run(folder)) {
         return ASDIC_OK;
     }
     if (!force) {
-        return asdic_fail(ctx, ASDIC_ERROR_EXISTS,
-                          "'%s' holds a run already; use --force to replace it, --resume to "
-                          "continue it, or another folder",
-                          folder);
+        return asdic_fail(
+            ctx, ASDIC_ERROR_EXISTS,
+            "'%s' holds a run already; use --force to replace it,%s or another folder", folder,
+            can_resume ? " --resume to continue it," : "");
     }
-    TRY(asdic_folder_check_idle(ctx, folder));
     return clear(ctx, folder);
+}
+
+static int by_name(const void *a, const void *b) {
+    return strcmp(*(const char *const *)a, *(const char *const *)b);
+}
+
+static asdic_status list_pictures(asdic_context *ctx, DIR *dir, asdic_arena *arena,
+                                  const char **list, size_t *count) {
+    for (struct dirent *entry; (entry = readdir(dir)) && *count < MOST_PICTURES;) {
+        const char *name = entry->d_name;
+        if (!ends_in(name, ".png") || !has_stem(name)) {
+            continue;
+        }
+        list[*count] = asdic_arena_string(arena, name, strlen(name));
+        if (!list[(*count)++]) {
+            return asdic_fail_memory(ctx, "names of pictures");
+        }
+    }
+    qsort(list, *count, sizeof *list, by_name);
+    return ASDIC_OK;
+}
+
+asdic_status asdic_folder_pictures(asdic_context *ctx, const char *folder, asdic_arena *arena,
+                                   const char ***out, size_t *count) {
+    *count = 0;
+    *out = asdic_arena_alloc(arena, MOST_PICTURES * sizeof **out);
+    if (!*out) {
+        return asdic_fail_memory(ctx, "names of pictures");
+    }
+    DIR *dir = opendir(folder);
+    if (!dir) {
+        return fail_open(ctx, folder);
+    }
+    asdic_status status = list_pictures(ctx, dir, arena, *out, count);
+    closedir(dir);
+    return status;
 }
 
 void asdic_folder_remove(asdic_context *ctx, const char *folder) {

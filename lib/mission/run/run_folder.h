@@ -4,17 +4,27 @@
 #ifndef ASDIC_MISSION_RUN_FOLDER_H
 #define ASDIC_MISSION_RUN_FOLDER_H
 
+#include "base/arena.h"
+
 #include <asdic/context.h>
+
+#include <dirent.h>
 
 /* Whether FOLDER holds a run, finished or not. */
 bool asdic_folder_has_run(const char *folder);
 
-/* ASDIC_ERROR_EXISTS when another process is writing a run to FOLDER just now. */
-asdic_status asdic_folder_check_idle(asdic_context *ctx, const char *folder);
+/* Creates FOLDER if need be (its parents must exist) and keeps other processes from writing runs to
+ * it until *OUT is closed: ASDIC_ERROR_EXISTS when one does so just now. */
+asdic_status asdic_folder_hold(asdic_context *ctx, const char *folder, DIR **out);
 
-/* Creates FOLDER (its parents must exist); one that is there already is fine unless it holds a
- * run, which FORCE removes: the files that a run writes, nothing else. */
-asdic_status asdic_folder_prepare(asdic_context *ctx, const char *folder, bool force);
+/* A folder that holds a run is an error, which names --resume if that CAN_RESUME it, unless FORCE
+ * removes the run: the files that it writes, nothing else. */
+asdic_status asdic_folder_prepare(asdic_context *ctx, const char *folder, bool force,
+                                  bool can_resume);
+
+/* The names of the PNG pictures that a run draws and FOLDER has, sorted; *NAMES is ARENA's. */
+asdic_status asdic_folder_pictures(asdic_context *ctx, const char *folder, asdic_arena *arena,
+                                   const char ***names, size_t *count);
 
 /* Removes a run that holds nothing, and the folder when it is empty then. */
 void asdic_folder_remove(asdic_context *ctx, const char *folder);

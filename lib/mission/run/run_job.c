@@ -6,6 +6,7 @@
 #include "base/try.h"
 #include "mission/mission.h"
 #include "run_chart_data.h"
+#include "run_check.h"
 #include "run_folder.h"
 #include "run_render.h"
 #include "run_size.h"
@@ -152,33 +153,94 @@ asdic_status asdic_job_describe(asdic_run_job *job) {
 
 /* --- the beginning ---------------------------------------------------------------------------- */
 
+static asdic_status open_store(asdic_run_job *job, asdic_store_mode mode) {
+    const asdic_run_facts *f = &job->facts;
+    const asdic_store_shape shape = {
+        .first_ping = f->first_ping, .beams = f->beams, .bins = f->bins};
+    return asdic_store_open(job->ctx, job->options->folder, mode, &shape, &job->store);
+}
+
+/* Finds the pings whose records are whole; every other is to be made. */
+static asdic_status find_whole(asdic_run_job *job, asdic_status *first_failure) {
+    size_t stored = asdic_store_count(job->store), planned = job->facts.pings_planned;
+    *first_failure = ASDIC_OK;
+    job->to_make = planned;
+    for (size_t i = 0; i < stored && i < planned; i++) {
+        asdic_status status = asdic_store_read(job->store, i, job->bytes);
+        job->is_there[i] = status == ASDIC_OK;
+        job->to_make -= job->is_there[i];
+        if (status != ASDIC_OK && *first_failure == ASDIC_OK) {
+            *first_failure = status;
+            asdic_log(job->ctx, ASDIC_LOG_WARNING, "%s", asdic_context_error(job->ctx));
+        }
+        if (asdic_context_interrupted(job->ctx)) {
+            return asdic_fail(job->ctx, ASDIC_ERROR_INTERRUPTED, "interrupted");
+        }
+    }
+    return ASDIC_OK;
+}
+
+/* Whether a run that ended has still all that it wrote; a warning says what not. */
+static asdic_status check_complete(asdic_run_job *job, const asdic_run_facts *earlier) {
+    asdic_status bad = ASDIC_OK;
+    asdic_status status = open_store(job, ASDIC_STORE_READ);
+    if (status == ASDIC_ERROR_MEMORY) {
+        return status;
+    }
+    if (status == ASDIC_OK) {
+        TRY(find_whole(job, &bad));
+        asdic_store_close(&job->store);
+        if (bad == ASDIC_OK && job->to_make > 0) {
+            status = asdic_fail(job->ctx, ASDIC_ERROR_INPUT,
+                                "'%s/pings.npy' has %zu of %zu pings; the others are made again",
+                                job->options->folder, job->facts.pings_planned - job->to_make,
+                                job->facts.pings_planned);
+        }
+    }
+    if (status == ASDIC_OK && bad == ASDIC_OK) {
+        status = asdic_run_check_all(job->ctx, job->options->folder, earlier);
+    }
+    if (status == ASDIC_ERROR_MEMORY) {
+        return status;
+    }
+    if (status != ASDIC_OK) {
+        asdic_log(job->ctx, ASDIC_LOG_WARNING, "%s", asdic_context_error(job->ctx));
+    }
+    job->is_complete = status == ASDIC_OK && bad == ASDIC_OK;
+    return ASDIC_OK;
+}
+
 /* Reads what an earlier call left in the folder, which must be of the same run. */
 static asdic_status read_earlier(asdic_run_job *job, asdic_run_facts *earlier) {
-    const char *folder = job->options->folder;
-    TRY(asdic_folder_check_idle(job->ctx, folder));
-    TRY(asdic_run_facts_read(job->ctx, folder, &job->arena, earlier));
-    return compare(job, earlier);
+    TRY(asdic_run_facts_read(job->ctx, job->options->folder, &job->arena, earlier));
+    TRY(compare(job, earlier));
+    return strcmp(earlier->state, ASDIC_RUN_COMPLETE) == 0 ? check_complete(job, earlier)
+                                                           : ASDIC_OK;
 }
 
 /* Opens the store of a new run or of the one to be resumed. */
-static asdic_status open_store(asdic_run_job *job) {
+static asdic_status open_run(asdic_run_job *job) {
     const char *folder = job->options->folder;
     asdic_run_facts earlier = {0};
-    asdic_store_mode mode = ASDIC_STORE_CREATE;
-    if (job->options->resume && asdic_folder_has_run(folder)) {
-        mode = ASDIC_STORE_RESUME;
-        TRY(read_earlier(job, &earlier));
-    } else {
-        TRY(asdic_folder_prepare(job->ctx, folder, job->options->force));
+    asdic_status bad;
+    bool goes_on = job->options->resume && asdic_folder_has_run(folder);
+    if (!goes_on) {
+        TRY(asdic_run_check_room(job->ctx, job->mission, job->options));
     }
-    if (earlier.state && strcmp(earlier.state, ASDIC_RUN_COMPLETE) == 0) {
-        job->is_complete = true;
+    TRY(asdic_folder_hold(job->ctx, folder, &job->lock));
+    TRY(goes_on ? read_earlier(job, &earlier)
+                : asdic_folder_prepare(job->ctx, folder, job->options->force, true));
+    if (job->is_complete) {
         return ASDIC_OK;
+    }
+    if (goes_on) {
+        TRY(asdic_run_check_room(job->ctx, job->mission, job->options));
     }
     TRY(list_devices(job, &earlier));
     TRY(asdic_run_facts_write(job->ctx, folder, &job->facts));
-    TRY(asdic_store_open(job->ctx, folder, mode, job->facts.beams, job->facts.bins, &job->store));
-    return asdic_store_cut(job->store, job->facts.pings_planned);
+    TRY(open_store(job, goes_on ? ASDIC_STORE_RESUME : ASDIC_STORE_CREATE));
+    TRY(asdic_store_cut(job->store, job->facts.pings_planned));
+    return find_whole(job, &bad);
 }
 
 /* Writes the poses of the vehicle at the run's pings. */
@@ -201,33 +263,22 @@ static asdic_status open_files(asdic_run_job *job) {
                               first.position_m.z, &job->files);
 }
 
-/* Takes the records of earlier pings as if they came now, for bins.csv and the pictures. */
-static asdic_status replay(asdic_run_job *job) {
-    for (size_t i = 0; i < job->resumed; i++) {
-        TRY(asdic_store_read(job->store, i, job->bytes));
-        TRY(asdic_job_keep(job, job->bytes));
-    }
-    return ASDIC_OK;
-}
-
 asdic_status asdic_job_begin(asdic_run_job *job) {
-    TRY(asdic_run_check_room(job->ctx, job->mission, job->options));
     TRY(asdic_job_describe(job));
-    TRY(open_store(job));
+    job->bytes = malloc(asdic_record_bytes(job->facts.beams, job->facts.bins));
+    job->is_there = calloc(job->facts.pings_planned, sizeof *job->is_there);
+    if (!job->bytes || !job->is_there) {
+        return asdic_fail_memory(job->ctx, "a record");
+    }
+    TRY(open_run(job));
     if (job->is_complete) {
         return ASDIC_OK;
-    }
-    job->resumed = asdic_store_count(job->store);
-    job->bytes = malloc(asdic_store_record_bytes(job->store));
-    if (!job->bytes) {
-        return asdic_fail_memory(job->ctx, "a record");
     }
     double begin_s = asdic_clock_s();
     asdic_status status = open_files(job);
     job->facts.times.write_s += asdic_clock_s() - begin_s;
     TRY(status);
-    TRY(asdic_summary_create_all(job->ctx, &job->mission->settings, &job->facts, &job->summary));
-    return replay(job);
+    return asdic_summary_create_all(job->ctx, &job->mission->settings, &job->facts, &job->summary);
 }
 
 asdic_status asdic_job_begin_stream(asdic_run_job *job) {
@@ -242,7 +293,7 @@ asdic_status asdic_job_begin_stream(asdic_run_job *job) {
 
 /* --- ping by ping ----------------------------------------------------------------------------- */
 
-asdic_status asdic_job_keep(asdic_run_job *job, const void *bytes) {
+static asdic_status keep(asdic_run_job *job, const void *bytes) {
     asdic_record record;
     double begin_s = asdic_clock_s();
     asdic_record_view(bytes, job->facts.beams, job->facts.bins, &record);
@@ -255,12 +306,31 @@ asdic_status asdic_job_keep(asdic_run_job *job, const void *bytes) {
     return status;
 }
 
+asdic_status asdic_job_take_again(asdic_run_job *job) {
+    TRY(asdic_store_read(job->store, job->kept, job->bytes));
+    return keep(job, job->bytes);
+}
+
+asdic_status asdic_job_take(asdic_run_job *job, const void *bytes) {
+    double begin_s = asdic_clock_s();
+    if (job->store) {
+        TRY(asdic_store_write(job->store, job->kept, bytes));
+        job->to_make--;
+    }
+    job->facts.times.write_s += asdic_clock_s() - begin_s;
+    return keep(job, bytes);
+}
+
+size_t asdic_job_stored(const asdic_run_job *job) {
+    return job->facts.pings_planned - job->to_make;
+}
+
 /* --- the end ---------------------------------------------------------------------------------- */
 
 static void conclude(asdic_run_job *job) {
     asdic_run_facts *f = &job->facts;
     asdic_summary_end(job->summary);
-    f->pings = asdic_store_count(job->store);
+    f->pings = job->kept;
     asdic_run_facts_statistics(f, &job->summary->statistics);
     if (f->saturated > 0) {
         asdic_log(job->ctx, ASDIC_LOG_WARNING,
@@ -289,7 +359,7 @@ static asdic_status commit(asdic_run_job *job, bool is_whole) {
     TRY(asdic_store_commit(job->store));
     TRY(asdic_files_commit(job->files, is_whole));
     conclude(job);
-    return ASDIC_OK;
+    return asdic_run_check_note(job->ctx, job->options->folder, &job->arena, &job->facts);
 }
 
 asdic_status asdic_job_end(asdic_run_job *job, bool is_whole) {
@@ -304,6 +374,8 @@ asdic_status asdic_job_end(asdic_run_job *job, bool is_whole) {
         return ASDIC_OK;
     }
     TRY(draw(job));
+    TRY(asdic_folder_pictures(job->ctx, job->options->folder, &job->arena, &job->facts.pictures,
+                              &job->facts.picture_count));
     job->facts.state = ASDIC_RUN_COMPLETE;
     return write_facts(job);
 }
@@ -314,4 +386,8 @@ void asdic_job_finish(asdic_run_job *job) {
     asdic_summary_destroy(&job->summary);
     asdic_arena_finish(&job->arena);
     free(job->bytes);
+    free(job->is_there);
+    if (job->lock) {
+        closedir(job->lock);
+    }
 }

@@ -12,6 +12,8 @@
 #include "run_store.h"
 #include "run_summary.h"
 
+#include <dirent.h>
+
 typedef struct asdic_run_job {
     asdic_context *ctx;
     asdic_mission *mission;
@@ -25,8 +27,10 @@ typedef struct asdic_run_job {
     asdic_files *files;     /* bins.csv and the like */
     asdic_summary *summary; /* NULL: neither pictures nor run.json are written */
     void *bytes;            /* one record */
-    size_t resumed;         /* pings that were there already */
-    size_t kept;            /* pings that are there, those included */
+    DIR *lock;              /* of the folder; NULL: none */
+    bool *is_there;         /* by ping of the run: the store had its record, whole */
+    size_t to_make;         /* pings that had none */
+    size_t kept;            /* pings in the files; as many were taken, in their order */
     bool is_complete;       /* the run was complete already */
     uint64_t rays;          /* traced by this call */
     double begin_s;         /* of this call, by the clock */
@@ -39,14 +43,20 @@ asdic_status asdic_job_describe(asdic_run_job *job);
 /* What processes that work on one run must agree in. */
 void asdic_job_hash(const asdic_run_job *job, char hex[65]);
 
-/* Describes the run, makes or reopens its folder, and writes the rows of pings that are there. */
+/* Describes the run, makes or reopens its folder, and finds out which pings are there. */
 asdic_status asdic_job_begin(asdic_run_job *job);
 
 /* Describes the run and begins to write rows to the standard output, without a folder. */
 asdic_status asdic_job_begin_stream(asdic_run_job *job);
 
-/* Adds the record in BYTES, the next in order, to the files and the summary, not to the store. */
-asdic_status asdic_job_keep(asdic_run_job *job, const void *bytes);
+/* Takes the next ping's record, which is there, from the store into the files and the summary. */
+asdic_status asdic_job_take_again(asdic_run_job *job);
+
+/* Adds the record in BYTES, the next in order, to the store, the files and the summary. */
+asdic_status asdic_job_take(asdic_run_job *job, const void *bytes);
+
+/* Pings whose records are in the store. */
+size_t asdic_job_stored(const asdic_run_job *job);
 
 /* Gives the files their names, draws the pictures and writes run.json. With IS_WHOLE false it
  * leaves a valid folder without pictures, to be resumed. */

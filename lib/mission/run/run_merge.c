@@ -2,6 +2,7 @@
 
 #include "base/context.h"
 #include "base/try.h"
+#include "run_check.h"
 #include "run_files.h"
 #include "run_folder.h"
 #include "run_open.h"
@@ -20,6 +21,7 @@ typedef struct merger {
     const char *folder;
     asdic_arena arena;
     asdic_run_facts facts; /* of the whole */
+    DIR *lock;             /* of FOLDER */
     asdic_store *store;
     asdic_files *files;
     asdic_file *track;
@@ -128,9 +130,9 @@ static asdic_status copy_records(merger *m) {
     for (size_t i = 0; i < m->count; i++) {
         asdic_run *part = m->parts[i];
         for (size_t k = 0; k < part->facts.pings_planned; k++) {
-            asdic_record record; /* read as one, so that damage is noticed */
+            asdic_record record;
             TRY(asdic_run_read(part, k, &record));
-            TRY(asdic_store_append(m->store, part->buffer));
+            TRY(asdic_store_write(m->store, record.ping - m->facts.first_ping, part->buffer));
             asdic_pose vehicle = asdic_sweep_vehicle(sweep, &record.pose, record.ping);
             asdic_track_file_add(m->track, sweep, record.ping, record.time_s, &vehicle);
             TRY(asdic_files_add(m->files, &record));
@@ -154,9 +156,10 @@ static asdic_status open_files(merger *m) {
 }
 
 static asdic_status write_run(merger *m) {
+    const asdic_store_shape shape = {
+        .first_ping = m->facts.first_ping, .beams = m->facts.beams, .bins = m->facts.bins};
     TRY(open_files(m));
-    TRY(asdic_store_open(m->ctx, m->folder, ASDIC_STORE_CREATE, m->facts.beams, m->facts.bins,
-                         &m->store));
+    TRY(asdic_store_open(m->ctx, m->folder, ASDIC_STORE_CREATE, &shape, &m->store));
     TRY(asdic_summary_create_all(m->ctx, &m->parts[0]->settings, &m->facts, &m->summary));
     TRY(copy_records(m));
     TRY(asdic_store_commit(m->store));
@@ -171,11 +174,13 @@ static asdic_status conclude(merger *m) {
     f->pings = asdic_store_count(m->store);
     asdic_run_facts_statistics(f, &m->summary->statistics);
     f->rays_per_s = (double)f->rays_traced / f->times.simulate_s;
+    TRY(asdic_run_check_note(m->ctx, m->folder, &m->arena, f));
     TRY(asdic_run_facts_write(m->ctx, m->folder, f));
     if (m->parts[0]->settings.output.images) {
         asdic_render_options options = asdic_render_options_default();
         TRY(asdic_run_render_summary(m->ctx, m->folder, &options, m->summary));
     }
+    TRY(asdic_folder_pictures(m->ctx, m->folder, &m->arena, &f->pictures, &f->picture_count));
     f->state = ASDIC_RUN_COMPLETE;
     return asdic_run_facts_write(m->ctx, m->folder, f);
 }
@@ -186,7 +191,8 @@ static asdic_status join(merger *m, const char *const *folders, bool force) {
     TRY(check_folder(m));
     TRY(sum_up(m));
     /* Only now: a wrong part must not cost an earlier result. */
-    TRY(asdic_folder_prepare(m->ctx, m->folder, force));
+    TRY(asdic_folder_hold(m->ctx, m->folder, &m->lock));
+    TRY(asdic_folder_prepare(m->ctx, m->folder, force, false));
     TRY(write_run(m));
     return conclude(m);
 }
@@ -206,6 +212,9 @@ asdic_status asdic_run_merge(asdic_context *ctx, const char *const *folders, siz
     asdic_summary_destroy(&m.summary);
     asdic_file_discard(&m.track);
     asdic_store_close(&m.store);
+    if (m.lock) {
+        closedir(m.lock);
+    }
     for (size_t i = 0; i < count; i++) {
         asdic_run_close(&m.parts[i]);
     }

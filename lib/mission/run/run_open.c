@@ -3,6 +3,7 @@
 #include "base/context.h"
 #include "base/try.h"
 #include "out/record.h"
+#include "run_check.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -18,8 +19,11 @@ static asdic_status open_run(asdic_run *run) {
                           "'%s/run.json' is damaged: %zu beams, but its scene has %zu", run->folder,
                           facts->beams, run->settings.sonar.receiver_count);
     }
-    asdic_status status = asdic_store_open(run->ctx, run->folder, ASDIC_STORE_READ, facts->beams,
-                                           facts->bins, &run->store);
+    TRY(asdic_run_check_small(run->ctx, run->folder, facts));
+    const asdic_store_shape shape = {
+        .first_ping = facts->first_ping, .beams = facts->beams, .bins = facts->bins};
+    asdic_status status =
+        asdic_store_open(run->ctx, run->folder, ASDIC_STORE_READ, &shape, &run->store);
     if (status == ASDIC_ERROR_IO) {
         return asdic_fail(run->ctx, ASDIC_ERROR_INPUT,
                           "'%s' has no pings.npy that can be read; if the run was killed, finish "
@@ -106,11 +110,6 @@ asdic_status asdic_run_read(asdic_run *run, size_t index, asdic_record *record) 
     }
     TRY(asdic_store_read(run->store, index, run->buffer));
     asdic_record_view(run->buffer, run->facts.beams, run->facts.bins, record);
-    if (record->ping != run->facts.first_ping + index) {
-        return asdic_fail(run->ctx, ASDIC_ERROR_INPUT,
-                          "'%s/pings.npy' is damaged: record %zu is of ping %llu", run->folder,
-                          index, (unsigned long long)record->ping);
-    }
     return ASDIC_OK;
 }
 

@@ -111,7 +111,7 @@ static asdic_status time_files(asdic_store *store, asdic_files *files, size_t be
         asdic_record record;
         double begin_s = asdic_clock_s();
         asdic_record_pack(&head, ping, bytes);
-        TRY(asdic_store_append(store, bytes));
+        TRY(asdic_store_write(store, 0, bytes));
         asdic_record_view(bytes, beams, bins, &record);
         TRY(asdic_files_add(files, &record));
         *seconds = fmin(*seconds, asdic_clock_s() - begin_s);
@@ -129,10 +129,10 @@ static asdic_status time_in(asdic_context *ctx, const asdic_mission *m, const as
                              .bins = ping->bins};
     asdic_store *store = NULL;
     asdic_files *files = NULL;
+    const asdic_store_shape shape = {.beams = ping->beams, .bins = ping->bins};
     void *bytes = malloc(asdic_record_bytes(ping->beams, ping->bins));
-    asdic_status status =
-        bytes ? asdic_store_open(ctx, folder, ASDIC_STORE_CREATE, ping->beams, ping->bins, &store)
-              : asdic_fail_memory(ctx, "a record");
+    asdic_status status = bytes ? asdic_store_open(ctx, folder, ASDIC_STORE_CREATE, &shape, &store)
+                                : asdic_fail_memory(ctx, "a record");
     if (!status) {
         double depth_m = asdic_mission_pose(m, 0, NULL).position_m.z;
         status = asdic_files_create(ctx, folder, &m->settings, &facts, depth_m, &files);

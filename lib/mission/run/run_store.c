@@ -21,6 +21,7 @@ struct asdic_store {
     char *path, *part;
     int fd;
     bool is_part;
+    size_t first_ping;
     size_t record_bytes, header_bytes, count;
     char dtype[ASDIC_RECORD_DTYPE_SIZE];
 };
@@ -72,83 +73,88 @@ static asdic_status write_header(asdic_store *store, size_t count) {
     return write_at(store->fd, header, length, 0) ? ASDIC_OK : fail_io(store, "write");
 }
 
-/* Takes the number of records from the file's size. The header of a finished file must state it;
- * that of a .part states 0, or the number when it was last finished. */
-static asdic_status check(asdic_store *store) {
-    char expected[ASDIC_NPY_HEADER_SIZE], found[ASDIC_NPY_HEADER_SIZE];
+/* Takes the number of whole records from the size of the file, which must be a plain one. */
+static asdic_status count_records(asdic_store *store, size_t *bytes) {
     struct stat st;
     if (fstat(store->fd, &st) != 0) {
         return fail_io(store, "read");
     }
-    size_t bytes = (size_t)st.st_size;
-    if (bytes < store->header_bytes) {
-        goto damaged;
-    }
-    if (!read_at(store->fd, found, store->header_bytes, 0)) {
+    if (!S_ISREG(st.st_mode)) {
+        errno = EINVAL;
         return fail_io(store, "read");
     }
-    store->count = (bytes - store->header_bytes) / store->record_bytes;
-    asdic_npy_header(expected, store->dtype, store->count, "");
-    bool is_equal = memcmp(found, expected, store->header_bytes) == 0;
-    if (!is_equal && store->is_part) { /* as it was when records were added to it */
-        const char *shape = memmem(found, store->header_bytes, "'shape': (", 10);
-        size_t was = shape ? strtoul(shape + 10, NULL, 10) : 0;
-        asdic_npy_header(expected, store->dtype, was, "");
-        is_equal = shape && memcmp(found, expected, store->header_bytes) == 0;
+    *bytes = (size_t)st.st_size;
+    store->count =
+        *bytes < store->header_bytes ? 0 : (*bytes - store->header_bytes) / store->record_bytes;
+    return ASDIC_OK;
+}
+
+static asdic_status open_finished(asdic_store *store) {
+    char expected[ASDIC_NPY_HEADER_SIZE], found[ASDIC_NPY_HEADER_SIZE];
+    size_t bytes = 0;
+    store->fd = open(store->path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    if (store->fd < 0) {
+        return fail_io(store, "read");
     }
-    if (is_equal &&
-        (store->is_part || store->header_bytes + store->count * store->record_bytes == bytes)) {
+    TRY(count_records(store, &bytes));
+    asdic_npy_header(expected, store->dtype, store->count, "");
+    if (bytes == store->header_bytes + store->count * store->record_bytes &&
+        read_at(store->fd, found, store->header_bytes, 0) &&
+        memcmp(found, expected, store->header_bytes) == 0) {
         return ASDIC_OK;
     }
-damaged:
     return asdic_fail(store->ctx, ASDIC_ERROR_INPUT,
-                      "'%s' is damaged or of another run (%zu bytes, records of %zu bytes after a "
-                      "header of %zu); run again with --force",
-                      store->is_part ? store->part : store->path, bytes, store->record_bytes,
-                      store->header_bytes);
+                      "'%s' is damaged, or of another run or version (%zu bytes, records of %zu "
+                      "bytes after a header of %zu); 'asdic run' with --resume makes again what "
+                      "is missing",
+                      store->path, bytes, store->record_bytes, store->header_bytes);
 }
 
 /* A file to which records are added must be the folder's own. */
 static asdic_status refuse_link(asdic_store *store, const char *path) {
-    if (!asdic_file_is_link(path)) {
+    struct stat st;
+    if (lstat(path, &st) != 0 || (S_ISREG(st.st_mode) && st.st_nlink == 1)) {
         return ASDIC_OK;
     }
-    return asdic_fail(
-        store->ctx, ASDIC_ERROR_IO,
-        "'%s' is a link; a run writes into its own folder only, so put the file itself "
-        "there",
-        path);
+    return asdic_fail(store->ctx, ASDIC_ERROR_IO,
+                      "'%s' is a link%s; a run writes into its own folder only, so put the file "
+                      "itself there",
+                      path, S_ISLNK(st.st_mode) ? "" : ", or no plain file");
+}
+
+/* The header is written again on commit: what the records are is known, and each has its sum. */
+static asdic_status open_left(asdic_store *store) {
+    size_t bytes = 0;
+    TRY(refuse_link(store, store->part));
+    TRY(refuse_link(store, store->path));
+    /* A finished file becomes the .part again until it is committed. */
+    if (access(store->part, F_OK) != 0 && rename(store->path, store->part) != 0 &&
+        errno != ENOENT) {
+        return fail_io(store, "write");
+    }
+    store->fd = open(store->part, O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0666);
+    if (store->fd < 0) {
+        return fail_io(store, "write");
+    }
+    flock(store->fd, LOCK_EX | LOCK_NB); /* gone when closed */
+    TRY(count_records(store, &bytes));
+    return store->count == 0 ? write_header(store, 0) : ASDIC_OK;
 }
 
 static asdic_status open_file(asdic_store *store, asdic_store_mode mode) {
     if (mode == ASDIC_STORE_READ) {
-        store->fd = open(store->path, O_RDONLY | O_CLOEXEC);
-        return store->fd < 0 ? fail_io(store, "read") : check(store);
+        return open_finished(store);
     }
-    TRY(refuse_link(store, store->part));
-    TRY(refuse_link(store, store->path));
-    /* A finished file becomes the .part again until it is committed. */
     store->is_part = true;
-    if (mode == ASDIC_STORE_RESUME && access(store->part, F_OK) != 0 &&
-        rename(store->path, store->part) != 0 && errno != ENOENT) {
-        return fail_io(store, "write");
+    if (mode == ASDIC_STORE_RESUME) {
+        return open_left(store);
     }
-    bool is_new = mode == ASDIC_STORE_CREATE || access(store->part, F_OK) != 0;
-    store->fd =
-        open(store->part, O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | (is_new ? O_TRUNC : 0), 0666);
-    if (store->fd < 0) {
-        return fail_io(store, "write");
-    }
-    flock(store->fd, LOCK_EX | LOCK_NB); /* for asdic_folder_check_idle; gone when closed */
-    struct stat st;
-    if (!is_new && fstat(store->fd, &st) == 0 && (size_t)st.st_size < store->header_bytes) {
-        is_new = true; /* killed before the header was complete */
-    }
-    return is_new ? write_header(store, 0) : check(store);
+    store->fd = asdic_file_open_new(store->part, O_RDWR);
+    return store->fd < 0 ? asdic_file_fail(store->ctx, store->part, errno) : write_header(store, 0);
 }
 
 asdic_status asdic_store_open(asdic_context *ctx, const char *folder, asdic_store_mode mode,
-                              size_t beams, size_t bins, asdic_store **out) {
+                              const asdic_store_shape *shape, asdic_store **out) {
     char header[ASDIC_NPY_HEADER_SIZE];
     *out = NULL;
     asdic_store *store = calloc(1, sizeof *store);
@@ -159,8 +165,9 @@ asdic_status asdic_store_open(asdic_context *ctx, const char *folder, asdic_stor
     store->fd = -1;
     store->path = asdic_folder_file(folder, "pings.npy");
     store->part = asdic_folder_file(folder, "pings.npy.part");
-    store->record_bytes = asdic_record_bytes(beams, bins);
-    asdic_record_dtype(store->dtype, beams, bins);
+    store->first_ping = shape->first_ping;
+    store->record_bytes = asdic_record_bytes(shape->beams, shape->bins);
+    asdic_record_dtype(store->dtype, shape->beams, shape->bins);
     store->header_bytes = asdic_npy_header(header, store->dtype, 0, "");
     asdic_status status = store->path && store->part ? open_file(store, mode)
                                                      : asdic_fail_memory(ctx, "a run's file name");
@@ -183,18 +190,25 @@ static size_t offset_of(const asdic_store *store, size_t index) {
     return store->header_bytes + index * store->record_bytes;
 }
 
-asdic_status asdic_store_append(asdic_store *store, const void *bytes) {
-    if (!write_at(store->fd, bytes, store->record_bytes, offset_of(store, store->count))) {
+asdic_status asdic_store_write(asdic_store *store, size_t index, const void *bytes) {
+    if (!write_at(store->fd, bytes, store->record_bytes, offset_of(store, index))) {
         return fail_io(store, "write");
     }
-    store->count++;
+    store->count = index < store->count ? store->count : index + 1;
     return ASDIC_OK;
 }
 
 asdic_status asdic_store_read(asdic_store *store, size_t index, void *bytes) {
-    return read_at(store->fd, bytes, store->record_bytes, offset_of(store, index))
+    if (!read_at(store->fd, bytes, store->record_bytes, offset_of(store, index))) {
+        return fail_io(store, "read");
+    }
+    uint64_t ping = store->first_ping + index;
+    return asdic_record_is_whole(bytes, store->record_bytes, ping)
                ? ASDIC_OK
-               : fail_io(store, "read");
+               : asdic_fail(store->ctx, ASDIC_ERROR_INPUT,
+                            "'%s' is damaged: ping %llu is not as it was written; 'asdic run' with "
+                            "--resume makes it again",
+                            store->is_part ? store->part : store->path, (unsigned long long)ping);
 }
 
 asdic_status asdic_store_cut(asdic_store *store, size_t count) {

@@ -1,6 +1,6 @@
 /*
  * pings.npy: the records of a run, appended ping by ping. While a run goes on the file is called
- * pings.npy.part. Appended records survive the death of the process; an incomplete one is dropped.
+ * pings.npy.part. Written records survive the death of the process; an incomplete one is dropped.
  */
 #ifndef ASDIC_MISSION_RUN_STORE_H
 #define ASDIC_MISSION_RUN_STORE_H
@@ -9,19 +9,26 @@
 
 typedef struct asdic_store asdic_store;
 
+/* What the records are of. */
+typedef struct asdic_store_shape {
+    size_t first_ping, beams, bins;
+} asdic_store_shape;
+
 typedef enum asdic_store_mode {
     ASDIC_STORE_READ,   /* the finished file */
     ASDIC_STORE_CREATE, /* an empty one */
-    ASDIC_STORE_RESUME, /* what an earlier run left, finished or not; else an empty one */
+    ASDIC_STORE_RESUME, /* what an earlier run of the same shape left; else an empty one */
 } asdic_store_mode;
 
 asdic_status asdic_store_open(asdic_context *ctx, const char *folder, asdic_store_mode mode,
-                              size_t beams, size_t bins, asdic_store **out);
+                              const asdic_store_shape *shape, asdic_store **out);
 
 size_t asdic_store_count(const asdic_store *store);
 size_t asdic_store_record_bytes(const asdic_store *store);
 
-asdic_status asdic_store_append(asdic_store *store, const void *bytes);
+/* Record INDEX in the place of the one that is there, or behind the last. */
+asdic_status asdic_store_write(asdic_store *store, size_t index, const void *bytes);
+/* ASDIC_ERROR_INPUT, with the ping's number, when the record is not as it was written. */
 asdic_status asdic_store_read(asdic_store *store, size_t index, void *bytes);
 
 /* Drops the records from COUNT on. */
