@@ -27,10 +27,11 @@ const char *cli_size(const asdic_mission *mission, size_t pings, const char *fol
 
 void cli_remark_csv(const cli *c, const char *path, const asdic_mission *mission) {
     if (asdic_mission_leaves_csv_out(mission)) {
-        cli_note(c,
-                 "%s: remark: no bins.csv of %zu beams, some 100 bytes a bin; 'output: {csv: "
-                 "long}' writes it, pings.npy holds the same",
-                 path, asdic_mission_sonar(mission)->receiver_count);
+        cli_note(
+            c,
+            "%s: remark: no bins.csv, which would have some 100 bytes for each bin of %zu beams; "
+            "'output: {csv: long}' writes it, pings.npy holds the same",
+            path, asdic_mission_sonar(mission)->receiver_count);
     }
 }
 

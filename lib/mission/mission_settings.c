@@ -8,19 +8,26 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A row of bins.csv takes some 100 bytes: of 512 beams of 500 bins, 25 MB a ping. */
-#define MOST_CSV_BEAMS 64
+/* Pings of more bins of all beams are large: some 100 bytes a row of bins.csv are 5 MB. */
+#define MOST_CELLS ((size_t)50000)
+/* Near enough to count bins by. */
+#define SOUND_SPEED_MPS 1500.0
 
 /* What the file writes where it does not say. It depends on the file alone, so that parts of a
  * mission agree. */
-static void choose_csv(const asdic_scene_file *file, asdic_settings *out) {
+static void choose_output(const asdic_scene_file *file, asdic_settings *out) {
     bool is_one_ping = file->mission.pose.node && file->mission.pings <= 1;
-    if (file->output.csv != FILE_CSV_AUTO) {
+    size_t cells = out->sonar.receiver_count * asdic_sonar_bin_count(&out->sonar, SOUND_SPEED_MPS);
+    bool is_large = cells > MOST_CELLS && !is_one_ping;
+    if (file->output.records == FILE_AUTO) {
+        out->records = is_large ? ASDIC_RECORD_COMPACT : ASDIC_RECORD_FULL;
+    }
+    if (file->output.csv != FILE_AUTO) {
         return;
     }
-    out->leaves_csv_out = out->sonar.receiver_count > MOST_CSV_BEAMS && !is_one_ping;
-    out->output.csv = out->leaves_csv_out ? ASDIC_CSV_NONE : ASDIC_CSV_LONG;
-    if (out->leaves_csv_out && out->output.formats == 0) {
+    out->leaves_csv_out = is_large;
+    out->output.csv = is_large ? ASDIC_CSV_NONE : ASDIC_CSV_LONG;
+    if (is_large && out->output.formats == 0) {
         out->output.formats = 1u << ASDIC_FORMAT_npy_float16;
     }
 }
@@ -42,11 +49,12 @@ asdic_status asdic_settings_take(asdic_context *ctx, const asdic_scene_file *fil
                      .prior = file->detector.prior,
                      .snr_db = file->detector.snr_db,
                      .cost_ratio = file->detector.cost_ratio},
+        .records = (asdic_record_form)file->output.records,
         .output = {.csv = (asdic_csv_form)file->output.csv, .images = file->output.images}};
     for (size_t i = 0; i < ASDIC_FORMAT_COUNT; i++) {
         out->output.formats |= file->output.formats[i] ? 1u << i : 0u;
     }
-    choose_csv(file, out);
+    choose_output(file, out);
     out->receivers = calloc(out->sonar.receiver_count + 1, sizeof *out->receivers);
     if (!out->receivers) {
         return asdic_fail_memory(ctx, "the receivers");

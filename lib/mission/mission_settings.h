@@ -5,6 +5,8 @@
 #ifndef ASDIC_MISSION_MISSION_SETTINGS_H
 #define ASDIC_MISSION_MISSION_SETTINGS_H
 
+#include "out/record.h"
+
 #include <asdic/mission.h>
 
 struct asdic_scene_file;
@@ -20,8 +22,9 @@ typedef struct asdic_settings {
     bool keeps_all_terms; /* whatever the plan says */
     asdic_detector detector;
     asdic_output_options output;
-    bool has_source_level; /* the file gives one */
-    bool leaves_csv_out;   /* because of its many beams: the file does not say which CSV */
+    bool has_source_level;     /* the file gives one */
+    bool leaves_csv_out;       /* because of its large pings: the file does not say which CSV */
+    asdic_record_form records; /* in pings.npy */
 } asdic_settings;
 
 /* What FILE says. OUT is to be finished in any case. */

@@ -1,6 +1,7 @@
 #include "record.h"
 
 #include "base/decibel.h"
+#include "half.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -18,33 +19,94 @@ const char *const asdic_record_names[ASDIC_RECORD_ARRAYS] = {
 };
 
 size_t asdic_record_bytes(size_t beams, size_t bins) {
-    return sizeof(asdic_record_head) + ASDIC_RECORD_ARRAYS * beams * bins * sizeof(float) +
-           sizeof(uint32_t);
+    return sizeof(asdic_record_head) + ASDIC_RECORD_ARRAYS * beams * bins * sizeof(float);
 }
 
-void asdic_record_dtype(char text[ASDIC_RECORD_DTYPE_SIZE], size_t beams, size_t bins) {
+/* Bytes of a number of ARRAY in the file; 0: not stored. */
+static size_t width_of(const asdic_record_layout *layout, int array) {
+    if (layout->form == ASDIC_RECORD_FULL || array == ASDIC_TOTAL) {
+        return sizeof(float);
+    }
+    bool is_part = array < ASDIC_COMPONENT_COUNT;
+    bool is_kept = layout->form == ASDIC_RECORD_COMPACT && layout->parts & 1u << array;
+    return !is_part || is_kept ? sizeof(uint16_t) : 0;
+}
+
+size_t asdic_record_stored_bytes(const asdic_record_layout *layout) {
+    size_t each = 0;
+    for (int i = 0; i < ASDIC_RECORD_ARRAYS; i++) {
+        each += width_of(layout, i);
+    }
+    return sizeof(asdic_record_head) + layout->beams * layout->bins * each + sizeof(uint32_t);
+}
+
+void asdic_record_dtype(char text[ASDIC_RECORD_DTYPE_SIZE], const asdic_record_layout *layout) {
     int used = snprintf(text, ASDIC_RECORD_DTYPE_SIZE,
                         "[('ping', '<u8'), ('time_s', '<f8'), ('position_m', '<f8', (3,)), "
                         "('attitude_rad', '<f8', (3,)), ('altitude_m', '<f8'), ('rays', '<u8'), "
                         "('saturated', '<u8')");
     for (int i = 0; i < ASDIC_RECORD_ARRAYS; i++) {
-        used += snprintf(text + used, ASDIC_RECORD_DTYPE_SIZE - (size_t)used,
-                         ", ('%s', '<f4', (%zu, %zu))", asdic_record_names[i], beams, bins);
+        size_t width = width_of(layout, i);
+        if (width > 0) {
+            used += snprintf(text + used, ASDIC_RECORD_DTYPE_SIZE - (size_t)used,
+                             ", ('%s', '<f%zu', (%zu, %zu))", asdic_record_names[i], width,
+                             layout->beams, layout->bins);
+        }
     }
     snprintf(text + used, ASDIC_RECORD_DTYPE_SIZE - (size_t)used, ", ('crc32', '<u4')]");
 }
 
 /* zlib's sum of all that stands before it. */
-static uint32_t sum_of(const void *bytes, size_t record_bytes) {
-    return (uint32_t)crc32_z(0, bytes, record_bytes - sizeof(uint32_t));
+static uint32_t sum_of(const void *stored, size_t stored_bytes) {
+    return (uint32_t)crc32_z(0, stored, stored_bytes - sizeof(uint32_t));
 }
 
-bool asdic_record_is_whole(const void *bytes, size_t record_bytes, uint64_t ping) {
+bool asdic_record_is_whole(const void *stored, size_t stored_bytes, uint64_t ping) {
     asdic_record_head head;
     uint32_t sum;
-    memcpy(&head, bytes, sizeof head);
-    memcpy(&sum, (const char *)bytes + record_bytes - sizeof sum, sizeof sum);
-    return head.ping == ping && sum == sum_of(bytes, record_bytes);
+    memcpy(&head, stored, sizeof head);
+    memcpy(&sum, (const char *)stored + stored_bytes - sizeof sum, sizeof sum);
+    return head.ping == ping && sum == sum_of(stored, stored_bytes);
+}
+
+void asdic_record_store(const asdic_record_layout *layout, const void *bytes, void *stored) {
+    size_t cells = layout->beams * layout->bins, stored_bytes = asdic_record_stored_bytes(layout);
+    const float *from =
+        (const float *)(const void *)((const char *)bytes + sizeof(asdic_record_head));
+    char *to = (char *)stored + sizeof(asdic_record_head);
+    memcpy(stored, bytes, sizeof(asdic_record_head));
+    for (int i = 0; i < ASDIC_RECORD_ARRAYS; i++, from += cells) {
+        size_t width = width_of(layout, i);
+        if (width == sizeof(float)) {
+            memcpy(to, from, cells * sizeof *from);
+        }
+        for (size_t k = 0; k < cells && width == sizeof(uint16_t); k++) {
+            uint16_t half = asdic_half_of(from[k]);
+            memcpy(to + k * sizeof half, &half, sizeof half);
+        }
+        to += cells * width;
+    }
+    uint32_t sum = sum_of(stored, stored_bytes);
+    memcpy(to, &sum, sizeof sum);
+}
+
+void asdic_record_restore(const asdic_record_layout *layout, const void *stored, void *bytes) {
+    size_t cells = layout->beams * layout->bins;
+    const char *from = (const char *)stored + sizeof(asdic_record_head);
+    float *to = (float *)(void *)((char *)bytes + sizeof(asdic_record_head));
+    memcpy(bytes, stored, sizeof(asdic_record_head));
+    for (int i = 0; i < ASDIC_RECORD_ARRAYS; i++, to += cells) {
+        size_t width = width_of(layout, i);
+        if (width == sizeof(float)) {
+            memcpy(to, from, cells * sizeof *to);
+        }
+        for (size_t k = 0; k < cells && width != sizeof(float); k++) {
+            uint16_t half = 0;
+            memcpy(&half, from + k * width, width);
+            to[k] = width ? asdic_half_value(half) : NAN;
+        }
+        from += cells * width;
+    }
 }
 
 void asdic_record_pack(const asdic_record_head *head, const asdic_ping *ping, void *bytes) {
@@ -59,8 +121,6 @@ void asdic_record_pack(const asdic_record_head *head, const asdic_ping *ping, vo
         bool is_known = ping->intensity_lin[ASDIC_TOTAL][i] > 0.0 && isfinite(ping->stderr_db[i]);
         *out++ = is_known ? ping->stderr_db[i] : NAN;
     }
-    uint32_t sum = sum_of(bytes, asdic_record_bytes(ping->beams, ping->bins));
-    memcpy(out, &sum, sizeof sum);
 }
 
 void asdic_record_view(const void *bytes, size_t beams, size_t bins, asdic_record *record) {

@@ -12,8 +12,7 @@
 /* "level_db" ... "stderr_db": the columns of bins.csv. */
 extern const char *const asdic_record_names[ASDIC_RECORD_ARRAYS];
 
-/* Little-endian, packed, as NPY wants it; the arrays follow, each float32 [beam, bin], and the
- * CRC-32 of all before it. */
+/* The numbers before a record's levels; little-endian, packed. */
 typedef struct asdic_record_head {
     uint64_t ping;
     double time_s;
@@ -23,19 +22,40 @@ typedef struct asdic_record_head {
     uint64_t rays, saturated;
 } asdic_record_head;
 
+/* In memory: the head, then the arrays, each float32 [beam, bin]. */
 size_t asdic_record_bytes(size_t beams, size_t bins);
-
-/* The NumPy dtype of a record: "[('ping', '<u8'), ...]". */
-#define ASDIC_RECORD_DTYPE_SIZE 768
-void asdic_record_dtype(char text[ASDIC_RECORD_DTYPE_SIZE], size_t beams, size_t bins);
 
 /* Fills BYTES (asdic_record_bytes, aligned for double) from a ping. */
 void asdic_record_pack(const asdic_record_head *head, const asdic_ping *ping, void *bytes);
 
-/* Whether BYTES are the record of PING as it was packed. */
-bool asdic_record_is_whole(const void *bytes, size_t record_bytes, uint64_t ping);
-
 /* Points RECORD into BYTES. */
 void asdic_record_view(const void *bytes, size_t beams, size_t bins, asdic_record *record);
+
+/* What of it is stored. */
+typedef enum asdic_record_form {
+    ASDIC_RECORD_FULL,    /* all, as it lies in memory */
+    ASDIC_RECORD_COMPACT, /* levels in float32; PARTS and errors in float16 */
+    ASDIC_RECORD_LEVELS,  /* the same without parts */
+} asdic_record_form;
+
+typedef struct asdic_record_layout {
+    size_t beams, bins;
+    asdic_record_form form;
+    unsigned parts; /* 1u << asdic_component; what has energy in no ping need not be among them */
+} asdic_record_layout;
+
+/* In the file: the head, the arrays, and the CRC-32 of all before it; packed. */
+size_t asdic_record_stored_bytes(const asdic_record_layout *layout);
+
+/* The NumPy dtype: "[('ping', '<u8'), ...]". */
+#define ASDIC_RECORD_DTYPE_SIZE 768
+void asdic_record_dtype(char text[ASDIC_RECORD_DTYPE_SIZE], const asdic_record_layout *layout);
+
+/* From memory, BYTES, to the file's form, and back: what is not stored is NAN then. */
+void asdic_record_store(const asdic_record_layout *layout, const void *bytes, void *stored);
+void asdic_record_restore(const asdic_record_layout *layout, const void *stored, void *bytes);
+
+/* Whether STORED is the record of PING as it was made. */
+bool asdic_record_is_whole(const void *stored, size_t stored_bytes, uint64_t ping);
 
 #endif

@@ -11,7 +11,7 @@ import xml.etree.ElementTree
 import program
 import tap
 from program import Folder, asdic
-from run_folder import data, facts, pictures, scene
+from run_folder import data, facts, pictures, same, scene
 
 SYSTEM_PYTHON = "/usr/bin/python3"  # Debian's, which has Debian's numpy
 
@@ -146,17 +146,19 @@ def test_small_arrays_in_numpy():
                   os.path.getsize(run + "/levels.npy"), True, "half the size")
 
 
-def test_many_beams_write_no_table_unless_asked():
+def test_large_pings_write_no_table_unless_asked():
+    """Of 150 bins, 334 beams are more than 50,000 bins and 333 are not."""
     with Folder() as folder:
-        path = scene(folder, pings=2, rays=500, receivers=FAN)
-        many = folder.read("pool.yaml").replace("npy: true, ", "")
+        path = scene(folder, pings=2, rays=500, receivers="    fan: {count: 334, sector_deg: 90}")
+        many = folder.read("pool.yaml").replace("npy: true, ", "").replace("bin_length_m: 1",
+                                                                           "bin_length_m: 0.25")
         def files_of(text):
             folder.write("pool.yaml", text)
             done = asdic("run", path, "-o", folder / "r", "--force").check(code=0)
             return {n for n in os.listdir(folder / "r") if n == "bins.csv" or "levels" in n}, done.err
         names, said = files_of(many)
         tap.equal(names, {"levels_float16.npy"})
-        tap.contains(said, "no bins.csv of 65 beams")
+        tap.contains(said, "no bins.csv, which would have some 100 bytes for each bin of 334 beams")
         tap.equal(asdic("detect", folder / "r").check(code=0).code, 0)
         asdic("render", folder / "r").check(code=0)
         for k in (1, 2):
@@ -165,7 +167,7 @@ def test_many_beams_write_no_table_unless_asked():
         tap.equal(data(folder, "whole", "levels_float16.npy") ==
                   data(folder, "r", "levels_float16.npy"), True, "of parts")
         for edit, wanted in (((", pings: 2", ""), {"bins.csv"}),  # one ping
-                             (("count: 65", "count: 64"), {"bins.csv"}),
+                             (("count: 334", "count: 333"), {"bins.csv"}),
                              (("output: {", "output: {csv: long, "), {"bins.csv"}),
                              (("output: {", "output: {csv: none, "), set()),
                              (("output: {", "output: {npy: true, "), {"levels.npy"})):
@@ -173,6 +175,51 @@ def test_many_beams_write_no_table_unless_asked():
             names, said = files_of(many.replace(*edit))
             tap.equal(names, wanted, edit[1])
             tap.equal("no bins.csv" in said, wanted == {"levels.npy"}, said)
+
+
+def test_records_as_small_as_asked():
+    """Levels are the same to the bit in each form, parts and errors within 16 bits' rounding; parts of
+    runs, resumed runs and predictions fit; detection asks for the parts."""
+    with Folder() as folder:
+        scene(folder, pings=4, rays=500, receivers=FAN)
+        pool = folder.read("pool.yaml").replace("npy: true", "csv: none, npy: true")
+        pool = pool.replace("seed: 7", "seed: 7, multipath: off")  # a part less
+        sizes = {}
+        for form in ("full", "compact", "levels"):
+            path = folder.write(f"{form}.yaml", pool.replace("output: {", f"output: {{records: {form}, "))
+            asdic("run", path, "-o", folder / form).check(code=0)
+            told = json.loads(asdic("check", "--json", path).check(code=0).out)[0]["output"]["ping_bytes"]
+            cells = 65 * facts(folder, form)["bins"]
+            content = data(folder, form, "pings.npy")
+            sizes[form] = (len(content) - 10 - int.from_bytes(content[8:10], "little")) // 4
+            tap.equal(told, sizes[form] + 4 * cells, "bytes a ping")
+            for k in (1, 2):
+                asdic("run", path, "-o", folder / f"{form}{k}", "--shard", f"{k}/2").check(code=0)
+            asdic("merge", folder / f"{form}1", folder / f"{form}2", "-o", folder / "m", "-f").check(code=0)
+            same(folder, form, "m")
+            flip = bytearray(content)
+            flip[-2 * sizes[form] + 500] ^= 4
+            with open(folder / f"{form}/pings.npy", "wb") as file:
+                file.write(flip)
+            os.unlink(folder / f"{form}/levels.npy")
+            asdic("run", path, "-o", folder / form, "--resume").check(code=0)
+            same(folder, "m", form)
+            done = asdic("detect", folder / form, "--background", "flat")
+            tap.equal(done.code, 3 if form == "levels" else 0, done.err)
+        tap.equal([sizes[form] - 92 for form in sizes], [32 * cells, 16 * cells, 6 * cells], "bytes")
+        numpy("import os\n"
+              "full, small, least = (numpy.load(n + '/pings.npy') for n in ('full', 'compact', 'levels'))\n"
+              "assert least.dtype.names[-3:] == ('level_db', 'stderr_db', 'crc32')\n"
+              "for name in full.dtype.names[7:-1]:\n"
+              "    a = full[name]; there = numpy.isfinite(a)\n"
+              "    for form in (small, least):\n"
+              "        if name not in form.dtype.names:\n"
+              "            assert form is least or not there.any(), name\n"
+              "            continue\n"
+              "        b = form[name].astype('f4')\n"
+              "        assert (numpy.isfinite(b) == there).all(), name\n"
+              "        assert (abs(a - b)[there] <= (0 if name == 'level_db' else abs(a[there]) * 2**-11)).all()\n",
+              folder.path)
 
 
 def test_size_is_foretold():

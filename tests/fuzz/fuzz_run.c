@@ -48,7 +48,7 @@ static void write_facts(asdic_context *ctx) {
 }
 
 static void write_records(asdic_context *ctx) {
-    const asdic_store_shape shape = {.beams = BEAMS, .bins = BINS};
+    const asdic_store_shape shape = {.layout = {.beams = BEAMS, .bins = BINS}};
     asdic_store *store = NULL;
     asdic_ping *ping = NULL;
     void *bytes = calloc(1, asdic_record_bytes(BEAMS, BINS));

@@ -142,7 +142,8 @@ static void killed_run_goes_on(void **state) {
 
 /* Changes one bit of ping PING's record. */
 static void flip(const char *run_name, size_t bins, size_t ping, size_t byte) {
-    size_t length, each = asdic_record_bytes(BEAMS, bins);
+    const asdic_record_layout layout = {.beams = BEAMS, .bins = bins};
+    size_t length, each = asdic_record_stored_bytes(&layout);
     char path[300], *bytes = read_file(run_name, "pings.npy", &length);
     size_t at = length - (PINGS - ping) * each + byte;
     snprintf(path, sizeof path, "%s/%s/pings.npy", run_rig_folder, run_name);
@@ -163,7 +164,9 @@ static void bad_records_are_named_and_made_again(void **state) {
     begin(&f);
     assert_int_equal(run(&f, 1, asdic_run_options_default(), "flawed"), ASDIC_OK);
     assert_int_equal(asdic_run_open(f.ctx, in_folder("flawed"), &opened), ASDIC_OK);
-    size_t bins = asdic_run_get_info(opened).bins, each = asdic_record_bytes(BEAMS, bins);
+    size_t bins = asdic_run_get_info(opened).bins;
+    const asdic_record_layout layout = {.beams = BEAMS, .bins = bins};
+    size_t each = asdic_record_stored_bytes(&layout);
     asdic_run_close(&opened);
     flip("flawed", bins, bad[0], 12);       /* the head */
     flip("flawed", bins, bad[1], each / 2); /* a level */

@@ -175,7 +175,7 @@ ASDIC_API asdic_status asdic_mission_plan(asdic_context *ctx, const asdic_missio
  * before compression). */
 ASDIC_API uint64_t asdic_mission_ping_bytes(const asdic_mission *mission);
 
-/* Whether bins.csv is not written because of the many beams, the scene not asking for it. */
+/* Whether bins.csv is not written because pings are large, the scene not asking for it. */
 ASDIC_API bool asdic_mission_leaves_csv_out(const asdic_mission *mission);
 
 /* What is free where FOLDER is, or would be; UINT64_MAX where the system does not tell. */

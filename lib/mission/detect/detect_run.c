@@ -146,6 +146,12 @@ static asdic_status open_run(asdic_detect_job *job, const char *folder) {
     if (job->info.pings == 0) {
         return asdic_fail(job->ctx, ASDIC_ERROR_INPUT, "'%s' holds no ping yet", folder);
     }
+    if (job->run->settings.records == ASDIC_RECORD_LEVELS) {
+        return asdic_fail(job->ctx, ASDIC_ERROR_INPUT,
+                          "'%s' keeps levels alone, and detection needs their parts; run the scene "
+                          "with 'output: {records: compact}'",
+                          folder);
+    }
     asdic_record first;
     TRY(asdic_run_read(job->run, 0, &first));
     job->sound_speed_mps =

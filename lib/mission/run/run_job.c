@@ -156,7 +156,8 @@ asdic_status asdic_job_describe(asdic_run_job *job) {
 static asdic_status open_store(asdic_run_job *job, asdic_store_mode mode) {
     const asdic_run_facts *f = &job->facts;
     const asdic_store_shape shape = {
-        .first_ping = f->first_ping, .beams = f->beams, .bins = f->bins};
+        .first_ping = f->first_ping,
+        .layout = asdic_store_layout(&job->mission->settings, f->beams, f->bins, f->plan.left_out)};
     return asdic_store_open(job->ctx, job->options->folder, mode, &shape, &job->store);
 }
 
@@ -311,7 +312,7 @@ asdic_status asdic_job_take_again(asdic_run_job *job) {
     return keep(job, job->bytes);
 }
 
-asdic_status asdic_job_take(asdic_run_job *job, const void *bytes) {
+asdic_status asdic_job_take(asdic_run_job *job, void *bytes) {
     double begin_s = asdic_clock_s();
     if (job->store) {
         TRY(asdic_store_write(job->store, job->kept, bytes));

@@ -53,7 +53,7 @@ asdic_status asdic_job_begin_stream(asdic_run_job *job);
 asdic_status asdic_job_take_again(asdic_run_job *job);
 
 /* Adds the record in BYTES, the next in order, to the store, the files and the summary. */
-asdic_status asdic_job_take(asdic_run_job *job, const void *bytes);
+asdic_status asdic_job_take(asdic_run_job *job, void *bytes);
 
 /* Pings whose records are in the store. */
 size_t asdic_job_stored(const asdic_run_job *job);

@@ -156,8 +156,10 @@ static asdic_status open_files(merger *m) {
 }
 
 static asdic_status write_run(merger *m) {
+    const asdic_run_facts *f = &m->facts;
     const asdic_store_shape shape = {
-        .first_ping = m->facts.first_ping, .beams = m->facts.beams, .bins = m->facts.bins};
+        .first_ping = f->first_ping,
+        .layout = asdic_store_layout(&m->parts[0]->settings, f->beams, f->bins, f->plan.left_out)};
     TRY(open_files(m));
     TRY(asdic_store_open(m->ctx, m->folder, ASDIC_STORE_CREATE, &shape, &m->store));
     TRY(asdic_summary_create_all(m->ctx, &m->parts[0]->settings, &m->facts, &m->summary));

@@ -21,7 +21,9 @@ static asdic_status open_run(asdic_run *run) {
     }
     TRY(asdic_run_check_small(run->ctx, run->folder, facts));
     const asdic_store_shape shape = {
-        .first_ping = facts->first_ping, .beams = facts->beams, .bins = facts->bins};
+        .first_ping = facts->first_ping,
+        .layout =
+            asdic_store_layout(&run->settings, facts->beams, facts->bins, facts->plan.left_out)};
     asdic_status status =
         asdic_store_open(run->ctx, run->folder, ASDIC_STORE_READ, &shape, &run->store);
     if (status == ASDIC_ERROR_IO) {
@@ -32,7 +34,7 @@ static asdic_status open_run(asdic_run *run) {
     }
     TRY(status);
     run->scene_name = asdic_scene_name(facts->scene_path);
-    run->buffer = malloc(asdic_store_record_bytes(run->store));
+    run->buffer = malloc(asdic_record_bytes(facts->beams, facts->bins));
     return run->scene_name && run->buffer ? ASDIC_OK : asdic_fail_memory(run->ctx, "a run");
 }
 

@@ -33,6 +33,7 @@ uint64_t asdic_mission_ping_bytes(const asdic_mission *mission) {
     if (!mission) {
         return 0;
     }
+    asdic_plan plan;
     const asdic_output_options *output = &mission->settings.output;
     size_t beams = mission->settings.sonar.receiver_count, bins = bins_of(mission), each = 0;
     each += output->csv == ASDIC_CSV_LONG ? LONG_ROW_BYTES : 0;
@@ -40,7 +41,14 @@ uint64_t asdic_mission_ping_bytes(const asdic_mission *mission) {
     for (size_t i = 0; i < ASDIC_FORMAT_COUNT; i++) {
         each += output->formats & 1u << i ? asdic_formats[i]->level_bytes : 0;
     }
-    return asdic_record_bytes(beams, bins) + (uint64_t)beams * bins * each;
+    unsigned left_out = 0;
+    if (mission->settings.records == ASDIC_RECORD_COMPACT &&
+        asdic_mission_plan(NULL, mission, &plan) == ASDIC_OK) {
+        left_out = plan.left_out;
+    }
+    const asdic_record_layout layout =
+        asdic_store_layout(&mission->settings, beams, bins, left_out);
+    return asdic_record_stored_bytes(&layout) + (uint64_t)beams * bins * each;
 }
 
 bool asdic_mission_leaves_csv_out(const asdic_mission *mission) {
@@ -129,7 +137,8 @@ static asdic_status time_in(asdic_context *ctx, const asdic_mission *m, const as
                              .bins = ping->bins};
     asdic_store *store = NULL;
     asdic_files *files = NULL;
-    const asdic_store_shape shape = {.beams = ping->beams, .bins = ping->bins};
+    const asdic_store_shape shape = {
+        .layout = asdic_store_layout(&m->settings, ping->beams, ping->bins, 0)};
     void *bytes = malloc(asdic_record_bytes(ping->beams, ping->bins));
     asdic_status status = bytes ? asdic_store_open(ctx, folder, ASDIC_STORE_CREATE, &shape, &store)
                                 : asdic_fail_memory(ctx, "a record");

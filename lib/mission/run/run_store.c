@@ -7,6 +7,8 @@
 #include "out/record.h"
 #include "run_folder.h"
 
+#include <asdic/plan.h>
+
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
@@ -21,7 +23,8 @@ struct asdic_store {
     char *path, *part;
     int fd;
     bool is_part;
-    size_t first_ping;
+    asdic_store_shape shape;
+    void *stored; /* a record as in the file */
     size_t record_bytes, header_bytes, count;
     char dtype[ASDIC_RECORD_DTYPE_SIZE];
 };
@@ -153,6 +156,20 @@ static asdic_status open_file(asdic_store *store, asdic_store_mode mode) {
     return store->fd < 0 ? asdic_file_fail(store->ctx, store->part, errno) : write_header(store, 0);
 }
 
+asdic_record_layout asdic_store_layout(const asdic_settings *settings, size_t beams, size_t bins,
+                                       unsigned left_out) {
+    static const asdic_term terms[ASDIC_COMPONENT_COUNT] = {
+        [ASDIC_BOTTOM] = ASDIC_TERM_BOTTOM, [ASDIC_SURFACE] = ASDIC_TERM_SURFACE,
+        [ASDIC_VOLUME] = ASDIC_TERM_VOLUME, [ASDIC_OBJECT] = ASDIC_TERM_OBJECTS,
+        [ASDIC_NOISE] = ASDIC_TERM_NOISE,   [ASDIC_MULTIPATH] = ASDIC_TERM_MULTIPATH};
+    asdic_record_layout layout = {.beams = beams, .bins = bins, .form = settings->records};
+    for (int c = 0; c < ASDIC_COMPONENT_COUNT; c++) {
+        bool is_kept = c != ASDIC_TOTAL && !(left_out & 1u << terms[c]);
+        layout.parts |= is_kept ? 1u << c : 0u;
+    }
+    return layout;
+}
+
 asdic_status asdic_store_open(asdic_context *ctx, const char *folder, asdic_store_mode mode,
                               const asdic_store_shape *shape, asdic_store **out) {
     char header[ASDIC_NPY_HEADER_SIZE];
@@ -165,12 +182,14 @@ asdic_status asdic_store_open(asdic_context *ctx, const char *folder, asdic_stor
     store->fd = -1;
     store->path = asdic_folder_file(folder, "pings.npy");
     store->part = asdic_folder_file(folder, "pings.npy.part");
-    store->first_ping = shape->first_ping;
-    store->record_bytes = asdic_record_bytes(shape->beams, shape->bins);
-    asdic_record_dtype(store->dtype, shape->beams, shape->bins);
+    store->shape = *shape;
+    store->record_bytes = asdic_record_stored_bytes(&shape->layout);
+    store->stored = malloc(store->record_bytes);
+    asdic_record_dtype(store->dtype, &shape->layout);
     store->header_bytes = asdic_npy_header(header, store->dtype, 0, "");
-    asdic_status status = store->path && store->part ? open_file(store, mode)
-                                                     : asdic_fail_memory(ctx, "a run's file name");
+    bool has_memory = store->path && store->part && store->stored;
+    asdic_status status =
+        has_memory ? open_file(store, mode) : asdic_fail_memory(ctx, "a run's file name");
     if (status != ASDIC_OK) {
         asdic_store_close(&store);
     }
@@ -182,33 +201,33 @@ size_t asdic_store_count(const asdic_store *store) {
     return store->count;
 }
 
-size_t asdic_store_record_bytes(const asdic_store *store) {
-    return store->record_bytes;
-}
-
 static size_t offset_of(const asdic_store *store, size_t index) {
     return store->header_bytes + index * store->record_bytes;
 }
 
-asdic_status asdic_store_write(asdic_store *store, size_t index, const void *bytes) {
-    if (!write_at(store->fd, bytes, store->record_bytes, offset_of(store, index))) {
+asdic_status asdic_store_write(asdic_store *store, size_t index, void *bytes) {
+    asdic_record_store(&store->shape.layout, bytes, store->stored);
+    if (!write_at(store->fd, store->stored, store->record_bytes, offset_of(store, index))) {
         return fail_io(store, "write");
     }
     store->count = index < store->count ? store->count : index + 1;
+    asdic_record_restore(&store->shape.layout, store->stored, bytes);
     return ASDIC_OK;
 }
 
 asdic_status asdic_store_read(asdic_store *store, size_t index, void *bytes) {
-    if (!read_at(store->fd, bytes, store->record_bytes, offset_of(store, index))) {
+    uint64_t ping = store->shape.first_ping + index;
+    if (!read_at(store->fd, store->stored, store->record_bytes, offset_of(store, index))) {
         return fail_io(store, "read");
     }
-    uint64_t ping = store->first_ping + index;
-    return asdic_record_is_whole(bytes, store->record_bytes, ping)
-               ? ASDIC_OK
-               : asdic_fail(store->ctx, ASDIC_ERROR_INPUT,
-                            "'%s' is damaged: ping %llu is not as it was written; 'asdic run' with "
-                            "--resume makes it again",
-                            store->is_part ? store->part : store->path, (unsigned long long)ping);
+    if (!asdic_record_is_whole(store->stored, store->record_bytes, ping)) {
+        return asdic_fail(store->ctx, ASDIC_ERROR_INPUT,
+                          "'%s' is damaged: ping %llu is not as it was written; 'asdic run' with "
+                          "--resume makes it again",
+                          store->is_part ? store->part : store->path, (unsigned long long)ping);
+    }
+    asdic_record_restore(&store->shape.layout, store->stored, bytes);
+    return ASDIC_OK;
 }
 
 asdic_status asdic_store_cut(asdic_store *store, size_t count) {
@@ -240,6 +259,7 @@ void asdic_store_close(asdic_store **store) {
     }
     free((*store)->path);
     free((*store)->part);
+    free((*store)->stored);
     free(*store);
     *store = NULL;
 }

@@ -5,13 +5,17 @@
 #ifndef ASDIC_MISSION_RUN_STORE_H
 #define ASDIC_MISSION_RUN_STORE_H
 
+#include "mission/mission_settings.h"
+#include "out/record.h"
+
 #include <asdic/context.h>
 
 typedef struct asdic_store asdic_store;
 
 /* What the records are of. */
 typedef struct asdic_store_shape {
-    size_t first_ping, beams, bins;
+    size_t first_ping;
+    asdic_record_layout layout;
 } asdic_store_shape;
 
 typedef enum asdic_store_mode {
@@ -20,14 +24,18 @@ typedef enum asdic_store_mode {
     ASDIC_STORE_RESUME, /* what an earlier run of the same shape left; else an empty one */
 } asdic_store_mode;
 
+/* What runs with these SETTINGS, whose plan leaves LEFT_OUT out (asdic_plan), store. */
+asdic_record_layout asdic_store_layout(const asdic_settings *settings, size_t beams, size_t bins,
+                                       unsigned left_out);
+
 asdic_status asdic_store_open(asdic_context *ctx, const char *folder, asdic_store_mode mode,
                               const asdic_store_shape *shape, asdic_store **out);
 
 size_t asdic_store_count(const asdic_store *store);
-size_t asdic_store_record_bytes(const asdic_store *store);
 
-/* Record INDEX in the place of the one that is there, or behind the last. */
-asdic_status asdic_store_write(asdic_store *store, size_t index, const void *bytes);
+/* Record INDEX in the place of the one that is there, or behind the last. BYTES, as they are in
+ * memory, become what will be read. */
+asdic_status asdic_store_write(asdic_store *store, size_t index, void *bytes);
 /* ASDIC_ERROR_INPUT, with the ping's number, when the record is not as it was written. */
 asdic_status asdic_store_read(asdic_store *store, size_t index, void *bytes);
 

@@ -202,12 +202,13 @@ typedef struct file_detector {
     double pfa, prior, snr_db, cost_ratio; /* cost_ratio NAN: none given */
 } file_detector;
 
-/* In file_output.csv, beside asdic_csv_form: as suits the number of beams. */
-#define FILE_CSV_AUTO -1
+/* In file_output.csv and .records, beside asdic_csv_form and asdic_record_form: as suits the size of
+ * a ping. */
+#define FILE_AUTO -1
 
 typedef struct file_output {
     asdic_yaml_node *node;
-    int csv;
+    int csv, records;
     bool formats[ASDIC_FORMAT_COUNT];
     unsigned images;
 } file_output;

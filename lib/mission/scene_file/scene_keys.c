@@ -89,11 +89,16 @@ static const asdic_key detector_keys[] = {
 static const asdic_table detector_table = {TABLE(detector_keys, file_detector),
                                            .doc = "the detector"};
 
-static const asdic_word csv_words[] = {{"auto", FILE_CSV_AUTO},
+static const asdic_word csv_words[] = {{"auto", FILE_AUTO},
                                        {"long", ASDIC_CSV_LONG},
                                        {"wide", ASDIC_CSV_WIDE},
                                        {"none", ASDIC_CSV_NONE},
                                        {NULL, 0}};
+static const asdic_word record_words[] = {{"auto", FILE_AUTO},
+                                          {"full", ASDIC_RECORD_FULL},
+                                          {"compact", ASDIC_RECORD_COMPACT},
+                                          {"levels", ASDIC_RECORD_LEVELS},
+                                          {NULL, 0}};
 static const asdic_word image_words[] = {
     {"waterfall", ASDIC_IMAGE_WATERFALL}, {"ascope", ASDIC_IMAGE_ASCOPE}, {"fan", ASDIC_IMAGE_FAN},
     {"overview", ASDIC_IMAGE_OVERVIEW},   {"plan", ASDIC_IMAGE_PLAN},     {NULL, 0}};
@@ -103,8 +108,12 @@ static const asdic_word image_words[] = {
 static const asdic_key output_keys[] = {
     {"csv", ASDIC_KEY_WORD, AT(file_output, csv), .words = csv_words, .fallback = "auto",
      .doc = "bins.csv: long has a row per ping, beam and bin, wide one per ping and beam; none: no "
-            "such file, pings.npy holds the same; auto: long, but of several pings of more than 64 "
-            "beams none, with levels_float16.npy unless another format is asked for"},
+            "such file, pings.npy holds the same; auto: long, but of several pings of more than 5 "
+            "MB each none, with levels_float16.npy unless another format is asked for"},
+    {"records", ASDIC_KEY_WORD, AT(file_output, records), .words = record_words, .fallback = "auto",
+     .doc = "pings.npy: full has float32 throughout; compact has levels in float32, errors and the "
+            "parts that the scene can have in float16; levels the same without parts; auto: full, "
+            "but compact where csv: auto writes none"},
     ASDIC_FORMATS(FORMAT_KEY){
         "images", ASDIC_KEY_WORDS, AT(file_output, images), .words = image_words,
         .fallback = "[waterfall, ascope, fan, overview, plan]", .doc = "pictures to draw"},
