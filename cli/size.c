@@ -20,7 +20,8 @@ const char *cli_size(const asdic_mission *mission, size_t pings, const char *fol
     char each[32], all[32], left[32];
     uint64_t bytes = asdic_mission_ping_bytes(mission), room = asdic_disk_free_bytes(folder);
     snprintf(text, CLI_SIZE_TEXT, "%s a ping, %s in all; %s%s", show(bytes, each),
-             show(bytes * pings, all), room == UINT64_MAX ? "unknown room" : show(room, left),
+             show(asdic_mission_run_bytes(mission, pings), all),
+             room == UINT64_MAX ? "unknown room" : show(room, left),
              room == UINT64_MAX ? "" : " free");
     return text;
 }
@@ -36,12 +37,13 @@ void cli_remark_csv(const cli *c, const char *path, const asdic_mission *mission
 }
 
 void cli_json_size(json *j, const asdic_mission *mission) {
-    uint64_t bytes = asdic_mission_ping_bytes(mission), room = asdic_disk_free_bytes(".");
+    uint64_t bytes = asdic_mission_run_bytes(mission, asdic_mission_ping_count(mission));
+    uint64_t room = asdic_disk_free_bytes(".");
     json_open(j, "output", '{');
-    json_integer(j, "ping_bytes", bytes);
-    json_integer(j, "bytes", bytes * asdic_mission_ping_count(mission));
+    json_integer(j, "ping_bytes", asdic_mission_ping_bytes(mission));
+    json_integer(j, "bytes", bytes);
     json_integer(j, "free_bytes", room);
-    json_bool(j, "fits", bytes * asdic_mission_ping_count(mission) <= room);
+    json_bool(j, "fits", bytes <= room);
     json_bool(j, "csv_left_out", asdic_mission_leaves_csv_out(mission));
     json_close(j);
 }

@@ -6,7 +6,9 @@
 #include "mission/mission.h"
 #include "out/format.h"
 #include "run_files.h"
+#include "out/digits.h"
 #include "run_folder.h"
+#include "run_picture.h"
 #include "run_store.h"
 
 #include <math.h>
@@ -16,10 +18,28 @@
 #include <sys/stat.h>
 #include <sys/statvfs.h>
 
-/* As measured, of three to five digits of bins and pings: a row of the long CSV, a level of the
- * wide one. */
-#define LONG_ROW_BYTES 95
-#define WIDE_LEVEL_BYTES 11
+/* As measured, of data/scenes: the digits of "%.9g" of a level of 10 to 100 dB and of an error; how
+ * much of a part's fields is filled where the scene has it. */
+#define LEVEL_DIGITS 9.89
+#define ERROR_DIGITS 10.5
+static const double filled[ASDIC_COMPONENT_COUNT] = {
+    [ASDIC_TOTAL] = 1.0,   [ASDIC_BOTTOM] = 0.75, [ASDIC_SURFACE] = 0.85,  [ASDIC_VOLUME] = 0.99,
+    [ASDIC_OBJECT] = 0.15, [ASDIC_NOISE] = 1.0,   [ASDIC_MULTIPATH] = 0.35};
+
+/* Of the pictures, and of the charts of a bottom from a mesh or grid. */
+static const struct {
+    asdic_image image;
+    uint64_t bytes;
+    bool needs_two; /* pings */
+} picture_sizes[] = {{ASDIC_IMAGE_WATERFALL, 100000, true},
+                     {ASDIC_IMAGE_ASCOPE, 250000, false},
+                     {ASDIC_IMAGE_FAN, 340000, false},
+                     {ASDIC_IMAGE_OVERVIEW, 110000, true},
+                     {ASDIC_IMAGE_PLAN, 300000, false}};
+#define TERRAIN_BYTES 800000
+
+/* Pings and bins whose numbers are printed to count their digits. */
+#define MOST_SAMPLES 1000
 
 /* --- how much --------------------------------------------------------------------------------- */
 
@@ -29,26 +49,96 @@ static size_t bins_of(const asdic_mission *m) {
         &m->settings.sonar, asdic_environment_sound_speed_mps(&m->settings.environment, depth_m));
 }
 
+/* Mean length of COUNT numbers, that of number I being FIRST + I * STEP. */
+static double mean_digits(double first, double step, size_t count) {
+    char digits[ASDIC_DIGITS_SIZE];
+    size_t every = count / MOST_SAMPLES + 1, length = 0, samples = 0;
+    for (size_t i = 0; i < count; i += every, samples++) {
+        length += asdic_digits_double(digits, first + (double)i * step);
+    }
+    return samples ? (double)length / (double)samples : 0.0;
+}
+
+/* "PING,TIME,BEAM," */
+static double prefix_bytes(const asdic_mission *m) {
+    size_t pings = asdic_mission_ping_count(m), every = pings / MOST_SAMPLES + 1;
+    double times = 0.0, names = 0.0;
+    char digits[ASDIC_DIGITS_SIZE];
+    for (size_t i = 0; i < pings; i += every) {
+        double time_s;
+        asdic_mission_pose(m, i, &time_s);
+        times += (double)asdic_digits_double(digits, time_s);
+    }
+    for (size_t i = 0; i < m->settings.sonar.receiver_count; i++) {
+        names += (double)strlen(m->settings.sonar.receivers[i].name);
+    }
+    return mean_digits(0.0, 1.0, pings) + times / (double)((pings - 1) / every + 1) +
+           names / (double)m->settings.sonar.receiver_count + 3.0;
+}
+
+/* Of bins.csv for each bin of each beam. */
+static double csv_bytes(const asdic_mission *m, size_t bins, unsigned parts) {
+    const asdic_sonar *sonar = &m->settings.sonar;
+    double sign = isnan(sonar->source_level_db) || sonar->source_level_db == 0.0 ? 1.0 : 0.0;
+    double level = LEVEL_DIGITS + sign, prefix = prefix_bytes(m), row = 0.0;
+    if (m->settings.output.csv == ASDIC_CSV_NONE) {
+        return 0.0;
+    }
+    if (m->settings.output.csv == ASDIC_CSV_WIDE) {
+        return level + 1.0 + prefix / (double)bins;
+    }
+    for (int c = 0; c < ASDIC_COMPONENT_COUNT; c++) {
+        bool is_there = c == ASDIC_TOTAL || (parts & 1u << c);
+        row += is_there ? filled[c] * level : 0.0;
+    }
+    return prefix + mean_digits(0.0, 1.0, bins) +
+           mean_digits(0.5 * sonar->bin_length_m, sonar->bin_length_m, bins) + 2.0 + row +
+           ERROR_DIGITS + ASDIC_RECORD_ARRAYS;
+}
+
 uint64_t asdic_mission_ping_bytes(const asdic_mission *mission) {
     if (!mission) {
         return 0;
     }
-    asdic_plan plan;
-    const asdic_output_options *output = &mission->settings.output;
-    size_t beams = mission->settings.sonar.receiver_count, bins = bins_of(mission), each = 0;
-    each += output->csv == ASDIC_CSV_LONG ? LONG_ROW_BYTES : 0;
-    each += output->csv == ASDIC_CSV_WIDE ? WIDE_LEVEL_BYTES : 0;
+    const asdic_settings *s = &mission->settings;
+    size_t beams = s->sonar.receiver_count, bins = bins_of(mission), each = 0;
+    asdic_plan plan = {.left_out = 0};
+    bool needs_parts = s->records == ASDIC_RECORD_COMPACT || s->output.csv == ASDIC_CSV_LONG;
+    if (needs_parts && asdic_mission_plan(NULL, mission, &plan) != ASDIC_OK) {
+        plan.left_out = 0;
+    }
+    const asdic_record_layout layout = asdic_store_layout(s, beams, bins, plan.left_out);
     for (size_t i = 0; i < ASDIC_FORMAT_COUNT; i++) {
-        each += output->formats & 1u << i ? asdic_formats[i]->level_bytes : 0;
+        each += s->output.formats & 1u << i ? asdic_formats[i]->level_bytes : 0;
     }
-    unsigned left_out = 0;
-    if (mission->settings.records == ASDIC_RECORD_COMPACT &&
-        asdic_mission_plan(NULL, mission, &plan) == ASDIC_OK) {
-        left_out = plan.left_out;
+    double cells = (double)beams * (double)bins;
+    return asdic_record_stored_bytes(&layout) +
+           (uint64_t)(cells * ((double)each + csv_bytes(mission, bins, layout.parts)));
+}
+
+/* Bytes that do not grow with the number of pings. */
+static uint64_t fixed_bytes(const asdic_mission *m, size_t pings) {
+    size_t beams = m->settings.sonar.receiver_count;
+    bool is_fan = asdic_render_has_fan(&m->settings.sonar) || m->settings.sweep.directions >= 3;
+    uint64_t bytes = 0;
+    for (size_t i = 0; i < sizeof picture_sizes / sizeof *picture_sizes; i++) {
+        asdic_image image = picture_sizes[i].image;
+        size_t count = image == ASDIC_IMAGE_WATERFALL ? (beams > ASDIC_SUMMARY_BEAMS ? 1 : beams)
+                       : image == ASDIC_IMAGE_ASCOPE  ? (pings > 1 ? 2 : 1)
+                       : image == ASDIC_IMAGE_FAN     ? (is_fan ? (pings > 1 ? 2 : 1) : 0)
+                                                      : 1;
+        bool is_drawn =
+            (m->settings.output.images & 1u << image) && (pings > 1 || !picture_sizes[i].needs_two);
+        bytes += is_drawn ? count * picture_sizes[i].bytes : 0;
     }
-    const asdic_record_layout layout =
-        asdic_store_layout(&mission->settings, beams, bins, left_out);
-    return asdic_record_stored_bytes(&layout) + (uint64_t)beams * bins * each;
+    for (size_t i = 0; i < m->object_count; i++) {
+        bytes += m->objects[i].name[0] == 0 ? TERRAIN_BYTES : 0; /* the bottom */
+    }
+    return bytes;
+}
+
+uint64_t asdic_mission_run_bytes(const asdic_mission *mission, size_t pings) {
+    return mission ? pings * asdic_mission_ping_bytes(mission) + fixed_bytes(mission, pings) : 0;
 }
 
 bool asdic_mission_leaves_csv_out(const asdic_mission *mission) {
@@ -92,7 +182,8 @@ asdic_status asdic_run_check_room(asdic_context *ctx, const asdic_mission *missi
         return ASDIC_OK;
     }
     size_t count = o->count < pings - o->first ? o->count : pings - o->first;
-    uint64_t each = asdic_mission_ping_bytes(mission), needed = count * each;
+    uint64_t each = asdic_mission_ping_bytes(mission);
+    uint64_t needed = asdic_mission_run_bytes(mission, count);
     uint64_t left = asdic_disk_free_bytes(o->folder);
     uint64_t there =
         !o->resume ? 0
