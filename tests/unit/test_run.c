@@ -374,6 +374,42 @@ static void damaged_folders_are_refused(void **state) {
     end(&f);
 }
 
+/* The library's answer, unless a test says that it was built without cairo. */
+static bool is_without_cairo;
+bool __real_asdic_picture_annotated(void);
+bool __wrap_asdic_picture_annotated(void);
+bool __wrap_asdic_picture_annotated(void) {
+    return !is_without_cairo && __real_asdic_picture_annotated();
+}
+
+static void formats_that_a_build_lacks_are_refused(void **state) {
+    (void)state;
+    static const struct {
+        asdic_picture_format format;
+        bool needs_cairo;
+    } cases[] = {{ASDIC_PICTURE_BY_NAME, false},
+                 {ASDIC_PICTURE_PNG, false},
+                 {ASDIC_PICTURE_PDF, true},
+                 {ASDIC_PICTURE_SVG, true}};
+    fixture f;
+    begin(&f);
+    assert_int_equal(run(&f, 1, asdic_run_options_default(), "drawn"), ASDIC_OK);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        for (int without = 0; without < 2; without++) {
+            asdic_render_options options = asdic_render_options_default();
+            options.images = 1u << ASDIC_IMAGE_WATERFALL;
+            options.format = cases[i].format;
+            is_without_cairo = without;
+            bool has = !cases[i].needs_cairo || asdic_picture_annotated();
+            asdic_status status = asdic_run_render(f.ctx, in_folder("drawn"), &options);
+            is_without_cairo = false;
+            assert_int_equal(status, has ? ASDIC_OK : ASDIC_ERROR_UNSUPPORTED);
+            assert_true(has || strstr(asdic_context_error(f.ctx), "no PDF or SVG"));
+        }
+    }
+    end(&f);
+}
+
 /* An argument selects tests by name. */
 int main(int argc, char **argv) {
     const struct CMUnitTest tests[] = {
@@ -390,6 +426,7 @@ int main(int argc, char **argv) {
         cmocka_unit_test(folders_are_not_overwritten),
         cmocka_unit_test(csv_reads_back_to_the_bit),
         cmocka_unit_test(damaged_folders_are_refused),
+        cmocka_unit_test(formats_that_a_build_lacks_are_refused),
     };
     if (argc > 1) {
         cmocka_set_test_filter(argv[1]);
