@@ -55,19 +55,20 @@ static asdic_box inset(double x, double y, double w, double h) {
 }
 
 view_layout asdic_view_lay_out(unsigned width, unsigned height) {
-    double w = width, h = height, s = h / 720.0, gap = 10.0 * s, top = 38.0 * s;
+    double w = width, h = height, s = fmin(w / 1280.0, h / 720.0);
+    double gap = 10.0 * s, top = 38.0 * s;
     double column = 0.5 * (w - 3.0 * gap), rows = h - top - 2.0 * gap;
     double upper = 0.585 * rows, right_upper = 0.555 * rows;
     double right = 2.0 * gap + column, lower = rows - right_upper;
+    double plan = fmin(1.02 * lower, 0.48 * column); /* the status needs the rest */
     return (view_layout){
         .scale = s,
         .title = inset(gap, 0.0, w - 2.0 * gap, top),
         .sonar = inset(gap, top, column, upper),
         .ascope = inset(gap, top + upper + gap, column, rows - upper),
         .chase = inset(right, top, column, right_upper),
-        .plan = inset(right, top + right_upper + gap, lower * 1.02, lower),
-        .status = inset(right + lower * 1.02 + gap, top + right_upper + gap,
-                        column - lower * 1.02 - gap, lower),
+        .plan = inset(right, top + right_upper + gap, plan, lower),
+        .status = inset(right + plan + gap, top + right_upper + gap, column - plan - gap, lower),
     };
 }
 

@@ -25,7 +25,7 @@
 typedef struct panel {
     asdic_canvas *canvas;
     asdic_box box;
-    double scale; /* of text: the frame's height over 720 */
+    double scale; /* of text: the frame's size over 1280 x 720 */
 } panel;
 
 /* Background, edge, and a heading in the upper left corner; a NULL heading: none. */

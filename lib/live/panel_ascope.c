@@ -118,11 +118,15 @@ static void excess(const scope *s, const float *level_db, const float *expected_
     cairo_fill(cr);
 }
 
-static void legend(const scope *s, const curve_look *looks, size_t count) {
+/* From the right, as far as there is room beside the heading, which is HEADING_PX wide. */
+static void legend(const scope *s, const curve_look *looks, size_t count, double heading_px) {
     double x = s->box.x + s->box.w, y = s->p->box.y + 15.0 * s->p->scale;
     for (size_t i = count; i-- > 0;) {
         double size = PANEL_SMALL_PX * s->p->scale;
         x -= asdic_canvas_text_width(looks[i].label, size);
+        if (x - 30.0 * s->p->scale < s->p->box.x + heading_px) {
+            return;
+        }
         panel_text(s->p, (asdic_text){.x = x, .y = y, .align_y = 0.5, .size_px = PANEL_SMALL_PX},
                    PANEL_DIM_RGB, looks[i].label);
         asdic_canvas_color(s->p->canvas, looks[i].rgb);
@@ -171,6 +175,7 @@ void panel_ascope(const panel *p, const asdic_view *view) {
     }
     curve(&s, level_db, &simulated);
     cairo_restore(p->canvas->cr);
+    double heading_px = 1.2 * asdic_canvas_text_width(heading, PANEL_TEXT_PX * p->scale);
     bool has_noise = asdic_mission_sonar(view->mission)->noise_enabled;
-    legend(&s, looks, expected_db ? (has_noise ? 6 : 5) : 1);
+    legend(&s, looks, expected_db ? (has_noise ? 6 : 5) : 1, heading_px);
 }

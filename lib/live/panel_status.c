@@ -54,6 +54,8 @@ static void write_vehicle(writer *w, const asdic_view *view) {
         row(w, "rudder", "\u2013", PANEL_DIM_RGB);
         row(w, "planes", "\u2013", PANEL_DIM_RGB);
     }
+    snprintf(text, sizeof text, "%.4g m", view->ping.bin_length_m);
+    row(w, "bins", text, PANEL_INK_RGB);
 }
 
 static void write_design(writer *w, const asdic_view *view) {
@@ -65,6 +67,9 @@ static void write_design(writer *w, const asdic_view *view) {
     row(w, "bottom", text, PANEL_INK_RGB);
     snprintf(text, sizeof text, "%.0f dB", c->source_level_db);
     row(w, "source", text, PANEL_INK_RGB);
+    snprintf(text, sizeof text, "%.4g kHz",
+             asdic_mission_sonar(view->mission)->bandwidth_hz / 1000.0);
+    row(w, "bandwidth", text, PANEL_INK_RGB);
     snprintf(text, sizeof text, "%u", asdic_governor_rays(&view->governor));
     row(w, "rays", text,
         asdic_governor_rays(&view->governor) < c->rays ? PANEL_AMBER_RGB : PANEL_INK_RGB);

@@ -4,6 +4,7 @@
 #include "base/try.h"
 #include "base/vec.h"
 #include "colormap.h"
+#include "draw.h"
 #include "file.h"
 #include "png_file.h"
 
@@ -193,42 +194,75 @@ double asdic_canvas_title_room(const char *title) {
     return 1.7 * ASDIC_TITLE_PX + (strchr(title, '\n') ? 1.3 * ASDIC_NOTE_PX : 0.0);
 }
 
-static void draw_title(asdic_canvas *c, double x, const char *title, double room, uint32_t ink_rgb,
-                       uint32_t note_rgb) {
+/* Length of NOTE's first row: the statements that fit ROOM_PX, one at least. */
+static size_t row_length(const char *note, double room_px) {
+    char row[1024];
+    size_t best = 0;
+    for (const char *at = note; at;) {
+        const char *end = strstr(at, ASDIC_NOTE_PART);
+        size_t length = end ? (size_t)(end - note) : strlen(note);
+        snprintf(row, sizeof row, "%.*s", (int)length, note);
+        if (best > 0 && asdic_canvas_text_width(row, ASDIC_NOTE_PX) > room_px) {
+            break;
+        }
+        best = length;
+        at = end ? end + strlen(ASDIC_NOTE_PART) : NULL;
+    }
+    return best;
+}
+
+/* Height of the rows of NOTE; draws them on CANVAS, the last at its bottom, unless that is NULL. */
+static double draw_note(asdic_canvas *c, double x, const char *note, double room_px) {
+    const double row_px = 1.6 * ASDIC_NOTE_PX;
+    char row[1024];
+    size_t length = note ? row_length(note, room_px) : 0;
+    if (length == 0) {
+        return 0.0;
+    }
+    bool is_last = note[length] == 0;
+    double below =
+        is_last ? 0.0 : draw_note(c, x, note + length + strlen(ASDIC_NOTE_PART), room_px);
+    if (c) {
+        snprintf(row, sizeof row, "%.*s", (int)length, note);
+        asdic_canvas_text_fit(c,
+                              (asdic_text){.x = x,
+                                           .y = c->height - ASDIC_MARGIN_PX - below,
+                                           .size_px = ASDIC_NOTE_PX},
+                              row, room_px);
+    }
+    return below + row_px;
+}
+
+double asdic_canvas_note_room(const char *note, double x, double width) {
+    return draw_note(NULL, x, note, width - x - ASDIC_MARGIN_PX);
+}
+
+static void draw_title(asdic_canvas *c, double x, const char *title, double room) {
     char first[512];
     const char *second = strchr(title, '\n');
     size_t length = second ? (size_t)(second - title) : strlen(title);
     snprintf(first, sizeof first, "%.*s", (int)length, title);
     asdic_text where = {
         .x = x, .y = ASDIC_MARGIN_PX, .align_y = 1.0, .size_px = ASDIC_TITLE_PX, .bold = true};
-    asdic_canvas_color(c, ink_rgb);
+    asdic_canvas_color(c, INK_RGB);
     asdic_canvas_text_fit(c, where, first, room);
     if (second) {
         where = (asdic_text){.x = x,
                              .y = ASDIC_MARGIN_PX + 1.35 * ASDIC_TITLE_PX,
                              .align_y = 1.0,
                              .size_px = ASDIC_NOTE_PX};
-        asdic_canvas_color(c, note_rgb);
+        asdic_canvas_color(c, NOTE_RGB);
         asdic_canvas_text_fit(c, where, second + 1, room);
     }
 }
 
-void asdic_canvas_frame_text_in(asdic_canvas *c, double x, const char *title, const char *note,
-                                uint32_t ink_rgb, uint32_t note_rgb) {
+void asdic_canvas_frame_text(asdic_canvas *c, double x, const char *title, const char *note) {
     double room = c->width - x - ASDIC_MARGIN_PX;
     if (title) {
-        draw_title(c, x, title, room, ink_rgb, note_rgb);
+        draw_title(c, x, title, room);
     }
-    if (note) {
-        asdic_canvas_color(c, note_rgb);
-        asdic_canvas_text_fit(
-            c, (asdic_text){.x = x, .y = c->height - ASDIC_MARGIN_PX, .size_px = ASDIC_NOTE_PX},
-            note, room);
-    }
-}
-
-void asdic_canvas_frame_text(asdic_canvas *c, double x, const char *title, const char *note) {
-    asdic_canvas_frame_text_in(c, x, title, note, INK_RGB, NOTE_RGB);
+    asdic_canvas_color(c, NOTE_RGB);
+    draw_note(c, x, note, room);
 }
 
 void asdic_canvas_raster(asdic_canvas *c, const asdic_raster *raster, asdic_box box) {

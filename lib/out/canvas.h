@@ -56,11 +56,12 @@ void asdic_canvas_text_fit(asdic_canvas *canvas, asdic_text where, const char *t
 /* Height that TITLE needs at the top of a page, 0 when it is NULL. A second line is a subtitle. */
 double asdic_canvas_title_room(const char *title);
 
+/* Height that NOTE needs at the bottom of a page of WIDTH from X on, 0 when it is NULL or empty. Its
+ * statements, parted by ASDIC_NOTE_PART, take as many rows as they need. */
+double asdic_canvas_note_room(const char *note, double x, double width);
+
 /* The page's TITLE at its top and NOTE at its bottom, both from X on; either may be NULL. */
 void asdic_canvas_frame_text(asdic_canvas *canvas, double x, const char *title, const char *note);
-/* The same in other colours. */
-void asdic_canvas_frame_text_in(asdic_canvas *canvas, double x, const char *title, const char *note,
-                                uint32_t ink_rgb, uint32_t note_rgb);
 
 /* Pixels without smoothing, stretched into BOX. */
 void asdic_canvas_raster(asdic_canvas *canvas, const asdic_raster *raster, asdic_box box);
@@ -86,11 +87,11 @@ double asdic_canvas_axis_y_room(const asdic_plot_axis *axis, double height_px);
 /* A colour scale along AXIS in BOX, low at the bottom (or, DOWN, at the top) with labels to its
  * right. Low is the map's first colour, unless DOWN: then high is. */
 void asdic_canvas_scale(asdic_canvas *canvas, asdic_box box, const asdic_plot_axis *axis,
-                        asdic_colormap map, bool down, uint32_t ink_rgb);
+                        asdic_colormap map, bool down);
 
 /* The scale of levels; _room is what its labels need beside the box. */
 void asdic_canvas_color_bar(asdic_canvas *canvas, asdic_box box,
-                            const asdic_picture_options *options, uint32_t ink_rgb);
+                            const asdic_picture_options *options);
 double asdic_canvas_color_bar_room(const asdic_picture_options *options, double height_px);
 
 #endif

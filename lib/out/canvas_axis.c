@@ -117,7 +117,7 @@ double asdic_canvas_color_bar_room(const asdic_picture_options *options, double 
 }
 
 void asdic_canvas_scale(asdic_canvas *c, asdic_box box, const asdic_plot_axis *axis,
-                        asdic_colormap map, bool down, uint32_t ink_rgb) {
+                        asdic_colormap map, bool down) {
     asdic_tick ticks[ASDIC_AXIS_MAX_TICKS];
     size_t max_count = tick_count(box.h, 30.0);
     size_t count = asdic_axis_ticks(axis, max_count, ticks);
@@ -127,7 +127,7 @@ void asdic_canvas_scale(asdic_canvas *c, asdic_box box, const asdic_plot_axis *a
         asdic_raster_set(&scale, 0, i, asdic_colormap_rgb(map, 255 - i));
     }
     asdic_canvas_raster(c, &scale, box);
-    asdic_canvas_color(c, ink_rgb);
+    asdic_canvas_color(c, INK_RGB);
     cairo_set_line_width(c->cr, 1.0);
     cairo_rectangle(c->cr, crisp(box.x), crisp(box.y), box.w - 1.0, box.h - 1.0);
     cairo_stroke(c->cr);
@@ -152,8 +152,7 @@ void asdic_canvas_scale(asdic_canvas *c, asdic_box box, const asdic_plot_axis *a
                       axis->label);
 }
 
-void asdic_canvas_color_bar(asdic_canvas *c, asdic_box box, const asdic_picture_options *options,
-                            uint32_t ink_rgb) {
+void asdic_canvas_color_bar(asdic_canvas *c, asdic_box box, const asdic_picture_options *options) {
     asdic_plot_axis axis = level_axis(options);
-    asdic_canvas_scale(c, box, &axis, options->colormap, false, ink_rgb);
+    asdic_canvas_scale(c, box, &axis, options->colormap, false);
 }

@@ -34,6 +34,8 @@ asdic_status asdic_draw_map(asdic_context *ctx, const char *path, const asdic_ma
 #define ASDIC_NOTE_SIZE 512
 void asdic_draw_note(char note[ASDIC_NOTE_SIZE], const asdic_picture_options *options,
                      const asdic_decimator *levels);
+/* Between its statements. */
+#define ASDIC_NOTE_PART "  \u00b7  "
 /* One statement more. */
 void asdic_draw_note_add(char note[ASDIC_NOTE_SIZE], const char *statement);
 

@@ -215,12 +215,13 @@ static double half_width_m(const asdic_outline *o) {
     return 0.5 * (east_m - west_m);
 }
 
-/* Writes each name once, at the middle of its first outline. */
+/* Writes each name once, at the middle of its first outline on the map. */
 static void name_objects(labels *l, const asdic_chart *chart) {
     const page *p = l->p;
+    const char *named = "";
     for (size_t i = 0; i < chart->outline_count; i++) {
         const asdic_outline *o = &chart->outlines[i];
-        if (i > 0 && strcmp(o->name, o[-1].name) == 0) {
+        if (strcmp(o->name, named) == 0) {
             continue;
         }
         double x = 0.0, y = 0.0;
@@ -230,6 +231,7 @@ static void name_objects(labels *l, const asdic_chart *chart) {
         }
         if (x > p->box.x && x < p->box.x + p->box.w && y > p->box.y && y < p->box.y + p->box.h) {
             draw_name(l, x, y, 8.0 + fmin(half_width_m(o) * p->px_per_m, MOST_ASIDE_PX), o->name);
+            named = o->name;
         }
     }
 }
@@ -368,15 +370,10 @@ asdic_status asdic_draw_chart(asdic_context *ctx, const char *path, const asdic_
     cairo_rectangle(canvas.cr, p.box.x - 0.5, p.box.y - 0.5, p.box.w + 1.0, p.box.h + 1.0);
     cairo_stroke(canvas.cr);
     if (p.bar.w > 0.0) {
-        asdic_canvas_scale(&canvas, p.bar, &p.depth, options->colormap, true, INK_RGB);
+        asdic_canvas_scale(&canvas, p.bar, &p.depth, options->colormap, true);
     }
     asdic_canvas_legend(&canvas, p.legend, p.entries, p.entry_count);
     asdic_canvas_frame_text(&canvas, p.box.x, options->title, options->note);
-    asdic_canvas_text_fit(&canvas,
-                          (asdic_text){.x = p.box.x,
-                                       .y = p.height - ASDIC_MARGIN_PX - 1.6 * ASDIC_NOTE_PX,
-                                       .size_px = ASDIC_NOTE_PX},
-                          chart->caption, p.width - p.box.x - ASDIC_MARGIN_PX);
     status = asdic_canvas_save(&canvas, path, options->texts);
 done:
     asdic_canvas_finish(&canvas);

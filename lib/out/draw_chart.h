@@ -30,7 +30,6 @@ typedef struct asdic_chart {
     const double *north_m, *east_m; /* the track */
     size_t track_count;
     double first_time_s, last_time_s, last_yaw_rad;
-    const char *caption; /* what the areas are */
 } asdic_chart;
 
 /* Whether a track leads away from where it begins. */

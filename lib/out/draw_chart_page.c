@@ -9,6 +9,7 @@
 #define MOST_WIDE_PX 1100.0
 #define MOST_HIGH_PX 860.0
 #define LEAST_PX 320.0
+#define LEAST_SHARE 0.6
 
 typedef asdic_chart_page page;
 
@@ -56,12 +57,12 @@ static void find_extent(page *p, const asdic_chart *chart) {
     }
 }
 
-/* Room at the edges, and neither side much shorter than the other. */
+/* Room at the edges, and neither side so short that the page's texts would not fit. */
 static void widen(page *p) {
     double wide_m = p->east_m - p->west_m, high_m = p->north_m - p->south_m;
     double span_m = fmax(fmax(wide_m, high_m), 1.0);
-    double add_x_m = 0.5 * fmax(0.5 * span_m - wide_m, 0.0) + 0.06 * span_m;
-    double add_y_m = 0.5 * fmax(0.5 * span_m - high_m, 0.0) + 0.06 * span_m;
+    double add_x_m = 0.5 * fmax(LEAST_SHARE * span_m - wide_m, 0.0) + 0.06 * span_m;
+    double add_y_m = 0.5 * fmax(LEAST_SHARE * span_m - high_m, 0.0) + 0.06 * span_m;
     p->west_m -= add_x_m;
     p->east_m += add_x_m;
     p->south_m -= add_y_m;
@@ -131,5 +132,6 @@ void asdic_chart_page_init(page *p, const asdic_chart *chart,
     p->bar.x = p->box.x + p->box.w + 28.0;
     p->bar.y = p->box.y;
     p->width = p->box.x + p->box.w + beside + 2.0 * ASDIC_MARGIN_PX;
-    p->height = p->box.y + p->box.h + 4.0 * ASDIC_TEXT_PX + ASDIC_MARGIN_PX + 3.2 * ASDIC_NOTE_PX;
+    p->height = p->box.y + p->box.h + 4.0 * ASDIC_TEXT_PX + ASDIC_MARGIN_PX +
+                asdic_canvas_note_room(options->note, p->box.x, p->width);
 }

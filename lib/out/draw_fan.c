@@ -6,12 +6,12 @@
 #include <math.h>
 #include <stdio.h>
 
-#define NIGHT_RGB 0x0d1117u
+#define PAPER_RGB 0xffffffu
 #define RING_RGB 0x8b98a5u
-#define INK_RGB 0xd7dde3u
-#define NOTE_RGB 0x8b98a5u
+#define INK_RGB 0x202020u
 #define BAR_PX 24.0
-#define LABEL_ROOM_PX 56.0 /* bearings outside the arc, ranges along the edge */
+#define OUTER_LABEL_PX 16.0 /* the outermost range of a full circle stands inside */
+#define LABEL_ROOM_PX 56.0  /* bearings outside the arc, ranges along the edge */
 
 typedef struct page {
     asdic_sector sector;
@@ -20,7 +20,7 @@ typedef struct page {
     double width, height;
 } page;
 
-static page lay_out(const asdic_fan *fan, const asdic_picture_options *options, bool has_note) {
+static page lay_out(const asdic_fan *fan, const asdic_picture_options *options, const char *note) {
     page p = {.sector = asdic_sector_of(fan, 1000.0)};
     /* At most 1000 pixels wide and 760 high. */
     double shrink = fmin(1000.0 / (double)p.sector.width, 760.0 / (double)p.sector.height);
@@ -30,11 +30,11 @@ static page lay_out(const asdic_fan *fan, const asdic_picture_options *options, 
                           (double)p.sector.width, (double)p.sector.height};
     p.apex_x = p.image.x + p.sector.apex_x_px;
     p.apex_y = p.image.y + p.sector.apex_y_px;
-    p.bar = (asdic_box){p.image.x + p.image.w + LABEL_ROOM_PX + 40.0, p.image.y, BAR_PX,
-                        fmin(p.image.h, 600.0)};
+    p.bar = (asdic_box){p.image.x + p.image.w + LABEL_ROOM_PX + 40.0, p.image.y, BAR_PX, p.image.h};
     p.width = p.bar.x + p.bar.w + asdic_canvas_color_bar_room(options, p.bar.h) + ASDIC_MARGIN_PX;
+    p.width = fmax(p.width, 700.0); /* of the texts */
     p.height = p.image.y + p.image.h + LABEL_ROOM_PX + ASDIC_MARGIN_PX +
-               (has_note ? 1.6 * ASDIC_NOTE_PX : 0.0);
+               asdic_canvas_note_room(note, ASDIC_MARGIN_PX, p.width);
     return p;
 }
 
@@ -55,9 +55,26 @@ static bool is_full_circle(const page *p) {
     return p->sector.high_rad - p->sector.low_rad > 2.0 * ASDIC_PI - 1e-6;
 }
 
+/* LABEL on a plate, astern on the ring of RADIUS_PX: a full circle has no edge to write along. */
+static void label_astern(asdic_canvas *c, const page *p, double radius_px, const char *label) {
+    double x = p->apex_x, y = p->apex_y + radius_px;
+    double wide = asdic_canvas_text_width(label, ASDIC_TEXT_PX) + 8.0, high = 1.2 * ASDIC_TEXT_PX;
+    cairo_set_source_rgba(c->cr, 1.0, 1.0, 1.0, 0.8);
+    cairo_rectangle(c->cr, x - 0.5 * wide, y - 0.5 * high, wide, high);
+    cairo_fill(c->cr);
+    asdic_canvas_color(c, INK_RGB);
+    asdic_canvas_text(
+        c, (asdic_text){.x = x, .y = y, .align_x = 0.5, .align_y = 0.5, .size_px = ASDIC_TEXT_PX},
+        label);
+}
+
 /* LABEL beside the starboard edge, where the ring of RADIUS_PX ends. */
 static void label_ring(asdic_canvas *c, const page *p, double radius_px, const char *label) {
     double edge = p->sector.high_rad, x, y;
+    if (is_full_circle(p)) {
+        label_astern(c, p, radius_px, label);
+        return;
+    }
     double out_x = cos(edge), out_y = sin(edge); /* across the edge, away from the sector */
     place(p, radius_px, edge, &x, &y);
     asdic_canvas_line(c, x, y, x + 7.0 * out_x, y + 7.0 * out_y);
@@ -78,8 +95,12 @@ static void draw_rings(asdic_canvas *c, const page *p, double max_range_m) {
     double step = asdic_axis_step(max_range_m, 6), fine = 0.01 * step;
     double outside_m = fine * rint(max_range_m / fine);
     char number[24], label[32];
-    /* A ring that would touch the outermost is left out. */
-    for (double range_m = step; range_m < max_range_m - 0.3 * step; range_m += step) {
+    /* A ring whose label would touch the outermost's is left out. */
+    double apart_px = is_full_circle(p) ? OUTER_LABEL_PX + 1.6 * ASDIC_TEXT_PX
+                                        : 3.6 * ASDIC_TEXT_PX * fabs(sin(p->sector.high_rad)) +
+                                              1.2 * ASDIC_TEXT_PX * fabs(cos(p->sector.high_rad));
+    double apart_m = fmax(0.3 * step, apart_px * max_range_m / p->sector.radius_px);
+    for (double range_m = step; range_m < max_range_m - apart_m; range_m += step) {
         double radius = p->sector.radius_px * range_m / max_range_m;
         asdic_canvas_color(c, RING_RGB);
         cairo_set_line_width(c->cr, 1.0);
@@ -90,7 +111,7 @@ static void draw_rings(asdic_canvas *c, const page *p, double max_range_m) {
     asdic_axis_label(number, outside_m, fabs(outside_m - rint(outside_m)) < 0.05 ? 1.0 : 0.1);
     snprintf(label, sizeof label, "%s m", number);
     asdic_canvas_color(c, RING_RGB);
-    label_ring(c, p, p->sector.radius_px, label);
+    label_ring(c, p, p->sector.radius_px - (is_full_circle(p) ? OUTER_LABEL_PX : 0.0), label);
 }
 
 /* Ticks outside the arc, every 5, 10, 15, 30 or 45 degrees. */
@@ -114,7 +135,7 @@ static void draw_bearings(asdic_canvas *c, const page *p) {
         place(p, p->sector.radius_px + 14.0, angle, &x2, &y2);
         asdic_canvas_color(c, RING_RGB);
         asdic_canvas_line(c, x0, y0, x1, y1);
-        asdic_axis_label(number, bearing, 1.0);
+        asdic_axis_label(number, is_full_circle(p) && bearing <= -180.0 ? 180.0 : bearing, 1.0);
         snprintf(label, sizeof label, "%s\u00b0", number);
         asdic_canvas_color(c, INK_RGB);
         asdic_canvas_text(c,
@@ -146,8 +167,8 @@ static void decorate(asdic_canvas *c, const page *p, const asdic_fan *fan,
     draw_outline(c, p);
     draw_rings(c, p, (double)fan->bins * fan->bin_length_m);
     draw_bearings(c, p);
-    asdic_canvas_color_bar(c, p->bar, options, INK_RGB);
-    asdic_canvas_frame_text_in(c, ASDIC_MARGIN_PX, options->title, note, INK_RGB, NOTE_RGB);
+    asdic_canvas_color_bar(c, p->bar, options);
+    asdic_canvas_frame_text(c, ASDIC_MARGIN_PX, options->title, note);
 }
 
 asdic_status asdic_draw_fan(asdic_context *ctx, const char *path, const asdic_fan *fan,
@@ -156,12 +177,12 @@ asdic_status asdic_draw_fan(asdic_context *ctx, const char *path, const asdic_fa
     asdic_canvas canvas = {.format = options->format};
     asdic_raster raster = {0};
     asdic_draw_note(note, options, NULL);
-    page p = lay_out(fan, options, note[0] != 0);
-    asdic_status status = asdic_raster_fan(ctx, fan, &p.sector, options, NIGHT_RGB, &raster);
+    page p = lay_out(fan, options, note);
+    asdic_status status = asdic_raster_fan(ctx, fan, &p.sector, options, PAPER_RGB, &raster);
     if (status != ASDIC_OK) {
         goto done;
     }
-    status = asdic_canvas_init(ctx, path, p.width, p.height, NIGHT_RGB, &canvas);
+    status = asdic_canvas_init(ctx, path, p.width, p.height, PAPER_RGB, &canvas);
     if (status != ASDIC_OK) {
         goto done;
     }

@@ -1,5 +1,4 @@
 #include "canvas.h"
-#include "colormap.h"
 #include "draw.h"
 
 #include <math.h>
@@ -12,11 +11,12 @@
 typedef struct page {
     asdic_box box, bar; /* the box has the map's shape */
     asdic_plot_axis east, north, value;
-    double legend_y, width, height;
+    asdic_box legend;
+    double width, height;
 } page;
 
 static page lay_out(const asdic_map *map, const asdic_raster *raster,
-                    const asdic_picture_options *options, bool has_note) {
+                    const asdic_picture_options *options) {
     page p = {.east = {.label = "east (m)",
                        .low = map->east_m,
                        .high = map->east_m + (double)map->columns * map->cell_m},
@@ -31,24 +31,18 @@ static page lay_out(const asdic_map *map, const asdic_raster *raster,
     p.box.w = floor((double)raster->width * stretch);
     p.box.h = floor((double)raster->height * stretch);
     p.box.x = ASDIC_MARGIN_PX + ceil(asdic_canvas_axis_y_room(&p.north, p.box.h));
-    p.legend_y = ASDIC_MARGIN_PX + asdic_canvas_title_room(options->title);
-    p.box.y = p.legend_y + (map->line_count ? 1.8 * ASDIC_TEXT_PX : 0.0);
-    p.bar = (asdic_box){p.box.x + p.box.w + 30.0 + asdic_canvas_axis_y_room(&p.value, p.box.h),
-                        p.box.y, BAR_PX, p.box.h};
-    p.width = fmax(p.bar.x + p.bar.w + ASDIC_MARGIN_PX, 700.0);
+    p.bar = (asdic_box){.x = p.box.x + p.box.w + 28.0, .w = BAR_PX, .h = p.box.h};
+    p.width = fmax(p.bar.x + p.bar.w + asdic_canvas_axis_y_room(&p.value, p.box.h) +
+                       2.0 * ASDIC_MARGIN_PX,
+                   700.0);
+    p.legend = (asdic_box){p.box.x, ASDIC_MARGIN_PX + asdic_canvas_title_room(options->title),
+                           p.width - p.box.x - ASDIC_MARGIN_PX, 0.0};
+    p.legend.h = asdic_canvas_legend(NULL, p.legend, map->lines, map->line_count);
+    p.box.y = ceil(p.legend.y + p.legend.h + (map->line_count ? 12.0 : 0.0));
+    p.bar.y = p.box.y;
     p.height = p.box.y + p.box.h + 4.0 * ASDIC_TEXT_PX + ASDIC_MARGIN_PX +
-               (has_note ? 1.6 * ASDIC_NOTE_PX : 0.0);
+               asdic_canvas_note_room(options->note, p.box.x, p.width);
     return p;
-}
-
-static void draw_bar(asdic_canvas *c, const page *p, const asdic_picture_options *options) {
-    uint8_t pixels[256 * 3];
-    asdic_raster scale = {.width = 1, .height = 256, .rgb = pixels};
-    for (unsigned i = 0; i < 256; i++) {
-        asdic_raster_set(&scale, 0, i, asdic_colormap_rgb(options->colormap, 255 - i));
-    }
-    asdic_canvas_raster(c, &scale, p->bar);
-    asdic_canvas_axis_y(c, p->bar, &p->value, false, false);
 }
 
 static void frame(asdic_canvas *c, asdic_box box) {
@@ -82,28 +76,10 @@ static void draw_line(asdic_canvas *c, const page *p, const asdic_series *line) 
     cairo_restore(c->cr);
 }
 
-static void draw_legend(asdic_canvas *c, const page *p, const asdic_map *map) {
-    double x = p->box.x, y = p->legend_y + 0.6 * ASDIC_TEXT_PX;
-    for (size_t i = 0; i < map->line_count; i++) {
-        const asdic_series *line = &map->lines[i];
-        if (!line->label) {
-            continue;
-        }
-        asdic_canvas_color(c, line->rgb);
-        cairo_set_line_width(c->cr, 1.5 * line->width);
-        asdic_canvas_line(c, x, y, x + 40.0, y);
-        asdic_canvas_color(c, INK_RGB);
-        asdic_canvas_text(
-            c, (asdic_text){.x = x + 50.0, .y = y, .align_y = 0.5, .size_px = ASDIC_TEXT_PX},
-            line->label);
-        x += 80.0 + asdic_canvas_text_width(line->label, ASDIC_TEXT_PX);
-    }
-}
-
 asdic_status asdic_draw_map(asdic_context *ctx, const char *path, const asdic_map *map,
                             const asdic_raster *raster, const asdic_picture_options *options) {
     asdic_canvas canvas = {0};
-    page p = lay_out(map, raster, options, options->note != NULL);
+    page p = lay_out(map, raster, options);
     asdic_status status = asdic_canvas_init(ctx, path, p.width, p.height, PAPER_RGB, &canvas);
     if (status != ASDIC_OK) {
         goto done;
@@ -114,10 +90,9 @@ asdic_status asdic_draw_map(asdic_context *ctx, const char *path, const asdic_ma
     }
     asdic_canvas_axis_x(&canvas, p.box, &p.east, false);
     asdic_canvas_axis_y(&canvas, p.box, &p.north, false, false);
-    draw_bar(&canvas, &p, options);
+    asdic_canvas_scale(&canvas, p.bar, &p.value, options->colormap, false);
     frame(&canvas, p.box);
-    frame(&canvas, p.bar);
-    draw_legend(&canvas, &p, map);
+    asdic_canvas_legend(&canvas, p.legend, map->lines, map->line_count);
     asdic_canvas_frame_text(&canvas, p.box.x, options->title, options->note);
     status = asdic_canvas_save(&canvas, path, options->texts);
 done:

@@ -27,7 +27,7 @@ static double pixels_each(size_t count, double fill_px, double most_px) {
 }
 
 static page lay_out(const asdic_overview *o, const asdic_overview_axes *axes,
-                    const asdic_picture_options *options) {
+                    const asdic_picture_options *options, const char *note) {
     double pings = (double)(o->rows * o->ping_group), beams = (double)(o->columns * o->beam_group);
     page p = {
         .beams = {.label = "beam", .low = -0.5, .high = beams - 0.5},
@@ -55,7 +55,8 @@ static page lay_out(const asdic_overview *o, const asdic_overview_axes *axes,
             (i == 0 ? ceil(asdic_canvas_axis_y_room(&p.time, high)) : 0.0);
     }
     p.width = x - GAP_PX + ASDIC_MARGIN_PX;
-    p.height = p.box[0].y + high + 4.0 * ASDIC_TEXT_PX + ASDIC_MARGIN_PX + 1.6 * ASDIC_NOTE_PX;
+    p.height = p.box[0].y + high + 4.0 * ASDIC_TEXT_PX + ASDIC_MARGIN_PX +
+               asdic_canvas_note_room(note, p.box[0].x, p.width);
     return p;
 }
 
@@ -103,7 +104,8 @@ static void note_groups(char note[ASDIC_NOTE_SIZE], const asdic_overview *o,
                         const asdic_picture_options *options) {
     char above[64];
     asdic_draw_note(note, options, NULL);
-    snprintf(above, sizeof above, "echoes %.0f dB above the noise", ASDIC_OVERVIEW_ABOVE_NOISE_DB);
+    snprintf(above, sizeof above, "white: no echo %.0f dB above the noise",
+             ASDIC_OVERVIEW_ABOVE_NOISE_DB);
     asdic_draw_note_add(note, above);
     if (o->ping_group > 1 || o->beam_group > 1) {
         char text[128];
@@ -120,8 +122,8 @@ asdic_status asdic_draw_overview(asdic_context *ctx, const char *path,
     char note[ASDIC_NOTE_SIZE];
     asdic_canvas canvas = {.format = options->format};
     const double *values[2] = {overview->shown_db, overview->range_m};
-    page p = lay_out(overview, axes, options);
     note_groups(note, overview, options);
+    page p = lay_out(overview, axes, options, note);
     asdic_status status = asdic_canvas_init(ctx, path, p.width, p.height, PAPER_RGB, &canvas);
     for (int i = 0; i < 2 && status == ASDIC_OK; i++) {
         asdic_canvas_set_style(&canvas, NULL);
@@ -144,7 +146,7 @@ asdic_status asdic_draw_overview(asdic_context *ctx, const char *path,
         if (overview->pings > 1) {
             asdic_canvas_axis_y(&canvas, p.box[i], &p.time, true, false);
         }
-        asdic_canvas_scale(&canvas, p.bar[i], &p.scale[i], options->colormap, false, INK_RGB);
+        asdic_canvas_scale(&canvas, p.bar[i], &p.scale[i], options->colormap, false);
     }
     if (status != ASDIC_OK) {
         goto done;

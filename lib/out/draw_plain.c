@@ -28,7 +28,7 @@ asdic_status asdic_draw_fan(asdic_context *ctx, const char *path, const asdic_fa
                             const asdic_picture_options *options) {
     asdic_raster raster;
     asdic_sector sector = asdic_sector_of(fan, 700.0);
-    TRY(asdic_raster_fan(ctx, fan, &sector, options, 0x0d1117u, &raster));
+    TRY(asdic_raster_fan(ctx, fan, &sector, options, 0xffffffu, &raster));
     asdic_status status = asdic_raster_write(ctx, path, &raster, options->texts);
     asdic_raster_finish(&raster);
     return status;

@@ -122,7 +122,7 @@ static bool has_common_x(const asdic_plot *panels, size_t count) {
 }
 
 static page lay_out(const asdic_plot *panels, size_t count, const asdic_picture_options *options,
-                    bool has_note) {
+                    const char *note) {
     page p = {.common = has_common_x(panels, count),
               .panel_h = count == 1 ? 560.0 : fmax(150.0, floor(860.0 / (double)count - 50.0))};
     const asdic_box none = {.w = BOX_WIDTH_PX};
@@ -141,7 +141,7 @@ static page lay_out(const asdic_plot *panels, size_t count, const asdic_picture_
               floor((p.common ? 2.2 : 4.2) * ASDIC_TEXT_PX + (titles ? 1.8 * ASDIC_TEXT_PX : 0.0));
     p.width = p.left + BOX_WIDTH_PX + 2.0 * ASDIC_MARGIN_PX;
     p.height = p.first_y + (double)(count - 1) * p.pitch + p.panel_h + 3.6 * ASDIC_TEXT_PX +
-               ASDIC_MARGIN_PX + (has_note ? 1.6 * ASDIC_NOTE_PX : 0.0);
+               ASDIC_MARGIN_PX + asdic_canvas_note_room(note, p.left, p.width);
     return p;
 }
 
@@ -150,7 +150,7 @@ asdic_status asdic_draw_plot(asdic_context *ctx, const char *path, const asdic_p
     asdic_canvas canvas = {.format = options->format};
     char note[ASDIC_NOTE_SIZE];
     asdic_draw_note(note, options, NULL);
-    page p = lay_out(panels, panel_count, options, note[0] != 0);
+    page p = lay_out(panels, panel_count, options, note);
     asdic_status status = asdic_canvas_init(ctx, path, p.width, p.height, PAPER_RGB, &canvas);
     if (status != ASDIC_OK) {
         goto done;

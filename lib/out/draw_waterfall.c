@@ -20,7 +20,7 @@ typedef struct page {
 } page;
 
 static page lay_out(const asdic_waterfall *waterfall, const asdic_decimator *levels,
-                    const asdic_picture_options *options, bool has_note) {
+                    const asdic_picture_options *options, const char *note) {
     double covered = (double)(levels->rows * levels->row_group);
     page p = {.range = {.label = "range (m)",
                         .high = (double)(levels->columns * levels->column_group) *
@@ -38,7 +38,7 @@ static page lay_out(const asdic_waterfall *waterfall, const asdic_decimator *lev
     p.bar = (asdic_box){p.box.x + p.box.w + 28.0, p.box.y, BAR_PX, p.box.h};
     p.width = p.bar.x + p.bar.w + asdic_canvas_color_bar_room(options, p.bar.h) + ASDIC_MARGIN_PX;
     p.height = p.box.y + p.box.h + 4.0 * ASDIC_TEXT_PX + ASDIC_MARGIN_PX +
-               (has_note ? 1.6 * ASDIC_NOTE_PX : 0.0);
+               asdic_canvas_note_room(note, p.box.x, p.width);
     return p;
 }
 
@@ -51,7 +51,7 @@ static void decorate(asdic_canvas *c, const page *p, const asdic_picture_options
     asdic_canvas_color(c, INK_RGB);
     cairo_rectangle(c->cr, p->box.x - 0.5, p->box.y - 0.5, p->box.w + 1.0, p->box.h + 1.0);
     cairo_stroke(c->cr);
-    asdic_canvas_color_bar(c, p->bar, options, INK_RGB);
+    asdic_canvas_color_bar(c, p->bar, options);
     asdic_canvas_frame_text(c, p->box.x, options->title, note);
 }
 
@@ -67,7 +67,7 @@ asdic_status asdic_draw_waterfall(asdic_context *ctx, const char *path,
                              .bin_length_m =
                                  waterfall->bin_length_m * (double)levels->column_group};
     asdic_draw_note(note, options, levels);
-    page p = lay_out(waterfall, levels, options, note[0] != 0);
+    page p = lay_out(waterfall, levels, options, note);
     asdic_status status = asdic_raster_levels(ctx, &shown, options, &raster);
     if (status != ASDIC_OK) {
         goto done;

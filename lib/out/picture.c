@@ -67,7 +67,7 @@ void asdic_picture_subtitle(const asdic_sonar *sonar, double bin_length_m, char 
 /* With a separator between statements. */
 void asdic_draw_note_add(char note[ASDIC_NOTE_SIZE], const char *statement) {
     size_t used = strlen(note);
-    snprintf(note + used, ASDIC_NOTE_SIZE - used, "%s%s", used ? "  \u00b7  " : "", statement);
+    snprintf(note + used, ASDIC_NOTE_SIZE - used, "%s%s", used ? ASDIC_NOTE_PART : "", statement);
 }
 
 static void note_gain(char *note, const asdic_picture_options *options) {

@@ -195,6 +195,18 @@ def test_levels_without_a_source_level_say_so():
                      "levels re an SL of 0 dB")
 
 
+def test_times_in_titles_are_round():
+    """The third ping of 15 a second comes at 0.1333... s."""
+    program.need_device()
+    with Folder() as folder:
+        scene(folder, pings=3)
+        text = re.sub(r"ping_rate_hz: \d+", "ping_rate_hz: 15", folder.read("pool.yaml"))
+        asdic("run", folder.write("pool.yaml", text), "-o", folder / "r").check(code=0)
+        if "ascope_2.png" not in pictures(folder, "r"):
+            raise tap.Skip("no cairo")
+        tap.equal(png_texts(data(folder, "r", "ascope_2.png"))["Title"], "pool: ping 2, t = 0.133 s")
+
+
 def test_one_ping_has_no_time_to_draw():
     program.need_device()
     with Folder() as folder:

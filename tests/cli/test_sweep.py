@@ -113,6 +113,22 @@ def test_pictures_are_of_turns():
         tap.equal("p.png" in folder.names(), True, "a picture after any ping")
 
 
+def test_the_plan_is_of_a_turn():
+    """The area on the bottom is a ring round the vehicle, not the wedge of the first ping."""
+    program.need_device()
+    with Folder() as folder:
+        path = scene(folder, "scan.yaml", CIRCLE, pings=", pings: 60")
+        asdic("run", path, "-o", folder / "r").check(code=0)
+        asdic("render", folder / "r", "--images", "plan", "-o", folder / "p.svg").check(code=0)
+        drawn = re.findall(r'<path [^>]*stroke[:="]+rgb\(0%, *44.7[^>]* d="([^"]*)"', folder.read("p.svg"))
+        if not drawn:
+            raise tap.Skip("no cairo")
+        numbers = [float(x) for x in re.findall(r"-?[0-9.]+", max(drawn, key=len))]
+        sides = sorted(max(n) - min(n) for n in (numbers[0::2], numbers[1::2]))
+        if sides[0] < 0.8 * sides[1]:
+            raise AssertionError(sides)
+
+
 def test_check_and_plan_say_how_it_turns():
     with Folder() as folder:
         circle = scene(folder, "circle.yaml", CIRCLE)

@@ -109,25 +109,28 @@ asdic_status asdic_footprint_find(asdic_context *ctx, const asdic_swath *s, cons
         asdic_footprint_finish(out);
         return asdic_fail_memory(ctx, "a footprint");
     }
+    out->dashed = true;
     for (size_t i = 0; i < n; i++) {
         near_m[i] = meet(ground, pose->position_m, cuts[i].lower, s->range_m);
-        if (!isnan(near_m[i])) {
-            add_point(out, pose, cuts[i].lower, near_m[i]);
-        }
+        out->dashed = out->dashed && isnan(near_m[i]);
     }
-    out->dashed = out->count == 0;
     if (out->dashed) {
-        out->north_m[0] = pose->position_m.x;
-        out->east_m[0] = pose->position_m.y;
-        out->count = 1;
+        add_point(out, pose, cuts[0].axis, 0.0);
+    }
+    /* A cut that misses the bottom has no width there, at the full range: a chord between its
+     * neighbours would enclose what no beam sees. */
+    for (size_t i = 0; i < n && !out->dashed; i++) {
+        bool is_missed = isnan(near_m[i]);
+        add_point(out, pose, is_missed ? cuts[i].upper : cuts[i].lower,
+                  is_missed ? s->range_m : near_m[i]);
     }
     for (size_t i = n; i-- > 0;) {
-        double far_m =
-            out->dashed ? s->range_m : meet(ground, pose->position_m, cuts[i].upper, s->range_m);
-        if (out->dashed || !isnan(near_m[i])) {
-            add_point(out, pose, out->dashed ? cuts[i].axis : cuts[i].upper,
-                      isnan(far_m) ? s->range_m : far_m);
+        double far_m = NAN;
+        if (!isnan(near_m[i])) {
+            far_m = meet(ground, pose->position_m, cuts[i].upper, s->range_m);
         }
+        add_point(out, pose, out->dashed ? cuts[i].axis : cuts[i].upper,
+                  isnan(far_m) ? s->range_m : far_m);
     }
     return ASDIC_OK;
 }

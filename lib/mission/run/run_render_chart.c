@@ -37,6 +37,33 @@ static void sketch_finish(sketch *s) {
     }
 }
 
+/* BEAM in all directions of SWEEP, side by side; the caller frees. */
+static asdic_beam *turned(const asdic_sweep *sweep, const asdic_beam *beam) {
+    asdic_beam *beams = malloc(sweep->directions * sizeof *beams);
+    for (size_t i = 0; beams && i < sweep->directions; i++) {
+        beams[i] = *beam;
+        beams[i].yaw_rad += asdic_sweep_bearing_rad(sweep, i);
+    }
+    return beams;
+}
+
+/* Where BEAM of a scanned sonar looks in a whole turn, at the place of RECORD. */
+static asdic_status find_turn(asdic_render *r, asdic_swath swath, const asdic_beam *beam,
+                              const asdic_record *record, const asdic_ground *ground,
+                              asdic_chart_area *out) {
+    const asdic_sweep *sweep = &r->run->settings.sweep;
+    asdic_pose vehicle = asdic_sweep_vehicle(sweep, &record->pose, record->ping);
+    asdic_beam *beams = turned(sweep, beam);
+    if (!beams) {
+        return asdic_fail_memory(r->ctx, "a footprint");
+    }
+    swath.beams = beams;
+    swath.count = sweep->directions;
+    asdic_status status = asdic_footprint_find(r->ctx, &swath, &vehicle, ground, out);
+    free(beams);
+    return status;
+}
+
 /* Adds the areas of all beams at one position. */
 static asdic_status add_place(asdic_render *r, sketch *s, const asdic_record *record,
                               const asdic_ground *ground) {
@@ -44,18 +71,23 @@ static asdic_status add_place(asdic_render *r, sketch *s, const asdic_record *re
     double speed_mps =
         asdic_environment_sound_speed_mps(r->info.environment, record->pose.position_m.z);
     bool is_apart = sonar->receiver_count <= MOST_APART;
+    bool is_scan = r->run->settings.sweep.directions > 0;
     asdic_swath swath = {.count = is_apart ? 1 : sonar->receiver_count,
                          .wavelength_m = speed_mps / sonar->frequency_hz,
                          .range_m = (double)r->info.bins * r->run->facts.bin_length_m};
     for (size_t k = 0; k < (is_apart ? sonar->receiver_count : 1); k++) {
         asdic_chart_area *area = &s->areas[s->area_count];
         swath.beams = &sonar->receivers[k];
-        TRY(asdic_footprint_find(r->ctx, &swath, &record->pose, ground, area));
+        if (is_apart && is_scan) {
+            TRY(find_turn(r, swath, swath.beams, record, ground, area));
+        } else {
+            TRY(asdic_footprint_find(r->ctx, &swath, &record->pose, ground, area));
+        }
         area->rgb = colors[k];
         if (s->area_count < MOST_APART && s->area_count == k) { /* the first place names them */
             if (is_apart) {
-                snprintf(s->labels[k], sizeof s->labels[k], "beam \u2018%s\u2019",
-                         sonar->receivers[k].name);
+                snprintf(s->labels[k], sizeof s->labels[k], "%sbeam \u2018%s\u2019",
+                         is_scan ? "scan of " : "", sonar->receivers[k].name);
             } else {
                 snprintf(s->labels[k], sizeof s->labels[k], "fan of %zu beams",
                          sonar->receiver_count);
@@ -103,27 +135,33 @@ static void describe_bottom(const asdic_render *r, const asdic_ground *ground, c
 static asdic_status draw(asdic_render *r, const asdic_chart_data *data, const asdic_ground *ground,
                          const sketch *s) {
     const asdic_summary *summary = r->summary;
-    char title[256], caption[256], note[384], bottom[64];
-    asdic_chart chart = {.relief = &data->relief,
-                         .outlines = data->outlines,
-                         .outline_count = data->outline_count,
-                         .routes = data->routes,
-                         .route_count = data->route_count,
-                         .areas = s->areas,
-                         .area_count = s->area_count,
-                         .north_m = summary->north_m,
-                         .east_m = summary->east_m,
-                         .track_count = summary->track_count,
-                         .first_time_s = r->summary->statistics.first_time_s,
-                         .last_time_s = r->summary->statistics.last_time_s,
-                         .last_yaw_rad = summary->last_pose.yaw_rad};
+    char title[256], note[640], bottom[64];
+    uint64_t last = r->info.first_ping + r->info.pings - 1;
+    asdic_chart chart = {
+        .relief = &data->relief,
+        .outlines = data->outlines,
+        .outline_count = data->outline_count,
+        .routes = data->routes,
+        .route_count = data->route_count,
+        .areas = s->areas,
+        .area_count = s->area_count,
+        .north_m = summary->north_m,
+        .east_m = summary->east_m,
+        .track_count = summary->track_count,
+        .first_time_s = r->summary->statistics.first_time_s,
+        .last_time_s = r->summary->statistics.last_time_s,
+        .last_yaw_rad =
+            asdic_sweep_vehicle(&r->run->settings.sweep, &summary->last_pose, last).yaw_rad};
     snprintf(title, sizeof title, "%s: plan view", r->info.scene_name);
     describe_bottom(r, ground, bottom);
-    snprintf(caption, sizeof caption,
-             "areas: half-power lobes on the bottom at %s; dashed: none within range", s->places);
-    chart.caption = caption;
     asdic_picture_options options = asdic_render_picture(r, title, "view", "plan");
-    snprintf(note, sizeof note, "%s  \u00b7  %s", bottom, options.note);
+    bool is_dashed = false;
+    for (size_t i = 0; i < s->area_count; i++) {
+        is_dashed = is_dashed || s->areas[i].dashed;
+    }
+    snprintf(note, sizeof note,
+             "areas: half-power lobes on the bottom at %s%s  \u00b7  %s  \u00b7  %s", s->places,
+             is_dashed ? "  \u00b7  dashed: none within range" : "", bottom, options.note);
     options.note = note;
     char *path = asdic_render_path(r, "plan", "");
     asdic_status status = path ? asdic_draw_chart(r->ctx, path, &chart, &options)

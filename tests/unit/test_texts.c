@@ -1,0 +1,377 @@
+/*
+ * No two texts of a picture lie on each other, and none leaves the page. Every text of a picture
+ * passes cairo_show_text, which this program takes the place of: it notes where the text would be.
+ */
+#include "asserts.h"
+#include "test_device.h"
+
+#include "lib/out/draw_chart.h"
+#include "lib/out/overview.h"
+
+#include <asdic/asdic.h>
+
+#include <cairo.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#define MOST_TEXTS 600
+#define TOUCH_PX 1.0 /* two boxes may share so much */
+
+static test_device t;
+static char path[] = "/tmp/asdic-texts-XXXXXX.png";
+
+/* The ink of a text on its page. */
+static struct box {
+    char text[160];
+    double left, right, top, bottom, page_w, page_h;
+} boxes[MOST_TEXTS];
+static size_t box_count;
+
+static void take_in(struct box *b, cairo_t *cr, double x, double y) {
+    cairo_user_to_device(cr, &x, &y);
+    b->left = fmin(b->left, x);
+    b->right = fmax(b->right, x);
+    b->top = fmin(b->top, y);
+    b->bottom = fmax(b->bottom, y);
+}
+
+void cairo_show_text(cairo_t *cr, const char *text) {
+    cairo_text_extents_t e;
+    cairo_surface_t *page = cairo_get_target(cr);
+    double x, y;
+    cairo_get_current_point(cr, &x, &y);
+    cairo_text_extents(cr, text, &e);
+    assert_true(box_count < MOST_TEXTS);
+    if (e.width <= 0.0) {
+        return;
+    }
+    struct box *b = &boxes[box_count++];
+    *b = (struct box){.left = INFINITY,
+                      .right = -INFINITY,
+                      .top = INFINITY,
+                      .bottom = -INFINITY,
+                      .page_w = cairo_image_surface_get_width(page),
+                      .page_h = cairo_image_surface_get_height(page)};
+    snprintf(b->text, sizeof b->text, "%s", text);
+    for (int corner = 0; corner < 4; corner++) {
+        take_in(b, cr, x + e.x_bearing + (corner & 1 ? e.width : 0.0),
+                y + e.y_bearing + (corner & 2 ? e.height : 0.0));
+    }
+}
+
+static bool meet(const struct box *a, const struct box *b) {
+    return a->left < b->right - TOUCH_PX && b->left < a->right - TOUCH_PX &&
+           a->top < b->bottom - TOUCH_PX && b->top < a->bottom - TOUCH_PX;
+}
+
+/* Of the texts since the last call, at least LEAST. */
+static void assert_legible(const char *what, size_t least) {
+    size_t bad = 0;
+    for (size_t i = 0; i < box_count; i++) {
+        const struct box *a = &boxes[i];
+        if (a->left < 0.0 || a->top < 0.0 || a->right > a->page_w || a->bottom > a->page_h) {
+            print_error("%s: '%s' leaves the page\n", what, a->text);
+            bad++;
+        }
+        for (size_t k = 0; k < i; k++) {
+            if (meet(a, &boxes[k])) {
+                print_error("%s: '%s' lies on '%s'\n", what, a->text, boxes[k].text);
+                bad++;
+            }
+        }
+    }
+    size_t count = box_count;
+    box_count = 0;
+    assert_int_equal(bad, 0);
+    assert_true(count >= least);
+}
+
+static void assert_written(const char *text) {
+    for (size_t i = 0; i < box_count; i++) {
+        if (strcmp(boxes[i].text, text) == 0) {
+            return;
+        }
+    }
+    fail_msg("'%s' is missing", text);
+}
+
+/* With all that a run's pictures say. */
+static asdic_picture_options options_of(const char *title) {
+    static char heading[512];
+    asdic_picture_options o = asdic_picture_options_default();
+    snprintf(heading, sizeof heading,
+             "%s\n1000 kHz, bandwidth 186.5 kHz  \u00b7  bins of 0.025 m  \u00b7  source level "
+             "200.5 dB re 1 \u00b5Pa at 1 m",
+             title);
+    o.title = heading;
+    o.note = "524,288 rays a ping, uniform-sphere sampling, seed 18446744073709551615  \u00b7  "
+             "stated error 2.7 dB r.m.s.: take more rays";
+    o.tvg_db_per_decade = 40.0;
+    o.tvg_db_per_m = 0.4446;
+    return o;
+}
+
+static void fans(void **state) {
+    (void)state;
+    enum { BEAMS = 41, BINS = 20 };
+    static const double sectors_deg[] = {360, 270, 180, 130, 60, 20, 4};
+    static const double bin_lengths_m[] = {0.01, 2.66, 25};
+    static float levels_db[BEAMS * BINS];
+    double bearing_rad[BEAMS];
+    asdic_picture_options options = options_of("fan");
+    for (size_t s = 0; s < sizeof sectors_deg / sizeof *sectors_deg; s++) {
+        for (size_t k = 0; k < sizeof bin_lengths_m / sizeof *bin_lengths_m; k++) {
+            /* A full circle has its first direction twice. */
+            double beams = sectors_deg[s] == 360 ? BEAMS - 1 : BEAMS;
+            for (size_t i = 0; i < BEAMS; i++) {
+                bearing_rad[i] = sectors_deg[s] * ((double)i / beams - 0.5) * acos(-1.0) / 180.0;
+            }
+            asdic_fan fan = {.levels_db = levels_db,
+                             .bearing_rad = bearing_rad,
+                             .beams = BEAMS,
+                             .bins = BINS,
+                             .bin_length_m = bin_lengths_m[k]};
+            char what[64];
+            snprintf(what, sizeof what, "fan of %g degrees", sectors_deg[s]);
+            assert_ok(t.ctx, asdic_picture_fan(t.ctx, path, &fan, &options));
+            assert_legible(what, 10);
+        }
+    }
+}
+
+static void waterfalls(void **state) {
+    (void)state;
+    static const size_t sizes[][2] = {{2, 7}, {3, 2000}, {1001, 10}, {600, 592}};
+    asdic_picture_options options =
+        options_of("a_rather_long_name_of_a_scene: beam \u2018forward\u2019");
+    for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
+        float *levels_db = calloc(sizes[i][0] * sizes[i][1], sizeof *levels_db);
+        asdic_waterfall w = {.levels_db = levels_db,
+                             .pings = sizes[i][0],
+                             .bins = sizes[i][1],
+                             .bin_length_m = 0.25,
+                             .first_time_s = 1000.0,
+                             .ping_period_s = 0.2};
+        assert_ok(t.ctx, asdic_picture_waterfall(t.ctx, path, &w, &options));
+        assert_legible("waterfall", 10);
+        free(levels_db);
+    }
+}
+
+static void overviews(void **state) {
+    (void)state;
+    static const size_t sizes[][2] = {{2, 1}, {60, 3}, {1001, 5}, {40, 512}};
+    static const char *const names[] = {"starboard_a", "starboard_b", "starboard_c", "d", "e"};
+    const asdic_overview_axes axes = {.names = names, .ping_period_s = 0.2};
+    asdic_picture_options options = options_of("overview");
+    for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
+        float *levels_db = calloc(10 * sizes[i][1], sizeof *levels_db);
+        asdic_overview o;
+        assert_ok(t.ctx, asdic_overview_init(t.ctx, sizes[i][0], sizes[i][1], 10, 5.0, &o));
+        for (size_t ping = 0; ping < sizes[i][0]; ping++) {
+            asdic_overview_add(&o, levels_db, levels_db);
+        }
+        assert_ok(t.ctx, asdic_draw_overview(t.ctx, path, &o, &axes, &options));
+        assert_legible("overview", 10);
+        asdic_overview_finish(&o);
+        free(levels_db);
+    }
+}
+
+static void ascopes(void **state) {
+    (void)state;
+    enum { BINS = 50 };
+    float levels_db[BINS];
+    asdic_ascope beams[8];
+    asdic_picture_options options = options_of("scene: ping 1000, t = 100.025 s, 4 of 512 beams");
+    for (int i = 0; i < BINS; i++) {
+        levels_db[i] = (float)(-100 - i);
+    }
+    for (size_t i = 0; i < 8; i++) {
+        beams[i] = (asdic_ascope){.title = "beam \u2018a_rather_long_name\u2019",
+                                  .bins = BINS,
+                                  .bin_length_m = 0.5,
+                                  .simulated_db = levels_db,
+                                  .total_db = levels_db,
+                                  .bottom_db = levels_db,
+                                  .surface_db = levels_db,
+                                  .volume_db = levels_db,
+                                  .noise_db = levels_db,
+                                  .object_db = levels_db};
+    }
+    for (size_t count = 1; count <= 8; count++) {
+        assert_ok(t.ctx, asdic_picture_ascope(t.ctx, path, beams, count, &options));
+        assert_legible("A-scope", 15);
+    }
+}
+
+static void plans(void **state) {
+    (void)state;
+    /* Four piles 10 m apart beside the beginning of a track that is long or short. */
+    static const asdic_relief no_relief;
+    const double lengths_m[] = {0, 4, 100, 400};
+    asdic_outline piles[5] = {0};
+    asdic_picture_options options = options_of("plan");
+    piles[4].count = 1; /* far off the map, of the same name as the first on it */
+    piles[4].north_m[0] = 1e4;
+    for (size_t i = 0; i < 4; i++) {
+        piles[i].count = 4;
+        for (size_t k = 0; k < 4; k++) {
+            piles[i].north_m[k] = 2.0 - 10.0 * (double)(i / 2) + (k < 2 ? 0.2 : -0.2);
+            piles[i].east_m[k] = 12.0 + 10.0 * (double)(i % 2) + (k % 3 ? 0.2 : -0.2);
+        }
+        snprintf(piles[i].name, sizeof piles[i].name, "pile_number_%zu", i);
+    }
+    const asdic_outline last = piles[4];
+    memmove(piles + 1, piles, 4 * sizeof *piles);
+    piles[0] = last;
+    snprintf(piles[0].name, sizeof piles[0].name, "%s", piles[1].name);
+    for (size_t i = 0; i < sizeof lengths_m / sizeof *lengths_m; i++) {
+        const double north_m[2] = {0, lengths_m[i]}, east_m[2] = {0, 0};
+        asdic_chart chart = {.relief = &no_relief,
+                             .outlines = piles,
+                             .outline_count = 5,
+                             .north_m = north_m,
+                             .east_m = east_m,
+                             .track_count = 2,
+                             .last_time_s = 1000.125};
+        assert_ok(t.ctx, asdic_draw_chart(t.ctx, path, &chart, &options));
+        if (lengths_m[i] >= 100) { /* else they lie off the map */
+            assert_written("pile_number_0");
+        }
+        assert_legible("plan", 12);
+    }
+}
+
+static void maps(void **state) {
+    (void)state;
+    static const size_t sizes[][2] = {{4, 4}, {400, 20}, {20, 400}, {3000, 1000}};
+    const double way_m[2] = {0, 1};
+    asdic_series way = {
+        .label = "vehicle, ending at the dot", .x = way_m, .y = way_m, .count = 2, .width = 1};
+    asdic_picture_options options = options_of("map");
+    for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
+        float *values = calloc(sizes[i][0] * sizes[i][1], sizeof *values);
+        asdic_map map = {.values = values,
+                         .rows = sizes[i][0],
+                         .columns = sizes[i][1],
+                         .cell_m = 0.5,
+                         .label = "ln of the odds of a target",
+                         .lines = &way,
+                         .line_count = 1};
+        assert_ok(t.ctx, asdic_picture_map(t.ctx, path, &map, &options));
+        assert_legible("map", 10);
+        free(values);
+    }
+}
+
+/* Eight variants: long names, curves that lie close together. */
+static void rocs(void **state) {
+    (void)state;
+    static asdic_roc variants[8];
+    static asdic_roc_point points[8][2];
+    static asdic_roc_reach reach[8][2];
+    asdic_roc *rocs[8];
+    char names[8][64];
+    const char *name[8];
+    for (size_t i = 0; i < 8; i++) {
+        double pd = 0.9999 - 1e-5 * (double)i;
+        for (size_t k = 0; k < 2; k++) {
+            asdic_estimate p = {pd, pd - 1e-5, pd + 1e-5};
+            points[i][k] = (asdic_roc_point){
+                .design_pfa = k ? 1.0 : 1e-6, .pd = p, .closed_pd = pd, .model_pd = {0.9, 1.0}};
+            reach[i][k] = (asdic_roc_reach){
+                .range_m = k ? 185.5 : 1.0, .pd = p, .closed_pd = pd, .model_pd = {0.9, 1.0}};
+        }
+        variants[i] = (asdic_roc){.points = points[i],
+                                  .point_count = 2,
+                                  .reach = reach[i],
+                                  .reach_count = 2,
+                                  .pfa = 1e-3,
+                                  .area = {0.99999, 0.99998, 1.0},
+                                  .closed_area = 0.99999};
+        rocs[i] = &variants[i];
+        snprintf(names[i], sizeof names[i], "length_h_m = %.6f", 0.123456 + (double)i);
+        name[i] = names[i];
+    }
+    for (size_t count = 1; count <= 8; count++) {
+        assert_ok(t.ctx, asdic_roc_draw(t.ctx, path, options_of("ROC").title, name, rocs, count));
+        assert_legible("ROC", 20 + count);
+    }
+}
+
+/* Deep, far, with long names. */
+static const char deep[] = "version: 1\n"
+                           "environment: {temperature_degc: 4, wind_speed_kn: 35}\n"
+                           "bottom: {depth_m: 4321.5, type: 2.345}\n"
+                           "sonar:\n"
+                           "  frequency_khz: 12.345\n"
+                           "  bandwidth_khz: 1.2345\n"
+                           "  ping_rate_hz: 0.12345\n"
+                           "  bin_length_m: 12.345\n"
+                           "  source_level_db: 234.5\n"
+                           "  receivers:\n"
+                           "    - {name: a_beam_with_an_uncommonly_long_name, pitch_deg: 45}\n"
+                           "mission: {pose: {position_m: [0, 0, 1234.5]}}\n"
+                           "sampling: {rays: 1000}\n";
+
+static void write_deep(const char *scene) {
+    FILE *file = fopen(scene, "w");
+    assert_non_null(file);
+    assert_true(fputs(deep, file) >= 0);
+    assert_int_equal(fclose(file), 0);
+}
+
+/* The window, small and large: the map's scale, its depths, the status. */
+static void views(void **state) {
+    (void)state;
+    static const char *const scenes[] = {"mission", "sonar_ping360", "survey", "scenario2", "deep"};
+    static const unsigned sizes[][2] = {{640, 360}, {800, 600}, {1280, 720}, {1920, 1080}};
+    for (size_t i = 0; i < sizeof scenes / sizeof *scenes; i++) {
+        for (size_t k = 0; k < sizeof sizes / sizeof *sizes; k++) {
+            asdic_view_options options = asdic_view_options_default();
+            asdic_mission *mission = NULL;
+            asdic_view *view = NULL;
+            char scene[512], what[128];
+            options.width = sizes[k][0];
+            options.height = sizes[k][1];
+            bool is_own = strcmp(scenes[i], "deep") == 0;
+            snprintf(scene, sizeof scene, is_own ? "%s.yaml" : "%s/scenes/%s.yaml",
+                     is_own ? path : DATA_DIR, scenes[i]);
+            if (is_own) {
+                write_deep(scene);
+            }
+            snprintf(what, sizeof what, "view of %s, %u x %u", scenes[i], sizes[k][0], sizes[k][1]);
+            assert_ok(t.ctx, asdic_mission_load(t.ctx, scene, &mission));
+            assert_ok(t.ctx, asdic_view_create(t.ctx, mission, t.device, &options, &view));
+            box_count = 0;
+            assert_ok(t.ctx, asdic_view_step(view));
+            assert_legible(what, 50);
+            asdic_view_destroy(&view);
+            asdic_mission_destroy(&mission);
+            if (is_own) {
+                unlink(scene);
+            }
+        }
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(fans),    cmocka_unit_test(waterfalls), cmocka_unit_test(overviews),
+        cmocka_unit_test(ascopes), cmocka_unit_test(plans),      cmocka_unit_test(maps),
+        cmocka_unit_test(rocs),    cmocka_unit_test(views),
+    };
+    if (!asdic_picture_annotated()) {
+        return 77;
+    }
+    t = test_device_open_or_skip();
+    close(mkstemps(path, 4));
+    int failed = cmocka_run_group_tests(tests, NULL, NULL);
+    unlink(path);
+    test_device_close(&t);
+    return failed;
+}
