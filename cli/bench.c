@@ -182,7 +182,7 @@ asdic_status bench_scaling_picture(const bench *b, const char *title, const char
     }
     const asdic_plot panel = {.x = {abscissa, 0.7 * low_x, 1.4 * high_x, true},
                               /* whole decades, so that the axis has marks */
-                              .y = {"milliseconds per ping", pow(10.0, floor(log10(0.9 * low_y))),
+                              .y = {"time of a ping (ms)", pow(10.0, floor(log10(0.9 * low_y))),
                                     pow(10.0, ceil(log10(1.1 * high_y))), true},
                               .series = curves,
                               .series_count = count};

@@ -2,7 +2,9 @@
 #include "bench_error.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 const bench_column bench_error_columns[] = {{"scene", "scene", 14, 0, 0.0},
                                             {"sampler", "sampler", 14, 0, 0.0},
@@ -162,12 +164,24 @@ static asdic_status draw(const bench *b, const result *results, size_t count) {
                                    .y = error,
                                    .series = series[0],
                                    .series_count = n + entries},
-                                  {.x = {"milliseconds per ping", 0.02, 1e3, true},
+                                  {.x = {"time of a ping (ms)", 0.02, 1e3, true},
                                    .y = error,
                                    .series = series[1],
                                    .series_count = n}};
     asdic_picture_options options = asdic_picture_options_default();
-    options.title = "Error of a ping against its cost";
+    char facts[ASDIC_SUBTITLE_SIZE] = "", title[ASDIC_SUBTITLE_SIZE + 64];
+    bool is_one = true;
+    for (size_t scene = count; scene-- > 0;) {
+        const asdic_sonar *sonar = &results[scene].scene.sonar;
+        snprintf(title, sizeof title, "%s", facts);
+        asdic_picture_subtitle(sonar, sonar->bin_length_m, facts);
+        is_one = is_one && (scene + 1 == count || strcmp(title, facts) == 0);
+    }
+    snprintf(title, sizeof title, "Error of a ping against its cost\n%s",
+             is_one ? facts : "sonars that differ");
+    const char *const texts[] = {"Software", "asdic", "Title", title, NULL};
+    options.title = title;
+    options.texts = texts;
     return asdic_picture_plot(cli_context(b->c), b->picture, panels, 2, &options);
 }
 

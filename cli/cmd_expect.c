@@ -10,7 +10,8 @@ static const cli_option options[] = {
     {"output", 'o', "FILE.csv", "where the levels go, else expected_SCENE.csv; '-' is stdout"},
     {"variant", 0, "WORD", "corrected or printed, else as the scene says"},
     {"ping", 0, "N", "the pose of this ping, else 0"},
-    {"picture", 0, "FILE", "draw the levels too (up to 8 beams): .png, .pdf or .svg"},
+    {"picture", 0, "FILE",
+     "draw the levels too (of more than 8 beams the middle one): .png, .pdf or .svg"},
     {"force", 'f', NULL, "overwrite what exists"},
     {NULL, 0, NULL, NULL},
 };
@@ -58,7 +59,9 @@ static asdic_status draw(cli *c, const char *path, const char *name, const asdic
                                                   ASDIC_VOLUME, ASDIC_NOISE};
     asdic_ascope panels[MOST_BEAMS] = {{0}};
     char titles[MOST_BEAMS][ASDIC_NAME_SIZE + 16];
-    size_t beams = ping->beams < MOST_BEAMS ? ping->beams : MOST_BEAMS;
+    /* Of more beams than have panels the middle one. */
+    bool is_middle = ping->beams > MOST_BEAMS;
+    size_t beams = is_middle ? 1 : ping->beams, first_beam = is_middle ? (ping->beams - 1) / 2 : 0;
     asdic_picture_options look = asdic_picture_options_default();
     float *levels = malloc(beams * CURVES * ping->bins * sizeof *levels);
     double top = -INFINITY, bottom = INFINITY;
@@ -71,9 +74,10 @@ static asdic_status draw(cli *c, const char *path, const char *name, const asdic
     for (size_t b = 0; b < beams; b++) {
         float *first = levels + b * CURVES * ping->bins;
         for (int k = 0; k < CURVES; k++) {
-            to_db(ping, shown[k], b, first + (size_t)k * ping->bins);
+            to_db(ping, shown[k], first_beam + b, first + (size_t)k * ping->bins);
         }
-        snprintf(titles[b], sizeof titles[b], "beam \u2018%s\u2019", sonar->receivers[b].name);
+        snprintf(titles[b], sizeof titles[b], "beam \u2018%s\u2019",
+                 sonar->receivers[first_beam + b].name);
         panels[b] =
             (asdic_ascope){.title = titles[b],
                            .bins = ping->bins,
@@ -91,6 +95,7 @@ static asdic_status draw(cli *c, const char *path, const char *name, const asdic
     look.db_high = isfinite(top) ? 10.0 * ceil(0.1 * top) : 0.0;
     look.db_low = isfinite(bottom) ? 10.0 * floor(0.1 * bottom) - BELOW_DB : -80.0;
     snprintf(heading, sizeof heading, "%s: expected levels without objects\n%s", name, facts);
+    look.note = is_middle ? "the middle beam; the table has all" : NULL;
     look.title = heading;
     look.texts = texts;
     snprintf(low, sizeof low, "%.0f", look.db_low);

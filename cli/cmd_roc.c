@@ -15,6 +15,7 @@ typedef struct request {
     const char *key;       /* of it */
     roc_variants variants; /* values are the names */
     char *labels[ROC_MOST_VARIANTS];
+    char facts[ROC_MOST_VARIANTS][ASDIC_SUBTITLE_SIZE]; /* of each variant's picture */
 } request;
 
 /* Cuts --vary into its key and values. */
@@ -102,6 +103,8 @@ static asdic_status compute_on(cli *c, request *r, asdic_mission *mission, asdic
     request own = *r;
     TRY(complete(c, mission, &own));
     TRY(asdic_roc_compute(ctx, mission, device, &own.options, &v->rocs[index]));
+    const asdic_sonar *sonar = asdic_mission_sonar(mission);
+    asdic_picture_subtitle(sonar, sonar->bin_length_m, r->facts[index]);
     /* "pitch_deg = 10" of "sonar.receivers[0].pitch_deg" */
     const char *dot = r->key ? strrchr(r->key, '.') : NULL, *key = dot ? dot + 1 : r->key;
     if (asprintf(&r->labels[index], "%s%s%s", key ? key : "",
@@ -151,23 +154,33 @@ static char *default_folder(const char *scene) {
     return length < 0 ? NULL : folder;
 }
 
+/* The scene and what is detected where; below, what all levels hang on, of the first variant where
+ * that varies. */
+static asdic_status draw(cli *c, const request *r, const char *path, const char *const *names) {
+    const roc_variants *v = &r->variants;
+    const asdic_roc *first = v->rocs[0];
+    char title[512 + ASDIC_SUBTITLE_SIZE];
+    char *scene = asdic_scene_name(cli_operand(c, 0));
+    bool is_one = true;
+    for (size_t i = 1; i < v->count; i++) {
+        is_one = is_one && strcmp(r->facts[i], r->facts[0]) == 0;
+    }
+    snprintf(title, sizeof title, "%s: %s%s at %.4g m, beam \u2018%s\u2019, %u look%s\n%s%s",
+             scene ? scene : "", r->key ? r->key : names[0], r->key ? ", the first" : "",
+             first->range_m, first->beam, first->background.looks,
+             first->background.looks == 1 ? "" : "s", is_one ? "" : "the first: ", r->facts[0]);
+    free(scene);
+    return asdic_roc_draw(cli_context(c), path, title, names, v->rocs, v->count);
+}
+
 static asdic_status write_files(cli *c, request *r, char *const paths[3]) {
     const char *names[ROC_MOST_VARIANTS];
-    char title[256];
     roc_variants *v = &r->variants;
     for (size_t i = 0; i < v->count; i++) {
         names[i] = r->labels[i];
     }
     TRY(asdic_roc_write_csv(cli_context(c), paths[0], paths[1], names, v->rocs, v->count));
-    if (asdic_picture_annotated()) {
-        const asdic_roc *first = v->rocs[0];
-        snprintf(title, sizeof title, "%s%s%s at %.4g m, beam \u2018%s\u2019, %u look%s",
-                 r->key ? r->key : "", r->key ? ": target" : names[0], r->key ? " first" : "",
-                 first->range_m, first->beam, first->background.looks,
-                 first->background.looks == 1 ? "" : "s");
-        TRY(asdic_roc_draw(cli_context(c), paths[2], title, names, v->rocs, v->count));
-    }
-    return ASDIC_OK;
+    return asdic_picture_annotated() ? draw(c, r, paths[2], names) : ASDIC_OK;
 }
 
 static asdic_status compute_all(cli *c, request *r, const char *folder, char *const paths[3]) {

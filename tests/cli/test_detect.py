@@ -9,6 +9,7 @@ import time
 import program
 import tap
 from program import Folder, asdic, need_device
+from run_folder import png_texts
 
 DATA = pathlib.Path(__file__).resolve().parents[2] / "data"
 COLUMNS = ["ping", "time_s", "beam", "bin", "range_m", "x_m", "y_m", "z_m", "level_db",
@@ -99,7 +100,10 @@ def test_objects_are_named_and_mapped():
         tap.equal(seen, {("left", "port"), ("right", "starboard")})
         tap.equal(report["confusion"][-1]["truth"], "none")
         with open(folder / "out/occupancy.png", "rb") as file:
-            tap.equal(file.read(4), b"\x89PNG")
+            texts = png_texts(file.read())
+        if "Title" in texts:  # with cairo
+            tap.contains(texts["Title"], "two: occupancy after 20 pings\n")
+            tap.contains(texts["Title"], "bandwidth 10 kHz  \u00b7  bins of ")
         # The table in text says the same; a run is not detected in twice without --force.
         asdic("detect", "out", cwd=folder.path).check(1)
         text = asdic("detect", "out", "--force", cwd=folder.path).check(0).out

@@ -2,6 +2,7 @@
 import csv
 import io
 import os
+import struct
 import subprocess
 
 import tap
@@ -115,6 +116,20 @@ def test_picture():
         tap.equal((float(texts["db_low"]) < min(levels), float(texts["db_high"]) >= max(levels)),
                   (True, True), "all levels are in the window")
         tap.contains(texts["Title"], "scene: expected levels without objects\n")
+
+
+def test_the_picture_of_a_fan_is_of_its_middle():
+    with Folder() as folder:
+        start, end = SCENE.index("    - {name: forward"), SCENE.index("  noise:")
+        fan = "    fan: {count: 9, sector_deg: 90, length_h_m: 0.05, length_v_m: 0.05}\n"
+        path = folder.write("fan.yaml", SCENE[:start] + fan + SCENE[end:])
+        done = asdic("expect", path, "-o", "a.csv", "--picture", "a.png", cwd=folder.path)
+        if "without cairo" in done.err:
+            raise tap.Skip("built without cairo")
+        done.check(code=0)
+        with open(folder / "a.png", "rb") as file:
+            height = struct.unpack(">I", file.read(24)[20:])[0]
+        tap.equal(height < 1000, True, f"{height} pixels are one panel's")
 
 
 def test_wrong_use():

@@ -1,6 +1,7 @@
 """asdic roc: curves, tables, pictures, and designs compared."""
 import csv
 import json
+import os
 import pathlib
 import signal
 import subprocess
@@ -9,6 +10,7 @@ import time
 import program
 import tap
 from program import Folder, asdic, need_device
+from run_folder import png_texts
 
 SCENES = pathlib.Path(__file__).resolve().parents[2] / "data" / "scenes"
 SCENE2 = SCENES / "scenario2.yaml"
@@ -41,6 +43,10 @@ def test_the_rise():
         tap.equal(list(far[0]), ["variant", "range_m", "snr_db", "pd", "pd_low", "pd_high",
                                  "closed_pd"])
         tap.equal(float(far[-1]["range_m"]) > 70, True)
+        if "roc.png" in os.listdir(folder / "out"):
+            tap.equal(png_texts(pathlib.Path(folder / "out/roc.png").read_bytes())["Title"],
+                      "scenario2: rise at 35.25 m, beam \u2018forward\u2019, 7 looks\n100 kHz, bandwidth "
+                      "10 kHz  \u00b7  bins of 0.5 m  \u00b7  levels re an SL of 0 dB")
         done = asdic("roc", SCENE2, "-o", "out", cwd=folder.path).check(1)
         tap.contains(done.err, "--force")
 

@@ -254,9 +254,10 @@ asdic_status asdic_detect_create_map(asdic_detect_job *job) {
 }
 
 asdic_status asdic_detect_draw_map(asdic_detect_job *job) {
-    char title[256], note[256];
+    char title[256 + ASDIC_SUBTITLE_SIZE], facts[ASDIC_SUBTITLE_SIZE], note[256];
     char *path = asdic_folder_file(job->run->folder, "occupancy.png");
-    const char *texts[] = {"Software", "asdic", "scene_sha256", job->info.scene_hash, NULL};
+    const char *texts[] = {"Software", "asdic", "scene_sha256", job->info.scene_hash, "Title",
+                           title,      NULL};
     asdic_series way = {.label = "vehicle, ending at the dot",
                         .x = job->track_east_m,
                         .y = job->track_north_m,
@@ -276,11 +277,12 @@ asdic_status asdic_detect_draw_map(asdic_detect_job *job) {
     if (!path) {
         return asdic_fail_memory(job->ctx, "a file name");
     }
-    snprintf(title, sizeof title, "%s: occupancy after %zu ping%s", job->info.scene_name,
-             job->pings_done, job->pings_done == 1 ? "" : "s");
+    asdic_picture_subtitle(job->info.sonar, job->run->facts.bin_length_m, facts);
+    snprintf(title, sizeof title, "%s: occupancy after %zu ping%s\n%s", job->info.scene_name,
+             job->pings_done, job->pings_done == 1 ? "" : "s", facts);
     snprintf(note, sizeof note,
-             "cells of %g m, clipped at %g; prior %g, targets %g dB above the background; white: "
-             "not looked at",
+             "cells of %g m, clipped at %g  \u00b7  prior %g, targets %g dB above the background"
+             "  \u00b7  white: not looked at",
              job->map->cell_m, LIMIT, job->detector.prior, job->detector.snr_db);
     options.db_low = -LIMIT;
     options.db_high = LIMIT;

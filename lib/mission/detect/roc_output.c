@@ -245,7 +245,8 @@ static asdic_status draw(asdic_context *ctx, const char *path, const char *title
     snprintf(range_title, sizeof range_title,
              "The same target at other ranges in its bearing, level with the vehicle, P_FA = %g",
              pfa);
-    asdic_plot plots[2] = {{.x = {.label = "P_FA", .low = 1e-6, .high = 1.0, .logarithmic = true},
+    asdic_plot plots[2] = {{.title = "The target where it is",
+                            .x = {.label = "P_FA", .low = 1e-6, .high = 1.0, .logarithmic = true},
                             .y = {.label = "P_D", .low = lowest(d->curve, count), .high = 1.0},
                             .series = d->lines,
                             .series_count = d->line_count},
@@ -255,8 +256,14 @@ static asdic_status draw(asdic_context *ctx, const char *path, const char *title
                             .series = d->range_lines,
                             .series_count = d->range_line_count}};
     asdic_picture_options options = asdic_picture_options_default();
+    const char *const texts[] = {"Software", "asdic", "Title", title, NULL};
+    bool has_model = d->curve[0].count > 0 && !isnan(d->curve[0].model_low[0]);
     options.title = title;
-    options.note = "solid: drawn, pale: its bounds of 99 %; dashed: closed form";
+    options.texts = texts;
+    options.note =
+        has_model ? "solid: by random draws, pale: its bounds of 99 %  \u00b7  dashed: closed "
+                    "form  \u00b7  dotted: over the error of the scattering laws"
+                  : "solid: by random draws, pale: its bounds of 99 %  \u00b7  dashed: closed form";
     return asdic_picture_plot(ctx, path, plots, d->farthest_m > 0.0 ? 2 : 1, &options);
 }
 
