@@ -86,6 +86,10 @@ static int run(cli *c) {
     if (video && (options.path || options.raw || cli_given(c, "ping") || cli_given(c, "format"))) {
         return cli_usage(c, "--video goes without --output, --raw, --ping and --format");
     }
+    if (video && options.images && options.images != 1u << ASDIC_IMAGE_FAN &&
+        options.images != 1u << ASDIC_IMAGE_ASCOPE) {
+        return cli_usage(c, "--video is of '--images fan' or '--images ascope'");
+    }
     const char *mosaic = cli_text(c, "mosaic");
     double cell_m = 0.0;
     cli_number(c, "cell", 1e-3, 1e6, &cell_m);

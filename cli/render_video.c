@@ -22,8 +22,10 @@ extern char **environ;
 typedef struct film {
     cli *c;
     const char *path;
+    char *part; /* where ffmpeg writes: of the same ending, by which it knows the format */
+    double rate_hz;
     pid_t child;
-    FILE *pipe; /* NULL: ffmpeg was not started yet */
+    FILE *pipe; /* NULL: ffmpeg was not started */
 } film;
 
 /* Frames a second that show a run in its own time. */
@@ -45,15 +47,15 @@ static asdic_status find_rate(cli *c, const char *folder, double *rate_hz) {
 }
 
 /* Starts ffmpeg, its standard input being FILM's pipe. */
-static bool start(film *f, double rate_hz) {
+static bool start(film *f) {
     char rate[32];
     int ends[2];
-    snprintf(rate, sizeof rate, "%.0f/1000", 1000.0 * rate_hz);
+    snprintf(rate, sizeof rate, "%.0f/1000", 1000.0 * f->rate_hz);
     /* H.264 as every player reads it wants an even number of pixels a side. */
     const char *const words[] = {
         "ffmpeg",   "-loglevel", "error", "-y", "-f", "image2pipe", "-framerate",
         rate,       "-c:v",      "png",   "-i", "-",  "-vf",        "pad=ceil(iw/2)*2:ceil(ih/2)*2",
-        "-pix_fmt", "yuv420p",   f->path, NULL};
+        "-pix_fmt", "yuv420p",   f->part, NULL};
     posix_spawn_file_actions_t actions;
     if (pipe(ends) != 0) {
         cli_error(f->c, "no pipe for ffmpeg: %s", strerror(errno));
@@ -79,10 +81,14 @@ static bool start(film *f, double rate_hz) {
     return f->pipe != NULL;
 }
 
+/* The first frame starts ffmpeg: a run that has none is no matter of its. */
 static bool add_frame(void *user, const char *path) {
     film *f = user;
     char block[65536];
     size_t length;
+    if (!f->pipe && !start(f)) {
+        return false;
+    }
     FILE *frame = fopen(path, "rb");
     bool is_written = frame != NULL;
     while (is_written && (length = fread(block, 1, sizeof block, frame)) > 0) {
@@ -94,51 +100,60 @@ static bool add_frame(void *user, const char *path) {
     return is_written;
 }
 
-/* Ends ffmpeg. False where it did not write all of the video, of which nothing is left then. */
-static bool finish(film *f, bool is_stopped) {
+/* Ends ffmpeg. Only a video of all frames, drawn with STATUS, takes its name. */
+static bool finish(film *f, asdic_status status) {
     int state = 0;
-    if (is_stopped) {
+    bool all = status == ASDIC_OK;
+    if (!f->pipe) {
+        return false;
+    }
+    if (status == ASDIC_ERROR_INTERRUPTED) {
         kill(f->child, SIGKILL); /* asked, it would encode what it holds first */
     }
     bool is_whole = fclose(f->pipe) == 0;
     while (waitpid(f->child, &state, 0) < 0 && errno == EINTR) {
     }
-    if (is_stopped) {
-        unlink(f->path);
-        return false;
+    is_whole = is_whole && WIFEXITED(state) && WEXITSTATUS(state) == 0;
+    if (is_whole && all && rename(f->part, f->path) == 0) {
+        return true;
     }
-    if (!is_whole || !WIFEXITED(state) || WEXITSTATUS(state) != 0) {
+    unlink(f->part);
+    if (all) {
         cli_error(f->c, "ffmpeg did not write '%s'", f->path);
-        unlink(f->path);
-        return false;
     }
-    return true;
+    return false;
+}
+
+/* "fan.part.mp4" of "fan.mp4". */
+static char *part_of(const char *path) {
+    const char *name = strrchr(path, '/'), *dot = strrchr(name ? name : path, '.');
+    size_t stem = dot ? (size_t)(dot - path) : strlen(path);
+    char *part = NULL;
+    return asprintf(&part, "%.*s.part%s", (int)stem, path, path + stem) < 0 ? NULL : part;
 }
 
 int render_video(cli *c, const char *folder, const asdic_render_options *options,
                  const char *path) {
-    film f = {.c = c, .path = path};
+    film f = {.c = c, .path = path, .part = part_of(path)};
     asdic_render_options each = *options;
     char frame[] = "/tmp/asdic-frame-XXXXXX.png";
-    double rate_hz;
-    asdic_status status = find_rate(c, folder, &rate_hz);
+    asdic_status status = f.part ? find_rate(c, folder, &f.rate_hz) : ASDIC_ERROR_MEMORY;
     if (status != ASDIC_OK) {
+        free(f.part);
         return cli_end(c, status);
     }
     int file = mkstemps(frame, 4);
     if (file < 0) {
         cli_error(c, "'%s': %s", frame, strerror(errno));
+        free(f.part);
         return CLI_FAILED;
     }
     close(file);
-    int code = CLI_FAILED;
     signal(SIGPIPE, SIG_IGN); /* an ffmpeg that ends early is an error to report */
-    if (start(&f, rate_hz)) {
-        each.path = frame;
-        status = asdic_run_render_frames(cli_context(c), folder, &each, add_frame, &f);
-        bool is_whole = finish(&f, status == ASDIC_ERROR_INTERRUPTED);
-        code = status != ASDIC_OK ? cli_end(c, status) : is_whole ? CLI_OK : CLI_FAILED;
-    }
+    each.path = frame;
+    status = asdic_run_render_frames(cli_context(c), folder, &each, add_frame, &f);
+    bool is_whole = finish(&f, status);
     unlink(frame);
-    return code;
+    free(f.part);
+    return status != ASDIC_OK ? cli_end(c, status) : is_whole ? CLI_OK : CLI_FAILED;
 }

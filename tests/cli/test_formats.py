@@ -440,6 +440,32 @@ def test_one_picture_goes_to_a_file_or_standard_output():
         tap.equal(pictures(folder, "r"), names, "pictures of the run")
 
 
+def test_a_video_shows_fans_and_leaves_no_parts():
+    with Folder() as folder:
+        run = run_of(folder, pings=2)
+        if "ascope_0.png" not in pictures(folder, "r"):
+            raise tap.Skip("built without cairo")
+        before = sorted(os.listdir(folder.path))
+        for images, code, why in (("waterfall", 2, "--video is of '--images fan'"),
+                                  ("fan", 2, "three beams or more"), ("ascope", 1, "did not write")):
+            # An ffmpeg that fails; the run's two beams are no fan.
+            os.makedirs(folder / "bin", exist_ok=True)
+            folder.write("bin/ffmpeg", "#!/bin/sh\nexit 3\n")
+            os.chmod(folder / "bin/ffmpeg", 0o755)
+            tap.contains(asdic("render", run, "--video", folder / "v.mp4", "--images", images,
+                               PATH=folder / "bin").check(code=code).err, why)
+        tap.equal(sorted(set(os.listdir(folder.path)) - {"bin"}), before, "nothing is left")
+        shutil.rmtree(folder / "r")
+        fan = "  receivers:\n    fan: {count: 12, sector_deg: 90, length_h_m: 0.1, length_v_m: 0.05}"
+        run_of(folder, pings=2, edits={"  receivers:\n    - {name: forward}\n    - {name: down, pitch_deg: 45}":
+                                       fan})
+        if not shutil.which("ffmpeg") or not shutil.which("ffprobe"):
+            raise tap.Skip("no ffmpeg")
+        asdic("render", run, "--video", folder / "v.mp4").check(code=0, out="")
+        tap.equal(tool("ffprobe", "-v", "error", "-count_frames", "-show_entries", "stream=nb_read_frames",
+                       "-of", "csv=p=0", "v.mp4", cwd=folder.path).strip(), "2", "frames")
+
+
 def test_a_video_has_a_frame_for_each_ping():
     with Folder() as folder:
         run = run_of(folder)
@@ -484,6 +510,48 @@ def test_a_mosaic_lies_where_it_says():
             raise AssertionError("behind the vehicle nothing was seen")
         if brightness(0, 19.2) <= brightness(6, 19.2):
             raise AssertionError("the ball is brighter than the floor beside it")
+
+
+STEP = """version: 1
+bottom: {mesh: {file: step.ply}, type: sand}
+objects:
+  - {name: ball, sphere: {radius_m: 0.5}, position_m: [20, 0, 13.5], material: {impedance_mrayl: 45}}
+sonar:
+  frequency_khz: 300
+  ping_rate_hz: 18
+  source_level_db: 200
+  bin_length_m: 0.25
+  transmitter: {length_h_m: 0.004, length_v_m: 0.006}
+  receivers:
+    fan: {count: 64, sector_deg: 90, length_h_m: 0.15, length_v_m: 0.006}
+mission: {pose: {position_m: [0, 0, 10], roll_deg: 5, pitch_deg: -10}, pings: 2}
+sampling: {rays: 20000}
+output: {csv: none, images: []}
+"""
+
+
+def test_a_mosaic_lies_on_the_terrain():
+    """A ball on a floor 4 m below a vehicle that flies 12 m above a lower one: its near side, 19.8 m
+    away, lies 19.4 m north on the upper floor and would lie 15.7 m north on the lower one."""
+    program.need_device()
+    with Folder() as folder:
+        corners = [(x, y, z) for y, z in ((-60, -22), (10, -22), (10, -14), (60, -14)) for x in (-60, 60)]
+        sides = [(2 * i + a, 2 * i + b, 2 * i + c) for i in range(3) for a, b, c in ((0, 1, 3), (0, 3, 2))]
+        folder.write("step.ply", "ply\nformat ascii 1.0\nelement vertex 8\nproperty float x\n"
+                     "property float y\nproperty float z\nelement face 6\nproperty list uchar int "
+                     "vertex_index\nend_header\n" + "".join("%g %g %g\n" % c for c in corners) +
+                     "".join("3 %d %d %d\n" % s for s in sides))
+        asdic("run", folder.write("step.yaml", STEP), "-o", folder / "r").check(code=0)
+        asdic("render", folder / "r", "--mosaic", folder / "m.png", "--colormap", "gray").check(code=0, out="")
+        norths = [16.5 + 0.25 * i for i in range(30)]
+        places = "".join(f"{east} {north}\n" for east in (0, 3) for north in norths)
+        out = tool("gdallocationinfo", "-valonly", "-b", "1", "-geoloc", "m.png", cwd=folder.path,
+                   stdin=places)
+        grey = list(map(int, out.split()))
+        ball, beside = grey[:len(norths)], grey[len(norths):]
+        bright = [n for n, g in zip(norths, ball) if g == max(ball)]
+        if max(ball) <= max(beside) or not all(abs(n - 19.4) < 0.75 for n in bright):
+            raise AssertionError((bright, ball, beside))
 
 
 def test_ascope_says_how_many_beams_it_leaves_out():

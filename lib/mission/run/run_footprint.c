@@ -62,7 +62,7 @@ static size_t cut_swath(const asdic_swath *s, const asdic_pose *pose, cut cuts[M
     return n;
 }
 
-static double depth_below(const asdic_ground *g, double north_m, double east_m) {
+double asdic_ground_depth_m(const asdic_ground *g, double north_m, double east_m) {
     const asdic_relief *r = g->relief;
     double depth_m = g->plane_depth_m;
     if (r->columns > 0) {
@@ -85,7 +85,7 @@ static double meet(const asdic_ground *g, asdic_vec3 from_m, asdic_vec3 along, d
     double step_m = fmax(0.5 * g->relief->cell_m, range_m / MOST_STEPS);
     for (double at_m = step_m; at_m <= range_m; at_m += step_m) {
         asdic_vec3 here_m = asdic_vec3_add(from_m, asdic_vec3_scale(along, at_m));
-        if (here_m.z >= depth_below(g, here_m.x, here_m.y)) {
+        if (here_m.z >= asdic_ground_depth_m(g, here_m.x, here_m.y)) {
             return at_m;
         }
     }

@@ -13,6 +13,9 @@ typedef struct asdic_ground {
     double plane_depth_m;       /* of a flat bottom; INFINITY: none */
 } asdic_ground;
 
+/* Depth of the bottom at a place; INFINITY where there is none. */
+double asdic_ground_depth_m(const asdic_ground *ground, double north_m, double east_m);
+
 typedef struct asdic_swath {
     const asdic_beam *beams; /* one, or several side by side that make one area */
     size_t count;

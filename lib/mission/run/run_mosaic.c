@@ -6,9 +6,12 @@
 
 #include "base/context.h"
 #include "base/try.h"
+#include "base/vec.h"
 #include "out/digits.h"
 #include "out/file.h"
 #include "out/raster.h"
+#include "run_chart_data.h"
+#include "run_footprint.h"
 #include "run_picture.h"
 
 #include <math.h>
@@ -26,6 +29,8 @@ typedef struct mosaic {
     asdic_context *ctx;
     asdic_run *run;
     asdic_run_info info;
+    asdic_chart_data data;
+    asdic_ground ground; /* of DATA: the terrain; else without any */
     double bin_length_m, range_m, cell_m;
     double west_m, south_m;
     size_t columns, rows;
@@ -53,16 +58,23 @@ static size_t beam_at(const asdic_sonar *sonar, double bearing_rad) {
     return bearing_rad - beams[low].yaw_rad > beams[high].yaw_rad - bearing_rad ? high : low;
 }
 
-/* Adds what RECORD heard from the place (NORTH_M, EAST_M), taken to lie as deep as the bottom
- * straight below the vehicle. */
-static void add_cell(mosaic *m, const asdic_record *record, size_t cell, double north_m,
-                     double east_m) {
-    double x = north_m - record->pose.position_m.x, y = east_m - record->pose.position_m.y;
-    double yaw = record->pose.yaw_rad, along_m = x * cos(yaw) + y * sin(yaw);
-    double height_m = isfinite(record->altitude_m) ? record->altitude_m : 0.0;
-    double range_m = hypot(hypot(x, y), height_m);
+/* Adds what RECORD, whose sonar has these AXES, heard from the place (NORTH_M, EAST_M) on the floor:
+ * the terrain, beside which there is none, or a plane as deep as straight below the vehicle. */
+static void add_cell(mosaic *m, const asdic_record *record, asdic_mat3 axes, size_t cell,
+                     double north_m, double east_m) {
+    asdic_vec3 at_m = record->pose.position_m;
+    double depth_m = at_m.z + (isfinite(record->altitude_m) ? record->altitude_m : 0.0);
+    if (m->ground.relief->columns > 0) {
+        depth_m = asdic_ground_depth_m(&m->ground, north_m, east_m);
+    }
+    if (!isfinite(depth_m)) {
+        return;
+    }
+    asdic_vec3 way_m = {north_m - at_m.x, east_m - at_m.y, depth_m - at_m.z};
+    double range_m = asdic_vec3_length(way_m);
     size_t bin = (size_t)(range_m / m->bin_length_m);
-    size_t beam = beam_at(m->info.sonar, atan2(y * cos(yaw) - x * sin(yaw), along_m));
+    asdic_vec3 along = asdic_mat3_apply_inverse(axes, way_m);
+    size_t beam = beam_at(m->info.sonar, atan2(along.y, along.x));
     if (bin >= m->info.bins || beam >= m->info.beams) {
         return;
     }
@@ -75,7 +87,9 @@ static void add_cell(mosaic *m, const asdic_record *record, size_t cell, double 
 }
 
 static void add_record(mosaic *m, const asdic_record *record) {
-    double x = record->pose.position_m.x, y = record->pose.position_m.y;
+    const asdic_pose *pose = &record->pose;
+    double x = pose->position_m.x, y = pose->position_m.y;
+    asdic_mat3 axes = asdic_mat3_attitude(pose->roll_rad, pose->pitch_rad, pose->yaw_rad);
     double first_row = floor((x - m->range_m - m->south_m) / m->cell_m);
     double first_column = floor((y - m->range_m - m->west_m) / m->cell_m);
     size_t wide = (size_t)ceil(2.0 * m->range_m / m->cell_m) + 1;
@@ -84,7 +98,7 @@ static void add_record(mosaic *m, const asdic_record *record) {
         double north_m = m->south_m + ((double)row + 0.5) * m->cell_m;
         for (size_t column = column0; column < column0 + wide && column < m->columns; column++) {
             double east_m = m->west_m + ((double)column + 0.5) * m->cell_m;
-            add_cell(m, record, row * m->columns + column, north_m, east_m);
+            add_cell(m, record, axes, row * m->columns + column, north_m, east_m);
         }
     }
 }
@@ -188,6 +202,8 @@ static asdic_status lay(mosaic *m, const asdic_render_options *options) {
         .db_low = options->db_low, .db_high = options->db_high, .colormap = options->colormap};
     asdic_record record;
     TRY(find_extent(m));
+    TRY(asdic_chart_data_read(m->ctx, m->run->folder, &m->data));
+    m->ground = (asdic_ground){.relief = &m->data.relief, .plane_depth_m = INFINITY};
     TRY(asdic_run_read(m->run, 0, &record));
     bool is_given = options->tvg_db_per_decade != 0.0 || options->tvg_db_per_m != 0.0;
     m->db_per_decade = is_given ? options->tvg_db_per_decade : DB_PER_DECADE;
@@ -223,6 +239,7 @@ asdic_status asdic_run_mosaic(asdic_context *ctx, const char *folder, double cel
                                   folder)
                      : lay(&m, options);
     }
+    asdic_chart_data_finish(&m.data);
     free(m.sum);
     free(m.count);
     asdic_run_close(&m.run);

@@ -147,6 +147,11 @@ static asdic_status check_output(const asdic_render *r) {
             r->ctx, ASDIC_ERROR_UNSUPPORTED,
             "no PDF or SVG: built without cairo; install libcairo2-dev and build again");
     }
+    if (r->frame && count != 1) {
+        return asdic_fail(r->ctx, ASDIC_ERROR_ARGUMENT,
+                          "a frame is the fan or the A-scope of a ping; here there is %s",
+                          count ? "more in it" : "neither");
+    }
     if (r->options.path && count != 1) {
         return asdic_fail(r->ctx, ASDIC_ERROR_ARGUMENT,
                           "one picture can go to '%s', but these are %zu; choose one kind, and one "
