@@ -53,10 +53,6 @@ struct asdic_backdrop {
     uint64_t errors[ERROR_STEPS], error_count; /* of the bins that were read */
 };
 
-bool asdic_backdrop_can(const asdic_run *run) {
-    return asdic_mission_has_hash(run->facts.scene_path, run->facts.scene_hash);
-}
-
 /* --- the file --------------------------------------------------------------------------------- */
 
 static bool is_at_rest(asdic_run *run) {

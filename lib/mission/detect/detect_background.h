@@ -11,9 +11,6 @@
 
 typedef struct asdic_backdrop asdic_backdrop;
 
-/* Whether the scene file is where the run has it from, unchanged. */
-bool asdic_backdrop_can(const asdic_run *run);
-
 /* Opens what an earlier call left for this run, or simulates it; *SIMULATED_S is the time that took,
  * 0 when it was there. */
 asdic_status asdic_backdrop_open(asdic_run *run, const asdic_detect_options *options,

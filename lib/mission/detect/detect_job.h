@@ -16,6 +16,7 @@ typedef struct asdic_detect_job {
     asdic_run *run;
     asdic_run_info info;
     asdic_detector detector;
+    asdic_mission *mission; /* the run's; NULL: its scene, a mesh or a track is not as it was */
     asdic_scan *scan;
     asdic_namer *namer;
     asdic_tracker *tracker;

@@ -9,6 +9,7 @@
 #include "base/try.h"
 #include "base/vec.h"
 #include "detect/law.h"
+#include "mission/mission.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -160,10 +161,10 @@ static asdic_status open_run(asdic_detect_job *job, const char *folder) {
 }
 
 static asdic_status simulate_background(asdic_detect_job *job) {
-    if (!asdic_backdrop_can(job->run)) {
+    if (!job->mission) {
         return asdic_fail(job->ctx, ASDIC_ERROR_INPUT,
-                          "no background can be simulated: scene '%s' is not there as it was when "
-                          "it was run",
+                          "no background can be simulated: scene '%s', with its meshes and tracks, "
+                          "is not there as it was when it was run",
                           job->run->facts.scene_path);
     }
     return asdic_backdrop_open(job->run, job->options, &job->report->background_s, &job->backdrop);
@@ -178,7 +179,7 @@ static asdic_status choose_background(asdic_detect_job *job) {
     job->background = !is_auto   ? wanted
                       : is_plane ? ASDIC_BACKGROUND_FLAT
                                  : ASDIC_BACKGROUND_SIMULATED;
-    if (is_auto && !is_plane && !asdic_backdrop_can(job->run)) {
+    if (is_auto && !is_plane && !job->mission) {
         job->background = ASDIC_BACKGROUND_CFAR;
     }
     if (job->background == ASDIC_BACKGROUND_SIMULATED) {
@@ -193,11 +194,27 @@ static asdic_status choose_background(asdic_detect_job *job) {
                              &job->detector, cfar, &job->scan);
 }
 
+/* Loads the run's scene again, if it and all that it reads are as they were. */
+static asdic_status load_scene(asdic_detect_job *job) {
+    const asdic_run_facts *facts = &job->run->facts;
+    char hex[65];
+    if (!asdic_mission_has_hash(facts->scene_path, facts->scene_hash) ||
+        asdic_mission_load(NULL, facts->scene_path, &job->mission) != ASDIC_OK) {
+        return ASDIC_OK;
+    }
+    TRY(asdic_mission_inputs_hash(job->ctx, job->mission, hex));
+    if (strcmp(hex, facts->geometry_hash) != 0) {
+        asdic_mission_destroy(&job->mission);
+    }
+    return ASDIC_OK;
+}
+
 /* What a run's detection needs before its first ping. Files are opened before a background is
  * simulated, which takes time: they may be refused. */
 static asdic_status begin(asdic_detect_job *job, const char *folder) {
     TRY(open_run(job, folder));
-    TRY(asdic_namer_create(job->run, &job->namer));
+    TRY(load_scene(job));
+    TRY(asdic_namer_create(job->run, job->mission, &job->namer));
     TRY(asdic_tracker_create(job->ctx, &job->options->tracker, &job->tracker));
     TRY(allocate(job));
     TRY(asdic_detect_report_create(job));
@@ -216,6 +233,7 @@ static void finish(asdic_detect_job *job) {
     asdic_backdrop_close(&job->backdrop);
     asdic_ping_destroy(&job->expected);
     asdic_detect_report_destroy(&job->report);
+    asdic_mission_destroy(&job->mission);
     asdic_run_close(&job->run);
     free(job->intensity_lin);
     free(job->truth);

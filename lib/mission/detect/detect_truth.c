@@ -1,4 +1,3 @@
-#include "detect_background.h"
 #include "detect_truth.h"
 
 #include "base/context.h"
@@ -13,8 +12,16 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Triangles are halved until they lie in one bin, at most so often. */
-#define MOST_HALVINGS 14
+/* An object's surface counts as equal pieces: of a quarter of a bin squared, but so many. */
+#define LEAST_PIECES 256.0
+#define MOST_PIECES 16384.0
+/* A point counts like a surface of half a square millimetre. */
+#define POINT_M2 5e-7
+
+/* A piece of an object's surface, where it is at the mission's beginning. */
+typedef struct piece {
+    asdic_vec3 at_m, area_m2; /* along the normal; 0: a point */
+} piece;
 
 /* The part of an object that lies in a bin. */
 typedef struct share {
@@ -26,11 +33,13 @@ typedef struct named {
     char name[ASDIC_NAME_SIZE];
     size_t object, part; /* index in the mission; in its scene, SIZE_MAX for a point */
     share *shares;       /* per bin */
+    piece *pieces;
+    size_t piece_count;
 } named;
 
 struct asdic_namer {
     asdic_run *run;
-    asdic_mission *mission; /* NULL: a single name */
+    const asdic_mission *mission; /* NULL: a single name */
     named *names;
     size_t count;
     asdic_pose pose;        /* of the ping */
@@ -39,84 +48,117 @@ struct asdic_namer {
     bool is_placed; /* shares are those of POSE, and nothing moves */
 };
 
-static void add_piece(named *n, const asdic_run_facts *facts, asdic_vec3 from,
-                      const asdic_vec3 v[3], int halvings) {
-    asdic_vec3 center = asdic_vec3_scale(asdic_vec3_add(v[0], asdic_vec3_add(v[1], v[2])), 1.0 / 3);
-    double longest = 0.0, low = INFINITY, high = 0.0;
-    int side = 0;
-    for (int i = 0; i < 3; i++) {
-        double range = asdic_vec3_length(asdic_vec3_sub(v[i], from));
-        double length = asdic_vec3_length(asdic_vec3_sub(v[(i + 1) % 3], v[i]));
-        low = fmin(low, range);
-        high = fmax(high, range);
-        side = length > longest ? i : side;
-        longest = fmax(length, longest);
+static void read_triangle(const asdic_scene *scene, size_t index, asdic_vec3 v[3],
+                          asdic_vec3 *area_m2) {
+    const dev_triangle *t = &scene->triangles[index];
+    const float *corners[3] = {t->v0, t->v1, t->v2};
+    for (int k = 0; k < 3; k++) {
+        asdic_vec3 corner = {corners[k][0], corners[k][1], corners[k][2]};
+        v[k] = asdic_vec3_add(corner, scene->origin_m);
     }
-    if (low - longest > facts->bin_length_m * (double)facts->bins) {
-        return;
-    }
-    if (halvings < MOST_HALVINGS && longest > facts->bin_length_m &&
-        (high - low > facts->bin_length_m || longest > 0.1 * low)) {
-        asdic_vec3 a = v[side], b = v[(side + 1) % 3], c = v[(side + 2) % 3];
-        asdic_vec3 middle = asdic_vec3_scale(asdic_vec3_add(a, b), 0.5);
-        add_piece(n, facts, from, (const asdic_vec3[3]){a, middle, c}, halvings + 1);
-        add_piece(n, facts, from, (const asdic_vec3[3]){middle, b, c}, halvings + 1);
-        return;
-    }
-    asdic_vec3 to = asdic_vec3_sub(center, from);
-    asdic_vec3 normal = asdic_vec3_cross(asdic_vec3_sub(v[1], v[0]), asdic_vec3_sub(v[2], v[0]));
-    double range = fmax(asdic_vec3_length(to), 1e-6), bin = floor(range / facts->bin_length_m);
-    if (bin < (double)facts->bins) {
-        share *s = &n->shares[(size_t)bin];
-        double area = 0.5 * fabs(asdic_vec3_dot(normal, to)) / range; /* as the sonar sees it */
-        s->area_m2 += area;
-        s->towards = asdic_vec3_add(s->towards, asdic_vec3_scale(to, area / range));
-    }
+    *area_m2 = asdic_vec3_scale(
+        asdic_vec3_cross(asdic_vec3_sub(v[1], v[0]), asdic_vec3_sub(v[2], v[0])), 0.5);
 }
 
-/* The object's shift from the mission's beginning to PING. */
-static asdic_vec3 moved(const asdic_namer *namer, const named *n, size_t ping, asdic_vec3 at) {
-    const asdic_mission_object *o = asdic_mission_get_object(namer->mission, n->object);
-    if (!o->moves) {
-        return at;
-    }
-    asdic_pose now = asdic_mission_object_pose(namer->mission, n->object, ping);
-    asdic_mat3 before = asdic_mat3_attitude(o->pose.roll_rad, o->pose.pitch_rad, o->pose.yaw_rad);
-    asdic_mat3 after = asdic_mat3_attitude(now.roll_rad, now.pitch_rad, now.yaw_rad);
-    asdic_vec3 own = asdic_mat3_apply_inverse(before, asdic_vec3_sub(at, o->pose.position_m));
-    return asdic_vec3_add(asdic_mat3_apply(after, own), now.position_m);
-}
-
-static void place(asdic_namer *namer, named *n, size_t ping) {
-    const asdic_scene *scene = namer->mission->scene;
-    asdic_vec3 from = namer->pose.position_m;
-    memset(n->shares, 0, namer->run->facts.bins * sizeof *n->shares);
-    if (n->part == SIZE_MAX) {
-        const asdic_mission_object *o = asdic_mission_get_object(namer->mission, n->object);
-        asdic_vec3 at = moved(namer, n, ping, o->pose.position_m);
-        asdic_vec3 v[3] = {at, at,
-                           at}; /* a speck of a square millimetre across the line of sight */
-        asdic_vec3 to = asdic_vec3_sub(at, from);
-        asdic_vec3 aside = {-to.y, to.x, 0.0};
-        double length = asdic_vec3_length(aside);
-        aside = length > 0.0 ? asdic_vec3_scale(aside, 1e-3 / length) : (asdic_vec3){1e-3, 0, 0};
-        v[1] = asdic_vec3_add(at, aside);
-        v[2].z += 1e-3;
-        add_piece(n, &namer->run->facts, from, v, 0);
-        return;
-    }
+static double area_of(const asdic_scene *scene, size_t part) {
+    double sum = 0.0;
+    asdic_vec3 v[3], area;
     for (size_t i = 0; i < scene->triangle_count; i++) {
-        const dev_triangle *t = &scene->triangles[i];
-        if (t->part != n->part) {
+        if (scene->triangles[i].part == part) {
+            read_triangle(scene, i, v, &area);
+            sum += asdic_vec3_length(area);
+        }
+    }
+    return sum;
+}
+
+/* A place in the triangle V; any number of them fill it evenly (Halton's points of bases 2 and 3,
+ * Numer. Math. 2, 84 (1960), folded at the diagonal). */
+static asdic_vec3 place_in(const asdic_vec3 v[3], size_t index) {
+    double at[2] = {0.0, 0.0};
+    for (int k = 0; k < 2; k++) {
+        double base = k + 2.0, digit = 1.0 / base;
+        for (size_t i = index + 1; i > 0; i /= (size_t)k + 2, digit /= base) {
+            at[k] += digit * (double)(i % ((size_t)k + 2));
+        }
+    }
+    if (at[0] + at[1] > 1.0) {
+        at[0] = 1.0 - at[0];
+        at[1] = 1.0 - at[1];
+    }
+    asdic_vec3 a = asdic_vec3_scale(asdic_vec3_sub(v[1], v[0]), at[0]);
+    return asdic_vec3_add(v[0],
+                          asdic_vec3_add(a, asdic_vec3_scale(asdic_vec3_sub(v[2], v[0]), at[1])));
+}
+
+/* Fills the pieces of an object, once for all pings: a point has one. */
+static asdic_status cut_object(const asdic_namer *namer, named *n) {
+    const asdic_scene *scene = namer->mission->scene;
+    double bin_m = namer->run->facts.bin_length_m, area_m2 = area_of(scene, n->part);
+    double pieces = fmin(fmax(4.0 * area_m2 / (bin_m * bin_m), LEAST_PIECES), MOST_PIECES);
+    double each_m2 = area_m2 / floor(pieces), sum = 0.0;
+    size_t room = area_m2 > 0.0 ? (size_t)pieces : 1;
+    n->pieces = calloc(room, sizeof *n->pieces);
+    if (!n->pieces) {
+        return asdic_fail_memory(namer->run->ctx, "objects' pieces");
+    }
+    n->pieces[0].at_m = asdic_mission_get_object(namer->mission, n->object)->pose.position_m;
+    n->piece_count = n->part == SIZE_MAX ? 1 : 0;
+    for (size_t i = 0; i < scene->triangle_count && n->part != SIZE_MAX; i++) {
+        if (scene->triangles[i].part != n->part) {
             continue;
         }
-        const float *corners[3] = {t->v0, t->v1, t->v2};
-        asdic_vec3 v[3];
-        for (int k = 0; k < 3; k++) {
-            asdic_vec3 at = {corners[k][0], corners[k][1], corners[k][2]};
-            v[k] = moved(namer, n, ping, asdic_vec3_add(at, scene->origin_m));
+        asdic_vec3 v[3], area;
+        read_triangle(scene, i, v, &area);
+        double own = asdic_vec3_length(area);
+        for (sum += own; n->piece_count < room && ((double)n->piece_count + 0.5) * each_m2 < sum;
+             n->piece_count++) {
+            n->pieces[n->piece_count] =
+                (piece){place_in(v, n->piece_count), asdic_vec3_scale(area, each_m2 / own)};
         }
-        add_piece(n, &namer->run->facts, from, v, 0);
+    }
+    return ASDIC_OK;
+}
+
+/* How an object has moved from the mission's beginning to a ping. */
+typedef struct motion {
+    asdic_mat3 before, after;
+    asdic_vec3 from_m, to_m;
+} motion;
+
+static motion motion_of(const asdic_namer *namer, const named *n, size_t ping) {
+    asdic_pose was = asdic_mission_get_object(namer->mission, n->object)->pose;
+    asdic_pose is = asdic_mission_object_pose(namer->mission, n->object, ping);
+    return (motion){asdic_mat3_attitude(was.roll_rad, was.pitch_rad, was.yaw_rad),
+                    asdic_mat3_attitude(is.roll_rad, is.pitch_rad, is.yaw_rad), was.position_m,
+                    is.position_m};
+}
+
+static asdic_vec3 turned(const motion *m, asdic_vec3 v) {
+    return asdic_mat3_apply(m->after, asdic_mat3_apply_inverse(m->before, v));
+}
+
+/* Adds the object's pieces to the bins in which they are at PING. */
+static void place(const asdic_namer *namer, named *n, size_t ping) {
+    const asdic_run_facts *facts = &namer->run->facts;
+    bool moves = asdic_mission_get_object(namer->mission, n->object)->moves;
+    motion m = motion_of(namer, n, ping);
+    memset(n->shares, 0, facts->bins * sizeof *n->shares);
+    for (size_t i = 0; i < n->piece_count; i++) {
+        piece p = n->pieces[i];
+        if (moves) {
+            p.at_m = asdic_vec3_add(turned(&m, asdic_vec3_sub(p.at_m, m.from_m)), m.to_m);
+            p.area_m2 = turned(&m, p.area_m2);
+        }
+        asdic_vec3 to = asdic_vec3_sub(p.at_m, namer->pose.position_m);
+        double range = fmax(asdic_vec3_length(to), 1e-6), bin = range / facts->bin_length_m;
+        if (bin < (double)facts->bins) {
+            share *s = &n->shares[(size_t)bin];
+            double seen = fabs(asdic_vec3_dot(p.area_m2, to)) / range; /* as the sonar sees it */
+            double area = n->part == SIZE_MAX ? POINT_M2 : seen;
+            s->area_m2 += area;
+            s->towards = asdic_vec3_add(s->towards, asdic_vec3_scale(to, area / range));
+        }
     }
 }
 
@@ -143,6 +185,7 @@ static asdic_status add_names(asdic_namer *namer) {
         if (!n->shares) {
             return asdic_fail_memory(ctx, "objects' shares");
         }
+        TRY(cut_object(namer, n));
     }
     return namer->names ? ASDIC_OK : asdic_fail_memory(ctx, "objects' names");
 }
@@ -159,8 +202,7 @@ static asdic_status name_nothing(asdic_namer *namer) {
 
 static asdic_status find_names(asdic_namer *namer) {
     asdic_run *run = namer->run;
-    if (asdic_backdrop_can(run)) {
-        TRY(asdic_mission_load(run->ctx, run->facts.scene_path, &namer->mission));
+    if (namer->mission) {
         TRY(add_names(namer));
     } else {
         asdic_log(run->ctx, ASDIC_LOG_WARNING,
@@ -174,7 +216,7 @@ static asdic_status find_names(asdic_namer *namer) {
     return name_nothing(namer);
 }
 
-asdic_status asdic_namer_create(asdic_run *run, asdic_namer **out) {
+asdic_status asdic_namer_create(asdic_run *run, const asdic_mission *mission, asdic_namer **out) {
     *out = NULL;
     asdic_namer *namer = calloc(1, sizeof *namer);
     if (!namer || !(namer->receivers = calloc(run->facts.beams, sizeof *namer->receivers))) {
@@ -182,6 +224,7 @@ asdic_status asdic_namer_create(asdic_run *run, asdic_namer **out) {
         return asdic_fail_memory(run->ctx, "objects' names");
     }
     namer->run = run;
+    namer->mission = mission;
     asdic_status status = find_names(namer);
     if (status) {
         asdic_namer_destroy(&namer);
@@ -196,8 +239,8 @@ void asdic_namer_destroy(asdic_namer **namer) {
     }
     for (size_t i = 0; i < (*namer)->count; i++) {
         free((*namer)->names[i].shares);
+        free((*namer)->names[i].pieces);
     }
-    asdic_mission_destroy(&(*namer)->mission);
     free((*namer)->names);
     free((*namer)->receivers);
     free(*namer);

@@ -10,9 +10,9 @@
 
 typedef struct asdic_namer asdic_namer;
 
-/* Reads the scene file again for the objects' shapes. Where it is gone or has changed, objects are
- * all called "object", which is logged. */
-asdic_status asdic_namer_create(asdic_run *run, asdic_namer **out);
+/* MISSION, which is borrowed, has the objects' shapes. Where it is NULL objects are all called "object",
+ * which is logged. */
+asdic_status asdic_namer_create(asdic_run *run, const asdic_mission *mission, asdic_namer **out);
 void asdic_namer_destroy(asdic_namer **namer);
 
 /* Names are counted from 0. */
