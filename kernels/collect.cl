@@ -7,6 +7,8 @@
 #include "receive.h"
 #include "ping_batch.h"
 
+#if ASDIC_DEPOSIT == DEPOSIT_COLLECT
+
 /* With this many receivers or fewer, the lanes of a vector are rays and receivers are taken one by one; with
  * more, lanes are receivers and arrivals are taken one by one. */
 #define FEW_BEAMS 2u
@@ -270,3 +272,5 @@ __kernel void collect(__global const dev_ping *pings, __global const dev_arrival
         atomic_add(saturated + get_group_id(1), cut);
     }
 }
+
+#endif

@@ -52,20 +52,20 @@ static real azimuth_factor(__global const float *table, real x, real y) {
     return factor;
 }
 
-/* Density of azimuth PHI over the lobes at the elevation with coordinate X; in *Y the coordinate of PHI
- * in the lobe that gives most. */
+/* Density of azimuth PHI over ALL lobes, at the elevation with coordinate X; in *Y the coordinate
+ * of PHI in the lobe that gives most. */
 static real azimuth_density(__global const dev_ping *ping, __global const float *table,
                             const azimuth_lobes *all, real x, real phi, real *y) {
     real density = R(0.0), most = R(-1.0);
     for (uint j = 0; j < ping->sampling.lobes; j++) {
-        const azimuth_lobe *a = &all->lobe[j];
+        azimuth_lobe a = azimuth_lobes_get(ping, all, j);
         real share = (real)(ping->sampling.lobe[j].share),
              begin = (real)(ping->sampling.lobe[j].share_begin);
-        real part = share * a->near_share;
+        real part = share * a.near_share;
         for (uint side = 0; side < 2u; side++) {
-            real center = side == 0u ? a->near : a->far;
-            real limit = side == 0u ? a->near_limit : a->far_limit;
-            azimuth_at at = lobe_of(a, wrap_angle(phi - center), limit);
+            real center = side == 0u ? a.near : a.far;
+            real limit = side == 0u ? a.near_limit : a.far_limit;
+            azimuth_at at = lobe_of(&a, wrap_angle(phi - center), limit);
             real here = begin + part * at.below, own = part * at.density;
             *y = choose(own > most, here, *y);
             most = r_max(most, own);
@@ -99,20 +99,20 @@ static ray_sample sample_adaptive(__global const dev_ping *ping, __global const 
     elevation e = elevation_of_x(ping, x);
     e.density *= factor;
     ray_sample s;
-    azimuth_lobes all;
     real m = e.across;
-    azimuth_lobes_at(ping, lobes, e.uz, m, &all);
-    azimuth_lobe picked = all.lobe[0];
+    azimuth_lobes all = azimuth_lobes_at(ping, e.uz, m);
+    azimuth_lobe picked = azimuth_lobes_get(ping, &all, 0);
     real xi = y / (real)(lobes[0].share);
     for (uint j = 1; j < ping->sampling.lobes; j++) {
         mask here = y >= (real)(lobes[j].share_begin);
-        picked.near = choose(here, all.lobe[j].near, picked.near);
-        picked.near_limit = choose(here, all.lobe[j].near_limit, picked.near_limit);
-        picked.far = choose(here, all.lobe[j].far, picked.far);
-        picked.far_limit = choose(here, all.lobe[j].far_limit, picked.far_limit);
-        picked.scale = choose(here, all.lobe[j].scale, picked.scale);
-        picked.near_share = choose(here, all.lobe[j].near_share, picked.near_share);
-        picked.core = choose(here, all.lobe[j].core, picked.core);
+        azimuth_lobe own = azimuth_lobes_get(ping, &all, j);
+        picked.near = choose(here, own.near, picked.near);
+        picked.near_limit = choose(here, own.near_limit, picked.near_limit);
+        picked.far = choose(here, own.far, picked.far);
+        picked.far_limit = choose(here, own.far_limit, picked.far_limit);
+        picked.scale = choose(here, own.scale, picked.scale);
+        picked.near_share = choose(here, own.near_share, picked.near_share);
+        picked.core = choose(here, own.core, picked.core);
         xi = choose(here, (y - (real)(lobes[j].share_begin)) / (real)(lobes[j].share), xi);
     }
     mask far = xi >= picked.near_share;

@@ -193,13 +193,14 @@ static uint shade_bounces(const world *w, const bounce_store *store, const sink 
 }
 
 /* bounce: both kinds of echo. One work-item per piece. */
-__kernel void bounce(__global const dev_ping *pings, __global const dev_ray *rays,
-                     __global const float *solid_angles, __global const dev_ray *bounced,
-                     __global const dev_hit *bounced_hits, __global const dev_ray *returning,
-                     __global const dev_hit *returning_hits, __global const float4 *mirrors,
-                     __global const dev_triangle *triangles, __global const dev_part *parts,
-                     __global const dev_material *materials, __global dev_arrival *arrivals,
-                     __global long *accumulator, __global uint *saturated) {
+__kernel void LEAST_WAVES(3)
+    bounce(__global const dev_ping *pings, __global const dev_ray *rays,
+           __global const float *solid_angles, __global const dev_ray *bounced,
+           __global const dev_hit *bounced_hits, __global const dev_ray *returning,
+           __global const dev_hit *returning_hits, __global const float4 *mirrors,
+           __global const dev_triangle *triangles, __global const dev_part *parts,
+           __global const dev_material *materials, __global dev_arrival *arrivals,
+           __global long *accumulator, __global uint *saturated) {
     __global const dev_ping *ping = row_ping(pings);
     size_t own = row_slots(ping);
     returning += own;

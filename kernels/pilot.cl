@@ -31,8 +31,7 @@ __kernel void pilot(__global const dev_ping *ping, __global const dev_ray *rays,
     real density, y = R(0.0);
     real across = sqrt(r_max(r.u.x * r.u.x + r.u.y * r.u.y, R(1e-12)));
     real x = x_of_elevation(ping, r.u.z, across, &density);
-    azimuth_lobes lobes;
-    azimuth_lobes_at(ping, ping->sampling.lobe, r.u.z, across, &lobes);
+    azimuth_lobes lobes = azimuth_lobes_at(ping, r.u.z, across);
     azimuth_density(ping, table, &lobes, x, atan2(r.u.y, r.u.x), &y);
     meeting m = meet(&w, hits, slots_from(slot), &r, ray_at_range(&r, (real)(ping->range_m)));
 #if ASDIC_HAS_MESH

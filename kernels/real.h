@@ -42,6 +42,14 @@ typedef ASDIC_JOIN(uint, ASDIC_WIDTH) natural;
 #define any_true(m) any(m)
 #endif
 
+/* An AMD GPU's compiler takes all registers unless told how many groups of work-items shall run at a time
+ * on a unit. */
+#ifdef __AMDGCN__
+#define LEAST_WAVES(n) __attribute__((amdgpu_waves_per_eu(n)))
+#else
+#define LEAST_WAVES(n)
+#endif
+
 #define R(x) ((real)(x##f))
 #define choose(condition, a, b) select((real)(b), (real)(a), (condition))
 #define choose_natural(condition, a, b) select((natural)(b), (natural)(a), (condition))

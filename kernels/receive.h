@@ -57,7 +57,11 @@ typedef struct sink {
 static uint add_column(const world *w, const arrivals *a, __global long *cells, natural first,
                        natural column, real gain) {
     uint cut = 0u;
-    for (uint c = 0; c < a->count; c++) {
+#pragma unroll
+    for (uint c = 0; c < MAX_ARRIVALS; c++) {
+        if (c >= a->count) {
+            break;
+        }
         real quanta = gain * a->quanta[c];
         real whole = whole_quanta(quanta, (real)(w->ping->sums.limit));
         natural at = first + a->row[c] * (natural)(w->ping->sums.columns) + column;

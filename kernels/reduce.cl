@@ -26,18 +26,26 @@ __kernel void suffix(__global const dev_ping *pings, __global long *accumulator)
 #define VECTORS 4
 #endif
 
+/* For every group G of GROUPS. GPUs keep an array in registers only where all its indices are known. */
+#if ASDIC_WIDTH == 1
+#define EACH_GROUP(g, groups)                                                                      \
+    _Pragma("unroll") for (uint g = 0; g < DEV_MAX_GROUPS; g++) if (g < (groups))
+#else
+#define EACH_GROUP(g, groups) for (uint g = 0; g < (groups); g++)
+#endif
+
 #define RUN (VECTORS * ASDIC_WIDTH)
 #define NO_POSITION 0xffffffffu
 
 /* Relative standard error of the sum of the groups' TOTALS, each VECTORS from the last. */
 static real spread(const real *totals, uint groups) {
     real mean = R(0.0), square = R(0.0);
-    for (uint g = 0; g < groups; g++) {
+    EACH_GROUP(g, groups) {
         mean += totals[g * VECTORS];
     }
     mean /= (real)((float)(groups));
     real inverse = R(1.0) / choose(mean > R(0.0), mean, R(1.0));
-    for (uint g = 0; g < groups; g++) {
+    EACH_GROUP(g, groups) {
         real d = (totals[g * VECTORS] - mean) * inverse;
         square += d * d;
     }
@@ -64,7 +72,7 @@ static void sum_component(__global const dev_ping *ping, __global const long *ce
 
 /* Reads the groups' totals as collect.cl left them in FROM. */
 static void load_totals(__global const dev_ping *ping, __global const float *from, real *totals) {
-    for (uint g = 0; g < ping->batch.groups; g++) {
+    EACH_GROUP(g, ping->batch.groups) {
         for (uint v = 0; v < VECTORS; v++) {
             totals[g * VECTORS + v] = load_reals(v, from + g * (size_t)(ping->sums.total_cells));
         }
@@ -80,7 +88,7 @@ static void sum_component(__global const dev_ping *ping, __global long *cells, c
     for (uint v = 0; v < VECTORS; v++) {
         sums[v] = (wholes)(0);
     }
-    for (uint g = 0; g < ping->batch.groups; g++) {
+    EACH_GROUP(g, ping->batch.groups) {
         __global long *from = cells + g * (size_t)(ping->sums.group_cells);
         for (uint v = 0; v < VECTORS; v++) {
             wholes quanta = load_wholes(v, from);
@@ -128,8 +136,10 @@ __kernel void reduce(__global const dev_ping *pings, __global long *accumulator,
         beam = next ? 0u : beam;
         bin += next ? 1u : 0u;
     }
-    for (uint i = 0; i < ping->batch.groups * VECTORS; i++) {
-        totals[i] = R(0.0);
+    EACH_GROUP(g, ping->batch.groups) {
+        for (uint v = 0; v < VECTORS; v++) {
+            totals[g * VECTORS + v] = R(0.0);
+        }
     }
     load_totals(ping, group_totals + row_first_total(ping) + first, totals);
     for (uint c = 0; c < ping->sums.components; c++) {

@@ -14,8 +14,7 @@ static real background_rays(__global const dev_ping *ping, __global const float 
     for (uint lane = 0; lane < ASDIC_WIDTH; lane++) {
         ((float *)&density)[lane] *= learnt_density(table, DEV_TABLE_CELLS, ((float *)&x)[lane]);
     }
-    azimuth_lobes lobes;
-    azimuth_lobes_at(ping, ping->sampling.lobe, s->z, m, &lobes);
+    azimuth_lobes lobes = azimuth_lobes_at(ping, s->z, m);
     return (real)((float)(ping->sampling.background)) * density *
            azimuth_density(ping, table, &lobes, x, atan2(s->y, s->x), &y);
 }
@@ -123,9 +122,10 @@ static ray_sample draw_adaptive(__global const dev_ping *ping, const sampler_sto
     return ping->sampling.background == ping->batch.rays ? s : add_objects(ping, store, index, s);
 }
 
-__kernel void sample(__global const dev_ping *pings, __global const float *table,
-                     __global const dev_face *faces, __global const dev_triangle *triangles,
-                     __global dev_ray *rays, __global float *solid_angles, __global float *splats) {
+__kernel void LEAST_WAVES(3)
+    sample(__global const dev_ping *pings, __global const float *table,
+           __global const dev_face *faces, __global const dev_triangle *triangles,
+           __global dev_ray *rays, __global float *solid_angles, __global float *splats) {
     __global const dev_ping *ping = row_ping(pings);
     uint first = (uint)(get_global_id(0)) * ASDIC_WIDTH;
     if (first >= batch_slots(ping)) {

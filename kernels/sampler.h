@@ -331,10 +331,40 @@ FORMULA azimuth_lobe azimuth_lobe_at(LOBE_SPACE const dev_ping *ping,
     return a;
 }
 
-/* All lobes at one elevation. */
+/* All lobes at one elevation. Vectors keep them; on a GPU an array would lie in slow memory, so that each
+ * is computed whenever it is asked for. */
 typedef struct azimuth_lobes {
+#if ASDIC_WIDTH == 1
+    real uz, m, front;
+#else
     azimuth_lobe lobe[DEV_MAX_LOBES];
+#endif
 } azimuth_lobes;
+
+FORMULA azimuth_lobes azimuth_lobes_at(LOBE_SPACE const dev_ping *ping, real uz, real m) {
+    azimuth_lobes all;
+    real front = front_arc(ping, uz, m);
+#if ASDIC_WIDTH == 1
+    all.uz = uz;
+    all.m = m;
+    all.front = front;
+#else
+    for (uint j = 0; j < ping->sampling.lobes; j++) {
+        all.lobe[j] = azimuth_lobe_at(ping, ping->sampling.lobe + j, uz, m, front);
+    }
+#endif
+    return all;
+}
+
+FORMULA azimuth_lobe azimuth_lobes_get(LOBE_SPACE const dev_ping *ping, const azimuth_lobes *all,
+                                       uint j) {
+#if ASDIC_WIDTH == 1
+    return azimuth_lobe_at(ping, ping->sampling.lobe + j, all->uz, all->m, all->front);
+#else
+    (void)ping;
+    return all->lobe[j];
+#endif
+}
 
 /* Density, as share, of an azimuth OFF the centre of lobe A, whose window ends at LIMIT; and an azimuth
  * from the quantile XI. */
@@ -355,14 +385,6 @@ FORMULA real lobe_sample(const azimuth_lobe *a, real xi, real limit) {
         heavy = heavy_sample(xi, a->scale, limit);
     }
     return choose(sector, even, heavy);
-}
-
-FORMULA void azimuth_lobes_at(LOBE_SPACE const dev_ping *ping, LOBE_SPACE const dev_lobe *lobes,
-                              real uz, real m, azimuth_lobes *all) {
-    real front = front_arc(ping, uz, m);
-    for (uint j = 0; j < ping->sampling.lobes; j++) {
-        all->lobe[j] = azimuth_lobe_at(ping, lobes + j, uz, m, front);
-    }
 }
 
 /*

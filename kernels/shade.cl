@@ -90,9 +90,6 @@ static uint shade_rays(const world *w, const ray_store *store, __global const fl
         share = mirrored(w, &laws, &m, met);
     }
     energy *= scattered(w, &laws, share);
-#if ASDIC_HAS_MIRRORS
-    *at = reflect(w, &m, store->hits, &r, share, mirrors, slot, *at);
-#endif
     split_echo echo = split(ping, range, ray_plane_nearest(range, sin_grazing), energy, footprint);
 
     arrivals a;
@@ -118,17 +115,22 @@ static uint shade_rays(const world *w, const ray_store *store, __global const fl
 #else
     (void)volume_inverse;
 #endif
-    return receive(w, to, DEV_ARRIVAL_DIRECT, &a, rays_in(ping, slot), r.u);
+    uint cut = receive(w, to, DEV_ARRIVAL_DIRECT, &a, rays_in(ping, slot), r.u);
+#if ASDIC_HAS_MIRRORS
+    *at = reflect(w, &m, store->hits, &r, share, mirrors, slot, *at);
+#endif
+    return cut;
 }
 
 /* One work-item per piece (mirror_ray.h). */
-__kernel void shade(__global const dev_ping *pings, __global const dev_ray *rays,
-                    __global float *solid_angles, __global const float *splats,
-                    __global const float *face_density, __global const dev_hit *hits,
-                    __global const dev_triangle *triangles, __global const dev_part *parts,
-                    __global const dev_material *materials, __global const float *water,
-                    __global dev_arrival *arrivals, __global long *accumulator,
-                    __global uint *saturated, __global dev_ray *bounced, __global float4 *mirrors) {
+__kernel void LEAST_WAVES(3)
+    shade(__global const dev_ping *pings, __global const dev_ray *rays,
+          __global float *solid_angles, __global const float *splats,
+          __global const float *face_density, __global const dev_hit *hits,
+          __global const dev_triangle *triangles, __global const dev_part *parts,
+          __global const dev_material *materials, __global const float *water,
+          __global dev_arrival *arrivals, __global long *accumulator, __global uint *saturated,
+          __global dev_ray *bounced, __global float4 *mirrors) {
     __global const dev_ping *ping = row_ping(pings);
     size_t own = row_slots(ping);
     uint first = (uint)(get_global_id(0)) * PIECE, at = first, cut = 0u;

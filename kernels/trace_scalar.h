@@ -81,35 +81,43 @@ static inline void hit_block1(__global const dev_block4 *block, const ray1 *r, d
     }
 }
 
-/* Children still to visit, roughly the nearest on top. */
+/* Inner nodes on the way down that have children left to visit, one bit each. GPUs keep a private array
+ * in slow memory: it holds two words a level, where a stack of children would hold fourteen. TRACE_STACK
+ * is at least 7 for each level and 8. */
+#define LEVELS (TRACE_STACK / 7)
+#define ALL_CHILDREN 0xffu
+
 typedef struct stack1 {
-    uint child[TRACE_STACK];
-    float entry[TRACE_STACK];
+    uint node[LEVELS], left[LEVELS];
 } stack1;
 
-/* The nearest child of NODE that the ray enters, or DEV_EMPTY; the others go on the stack. */
+/* The nearest of NODE's children in *LEFT that the ray enters before T_MAX, or DEV_EMPTY. The others that
+ * it enters stay in *LEFT. */
 static inline uint enter_node1(__global const dev_node8 *node, const ray1 *r, float t_max,
-                               stack1 *s, uint *top) {
-    uint word = DEV_EMPTY;
+                               uint *left) {
+    uint word = DEV_EMPTY, entered = 0u, taken = 0u;
     float nearest = INFINITY;
     for (uint i = 0; i < DEV_BVH_WIDTH; i++) {
-        uint other = node->child[i];
+        uint bit = 1u << i;
+        if ((*left & bit) == 0u) {
+            continue;
+        }
+        uint child = node->child[i];
         float in = 0.0f, out = t_max;
         enter_axis1(node->lo_x[i], node->hi_x[i], r, 0, &in, &out);
         enter_axis1(node->lo_y[i], node->hi_y[i], r, 1, &in, &out);
         enter_axis1(node->lo_z[i], node->hi_z[i], r, 2, &in, &out);
-        if (other == DEV_EMPTY || !(in <= out)) {
+        if (child == DEV_EMPTY || !(in <= out)) {
             continue;
         }
-        bool swap = in < nearest || word == DEV_EMPTY;
-        if (word != DEV_EMPTY) {
-            s->child[*top] = swap ? word : other;
-            s->entry[*top] = swap ? nearest : in;
-            ++*top;
+        entered |= bit;
+        if (in < nearest || word == DEV_EMPTY) {
+            word = child;
+            nearest = in;
+            taken = bit;
         }
-        word = swap ? other : word;
-        nearest = swap ? in : nearest;
     }
+    *left = entered & ~taken;
     return word;
 }
 
@@ -119,22 +127,24 @@ static inline void walk1(__global const dev_node8 *nodes, __global const dev_blo
     stack1 s;
     uint top = 0;
     for (;;) {
+        uint node = word, left = ALL_CHILDREN;
         if (word & DEV_LEAF) {
-            hit_block1(&blocks[word & ~DEV_LEAF], r, best);
-        } else {
-            uint child = enter_node1(&nodes[word], r, best->t_m, &s, &top);
-            if (child != DEV_EMPTY) {
-                word = child;
-                continue;
+            if (word != DEV_EMPTY) {
+                hit_block1(&blocks[word & ~DEV_LEAF], r, best);
             }
-        }
-        do {
-            if (top == 0) {
+            if (top == 0u) {
                 return;
             }
             top--;
-        } while (s.entry[top] > best->t_m);
-        word = s.child[top];
+            node = s.node[top];
+            left = s.left[top];
+        }
+        word = enter_node1(&nodes[node], r, best->t_m, &left);
+        if (left != 0u) {
+            s.node[top] = node;
+            s.left[top] = left;
+            top++;
+        }
     }
 }
 
