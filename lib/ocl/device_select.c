@@ -74,22 +74,43 @@ static asdic_status select_pairs(asdic_context *ctx, const asdic_listed *list, s
     }
 }
 
-/* Prefers, among usable devices, a GPU, then an accelerator, then a processor; among equals the one
- * with the most compute units, then the first. */
-static void select_auto(const asdic_listed *list, size_t count, size_t *chosen,
-                        size_t *chosen_count) {
-    static const asdic_device_kind order[] = {ASDIC_DEVICE_GPU, ASDIC_DEVICE_ACCELERATOR,
-                                              ASDIC_DEVICE_CPU, ASDIC_DEVICE_OTHER};
-    for (size_t k = 0; k < sizeof order / sizeof order[0] && *chosen_count == 0; k++) {
-        for (size_t i = 0; i < count; i++) {
-            const asdic_device_info *info = &list[i].info;
-            if (info->usable && info->kind == order[k] &&
-                (*chosen_count == 0 || info->compute_units > list[chosen[0]].info.compute_units)) {
-                chosen[0] = i;
-                *chosen_count = 1;
-            }
+/* Whether `auto` takes A rather than B: a driver that is not slow, then a GPU, then an accelerator,
+ * then a processor, then more compute units. */
+static bool is_better(const asdic_device_info *a, const asdic_device_info *b) {
+    static const int place[] = {[ASDIC_DEVICE_GPU] = 0,
+                                [ASDIC_DEVICE_ACCELERATOR] = 1,
+                                [ASDIC_DEVICE_CPU] = 2,
+                                [ASDIC_DEVICE_OTHER] = 3};
+    bool a_slow = asdic_driver_is_slow(a), b_slow = asdic_driver_is_slow(b);
+    if (a_slow != b_slow) {
+        return b_slow;
+    }
+    return a->kind != b->kind ? place[a->kind] < place[b->kind]
+                              : a->compute_units > b->compute_units;
+}
+
+/* The best of the usable devices, of equal ones the first; COUNT: none is usable. */
+static size_t best_of(const asdic_listed *list, size_t count) {
+    size_t best = count;
+    for (size_t i = 0; i < count; i++) {
+        if (list[i].info.usable && (best == count || is_better(&list[i].info, &list[best].info))) {
+            best = i;
         }
     }
+    return best;
+}
+
+/* Whether `all` goes without the device: it would be waited for, where another would long be done. */
+static bool is_left_out(asdic_context *ctx, const asdic_device_info *info,
+                        const asdic_device_info *best) {
+    if (!asdic_driver_is_slow(info) || asdic_driver_is_slow(best)) {
+        return false;
+    }
+    asdic_log(ctx, ASDIC_LOG_NOTE,
+              "device %u:%u (%s) is left out of 'all', since its driver is far slower than that of "
+              "'%s'; name it to have it",
+              info->platform, info->device, info->name, best->name);
+    return true;
 }
 
 /* Whether SELECTOR is one of the words (or name:TEXT), and if INFO is not NULL, matches it. */
@@ -140,8 +161,9 @@ asdic_status asdic_listed_select(asdic_context *ctx, const asdic_listed *list, s
     if (!known && !is_auto) {
         return select_pairs(ctx, list, count, selector, chosen, chosen_count);
     }
-    if (is_auto) {
-        select_auto(list, count, chosen, chosen_count);
+    size_t best = best_of(list, count);
+    if (is_auto && best < count) {
+        chosen[(*chosen_count)++] = best;
     }
     for (size_t i = 0; i < count; i++) {
         if (!is_auto && !word_matches(selector, &list[i].info, &known)) {
@@ -149,7 +171,8 @@ asdic_status asdic_listed_select(asdic_context *ctx, const asdic_listed *list, s
         }
         if (!list[i].info.usable) {
             unusable = list[i].info.unusable_why;
-        } else if (!is_auto) {
+        } else if (!is_auto && !(strcmp(selector, "all") == 0 &&
+                                 is_left_out(ctx, &list[i].info, &list[best].info))) {
             chosen[(*chosen_count)++] = i;
         }
     }

@@ -72,6 +72,9 @@ size_t asdic_kernel_max_work_group(const asdic_kernel *kernel);
 /* Blocks until the queue is empty; reports failures of what was enqueued. */
 asdic_status asdic_device_finish(asdic_device *device);
 
+/* Whether the driver's compiler is known to fail at kernels with vectors. */
+bool asdic_driver_refuses_vectors(const asdic_device_info *info);
+
 asdic_context *asdic_device_context(const asdic_device *device);
 
 #endif

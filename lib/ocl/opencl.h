@@ -48,6 +48,9 @@ asdic_status asdic_listed_create(asdic_context *ctx, asdic_listed **out, size_t 
 asdic_status asdic_listed_select(asdic_context *ctx, const asdic_listed *list, size_t count,
                                  const char *selector, size_t *chosen, size_t *chosen_count);
 
+/* Whether the device's driver is known to be so slow that nobody should wait for it. */
+bool asdic_driver_is_slow(const asdic_device_info *info);
+
 /* "CL_OUT_OF_RESOURCES (-5)"; TEXT has room for 64 characters. */
 const char *asdic_cl_error_text(cl_int code, char text[64]);
 

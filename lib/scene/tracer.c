@@ -70,9 +70,11 @@ static asdic_status upload(asdic_tracer *t, const asdic_scene *scene) {
                                scene->triangles, &t->triangles);
 }
 
-/* What `auto` takes without measuring: vectors are for processors that have them. */
+/* What `auto` takes without measuring. */
 static int plain_form(const asdic_tracer *t) {
-    return asdic_device_get_info(t->device)->kind == ASDIC_DEVICE_GPU ? FORM_SCALAR : FORM_WIDE8;
+    const asdic_device_info *info = asdic_device_get_info(t->device);
+    bool scalar = info->kind == ASDIC_DEVICE_GPU || asdic_driver_refuses_vectors(info);
+    return scalar ? FORM_SCALAR : FORM_WIDE8;
 }
 
 static asdic_status need_kernel(asdic_tracer *t, int form) {
@@ -151,6 +153,13 @@ asdic_status asdic_tracer_set_kernel(asdic_tracer *t, const char *name) {
     }
     for (int form = 0; form < FORM_COUNT; form++) {
         if (strcmp(name, forms[form].name) == 0) {
+            if (form != FORM_SCALAR &&
+                asdic_driver_refuses_vectors(asdic_device_get_info(t->device))) {
+                return asdic_fail(asdic_device_context(t->device), ASDIC_ERROR_UNSUPPORTED,
+                                  "the driver of device '%s' cannot compile ray kernel '%s'; use "
+                                  "auto or scalar",
+                                  asdic_device_get_info(t->device)->name, name);
+            }
             t->form = form;
             return need_kernel(t, form);
         }
@@ -221,11 +230,11 @@ static asdic_status choose(asdic_tracer *t, asdic_buffer *rays, asdic_buffer *hi
             return ASDIC_OK;
         }
     }
-    bool gpu = *form == FORM_SCALAR;
-    if ((!gpu && count < MEASURE_RAYS) || t->choice_count == MAX_CHOICES) {
+    bool scalar = *form == FORM_SCALAR;
+    if ((!scalar && count < MEASURE_RAYS) || t->choice_count == MAX_CHOICES) {
         return ASDIC_OK;
     }
-    if (!gpu) {
+    if (!scalar) {
         TRY(measure(t, rays, hits, count, form));
     }
     t->choices[t->choice_count++] = (choice){rays, *form};

@@ -26,7 +26,7 @@
 #define LOCAL_LIMIT 1024
 
 asdic_layout asdic_layout_default(const asdic_device_info *info) {
-    bool cpu = info->kind == ASDIC_DEVICE_CPU;
+    bool cpu = info->kind == ASDIC_DEVICE_CPU && !asdic_driver_refuses_vectors(info);
     asdic_layout layout = {.width = cpu ? 8 : 1, .local = cpu ? 16 : 64};
     layout.deposit = cpu                       ? ASDIC_DEPOSIT_COLLECT
                      : info->has_int64_atomics ? ASDIC_DEPOSIT_ATOMIC64

@@ -2,6 +2,7 @@
 #include "asserts.h"
 
 #include "ocl/opencl.h"
+#include "sim/simulator.h"
 
 static asdic_context *ctx;
 
@@ -67,6 +68,32 @@ static void auto_takes_the_largest_of_a_kind(void **state) {
     assert_int_equal(chosen[0], 1);
 }
 
+static void slow_drivers_come_last(void **state) {
+    (void)state;
+    snprintf(machine[0].info.platform_name, sizeof machine[0].info.platform_name, "rusticl");
+    snprintf(machine[0].info.name, sizeof machine[0].info.name, "llvmpipe (LLVM 15.0.6, 256 bits)");
+    snprintf(machine[3].info.platform_name, sizeof machine[3].info.platform_name, "Oclgrind");
+    machine[0].info.compute_units = 8;
+    machine[1].info.compute_units = 1;
+    assert_ok(ctx, choose(2, "auto"));
+    assert_int_equal(chosen[0], 1);
+    assert_ok(ctx, choose(4, "auto"));
+    assert_int_equal(chosen[0], 1);
+    assert_chosen("all", 2, 1, 4);
+    assert_chosen("cpu", 2, 0, 1); /* who asks for a kind, gets it */
+    assert_ok(ctx, choose(1, "all"));
+    assert_int_equal(chosen_count, 1);
+}
+
+static void some_drivers_get_no_vectors(void **state) {
+    (void)state;
+    assert_int_equal(asdic_layout_default(&machine[0].info).width, 8);
+    snprintf(machine[0].info.platform_name, sizeof machine[0].info.platform_name, "rusticl");
+    snprintf(machine[0].info.name, sizeof machine[0].info.name, "llvmpipe (LLVM 15.0.6, 256 bits)");
+    assert_true(asdic_driver_refuses_vectors(&machine[0].info));
+    assert_int_equal(asdic_layout_default(&machine[0].info).width, 1);
+}
+
 static void kinds_choose_all_usable_of_the_kind(void **state) {
     (void)state;
     assert_chosen("cpu", 2, 0, 1);
@@ -127,6 +154,8 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup(auto_prefers_gpu_then_accelerator_then_processor, setup),
         cmocka_unit_test_setup(auto_takes_the_largest_of_a_kind, setup),
+        cmocka_unit_test_setup(slow_drivers_come_last, setup),
+        cmocka_unit_test_setup(some_drivers_get_no_vectors, setup),
         cmocka_unit_test_setup(kinds_choose_all_usable_of_the_kind, setup),
         cmocka_unit_test_setup(pairs_choose_in_the_order_given, setup),
         cmocka_unit_test_setup(names_match_in_part_and_any_case, setup),
