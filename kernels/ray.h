@@ -21,21 +21,7 @@
 #ifndef ASDIC_KERNEL_RAY_H
 #define ASDIC_KERNEL_RAY_H
 
-#include "real.h"
-
-/* Points or directions of ASDIC_WIDTH rays. */
-typedef struct triple {
-    real x, y, z;
-} triple;
-
-FORMULA real dot3(triple a, triple b) {
-    return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-
-FORMULA triple cross3(triple a, triple b) {
-    triple c = {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-    return c;
-}
+#include "triple.h"
 
 /* A ray: where it leaves, and in which direction. */
 typedef struct ray {

@@ -7,6 +7,11 @@
 #include "../../kernels/water.h"
 
 #include <math.h>
+#include <stdio.h>
+
+/* Sound speeds in water, m/s. */
+#define LEAST_MPS 1300.0
+#define MOST_MPS 1700.0
 
 asdic_environment asdic_environment_default(void) {
     return (asdic_environment){
@@ -29,6 +34,67 @@ typedef struct environment_field {
     bool may_be_derived;
 } environment_field;
 
+static asdic_status check_profile(asdic_context *ctx, const asdic_environment *env) {
+    const asdic_sound_profile *p = &env->sound_speed_profile;
+    if (p->points == 0) {
+        return ASDIC_OK;
+    }
+    if (p->points < 2 || p->points > ASDIC_PROFILE_POINTS) {
+        return asdic_fail(
+            ctx, ASDIC_ERROR_ARGUMENT,
+            "environment: 'sound_speed_profile' has %zu points, which is out of range "
+            "[2, %d]",
+            p->points, ASDIC_PROFILE_POINTS);
+    }
+    if (env->sound_speed_gradient_per_s != 0.0) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
+                          "environment: 'sound_speed_gradient_per_s' and 'sound_speed_profile' "
+                          "exclude each other; give only one of them");
+    }
+    for (size_t i = 0; i < p->points; i++) {
+        double depth = p->depth_m[i], speed = p->sound_speed_mps[i];
+        if (!(depth >= 0.0 && depth <= 11000.0)) {
+            return asdic_fail(
+                ctx, ASDIC_ERROR_ARGUMENT,
+                "environment: 'sound_speed_profile', point %zu: a depth of %.15g m is "
+                "out of range [0, 11000] m",
+                i + 1, depth);
+        }
+        if (i > 0 && !(depth > p->depth_m[i - 1])) {
+            return asdic_fail(
+                ctx, ASDIC_ERROR_ARGUMENT,
+                "environment: 'sound_speed_profile', point %zu: a depth of %.15g m is "
+                "not below the %.15g m before; order the points from the surface down",
+                i + 1, depth, p->depth_m[i - 1]);
+        }
+        if (!(speed >= LEAST_MPS && speed <= MOST_MPS)) {
+            return asdic_fail(
+                ctx, ASDIC_ERROR_ARGUMENT,
+                "environment: 'sound_speed_profile', point %zu: a sound speed of %.15g "
+                "m/s is out of range [%g, %g] m/s",
+                i + 1, speed, LEAST_MPS, MOST_MPS);
+        }
+    }
+    return ASDIC_OK;
+}
+
+static asdic_status check_refraction(asdic_context *ctx, const asdic_environment *env) {
+    if ((unsigned)env->refraction > ASDIC_REFRACTION_OFF) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "environment: unknown refraction %d",
+                          (int)env->refraction);
+    }
+    if (env->refraction == ASDIC_REFRACTION_LAYER &&
+        !(env->layer_from_m >= 0.0 && env->layer_to_m >= env->layer_from_m &&
+          env->layer_to_m <= 11000.0)) {
+        return asdic_fail(
+            ctx, ASDIC_ERROR_ARGUMENT,
+            "environment: a layer fitted from %.15g m to %.15g m: depths ascend within "
+            "[0, 11000] m",
+            env->layer_from_m, env->layer_to_m);
+    }
+    return ASDIC_OK;
+}
+
 asdic_status asdic_environment_check(asdic_context *ctx, const asdic_environment *env) {
     if (!env) {
         return asdic_fail_null(ctx, __func__);
@@ -40,8 +106,9 @@ asdic_status asdic_environment_check(asdic_context *ctx, const asdic_environment
         {"wind_speed_kn", "kn", env->wind_speed_kn, 0.0, 60.0, false},
         {"shipping_density", "", env->shipping_density, 0.0, 1.0, false},
         {"particle_strength_db", "dB", env->particle_strength_db, -200.0, 0.0, false},
-        {"sound_speed_mps", "m/s", env->sound_speed_mps, 1300.0, 1700.0, true},
+        {"sound_speed_mps", "m/s", env->sound_speed_mps, LEAST_MPS, MOST_MPS, true},
         {"max_depth_m", "m", env->max_depth_m, 0.0, 11000.0, true},
+        {"sound_speed_gradient_per_s", "1/s", env->sound_speed_gradient_per_s, -30.0, 30.0, false},
     };
     for (size_t i = 0; i < sizeof fields / sizeof *fields; i++) {
         const environment_field *f = &fields[i];
@@ -58,17 +125,39 @@ asdic_status asdic_environment_check(asdic_context *ctx, const asdic_environment
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "environment: unknown variant %d",
                           (int)env->variant);
     }
-    return ASDIC_OK;
+    TRY(check_profile(ctx, env));
+    return check_refraction(ctx, env);
 }
 
-double asdic_environment_sound_speed_mps(const asdic_environment *env, double depth_m) {
+asdic_status asdic_environment_check_depths(asdic_context *ctx, const asdic_environment *env,
+                                            double from_m, double to_m) {
+    double gradient = env ? env->sound_speed_gradient_per_s : 0.0;
     if (!env) {
-        return NAN;
+        return asdic_fail_null(ctx, __func__);
     }
-    if (!isnan(env->sound_speed_mps)) {
-        return env->sound_speed_mps;
+    if (gradient == 0.0 || env->sound_speed_profile.points) {
+        return ASDIC_OK; /* every speed is a field, or lies between two */
     }
-    return sound_speed_medwin_mps(env->temperature_degc, env->salinity_ppt, depth_m);
+    double surface = asdic_environment_sound_speed_mps(env, 0.0);
+    for (int i = 0; i < 2; i++) {
+        double depth = i ? to_m : from_m, speed = surface + gradient * depth;
+        if (speed >= LEAST_MPS && speed <= MOST_MPS) {
+            continue;
+        }
+        double limit = speed < LEAST_MPS ? LEAST_MPS : MOST_MPS;
+        char zero[64] = "";
+        if (speed <= 0.0) {
+            snprintf(zero, sizeof zero, " and 0 at %.4g m", -surface / gradient);
+        }
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
+                          "environment: 'sound_speed_gradient_per_s' = %.15g takes the sound speed "
+                          "from %.6g m/s at the surface to %g m/s at a depth of %.4g m%s, and the "
+                          "scene reaches %.4g m; the range is [%g, %g] m/s: give a profile that "
+                          "ends where the gradient does",
+                          gradient, surface, limit, (limit - surface) / gradient, zero, depth,
+                          LEAST_MPS, MOST_MPS);
+    }
+    return ASDIC_OK;
 }
 
 double asdic_environment_absorption_db_per_km(const asdic_environment *env, double frequency_hz,

@@ -189,6 +189,10 @@ static asdic_status check_arguments(asdic_context *ctx, const asdic_scene *scene
                                     const asdic_environment *env, const asdic_sonar *sonar,
                                     const asdic_sampling *sampling) {
     TRY(asdic_environment_check(ctx, env));
+    if (asdic_environment_bends(env)) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
+                          "environment: pings do not bend yet; leave gradient and profile out");
+    }
     TRY(asdic_sonar_check(ctx, sonar));
     if (!scene->committed) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,

@@ -39,6 +39,103 @@ static void every_field_has_its_limits(void **state) {
     LIMITS(particle_strength_db, -200.0, 0.0);
     LIMITS(sound_speed_mps, 1300.0, 1700.0);
     LIMITS(max_depth_m, 0.0, 11000.0);
+    LIMITS(sound_speed_gradient_per_s, -30.0, 30.0);
+}
+
+static asdic_environment cast(size_t points, const double depth_m[], const double speed_mps[]) {
+    asdic_environment env = asdic_environment_default();
+    env.sound_speed_profile.points = points;
+    for (size_t i = 0; i < points; i++) {
+        env.sound_speed_profile.depth_m[i] = depth_m[i];
+        env.sound_speed_profile.sound_speed_mps[i] = speed_mps[i];
+    }
+    return env;
+}
+
+#define REFUSED(env, ...)                                                                          \
+    do {                                                                                           \
+        const char *const parts[] = {__VA_ARGS__};                                                 \
+        assert_status(ctx, check(env), ASDIC_ERROR_ARGUMENT);                                      \
+        for (size_t part = 0; part < sizeof parts / sizeof *parts; part++) {                       \
+            assert_contains(asdic_context_error(ctx), parts[part]);                                \
+        }                                                                                          \
+    } while (0)
+
+static void a_profile_has_its_limits(void **state) {
+    (void)state;
+    const double depth[] = {0.0, 8.0, 20.0}, speed[] = {1495.0, 1495.0, 1483.0};
+    asdic_environment env = cast(3, depth, speed);
+    assert_ok(ctx, check(env));
+    env.sound_speed_gradient_per_s = 0.1;
+    REFUSED(env, "exclude each other");
+    REFUSED(cast(1, depth, speed), "has 1 points", "[2, 64]");
+    env = cast(3, depth, speed);
+    env.sound_speed_profile.points = 65;
+    REFUSED(env, "has 65 points", "[2, 64]");
+    REFUSED(cast(3, (const double[]){0.0, 8.0, 8.0}, speed), "point 3", "8 m is not below the 8 m");
+    REFUSED(cast(3, (const double[]){0.0, 8.0, 7.0}, speed), "point 3", "not below");
+    REFUSED(cast(3, (const double[]){-1.0, 8.0, 9.0}, speed), "point 1", "-1 m", "[0, 11000]");
+    REFUSED(cast(3, (const double[]){0.0, NAN, 9.0}, speed), "point 2", "nan");
+    REFUSED(cast(3, depth, (const double[]){1495.0, 1299.0, 1483.0}), "point 2", "1299 m/s",
+            "[1300, 1700]");
+    REFUSED(cast(3, depth, (const double[]){1495.0, 1400.0, 1701.0}), "point 3", "1701 m/s");
+    env = asdic_environment_default();
+    env.refraction = ASDIC_REFRACTION_LAYER;
+    env.layer_from_m = 7.0;
+    env.layer_to_m = 5.0;
+    REFUSED(env, "from 7 m to 5 m");
+}
+
+/* A gradient that would take the sound speed to 0 is refused with the depth. */
+static void a_gradient_is_checked_over_the_depths_of_a_scene(void **state) {
+    (void)state;
+    asdic_environment env = asdic_environment_default();
+    env.sound_speed_mps = 1490.0;
+    env.sound_speed_gradient_per_s = -29.8;
+    assert_ok(ctx, asdic_environment_check_depths(ctx, &env, 0.0, 6.3));
+    assert_status(ctx, asdic_environment_check_depths(ctx, &env, 0.0, 60.0), ASDIC_ERROR_ARGUMENT);
+    assert_contains(asdic_context_error(ctx), "1300 m/s at a depth of 6.376 m and 0 at 50 m");
+    env.sound_speed_gradient_per_s = 1.0;
+    assert_ok(ctx, asdic_environment_check_depths(ctx, &env, 0.0, 210.0));
+    assert_status(ctx, asdic_environment_check_depths(ctx, &env, 0.0, 211.0), ASDIC_ERROR_ARGUMENT);
+    assert_contains(asdic_context_error(ctx), "1700 m/s at a depth of 210 m, and");
+}
+
+/* The speed at a depth: on the lines between the points and at both ends; what bends says whether it
+ * changes anywhere; one layer is the line of least squares. */
+static void speeds_come_from_the_profile(void **state) {
+    (void)state;
+    const double depth[] = {2.0, 8.0, 20.0}, speed[] = {1495.0, 1495.0, 1483.0};
+    const double same[] = {1495.0, 1495.0, 1495.0}, line[] = {1491.0, 1494.0, 1500.0};
+    asdic_environment env = cast(3, depth, speed);
+    assert_true(asdic_environment_bends(&env));
+    assert_close(asdic_environment_sound_speed_mps(&env, 0.0), 1495.0, 0.0);
+    assert_close(asdic_environment_sound_speed_mps(&env, 8.0), 1495.0, 0.0);
+    assert_close(asdic_environment_sound_speed_mps(&env, 11.0), 1492.0, 1e-9);
+    assert_close(asdic_environment_sound_speed_mps(&env, 99.0), 1483.0, 1e-9);
+    env.refraction = ASDIC_REFRACTION_OFF;
+    assert_false(asdic_environment_bends(&env));
+    assert_close(asdic_environment_sound_speed_mps(&env, 11.0), 1492.0, 1e-9);
+    env = cast(3, depth, same);
+    assert_false(asdic_environment_bends(&env));
+    assert_close(asdic_environment_sound_speed_mps(&env, 5.0), 1495.0, 0.0);
+    env = cast(3, depth, line);
+    env.refraction = ASDIC_REFRACTION_LAYER;
+    env.layer_from_m = 3.0;
+    env.layer_to_m = 19.0;
+    assert_close(asdic_environment_sound_speed_mps(&env, 40.0), 1510.0, 1e-9);
+    /* Level, then -1.5 1/s: by symmetry the mean and half the slope. */
+    env = cast(3, (const double[]){0.0, 8.0, 16.0}, (const double[]){1495.0, 1495.0, 1483.0});
+    env.refraction = ASDIC_REFRACTION_LAYER;
+    env.layer_to_m = 16.0;
+    assert_close(asdic_environment_sound_speed_mps(&env, 8.0), 1492.0, 1e-9);
+    assert_close(asdic_environment_sound_speed_mps(&env, 9.0), 1492.0 - 0.75, 1e-9);
+    env = asdic_environment_default();
+    assert_false(asdic_environment_bends(&env));
+    env.sound_speed_gradient_per_s = -1e-12;
+    assert_true(asdic_environment_bends(&env));
+    env.sound_speed_gradient_per_s = -0.5;
+    assert_close(asdic_environment_sound_speed_mps(&env, 10.0), 1489.99 - 5.0, 1e-9);
 }
 
 /* Only what water and depth can tell may be left to them. */
@@ -114,6 +211,9 @@ static void places_differ_by_what_matters(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_field_has_its_limits),
+        cmocka_unit_test(a_profile_has_its_limits),
+        cmocka_unit_test(a_gradient_is_checked_over_the_depths_of_a_scene),
+        cmocka_unit_test(speeds_come_from_the_profile),
         cmocka_unit_test(nan_stands_for_what_is_derived),
         cmocka_unit_test(places_differ_by_what_matters),
     };

@@ -1,0 +1,30 @@
+/*
+ * The water as layers in which the sound speed is linear in depth: what rays bend in.
+ */
+#ifndef ASDIC_SIM_LAYERS_H
+#define ASDIC_SIM_LAYERS_H
+
+#include <asdic/environment.h>
+
+/* c = SPEED_MPS + GRADIENT_PER_S (z - ORIGIN_M), from TOP_M down to BOTTOM_M. */
+typedef struct asdic_layer {
+    double top_m, bottom_m; /* -INFINITY above the first, INFINITY below the last */
+    double origin_m, speed_mps, gradient_per_s;
+} asdic_layer;
+
+/* From the top down; each begins where the one before ends. Neighbours of one gradient are one. */
+typedef struct asdic_layers {
+    size_t count; /* >= 1 */
+    asdic_layer layer[ASDIC_PROFILE_POINTS + 1];
+} asdic_layers;
+
+/* What rays meet in ENV, which is checked: by env->refraction. A single layer of gradient 0 where
+ * they are straight, with the speed at DEPTH_M, the sonar's. */
+void asdic_layers_of(const asdic_environment *env, double depth_m, asdic_layers *out);
+
+/* The layer that holds DEPTH_M; on a plane the upper. */
+size_t asdic_layers_find(const asdic_layers *layers, double depth_m);
+
+double asdic_layer_speed_mps(const asdic_layer *layer, double depth_m);
+
+#endif
