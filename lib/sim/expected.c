@@ -14,6 +14,7 @@
 #include "base/context.h"
 #include "base/quadrature.h"
 #include "base/try.h"
+#include "expected_bent.h"
 #include "noise_level.h"
 #include "pulse.h"
 
@@ -177,6 +178,32 @@ static asdic_ring aim(const asdic_flat_laws *laws, const asdic_sonar *sonar, siz
                         pow(10.0, 0.1 * sonar->rear_floor_db)};
 }
 
+static asdic_status compute_straight(asdic_context *ctx, const asdic_flat_laws *laws,
+                                     const asdic_sonar *sonar, const asdic_pose *pose,
+                                     asdic_ping *ping) {
+    for (size_t b = 0; b < ping->beams; b++) {
+        asdic_ring ring = aim(laws, sonar, b, pose);
+        TRY(asdic_step(ctx, "beams", b, ping->beams));
+        TRY(compute_beam(ctx, laws, sonar, &ring, ping, b));
+    }
+    return ASDIC_OK;
+}
+
+static asdic_status compute_bent(asdic_context *ctx, const asdic_flat_laws *laws,
+                                 const asdic_environment *env, const asdic_sonar *sonar,
+                                 const asdic_pose *pose, asdic_ping *ping) {
+    asdic_ring *rings = malloc(ping->beams * sizeof *rings);
+    if (!rings) {
+        return asdic_fail_memory(ctx, "an expected ping");
+    }
+    for (size_t b = 0; b < ping->beams; b++) {
+        rings[b] = aim(laws, sonar, b, pose);
+    }
+    asdic_status status = asdic_expected_bent(ctx, laws, env, sonar, rings, ping);
+    free(rings);
+    return status;
+}
+
 static void begin_ping(const asdic_sonar *sonar, asdic_ping *ping) {
     size_t count = ping->beams * ping->bins;
     for (int c = 0; c < ASDIC_COMPONENT_COUNT; c++) {
@@ -205,13 +232,14 @@ asdic_status asdic_expected_compute(asdic_context *ctx, const asdic_flat_scene *
         return asdic_fail_null(ctx, __func__);
     }
     TRY(check(ctx, flat, env, sonar, ping));
+    double range_m = (double)ping->bins * sonar->bin_length_m;
+    TRY(asdic_environment_check_depths(
+        ctx, env, flat->has_surface ? 0.0 : fmax(flat->depth_m - range_m, 0.0),
+        flat->depth_m + (flat->has_bottom ? flat->altitude_m : range_m)));
     asdic_flat_laws laws = asdic_flat_laws_at(flat, env, sonar);
     begin_ping(sonar, ping);
-    for (size_t b = 0; b < ping->beams; b++) {
-        asdic_ring ring = aim(&laws, sonar, b, pose);
-        TRY(asdic_step(ctx, "beams", b, ping->beams));
-        TRY(compute_beam(ctx, &laws, sonar, &ring, ping, b));
-    }
+    TRY(asdic_environment_bends(env) ? compute_bent(ctx, &laws, env, sonar, pose, ping)
+                                     : compute_straight(ctx, &laws, sonar, pose, ping));
     asdic_noise_levels(env, sonar, laws.water.sound_speed_mps, ping);
     for (size_t i = 0; i < ping->beams * ping->bins; i++) {
         for (int c = ASDIC_TOTAL + 1; c < ASDIC_COMPONENT_COUNT; c++) {

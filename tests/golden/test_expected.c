@@ -3,6 +3,7 @@
 
 #include <asdic/asdic.h>
 
+#include "bent_expected.h"
 #include "flat_expected.h"
 
 #define BINS 149
@@ -128,9 +129,55 @@ static void printed_variant_changes_absorption_and_loss(void **state) {
     end(s);
 }
 
+/* A cast of the independent program, a file's rows, and the goal: 0.01 dB in every component within 60 dB
+ * of its peak. */
+typedef struct bent_case {
+    const char *name;
+    asdic_sound_profile profile;
+    const double (*rows)[4];
+} bent_case;
+
+#define BENT_BINS 74
+
+static void bent_rays_meet_independent_values(void **state) {
+    (void)state;
+    static const asdic_component component[4] = {ASDIC_TOTAL, ASDIC_BOTTOM, ASDIC_SURFACE,
+                                                 ASDIC_VOLUME};
+    const bent_case cases[] = {
+        {"-0.2 1/s", {2, {0.0, 60.0}, {1491.4, 1479.4}}, linear_down_db},
+        {"two layers", {3, {0.0, 8.0, 20.0}, {1495.0, 1495.0, 1483.0}}, two_layers_db}};
+    for (size_t k = 0; k < 2; k++) {
+        setup *s = begin(BENT_BINS);
+        double peak[4] = {-INFINITY, -INFINITY, -INFINITY, -INFINITY}, worst[4] = {0.0};
+        s->sonar.bin_length_m = 1.0;
+        s->env.sound_speed_profile = cases[k].profile;
+        compute(s);
+        for (size_t n = 0; n < BENT_BINS; n++) {
+            for (int c = 0; c < 4; c++) {
+                peak[c] = fmax(peak[c], cases[k].rows[n][c]); /* NAN gives way */
+            }
+        }
+        for (size_t n = 0; n < BENT_BINS; n++) {
+            for (int c = 0; c < 4; c++) {
+                double expected = cases[k].rows[n][c];
+                if (isnan(expected)) {
+                    assert_true(s->ping->intensity_lin[component[c]][n] == 0.0);
+                } else if (expected > peak[c] - 60.0) {
+                    worst[c] = fmax(worst[c], fabs(level(s, component[c], n) - expected));
+                    assert_close(level(s, component[c], n), expected, 0.01);
+                }
+            }
+        }
+        print_message("%s: total %.2g, bottom %.2g, surface %.2g, volume %.2g dB at most\n",
+                      cases[k].name, worst[0], worst[1], worst[2], worst[3]);
+        end(s);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(scenario_1_meets_independent_values),
+        cmocka_unit_test(bent_rays_meet_independent_values),
         cmocka_unit_test(noise_is_the_band_level_less_directivity),
         cmocka_unit_test(printed_variant_changes_absorption_and_loss),
     };

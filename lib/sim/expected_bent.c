@@ -1,0 +1,459 @@
+/*
+ * The expected ping in water that bends rays. With e the elevation at launch, t the travel time one
+ * way, d = c_s t the range that bins count, L the length of the path, S the spreading, gamma the
+ * grazing angle, c the sound speed (c_s at the sonar, c_b where the ray ends) and G(e) the two-way
+ * pattern summed around the ring of elevation e, a ray that ends on bottom or surface gives
+ *
+ *     dE = G(e) s(gamma) exp(-2 K (L - 1)) c_b / (c_s S sin gamma)  cos e de
+ *
+ * (dA = S c_b / c_s cos e de dphi / sin gamma, two-way loss S^-2), and the water on its way
+ *
+ *     dE = G(e) s_V exp(-2 K (L - 1)) (c / c_s)^2 / S  dd cos e de .
+ *
+ * In water of one speed S = d^2, and both are the integrals of expected.c. Rays are integrated over e
+ * between the angles at which they graze a plane, with cuts where they end on a bin's edge and where
+ * they meet a caustic. A ray ends at the first boundary.
+ */
+#include "expected_bent.h"
+
+#include "base/context.h"
+#include "base/quadrature.h"
+#include "base/try.h"
+#include "bent_ray.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* Near a caustic, where rays are no longer what sound does, the gain over straight spreading is held
+ * to 20 dB: of what comes back both ways the integral over S would not be finite. */
+#define LEAST_SPREAD 1e-2
+
+/* Steps in which a stretch between critical angles is searched for bins' edges and caustics. */
+#define SEARCH 128
+#define TOLERANCE 1e-7
+
+/* Phases of a two-way pattern, in cycles, that sixteen nodes hold, and four. */
+#define CYCLES16 0.8
+#define CYCLES4 0.02
+
+typedef enum ray_end { ENDS_NOWHERE, ENDS_ON_BOTTOM, ENDS_ON_SURFACE } ray_end;
+
+/* Where a ray ends within the range of the bins. */
+typedef struct ray_outcome {
+    ray_end end;
+    double range_m; /* INFINITY: nowhere */
+    asdic_bent_ray ray;
+} ray_outcome;
+
+typedef struct bent_job {
+    const asdic_flat_laws *laws;
+    const asdic_sonar *sonar;
+    asdic_layers layers; /* between the boundaries */
+    double depth_m, speed_mps, absorption_np_per_m, range_m;
+    double cycles; /* of the two-way pattern that turns fastest, per radian */
+    asdic_ring_profile **profiles;
+    asdic_ping *ping;
+    double *row;        /* volume of each bin along one ray */
+    size_t first, last; /* bins of it in use */
+} bent_job;
+
+/* ---- Layers between the boundaries ---- */
+
+static void clip(const asdic_layers *all, double top_m, double bottom_m, asdic_layers *out) {
+    out->count = 0;
+    for (size_t i = 0; i < all->count; i++) {
+        asdic_layer layer = all->layer[i];
+        layer.top_m = fmax(layer.top_m, top_m);
+        layer.bottom_m = fmin(layer.bottom_m, bottom_m);
+        if (layer.bottom_m > layer.top_m) {
+            out->layer[out->count++] = layer;
+        }
+    }
+    if (out->count == 0) { /* no water at all: the sonar lies between boundaries that touch */
+        out->layer[out->count++] = all->layer[asdic_layers_find(all, top_m)];
+        out->layer[0].top_m = top_m;
+        out->layer[0].bottom_m = bottom_m;
+    }
+}
+
+/* ---- One ray ---- */
+
+typedef struct water_part {
+    const bent_job *job;
+    const asdic_bent_ray *ray;
+    double before_m; /* range at which RAY is */
+} water_part;
+
+/* By y = 1 / d, in which straight water is even. */
+static double water_density(double y, void *user) {
+    const water_part *part = user;
+    const bent_job *job = part->job;
+    double d = 1.0 / y;
+    asdic_bent_ray at =
+        asdic_bent_ray_later(&job->layers, part->ray, (d - part->before_m) / job->speed_mps);
+    double spread = fmax(asdic_bent_ray_spread_m2(&at), LEAST_SPREAD * d * d);
+    double speed = at.speed_mps / job->speed_mps;
+    return speed * speed * exp(-2.0 * job->absorption_np_per_m * (at.length_m - 1.0)) * d * d /
+           spread;
+}
+
+/* Three nodes do where the tube widens about as straight rays do. */
+static double water(const water_part *part, double begin_m, double end_m) {
+    static const double node[3] = {-0.774596669241483377, 0.0, 0.774596669241483377};
+    static const double weight[3] = {5.0 / 9.0, 8.0 / 9.0, 5.0 / 9.0};
+    const bent_job *job = part->job;
+    double y0 = 1.0 / end_m, y1 = 1.0 / begin_m;
+    asdic_bent_ray a =
+        asdic_bent_ray_later(&job->layers, part->ray, (begin_m - part->before_m) / job->speed_mps);
+    asdic_bent_ray b =
+        asdic_bent_ray_later(&job->layers, part->ray, (end_m - part->before_m) / job->speed_mps);
+    double grows = b.width_m * begin_m / (a.width_m * end_m);
+    if (grows > 0.9 && grows < 1.1 && end_m < 1.5 * begin_m) {
+        double sum = 0.0, centre = 0.5 * (y0 + y1), half = 0.5 * (y1 - y0);
+        for (int i = 0; i < 3; i++) {
+            sum += weight[i] * water_density(centre + half * node[i], (void *)part);
+        }
+        return sum * half;
+    }
+    double cut = y0;
+    if (!(grows > 0.0)) { /* W changes as the integral of c^2, nearly evenly in time */
+        double share = a.width_m / (a.width_m - b.width_m);
+        cut = 1.0 / fmin(fmax(begin_m + share * (end_m - begin_m), begin_m), end_m);
+    }
+    return asdic_quadrature(water_density, (void *)part, y0, cut, TOLERANCE) +
+           asdic_quadrature(water_density, (void *)part, cut, y1, TOLERANCE);
+}
+
+/* Adds what the water gives on RAY's way from BEGIN_M to END_M, within its layer, to the row. */
+static void add_water(bent_job *job, const asdic_bent_ray *ray, double begin_m, double end_m) {
+    const asdic_sonar *sonar = job->sonar;
+    water_part part = {job, ray, begin_m};
+    double at = fmax(begin_m, sonar->blanking_m), bin_m = sonar->bin_length_m;
+    end_m = fmin(end_m, job->range_m);
+    size_t n = (size_t)(at / bin_m);
+    for (; n < job->ping->bins && at < end_m; n++) {
+        double next = fmin((double)(n + 1) * bin_m, end_m);
+        if (next > at) {
+            job->first = n < job->first ? n : job->first;
+            job->last = n > job->last ? n : job->last;
+            job->row[n] += water(&part, at, next);
+            at = next;
+        }
+    }
+}
+
+/* Follows the ray of ELEVATION_RAD to its end or the last bin's; WITH_WATER adds to the row. */
+static ray_outcome follow(bent_job *job, double elevation_rad, bool with_water) {
+    asdic_bent_ray ray = asdic_bent_ray_start(&job->layers, job->depth_m, elevation_rad);
+    for (;;) {
+        int way;
+        double time_s = asdic_bent_ray_exit(&job->layers, &ray, &way);
+        double begin_m = job->speed_mps * ray.time_s;
+        double end_m = begin_m + job->speed_mps * time_s;
+        if (with_water) {
+            add_water(job, &ray, begin_m, end_m);
+        }
+        if (!(end_m < job->range_m)) {
+            return (ray_outcome){ENDS_NOWHERE, INFINITY, ray};
+        }
+        ray = asdic_bent_ray_at_plane(&job->layers, &ray, time_s, way);
+        if (!asdic_bent_ray_cross(&job->layers, &ray, way)) {
+            return (ray_outcome){way > 0 ? ENDS_ON_BOTTOM : ENDS_ON_SURFACE, end_m, ray};
+        }
+    }
+}
+
+/* ---- Stretches of elevation ---- */
+
+/* Elevation is a cosine of the position s in [0, 1], so that what goes as the root of the distance from
+ * an end, as the grazing angle does, is smooth. */
+typedef struct stretch {
+    double begin_rad, end_rad;
+} stretch;
+
+static double elevation_at(const stretch *w, double s) {
+    double half = sin(0.5 * ASDIC_PI * s);
+    return w->begin_rad + (w->end_rad - w->begin_rad) * half * half;
+}
+
+static double slope_at(const stretch *w, double s) {
+    return 0.5 * (w->end_rad - w->begin_rad) * ASDIC_PI * sin(ASDIC_PI * s);
+}
+
+/* One ray of weight cos e de WEIGHT: its water and its end, to every beam. */
+static void add_ray(bent_job *job, double elevation_rad, double weight) {
+    const asdic_flat_laws *laws = job->laws;
+    size_t bins = job->ping->bins;
+    job->first = bins;
+    job->last = 0;
+    ray_outcome out = follow(job, elevation_rad, true);
+    double boundary = 0.0;
+    size_t bin = bins;
+    if (out.end != ENDS_NOWHERE && out.range_m >= job->sonar->blanking_m) {
+        double grazing = fmax(fabs(out.ray.sine), 1e-9);
+        double spread =
+            fmax(asdic_bent_ray_spread_m2(&out.ray), LEAST_SPREAD * out.range_m * out.range_m);
+        double loss = exp(-2.0 * job->absorption_np_per_m * (out.ray.length_m - 1.0));
+        bin =
+            (size_t)(out.range_m * (1.0 + 1e-12) / job->sonar->bin_length_m); /* not rounded down */
+        boundary = asdic_flat_strength(laws, out.end == ENDS_ON_SURFACE, fmin(grazing, 1.0)) *
+                   loss * out.ray.speed_mps / (job->speed_mps * spread * grazing);
+    }
+    for (size_t b = 0; b < job->ping->beams; b++) {
+        double share =
+            laws->source_lin * weight * asdic_ring_profile_sum(job->profiles[b], elevation_rad);
+        double *volume = job->ping->intensity_lin[ASDIC_VOLUME] + b * bins;
+        for (size_t n = job->first; n <= job->last && n < bins; n++) {
+            volume[n] += share * laws->volume_lin * job->row[n];
+        }
+        if (bin < bins) {
+            asdic_component c = out.end == ENDS_ON_SURFACE ? ASDIC_SURFACE : ASDIC_BOTTOM;
+            job->ping->intensity_lin[c][b * bins + bin] += share * boundary;
+        }
+    }
+    for (size_t n = job->first; n <= job->last && n < bins; n++) {
+        job->row[n] = 0.0;
+    }
+}
+
+/* Nodes on [0, 1] and weights that are to be halved. */
+static double gauss(int i, bool many, double *weight) {
+    static const double node4[2] = {0.339981043584856265, 0.861136311594052575};
+    static const double weight4[2] = {0.652145154862546143, 0.347854845137453857};
+    double sign = i % 2 ? 0.5 : -0.5;
+    *weight = 0.5 * (many ? asdic_gauss16_weight[i / 2] : weight4[i / 2]);
+    return 0.5 + sign * (many ? asdic_gauss16_node[i / 2] : node4[i / 2]);
+}
+
+/* Rays of positions S0 to S1, in PARTS at least. */
+static void add_panel(bent_job *job, const stretch *w, double s0, double s1, bool is_narrow) {
+    double phase = job->cycles * fabs(elevation_at(w, s1) - elevation_at(w, s0));
+    bool many = !is_narrow || phase > CYCLES4;
+    size_t parts = 1 + (many ? (size_t)(phase / CYCLES16) : 0);
+    parts = is_narrow ? parts
+                      : 1 + (parts > (size_t)(8.0 * (s1 - s0)) ? parts : (size_t)(8.0 * (s1 - s0)));
+    double step = (s1 - s0) / (double)parts;
+    for (size_t p = 0; p < parts; p++) {
+        for (int i = 0; i < (many ? 16 : 4); i++) {
+            double weight, s = s0 + step * ((double)p + gauss(i, many, &weight));
+            double elevation = elevation_at(w, s);
+            add_ray(job, elevation, weight * step * slope_at(w, s) * cos(elevation));
+        }
+    }
+}
+
+/* ---- Where panels end ---- */
+
+typedef struct cut_list {
+    double *s;
+    size_t count, capacity;
+} cut_list;
+
+/* Whether the ray at S is beyond what is looked for: a range, or, for NAN, a caustic. */
+static bool is_beyond(bent_job *job, const stretch *w, double s, double range_m) {
+    ray_outcome out = follow(job, elevation_at(w, s), false);
+    return isnan(range_m) ? out.ray.width_m > 0.0 : out.range_m > range_m;
+}
+
+static asdic_status append(asdic_context *ctx, cut_list *cuts, double s) {
+    if (cuts->count == cuts->capacity) {
+        size_t capacity = cuts->capacity ? 2 * cuts->capacity : 256;
+        double *grown = realloc(cuts->s, capacity * sizeof *grown);
+        if (!grown) {
+            return asdic_fail_memory(ctx, "an expected ping");
+        }
+        cuts->s = grown;
+        cuts->capacity = capacity;
+    }
+    cuts->s[cuts->count++] = s;
+    return ASDIC_OK;
+}
+
+/* The position between A and B at which is_beyond changes. */
+static double find(bent_job *job, const stretch *w, double a, double b, double range_m) {
+    bool at_a = is_beyond(job, w, a, range_m);
+    for (int i = 0; i < 40 && fabs(b - a) > 1e-12; i++) {
+        double middle = 0.5 * (a + b);
+        if (is_beyond(job, w, middle, range_m) == at_a) {
+            a = middle;
+        } else {
+            b = middle;
+        }
+    }
+    return 0.5 * (a + b);
+}
+
+/* Every edge of a bin between the ranges at which the rays of A and B end, A's to B's. */
+static asdic_status cut_at_bins(asdic_context *ctx, bent_job *job, const stretch *w, double a,
+                                double b, cut_list *cuts) {
+    double range_a = follow(job, elevation_at(w, a), false).range_m;
+    double range_b = follow(job, elevation_at(w, b), false).range_m;
+    double near = fmin(range_a, range_b), far = fmin(fmax(range_a, range_b), job->range_m);
+    double bin_m = job->sonar->bin_length_m, blanking_m = job->sonar->blanking_m;
+    if (!(near < far)) {
+        return ASDIC_OK;
+    }
+    if (near < blanking_m && blanking_m < far) {
+        TRY(append(ctx, cuts, find(job, w, a, b, blanking_m)));
+    }
+    for (double n = floor(near / bin_m) + 1.0; n * bin_m < far; n += 1.0) {
+        if (n * bin_m > blanking_m) {
+            double s = find(job, w, a, b, n * bin_m);
+            TRY(append(ctx, cuts, s));
+        }
+    }
+    if (isinf(fmax(range_a, range_b))) { /* the last bin's end */
+        TRY(append(ctx, cuts, find(job, w, a, b, far * (1.0 - 1e-15))));
+    }
+    return ASDIC_OK;
+}
+
+static int compare(const void *a, const void *b) {
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+static asdic_status find_cuts(asdic_context *ctx, bent_job *job, const stretch *w, cut_list *cuts) {
+    double before_s = 1e-5;
+    ray_outcome before = follow(job, elevation_at(w, before_s), false);
+    cuts->count = 0;
+    TRY(append(ctx, cuts, 0.0));
+    for (int i = 1; i <= SEARCH; i++) {
+        double s = i == SEARCH ? 1.0 - 1e-5 : (double)i / SEARCH;
+        ray_outcome here = follow(job, elevation_at(w, s), false);
+        bool folds = before.end != ENDS_NOWHERE && here.end == before.end &&
+                     (before.ray.width_m > 0.0) != (here.ray.width_m > 0.0);
+        if (folds) {
+            double fold = find(job, w, before_s, s, NAN);
+            TRY(append(ctx, cuts, fold));
+            TRY(cut_at_bins(ctx, job, w, before_s, fold, cuts));
+            TRY(cut_at_bins(ctx, job, w, fold, s, cuts));
+        } else {
+            TRY(cut_at_bins(ctx, job, w, before_s, s, cuts));
+        }
+        before = here;
+        before_s = s;
+    }
+    TRY(append(ctx, cuts, 1.0));
+    qsort(cuts->s, cuts->count, sizeof *cuts->s, compare);
+    return ASDIC_OK;
+}
+
+static asdic_status add_stretch(asdic_context *ctx, bent_job *job, const stretch *w,
+                                cut_list *cuts) {
+    TRY(find_cuts(ctx, job, w, cuts));
+    for (size_t i = 0; i + 1 < cuts->count; i++) {
+        double s0 = cuts->s[i], s1 = cuts->s[i + 1];
+        if (s1 - s0 > 1e-13) {
+            ray_outcome out = follow(job, elevation_at(w, 0.5 * (s0 + s1)), false);
+            bool is_narrow = out.end != ENDS_NOWHERE && s1 - s0 < 0.5 / SEARCH &&
+                             out.range_m > 8.0 * job->sonar->bin_length_m;
+            add_panel(job, w, s0, s1, is_narrow);
+        }
+    }
+    return ASDIC_OK;
+}
+
+/* ---- All rays ---- */
+
+/* Elevations at which rays change their course: horizontal; those that graze a plane; kinks of rings. */
+#define MOST_EDGES (2 * (ASDIC_PROFILE_POINTS + 4) + 64)
+
+static void add_edge(double *edges, size_t *count, double edge) {
+    for (size_t i = 0; i < *count; i++) {
+        if (fabs(edges[i] - edge) < 1e-9) {
+            return;
+        }
+    }
+    if (*count < MOST_EDGES) {
+        edges[(*count)++] = edge;
+    }
+}
+
+static void add_grazing(const bent_job *job, double depth_m, const asdic_layer *layer,
+                        double *edges, size_t *count) {
+    double speed = isfinite(depth_m) ? asdic_layer_speed_mps(layer, depth_m) : 0.0;
+    if (speed > job->speed_mps) {
+        double ratio = job->speed_mps / speed;
+        double edge = atan2(sqrt((1.0 - ratio) * (1.0 + ratio)), ratio);
+        add_edge(edges, count, edge);
+        add_edge(edges, count, -edge);
+    }
+}
+
+static size_t find_edges(const bent_job *job, const asdic_ring *rings, double *edges) {
+    size_t count = 0;
+    add_edge(edges, &count, -0.5 * ASDIC_PI);
+    add_edge(edges, &count, 0.5 * ASDIC_PI);
+    add_edge(edges, &count, 0.0);
+    for (size_t i = 0; i < job->layers.count; i++) {
+        const asdic_layer *layer = &job->layers.layer[i];
+        add_grazing(job, layer->top_m, layer, edges, &count);
+        add_grazing(job, layer->bottom_m, layer, edges, &count);
+    }
+    for (size_t b = 0; b < job->ping->beams; b++) {
+        double kinks[4];
+        size_t found = asdic_ring_kinks(&rings[b], kinks);
+        for (size_t i = 0; i < found; i++) {
+            add_edge(edges, &count, kinks[i]);
+        }
+    }
+    qsort(edges, count, sizeof *edges, compare);
+    return count;
+}
+
+static asdic_status integrate(asdic_context *ctx, bent_job *job, const asdic_ring *rings) {
+    double edges[MOST_EDGES];
+    size_t count = find_edges(job, rings, edges);
+    cut_list cuts = {0};
+    asdic_status status = ASDIC_OK;
+    for (size_t i = 0; i + 1 < count && status == ASDIC_OK; i++) {
+        stretch w = {edges[i], edges[i + 1]};
+        status = add_stretch(ctx, job, &w, &cuts);
+    }
+    free(cuts.s);
+    return status;
+}
+
+static asdic_status make_profiles(asdic_context *ctx, bent_job *job, const asdic_ring *rings) {
+    for (size_t b = 0; b < job->ping->beams; b++) {
+        TRY(asdic_ring_profile_create(ctx, &rings[b], &job->profiles[b]));
+        job->cycles = fmax(job->cycles, asdic_ring_cycles(&rings[b]));
+    }
+    return ASDIC_OK;
+}
+
+asdic_status asdic_expected_bent(asdic_context *ctx, const asdic_flat_laws *laws,
+                                 const asdic_environment *env, const asdic_sonar *sonar,
+                                 const asdic_ring *rings, asdic_ping *ping) {
+    const asdic_flat_scene *flat = &laws->flat;
+    asdic_layers all;
+    bent_job job = {.laws = laws,
+                    .sonar = sonar,
+                    .depth_m = flat->depth_m,
+                    .speed_mps = laws->water.sound_speed_mps,
+                    .absorption_np_per_m = laws->water.absorption_np_per_m,
+                    .range_m = (double)ping->bins * sonar->bin_length_m,
+                    .ping = ping,
+                    .profiles = calloc(ping->beams, sizeof *job.profiles),
+                    .row = calloc(ping->bins, sizeof *job.row)};
+    asdic_status status = ASDIC_OK;
+    asdic_layers_of(env, flat->depth_m, &all);
+    clip(&all, flat->has_surface ? 0.0 : -INFINITY,
+         flat->has_bottom ? flat->depth_m + flat->altitude_m : INFINITY, &job.layers);
+    if (!job.profiles || !job.row) {
+        status = asdic_fail_memory(ctx, "an expected ping");
+    }
+    if (status == ASDIC_OK) {
+        status = make_profiles(ctx, &job, rings);
+    }
+    if (status == ASDIC_OK) {
+        status = integrate(ctx, &job, rings);
+    }
+    for (size_t b = 0; job.profiles && b < ping->beams; b++) {
+        asdic_ring_profile_destroy(&job.profiles[b]);
+    }
+    free(job.profiles);
+    free(job.row);
+    return status;
+}
