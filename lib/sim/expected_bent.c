@@ -36,6 +36,11 @@
 #define CYCLES16 0.8
 #define CYCLES4 0.02
 
+/* Share by which sixteen nodes may differ from twice as many, and how often a panel is halved to that. */
+#define KINK 1e-5
+#define WIDEST 0.06 /* of a stretch: water on the way changes by where rays turn */
+#define HALVINGS 10
+
 typedef enum ray_end { ENDS_NOWHERE, ENDS_ON_BOTTOM, ENDS_ON_SURFACE } ray_end;
 
 /* Where a ray ends within the range of the bins. */
@@ -180,35 +185,39 @@ static double slope_at(const stretch *w, double s) {
     return 0.5 * (w->end_rad - w->begin_rad) * ASDIC_PI * sin(ASDIC_PI * s);
 }
 
+/* What the end of a ray gives per cos e de and G(e). */
+static double boundary(const bent_job *job, const ray_outcome *out) {
+    if (out->end == ENDS_NOWHERE || out->range_m < job->sonar->blanking_m) {
+        return 0.0;
+    }
+    const asdic_bent_ray *ray = &out->ray;
+    double grazing = fmin(fmax(fabs(ray->sine), 1e-9), 1.0);
+    double spread = fmax(asdic_bent_ray_spread_m2(ray), LEAST_SPREAD * out->range_m * out->range_m);
+    double strength = asdic_flat_strength(job->laws, out->end == ENDS_ON_SURFACE, grazing);
+    double loss = exp(-2.0 * job->absorption_np_per_m * (ray->length_m - 1.0));
+    return strength * loss * ray->speed_mps / (job->speed_mps * spread * grazing);
+}
+
 /* One ray of weight cos e de WEIGHT: its water and its end, to every beam. */
 static void add_ray(bent_job *job, double elevation_rad, double weight) {
-    const asdic_flat_laws *laws = job->laws;
-    size_t bins = job->ping->bins;
+    size_t bins = job->ping->bins, bin = bins;
     job->first = bins;
     job->last = 0;
     ray_outcome out = follow(job, elevation_rad, true);
-    double boundary = 0.0;
-    size_t bin = bins;
-    if (out.end != ENDS_NOWHERE && out.range_m >= job->sonar->blanking_m) {
-        double grazing = fmax(fabs(out.ray.sine), 1e-9);
-        double spread =
-            fmax(asdic_bent_ray_spread_m2(&out.ray), LEAST_SPREAD * out.range_m * out.range_m);
-        double loss = exp(-2.0 * job->absorption_np_per_m * (out.ray.length_m - 1.0));
-        bin =
-            (size_t)(out.range_m * (1.0 + 1e-12) / job->sonar->bin_length_m); /* not rounded down */
-        boundary = asdic_flat_strength(laws, out.end == ENDS_ON_SURFACE, fmin(grazing, 1.0)) *
-                   loss * out.ray.speed_mps / (job->speed_mps * spread * grazing);
+    double level = boundary(job, &out);
+    asdic_component component = out.end == ENDS_ON_SURFACE ? ASDIC_SURFACE : ASDIC_BOTTOM;
+    if (level > 0.0) { /* what ends on a bin's edge is not to fall short of it by rounding */
+        bin = (size_t)(out.range_m * (1.0 + 1e-12) / job->sonar->bin_length_m);
     }
     for (size_t b = 0; b < job->ping->beams; b++) {
-        double share =
-            laws->source_lin * weight * asdic_ring_profile_sum(job->profiles[b], elevation_rad);
+        double share = job->laws->source_lin * weight *
+                       asdic_ring_profile_sum(job->profiles[b], elevation_rad);
         double *volume = job->ping->intensity_lin[ASDIC_VOLUME] + b * bins;
         for (size_t n = job->first; n <= job->last && n < bins; n++) {
-            volume[n] += share * laws->volume_lin * job->row[n];
+            volume[n] += share * job->laws->volume_lin * job->row[n];
         }
         if (bin < bins) {
-            asdic_component c = out.end == ENDS_ON_SURFACE ? ASDIC_SURFACE : ASDIC_BOTTOM;
-            job->ping->intensity_lin[c][b * bins + bin] += share * boundary;
+            job->ping->intensity_lin[component][b * bins + bin] += share * level;
         }
     }
     for (size_t n = job->first; n <= job->last && n < bins; n++) {
@@ -225,20 +234,41 @@ static double gauss(int i, bool many, double *weight) {
     return 0.5 + sign * (many ? asdic_gauss16_node[i / 2] : node4[i / 2]);
 }
 
-/* Rays of positions S0 to S1, in PARTS at least. */
-static void add_panel(bent_job *job, const stretch *w, double s0, double s1, bool is_narrow) {
+/* What the ends of the rays from S0 to S1 give without the beams. */
+static double ends(bent_job *job, const stretch *w, double s0, double s1) {
+    double sum = 0.0;
+    for (int i = 0; i < 16; i++) {
+        double weight, s = s0 + (s1 - s0) * gauss(i, true, &weight);
+        ray_outcome out = follow(job, elevation_at(w, s), false);
+        sum += weight * slope_at(w, s) * boundary(job, &out);
+    }
+    return sum * (s1 - s0);
+}
+
+static void add_nodes(bent_job *job, const stretch *w, double s0, double s1, bool many) {
+    for (int i = 0; i < (many ? 16 : 4); i++) {
+        double weight, s = s0 + (s1 - s0) * gauss(i, many, &weight);
+        double elevation = elevation_at(w, s);
+        add_ray(job, elevation, weight * (s1 - s0) * slope_at(w, s) * cos(elevation));
+    }
+}
+
+/* Rays of positions S0 to S1, which end in one bin or nowhere. NARROW: the bin is short beside its
+ * range. Other panels are halved where scattering laws have kinks, at most DEPTH times. */
+static void add_panel(bent_job *job, const stretch *w, double s0, double s1, bool narrow,
+                      int depth) {
     double phase = job->cycles * fabs(elevation_at(w, s1) - elevation_at(w, s0));
-    bool many = !is_narrow || phase > CYCLES4;
-    size_t parts = 1 + (many ? (size_t)(phase / CYCLES16) : 0);
-    parts = is_narrow ? parts
-                      : 1 + (parts > (size_t)(8.0 * (s1 - s0)) ? parts : (size_t)(8.0 * (s1 - s0)));
-    double step = (s1 - s0) / (double)parts;
-    for (size_t p = 0; p < parts; p++) {
-        for (int i = 0; i < (many ? 16 : 4); i++) {
-            double weight, s = s0 + step * ((double)p + gauss(i, many, &weight));
-            double elevation = elevation_at(w, s);
-            add_ray(job, elevation, weight * step * slope_at(w, s) * cos(elevation));
-        }
+    double middle = 0.5 * (s0 + s1);
+    bool halves = phase > CYCLES16 || (!narrow && s1 - s0 > WIDEST);
+    if (!halves && !narrow && depth > 0) {
+        double both = ends(job, w, s0, middle) + ends(job, w, middle, s1);
+        halves = fabs(ends(job, w, s0, s1) - both) > KINK * both;
+    }
+    if (halves) {
+        add_panel(job, w, s0, middle, narrow, depth - 1);
+        add_panel(job, w, middle, s1, narrow, depth - 1);
+    } else {
+        add_nodes(job, w, s0, s1, !narrow || phase > CYCLES4);
     }
 }
 
@@ -346,9 +376,9 @@ static asdic_status add_stretch(asdic_context *ctx, bent_job *job, const stretch
         double s0 = cuts->s[i], s1 = cuts->s[i + 1];
         if (s1 - s0 > 1e-13) {
             ray_outcome out = follow(job, elevation_at(w, 0.5 * (s0 + s1)), false);
-            bool is_narrow = out.end != ENDS_NOWHERE && s1 - s0 < 0.5 / SEARCH &&
-                             out.range_m > 8.0 * job->sonar->bin_length_m;
-            add_panel(job, w, s0, s1, is_narrow);
+            bool narrow = out.end != ENDS_NOWHERE && s1 - s0 < 0.5 / SEARCH &&
+                          out.range_m > 8.0 * job->sonar->bin_length_m;
+            add_panel(job, w, s0, s1, narrow, HALVINGS);
         }
     }
     return ASDIC_OK;

@@ -1,0 +1,243 @@
+/*
+ * Rays through layers, and the levels expected of them, against straight ones, finite differences and a
+ * Runge-Kutta integrator.
+ */
+#include "asserts.h"
+#include "test_context.h"
+
+#include "sim/bent_ray.h"
+
+#include <asdic/expected.h>
+
+#include <math.h>
+
+#define PI 3.14159265358979323846
+
+static asdic_environment cast(size_t points, const double depth_m[], const double speed_mps[]) {
+    asdic_environment env = asdic_environment_default();
+    env.sound_speed_profile.points = points;
+    for (size_t i = 0; i < points; i++) {
+        env.sound_speed_profile.depth_m[i] = depth_m[i];
+        env.sound_speed_profile.sound_speed_mps[i] = speed_mps[i];
+    }
+    return env;
+}
+
+/* ---- Against straight rays ---- */
+
+#define BINS 74
+
+static asdic_ping *expect(const asdic_environment *env, double bin_m) {
+    asdic_sonar sonar = asdic_sonar_default();
+    asdic_beam receiver = sonar.transmitter;
+    asdic_flat_scene flat = {.has_surface = true,
+                             .has_bottom = true,
+                             .altitude_m = 5.0,
+                             .depth_m = 7.0,
+                             .bottom = asdic_material_bottom(2.0)};
+    asdic_pose pose = {.pitch_rad = 0.1, .roll_rad = 0.05};
+    asdic_ping *ping = NULL;
+    sonar.noise_enabled = false;
+    sonar.receiver_count = 1;
+    sonar.receivers = &receiver;
+    sonar.bin_length_m = bin_m;
+    assert_ok(ctx, asdic_ping_create(ctx, 1, BINS, &ping));
+    assert_ok(ctx, asdic_expected_compute(ctx, &flat, env, &sonar, &pose, ping));
+    return ping;
+}
+
+/* Gradients next to nothing, of both signs, in one layer and in several. */
+static void levels_go_over_into_those_of_straight_rays(void **state) {
+    const double depth[] = {1.0, 7.0, 9.0, 11.0};
+    (void)state;
+    asdic_environment env = asdic_environment_default();
+    env.sound_speed_mps = 1490.0;
+    asdic_ping *straight = expect(&env, 1.0);
+    double worst = 0.0;
+    for (int i = 0; i < 6; i++) {
+        double g = (i % 2 ? -1.0 : 1.0) * (i < 2 ? 1e-7 : 1e-9);
+        asdic_environment bent = env;
+        if (i < 4) {
+            bent.sound_speed_gradient_per_s = g;
+        } else {
+            const double speed[] = {1490.0 + 50.0 * g, 1490.0, 1490.0 + 4.0 * g, 1490.0 - 3.0 * g};
+            bent = cast(4, depth, speed);
+        }
+        asdic_ping *ping = expect(&bent, 1.0);
+        for (int c = ASDIC_BOTTOM; c <= ASDIC_VOLUME; c++) {
+            for (size_t n = 0; n < BINS; n++) {
+                double a = straight->intensity_lin[c][n], b = ping->intensity_lin[c][n];
+                if (a > 0.0) {
+                    worst = fmax(worst, fabs(10.0 * log10(b / a)));
+                    assert_close(10.0 * log10(b / a), 0.0, 1e-4);
+                } else {
+                    assert_true(b <= 1e-6 * straight->intensity_lin[c][n + 1]);
+                }
+            }
+        }
+        asdic_ping_destroy(&ping);
+    }
+    asdic_ping_destroy(&straight);
+    print_message("%.2g dB at most\n", worst);
+}
+
+/* No gradient, and a cast of one speed, are straight rays to the last bit. */
+static void one_speed_gives_the_same_bytes(void **state) {
+    const double depth[] = {0.0, 5.0, 30.0}, speed[] = {1490.0, 1490.0, 1490.0};
+    (void)state;
+    asdic_environment env = asdic_environment_default(), same = cast(3, depth, speed);
+    env.sound_speed_mps = 1490.0;
+    asdic_ping *a = expect(&env, 1.0), *b = expect(&same, 1.0);
+    for (int c = 0; c < ASDIC_COMPONENT_COUNT; c++) {
+        assert_memory_equal(a->intensity_lin[c], b->intensity_lin[c], BINS * sizeof(double));
+    }
+    asdic_ping_destroy(&a);
+    asdic_ping_destroy(&b);
+}
+
+/* ---- Against a Runge-Kutta integrator ---- */
+
+/* Place, direction, time and length of a traced ray, by its time. */
+typedef struct traced {
+    double r, z, angle, length;
+} traced;
+
+/* The layer of the cast that holds Z: 0 above its first point. */
+static size_t layer_of(const asdic_sound_profile *p, double z) {
+    size_t i = 0;
+    while (i < p->points && z > p->depth_m[i]) {
+        i++;
+    }
+    return i;
+}
+
+/* The speed in LAYER, continued beyond its ends: a step keeps to one. */
+static double speed_at(const asdic_sound_profile *p, size_t layer, double z, double *gradient) {
+    bool outside = layer == 0 || layer == p->points;
+    size_t i = layer ? layer - 1 : 0;
+    *gradient = outside ? 0.0
+                        : (p->sound_speed_mps[i + 1] - p->sound_speed_mps[i]) /
+                              (p->depth_m[i + 1] - p->depth_m[i]);
+    return p->sound_speed_mps[i] + *gradient * (z - p->depth_m[i]);
+}
+
+static traced slope(const asdic_sound_profile *p, size_t layer, const traced *at) {
+    double g, c = speed_at(p, layer, at->z, &g);
+    return (traced){c * cos(at->angle), c * sin(at->angle), -g * cos(at->angle), c};
+}
+
+static traced move(const traced *from, const traced *by, double h) {
+    return (traced){from->r + h * by->r, from->z + h * by->z, from->angle + h * by->angle,
+                    from->length + h * by->length};
+}
+
+static traced step(const asdic_environment *env, const traced *from, double h) {
+    const asdic_sound_profile *p = &env->sound_speed_profile;
+    size_t layer = layer_of(p, from->z);
+    traced a = slope(p, layer, from), at = move(from, &a, 0.5 * h);
+    traced b = slope(p, layer, &at);
+    at = move(from, &b, 0.5 * h);
+    traced c = slope(p, layer, &at);
+    at = move(from, &c, h);
+    traced d = slope(p, layer, &at), next = move(from, &a, h / 6.0);
+    next = move(&next, &b, h / 3.0);
+    next = move(&next, &c, h / 3.0);
+    return move(&next, &d, h / 6.0);
+}
+
+/* Whether a point of the cast lies between A and B. */
+static bool crosses(const asdic_environment *env, double a, double b) {
+    for (size_t i = 0; i < env->sound_speed_profile.points; i++) {
+        double z = env->sound_speed_profile.depth_m[i];
+        if ((a < z && b > z) || (a > z && b < z)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* Steps of 5 mm that end on the cast's points: across a kink they would lose an order. */
+static traced trace(const asdic_environment *env, double depth, double elevation, double time_s) {
+    const double whole = time_s / 20000;
+    traced at = {0.0, depth + (elevation > 0.0 ? 1e-12 : -1e-12), elevation, 0.0};
+    for (double t = 0.0; t < time_s - 1e-12;) {
+        double h = fmin(whole, time_s - t), least = 0.0;
+        traced next = step(env, &at, h);
+        if (crosses(env, at.z, next.z)) {
+            for (int i = 0; i < 50; i++) {
+                double middle = 0.5 * (least + h);
+                next = step(env, &at, middle);
+                *(crosses(env, at.z, next.z) ? &h : &least) = middle;
+            }
+            h += 1e-14; /* beyond the point */
+            next = step(env, &at, h);
+        }
+        at = next;
+        t += h;
+    }
+    return at;
+}
+
+/* The ray through layers at TIME_S. */
+static asdic_bent_ray ray_at(const asdic_layers *layers, double depth, double elevation,
+                             double time_s) {
+    asdic_bent_ray ray = asdic_bent_ray_start(layers, depth, elevation);
+    for (;;) {
+        int way;
+        double exit = asdic_bent_ray_exit(layers, &ray, &way);
+        if (ray.time_s + exit >= time_s) {
+            return asdic_bent_ray_later(layers, &ray, time_s - ray.time_s);
+        }
+        ray = asdic_bent_ray_at_plane(layers, &ray, exit, way);
+        assert_true(asdic_bent_ray_cross(layers, &ray, way));
+    }
+}
+
+/* A channel, a thermocline and a sonar on a plane; launches at 0 and +-90 degrees, turning rays. */
+static void rays_are_those_of_an_integrator(void **state) {
+    const double depth[] = {2.0, 8.0, 12.0, 30.0}, speed[] = {1490.0, 1478.0, 1478.5, 1500.0};
+    const double from[] = {8.0, 9.5, 5.0};
+    const double elevation_deg[] = {90.0, 30.0, 7.0, 1.0, 0.0, -0.5, -4.0, -11.0, -60.0, -90.0};
+    const double time_s = 0.07;
+    asdic_layers layers;
+    double worst_m = 0.0, worst_width = 0.0;
+    (void)state;
+    asdic_environment env = cast(4, depth, speed);
+    asdic_layers_of(&env, 8.0, &layers);
+    assert_int_equal(layers.count, 5);
+    for (int i = 0; i < 3; i++) {
+        for (int j = 0; j < 10; j++) {
+            double e = elevation_deg[j] * PI / 180.0, de = 1e-6;
+            asdic_bent_ray ray = ray_at(&layers, from[i], e, time_s);
+            asdic_bent_ray up = ray_at(&layers, from[i], e + de, time_s);
+            asdic_bent_ray down = ray_at(&layers, from[i], e - de, time_s);
+            traced at = trace(&env, from[i], e, time_s);
+            double r = ray.level_spm * ray.area_m2_per_s;
+            double allowed = from[i] == 8.0 && e == 0.0 ? 1e-4 : 1e-9; /* along the axis */
+            assert_close(r, at.r, allowed);
+            assert_close(ray.z_m, at.z, allowed);
+            assert_close(ray.sine, sin(at.angle), allowed);
+            assert_close(ray.length_m, at.length, allowed);
+            worst_m = fmax(worst_m, hypot(r - at.r, ray.z_m - at.z));
+            /* The step between neighbours at one time is across the ray: the width. At 0 degrees on a
+             * plane the neighbours part. */
+            if (e != 0.0) {
+                double dr = up.level_spm * up.area_m2_per_s - down.level_spm * down.area_m2_per_s;
+                double dz = up.z_m - down.z_m, cosine = ray.level_spm * ray.speed_mps;
+                double width = (dz * cosine - dr * ray.sine) / (2.0 * de);
+                assert_close(ray.width_m, width, 1e-4 * fabs(width) + 1e-3);
+                worst_width = fmax(worst_width, fabs(ray.width_m / width - 1.0));
+            }
+        }
+    }
+    print_message("places within %.2g m, widths within %.2g\n", worst_m, worst_width);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(levels_go_over_into_those_of_straight_rays),
+        cmocka_unit_test(one_speed_gives_the_same_bytes),
+        cmocka_unit_test(rays_are_those_of_an_integrator),
+    };
+    return cmocka_run_group_tests(tests, context_begin, context_end);
+}
