@@ -22,9 +22,11 @@ typedef struct mission_builder {
 /* Each step adds to the mission and reports what is wrong with the files it opens to PROBLEMS. Its
  * status is only for what is no error of the input: short memory. */
 
-/* Puts the sonar that the scene's tree ROOT takes from a file into it, and the whole into the
- * mission's text and hash. */
+/* Puts the sonar and the cast that the scene's tree ROOT takes from files into it, and the whole into
+ * the mission's text and hash. */
 asdic_status asdic_mission_include(mission_builder *b, asdic_yaml_node *root);
+/* The cast alone; *INCLUDED becomes true when there is a file of it. */
+asdic_status asdic_mission_include_cast(mission_builder *b, asdic_yaml_node *root, bool *included);
 /* Tracks from files: the vehicle's, and the objects'. */
 asdic_status asdic_mission_build_tracks(mission_builder *b);
 /* Surface, bottom and objects; the scene is committed when nothing was wrong. */

@@ -78,7 +78,7 @@ static asdic_status keep_whole(mission_builder *b, const asdic_yaml_node *root) 
     size_t length = text.length;
     char *whole = asdic_text_take(&text);
     if (!whole) {
-        return asdic_fail_memory(b->ctx, "the scene with its sonar");
+        return asdic_fail_memory(b->ctx, "the scene with its files");
     }
     free(b->mission->text);
     b->mission->text = whole;
@@ -86,7 +86,7 @@ static asdic_status keep_whole(mission_builder *b, const asdic_yaml_node *root) 
     return ASDIC_OK;
 }
 
-asdic_status asdic_mission_include(mission_builder *b, asdic_yaml_node *root) {
+static asdic_status include_sonar(mission_builder *b, asdic_yaml_node *root, bool *included) {
     asdic_yaml_node *sonar = asdic_yaml_child(root, "sonar");
     asdic_yaml_node *named = asdic_yaml_child(sonar, "file"), *tree = NULL;
     if (!named || named->kind != ASDIC_YAML_SCALAR || named->length == 0) {
@@ -109,5 +109,13 @@ asdic_status asdic_mission_include(mission_builder *b, asdic_yaml_node *root) {
     }
     take_out(sonar, named);
     add_missing(sonar, tree);
-    return keep_whole(b, root);
+    *included = true;
+    return ASDIC_OK;
+}
+
+asdic_status asdic_mission_include(mission_builder *b, asdic_yaml_node *root) {
+    bool included = false;
+    TRY(include_sonar(b, root, &included));
+    TRY(asdic_mission_include_cast(b, root, &included));
+    return included ? keep_whole(b, root) : ASDIC_OK;
 }

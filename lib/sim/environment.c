@@ -9,10 +9,6 @@
 #include <math.h>
 #include <stdio.h>
 
-/* Sound speeds in water, m/s. */
-#define LEAST_MPS 1300.0
-#define MOST_MPS 1700.0
-
 asdic_environment asdic_environment_default(void) {
     return (asdic_environment){
         .temperature_degc = 10.0,
@@ -67,12 +63,12 @@ static asdic_status check_profile(asdic_context *ctx, const asdic_environment *e
                 "not below the %.15g m before; order the points from the surface down",
                 i + 1, depth, p->depth_m[i - 1]);
         }
-        if (!(speed >= LEAST_MPS && speed <= MOST_MPS)) {
+        if (!(speed >= ASDIC_SOUND_LEAST_MPS && speed <= ASDIC_SOUND_MOST_MPS)) {
             return asdic_fail(
                 ctx, ASDIC_ERROR_ARGUMENT,
                 "environment: 'sound_speed_profile', point %zu: a sound speed of %.15g "
                 "m/s is out of range [%g, %g] m/s",
-                i + 1, speed, LEAST_MPS, MOST_MPS);
+                i + 1, speed, ASDIC_SOUND_LEAST_MPS, ASDIC_SOUND_MOST_MPS);
         }
     }
     return ASDIC_OK;
@@ -106,7 +102,8 @@ asdic_status asdic_environment_check(asdic_context *ctx, const asdic_environment
         {"wind_speed_kn", "kn", env->wind_speed_kn, 0.0, 60.0, false},
         {"shipping_density", "", env->shipping_density, 0.0, 1.0, false},
         {"particle_strength_db", "dB", env->particle_strength_db, -200.0, 0.0, false},
-        {"sound_speed_mps", "m/s", env->sound_speed_mps, LEAST_MPS, MOST_MPS, true},
+        {"sound_speed_mps", "m/s", env->sound_speed_mps, ASDIC_SOUND_LEAST_MPS,
+         ASDIC_SOUND_MOST_MPS, true},
         {"max_depth_m", "m", env->max_depth_m, 0.0, 11000.0, true},
         {"sound_speed_gradient_per_s", "1/s", env->sound_speed_gradient_per_s, -30.0, 30.0, false},
     };
@@ -141,10 +138,10 @@ asdic_status asdic_environment_check_depths(asdic_context *ctx, const asdic_envi
     double surface = asdic_environment_sound_speed_mps(env, 0.0);
     for (int i = 0; i < 2; i++) {
         double depth = i ? to_m : from_m, speed = surface + gradient * depth;
-        if (speed >= LEAST_MPS && speed <= MOST_MPS) {
+        if (speed >= ASDIC_SOUND_LEAST_MPS && speed <= ASDIC_SOUND_MOST_MPS) {
             continue;
         }
-        double limit = speed < LEAST_MPS ? LEAST_MPS : MOST_MPS;
+        double limit = speed < ASDIC_SOUND_LEAST_MPS ? ASDIC_SOUND_LEAST_MPS : ASDIC_SOUND_MOST_MPS;
         char zero[64] = "";
         if (speed <= 0.0) {
             snprintf(zero, sizeof zero, " and 0 at %.4g m", -surface / gradient);
@@ -155,7 +152,7 @@ asdic_status asdic_environment_check_depths(asdic_context *ctx, const asdic_envi
                           "scene reaches %.4g m; the range is [%g, %g] m/s: give a profile that "
                           "ends where the gradient does",
                           gradient, surface, limit, (limit - surface) / gradient, zero, depth,
-                          LEAST_MPS, MOST_MPS);
+                          ASDIC_SOUND_LEAST_MPS, ASDIC_SOUND_MOST_MPS);
     }
     return ASDIC_OK;
 }

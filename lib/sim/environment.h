@@ -9,6 +9,10 @@
 
 #include "laws/scatterer.h"
 
+/* Sound speeds of water. */
+#define ASDIC_SOUND_LEAST_MPS 1300.0
+#define ASDIC_SOUND_MOST_MPS 1700.0
+
 typedef struct asdic_water_column {
     double sound_speed_mps, wavelength_m;
     double absorption_np_per_m; /* one-way decay of intensity: alpha ln 10 / 1e4 */

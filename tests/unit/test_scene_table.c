@@ -28,6 +28,9 @@ static void write_value(asdic_text *text, const asdic_key *key) {
     case ASDIC_KEY_POINTS:
         asdic_text_add(text, "[[1, 2, 3], [4, 5, 6]]");
         break;
+    case ASDIC_KEY_CURVE:
+        asdic_text_add(text, "[[1, 1400], [2, 1401]]");
+        break;
     case ASDIC_KEY_BOOL:
         asdic_text_add(text, "false");
         break;

@@ -6,6 +6,7 @@
 #include "scene_laws.h"
 
 #include "mission/track/flight.h"
+#include "sim/environment.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -73,6 +74,60 @@ static void check_names(asdic_list list, size_t size, size_t offset, const char 
                                names[i].name, names[i - 1].node->line);
         }
     }
+}
+
+/* Points of a profile descend from the surface, and its speeds are those of water. */
+static void check_profile(const file_environment *e, asdic_problems *problems) {
+    asdic_yaml_node *node = asdic_yaml_child(e->node, "sound_speed_profile");
+    const double *pair = e->sound_speed_profile.items;
+    asdic_yaml_node *fixed = asdic_yaml_child(e->node, "sound_speed_mps");
+    if (!asdic_scene_node_good(node)) {
+        return;
+    }
+    if (fixed) {
+        asdic_yaml_key_problem(problems, fixed,
+                               "'sound_speed_mps' has no effect beside 'sound_speed_profile'; give "
+                               "only one of them");
+    }
+    for (asdic_yaml_node *item = node->first; item; item = item->next, pair += 2) {
+        if (item != node->first && !(pair[0] > pair[-2])) {
+            asdic_yaml_problem(problems, item,
+                               "a depth of %.15g m is not below the %.15g m before; order the "
+                               "points from the surface down, each depth once",
+                               pair[0], pair[-2]);
+            return;
+        }
+        if (!(pair[1] >= ASDIC_SOUND_LEAST_MPS && pair[1] <= ASDIC_SOUND_MOST_MPS)) {
+            asdic_yaml_problem(problems, item,
+                               "a sound speed of %.6g m/s is out of range [%g, %g] m/s", pair[1],
+                               ASDIC_SOUND_LEAST_MPS, ASDIC_SOUND_MOST_MPS);
+            return;
+        }
+    }
+}
+
+/* The sound speed stays that of water down to a flat bottom. Meshes are not read yet. */
+static void check_gradient(const asdic_scene_file *file, asdic_problems *problems) {
+    asdic_yaml_node *node = asdic_yaml_child(file->environment.node, "sound_speed_gradient_per_s");
+    double surface_mps, gradient = file->environment.sound_speed_gradient_per_s;
+    if (!asdic_scene_node_good(node) || is_bad(file->node, "environment") ||
+        is_bad(file->node, "bottom") || !(file->bottom.depth_m > 0.0)) {
+        return;
+    }
+    asdic_environment env = asdic_scene_file_environment(file);
+    surface_mps = asdic_environment_sound_speed_mps(&env, 0.0);
+    double bottom_mps = surface_mps + gradient * file->bottom.depth_m;
+    double limit = gradient < 0.0 ? ASDIC_SOUND_LEAST_MPS : ASDIC_SOUND_MOST_MPS;
+    if (bottom_mps >= ASDIC_SOUND_LEAST_MPS && bottom_mps <= ASDIC_SOUND_MOST_MPS) {
+        return;
+    }
+    asdic_yaml_problem(
+        problems, node,
+        "'sound_speed_gradient_per_s' = %.15g takes the sound speed of %.6g m/s at "
+        "the surface to %g m/s at a depth of %.4g m%s; the bottom is at %.6g m: give "
+        "a 'sound_speed_profile' that ends where the gradient does",
+        gradient, surface_mps, limit, (limit - surface_mps) / gradient,
+        bottom_mps <= 0.0 ? " and on to 0" : "", file->bottom.depth_m);
 }
 
 /* Checks the range and its bins, at the sound speed where the sonar is. */
@@ -317,6 +372,8 @@ void asdic_scene_file_check(asdic_scene_file *file, asdic_arena *arena, asdic_pr
         asdic_yaml_problem(problems, at(file->sonar.node, "file"),
                            "the sonar's 'file' = %.200s is not here to be read", file->sonar.file);
     }
+    check_profile(&file->environment, problems);
+    check_gradient(file, problems);
     check_sonar(file, arena, problems);
     asdic_scene_laws_check(ASDIC_LAW_SURFACE, file->surface.node, problems);
     check_bottom(&file->bottom, problems);

@@ -12,6 +12,16 @@ static double radians(double deg) {
     return deg * (ASDIC_PI / 180.0);
 }
 
+static asdic_sound_profile convert_profile(const asdic_list *list) {
+    asdic_sound_profile profile = {.points = list->count};
+    const double *pair = list->items;
+    for (size_t i = 0; i < list->count && i < ASDIC_PROFILE_POINTS; i++) {
+        profile.depth_m[i] = pair[2 * i];
+        profile.sound_speed_mps[i] = pair[2 * i + 1];
+    }
+    return profile;
+}
+
 asdic_environment asdic_scene_file_environment(const asdic_scene_file *file) {
     const file_environment *e = &file->environment;
     return (asdic_environment){
@@ -24,6 +34,8 @@ asdic_environment asdic_scene_file_environment(const asdic_scene_file *file) {
         .sound_speed_mps = e->sound_speed_mps,
         .max_depth_m = e->max_depth_m,
         .variant = (asdic_variant)file->model.variant,
+        .sound_speed_gradient_per_s = e->sound_speed_gradient_per_s,
+        .sound_speed_profile = convert_profile(&e->sound_speed_profile),
     };
 }
 

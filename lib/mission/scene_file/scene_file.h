@@ -15,6 +15,8 @@ typedef struct file_environment {
     double temperature_degc, salinity_ppt, ph, wind_speed_kn, shipping_density;
     double particle_strength_db;
     double sound_speed_mps, max_depth_m; /* NAN: derived */
+    double sound_speed_gradient_per_s;
+    asdic_list sound_speed_profile; /* of double[2]: depth, speed; empty: none */
 } file_environment;
 
 /* Keys of all laws together, at most. */

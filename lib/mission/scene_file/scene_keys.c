@@ -27,6 +27,14 @@ static const asdic_key environment_keys[] = {
      .max = 1700, .doc = "sound speed; else from temperature, salinity and the sonar's depth"},
     {"max_depth_m", ASDIC_KEY_NUMBER, ENV(max_depth_m), .unit = "m", .min = 0, .max = 11000,
      .doc = "depth that absorption is computed for; else the sonar's depth"},
+    {"sound_speed_gradient_per_s", ASDIC_KEY_NUMBER, ASDIC_KEY_AT_MOST_ONE,
+     ENV(sound_speed_gradient_per_s), .unit = "1/s", .min = -30, .max = 30, .fallback = "0",
+     .doc = "change of the sound speed with depth, which bends rays; the speed is then that at the "
+            "surface"},
+    {"sound_speed_profile", ASDIC_KEY_CURVE, ASDIC_KEY_AT_MOST_ONE, ENV(sound_speed_profile),
+     .unit = "m", .min = 0, .max = 11000, .least = 2, .count = ASDIC_PROFILE_POINTS,
+     .doc = "sound speed over depth: a CSV file with depth_m,sound_speed_mps or "
+            "depth_m,temperature_degc[,salinity_ppt], or a list of [depth_m, sound_speed_mps]"},
 };
 static const asdic_table environment_table = {TABLE(environment_keys, file_environment),
                                               .doc = "the water"};

@@ -13,6 +13,8 @@ typedef enum asdic_key_type {
     ASDIC_KEY_NUMBER,  /* double; with .words also one of these, each standing for a number */
     ASDIC_KEY_NUMBERS, /* double[count] */
     ASDIC_KEY_POINTS,  /* asdic_list of double[3] */
+    ASDIC_KEY_CURVE,   /* asdic_list of double[2], the first by range; a file of them is put in its
+                        * place before (mission_cast.c) */
     ASDIC_KEY_INTEGER, /* int64_t; with .words as NUMBER */
     ASDIC_KEY_BOOL,    /* bool */
     ASDIC_KEY_WORD,    /* int: the value of one of .words */

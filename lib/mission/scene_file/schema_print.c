@@ -60,11 +60,13 @@ static void print_list(const asdic_key *key, asdic_text *text, int indent) {
     }
 }
 
-static void print_points(const asdic_key *key, asdic_text *text) {
+static void print_points(const asdic_key *key, size_t width, asdic_text *text) {
     asdic_text_format(text, "\"type\": \"array\", \"minItems\": %zu, \"maxItems\": %zu, ",
                       key->least, key->count);
-    asdic_text_add(text, "\"items\": {\"type\": \"array\", \"minItems\": 3, \"maxItems\": 3, "
-                         "\"items\": {");
+    asdic_text_format(text,
+                      "\"items\": {\"type\": \"array\", \"minItems\": %zu, \"maxItems\": %zu, "
+                      "\"items\": {",
+                      width, width);
     print_range(key, "number", text);
     asdic_text_add(text, "}}");
 }
@@ -83,7 +85,12 @@ static void print_type(const asdic_key *key, asdic_text *text, int indent) {
         asdic_text_add(text, "}");
         break;
     case ASDIC_KEY_POINTS:
-        print_points(key, text);
+        print_points(key, 3, text);
+        break;
+    case ASDIC_KEY_CURVE: /* or its file */
+        asdic_text_add(text, "\"anyOf\": [{\"type\": \"string\", \"minLength\": 1}, {");
+        print_points(key, 2, text);
+        asdic_text_add(text, "}]");
         break;
     case ASDIC_KEY_INTEGER:
         print_number(key, "integer", text);

@@ -157,15 +157,16 @@ static void read_list(const asdic_schema_reader *r, const asdic_key *key, asdic_
     }
 }
 
-static void read_points(const asdic_schema_reader *r, const asdic_key *key, asdic_yaml_node *node,
-                        asdic_list *out) {
+/* A list of lists of WIDTH numbers. */
+static void read_points(const asdic_schema_reader *r, const asdic_key *key, size_t width,
+                        asdic_yaml_node *node, asdic_list *out) {
     asdic_key point = *key;
     point.type = ASDIC_KEY_NUMBERS;
-    point.count = 3;
-    if (is_list(r, key, node) && make_room(r, node, 3 * sizeof(double), out)) {
+    point.count = width;
+    if (is_list(r, key, node) && make_room(r, node, width * sizeof(double), out)) {
         double *items = out->items;
         for (asdic_yaml_node *item = node->first; item; item = item->next) {
-            asdic_schema_read_value(r, &point, item, items + 3 * item->index);
+            asdic_schema_read_value(r, &point, item, items + width * item->index);
         }
     }
 }
@@ -202,7 +203,18 @@ static void read_key(const asdic_schema_reader *r, const asdic_key *key, asdic_y
         return;
     case ASDIC_KEY_POINTS:
         if (node) {
-            read_points(r, key, node, at);
+            read_points(r, key, 3, node, at);
+        }
+        return;
+    case ASDIC_KEY_CURVE:
+        if (node && node->kind != ASDIC_YAML_SCALAR && !node->bad) {
+            read_points(r, key, 2, node, at);
+        } else if (
+            node &&
+            !node->bad) { /* nothing read it: only text was given, or another file is meant */
+            asdic_yaml_problem(r->problems, node,
+                               "'%s' = %.200s is not here to be read; give a list of points",
+                               key->name, node->text);
         }
         return;
     case ASDIC_KEY_NUMBER:

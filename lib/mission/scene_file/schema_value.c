@@ -300,6 +300,7 @@ void asdic_schema_read_value(const asdic_schema_reader *r, const asdic_key *key,
         read_string(r, key, node, out);
         break;
     case ASDIC_KEY_POINTS:
+    case ASDIC_KEY_CURVE:
     case ASDIC_KEY_MAP:
     case ASDIC_KEY_LIST:
         break; /* schema_read.c */

@@ -1,0 +1,133 @@
+"""Water whose sound speed changes with depth: gradient, list and file mean the same; a cast's errors name its
+lines; a run folder and a scene that was read keep its points."""
+import csv
+import io
+import json
+
+import tap
+from program import Folder, asdic
+
+SCENE = """version: 1
+environment: {water}
+bottom: {{depth_m: 12, type: sand}}
+sonar:
+  frequency_khz: 100
+  bandwidth_khz: 10
+  source_level_db: 0
+  blanking_m: 0.5
+  transmitter: {{length_h_m: 0.05, length_v_m: 0.05}}
+  ping_rate_hz: 10
+  bin_length_m: 1
+  noise: {{enabled: false}}
+  receivers: [{{name: forward, length_h_m: 0.05, length_v_m: 0.05}}]
+mission: {{pose: {{position_m: [0, 0, 7]}}}}
+"""
+
+
+def levels(folder, water, cast=None):
+    if cast:
+        folder.write("cast.csv", cast)
+    path = folder.write("scene.yaml", SCENE.format(water=water))
+    text = asdic("expect", path, "-o", "-").check(code=0).out
+    return [float(row["bottom_db"] or "nan") for row in csv.DictReader(io.StringIO(text))]
+
+
+def check(truth, what):
+    if not truth:
+        raise AssertionError(what)
+
+
+def refused(folder, water, cast=None):
+    if cast:
+        folder.write("cast.csv", cast)
+    path = folder.write("scene.yaml", SCENE.format(water=water))
+    return asdic("check", path).check(code=3).err
+
+
+def same(a, b, tolerance):
+    return len(a) == len(b) and all(x != x and y != y or abs(x - y) <= tolerance for x, y in zip(a, b))
+
+
+FILE = "{sound_speed_profile: cast.csv}"
+
+
+def test_gradient_list_and_file_mean_the_same():
+    with Folder() as folder:
+        line = levels(folder, "{sound_speed_mps: 1491.4, sound_speed_gradient_per_s: -0.2}")
+        own = levels(folder, "{sound_speed_profile: [[0, 1491.4], [60, 1479.4]]}")
+        read = levels(folder, FILE, "depth_m,sound_speed_mps\n0,1491.4\n60,1479.4\n")
+        straight = levels(folder, "{sound_speed_mps: 1490}")
+        check(same(own, read, 0), "a file is its list")
+        check(same(line, own, 1e-6), "a gradient is a profile of one slope")
+        check(not same(line, straight, 0.5), "rays bend")
+
+
+def test_one_speed_is_straight():
+    with Folder() as folder:
+        straight = levels(folder, "{sound_speed_mps: 1490}")
+        tap.equal(levels(folder, "{sound_speed_mps: 1490, sound_speed_gradient_per_s: 0}")[5:], straight[5:])
+        tap.equal(levels(folder, FILE, "depth_m,sound_speed_mps\n0,1490\n60,1490\n")[5:], straight[5:])
+
+
+def medwin(t, s, z):
+    return 1449.2 + 4.6 * t - 0.055 * t**2 + 0.00029 * t**3 + (1.34 - 0.010 * t) * (s - 35) + 0.016 * z
+
+
+def test_temperatures_become_speeds():
+    rows = [(0, 20, 5), (4, 18.5, 8), (9, 7, 30)]
+    with Folder() as folder:
+        for salty in (False, True):
+            text = "# a cast\n\ndepth_m,temperature_degc" + (",salinity_ppt\n" if salty else "\n")
+            text += "".join(f"{z},{t}" + (f",{s}\n" if salty else "\n") for z, t, s in rows)
+            points = ", ".join(f"[{z}, {medwin(t, s if salty else 12, z)!r}]" for z, t, s in rows)
+            own = levels(folder, "{salinity_ppt: 12, sound_speed_profile: [%s]}" % points)
+            read = levels(folder, "{salinity_ppt: 12, sound_speed_profile: cast.csv}", text)
+            check(same(own, read, 1e-6), "by Medwin's equation")
+
+
+def test_errors_name_the_line():
+    head = "depth_m,sound_speed_mps\n"
+    with Folder() as folder:
+        for cast, line, part in (
+                (head + "0,1490\n5,1485\n5,1480\n", 4, "'depth_m' = 5 is not below the 5 m of the row before"),
+                (head + "0,1490\n5,1299\n", 3, "'sound_speed_mps' = 1299 is out of range [1300, 1700] m/s"),
+                (head + "0,1490\n", 2, "1 point; a cast has 2 to 64"),
+                (head + "".join(f"{z},1490\n" for z in range(65)), 66, "65 points; a cast has 2 to 64"),
+                (head + "-1,1490\n5,1480\n", 2, "'depth_m' = -1 is out of range [0, 11000] m"),
+                ("depth_m,temperature_degc\n0,20\n5,50\n", 3, "'temperature_degc' = 50 is out of range [-2, 40]"),
+                (head + "0,1490\n5,warm\n", 3, "'sound_speed_mps' = warm"),
+                ("depth,speed\n0,1490\n", 1, "missing column 'depth_m'")):
+            err = refused(folder, FILE, cast)
+            tap.contains(err, f"cast.csv:{line}:")
+            tap.contains(err, part)
+            tap.contains(err, "1 error")
+
+
+def test_scenes_are_judged_as_a_whole():
+    with Folder() as folder:
+        for water, part in (
+                ("{sound_speed_gradient_per_s: 0.1, sound_speed_profile: [[0, 1490], [9, 1480]]}", "exclude each other"),
+                ("{sound_speed_mps: 1490, sound_speed_profile: [[0, 1490], [9, 1480]]}", "has no effect beside"),
+                ("{sound_speed_profile: [[0, 1490], [0, 1480]]}", "not below the 0 m before"),
+                ("{sound_speed_profile: [[0, 1490], [5, 1800]]}", "1800 m/s is out of range [1300, 1700] m/s"),
+                ("{sound_speed_profile: [[0, 1490]]}", "1 entries"),
+                ("{sound_speed_profile: gone.csv}", "gone.csv"),
+                ("{sound_speed_mps: 1490, sound_speed_gradient_per_s: -20}", "1300 m/s at a depth of 9.5 m;"),
+                ("{sound_speed_mps: 1490, sound_speed_gradient_per_s: -30, max_depth_m: 9}", "at a depth of 6.333 m;"),
+                ("{sound_speed_gradient_per_s: 31}", "out of range [-30, 30] 1/s")):
+            err = refused(folder, water)
+            tap.contains(err, part)
+            tap.contains(err, "1 error")
+
+
+def test_the_speed_is_that_at_the_sonar():
+    with Folder() as folder:
+        folder.write("cast.csv", "depth_m,sound_speed_mps\n0,1490\n60,1480\n")
+        path = folder.write("scene.yaml", SCENE.format(water=FILE))
+        first = json.loads(asdic("check", path, "--json").check(code=0).out)[0]
+        folder.write("cast.csv", "depth_m,sound_speed_mps\n0,1490\n60,1470\n")
+        second = json.loads(asdic("check", path, "--json").check(code=0).out)[0]
+        check(first["sound_speed_mps"] != second["sound_speed_mps"], "the speed at the sonar's depth")
+
+
+tap.main(globals())
