@@ -30,7 +30,6 @@
 
 /* Steps in which a stretch between critical angles is searched for bins' edges and caustics. */
 #define SEARCH 128
-#define TOLERANCE 1e-7
 
 /* Phases of a two-way pattern, in cycles, that sixteen nodes hold, and four. */
 #define CYCLES16 0.8
@@ -38,10 +37,13 @@
 
 /* Share by which sixteen nodes may differ from twice as many, and how often a panel is halved to that. */
 #define KINK 1e-5
-#define WIDEST 0.06 /* of a stretch: water on the way changes by where rays turn */
+#define WIDEST 0.06       /* of a stretch: what the water gives changes by where rays turn ... */
+#define WIDEST_FREE 0.006 /* ... and, of rays that end nowhere, by which caustics a bin holds */
 #define HALVINGS 10
 
 typedef enum ray_end { ENDS_NOWHERE, ENDS_ON_BOTTOM, ENDS_ON_SURFACE } ray_end;
+
+typedef enum panel_kind { PANEL_WIDE, PANEL_NARROW, PANEL_FREE } panel_kind;
 
 /* Where a ray ends within the range of the bins. */
 typedef struct ray_outcome {
@@ -83,50 +85,97 @@ static void clip(const asdic_layers *all, double top_m, double bottom_m, asdic_l
 
 /* ---- One ray ---- */
 
+/* A stretch of a ray within one layer, from where RAY is, at range BEFORE_M. */
 typedef struct water_part {
     const bent_job *job;
     const asdic_bent_ray *ray;
-    double before_m; /* range at which RAY is */
+    double before_m;
 } water_part;
 
-/* By y = 1 / d, in which straight water is even. */
-static double water_density(double y, void *user) {
-    const water_part *part = user;
-    const bent_job *job = part->job;
-    double d = 1.0 / y;
-    asdic_bent_ray at =
-        asdic_bent_ray_later(&job->layers, part->ray, (d - part->before_m) / job->speed_mps);
-    double spread = fmax(asdic_bent_ray_spread_m2(&at), LEAST_SPREAD * d * d);
-    double speed = at.speed_mps / job->speed_mps;
-    return speed * speed * exp(-2.0 * job->absorption_np_per_m * (at.length_m - 1.0)) * d * d /
-           spread;
+static asdic_bent_ray ray_at(const water_part *part, double range_m) {
+    return asdic_bent_ray_later(&part->job->layers, part->ray,
+                                (range_m - part->before_m) / part->job->speed_mps);
 }
 
-/* Three nodes do where the tube widens about as straight rays do. */
-static double water(const water_part *part, double begin_m, double end_m) {
-    static const double node[3] = {-0.774596669241483377, 0.0, 0.774596669241483377};
-    static const double weight[3] = {5.0 / 9.0, 8.0 / 9.0, 5.0 / 9.0};
+/* What the water gives at a range, per metre of it. */
+static double water_density(const water_part *part, double range_m) {
     const bent_job *job = part->job;
-    double y0 = 1.0 / end_m, y1 = 1.0 / begin_m;
-    asdic_bent_ray a =
-        asdic_bent_ray_later(&job->layers, part->ray, (begin_m - part->before_m) / job->speed_mps);
-    asdic_bent_ray b =
-        asdic_bent_ray_later(&job->layers, part->ray, (end_m - part->before_m) / job->speed_mps);
-    double grows = b.width_m * begin_m / (a.width_m * end_m);
-    if (grows > 0.9 && grows < 1.1 && end_m < 1.5 * begin_m) {
-        double sum = 0.0, centre = 0.5 * (y0 + y1), half = 0.5 * (y1 - y0);
-        for (int i = 0; i < 3; i++) {
-            sum += weight[i] * water_density(centre + half * node[i], (void *)part);
+    asdic_bent_ray at = ray_at(part, range_m);
+    double spread = fmax(asdic_bent_ray_spread_m2(&at), LEAST_SPREAD * range_m * range_m);
+    double speed = at.speed_mps / job->speed_mps;
+    return speed * speed * exp(-2.0 * job->absorption_np_per_m * (at.length_m - 1.0)) / spread;
+}
+
+/* Nodes on [0, 1], and their weights. */
+static double gauss(int i, bool many, double *weight) {
+    static const double node4[2] = {0.339981043584856265, 0.861136311594052575};
+    static const double weight4[2] = {0.652145154862546143, 0.347854845137453857};
+    double sign = i % 2 ? 0.5 : -0.5;
+    *weight = 0.5 * (many ? asdic_gauss16_weight[i / 2] : weight4[i / 2]);
+    return 0.5 + sign * (many ? asdic_gauss16_node[i / 2] : node4[i / 2]);
+}
+
+/* From A to B, in y = 1 / d, in which straight water is even. */
+static double even_water(const water_part *part, double a, double b) {
+    double y0 = 1.0 / b, length = 1.0 / a - y0, sum = 0.0;
+    for (int i = 0; i < 4; i++) {
+        double weight, d = 1.0 / (y0 + length * gauss(i, false, &weight));
+        sum += weight * d * d * water_density(part, d);
+    }
+    return sum * length;
+}
+
+/* From A to B, in the logarithm of the width, which goes from WIDTH_A to WIDTH_B: what falls as 1 / W is
+ * even in it. */
+static double focused_water(const water_part *part, double a, double b, double width_a,
+                            double width_b) {
+    double length = log(width_b / width_a), slope = (b - a) / (width_b - width_a), sum = 0.0;
+    if (fabs(length) < 0.1 || !isfinite(length)) {
+        return even_water(part, a, b);
+    }
+    for (int i = 0; i < 16; i++) {
+        double weight, width = width_a * exp(length * gauss(i, true, &weight));
+        sum += weight * fabs(width) * water_density(part, a + slope * (width - width_a));
+    }
+    return fabs(sum * length * slope);
+}
+
+/* Range between A and B at which the width is 0. */
+static double find_focus(const water_part *part, double a, double b, double width_a,
+                         double width_b) {
+    double middle = a;
+    for (int i = 0; i < 30 && b - a > 1e-9 * b; i++) {
+        double share = i % 3 == 2 ? 0.5 : width_a / (width_a - width_b);
+        middle = a + share * (b - a);
+        double width = ray_at(part, middle).width_m;
+        if (fabs(width) < 1e-7 * middle) {
+            break;
         }
-        return sum * half;
+        if ((width > 0.0) == (width_a > 0.0)) {
+            a = middle;
+            width_a = width;
+        } else {
+            b = middle;
+            width_b = width;
+        }
     }
-    double cut = y0;
-    if (!(grows > 0.0)) { /* W changes as the integral of c^2, nearly evenly in time */
-        double share = a.width_m / (a.width_m - b.width_m);
-        cut = 1.0 / fmin(fmax(begin_m + share * (end_m - begin_m), begin_m), end_m);
+    return middle;
+}
+
+/* From A to B, with cuts where a caustic begins and ceases to be held. */
+static double water(const water_part *part, double a, double b) {
+    double width_a = ray_at(part, a).width_m, width_b = ray_at(part, b).width_m;
+    if (width_a * width_b > 0.0) {
+        return focused_water(part, a, b, width_a, width_b);
     }
-    return asdic_quadrature(water_density, (void *)part, y0, cut, TOLERANCE) +
-           asdic_quadrature(water_density, (void *)part, cut, y1, TOLERANCE);
+    double focus = find_focus(part, a, b, width_a, width_b);
+    asdic_bent_ray at = ray_at(part, focus);
+    double slope = (width_b - width_a) / (b - a);
+    double held = LEAST_SPREAD * focus * focus * at.speed_mps / at.area_m2_per_s / fabs(slope);
+    double begin = fmax(focus - held, a), end = fmin(focus + held, b);
+    return (begin > a ? focused_water(part, a, begin, width_a, slope * (begin - focus)) : 0.0) +
+           even_water(part, begin, end) +
+           (end < b ? focused_water(part, end, b, slope * (end - focus), width_b) : 0.0);
 }
 
 /* Adds what the water gives on RAY's way from BEGIN_M to END_M, within its layer, to the row. */
@@ -225,15 +274,6 @@ static void add_ray(bent_job *job, double elevation_rad, double weight) {
     }
 }
 
-/* Nodes on [0, 1] and weights that are to be halved. */
-static double gauss(int i, bool many, double *weight) {
-    static const double node4[2] = {0.339981043584856265, 0.861136311594052575};
-    static const double weight4[2] = {0.652145154862546143, 0.347854845137453857};
-    double sign = i % 2 ? 0.5 : -0.5;
-    *weight = 0.5 * (many ? asdic_gauss16_weight[i / 2] : weight4[i / 2]);
-    return 0.5 + sign * (many ? asdic_gauss16_node[i / 2] : node4[i / 2]);
-}
-
 /* What the ends of the rays from S0 to S1 give without the beams. */
 static double ends(bent_job *job, const stretch *w, double s0, double s1) {
     double sum = 0.0;
@@ -253,22 +293,22 @@ static void add_nodes(bent_job *job, const stretch *w, double s0, double s1, boo
     }
 }
 
-/* Rays of positions S0 to S1, which end in one bin or nowhere. NARROW: the bin is short beside its
- * range. Other panels are halved where scattering laws have kinks, at most DEPTH times. */
-static void add_panel(bent_job *job, const stretch *w, double s0, double s1, bool narrow,
+/* Rays of positions S0 to S1, which end in one bin, or nowhere. WIDE panels, of bins that are not short
+ * beside their range, are halved where scattering laws have kinks, at most DEPTH times. */
+static void add_panel(bent_job *job, const stretch *w, double s0, double s1, panel_kind kind,
                       int depth) {
     double phase = job->cycles * fabs(elevation_at(w, s1) - elevation_at(w, s0));
     double middle = 0.5 * (s0 + s1);
-    bool halves = phase > CYCLES16 || (!narrow && s1 - s0 > WIDEST);
-    if (!halves && !narrow && depth > 0) {
+    bool halves = phase > CYCLES16 || s1 - s0 > (kind == PANEL_FREE ? WIDEST_FREE : WIDEST);
+    if (!halves && kind == PANEL_WIDE && depth > 0) {
         double both = ends(job, w, s0, middle) + ends(job, w, middle, s1);
         halves = fabs(ends(job, w, s0, s1) - both) > KINK * both;
     }
     if (halves) {
-        add_panel(job, w, s0, middle, narrow, depth - 1);
-        add_panel(job, w, middle, s1, narrow, depth - 1);
+        add_panel(job, w, s0, middle, kind, depth - 1);
+        add_panel(job, w, middle, s1, kind, depth - 1);
     } else {
-        add_nodes(job, w, s0, s1, !narrow || phase > CYCLES4);
+        add_nodes(job, w, s0, s1, kind != PANEL_NARROW || phase > CYCLES4);
     }
 }
 
@@ -376,9 +416,11 @@ static asdic_status add_stretch(asdic_context *ctx, bent_job *job, const stretch
         double s0 = cuts->s[i], s1 = cuts->s[i + 1];
         if (s1 - s0 > 1e-13) {
             ray_outcome out = follow(job, elevation_at(w, 0.5 * (s0 + s1)), false);
-            bool narrow = out.end != ENDS_NOWHERE && s1 - s0 < 0.5 / SEARCH &&
-                          out.range_m > 8.0 * job->sonar->bin_length_m;
-            add_panel(job, w, s0, s1, narrow, HALVINGS);
+            bool narrow = s1 - s0 < 0.5 / SEARCH && out.range_m > 8.0 * job->sonar->bin_length_m;
+            panel_kind kind = out.end == ENDS_NOWHERE ? PANEL_FREE
+                              : narrow                ? PANEL_NARROW
+                                                      : PANEL_WIDE;
+            add_panel(job, w, s0, s1, kind, HALVINGS);
         }
     }
     return ASDIC_OK;
