@@ -46,7 +46,7 @@ def test_generators_make_the_files():
             subprocess.run([sys.executable, script, folder], check=True,
                            stdout=subprocess.DEVNULL)
         made = [path for path in pathlib.Path(folder).rglob("*") if path.is_file()]
-        all_kept = [path for place in ("meshes/*", "tracks/*", "sonars/*", "scenes/sonar_*") for path in DATA.glob(place)]
+        all_kept = [path for place in ("meshes/*", "tracks/*", "casts/*", "sonars/*", "scenes/sonar_*") for path in DATA.glob(place)]
         tap.equal(sorted(path.relative_to(folder) for path in made),
                   sorted(path.relative_to(DATA) for path in all_kept))
         for path in made:
