@@ -39,7 +39,11 @@ static bool read_size(cli *c, asdic_view_options *o) {
 
 static bool read_request(cli *c, request *r) {
     uint64_t least = 0;
-    const char *name = cli_text(c, "colormap");
+    const char *maps[ASDIC_COLORMAP_COUNT + 1] = {0};
+    int map = ASDIC_COLORMAP_INFERNO;
+    for (int i = 0; i < ASDIC_COLORMAP_COUNT; i++) {
+        maps[i] = asdic_colormap_name((asdic_colormap)i);
+    }
     *r = (request){.options = asdic_view_options_default(),
                    .y4m = cli_text(c, "y4m"),
                    .folder = cli_text(c, "output")};
@@ -50,10 +54,8 @@ static bool read_request(cli *c, request *r) {
     cli_number_range(c, "db-range", -400.0, 400.0, &r->options.db_low, &r->options.db_high);
     r->options.least_rays = (uint32_t)least;
     r->options.real_time = !r->y4m && !r->snapshots;
-    if (name && !asdic_colormap_find(name, &r->options.colormap)) {
-        cli_usage(c, "option '--colormap': there is no colour map '%s'", name);
-        return false;
-    }
+    cli_choice(c, "colormap", maps, &map);
+    r->options.colormap = (asdic_colormap)map;
     if (r->y4m && r->snapshots) {
         cli_usage(c, "--y4m and --snapshot are two ways to do without a display; give one");
         return false;

@@ -111,6 +111,7 @@ int cli_usage(cli *c, const char *format, ...) {
     if (c->verbosity != CLI_MUTE) {
         fprintf(stderr, "'asdic %s --help' shows how it is used\n", c->command->name);
     }
+    c->bad_usage = true;
     return CLI_USAGE;
 }
 

@@ -170,6 +170,16 @@ def test_the_laws_error_moves_detection():
         tap.contains(done.err, "model_uncertainty_db: bottom 5")
 
 
+def test_a_mistake_is_told_once():
+    need_device()
+    with Folder() as folder:
+        scene1 = pathlib.Path(SCENE2).with_name("scenario1.yaml")
+        done = asdic("roc", scene1, cwd=folder.path).check(2)
+        tap.contains(done.err, "error: the scene has no object; give --range")
+        tap.equal(done.err.count("error:"), 1, "sentences")
+        tap.equal(folder.names(), [])
+
+
 def test_it_stops_within_a_second():
     need_device()
     with Folder() as folder:

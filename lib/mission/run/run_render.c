@@ -147,10 +147,15 @@ static asdic_status check_output(const asdic_render *r) {
             r->ctx, ASDIC_ERROR_UNSUPPORTED,
             "no PDF or SVG: built without cairo; install libcairo2-dev and build again");
     }
+    if (r->options.path && count == 0) {
+        return asdic_fail(r->ctx, ASDIC_ERROR_ARGUMENT,
+                          "none of the pictures asked for can be drawn of this run; choose another "
+                          "kind");
+    }
     if (r->frame && count != 1) {
         return asdic_fail(r->ctx, ASDIC_ERROR_ARGUMENT,
-                          "a frame is the fan or the A-scope of a ping; here there is %s",
-                          count ? "more in it" : "neither");
+                          "a frame is the fan or the A-scope of a ping, and here are %zu pictures",
+                          count);
     }
     if (r->options.path && count != 1) {
         return asdic_fail(r->ctx, ASDIC_ERROR_ARGUMENT,
