@@ -40,8 +40,8 @@ const char *cli_nearest(const char *text, const char *const *words, size_t count
 /* Sends the library's messages to stderr with the verbosity asked for. */
 void cli_report_begin(cli *c);
 
-/* The first SIGINT or SIGTERM asks CTX to stop, the second ends the program; with STOPS_SOON also the
- * time that it takes. Call it before threads begin. */
+/* The first SIGINT or SIGTERM asks CTX to stop, the second ends the program; with STOPS_SOON also
+ * the time that it takes. Call it before threads begin. */
 void cli_signals_begin(asdic_context *ctx, bool stops_soon);
 void cli_signals_end(void);    /* before the context is destroyed */
 int cli_signal_received(void); /* 0: none */

@@ -106,8 +106,8 @@ void cli_progress_report(void *user, const asdic_run_progress *now) {
                      .rays = now->rays});
 }
 
-/* The loop that counts WHAT; begun now where it is another or begins again. NULL where there are too
- * many. */
+/* The loop that counts WHAT; begun now where it is another or begins again. NULL where there are
+ * too many. */
 static cli_progress_loop *find_loop(cli_progress *p, const char *what, size_t done) {
     for (size_t i = 0; i < CLI_PROGRESS_LOOPS; i++) {
         cli_progress_loop *loop = &p->loops[i];

@@ -21,7 +21,8 @@ typedef struct asdic_governor {
 
 /* A beam of so many bins, or more that are shown as so many, needs so many rays; of fewer, a fan of
  * many beams is dashes. Measured on 512 beams of 496 bins over sand, r.m.s. error of what is shown:
- * 20,480 rays 5.7 dB, four bins as one 1.7 dB; 40,960 rays 3.2 dB and 0.42 dB; 200,000 rays 0.28 dB. */
+ * 20,480 rays 5.7 dB, four bins as one 1.7 dB; 40,960 rays 3.2 dB and 0.42 dB; 200,000 rays
+ * 0.28 dB. */
 #define ASDIC_GOVERNOR_BINS 120u
 #define ASDIC_GOVERNOR_RAYS_A_BEAM 80u
 #define ASDIC_GOVERNOR_LEAST_RAYS 2000u

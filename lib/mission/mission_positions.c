@@ -113,8 +113,8 @@ static size_t pings_of(const asdic_mission *m, const asdic_mission_object *objec
     return m->track || object->moves ? m->ping_count : 1;
 }
 
-/* POSITION in the world at ping INDEX, as it lies to OBJECT where its box and mesh are, those of its
- * first pose; back: the reverse. */
+/* POSITION in the world at ping INDEX, as it lies to OBJECT where its box and mesh are, those of
+ * its first pose; BACK: the reverse. */
 static asdic_vec3 moved(const asdic_mission *m, const asdic_mission_object *object, size_t index,
                         asdic_vec3 position_m, bool back) {
     if (!object->moves) {

@@ -55,8 +55,8 @@ ASDIC_API void asdic_context_set_log(asdic_context *ctx, asdic_log_level level, 
 ASDIC_API const char *asdic_context_error(const asdic_context *ctx);
 
 /* A call that takes long has done DONE of TOTAL parts, which WHAT names ("beams"). One that is part
- * of another reports among the other's reports. As with logs: maybe from a worker thread, never from
- * two at once. */
+ * of another reports among the other's reports. As with logs: maybe from a worker thread, never
+ * from two at once. */
 typedef void (*asdic_progress_fn)(void *user, const char *what, size_t done, size_t total);
 
 /* Reports of calls that take long, other than missions, go to FN; NULL silences. */
