@@ -164,17 +164,21 @@ static void say_errors(cli *c, const char *folder) {
 
 static void summarise(cli *c, const asdic_mission *mission, const asdic_run_options *options,
                       const cli_progress *progress) {
-    char rate[16];
+    char rate[16], speed[32] = "";
+    double rays_per_s = cli_progress_rays_per_s(progress);
     const asdic_run_progress *last = &progress->last;
     if (options->times->simulate_s == 0.0) {
         cli_note(c, "%s: complete already", options->folder);
         return;
     }
-    cli_progress_short(rate, (double)last->rays / last->elapsed_s);
+    if (rays_per_s > 0.0) {
+        cli_progress_short(rate, rays_per_s);
+        snprintf(speed, sizeof speed, ", %srays/s", rate);
+    }
     const char *where = strcmp(options->folder, "-") == 0 ? "standard output" : options->folder;
-    cli_note(c, "%s: %zu ping%s, %zu beam%s, %.2f s, %srays/s", where, last->pings_total,
+    cli_note(c, "%s: %zu ping%s, %zu beam%s, %.2f s%s", where, last->pings_total,
              last->pings_total == 1 ? "" : "s", asdic_mission_sonar(mission)->receiver_count,
-             asdic_mission_sonar(mission)->receiver_count == 1 ? "" : "s", last->elapsed_s, rate);
+             asdic_mission_sonar(mission)->receiver_count == 1 ? "" : "s", last->elapsed_s, speed);
     say_times(c, options->times);
     say_errors(c, options->folder);
 }

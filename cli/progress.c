@@ -96,14 +96,23 @@ void cli_progress_report(void *user, const asdic_run_progress *now) {
     bool is_new = now->elapsed_s < p->last.elapsed_s; /* another part of the work begins */
     if (p->resumed == SIZE_MAX || is_new) {
         p->resumed = is_new ? 0 : now->pings_done;
+        p->first = (asdic_run_progress){0};
+    }
+    if (p->first.pings_done <= p->resumed) {
+        p->first = *now;
     }
     p->last = *now;
     show(p, &(shown){.what = "pings",
                      .done = now->pings_done,
                      .total = now->pings_total,
-                     .before = p->resumed,
-                     .elapsed_s = now->elapsed_s,
-                     .rays = now->rays});
+                     .before = p->first.pings_done,
+                     .elapsed_s = now->elapsed_s - p->first.elapsed_s,
+                     .rays = now->rays - p->first.rays});
+}
+
+double cli_progress_rays_per_s(const cli_progress *p) {
+    double elapsed_s = p->last.elapsed_s - p->first.elapsed_s;
+    return elapsed_s > 0.0 ? (double)(p->last.rays - p->first.rays) / elapsed_s : 0.0;
 }
 
 /* The loop that counts WHAT; begun now where it is another or begins again. NULL where there are

@@ -21,7 +21,8 @@ typedef struct cli_progress {
     bool is_shown, is_terminal, is_drawn;
     size_t resumed; /* pings present at the start; SIZE_MAX: not known yet */
     double last_s;  /* on the clock, when it was shown last */
-    asdic_run_progress last;
+    /* The last report, and the first of new pings: what came before it went into compiling. */
+    asdic_run_progress last, first;
     cli_progress_loop loops[CLI_PROGRESS_LOOPS];
 } cli_progress;
 
@@ -38,6 +39,9 @@ void cli_progress_watch(cli_progress *progress);
 
 /* Removes the bar. */
 void cli_progress_end(cli_progress *progress);
+
+/* Of a run after its first pings; 0 where there were no others. */
+double cli_progress_rays_per_s(const cli_progress *progress);
 
 /* 1234567 as "1.23 M", for "1.23 Mrays/s". */
 void cli_progress_short(char text[16], double value);

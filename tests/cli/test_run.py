@@ -371,6 +371,10 @@ def test_progress_on_a_terminal_only():
             raise AssertionError(f"no bar with pings, rays and time left in {done.err!r}")
         done = asdic("run", path, "-o", folder / "b").check(code=0)
         tap.lacks(done.err, "\r")
+        tap.contains(done.err, "rays/s")
+        one = asdic("run", path, "-o", folder / "one", "--pings", "0:1").check(code=0)
+        tap.contains(one.err, "1 ping, ")
+        tap.lacks(one.err, "rays/s")  # its time went into compiling
         asdic("run", path, "-o", folder / "c", "-q").check(code=0, err="")
         done = program.asdic_on_terminal("run", path, "-o", folder / "d", "-q")
         tap.equal(done.err, "")
