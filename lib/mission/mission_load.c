@@ -14,6 +14,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 /* A scene file is written by hand or by a small script; geometry is elsewhere. */
 #define MAX_SCENE_BYTES ((size_t)4 << 20)
@@ -22,6 +23,13 @@
 static asdic_status read_text(asdic_context *ctx, asdic_mission *m, size_t *length) {
     char *bytes = NULL;
     size_t size = 0;
+    struct stat st;
+    if (stat(m->path, &st) == 0 && S_ISDIR(st.st_mode)) {
+        return asdic_fail(ctx, ASDIC_ERROR_INPUT,
+                          "%s: Is a directory; give a scene file. The scene of a run stands in its "
+                          "run.json",
+                          m->path);
+    }
     TRY(asdic_file_read(ctx, m->path, MAX_SCENE_BYTES, &bytes, &size));
     asdic_sha256_hex(bytes, size, m->hash);
     m->text = asdic_text_to_utf8(bytes, size, length);

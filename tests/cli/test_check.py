@@ -304,6 +304,7 @@ def test_odd_inputs_are_refused():
         done = asdic("check", path)
         tap.equal((done.code, done.out), (3, ""))
         tap.contains(done.err, words)
+    tap.contains(asdic("plan", "/tmp").check(3).err, "Is a directory; give a scene file")
     grid = MINIMAL.replace("depth_m: 12", "grid: g.nc")
     with folder(a_dae="<x/>", g_nc=b"CDF\x02\0\0\0\0", s_yaml=grid) as at:
         tap.contains(asdic("check", "a.dae", cwd=at).err, "'.dae' is not a mesh format")
