@@ -14,14 +14,14 @@ shrink() {
 }
 
 "$asdic" run -q "$here/../scenes/mission.yaml" -o "$work/mission"
-"$asdic" render -q "$work/mission" --images waterfall --beam forward --colormap inferno
 "$asdic" run -q "$here/../scenes/scenario2.yaml" -o "$work/scenario2"
 # What there is to see in that scene lies within 30 m.
-sed 's/ping_rate_hz: 15 /ping_rate_hz: 24 /' "$here/../scenes/sonar_m750d.yaml" >"$work/m750d.yaml"
+sed "s#file: [^}]*#file: $here/../sonars/m750d.yaml, max_range_m: 31#" \
+  "$here/../scenes/sonar_m750d.yaml" >"$work/m750d.yaml"
 "$asdic" run -q "$work/m750d.yaml" -o "$work/m750d"
 "$asdic" view -q "$here/../scenes/mission.yaml" --snapshot 1 --pings 160 -o "$work/view"
 (cd "$work" && "$asdic" bench error -q --picture error.png)
-shrink "$work/mission/waterfall_forward.png" mission.png 128
+shrink "$work/mission/waterfall_forward.png" mission.png 256
 shrink "$work/scenario2/ascope_0.png" scenario2.png 64
 shrink "$work/m750d/fan_0.png" m750d.png 256
 shrink "$work/error.png" error.png 48
