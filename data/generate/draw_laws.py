@@ -14,11 +14,13 @@ ASDIC = sys.argv.pop(1)
 import place  # pylint: disable=wrong-import-position  # reads the folder from what is left
 
 # Name, keys of the bottom, colour.
-LAWS = [('sand of the course', 'type: sand', '#404040'),
-        ('Lambert, -27 dB', 'lambert_db: -27', '#009e73'),
+LAWS = [('type: sand', 'type: sand', '#404040'),
+        ('Lambert, &#8722;27 dB', 'lambert_db: -27', '#009e73'),
         ('medium_sand', 'sediment: medium_sand', '#0072b2'),
         ('rough_rock', 'sediment: rough_rock', '#d55e00')]
-LEFT, TOP, WIDTH, HEIGHT = 70, 20, 720, 380
+LEFT, TOP, WIDTH, HEIGHT = 70, 62, 720, 380
+# What the pictures of asdic say below their title.
+FACTS = '100 kHz, bandwidth 10 kHz &#183; bins of 0.5 m &#183; levels re an SL of 0 dB'
 RANGES, LEVELS = (5.0, 75.0), (-120.0, -40.0)
 
 
@@ -63,15 +65,17 @@ def axes():
     for level in range(int(LEVELS[0]), int(LEVELS[1]) + 1, 10):
         x, y = at(RANGES[0], level).split(',')
         yield f'<path d="M{x},{y}h{WIDTH}" stroke="#e0e0e0"/>'
-        yield f'<text x="{LEFT - 6}" y="{float(y) + 4}" text-anchor="end">{level}</text>'
-    yield f'<text x="{LEFT + WIDTH / 2}" y="{TOP + HEIGHT + 38}" text-anchor="middle">range, m</text>'
+        yield f'<text x="{LEFT - 6}" y="{float(y) + 4}" text-anchor="end">{level}</text>'.replace('>-', '>&#8722;')
+    yield f'<text x="{LEFT + WIDTH / 2}" y="{TOP + HEIGHT + 38}" text-anchor="middle">range (m)</text>'
     yield (f'<text transform="translate(18 {TOP + HEIGHT / 2}) rotate(-90)" text-anchor="middle">'
-           'expected level, dB re the source</text>')
+           'expected level (dB re 1 &#181;Pa)</text>')
 
 
 def main():
-    out = ['<svg xmlns="http://www.w3.org/2000/svg" width="820" height="450" '
-           'font-family="sans-serif" font-size="13">', '<rect width="820" height="450" fill="white"/>']
+    out = ['<svg xmlns="http://www.w3.org/2000/svg" width="820" height="492" fill="#202020" '
+           'font-family="sans-serif" font-size="13">', '<rect width="820" height="492" fill="white"/>',
+           f'<text x="{LEFT}" y="26" font-size="16" font-weight="bold">scenario1: expected levels over '
+           'four bottoms</text>', f'<text x="{LEFT}" y="46" font-size="11" fill="#606060">{FACTS}</text>']
     out += axes()
     for i, (name, law, colour) in enumerate(LAWS):
         rows, error = expected(law)
@@ -83,7 +87,7 @@ def main():
         out.append(f'<polyline points="{line}" fill="none" stroke="{colour}" stroke-width="2" '
                    'clip-path="url(#in)"/>')
         y = TOP + 24 + 20 * i
-        stated = f', {error:g} dB either way' if error else ', nothing stated'
+        stated = f', {error:g} dB either way' if error else ', no error stated'
         out.append(f'<path d="M{LEFT + 410},{y - 4}h28" stroke="{colour}" stroke-width="2"/>')
         out.append(f'<text x="{LEFT + 446}" y="{y}">{name}{stated}</text>')
     with open(place.path('pictures', 'laws.svg'), 'w', encoding='ascii') as file:
