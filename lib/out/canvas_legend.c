@@ -6,7 +6,8 @@
 #include <math.h>
 
 #define INK_RGB 0x202020u
-#define SAMPLE_PX 44.0 /* an entry's piece of line */
+#define SAMPLE_PX 36.0 /* an entry's piece of line */
+#define APART_PX 24.0
 #define ROW_PX (1.5 * ASDIC_TEXT_PX)
 
 void asdic_canvas_set_style(asdic_canvas *c, const asdic_series *series) {
@@ -68,7 +69,7 @@ double asdic_canvas_legend(asdic_canvas *c, asdic_box box, const asdic_series *e
                     .x = x + SAMPLE_PX + 10.0, .y = y, .align_y = 0.5, .size_px = ASDIC_TEXT_PX},
                 entry->label);
         }
-        x += wide + 28.0;
+        x += wide + APART_PX;
     }
     return rows * ROW_PX;
 }

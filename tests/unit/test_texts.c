@@ -208,6 +208,32 @@ static void ascopes(void **state) {
     }
 }
 
+/* The frames of a video are of one size, whether an object is in view or not. */
+static void ascopes_are_of_one_height(void **state) {
+    (void)state;
+    const float levels_db[2] = {-100, -90}, none_db[2] = {-INFINITY, -INFINITY};
+    asdic_picture_options options = options_of("scene: ping 1, t = 0.1 s");
+    double height = 0.0;
+    for (int has_object = 0; has_object < 2; has_object++) {
+        asdic_ascope beam = {.title = "beam \u2018forward\u2019",
+                             .bins = 2,
+                             .bin_length_m = 0.5,
+                             .simulated_db = levels_db,
+                             .total_db = levels_db,
+                             .bottom_db = levels_db,
+                             .surface_db = levels_db,
+                             .volume_db = levels_db,
+                             .noise_db = levels_db,
+                             .object_db = has_object ? levels_db : none_db};
+        box_count = 0;
+        assert_ok(t.ctx, asdic_picture_ascope(t.ctx, path, &beam, 1, &options));
+        assert_true(box_count > 0);
+        assert_true(!has_object || boxes[0].page_h == height);
+        height = boxes[0].page_h;
+        box_count = 0;
+    }
+}
+
 static void plans(void **state) {
     (void)state;
     /* Four piles 10 m apart beside the beginning of a track that is long or short. */
@@ -361,9 +387,15 @@ static void views(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(fans),    cmocka_unit_test(waterfalls), cmocka_unit_test(overviews),
-        cmocka_unit_test(ascopes), cmocka_unit_test(plans),      cmocka_unit_test(maps),
-        cmocka_unit_test(rocs),    cmocka_unit_test(views),
+        cmocka_unit_test(fans),
+        cmocka_unit_test(waterfalls),
+        cmocka_unit_test(overviews),
+        cmocka_unit_test(ascopes),
+        cmocka_unit_test(ascopes_are_of_one_height),
+        cmocka_unit_test(plans),
+        cmocka_unit_test(maps),
+        cmocka_unit_test(rocs),
+        cmocka_unit_test(views),
     };
     if (!asdic_picture_annotated()) {
         return 77;
