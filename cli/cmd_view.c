@@ -15,7 +15,7 @@ static const cli_option options[] = {
     {"least-rays", 0, "N",
      "the floor of rays when the machine cannot follow; default: 80 a beam, 2000 at least"},
     {"size", 0, "WxH", "pixels of a frame; default 1280x720"},
-    {"db-range", 0, "LOW:HIGH", "window of levels, dB; default: 70 dB below the strongest echo"},
+    {"db-range", 0, "LOW:HIGH", "window of levels, dB; default: that of a run's pictures, of the first ping"},
     {"colormap", 0, "NAME", "viridis, cividis, inferno, gray or copper; default inferno"},
     {"force", 'f', NULL, "replace snapshots that exist"},
     {NULL, 0, NULL, NULL},

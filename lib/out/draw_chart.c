@@ -171,11 +171,11 @@ static void draw_name(labels *l, double x, double y, double gap_px, const char *
         asdic_text place = {
             .x = box.x + 3.0, .y = box.y + 10.0, .align_y = 0.5, .size_px = ASDIC_NOTE_PX};
         l->taken[l->count++] = box;
-        asdic_canvas_color(c, INK_RGB);
-        cairo_set_line_width(c->cr, 1.0);
         if (i >= 8) {
-            asdic_canvas_line(c, x, y, fmin(fmax(x, box.x), box.x + box.w),
-                              fmin(fmax(y, box.y), box.y + box.h));
+            cairo_move_to(c->cr, x, y);
+            cairo_line_to(c->cr, fmin(fmax(x, box.x), box.x + box.w),
+                          fmin(fmax(y, box.y), box.y + box.h));
+            stroke_over(c, INK_RGB, 1.0, false);
         }
         set_paint(c, 0xffffff, 0.8);
         cairo_rectangle(c->cr, box.x, box.y, box.w, box.h);
@@ -271,7 +271,9 @@ static void draw_track(labels *l, const asdic_chart *chart) {
     asdic_canvas_color(c, ASDIC_CHART_TRACK_RGB);
     cairo_fill_preserve(c->cr);
     stroke_over(c, INK_RGB, 1.0, false);
+    l->taken[l->count++] = (asdic_box){x1 - 10.0, y1 - 10.0, 20.0, 20.0};
     if (is_moving(chart)) {
+        l->taken[l->count++] = (asdic_box){x0 - 8.0, y0 - 8.0, 16.0, 16.0};
         name_time(text, "start,", chart->first_time_s);
         draw_name(l, x0, y0, 12.0, text);
         name_time(text, "end,", chart->last_time_s);

@@ -142,7 +142,7 @@ asdic_status asdic_draw_overview(asdic_context *ctx, const char *path,
             &canvas,
             (asdic_text){
                 .x = p.box[i].x, .y = p.box[i].y - 10.0, .size_px = ASDIC_TEXT_PX, .bold = true},
-            i == 0 ? "level" : "range");
+            i == 0 ? "level of the strongest echo" : "range of the strongest echo");
         if (overview->pings > 1) {
             asdic_canvas_axis_y(&canvas, p.box[i], &p.time, true, false);
         }
