@@ -119,10 +119,11 @@ def test_the_plan_is_of_a_turn():
     with Folder() as folder:
         path = scene(folder, "scan.yaml", CIRCLE, pings=", pings: 60")
         asdic("run", path, "-o", folder / "r").check(code=0)
-        asdic("render", folder / "r", "--images", "plan", "-o", folder / "p.svg").check(code=0)
+        done = asdic("render", folder / "r", "--images", "plan", "-o", folder / "p.svg")
+        if "without cairo" in done.err:
+            raise tap.Skip("built without cairo")
+        done.check(code=0)
         drawn = re.findall(r'<path [^>]*stroke[:="]+rgb\(0%, *44.7[^>]* d="([^"]*)"', folder.read("p.svg"))
-        if not drawn:
-            raise tap.Skip("no cairo")
         numbers = [float(x) for x in re.findall(r"-?[0-9.]+", max(drawn, key=len))]
         sides = sorted(max(n) - min(n) for n in (numbers[0::2], numbers[1::2]))
         if sides[0] < 0.8 * sides[1]:
