@@ -58,7 +58,7 @@ static size_t beam_at(const asdic_sonar *sonar, double bearing_rad) {
     return bearing_rad - beams[low].yaw_rad > beams[high].yaw_rad - bearing_rad ? high : low;
 }
 
-/* Adds what RECORD, whose sonar has these AXES, heard from the place (NORTH_M, EAST_M) on the floor:
+/* Adds what RECORD, whose sonar has these AXES, heard from (NORTH_M, EAST_M) on the floor:
  * the terrain, beside which there is none, or a plane as deep as straight below the vehicle. */
 static void add_cell(mosaic *m, const asdic_record *record, asdic_mat3 axes, size_t cell,
                      double north_m, double east_m) {
