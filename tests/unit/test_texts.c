@@ -375,6 +375,9 @@ static void views(void **state) {
             assert_ok(t.ctx, asdic_view_create(t.ctx, mission, t.device, &options, &view));
             box_count = 0;
             assert_ok(t.ctx, asdic_view_step(view));
+            assert_written("source");
+            assert_written("bandwidth");
+            assert_written("bins");
             assert_legible(what, 50);
             asdic_view_destroy(&view);
             asdic_mission_destroy(&mission);
