@@ -229,10 +229,12 @@ def test_disk_that_is_full_and_then_larger():
         shell = f"""
 set -eu
 mount -t tmpfs -o size={{size}}k none disk || exit 77
+option=--force
 for part in {{parts}}; do
   mount -o remount,size=${{{{part}}}}k disk
-  code=0; "{program.PATH}" run pool.yaml -o disk/r --resume 2>>messages || code=$?
+  code=0; "{program.PATH}" run pool.yaml -o disk/r $option 2>>messages || code=$?
   echo $code >>codes
+  option=--resume
 done
 cp -r disk/r out
 """

@@ -55,7 +55,8 @@ def stop_once(folder, path, longest_s, luck):
               f"exit code {child.returncode} of {stop.name} ({err!r})")
     if child.returncode > 0:
         # LLVM's own handler removes what it is writing, so that its compiler complains as well.
-        lines = [line for line in err.splitlines() if line != "1 error generated."]
+        lines = [line for line in err.splitlines()
+                 if line != "1 error generated." and " a ping, " not in line]
         tap.equal(len(lines), 1, f"sentences ({err!r})")
         tap.contains(lines[0], "--resume")
     valid(folder, "r", child.returncode < 0)
@@ -117,7 +118,7 @@ def test_interrupted_with_its_compilers():
                 stops += 1
             err = child.communicate()[1].decode()
             tap.equal(child.returncode in (0, 130), True, f"exit code {child.returncode} ({err!r})")
-            tap.equal(len(err.splitlines()) <= 2, True, f"sentences ({err!r})")
+            tap.equal(len(err.splitlines()) <= 3, True, f"sentences ({err!r})")
     if not stops:
         raise tap.Skip("the device starts no compiler")
     print(f"# {stops} stops while compilers ran")

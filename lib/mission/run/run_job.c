@@ -175,7 +175,9 @@ static asdic_status find_whole(asdic_run_job *job, asdic_status *first_failure) 
             asdic_log(job->ctx, ASDIC_LOG_WARNING, "%s", asdic_context_error(job->ctx));
         }
         if (asdic_context_interrupted(job->ctx)) {
-            return asdic_fail(job->ctx, ASDIC_ERROR_INTERRUPTED, "interrupted");
+            return asdic_fail(job->ctx, ASDIC_ERROR_INTERRUPTED,
+                              "interrupted while the pings in '%s' were checked; --resume goes on",
+                              job->options->folder);
         }
     }
     return ASDIC_OK;

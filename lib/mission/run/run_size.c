@@ -185,10 +185,17 @@ asdic_status asdic_run_check_room(asdic_context *ctx, const asdic_mission *missi
     uint64_t each = asdic_mission_ping_bytes(mission);
     uint64_t needed = asdic_mission_run_bytes(mission, count);
     uint64_t left = asdic_disk_free_bytes(o->folder);
+    bool goes_on = o->resume && asdic_folder_has_run(o->folder);
     uint64_t there =
-        !o->resume ? 0
-                   : bytes_there(o->folder, "pings.npy.part") + bytes_there(o->folder, "pings.npy");
+        goes_on ? bytes_there(o->folder, "pings.npy.part") + bytes_there(o->folder, "pings.npy")
+                : 0;
     if (needed <= there || needed - there <= left) {
+        return ASDIC_OK;
+    }
+    if (goes_on) { /* nothing is lost when the disk is full */
+        asdic_log(ctx, ASDIC_LOG_WARNING,
+                  "'%s' has room for %.3g GB, but what is still to be written takes about %.3g GB",
+                  o->folder, 1e-9 * (double)left, 1e-9 * (double)(needed - there));
         return ASDIC_OK;
     }
     return asdic_fail(ctx, ASDIC_ERROR_IO,
