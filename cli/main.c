@@ -2,6 +2,7 @@
 #include "commands.h"
 
 #include <fcntl.h>
+#include <signal.h>
 #include <string.h>
 
 /* Runs C's command with ARGV, whose first word is the command's name. */
@@ -75,6 +76,7 @@ int main(int argc, char **argv) {
     cli c;
     asdic_context *ctx = NULL;
     hold_standard_streams();
+    signal(SIGXFSZ, SIG_IGN); /* a limit on file sizes is an error of writing, as a full disk */
     if (asdic_context_create(&ctx) != ASDIC_OK) {
         fputs("error: out of memory\n", stderr);
         return CLI_FAILED;

@@ -54,8 +54,6 @@ static void *wait_for_signals(void *stops_soon) {
 void cli_signals_begin(asdic_context *ctx, bool stops_soon) {
     sigset_t set;
     pthread_t thread;
-    signal(SIGXFSZ,
-           SIG_IGN); /* a limit on file sizes is then an error of writing, as a full disk */
     if (pipe2(wake_fds, O_CLOEXEC) != 0) {
         return;
     }

@@ -3,6 +3,7 @@ what it can. With the argument 'full', hundreds of mutations instead of a few (A
 import os
 import random
 import re
+import resource
 import shutil
 import socket
 import subprocess
@@ -186,6 +187,29 @@ def test_obstacles_are_replaced():
         err = asdic("merge", folder / "part", "-o", folder / "r").check(code=1).err
         tap.contains(err, "--force")
         tap.lacks(err, "--resume")
+
+
+def test_full_disk_loses_nothing():
+    """Files of at most so many bytes: one sentence, whole files or none, and the parts as they were."""
+    program.need_device()
+    with Folder() as folder:
+        path = scene(folder, pings=40, rays=200)
+        asdic("run", path, "-o", folder / "whole").check(code=0)
+        asdic("detect", folder / "whole").check(code=0)
+        shutil.copytree(folder / "whole", folder / "r")
+        for room in (0, 500, 5000, 60000):
+            for command in (("merge", folder / "whole", "-o", folder / "m"), ("render", folder / "r"),
+                            ("detect", folder / "r", "--force")):
+                done = subprocess.run(
+                    [program.PATH, *command], capture_output=True, text=True, check=False,
+                    preexec_fn=lambda n=room: resource.setrlimit(resource.RLIMIT_FSIZE, (n, n)))
+                fails = room < 5000 or done.returncode != 0  # what detect writes is small
+                errors = [line for line in done.stderr.splitlines() if line.startswith("error: ")]
+                tap.equal((done.returncode, len(errors)), (1, 1) if fails else (0, 0), done.stderr)
+                tap.equal("File too large" in done.stderr, fails, done.stderr)
+                tap.equal(os.path.exists(folder / "m/pings.npy.part"), False, "a part left over")
+            same(folder, "whole", "r")
+        asdic("merge", folder / "whole", "-o", folder / "m", "--force").check(code=0)
 
 
 # --- several processes -------------------------------------------------------------------------------

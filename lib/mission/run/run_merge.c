@@ -10,6 +10,7 @@
 #include "run_chart_data.h"
 #include "mission/track/track.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -195,7 +196,13 @@ static asdic_status join(merger *m, const char *const *folders, bool force) {
     /* Only now: a wrong part must not cost an earlier result. */
     TRY(asdic_folder_hold(m->ctx, m->folder, &m->lock));
     TRY(asdic_folder_prepare(m->ctx, m->folder, force, false));
-    TRY(write_run(m));
+    asdic_status status = write_run(m);
+    if (status != ASDIC_OK) { /* the parts have it all: half of it is no use */
+        char why[768];
+        snprintf(why, sizeof why, "%s", asdic_context_error(m->ctx));
+        asdic_folder_remove(m->ctx, m->folder);
+        return asdic_fail(m->ctx, status, "%s", why);
+    }
     return conclude(m);
 }
 
