@@ -168,7 +168,9 @@ static void summarise(cli *c, const asdic_mission *mission, const asdic_run_opti
     double rays_per_s = cli_progress_rays_per_s(progress);
     const asdic_run_progress *last = &progress->last;
     if (options->times->simulate_s == 0.0) {
-        cli_note(c, "%s: complete already", options->folder);
+        cli_note(c, "%s: %s", options->folder,
+                 options->times->write_s == 0.0 ? "complete already"
+                                                : "complete; its files are written again");
         return;
     }
     if (rays_per_s > 0.0) {

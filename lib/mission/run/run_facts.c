@@ -517,10 +517,11 @@ asdic_status asdic_run_facts_read(asdic_context *ctx, const char *folder, asdic_
         goto done;
     }
     if (!is_signed(text, length)) {
-        status = asdic_fail(ctx, ASDIC_ERROR_INPUT,
-                            "'%s' is damaged: its bytes do not have the sum that it states; run "
-                            "again with --force",
-                            path);
+        status =
+            asdic_fail(ctx, ASDIC_ERROR_INPUT,
+                       "'%s' is damaged, or of another version of asdic: it does not state the "
+                       "sum of its bytes; run again with --force",
+                       path);
         goto done;
     }
     problems.name = path;
