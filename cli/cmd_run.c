@@ -281,7 +281,9 @@ static const cli_option options[] = {
     {"seed", 0, "N", "seed of the random directions, instead of the scene's"},
     {"pings", 0, "A:B", "pings A to B-1 only, counted from 0"},
     {"shard", 0, "K/N", "the K-th of N parts of the pings; 'asdic merge' joins the parts"},
-    {"resume", 0, NULL, "go on with a run that was stopped; the files will be the same"},
+    {"resume", 0, NULL,
+     "go on with a run that was stopped, make again what of it is damaged; the files will be the "
+     "same"},
     {"force", 'f', NULL, "replace a run that is there; begin also where its files may not fit"},
     {0},
 };

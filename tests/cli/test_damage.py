@@ -15,7 +15,7 @@ from program import Folder, asdic
 from run_folder import data, edit_facts, facts, pictures, same, scene
 
 FULL = "full" in sys.argv and not sys.argv.remove("full")
-MUTATIONS = int(os.environ.get("ASDIC_MUTATIONS", "400" if FULL else "24"))
+MUTATIONS = int(os.environ.get("ASDIC_MUTATIONS", "400" if FULL else "16"))
 
 WORLD = """
 version: 1
