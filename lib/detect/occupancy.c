@@ -1,18 +1,18 @@
 /*
- * Occupancy: l <- clip(l + llr) per cell (Moravec & Elfes, IEEE ICRA 1985, in log-odds).
+ * Occupancy: log-odds of an object in the cells of a map (Moravec & Elfes, IEEE ICRA 1985; Elfes,
+ * Computer 22 (6), 46 (1989)). The step of a cell is in scan.h.
  */
 #include <asdic/scan.h>
 
 #include "base/context.h"
+#include "base/try.h"
+#include "evidence.h"
 #include "sim/ring.h"
 
-#include <limits.h>
 #include <math.h>
 #include <stdlib.h>
 
 #define MOST_CELLS ((size_t)1 << 26)
-/* Beams steeper than this (84 degrees) tell nothing about the place in the plane. */
-#define LEAST_COS 0.1
 
 asdic_vec3 asdic_beam_axis(const asdic_beam *beam, const asdic_pose *pose) {
     asdic_face face = asdic_face_aim(beam, pose, 1.0);
@@ -31,25 +31,9 @@ double asdic_beam_width_rad(const asdic_sonar *sonar, size_t receiver, double so
                      sound_speed_mps);
 }
 
-/* The layer of RECEIVER. Beams whose axes lie within one vertical width of each other see the same
- * layer of water. */
-static long layer_of(const asdic_sonar *sonar, size_t receiver, double sound_speed_mps,
-                     asdic_vec3 axis) {
-    double width = width_rad(sonar, sonar->transmitter.length_v_m,
-                             sonar->receivers[receiver].length_v_m, sound_speed_mps);
-    return lround(atan2(axis.z, hypot(axis.x, axis.y)) / width);
-}
-
-/* A ping's evidence by cell, in planes of the map's size: distance from the axis of the nearest
- * beam of a layer, that beam's evidence (NAN: none), the logarithm of the summed likelihood ratios
- * of the layers before, and their number. */
-enum { ASIDE, LLR, SUM, LAYERS, PLANES };
-
-static void forget(float *cell, size_t cells) {
-    cell[ASIDE * cells] = INFINITY;
-    cell[LLR * cells] = NAN;
-    cell[SUM * cells] = -INFINITY;
-    cell[LAYERS * cells] = 0.0f;
+double asdic_beam_height_rad(const asdic_sonar *sonar, size_t receiver, double sound_speed_mps) {
+    return width_rad(sonar, sonar->transmitter.length_v_m, sonar->receivers[receiver].length_v_m,
+                     sound_speed_mps);
 }
 
 asdic_status asdic_occupancy_create(asdic_context *ctx, asdic_vec3 min_m, asdic_vec3 max_m,
@@ -74,7 +58,7 @@ asdic_status asdic_occupancy_create(asdic_context *ctx, asdic_vec3 min_m, asdic_
     }
     asdic_occupancy *map = calloc(1, sizeof *map);
     size_t cells = (size_t)rows * (size_t)columns;
-    if (!map || !(map->log_odds = malloc((1 + PLANES) * cells * sizeof *map->log_odds))) {
+    if (!map || !(map->log_odds = malloc(4 * cells * sizeof *map->log_odds))) {
         free(map);
         return asdic_fail_memory(ctx, "a map");
     }
@@ -85,10 +69,12 @@ asdic_status asdic_occupancy_create(asdic_context *ctx, asdic_vec3 min_m, asdic_
     map->columns = (size_t)columns;
     map->prior_log_odds = log(prior / (1.0 - prior));
     map->limit = limit;
-    map->ping = map->log_odds + cells;
+    map->floor_depth_m = map->log_odds + cells;
+    map->part[ASDIC_OCCUPANCY_FLOOR] = map->floor_depth_m + cells;
+    map->part[ASDIC_OCCUPANCY_WATER] = map->part[ASDIC_OCCUPANCY_FLOOR] + cells;
     for (size_t i = 0; i < cells; i++) {
-        map->log_odds[i] = NAN;
-        forget(map->ping + i, cells);
+        map->log_odds[i] = map->floor_depth_m[i] = NAN;
+        map->part[0][i] = map->part[1][i] = -INFINITY;
     }
     *out = map;
     return ASDIC_OK;
@@ -102,15 +88,172 @@ void asdic_occupancy_destroy(asdic_occupancy **map) {
     }
 }
 
-/* What a beam covers in the plane. */
-typedef struct sector {
-    double north_m, east_m;       /* apex */
-    double azimuth_rad, half_rad; /* direction, half its width */
-    double cos_elevation;         /* of the axis */
-    double begin_m, end_m;        /* in the plane */
-} sector;
+/* --- a ping ----------------------------------------------------------------------------------- */
 
-/* Index of the cells along one axis that [LOW, HIGH] touches. */
+/* A cell that is heard: its azimuth in steps, its distance in the plane. */
+typedef struct spot {
+    size_t cell, azimuth;
+    double plane_m;
+    double rate[ASDIC_OCCUPANCY_PARTS]; /* -ln(1 - p), by the map so far */
+} spot;
+
+/* A ping's evidence, and what the map says of the cells of each heading and bin. */
+typedef struct update {
+    asdic_occupancy *map;
+    const asdic_look *look;
+    asdic_evidence seen;
+    spot *spots;
+    size_t spot_count;
+    double *rate;  /* their sum over the cells of [heading * bins + bin] */
+    double *empty; /* probability that all cells of headings within a beam's width are empty */
+    double *mean;  /* of the likelihood ratios over these */
+} update;
+
+/* Places in a cell at which an object may be, by index of heading and bin together, and the share of
+ * objects that are there; the rest of these is not heard. On an arc, so many at most. */
+#define MOST_HEIGHTS 8
+#define MOST_PLACES 32
+
+typedef struct places {
+    size_t at[MOST_PLACES];
+    double share[MOST_PLACES];
+    size_t count;
+} places;
+
+static void add_place(const update *u, places *p, size_t heading, double range_m, double share) {
+    double bin = range_m / u->look->sonar->bin_length_m;
+    size_t at = heading * u->seen.bins + (size_t)fmin(bin, (double)u->seen.bins - 1.0);
+    if (bin < (double)u->seen.bins && !isnan(u->seen.ratio[at]) && p->count < MOST_PLACES) {
+        p->at[p->count] = at;
+        p->share[p->count++] = share;
+    }
+}
+
+static double floor_below(const update *u, const spot *s) {
+    double floor_m = (double)u->map->floor_depth_m[s->cell];
+    return isnan(floor_m) ? (double)INFINITY : floor_m - u->look->pose.position_m.z;
+}
+
+/* On the floor: in the arc that is nearest in elevation, if that hears it. */
+static places on_floor(const update *u, const spot *s) {
+    const asdic_evidence *f = &u->seen;
+    double below = floor_below(u, s), slope = below / s->plane_m, least = INFINITY;
+    places p = {.count = 0};
+    size_t best = 0;
+    for (size_t a = 0; a < f->arcs && isfinite(slope); a++) {
+        const asdic_heading *h = &f->headings[a * f->azimuths + s->azimuth];
+        double off = fabs(slope - h->slope);
+        if (h->hearing_count > 0 && slope > h->slope_low && slope < h->slope_high && off < least) {
+            least = off;
+            best = a * f->azimuths + s->azimuth;
+        }
+    }
+    if (least < INFINITY) {
+        add_place(u, &p, best, hypot(s->plane_m, below), 1.0);
+    }
+    return p;
+}
+
+/* In the water: in each arc the part of its height between surface and floor, of all the water there
+ * where that is known. */
+static places in_water(const update *u, const spot *s) {
+    const asdic_evidence *f = &u->seen;
+    double above = u->look->depth_m, below = floor_below(u, s), heard_m = 0.0;
+    double plane2 = s->plane_m * s->plane_m, bin_m = u->look->sonar->bin_length_m;
+    places p = {.count = 0};
+    for (size_t a = 0; a < f->arcs; a++) {
+        const asdic_heading *h = &f->headings[a * f->azimuths + s->azimuth];
+        double low = fmax(s->plane_m * h->slope_low, -above);
+        double high = fmin(s->plane_m * h->slope_high, below);
+        if (h->hearing_count == 0 || low >= high) {
+            continue;
+        }
+        double least = low * high < 0.0 ? 0.0 : fmin(low * low, high * high);
+        double near_m = sqrt(plane2 + least), far_m = sqrt(plane2 + fmax(low * low, high * high));
+        double step = fmax(bin_m, 0.5 * u->map->cell_m);
+        double heights = fmin(floor(1.0 + (far_m - near_m) / step), MOST_HEIGHTS);
+        heard_m += high - low;
+        for (double i = 0.5; i < heights; i += 1.0) {
+            add_place(u, &p, a * f->azimuths + s->azimuth, near_m + i / heights * (far_m - near_m),
+                      (high - low) / heights);
+        }
+    }
+    double all_m = isfinite(above + below) ? fmax(heard_m, above + below) : heard_m;
+    for (size_t i = 0; i < p.count; i++) {
+        p.share[i] /= all_m;
+    }
+    return p;
+}
+
+static places places_of(const update *u, const spot *s, int part) {
+    return part == ASDIC_OCCUPANCY_FLOOR ? on_floor(u, s) : in_water(u, s);
+}
+
+/* -ln(1 - p). */
+static double rate_of(double log_odds) {
+    return log1p(exp(log_odds));
+}
+
+/* Tells the places of a spot what the map says of its cell. */
+static void tell_places(update *u, const spot *s, int part) {
+    places p = places_of(u, s, part);
+    for (size_t i = 0; i < p.count; i++) {
+        u->rate[p.at[i]] += s->rate[part] * p.share[i];
+    }
+}
+
+/* Tells a cell what its places say: ln of their mean, where what is not heard says nothing. */
+static void tell_cell(update *u, const spot *s, int part) {
+    places p = places_of(u, s, part);
+    double sum = 0.0, share = 0.0;
+    for (size_t i = 0; i < p.count; i++) {
+        double empty = fmin(u->empty[p.at[i]] * exp(s->rate[part] * p.share[i]), 1.0);
+        double ratio = u->seen.ratio[p.at[i]], mean = u->mean[p.at[i]], full = 1.0 - empty;
+        double both = ratio > 1.0 && mean > 1.0 ? fmax(ratio, mean) : ratio * mean;
+        sum += p.share[i] * (empty * ratio + full * both) / (empty + full * mean);
+        share += p.share[i];
+    }
+    if (p.count > 0) {
+        float *log_odds = &u->map->part[part][s->cell];
+        double limit = u->map->limit;
+        double after = (double)*log_odds + log(sum + fmax(1.0 - share, 0.0));
+        *log_odds = (float)fmin(fmax(after, -limit), limit);
+        u->map->log_odds[s->cell] = 0.0f; /* looked at */
+    }
+}
+
+/* A cell holds an object where one of its parts does. */
+static void join_parts(update *u, const spot *s) {
+    asdic_occupancy *map = u->map;
+    double rate = 0.0;
+    for (int part = 0; part < ASDIC_OCCUPANCY_PARTS; part++) {
+        rate += rate_of((double)map->part[part][s->cell]);
+    }
+    if (!isnan(map->log_odds[s->cell])) {
+        double both = log(expm1(rate)); /* odds of 1 - e^-rate */
+        map->log_odds[s->cell] = (float)fmin(fmax(both, -map->limit), map->limit);
+    }
+}
+
+/* Whether a beam of any arc hears each azimuth, and the box round what they hear: least and greatest
+ * north and east, re the sonar. */
+static void find_box(const asdic_evidence *f, double reach_m, bool *is_heard, double box[4]) {
+    for (size_t i = 0; i < f->arcs * f->azimuths; i++) {
+        is_heard[i % f->azimuths] |= f->headings[i].hearing_count > 0;
+    }
+    for (size_t k = 0; k < f->azimuths; k++) {
+        for (int side = -1; side <= 1 && is_heard[k]; side += 2) {
+            double azimuth = f->step_rad * ((double)k + 0.5 * side);
+            double north = reach_m * cos(azimuth), east = reach_m * sin(azimuth);
+            box[0] = fmin(box[0], north);
+            box[1] = fmax(box[1], north);
+            box[2] = fmin(box[2], east);
+            box[3] = fmax(box[3], east);
+        }
+    }
+}
+
+/* The cells of a map's side from FROM_M on that [LOW_M, HIGH_M] touches. */
 static void touched(double low_m, double high_m, double from_m, double cell_m, size_t count,
                     size_t *first, size_t *end) {
     double a = floor((low_m - from_m) / cell_m), b = floor((high_m - from_m) / cell_m) + 1.0;
@@ -118,137 +261,113 @@ static void touched(double low_m, double high_m, double from_m, double cell_m, s
     *end = (size_t)fmin(fmax(b, 0.0), (double)count);
 }
 
-/* The box round a sector in the plane. */
-static void bound(const sector *s, double low[2], double high[2]) {
-    low[0] = high[0] = s->north_m;
-    low[1] = high[1] = s->east_m;
-    int steps = 16;
-    for (int i = 0; i <= steps; i++) { /* the arc lies outside its chord by less than 1 / cos */
-        double angle = s->azimuth_rad + s->half_rad * (2.0 * i / steps - 1.0);
-        double reach = s->end_m / cos(s->half_rad / steps);
-        double at[2] = {s->north_m + reach * cos(angle), s->east_m + reach * sin(angle)};
-        for (int k = 0; k < 2; k++) {
-            low[k] = fmin(low[k], at[k]);
-            high[k] = fmax(high[k], at[k]);
-        }
-    }
+/* A cell that is seen for the first time: objects are as likely on the floor, where that is known, as in
+ * the water. */
+static void begin_cell(asdic_occupancy *map, size_t cell) {
+    bool has_floor = !isnan(map->floor_depth_m[cell]);
+    double prior = 1.0 / (1.0 + exp(-map->prior_log_odds)), half = 0.5 * prior;
+    double log_odds = has_floor ? log(half / (1.0 - half)) : map->prior_log_odds;
+    map->part[ASDIC_OCCUPANCY_WATER][cell] = (float)log_odds;
+    map->part[ASDIC_OCCUPANCY_FLOOR][cell] = has_floor ? (float)log_odds : -INFINITY;
 }
 
-/* Cells that a ping touched. */
-typedef struct patch {
+static asdic_status find_spots(asdic_context *ctx, update *u) {
+    const asdic_occupancy *map = u->map;
+    const asdic_evidence *f = &u->seen;
+    asdic_vec3 from = u->look->pose.position_m;
+    double reach = (double)u->look->bins * u->look->sonar->bin_length_m, box[4] = {0};
+    bool *is_heard = calloc(f->azimuths, sizeof *is_heard);
+    if (!is_heard) {
+        return asdic_fail_memory(ctx, "an occupancy map");
+    }
+    find_box(f, reach, is_heard, box);
     size_t row, row_end, column, column_end;
-} patch;
-
-static void widen(patch *all, const patch *p) {
-    all->row = p->row < all->row ? p->row : all->row;
-    all->column = p->column < all->column ? p->column : all->column;
-    all->row_end = p->row_end > all->row_end ? p->row_end : all->row_end;
-    all->column_end = p->column_end > all->column_end ? p->column_end : all->column_end;
-}
-
-/* Ends a layer in the cells of PATCH. */
-static void add_layer(asdic_occupancy *map, const patch *p) {
-    size_t cells = map->rows * map->columns;
-    for (size_t row = p->row; row < p->row_end; row++) {
-        for (size_t column = p->column; column < p->column_end; column++) {
-            float *cell = map->ping + row * map->columns + column;
-            float llr = cell[LLR * cells], sum = cell[SUM * cells];
-            if (!isnan(llr)) {
-                cell[SUM * cells] = fmaxf(sum, llr) + log1pf(expf(-fabsf(sum - llr)));
-                cell[LAYERS * cells] += 1.0f;
-            }
-            cell[ASIDE * cells] = INFINITY;
-            cell[LLR * cells] = NAN;
-        }
-    }
-}
-
-/* Adds the ping's evidence to the cells of PATCH, clips, and clears the evidence. */
-static void add_ping(asdic_occupancy *map, const patch *p) {
-    size_t cells = map->rows * map->columns;
-    for (size_t row = p->row; row < p->row_end; row++) {
-        for (size_t column = p->column; column < p->column_end; column++) {
-            size_t at = row * map->columns + column;
-            float *cell = map->ping + at;
-            if (cell[LAYERS * cells] > 0.0f) {
-                double before =
-                    isnan(map->log_odds[at]) ? map->prior_log_odds : (double)map->log_odds[at];
-                double llr = (double)(cell[SUM * cells] - logf(cell[LAYERS * cells]));
-                map->log_odds[at] = (float)fmin(fmax(before + llr, -map->limit), map->limit);
-            }
-            forget(cell, cells);
-        }
-    }
-}
-
-static patch add_sector(asdic_occupancy *map, const sector *s, double bin_m, size_t bins,
-                        const double *llr) {
-    double low[2], high[2];
-    patch p;
-    size_t cells = map->rows * map->columns;
-    bound(s, low, high);
-    touched(low[0], high[0], map->north_m, map->cell_m, map->rows, &p.row, &p.row_end);
-    touched(low[1], high[1], map->east_m, map->cell_m, map->columns, &p.column, &p.column_end);
-    for (size_t row = p.row; row < p.row_end; row++) {
-        double north = map->north_m + ((double)row + 0.5) * map->cell_m - s->north_m;
-        for (size_t column = p.column; column < p.column_end; column++) {
-            double east = map->east_m + ((double)column + 0.5) * map->cell_m - s->east_m;
-            double plane = hypot(north, east);
-            double aside = remainder(atan2(east, north) - s->azimuth_rad, 2.0 * ASDIC_PI);
-            double bin = floor(plane / s->cos_elevation / bin_m);
-            float *cell = map->ping + row * map->columns + column;
-            if (fabs(aside) <= s->half_rad && bin < (double)bins && !isnan(llr[(size_t)bin]) &&
-                (float)fabs(aside) < cell[ASIDE * cells]) {
-                cell[ASIDE * cells] = (float)fabs(aside);
-                cell[LLR * cells] = (float)llr[(size_t)bin];
+    touched(from.x + box[0], from.x + box[1], map->north_m, map->cell_m, map->rows, &row, &row_end);
+    touched(from.y + box[2], from.y + box[3], map->east_m, map->cell_m, map->columns, &column,
+            &column_end);
+    u->spots = malloc(((row_end - row) * (column_end - column) + 1) * sizeof *u->spots);
+    for (; row < row_end && u->spots; row++) {
+        double north = map->north_m + ((double)row + 0.5) * map->cell_m - from.x;
+        for (size_t c = column; c < column_end; c++) {
+            double east = map->east_m + ((double)c + 0.5) * map->cell_m - from.y;
+            double plane = sqrt(north * north + east * east);
+            if (plane <= reach) {
+                double at = atan2(east, north) / f->step_rad;
+                size_t k = (size_t)lround(at < 0.0 ? at + (double)f->azimuths : at) % f->azimuths;
+                size_t cell = row * map->columns + c;
+                if (is_heard[k]) {
+                    if (isnan(map->log_odds[cell])) {
+                        begin_cell(u->map, cell);
+                    }
+                    u->spots[u->spot_count++] = (spot){
+                        cell,
+                        k,
+                        plane,
+                        {rate_of((double)map->part[0][cell]), rate_of((double)map->part[1][cell])}};
+                }
             }
         }
     }
-    return p;
+    free(is_heard);
+    return u->spots ? ASDIC_OK : asdic_fail_memory(ctx, "an occupancy map");
 }
 
-typedef struct view {
-    const asdic_sonar *sonar;
-    double sound_speed_mps;
-    const asdic_pose *pose;
-    size_t bins;
-    const double *llr;
-} view;
-
-/* Adds the beams of LAYER and returns the cells that they see. *NEXT: the lowest layer above it. */
-static patch add_beams(asdic_occupancy *map, const view *v, long layer, long *next) {
-    const asdic_sonar *sonar = v->sonar;
-    patch all = {.row = map->rows, .column = map->columns};
-    *next = LONG_MAX;
-    for (size_t b = 0; b < sonar->receiver_count; b++) {
-        asdic_vec3 axis = asdic_beam_axis(&sonar->receivers[b], v->pose);
-        long own = layer_of(sonar, b, v->sound_speed_mps, axis);
-        *next = own > layer && own < *next ? own : *next;
-        sector s = {.north_m = v->pose->position_m.x,
-                    .east_m = v->pose->position_m.y,
-                    .azimuth_rad = atan2(axis.y, axis.x),
-                    .half_rad = 0.5 * asdic_beam_width_rad(sonar, b, v->sound_speed_mps),
-                    .cos_elevation = hypot(axis.x, axis.y)};
-        s.end_m = (double)v->bins * sonar->bin_length_m * s.cos_elevation;
-        if (own == layer && s.cos_elevation >= LEAST_COS) {
-            patch p = add_sector(map, &s, sonar->bin_length_m, v->bins, v->llr + b * v->bins);
-            widen(&all, &p);
+/* Sums rates, and ratios weighted by them, over the headings within a beam's width. */
+static void join_neighbours(update *u) {
+    const asdic_evidence *f = &u->seen;
+    for (size_t i = 0; i < f->arcs * f->azimuths; i++) {
+        const asdic_heading *h = &f->headings[i];
+        long wide = lround(h->width_rad / f->step_rad);
+        long most = ((long)f->azimuths - 1) / 2;
+        wide = wide > most ? most : wide;
+        for (size_t n = 0; n < f->bins && h->hearing_count > 0; n++) {
+            double rate = 0.0, weighted = 0.0;
+            for (long k = -wide; k <= wide; k++) {
+                size_t first = i - i % f->azimuths;
+                size_t azimuth = (i % f->azimuths + f->azimuths + (size_t)k) % f->azimuths;
+                size_t at = (first + azimuth) * f->bins + n;
+                if (u->rate[at] > 0.0) {
+                    rate += u->rate[at];
+                    weighted += u->rate[at] * f->ratio[at];
+                }
+            }
+            u->empty[i * f->bins + n] = exp(-rate);
+            u->mean[i * f->bins + n] = rate > 0.0 ? weighted / rate : 1.0;
         }
     }
-    return all;
 }
 
-/* An echo comes from one of m layers, each equally likely: the likelihood ratio is the mean of the
- * layers' ratios, also where they are correlated. */
-void asdic_occupancy_add(asdic_occupancy *map, const asdic_sonar *sonar, double sound_speed_mps,
-                         const asdic_pose *pose, size_t bins, const double *llr) {
-    const view v = {sonar, sound_speed_mps, pose, bins, llr};
-    patch all = {.row = map->rows, .column = map->columns};
-    long next;
-    for (long layer = LONG_MIN; layer != LONG_MAX; layer = next) {
-        patch p = add_beams(map, &v, layer, &next);
-        add_layer(map, &p);
-        widen(&all, &p);
+static asdic_status add(asdic_context *ctx, update *u) {
+    TRY(asdic_evidence_create(ctx, u->look, &u->seen));
+    TRY(find_spots(ctx, u));
+    size_t count = u->seen.arcs * u->seen.azimuths * u->seen.bins;
+    u->rate = calloc(3 * count + 1, sizeof *u->rate);
+    if (!u->rate) {
+        return asdic_fail_memory(ctx, "an occupancy map");
     }
-    add_ping(map, &all);
+    u->empty = u->rate + count;
+    u->mean = u->empty + count;
+    for (size_t i = 0; i < u->spot_count; i++) {
+        tell_places(u, &u->spots[i], ASDIC_OCCUPANCY_FLOOR);
+        tell_places(u, &u->spots[i], ASDIC_OCCUPANCY_WATER);
+    }
+    join_neighbours(u);
+    for (size_t i = 0; i < u->spot_count; i++) {
+        tell_cell(u, &u->spots[i], ASDIC_OCCUPANCY_FLOOR);
+        tell_cell(u, &u->spots[i], ASDIC_OCCUPANCY_WATER);
+        join_parts(u, &u->spots[i]);
+    }
+    return ASDIC_OK;
+}
+
+asdic_status asdic_occupancy_add(asdic_context *ctx, asdic_occupancy *map, const asdic_look *look) {
+    if (!map || !look || !look->sonar || !look->intensity_lin || !look->background_lin) {
+        return asdic_fail_null(ctx, __func__);
+    }
+    update u = {.map = map, .look = look};
+    asdic_status status = add(ctx, &u);
+    free(u.spots);
+    free(u.rate);
+    asdic_evidence_finish(&u.seen);
+    return status;
 }

@@ -1,5 +1,5 @@
-/* A sea that holds nothing, looked at by fans whose beams overlap more and more: a map fills as one
- * beam alone would fill it, and clutter makes as many plots and tracks as theory says. */
+/* A sea that holds nothing, looked at by fans whose beams overlap more and more: a map has
+ * fewer false cells than one beam alone would make, and clutter makes as many plots and tracks as theory says. */
 #include "ping_rig.h"
 
 #include "mission/detect/detect_job.h"
@@ -106,7 +106,15 @@ static void measure_map(size_t beams, size_t elevations, const asdic_detector *d
                   asdic_occupancy_create(device.ctx, low, high, 0.2, d->prior, limit, &map));
         for (uint64_t n = 0; n < MAP_PINGS; n++) {
             asdic_scan_result r = sea_next(&s, m * MAP_PINGS + n);
-            asdic_occupancy_add(map, &s.rig.sonar, s.speed_mps, &s.rig.pose, s.bins, r.llr);
+            const asdic_look look = {.sonar = &s.rig.sonar,
+                                     .sound_speed_mps = s.speed_mps,
+                                     .pose = s.rig.pose,
+                                     .depth_m = INFINITY,
+                                     .bins = s.bins,
+                                     .intensity_lin = s.ping->intensity_lin[ASDIC_TOTAL],
+                                     .background_lin = r.background_lin,
+                                     .snr_db = d->snr_db};
+            assert_ok(device.ctx, asdic_occupancy_add(device.ctx, map, &look));
             for (size_t i = 0; i < map->rows * map->columns; i++) {
                 cells += n == 0 && !isnan(map->log_odds[i]);
                 share[n] += map->log_odds[i] > 0.0f;
@@ -120,7 +128,7 @@ static void measure_map(size_t beams, size_t elevations, const asdic_detector *d
     sea_end(&s);
 }
 
-static void maps_fill_as_designed(void **state) {
+static void maps_have_no_more_false_cells_than_a_beam(void **state) {
     (void)state;
     asdic_detector d = asdic_detector_default();
     double limit = 10.0, designed[MAP_PINGS] = {0.0};
@@ -140,7 +148,8 @@ static void maps_fill_as_designed(void **state) {
             sum += share[n];
             expected += designed[n];
         }
-        good = good && sum > 0.5 * expected && sum < 2.0 * expected;
+        /* Several beams are asked at once, and cells share echoes: fewer than of one beam alone. */
+        good = good && sum > 0.0 && sum < 0.6 * expected;
     }
     print_message("\n");
     assert_true(good);
@@ -279,7 +288,7 @@ static void clutter_makes_as_many_tracks_as_designed(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(maps_fill_as_designed),
+        cmocka_unit_test(maps_have_no_more_false_cells_than_a_beam),
         cmocka_unit_test(clutter_makes_as_many_tracks_as_designed),
     };
     device = test_device_open_or_skip();

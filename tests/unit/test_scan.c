@@ -148,97 +148,176 @@ static void beams_have_axes_and_widths(void **state) {
     assert_close(asdic_beam_width_rad(&sonar, 0, SPEED), 2.0 * asin(0.3189 * 0.3), 0.004);
 }
 
-/* One beam ahead, an echo at 20 m: occupied there, free before, unknown beside. */
-static void the_map_remembers(void **state) {
+/* ---- the map: beams of 10.9 degrees, one look, a background of 1 ------------------------------ */
+
+enum { MAP_BINS = 100, MAP_BEAMS = 3 };
+static const double MAP_PRIOR = -4.59511985; /* ln(0.01 / 0.99) */
+
+typedef struct map_rig {
+    asdic_sonar sonar;
+    asdic_beam beams[MAP_BEAMS];
+    double intensity[MAP_BEAMS * MAP_BINS], background[MAP_BEAMS * MAP_BINS];
+    asdic_occupancy *map;
+    asdic_pose pose;
+    double depth_m;
+} map_rig;
+
+static void map_begin(map_rig *r, size_t beams) {
+    *r = (map_rig){.sonar = asdic_sonar_default(), .depth_m = INFINITY};
+    for (size_t b = 0; b < beams; b++) {
+        r->beams[b] = r->sonar.transmitter;
+    }
+    r->sonar = sonar_of(r->beams, beams);
+    r->sonar.bandwidth_hz = 0.5 * SPEED / r->sonar.bin_length_m;
+    for (size_t i = 0; i < MAP_BEAMS * MAP_BINS; i++) {
+        r->intensity[i] = 0.3;
+        r->background[i] = i % MAP_BINS == 0 ? (double)NAN : 1.0;
+    }
+    asdic_vec3 low = {-1.0, -30.0, 0.0}, high = {60.0, 30.0, 0.0};
+    assert_ok(ctx, asdic_occupancy_create(ctx, low, high, 0.25, 0.01, 10.0, &r->map));
+}
+
+static void map_look(map_rig *r) {
+    const asdic_look look = {.sonar = &r->sonar,
+                             .sound_speed_mps = SPEED,
+                             .pose = r->pose,
+                             .depth_m = r->depth_m,
+                             .bins = MAP_BINS,
+                             .intensity_lin = r->intensity,
+                             .background_lin = r->background,
+                             .snr_db = 10.0};
+    assert_ok(ctx, asdic_occupancy_add(ctx, r->map, &look));
+}
+
+static double map_at(const map_rig *r, double north_m, double east_m) {
+    size_t row = (size_t)((north_m + 1.0) / 0.25), column = (size_t)((east_m + 30.0) / 0.25);
+    return (double)r->map->log_odds[row * r->map->columns + column];
+}
+
+/* A quiet bin clears a cell on the axis by the likelihood ratio of 10 dB, and a cell where the
+ * two-way pattern is lower by that of as much less. */
+static void quiet_bins_clear_by_what_would_be_heard(void **state) {
     (void)state;
-    enum { BINS = 100 };
-    asdic_sonar sonar = asdic_sonar_default();
-    asdic_beam beams[2] = {sonar.transmitter, sonar.transmitter};
-    double llr[2 * BINS];
-    beams[1].pitch_rad = 0.0;
-    sonar = sonar_of(beams, 2);
-    for (int i = 0; i < 2 * BINS; i++) {
-        llr[i] = i % BINS == 0 ? NAN : i == 40 ? 3.0 : -2.0; /* the second beam misses it */
+    map_rig r;
+    map_begin(&r, 2); /* two beams that are one: half the evidence from each */
+    map_look(&r);
+    for (int k = 0; k < 2; k++) {
+        double aside = k * 5.0 * DEGREE, x = 0.05 * 100e3 / SPEED * sin(aside) * acos(-1.0);
+        double gain = k ? pow(sin(x) / x, 4) : 1.0, snr = 10.0 * gain;
+        double ratio = 0.3 * snr / (1.0 + snr) - log1p(snr);
+        assert_close(map_at(&r, 30.1 * cos(aside), 30.1 * sin(aside)), MAP_PRIOR + ratio, 0.1);
     }
-    asdic_vec3 low = {-1.0, -20.0, 0.0}, high = {60.0, 20.0, 0.0};
-    asdic_occupancy *map = NULL;
-    assert_ok(ctx, asdic_occupancy_create(ctx, low, high, 0.25, 0.01, 10.0, &map));
-    asdic_pose pose = {0};
-    double prior = log(0.01 / 0.99);
-#define AT(north, east)                                                                            \
-    ((double)map->log_odds[(size_t)(((north) + 1.0) / 0.25) * map->columns +                       \
-                           (size_t)(((east) + 20.0) / 0.25)])
-    asdic_occupancy_add(map, &sonar, SPEED, &pose, BINS, llr);
-    assert_close(AT(20.3, 0.1), prior + 3.0, 1e-6); /* of two that are alike, the first */
-    assert_close(AT(10.3, 0.1), prior - 2.0, 1e-6);
-    assert_true(isnan(AT(20.3, 15.0)) && isnan(AT(-0.5, 0.1)) && isnan(AT(55.0, 0.1)));
+    assert_true(isnan(map_at(&r, 20.3, 15.0)) && isnan(map_at(&r, -0.5, 0.1)));
+    assert_true(isnan(map_at(&r, 55.0, 0.1)));
     for (int i = 0; i < 20; i++) {
-        asdic_occupancy_add(map, &sonar, SPEED, &pose, BINS, llr);
+        map_look(&r);
     }
-    assert_close(AT(20.3, 0.1), 10.0, 1e-6);
-    assert_close(AT(10.3, 0.1), -10.0, 1e-6);
-    /* Fixed in the world: from 5 m further on the echo lies 5 m further. */
-    pose.position_m.x = 5.0;
-    asdic_occupancy_add(map, &sonar, SPEED, &pose, BINS, llr);
-    assert_close(AT(20.3, 0.1), 8.0, 1e-6);
-    assert_close(AT(25.3, 0.1), -7.0, 1e-6);
-    asdic_occupancy_destroy(&map);
+    assert_close(map_at(&r, 10.3, 0.1), -10.0, 1e-6);
+    asdic_occupancy_destroy(&r.map);
+}
+
+/* An echo is shared by the arc it may come from: seen from one place alone, no cell is above even
+ * odds, however often; seen from another as well, the cell where the arcs cross is. */
+static void poses_tell_cells_apart(void **state) {
+    (void)state;
+    map_rig r;
+    map_begin(&r, 1);
+    r.intensity[40] = 40.0;
+    for (int i = 0; i < 5; i++) {
+        map_look(&r);
+    }
+    double shared = map_at(&r, 20.3, 0.1);
+    assert_true(shared > MAP_PRIOR + 1.0 && shared < 0.0);
+    double aside = map_at(&r, 20.3, 0.9);
+    assert_true(aside > MAP_PRIOR + 1.0 && aside < 0.0);
+    assert_true(map_at(&r, 18.3, 0.1) < -9.0);
+    r.pose = (asdic_pose){.position_m = {20.3, -20.2, 0.0}, .yaw_rad = 90.0 * DEGREE};
+    for (int i = 0; i < 5; i++) {
+        map_look(&r);
+    }
+    assert_true(map_at(&r, 20.3, 0.1) > 0.0);
+    assert_true(map_at(&r, 20.3, 1.6) < MAP_PRIOR);
+    assert_true(map_at(&r, 21.9, 0.1) < MAP_PRIOR); /* on the second arc, off the first */
+    asdic_occupancy_destroy(&r.map);
+}
+
+/* A strong echo ahead comes in by the side lobes of the beams at its sides: no arc there, while an
+ * object of its own at the same range is seen. */
+static void side_lobes_are_explained(void **state) {
+    (void)state;
+    for (int has_other = 0; has_other < 2; has_other++) {
+        map_rig r;
+        map_begin(&r, MAP_BEAMS);
+        static const double yaw_deg[MAP_BEAMS] = {-40.0, 0.0, 40.0};
+        for (int b = 0; b < MAP_BEAMS; b++) {
+            r.beams[b].yaw_rad = yaw_deg[b] * DEGREE;
+            double x = 0.05 * 100e3 / SPEED * sin(yaw_deg[b] * DEGREE) * acos(-1.0);
+            double lobe = b == 1 ? 1.0 : pow(sin(x) / x, 2);
+            r.sonar.transmitter.length_h_m = 0.005; /* all are heard alike */
+            r.intensity[b * MAP_BINS + 40] = 1.0 + 1e4 * lobe;
+        }
+        assert_true(r.intensity[40] > 30.0); /* 15 dB above the background */
+        r.intensity[2 * MAP_BINS + 40] += has_other ? 2e4 : 0.0;
+        map_look(&r);
+        double side = 20.2 * sin(40.0 * DEGREE), ahead = 20.2 * cos(40.0 * DEGREE);
+        /* Some sixty cells share the echo: each is 1 - 0.99^60 re the rest. */
+        assert_true(map_at(&r, 20.4, 0.1) > MAP_PRIOR + 0.5);
+        assert_true(map_at(&r, ahead, -side) < MAP_PRIOR);
+        assert_int_equal(map_at(&r, ahead, side) > MAP_PRIOR + 0.5, has_other);
+        asdic_occupancy_destroy(&r.map);
+    }
+}
+
+/* On a floor that is known, 8 m below a beam that looks 30 degrees down, an echo at 16.25 m lies
+ * 14.1 m away and nowhere else; what is above the beam's height stays as it was. */
+static void echoes_lie_on_the_floor_that_is_known(void **state) {
+    (void)state;
+    map_rig r;
+    map_begin(&r, 1);
+    r.beams[0].pitch_rad = 30.0 * DEGREE;
+    r.sonar.transmitter.pitch_rad = 30.0 * DEGREE;
+    r.pose.position_m.z = r.depth_m = 4.0;
+    for (size_t i = 0; i < r.map->rows * r.map->columns; i++) {
+        r.map->floor_depth_m[i] = 12.0f;
+    }
+    r.intensity[32] = 40.0;
+    for (int i = 0; i < 5; i++) {
+        map_look(&r);
+    }
+    size_t row = (size_t)((14.1 + 1.0) / 0.25), column = (size_t)(30.1 / 0.25);
+    const float *floor_odds = r.map->part[ASDIC_OCCUPANCY_FLOOR] + row * r.map->columns + column;
+    assert_true((double)floor_odds[0] > MAP_PRIOR);
+    for (size_t off = 4; off < 12; off++) { /* a metre and more from there */
+        assert_true((double)floor_odds[off * r.map->columns] < MAP_PRIOR - 3.0);
+        assert_true((double)floor_odds[-(ptrdiff_t)(off * r.map->columns)] < MAP_PRIOR - 3.0);
+    }
+    /* Far off the beam is in the floor. */
+    assert_true(isnan(map_at(&r, 40.0, 0.1)));
+    asdic_occupancy_destroy(&r.map);
+}
+
+/* Fixed in the world, clipped, and no larger than memory. */
+static void maps_have_limits(void **state) {
+    (void)state;
+    map_rig r;
+    asdic_occupancy *map = NULL;
+    map_begin(&r, 1);
+    r.intensity[40] = 1e9;
+    map_look(&r);
+    double before = map_at(&r, 25.3, 0.1);
+    r.pose.position_m.x = 5.0;
+    map_look(&r);
+    assert_true(map_at(&r, 25.3, 0.1) > before);
+    assert_true(map_at(&r, 20.3, 0.1) < map_at(&r, 25.3, 0.1) + 3.0);
+    for (size_t i = 0; i < r.map->rows * r.map->columns; i++) {
+        double odds = (double)r.map->log_odds[i];
+        assert_true(isnan(odds) || fabs(odds) <= 10.0);
+    }
+    asdic_occupancy_destroy(&r.map);
+    asdic_vec3 low = {-1.0, -20.0, 0.0}, high = {60.0, 20.0, 0.0};
     assert_status(ctx, asdic_occupancy_create(ctx, low, high, 1e-4, 0.01, 10.0, &map),
                   ASDIC_ERROR_ARGUMENT);
     assert_contains(asdic_context_error(ctx), "larger");
-}
-
-/* Of beams that overlap in bearing the nearest is asked; of elevations, all, and their ratios
- * averaged. */
-static void the_map_asks_each_elevation_once(void **state) {
-    (void)state;
-    enum { BINS = 100, BEAMS = 5 };
-    asdic_sonar sonar = asdic_sonar_default();
-    asdic_beam beams[BEAMS];
-    double llr[BEAMS * BINS];
-    static const double say[BEAMS] = {1.0, 2.0, -1.0, 4.0, -3.0};
-    for (int b = 0; b < BEAMS; b++) {
-        beams[b] = sonar.transmitter;
-        for (int i = 0; i < BINS; i++) {
-            llr[b * BINS + i] = say[b];
-        }
-    }
-    /* Widths are 10.9 degrees: beams 0 to 2 are one elevation, 3 another, 4 a third. */
-    beams[0].yaw_rad = -4.0 * DEGREE;
-    beams[1].yaw_rad = 4.0 * DEGREE;
-    beams[1].pitch_rad = 1.0 * DEGREE;
-    beams[3].pitch_rad = 15.0 * DEGREE;
-    beams[4].pitch_rad = -30.0 * DEGREE;
-    sonar = sonar_of(beams, BEAMS);
-    asdic_vec3 low = {-1.0, -20.0, 0.0}, high = {60.0, 20.0, 0.0};
-    asdic_occupancy *map = NULL;
-    asdic_pose pose = {0};
-    double prior = log(0.01 / 0.99), above = exp(4.0) + exp(-3.0);
-    for (int turned = 0; turned < 2; turned++) { /* whatever the order of the receivers */
-        assert_ok(ctx, asdic_occupancy_create(ctx, low, high, 0.25, 0.01, 10.0, &map));
-        asdic_occupancy_add(map, &sonar, SPEED, &pose, BINS, llr);
-        assert_close(AT(30.1, 0.1), prior + log((exp(-1.0) + above) / 3.0), 1e-5);
-        assert_close(AT(30.1, 2.1), prior + log((exp(2.0) + above) / 3.0), 1e-5);
-        assert_close(AT(30.1, -2.1), prior + log((exp(1.0) + above) / 3.0), 1e-5);
-        assert_close(AT(30.1, 4.1), prior + 2.0, 1e-5); /* outside of all but one */
-        asdic_occupancy_destroy(&map);
-        for (int i = 0; i < BINS; i++) {
-            double first = llr[i];
-            llr[i] = llr[4 * BINS + i];
-            llr[4 * BINS + i] = first;
-        }
-        asdic_beam first = beams[0];
-        beams[0] = beams[4];
-        beams[4] = first;
-    }
-    /* A bin of which nothing is known says nothing. */
-    for (int i = 0; i < BINS; i++) {
-        llr[2 * BINS + i] = NAN;
-    }
-    assert_ok(ctx, asdic_occupancy_create(ctx, low, high, 0.25, 0.01, 10.0, &map));
-    asdic_occupancy_add(map, &sonar, SPEED, &pose, BINS, llr);
-    assert_close(AT(30.1, 0.2), prior + log((exp(2.0) + above) / 3.0), 1e-5);
-    asdic_occupancy_destroy(&map);
 }
 
 /* Two targets that pass each other, measured with 0.3 m, missed one time in five, among clutter. */
@@ -371,8 +450,11 @@ int main(void) {
         cmocka_unit_test(a_ping_is_decided),
         cmocka_unit_test(sampling_errors_are_allowed_for),
         cmocka_unit_test(beams_have_axes_and_widths),
-        cmocka_unit_test(the_map_remembers),
-        cmocka_unit_test(the_map_asks_each_elevation_once),
+        cmocka_unit_test(quiet_bins_clear_by_what_would_be_heard),
+        cmocka_unit_test(poses_tell_cells_apart),
+        cmocka_unit_test(side_lobes_are_explained),
+        cmocka_unit_test(echoes_lie_on_the_floor_that_is_known),
+        cmocka_unit_test(maps_have_limits),
         cmocka_unit_test(tracks_follow),
         cmocka_unit_test(clutter_confirms_tracks_as_said),
     };

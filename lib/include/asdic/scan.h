@@ -64,13 +64,16 @@ ASDIC_API double asdic_beam_width_rad(const asdic_sonar *sonar, size_t receiver,
 /* ---- many pings: where something is --------------------------------------------------------- */
 
 /* Log-odds of a target in the cells of a map fixed in the world; independent looks add. */
+enum { ASDIC_OCCUPANCY_FLOOR, ASDIC_OCCUPANCY_WATER, ASDIC_OCCUPANCY_PARTS };
+
 typedef struct asdic_occupancy {
     double north_m, east_m; /* south-western corner */
     double cell_m;
     size_t rows, columns; /* to the north, to the east */
     double prior_log_odds, limit;
-    float *log_odds; /* [row * columns + column]; NAN: never looked at */
-    float *ping;     /* what asdic_occupancy_add works with */
+    float *log_odds;      /* [row * columns + column]; NAN: never looked at */
+    float *floor_depth_m; /* the same, for the caller to fill; NAN, as at first: not known */
+    float *part[ASDIC_OCCUPANCY_PARTS]; /* log-odds of objects on the floor, and in the water */
 } asdic_occupancy;
 
 /* Covers the box; at most 2^26 cells. LIMIT, 10 say, clips the log-odds, so that a map can change
@@ -80,22 +83,37 @@ ASDIC_API asdic_status asdic_occupancy_create(asdic_context *ctx, asdic_vec3 min
                                               double limit, asdic_occupancy **out);
 ASDIC_API void asdic_occupancy_destroy(asdic_occupancy **map);
 
-/* Adds LLR[beam * bins + bin] of a ping at POSE to every cell within half a beam's width of its
- * axis, at the slant range that the axis has there. Of beams that overlap, the one whose axis is
- * nearest in bearing is asked: what its neighbours say is for the most part the same. A cell stands
- * for all the water above and below it: of beams that look at different elevations, a vertical
- * half-power width or more apart, each nearest one is asked and the likelihood ratios are averaged,
- * as for a target that is in one of them.
+/* A ping as a map reads it; nothing is borrowed. Arrays are [beam * bins + bin]. */
+typedef struct asdic_look {
+    const asdic_sonar *sonar;
+    double sound_speed_mps;
+    asdic_pose pose;
+    double depth_m; /* water above; INFINITY: not known */
+    size_t bins;
+    const double *intensity_lin, *background_lin; /* a background of NAN: nothing known */
+    const double *noise_lin;                      /* as of asdic_scan_ping; may be NULL */
+    double snr_db;                                /* of the weakest object looked for */
+} asdic_look;
+
+/* Adds what a ping says of every cell that a beam sees to within 15 dB of its axis, at the ranges
+ * that the water leaves to objects there. All beams are asked at once how well their patterns
+ * explain what they hear by an object in the cell; echoes found elsewhere are background first. Of
+ * cells that one echo may come from, each is told what its neighbours leave over:
  *
- * False cells, by design: those of one beam, whatever the overlap. With asdic_detector_default,
- * one look and a limit of 10, 5e-4 of all empty cells are above even odds after one ping, 4e-4
- * after two, 2e-4 after three, 6e-5 after five, 4e-6 from ten on; three times that for several
- * elevations at most. In no case are more than prior / (1 - prior) ever above, as long as odds
- * are not clipped from below (Ville's inequality: the product of likelihood ratios has a mean of
- * 1). */
-ASDIC_API void asdic_occupancy_add(asdic_occupancy *map, const asdic_sonar *sonar,
-                                   double sound_speed_mps, const asdic_pose *pose, size_t bins,
-                                   const double *llr);
+ *     l <- clip(l + ln[(q L + (1 - q) max(L, M)) / (q + (1 - q) M)]),
+ *
+ * L the likelihood ratio of an object in the cell, M its mean over the other cells within a beam's
+ * width at the same range, and q the probability that all of these are empty, by what the map says
+ * so far (Thrun, Autonomous Robots 15, 111 (2003): a forward model; here a step for each cell). A
+ * quiet bin thus clears a cell by as much as an object there would have been heard, a detection is
+ * shared by all cells that it may come from, and poses that see them otherwise tell them apart. Of
+ * several elevations the ratios are averaged, as for an object that is at one of them.
+ *
+ * False cells: in no case are more than prior / (1 - prior) expected above even odds where a cell
+ * has no neighbours, as long as odds are not clipped from below (Ville's inequality: a product of
+ * likelihood ratios has a mean of at most 1); neighbours make them fewer. */
+ASDIC_API asdic_status asdic_occupancy_add(asdic_context *ctx, asdic_occupancy *map,
+                                           const asdic_look *look);
 
 /* ---- many pings: what moves where ----------------------------------------------------------- */
 

@@ -76,6 +76,7 @@ double asdic_detect_bin_pd(const asdic_detect_job *job, size_t cell);
 
 /* detect_output.c: the occupancy map. */
 asdic_status asdic_detect_create_map(asdic_detect_job *job);
+asdic_status asdic_detect_add_to_map(asdic_detect_job *job, const asdic_record *record);
 asdic_status asdic_detect_draw_map(asdic_detect_job *job);
 
 /* Names of a bin's truth: the object's, or "ghost", "faint", "none". */

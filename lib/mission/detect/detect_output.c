@@ -7,6 +7,7 @@
 #include "base/context.h"
 #include "base/try.h"
 #include "base/vec.h"
+#include "mission/mission.h"
 #include "mission/run/run_folder.h"
 #include "out/csv.h"
 
@@ -219,6 +220,15 @@ asdic_status asdic_detect_write_tracks(asdic_detect_job *job, const asdic_record
 /* Log-odds are clipped here: e^10 to 1. */
 #define LIMIT 10.0
 
+static void find_floor(const asdic_mission *mission, asdic_occupancy *map) {
+    for (size_t i = 0; i < map->rows * map->columns; i++) {
+        asdic_vec3 at = {map->north_m + ((double)(i / map->columns) + 0.5) * map->cell_m,
+                         map->east_m + ((double)(i % map->columns) + 0.5) * map->cell_m, 0.0};
+        double depth = asdic_scene_altitude_m(asdic_mission_scene(mission), at);
+        map->floor_depth_m[i] = isfinite(depth) ? (float)depth : NAN;
+    }
+}
+
 /* The map covers all that the sonar reaches along the track. */
 asdic_status asdic_detect_create_map(asdic_detect_job *job) {
     if (isnan(job->options->cell_m)) {
@@ -250,7 +260,25 @@ asdic_status asdic_detect_create_map(asdic_detect_job *job) {
     low.y = cell * floor(low.y / cell) - cell;
     high.x += cell;
     high.y += cell;
-    return asdic_occupancy_create(job->ctx, low, high, cell, job->detector.prior, LIMIT, &job->map);
+    TRY(asdic_occupancy_create(job->ctx, low, high, cell, job->detector.prior, LIMIT, &job->map));
+    if (job->mission) {
+        find_floor(job->mission, job->map);
+    }
+    return ASDIC_OK;
+}
+
+asdic_status asdic_detect_add_to_map(asdic_detect_job *job, const asdic_record *record) {
+    const asdic_look look = {.sonar = job->info.sonar,
+                             .sound_speed_mps = job->sound_speed_mps,
+                             .pose = record->pose,
+                             .depth_m = job->run->facts.has_surface ? record->pose.position_m.z
+                                                                    : (double)INFINITY,
+                             .bins = job->info.bins,
+                             .intensity_lin = job->intensity_lin,
+                             .background_lin = asdic_scan_get(job->scan).background_lin,
+                             .noise_lin = job->noise_lin,
+                             .snr_db = job->detector.snr_db};
+    return asdic_occupancy_add(job->ctx, job->map, &look);
 }
 
 asdic_status asdic_detect_draw_map(asdic_detect_job *job) {
@@ -280,10 +308,11 @@ asdic_status asdic_detect_draw_map(asdic_detect_job *job) {
     asdic_picture_subtitle(job->info.sonar, job->run->facts.bin_length_m, facts);
     snprintf(title, sizeof title, "%s: occupancy after %zu ping%s\n%s", job->info.scene_name,
              job->pings_done, job->pings_done == 1 ? "" : "s", facts);
-    snprintf(note, sizeof note,
-             "cells of %g m, clipped at %g  \u00b7  prior %g, targets %g dB above the background"
-             "  \u00b7  white: not looked at",
-             job->map->cell_m, LIMIT, job->detector.prior, job->detector.snr_db);
+    snprintf(
+        note, sizeof note,
+        "cells of %g m, clipped at %g  \u00b7  prior %g, targets from %g dB above the background on"
+        "  \u00b7  white: not looked at",
+        job->map->cell_m, LIMIT, job->detector.prior, job->detector.snr_db);
     options.db_low = -LIMIT;
     options.db_high = LIMIT;
     options.title = title;

@@ -103,8 +103,7 @@ static asdic_status take_ping(asdic_detect_job *job, size_t index, const asdic_r
     asdic_detect_write_rows(job, record);
     asdic_detect_find_plots(job, record);
     if (job->map) {
-        asdic_occupancy_add(job->map, job->info.sonar, job->sound_speed_mps, &record->pose,
-                            job->info.bins, result.llr);
+        TRY(asdic_detect_add_to_map(job, record));
     }
     TRY(asdic_tracker_update(job->tracker, record->time_s, job->plots, job->plot_count));
     job->track_north_m[job->pings_done] = record->pose.position_m.x;
