@@ -56,6 +56,12 @@ void roc_print_table(const roc_variants *v) {
     }
     printf("P_D at P_FA = %g; %zu draws each, %.2f s per million\n", v->rocs[0]->pfa,
            v->rocs[0]->trials, v->rocs[0]->draw_s);
+    if (v->rocs[0]->background_error_db == 0.0) {
+        printf("background: what is expected over a plane\n");
+    } else {
+        printf("background: the rest of one simulated ping, standard error %.2g dB\n",
+               v->rocs[0]->background_error_db);
+    }
     print_model(v);
     if (v->count == 1) {
         print_rates(v->rocs[0]);
@@ -104,6 +110,7 @@ void roc_print_json(const roc_variants *v) {
         json_integer(&j, "bin", r->bin);
         json_number(&j, "range_m", r->range_m);
         json_number(&j, "background_db", r->background_db);
+        json_number(&j, "background_error_db", r->background_error_db);
         json_number(&j, "target_db", r->target_db);
         json_number(&j, "snr_db", r->snr_db);
         json_number(&j, "target_strength_db", r->target_strength_db);

@@ -93,6 +93,27 @@ def test_designs_are_compared():
         tap.contains(text, "40.25 m")
 
 
+def test_the_background_is_told():
+    need_device()
+    terrain = pathlib.Path(SCENE2).parent.parent / "meshes/terrain.ply"
+    mesh = f"""version: 1
+bottom: {{mesh: {{file: "{terrain}"}}, type: sand}}
+sonar: {{frequency_khz: 200, source_level_db: 200, receivers: [{{name: ahead}}]}}
+mission: {{pose: {{position_m: [20, 0, 25]}}}}
+sampling: {{rays: 2000}}
+"""
+    with Folder() as folder:
+        folder.write("mesh.yaml", mesh)
+        common = ("--range", "40", "--strength=-20", "--trials", "2000")
+        flat = asdic("roc", SCENE2, *common, "-o", "a", cwd=folder.path).check(0)
+        tap.contains(flat.out, "background: what is expected over a plane\n")
+        rough = asdic("roc", "mesh.yaml", *common, "-o", "b", cwd=folder.path).check(0)
+        tap.contains(rough.out, "background: the rest of one simulated ping, standard error ")
+        curve, = json.loads(asdic("roc", "mesh.yaml", *common, "--json", "-o", "c",
+                                  cwd=folder.path).check(0).out)
+        tap.equal(curve["background_error_db"] > 0, True, "the error of few rays")
+
+
 def test_mistakes():
     need_device()
     with Folder() as folder:

@@ -51,6 +51,7 @@ typedef struct asdic_roc {
     size_t bin;
     double range_m, background_db, target_db, snr_db, target_strength_db;
     asdic_background background; /* without the target */
+    double background_error_db;  /* standard error of a simulated one; 0: over a plane, exact */
     double pfa, closed_pd;       /* P_D at that P_FA */
     asdic_estimate pd;
     asdic_estimate area; /* under the curve: chance that the target looks stronger than none */

@@ -303,6 +303,7 @@ static void describe(const scene_job *job, size_t cell, const asdic_roc_case *c,
     roc->range_m = job->options->object ? ((double)roc->bin + 0.5) * job->sonar.bin_length_m
                                         : job->options->range_m;
     roc->background = c->none;
+    roc->background_error_db = job->is_plane ? 0.0 : (double)job->ping->stderr_db[cell];
     bool is_stated = c->background_most_db != 0.0;
     roc->background_uncertainty_db = is_stated ? c->background_most_db : NAN;
     roc->target_uncertainty_db = c->target_error_db != 0.0 ? c->target_error_db : NAN;
