@@ -349,7 +349,7 @@ static void read_bin(reader *r, size_t bin) {
         size_t best = SIZE_MAX;
         double most = 0.0;
         for (size_t i = 0; i < headings; i++) {
-            if (r->is_frozen[i]) {
+            if (r->is_frozen[i] || f->headings[i].hearing_count == 0) {
                 continue;
             }
             double ln = read_heading(r, &f->headings[i], bin);
@@ -367,7 +367,9 @@ static void read_bin(reader *r, size_t bin) {
     }
     for (size_t i = 0; i < headings; i++) {
         double *ratio = &f->ratio[i * f->bins + bin];
-        *ratio = isnan(*ratio) ? *ratio : exp(fmin(*ratio, MOST_LN));
+        if (f->headings[i].hearing_count > 0 && !isnan(*ratio)) {
+            *ratio = exp(fmin(*ratio, MOST_LN));
+        }
     }
 }
 

@@ -44,7 +44,8 @@ typedef struct asdic_evidence {
     asdic_heading *headings; /* [arc * azimuths + azimuth] */
     asdic_hearing *hearings;
     size_t hearing_count, hearing_room;
-    double *ratio; /* [heading * bins + bin], of likelihoods; NAN: nothing known */
+    double *ratio; /* [heading * bins + bin], of likelihoods; NAN: nothing known; not set where not
+                    * heard */
 } asdic_evidence;
 
 /* As asdic_beam_width_rad, in the vertical. */

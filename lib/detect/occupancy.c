@@ -135,10 +135,9 @@ static double floor_below(const update *u, const spot *s) {
 }
 
 /* On the floor: in the arc that is nearest in elevation, if that hears it. */
-static places on_floor(const update *u, const spot *s) {
+static void add_on_floor(const update *u, const spot *s, places *p) {
     const asdic_evidence *f = &u->seen;
     double below = floor_below(u, s), slope = below / s->plane_m, least = INFINITY;
-    places p = {.count = 0};
     size_t best = 0;
     for (size_t a = 0; a < f->arcs && isfinite(slope); a++) {
         const asdic_heading *h = &f->headings[a * f->azimuths + s->azimuth];
@@ -149,18 +148,16 @@ static places on_floor(const update *u, const spot *s) {
         }
     }
     if (least < INFINITY) {
-        add_place(u, &p, best, hypot(s->plane_m, below), 1.0);
+        add_place(u, p, best, sqrt(s->plane_m * s->plane_m + below * below), 1.0);
     }
-    return p;
 }
 
 /* In the water: in each arc the part of its height between surface and floor, of all the water there
  * where that is known. */
-static places in_water(const update *u, const spot *s) {
+static void add_in_water(const update *u, const spot *s, places *p) {
     const asdic_evidence *f = &u->seen;
     double above = u->look->depth_m, below = floor_below(u, s), heard_m = 0.0;
     double plane2 = s->plane_m * s->plane_m, bin_m = u->look->sonar->bin_length_m;
-    places p = {.count = 0};
     for (size_t a = 0; a < f->arcs; a++) {
         const asdic_heading *h = &f->headings[a * f->azimuths + s->azimuth];
         double low = fmax(s->plane_m * h->slope_low, -above);
@@ -174,29 +171,31 @@ static places in_water(const update *u, const spot *s) {
         double heights = fmin(floor(1.0 + (far_m - near_m) / step), MOST_HEIGHTS);
         heard_m += high - low;
         for (double i = 0.5; i < heights; i += 1.0) {
-            add_place(u, &p, a * f->azimuths + s->azimuth, near_m + i / heights * (far_m - near_m),
+            add_place(u, p, a * f->azimuths + s->azimuth, near_m + i / heights * (far_m - near_m),
                       (high - low) / heights);
         }
     }
     double all_m = isfinite(above + below) ? fmax(heard_m, above + below) : heard_m;
-    for (size_t i = 0; i < p.count; i++) {
-        p.share[i] /= all_m;
+    for (size_t i = 0; i < p->count; i++) {
+        p->share[i] /= all_m;
     }
-    return p;
 }
 
-static places places_of(const update *u, const spot *s, int part) {
-    return part == ASDIC_OCCUPANCY_FLOOR ? on_floor(u, s) : in_water(u, s);
+static void find_places(const update *u, const spot *s, int part, places *p) {
+    p->count = 0;
+    (part == ASDIC_OCCUPANCY_FLOOR ? add_on_floor : add_in_water)(u, s, p);
 }
 
-/* -ln(1 - p). */
+/* -ln(1 - p), to 1e-9: most cells are empty, and their series is quick. */
 static double rate_of(double log_odds) {
-    return log1p(exp(log_odds));
+    double odds = exp(log_odds);
+    return odds < 1e-3 ? odds * (1.0 - odds * (0.5 - odds / 3.0)) : log1p(odds);
 }
 
 /* Tells the places of a spot what the map says of its cell. */
 static void tell_places(update *u, const spot *s, int part) {
-    places p = places_of(u, s, part);
+    places p;
+    find_places(u, s, part, &p);
     for (size_t i = 0; i < p.count; i++) {
         u->rate[p.at[i]] += s->rate[part] * p.share[i];
     }
@@ -204,10 +203,13 @@ static void tell_places(update *u, const spot *s, int part) {
 
 /* Tells a cell what its places say: ln of their mean, where what is not heard says nothing. */
 static void tell_cell(update *u, const spot *s, int part) {
-    places p = places_of(u, s, part);
+    places p;
+    find_places(u, s, part, &p);
     double sum = 0.0, share = 0.0;
     for (size_t i = 0; i < p.count; i++) {
-        double empty = fmin(u->empty[p.at[i]] * exp(s->rate[part] * p.share[i]), 1.0);
+        double own = s->rate[part] * p.share[i]; /* not among the others */
+        double others = own < 1e-5 ? 1.0 + own : exp(own);
+        double empty = fmin(u->empty[p.at[i]] * others, 1.0);
         double ratio = u->seen.ratio[p.at[i]], mean = u->mean[p.at[i]], full = 1.0 - empty;
         double both = ratio > 1.0 && mean > 1.0 ? fmax(ratio, mean) : ratio * mean;
         sum += p.share[i] * (empty * ratio + full * both) / (empty + full * mean);
@@ -222,16 +224,12 @@ static void tell_cell(update *u, const spot *s, int part) {
     }
 }
 
-/* A cell holds an object where one of its parts does. */
+/* A cell holds an object where one of its parts does: 1 + odds are the product of theirs. */
 static void join_parts(update *u, const spot *s) {
     asdic_occupancy *map = u->map;
-    double rate = 0.0;
-    for (int part = 0; part < ASDIC_OCCUPANCY_PARTS; part++) {
-        rate += rate_of((double)map->part[part][s->cell]);
-    }
     if (!isnan(map->log_odds[s->cell])) {
-        double both = log(expm1(rate)); /* odds of 1 - e^-rate */
-        map->log_odds[s->cell] = (float)fmin(fmax(both, -map->limit), map->limit);
+        double a = exp((double)map->part[0][s->cell]), b = exp((double)map->part[1][s->cell]);
+        map->log_odds[s->cell] = (float)fmin(fmax(log(a + b + a * b), -map->limit), map->limit);
     }
 }
 
