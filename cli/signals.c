@@ -12,6 +12,9 @@
 #include <time.h>
 #include <unistd.h>
 
+#define PATIENCE_MS 700
+#define STEP_MS 50
+
 static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
 static asdic_context *watched_context; /* under the lock */
 static atomic_int received;
@@ -23,8 +26,28 @@ static void stop_signals(sigset_t *set) {
     sigaddset(set, SIGTERM);
 }
 
-/* A compiler of kernels, or a ping of millions of rays, cannot be asked. */
-static const struct timespec grace = {.tv_nsec = 700000000};
+/* After signal NUMBER: waits for the next one of SET, and returns it. A driver that compiles does not
+ * learn of a signal and may take minutes; nor does a ping of millions of rays. Where one is at it after
+ * a while the program ends: a run folder stays good, and so it does for what STOPS_SOON. */
+static int wait_for_second(const sigset_t *set, int number, bool stops_soon) {
+    static const struct timespec step = {.tv_nsec = STEP_MS * 1000000};
+    static const char text[] = "error: interrupted while a driver compiled\n";
+    for (int waited_ms = 0;; waited_ms += STEP_MS) {
+        int second = sigtimedwait(set, NULL, &step);
+        if (second > 0) {
+            return second;
+        }
+        pthread_mutex_lock(&lock);
+        bool compiles = asdic_context_compiles(watched_context);
+        if (waited_ms >= PATIENCE_MS && (stops_soon || compiles)) {
+            if (compiles) {
+                (void)!write(STDERR_FILENO, text, sizeof text - 1);
+            }
+            _exit(128 + number);
+        }
+        pthread_mutex_unlock(&lock);
+    }
+}
 
 static void *wait_for_signals(void *stops_soon) {
     sigset_t set;
@@ -38,12 +61,7 @@ static void *wait_for_signals(void *stops_soon) {
     }
     pthread_mutex_unlock(&lock);
     close(wake_fds[1]); /* who polls the other end learns of it */
-    if (stops_soon && sigtimedwait(&set, NULL, &grace) < 0) {
-        _exit(128 + number);
-    }
-    if (!stops_soon) {
-        sigwait(&set, &number);
-    }
+    number = wait_for_second(&set, number, stops_soon != NULL);
     signal(number, SIG_DFL); /* the second one ends the program at once */
     pthread_sigmask(SIG_UNBLOCK, &set, NULL);
     raise(number);

@@ -14,6 +14,7 @@ struct asdic_context {
     void *user;
     asdic_progress_fn progress;
     void *progress_user;
+    atomic_uint compiling;         /* drivers that may be */
     atomic_bool interrupted, held; /* set by signal handlers, read by every thread */
 };
 
@@ -102,6 +103,22 @@ void asdic_context_interrupt(asdic_context *ctx) {
 
 bool asdic_context_interrupted(const asdic_context *ctx) {
     return ctx && atomic_load(&ctx->interrupted) && !atomic_load(&ctx->held);
+}
+
+void asdic_context_compile_begin(asdic_context *ctx) {
+    if (ctx) {
+        atomic_fetch_add(&ctx->compiling, 1);
+    }
+}
+
+void asdic_context_compile_end(asdic_context *ctx) {
+    if (ctx) {
+        atomic_fetch_sub(&ctx->compiling, 1);
+    }
+}
+
+bool asdic_context_compiles(const asdic_context *ctx) {
+    return ctx && atomic_load(&ctx->compiling) > 0;
 }
 
 asdic_status asdic_fail(asdic_context *ctx, asdic_status status, const char *format, ...) {

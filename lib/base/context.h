@@ -27,6 +27,10 @@ void asdic_context_hold_interrupt(asdic_context *ctx, bool held);
 /* The last error into OUT of SIZE bytes, whole, while other threads may fail as well. */
 void asdic_context_copy_error(asdic_context *ctx, char *out, size_t size);
 
+/* Of a driver, which may be one of several; every beginning has its end. */
+void asdic_context_compile_begin(asdic_context *ctx);
+void asdic_context_compile_end(asdic_context *ctx);
+
 void asdic_log(asdic_context *ctx, asdic_log_level level, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 

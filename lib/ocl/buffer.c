@@ -145,6 +145,9 @@ static asdic_status read_buffer(asdic_buffer *buffer, size_t offset, size_t byte
     cl_int code =
         clEnqueueReadBuffer(buffer->device->queue, buffer->mem, event ? CL_FALSE : CL_TRUE, offset,
                             bytes, data, 0, NULL, event);
+    if (!event) {
+        asdic_device_has_compiled(buffer->device);
+    }
     return code == CL_SUCCESS ? ASDIC_OK : asdic_cl_fail(buffer->device, code, "read a buffer");
 }
 
@@ -166,6 +169,7 @@ asdic_status asdic_fetch_wait(asdic_device *device, asdic_fetch **fetch) {
         return ASDIC_OK;
     }
     cl_int code = clWaitForEvents(1, &event);
+    asdic_device_has_compiled(device);
     clReleaseEvent(event);
     *fetch = NULL;
     return code == CL_SUCCESS ? ASDIC_OK : asdic_cl_fail(device, code, "read a buffer");

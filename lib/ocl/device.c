@@ -2,6 +2,20 @@
 
 #include <stdlib.h>
 
+void asdic_device_may_compile(asdic_device *device) {
+    if (!device->may_compile) {
+        device->may_compile = true;
+        asdic_context_compile_begin(device->ctx);
+    }
+}
+
+void asdic_device_has_compiled(asdic_device *device) {
+    if (device->may_compile) {
+        device->may_compile = false;
+        asdic_context_compile_end(device->ctx);
+    }
+}
+
 static void device_destroy(asdic_device **device) {
     if (!device || !*device) {
         return;
@@ -13,6 +27,7 @@ static void device_destroy(asdic_device **device) {
     if ((*device)->cl) {
         clReleaseContext((*device)->cl);
     }
+    asdic_device_has_compiled(*device);
     if ((*device)->is_sub_device) {
         clReleaseDevice((*device)->id);
     }
@@ -185,5 +200,6 @@ asdic_context *asdic_device_context(const asdic_device *device) {
 
 asdic_status asdic_device_finish(asdic_device *device) {
     cl_int code = clFinish(device->queue);
+    asdic_device_has_compiled(device);
     return code == CL_SUCCESS ? ASDIC_OK : asdic_cl_fail(device, code, "finish its work");
 }

@@ -9,6 +9,7 @@ struct asdic_kernel {
     asdic_device *device;
     cl_kernel id;
     size_t max_work_group;
+    bool has_run;
     char name[64]; /* for messages */
 };
 
@@ -100,6 +101,10 @@ asdic_status asdic_kernel_run_rows(asdic_kernel *kernel, const asdic_kernel_arg 
     }
     if (local > 0) {
         global = (global + local - 1) / local * local;
+    }
+    if (!kernel->has_run) {
+        kernel->has_run = true;
+        asdic_device_may_compile(device);
     }
     const size_t range[2] = {global, rows}, group[2] = {local, 1};
     cl_int code = clEnqueueNDRangeKernel(device->queue, kernel->id, rows > 1 ? 2 : 1, NULL, range,

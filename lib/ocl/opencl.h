@@ -26,6 +26,7 @@ struct asdic_device {
     cl_command_queue queue;
     asdic_program *programs;
     bool is_compiling_told;
+    bool may_compile; /* told to the context */
 };
 
 struct asdic_buffer {
@@ -63,6 +64,11 @@ asdic_status asdic_cl_fail(const asdic_device *device, cl_int code, const char *
  * builds; with other platforms, or where nothing can be locked, they do nothing. */
 int asdic_build_lock(const asdic_device *device);
 void asdic_build_unlock(int lock);
+
+/* Around what the driver may compile in: building a program, and running a kernel for the first
+ * time until the device has finished, since PoCL compiles then. */
+void asdic_device_may_compile(asdic_device *device);
+void asdic_device_has_compiled(asdic_device *device);
 
 /* The program of FILE built with OPTIONS, from the device's cache or new. */
 asdic_status asdic_program_get(asdic_device *device, const char *file, const char *options,

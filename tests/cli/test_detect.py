@@ -344,7 +344,9 @@ def test_a_background_stops_when_told():
             child.communicate()
             tap.equal(child.returncode, 143)
             tap.equal(time.monotonic() - begin < 5, True, "seconds until it stopped")
-        tap.equal(sorted(n.name for n in out.iterdir()), before)
+        # While a driver compiles nothing can be cleared away: the next try replaces it.
+        whole = [n.name for n in out.iterdir() if n.suffix != ".part"]
+        tap.equal(sorted(whole), before)
 
 
 def test_mistakes():

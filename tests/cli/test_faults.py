@@ -2,7 +2,9 @@
 import os
 import re
 import shutil
+import signal
 import subprocess
+import time
 
 import program
 import tap
@@ -108,6 +110,36 @@ def test_two_platforms_in_one_process():
             for x, y in zip(a[5:12], b[5:12]):
                 if (x == "") != (y == "") or (x and abs(float(x) - float(y)) > 1e-3):
                     raise AssertionError(f"{a}\n{b}")
+
+
+def test_a_signal_ends_what_waits_for_a_compiler():
+    """Within two seconds, wherever the driver compiles: PoCL does so when a kernel first runs, too."""
+    program.need_device()
+    with Folder() as folder:
+        path = scene(folder, pings=3, rays=64)
+        asdic("run", path, "-o", folder / "whole").check(code=0)
+        for call in ("build", "kernel", "read"):
+            env = {"LD_PRELOAD": FAULT, "OPENCL_FAULT": f"0:{call}:0:0"}
+            with subprocess.Popen([program.PATH, "run", path, "-o", folder / call], text=True,
+                                  stderr=subprocess.PIPE, env=program.environment(env)) as child:
+                for line in child.stderr:
+                    if line.startswith("opencl_fault: hangs"):
+                        break
+                begin = time.monotonic()
+                child.send_signal(signal.SIGTERM)
+                try:
+                    _, err = child.communicate(timeout=20)
+                except subprocess.TimeoutExpired as error:
+                    child.kill()
+                    raise AssertionError(f"a signal is not obeyed in '{call}'") from error
+                seconds = time.monotonic() - begin
+            print(f"# {call}: {seconds:.2f} s")
+            tap.equal(child.returncode, 143, "exit code")
+            tap.contains(err, "interrupted while a driver compiled")
+            tap.equal(seconds < 2, True, f"{seconds:.1f} s")
+            if os.path.exists(folder / call):
+                asdic("run", path, "-o", folder / call, "--resume").check(code=0)
+                same(folder, "whole", call)
 
 
 def unprivileged(*args, cwd, **env):

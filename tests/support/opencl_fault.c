@@ -5,17 +5,20 @@
  *
  * The DEVICE-th device that is opened (from 0) answers CODE to CALL, which is "kernel" (enqueue one),
  * "read", "write", "build" or "buffer", from the AFTER-th such call on. Until then the others are
- * slow, so that they do not do its work.
+ * slow, so that they do not do its work. CODE 0: the call first hangs for a minute, as a compiler may,
+ * and says so.
  *
  * With OPENCL_WORK_GROUP=N no kernel may run in work-groups of more than N.
  */
 #include <dlfcn.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
 #define SLOW_US 2000
+#define HANG_S 60
 
 #define CL_TARGET_OPENCL_VERSION 120
 #define CL_USE_DEPRECATED_OPENCL_1_2_APIS
@@ -51,7 +54,12 @@ static cl_int fault(int index, const char *call) {
     if (device != index || strcmp(name, call) != 0) {
         return CL_SUCCESS;
     }
-    return __atomic_add_fetch(&calls, 1, __ATOMIC_RELAXED) > after ? code : CL_SUCCESS;
+    bool due = __atomic_add_fetch(&calls, 1, __ATOMIC_RELAXED) > after;
+    if (due && code == 0) {
+        fputs("opencl_fault: hangs\n", stderr);
+        sleep(HANG_S);
+    }
+    return due ? code : CL_SUCCESS;
 }
 
 static int by_queue(cl_command_queue queue) {

@@ -67,6 +67,10 @@ ASDIC_API void asdic_context_set_progress(asdic_context *ctx, asdic_progress_fn 
 ASDIC_API void asdic_context_interrupt(asdic_context *ctx);
 ASDIC_API bool asdic_context_interrupted(const asdic_context *ctx);
 
+/* Whether a driver may be compiling, which takes up to minutes and nothing can interrupt. A program
+ * that was asked to end need not wait for it: it may exit at once, and a run folder stays good. */
+ASDIC_API bool asdic_context_compiles(const asdic_context *ctx);
+
 #ifdef __cplusplus
 }
 #endif
