@@ -106,7 +106,7 @@ static bool is_left_out(asdic_context *ctx, const asdic_device_info *info,
     if (!asdic_driver_is_slow(info) || asdic_driver_is_slow(best)) {
         return false;
     }
-    asdic_log(ctx, ASDIC_LOG_NOTE,
+    asdic_log(ctx, ASDIC_LOG_WARNING,
               "device %u:%u (%s) is left out of 'all', since its driver is far slower than that of "
               "'%s'; name it to have it",
               info->platform, info->device, info->name, best->name);

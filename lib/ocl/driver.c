@@ -6,7 +6,7 @@
  * not here is quick and takes vectors. */
 static const struct driver {
     const char *platform, *device;
-    bool is_slow;         /* a hundred times slower than a processor's own driver, or more */
+    bool is_slow;         /* many times slower than a processor's own driver, on the same cores */
     bool refuses_vectors; /* its compiler crashes, or takes minutes */
 } drivers[] = {
     /* Mesa 22.3: pkt16 and frustum64 end in a segmentation fault, vectors of eight compile for

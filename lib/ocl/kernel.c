@@ -31,8 +31,8 @@ static size_t max_work_group(const asdic_kernel *kernel) {
     return limit;
 }
 
-asdic_status asdic_kernel_create(asdic_device *device, const char *file, const char *options,
-                                 const char *name, asdic_kernel **out) {
+static asdic_status create_kernel(asdic_device *device, const char *file, const char *options,
+                                  const char *name, asdic_kernel **out) {
     cl_program program = NULL;
     cl_int code = CL_SUCCESS;
     char text[64];
@@ -55,6 +55,17 @@ asdic_status asdic_kernel_create(asdic_device *device, const char *file, const c
     kernel->max_work_group = max_work_group(kernel);
     *out = kernel;
     return ASDIC_OK;
+}
+
+asdic_status asdic_kernel_create(asdic_device *device, const char *file, const char *options,
+                                 const char *name, asdic_kernel **out) {
+    bool others_may = device->may_compile; /* which is over when they have run */
+    asdic_device_may_compile(device);
+    asdic_status status = create_kernel(device, file, options, name, out);
+    if (!others_may) {
+        asdic_device_has_compiled(device);
+    }
+    return status;
 }
 
 void asdic_kernel_destroy(asdic_kernel **kernel) {

@@ -65,7 +65,7 @@ asdic_status asdic_cl_fail(const asdic_device *device, cl_int code, const char *
 int asdic_build_lock(const asdic_device *device);
 void asdic_build_unlock(int lock);
 
-/* Around what the driver may compile in: building a program, and running a kernel for the first
+/* Around what the driver may compile in: making a kernel, and running it for the first
  * time until the device has finished, since PoCL compiles then. */
 void asdic_device_may_compile(asdic_device *device);
 void asdic_device_has_compiled(asdic_device *device);

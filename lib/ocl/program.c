@@ -114,15 +114,10 @@ static asdic_status build(asdic_device *device, asdic_program *program) {
         status = asdic_cl_fail(device, code, "create a program");
         goto done;
     }
-    bool others_may = device->may_compile;
-    asdic_device_may_compile(device);
     int lock = asdic_build_lock(device);
     double begin_s = asdic_clock_s();
     code = clBuildProgram(program->id, 1, &device->id, all_options, NULL, NULL);
     asdic_build_unlock(lock);
-    if (!others_may) {
-        asdic_device_has_compiled(device);
-    }
     note_compiling(device, asdic_clock_s() - begin_s);
     if (code != CL_SUCCESS) {
         status = build_failed(device, program, code);
