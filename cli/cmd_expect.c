@@ -1,5 +1,6 @@
 #include "commands.h"
 #include "progress.h"
+#include "remarks.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -9,6 +10,7 @@
 static const cli_option options[] = {
     {"output", 'o', "FILE.csv", "where the levels go, else expected_SCENE.csv; '-' is stdout"},
     {"variant", 0, "WORD", "corrected or printed, else as the scene says"},
+    {"refraction", 0, "WORD", "full, layer or off, else as the scene says"},
     {"ping", 0, "N", "the pose of this ping, else 0"},
     {"picture", 0, "FILE",
      "draw the levels too (of more than 8 beams the middle one): .png, .pdf or .svg"},
@@ -195,6 +197,10 @@ static int run(cli *c) {
         return CLI_USAGE;
     }
     asdic_status status = asdic_mission_load(cli_context(c), cli_operand(c, 0), &mission);
+    if (status == ASDIC_OK && !cli_refract(c, mission)) {
+        asdic_mission_destroy(&mission);
+        return CLI_USAGE;
+    }
     int code = status == ASDIC_OK ? run_on(c, mission, index) : cli_end(c, status);
     asdic_mission_destroy(&mission);
     return code;

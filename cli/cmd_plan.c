@@ -114,8 +114,22 @@ static void print_bound(const asdic_plan_row *row, char *text, size_t size) {
     }
 }
 
-static void print_text(const asdic_mission *mission, const asdic_plan *plan, uint32_t rays,
-                       const forecast *f) {
+/* What rays follow of the sound speed, and what simpler forms would change. */
+static void print_refraction(const asdic_mission *mission,
+                             const asdic_refraction_plan *refraction) {
+    static const char *const words[] = {"all layers", "one layer", "straight"};
+    if (refraction->off_db == 0.0) {
+        return;
+    }
+    const asdic_environment *env = asdic_mission_environment(mission);
+    bool planned = env->refraction == ASDIC_REFRACTION_FULL;
+    printf("\nrays: %s%s; %s\n", words[planned ? refraction->needed : env->refraction],
+           planned ? "" : ", as asked for", refraction->reason);
+}
+
+static void print_text(const asdic_mission *mission, const asdic_plan *plan,
+                       const asdic_refraction_plan *refraction, const forecast *f) {
+    uint32_t rays = asdic_mission_sampling((asdic_mission *)mission)->rays;
     size_t pings = asdic_mission_ping_count(mission);
     asdic_scene_info scene = asdic_scene_get_info(asdic_mission_scene(mission));
     printf("%-11s %-9s %-10s %s\n", "term", "", "bound", "why");
@@ -125,6 +139,7 @@ static void print_text(const asdic_mission *mission, const asdic_plan *plan, uin
         printf("%-11s %-9s %-10s %s\n", plan->rows[t].name,
                plan->rows[t].kept ? "kept" : "left out", bound, plan->rows[t].reason);
     }
+    print_refraction(mission, refraction);
     printf("\n%zu pings of %u rays; %zu triangles, %.1f MB of hierarchy\n", pings, rays,
            scene.triangles, 1e-6 * (double)scene.bvh_bytes);
     char size[CLI_SIZE_TEXT];
@@ -146,8 +161,9 @@ static void print_text(const asdic_mission *mission, const asdic_plan *plan, uin
     }
 }
 
-static void print_json(const asdic_mission *mission, const asdic_plan *plan, uint32_t rays,
-                       const forecast *f) {
+static void print_json(const asdic_mission *mission, const asdic_plan *plan,
+                       const asdic_refraction_plan *refraction, const forecast *f) {
+    uint32_t rays = asdic_mission_sampling((asdic_mission *)mission)->rays;
     asdic_scene_info scene = asdic_scene_get_info(asdic_mission_scene(mission));
     json j = json_begin(stdout);
     json_open(&j, NULL, '{');
@@ -160,6 +176,12 @@ static void print_json(const asdic_mission *mission, const asdic_plan *plan, uin
         json_text(&j, "reason", plan->rows[t].reason);
         json_close(&j);
     }
+    json_close(&j);
+    json_open(&j, "refraction", '{');
+    json_text(&j, "needed", asdic_refraction_name(refraction->needed));
+    json_number(&j, "off_db", refraction->off_db);
+    json_number(&j, "layer_db", refraction->layer_db);
+    json_text(&j, "reason", refraction->reason);
     json_close(&j);
     cli_json_remarks(&j, mission);
     cli_json_size(&j, mission);
@@ -187,8 +209,13 @@ static asdic_status show(cli *c, asdic_mission *mission) {
     asdic_device **devices = NULL;
     size_t count = 0;
     asdic_plan plan;
+    asdic_refraction_plan refraction;
     forecast f = {0};
+    TRY(asdic_mission_refraction(cli_context(c), mission, &refraction));
     TRY(asdic_mission_plan(cli_context(c), mission, &plan));
+    if (cli_text(c, "picture")) {
+        TRY(asdic_mission_draw_rays(cli_context(c), mission, 0, cli_text(c, "picture")));
+    }
     if (!cli_given(c, "no-forecast")) {
         TRY(cli_open_devices(c, &devices, &count));
         asdic_mission_sampling(mission)->left_out = plan.left_out;
@@ -202,14 +229,17 @@ static asdic_status show(cli *c, asdic_mission *mission) {
         cli_remark(c, cli_operand(c, 0), mission);
         cli_remark_csv(c, cli_operand(c, 0), mission);
     }
-    uint32_t rays = asdic_mission_sampling(mission)->rays;
-    (cli_given(c, "json") ? print_json : print_text)(mission, &plan, rays, &f);
+    (cli_given(c, "json") ? print_json : print_text)(mission, &plan, &refraction, &f);
     return ASDIC_OK;
 }
 
 static int run(cli *c) {
     asdic_mission *mission = NULL;
     asdic_status status = asdic_mission_load(cli_context(c), cli_operand(c, 0), &mission);
+    if (!status && !cli_refract(c, mission)) {
+        asdic_mission_destroy(&mission);
+        return CLI_USAGE;
+    }
     if (!status) {
         status = show(c, mission);
     }
@@ -219,6 +249,8 @@ static int run(cli *c) {
 
 static const cli_option options[] = {
     {"no-forecast", 0, NULL, "leave out the measured forecast; needs no device"},
+    {"refraction", 0, "WORD", "full, layer or off, else as the scene says"},
+    {"picture", 0, "FILE", "draw rays of the first ping over depth and range: .png, .pdf or .svg"},
     {NULL, 0, NULL, NULL},
 };
 
@@ -229,7 +261,9 @@ const cli_command cli_plan_command = {
     .max_operands = 1,
     .summary = "say what a scene needs: terms kept or left out, time, error",
     .details = "Every term of the model is kept or left out, with the reason and a proven bound in "
-               "dB on what leaving it out changes in any bin; 'asdic run' follows the plan. The "
+               "dB on what leaving it out changes in any bin; 'asdic run' follows the plan. Of "
+               "water whose sound speed changes with depth it says whether straight rays or one "
+               "fitted layer would do, and by how much they change what is expected. The "
                "forecast of time and error is measured on the mission's first ping.",
     .examples = "asdic plan scene.yaml\n"
                 "asdic plan scene.yaml --no-forecast --json",

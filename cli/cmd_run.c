@@ -239,6 +239,9 @@ static int run_alone_or_in(cli *c, asdic_team *team) {
         return cli_end(c, status);
     }
     apply(&r, mission);
+    if (!cli_refract(c, mission)) {
+        goto done;
+    }
     cli_remark(c, r.scene, mission);
     if (!choose_pings(c, &r, asdic_mission_ping_count(mission), &options)) {
         goto done;
@@ -278,6 +281,9 @@ static const cli_option options[] = {
     {"kernel", 0, "NAME",
      "auto, wide8, pkt16, frustum64 or scalar: how rays are cast; auto takes the fastest; same "
      "bytes"},
+    {"refraction", 0, "WORD",
+     "how much of a sound-speed profile rays follow: full, layer (one, fitted) or off; default: as "
+     "the scene says"},
     {"seed", 0, "N", "seed of the random directions, instead of the scene's"},
     {"pings", 0, "A:B", "pings A to B-1 only, counted from 0"},
     {"shard", 0, "K/N", "the K-th of N parts of the pings; 'asdic merge' joins the parts"},

@@ -18,6 +18,18 @@ void cli_json_remarks(json *j, const asdic_mission *mission) {
     json_close(j);
 }
 
+bool cli_refract(cli *c, asdic_mission *mission) {
+    const char *const words[] = {asdic_refraction_name(ASDIC_REFRACTION_FULL),
+                                 asdic_refraction_name(ASDIC_REFRACTION_LAYER),
+                                 asdic_refraction_name(ASDIC_REFRACTION_OFF), NULL};
+    int form = -1;
+    cli_choice(c, "refraction", words, &form);
+    if (form >= 0) {
+        asdic_mission_refract(mission, (asdic_refraction)form);
+    }
+    return !cli_bad_usage(c);
+}
+
 /* Degrees of RAD without the last digits of a conversion. */
 static double degrees(double rad) {
     return rint(rad * 180.0 / 3.14159265358979323846 * 1e9) / 1e9;

@@ -20,4 +20,7 @@ void cli_json_remarks(json *j, const asdic_mission *mission);
 void cli_scan_words(const asdic_mission *mission, char words[CLI_SCAN_SIZE]);
 void cli_json_scan(json *j, const asdic_mission *mission);
 
+/* Lets MISSION follow the form of --refraction where it is given; false after a bad word. */
+bool cli_refract(cli *c, asdic_mission *mission);
+
 #endif

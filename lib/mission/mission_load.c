@@ -45,6 +45,9 @@ static asdic_status build(mission_builder *b) {
     TRY(asdic_mission_build_pings(b));
     if (b->problems->total == 0) {
         asdic_mission_build_rays(b);
+        if (b->mission->settings.refraction >= 0) {
+            asdic_mission_refract(b->mission, (asdic_refraction)b->mission->settings.refraction);
+        }
     }
     if (b->problems->total == 0 && b->extent == MISSION_WHOLE) {
         asdic_mission_check_positions(b);

@@ -119,6 +119,7 @@ asdic_remarks asdic_mission_remarks(const asdic_mission *mission) {
         remark(&scene->surface.law->model, &scene->surface, &s, &out);
     }
     remark_rays(mission, &out);
+    asdic_mission_remark_water(mission, &out);
     remark_on_sonar(&mission->settings, asdic_environment_sound_speed_mps(env, s.z_m), &out);
     return out;
 }

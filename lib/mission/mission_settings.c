@@ -44,6 +44,7 @@ asdic_status asdic_settings_take(asdic_context *ctx, const asdic_scene_file *fil
                      .seed = (uint64_t)file->sampling.seed},
         .has_source_level = asdic_yaml_child(file->sonar.node, "source_level_db") != NULL,
         .keeps_all_terms = file->model.terms == FILE_TERMS_ALL,
+        .refraction = file->model.refraction,
         .detector = {.target = (asdic_target)file->detector.target,
                      .pfa = file->detector.pfa,
                      .prior = file->detector.prior,

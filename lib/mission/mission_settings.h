@@ -20,6 +20,7 @@ typedef struct asdic_settings {
     bool has_meshes;      /* a bottom or objects of facets that files hold */
     uint32_t auto_rays;   /* what `rays: auto` came to; 0: the file gives a number */
     bool keeps_all_terms; /* whatever the plan says */
+    int refraction;       /* as asked for: asdic_refraction, or negative: as planned */
     asdic_detector detector;
     asdic_output_options output;
     bool has_source_level;     /* the file gives one */

@@ -37,7 +37,7 @@
 
 /* Share by which sixteen nodes may differ from twice as many, and how often a panel is halved to that. */
 #define KINK 1e-5
-#define WIDEST 0.06       /* of a stretch: what the water gives changes by where rays turn ... */
+#define WIDEST 0.015      /* of a stretch: what the water gives changes by where rays turn ... */
 #define WIDEST_FREE 0.006 /* ... and, of rays that end nowhere, by which caustics a bin holds */
 #define HALVINGS 10
 
@@ -50,6 +50,7 @@ typedef struct ray_outcome {
     ray_end end;
     double range_m; /* INFINITY: nowhere */
     asdic_bent_ray ray;
+    bool crosses_caustic; /* before the last bin, or where it ends */
 } ray_outcome;
 
 typedef struct bent_job {
@@ -63,25 +64,6 @@ typedef struct bent_job {
     double *row;        /* volume of each bin along one ray */
     size_t first, last; /* bins of it in use */
 } bent_job;
-
-/* ---- Layers between the boundaries ---- */
-
-static void clip(const asdic_layers *all, double top_m, double bottom_m, asdic_layers *out) {
-    out->count = 0;
-    for (size_t i = 0; i < all->count; i++) {
-        asdic_layer layer = all->layer[i];
-        layer.top_m = fmax(layer.top_m, top_m);
-        layer.bottom_m = fmin(layer.bottom_m, bottom_m);
-        if (layer.bottom_m > layer.top_m) {
-            out->layer[out->count++] = layer;
-        }
-    }
-    if (out->count == 0) { /* no water at all: the sonar lies between boundaries that touch */
-        out->layer[out->count++] = all->layer[asdic_layers_find(all, top_m)];
-        out->layer[0].top_m = top_m;
-        out->layer[0].bottom_m = bottom_m;
-    }
-}
 
 /* ---- One ray ---- */
 
@@ -199,6 +181,7 @@ static void add_water(bent_job *job, const asdic_bent_ray *ray, double begin_m, 
 /* Follows the ray of ELEVATION_RAD to its end or the last bin's; WITH_WATER adds to the row. */
 static ray_outcome follow(bent_job *job, double elevation_rad, bool with_water) {
     asdic_bent_ray ray = asdic_bent_ray_start(&job->layers, job->depth_m, elevation_rad);
+    bool crosses = false;
     for (;;) {
         int way;
         double time_s = asdic_bent_ray_exit(&job->layers, &ray, &way);
@@ -208,11 +191,15 @@ static ray_outcome follow(bent_job *job, double elevation_rad, bool with_water) 
             add_water(job, &ray, begin_m, end_m);
         }
         if (!(end_m < job->range_m)) {
-            return (ray_outcome){ENDS_NOWHERE, INFINITY, ray};
+            double rest_s = (job->range_m - begin_m) / job->speed_mps;
+            crosses |= asdic_bent_ray_later(&job->layers, &ray, rest_s).width_m < 0.0;
+            return (ray_outcome){ENDS_NOWHERE, INFINITY, ray, crosses};
         }
         ray = asdic_bent_ray_at_plane(&job->layers, &ray, time_s, way);
+        crosses |= ray.width_m < 0.0;
         if (!asdic_bent_ray_cross(&job->layers, &ray, way)) {
-            return (ray_outcome){way > 0 ? ENDS_ON_BOTTOM : ENDS_ON_SURFACE, end_m, ray};
+            ray_end end = way > 0 ? ENDS_ON_BOTTOM : ENDS_ON_SURFACE;
+            return (ray_outcome){end, end_m, ray, crosses};
         }
     }
 }
@@ -409,18 +396,28 @@ static asdic_status find_cuts(asdic_context *ctx, bent_job *job, const stretch *
     return ASDIC_OK;
 }
 
+static panel_kind kind_of(bent_job *job, const stretch *w, double s0, double s1) {
+    ray_outcome middle = follow(job, elevation_at(w, 0.5 * (s0 + s1)), false);
+    if (middle.end != ENDS_NOWHERE) {
+        bool narrow = s1 - s0 < 0.5 / SEARCH && middle.range_m > 8.0 * job->sonar->bin_length_m;
+        return narrow ? PANEL_NARROW : PANEL_WIDE;
+    }
+    for (int i = 0; i <= 16; i++) {
+        double s = s0 + (s1 - s0) * (0.001 + 0.998 / 16.0 * i);
+        if (follow(job, elevation_at(w, s), false).crosses_caustic) {
+            return PANEL_FREE;
+        }
+    }
+    return PANEL_WIDE;
+}
+
 static asdic_status add_stretch(asdic_context *ctx, bent_job *job, const stretch *w,
                                 cut_list *cuts) {
     TRY(find_cuts(ctx, job, w, cuts));
     for (size_t i = 0; i + 1 < cuts->count; i++) {
         double s0 = cuts->s[i], s1 = cuts->s[i + 1];
         if (s1 - s0 > 1e-13) {
-            ray_outcome out = follow(job, elevation_at(w, 0.5 * (s0 + s1)), false);
-            bool narrow = s1 - s0 < 0.5 / SEARCH && out.range_m > 8.0 * job->sonar->bin_length_m;
-            panel_kind kind = out.end == ENDS_NOWHERE ? PANEL_FREE
-                              : narrow                ? PANEL_NARROW
-                                                      : PANEL_WIDE;
-            add_panel(job, w, s0, s1, kind, HALVINGS);
+            add_panel(job, w, s0, s1, kind_of(job, w, s0, s1), HALVINGS);
         }
     }
     return ASDIC_OK;
@@ -499,7 +496,6 @@ asdic_status asdic_expected_bent(asdic_context *ctx, const asdic_flat_laws *laws
                                  const asdic_environment *env, const asdic_sonar *sonar,
                                  const asdic_ring *rings, asdic_ping *ping) {
     const asdic_flat_scene *flat = &laws->flat;
-    asdic_layers all;
     bent_job job = {.laws = laws,
                     .sonar = sonar,
                     .depth_m = flat->depth_m,
@@ -510,9 +506,7 @@ asdic_status asdic_expected_bent(asdic_context *ctx, const asdic_flat_laws *laws
                     .profiles = calloc(ping->beams, sizeof *job.profiles),
                     .row = calloc(ping->bins, sizeof *job.row)};
     asdic_status status = ASDIC_OK;
-    asdic_layers_of(env, flat->depth_m, &all);
-    clip(&all, flat->has_surface ? 0.0 : -INFINITY,
-         flat->has_bottom ? flat->depth_m + flat->altitude_m : INFINITY, &job.layers);
+    asdic_layers_between(env, flat, &job.layers);
     if (!job.profiles || !job.row) {
         status = asdic_fail_memory(ctx, "an expected ping");
     }

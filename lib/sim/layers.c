@@ -131,3 +131,25 @@ double asdic_environment_sound_speed_mps(const asdic_environment *env, double de
     }
     return asdic_layer_speed_mps(&layers.layer[asdic_layers_find(&layers, depth_m)], depth_m);
 }
+
+void asdic_layers_between(const asdic_environment *env, const asdic_flat_scene *flat,
+                          asdic_layers *out) {
+    asdic_layers all;
+    double top_m = flat->has_surface ? 0.0 : -INFINITY;
+    double bottom_m = flat->has_bottom ? flat->depth_m + flat->altitude_m : INFINITY;
+    asdic_layers_of(env, flat->depth_m, &all);
+    out->count = 0;
+    for (size_t i = 0; i < all.count; i++) {
+        asdic_layer layer = all.layer[i];
+        layer.top_m = fmax(layer.top_m, top_m);
+        layer.bottom_m = fmin(layer.bottom_m, bottom_m);
+        if (layer.bottom_m > layer.top_m) {
+            out->layer[out->count++] = layer;
+        }
+    }
+    if (out->count == 0) { /* no water at all: the boundaries touch */
+        out->layer[out->count++] = all.layer[asdic_layers_find(&all, top_m)];
+        out->layer[0].top_m = top_m;
+        out->layer[0].bottom_m = bottom_m;
+    }
+}

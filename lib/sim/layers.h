@@ -4,7 +4,7 @@
 #ifndef ASDIC_SIM_LAYERS_H
 #define ASDIC_SIM_LAYERS_H
 
-#include <asdic/environment.h>
+#include <asdic/expected.h>
 
 /* c = SPEED_MPS + GRADIENT_PER_S (z - ORIGIN_M), from TOP_M down to BOTTOM_M. */
 typedef struct asdic_layer {
@@ -21,6 +21,11 @@ typedef struct asdic_layers {
 /* What rays meet in ENV, which is checked: by env->refraction. A single layer of gradient 0 where
  * they are straight, with the speed at DEPTH_M, the sonar's. */
 void asdic_layers_of(const asdic_environment *env, double depth_m, asdic_layers *out);
+
+/* The same between the surface and the bottom of FLAT, as far as it has them: below the last layer
+ * is the bottom, above the first the surface. */
+void asdic_layers_between(const asdic_environment *env, const asdic_flat_scene *flat,
+                          asdic_layers *out);
 
 /* The layer that holds DEPTH_M; on a plane the upper. */
 size_t asdic_layers_find(const asdic_layers *layers, double depth_m);

@@ -3,6 +3,8 @@ lines; a run folder and a scene that was read keep its points."""
 import csv
 import io
 import json
+import math
+import random
 
 import tap
 from program import Folder, asdic
@@ -128,6 +130,58 @@ def test_the_speed_is_that_at_the_sonar():
         folder.write("cast.csv", "depth_m,sound_speed_mps\n0,1490\n60,1470\n")
         second = json.loads(asdic("check", path, "--json").check(code=0).out)[0]
         check(first["sound_speed_mps"] != second["sound_speed_mps"], "the speed at the sonar's depth")
+
+
+def plan(folder, water, *args, ping_rate=10):
+    text = SCENE.format(water=water).replace("ping_rate_hz: 10", f"ping_rate_hz: {ping_rate}")
+    path = folder.write("scene.yaml", text)
+    return json.loads(asdic("plan", path, "--no-forecast", "--json", *args).check(code=0).out)
+
+
+def test_remarks_tell_where_rays_do_not_come():
+    with Folder() as folder:
+        upward = "{sound_speed_mps: 1480, sound_speed_gradient_per_s: 1}"
+        remarks = plan(folder, upward, ping_rate=4)["remarks"]
+        # The last ray grazes the bottom. Its circle about the plane of c = 0 has the radius c_b / g.
+        reach = math.sqrt(1492.0**2 - 1487.0**2)
+        check(any(f"reaches the bottom beyond {reach:.4g} m: a shadow" in r for r in remarks), remarks)
+        check(not any("water:" in r for r in plan(folder, "{sound_speed_mps: 1490}", ping_rate=4)["remarks"]), "straight")
+        channel = "{sound_speed_profile: [[0, 1500], [7, 1480], [20, 1500]]}"
+        check(any("trapped in a channel" in r for r in plan(folder, channel)["remarks"]), "a channel")
+        thermocline = "{sound_speed_profile: [[0, 1510], [5, 1510], [9, 1480], [30, 1480]]}"
+        check(any("turn before they end" in r for r in plan(folder, thermocline)["remarks"]), "a thermocline")
+
+
+TRACK = "time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg\n"
+
+
+def test_the_plan_bounds_what_simpler_forms_leave_out():
+    """Twenty profiles, a track that dives: at places that the plan does not look at the change is within its bound."""
+    draw = random.Random(20)
+    depths = [4.0, 4.7, 5.6, 6.5, 7.3, 8.2, 8.8]
+    with Folder() as folder:
+        folder.write("track.csv", TRACK + "".join(f"{0.1 * i:.1f},{i},0,{z},0,0,0\n" for i, z in enumerate(depths)))
+        text = SCENE.replace("pose: {{position_m: [0, 0, 7]}}", "track: track.csv, pings: 7").replace(
+            "noise: {{enabled: false}}", "noise: {{enabled: true}}").replace(
+                "source_level_db: 0", "source_level_db: 150").replace("ping_rate_hz: 10", "ping_rate_hz: 20")
+        needed = {"off": 0, "layer": 0, "full": 0}
+        for number in range(20):
+            count = draw.randint(2, 6)
+            depth = sorted(draw.uniform(0, 14) for _ in range(count))
+            slope, rough = draw.uniform(-1, 1) * (number % 3 > 0), 10 ** draw.uniform(-3.5, 1 - 4 * (number % 3 == 2))
+            points = [[round(z, 3), round(1480 + slope * z + rough * draw.uniform(-1, 1), 4)] for z in depth]
+            path = folder.write("scene.yaml", text.format(water="{sound_speed_profile: %s}" % points))
+            told = json.loads(asdic("plan", path, "--no-forecast", "--json").check(code=0).out)["refraction"]
+            needed[told["needed"]] += 1
+            total = {}
+            for form in ("full", "layer", "off"):
+                out = asdic("expect", path, "-o", "-", "--ping", "14"[number % 2], "--refraction", form).check(code=0).out
+                total[form] = [float(row["total_db"]) for row in csv.DictReader(io.StringIO(out))]
+            for form in ("layer", "off"):
+                worst = max(abs(a - b) for a, b in zip(total["full"], total[form]))
+                check(worst <= told[form + "_db"] + 1e-6, f"{points}: {form} {worst} dB, told {told[form + '_db']}")
+        print("# needed:", needed)
+        check(min(needed.values()) > 0, needed)
 
 
 tap.main(globals())

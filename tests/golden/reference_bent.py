@@ -1,16 +1,16 @@
 #!/usr/bin/env python3
 """Reference levels over a flat bottom in water whose sound speed changes with depth.
 
-Usage: reference_bent.py [--rays N] [-o bent_hard.json] [CASE ...]      (needs numpy)
+Usage: reference_bent.py [--rays N] [CASE ...] > bent_hard.h      (needs numpy)
 
 A fan of rays is followed by a Runge-Kutta integrator of fourth order through
 
     dr/dt = c cos a,  dz/dt = c sin a,  da/dt = -c'(z) cos a,  dL/dt = c
 
 whose steps end on the planes of the profile; it knows nothing of arcs, of Snell's constant nor of
-derivatives of rays. Two neighbours bound a tube of rays: its cross-section is the distance between
-them across their direction times the horizontal distance, per steradian between them; that and
-the area in which it meets a boundary give
+derivatives of rays. Two neighbours bound a tube of rays: the area in which it meets a boundary gives
+its cross-section there; in the water it is the distance between two rays that hardly differ, across
+their direction, times the horizontal distance, per steradian between them:
 
     S = cross-section c_s / c                      spreading of intensity, both ways the same
     dE = G s loss^2 / S^2 dA  or  dV               G: two-way pattern summed over azimuth
@@ -23,9 +23,10 @@ import math
 
 import numpy as np
 
-from reference_laws import SCENARIO, Water, gauss, to_db, write_json
+from reference_laws import SCENARIO, Water, gauss, to_db
 
 LEAST_SPREAD = 1e-2
+NEAR_RAD = 1e-7
 BIN_M, BINS, BLANKING_M = 1.0, 74, 0.5
 
 # Depth and sound speed of the points, depth of the sonar, depth of the bottom.
@@ -161,12 +162,15 @@ def run(points, depth_m, floor_m, rays, dt):
     c_s = float(np.interp(depth_m, *np.array(points, float).T))
     water = Water(dict(SCENARIO))
     water.c_mps, water.wavelength_m = c_s, c_s / 1e5
-    # Edges of tubes, none level (an odd number of tubes): denser about the horizontal, where far bins are.
+    # Edges of tubes: denser about the horizontal, where far bins are; neither they nor the middles
+    # of tubes are level, since on the axis of a channel such a ray would cross it without end.
     x = np.linspace(-1, 1, rays + 1)
-    edge = np.clip(math.pi / 2 * (0.15 * x + 0.85 * x**3), -math.pi / 2, math.pi / 2)
-    fan = Fan(profile, depth_m, edge)
+    x[1:-1] += 0.5 / rays
+    edge = math.pi / 2 * (0.15 * x + 0.85 * x**3)
     mid = (edge[1:] + edge[:-1]) / 2
     solid = np.sin(edge[1:]) - np.sin(edge[:-1])
+    fan = Fan(profile, depth_m, edge)
+    pairs = Fan(profile, depth_m, np.concatenate([mid - NEAR_RAD, mid + NEAR_RAD]))
     pattern = ring(water, mid)
     out = {k: np.zeros(BINS) for k in ('bottom', 'surface', 'volume')}
     range_m = BINS * BIN_M
@@ -176,36 +180,27 @@ def run(points, depth_m, floor_m, rays, dt):
     def loss(length):
         return 10 ** (-2 * (length - 1) * alpha / 1e4)
 
-    def tube():
-        """S of each tube, its length and its speed at the present time."""
-        y = fan.y
-        dr, dz = np.diff(y[0]), np.diff(y[1])
-        cos, sin = y[2][1:] + y[2][:-1], y[3][1:] + y[3][:-1]
-        norm = np.hypot(cos, sin)
-        width = np.abs(dz * cos - dr * sin) / norm
-        z = (y[1][1:] + y[1][:-1]) / 2
-        c = np.interp(z, *np.array(points, float).T)
-        area = width * (y[0][1:] + y[0][:-1]) / 2 / solid
-        return area * c_s / c, (y[4][1:] + y[4][:-1]) / 2, c
+    def spreading():
+        """S about the middle of each tube, its length and its speed at the present time."""
+        low, high = np.split(pairs.y, 2, axis=1)
+        dr, dz = high[0] - low[0], high[1] - low[1]
+        cos, sin = high[2] + low[2], high[3] + low[3]
+        width = np.abs(dz * cos - dr * sin) / np.hypot(cos, sin) / (2 * NEAR_RAD)
+        c = np.interp((high[1] + low[1]) / 2, *np.array(points, float).T)
+        return width * (high[0] + low[0]) / 2 / np.cos(mid) * c_s / c, (high[4] + low[4]) / 2, c
 
     for k in range(steps):
         now = k * dt
         fan.step(dt, now)
-        if now + dt > BLANKING_M / c_s:  # the middle of the step by its ends' mean in 1 / d^2
-            whole = ~(fan.over[1:] | fan.over[:-1])
-            spread, length, c = tube()
-            d = c_s * (now + dt)
-            level = c_s * dt * (c / c_s) ** 2 * loss(length) / np.maximum(
-                spread, LEAST_SPREAD * d * d) * solid * pattern * water.volume_per_m
-            # From the end of the step back to its middle: straight water falls as d^-2.
-            level *= d * d / ((d - c_s * dt) * d)
-            # Of a tube with one edge at its end half is left, which is as its neighbour.
-            half = np.flatnonzero(fan.over[1:] ^ fan.over[:-1])
-            beside = np.clip(np.where(fan.over[half], half + 1, half - 1), 0, len(mid) - 1)
-            level[half] = np.where(whole[beside], 0.5 * level[beside], 0.0)
-            some = whole.copy()
-            some[half] = True
-            add(out['volume'], np.full(some.sum(), c_s * now), np.full(some.sum(), d), level[some])
+        pairs.step(dt, now)
+        alive = ~(pairs.over[:len(mid)] | pairs.over[len(mid):])
+        spread, length, c = spreading()
+        d = c_s * (now + dt)
+        level = c_s * dt * (c / c_s) ** 2 * loss(length) / np.maximum(
+            spread, LEAST_SPREAD * d * d) * solid * pattern * water.volume_per_m
+        # From the end of the step back to its middle: straight water falls as d^-2.
+        level *= d * d / max((d - c_s * dt) * d, 1e-12)
+        add(out['volume'], np.full(alive.sum(), c_s * now), np.full(alive.sum(), d), level[alive])
     for name, plane in (('surface', 0.0), ('bottom', floor_m)):
         y = fan.y
         a, b = slice(0, -1), slice(1, None)
@@ -230,21 +225,16 @@ def run(points, depth_m, floor_m, rays, dt):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument('--rays', type=int, default=8001)
+    parser.add_argument('--rays', type=int, default=8000)
     parser.add_argument('--dt', type=float, default=2e-5)
-    parser.add_argument('-o', '--output')
     parser.add_argument('cases', nargs='*', default=list(CASES))
     args = parser.parse_args()
-    document = {'about': 'Expected levels over a flat bottom in water that bends rays, dB re 1 uPa '
-                         'at SL 0, no noise; written by reference_bent.py.'}
     for name in args.cases:
-        points, depth_m, floor_m = CASES[name]
-        levels = run(points, depth_m, floor_m, args.rays, args.dt)
-        document[name] = {'points': points, 'depth_m': depth_m, 'floor_m': floor_m,
-                          **{k + '_db': to_db(v) for k, v in levels.items()}}
-    if args.output:
-        write_json(args.output, document)
-    return document
+        levels = run(*CASES[name], args.rays, args.dt)
+        print(f'static const double bent_{name}_db[{BINS}][4] = {{')
+        for row in zip(*(to_db(levels[k]) for k in ('total', 'bottom', 'surface', 'volume'))):
+            print('    {%s},' % ', '.join('NAN' if v is None else f'{v:.4f}' for v in row))
+        print('};')
 
 
 if __name__ == '__main__':

@@ -167,6 +167,34 @@ typedef struct asdic_uncertainty {
 } asdic_uncertainty;
 ASDIC_API asdic_uncertainty asdic_mission_uncertainty(const asdic_mission *mission);
 
+/* "full", "layer", "off"; NULL when out of range. */
+ASDIC_API const char *asdic_refraction_name(asdic_refraction form);
+
+/* Which form of refraction a mission needs: the simplest that changes no level by more than
+ * ASDIC_REFRACTION_NEGLIGIBLE_DB. */
+#define ASDIC_REFRACTION_NEGLIGIBLE_DB 0.05
+
+typedef struct asdic_refraction_plan {
+    asdic_refraction needed;
+    double off_db, layer_db; /* bound on what straight rays, or one layer, change; 0: exact */
+    double layer_from_m, layer_to_m; /* depths between which the layer is fitted */
+    char reason[200];
+} asdic_refraction_plan;
+
+/* Compares the forms by what is expected, over a flat bottom, at up to five places of the mission:
+ * its shallowest and deepest, its first, middle and last; of up to three beams. The bound is 1.25
+ * times the largest change of a total level there, noise included where the sonar has it. */
+ASDIC_API asdic_status asdic_mission_refraction(asdic_context *ctx, const asdic_mission *mission,
+                                                asdic_refraction_plan *out);
+
+/* Lets the mission's rays follow FORM from here on; a layer is fitted from its shallowest sonar to
+ * its deepest bottom. */
+ASDIC_API void asdic_mission_refract(asdic_mission *mission, asdic_refraction form);
+
+/* Draws rays of ping INDEX over range and depth, as far as its bins reach. */
+ASDIC_API asdic_status asdic_mission_draw_rays(asdic_context *ctx, const asdic_mission *mission,
+                                               size_t index, const char *path);
+
 /* What the mission needs, over all its pings; asdic_mission_run follows it. */
 ASDIC_API asdic_status asdic_mission_plan(asdic_context *ctx, const asdic_mission *mission,
                                           asdic_plan *out);

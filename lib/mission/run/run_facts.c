@@ -59,6 +59,9 @@ const char *asdic_run_facts_differ(const asdic_run_facts *a, const asdic_run_fac
         a->sampling.multipath != b->sampling.multipath) {
         return "sampling";
     }
+    if (a->refraction != b->refraction) {
+        return "refraction";
+    }
     if (a->beams != b->beams || a->bins != b->bins) {
         return "number of beams or bins";
     }
@@ -262,6 +265,15 @@ static void add_files(asdic_text *json, const asdic_run_facts *facts) {
     asdic_text_add(json, "],\n");
 }
 
+static void add_refraction(asdic_text *json, const asdic_run_facts *facts) {
+    char a[ASDIC_DIGITS_SIZE], b[ASDIC_DIGITS_SIZE];
+    bool fitted = facts->refraction == ASDIC_REFRACTION_LAYER;
+    add_text(json, "refraction", asdic_refraction_name(facts->refraction));
+    asdic_text_format(json, "  \"layer_m\": {\"from\": %s, \"to\": %s},\n",
+                      number_or_null(a, "%.17g", fitted ? facts->layer_from_m : NAN),
+                      number_or_null(b, "%.17g", fitted ? facts->layer_to_m : NAN));
+}
+
 asdic_status asdic_run_facts_write(asdic_context *ctx, const char *folder,
                                    const asdic_run_facts *facts) {
     asdic_text json = {0};
@@ -279,6 +291,7 @@ asdic_status asdic_run_facts_write(asdic_context *ctx, const char *folder,
     add_natural(&json, "rays", facts->sampling.rays);
     add_text(&json, "sampler", sampler_names[facts->sampling.sampler]);
     add_text(&json, "multipath", multipath_names[facts->sampling.multipath]);
+    add_refraction(&json, facts);
     add_natural(&json, "first_ping", facts->first_ping);
     add_natural(&json, "pings_planned", facts->pings_planned);
     add_natural(&json, "pings", facts->pings);
@@ -447,6 +460,22 @@ static void read_files(reader *r, asdic_run_facts *facts) {
     }
 }
 
+/* A run without the key is older than refraction: its water has one speed. */
+static void read_refraction(reader *r, asdic_run_facts *facts) {
+    const char *const forms[] = {asdic_refraction_name(ASDIC_REFRACTION_FULL),
+                                 asdic_refraction_name(ASDIC_REFRACTION_LAYER),
+                                 asdic_refraction_name(ASDIC_REFRACTION_OFF)};
+    const asdic_yaml_node *layer = asdic_yaml_child(r->root, "layer_m");
+    if (!asdic_yaml_child(r->root, "refraction")) {
+        return;
+    }
+    facts->refraction = (asdic_refraction)read_word(r, "refraction", forms, COUNT_OF(forms));
+    if (facts->refraction == ASDIC_REFRACTION_LAYER) {
+        facts->layer_from_m = read_number(r, layer, "from");
+        facts->layer_to_m = read_number(r, layer, "to");
+    }
+}
+
 static void read_all(reader *r, asdic_arena *arena, asdic_run_facts *facts) {
     const asdic_yaml_node *scene = asdic_yaml_child(r->root, "scene");
     const asdic_yaml_node *time_s = asdic_yaml_child(r->root, "time_s");
@@ -468,6 +497,7 @@ static void read_all(reader *r, asdic_arena *arena, asdic_run_facts *facts) {
         (asdic_sampler)read_word(r, "sampler", sampler_names, COUNT_OF(sampler_names));
     facts->sampling.multipath =
         (asdic_multipath)read_word(r, "multipath", multipath_names, COUNT_OF(multipath_names));
+    read_refraction(r, facts);
     facts->first_ping = read_natural(r, "first_ping");
     facts->pings_planned = read_natural(r, "pings_planned");
     facts->pings = read_natural(r, "pings");

@@ -40,8 +40,10 @@ typedef struct asdic_run_facts {
     asdic_material bottom_law, surface_law;
     asdic_uncertainty uncertainty; /* written, and read again where it stands */
     asdic_sampling sampling;
-    asdic_remarks remarks; /* on the laws that were used */
-    asdic_plan plan;       /* of the whole mission, whatever part of it this run is */
+    asdic_refraction refraction;     /* the form that rays followed ... */
+    double layer_from_m, layer_to_m; /* ... and where one layer was fitted */
+    asdic_remarks remarks;           /* on the laws that were used */
+    asdic_plan plan;                 /* of the whole mission, whatever part of it this run is */
     size_t first_ping, pings_planned, pings;
     size_t beams, bins;
     double bin_length_m;

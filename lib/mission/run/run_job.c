@@ -58,6 +58,22 @@ static const char *path_from_root(asdic_run_job *job) {
     return path;
 }
 
+/* What the scene leaves to the plan is planned. */
+static asdic_status choose_refraction(asdic_run_job *job) {
+    asdic_run_facts *f = &job->facts;
+    if (job->mission->settings.refraction < 0 &&
+        asdic_environment_bends(asdic_mission_environment(job->mission))) {
+        asdic_refraction_plan plan;
+        TRY(asdic_mission_refraction(job->ctx, job->mission, &plan));
+        asdic_mission_refract(job->mission, plan.needed);
+    }
+    const asdic_environment *env = asdic_mission_environment(job->mission);
+    f->refraction = env->refraction;
+    f->layer_from_m = env->layer_from_m;
+    f->layer_to_m = env->layer_to_m;
+    return ASDIC_OK;
+}
+
 /* Fills the facts that are known before the first ping. The simulation follows the plan from here
  * on. */
 static asdic_status describe(asdic_run_job *job) {
@@ -82,6 +98,7 @@ static asdic_status describe(asdic_run_job *job) {
     f->surface_law = flat.surface;
     f->uncertainty = asdic_mission_uncertainty(m);
     f->remarks = asdic_mission_remarks(m);
+    TRY(choose_refraction(job));
     TRY(asdic_mission_plan(job->ctx, job->mission, &f->plan));
     asdic_mission_sampling(job->mission)->left_out = f->plan.left_out;
     f->sampling = *asdic_mission_sampling(job->mission);

@@ -192,10 +192,13 @@ typedef struct file_sampling {
 
 typedef enum file_terms { FILE_TERMS_NEEDED, FILE_TERMS_ALL } file_terms;
 
+#define FILE_REFRACTION_AUTO (-1)
+
 typedef struct file_model {
     asdic_yaml_node *node;
     int variant;
-    int terms; /* file_terms */
+    int terms;      /* file_terms */
+    int refraction; /* asdic_refraction or FILE_REFRACTION_AUTO */
 } file_model;
 
 typedef struct file_detector {

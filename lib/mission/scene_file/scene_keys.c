@@ -67,11 +67,21 @@ static const asdic_word variant_words[] = {
     {"corrected", ASDIC_VARIANT_CORRECTED}, {"printed", ASDIC_VARIANT_PRINTED}, {NULL, 0}};
 static const asdic_word terms_words[] = {
     {"needed", FILE_TERMS_NEEDED}, {"all", FILE_TERMS_ALL}, {NULL, 0}};
+static const asdic_word refraction_words[] = {{"auto", FILE_REFRACTION_AUTO},
+                                              {"full", ASDIC_REFRACTION_FULL},
+                                              {"layer", ASDIC_REFRACTION_LAYER},
+                                              {"off", ASDIC_REFRACTION_OFF},
+                                              {NULL, 0}};
 static const asdic_key model_keys[] = {
     {"variant", ASDIC_KEY_WORD, AT(file_model, variant), .words = variant_words,
      .fallback = "corrected", .doc = "the formulas put right, or as the paper prints them"},
     {"terms", ASDIC_KEY_WORD, AT(file_model, terms), .words = terms_words, .fallback = "needed",
      .doc = "leave out what no ping of the mission would show (needed), or nothing (all)"},
+    {"refraction", ASDIC_KEY_WORD, AT(file_model, refraction), .words = refraction_words,
+     .fallback = "auto",
+     .doc =
+         "follow all layers of a profile (full), one fitted layer, or none (off: straight rays); "
+         "auto: what 'asdic plan' says"},
 };
 static const asdic_table model_table = {TABLE(model_keys, file_model), .doc = "the formulas"};
 
