@@ -20,11 +20,13 @@ sed "s#file: [^}]*#file: $here/../sonars/m750d.yaml, max_range_m: 31#" \
   "$here/../scenes/sonar_m750d.yaml" >"$work/m750d.yaml"
 "$asdic" run -q "$work/m750d.yaml" -o "$work/m750d"
 "$asdic" view -q "$here/../scenes/mission.yaml" --snapshot 1 --pings 160 -o "$work/view"
+"$asdic" plan -q "$here/../scenes/scenario2_summer.yaml" --no-forecast --picture "$work/rays.png" >"$work/plan.txt"
 (cd "$work" && "$asdic" bench error -q --picture error.png)
 shrink "$work/mission/waterfall_forward.png" mission.png 256
 shrink "$work/scenario2/ascope_0.png" scenario2.png 64
 shrink "$work/m750d/fan_0.png" m750d.png 256
 shrink "$work/error.png" error.png 48
+shrink "$work/rays.png" rays.png 32
 mkdir "$work/made"
 python3 "$here/../generate/draw_laws.py" "$asdic" "$work/made"
 cp "$work/made/pictures/laws.svg" "$out/laws.svg"

@@ -81,6 +81,7 @@ static asdic_status describe(asdic_run_job *job) {
     const asdic_mission *m = job->mission;
     const asdic_sonar *sonar = asdic_mission_sonar(m);
     double depth_m = asdic_mission_pose(m, 0, NULL).position_m.z;
+    TRY(choose_refraction(job));
     double speed_mps = asdic_environment_sound_speed_mps(asdic_mission_environment(m), depth_m);
     f->version = asdic_version();
     f->state = ASDIC_RUN_RUNNING;
@@ -98,7 +99,6 @@ static asdic_status describe(asdic_run_job *job) {
     f->surface_law = flat.surface;
     f->uncertainty = asdic_mission_uncertainty(m);
     f->remarks = asdic_mission_remarks(m);
-    TRY(choose_refraction(job));
     TRY(asdic_mission_plan(job->ctx, job->mission, &f->plan));
     asdic_mission_sampling(job->mission)->left_out = f->plan.left_out;
     f->sampling = *asdic_mission_sampling(job->mission);
