@@ -17,6 +17,7 @@ typedef struct asdic_format_about {
     const asdic_sonar *sonar;
     asdic_sweep sweep;
     double sound_speed_mps, absorption_db_per_km; /* at the first ping's depth */
+    const asdic_environment *environment;         /* whose profile or gradient bends rays */
     size_t pings, bins;
     const char *scene_name, *scene_hash, *version;
     uint64_t seed;

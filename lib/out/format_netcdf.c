@@ -94,6 +94,24 @@ static void put_numbers(netcdf *f, int group, int dimension, const label *name, 
     }
 }
 
+/* The sound speed over depth, where it changes. */
+static void describe_profile(netcdf *f, int group, const asdic_environment *env) {
+    const label depth = {"sound_speed_profile_depth", "depth of a point of the profile"},
+                speed = {"sound_speed_profile", "sound speed, linear between points"},
+                gradient = {"sound_speed_gradient", "change of the sound speed with depth"};
+    const asdic_sound_profile *p = &env->sound_speed_profile;
+    if (!asdic_environment_bends(env)) {
+        return;
+    }
+    if (p->points == 0) {
+        put_numbers(f, group, -1, &gradient, "1/s", &env->sound_speed_gradient_per_s);
+        return;
+    }
+    int dimension = asdic_nc_dimension(&f->nc, group, "profile", p->points);
+    put_numbers(f, group, dimension, &depth, "m", p->depth_m);
+    put_numbers(f, group, dimension, &speed, "m/s", p->sound_speed_mps);
+}
+
 static void describe_water(netcdf *f, const asdic_format_about *about) {
     const label frequency = {"frequency", "acoustic frequency"},
                 absorption = {"absorption_indicative", "acoustic absorption"},
@@ -104,6 +122,7 @@ static void describe_water(netcdf *f, const asdic_format_about *about) {
     put_numbers(f, group, dimension, &frequency, "Hz", &about->sonar->frequency_hz);
     put_numbers(f, group, dimension, &absorption, "dB/m", &absorption_db_per_m);
     put_numbers(f, group, -1, &speed, "m/s", &about->sound_speed_mps);
+    describe_profile(f, group, about->environment);
 }
 
 static void describe_platform(netcdf *f) {

@@ -7,7 +7,8 @@ import math
 import random
 
 import tap
-from program import Folder, asdic
+from program import Folder, asdic, need_device
+from run_folder import data, facts
 
 SCENE = """version: 1
 environment: {water}
@@ -150,6 +151,23 @@ def test_remarks_tell_where_rays_do_not_come():
         check(any("trapped in a channel" in r for r in plan(folder, channel)["remarks"]), "a channel")
         thermocline = "{sound_speed_profile: [[0, 1510], [5, 1510], [9, 1480], [30, 1480]]}"
         check(any("turn before they end" in r for r in plan(folder, thermocline)["remarks"]), "a thermocline")
+
+
+def test_a_run_keeps_the_form_and_the_points():
+    need_device()
+    with Folder() as folder:
+        folder.write("cast.csv", "depth_m,sound_speed_mps\n0,1490\n60,1440\n")
+        path = folder.write("scene.yaml", SCENE.format(water=FILE) + "sampling: {rays: 500}\n")
+        asdic("run", "-q", path, "-o", folder / "off", "--refraction", "off").check(code=0)
+        kept = facts(folder, "off")
+        tap.equal(kept["refraction"], "off")
+        tap.contains(kept["scene"]["text"], "- [60, 1440]")
+        check("cast.csv" not in kept["scene"]["text"], "the points, not the file's name")
+        straight = folder.write("straight.yaml", SCENE.format(water="{sound_speed_mps: %.17g}" % (1490 - 7 * 50 / 60))
+                                + "sampling: {rays: 500}\n")
+        asdic("run", "-q", straight, "-o", folder / "straight").check(code=0)
+        a, b = (data(folder, name, "bins.csv") for name in ("off", "straight"))
+        check(a == b, "straight rays at the sonar's speed")
 
 
 TRACK = "time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg\n"

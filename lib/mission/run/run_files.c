@@ -69,6 +69,7 @@ asdic_status asdic_files_create(asdic_context *ctx, const char *folder,
                                 .sound_speed_mps = asdic_environment_sound_speed_mps(env, depth_m),
                                 .absorption_db_per_km = asdic_environment_absorption_db_per_km(
                                     env, settings->sonar.frequency_hz, depth_m),
+                                .environment = env,
                                 .pings = facts->pings_planned,
                                 .bins = facts->bins,
                                 .scene_name = name,
