@@ -101,9 +101,9 @@ FORMULA real lift_time(real k, real distance, real n0, real n1) {
 
 /* The distance D at which the travel time is TIME / c0: the inverse. */
 FORMULA real lift_distance(real k, real time, real n0, real n1) {
-    real half = R(0.5) * k * time;
-    real safe = r_max(r_abs(half), R(1e-30));
-    real ratio = choose(r_abs(half) < R(1e-30), R(1.0), sinh(safe) / safe);
+    real turn = R(0.5) * k * time; /* `half` is a type in OpenCL */
+    real safe = r_max(r_abs(turn), R(1e-30));
+    real ratio = choose(r_abs(turn) < R(1e-30), R(1.0), sinh(safe) / safe);
     return time * sqrt(n0 * n1) * ratio;
 }
 

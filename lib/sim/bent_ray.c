@@ -1,12 +1,14 @@
 #include "bent_ray.h"
 
+#include "../../kernels/lift.h"
+
 #include <math.h>
 
 /* On the axis of a channel rays near the horizontal cross it without end: this one stands for them. It
  * strays by less than a millimetre where the gradients are more than 0.01 1/s. */
 #define AXIS_RAD 1e-4
 
-/* sinh(x) / x, atanh(x) / x, asin(x) / x. */
+/* sinh(x) / x, atanh(x) / x. */
 static double sinh_ratio(double x) {
     double x2 = x * x;
     return x2 < 1e-4 ? 1.0 + x2 * (1.0 / 6.0 + x2 * (1.0 / 120.0 + x2 / 5040.0)) : sinh(x) / x;
@@ -16,12 +18,6 @@ static double atanh_ratio(double x) {
     double x2 = x * x;
     return x2 < 1e-4 ? 1.0 + x2 * (1.0 / 3.0 + x2 * (0.2 + x2 * (1.0 / 7.0 + x2 / 9.0)))
                      : atanh(x) / x;
-}
-
-static double asin_ratio(double x) {
-    double x2 = x * x;
-    return x2 < 1e-4 ? 1.0 + x2 * (1.0 / 6.0 + x2 * (3.0 / 40.0 + x2 * (15.0 / 336.0)))
-                     : asin(fmin(fmax(x, -1.0), 1.0)) / x;
 }
 
 /* Whether rays near the horizontal return to the plane below LAYER, within a millimetre of DEPTH_M,
@@ -105,7 +101,7 @@ asdic_bent_ray asdic_bent_ray_later(const asdic_layers *layers, const asdic_bent
     later.time_s += time_s;
     later.area_m2_per_s += area;
     later.width_m += ray->slope * area;
-    later.length_m += chord * asin_ratio(0.5 * gradient * ray->level_spm * chord);
+    later.length_m += chord * lift_asin_ratio(0.5 * gradient * ray->level_spm * chord);
     return later;
 }
 
