@@ -54,13 +54,16 @@ __kernel void camera_rays(__constant dev_camera *c, __global dev_ray *rays) {
     pixel_of(c, i, &x, &y);
     vector d = direction_of(c, x, y);
     dev_ray ray;
-    ray.origin[0] = c->eye[0];
-    ray.origin[1] = c->eye[1];
-    ray.origin[2] = c->eye[2];
+    /* Light goes where sound goes: the hierarchy is lifted where rays bend (lift.h). */
+    vector eye = load3(c->eye);
+    float bend = c->bend_per_m;
+    ray.origin[0] = eye.x;
+    ray.origin[1] = eye.y;
+    ray.origin[2] = eye.z + 0.5f * bend * vector_dot(eye, eye);
     ray.t_max = c->far_m;
     ray.direction[0] = d.x;
     ray.direction[1] = d.y;
-    ray.direction[2] = d.z;
+    ray.direction[2] = d.z + bend * vector_dot(eye, d);
     ray.source = 0u;
     rays[i] = ray;
 }

@@ -42,6 +42,13 @@ static triple sonar_of(__global const dev_ping *ping) {
     return at;
 }
 
+/* The sound speed where its rays go. */
+static ray_medium medium_of(__global const dev_ping *ping) {
+    ray_medium water = {(real)(ping->bend_per_m),
+                        (real)(1.0f + ping->bend_per_m * ping->origin[2])};
+    return water;
+}
+
 /* SLOT and those that follow it, a lane each. */
 static natural slots_from(uint slot) {
     natural slots = (natural)(0u);
@@ -55,9 +62,28 @@ static vector lane_of(const triple *v, uint lane) {
     return vector_of(AT(v->x, const float), AT(v->y, const float), AT(v->z, const float));
 }
 
+/* Directions of the rays in SLOTS, as a tracer sees them. */
+static triple load_directions(__global const dev_ray *rays, natural slots) {
+    triple d;
+    LANES {
+        __global const float *from = rays[AT(slots, uint)].direction;
+        AT(d.x, float) = from[0];
+        AT(d.y, float) = from[1];
+        AT(d.z, float) = from[2];
+    }
+    return d;
+}
+
+/* The rays that leave the sonar in SLOTS. */
+static ray sonar_rays(__global const dev_ping *ping, __global const dev_ray *rays, natural slots) {
+    return ray_of_traced(sonar_of(ping), load_directions(rays, slots), medium_of(ping));
+}
+
 /* What ASDIC_WIDTH rays met: the nearest of mesh, bottom plane and surface. */
 typedef struct meeting {
     real t;           /* along the ray (ray.h); INFINITY where nothing was met within its length */
+    real traced;      /* where the tracer met it: rays that go on from there start clear of it */
+    natural triangle; /* ~0u: none */
     natural kind;     /* DEV_KIND_* */
     triple facet;     /* unit normal of what was hit, either side: for areas */
     triple surface;   /* of the surface it stands for: for angles of scattering and reflection */
@@ -82,6 +108,26 @@ static void meet_facet(const world *w, uint triangle, vector at, meeting *m, uin
     AT(m->kind, uint) = part->kind;
     AT(m->material, uint) = part->material;
 }
+
+#if ASDIC_BENT
+/* T at which the rays meet the planes of their triangles, which are flat only before they are lifted. */
+static real meet_flat(const world *w, const meeting *m, const ray *r) {
+    triple corner = ray_point(r, m->t), normal = {R(0.0), R(0.0), R(1.0)};
+    LANES {
+        uint triangle = AT(m->triangle, const uint);
+        if (triangle != 0xffffffffu) {
+            __global const dev_triangle *t = w->triangles + triangle;
+            AT(corner.x, float) = t->v0[0];
+            AT(corner.y, float) = t->v0[1];
+            AT(corner.z, float) = t->v0[2];
+            AT(normal.x, float) = t->normal[0];
+            AT(normal.y, float) = t->normal[1];
+            AT(normal.z, float) = t->normal[2];
+        }
+    }
+    return ray_onto(r, m->t, corner, normal);
+}
+#endif
 #endif
 
 /* Takes the mesh hits in SLOTS, of the rays R, and the planes; nothing beyond LIMIT counts. */
@@ -89,7 +135,8 @@ static meeting meet(const world *w, __global const dev_hit *hits, natural slots,
                     real limit) {
     meeting m;
     real uz = r->u.z, drop = r->from.z - (real)(w->ping->origin[2]); /* below the sonar */
-    m.t = (real)(INFINITY);
+    m.t = m.traced = (real)(INFINITY);
+    m.triangle = (natural)(0xffffffffu);
     m.kind = (natural)(DEV_KIND_NONE);
     m.material = (natural)(w->ping->bottom_material);
     m.facet.x = m.facet.y = R(0.0);
@@ -97,33 +144,37 @@ static meeting meet(const world *w, __global const dev_hit *hits, natural slots,
     m.surface = m.facet;
     m.coherent_m2 = (real)(ASDIC_PLANE_M2);
 #if ASDIC_HAS_MESH
-    natural met = (natural)(0xffffffffu);
     LANES {
         dev_hit hit = hits[AT(slots, uint)];
-        AT(met, uint) = hit.triangle;
+        AT(m.triangle, uint) = hit.triangle;
         if (hit.triangle != 0xffffffffu) {
             AT(m.t, float) = hit.t_m;
         }
     }
+    m.traced = m.t;
+#if ASDIC_BENT
+    m.t = meet_flat(w, &m, r);
+#endif
     triple at = ray_point(r, m.t);
     LANES {
-        if (AT(met, uint) != 0xffffffffu) {
-            meet_facet(w, AT(met, uint), lane_of(&at, lane), &m, lane);
+        if (AT(m.triangle, uint) != 0xffffffffu) {
+            meet_facet(w, AT(m.triangle, uint), lane_of(&at, lane), &m, lane);
         }
     }
 #endif
-    /* Planes. A ray along a plane never meets it. */
-    real down = ray_to_plane((real)(w->ping->bottom_m) - drop, uz);
-    mask plane = (down < m.t) & (uz > (real)(RAY_LEVEL));
+    real down = ray_to_plane((real)(w->ping->bottom_m) - drop, uz, r->bend);
+    mask plane = down < m.t;
     m.t = choose(plane, down, m.t);
     m.kind = choose_natural(plane, (natural)(DEV_KIND_BOTTOM), m.kind);
     m.material = choose_natural(plane, (natural)(w->ping->bottom_material), m.material);
-    real up = ray_to_plane((real)(w->ping->surface_m) + drop, -uz);
-    mask surface = (up < m.t) & (uz < (real)(-RAY_LEVEL));
+    real up = ray_to_plane((real)(w->ping->surface_m) + drop, -uz, -r->bend);
+    mask surface = up < m.t;
     m.t = choose(surface, up, m.t);
     m.kind = choose_natural(surface, (natural)(DEV_KIND_SURFACE), m.kind);
     m.material = choose_natural(surface, (natural)(w->ping->surface_material), m.material);
     mask flat = plane | surface;
+    m.traced = choose(flat, m.t, m.traced);
+    m.triangle = choose_natural(flat, (natural)(0xffffffffu), m.triangle);
     m.facet.x = choose(flat, R(0.0), m.facet.x);
     m.facet.y = choose(flat, R(0.0), m.facet.y);
     m.facet.z = choose(flat, R(-1.0), m.facet.z);

@@ -27,7 +27,7 @@
 
 /* Moves the start P of a secondary ray off the surface that it leaves, to SIDE of its normal, by more than
  * the rounding of coordinates. */
-static triple lift(triple p, triple normal, real side) {
+static triple clear_of(triple p, triple normal, real side) {
     real off = R(1e-4) + R(1e-6) * r_max(r_max(r_abs(p.x), r_abs(p.y)), r_abs(p.z));
     p.x += side * off * normal.x;
     p.y += side * off * normal.y;
@@ -56,7 +56,8 @@ static void end_piece(__global dev_ray *rays, uint at, uint end) {
     }
 }
 
-/* Mirror rays, and for each what its mirror did: (share mu, d1, kappa_t / cos i + kappa_s cos i, K). */
+/* Mirror rays, and for each what its mirror did: (share mu, d1, kappa_t / cos i + kappa_s cos i, K). The share
+ * includes what bending does to the level on the way there, once (ray_bending). */
 typedef struct mirror_store {
     __global dev_ray *rays;
     __global float4 *mirrors;
@@ -64,13 +65,14 @@ typedef struct mirror_store {
 
 /* Appends the mirror rays of the rays R that lie from SLOT on and met M, mirrored by SHARE, to STORE from
  * AT on; returns the next AT. */
-static uint reflect(const world *w, const meeting *m, __global const dev_hit *hits, const ray *r,
-                    real share, const mirror_store *store, uint slot, uint at) {
-    real reach = ray_at_range(r, (real)(w->ping->range_m));
+static uint reflect(const world *w, const meeting *m, const ray *r, real share,
+                    const mirror_store *store, uint slot, uint at) {
+    ray_medium water = medium_of(w->ping);
+    real reach = (real)(w->ping->range_m);
     mask mirror = (m->kind != DEV_KIND_NONE) & (share > (real)(DEV_MIN_MIRROR));
-    mirror &= m->t <= reach;
-    real d1 = choose(mirror, m->t, R(0.0));
-    triple u = ray_direction(r, d1);
+    mirror &= m->t <= ray_at_range(r, reach);
+    real t1 = choose(mirror, m->t, R(0.0)), d1 = ray_range(r, t1);
+    triple u = ray_direction(r, t1);
     real along = dot3(m->surface, u);
     triple to = {u.x - R(2.0) * along * m->surface.x, u.y - R(2.0) * along * m->surface.y,
                  u.z - R(2.0) * along * m->surface.z};
@@ -78,22 +80,31 @@ static uint reflect(const world *w, const meeting *m, __global const dev_hit *hi
      * body, it is dropped. */
     real side = choose(dot3(m->facet, u) > R(0.0), R(-1.0), R(1.0));
     mirror &= side * dot3(m->facet, to) > R(0.0);
-    triple start = lift(ray_point(r, d1), m->facet, side);
+    triple start = clear_of(ray_point(r, choose(mirror, m->traced, R(0.0))), m->facet, side);
     /* The farthest d2 with d1 + d2 + d3 <= 2 range, whatever the mirror ray meets. */
-    real t_max = r_min(ray_mirror_reach(R(2.0) * reach - d1, d1, dot3(u, to)), reach);
+    real farthest = ray_mirror_reach(R(2.0) * reach - d1, d1, dot3(u, to));
+    farthest = r_min(farthest * (real)(RAY_MIRROR_ROOM), reach);
+    ray next = ray_start(start, to, water);
+    real t_max = ray_at_range(&next, farthest);
+    triple from = ray_lift(start, water), along_it = ray_traced(&next, water);
+    /* Its leg's loss, half of it: an echo goes this way once or twice. */
+    real minus_k = (real)(-w->ping->absorption_np_per_m);
+    real first_leg = share * sqrt(ray_bending(r, t1, d1, R(2.0) * minus_k));
+    ray_turn turn = ray_mirror_turn(r, m->facet, along, side);
     LANES {
         if (AT(mirror, int) == 0) {
             continue;
         }
         smooth_bend bend = {0.0f, 0.0f};
 #if ASDIC_HAS_MESH
-        dev_hit hit = hits[slot + lane];
-        if (hit.t_m == AT(m->t, const float)) {
-            bend = smooth_bend_of(w->triangles + hit.triangle, lane_of(&u, lane));
+        if (AT(m->triangle, const uint) != NO_RAY) {
+            bend = smooth_bend_of(w->triangles + AT(m->triangle, const uint), lane_of(&u, lane));
         }
 #endif
-        store->rays[at] = lane_ray(&start, &to, t_max, slot + lane, lane);
-        store->mirrors[at++] = (float4)(AT(share, float), AT(d1, float), bend.trace, bend.gauss);
+        store->rays[at] = lane_ray(&from, &along_it, t_max, slot + lane, lane);
+        store->mirrors[at++] =
+            (float4)(AT(first_leg, float), AT(d1, float), bend.trace + AT(turn.trace, float),
+                     bend.gauss + AT(turn.gauss, float));
     }
     return at;
 }

@@ -19,27 +19,15 @@
 #include "receive.h"
 #include "ping_batch.h"
 
-static triple load_directions(__global const dev_ray *rays, natural slots) {
-    triple d;
-    LANES {
-        __global const float *from = rays[AT(slots, uint)].direction;
-        AT(d.x, float) = from[0];
-        AT(d.y, float) = from[1];
-        AT(d.z, float) = from[2];
-    }
-    return d;
-}
-
-static ray load_rays(__global const dev_ray *rays, natural slots) {
-    ray r;
+static ray load_rays(__global const dev_ray *rays, natural slots, ray_medium water) {
+    triple at;
     LANES {
         __global const float *from = rays[AT(slots, uint)].origin;
-        AT(r.from.x, float) = from[0];
-        AT(r.from.y, float) = from[1];
-        AT(r.from.z, float) = from[2];
+        AT(at.x, float) = from[0];
+        AT(at.y, float) = from[1];
+        AT(at.z, float) = from[2];
     }
-    r.u = load_directions(rays, slots);
-    return r;
+    return ray_of_traced(ray_unlift(at, water), load_directions(rays, slots), water);
 }
 
 /* What the mirror rays R in SLOTS met. */
@@ -64,24 +52,27 @@ static uint connect_rays(const world *w, __global const dev_ray *bounced,
     LANES {
         AT(d1, float) = bounced[slot + lane].source == NO_RAY ? 0.0f : mirrors[slot + lane].y;
     }
-    ray r = load_rays(bounced, slots);
+    ray_medium water = medium_of(w->ping);
+    ray r = load_rays(bounced, slots, water);
     meeting m = meet_bounced(w, bounced, hits, slots, &r);
     mask met = m.kind != DEV_KIND_NONE;
     if (!any_true(met)) {
         return at;
     }
-    real d2 = choose(met, m.t, R(0.0));
-    real along = dot3(m.facet, ray_direction(&r, d2));
-    triple x = lift(ray_point(&r, d2), m.facet, choose(along > R(0.0), R(-1.0), R(1.0)));
-    ray_way home = ray_between(x, sonar_of(w->ping), R(1e-6));
+    real t2 = choose(met, m.t, R(0.0)), d2 = ray_range(&r, t2);
+    real along = dot3(m.facet, ray_direction(&r, t2));
+    triple x = clear_of(ray_point(&r, choose(met, m.traced, R(0.0))), m.facet,
+                        choose(along > R(0.0), R(-1.0), R(1.0)));
+    ray_way home = ray_between(x, sonar_of(w->ping), water, R(1e-6));
+    triple from = ray_lift(x, water), along_it = ray_traced(&home.r, water);
     /* Both legs at X must be on one side of it. */
     mask faces = dot3(home.r.u, m.facet) * along < R(0.0);
     /* What comes back across from beyond the range is not received; let rounding pass. */
-    mask near = d1 + d2 + home.t < (real)(2.0002f * w->ping->range_m);
+    mask near = d1 + d2 + ray_range(&home.r, home.t) < (real)(2.0002f * w->ping->range_m);
     real t_max = choose(faces & near, home.t * R(0.9999), R(0.0));
     LANES {
         if (AT(met, int) != 0) {
-            returning[at++] = lane_ray(&x, &home.r.u, t_max, slot + lane, lane);
+            returning[at++] = lane_ray(&from, &along_it, t_max, slot + lane, lane);
         }
     }
     return at;
@@ -138,16 +129,17 @@ static uint shade_bounces(const world *w, const bounce_store *store, const sink 
         AT(gauss, float) = what.w;
         AT(weight, float) = store->solid_angles[source];
     }
-    ray r = load_rays(store->bounced, mirrors);
-    triple u = load_directions(store->rays, sources);
-    ray home = load_rays(store->returning, slots);
+    ray_medium water = medium_of(ping);
+    ray r = load_rays(store->bounced, mirrors, water);
+    triple u = sonar_rays(ping, store->rays, sources).u;
+    ray home = load_rays(store->returning, slots, water);
     triple x = home.u;
     meeting m = meet_bounced(w, store->bounced, store->bounced_hits, mirrors, &r);
     law_lanes laws = laws_met(w, &m);
     mask met = on & (m.kind != DEV_KIND_NONE);
-    real d2 = choose(met, m.t, R(0.0));
-    triple v = ray_direction(&r, d2);
-    real visible = R(0.0), d3 = R(1.0);
+    real t2 = choose(met, m.t, R(0.0)), d2 = ray_range(&r, t2);
+    triple v = ray_direction(&r, t2);
+    real visible = R(0.0), t3 = R(1.0);
     LANES {
         dev_ray back = store->returning[slot + lane];
         bool clear = back.t_max > 0.0f;
@@ -155,8 +147,9 @@ static uint shade_bounces(const world *w, const bounce_store *store, const sink 
         clear = clear && store->returning_hits[slot + lane].triangle == 0xffffffffu;
 #endif
         AT(visible, float) = clear ? 1.0f : 0.0f;
-        AT(d3, float) = back.t_max > 0.0f ? back.t_max / 0.9999f : 1.0f;
+        AT(t3, float) = back.t_max > 0.0f ? back.t_max / 0.9999f : 1.0f;
     }
+    real d3 = ray_range(&home, t3);
     real none = R(0.0), same_range = d1 + d2, cross_range = R(0.5) * (d1 + d2 + d3);
     slant in = surface_slant(&m, v), out = surface_slant(&m, x);
     real s_in =
@@ -164,14 +157,19 @@ static uint shade_bounces(const world *w, const bounce_store *store, const sink 
     real s_out =
         strength(w, &laws, out, same_range) * scattered(w, &laws, mirrored(w, &laws, &m, out));
     weight *= share / grazing(&m, v);
-    real same = choose(met, weight * share * s_in * ray_mirror_gain(d1, d2, bend, gauss), R(0.0));
+    real minus_2k = (real)(-2.0f * ping->absorption_np_per_m);
+    real second_leg = sqrt(ray_bending(&r, t2, d2, minus_2k));
+    weight *= second_leg;
+    real same = weight * share * s_in * ray_mirror_gain(d1, d2, bend, gauss) * second_leg;
+    same = choose(met, same, R(0.0));
     /* split() works relative to TL d^2 at the echo's own range; this leg spreads over d3. */
     real ratio = cross_range / r_max(d3, R(1e-3));
     real cross = visible * weight * sqrt(s_in * s_out) * ratio * ratio;
+    cross *= sqrt(ray_bending(&home, t3, d3, minus_2k));
     cross = choose(met, cross, R(0.0));
     split_echo same_echo = split(ping, same_range, none, same, none);
     split_echo cross_echo = split(ping, cross_range, none, cross, none);
-    triple back = ray_back(&home, d3);
+    triple back = ray_back(&home, t3);
     real ray_out = gain_towards(ping, w->beams, u.x, u.y, u.z);
     real x_out = gain_towards(ping, w->beams, back.x, back.y, back.z);
     /* What returns along the ray: the same-way echo, and the across echo sent towards X. */

@@ -20,11 +20,9 @@ __kernel void pilot(__global const dev_ping *ping, __global const dev_ray *rays,
     }
     world w = {ping, beams_of(ping), triangles, parts, materials, face_density};
     real weight, splat;
-    ray r = {sonar_of(ping), {R(0.0), R(0.0), R(0.0)}};
+    natural slots = slots_from(slot);
+    ray r = sonar_rays(ping, rays, slots);
     LANES {
-        AT(r.u.x, float) = rays[slot + lane].direction[0];
-        AT(r.u.y, float) = rays[slot + lane].direction[1];
-        AT(r.u.z, float) = rays[slot + lane].direction[2];
         AT(weight, float) = solid_angles[slot + lane];
         AT(splat, float) = splats[slot + lane];
     }
@@ -33,15 +31,16 @@ __kernel void pilot(__global const dev_ping *ping, __global const dev_ray *rays,
     real x = x_of_elevation(ping, r.u.z, across, &density);
     azimuth_lobes lobes = azimuth_lobes_at(ping, r.u.z, across);
     azimuth_density(ping, table, &lobes, x, atan2(r.u.y, r.u.x), &y);
-    meeting m = meet(&w, hits, slots_from(slot), &r, ray_at_range(&r, (real)(ping->range_m)));
+    meeting m = meet(&w, hits, slots, &r, ray_at_range(&r, (real)(ping->range_m)));
 #if ASDIC_HAS_MESH
-    weight = weigh_faces(&w, &m, hits, slots_from(slot), &r, weight, splat);
+    weight = weigh_faces(&w, &m, hits, slots, &r, weight, splat);
 #endif
     law_lanes laws = laws_met(&w, &m);
     triple arriving = ray_direction(&r, m.t);
     real range = ray_range(&r, m.t);
     real echo = strength(&w, &laws, surface_slant(&m, arriving), ray_spread(&r, m.t)) /
                 grazing(&m, arriving);
+    echo *= ray_bending(&r, m.t, range, (real)(-2.0f * ping->absorption_np_per_m));
     mask met = (m.kind != DEV_KIND_NONE) & (range >= (real)(ping->blanking_m));
     echo = choose(met, echo, R(0.0));
     weight *= gain_towards(ping, w.beams, r.u.x, r.u.y, r.u.z);

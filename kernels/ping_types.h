@@ -112,8 +112,9 @@ typedef struct dev_batch {
 /* Elevation zones of the adaptive sampler. */
 typedef struct dev_zones {
     float bottom_m, surface_m; /* h', hs: distances of the planes that rays are spread over */
-    float cap_rad;             /* polar angle of the caps round nadir and zenith */
-    float share[5];            /* nadir cap, bottom, gap, surface, zenith cap; sum 1 */
+    float bottom_far_m, surface_far_m; /* up to these ranges */
+    float cap_rad;                     /* polar angle of the caps round nadir and zenith */
+    float share[5];                    /* nadir cap, bottom, gap, surface, zenith cap; sum 1 */
 } dev_zones;
 
 /* How directions are drawn. */
@@ -152,6 +153,7 @@ typedef struct dev_sums {
  * carries them all, and those of all pings that go together (ping_batch.h). */
 typedef struct dev_ping {
     float origin[3];           /* of the sonar in the scene frame */
+    float bend_per_m;          /* of the water, over the sound speed at the scene frame's zero */
     float surface_m;           /* sonar below the surface; INFINITY: no surface */
     float bottom_m;            /* sonar above the bottom plane; INFINITY: no bottom plane */
     float blanking_m, range_m; /* received from, to */

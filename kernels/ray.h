@@ -1,18 +1,19 @@
 /*
  * The geometry of a ray: where it comes to, how long it takes, how its energy spreads.
  *
- * This is the one place that knows rays are straight. A ray leaves a point in a direction of unit length;
- * T is what a tracer measures along it. The functions below say what T means:
+ * This is the one place that knows whether rays are straight. A ray leaves a point in a direction of unit
+ * length; T is what a tracer measures along it. The functions below say what T means:
  *
  *     range   c at the sonar times the travel time, one way; bins count it
  *     length  of the path; absorption takes it
  *     spread  the distance at which a straight ray has spread as much: intensity falls by its square
  *     width   root of the cross-section of a tube of one steradian: turns solid angle into area
  *
- * In water of one sound speed all four are T itself, and a ray keeps its direction. Water whose sound
- * speed changes with depth needs other bodies for the same functions. All lengths are in metres, angles in
- * radians, elevations positive downwards, absorption K in nepers of intensity per metre
- * (alpha ln 10 / 1e4 with alpha in dB/km).
+ * In water of one sound speed all four are T itself, and a ray keeps its direction: the functions that stand
+ * here under !ASDIC_BENT. Where the sound speed changes with depth, ray_bent.h has them. Those for the host
+ * alone, of rings and elevations, are of straight rays. All lengths are in metres, angles in radians,
+ * elevations positive downwards, absorption K in nepers of intensity per metre (alpha ln 10 / 1e4 with alpha
+ * in dB/km).
  *
  * Sources: spherical spreading and absorption, R. J. Urick, "Principles of underwater sound", 3rd ed.
  * 1983, ch. 5; spreading after a mirror, G. A. Deschamps, "Ray techniques in electromagnetics",
@@ -21,12 +22,77 @@
 #ifndef ASDIC_KERNEL_RAY_H
 #define ASDIC_KERNEL_RAY_H
 
-#include "triple.h"
+#include "lift.h"
 
-/* A ray: where it leaves, and in which direction. */
+#ifndef ASDIC_BENT
+#define ASDIC_BENT 0
+#endif
+
+/* Rays that hardly leave the horizontal never meet a horizontal plane. */
+#define RAY_LEVEL 1e-12f
+
+/* The sound speed: c(z) = c(0) (1 + BEND z), z down; SONAR is c at the sonar over c(0). */
+typedef struct ray_medium {
+    real bend, sonar;
+} ray_medium;
+
+/* A ray: where it leaves, and in which direction. BEND and PACE are of bent rays: the bend of the water as
+ * seen from there, g / c(from), and c at the sonar over c(from). */
 typedef struct ray {
     triple from, u;
+    real bend, pace;
 } ray;
+
+/* A ray from a point to another, which it reaches at T. */
+typedef struct ray_way {
+    ray r;
+    real t;
+} ray_way;
+
+/* Density per steradian at the start of what has DENSITY per square metre at T, on a surface that the ray
+ * meets with COSINE of its angle to the normal. */
+FORMULA real ray_per_steradian(const ray *r, real t, real density, real cosine) {
+    (void)r;
+    return density * t * t / cosine;
+}
+
+#include "ray_bent.h"
+
+#if !ASDIC_BENT
+
+/* ---- A tracer's space, which is our own ---- */
+
+FORMULA triple ray_lift(triple p, ray_medium water) {
+    (void)water;
+    return p;
+}
+
+FORMULA triple ray_unlift(triple p, ray_medium water) {
+    (void)water;
+    return p;
+}
+
+FORMULA real ray_bend(real z, ray_medium water) {
+    (void)z;
+    (void)water;
+    return R(0.0);
+}
+
+FORMULA ray ray_start(triple from, triple u, ray_medium water) {
+    ray r = {from, u, R(0.0), R(1.0)};
+    (void)water;
+    return r;
+}
+
+/* Its direction as a tracer sees it, and the ray from that. */
+FORMULA triple ray_traced(const ray *r, ray_medium water) {
+    (void)water;
+    return r->u;
+}
+
+FORMULA ray ray_of_traced(triple from, triple d, ray_medium water) {
+    return ray_start(from, d, water);
+}
 
 /* ---- Along a ray ---- */
 
@@ -56,13 +122,6 @@ FORMULA real ray_at_range(const ray *r, real range) {
     return range;
 }
 
-/* Density per steradian at the start of what has DENSITY per square metre at T, on a surface that the ray
- * meets with COSINE of its angle to the normal. */
-FORMULA real ray_per_steradian(const ray *r, real t, real density, real cosine) {
-    (void)r;
-    return density * t * t / cosine;
-}
-
 /* Range that a step of SPLAT (ray_sample in sampler.h) in elevation covers on a surface with unit NORMAL,
  * met at T at a grazing angle with SIN_GRAZING. */
 FORMULA real ray_footprint(const ray *r, real t, real splat, triple normal, real sin_grazing) {
@@ -71,23 +130,33 @@ FORMULA real ray_footprint(const ray *r, real t, real splat, triple normal, real
     return splat * t * r_abs(tangent) / sin_grazing;
 }
 
+/* The loss on the way over that of a straight ray of RANGE. */
+FORMULA real ray_bending(const ray *r, real t, real range, real minus_2k) {
+    (void)r;
+    (void)t;
+    (void)range;
+    (void)minus_2k;
+    return R(1.0);
+}
+
+/* T at which it meets the plane through POINT with unit NORMAL, near T, where the tracer's triangle is not
+ * flat. */
+FORMULA real ray_onto(const ray *r, real t, triple point, triple normal) {
+    (void)r;
+    (void)point;
+    (void)normal;
+    return t;
+}
+
 /* ---- From one point to another ---- */
 
-/* The ray from a point to another, which it reaches at T. */
-typedef struct ray_way {
-    ray r;
-    real t;
-} ray_way;
-
 /* T is LEAST at least. */
-FORMULA ray_way ray_between(triple from, triple to, real least) {
+FORMULA ray_way ray_between(triple from, triple to, ray_medium water, real least) {
     triple apart = {to.x - from.x, to.y - from.y, to.z - from.z};
     ray_way way;
     way.t = r_max(sqrt(dot3(apart, apart)), least);
-    way.r.from = from;
-    way.r.u.x = apart.x / way.t;
-    way.r.u.y = apart.y / way.t;
-    way.r.u.z = apart.z / way.t;
+    triple u = {apart.x / way.t, apart.y / way.t, apart.z / way.t};
+    way.r = ray_start(from, u, water);
     return way;
 }
 
@@ -97,6 +166,47 @@ FORMULA triple ray_back(const ray *r, real t) {
     (void)t;
     return back;
 }
+
+/* ---- Horizontal planes ---- */
+
+/* T at which a ray with sine DOWN of its elevation meets a plane HEIGHT below its start; INFINITY: never.
+ * BEND, here and below, is as seen from the start; for a plane above, DOWN and BEND change their signs. */
+FORMULA real ray_to_plane(real height, real down, real bend) {
+    (void)bend;
+    return choose(down > (real)(RAY_LEVEL), height / r_max(down, (real)(RAY_LEVEL)),
+                  (real)(INFINITY));
+}
+
+/* Sine of the elevation at which a ray leaves that meets a plane HEIGHT away at RANGE. */
+FORMULA real ray_plane_sine(real height, real range, real bend) {
+    (void)bend;
+    return height / range;
+}
+
+/* The range at which a ray with SINE of its elevation meets it. */
+FORMULA real ray_plane_range(real height, real sine, real bend) {
+    (void)bend;
+    return height / r_max(sine, R(1e-9));
+}
+
+/* Density over the elevation's sine of SHARE of all rays, when they meet the plane at ranges that are even
+ * from NEAR to FAR; at RANGE. */
+FORMULA real ray_plane_density(real share, real range, real height, real near, real far,
+                               real bend) {
+    (void)bend;
+    return share * range * range / (height * (far - near));
+}
+
+/* Nearest to the sonar that anything of the facet's plane can be that is met at T: the foot of the
+ * perpendicular. A nudge keeps rounding from crossing a bin's edge that lies there. */
+FORMULA real ray_plane_nearest(const ray *r, real t, real range, triple normal, real sin_grazing) {
+    (void)r;
+    (void)t;
+    (void)normal;
+    return r_min(range * sin_grazing * R(1.0000005), range);
+}
+
+#endif
 
 /* ---- Loss ---- */
 
@@ -152,41 +262,11 @@ FORMULA real ray_water(real k_np_per_m, real begin, real end) {
 
 #endif
 
-/* ---- Horizontal planes ---- */
+/* ---- Horizontal planes, straight rays ---- */
 
-/* Rays that hardly leave the horizontal never meet one. */
-#define RAY_LEVEL 1e-12f
-
-/* T at which a ray with sine DOWN of its elevation meets a plane HEIGHT below its start. */
-FORMULA real ray_to_plane(real height, real down) {
-    return height / r_max(down, (real)(RAY_LEVEL));
-}
-
-/* Sine of the elevation at which a ray leaves that meets a plane HEIGHT away at RANGE; and of the grazing
- * angle at which it meets it. */
-FORMULA real ray_plane_sine(real height, real range) {
-    return height / range;
-}
-
+/* Sine of the grazing angle at which a straight ray meets a plane HEIGHT away at RANGE. */
 FORMULA real ray_plane_grazing(real height, real range) {
     return height / range;
-}
-
-/* The range at which a ray with SINE of its elevation meets it. */
-FORMULA real ray_plane_range(real height, real sine) {
-    return height / sine;
-}
-
-/* Density over the elevation's sine of SHARE of all rays, when they meet the plane at ranges that are even
- * from NEAR to FAR; at RANGE. */
-FORMULA real ray_plane_density(real share, real range, real height, real near, real far) {
-    return share * range * range / (height * (far - near));
-}
-
-/* Nearest to the sonar that anything of the facet's plane can be that is met at T with SIN_GRAZING: the
- * foot of the perpendicular. A nudge keeps rounding from crossing a bin's edge that lies there. */
-FORMULA real ray_plane_nearest(real t, real sin_grazing) {
-    return r_min(t * sin_grazing * R(1.0000005), t);
 }
 
 #ifndef __OPENCL_C_VERSION__
@@ -223,6 +303,26 @@ FORMULA ray_ring ray_ring_at(real height, real s) {
 #endif
 
 /* ---- Mirrors ---- */
+
+/* What ray_mirror_reach, which is of straight rays, may leave out where they bend. */
+#if ASDIC_BENT
+#define RAY_MIRROR_ROOM 1.05f
+#else
+#define RAY_MIRROR_ROOM 1.0f
+#endif
+
+/* What the water adds to the curvature of a mirror: as BEND and GAUSS below. */
+typedef struct ray_turn {
+    real trace, gauss;
+} ray_turn;
+
+/* Beside rays that curve towards it, a flat mirror is a convex one. NORMAL times SIDE points to where the ray R
+ * came from; ALONG: of the ray to NORMAL. */
+FORMULA ray_turn ray_mirror_turn(const ray *r, triple normal, real along, real side) {
+    real cosine = r_max(r_abs(along), R(1e-3)), curvature = -r->bend * side * normal.z;
+    ray_turn turn = {curvature * (R(1.0) / cosine + cosine), curvature * curvature};
+    return turn;
+}
 
 /* The farthest T of a ray that leaves a mirror at T1 from the sonar for what it meets to be heard straight:
  * the way on and the way back make REST together. COSINE: between the ray before and after the mirror. */

@@ -38,6 +38,10 @@ static ray_sample sample_face(__global const dev_ping *ping, __global const dev_
         to[k] = t->v0[k] + along * (t->v1[k] - t->v0[k]) + across * (t->v2[k] - t->v1[k]) -
                 ping->origin[k];
     }
+#if ASDIC_BENT /* as ray_between */
+    float bend = ping->bend_per_m / (1.0f + ping->bend_per_m * ping->origin[2]);
+    to[2] += 0.5f * bend * (to[0] * to[0] + to[1] * to[1] + to[2] * to[2]);
+#endif
     float inverse = 1.0f / sqrt(max(to[0] * to[0] + to[1] * to[1] + to[2] * to[2], 1e-12f));
     ((float *)&s.x)[lane] = to[0] * inverse;
     ((float *)&s.y)[lane] = to[1] * inverse;
@@ -150,17 +154,24 @@ __kernel void LEAST_WAVES(3)
             s = sample_uniform_sphere(random, count);
         }
     }
+    ray_medium water = {(real)(ping->bend_per_m),
+                        (real)(1.0f + ping->bend_per_m * ping->origin[2])};
+    triple sonar = {(real)(ping->origin[0]), (real)(ping->origin[1]), (real)(ping->origin[2])};
+    triple u = {s.x, s.y, s.z}, from = ray_lift(sonar, water);
+    ray r = ray_start(sonar, u, water);
+    triple along = ray_traced(&r, water);
+    real t_max = ray_at_range(&r, (real)(ping->reach_m));
     for (uint lane = 0; lane < ASDIC_WIDTH; lane++) {
         uint slot = first + lane;
         bool on = ((uint *)&index)[lane] < ping->batch.rays;
         dev_ray ray;
-        ray.origin[0] = ping->origin[0];
-        ray.origin[1] = ping->origin[1];
-        ray.origin[2] = ping->origin[2];
-        ray.t_max = on ? ping->reach_m : 0.0f;
-        ray.direction[0] = ((float *)&s.x)[lane];
-        ray.direction[1] = ((float *)&s.y)[lane];
-        ray.direction[2] = ((float *)&s.z)[lane];
+        ray.origin[0] = ((float *)&from.x)[lane];
+        ray.origin[1] = ((float *)&from.y)[lane];
+        ray.origin[2] = ((float *)&from.z)[lane];
+        ray.t_max = on ? ((float *)&t_max)[lane] : 0.0f;
+        ray.direction[0] = ((float *)&along.x)[lane];
+        ray.direction[1] = ((float *)&along.y)[lane];
+        ray.direction[2] = ((float *)&along.z)[lane];
         ray.source = slot;
         rays[slot] = ray;
         solid_angles[slot] = on ? ((float *)&s.solid_angle)[lane] : 0.0f;

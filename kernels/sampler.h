@@ -189,8 +189,10 @@ typedef struct elevation {
 } elevation;
 
 typedef struct zones {
-    real h, hs, range;
+    real h, hs;
     real h1, hs1;   /* ranges at which the caps end */
+    real far, fars; /* ranges at which they end */
+    real bend;
     real high, low; /* uz of the gap's ends */
     real begin[5], share[5];
 } zones;
@@ -200,11 +202,20 @@ FORMULA zones zones_of(LOBE_SPACE const dev_ping *ping) {
     real cap = cos((real)(ping->sampling.zones.cap_rad));
     z.h = (real)(ping->sampling.zones.bottom_m);
     z.hs = (real)(ping->sampling.zones.surface_m);
-    z.range = (real)(ping->reach_m);
-    z.h1 = ray_plane_range(z.h, cap);
-    z.hs1 = ray_plane_range(z.hs, cap);
-    z.high = r_min(ray_plane_sine(z.h, z.range), R(1.0));
-    z.low = -r_min(ray_plane_sine(z.hs, z.range), R(1.0));
+    z.far = (real)(ping->sampling.zones.bottom_far_m);
+    z.fars = (real)(ping->sampling.zones.surface_far_m);
+    ray_medium water = {(real)(ping->bend_per_m), R(1.0)};
+    z.bend = ray_bend((real)(ping->origin[2]), water);
+    z.h1 = ray_plane_range(z.h, cap, z.bend);
+    z.hs1 = ray_plane_range(z.hs, cap, -z.bend);
+    z.high = z.low = R(1.0);
+    if (ping->sampling.zones.share[1] > 0.0f) {
+        z.high = r_min(ray_plane_sine(z.h, z.far, z.bend), R(1.0));
+    }
+    if (ping->sampling.zones.share[3] > 0.0f) {
+        z.low = r_min(ray_plane_sine(z.hs, z.fars, -z.bend), R(1.0));
+    }
+    z.low = -z.low;
     real begin = R(0.0);
     for (int i = 0; i < 5; i++) {
         z.begin[i] = begin;
@@ -232,13 +243,14 @@ FORMULA elevation elevation_of_x(LOBE_SPACE const dev_ping *ping, real x) {
     e.uz = z.high - part[2] * (z.high - z.low);
     e.density = z.share[2] / (z.high - z.low);
     /* Bottom and surface. */
-    real db = z.h1 + part[1] * (z.range - z.h1), ds = z.range - part[3] * (z.range - z.hs1);
+    real db = z.h1 + part[1] * (z.far - z.h1), ds = z.fars - part[3] * (z.fars - z.hs1);
     mask in_bottom = x < z.begin[2], in_surface = x >= z.begin[3];
-    e.uz = choose(in_bottom, ray_plane_sine(z.h, db), e.uz);
-    e.density = choose(in_bottom, ray_plane_density(z.share[1], db, z.h, z.h1, z.range), e.density);
-    e.uz = choose(in_surface, -ray_plane_sine(z.hs, ds), e.uz);
+    e.uz = choose(in_bottom, ray_plane_sine(z.h, db, z.bend), e.uz);
     e.density =
-        choose(in_surface, ray_plane_density(z.share[3], ds, z.hs, z.hs1, z.range), e.density);
+        choose(in_bottom, ray_plane_density(z.share[1], db, z.h, z.h1, z.far, z.bend), e.density);
+    e.uz = choose(in_surface, -ray_plane_sine(z.hs, ds, -z.bend), e.uz);
+    e.density = choose(in_surface, ray_plane_density(z.share[3], ds, z.hs, z.hs1, z.fars, -z.bend),
+                       e.density);
     e.across = sqrt(r_max((R(1.0) - e.uz) * (R(1.0) + e.uz), R(1e-12)));
     /* Caps: polar angles, so that the cosine near 1 loses nothing. */
     mask nadir = x < z.begin[1], zenith = x >= z.begin[4];
@@ -257,13 +269,13 @@ FORMULA real x_of_elevation(LOBE_SPACE const dev_ping *ping, real uz, real acros
     real cap = (real)(ping->sampling.zones.cap_rad);
     real x = z.begin[2] + z.share[2] * (z.high - uz) / (z.high - z.low);
     real p = z.share[2] / (z.high - z.low);
-    real db = ray_plane_range(z.h, r_max(uz, R(1e-9)));
-    real ds = ray_plane_range(z.hs, r_max(-uz, R(1e-9)));
+    real db = ray_plane_range(z.h, uz, z.bend);
+    real ds = ray_plane_range(z.hs, -uz, -z.bend);
     mask in_bottom = uz > z.high, in_surface = uz < z.low;
-    x = choose(in_bottom, z.begin[1] + z.share[1] * (db - z.h1) / (z.range - z.h1), x);
-    p = choose(in_bottom, ray_plane_density(z.share[1], db, z.h, z.h1, z.range), p);
-    x = choose(in_surface, z.begin[3] + z.share[3] * (z.range - ds) / (z.range - z.hs1), x);
-    p = choose(in_surface, ray_plane_density(z.share[3], ds, z.hs, z.hs1, z.range), p);
+    x = choose(in_bottom, z.begin[1] + z.share[1] * (db - z.h1) / (z.far - z.h1), x);
+    p = choose(in_bottom, ray_plane_density(z.share[1], db, z.h, z.h1, z.far, z.bend), p);
+    x = choose(in_surface, z.begin[3] + z.share[3] * (z.fars - ds) / (z.fars - z.hs1), x);
+    p = choose(in_surface, ray_plane_density(z.share[3], ds, z.hs, z.hs1, z.fars, -z.bend), p);
     real polar = asin(r_min(across, R(1.0)));
     mask nadir = in_bottom & (uz > R(0.0)) & (polar < cap);
     mask zenith = in_surface & (uz < R(0.0)) & (polar < cap);

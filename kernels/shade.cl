@@ -53,11 +53,8 @@ static uint shade_rays(const world *w, const ray_store *store, __global const fl
     __global const dev_ping *ping = w->ping;
     real weight, splat;
     natural slots = slots_from(slot);
-    ray r = {sonar_of(ping), {R(0.0), R(0.0), R(0.0)}};
+    ray r = sonar_rays(ping, store->rays, slots);
     LANES {
-        AT(r.u.x, float) = store->rays[slot + lane].direction[0];
-        AT(r.u.y, float) = store->rays[slot + lane].direction[1];
-        AT(r.u.z, float) = store->rays[slot + lane].direction[2];
         AT(weight, float) = store->solid_angles[slot + lane];
         AT(splat, float) = store->splats[slot + lane];
     }
@@ -85,12 +82,14 @@ static uint shade_rays(const world *w, const ray_store *store, __global const fl
     law_lanes laws = laws_met(w, &m);
     slant met = surface_slant(&m, arriving);
     real energy = strength(w, &laws, met, ray_spread(&r, m.t)) / sin_grazing;
+    energy *= ray_bending(&r, m.t, range, (real)(-2.0f * ping->absorption_np_per_m));
     real share = R(0.0);
     if (ASDIC_HAS_MIRRORS || ping->boundary_mirrors != 0u) {
         share = mirrored(w, &laws, &m, met);
     }
     energy *= scattered(w, &laws, share);
-    split_echo echo = split(ping, range, ray_plane_nearest(range, sin_grazing), energy, footprint);
+    real nearest = ray_plane_nearest(&r, m.t, range, m.facet, sin_grazing);
+    split_echo echo = split(ping, range, nearest, energy, footprint);
 
     arrivals a;
     a.count = 0u;
@@ -117,7 +116,7 @@ static uint shade_rays(const world *w, const ray_store *store, __global const fl
 #endif
     uint cut = receive(w, to, DEV_ARRIVAL_DIRECT, &a, rays_in(ping, slot), r.u);
 #if ASDIC_HAS_MIRRORS
-    *at = reflect(w, &m, store->hits, &r, share, mirrors, slot, *at);
+    *at = reflect(w, &m, &r, share, mirrors, slot, *at);
 #endif
     return cut;
 }

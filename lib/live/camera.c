@@ -165,6 +165,7 @@ asdic_status asdic_camera_shoot(asdic_camera *c, const asdic_simulator *sim,
     size_t pixels = (size_t)c->width * c->height;
     dev_uint has_mesh = sim->tracer != NULL;
     c->last = describe(c, sim->setup.scene, shot);
+    c->last.bend_per_m = (float)sim->setup.bend_per_m;
     c->origin_m = sim->setup.scene->origin_m;
     asdic_kernel_arg aim[] = {ASDIC_ARG_BUFFER(c->settings), ASDIC_ARG_BUFFER(c->rays)};
     asdic_kernel_arg shade[] = {ASDIC_ARG_BUFFER(c->settings),

@@ -1,11 +1,18 @@
 #include <asdic/rays.h>
 
+/* Bent rays; without a bend they are straight. */
+#define ASDIC_BENT 1
+
+#include "lifted.h"
 #include "tracer.h"
 
 #include "base/try.h"
 
+#include "../../kernels/ray.h"
+
 #include "../base/context.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -17,8 +24,11 @@ _Static_assert(sizeof(asdic_ray_hit) == sizeof(dev_hit), "a hit is the device's"
 struct asdic_caster {
     asdic_context *ctx;
     asdic_device *device;
+    const asdic_scene *scene;
+    asdic_scene *lifted; /* NULL: rays are straight */
     asdic_tracer *tracer;
     asdic_buffer *rays, *hits;
+    asdic_ray *loaded; /* as they came, where they bend */
     size_t count;
 };
 
@@ -33,6 +43,7 @@ asdic_status asdic_caster_create(asdic_context *ctx, asdic_device *device, const
     }
     c->ctx = ctx;
     c->device = device;
+    c->scene = scene;
     asdic_status status = asdic_tracer_create(device, scene, &c->tracer);
     if (!status && kernel) {
         status = asdic_tracer_set_kernel(c->tracer, kernel);
@@ -48,9 +59,88 @@ void asdic_caster_destroy(asdic_caster **caster) {
         asdic_buffer_destroy(&(*caster)->rays);
         asdic_buffer_destroy(&(*caster)->hits);
         asdic_tracer_destroy(&(*caster)->tracer);
+        asdic_scene_unlift(&(*caster)->lifted);
+        free((*caster)->loaded);
         free(*caster);
         *caster = NULL;
     }
+}
+
+static void forget_rays(asdic_caster *c) {
+    asdic_tracer_forget(c->tracer);
+    asdic_buffer_destroy(&c->rays);
+    asdic_buffer_destroy(&c->hits);
+    free(c->loaded);
+    c->loaded = NULL;
+    c->count = 0;
+}
+
+asdic_status asdic_caster_bend(asdic_caster *c, double speed_mps, double gradient_per_s) {
+    if (!c || !(speed_mps > 0.0) || !isfinite(gradient_per_s)) {
+        return asdic_fail(c ? c->ctx : NULL, ASDIC_ERROR_ARGUMENT,
+                          "asdic_caster_bend: %g m/s and %g 1/s", speed_mps, gradient_per_s);
+    }
+    asdic_scene *lifted = NULL;
+    asdic_tracer *tracer = NULL;
+    asdic_status status = ASDIC_OK;
+    if (gradient_per_s != 0.0) {
+        status = asdic_scene_lift(c->scene, gradient_per_s / speed_mps, &lifted);
+    }
+    if (!status) {
+        status = asdic_tracer_create(c->device, lifted ? lifted : c->scene, &tracer);
+    }
+    if (!status) {
+        status = asdic_tracer_set_kernel(tracer, asdic_tracer_form(c->tracer, NULL));
+    }
+    if (status) {
+        asdic_tracer_destroy(&tracer);
+        asdic_scene_unlift(&lifted);
+        return status;
+    }
+    forget_rays(c);
+    asdic_tracer_destroy(&c->tracer);
+    asdic_scene_unlift(&c->lifted);
+    c->tracer = tracer;
+    c->lifted = lifted;
+    return ASDIC_OK;
+}
+
+static ray ray_of(const asdic_caster *c, const asdic_ray *own) {
+    const float *o = own->origin_m, *d = own->direction;
+    return ray_start(
+        (triple){o[0], o[1], o[2]}, (triple){d[0], d[1], d[2]},
+        (ray_medium){c->lifted->bend_per_m, 1.0 + c->lifted->bend_per_m * (double)o[2]});
+}
+
+/* Lifts COUNT rays, and keeps them. */
+static asdic_status lift_rays(asdic_caster *c, const asdic_ray *rays, size_t count,
+                              asdic_ray **lifted) {
+    asdic_ray *to = *lifted = malloc(count * sizeof *to);
+    c->loaded = malloc(count * sizeof *c->loaded);
+    if (!to || !c->loaded) {
+        return asdic_fail_memory(c->ctx, "rays that bend");
+    }
+    memcpy(c->loaded, rays, count * sizeof *rays);
+    for (size_t i = 0; i < count; i++) {
+        ray r = ray_of(c, &rays[i]);
+        ray_medium water = {c->lifted->bend_per_m, 1.0};
+        triple from = ray_lift(r.from, water), along = ray_traced(&r, water);
+        double longest = isinf(rays[i].longest_m) ? INFINITY : ray_at_range(&r, rays[i].longest_m);
+        to[i] = (asdic_ray){{(float)from.x, (float)from.y, (float)from.z},
+                            (float)longest,
+                            {(float)along.x, (float)along.y, (float)along.z},
+                            0.0f};
+    }
+    return ASDIC_OK;
+}
+
+/* The range at which a ray meets TRIANGLE as it is, near where it met it lifted. */
+static float unlifted_range(const asdic_caster *c, size_t nth, const asdic_ray_hit *hit) {
+    const dev_triangle *t = &c->scene->triangles[hit->triangle];
+    ray r = ray_of(c, &c->loaded[nth]);
+    triple corner = {t->v0[0], t->v0[1], t->v0[2]};
+    triple normal = {t->normal[0], t->normal[1], t->normal[2]};
+    return (float)ray_range(&r, ray_onto(&r, hit->range_m, corner, normal));
 }
 
 asdic_status asdic_caster_load(asdic_caster *c, const asdic_ray *rays, size_t count) {
@@ -58,11 +148,15 @@ asdic_status asdic_caster_load(asdic_caster *c, const asdic_ray *rays, size_t co
         return asdic_fail(c ? c->ctx : NULL, ASDIC_ERROR_ARGUMENT,
                           "asdic_caster_load: %zu rays; 1 to %zu are allowed", count, MOST_RAYS);
     }
-    asdic_tracer_forget(c->tracer);
-    asdic_buffer_destroy(&c->rays);
-    asdic_buffer_destroy(&c->hits);
-    c->count = 0;
-    TRY(asdic_buffer_create(c->device, count * sizeof *rays, rays, &c->rays));
+    forget_rays(c);
+    asdic_ray *lifted = NULL;
+    asdic_status status = c->lifted ? lift_rays(c, rays, count, &lifted) : ASDIC_OK;
+    if (!status) {
+        status =
+            asdic_buffer_create(c->device, count * sizeof *rays, lifted ? lifted : rays, &c->rays);
+    }
+    free(lifted);
+    TRY(status);
     TRY(asdic_buffer_create(c->device, count * sizeof(asdic_ray_hit), NULL, &c->hits));
     c->count = count;
     return ASDIC_OK;
@@ -83,7 +177,13 @@ asdic_status asdic_caster_cast(asdic_caster *c) {
 
 asdic_status asdic_caster_read(asdic_caster *c, asdic_ray_hit *hits) {
     TRY(check_loaded(c));
-    return asdic_buffer_read(c->hits, 0, c->count * sizeof *hits, hits);
+    TRY(asdic_buffer_read(c->hits, 0, c->count * sizeof *hits, hits));
+    for (size_t i = 0; c->lifted && i < c->count; i++) {
+        if (hits[i].triangle != ASDIC_NO_TRIANGLE) {
+            hits[i].range_m = unlifted_range(c, i, &hits[i]);
+        }
+    }
+    return ASDIC_OK;
 }
 
 const char *asdic_caster_kernel(const asdic_caster *c) {

@@ -3,6 +3,7 @@
 #include "base/try.h"
 
 #include "bvh.h"
+#include "lifted.h"
 #include "place.h"
 #include "smooth.h"
 
@@ -55,17 +56,23 @@ asdic_root asdic_root_of(const dev_node8 *nodes, const dev_block4 *blocks, uint3
     return r;
 }
 
-void asdic_movable_refit(const asdic_movable *m, const dev_triangle *triangles, dev_node8 *nodes,
-                         dev_block4 *blocks) {
+/* Corner NTH of a block's triangle. */
+static void place_corner(const float v[3], double bend_per_m, int nth, int lane,
+                         dev_block4 *block) {
+    block->v[3 * nth][lane] = v[0];
+    block->v[3 * nth + 1][lane] = v[1];
+    block->v[3 * nth + 2][lane] = asdic_lifted_z(bend_per_m, (const double[]){v[0], v[1], v[2]});
+}
+
+void asdic_movable_refit(const asdic_movable *m, const dev_triangle *triangles, double bend_per_m,
+                         dev_node8 *nodes, dev_block4 *blocks) {
     for (size_t b = 0; b < m->block_count; b++) {
         dev_block4 *block = &blocks[m->first_block + b];
         for (int lane = 0; lane < DEV_LEAF_TRIANGLES && block->id[lane] != ~0u; lane++) {
             const dev_triangle *t = &triangles[block->id[lane] - m->first];
-            for (int k = 0; k < 3; k++) {
-                block->v[k][lane] = t->v0[k];
-                block->v[3 + k][lane] = t->v1[k];
-                block->v[6 + k][lane] = t->v2[k];
-            }
+            place_corner(t->v0, bend_per_m, 0, lane, block);
+            place_corner(t->v1, bend_per_m, 1, lane, block);
+            place_corner(t->v2, bend_per_m, 2, lane, block);
         }
     }
     /* Children come after their parents. */

@@ -122,7 +122,7 @@ void asdic_placement_move(asdic_placement *p, size_t movable, const asdic_pose *
     asdic_vec3 lo, hi;
     asdic_movable_place(m, pose, scene->origin_m, p->scratch_m, triangles);
     asdic_place_sphere(p->scratch_m, m->count, &p->parts[m->part], &lo, &hi);
-    asdic_movable_refit(m, triangles, p->nodes, p->blocks);
+    asdic_movable_refit(m, triangles, scene->bend_per_m, p->nodes, p->blocks);
     p->roots[movable] = asdic_root_of(p->nodes, p->blocks, m->root);
     size_t count = root_count(scene);
     asdic_root *sorted = p->roots + scene->movable_count + 1;

@@ -61,6 +61,7 @@ struct asdic_scene {
     asdic_bvh bvh;
     size_t moving_nodes, moving_blocks; /* the first ones, see moving.h */
     uint32_t still_root;                /* child word of what stays, where something moves */
+    double bend_per_m;                  /* of a lifted view (lifted.h); else 0 */
     asdic_vec3 min_m, max_m;
     double build_s, hierarchy_s;
     unsigned threads; /* 0: one per processor */

@@ -2,8 +2,7 @@
 
 #include "aim.h"
 #include "base/vec.h"
-
-#include "../../kernels/ray.h"
+#include "sonar_ray.h"
 
 #include <math.h>
 #include <string.h>
@@ -37,8 +36,7 @@ static double score(const candidate *c, const dev_beam *beams, size_t receivers,
 static bool consider(const asdic_part *part, asdic_vec3 position_m, const dev_beam *beams,
                      const dev_ping *ping, candidate *out) {
     asdic_vec3 at = part->center_m;
-    ray_way to = ray_between((triple){position_m.x, position_m.y, position_m.z},
-                             (triple){at.x, at.y, at.z}, 0.0);
+    ray_way to = asdic_sonar_ray(ping, asdic_vec3_sub(at, position_m), 0.0);
     double distance = to.t;
     double radius = MARGIN * part->radius_m;
     if (part->kind != DEV_KIND_OBJECT || !(radius > 0.0) || radius > WIDEST * distance ||

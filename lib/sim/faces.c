@@ -5,8 +5,7 @@
 #include "base/try.h"
 #include "base/vec.h"
 #include "cones.h"
-
-#include "../../kernels/ray.h"
+#include "sonar_ray.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -60,7 +59,7 @@ static view look(const dev_triangle *t, const dev_ping *ping, const dev_beam *ai
     asdic_vec3 to = asdic_vec3_sub(a, corner(ping->origin));
     asdic_vec3 middle = asdic_vec3_add(to, asdic_vec3_scale(asdic_vec3_add(ab, ac), 1.0 / 3.0));
     double reach = sqrt(fmax(asdic_vec3_dot(ab, ab), asdic_vec3_dot(ac, ac)));
-    ray_way way = ray_between((triple){0.0, 0.0, 0.0}, (triple){middle.x, middle.y, middle.z}, 0.0);
+    ray_way way = asdic_sonar_ray(ping, middle, 0.0);
     double distance = way.t;
     view v = {0.5 * asdic_vec3_length(asdic_vec3_cross(ab, ac)), 0.0};
     if (distance - reach <= ping->reach_m) {

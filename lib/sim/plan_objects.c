@@ -38,7 +38,8 @@ typedef struct sight {
 
 static sight sight_of(const asdic_part *part, const asdic_pose *pose) {
     asdic_vec3 from = pose->position_m, at = part->center_m;
-    ray_way to = ray_between((triple){from.x, from.y, from.z}, (triple){at.x, at.y, at.z}, 0.0);
+    ray_way to = ray_between((triple){from.x, from.y, from.z}, (triple){at.x, at.y, at.z},
+                             (ray_medium){0.0, 1.0}, 0.0);
     double d = to.t, sine = part->radius_m / fmax(d, 1e-9);
     sight s = {.nearest_m = d - part->radius_m, .chord = 2.0, .solid_angle = 4.0 * ASDIC_PI};
     if (sine < 1.0) {

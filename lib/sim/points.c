@@ -4,9 +4,9 @@
 #include "base/try.h"
 #include "base/vec.h"
 #include "scene/scene.h"
+#include "sonar_ray.h"
 
 #include "../../kernels/beam.h"
-#include "../../kernels/ray.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -40,22 +40,25 @@ void asdic_points_finish(asdic_simulator *sim) {
     free(sim->points.hits);
 }
 
-/* From the sonar at POSE to the point NTH. */
-static ray_way way_to(const asdic_simulator *sim, size_t nth, const asdic_pose *pose) {
-    asdic_vec3 from = pose->position_m, to = sim->placement->points[nth].position_m;
-    return ray_between((triple){from.x, from.y, from.z}, (triple){to.x, to.y, to.z}, NEAREST);
+/* From the sonar of SHOT to the point NTH. */
+static ray_way way_to(const asdic_simulator *sim, size_t nth, const asdic_ping_shot *shot) {
+    asdic_vec3 to = sim->placement->points[nth].position_m;
+    return asdic_sonar_ray(shot->ping, asdic_vec3_sub(to, shot->pose.position_m), NEAREST);
 }
 
 /* Hits of the rays from the sonar to every point; none without triangles. */
-static asdic_status trace_points(asdic_simulator *sim, const asdic_pose *pose) {
+static asdic_status trace_points(asdic_simulator *sim, const asdic_ping_shot *shot) {
     size_t count = sim->setup.scene->point_count;
-    asdic_vec3 origin = asdic_vec3_sub(pose->position_m, sim->setup.scene->origin_m);
+    asdic_vec3 at = asdic_vec3_sub(shot->pose.position_m, sim->setup.scene->origin_m);
+    const ray_medium water = {sim->setup.bend_per_m, 1.0};
     for (size_t i = 0; i < count; i++) {
-        ray_way to = way_to(sim, i, pose);
+        ray_way to = way_to(sim, i, shot);
+        to.r.from = (triple){at.x, at.y, at.z};
+        triple origin = ray_lift(to.r.from, water), along = ray_traced(&to.r, water);
         sim->points.rays[i] =
             (dev_ray){.origin = {(float)origin.x, (float)origin.y, (float)origin.z},
                       .t_max = (float)(SHORT_OF_POINT * to.t),
-                      .direction = {(float)to.r.u.x, (float)to.r.u.y, (float)to.r.u.z}};
+                      .direction = {(float)along.x, (float)along.y, (float)along.z}};
         sim->points.hits[i] = (dev_hit){INFINITY, ~0u};
     }
     if (!sim->tracer) {
@@ -98,8 +101,10 @@ static void add_point(const asdic_simulator *sim, const asdic_ping_shot *shot,
     }
     triple u = to.r.u;
     const dev_beam *beams = asdic_shot_beams(shot);
+    double absorption = shot->water.absorption_np_per_m, spread = range / to.t;
     double energy = asdic_simulator_source_lin(sim, &shot->water) *
-                    ray_transmission(shot->water.absorption_np_per_m, range) *
+                    ray_transmission(absorption, range) * spread * spread *
+                    ray_bending(&to.r, to.t, range, -2.0 * absorption) *
                     pow(10.0, point->target_strength_db / 10.0) *
                     gain_towards(&beams[0], u, shot->ping->rear_lin);
     for (size_t b = 0; b < out->beams; b++) {
@@ -114,12 +119,12 @@ asdic_status asdic_points_add(asdic_simulator *sim, const asdic_ping_shot *shot,
     if (scene->point_count == 0) {
         return ASDIC_OK;
     }
-    TRY(trace_points(sim, pose));
+    TRY(trace_points(sim, shot));
     bool wet = in_water(scene, pose->position_m.z);
     for (size_t i = 0; i < scene->point_count; i++) {
         const asdic_point *point = &sim->placement->points[i];
         if (sim->points.hits[i].triangle == ~0u && in_water(scene, point->position_m.z) == wet) {
-            add_point(sim, shot, point, way_to(sim, i, pose), out);
+            add_point(sim, shot, point, way_to(sim, i, shot), out);
         }
     }
     return ASDIC_OK;

@@ -11,6 +11,7 @@
 #include "cones.h"
 #include "deposit_scale.h"
 #include "scene/scene.h"
+#include "sonar_ray.h"
 
 #include "../../kernels/backscatter.h"
 #include "../../kernels/mirror.h"
@@ -32,6 +33,37 @@ static bool surface_is_silent(const asdic_simulator *sim) {
     return sim->setup.sampling.left_out & (1u << ASDIC_TERM_SURFACE);
 }
 
+/* The zones end where rays that bend away from a plane graze it with this sine, and leave a gap of this sine
+ * between them. */
+#define GRAZE 1e-5
+#define GAP 0.005
+
+/* The range up to which rays meet a plane HEIGHT below the sonar, or above it with BEND the other way. */
+static double zone_far(double height, double bend, double reach) {
+    double turn = 2.0 * bend * height * (1.0 + 0.5 * bend * height);
+    double sine = sqrt(fmax(GRAZE * GRAZE + turn, 0.0) / (1.0 + turn));
+    return turn > 0.0 ? fmin(ray_plane_range(height, sine, bend), reach) : reach;
+}
+
+/* Where rays bend, one plane may hide part of the other. */
+static void end_zones(dev_ping *ping, bool bottom, bool surface) {
+    dev_zones *z = &ping->sampling.zones;
+    double bend = asdic_sonar_bend(ping), reach = ping->reach_m;
+    double h = z->bottom_m, hs = z->surface_m;
+    double far = bottom ? zone_far(h, bend, reach) : reach;
+    double fars = surface ? zone_far(hs, -bend, reach) : reach;
+    if (bottom && surface) {
+        double high = ray_plane_sine(h, far, bend), low = -ray_plane_sine(hs, fars, -bend);
+        if (high < low + GAP && bend < 0.0) {
+            far = fmin(ray_plane_range(h, low + GAP, bend), far);
+        } else if (high < low + GAP) {
+            fars = fmin(ray_plane_range(hs, GAP - high, -bend), fars);
+        }
+    }
+    z->bottom_far_m = (float)far;
+    z->surface_far_m = (float)fars;
+}
+
 /* A zone that ends beyond the range leaves its share to the gap. */
 static void place_zones(const asdic_simulator *sim, const asdic_pose *pose, dev_ping *ping) {
     double range = ping->reach_m;
@@ -41,8 +73,12 @@ static void place_zones(const asdic_simulator *sim, const asdic_pose *pose, dev_
     double least = (plane ? LEAST_PLANE : LEAST_MESH) * range;
     bool sounds = sim->setup.scene->has_surface && !surface_is_silent(sim);
     double depth = sounds ? pose->position_m.z : INFINITY;
-    double h = fmax(sim->learnt.zone_altitude * altitude, least),
-           hs = fmax(depth, LEAST_PLANE * range);
+    double share = sim->learnt.zone_altitude;
+    if (plane && share == ASDIC_ZONE_ALTITUDE &&
+        zone_far(altitude, asdic_sonar_bend(ping), 2.0 * range) < 2.0 * range) {
+        share = 1.0; /* the nearer the shadow, the worse a zone for another height fits */
+    }
+    double h = fmax(share * altitude, least), hs = fmax(depth, LEAST_PLANE * range);
     bool bottom = h < 0.95 * range, surface = hs < 0.95 * range;
     ping->sampling.zones.bottom_m = (float)(bottom ? h : 2.0 * range);
     ping->sampling.zones.surface_m = (float)(surface ? hs : 2.0 * range);
@@ -58,6 +94,7 @@ static void place_zones(const asdic_simulator *sim, const asdic_pose *pose, dev_
             ping->sampling.zones.share[3] + ping->sampling.zones.share[4];
         ping->sampling.zones.share[3] = ping->sampling.zones.share[4] = 0.0f;
     }
+    end_zones(ping, bottom, surface);
 }
 
 /* How far the lattices of a calibration's pings lie from the first's, in turns of the golden coordinate:
@@ -186,13 +223,15 @@ static void order_rays(dev_ping *ping) {
 }
 
 /* Where the sonar is, in which water. */
-static void place_sonar(const asdic_scene *scene, const asdic_ping_shot *shot) {
+static void place_sonar(const asdic_simulator *sim, const asdic_ping_shot *shot) {
+    const asdic_scene *scene = sim->setup.scene;
     const asdic_pose *pose = &shot->pose;
     dev_ping *ping = shot->ping;
     asdic_vec3 origin = asdic_vec3_sub(pose->position_m, scene->origin_m);
     ping->origin[0] = (float)origin.x;
     ping->origin[1] = (float)origin.y;
     ping->origin[2] = (float)origin.z;
+    ping->bend_per_m = (float)sim->setup.bend_per_m;
     ping->surface_m = scene->has_surface ? (float)pose->position_m.z : INFINITY;
     ping->bottom_m = scene->has_bottom_plane
                          ? (float)fmax(scene->bottom_plane_depth_m - pose->position_m.z,
@@ -235,7 +274,7 @@ void asdic_shot_aim(const asdic_simulator *sim, asdic_ping_shot *shot, const asd
     order_rays(ping);
     ping->ping[0] = (dev_uint)index;
     ping->ping[1] = (dev_uint)(index >> 32);
-    place_sonar(scene, shot);
+    place_sonar(sim, shot);
     aim_beams(sim, shot);
     ping->sampling.azimuths_learnt = sim->learnt.azimuths;
     ping->sampling.background = rays;

@@ -5,8 +5,9 @@
 #include "base/context.h"
 #include "base/try.h"
 #include "laws/tabulate.h"
+#include "layers.h"
 #include "points.h"
-#include "scene/scene.h"
+#include "scene/lifted.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -59,10 +60,11 @@ static asdic_status create_kernels(asdic_simulator *sim) {
     char options[160];
     snprintf(options, sizeof options,
              "-D ASDIC_WIDTH=%u -D ASDIC_DEPOSIT=%d -D ASDIC_HAS_MESH=%d -D ASDIC_COMMON_AXIS=%d "
-             "-D ASDIC_HAS_WATER=%d -D ASDIC_HAS_MIRRORS=%d",
+             "-D ASDIC_HAS_WATER=%d -D ASDIC_HAS_MIRRORS=%d%s",
              sim->setup.layout.width, (int)sim->setup.layout.deposit, sim->tracer ? 1 : 0,
              sim->fan.common_axis, sim->setup.sampling.left_out & (1u << ASDIC_TERM_VOLUME) ? 0 : 1,
-             sim->setup.has_mirrors ? 1 : 0);
+             sim->setup.has_mirrors ? 1 : 0,
+             sim->setup.bend_per_m != 0.0 ? " -D ASDIC_BENT=1" : "");
     bool collects = sim->setup.layout.deposit == ASDIC_DEPOSIT_COLLECT;
     bool adaptive = sim->setup.sampling.sampler == ASDIC_SAMPLER_ADAPTIVE;
     const struct {
@@ -189,10 +191,6 @@ static asdic_status check_arguments(asdic_context *ctx, const asdic_scene *scene
                                     const asdic_environment *env, const asdic_sonar *sonar,
                                     const asdic_sampling *sampling) {
     TRY(asdic_environment_check(ctx, env));
-    if (asdic_environment_bends(env)) {
-        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
-                          "environment: pings do not bend yet; leave gradient and profile out");
-    }
     TRY(asdic_sonar_check(ctx, sonar));
     if (!scene->committed) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
@@ -229,9 +227,14 @@ static void plan_work(asdic_simulator *sim, const asdic_water_column *water) {
 /* What the device needs of the scene. */
 static asdic_status bring_scene(asdic_simulator *sim, const asdic_water_column *water) {
     asdic_ray_kernel kernel = sim->setup.sampling.kernel;
-    TRY(asdic_placement_create(sim->setup.scene, &sim->placement));
+    const asdic_scene *scene = sim->setup.scene;
+    if (sim->setup.bend_per_m != 0.0) {
+        TRY(asdic_scene_lift(scene, sim->setup.bend_per_m, &sim->lifted));
+        scene = sim->lifted;
+    }
+    TRY(asdic_placement_create(scene, &sim->placement));
     if (needs_triangles(sim)) {
-        TRY(asdic_tracer_create(sim->device, sim->setup.scene, &sim->tracer));
+        TRY(asdic_tracer_create(sim->device, scene, &sim->tracer));
     }
     if (sim->tracer && kernel != ASDIC_RAY_KERNEL_AUTO) {
         TRY(asdic_tracer_set_kernel(sim->tracer, asdic_tracer_kernel_name((size_t)kernel - 1)));
@@ -243,6 +246,39 @@ static asdic_status bring_scene(asdic_simulator *sim, const asdic_water_column *
     sim->setup.components = sim->setup.has_mirrors ? DEV_DEPOSIT_COUNT
                             : scene_echoes(sim)    ? DEV_DEPOSIT_OBJECT + 1u
                                                    : DEV_DEPOSIT_OBJECT;
+    return ASDIC_OK;
+}
+
+/* The depths that rays may reach: of all there is. */
+static void scene_depths(const asdic_scene *scene, double sonar_m, double *from_m, double *to_m) {
+    *from_m = scene->has_surface ? fmin(sonar_m, 0.0) : sonar_m;
+    *to_m = sonar_m;
+    if (scene->has_bottom_plane) {
+        *to_m = fmax(*to_m, scene->bottom_plane_depth_m);
+    }
+    if (scene->triangle_count > 0) {
+        *from_m = fmin(*from_m, fmax(scene->min_m.z, 0.0));
+        *to_m = fmax(*to_m, scene->max_m.z);
+    }
+}
+
+/* How rays bend: as in one layer, which is fitted between the sonar and the bottom where there are more. */
+static asdic_status plan_bend(asdic_simulator *sim, double depth_m) {
+    const asdic_scene *scene = sim->setup.scene;
+    asdic_environment *env = &sim->setup.env;
+    asdic_layers layers;
+    double from_m, to_m;
+    scene_depths(scene, depth_m, &from_m, &to_m);
+    TRY(asdic_environment_check_depths(sim->ctx, env, from_m, to_m));
+    asdic_layers_of(env, depth_m, &layers);
+    if (layers.count > 1) {
+        env->refraction = ASDIC_REFRACTION_LAYER;
+        env->layer_from_m = fmax(depth_m, 0.0);
+        env->layer_to_m = fmax(to_m, env->layer_from_m);
+        asdic_layers_of(env, depth_m, &layers);
+    }
+    const asdic_layer *layer = &layers.layer[0];
+    sim->setup.bend_per_m = layer->gradient_per_s / asdic_layer_speed_mps(layer, scene->origin_m.z);
     return ASDIC_OK;
 }
 
@@ -291,8 +327,11 @@ asdic_status asdic_simulator_create_with(asdic_context *ctx, asdic_device *devic
     if (sampling->left_out & (1u << ASDIC_TERM_BORIC_ACID)) {
         sim->setup.env.ph = -INFINITY; /* 10^(0.78 pH - 5), its strength, is then zero */
     }
-    const asdic_water_column water = asdic_water_column_at(env, sonar, depth_m);
-    asdic_status status = furnish(sim, &water);
+    asdic_status status = plan_bend(sim, depth_m);
+    if (!status) {
+        const asdic_water_column water = asdic_water_column_at(&sim->setup.env, sonar, depth_m);
+        status = furnish(sim, &water);
+    }
     if (status) {
         asdic_simulator_destroy(&sim);
     }
@@ -333,6 +372,7 @@ void asdic_simulator_destroy(asdic_simulator **pointer) {
     asdic_points_finish(sim);
     asdic_tracer_destroy(&sim->tracer);
     asdic_placement_destroy(&sim->placement);
+    asdic_scene_unlift(&sim->lifted);
     asdic_calibration_destroy(&sim->learnt.calibration);
     asdic_store_destroy(sim);
     free(sim);

@@ -81,6 +81,8 @@ typedef struct asdic_ping_shot {
 /* What is fixed when a simulator is made. */
 typedef struct asdic_setup {
     const asdic_scene *scene;
+    double
+        bend_per_m; /* of the water, over its sound speed at the scene frame's zero; 0: straight */
     asdic_environment env;
     asdic_sonar sonar;
     asdic_beam *receivers; /* copy that sonar.receivers points to */
@@ -158,6 +160,7 @@ struct asdic_simulator {
     asdic_context *ctx;
     asdic_device *device;
     asdic_setup setup;
+    asdic_scene *lifted;        /* what rays meet where they bend; else NULL */
     asdic_placement *placement; /* where objects and points are now */
     asdic_tracer *tracer;       /* NULL without triangles */
     asdic_kernels kernels;

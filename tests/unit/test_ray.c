@@ -8,6 +8,8 @@
 
 #define RAYS 2000
 
+static const ray_medium STILL = {0.0, 1.0};
+
 /* Evenly irregular numbers in [0, 1). */
 static double draw(unsigned *state) {
     *state = *state * 1664525u + 1013904223u;
@@ -28,10 +30,12 @@ static void a_way_is_the_ray_to_its_point(void **state) {
     unsigned seed = 1;
     (void)state;
     for (int i = 0; i < RAYS; i++) {
-        ray r = {{100.0 * draw(&seed), -50.0 * draw(&seed), 30.0 * draw(&seed)}, direction(&seed)};
+        triple from = {100.0 * draw(&seed), -50.0 * draw(&seed), 30.0 * draw(&seed)};
+        ray r = ray_start(from, direction(&seed), STILL);
         double t = 0.01 + 300.0 * draw(&seed);
         triple p = ray_point(&r, t);
-        ray_way there = ray_between(r.from, p, 0.0), home = ray_between(p, r.from, 0.0);
+        ray_way there = ray_between(r.from, p, STILL, 0.0),
+                home = ray_between(p, r.from, STILL, 0.0);
         assert_close(there.t, t, 1e-12 * t);
         assert_close(home.t, t, 1e-12 * t);
         assert_close(dot3(there.r.u, r.u), 1.0, 1e-12);
@@ -49,18 +53,19 @@ static void rays_meet_planes_where_they_say(void **state) {
     (void)state;
     for (int i = 0; i < RAYS; i++) {
         double h = 0.1 + 20.0 * draw(&seed), range = h * (1.0 + 30.0 * draw(&seed));
-        double sine = ray_plane_sine(h, range);
-        ray r = {{0.0, 0.0, 3.0}, {sqrt(1.0 - sine * sine), 0.0, sine}};
-        double t = ray_to_plane(h, sine);
+        double sine = ray_plane_sine(h, range, 0.0);
+        ray r =
+            ray_start((triple){0.0, 0.0, 3.0}, (triple){sqrt(1.0 - sine * sine), 0.0, sine}, STILL);
+        double t = ray_to_plane(h, sine, 0.0);
         assert_close(ray_point(&r, t).z - r.from.z, h, 1e-9);
         assert_close(ray_range(&r, t), range, 1e-9 * range);
-        assert_close(ray_plane_range(h, sine), range, 1e-9 * range);
+        assert_close(ray_plane_range(h, sine, 0.0), range, 1e-9 * range);
         assert_close(ray_direction(&r, t).z, ray_plane_grazing(h, range), 1e-12);
         assert_close(sin(ray_plane_elevation(h, range)), sine, 1e-12);
         /* Shares of rays: density over the sine times the sine's step is the part of the ranges. */
         double near = h, far = 40.0 * h, step = 1e-6 * range;
-        double sines = ray_plane_sine(h, range - step) - ray_plane_sine(h, range + step);
-        double density = ray_plane_density(0.3, range, h, near, far);
+        double sines = ray_plane_sine(h, range - step, 0.0) - ray_plane_sine(h, range + step, 0.0);
+        double density = ray_plane_density(0.3, range, h, near, far, 0.0);
         assert_close(density * sines, 0.3 * 2.0 * step / (far - near), 1e-6 * step / h);
         /* Rings: their area between two coordinates is that between two circles. */
         double s = ray_ring_coordinate(h, range), ds = 1e-4;
@@ -81,7 +86,8 @@ static void footprints_are_differences(void **state) {
         double e = 3.0 * (draw(&seed) - 0.5), phi = 6.2 * draw(&seed), t = 1.0 + 50.0 * draw(&seed);
         triple n = direction(&seed);
         double range[2], step = 1e-6;
-        ray r = {{0}, {cos(e) * cos(phi), cos(e) * sin(phi), sin(e)}};
+        ray r =
+            ray_start((triple){0}, (triple){cos(e) * cos(phi), cos(e) * sin(phi), sin(e)}, STILL);
         double sine = fabs(dot3(r.u, n));
         if (sine < 0.05 || cos(e) < 0.05) {
             continue;
@@ -140,11 +146,11 @@ static void mirrors_reach_as_far_as_they_say(void **state) {
     for (int i = 0; i < RAYS; i++) {
         triple u = direction(&seed), v = direction(&seed);
         double t1 = 0.5 + 40.0 * draw(&seed), rest = t1 * (1.01 + 5.0 * draw(&seed));
-        ray first = {{0}, u};
-        ray second = {ray_point(&first, t1), v};
+        ray first = ray_start((triple){0}, u, STILL);
+        ray second = ray_start(ray_point(&first, t1), v, STILL);
         double t2 = ray_mirror_reach(rest, t1, dot3(u, v));
         triple x = ray_point(&second, t2), sonar = {0.0, 0.0, 0.0};
-        assert_close(t2 + ray_between(x, sonar, 0.0).t, rest, 1e-9 * rest);
+        assert_close(t2 + ray_between(x, sonar, STILL, 0.0).t, rest, 1e-9 * rest);
     }
 }
 

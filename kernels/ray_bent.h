@@ -1,0 +1,268 @@
+/*
+ * The functions of ray.h in water whose sound speed changes evenly with depth, c = c0 + g z: a program that
+ * defines ASDIC_BENT as 1 has these.
+ *
+ * The lift of lift.h turns every ray into a straight line, whatever point depth is counted from. A tracer that
+ * is given lifted triangles, origins and directions therefore needs to know nothing of it.
+ *
+ * Lifted about its own start, with b = g / c there (ray.bend, 1/m), a ray in direction u of unit length is
+ * T u. T is also what a tracer measures along a direction lifted elsewhere, which is not made a unit again.
+ * With q = c(T) / c(start), m^2 = 1 - u_z^2, and sources as in lift.h:
+ *
+ *     q^2       = 1 + 2 b w,  w = T u_z - b m^2 T^2 / 2
+ *     depth     = 2 w / (1 + q), below the start
+ *     direction = (q u_x, q u_y, u_z - b m^2 T)
+ *     range     = atanh(b T / (1 + b T u_z)) / b, at the sound speed of the start
+ *     width     = T, and T / q what 1 / r^2 asks for: sinh(b range) / b
+ *
+ * b = 0 gives the straight ray and b -> 0 loses nothing; |b| range up to 0.8. Where no sign is stated, a plane
+ * lies below the start.
+ */
+#ifndef ASDIC_KERNEL_RAY_BENT_H
+#define ASDIC_KERNEL_RAY_BENT_H
+
+#include "lift.h"
+
+/* What is farther than this, m, counts as never met. */
+#define BENT_FAR 1e5f
+/* q is not followed below this, towards the plane where c would be 0. */
+#define BENT_SLOW 1e-2f
+
+/* atanh(x) / x, tanh(x) / x, sinh(x) / x and cosh(x) from V = x^2. */
+#ifdef __OPENCL_C_VERSION__
+
+/* Continued fractions (M. Abramowitz, I. A. Stegun, "Handbook of mathematical functions", 4.5.70 and
+ * 4.6.33), cut off and multiplied out, and series: to 1e-7 for |x| up to 0.6, 1e-6 up to 0.7. */
+FORMULA real bent_atanh(real v) {
+    real over = R(1.0) + v * (R(-1.5333333) + v * (R(0.65470085) - v * R(0.067306027)));
+    real under = R(-1.8666667) + v * (R(1.0769231) + v * (R(-0.19580420) + v * R(0.0054390054)));
+    return over / (R(1.0) + v * under);
+}
+
+FORMULA real bent_tanh(real v) {
+    real over = R(1.0) + v * (R(0.11111111) + v * R(0.0010582011));
+    return over / (R(1.0) + v * (R(0.44444444) + v * R(0.015873016)));
+}
+
+FORMULA real bent_sinh(real v) {
+    real high = R(1.9841270e-4) + v * R(2.7557319e-6);
+    return R(1.0) + v * (R(1.6666667e-1) + v * (R(8.3333333e-3) + v * high));
+}
+
+FORMULA real bent_cosh(real v) {
+    real high = R(1.3888889e-3) + v * R(2.4801587e-5);
+    return R(1.0) + v * (R(0.5) + v * (R(4.1666667e-2) + v * high));
+}
+
+#else
+
+FORMULA real bent_atanh(real v) {
+    return v < 1e-4 ? 1.0 + v * (1.0 / 3.0 + v * (0.2 + v / 7.0)) : atanh(sqrt(v)) / sqrt(v);
+}
+
+FORMULA real bent_tanh(real v) {
+    return v < 1e-8 ? 1.0 - v / 3.0 : tanh(sqrt(v)) / sqrt(v);
+}
+
+FORMULA real bent_sinh(real v) {
+    return v < 1e-8 ? 1.0 + v / 6.0 : sinh(sqrt(v)) / sqrt(v);
+}
+
+FORMULA real bent_cosh(real v) {
+    return cosh(sqrt(v));
+}
+
+#endif
+
+#if ASDIC_BENT
+
+/* ---- The lift ---- */
+
+FORMULA triple ray_lift(triple p, ray_medium water) {
+    return lift_point(water.bend, p);
+}
+
+FORMULA triple ray_unlift(triple p, ray_medium water) {
+    return lift_back(water.bend, p);
+}
+
+/* The bend of the water as seen from depth Z. */
+FORMULA real ray_bend(real z, ray_medium water) {
+    return water.bend / (R(1.0) + water.bend * z);
+}
+
+FORMULA ray ray_start(triple from, triple u, ray_medium water) {
+    real speed = R(1.0) + water.bend * from.z;
+    ray r = {from, u, water.bend / speed, water.sonar / speed};
+    return r;
+}
+
+/* Its direction as a tracer sees it, and the ray from that. */
+FORMULA triple ray_traced(const ray *r, ray_medium water) {
+    return lift_direction(water.bend, r->from, r->u);
+}
+
+FORMULA ray ray_of_traced(triple from, triple d, ray_medium water) {
+    real level = from.x * d.x + from.y * d.y;
+    triple u = {d.x, d.y, (d.z - water.bend * level) / (R(1.0) + water.bend * from.z)};
+    return ray_start(from, u, water);
+}
+
+/* ---- Along a ray ---- */
+
+/* What all functions of a place on a ray begin with. */
+typedef struct bent_place {
+    real t, w, q, level; /* level: m^2 */
+} bent_place;
+
+FORMULA bent_place bent_at(const ray *r, real t) {
+    bent_place at;
+    at.t = r_min(t, (real)(BENT_FAR));
+    at.level = r->u.x * r->u.x + r->u.y * r->u.y;
+    at.w = at.t * (r->u.z - R(0.5) * r->bend * at.level * at.t);
+    at.q = sqrt(r_max(R(1.0) + R(2.0) * r->bend * at.w, (real)(BENT_SLOW * BENT_SLOW)));
+    return at;
+}
+
+FORMULA triple ray_point(const ray *r, real t) {
+    bent_place at = bent_at(r, t);
+    triple p = {r->from.x + at.t * r->u.x, r->from.y + at.t * r->u.y,
+                r->from.z + R(2.0) * at.w / (R(1.0) + at.q)};
+    return p;
+}
+
+FORMULA triple ray_direction(const ray *r, real t) {
+    bent_place at = bent_at(r, t);
+    triple u = {at.q * r->u.x, at.q * r->u.y, r->u.z - r->bend * at.level * at.t};
+    return u;
+}
+
+FORMULA real ray_range(const ray *r, real t) {
+    real far = r_min(t, (real)(BENT_FAR)), ahead = R(1.0) + r->bend * far * r->u.z;
+    real x = r_min(r_abs(r->bend * far / ahead), R(0.99));
+    real range = far / ahead * bent_atanh(x * x);
+    return choose(t < (real)(BENT_FAR), r->pace * range, (real)(INFINITY));
+}
+
+FORMULA real ray_spread(const ray *r, real t) {
+    (void)r;
+    return t;
+}
+
+FORMULA real ray_at_range(const ray *r, real range) {
+    real own = range / r->pace, x = r->bend * own, y = own * bent_tanh(x * x);
+    return y / (R(1.0) - r->bend * y * r->u.z);
+}
+
+/* Displacements across a ray are T times the angle at its start; a displacement along it takes 1 / q of range. */
+FORMULA real ray_footprint(const ray *r, real t, real splat, triple normal, real sin_grazing) {
+    bent_place at = bent_at(r, t);
+    real across = sqrt(r_max(at.level, R(1e-12)));
+    real down = r->u.z - r->bend * at.level * at.t;
+    real tangent =
+        (-down * (r->u.x * normal.x + r->u.y * normal.y)) / across + at.q * across * normal.z;
+    return r->pace * splat * t * r_abs(tangent) / (sin_grazing * at.q);
+}
+
+/* The loss on the way over that of a straight ray of RANGE: (range b / sinh(b range))^2, and the absorption
+ * of an arc that is longer or shorter than the range. MINUS_2K is -2 K. */
+FORMULA real ray_bending(const ray *r, real t, real range, real minus_2k) {
+    bent_place at = bent_at(r, t);
+    real depth = R(2.0) * at.w / (R(1.0) + at.q);
+    real chord = sqrt(at.level * at.t * at.t + depth * depth);
+    real v = R(0.5) * r->bend * chord; /* over cos of the elevation: the sine of half the turn */
+    v = r_min(v * v * at.level, R(0.5));
+    real arc =
+        chord * (R(1.0) + v * (R(1.0) / R(6.0) +
+                               v * (R(0.075) + v * (R(15.0) / R(336.0) + v * R(0.0303819)))));
+    real spread = range * at.q / r_max(r->pace * at.t, R(1e-6));
+    real loss = spread * spread * exp(minus_2k * (arc - range));
+    return choose((t < (real)(BENT_FAR)) & (r->bend != R(0.0)), loss, R(1.0));
+}
+
+/* T at which it meets the plane through POINT with unit NORMAL, near T: a lifted triangle is flat where it
+ * should be curved, by L^2 |b| / 8 for an edge of L. */
+FORMULA real ray_onto(const ray *r, real t, triple point, triple normal) {
+    triple at = ray_point(r, t), u = ray_direction(r, t);
+    triple apart = {point.x - at.x, point.y - at.y, point.z - at.z};
+    real along = dot3(u, normal), size = r_max(r_abs(along), R(1e-2));
+    return t +
+           bent_at(r, t).q * dot3(apart, normal) * choose(along < R(0.0), R(-1.0), R(1.0)) / size;
+}
+
+/* ---- From one point to another ---- */
+
+FORMULA ray_way ray_between(triple from, triple to, ray_medium water, real least) {
+    triple apart = {to.x - from.x, to.y - from.y, to.z - from.z};
+    ray_way way;
+    apart.z += R(0.5) * ray_bend(from.z, water) * dot3(apart, apart);
+    way.t = r_max(sqrt(dot3(apart, apart)), least);
+    triple u = {apart.x / way.t, apart.y / way.t, apart.z / way.t};
+    way.r = ray_start(from, u, water);
+    return way;
+}
+
+FORMULA triple ray_back(const ray *r, real t) {
+    triple u = ray_direction(r, t), back = {-u.x, -u.y, -u.z};
+    return back;
+}
+
+/* ---- Horizontal planes ---- */
+
+/* With depth down for planes below; for planes above the caller turns the signs of DOWN and BEND. */
+
+/* The nearer root of b m^2 T^2 / 2 - T u_z + h (1 + b h / 2) = 0, where both are not behind. */
+FORMULA real ray_to_plane(real height, real down, real bend) {
+    real level = (R(1.0) - down) * (R(1.0) + down);
+    real w = height * (R(1.0) + R(0.5) * bend * height);
+    real grazing2 = down * down - R(2.0) * bend * level * w;
+    real grazing = sqrt(r_max(grazing2, R(0.0)));
+    real curl = bend * level;
+    /* Of a ray that sets out away from the plane and turns, the sum below cancels. */
+    real direct = R(2.0) * w / r_max(down + grazing, (real)(RAY_LEVEL));
+    real turned = (down - grazing) / r_min(curl, (real)(-RAY_LEVEL));
+    real t = choose(down > R(0.0), direct, turned);
+    mask meets = (grazing2 >= R(0.0)) & ((down > R(0.0)) | (curl < (real)(-RAY_LEVEL)));
+    return choose(meets, t, (real)(INFINITY));
+}
+
+/* c at the plane over c at the start. */
+FORMULA real bent_plane_speed(real height, real bend) {
+    return R(1.0) + bend * height;
+}
+
+/* u_z = (h / q) b / sinh(b d) + tanh(b d / 2), from the chord D = 2 sqrt(q) sinh(b d / 2) / b. */
+FORMULA real ray_plane_sine(real height, real range, real bend) {
+    real x = bend * range, v = x * x;
+    return height / (bent_plane_speed(height, bend) * range * bent_sinh(v)) +
+           R(0.5) * x * bent_tanh(R(0.25) * v);
+}
+
+FORMULA real ray_plane_range(real height, real sine, real bend) {
+    ray r = {{R(0.0), R(0.0), R(0.0)}, {R(0.0), R(0.0), sine}, bend, R(1.0)};
+    return ray_range(&r, ray_to_plane(height, sine, bend));
+}
+
+FORMULA real ray_plane_density(real share, real range, real height, real near, real far,
+                               real bend) {
+    real x = bend * range, v = x * x, sinh_x = bent_sinh(v), cosh_half = bent_cosh(R(0.25) * v);
+    real slope =
+        height * bent_cosh(v) / (bent_plane_speed(height, bend) * range * range * sinh_x * sinh_x) -
+        R(0.5) * bend / (cosh_half * cosh_half);
+    return share / (r_max(r_abs(slope), R(1e-9)) * (far - near));
+}
+
+/* A nudge keeps rounding from crossing a bin's edge that lies there. */
+FORMULA real ray_plane_nearest(const ray *r, real t, real range, triple normal, real sin_grazing) {
+    triple at = ray_point(r, t);
+    triple apart = {at.x - r->from.x, at.y - r->from.y, at.z - r->from.z};
+    real off = dot3(apart, normal), v = R(0.5) * r->bend * off;
+    real speed = r_max(R(1.0) + r->bend * off * normal.z, (real)(BENT_SLOW));
+    real near = r_abs(off) / sqrt(speed) * (R(1.0) - v * v / (R(6.0) * speed));
+    (void)sin_grazing;
+    return r_min(r->pace * near * R(1.0000005), range);
+}
+
+#endif
+
+#endif

@@ -1,0 +1,203 @@
+#include "lifted.h"
+
+#include "base/context.h"
+#include "base/try.h"
+#include "moving.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* What the chord of a lifted edge may leave out, m. */
+#define CHORD 2e-3
+/* Pieces that few large triangles may make; from there on edges may be longer. */
+#define MOST_PIECES 4e6
+
+/* Lifted triangles: one for each of the scene's, then further pieces of those, whose ids are in PARENTS. */
+typedef struct pieces {
+    asdic_context *ctx;
+    dev_triangle *triangles;
+    uint32_t *parents;
+    size_t scene_count, count, capacity;
+    double bend_per_m, longest2_m2;
+} pieces;
+
+/* Corners in double: halves of an edge have the same bits in both of its triangles. */
+typedef struct corners {
+    double v[3][3];
+} corners;
+
+static double edge2(const corners *c, int i) {
+    const double *a = c->v[i], *b = c->v[(i + 1) % 3];
+    double x = a[0] - b[0], y = a[1] - b[1], z = a[2] - b[2];
+    return x * x + y * y + z * z;
+}
+
+static corners corners_of(const dev_triangle *t) {
+    corners c;
+    for (int k = 0; k < 3; k++) {
+        c.v[0][k] = t->v0[k];
+        c.v[1][k] = t->v1[k];
+        c.v[2][k] = t->v2[k];
+    }
+    return c;
+}
+
+static bool is_long(const pieces *p, const corners *c) {
+    return edge2(c, 0) > p->longest2_m2 || edge2(c, 1) > p->longest2_m2 ||
+           edge2(c, 2) > p->longest2_m2;
+}
+
+static void place(const pieces *p, const corners *c, dev_triangle *t) {
+    float *to[3] = {t->v0, t->v1, t->v2};
+    for (int i = 0; i < 3; i++) {
+        to[i][0] = (float)c->v[i][0];
+        to[i][1] = (float)c->v[i][1];
+        to[i][2] = asdic_lifted_z(p->bend_per_m, c->v[i]);
+    }
+}
+
+static asdic_status append(pieces *p, size_t parent, const corners *c) {
+    if (p->count == p->capacity) {
+        size_t capacity = p->capacity + p->capacity / 2 + 64;
+        dev_triangle *triangles = realloc(p->triangles, capacity * sizeof *triangles);
+        p->triangles = triangles ? triangles : p->triangles;
+        uint32_t *parents = realloc(p->parents, (capacity - p->scene_count) * sizeof *parents);
+        p->parents = parents ? parents : p->parents;
+        if (!triangles || !parents) {
+            return asdic_fail_memory(p->ctx, "a scene for bent rays");
+        }
+        p->capacity = capacity;
+    }
+    p->triangles[p->count] = p->triangles[parent];
+    p->parents[p->count - p->scene_count] = (uint32_t)parent;
+    place(p, c, &p->triangles[p->count++]);
+    return ASDIC_OK;
+}
+
+/* Halves the long edges of a piece of PARENT. Whether an edge is halved depends on its ends alone, so that
+ * neighbours share all corners. The first piece takes the parent's own place. */
+static asdic_status divide(pieces *p, size_t parent, const corners *c, bool *first) {
+    if (!is_long(p, c)) {
+        if (*first) {
+            *first = false;
+            place(p, c, &p->triangles[parent]);
+            return ASDIC_OK;
+        }
+        return append(p, parent, c);
+    }
+    int longest = edge2(c, 0) >= edge2(c, 1) ? 0 : 1;
+    longest = edge2(c, 2) > edge2(c, longest) ? 2 : longest;
+    corners half[2] = {*c, *c};
+    for (int k = 0; k < 3; k++) {
+        double middle = 0.5 * (c->v[longest][k] + c->v[(longest + 1) % 3][k]);
+        half[0].v[(longest + 1) % 3][k] = middle;
+        half[1].v[longest][k] = middle;
+    }
+    TRY(divide(p, parent, &half[0], first));
+    return divide(p, parent, &half[1], first);
+}
+
+/* Lets edges be longer where large triangles would make too many pieces. */
+static void limit_pieces(const asdic_scene *scene, pieces *p) {
+    double sum = 0.0;
+    for (size_t i = 0; i < scene->triangle_count; i++) {
+        corners c = corners_of(&scene->triangles[i]);
+        if (is_long(p, &c)) {
+            double a[3], b[3];
+            for (int k = 0; k < 3; k++) {
+                a[k] = c.v[1][k] - c.v[0][k];
+                b[k] = c.v[2][k] - c.v[0][k];
+            }
+            sum += hypot(hypot(a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2]),
+                         a[0] * b[1] - a[1] * b[0]);
+        }
+    }
+    /* Pieces have from a quarter to half of the square of their longest edge. */
+    p->longest2_m2 = fmax(p->longest2_m2, 4.0 * sum / MOST_PIECES);
+}
+
+static asdic_status lift_triangles(const asdic_scene *scene, pieces *p) {
+    for (size_t i = 0; i < scene->triangle_count; i++) {
+        corners c = corners_of(&scene->triangles[i]);
+        bool first = true;
+        if (scene->parts[scene->triangles[i].part].moves) {
+            place(p, &c, &p->triangles[i]);
+        } else {
+            TRY(divide(p, i, &c, &first));
+        }
+    }
+    return ASDIC_OK;
+}
+
+/* Builds LIFTED's hierarchy; its blocks get the ids of the scene's triangles. */
+static asdic_status build(asdic_scene *lifted, pieces *p) {
+    dev_triangle *own = lifted->triangles;
+    lifted->triangles = p->triangles;
+    lifted->triangle_count = p->count;
+    asdic_status status = asdic_scene_assemble(lifted);
+    lifted->triangles = own;
+    lifted->triangle_count = p->scene_count;
+    for (size_t b = 0; !status && b < lifted->bvh.block_count; b++) {
+        uint32_t *ids = lifted->bvh.blocks[b].id;
+        for (int lane = 0; lane < DEV_LEAF_TRIANGLES && ids[lane] != ~0u; lane++) {
+            ids[lane] =
+                ids[lane] < p->scene_count ? ids[lane] : p->parents[ids[lane] - p->scene_count];
+        }
+    }
+    return status;
+}
+
+static asdic_status fill(const asdic_scene *scene, double bend_per_m, asdic_scene *lifted) {
+    size_t count = scene->triangle_count, movables = scene->movable_count;
+    pieces p = {.ctx = scene->ctx,
+                .scene_count = count,
+                .count = count,
+                .capacity = count + 64,
+                .bend_per_m = bend_per_m,
+                .longest2_m2 = 8.0 * CHORD / fmax(fabs(bend_per_m), 1e-30)};
+    *lifted = *scene;
+    lifted->bend_per_m = bend_per_m;
+    lifted->bvh = (asdic_bvh){.root = DEV_EMPTY};
+    lifted->movables = calloc(movables + 1, sizeof *lifted->movables);
+    p.triangles = malloc(p.capacity * sizeof *p.triangles);
+    p.parents = malloc(64 * sizeof *p.parents);
+    asdic_status status = lifted->movables && p.triangles && p.parents
+                              ? ASDIC_OK
+                              : asdic_fail_memory(scene->ctx, "a scene for bent rays");
+    if (!status) {
+        memcpy(p.triangles, scene->triangles, count * sizeof *p.triangles);
+        if (movables > 0) {
+            memcpy(lifted->movables, scene->movables, movables * sizeof *lifted->movables);
+        }
+        limit_pieces(scene, &p);
+        status = lift_triangles(scene, &p);
+    }
+    if (!status) {
+        status = build(lifted, &p);
+    }
+    free(p.triangles);
+    free(p.parents);
+    return status;
+}
+
+asdic_status asdic_scene_lift(const asdic_scene *scene, double bend_per_m, asdic_scene **out) {
+    *out = calloc(1, sizeof **out);
+    if (!*out) {
+        return asdic_fail_memory(scene->ctx, "a scene for bent rays");
+    }
+    asdic_status status = fill(scene, bend_per_m, *out);
+    if (status) {
+        asdic_scene_unlift(out);
+    }
+    return status;
+}
+
+void asdic_scene_unlift(asdic_scene **lifted) {
+    if (lifted && *lifted) {
+        free((*lifted)->movables);
+        asdic_bvh_finish(&(*lifted)->bvh);
+        free(*lifted);
+        *lifted = NULL;
+    }
+}

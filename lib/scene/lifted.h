@@ -1,0 +1,22 @@
+/*
+ * A scene as sound sees it in water whose sound speed changes evenly with depth: its triangles lifted, so that
+ * rays are straight (kernels/lift.h). Shading goes on with the true triangles, under the same ids.
+ */
+#ifndef ASDIC_SCENE_LIFTED_H
+#define ASDIC_SCENE_LIFTED_H
+
+#include "scene.h"
+
+/* The height of a lifted corner, in the scene frame; BEND_PER_M: over the sound speed at that frame's zero. The
+ * same corner gives the same bits wherever it is met. */
+static inline float asdic_lifted_z(double bend_per_m, const double v[3]) {
+    return (float)(v[2] + 0.5 * bend_per_m * (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]));
+}
+
+/* A view of the committed SCENE, which must outlive it, with a hierarchy of lifted triangles: for tracers and
+ * placements. A flat triangle lifts to a curved one, of which an edge of length L leaves out at most
+ * L^2 |BEND_PER_M| / 8: edges of what stays are halved until that is below 2 mm. */
+asdic_status asdic_scene_lift(const asdic_scene *scene, double bend_per_m, asdic_scene **lifted);
+void asdic_scene_unlift(asdic_scene **lifted);
+
+#endif

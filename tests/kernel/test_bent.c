@@ -1,0 +1,296 @@
+/*
+ * Pings in water whose sound speed changes evenly with depth: against quadrature that follows rays by itself,
+ * over planes and over meshes, and against straight rays where they hardly bend.
+ */
+#include "ping_rig.h"
+
+#include "kernels/lift.h"
+
+static test_device t;
+
+#define DEPTH 12.0
+
+/* R.m.s. and largest difference of a component's levels from those of TRUTH, from 2 m on. */
+typedef struct difference {
+    double rms_db, most_db;
+} difference;
+
+static difference compare(const asdic_ping *ping, const asdic_ping *truth, asdic_component c) {
+    difference d = {0.0, 0.0};
+    double count = 0.0;
+    for (size_t i = 0; i < ping->beams * ping->bins; i++) {
+        if (i % ping->bins < 4 || truth->intensity_lin[c][i] <= 0.0) {
+            continue;
+        }
+        double off = fabs(asdic_level_db(ping->intensity_lin[c][i]) -
+                          asdic_level_db(truth->intensity_lin[c][i]));
+        d.rms_db += off * off;
+        d.most_db = fmax(d.most_db, off);
+        count += 1.0;
+    }
+    d.rms_db = sqrt(d.rms_db / fmax(count, 1.0));
+    return d;
+}
+
+static ping_rig bent_rig(double gradient_per_s, uint32_t rays) {
+    ping_rig r = rig_create(&t);
+    r.sonar.receiver_count = 1;
+    r.sampling.rays = rays;
+    r.env.sound_speed_gradient_per_s = gradient_per_s;
+    return r;
+}
+
+static asdic_ping *expected(const ping_rig *r, const asdic_ping *like) {
+    asdic_flat_scene flat = {.has_surface = true,
+                             .has_bottom = true,
+                             .altitude_m = DEPTH - r->pose.position_m.z,
+                             .depth_m = r->pose.position_m.z,
+                             .bottom = asdic_material_bottom(2.0)};
+    asdic_ping *truth = NULL;
+    assert_ok(t.ctx, asdic_ping_create(t.ctx, like->beams, like->bins, &truth));
+    assert_ok(t.ctx, asdic_expected_compute(t.ctx, &flat, &r->env, &r->sonar, &r->pose, truth));
+    return truth;
+}
+
+static void pings_meet_quadrature(void **state) {
+    static const double gradients[] = {0.016, -0.2, 0.2, -1.0, 1.0};
+    static const asdic_component each[] = {ASDIC_BOTTOM, ASDIC_SURFACE, ASDIC_VOLUME};
+    (void)state;
+    for (size_t k = 0; k < sizeof gradients / sizeof *gradients; k++) {
+        difference d[2], part[3];
+        for (int many = 0; many < 2; many++) {
+            ping_rig r = bent_rig(gradients[k], many ? 1u << 18 : 4096u);
+            asdic_ping *ping = rig_shoot(&r, 0, true), *truth = expected(&r, ping);
+            d[many] = compare(ping, truth, ASDIC_TOTAL);
+            for (int c = 0; c < 3; c++) {
+                part[c] = compare(ping, truth, each[c]);
+            }
+            asdic_ping_destroy(&truth);
+            asdic_ping_destroy(&ping);
+            rig_destroy(&r);
+        }
+        print_message("%6.3f 1/s: r.m.s. %.4f dB of 4,096 rays; of 262,144 %.4f, bottom %.4f, "
+                      "surface %.4f, volume %.4f\n",
+                      gradients[k], d[0].rms_db, d[1].rms_db, part[0].rms_db, part[1].rms_db,
+                      part[2].rms_db);
+        assert_true(d[0].rms_db < 0.06 && d[0].most_db < 0.8);
+        assert_true(d[1].rms_db < 0.004 && d[1].most_db < 0.05);
+        assert_true(part[0].rms_db < 0.01 && part[1].rms_db < 0.02 && part[2].rms_db < 0.006);
+    }
+}
+
+/* The sonar's heights near the planes: grazing rays, turning ones, ones that never come to a plane. */
+static void high_and_low_sonars_meet_quadrature(void **state) {
+    static const double depths[] = {0.6, 11.4};
+    (void)state;
+    for (int k = 0; k < 4; k++) {
+        ping_rig r = bent_rig(k % 2 ? 0.5 : -0.5, 1u << 16);
+        r.pose.position_m.z = depths[k / 2];
+        r.env.max_depth_m = NAN;
+        asdic_ping *ping = rig_shoot(&r, 0, true), *truth = expected(&r, ping);
+        difference d = compare(ping, truth, ASDIC_TOTAL);
+        print_message("at %4.1f m, %4.1f 1/s: r.m.s. %.4f dB, most %.3f\n", depths[k / 2],
+                      k % 2 ? 0.5 : -0.5, d.rms_db, d.most_db);
+        assert_true(d.rms_db < 0.03 && d.most_db < 0.4);
+        asdic_ping_destroy(&truth);
+        asdic_ping_destroy(&ping);
+        rig_destroy(&r);
+    }
+}
+
+static void stated_errors_are_honest(void **state) {
+    enum { BLOCKS = 12, PINGS = 4 };
+    (void)state;
+    for (int k = 0; k < 2; k++) {
+        ping_rig r = bent_rig(k ? 0.4 : -0.4, 4096u);
+        asdic_simulator *sim = rig_simulator(&r);
+        asdic_ping *ping = NULL, *truth;
+        double sum = 0.0, count = 0.0;
+        assert_ok(t.ctx, asdic_ping_create(t.ctx, 1, asdic_simulator_bin_count(sim), &ping));
+        truth = expected(&r, ping);
+        for (uint64_t i = 0; i < (uint64_t)BLOCKS * PINGS; i++) {
+            if (i % PINGS == 0) {
+                assert_ok(t.ctx, asdic_simulator_learn(sim, &r.pose, ASDIC_LEARN_BLOCK * i));
+            }
+            assert_ok(t.ctx,
+                      asdic_simulator_ping(
+                          sim, &r.pose, ASDIC_LEARN_BLOCK * (i / PINGS * PINGS) + i % PINGS, ping));
+            for (size_t n = 4; n < ping->bins; n++) {
+                double off = asdic_level_db(ping->intensity_lin[ASDIC_TOTAL][n]) -
+                             asdic_level_db(truth->intensity_lin[ASDIC_TOTAL][n]);
+                sum += pow(off / ping->stderr_db[n], 2.0);
+                count += 1.0;
+            }
+        }
+        print_message("%4.1f 1/s: true over stated error %.2f\n", k ? 0.4 : -0.4,
+                      sqrt(sum / count));
+        assert_true(sqrt(sum / count) > 0.8 && sqrt(sum / count) < 1.3);
+        asdic_ping_destroy(&truth);
+        asdic_ping_destroy(&ping);
+        asdic_simulator_destroy(&sim);
+        rig_destroy(&r);
+    }
+}
+
+/* As the gradient goes to nothing, pings go to those of straight rays; without one they have their bytes. */
+static void no_gradient_is_straight(void **state) {
+    static const double gradients[] = {0.0, -0.0, 1e-30, -1e-30, 1e-7, -1e-7};
+    (void)state;
+    ping_rig straight = rig_create(&t);
+    straight.sonar.receiver_count = 1;
+    straight.sampling.rays = 4096;
+    straight.env.sound_speed_mps = 1490.0;
+    asdic_ping *truth = rig_shoot(&straight, 0, true);
+    for (size_t k = 0; k < sizeof gradients / sizeof *gradients; k++) {
+        ping_rig r = bent_rig(gradients[k], 4096u);
+        r.env.sound_speed_mps = 1490.0;
+        asdic_ping *ping = rig_shoot(&r, 0, true);
+        difference d = compare(ping, truth, ASDIC_TOTAL);
+        print_message("%g 1/s: r.m.s. %.2g dB off straight rays\n", gradients[k], d.rms_db);
+        assert_true(gradients[k] == 0.0 ? rig_same(ping, truth) : d.rms_db < 0.01);
+        asdic_ping_destroy(&ping);
+        rig_destroy(&r);
+    }
+    asdic_ping_destroy(&truth);
+    rig_destroy(&straight);
+}
+
+/* The bottom as two triangles, whose edges are 600 m long: lifted, they would leave the water. */
+static asdic_scene *bottom_of_two_triangles(void) {
+    static const double v[] = {-300,  -300, DEPTH, 300,   -300, DEPTH, 300, 300,
+                               DEPTH, -300, 300,   DEPTH, -299, -300,  0.5};
+    static const uint32_t index[] = {0, 2, 1, 0, 3, 2, 0, 1, 4}; /* and a fin far behind */
+    asdic_scene *scene = NULL;
+    asdic_mesh *mesh = NULL;
+    assert_ok(t.ctx, asdic_mesh_from_triangles(t.ctx, v, 5, index, 3, &mesh));
+    assert_ok(t.ctx, asdic_scene_create(t.ctx, &scene));
+    assert_ok(t.ctx,
+              asdic_scene_add_bottom(scene, mesh, (asdic_pose){0}, asdic_material_bottom(2.0)));
+    asdic_mesh_destroy(&mesh);
+    return scene;
+}
+
+static void large_triangles_are_a_plane(void **state) {
+    static const asdic_ray_kernel kernels[] = {ASDIC_RAY_KERNEL_WIDE8, ASDIC_RAY_KERNEL_PKT16,
+                                               ASDIC_RAY_KERNEL_FRUSTUM64, ASDIC_RAY_KERNEL_SCALAR};
+    (void)state;
+    for (int sign = -1; sign <= 1; sign += 2) {
+        asdic_ping *first = NULL;
+        for (int k = 0; k < 4; k++) {
+            ping_rig r = bent_rig(sign, 1u << 16);
+            asdic_scene_destroy(&r.scene);
+            r.scene = bottom_of_two_triangles();
+            r.sampling.kernel = kernels[k];
+            asdic_ping *ping = rig_shoot(&r, 0, true), *truth = expected(&r, ping);
+            difference d = compare(ping, truth, ASDIC_TOTAL);
+            print_message("%d 1/s, two triangles: r.m.s. %.4f dB, most %.3f\n", sign, d.rms_db,
+                          d.most_db);
+            assert_true(d.rms_db < 0.03 && d.most_db < 0.3);
+            assert_true(k == 0 || rig_same(ping, first));
+            asdic_ping_destroy(&truth);
+            if (k == 0) {
+                first = ping;
+            } else {
+                asdic_ping_destroy(&ping);
+            }
+            rig_destroy(&r);
+        }
+        asdic_ping_destroy(&first);
+    }
+}
+
+/* An object brought to a place by moving it gives the bytes of one that was added there. */
+static void moved_objects_are_those_built_there(void **state) {
+    static const asdic_pose there = {{14.0, 3.0, 6.0}, 0.3, -0.2, 0.7},
+                            before = {{9.0, -4.0, 8.0}, 0, 0, 0};
+    asdic_ping *pings[2];
+    (void)state;
+    for (int moved = 0; moved < 2; moved++) {
+        ping_rig r = bent_rig(0.8, 8192u);
+        asdic_mesh *mesh = NULL;
+        asdic_scene_destroy(&r.scene);
+        r.scene = bottom_of_two_triangles();
+        assert_ok(t.ctx, asdic_mesh_box(t.ctx, (asdic_vec3){2.0, 3.0, 1.0}, &mesh));
+        assert_ok(t.ctx, asdic_scene_add_moving_object(r.scene, "box", mesh, moved ? before : there,
+                                                       asdic_material_facet(45.0, 1e-3, 0.1)));
+        asdic_mesh_destroy(&mesh);
+        asdic_simulator *sim = rig_simulator(&r);
+        assert_ok(t.ctx,
+                  asdic_ping_create(t.ctx, 1, asdic_simulator_bin_count(sim), &pings[moved]));
+        assert_ok(t.ctx, asdic_simulator_move(sim, "box", &there));
+        assert_ok(t.ctx, asdic_simulator_learn(sim, &r.pose, 0));
+        assert_ok(t.ctx, asdic_simulator_ping(sim, &r.pose, 0, pings[moved]));
+        asdic_simulator_destroy(&sim);
+        rig_destroy(&r);
+    }
+    assert_true(pings[0]->intensity_lin[ASDIC_OBJECT][28] > 0.0);
+    assert_true(rig_same(pings[0], pings[1]));
+    asdic_ping_destroy(&pings[0]);
+    asdic_ping_destroy(&pings[1]);
+}
+
+/* A point's echo against the closed forms by the ends of a ray (lift.h), which no ping takes. */
+static void points_echo_over_the_arc(void **state) {
+    (void)state;
+    for (int k = 0; k < 6; k++) {
+        const double g = k % 2 ? 0.9 : -0.9;
+        ping_rig r = bent_rig(g, 1024u);
+        const asdic_vec3 at = {25.0 + 8.0 * k, 4.0 * k, 2.0 + 1.5 * k};
+        r.sonar.transmitter.length_h_m = r.sonar.transmitter.length_v_m = 1e-4;
+        r.receivers[0] = r.sonar.transmitter;
+        assert_ok(t.ctx, asdic_scene_add_point(r.scene, "point", at, 10.0));
+        asdic_ping *ping = rig_shoot(&r, 0, false);
+        double c0 = asdic_environment_sound_speed_mps(&r.env, r.pose.position_m.z), bend = g / c0;
+        triple apart = {at.x, at.y, at.z - r.pose.position_m.z};
+        double d = sqrt(dot3(apart, apart)), n1 = 1.0 + bend * apart.z;
+        double range = lift_time(bend, d, 1.0, n1), spread = lift_spread(bend, d, 1.0, n1);
+        /* Horizontal part of the direction, from that of the lifted ray, which is straight. */
+        triple lifted = lift_point(bend, apart);
+        double level = hypot(lifted.x, lifted.y) / sqrt(dot3(lifted, lifted));
+        double alpha = asdic_environment_absorption_db_per_km(&r.env, r.sonar.frequency_hz,
+                                                              r.pose.position_m.z);
+        double db = 10.0 - 40.0 * log10(spread) -
+                    2.0 * (lift_length(bend, d, 1.0, level) - 1.0) * alpha * 1e-3;
+        size_t bin = (size_t)(range / r.sonar.bin_length_m);
+        assert_close(asdic_level_db(ping->intensity_lin[ASDIC_OBJECT][bin]), db, 5e-4);
+        asdic_ping_destroy(&ping);
+        rig_destroy(&r);
+    }
+}
+
+/* Sound speeds that no water has are refused, with the depth; a cast of several layers is taken as one. */
+static void impossible_water_is_refused(void **state) {
+    (void)state;
+    ping_rig r = bent_rig(-20.0, 1024u);
+    r.sonar.receivers = r.receivers;
+    asdic_simulator *sim = NULL;
+    assert_ok(t.ctx, asdic_scene_commit(r.scene));
+    assert_int_equal(asdic_simulator_create(t.ctx, t.device, r.scene, &r.env, &r.sonar, &r.sampling,
+                                            r.pose.position_m.z, &sim),
+                     ASDIC_ERROR_ARGUMENT);
+    assert_non_null(strstr(asdic_context_error(t.ctx), "depth of"));
+    r.env.sound_speed_gradient_per_s = 0.0;
+    r.env.sound_speed_profile =
+        (asdic_sound_profile){3, {0.0, 8.0, 12.0}, {1490.0, 1490.0, 1486.0}};
+    asdic_ping *ping = rig_shoot(&r, 0, true);
+    assert_true(ping->intensity_lin[ASDIC_BOTTOM][40] > 0.0);
+    asdic_ping_destroy(&ping);
+    rig_destroy(&r);
+}
+
+int main(void) {
+    t = test_device_open_or_skip();
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(pings_meet_quadrature),
+        cmocka_unit_test(high_and_low_sonars_meet_quadrature),
+        cmocka_unit_test(stated_errors_are_honest),
+        cmocka_unit_test(no_gradient_is_straight),
+        cmocka_unit_test(large_triangles_are_a_plane),
+        cmocka_unit_test(moved_objects_are_those_built_there),
+        cmocka_unit_test(points_echo_over_the_arc),
+        cmocka_unit_test(impossible_water_is_refused),
+    };
+    int failed = cmocka_run_group_tests(tests, NULL, NULL);
+    test_device_close(&t);
+    return failed;
+}
