@@ -74,9 +74,48 @@ static triple load_directions(__global const dev_ray *rays, natural slots) {
     return d;
 }
 
+/* Rays of the sonar: their last legs, and how they left it. */
+typedef struct sonar_rays {
+    ray r;
+    triple sent;
+} sonar_rays;
+
+#if ASDIC_LAYERS
+#define LOAD_LEG(to, member) AT(to, float) = legs[AT(slots, uint)].member
+#endif
+
 /* The rays that leave the sonar in SLOTS. */
-static ray sonar_rays(__global const dev_ping *ping, __global const dev_ray *rays, natural slots) {
-    return ray_of_traced(sonar_of(ping), load_directions(rays, slots), medium_of(ping));
+static sonar_rays load_sonar_rays(__global const dev_ping *ping, __global const dev_ray *rays,
+                                  __global const dev_leg *legs, natural slots) {
+    sonar_rays s;
+#if ASDIC_LAYERS
+    LANES {
+        LOAD_LEG(s.r.from.x, from[0]);
+        LOAD_LEG(s.r.from.y, from[1]);
+        LOAD_LEG(s.r.from.z, from[2]);
+        LOAD_LEG(s.r.u.x, u[0]);
+        LOAD_LEG(s.r.u.y, u[1]);
+        LOAD_LEG(s.r.u.z, u[2]);
+        LOAD_LEG(s.sent.x, sent[0]);
+        LOAD_LEG(s.sent.y, sent[1]);
+        LOAD_LEG(s.sent.z, sent[2]);
+        LOAD_LEG(s.r.bend, bend);
+        LOAD_LEG(s.r.pace, pace);
+        LOAD_LEG(s.r.range, range);
+        LOAD_LEG(s.r.arc, arc);
+        LOAD_LEG(s.r.across, across);
+        LOAD_LEG(s.r.along, along);
+        LOAD_LEG(s.r.slope, slope);
+    }
+    s.r.fan = R(1.0) / s.r.pace;
+    (void)ping;
+    (void)rays;
+#else
+    s.r = ray_of_traced(sonar_of(ping), load_directions(rays, slots), medium_of(ping));
+    s.sent = s.r.u;
+    (void)legs;
+#endif
+    return s;
 }
 
 /* What ASDIC_WIDTH rays met: the nearest of mesh, bottom plane and surface. */

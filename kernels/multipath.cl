@@ -131,7 +131,7 @@ static uint shade_bounces(const world *w, const bounce_store *store, const sink 
     }
     ray_medium water = medium_of(ping);
     ray r = load_rays(store->bounced, mirrors, water);
-    triple u = sonar_rays(ping, store->rays, sources).u;
+    triple u = load_sonar_rays(ping, store->rays, 0, sources).sent;
     ray home = load_rays(store->returning, slots, water);
     triple x = home.u;
     meeting m = meet_bounced(w, store->bounced, store->bounced_hits, mirrors, &r);

@@ -86,6 +86,24 @@ typedef struct dev_arrival {
     float quanta[4];
 } dev_arrival; /* 48 bytes */
 
+/* A layer of the water, in the scene frame: its planes, the bend as dev_ping has it, and how far the lifted
+ * triangles of this layer are moved down, away from those of others. */
+typedef struct dev_layer {
+    float top_m, bottom_m;
+    float bend_per_m;
+    float shift_m;
+} dev_layer; /* 16 bytes */
+
+/* The last leg of a ray through layers so far: where and how it begins, what the ray has gone through before
+ * (ray.h), and how it left the sonar. */
+typedef struct dev_leg {
+    float from[3], u[3], sent[3];
+    float bend, pace;
+    float range, arc, across, along, slope;
+    dev_uint layer;
+    dev_uint active; /* 0: it has ended on this leg */
+} dev_leg;           /* 72 bytes */
+
 /* A pilot ray: its position in the learnt table, and the last bin that it crosses. */
 typedef struct dev_pilot {
     float x, y;

@@ -24,9 +24,11 @@
 
 #include "lift.h"
 
+/* 0: rays are straight; 1: they bend in one layer; 2: in several, which they cross leg by leg (advance.cl). */
 #ifndef ASDIC_BENT
 #define ASDIC_BENT 0
 #endif
+#define ASDIC_LAYERS (ASDIC_BENT == 2)
 
 /* Rays that hardly leave the horizontal never meet a horizontal plane. */
 #define RAY_LEVEL 1e-12f
@@ -41,6 +43,9 @@ typedef struct ray_medium {
 typedef struct ray {
     triple from, u;
     real bend, pace;
+#if ASDIC_BENT
+    real range, arc, across, along, slope, fan; /* of the legs before, see ray_bent.h */
+#endif
 } ray;
 
 /* A ray from a point to another, which it reaches at T. */
@@ -48,13 +53,6 @@ typedef struct ray_way {
     ray r;
     real t;
 } ray_way;
-
-/* Density per steradian at the start of what has DENSITY per square metre at T, on a surface that the ray
- * meets with COSINE of its angle to the normal. */
-FORMULA real ray_per_steradian(const ray *r, real t, real density, real cosine) {
-    (void)r;
-    return density * t * t / cosine;
-}
 
 #include "ray_bent.h"
 
@@ -120,6 +118,13 @@ FORMULA real ray_spread(const ray *r, real t) {
 FORMULA real ray_at_range(const ray *r, real range) {
     (void)r;
     return range;
+}
+
+/* Density per steradian at the start of what has DENSITY per square metre at T, on a surface that the ray
+ * meets with COSINE of its angle to the normal. */
+FORMULA real ray_per_steradian(const ray *r, real t, real density, real cosine) {
+    (void)r;
+    return density * t * t / cosine;
 }
 
 /* Range that a step of SPLAT (ray_sample in sampler.h) in elevation covers on a surface with unit NORMAL,

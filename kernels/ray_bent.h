@@ -15,6 +15,11 @@
  *     range     = atanh(b T / (1 + b T u_z)) / b, at the sound speed of the start
  *     width     = T, and T / q what 1 / r^2 asks for: sinh(b range) / b
  *
+ * Through layers a ray has legs, and T is along the last of them. Those before leave their range and arc, and
+ * the widths of a tube of one steradian at the leg's start: ACROSS the plane of the ray, a sum of T c, and ALONG
+ * it, which grows by SLOPE per T (dynamic ray tracing: V. Cerveny, "Seismic ray theory", 2001, section 4.1; both
+ * are T on the first leg). FAN: c at the leg's start over that at the path's start.
+ *
  * b = 0 gives the straight ray and b -> 0 loses nothing; |b| range up to 0.8. Where no sign is stated, a plane
  * lies below the start.
  */
@@ -93,7 +98,8 @@ FORMULA real ray_bend(real z, ray_medium water) {
 
 FORMULA ray ray_start(triple from, triple u, ray_medium water) {
     real speed = R(1.0) + water.bend * from.z;
-    ray r = {from, u, water.bend / speed, water.sonar / speed};
+    ray r = {from,   u,     water.bend / speed, water.sonar / speed, R(0.0), R(0.0), R(0.0), R(0.0),
+             R(1.0), R(1.0)};
     return r;
 }
 
@@ -141,43 +147,63 @@ FORMULA real ray_range(const ray *r, real t) {
     real far = r_min(t, (real)(BENT_FAR)), ahead = R(1.0) + r->bend * far * r->u.z;
     real x = r_min(r_abs(r->bend * far / ahead), R(0.99));
     real range = far / ahead * bent_atanh(x * x);
-    return choose(t < (real)(BENT_FAR), r->pace * range, (real)(INFINITY));
+    return choose(t < (real)(BENT_FAR), r->range + r->pace * range, (real)(INFINITY));
+}
+
+/* Widths of a tube of one steradian. Near a caustic, where rays cross, that in their plane is held to this
+ * share of the other: what a bin collects is an integral, which hardly depends on it. */
+#define BENT_CAUSTIC 1e-2f
+
+FORMULA real bent_across(const ray *r, real t) {
+    return r->across + r->fan * t;
+}
+
+FORMULA real bent_along(const ray *r, real t) {
+    return r_max(r_abs(r->along + r->slope * t), (real)(BENT_CAUSTIC)*bent_across(r, t));
 }
 
 FORMULA real ray_spread(const ray *r, real t) {
-    (void)r;
-    return t;
+    return bent_across(r, t);
+}
+
+FORMULA real ray_per_steradian(const ray *r, real t, real density, real cosine) {
+    return density * bent_across(r, t) * bent_along(r, t) / cosine;
 }
 
 FORMULA real ray_at_range(const ray *r, real range) {
-    real own = range / r->pace, x = r->bend * own, y = own * bent_tanh(x * x);
+    real own = (range - r->range) / r->pace, x = r->bend * own, y = own * bent_tanh(x * x);
     return y / (R(1.0) - r->bend * y * r->u.z);
 }
 
-/* Displacements across a ray are T times the angle at its start; a displacement along it takes 1 / q of range. */
+/* A displacement by a ray in its direction takes 1 / q of range. */
 FORMULA real ray_footprint(const ray *r, real t, real splat, triple normal, real sin_grazing) {
     bent_place at = bent_at(r, t);
     real across = sqrt(r_max(at.level, R(1e-12)));
     real down = r->u.z - r->bend * at.level * at.t;
     real tangent =
         (-down * (r->u.x * normal.x + r->u.y * normal.y)) / across + at.q * across * normal.z;
-    return r->pace * splat * t * r_abs(tangent) / (sin_grazing * at.q);
+    return r->pace * splat * bent_along(r, t) * r_abs(tangent) / (sin_grazing * at.q);
+}
+
+/* The length of the leg. */
+FORMULA real bent_arc(const ray *r, const bent_place *at) {
+    real depth = R(2.0) * at->w / (R(1.0) + at->q);
+    real chord = sqrt(at->level * at->t * at->t + depth * depth);
+    real v = R(0.5) * r->bend * chord; /* over cos of the elevation: the sine of half the turn */
+    v = r_min(v * v * at->level, R(0.5));
+    return chord * (R(1.0) + v * (R(1.0) / R(6.0) +
+                                  v * (R(0.075) + v * (R(15.0) / R(336.0) + v * R(0.0303819)))));
 }
 
 /* The loss on the way over that of a straight ray of RANGE: (range b / sinh(b range))^2, and the absorption
  * of an arc that is longer or shorter than the range. MINUS_2K is -2 K. */
 FORMULA real ray_bending(const ray *r, real t, real range, real minus_2k) {
     bent_place at = bent_at(r, t);
-    real depth = R(2.0) * at.w / (R(1.0) + at.q);
-    real chord = sqrt(at.level * at.t * at.t + depth * depth);
-    real v = R(0.5) * r->bend * chord; /* over cos of the elevation: the sine of half the turn */
-    v = r_min(v * v * at.level, R(0.5));
-    real arc =
-        chord * (R(1.0) + v * (R(1.0) / R(6.0) +
-                               v * (R(0.075) + v * (R(15.0) / R(336.0) + v * R(0.0303819)))));
-    real spread = range * at.q / r_max(r->pace * at.t, R(1e-6));
-    real loss = spread * spread * exp(minus_2k * (arc - range));
-    return choose((t < (real)(BENT_FAR)) & (r->bend != R(0.0)), loss, R(1.0));
+    real spread = range / (r->pace * r->fan) * at.q * r->fan;
+    real tube = r_max(bent_across(r, at.t) * bent_along(r, at.t), R(1e-12));
+    real loss = spread * spread / tube * exp(minus_2k * (r->arc + bent_arc(r, &at) - range));
+    mask bends = (r->bend != R(0.0)) | (r->across > R(0.0));
+    return choose((t < (real)(BENT_FAR)) & bends, loss, R(1.0));
 }
 
 /* T at which it meets the plane through POINT with unit NORMAL, near T: a lifted triangle is flat where it
@@ -239,7 +265,9 @@ FORMULA real ray_plane_sine(real height, real range, real bend) {
 }
 
 FORMULA real ray_plane_range(real height, real sine, real bend) {
-    ray r = {{R(0.0), R(0.0), R(0.0)}, {R(0.0), R(0.0), sine}, bend, R(1.0)};
+    triple from = {R(0.0), R(0.0), R(0.0)}, u = {R(0.0), R(0.0), sine};
+    ray_medium water = {bend, R(1.0)};
+    ray r = ray_start(from, u, water);
     return ray_range(&r, ray_to_plane(height, sine, bend));
 }
 
@@ -259,8 +287,9 @@ FORMULA real ray_plane_nearest(const ray *r, real t, real range, triple normal, 
     real off = dot3(apart, normal), v = R(0.5) * r->bend * off;
     real speed = r_max(R(1.0) + r->bend * off * normal.z, (real)(BENT_SLOW));
     real near = r_abs(off) / sqrt(speed) * (R(1.0) - v * v / (R(6.0) * speed));
-    (void)sin_grazing;
-    return r_min(r->pace * near * R(1.0000005), range);
+    real layered = range * sin_grazing; /* a steep ray, the only one that asks, hardly bends */
+    near = choose(r->across > R(0.0), layered, r->pace * near);
+    return r_min(near * R(1.0000005), range);
 }
 
 #endif

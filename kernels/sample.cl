@@ -157,10 +157,17 @@ __kernel void LEAST_WAVES(3)
     ray_medium water = {(real)(ping->bend_per_m),
                         (real)(1.0f + ping->bend_per_m * ping->origin[2])};
     triple sonar = {(real)(ping->origin[0]), (real)(ping->origin[1]), (real)(ping->origin[2])};
-    triple u = {s.x, s.y, s.z}, from = ray_lift(sonar, water);
+    triple u = {s.x, s.y, s.z};
+#if ASDIC_LAYERS /* advance.cl goes on from here */
+    triple from = sonar, along = u;
+    real t_max = (real)(ping->reach_m);
+    (void)water;
+#else
+    triple from = ray_lift(sonar, water);
     ray r = ray_start(sonar, u, water);
     triple along = ray_traced(&r, water);
     real t_max = ray_at_range(&r, (real)(ping->reach_m));
+#endif
     for (uint lane = 0; lane < ASDIC_WIDTH; lane++) {
         uint slot = first + lane;
         bool on = ((uint *)&index)[lane] < ping->batch.rays;

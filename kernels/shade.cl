@@ -41,6 +41,7 @@ static natural component_of(natural kind) {
 /* What sample.cl drew and trace.cl found. */
 typedef struct ray_store {
     __global const dev_ray *rays;
+    __global const dev_leg *legs;
     __global float *solid_angles;
     __global const float *splats;
     __global const dev_hit *hits;
@@ -53,7 +54,9 @@ static uint shade_rays(const world *w, const ray_store *store, __global const fl
     __global const dev_ping *ping = w->ping;
     real weight, splat;
     natural slots = slots_from(slot);
-    ray r = sonar_rays(ping, store->rays, slots);
+    sonar_rays own = load_sonar_rays(ping, store->rays, store->legs, slots);
+    ray r = own.r;
+    triple sent = own.sent;
     LANES {
         AT(weight, float) = store->solid_angles[slot + lane];
         AT(splat, float) = store->splats[slot + lane];
@@ -68,7 +71,7 @@ static uint shade_rays(const world *w, const ray_store *store, __global const fl
         splat = r_max(splat, R(0.0));
     }
 #endif
-    weight *= gain_towards(ping, w->beams, r.u.x, r.u.y, r.u.z);
+    weight *= gain_towards(ping, w->beams, sent.x, sent.y, sent.z);
 
     /* The echo's footprint in range follows from the spacing of the samples in elevation. */
     triple arriving = ray_direction(&r, m.t);
@@ -114,7 +117,7 @@ static uint shade_rays(const world *w, const ray_store *store, __global const fl
 #else
     (void)volume_inverse;
 #endif
-    uint cut = receive(w, to, DEV_ARRIVAL_DIRECT, &a, rays_in(ping, slot), r.u);
+    uint cut = receive(w, to, DEV_ARRIVAL_DIRECT, &a, rays_in(ping, slot), sent);
 #if ASDIC_HAS_MIRRORS
     *at = reflect(w, &m, &r, share, mirrors, slot, *at);
 #endif
@@ -123,7 +126,7 @@ static uint shade_rays(const world *w, const ray_store *store, __global const fl
 
 /* One work-item per piece (mirror_ray.h). */
 __kernel void LEAST_WAVES(3)
-    shade(__global const dev_ping *pings, __global const dev_ray *rays,
+    shade(__global const dev_ping *pings, __global const dev_ray *rays, __global const dev_leg *legs,
           __global float *solid_angles, __global const float *splats,
           __global const float *face_density, __global const dev_hit *hits,
           __global const dev_triangle *triangles, __global const dev_part *parts,
@@ -135,7 +138,8 @@ __kernel void LEAST_WAVES(3)
     uint first = (uint)(get_global_id(0)) * PIECE, at = first, cut = 0u;
     uint end = min(first + PIECE, batch_slots(ping));
     world w = {ping, beams_of(ping), triangles, parts, materials, face_density};
-    ray_store store = {rays + own, solid_angles + own, splats + own, hits + own};
+    ray_store store = {rays + own, ASDIC_LAYERS ? legs + own : legs, solid_angles + own,
+                       splats + own, hits + own};
     sink to = {row_cells(ping, accumulator), arrivals + ARRIVAL_SETS * own};
     mirror_store reflected = {bounced + own, mirrors + own};
     for (uint slot = first; slot < end; slot += ASDIC_WIDTH) {

@@ -19,7 +19,10 @@ typedef struct pieces {
     dev_triangle *triangles;
     uint32_t *parents;
     size_t scene_count, count, capacity;
-    double bend_per_m, longest2_m2;
+    const dev_layer *layers;
+    size_t layer_count;
+    double bend_per_m, shift_m, longest2_m2; /* of the layer in hand */
+    double least2_m2;                        /* no edge needs to be shorter */
 } pieces;
 
 /* Corners in double: halves of an edge have the same bits in both of its triangles. */
@@ -53,7 +56,7 @@ static void place(const pieces *p, const corners *c, dev_triangle *t) {
     for (int i = 0; i < 3; i++) {
         to[i][0] = (float)c->v[i][0];
         to[i][1] = (float)c->v[i][1];
-        to[i][2] = asdic_lifted_z(p->bend_per_m, c->v[i]);
+        to[i][2] = (float)((double)asdic_lifted_z(p->bend_per_m, c->v[i]) + p->shift_m);
     }
 }
 
@@ -114,7 +117,22 @@ static void limit_pieces(const asdic_scene *scene, pieces *p) {
         }
     }
     /* Pieces have from a quarter to half of the square of their longest edge. */
-    p->longest2_m2 = fmax(p->longest2_m2, 4.0 * sum / MOST_PIECES);
+    p->least2_m2 = 4.0 * sum / MOST_PIECES;
+}
+
+/* A triangle on a layer's plane belongs to both layers; more than ADVANCE_ROOM of advance.cl, m. */
+#define OVERLAP 1e-2
+
+static bool reaches(const corners *c, const dev_layer *layer) {
+    double low = fmin(fmin(c->v[0][2], c->v[1][2]), c->v[2][2]);
+    double high = fmax(fmax(c->v[0][2], c->v[1][2]), c->v[2][2]);
+    return high >= (double)layer->top_m - OVERLAP && low <= (double)layer->bottom_m + OVERLAP;
+}
+
+static void enter_layer(pieces *p, const dev_layer *layer) {
+    p->bend_per_m = layer->bend_per_m;
+    p->shift_m = layer->shift_m;
+    p->longest2_m2 = fmax(8.0 * CHORD / fmax(fabs(p->bend_per_m), 1e-30), p->least2_m2);
 }
 
 static asdic_status lift_triangles(const asdic_scene *scene, pieces *p) {
@@ -124,7 +142,12 @@ static asdic_status lift_triangles(const asdic_scene *scene, pieces *p) {
         if (scene->parts[scene->triangles[i].part].moves) {
             place(p, &c, &p->triangles[i]);
         } else {
-            TRY(divide(p, i, &c, &first));
+            for (size_t k = 0; k < p->layer_count; k++) {
+                if (reaches(&c, &p->layers[k])) {
+                    enter_layer(p, &p->layers[k]);
+                    TRY(divide(p, i, &c, &first));
+                }
+            }
         }
     }
     return ASDIC_OK;
@@ -148,14 +171,16 @@ static asdic_status build(asdic_scene *lifted, pieces *p) {
     return status;
 }
 
-static asdic_status fill(const asdic_scene *scene, double bend_per_m, asdic_scene *lifted) {
+static asdic_status fill(const asdic_scene *scene, const dev_layer *layers, size_t layer_count,
+                         double bend_per_m, asdic_scene *lifted) {
     size_t count = scene->triangle_count, movables = scene->movable_count;
     pieces p = {.ctx = scene->ctx,
                 .scene_count = count,
                 .count = count,
                 .capacity = count + 64,
-                .bend_per_m = bend_per_m,
-                .longest2_m2 = 8.0 * CHORD / fmax(fabs(bend_per_m), 1e-30)};
+                .layers = layers,
+                .layer_count = layer_count};
+    enter_layer(&p, &layers[0]);
     *lifted = *scene;
     lifted->bend_per_m = bend_per_m;
     lifted->bvh = (asdic_bvh){.root = DEV_EMPTY};
@@ -181,16 +206,27 @@ static asdic_status fill(const asdic_scene *scene, double bend_per_m, asdic_scen
     return status;
 }
 
-asdic_status asdic_scene_lift(const asdic_scene *scene, double bend_per_m, asdic_scene **out) {
+static asdic_status lift(const asdic_scene *scene, const dev_layer *layers, size_t count,
+                         double bend_per_m, asdic_scene **out) {
     *out = calloc(1, sizeof **out);
     if (!*out) {
         return asdic_fail_memory(scene->ctx, "a scene for bent rays");
     }
-    asdic_status status = fill(scene, bend_per_m, *out);
+    asdic_status status = fill(scene, layers, count, bend_per_m, *out);
     if (status) {
         asdic_scene_unlift(out);
     }
     return status;
+}
+
+asdic_status asdic_scene_lift(const asdic_scene *scene, double bend_per_m, asdic_scene **out) {
+    const dev_layer all = {-INFINITY, INFINITY, (float)bend_per_m, 0.0f};
+    return lift(scene, &all, 1, all.bend_per_m, out);
+}
+
+asdic_status asdic_scene_lift_layers(const asdic_scene *scene, const dev_layer *layers,
+                                     size_t count, asdic_scene **out) {
+    return lift(scene, layers, count, 0.0, out);
 }
 
 void asdic_scene_unlift(asdic_scene **lifted) {

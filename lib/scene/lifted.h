@@ -7,6 +7,8 @@
 
 #include "scene.h"
 
+#include "../../kernels/ping_types.h"
+
 /* The height of a lifted corner, in the scene frame; BEND_PER_M: over the sound speed at that frame's zero. The
  * same corner gives the same bits wherever it is met. */
 static inline float asdic_lifted_z(double bend_per_m, const double v[3]) {
@@ -17,6 +19,11 @@ static inline float asdic_lifted_z(double bend_per_m, const double v[3]) {
  * placements. A flat triangle lifts to a curved one, of which an edge of length L leaves out at most
  * L^2 |BEND_PER_M| / 8: edges of what stays are halved until that is below 2 mm. */
 asdic_status asdic_scene_lift(const asdic_scene *scene, double bend_per_m, asdic_scene **lifted);
+
+/* The same in COUNT layers, from the top down: each triangle once in every layer that it reaches. Nothing may
+ * move in the scene. */
+asdic_status asdic_scene_lift_layers(const asdic_scene *scene, const dev_layer *layers,
+                                     size_t count, asdic_scene **lifted);
 void asdic_scene_unlift(asdic_scene **lifted);
 
 #endif

@@ -52,6 +52,7 @@ static asdic_status run_pilots(asdic_simulator *sim, const asdic_ping_shot *shot
     p->energies = sim->host.pilot_energies;
     asdic_kernel_arg args[] = {ASDIC_ARG_BUFFER(sim->buffers.pings),
                                ASDIC_ARG_BUFFER(sim->buffers.rays),
+                               ASDIC_ARG_BUFFER(sim->buffers.legs),
                                ASDIC_ARG_BUFFER(sim->buffers.solid_angles),
                                ASDIC_ARG_BUFFER(sim->buffers.splats),
                                ASDIC_ARG_BUFFER(sim->learnt.faces.density_buffer),

@@ -109,6 +109,36 @@ static asdic_status upload_pings(asdic_simulator *sim, size_t count) {
     return ASDIC_OK;
 }
 
+/* A ray that is trapped between planes may cross one again and again. It ends after so many legs, at most. */
+#define MOST_LEGS 256u
+
+/* Traces rays from layer to layer until all have ended. */
+static asdic_status run_legs(asdic_simulator *sim, size_t count) {
+    uint32_t layers = (uint32_t)sim->setup.layer_count, active = 1;
+    const asdic_buffers *buffers = &sim->buffers;
+    for (uint32_t leg = 0; leg < MOST_LEGS && active; leg++) {
+        uint32_t first = leg == 0;
+        asdic_kernel_arg args[] = {ASDIC_ARG_BUFFER(buffers->pings),
+                                   ASDIC_ARG_BUFFER(buffers->layers),
+                                   ASDIC_ARG_VALUE(layers),
+                                   ASDIC_ARG_VALUE(first),
+                                   ASDIC_ARG_BUFFER(buffers->rays),
+                                   ASDIC_ARG_BUFFER(buffers->legs),
+                                   ASDIC_ARG_BUFFER(buffers->leg_hits),
+                                   ASDIC_ARG_BUFFER(buffers->hits),
+                                   ASDIC_ARG_BUFFER(buffers->active)};
+        TRY(asdic_buffer_zero(buffers->active, sizeof active));
+        TRY(asdic_kernel_run_rows(sim->kernels.advance, args, COUNT(args),
+                                  batch_slots(sim) / sim->setup.layout.width,
+                                  sim->setup.layout.local, count));
+        TRY(asdic_buffer_read(buffers->active, 0, sizeof active, &active));
+        if (active && sim->tracer) {
+            TRY(run_tracer(sim, buffers->rays, buffers->leg_hits, count));
+        }
+    }
+    return ASDIC_OK;
+}
+
 asdic_status asdic_simulator_draw(asdic_simulator *sim, size_t count) {
     TRY(upload_pings(sim, count));
     asdic_kernel_arg sample[] = {ASDIC_ARG_BUFFER(sim->buffers.pings),
@@ -122,7 +152,9 @@ asdic_status asdic_simulator_draw(asdic_simulator *sim, size_t count) {
                               batch_slots(sim) / sim->setup.layout.width, sim->setup.layout.local,
                               count));
     TRY(end_phase(sim, ASDIC_PHASE_SAMPLE));
-    if (sim->tracer) {
+    if (sim->kernels.advance) {
+        TRY(run_legs(sim, count));
+    } else if (sim->tracer) {
         TRY(run_tracer(sim, sim->buffers.rays, sim->buffers.hits, count));
     }
     return end_phase(sim, ASDIC_PHASE_TRACE);
@@ -131,6 +163,7 @@ asdic_status asdic_simulator_draw(asdic_simulator *sim, size_t count) {
 static asdic_status run_shade(asdic_simulator *sim, size_t count) {
     asdic_kernel_arg shade[] = {ASDIC_ARG_BUFFER(sim->buffers.pings),
                                 ASDIC_ARG_BUFFER(sim->buffers.rays),
+                                ASDIC_ARG_BUFFER(sim->buffers.legs),
                                 ASDIC_ARG_BUFFER(sim->buffers.solid_angles),
                                 ASDIC_ARG_BUFFER(sim->buffers.splats),
                                 ASDIC_ARG_BUFFER(sim->learnt.faces.density_buffer),

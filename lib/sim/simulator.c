@@ -4,6 +4,7 @@
 
 #include "base/context.h"
 #include "base/try.h"
+#include "base/vec.h"
 #include "laws/tabulate.h"
 #include "layers.h"
 #include "points.h"
@@ -64,7 +65,9 @@ static asdic_status create_kernels(asdic_simulator *sim) {
              sim->setup.layout.width, (int)sim->setup.layout.deposit, sim->tracer ? 1 : 0,
              sim->fan.common_axis, sim->setup.sampling.left_out & (1u << ASDIC_TERM_VOLUME) ? 0 : 1,
              sim->setup.has_mirrors ? 1 : 0,
-             sim->setup.bend_per_m != 0.0 ? " -D ASDIC_BENT=1" : "");
+             sim->setup.layer_count         ? " -D ASDIC_BENT=2"
+             : sim->setup.bend_per_m != 0.0 ? " -D ASDIC_BENT=1"
+                                            : "");
     bool collects = sim->setup.layout.deposit == ASDIC_DEPOSIT_COLLECT;
     bool adaptive = sim->setup.sampling.sampler == ASDIC_SAMPLER_ADAPTIVE;
     const struct {
@@ -74,6 +77,7 @@ static asdic_status create_kernels(asdic_simulator *sim) {
     } wanted[] = {
         {"sample", &sim->kernels.sample, true},
         {"shade", &sim->kernels.shade, true},
+        {"advance", &sim->kernels.advance, sim->setup.layer_count > 0},
         {"collect", &sim->kernels.collect, collects && !sim->fan.many},
         {"suffix", &sim->kernels.suffix, !collects},
         {"reduce", &sim->kernels.reduce, !sim->fan.many},
@@ -228,7 +232,11 @@ static void plan_work(asdic_simulator *sim, const asdic_water_column *water) {
 static asdic_status bring_scene(asdic_simulator *sim, const asdic_water_column *water) {
     asdic_ray_kernel kernel = sim->setup.sampling.kernel;
     const asdic_scene *scene = sim->setup.scene;
-    if (sim->setup.bend_per_m != 0.0) {
+    if (sim->setup.layer_count > 0) {
+        TRY(asdic_scene_lift_layers(scene, sim->setup.layers, sim->setup.layer_count,
+                                    &sim->lifted));
+        scene = sim->lifted;
+    } else if (sim->setup.bend_per_m != 0.0) {
         TRY(asdic_scene_lift(scene, sim->setup.bend_per_m, &sim->lifted));
         scene = sim->lifted;
     }
@@ -262,6 +270,43 @@ static void scene_depths(const asdic_scene *scene, double sonar_m, double *from_
     }
 }
 
+/* Mirrors, points and what moves see one layer. */
+static bool can_layer(const asdic_simulator *sim) {
+    const asdic_scene *scene = sim->setup.scene;
+    asdic_multipath multipath = sim->setup.sampling.multipath;
+    bool mirrors = multipath == ASDIC_MULTIPATH_BOUNDARIES;
+    for (size_t i = 0; i < scene->part_count && multipath != ASDIC_MULTIPATH_OFF; i++) {
+        const asdic_part *part = &scene->parts[i];
+        mirrors |= part->kind == DEV_KIND_OBJECT &&
+                   scene->materials[part->material].law->formula == DEV_LAW_FACET;
+    }
+    return !mirrors && scene->movable_count == 0 && scene->point_count == 0;
+}
+
+/* LAYERS in the scene frame. Lifted, none may touch another's: each is moved down by more than any is high. */
+static void place_layers(asdic_simulator *sim, const asdic_layers *layers, double depth_m) {
+    const asdic_scene *scene = sim->setup.scene;
+    asdic_vec3 size = asdic_vec3_sub(scene->max_m, scene->min_m);
+    double high = size.z + fabs(depth_m - scene->origin_m.z) +
+                  asdic_sonar_max_range_m(&sim->setup.sonar, 1500.0);
+    double wide2 = 0.25 * (size.x * size.x + size.y * size.y + high * high);
+    double most = 0.0;
+    for (size_t i = 0; i < layers->count; i++) {
+        const asdic_layer *l = &layers->layer[i];
+        double bend = l->gradient_per_s / asdic_layer_speed_mps(l, scene->origin_m.z);
+        most = fmax(most, fabs(bend));
+        sim->setup.layers[i] =
+            (dev_layer){(float)fmax(l->top_m - scene->origin_m.z, -1e5),
+                        (float)fmin(l->bottom_m - scene->origin_m.z, 1e5), (float)bend, 0.0f};
+    }
+    double apart = 1.1 * (2.0 * high + most * wide2);
+    for (size_t i = 0; i < layers->count; i++) {
+        sim->setup.layers[i].shift_m =
+            (float)(apart * ((double)i - 0.5 * (double)(layers->count - 1)));
+    }
+    sim->setup.layer_count = layers->count;
+}
+
 /* How rays bend: as in one layer, which is fitted between the sonar and the bottom where there are more. */
 static asdic_status plan_bend(asdic_simulator *sim, double depth_m) {
     const asdic_scene *scene = sim->setup.scene;
@@ -272,10 +317,16 @@ static asdic_status plan_bend(asdic_simulator *sim, double depth_m) {
     TRY(asdic_environment_check_depths(sim->ctx, env, from_m, to_m));
     asdic_layers_of(env, depth_m, &layers);
     if (layers.count > 1) {
-        env->refraction = ASDIC_REFRACTION_LAYER;
-        env->layer_from_m = fmax(depth_m, 0.0);
-        env->layer_to_m = fmax(to_m, env->layer_from_m);
-        asdic_layers_of(env, depth_m, &layers);
+        asdic_environment one = *env;
+        one.refraction = ASDIC_REFRACTION_LAYER;
+        one.layer_from_m = fmax(depth_m, 0.0);
+        one.layer_to_m = fmax(to_m, one.layer_from_m);
+        if (can_layer(sim)) {
+            place_layers(sim, &layers, depth_m);
+        } else {
+            *env = one;
+        }
+        asdic_layers_of(&one, depth_m, &layers);
     }
     const asdic_layer *layer = &layers.layer[0];
     sim->setup.bend_per_m = layer->gradient_per_s / asdic_layer_speed_mps(layer, scene->origin_m.z);
@@ -359,6 +410,7 @@ void asdic_simulator_destroy(asdic_simulator **pointer) {
     asdic_device_finish(sim->device); /* it may still read what a failed ping sent */
     asdic_kernel_destroy(&sim->kernels.sample);
     asdic_kernel_destroy(&sim->kernels.shade);
+    asdic_kernel_destroy(&sim->kernels.advance);
     asdic_kernel_destroy(&sim->kernels.collect);
     asdic_kernel_destroy(&sim->kernels.suffix);
     asdic_kernel_destroy(&sim->kernels.reduce);

@@ -83,6 +83,8 @@ typedef struct asdic_setup {
     const asdic_scene *scene;
     double
         bend_per_m; /* of the water, over its sound speed at the scene frame's zero; 0: straight */
+    dev_layer layers[ASDIC_PROFILE_POINTS + 1]; /* where rays follow more than that */
+    size_t layer_count;                         /* 0: they do not */
     asdic_environment env;
     asdic_sonar sonar;
     asdic_beam *receivers; /* copy that sonar.receivers points to */
@@ -101,6 +103,7 @@ typedef struct asdic_setup {
 /* Those that a simulator does not need are NULL. */
 typedef struct asdic_kernels {
     asdic_kernel *sample, *pilot, *shade;
+    asdic_kernel *advance;          /* layers */
     asdic_kernel *connect, *bounce; /* multipath */
     asdic_kernel *collect, *suffix; /* one or the other, by layout.deposit */
     asdic_kernel *reduce;
@@ -112,6 +115,7 @@ typedef struct asdic_buffers {
     asdic_buffer *table; /* kernels/learnt.h */
     asdic_buffer *parts, *materials, *no_triangles;
     asdic_buffer *rays, *solid_angles, *splats, *hits;
+    asdic_buffer *layers, *legs, *leg_hits, *active; /* see advance.cl */
     asdic_buffer *bounced, *bounced_hits, *returning, *returning_hits, *mirrors;
     asdic_buffer *arrivals; /* layout.deposit OWNED alone, see receive.h */
     asdic_buffer *water_tables;

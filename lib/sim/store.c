@@ -101,9 +101,12 @@ asdic_status asdic_store_create_device(asdic_simulator *sim) {
         {pings * asdic_simulator_ping_bytes(sim), &sim->buffers.pings},
         {sizeof sim->learnt.table, &sim->buffers.table},
         {slots * sizeof(dev_ray), &sim->buffers.rays},
+        {sim->kernels.advance ? slots * sizeof(dev_leg) : 0, &sim->buffers.legs},
+        {sim->kernels.advance && sim->tracer ? slots * sizeof(dev_hit) : 0, &sim->buffers.leg_hits},
+        {sim->kernels.advance ? sizeof(uint32_t) : 0, &sim->buffers.active},
         {slots * sizeof(float), &sim->buffers.solid_angles},
         {slots * sizeof(float), &sim->buffers.splats},
-        {sim->tracer ? slots * sizeof(dev_hit) : 0, &sim->buffers.hits},
+        {sim->tracer || sim->kernels.advance ? slots * sizeof(dev_hit) : 0, &sim->buffers.hits},
         {bounce_slots * sizeof(dev_ray), &sim->buffers.bounced},
         {bounce_slots * sizeof(dev_hit), &sim->buffers.bounced_hits},
         {bounce_slots * sizeof(dev_ray), &sim->buffers.returning},
@@ -122,19 +125,21 @@ asdic_status asdic_store_create_device(asdic_simulator *sim) {
     for (size_t i = 0; i < sizeof wanted / sizeof *wanted; i++) {
         TRY(asdic_buffer_create(sim->device, wanted[i].bytes, NULL, wanted[i].buffer));
     }
-    return ASDIC_OK;
+    return asdic_buffer_create(sim->device, sim->setup.layer_count * sizeof(dev_layer),
+                               sim->setup.layers, &sim->buffers.layers);
 }
 
 void asdic_store_destroy(asdic_simulator *sim) {
     asdic_buffer **buffers[] = {
-        &sim->buffers.pings,          &sim->buffers.table,        &sim->buffers.rays,
-        &sim->buffers.solid_angles,   &sim->buffers.splats,       &sim->buffers.hits,
-        &sim->buffers.bounced,        &sim->buffers.bounced_hits, &sim->buffers.returning,
-        &sim->buffers.returning_hits, &sim->buffers.mirrors,      &sim->buffers.parts,
-        &sim->buffers.materials,      &sim->buffers.no_triangles, &sim->buffers.water_tables,
-        &sim->buffers.arrivals,       &sim->buffers.accumulator,  &sim->buffers.saturated,
-        &sim->buffers.results,        &sim->buffers.totals,       &sim->buffers.pilot_rays,
-        &sim->buffers.pilot_energies};
+        &sim->buffers.layers,       &sim->buffers.legs,           &sim->buffers.leg_hits,
+        &sim->buffers.active,       &sim->buffers.pings,          &sim->buffers.table,
+        &sim->buffers.rays,         &sim->buffers.solid_angles,   &sim->buffers.splats,
+        &sim->buffers.hits,         &sim->buffers.bounced,        &sim->buffers.bounced_hits,
+        &sim->buffers.returning,    &sim->buffers.returning_hits, &sim->buffers.mirrors,
+        &sim->buffers.parts,        &sim->buffers.materials,      &sim->buffers.no_triangles,
+        &sim->buffers.water_tables, &sim->buffers.arrivals,       &sim->buffers.accumulator,
+        &sim->buffers.saturated,    &sim->buffers.results,        &sim->buffers.totals,
+        &sim->buffers.pilot_rays,   &sim->buffers.pilot_energies};
     for (size_t i = 0; i < sizeof buffers / sizeof *buffers; i++) {
         asdic_buffer_destroy(buffers[i]);
     }

@@ -20,7 +20,7 @@ PING = {"ASDIC_WIDTH": (1, 8, 16), "ASDIC_DEPOSIT": (0, 1, 2), "ASDIC_HAS_MESH":
         "ASDIC_FAN": (0, 1)}
 SPECIALISATIONS = {
     "ping.cl": {**PING, "ASDIC_HAS_WATER": (0, 1), "ASDIC_HAS_MIRRORS": (0, 1),
-                "ASDIC_BENT": (0, 1)},
+                "ASDIC_BENT": (0, 1, 2)},
     "fan.cl": {"ASDIC_FAN": (1,), "ASDIC_RUN": (1, 16)},
     "trace.cl": {"TRACE_STACK": (64,)},
     "camera.cl": {},

@@ -229,6 +229,47 @@ static void moved_objects_are_those_built_there(void **state) {
     asdic_ping_destroy(&pings[1]);
 }
 
+/* Casts: isothermal over a thermocline, one in which the sonar is, a channel that traps rays, ten layers; each
+ * over the plane, then over two triangles. The water's own echo is that of water in which tubes do not narrow. */
+static void layers_meet_quadrature(void **state) {
+    static const struct {
+        asdic_sound_profile cast;
+        double rms_db;
+    } cases[] = {
+        {{3, {0.0, 8.0, 60.0}, {1495.0, 1495.0, 1443.0}}, 0.01},
+        {{4, {0.0, 5.0, 9.0, 12.0}, {1482.0, 1480.0, 1471.0, 1470.0}}, 0.01},
+        {{3, {0.0, 7.0, 12.0}, {1490.0, 1484.0, 1489.0}}, 0.1},
+        {{11,
+          {0.0, 1.2, 2.4, 3.6, 4.8, 6.0, 7.2, 8.4, 9.6, 10.8, 12.0},
+          {1480.0, 1480.1, 1480.3, 1480.6, 1481.0, 1481.5, 1481.3, 1481.0, 1480.6, 1480.1, 1479.5}},
+         0.01}};
+    (void)state;
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        for (int mesh = 0; mesh < 2; mesh++) {
+            ping_rig r = bent_rig(0.0, 1u << 16);
+            r.env.sound_speed_profile = cases[k].cast;
+            if (mesh) {
+                asdic_scene_destroy(&r.scene);
+                r.scene = bottom_of_two_triangles();
+                r.layout.width = k == 0 ? 1 : r.layout.width; /* as on a GPU */
+            }
+            asdic_ping *ping = rig_shoot(&r, 0, true), *truth = expected(&r, ping);
+            difference d = compare(ping, truth, ASDIC_TOTAL),
+                       b = compare(ping, truth, ASDIC_BOTTOM),
+                       s = compare(ping, truth, ASDIC_SURFACE),
+                       v = compare(ping, truth, ASDIC_VOLUME);
+            print_message("cast %zu, %s: r.m.s. %.4f dB, most %.3f; bottom %.4f, surface %.4f, "
+                          "volume %.4f\n",
+                          k, mesh ? "triangles" : "plane", d.rms_db, d.most_db, b.rms_db, s.rms_db,
+                          v.rms_db);
+            assert_true(d.rms_db < cases[k].rms_db && s.rms_db < 0.05 && b.rms_db < 0.05);
+            asdic_ping_destroy(&truth);
+            asdic_ping_destroy(&ping);
+            rig_destroy(&r);
+        }
+    }
+}
+
 /* A point's echo against the closed forms by the ends of a ray (lift.h), which no ping takes. */
 static void points_echo_over_the_arc(void **state) {
     (void)state;
@@ -287,6 +328,7 @@ int main(void) {
         cmocka_unit_test(no_gradient_is_straight),
         cmocka_unit_test(large_triangles_are_a_plane),
         cmocka_unit_test(moved_objects_are_those_built_there),
+        cmocka_unit_test(layers_meet_quadrature),
         cmocka_unit_test(points_echo_over_the_arc),
         cmocka_unit_test(impossible_water_is_refused),
     };
