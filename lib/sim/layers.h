@@ -5,6 +5,7 @@
 #define ASDIC_SIM_LAYERS_H
 
 #include <asdic/expected.h>
+#include <asdic/scene.h>
 
 /* c = SPEED_MPS + GRADIENT_PER_S (z - ORIGIN_M), from TOP_M down to BOTTOM_M. */
 typedef struct asdic_layer {
@@ -31,5 +32,9 @@ void asdic_layers_between(const asdic_environment *env, const asdic_flat_scene *
 size_t asdic_layers_find(const asdic_layers *layers, double depth_m);
 
 double asdic_layer_speed_mps(const asdic_layer *layer, double depth_m);
+
+/* What of SCENE makes the rays of pings follow one layer where the water has several: "mirrors", ...;
+ * NULL: nothing. */
+const char *asdic_one_layer_cause(const asdic_scene *scene, const asdic_sampling *sampling);
 
 #endif

@@ -270,17 +270,17 @@ static void scene_depths(const asdic_scene *scene, double sonar_m, double *from_
     }
 }
 
-/* Mirrors, points and what moves see one layer. */
-static bool can_layer(const asdic_simulator *sim) {
-    const asdic_scene *scene = sim->setup.scene;
-    asdic_multipath multipath = sim->setup.sampling.multipath;
-    bool mirrors = multipath == ASDIC_MULTIPATH_BOUNDARIES;
-    for (size_t i = 0; i < scene->part_count && multipath != ASDIC_MULTIPATH_OFF; i++) {
+const char *asdic_one_layer_cause(const asdic_scene *scene, const asdic_sampling *sampling) {
+    bool mirrors = sampling->multipath == ASDIC_MULTIPATH_BOUNDARIES;
+    for (size_t i = 0; i < scene->part_count && sampling->multipath != ASDIC_MULTIPATH_OFF; i++) {
         const asdic_part *part = &scene->parts[i];
         mirrors |= part->kind == DEV_KIND_OBJECT &&
                    scene->materials[part->material].law->formula == DEV_LAW_FACET;
     }
-    return !mirrors && scene->movable_count == 0 && scene->point_count == 0;
+    return mirrors                    ? "mirrors"
+           : scene->movable_count > 0 ? "objects that move"
+           : scene->point_count > 0   ? "points"
+                                      : NULL;
 }
 
 /* LAYERS in the scene frame. Lifted, none may touch another's: each is moved down by more than any is high. */
@@ -321,7 +321,7 @@ static asdic_status plan_bend(asdic_simulator *sim, double depth_m) {
         one.refraction = ASDIC_REFRACTION_LAYER;
         one.layer_from_m = fmax(depth_m, 0.0);
         one.layer_to_m = fmax(to_m, one.layer_from_m);
-        if (can_layer(sim)) {
+        if (!asdic_one_layer_cause(scene, &sim->setup.sampling)) {
             place_layers(sim, &layers, depth_m);
         } else {
             *env = one;
