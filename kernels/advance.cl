@@ -7,8 +7,11 @@
  * sound speeds are continuous at a layer's plane; the width of a tube in the plane of the ray is, too, but its
  * slope is not: it loses cos^2 / sin of the elevation, times the change of the bend, times the width (V. Cerveny,
  * "Seismic ray theory", 2001, section 4.4).
+ *
+ * Layers without triangles are crossed at once. The rays that have a leg to go lie at the front of their piece of
+ * the array, as mirror rays do (mirror_ray.h), and name the slot that they come from.
  */
-#include "echo.h"
+#include "mirror_ray.h"
 #include "ping_batch.h"
 
 #if ASDIC_LAYERS
@@ -17,6 +20,9 @@
 #define ADVANCE_LEVEL R(1e-3)
 /* So far beyond a layer's plane, m, a triangle is still met: hits at grazing angles are rounded. */
 #define ADVANCE_ROOM R(4e-3)
+
+/* So many planes a ray crosses in one go, at most. */
+#define ADVANCE_MOST 64u
 
 /* Where legs lie, and what the tracer found on them. */
 typedef struct leg_store {
@@ -29,7 +35,7 @@ typedef struct leg_store {
 } leg_store;
 
 /* The first leg of SLOT. */
-static void begin_leg(__global const dev_ping *ping, const leg_store *to, uint slot) {
+static void begin_leg(const leg_store *to, uint slot) {
     dev_ray ray = to->rays[slot];
     dev_leg leg;
     uint layer = 0u;
@@ -48,37 +54,39 @@ static void begin_leg(__global const dev_ping *ping, const leg_store *to, uint s
     leg.pace = leg.slope = 1.0f;
     leg.range = leg.arc = leg.across = leg.along = 0.0f;
     leg.layer = layer;
-    leg.active = ray.t_max > 0.0f ? 1u : 0u;
     to->legs[slot] = leg;
-    dev_hit none = {INFINITY, 0xffffffffu};
+    dev_hit none = {INFINITY, NO_RAY};
     to->hits[slot] = none;
-    (void)ping;
 }
 
-/* What ended the legs from SLOT on: notes triangles; the lanes that go on. */
-static mask end_legs(const leg_store *to, uint slot) {
-    mask on = (mask)(0);
-    LANES {
-        if (to->legs[slot + lane].active == 0u) {
-            continue;
-        }
-        AT(on, int) = -1;
+/* Which of the rays from AT on, whose legs are in SLOTS, have no triangle on them; notes those that have. */
+static mask end_legs(const leg_store *to, natural slots, mask live, uint at) {
 #if ASDIC_HAS_MESH
-        dev_hit hit = to->leg_hits[slot + lane];
-        if (hit.triangle != 0xffffffffu) {
-            to->hits[slot + lane] = hit;
-            AT(on, int) = 0;
+    LANES {
+        dev_hit hit = to->leg_hits[at + lane];
+        if (AT(live, int) != 0 && hit.triangle != NO_RAY) {
+            to->hits[AT(slots, uint)] = hit;
+            AT(live, int) = 0;
         }
-#endif
     }
-    return on;
+#endif
+    return live;
+}
+
+/* Layers that a tracer need not look at. */
+static mask are_empty(const leg_store *to, natural layer) {
+    mask empty = (mask)(0);
+    LANES {
+        AT(empty, int) = to->layers[AT(layer, uint)].has_triangles != 0u ? 0 : -1;
+    }
+    return empty;
 }
 
 /* The planes of the layers that the legs are in, below and above; and how the bend changes there. */
 typedef struct leg_planes {
     real below, above;
     real bend, bend_below, bend_above; /* at the scene frame's zero */
-    real shift, shift_below, shift_above;
+    real shift;
 } leg_planes;
 
 static leg_planes planes_of(const leg_store *to, natural layer) {
@@ -93,8 +101,6 @@ static leg_planes planes_of(const leg_store *to, natural layer) {
         AT(p.bend_below, float) = down.bend_per_m;
         AT(p.bend_above, float) = up.bend_per_m;
         AT(p.shift, float) = here.shift_m;
-        AT(p.shift_below, float) = down.shift_m;
-        AT(p.shift_above, float) = up.shift_m;
     }
     return p;
 }
@@ -108,27 +114,8 @@ static real to_above(const ray *r, real z) {
     return ray_to_plane(r->from.z - z, -r->u.z, -r->bend);
 }
 
-/* Brings a ray's leg to the tracer, as far as T. */
-static void trace_leg(const leg_store *to, const ray *r, real bend, real shift, real t, mask on,
-                      uint slot) {
-    ray_medium water = {bend, R(1.0)};
-    triple from = ray_lift(r->from, water), d = ray_traced(r, water);
-    from.z += shift;
-    LANES {
-        dev_ray ray = to->rays[slot + lane];
-        ray.origin[0] = AT(from.x, float);
-        ray.origin[1] = AT(from.y, float);
-        ray.origin[2] = AT(from.z, float);
-        ray.direction[0] = AT(d.x, float);
-        ray.direction[1] = AT(d.y, float);
-        ray.direction[2] = AT(d.z, float);
-        ray.t_max = AT(on, int) != 0 ? AT(t, float) : 0.0f;
-        to->rays[slot + lane] = ray;
-    }
-}
-
-/* The legs R after those of S, across a plane at T: below where DOWN, else above. */
-static ray next_leg(const ray *r, real t, mask down, const leg_planes *p, real *zero_bend) {
+/* The legs after those of R, across a plane at T: below where DOWN, else above. */
+static ray next_leg(const ray *r, real t, mask down, const leg_planes *p) {
     bent_place at = bent_at(r, t);
     ray next = *r;
     next.from = ray_point(r, t);
@@ -139,9 +126,9 @@ static ray next_leg(const ray *r, real t, mask down, const leg_planes *p, real *
     next.across = bent_across(r, t);
     next.along = r->along + r->slope * t;
     next.pace = r->pace / at.q;
-    next.fan = r->fan * at.q;
-    *zero_bend = choose(down, p->bend_below, p->bend_above);
-    next.bend = *zero_bend / (R(1.0) + *zero_bend * next.from.z);
+    next.fan = R(1.0) / next.pace;
+    real bend = choose(down, p->bend_below, p->bend_above);
+    next.bend = bend / (R(1.0) + bend * next.from.z);
     /* The bend below less that above, at the plane. */
     real change = choose(down, next.bend - r->bend / at.q, r->bend / at.q - next.bend);
     real sine = r_max(r_abs(next.u.z), ADVANCE_LEVEL);
@@ -150,86 +137,130 @@ static ray next_leg(const ray *r, real t, mask down, const leg_planes *p, real *
     return next;
 }
 
-static void store_legs(const leg_store *to, const ray *r, natural layer, mask on, mask ended,
-                       uint slot) {
+static ray choose_ray(mask first, const ray *a, const ray *b) {
+    ray r;
+    r.from.x = choose(first, a->from.x, b->from.x);
+    r.from.y = choose(first, a->from.y, b->from.y);
+    r.from.z = choose(first, a->from.z, b->from.z);
+    r.u.x = choose(first, a->u.x, b->u.x);
+    r.u.y = choose(first, a->u.y, b->u.y);
+    r.u.z = choose(first, a->u.z, b->u.z);
+    r.bend = choose(first, a->bend, b->bend);
+    r.pace = choose(first, a->pace, b->pace);
+    r.range = choose(first, a->range, b->range);
+    r.arc = choose(first, a->arc, b->arc);
+    r.across = choose(first, a->across, b->across);
+    r.along = choose(first, a->along, b->along);
+    r.slope = choose(first, a->slope, b->slope);
+    r.fan = choose(first, a->fan, b->fan);
+    return r;
+}
+
+/* Takes the rays R that CROSS over the planes of their layers, on and on while those are empty; returns those that
+ * met what ends them first: they stay where they were. */
+static mask cross_planes(__global const dev_ping *ping, const leg_store *to, ray *r, natural *layer,
+                         mask cross) {
+    mask ended = (mask)(0);
+    real sonar = (real)(ping->origin[2]);
+    for (uint i = 0; i < ADVANCE_MOST && any_true(cross); i++) {
+        leg_planes p = planes_of(to, *layer);
+        real t_below = to_below(r, p.below), t_above = to_above(r, p.above);
+        mask down = t_below <= t_above;
+        real t = r_min(t_below, t_above);
+        real end = r_min(to_below(r, sonar + (real)(ping->bottom_m)),
+                         to_above(r, sonar - (real)(ping->surface_m)));
+        end = r_min(end, ray_at_range(r, (real)(ping->reach_m)));
+        mask over = cross & (t < end);
+        ended |= cross & (over == 0);
+        ray next = next_leg(r, choose(over, t, R(0.0)), down, &p);
+        *r = choose_ray(over, &next, r);
+        natural next_layer = choose_natural(down, *layer + 1u, *layer - 1u);
+        *layer = choose_natural(over, min(next_layer, (natural)(to->count - 1u)), *layer);
+        cross = over & are_empty(to, *layer);
+    }
+    return ended;
+}
+
+static void store_legs(const leg_store *to, const ray *r, natural layer, natural slots, mask on) {
     LANES {
-        __global dev_leg *leg = to->legs + slot + lane;
-        if (AT(on, int) != 0) {
-            leg->from[0] = AT(r->from.x, const float);
-            leg->from[1] = AT(r->from.y, const float);
-            leg->from[2] = AT(r->from.z, const float);
-            leg->u[0] = AT(r->u.x, const float);
-            leg->u[1] = AT(r->u.y, const float);
-            leg->u[2] = AT(r->u.z, const float);
-            leg->bend = AT(r->bend, const float);
-            leg->pace = AT(r->pace, const float);
-            leg->range = AT(r->range, const float);
-            leg->arc = AT(r->arc, const float);
-            leg->across = AT(r->across, const float);
-            leg->along = AT(r->along, const float);
-            leg->slope = AT(r->slope, const float);
-            leg->layer = AT(layer, uint);
+        if (AT(on, int) == 0) {
+            continue;
         }
-        if (AT(ended, int) != 0) {
-            leg->active = 0u;
-        }
+        __global dev_leg *leg = to->legs + AT(slots, uint);
+        leg->from[0] = AT(r->from.x, const float);
+        leg->from[1] = AT(r->from.y, const float);
+        leg->from[2] = AT(r->from.z, const float);
+        leg->u[0] = AT(r->u.x, const float);
+        leg->u[1] = AT(r->u.y, const float);
+        leg->u[2] = AT(r->u.z, const float);
+        leg->bend = AT(r->bend, const float);
+        leg->pace = AT(r->pace, const float);
+        leg->range = AT(r->range, const float);
+        leg->arc = AT(r->arc, const float);
+        leg->across = AT(r->across, const float);
+        leg->along = AT(r->along, const float);
+        leg->slope = AT(r->slope, const float);
+        leg->layer = AT(layer, uint);
     }
 }
 
-/* FIRST: rays are as they were drawn. Sets *ACTIVE where any ray has a leg to go. */
+/* Brings the legs of the rays R that are ON to the tracer, from AT on, as far as their layers go; returns the next
+ * AT. */
+static uint trace_legs(__global const dev_ping *ping, const leg_store *to, const ray *r,
+                       natural layer, natural slots, mask on, uint at) {
+    leg_planes p = planes_of(to, layer);
+    real t = r_min(to_below(r, p.below), to_above(r, p.above));
+    t += ADVANCE_ROOM / r_max(r_abs(ray_direction(r, t).z), ADVANCE_LEVEL);
+    t = r_min(t, ray_at_range(r, (real)(ping->reach_m)));
+    ray_medium water = {p.bend, R(1.0)};
+    triple from = ray_lift(r->from, water), along = ray_traced(r, water);
+    from.z += p.shift;
+    LANES {
+        if (AT(on, int) != 0) {
+            to->rays[at++] = lane_ray(&from, &along, t, AT(slots, uint), lane);
+        }
+    }
+    return at;
+}
+
+/* Sends the rays from SLOT on to their next legs, which lie from AT on; returns the next AT. */
+static uint advance_rays(__global const dev_ping *ping, const leg_store *to, bool first, uint slot,
+                         uint at) {
+    natural slots, layer;
+    mask on = (mask)(0);
+    LANES {
+        dev_ray ray = to->rays[slot + lane];
+        AT(on, int) = ray.source != NO_RAY && ray.t_max > 0.0f ? -1 : 0;
+        AT(slots, uint) = ray.source != NO_RAY ? ray.source : to->rays[slot].source;
+        AT(layer, uint) = to->legs[AT(slots, uint)].layer;
+    }
+    ray r = load_sonar_rays(ping, to->rays, to->legs, slots).r;
+    on = first ? on : end_legs(to, slots, on, slot);
+    mask cross = first ? on & are_empty(to, layer) : on;
+    mask ended = cross_planes(ping, to, &r, &layer, cross);
+    store_legs(to, &r, layer, slots, cross);
+    on &= (mask)(ended == 0);
+    return any_true(on) ? trace_legs(ping, to, &r, layer, slots, on, at) : at;
+}
+
+/* One work-item per piece. FIRST: rays are as they were drawn. Sets *ACTIVE where any ray has a leg to go. */
 __kernel void advance(__global const dev_ping *pings, __global const dev_layer *layers, uint count,
                       uint first, __global dev_ray *rays, __global dev_leg *legs,
                       __global const dev_hit *leg_hits, __global dev_hit *hits,
                       __global uint *active) {
     __global const dev_ping *ping = row_ping(pings);
-    uint slot = (uint)(get_global_id(0)) * ASDIC_WIDTH;
-    if (slot >= batch_slots(ping)) {
-        return;
-    }
     size_t own = row_slots(ping);
     leg_store to = {rays + own, legs + own, leg_hits + own, hits + own, layers, count};
-    LANES {
-        if (first != 0u) {
-            begin_leg(ping, &to, slot + lane);
-        }
+    uint begin = (uint)(get_global_id(0)) * PIECE, at = begin;
+    uint end = min(begin + PIECE, batch_slots(ping));
+    for (uint slot = begin; slot < end && first != 0u; slot++) {
+        begin_leg(&to, slot);
     }
-    natural slots = slots_from(slot), layer;
-    ray r = load_sonar_rays(ping, to.rays, to.legs, slots).r;
-    LANES {
-        AT(layer, uint) = to.legs[slot + lane].layer;
+    for (uint slot = begin; slot < end && to.rays[slot].source != NO_RAY; slot += ASDIC_WIDTH) {
+        at = advance_rays(ping, &to, first != 0u, slot, at);
     }
-    leg_planes p = planes_of(&to, layer);
-    real bend = p.bend, shift = p.shift;
-    mask on = (mask)(0);
-    if (first == 0u) {
-        on = end_legs(&to, slot);
-        real t_below = to_below(&r, p.below), t_above = to_above(&r, p.above);
-        mask down = t_below <= t_above;
-        real t = r_min(t_below, t_above);
-        real sonar = (real)(ping->origin[2]);
-        real end = r_min(to_below(&r, sonar + (real)(ping->bottom_m)),
-                         to_above(&r, sonar - (real)(ping->surface_m)));
-        end = r_min(end, ray_at_range(&r, (real)(ping->reach_m)));
-        on &= t < end;
-        ray next = next_leg(&r, choose(on, t, R(0.0)), down, &p, &bend);
-        bend = choose(on, bend, p.bend);
-        shift = choose(down, p.shift_below, p.shift_above);
-        natural to_layer = choose_natural(down, layer + 1u, layer - 1u);
-        layer = choose_natural(on, to_layer, layer);
-        layer = min(layer, (natural)(count - 1u));
-        store_legs(&to, &next, layer, on, (mask)(on == 0), slot);
-        r = next;
-        p = planes_of(&to, layer);
-    } else {
-        LANES {
-            AT(on, int) = to.legs[slot + lane].active != 0u ? -1 : 0;
-        }
-    }
-    real t = r_min(to_below(&r, p.below), to_above(&r, p.above));
-    t += ADVANCE_ROOM / r_max(r_abs(ray_direction(&r, t).z), ADVANCE_LEVEL);
-    t = r_min(t, ray_at_range(&r, (real)(ping->reach_m)));
-    trace_leg(&to, &r, bend, shift, t, on, slot);
-    if (any_true(on)) {
+    end_piece(to.rays, at, end);
+    if (at > begin) {
         *active = 1u;
     }
 }

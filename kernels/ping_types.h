@@ -92,7 +92,8 @@ typedef struct dev_layer {
     float top_m, bottom_m;
     float bend_per_m;
     float shift_m;
-} dev_layer; /* 16 bytes */
+    dev_uint has_triangles; /* 0: surely none */
+} dev_layer;                /* 20 bytes */
 
 /* The last leg of a ray through layers so far: where and how it begins, what the ray has gone through before
  * (ray.h), and how it left the sonar. */
@@ -101,8 +102,7 @@ typedef struct dev_leg {
     float bend, pace;
     float range, arc, across, along, slope;
     dev_uint layer;
-    dev_uint active; /* 0: it has ended on this leg */
-} dev_leg;           /* 72 bytes */
+} dev_leg; /* 68 bytes */
 
 /* A pilot ray: its position in the learnt table, and the last bin that it crosses. */
 typedef struct dev_pilot {

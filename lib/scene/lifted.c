@@ -220,7 +220,7 @@ static asdic_status lift(const asdic_scene *scene, const dev_layer *layers, size
 }
 
 asdic_status asdic_scene_lift(const asdic_scene *scene, double bend_per_m, asdic_scene **out) {
-    const dev_layer all = {-INFINITY, INFINITY, (float)bend_per_m, 0.0f};
+    const dev_layer all = {-INFINITY, INFINITY, (float)bend_per_m, 0.0f, 1};
     return lift(scene, &all, 1, all.bend_per_m, out);
 }
 

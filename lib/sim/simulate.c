@@ -128,9 +128,8 @@ static asdic_status run_legs(asdic_simulator *sim, size_t count) {
                                    ASDIC_ARG_BUFFER(buffers->hits),
                                    ASDIC_ARG_BUFFER(buffers->active)};
         TRY(asdic_buffer_zero(buffers->active, sizeof active));
-        TRY(asdic_kernel_run_rows(sim->kernels.advance, args, COUNT(args),
-                                  batch_slots(sim) / sim->setup.layout.width,
-                                  sim->setup.layout.local, count));
+        TRY(asdic_kernel_run_rows(sim->kernels.advance, args, COUNT(args), piece_count(sim),
+                                  piece_local(sim), count));
         TRY(asdic_buffer_read(buffers->active, 0, sizeof active, &active));
         if (active && sim->tracer) {
             TRY(run_tracer(sim, buffers->rays, buffers->leg_hits, count));

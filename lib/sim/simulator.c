@@ -283,6 +283,9 @@ const char *asdic_one_layer_cause(const asdic_scene *scene, const asdic_sampling
                                       : NULL;
 }
 
+/* A triangle so near a layer is taken to lie in it: more than what lifted.c allows, and than rounding. */
+#define NEAR_M 0.1
+
 /* LAYERS in the scene frame. Lifted, none may touch another's: each is moved down by more than any is high. */
 static void place_layers(asdic_simulator *sim, const asdic_layers *layers, double depth_m) {
     const asdic_scene *scene = sim->setup.scene;
@@ -295,9 +298,11 @@ static void place_layers(asdic_simulator *sim, const asdic_layers *layers, doubl
         const asdic_layer *l = &layers->layer[i];
         double bend = l->gradient_per_s / asdic_layer_speed_mps(l, scene->origin_m.z);
         most = fmax(most, fabs(bend));
-        sim->setup.layers[i] =
-            (dev_layer){(float)fmax(l->top_m - scene->origin_m.z, -1e5),
-                        (float)fmin(l->bottom_m - scene->origin_m.z, 1e5), (float)bend, 0.0f};
+        bool empty = scene->triangle_count == 0 || l->top_m > scene->max_m.z + NEAR_M ||
+                     l->bottom_m < scene->min_m.z - NEAR_M;
+        sim->setup.layers[i] = (dev_layer){(float)fmax(l->top_m - scene->origin_m.z, -1e5),
+                                           (float)fmin(l->bottom_m - scene->origin_m.z, 1e5),
+                                           (float)bend, 0.0f, !empty};
     }
     double apart = 1.1 * (2.0 * high + most * wide2);
     for (size_t i = 0; i < layers->count; i++) {
