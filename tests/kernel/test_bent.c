@@ -270,6 +270,72 @@ static void layers_meet_quadrature(void **state) {
     }
 }
 
+/* A plane and a box from 5 to 11 m: five layers have triangles, rays end in each of them. */
+static void legs_are_the_same_for_all_kernels_and_layouts(void **state) {
+    static const asdic_ray_kernel kernels[] = {ASDIC_RAY_KERNEL_WIDE8, ASDIC_RAY_KERNEL_PKT16,
+                                               ASDIC_RAY_KERNEL_FRUSTUM64, ASDIC_RAY_KERNEL_SCALAR};
+    static const asdic_layout layouts[] = {
+        {.deposit = ASDIC_DEPOSIT_COLLECT, .local = 8, .batch_slots = 1 << 20, .workers = 1},
+        {.deposit = ASDIC_DEPOSIT_COLLECT, .local = 1, .batch_slots = 16384},
+        {.deposit = ASDIC_DEPOSIT_COLLECT, .local = 64, .batch_slots = 20000, .workers = 3},
+        {.deposit = ASDIC_DEPOSIT_ATOMIC32, .local = 4096, .batch_slots = 20000}};
+    (void)state;
+    asdic_ping *first = NULL;
+    for (int k = 0; k < 4; k++) {
+        asdic_mesh *mesh = NULL;
+        ping_rig r = bent_rig(0.0, 40000u);
+        r.env.sound_speed_profile = (asdic_sound_profile){
+            6, {0.0, 3.0, 5.0, 8.0, 10.0, 12.0}, {1490.0, 1489.0, 1487.0, 1480.0, 1482.0, 1481.0}};
+        asdic_scene_destroy(&r.scene);
+        r.scene = bottom_of_two_triangles();
+        assert_ok(t.ctx, asdic_mesh_box(t.ctx, (asdic_vec3){3.0, 9.0, 6.0}, &mesh));
+        asdic_pose at = {{14.0, 3.0, 8.0}, 0.1, 0.2, 0.7};
+        assert_ok(t.ctx,
+                  asdic_scene_add_object(r.scene, "box", mesh, at, asdic_material_bottom(2.0)));
+        asdic_mesh_destroy(&mesh);
+        r.sampling.kernel = kernels[k];
+        unsigned width = r.layout.width;
+        r.layout = layouts[k];
+        r.layout.width = width;
+        asdic_ping *ping = rig_shoot(&r, 0, true);
+        assert_true(asdic_level_db(ping->intensity_lin[ASDIC_OBJECT][28]) > -120.0);
+        assert_true(k == 0 || rig_same(ping, first));
+        if (k == 0) {
+            first = ping;
+        } else {
+            asdic_ping_destroy(&ping);
+        }
+        rig_destroy(&r);
+    }
+    asdic_ping_destroy(&first);
+}
+
+/* On the axis of a channel a level ray crosses it thousands of times, and is followed to the end: one that is not
+ * goes on as if its last layer had no end, and the pilots learn of echoes that are not there. */
+static void trapped_rays_are_followed(void **state) {
+    (void)state;
+    ping_rig r = bent_rig(0.0, 20000u);
+    r.pose.position_m.z = 7.0;
+    r.sonar.ping_rate_hz = 5.0;
+    r.env.sound_speed_profile =
+        (asdic_sound_profile){4, {0.0, 3.0, 7.0, 12.0}, {1500.0, 1490.0, 1480.0, 1486.0}};
+    asdic_ping *ping = rig_shoot(&r, 0, true), *truth = expected(&r, ping);
+    double stated_db = 0.0, count = 0.0;
+    for (size_t i = 4; i < ping->bins; i++) {
+        if (truth->intensity_lin[ASDIC_BOTTOM][i] > 0.0) {
+            stated_db += (double)ping->stderr_db[i];
+            count += 1.0;
+        }
+    }
+    stated_db /= count;
+    print_message("a channel: stated error where the bottom is heard, on average, %.4f dB\n",
+                  stated_db);
+    assert_true(count > 100.0 && stated_db < 0.06);
+    asdic_ping_destroy(&truth);
+    asdic_ping_destroy(&ping);
+    rig_destroy(&r);
+}
+
 /* A point's echo against the closed forms by the ends of a ray (lift.h), which no ping takes. */
 static void points_echo_over_the_arc(void **state) {
     (void)state;
@@ -329,6 +395,8 @@ int main(void) {
         cmocka_unit_test(large_triangles_are_a_plane),
         cmocka_unit_test(moved_objects_are_those_built_there),
         cmocka_unit_test(layers_meet_quadrature),
+        cmocka_unit_test(legs_are_the_same_for_all_kernels_and_layouts),
+        cmocka_unit_test(trapped_rays_are_followed),
         cmocka_unit_test(points_echo_over_the_arc),
         cmocka_unit_test(impossible_water_is_refused),
     };
