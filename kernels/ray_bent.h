@@ -199,7 +199,7 @@ FORMULA real bent_arc(const ray *r, const bent_place *at) {
  * of an arc that is longer or shorter than the range. MINUS_2K is -2 K. */
 FORMULA real ray_bending(const ray *r, real t, real range, real minus_2k) {
     bent_place at = bent_at(r, t);
-    real spread = range / (r->pace * r->fan) * at.q * r->fan;
+    real spread = range / r->pace * at.q;
     real tube = r_max(bent_across(r, at.t) * bent_along(r, at.t), R(1e-12));
     real loss = spread * spread / tube * exp(minus_2k * (r->arc + bent_arc(r, &at) - range));
     mask bends = (r->bend != R(0.0)) | (r->across > R(0.0));

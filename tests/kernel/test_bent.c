@@ -4,7 +4,7 @@
  */
 #include "ping_rig.h"
 
-#include "kernels/lift.h"
+#include "one_layer.h"
 
 static test_device t;
 

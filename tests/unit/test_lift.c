@@ -3,8 +3,7 @@
  * c(z) = c0 (1 + k z), which knows nothing of circles.
  */
 #include "asserts.h"
-
-#include "../../kernels/lift.h"
+#include "one_layer.h"
 
 #define STEP_M 0.05
 #define STEPS 4400 /* 220 m */
