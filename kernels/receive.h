@@ -3,7 +3,7 @@
  *
  * Every receiver's pattern weighs every arrival. Where work-items add by atomics, each does so at once for
  * its own rays. Else (DEPOSIT_COLLECT) arrivals are kept in memory: collect.cl adds them group by group, or,
- * where receivers are many, fan.cl bin by bin (ASDIC_FAN).
+ * where receivers are many, fan.cl bin by bin.
  *
  * A fan's faces may share their vertical axis z and their size (ASDIC_COMMON_AXIS). Then, with x and y
  * across that axis,
