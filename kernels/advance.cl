@@ -3,21 +3,17 @@
  *
  * A tracer knows one hierarchy, in which the triangles of all layers lie one below the other, each lifted by its
  * layer's bend (scene/lifted.c). It follows each ray on one leg, as far as the layer goes. Then this kernel notes
- * what ended on a triangle, a plane or at the range, and sends the rest on into the next layer. Directions and
- * sound speeds are continuous at a layer's plane; the width of a tube in the plane of the ray is, too, but its
- * slope is not: it loses cos^2 / sin of the elevation, times the change of the bend, times the width (V. Cerveny,
- * "Seismic ray theory", 2001, section 4.4).
+ * what ended on a triangle, a plane or at the range, and sends the rest on into the next layer (leg.h).
  *
  * Layers without triangles are crossed at once. The rays that have a leg to go lie at the front of their piece of
  * the array, as mirror rays do (mirror_ray.h), and name the slot that they come from.
  */
+#include "leg.h"
 #include "mirror_ray.h"
 #include "ping_batch.h"
 
 #if ASDIC_LAYERS
 
-/* Rays that meet a layer's plane at less than this sine of their elevation cross it as if at this. */
-#define ADVANCE_LEVEL R(1e-3)
 /* So far beyond a layer's plane, m, a triangle is still met: hits at grazing angles are rounded. */
 #define ADVANCE_ROOM R(4e-3)
 
@@ -30,27 +26,20 @@ typedef struct leg_store {
     __global dev_leg *legs;
     __global const dev_hit *leg_hits;
     __global dev_hit *hits;
-    __global const dev_layer *layers;
-    uint count;
+    layer_stack layers;
 } leg_store;
 
 /* The first leg of SLOT. */
 static void begin_leg(const leg_store *to, uint slot) {
     dev_ray ray = to->rays[slot];
     dev_leg leg;
-    uint layer = 0u;
     float z = ray.origin[2];
-    /* On a plane: the layer that it goes into. */
-    while (layer + 1u < to->count &&
-           (z > to->layers[layer].bottom_m ||
-            (z == to->layers[layer].bottom_m && ray.direction[2] > 0.0f))) {
-        layer++;
-    }
+    uint layer = first_layer(&to->layers, z, ray.direction[2]);
     for (uint k = 0; k < 3u; k++) {
         leg.from[k] = ray.origin[k];
         leg.u[k] = leg.sent[k] = ray.direction[k];
     }
-    leg.bend = to->layers[layer].bend_per_m / (1.0f + to->layers[layer].bend_per_m * z);
+    leg.bend = to->layers.layer[layer].bend_per_m / (1.0f + to->layers.layer[layer].bend_per_m * z);
     leg.pace = leg.slope = 1.0f;
     leg.range = leg.arc = leg.across = leg.along = 0.0f;
     leg.layer = layer;
@@ -77,83 +66,9 @@ static mask end_legs(const leg_store *to, natural slots, mask live, uint at) {
 static mask are_empty(const leg_store *to, natural layer) {
     mask empty = (mask)(0);
     LANES {
-        AT(empty, int) = to->layers[AT(layer, uint)].has_triangles != 0u ? 0 : -1;
+        AT(empty, int) = to->layers.layer[AT(layer, uint)].has_triangles != 0u ? 0 : -1;
     }
     return empty;
-}
-
-/* The planes of the layers that the legs are in, below and above; and how the bend changes there. */
-typedef struct leg_planes {
-    real below, above;
-    real bend, bend_below, bend_above; /* at the scene frame's zero */
-    real shift;
-} leg_planes;
-
-static leg_planes planes_of(const leg_store *to, natural layer) {
-    leg_planes p;
-    LANES {
-        uint own = AT(layer, uint);
-        dev_layer here = to->layers[own], up = to->layers[own > 0u ? own - 1u : own],
-                  down = to->layers[own + 1u < to->count ? own + 1u : own];
-        AT(p.below, float) = here.bottom_m;
-        AT(p.above, float) = here.top_m;
-        AT(p.bend, float) = here.bend_per_m;
-        AT(p.bend_below, float) = down.bend_per_m;
-        AT(p.bend_above, float) = up.bend_per_m;
-        AT(p.shift, float) = here.shift_m;
-    }
-    return p;
-}
-
-/* T at which the rays come to the plane at Z, below or above. */
-static real to_below(const ray *r, real z) {
-    return ray_to_plane(z - r->from.z, r->u.z, r->bend);
-}
-
-static real to_above(const ray *r, real z) {
-    return ray_to_plane(r->from.z - z, -r->u.z, -r->bend);
-}
-
-/* The legs after those of R, across a plane at T: below where DOWN, else above. */
-static ray next_leg(const ray *r, real t, mask down, const leg_planes *p) {
-    bent_place at = bent_at(r, t);
-    ray next = *r;
-    next.from = ray_point(r, t);
-    next.from.z = choose(down, p->below, p->above);
-    next.u = ray_direction(r, t);
-    next.range = ray_range(r, t);
-    next.arc = r->arc + bent_arc(r, &at);
-    next.across = bent_across(r, t);
-    next.along = r->along + r->slope * t;
-    next.pace = r->pace / at.q;
-    next.fan = R(1.0) / next.pace;
-    real bend = choose(down, p->bend_below, p->bend_above);
-    next.bend = bend / (R(1.0) + bend * next.from.z);
-    /* The bend below less that above, at the plane. */
-    real change = choose(down, next.bend - r->bend / at.q, r->bend / at.q - next.bend);
-    real sine = r_max(r_abs(next.u.z), ADVANCE_LEVEL);
-    real level2 = next.u.x * next.u.x + next.u.y * next.u.y;
-    next.slope = at.q * r->slope - change * level2 / sine * next.along;
-    return next;
-}
-
-static ray choose_ray(mask first, const ray *a, const ray *b) {
-    ray r;
-    r.from.x = choose(first, a->from.x, b->from.x);
-    r.from.y = choose(first, a->from.y, b->from.y);
-    r.from.z = choose(first, a->from.z, b->from.z);
-    r.u.x = choose(first, a->u.x, b->u.x);
-    r.u.y = choose(first, a->u.y, b->u.y);
-    r.u.z = choose(first, a->u.z, b->u.z);
-    r.bend = choose(first, a->bend, b->bend);
-    r.pace = choose(first, a->pace, b->pace);
-    r.range = choose(first, a->range, b->range);
-    r.arc = choose(first, a->arc, b->arc);
-    r.across = choose(first, a->across, b->across);
-    r.along = choose(first, a->along, b->along);
-    r.slope = choose(first, a->slope, b->slope);
-    r.fan = choose(first, a->fan, b->fan);
-    return r;
 }
 
 /* Takes the rays R that CROSS over the planes of their layers, on and on while those are empty; returns those that
@@ -163,7 +78,7 @@ static mask cross_planes(__global const dev_ping *ping, const leg_store *to, ray
     mask ended = (mask)(0);
     real sonar = (real)(ping->origin[2]);
     for (uint i = 0; i < ADVANCE_MOST && any_true(cross); i++) {
-        leg_planes p = planes_of(to, *layer);
+        leg_planes p = planes_of(&to->layers, *layer);
         real t_below = to_below(r, p.below), t_above = to_above(r, p.above);
         mask down = t_below <= t_above;
         real t = r_min(t_below, t_above);
@@ -175,7 +90,7 @@ static mask cross_planes(__global const dev_ping *ping, const leg_store *to, ray
         ray next = next_leg(r, choose(over, t, R(0.0)), down, &p);
         *r = choose_ray(over, &next, r);
         natural next_layer = choose_natural(down, *layer + 1u, *layer - 1u);
-        *layer = choose_natural(over, min(next_layer, (natural)(to->count - 1u)), *layer);
+        *layer = choose_natural(over, min(next_layer, (natural)(to->layers.count - 1u)), *layer);
         cross = over & are_empty(to, *layer);
     }
     return ended;
@@ -208,9 +123,9 @@ static void store_legs(const leg_store *to, const ray *r, natural layer, natural
  * AT. */
 static uint trace_legs(__global const dev_ping *ping, const leg_store *to, const ray *r,
                        natural layer, natural slots, mask on, uint at) {
-    leg_planes p = planes_of(to, layer);
+    leg_planes p = planes_of(&to->layers, layer);
     real t = r_min(to_below(r, p.below), to_above(r, p.above));
-    t += ADVANCE_ROOM / r_max(r_abs(ray_direction(r, t).z), ADVANCE_LEVEL);
+    t += ADVANCE_ROOM / r_max(r_abs(ray_direction(r, t).z), LEG_LEVEL);
     t = r_min(t, ray_at_range(r, (real)(ping->reach_m)));
     ray_medium water = {p.bend, R(1.0)};
     triple from = ray_lift(r->from, water), along = ray_traced(r, water);
@@ -250,7 +165,7 @@ __kernel void advance(__global const dev_ping *pings, __global const dev_layer *
                       __global uint *active) {
     __global const dev_ping *ping = row_ping(pings);
     size_t own = row_slots(ping);
-    leg_store to = {rays + own, legs + own, leg_hits + own, hits + own, layers, count};
+    leg_store to = {rays + own, legs + own, leg_hits + own, hits + own, {layers, count}};
     uint begin = (uint)(get_global_id(0)) * PIECE, at = begin;
     uint end = min(begin + PIECE, batch_slots(ping));
     for (uint slot = begin; slot < end && first != 0u; slot++) {
