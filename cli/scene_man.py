@@ -56,6 +56,8 @@ def kind(schema):
         return words(schema["enum"])
     if "const" in schema:
         return json.dumps(schema["const"]).strip('"')
+    if "not" in schema:
+        return "any value"
     of = schema.get("type")
     if of == "object":
         return "a map"

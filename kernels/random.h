@@ -15,6 +15,7 @@
 #define RANDOM_SHIFT 1u
 #define RANDOM_SPECKLE 2u
 #define RANDOM_TRIAL 3u
+#define RANDOM_DRAW 4u
 
 typedef struct random4 {
     natural v[4];

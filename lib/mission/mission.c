@@ -26,6 +26,11 @@ void asdic_mission_destroy(asdic_mission **mission) {
         free((double *)m->rows[i]);
     }
     free(m->rows);
+    for (asdic_setting *drawn = m->drawn; drawn && drawn->key; drawn++) {
+        free((char *)drawn->key);
+        free((char *)drawn->value);
+    }
+    free(m->drawn);
     free(m->motions);
     free(m->objects);
     asdic_settings_finish(&m->settings);
@@ -81,6 +86,14 @@ const char *asdic_mission_text(const asdic_mission *mission) {
 
 const char *asdic_mission_hash(const asdic_mission *mission) {
     return mission ? mission->hash : NULL;
+}
+
+asdic_setting asdic_mission_drawn(const asdic_mission *mission, size_t index) {
+    size_t count = 0;
+    while (mission && mission->drawn && mission->drawn[count].key) {
+        count++;
+    }
+    return index < count ? mission->drawn[index] : (asdic_setting){NULL, NULL};
 }
 
 size_t asdic_mission_object_count(const asdic_mission *mission) {

@@ -31,6 +31,7 @@ struct asdic_mission {
     asdic_material bottom; /* without a law where there is none */
     const double **rows;   /* of the files that materials name */
     size_t row_files;
+    asdic_setting *drawn; /* of a run of a trial; one of NULL ends it; NULL: nothing was drawn */
     bool is_varied;      /* settings changed what the text says */
     asdic_flight flight; /* how the vehicle manoeuvres; an ordinary one without waypoints */
     asdic_pose pose;     /* of every ping, when there is no track */

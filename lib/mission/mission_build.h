@@ -17,16 +17,22 @@ typedef struct mission_builder {
     asdic_arena *arena;
     asdic_mission *mission;
     mission_extent extent;
+    const asdic_setting *settings; /* in place of what the file says */
+    size_t setting_count;
+    const asdic_draw *draw; /* the run of a trial; NULL: the scene itself */
 } mission_builder;
 
 /* Each step adds to the mission and reports what is wrong with the files it opens to PROBLEMS. Its
  * status is only for what is no error of the input: short memory. */
 
-/* Puts the sonar and the cast that the scene's tree ROOT takes from files into it, and the whole into
- * the mission's text and hash. */
-asdic_status asdic_mission_include(mission_builder *b, asdic_yaml_node *root);
-/* The cast alone; *INCLUDED becomes true when there is a file of it. */
+/* Puts the sonar and the cast that the scene's tree ROOT takes from files into it; *INCLUDED becomes
+ * true when there is one. */
+asdic_status asdic_mission_include(mission_builder *b, asdic_yaml_node *root, bool *included);
 asdic_status asdic_mission_include_cast(mission_builder *b, asdic_yaml_node *root, bool *included);
+/* The tree in place of the mission's text and hash. */
+asdic_status asdic_mission_keep_tree(mission_builder *b, const asdic_yaml_node *root);
+/* Takes CHILD out of MAP. */
+void asdic_mission_take_out(asdic_yaml_node *map, const asdic_yaml_node *child);
 /* Tracks from files: the vehicle's, and the objects'. */
 asdic_status asdic_mission_build_tracks(mission_builder *b);
 /* Surface, bottom and objects; the scene is committed when nothing was wrong. */

@@ -44,8 +44,7 @@ static asdic_status read_tree(mission_builder *b, const char *path, asdic_yaml_n
     return has_memory ? ASDIC_OK : asdic_fail_memory(b->ctx, "the sonar's file");
 }
 
-/* Takes CHILD out of MAP. */
-static void take_out(asdic_yaml_node *map, const asdic_yaml_node *child) {
+void asdic_mission_take_out(asdic_yaml_node *map, const asdic_yaml_node *child) {
     asdic_yaml_node *next = map->first;
     map->first = map->last = NULL;
     map->count = 0;
@@ -72,7 +71,7 @@ static void add_missing(asdic_yaml_node *map, asdic_yaml_node *from) {
 }
 
 /* A run folder keeps the text, and --resume looks at the hash: both are of all that was read. */
-static asdic_status keep_whole(mission_builder *b, const asdic_yaml_node *root) {
+asdic_status asdic_mission_keep_tree(mission_builder *b, const asdic_yaml_node *root) {
     asdic_text text = {0};
     asdic_yaml_print(root, &text);
     size_t length = text.length;
@@ -107,15 +106,13 @@ static asdic_status include_sonar(mission_builder *b, asdic_yaml_node *root, boo
                                : "a sonar's file must hold keys of a scene's 'sonar'");
         return ASDIC_OK;
     }
-    take_out(sonar, named);
+    asdic_mission_take_out(sonar, named);
     add_missing(sonar, tree);
     *included = true;
     return ASDIC_OK;
 }
 
-asdic_status asdic_mission_include(mission_builder *b, asdic_yaml_node *root) {
-    bool included = false;
-    TRY(include_sonar(b, root, &included));
-    TRY(asdic_mission_include_cast(b, root, &included));
-    return included ? keep_whole(b, root) : ASDIC_OK;
+asdic_status asdic_mission_include(mission_builder *b, asdic_yaml_node *root, bool *included) {
+    TRY(include_sonar(b, root, included));
+    return asdic_mission_include_cast(b, root, included);
 }

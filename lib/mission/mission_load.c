@@ -9,6 +9,8 @@
 #include "base/number.h"
 #include "base/sha256.h"
 #include "base/try.h"
+#include "mission/scene_file/scene_draw.h"
+#include "mission/scene_file/scene_keys.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -70,26 +72,73 @@ static asdic_status check_memory(asdic_context *ctx, const asdic_mission *m) {
                               "use fewer beams or a longer 'bin_length_m'");
 }
 
-/* The scene file's tree with what it includes; the mission has text and hash of both. */
-static asdic_status read_scene(mission_builder *b, asdic_yaml_node **root) {
+/* Files to include and the trial's own keys come first, since what else is set and drawn may be in
+ * what they bring. */
+static void put_settings(mission_builder *b, asdic_yaml_node *root, bool is_first) {
+    for (size_t i = 0; root && i < b->setting_count; i++) {
+        const char *key = b->settings[i].key;
+        if ((asdic_scene_key_includes(key) || strncmp(key, "trial", 5) == 0) == is_first) {
+            asdic_scene_file_set(root, &b->settings[i], b->arena, b->problems);
+        }
+    }
+}
+
+/* The section `trial` of ROOT, which loses it when a run is drawn; FILE is zero without it. */
+static void read_trial(mission_builder *b, asdic_yaml_node *root, file_trial *file) {
+    asdic_yaml_node *node = b->draw ? asdic_yaml_child(root, "trial") : NULL;
+    *file = (file_trial){0};
+    if (node) {
+        asdic_schema_read(&asdic_trial_table, asdic_scene_table(), node, b->arena, b->problems,
+                          file);
+        asdic_scene_draw_check(file, b->arena, b->problems);
+        asdic_mission_take_out(root, node);
+    }
+}
+
+/* The scene file's tree with what it includes and what is set and drawn; the mission has text and
+ * hash of all but settings, with a draw of these too. */
+static asdic_status read_scene(mission_builder *b, asdic_yaml_node **root, file_trial *trial,
+                               asdic_drawn *drawn) {
     size_t length = 0;
+    bool included = false;
     TRY(read_text(b->ctx, b->mission, &length));
     if (!asdic_yaml_read(b->mission->text, length, b->arena, b->problems, root)) {
         return asdic_fail_memory(b->ctx, "the scene file's content");
     }
-    return asdic_mission_include(b, *root);
+    put_settings(b, *root, true);
+    read_trial(b, *root, trial);
+    asdic_scene_draw(*root, trial, b->draw, true, b->arena, b->problems, drawn);
+    TRY(asdic_mission_include(b, *root, &included));
+    asdic_scene_draw(*root, trial, b->draw, false, b->arena, b->problems, drawn);
+    if (included && !b->draw) {
+        TRY(asdic_mission_keep_tree(b, *root));
+    }
+    put_settings(b, *root, false);
+    return b->draw && *root ? asdic_mission_keep_tree(b, *root) : ASDIC_OK;
 }
 
-static asdic_status load(mission_builder *b, const asdic_setting *settings, size_t count,
-                         asdic_scene_file *file) {
+static asdic_status keep_drawn(mission_builder *b, const asdic_drawn *drawn) {
+    asdic_setting *kept = calloc(drawn->count + 1, sizeof *kept);
+    b->mission->drawn = kept;
+    for (size_t i = 0; kept && i < drawn->count; i++) {
+        kept[i] = (asdic_setting){strdup(drawn->items[i].key), strdup(drawn->items[i].value)};
+        kept = kept[i].key && kept[i].value ? kept : NULL;
+    }
+    return kept ? ASDIC_OK : asdic_fail_memory(b->ctx, "what was drawn");
+}
+
+static asdic_status load(mission_builder *b, asdic_scene_file *file) {
     asdic_yaml_node *root = NULL;
-    TRY(read_scene(b, &root));
+    file_trial trial;
+    asdic_drawn drawn = {0};
+    TRY(read_scene(b, &root, &trial, &drawn));
     if (b->extent == MISSION_TEXT) {
         return ASDIC_OK;
     }
-    if (!asdic_scene_file_take(root, settings, count, b->arena, b->problems, file)) {
+    if (!asdic_scene_file_take(root, b->arena, b->problems, file)) {
         return asdic_fail_memory(b->ctx, "the scene file's content");
     }
+    TRY(keep_drawn(b, &drawn));
     if (b->extent == MISSION_EMPTY) {
         file->objects.count = 0;
     }
@@ -98,8 +147,19 @@ static asdic_status load(mission_builder *b, const asdic_setting *settings, size
     return check_memory(b->ctx, b->mission);
 }
 
-static asdic_status load_file(asdic_context *ctx, const char *path, const asdic_setting *settings,
-                              size_t count, mission_extent extent, asdic_mission **out) {
+/* Says of which run an error of the input is; the sentence in CTX stays otherwise. */
+static asdic_status name_run(asdic_context *ctx, const asdic_draw *draw, asdic_status status) {
+    char *sentence = status == ASDIC_ERROR_INPUT ? strdup(asdic_context_error(ctx)) : NULL;
+    if (sentence) {
+        asdic_fail(ctx, status, "%s, as drawn for run %llu with seed %llu", sentence,
+                   (unsigned long long)draw->run, (unsigned long long)draw->seed);
+        free(sentence);
+    }
+    return status;
+}
+
+static asdic_status load_file(asdic_context *ctx, const char *path, const mission_builder *how,
+                              asdic_mission **out) {
     if (!out) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "asdic_mission_load: nowhere to put it");
     }
@@ -113,18 +173,18 @@ static asdic_status load_file(asdic_context *ctx, const char *path, const asdic_
         return asdic_fail_memory(ctx, "a mission");
     }
     m->ctx = ctx;
-    m->is_varied = count > 0 || extent != MISSION_WHOLE;
+    m->is_varied = (how->setting_count > 0 && !how->draw) || how->extent != MISSION_WHOLE;
     asdic_arena arena = {0};
     asdic_scene_file file;
     asdic_problems problems = {.name = strcmp(path, "-") == 0 ? "stdin" : path};
-    mission_builder builder = {.ctx = ctx,
-                               .file = &file,
-                               .problems = &problems,
-                               .arena = &arena,
-                               .mission = m,
-                               .extent = extent};
+    mission_builder builder = *how;
+    builder.ctx = ctx;
+    builder.file = &file;
+    builder.problems = &problems;
+    builder.arena = &arena;
+    builder.mission = m;
     locale_t before = asdic_c_locale_enter();
-    asdic_status status = load(&builder, settings, count, &file);
+    asdic_status status = load(&builder, &file);
     asdic_c_locale_leave(before);
     asdic_problems_finish(&problems);
     asdic_arena_finish(&arena);
@@ -132,27 +192,40 @@ static asdic_status load_file(asdic_context *ctx, const char *path, const asdic_
         asdic_mission_destroy(&m);
     }
     *out = m;
-    return status;
+    return status && how->draw ? name_run(ctx, how->draw, status) : status;
 }
 
 asdic_status asdic_mission_load(asdic_context *ctx, const char *path, asdic_mission **out) {
-    return load_file(ctx, path, NULL, 0, MISSION_WHOLE, out);
+    return load_file(ctx, path, &(mission_builder){.extent = MISSION_WHOLE}, out);
 }
 
 asdic_status asdic_mission_load_with(asdic_context *ctx, const char *path,
                                      const asdic_setting *settings, size_t count,
                                      asdic_mission **out) {
-    return load_file(ctx, path, settings, count, MISSION_WHOLE, out);
+    const mission_builder how = {
+        .extent = MISSION_WHOLE, .settings = settings, .setting_count = count};
+    return load_file(ctx, path, &how, out);
+}
+
+asdic_status asdic_mission_load_run(asdic_context *ctx, const char *path,
+                                    const asdic_setting *settings, size_t count,
+                                    const asdic_draw *draw, asdic_mission **out) {
+    if (!draw) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "asdic_mission_load_run: no draw");
+    }
+    const mission_builder how = {
+        .extent = MISSION_WHOLE, .settings = settings, .setting_count = count, .draw = draw};
+    return load_file(ctx, path, &how, out);
 }
 
 asdic_status asdic_mission_load_empty(asdic_context *ctx, const char *path, asdic_mission **out) {
-    return load_file(ctx, path, NULL, 0, MISSION_EMPTY, out);
+    return load_file(ctx, path, &(mission_builder){.extent = MISSION_EMPTY}, out);
 }
 
 bool asdic_mission_has_hash(const char *path, const char *hash) {
     asdic_mission *m = NULL;
-    bool is_same = strcmp(path, "-") != 0 &&
-                   load_file(NULL, path, NULL, 0, MISSION_TEXT, &m) == ASDIC_OK &&
+    const mission_builder how = {.extent = MISSION_TEXT};
+    bool is_same = strcmp(path, "-") != 0 && load_file(NULL, path, &how, &m) == ASDIC_OK &&
                    strcmp(m->hash, hash) == 0;
     asdic_mission_destroy(&m);
     return is_same;

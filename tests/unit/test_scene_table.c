@@ -31,6 +31,9 @@ static void write_value(asdic_text *text, const asdic_key *key) {
     case ASDIC_KEY_CURVE:
         asdic_text_add(text, "[[1, 1400], [2, 1401]]");
         break;
+    case ASDIC_KEY_NODE:
+        asdic_text_add(text, "[a]");
+        break;
     case ASDIC_KEY_BOOL:
         asdic_text_add(text, "false");
         break;

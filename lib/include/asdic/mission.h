@@ -34,7 +34,31 @@ typedef struct asdic_setting {
 ASDIC_API asdic_status asdic_mission_load_with(asdic_context *ctx, const char *path,
                                                const asdic_setting *settings, size_t count,
                                                asdic_mission **out);
+
+/* Which run of a trial is drawn. */
+typedef struct asdic_draw {
+    uint64_t seed, run;
+} asdic_draw;
+
+/* The mission of one run of the scene's `trial` section: what `draws` say is drawn at random, from
+ * DRAW alone, and stands in place of what the file says. Text and hash of such a mission are those
+ * of the scene as drawn, without `trial`, so that it is run and kept like any other (paths in it
+ * stay relative to the file). SETTINGS, COUNT of them, are put over both. Without a `trial` section
+ * every run is the scene itself.
+ *
+ *     for (draw.run = 0; draw.run < runs; draw.run++) {
+ *         asdic_mission_load_run(ctx, "scene.yaml", NULL, 0, &draw, &mission);
+ *         ... asdic_mission_run(ctx, mission, ...), asdic_mission_drawn(mission, i) ...
+ *         asdic_mission_destroy(&mission);
+ *     } */
+ASDIC_API asdic_status asdic_mission_load_run(asdic_context *ctx, const char *path,
+                                              const asdic_setting *settings, size_t count,
+                                              const asdic_draw *draw, asdic_mission **out);
 ASDIC_API void asdic_mission_destroy(asdic_mission **mission);
+
+/* What was drawn, key by key in the order of the file; a list's entry that was left out is `none`.
+ * A key and value of NULL behind the last. */
+ASDIC_API asdic_setting asdic_mission_drawn(const asdic_mission *mission, size_t index);
 
 /* What the file describes. Valid until the mission is destroyed. */
 ASDIC_API const asdic_environment *asdic_mission_environment(const asdic_mission *mission);

@@ -2,6 +2,7 @@
  * Checks of several keys of a scene file together. Only values that are good one by one are judged
  * together, so that one mistake makes one error.
  */
+#include "scene_draw.h"
 #include "scene_file.h"
 #include "scene_laws.h"
 
@@ -380,4 +381,5 @@ void asdic_scene_file_check(asdic_scene_file *file, asdic_arena *arena, asdic_pr
     check_objects(file, arena, problems);
     check_pose(file, problems);
     check_waypoints(file, problems);
+    asdic_scene_draw_check(&file->trial, arena, problems);
 }

@@ -94,13 +94,14 @@ static asdic_yaml_node *item_of(asdic_yaml_node *list, size_t index) {
 
 /* One step of PATH from NODE; *AT moves behind it. NULL after a problem, or without memory. */
 static asdic_yaml_node *step(asdic_yaml_node *node, const char *path, const char **at,
-                             asdic_arena *arena, asdic_problems *problems) {
+                             asdic_yaml_node *blame, asdic_arena *arena, asdic_problems *problems) {
     if (**at == '[') {
         char *end;
         size_t index = strtoul(*at + 1, &end, 10);
         if (end == *at + 1 || *end != ']' || node->kind != ASDIC_YAML_LIST ||
             index >= node->count) {
-            asdic_yaml_problem(problems, node, "cannot set '%s': there is no '%.*s' here", path,
+            asdic_yaml_problem(problems, blame ? blame : node,
+                               "cannot set '%s': there is no '%.*s' here", path,
                                (int)(strcspn(*at, "].") + 1), *at);
             return NULL;
         }
@@ -110,7 +111,7 @@ static asdic_yaml_node *step(asdic_yaml_node *node, const char *path, const char
     *at += **at == '.';
     size_t length = strcspn(*at, ".[");
     if (length == 0 || node->kind != ASDIC_YAML_MAP) {
-        asdic_yaml_problem(problems, node,
+        asdic_yaml_problem(problems, blame ? blame : node,
                            length ? "cannot set '%s': '%.*s' is not in a map here"
                                   : "cannot set '%s': a key is missing in it%.*s",
                            path, (int)length, *at);
@@ -122,13 +123,20 @@ static asdic_yaml_node *step(asdic_yaml_node *node, const char *path, const char
     return child;
 }
 
-static void set_value(asdic_yaml_node *root, const asdic_setting *setting, asdic_arena *arena,
-                      asdic_problems *problems) {
+asdic_yaml_node *asdic_scene_file_find(asdic_yaml_node *root, const char *path,
+                                       asdic_yaml_node *blame, asdic_arena *arena,
+                                       asdic_problems *problems) {
     asdic_yaml_node *node = root;
-    const char *at = setting->key;
+    const char *at = path;
     while (node && (*at || node == root)) {
-        node = step(node, setting->key, &at, arena, problems);
+        node = step(node, path, &at, blame, arena, problems);
     }
+    return node;
+}
+
+void asdic_scene_file_set(asdic_yaml_node *root, const asdic_setting *setting, asdic_arena *arena,
+                          asdic_problems *problems) {
+    asdic_yaml_node *node = asdic_scene_file_find(root, setting->key, NULL, arena, problems);
     if (!node) {
         return;
     }
@@ -141,23 +149,24 @@ static void set_value(asdic_yaml_node *root, const asdic_setting *setting, asdic
     problems->out_of_memory |= !node->text;
 }
 
+bool asdic_scene_key_includes(const char *key) {
+    return strcmp(key, "sonar.file") == 0 || strcmp(key, "environment.sound_speed_profile") == 0;
+}
+
 /* --- the file --------------------------------------------------------------------------------- */
 
 bool asdic_scene_file_parse(const char *text, size_t size, asdic_arena *arena,
                             asdic_problems *problems, asdic_scene_file *file) {
     asdic_yaml_node *root = NULL;
     return asdic_yaml_read(text, size, arena, problems, &root) &&
-           asdic_scene_file_take(root, NULL, 0, arena, problems, file);
+           asdic_scene_file_take(root, arena, problems, file);
 }
 
-bool asdic_scene_file_take(asdic_yaml_node *root, const asdic_setting *settings, size_t count,
-                           asdic_arena *arena, asdic_problems *problems, asdic_scene_file *file) {
+bool asdic_scene_file_take(asdic_yaml_node *root, asdic_arena *arena, asdic_problems *problems,
+                           asdic_scene_file *file) {
     memset(file, 0, sizeof *file);
     if (!root) {
         return true;
-    }
-    for (size_t i = 0; i < count; i++) {
-        set_value(root, &settings[i], arena, problems);
     }
     asdic_schema_read(asdic_scene_table(), asdic_scene_table(), root, arena, problems, file);
     asdic_scene_file_check(file, arena, problems);

@@ -218,6 +218,21 @@ typedef struct file_output {
     unsigned images;
 } file_output;
 
+/* One of uniform, normal and choice is given. */
+typedef struct file_draw {
+    asdic_yaml_node *node;
+    asdic_yaml_node *key;    /* of what is drawn; NULL in a draw inside a choice */
+    double uniform[2];       /* bounds */
+    double normal[2];        /* mean, standard deviation */
+    double within[2];        /* bounds of normal, when given */
+    asdic_yaml_node *choice; /* a list; NULL: none */
+} file_draw;
+
+typedef struct file_trial {
+    asdic_yaml_node *node;
+    asdic_list draws; /* of file_draw */
+} file_trial;
+
 typedef struct asdic_scene_file {
     asdic_yaml_node *node;
     int64_t version;
@@ -231,6 +246,7 @@ typedef struct asdic_scene_file {
     file_model model;
     file_detector detector;
     file_output output;
+    file_trial trial;
 } asdic_scene_file;
 
 /* The table of the whole file. */
@@ -246,10 +262,23 @@ char *asdic_text_to_utf8(const char *bytes, size_t size, size_t *length);
 bool asdic_scene_file_parse(const char *text, size_t size, asdic_arena *arena,
                             asdic_problems *problems, asdic_scene_file *file);
 
-/* The same from a tree (NULL: none could be read), with SETTINGS in place of what it says. Maps that a
- * setting names are made when they are missing; entries of lists must be there. */
-bool asdic_scene_file_take(asdic_yaml_node *root, const asdic_setting *settings, size_t count,
-                           asdic_arena *arena, asdic_problems *problems, asdic_scene_file *file);
+/* The same from a tree; NULL: none could be read. */
+bool asdic_scene_file_take(asdic_yaml_node *root, asdic_arena *arena, asdic_problems *problems,
+                           asdic_scene_file *file);
+
+/* The node that PATH names, "sonar.receivers[0].pitch_deg". Maps on the way are made when they are
+ * missing; entries of lists must be there. A problem is BLAME's (NULL: of the node where the path
+ * ends). NULL after a problem. */
+asdic_yaml_node *asdic_scene_file_find(asdic_yaml_node *root, const char *path,
+                                       asdic_yaml_node *blame, asdic_arena *arena,
+                                       asdic_problems *problems);
+
+/* SETTING in place of what the tree says. */
+void asdic_scene_file_set(asdic_yaml_node *root, const asdic_setting *setting, asdic_arena *arena,
+                          asdic_problems *problems);
+
+/* Whether the value of KEY names a file whose content takes its place (mission_include.c). */
+bool asdic_scene_key_includes(const char *key);
 
 /* Checks what depends on several keys, and names what has no name (scene_check.c). */
 void asdic_scene_file_check(asdic_scene_file *file, asdic_arena *arena, asdic_problems *problems);

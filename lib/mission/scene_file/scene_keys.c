@@ -162,6 +162,8 @@ static const asdic_key scene_keys[] = {
     {"model", ASDIC_KEY_MAP, SCENE(model), .table = &model_table, .doc = "the formulas"},
     {"detector", ASDIC_KEY_MAP, SCENE(detector), .table = &detector_table, .doc = "the detector"},
     {"output", ASDIC_KEY_MAP, SCENE(output), .table = &output_table, .doc = "what a run writes"},
+    {"trial", ASDIC_KEY_MAP, SCENE(trial), .table = &asdic_trial_table,
+     .doc = "what differs from run to run of a trial"},
 };
 const asdic_table asdic_file_table = {
     TABLE(scene_keys, asdic_scene_file),

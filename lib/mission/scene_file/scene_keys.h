@@ -22,6 +22,8 @@ extern const asdic_table asdic_file_table;
 /* scene_keys_geometry.c */
 extern const asdic_table asdic_surface_table, asdic_bottom_table, asdic_object_table,
     asdic_material_table;
+/* scene_keys_trial.c; a draw inside a choice has no key */
+extern const asdic_table asdic_trial_table, asdic_inner_draw_table;
 /* scene_keys_sonar.c */
 extern const asdic_table asdic_sonar_table, asdic_mission_table;
 

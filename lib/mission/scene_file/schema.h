@@ -23,6 +23,7 @@ typedef enum asdic_key_type {
     ASDIC_KEY_PATH,    /* const char *: a file, relative to the scene file */
     ASDIC_KEY_MAP,     /* the struct of .table */
     ASDIC_KEY_LIST,    /* asdic_list of structs of .table */
+    ASDIC_KEY_NODE,    /* asdic_yaml_node *: any value, as it stands */
 } asdic_key_type;
 
 /* Exactly one / at most one of the keys of a table that carry the flag may be given. */

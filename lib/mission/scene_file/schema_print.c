@@ -121,6 +121,9 @@ static void print_type(const asdic_key *key, asdic_text *text, int indent) {
     case ASDIC_KEY_LIST:
         print_list(key, text, indent);
         break;
+    case ASDIC_KEY_NODE:
+        asdic_text_add(text, "\"not\": {\"type\": \"null\"}");
+        break;
     }
 }
 

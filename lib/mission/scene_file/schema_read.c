@@ -217,6 +217,9 @@ static void read_key(const asdic_schema_reader *r, const asdic_key *key, asdic_y
                                key->name, node->text);
         }
         return;
+    case ASDIC_KEY_NODE:
+        *(asdic_yaml_node **)at = node;
+        return;
     case ASDIC_KEY_NUMBER:
         *(double *)at = NAN; /* absent, unless there is a value or a fallback */
         break;

@@ -303,6 +303,7 @@ void asdic_schema_read_value(const asdic_schema_reader *r, const asdic_key *key,
     case ASDIC_KEY_CURVE:
     case ASDIC_KEY_MAP:
     case ASDIC_KEY_LIST:
+    case ASDIC_KEY_NODE:
         break; /* schema_read.c */
     }
 }

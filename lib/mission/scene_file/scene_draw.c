@@ -1,0 +1,370 @@
+/*
+ * Draws of a scene's `trial` section.
+ *
+ *     uniform: [a, b]                   a + (b - a) u
+ *     normal: [m, s], within: [a, b]    m + s z, with z from the normal distribution between the
+ *                                       bounds: Phi(z) = Phi(za) + u (Phi(zb) - Phi(za))
+ *     choice: [x, y, ...]               each as likely; values of any kind, with draws in them
+ *
+ * u in (0, 1) comes from a counter of seed, run and the key's hash.
+ */
+#include "scene_draw.h"
+#include "scene_keys.h"
+
+#include "out/digits.h"
+#include "sim/variates.h"
+
+#include "../../../kernels/random.h"
+
+#include <math.h>
+#include <string.h>
+
+/* A distribution cut down to less than this is a mistake. */
+#define LEAST_SHARE 1e-9
+
+typedef struct drawer {
+    asdic_schema_reader reader;
+    const asdic_draw *draw;
+} drawer;
+
+static bool is_draw(const asdic_yaml_node *node) {
+    return asdic_yaml_child(node, "uniform") || asdic_yaml_child(node, "normal") ||
+           asdic_yaml_child(node, "choice");
+}
+
+/* The draw NODE inside a choice. */
+static file_draw read_inner(const asdic_schema_reader *r, asdic_yaml_node *node) {
+    file_draw inner = {0};
+    asdic_schema_read(&asdic_inner_draw_table, &asdic_inner_draw_table, node, r->arena, r->problems,
+                      &inner);
+    return inner;
+}
+
+/* FNV-1a, 64 bits (Fowler, Noll, Vo; RFC 9923): of a key, step by step from the outside in. */
+static uint64_t hash_text(uint64_t hash, const char *text, size_t length) {
+    for (size_t i = 0; i < length; i++) {
+        hash = (hash ^ (unsigned char)text[i]) * 0x100000001b3u;
+    }
+    return hash;
+}
+
+static uint64_t hash_step(uint64_t hash, const asdic_yaml_node *child) {
+    char index[ASDIC_DIGITS_SIZE];
+    if (child->key) {
+        return hash_text(hash_text(hash, ".", 1), child->key, child->key_length);
+    }
+    return hash_text(hash_text(hash, "#", 1), index, asdic_digits_natural(index, child->index));
+}
+
+static double uniform_of(const drawer *d, uint64_t hash) {
+    asdic_variates v = asdic_variates_begin(
+        RANDOM_DRAW, d->draw->seed ^ (hash & 0xffffffff00000000u), d->draw->run, (uint32_t)hash);
+    return asdic_variates_uniform(&v);
+}
+
+/* --- the distributions ------------------------------------------------------------------------ */
+
+static double phi(double z) {
+    return 0.5 * erfc(-z * M_SQRT1_2);
+}
+
+/* The z between LOW and HIGH below which lies the share U of the normal distribution there: by
+ * halving, to the last bit. Above the mean the tail on the other side is used, which has more
+ * digits. */
+static double normal_between(double low, double high, double u) {
+    if (low > 0.0) {
+        return -normal_between(-high, -low, 1.0 - u);
+    }
+    double target = phi(low) + u * (phi(high) - phi(low));
+    double a = fmax(low, -40.0), b = fmin(high, 40.0);
+    for (int i = 0; i < 64; i++) {
+        double middle = 0.5 * (a + b);
+        *(phi(middle) < target ? &a : &b) = middle;
+    }
+    return 0.5 * (a + b);
+}
+
+static void draw_number(const drawer *d, const file_draw *file, uint64_t hash,
+                        asdic_yaml_node *out) {
+    char digits[ASDIC_DIGITS_SIZE];
+    double u = uniform_of(d, hash), value;
+    if (asdic_yaml_child(file->node, "uniform")) {
+        value = file->uniform[0] + u * (file->uniform[1] - file->uniform[0]);
+    } else {
+        bool is_cut = asdic_yaml_child(file->node, "within");
+        double mean = file->normal[0], sd = file->normal[1];
+        value = mean + sd * normal_between(is_cut ? (file->within[0] - mean) / sd : -INFINITY,
+                                           is_cut ? (file->within[1] - mean) / sd : INFINITY, u);
+    }
+    out->kind = ASDIC_YAML_SCALAR;
+    out->quoted = false;
+    out->first = out->last = NULL;
+    out->count = 0;
+    out->length = asdic_digits_double(digits, value);
+    out->text = asdic_arena_string(d->reader.arena, digits, out->length);
+    d->reader.problems->out_of_memory |= !out->text;
+}
+
+/* --- values ------------------------------------------------------------------------------------ */
+
+static void take_value(const drawer *d, asdic_yaml_node *from, uint64_t hash, asdic_yaml_node *out);
+
+/* What the draw FILE gives. */
+static void take_draw(const drawer *d, const file_draw *file, uint64_t hash, asdic_yaml_node *out) {
+    if (!file->choice) {
+        draw_number(d, file, hash, out);
+        return;
+    }
+    size_t index = (size_t)(uniform_of(d, hash) * (double)file->choice->count);
+    asdic_yaml_node *chosen = file->choice->first;
+    while (index-- > 0) {
+        chosen = chosen->next;
+    }
+    take_value(d, chosen, hash_step(hash, chosen), out);
+}
+
+/* Makes OUT, which keeps its place, what FROM holds, draws in it drawn. */
+static void take_value(const drawer *d, asdic_yaml_node *from, uint64_t hash,
+                       asdic_yaml_node *out) {
+    if (is_draw(from)) {
+        file_draw inner = read_inner(&d->reader, from);
+        take_draw(d, &inner, hash, out);
+        return;
+    }
+    out->kind = from->kind;
+    out->text = from->text;
+    out->length = from->length;
+    out->quoted = from->quoted;
+    out->first = out->last = NULL;
+    out->count = 0;
+    for (asdic_yaml_node *child = from->first; child; child = child->next) {
+        asdic_yaml_node *copy = asdic_arena_alloc(d->reader.arena, sizeof *copy);
+        if (!copy) {
+            d->reader.problems->out_of_memory = true;
+            return;
+        }
+        *copy = *child;
+        copy->next = NULL;
+        take_value(d, child, hash_step(hash, child), copy);
+        asdic_yaml_append(out, copy);
+    }
+}
+
+static bool is_none(const asdic_yaml_node *node) {
+    return node->kind == ASDIC_YAML_SCALAR && !node->quoted && strcmp(node->text, "none") == 0;
+}
+
+/* Takes entries of lists that are `none` by a draw out of their lists, and what they became. */
+static void remove_none(asdic_yaml_node *list) {
+    asdic_yaml_node *next = list->first;
+    list->first = list->last = NULL;
+    list->count = 0;
+    while (next) {
+        asdic_yaml_node *node = next;
+        next = node->next;
+        node->next = NULL;
+        if (!is_none(node)) {
+            asdic_yaml_append(list, node);
+        }
+    }
+}
+
+/* --- all of a run ------------------------------------------------------------------------------ */
+
+/* NODE on one line. */
+static void print_flow(const asdic_yaml_node *node, asdic_text *text) {
+    const char *comma = "";
+    if (node->kind == ASDIC_YAML_SCALAR) {
+        if (node->quoted) {
+            asdic_text_add_json(text, node->text);
+        } else {
+            asdic_text_add(text, node->length ? node->text : "null");
+        }
+        return;
+    }
+    asdic_text_add(text, node->kind == ASDIC_YAML_MAP ? "{" : "[");
+    for (const asdic_yaml_node *child = node->first; child; child = child->next) {
+        asdic_text_add(text, comma);
+        if (child->key) {
+            asdic_text_add_bytes(text, child->key, child->key_length);
+            asdic_text_add(text, ": ");
+        }
+        print_flow(child, text);
+        comma = ", ";
+    }
+    asdic_text_add(text, node->kind == ASDIC_YAML_MAP ? "}" : "]");
+}
+
+/* Whether KEY lies in a list's entry that was drawn as `none`. */
+static bool is_gone(const asdic_drawn *drawn, const char *key) {
+    for (size_t i = 0; i < drawn->count; i++) {
+        size_t length = strlen(drawn->items[i].key);
+        if (strcmp(drawn->items[i].value, "none") == 0 && key[length] &&
+            strncmp(drawn->items[i].key, key, length) == 0 && strchr(".[", key[length])) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static void remember(const drawer *d, const char *key, const asdic_yaml_node *node,
+                     asdic_drawn *drawn) {
+    asdic_text text = {0};
+    print_flow(node, &text);
+    const char *value = text.data && !text.failed
+                            ? asdic_arena_string(d->reader.arena, text.data, text.length)
+                            : NULL;
+    asdic_text_finish(&text);
+    d->reader.problems->out_of_memory |= !value;
+    if (value) {
+        drawn->items[drawn->count++] = (asdic_setting){key, value};
+    }
+}
+
+static void draw_one(const drawer *d, asdic_yaml_node *root, const file_draw *file,
+                     asdic_drawn *drawn) {
+    const char *key = file->key->text;
+    asdic_yaml_node *node =
+        asdic_scene_file_find(root, key, file->key, d->reader.arena, d->reader.problems);
+    if (!node) {
+        return;
+    }
+    node->line = file->node->line;
+    node->column = file->node->column;
+    take_draw(d, file, hash_text(0xcbf29ce484222325u, key, strlen(key)), node);
+    remember(d, key, node, drawn);
+}
+
+static void take_gone_out(const drawer *d, asdic_yaml_node *root, const asdic_drawn *drawn,
+                          size_t first) {
+    for (size_t i = first; i < drawn->count; i++) {
+        size_t length = strlen(drawn->items[i].key);
+        if (strcmp(drawn->items[i].value, "none") == 0 && drawn->items[i].key[length - 1] == ']') {
+            size_t list = (size_t)(strrchr(drawn->items[i].key, '[') - drawn->items[i].key);
+            char *path = asdic_arena_string(d->reader.arena, drawn->items[i].key, list);
+            asdic_yaml_node *node =
+                path ? asdic_scene_file_find(root, path, root, d->reader.arena, d->reader.problems)
+                     : NULL;
+            if (node && node->kind == ASDIC_YAML_LIST) {
+                remove_none(node);
+            }
+        }
+    }
+}
+
+void asdic_scene_draw(asdic_yaml_node *root, const file_trial *trial, const asdic_draw *draw,
+                      bool files, asdic_arena *arena, asdic_problems *problems,
+                      asdic_drawn *drawn) {
+    const drawer d = {{asdic_scene_table(), arena, problems}, draw};
+    if (!asdic_scene_node_good(trial->node)) {
+        return;
+    }
+    size_t first = drawn->count;
+    asdic_setting *items =
+        asdic_arena_alloc(arena, (first + trial->draws.count + 1) * sizeof *items);
+    if (!items) {
+        problems->out_of_memory = true;
+        return;
+    }
+    for (size_t i = 0; i < first; i++) {
+        items[i] = drawn->items[i];
+    }
+    drawn->items = items;
+    const file_draw *draws = trial->draws.items;
+    for (size_t i = 0; i < trial->draws.count; i++) {
+        const char *key = draws[i].key->text;
+        if (asdic_scene_key_includes(key) == files && !is_gone(drawn, key)) {
+            draw_one(&d, root, &draws[i], drawn);
+        }
+    }
+    take_gone_out(&d, root, drawn, first);
+}
+
+/* --- what may be drawn -------------------------------------------------------------------------- */
+
+/* KEY of DRAW, two bounds. */
+static bool is_ordered(const file_draw *draw, const char *key, const double pair[2],
+                       asdic_problems *problems) {
+    asdic_yaml_node *node = asdic_yaml_child(draw->node, key);
+    if (node && pair[1] < pair[0]) {
+        asdic_yaml_problem(problems, node,
+                           "'%s' = [%.15g, %.15g] is empty; give the lower bound first", key,
+                           pair[0], pair[1]);
+        return false;
+    }
+    return true;
+}
+
+static void check_normal(const file_draw *draw, asdic_problems *problems) {
+    asdic_yaml_node *within = asdic_yaml_child(draw->node, "within");
+    asdic_yaml_node *normal = asdic_yaml_child(draw->node, "normal");
+    double mean = draw->normal[0], sd = draw->normal[1];
+    if (within && !normal) {
+        asdic_yaml_problem(problems, within, "'within' cuts a 'normal' draw; there is none here");
+        return;
+    }
+    if (normal && !(sd > 0.0)) {
+        asdic_yaml_problem(problems, normal, "a standard deviation of %.15g is not above 0", sd);
+        return;
+    }
+    if (!within || !is_ordered(draw, "within", draw->within, problems)) {
+        return;
+    }
+    double low = (draw->within[0] - mean) / sd, high = (draw->within[1] - mean) / sd;
+    double share = low > 0.0 ? phi(-low) - phi(-high) : phi(high) - phi(low);
+    if (!(share > LEAST_SHARE)) {
+        asdic_yaml_problem(problems, within,
+                           "'within' = [%.15g, %.15g] leaves %.2g of the distribution with mean "
+                           "%.15g and standard deviation %.15g; at least %g is needed",
+                           draw->within[0], draw->within[1], share, mean, sd, LEAST_SHARE);
+    }
+}
+
+static void check_values(asdic_yaml_node *node, const asdic_schema_reader *r);
+
+static void check_draw(const file_draw *draw, const asdic_schema_reader *r) {
+    if (!asdic_scene_node_good(draw->node)) {
+        return;
+    }
+    check_normal(draw, r->problems);
+    is_ordered(draw, "uniform", draw->uniform, r->problems);
+    if (draw->choice && (draw->choice->kind != ASDIC_YAML_LIST || draw->choice->count == 0)) {
+        asdic_yaml_problem(r->problems, draw->choice, "'choice' must be a list of values");
+    } else if (draw->choice) {
+        check_values(draw->choice, r);
+    }
+}
+
+/* The draws in the children of NODE. */
+static void check_values(asdic_yaml_node *node, const asdic_schema_reader *r) {
+    for (asdic_yaml_node *child = node->first; child; child = child->next) {
+        if (is_draw(child)) {
+            file_draw inner = read_inner(r, child);
+            check_draw(&inner, r);
+        } else {
+            check_values(child, r);
+        }
+    }
+}
+
+static void check_key(const file_draw *draw, asdic_problems *problems) {
+    asdic_yaml_node *key = draw->key;
+    if (!key) {
+        return; /* reported as missing */
+    }
+    if (key->kind != ASDIC_YAML_SCALAR || key->length == 0 || strlen(key->text) != key->length) {
+        asdic_yaml_problem(problems, key,
+                           "'key' must be the path of a key, as objects[0].position_m");
+    } else if (strncmp(key->text, "trial", 5) == 0 && strchr(".[", key->text[5])) {
+        asdic_yaml_problem(problems, key, "a trial cannot draw its own '%s'", key->text);
+    }
+}
+
+void asdic_scene_draw_check(const file_trial *trial, asdic_arena *arena, asdic_problems *problems) {
+    const asdic_schema_reader r = {asdic_scene_table(), arena, problems};
+    const file_draw *draws = trial->draws.items;
+    for (size_t i = 0; i < trial->draws.count; i++) {
+        check_key(&draws[i], problems);
+        check_draw(&draws[i], &r);
+    }
+}

@@ -1,0 +1,30 @@
+/*
+ * What a scene's `trial` section draws at random: from the scene's tree and the number of a run to the
+ * tree of that run.
+ *
+ * A number depends on the seed, the run and the key that it is for, and on nothing else: draws that
+ * are added or taken away leave the others as they were, and variants of a scene share what they
+ * have in common. Whoever wants the mission of a run calls asdic_mission_load_run (asdic/mission.h).
+ */
+#ifndef ASDIC_MISSION_SCENE_DRAW_H
+#define ASDIC_MISSION_SCENE_DRAW_H
+
+#include "scene_file.h"
+
+/* Keys and values that were drawn, in the order of the file; values are YAML on one line. They live
+ * in the arena. */
+typedef struct asdic_drawn {
+    asdic_setting *items;
+    size_t count;
+} asdic_drawn;
+
+/* Puts what run DRAW->run draws by TRIAL, which asdic_scene_draw_check found good, into ROOT. What is
+ * wrong with the values is found when the tree is read. FILES: draws of the keys that name files to
+ * include (asdic_scene_key_includes) alone, else all others. Appends to DRAWN. */
+void asdic_scene_draw(asdic_yaml_node *root, const file_trial *trial, const asdic_draw *draw,
+                      bool files, asdic_arena *arena, asdic_problems *problems, asdic_drawn *drawn);
+
+/* Reports draws that are impossible, those inside choices too. */
+void asdic_scene_draw_check(const file_trial *trial, asdic_arena *arena, asdic_problems *problems);
+
+#endif
