@@ -23,52 +23,52 @@
 /* Where legs lie, and what the tracer found on them. */
 typedef struct leg_store {
     __global dev_ray *rays;
-    __global dev_leg *legs;
+    __global float *legs;
     __global const dev_hit *leg_hits;
     __global dev_hit *hits;
     layer_stack layers;
 } leg_store;
 
-/* The first leg of SLOT. */
-static void begin_leg(const leg_store *to, uint slot) {
-    dev_ray ray = to->rays[slot];
-    dev_leg leg;
-    float z = ray.origin[2];
-    uint layer = first_layer(&to->layers, z, ray.direction[2]);
-    for (uint k = 0; k < 3u; k++) {
-        leg.from[k] = ray.origin[k];
-        leg.u[k] = leg.sent[k] = ray.direction[k];
-    }
-    leg.bend = to->layers.layer[layer].bend_per_m / (1.0f + to->layers.layer[layer].bend_per_m * z);
-    leg.pace = leg.slope = 1.0f;
-    leg.range = leg.arc = leg.across = leg.along = 0.0f;
-    leg.layer = layer;
-    to->legs[slot] = leg;
+/* The first legs of the rays from SLOT on, which all start at the sonar. */
+static ray begin_legs(__global const dev_ping *ping, const leg_store *to, uint slot,
+                      natural *layer) {
+    __global real *row = (__global real *)leg_rows(to->legs, slot);
+    float z = ping->origin[2];
+    ray r;
+    r.from = sonar_of(ping);
+    r.u = load_directions(to->rays, slots_from(slot));
+    uint above = first_layer(&to->layers, z, -1.0f), below = first_layer(&to->layers, z, 1.0f);
+    *layer = choose_natural(r.u.z > R(0.0), (natural)(below), (natural)(above));
+    r.bend = planes_of(&to->layers, *layer).bend;
+    r.bend /= R(1.0) + r.bend * (real)(z);
+    r.pace = r.slope = r.fan = R(1.0);
+    r.range = r.arc = r.across = r.along = R(0.0);
+    row[LEG_SENT] = r.u.x;
+    row[LEG_SENT + 1] = r.u.y;
+    row[LEG_SENT + 2] = r.u.z;
     dev_hit none = {INFINITY, NO_RAY};
-    to->hits[slot] = none;
+    LANES {
+        to->hits[slot + lane] = none;
+    }
+    return r;
 }
 
-/* Which of the rays from AT on, whose legs are in SLOTS, have no triangle on them; notes those that have. */
-static mask end_legs(const leg_store *to, natural slots, mask live, uint at) {
-#if ASDIC_HAS_MESH
-    LANES {
-        dev_hit hit = to->leg_hits[at + lane];
-        if (AT(live, int) != 0 && hit.triangle != NO_RAY) {
-            to->hits[AT(slots, uint)] = hit;
-            AT(live, int) = 0;
-        }
-    }
-#endif
-    return live;
-}
-
-/* Layers that a tracer need not look at. */
-static mask are_empty(const leg_store *to, natural layer) {
-    mask empty = (mask)(0);
-    LANES {
-        AT(empty, int) = to->layers.layer[AT(layer, uint)].has_triangles != 0u ? 0 : -1;
-    }
-    return empty;
+static void store_leg(const leg_store *to, const ray *r, natural layer, uint slot) {
+    __global real *row = (__global real *)leg_rows(to->legs, slot);
+    row[LEG_FROM] = r->from.x;
+    row[LEG_FROM + 1] = r->from.y;
+    row[LEG_FROM + 2] = r->from.z;
+    row[LEG_U] = r->u.x;
+    row[LEG_U + 1] = r->u.y;
+    row[LEG_U + 2] = r->u.z;
+    row[LEG_BEND] = r->bend;
+    row[LEG_PACE] = r->pace;
+    row[LEG_RANGE] = r->range;
+    row[LEG_ARC] = r->arc;
+    row[LEG_ACROSS] = r->across;
+    row[LEG_ALONG] = r->along;
+    row[LEG_SLOPE] = r->slope;
+    row[LEG_LAYER] = as_real(layer);
 }
 
 /* Takes the rays R that CROSS over the planes of their layers, on and on while those are empty; returns those that
@@ -82,47 +82,28 @@ static mask cross_planes(__global const dev_ping *ping, const leg_store *to, ray
         real t_below = to_below(r, p.below), t_above = to_above(r, p.above);
         mask down = t_below <= t_above;
         real t = r_min(t_below, t_above);
-        real end = r_min(to_below(r, sonar + (real)(ping->bottom_m)),
-                         to_above(r, sonar - (real)(ping->surface_m)));
-        end = r_min(end, ray_at_range(r, (real)(ping->reach_m)));
+        real end = ray_at_range(r, (real)(ping->reach_m));
+        if (ping->bottom_m < INFINITY) {
+            end = r_min(end, to_below(r, sonar + (real)(ping->bottom_m)));
+        }
+        if (ping->surface_m < INFINITY) {
+            end = r_min(end, to_above(r, sonar - (real)(ping->surface_m)));
+        }
         mask over = cross & (t < end);
         ended |= cross & (over == 0);
         ray next = next_leg(r, choose(over, t, R(0.0)), down, &p);
         *r = choose_ray(over, &next, r);
         natural next_layer = choose_natural(down, *layer + 1u, *layer - 1u);
         *layer = choose_natural(over, min(next_layer, (natural)(to->layers.count - 1u)), *layer);
-        cross = over & are_empty(to, *layer);
+        cross = over & are_empty(&to->layers, *layer);
     }
     return ended;
 }
 
-static void store_legs(const leg_store *to, const ray *r, natural layer, natural slots, mask on) {
-    LANES {
-        if (AT(on, int) == 0) {
-            continue;
-        }
-        __global dev_leg *leg = to->legs + AT(slots, uint);
-        leg->from[0] = AT(r->from.x, const float);
-        leg->from[1] = AT(r->from.y, const float);
-        leg->from[2] = AT(r->from.z, const float);
-        leg->u[0] = AT(r->u.x, const float);
-        leg->u[1] = AT(r->u.y, const float);
-        leg->u[2] = AT(r->u.z, const float);
-        leg->bend = AT(r->bend, const float);
-        leg->pace = AT(r->pace, const float);
-        leg->range = AT(r->range, const float);
-        leg->arc = AT(r->arc, const float);
-        leg->across = AT(r->across, const float);
-        leg->along = AT(r->along, const float);
-        leg->slope = AT(r->slope, const float);
-        leg->layer = AT(layer, uint);
-    }
-}
-
-/* Brings the legs of the rays R that are ON to the tracer, from AT on, as far as their layers go; returns the next
- * AT. */
+/* Brings the legs of the rays R that are ON, from SLOT on, to the tracer, where they lie from AT on, as far as their
+ * layers go; returns the next AT. */
 static uint trace_legs(__global const dev_ping *ping, const leg_store *to, const ray *r,
-                       natural layer, natural slots, mask on, uint at) {
+                       natural layer, mask on, uint slot, uint at) {
     leg_planes p = planes_of(&to->layers, layer);
     real t = r_min(to_below(r, p.below), to_above(r, p.above));
     t += ADVANCE_ROOM / r_max(r_abs(ray_direction(r, t).z), LEG_LEVEL);
@@ -132,51 +113,75 @@ static uint trace_legs(__global const dev_ping *ping, const leg_store *to, const
     from.z += p.shift;
     LANES {
         if (AT(on, int) != 0) {
-            to->rays[at++] = lane_ray(&from, &along, t, AT(slots, uint), lane);
+            to->rays[at++] = lane_ray(&from, &along, t, slot + lane, lane);
         }
     }
     return at;
 }
 
-/* Sends the rays from SLOT on to their next legs, which lie from AT on; returns the next AT. */
-static uint advance_rays(__global const dev_ping *ping, const leg_store *to, bool first, uint slot,
-                         uint at) {
-    natural slots, layer;
-    mask on = (mask)(0);
-    LANES {
-        dev_ray ray = to->rays[slot + lane];
-        AT(on, int) = ray.source != NO_RAY && ray.t_max > 0.0f ? -1 : 0;
-        AT(slots, uint) = ray.source != NO_RAY ? ray.source : to->rays[slot].source;
-        AT(layer, uint) = to->legs[AT(slots, uint)].layer;
+/* Sends the rays from SLOT on that are ON to their next legs, which lie from AT on; returns the next AT. */
+static uint advance_rays(__global const dev_ping *ping, const leg_store *to, bool first, mask on,
+                         uint slot, uint at) {
+    ray r;
+    natural layer;
+    mask cross = on;
+    if (first) {
+        r = begin_legs(ping, to, slot, &layer);
+        cross &= are_empty(&to->layers, layer);
+    } else {
+        __global const real *row = leg_rows(to->legs, slot);
+        r = load_leg(row);
+        layer = as_natural(row[LEG_LAYER]);
     }
-    ray r = load_sonar_rays(ping, to->rays, to->legs, slots).r;
-    on = first ? on : end_legs(to, slots, on, slot);
-    mask cross = first ? on & are_empty(to, layer) : on;
-    mask ended = cross_planes(ping, to, &r, &layer, cross);
-    store_legs(to, &r, layer, slots, cross);
-    on &= (mask)(ended == 0);
-    return any_true(on) ? trace_legs(ping, to, &r, layer, slots, on, at) : at;
+    on &= (mask)(cross_planes(ping, to, &r, &layer, cross) == 0);
+    store_leg(to, &r, layer, slot);
+    return any_true(on) ? trace_legs(ping, to, &r, layer, on, slot, at) : at;
 }
 
-/* One work-item per piece. FIRST: rays are as they were drawn. Sets *ACTIVE where any ray has a leg to go. */
+/* Which rays of the piece from BEGIN to END have a leg to go on from, by slot: -1. Notes the triangles that others
+ * have met on theirs. */
+static void end_legs(const leg_store *to, bool first, uint begin, uint end, int *on) {
+    for (uint slot = begin; slot < end; slot++) {
+        on[slot - begin] = first && to->rays[slot].t_max > 0.0f ? -1 : 0;
+    }
+    for (uint at = begin; !first && at < end && to->rays[at].source != NO_RAY; at++) {
+        uint slot = to->rays[at].source;
+        on[slot - begin] = -1;
+#if ASDIC_HAS_MESH
+        dev_hit hit = to->leg_hits[at];
+        if (hit.triangle != NO_RAY) {
+            to->hits[slot] = hit;
+            on[slot - begin] = 0;
+        }
+#endif
+    }
+}
+
+/* One work-item per piece. LEG 0: rays are as they were drawn. Sets ACTIVE[LEG] where any ray has a leg to go. */
 __kernel void advance(__global const dev_ping *pings, __global const dev_layer *layers, uint count,
-                      uint first, __global dev_ray *rays, __global dev_leg *legs,
+                      uint leg, __global dev_ray *rays, __global float *legs,
                       __global const dev_hit *leg_hits, __global dev_hit *hits,
                       __global uint *active) {
     __global const dev_ping *ping = row_ping(pings);
     size_t own = row_slots(ping);
-    leg_store to = {rays + own, legs + own, leg_hits + own, hits + own, {layers, count}};
+    leg_store to = {
+        rays + own, legs + DEV_LEG_FLOATS * own, leg_hits + own, hits + own, {layers, count}};
     uint begin = (uint)(get_global_id(0)) * PIECE, at = begin;
     uint end = min(begin + PIECE, batch_slots(ping));
-    for (uint slot = begin; slot < end && first != 0u; slot++) {
-        begin_leg(&to, slot);
-    }
-    for (uint slot = begin; slot < end && to.rays[slot].source != NO_RAY; slot += ASDIC_WIDTH) {
-        at = advance_rays(ping, &to, first != 0u, slot, at);
+    int on[PIECE];
+    end_legs(&to, leg == 0u, begin, end, on);
+    for (uint slot = begin; slot < end; slot += ASDIC_WIDTH) {
+        mask live;
+        LANES {
+            AT(live, int) = on[slot - begin + lane];
+        }
+        if (leg == 0u || any_true(live)) {
+            at = advance_rays(ping, &to, leg == 0u, live, slot, at);
+        }
     }
     end_piece(to.rays, at, end);
     if (at > begin) {
-        *active = 1u;
+        active[leg] = 1u;
     }
 }
 

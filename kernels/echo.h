@@ -81,33 +81,59 @@ typedef struct sonar_rays {
 } sonar_rays;
 
 #if ASDIC_LAYERS
-#define LOAD_LEG(to, member) AT(to, float) = legs[AT(slots, uint)].member
+
+/* The last leg of a ray through layers so far: where and how it begins, how the ray left the sonar, what it has
+ * gone through before (ray.h). A vector of each for the rays of ASDIC_WIDTH slots, one behind the other. */
+enum {
+    LEG_FROM = 0,
+    LEG_SENT = 3,
+    LEG_U = 6,
+    LEG_BEND = 9,
+    LEG_PACE,
+    LEG_RANGE,
+    LEG_ARC,
+    LEG_ACROSS,
+    LEG_ALONG,
+    LEG_SLOPE,
+    LEG_LAYER
+};
+
+/* The vectors of the rays from SLOT on. */
+static __global const real *leg_rows(__global const float *legs, uint slot) {
+    return (__global const real *)(legs + (size_t)(slot)*DEV_LEG_FLOATS);
+}
+
+static ray load_leg(__global const real *row) {
+    ray r;
+    r.from.x = row[LEG_FROM];
+    r.from.y = row[LEG_FROM + 1];
+    r.from.z = row[LEG_FROM + 2];
+    r.u.x = row[LEG_U];
+    r.u.y = row[LEG_U + 1];
+    r.u.z = row[LEG_U + 2];
+    r.bend = row[LEG_BEND];
+    r.pace = row[LEG_PACE];
+    r.range = row[LEG_RANGE];
+    r.arc = row[LEG_ARC];
+    r.across = row[LEG_ACROSS];
+    r.along = row[LEG_ALONG];
+    r.slope = row[LEG_SLOPE];
+    r.fan = R(1.0) / r.pace;
+    return r;
+}
+
 #endif
 
-/* The rays that leave the sonar in SLOTS. */
+/* The rays that leave the sonar in SLOTS; through layers these are neighbours. */
 static sonar_rays load_sonar_rays(__global const dev_ping *ping, __global const dev_ray *rays,
-                                  __global const dev_leg *legs, natural slots) {
+                                  __global const float *legs, natural slots) {
     sonar_rays s;
 #if ASDIC_LAYERS
-    LANES {
-        LOAD_LEG(s.r.from.x, from[0]);
-        LOAD_LEG(s.r.from.y, from[1]);
-        LOAD_LEG(s.r.from.z, from[2]);
-        LOAD_LEG(s.r.u.x, u[0]);
-        LOAD_LEG(s.r.u.y, u[1]);
-        LOAD_LEG(s.r.u.z, u[2]);
-        LOAD_LEG(s.sent.x, sent[0]);
-        LOAD_LEG(s.sent.y, sent[1]);
-        LOAD_LEG(s.sent.z, sent[2]);
-        LOAD_LEG(s.r.bend, bend);
-        LOAD_LEG(s.r.pace, pace);
-        LOAD_LEG(s.r.range, range);
-        LOAD_LEG(s.r.arc, arc);
-        LOAD_LEG(s.r.across, across);
-        LOAD_LEG(s.r.along, along);
-        LOAD_LEG(s.r.slope, slope);
-    }
-    s.r.fan = R(1.0) / s.r.pace;
+    __global const real *row = leg_rows(legs, ((const uint *)&slots)[0]);
+    s.r = load_leg(row);
+    s.sent.x = row[LEG_SENT];
+    s.sent.y = row[LEG_SENT + 1];
+    s.sent.z = row[LEG_SENT + 2];
     (void)ping;
     (void)rays;
 #else

@@ -37,12 +37,24 @@ typedef struct leg_planes {
     real shift;
 } leg_planes;
 
+/* Whether all lanes have the first one's layer, as neighbours mostly do. */
+static bool share_layer(natural layer) {
+    return !any_true(layer != (natural)(((const uint *)&layer)[0]));
+}
+
 static leg_planes planes_of(const layer_stack *to, natural layer) {
     leg_planes p;
-    LANES {
+    bool shared = share_layer(layer);
+    for (uint lane = 0; lane < (shared ? 1u : ASDIC_WIDTH); lane++) {
         uint own = AT(layer, uint);
         dev_layer here = to->layer[own], up = to->layer[own > 0u ? own - 1u : own],
                   down = to->layer[own + 1u < to->count ? own + 1u : own];
+        if (shared) {
+            leg_planes all = {(real)(here.bottom_m),   (real)(here.top_m),
+                              (real)(here.bend_per_m), (real)(down.bend_per_m),
+                              (real)(up.bend_per_m),   (real)(here.shift_m)};
+            return all;
+        }
         AT(p.below, float) = here.bottom_m;
         AT(p.above, float) = here.top_m;
         AT(p.bend, float) = here.bend_per_m;
@@ -53,13 +65,33 @@ static leg_planes planes_of(const layer_stack *to, natural layer) {
     return p;
 }
 
+/* Layers that a tracer need not look at. */
+static mask are_empty(const layer_stack *to, natural layer) {
+    mask empty = (mask)(0);
+    bool shared = share_layer(layer);
+    LANES {
+        AT(empty, int) = to->layer[AT(layer, uint)].has_triangles != 0u ? 0 : -1;
+        if (shared) {
+            return (mask)(AT(empty, int));
+        }
+    }
+    return empty;
+}
+
+/* ray_to_plane, which is not asked where all rays go away from the plane for good. */
+static real to_plane(real height, real down, real bend) {
+    real level = (R(1.0) - down) * (R(1.0) + down);
+    mask may = (down > R(0.0)) | (bend * level < (real)(-RAY_LEVEL));
+    return any_true(may) ? ray_to_plane(height, down, bend) : (real)(INFINITY);
+}
+
 /* T at which the rays come to the plane at Z, below or above. */
 static real to_below(const ray *r, real z) {
-    return ray_to_plane(z - r->from.z, r->u.z, r->bend);
+    return to_plane(z - r->from.z, r->u.z, r->bend);
 }
 
 static real to_above(const ray *r, real z) {
-    return ray_to_plane(r->from.z - z, -r->u.z, -r->bend);
+    return to_plane(r->from.z - z, -r->u.z, -r->bend);
 }
 
 /* The legs after those of R, across a plane at T: below where DOWN, else above. */

@@ -9,7 +9,7 @@
  * its energies in PICKED receivers, which are spread over all of them. ENERGIES is
  * [ray][receiver][echo, water]: the echo relative to the bin's TL d^2, the water relative to a bin's. */
 __kernel void pilot(__global const dev_ping *ping, __global const dev_ray *rays,
-                    __global const dev_leg *legs, __global const float *solid_angles,
+                    __global const float *legs, __global const float *solid_angles,
                     __global const float *splats, __global const float *face_density,
                     __global const dev_hit *hits, __global const dev_triangle *triangles,
                     __global const dev_part *parts, __global const dev_material *materials,

@@ -95,14 +95,8 @@ typedef struct dev_layer {
     dev_uint has_triangles; /* 0: surely none */
 } dev_layer;                /* 20 bytes */
 
-/* The last leg of a ray through layers so far: where and how it begins, what the ray has gone through before
- * (ray.h), and how it left the sonar. */
-typedef struct dev_leg {
-    float from[3], u[3], sent[3];
-    float bend, pace;
-    float range, arc, across, along, slope;
-    dev_uint layer;
-} dev_leg; /* 68 bytes */
+/* Floats of a ray's last leg through layers so far; echo.h says which. */
+#define DEV_LEG_FLOATS 17u
 
 /* A pilot ray: its position in the learnt table, and the last bin that it crosses. */
 typedef struct dev_pilot {

@@ -41,7 +41,7 @@ static natural component_of(natural kind) {
 /* What sample.cl drew and trace.cl found. */
 typedef struct ray_store {
     __global const dev_ray *rays;
-    __global const dev_leg *legs;
+    __global const float *legs;
     __global float *solid_angles;
     __global const float *splats;
     __global const dev_hit *hits;
@@ -126,7 +126,7 @@ static uint shade_rays(const world *w, const ray_store *store, __global const fl
 
 /* One work-item per piece (mirror_ray.h). */
 __kernel void LEAST_WAVES(3)
-    shade(__global const dev_ping *pings, __global const dev_ray *rays, __global const dev_leg *legs,
+    shade(__global const dev_ping *pings, __global const dev_ray *rays, __global const float *legs,
           __global float *solid_angles, __global const float *splats,
           __global const float *face_density, __global const dev_hit *hits,
           __global const dev_triangle *triangles, __global const dev_part *parts,
@@ -138,8 +138,8 @@ __kernel void LEAST_WAVES(3)
     uint first = (uint)(get_global_id(0)) * PIECE, at = first, cut = 0u;
     uint end = min(first + PIECE, batch_slots(ping));
     world w = {ping, beams_of(ping), triangles, parts, materials, face_density};
-    ray_store store = {rays + own, ASDIC_LAYERS ? legs + own : legs, solid_angles + own,
-                       splats + own, hits + own};
+    ray_store store = {rays + own, ASDIC_LAYERS ? legs + DEV_LEG_FLOATS * own : legs,
+                       solid_angles + own, splats + own, hits + own};
     sink to = {row_cells(ping, accumulator), arrivals + ARRIVAL_SETS * own};
     mirror_store reflected = {bounced + own, mirrors + own};
     for (uint slot = first; slot < end; slot += ASDIC_WIDTH) {

@@ -109,31 +109,34 @@ static asdic_status upload_pings(asdic_simulator *sim, size_t count) {
     return ASDIC_OK;
 }
 
-/* A ray that is trapped between planes may cross one again and again. It ends after so many legs, at most. */
-#define MOST_LEGS 256u
-
-/* Traces rays from layer to layer until all have ended. */
+/* Traces rays from layer to layer until all have ended. For as many legs as the rays before had none is waited
+ * for; one that has no ray left does no harm. */
 static asdic_status run_legs(asdic_simulator *sim, size_t count) {
-    uint32_t layers = (uint32_t)sim->setup.layer_count, active = 1;
+    uint32_t layers = (uint32_t)sim->setup.layer_count, active[MOST_LEGS] = {1}, last = 0;
     const asdic_buffers *buffers = &sim->buffers;
-    for (uint32_t leg = 0; leg < MOST_LEGS && active; leg++) {
-        uint32_t first = leg == 0;
+    TRY(asdic_buffer_zero(buffers->active, sizeof active));
+    for (uint32_t leg = 0; leg < MOST_LEGS && active[last]; leg++) {
         asdic_kernel_arg args[] = {ASDIC_ARG_BUFFER(buffers->pings),
                                    ASDIC_ARG_BUFFER(buffers->layers),
                                    ASDIC_ARG_VALUE(layers),
-                                   ASDIC_ARG_VALUE(first),
+                                   ASDIC_ARG_VALUE(leg),
                                    ASDIC_ARG_BUFFER(buffers->rays),
                                    ASDIC_ARG_BUFFER(buffers->legs),
                                    ASDIC_ARG_BUFFER(buffers->leg_hits),
                                    ASDIC_ARG_BUFFER(buffers->hits),
                                    ASDIC_ARG_BUFFER(buffers->active)};
-        TRY(asdic_buffer_zero(buffers->active, sizeof active));
         TRY(asdic_kernel_run_rows(sim->kernels.advance, args, COUNT(args), piece_count(sim),
                                   piece_local(sim), count));
-        TRY(asdic_buffer_read(buffers->active, 0, sizeof active, &active));
-        if (active && sim->tracer) {
+        if (leg >= sim->legs_foreseen) {
+            last = leg;
+            TRY(asdic_buffer_read(buffers->active, 0, (last + 1) * sizeof *active, active));
+        }
+        if (active[last] && sim->tracer) {
             TRY(run_tracer(sim, buffers->rays, buffers->leg_hits, count));
         }
+    }
+    for (sim->legs_foreseen = 0; sim->legs_foreseen < last && active[sim->legs_foreseen];) {
+        sim->legs_foreseen++;
     }
     return ASDIC_OK;
 }

@@ -109,6 +109,10 @@ typedef struct asdic_kernels {
     asdic_kernel *reduce;
 } asdic_kernels;
 
+/* A ray that is trapped between planes of layers may cross one again and again. It ends after so many legs, at
+ * most. */
+#define MOST_LEGS 256
+
 /* Memory on the device; what kernels find in it stands at the kernels. */
 typedef struct asdic_buffers {
     asdic_buffer *pings; /* dev_ping and apertures of each shot */
@@ -169,7 +173,8 @@ struct asdic_simulator {
     asdic_tracer *tracer;       /* NULL without triangles */
     asdic_kernels kernels;
     asdic_buffers buffers;
-    asdic_beam_fan fan; /* where receivers are many */
+    uint32_t legs_foreseen; /* of rays through layers: as many as the rays before had */
+    asdic_beam_fan fan;     /* where receivers are many */
     asdic_point_rays points;
     asdic_learnt learnt;
     asdic_host_store host;

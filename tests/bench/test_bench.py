@@ -53,6 +53,15 @@ def test_growth_has_one_unit_beside_all():
                for n in units])
 
 
+def test_bent_rays_beside_straight_ones():
+    program.need_device()
+    found = rows("bend", "--quick")
+    tap.equal([r["water"] for r in found], ["straight", "one layer", "above", "across", "among"])
+    tap.equal([found[0]["straight"], found[0]["processor_straight"]], [1, 1])
+    slow = [r["water"] for r in found if not 0.5 < r["processor_straight"] < 3]
+    tap.equal(slow, [], "waters that take far longer than they should")
+
+
 def test_start_is_quicker_with_a_cache():
     program.need_device()
     row, = rows("start")
