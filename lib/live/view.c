@@ -7,6 +7,7 @@
 #include "base/vec.h"
 #include "loop.h"
 #include "mission/mission.h"
+#include "out/raster.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -225,32 +226,11 @@ static asdic_status remember(asdic_view *view) {
     return ASDIC_OK;
 }
 
-static int by_level(const void *a, const void *b) {
-    float x = *(const float *)a, y = *(const float *)b;
-    return (x > y) - (x < y);
-}
-
-/* The default window: from the 5th to the 99.5th percentile of the first ping's levels, rounded
- * outwards to 10 dB, as the pictures of a run have it. */
+/* The default window is that of the first ping. */
 static asdic_status open_window(asdic_view *view) {
-    size_t cells = view->ping.beams * view->ping.bins, count = 0;
-    float *levels_db = malloc(cells * sizeof *levels_db);
-    double low = -70.0, high = 0.0;
-    if (!levels_db) {
-        return asdic_fail_memory(view->ctx, "a window of levels");
-    }
-    for (size_t i = 0; i < cells; i++) {
-        if (isfinite(view->ping.level_db[i])) {
-            levels_db[count++] = view->ping.level_db[i];
-        }
-    }
-    qsort(levels_db, count, sizeof *levels_db, by_level);
-    if (count > 0) {
-        low = 10.0 * floor(0.1 * (double)levels_db[count / 20]);
-        high = 10.0 * ceil(0.1 * (double)levels_db[count * 995 / 1000]);
-        high = fmax(high, low + 30.0);
-    }
-    free(levels_db);
+    double low, high;
+    TRY(asdic_raster_window(view->ctx, view->ping.level_db, view->ping.beams * view->ping.bins,
+                            &low, &high));
     view->look.db_high = isnan(view->options.db_high) ? high : view->options.db_high;
     view->look.db_low = isnan(view->options.db_low) ? low : view->options.db_low;
     view->has_window = true;

@@ -25,8 +25,10 @@ typedef struct asdic_format_about {
 
 /* A file appears under its name on commit, complete, or not at all. */
 typedef struct asdic_format {
-    const char *file;    /* its name in the run folder */
-    size_t level_bytes;  /* that it takes for each bin of each beam and ping, at most */
+    const char *file;   /* its name in the run folder */
+    size_t level_bytes; /* that it takes for each bin of each beam and ping, at most */
+    /* Beside that, for each ping; left out: nothing. */
+    size_t (*ping_bytes)(const asdic_sonar *sonar, const asdic_sweep *sweep);
     const char *missing; /* what this build lacks to write it, and how to get that; NULL: nothing */
     asdic_status (*open)(asdic_context *ctx, const char *path, const asdic_format_about *about,
                          void **out);

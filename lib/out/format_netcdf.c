@@ -13,6 +13,7 @@ const char asdic_format_doc_netcdf[] = "also run.nc: netCDF-4 with names after S
 #include "base/context.h"
 #include "base/try.h"
 #include "base/vec.h"
+#include "beam_width.h"
 #include "digits.h"
 #include "netcdf_file.h"
 
@@ -153,13 +154,6 @@ static void describe_platform(netcdf *f) {
     }
 }
 
-/* Full width between half-power points of a line of LENGTH_M, one way: the pattern sinc^2 u is a
- * half at u = 0.4429 (e.g. R. J. Urick, Principles of Underwater Sound, 3rd ed., 1983, table
- * 3.2). */
-static double beam_width_deg(double wavelength_m, double length_m) {
-    return 2.0 * DEGREE * asin(fmin(0.442946 * wavelength_m / length_m, 1.0));
-}
-
 static void put_beam_numbers(netcdf *f, int beam_dimension, const asdic_format_about *about) {
     enum { COLUMNS = 7 };
     static const struct {
@@ -187,10 +181,10 @@ static void put_beam_numbers(netcdf *f, int beam_dimension, const asdic_format_a
         const double row[COLUMNS] = {cos(rx->pitch_rad) * cos(rx->yaw_rad),
                                      cos(rx->pitch_rad) * sin(rx->yaw_rad),
                                      sin(rx->pitch_rad),
-                                     beam_width_deg(wavelength_m, rx->length_h_m),
-                                     beam_width_deg(wavelength_m, rx->length_v_m),
-                                     beam_width_deg(wavelength_m, tx->length_h_m),
-                                     beam_width_deg(wavelength_m, tx->length_v_m)};
+                                     DEGREE * asdic_half_power_rad(wavelength_m, rx->length_h_m),
+                                     DEGREE * asdic_half_power_rad(wavelength_m, rx->length_v_m),
+                                     DEGREE * asdic_half_power_rad(wavelength_m, tx->length_h_m),
+                                     DEGREE * asdic_half_power_rad(wavelength_m, tx->length_v_m)};
         for (size_t k = 0; k < COLUMNS; k++) {
             values[k * f->beams + i] = row[k];
         }

@@ -72,3 +72,32 @@ asdic_status asdic_raster_write(asdic_context *ctx, const char *path, const asdi
         .width = raster->width, .height = raster->height, .rgb = raster->rgb, .texts = texts};
     return asdic_png_write(ctx, path, &png);
 }
+
+static int by_level(const void *a, const void *b) {
+    float x = *(const float *)a, y = *(const float *)b;
+    return (x > y) - (x < y);
+}
+
+asdic_status asdic_raster_window(asdic_context *ctx, const float *levels_db, size_t count,
+                                 double *low_db, double *high_db) {
+    float *sorted_db = malloc(count * sizeof *sorted_db);
+    size_t there = 0;
+    if (!sorted_db) {
+        return asdic_fail_memory(ctx, "a window of levels");
+    }
+    for (size_t i = 0; i < count; i++) {
+        if (isfinite(levels_db[i])) {
+            sorted_db[there++] = levels_db[i];
+        }
+    }
+    qsort(sorted_db, there, sizeof *sorted_db, by_level);
+    *low_db = -70.0;
+    *high_db = 0.0;
+    if (there > 0) {
+        *low_db = 10.0 * floor(0.1 * (double)sorted_db[there / 20]);
+        *high_db = 10.0 * ceil(0.1 * (double)sorted_db[there * 995 / 1000]);
+        *high_db = fmax(*high_db, *low_db + 30.0);
+    }
+    free(sorted_db);
+    return ASDIC_OK;
+}

@@ -19,6 +19,11 @@ void asdic_raster_set(asdic_raster *raster, size_t x, size_t y, uint32_t rgb);
 /* Step of the colour scale, 0..255, of LEVEL_DB in the window; saturates at its ends. */
 unsigned asdic_raster_index(const asdic_picture_options *options, double level_db);
 
+/* The window of levels that shows COUNT of them: from the 5th to the 99.5th percentile, rounded
+ * outwards to 10 dB, as the pictures of a run have it; at least 30 dB. */
+asdic_status asdic_raster_window(asdic_context *ctx, const float *levels_db, size_t count,
+                                 double *low_db, double *high_db);
+
 /* The level to display at RANGE_M: with the time-varied gain; NAN where there is no energy. */
 double asdic_raster_gain(const asdic_picture_options *options, double level_db, double range_m);
 

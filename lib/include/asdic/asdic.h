@@ -32,6 +32,7 @@
 #include <asdic/plan.h>
 #include <asdic/rays.h>
 #include <asdic/roc.h>
+#include <asdic/ros.h>
 #include <asdic/run.h>
 #include <asdic/scan.h>
 #include <asdic/scene.h>

@@ -9,6 +9,7 @@
 #include "detect_background.h"
 #include "detect_truth.h"
 #include "out/file.h"
+#include "out/mcap_recording.h"
 
 typedef struct asdic_detect_job {
     asdic_context *ctx;
@@ -42,7 +43,8 @@ typedef struct asdic_detect_job {
     double false_plots, false_bins, false_squares;
     double sound_speed_mps;
     asdic_file *detections, *tracks;
-    uint8_t *track_seen; /* bits by track number: 1 confirmed, 2 of an object */
+    asdic_mcap_recording *messages; /* NULL: the scene asks for none */
+    uint8_t *track_seen;            /* bits by track number: 1 confirmed, 2 of an object */
     size_t track_capacity;
     double *track_north_m, *track_east_m; /* of the vehicle, per ping: for the map */
     size_t pings_done;
@@ -51,10 +53,10 @@ typedef struct asdic_detect_job {
     bool *sight_hit;      /* ... and whether it was detected in that */
 } asdic_detect_job;
 
-/* detect_output.c: opens the files and writes their first line; the rows of a ping's detections;
- * the rows of its tracks. */
+/* detect_output.c: opens the files and writes their first line; the rows, and the message, of a
+ * ping's detections; the rows of its tracks. */
 asdic_status asdic_detect_open_files(asdic_detect_job *job);
-void asdic_detect_write_rows(asdic_detect_job *job, const asdic_record *record);
+asdic_status asdic_detect_write_rows(asdic_detect_job *job, const asdic_record *record);
 asdic_status asdic_detect_write_tracks(asdic_detect_job *job, const asdic_record *record);
 
 /* detect_output.c: joins neighbouring detections into plots; gives the standard deviations of a

@@ -102,22 +102,46 @@ void asdic_detect_find_plots(asdic_detect_job *job, const asdic_record *record) 
 
 /* --- rows ------------------------------------------------------------------------------------- */
 
-static asdic_status open_file(asdic_detect_job *job, const char *path, const char *header,
-                              asdic_file **out) {
+static asdic_status check_name(const asdic_detect_job *job, const char *path) {
     if (!path) {
         return asdic_fail_memory(job->ctx, "a file name");
     }
     if (!job->options->force && access(path, F_OK) == 0) {
         return asdic_fail(job->ctx, ASDIC_ERROR_EXISTS, "'%s' exists; --force replaces it", path);
     }
+    return ASDIC_OK;
+}
+
+static asdic_status open_file(asdic_detect_job *job, const char *path, const char *header,
+                              asdic_file **out) {
+    TRY(check_name(job, path));
     TRY(asdic_file_create(job->ctx, path, out));
     fputs(header, asdic_file_stream(*out));
     return ASDIC_OK;
 }
 
+/* detections.mcap, where the scene asks for run.mcap. */
+static asdic_status open_messages(asdic_detect_job *job, const char *path) {
+    const asdic_settings *settings = &job->run->settings;
+    const asdic_format_about about = {.sonar = job->info.sonar,
+                                      .sweep = settings->sweep,
+                                      .sound_speed_mps = job->sound_speed_mps,
+                                      .bins = job->info.bins,
+                                      .scene_name = job->info.scene_name,
+                                      .scene_hash = job->info.scene_hash,
+                                      .seed = job->info.sampling.seed};
+    if (!(settings->output.formats & 1u << ASDIC_FORMAT_mcap)) {
+        return ASDIC_OK;
+    }
+    TRY(check_name(job, path));
+    return asdic_mcap_recording_open(job->ctx, path, &about, 1u << ASDIC_ROS_DETECTIONS,
+                                     &job->messages);
+}
+
 asdic_status asdic_detect_open_files(asdic_detect_job *job) {
     char *detections = asdic_folder_file(job->run->folder, "detections.csv");
     char *tracks = asdic_folder_file(job->run->folder, "tracks.csv");
+    char *messages = asdic_folder_file(job->run->folder, "detections.mcap");
     asdic_status status =
         open_file(job, detections,
                   "ping,time_s,beam,bin,range_m,x_m,y_m,z_m,level_db,background_db,llr,posterior,"
@@ -129,8 +153,12 @@ asdic_status asdic_detect_open_files(asdic_detect_job *job) {
                            "sd_y_m,truth\n",
                            &job->tracks);
     }
+    if (!status) {
+        status = open_messages(job, messages);
+    }
     free(detections);
     free(tracks);
+    free(messages);
     return status;
 }
 
@@ -155,7 +183,7 @@ const char *asdic_detect_truth_name(const asdic_detect_job *job, size_t cell) {
     return "none";
 }
 
-void asdic_detect_write_rows(asdic_detect_job *job, const asdic_record *record) {
+asdic_status asdic_detect_write_rows(asdic_detect_job *job, const asdic_record *record) {
     asdic_scan_result result = asdic_scan_get(job->scan);
     FILE *out = asdic_file_stream(job->detections);
     char beam[2 * ASDIC_NAME_SIZE + 3], name[2 * ASDIC_NAME_SIZE + 3], pd[32];
@@ -178,6 +206,8 @@ void asdic_detect_write_rows(asdic_detect_job *job, const asdic_record *record) 
                 result.llr[i], asdic_detect_posterior(result.llr[i], job->detector.prior), pd,
                 name);
     }
+    return job->messages ? asdic_mcap_recording_add(job->messages, record, job->detected)
+                         : ASDIC_OK;
 }
 
 /* Notes whether TRACK is confirmed, and whether an object's. */

@@ -100,7 +100,7 @@ static asdic_status take_ping(asdic_detect_job *job, size_t index, const asdic_r
         job->detected[i] = job->intensity_lin[i] > result.threshold_lin[i]; /* not when NAN */
     }
     asdic_detect_count(job, record);
-    asdic_detect_write_rows(job, record);
+    TRY(asdic_detect_write_rows(job, record));
     asdic_detect_find_plots(job, record);
     if (job->map) {
         TRY(asdic_detect_add_to_map(job, record));
@@ -225,6 +225,7 @@ static asdic_status begin(asdic_detect_job *job, const char *folder) {
 static void finish(asdic_detect_job *job) {
     asdic_file_discard(&job->detections);
     asdic_file_discard(&job->tracks);
+    asdic_mcap_recording_discard(&job->messages);
     asdic_occupancy_destroy(&job->map);
     asdic_tracker_destroy(&job->tracker);
     asdic_namer_destroy(&job->namer);
@@ -268,6 +269,9 @@ static asdic_status detect(asdic_detect_job *job) {
     TRY(asdic_detect_expect_tracks(job));
     TRY(asdic_file_commit(&job->detections));
     TRY(asdic_file_commit(&job->tracks));
+    if (job->messages) {
+        TRY(asdic_mcap_recording_commit(&job->messages));
+    }
     return job->map ? asdic_detect_draw_map(job) : ASDIC_OK;
 }
 

@@ -101,7 +101,7 @@ uint64_t asdic_mission_ping_bytes(const asdic_mission *mission) {
         return 0;
     }
     const asdic_settings *s = &mission->settings;
-    size_t beams = s->sonar.receiver_count, bins = bins_of(mission), each = 0;
+    size_t beams = s->sonar.receiver_count, bins = bins_of(mission), each = 0, beside = 0;
     asdic_plan plan = {.left_out = 0};
     bool needs_parts = s->records == ASDIC_RECORD_COMPACT || s->output.csv == ASDIC_CSV_LONG;
     if (needs_parts && asdic_mission_plan(NULL, mission, &plan) != ASDIC_OK) {
@@ -109,10 +109,14 @@ uint64_t asdic_mission_ping_bytes(const asdic_mission *mission) {
     }
     const asdic_record_layout layout = asdic_store_layout(s, beams, bins, plan.left_out);
     for (size_t i = 0; i < ASDIC_FORMAT_COUNT; i++) {
-        each += s->output.formats & 1u << i ? asdic_formats[i]->level_bytes : 0;
+        const asdic_format *format = asdic_formats[i];
+        if (s->output.formats & 1u << i) {
+            each += format->level_bytes;
+            beside += format->ping_bytes ? format->ping_bytes(&s->sonar, &s->sweep) : 0;
+        }
     }
     double cells = (double)beams * (double)bins;
-    return asdic_record_stored_bytes(&layout) +
+    return asdic_record_stored_bytes(&layout) + beside +
            (uint64_t)(cells * ((double)each + csv_bytes(mission, bins, layout.parts)));
 }
 
