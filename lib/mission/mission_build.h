@@ -19,7 +19,8 @@ typedef struct mission_builder {
     mission_extent extent;
     const asdic_setting *settings; /* in place of what the file says */
     size_t setting_count;
-    const asdic_draw *draw; /* the run of a trial; NULL: the scene itself */
+    const asdic_draw *draw;         /* the run of a trial; NULL: the scene itself */
+    const asdic_scene_text *memory; /* where the scene is; NULL: in a file */
 } mission_builder;
 
 /* Each step adds to the mission and reports what is wrong with the files it opens to PROBLEMS. Its

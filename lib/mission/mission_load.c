@@ -21,7 +21,15 @@
 /* A scene file is written by hand or by a small script; geometry is elsewhere. */
 #define MAX_SCENE_BYTES ((size_t)4 << 20)
 
-/* Reads the file into MISSION: its text as UTF-8 and the hash of its bytes. */
+/* Keeps SIZE BYTES of a scene in MISSION: as UTF-8, and their hash. */
+static asdic_status keep_text(asdic_context *ctx, asdic_mission *m, const char *bytes, size_t size,
+                              size_t *length) {
+    asdic_sha256_hex(bytes, size, m->hash);
+    m->text = asdic_text_to_utf8(bytes, size, length);
+    return m->text ? ASDIC_OK : asdic_fail_memory(ctx, "the scene file's text");
+}
+
+/* Reads the file into MISSION. */
 static asdic_status read_text(asdic_context *ctx, asdic_mission *m, size_t *length) {
     char *bytes = NULL;
     size_t size = 0;
@@ -33,10 +41,9 @@ static asdic_status read_text(asdic_context *ctx, asdic_mission *m, size_t *leng
                           m->path);
     }
     TRY(asdic_file_read(ctx, m->path, MAX_SCENE_BYTES, &bytes, &size));
-    asdic_sha256_hex(bytes, size, m->hash);
-    m->text = asdic_text_to_utf8(bytes, size, length);
+    asdic_status status = keep_text(ctx, m, bytes, size, length);
     free(bytes);
-    return m->text ? ASDIC_OK : asdic_fail_memory(ctx, "the scene file's text");
+    return status;
 }
 
 static asdic_status build(mission_builder *b) {
@@ -101,7 +108,9 @@ static asdic_status read_scene(mission_builder *b, asdic_yaml_node **root, file_
                                asdic_drawn *drawn) {
     size_t length = 0;
     bool included = false;
-    TRY(read_text(b->ctx, b->mission, &length));
+    const asdic_scene_text *memory = b->memory;
+    TRY(memory ? keep_text(b->ctx, b->mission, memory->text, memory->length, &length)
+               : read_text(b->ctx, b->mission, &length));
     if (!asdic_yaml_read(b->mission->text, length, b->arena, b->problems, root)) {
         return asdic_fail_memory(b->ctx, "the scene file's content");
     }
@@ -176,7 +185,8 @@ static asdic_status load_file(asdic_context *ctx, const char *path, const missio
     m->is_varied = (how->setting_count > 0 && !how->draw) || how->extent != MISSION_WHOLE;
     asdic_arena arena = {0};
     asdic_scene_file file;
-    asdic_problems problems = {.name = strcmp(path, "-") == 0 ? "stdin" : path};
+    bool is_stdin = !how->memory && strcmp(path, "-") == 0;
+    asdic_problems problems = {.name = is_stdin ? "stdin" : path};
     mission_builder builder = *how;
     builder.ctx = ctx;
     builder.file = &file;
@@ -216,6 +226,29 @@ asdic_status asdic_mission_load_run(asdic_context *ctx, const char *path,
     const mission_builder how = {
         .extent = MISSION_WHOLE, .settings = settings, .setting_count = count, .draw = draw};
     return load_file(ctx, path, &how, out);
+}
+
+asdic_status asdic_mission_load_text(asdic_context *ctx, const asdic_scene_text *scene,
+                                     asdic_mission **out) {
+    bool good = scene && scene->text && scene->name && (scene->meshes || scene->mesh_count == 0);
+    for (size_t i = 0; good && i < scene->mesh_count; i++) {
+        good = scene->meshes[i].name && scene->meshes[i].mesh;
+    }
+    if (out) {
+        *out = NULL;
+    }
+    if (!good) {
+        return asdic_fail(
+            ctx, ASDIC_ERROR_ARGUMENT,
+            "asdic_mission_load_text: a scene needs a text and a name, and each of its "
+            "meshes a name and a mesh");
+    }
+    if (scene->length > MAX_SCENE_BYTES) {
+        return asdic_fail(ctx, ASDIC_ERROR_INPUT, "%s: a scene of %zu bytes; at most %zu are read",
+                          scene->name, scene->length, MAX_SCENE_BYTES);
+    }
+    const mission_builder how = {.extent = MISSION_WHOLE, .memory = scene};
+    return load_file(ctx, scene->name, &how, out);
 }
 
 asdic_status asdic_mission_load_empty(asdic_context *ctx, const char *path, asdic_mission **out) {

@@ -19,7 +19,22 @@ static asdic_yaml_node *file_node(const asdic_yaml_node *map) {
     return asdic_yaml_child(map, "file");
 }
 
+/* The mesh in memory that the scene calls NAME; NULL where it means a file. */
+static const asdic_mesh *mesh_in_memory(const mission_builder *b, const char *name) {
+    for (size_t i = 0; b->memory && i < b->memory->mesh_count; i++) {
+        if (strcmp(b->memory->meshes[i].name, name) == 0) {
+            return b->memory->meshes[i].mesh;
+        }
+    }
+    return NULL;
+}
+
 static asdic_status load_mesh(mission_builder *b, const file_mesh *m, asdic_mesh **out) {
+    const asdic_mesh *given = mesh_in_memory(b, m->file);
+    if (given) {
+        return asdic_mesh_from_triangles(b->ctx, given->vertices_m, given->vertex_count,
+                                         given->indices, given->triangle_count, out);
+    }
     const char *path = asdic_mission_resolve(b, m->file);
     if (!path) {
         return asdic_fail_memory(b->ctx, "a path");

@@ -1,6 +1,7 @@
 #include <asdic/ping.h>
 
 #include "base/context.h"
+#include "base/decibel.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -61,4 +62,12 @@ void asdic_ping_destroy(asdic_ping **ping) {
 
 double asdic_level_db(double intensity_lin) {
     return intensity_lin > 0.0 ? 10.0 * log10(intensity_lin) : -INFINITY;
+}
+
+asdic_status asdic_ping_levels(const asdic_ping *ping, asdic_component component, float *level_db) {
+    if (!ping || !level_db || (unsigned)component >= ASDIC_COMPONENT_COUNT) {
+        return ASDIC_ERROR_ARGUMENT;
+    }
+    asdic_decibels(ping->intensity_lin[component], ping->beams * ping->bins, level_db);
+    return ASDIC_OK;
 }

@@ -301,6 +301,58 @@ static void damaged_missions_are_answered(void **state) {
     assert_true(good > 20 && bad > 500);
 }
 
+/* The slope from memory, as from its file: the same altitudes, and the same triangles. */
+static void scenes_in_memory(void **state) {
+    static const char text[] =
+        "{\"version\": 1, \"bottom\": {\"mesh\": {\"file\": \"slope\"}, \"type\": \"sand\"},\n"
+        " \"sonar\": {\"frequency_khz\": 100, \"bandwidth_khz\": 10, \"ping_rate_hz\": 10,\n"
+        "  \"source_level_db\": 0, \"receivers\": [{\"name\": \"forward\"}]},\n"
+        " \"mission\": {\"pose\": {\"position_m\": [50, 0, 5]}}}\n";
+    static const double corners[] = {0, -50, 10, 100, -50, 20, 100, 50, 20, 0, 50, 10};
+    static const uint32_t indices[] = {0, 1, 2, 0, 2, 3};
+    const workshop *w = *state;
+    asdic_mesh *mesh = NULL;
+    assert_int_equal(asdic_mesh_from_triangles(w->ctx, corners, 4, indices, 2, &mesh), ASDIC_OK);
+    const asdic_named_mesh named = {.name = "slope", .mesh = mesh};
+    asdic_scene_text scene = {.text = text,
+                              .length = sizeof text - 1,
+                              .name = "memory",
+                              .meshes = &named,
+                              .mesh_count = 1};
+    asdic_mission *m = NULL;
+    assert_int_equal(asdic_mission_load_text(w->ctx, &scene, &m), ASDIC_OK);
+    asdic_mesh_destroy(&mesh); /* it was copied */
+    assert_close(asdic_mission_flat_scene(m, 0).altitude_m, 10.0, 1e-12);
+    assert_string_equal(asdic_mission_path(m), "memory");
+    assert_string_equal(asdic_mission_text(m), text);
+    assert_int_equal(asdic_mission_get_object(m, 0)->mesh.triangles, 2);
+    asdic_mission_destroy(&m);
+
+    scene.mesh_count = 0; /* a file then, which is not there */
+    assert_int_equal(asdic_mission_load_text(w->ctx, &scene, &m), ASDIC_ERROR_INPUT);
+    assert_null(m);
+    scene.name = NULL;
+    assert_int_equal(asdic_mission_load_text(w->ctx, &scene, &m), ASDIC_ERROR_ARGUMENT);
+    scene.name = "memory";
+    scene.length = SIZE_MAX;
+    assert_int_equal(asdic_mission_load_text(w->ctx, &scene, &m), ASDIC_ERROR_INPUT);
+    assert_int_equal(asdic_mission_load_text(w->ctx, NULL, &m), ASDIC_ERROR_ARGUMENT);
+}
+
+static void levels_of_a_ping(void **state) {
+    const workshop *w = *state;
+    asdic_ping *ping = NULL;
+    float level_db[2] = {0};
+    assert_int_equal(asdic_ping_create(w->ctx, 1, 2, &ping), ASDIC_OK);
+    ping->intensity_lin[ASDIC_NOISE][1] = 1e5;
+    assert_int_equal(asdic_ping_levels(ping, ASDIC_NOISE, level_db), ASDIC_OK);
+    assert_true(isnan(level_db[0]));
+    assert_close(level_db[1], 50.0, 1e-5);
+    assert_int_equal(asdic_ping_levels(ping, ASDIC_COMPONENT_COUNT, level_db),
+                     ASDIC_ERROR_ARGUMENT);
+    asdic_ping_destroy(&ping);
+}
+
 static void misuse_is_answered(void **state) {
     const workshop *w = *state;
     asdic_mission *m = (asdic_mission *)1;
@@ -322,6 +374,8 @@ int main(void) {
         cmocka_unit_test(placed_meshes_have_their_box),
         cmocka_unit_test(decimal_comma_changes_nothing),
         cmocka_unit_test(damaged_missions_are_answered),
+        cmocka_unit_test(scenes_in_memory),
+        cmocka_unit_test(levels_of_a_ping),
         cmocka_unit_test(misuse_is_answered),
         cmocka_unit_test(laws_read_their_files),
     };

@@ -54,6 +54,27 @@ typedef struct asdic_draw {
 ASDIC_API asdic_status asdic_mission_load_run(asdic_context *ctx, const char *path,
                                               const asdic_setting *settings, size_t count,
                                               const asdic_draw *draw, asdic_mission **out);
+
+/* A mesh in memory, by the name that a scene gives in place of a file's. World axes, metres: the
+ * scene's scale and z_up are not read. */
+typedef struct asdic_named_mesh {
+    const char *name;
+    const asdic_mesh *mesh; /* copied */
+} asdic_named_mesh;
+
+/* A scene in memory. NAME stands for its path: files that it names are relative to that folder. */
+typedef struct asdic_scene_text {
+    const char *text; /* as in a scene file: YAML 1.1 or JSON */
+    size_t length;    /* bytes of it */
+    const char *name;
+    const asdic_named_mesh *meshes;
+    size_t mesh_count;
+} asdic_scene_text;
+
+/* asdic_mission_load of a scene in memory. Its runs keep the text, not the meshes: who reads such a
+ * run, asdic_run_detect for one, does without the scene. */
+ASDIC_API asdic_status asdic_mission_load_text(asdic_context *ctx, const asdic_scene_text *scene,
+                                               asdic_mission **out);
 ASDIC_API void asdic_mission_destroy(asdic_mission **mission);
 
 /* What was drawn, key by key in the order of the file; a list's entry that was left out is `none`.

@@ -96,6 +96,11 @@ ASDIC_API void asdic_ping_destroy(asdic_ping **ping);
 /* 10 log10 of an intensity; -INFINITY for 0. */
 ASDIC_API double asdic_level_db(double intensity_lin);
 
+/* The levels of COMPONENT in PING, dB re 1 uPa, as runs keep them: NAN without energy. LEVEL_DB has
+ * beams * bins values. */
+ASDIC_API asdic_status asdic_ping_levels(const asdic_ping *ping, asdic_component component,
+                                         float *level_db);
+
 typedef struct asdic_simulator asdic_simulator;
 
 /* Compiles kernels and uploads the scene. SCENE and DEVICE must outlive the simulator; ENV, SONAR

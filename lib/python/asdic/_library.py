@@ -1,0 +1,402 @@
+"""What the package makes of the C library: errors, contexts, ownership, arrays and structs.
+
+The other modules build on these five and on asdic._native, which is compiled from the public headers: no
+struct, constant or enum of the library is written down here a second time.
+"""
+from __future__ import annotations
+
+import functools
+import logging
+import math
+import os
+import threading
+import warnings
+import weakref
+from types import SimpleNamespace
+from typing import Any, Callable, Optional
+
+import numpy as np
+
+from ._native import ffi, lib
+
+LOGGER = logging.getLogger("asdic")
+
+# ---- errors ----------------------------------------------------------------------------------
+
+
+class Error(Exception):
+    """The library's sentence: what failed, with which value, against which limit, and what to do."""
+
+    status: int = 0
+    """The asdic_status of the call."""
+    messages: tuple[str, ...] = ()
+    """Every error of an input that has several, with file, line and key."""
+
+
+class ArgumentError(Error, ValueError):
+    """A value outside the documented domain."""
+
+
+class InputError(Error, ValueError):
+    """An input is missing, malformed or out of range."""
+
+
+class DeviceError(Error, RuntimeError):
+    """No usable OpenCL device, or its compiler refused the kernels."""
+
+
+class DeviceLostError(DeviceError):
+    """A device failed while working."""
+
+
+class MemoryShortError(Error, MemoryError):
+    """The memory of host or device is exhausted, or is known to be too small."""
+
+
+class FileError(Error, OSError):
+    """Writing or reading failed half-way."""
+
+
+class ExistsError(Error, FileExistsError):
+    """Output exists, and neither force nor resume was asked for."""
+
+
+class StoppedError(Error):
+    """Stopped on request; what was written is valid."""
+
+
+class UnsupportedError(Error, NotImplementedError):
+    """The library was built without what was asked for."""
+
+
+class ClosedError(Error, ValueError):
+    """Used after close(), or in a process that was forked since."""
+
+
+class Remark(UserWarning):
+    """A law outside its stated range, too few rays: levels are computed all the same."""
+
+
+ERRORS: dict[int, type[Error]] = {
+    lib.ASDIC_ERROR_ARGUMENT: ArgumentError,
+    lib.ASDIC_ERROR_INPUT: InputError,
+    lib.ASDIC_ERROR_DEVICE: DeviceError,
+    lib.ASDIC_ERROR_DEVICE_LOST: DeviceLostError,
+    lib.ASDIC_ERROR_MEMORY: MemoryShortError,
+    lib.ASDIC_ERROR_IO: FileError,
+    lib.ASDIC_ERROR_EXISTS: ExistsError,
+    lib.ASDIC_ERROR_INTERRUPTED: StoppedError,
+    lib.ASDIC_ERROR_UNSUPPORTED: UnsupportedError,
+}
+
+
+def fail(kind: type[Error], sentence: str) -> Error:
+    """An error that this package finds before the library could."""
+    error = kind(sentence)
+    error.status = next((status for status, known in ERRORS.items() if known is kind), 0)
+    return error
+
+
+# ---- ownership -------------------------------------------------------------------------------
+
+
+def _destroy(place: Any, destroy: Callable[..., None], process: int, _keeps: tuple[Any, ...]) -> None:
+    if process == os.getpid():  # a forked process has no threads that devices could work with
+        destroy(place)
+
+
+class Handle:
+    """What the library created: `place` points to the pointer, `destroy` takes it.
+
+    It is destroyed when nobody needs it, and what it KEEPS after it: finalizers are global, so that the
+    order is the same for garbage in circles and at exit.
+    """
+
+    __slots__ = ("_place", "_process", "_finalizer", "_name", "__weakref__")
+
+    def __init__(self, name: str, place: Any, destroy: Callable[..., None], *keeps: Any) -> None:
+        self._place, self._name, self._process = place, name, os.getpid()
+        self._finalizer = weakref.finalize(self, _destroy, place, destroy, self._process, keeps)
+
+    @property
+    def pointer(self) -> Any:
+        if not self._finalizer.alive:
+            raise fail(ClosedError, f"the {self._name} is closed")
+        if self._process != os.getpid():
+            raise fail(ClosedError, f"the {self._name} is of the process that forked this one; make it anew here, "
+                       "or start processes by multiprocessing's 'spawn'")
+        return self._place[0]
+
+    def close(self) -> None:
+        self._finalizer()
+
+
+# ---- contexts --------------------------------------------------------------------------------
+
+
+@ffi.def_extern()
+def asdic_python_log(user: Any, level: int, message: Any) -> None:
+    ffi.from_handle(user).append((level, text(message)))
+
+
+@ffi.def_extern()
+def asdic_python_progress(user: Any, what: Any, done: int, total: int) -> None:
+    ffi.from_handle(user)[:] = [(text(what), done, total)]
+
+
+@ffi.def_extern()
+def asdic_python_run_progress(user: Any, progress: Any) -> None:
+    ffi.from_handle(user)[:] = [("pings", progress.pings_done, progress.pings_total)]
+
+
+Progress = Optional[Callable[[str, int, int], Any]]
+
+
+def bar(what: str, done: int, total: int) -> None:
+    """A line that grows, on a terminal and below a notebook's cell."""
+    filled = 30 * done // max(total, 1)
+    print(f"\r[{'#' * filled}{'.' * (30 - filled)}] {done} of {total} {what}",
+          end="\n" if done >= total else "", flush=True)
+
+
+class Context:
+    """One context of the library, for one thread at a time: others wait."""
+
+    def __init__(self, progress: Progress | bool = None) -> None:
+        place = ffi.new("asdic_context **")
+        self._log: list[tuple[int, str]] = []
+        self._done: list[tuple[str, int, int]] = []
+        self._log_handle, self.progress_user = ffi.new_handle(self._log), ffi.new_handle(self._done)
+        self._progress = bar if progress is True else progress or None
+        self._last: tuple[str, int, int] | None = None
+        self.lock = threading.RLock()
+        if lib.asdic_context_create(place):
+            raise fail(MemoryShortError, "out of memory while allocating a context")
+        self.handle = Handle("context", place, lib.asdic_context_destroy, self._log_handle, self.progress_user)
+        lib.asdic_context_set_log(place[0], lib.ASDIC_LOG_NOTE, lib.asdic_python_log, self._log_handle)
+        lib.asdic_context_set_progress(place[0], lib.asdic_python_progress, self.progress_user)
+
+    @property
+    def pointer(self) -> Any:
+        return self.handle.pointer
+
+    def check(self, status: int) -> None:
+        """Raises what STATUS says; passes the library's warnings and notes on."""
+        if self._log or status:
+            self._tell(status)
+
+    def _tell(self, status: int) -> None:
+        said, self._log[:] = list(self._log), []
+        for level, message in said:
+            if level == lib.ASDIC_LOG_WARNING:
+                warnings.warn(message, Remark, stacklevel=5)
+            elif level > lib.ASDIC_LOG_WARNING:
+                LOGGER.info(message)
+        if status:
+            sentence = text(lib.asdic_context_error(self.pointer)) or text(lib.asdic_status_text(status))
+            messages = tuple(message for level, message in said if level == lib.ASDIC_LOG_ERROR)
+            error = ERRORS.get(status, Error)("\n".join([sentence, *messages]))
+            error.status, error.messages = status, messages
+            raise error
+
+    def call(self, function: Callable[..., int], *args: Any) -> None:
+        """FUNCTION(*ARGS), which is short: Ctrl-C is obeyed after it."""
+        with self.lock:
+            self.check(function(*args))
+
+    def run(self, function: Callable[..., int], *args: Any) -> None:
+        """FUNCTION(*ARGS) in a thread, so that this one hears of Ctrl-C and reports progress.
+
+        What stops the waiting interrupts the call: it ends at its next ping, beam or picture, and the
+        exception goes on from here. A driver that compiles cannot be interrupted and is waited for.
+        """
+        status: list[int] = []
+        stop: BaseException | None = None
+        over = threading.Event()
+
+        def work() -> None:
+            try:
+                status.append(function(*args))
+            finally:
+                over.set()
+
+        with self.lock:
+            thread = threading.Thread(target=work, name="asdic")
+            thread.start()
+            while thread.is_alive():
+                try:
+                    while not over.wait(0.1):
+                        self._report()
+                    thread.join()
+                    self._report()
+                except BaseException as error:  # pylint: disable=broad-except # raised again below
+                    lib.asdic_context_interrupt(self.pointer)
+                    stop = stop or error
+            if stop:
+                raise stop
+            self.check(status[0])
+            self._finish()
+
+    def _report(self) -> None:
+        while self._progress and self._done:
+            self._last = self._done.pop()
+            self._progress(*self._last)
+
+    def _finish(self) -> None:
+        """The last report of a call that succeeded says that all is done."""
+        if self._progress and self._last:
+            what, done, total = self._last
+            self._last = None
+            if done < total:
+                self._progress(what, total, total)
+
+    def make(self, kind: str, destroy: Callable[..., None], function: Callable[..., int], *args: Any,
+             keeps: tuple[Any, ...] = ()) -> Handle:
+        """What FUNCTION(*ARGS, &pointer) creates, a KIND ("asdic_mesh"), perhaps taking long."""
+        place = ffi.new(kind + " **")
+        self.run(function, *args, place)
+        return Handle(kind.removeprefix("asdic_"), place, destroy, self.handle, *keeps)
+
+
+_OPENCL: list[int] = []  # the process that has used OpenCL
+
+
+class Devices(Handle):
+    """Opened devices."""
+
+    __slots__ = ("count",)
+    count: int
+
+
+def open_devices(context: Context, selector: str | None) -> Devices:
+    """The devices of a selector ("auto", "cpu", "0:0", ...); pointer[0] is the first."""
+    if _OPENCL and _OPENCL[0] != os.getpid():
+        raise fail(DeviceError, "OpenCL was used before this process was forked, and its threads are gone; "
+                   "start processes by multiprocessing's 'spawn'")
+    _OPENCL[:] = [os.getpid()]
+    place, count = ffi.new("asdic_device ***"), ffi.new("size_t *")
+    context.run(lib.asdic_devices_open, context.pointer, encoded(selector, "device") if selector else ffi.NULL,
+                place, count)
+    devices = Devices("device", place, lambda opened: lib.asdic_devices_close(opened, count[0]), context.handle)
+    devices.count = int(count[0])
+    return devices
+
+
+# ---- text, arrays, structs -------------------------------------------------------------------
+
+
+def text(pointer: Any) -> str:
+    return ffi.string(pointer).decode("utf-8", "replace") if pointer else ""
+
+
+def encoded(value: Any, what: str) -> bytes:
+    """A str or path for the library."""
+    if not isinstance(value, (str, bytes, os.PathLike)):
+        raise TypeError(f"{what} is a {type(value).__name__}; it must be text")
+    result = os.fsencode(value)
+    if b"\0" in result:
+        raise fail(ArgumentError, f"{what} has a zero byte in it")
+    return result
+
+
+def number(value: Any, what: str) -> float:
+    """A finite float."""
+    try:
+        result = float(value)
+    except (TypeError, ValueError) as error:
+        raise TypeError(f"{what} = {value!r} is not a number") from error
+    if not math.isfinite(result):
+        raise fail(ArgumentError, f"{what} = {result} is not finite")
+    return result
+
+
+def whole(value: Any, what: str, low: int, high: int) -> int:
+    """An integer from LOW to HIGH."""
+    try:
+        result = value.__index__()
+    except AttributeError as error:
+        raise TypeError(f"{what} = {value!r} is not an integer") from error
+    if not low <= result <= high:
+        raise fail(ArgumentError, f"{what} = {result} is out of range [{low}, {high}]")
+    return int(result)
+
+
+class _Memory:  # pylint: disable=too-few-public-methods
+    """An owner's memory, as numpy asks for it."""
+
+    __slots__ = ("__array_interface__", "owner")
+
+
+def view(pointer: Any, shape: tuple[int, ...], dtype: Any, owner: Any) -> np.ndarray:
+    """The library's memory at POINTER as an array that cannot be written and keeps OWNER."""
+    dtype = np.dtype(dtype)
+    if 0 in shape or not pointer:
+        return np.empty(shape, dtype)
+    memory = _Memory()
+    memory.owner = owner
+    memory.__array_interface__ = {
+        "version": 3, "typestr": "|u1", "shape": (math.prod(shape) * dtype.itemsize,),
+        "data": (int(ffi.cast("uintptr_t", pointer)), True)}
+    return np.asarray(memory).view(dtype).reshape(shape)
+
+
+@functools.lru_cache(maxsize=None)
+def words(kind: str) -> dict[str, int]:
+    """The words of an enum: {"swerling0": 0, ...} of "asdic_target"."""
+    names = {name: value for value, name in sorted(ffi.typeof(kind).elements.items()) if not name.endswith("_COUNT")}
+    prefix = os.path.commonprefix(list(names)).rpartition("_")[0] + "_"
+    return {name[len(prefix):].lower().replace("_", "-"): value for name, value in names.items()}
+
+
+def value_of(kind: str, word: str, what: str) -> int:
+    """The value of WORD in the enum KIND."""
+    known = words(kind)
+    if word not in known:
+        raise fail(ArgumentError, f"{what} = {word!r} is none of {', '.join(known)}")
+    return known[word]
+
+
+def _scalar(kind: Any) -> np.dtype:
+    """A number of a struct, as numpy has it."""
+    if kind.kind == "enum":
+        return np.dtype(f"u{ffi.sizeof(kind)}")
+    code = {"_Bool": "?", "double": "f", "float": "f"}.get(kind.cname)
+    code = code or ("u" if kind.cname.startswith("u") or kind.cname == "size_t" else "i")
+    return np.dtype(code if code == "?" else f"{code}{ffi.sizeof(kind)}")
+
+
+def dtype_of(kind: Any) -> np.dtype:
+    """The numpy type of a C type; a struct's without its pointers, which numpy could not follow."""
+    kind = ffi.typeof(kind) if isinstance(kind, str) else kind
+    if kind.kind == "array":
+        item = kind.item
+        return np.dtype(f"S{kind.length}") if item.cname == "char" else np.dtype((dtype_of(item), (kind.length,)))
+    if kind.kind != "struct":
+        return _scalar(kind)
+    fields = [(name, field) for name, field in kind.fields if field.type.kind != "pointer"]
+    return np.dtype({"names": [name for name, _ in fields], "formats": [dtype_of(field.type) for _, field in fields],
+                     "offsets": [field.offset for _, field in fields], "itemsize": ffi.sizeof(kind)})
+
+
+class Fields(SimpleNamespace):
+    """A struct of the library, copied: the names and units are those of its header."""
+
+
+def _python(kind: Any, value: Any) -> Any:
+    if kind.kind == "struct":
+        return fields(value)
+    if kind.kind == "enum":
+        return next((word for word, number_ in words(kind.cname).items() if number_ == int(value)), int(value))
+    if kind.kind == "array":
+        return text(value) if kind.item.cname == "char" else tuple(_python(kind.item, item) for item in value)
+    if kind.kind == "pointer":
+        return text(value) if value else None
+    return value
+
+
+def fields(struct: Any) -> Fields:
+    """A copy of a struct, or of what a pointer to one points to; of pointers in it only texts."""
+    kind = ffi.typeof(struct)
+    kind = kind.item if kind.kind == "pointer" else kind
+    return Fields(**{name: _python(field.type, getattr(struct, name)) for name, field in kind.fields
+                     if field.type.kind != "pointer" or field.type.item.cname == "char"})

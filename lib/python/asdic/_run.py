@@ -1,0 +1,316 @@
+"""Runs: simulated into a folder, read from it as arrays, judged by detectors."""
+from __future__ import annotations
+
+import csv
+import functools
+import json
+import math
+import os
+import tempfile
+from typing import TYPE_CHECKING, Any, Sequence, Union
+import warnings
+
+import numpy as np
+
+from ._library import (ArgumentError, Context, Fields, Handle, InputError, Progress, Remark, dtype_of, encoded, fail, ffi,
+                       fields, lib, number, open_devices, value_of, view, whole)
+from ._ping import PARTS, Levels, Ping, beams_of, expected
+from ._scene import SceneLike, choose_sampling, load_mission, remarks
+
+if TYPE_CHECKING:
+    import xarray
+
+Folder = Union[str, "os.PathLike[str]"]
+
+
+def _pings(pings: slice | range | None, count: int) -> tuple[int, int]:
+    """The first of PINGS and their number."""
+    if pings is None:
+        return 0, count
+    if not isinstance(pings, (slice, range)):
+        raise TypeError(f"pings is a {type(pings).__name__}; it must be a slice or a range, as range(0, 10)")
+    chosen = range(count)[pings] if isinstance(pings, slice) else pings
+    if chosen.step != 1 or len(chosen) == 0 or chosen.start < 0 or chosen.stop > count:
+        raise fail(ArgumentError, f"pings = {pings} is no row of pings, one after the other, among the {count} there are")
+    return chosen.start, len(chosen)
+
+
+def _keep_tolerance(context: Context, mission: Handle, devices: Handle, tolerance_db: float) -> None:
+    wanted = ffi.new("asdic_tolerance *", {"stderr_db": number(tolerance_db, "tolerance_db"), "share": 0.99,
+                                           "most_rays": 1 << 22})
+    budget = ffi.new("asdic_ray_budget *")
+    context.run(lib.asdic_mission_find_rays, context.pointer, mission.pointer, devices.pointer[0], wanted, budget)
+    if not budget.is_kept:
+        warnings.warn(f"{budget.rough_count} of {budget.judged} bins stay above {tolerance_db:g} dB with "
+                      f"{budget.rays} rays a ping", Remark, stacklevel=3)
+
+
+def simulate(scene: SceneLike, folder: Folder | None = None, *, device: str | None = None, rays: int | None = None,
+             seed: int | None = None, sampler: str | None = None, tolerance_db: float | None = None,
+             pings: slice | range | None = None, force: bool = False, resume: bool = False,
+             progress: Progress | bool = None) -> Run:
+    """Simulates the pings of a scene, as `asdic run` does, and returns the run.
+
+    SCENE is a scene file or an asdic.Scene. FOLDER is kept; without one the run is in a temporary folder that
+    goes with the run (its arrays stay). DEVICE: "auto", "all", "cpu", "gpu", "0:0", "name:TEXT". TOLERANCE_DB
+    doubles the rays until 99 % of the bins keep it. PINGS: a slice or range of the mission's.
+
+    PROGRESS: True for a bar, or a function of (what, done, total), called in this thread; what it raises stops
+    the run. Ctrl-C stops at the next ping; what was simulated until then is in FOLDER, and RESUME goes on.
+    """
+    context = Context(progress)
+    mission = load_mission(context, scene)
+    choose_sampling(mission, rays, seed, sampler)
+    for remark in remarks(mission):
+        warnings.warn(remark, Remark, stacklevel=2)
+    first, count = _pings(pings, lib.asdic_mission_ping_count(mission.pointer))
+    devices = open_devices(context, device)
+    if tolerance_db is not None:
+        _keep_tolerance(context, mission, devices, tolerance_db)
+    temporary = None
+    if folder is None:
+        temporary = tempfile.TemporaryDirectory(prefix="asdic-")  # pylint: disable=consider-using-with
+        folder = os.path.join(temporary.name, "run")
+    path = ffi.new("char[]", encoded(folder, "folder"))
+    options = ffi.new("asdic_run_options *", lib.asdic_run_options_default())
+    options.folder, options.force, options.resume = path, bool(force), bool(resume)
+    options.first, options.count = first, count
+    options.progress, options.user = lib.asdic_python_run_progress, context.progress_user
+    context.run(lib.asdic_mission_run, context.pointer, mission.pointer, devices.pointer, devices.count, options)
+    return Run(folder, _keep=temporary)
+
+
+class Run:
+    """A run folder as arrays, read from its file when they are looked at; nothing is copied.
+
+    Arrays are [ping, beam, bin]: level_db, stderr_db and parts["bottom"], dB re 1 uPa, NAN without energy.
+    """
+
+    def __init__(self, folder: Folder, *, _keep: Any = None) -> None:
+        self.folder = os.fspath(folder)
+        self._context = Context()
+        self._run = self._context.make("asdic_run", lib.asdic_run_close, lib.asdic_run_open, self._context.pointer,
+                                       encoded(folder, "folder"), keeps=(_keep,))
+        info = self._info()
+        path = os.path.join(self.folder, "pings.npy")
+        try:
+            records = np.load(path, mmap_mode="r")[:info.pings]
+        except (OSError, ValueError) as error:
+            raise fail(InputError, f"{path}: {error}") from error
+        self.records: np.ndarray = records
+        """Everything, a structured array of a record a ping, as in pings.npy."""
+        self.beams = beams_of(info.sonar)
+
+    def _info(self) -> Any:
+        return lib.asdic_run_get_info(self._run.pointer)
+
+    @functools.cached_property
+    def info(self) -> dict[str, Any]:
+        """run.json: version, scene, devices, times, errors, remarks."""
+        with open(os.path.join(self.folder, "run.json"), encoding="utf-8") as file:
+            return dict(json.load(file))
+
+    @property
+    def sonar(self) -> Fields:
+        """The sonar's settings, as in asdic/sonar.h."""
+        return fields(self._info().sonar)
+
+    @property
+    def environment(self) -> Fields:
+        """The water, as in asdic/environment.h."""
+        return fields(self._info().environment)
+
+    def _column(self, name: str) -> np.ndarray:
+        if name not in (self.records.dtype.names or ()):
+            raise KeyError(f"{name} is not among the records of {self.folder}")
+        return np.asarray(self.records[name])
+
+    @property
+    def level_db(self) -> np.ndarray:
+        """Levels, dB re 1 uPa."""
+        return self._column("level_db")
+
+    @property
+    def stderr_db(self) -> np.ndarray:
+        """One standard error of the levels' sampling, dB."""
+        return self._column("stderr_db")
+
+    @functools.cached_property
+    def parts(self) -> Levels:
+        """Levels of the mechanisms, dB re 1 uPa: parts["bottom"]. In float16 where the run is compact."""
+        names = tuple(name for name in PARTS if f"{name}_db" in (self.records.dtype.names or ()))
+        return Levels(names, lambda name: self._column(f"{name}_db"))
+
+    @property
+    def pings(self) -> np.ndarray:
+        """Numbers of the pings in the mission."""
+        return self._column("ping")
+
+    @property
+    def times(self) -> np.ndarray:
+        """Times of the pings, s."""
+        return self._column("time_s")
+
+    @property
+    def positions(self) -> np.ndarray:
+        """Where the sonar was, [ping, (north, east, down)], m."""
+        return self._column("position_m")
+
+    @property
+    def attitudes(self) -> np.ndarray:
+        """How the sonar was turned, [ping, (roll, pitch, yaw)], rad."""
+        return self._column("attitude_rad")
+
+    @property
+    def altitudes(self) -> np.ndarray:
+        """Heights above the bottom straight below, m."""
+        return self._column("altitude_m")
+
+    @property
+    def ranges(self) -> np.ndarray:
+        """Centres of the bins, m."""
+        return (np.arange(self.records.dtype["level_db"].shape[1]) + 0.5) * self.sonar.bin_length_m
+
+    @property
+    def bearings(self) -> np.ndarray:
+        """Where the beams look, degrees to starboard of the bow."""
+        return np.degrees(self.beams["yaw_rad"])
+
+    @property
+    def names(self) -> list[str]:
+        """The beams' names."""
+        return [name.decode() for name in self.beams["name"]]
+
+    def __len__(self) -> int:
+        return len(self.records)
+
+    def __repr__(self) -> str:
+        beams, bins = self.records.dtype["level_db"].shape
+        return f"<asdic.Run {self.folder}: {len(self)} pings, {beams} beams, {bins} bins>"
+
+    def expect(self, ping: int = 0, *, progress: Progress | bool = None) -> Ping:
+        """What is expected of record PING over a flat bottom without any object."""
+        ping = whole(ping, "ping", 0, len(self) - 1)
+        context, info, record = Context(progress), self._info(), ffi.new("asdic_record *")
+        with self._context.lock:
+            self._context.check(lib.asdic_run_read(self._run.pointer, ping, record))
+            flat, pose = lib.asdic_run_flat_scene(self._run.pointer, record), record.pose
+            result = expected(context, flat, info.environment, info.sonar, pose, info.bins)
+        result.index, result.time = int(self.pings[ping]), float(self.times[ping])
+        return result
+
+    def detect(self, **options: Any) -> Detections:
+        """asdic.detect(run, ...)."""
+        return detect(self, **options)
+
+    def to_xarray(self) -> xarray.Dataset:
+        """An xarray.Dataset: dims ping, beam, range; coordinates with units; parts beside the level."""
+        import xarray as xr  # pylint: disable=import-outside-toplevel,redefined-outer-name
+        dims = ("ping", "beam", "range")
+        level = {"units": "dB re 1 uPa"}
+        names = {"level": self.level_db, **{name: self.parts[name] for name in self.parts}}
+        data = {name: (dims, values, {**level, "long_name": f"{name} level" if name != "level" else "level"})
+                for name, values in names.items()}
+        data["stderr"] = (dims, self.stderr_db, {"units": "dB", "long_name": "one standard error of level"})
+        metres, radians = {"units": "m"}, {"units": "rad"}
+        coords: dict[str, Any] = {
+            "ping": ("ping", self.pings), "beam": ("beam", self.names), "range": ("range", self.ranges, metres),
+            "time": ("ping", self.times, {"units": "s"}),
+            "bearing": ("beam", self.bearings, {"units": "degree", "long_name": "to starboard of the bow"}),
+            "altitude": ("ping", self.altitudes, metres)}
+        for k, name in enumerate(("north", "east", "down")):
+            coords[name] = ("ping", self.positions[:, k], metres)
+        for k, name in enumerate(("roll", "pitch", "yaw")):
+            coords[name] = ("ping", self.attitudes[:, k], radians)
+        attributes = {"asdic_version": self.info["version"], "seed": self.info["seed"], "rays": self.info["rays"],
+                      "frequency_hz": self.sonar.frequency_hz}
+        return xr.Dataset(data, coords, attributes)
+
+
+class Detections:
+    """What a detector found in a run, and what was there. `table` has a row a detection."""
+
+    def __init__(self, folder: str, handle: Handle) -> None:
+        self._handle, self._folder = handle, folder
+        struct = handle.pointer
+        self.report: Fields = fields(struct)
+        """The numbers of asdic_detect_report: pfa, tracks, sampling_error_db, ..."""
+        self.classes = view(struct.classes, (struct.class_count,), dtype_of("asdic_detect_class"), handle)
+        """A row of the confusion table each: name, bins, detected, expected."""
+        self.sights = view(struct.sights, (struct.sight_count,), dtype_of("asdic_detect_sight"), handle)
+        """Each object as each beam saw it: object, beam, pings_seen, pings_detected, snr_db, pd."""
+
+    @functools.cached_property
+    def table(self) -> np.ndarray:
+        """detections.csv as a structured array."""
+        path = os.path.join(self._folder, "detections.csv")
+        with open(path, encoding="utf-8", newline="") as file:
+            names, *rows = csv.reader(file)
+        columns = [_column(values) for values in zip(*rows)] if rows else [np.empty(0)] * len(names)
+        dtype = [(name, column.dtype) for name, column in zip(names, columns)]
+        table = np.empty(len(rows), dtype)
+        for name, column in zip(names, columns):
+            table[name] = column
+        return table
+
+    def __repr__(self) -> str:
+        return f"<asdic.Detections: {self.report.detections} in {self.report.bins} bins of {self.report.pings} pings>"
+
+
+def _column(values: Sequence[str]) -> np.ndarray:
+    """Numbers where all are, empty ones NAN; else text."""
+    try:
+        return np.array([float(value) if value else math.nan for value in values])
+    except ValueError:
+        return np.array(values)
+
+
+def _detector(run: Run, pfa: float | None, target: str | None, prior: float | None, snr_db: float | None,
+              cost_ratio: float | None) -> Any:
+    """The scene's detector with what is given in its place."""
+    if pfa is not None and cost_ratio is not None:
+        raise fail(ArgumentError, "pfa and cost_ratio are two thresholds; give one of them")
+    detector = ffi.new("asdic_detector *", run._info().detector[0])  # pylint: disable=protected-access
+    for name, value in (("pfa", pfa), ("prior", prior), ("snr_db", snr_db), ("cost_ratio", cost_ratio)):
+        if value is not None:
+            setattr(detector, name, number(value, name))
+    if pfa is not None:
+        detector.cost_ratio = math.nan
+    if target is not None:
+        detector.target = value_of("asdic_target", target, "target")
+    return detector
+
+
+def detect(run: Run | Folder, *, pfa: float | None = None, target: str | None = None, prior: float | None = None,
+           snr_db: float | None = None, cost_ratio: float | None = None, background: str = "auto",
+           cfar: str | None = None, cfar_cells: int = 8, cfar_guard: int = 2, truth_snr_db: float | None = None,
+           cell_m: float | None = None, device: str | None = None, force: bool = False,
+           progress: Progress | bool = None) -> Detections:
+    """Judges every bin of a run, as `asdic detect` does; writes its tables into the run's folder.
+
+    TARGET: "swerling0" to "swerling3". BACKGROUND: "auto", "flat", "simulated", "cfar". CFAR: "ca" or "os".
+    FORCE replaces what an earlier call left.
+    """
+    run = run if isinstance(run, Run) else Run(run)
+    context = Context(progress)
+    options = ffi.new("asdic_detect_options *", lib.asdic_detect_options_default())
+    options.detector = detector = _detector(run, pfa, target, prior, snr_db, cost_ratio)
+    options.background = value_of("asdic_background_source", background, "background")
+    options.has_cfar = cfar is not None or background == "cfar"
+    if cfar is not None:
+        options.cfar.kind = value_of("asdic_cfar_kind", cfar, "cfar")
+    options.cfar.cells = whole(cfar_cells, "cfar_cells", 1, 256)
+    options.cfar.guard = whole(cfar_guard, "cfar_guard", 0, 256)
+    if truth_snr_db is not None:
+        options.truth_snr_db = number(truth_snr_db, "truth_snr_db")
+    if cell_m is not None:
+        options.cell_m = number(cell_m, "cell_m")
+    selector = ffi.new("char[]", encoded(device, "device")) if device is not None else ffi.NULL
+    options.device, options.force = selector, bool(force)
+    options.progress, options.user = lib.asdic_python_run_progress, context.progress_user
+    report = context.make("asdic_detect_report", lib.asdic_detect_report_destroy, lib.asdic_run_detect, context.pointer,
+                          encoded(run.folder, "folder"), options, keeps=(detector, selector))
+    return Detections(run.folder, report)
+
+
+__all__ = ["Detections", "Folder", "Run", "detect", "simulate"]

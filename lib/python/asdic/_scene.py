@@ -1,0 +1,187 @@
+"""Scenes: from files, or put together here from dictionaries and arrays."""
+from __future__ import annotations
+
+import json
+import os
+from typing import Any, Mapping, Sequence, Union
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ._library import (ArgumentError, Context, Handle, encoded, fail, ffi, lib, text, value_of, whole)
+
+Keys = Mapping[str, Any]
+SECTIONS = ("environment", "surface", "bottom", "sonar", "mission", "sampling", "model", "detector", "output")
+BOTTOMS = ("mud", "sand", "gravel", "rock")
+
+
+def _material(material: str | Keys) -> Any:
+    """A word, or the keys of a scene file's material."""
+    if isinstance(material, str):
+        return {"type" if material in BOTTOMS else "preset": material}
+    return dict(material)
+
+
+def _plain(value: Any) -> Any:
+    """What json does not know: numpy's numbers and arrays, paths."""
+    if isinstance(value, (np.generic, np.ndarray)):
+        return value.tolist()
+    if isinstance(value, os.PathLike):
+        return os.fspath(value)
+    raise TypeError(f"a scene cannot hold a {type(value).__name__}: {value!r}")
+
+
+def _array(values: ArrayLike, kinds: str, what: str) -> np.ndarray:
+    """VALUES as an array [n, 3] of numbers of these KINDS."""
+    array = np.asarray(values)
+    if array.ndim != 2 or array.shape[1] != 3 or len(array) == 0:
+        raise fail(ArgumentError, f"{what} have the shape {array.shape}; it must be (n, 3)")
+    if array.dtype.kind not in kinds:
+        raise TypeError(f"{what} are of type {array.dtype}; they must be "
+                        f"{'integers' if 'f' not in kinds else 'numbers'}")
+    return array
+
+
+class Scene:
+    """A scene in memory: the sections of a scene file as dictionaries, and meshes from arrays.
+
+    Keys, units and ranges are those of scene files (docs/guide.md, or `asdic.schema()`): degrees, metres,
+    kHz; x north, y east, z DOWN from the sea surface.
+
+        scene = asdic.Scene(bottom={"depth_m": 12, "type": "sand"}, sonar={...}, mission={...})
+        scene.add_mesh(vertices, triangles, material="steel", position_m=(20, 0, 9))
+        run = asdic.simulate(scene)
+    """
+
+    def __init__(self, *, environment: Keys | None = None, surface: Keys | None = None,
+                 bottom: Keys | str | None = None, sonar: Keys | None = None, mission: Keys | None = None,
+                 sampling: Keys | None = None, model: Keys | None = None, detector: Keys | None = None,
+                 output: Keys | None = None) -> None:
+        self.environment, self.surface, self.bottom = environment, surface, bottom
+        self.sonar, self.mission, self.sampling = sonar, mission, sampling
+        self.model, self.detector, self.output = model, detector, output
+        self.objects: list[dict[str, Any]] = []
+        self._meshes: dict[str, Handle] = {}
+        self._context = Context()
+
+    def add(self, name: str, *, position_m: Sequence[float] = (0.0, 0.0, 0.0), material: str | Keys | None = None,
+            **keys: Any) -> None:
+        """An object by the keys of a scene file: `add("wall", box={"size_m": [1, 20, 4]}, position_m=...)`."""
+        entry: dict[str, Any] = {"name": name, "position_m": list(position_m), **keys}
+        if material is not None:
+            entry["material"] = _material(material)
+        self.objects.append(entry)
+
+    def add_mesh(self, vertices: ArrayLike, triangles: ArrayLike, material: str | Keys = "steel", *,
+                 name: str | None = None, position_m: Sequence[float] = (0.0, 0.0, 0.0),
+                 rotation_deg: Sequence[float] = (0.0, 0.0, 0.0), **keys: Any) -> str:
+        """An object of TRIANGLES, rows of three indices into VERTICES, rows of x, y, z in metres.
+
+        The arrays are copied. MATERIAL is a word ("steel", "concrete", "sand", ...) or the keys of a scene
+        file's material. Returns the object's name.
+        """
+        name = f"object{len(self.objects)}" if name is None else name
+        self.add(name, position_m=position_m, rotation_deg=list(rotation_deg), material=material,
+                 mesh={"file": self._keep(vertices, triangles)}, **keys)
+        return name
+
+    def set_terrain(self, north_m: ArrayLike, east_m: ArrayLike, depth_m: ArrayLike,
+                    material: str | Keys = "sand") -> None:
+        """A bottom from depths at the crossings of a grid: DEPTH_M[i, k] at NORTH_M[i], EAST_M[k]."""
+        north, east, depth = (np.asarray(values, dtype=np.float64) for values in (north_m, east_m, depth_m))
+        if depth.shape != (north.size, east.size) or north.ndim != 1 or east.ndim != 1 or min(depth.shape) < 2:
+            raise fail(ArgumentError, f"depth_m has the shape {depth.shape}; of {north.size} north_m and {east.size} "
+                       f"east_m it must be ({north.size}, {east.size}), at least (2, 2)")
+        vertices = np.stack([*np.meshgrid(north, east, indexing="ij"), depth], axis=-1).reshape(-1, 3)
+        corner = np.arange(depth.size).reshape(depth.shape)
+        a, b, c, d = corner[:-1, :-1], corner[1:, :-1], corner[1:, 1:], corner[:-1, 1:]
+        faces = np.stack([np.stack([a, c, b], axis=-1), np.stack([a, d, c], axis=-1)]).reshape(-1, 3)
+        self.set_bottom(vertices, faces, material)
+
+    def set_bottom(self, vertices: ArrayLike, triangles: ArrayLike, material: str | Keys = "sand") -> None:
+        """A bottom of triangles, as of add_mesh."""
+        law = {"type": material} if isinstance(material, str) else dict(material)
+        self.bottom = {"mesh": {"file": self._keep(vertices, triangles)}, **law}
+
+    def _keep(self, vertices: ArrayLike, triangles: ArrayLike) -> str:
+        """Makes a mesh of the arrays; its name in this scene."""
+        corners = np.ascontiguousarray(_array(vertices, "fiu", "vertices"), dtype=np.float64)
+        found = _array(triangles, "iu", "triangles")
+        if found.min() < 0 or found.max() >= len(corners):
+            worst = found.min() if found.min() < 0 else found.max()
+            raise fail(ArgumentError, f"a triangle has the corner {worst}, but there are {len(corners)} vertices")
+        indices = np.ascontiguousarray(found, dtype=np.uint32)
+        name = f"mesh{len(self._meshes)}"
+        self._meshes[name] = self._context.make(
+            "asdic_mesh", lib.asdic_mesh_destroy, lib.asdic_mesh_from_triangles, self._context.pointer,
+            ffi.from_buffer("double[]", corners), len(corners), ffi.from_buffer("uint32_t[]", indices), len(indices))
+        return name
+
+    def to_json(self) -> str:
+        """The scene as a scene file's text; JSON is YAML. Meshes from arrays stand in it by name."""
+        sections = {"version": 1, **{name: getattr(self, name) for name in SECTIONS}, "objects": self.objects}
+        return json.dumps({name: value for name, value in sections.items() if value not in (None, [])},
+                          default=_plain, indent=1)
+
+    def __repr__(self) -> str:
+        given = [name for name in SECTIONS if getattr(self, name) is not None]
+        return f"<asdic.Scene: {len(self.objects)} objects, {len(self._meshes)} meshes, with {', '.join(given)}>"
+
+    def load(self, context: Context) -> Handle:
+        """The mission that the scene describes."""
+        data = self.to_json().encode()
+        meshes = ffi.new("asdic_named_mesh[]", len(self._meshes))
+        keeps: list[Any] = [data, *self._meshes.values()]
+        for entry, (name, mesh) in zip(meshes, self._meshes.items()):
+            keeps.append(ffi.new("char[]", name.encode()))
+            entry.name, entry.mesh = keeps[-1], mesh.pointer
+        content, name = ffi.from_buffer("char[]", data), ffi.new("char[]", b"scene")
+        source = ffi.new("asdic_scene_text *", {"text": content, "length": len(data), "name": name, "meshes": meshes,
+                                                "mesh_count": len(self._meshes)})
+        return context.make("asdic_mission", lib.asdic_mission_destroy, lib.asdic_mission_load_text, context.pointer,
+                            source, keeps=(keeps,))
+
+
+SceneLike = Union[str, "os.PathLike[str]", Scene]
+
+
+def load_mission(context: Context, scene: SceneLike) -> Handle:
+    """The mission of a scene file or a Scene."""
+    if isinstance(scene, Scene):
+        return scene.load(context)
+    if not isinstance(scene, (str, os.PathLike)):
+        raise TypeError(f"scene is a {type(scene).__name__}; it must be the path of a scene file or an asdic.Scene")
+    return context.make("asdic_mission", lib.asdic_mission_destroy, lib.asdic_mission_load, context.pointer,
+                        encoded(scene, "scene"))
+
+
+def choose_sampling(mission: Handle, rays: int | None, seed: int | None, sampler: str | None) -> Any:
+    """The mission's sampling, with what is given in place of what the scene says."""
+    sampling = lib.asdic_mission_sampling(mission.pointer)
+    if rays is not None:
+        sampling.rays = whole(rays, "rays", 64, 1 << 28)
+    if seed is not None:
+        sampling.seed = whole(seed, "seed", 0, (1 << 64) - 1)
+    if sampler is not None:
+        sampling.sampler = value_of("asdic_sampler", sampler, "sampler")
+    return sampling
+
+
+def remarks(mission: Handle) -> list[str]:
+    """Laws outside the range of their sources, rays too few."""
+    found = lib.asdic_mission_remarks(mission.pointer)
+    return [text(found.text[i]) for i in range(found.count)]
+
+
+def schema() -> dict[str, Any]:
+    """The JSON Schema of scene files: every key, its unit, range and default."""
+    data = lib.asdic_mission_schema()
+    if data == ffi.NULL:
+        raise MemoryError("out of memory while writing the schema")
+    try:
+        return dict(json.loads(text(data)))
+    finally:
+        lib.free(data)
+
+
+__all__ = ["Keys", "Scene", "SceneLike", "choose_sampling", "load_mission", "remarks", "schema"]

@@ -1,0 +1,68 @@
+"""Writes the C source of asdic._native: the public headers, as cffi compiles them into a Python module.
+
+    bind.py OUT.c DEPFILE INCLUDE COMPILER...
+
+The headers are the only description of the interface: functions, structs and enums come from what the
+preprocessor leaves of asdic/asdic.h, constants from its macros. cffi has the C compiler compare sizes.
+"""
+import os
+import re
+import subprocess
+import sys
+
+import cffi
+
+# What the library calls back. They are told apart by name in asdic/_library.py.
+CALLBACKS = """
+extern "Python" void asdic_python_log(void *user, asdic_log_level level, const char *message);
+extern "Python" void asdic_python_progress(void *user, const char *what, size_t done, size_t total);
+extern "Python" void asdic_python_run_progress(void *user, const asdic_run_progress *progress);
+"""
+
+INTEGER = re.compile(r"\(?-?(0[xX][0-9a-fA-F]+|\d+)[uUlL]*\)?")
+REAL = re.compile(r"-?\d+(\.\d*)?([eE][-+]?\d+)?")
+
+
+def preprocessed(compiler, include, out, depfile):
+    """asdic/asdic.h with its macros in place and listed, and where each line came from."""
+    header = os.path.join(include, "asdic", "asdic.h")
+    command = [*compiler, "-std=c11", "-E", "-dD", "-MD", "-MF", depfile, "-MT", out, "-I", include, header]
+    return subprocess.run(command, check=True, capture_output=True, text=True).stdout
+
+
+def ours(text, include):
+    """The lines of TEXT that stand in headers below INCLUDE."""
+    folder, inside = os.path.realpath(include) + os.sep, False
+    for line in text.splitlines():
+        marker = re.match(r'# \d+ "([^"]*)"', line)
+        if marker:
+            inside = os.path.realpath(marker.group(1)).startswith(folder)
+        elif inside:
+            yield line
+
+
+def definitions(text, include):
+    """The declarations for cffi."""
+    lines = []
+    for line in ours(text, include):
+        macro = re.match(r"#define (ASDIC_\w+) (\S+)\s*$", line)
+        if macro and INTEGER.fullmatch(macro.group(2)):
+            lines.append(f"#define {macro.group(1)} ...")
+        elif macro and REAL.fullmatch(macro.group(2)):
+            lines.append(f"static const double {macro.group(1)};")
+        elif not line.startswith("#"):
+            lines.append(re.sub(r"__attribute__\s*\(\(.*?\)\)\s", "", line))
+    lines.append(CALLBACKS + "void free(void *);")
+    return "\n".join(lines)
+
+
+def main():
+    out, depfile, include, *compiler = sys.argv[1:]
+    builder = cffi.FFI()
+    builder.cdef(definitions(preprocessed(compiler, include, out, depfile), include))
+    builder.set_source("asdic._native", "#include <asdic/asdic.h>\n#include <stdlib.h>")
+    builder.emit_c_code(out)
+
+
+if __name__ == "__main__":
+    main()
