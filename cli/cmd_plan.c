@@ -154,6 +154,8 @@ static void print_text(const asdic_mission *mission, const asdic_plan *plan,
                "it, and %.1f ms per block of %d: about %.1f s in all\n",
                f->first_ms, f->ping_ms, f->write_ms, f->learn_ms, ASDIC_LEARN_BLOCK,
                mission_seconds(f, pings));
+    }
+    if (f->known && !asdic_mission_sampling((asdic_mission *)mission)->coherent) {
         printf(
             "stated standard error of the first ping: %.2f dB r.m.s. in bins above the noise; of "
             "all, median %.3f dB, worst %.2f dB\n",

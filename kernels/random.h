@@ -16,6 +16,8 @@
 #define RANDOM_SPECKLE 2u
 #define RANDOM_TRIAL 3u
 #define RANDOM_DRAW 4u
+#define RANDOM_SCATTERER 5u
+#define RANDOM_ELEMENT 6u /* and eight times the upper half of the ping's number */
 
 typedef struct random4 {
     natural v[4];

@@ -306,7 +306,7 @@ asdic_status asdic_simulator_learn(asdic_simulator *sim, const asdic_pose *pose,
                           "asdic_simulator_learn: NULL argument");
     }
     const asdic_sampling *sampling = &sim->setup.sampling;
-    if (sampling->sampler != ASDIC_SAMPLER_ADAPTIVE ||
+    if (sim->coherent || sampling->sampler != ASDIC_SAMPLER_ADAPTIVE ||
         sampling->left_out & (1u << ASDIC_TERM_RAYS)) {
         return ASDIC_OK;
     }

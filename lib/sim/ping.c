@@ -48,6 +48,24 @@ fail:
                       bins);
 }
 
+asdic_status asdic_ping_add_elements(asdic_context *ctx, asdic_ping *ping, size_t elements,
+                                     size_t samples) {
+    if (!ping || elements == 0 || samples == 0 || ping->pressure) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
+                          "asdic_ping_add_elements: %zu elements and %zu samples%s", elements,
+                          samples, ping && ping->pressure ? ", a second time" : "");
+    }
+    ping->pressure = calloc(elements * samples, 2 * sizeof *ping->pressure);
+    if (!ping->pressure) {
+        return asdic_fail(ctx, ASDIC_ERROR_MEMORY,
+                          "out of memory while allocating %zu elements of %zu samples", elements,
+                          samples);
+    }
+    ping->elements = elements;
+    ping->samples = samples;
+    return ASDIC_OK;
+}
+
 void asdic_ping_destroy(asdic_ping **ping) {
     if (!ping || !*ping) {
         return;
@@ -56,6 +74,7 @@ void asdic_ping_destroy(asdic_ping **ping) {
         free((*ping)->intensity_lin[c]);
     }
     free((*ping)->stderr_db);
+    free((*ping)->pressure);
     free(*ping);
     *ping = NULL;
 }

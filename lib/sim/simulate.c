@@ -9,6 +9,7 @@
 #include "base/clock.h"
 #include "base/context.h"
 #include "base/try.h"
+#include "coherent.h"
 #include "noise_level.h"
 #include "points.h"
 #include "pulse.h"
@@ -340,6 +341,12 @@ static asdic_status integrate(asdic_simulator *sim, const asdic_pose *pose, uint
 
 static asdic_status shoot(asdic_simulator *sim, const asdic_pose *poses, uint64_t first,
                           size_t count, asdic_ping *const *out) {
+    for (size_t k = 0; sim->coherent && k < count; k++) {
+        TRY(asdic_coherent_ping(sim, &poses[k], first + k, out[k]));
+    }
+    if (sim->coherent) {
+        return ASDIC_OK;
+    }
     if (!(sim->setup.sampling.left_out & (1u << ASDIC_TERM_RAYS))) {
         return simulate_rays(sim, poses, first, count, out);
     }

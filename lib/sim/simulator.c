@@ -5,6 +5,7 @@
 #include "base/context.h"
 #include "base/try.h"
 #include "base/vec.h"
+#include "coherent.h"
 #include "laws/tabulate.h"
 #include "layers.h"
 #include "points.h"
@@ -49,6 +50,9 @@ static unsigned group_count(size_t cells) {
 /* How many pings go to the device together: those whose rays need one batch. A fan's pings are large and
  * go one by one. */
 static size_t ping_batch_size(const asdic_simulator *sim) {
+    if (sim->setup.sampling.coherent) {
+        return 1;
+    }
     size_t slots = sim->setup.groups * sim->setup.per_group;
     size_t bytes = sim->setup.groups * sim->setup.components * sim->setup.cells * sizeof(int64_t);
     size_t size = sim->setup.layout.ping_batch_slots / slots;
@@ -196,6 +200,7 @@ static asdic_status check_arguments(asdic_context *ctx, const asdic_scene *scene
                                     const asdic_sampling *sampling) {
     TRY(asdic_environment_check(ctx, env));
     TRY(asdic_sonar_check(ctx, sonar));
+    TRY(asdic_coherent_check(ctx, sonar, sampling));
     if (!scene->committed) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
                           "the scene is not committed: call asdic_scene_commit first");
@@ -225,6 +230,7 @@ static void plan_work(asdic_simulator *sim, const asdic_water_column *water) {
         sim->setup.layout.deposit = ASDIC_DEPOSIT_COLLECT;
     }
     size_t most = asdic_simulator_batch_slots(sim), rays = sim->setup.sampling.rays;
+    rays = sim->setup.sampling.coherent ? 0 : rays; /* its scatterers have buffers of their own */
     sim->setup.per_group = asdic_simulator_per_group(sim, rays < most ? rays : most);
 }
 
@@ -346,14 +352,17 @@ static asdic_status furnish(asdic_simulator *sim, const asdic_water_column *wate
     sim->setup.ping_batch = ping_batch_size(sim);
     TRY(asdic_store_create_host(sim));
     asdic_simulator_prepare(sim, water);
-    TRY(create_kernels(sim));
+    if (!sim->setup.sampling.coherent) {
+        TRY(create_kernels(sim));
+    }
     TRY(asdic_store_create_device(sim));
     TRY(asdic_faces_init(&sim->learnt.faces, sim->device, scene_echoes(sim) ? scene : NULL));
     TRY(asdic_points_init(sim));
     TRY(asdic_speckle_create(sim->ctx, &sim->setup.sonar, water->sound_speed_mps, sim->setup.bins,
                              &sim->speckle));
     asdic_simulator_forget(sim);
-    return ASDIC_OK;
+    return sim->setup.sampling.coherent ? asdic_coherent_create(sim, water, &sim->coherent)
+                                        : ASDIC_OK;
 }
 
 asdic_status asdic_simulator_create_with(asdic_context *ctx, asdic_device *device,
@@ -425,6 +434,7 @@ void asdic_simulator_destroy(asdic_simulator **pointer) {
     asdic_beam_fan_finish(&sim->fan, sim->device);
     asdic_quadrature_finish(&sim->quadrature);
     asdic_speckle_destroy(&sim->speckle);
+    asdic_coherent_destroy(&sim->coherent);
     asdic_faces_finish(&sim->learnt.faces);
     asdic_points_finish(sim);
     asdic_tracer_destroy(&sim->tracer);

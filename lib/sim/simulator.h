@@ -164,6 +164,8 @@ typedef struct asdic_profile {
     double from_s;   /* when the current phase began */
 } asdic_profile;
 
+typedef struct asdic_coherent asdic_coherent; /* coherent.h */
+
 struct asdic_simulator {
     asdic_context *ctx;
     asdic_device *device;
@@ -181,6 +183,7 @@ struct asdic_simulator {
     asdic_ping_shot *shots;            /* setup.ping_batch */
     asdic_quadrature_cache quadrature; /* where a plan left rays out */
     asdic_speckle_field *speckle;      /* NULL: none */
+    asdic_coherent *coherent;          /* NULL: pings are of intensities */
     asdic_profile profile;
 };
 

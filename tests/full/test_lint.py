@@ -23,6 +23,7 @@ SPECIALISATIONS = {
                 "ASDIC_BENT": (0, 1, 2)},
     "fan.cl": {"ASDIC_WIDTH": (1, 16), "ASDIC_COMPONENTS": (3, 4, 5), "ASDIC_COMMON_AXIS": (0, 1),
                "ASDIC_HAS_MIRRORS": (0, 1)},
+    "coherent.cl": {"ASDIC_WIDTH": (1, 8, 16), "ASDIC_HAS_MESH": (0, 1)},
     "trace.cl": {"TRACE_STACK": (64,)},
     "camera.cl": {},
     "law.cl": {},

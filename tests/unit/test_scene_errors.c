@@ -307,6 +307,48 @@ static void keys_must_fit_together(void **state) {
                 "[objects[0].material]\n");
 }
 
+#define ARRAY "  array: {elements: 32, beams: {count: 64, sector_deg: 90}}\n"
+#define RECEIVERS "  receivers:\n    - name: forward\n"
+
+static void arrays_are_checked(void **state) {
+    (void)state;
+    expect_edit(RECEIVERS, ARRAY, "");
+    expect_edit(RECEIVERS, "",
+                "4:3: error: missing key 'receivers' (the receiving apertures: a list, or fan: "
+                "{count, sector_deg, ...})  [sonar]\n");
+    expect_edit(RECEIVERS, ARRAY RECEIVERS,
+                "6:3: error: 'array' and 'receivers' exclude each other; give only one of "
+                "'receivers', 'array'  [sonar]\n");
+    expect_edit(RECEIVERS, "  array: {elements: 1025, beams: {count: 64, sector_deg: 90}}\n",
+                "5:21: error: 'elements' = 1025 is out of range [2, 1024]  "
+                "[sonar.array.elements]\n");
+    expect_edit(RECEIVERS,
+                "  array: {elements: 32, shading: tailor, beams: {count: 64, sector_deg: 90}}\n",
+                "5:34: error: 'shading' = tailor is not one of none, hann, taylor, chebyshev; "
+                "did you mean 'taylor'?  [sonar.array.shading]\n");
+    expect_edit(RECEIVERS,
+                "  array: {elements: 32, side_lobe_db: -30, beams: {count: 64, sector_deg: 90}}\n",
+                "5:25: error: 'side_lobe_db' has no effect without 'shading: taylor' or 'shading: "
+                "chebyshev'; leave it out  [sonar.array]\n");
+}
+
+#define COHERENT "sampling: {coherent: true}\nmission:"
+
+static void coherent_pings_are_checked(void **state) {
+    (void)state;
+    expect_edit("mission:", COHERENT,
+                "7:22: error: 'coherent' = true needs the elements of an array: give 'array' in "
+                "'sonar' in place of 'receivers'  [sampling.coherent]\n");
+    expect_edit(RECEIVERS "mission:", ARRAY COHERENT, "");
+    expect_edit(RECEIVERS "mission:", ARRAY "  speckle: rayleigh\n" COHERENT,
+                "6:3: error: 'speckle' has no effect on coherent pings, which have their own; "
+                "leave it out  [sonar]\n");
+    expect_edit(
+        RECEIVERS "mission:", ARRAY "environment: {sound_speed_gradient_per_s: 0.1}\n" COHERENT,
+        "7:22: error: 'coherent' = true needs one sound speed at all depths; add 'model: "
+        "{refraction: off}' or leave the profile or gradient out  [sampling.coherent]\n");
+}
+
 static void waypoints_can_be_flown(void **state) {
     (void)state;
     const char *pose = "  pose: {position_m: [0, 0, 7]}";
@@ -411,6 +453,8 @@ int main(void) {
         cmocka_unit_test(points_and_presets_are_checked),
         cmocka_unit_test(names_are_fit_for_files_and_differ),
         cmocka_unit_test(keys_must_fit_together),
+        cmocka_unit_test(arrays_are_checked),
+        cmocka_unit_test(coherent_pings_are_checked),
         cmocka_unit_test(waypoints_can_be_flown),
         cmocka_unit_test(all_errors_come_in_one_run_in_order),
         cmocka_unit_test(only_a_hundred_errors_are_shown),

@@ -51,6 +51,10 @@ typedef struct asdic_sampling {
     unsigned left_out; /* terms a plan proved negligible (asdic/plan.h); 0: model everything */
     asdic_ray_kernel kernel; /* changes the speed, never a byte */
     bool without_errors;     /* stderr_db stays 0, for the last few per cent of speed */
+
+    /* Pressures at the sonar's array, with phase: RAYS is about how many scatterers there are,
+     * which SEED fixes in the world; `sampler` has no effect. */
+    bool coherent;
 } asdic_sampling;
 
 /* 20,000 rays, adaptive, first-order multipath, seed 1. */
@@ -86,12 +90,24 @@ typedef struct asdic_ping {
     float *stderr_db;   /* one standard error of the total's sampling, dB, [beam * bins + bin] */
     uint64_t rays;      /* primary and secondary rays traced */
     uint64_t saturated; /* deposits cut to the accumulator's range; 0 in any sane scene */
+    /* Of a coherent ping, after asdic_ping_add_elements; else 0 and NULL. Baseband pressure re
+     * 1 uPa at element e and sample n, at range (n + 1/2) times sample_m: the real part at
+     * pressure[2 (e * samples + n)], the imaginary part behind it. The total is then one
+     * realisation, and the parts but noise are 0. */
+    size_t elements, samples;
+    double sample_m;
+    float *pressure;
 } asdic_ping;
 
 /* A ping of BEAMS x BINS zeros. */
 ASDIC_API asdic_status asdic_ping_create(asdic_context *ctx, size_t beams, size_t bins,
                                          asdic_ping **out);
 ASDIC_API void asdic_ping_destroy(asdic_ping **ping);
+
+/* Makes room for the pressure at every element. ASDIC_ERROR_ARGUMENT: none, or there is room
+ * already. */
+ASDIC_API asdic_status asdic_ping_add_elements(asdic_context *ctx, asdic_ping *ping,
+                                               size_t elements, size_t samples);
 
 /* 10 log10 of an intensity; -INFINITY for 0. */
 ASDIC_API double asdic_level_db(double intensity_lin);
@@ -121,6 +137,10 @@ ASDIC_API void asdic_simulator_destroy(asdic_simulator **sim);
 
 /* Range bins of a beam, for asdic_ping_create; 0 for NULL. */
 ASDIC_API size_t asdic_simulator_bin_count(const asdic_simulator *sim);
+
+/* Samples of an element in a coherent ping, for asdic_ping_add_elements; 0 where pings are not
+ * coherent. */
+ASDIC_API size_t asdic_simulator_sample_count(const asdic_simulator *sim);
 
 /* Teaches the adaptive sampler where rays matter, with a pilot ping at POSE; pings keep what was
  * learnt until the next call. For results that do not depend on who ran which ping, learn at ping

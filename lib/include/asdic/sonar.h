@@ -23,6 +23,30 @@ typedef enum asdic_speckle {
     ASDIC_SPECKLE_K,        /* gamma-modulated exponential, shape nu */
 } asdic_speckle;
 
+/* How the elements of an array are weighed to form beams. */
+typedef enum asdic_shading {
+    ASDIC_SHADING_NONE,
+    ASDIC_SHADING_HANN,
+    ASDIC_SHADING_TAYLOR,    /* first side lobes at side_lobe_db, then falling */
+    ASDIC_SHADING_CHEBYSHEV, /* all side lobes at side_lobe_db */
+} asdic_shading;
+
+#define ASDIC_ARRAY_MAX_ELEMENTS 1024
+
+/* Equal elements on a line through the sonar's position, from port to starboard. What coherent
+ * pings receive with; the sonar's receivers are the beams that are formed of them. */
+typedef struct asdic_array {
+    size_t elements; /* 0: there is no array; else 2..ASDIC_ARRAY_MAX_ELEMENTS */
+    double spacing_m;
+    asdic_shading shading;
+    double side_lobe_db; /* of Taylor and Chebyshev, below 0 */
+    asdic_beam element;  /* where all of them look, and their sides */
+} asdic_array;
+
+/* Fills WEIGHTS, one for each element; their sum is 1. Chebyshev: C. L. Dolph, Proc. IRE 34, 335
+ * (1946); Taylor: T. T. Taylor, IRE Trans. AP-3, 16 (1955). */
+ASDIC_API void asdic_array_weights(const asdic_array *array, double *weights);
+
 /* More bins than any sonar has: a unit is wrong somewhere. */
 #define ASDIC_SONAR_MAX_BINS 65536
 
@@ -41,6 +65,7 @@ typedef struct asdic_sonar {
     double speckle_shape; /* of K: nu, 0.05 or more; small is spiky */
     double rear_floor_db; /* two-sided leak behind the face, dB re on-axis; -INFINITY: none */
     double max_range_m;   /* nothing farther is received; NAN: as far as the ping rate lets */
+    asdic_array array;
 } asdic_sonar;
 
 /* 100 kHz, 10 kHz, 10 Hz and its range, 0 dB, 0.5 m bins and blanking, 0.05 m apertures, noise on,

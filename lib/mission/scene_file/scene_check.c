@@ -194,6 +194,50 @@ static void check_scan(const file_sweep *scan, asdic_problems *problems) {
     }
 }
 
+static void check_array(const file_array *array, asdic_problems *problems) {
+    bool levels =
+        array->shading == ASDIC_SHADING_TAYLOR || array->shading == ASDIC_SHADING_CHEBYSHEV;
+    asdic_yaml_node *level = asdic_yaml_child(array->node, "side_lobe_db");
+    if (asdic_scene_node_good(array->node) && level && !levels) {
+        asdic_yaml_key_problem(problems, level,
+                               "'side_lobe_db' has no effect without 'shading: taylor' or "
+                               "'shading: chebyshev'; leave it out");
+    }
+}
+
+/* What pings with phase need, and what they cannot honour. */
+static void check_coherent(const asdic_scene_file *file, asdic_problems *problems) {
+    const file_sonar *s = &file->sonar;
+    const file_environment *e = &file->environment;
+    asdic_yaml_node *here = asdic_yaml_child(file->sampling.node, "coherent");
+    if (!here || here->bad || !file->sampling.coherent) {
+        return;
+    }
+    if (s->node && !s->array.node && !asdic_yaml_child(s->node, "array") &&
+        !asdic_yaml_child(s->node, "file")) {
+        asdic_yaml_problem(problems, here,
+                           "'coherent' = true needs the elements of an array: give 'array' in "
+                           "'sonar' in place of 'receivers'");
+    }
+    asdic_yaml_node *speckle = asdic_yaml_child(s->node, "speckle");
+    if (speckle && !speckle->bad && s->speckle != ASDIC_SPECKLE_NONE) {
+        asdic_yaml_key_problem(problems, speckle,
+                               "'speckle' has no effect on coherent pings, which have their own; "
+                               "leave it out");
+    }
+    bool bends = e->sound_speed_profile.count > 0 || e->sound_speed_gradient_per_s != 0.0;
+    if (bends && file->model.refraction != ASDIC_REFRACTION_OFF) {
+        asdic_yaml_problem(problems, here,
+                           "'coherent' = true needs one sound speed at all depths; add 'model: "
+                           "{refraction: off}' or leave the profile or gradient out");
+    }
+    if (file->sampling.multipath == ASDIC_MULTIPATH_BOUNDARIES) {
+        asdic_yaml_problem(problems, asdic_yaml_child(file->sampling.node, "multipath"),
+                           "'multipath' = boundaries is not possible with 'coherent: true'; "
+                           "leave one of them out");
+    }
+}
+
 static void check_sonar(const asdic_scene_file *file, asdic_arena *arena,
                         asdic_problems *problems) {
     const file_sonar *s = &file->sonar;
@@ -216,6 +260,7 @@ static void check_sonar(const asdic_scene_file *file, asdic_arena *arena,
                            "'speckle' = k needs a 'speckle_shape': 0.5 is spiky, 50 nearly "
                            "Rayleigh");
     }
+    check_array(&s->array, problems);
     check_scan(&s->scan, problems);
     check_names(s->receivers, sizeof(file_beam), offsetof(file_beam, name), "", arena, problems);
     check_bins(file, problems);
@@ -376,6 +421,7 @@ void asdic_scene_file_check(asdic_scene_file *file, asdic_arena *arena, asdic_pr
     check_profile(&file->environment, problems);
     check_gradient(file, problems);
     check_sonar(file, arena, problems);
+    check_coherent(file, problems);
     asdic_scene_laws_check(ASDIC_LAW_SURFACE, file->surface.node, problems);
     check_bottom(&file->bottom, problems);
     check_objects(file, arena, problems);

@@ -51,6 +51,39 @@ static asdic_beam convert_beam(const file_beam *b, const char *name) {
     return beam;
 }
 
+/* The even aperture that takes in as much from all around as the array: intensities know no shading. */
+static double even_length(const asdic_array *array) {
+    double weights[ASDIC_ARRAY_MAX_ELEMENTS], squares = 0.0;
+    asdic_array_weights(array, weights);
+    for (size_t e = 0; e < array->elements; e++) {
+        squares += weights[e] * weights[e];
+    }
+    return array->spacing_m / squares;
+}
+
+/* The array in the water's wavelength at the vehicle's depth, or at the surface. */
+static asdic_array convert_array(const asdic_scene_file *file) {
+    const file_array *a = &file->sonar.array;
+    const file_pose *pose = &file->mission.pose;
+    asdic_environment env = asdic_scene_file_environment(file);
+    double depth_m = pose->node ? fmax(pose->position_m[2], 0.0) : 0.0;
+    double wavelength_m =
+        asdic_environment_sound_speed_mps(&env, depth_m) / (1e3 * file->sonar.frequency_khz);
+    double spacing_m = a->spacing_wl * wavelength_m;
+    file_beam element = {.pitch_deg = a->pitch_deg,
+                         .yaw_deg = a->yaw_deg,
+                         .roll_deg = a->roll_deg,
+                         .length_h_m = asdic_yaml_child(a->element.node, "length_h_m")
+                                           ? a->element.length_h_m
+                                           : spacing_m,
+                         .length_v_m = a->element.length_v_m};
+    return (asdic_array){.elements = (size_t)a->elements,
+                         .spacing_m = spacing_m,
+                         .shading = (asdic_shading)a->shading,
+                         .side_lobe_db = isnan(a->side_lobe_db) ? -30.0 : a->side_lobe_db,
+                         .element = convert_beam(&element, "element")};
+}
+
 asdic_sonar asdic_scene_file_sonar(const asdic_scene_file *file) {
     const file_sonar *s = &file->sonar;
     return (asdic_sonar){
@@ -62,8 +95,10 @@ asdic_sonar asdic_scene_file_sonar(const asdic_scene_file *file) {
         .bin_length_m = s->bin_length_m,
         .blanking_m = s->blanking_m,
         .transmitter = convert_beam(&s->transmitter, "transmitter"),
-        .receiver_count =
-            s->receiver_fan.node ? (size_t)s->receiver_fan.fan.count : s->receivers.count,
+        .array = s->array.node ? convert_array(file) : (asdic_array){0},
+        .receiver_count = s->array.node          ? (size_t)s->array.beams.count
+                          : s->receiver_fan.node ? (size_t)s->receiver_fan.fan.count
+                                                 : s->receivers.count,
         .noise_enabled = s->noise.enabled,
         .noise_directivity = s->noise.directivity,
         .speckle = (asdic_speckle)s->speckle,
@@ -90,6 +125,19 @@ static void turn_in_plane(const file_fan *fan, double bearing_deg, asdic_beam *b
     beam->roll_rad = atan2(face.m[2][1], face.m[2][2]);
 }
 
+/* The fan of beams that an array forms. */
+static file_fan fan_of(const asdic_scene_file *file, const asdic_array *array) {
+    const file_array *a = &file->sonar.array;
+    return (file_fan){.count = a->beams.count,
+                      .sector_deg = a->beams.sector_deg,
+                      .shape = FILE_FAN_PLANE,
+                      .pitch_deg = a->pitch_deg,
+                      .yaw_deg = a->yaw_deg,
+                      .roll_deg = a->roll_deg,
+                      .length_h_m = even_length(array),
+                      .length_v_m = array->element.length_v_m};
+}
+
 /* COUNT beams share the sector; each looks along the middle of its share, the first to port. */
 static void convert_fan(const file_fan *fan, asdic_beam *beams) {
     bool level = fan->pitch_deg == 0.0 && fan->roll_deg == 0.0; /* a plane is a cone then */
@@ -111,6 +159,12 @@ static void convert_fan(const file_fan *fan, asdic_beam *beams) {
 }
 
 void asdic_scene_file_receivers(const asdic_scene_file *file, asdic_beam *beams) {
+    if (file->sonar.array.node) {
+        asdic_array array = convert_array(file);
+        file_fan fan = fan_of(file, &array);
+        convert_fan(&fan, beams);
+        return;
+    }
     if (file->sonar.receiver_fan.node) {
         convert_fan(&file->sonar.receiver_fan.fan, beams);
         return;

@@ -134,6 +134,28 @@ typedef struct file_fan_map {
     file_fan fan;
 } file_fan_map;
 
+typedef struct file_element {
+    asdic_yaml_node *node;
+    double length_h_m, length_v_m;
+} file_element;
+
+typedef struct file_array_beams {
+    asdic_yaml_node *node;
+    int64_t count;
+    double sector_deg;
+} file_array_beams;
+
+typedef struct file_array {
+    asdic_yaml_node *node;
+    int64_t elements;
+    double spacing_wl;
+    int shading;         /* asdic_shading */
+    double side_lobe_db; /* NAN: none given */
+    file_element element;
+    file_array_beams beams;
+    double pitch_deg, yaw_deg, roll_deg;
+} file_array;
+
 typedef struct file_noise {
     asdic_yaml_node *node;
     bool enabled, directivity;
@@ -152,6 +174,7 @@ typedef struct file_sonar {
     file_beam transmitter;
     asdic_list receivers; /* of file_beam */
     file_fan_map receiver_fan;
+    file_array array; /* of coherent pings; elements 0: none */
     file_sweep scan;
     file_noise noise;
     int speckle;          /* asdic_speckle */
@@ -188,6 +211,7 @@ typedef struct file_sampling {
     asdic_yaml_node *node;
     int64_t rays, seed;
     int sampler, multipath;
+    bool coherent;
 } file_sampling;
 
 typedef enum file_terms { FILE_TERMS_NEEDED, FILE_TERMS_ALL } file_terms;

@@ -59,6 +59,9 @@ static const asdic_key sampling_keys[] = {
     {"multipath", ASDIC_KEY_WORD, AT(file_sampling, multipath), .words = multipath_words,
      .fallback = "first",
      .doc = "echoes over a mirror: of objects (first), of bottom and surface as well (boundaries)"},
+    {"coherent", ASDIC_KEY_BOOL, AT(file_sampling, coherent), .fallback = "false",
+     .doc = "pressures with phase at the elements of the sonar's array, from which its beams are "
+            "formed; rays is then about how many scatterers there are"},
 };
 static const asdic_table sampling_table = {TABLE(sampling_keys, file_sampling),
                                            .doc = "how rays are spent"};

@@ -53,6 +53,47 @@ static const asdic_key fan_map_keys[] = {
 static const asdic_table fan_map_table = {TABLE(fan_map_keys, file_fan_map),
                                           .doc = "receivers as a fan"};
 
+static const asdic_key element_keys[] = {
+    LENGTH(file_element, length_h_m, "side along the line"),
+    LENGTH(file_element, length_v_m, "side across it"),
+};
+static const asdic_table element_table = {TABLE(element_keys, file_element),
+                                          .doc = "the aperture of an element"};
+static const asdic_key array_beams_keys[] = {
+    {"count", ASDIC_KEY_INTEGER, ASDIC_KEY_REQUIRED, AT(file_array_beams, count), .min = 1,
+     .max = 4096, .doc = "number of beams, named 000, 001, ... from port to starboard"},
+    {"sector_deg", ASDIC_KEY_NUMBER, ASDIC_KEY_REQUIRED, AT(file_array_beams, sector_deg),
+     .unit = "deg", .min = 0.001, .max = 180,
+     .doc = "angle that the beams share; each looks along its middle"},
+};
+static const asdic_table array_beams_table = {TABLE(array_beams_keys, file_array_beams),
+                                              .doc = "evenly spread beams"};
+static const asdic_word shading_words[] = {{"none", ASDIC_SHADING_NONE},
+                                           {"hann", ASDIC_SHADING_HANN},
+                                           {"taylor", ASDIC_SHADING_TAYLOR},
+                                           {"chebyshev", ASDIC_SHADING_CHEBYSHEV},
+                                           {NULL, 0}};
+static const asdic_key array_keys[] = {
+    {"elements", ASDIC_KEY_INTEGER, ASDIC_KEY_REQUIRED, AT(file_array, elements), .min = 2,
+     .max = ASDIC_ARRAY_MAX_ELEMENTS, .doc = "number of elements, from port to starboard"},
+    {"spacing_wl", ASDIC_KEY_NUMBER, AT(file_array, spacing_wl), .unit = "wavelengths", .min = 0.01,
+     .max = 10, .fallback = "0.5",
+     .doc = "from one element to the next; more than a half makes grating lobes"},
+    {"shading", ASDIC_KEY_WORD, AT(file_array, shading), .words = shading_words, .fallback = "none",
+     .doc = "how the elements are weighed"},
+    {"side_lobe_db", ASDIC_KEY_NUMBER, AT(file_array, side_lobe_db), .unit = "dB", .min = -100,
+     .max = -10, .doc = "side lobes of taylor (the first) and chebyshev (all); else -30"},
+    {"element", ASDIC_KEY_MAP, AT(file_array, element), .table = &element_table,
+     .doc = "the aperture of an element; its side along the line: else the spacing"},
+    {"beams", ASDIC_KEY_MAP, ASDIC_KEY_REQUIRED, AT(file_array, beams), .table = &array_beams_table,
+     .doc = "evenly spread beams"},
+    ANGLE(file_array, pitch_deg, -180, 180, "aim below the bow's level; positive looks down"),
+    ANGLE(file_array, yaw_deg, -180, 180, "aim to starboard of the bow"),
+    ANGLE(file_array, roll_deg, -180, 180, "turn about the array's own axis"),
+};
+static const asdic_table array_table = {TABLE(array_keys, file_array),
+                                        .doc = "elements on a line, for coherent pings"};
+
 static const asdic_key scan_keys[] = {
     {"sector_deg", ASDIC_KEY_NUMBER, AT(file_sweep, sector_deg), .unit = "deg", .min = 0.01,
      .max = 360, .fallback = "360",
@@ -97,10 +138,13 @@ static const asdic_key sonar_keys[] = {
      .fallback = "0.5", .doc = "nothing nearer is received"},
     {"transmitter", ASDIC_KEY_MAP, SONAR(transmitter), .table = &transmitter_table,
      .doc = "the transmitting aperture"},
-    {"receivers", ASDIC_KEY_LIST, ASDIC_KEY_REQUIRED, SONAR(receivers), .least = 1, .count = 4096,
-     .unless = "file", .table = &beam_table, .map_form = &fan_map_table,
-     .map_offset = offsetof(file_sonar, receiver_fan),
+    {"receivers", ASDIC_KEY_LIST, ASDIC_KEY_REQUIRED | ASDIC_KEY_AT_MOST_ONE, SONAR(receivers),
+     .least = 1, .count = 4096, .unless = "file", .instead = "array", .table = &beam_table,
+     .map_form = &fan_map_table, .map_offset = offsetof(file_sonar, receiver_fan),
      .doc = "the receiving apertures: a list, or fan: {count, sector_deg, ...}"},
+    {"array", ASDIC_KEY_MAP, ASDIC_KEY_OPTIONAL | ASDIC_KEY_AT_MOST_ONE, SONAR(array),
+     .table = &array_table,
+     .doc = "receiving elements on a line, and the beams that are formed of them"},
     {"scan", ASDIC_KEY_MAP, SONAR(scan), .table = &scan_table,
      .doc = "transmitter and receivers turn together from ping to ping, one direction each"},
     {"noise", ASDIC_KEY_MAP, SONAR(noise), .table = &noise_table, .doc = "ambient noise"},

@@ -61,6 +61,7 @@ typedef struct asdic_key {
     const char *law;      /* the scattering law whose key it is; keys of two do not go together */
     bool chooses;         /* of a law: at most one of these is given */
     const char *unless;   /* REQUIRED only where this other key is absent */
+    const char *instead;  /* this other key may stand in its place */
     const char *fallback; /* what an absent key means, as YAML; NULL: absent stays NAN, 0, NULL */
     const char *doc;
 } asdic_key;

@@ -210,12 +210,17 @@ static void print_laws(const asdic_table *table, asdic_text *text, int indent) {
 
 /* `"required": [...]`, and one sub-schema for each key of which only one may be given. */
 static void print_rules(const asdic_table *table, asdic_text *text, int indent) {
-    asdic_text required = {0}, unless = {0}, one_of = {0}, pairs = {0};
+    asdic_text required = {0}, unless = {0}, one_of = {0}, pairs = {0}, either = {0};
     const asdic_key *earlier = NULL;
     const char *other = NULL; /* the one key of a table that makes others needless */
     for (size_t i = 0; i < table->key_count; i++) {
         const asdic_key *key = &table->keys[i];
-        if ((key->flags & ASDIC_KEY_REQUIRED) && key->unless) {
+        if (key->instead) { /* beside `unless` */
+            asdic_text_format(&either,
+                              ", \"anyOf\": [{\"required\": [\"%s\"]}, {\"required\": "
+                              "[\"%s\"]}]",
+                              key->name, key->instead);
+        } else if ((key->flags & ASDIC_KEY_REQUIRED) && key->unless) {
             asdic_text_format(&unless, "%s\"%s\"", unless.length ? ", " : "", key->name);
             other = key->unless;
         } else if (key->flags & ASDIC_KEY_REQUIRED) {
@@ -234,8 +239,8 @@ static void print_rules(const asdic_table *table, asdic_text *text, int indent) 
     if (other) {
         asdic_text_format(text,
                           "\"if\": {\"not\": {\"required\": [\"%s\"]}}, "
-                          "\"then\": {\"required\": [%s]},",
-                          other, unless.data ? unless.data : "");
+                          "\"then\": {\"required\": [%s]%s},",
+                          other, unless.data ? unless.data : "", either.data ? either.data : "");
         new_line(text, indent);
     }
     const struct {
@@ -251,6 +256,7 @@ static void print_rules(const asdic_table *table, asdic_text *text, int indent) 
     }
     asdic_text_finish(&required);
     asdic_text_finish(&unless);
+    asdic_text_finish(&either);
     asdic_text_finish(&one_of);
     asdic_text_finish(&pairs);
 }

@@ -185,7 +185,8 @@ static void read_key(const asdic_schema_reader *r, const asdic_key *key, asdic_y
                      asdic_yaml_node *node, char *out) {
     void *at = out + key->offset;
     if (!node && map && (key->flags & ASDIC_KEY_REQUIRED) &&
-        !(key->unless && asdic_yaml_child(map, key->unless))) {
+        !(key->unless && asdic_yaml_child(map, key->unless)) &&
+        !(key->instead && asdic_yaml_child(map, key->instead))) {
         report_missing(r, key, map);
     }
     switch (key->type) {

@@ -1,0 +1,503 @@
+/*
+ * Coherent pings (coherent.h), in order: coherent_place puts scatterers on the patches that the host found,
+ * the tracer tells which are hidden, coherent_shade computes what they send back, coherent_count, _offset
+ * and _sort order them by range, coherent_elements sums them at every element of the array, coherent_beams
+ * weighs the elements. A work-item owns the sums that it writes and adds in the order of scatterers, so that
+ * no sum depends on the device's scheduling.
+ */
+#include "coherent.h"
+#include "echo.h"
+
+#define NO_GATE 0xffffffffu
+
+/* Rays end this share before a scatterer, so that its own facet does not hide it. */
+#define SHORT_OF_SCATTERER 0.9998f
+
+/* A point of a patch as fractions of its edges. */
+static float2 fractions_of(__global const dev_patch *patch, uint k) {
+    float u = (float)(lattice_first(patch->key[0], k) >> 8) * 5.9604645e-8f;
+    float v = (float)(lattice_second(patch->key[1], k) >> 8) * 5.9604645e-8f;
+    bool beyond = patch->folded != 0u && u + v > 1.0f;
+    return beyond ? (float2)(1.0f - u, 1.0f - v) : (float2)(u, v);
+}
+
+/* The middle of the k-th of the equal triangles or parallelograms that a smooth patch falls into. */
+static float2 grid_of(__global const dev_patch *patch, uint k) {
+    uint side = (uint)(sqrt((float)(patch->count)) + 0.5f);
+    float step = 1.0f / (float)(side);
+    if (patch->folded == 0u) {
+        return (float2)((float)(k % side) + 0.5f, (float)(k / side) + 0.5f) * step;
+    }
+    /* Row by row: 2 (side - row) - 1 triangles, every other one upside down. */
+    uint row = 0u;
+    while (k >= 2u * (side - row) - 1u) {
+        k -= 2u * (side - row) - 1u;
+        row++;
+    }
+    float third = (k & 1u) != 0u ? 2.0f / 3.0f : 1.0f / 3.0f;
+    return (float2)((float)(k / 2u) + third, (float)(row) + third) * step;
+}
+
+/* A direction for a scatterer of the water: half of them anywhere, half where the transmitter is loud.
+ * Returns the solid angle times the number of scatterers that it stands for. */
+static float water_direction(__global const dev_ping *ping, float2 at, uint k, vector *u) {
+    __global const dev_beam *t = beams_of(ping);
+    float most = ping->rear_lin > 0.0f ? M_PI_F : M_PI_2_F;
+    float rise = min(1.2f / t->length_v_wl, 1.0f);
+    float turn = t->length_h_wl > 1.2f ? asin(1.2f / t->length_h_wl) : most;
+    bool loud = (k & 1u) != 0u;
+    float z = (2.0f * at.x - 1.0f) * (loud ? rise : 1.0f);
+    float phi = (2.0f * at.y - 1.0f) * (loud ? turn : most);
+    float across = sqrt(max(1.0f - z * z, 0.0f)), x = across * cos(phi), y = across * sin(phi);
+    bool inside = fabs(z) <= rise && fabs(phi) <= turn;
+    float density = 0.5f / (4.0f * most) + (inside ? 0.5f / (4.0f * rise * turn) : 0.0f);
+    u->x = t->rows[0] * x + t->rows[3] * y + t->rows[6] * z;
+    u->y = t->rows[1] * x + t->rows[4] * y + t->rows[7] * z;
+    u->z = t->rows[2] * x + t->rows[5] * y + t->rows[8] * z;
+    return 1.0f / density;
+}
+
+/* Where a patch's k-th scatterer is, in the scene frame; the fourth: its share. */
+static float4 scatterer_of(__global const dev_ping *ping, __global const dev_patch *patch, uint k) {
+    float2 at = patch->smooth != 0u ? grid_of(patch, k) : fractions_of(patch, k);
+    float4 p;
+    if (patch->kind == DEV_KIND_WATER) {
+        vector u;
+        float solid = water_direction(ping, at, k, &u);
+        float depth = (float)((lattice_first(patch->key[1], k) * 747796405u) >> 8) * 5.9604645e-8f;
+        float range = patch->corner[0] + depth * patch->edge1[0];
+        p = (float4)(ping->origin[0] + range * u.x, ping->origin[1] + range * u.y,
+                     ping->origin[2] + range * u.z, patch->share * solid);
+    } else {
+        p = (float4)(patch->corner[0] + at.x * patch->edge1[0] + at.y * patch->edge2[0],
+                     patch->corner[1] + at.x * patch->edge1[1] + at.y * patch->edge2[1],
+                     patch->corner[2] + at.x * patch->edge1[2] + at.y * patch->edge2[2],
+                     patch->share);
+    }
+    return p;
+}
+
+/* One work-item per patch. OWNER: the patch of every slot; slots beyond the last scatterer have none. */
+__kernel void coherent_place(__global const dev_ping *ping, __global const dev_coherent *c,
+                             __global const dev_patch *patches, __global float4 *places,
+                             __global uint *owner, __global dev_ray *rays) {
+    uint at = (uint)(get_global_id(0));
+    if (at >= c->patches) {
+        return;
+    }
+    __global const dev_patch *patch = patches + at;
+    for (uint k = 0; k < patch->count; k++) {
+        uint slot = patch->first + k;
+        float4 p = scatterer_of(ping, patch, k);
+        places[slot] = p;
+        owner[slot] = at;
+#if ASDIC_HAS_MESH
+        vector d =
+            vector_of((p.x - ping->origin[0]) - c->low[0], (p.y - ping->origin[1]) - c->low[1],
+                      (p.z - ping->origin[2]) - c->low[2]);
+        float range = sqrt(vector_dot(d, d)), unit = 1.0f / max(range, 1e-9f);
+        dev_ray ray;
+        for (int axis = 0; axis < 3; axis++) {
+            ray.origin[axis] = ping->origin[axis];
+        }
+        ray.direction[0] = d.x * unit;
+        ray.direction[1] = d.y * unit;
+        ray.direction[2] = d.z * unit;
+        ray.t_max = SHORT_OF_SCATTERER * range;
+        ray.source = slot;
+        rays[slot] = ray;
+#endif
+    }
+}
+
+/* ---- What scatterers send back ---- */
+
+/* Whether points at height Z lie in the water that the sonar is in. */
+static mask in_water(__global const dev_ping *ping, real z) {
+    real below = z - (real)(ping->origin[2]); /* the sonar */
+    mask sunk = (below <= (real)(ping->bottom_m)) & (-below <= (real)(ping->surface_m));
+    return sunk;
+}
+
+/* Patches of ASDIC_WIDTH scatterers, as formulas ask for them. */
+typedef struct found {
+    meeting m;
+    natural kind, key0, key1, number;
+    mask there, smooth, folded;
+    real share, pieces;
+    triple at, edge1, edge2;
+} found;
+
+static found find(const world *w, __global const dev_coherent *c, __global const dev_patch *patches,
+                  __global const float4 *places, __global const uint *owner,
+                  __global const dev_hit *hits, uint slot) {
+    found f;
+    f.m.t = f.m.traced = R(0.0);
+    f.m.triangle = (natural)(0xffffffffu);
+    f.m.kind = (natural)(DEV_KIND_NONE);
+    f.m.facet.x = f.m.facet.y = R(0.0);
+    f.m.facet.z = R(-1.0);
+    f.m.surface = f.m.facet;
+    f.m.coherent_m2 = (real)(ASDIC_PLANE_M2);
+    f.m.material = (natural)(w->ping->bottom_material);
+    LANES {
+        bool there = slot + lane < c->slots;
+        uint at = there ? slot + lane : slot;
+        __global const dev_patch *patch = patches + owner[at];
+        float4 p = places[at];
+        AT(f.at.x, float) = p.x;
+        AT(f.at.y, float) = p.y;
+        AT(f.at.z, float) = p.z;
+        AT(f.share, float) = p.w;
+        AT(f.kind, uint) = patch->kind;
+        AT(f.key0, uint) = patch->key[0];
+        AT(f.key1, uint) = patch->key[1];
+        AT(f.number, uint) = at - patch->first;
+        AT(f.smooth, int) = patch->smooth != 0u ? -1 : 0;
+        AT(f.folded, int) = patch->folded != 0u ? -1 : 0;
+        AT(f.pieces, float) = (float)(patch->count);
+        AT(f.edge1.x, float) = patch->edge1[0];
+        AT(f.edge1.y, float) = patch->edge1[1];
+        AT(f.edge1.z, float) = patch->edge1[2];
+        AT(f.edge2.x, float) = patch->edge2[0];
+        AT(f.edge2.y, float) = patch->edge2[1];
+        AT(f.edge2.z, float) = patch->edge2[2];
+        AT(f.m.triangle, uint) = patch->triangle;
+        if (patch->kind <= DEV_KIND_OBJECT) {
+            AT(f.m.kind, uint) = patch->kind;
+            AT(f.m.material, uint) = patch->kind == DEV_KIND_SURFACE ? w->ping->surface_material
+                                                                     : w->ping->bottom_material;
+        }
+#if ASDIC_HAS_MESH
+        there = there && hits[at].triangle == 0xffffffffu;
+        if (patch->triangle != 0xffffffffu) {
+            meet_facet(w, patch->triangle, vector_of(p.x, p.y, p.z), &f.m, lane);
+        }
+#else
+        (void)hits;
+#endif
+        AT(f.there, int) = there ? -1 : 0;
+    }
+#if ASDIC_WIDTH == 1
+    f.there = f.there != 0;
+    f.smooth = f.smooth != 0;
+    f.folded = f.folded != 0;
+#endif
+    return f;
+}
+
+/* From the sonar to scatterers. */
+typedef struct sight {
+    two range;
+    triple u;
+} sight;
+
+static sight see(__global const dev_ping *ping, __global const dev_coherent *c, triple at) {
+    two x = two_sum(at.x, (real)(-ping->origin[0])), y = two_sum(at.y, (real)(-ping->origin[1])),
+        z = two_sum(at.z, (real)(-ping->origin[2]));
+    two lx = {(real)(-c->low[0]), R(0.0)}, ly = {(real)(-c->low[1]), R(0.0)},
+        lz = {(real)(-c->low[2]), R(0.0)};
+    x = two_add(x, lx);
+    y = two_add(y, ly);
+    z = two_add(z, lz);
+    sight s;
+    s.range = two_length(x, y, z);
+    real unit = R(1.0) / r_max(s.range.high, R(1e-9));
+    s.u.x = x.high * unit;
+    s.u.y = y.high * unit;
+    s.u.z = z.high * unit;
+    return s;
+}
+
+/* What a smooth piece of area SHARE returns, relative to a point of 1 m2 (physical optics: the integral of
+ * cos i exp(-2 i k r) / lambda over the piece, here the middle's value times the fall of its form factor,
+ * exact to second order in its size). Roughness takes exp(-g cos^2 i) of its energy. */
+static real smooth_amplitude(const world *w, const found *f, const law_lanes *laws, slant met,
+                             triple u) {
+    real turns = R(2.0) / (real)(w->ping->wavelength_m);
+    real a = dot3(f->edge1, u) * turns, b = dot3(f->edge2, u) * turns;
+    real spread = choose(f->folded, (a * a + b * b - a * b) / R(18.0), (a * a + b * b) / R(12.0));
+    spread /= f->pieces;
+    real fall = exp(R(-2.0) * R_PI * R_PI * spread);
+    real amplitude = f->share * met.sine / (real)(w->ping->wavelength_m) * sqrt(laws->reflection2);
+    return amplitude * fall * exp(R(-0.5) * laws->roughness_g * met.sine * met.sine);
+}
+
+/* The scattering strength without the lobe that smooth pieces make themselves. */
+static real rough_strength(const world *w, const law_lanes *laws, slant met, real range) {
+    real s = strength(w, laws, met, range);
+    real cos2 = met.sine * met.sine;
+    real diffuse = laws->reflection2 * -expm1(-laws->roughness_g * cos2) * cos2 / R_PI;
+    return choose(laws->is_facet & (laws->formula[0] <= R(0.0)), diffuse, s);
+}
+
+/* ASDIC_WIDTH slots a work-item. GATES: the gate of every slot. */
+__kernel void coherent_shade(__global const dev_ping *ping, __global const dev_coherent *c,
+                             __global const dev_patch *patches, __global const float4 *places,
+                             __global const uint *owner, __global const dev_hit *hits,
+                             __global const dev_triangle *triangles, __global const dev_part *parts,
+                             __global const dev_material *materials, __global dev_echo *echoes,
+                             __global uint *gates) {
+    uint slot = (uint)(get_global_id(0)) * ASDIC_WIDTH;
+    if (slot >= c->slots) {
+        return;
+    }
+    world w = {ping, beams_of(ping), triangles, parts, materials, 0};
+    found f = find(&w, c, patches, places, owner, hits, slot);
+    sight s = see(ping, c, f.at);
+    real range = s.range.high;
+    law_lanes laws = laws_met(&w, &f.m);
+    slant met = surface_slant(&f.m, s.u);
+    real energy = rough_strength(&w, &laws, met, range) * f.share;
+    energy = choose(f.kind == DEV_KIND_POINT, f.share, energy);
+    real tube = (real)(c->water_lin) * f.share * range * range;
+    energy = choose(f.kind == DEV_KIND_WATER, tube, energy);
+    real amplitude = sqrt(energy);
+    amplitude = choose(f.smooth, smooth_amplitude(&w, &f, &laws, met, s.u), amplitude);
+
+    /* The transmitter and an element, both ways, and the loss. */
+    __global const float *rows = c->rows;
+    real x = rows[0] * s.u.x + rows[1] * s.u.y + rows[2] * s.u.z;
+    real y = rows[3] * s.u.x + rows[4] * s.u.y + rows[5] * s.u.z;
+    real z = rows[6] * s.u.x + rows[7] * s.u.y + rows[8] * s.u.z;
+    real gain = gain_towards(ping, w.beams, s.u.x, s.u.y, s.u.z) *
+                beam_pattern_lin(x, y, z, (real)(c->element_h_wl), (real)(c->element_v_wl),
+                                 (real)(ping->rear_lin));
+    amplitude *=
+        sqrt(gain * ray_transmission((real)(ping->absorption_np_per_m), r_max(range, R(1e-3))));
+
+    random4 draw = {{f.number, f.key0, f.key1, (natural)(RANDOM_SCATTERER)}};
+    draw = philox4x32(draw, ping->seed[0], ping->seed[1]);
+    phasor chance = gaussian_of(draw.v[0], draw.v[1]);
+    mask sure = f.smooth | (f.kind == DEV_KIND_POINT);
+    chance.re = choose(sure, R(1.0), chance.re);
+    chance.im = choose(sure, R(0.0), chance.im);
+    two both = {R(2.0) * s.range.high, R(2.0) * s.range.low};
+    two turns = {(real)(c->turns_per_m), (real)(c->turns_per_m_low)};
+    phasor way = phasor_of(-two_turns(both, turns));
+
+    mask plane = (f.m.triangle == 0xffffffffu) & (f.m.kind != DEV_KIND_NONE);
+    mask heard = f.there & (amplitude > R(0.0)) & (range >= (real)(ping->blanking_m)) &
+                 (range < (real)(ping->range_m)) & (plane | in_water(ping, f.at.z));
+    natural gate = to_natural(range / (real)(c->sample_m * DEV_GATE_SAMPLES));
+    LANES {
+        uint at = slot + lane;
+        if (at < c->slots) {
+            dev_echo e;
+            e.y = AT(y, float) * AT(range, float);
+            e.range_m = e.way_m = AT(range, float);
+            e.re = AT(amplitude, float) * (AT(chance.re, float) * AT(way.re, float) -
+                                           AT(chance.im, float) * AT(way.im, float));
+            e.im = AT(amplitude, float) * (AT(chance.re, float) * AT(way.im, float) +
+                                           AT(chance.im, float) * AT(way.re, float));
+            echoes[at] = e;
+            gates[at] = AT(heard, int) != 0 ? min(AT(gate, uint), c->gates - 1u) : NO_GATE;
+        }
+    }
+}
+
+/* ---- In the order of gates, and in each of slots ---- */
+
+/* One work-item per block of slots; COUNTS [gate][block]. */
+__kernel void coherent_count(__global const dev_coherent *c, __global const uint *gates,
+                             __global uint *counts) {
+    uint block = (uint)(get_global_id(0));
+    if (block >= c->blocks) {
+        return;
+    }
+    uint step = (c->slots + c->blocks - 1u) / c->blocks, end = min((block + 1u) * step, c->slots);
+    for (uint gate = 0; gate < c->gates; gate++) {
+        counts[(size_t)(gate)*c->blocks + block] = 0u;
+    }
+    for (uint slot = block * step; slot < end; slot++) {
+        if (gates[slot] != NO_GATE) {
+            counts[(size_t)(gates[slot]) * c->blocks + block]++;
+        }
+    }
+}
+
+/* Counts to places; FIRST, one more than gates, where each gate begins. */
+__kernel void coherent_offset(__global const dev_coherent *c, __global uint *counts,
+                              __global uint *first) {
+    if (get_global_id(0) != 0) {
+        return;
+    }
+    uint sum = 0u;
+    for (uint gate = 0; gate < c->gates; gate++) {
+        first[gate] = sum;
+        for (uint block = 0; block < c->blocks; block++) {
+            size_t at = (size_t)(gate)*c->blocks + block;
+            uint count = counts[at];
+            counts[at] = sum;
+            sum += count;
+        }
+    }
+    first[c->gates] = sum;
+}
+
+__kernel void coherent_sort(__global const dev_coherent *c, __global const uint *gates,
+                            __global uint *counts, __global const dev_echo *echoes,
+                            __global dev_echo *sorted) {
+    uint block = (uint)(get_global_id(0));
+    if (block >= c->blocks) {
+        return;
+    }
+    uint step = (c->slots + c->blocks - 1u) / c->blocks, end = min((block + 1u) * step, c->slots);
+    for (uint slot = block * step; slot < end; slot++) {
+        if (gates[slot] != NO_GATE) {
+            sorted[counts[(size_t)(gates[slot]) * c->blocks + block]++] = echoes[slot];
+        }
+    }
+}
+
+/* ---- At the elements ---- */
+
+/* Sums of DEV_GATE_SAMPLES samples at ASDIC_WIDTH elements. */
+typedef struct gate_sums {
+    real re[DEV_GATE_SAMPLES], im[DEV_GATE_SAMPLES];
+} gate_sums;
+
+/* Where elements FIRST and on lie on the line. */
+static real elements_at(__global const dev_coherent *c, uint first) {
+    real y = R(0.0);
+    LANES {
+        AT(y, float) = ((float)(first + lane) - 0.5f * (float)(c->elements - 1u)) * c->spacing_m;
+    }
+    return y;
+}
+
+/* Adds ECHO to the samples from BEGIN on. */
+static void add_echo(__global const dev_coherent *c, __global const dev_echo *echo, real y,
+                     float begin, gate_sums *sums) {
+    float middle = (echo->way_m - c->margin_m) / c->sample_m - 0.5f - begin;
+    int from = max((int)(ceil(middle)), 0);
+    int to = (int)(floor(middle + 2.0f * c->margin_m / c->sample_m));
+    to = min(to, DEV_GATE_SAMPLES - 1);
+    if (from > to) {
+        return;
+    }
+    real longer = element_longer(y, (real)(echo->y), (real)(echo->range_m));
+    phasor turn = phasor_of(-longer * (real)(c->turns_per_m));
+    real re = turn.re * echo->re - turn.im * echo->im, im = turn.re * echo->im + turn.im * echo->re;
+    real x = ((real)(0.5f) * longer + (echo->way_m - (begin + 0.5f) * c->sample_m)),
+         per = (real)(1.0f / c->pulse_m);
+    for (int n = from; n <= to; n++) {
+        real s = pulse_at(x - (real)((float)(n)*c->sample_m), per);
+        sums->re[n] += s * re;
+        sums->im[n] += s * im;
+    }
+}
+
+/* Noise of a sample at elements FIRST and on, before it is filtered. */
+static phasor draw_noise(__global const dev_ping *ping, uint sample, uint first) {
+    natural element = (natural)(0u);
+    LANES {
+        AT(element, uint) = first + lane;
+    }
+    /* A stream of its own for each ping: it takes the place of a purpose's upper bits. */
+    random4 draw = random_draw(element, sample, ping->ping[0], RANDOM_ELEMENT + 8u * ping->ping[1],
+                               ping->seed[0], ping->seed[1]);
+    return gaussian_of(draw.v[0], draw.v[1]);
+}
+
+/* Noise in the pulse's band: white noise through the pulse. */
+static void add_noise(__global const dev_ping *ping, __global const dev_coherent *c, uint first,
+                      int begin, gate_sums *sums) {
+    int reach = (int)(PULSE_REACH * c->pulse_m / c->sample_m);
+    float per = c->sample_m / c->pulse_m;
+    for (int n = -reach; n < DEV_GATE_SAMPLES + reach; n++) {
+        phasor white = draw_noise(ping, (uint)(begin + n + reach), first);
+        for (int k = max(n - reach, 0); k <= min(n + reach, DEV_GATE_SAMPLES - 1); k++) {
+            real s = pulse_at((real)((float)(k - n)), (real)(per)) * c->noise;
+            sums->re[k] += s * white.re;
+            sums->im[k] += s * white.im;
+        }
+    }
+}
+
+/* One work-item per gate and ASDIC_WIDTH elements. PRESSURE [element][sample]. */
+__kernel void coherent_elements(__global const dev_ping *ping, __global const dev_coherent *c,
+                                __global const dev_echo *sorted, __global const uint *first,
+                                __global float2 *pressure) {
+    uint groups = c->lanes / ASDIC_WIDTH, item = (uint)(get_global_id(0));
+    uint gate = item / groups, element = item % groups * ASDIC_WIDTH;
+    if (gate >= c->gates) {
+        return;
+    }
+    gate_sums sums;
+    for (int n = 0; n < DEV_GATE_SAMPLES; n++) {
+        sums.re[n] = sums.im[n] = R(0.0);
+    }
+    real y = elements_at(c, element);
+    uint reach = (uint)(c->margin_m / (c->sample_m * DEV_GATE_SAMPLES)) + 1u;
+    uint from = gate > reach ? gate - reach : 0u, to = min(gate + reach + 1u, c->gates);
+    float begin = (float)(gate * DEV_GATE_SAMPLES);
+    for (uint at = first[from]; at < first[to]; at++) {
+        add_echo(c, sorted + at, y, begin, &sums);
+    }
+    if (c->noise > 0.0f) {
+        add_noise(ping, c, element, (int)(gate * DEV_GATE_SAMPLES), &sums);
+    }
+    for (uint n = 0; n < DEV_GATE_SAMPLES; n++) {
+        uint sample = gate * DEV_GATE_SAMPLES + n;
+        LANES {
+            if (sample < c->samples && element + lane < c->elements) {
+                pressure[(size_t)(element + lane) * c->samples + sample] =
+                    (float2)(AT(sums.re[n], float), AT(sums.im[n], float));
+            }
+        }
+    }
+}
+
+/* ---- Beams ---- */
+
+/* Samples of an element between samples: the cubic through four neighbours. AT counts samples. */
+static phasor between(__global const float2 *row, uint samples, real at) {
+    real base = floor(at), f = at - base;
+    phasor p[4];
+    for (int k = 0; k < 4; k++) {
+        LANES {
+            int sample = (int)(AT(base, float)) + k - 1;
+            float2 v = sample >= 0 && sample < (int)(samples) ? row[sample] : (float2)(0.0f);
+            AT(p[k].re, float) = v.x;
+            AT(p[k].im, float) = v.y;
+        }
+    }
+    real g = f - R(1.0), h = f - R(2.0), e = f + R(1.0);
+    real w0 = f * g * h * R(-0.166666667), w1 = e * g * h * R(0.5), w2 = e * f * h * R(-0.5),
+         w3 = e * f * g * R(0.166666667);
+    phasor out = {w0 * p[0].re + w1 * p[1].re + w2 * p[2].re + w3 * p[3].re,
+                  w0 * p[0].im + w1 * p[1].im + w2 * p[2].im + w3 * p[3].im};
+    return out;
+}
+
+/* One work-item per beam and ASDIC_WIDTH looks. STEER: by beam, the direction cosine along the line; then
+ * the elements' weights. Every look is focused at its range. */
+__kernel void coherent_beams(__global const dev_coherent *c, __global const float *steer,
+                             __global const float2 *pressure, __global float2 *out) {
+    uint groups = (c->looks + ASDIC_WIDTH - 1u) / ASDIC_WIDTH, item = (uint)(get_global_id(0));
+    uint beam = item / groups, first = item % groups * ASDIC_WIDTH;
+    if (beam >= c->beams) {
+        return;
+    }
+    real look = R(0.5);
+    LANES {
+        AT(look, float) += (float)(first + lane);
+    }
+    real range = look * c->look_m, re = R(0.0), im = R(0.0);
+    for (uint e = 0; e < c->elements; e++) {
+        real y = (real)(((float)(e)-0.5f * (float)(c->elements - 1u)) * c->spacing_m);
+        real longer = element_longer(y, range * steer[beam], range);
+        phasor turn = phasor_of(longer * (real)(c->turns_per_m));
+        real at = (range + R(0.5) * longer) / (real)(c->sample_m) - R(0.5);
+        phasor p = between(pressure + (size_t)(e)*c->samples, c->samples, at);
+        real weight = (real)(steer[c->beams + e]);
+        re += weight * (turn.re * p.re - turn.im * p.im);
+        im += weight * (turn.re * p.im + turn.im * p.re);
+    }
+    LANES {
+        if (first + lane < c->looks) {
+            out[(size_t)(beam)*c->looks + first + lane] = (float2)(AT(re, float), AT(im, float));
+        }
+    }
+}

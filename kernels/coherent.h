@@ -1,0 +1,187 @@
+/*
+ * Coherent pings: the pressure at the elements of an array, from scatterers that stay where they are in the
+ * world. What host and device share: the structs, and the formulas of phase, pulse and chance.
+ *
+ * A scatterer at P with the amplitude a (its square is the energy E of an echo, receivers left out) and the
+ * circular Gaussian factor z gives element e the pressure, as baseband,
+ *
+ *     p_e(r) = a z s(r - (t + r_e) / 2) exp(-2 pi i (t + r_e) / lambda),
+ *
+ * t the way from the transmitter, at the array's centre, to P and r_e that from P to the element; r is the
+ * range of a sample, c / 2 times its time (D. C. Brown, S. F. Johnson, D. R. Olson, "A point-based
+ * scattering model for the incoherent component of the scattered field", J. Acoust. Soc. Am. 141, EL210
+ * (2017)). Phases are counted in turns.
+ */
+#ifndef ASDIC_KERNEL_COHERENT_H
+#define ASDIC_KERNEL_COHERENT_H
+
+#include "random.h"
+#include "types.h"
+
+/* A patch has at most this many scatterers. */
+#define DEV_PATCH_SCATTERERS 64
+/* Samples that a work-item sums at a time. */
+#define DEV_GATE_SAMPLES 16
+/* Kinds of scatterers beside DEV_KIND_*. */
+#define DEV_KIND_POINT 4
+#define DEV_KIND_WATER 5
+
+/* A piece of surface, a piece of a shell of water, or a point, with COUNT scatterers. */
+typedef struct dev_patch {
+    float corner[3], edge1[3],
+        edge2[3]; /* scene frame; of a shell: edge1[0] its thickness, corner[0] where
+                                            it begins; of a point: corner */
+    float share;  /* of each scatterer: m2; sr m of a shell; of a point its target strength, m2 */
+    dev_uint first, count;
+    dev_uint triangle; /* ~0u: none */
+    dev_uint kind;     /* DEV_KIND_* */
+    dev_uint folded;   /* 1: the triangle between the edges; 0: the parallelogram */
+    dev_uint smooth;   /* 1: reflects by physical optics; 0: scatters by its law */
+    dev_uint key[2];   /* the same for the same piece, from ping to ping */
+} dev_patch;           /* 72 bytes */
+
+/* A scatterer as elements hear it; array frame: x out of the face, y along the line, z the third. */
+typedef struct dev_echo {
+    float y;       /* along the line, m */
+    float range_m; /* from the array's centre */
+    float way_m;   /* half the way transmitter, point, centre */
+    float re, im;  /* pressure at the centre, a source of 1 uPa at 1 m */
+} dev_echo;        /* 20 bytes */
+
+typedef struct dev_coherent {
+    float low[3];                       /* what single precision leaves of dev_ping.origin */
+    float rows[9];                      /* world to array */
+    float turns_per_m, turns_per_m_low; /* 1 / lambda as a sum */
+    float element_h_wl, element_v_wl;
+    float spacing_m;
+    float sample_m;  /* from one sample to the next */
+    float pulse_m;   /* length of the pulse */
+    float margin_m;  /* what a scatterer's way may differ by between elements, and half the pulse */
+    float look_m;    /* from one look to the next */
+    float noise;     /* r.m.s. of a sample's */
+    float water_lin; /* s_V */
+    dev_uint elements, lanes; /* LANES: elements, rounded up to whole vectors */
+    dev_uint samples, gates;
+    dev_uint patches, slots;
+    dev_uint blocks;       /* of slots, that are sorted at the same time */
+    dev_uint beams, looks; /* LOOKS: of a beam in all bins */
+    dev_uint mirrors;      /* images heard beside each scatterer: 0 */
+} dev_coherent;
+
+/* ---- Sums of two floats, HIGH + LOW, good to some 2^-46 ---- */
+
+typedef struct two {
+    real high, low;
+} two;
+
+FORMULA two two_sum(real a, real b) {
+    real s = a + b, t = s - a;
+    two out = {s, (a - (s - t)) + (b - t)};
+    return out;
+}
+
+/* The exact product (T. J. Dekker, "A floating-point technique for extending the available precision",
+ * Numer. Math. 18, 224 (1971)); products must not be contracted. */
+FORMULA two two_product(real a, real b) {
+    const real split = R(4097.0);
+    real ca = split * a, cb = split * b;
+    real ah = ca - (ca - a), bh = cb - (cb - b), al = a - ah, bl = b - bh, p = a * b;
+    two out = {p, ((ah * bh - p) + ah * bl + al * bh) + al * bl};
+    return out;
+}
+
+FORMULA two two_add(two a, two b) {
+    two s = two_sum(a.high, b.high);
+    return two_sum(s.high, s.low + (a.low + b.low));
+}
+
+FORMULA two two_multiply(two a, two b) {
+    two p = two_product(a.high, b.high);
+    return two_sum(p.high, p.low + (a.high * b.low + a.low * b.high));
+}
+
+/* Length of a vector. */
+FORMULA two two_length(two x, two y, two z) {
+    two square = two_add(two_multiply(x, x), two_add(two_multiply(y, y), two_multiply(z, z)));
+    real root = sqrt(r_max(square.high, R(1e-30)));
+    two back = two_product(root, root);
+    real rest = ((square.high - back.high) - back.low) + square.low;
+    return two_sum(root, rest / (R(2.0) * root));
+}
+
+/* Turns, less the whole ones: within +-1/2. */
+FORMULA real two_turns(two length_m, two turns_per_m) {
+    two turns = two_multiply(length_m, turns_per_m);
+    real left = (turns.high - rint(turns.high)) + turns.low;
+    return left - rint(left);
+}
+
+/* ---- Phase, pulse, chance ---- */
+
+typedef struct phasor {
+    real re, im;
+} phasor;
+
+/* exp(2 pi i TURNS). On a device the series of sine and cosine over an eighth of a turn, 1e-7. */
+FORMULA phasor phasor_of(real turns) {
+#ifdef __OPENCL_C_VERSION__
+    real x = turns - rint(turns);
+    real quarter = rint(R(4.0) * x);
+    real a = R(6.28318530717958647692) * (x - R(0.25) * quarter), q = a * a;
+    real s =
+        a * (R(1.0) + q * (R(-0.166666667) +
+                           q * (R(8.33333333e-3) + q * (R(-1.98412698e-4) + q * R(2.7557319e-6)))));
+    real c = R(1.0) + q * (R(-0.5) +
+                           q * (R(4.16666667e-2) + q * (R(-1.38888889e-3) + q * R(2.48015873e-5))));
+    /* quarters: -2, -1, 0, 1, 2 */
+    mask odd = r_abs(quarter) == R(1.0);
+    real sine = choose(odd, c * quarter, s), cosine = choose(odd, -s * quarter, c);
+    real flip = choose(r_abs(quarter) == R(2.0), R(-1.0), R(1.0));
+    phasor out = {flip * cosine, flip * sine};
+#else
+    phasor out = {r_sinpi(2.0 * turns + 0.5), r_sinpi(2.0 * turns)};
+#endif
+    return out;
+}
+
+/* What the way to an element at Y on the line is longer than that to the centre: r_e - r_0, without the
+ * difference of large numbers. The scatterer is RANGE from the centre and ALONG the line. */
+FORMULA real element_longer(real y, real along, real range) {
+    real square = y * (y - R(2.0) * along);
+    real there = sqrt(r_max(range * range + square, R(0.0)));
+    return square / r_max(there + range, R(1e-6));
+}
+
+/* The pulse after compression: an amplitude of 1 over its middle half, and edges of half its LENGTH each,
+ * that reach a quarter beyond. Squares of two edges that overlap add up to 1, so that the integral of
+ * s^2 is LENGTH and samples LENGTH apart take the whole of every echo. The edges' energy is the smoothest
+ * polynomial of order 7. */
+FORMULA real pulse_at(real x, real per_length) {
+    real u = R(1.5) - R(2.0) * r_abs(x) * per_length;
+    u = r_max(r_min(u, R(1.0)), R(0.0));
+    real s = R(35.0) + u * (R(-84.0) + u * (R(70.0) - R(20.0) * u));
+    return u * u * sqrt(s);
+}
+
+/* Half of what the pulse reaches over, in lengths. */
+#define PULSE_REACH 0.75f
+
+/* A circular complex Gaussian variate of unit variance from two random numbers. */
+FORMULA phasor gaussian_of(natural a, natural b) {
+    real size = sqrt(-log(random_uniform(a)));
+    phasor turn = phasor_of(random_uniform(b));
+    phasor out = {size * turn.re, size * turn.im};
+    return out;
+}
+
+/* Number K of COUNT in a patch, as fractions of its edges: the sequence of M. Roberts with the plastic
+ * number, begun where the patch's KEY says. */
+FORMULA uint lattice_first(uint key, uint k) {
+    return key + k * 0xC13FA9A9u;
+}
+
+FORMULA uint lattice_second(uint key, uint k) {
+    return key + k * 0x91E10DA5u;
+}
+
+#endif

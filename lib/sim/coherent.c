@@ -1,0 +1,435 @@
+#include "coherent.h"
+
+#include <asdic/plan.h>
+
+#include "aim.h"
+#include "base/context.h"
+#include "base/try.h"
+#include "base/vec.h"
+#include "noise_level.h"
+#include "patches.h"
+#include "scene/scene.h"
+
+#include "../../kernels/backscatter.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define COUNT(args) (sizeof(args) / sizeof *(args))
+
+/* Samples of a pulse, at least: the cubic between them then errs by 1e-3. */
+#define SAMPLES_OF_PULSE 4.0
+/* Blocks of scatterers that are sorted at the same time. */
+#define FEW_BLOCKS 32u
+#define MANY_BLOCKS 1024u
+
+/* Buffers that hold something for every scatterer. */
+typedef struct slot_buffers {
+    asdic_buffer *places, *owner, *rays, *hits, *echoes, *gates, *sorted;
+    size_t capacity;
+} slot_buffers;
+
+struct asdic_coherent {
+    asdic_kernel *place, *shade, *count, *offset, *sort, *elements, *beams;
+    asdic_buffer *told, *patches, *counts, *first, *steer, *pressure, *looks;
+    slot_buffers slots;
+    size_t patch_capacity;
+    asdic_patches found;
+    asdic_coherent_grid grid;
+    dev_coherent now;
+    float *steering; /* of beams; weights of elements */
+    float *heard;    /* of beams, by looks */
+    double weights2; /* sum of the weights' squares */
+};
+
+asdic_coherent_grid asdic_coherent_grid_of(const asdic_sonar *sonar, double sound_speed_mps,
+                                           size_t bins) {
+    asdic_coherent_grid g;
+    double cell = 0.5 * sound_speed_mps / sonar->bandwidth_hz;
+    unsigned looks = asdic_sonar_looks(sonar, sound_speed_mps);
+    g.look_m = sonar->bin_length_m / looks;
+    g.pulse_m = fmax(cell, g.look_m);
+    double per_bin = ceil(SAMPLES_OF_PULSE * sonar->bin_length_m / g.pulse_m - 1e-9);
+    g.sample_m = sonar->bin_length_m / per_bin;
+    g.samples = bins * (size_t)per_bin;
+    g.looks = bins * looks;
+    return g;
+}
+
+asdic_status asdic_coherent_check(asdic_context *ctx, const asdic_sonar *sonar,
+                                  const asdic_sampling *sampling) {
+    const asdic_array *a = &sonar->array;
+    if (!sampling->coherent) {
+        return ASDIC_OK;
+    }
+    if (a->elements == 0) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
+                          "coherent pings need an array of elements: give the sonar one");
+    }
+    if (a->elements < 2 || a->elements > ASDIC_ARRAY_MAX_ELEMENTS) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "%zu elements: out of range [2, %d]",
+                          a->elements, ASDIC_ARRAY_MAX_ELEMENTS);
+    }
+    if (!(a->spacing_m > 0.0) || !(a->element.length_h_m > 0.0) || !(a->element.length_v_m > 0.0)) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
+                          "an array's spacing of %g m and elements of %g m x %g m: must be above 0",
+                          a->spacing_m, a->element.length_h_m, a->element.length_v_m);
+    }
+    bool has_level = a->shading == ASDIC_SHADING_TAYLOR || a->shading == ASDIC_SHADING_CHEBYSHEV;
+    if (has_level && !(a->side_lobe_db <= -10.0 && a->side_lobe_db >= -100.0)) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
+                          "side lobes of %g dB: out of range [-100, -10] dB", a->side_lobe_db);
+    }
+    return ASDIC_OK;
+}
+
+static asdic_status create_kernels(asdic_simulator *sim, asdic_coherent *c) {
+    char options[96];
+    snprintf(options, sizeof options, "-D ASDIC_WIDTH=%u -D ASDIC_HAS_MESH=%d",
+             sim->setup.layout.width, sim->tracer ? 1 : 0);
+    const struct {
+        const char *name;
+        asdic_kernel **kernel;
+    } wanted[] = {{"coherent_place", &c->place}, {"coherent_shade", &c->shade},
+                  {"coherent_count", &c->count}, {"coherent_offset", &c->offset},
+                  {"coherent_sort", &c->sort},   {"coherent_elements", &c->elements},
+                  {"coherent_beams", &c->beams}};
+    for (size_t i = 0; i < COUNT(wanted); i++) {
+        TRY(asdic_kernel_create(sim->device, "coherent.cl", options, wanted[i].name,
+                                wanted[i].kernel));
+    }
+    return ASDIC_OK;
+}
+
+/* What stays from ping to ping. */
+static void describe(const asdic_simulator *sim, asdic_coherent *c,
+                     const asdic_water_column *water) {
+    const asdic_sonar *sonar = &sim->setup.sonar;
+    const asdic_array *array = &sonar->array;
+    size_t width = sim->setup.layout.width;
+    double strength = pow(10.0, 0.1 * volume_backscatter_db(sim->setup.env.particle_strength_db,
+                                                            sonar->frequency_hz / 1e3));
+    c->grid = asdic_coherent_grid_of(sonar, water->sound_speed_mps, sim->setup.bins);
+    double line = 0.5 * array->spacing_m * (double)(array->elements - 1);
+    c->now = (dev_coherent){
+        .spacing_m = (float)array->spacing_m,
+        .sample_m = (float)c->grid.sample_m,
+        .pulse_m = (float)c->grid.pulse_m,
+        .margin_m = (float)(PULSE_REACH * c->grid.pulse_m + 0.5 * line),
+        .look_m = (float)c->grid.look_m,
+        .water_lin = (float)strength,
+        .elements = (dev_uint)array->elements,
+        .lanes = (dev_uint)((array->elements + width - 1) / width * width),
+        .samples = (dev_uint)c->grid.samples,
+        .gates = (dev_uint)((c->grid.samples + DEV_GATE_SAMPLES - 1) / DEV_GATE_SAMPLES),
+        .blocks = width > 1 ? FEW_BLOCKS : MANY_BLOCKS,
+        .beams = (dev_uint)sonar->receiver_count,
+        .looks = (dev_uint)c->grid.looks,
+    };
+}
+
+static asdic_status make_weights(asdic_simulator *sim, asdic_coherent *c) {
+    const asdic_array *array = &sim->setup.sonar.array;
+    double *weights = malloc(array->elements * sizeof *weights);
+    if (!weights) {
+        return asdic_fail_memory(sim->ctx, "an array");
+    }
+    asdic_array_weights(array, weights);
+    for (size_t e = 0; e < array->elements; e++) {
+        c->steering[c->now.beams + e] = (float)weights[e];
+        c->weights2 += weights[e] * weights[e];
+    }
+    free(weights);
+    return ASDIC_OK;
+}
+
+static asdic_status create_buffers(asdic_simulator *sim, asdic_coherent *c) {
+    const dev_coherent *n = &c->now;
+    const struct {
+        size_t bytes;
+        asdic_buffer **buffer;
+    } wanted[] = {
+        {sizeof *n, &c->told},
+        {(size_t)n->gates * n->blocks * sizeof(uint32_t), &c->counts},
+        {((size_t)n->gates + 1) * sizeof(uint32_t), &c->first},
+        {((size_t)n->beams + n->elements) * sizeof(float), &c->steer},
+        {(size_t)n->elements * n->samples * 2 * sizeof(float), &c->pressure},
+        {(size_t)n->beams * n->looks * 2 * sizeof(float), &c->looks},
+    };
+    for (size_t i = 0; i < COUNT(wanted); i++) {
+        TRY(asdic_buffer_create(sim->device, wanted[i].bytes, NULL, wanted[i].buffer));
+    }
+    return ASDIC_OK;
+}
+
+static asdic_status furnish(asdic_simulator *sim, const asdic_water_column *water,
+                            asdic_coherent *c) {
+    describe(sim, c, water);
+    const dev_coherent *n = &c->now;
+    c->steering = calloc((size_t)n->beams + n->elements, sizeof *c->steering);
+    c->heard = calloc((size_t)n->beams * n->looks, 2 * sizeof *c->heard);
+    if (!c->steering || !c->heard) {
+        return asdic_fail_memory(sim->ctx, "the beams of an array");
+    }
+    TRY(make_weights(sim, c));
+    TRY(create_kernels(sim, c));
+    return create_buffers(sim, c);
+}
+
+asdic_status asdic_coherent_create(asdic_simulator *sim, const asdic_water_column *water,
+                                   asdic_coherent **out) {
+    if (sim->setup.bend_per_m != 0.0 || sim->setup.layer_count > 0) {
+        return asdic_fail(sim->ctx, ASDIC_ERROR_ARGUMENT,
+                          "coherent pings need one sound speed at all depths; the water's changes "
+                          "with depth: leave refraction out of the model");
+    }
+    *out = calloc(1, sizeof **out);
+    return *out ? furnish(sim, water, *out) : asdic_fail_memory(sim->ctx, "a coherent ping");
+}
+
+static void destroy_slots(slot_buffers *s) {
+    asdic_buffer **buffers[] = {&s->places, &s->owner, &s->rays,  &s->hits,
+                                &s->echoes, &s->gates, &s->sorted};
+    for (size_t i = 0; i < COUNT(buffers); i++) {
+        asdic_buffer_destroy(buffers[i]);
+    }
+    s->capacity = 0;
+}
+
+void asdic_coherent_destroy(asdic_coherent **pointer) {
+    asdic_coherent *c = pointer ? *pointer : NULL;
+    if (!c) {
+        return;
+    }
+    asdic_kernel **kernels[] = {&c->place, &c->shade,    &c->count, &c->offset,
+                                &c->sort,  &c->elements, &c->beams};
+    asdic_buffer **buffers[] = {&c->told,  &c->patches,  &c->counts, &c->first,
+                                &c->steer, &c->pressure, &c->looks};
+    for (size_t i = 0; i < COUNT(kernels); i++) {
+        asdic_kernel_destroy(kernels[i]);
+        asdic_buffer_destroy(buffers[i]);
+    }
+    destroy_slots(&c->slots);
+    asdic_patches_finish(&c->found);
+    free(c->steering);
+    free(c->heard);
+    free(c);
+    *pointer = NULL;
+}
+
+/* Room for as many scatterers and patches as were found, and half as many more when it grows. */
+static asdic_status make_room(asdic_simulator *sim, asdic_coherent *c) {
+    slot_buffers *s = &c->slots;
+    if (c->found.count > c->patch_capacity) {
+        asdic_buffer_destroy(&c->patches);
+        c->patch_capacity = c->found.count + c->found.count / 2;
+        TRY(asdic_buffer_create(sim->device, c->patch_capacity * sizeof(dev_patch), NULL,
+                                &c->patches));
+    }
+    if (c->found.slots <= s->capacity) {
+        return ASDIC_OK;
+    }
+    destroy_slots(s);
+    size_t room = c->found.slots + c->found.slots / 2, traced = sim->tracer ? room : 0;
+    const struct {
+        size_t bytes;
+        asdic_buffer **buffer;
+    } wanted[] = {
+        {room * 4 * sizeof(float), &s->places}, {room * sizeof(uint32_t), &s->owner},
+        {traced * sizeof(dev_ray), &s->rays},   {traced * sizeof(dev_hit), &s->hits},
+        {room * sizeof(dev_echo), &s->echoes},  {room * sizeof(uint32_t), &s->gates},
+        {room * sizeof(dev_echo), &s->sorted},
+    };
+    for (size_t i = 0; i < COUNT(wanted); i++) {
+        TRY(asdic_buffer_create(sim->device, wanted[i].bytes, NULL, wanted[i].buffer));
+    }
+    s->capacity = room;
+    return ASDIC_OK;
+}
+
+/* An element's noise in a sample, r.m.s., so that a bin has the level of the incoherent ping's. */
+static double noise_rms(const asdic_simulator *sim, const asdic_water_column *water,
+                        const asdic_coherent_grid *grid) {
+    asdic_sonar one = sim->setup.sonar;
+    one.receivers = &one.array.element;
+    one.receiver_count = 1;
+    double level = asdic_noise_least_lin(&sim->setup.env, &one, water->sound_speed_mps);
+    return sqrt(level * grid->pulse_m / one.bin_length_m);
+}
+
+/* What changes with the pose. */
+static asdic_status tell(asdic_simulator *sim, asdic_coherent *c, const asdic_ping_shot *shot) {
+    dev_coherent *n = &c->now;
+    const asdic_array *array = &sim->setup.sonar.array;
+    double wavelength_m = shot->water.wavelength_m;
+    dev_beam element = asdic_aim_beam(&array->element, &shot->pose, wavelength_m);
+    asdic_vec3 at = asdic_vec3_sub(shot->pose.position_m, sim->setup.scene->origin_m);
+    const double exact[3] = {at.x, at.y, at.z};
+    for (int axis = 0; axis < 3; axis++) {
+        n->low[axis] = (float)(exact[axis] - (double)shot->ping->origin[axis]);
+    }
+    memcpy(n->rows, element.rows, sizeof n->rows);
+    n->turns_per_m = (float)(1.0 / wavelength_m);
+    n->turns_per_m_low = (float)(1.0 / wavelength_m - (double)n->turns_per_m);
+    n->element_h_wl = element.length_h_wl;
+    n->element_v_wl = element.length_v_wl;
+    /* The pulse's energy on the grid is its length over a sample's. */
+    n->noise =
+        (float)(noise_rms(sim, &shot->water, &c->grid) * sqrt(c->grid.sample_m / c->grid.pulse_m) /
+                sqrt(asdic_simulator_source_lin(sim, &shot->water)));
+    n->patches = (dev_uint)c->found.count;
+    n->slots = (dev_uint)c->found.slots;
+    const dev_beam *beams = asdic_shot_beams(shot) + 1;
+    for (size_t b = 0; b < n->beams; b++) {
+        const float *axis = beams[b].rows, *line = n->rows + 3;
+        c->steering[b] = axis[0] * line[0] + axis[1] * line[1] + axis[2] * line[2];
+    }
+    TRY(asdic_buffer_write(c->told, 0, sizeof *n, n));
+    TRY(asdic_buffer_write(c->steer, 0, ((size_t)n->beams + n->elements) * sizeof(float),
+                           c->steering));
+    TRY(asdic_buffer_write(c->patches, 0, c->found.count * sizeof(dev_patch), c->found.items));
+    return asdic_buffer_write(sim->buffers.pings, 0, asdic_simulator_ping_bytes(sim), shot->ping);
+}
+
+static asdic_status run_scatterers(asdic_simulator *sim, asdic_coherent *c) {
+    slot_buffers *s = &c->slots;
+    asdic_buffer *ping = sim->buffers.pings;
+    size_t width = sim->setup.layout.width, local = width > 1 ? 16 : 64;
+    asdic_kernel_arg place[] = {ASDIC_ARG_BUFFER(ping),       ASDIC_ARG_BUFFER(c->told),
+                                ASDIC_ARG_BUFFER(c->patches), ASDIC_ARG_BUFFER(s->places),
+                                ASDIC_ARG_BUFFER(s->owner),   ASDIC_ARG_BUFFER(s->rays)};
+    TRY(asdic_kernel_run(c->place, place, COUNT(place), c->now.patches, local));
+    if (sim->tracer) {
+        TRY(asdic_tracer_run(sim->tracer, s->rays, s->hits, c->now.slots, c->now.slots));
+    }
+    asdic_kernel_arg shade[] = {
+        ASDIC_ARG_BUFFER(ping),
+        ASDIC_ARG_BUFFER(c->told),
+        ASDIC_ARG_BUFFER(c->patches),
+        ASDIC_ARG_BUFFER(s->places),
+        ASDIC_ARG_BUFFER(s->owner),
+        ASDIC_ARG_BUFFER(s->hits),
+        ASDIC_ARG_BUFFER(asdic_simulator_triangles(sim)),
+        ASDIC_ARG_BUFFER(sim->buffers.parts),
+        ASDIC_ARG_BUFFER(sim->buffers.materials),
+        ASDIC_ARG_BUFFER(s->echoes),
+        ASDIC_ARG_BUFFER(s->gates),
+    };
+    return asdic_kernel_run(c->shade, shade, COUNT(shade), (c->now.slots + width - 1) / width,
+                            local);
+}
+
+static asdic_status run_sort(asdic_simulator *sim, asdic_coherent *c) {
+    slot_buffers *s = &c->slots;
+    size_t local = sim->setup.layout.width > 1 ? 1 : 64;
+    asdic_kernel_arg count[] = {ASDIC_ARG_BUFFER(c->told), ASDIC_ARG_BUFFER(s->gates),
+                                ASDIC_ARG_BUFFER(c->counts)};
+    asdic_kernel_arg offset[] = {ASDIC_ARG_BUFFER(c->told), ASDIC_ARG_BUFFER(c->counts),
+                                 ASDIC_ARG_BUFFER(c->first)};
+    asdic_kernel_arg sort[] = {ASDIC_ARG_BUFFER(c->told), ASDIC_ARG_BUFFER(s->gates),
+                               ASDIC_ARG_BUFFER(c->counts), ASDIC_ARG_BUFFER(s->echoes),
+                               ASDIC_ARG_BUFFER(s->sorted)};
+    TRY(asdic_kernel_run(c->count, count, COUNT(count), c->now.blocks, local));
+    TRY(asdic_kernel_run(c->offset, offset, COUNT(offset), 1, 1));
+    return asdic_kernel_run(c->sort, sort, COUNT(sort), c->now.blocks, local);
+}
+
+static asdic_status run_array(asdic_simulator *sim, asdic_coherent *c) {
+    const dev_coherent *n = &c->now;
+    size_t width = sim->setup.layout.width, local = width > 1 ? 1 : 64;
+    asdic_kernel_arg elements[] = {ASDIC_ARG_BUFFER(sim->buffers.pings), ASDIC_ARG_BUFFER(c->told),
+                                   ASDIC_ARG_BUFFER(c->slots.sorted), ASDIC_ARG_BUFFER(c->first),
+                                   ASDIC_ARG_BUFFER(c->pressure)};
+    asdic_kernel_arg beams[] = {ASDIC_ARG_BUFFER(c->told), ASDIC_ARG_BUFFER(c->steer),
+                                ASDIC_ARG_BUFFER(c->pressure), ASDIC_ARG_BUFFER(c->looks)};
+    TRY(asdic_kernel_run(c->elements, elements, COUNT(elements),
+                         (size_t)n->gates * (n->lanes / width), local));
+    return asdic_kernel_run(c->beams, beams, COUNT(beams),
+                            n->beams * (((size_t)n->looks + width - 1) / width), local);
+}
+
+/* The beams' looks to energies of bins. */
+static void sum_looks(const asdic_simulator *sim, const asdic_coherent *c, double source_lin,
+                      asdic_ping *out) {
+    size_t looks = c->grid.looks / out->bins, cells = out->beams * out->bins;
+    double unit = source_lin * c->grid.look_m / c->grid.pulse_m;
+    double noise = sim->setup.sonar.noise_enabled ? (double)c->now.noise : 0.0;
+    double level = noise * noise * source_lin * c->weights2 * c->grid.pulse_m / c->grid.sample_m *
+                   out->bin_length_m / c->grid.pulse_m;
+    for (int k = 0; k < ASDIC_COMPONENT_COUNT; k++) {
+        memset(out->intensity_lin[k], 0, cells * sizeof(double));
+    }
+    memset(out->stderr_db, 0, cells * sizeof *out->stderr_db);
+    for (size_t cell = 0; cell < cells; cell++) {
+        const float *y = c->heard + 2 * looks * cell;
+        double sum = 0.0;
+        for (size_t k = 0; k < looks; k++) {
+            sum += (double)y[2 * k] * y[2 * k] + (double)y[2 * k + 1] * y[2 * k + 1];
+        }
+        out->intensity_lin[ASDIC_TOTAL][cell] = unit * sum;
+        out->intensity_lin[ASDIC_NOISE][cell] = level;
+    }
+}
+
+/* Pressures re 1 uPa, where somebody wants them. */
+static asdic_status fetch_elements(asdic_simulator *sim, asdic_coherent *c, double source_lin,
+                                   asdic_ping *out) {
+    if (!out->pressure) {
+        return ASDIC_OK;
+    }
+    size_t count = 2 * (size_t)c->now.elements * c->now.samples;
+    if (out->elements != c->now.elements || out->samples != c->now.samples) {
+        return asdic_fail(sim->ctx, ASDIC_ERROR_ARGUMENT,
+                          "the ping has room for %zu elements x %zu samples, the simulator makes "
+                          "%u x %u",
+                          out->elements, out->samples, c->now.elements, c->now.samples);
+    }
+    TRY(asdic_buffer_read(c->pressure, 0, count * sizeof(float), out->pressure));
+    float unit = (float)sqrt(source_lin);
+    for (size_t i = 0; i < count; i++) {
+        out->pressure[i] *= unit;
+    }
+    out->sample_m = c->grid.sample_m;
+    return ASDIC_OK;
+}
+
+asdic_status asdic_coherent_ping(asdic_simulator *sim, const asdic_pose *pose, uint64_t index,
+                                 asdic_ping *out) {
+    asdic_coherent *c = sim->coherent;
+    asdic_ping_shot *shot = &sim->shots[0];
+    asdic_shot_aim(sim, shot, pose, index, ASDIC_STREAM_PING, sim->setup.sampling.rays);
+    TRY(asdic_patches_find(sim, shot, &c->found));
+    TRY(make_room(sim, c));
+    TRY(tell(sim, c, shot));
+    TRY(run_scatterers(sim, c));
+    TRY(run_sort(sim, c));
+    TRY(run_array(sim, c));
+    TRY(asdic_buffer_read(c->looks, 0, (size_t)c->now.beams * c->now.looks * 2 * sizeof(float),
+                          c->heard));
+    double source_lin = asdic_simulator_source_lin(sim, &shot->water);
+    out->bin_length_m = sim->setup.sonar.bin_length_m;
+    out->rays = c->found.slots;
+    out->saturated = 0;
+    sum_looks(sim, c, source_lin, out);
+    return fetch_elements(sim, c, source_lin, out);
+}
+
+asdic_status asdic_coherent_echoes(asdic_simulator *sim, dev_echo **echoes, size_t *count) {
+    asdic_coherent *c = sim->coherent;
+    uint32_t end = 0;
+    TRY(asdic_buffer_read(c->first, c->now.gates * sizeof end, sizeof end, &end));
+    *count = end;
+    *echoes = malloc((end + 1) * sizeof **echoes);
+    return *echoes ? asdic_buffer_read(c->slots.sorted, 0, end * sizeof **echoes, *echoes)
+                   : asdic_fail_memory(sim->ctx, "scatterers");
+}
+
+const dev_coherent *asdic_coherent_told(const asdic_coherent *coherent) {
+    return &coherent->now;
+}
+
+size_t asdic_simulator_sample_count(const asdic_simulator *sim) {
+    return sim && sim->coherent ? sim->coherent->grid.samples : 0;
+}

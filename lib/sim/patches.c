@@ -1,0 +1,322 @@
+#include "patches.h"
+
+#include <asdic/plan.h>
+
+#include "base/context.h"
+#include "base/try.h"
+#include "base/vec.h"
+#include "scene/scene.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Scatterers lie as dense as this share of what they would in the beam's middle, at least. */
+#define LEAST_LOUD 0.0625
+/* Share of the scatterers that is in the water. */
+#define WATER_SHARE 0.25
+/* Pieces are cut to this share of their distance, at most. */
+#define WIDEST_PIECE 0.5
+/* Half of the energy that roughness leaves to the mirror direction is lost at g = ln 2. Beyond this g, nothing
+ * is left of phase: exp(-14) is 60 dB. */
+#define MOST_ROUGHNESS 14.0
+#define LEAST_ROUGHNESS 1e-6
+
+/* A patch before it is cut: a parallelogram, or one half of it. */
+typedef struct piece {
+    asdic_vec3 corner, edge1, edge2; /* scene frame */
+    bool folded, smooth;
+    dev_uint triangle, kind;
+    uint32_t name[3]; /* the same for the same piece of the world */
+} piece;
+
+typedef struct finder {
+    const asdic_simulator *sim;
+    const asdic_ping_shot *shot;
+    asdic_patches *out; /* NULL: scatterers are counted */
+    asdic_vec3 at;      /* the sonar, scene frame */
+    double counted, smooth_m2;
+} finder;
+
+static asdic_vec3 middle_of(const piece *p) {
+    double share = p->folded ? 1.0 / 3.0 : 0.5;
+    return asdic_vec3_add(p->corner, asdic_vec3_scale(asdic_vec3_add(p->edge1, p->edge2), share));
+}
+
+static double area_of(const piece *p) {
+    double area = asdic_vec3_length(asdic_vec3_cross(p->edge1, p->edge2));
+    return p->folded ? 0.5 * area : area;
+}
+
+static double length_of(const piece *p) {
+    return fmax(fmax(asdic_vec3_length(p->edge1), asdic_vec3_length(p->edge2)),
+                asdic_vec3_length(asdic_vec3_sub(p->edge1, p->edge2)));
+}
+
+/* Farthest that a point of the piece is from its middle. */
+static double reach_of(const piece *p) {
+    asdic_vec3 middle = middle_of(p), ends[4] = {p->corner, asdic_vec3_add(p->corner, p->edge1),
+                                                 asdic_vec3_add(p->corner, p->edge2)};
+    ends[3] = p->folded ? p->corner : asdic_vec3_add(ends[1], p->edge2);
+    double most = 0.0;
+    for (int i = 0; i < 4; i++) {
+        most = fmax(most, asdic_vec3_length(asdic_vec3_sub(ends[i], middle)));
+    }
+    return most;
+}
+
+/* Envelope of sinc^2, nulls filled. */
+static double envelope(double x) {
+    return 1.0 / (1.0 + ASDIC_PI * ASDIC_PI * x * x);
+}
+
+/* How dense scatterers lie towards U, a piece away that reaches over SINE of its distance; 0: nothing is
+ * heard from there. */
+static double loudness(const finder *f, asdic_vec3 u, double sine) {
+    const dev_beam *beam = asdic_shot_beams(f->shot);
+    const float *r = beam->rows;
+    double x = r[0] * u.x + r[1] * u.y + r[2] * u.z, y = r[3] * u.x + r[4] * u.y + r[5] * u.z;
+    double z = r[6] * u.x + r[7] * u.y + r[8] * u.z;
+    if (x < -sine && !(f->shot->ping->rear_lin > 0.0f)) {
+        return 0.0;
+    }
+    y = fmax(fabs(y) - sine, 0.0);
+    z = fmax(fabs(z) - sine, 0.0);
+    return fmax(sqrt(envelope(beam->length_h_wl * y) * envelope(beam->length_v_wl * z)),
+                LEAST_LOUD);
+}
+
+static void add_patch(finder *f, const piece *p, uint32_t count) {
+    asdic_patches *all = f->out;
+    if (all->count == all->capacity) {
+        size_t capacity = all->capacity ? 2 * all->capacity : 4096;
+        dev_patch *items = realloc(all->items, capacity * sizeof *items);
+        if (!items) {
+            all->out_of_memory = true;
+            return;
+        }
+        all->items = items;
+        all->capacity = capacity;
+    }
+    const dev_uint *seed = f->sim->setup.ping.seed;
+    random4 key =
+        random_draw(p->name[0], p->name[1], p->name[2], RANDOM_SCATTERER, seed[0], seed[1]);
+    all->items[all->count++] = (dev_patch){
+        .corner = {(float)p->corner.x, (float)p->corner.y, (float)p->corner.z},
+        .edge1 = {(float)p->edge1.x, (float)p->edge1.y, (float)p->edge1.z},
+        .edge2 = {(float)p->edge2.x, (float)p->edge2.y, (float)p->edge2.z},
+        .share = (float)(area_of(p) / count),
+        .first = (dev_uint)all->slots,
+        .count = count,
+        .triangle = p->triangle,
+        .kind = p->kind,
+        .folded = p->folded,
+        .smooth = p->smooth,
+        .key = {key.v[0] ^ (p->smooth ? 1u : 0u), key.v[1]},
+    };
+    all->slots += count;
+}
+
+static void cut_piece(finder *f, const piece *p);
+
+/* Four pieces of half the size. */
+static void cut_in_four(finder *f, const piece *p) {
+    asdic_vec3 a = asdic_vec3_scale(p->edge1, 0.5), b = asdic_vec3_scale(p->edge2, 0.5);
+    asdic_vec3 far = asdic_vec3_add(p->corner, asdic_vec3_add(a, b));
+    const asdic_vec3 corner[4] = {p->corner, asdic_vec3_add(p->corner, a),
+                                  asdic_vec3_add(p->corner, b), far};
+    for (uint32_t k = 0; k < 4; k++) {
+        piece part = *p;
+        part.corner = corner[k];
+        part.edge1 = a;
+        part.edge2 = b;
+        if (p->folded && k == 3) { /* the triangle in the middle stands on its head */
+            part.edge1 = asdic_vec3_scale(a, -1.0);
+            part.edge2 = asdic_vec3_scale(b, -1.0);
+        }
+        part.name[2] = 4u * p->name[2] + k + 1u;
+        cut_piece(f, &part);
+    }
+}
+
+/* Cuts a piece until DEV_PATCH_SCATTERERS suffice it, and takes what may be heard. */
+static void cut_piece(finder *f, const piece *p) {
+    const dev_ping *ping = f->shot->ping;
+    asdic_vec3 way = asdic_vec3_sub(middle_of(p), f->at);
+    double range = asdic_vec3_length(way), reach = reach_of(p), area = area_of(p);
+    if (range - reach > ping->range_m || range + reach < ping->blanking_m || area <= 0.0) {
+        return;
+    }
+    double near = fmax(range, 0.5 * ping->blanking_m);
+    double loud = loudness(f, asdic_vec3_scale(way, 1.0 / fmax(range, 1e-9)),
+                           fmin(reach / fmax(range, 1e-9), 1.0));
+    if (loud == 0.0) {
+        return;
+    }
+    if (p->smooth) {
+        double side = f->out ? ceil(length_of(p) / f->out->smooth_m) : 1.0;
+        if (side * side > DEV_PATCH_SCATTERERS) {
+            cut_in_four(f, p);
+        } else if (f->out) {
+            add_patch(f, p, (uint32_t)(side * side));
+        } else {
+            f->smooth_m2 += area;
+        }
+        return;
+    }
+    double wanted = area * loud / near;
+    bool wide = reach > WIDEST_PIECE * near && reach > 0.05;
+    if (!f->out) {
+        if (wide) {
+            cut_in_four(f, p);
+        } else {
+            f->counted += wanted;
+        }
+        return;
+    }
+    wanted *= f->out->per_m2;
+    if (wide || wanted > DEV_PATCH_SCATTERERS) {
+        cut_in_four(f, p);
+        return;
+    }
+    uint32_t count = 1;
+    while (count < wanted) {
+        count *= 2;
+    }
+    add_patch(f, p, count);
+}
+
+/* A plane at DEPTH: squares whose corners have whole numbers. */
+static void cut_plane(finder *f, double depth_m, dev_uint kind) {
+    const asdic_ping_shot *shot = f->shot;
+    asdic_vec3 origin = f->sim->setup.scene->origin_m;
+    double side = exp2(ceil(log2(shot->ping->range_m)));
+    double x = floor(shot->pose.position_m.x / side), y = floor(shot->pose.position_m.y / side);
+    for (int i = -1; i <= 1; i++) {
+        for (int j = -1; j <= 1; j++) {
+            piece p = {
+                .corner = {(x + i) * side - origin.x, (y + j) * side - origin.y,
+                           depth_m - origin.z},
+                .edge1 = {side, 0.0, 0.0},
+                .edge2 = {0.0, side, 0.0},
+                .triangle = ~0u,
+                .kind = kind,
+                .name = {(uint32_t)(int32_t)(x + i), (uint32_t)(int32_t)(y + j) ^ kind << 28, 0}};
+            cut_piece(f, &p);
+        }
+    }
+}
+
+/* What of a material keeps its phase, and what does not. */
+static void cut_triangle(finder *f, size_t index) {
+    const dev_triangle *t = asdic_placement_triangle(f->sim->placement, index);
+    const asdic_part *part = &f->sim->setup.scene->parts[t->part];
+    const dev_material *law = &f->sim->setup.scatterers[part->material].device;
+    asdic_vec3 v0 = {t->v0[0], t->v0[1], t->v0[2]}, v1 = {t->v1[0], t->v1[1], t->v1[2]},
+               v2 = {t->v2[0], t->v2[1], t->v2[2]};
+    piece p = {.corner = v0,
+               .edge1 = asdic_vec3_sub(v1, v0),
+               .edge2 = asdic_vec3_sub(v2, v0),
+               .folded = true,
+               .triangle = (dev_uint)index,
+               .kind = part->kind,
+               .name = {(uint32_t)index, 0x80000000u, 0}};
+    bool mirrors = law->law == DEV_LAW_FACET && !(law->formula[0] > 0.0f);
+    if (!mirrors || law->roughness_g > LEAST_ROUGHNESS) {
+        cut_piece(f, &p);
+    }
+    if (mirrors && law->roughness_g < MOST_ROUGHNESS) {
+        p.smooth = true;
+        cut_piece(f, &p);
+    }
+}
+
+static void cut_surfaces(finder *f) {
+    const asdic_simulator *sim = f->sim;
+    const asdic_scene *scene = sim->setup.scene;
+    if (scene->has_bottom_plane) {
+        cut_plane(f, scene->bottom_plane_depth_m, DEV_KIND_BOTTOM);
+    }
+    if (scene->has_surface && !(sim->setup.sampling.left_out & (1u << ASDIC_TERM_SURFACE))) {
+        cut_plane(f, 0.0, DEV_KIND_SURFACE);
+    }
+    bool objects = !(sim->setup.sampling.left_out & (1u << ASDIC_TERM_OBJECTS));
+    for (size_t i = 0; sim->tracer && i < scene->triangle_count; i++) {
+        const dev_triangle *t = asdic_placement_triangle(sim->placement, i);
+        if (objects || scene->parts[t->part].kind == DEV_KIND_BOTTOM) {
+            cut_triangle(f, i);
+        }
+    }
+}
+
+/* Shells of water, new in every ping: what scatters there drifts. */
+static void cut_water(finder *f, double wanted) {
+    const dev_ping *ping = f->shot->ping;
+    if (f->sim->setup.sampling.left_out & (1u << ASDIC_TERM_VOLUME)) {
+        return;
+    }
+    double pulse = 0.5 * f->shot->water.sound_speed_mps / f->sim->setup.sonar.bandwidth_hz;
+    double depth = ping->range_m - ping->blanking_m;
+    double thick = fmin(0.5 * pulse, fmax(0.25 * pulse, 8.0 * depth / wanted));
+    size_t shells = (size_t)ceil(depth / thick);
+    double each = fmin(fmax(wanted / (double)shells, 8.0), DEV_PATCH_SCATTERERS);
+    thick = depth / (double)shells;
+    for (size_t i = 0; i < shells && !f->out->out_of_memory; i++) {
+        piece p = {.edge1 = {thick, 0.0, 0.0},
+                   .edge2 = {0.0, thick, 0.0},
+                   .triangle = ~0u,
+                   .kind = DEV_KIND_WATER,
+                   .name = {(uint32_t)i, ping->ping[0], 0x40000000u + ping->ping[1]}};
+        p.corner.x = ping->blanking_m + (double)i * thick;
+        add_patch(f, &p, (uint32_t)each);
+        if (!f->out->out_of_memory) {
+            f->out->items[f->out->count - 1].share = (float)(thick / floor(each));
+        }
+    }
+}
+
+static void add_points(finder *f) {
+    const asdic_scene *scene = f->sim->setup.scene;
+    for (size_t i = 0; i < scene->point_count && !f->out->out_of_memory; i++) {
+        const asdic_point *point = &f->sim->placement->points[i];
+        piece p = {.corner = asdic_vec3_sub(point->position_m, scene->origin_m),
+                   .triangle = ~0u,
+                   .kind = DEV_KIND_POINT,
+                   .name = {(uint32_t)i, 0, 0xc0000000u}};
+        add_patch(f, &p, 1);
+        if (!f->out->out_of_memory) {
+            f->out->items[f->out->count - 1].share =
+                (float)pow(10.0, 0.1 * point->target_strength_db);
+        }
+    }
+}
+
+/* The side of smooth pieces: a quarter of a wavelength resolves every lobe. More than COUNT of them cost too
+ * much; larger ones lose lobes far from the mirror direction. */
+static double smooth_side(const finder *f, double count) {
+    return fmax(0.25 * f->shot->water.wavelength_m, sqrt(2.0 * f->smooth_m2 / count));
+}
+
+asdic_status asdic_patches_find(const asdic_simulator *sim, const asdic_ping_shot *shot,
+                                asdic_patches *out) {
+    finder f = {.sim = sim,
+                .shot = shot,
+                .at = asdic_vec3_sub(shot->pose.position_m, sim->setup.scene->origin_m)};
+    double wanted = sim->setup.sampling.rays;
+    out->count = out->slots = 0;
+    out->out_of_memory = false;
+    cut_surfaces(&f); /* counts */
+    /* Counts are rounded up to powers of two, on average by 1.44. */
+    out->per_m2 = (1.0 - WATER_SHARE) * wanted / (1.44 * fmax(f.counted, 1e-12));
+    out->smooth_m = smooth_side(&f, wanted);
+    f.out = out;
+    cut_surfaces(&f);
+    cut_water(&f, WATER_SHARE * wanted);
+    add_points(&f);
+    return out->out_of_memory ? asdic_fail_memory(sim->ctx, "scatterers") : ASDIC_OK;
+}
+
+void asdic_patches_finish(asdic_patches *patches) {
+    free(patches->items);
+    *patches = (asdic_patches){0};
+}

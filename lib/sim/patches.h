@@ -1,0 +1,27 @@
+/*
+ * Where the scatterers of a coherent ping are: pieces of every surface that the sonar may hear, of the water,
+ * and points. A piece is the same, and so are its scatterers, wherever the sonar is; how finely surfaces are
+ * cut follows from the distance.
+ */
+#ifndef ASDIC_SIM_PATCHES_H
+#define ASDIC_SIM_PATCHES_H
+
+#include "simulator.h"
+
+#include "../../kernels/coherent.h"
+
+typedef struct asdic_patches {
+    dev_patch *items;
+    size_t count, capacity;
+    size_t slots;    /* scatterers of all patches */
+    double per_m2;   /* scatterers on a square metre at 1 m, in the transmitter's beam */
+    double smooth_m; /* side of smooth pieces */
+    bool out_of_memory;
+} asdic_patches;
+
+/* Finds the patches for SHOT, about as many scatterers as sampling.rays. */
+asdic_status asdic_patches_find(const asdic_simulator *sim, const asdic_ping_shot *shot,
+                                asdic_patches *out);
+void asdic_patches_finish(asdic_patches *patches);
+
+#endif

@@ -1,0 +1,225 @@
+/* Coherent pings against closed forms, quadrature and a reference in double. */
+#include "ping_rig.h"
+
+#include "sim/coherent.h"
+
+static test_device t;
+
+#define TURN (360.0 * RIG_DEGREE)
+
+/* 32 elements half a wavelength apart at 100 kHz and 1500 m/s, and one beam ahead; no noise, clear water. */
+static ping_rig array_rig(void) {
+    ping_rig r = rig_create(&t);
+    r.env.sound_speed_mps = 1500.0;
+    r.env.particle_strength_db = -200.0;
+    r.sonar.array = (asdic_array){
+        .elements = 32, .spacing_m = 0.0075, .element = {.length_h_m = 0.0075, .length_v_m = 0.05}};
+    r.sonar.receiver_count = 1;
+    r.receivers[0].length_h_m = 0.24;
+    r.sampling.coherent = true;
+    r.sampling.rays = 20000;
+    return r;
+}
+
+static ping_rig empty_array(void) {
+    ping_rig r = array_rig();
+    asdic_scene_destroy(&r.scene);
+    assert_ok(t.ctx, asdic_scene_create(t.ctx, &r.scene));
+    asdic_scene_set_surface(r.scene, false);
+    return r;
+}
+
+static asdic_ping *shoot(ping_rig *r, asdic_simulator *sim, uint64_t index) {
+    asdic_ping *ping = NULL;
+    assert_ok(t.ctx, asdic_ping_create(t.ctx, r->sonar.receiver_count,
+                                       asdic_simulator_bin_count(sim), &ping));
+    assert_ok(t.ctx, asdic_ping_add_elements(t.ctx, ping, r->sonar.array.elements,
+                                             asdic_simulator_sample_count(sim)));
+    assert_ok(t.ctx, asdic_simulator_ping(sim, &r->pose, index, ping));
+    return ping;
+}
+
+/* A point's pressure at every element: level by the sonar equation, phase by the way there and back. */
+static void a_point_has_level_and_phase(void **state) {
+    (void)state;
+    ping_rig r = empty_array();
+    r.sonar.transmitter.length_h_m = r.sonar.transmitter.length_v_m = 1e-4;
+    r.sonar.array.element.length_h_m = r.sonar.array.element.length_v_m = 1e-4;
+    asdic_vec3 at = {30.0, 12.0, 9.0};
+    assert_ok(t.ctx, asdic_scene_add_point(r.scene, "p", at, -20.0));
+    asdic_simulator *sim = rig_simulator(&r);
+    asdic_ping *ping = shoot(&r, sim, 0);
+    double alpha = asdic_environment_absorption_db_per_km(&r.env, 100e3, 7.0);
+    double range = sqrt(30.0 * 30 + 12 * 12 + 2 * 2), worst_db = 0.0, worst_turns = 0.0;
+    double level = -20.0 - 40.0 * log10(range) - 2.0 * (range - 1.0) * alpha / 1000.0;
+    for (size_t e = 0; e < ping->elements; e++) {
+        double y = ((double)e - 15.5) * 0.0075;
+        double back = sqrt(30.0 * 30 + (12 - y) * (12 - y) + 2 * 2);
+        size_t n = (size_t)(0.5 * (range + back) / ping->sample_m);
+        const float *p = ping->pressure + 2 * (e * ping->samples + n);
+        double turns = atan2(p[1], p[0]) / TURN + (range + back) / 0.015;
+        worst_turns = fmax(worst_turns, fabs(turns - rint(turns)));
+        worst_db = fmax(worst_db, fabs(20.0 * log10(hypot(p[0], p[1])) - level));
+    }
+    print_message("off by %.2g dB and %.2g turns\n", worst_db, worst_turns);
+    assert_true(worst_db < 1e-3 && worst_turns < 1e-3);
+    asdic_ping_destroy(&ping);
+    asdic_simulator_destroy(&sim);
+    rig_destroy(&r);
+}
+
+/* At 1 MHz and 150 m there and back are 200,000 wavelengths, far from the scene's origin as well. */
+static void phase_holds_at_a_megahertz(void **state) {
+    (void)state;
+    ping_rig r = empty_array();
+    const double wavelength_m = 0.0015;
+    r.sonar.frequency_hz = 1e6;
+    r.sonar.array.spacing_m = 0.5 * wavelength_m;
+    r.sonar.ping_rate_hz = 4.0;
+    r.sonar.transmitter.length_h_m = r.sonar.transmitter.length_v_m = 1e-4;
+    r.sonar.array.element.length_h_m = r.sonar.array.element.length_v_m = 1e-4;
+    r.pose.position_m = (asdic_vec3){1.2345678, -3.456789, 7.1};
+    asdic_vec3 at[] = {{130.0, 70.0, 20.0}, {149.0, -3.0, 9.0}, {90.25, -119.5, 8.0}};
+    for (int i = 0; i < 3; i++) {
+        assert_ok(t.ctx, asdic_scene_add_point(r.scene, "p", at[i], 0.0));
+    }
+    asdic_simulator *sim = rig_simulator(&r);
+    asdic_ping *ping = shoot(&r, sim, 0);
+    double worst = 0.0;
+    for (int i = 0; i < 3; i++) {
+        /* The device holds a point's place in single precision. */
+        double x = (float)at[i].x - r.pose.position_m.x, y = (float)at[i].y - r.pose.position_m.y;
+        double z = (float)at[i].z - r.pose.position_m.z, range = sqrt(x * x + y * y + z * z);
+        for (size_t e = 0; e < ping->elements; e++) {
+            double own = ((double)e - 15.5) * r.sonar.array.spacing_m;
+            double back = sqrt(x * x + (y - own) * (y - own) + z * z);
+            size_t n = (size_t)(0.5 * (range + back) / ping->sample_m);
+            const float *p = ping->pressure + 2 * (e * ping->samples + n);
+            double turns = atan2(p[1], p[0]) / TURN + (range + back) / wavelength_m;
+            worst = fmax(worst, fabs(turns - rint(turns)));
+        }
+    }
+    print_message("off by %.2g wavelengths\n", worst);
+    assert_true(worst < 1e-3);
+    asdic_ping_destroy(&ping);
+    asdic_simulator_destroy(&sim);
+    rig_destroy(&r);
+}
+
+/* The sums of the scatterers that the device made, in double. */
+static double *sum_elements(const dev_coherent *c, const dev_echo *echoes, size_t count) {
+    double *p = calloc(2 * (size_t)c->elements * c->samples, sizeof *p);
+    assert_non_null(p);
+    for (size_t i = 0; i < count; i++) {
+        for (size_t e = 0; e < c->elements; e++) {
+            double y = ((double)e - 0.5 * (c->elements - 1.0)) * (double)c->spacing_m;
+            double longer = element_longer(y, echoes[i].y, echoes[i].range_m);
+            double way = echoes[i].way_m + 0.5 * longer;
+            phasor turn =
+                phasor_of(-longer * ((double)c->turns_per_m + (double)c->turns_per_m_low));
+            double reach = PULSE_REACH * (double)c->pulse_m,
+                   first = (way - reach) / c->sample_m - 0.5;
+            for (size_t n = (size_t)fmax(ceil(first), 0.0);
+                 n < c->samples && (n + 0.5) * c->sample_m <= way + reach; n++) {
+                double s = pulse_at(way - (n + 0.5) * (double)c->sample_m, 1.0 / c->pulse_m);
+                double *to = p + 2 * (e * c->samples + n);
+                to[0] += s * (turn.re * echoes[i].re - turn.im * echoes[i].im);
+                to[1] += s * (turn.re * echoes[i].im + turn.im * echoes[i].re);
+            }
+        }
+    }
+    return p;
+}
+
+static void elements_agree_with_double(void **state) {
+    (void)state;
+    ping_rig r = array_rig();
+    r.env.particle_strength_db = -50.0;
+    r.sonar.array.elements = 21; /* no whole number of vectors */
+    asdic_simulator *sim = rig_simulator(&r);
+    asdic_ping *ping = shoot(&r, sim, 0);
+    dev_echo *echoes = NULL;
+    size_t count = 0;
+    assert_ok(t.ctx, asdic_coherent_echoes(sim, &echoes, &count));
+    assert_in_range(count, 10000, 60000);
+    double *p = sum_elements(asdic_coherent_told(sim->coherent), echoes, count);
+    double power = 0.0, difference = 0.0, worst = 0.0;
+    for (size_t e = 0; e < ping->elements; e++) {
+        for (size_t n = 0; n < ping->samples; n++) {
+            size_t at = 2 * (e * ping->samples + n);
+            double dx = ping->pressure[at] - p[at], dy = ping->pressure[at + 1] - p[at + 1];
+            double own = p[at] * p[at] + p[at + 1] * p[at + 1];
+            power += own;
+            difference += dx * dx + dy * dy;
+            worst = fmax(worst, own > 0.0 ? (dx * dx + dy * dy) / own : 0.0);
+        }
+    }
+    print_message("%zu scatterers: %.1f dB below the pressure, %.1f dB at most\n", count,
+                  10.0 * log10(difference / power), 10.0 * log10(worst));
+    assert_true(difference < 1e-9 * power);
+    free(p);
+    free(echoes);
+    asdic_ping_destroy(&ping);
+    asdic_simulator_destroy(&sim);
+    rig_destroy(&r);
+}
+
+#define PATTERN_BEAMS 121
+
+/* Beams of every shading from -60 to 60 degrees, heard by a point 10 degrees to starboard. */
+static void beams_have_the_pattern_of_their_weights(void **state) {
+    (void)state;
+    for (int shading = ASDIC_SHADING_NONE; shading <= ASDIC_SHADING_CHEBYSHEV; shading++) {
+        ping_rig r = empty_array();
+        asdic_beam beams[PATTERN_BEAMS] = {0};
+        r.sonar.bandwidth_hz = 1000.0;
+        r.sonar.bin_length_m = 0.75;
+        r.sonar.array.shading = (asdic_shading)shading;
+        r.sonar.array.side_lobe_db = -30.0;
+        for (int b = 0; b < PATTERN_BEAMS; b++) {
+            beams[b] = r.receivers[0];
+            beams[b].yaw_rad = (b - 60) * RIG_DEGREE;
+        }
+        double range = 53.5 * 0.75, bearing = 10.0 * RIG_DEGREE, worst = 0.0;
+        asdic_vec3 at = {range * cos(bearing), range * sin(bearing), 7.0};
+        assert_ok(t.ctx, asdic_scene_add_point(r.scene, "p", at, 0.0));
+        assert_ok(t.ctx, asdic_scene_commit(r.scene));
+        r.sonar.receivers = beams;
+        r.sonar.receiver_count = PATTERN_BEAMS;
+        asdic_simulator *sim = NULL;
+        assert_ok(t.ctx, asdic_simulator_create(t.ctx, t.device, r.scene, &r.env, &r.sonar,
+                                                &r.sampling, 7.0, &sim));
+        asdic_ping *ping = shoot(&r, sim, 0);
+        double weights[32], none = ping->intensity_lin[ASDIC_TOTAL][70 * ping->bins + 53];
+        asdic_array_weights(&r.sonar.array, weights);
+        for (int b = 0; b < PATTERN_BEAMS; b++) {
+            double re = 0.0, im = 0.0, off = sin((b - 60) * RIG_DEGREE) - sin(bearing);
+            for (int e = 0; e < 32; e++) {
+                re += weights[e] * cos(TURN * 0.5 * off * (e - 15.5));
+                im += weights[e] * sin(TURN * 0.5 * off * (e - 15.5));
+            }
+            double expected = 10.0 * log10(re * re + im * im);
+            double level = asdic_level_db(
+                ping->intensity_lin[ASDIC_TOTAL][(size_t)b * ping->bins + 53] / none);
+            worst = fmax(worst, expected > -40.0 ? fabs(level - expected) : 0.0);
+        }
+        print_message("shading %d: off by %.3f dB\n", shading, worst);
+        assert_true(worst < 0.1);
+        asdic_ping_destroy(&ping);
+        asdic_simulator_destroy(&sim);
+        rig_destroy(&r);
+    }
+}
+
+int main(void) {
+    t = test_device_open_or_skip();
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_point_has_level_and_phase),
+        cmocka_unit_test(phase_holds_at_a_megahertz),
+        cmocka_unit_test(elements_agree_with_double),
+        cmocka_unit_test(beams_have_the_pattern_of_their_weights),
+    };
+    int failed = cmocka_run_group_tests(tests, NULL, NULL);
+    test_device_close(&t);
+    return failed;
+}
