@@ -15,6 +15,9 @@ from ._ping import Ping, Simulator, expect
 from ._run import Detections, Run, detect, simulate
 from ._scene import Scene, schema
 
+for _kind in (ArgumentError, ClosedError, DeviceError, DeviceLostError, Error, ExistsError, FileError, InputError,
+              MemoryShortError, Remark, StoppedError, UnsupportedError):
+    _kind.__module__ = "asdic"  # where users see it
 __version__ = _text(_lib.asdic_version())
 __all__ = [
     "ArgumentError", "ClosedError", "Detections", "DeviceError", "DeviceLostError", "Error", "ExistsError", "FileError",

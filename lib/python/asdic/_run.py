@@ -15,7 +15,7 @@ import numpy as np
 from ._library import (ArgumentError, Context, Fields, Handle, InputError, Progress, Remark, dtype_of, encoded, fail, ffi,
                        fields, lib, number, open_devices, value_of, view, whole)
 from ._ping import PARTS, Levels, Ping, beams_of, expected
-from ._scene import SceneLike, choose_sampling, load_mission, remarks
+from ._scene import Scene, SceneLike, choose_sampling, load_mission, remarks
 
 if TYPE_CHECKING:
     import xarray
@@ -45,13 +45,29 @@ def _keep_tolerance(context: Context, mission: Handle, devices: Handle, toleranc
                       f"{budget.rays} rays a ping", Remark, stacklevel=3)
 
 
+def _kept(scene: SceneLike, folder: Folder, force: bool, resume: bool) -> SceneLike:
+    """SCENE, saved in the run's FOLDER if it is in memory: detectors read it there, and so does the program."""
+    if not isinstance(scene, Scene):
+        return scene
+    path = os.path.join(folder, "scene.json")
+    if resume and os.path.exists(path):
+        with open(path, encoding="utf-8") as file:
+            if file.read() != scene.to_json():
+                raise fail(InputError, f"{path} is not the scene to be resumed; force begins anew")
+        return path
+    if os.path.exists(os.path.join(folder, "run.json")) and not force:
+        return scene  # refused below
+    load_mission(Context(), scene)  # nothing is written of a scene with errors
+    return scene.save(folder)
+
+
 def simulate(scene: SceneLike, folder: Folder | None = None, *, device: str | None = None, rays: int | None = None,
              seed: int | None = None, sampler: str | None = None, tolerance_db: float | None = None,
              pings: slice | range | None = None, force: bool = False, resume: bool = False,
              progress: Progress | bool = None) -> Run:
     """Simulates the pings of a scene, as `asdic run` does, and returns the run.
 
-    SCENE is a scene file or an asdic.Scene. FOLDER is kept; without one the run is in a temporary folder that
+    SCENE is a scene file or an asdic.Scene, which is saved in the folder. FOLDER is kept; without one the run is in a temporary folder that
     goes with the run (its arrays stay). DEVICE: "auto", "all", "cpu", "gpu", "0:0", "name:TEXT". TOLERANCE_DB
     doubles the rays until 99 % of the bins keep it. PINGS: a slice or range of the mission's.
 
@@ -59,7 +75,11 @@ def simulate(scene: SceneLike, folder: Folder | None = None, *, device: str | No
     the run. Ctrl-C stops at the next ping; what was simulated until then is in FOLDER, and RESUME goes on.
     """
     context = Context(progress)
-    mission = load_mission(context, scene)
+    temporary = None
+    if folder is None:
+        temporary = tempfile.TemporaryDirectory(prefix="asdic-")  # pylint: disable=consider-using-with
+        folder = os.path.join(temporary.name, "run")
+    mission = load_mission(context, _kept(scene, folder, force, resume))
     choose_sampling(mission, rays, seed, sampler)
     for remark in remarks(mission):
         warnings.warn(remark, Remark, stacklevel=2)
@@ -67,10 +87,6 @@ def simulate(scene: SceneLike, folder: Folder | None = None, *, device: str | No
     devices = open_devices(context, device)
     if tolerance_db is not None:
         _keep_tolerance(context, mission, devices, tolerance_db)
-    temporary = None
-    if folder is None:
-        temporary = tempfile.TemporaryDirectory(prefix="asdic-")  # pylint: disable=consider-using-with
-        folder = os.path.join(temporary.name, "run")
     path = ffi.new("char[]", encoded(folder, "folder"))
     options = ffi.new("asdic_run_options *", lib.asdic_run_options_default())
     options.folder, options.force, options.resume = path, bool(force), bool(resume)

@@ -42,6 +42,18 @@ def _array(values: ArrayLike, kinds: str, what: str) -> np.ndarray:
     return array
 
 
+def _write_ply(path: str, corners: np.ndarray, indices: np.ndarray) -> None:
+    """A mesh file with every digit of the corners."""
+    facets = np.empty(len(indices), [("count", "u1"), ("corners", "<u4", (3,))])
+    facets["count"], facets["corners"] = 3, indices
+    with open(path, "wb") as file:
+        file.write(f"ply\nformat binary_little_endian 1.0\nelement vertex {len(corners)}\n"
+                   "property double x\nproperty double y\nproperty double z\n"
+                   f"element face {len(indices)}\nproperty list uchar uint vertex_indices\nend_header\n".encode())
+        file.write(corners.astype("<f8").tobytes())
+        file.write(facets.tobytes())
+
+
 class Scene:
     """A scene in memory: the sections of a scene file as dictionaries, and meshes from arrays.
 
@@ -61,7 +73,7 @@ class Scene:
         self.sonar, self.mission, self.sampling = sonar, mission, sampling
         self.model, self.detector, self.output = model, detector, output
         self.objects: list[dict[str, Any]] = []
-        self._meshes: dict[str, Handle] = {}
+        self._meshes: dict[str, tuple[Handle, np.ndarray, np.ndarray]] = {}
         self._context = Context()
 
     def add(self, name: str, *, position_m: Sequence[float] = (0.0, 0.0, 0.0), material: str | Keys | None = None,
@@ -82,7 +94,7 @@ class Scene:
         """
         name = f"object{len(self.objects)}" if name is None else name
         self.add(name, position_m=position_m, rotation_deg=list(rotation_deg), material=material,
-                 mesh={"file": self._keep(vertices, triangles)}, **keys)
+                 mesh={"file": self._keep(vertices, triangles), "z_up": False}, **keys)
         return name
 
     def set_terrain(self, north_m: ArrayLike, east_m: ArrayLike, depth_m: ArrayLike,
@@ -101,21 +113,32 @@ class Scene:
     def set_bottom(self, vertices: ArrayLike, triangles: ArrayLike, material: str | Keys = "sand") -> None:
         """A bottom of triangles, as of add_mesh."""
         law = {"type": material} if isinstance(material, str) else dict(material)
-        self.bottom = {"mesh": {"file": self._keep(vertices, triangles)}, **law}
+        self.bottom = {"mesh": {"file": self._keep(vertices, triangles), "z_up": False}, **law}
 
     def _keep(self, vertices: ArrayLike, triangles: ArrayLike) -> str:
         """Makes a mesh of the arrays; its name in this scene."""
-        corners = np.ascontiguousarray(_array(vertices, "fiu", "vertices"), dtype=np.float64)
+        corners = np.array(_array(vertices, "fiu", "vertices"), dtype=np.float64, order="C")
         found = _array(triangles, "iu", "triangles")
         if found.min() < 0 or found.max() >= len(corners):
             worst = found.min() if found.min() < 0 else found.max()
             raise fail(ArgumentError, f"a triangle has the corner {worst}, but there are {len(corners)} vertices")
-        indices = np.ascontiguousarray(found, dtype=np.uint32)
-        name = f"mesh{len(self._meshes)}"
-        self._meshes[name] = self._context.make(
+        indices = np.array(found, dtype=np.uint32, order="C")
+        name = f"mesh{len(self._meshes)}.ply"
+        handle = self._context.make(
             "asdic_mesh", lib.asdic_mesh_destroy, lib.asdic_mesh_from_triangles, self._context.pointer,
             ffi.from_buffer("double[]", corners), len(corners), ffi.from_buffer("uint32_t[]", indices), len(indices))
+        self._meshes[name] = (handle, corners, indices)
         return name
+
+    def save(self, folder: str | os.PathLike[str]) -> str:
+        """Writes the scene for the asdic program: FOLDER/scene.json, whose path it returns, and the meshes."""
+        os.makedirs(folder, exist_ok=True)
+        for name, (_, corners, indices) in self._meshes.items():
+            _write_ply(os.path.join(folder, name), corners, indices)
+        path = os.path.join(os.fspath(folder), "scene.json")
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(self.to_json())
+        return path
 
     def to_json(self) -> str:
         """The scene as a scene file's text; JSON is YAML. Meshes from arrays stand in it by name."""
@@ -131,15 +154,15 @@ class Scene:
         """The mission that the scene describes."""
         data = self.to_json().encode()
         meshes = ffi.new("asdic_named_mesh[]", len(self._meshes))
-        keeps: list[Any] = [data, *self._meshes.values()]
-        for entry, (name, mesh) in zip(meshes, self._meshes.items()):
+        keeps: list[Any] = [data]
+        for entry, (name, (mesh, _, _)) in zip(meshes, self._meshes.items()):
             keeps.append(ffi.new("char[]", name.encode()))
             entry.name, entry.mesh = keeps[-1], mesh.pointer
-        content, name = ffi.from_buffer("char[]", data), ffi.new("char[]", b"scene")
-        source = ffi.new("asdic_scene_text *", {"text": content, "length": len(data), "name": name, "meshes": meshes,
+        content, path = ffi.from_buffer("char[]", data), ffi.new("char[]", b"scene")
+        source = ffi.new("asdic_scene_text *", {"text": content, "length": len(data), "name": path, "meshes": meshes,
                                                 "mesh_count": len(self._meshes)})
         return context.make("asdic_mission", lib.asdic_mission_destroy, lib.asdic_mission_load_text, context.pointer,
-                            source, keeps=(keeps,))
+                            source)
 
 
 SceneLike = Union[str, "os.PathLike[str]", Scene]

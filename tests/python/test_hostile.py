@@ -1,0 +1,275 @@
+"""Bad input, and objects used in ways nobody should: one clear exception each, and no crash."""
+import gc
+import os
+import subprocess
+import sys
+import tempfile
+import threading
+
+from package import need_device, pool, raises
+import tap
+
+import numpy as np
+import asdic
+from asdic._native import ffi, lib
+
+CORNERS = [[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]
+FACET = [[0, 1, 2]]
+
+
+def test_arrays_that_are_no_mesh():
+    scene = asdic.Scene()
+    bad = np.array(CORNERS)
+    bad[1, 2] = np.nan
+    for kind, part, corners, facets in (
+            (asdic.ArgumentError, "vertices have the shape (3, 2); it must be (n, 3)", [[0, 0]] * 3, FACET),
+            (asdic.ArgumentError, "vertices have the shape (9,)", np.zeros(9), FACET),
+            (asdic.ArgumentError, "triangles have the shape (1, 4)", CORNERS, [[0, 1, 2, 0]]),
+            (asdic.ArgumentError, "triangles have the shape (0,)", CORNERS, []),
+            (TypeError, "vertices are of type <U1; they must be numbers", [["a", "b", "c"]], FACET),
+            (TypeError, "vertices are of type complex128", np.zeros((3, 3), complex), FACET),
+            (TypeError, "triangles are of type float64; they must be integers", CORNERS, [[0.0, 1.0, 2.0]]),
+            (TypeError, "triangles are of type bool", CORNERS, [[True, False, True]]),
+            (asdic.ArgumentError, "a triangle has the corner 3, but there are 3 vertices", CORNERS, [[0, 1, 3]]),
+            (asdic.ArgumentError, "a triangle has the corner -1", CORNERS, [[0, 1, -1]]),
+            (asdic.ArgumentError, "a triangle has the corner 4294967296", CORNERS, [[0, 1, 1 << 32]]),
+            (asdic.InputError, "vertex 1 (1, 0, nan) is not finite; repair the mesh", bad, FACET),
+            (asdic.InputError, "check the units", np.array(CORNERS) * 1e30, FACET)):
+        raises(kind, part, scene.add_mesh, corners, facets)
+    tap.equal(len(scene.objects), 0, "nothing of them is kept")
+    raises(asdic.ArgumentError, "depth_m has the shape (2, 3)", scene.set_terrain, [0, 1, 2], [0, 1], np.zeros((2, 3)))
+
+
+def test_arrays_of_every_kind_that_hold_a_mesh():
+    """Other types, strides and orders are copied into what the library takes."""
+    wide = np.zeros((3, 6), np.float32)
+    wide[:, ::2] = CORNERS
+    for corners, facets in ((CORNERS, FACET), (np.array(CORNERS, "f4"), np.array(FACET, "u1")),
+                            (wide[:, ::2], np.array(FACET, "i8")), (np.asfortranarray(CORNERS), FACET),
+                            (np.array(CORNERS, ">f8"), np.array(FACET, ">i4")), (np.array(CORNERS, "i2"), FACET)):
+        asdic.Scene().add_mesh(corners, facets)
+
+
+def test_scenes():
+    with tempfile.TemporaryDirectory(prefix="asdic-test-") as folder:
+        none = os.path.join(folder, "none.yaml")
+        for function in (asdic.simulate, asdic.Simulator, asdic.expect, asdic.plan):
+            raises(asdic.InputError, "none.yaml: cannot open: No such file or directory", function, none)
+        raises(asdic.InputError, folder, asdic.Run, folder)
+        path = os.path.join(folder, "scene.yaml")
+        with open(path, "w", encoding="ascii") as file:
+            file.write("version: 1\nsonar: {frequency_kHz: 100}\nbottom: {depth_m: -1}\n")
+        error = raises(asdic.InputError, "unknown key 'frequency_kHz'", asdic.plan, path)
+        tap.equal(len(error.messages) >= 2, True, "all errors at once")
+        tap.contains(str(error), "'depth_m' = -1 is out of range")
+    raises(TypeError, "scene is a int; it must be the path of a scene file or an asdic.Scene", asdic.simulate, 7)
+    raises(asdic.ArgumentError, "zero byte", asdic.plan, "a\0b")
+    error = raises(asdic.InputError, "'sonar'", asdic.plan, asdic.Scene())
+    tap.equal(error.status, int(lib.ASDIC_ERROR_INPUT), "status")
+    raises(asdic.InputError, "'frequency_khz' = 9000.0 is out of range", asdic.plan,
+           pool(sonar={"frequency_khz": np.float64(9000), "source_level_db": 0, "receivers": [{"name": "a"}]}))
+    raises(asdic.InputError, "'depth_m' = NaN is not a finite number", asdic.plan, pool(bottom={"depth_m": float("nan")}))
+    raises(TypeError, "a scene cannot hold a set", asdic.plan, pool(bottom={"depth_m": {1}}))
+    raises(asdic.InputError, "unknown key 'deph_m'; did you mean 'depth_m'?", asdic.plan, pool(bottom={"deph_m": 3}))
+    scene = pool()
+    scene.add("wall", box={"size_m": [1, 1, 1]}, position_m=(1, 2), material="stel")
+    raises(asdic.InputError, "stel", asdic.plan, scene)
+
+
+def test_words_and_numbers():
+    scene = pool()
+    raises(TypeError, "unexpected keyword argument 'ray'", asdic.simulate, scene, ray=1000)
+    raises(TypeError, "unexpected keyword argument 'depth'", asdic.Scene, depth=3)
+    raises(asdic.ArgumentError, "rays = 1 is out of range [64, 268435456]", asdic.simulate, scene, rays=1)
+    raises(TypeError, "rays = 1000.0 is not an integer", asdic.simulate, scene, rays=1000.0)
+    raises(asdic.ArgumentError, "sampler = 'best' is none of adaptive, beam, uniform-sphere", asdic.simulate, scene,
+           sampler="best")
+    raises(asdic.ArgumentError, "is no row of pings", asdic.simulate, scene, pings=slice(0, 3, 2))
+    raises(asdic.ArgumentError, "among the 3 there are", asdic.simulate, scene, pings=range(2, 9))
+    raises(TypeError, "pings is a int", asdic.simulate, scene, pings=2)
+    raises(asdic.ArgumentError, "ping = 3 is out of range [0, 2]", asdic.expect, scene, 3)
+    raises(asdic.ArgumentError, "variant = 'best'", asdic.expect, scene, variant="best")
+    raises(asdic.ArgumentError, "give the object", asdic.roc, scene)
+    raises(asdic.ArgumentError, "", asdic.roc, scene, object="wreck")
+    raises(asdic.ArgumentError, "target = 'swerling9' is none of swerling0, swerling1", asdic.roc, scene, object="ball",
+           target="swerling9")
+    raises(asdic.ArgumentError, "absorbtion", asdic.model, "absorbtion", f_khz=1)
+    raises(asdic.ArgumentError, "f_kHz", asdic.model, "absorption", f_kHz=1)
+
+
+def test_devices():
+    for selector in ("9:9", "name:none such", "nonsense"):
+        try:
+            asdic.simulate(pool(), device=selector)
+        except (asdic.DeviceError, asdic.ArgumentError) as error:
+            tap.contains(str(error), selector.rpartition(":")[2].split()[0])
+            continue
+        raise AssertionError(f"{selector} is a device")
+    done = subprocess.run([sys.executable, "-c", "import asdic\nfrom package import pool\ntry:\n  asdic.simulate(pool())\n"
+                           "except asdic.DeviceError as error:\n  print(error)"], capture_output=True, text=True,
+                          check=True, env={**os.environ, "OCL_ICD_VENDORS": "/nonexistent", "PYTHONPATH":
+                                           os.environ["PYTHONPATH"] + os.pathsep + os.path.dirname(__file__)})
+    tap.contains(done.stdout, "OpenCL")
+
+
+def test_output_that_exists():
+    need_device()
+    with tempfile.TemporaryDirectory(prefix="asdic-test-") as folder:
+        out = os.path.join(folder, "run")
+        asdic.simulate(pool(), out, pings=slice(0, 1))
+        raises(asdic.ExistsError, out, asdic.simulate, pool(), out)
+        tap.equal(issubclass(asdic.ExistsError, FileExistsError), True, "as Python calls it")
+        tap.equal(len(asdic.simulate(pool(), out, force=True)), 3, "replaced")
+        tap.equal(len(asdic.simulate(pool(), out, resume=True)), 3, "resumed")
+        raises(FileNotFoundError, "/proc/run", asdic.simulate, pool(), "/proc/run")
+        path = pool().save(os.path.join(folder, "saved"))
+        raises(asdic.FileError, "/proc/run", asdic.simulate, path, "/proc/run")
+        other = pool(bottom={"depth_m": 13})
+        raises(asdic.InputError, "is not the scene to be resumed", asdic.simulate, other, out, resume=True)
+        raises(asdic.ExistsError, out, asdic.simulate, other, out)
+        broken = os.path.join(folder, "broken")
+        raises(asdic.InputError, "depth_m", asdic.simulate, pool(bottom={"depth_m": -13}), broken)
+        tap.equal(os.path.exists(broken), False, "nothing is written of a scene with errors")
+        with open(os.path.join(out, "pings.npy"), "r+b") as file:
+            file.truncate(200)
+        raises(asdic.InputError, "pings.npy", asdic.Run, out)
+
+
+def test_poses():
+    need_device()
+    sonar = asdic.Simulator(pool())
+    raises(asdic.ArgumentError, "x = nan is not finite", sonar.ping, float("nan"), 0, 5)
+    raises(TypeError, "y = 'east' is not a number", sonar.ping, 0, "east", 5)
+    raises(asdic.ArgumentError, "z = -5 m is no depth of a vehicle: z is positive down", sonar.ping, 0, 0, -5)
+    raises(TypeError, "unexpected keyword argument 'heading'", sonar.ping, 0, 0, 5, heading=3)
+    raises(asdic.ArgumentError, "out = 3 is no ping of this simulator", sonar.ping, 0, 0, 5, out=3)
+    raises(asdic.ArgumentError, "nothing", sonar.move, "nothing", 0, 0, 0)
+    tap.equal(sonar.index, 0, "no ping was counted")
+    tap.equal(sonar.ping(0, 0, 5).index, 0, "and it works on")
+
+
+def test_use_after_close():
+    need_device()
+    sonar = asdic.Simulator(pool())
+    ping = sonar.ping(0, 0, 5)
+    level = float(np.nanmax(ping.level_db))
+    sonar.close()
+    sonar.close()
+    raises(asdic.ClosedError, "the simulator is closed", sonar.ping, 0, 0, 5)
+    raises(asdic.ClosedError, "the simulator is closed", lambda: sonar.sonar)
+    raises(asdic.ClosedError, "the simulator is closed", sonar.move, "ball", 0, 0, 5)
+    tap.equal(float(np.nanmax(ping.parts["bottom"])) <= level, True, "a ping stays")
+    with asdic.Simulator(pool()) as other:
+        pass
+    raises(asdic.ClosedError, "the simulator is closed", lambda: next(other.fly()))
+
+
+def test_garbage_in_any_order():
+    """Circles, and owners that go first: finalizers run children first."""
+    need_device()
+    for _ in range(3):
+        sonar = asdic.Simulator(pool())
+        sonar.myself, sonar.ping_of_mine = sonar, sonar.ping(0, 0, 5)
+        energy = sonar.ping_of_mine.intensity["total"]
+        del sonar
+        gc.collect()
+        tap.equal(float(energy.max()) > 0, True, "energies")
+    scene = pool()
+    scene.add_mesh(CORNERS, FACET, position_m=(10, 0, 5))
+    sonar = asdic.Simulator(scene)
+    del scene
+    gc.collect()
+    sonar.ping(0, 0, 5)
+    generator = asdic.Simulator(pool()).fly()
+    next(generator)
+    gc.collect()
+    next(generator)
+    # Left to the interpreter's end: a simulator, its device, a run, a generator.
+    globals()["left"] = (sonar, generator, asdic.simulate(pool()))
+
+
+def test_two_threads():
+    """Two simulators work at once, and one lets its callers in one by one: the bytes are those of one thread."""
+    need_device()
+    alone = [ping.level_db for ping in asdic.Simulator(pool()).fly()]
+    results, errors = {}, []
+
+    def work(name):
+        try:
+            results[name] = [ping.level_db for ping in asdic.Simulator(pool()).fly()]
+        except Exception as error:  # pylint: disable=broad-except # for the main thread to tell
+            errors.append(error)
+    threads = [threading.Thread(target=work, args=(k,)) for k in range(2)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    tap.equal(errors, [], "errors")
+    for levels in results.values():
+        for a, b in zip(alone, levels, strict=True):
+            tap.equal(np.array_equal(a, b, equal_nan=True), True, "levels")
+    shared, numbers = asdic.Simulator(pool()), []
+    threads = [threading.Thread(target=lambda: numbers.append(shared.ping(0, 0, 5).index)) for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    tap.equal(sorted(numbers), [0, 1, 2, 3], "numbers of pings")
+
+
+def test_fork():
+    """In a forked process nothing hangs or crashes: what is of the parent says so, and arrays are there."""
+    need_device()
+    sonar, scene = asdic.Simulator(pool()), pool()
+    scene.add_mesh(CORNERS, FACET, position_m=(10, 0, 5))
+    ping = sonar.ping(0, 0, 5)
+    energy = ping.intensity["total"]
+    reader, writer = os.pipe()
+    child = os.fork()
+    if child == 0:
+        said = []
+        for function in (lambda: sonar.ping(0, 0, 5), lambda: asdic.Simulator(pool()), lambda: asdic.plan(scene)):
+            try:
+                function()
+                said.append("nothing")
+            except asdic.Error as error:
+                said.append(f"{type(error).__name__} {'spawn' in str(error)}")
+        said.append(str(float(energy.max()) > 0))
+        del ping, sonar
+        gc.collect()
+        os.write(writer, "; ".join(said).encode())
+        os._exit(0)
+    os.close(writer)
+    with os.fdopen(reader) as file:
+        said = file.read()
+    tap.equal(os.waitpid(child, 0)[1], 0, "the child's end")
+    tap.equal(said, "ClosedError True; DeviceError True; ClosedError True; True", "what the child heard")
+    tap.equal(sonar.ping(0, 0, 5).index, 1, "the parent works on")
+
+
+def test_remarks_are_warnings():
+    import warnings  # pylint: disable=import-outside-toplevel
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
+        asdic.model("absorption", f_khz=100, t_degc=10, s_ppt=35, z_m=9000, ph=8)
+    tap.equal(["z_m" in str(w.message) for w in said if issubclass(w.category, asdic.Remark)], [True], "a remark")
+
+
+def test_nothing_is_left_behind():
+    """Handles are destroyed: a thousand pings cost no more memory than one."""
+    need_device()
+
+    def kilobytes():
+        with open("/proc/self/status", encoding="ascii") as file:
+            return next(int(line.split()[1]) for line in file if line.startswith("VmRSS"))
+    sonar = asdic.Simulator(pool(), rays=64)
+    for _ in range(50):
+        sonar.ping(0, 0, 5)
+    before = kilobytes()
+    for _ in range(1000):
+        sonar.ping(0, 0, 5)
+    tap.equal(kilobytes() - before < 3000, True, f"{kilobytes() - before} KiB more after 1,000 pings")
+    tap.equal(ffi.sizeof("asdic_ping") > 0, True, "sizes")
+
+
+tap.main(globals())

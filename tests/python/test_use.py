@@ -1,0 +1,307 @@
+"""What users of the Python package do, against what the library and the program give."""
+import csv
+import gc
+import os
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+import weakref
+
+from package import ROOT, need_device, pool, raises
+import tap
+
+import numpy as np
+import asdic
+from asdic._native import ffi, lib
+
+
+def same(a, b, what):
+    tap.equal(np.array_equal(a, b, equal_nan=True), True, what)
+
+
+def test_run_is_the_programs():
+    """The same scene by `asdic run`: levels and errors, and the table."""
+    need_device()
+    with tempfile.TemporaryDirectory(prefix="asdic-test-") as folder:
+        path = os.path.join(folder, "scene.yaml")
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(pool().to_json())
+        out = os.path.join(folder, "out")
+        subprocess.run([os.environ["ASDIC"], "run", "-q", path, "-o", out], check=True)
+        program, here = asdic.Run(out), asdic.simulate(pool())
+        tap.equal(here.level_db.shape, (3, 2, 37), "ping, beam, bin")
+        same(here.level_db, program.level_db, "levels")
+        same(here.stderr_db, program.stderr_db, "errors")
+        for name in here.parts:
+            same(here.parts[name], program.parts[name], name)
+        tap.equal(set(here.parts), {"bottom", "surface", "volume", "object", "multipath", "noise"}, "parts")
+        subprocess.run([os.environ["ASDIC"], "expect", "-q", path, "-o", os.path.join(folder, "e.csv")], check=True)
+        expected = asdic.expect(path)
+        same(here.expect(1).level_db, expected.level_db, "the run's expectation")
+        with open(os.path.join(folder, "e.csv"), encoding="ascii", newline="") as file:
+            for row, level in zip(csv.DictReader(file), expected.level_db.ravel(), strict=True):
+                said = float(row["total_db"] or "nan")
+                tap.equal(abs(said - level) < 1e-3 or said != said and level != level, True, f"{row}: {level}")
+
+
+def test_simulator_gives_the_missions_bytes():
+    need_device()
+    scene = pool()
+    run = asdic.simulate(scene)
+    with asdic.Simulator(scene) as sonar:
+        for k, ping in enumerate(sonar.fly()):
+            same(ping.level_db, run.level_db[k], f"levels of ping {k}")
+            same(ping.parts["object"], run.parts["object"][k], f"objects of ping {k}")
+            tap.equal((ping.index, ping.time, ping.altitude), (k, 0.05 * k, 7.0), "facts")
+        tap.equal(sonar.index, 3, "pings")
+        same(sonar.ranges, run.ranges, "ranges")
+        tap.equal(list(sonar.beams["name"]), [b"forward", b"down"], "beams")
+
+
+def test_scanned_head_turns():
+    """A scan's ping is that of a mission: the head's own direction."""
+    need_device()
+    scene = pool(sonar={"frequency_khz": 100, "bandwidth_khz": 10, "ping_rate_hz": 20, "source_level_db": 200,
+                        "bin_length_m": 1, "receivers": [{"name": "head"}],
+                        "scan": {"sector_deg": 360, "step_deg": 90}},
+                 mission={"pose": {"position_m": [0, 0, 5]}, "pings": 4})
+    run = asdic.simulate(scene)
+    for k, ping in enumerate(asdic.Simulator(scene).fly()):
+        same(ping.level_db, run.level_db[k], f"ping {k}")
+        tap.equal(abs(ping.pose.yaw_rad - run.attitudes[k, 2]) < 1e-12, True, f"the head at ping {k}")
+
+
+def box(size):
+    """Corners and triangles of a box round the origin, facets outwards."""
+    corners = np.array([[x, y, z] for x in (-.5, .5) for y in (-.5, .5) for z in (-.5, .5)]) * size
+    faces = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+    return corners, np.array([t for a, b, c, d in faces for t in ((a, b, c), (a, c, d))])
+
+
+def test_own_mesh_is_the_box():
+    """A box from arrays against the scene file's own: bytes but for the order of corners."""
+    need_device()
+    by_arrays, by_keys = (pool() for _ in range(2))
+    for scene in (by_arrays, by_keys):
+        scene.objects.clear()
+    by_keys.add("thing", box={"size_m": [1, 8, 3]}, position_m=(15, 0, 6), material="concrete")
+    tap.equal(by_arrays.add_mesh(*box([1, 8, 3]), "concrete", position_m=(15, 0, 6)), "object0", "name")
+    a, b = (asdic.simulate(scene) for scene in (by_arrays, by_keys))
+    tap.equal(float(np.nanmax(np.abs(a.level_db - b.level_db))) < 1e-3, True, "levels")
+    tap.equal(float(np.nanmax(a.parts["object"])) > 50, True, "the box is heard")
+    # In memory, as simulators take it, and as it was saved: the same bytes, and names for detectors.
+    ping = next(asdic.Simulator(by_arrays).fly())
+    same(ping.level_db, a.level_db[0], "from memory and from the folder")
+    tap.equal(a.detect().classes["name"][0], b"object0", "a detector knows the object")
+    out = os.path.join(a.folder, "again")
+    subprocess.run([os.environ["ASDIC"], "run", "-q", os.path.join(a.folder, "scene.json"), "-o", out], check=True)
+    same(asdic.Run(out).level_db, a.level_db, "the program runs what was saved")
+
+
+def test_terrain_is_the_plane():
+    """A flat grid of depths gives the levels of the plane, as well as rays sample it."""
+    need_device()
+    grid = pool(bottom=None, sampling={"rays": 20000})
+    plane = pool(sampling={"rays": 20000})
+    for scene in (grid, plane):
+        scene.objects.clear()
+    at = np.linspace(-120, 120, 7)
+    grid.set_terrain(at, at, np.full((7, 7), 12.0))
+    a, b = asdic.simulate(grid), asdic.simulate(plane)
+    difference = np.abs(a.level_db - b.level_db)[0, :, 8:]
+    tap.equal(float(np.median(difference)) < 0.3, True, f"median difference {np.median(difference)} dB")
+
+
+def test_arrays_are_views_that_keep_their_owner():
+    need_device()
+    sonar = asdic.Simulator(pool())
+    ping = sonar.ping(0, 0, 5)
+    energy, errors = ping.intensity["total"], ping.stderr_db
+    pointer = ping._handle.pointer  # pylint: disable=protected-access
+    tap.equal(energy.ctypes.data, int(ffi.cast("uintptr_t", pointer.intensity_lin[lib.ASDIC_TOTAL])), "address")
+    tap.equal(errors.ctypes.data, int(ffi.cast("uintptr_t", pointer.stderr_db)), "address")
+    tap.equal((energy.flags.writeable, energy.flags.owndata), (False, False), "flags")
+    level, kept = ping.level_db.copy(), weakref.ref(ping._handle)  # pylint: disable=protected-access
+    del ping, sonar, pointer
+    gc.collect()
+    tap.equal(kept() is not None, True, "the arrays keep the ping")
+    with np.errstate(divide="ignore"):
+        again = np.where(energy > 0, 10 * np.log10(energy), np.nan)
+    tap.equal(float(np.nanmax(np.abs(again - level))) < 1e-5, True, "its memory is whole")
+    del energy, errors
+    gc.collect()
+    tap.equal(kept(), None, "nothing keeps it any longer")
+    run = asdic.simulate(pool())
+    tap.equal(isinstance(run.records, np.memmap), True, "a run's records lie in its file")
+    tap.equal(np.shares_memory(run.level_db, run.records), True, "and its levels in the records")
+    folder, levels = run.folder, run.level_db
+    del run
+    gc.collect()
+    tap.equal((os.path.exists(folder), float(np.nanmax(levels)) > 0), (False, True), "temporary; the array stays")
+
+
+def test_memory_used_again():
+    need_device()
+    sonar = asdic.Simulator(pool())
+    first = sonar.ping(0, 0, 5)
+    levels, energy = first.level_db, first.intensity["total"]
+    second = sonar.ping(3, 0, 5, yaw=20, out=first)
+    tap.equal((second is first, second.index, np.array_equal(levels, second.level_db)), (True, 1, False), "out")
+    tap.equal(energy.ctypes.data, second.intensity["total"].ctypes.data, "memory")
+
+
+def test_detections():
+    need_device()
+    run = asdic.simulate(pool())
+    found = run.detect(pfa=1e-3)
+    tap.equal(found.report.pings, 3, "pings")
+    tap.equal([name for name in found.classes["name"]][:1], [b"ball"], "classes")
+    tap.equal(len(found.table), found.report.detections, "rows")
+    tap.equal(float(found.table["range_m"][0]) > 0, True, "numbers")
+    raises(asdic.ExistsError, "detections.csv", run.detect)
+    tap.equal(asdic.detect(run.folder, pfa=1e-2, force=True).report.detector.pfa, 1e-2, "a P_FA of one's own")
+
+
+def test_curve_over_range():
+    need_device()
+    curve = asdic.roc(pool(), object="ball", trials=20000)
+    tap.equal(bool(np.all(np.diff(curve.points["design_pfa"]) > 0)), True, "ascending")
+    inside = (curve.points["closed_pd"] > curve.points["pd"]["low"] - 1e-3) & \
+        (curve.points["closed_pd"] < curve.points["pd"]["high"] + 1e-3)
+    tap.equal(float(np.mean(inside)) > 0.9, True, "the closed form lies within the bounds")
+    tap.equal((len(curve.none), len(curve.present)), (20000, 20000), "draws")
+    tap.equal(bool(np.mean(curve.present) > np.mean(curve.none)), True, "the target is louder")
+    points = curve.points
+    del curve
+    gc.collect()
+    tap.equal(float(points["design_pfa"][0]) > 0, True, "arrays outlive their curve")
+
+
+def test_formulas_and_plan():
+    """Absorption by hand: Francois & Garrison as `asdic model` has it."""
+    keys = {"f_khz": 100, "t_degc": 10, "s_ppt": 35, "z_m": 10, "ph": 8}
+    done = subprocess.run([os.environ["ASDIC"], "model", "absorption", *(f"{k}={v}" for k, v in keys.items())],
+                          check=True, capture_output=True, text=True)
+    tap.equal(f"{asdic.model('absorption', **keys):.6g}", f"{float(done.stdout.split()[0]):.6g}", "dB/km")
+    tap.equal({"absorption", "sound-speed"} <= {formula.name for formula in asdic.formulas()}, True, "names")
+    found = asdic.plan(pool())
+    tap.equal([term.kept for term in found.terms if term.name == "objects"], [True], "the ball is kept")
+    tap.equal((found.rays.rays, found.refraction.needed), (1000, "off"), "rays, refraction")
+    tap.equal("sonar" in asdic.schema()["properties"], True, "schema")
+
+
+def test_xarray():
+    need_device()
+    try:
+        import xarray  # pylint: disable=import-outside-toplevel,unused-import
+    except ImportError as error:
+        raise tap.Skip(str(error)) from error
+    run = asdic.simulate(pool())
+    data = run.to_xarray()
+    tap.equal(dict(data.sizes), {"ping": 3, "beam": 2, "range": 37}, "dims")
+    tap.equal((data.level.attrs["units"], data.range.attrs["units"], data.time.attrs["units"]),
+              ("dB re 1 uPa", "m", "s"), "units")
+    same(data.level.sel(beam="down").values, run.level_db[:, 1], "levels of a beam")
+    tap.equal(np.shares_memory(data.level.values, run.records), True, "without a copy")
+
+
+def test_progress():
+    need_device()
+    said, threads = [], set()
+
+    def report(what, done, total):
+        said.append((what, done, total))
+        threads.add(threading.current_thread())
+    asdic.simulate(pool(), progress=report)
+    tap.equal((said[-1], threads), (("pings", 3, 3), {threading.current_thread()}), "in this thread, to the end")
+    asdic.expect(pool(), progress=report)
+    tap.equal(said[-1][0], "beams", "expectations count beams")
+
+    class Enough(Exception):
+        pass
+
+    def stop(*_):
+        raise Enough("enough")
+    with tempfile.TemporaryDirectory(prefix="asdic-test-") as folder:
+        long = pool(mission={"pose": {"position_m": [0, 0, 5]}, "pings": 5000}, sampling={"rays": 20000})
+        raises(Enough, "enough", asdic.simulate, long, os.path.join(folder, "run"), progress=stop)
+        tap.equal(len(asdic.Run(os.path.join(folder, "run"))) < 5000, True, "what was simulated is a run")
+
+
+INTERRUPTED = """
+import os, signal, sys, threading, time
+import asdic
+from package import pool
+long = pool(mission={"pose": {"position_m": [0, 0, 5]}, "pings": 100000})
+threading.Timer(float(sys.argv[2]), lambda: os.kill(os.getpid(), signal.SIGINT)).start()
+began = time.monotonic()
+try:
+    asdic.simulate(long, sys.argv[1])
+except KeyboardInterrupt:
+    run = asdic.Run(sys.argv[1])
+    print("interrupted", 0 < len(run) < 100000)
+    print(len(asdic.simulate(long, sys.argv[1] + "2", pings=slice(0, 2))))
+"""
+
+
+def test_ctrl_c():
+    """A run of hours ends at the next ping, its folder is whole, and the interpreter goes on."""
+    need_device()
+    with tempfile.TemporaryDirectory(prefix="asdic-test-") as folder:
+        path = os.environ["PYTHONPATH"] + os.pathsep + os.path.dirname(__file__)
+        began = time.monotonic()
+        done = subprocess.run([sys.executable, "-c", INTERRUPTED, os.path.join(folder, "run"), "2"],
+                              env={**os.environ, "PYTHONPATH": path}, capture_output=True, text=True, check=False,
+                              timeout=100)
+        tap.equal((done.returncode, done.stdout.split()), (0, ["interrupted", "True", "2"]), done.stderr)
+        tap.equal(time.monotonic() - began < 90, True, "at once")
+
+
+def test_ping_leaves_the_interpreter_to_others():
+    """Another thread counts while a ping is simulated."""
+    need_device()
+    sonar = asdic.Simulator(pool(), rays=500000)
+    sonar.ping(0, 0, 5)
+    counts, over = [0], threading.Event()
+
+    def count():
+        while not over.is_set():
+            counts[0] += 1
+            time.sleep(0.001)
+    thread = threading.Thread(target=count)
+    thread.start()
+    before, began = counts[0], time.monotonic()
+    sonar.ping(0, 0, 5)
+    during, took = counts[0] - before, time.monotonic() - began
+    over.set()
+    thread.join()
+    tap.equal(during > 3, True, f"{during} counts in the {took:.3f} s of a ping")
+
+
+def test_pictures():
+    need_device()
+    try:
+        import matplotlib.pyplot as plt  # pylint: disable=import-outside-toplevel
+    except ImportError as error:
+        raise tap.Skip(str(error)) from error
+    run = asdic.simulate(pool())
+    tap.equal(asdic.plot.fan(run).get_xlabel(), "starboard, m", "fan")
+    tap.equal(asdic.plot.ascope(run, "down", expected=run.expect()).get_ylabel(), "level, dB re 1 µPa", "A-scope")
+    tap.equal(asdic.plot.waterfall(run, 1).get_ylabel(), "time, s", "waterfall")
+    tap.equal(asdic.plot.roc(asdic.roc(pool(), object="ball", trials=1000)).get_xlabel(), "$P_{FA}$", "curve")
+    raises(KeyError, "'aft' is none of forward, down", asdic.plot.ascope, run, "aft")
+    plt.close("all")
+
+
+def test_everything_says_what_it_is():
+    for name in asdic.__all__:
+        if name != "plot":
+            tap.equal(bool(getattr(asdic, name).__doc__), True, f"asdic.{name} has a docstring")
+    tap.equal(asdic.__version__, ffi.string(lib.asdic_version()).decode(), "version")
+    tap.equal(os.path.exists(os.path.join(os.path.dirname(asdic.__file__), "py.typed")), True, "typed")
+    tap.equal(os.path.realpath(asdic.__file__).startswith(ROOT), True, "the tree's package")
+
+
+tap.main(globals())
