@@ -86,6 +86,9 @@ void cli_index_range(cli *c, const char *option, uint64_t *first, uint64_t *end)
 void cli_share(cli *c, const char *option, uint64_t *k, uint64_t *n);
 /* The position of the word among WORDS, which end with NULL. */
 void cli_choice(cli *c, const char *option, const char *const *words, int *out);
+/* KEY=VALUE,VALUE,... of --vary: *KEY, to be freed, which the values share; NULL and one value of NULL
+ * when it was not given. False after a report. */
+bool cli_vary(cli *c, size_t most, char **key, const char **values, size_t *count);
 /* For --target: the names in the order of asdic_target, then NULL. */
 extern const char *const cli_target_names[];
 bool cli_bad_usage(const cli *c);

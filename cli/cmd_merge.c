@@ -16,8 +16,9 @@ static int run(cli *c) {
     for (size_t i = 0; i < count; i++) {
         folders[i] = cli_operand(c, i);
     }
-    asdic_status status =
-        asdic_run_merge(cli_context(c), folders, count, folder, cli_given(c, "force"));
+    bool force = cli_given(c, "force");
+    asdic_status status = (asdic_trial_is_in(folders[0]) ? asdic_trial_merge : asdic_run_merge)(
+        cli_context(c), folders, count, folder, force);
     free(folders);
     return cli_end(c, status);
 }
@@ -33,7 +34,7 @@ const cli_command cli_merge_command = {
     .operands = "DIR...",
     .min_operands = 1,
     .max_operands = CLI_ANY_NUMBER,
-    .summary = "join the parts of a run made with --shard or --pings",
+    .summary = "join the parts of a run or a trial made with --shard or --pings",
     .details = "The parts may be given in any order; they must follow on each other without gaps. "
                "The result has the same bytes as one run of all pings, but for the times in "
                "run.json.",

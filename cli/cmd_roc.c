@@ -18,32 +18,6 @@ typedef struct request {
     char facts[ROC_MOST_VARIANTS][ASDIC_SUBTITLE_SIZE]; /* of each variant's picture */
 } request;
 
-/* Cuts --vary into its key and values. */
-static bool read_vary(cli *c, request *r) {
-    const char *text = cli_text(c, "vary");
-    if (!text) {
-        r->variants.count = 1;
-        return true;
-    }
-    r->vary = strdup(text);
-    char *values = r->vary ? strchr(r->vary, '=') : NULL;
-    if (!values || values == r->vary || values[1] == 0) {
-        cli_usage(c, "option '--vary': '%s' is not KEY=VALUE,VALUE,...", text);
-        return false;
-    }
-    *values++ = 0;
-    r->key = r->vary;
-    for (char *next = values; next;) {
-        char *value = strsep(&next, ",");
-        if (*value == 0 || r->variants.count == ROC_MOST_VARIANTS) {
-            cli_usage(c, "option '--vary': 1 to %d values, none of them empty", ROC_MOST_VARIANTS);
-            return false;
-        }
-        r->variants.names[r->variants.count++] = value;
-    }
-    return true;
-}
-
 static bool read_request(cli *c, request *r) {
     int target = 0;
     uint64_t ping = 0;
@@ -73,7 +47,12 @@ static bool read_request(cli *c, request *r) {
         cli_usage(c, "--strength and --bearing are those of a target at --range");
         return false;
     }
-    return !cli_bad_usage(c) && read_vary(c, r);
+    if (cli_bad_usage(c) ||
+        !cli_vary(c, ROC_MOST_VARIANTS, &r->vary, r->variants.names, &r->variants.count)) {
+        return false;
+    }
+    r->key = r->vary;
+    return true;
 }
 
 /* Takes what was not typed from the scene; without a target, its first object. */

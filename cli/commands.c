@@ -10,6 +10,7 @@ const cli_command *const cli_commands[] = {
     &cli_expect_command,
     &cli_detect_command,
     &cli_roc_command,
+    &cli_trial_command,
     &cli_view_command,
     &cli_serve_command,
     &cli_render_command,

@@ -20,6 +20,7 @@ extern const cli_command cli_help_command_row;
 extern const cli_command cli_plan_command;
 extern const cli_command cli_schema_command;
 extern const cli_command cli_serve_command;
+extern const cli_command cli_trial_command;
 extern const cli_command cli_view_command;
 
 extern const cli_command *const cli_commands[]; /* ends with NULL */

@@ -64,10 +64,10 @@ static serve_line take(serve_request *out, char *why) {
     return SERVE_POSE;
 }
 
-static serve_line bad_json(const char *line, const char *at, const char *expected, char *why) {
+static bool bad_json(const char *line, const char *at, const char *expected, char *why) {
     snprintf(why, SERVE_WHY_SIZE, "column %zu: %s expected in the JSON object",
              (size_t)(at - line) + 1, expected);
-    return SERVE_BAD;
+    return false;
 }
 
 /* Skips the value of an unknown name: a string without escapes, a number, true, false or null. */
@@ -88,9 +88,15 @@ static bool skip_value(const char **at) {
     return read_number(at, &number);
 }
 
-/* {"x_m": 1, "y_m": 2, ...}: flat; unknown names are skipped. */
-static serve_line read_json(const char *line, serve_request *out, char *why) {
-    const char *at = skip_blanks(skip_blanks(line) + 1);
+bool serve_read_object(const char *line, double value[SERVE_COLUMNS], char why[SERVE_WHY_SIZE]) {
+    const char *at = skip_blanks(line);
+    for (int i = 0; i < SERVE_COLUMNS; i++) {
+        value[i] = NAN;
+    }
+    if (*at != '{') {
+        return bad_json(line, at, "a {", why);
+    }
+    at = skip_blanks(at + 1);
     while (*at != '}') {
         const char *name = at + 1, *end = *at == '"' ? strchr(name, '"') : NULL;
         if (!end) {
@@ -102,11 +108,11 @@ static serve_line read_json(const char *line, serve_request *out, char *why) {
             return bad_json(line, at, "a colon", why);
         }
         at = skip_blanks(at + 1);
-        if (column >= 0 && !isnan(out->value[column])) {
+        if (column >= 0 && !isnan(value[column])) {
             snprintf(why, SERVE_WHY_SIZE, "'%s' is there twice", serve_columns[column]);
-            return SERVE_BAD;
+            return false;
         }
-        if (column >= 0 ? !read_number(&at, &out->value[column]) : !skip_value(&at)) {
+        if (column >= 0 ? !read_number(&at, &value[column]) : !skip_value(&at)) {
             return bad_json(line, at, column >= 0 ? "a number" : "a number, string or word", why);
         }
         at = skip_blanks(at);
@@ -121,7 +127,7 @@ static serve_line read_json(const char *line, serve_request *out, char *why) {
         }
     }
     at = skip_blanks(at + 1);
-    return *at ? bad_json(line, at, "the end of the line", why) : take(out, why);
+    return !*at || bad_json(line, at, "the end of the line", why);
 }
 
 static serve_line read_header(serve_reader *r, const char *line, char *why) {
@@ -232,7 +238,7 @@ serve_line serve_read_line(serve_reader *reader, const char *line, size_t length
         return SERVE_NOTHING;
     }
     if (*at == '{') {
-        return read_json(line, out, why);
+        return serve_read_object(line, out->value, why) ? take(out, why) : SERVE_BAD;
     }
     bool is_header = isalpha((unsigned char)*at) || *at == '"' || *at == '_';
     return is_header ? read_header(reader, at, why) : read_values(reader, at, out, why);

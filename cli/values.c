@@ -190,3 +190,27 @@ const char *cli_device(cli *c) {
 asdic_status cli_open_devices(cli *c, asdic_device ***out, size_t *count) {
     return asdic_devices_open(c->ctx, cli_device(c), out, count);
 }
+
+bool cli_vary(cli *c, size_t most, char **key, const char **values, size_t *count) {
+    const char *text = cli_text(c, "vary");
+    *count = text ? 0 : 1;
+    *key = NULL;
+    if (!text) {
+        return true;
+    }
+    char *whole = *key = strdup(text), *next = whole ? strchr(whole, '=') : NULL;
+    if (!next || next == whole || next[1] == 0) {
+        cli_usage(c, "option '--vary': '%s' is not KEY=VALUE,VALUE,...", text);
+        return false;
+    }
+    *next++ = 0;
+    while (next) {
+        char *value = strsep(&next, ",");
+        if (*value == 0 || *count == most) {
+            cli_usage(c, "option '--vary': 1 to %zu values, none of them empty", most);
+            return false;
+        }
+        values[(*count)++] = value;
+    }
+    return true;
+}

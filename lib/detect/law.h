@@ -36,6 +36,9 @@ asdic_status asdic_cfar_row_scaled(asdic_context *ctx, const asdic_cfar *cfar, u
                                    double *background_lin, double *threshold_lin,
                                    asdic_cfar_scale *scales);
 
+/* As asdic_estimate_of, with a confidence of LEVEL. */
+asdic_estimate asdic_estimate_within(uint64_t events, uint64_t trials, double level);
+
 /* TARGET_... of kernels/detection.h. */
 int asdic_target_code(asdic_target target);
 

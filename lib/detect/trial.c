@@ -29,12 +29,12 @@ static double binomial_tail(double k, double n, double p, bool upper) {
     return exp(log_term) * sum;
 }
 
-/* The probability at which the tail beyond K is half of one per cent. */
-static double bound(double k, double n, bool upper) {
+/* The probability at which the tail beyond K is TAIL. */
+static double bound(double k, double n, bool upper, double tail) {
     double low = upper ? 0.0 : k / n, high = upper ? k / n : 1.0;
     for (int i = 0; i < 60; i++) {
         double middle = 0.5 * (low + high);
-        bool is_rare = binomial_tail(k, n, middle, upper) < 0.005;
+        bool is_rare = binomial_tail(k, n, middle, upper) < tail;
         if (is_rare == upper) {
             low = middle;
         } else {
@@ -45,13 +45,17 @@ static double bound(double k, double n, bool upper) {
 }
 
 asdic_estimate asdic_estimate_of(uint64_t events, uint64_t trials) {
-    double k = (double)events, n = (double)trials;
+    return asdic_estimate_within(events, trials, 0.99);
+}
+
+asdic_estimate asdic_estimate_within(uint64_t events, uint64_t trials, double level) {
+    double k = (double)events, n = (double)trials, tail = 0.5 * (1.0 - level);
     if (trials == 0 || events > trials) {
         return (asdic_estimate){NAN, 0.0, 1.0};
     }
     return (asdic_estimate){.value = k / n,
-                            .low = events == 0 ? 0.0 : bound(k, n, true),
-                            .high = events == trials ? 1.0 : bound(k, n, false)};
+                            .low = events == 0 ? 0.0 : bound(k, n, true, tail),
+                            .high = events == trials ? 1.0 : bound(k, n, false, tail)};
 }
 
 /* One intensity re the background's mean. The order of the numbers is fixed: two for the target,

@@ -68,21 +68,6 @@ double asdic_helm_speed_mps(const asdic_helm *h) {
     return is_remus(h) ? h->state.surge_mps : h->flight.speed_mps;
 }
 
-static flight_state add(const flight_state *s, const flight_state *d, double t) {
-    return (flight_state){s->x_m + t * d->x_m,
-                          s->y_m + t * d->y_m,
-                          s->z_m + t * d->z_m,
-                          s->pitch_rad + t * d->pitch_rad,
-                          s->yaw_rad + t * d->yaw_rad,
-                          s->surge_mps + t * d->surge_mps,
-                          s->sway_mps + t * d->sway_mps,
-                          s->heave_mps + t * d->heave_mps,
-                          s->pitch_rate + t * d->pitch_rate,
-                          s->yaw_rate + t * d->yaw_rate,
-                          s->rudder_rad + t * d->rudder_rad,
-                          s->plane_rad + t * d->plane_rad};
-}
-
 /* The midpoint rule, as waypoints are flown. */
 static void integrate(asdic_helm *h, double step_s) {
     flight_aim aim = {.by_hand = true,
@@ -91,9 +76,9 @@ static void integrate(asdic_helm *h, double step_s) {
                       .planes = h->planes,
                       .z_m = h->hold_z_m};
     flight_state d = h->model.derivative(&h->flight, &aim, &h->state);
-    flight_state middle = add(&h->state, &d, 0.5 * step_s);
+    flight_state middle = asdic_flight_advance(&h->state, &d, 0.5 * step_s);
     d = h->model.derivative(&h->flight, &aim, &middle);
-    h->state = add(&h->state, &d, step_s);
+    h->state = asdic_flight_advance(&h->state, &d, step_s);
 }
 
 /* Neither out of the water nor into the ground. */

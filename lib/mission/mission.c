@@ -31,6 +31,7 @@ void asdic_mission_destroy(asdic_mission **mission) {
         free((char *)drawn->value);
     }
     free(m->drawn);
+    free(m->points_m);
     free(m->motions);
     free(m->objects);
     asdic_settings_finish(&m->settings);

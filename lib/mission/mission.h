@@ -8,6 +8,7 @@
 #include <asdic/mission.h>
 
 #include "mission_settings.h"
+#include "mission/scene_file/trial_plan.h"
 #include "mission/track/flight.h"
 #include "mission/track/track.h"
 
@@ -31,17 +32,25 @@ struct asdic_mission {
     asdic_material bottom; /* without a law where there is none */
     const double **rows;   /* of the files that materials name */
     size_t row_files;
-    asdic_setting *drawn; /* of a run of a trial; one of NULL ends it; NULL: nothing was drawn */
-    bool is_varied;      /* settings changed what the text says */
-    asdic_flight flight; /* how the vehicle manoeuvres; an ordinary one without waypoints */
-    asdic_pose pose;     /* of every ping, when there is no track */
-    asdic_track *track;  /* NULL: at rest */
+    asdic_trial_plan trial; /* of a run of a trial; without a section as its defaults say */
+    double *points_m;       /* of the flight */
+    asdic_setting *drawn;   /* of a run of a trial; one of NULL ends it; NULL: nothing was drawn */
+    bool is_varied;         /* settings changed what the text says */
+    asdic_flight flight;    /* how the vehicle manoeuvres; an ordinary one without waypoints */
+    asdic_pose pose;        /* of every ping, when there is no track */
+    asdic_track *track;     /* NULL: at rest */
     size_t ping_count;
 };
 
 /* What the file describes with its objects left out. Says nothing of what the file may be about to
  * get wrong: asdic_mission_load does. */
 asdic_status asdic_mission_load_empty(asdic_context *ctx, const char *path, asdic_mission **out);
+
+/* As asdic_mission_load_run, of a vehicle that steers itself: nothing is said of where it would be at a
+ * ping, and it may start below the bottom. */
+asdic_status asdic_mission_load_trial(asdic_context *ctx, const char *path,
+                                      const asdic_setting *settings, size_t count,
+                                      const asdic_draw *draw, asdic_mission **out);
 
 /* Whether the scene file at PATH, with what it includes, says what the mission with HASH did. */
 bool asdic_mission_has_hash(const char *path, const char *hash);

@@ -21,6 +21,7 @@ typedef struct mission_builder {
     size_t setting_count;
     const asdic_draw *draw;         /* the run of a trial; NULL: the scene itself */
     const asdic_scene_text *memory; /* where the scene is; NULL: in a file */
+    bool leaves_positions;          /* not checked: where the vehicle is matters later */
 } mission_builder;
 
 /* Each step adds to the mission and reports what is wrong with the files it opens to PROBLEMS. Its

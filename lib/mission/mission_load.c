@@ -58,7 +58,7 @@ static asdic_status build(mission_builder *b) {
             asdic_mission_refract(b->mission, (asdic_refraction)b->mission->settings.refraction);
         }
     }
-    if (b->problems->total == 0 && b->extent == MISSION_WHOLE) {
+    if (b->problems->total == 0 && b->extent == MISSION_WHOLE && !b->leaves_positions) {
         asdic_mission_check_positions(b);
     }
     return ASDIC_OK;
@@ -94,9 +94,11 @@ static void put_settings(mission_builder *b, asdic_yaml_node *root, bool is_firs
 static void read_trial(mission_builder *b, asdic_yaml_node *root, file_trial *file) {
     asdic_yaml_node *node = b->draw ? asdic_yaml_child(root, "trial") : NULL;
     *file = (file_trial){0};
+    if (!b->draw) {
+        return;
+    }
+    asdic_schema_read(&asdic_trial_table, asdic_scene_table(), node, b->arena, b->problems, file);
     if (node) {
-        asdic_schema_read(&asdic_trial_table, asdic_scene_table(), node, b->arena, b->problems,
-                          file);
         asdic_scene_draw_check(file, b->arena, b->problems);
         asdic_mission_take_out(root, node);
     }
@@ -148,6 +150,7 @@ static asdic_status load(mission_builder *b, asdic_scene_file *file) {
         return asdic_fail_memory(b->ctx, "the scene file's content");
     }
     TRY(keep_drawn(b, &drawn));
+    b->mission->trial = asdic_scene_file_trial(&trial);
     if (b->extent == MISSION_EMPTY) {
         file->objects.count = 0;
     }
@@ -214,6 +217,17 @@ asdic_status asdic_mission_load_with(asdic_context *ctx, const char *path,
                                      asdic_mission **out) {
     const mission_builder how = {
         .extent = MISSION_WHOLE, .settings = settings, .setting_count = count};
+    return load_file(ctx, path, &how, out);
+}
+
+asdic_status asdic_mission_load_trial(asdic_context *ctx, const char *path,
+                                      const asdic_setting *settings, size_t count,
+                                      const asdic_draw *draw, asdic_mission **out) {
+    const mission_builder how = {.extent = MISSION_WHOLE,
+                                 .settings = settings,
+                                 .setting_count = count,
+                                 .draw = draw,
+                                 .leaves_positions = true};
     return load_file(ctx, path, &how, out);
 }
 

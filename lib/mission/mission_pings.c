@@ -63,7 +63,13 @@ static asdic_status fly(mission_builder *b) {
                                  .bottom_m = bottom_below_m,
                                  .user = b->mission->scene};
     b->mission->flight = flight;
-    b->mission->flight.points_m = NULL; /* the file's, which is not kept */
+    size_t bytes = 3 * w->points.count * sizeof(double); /* the file's are not kept */
+    b->mission->points_m = malloc(bytes + 1);
+    if (!b->mission->points_m) {
+        return asdic_fail_memory(b->ctx, "waypoints");
+    }
+    memcpy(b->mission->points_m, w->points.items, bytes);
+    b->mission->flight.points_m = b->mission->points_m;
     return asdic_flight_fly(b->ctx, &flight, &b->mission->track);
 }
 

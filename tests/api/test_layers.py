@@ -24,6 +24,7 @@ BELOW = {
                        "detect", "scene", "sim"],
 }
 BELOW["live"] = [folder for folder in BELOW if folder != "base"]
+BELOW["trial"] = BELOW["live"] + ["live"]
 INCLUDE = re.compile(r'^\s*#\s*include\s+"([^"]+)"', re.MULTILINE)
 
 

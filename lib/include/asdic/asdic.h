@@ -39,6 +39,7 @@
 #include <asdic/sonar.h>
 #include <asdic/sweep.h>
 #include <asdic/team.h>
+#include <asdic/trial.h>
 #include <asdic/view.h>
 
 #endif

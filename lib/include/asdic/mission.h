@@ -77,8 +77,8 @@ ASDIC_API asdic_status asdic_mission_load_text(asdic_context *ctx, const asdic_s
                                                asdic_mission **out);
 ASDIC_API void asdic_mission_destroy(asdic_mission **mission);
 
-/* What was drawn, key by key in the order of the file; a list's entry that was left out is `none`.
- * A key and value of NULL behind the last. */
+/* What was drawn, key by key; a list's entry that was left out is `none`, and what belongs to it is
+ * empty. A key and value of NULL behind the last. */
 ASDIC_API asdic_setting asdic_mission_drawn(const asdic_mission *mission, size_t index);
 
 /* What the file describes. Valid until the mission is destroyed. */

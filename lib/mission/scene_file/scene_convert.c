@@ -175,6 +175,27 @@ void asdic_scene_file_receivers(const asdic_scene_file *file, asdic_beam *beams)
     }
 }
 
+asdic_trial_plan asdic_scene_file_trial(const file_trial *t) {
+    return (asdic_trial_plan){
+        .hull_radius_m = t->hull_radius_m,
+        .time_s = t->time_s,
+        .background = (asdic_trial_background)t->background,
+        .manoeuvre = (asdic_manoeuvre)t->rule.manoeuvre,
+        .reach_m = t->rule.reach_m,
+        .sector_rad = t->rule.sector_deg * ASDIC_PI / 180.0,
+        .posterior =
+            isnan(t->rule.loss_ratio) ? t->rule.posterior : 1.0 / (1.0 + t->rule.loss_ratio),
+        .hits = (unsigned)t->rule.hits,
+        .of = (unsigned)t->rule.of,
+        .climb_m = t->rule.climb_m,
+        .turn_rad = t->rule.turn_deg * ASDIC_PI / 180.0,
+        .hold_s = t->rule.hold_s,
+        .is_ideal = t->ideal.node != NULL,
+        .pd = t->ideal.pd,
+        .pfa = t->ideal.pfa,
+    };
+}
+
 asdic_pose asdic_scene_file_place(const double position_m[3], const double rotation_deg[3]) {
     return (asdic_pose){
         .position_m = {position_m[0], position_m[1], position_m[2]},

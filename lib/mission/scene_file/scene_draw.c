@@ -273,7 +273,12 @@ void asdic_scene_draw(asdic_yaml_node *root, const file_trial *trial, const asdi
     const file_draw *draws = trial->draws.items;
     for (size_t i = 0; i < trial->draws.count; i++) {
         const char *key = draws[i].key->text;
-        if (asdic_scene_key_includes(key) == files && !is_gone(drawn, key)) {
+        if (asdic_scene_key_includes(key) != files) {
+            continue;
+        }
+        if (is_gone(drawn, key)) {
+            drawn->items[drawn->count++] = (asdic_setting){key, ""};
+        } else {
             draw_one(&d, root, &draws[i], drawn);
         }
     }
@@ -361,6 +366,11 @@ static void check_key(const file_draw *draw, asdic_problems *problems) {
 }
 
 void asdic_scene_draw_check(const file_trial *trial, asdic_arena *arena, asdic_problems *problems) {
+    asdic_yaml_node *hits = asdic_yaml_child(trial->rule.node, "hits");
+    if (trial->rule.hits > trial->rule.of && asdic_scene_node_good(hits)) {
+        asdic_yaml_problem(problems, hits, "'hits' = %lld is more than 'of' = %lld pings",
+                           (long long)trial->rule.hits, (long long)trial->rule.of);
+    }
     const asdic_schema_reader r = {asdic_scene_table(), arena, problems};
     const file_draw *draws = trial->draws.items;
     for (size_t i = 0; i < trial->draws.count; i++) {

@@ -9,6 +9,7 @@
 
 #include "out/format.h"
 #include "schema.h"
+#include "trial_plan.h"
 
 typedef struct file_environment {
     asdic_yaml_node *node;
@@ -252,9 +253,28 @@ typedef struct file_draw {
     asdic_yaml_node *choice; /* a list; NULL: none */
 } file_draw;
 
+typedef struct file_rule {
+    asdic_yaml_node *node;
+    int manoeuvre; /* asdic_manoeuvre */
+    double reach_m, sector_deg;
+    double posterior, loss_ratio; /* loss_ratio NAN: none given */
+    int64_t hits, of;
+    double climb_m, turn_deg, hold_s;
+} file_rule;
+
+typedef struct file_ideal {
+    asdic_yaml_node *node; /* NULL: the sonar is simulated */
+    double pd, pfa;
+} file_ideal;
+
 typedef struct file_trial {
     asdic_yaml_node *node;
     asdic_list draws; /* of file_draw */
+    double hull_radius_m;
+    double time_s;  /* NAN: by the flight */
+    int background; /* asdic_trial_background */
+    file_rule rule;
+    file_ideal ideal;
 } file_trial;
 
 typedef struct asdic_scene_file {
@@ -317,6 +337,7 @@ asdic_environment asdic_scene_file_environment(const asdic_scene_file *file);
 asdic_sonar asdic_scene_file_sonar(const asdic_scene_file *file);
 asdic_sweep asdic_scene_file_sweep(const asdic_scene_file *file);
 void asdic_scene_file_receivers(const asdic_scene_file *file, asdic_beam *receivers);
+asdic_trial_plan asdic_scene_file_trial(const file_trial *trial);
 asdic_pose asdic_scene_file_place(const double position_m[3], const double rotation_deg[3]);
 asdic_pose asdic_scene_file_pose(const asdic_scene_file *file);
 asdic_material asdic_scene_file_surface(const asdic_scene_file *file, asdic_material_file *rows);

@@ -9,21 +9,6 @@
 /* Most points of a track: over five days at the usual steps of 0.1 s. */
 #define MAX_POINTS 5000000
 
-/* The line from one waypoint to the next. */
-typedef struct flight_leg {
-    double x_m, y_m;    /* start */
-    double north, east; /* unit vector */
-    double length_m, yaw_rad;
-    double z_m;    /* to be flown at */
-    double lead_m; /* the turn into the next line begins this far before the end */
-} flight_leg;
-
-typedef struct pilot {
-    const asdic_flight *flight;
-    flight_model model;
-    double lookahead_m;
-} pilot;
-
 static flight_leg find_leg(const asdic_flight *flight, size_t index) {
     const double *a = flight->points_m + 3 * index, *b = a + 3;
     double north = b[0] - a[0], east = b[1] - a[1], length_m = hypot(north, east);
@@ -38,7 +23,7 @@ static flight_leg find_leg(const asdic_flight *flight, size_t index) {
 
 /* Where the turn from leg INDEX into the next begins: a circle that touches both lines does so at
  * R tan(half the turn) from the corner; the response takes some more. */
-static double find_lead_m(const pilot *p, size_t index, const flight_leg *leg) {
+static double find_lead_m(const asdic_pilot *p, size_t index, const flight_leg *leg) {
     const asdic_flight *flight = p->flight;
     if (index + 2 >= flight->count) {
         return 0.0;
@@ -68,16 +53,17 @@ static double wanted_depth_m(const asdic_flight *f, double leg_z_m, double x_m, 
     return isfinite(bottom_m) ? fmax(bottom_m - f->altitude_m, 0.0) : leg_z_m;
 }
 
-static flight_state derivative(const pilot *p, const flight_leg *leg, double z_m,
+static flight_state derivative(const asdic_pilot *p, const asdic_order *order, double z_m,
                                const flight_state *s) {
     double across_m;
-    along(leg, s, &across_m);
-    double course_rad = leg->yaw_rad - atan2(across_m, p->lookahead_m);
-    flight_aim aim = {.yaw_rad = crab(p->flight, course_rad), .z_m = z_m};
+    along(&p->leg, s, &across_m);
+    double course_rad = p->leg.yaw_rad - atan2(across_m, p->lookahead_m);
+    flight_aim aim = {.yaw_rad = order->turns ? order->yaw_rad : crab(p->flight, course_rad),
+                      .z_m = z_m};
     return p->model.derivative(p->flight, &aim, s);
 }
 
-static flight_state advance(const flight_state *s, const flight_state *d, double step_s) {
+flight_state asdic_flight_advance(const flight_state *s, const flight_state *d, double step_s) {
     return (flight_state){.x_m = s->x_m + step_s * d->x_m,
                           .y_m = s->y_m + step_s * d->y_m,
                           .z_m = s->z_m + step_s * d->z_m,
@@ -92,19 +78,40 @@ static flight_state advance(const flight_state *s, const flight_state *d, double
                           .plane_rad = s->plane_rad + step_s * d->plane_rad};
 }
 
-/* One point further, by the midpoint rule, whose error is far below a centimetre at these steps.
- * The depth of the bottom is looked up once. */
-static flight_state step(const pilot *p, const flight_leg *leg, flight_state s) {
-    double step_s = p->model.step_s / p->model.substeps;
-    double z_m = wanted_depth_m(p->flight, leg->z_m, s.x_m, s.y_m);
+/* To the line on which the vehicle is. */
+static void find_line(asdic_pilot *p) {
+    double across_m;
+    while (!asdic_pilot_is_done(p) &&
+           along(&p->leg, &p->state, &across_m) >= p->leg.length_m - p->leg.lead_m) {
+        p->index++;
+        if (!asdic_pilot_is_done(p)) {
+            p->leg = find_leg(p->flight, p->index);
+            p->leg.lead_m = find_lead_m(p, p->index, &p->leg);
+        }
+    }
+}
+
+bool asdic_pilot_is_done(const asdic_pilot *p) {
+    return p->index + 1 >= p->flight->count;
+}
+
+/* By the midpoint rule, whose error is far below a centimetre at these steps. The depth of the
+ * bottom is looked up once. */
+void asdic_pilot_advance(asdic_pilot *p, const asdic_order *order, double step_s) {
+    static const asdic_order nothing = {0};
+    flight_state s = p->state;
+    order = order ? order : &nothing;
+    double part_s = step_s / p->model.substeps;
+    double z_m = order->dives ? order->z_m : wanted_depth_m(p->flight, p->leg.z_m, s.x_m, s.y_m);
     for (unsigned i = 0; i < p->model.substeps; i++) {
-        flight_state d = derivative(p, leg, z_m, &s);
-        flight_state middle = advance(&s, &d, 0.5 * step_s);
-        d = derivative(p, leg, z_m, &middle);
-        s = advance(&s, &d, step_s);
+        flight_state d = derivative(p, order, z_m, &s);
+        flight_state middle = asdic_flight_advance(&s, &d, 0.5 * part_s);
+        d = derivative(p, order, z_m, &middle);
+        s = asdic_flight_advance(&s, &d, part_s);
     }
     s.z_m = fmax(s.z_m, 0.0); /* a vehicle does not fly */
-    return s;
+    p->state = s;
+    find_line(p);
 }
 
 static bool record(asdic_track *track, const flight_state *s, double time_s) {
@@ -118,22 +125,12 @@ static bool record(asdic_track *track, const flight_state *s, double time_s) {
 }
 
 /* Longest time a leg may take: flown at a third of the speed over ground, with some full turns. */
-static double patience_s(const pilot *p, const flight_leg *leg) {
+static double patience_s(const asdic_pilot *p) {
     const asdic_flight *f = p->flight;
+    const flight_leg *leg = &p->leg;
     double slowest_mps = f->speed_mps - hypot(f->current_mps[0], f->current_mps[1]);
     double turns_s = 4.0 * 2.0 * ASDIC_PI * p->model.turn_radius_m / f->speed_mps;
     return 3.0 * (leg->length_m / slowest_mps + turns_s) + 100.0 * p->model.response_s;
-}
-
-static pilot make_pilot(const asdic_flight *flight) {
-    pilot p = {.flight = flight,
-               .model = flight->vehicle == ASDIC_VEHICLE_REMUS100
-                            ? asdic_flight_model_remus100()
-                            : asdic_flight_model_nomoto(flight)};
-    /* The line must be approached slower than the heading is turned. */
-    p.lookahead_m = fmax(2.0 * p.model.turn_radius_m,
-                         3.0 * flight->speed_mps * ASDIC_FLIGHT_DAMPING * p.model.response_s);
-    return p;
 }
 
 static flight_state begin(const asdic_flight *f) {
@@ -145,35 +142,49 @@ static flight_state begin(const asdic_flight *f) {
                           .surge_mps = f->speed_mps};
 }
 
+void asdic_pilot_begin(asdic_pilot *p, const asdic_flight *flight) {
+    *p = (asdic_pilot){.flight = flight,
+                       .model = flight->vehicle == ASDIC_VEHICLE_REMUS100
+                                    ? asdic_flight_model_remus100()
+                                    : asdic_flight_model_nomoto(flight),
+                       .state = begin(flight),
+                       .leg = find_leg(flight, 0)};
+    /* The line must be approached slower than the heading is turned. */
+    p->lookahead_m = fmax(2.0 * p->model.turn_radius_m,
+                          3.0 * flight->speed_mps * ASDIC_FLIGHT_DAMPING * p->model.response_s);
+    p->leg.lead_m = find_lead_m(p, 0, &p->leg);
+    find_line(p);
+}
+
 asdic_status asdic_flight_fly(asdic_context *ctx, const asdic_flight *flight, asdic_track **out) {
     asdic_status status = ASDIC_OK;
-    pilot p = make_pilot(flight);
-    flight_state s = begin(flight);
+    asdic_pilot p;
+    asdic_pilot_begin(&p, flight);
     asdic_track *track = calloc(1, sizeof *track);
-    size_t steps = 0;
+    size_t steps = 0, leg = flight->count;
+    double late_s = 0.0;
     *out = NULL;
-    if (!track || !record(track, &s, 0.0)) {
+    if (!track || !record(track, &p.state, 0.0)) {
         status = asdic_fail_memory(ctx, "a track");
         goto fail;
     }
-    for (size_t i = 0; i + 1 < flight->count; i++) {
-        flight_leg leg = find_leg(flight, i);
-        leg.lead_m = find_lead_m(&p, i, &leg);
-        double late_s = (double)steps * p.model.step_s + patience_s(&p, &leg), across_m;
-        while (along(&leg, &s, &across_m) < leg.length_m - leg.lead_m) {
-            s = step(&p, &leg, s);
-            double time_s = (double)++steps * p.model.step_s;
-            if (time_s > late_s || steps >= MAX_POINTS) {
-                status = asdic_fail(ctx, ASDIC_ERROR_INPUT,
-                                    "waypoint %zu is not reached in %.6g s; give a smaller "
-                                    "turn radius or nearer waypoints",
-                                    i + 1, time_s);
-                goto fail;
-            }
-            if (!record(track, &s, time_s)) {
-                status = asdic_fail_memory(ctx, "a track");
-                goto fail;
-            }
+    while (!asdic_pilot_is_done(&p)) {
+        if (p.index != leg) {
+            leg = p.index;
+            late_s = (double)steps * p.model.step_s + patience_s(&p);
+        }
+        asdic_pilot_advance(&p, NULL, p.model.step_s);
+        double time_s = (double)++steps * p.model.step_s;
+        if (p.index == leg && (time_s > late_s || steps >= MAX_POINTS)) {
+            status = asdic_fail(ctx, ASDIC_ERROR_INPUT,
+                                "waypoint %zu is not reached in %.6g s; give a smaller "
+                                "turn radius or nearer waypoints",
+                                leg + 1, time_s);
+            goto fail;
+        }
+        if (!record(track, &p.state, time_s)) {
+            status = asdic_fail_memory(ctx, "a track");
+            goto fail;
         }
     }
     *out = track;

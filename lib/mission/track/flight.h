@@ -18,6 +18,41 @@
 #include "flight_model.h"
 #include "track.h"
 
+/* The line from one waypoint to the next. */
+typedef struct flight_leg {
+    double x_m, y_m;    /* start */
+    double north, east; /* unit vector */
+    double length_m, yaw_rad;
+    double z_m;    /* to be flown at */
+    double lead_m; /* the turn into the next line begins this far before the end */
+} flight_leg;
+
+/* A flight under way; a copy of it can be flown on by itself. */
+typedef struct asdic_pilot {
+    const asdic_flight *flight;
+    flight_model model;
+    double lookahead_m;
+    flight_state state;
+    size_t index; /* of the line, that from this waypoint to the next */
+    flight_leg leg;
+} asdic_pilot;
+
+/* What is to be flown in place of what the waypoints say. */
+typedef struct asdic_order {
+    bool turns; /* to yaw_rad */
+    bool dives; /* to z_m */
+    double yaw_rad, z_m;
+} asdic_order;
+
+/* At the first waypoint; FLIGHT is borrowed. */
+void asdic_pilot_begin(asdic_pilot *pilot, const asdic_flight *flight);
+
+/* Past the line across the last waypoint. */
+bool asdic_pilot_is_done(const asdic_pilot *pilot);
+
+/* STEP_S further, at most the model's; ORDER NULL: along the waypoints. */
+void asdic_pilot_advance(asdic_pilot *pilot, const asdic_order *order, double step_s);
+
 /* From the first waypoint at 0 s to the line across the last. ASDIC_ERROR_INPUT when a waypoint is
  * not reached in a reasonable time, or the flight is too long. */
 asdic_status asdic_flight_fly(asdic_context *ctx, const asdic_flight *flight, asdic_track **out);

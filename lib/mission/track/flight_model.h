@@ -63,6 +63,9 @@ typedef struct flight_model {
                                const flight_state *state);
 } flight_model;
 
+/* S after STEP_S at the rate D. */
+flight_state asdic_flight_advance(const flight_state *s, const flight_state *d, double step_s);
+
 flight_model asdic_flight_model_nomoto(const asdic_flight *flight);
 flight_model asdic_flight_model_remus100(void);
 

@@ -1,0 +1,373 @@
+#include "commands.h"
+#include "progress.h"
+#include "team.h"
+#include "trial_rule.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+typedef struct request {
+    asdic_trial_options options;
+    char *key; /* of --vary */
+    const char *values[ASDIC_TRIAL_MOST_VARIANTS];
+    uint64_t shard, shards;
+    const char *program;
+    double timeout_s;
+    const char *replay;
+    uint64_t replay_run, replay_variant;
+} request;
+
+/* RUN or RUN:VARIANT. */
+static bool read_replay(cli *c, request *r) {
+    char *end = NULL;
+    r->replay = cli_text(c, "replay");
+    if (!r->replay) {
+        return true;
+    }
+    r->replay_run = strtoull(r->replay, &end, 10);
+    if (end != r->replay && *end == ':') {
+        const char *variant = end + 1;
+        r->replay_variant = strtoull(variant, &end, 10);
+        end = end == variant ? NULL : end;
+    }
+    if (!end || end == r->replay || *end || r->replay[0] == '-' ||
+        r->replay_variant >= r->options.variants.count) {
+        cli_usage(c, "option '--replay': '%s' is no RUN or RUN:VARIANT, with variants 0 to %zu",
+                  r->replay, r->options.variants.count - 1);
+        return false;
+    }
+    return true;
+}
+
+static bool read_request(cli *c, request *r) {
+    uint64_t rays = 0;
+    *r = (request){.options = asdic_trial_options_default(),
+                   .shard = 1,
+                   .shards = 1,
+                   .timeout_s = 10.0,
+                   .program = cli_text(c, "rule")};
+    asdic_trial_options *o = &r->options;
+    cli_integer(c, "runs", 1, 1000000000, &o->runs);
+    cli_integer(c, "seed", 0, UINT64_MAX, &o->seed);
+    cli_integer(c, "rays", 64, 1u << 28, &rays);
+    cli_share(c, "shard", &r->shard, &r->shards);
+    cli_number(c, "rule-timeout", 0.01, 86400.0, &r->timeout_s);
+    o->scene = cli_operand(c, 0);
+    o->rays = (uint32_t)rays;
+    o->force = cli_given(c, "force");
+    o->resume = cli_given(c, "resume");
+    o->folder = cli_text(c, "output");
+    if (cli_bad_usage(c) ||
+        !cli_vary(c, ASDIC_TRIAL_MOST_VARIANTS, &r->key, r->values, &o->variants.count)) {
+        return false;
+    }
+    o->variants.key = r->key;
+    o->variants.values = r->values;
+    if (strcmp(o->scene, "-") == 0) {
+        cli_usage(c, "the scene is read for every run; it must be a file");
+        return false;
+    }
+    if (o->force && o->resume) {
+        cli_usage(c, "--force starts afresh and --resume goes on; give one of them");
+        return false;
+    }
+    if (cli_given(c, "rule-timeout") && !r->program) {
+        cli_usage(c, "--rule-timeout needs --rule PROGRAM");
+        return false;
+    }
+    uint64_t from = o->runs * (r->shard - 1) / r->shards, to = o->runs * r->shard / r->shards;
+    if (from == to) {
+        cli_usage(c, "--shard %llu/%llu is empty: runs to share: %llu",
+                  (unsigned long long)r->shard, (unsigned long long)r->shards,
+                  (unsigned long long)o->runs);
+        return false;
+    }
+    o->first = from;
+    o->count = to - from;
+    return read_replay(c, r);
+}
+
+/* "trial_NAME", with the shard or the run when there is one. */
+static char *default_folder(const request *r) {
+    char *name = asdic_scene_name(r->options.scene), *folder = NULL;
+    int length = -1;
+    if (name && r->replay) {
+        length = asprintf(&folder, "run_%s_%llu", name, (unsigned long long)r->replay_run);
+    } else if (name && r->shards > 1) {
+        length = asprintf(&folder, "trial_%s_%llu_of_%llu", name, (unsigned long long)r->shard,
+                          (unsigned long long)r->shards);
+    } else if (name) {
+        length = asprintf(&folder, "trial_%s", name);
+    }
+    free(name);
+    return length < 0 ? NULL : folder;
+}
+
+/* --- the table --------------------------------------------------------------------------------- */
+
+static void print_figure(const asdic_trial_figure *f, int digits) {
+    printf(" %9.*f %8.*f..%-8.*f", digits, f->value, digits, f->low, digits, f->high);
+}
+
+static void print_variant(const asdic_trial *trial, size_t v, int wide) {
+    asdic_trial_result r = asdic_trial_get(trial, v);
+    printf("%-*s %8llu", wide, asdic_trial_variant_name(trial, v), (unsigned long long)r.runs);
+    print_figure(&r.collision, 4);
+    print_figure(&r.needless_per_km, 3);
+    printf(" %9.2f\n", r.least_clearance_m);
+}
+
+static void print_causes(const asdic_trial *trial, size_t v, int wide) {
+    asdic_trial_result r = asdic_trial_get(trial, v);
+    printf("%-*s %8llu %9llu %10llu %14llu %6llu %6llu %7llu %9.2f\n", wide,
+           asdic_trial_variant_name(trial, v), (unsigned long long)r.outcomes[ASDIC_TRIAL_HIT],
+           (unsigned long long)r.causes[ASDIC_TRIAL_NOT_SEEN],
+           (unsigned long long)r.causes[ASDIC_TRIAL_SEEN_LATE],
+           (unsigned long long)r.causes[ASDIC_TRIAL_COULD_NOT_TURN],
+           (unsigned long long)r.outcomes[ASDIC_TRIAL_LATE],
+           (unsigned long long)r.outcomes[ASDIC_TRIAL_VOID],
+           (unsigned long long)r.outcomes[ASDIC_TRIAL_BROKEN], r.km);
+}
+
+static void print_difference(const asdic_trial *trial, size_t v, int wide) {
+    asdic_trial_result r = asdic_trial_get(trial, v);
+    printf("%-*s %+9.4f %+8.4f..%+.4f %12.2g", wide, asdic_trial_variant_name(trial, v),
+           r.difference.value, r.difference.low, r.difference.high, r.mcnemar);
+    if (isfinite(r.paired_share)) {
+        printf(" %17.0f %%", 100.0 * r.paired_share);
+    }
+    printf("\n");
+}
+
+static void print_table(const asdic_trial *trial) {
+    size_t count = asdic_trial_variant_count(trial);
+    int wide = 8;
+    for (size_t v = 0; v < count; v++) {
+        int length = (int)strlen(asdic_trial_variant_name(trial, v));
+        wide = length > wide ? length : wide;
+    }
+    printf("%-*s %8s %9s %18s %9s %18s %9s\n", wide, "design", "runs", "collision", "95 % bounds",
+           "needless", "per km, bounds", "nearest m");
+    for (size_t v = 0; v < count; v++) {
+        print_variant(trial, v, wide);
+    }
+    printf("\n%-*s %8s %9s %10s %14s %6s %6s %7s %9s\n", wide, "design", "hits", "not seen",
+           "seen late", "could not turn", "late", "void", "broken", "km");
+    for (size_t v = 0; v < count; v++) {
+        print_causes(trial, v, wide);
+    }
+    if (count > 1) {
+        printf("\n%-*s %9s %17s %12s %19s\n", wide, "less the first", "collision", "95 % bounds",
+               "by chance", "runs, of unpaired");
+    }
+    for (size_t v = 1; v < count; v++) {
+        print_difference(trial, v, wide);
+    }
+}
+
+static bool print_file(const char *folder, const char *name) {
+    char *path = NULL;
+    FILE *file = asprintf(&path, "%s/%s", folder, name) < 0 ? NULL : fopen(path, "r");
+    char buffer[4096];
+    for (size_t got; file && (got = fread(buffer, 1, sizeof buffer, file)) > 0;) {
+        fwrite(buffer, 1, got, stdout);
+    }
+    free(path);
+    return file && fclose(file) == 0;
+}
+
+/* --- flying ------------------------------------------------------------------------------------ */
+
+typedef struct report {
+    cli_progress progress;
+    uint64_t pings;
+} report;
+
+static void note_progress(void *user, uint64_t done, uint64_t all, uint64_t pings) {
+    report *r = user;
+    cli_progress_step(&r->progress, "runs", done, all);
+    r->pings = pings;
+}
+
+/* The figures of a trial that is complete. Draws that cannot be flown, and rules that fail, are said
+ * and counted: the second kind ends the program with a failure. */
+static int tell(cli *c, const char *folder) {
+    asdic_trial *trial = NULL;
+    asdic_status status = asdic_trial_open(cli_context(c), folder, &trial);
+    int code = cli_end(c, status);
+    uint64_t voids = 0, broken = 0, flown = 0;
+    for (size_t v = 0; v < asdic_trial_variant_count(trial); v++) {
+        asdic_trial_result r = asdic_trial_get(trial, v);
+        voids += r.outcomes[ASDIC_TRIAL_VOID];
+        broken += r.outcomes[ASDIC_TRIAL_BROKEN];
+        flown += r.runs;
+    }
+    if (!status && cli_given(c, "json")) {
+        code = print_file(folder, "trial.json") ? CLI_OK : CLI_FAILED;
+    } else if (!status) {
+        print_table(trial);
+    }
+    if (voids > 0) {
+        cli_warning(c,
+                    "%llu runs are void: what is drawn puts the vehicle into the bottom or an "
+                    "object; they are left out of all shares",
+                    (unsigned long long)voids);
+    }
+    if (!status && broken > 0) {
+        cli_error(c,
+                  "the rule failed in %llu runs, which are left out of all shares; trial.csv has "
+                  "their numbers",
+                  (unsigned long long)broken);
+        code = CLI_FAILED;
+    } else if (!status && flown == 0) {
+        cli_error(c, "no run could be flown; change what 'trial: {draws: ...}' draws");
+        code = CLI_FAILED;
+    }
+    asdic_trial_close(&trial);
+    return code;
+}
+
+static asdic_status fly_on(cli *c, request *r, asdic_device **devices, size_t count) {
+    asdic_trial_options *o = &r->options;
+    report seen = {.progress = cli_progress_begin(c)};
+    asdic_trial_rule rule = {.decide = trial_programs_decide};
+    trial_programs *programs = NULL;
+    if (r->program) {
+        programs = trial_programs_begin(r->program, count, r->timeout_s);
+        rule.user = programs;
+        o->rule = &rule;
+    }
+    o->progress = note_progress;
+    o->user = &seen;
+    asdic_status status = r->program && !programs
+                              ? ASDIC_ERROR_MEMORY
+                              : asdic_trial_fly(cli_context(c), devices, count, o);
+    cli_progress_end(&seen.progress);
+    if (!status && seen.pings > 0 && !cli_team_is_worker(o->team)) {
+        cli_note(c, "%s: %llu pings", o->folder, (unsigned long long)seen.pings);
+    }
+    trial_programs_end(&programs);
+    return status;
+}
+
+/* Flies one run again, and simulates its pings into the run folder. */
+static asdic_status replay_on(cli *c, request *r, asdic_device **devices, size_t count) {
+    asdic_trial_run flown;
+    asdic_trial_rule rule = {.decide = trial_programs_decide};
+    trial_programs *programs = NULL;
+    char *scene = NULL;
+    if (r->program) {
+        programs = trial_programs_begin(r->program, 1, r->timeout_s);
+        rule.user = programs;
+        r->options.rule = &rule;
+    }
+    asdic_status status = asdic_trial_replay(cli_context(c), devices[0], &r->options, r->replay_run,
+                                             (size_t)r->replay_variant, r->options.folder, &flown);
+    trial_programs_end(&programs);
+    asdic_mission *mission = NULL;
+    if (!status && asprintf(&scene, "%s/scene.yaml", r->options.folder) < 0) {
+        scene = NULL;
+        status = ASDIC_ERROR_MEMORY;
+    }
+    if (!status) {
+        status = asdic_mission_load(cli_context(c), scene, &mission);
+    }
+    if (!status) {
+        asdic_run_options options = asdic_run_options_default();
+        options.folder = r->options.folder;
+        options.force = r->options.force;
+        status = asdic_mission_run(cli_context(c), mission, devices, count, &options);
+    }
+    if (!status) {
+        const char *cause = asdic_trial_cause_name(flown.cause);
+        cli_note(c, "%s: run %llu, %s%s%s%s%s, %zu pings; 'asdic view %s' shows it",
+                 r->options.folder, (unsigned long long)r->replay_run,
+                 asdic_trial_outcome_name(flown.outcome), *flown.what ? " of " : "", flown.what,
+                 *cause ? ", " : "", cause, flown.pings, r->options.folder);
+    }
+    asdic_mission_destroy(&mission);
+    free(scene);
+    return status;
+}
+
+static int fly(cli *c, request *r, asdic_team *team) {
+    asdic_device **devices = NULL;
+    size_t count = 0;
+    r->options.team = team;
+    asdic_status status = cli_open_devices(c, &devices, &count);
+    if (!status) {
+        status = (r->replay ? replay_on : fly_on)(c, r, devices, count);
+    }
+    asdic_devices_close(&devices, count);
+    if (status || r->replay || cli_team_is_worker(team)) {
+        return cli_end(c, status);
+    }
+    return tell(c, r->options.folder);
+}
+
+static int run(cli *c) {
+    request r = {.key = NULL};
+    asdic_team *team = NULL;
+    int code = CLI_USAGE;
+    if (!cli_team_begin(c, &team)) {
+        return CLI_USAGE;
+    }
+    bool is_worker = cli_team_is_worker(team);
+    if (read_request(c, &r)) {
+        char *own = r.options.folder ? NULL : default_folder(&r);
+        r.options.folder = r.options.folder ? r.options.folder : own;
+        code = r.options.folder ? fly(c, &r, team) : CLI_FAILED;
+        free(own);
+    }
+    free(r.key);
+    cli_team_end(c, &team);
+    return is_worker ? CLI_OK : code;
+}
+
+static const cli_option options[] = {
+    {"output", 'o', "DIR",
+     "where trial.csv, trial.json and trial.png go; default: trial_<name of the scene>"},
+    {"runs", 0, "N", "runs of each design, else 1000"},
+    {"seed", 0, "N", "of all draws and pings, else 1; designs share them"},
+    {"vary", 0, "KEY=A,B,..",
+     "a design for each value of this key of the scene, as sonar.file=one.yaml,three.yaml"},
+    {"rays", 0, "N", "rays per ping, instead of the scene's; of 'auto' 4096"},
+    {"rule", 0, "PROGRAM",
+     "let this command, run by the shell, decide: it reads pings as 'asdic serve --detect' writes "
+     "them, and answers each with a line"},
+    {"rule-timeout", 0, "S", "the longest that it may take for an answer, else 10 s"},
+    {"replay", 0, "RUN[:V]",
+     "fly one run of the trial again, of design V (from 0), into a run folder"},
+    {"shard", 0, "K/N", "the K-th of N parts of the runs; 'asdic merge' joins the parts"},
+    {"resume", 0, NULL, "go on with a trial that was stopped; the files will be the same"},
+    {"force", 'f', NULL, "replace a trial that is there"},
+    {0},
+};
+
+const cli_command cli_trial_command = {
+    .name = "trial",
+    .operands = "SCENE.yaml",
+    .min_operands = 1,
+    .max_operands = 1,
+    .summary = "how often a vehicle with this sonar hits something, and turns from nothing",
+    .details =
+        "Flies the scene's waypoints many times. Every run draws what 'trial: {draws: ...}' says; "
+        "at each ping the vehicle pings, detects ('detector'), and holds on, climbs or turns by "
+        "'trial: {rule: ...}'. A run ends at the last waypoint, when time is over, or where the "
+        "hull's radius meets a triangle on the way from ping to ping.\n\n"
+        "Prints the probability of a collision with its interval, by Clopper and Pearson, needless "
+        "manoeuvres per kilometre, and how collisions came about: not seen; seen late, where the "
+        "same manoeuvre begun at the rule's reach would have cleared it; could not turn. With "
+        "--vary all designs fly the same runs, and the difference from the first has an interval "
+        "of its own (Tango) and McNemar's test.\n\n"
+        "A rule's answer is a JSON object: {} holds on, {\"z_m\": 5} and {\"yaw_deg\": 40} fly "
+        "that depth and heading until the next ping. A program that crashes, answers nonsense or "
+        "takes too long breaks the run: it is counted, and the program is started anew.",
+    .examples = "asdic trial scene.yaml --runs 10000 --vary trial.rule.reach_m=10,20 -o out\n"
+                "asdic trial scene.yaml --runs 10000 --replay 17 -o run17 && asdic view run17",
+    .options = options,
+    .traits = CLI_HAS_DEVICE | CLI_HAS_JSON | CLI_INTERRUPTIBLE,
+    .run = run,
+};

@@ -1,0 +1,249 @@
+#include "trial_rule.h"
+
+#include "serve.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <limits.h>
+#include <math.h>
+#include <poll.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+
+#define MOST_ANSWER 1024
+
+typedef struct program {
+    pid_t pid; /* 0: not running */
+    int in, out;
+    bool has_run;
+    uint64_t run;
+} program;
+
+struct trial_programs {
+    const char *command;
+    size_t count;
+    double timeout_s;
+    program each[];
+};
+
+trial_programs *trial_programs_begin(const char *command, size_t workers, double timeout_s) {
+    trial_programs *p = calloc(1, sizeof *p + workers * sizeof p->each[0]);
+    if (p) {
+        *p = (trial_programs){.command = command, .count = workers, .timeout_s = timeout_s};
+    }
+    return p;
+}
+
+static void stop(program *p) {
+    if (p->pid > 0) {
+        close(p->in);
+        close(p->out);
+        kill(-p->pid, SIGKILL);
+        waitpid(p->pid, NULL, 0);
+    }
+    *p = (program){.pid = 0};
+}
+
+void trial_programs_end(trial_programs **programs) {
+    for (size_t i = 0; *programs && i < (*programs)->count; i++) {
+        stop(&(*programs)->each[i]);
+    }
+    free(*programs);
+    *programs = NULL;
+}
+
+/* In a group of its own, so that what a shell started ends with it. */
+static bool start(program *p, const char *command, char *why) {
+    int to[2], from[2];
+    if (pipe2(to, O_CLOEXEC) != 0) {
+        snprintf(why, ASDIC_TRIAL_WHY, "cannot start the rule: %s", strerror(errno));
+        return false;
+    }
+    if (pipe2(from, O_CLOEXEC) != 0) {
+        snprintf(why, ASDIC_TRIAL_WHY, "cannot start the rule: %s", strerror(errno));
+        close(to[0]);
+        close(to[1]);
+        return false;
+    }
+    p->pid = fork();
+    if (p->pid == 0) {
+        setpgid(0, 0);
+        dup2(to[0], STDIN_FILENO);
+        dup2(from[1], STDOUT_FILENO);
+        execl("/bin/sh", "sh", "-c", command, (char *)NULL);
+        _exit(127);
+    }
+    close(to[0]);
+    close(from[1]);
+    p->in = to[1];
+    p->out = from[0];
+    if (p->pid < 0) {
+        snprintf(why, ASDIC_TRIAL_WHY, "cannot start the rule: %s", strerror(errno));
+        close(p->in);
+        close(p->out);
+        p->pid = 0;
+        return false;
+    }
+    setpgid(p->pid, p->pid);
+    return true;
+}
+
+static double now_s(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+/* How the program ended, into WHY. */
+static void say_end(program *p, char *why) {
+    int status = 0;
+    pid_t pid = p->pid;
+    struct timespec moment = {.tv_nsec = 50000000};
+    for (int i = 0; i < 20 && waitpid(pid, &status, WNOHANG) == 0; i++) {
+        nanosleep(&moment, NULL);
+        status = -1;
+    }
+    if (status >= 0 && WIFSIGNALED(status)) {
+        snprintf(why, ASDIC_TRIAL_WHY, "the rule was ended by signal %d", WTERMSIG(status));
+    } else if (status >= 0 && WIFEXITED(status)) {
+        snprintf(why, ASDIC_TRIAL_WHY, "the rule ended with code %d without an answer",
+                 WEXITSTATUS(status));
+    } else {
+        snprintf(why, ASDIC_TRIAL_WHY, "the rule closed its output without an answer");
+    }
+}
+
+/* Waits for WHAT of FD until END_S. */
+static bool ready(int fd, short what, double end_s) {
+    struct pollfd waits = {.fd = fd, .events = what};
+    for (;;) {
+        double left_s = end_s - now_s();
+        int got = poll(&waits, 1, left_s > 0.0 ? (int)ceil(left_s * 1000.0) : 0);
+        if (got > 0) {
+            return true;
+        }
+        if (got == 0 || errno != EINTR) {
+            return false;
+        }
+    }
+}
+
+/* Writes all LENGTH bytes. */
+static bool put(program *p, const char *bytes, size_t length, double end_s, char *why) {
+    while (length > 0) {
+        if (!ready(p->in, POLLOUT, end_s)) {
+            snprintf(why, ASDIC_TRIAL_WHY, "the rule does not read what it gets");
+            return false;
+        }
+        ssize_t put = write(p->in, bytes, length < PIPE_BUF ? length : PIPE_BUF);
+        if (put < 0 && errno != EINTR && errno != EAGAIN) {
+            say_end(p, why);
+            return false;
+        }
+        bytes += put > 0 ? put : 0;
+        length -= put > 0 ? (size_t)put : 0;
+    }
+    return true;
+}
+
+/* One line without its end into ANSWER. */
+static bool take(program *p, char answer[MOST_ANSWER], double timeout_s, double end_s, char *why) {
+    size_t length = 0;
+    for (;;) {
+        if (!ready(p->out, POLLIN, end_s)) {
+            snprintf(why, ASDIC_TRIAL_WHY, "the rule did not answer within %g s", timeout_s);
+            return false;
+        }
+        ssize_t got = read(p->out, answer + length, 1);
+        if (got == 0 || (got < 0 && errno != EINTR)) {
+            say_end(p, why);
+            return false;
+        }
+        if (got > 0 && answer[length] == '\n') {
+            answer[length] = '\0';
+            return true;
+        }
+        length += got > 0;
+        if (length == MOST_ANSWER) {
+            snprintf(why, ASDIC_TRIAL_WHY, "the rule's answer is longer than %d characters",
+                     MOST_ANSWER - 1);
+            return false;
+        }
+    }
+}
+
+/* The ping as serve writes it, with the vehicle's pose and what was detected. */
+static bool print_ping(const asdic_trial_look *look, char **text, size_t *length) {
+    const asdic_loop_ping *ping = look->ping;
+    const double degree = 180.0 / CLI_PI;
+    const serve_request request = {.value = {NAN, ping->pose.position_m.x, ping->pose.position_m.y,
+                                             ping->pose.position_m.z, ping->pose.roll_rad * degree,
+                                             ping->pose.pitch_rad * degree,
+                                             ping->pose.yaw_rad * degree}};
+    const serve_answer answer = {.ping = ping, .detection = look->found};
+    serve_writer writer = {.out = open_memstream(text, length),
+                           .format = SERVE_JSON,
+                           .sonar = look->sonar,
+                           .bins = ping->bins,
+                           .bin_length_m = ping->bin_length_m,
+                           .has_detections = true};
+    if (!writer.out) {
+        return false;
+    }
+    serve_write_ping(&writer, 0, &request, &answer);
+    return fclose(writer.out) == 0;
+}
+
+/* {}, or the depth or heading to be flown. */
+static bool read_answer(const char *answer, asdic_trial_order *order, char *why) {
+    double value[SERVE_COLUMNS];
+    char wrong[SERVE_WHY_SIZE];
+    if (!serve_read_object(answer, value, wrong)) {
+        snprintf(why, ASDIC_TRIAL_WHY, "the rule answered '%.60s': %.150s", answer, wrong);
+        return false;
+    }
+    order->dives = !isnan(value[SERVE_Z]);
+    order->turns = !isnan(value[SERVE_YAW]);
+    order->z_m = order->dives ? value[SERVE_Z] : 0.0;
+    order->yaw_rad = order->turns ? value[SERVE_YAW] * CLI_PI / 180.0 : 0.0;
+    if (order->dives && !(order->z_m >= 0.0 && order->z_m <= 11000.0)) {
+        snprintf(why, ASDIC_TRIAL_WHY, "the rule asks for z_m = %g, out of range [0, 11000] m",
+                 order->z_m);
+        return false;
+    }
+    return true;
+}
+
+static bool converse(program *p, double timeout_s, const asdic_trial_look *look,
+                     asdic_trial_order *order, char *why) {
+    char *text = NULL, answer[MOST_ANSWER];
+    size_t length = 0;
+    if (!print_ping(look, &text, &length)) {
+        free(text);
+        snprintf(why, ASDIC_TRIAL_WHY, "out of memory");
+        return false;
+    }
+    double end_s = now_s() + timeout_s;
+    bool good = put(p, text, length, end_s, why) && take(p, answer, timeout_s, end_s, why) &&
+                read_answer(answer, order, why);
+    free(text);
+    return good;
+}
+
+bool trial_programs_decide(void *programs, const asdic_trial_look *look, asdic_trial_order *order,
+                           char why[ASDIC_TRIAL_WHY]) {
+    trial_programs *all = programs;
+    program *p = &all->each[look->worker];
+    if (p->pid == 0 && !start(p, all->command, why)) {
+        return false;
+    }
+    bool good = converse(p, all->timeout_s, look, order, why);
+    if (!good) {
+        stop(p);
+    }
+    return good;
+}

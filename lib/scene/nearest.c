@@ -1,0 +1,193 @@
+/*
+ * Distances from a segment to what a scene holds. A segment and a triangle that do not meet are
+ * nearest at an end of the segment, or at an edge of the triangle (Ericson, Real-Time Collision
+ * Detection (2005), sections 5.1.5, 5.1.9 and 5.1.10).
+ */
+#include "nearest.h"
+
+#include "base/vec.h"
+
+#include <math.h>
+
+typedef struct search {
+    const asdic_placement *placement;
+    const asdic_scene *scene;
+    asdic_vec3 a, b;     /* scene frame */
+    double lo[3], hi[3]; /* box round the segment */
+    asdic_nearest best;
+} search;
+
+static double clamp01(double x) {
+    return fmin(fmax(x, 0.0), 1.0);
+}
+
+static asdic_vec3 at(asdic_vec3 from, asdic_vec3 along, double t) {
+    return asdic_vec3_add(from, asdic_vec3_scale(along, t));
+}
+
+static double distance2(asdic_vec3 a, asdic_vec3 b) {
+    asdic_vec3 d = asdic_vec3_sub(a, b);
+    return asdic_vec3_dot(d, d);
+}
+
+/* Squared, between the segments P0 P1 and Q0 Q1 (5.1.9). */
+static double segments2(asdic_vec3 p0, asdic_vec3 p1, asdic_vec3 q0, asdic_vec3 q1) {
+    asdic_vec3 d1 = asdic_vec3_sub(p1, p0), d2 = asdic_vec3_sub(q1, q0), r = asdic_vec3_sub(p0, q0);
+    double a = asdic_vec3_dot(d1, d1), e = asdic_vec3_dot(d2, d2), f = asdic_vec3_dot(d2, r);
+    double c = asdic_vec3_dot(d1, r), b = asdic_vec3_dot(d1, d2), d = a * e - b * b;
+    double s = a > 0.0 && d > 0.0 ? clamp01((b * f - c * e) / d) : 0.0;
+    double t = e > 0.0 ? (b * s + f) / e : 0.0;
+    if (t < 0.0 || t > 1.0) {
+        t = clamp01(t);
+        s = a > 0.0 ? clamp01((b * t - c) / a) : 0.0;
+    } else if (e == 0.0) {
+        s = a > 0.0 ? clamp01(-c / a) : 0.0;
+    }
+    return distance2(at(p0, d1, s), at(q0, d2, t));
+}
+
+/* Whether X, in the plane of the triangle V with normal N, lies inside. */
+static bool is_over(const asdic_vec3 v[3], asdic_vec3 n, asdic_vec3 x) {
+    for (int i = 0; i < 3; i++) {
+        asdic_vec3 edge = asdic_vec3_sub(v[(i + 1) % 3], v[i]);
+        if (asdic_vec3_dot(asdic_vec3_cross(edge, asdic_vec3_sub(x, v[i])), n) < 0.0) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static double triangle2(asdic_vec3 a, asdic_vec3 b, const asdic_vec3 v[3]) {
+    asdic_vec3 n = asdic_vec3_cross(asdic_vec3_sub(v[1], v[0]), asdic_vec3_sub(v[2], v[0]));
+    double size2 = asdic_vec3_dot(n, n), best = INFINITY;
+    if (size2 > 0.0) {
+        double ha = asdic_vec3_dot(asdic_vec3_sub(a, v[0]), n);
+        double hb = asdic_vec3_dot(asdic_vec3_sub(b, v[0]), n);
+        asdic_vec3 way = asdic_vec3_sub(b, a);
+        if (ha * hb <= 0.0 && ha != hb && is_over(v, n, at(a, way, ha / (ha - hb)))) {
+            return 0.0;
+        }
+        if (is_over(v, n, at(a, n, -ha / size2))) {
+            best = ha * ha / size2;
+        }
+        if (is_over(v, n, at(b, n, -hb / size2))) {
+            best = fmin(best, hb * hb / size2);
+        }
+    }
+    for (int i = 0; i < 3; i++) {
+        best = fmin(best, segments2(a, b, v[i], v[(i + 1) % 3]));
+    }
+    return best;
+}
+
+static asdic_vec3 corner(const float v[3]) {
+    return (asdic_vec3){v[0], v[1], v[2]};
+}
+
+static void try_triangle(search *s, uint32_t id) {
+    const dev_triangle *t = asdic_placement_triangle(s->placement, id);
+    const asdic_vec3 v[3] = {corner(t->v0), corner(t->v1), corner(t->v2)};
+    double distance_m = sqrt(triangle2(s->a, s->b, v));
+    if (distance_m < s->best.distance_m) {
+        s->best = (asdic_nearest){distance_m, t->part};
+    }
+}
+
+/* Between the box of child I and that of the segment, at most the distance of what they hold. */
+static double box_m(const search *s, const dev_node8 *n, int i) {
+    const float *lo[3] = {n->lo_x, n->lo_y, n->lo_z}, *hi[3] = {n->hi_x, n->hi_y, n->hi_z};
+    double sum = 0.0;
+    for (int k = 0; k < 3; k++) {
+        double gap = fmax(fmax(lo[k][i] - s->hi[k], s->lo[k] - hi[k][i]), 0.0);
+        sum += gap * gap;
+    }
+    return sqrt(sum);
+}
+
+/* Nodes and blocks of what moves, the first ones, are the placement's. */
+static void search_word(search *s, uint32_t word) {
+    const asdic_scene *scene = s->scene;
+    if (word & DEV_LEAF) {
+        uint32_t index = word & ~DEV_LEAF;
+        const dev_block4 *block =
+            index < scene->moving_blocks ? &s->placement->blocks[index] : &scene->bvh.blocks[index];
+        for (int i = 0; i < DEV_LEAF_TRIANGLES; i++) {
+            if (block->id[i] != ~0u) {
+                try_triangle(s, block->id[i]);
+            }
+        }
+        return;
+    }
+    const dev_node8 *node =
+        word < scene->moving_nodes ? &s->placement->nodes[word] : &scene->bvh.nodes[word];
+    for (int i = 0; i < DEV_BVH_WIDTH; i++) {
+        if (node->child[i] != DEV_EMPTY && box_m(s, node, i) < s->best.distance_m) {
+            search_word(s, node->child[i]);
+        }
+    }
+}
+
+asdic_nearest asdic_placement_nearest(const asdic_placement *placement, asdic_vec3 from_m,
+                                      asdic_vec3 to_m, double within_m) {
+    const asdic_scene *scene = placement->scene;
+    search s = {.placement = placement,
+                .scene = scene,
+                .a = asdic_vec3_sub(from_m, scene->origin_m),
+                .b = asdic_vec3_sub(to_m, scene->origin_m),
+                .best = {within_m, ASDIC_NOTHING}};
+    const double a[3] = {s.a.x, s.a.y, s.a.z}, b[3] = {s.b.x, s.b.y, s.b.z};
+    for (int k = 0; k < 3; k++) {
+        s.lo[k] = fmin(a[k], b[k]);
+        s.hi[k] = fmax(a[k], b[k]);
+    }
+    if (scene->has_bottom_plane) {
+        double height_m = scene->bottom_plane_depth_m - fmax(from_m.z, to_m.z);
+        s.best.distance_m = fmin(s.best.distance_m, fmax(height_m, 0.0));
+    }
+    if (scene->bvh.root != DEV_EMPTY) {
+        search_word(&s, scene->bvh.root);
+    }
+    for (size_t i = 0; i < scene->point_count; i++) {
+        asdic_vec3 point_m = placement->points[i].position_m;
+        double distance_m = sqrt(segments2(from_m, to_m, point_m, point_m));
+        if (distance_m < s.best.distance_m) {
+            s.best = (asdic_nearest){distance_m, scene->part_count + i};
+        }
+    }
+    return s.best;
+}
+
+/* Whether the plumb line below P meets T. */
+static bool is_above(asdic_vec3 p, const dev_triangle *t) {
+    const float *v[3] = {t->v0, t->v1, t->v2};
+    double area = 0.0, side[3], z = 0.0;
+    for (int i = 0; i < 3; i++) {
+        const float *a = v[(i + 1) % 3], *b = v[(i + 2) % 3];
+        side[i] = ((double)a[0] - p.x) * ((double)b[1] - p.y) -
+                  ((double)a[1] - p.y) * ((double)b[0] - p.x);
+        area += side[i];
+        z += side[i] * v[i][2];
+    }
+    /* An edge seen from above belongs to one of the two triangles beside it. */
+    bool is_in = (side[0] >= 0.0) == (side[1] >= 0.0) && (side[1] >= 0.0) == (side[2] >= 0.0);
+    return is_in && area != 0.0 && z / area > p.z;
+}
+
+bool asdic_placement_is_inside(const asdic_placement *placement, asdic_vec3 position_m,
+                               size_t *part) {
+    const asdic_scene *scene = placement->scene;
+    asdic_vec3 p = asdic_vec3_sub(position_m, scene->origin_m);
+    size_t crossings = 0;
+    for (size_t i = 0; i < scene->triangle_count; i++) { /* of a part one after the other */
+        const dev_triangle *t = asdic_placement_triangle(placement, i);
+        crossings += scene->parts[t->part].kind == DEV_KIND_OBJECT && is_above(p, t);
+        bool is_last = i + 1 == scene->triangle_count ||
+                       asdic_placement_triangle(placement, i + 1)->part != t->part;
+        if (is_last && crossings % 2) {
+            *part = t->part;
+            return true;
+        }
+        crossings = is_last ? 0 : crossings;
+    }
+    return false;
+}

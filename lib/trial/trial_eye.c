@@ -1,0 +1,164 @@
+#include "trial_eye.h"
+
+#include "base/context.h"
+#include "base/try.h"
+#include "base/vec.h"
+#include "scene/scene.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Expected levels are those of the nearest place on a grid, so that they are a function of the place
+ * alone, whatever was flown before. The steps are fine: the echo from straight below ends at the
+ * edge of a bin. */
+#define STEP_M 1e-3
+#define STEP_RAD (0.1 * ASDIC_PI / 180.0)
+
+static double on_grid(double x, double step) {
+    return round(x / step) * step;
+}
+
+static void forget_places(asdic_eye *eye) {
+    for (size_t i = 0; i < ASDIC_EYE_PLACES; i++) {
+        free(eye->places[i].total_lin);
+        eye->places[i] = (eye_place){.total_lin = NULL};
+    }
+}
+
+/* Whether what was expected holds on. */
+static bool is_same(const asdic_eye *eye, const asdic_mission *mission, size_t bins) {
+    const asdic_sonar *a = &eye->sonar, *b = &mission->settings.sonar;
+    if (bins != eye->bins || a->receiver_count != b->receiver_count ||
+        memcmp(&eye->environment, &mission->settings.environment, sizeof eye->environment) != 0) {
+        return false;
+    }
+    asdic_sonar other = *b;
+    other.receivers = a->receivers;
+    return memcmp(&other, a, sizeof other) == 0 &&
+           memcmp(a->receivers, b->receivers, a->receiver_count * sizeof *a->receivers) == 0;
+}
+
+static asdic_status remember(asdic_eye *eye, const asdic_mission *mission, size_t bins) {
+    const asdic_sonar *sonar = &mission->settings.sonar;
+    size_t bytes = sonar->receiver_count * sizeof *sonar->receivers;
+    asdic_beam *receivers = malloc(bytes);
+    forget_places(eye);
+    asdic_ping_destroy(&eye->scratch);
+    free((asdic_beam *)eye->sonar.receivers);
+    eye->sonar = *sonar;
+    eye->sonar.receivers = receivers;
+    eye->environment = mission->settings.environment;
+    eye->bins = bins;
+    if (!receivers) {
+        return asdic_fail_memory(eye->ctx, "a sonar");
+    }
+    memcpy(receivers, sonar->receivers, bytes);
+    return asdic_ping_create(eye->ctx, sonar->receiver_count, bins, &eye->scratch);
+}
+
+asdic_status asdic_eye_open(asdic_eye *eye, const asdic_mission *mission, double depth_m) {
+    const asdic_sonar *sonar = &mission->settings.sonar;
+    asdic_cfar cfar = asdic_cfar_default();
+    asdic_trial_background background = mission->trial.background;
+    eye->mission = mission;
+    TRY(asdic_loop_create_mission(eye->ctx, eye->device, mission, depth_m, 0.0, &eye->loop));
+    size_t bins = asdic_loop_bin_count(eye->loop);
+    if (!is_same(eye, mission, bins)) {
+        TRY(remember(eye, mission, bins));
+    }
+    if (background == ASDIC_TRIAL_AUTO) {
+        bool is_plane = asdic_scene_get_info(mission->scene).has_bottom_plane;
+        background = is_plane || !mission->bottom.law ? ASDIC_TRIAL_FLAT : ASDIC_TRIAL_OS;
+    }
+    eye->is_flat = background == ASDIC_TRIAL_FLAT;
+    cfar.kind = background == ASDIC_TRIAL_CA ? ASDIC_CFAR_CA : ASDIC_CFAR_OS;
+    double speed_mps = asdic_environment_sound_speed_mps(&mission->settings.environment, depth_m);
+    return asdic_scan_create(eye->ctx, sonar, speed_mps, bins, &mission->settings.detector,
+                             eye->is_flat ? NULL : &cfar, &eye->scan);
+}
+
+/* The place of PING, on the grid. */
+static asdic_expected_place place_of(const asdic_eye *eye, const asdic_loop_ping *ping) {
+    asdic_expected_place place = {
+        .flat = {.has_surface = asdic_scene_get_info(eye->mission->scene).has_surface,
+                 .bottom = eye->mission->bottom,
+                 .surface = eye->mission->scene->surface}};
+    asdic_loop_ping_place(ping, &place);
+    place.pose = asdic_sweep_sonar(&eye->mission->settings.sweep, &ping->pose, ping->ping);
+    place.pose.position_m = (asdic_vec3){0};
+    place.pose.yaw_rad = 0.0;
+    place.pose.pitch_rad = on_grid(place.pose.pitch_rad, STEP_RAD);
+    place.pose.roll_rad = on_grid(place.pose.roll_rad, STEP_RAD);
+    place.flat.altitude_m = on_grid(place.flat.altitude_m, STEP_M);
+    place.flat.depth_m = on_grid(place.flat.depth_m, STEP_M);
+    return place;
+}
+
+static size_t slot_of(const asdic_expected_place *place) {
+    const double key[4] = {place->flat.altitude_m, place->flat.depth_m, place->pose.pitch_rad,
+                           place->pose.roll_rad};
+    uint64_t hash = 0xcbf29ce484222325u, bits;
+    for (int i = 0; i < 4; i++) {
+        memcpy(&bits, &key[i], sizeof bits);
+        hash = (hash ^ bits ^ bits >> 29) * 0x100000001b3u;
+    }
+    return (hash >> 32) % ASDIC_EYE_PLACES;
+}
+
+/* What is expected at PLACE; valid until the next call. */
+static asdic_status expect(asdic_eye *eye, const asdic_expected_place *place,
+                           const eye_place **out) {
+    eye_place *kept = &eye->places[slot_of(place)];
+    size_t cells = eye->sonar.receiver_count * eye->bins;
+    *out = kept;
+    if (kept->total_lin && asdic_expected_is_near(place, &kept->place, 0.0, 0.0)) {
+        return ASDIC_OK;
+    }
+    kept->total_lin = kept->total_lin ? kept->total_lin : malloc(2 * cells * sizeof(double));
+    if (!kept->total_lin) {
+        return asdic_fail_memory(eye->ctx, "expected levels");
+    }
+    kept->noise_lin = kept->total_lin + cells;
+    asdic_status status = asdic_expected_compute(eye->ctx, &place->flat, &eye->environment,
+                                                 &eye->sonar, &place->pose, eye->scratch);
+    if (status) {
+        free(kept->total_lin);
+        kept->total_lin = NULL;
+        return status;
+    }
+    kept->place = *place;
+    memcpy(kept->total_lin, eye->scratch->intensity_lin[ASDIC_TOTAL], cells * sizeof(double));
+    memcpy(kept->noise_lin, eye->scratch->intensity_lin[ASDIC_NOISE], cells * sizeof(double));
+    return ASDIC_OK;
+}
+
+asdic_status asdic_eye_look(asdic_eye *eye, const asdic_pose *pose, asdic_loop_ping *ping,
+                            asdic_scan_result *found) {
+    const eye_place *expected = NULL;
+    TRY(asdic_loop_submit(eye->loop, pose));
+    TRY(asdic_loop_collect(eye->loop, ping));
+    if (eye->is_flat) {
+        asdic_expected_place place = place_of(eye, ping);
+        TRY(expect(eye, &place, &expected));
+    }
+    TRY(asdic_scan_ping(eye->scan, ping->parts->intensity_lin[ASDIC_TOTAL],
+                        expected ? expected->total_lin : NULL,
+                        expected ? expected->noise_lin : ping->parts->intensity_lin[ASDIC_NOISE],
+                        ping->parts->stderr_db));
+    *found = asdic_scan_get(eye->scan);
+    return ASDIC_OK;
+}
+
+void asdic_eye_close(asdic_eye *eye) {
+    asdic_loop_destroy(&eye->loop);
+    asdic_scan_destroy(&eye->scan);
+}
+
+void asdic_eye_finish(asdic_eye *eye) {
+    asdic_eye_close(eye);
+    forget_places(eye);
+    asdic_ping_destroy(&eye->scratch);
+    free((asdic_beam *)eye->sonar.receivers);
+    eye->sonar.receivers = NULL;
+}

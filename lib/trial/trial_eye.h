@@ -1,0 +1,46 @@
+/*
+ * What a vehicle sees in a ping: simulated levels, and what a detector makes of them.
+ */
+#ifndef ASDIC_TRIAL_TRIAL_EYE_H
+#define ASDIC_TRIAL_TRIAL_EYE_H
+
+#include "mission/mission.h"
+
+#include <asdic/loop.h>
+
+#define ASDIC_EYE_PLACES 1024
+
+/* Levels expected at a place. */
+typedef struct eye_place {
+    asdic_expected_place place;
+    double *total_lin, *noise_lin; /* NULL: not computed yet */
+} eye_place;
+
+typedef struct asdic_eye {
+    asdic_context *ctx;
+    asdic_device *device;
+    const asdic_mission *mission;
+    asdic_loop *loop;
+    asdic_scan *scan;
+    bool is_flat; /* a bin is compared with what is expected */
+    asdic_ping *scratch;
+    /* Expected levels, kept from run to run as long as water and sonar stay the same. */
+    eye_place places[ASDIC_EYE_PLACES];
+    asdic_environment environment;
+    asdic_sonar sonar; /* with receivers of its own */
+    size_t bins;
+} asdic_eye;
+
+/* EYE is zero but for ctx and device at first; the next run opens it again. DEPTH_M: of the sonar at
+ * the first ping. */
+asdic_status asdic_eye_open(asdic_eye *eye, const asdic_mission *mission, double depth_m);
+
+/* The ping at POSE of the vehicle; valid until the next. */
+asdic_status asdic_eye_look(asdic_eye *eye, const asdic_pose *pose, asdic_loop_ping *ping,
+                            asdic_scan_result *found);
+
+/* Of a run; and of all. Safe on zeros. */
+void asdic_eye_close(asdic_eye *eye);
+void asdic_eye_finish(asdic_eye *eye);
+
+#endif

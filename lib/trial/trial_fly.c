@@ -1,0 +1,650 @@
+/*
+ * A trial as a whole: runs dealt to workers, rows taken in order.
+ *
+ * A run costs seconds and nothing it needs is shared but the scene file, so that workers ask for one
+ * run of one variant at a time. Several processes (a team) fly a part each and the first one joins
+ * them, as `merge` does.
+ */
+#include "trial_folder.h"
+#include "trial_run.h"
+
+#include "base/context.h"
+#include "base/number.h"
+#include "base/sha256.h"
+#include "base/try.h"
+#include "mission/run/team_message.h"
+#include "out/digits.h"
+#include "out/file.h"
+#include "sim/variates.h"
+
+#include "../../kernels/random.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <math.h>
+#include <pthread.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+/* Rays a ping where the scene leaves them to asdic: enough for a detector that allows for their
+ * error, and quick. */
+#define AUTO_RAYS 4096
+/* Workers without a device, where the sonar is ideal. */
+#define MOST_BLIND 64
+#define MOST_SETTINGS 3
+/* Seeds that a scene file holds exactly. */
+#define SEED_BITS 52
+
+typedef struct flown {
+    char *row; /* NULL: not yet */
+    uint64_t pings;
+} flown;
+
+typedef struct fleet {
+    asdic_context *ctx;
+    const asdic_trial_options *options;
+    uint64_t first,
+        jobs; /* of this part: run and variant of job j are first + j / variants, j % variants */
+    asdic_device **devices;
+    size_t worker_count;
+    FILE *out;
+    pthread_mutex_t lock; /* guards what follows */
+    uint64_t next, taken; /* job to be dealt, row to be written */
+    uint64_t pings;
+    flown *rows; /* of jobs from `begin` on */
+    uint64_t begin;
+    asdic_status status;
+    char why[512]; /* with it */
+} fleet;
+
+typedef struct worker {
+    fleet *fleet;
+    size_t number;
+    pthread_t thread;
+    bool has_thread;
+    asdic_eye eye;
+} worker;
+
+asdic_trial_options asdic_trial_options_default(void) {
+    return (asdic_trial_options){
+        .runs = 1000, .seed = 1, .count = UINT64_MAX, .variants = {.count = 1}};
+}
+
+/* --- a run ------------------------------------------------------------------------------------- */
+
+/* The seed of a run's pings, the same for all variants. */
+static uint64_t ping_seed(uint64_t seed, uint64_t run) {
+    asdic_variates v = asdic_variates_begin(RANDOM_TRIAL, seed, run, 0xffffffffu);
+    return (uint64_t)(asdic_variates_uniform(&v) * (double)((uint64_t)1 << SEED_BITS));
+}
+
+/* The mission of RUN as VARIANT changes it. */
+static asdic_status load(asdic_context *ctx, const asdic_trial_options *o, uint64_t run,
+                         size_t variant, asdic_mission **out) {
+    char seed[ASDIC_DIGITS_SIZE], rays[ASDIC_DIGITS_SIZE];
+    const asdic_draw draw = {o->seed, run};
+    asdic_setting settings[MOST_SETTINGS];
+    size_t count = 0;
+    asdic_digits_natural(seed, ping_seed(o->seed, run));
+    settings[count++] = (asdic_setting){"sampling.seed", seed};
+    if (o->rays > 0) {
+        asdic_digits_natural(rays, o->rays);
+        settings[count++] = (asdic_setting){"sampling.rays", rays};
+    }
+    if (o->variants.key) {
+        settings[count++] = (asdic_setting){o->variants.key, o->variants.values[variant]};
+    }
+    TRY(asdic_mission_load_trial(ctx, o->scene, settings, count, &draw, out));
+    if (asdic_mission_ray_forecast(*out).is_auto) {
+        asdic_mission_sampling(*out)->rays = AUTO_RAYS;
+    }
+    return ASDIC_OK;
+}
+
+static asdic_status fly(worker *w, uint64_t job, asdic_text *row, uint64_t *pings) {
+    const asdic_trial_options *o = w->fleet->options;
+    uint64_t run = w->fleet->first + job / o->variants.count;
+    size_t variant = job % o->variants.count;
+    asdic_mission *mission = NULL;
+    asdic_trial_run outcome;
+    char why[ASDIC_TRIAL_WHY];
+    TRY(load(w->fleet->ctx, o, run, variant, &mission));
+    const asdic_trial_job one = {mission, o->seed, run, w->number, o->rule, NULL};
+    asdic_status status = asdic_trial_run_one(&w->eye, &one, &outcome, why);
+    if (!status) {
+        asdic_trial_print_row(mission, run, variant, &outcome, row);
+        *pings = outcome.pings;
+        if (why[0]) {
+            asdic_log(w->fleet->ctx, ASDIC_LOG_WARNING, "run %llu is %s: %s",
+                      (unsigned long long)run, asdic_trial_outcome_name(outcome.outcome), why);
+        }
+    }
+    asdic_mission_destroy(&mission);
+    return !status && row->failed ? asdic_fail_memory(w->fleet->ctx, "a row") : status;
+}
+
+/* --- dealing ----------------------------------------------------------------------------------- */
+
+/* Writes the rows whose turn it is; the lock is held. */
+static void take_rows(fleet *f) {
+    while (f->taken < f->jobs && f->rows[f->taken - f->begin].row) {
+        flown *r = &f->rows[f->taken++ - f->begin];
+        f->pings += r->pings;
+        if (fputs(r->row, f->out) < 0 && !f->status) {
+            f->status = asdic_file_fail(f->ctx, "trial.part.csv", errno);
+        }
+        free(r->row);
+        r->row = NULL;
+        if (f->options->progress) {
+            f->options->progress(f->options->user, f->taken, f->jobs, f->pings);
+        }
+    }
+    fflush(f->out);
+}
+
+static void *work(void *argument) {
+    worker *w = argument;
+    fleet *f = w->fleet;
+    pthread_mutex_lock(&f->lock);
+    while (!f->status && f->next < f->jobs) {
+        uint64_t job = f->next++;
+        pthread_mutex_unlock(&f->lock);
+        asdic_text row = {0};
+        uint64_t pings = 0;
+        locale_t before = asdic_c_locale_enter();
+        asdic_status status =
+            asdic_context_interrupted(f->ctx)
+                ? asdic_fail(f->ctx, ASDIC_ERROR_INTERRUPTED, "interrupted; --resume goes on")
+                : fly(w, job, &row, &pings);
+        asdic_c_locale_leave(before);
+        pthread_mutex_lock(&f->lock);
+        if (status && !f->status) {
+            f->status = status;
+            asdic_context_copy_error(f->ctx, f->why, sizeof f->why);
+        }
+        if (!status) {
+            f->rows[job - f->begin] = (flown){asdic_text_take(&row), pings};
+            take_rows(f);
+        }
+        asdic_text_finish(&row);
+    }
+    pthread_mutex_unlock(&f->lock);
+    return NULL;
+}
+
+static asdic_status work_all(fleet *f) {
+    worker *workers = calloc(f->worker_count, sizeof *workers);
+    f->rows = calloc(f->jobs - f->begin + 1, sizeof *f->rows);
+    if (!workers || !f->rows) {
+        free(workers);
+        return asdic_fail_memory(f->ctx, "a trial");
+    }
+    for (size_t i = 0; i < f->worker_count; i++) {
+        worker *w = &workers[i];
+        w->fleet = f;
+        w->number = i;
+        w->eye.ctx = f->ctx;
+        w->eye.device = f->devices ? f->devices[i] : NULL;
+        w->has_thread = i > 0 && pthread_create(&w->thread, NULL, work, w) == 0;
+    }
+    work(&workers[0]);
+    for (size_t i = 0; i < f->worker_count; i++) {
+        if (workers[i].has_thread) {
+            pthread_join(workers[i].thread, NULL);
+        }
+        asdic_eye_finish(&workers[i].eye);
+    }
+    free(workers);
+    return f->status ? asdic_fail(f->ctx, f->status, "%s", f->why) : ASDIC_OK;
+}
+
+/* --- what is flown ----------------------------------------------------------------------------- */
+
+/* The hash of the scene file and of run 0 of each variant, with what it includes. */
+static asdic_status describe(asdic_context *ctx, const asdic_trial_options *o, trial_facts *facts,
+                             asdic_text *header, bool *is_ideal) {
+    asdic_text all = {0};
+    char *name = asdic_scene_name(o->scene);
+    asdic_status status = name ? ASDIC_OK : asdic_fail_memory(ctx, "a name");
+    *facts = (trial_facts){.seed = o->seed,
+                           .runs = o->runs,
+                           .first = o->first,
+                           .count = o->count,
+                           .rays = o->rays,
+                           .has_rule = o->rule != NULL,
+                           .variants = o->variants.count,
+                           .key = o->variants.key ? strdup(o->variants.key) : NULL};
+    snprintf(facts->scene, sizeof facts->scene, "%s", name ? name : "");
+    free(name);
+    for (size_t v = 0; !status && v < o->variants.count; v++) {
+        asdic_mission *mission = NULL;
+        facts->values[v] = strdup(o->variants.key ? o->variants.values[v] : "");
+        status = load(ctx, o, 0, v, &mission);
+        if (!status) {
+            const asdic_trial_plan *plan = &mission->trial;
+            *is_ideal = plan->is_ideal && !o->rule && (v == 0 || *is_ideal);
+            asdic_text_format(&all, "%s %.17g %.17g %.17g %.17g %u %u %d\n",
+                              asdic_mission_hash(mission), plan->hull_radius_m, plan->reach_m,
+                              plan->posterior, plan->hold_s, plan->hits, plan->of,
+                              (int)plan->manoeuvre);
+            if (v == 0) {
+                asdic_trial_print_header(mission, header);
+            }
+        }
+        asdic_mission_destroy(&mission);
+    }
+    if (!status && (all.failed || header->failed)) {
+        status = asdic_fail_memory(ctx, "a trial");
+    }
+    if (!status) {
+        asdic_sha256_hex(all.data, all.length, facts->hash);
+    }
+    asdic_text_finish(&all);
+    return status;
+}
+
+static asdic_status check(asdic_context *ctx, asdic_trial_options *o) {
+    if (!o->scene || !o->folder || o->runs == 0 || o->variants.count == 0 ||
+        o->variants.count > ASDIC_TRIAL_MOST_VARIANTS) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
+                          "a trial needs a scene, a folder, a run and 1 to %d variants",
+                          ASDIC_TRIAL_MOST_VARIANTS);
+    }
+    if (o->first >= o->runs) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "a trial of %llu runs has no run %llu",
+                          (unsigned long long)o->runs, (unsigned long long)o->first);
+    }
+    o->count = o->count > o->runs - o->first ? o->runs - o->first : o->count;
+    return ASDIC_OK;
+}
+
+/* --- the folder -------------------------------------------------------------------------------- */
+
+static bool is_same(const trial_facts *a, const trial_facts *b) {
+    return strcmp(a->hash, b->hash) == 0 && a->seed == b->seed && a->runs == b->runs &&
+           a->rays == b->rays && a->has_rule == b->has_rule && a->variants == b->variants;
+}
+
+static bool exists(const char *folder, const char *name) {
+    char *path = asdic_trial_path(folder, name);
+    bool is_there = path && access(path, F_OK) == 0;
+    free(path);
+    return is_there;
+}
+
+/* The rows that an earlier call left, cut behind the last whole one; *DONE of them. */
+static asdic_status go_on(asdic_context *ctx, const asdic_trial_options *o,
+                          const trial_facts *facts, uint64_t *done, asdic_text *rows) {
+    asdic_trial *before = NULL;
+    TRY(asdic_trial_read(ctx, o->folder, true, &before));
+    asdic_status status = ASDIC_OK;
+    if (!is_same(facts, &before->facts) || facts->first != before->facts.first ||
+        facts->count != before->facts.count) {
+        status = asdic_fail(ctx, ASDIC_ERROR_INPUT,
+                            "%s holds another trial: scene, seed, runs, rays or variants differ; "
+                            "--force replaces it",
+                            o->folder);
+    } else {
+        *done = before->row_count;
+        asdic_text_add(rows, before->body);
+    }
+    asdic_trial_close(&before);
+    return status;
+}
+
+/* Opens trial.part.csv with its header and ROWS in it. */
+static asdic_status begin_files(fleet *f, const trial_facts *facts, const asdic_text *header,
+                                const asdic_text *rows) {
+    asdic_text text = {0};
+    const char *folder = f->options->folder;
+    char *json = asdic_trial_path(folder, "trial.part.json");
+    char *csv = asdic_trial_path(folder, "trial.part.csv");
+    asdic_trial_print(facts, NULL, NULL, &text);
+    asdic_status status =
+        json && csv && !text.failed ? ASDIC_OK : asdic_fail_memory(f->ctx, "a trial");
+    if (!status) {
+        status = asdic_file_write_all(f->ctx, json, text.data, text.length);
+    }
+    if (!status) {
+        int fd = asdic_file_open_new(csv, O_WRONLY | O_CREAT | O_TRUNC);
+        f->out = fd < 0 ? NULL : fdopen(fd, "w");
+        if (!f->out) {
+            status = asdic_file_fail(f->ctx, csv, errno);
+            if (fd >= 0) {
+                close(fd);
+            }
+        }
+    }
+    if (!status) {
+        fputs(header->data, f->out);
+        fputs(rows->data ? rows->data : "", f->out);
+    }
+    asdic_text_finish(&text);
+    free(json);
+    free(csv);
+    return status;
+}
+
+static asdic_status end_files(fleet *f) {
+    bool good = f->out && !ferror(f->out) && fflush(f->out) == 0;
+    int error = errno;
+    if (f->out) {
+        fclose(f->out);
+    }
+    f->out = NULL;
+    return good ? ASDIC_OK : asdic_file_fail(f->ctx, f->options->folder, error);
+}
+
+static asdic_status complete(asdic_context *ctx, const char *folder) {
+    asdic_trial *trial = NULL;
+    TRY(asdic_trial_read(ctx, folder, true, &trial));
+    asdic_status status = asdic_trial_complete(ctx, trial, folder);
+    asdic_trial_close(&trial);
+    return status;
+}
+
+/* Flies what is left of the part that F's options say. */
+static asdic_status fly_part(fleet *f, const trial_facts *facts, const asdic_text *header) {
+    const asdic_trial_options *o = f->options;
+    asdic_text rows = {0};
+    asdic_status status = ASDIC_OK;
+    if (mkdir(o->folder, 0777) != 0 && errno != EEXIST) {
+        return asdic_file_fail(f->ctx, o->folder, errno);
+    }
+    if (!o->force && exists(o->folder, "trial.json")) {
+        return o->resume ? ASDIC_OK
+                         : asdic_fail(f->ctx, ASDIC_ERROR_EXISTS,
+                                      "'%s' holds a trial; --force replaces it", o->folder);
+    }
+    if (!o->force && exists(o->folder, "trial.part.csv")) {
+        status = o->resume ? go_on(f->ctx, o, facts, &f->begin, &rows)
+                           : asdic_fail(f->ctx, ASDIC_ERROR_EXISTS,
+                                        "'%s' holds a trial that was stopped; --resume goes on, "
+                                        "--force begins anew",
+                                        o->folder);
+    }
+    f->first = o->first;
+    f->jobs = o->count * o->variants.count;
+    f->next = f->taken = f->begin;
+    if (!status) {
+        status = begin_files(f, facts, header, &rows);
+    }
+    asdic_text_finish(&rows);
+    TRY(status);
+    status = work_all(f);
+    asdic_status closed = end_files(f);
+    status = status ? status : closed;
+    return status ? status : complete(f->ctx, o->folder);
+}
+
+/* --- several processes ------------------------------------------------------------------------- */
+
+static char *part_folder(const char *folder, unsigned rank) {
+    char *path = NULL;
+    return asprintf(&path, "%s/part_%u", folder, rank) < 0 ? NULL : path;
+}
+
+static void remove_part(const char *folder) {
+    static const char *const names[] = {"trial.csv", "trial.json", "trial.png", NULL};
+    for (int i = 0; names[i]; i++) {
+        char *path = asdic_trial_path(folder, names[i]);
+        if (path) {
+            unlink(path);
+        }
+        free(path);
+    }
+    rmdir(folder);
+}
+
+/* Waits until the others have said how they fared. */
+static asdic_status hear_all(asdic_context *ctx, asdic_team *team) {
+    asdic_status status = ASDIC_OK;
+    for (unsigned heard = 1; heard < team->size;) {
+        asdic_message head;
+        const void *payload;
+        size_t bytes;
+        unsigned from;
+        TRY(asdic_message_receive(team, &from, &head, &payload, &bytes));
+        if (head.kind == ASDIC_MESSAGE_RESULT) {
+            heard++;
+            if (head.status && !status) {
+                status = asdic_fail(ctx, (asdic_status)head.status, "process %u: %.*s", from,
+                                    (int)bytes, (const char *)payload);
+            }
+        } else {
+            asdic_message_wait();
+        }
+    }
+    return status;
+}
+
+static asdic_status join_parts(asdic_context *ctx, const asdic_trial_options *o) {
+    unsigned size = o->team->size;
+    char **parts = calloc(size, sizeof *parts);
+    asdic_status status = parts ? ASDIC_OK : asdic_fail_memory(ctx, "a team");
+    for (unsigned i = 0; !status && i < size; i++) {
+        parts[i] = part_folder(o->folder, i);
+        status = parts[i] ? ASDIC_OK : asdic_fail_memory(ctx, "a team");
+    }
+    if (!status) {
+        status = asdic_trial_merge(ctx, (const char *const *)parts, size, o->folder, o->force);
+    }
+    for (unsigned i = 0; parts && i < size; i++) {
+        if (!status) {
+            remove_part(parts[i]);
+        }
+        free(parts[i]);
+    }
+    free(parts);
+    return status;
+}
+
+/* This process's part in a folder of its own; process 0 joins them all. */
+static asdic_status fly_in_team(fleet *f, trial_facts *facts, const asdic_text *header) {
+    const asdic_trial_options *whole = f->options;
+    asdic_team *team = whole->team;
+    asdic_trial_options mine = *whole;
+    uint64_t from = whole->count * team->rank / team->size;
+    uint64_t to = whole->count * (team->rank + 1) / team->size;
+    if (mkdir(whole->folder, 0777) != 0 && errno != EEXIST) {
+        return asdic_file_fail(f->ctx, whole->folder, errno);
+    }
+    if (!whole->force && exists(whole->folder, "trial.json")) {
+        return whole->resume ? ASDIC_OK
+                             : asdic_fail(f->ctx, ASDIC_ERROR_EXISTS,
+                                          "'%s' holds a trial; --force replaces it", whole->folder);
+    }
+    if (whole->count < team->size) {
+        return asdic_fail(f->ctx, ASDIC_ERROR_ARGUMENT, "%llu runs for %u processes",
+                          (unsigned long long)whole->count, team->size);
+    }
+    mine.first = facts->first = whole->first + from;
+    mine.count = facts->count = to - from;
+    mine.folder = part_folder(whole->folder, team->rank);
+    if (!mine.folder) {
+        return asdic_fail_memory(f->ctx, "a team");
+    }
+    f->options = &mine;
+    asdic_status status = fly_part(f, facts, header);
+    f->options = whole;
+    free((char *)mine.folder);
+    if (team->rank > 0) {
+        char why[ASDIC_MESSAGE_TEXT] = "";
+        asdic_context_copy_error(f->ctx, why, sizeof why);
+        const asdic_message head = {.kind = ASDIC_MESSAGE_RESULT, .status = (int32_t)status};
+        asdic_status sent = asdic_message_send(team, 0, &head, why, strlen(why));
+        return status ? status : sent;
+    }
+    asdic_status others = hear_all(f->ctx, team);
+    status = status ? status : others;
+    return status ? status : join_parts(f->ctx, whole);
+}
+
+/* --- the calls --------------------------------------------------------------------------------- */
+
+static size_t count_blind(void) {
+    long processors = sysconf(_SC_NPROCESSORS_ONLN);
+    return processors < 1 ? 1 : processors > MOST_BLIND ? MOST_BLIND : (size_t)processors;
+}
+
+asdic_status asdic_trial_fly(asdic_context *ctx, asdic_device **devices, size_t device_count,
+                             const asdic_trial_options *options) {
+    if (!options) {
+        return asdic_fail_null(ctx, __func__);
+    }
+    asdic_trial_options o = *options;
+    trial_facts facts = {.key = NULL};
+    asdic_text header = {0};
+    bool is_ideal = false;
+    TRY(check(ctx, &o));
+    asdic_status status = describe(ctx, &o, &facts, &header, &is_ideal);
+    if (!status && !is_ideal && device_count == 0) {
+        status = asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "a trial that pings needs a device");
+    }
+    fleet f = {.ctx = ctx,
+               .options = &o,
+               .devices = is_ideal ? NULL : devices,
+               .worker_count = is_ideal ? count_blind() : device_count,
+               .lock = PTHREAD_MUTEX_INITIALIZER};
+    if (!status) {
+        status = o.team ? fly_in_team(&f, &facts, &header) : fly_part(&f, &facts, &header);
+    }
+    for (uint64_t i = 0; f.rows && i < f.jobs - f.begin; i++) {
+        free(f.rows[i].row);
+    }
+    free(f.rows);
+    pthread_mutex_destroy(&f.lock);
+    asdic_trial_facts_finish(&facts);
+    asdic_text_finish(&header);
+    return status;
+}
+
+asdic_status asdic_trial_replay(asdic_context *ctx, asdic_device *device,
+                                const asdic_trial_options *options, uint64_t run, size_t variant,
+                                const char *folder, asdic_trial_run *out) {
+    asdic_mission *mission = NULL;
+    asdic_track *track = calloc(1, sizeof *track);
+    asdic_eye eye = {.ctx = ctx, .device = device};
+    char why[ASDIC_TRIAL_WHY];
+    char *scene = asdic_trial_path(folder, "scene.yaml");
+    char *poses = asdic_trial_path(folder, "track.csv");
+    asdic_file *file = NULL;
+    asdic_status status =
+        scene && poses && track ? ASDIC_OK : asdic_fail_memory(ctx, "a run of a trial");
+    if (!status) {
+        status = load(ctx, options, run, variant, &mission);
+    }
+    const asdic_trial_job job = {mission, options->seed, run, 0, options->rule, track};
+    if (!status) {
+        status = asdic_trial_run_one(&eye, &job, out, why);
+    }
+    if (!status && why[0]) {
+        status = asdic_fail(ctx, ASDIC_ERROR_INPUT, "run %llu is %s: %s", (unsigned long long)run,
+                            asdic_trial_outcome_name(out->outcome), why);
+    }
+    if (!status && mkdir(folder, 0777) != 0 && errno != EEXIST) {
+        status = asdic_file_fail(ctx, folder, errno);
+    }
+    if (!status) {
+        status = asdic_mission_write_scene(ctx, mission, scene, "track.csv");
+    }
+    if (!status) {
+        status = asdic_file_create(ctx, poses, &file);
+    }
+    if (!status) {
+        const asdic_sweep *sweep = &mission->settings.sweep;
+        asdic_track_file_begin(file, sweep);
+        for (size_t i = 0; i < track->count; i++) {
+            const track_point *p = &track->points[i];
+            const asdic_pose pose = {
+                {p->x_m, p->y_m, p->z_m}, p->roll_rad, p->pitch_rad, p->yaw_rad};
+            asdic_track_file_add(file, sweep, i, p->time_s, &pose);
+        }
+        status = asdic_file_commit(&file);
+    }
+    asdic_eye_finish(&eye);
+    asdic_mission_destroy(&mission);
+    asdic_track_destroy(&track);
+    free(scene);
+    free(poses);
+    return status;
+}
+
+/* --- parts ------------------------------------------------------------------------------------- */
+
+static int by_first(const void *pa, const void *pb) {
+    const asdic_trial *a = *(asdic_trial *const *)pa, *b = *(asdic_trial *const *)pb;
+    return a->facts.first < b->facts.first ? -1 : a->facts.first > b->facts.first;
+}
+
+static asdic_status check_parts(asdic_context *ctx, asdic_trial **parts, size_t count) {
+    for (size_t i = 1; i < count; i++) {
+        const trial_facts *a = &parts[i - 1]->facts, *b = &parts[i]->facts;
+        if (!is_same(a, b) || strcmp(parts[i]->header, parts[i - 1]->header) != 0) {
+            return asdic_fail(ctx, ASDIC_ERROR_INPUT,
+                              "these are parts of different trials: scene, seed, runs, rays or "
+                              "variants differ");
+        }
+        if (b->first != a->first + a->count) {
+            return asdic_fail(ctx, ASDIC_ERROR_INPUT, "runs %llu to %llu are in no part, or in two",
+                              (unsigned long long)(a->first + a->count),
+                              (unsigned long long)b->first);
+        }
+    }
+    return ASDIC_OK;
+}
+
+static asdic_status write_parts(asdic_context *ctx, asdic_trial **parts, size_t count,
+                                const char *folder) {
+    asdic_text rows = {0}, header = {0};
+    asdic_trial_options o = {.folder = folder};
+    fleet f = {.ctx = ctx, .options = &o};
+    trial_facts whole = parts[0]->facts; /* borrowed */
+    whole.count = 0;
+    for (size_t i = 0; i < count; i++) {
+        whole.count += parts[i]->facts.count;
+        asdic_text_add(&rows, parts[i]->body);
+    }
+    asdic_text_add(&header, parts[0]->header);
+    asdic_status status = rows.failed || header.failed ? asdic_fail_memory(ctx, "a trial")
+                                                       : begin_files(&f, &whole, &header, &rows);
+    if (!status) {
+        status = end_files(&f);
+    }
+    asdic_text_finish(&rows);
+    asdic_text_finish(&header);
+    return status ? status : complete(ctx, folder);
+}
+
+asdic_status asdic_trial_merge(asdic_context *ctx, const char *const *folders, size_t folder_count,
+                               const char *folder, bool force) {
+    if (!folders || folder_count == 0 || !folder) {
+        return asdic_fail_null(ctx, __func__);
+    }
+    if (mkdir(folder, 0777) != 0 && errno != EEXIST) {
+        return asdic_file_fail(ctx, folder, errno);
+    }
+    if (!force && exists(folder, "trial.json")) {
+        return asdic_fail(ctx, ASDIC_ERROR_EXISTS, "'%s' holds a trial; --force replaces it",
+                          folder);
+    }
+    asdic_trial **parts = calloc(folder_count, sizeof *parts);
+    asdic_status status = parts ? ASDIC_OK : asdic_fail_memory(ctx, "parts of a trial");
+    for (size_t i = 0; !status && i < folder_count; i++) {
+        status = asdic_trial_open(ctx, folders[i], &parts[i]);
+    }
+    if (!status) {
+        qsort(parts, folder_count, sizeof *parts, by_first);
+        status = check_parts(ctx, parts, folder_count);
+    }
+    if (!status) {
+        status = write_parts(ctx, parts, folder_count, folder);
+    }
+    for (size_t i = 0; parts && i < folder_count; i++) {
+        asdic_trial_close(&parts[i]);
+    }
+    free(parts);
+    return status;
+}

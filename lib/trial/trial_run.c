@@ -1,0 +1,394 @@
+#include "trial_run.h"
+
+#include "base/context.h"
+#include "base/try.h"
+#include "base/vec.h"
+#include "mission/track/flight.h"
+#include "scene/nearest.h"
+#include "sim/variates.h"
+
+#include "../../kernels/random.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* A run ends when its flight has taken this many times as long as without manoeuvres. */
+#define PATIENCE 3.0
+/* A vehicle that climbs stays this deep. */
+#define SHALLOWEST_M 0.5
+/* A turn is done, and may be followed by another, within this of its heading. */
+#define TURNED_RAD 0.1
+
+#define MOST_PINGS 1000000
+
+/* What was flown up to a ping. */
+typedef struct moment {
+    asdic_pilot pilot;
+    double time_s;
+} moment;
+
+typedef struct run {
+    const asdic_trial_job *job;
+    const asdic_trial_plan *plan;
+    const asdic_mission *mission;
+    asdic_context *ctx;
+    asdic_placement *placement;
+    asdic_pilot pilot;
+    double time_s, step_s;
+    moment *moments; /* one a ping */
+    size_t moment_count, moment_capacity;
+    asdic_order order; /* zero: along the waypoints */
+    bool gives_way;
+    double until_s;
+    uint64_t seen; /* a bit a ping, the last one lowest */
+    size_t began;  /* ping at which the manoeuvre under way began */
+    asdic_trial_run *out;
+} run;
+
+/* --- the way ----------------------------------------------------------------------------------- */
+
+static asdic_vec3 position(const asdic_pilot *p) {
+    return (asdic_vec3){p->state.x_m, p->state.y_m, p->state.z_m};
+}
+
+static void place_objects(const run *r, double time_s) {
+    const asdic_scene *scene = r->mission->scene;
+    for (size_t i = 0; i < r->mission->motion_count; i++) {
+        const asdic_motion *motion = &r->mission->motions[i];
+        asdic_pose pose = asdic_track_pose(motion->track, time_s);
+        for (size_t k = 0; k < scene->movable_count; k++) {
+            if (strcmp(scene->parts[scene->movables[k].part].name, motion->name) == 0) {
+                asdic_placement_move(r->placement, k, &pose);
+            }
+        }
+    }
+}
+
+/* Flies P for SECONDS by ORDER; the nearest that it came to anything, at most WITHIN_M. Stops where
+ * that is less than ENOUGH_M. */
+static asdic_nearest fly(const run *r, asdic_pilot *p, const asdic_order *order, double seconds,
+                         double within_m, double enough_m) {
+    size_t steps = (size_t)ceil(seconds / p->model.step_s - 1e-9);
+    asdic_nearest nearest = {within_m, ASDIC_NOTHING};
+    for (size_t i = 0; i < steps && nearest.distance_m > enough_m; i++) {
+        asdic_vec3 from_m = position(p);
+        asdic_pilot_advance(p, order, seconds / (double)steps);
+        asdic_nearest near =
+            asdic_placement_nearest(r->placement, from_m, position(p), nearest.distance_m);
+        nearest = near.distance_m < nearest.distance_m ? near : nearest;
+    }
+    return nearest;
+}
+
+/* Whether a copy of FROM that flies by ORDER for DISTANCE_M comes within the hull's radius of
+ * something. Objects are where they are now. */
+static bool would_hit(const run *r, const asdic_pilot *from, const asdic_order *order,
+                      double distance_m) {
+    asdic_pilot p = *from;
+    double hull_m = r->plan->hull_radius_m, slowest_mps = 0.01;
+    for (double flown_m = 0.0, time_s = 0.0;
+         flown_m < distance_m && time_s < distance_m / slowest_mps; time_s += r->step_s) {
+        asdic_vec3 before_m = position(&p);
+        asdic_nearest near = fly(r, &p, order, p.model.step_s, hull_m, 0.0);
+        if (near.distance_m < hull_m || (hull_m == 0.0 && near.distance_m == 0.0)) {
+            return true;
+        }
+        flown_m += asdic_vec3_length(asdic_vec3_sub(position(&p), before_m));
+        if (!order && asdic_pilot_is_done(&p)) {
+            return false;
+        }
+    }
+    return false;
+}
+
+/* Whether holding on along the waypoints would hit something within the rule's reach. */
+static bool is_something_ahead(const run *r, const asdic_pilot *p) {
+    double bin_m = r->mission->settings.sonar.bin_length_m;
+    return would_hit(r, p, NULL, r->plan->reach_m + bin_m + r->plan->hull_radius_m);
+}
+
+/* --- the rule ---------------------------------------------------------------------------------- */
+
+/* Climb, or turn to the side that SIDE says (1: starboard). */
+static asdic_order manoeuvre(const asdic_trial_plan *plan, const flight_state *s, double side) {
+    if (plan->manoeuvre == ASDIC_CLIMB) {
+        return (asdic_order){.dives = true, .z_m = fmax(s->z_m - plan->climb_m, SHALLOWEST_M)};
+    }
+    return (asdic_order){.turns = true, .yaw_rad = s->yaw_rad + side * plan->turn_rad};
+}
+
+/* Begins, prolongs or ends the manoeuvre of a ping that FIRES, with something on that SIDE. */
+static void apply_rule(run *r, bool fires, double side) {
+    const asdic_trial_plan *plan = r->plan;
+    const flight_state *s = &r->pilot.state;
+    r->seen = r->seen << 1 | fires;
+    uint64_t window = plan->of >= 64 ? r->seen : r->seen & (((uint64_t)1 << plan->of) - 1);
+    bool is_enough = fires && (unsigned)__builtin_popcountll(window) >= plan->hits;
+    if (!is_enough || plan->manoeuvre == ASDIC_HOLD) {
+        if (r->gives_way && r->time_s >= r->until_s) {
+            r->gives_way = false;
+            r->order = (asdic_order){0};
+        }
+        return;
+    }
+    asdic_order next = manoeuvre(plan, s, -side);
+    if (!r->gives_way) {
+        r->order = next;
+    } else if (plan->manoeuvre == ASDIC_CLIMB) {
+        r->order.z_m = fmin(r->order.z_m, next.z_m);
+    } else if (fabs(remainder(r->order.yaw_rad - s->yaw_rad, 2.0 * ASDIC_PI)) < TURNED_RAD) {
+        r->order = next;
+    }
+    r->gives_way = true;
+    r->until_s = r->time_s + plan->hold_s;
+}
+
+/* Whether a detection of the ping counts; SIDE becomes that of the likeliest. */
+static bool sees(const run *r, const asdic_loop_ping *ping, const asdic_scan_result *found,
+                 double *side) {
+    const asdic_trial_plan *plan = r->plan;
+    const asdic_sonar *sonar = &r->mission->settings.sonar;
+    const asdic_pose level = {.yaw_rad = 0.0};
+    double best = -INFINITY, prior = r->mission->settings.detector.prior;
+    for (size_t b = 0; b < ping->beams; b++) {
+        asdic_vec3 axis = asdic_beam_axis(&sonar->receivers[b], &level);
+        double off_bow_rad = acos(fmin(fmax(axis.x, -1.0), 1.0));
+        if (off_bow_rad > plan->sector_rad + 1e-9) {
+            continue;
+        }
+        for (size_t n = 0; n < ping->bins; n++) {
+            size_t i = b * ping->bins + n;
+            double range_m = ((double)n + 0.5) * ping->bin_length_m;
+            if (range_m > plan->reach_m) {
+                break;
+            }
+            if (ping->parts->intensity_lin[ASDIC_TOTAL][i] > found->threshold_lin[i] &&
+                found->llr[i] > best &&
+                asdic_detect_posterior(found->llr[i], prior) >= plan->posterior) {
+                best = found->llr[i];
+                *side = axis.y > 1e-6 ? 1.0 : -1.0;
+            }
+        }
+    }
+    return best > -INFINITY;
+}
+
+/* What a sonar of given probabilities says. */
+static bool ideal_sees(const run *r, size_t ping) {
+    asdic_variates v =
+        asdic_variates_begin(RANDOM_TRIAL, r->job->seed, r->job->run, (uint32_t)ping);
+    double u = asdic_variates_uniform(&v);
+    return u < (is_something_ahead(r, &r->pilot) ? r->plan->pd : r->plan->pfa);
+}
+
+/* --- a ping ------------------------------------------------------------------------------------ */
+
+static asdic_pose pose_of(const flight_state *s) {
+    return (asdic_pose){
+        .position_m = {s->x_m, s->y_m, s->z_m}, .pitch_rad = s->pitch_rad, .yaw_rad = s->yaw_rad};
+}
+
+static asdic_status keep_moment(run *r) {
+    if (r->moment_count == r->moment_capacity) {
+        size_t capacity = 2 * r->moment_capacity + 64;
+        moment *grown = realloc(r->moments, capacity * sizeof *grown);
+        if (!grown) {
+            return asdic_fail_memory(r->ctx, "a run of a trial");
+        }
+        r->moments = grown;
+        r->moment_capacity = capacity;
+    }
+    r->moments[r->moment_count++] = (moment){r->pilot, r->time_s};
+    if (r->job->track) {
+        asdic_pose pose = pose_of(&r->pilot.state);
+        track_point point = {.time_s = r->time_s,
+                             .x_m = pose.position_m.x,
+                             .y_m = pose.position_m.y,
+                             .z_m = pose.position_m.z,
+                             .pitch_rad = asdic_track_round(pose.pitch_rad),
+                             .yaw_rad = asdic_track_round(pose.yaw_rad)};
+        if (!asdic_track_append(r->job->track, &point)) {
+            return asdic_fail_memory(r->ctx, "a track");
+        }
+    }
+    return ASDIC_OK;
+}
+
+/* Lets the other program decide. */
+static bool ask(run *r, const asdic_loop_ping *ping, const asdic_scan_result *found, char *why) {
+    const asdic_trial_look look = {r->job->worker, r->job->run, &r->mission->settings.sonar, ping,
+                                   found};
+    asdic_trial_order order = {0};
+    why[0] = '\0';
+    if (!r->job->rule->decide(r->job->rule->user, &look, &order, why)) {
+        return false;
+    }
+    r->gives_way = order.turns || order.dives;
+    r->order = (asdic_order){order.turns, order.dives, order.yaw_rad, order.z_m};
+    return true;
+}
+
+/* Pings, and decides. */
+static asdic_status ping(run *r, asdic_eye *eye, char *why) {
+    bool gave_way = r->gives_way;
+    double side = -1.0;
+    if (r->plan->is_ideal && !r->job->rule) {
+        apply_rule(r, ideal_sees(r, r->out->pings), side);
+    } else {
+        asdic_loop_ping seen;
+        asdic_scan_result found;
+        asdic_pose pose = pose_of(&r->pilot.state);
+        TRY(asdic_eye_look(eye, &pose, &seen, &found));
+        if (!r->job->rule) {
+            bool fires = sees(r, &seen, &found, &side);
+            apply_rule(r, fires, side);
+        } else if (!ask(r, &seen, &found, why)) {
+            r->out->outcome = ASDIC_TRIAL_BROKEN;
+        }
+    }
+    if (r->gives_way && !gave_way) {
+        r->began = r->out->pings;
+        r->out->manoeuvres++;
+        r->out->needless += !is_something_ahead(r, &r->pilot);
+    }
+    r->out->pings++;
+    return ASDIC_OK;
+}
+
+/* --- the whole --------------------------------------------------------------------------------- */
+
+static void name_part(const run *r, size_t part, char out[ASDIC_NAME_SIZE]) {
+    const asdic_scene *scene = r->mission->scene;
+    const char *name = part == ASDIC_NOTHING       ? ""
+                       : part >= scene->part_count ? scene->points[part - scene->part_count].name
+                                                   : scene->parts[part].name;
+    snprintf(out, ASDIC_NAME_SIZE, "%s", *name ? name : "bottom");
+}
+
+/* Why it was hit, seen from where the way to it was as long as the rule's reach. */
+static void find_cause(run *r) {
+    asdic_trial_run *out = r->out;
+    asdic_vec3 end_m = position(&r->pilot);
+    if (!r->gives_way) {
+        out->cause = ASDIC_TRIAL_NOT_SEEN;
+        return;
+    }
+    const asdic_pilot *began = &r->moments[r->began].pilot;
+    out->seen_m = asdic_vec3_length(asdic_vec3_sub(position(began), end_m));
+    size_t i = r->began;
+    while (i > 0 && asdic_vec3_length(asdic_vec3_sub(position(&r->moments[i].pilot), end_m)) <
+                        r->plan->reach_m) {
+        i--;
+    }
+    const asdic_pilot *from = &r->moments[i].pilot;
+    asdic_order order = r->order;
+    if (!r->job->rule) { /* the same manoeuvre, from there */
+        double turn_rad = remainder(r->order.yaw_rad - began->state.yaw_rad, 2.0 * ASDIC_PI);
+        order = manoeuvre(r->plan, &from->state, turn_rad < 0.0 ? -1.0 : 1.0);
+    }
+    place_objects(r, r->moments[i].time_s);
+    double way_m = 1.5 * asdic_vec3_length(asdic_vec3_sub(position(from), end_m));
+    out->cause =
+        would_hit(r, from, &order, way_m) ? ASDIC_TRIAL_COULD_NOT_TURN : ASDIC_TRIAL_SEEN_LATE;
+}
+
+/* To the next ping. */
+static void go_on(run *r) {
+    asdic_trial_run *out = r->out;
+    asdic_vec3 from_m = position(&r->pilot);
+    double hull_m = r->plan->hull_radius_m;
+    asdic_nearest near = fly(r, &r->pilot, r->gives_way ? &r->order : NULL, r->step_s,
+                             out->clearance_m + hull_m, hull_m);
+    out->distance_m += asdic_vec3_length(asdic_vec3_sub(position(&r->pilot), from_m));
+    out->clearance_m = fmax(near.distance_m - hull_m, 0.0);
+    r->time_s += r->step_s;
+    if (near.distance_m <= hull_m) {
+        out->outcome = ASDIC_TRIAL_HIT;
+        name_part(r, near.part, out->what);
+    }
+}
+
+/* Whether the run can begin where it is drawn to begin. */
+static bool begins_well(run *r, char *why) {
+    asdic_trial_run *out = r->out;
+    asdic_vec3 at_m = position(&r->pilot);
+    size_t part = ASDIC_NOTHING;
+    double hull_m = r->plan->hull_radius_m;
+    asdic_nearest near = asdic_placement_nearest(r->placement, at_m, at_m, INFINITY);
+    bool is_inside = asdic_placement_is_inside(r->placement, at_m, &part);
+    bool is_below = at_m.z > asdic_mission_bottom_m(r->mission->scene, at_m);
+    if (!is_inside && !is_below && near.distance_m > hull_m) {
+        out->clearance_m = near.distance_m - hull_m;
+        return true;
+    }
+    out->outcome = ASDIC_TRIAL_VOID;
+    name_part(r, is_inside ? part : is_below ? ASDIC_NOTHING : near.part, out->what);
+    snprintf(why, ASDIC_TRIAL_WHY, "the vehicle begins at %.4g, %.4g, %.4g m, in '%s'", at_m.x,
+             at_m.y, at_m.z, out->what);
+    return false;
+}
+
+static asdic_status fly_all(run *r, asdic_eye *eye, char *why) {
+    const asdic_mission *m = r->mission;
+    double end_s =
+        isnan(r->plan->time_s) ? PATIENCE * asdic_track_end_s(m->track) : r->plan->time_s;
+    asdic_trial_run *out = r->out;
+    for (;;) {
+        r->time_s = (double)out->pings * r->step_s;
+        place_objects(r, r->time_s);
+        TRY(keep_moment(r));
+        TRY(ping(r, eye, why));
+        if (out->outcome == ASDIC_TRIAL_BROKEN) {
+            return ASDIC_OK;
+        }
+        go_on(r);
+        if (out->outcome == ASDIC_TRIAL_HIT) {
+            find_cause(r);
+            return ASDIC_OK;
+        }
+        if (asdic_pilot_is_done(&r->pilot)) {
+            return ASDIC_OK;
+        }
+        if (r->time_s >= end_s || out->pings == MOST_PINGS) {
+            out->outcome = ASDIC_TRIAL_LATE;
+            return ASDIC_OK;
+        }
+        if (asdic_context_interrupted(r->ctx)) {
+            return asdic_fail(r->ctx, ASDIC_ERROR_INTERRUPTED, "interrupted");
+        }
+    }
+}
+
+asdic_status asdic_trial_run_one(asdic_eye *eye, const asdic_trial_job *job, asdic_trial_run *out,
+                                 char why[ASDIC_TRIAL_WHY]) {
+    const asdic_mission *m = job->mission;
+    run r = {.job = job,
+             .plan = &m->trial,
+             .mission = m,
+             .ctx = m->ctx,
+             .step_s = 1.0 / m->settings.sonar.ping_rate_hz,
+             .out = out};
+    *out = (asdic_trial_run){.outcome = ASDIC_TRIAL_CLEAR, .seen_m = NAN, .clearance_m = INFINITY};
+    why[0] = '\0';
+    if (!m->points_m) {
+        return asdic_fail(r.ctx, ASDIC_ERROR_INPUT,
+                          "%s: a trial flies along 'mission: {waypoints: ...}'; there are none",
+                          m->path);
+    }
+    TRY(asdic_placement_create(m->scene, &r.placement));
+    asdic_status status = ASDIC_OK;
+    asdic_pilot_begin(&r.pilot, &m->flight);
+    place_objects(&r, 0.0);
+    if (begins_well(&r, why)) {
+        bool is_blind = m->trial.is_ideal && !job->rule;
+        status = is_blind ? ASDIC_OK : asdic_eye_open(eye, m, r.pilot.state.z_m);
+        status = status ? status : fly_all(&r, eye, why);
+        out->time_s = r.time_s;
+        asdic_eye_close(eye);
+    }
+    asdic_placement_destroy(&r.placement);
+    free(r.moments);
+    return status;
+}

@@ -1,0 +1,375 @@
+"""Trials: figures against closed forms, the same bytes however runs are dealt, rules of other programs,
+draws that cannot be flown. With the argument `full` the same closed forms in ten thousand runs."""
+import csv
+import json
+import math
+import os
+import shutil
+import subprocess
+import sys
+
+import program
+import tap
+from program import Folder, asdic
+from run_folder import data
+
+FULL = sys.argv[1:] == ["full"]
+if FULL:
+    del sys.argv[1:]
+SPEED, RADIUS, RESPONSE, RATE = 1.5, 5.0, 1.0, 1.0
+HULL, REACH, BIN, FRONT = 0.2, 20.0, 0.5, 59.0
+
+WALL = """
+version: 1
+bottom: {depth_m: 20, type: sand}
+objects:
+  - {name: wall, box: {size_m: [2, 400, 40]}, position_m: [60, 0, 10]}
+sonar:
+  frequency_khz: 100
+  ping_rate_hz: 1
+  source_level_db: 200
+  max_range_m: 40
+  bin_length_m: 0.5
+  speckle: rayleigh
+  receivers: [{name: forward, length_h_m: 0.05, length_v_m: 0.05}]
+mission:
+  waypoints: {points_m: [[0, 0, 10], [100, 0, 10]], speed_mps: 1.5, turn_radius_m: 5, response_s: 1}
+detector: {pfa: 1.0e-4}
+sampling: {rays: 1000}
+trial:
+  hull_radius_m: 0.2
+  time_s: 45
+  rule: {manoeuvre: turn, turn_deg: 150, reach_m: 20, hold_s: 1000}
+"""
+IDEAL = WALL + "  ideal: {pd: PD}\n"
+
+EMPTY = """
+version: 1
+bottom: {depth_m: 20, type: sand}
+sonar:
+  frequency_khz: 100
+  ping_rate_hz: 2
+  source_level_db: 200
+  max_range_m: 30
+  bin_length_m: 0.5
+  bandwidth_khz: 2
+  speckle: rayleigh
+  receivers: [{name: forward, length_h_m: 0.05, length_v_m: 0.05}]
+mission: {waypoints: {points_m: [[0, 0, 8], [7.4, 0, 8]], speed_mps: 1.5}}
+detector: {pfa: 1.0e-3}
+sampling: {rays: 4000}
+trial: {rule: {reach_m: 20, posterior: 0, hold_s: 1000, climb_m: 0.1}}
+"""
+
+
+def farthest_x_m(x_m):
+    """Where a turn by 150 degrees that begins at X_M comes nearest to the wall: Nomoto's equations,
+    T r' + r = r_c with r_c = (wanted - heading) / (4 T), at most speed / radius, by small steps."""
+    yaw = rate = 0.0
+    step, best = 1e-4, x_m
+    while yaw < 0.6 * math.pi:
+        wanted = min((math.radians(150) - yaw) / (4 * RESPONSE), SPEED / RADIUS)
+        rate += step * (wanted - rate) / RESPONSE
+        yaw += step * rate
+        x_m += step * SPEED * math.cos(yaw)
+        best = max(best, x_m)
+    return best
+
+
+def chances():
+    """At how many pings a detection averts the collision: near enough to be seen, far enough to turn."""
+    count = 0
+    for k in range(100):
+        x_m = SPEED * k / RATE
+        off_m = FRONT - HULL - x_m
+        room_m = FRONT - HULL - farthest_x_m(x_m)
+        assert min(abs(off_m - (REACH + BIN + HULL)), abs(room_m)) > 0.08, (k, off_m, room_m)
+        count += off_m < REACH + BIN + HULL and room_m > 0
+    return count
+
+
+def within_99(events, trials, p):
+    """Whether a binomial count lies in its central 99 %."""
+    below = above = 0.0
+    for k in range(trials + 1):
+        term = math.exp(math.lgamma(trials + 1) - math.lgamma(k + 1) - math.lgamma(trials - k + 1)
+                        + k * math.log(p) + (trials - k) * math.log1p(-p))
+        below += term if k <= events else 0.0
+        above += term if k >= events else 0.0
+    return below > 0.005 and above > 0.005
+
+
+def fly(folder, path, runs, *options):
+    out = folder / "out"
+    done = asdic("trial", path, "--runs", runs, "-o", out, "-f", "--json", *options).check(code=0)
+    return json.loads(done.out)["variants"]
+
+
+def rows(folder, name="out"):
+    with open(os.path.join(folder / name, "trial.csv"), encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def test_a_wall_and_a_sonar_of_fixed_pd():
+    """P(collision) is the product of 1 - P_D over the pings at which a detection comes in time."""
+    runs = 10000 if FULL else 1000
+    with Folder() as folder:
+        for pd in (0.05, 0.2):
+            path = folder.write("wall.yaml", IDEAL.replace("PD", str(pd)))
+            found, = fly(folder, path, runs)
+            wanted = (1 - pd) ** chances()
+            if not within_99(found["hit"], runs, wanted):
+                raise AssertionError((pd, found, wanted))
+            tap.equal(found["hit"], found["not seen"] + found["seen late"])
+            tap.equal(found["late"] + found["hit"], runs)
+
+
+def test_intervals_cover():
+    """Of many intervals of 95 % that many hold the closed form's probability: Clopper and Pearson's
+    hold it a little more often. 20 seeds in the full tier; blocks of runs of them."""
+    seeds, runs, block = (20, 10000, 500) if FULL else (4, 500, 50)
+    wanted, held, blocks = 0.8 ** chances(), 0, 0
+    with Folder() as folder:
+        path = folder.write("wall.yaml", IDEAL.replace("PD", "0.2"))
+        for seed in range(1, seeds + 1):
+            fly(folder, path, runs, "--seed", seed)
+            hits = [row["outcome"] == "hit" for row in rows(folder)]
+            for first in range(0, len(hits), block):
+                events, blocks = sum(hits[first:first + block]), blocks + 1
+                low, high = clopper_pearson(events, block)
+                held += low <= wanted <= high
+    print(f"# {held} of {blocks} intervals hold {wanted:.4f}")
+    least = 0.93 if FULL else 0.85 # of 40, so few in one of ten thousand cases
+    assert least <= held / blocks, (held, blocks)
+    assert not FULL or held / blocks <= 0.97, (held, blocks)
+
+
+def clopper_pearson(k, n):
+    def tail(p, least, most):
+        return sum(math.exp(math.lgamma(n + 1) - math.lgamma(j + 1) - math.lgamma(n - j + 1)
+                            + j * math.log(p) + (n - j) * math.log1p(-p)) for j in range(least, most + 1))
+
+    def solve(good):
+        low, high = 1e-12, 1 - 1e-12
+        for _ in range(50):
+            middle = (low + high) / 2
+            low, high = (middle, high) if good(middle) else (low, middle)
+        return low
+    return (solve(lambda p: tail(p, k, n) < 0.025) if k else 0.0,
+            solve(lambda p: tail(p, 0, k) > 0.025) if k < n else 1.0)
+
+
+def test_bounds_are_those_of_clopper_and_pearson():
+    with Folder() as folder:
+        path = folder.write("wall.yaml", IDEAL.replace("PD", "0.1"))
+        found, = fly(folder, path, 200)
+        low, high = clopper_pearson(found["hit"], 200)
+        for a, b in zip(found["collision"], (found["hit"] / 200, low, high)):
+            assert abs(a - b) < 1e-6, (found["collision"], low, high)
+
+
+def test_false_alarms_are_those_of_the_design():
+    """Over an empty bottom a run gives way to nothing as often as one of its bins exceeds."""
+    program.need_device()
+    runs = 4000 if FULL else 200
+    with Folder() as folder:
+        found, = fly(folder, folder.write("empty.yaml", EMPTY), runs)
+        pings, bins = found["pings"] // runs, 40
+        tap.equal(found["pings"], pings * runs)
+        wanted = 1 - (1 - 1e-3) ** (bins * pings)
+        events = round(found["needless"][0] * runs)
+        print(f"# {events} of {runs} runs of {pings} pings, {wanted * runs:.1f} by design")
+        assert within_99(events, runs, wanted), (events, runs, wanted)
+
+
+def test_pairs_need_fewer_runs():
+    with Folder() as folder:
+        path = folder.write("wall.yaml", IDEAL.replace("PD", "0.10"))
+        runs = 10000 if FULL else 400
+        first, second = fly(folder, path, runs, "--vary", "trial.ideal.pd=0.10,0.12")
+        hits = {}
+        for row in rows(folder):
+            hits.setdefault(row["run"], []).append(row["outcome"] == "hit")
+        worse = sum(a and not b for a, b in hits.values())
+        better = sum(b and not a for a, b in hits.values())
+        difference = (better - worse) / runs
+        assert abs(second["difference"][0] - difference) < 1e-8, (second, difference)
+        assert second["difference"][1] < difference < second["difference"][2]
+        p, q = first["collision"][0], second["collision"][0]
+        share = ((worse + better) / runs - difference ** 2) / (p * (1 - p) + q * (1 - q))
+        assert abs(second["paired_share"] - share) < 1e-8, (second, share)
+        assert share < 0.25, share
+        print(f"# pairs take {share:.3f} of the runs of designs flown apart")
+
+
+def test_the_same_bytes_however_dealt():
+    """Of one process, of shards, of a trial that was stopped, and of another order of workers."""
+    with Folder() as folder:
+        path = folder.write("wall.yaml", IDEAL.replace("PD", "0.1") + """  draws:
+    - {key: 'objects[0].position_m[0]', uniform: [59, 65]}
+    - {key: 'objects[0].material.type', choice: [mud, rock]}
+""")
+        vary = ("--vary", "trial.rule.reach_m=10,20")
+        asdic("trial", path, "--runs", 20, *vary, "-o", folder / "whole").check(code=0)
+        for k in (1, 2, 3):
+            asdic("trial", path, "--runs", 20, *vary, "--shard", f"{k}/3", "-o",
+                  folder / f"part{k}").check(code=0)
+        asdic("merge", folder / "part3", folder / "part1", folder / "part2", "-o",
+              folder / "merged").check(code=0)
+        shutil.copytree(folder / "whole", folder / "cut")
+        os.rename(folder / "cut/trial.json", folder / "cut/trial.part.json")
+        with open(folder / "cut/trial.csv", "rb") as file:
+            content = file.read()
+        with open(folder / "cut/trial.part.csv", "wb") as file:
+            file.write(content[:len(content) // 2])
+        os.remove(folder / "cut/trial.csv")
+        os.remove(folder / "cut/trial.png")
+        asdic("trial", path, "--runs", 20, *vary, "-o", folder / "cut").check(code=1)
+        asdic("trial", path, "--runs", 21, *vary, "-o", folder / "cut", "--resume").check(code=3)
+        asdic("trial", path, "--runs", 20, *vary, "-o", folder / "cut", "--resume").check(code=0)
+        for name in ("trial.csv", "trial.json", "trial.png"):
+            for other in ("merged", "cut"):
+                tap.equal(data(folder, other, name), data(folder, "whole", name), f"{other}/{name}")
+        tap.equal(sorted(os.listdir(folder / "cut")), ["trial.csv", "trial.json", "trial.png"])
+        done = asdic("merge", folder / "part1", folder / "part3", "-o", folder / "gap").check(code=3)
+        tap.contains(done.err, "runs 6 to 13 are in no part, or in two")
+        asdic("trial", path, "--runs", 20, "-o", folder / "whole").check(code=1)
+
+
+def test_several_processes():
+    if os.environ["ASDIC_MPI"] != "1" or not shutil.which("mpirun"):
+        raise tap.Skip("no MPI")
+    root = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
+    with Folder() as folder:
+        path = folder.write("wall.yaml", IDEAL.replace("PD", "0.1"))
+        asdic("trial", path, "--runs", 11, "-o", folder / "alone").check(code=0)
+        done = subprocess.run(["mpirun", "-n", "3", "--bind-to", "none", "--oversubscribe", program.PATH,
+                               "trial", path, "--runs", "11", "-o", folder / "team"], check=False,
+                              capture_output=True, timeout=100, env=program.environment(root))
+        tap.equal(done.returncode, 0, done.stderr)
+        for name in ("trial.csv", "trial.json", "trial.png"):
+            tap.equal(data(folder, "team", name), data(folder, "alone", name), name)
+        tap.equal(sorted(os.listdir(folder / "team")), ["trial.csv", "trial.json", "trial.png"])
+
+
+RULE = """
+import json, sys
+for line in sys.stdin:
+    ping = json.loads(line)
+    near = [d for d in ping["detections"] if d["range_m"] <= 20]
+    ACT
+"""
+
+
+def with_rule(folder, act, *options, runs=2, code=0, **env):
+    rule = folder.write("rule.py", RULE.replace("ACT", act))
+    scene = folder.write("wall.yaml", WALL.replace("time_s: 45", "time_s: 30"))
+    return asdic("trial", scene, "--runs", runs, "-o", folder / "out", "-f", "--rule",
+                 f"exec {sys.executable} -u {rule}", *options, **env).check(code=code)
+
+
+def test_a_rule_of_another_program():
+    """It may do as the scene's rule does, and what it orders is flown."""
+    program.need_device()
+    with Folder() as folder:
+        with_rule(folder, 'print("{}")')
+        tap.equal([row["manoeuvres"] for row in rows(folder)], ["0", "0"])
+        with_rule(folder, 'print(json.dumps({"yaw_deg": 150} if ping["ping"] >= 10 else {}))')
+        for row in rows(folder):
+            tap.equal((row["manoeuvres"], row["needless"], row["outcome"]), ("1", "1", "late"))
+
+
+def test_rules_that_fail_are_counted():
+    program.need_device()
+    with Folder() as folder:
+        for act, sentence in (("sys.exit(3)", "the rule ended with code 3 without an answer"),
+                              ("import os; os.kill(os.getpid(), 9)", "the rule was ended by signal 9"),
+                              ('print("starboard")', "the rule answered 'starboard': column 1"),
+                              ('print(json.dumps({"z_m": -3}))', "z_m = -3, out of range"),
+                              ('print("{" + 2000 * " " + "}")', "longer than 1023 characters"),
+                              ("import time; time.sleep(60)", "did not answer within 0.5 s")):
+            done = with_rule(folder, act, "--rule-timeout", "5" if "sleep" not in act else "0.5", code=1)
+            tap.contains(done.err, sentence)
+            tap.contains(done.err, "the rule failed in 2 runs")
+            tap.equal([row["outcome"] for row in rows(folder)], ["broken", "broken"])
+        # What fails in one run is begun anew for the next.
+        fails = folder / "failed"
+        with_rule(folder, f'import os; print("{{}}" if os.path.exists({fails!r}) else "x"); '
+                  f'open({fails!r}, "w").close()', code=1)
+        tap.equal([row["outcome"] for row in rows(folder)], ["broken", "late"])
+
+
+def test_draws_into_the_bottom_are_counted():
+    with Folder() as folder:
+        draws = "  draws:\n    - {key: 'mission.waypoints.points_m[0][2]', uniform: [LOW, HIGH]}\n"
+        path = folder.write("wall.yaml", IDEAL.replace("PD", "0.1") + draws.replace(
+            "LOW", "15").replace("HIGH", "25"))
+        done = asdic("trial", path, "--runs", 40, "-o", folder / "out", "--json").check(code=0)
+        found, = json.loads(done.out)["variants"]
+        below = [float(row["mission.waypoints.points_m[0][2]"]) > 19.8 for row in rows(folder)]
+        tap.equal([row["outcome"] == "void" for row in rows(folder)], below)
+        tap.equal((found["void"], found["runs"]), (sum(below), 40 - sum(below)))
+        tap.contains(done.err, f"{sum(below)} runs are void")
+        path = folder.write("deep.yaml", IDEAL.replace("PD", "0.1") + draws.replace(
+            "LOW", "21").replace("HIGH", "25"))
+        done = asdic("trial", path, "--runs", 4, "-o", folder / "deep").check(code=1)
+        tap.contains(done.err, "no run could be flown")
+
+
+def test_scenes_and_options_that_cannot_be():
+    with Folder() as folder:
+        def refuse(text, code, sentence, *options):
+            path = folder.write("bad.yaml", text)
+            done = asdic("trial", path, "--runs", 5, "-o", folder / "bad", *options).check(code=code)
+            tap.contains(done.err, sentence)
+        ideal = IDEAL.replace("PD", "0.1")
+        refuse(ideal.replace("waypoints: {points_m: [[0, 0, 10], [100, 0, 10]], speed_mps: 1.5, "
+                             "turn_radius_m: 5, response_s: 1}", "pose: {position_m: [0, 0, 10]}"),
+               3, "a trial flies along 'mission: {waypoints: ...}'")
+        refuse(ideal + "  draws: [{key: environment.salnity_ppt, uniform: [1, 2]}]\n", 3,
+               "did you mean 'salinity_ppt'")
+        refuse(ideal + "  draws: [{key: environment.salinity_ppt, uniform: [50, 60]}]\n", 3,
+               "as drawn for run 0 with seed 1")
+        refuse(ideal + "  draws: [{key: 'objects[4].position_m', choice: [[1, 2, 3]]}]\n", 3,
+               "there is no '[4]' here")
+        refuse(ideal.replace("hold_s: 1000", "hits: 3, of: 2"), 3, "'hits' = 3 is more than 'of' = 2")
+        refuse(ideal, 2, "is not KEY=VALUE", "--vary", "nonsense")
+        refuse(ideal, 2, "is no RUN or RUN:VARIANT", "--replay", "3:1")
+        refuse(ideal, 2, "--rule-timeout needs --rule", "--rule-timeout", "3")
+
+
+def test_a_run_can_be_seen_again():
+    """A replay is a run folder whose pings are those of the trial: the same rule sees the same."""
+    program.need_device()
+    with Folder() as folder:
+        path = folder.write("wall.yaml", WALL.replace("time_s: 45", "time_s: 33") + """  draws:
+    - {key: 'objects[0].position_m[0]', uniform: [55, 65]}
+""")
+        asdic("trial", path, "--runs", 3, "-o", folder / "out").check(code=0)
+        asdic("trial", path, "--runs", 3, "--replay", 2, "-o", folder / "again").check(code=0)
+        row = rows(folder)[2]
+        with open(folder / "again/track.csv", encoding="utf-8") as file:
+            track = list(csv.DictReader(file))
+        tap.equal(len(track), int(row["pings"]))
+        x_m = row["objects[0].position_m[0]"]
+        tap.contains(folder.read("again/scene.yaml"), f"position_m: [{x_m}, 0, 10]")
+        # Serve at the same poses of the same scene gives the same levels.
+        poses = "".join("%s,%s,%s,%s,%s,%s,%s\n" % tuple(p[c] for c in (
+            "time_s", "x_m", "y_m", "z_m", "roll_deg", "pitch_deg", "yaw_deg")) for p in track[:5])
+        served = asdic("serve", folder / "again/scene.yaml", "-q", stdin=poses).check(code=0)
+        levels = {}
+        with open(folder / "again/bins.csv", encoding="utf-8") as file:
+            for bins in csv.DictReader(file):
+                levels.setdefault(int(bins["ping"]), []).append(bins["level_db"])
+        for line in served.out.splitlines():
+            ping = json.loads(line)
+            values = ["" if v is None else "%.9g" % v for v in ping["level_db"]["forward"]]
+            tap.equal(values, levels[ping["ping"]])
+
+
+if FULL:
+    for name in [name for name in globals() if name.startswith("test_")]:
+        if name not in ("test_a_wall_and_a_sonar_of_fixed_pd", "test_intervals_cover",
+                        "test_false_alarms_are_those_of_the_design", "test_pairs_need_fewer_runs"):
+            del globals()[name]
+tap.main(globals())
