@@ -177,6 +177,7 @@ class Workplace(Folder):
 
     def start(self, command):
         env = program.environment({"PATH": f"{self / 'bin'}:{os.environ['PATH']}",
+                                   "PYTHONPATH": os.environ.get("ASDIC_PYTHON"),
                                    "LD_LIBRARY_PATH": self / "build/lib"})
         return subprocess.run(command, cwd=self.path, env=env, capture_output=True, text=True,
                               timeout=100, check=False)

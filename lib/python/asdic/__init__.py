@@ -5,7 +5,7 @@
     sonar = asdic.Simulator("scene.yaml")       # a sonar in your own loop
     ping = sonar.ping(0, 0, 7, yaw=3)           # ping.level_db[beam, bin]
 
-Frames: x north, y east, z DOWN, m; bearings are positive to starboard.
+Frames: x north, y east, z DOWN, m; bearings are positive to starboard. docs/python.md shows more.
 """
 from . import plot
 from ._design import Formula, Plan, Roc, Term, devices, formulas, model, plan, roc

@@ -9,6 +9,7 @@ import functools
 import logging
 import math
 import os
+import sys
 import threading
 import warnings
 import weakref
@@ -159,8 +160,22 @@ def bar(what: str, done: int, total: int) -> None:
           end="\n" if done >= total else "", flush=True)
 
 
+PACKAGE = os.path.dirname(__file__) + os.sep
+
+
+def warn(message: str) -> None:
+    """A Remark at the line of the caller that is not of this package."""
+    depth, frame = 2, sys._getframe(1)  # pylint: disable=protected-access
+    while frame.f_back and frame.f_code.co_filename.startswith(PACKAGE):
+        depth, frame = depth + 1, frame.f_back
+    warnings.warn(message, Remark, stacklevel=depth - 1)
+
+
 class Context:
     """One context of the library, for one thread at a time: others wait."""
+
+    is_quiet = False
+    """Whether warnings go to the logger too."""
 
     def __init__(self, progress: Progress | bool = None) -> None:
         place = ffi.new("asdic_context **")
@@ -188,9 +203,9 @@ class Context:
     def _tell(self, status: int) -> None:
         said, self._log[:] = list(self._log), []
         for level, message in said:
-            if level == lib.ASDIC_LOG_WARNING:
-                warnings.warn(message, Remark, stacklevel=5)
-            elif level > lib.ASDIC_LOG_WARNING:
+            if level == lib.ASDIC_LOG_WARNING and not self.is_quiet:
+                warn(message)
+            elif level >= lib.ASDIC_LOG_WARNING:
                 LOGGER.info(message)
         if status:
             sentence = text(lib.asdic_context_error(self.pointer)) or text(lib.asdic_status_text(status))
@@ -325,6 +340,8 @@ class _Memory:  # pylint: disable=too-few-public-methods
     """An owner's memory, as numpy asks for it."""
 
     __slots__ = ("__array_interface__", "owner")
+    __array_interface__: dict[str, Any]
+    owner: Any
 
 
 def view(pointer: Any, shape: tuple[int, ...], dtype: Any, owner: Any) -> np.ndarray:

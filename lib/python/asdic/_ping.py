@@ -137,7 +137,9 @@ class Simulator:
         """DEVICE: as of `asdic run --device`. DEPTH_M: at which the number of bins is fixed; else where
         the scene's mission begins. Without RAYS the scene's, or 20,000 where it says `rays: auto`."""
         self._context = context = Context()
+        context.is_quiet = True  # about what the scene's own mission passes
         self._mission = load_mission(context, scene)
+        context.is_quiet = False
         mission = self._mission.pointer
         sampling = choose_sampling(self._mission, rays, seed, sampler)
         if rays is None and lib.asdic_mission_ray_forecast(mission).is_auto:

@@ -8,12 +8,11 @@ import math
 import os
 import tempfile
 from typing import TYPE_CHECKING, Any, Sequence, Union
-import warnings
 
 import numpy as np
 
-from ._library import (ArgumentError, Context, Fields, Handle, InputError, Progress, Remark, dtype_of, encoded, fail, ffi,
-                       fields, lib, number, open_devices, value_of, view, whole)
+from ._library import (ArgumentError, Context, Fields, Handle, InputError, Progress, dtype_of, encoded, fail, ffi,
+                       fields, lib, number, open_devices, value_of, view, warn, whole)
 from ._ping import PARTS, Levels, Ping, beams_of, expected
 from ._scene import Scene, SceneLike, choose_sampling, load_mission, remarks
 
@@ -41,8 +40,7 @@ def _keep_tolerance(context: Context, mission: Handle, devices: Handle, toleranc
     budget = ffi.new("asdic_ray_budget *")
     context.run(lib.asdic_mission_find_rays, context.pointer, mission.pointer, devices.pointer[0], wanted, budget)
     if not budget.is_kept:
-        warnings.warn(f"{budget.rough_count} of {budget.judged} bins stay above {tolerance_db:g} dB with "
-                      f"{budget.rays} rays a ping", Remark, stacklevel=3)
+        warn(f"{budget.rough_count} of {budget.judged} bins stay above {tolerance_db:g} dB with {budget.rays} rays a ping")
 
 
 def _kept(scene: SceneLike, folder: Folder, force: bool, resume: bool) -> SceneLike:
@@ -82,7 +80,7 @@ def simulate(scene: SceneLike, folder: Folder | None = None, *, device: str | No
     mission = load_mission(context, _kept(scene, folder, force, resume))
     choose_sampling(mission, rays, seed, sampler)
     for remark in remarks(mission):
-        warnings.warn(remark, Remark, stacklevel=2)
+        warn(remark)
     first, count = _pings(pings, lib.asdic_mission_ping_count(mission.pointer))
     devices = open_devices(context, device)
     if tolerance_db is not None:
