@@ -40,6 +40,65 @@ static uint count_cut(const world *w, real quanta) {
     return cut;
 }
 
+#if ASDIC_TRUTH
+
+/* Where a work-item adds its groups' truth. */
+typedef struct truth_sink {
+    __global const dev_truth_row *rows;
+    __global long *cells;
+} truth_sink;
+
+static void add_to_row(const world *w, const truth_sink *to, uint row, uint bin, real quanta) {
+    size_t cell = truth_cell(w->ping, to->rows, row, bin);
+    if (cell != TRUTH_NO_CELL) {
+        wholes whole = to_wholes(whole_quanta(quanta, (real)(w->ping->sums.limit)));
+        __global long *at = to->cells + cell;
+        store_wholes(load_wholes(0, at) + whole, 0, at);
+    }
+}
+
+/* Adds ARRIVAL, whose gains are those of LANE, to the truth of the receivers from FIRST on. */
+static void add_truth(const world *w, __global const dev_arrival *arrival, truth_sink to,
+                      const weights *g, uint lane, uint first) {
+    real gain;
+    for (uint b = 0; b < ASDIC_WIDTH; b++) {
+        ((float *)&gain)[b] = ((const float *)&g->of_beam[b])[lane];
+    }
+    to.cells += first;
+    uint word = arrival->more, row = truth_row(word);
+    for (uint c = 0; c < MAX_ARRIVALS; c++) {
+        uint component = arrival->row[c] / w->ping->sums.component_rows;
+        uint bin = arrival->row[c] % w->ping->sums.component_rows;
+        float weight = truth_weight(w->ping, component, word), arriving = arrival->quanta[c];
+        if (!(arriving > 0.0f) || weight == 0.0f) {
+            continue;
+        }
+        add_to_row(w, &to, DEV_TRUTH_DEPRESSION, bin, gain * (arriving * weight));
+        if (row != 0u) {
+            add_to_row(w, &to, row, bin, gain * arriving);
+        }
+    }
+}
+
+static void add_truths(const world *w, __global const dev_arrival *set, const truth_sink *to,
+                       mask on, const weights *g, uint first) {
+    if (w->ping->sums.truth_rows != 0u) {
+        LANES {
+            if (AT(on, int) != 0) {
+                add_truth(w, set + lane, *to, g, lane, first);
+            }
+        }
+    }
+}
+
+#define ADD_TRUTHS(set, on) add_truths(w, set, truth, on, &g, first)
+#else
+typedef struct truth_sink {
+    int none;
+} truth_sink;
+#define ADD_TRUTHS(set, on) (void)truth
+#endif
+
 /* Adds ARRIVAL, whose gains are those of LANE, to the receivers from FIRST on; returns how many deposits were
  * cut to the limit. The last vector may reach beyond the last receiver: its cells are padding and get 0. */
 static uint add_arrival(const world *w, __global const dev_arrival *arrival, __global long *cells,
@@ -137,20 +196,23 @@ static triple arrival_directions(__global const dev_arrival *set, mask on) {
 
 /* Adds all arrivals of ASDIC_WIDTH rays, of every set, to the receivers from FIRST on. */
 static uint add_rays(const world *w, __global const dev_arrival *direct, __global long *cells,
-                     uint first) {
+                     const truth_sink *truth, uint first) {
     size_t all = batch_slots(w->ping);
     __global const dev_arrival *along = direct + DEV_ARRIVAL_ALONG * all;
     __global const dev_arrival *across = direct + DEV_ARRIVAL_ACROSS * all;
     mask every = (mask)(-1), more;
     LANES {
-        AT(more, int) = direct[lane].more != 0u ? -1 : 0;
+        AT(more, int) = (direct[lane].more & 1u) != 0u ? -1 : 0;
     }
     weights g = weigh(w, first, arrival_directions(direct, every));
     uint cut = add_arrivals(w, direct, cells, every, &g, first);
+    ADD_TRUTHS(direct, every);
     if (any_true(more)) {
         cut += add_arrivals(w, along, cells, more, &g, first);
+        ADD_TRUTHS(along, more);
         g = weigh(w, first, arrival_directions(across, more));
         cut += add_arrivals(w, across, cells, more, &g, first);
+        ADD_TRUTHS(across, more);
     }
     return cut;
 }
@@ -236,7 +298,8 @@ static void take_group(__global const dev_ping *ping, turn at_group, __global lo
  * cells of a ping in several batches must outlast a batch: then each group has a work-item of its own. */
 __kernel void collect(__global const dev_ping *pings, __global const dev_arrival *arrivals,
                       __global long *accumulator, __global uint *saturated,
-                      __global const float *water, __global float *totals) {
+                      __global const float *water, __global float *totals,
+                      __global const dev_truth_row *rows, __global long *truth_cells) {
     __global const dev_ping *ping = row_ping(pings);
     const uint workers = ping->sums.blocks / 2u;
     uint worker = (uint)(get_global_id(0)), cut = 0u;
@@ -250,10 +313,19 @@ __kernel void collect(__global const dev_ping *pings, __global const dev_arrival
     __global const float *ratio = row_water(ping, water) + ping->bins;
     arrivals += ARRIVAL_SETS * row_slots(ping);
     totals += row_first_total(ping);
+#if ASDIC_TRUTH
+    size_t before =
+        (size_t)(ping->sums.truth_first) * workers + (size_t)(worker)*ping->sums.truth_cells;
+    truth_sink truth = {truth_rows(ping, rows), truth_cells + before * ping->sums.truth_columns};
+#else
+    truth_sink truth = {0};
+    (void)rows, (void)truth_cells;
+#endif
     for (uint group = worker; group < ping->batch.groups; group += workers) {
         for (uint k = 0; k < ping->batch.per_group; k += ASDIC_WIDTH) {
             for (uint first = 0; first < ping->beams; first += ASDIC_WIDTH) {
-                cut += add_rays(&w, arrivals + group * ping->batch.per_group + k, cells, first);
+                cut += add_rays(&w, arrivals + group * ping->batch.per_group + k, cells, &truth,
+                                first);
             }
         }
         if (ping->batch.last != 0u) {

@@ -8,6 +8,7 @@
  */
 #include "beam.h"
 #include "order.h"
+#include "truth.h"
 
 #ifndef ASDIC_HAS_MIRRORS
 #define ASDIC_HAS_MIRRORS 0
@@ -27,7 +28,14 @@ typedef struct fan_entry {
     float direction[3]; /* as in the arrival */
     uint rows; /* a byte for each deposit: (bins beyond KEY) * ASDIC_COMPONENTS + component */
     float quanta[4];
+#if ASDIC_TRUTH
+    float depression; /* what multiplies the echo's quanta for the row of depressions */
+    uint truth_row;   /* that they go to besides; 0: none */
+#endif
 } fan_entry;
+
+/* In TRUTH_ROW: all deposits are echoes; else the first two are, and the others water. */
+#define ECHOES_ALONE 0x80000000u
 
 typedef struct fan_list {
     uint first, count;
@@ -86,6 +94,12 @@ static inline void sort_deposits(const fan_sort *sort, __global const dev_arriva
         to->direction[k] = arrival->direction[k];
     }
     to->rows = rows;
+#if ASDIC_TRUTH
+    uint component = arrival->row[0] / ping->sums.component_rows;
+    to->depression = truth_weight(ping, component, arrival->more);
+    to->truth_row =
+        truth_row(arrival->more) | (component == DEV_DEPOSIT_MULTIPATH ? ECHOES_ALONE : 0u);
+#endif
 }
 
 /* An arrival is one entry where its deposits lie close together, else two. */
@@ -113,7 +127,7 @@ static inline void sort_block(const fan_sort *sort, __global const dev_arrival *
     for (uint ray = sort->block * each; ray < end; ray++) {
         sort_arrival(sort, arrivals + ray);
 #if ASDIC_HAS_MIRRORS
-        if (arrivals[ray].more != 0u) {
+        if ((arrivals[ray].more & 1u) != 0u) {
             sort_arrival(sort, arrivals + DEV_ARRIVAL_ALONG * (size_t)(slots) + ray);
             sort_arrival(sort, arrivals + DEV_ARRIVAL_ACROSS * (size_t)(slots) + ray);
         }
@@ -174,10 +188,14 @@ __kernel void fan_scatter(__global const dev_ping *ping, __global const dev_arri
 #define PARTS 1u
 #define RUN 1u
 #define RECEIVERS 1u
+#define LOAD_REAL(at) (*(at))
+#define STORE_REAL(value, at) (*(at) = (value))
 #else
 #define PARTS 4u
 #define RUN 16u
 #define RECEIVERS ((uint)(DEV_FAN_TILE))
+#define LOAD_REAL(at) ASDIC_JOIN(vload, ASDIC_WIDTH)(0, at)
+#define STORE_REAL(value, at) ASDIC_JOIN(vstore, ASDIC_WIDTH)(value, 0, at)
 #endif
 
 /* Receivers from FIRST on, a lane each; behind the last one it stands again. With a common axis only the
@@ -229,12 +247,74 @@ static inline real gains(const receivers *r, __global const fan_entry *entry, fl
 #endif
 }
 
+#if ASDIC_TRUTH
+
+/* What a work-item has of the truth: bins FIRST to END - 1, the receivers from COLUMN to LAST. */
+typedef struct fan_truth {
+    __global const dev_truth_row *rows; /* NULL: nobody asks */
+    __global float *cells;
+    uint first, end, column, last;
+} fan_truth;
+
+#define TRUTH_PARAMETER , fan_truth truth
+#define TRUTH_ARGUMENT , truth
+
+/* Adds GAIN times deposit C of ENTRY, of the list of bin KEY, to its row. */
+static inline void add_to_row(__global const dev_ping *ping, const fan_truth *t,
+                              __global const fan_entry *entry, uint key, uint c, const real *gain) {
+    uint bin = key + (entry->rows >> 8u * c & 0xffu) / ASDIC_COMPONENTS;
+    if (bin < t->first || bin >= t->end) {
+        return;
+    }
+    size_t cell = truth_cell(ping, t->rows, entry->truth_row & ~ECHOES_ALONE, bin);
+    if (cell == TRUTH_NO_CELL) {
+        return;
+    }
+    __global float *at = t->cells + cell + t->column;
+    for (uint p = 0; p < PARTS && t->column + p * ASDIC_WIDTH < t->last; p++) {
+        STORE_REAL(LOAD_REAL(at + p * ASDIC_WIDTH) + entry->quanta[c] * gain[p],
+                   at + p * ASDIC_WIDTH);
+    }
+}
+
+/* The same of all its echoes. */
+static inline void add_to_rows(__global const dev_ping *ping, const fan_truth *t,
+                               __global const fan_entry *entry, uint key, const real *gain) {
+    uint echoes = (entry->truth_row & ECHOES_ALONE) != 0u ? DEPOSITS : DEPOSITS / 2u;
+    for (uint c = 0; c < echoes; c++) {
+        if (entry->quanta[c] > 0.0f) {
+            add_to_row(ping, t, entry, key, c, gain);
+        }
+    }
+}
+
+#else
+#define TRUTH_PARAMETER
+#define TRUTH_ARGUMENT
+#endif
+
 #if ASDIC_WIDTH == 1
 
 /* Of one bin and receiver. */
 typedef struct fan_sums {
     float of[ASDIC_COMPONENTS];
+#if ASDIC_TRUTH
+    fan_truth truth;
+    float depression;
+#endif
 } fan_sums;
+
+#if ASDIC_TRUTH
+static inline void add_depression(__global const fan_entry *entry, float gain, uint beyond,
+                                  fan_sums *sums) {
+    uint echoes = (entry->truth_row & ECHOES_ALONE) != 0u ? DEPOSITS : DEPOSITS / 2u;
+    for (uint c = 0; c < echoes; c++) {
+        uint row = entry->rows >> 8u * c & 0xffu;
+        float quanta = row / ASDIC_COMPONENTS == beyond ? entry->quanta[c] : 0.0f;
+        sums->depression = r_fma(quanta * entry->depression, gain, sums->depression);
+    }
+}
+#endif
 
 /* Adds what LIST, whose bin lies BEYOND bins before the sums' own, has for that. */
 static void add_list(__global const dev_ping *ping, __global const fan_entry *entries,
@@ -242,6 +322,14 @@ static void add_list(__global const dev_ping *ping, __global const fan_entry *en
     for (uint k = list.first; k < list.first + list.count; k++) {
         float gain = gains(r, entries + k, ping->rear_lin);
         uint rows = entries[k].rows;
+#if ASDIC_TRUTH
+        if (sums->truth.rows) {
+            add_depression(entries + k, gain, beyond, sums);
+            if ((entries[k].truth_row & ~ECHOES_ALONE) != 0u) {
+                add_to_rows(ping, &sums->truth, entries + k, sums->truth.first - beyond, &gain);
+            }
+        }
+#endif
         for (uint c = 0; c < DEPOSITS; c++) {
             uint row = rows >> 8u * c & 0xffu;
             float quanta = row / ASDIC_COMPONENTS == beyond ? entries[k].quanta[c] : 0.0f;
@@ -257,9 +345,17 @@ static void add_list(__global const dev_ping *ping, __global const fan_entry *en
 /* The sums of bin FIRST and the receiver from RESULTS on, whose components lie BINS apart. */
 static void project(__global const dev_ping *ping, __global const fan_entry *entries,
                     __global const fan_list *lists, __global float *results, uint receiver,
-                    uint bin, uint add) {
+                    uint bin, uint add TRUTH_PARAMETER) {
     receivers r = receivers_from(ping, receiver);
     fan_sums sums;
+#if ASDIC_TRUTH
+    sums.truth = truth;
+    sums.truth.first = bin;
+    sums.truth.end = bin + 1u;
+    sums.truth.column = receiver;
+    sums.truth.last = ping->beams;
+    sums.depression = 0.0f;
+#endif
 #pragma unroll
     for (uint c = 0; c < ASDIC_COMPONENTS; c++) {
         sums.of[c] = 0.0f;
@@ -272,6 +368,11 @@ static void project(__global const dev_ping *ping, __global const fan_entry *ent
         __global float *to = results + (size_t)(c)*ping->bins;
         *to = sums.of[c] + (add != 0u ? *to : 0.0f);
     }
+#if ASDIC_TRUTH
+    if (truth.rows) {
+        truth.cells[(size_t)(bin)*ping->sums.truth_columns + receiver] += sums.depression;
+    }
+#endif
 }
 
 #else
@@ -279,7 +380,42 @@ static void project(__global const dev_ping *ping, __global const fan_entry *ent
 /* Of RUN bins, and of those before and behind that share entries with them. */
 typedef struct fan_sums {
     real of[(RUN + 2u * (SPAN - 1u)) * ASDIC_COMPONENTS][PARTS];
+#if ASDIC_TRUTH
+    fan_truth truth;
+    real depression[RUN + 2u * (SPAN - 1u)][PARTS];
+#endif
 } fan_sums;
+
+#if ASDIC_TRUTH
+/* Adds to the sums of depressions what ENTRY, whose list's bin is row AT, brings with GAIN. */
+static inline void add_depression(__global const fan_entry *entry, const real *gain, uint at,
+                                  fan_sums *sums) {
+    uint echoes = (entry->truth_row & ECHOES_ALONE) != 0u ? DEPOSITS : DEPOSITS / 2u;
+    for (uint c = 0; c < echoes; c++) {
+        if (entry->quanta[c] > 0.0f) {
+            real quanta = (real)(entry->quanta[c] * entry->depression);
+            real *sum = sums->depression[at + (entry->rows >> 8u * c & 0xffu) / ASDIC_COMPONENTS];
+#pragma unroll
+            for (uint p = 0; p < PARTS; p++) {
+                sum[p] = r_fma(quanta, gain[p], sum[p]);
+            }
+        }
+    }
+}
+
+/* Adds the first BINS sums of depressions to their row. */
+static void store_depressions(__global const dev_ping *ping, const fan_sums *sums, uint bins) {
+    const fan_truth *t = &sums->truth;
+    for (uint bin = 0; bin < bins && t->rows; bin++) {
+        __global float *at =
+            t->cells + (size_t)(t->first + bin) * ping->sums.truth_columns + t->column;
+        for (uint p = 0; p < PARTS && t->column + p * ASDIC_WIDTH < t->last; p++) {
+            STORE_REAL(LOAD_REAL(at + p * ASDIC_WIDTH) + sums->depression[bin + SPAN - 1u][p],
+                       at + p * ASDIC_WIDTH);
+        }
+    }
+}
+#endif
 
 /* Adds LIST, whose bin is row AT of the sums. */
 static void add_list(__global const dev_ping *ping, __global const fan_entry *entries,
@@ -291,6 +427,15 @@ static void add_list(__global const dev_ping *ping, __global const fan_entry *en
             gain[p] = gains(r + p, entries + k, ping->rear_lin);
         }
         uint rows = entries[k].rows;
+#if ASDIC_TRUTH
+        if (sums->truth.rows) {
+            add_depression(entries + k, gain, at, sums);
+            if ((entries[k].truth_row & ~ECHOES_ALONE) != 0u) {
+                add_to_rows(ping, &sums->truth, entries + k, sums->truth.first + at - (SPAN - 1u),
+                            gain);
+            }
+        }
+#endif
 #pragma unroll
         for (uint c = 0; c < DEPOSITS; c++) {
             real quanta = (real)(entries[k].quanta[c]);
@@ -345,12 +490,24 @@ static void store_sums(const fan_sums *sums, uint component, uint p, uint bins, 
  * at RESULTS. */
 static void project(__global const dev_ping *ping, __global const fan_entry *entries,
                     __global const fan_list *lists, __global float *results, uint receiver,
-                    uint bin, uint add) {
+                    uint bin, uint add TRUTH_PARAMETER) {
     const uint end = min(receiver + RECEIVERS, ping->beams), bins = min(ping->bins - bin, RUN);
     const size_t stride = (size_t)(ping->sums.components) * ping->bins;
     for (uint first = receiver; first < end; first += PARTS * ASDIC_WIDTH) {
         receivers r[PARTS];
         fan_sums sums;
+#if ASDIC_TRUTH
+        sums.truth = truth;
+        sums.truth.first = bin;
+        sums.truth.end = bin + bins;
+        sums.truth.column = first;
+        sums.truth.last = end;
+        for (uint k = 0; k < RUN + 2u * (SPAN - 1u); k++) {
+            for (uint p = 0; p < PARTS; p++) {
+                sums.depression[k][p] = R(0.0);
+            }
+        }
+#endif
         for (uint p = 0; p < PARTS; p++) {
             r[p] = receivers_from(ping, first + p * ASDIC_WIDTH);
             for (uint k = 0; k < (RUN + 2u * (SPAN - 1u)) * ASDIC_COMPONENTS; k++) {
@@ -368,6 +525,9 @@ static void project(__global const dev_ping *ping, __global const fan_entry *ent
                            add);
             }
         }
+#if ASDIC_TRUTH
+        store_depressions(ping, &sums, bins);
+#endif
     }
 }
 
@@ -377,13 +537,16 @@ static void project(__global const dev_ping *ping, __global const fan_entry *ent
  * those of the batches before. One work-item per RUN bins and RECEIVERS receivers. */
 __kernel void fan_project(__global const dev_ping *ping, __global const fan_entry *entries,
                           __global const fan_list *lists, __global float *results, uint tile_at,
-                          uint add) {
+                          uint add, __global const dev_truth_row *rows, __global float *cells) {
     const uint parts = (uint)(DEV_FAN_TILE) / RECEIVERS, id = (uint)(get_global_id(0));
     uint receiver = tile_at * (uint)(DEV_FAN_TILE) + id % parts * RECEIVERS;
     uint bin = id / parts * RUN;
     if (receiver < ping->beams && bin < ping->bins) {
+#if ASDIC_TRUTH
+        fan_truth truth = {ping->sums.truth_rows != 0u ? rows : 0, cells, 0u, 0u, 0u, 0u};
+#endif
         project(ping, entries, lists,
                 results + (size_t)(receiver)*ping->sums.components * ping->bins + bin, receiver,
-                bin, add);
+                bin, add TRUTH_ARGUMENT);
     }
 }

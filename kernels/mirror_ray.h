@@ -10,6 +10,7 @@
 
 #include "echo.h"
 #include "order.h"
+#include "truth.h"
 
 #ifndef ASDIC_HAS_MIRRORS
 #define ASDIC_HAS_MIRRORS 0
@@ -101,7 +102,11 @@ static uint reflect(const world *w, const meeting *m, const ray *r, real share,
             bend = smooth_bend_of(w->triangles + AT(m->triangle, const uint), lane_of(&u, lane));
         }
 #endif
-        store->rays[at] = lane_ray(&from, &along_it, t_max, slot + lane, lane);
+        uint source = slot + lane;
+#if ASDIC_TRUTH
+        source |= AT(m->kind, const uint) << TRUTH_KIND_SHIFT;
+#endif
+        store->rays[at] = lane_ray(&from, &along_it, t_max, source, lane);
         store->mirrors[at++] =
             (float4)(AT(first_leg, float), AT(d1, float), bend.trace + AT(turn.trace, float),
                      bend.gauss + AT(turn.gauss, float));

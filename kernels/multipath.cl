@@ -113,12 +113,20 @@ static uint shade_bounces(const world *w, const bounce_store *store, const sink 
     __global const dev_ping *ping = w->ping;
     real share, d1, bend, gauss, weight;
     natural slots = slots_from(slot), mirrors, sources, targets;
+    arrivals along, direct;
     mask on;
     LANES { /* the first lane is on; lanes that are off compute with its mirror ray */
         uint own = store->returning[slot + lane].source;
         uint mirror = own == NO_RAY ? store->returning[slot].source : own;
         float4 what = store->mirrors[mirror];
         uint source = store->bounced[mirror].source;
+#if ASDIC_TRUTH
+        uint kind = source >> TRUTH_KIND_SHIFT;
+        AT(along.truth_row, uint) = kind == DEV_KIND_SURFACE  ? DEV_TRUTH_BY_SURFACE
+                                    : kind == DEV_KIND_BOTTOM ? DEV_TRUTH_BY_BOTTOM
+                                                              : 0u;
+        source &= TRUTH_SLOT_MASK;
+#endif
         AT(on, int) = own == NO_RAY ? 0 : -1;
         AT(mirrors, uint) = mirror;
         AT(sources, uint) = source;
@@ -174,8 +182,10 @@ static uint shade_bounces(const world *w, const bounce_store *store, const sink 
     real x_out = gain_towards(ping, w->beams, back.x, back.y, back.z);
     /* What returns along the ray: the same-way echo, and the across echo sent towards X. */
     natural component = (natural)(DEV_DEPOSIT_MULTIPATH);
-    arrivals along, direct;
     along.count = direct.count = 0u;
+#if ASDIC_TRUTH
+    direct.truth_row = along.truth_row;
+#endif
     split_echo sent_to_x = cross_echo, sent_to_mirror = cross_echo;
     sent_to_x.first *= x_out;
     sent_to_x.second *= x_out;
@@ -198,14 +208,16 @@ __kernel void LEAST_WAVES(3)
            __global const dev_hit *returning_hits, __global const float4 *mirrors,
            __global const dev_triangle *triangles, __global const dev_part *parts,
            __global const dev_material *materials, __global dev_arrival *arrivals,
-           __global long *accumulator, __global uint *saturated) {
+           __global long *accumulator, __global uint *saturated, __global const dev_truth_row *rows,
+           __global long *truth) {
     __global const dev_ping *ping = row_ping(pings);
     size_t own = row_slots(ping);
     returning += own;
     uint first = (uint)(get_global_id(0)) * PIECE, cut = 0u;
     uint end = min(first + PIECE, batch_slots(ping));
     world w = {ping, beams_of(ping), triangles, parts, materials, 0};
-    sink to = {row_cells(ping, accumulator), arrivals + ARRIVAL_SETS * own};
+    sink to = {row_cells(ping, accumulator), arrivals + ARRIVAL_SETS * own, truth_rows(ping, rows),
+               truth + (size_t)(ping->sums.truth_first) * ping->sums.truth_columns};
     bounce_store store = {rays + own,         bounced + own,        returning,
                           bounced_hits + own, returning_hits + own, solid_angles + own,
                           mirrors + own};

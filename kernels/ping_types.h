@@ -81,7 +81,8 @@ typedef struct dev_face {
  * the accumulator each, before a receiver's gain. */
 typedef struct dev_arrival {
     float direction[3];
-    dev_uint more; /* of a direct arrival: 1 where mirrors add two of their own */
+    dev_uint
+        more; /* of a direct arrival: odd where mirrors add two of their own; else see truth.h */
     dev_uint row[4];
     float quanta[4];
 } dev_arrival; /* 48 bytes */
@@ -155,11 +156,28 @@ typedef struct dev_sums {
     dev_uint component_rows; /* bins, rounded up: from one component to the next */
     dev_uint group_cells;    /* of a block */
     dev_uint blocks;
-    dev_uint total_cells;           /* of the groups' totals, from one group to the next */
-    dev_uint result_words;          /* 64-bit words of a ping's results */
-    float scale[DEV_DEPOSIT_COUNT]; /* quanta per energy, powers of two */
-    float limit;                    /* largest single deposit, in quanta */
+    dev_uint total_cells;                 /* of the groups' totals, from one group to the next */
+    dev_uint result_words;                /* 64-bit words of a ping's results */
+    float scale[DEV_DEPOSIT_COUNT];       /* quanta per energy, powers of two */
+    float limit;                          /* largest single deposit, in quanta */
+    dev_uint truth_rows;                  /* of truth.h; 0: nobody asks for them */
+    dev_uint truth_columns;               /* receivers, rounded up to the widest vector */
+    dev_uint truth_cells;                 /* a receiver's, of all rows of this ping */
+    dev_uint truth_first;                 /* those of the pings before it */
+    float truth_ratio[DEV_DEPOSIT_COUNT]; /* scale of the row of depressions over a component's */
 } dev_sums;
+
+/* A row of truth.h: bins from LOW to HIGH - 1; CELL is where the first of them is, in a receiver's cells. */
+typedef struct dev_truth_row {
+    dev_uint low, high, cell, pad;
+} dev_truth_row;
+
+/* The rows before the objects' own. */
+#define DEV_TRUTH_DEPRESSION 0
+#define DEV_TRUTH_BY_SURFACE 1
+#define DEV_TRUTH_BY_BOTTOM 2
+#define DEV_TRUTH_OBJECTS 3
+#define DEV_TRUTH_MOST_ROWS 2048
 
 /* In the buffer that kernels get, the apertures follow: the transmitter, then the receivers. One transfer
  * carries them all, and those of all pings that go together (ping_batch.h). */

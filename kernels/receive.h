@@ -17,6 +17,7 @@
 
 #include "echo.h"
 #include "order.h"
+#include "truth.h"
 
 #define MAX_ARRIVALS 4
 
@@ -26,6 +27,9 @@ typedef struct arrivals {
     uint count;
     real quanta[MAX_ARRIVALS];
     natural row[MAX_ARRIVALS];
+#if ASDIC_TRUTH
+    natural truth_row; /* that the energy goes to besides; 0: none */
+#endif
 } arrivals;
 
 /* Adds a deposit for COMPONENT and BIN, both per lane. */
@@ -50,6 +54,8 @@ static void arrivals_add_echo(const world *w, arrivals *a, natural component,
 typedef struct sink {
     __global long *accumulator;
     __global dev_arrival *arrivals;
+    __global const dev_truth_row *truth_rows;
+    __global long *truth;
 } sink;
 
 /* Adds GAIN times every deposit to column COLUMN of its row, counted from cell FIRST; returns how many were
@@ -96,6 +102,9 @@ static uint receive(const world *w, const sink *to, uint set, const arrivals *a,
     __global dev_arrival *direct = to->arrivals;
     __global dev_arrival *arrivals = to->arrivals + (size_t)(set)*batch_slots(w->ping);
     real gain = R(1.0);
+#if ASDIC_TRUTH
+    real down = u.z;
+#endif
 #if ASDIC_COMMON_AXIS
     __global const float *f = w->ping->fan_rows;
     triple own = {f[0] * u.x + f[1] * u.y + f[2] * u.z, f[3] * u.x + f[4] * u.y + f[5] * u.z,
@@ -108,7 +117,11 @@ static uint receive(const world *w, const sink *to, uint set, const arrivals *a,
         p.direction[0] = AT(u.x, float);
         p.direction[1] = AT(u.y, float);
         p.direction[2] = AT(u.z, float);
+#if ASDIC_TRUTH
+        p.more = truth_word(AT(a->truth_row, const uint), AT(down, float));
+#else
         p.more = 0u;
+#endif
         for (uint c = 0; c < MAX_ARRIVALS; c++) {
             p.row[c] = c < a->count ? AT(a->row[c], const uint) : 0u;
             p.quanta[c] = c < a->count ? AT(gain, float) * AT(a->quanta[c], const float) : 0.0f;
@@ -117,7 +130,7 @@ static uint receive(const world *w, const sink *to, uint set, const arrivals *a,
             uint position = position_of(w->ping, AT(rays, uint));
             arrivals[position] = p;
             if (set != DEV_ARRIVAL_DIRECT) {
-                direct[position].more = 1u;
+                direct[position].more |= 1u;
             }
         }
     }
@@ -126,6 +139,34 @@ static uint receive(const world *w, const sink *to, uint set, const arrivals *a,
 
 #else
 
+#if ASDIC_TRUTH
+/* Adds GAIN times the deposits of A, which arrive from DOWN, to column BEAM of their rows of truth. */
+static void add_truth(const world *w, const sink *to, const arrivals *a, natural rays, real down,
+                      uint beam, real gain) {
+    __global const dev_sums *sums = &w->ping->sums;
+    for (uint c = 0; c < a->count; c++) {
+        LANES {
+            uint component = AT(a->row[c], const uint) / sums->component_rows;
+            uint bin = AT(a->row[c], const uint) % sums->component_rows;
+            uint row = AT(a->truth_row, const uint), word = truth_word(row, AT(down, float));
+            float weight = truth_weight(w->ping, component, word);
+            float arriving = AT(a->quanta[c], const float), own = AT(gain, float);
+            if (!(arriving > 0.0f) || weight == 0.0f || AT(rays, uint) == NO_RAY) {
+                continue;
+            }
+            size_t cell = truth_cell(w->ping, to->truth_rows, DEV_TRUTH_DEPRESSION, bin);
+            real whole = whole_quanta((real)(own * (arriving * weight)), (real)(sums->limit));
+            deposit_add(to->truth + cell + beam, convert_long(AT(whole, float)));
+            cell = row != 0u ? truth_cell(w->ping, to->truth_rows, row, bin) : TRUTH_NO_CELL;
+            whole = whole_quanta((real)(own * arriving), (real)(sums->limit));
+            if (cell != TRUTH_NO_CELL) {
+                deposit_add(to->truth + cell + beam, convert_long(AT(whole, float)));
+            }
+        }
+    }
+}
+#endif
+
 static uint receive(const world *w, const sink *to, uint set, const arrivals *a, natural rays,
                     triple u) {
     uint cut = 0u;
@@ -133,6 +174,11 @@ static uint receive(const world *w, const sink *to, uint set, const arrivals *a,
     for (uint b = 0; b < w->ping->beams; b++) {
         real gain = gain_towards(w->ping, w->beams + 1u + b, u.x, u.y, u.z);
         cut += add_column(w, a, to->accumulator, first, (natural)(b), gain);
+#if ASDIC_TRUTH
+        if (w->ping->sums.truth_rows != 0u) {
+            add_truth(w, to, a, rays, u.z, b, gain);
+        }
+#endif
     }
     return cut;
 }

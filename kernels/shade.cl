@@ -38,6 +38,23 @@ static natural component_of(natural kind) {
     return choose_natural(kind == DEV_KIND_OBJECT, (natural)(DEV_DEPOSIT_OBJECT), c);
 }
 
+#if ASDIC_TRUTH
+/* The objects that were met, by their rows of truth; 0: none. */
+static natural truth_rows_met(const world *w, const meeting *m) {
+    natural row = (natural)(0u);
+#if ASDIC_HAS_MESH
+    LANES {
+        if (AT(m->kind, const uint) == DEV_KIND_OBJECT) {
+            AT(row, uint) = w->parts[w->triangles[AT(m->triangle, const uint)].part].truth_row;
+        }
+    }
+#else
+    (void)w, (void)m;
+#endif
+    return row;
+}
+#endif
+
 /* What sample.cl drew and trace.cl found. */
 typedef struct ray_store {
     __global const dev_ray *rays;
@@ -96,6 +113,9 @@ static uint shade_rays(const world *w, const ray_store *store, __global const fl
 
     arrivals a;
     a.count = 0u;
+#if ASDIC_TRUTH
+    a.truth_row = truth_rows_met(w, &m);
+#endif
     /* Objects that a plan left out still hide what is behind them. */
     natural component = component_of(m.kind);
     real heard = choose(component < ping->sums.components, weight, R(0.0));
@@ -132,7 +152,8 @@ __kernel void LEAST_WAVES(3)
           __global const dev_triangle *triangles, __global const dev_part *parts,
           __global const dev_material *materials, __global const float *water,
           __global dev_arrival *arrivals, __global long *accumulator, __global uint *saturated,
-          __global dev_ray *bounced, __global float4 *mirrors) {
+          __global dev_ray *bounced, __global float4 *mirrors, __global const dev_truth_row *rows,
+          __global long *truth) {
     __global const dev_ping *ping = row_ping(pings);
     size_t own = row_slots(ping);
     uint first = (uint)(get_global_id(0)) * PIECE, at = first, cut = 0u;
@@ -140,7 +161,8 @@ __kernel void LEAST_WAVES(3)
     world w = {ping, beams_of(ping), triangles, parts, materials, face_density};
     ray_store store = {rays + own, ASDIC_LAYERS ? legs + DEV_LEG_FLOATS * own : legs,
                        solid_angles + own, splats + own, hits + own};
-    sink to = {row_cells(ping, accumulator), arrivals + ARRIVAL_SETS * own};
+    sink to = {row_cells(ping, accumulator), arrivals + ARRIVAL_SETS * own, truth_rows(ping, rows),
+               truth + (size_t)(ping->sums.truth_first) * ping->sums.truth_columns};
     mirror_store reflected = {bounced + own, mirrors + own};
     for (uint slot = first; slot < end; slot += ASDIC_WIDTH) {
         cut += shade_rays(&w, &store, row_water(ping, water), &to, &reflected, slot, &at);

@@ -73,11 +73,11 @@ typedef struct dev_triangle {
 
 /* One mesh placed in the scene: what it is and how it scatters. */
 typedef struct dev_part {
-    dev_uint kind;     /* DEV_KIND_BOTTOM or DEV_KIND_OBJECT */
-    dev_uint material; /* index of dev_material */
-    float size_m2;     /* square of its largest extent */
-    dev_uint pad;
-} dev_part; /* 16 bytes */
+    dev_uint kind;      /* DEV_KIND_BOTTOM or DEV_KIND_OBJECT */
+    dev_uint material;  /* index of dev_material */
+    float size_m2;      /* square of its largest extent */
+    dev_uint truth_row; /* of an object, see truth.h */
+} dev_part;             /* 16 bytes */
 
 /* How the device computes a law: by one of three formulas, or from a table (law_table.h). */
 #define DEV_LAW_TABLE 0

@@ -192,6 +192,7 @@ static asdic_status add_part(asdic_scene *scene, asdic_part *part, const asdic_m
     scene->parts = grown;
     TRY(add_material(scene, material, &part->material));
     place_triangles(scene, mesh, pose);
+    part->number = part->kind == DEV_KIND_OBJECT ? (unsigned)++scene->object_count : 0;
     scene->parts[scene->part_count++] = *part;
     return ASDIC_OK;
 }
@@ -284,6 +285,7 @@ asdic_status asdic_scene_add_point(asdic_scene *scene, const char *name, asdic_v
         return asdic_fail_memory(scene->ctx, "a point target");
     }
     scene->points = grown;
+    point.number = (unsigned)++scene->object_count;
     scene->points[scene->point_count++] = point;
     return ASDIC_OK;
 }

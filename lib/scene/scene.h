@@ -23,12 +23,14 @@ typedef struct asdic_part {
     unsigned kind;              /* DEV_KIND_BOTTOM, DEV_KIND_OBJECT */
     bool moves;
     size_t material;     /* index into materials */
+    unsigned number;     /* of an object, from 1 on, points included */
     asdic_vec3 center_m; /* bounding sphere, world */
     double radius_m;
 } asdic_part;
 
 typedef struct asdic_point {
     char name[ASDIC_NAME_SIZE];
+    unsigned number;
     asdic_vec3 position_m; /* world */
     double target_strength_db;
 } asdic_point;
@@ -48,6 +50,7 @@ struct asdic_scene {
     size_t part_count;
     asdic_point *points;
     size_t point_count;
+    size_t object_count; /* parts and points with a number */
     asdic_movable *movables;
     size_t movable_count;
     /* Pending triangles before commit: world coordinates in double, 9 per triangle. */

@@ -13,6 +13,7 @@
 #define LEAST_RECEIVERS 16
 /* Bytes of a fan_entry and of a fan_list in fan.cl. */
 #define ENTRY_BYTES 32
+#define TRUTH_ENTRY_BYTES 40
 #define LIST_BYTES 8
 /* Blocks of rays that are sorted at the same time: some for each core of a processor, many for a GPU, fewer
  * where a table of blocks by bins would be large. */
@@ -57,8 +58,9 @@ asdic_status asdic_beam_fan_init(asdic_beam_fan *fan, asdic_device *device,
     fan->width = wide ? 16 : 1;
     snprintf(options, sizeof options,
              "-D ASDIC_WIDTH=%u -D ASDIC_COMPONENTS=%zu -D ASDIC_HAS_MIRRORS=%d "
-             "-D ASDIC_COMMON_AXIS=%d",
-             fan->width, size->components, size->mirrors, fan->common_axis);
+             "-D ASDIC_COMMON_AXIS=%d%s",
+             fan->width, size->components, size->mirrors, fan->common_axis,
+             size->truth ? " -D ASDIC_TRUTH=1" : "");
     const struct {
         const char *name;
         asdic_kernel **kernel;
@@ -67,13 +69,14 @@ asdic_status asdic_beam_fan_init(asdic_beam_fan *fan, asdic_device *device,
                    {"fan_scatter", &fan->scatter},
                    {"fan_project", &fan->project}};
     /* A mirror's arrivals are up to three entries more. */
+    size_t entry = size->truth ? TRUTH_ENTRY_BYTES : ENTRY_BYTES;
     const struct {
         size_t bytes;
         asdic_buffer **buffer;
     } buffers[] = {{size->bins * fan->blocks * sizeof(uint32_t), &fan->counts},
                    {sizeof(uint32_t), &fan->made},
                    {size->bins * LIST_BYTES, &fan->lists},
-                   {size->slots * (size->mirrors ? 4 : 1) * ENTRY_BYTES, &fan->entries}};
+                   {size->slots * (size->mirrors ? 4 : 1) * entry, &fan->entries}};
     fan->fetches = calloc(tiles, sizeof *fan->fetches);
     if (!fan->fetches) {
         return asdic_fail_memory(asdic_device_context(device), "a fan");
@@ -130,7 +133,8 @@ static asdic_status sort(asdic_beam_fan *fan, const dev_ping *ping, asdic_buffer
 
 asdic_status asdic_beam_fan_project(asdic_beam_fan *fan, const dev_ping *ping,
                                     asdic_buffer *ping_buffer, asdic_buffer *arrivals,
-                                    asdic_buffer *results, float *host_results) {
+                                    asdic_buffer *results, float *host_results,
+                                    asdic_buffer *truth_rows, asdic_buffer *truth_cells) {
     size_t rows = ping->sums.components * (size_t)ping->bins;
     bool wide = fan->width > 1;
     size_t items = wide ? (ping->bins + 15) / 16 : ping->bins * (size_t)DEV_FAN_TILE;
@@ -139,8 +143,9 @@ asdic_status asdic_beam_fan_project(asdic_beam_fan *fan, const dev_ping *ping,
     for (dev_uint tile = 0; tile < fan->tiles; tile++) {
         asdic_kernel_arg args[] = {ASDIC_ARG_BUFFER(ping_buffer), ASDIC_ARG_BUFFER(fan->entries),
                                    ASDIC_ARG_BUFFER(fan->lists),  ASDIC_ARG_BUFFER(results),
-                                   ASDIC_ARG_VALUE(tile),         ASDIC_ARG_VALUE(add)};
-        TRY(asdic_kernel_run(fan->project, args, 6, items, wide ? 1 : 64));
+                                   ASDIC_ARG_VALUE(tile),         ASDIC_ARG_VALUE(add),
+                                   ASDIC_ARG_BUFFER(truth_rows),  ASDIC_ARG_BUFFER(truth_cells)};
+        TRY(asdic_kernel_run(fan->project, args, 8, items, wide ? 1 : 64));
         size_t first = (size_t)tile * DEV_FAN_TILE, left = ping->beams - first;
         size_t bytes = (left < DEV_FAN_TILE ? left : DEV_FAN_TILE) * rows * sizeof(float);
         if (ping->batch.last) {

@@ -30,7 +30,7 @@ void asdic_beam_fan_plan(const asdic_sonar *sonar, asdic_beam_fan *fan);
 /* What a fan's kernels and buffers are made for. */
 typedef struct asdic_beam_fan_size {
     size_t receivers, bins, components, slots; /* slots: of rays */
-    bool mirrors;
+    bool mirrors, truth;
     unsigned width; /* of the ray kernels' vectors */
 } asdic_beam_fan_size;
 
@@ -43,10 +43,11 @@ void asdic_beam_fan_finish(asdic_beam_fan *fan, asdic_device *device);
 void asdic_beam_fan_describe(const asdic_beam_fan *fan, const dev_beam *beams, dev_ping *ping);
 
 /* Enqueues the sums of one batch's ARRIVALS, added to those of the batches before, in RESULTS: floats
- * [beam][component][bin]. After the last batch they are fetched to HOST_RESULTS, tile by tile. */
+ * [beam][component][bin], and in TRUTH_CELLS (kernels/truth.h). After the last batch they are fetched to HOST_RESULTS, tile by tile. */
 asdic_status asdic_beam_fan_project(asdic_beam_fan *fan, const dev_ping *ping,
                                     asdic_buffer *ping_buffer, asdic_buffer *arrivals,
-                                    asdic_buffer *results, float *host_results);
+                                    asdic_buffer *results, float *host_results,
+                                    asdic_buffer *truth_rows, asdic_buffer *truth_cells);
 /* Blocks until the beams of TILE are there. */
 asdic_status asdic_beam_fan_wait(asdic_beam_fan *fan, asdic_device *device, size_t tile);
 

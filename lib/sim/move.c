@@ -8,16 +8,17 @@
 
 #include <string.h>
 
-dev_part asdic_simulator_part(const asdic_part *part) {
+dev_part asdic_simulator_part(const asdic_part *part, size_t index) {
     return (dev_part){.kind = part->kind,
                       .material = (dev_uint)part->material,
+                      .truth_row = (dev_uint)(DEV_TRUTH_OBJECTS + index),
                       .size_m2 = (float)(4.0 * part->radius_m * part->radius_m)};
 }
 
 static asdic_status move_object(asdic_simulator *sim, size_t movable, const asdic_pose *pose) {
     size_t part = sim->setup.scene->movables[movable].part;
     asdic_placement_move(sim->placement, movable, pose);
-    dev_part moved = asdic_simulator_part(&sim->placement->parts[part]);
+    dev_part moved = asdic_simulator_part(&sim->placement->parts[part], part);
     TRY(asdic_buffer_write(sim->buffers.parts, part * sizeof moved, sizeof moved, &moved));
     return sim->tracer ? asdic_tracer_move(sim->tracer, sim->placement, movable)
                        : ASDIC_OK; /* objects that a plan left out are not traced */

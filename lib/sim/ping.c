@@ -75,8 +75,43 @@ void asdic_ping_destroy(asdic_ping **ping) {
     }
     free((*ping)->stderr_db);
     free((*ping)->pressure);
+    free((*ping)->truth);
     free(*ping);
     *ping = NULL;
+}
+
+asdic_status asdic_ping_add_truth(asdic_context *ctx, asdic_ping *ping) {
+    if (!ping) {
+        return asdic_fail_null(ctx, __func__);
+    }
+    if (ping->truth) {
+        return ASDIC_OK;
+    }
+    /* One block: the struct, the floats, the numbers. */
+    size_t cells = ping->beams * ping->bins, floats = ASDIC_PATH_COUNT + 3;
+    asdic_ping_truth *truth =
+        calloc(1, sizeof *truth + cells * (floats * sizeof(float) + 2 * sizeof(int16_t)));
+    if (!truth) {
+        return asdic_fail_memory(ctx, "the truth of a ping");
+    }
+    float *values = (float *)(void *)(truth + 1);
+    int16_t *numbers = (int16_t *)(void *)(values + floats * cells);
+    truth->share = values;
+    truth->object_share = values + cells;
+    truth->depression_rad = values + 2 * cells;
+    for (size_t p = 0; p < ASDIC_PATH_COUNT; p++) {
+        truth->path[p] = values + (3 + p) * cells;
+    }
+    truth->strongest = numbers;
+    truth->object = numbers + cells;
+    ping->truth = truth;
+    return ASDIC_OK;
+}
+
+const char *asdic_path_name(asdic_path path) {
+    static const char *const names[ASDIC_PATH_COUNT] = {"direct", "by_surface", "by_bottom",
+                                                        "by_object", "noise"};
+    return (unsigned)path < ASDIC_PATH_COUNT ? names[path] : "?";
 }
 
 double asdic_level_db(double intensity_lin) {

@@ -5,6 +5,7 @@
 #include "base/vec.h"
 #include "scene/scene.h"
 #include "sonar_ray.h"
+#include "truth.h"
 
 #include "../../kernels/beam.h"
 
@@ -92,8 +93,8 @@ static void add_energy(asdic_ping *out, size_t cell, double energy) {
     }
 }
 
-static void add_point(const asdic_simulator *sim, const asdic_ping_shot *shot,
-                      const asdic_point *point, ray_way to, asdic_ping *out) {
+static void add_point(asdic_simulator *sim, const asdic_ping_shot *shot, size_t nth, ray_way to,
+                      asdic_ping *out) {
     double range = ray_range(&to.r, to.t), bin = floor(range / sim->setup.sonar.bin_length_m);
     if (!(to.t > NEAREST) || range < sim->setup.sonar.blanking_m ||
         bin >= (double)sim->setup.bins) {
@@ -105,11 +106,12 @@ static void add_point(const asdic_simulator *sim, const asdic_ping_shot *shot,
     double energy = asdic_simulator_source_lin(sim, &shot->water) *
                     ray_transmission(absorption, range) * spread * spread *
                     ray_bending(&to.r, to.t, range, -2.0 * absorption) *
-                    pow(10.0, point->target_strength_db / 10.0) *
+                    pow(10.0, sim->placement->points[nth].target_strength_db / 10.0) *
                     gain_towards(&beams[0], u, shot->ping->rear_lin);
     for (size_t b = 0; b < out->beams; b++) {
         double gain = gain_towards(&beams[b + 1], u, shot->ping->rear_lin);
         add_energy(out, b * out->bins + (size_t)bin, energy * gain);
+        asdic_truth_add_point(sim, nth, u.z, b, (size_t)bin, energy * gain);
     }
 }
 
@@ -124,7 +126,7 @@ asdic_status asdic_points_add(asdic_simulator *sim, const asdic_ping_shot *shot,
     for (size_t i = 0; i < scene->point_count; i++) {
         const asdic_point *point = &sim->placement->points[i];
         if (sim->points.hits[i].triangle == ~0u && in_water(scene, point->position_m.z) == wet) {
-            add_point(sim, shot, point, way_to(sim, i, shot), out);
+            add_point(sim, shot, i, way_to(sim, i, shot), out);
         }
     }
     return ASDIC_OK;

@@ -68,14 +68,29 @@ WIDEST static void weigh(const double *restrict total, const float *restrict std
     }
 }
 
+/* Of a resolution cell, in bins. */
+static double length_of(const asdic_sonar *sonar, double sound_speed_mps) {
+    return sound_speed_mps / (2.0 * sonar->bandwidth_hz) / sonar->bin_length_m;
+}
+
+bool asdic_pulse_smears(const asdic_sonar *sonar, double sound_speed_mps) {
+    return length_of(sonar, sound_speed_mps) > 1.0;
+}
+
+void asdic_pulse_smear_row(const asdic_sonar *sonar, double sound_speed_mps, double *scratch,
+                           size_t bins, double *row) {
+    if (asdic_pulse_smears(sonar, sound_speed_mps)) {
+        smear_row(row, scratch, bins, window_of(length_of(sonar, sound_speed_mps), bins));
+    }
+}
+
 void asdic_pulse_smear(const asdic_sonar *sonar, double sound_speed_mps, double *scratch,
                        asdic_ping *ping) {
-    double length = sound_speed_mps / (2.0 * sonar->bandwidth_hz) / sonar->bin_length_m;
-    if (length <= 1.0) {
+    if (!asdic_pulse_smears(sonar, sound_speed_mps)) {
         return;
     }
     size_t bins = ping->bins;
-    window w = window_of(length, bins);
+    window w = window_of(length_of(sonar, sound_speed_mps), bins);
     double *errors = scratch, *padded = scratch + bins;
     for (size_t b = 0; b < ping->beams; b++) {
         size_t first = b * bins;

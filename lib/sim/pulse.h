@@ -17,4 +17,9 @@ size_t asdic_pulse_scratch(size_t bins);
 void asdic_pulse_smear(const asdic_sonar *sonar, double sound_speed_mps, double *scratch,
                        asdic_ping *ping);
 
+/* Whether it does anything; and the same for a ROW of any energy. */
+bool asdic_pulse_smears(const asdic_sonar *sonar, double sound_speed_mps);
+void asdic_pulse_smear_row(const asdic_sonar *sonar, double sound_speed_mps, double *scratch,
+                           size_t bins, double *row);
+
 #endif

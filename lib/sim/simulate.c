@@ -13,6 +13,7 @@
 #include "noise_level.h"
 #include "points.h"
 #include "pulse.h"
+#include "truth.h"
 
 #include <math.h>
 
@@ -58,6 +59,11 @@ static asdic_status run_tracer(asdic_simulator *sim, asdic_buffer *rays, asdic_b
                             slots > ENOUGH_RAYS ? slots : ENOUGH_RAYS);
 }
 
+/* Kernels need something to point at. */
+static asdic_buffer *truth_cells(const asdic_simulator *sim) {
+    return sim->truth.asked ? sim->truth.cell_buffer : sim->buffers.no_triangles;
+}
+
 /* What mirror rays meet, the way back, the deposit. */
 static asdic_status run_bounces(asdic_simulator *sim, size_t count) {
     asdic_buffer *triangles = asdic_simulator_triangles(sim);
@@ -79,7 +85,9 @@ static asdic_status run_bounces(asdic_simulator *sim, size_t count) {
                                  ASDIC_ARG_BUFFER(sim->buffers.materials),
                                  ASDIC_ARG_BUFFER(sim->buffers.arrivals),
                                  ASDIC_ARG_BUFFER(sim->buffers.accumulator),
-                                 ASDIC_ARG_BUFFER(sim->buffers.saturated)};
+                                 ASDIC_ARG_BUFFER(sim->buffers.saturated),
+                                 ASDIC_ARG_BUFFER(sim->truth.table_buffer),
+                                 ASDIC_ARG_BUFFER(truth_cells(sim))};
     size_t pieces = piece_count(sim), local = piece_local(sim);
     const asdic_kernels *kernels = &sim->kernels;
     const asdic_buffers *buffers = &sim->buffers;
@@ -179,7 +187,9 @@ static asdic_status run_shade(asdic_simulator *sim, size_t count) {
                                 ASDIC_ARG_BUFFER(sim->buffers.accumulator),
                                 ASDIC_ARG_BUFFER(sim->buffers.saturated),
                                 ASDIC_ARG_BUFFER(sim->buffers.bounced),
-                                ASDIC_ARG_BUFFER(sim->buffers.mirrors)};
+                                ASDIC_ARG_BUFFER(sim->buffers.mirrors),
+                                ASDIC_ARG_BUFFER(sim->truth.table_buffer),
+                                ASDIC_ARG_BUFFER(truth_cells(sim))};
     return asdic_kernel_run_rows(sim->kernels.shade, shade, COUNT(shade), piece_count(sim),
                                  piece_local(sim), count);
 }
@@ -188,7 +198,8 @@ static asdic_status run_collect(asdic_simulator *sim, size_t count) {
     asdic_kernel_arg collect[] = {
         ASDIC_ARG_BUFFER(sim->buffers.pings),        ASDIC_ARG_BUFFER(sim->buffers.arrivals),
         ASDIC_ARG_BUFFER(sim->buffers.accumulator),  ASDIC_ARG_BUFFER(sim->buffers.saturated),
-        ASDIC_ARG_BUFFER(sim->buffers.water_tables), ASDIC_ARG_BUFFER(sim->buffers.totals)};
+        ASDIC_ARG_BUFFER(sim->buffers.water_tables), ASDIC_ARG_BUFFER(sim->buffers.totals),
+        ASDIC_ARG_BUFFER(sim->truth.table_buffer),   ASDIC_ARG_BUFFER(truth_cells(sim))};
     return asdic_kernel_run_rows(sim->kernels.collect, collect, COUNT(collect),
                                  sim->shots[0].ping->sums.blocks / 2, 1, count);
 }
@@ -207,7 +218,8 @@ static asdic_status run_batch(asdic_simulator *sim, size_t count) {
     if (sim->fan.many) {
         TRY(asdic_beam_fan_project(&sim->fan, sim->shots[0].ping, sim->buffers.pings,
                                    sim->buffers.arrivals, sim->buffers.results,
-                                   (float *)sim->host.results));
+                                   (float *)sim->host.results, sim->truth.table_buffer,
+                                   truth_cells(sim)));
     }
     return sim->kernels.collect || sim->fan.many ? end_phase(sim, ASDIC_PHASE_COLLECT) : ASDIC_OK;
 }
@@ -295,11 +307,12 @@ static asdic_status convert(asdic_simulator *sim, const asdic_ping_shot *shot, a
 
 static asdic_status run_shots(asdic_simulator *sim, size_t count, asdic_ping *const *out) {
     TRY(tabulate(sim, count));
+    TRY(asdic_truth_begin(sim, count, out));
     TRY(run_batches(sim, count));
     for (size_t k = 0; k < count; k++) {
         TRY(convert(sim, &sim->shots[k], out[k]));
     }
-    return ASDIC_OK;
+    return asdic_truth_fetch(sim);
 }
 
 asdic_status asdic_simulator_simulate(asdic_simulator *sim, size_t count, asdic_ping *const *out) {
@@ -324,6 +337,7 @@ static asdic_status simulate_rays(asdic_simulator *sim, const asdic_pose *poses,
         TRY(asdic_points_add(sim, shot, out[k]));
         asdic_pulse_smear(&sim->setup.sonar, shot->water.sound_speed_mps, sim->host.scratch,
                           out[k]);
+        asdic_truth_tell(sim, k, out[k]);
         asdic_speckle_apply(sim->speckle, shot->water.sound_speed_mps, sim->setup.sampling.seed,
                             shot->index, out[k]);
     }
@@ -365,6 +379,11 @@ static asdic_status check_ping(const asdic_simulator *sim, const asdic_pose *pos
         return asdic_fail(sim->ctx, ASDIC_ERROR_ARGUMENT,
                           "the ping holds %zu beams x %zu bins, the simulator makes %zu x %zu",
                           out->beams, out->bins, sim->setup.sonar.receiver_count, sim->setup.bins);
+    }
+    if (out->truth && !sim->setup.sampling.truth) {
+        return asdic_fail(sim->ctx, ASDIC_ERROR_ARGUMENT,
+                          "the ping has truth, the simulator was made without: set 'truth' of its "
+                          "asdic_sampling");
     }
     return asdic_pose_check(sim->ctx, pose);
 }

@@ -10,6 +10,7 @@
 #include "layers.h"
 #include "points.h"
 #include "scene/lifted.h"
+#include "truth.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -65,13 +66,14 @@ static asdic_status create_kernels(asdic_simulator *sim) {
     char options[160];
     snprintf(options, sizeof options,
              "-D ASDIC_WIDTH=%u -D ASDIC_DEPOSIT=%d -D ASDIC_HAS_MESH=%d -D ASDIC_COMMON_AXIS=%d "
-             "-D ASDIC_HAS_WATER=%d -D ASDIC_HAS_MIRRORS=%d%s",
+             "-D ASDIC_HAS_WATER=%d -D ASDIC_HAS_MIRRORS=%d%s%s",
              sim->setup.layout.width, (int)sim->setup.layout.deposit, sim->tracer ? 1 : 0,
              sim->fan.common_axis, sim->setup.sampling.left_out & (1u << ASDIC_TERM_VOLUME) ? 0 : 1,
              sim->setup.has_mirrors ? 1 : 0,
              sim->setup.layer_count         ? " -D ASDIC_BENT=2"
              : sim->setup.bend_per_m != 0.0 ? " -D ASDIC_BENT=1"
-                                            : "");
+                                            : "",
+             sim->setup.sampling.truth ? " -D ASDIC_TRUTH=1" : "");
     bool collects = sim->setup.layout.deposit == ASDIC_DEPOSIT_COLLECT;
     bool adaptive = sim->setup.sampling.sampler == ASDIC_SAMPLER_ADAPTIVE;
     const struct {
@@ -100,6 +102,7 @@ static asdic_status create_kernels(asdic_simulator *sim) {
                                       .components = sim->setup.components,
                                       .slots = sim->setup.groups * sim->setup.per_group,
                                       .mirrors = sim->setup.has_mirrors,
+                                      .truth = sim->setup.sampling.truth,
                                       .width = sim->setup.layout.width};
     return asdic_beam_fan_init(&sim->fan, sim->device, &size);
 }
@@ -187,7 +190,7 @@ static asdic_status upload_parts(asdic_simulator *sim) {
         return asdic_fail_memory(sim->ctx, "the parts of a scene");
     }
     for (size_t i = 0; i < scene->part_count; i++) {
-        parts[i] = asdic_simulator_part(&scene->parts[i]);
+        parts[i] = asdic_simulator_part(&scene->parts[i], i);
     }
     asdic_status status = asdic_buffer_create(
         sim->device, (scene->part_count + 1) * sizeof(dev_part), parts, &sim->buffers.parts);
@@ -208,6 +211,10 @@ static asdic_status check_arguments(asdic_context *ctx, const asdic_scene *scene
     if ((unsigned)sampling->kernel > ASDIC_RAY_KERNEL_SCALAR) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "unknown ray kernel %d",
                           (int)sampling->kernel);
+    }
+    if (sampling->truth && sampling->coherent) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
+                          "coherent pings have no truth: leave 'truth' or 'coherent' out");
     }
     if (sampling->rays < 64 || sampling->rays > 1u << 28) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
@@ -358,6 +365,7 @@ static asdic_status furnish(asdic_simulator *sim, const asdic_water_column *wate
     TRY(asdic_store_create_device(sim));
     TRY(asdic_faces_init(&sim->learnt.faces, sim->device, scene_echoes(sim) ? scene : NULL));
     TRY(asdic_points_init(sim));
+    TRY(asdic_truth_init(sim));
     TRY(asdic_speckle_create(sim->ctx, &sim->setup.sonar, water->sound_speed_mps, sim->setup.bins,
                              &sim->speckle));
     asdic_simulator_forget(sim);
@@ -389,6 +397,9 @@ asdic_status asdic_simulator_create_with(asdic_context *ctx, asdic_device *devic
                                        .sonar = *sonar,
                                        .sampling = *sampling,
                                        .layout = *layout}};
+    if (sampling->truth) { /* quadrature tells no directions */
+        sim->setup.sampling.left_out &= ~(1u << ASDIC_TERM_RAYS);
+    }
     if (sampling->left_out & (1u << ASDIC_TERM_BORIC_ACID)) {
         sim->setup.env.ph = -INFINITY; /* 10^(0.78 pH - 5), its strength, is then zero */
     }
@@ -437,6 +448,7 @@ void asdic_simulator_destroy(asdic_simulator **pointer) {
     asdic_coherent_destroy(&sim->coherent);
     asdic_faces_finish(&sim->learnt.faces);
     asdic_points_finish(sim);
+    asdic_truth_finish(sim);
     asdic_tracer_destroy(&sim->tracer);
     asdic_placement_destroy(&sim->placement);
     asdic_scene_unlift(&sim->lifted);

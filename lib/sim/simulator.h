@@ -158,6 +158,26 @@ typedef struct asdic_point_rays {
     asdic_buffer *ray_buffer, *hit_buffer;
 } asdic_point_rays;
 
+/* A point target that was heard. */
+typedef struct asdic_truth_point {
+    size_t point, bin;
+    double down; /* sine of its depression */
+} asdic_truth_point;
+
+/* Rows of truth (kernels/truth.h), of the shots on their way. */
+typedef struct asdic_truth_rows {
+    size_t rows, columns; /* 0: not wanted */
+    bool asked;           /* by a ping of these shots */
+    dev_truth_row *table; /* [shot][row] */
+    asdic_buffer *table_buffer, *cell_buffer;
+    void *cells; /* as they came from the device */
+    size_t bytes;
+    double *work;              /* of a beam */
+    asdic_truth_point *points; /* of the current shot */
+    double *point_lin;         /* their energies, [point][beam] */
+    size_t point_count;
+} asdic_truth_rows;
+
 /* Where asdic_simulator_profile adds up time. */
 typedef struct asdic_profile {
     double *seconds; /* NULL: nobody asks */
@@ -178,6 +198,7 @@ struct asdic_simulator {
     uint32_t legs_foreseen; /* of rays through layers: as many as the rays before had */
     asdic_beam_fan fan;     /* where receivers are many */
     asdic_point_rays points;
+    asdic_truth_rows truth;
     asdic_learnt learnt;
     asdic_host_store host;
     asdic_ping_shot *shots;            /* setup.ping_batch */
@@ -253,8 +274,8 @@ asdic_buffer *asdic_simulator_triangles(const asdic_simulator *sim);
 /* Whether the scene has a mesh of KIND (DEV_KIND_BOTTOM, DEV_KIND_OBJECT). */
 bool asdic_simulator_has(const asdic_simulator *sim, unsigned kind);
 
-/* What the device is told about a part. */
-dev_part asdic_simulator_part(const asdic_part *part);
+/* What the device is told about part INDEX of the scene. */
+dev_part asdic_simulator_part(const asdic_part *part, size_t index);
 
 /* The source's intensity at 1 m, linear, less the metre of absorption that the paper prints more. */
 double asdic_simulator_source_lin(const asdic_simulator *sim, const asdic_water_column *water);

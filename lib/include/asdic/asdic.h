@@ -40,6 +40,7 @@
 #include <asdic/sweep.h>
 #include <asdic/team.h>
 #include <asdic/trial.h>
+#include <asdic/truth.h>
 #include <asdic/view.h>
 
 #endif

@@ -11,6 +11,7 @@
 #include <asdic/device.h>
 #include <asdic/scene.h>
 #include <asdic/sonar.h>
+#include <asdic/truth.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -55,6 +56,7 @@ typedef struct asdic_sampling {
     /* Pressures at the sonar's array, with phase: RAYS is about how many scatterers there are,
      * which SEED fixes in the world; `sampler` has no effect. */
     bool coherent;
+    bool truth; /* pings with truth have theirs filled; rays are cast, whatever a plan leaves out */
 } asdic_sampling;
 
 /* 20,000 rays, adaptive, first-order multipath, seed 1. */
@@ -97,6 +99,7 @@ typedef struct asdic_ping {
     size_t elements, samples;
     double sample_m;
     float *pressure;
+    asdic_ping_truth *truth; /* NULL: not wanted, as in a new ping */
 } asdic_ping;
 
 /* A ping of BEAMS x BINS zeros. */
@@ -108,6 +111,9 @@ ASDIC_API void asdic_ping_destroy(asdic_ping **ping);
  * already. */
 ASDIC_API asdic_status asdic_ping_add_elements(asdic_context *ctx, asdic_ping *ping,
                                                size_t elements, size_t samples);
+/* Gives PING, from asdic_ping_create, room for truth: simulators made with sampling.truth then fill
+ * it. Nothing to do where it has it; asdic_ping_destroy frees it. */
+ASDIC_API asdic_status asdic_ping_add_truth(asdic_context *ctx, asdic_ping *ping);
 
 /* 10 log10 of an intensity; -INFINITY for 0. */
 ASDIC_API double asdic_level_db(double intensity_lin);

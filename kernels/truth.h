@@ -1,0 +1,67 @@
+/*
+ * Truth: what each bin's energy comes from, where somebody asks for it (ASDIC_TRUTH). Levels do not depend on it.
+ *
+ * Beside the accumulator a ping then has rows of its own: the echoes' sines of depression, weighed by energy;
+ * what came by way of the surface and of the bottom; and what each object sent back directly. An object's row
+ * spans the bins that it can be heard in and no others. Cells lie [row][bin][receiver]: sums of whole quanta,
+ * as the accumulator's, or, of many receivers (fan.cl), floats added in the order of rays.
+ */
+#ifndef ASDIC_KERNEL_TRUTH_H
+#define ASDIC_KERNEL_TRUTH_H
+
+#include "ping_types.h"
+#include "real.h"
+
+#ifndef ASDIC_TRUTH
+#define ASDIC_TRUTH 0
+#endif
+
+/* The word `more` of an arrival: bit 0 says whether others follow, 11 bits the row that its energy goes to
+ * besides (0: none), 20 bits the sine of its depression. */
+#define TRUTH_ROW_BITS 11u
+#define TRUTH_SINE_SHIFT (TRUTH_ROW_BITS + 1u)
+#define TRUTH_SINE_MOST 1048575.0f
+
+/* What a mirror is, for rays that go on from it: above the slots in dev_ray.source. */
+#define TRUTH_KIND_SHIFT 29u
+#define TRUTH_SLOT_MASK 0x0fffffffu
+
+/* The word for an arrival from a direction with DOWN as its sine of depression. */
+static inline uint truth_word(uint row, float down) {
+    float part = fmin(fmax(0.5f + 0.5f * down, 0.0f), 1.0f);
+    return (uint)(part * TRUTH_SINE_MOST + 0.5f) << TRUTH_SINE_SHIFT | row << 1u;
+}
+
+static inline uint truth_row(uint word) {
+    return word >> 1u & ((1u << TRUTH_ROW_BITS) - 1u);
+}
+
+/* (1 + sine of depression) / 2 */
+static inline float truth_part(uint word) {
+    return (float)(word >> TRUTH_SINE_SHIFT) * (1.0f / TRUTH_SINE_MOST);
+}
+
+/* What multiplies the quanta of COMPONENT for the row of depressions, whose scale is one for all; 0: the water,
+ * which has no place. */
+static inline float truth_weight(__global const dev_ping *ping, uint component, uint word) {
+    return ping->sums.truth_ratio[component] * truth_part(word);
+}
+
+/* The first receiver's cell of BIN in ROW; bins beyond the row have none. */
+#define TRUTH_NO_CELL ((size_t)(-1))
+
+static inline size_t truth_cell(__global const dev_ping *ping, __global const dev_truth_row *rows,
+                                uint row, uint bin) {
+    dev_truth_row r = rows[row];
+    return bin >= r.low && bin < r.high
+               ? (size_t)(r.cell + (bin - r.low)) * ping->sums.truth_columns
+               : TRUTH_NO_CELL;
+}
+
+/* This launch's row of pings (ping_batch.h). */
+static inline __global const dev_truth_row *truth_rows(__global const dev_ping *ping,
+                                                       __global const dev_truth_row *rows) {
+    return rows + get_group_id(1) * (size_t)(ping->sums.truth_rows);
+}
+
+#endif

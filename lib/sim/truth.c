@@ -1,0 +1,410 @@
+#include "truth.h"
+
+#include "base/context.h"
+#include "base/try.h"
+#include "base/vec.h"
+#include "base/widest.h"
+#include "pulse.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Vectors of the kernels are as wide at most; and beams that are told together, a cache line of floats. */
+#define TILE 16u
+/* An echo may lie in a bin next to that of its range; and rounding. */
+#define ROOM_BINS 2.0
+/* Where the sines of depression begin: they are summed as (1 + sine) / 2. */
+#define MIDDLE 0.5
+
+asdic_status asdic_truth_init(asdic_simulator *sim) {
+    asdic_truth_rows *t = &sim->truth;
+    const asdic_scene *scene = sim->setup.scene;
+    size_t beams = sim->setup.sonar.receiver_count, bins = sim->setup.bins;
+    if (!sim->setup.sampling.truth) {
+        return asdic_buffer_create(sim->device, 0, NULL, &t->table_buffer);
+    }
+    t->rows = DEV_TRUTH_OBJECTS + scene->part_count;
+    t->columns = ((beams + TILE - 1) / TILE | 1) *
+                 TILE; /* odd: of even ones the rows would all want the same
+                                                            place in a cache */
+    if (t->rows > DEV_TRUTH_MOST_ROWS || scene->object_count > INT16_MAX) {
+        return asdic_fail(
+            sim->ctx, ASDIC_ERROR_ARGUMENT,
+            "truth tells at most %d objects with a shape and %d in all apart, and the "
+            "scene has %zu; leave objects or 'truth' out",
+            DEV_TRUTH_MOST_ROWS - DEV_TRUTH_OBJECTS - 1, INT16_MAX, scene->object_count);
+    }
+    size_t pings = sim->setup.ping_batch, points = scene->point_count;
+    t->table = calloc(pings * t->rows, sizeof *t->table);
+    t->work = calloc((5 * TILE + 1) * bins, sizeof *t->work);
+    t->points = calloc(points + 1, sizeof *t->points);
+    t->point_lin = calloc(points * beams + 1, sizeof *t->point_lin);
+    if (!t->table || !t->work || !t->points || !t->point_lin) {
+        return asdic_fail_memory(sim->ctx, "what bins hold");
+    }
+    return asdic_buffer_create(sim->device, pings * t->rows * sizeof *t->table, NULL,
+                               &t->table_buffer);
+}
+
+void asdic_truth_finish(asdic_simulator *sim) {
+    asdic_truth_rows *t = &sim->truth;
+    asdic_buffer_destroy(&t->table_buffer);
+    asdic_buffer_destroy(&t->cell_buffer);
+    free(t->table);
+    free(t->cells);
+    free(t->work);
+    free(t->points);
+    free(t->point_lin);
+}
+
+/* --- before and after the rays ---------------------------------------------------------------- */
+
+/* Copies of a cell that the host adds: collect.cl's work-items have one each. */
+static size_t copies(const asdic_simulator *sim) {
+    bool collects = sim->setup.layout.deposit == ASDIC_DEPOSIT_COLLECT && !sim->fan.many;
+    return collects ? sim->setup.ping.sums.blocks / 2 : 1;
+}
+
+static size_t cell_bytes(const asdic_simulator *sim) {
+    return sim->fan.many ? sizeof(float) : sizeof(int64_t);
+}
+
+/* The bins that direct echoes of PART may fall into: all where rays bend, none of the bottom. */
+static dev_truth_row part_row(const asdic_simulator *sim, const asdic_part *part,
+                              const asdic_pose *pose) {
+    double bins = (double)sim->setup.bins, bin_m = sim->setup.sonar.bin_length_m;
+    if (part->kind != DEV_KIND_OBJECT || sim->setup.components <= DEV_DEPOSIT_OBJECT) {
+        return (dev_truth_row){0};
+    }
+    if (sim->setup.bend_per_m != 0.0 || sim->setup.layer_count > 0) {
+        return (dev_truth_row){.high = (dev_uint)sim->setup.bins};
+    }
+    double range_m = asdic_vec3_length(asdic_vec3_sub(part->center_m, pose->position_m));
+    double low = floor((range_m - part->radius_m) / bin_m) - ROOM_BINS;
+    double high = ceil((range_m + part->radius_m) / bin_m) + ROOM_BINS;
+    return (dev_truth_row){.low = (dev_uint)fmin(fmax(low, 0.0), bins),
+                           .high = (dev_uint)fmin(fmax(high, 0.0), bins)};
+}
+
+/* The rows of SHOT to TABLE; the cells that they take. */
+static size_t place_rows(const asdic_simulator *sim, const asdic_ping_shot *shot,
+                         dev_truth_row *table) {
+    const asdic_truth_rows *t = &sim->truth;
+    bool boundaries = sim->setup.has_mirrors && shot->ping->boundary_mirrors;
+    dev_uint bins = (dev_uint)sim->setup.bins;
+    size_t cells = 0;
+    table[DEV_TRUTH_DEPRESSION] = (dev_truth_row){.high = bins};
+    table[DEV_TRUTH_BY_SURFACE] = table[DEV_TRUTH_BY_BOTTOM] =
+        (dev_truth_row){.high = boundaries ? bins : 0};
+    for (size_t r = 0; r < t->rows; r++) {
+        if (r >= DEV_TRUTH_OBJECTS) {
+            table[r] = part_row(sim, &sim->placement->parts[r - DEV_TRUTH_OBJECTS], &shot->pose);
+        }
+        table[r].cell = (dev_uint)cells;
+        cells += table[r].high - table[r].low;
+    }
+    return cells;
+}
+
+/* Depressions of all components are summed in the coarsest of their scales. */
+static void scale_depressions(const asdic_simulator *sim, dev_sums *sums) {
+    float least = FLT_MAX;
+    for (size_t c = 0; c < sim->setup.components; c++) {
+        least = c == DEV_DEPOSIT_VOLUME ? least : fminf(least, sums->scale[c]);
+    }
+    for (size_t c = 0; c < sim->setup.components; c++) {
+        sums->truth_ratio[c] = c == DEV_DEPOSIT_VOLUME ? 0.0f : least / sums->scale[c];
+    }
+}
+
+/* Room for CELLS of a receiver, of all pings and copies. */
+static asdic_status make_room(asdic_simulator *sim, size_t cells) {
+    asdic_truth_rows *t = &sim->truth;
+    t->bytes = cells * t->columns * cell_bytes(sim);
+    if (t->cell_buffer && t->bytes <= asdic_buffer_bytes(t->cell_buffer)) {
+        return ASDIC_OK;
+    }
+    size_t room = t->bytes + t->bytes / 4;
+    asdic_buffer_destroy(&t->cell_buffer);
+    free(t->cells);
+    t->cells = malloc(room);
+    return t->cells ? asdic_buffer_create(sim->device, room, NULL, &t->cell_buffer)
+                    : asdic_fail_memory(sim->ctx, "what bins hold");
+}
+
+asdic_status asdic_truth_begin(asdic_simulator *sim, size_t count, asdic_ping *const *out) {
+    asdic_truth_rows *t = &sim->truth;
+    size_t cells = 0;
+    t->asked = false;
+    for (size_t k = 0; k < count && t->rows > 0; k++) {
+        t->asked |= out[k]->truth != NULL;
+    }
+    for (size_t k = 0; k < count; k++) {
+        dev_sums *sums = &sim->shots[k].ping->sums;
+        sums->truth_rows = t->asked ? (dev_uint)t->rows : 0;
+        if (t->asked) {
+            size_t own = place_rows(sim, &sim->shots[k], t->table + k * t->rows);
+            sums->truth_columns = (dev_uint)t->columns;
+            sums->truth_first = (dev_uint)cells;
+            sums->truth_cells = (dev_uint)own;
+            scale_depressions(sim, sums);
+            cells += own;
+        }
+    }
+    if (!t->asked) {
+        return ASDIC_OK;
+    }
+    TRY(make_room(sim, cells * copies(sim)));
+    TRY(asdic_buffer_write(t->table_buffer, 0, count * t->rows * sizeof *t->table, t->table));
+    return asdic_buffer_zero(t->cell_buffer, t->bytes);
+}
+
+asdic_status asdic_truth_fetch(asdic_simulator *sim) {
+    asdic_truth_rows *t = &sim->truth;
+    t->point_count = 0;
+    return t->asked ? asdic_buffer_read(t->cell_buffer, 0, t->bytes, t->cells) : ASDIC_OK;
+}
+
+void asdic_truth_add_point(asdic_simulator *sim, size_t point, double down, size_t beam, size_t bin,
+                           double energy) {
+    asdic_truth_rows *t = &sim->truth;
+    if (!t->asked) {
+        return;
+    }
+    if (t->point_count == 0 || t->points[t->point_count - 1].point != point) {
+        t->points[t->point_count++] = (asdic_truth_point){point, bin, down};
+    }
+    t->point_lin[(t->point_count - 1) * sim->setup.sonar.receiver_count + beam] = energy;
+}
+
+/* --- a tile of beams -------------------------------------------------------------------------- */
+
+/* Beams that are told together: the device's cells lie beam by beam. */
+typedef struct telling {
+    asdic_simulator *sim;
+    const asdic_ping_shot *shot;
+    asdic_ping *out;
+    size_t nth, beam, beams; /* from which one on, how many */
+    double source_lin, speed_mps;
+    bool smears; /* the pulse */
+} telling;
+
+WIDEST static void add_floats(const float *cells, size_t beams, double worth, double *at,
+                              size_t stride) {
+    for (size_t b = 0; b < beams; b++) {
+        at[b * stride] += (double)cells[b] * worth;
+    }
+}
+
+/* Adds the energies of ROW to ENERGY, [beam][bin]: a quantum is worth UNIT times the bin's loss. */
+static dev_truth_row gather(const telling *to, size_t row, double unit, double *energy) {
+    const asdic_truth_rows *t = &to->sim->truth;
+    const dev_sums *sums = &to->shot->ping->sums;
+    dev_truth_row r = t->table[to->nth * t->rows + row];
+    size_t each = copies(to->sim), before = (size_t)sums->truth_first * each + r.cell;
+    for (size_t n = r.low; n < r.high; n++) {
+        size_t cell = (before + n - r.low) * t->columns + to->beam;
+        double worth = unit * to->shot->loss[n];
+        if (to->sim->fan.many) {
+            add_floats((const float *)t->cells + cell, to->beams, worth, energy + n, to->out->bins);
+            continue;
+        }
+        const int64_t *from = (const int64_t *)t->cells + cell;
+        for (size_t k = 0; k < each; k++, from += sums->truth_cells * t->columns) {
+            for (size_t b = 0; b < to->beams; b++) {
+                energy[b * to->out->bins + n] += (double)from[b] * worth;
+            }
+        }
+    }
+    return r;
+}
+
+static void smear(const telling *to, double *energy) {
+    for (size_t b = 0; b < to->beams && to->smears; b++) {
+        asdic_pulse_smear_row(&to->sim->setup.sonar, to->speed_mps, to->sim->host.scratch,
+                              to->out->bins, energy + b * to->out->bins);
+    }
+}
+
+WIDEST static void take_stronger(const double *restrict energy, int16_t number, size_t count,
+                                 double *restrict most, int16_t *restrict who) {
+    for (size_t n = 0; n < count; n++) {
+        bool more = energy[n] > most[n];
+        most[n] = more ? energy[n] : most[n];
+        who[n] = more ? number : who[n];
+    }
+}
+
+/* Compares ENERGY of object NUMBER, in the bins of ROW, with MOST, and clears it. */
+static void compare(const telling *to, unsigned number, dev_truth_row row, double *energy,
+                    double *most) {
+    size_t bins = to->out->bins, first = to->beam * bins;
+    if (to->smears) {
+        smear(to, energy);
+        row.low = 0;
+        row.high = (dev_uint)bins;
+    }
+    for (size_t b = 0; b < to->beams; b++) {
+        size_t at = b * bins + row.low, count = row.high - row.low;
+        take_stronger(energy + at, (int16_t)number, count, most + at,
+                      to->out->truth->object + first + at);
+        memset(energy + at, 0, count * sizeof *energy);
+    }
+}
+
+/* The strongest object of every bin, and its energy to MOST, which is 0; ENERGY is 0 before and after. */
+static void find_objects(const telling *to, double *energy, double *most) {
+    const asdic_truth_rows *t = &to->sim->truth;
+    const asdic_scene *scene = to->sim->setup.scene;
+    size_t bins = to->out->bins;
+    double unit = to->source_lin / to->shot->ping->sums.scale[DEV_DEPOSIT_OBJECT];
+    int16_t *who = to->out->truth->object + to->beam * bins;
+    memset(who, 0, to->beams * bins * sizeof *who);
+    for (size_t i = 0; i < scene->part_count; i++) {
+        dev_truth_row row = t->table[to->nth * t->rows + DEV_TRUTH_OBJECTS + i];
+        if (row.low < row.high) {
+            gather(to, DEV_TRUTH_OBJECTS + i, unit, energy);
+            compare(to, scene->parts[i].number, row, energy, most);
+        }
+    }
+    for (size_t k = 0; k < t->point_count; k++) {
+        dev_uint bin = (dev_uint)t->points[k].bin;
+        for (size_t b = 0; b < to->beams; b++) {
+            energy[b * bins + bin] = t->point_lin[k * to->out->beams + to->beam + b];
+        }
+        dev_truth_row row = {.low = bin, .high = bin + 1};
+        compare(to, scene->points[t->points[k].point].number, row, energy, most);
+    }
+}
+
+/* arcsin to 2e-8 (Abramowitz & Stegun, Handbook of Mathematical Functions (1964), 4.4.46), for vectors. */
+static inline double arcsine(double x) {
+    static const double a[8] = {1.5707963050, -0.2145988016, 0.0889789874, -0.0501743046,
+                                0.0308918810, -0.0170881256, 0.0066700901, -0.0012624911};
+    double y = fabs(x), sum = a[7];
+    for (int k = 6; k >= 0; k--) {
+        sum = sum * y + a[k];
+    }
+    return copysign(0.5 * ASDIC_PI - sqrt(1.0 - y) * sum, x);
+}
+
+/* DEPRESSION from the energy-weighted MOMENT of (1 + sine) / 2 in the ECHO. */
+WIDEST static void tell_depression(const double *restrict moment, const double *restrict echo,
+                                   size_t bins, float *restrict depression) {
+    for (size_t n = 0; n < bins; n++) {
+        double sine = moment[n] / (MIDDLE * echo[n]) - 1.0;
+        sine = sine > 1.0 ? 1.0 : sine;
+        sine = sine < -1.0 ? -1.0 : sine;
+        depression[n] = echo[n] > 0.0 ? (float)arcsine(sine) : NAN;
+    }
+}
+
+/* MOMENT is 0 before; ECHO has room for a beam. */
+static void tell_depressions(const telling *to, double *moment, double *echo) {
+    const asdic_truth_rows *t = &to->sim->truth;
+    double *const *part = to->out->intensity_lin;
+    size_t bins = to->out->bins;
+    const dev_sums *sums = &to->shot->ping->sums;
+    double scale = (double)sums->scale[DEV_DEPOSIT_BOTTOM] * sums->truth_ratio[DEV_DEPOSIT_BOTTOM];
+    gather(to, DEV_TRUTH_DEPRESSION, to->source_lin / scale, moment);
+    for (size_t k = 0; k < t->point_count; k++) {
+        const asdic_truth_point *point = &t->points[k];
+        for (size_t b = 0; b < to->beams; b++) {
+            moment[b * bins + point->bin] +=
+                t->point_lin[k * to->out->beams + to->beam + b] * MIDDLE * (1.0 + point->down);
+        }
+    }
+    smear(to, moment);
+    for (size_t b = 0; b < to->beams; b++) {
+        size_t first = (to->beam + b) * bins;
+        for (size_t n = 0, at = first; n < bins; n++, at++) {
+            echo[n] = part[ASDIC_BOTTOM][at] + part[ASDIC_SURFACE][at] + part[ASDIC_OBJECT][at] +
+                      part[ASDIC_MULTIPATH][at];
+        }
+        tell_depression(moment + b * bins, echo, bins, to->out->truth->depression_rad + first);
+    }
+}
+
+/* What a bin holds, by arrays over the bins of a beam. */
+typedef struct holdings {
+    const double *bottom, *surface, *volume, *object, *multipath, *noise;
+    const double *by_surface, *by_bottom; /* of the multipath */
+    const double *strongest_object;
+} holdings;
+
+WIDEST static void tell_shares(const holdings *h, size_t bins, asdic_ping_truth *truth,
+                               size_t first) {
+    int16_t *restrict strongest = truth->strongest + first;
+    const int16_t *restrict who = truth->object + first;
+    float *restrict share = truth->share + first, *restrict objects = truth->object_share + first;
+    float *restrict direct = truth->path[ASDIC_PATH_DIRECT] + first;
+    float *restrict surface = truth->path[ASDIC_PATH_BY_SURFACE] + first;
+    float *restrict bottom = truth->path[ASDIC_PATH_BY_BOTTOM] + first;
+    float *restrict object = truth->path[ASDIC_PATH_BY_OBJECT] + first;
+    float *restrict noise = truth->path[ASDIC_PATH_NOISE] + first;
+    for (size_t n = 0; n < bins; n++) {
+        double once = h->bottom[n] + h->surface[n] + h->volume[n] + h->object[n];
+        double total = once + h->multipath[n] + h->noise[n];
+        double each = total > 0.0 ? 1.0 / total : 0.0, most = h->strongest_object[n];
+        double rest = h->multipath[n] - h->by_surface[n] - h->by_bottom[n];
+        int16_t is = most > 0.0 ? who[n] : 0;
+#define TAKE(energy, component)                                                                    \
+    is = (energy) > most ? -(component) : is;                                                      \
+    most = (energy) > most ? (energy) : most
+        TAKE(h->bottom[n], ASDIC_BOTTOM);
+        TAKE(h->surface[n], ASDIC_SURFACE);
+        TAKE(h->volume[n], ASDIC_VOLUME);
+        TAKE(h->multipath[n], ASDIC_MULTIPATH);
+        TAKE(h->noise[n], ASDIC_NOISE);
+#undef TAKE
+        strongest[n] = is;
+        share[n] = (float)(most * each);
+        objects[n] = (float)(h->strongest_object[n] * each);
+        direct[n] = (float)(once * each);
+        surface[n] = (float)(h->by_surface[n] * each);
+        bottom[n] = (float)(h->by_bottom[n] * each);
+        object[n] = (float)((rest > 0.0 ? rest : 0.0) * each);
+        noise[n] = (float)(h->noise[n] * each);
+    }
+}
+
+static void tell_tile(const telling *to) {
+    size_t bins = to->out->bins, tile = TILE * bins;
+    double *work = to->sim->truth.work, *const *part = to->out->intensity_lin;
+    double *most = work + tile, *by_surface = work + 2 * tile, *by_bottom = work + 3 * tile,
+           *moment = work + 4 * tile;
+    double unit = to->source_lin / to->shot->ping->sums.scale[DEV_DEPOSIT_MULTIPATH];
+    memset(work, 0, 5 * tile * sizeof *work);
+    if (gather(to, DEV_TRUTH_BY_SURFACE, unit, by_surface).high > 0) {
+        gather(to, DEV_TRUTH_BY_BOTTOM, unit, by_bottom);
+        smear(to, by_surface);
+        smear(to, by_bottom);
+    }
+    find_objects(to, work, most);
+    tell_depressions(to, moment, work + 5 * tile);
+    for (size_t b = 0; b < to->beams; b++) {
+        size_t first = (to->beam + b) * bins;
+        const holdings h = {
+            part[ASDIC_BOTTOM] + first, part[ASDIC_SURFACE] + first,   part[ASDIC_VOLUME] + first,
+            part[ASDIC_OBJECT] + first, part[ASDIC_MULTIPATH] + first, part[ASDIC_NOISE] + first,
+            by_surface + b * bins,      by_bottom + b * bins,          most + b * bins};
+        tell_shares(&h, bins, to->out->truth, first);
+    }
+}
+
+void asdic_truth_tell(asdic_simulator *sim, size_t nth, asdic_ping *out) {
+    if (!sim->truth.asked || !out->truth) {
+        return;
+    }
+    telling to = {.sim = sim, .shot = &sim->shots[nth], .out = out, .nth = nth};
+    to.source_lin = asdic_simulator_source_lin(sim, &to.shot->water);
+    to.speed_mps = to.shot->water.sound_speed_mps;
+    to.smears = asdic_pulse_smears(&sim->setup.sonar, to.speed_mps);
+    for (to.beam = 0; to.beam < out->beams; to.beam += TILE) {
+        to.beams = out->beams - to.beam < TILE ? out->beams - to.beam : TILE;
+        tell_tile(&to);
+    }
+    sim->truth.point_count = 0;
+}

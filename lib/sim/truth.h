@@ -1,0 +1,27 @@
+/*
+ * What each bin's energy comes from (asdic/truth.h), from the device's rows (kernels/truth.h).
+ */
+#ifndef ASDIC_SIM_TRUTH_H
+#define ASDIC_SIM_TRUTH_H
+
+#include "simulator.h"
+
+/* Buffers, where truth is wanted. ASDIC_ERROR_ARGUMENT: more objects than can be told apart. */
+asdic_status asdic_truth_init(asdic_simulator *sim);
+void asdic_truth_finish(asdic_simulator *sim);
+
+/* Before the rays of the first COUNT shots: says which bins each row spans, clears the rows. Nothing where no
+ * ping of OUT has truth. */
+asdic_status asdic_truth_begin(asdic_simulator *sim, size_t count, asdic_ping *const *out);
+
+/* After them: fetches the rows. */
+asdic_status asdic_truth_fetch(asdic_simulator *sim);
+
+/* Notes that POINT, heard from DOWN (the sine of its depression), gives ENERGY to BIN of BEAM. */
+void asdic_truth_add_point(asdic_simulator *sim, size_t point, double down, size_t beam, size_t bin,
+                           double energy);
+
+/* Fills the truth of OUT, which is what shot NTH became, with points and pulse, without speckle. */
+void asdic_truth_tell(asdic_simulator *sim, size_t nth, asdic_ping *out);
+
+#endif
