@@ -1,0 +1,373 @@
+"""Puts slips into lib, kernels and cli, one at a time, and tells which of them the tests notice.
+
+    ./dev mutate [--count N] [--seed S] [--under FOLDER] [--quick] [--jobs J] [--harmless FILE]
+
+A copy of the tree is built in build/mutate, once. Each slip is compiled there; one that does not compile,
+or leaves the object file as it was, does not count. Then the default tests run, those first that name what
+the file defines, the quick before the slow, up to the first failure. What no quick test notices waits for
+others, which then run through the slow tests together; when those fail, half of them at a time.
+
+Slips known to change nothing that matters stand in harmless.txt, each with its reason; they are not tried.
+The report tells by folder how many of the others were noticed. Exit code 1: fewer than 95 of 100 were.
+"""
+import argparse
+import fnmatch
+import hashlib
+import json
+import os
+import pathlib
+import random
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import threading
+import time
+from concurrent.futures import ThreadPoolExecutor
+
+import slips
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+WORK = ROOT / "build" / "mutate"
+TREE, BUILD = WORK / "tree", WORK / "build"
+FOLDERS = ("lib", "kernels", "cli")
+QUICK_S = 5.0  # a processor's, of one test; those that take longer run for several slips together
+TOGETHER = 8
+WANTED = 0.95
+NOT_OK = re.compile(r"^not ok \d", re.MULTILINE)
+
+
+def run(command, **more):
+    return subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, **more)
+
+
+# ---- The copy ----
+
+
+def copy_tree():
+    """The tracked files as they are now; those that did not change keep their times."""
+    listed = run(["git", "-C", ROOT, "ls-files", "-z"]).stdout.split("\0")
+    listed = [name for name in listed if name and (ROOT / name).is_file()]
+    for name in listed:
+        source, target = ROOT / name, TREE / name
+        if not target.exists() or target.read_bytes() != source.read_bytes():
+            target.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy(source, target)
+    for path in [p for p in TREE.rglob("*") if p.is_file()]:
+        if str(path.relative_to(TREE)) not in set(listed):
+            path.unlink()
+
+
+def compiled():
+    """What ninja makes; None where it does not compile."""
+    done = run(["ninja", "-C", BUILD])
+    return None if done.returncode else done.stdout
+
+
+def code_of(path):
+    """A digest of a source's machine code; None of a header or kernel, which has none of its own."""
+    top, rest = path.split("/", 1)
+    target = {"lib": "libasdic*.p", "cli": "asdic.p"}.get(top)
+    found = sorted((BUILD / top).glob(f"{target}/{rest.replace('/', '_')}.o")) if target else []
+    if not found:
+        return None
+    bare = WORK / "bare.o"
+    run(["objcopy", "--strip-debug", found[0], bare])
+    return hashlib.sha256(bare.read_bytes()).hexdigest()
+
+
+# ---- Tests ----
+
+
+class Test:
+    def __init__(self, entry):
+        self.name, self.command = entry["name"], entry["cmd"]
+        self.environment = dict(os.environ, **entry["env"])
+        self.folder = entry["workdir"]
+        self.alone = not entry["is_parallel"]
+        sources = [a for a in self.command if a.endswith(".py")] or [self.command[0]]
+        self.text = self._source(pathlib.Path(sources[-1]))
+        self.seconds, self.output = None, ""
+
+    def _source(self, path):
+        if path.suffix != ".py":
+            path = TREE / path.relative_to(BUILD).with_suffix(".c")
+        return path.read_text() if path.exists() else ""
+
+    def passes(self, limit_s):
+        """Also False when it takes too long. Afterwards output is what it said."""
+        process = subprocess.Popen(self.command, env=self.environment, cwd=self.folder, text=True,
+                                   stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                                   stdin=subprocess.DEVNULL, start_new_session=True, errors="replace")  # fmt: skip
+        try:
+            self.output, _ = process.communicate(timeout=limit_s)
+        except subprocess.TimeoutExpired:
+            os.killpg(process.pid, signal.SIGKILL)
+            self.output, _ = process.communicate()
+            return False
+        return process.returncode in (0, 77) and not NOT_OK.search(self.output)
+
+    def measure(self):
+        """Times it; whether it passes, at the second attempt at the latest."""
+        for _ in range(2):
+            before = os.times()
+            good = self.passes(1800.0)
+            after = os.times()
+            self.seconds = (after.children_user - before.children_user
+                            + after.children_system - before.children_system)  # fmt: skip
+            if good:
+                return True
+        print(f"mutate: '{self.name}' fails on the unchanged tree and is left out:\n{self.output[-1000:]}",
+              flush=True)  # fmt: skip
+        return False
+
+
+def default_tests():
+    listed = json.loads(subprocess.run(["meson", "introspect", "--tests", BUILD], check=True,
+                                       stdout=subprocess.PIPE).stdout)  # fmt: skip
+    return [Test(entry) for entry in listed if not any(s.endswith(":full") for s in entry["suite"])]
+
+
+class Runner:
+    """Runs lists of tests, several at once, up to the first failure."""
+
+    def __init__(self, jobs):
+        self.jobs = jobs
+
+    def first_failure(self, tests):
+        stop, failed = threading.Event(), []
+
+        def one(test):
+            if not stop.is_set() and not test.passes(20.0 + 20.0 * test.seconds):
+                failed.append(test.name)
+                stop.set()
+
+        with ThreadPoolExecutor(self.jobs) as pool:
+            list(pool.map(one, tests))
+        return failed[0] if failed else None
+
+
+def in_order(tests, path, source):
+    """Those first that name most of what the file defines, the others by their time."""
+    defined = set(re.findall(r"^\w[\w \*]*?\b(\w+)\(", source, re.MULTILINE))
+    stem = pathlib.Path(path).stem
+
+    def rank(test):
+        names = len(defined & set(re.findall(r"\w+", test.text))) + 3 * (stem in test.name)
+        return -min(names, 8), test.seconds
+
+    return sorted(tests, key=rank)
+
+
+# ---- Slips ----
+
+
+def read_harmless(path):
+    """Slips known to change nothing: patterns of path, line, old, new and nth; and why, by tabs."""
+    known = []
+    for number, line in enumerate(path.read_text().splitlines(), 1):
+        if line and not line.startswith("#"):
+            fields = line.split("\t")
+            if len(fields) != 6 or not fields[5].strip():
+                sys.exit(f"{path}:{number}: has {len(fields)} fields, and needs six: "
+                         "path, line, old, new, nth, reason")  # fmt: skip
+            known.append(fields[:5])
+    return known
+
+
+def folder_of(path):
+    parts = path.split("/")
+    return "/".join(parts[:2]) if parts[0] == "lib" else parts[0]
+
+
+def draw(count, seed, under):
+    """For each folder how many slips to try, COUNT in all, by its size and three at least; and its slips in
+    the order to try them, one a line: some do not compile."""
+    by_folder = {}
+    for top in FOLDERS:
+        for path in sorted((TREE / top).rglob("*")):
+            name = str(path.relative_to(TREE))
+            if path.suffix in (".c", ".cl", ".h") and "/include/" not in name and name.startswith(under):
+                lines = {}
+                for slip in slips.find(name, path.read_text()):
+                    lines.setdefault(slip.line, []).append(slip)
+                by_folder.setdefault(folder_of(name), []).extend(lines.values())
+    total = sum(len(lines) for lines in by_folder.values())
+    drawn = []
+    for folder, lines in sorted(by_folder.items()):
+        dice = random.Random(f"{seed} {folder}")
+        share = max(round(count * len(lines) / total), 3 if count >= 3 * len(by_folder) else 1)
+        dice.shuffle(lines)
+        drawn.append((share, [dice.choice(line) for line in lines]))
+    return drawn
+
+
+class Tree:
+    """The copy, with slips in it."""
+
+    def __init__(self):
+        self.clean = {}
+
+    def put(self, some):
+        """Writes SOME slips, one a file at most, and compiles; False where that fails."""
+        self.restore()
+        for slip in some:
+            path = TREE / slip.path
+            self.clean[slip.path] = path.read_text()
+            path.write_text(slip.apply(self.clean[slip.path]))
+        return compiled() is not None
+
+    def restore(self):
+        for path, source in self.clean.items():
+            (TREE / path).write_text(source)
+        self.clean = {}
+
+
+class Session:
+    def __init__(self, arguments):
+        self.runner = Runner(arguments.jobs)
+        self.harmless = read_harmless(pathlib.Path(arguments.harmless))
+        self.tree = Tree()
+        self.tests, self.code = [], {}
+        self.noticed, self.missed, self.spared = {}, {}, {}
+        self.waiting = []
+        self.only_quick = arguments.quick
+
+    def prepare(self):
+        WORK.mkdir(parents=True, exist_ok=True)
+        copy_tree()
+        if not (BUILD / "build.ninja").exists():
+            done = run(["meson", "setup", BUILD, TREE])
+            if done.returncode:
+                sys.exit(done.stdout)
+        print("mutate: compiling the unchanged tree", flush=True)
+        if compiled() is None:
+            sys.exit("mutate: the unchanged tree does not compile: " + run(["ninja", "-C", BUILD]).stdout[-2000:])
+        self.code = {str(path): code_of(str(path)) for top in ("lib", "cli")
+                     for path in (file.relative_to(TREE) for file in (TREE / top).rglob("*.c"))}  # fmt: skip
+        self.tests = self.timed(default_tests())
+        quick = [test for test in self.tests if test.seconds <= QUICK_S]
+        if self.only_quick:
+            self.tests = quick
+        print(f"mutate: {len(self.tests)} tests, {len(quick)} of at most {QUICK_S:.0f} s", flush=True)
+
+    def timed(self, tests):
+        """Those that pass on the unchanged tree, with their times, which are kept from one call to the next."""
+        kept = WORK / "seconds.json"
+        known = json.loads(kept.read_text()) if kept.exists() else {}
+        fresh = [test for test in tests if test.name not in known]
+        if fresh:
+            print(f"mutate: timing {len(fresh)} tests on the unchanged tree", flush=True)
+        for test in fresh:  # one at a time
+            if test.measure():
+                known[test.name] = test.seconds
+                kept.write_text(json.dumps(known))
+        for test in tests:
+            test.seconds = known.get(test.name)
+        return [test for test in tests if test.seconds is not None]
+
+    def record(self, slip, by):
+        to = self.noticed if by else self.missed
+        to.setdefault(folder_of(slip.path), []).append(slip)
+        print(f"{'noticed by ' + by if by else 'MISSED'}: {slip.name()}", flush=True)
+        if not by:
+            print(f"    {slip.text}", flush=True)
+
+    def attempt(self, slip):
+        """One slip; False where it does not count."""
+        if self.is_harmless(slip):
+            self.spared.setdefault(folder_of(slip.path), []).append(slip)
+            return True
+        if not self.tree.put([slip]) or self.code.get(slip.path, "") == code_of(slip.path):
+            return False
+        source = self.tree.clean[slip.path]
+        quick = [test for test in self.tests if test.seconds <= QUICK_S]
+        by = self.runner.first_failure(in_order(quick, slip.path, source))
+        if by:
+            self.record(slip, by)
+        else:
+            if any(slip.path == other.path for other in self.waiting):
+                self.finish()
+            self.waiting.append(slip)
+            if len(self.waiting) == TOGETHER:
+                self.finish()
+        return True
+
+    def is_harmless(self, slip):
+        return any(all(fnmatch.fnmatchcase(value, pattern) for value, pattern in zip(slip.key(), known))
+                   for known in self.harmless)  # fmt: skip
+
+    def finish(self):
+        """The slow tests, for all that wait."""
+        if self.waiting:
+            self.together(self.waiting)
+        self.waiting = []
+
+    def together(self, some):
+        slow = [test for test in self.tests if test.seconds > QUICK_S]
+        if not self.tree.put(some):
+            by = "the compiler"
+        else:
+            by = self.runner.first_failure(sorted(slow, key=lambda test: test.seconds))
+        if by is None or len(some) == 1:
+            for slip in some:
+                self.record(slip, by)
+            return
+        half = len(some) // 2
+        self.together(some[:half])
+        self.together(some[half:])
+
+    def report(self, seconds):
+        folders = sorted(set(self.noticed) | set(self.missed) | set(self.spared))
+        width = max([len(folder) for folder in folders] + [8])
+        print(f"\n{'folder':{width}}  tried  noticed  missed  share  known harmless")
+        total = [0, 0, 0]
+        for folder in folders:
+            counts = [len(of.get(folder, [])) for of in (self.noticed, self.missed, self.spared)]
+            total = [a + b for a, b in zip(total, counts)]
+            self.line(folder, counts, width)
+        self.line("all", total, width)
+        print(f"{seconds / 60:.0f} minutes")
+        return total[0] >= WANTED * (total[0] + total[1])
+
+    @staticmethod
+    def line(folder, counts, width):
+        tried = counts[0] + counts[1]
+        share = f"{100 * counts[0] / tried:4.0f} %" if tried else "     -"
+        print(f"{folder:{width}}  {tried:5}  {counts[0]:7}  {counts[1]:6} {share}  {counts[2]:14}")
+
+
+def main():
+    parser = argparse.ArgumentParser(prog="./dev mutate", description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)  # fmt: skip
+    parser.add_argument("--count", type=int, default=100, help="slips that count (100)")
+    parser.add_argument("--seed", type=int, default=1, help="which are drawn (1)")
+    parser.add_argument("--under", default="", help="only files below this folder, as lib/sim")
+    parser.add_argument("--quick", action="store_true",
+                        help=f"leave out the tests of more than {QUICK_S:.0f} s: those may notice more")  # fmt: skip
+    parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="tests at once")
+    parser.add_argument("--harmless", default=pathlib.Path(__file__).with_name("harmless.txt"),
+                        help="slips known to change nothing")  # fmt: skip
+    arguments = parser.parse_args()
+    begun = time.monotonic()
+    session = Session(arguments)
+    session.prepare()
+    drawn = draw(arguments.count, arguments.seed, arguments.under)
+    if not drawn:
+        sys.exit(f"mutate: nothing lies below '{arguments.under}'")
+    try:
+        for share, found in drawn:
+            counted = 0
+            for slip in found:
+                if counted == share:
+                    break
+                counted += session.attempt(slip)
+        session.finish()
+    finally:
+        session.tree.restore()
+    sys.exit(0 if session.report(time.monotonic() - begun) else 1)
+
+
+if __name__ == "__main__":
+    main()
