@@ -31,6 +31,7 @@
 
 #pragma OPENCL FP_CONTRACT OFF
 
+#include "fused.h"
 #include "types.h"
 
 #define TRACE_TOLERANCE 1e-4f
@@ -39,9 +40,7 @@
  * place, twice what the roundings in shear, box test and 1 / direction add up to. */
 #define TRACE_SKIN 4.76837158e-7f /* 2^-21 */
 
-/* A device without a fused multiply-add would call a library function for fma(). */
-#if defined(FP_FAST_FMAF) || defined(__FMA__)
-#define TRACE_FUSED
+#ifdef ASDIC_FUSED
 #define TRACE_FMA(a, b, c) fma((a), (b), (c))
 #else
 #define TRACE_FMA(a, b, c) ((a) * (b) + (c))
@@ -88,7 +87,7 @@ static inline float ray_skin(float x, float y, float z, float extent_m) {
  * Kahan's Algorithm", Mathematics of Computation 82, 2013. Where products do not fuse, what their
  * roundings lose is found by splitting (T. J. Dekker, Numerische Mathematik 18, 1971) and added: J.-M.
  * Muller, "On the Error of Computing ab + cd", ACM TOMS 41(2), 2015. */
-#ifdef TRACE_FUSED
+#ifdef ASDIC_FUSED
 #define EDGE(px, py, qx, qy) (fma((qx), (py), -((qy) * (px))) + fma(-(qy), (px), (qy) * (px)))
 #else
 #define UPPER(a) (4097.0f * (a) - (4097.0f * (a) - (a)))

@@ -9,6 +9,8 @@
 #ifndef ASDIC_KERNEL_REAL_H
 #define ASDIC_KERNEL_REAL_H
 
+#include "fused.h"
+
 #define R_PI R(3.14159265358979323846) /* R stands below, for either side */
 
 #ifdef __OPENCL_C_VERSION__
@@ -26,7 +28,10 @@
 typedef float real;
 typedef int mask;
 typedef uint natural;
+typedef int whole;
 #define as_real as_float
+#define as_whole as_int
+#define to_whole convert_int
 #define as_natural as_uint
 #define to_real convert_float
 #define to_natural convert_uint
@@ -35,6 +40,9 @@ typedef uint natural;
 typedef ASDIC_JOIN(float, ASDIC_WIDTH) real;
 typedef ASDIC_JOIN(int, ASDIC_WIDTH) mask;
 typedef ASDIC_JOIN(uint, ASDIC_WIDTH) natural;
+typedef mask whole;
+#define as_whole ASDIC_JOIN(as_int, ASDIC_WIDTH)
+#define to_whole ASDIC_JOIN(convert_int, ASDIC_WIDTH)
 #define as_real ASDIC_JOIN(as_float, ASDIC_WIDTH)
 #define as_natural ASDIC_JOIN(as_uint, ASDIC_WIDTH)
 #define to_real ASDIC_JOIN(convert_float, ASDIC_WIDTH)
@@ -56,13 +64,11 @@ typedef ASDIC_JOIN(uint, ASDIC_WIDTH) natural;
 #define r_max(a, b) max((real)(a), (real)(b))
 #define r_min(a, b) min((real)(a), (real)(b))
 #define r_abs(x) fabs(x)
-#define r_sinpi(x) sinpi(x)
-#if defined(FP_FAST_FMAF) || defined(__FMA__)
+#ifdef ASDIC_FUSED
 #define r_fma(a, b, c) fma((real)(a), (real)(b), (real)(c))
-#else /* fma() would be a library function */
+#else
 #define r_fma(a, b, c) ((a) * (b) + (c))
 #endif
-#define r_exp10(x) exp10(x)
 #define FORMULA static inline
 
 #else /* host */
@@ -99,5 +105,7 @@ static inline __attribute__((unused)) double r_sinpi(double x) {
 }
 
 #endif
+
+#include "elementary.h"
 
 #endif

@@ -297,7 +297,8 @@ typedef struct azimuth_lobe {
 /* Half of the arc of azimuths in front of the transmitter at an elevation; more than pi: all of them, or
  * none. */
 FORMULA real front_arc(LOBE_SPACE const dev_ping *ping, real uz, real m) {
-    real fh = hypot((real)(ping->sampling.front[0]), (real)(ping->sampling.front[1]));
+    real fx = (real)(ping->sampling.front[0]), fy = (real)(ping->sampling.front[1]);
+    real fh = sqrt(fx * fx + fy * fy);
     real c = -(real)(ping->sampling.front[2]) * uz / r_max(m * fh, R(1e-6));
     real arc = acos(r_max(r_min(c, R(1.0)), R(-1.0)));
     return choose(r_abs(c) >= R(1.0), R(4.0), arc);

@@ -94,6 +94,15 @@ static void note_compiling(asdic_device *device, double seconds) {
     }
 }
 
+/* What makes quotients and roots those of IEEE 754, where that is not so anyway, or nothing: so rounded, a ray
+ * meets the same on every kind of device. */
+static const char *rounding_option(const asdic_device *device) {
+    cl_device_fp_config config = 0;
+    clGetDeviceInfo(device->id, CL_DEVICE_SINGLE_FP_CONFIG, sizeof config, &config, NULL);
+    return config & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT ? "-cl-fp32-correctly-rounded-divide-sqrt"
+                                                        : "";
+}
+
 static asdic_status build(asdic_device *device, asdic_program *program) {
     char *text = NULL, *source_options = NULL, *all_options = NULL;
     cl_int code = CL_SUCCESS;
@@ -101,7 +110,8 @@ static asdic_status build(asdic_device *device, asdic_program *program) {
     if (status != ASDIC_OK) {
         return status;
     }
-    if (asprintf(&all_options, "-cl-std=CL1.2 %s %s", source_options, program->options) < 0) {
+    if (asprintf(&all_options, "-cl-std=CL1.2 %s %s %s", rounding_option(device), source_options,
+                 program->options) < 0) {
         all_options = NULL;
         status = asdic_fail_memory(device->ctx, "compiler options");
         goto done;
