@@ -1,13 +1,14 @@
 /*
- * Elementary functions of the device, made of + - * / and square roots alone, which every device rounds in
- * the same way. OpenCL lets a driver's own sin() or exp() err by up to 4 units in the last place, each in its
- * own way: a ray would then leave the sonar a little differently on each kind of device, and now and then
- * pass an edge on its other side. With these, and without contraction, kinds of devices agree in every bit.
+ * Elementary functions of the device, made of + - * / and square roots alone, which every device
+ * rounds in the same way. OpenCL lets a driver's own sin() or exp() err by up to 4 units in the
+ * last place, each in its own way: a ray would then leave the sonar a little differently on each
+ * kind of device, and now and then pass an edge on its other side. With these, and without
+ * contraction, kinds of devices agree in every bit.
  *
- * Polynomials and reductions: S. L. Moshier, "Methods and Programs for Mathematical Functions", Ellis
- * Horwood 1989, single precision (Cephes 2.2: sinf.c, atanf.c, asinf.c, expf.c, exp10f.c, exp2f.c, logf.c).
- * tests/kernel/test_elementary.c holds each to the stated units in the last place over its range. NaN is not
- * kept; results below 2^-126 may be 0.
+ * Polynomials and reductions: S. L. Moshier, "Methods and Programs for Mathematical Functions",
+ * Ellis Horwood 1989, single precision (Cephes 2.2: sinf.c, atanf.c, asinf.c, expf.c, exp10f.c,
+ * exp2f.c, logf.c). tests/kernel/test_elementary.c holds each to the stated units in the last place
+ * over its range. NaN is not kept; results below 2^-126 may be 0.
  *
  * From here on kernels that write sin(x) get these.
  */
@@ -16,8 +17,7 @@
 
 #ifdef __OPENCL_C_VERSION__ /* the host has those of C */
 
-/* Sine of SHIFT quarter turns plus X radians, |X| <= 8192; pi / 2 in three parts, so that products with whole
- * numbers are exact. */
+/* Sine of QUARTERS + SHIFT quarter turns plus R radians, |R| <= pi / 4. */
 FORMULA real quarter_sine(real quarters, real r, int shift) {
     whole turn = to_whole(quarters) + (whole)(shift);
     real z = r * r;
@@ -29,6 +29,8 @@ FORMULA real quarter_sine(real quarters, real r, int shift) {
     return choose((turn & (whole)(2)) != (whole)(0), -value, value);
 }
 
+/* Sine of X radians and SHIFT quarter turns, |X| <= 8192; pi / 2 in three parts, so that its products with
+ * whole numbers are exact. */
 FORMULA real turned_sine(real x, int shift) {
     real quarters = rint(x * R(0.636619772367581));
     real r = x - quarters * R(1.5703125);

@@ -1,6 +1,6 @@
 """Puts slips into lib, kernels and cli, one at a time, and tells which of them the tests notice.
 
-    ./dev mutate [--count N] [--seed S] [--under FOLDER] [--quick] [--jobs J] [--harmless FILE]
+    ./dev mutate [--count N] [--seed S] [--under FOLDER] [--quick SECONDS] [--harmless FILE]
 
 A copy of the tree is built in build/mutate, once. Each slip is compiled there; one that does not compile,
 or leaves the object file as it was, does not count. Then the default tests run, those first that name what
@@ -18,13 +18,12 @@ import os
 import pathlib
 import random
 import re
+import resource
 import shutil
 import signal
 import subprocess
 import sys
-import threading
 import time
-from concurrent.futures import ThreadPoolExecutor
 
 import slips
 
@@ -34,6 +33,8 @@ TREE, BUILD = WORK / "tree", WORK / "build"
 FOLDERS = ("lib", "kernels", "cli")
 QUICK_S = 5.0  # a processor's, of one test; those that take longer run for several slips together
 TOGETHER = 8
+LINKER = {"CC_LD": "lld", "CXX_LD": "lld"} if shutil.which("ld.lld") else {}  # tests are linked often
+LIBRARY = ("lib/libasdic.a", "cli/asdic")  # what every slip is compiled into
 WANTED = 0.95
 NOT_OK = re.compile(r"^not ok \d", re.MULTILINE)
 
@@ -59,10 +60,9 @@ def copy_tree():
             path.unlink()
 
 
-def compiled():
-    """What ninja makes; None where it does not compile."""
-    done = run(["ninja", "-C", BUILD])
-    return None if done.returncode else done.stdout
+def compiled(targets=()):
+    """Whether ninja can make TARGETS, else everything."""
+    return run(["ninja", "-C", BUILD, *targets]).returncode == 0
 
 
 def code_of(path):
@@ -81,11 +81,12 @@ def code_of(path):
 
 
 class Test:
-    def __init__(self, entry):
+    def __init__(self, entry, built):
         self.name, self.command = entry["name"], entry["cmd"]
         self.environment = dict(os.environ, **entry["env"])
-        self.folder = entry["workdir"]
-        self.alone = not entry["is_parallel"]
+        self.folder = entry["workdir"] or BUILD
+        used = {built[of] for of in entry["depends"]} | set(self.command) & set(built.values())
+        self.targets = sorted(os.path.relpath(path, BUILD) for path in used)
         sources = [a for a in self.command if a.endswith(".py")] or [self.command[0]]
         self.text = self._source(pathlib.Path(sources[-1]))
         self.seconds, self.output = None, ""
@@ -95,13 +96,19 @@ class Test:
             path = TREE / path.relative_to(BUILD).with_suffix(".c")
         return path.read_text() if path.exists() else ""
 
-    def passes(self, limit_s):
-        """Also False when it takes too long. Afterwards output is what it said."""
+    def passes(self, processor_s):
+        """Also False when it takes longer, or twelve times as long by the clock. Afterwards output is what it said."""
+        most = int(processor_s) + 1
+
+        def limit():
+            resource.setrlimit(resource.RLIMIT_CPU, (most, most))
+
         process = subprocess.Popen(self.command, env=self.environment, cwd=self.folder, text=True,
                                    stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-                                   stdin=subprocess.DEVNULL, start_new_session=True, errors="replace")  # fmt: skip
+                                   stdin=subprocess.DEVNULL, start_new_session=True, errors="replace",
+                                   preexec_fn=limit)  # fmt: skip
         try:
-            self.output, _ = process.communicate(timeout=limit_s)
+            self.output, _ = process.communicate(timeout=12.0 * most)
         except subprocess.TimeoutExpired:
             os.killpg(process.pid, signal.SIGKILL)
             self.output, _ = process.communicate()
@@ -112,7 +119,7 @@ class Test:
         """Times it; whether it passes, at the second attempt at the latest."""
         for _ in range(2):
             before = os.times()
-            good = self.passes(1800.0)
+            good = self.passes(600.0)
             after = os.times()
             self.seconds = (after.children_user - before.children_user
                             + after.children_system - before.children_system)  # fmt: skip
@@ -123,29 +130,27 @@ class Test:
         return False
 
 
+def introspect(what):
+    return json.loads(subprocess.run(["meson", "introspect", what, BUILD], check=True,
+                                     stdout=subprocess.PIPE).stdout)  # fmt: skip
+
+
 def default_tests():
-    listed = json.loads(subprocess.run(["meson", "introspect", "--tests", BUILD], check=True,
-                                       stdout=subprocess.PIPE).stdout)  # fmt: skip
-    return [Test(entry) for entry in listed if not any(s.endswith(":full") for s in entry["suite"])]
+    built = {target["id"]: target["filename"][0] for target in introspect("--targets")}
+    return [Test(entry, built) for entry in introspect("--tests")
+            if not any(suite.endswith(":full") for suite in entry["suite"])]  # fmt: skip
 
 
-class Runner:
-    """Runs lists of tests, several at once, up to the first failure."""
-
-    def __init__(self, jobs):
-        self.jobs = jobs
-
-    def first_failure(self, tests):
-        stop, failed = threading.Event(), []
-
-        def one(test):
-            if not stop.is_set() and not test.passes(20.0 + 20.0 * test.seconds):
-                failed.append(test.name)
-                stop.set()
-
-        with ThreadPoolExecutor(self.jobs) as pool:
-            list(pool.map(one, tests))
-        return failed[0] if failed else None
+def first_failure(tests, since):
+    """The name of the first that fails, or cannot be linked, of those that what was written SINCE goes into."""
+    for test in tests:
+        if test.targets:
+            good = compiled(test.targets)
+            if good and max((BUILD / path).stat().st_mtime for path in test.targets) < since:
+                continue
+            if not good or not test.passes(10.0 + 10.0 * test.seconds):
+                return test.name
+    return None
 
 
 def in_order(tests, path, source):
@@ -207,16 +212,17 @@ class Tree:
     """The copy, with slips in it."""
 
     def __init__(self):
-        self.clean = {}
+        self.clean, self.since = {}, 0.0
 
     def put(self, some):
         """Writes SOME slips, one a file at most, and compiles; False where that fails."""
         self.restore()
+        self.since = time.time() - 0.1  # clocks of files tick in steps
         for slip in some:
             path = TREE / slip.path
             self.clean[slip.path] = path.read_text()
             path.write_text(slip.apply(self.clean[slip.path]))
-        return compiled() is not None
+        return compiled(LIBRARY)
 
     def restore(self):
         for path, source in self.clean.items():
@@ -226,30 +232,29 @@ class Tree:
 
 class Session:
     def __init__(self, arguments):
-        self.runner = Runner(arguments.jobs)
         self.harmless = read_harmless(pathlib.Path(arguments.harmless))
         self.tree = Tree()
         self.tests, self.code = [], {}
         self.noticed, self.missed, self.spared = {}, {}, {}
         self.waiting = []
-        self.only_quick = arguments.quick
+        self.most_s = arguments.quick
 
     def prepare(self):
         WORK.mkdir(parents=True, exist_ok=True)
         copy_tree()
         if not (BUILD / "build.ninja").exists():
-            done = run(["meson", "setup", BUILD, TREE])
+            done = run(["meson", "setup", BUILD, TREE], env={**os.environ, **LINKER})
             if done.returncode:
                 sys.exit(done.stdout)
         print("mutate: compiling the unchanged tree", flush=True)
-        if compiled() is None:
+        if not compiled():
             sys.exit("mutate: the unchanged tree does not compile: " + run(["ninja", "-C", BUILD]).stdout[-2000:])
         self.code = {str(path): code_of(str(path)) for top in ("lib", "cli")
                      for path in (file.relative_to(TREE) for file in (TREE / top).rglob("*.c"))}  # fmt: skip
         self.tests = self.timed(default_tests())
+        if self.most_s is not None:
+            self.tests = [test for test in self.tests if test.seconds <= self.most_s]
         quick = [test for test in self.tests if test.seconds <= QUICK_S]
-        if self.only_quick:
-            self.tests = quick
         print(f"mutate: {len(self.tests)} tests, {len(quick)} of at most {QUICK_S:.0f} s", flush=True)
 
     def timed(self, tests):
@@ -283,7 +288,7 @@ class Session:
             return False
         source = self.tree.clean[slip.path]
         quick = [test for test in self.tests if test.seconds <= QUICK_S]
-        by = self.runner.first_failure(in_order(quick, slip.path, source))
+        by = first_failure(in_order(quick, slip.path, source), self.tree.since)
         if by:
             self.record(slip, by)
         else:
@@ -309,7 +314,7 @@ class Session:
         if not self.tree.put(some):
             by = "the compiler"
         else:
-            by = self.runner.first_failure(sorted(slow, key=lambda test: test.seconds))
+            by = first_failure(sorted(slow, key=lambda test: test.seconds), self.tree.since)
         if by is None or len(some) == 1:
             for slip in some:
                 self.record(slip, by)
@@ -344,9 +349,8 @@ def main():
     parser.add_argument("--count", type=int, default=100, help="slips that count (100)")
     parser.add_argument("--seed", type=int, default=1, help="which are drawn (1)")
     parser.add_argument("--under", default="", help="only files below this folder, as lib/sim")
-    parser.add_argument("--quick", action="store_true",
-                        help=f"leave out the tests of more than {QUICK_S:.0f} s: those may notice more")  # fmt: skip
-    parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="tests at once")
+    parser.add_argument("--quick", type=float, metavar="SECONDS",
+                        help="leave out tests that take longer, which may notice more")  # fmt: skip
     parser.add_argument("--harmless", default=pathlib.Path(__file__).with_name("harmless.txt"),
                         help="slips known to change nothing")  # fmt: skip
     arguments = parser.parse_args()
