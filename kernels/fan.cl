@@ -333,10 +333,16 @@ static void add_list(__global const dev_ping *ping, __global const fan_entry *en
         for (uint c = 0; c < DEPOSITS; c++) {
             uint row = rows >> 8u * c & 0xffu;
             float quanta = row / ASDIC_COMPONENTS == beyond ? entries[k].quanta[c] : 0.0f;
+            float sum = 0.0f;
 #pragma unroll
             for (uint component = 0; component < ASDIC_COMPONENTS; component++) {
-                float own = row % ASDIC_COMPONENTS == component ? quanta : 0.0f;
-                sums->of[component] = r_fma(own, gain, sums->of[component]);
+                sum = row % ASDIC_COMPONENTS == component ? sums->of[component] : sum;
+            }
+            sum = r_fma(quanta, gain, sum);
+#pragma unroll
+            for (uint component = 0; component < ASDIC_COMPONENTS; component++) {
+                sums->of[component] =
+                    row % ASDIC_COMPONENTS == component ? sum : sums->of[component];
             }
         }
     }

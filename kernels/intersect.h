@@ -40,12 +40,6 @@
  * place, twice what the roundings in shear, box test and 1 / direction add up to. */
 #define TRACE_SKIN 4.76837158e-7f /* 2^-21 */
 
-#ifdef ASDIC_FUSED
-#define TRACE_FMA(a, b, c) fma((a), (b), (c))
-#else
-#define TRACE_FMA(a, b, c) ((a) * (b) + (c))
-#endif
-
 /* A function of its own, so that its arrays lie on the stack once: PoCL gives what it inlines into a
  * kernel a place for every work-item of the group, which then do not fit the cache. */
 #if defined(__clang__)
@@ -59,8 +53,8 @@
 #define GREATER(a, b) ((a) > (b) ? (a) : (b))
 
 /* The planes of a triangle's box from its corners' LO and HI; as the host does it. */
-#define BOX_LO(lo, hi) TRACE_FMA((lo) - (hi), DEV_BOX_MARGIN, (lo))
-#define BOX_HI(lo, hi) TRACE_FMA((hi) - (lo), DEV_BOX_MARGIN, (hi))
+#define BOX_LO(lo, hi) fused((lo) - (hi), DEV_BOX_MARGIN, (lo))
+#define BOX_HI(lo, hi) fused((hi) - (lo), DEV_BOX_MARGIN, (hi))
 
 #define SLAB(plane, origin, inverse) (((plane) - (origin)) * (inverse))
 
@@ -88,7 +82,7 @@ static inline float ray_skin(float x, float y, float z, float extent_m) {
  * roundings lose is found by splitting (T. J. Dekker, Numerische Mathematik 18, 1971) and added: J.-M.
  * Muller, "On the Error of Computing ab + cd", ACM TOMS 41(2), 2015. */
 #ifdef ASDIC_FUSED
-#define EDGE(px, py, qx, qy) (fma((qx), (py), -((qy) * (px))) + fma(-(qy), (px), (qy) * (px)))
+#define EDGE(px, py, qx, qy) (fused((qx), (py), -((qy) * (px))) + fused(-(qy), (px), (qy) * (px)))
 #else
 #define UPPER(a) (4097.0f * (a) - (4097.0f * (a) - (a)))
 #define LOWER(a) (-UPPER(a) + (a))
@@ -108,16 +102,16 @@ static inline float ray_skin(float x, float y, float z, float extent_m) {
     static inline lane_mask name(lanes ax, lanes ay, lanes az, lanes bx, lanes by, lanes bz,       \
                                  lanes cx, lanes cy, lanes cz, lanes sx, lanes sy, lanes sz,       \
                                  lanes *over, lanes *under) {                                      \
-        ax = TRACE_FMA(-sx, az, ax);                                                               \
-        ay = TRACE_FMA(-sy, az, ay);                                                               \
-        bx = TRACE_FMA(-sx, bz, bx);                                                               \
-        by = TRACE_FMA(-sy, bz, by);                                                               \
-        cx = TRACE_FMA(-sx, cz, cx);                                                               \
-        cy = TRACE_FMA(-sy, cz, cy);                                                               \
+        ax = fused(-sx, az, ax);                                                                   \
+        ay = fused(-sy, az, ay);                                                                   \
+        bx = fused(-sx, bz, bx);                                                                   \
+        by = fused(-sy, bz, by);                                                                   \
+        cx = fused(-sx, cz, cx);                                                                   \
+        cy = fused(-sy, cz, cy);                                                                   \
         lanes u = EDGE(bx, by, cx, cy), v = EDGE(cx, cy, ax, ay), w = EDGE(ax, ay, bx, by);        \
         lanes low = LESSER(LESSER(u, v), w), high = GREATER(GREATER(u, v), w);                     \
         *under = (u + v) + w;                                                                      \
-        *over = TRACE_FMA(w, cz, TRACE_FMA(v, bz, u * az)) * sz;                                   \
+        *over = fused(w, cz, fused(v, bz, u * az)) * sz;                                           \
         lanes slack = TRACE_TOLERANCE * fabs(*under);                                              \
         return ((*over > 0.0f) & (low > -slack)) | ((*over < 0.0f) & (high < slack));              \
     }

@@ -64,11 +64,7 @@ typedef mask whole;
 #define r_max(a, b) max((real)(a), (real)(b))
 #define r_min(a, b) min((real)(a), (real)(b))
 #define r_abs(x) fabs(x)
-#ifdef ASDIC_FUSED
-#define r_fma(a, b, c) fma((real)(a), (real)(b), (real)(c))
-#else
-#define r_fma(a, b, c) ((a) * (b) + (c))
-#endif
+#define r_fma(a, b, c) fused((real)(a), (real)(b), (real)(c))
 #define FORMULA static inline
 
 #else /* host */

@@ -84,8 +84,8 @@ static inline outline4 outline_of(const seen4 *s, float ahead) {
         float4 a = sign * (y[next] - y[c]), b = sign * (x[c] - x[next]);
         o.edge[c].a = a;
         o.edge[c].b = b;
-        float4 room = TRACE_FMA((float4)(1e-5f), fabs(a) + fabs(b), slack);
-        o.edge[c].d = TRACE_FMA(a, x[c], TRACE_FMA(b, y[c], room));
+        float4 room = fused((float4)(1e-5f), fabs(a) + fabs(b), slack);
+        o.edge[c].d = fused(a, x[c], fused(b, y[c], room));
     }
     return o;
 }
@@ -96,8 +96,8 @@ static inline uint touch4(const outline4 *o, const frustum *f) {
 #pragma unroll
     for (uint c = 0; c < 3; c++) {
         float16 a = o->edge[c].a.xyzwxyzwxyzwxyzw, b = o->edge[c].b.xyzwxyzwxyzwxyzw;
-        float16 nearest = TRACE_FMA(a, f->window[0], b * f->window[1]) -
-                          TRACE_FMA(fabs(a), f->window[2], fabs(b) * f->window[3]);
+        float16 nearest = fused(a, f->window[0], b * f->window[1]) -
+                          fused(fabs(a), f->window[2], fabs(b) * f->window[3]);
         beyond |= nearest > o->edge[c].d.xyzwxyzwxyzwxyzw;
     }
     return bits16(~(beyond & o->plain.xyzwxyzwxyzwxyzw));
@@ -126,7 +126,7 @@ static inline uint holding(const outline4 *o, float4 nearest, const group16 *g) 
         int16 beyond = ahead * four_rays(&g->sz, at) > four_rays(&g->best.t, at);
 #pragma unroll
         for (uint c = 0; c < 3; c++) {
-            beyond |= TRACE_FMA(a[c], sx, b[c] * sy) > d[c];
+            beyond |= fused(a[c], sx, b[c] * sy) > d[c];
         }
         within |= ~beyond;
     }
