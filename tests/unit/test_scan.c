@@ -4,7 +4,10 @@
 
 #include <asdic/scan.h>
 
+#include <math.h>
+#include <stddef.h>
 #include <stdlib.h>
+#include <string.h>
 
 #define DEGREE (3.14159265358979323846 / 180.0)
 #define SPEED 1500.0
@@ -79,13 +82,46 @@ static void a_ping_is_decided(void **state) {
         before = asdic_detect_pfa(&b, r.threshold_lin[7]);
         asdic_scan_destroy(&scan);
     }
-    detector.cost_ratio = -1.0;
-    assert_status(ctx, asdic_scan_create(ctx, &sonar, SPEED, BINS, &detector, NULL, &scan),
-                  ASDIC_ERROR_ARGUMENT);
-    detector = asdic_detector_default();
-    detector.pfa = 1.0;
-    assert_status(ctx, asdic_scan_create(ctx, &sonar, SPEED, BINS, &detector, NULL, &scan),
-                  ASDIC_ERROR_ARGUMENT);
+}
+
+/* Whether a detector is taken that has VALUE in the number at OFFSET. */
+static bool is_taken(size_t offset, double value) {
+    asdic_sonar sonar = asdic_sonar_default();
+    asdic_beam beam = sonar.transmitter;
+    sonar = sonar_of(&beam, 1);
+    asdic_detector detector = asdic_detector_default();
+    asdic_scan *scan = NULL;
+    memcpy((char *)&detector + offset, &value, sizeof value);
+    asdic_status status = asdic_scan_create(ctx, &sonar, SPEED, 10, &detector, NULL, &scan);
+    assert_int_equal(status == ASDIC_OK, scan != NULL);
+    assert_true(status == ASDIC_OK || status == ASDIC_ERROR_ARGUMENT);
+    asdic_scan_destroy(&scan);
+    return status == ASDIC_OK;
+}
+
+static void detectors_have_limits(void **state) {
+    (void)state;
+    static const struct {
+        size_t offset;
+        double refused[5], taken[3];
+    } limits[] = {
+        {offsetof(asdic_detector, pfa), {0.0, 1.0, -0.1, 1.1, NAN}, {1e-12, 0.5, 0.999999}},
+        {offsetof(asdic_detector, prior), {0.0, 1.0, -0.1, 1.1, NAN}, {1e-12, 0.5, 0.999999}},
+        {offsetof(asdic_detector, snr_db),
+         {INFINITY, -INFINITY, NAN, NAN, NAN},
+         {-30.0, 0.0, 60.0}},
+        {offsetof(asdic_detector, cost_ratio),
+         {0.0, -1e-9, -1.0, -1e9, -INFINITY},
+         {1e-9, 1e9, NAN}},
+    };
+    for (size_t i = 0; i < sizeof limits / sizeof *limits; i++) {
+        for (size_t k = 0; k < 5; k++) {
+            assert_false(is_taken(limits[i].offset, limits[i].refused[k]));
+        }
+        for (size_t k = 0; k < 3; k++) {
+            assert_true(is_taken(limits[i].offset, limits[i].taken[k]));
+        }
+    }
 }
 
 /* Intensities whose means err by normal variates: thresholds that know the error keep P_FA. */
@@ -448,6 +484,7 @@ static void clutter_confirms_tracks_as_said(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_ping_is_decided),
+        cmocka_unit_test(detectors_have_limits),
         cmocka_unit_test(sampling_errors_are_allowed_for),
         cmocka_unit_test(beams_have_axes_and_widths),
         cmocka_unit_test(quiet_bins_clear_by_what_would_be_heard),
