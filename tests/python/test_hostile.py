@@ -217,6 +217,31 @@ def test_two_threads():
     tap.equal(sorted(numbers), [0, 1, 2, 3], "numbers of pings")
 
 
+LEFT = """
+import atexit, threading
+atexit.register(lambda: print("at the end", energy.max() > 0))
+import asdic
+from package import pool
+energy = asdic.Simulator(pool()).ping(0, 0, 5).intensity["total"]
+sonar, began = asdic.Simulator(pool(), rays=200000), threading.Event()
+def work():
+    while True:
+        sonar.ping(0, 0, 5)
+        began.set()
+threading.Thread(target=work, daemon=True).start()
+began.wait()
+"""
+
+
+def test_end_while_a_thread_pings():
+    """The interpreter ends in the middle of a daemon's ping; arrays are there to the very end."""
+    need_device()
+    done = subprocess.run([sys.executable, "-c", LEFT], capture_output=True, text=True, check=False, timeout=100,
+                          env={**os.environ, "PYTHONPATH": os.environ["PYTHONPATH"] + os.pathsep +
+                               os.path.dirname(__file__)})
+    tap.equal((done.returncode, done.stdout), (0, "at the end True\n"), done.stderr)
+
+
 def test_fork():
     """In a forked process nothing hangs or crashes: what is of the parent says so, and arrays are there."""
     need_device()

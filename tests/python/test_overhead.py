@@ -28,7 +28,7 @@ def loops(rays, count):
     """Microseconds of a ping in C and in Python."""
     sonar = asdic.Simulator(SCENE, rays=rays)
     first = sonar.ping(0, 0, 7)
-    simulator, room = sonar._handle.pointer, first._handle.pointer  # pylint: disable=protected-access
+    simulator, room = sonar._handle.pointer, first._struct  # pylint: disable=protected-access
     tap.equal(lib.asdic_simulator_ping_batch(simulator) >= 1, True, "pings together")
     pose, pings = ffi.new("asdic_pose[]", [{"position_m": (0, 0, 7)}]), ffi.new("asdic_ping *[]", [room])
     levels = np.empty(first.level_db.shape, np.float32)

@@ -119,18 +119,24 @@ def test_arrays_are_views_that_keep_their_owner():
     sonar = asdic.Simulator(pool())
     ping = sonar.ping(0, 0, 5)
     energy, errors = ping.intensity["total"], ping.stderr_db
-    pointer = ping._handle.pointer  # pylint: disable=protected-access
-    tap.equal(energy.ctypes.data, int(ffi.cast("uintptr_t", pointer.intensity_lin[lib.ASDIC_TOTAL])), "address")
-    tap.equal(errors.ctypes.data, int(ffi.cast("uintptr_t", pointer.stderr_db)), "address")
-    tap.equal((energy.flags.writeable, energy.flags.owndata), (False, False), "flags")
-    level, kept = ping.level_db.copy(), weakref.ref(ping._handle)  # pylint: disable=protected-access
-    del ping, sonar, pointer
+    struct = ping._struct  # pylint: disable=protected-access
+    tap.equal(energy.ctypes.data, int(ffi.cast("uintptr_t", struct.intensity_lin[lib.ASDIC_TOTAL])), "address")
+    tap.equal(errors.ctypes.data, int(ffi.cast("uintptr_t", struct.stderr_db)), "address")
+    level = ping.level_db.copy()
+    del ping, sonar, struct
     gc.collect()
-    tap.equal(kept() is not None, True, "the arrays keep the ping")
     with np.errstate(divide="ignore"):
         again = np.where(energy > 0, 10 * np.log10(energy), np.nan)
-    tap.equal(float(np.nanmax(np.abs(again - level))) < 1e-5, True, "its memory is whole")
-    del energy, errors
+    tap.equal(float(np.nanmax(np.abs(again - level))) < 1e-5, True, "the memory outlives ping and simulator")
+    curve = asdic.roc(pool(), object="ball", trials=1000)
+    points, struct = curve.points, curve._handle.pointer  # pylint: disable=protected-access
+    tap.equal(points.ctypes.data, int(ffi.cast("uintptr_t", struct.points)), "a curve's address")
+    tap.equal((points.flags.writeable, points.flags.owndata), (False, False), "flags")
+    kept = weakref.ref(curve._handle)  # pylint: disable=protected-access
+    del curve, struct
+    gc.collect()
+    tap.equal((kept() is not None, float(points["design_pfa"][0]) > 0), (True, True), "an array keeps its owner")
+    del points
     gc.collect()
     tap.equal(kept(), None, "nothing keeps it any longer")
     run = asdic.simulate(pool())
@@ -161,6 +167,9 @@ def test_detections():
     tap.equal(len(found.table), found.report.detections, "rows")
     tap.equal(float(found.table["range_m"][0]) > 0, True, "numbers")
     raises(asdic.ExistsError, "detections.csv", run.detect)
+    alone = asdic.simulate(pool()).detect()
+    gc.collect()
+    tap.equal(len(alone.table), alone.report.detections, "detections keep their run")
     tap.equal(asdic.detect(run.folder, pfa=1e-2, force=True).report.detector.pfa, 1e-2, "a P_FA of one's own")
 
 
@@ -173,10 +182,6 @@ def test_curve_over_range():
     tap.equal(float(np.mean(inside)) > 0.9, True, "the closed form lies within the bounds")
     tap.equal((len(curve.none), len(curve.present)), (20000, 20000), "draws")
     tap.equal(bool(np.mean(curve.present) > np.mean(curve.none)), True, "the target is louder")
-    points = curve.points
-    del curve
-    gc.collect()
-    tap.equal(float(points["design_pfa"][0]) > 0, True, "arrays outlive their curve")
 
 
 def test_formulas_and_plan():

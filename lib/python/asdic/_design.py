@@ -48,7 +48,7 @@ class Roc:
     """P_D against P_FA, and over range. Arrays are views of the library's memory, which they keep."""
 
     def __init__(self, handle: Handle) -> None:
-        struct = handle.pointer
+        self._handle, struct = handle, handle.pointer
         self.info: Fields = fields(struct)
         """The numbers of asdic_roc: beam, range_m, snr_db, pd, area, ..."""
         self.points = view(struct.points, (struct.point_count,), dtype_of("asdic_roc_point"), handle)

@@ -5,6 +5,7 @@ struct, constant or enum of the library is written down here a second time.
 """
 from __future__ import annotations
 
+import atexit
 import functools
 import logging
 import math
@@ -131,6 +132,10 @@ class Handle:
     def close(self) -> None:
         self._finalizer()
 
+    def outlive(self) -> None:
+        """Not destroyed at the interpreter's end: what runs later may still look at arrays of it."""
+        self._finalizer.atexit = False
+
 
 # ---- contexts --------------------------------------------------------------------------------
 
@@ -184,11 +189,12 @@ class Context:
         self._log_handle, self.progress_user = ffi.new_handle(self._log), ffi.new_handle(self._done)
         self._progress = bar if progress is True else progress or None
         self._last: tuple[str, int, int] | None = None
-        self.lock = threading.RLock()
+        self.lock, self.process = threading.RLock(), os.getpid()
         if lib.asdic_context_create(place):
             raise fail(MemoryShortError, "out of memory while allocating a context")
         self.handle = Handle("context", place, lib.asdic_context_destroy, self._log_handle, self.progress_user)
         lib.asdic_context_set_log(place[0], lib.ASDIC_LOG_NOTE, lib.asdic_python_log, self._log_handle)
+        _CONTEXTS.add(self)
         lib.asdic_context_set_progress(place[0], lib.asdic_python_progress, self.progress_user)
 
     @property
@@ -269,8 +275,27 @@ class Context:
              keeps: tuple[Any, ...] = ()) -> Handle:
         """What FUNCTION(*ARGS, &pointer) creates, a KIND ("asdic_mesh"), perhaps taking long."""
         place = ffi.new(kind + " **")
-        self.run(function, *args, place)
+        try:
+            self.run(function, *args, place)
+        except BaseException:
+            destroy(place)  # it may have been made before Ctrl-C was heard
+            raise
         return Handle(kind.removeprefix("asdic_"), place, destroy, self.handle, *keeps)
+
+
+_CONTEXTS: weakref.WeakSet[Context] = weakref.WeakSet()
+
+
+def _end() -> None:
+    """At the interpreter's end daemon threads may be in a call: it is waited for, and none begins any more."""
+    for context in list(_CONTEXTS):
+        if context.process == os.getpid() and not context.lock.acquire(blocking=False):
+            lib.asdic_context_interrupt(context.pointer)
+            context.lock.acquire()
+
+
+weakref.finalize(Context, int)  # what runs finalizers at the end is registered with the first: _end comes before
+atexit.register(_end)
 
 
 _OPENCL: list[int] = []  # the process that has used OpenCL
@@ -351,6 +376,8 @@ def view(pointer: Any, shape: tuple[int, ...], dtype: Any, owner: Any) -> np.nda
         return np.empty(shape, dtype)
     memory = _Memory()
     memory.owner = owner
+    if isinstance(owner, Handle):
+        owner.outlive()
     memory.__array_interface__ = {
         "version": 3, "typestr": "|u1", "shape": (math.prod(shape) * dtype.itemsize,),
         "data": (int(ffi.cast("uintptr_t", pointer)), True)}

@@ -1,4 +1,5 @@
 """Pings: simulated one by one, or expected."""
+# pylint: disable=protected-access # a simulator fills its pings
 from __future__ import annotations
 
 import functools
@@ -14,6 +15,10 @@ from ._scene import SceneLike, choose_sampling, load_mission
 
 PARTS = tuple(word for word in words("asdic_component") if word != "total")
 """The mechanisms of a level: "bottom", "surface", ..."""
+
+
+AXES = ("x", "y", "z", "roll", "pitch", "yaw")
+LEARN_BLOCK = int(lib.ASDIC_LEARN_BLOCK)
 
 
 class Levels(Mapping[str, np.ndarray]):
@@ -44,38 +49,38 @@ def beams_of(sonar: Any) -> np.ndarray:
     return view(sonar.receivers, (count,), dtype_of("asdic_beam"), None).copy()
 
 
+COMPONENTS = words("asdic_component")
+
+
 class Ping:
-    """One ping. Arrays are [beam, bin] and lie in the library's memory, which they keep alive."""
+    """One ping. Arrays are [beam, bin]; the library writes into their memory, and nothing is copied."""
 
-    index: int
+    index = 0
     """Number of the ping, from 0."""
-    time: float
+    time = math.nan
     """Simulated time, s."""
-    altitude: float
-    """Above the bottom straight below, m; infinite where there is none."""
+    _altitude = math.nan
+    _below: tuple[Any, Handle] | None = None  # the scene, and what keeps it
 
-    def __init__(self, handle: Handle, beams: np.ndarray, blanking_m: float) -> None:
-        self._handle, self.beams, self._blanking_m = handle, beams, blanking_m
-        struct = handle.pointer
-        self._shape = (int(struct.beams), int(struct.bins))
-        self.index, self.time, self.altitude = 0, math.nan, math.nan
-        self._pose = ffi.new("asdic_pose *")
-
-    @property
-    def pose(self) -> Fields:
-        """Of the sonar: position_m.x, .y, .z, roll_rad, pitch_rad, yaw_rad."""
-        return fields(self._pose)
+    def __init__(self, beams: np.ndarray, bins: int) -> None:
+        self.beams = beams
+        """The receivers: name, pitch_rad, yaw_rad, roll_rad, length_h_m, length_v_m."""
+        shape = (len(beams), bins)
+        self._energies, self.stderr_db = np.zeros((len(COMPONENTS), *shape)), np.zeros(shape, np.float32)
+        self._struct, self._pose = ffi.new("asdic_ping *"), ffi.new("asdic_pose *")
+        self._struct.beams, self._struct.bins = shape
+        first, size = ffi.from_buffer("double[]", self._energies), shape[0] * shape[1]
+        self._struct.intensity_lin = [first + k * size for k in range(len(COMPONENTS))]
+        self._struct.stderr_db = ffi.from_buffer("float[]", self.stderr_db)
 
     @functools.cached_property
     def intensity(self) -> Levels:
-        """Energy of each bin, linear re 1 uPa^2, of "total" and each mechanism: views, nothing is copied."""
-        numbers = words("asdic_component")
-        return Levels(tuple(numbers), lambda name: view(
-            self._handle.pointer.intensity_lin[numbers[name]], self._shape, np.float64, self._handle))
+        """Energy of each bin, linear re 1 uPa^2, of "total" and each mechanism."""
+        return Levels(tuple(COMPONENTS), lambda name: self._energies[COMPONENTS[name]])
 
     def _levels(self, name: str) -> np.ndarray:
-        levels = np.empty(self._shape, np.float32)
-        lib.asdic_ping_levels(self._handle.pointer, words("asdic_component")[name], ffi.from_buffer("float[]", levels))
+        levels = np.empty(self.stderr_db.shape, np.float32)
+        lib.asdic_ping_levels(self._struct, COMPONENTS[name], ffi.from_buffer("float[]", levels))
         return levels
 
     @functools.cached_property
@@ -89,18 +94,26 @@ class Ping:
         return Levels(PARTS, self._levels)
 
     @property
-    def stderr_db(self) -> np.ndarray:
-        """One standard error of the level's sampling, dB: a view."""
-        return view(self._handle.pointer.stderr_db, self._shape, np.float32, self._handle)
+    def pose(self) -> Fields:
+        """Of the sonar: position_m.x, .y, .z, roll_rad, pitch_rad, yaw_rad."""
+        return fields(self._pose)
 
-    @functools.cached_property
+    @property
+    def altitude(self) -> float:
+        """Above the bottom straight below, m; infinite where there is none."""
+        if self._below:
+            return float(lib.asdic_scene_altitude_m(self._below[0], self._pose.position_m))
+        return self._altitude
+
+    @property
     def ranges(self) -> np.ndarray:
         """Centres of the bins, m."""
-        return (np.arange(self._shape[1]) + 0.5) * self.bin_length_m
+        return (np.arange(self.stderr_db.shape[1]) + 0.5) * self.bin_length_m
 
     @property
     def bin_length_m(self) -> float:
-        return float(self._handle.pointer.bin_length_m)
+        """Length of a bin."""
+        return float(self._struct.bin_length_m)
 
     @property
     def bearings(self) -> np.ndarray:
@@ -110,16 +123,11 @@ class Ping:
     @property
     def rays(self) -> int:
         """Rays that were traced."""
-        return int(self._handle.pointer.rays)
+        return int(self._struct.rays)
 
     def __repr__(self) -> str:
-        return f"<asdic.Ping {self.index}: {self._shape[0]} beams, {self._shape[1]} bins of {self.bin_length_m:g} m>"
-
-
-def new_ping(context: Context, sonar: Any, bins: int) -> Handle:
-    place = ffi.new("asdic_ping **")
-    context.call(lib.asdic_ping_create, context.pointer, sonar.receiver_count, bins, place)
-    return Handle("ping", place, lib.asdic_ping_destroy)
+        beams, bins = self.stderr_db.shape
+        return f"<asdic.Ping {self.index}: {beams} beams, {bins} bins of {self.bin_length_m:g} m>"
 
 
 class Simulator:
@@ -153,7 +161,10 @@ class Simulator:
             self._devices.pointer[0], lib.asdic_mission_scene(mission), lib.asdic_mission_environment(mission),
             self._sonar, sampling, number(depth_m, "depth_m"), keeps=(self._devices, self._mission))
         self._sweep = ffi.new("asdic_sweep *", lib.asdic_mission_sweep(mission))
-        self._scene = lib.asdic_mission_scene(mission)
+        self._below = (lib.asdic_mission_scene(mission), self._mission)
+        self._rate_hz = float(self._sonar.ping_rate_hz)
+        self._moves = any(lib.asdic_mission_get_object(mission, k).moves
+                          for k in range(lib.asdic_mission_object_count(mission)))
         self._pings = int(lib.asdic_mission_ping_count(mission))
         self._start_s = self._time_of(0)
         self.index = 0
@@ -194,33 +205,37 @@ class Simulator:
 
         OUT is an earlier ping whose memory may be used again: its arrays change with it.
         """
-        at = [number(value, what) for value, what in zip((x, y, z, roll, pitch, yaw), "x y z roll pitch yaw".split())]
+        at = [number(value, what) for value, what in zip((x, y, z, roll, pitch, yaw), AXES)]
         if not 0.0 <= at[2] <= 11000.0:
             raise fail(ArgumentError, f"z = {at[2]:g} m is no depth of a vehicle: z is positive down, 0 to 11000 m")
         with self._context.lock:
             simulator = self._handle.pointer
-            vehicle = ffi.new("asdic_pose *", {"position_m": at[:3], "roll_rad": math.radians(at[3]),
-                                               "pitch_rad": math.radians(at[4]), "yaw_rad": math.radians(at[5])})
-            result = self._room(out)
-            pose = result._pose  # pylint: disable=protected-access
-            pose[0] = lib.asdic_sweep_sonar(self._sweep, vehicle, self.index)
-            self._simulate(simulator, pose, result._handle.pointer)  # pylint: disable=protected-access
-            result.index, result.time = self.index, self._start_s + self.index / self._sonar.ping_rate_hz
-            result.altitude = float(lib.asdic_scene_altitude_m(self._scene, pose.position_m))
+            result = Ping(self.beams, self.bins) if out is None else self._again(out)
+            self._set_pose(result._pose, at)
+            self._simulate(simulator, result)
+            result.index, result.time = self.index, self._start_s + self.index / self._rate_hz
+            result._below = self._below
             self.index += 1
             return result
 
-    def _simulate(self, simulator: Any, pose: Any, struct: Any) -> None:
-        context, index = self._context, self.index
-        context.check(lib.asdic_mission_place(self._mission.pointer, simulator, index))
-        if index % lib.ASDIC_LEARN_BLOCK == 0:
-            context.check(lib.asdic_simulator_learn(simulator, pose, index))
-        context.check(lib.asdic_simulator_ping(simulator, pose, index, struct))
+    def _set_pose(self, pose: Any, at: list[float]) -> None:
+        """Where the sonar is and looks, which is where the vehicle does unless a head turns."""
+        place = pose.position_m
+        place.x, place.y, place.z = at[:3]
+        pose.roll_rad, pose.pitch_rad, pose.yaw_rad = map(math.radians, at[3:])
+        if self._sweep.directions:
+            pose[0] = lib.asdic_sweep_sonar(self._sweep, pose, self.index)
 
-    def _room(self, out: Ping | None) -> Ping:
-        if out is None:
-            return Ping(new_ping(self._context, self._sonar, self.bins), self.beams, self._sonar.blanking_m)
-        if not isinstance(out, Ping) or out._shape != (len(self.beams), self.bins):
+    def _simulate(self, simulator: Any, result: Ping) -> None:
+        context, index, pose = self._context, self.index, result._pose
+        if self._moves:
+            context.check(lib.asdic_mission_place(self._mission.pointer, simulator, index))
+        if index % LEARN_BLOCK == 0:
+            context.check(lib.asdic_simulator_learn(simulator, pose, index))
+        context.check(lib.asdic_simulator_ping(simulator, pose, index, result._struct))
+
+    def _again(self, out: Ping) -> Ping:
+        if not isinstance(out, Ping) or out.stderr_db.shape != (len(self.beams), self.bins):
             raise fail(ArgumentError, f"out = {out!r} is no ping of this simulator, which has {len(self.beams)} beams and "
                        f"{self.bins} bins")
         for name in ("level_db", "parts"):  # what was made of the old energies
@@ -259,11 +274,10 @@ class Simulator:
 
 def expected(context: Context, flat: Any, environment: Any, sonar: Any, pose: Any, bins: int) -> Ping:
     """The null hypothesis at a place, by quadrature."""
-    handle = new_ping(context, sonar, bins)
-    place, copied = ffi.new("asdic_flat_scene *", flat), ffi.new("asdic_pose *", pose)
-    context.run(lib.asdic_expected_compute, context.pointer, place, environment, sonar, copied, handle.pointer)
-    result = Ping(handle, beams_of(sonar), sonar.blanking_m)
-    result._pose, result.altitude = copied, float(flat.altitude_m) if flat.has_bottom else math.inf
+    result = Ping(beams_of(sonar), bins)
+    place, result._pose[0] = ffi.new("asdic_flat_scene *", flat), pose
+    context.run(lib.asdic_expected_compute, context.pointer, place, environment, sonar, result._pose, result._struct)
+    result._altitude = float(flat.altitude_m) if flat.has_bottom else math.inf
     return result
 
 

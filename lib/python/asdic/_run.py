@@ -244,8 +244,8 @@ class Run:
 class Detections:
     """What a detector found in a run, and what was there. `table` has a row a detection."""
 
-    def __init__(self, folder: str, handle: Handle) -> None:
-        self._handle, self._folder = handle, folder
+    def __init__(self, run: Run, handle: Handle) -> None:
+        self._handle, self._run = handle, run
         struct = handle.pointer
         self.report: Fields = fields(struct)
         """The numbers of asdic_detect_report: pfa, tracks, sampling_error_db, ..."""
@@ -257,7 +257,7 @@ class Detections:
     @functools.cached_property
     def table(self) -> np.ndarray:
         """detections.csv as a structured array."""
-        path = os.path.join(self._folder, "detections.csv")
+        path = os.path.join(self._run.folder, "detections.csv")
         with open(path, encoding="utf-8", newline="") as file:
             names, *rows = csv.reader(file)
         columns = [_column(values) for values in zip(*rows)] if rows else [np.empty(0)] * len(names)
@@ -324,7 +324,7 @@ def detect(run: Run | Folder, *, pfa: float | None = None, target: str | None = 
     options.progress, options.user = lib.asdic_python_run_progress, context.progress_user
     report = context.make("asdic_detect_report", lib.asdic_detect_report_destroy, lib.asdic_run_detect, context.pointer,
                           encoded(run.folder, "folder"), options, keeps=(detector, selector))
-    return Detections(run.folder, report)
+    return Detections(run, report)
 
 
 __all__ = ["Detections", "Folder", "Run", "detect", "simulate"]
