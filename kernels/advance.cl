@@ -16,9 +16,8 @@
 
 /* So far beyond a layer's plane, m, a triangle is still met: hits at grazing angles are rounded. */
 #define ADVANCE_ROOM R(4e-3)
-
-/* So many planes a ray crosses in one go, at most. */
-#define ADVANCE_MOST 64u
+/* The least sine of their elevation that this is counted along. */
+#define ADVANCE_LEVEL R(1e-3)
 
 /* Where legs lie, and what the tracer found on them. */
 typedef struct leg_store {
@@ -77,7 +76,7 @@ static mask cross_planes(__global const dev_ping *ping, const leg_store *to, ray
                          mask cross) {
     mask ended = (mask)(0);
     real sonar = (real)(ping->origin[2]);
-    for (uint i = 0; i < ADVANCE_MOST && any_true(cross); i++) {
+    for (uint i = 0; i < LEG_MOST && any_true(cross); i++) {
         leg_planes p = planes_of(&to->layers, *layer);
         real t_below = to_below(r, p.below), t_above = to_above(r, p.above);
         mask down = t_below <= t_above;
@@ -106,7 +105,7 @@ static uint trace_legs(__global const dev_ping *ping, const leg_store *to, const
                        natural layer, mask on, uint slot, uint at) {
     leg_planes p = planes_of(&to->layers, layer);
     real t = r_min(to_below(r, p.below), to_above(r, p.above));
-    t += ADVANCE_ROOM / r_max(r_abs(ray_direction(r, t).z), LEG_LEVEL);
+    t += ADVANCE_ROOM / r_max(r_abs(ray_direction(r, t).z), ADVANCE_LEVEL);
     t = r_min(t, ray_at_range(r, (real)(ping->reach_m)));
     ray_medium water = {p.bend, R(1.0)};
     triple from = ray_lift(r->from, water), along = ray_traced(r, water);

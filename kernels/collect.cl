@@ -32,9 +32,9 @@ static weights weigh(const world *w, uint first, triple u) {
 /* How many of QUANTA are above the limit of a deposit. */
 static uint count_cut(const world *w, real quanta) {
     uint cut = 0u;
-    if (any_true(quanta > (real)(w->ping->sums.limit))) {
+    if (any_true(r_abs(quanta) > (real)(w->ping->sums.limit))) {
         LANES {
-            cut += (uint)(AT(quanta, float) > w->ping->sums.limit);
+            cut += (uint)(fabs(AT(quanta, float)) > w->ping->sums.limit);
         }
     }
     return cut;
@@ -110,12 +110,12 @@ static uint add_arrival(const world *w, __global const dev_arrival *arrival, __g
     }
     for (uint c = 0; c < MAX_ARRIVALS; c++) {
         float arriving = arrival->quanta[c];
-        if (!(arriving > 0.0f)) {
+        if (!(fabs(arriving) > 0.0f)) {
             continue;
         }
         real quanta = gain * arriving;
         __global long *at = cells + (size_t)(arrival->row[c]) * w->ping->sums.columns + first;
-        store_wholes(load_wholes(0, at) + to_wholes(whole_quanta(quanta, limit)), 0, at);
+        store_wholes(load_wholes(0, at) + to_wholes(deposited_quanta(quanta, limit)), 0, at);
         cut += count_cut(w, quanta);
     }
     return cut;
@@ -134,7 +134,7 @@ static uint add_arrival_to_four(const world *w, __global const dev_arrival *arri
     for (uint c = 0; c < MAX_ARRIVALS; c += 2u) {
         float2 arriving = vload2(0, arrival->quanta + c);
         real quanta = gain.xyzwxyzw * arriving.xxxxyyyy;
-        wholes whole = to_wholes(whole_quanta(quanta, (real)(w->ping->sums.limit)));
+        wholes whole = to_wholes(deposited_quanta(quanta, (real)(w->ping->sums.limit)));
         __global long *at = cells + (size_t)(arrival->row[c]) * 4u;
         vstore4(vload4(0, at) + whole.lo, 0, at);
         at = cells + (size_t)(arrival->row[c + 1u]) * 4u;
@@ -207,6 +207,16 @@ static uint add_rays(const world *w, __global const dev_arrival *direct, __globa
     weights g = weigh(w, first, arrival_directions(direct, every));
     uint cut = add_arrivals(w, direct, cells, every, &g, first);
     ADD_TRUTHS(direct, every);
+#if ASDIC_LAYERS && ASDIC_HAS_WATER
+    __global const dev_arrival *water = direct + DEV_ARRIVAL_WATER(ASDIC_HAS_MIRRORS) * all;
+    natural sets;
+    LANES {
+        AT(sets, uint) = water[lane].more >> DEV_WATER_SHIFT;
+    }
+    for (uint set = 0; set < DEV_WATER_SETS && any_true(sets > (natural)(set)); set++) {
+        cut += add_arrivals(w, water + set * all, cells, sets > (natural)(set), &g, first);
+    }
+#endif
     if (any_true(more)) {
         cut += add_arrivals(w, along, cells, more, &g, first);
         ADD_TRUTHS(along, more);

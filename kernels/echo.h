@@ -15,6 +15,10 @@
 #include "smooth.h"
 #include "target.h"
 
+#ifndef ASDIC_HAS_MIRRORS
+#define ASDIC_HAS_MIRRORS 0
+#endif
+
 #define LANES for (uint lane = 0; lane < ASDIC_WIDTH; lane++)
 #define AT(vector, type) ((type *)&(vector))[lane]
 
@@ -421,6 +425,37 @@ static split_echo split(__global const dev_ping *ping, real at, real nearest, re
     real minus_2k = (real)(-2.0f * ping->absorption_np_per_m);
     e.first = energy * first * ray_relative_loss(minus_2k, range, edge - R(0.5) * bin);
     e.second = energy * second * ray_relative_loss(minus_2k, range, edge + R(0.5) * bin);
+    return e;
+}
+
+/* How much of its last bin's water a ray has crossed when it meets something (or the range ends): its
+ * part of the bin's integral, ray_water. */
+static real crossed_part(__global const dev_ping *ping, __global const float *volume_inverse,
+                         real range, natural bin_index) {
+    real bin = (real)(ping->bin_m);
+    real center = (to_real(bin_index) + R(0.5)) * bin;
+    real begin = r_max(center - R(0.5) * bin, (real)(ping->blanking_m));
+    begin = r_max(begin, R(1e-6));
+    real inverse = R(0.0);
+    LANES {
+        AT(inverse, float) = volume_inverse[AT(bin_index, uint)];
+    }
+    real minus_2k = (real)(-2.0f * ping->absorption_np_per_m);
+    return r_min(ray_water_part(minus_2k, begin, range, center) * inverse, R(1.0));
+}
+
+/* Where the water of ASDIC_WIDTH rays ends, and how much of the last bin's they cross: crossed_part. */
+typedef struct water_end {
+    natural last;
+    real part;
+} water_end;
+
+static water_end find_water_end(__global const dev_ping *ping, __global const float *volume_inverse,
+                                real range) {
+    real reach = (real)(ping->range_m), end = r_min(range, reach);
+    water_end e;
+    e.last = min(to_natural(end / (real)(ping->bin_m)), (natural)(ping->bins - 1u));
+    e.part = choose(range >= reach, R(1.0), crossed_part(ping, volume_inverse, end, e.last));
     return e;
 }
 

@@ -13,6 +13,9 @@
 #ifndef ASDIC_HAS_MIRRORS
 #define ASDIC_HAS_MIRRORS 0
 #endif
+#ifndef ASDIC_LAYERS
+#define ASDIC_LAYERS 0
+#endif
 
 /* Components of a row, see ping_types.h. */
 #ifndef ASDIC_COMPONENTS
@@ -55,7 +58,7 @@ static inline bin_range bins_of(__global const dev_ping *ping, __global const de
                                 uint first, uint end) {
     bin_range b = {0xffffffffu, 0u};
     for (uint c = first; c < end; c++) {
-        if (arrival->quanta[c] > 0.0f) {
+        if (arrival->quanta[c] != 0.0f) {
             uint bin = bin_of_row(ping, arrival->row[c]);
             b.low = min(b.low, bin);
             b.high = max(b.high, bin);
@@ -84,7 +87,7 @@ static inline void sort_deposits(const fan_sort *sort, __global const dev_arriva
     __global fan_entry *to = sort->entries + at;
     uint rows = 0u;
     for (uint c = 0; c < DEPOSITS; c++) {
-        bool here = c >= first && c < end && arrival->quanta[c] > 0.0f;
+        bool here = c >= first && c < end && arrival->quanta[c] != 0.0f;
         uint component = here ? arrival->row[c] / ping->sums.component_rows : 0u;
         uint beyond = here ? bin_of_row(ping, arrival->row[c]) - key : 0u;
         rows |= (ASDIC_COMPONENTS * beyond + component) << 8u * c;
@@ -120,6 +123,17 @@ static inline void sort_arrival(const fan_sort *sort, __global const dev_arrival
     }
 }
 
+#if ASDIC_LAYERS
+/* Water through layers: its deposits lie far apart. */
+static inline void sort_water(const fan_sort *sort, __global const dev_arrival *arrival) {
+    for (uint c = 0u; c < DEPOSITS; c++) {
+        if (arrival->quanta[c] != 0.0f) {
+            sort_deposits(sort, arrival, bin_of_row(sort->ping, arrival->row[c]), c, c + 1u);
+        }
+    }
+}
+#endif
+
 /* The arrivals of a block of rays, ray by ray. */
 static inline void sort_block(const fan_sort *sort, __global const dev_arrival *arrivals) {
     uint slots = batch_slots(sort->ping), each = (slots + sort->blocks - 1u) / sort->blocks;
@@ -130,6 +144,13 @@ static inline void sort_block(const fan_sort *sort, __global const dev_arrival *
         if ((arrivals[ray].more & 1u) != 0u) {
             sort_arrival(sort, arrivals + DEV_ARRIVAL_ALONG * (size_t)(slots) + ray);
             sort_arrival(sort, arrivals + DEV_ARRIVAL_ACROSS * (size_t)(slots) + ray);
+        }
+#endif
+#if ASDIC_LAYERS
+        __global const dev_arrival *water =
+            arrivals + DEV_ARRIVAL_WATER(ASDIC_HAS_MIRRORS) * (size_t)(slots) + ray;
+        for (uint set = 0; set < water->more >> DEV_WATER_SHIFT; set++) {
+            sort_water(sort, water + set * (size_t)(slots));
         }
 #endif
     }

@@ -13,7 +13,9 @@
 #if ASDIC_LAYERS
 
 /* Rays that meet a layer's plane at less than this sine of their elevation cross it as if at this. */
-#define LEG_LEVEL R(1e-3)
+#define LEG_LEVEL R(3e-5)
+/* So many planes a ray crosses in one go, at most. */
+#define LEG_MOST 64u
 
 typedef struct layer_stack {
     __global const dev_layer *layer;

@@ -12,12 +12,9 @@
 #include "order.h"
 #include "truth.h"
 
-#ifndef ASDIC_HAS_MIRRORS
-#define ASDIC_HAS_MIRRORS 0
-#endif
-
 /* Sets of arrivals that a ping leaves. */
-#define ARRIVAL_SETS ((size_t)(DEV_ARRIVAL_SETS(ASDIC_HAS_MIRRORS)))
+#define ARRIVAL_SETS                                                                               \
+    ((size_t)(DEV_ARRIVAL_SETS(ASDIC_HAS_MIRRORS, ASDIC_LAYERS && ASDIC_HAS_WATER)))
 
 /* Slots of a piece, which is one work-item's share. Vectors need neighbours; GPUs need many work-items. */
 #if ASDIC_WIDTH == 1

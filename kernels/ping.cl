@@ -8,3 +8,4 @@
 #include "sample.cl"
 #include "shade.cl"
 #include "pilot.cl"
+#include "volume.cl"

@@ -109,7 +109,11 @@ typedef struct dev_pilot {
 #define DEV_ARRIVAL_DIRECT 0 /* echo and water */
 #define DEV_ARRIVAL_ALONG 1  /* from mirrors, in the ray's own direction */
 #define DEV_ARRIVAL_ACROSS 2 /* from mirrors, straight from what they showed */
-#define DEV_ARRIVAL_SETS(mirrors) ((mirrors) ? 3u : 1u)
+#define DEV_ARRIVAL_WATER(mirrors) ((mirrors) ? 3u : 1u) /* the first of those of volume.cl */
+#define DEV_WATER_SETS 6u
+#define DEV_WATER_SHIFT 16u /* in `more` of the first: how many sets there are */
+#define DEV_ARRIVAL_SETS(mirrors, layers)                                                          \
+    (DEV_ARRIVAL_WATER(mirrors) + ((layers) ? DEV_WATER_SETS : 0u))
 
 /* A ping's rays, and those of them that are in the current batch. Each group (replicate) has its share;
  * order.h says how they lie in memory. */

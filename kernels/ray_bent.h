@@ -200,7 +200,8 @@ FORMULA real bent_arc(const ray *r, const bent_place *at) {
 FORMULA real ray_bending(const ray *r, real t, real range, real minus_2k) {
     bent_place at = bent_at(r, t);
     real spread = range / r->pace * at.q;
-    real tube = r_max(bent_across(r, at.t) * bent_along(r, at.t), R(1e-12));
+    real tube = bent_across(r, at.t) * r_abs(r->along + r->slope * at.t);
+    tube = r_max(tube, r_max((real)(BENT_CAUSTIC)*range * range * at.q / r->pace, R(1e-12)));
     real loss = spread * spread / tube * exp(minus_2k * (r->arc + bent_arc(r, &at) - range));
     mask bends = (r->bend != R(0.0)) | (r->across > R(0.0));
     return choose((t < (real)(BENT_FAR)) & bends, loss, R(1.0));

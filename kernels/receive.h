@@ -58,6 +58,16 @@ typedef struct sink {
     __global long *truth;
 } sink;
 
+/* Through layers, water may be taken back as well (volume.cl). */
+static real deposited_quanta(real quanta, real limit) {
+#if ASDIC_LAYERS
+    real whole = whole_quanta(r_abs(quanta), limit);
+    return choose(quanta < R(0.0), -whole, whole);
+#else
+    return whole_quanta(quanta, limit);
+#endif
+}
+
 /* Adds GAIN times every deposit to column COLUMN of its row, counted from cell FIRST; returns how many were
  * cut to the limit. */
 static uint add_column(const world *w, const arrivals *a, __global long *cells, natural first,
@@ -69,13 +79,13 @@ static uint add_column(const world *w, const arrivals *a, __global long *cells, 
             break;
         }
         real quanta = gain * a->quanta[c];
-        real whole = whole_quanta(quanta, (real)(w->ping->sums.limit));
+        real whole = deposited_quanta(quanta, (real)(w->ping->sums.limit));
         natural at = first + a->row[c] * (natural)(w->ping->sums.columns) + column;
         LANES {
-            if (AT(whole, float) > 0.0f) {
+            if (AT(whole, float) != 0.0f) {
                 deposit_add(cells + AT(at, uint), convert_long(AT(whole, float)));
             }
-            cut += (uint)(AT(quanta, float) > w->ping->sums.limit);
+            cut += (uint)(fabs(AT(quanta, float)) > w->ping->sums.limit);
         }
     }
     return cut;
@@ -129,7 +139,7 @@ static uint receive(const world *w, const sink *to, uint set, const arrivals *a,
         if (AT(rays, uint) != NO_RAY) {
             uint position = position_of(w->ping, AT(rays, uint));
             arrivals[position] = p;
-            if (set != DEV_ARRIVAL_DIRECT) {
+            if (set != DEV_ARRIVAL_DIRECT && set < DEV_ARRIVAL_WATER(ASDIC_HAS_MIRRORS)) {
                 direct[position].more |= 1u;
             }
         }

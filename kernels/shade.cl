@@ -15,22 +15,6 @@
 #include "receive.h"
 #include "ping_batch.h"
 
-/* How much of its last bin's water a ray has crossed when it meets something (or the range ends): its
- * part of the bin's integral, ray_water. */
-static real crossed_part(__global const dev_ping *ping, __global const float *volume_inverse,
-                         real range, natural bin_index) {
-    real bin = (real)(ping->bin_m);
-    real center = (to_real(bin_index) + R(0.5)) * bin;
-    real begin = r_max(center - R(0.5) * bin, (real)(ping->blanking_m));
-    begin = r_max(begin, R(1e-6));
-    real inverse = R(0.0);
-    LANES {
-        AT(inverse, float) = volume_inverse[AT(bin_index, uint)];
-    }
-    real minus_2k = (real)(-2.0f * ping->absorption_np_per_m);
-    return r_min(ray_water_part(minus_2k, begin, range, center) * inverse, R(1.0));
-}
-
 /* Which accumulator component an echo from KIND belongs to. */
 static natural component_of(natural kind) {
     natural c = (natural)(DEV_DEPOSIT_BOTTOM);
@@ -60,7 +44,7 @@ typedef struct ray_store {
     __global const dev_ray *rays;
     __global const float *legs;
     __global float *solid_angles;
-    __global const float *splats;
+    __global float *splats;
     __global const dev_hit *hits;
 } ray_store;
 
@@ -123,17 +107,18 @@ static uint shade_rays(const world *w, const ray_store *store, __global const fl
     echo.second *= heard;
     component = min(component, (natural)(ping->sums.components - 1u));
     arrivals_add_echo(w, &a, component, &echo);
-#if ASDIC_HAS_WATER
+#if ASDIC_HAS_WATER && !ASDIC_LAYERS /* else see volume.cl */
     /* Water: full bins before the last, part of the last. */
-    real reach = (real)(ping->range_m), end = r_min(range, reach);
-    natural last = min(to_natural(end / (real)(ping->bin_m)), (natural)(ping->bins - 1u));
-    real part = crossed_part(ping, volume_inverse, end, last);
-    part = choose(range >= reach, R(1.0), part);
-
-    real before = choose(last == 0u, R(0.0), R(1.0) - part);
+    water_end end = find_water_end(ping, volume_inverse, range);
+    real before = choose(end.last == 0u, R(0.0), R(1.0) - end.part);
     natural water = (natural)(DEV_DEPOSIT_VOLUME);
-    arrivals_add(w, &a, water, last, weight * part);
-    arrivals_add(w, &a, water, max(last, (natural)(1u)) - 1u, weight * before);
+    arrivals_add(w, &a, water, end.last, weight * end.part);
+    arrivals_add(w, &a, water, max(end.last, (natural)(1u)) - 1u, weight * before);
+#elif ASDIC_LAYERS
+    (void)volume_inverse;
+    LANES { /* volume.cl takes the range from there */
+        store->splats[slot + lane] = AT(range, float);
+    }
 #else
     (void)volume_inverse;
 #endif
@@ -147,13 +132,12 @@ static uint shade_rays(const world *w, const ray_store *store, __global const fl
 /* One work-item per piece (mirror_ray.h). */
 __kernel void LEAST_WAVES(3)
     shade(__global const dev_ping *pings, __global const dev_ray *rays, __global const float *legs,
-          __global float *solid_angles, __global const float *splats,
-          __global const float *face_density, __global const dev_hit *hits,
-          __global const dev_triangle *triangles, __global const dev_part *parts,
-          __global const dev_material *materials, __global const float *water,
-          __global dev_arrival *arrivals, __global long *accumulator, __global uint *saturated,
-          __global dev_ray *bounced, __global float4 *mirrors, __global const dev_truth_row *rows,
-          __global long *truth) {
+          __global float *solid_angles, __global float *splats, __global const float *face_density,
+          __global const dev_hit *hits, __global const dev_triangle *triangles,
+          __global const dev_part *parts, __global const dev_material *materials,
+          __global const float *water, __global dev_arrival *arrivals, __global long *accumulator,
+          __global uint *saturated, __global dev_ray *bounced, __global float4 *mirrors,
+          __global const dev_truth_row *rows, __global long *truth) {
     __global const dev_ping *ping = row_ping(pings);
     size_t own = row_slots(ping);
     uint first = (uint)(get_global_id(0)) * PIECE, at = first, cut = 0u;

@@ -58,8 +58,8 @@ asdic_status asdic_beam_fan_init(asdic_beam_fan *fan, asdic_device *device,
     fan->width = wide ? 16 : 1;
     snprintf(options, sizeof options,
              "-D ASDIC_WIDTH=%u -D ASDIC_COMPONENTS=%zu -D ASDIC_HAS_MIRRORS=%d "
-             "-D ASDIC_COMMON_AXIS=%d%s",
-             fan->width, size->components, size->mirrors, fan->common_axis,
+             "-D ASDIC_COMMON_AXIS=%d -D ASDIC_LAYERS=%d%s",
+             fan->width, size->components, size->mirrors, fan->common_axis, size->layers,
              size->truth ? " -D ASDIC_TRUTH=1" : "");
     const struct {
         const char *name;
@@ -68,15 +68,16 @@ asdic_status asdic_beam_fan_init(asdic_beam_fan *fan, asdic_device *device,
                    {"fan_place", &fan->place},
                    {"fan_scatter", &fan->scatter},
                    {"fan_project", &fan->project}};
-    /* A mirror's arrivals are up to three entries more. */
     size_t entry = size->truth ? TRUTH_ENTRY_BYTES : ENTRY_BYTES;
+    /* A mirror's arrivals are up to three entries more; those of water one a deposit. */
+    size_t entries = (size->mirrors ? 4 : 1) + (size->layers ? 4 * DEV_WATER_SETS : 0);
     const struct {
         size_t bytes;
         asdic_buffer **buffer;
     } buffers[] = {{size->bins * fan->blocks * sizeof(uint32_t), &fan->counts},
                    {sizeof(uint32_t), &fan->made},
                    {size->bins * LIST_BYTES, &fan->lists},
-                   {size->slots * (size->mirrors ? 4 : 1) * entry, &fan->entries}};
+                   {size->slots * entries * entry, &fan->entries}};
     fan->fetches = calloc(tiles, sizeof *fan->fetches);
     if (!fan->fetches) {
         return asdic_fail_memory(asdic_device_context(device), "a fan");

@@ -30,7 +30,7 @@ void asdic_beam_fan_plan(const asdic_sonar *sonar, asdic_beam_fan *fan);
 /* What a fan's kernels and buffers are made for. */
 typedef struct asdic_beam_fan_size {
     size_t receivers, bins, components, slots; /* slots: of rays */
-    bool mirrors, truth;
+    bool mirrors, layers, truth;
     unsigned width; /* of the ray kernels' vectors */
 } asdic_beam_fan_size;
 

@@ -10,6 +10,8 @@
 #define STEPS 256
 /* The rays' solid angles may add up to too much: by this, divided by the number of rays. */
 #define FEW_RAYS_SR 200.0
+/* Layers of the water focus what a bin gets by so much, at most; single rays by more. */
+#define FOCUS 16.0
 
 /* Largest s / sin(Theta) of a material. */
 static double loudest(const asdic_scatterer *s, const dev_ping *ping) {
@@ -39,7 +41,7 @@ static double pattern_sr(const asdic_beam *beam, const dev_ping *ping) {
 }
 
 void asdic_deposit_scales(const asdic_scene *scene, const asdic_beam *transmitter,
-                          const asdic_scatterer *scatterers, dev_ping *ping) {
+                          const asdic_scatterer *scatterers, bool layers, dev_ping *ping) {
     double bottom = 1e-12, object = 1e-12;
     double surface = loudest(&scatterers[scene->material_count], ping);
     if (scene->has_bottom_plane) {
@@ -54,7 +56,7 @@ void asdic_deposit_scales(const asdic_scene *scene, const asdic_beam *transmitte
     bound[DEV_DEPOSIT_OBJECT] = object;
     bound[DEV_DEPOSIT_MULTIPATH] = fmax(fmax(bottom, object), surface);
     bound[DEV_DEPOSIT_SURFACE] = surface;
-    bound[DEV_DEPOSIT_VOLUME] = 1.0;
+    bound[DEV_DEPOSIT_VOLUME] = layers ? FOCUS : 1.0;
     /* All that the transmitter sends out meets the loudest thing there is. Multipath also comes from where
      * the transmitter does not look: there, all directions count at full gain. With few rays one of them may
      * stand for much, and gets room. A factor of 4 covers the relative loss inside a bin, (d_n / d)^2 <= 4

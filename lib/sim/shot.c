@@ -197,7 +197,7 @@ void asdic_simulator_prepare(asdic_simulator *sim, const asdic_water_column *wat
     };
     shape_accumulator(sim, fixed);
     asdic_deposit_scales(sim->setup.scene, &sim->setup.sonar.transmitter, sim->setup.scatterers,
-                         fixed);
+                         sim->setup.layer_count > 0, fixed);
 }
 
 /* Rays that are traced as one packet. */

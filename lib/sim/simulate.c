@@ -194,6 +194,25 @@ static asdic_status run_shade(asdic_simulator *sim, size_t count) {
                                  piece_local(sim), count);
 }
 
+/* The water that rays through layers cross. */
+static asdic_status run_volume(asdic_simulator *sim, size_t count) {
+    uint32_t layers = (uint32_t)sim->setup.layer_count;
+    asdic_kernel_arg args[] = {ASDIC_ARG_BUFFER(sim->buffers.pings),
+                               ASDIC_ARG_BUFFER(sim->buffers.layers),
+                               ASDIC_ARG_VALUE(layers),
+                               ASDIC_ARG_BUFFER(sim->buffers.legs),
+                               ASDIC_ARG_BUFFER(sim->buffers.solid_angles),
+                               ASDIC_ARG_BUFFER(sim->buffers.splats),
+                               ASDIC_ARG_BUFFER(sim->buffers.water_tables),
+                               ASDIC_ARG_BUFFER(sim->buffers.arrivals),
+                               ASDIC_ARG_BUFFER(sim->buffers.accumulator),
+                               ASDIC_ARG_BUFFER(sim->buffers.saturated),
+                               ASDIC_ARG_BUFFER(sim->truth.table_buffer),
+                               ASDIC_ARG_BUFFER(truth_cells(sim))};
+    return asdic_kernel_run_rows(sim->kernels.volume, args, COUNT(args), piece_count(sim),
+                                 piece_local(sim), count);
+}
+
 static asdic_status run_collect(asdic_simulator *sim, size_t count) {
     asdic_kernel_arg collect[] = {
         ASDIC_ARG_BUFFER(sim->buffers.pings),        ASDIC_ARG_BUFFER(sim->buffers.arrivals),
@@ -207,6 +226,9 @@ static asdic_status run_collect(asdic_simulator *sim, size_t count) {
 static asdic_status run_batch(asdic_simulator *sim, size_t count) {
     TRY(asdic_simulator_draw(sim, count));
     TRY(run_shade(sim, count));
+    if (sim->kernels.volume) {
+        TRY(run_volume(sim, count));
+    }
     TRY(end_phase(sim, ASDIC_PHASE_SHADE));
     if (sim->setup.has_mirrors) {
         TRY(run_bounces(sim, count));

@@ -64,12 +64,12 @@ static size_t ping_batch_size(const asdic_simulator *sim) {
 
 static asdic_status create_kernels(asdic_simulator *sim) {
     char options[160];
+    bool water = !(sim->setup.sampling.left_out & (1u << ASDIC_TERM_VOLUME));
     snprintf(options, sizeof options,
              "-D ASDIC_WIDTH=%u -D ASDIC_DEPOSIT=%d -D ASDIC_HAS_MESH=%d -D ASDIC_COMMON_AXIS=%d "
              "-D ASDIC_HAS_WATER=%d -D ASDIC_HAS_MIRRORS=%d%s%s",
              sim->setup.layout.width, (int)sim->setup.layout.deposit, sim->tracer ? 1 : 0,
-             sim->fan.common_axis, sim->setup.sampling.left_out & (1u << ASDIC_TERM_VOLUME) ? 0 : 1,
-             sim->setup.has_mirrors ? 1 : 0,
+             sim->fan.common_axis, water, sim->setup.has_mirrors ? 1 : 0,
              sim->setup.layer_count         ? " -D ASDIC_BENT=2"
              : sim->setup.bend_per_m != 0.0 ? " -D ASDIC_BENT=1"
                                             : "",
@@ -84,6 +84,7 @@ static asdic_status create_kernels(asdic_simulator *sim) {
         {"sample", &sim->kernels.sample, true},
         {"shade", &sim->kernels.shade, true},
         {"advance", &sim->kernels.advance, sim->setup.layer_count > 0},
+        {"volume", &sim->kernels.volume, sim->setup.layer_count > 0 && water},
         {"collect", &sim->kernels.collect, collects && !sim->fan.many},
         {"suffix", &sim->kernels.suffix, !collects},
         {"reduce", &sim->kernels.reduce, !sim->fan.many},
@@ -103,6 +104,7 @@ static asdic_status create_kernels(asdic_simulator *sim) {
                                       .slots = sim->setup.groups * sim->setup.per_group,
                                       .mirrors = sim->setup.has_mirrors,
                                       .truth = sim->setup.sampling.truth,
+                                      .layers = sim->kernels.volume != NULL,
                                       .width = sim->setup.layout.width};
     return asdic_beam_fan_init(&sim->fan, sim->device, &size);
 }
@@ -435,6 +437,7 @@ void asdic_simulator_destroy(asdic_simulator **pointer) {
     asdic_device_finish(sim->device); /* it may still read what a failed ping sent */
     asdic_kernel_destroy(&sim->kernels.sample);
     asdic_kernel_destroy(&sim->kernels.shade);
+    asdic_kernel_destroy(&sim->kernels.volume);
     asdic_kernel_destroy(&sim->kernels.advance);
     asdic_kernel_destroy(&sim->kernels.collect);
     asdic_kernel_destroy(&sim->kernels.suffix);

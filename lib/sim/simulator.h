@@ -103,7 +103,7 @@ typedef struct asdic_setup {
 /* Those that a simulator does not need are NULL. */
 typedef struct asdic_kernels {
     asdic_kernel *sample, *pilot, *shade;
-    asdic_kernel *advance;          /* layers */
+    asdic_kernel *advance, *volume; /* layers */
     asdic_kernel *connect, *bounce; /* multipath */
     asdic_kernel *collect, *suffix; /* one or the other, by layout.deposit */
     asdic_kernel *reduce;

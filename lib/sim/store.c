@@ -83,7 +83,7 @@ asdic_status asdic_store_create_device(asdic_simulator *sim) {
     slots = slots > pilots ? slots : pilots;
     size_t bounce_slots = sim->setup.has_mirrors ? slots : 0;
     size_t sets = sim->setup.layout.deposit == ASDIC_DEPOSIT_COLLECT
-                      ? DEV_ARRIVAL_SETS(sim->setup.has_mirrors)
+                      ? DEV_ARRIVAL_SETS(sim->setup.has_mirrors, sim->kernels.volume)
                       : 0;
     size_t totals =
         sim->kernels.collect

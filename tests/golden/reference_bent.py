@@ -29,6 +29,8 @@ LEAST_SPREAD = 1e-2
 NEAR_RAD = 1e-7
 BIN_M, BINS, BLANKING_M = 1.0, 74, 0.5
 
+LAKE = [[0, 1521], [4, 1518], [7, 1485], [12, 1473], [30, 1473]]
+
 # Depth and sound speed of the points, depth of the sonar, depth of the bottom.
 CASES = {
     'linear_down': ([[0, 1491.4], [60, 1479.4]], 7, 12),
@@ -38,6 +40,8 @@ CASES = {
     'inside': ([[0, 1510], [5, 1510], [9, 1480], [30, 1480]], 7, 12),
     'below': ([[0, 1510], [3, 1510], [5, 1480], [30, 1480]], 7, 12),
     'channel': ([[0, 1500], [7, 1480], [20, 1500]], 7, 12),
+    'knee': (LAKE, 4, 12),
+    'foot': (LAKE, 7, 12),
 }
 
 

@@ -2,55 +2,9 @@
  * Pings in water whose sound speed changes evenly with depth: against quadrature that follows rays by itself,
  * over planes and over meshes, and against straight rays where they hardly bend.
  */
-#include "ping_rig.h"
+#include "bent_rig.h"
 
 #include "one_layer.h"
-
-static test_device t;
-
-#define DEPTH 12.0
-
-/* R.m.s. and largest difference of a component's levels from those of TRUTH, from 2 m on. */
-typedef struct difference {
-    double rms_db, most_db;
-} difference;
-
-static difference compare(const asdic_ping *ping, const asdic_ping *truth, asdic_component c) {
-    difference d = {0.0, 0.0};
-    double count = 0.0;
-    for (size_t i = 0; i < ping->beams * ping->bins; i++) {
-        if (i % ping->bins < 4 || truth->intensity_lin[c][i] <= 0.0) {
-            continue;
-        }
-        double off = fabs(asdic_level_db(ping->intensity_lin[c][i]) -
-                          asdic_level_db(truth->intensity_lin[c][i]));
-        d.rms_db += off * off;
-        d.most_db = fmax(d.most_db, off);
-        count += 1.0;
-    }
-    d.rms_db = sqrt(d.rms_db / fmax(count, 1.0));
-    return d;
-}
-
-static ping_rig bent_rig(double gradient_per_s, uint32_t rays) {
-    ping_rig r = rig_create(&t);
-    r.sonar.receiver_count = 1;
-    r.sampling.rays = rays;
-    r.env.sound_speed_gradient_per_s = gradient_per_s;
-    return r;
-}
-
-static asdic_ping *expected(const ping_rig *r, const asdic_ping *like) {
-    asdic_flat_scene flat = {.has_surface = true,
-                             .has_bottom = true,
-                             .altitude_m = DEPTH - r->pose.position_m.z,
-                             .depth_m = r->pose.position_m.z,
-                             .bottom = asdic_material_bottom(2.0)};
-    asdic_ping *truth = NULL;
-    assert_ok(t.ctx, asdic_ping_create(t.ctx, like->beams, like->bins, &truth));
-    assert_ok(t.ctx, asdic_expected_compute(t.ctx, &flat, &r->env, &r->sonar, &r->pose, truth));
-    return truth;
-}
 
 static void pings_meet_quadrature(void **state) {
     static const double gradients[] = {0.016, -0.2, 0.2, -1.0, 1.0};
@@ -230,7 +184,7 @@ static void moved_objects_are_those_built_there(void **state) {
 }
 
 /* Casts: isothermal over a thermocline, one in which the sonar is, a channel that traps rays, ten layers; each
- * over the plane, then over two triangles. The water's own echo is that of water in which tubes do not narrow. */
+ * over the plane, then over two triangles. */
 static void layers_meet_quadrature(void **state) {
     static const struct {
         asdic_sound_profile cast;

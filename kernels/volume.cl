@@ -1,0 +1,376 @@
+/*
+ * volume: the echo of the water that rays cross, where they pass through layers.
+ *
+ * Water is deposited where its ray ends and summed from far bins to near ones (deposit.h): so every bin on a ray's
+ * way gets what water of one sound speed would give it. Tubes that widen in another way give
+ *
+ *     F(d) = (c / c_s)^2 d^2 / S  exp(-2 K (L - d))
+ *
+ * times that (ray_bending times c / c_s; S, L: spreading and length of the path up to range d). Each bin takes F
+ * at a place that is the ray's own in all of them, from 0 in the bin's nearest to 1. So as not to deposit in every
+ * bin, F is rounded to levels that lie a factor e^H apart and begin where the ray says; a deposit of what it loses
+ * at a step is what a later sum needs. Rounded to Q = F e^(H x), x evenly from -1/2 to 1/2 over the rays, it is on
+ * their mean F sinh(H / 2) / (H / 2); so Q is divided by that. Of many rays a part stands for all.
+ */
+#include "leg.h"
+#include "mirror_ray.h"
+#include "ping_batch.h"
+#include "random.h"
+#include "receive.h"
+
+#if ASDIC_LAYERS && ASDIC_HAS_WATER
+
+/* The levels' distance: less would take more deposits than it saves rays. */
+#define VOLUME_STEP R(0.25)
+/* Steps of a ray, at most. Where F changes more often, levels are farther apart, up to this; where it still does,
+ * F is its mean over some part of the way. */
+#define VOLUME_STEPS (DEV_WATER_SETS * MAX_ARRIVALS - 2u)
+#define VOLUME_HIGH R(1.5)
+/* Between places on the way at which F is looked at, the width of a tube changes by this share, or by more, where
+ * F hardly does; but they are this share of the range apart at least, less than what a caustic is held over. */
+#define VOLUME_STRIDE R(0.15)
+#define VOLUME_FAR_STRIDE R(0.5)
+#define VOLUME_LEAST_STRIDE R(4e-3)
+/* Legs and strides, at most: a ray that is trapped may cross a plane again and again. */
+#define VOLUME_MOST 20000u
+/* Water is smoother than a bottom: of more rays than this each second one stands for both, of more than four times
+ * as many each fourth, and so on. */
+#define VOLUME_RAYS 4096u
+
+/* Rays on their way through layers, without anything that ends them. */
+typedef struct wander {
+    const layer_stack *to;
+    ray r;
+    natural layer;
+    leg_planes planes;
+    mask down;         /* the leg ends at the plane below */
+    real t, range, f;  /* on the leg, and F there */
+    real leave, until; /* where it ends; until which range it is followed: T there */
+    real end;          /* that range */
+} wander;
+
+static void find_exit(wander *way) {
+    way->planes = planes_of(way->to, way->layer);
+    real below = to_below(&way->r, way->planes.below), above = to_above(&way->r, way->planes.above);
+    way->down = below <= above;
+    way->leave = r_min(below, above);
+    real until = ray_at_range(&way->r, way->end);
+    way->until = choose(until >= R(0.0), until, (real)(INFINITY));
+}
+
+/* Rays that are followed up to range END. */
+static wander set_out(__global const dev_ping *ping, const layer_stack *to, triple sent, real end) {
+    wander way;
+    way.to = to;
+    LANES {
+        AT(way.layer, uint) = first_layer(to, ping->origin[2], AT(sent.z, float));
+    }
+    ray_medium water = {planes_of(to, way.layer).bend, R(1.0)};
+    way.r = ray_start(sonar_of(ping), sent, water);
+    way.r.pace = R(1.0);
+    way.r.slope = way.r.fan = R(1.0);
+    way.t = way.range = R(0.0);
+    way.f = R(1.0);
+    way.end = end;
+    find_exit(&way);
+    return way;
+}
+
+/* Takes the rays that are ON farther, within their legs: by STRIDE of the way on which their tubes would narrow to
+ * nothing or have widened from it, and of the range. */
+static void stride_on(wander *way, real stride, real bin_m, real minus_2k, mask on) {
+    real width = r_abs(way->r.along + way->r.slope * way->t);
+    real by = stride * width / r_max(r_abs(way->r.slope), R(1e-6));
+    real least = r_max(VOLUME_LEAST_STRIDE * way->range, R(0.05) * bin_m);
+    by = r_max(r_min(by, stride * (way->range + R(4.0) * bin_m)), least);
+    real t = r_min(r_min(way->t + by, way->leave), way->until);
+    way->t = choose(on, t, way->t);
+    way->range = choose(on, ray_range(&way->r, way->t), way->range);
+    way->range = choose(on & (way->t >= way->until), way->end, way->range);
+    real f = ray_bending(&way->r, way->t, r_max(way->range, R(1e-3)), minus_2k);
+    f *= bent_at(&way->r, way->t).q / way->r.pace; /* a metre of range is c / c_s of the path */
+    way->f = choose(on, r_max(f, R(1e-12)), way->f);
+}
+
+/* Takes the rays that are ON, and stand at the end of their legs, to the next. */
+static void change_legs(wander *way, mask on) {
+    mask over = on & (way->t >= way->leave) & (way->range < way->end);
+    if (!any_true(over)) {
+        return;
+    }
+    ray next = next_leg(&way->r, choose(over, way->leave, R(0.0)), way->down, &way->planes);
+    way->r = choose_ray(over, &next, &way->r);
+    natural layer = choose_natural(way->down, way->layer + 1u, way->layer - 1u);
+    way->layer = choose_natural(over, min(layer, (natural)(way->to->count - 1u)), way->layer);
+    way->t = choose(over, R(0.0), way->t);
+    find_exit(way);
+}
+
+/* F along ASDIC_WIDTH rays, in steps. */
+typedef struct steps {
+    natural count;
+    natural bin[VOLUME_STEPS]; /* the farthest before the step */
+    real loss[VOLUME_STEPS];   /* what F loses there */
+    real end;                  /* F where the ray ends */
+} steps;
+
+static void add_step(steps *s, mask on, natural bin, real loss) {
+    LANES {
+        uint at = AT(s->count, uint);
+        if (AT(on, int) == 0) {
+            continue;
+        }
+        if (at > 0u && at <= VOLUME_STEPS && AT(s->bin[at - 1u], uint) == AT(bin, uint)) {
+            AT(s->loss[at - 1u], float) += AT(loss, float);
+            continue;
+        }
+        AT(s->count, uint) = at + 1u;
+        if (at < VOLUME_STEPS) {
+            AT(s->bin[at], uint) = AT(bin, uint);
+            AT(s->loss[at], float) = AT(loss, float);
+        }
+    }
+}
+
+/* What rays draw: where in its bins F is taken, and where the levels begin. */
+typedef struct volume_draw {
+    real place, first;
+} volume_draw;
+
+/* Of rays that follow each other, and so leave at neighbouring elevations, evenly spread: multiples of the powers of
+ * the root of x^3 = x + 1 (M. Roberts' R2 sequence), from a start that the lattice's shift tells. */
+static volume_draw draw_volume(__global const dev_ping *ping, natural rays) {
+    natural index = ping->batch.first * ping->batch.groups + rays;
+    uint place = ping->sampling.lattice_shift * 747796405u, first = place * 2891336453u + 1u;
+    volume_draw d = {random_uniform(place + index * (natural)(3242174889u)),
+                     random_uniform(first + index * (natural)(2447445414u))};
+    return d;
+}
+
+/* How F is rounded: levels a factor e^HEIGHT apart; SPAN > 0: of means over so long a way. */
+typedef struct volume_grain {
+    real height, span;
+} volume_grain;
+
+/* A rounding under way: the level, and the mean's beginning and sum. */
+typedef struct rounding {
+    real level, from, sum;
+} rounding;
+
+/* Takes the rays that are ON from range BEFORE, where F was F_BEFORE, to where they are now. */
+static void round_share(steps *s, rounding *at, const wander *way, const volume_draw *draw,
+                        const volume_grain *grain, real before, real f_before, real bin_m,
+                        mask on) {
+    mask coarse = grain->span > R(0.0);
+    real apart = way->range - before, over = way->range - at->from;
+    at->sum += choose(on, R(0.5) * (way->f + f_before) * apart, R(0.0));
+    mask whole = on & ((coarse == 0) | (over >= grain->span) | (way->range >= way->end));
+    real f = choose(coarse, at->sum / r_max(over, R(1e-6)), way->f);
+    real now = log(r_max(f, R(1e-12))) / grain->height + draw->first, level = floor(now);
+    mask leap = whole & (level != at->level);
+    if (any_true(leap)) {
+        /* Between the two places F goes by the logarithm. */
+        real then = log(f_before) / grain->height + draw->first;
+        real edge = R(0.5) * (at->level + level + R(1.0));
+        real share = (edge - then) / choose(now == then, R(1.0), now - then);
+        real place = choose(coarse, at->from, before + apart * r_min(r_max(share, R(0.0)), R(1.0)));
+        real high = R(0.5) * grain->height;
+        real q = high / sinh(high) * exp((level + R(0.5) - draw->first) * grain->height);
+        real bin = floor(place / bin_m - draw->place);
+        add_step(s, leap & (bin >= R(0.0)), to_natural(r_max(bin, R(0.0))), s->end - q);
+        s->end = choose(leap, q, s->end);
+        at->level = choose(leap, level, at->level);
+    }
+    at->sum = choose(whole, R(0.0), at->sum);
+    at->from = choose(whole, way->range, at->from);
+}
+
+/* F on the way up to bins LAST. */
+static steps follow_water(__global const dev_ping *ping, const layer_stack *to, triple sent,
+                          const volume_draw *draw, natural last, const volume_grain *grain) {
+    real minus_2k = (real)(-2.0f * ping->absorption_np_per_m), bin_m = (real)(ping->bin_m);
+    real end = (to_real(last) + draw->place) * bin_m, stride = VOLUME_STRIDE;
+    wander way = set_out(ping, to, sent, end);
+    steps s;
+    s.count = (natural)(0u);
+    s.end = R(0.0);
+    rounding at = {(real)(-INFINITY), R(0.0), R(0.0)};
+    mask on = (mask)(-1);
+    for (uint i = 0; i < VOLUME_MOST && any_true(on); i++) {
+        real before = way.range, f_before = way.f;
+        stride_on(&way, stride, bin_m, minus_2k, on);
+        round_share(&s, &at, &way, draw, grain, before, f_before, bin_m, on);
+        mask even = r_abs(way.f - f_before) < R(0.06) * f_before;
+        even &= way.t < way.leave;
+        stride = choose(even, r_min(R(2.0) * stride, VOLUME_FAR_STRIDE), VOLUME_STRIDE);
+        change_legs(&way, on);
+        on &= way.range < end;
+    }
+    return s;
+}
+
+/* The same, with the finest grain that VOLUME_STEPS are enough for. */
+static steps follow_all_water(__global const dev_ping *ping, const layer_stack *to, triple sent,
+                              const volume_draw *draw, natural last) {
+    const natural room = (natural)(VOLUME_STEPS);
+    volume_grain grain = {VOLUME_STEP, R(0.0)};
+    steps s = follow_water(ping, to, sent, draw, last, &grain);
+    if (any_true(s.count > room)) {
+        real span = (to_real(last) + R(1.0)) * (real)(1.1f * ping->bin_m / (float)(VOLUME_STEPS));
+        real needed = VOLUME_STEP * (real)(1.2f / (float)(VOLUME_STEPS)) * to_real(s.count);
+        grain.height = choose(s.count > room, needed, grain.height);
+        mask coarse = grain.height > VOLUME_HIGH;
+        grain.height = choose(coarse, VOLUME_STEP, grain.height);
+        grain.span = choose(coarse, span, R(0.0));
+        s = follow_water(ping, to, sent, draw, last, &grain);
+        mask over = s.count > room;
+        if (any_true(over)) {
+            grain.span = choose(over, span, grain.span);
+            s = follow_water(ping, to, sent, draw, last, &grain);
+        }
+    }
+    s.count = min(s.count, room);
+    return s;
+}
+
+/* Says that RAY has so many SETS of arrivals; one that another stands for has none. */
+static void note_sets(__global const dev_ping *ping, const sink *to, uint ray, uint sets) {
+#if ASDIC_DEPOSIT == DEPOSIT_COLLECT
+    uint first = DEV_ARRIVAL_WATER(ASDIC_HAS_MIRRORS) * batch_slots(ping);
+    to->arrivals[(size_t)(first) + position_of(ping, ray)].more = sets << DEV_WATER_SHIFT;
+#else
+    (void)ping;
+    (void)to;
+    (void)ray;
+    (void)sets;
+#endif
+}
+
+/* Brings the steps of rays of WEIGHT, and their ends, to every receiver. */
+static uint receive_steps(const world *w, const sink *to, const steps *s, const water_end *end,
+                          real weight, natural rays, triple sent) {
+    const natural water = (natural)(DEV_DEPOSIT_VOLUME);
+    uint cut = 0u;
+    natural rows = s->count + 2u;
+    for (uint set = 0; set < DEV_WATER_SETS; set++) {
+        arrivals a;
+        a.count = 0u;
+#if ASDIC_TRUTH
+        a.truth_row = (natural)(0u);
+#endif
+        mask here = (natural)(set * MAX_ARRIVALS) < rows;
+        if (!any_true(here)) {
+            break;
+        }
+        for (uint c = 0; c < MAX_ARRIVALS; c++) {
+            uint k = set * MAX_ARRIVALS + c;
+            if (k == 0u) {
+                arrivals_add(w, &a, water, end->last, weight * end->part * s->end);
+            } else if (k == 1u) {
+                real before = choose(end->last == 0u, R(0.0), R(1.0) - end->part);
+                arrivals_add(w, &a, water, max(end->last, (natural)(1u)) - 1u,
+                             weight * before * s->end);
+            } else {
+                mask has = (natural)(k) < rows;
+                natural bin = choose_natural(has, s->bin[k - 2u], (natural)(0u));
+                arrivals_add(w, &a, water, bin, choose(has, weight * s->loss[k - 2u], R(0.0)));
+            }
+        }
+        natural own = choose_natural(here, rays, (natural)(NO_RAY));
+        cut += receive(w, to, DEV_ARRIVAL_WATER(ASDIC_HAS_MIRRORS) + set, &a, own, sent);
+    }
+    LANES {
+        if (AT(rays, uint) != NO_RAY) {
+            uint sets = (AT(rows, uint) + MAX_ARRIVALS - 1u) / MAX_ARRIVALS;
+            note_sets(w->ping, to, AT(rays, uint), sets);
+        }
+    }
+    return cut;
+}
+
+/* The lattice of a group's rays of which one stands for the others. */
+static uint water_share(__global const dev_ping *ping) {
+    uint share = 1u;
+    while (share * share * VOLUME_RAYS < ping->batch.rays) {
+        share *= 2u;
+    }
+    return share;
+}
+
+/* How rays left the sonar, their solid angles, and the ranges at which they end. */
+typedef struct sent_rays {
+    __global const float *legs, *solid_angles, *ranges;
+} sent_rays;
+
+/* Of the rays in SLOTS, those of the lanes ON, each of which stands for SHARE. */
+static uint echo_of_water(const world *w, const sent_rays *from, const layer_stack *layers,
+                          __global const float *volume_inverse, const sink *to, natural slots,
+                          mask on, uint share) {
+    __global const dev_ping *ping = w->ping;
+    real weight, range;
+    triple sent;
+    natural rays;
+    LANES {
+        uint slot = AT(slots, uint), column = slot % ASDIC_WIDTH;
+        __global const float *leg = from->legs + (size_t)(slot - column) * DEV_LEG_FLOATS + column;
+        AT(sent.x, float) = leg[LEG_SENT * ASDIC_WIDTH];
+        AT(sent.y, float) = leg[(LEG_SENT + 1) * ASDIC_WIDTH];
+        AT(sent.z, float) = leg[(LEG_SENT + 2) * ASDIC_WIDTH];
+        AT(range, float) = from->ranges[slot];
+        AT(weight, float) = from->solid_angles[slot] * (float)(share);
+        AT(rays, uint) = AT(on, int) != 0 ? ray_in(ping, slot) : NO_RAY;
+    }
+    weight = choose(on, weight * gain_towards(ping, w->beams, sent.x, sent.y, sent.z), R(0.0));
+    water_end end = find_water_end(ping, volume_inverse, range);
+    end.last = choose_natural(on, end.last, (natural)(0u));
+    volume_draw draw = draw_volume(ping, rays);
+    steps s = follow_all_water(ping, layers, sent, &draw, end.last);
+    return receive_steps(w, to, &s, &end, weight, rays, sent);
+}
+
+/* One work-item per piece (mirror_ray.h). */
+__kernel void volume(__global const dev_ping *pings, __global const dev_layer *layers, uint count,
+                     __global const float *legs, __global const float *solid_angles,
+                     __global const float *ranges, __global const float *water,
+                     __global dev_arrival *arrivals, __global long *accumulator,
+                     __global uint *saturated, __global const dev_truth_row *rows,
+                     __global long *truth) {
+    __global const dev_ping *ping = row_ping(pings);
+    size_t own = row_slots(ping);
+    uint first = (uint)(get_global_id(0)) * PIECE, cut = 0u;
+    uint end = min(first + PIECE, batch_slots(ping));
+    world w = {ping, beams_of(ping), 0, 0, 0, 0};
+    sent_rays from = {legs + DEV_LEG_FLOATS * own, solid_angles + own, ranges + own};
+    layer_stack stack = {layers, count};
+    sink to = {row_cells(ping, accumulator), arrivals + ARRIVAL_SETS * own, truth_rows(ping, rows),
+               truth + (size_t)(ping->sums.truth_first) * ping->sums.truth_columns};
+    uint share = water_share(ping), filled = 0u;
+    natural slots = (natural)(first);
+    for (uint slot = first; slot < end; slot++) {
+        uint ray = ray_in(ping, slot);
+        uint turn =
+            ping->batch.first + (ray >> popcount(ping->batch.groups - 1u)) + group_of(ping, ray);
+        if ((turn & (share - 1u)) != 0u) {
+            note_sets(ping, &to, ray, 0u);
+            continue;
+        }
+        ((uint *)&slots)[filled++] = slot;
+        if (filled == ASDIC_WIDTH) {
+            cut += echo_of_water(&w, &from, &stack, row_water(ping, water), &to, slots, (mask)(-1),
+                                 share);
+            filled = 0u;
+        }
+    }
+    if (filled > 0u) {
+        mask on;
+        LANES {
+            AT(on, int) = lane < filled ? -1 : 0;
+        }
+        cut += echo_of_water(&w, &from, &stack, row_water(ping, water), &to, slots, on, share);
+    }
+    if (cut != 0u) {
+        atomic_add(saturated + get_group_id(1), cut);
+    }
+}
+
+#endif

@@ -1,0 +1,136 @@
+/*
+ * The water's own echo where rays pass through layers: beside quadrature that follows rays by itself, through casts
+ * that fold rays and spread them, with the sonar in, at and beside what does so.
+ */
+#include "bent_rig.h"
+
+/* A strong thermocline: 10 degrees in 3 m. */
+#define LAKE                                                                                       \
+    {                                                                                              \
+        4, {0.0, 4.0, 7.0, 12.0}, {                                                                \
+            1521.0, 1518.0, 1485.0, 1473.0                                                         \
+        }                                                                                          \
+    }
+
+typedef struct water_case {
+    const char *name;
+    double depth_m;
+    asdic_sound_profile cast;
+    double total_db, volume_db; /* r.m.s. that is allowed */
+} water_case;
+
+/* Where caustics pass there are few rays in each: more in the last cases. */
+static const water_case cases[] = {
+    {"over a thermocline", 7.0, {3, {0, 8, 60}, {1495, 1495, 1443}}, 0.01, 0.02},
+    {"inside a thermocline", 7.0, {4, {0, 5, 9, 12}, {1482, 1480, 1471, 1470}}, 0.01, 0.03},
+    {"at its knee", 4.0, LAKE, 0.01, 0.02},
+    {"below its knee", 4.5, LAKE, 0.01, 0.02},
+    {"upward", 7.0, {3, {0, 4, 12}, {1480, 1482, 1490}}, 0.01, 0.02},
+    {"above a channel", 5.0, {3, {0, 7, 20}, {1500, 1480, 1500}}, 0.02, 0.03},
+    {"at its foot", 7.0, LAKE, 0.1, 0.15},
+    {"on a channel's axis", 7.0, {3, {0, 7, 12}, {1490, 1484, 1489}}, 0.05, 0.4},
+};
+
+static ping_rig rig_of(const water_case *c, uint32_t rays) {
+    ping_rig r = bent_rig(0.0, rays);
+    r.pose.position_m.z = c->depth_m;
+    r.env.sound_speed_profile = c->cast;
+    return r;
+}
+
+static void water_meets_quadrature(void **state) {
+    (void)state;
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        ping_rig r = rig_of(&cases[k], 1u << 16);
+        asdic_ping *ping = rig_shoot(&r, 0, true), *truth = expected(&r, ping);
+        difference d = compare(ping, truth, ASDIC_TOTAL), v = compare(ping, truth, ASDIC_VOLUME);
+        print_message("%s: r.m.s. %.4f dB, most %.3f; volume %.4f, most %.3f\n", cases[k].name,
+                      d.rms_db, d.most_db, v.rms_db, v.most_db);
+        assert_true(d.rms_db < cases[k].total_db && v.rms_db < cases[k].volume_db);
+        asdic_ping_destroy(&truth);
+        asdic_ping_destroy(&ping);
+        rig_destroy(&r);
+    }
+}
+
+/* Of few rays: where the water is most of the level, steps and the rays left out must show in the stated error. */
+static void stated_errors_are_honest(void **state) {
+    enum { PINGS = 24 };
+    (void)state;
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        ping_rig r = rig_of(&cases[k], 16384u);
+        asdic_simulator *sim = rig_simulator(&r);
+        asdic_ping *ping = NULL;
+        double sum = 0.0, count = 0.0;
+        assert_ok(t.ctx, asdic_ping_create(t.ctx, 1, asdic_simulator_bin_count(sim), &ping));
+        asdic_ping *truth = expected(&r, ping);
+        for (uint64_t i = 0; i < PINGS; i++) {
+            if (i % 4 == 0) {
+                assert_ok(t.ctx, asdic_simulator_learn(sim, &r.pose, ASDIC_LEARN_BLOCK * i));
+            }
+            assert_ok(t.ctx, asdic_simulator_ping(sim, &r.pose,
+                                                  ASDIC_LEARN_BLOCK * (i / 4 * 4) + i % 4, ping));
+            for (size_t n = 4; n < ping->bins; n++) {
+                double off = asdic_level_db(ping->intensity_lin[ASDIC_TOTAL][n]) -
+                             asdic_level_db(truth->intensity_lin[ASDIC_TOTAL][n]);
+                sum += pow(off / ping->stderr_db[n], 2.0);
+                count += 1.0;
+            }
+        }
+        print_message("%s: true over stated error %.2f\n", cases[k].name, sqrt(sum / count));
+        assert_true(sqrt(sum / count) > 0.7 && sqrt(sum / count) < 1.3);
+        asdic_ping_destroy(&truth);
+        asdic_ping_destroy(&ping);
+        asdic_simulator_destroy(&sim);
+        rig_destroy(&r);
+    }
+}
+
+/* Many receivers get their water from lists by bins, few from cells: the same but for rounding. */
+static void fans_hear_the_same_water(void **state) {
+    enum { MANY = 80 };
+    (void)state;
+    ping_rig r = rig_of(&cases[6], 4096u);
+    asdic_beam fan[MANY];
+    asdic_ping *ping[2];
+    for (int many = 0; many < 2; many++) {
+        size_t beams = many ? MANY : 3;
+        asdic_simulator *sim = NULL;
+        for (size_t b = 0; b < MANY; b++) {
+            fan[b] = r.sonar.transmitter;
+            fan[b].yaw_rad = (double)b * 0.01;
+        }
+        r.sonar.receivers = fan;
+        r.sonar.receiver_count = beams;
+        r.sampling.sampler = ASDIC_SAMPLER_UNIFORM_SPHERE; /* the same rays for both */
+        if (!many) {
+            assert_ok(t.ctx, asdic_scene_commit(r.scene));
+        }
+        assert_ok(t.ctx,
+                  asdic_simulator_create_with(t.ctx, t.device, r.scene, &r.env, &r.sonar,
+                                              &r.sampling, r.pose.position_m.z, &r.layout, &sim));
+        assert_ok(t.ctx,
+                  asdic_ping_create(t.ctx, beams, asdic_simulator_bin_count(sim), &ping[many]));
+        assert_ok(t.ctx, asdic_simulator_ping(sim, &r.pose, 0, ping[many]));
+        asdic_simulator_destroy(&sim);
+    }
+    for (size_t i = 0; i < 3 * ping[0]->bins; i++) {
+        double few = ping[0]->intensity_lin[ASDIC_VOLUME][i];
+        assert_close(ping[1]->intensity_lin[ASDIC_VOLUME][i], few, 1e-3 * few + 1e-30);
+    }
+    asdic_ping_destroy(&ping[0]);
+    asdic_ping_destroy(&ping[1]);
+    rig_destroy(&r);
+}
+
+int main(void) {
+    t = test_device_open_or_skip();
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(water_meets_quadrature),
+        cmocka_unit_test(stated_errors_are_honest),
+        cmocka_unit_test(fans_hear_the_same_water),
+    };
+    int failed = cmocka_run_group_tests(tests, NULL, NULL);
+    test_device_close(&t);
+    return failed;
+}
