@@ -212,6 +212,51 @@ static void footprint_on_a_plane(void **state) {
     asdic_footprint_finish(&area);
 }
 
+/* Where a ray that leaves 20 m at DOWN meets 30 m: arcs of circles, whose angles keep cos / c; x from level to
+ * level is c / (g cos) times the difference of the sines (C. B. Officer, 1958, ch. 2). */
+static double arcs_m(const double *depth_m, const double *speed_mps, int layers, double down_rad) {
+    double x_m = 0.0, angle = down_rad;
+    for (int i = 0; i < layers; i++) {
+        double g = (speed_mps[i + 1] - speed_mps[i]) / (depth_m[i + 1] - depth_m[i]);
+        double next = acos(cos(angle) * speed_mps[i + 1] / speed_mps[i]);
+        x_m += speed_mps[i] / (g * cos(angle)) * (sin(angle) - sin(next));
+        angle = next;
+    }
+    return x_m;
+}
+
+static void footprint_in_water_that_bends(void **state) {
+    (void)state;
+    const double depth_m[] = {20, 24, 30}, speed_mps[] = {1490, 1480, 1474};
+    asdic_layers layers = {2, {{-INFINITY, 24, 20, 1490, -2.5}, {24, INFINITY, 24, 1480, -1.0}}};
+    asdic_beam beam = {.pitch_rad = 0.5, .length_h_m = 0.1, .length_v_m = 0.05};
+    asdic_swath swath = {
+        .beams = &beam, .count = 1, .wavelength_m = 0.015, .range_m = 200, .layers = &layers};
+    asdic_pose pose = {.position_m = {3, 7, 20}};
+    asdic_ground ground = {.relief = &no_relief, .plane_depth_m = 30};
+    double half_v = asin(HALF_POWER * 0.015 / 0.05);
+    for (int level = 0; level < 2; level++) {
+        asdic_chart_area area;
+        beam.pitch_rad = level ? half_v + 1e-4 : 0.5; /* the upper edge level, or nearly */
+        assert_int_equal(asdic_footprint_find(ctx, &swath, &pose, &ground, &area), ASDIC_OK);
+        assert_false(area.dashed);
+        size_t middle = area.count / 4;
+        double near_m = arcs_m(depth_m, speed_mps, 2, beam.pitch_rad + half_v);
+        double far_m = arcs_m(depth_m, speed_mps, 2, beam.pitch_rad - half_v);
+        assert_close(area.north_m[middle], 3.0 + near_m, 5e-3);
+        assert_close(area.north_m[middle + 17], 3.0 + far_m, 5e-3);
+        assert_close(area.east_m[middle], 7.0, 1e-9);
+        asdic_footprint_finish(&area);
+    }
+    /* Upward refraction: the lower edge, too, turns before the bottom. */
+    layers = (asdic_layers){1, {{-INFINITY, INFINITY, 20, 1490, 5.0}}};
+    beam.pitch_rad = 0.0;
+    asdic_chart_area area;
+    assert_int_equal(asdic_footprint_find(ctx, &swath, &pose, &ground, &area), ASDIC_OK);
+    assert_true(area.dashed);
+    asdic_footprint_finish(&area);
+}
+
 /* East of 45 degrees there is no bottom: the area ends there and returns along the range, instead of
  * by a chord through what the beam does not see. */
 static void footprint_beside_a_hole(void **state) {
@@ -471,6 +516,7 @@ int main(void) {
         cmocka_unit_test(relief_is_lit_from_the_north_west),
         cmocka_unit_test(outlines_are_the_objects),
         cmocka_unit_test(footprint_on_a_plane),
+        cmocka_unit_test(footprint_in_water_that_bends),
         cmocka_unit_test(footprint_on_terrain),
         cmocka_unit_test(footprint_beside_a_hole),
         cmocka_unit_test(overview_keeps_the_strongest),

@@ -2,6 +2,7 @@
 
 #include "base/context.h"
 #include "base/vec.h"
+#include "sim/bent_ray.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -76,26 +77,75 @@ double asdic_ground_depth_m(const asdic_ground *g, double north_m, double east_m
     return depth_m;
 }
 
-/* Slant range at which the ray meets the bottom; NAN when it does not within RANGE_M. */
-static double meet(const asdic_ground *g, asdic_vec3 from_m, asdic_vec3 along, double range_m) {
-    if (g->relief->columns == 0) {
-        double at_m = (g->plane_depth_m - from_m.z) / along.z;
-        return along.z > 0.0 && at_m <= range_m ? at_m : NAN;
+/* A ray that leaves the sonar ALONG a direction; where it bends, the leg that it is on. */
+typedef struct way {
+    const asdic_layers *layers;
+    asdic_vec3 along;
+    double depth_m, speed_mps; /* of the sonar */
+    asdic_bent_ray leg;
+} way;
+
+static way set_out(const asdic_swath *s, const asdic_pose *pose, asdic_vec3 along) {
+    way w = {.layers = s->layers, .along = along, .depth_m = pose->position_m.z};
+    if (w.layers) {
+        w.leg = asdic_bent_ray_start(w.layers, w.depth_m, asin(fmin(fmax(along.z, -1.0), 1.0)));
+        w.speed_mps = w.leg.speed_mps;
     }
-    double step_m = fmax(0.5 * g->relief->cell_m, range_m / MOST_STEPS);
-    for (double at_m = step_m; at_m <= range_m; at_m += step_m) {
-        asdic_vec3 here_m = asdic_vec3_add(from_m, asdic_vec3_scale(along, at_m));
-        if (here_m.z >= asdic_ground_depth_m(g, here_m.x, here_m.y)) {
-            return at_m;
+    return w;
+}
+
+/* From the sonar to where the ray is at RANGE_M, which is not less than the one before. */
+static asdic_vec3 reach(way *w, double range_m) {
+    if (!w->layers) {
+        return asdic_vec3_scale(w->along, range_m);
+    }
+    double time_s = range_m / w->speed_mps;
+    for (;;) {
+        int end;
+        double exit_s = asdic_bent_ray_exit(w->layers, &w->leg, &end);
+        if (!(w->leg.time_s + exit_s < time_s)) {
+            break;
         }
+        w->leg = asdic_bent_ray_at_plane(w->layers, &w->leg, exit_s, end);
+        asdic_bent_ray_cross(w->layers, &w->leg, end);
+    }
+    asdic_bent_ray now = asdic_bent_ray_later(w->layers, &w->leg, time_s - w->leg.time_s);
+    double out = now.level_spm * now.area_m2_per_s / fmax(hypot(w->along.x, w->along.y), 1e-12);
+    return (asdic_vec3){out * w->along.x, out * w->along.y, now.z_m - w->depth_m};
+}
+
+/* Range at which the ray meets the bottom; NAN when it does not within the swath's, or where it bends up to the
+ * surface before. */
+static double meet(const asdic_ground *g, const asdic_swath *s, const asdic_pose *pose,
+                   asdic_vec3 along) {
+    asdic_vec3 from_m = pose->position_m;
+    if (g->relief->columns == 0 && !s->layers) {
+        double at_m = (g->plane_depth_m - from_m.z) / along.z;
+        return along.z > 0.0 && at_m <= s->range_m ? at_m : NAN;
+    }
+    double step_m = s->range_m / MOST_STEPS, above_m = g->plane_depth_m - from_m.z;
+    step_m = g->relief->columns > 0 ? fmax(0.5 * g->relief->cell_m, step_m) : step_m;
+    way w = set_out(s, pose, along);
+    for (double at_m = step_m; at_m <= s->range_m; at_m += step_m) {
+        asdic_vec3 here_m = asdic_vec3_add(from_m, reach(&w, at_m));
+        double below_m = here_m.z - asdic_ground_depth_m(g, here_m.x, here_m.y);
+        if (below_m >= 0.0) { /* between two steps a plane is met where it lies */
+            return g->relief->columns > 0 ? at_m : at_m - step_m * below_m / (below_m + above_m);
+        }
+        if (s->layers && here_m.z < 0.0) {
+            return NAN;
+        }
+        above_m = -below_m;
     }
     return NAN;
 }
 
-static void add_point(asdic_chart_area *area, const asdic_pose *pose, asdic_vec3 along,
-                      double at_m) {
-    area->north_m[area->count] = pose->position_m.x + at_m * along.x;
-    area->east_m[area->count++] = pose->position_m.y + at_m * along.y;
+static void add_point(asdic_chart_area *area, const asdic_swath *s, const asdic_pose *pose,
+                      asdic_vec3 along, double at_m) {
+    way w = set_out(s, pose, along);
+    asdic_vec3 there_m = reach(&w, at_m);
+    area->north_m[area->count] = pose->position_m.x + there_m.x;
+    area->east_m[area->count++] = pose->position_m.y + there_m.y;
 }
 
 asdic_status asdic_footprint_find(asdic_context *ctx, const asdic_swath *s, const asdic_pose *pose,
@@ -111,25 +161,25 @@ asdic_status asdic_footprint_find(asdic_context *ctx, const asdic_swath *s, cons
     }
     out->dashed = true;
     for (size_t i = 0; i < n; i++) {
-        near_m[i] = meet(ground, pose->position_m, cuts[i].lower, s->range_m);
+        near_m[i] = meet(ground, s, pose, cuts[i].lower);
         out->dashed = out->dashed && isnan(near_m[i]);
     }
     if (out->dashed) {
-        add_point(out, pose, cuts[0].axis, 0.0);
+        add_point(out, s, pose, cuts[0].axis, 0.0);
     }
     /* A cut that misses the bottom has no width there, at the full range: a chord between its
      * neighbours would enclose what no beam sees. */
     for (size_t i = 0; i < n && !out->dashed; i++) {
         bool is_missed = isnan(near_m[i]);
-        add_point(out, pose, is_missed ? cuts[i].upper : cuts[i].lower,
+        add_point(out, s, pose, is_missed ? cuts[i].upper : cuts[i].lower,
                   is_missed ? s->range_m : near_m[i]);
     }
     for (size_t i = n; i-- > 0;) {
         double far_m = NAN;
         if (!isnan(near_m[i])) {
-            far_m = meet(ground, pose->position_m, cuts[i].upper, s->range_m);
+            far_m = meet(ground, s, pose, cuts[i].upper);
         }
-        add_point(out, pose, out->dashed ? cuts[i].axis : cuts[i].upper,
+        add_point(out, s, pose, out->dashed ? cuts[i].axis : cuts[i].upper,
                   isnan(far_m) ? s->range_m : far_m);
     }
     return ASDIC_OK;

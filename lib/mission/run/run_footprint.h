@@ -5,6 +5,7 @@
 #define ASDIC_MISSION_RUN_FOOTPRINT_H
 
 #include "out/draw_chart.h"
+#include "sim/layers.h"
 
 #include <asdic/sonar.h>
 
@@ -20,6 +21,7 @@ typedef struct asdic_swath {
     const asdic_beam *beams; /* one, or several side by side that make one area */
     size_t count;
     double wavelength_m, range_m;
+    const asdic_layers *layers; /* of water that bends rays; NULL: they are straight */
 } asdic_swath;
 
 /* Outline of the area where the main lobes (half power, one way) meet the bottom within the range,

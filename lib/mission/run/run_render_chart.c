@@ -72,7 +72,10 @@ static asdic_status add_place(asdic_render *r, sketch *s, const asdic_record *re
         asdic_environment_sound_speed_mps(r->info.environment, record->pose.position_m.z);
     bool is_apart = sonar->receiver_count <= MOST_APART;
     bool is_scan = r->run->settings.sweep.directions > 0;
-    asdic_swath swath = {.count = is_apart ? 1 : sonar->receiver_count,
+    asdic_layers layers;
+    asdic_layers_of(r->info.environment, record->pose.position_m.z, &layers);
+    asdic_swath swath = {.layers = asdic_environment_bends(r->info.environment) ? &layers : NULL,
+                         .count = is_apart ? 1 : sonar->receiver_count,
                          .wavelength_m = speed_mps / sonar->frequency_hz,
                          .range_m = (double)r->info.bins * r->run->facts.bin_length_m};
     for (size_t k = 0; k < (is_apart ? sonar->receiver_count : 1); k++) {
