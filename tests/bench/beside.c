@@ -52,9 +52,17 @@ static const struct {
     [VERTICES] = {"vertices", RIVAL_SINGLE, {0.0, 0.0, 0.0}},
 };
 
+/* The ratios of every set, by mesh; the lowest is that of mesh WORST. */
+typedef struct summary {
+    double *ratios[SETS], least[SETS];
+    size_t count[SETS];
+    char worst[SETS][ASDIC_NAME_SIZE];
+} summary;
+
 /* One scene under measurement. */
 typedef struct rig {
     bench *b;
+    summary *all;
     size_t index; /* BESIDE_SCENES: a mesh from the command line */
     bench_ray_scene scene;
     float *corners_m;
@@ -123,6 +131,24 @@ static void judge_vertices(rig *r, const asdic_ray *rays, size_t count, figures 
     }
 }
 
+static void summarize(summary *all, int set, const char *name, double ratio) {
+    if (all->count[set] == 0 || ratio < all->least[set]) {
+        all->least[set] = ratio;
+        snprintf(all->worst[set], sizeof all->worst[set], "%s", name);
+    }
+    all->ratios[set][all->count[set]++] = ratio;
+}
+
+static void say_summary(const bench *b, summary *all) {
+    for (int set = 0; set < SETS; set++) {
+        if (all->count[set] > 1 && isfinite(all->least[set])) {
+            bench_say(b, "%-15s median of %zu: %.2f, worst: %.2f, %s\n", sets[set].name,
+                      all->count[set], bench_median(all->ratios[set], all->count[set]),
+                      all->least[set], all->worst[set]);
+        }
+    }
+}
+
 static void add_row(rig *r, int set, size_t count, const figures *f) {
     const double *t = f->embree_s, rays = (double)count;
     double theirs = sets[set].rival == RIVAL_SINGLE     ? t[BENCH_EMBREE_SINGLE]
@@ -131,6 +157,7 @@ static void add_row(rig *r, int set, size_t count, const figures *f) {
     /* Goals are for the whole sets of the scenes at hand. */
     bool has_goal = r->embree && !r->b->quick && r->index < BESIDE_SCENES && set != VERTICES;
     bool at_vertices = set == VERTICES;
+    summarize(r->all, set, r->scene.name, theirs / f->ours_s);
     const bench_cell cells[] = {
         BENCH_TEXT(r->scene.name),
         BENCH_NUMBER(r->triangles),
@@ -232,14 +259,11 @@ static asdic_status measure(rig *r) {
     return measure_sets(r);
 }
 
-asdic_status beside(bench *b) {
-    size_t named = bench_scene_count(b);
+/* One scene after the other. */
+static asdic_status measure_scenes(bench *b, size_t named, summary *all) {
     asdic_status status = ASDIC_OK;
-    bench_say(b, "%u thread%s, %s%s\n", b->threads, b->threads == 1 ? "" : "s",
-              bench_embree_version() ? "beside Embree " : "without Embree",
-              bench_embree_version() ? bench_embree_version() : "");
     for (size_t i = 0; !status && i < (named ? named : BESIDE_SCENES); i++) {
-        rig r = {.b = b, .index = named ? BESIDE_SCENES + i : i};
+        rig r = {.b = b, .all = all, .index = named ? BESIDE_SCENES + i : i};
         status = measure(&r);
         asdic_caster_destroy(&r.caster);
         bench_embree_destroy(r.embree);
@@ -250,6 +274,27 @@ asdic_status beside(bench *b) {
         free(r.mirrored);
         free(r.hits);
         free(r.theirs);
+    }
+    return status;
+}
+
+asdic_status beside(bench *b) {
+    size_t named = bench_scene_count(b);
+    summary all = {.count = {0}};
+    bench_say(b, "%u thread%s, %s%s\n", b->threads, b->threads == 1 ? "" : "s",
+              bench_embree_version() ? "beside Embree " : "without Embree",
+              bench_embree_version() ? bench_embree_version() : "");
+    asdic_status status = ASDIC_OK;
+    for (int set = 0; set < SETS; set++) {
+        all.ratios[set] = malloc((named + BESIDE_SCENES) * sizeof **all.ratios);
+        status = all.ratios[set] ? status : ASDIC_ERROR_MEMORY;
+    }
+    status = status ? status : measure_scenes(b, named, &all);
+    if (!status) {
+        say_summary(b, &all);
+    }
+    for (int set = 0; set < SETS; set++) {
+        free(all.ratios[set]);
     }
     return status;
 }
