@@ -14,11 +14,11 @@
 #include "trace_hybrid.h"
 #include "trace_wide8.h"
 
-/* Sixteen rays a work-item, each by itself. */
+/* Sixty-four rays a work-item, each by itself. */
 __kernel void trace_wide8(__global const dev_node8 *nodes, __global const dev_block4 *blocks,
                           __global const dev_ray *rays, __global dev_hit *hits, uint count,
                           uint root, float extent_m) {
-    uint first = 16 * (uint)get_global_id(0);
+    uint first = TURNS_RAYS * (uint)get_global_id(0);
     if (first < count) {
         trace_in_turns(nodes, blocks, rays, hits, first, count, root, extent_m);
     }

@@ -80,11 +80,6 @@ static inline void bound_prepare(float o, float d, float skin, uint row, bound *
     a->near_row = row + (negative ? 1 : 0);
 }
 
-static inline float16 inverse16(float16 d) {
-    float16 tiny = d < 0.0f ? (float16)(-1e-18f) : (float16)(1e-18f);
-    return 1.0f / (fabs(d) < 1e-18f ? tiny : d);
-}
-
 static inline void group_prepare(rays16 r, uint kz, group16 *g) {
     g->inverse[0] = inverse16(r.dx);
     g->inverse[1] = inverse16(r.dy);

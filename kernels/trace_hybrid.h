@@ -26,7 +26,9 @@ TRACE_APART static void trace_sixteen(__global const dev_node8 *nodes,
     bool done = walk_frustum(nodes, blocks, root, 1, FRUSTUM_BUDGET_16, &f, &g);
     known = g.best;
     if (!done) {
-        known = walk_singly(nodes, blocks, &rays[first], known, 0xffff, root, extent_m);
+        r.t_max = known.t;
+        uint lanes = sieve16(nodes, r, root, extent_m);
+        known = walk_singly(nodes, blocks, &rays[first], known, lanes, root, extent_m);
     }
     store_hits16(hits, first, count, known);
 }

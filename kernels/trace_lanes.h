@@ -19,6 +19,12 @@ static inline float greatest16(float16 v) {
     return -least16(-v);
 }
 
+/* One over directions' cosines, finite for those that are nearly zero. */
+static inline float16 inverse16(float16 d) {
+    float16 tiny = d < 0.0f ? (float16)(-1e-18f) : (float16)(1e-18f);
+    return 1.0f / (fabs(d) < 1e-18f ? tiny : d);
+}
+
 /* Sixteen structs of eight floats become eight vectors of sixteen: three rounds of even and odd. */
 typedef struct columns {
     float16 c[8];

@@ -8,7 +8,6 @@
 #ifndef ASDIC_KERNEL_TRACE_PACKET_H
 #define ASDIC_KERNEL_TRACE_PACKET_H
 
-#include "trace_lanes.h"
 #include "trace_wide8.h"
 
 /* So many rays or fewer go on alone. */

@@ -1,11 +1,11 @@
 /*
  * Every ray by itself, eight boxes at a time: the form for CPUs and rays without order. Such rays wait
- * for memory most of the time, so sixteen of them take turns.
+ * for memory most of the time, so sixteen of them take turns: of sixty-four those that enter any box at all.
  */
 #ifndef ASDIC_KERNEL_TRACE_WIDE8_H
 #define ASDIC_KERNEL_TRACE_WIDE8_H
 
-#include "intersect.h"
+#include "trace_sieve.h"
 #include "vector.h"
 
 /* A ray made ready for traversal. Planes are chosen by the sign of the direction, and the origin
@@ -188,8 +188,8 @@ static inline bool step8(__global const dev_node8 *nodes, __global const dev_blo
 }
 
 /* The walkers ALIVE to the end of their ways: while one waits for memory the next goes on. */
-static inline void walk_in_turns(__global const dev_node8 *nodes, __global const dev_block4 *blocks,
-                                 walker8 *w, uint alive) {
+TRACE_APART static void walk_in_turns(__global const dev_node8 *nodes,
+                                      __global const dev_block4 *blocks, walker8 *w, uint alive) {
     while (alive) {
         for (uint turn = alive; turn; turn &= turn - 1) {
             uint i = lowest_bit(turn);
@@ -198,29 +198,47 @@ static inline void walk_in_turns(__global const dev_node8 *nodes, __global const
     }
 }
 
-/* Rays FIRST .. FIRST + 15, those below COUNT. */
+/* Rays of a work-item: those of them that enter a box below the root are enough to take turns. */
+#define TURNS_RAYS 64
+
+/* Up to sixteen rays from ROOT, by their numbers in RAYS. */
+static inline void walk_rays(__global const dev_node8 *nodes, __global const dev_block4 *blocks,
+                             __global const dev_ray *rays, __global dev_hit *hits, const uint *own,
+                             uint count, uint root, float extent_m) {
+    walker8 w[16];
+    for (uint i = 0; i < count; i++) {
+        dev_ray ray = rays[own[i]];
+        w[i].r = ray8_prepare(ray, extent_m);
+        w[i].best.t_m = ray.t_max;
+        w[i].best.triangle = ~0u;
+        w[i].word = root;
+        w[i].top = 0;
+    }
+    walk_in_turns(nodes, blocks, w, (1u << count) - 1);
+    for (uint i = 0; i < count; i++) {
+        if (w[i].best.triangle != ~0u) {
+            hits[own[i]] = w[i].best;
+        }
+    }
+}
+
+/* Rays FIRST .. FIRST + 63, those below COUNT. */
 TRACE_APART static void trace_in_turns(__global const dev_node8 *nodes,
                                        __global const dev_block4 *blocks,
                                        __global const dev_ray *rays, __global dev_hit *hits,
                                        uint first, uint count, uint root, float extent_m) {
-    walker8 w[16];
-    uint alive = 0, end = count - first < 16 ? count - first : 16;
-    for (uint i = 0; i < end; i++) {
-        dev_ray ray = rays[first + i];
-        w[i].best.t_m = ray.t_max;
-        w[i].best.triangle = ~0u;
-        if (ray.t_max > 0.0f && root != DEV_EMPTY) {
-            w[i].r = ray8_prepare(ray, extent_m);
-            w[i].word = root;
-            w[i].top = 0;
-            alive |= 1u << i;
+    uint entering[TURNS_RAYS], entered = 0;
+    for (uint at = first; at < first + TURNS_RAYS && at < count; at += 16) {
+        rays16 r = load_rays16(rays, at, count);
+        hits16 none = {r.t_max, (uint16)(~0u)};
+        store_hits16(hits, at, count, none);
+        for (uint left = sieve16(nodes, r, root, extent_m); left; left &= left - 1) {
+            entering[entered++] = at + lowest_bit(left);
         }
     }
-    walk_in_turns(nodes, blocks, w, alive);
-    for (uint i = 0; i < end; i++) {
-        dev_hit hit = w[i].best;
-        hit.t_m = hit.triangle == ~0u ? INFINITY : hit.t_m;
-        hits[first + i] = hit;
+    for (uint at = 0; at < entered; at += 16) {
+        uint some = entered - at < 16 ? entered - at : 16;
+        walk_rays(nodes, blocks, rays, hits, &entering[at], some, root, extent_m);
     }
 }
 

@@ -28,7 +28,7 @@ static const struct {
     uint32_t rays; /* per work-item */
     size_t local;
 } forms[FORM_COUNT] = {
-    [FORM_WIDE8] = {"wide8", "trace.cl", "trace_wide8", 16, 32},
+    [FORM_WIDE8] = {"wide8", "trace.cl", "trace_wide8", 64, 8},
     [FORM_PKT16] = {"pkt16", "trace.cl", "trace_pkt16", 16, 32},
     [FORM_FRUSTUM64] = {"frustum64", "trace.cl", "trace_frustum64", 64, 16},
     [FORM_SCALAR] = {"scalar", "trace_scalar.cl", "trace_scalar", 1, 64},
