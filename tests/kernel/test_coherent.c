@@ -1,54 +1,18 @@
 /* Coherent pings against closed forms, quadrature and a reference in double. */
-#include "ping_rig.h"
-
-#include "sim/coherent.h"
+#include "coherent_rig.h"
 
 static test_device t;
-
-#define TURN (360.0 * RIG_DEGREE)
-
-/* 32 elements half a wavelength apart at 100 kHz and 1500 m/s, and one beam ahead; no noise, clear water. */
-static ping_rig array_rig(void) {
-    ping_rig r = rig_create(&t);
-    r.env.sound_speed_mps = 1500.0;
-    r.env.particle_strength_db = -200.0;
-    r.sonar.array = (asdic_array){
-        .elements = 32, .spacing_m = 0.0075, .element = {.length_h_m = 0.0075, .length_v_m = 0.05}};
-    r.sonar.receiver_count = 1;
-    r.receivers[0].length_h_m = 0.24;
-    r.sampling.coherent = true;
-    r.sampling.rays = 20000;
-    return r;
-}
-
-static ping_rig empty_array(void) {
-    ping_rig r = array_rig();
-    asdic_scene_destroy(&r.scene);
-    assert_ok(t.ctx, asdic_scene_create(t.ctx, &r.scene));
-    asdic_scene_set_surface(r.scene, false);
-    return r;
-}
-
-static asdic_ping *shoot(ping_rig *r, asdic_simulator *sim, uint64_t index) {
-    asdic_ping *ping = NULL;
-    assert_ok(t.ctx, asdic_ping_create(t.ctx, r->sonar.receiver_count,
-                                       asdic_simulator_bin_count(sim), &ping));
-    assert_ok(t.ctx, asdic_ping_add_elements(t.ctx, ping, r->sonar.array.elements,
-                                             asdic_simulator_sample_count(sim)));
-    assert_ok(t.ctx, asdic_simulator_ping(sim, &r->pose, index, ping));
-    return ping;
-}
 
 /* A point's pressure at every element: level by the sonar equation, phase by the way there and back. */
 static void a_point_has_level_and_phase(void **state) {
     (void)state;
-    ping_rig r = empty_array();
+    ping_rig r = empty_array(&t);
     r.sonar.transmitter.length_h_m = r.sonar.transmitter.length_v_m = 1e-4;
     r.sonar.array.element.length_h_m = r.sonar.array.element.length_v_m = 1e-4;
     asdic_vec3 at = {30.0, 12.0, 9.0};
     assert_ok(t.ctx, asdic_scene_add_point(r.scene, "p", at, -20.0));
     asdic_simulator *sim = rig_simulator(&r);
-    asdic_ping *ping = shoot(&r, sim, 0);
+    asdic_ping *ping = array_shoot(&r, sim, 0);
     double alpha = asdic_environment_absorption_db_per_km(&r.env, 100e3, 7.0);
     double range = sqrt(30.0 * 30 + 12 * 12 + 2 * 2), worst_db = 0.0, worst_turns = 0.0;
     double level = -20.0 - 40.0 * log10(range) - 2.0 * (range - 1.0) * alpha / 1000.0;
@@ -56,7 +20,7 @@ static void a_point_has_level_and_phase(void **state) {
         double y = ((double)e - 15.5) * 0.0075;
         double back = sqrt(30.0 * 30 + (12 - y) * (12 - y) + 2 * 2);
         size_t n = (size_t)(0.5 * (range + back) / ping->sample_m);
-        const float *p = ping->pressure + 2 * (e * ping->samples + n);
+        const float *p = array_at(ping, e, n);
         double turns = atan2(p[1], p[0]) / TURN + (range + back) / 0.015;
         worst_turns = fmax(worst_turns, fabs(turns - rint(turns)));
         worst_db = fmax(worst_db, fabs(20.0 * log10(hypot(p[0], p[1])) - level));
@@ -71,7 +35,7 @@ static void a_point_has_level_and_phase(void **state) {
 /* At 1 MHz and 150 m there and back are 200,000 wavelengths, far from the scene's origin as well. */
 static void phase_holds_at_a_megahertz(void **state) {
     (void)state;
-    ping_rig r = empty_array();
+    ping_rig r = empty_array(&t);
     const double wavelength_m = 0.0015;
     r.sonar.frequency_hz = 1e6;
     r.sonar.array.spacing_m = 0.5 * wavelength_m;
@@ -84,7 +48,7 @@ static void phase_holds_at_a_megahertz(void **state) {
         assert_ok(t.ctx, asdic_scene_add_point(r.scene, "p", at[i], 0.0));
     }
     asdic_simulator *sim = rig_simulator(&r);
-    asdic_ping *ping = shoot(&r, sim, 0);
+    asdic_ping *ping = array_shoot(&r, sim, 0);
     double worst = 0.0;
     for (int i = 0; i < 3; i++) {
         /* The device holds a point's place in single precision. */
@@ -94,7 +58,7 @@ static void phase_holds_at_a_megahertz(void **state) {
             double own = ((double)e - 15.5) * r.sonar.array.spacing_m;
             double back = sqrt(x * x + (y - own) * (y - own) + z * z);
             size_t n = (size_t)(0.5 * (range + back) / ping->sample_m);
-            const float *p = ping->pressure + 2 * (e * ping->samples + n);
+            const float *p = array_at(ping, e, n);
             double turns = atan2(p[1], p[0]) / TURN + (range + back) / wavelength_m;
             worst = fmax(worst, fabs(turns - rint(turns)));
         }
@@ -133,11 +97,11 @@ static double *sum_elements(const dev_coherent *c, const dev_echo *echoes, size_
 
 static void elements_agree_with_double(void **state) {
     (void)state;
-    ping_rig r = array_rig();
+    ping_rig r = array_rig(&t);
     r.env.particle_strength_db = -50.0;
     r.sonar.array.elements = 21; /* no whole number of vectors */
     asdic_simulator *sim = rig_simulator(&r);
-    asdic_ping *ping = shoot(&r, sim, 0);
+    asdic_ping *ping = array_shoot(&r, sim, 0);
     dev_echo *echoes = NULL;
     size_t count = 0;
     assert_ok(t.ctx, asdic_coherent_echoes(sim, &echoes, &count));
@@ -170,7 +134,7 @@ static void elements_agree_with_double(void **state) {
 static void beams_have_the_pattern_of_their_weights(void **state) {
     (void)state;
     for (int shading = ASDIC_SHADING_NONE; shading <= ASDIC_SHADING_CHEBYSHEV; shading++) {
-        ping_rig r = empty_array();
+        ping_rig r = empty_array(&t);
         asdic_beam beams[PATTERN_BEAMS] = {0};
         r.sonar.bandwidth_hz = 1000.0;
         r.sonar.bin_length_m = 0.75;
@@ -189,7 +153,7 @@ static void beams_have_the_pattern_of_their_weights(void **state) {
         asdic_simulator *sim = NULL;
         assert_ok(t.ctx, asdic_simulator_create(t.ctx, t.device, r.scene, &r.env, &r.sonar,
                                                 &r.sampling, 7.0, &sim));
-        asdic_ping *ping = shoot(&r, sim, 0);
+        asdic_ping *ping = array_shoot(&r, sim, 0);
         double weights[32], none = ping->intensity_lin[ASDIC_TOTAL][70 * ping->bins + 53];
         asdic_array_weights(&r.sonar.array, weights);
         for (int b = 0; b < PATTERN_BEAMS; b++) {

@@ -1,0 +1,268 @@
+/* Statistics of coherent pings: level, contrast and law of speckle, what elements, beams and pings share. */
+#include "coherent_rig.h"
+
+static test_device t;
+static bool full; /* as many samples as the goals of docs/coherent.md ask for */
+
+static double sinc(double x) {
+    return fabs(x) < 1e-9 ? 1.0 : sin(0.5 * TURN * x) / (0.5 * TURN * x);
+}
+
+/* Elements hear what one of them, as a receiver, is expected to hear. */
+static void the_mean_is_that_of_intensities(void **state) {
+    (void)state;
+    enum { ELEMENTS = 16 };
+    const uint64_t pings = full ? 160 : 24;
+    ping_rig r = array_rig(&t);
+    r.env.particle_strength_db = -60.0;
+    r.env.max_depth_m = NAN;
+    r.sonar.noise_enabled = true;
+    r.sonar.source_level_db = 190.0;
+    r.sonar.bandwidth_hz = 40e3;
+    r.sonar.bin_length_m = 1.0;
+    r.sonar.transmitter.length_h_m = 0.0075; /* elements then hear little in common */
+    r.sonar.array.elements = ELEMENTS;
+    r.sonar.array.spacing_m = WAVELENGTH_M;
+    r.sampling.rays = 100000;
+    asdic_ping *expected = NULL, *ping = NULL;
+    double *mean = NULL;
+    size_t each = 0;
+    for (uint64_t seed = 1; seed <= pings; seed++) {
+        r.sampling.seed = seed;
+        asdic_simulator *sim = rig_simulator(&r);
+        ping = array_shoot(&r, sim, seed);
+        mean = mean ? mean : calloc(ping->bins, sizeof *mean);
+        assert_non_null(mean);
+        each = ping->samples / ping->bins;
+        for (size_t e = 0; e < ELEMENTS; e++) {
+            for (size_t n = 0; n < ping->samples; n++) {
+                const float *p = array_at(ping, e, n);
+                mean[n / each] +=
+                    ((double)p[0] * p[0] + (double)p[1] * p[1]) / (double)(pings * ELEMENTS);
+            }
+        }
+        if (!expected) {
+            assert_ok(t.ctx, asdic_ping_create(t.ctx, 1, ping->bins, &expected));
+        }
+        asdic_ping_destroy(&ping);
+        asdic_simulator_destroy(&sim);
+    }
+    asdic_sonar one = r.sonar;
+    one.receivers = &r.sonar.array.element;
+    asdic_flat_scene flat = {.has_surface = true,
+                             .has_bottom = true,
+                             .altitude_m = 5.0,
+                             .depth_m = 7.0,
+                             .bottom = asdic_material_bottom(2.0)};
+    assert_ok(t.ctx, asdic_expected_compute(t.ctx, &flat, &r.env, &one, &r.pose, expected));
+    double squares = 0.0, offset = 0.0, worst = 0.0, pulse = 1500.0 / (2.0 * 40e3);
+    size_t count = 0;
+    for (size_t n = 1; n < expected->bins; n++, count++) {     /* the blanking cuts the first */
+        double level = mean[n] * (1.0 / (double)each) / pulse; /* energy of a bin of a metre */
+        double db = 10.0 * log10(level / expected->intensity_lin[ASDIC_TOTAL][n]);
+        squares += db * db;
+        offset += db;
+        worst = fabs(db) > fabs(worst) ? db : worst;
+    }
+    squares = sqrt(squares / (double)count);
+    print_message("mean off by %.3f dB r.m.s. over %zu bins, %.3f dB on average, %.3f dB at most\n",
+                  squares, count, offset / (double)count, worst);
+    assert_true(squares < (full ? 0.05 : 0.12) && fabs(offset) < 0.05 * (double)count);
+    free(mean);
+    asdic_ping_destroy(&expected);
+    rig_destroy(&r);
+}
+
+/* Flat sand alone. */
+static ping_rig sand_rig(void) {
+    ping_rig r = array_rig(&t);
+    asdic_scene_set_surface(r.scene, false);
+    r.sonar.bin_length_m = 0.075;
+    r.sonar.array.elements = 16;
+    r.sonar.transmitter.length_h_m = 0.03;
+    r.sampling.left_out = 1u << ASDIC_TERM_VOLUME; /* which is new in every ping */
+    r.sampling.rays = 150000;
+    return r;
+}
+
+static int compare(const void *a, const void *b) {
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* Intensities over their mean at that range: exponential, of contrast 1. */
+static void speckle_is_rayleigh(void **state) {
+    (void)state;
+    enum { ELEMENTS = 64, APART = 6, FROM = 1000 };
+    const size_t pings = full ? 32 : 6;
+    ping_rig r = sand_rig();
+    r.sonar.transmitter.length_h_m = 0.0075;
+    r.sonar.array.elements = ELEMENTS;
+    r.sonar.array.spacing_m = 2.0 * WAVELENGTH_M;
+    r.sampling.rays = full ? 1500000 : 400000;
+    double *x = NULL;
+    size_t rows = 0;
+    for (uint64_t seed = 1; seed <= pings; seed++) {
+        r.sampling.seed = seed;
+        asdic_simulator *sim = rig_simulator(&r);
+        asdic_ping *ping = array_shoot(&r, sim, 0);
+        rows = (ping->samples - FROM) / APART;
+        x = x ? x : calloc(rows * pings * ELEMENTS, sizeof *x);
+        assert_non_null(x);
+        for (size_t row = 0; row < rows; row++) {
+            for (size_t e = 0; e < ELEMENTS; e++) {
+                const float *p = array_at(ping, e, FROM + row * APART);
+                x[(row * pings + seed - 1) * ELEMENTS + e] =
+                    (double)p[0] * p[0] + (double)p[1] * p[1];
+            }
+        }
+        asdic_ping_destroy(&ping);
+        asdic_simulator_destroy(&sim);
+    }
+    size_t count = rows * pings * ELEMENTS;
+    double squares = 0.0, most = 0.0;
+    for (size_t row = 0; row < rows; row++) { /* the level falls with range */
+        double *own = x + row * pings * ELEMENTS, sum = 0.0;
+        for (size_t i = 0; i < pings * ELEMENTS; i++) {
+            sum += own[i];
+        }
+        for (size_t i = 0; i < pings * ELEMENTS; i++) {
+            own[i] *= pings * ELEMENTS / sum;
+            squares += own[i] * own[i];
+        }
+    }
+    double contrast = sqrt(squares / (double)count - 1.0);
+    qsort(x, count, sizeof *x, compare);
+    for (size_t i = 0; i < count; i++) {
+        most = fmax(most, fabs(1.0 - exp(-x[i]) - ((double)i + 0.5) / (double)count));
+    }
+    print_message("%zu samples: contrast %.4f, Kolmogorov-Smirnov %.2f [1.63]\n", count, contrast,
+                  most * sqrt((double)count));
+    assert_true(count >= (full ? 1000000 : 100000));
+    assert_true(fabs(contrast - 1.0) < 0.01);
+    assert_true(most * sqrt((double)count) <
+                (full ? 1.63 : 1.95)); /* one in a hundred, a thousand */
+    free(x);
+    rig_destroy(&r);
+}
+
+/* The coherence of what arrives SHIFT wavelengths apart on the line, from a ring of bottom RANGE away, by
+ * quadrature over azimuth: transmitter and element have the sides H_WL and OWN_WL. */
+static double ring_coherence(double shift, double range, double depth, double h_wl, double own_wl) {
+    double level = sqrt(1.0 - depth * depth / (range * range)), re = 0.0, all = 0.0;
+    for (int i = -2000; i < 2000; i++) {
+        double y = level * sin((i + 0.5) / 2000.0 * 0.25 * TURN);
+        double weight = pow(sinc(h_wl * y) * sinc(own_wl * y), 2.0);
+        re += weight * cos(TURN * shift * y);
+        all += weight;
+    }
+    return re / all;
+}
+
+/* Products of two pressures that are correlated. */
+typedef struct pair_sum {
+    double aa, bb, re, im;
+} pair_sum;
+
+static void add_pair(pair_sum *s, const float *a, const float *b) {
+    s->aa += (double)a[0] * a[0] + (double)a[1] * a[1];
+    s->bb += (double)b[0] * b[0] + (double)b[1] * b[1];
+    s->re += (double)a[0] * b[0] + (double)a[1] * b[1];
+    s->im += (double)a[1] * b[0] - (double)a[0] * b[1];
+}
+
+/* A pair's coherence, less its EXPECTED one, which is real. */
+static double pair_error(const pair_sum *s, double expected) {
+    double size = sqrt(s->aa * s->bb);
+    return hypot(s->re / size - expected, s->im / size);
+}
+
+#define NEAR_M 30.0
+#define FAR_M 60.0
+
+/* Van Cittert and Zernike: elements are as coherent as the arriving field's spectrum of angles says. */
+static void elements_share_what_theory_says(void **state) {
+    (void)state;
+    enum { PINGS = 20, LAGS = 8 };
+    ping_rig r = sand_rig();
+    pair_sum sums[LAGS + 1] = {{0}};
+    for (uint64_t seed = 1; seed <= PINGS; seed++) {
+        r.sampling.seed = seed;
+        asdic_simulator *sim = rig_simulator(&r);
+        asdic_ping *ping = array_shoot(&r, sim, 0);
+        for (size_t n = (size_t)(NEAR_M / ping->sample_m); n < FAR_M / ping->sample_m; n++) {
+            for (size_t e = 0; e < ping->elements; e++) {
+                for (size_t lag = 0; lag <= LAGS && e + lag < ping->elements; lag++) {
+                    add_pair(&sums[lag], array_at(ping, e, n), array_at(ping, e + lag, n));
+                }
+            }
+        }
+        asdic_ping_destroy(&ping);
+        asdic_simulator_destroy(&sim);
+    }
+    double worst = 0.0;
+    for (int lag = 0; lag <= LAGS; lag++) {
+        double theory = ring_coherence(0.5 * lag, 42.0, 5.0, 2.0, 0.5);
+        double error = pair_error(&sums[lag], theory);
+        print_message("%d half wavelengths: %.3f, theory %.3f\n", lag,
+                      sums[lag].re / sqrt(sums[lag].aa * sums[lag].bb), theory);
+        worst = fmax(worst, error);
+    }
+    assert_true(worst < 0.02);
+    rig_destroy(&r);
+}
+
+/* A vehicle at rest hears the same speckle; sideways, it is lost as twice the way says. */
+static void speckle_stays_on_the_bottom(void **state) {
+    (void)state;
+    enum { SEEDS = 20, MOVES = 5 };
+    static const double moved_wl[MOVES] = {0.0, 0.125, 0.25, 0.5, 1.0};
+    ping_rig r = sand_rig();
+    pair_sum sums[MOVES] = {{0}};
+    for (uint64_t seed = 1; seed <= SEEDS; seed++) {
+        r.sampling.seed = seed;
+        r.pose.position_m.y = 0.37 * (double)seed;
+        asdic_simulator *sim = rig_simulator(&r);
+        asdic_ping *first = array_shoot(&r, sim, 0);
+        double from = r.pose.position_m.y;
+        for (int m = 0; m < MOVES; m++) {
+            r.pose.position_m.y = from + moved_wl[m] * WAVELENGTH_M;
+            asdic_ping *ping = array_shoot(&r, sim, 7);
+            if (m == 0) {
+                size_t bytes = 2 * ping->elements * ping->samples * sizeof(float);
+                assert_memory_equal(ping->pressure, first->pressure, bytes);
+            }
+            for (size_t n = (size_t)(NEAR_M / ping->sample_m); n < FAR_M / ping->sample_m; n++) {
+                for (size_t e = 0; e < ping->elements; e++) {
+                    add_pair(&sums[m], array_at(first, e, n), array_at(ping, e, n));
+                }
+            }
+            asdic_ping_destroy(&ping);
+        }
+        asdic_ping_destroy(&first);
+        asdic_simulator_destroy(&sim);
+    }
+    double worst = 0.0;
+    for (int m = 0; m < MOVES; m++) {
+        double theory = ring_coherence(2.0 * moved_wl[m], 42.0, 5.0, 2.0, 0.5);
+        print_message("%.3f wavelengths sideways: %.3f, theory %.3f\n", moved_wl[m],
+                      sums[m].re / sqrt(sums[m].aa * sums[m].bb), theory);
+        worst = fmax(worst, pair_error(&sums[m], theory));
+    }
+    assert_true(worst < 0.05);
+    rig_destroy(&r);
+}
+
+int main(int argc, char **argv) {
+    full = argc > 1 && strcmp(argv[1], "--full") == 0;
+    t = test_device_open_or_skip();
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_mean_is_that_of_intensities),
+        cmocka_unit_test(speckle_is_rayleigh),
+        cmocka_unit_test(elements_share_what_theory_says),
+        cmocka_unit_test(speckle_stays_on_the_bottom),
+    };
+    int failed = cmocka_run_group_tests(tests, NULL, NULL);
+    test_device_close(&t);
+    return failed;
+}
