@@ -366,22 +366,37 @@ static real elements_at(__global const dev_coherent *c, uint first) {
     return y;
 }
 
+/* The samples, counted from BEGIN, that an echo at ways from NEAR to FAR reaches. */
+typedef struct taps {
+    int from, to;
+} taps;
+
+static taps taps_of(__global const dev_coherent *c, float near, float far, float begin) {
+    float reach = PULSE_REACH * c->pulse_m, per = 1.0f / c->sample_m;
+    taps t = {max((int)(ceil((near - reach) * per - 0.5f - begin)), 0),
+              min((int)(floor((far + reach) * per - 0.5f - begin)), DEV_GATE_SAMPLES - 1)};
+    return t;
+}
+
 /* Adds ECHO to the samples from BEGIN on. */
 static void add_echo(__global const dev_coherent *c, __global const dev_echo *echo, real y,
                      float begin, gate_sums *sums) {
-    float middle = (echo->way_m - c->margin_m) / c->sample_m - 0.5f - begin;
-    int from = max((int)(ceil(middle)), 0);
-    int to = (int)(floor(middle + 2.0f * c->margin_m / c->sample_m));
-    to = min(to, DEV_GATE_SAMPLES - 1);
-    if (from > to) {
-        return;
-    }
     real longer = element_longer(y, (real)(echo->y), (real)(echo->range_m));
+#if ASDIC_WIDTH == 1
+    taps t = taps_of(c, echo->way_m + 0.5f * longer, echo->way_m + 0.5f * longer, begin);
+#else
+    /* The way is longest at one end of the vector, and within a sagitta shortest at the other. */
+    float first = 0.5f * ((float *)&longer)[0], last = 0.5f * ((float *)&longer)[ASDIC_WIDTH - 1];
+    float span = (float)(ASDIC_WIDTH - 1) * c->spacing_m;
+    float sagitta = span * span / (8.0f * max(echo->range_m - span, 0.1f * span));
+    taps t =
+        taps_of(c, echo->way_m + min(first, last) - sagitta, echo->way_m + max(first, last), begin);
+#endif
     phasor turn = phasor_of(-longer * (real)(c->turns_per_m));
     real re = turn.re * echo->re - turn.im * echo->im, im = turn.re * echo->im + turn.im * echo->re;
-    real x = ((real)(0.5f) * longer + (echo->way_m - (begin + 0.5f) * c->sample_m)),
-         per = (real)(1.0f / c->pulse_m);
-    for (int n = from; n <= to; n++) {
+    real per = (real)(1.0f / c->pulse_m);
+    real x = R(0.5) * longer + (echo->way_m - (begin + 0.5f) * c->sample_m);
+    for (int n = t.from; n <= t.to; n++) {
         real s = pulse_at(x - (real)((float)(n)*c->sample_m), per);
         sums->re[n] += s * re;
         sums->im[n] += s * im;
@@ -432,8 +447,12 @@ __kernel void coherent_elements(__global const dev_ping *ping, __global const de
     uint reach = (uint)(c->margin_m / (c->sample_m * DEV_GATE_SAMPLES)) + 1u;
     uint from = gate > reach ? gate - reach : 0u, to = min(gate + reach + 1u, c->gates);
     float begin = (float)(gate * DEV_GATE_SAMPLES);
+    float near = begin * c->sample_m - c->margin_m;
+    float far = (begin + DEV_GATE_SAMPLES) * c->sample_m + c->margin_m;
     for (uint at = first[from]; at < first[to]; at++) {
-        add_echo(c, sorted + at, y, begin, &sums);
+        if (sorted[at].way_m > near && sorted[at].way_m < far) {
+            add_echo(c, sorted + at, y, begin, &sums);
+        }
     }
     if (c->noise > 0.0f) {
         add_noise(ping, c, element, (int)(gate * DEV_GATE_SAMPLES), &sums);
