@@ -52,6 +52,7 @@ asdic_status asdic_settings_take(asdic_context *ctx, const asdic_scene_file *fil
                      .snr_db = file->detector.snr_db,
                      .cost_ratio = file->detector.cost_ratio},
         .records = (asdic_record_form)file->output.records,
+        .elements = file->output.elements,
         .output = {.csv = (asdic_csv_form)file->output.csv, .images = file->output.images}};
     for (size_t i = 0; i < ASDIC_FORMAT_COUNT; i++) {
         out->output.formats |= file->output.formats[i] ? 1u << i : 0u;

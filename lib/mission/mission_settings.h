@@ -26,6 +26,7 @@ typedef struct asdic_settings {
     bool has_source_level;     /* the file gives one */
     bool leaves_csv_out;       /* because of its large pings: the file does not say which CSV */
     asdic_record_form records; /* in pings.npy */
+    bool elements;             /* elements.npy */
 } asdic_settings;
 
 /* What FILE says. OUT is to be finished in any case. */

@@ -4,6 +4,7 @@
 
 #include "aim.h"
 #include "base/context.h"
+#include "base/memory_left.h"
 #include "base/try.h"
 #include "base/vec.h"
 #include "noise_level.h"
@@ -24,6 +25,9 @@
 /* Blocks of scatterers that are sorted at the same time. */
 #define FEW_BLOCKS 32u
 #define MANY_BLOCKS 1024u
+
+/* Of a scatterer in all buffers, with the room to grow. */
+#define SLOT_BYTES 160u
 
 /* Buffers that hold something for every scatterer. */
 typedef struct slot_buffers {
@@ -185,6 +189,10 @@ asdic_status asdic_coherent_create(asdic_simulator *sim, const asdic_water_colum
                           "coherent pings need one sound speed at all depths; the water's changes "
                           "with depth: leave refraction out of the model");
     }
+    char what[64];
+    uint64_t bytes = (uint64_t)sim->setup.sampling.rays * SLOT_BYTES;
+    snprintf(what, sizeof what, "a ping of %u scatterers needs", sim->setup.sampling.rays);
+    TRY(asdic_memory_check(sim->ctx, bytes, asdic_memory_left(), what, "use fewer rays"));
     *out = calloc(1, sizeof **out);
     return *out ? furnish(sim, water, *out) : asdic_fail_memory(sim->ctx, "a coherent ping");
 }

@@ -16,7 +16,7 @@
 /* Share of the scatterers that is in the water. */
 #define WATER_SHARE 0.25
 /* Pieces are cut to this share of their distance, at most. */
-#define WIDEST_PIECE 0.5
+#define WIDEST_PIECE 0.125
 /* Half of the energy that roughness leaves to the mirror direction is lost at g = ln 2. Beyond this g, nothing
  * is left of phase: exp(-14) is 60 dB. */
 #define MOST_ROUGHNESS 14.0

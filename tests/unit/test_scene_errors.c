@@ -349,6 +349,13 @@ static void coherent_pings_are_checked(void **state) {
         "{refraction: off}' or leave the profile or gradient out  [sampling.coherent]\n");
 }
 
+static void elements_need_coherent_pings(void **state) {
+    (void)state;
+    expect_edit("mission:", "output: {elements: true}\nmission:",
+                "7:20: error: 'elements' = true needs pressures: add 'sampling: {coherent: true}'  "
+                "[output.elements]\n");
+}
+
 static void waypoints_can_be_flown(void **state) {
     (void)state;
     const char *pose = "  pose: {position_m: [0, 0, 7]}";
@@ -455,6 +462,7 @@ int main(void) {
         cmocka_unit_test(keys_must_fit_together),
         cmocka_unit_test(arrays_are_checked),
         cmocka_unit_test(coherent_pings_are_checked),
+        cmocka_unit_test(elements_need_coherent_pings),
         cmocka_unit_test(waypoints_can_be_flown),
         cmocka_unit_test(all_errors_come_in_one_run_in_order),
         cmocka_unit_test(only_a_hundred_errors_are_shown),

@@ -178,6 +178,25 @@ static asdic_status open_store(asdic_run_job *job, asdic_store_mode mode) {
     return asdic_store_open(job->ctx, job->options->folder, mode, &shape, &job->store);
 }
 
+/* Of the pressures that the run writes. */
+static asdic_elements_shape elements_of(const asdic_run_job *job) {
+    const asdic_settings *settings = &job->mission->settings;
+    double depth_m = asdic_mission_pose(job->mission, 0, NULL).position_m.z;
+    double speed_mps = asdic_environment_sound_speed_mps(&settings->environment, depth_m);
+    return asdic_elements_shape_of(settings, job->facts.pings_planned, job->facts.bins, speed_mps);
+}
+
+static asdic_status open_elements(asdic_run_job *job, bool goes_on) {
+    asdic_elements_shape shape = elements_of(job);
+    if (shape.elements > 0 && job->options->team) {
+        return asdic_fail(job->ctx, ASDIC_ERROR_UNSUPPORTED,
+                          "'output: {elements: true}' is not possible where several processes "
+                          "share a run; use --shard and 'asdic merge'");
+    }
+    asdic_store_mode mode = goes_on ? ASDIC_STORE_RESUME : ASDIC_STORE_CREATE;
+    return asdic_elements_open(job->ctx, job->options->folder, mode, &shape, &job->elements);
+}
+
 /* Finds the pings whose records are whole; every other is to be made. */
 static asdic_status find_whole(asdic_run_job *job, asdic_status *first_failure) {
     size_t stored = asdic_store_count(job->store), planned = job->facts.pings_planned;
@@ -185,7 +204,7 @@ static asdic_status find_whole(asdic_run_job *job, asdic_status *first_failure) 
     job->to_make = planned;
     for (size_t i = 0; i < stored && i < planned; i++) {
         asdic_status status = asdic_store_read(job->store, i, job->bytes);
-        job->is_there[i] = status == ASDIC_OK;
+        job->is_there[i] = status == ASDIC_OK && asdic_elements_has(job->elements, i);
         job->to_make -= job->is_there[i];
         if (status != ASDIC_OK && *first_failure == ASDIC_OK) {
             *first_failure = status;
@@ -216,6 +235,12 @@ static asdic_status check_complete(asdic_run_job *job, const asdic_run_facts *ea
                                 job->options->folder, job->facts.pings_planned - job->to_make,
                                 job->facts.pings_planned);
         }
+    }
+    asdic_elements_shape elements = elements_of(job);
+    if (status == ASDIC_OK && !asdic_elements_complete(job->options->folder, &elements)) {
+        status = asdic_fail(job->ctx, ASDIC_ERROR_INPUT,
+                            "'%s/" ASDIC_ELEMENTS_NAME "' is missing or damaged; it is made again",
+                            job->options->folder);
     }
     if (status == ASDIC_OK && bad == ASDIC_OK) {
         status = asdic_run_check_all(job->ctx, job->options->folder, earlier);
@@ -260,6 +285,7 @@ static asdic_status open_run(asdic_run_job *job) {
     TRY(asdic_run_facts_write(job->ctx, folder, &job->facts));
     TRY(open_store(job, goes_on ? ASDIC_STORE_RESUME : ASDIC_STORE_CREATE));
     TRY(asdic_store_cut(job->store, job->facts.pings_planned));
+    TRY(open_elements(job, goes_on));
     return find_whole(job, &bad);
 }
 
@@ -303,6 +329,11 @@ asdic_status asdic_job_begin(asdic_run_job *job) {
 
 asdic_status asdic_job_begin_stream(asdic_run_job *job) {
     TRY(asdic_job_describe(job));
+    if (job->mission->settings.elements) {
+        return asdic_fail(job->ctx, ASDIC_ERROR_UNSUPPORTED,
+                          "'output: {elements: true}' needs a run folder: give one with -o, or use "
+                          "false");
+    }
     job->bytes = malloc(asdic_record_bytes(job->facts.beams, job->facts.bins));
     if (!job->bytes) {
         return asdic_fail_memory(job->ctx, "a record");
@@ -378,6 +409,7 @@ static asdic_status write_facts(asdic_run_job *job) {
 static asdic_status commit(asdic_run_job *job, bool is_whole) {
     TRY(asdic_store_commit(job->store));
     TRY(asdic_files_commit(job->files, is_whole));
+    TRY(is_whole ? asdic_elements_commit(job->elements) : ASDIC_OK);
     conclude(job);
     return asdic_run_check_note(job->ctx, job->options->folder, &job->arena, &job->facts);
 }
@@ -402,6 +434,7 @@ asdic_status asdic_job_end(asdic_run_job *job, bool is_whole) {
 
 void asdic_job_finish(asdic_run_job *job) {
     asdic_files_destroy(&job->files);
+    asdic_elements_close(&job->elements);
     asdic_store_close(&job->store);
     asdic_summary_destroy(&job->summary);
     asdic_arena_finish(&job->arena);

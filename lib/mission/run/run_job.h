@@ -7,6 +7,7 @@
 #define ASDIC_MISSION_RUN_JOB_H
 
 #include "out/record.h"
+#include "run_elements.h"
 #include "run_facts.h"
 #include "run_files.h"
 #include "run_store.h"
@@ -22,18 +23,19 @@ typedef struct asdic_run_job {
     const asdic_run_options *options;
     asdic_run_facts facts;
     char inputs_hash[65];
-    asdic_arena arena;      /* of what was read from an earlier run.json */
-    asdic_store *store;     /* NULL: levels go to the standard output alone */
-    asdic_files *files;     /* bins.csv and the like */
-    asdic_summary *summary; /* NULL: neither pictures nor run.json are written */
-    void *bytes;            /* one record */
-    DIR *lock;              /* of the folder; NULL: none */
-    bool *is_there;         /* by ping of the run: the store had its record, whole */
-    size_t to_make;         /* pings that had none */
-    size_t kept;            /* pings in the files; as many were taken, in their order */
-    bool is_complete;       /* the run was complete already */
-    uint64_t rays;          /* traced by this call */
-    double begin_s;         /* of this call, by the clock */
+    asdic_arena arena;        /* of what was read from an earlier run.json */
+    asdic_store *store;       /* NULL: levels go to the standard output alone */
+    asdic_elements *elements; /* NULL: not asked for */
+    asdic_files *files;       /* bins.csv and the like */
+    asdic_summary *summary;   /* NULL: neither pictures nor run.json are written */
+    void *bytes;              /* one record */
+    DIR *lock;                /* of the folder; NULL: none */
+    bool *is_there;           /* by ping of the run: the store had its record, whole */
+    size_t to_make;           /* pings that had none */
+    size_t kept;              /* pings in the files; as many were taken, in their order */
+    bool is_complete;         /* the run was complete already */
+    uint64_t rays;            /* traced by this call */
+    double begin_s;           /* of this call, by the clock */
 } asdic_run_job;
 
 /* Checks what is asked for and plans it: fills the facts that are known before the first ping. The

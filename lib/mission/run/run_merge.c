@@ -2,6 +2,7 @@
 
 #include "base/context.h"
 #include "base/try.h"
+#include "run_elements.h"
 #include "run_check.h"
 #include "run_files.h"
 #include "run_folder.h"
@@ -143,6 +144,48 @@ static asdic_status copy_records(merger *m) {
     return ASDIC_OK;
 }
 
+/* The pressures of all parts in one file. */
+static asdic_status copy_elements(merger *m, asdic_elements *to, asdic_elements_shape shape,
+                                  float *pressure) {
+    for (size_t i = 0; i < m->count; i++) {
+        const asdic_run *part = m->parts[i];
+        asdic_elements *from = NULL;
+        shape.pings = part->facts.pings_planned;
+        asdic_status status =
+            asdic_elements_open(m->ctx, part->folder, ASDIC_STORE_READ, &shape, &from);
+        for (size_t k = 0; !status && k < shape.pings; k++) {
+            size_t at = part->facts.first_ping + k - m->facts.first_ping;
+            status = asdic_elements_read(from, k, pressure);
+            status = status ? status : asdic_elements_write(to, at, pressure);
+        }
+        asdic_elements_close(&from);
+        TRY(status);
+    }
+    return asdic_elements_commit(to);
+}
+
+static asdic_status join_elements(merger *m) {
+    const asdic_settings *settings = &m->parts[0]->settings;
+    asdic_record first;
+    TRY(asdic_run_read(m->parts[0], 0, &first));
+    double speed_mps =
+        asdic_environment_sound_speed_mps(&settings->environment, first.pose.position_m.z);
+    asdic_elements_shape shape =
+        asdic_elements_shape_of(settings, m->facts.pings_planned, m->facts.bins, speed_mps);
+    if (shape.elements == 0) {
+        return ASDIC_OK;
+    }
+    asdic_elements *to = NULL;
+    float *pressure = malloc((size_t)asdic_elements_bytes(&shape));
+    asdic_status status =
+        pressure ? asdic_elements_open(m->ctx, m->folder, ASDIC_STORE_CREATE, &shape, &to)
+                 : asdic_fail_memory(m->ctx, ASDIC_ELEMENTS_NAME);
+    status = status ? status : copy_elements(m, to, shape, pressure);
+    asdic_elements_close(&to);
+    free(pressure);
+    return status;
+}
+
 static asdic_status open_files(merger *m) {
     char *track = asdic_folder_file(m->folder, "track.csv");
     asdic_status status = track ? asdic_file_create(m->ctx, track, &m->track)
@@ -165,6 +208,7 @@ static asdic_status write_run(merger *m) {
     TRY(asdic_store_open(m->ctx, m->folder, ASDIC_STORE_CREATE, &shape, &m->store));
     TRY(asdic_summary_create_all(m->ctx, &m->parts[0]->settings, &m->facts, &m->summary));
     TRY(copy_records(m));
+    TRY(join_elements(m));
     TRY(asdic_store_commit(m->store));
     TRY(asdic_file_commit(&m->track));
     TRY(asdic_files_commit(m->files, true));

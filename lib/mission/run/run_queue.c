@@ -19,7 +19,8 @@ static size_t most(size_t a, size_t b) {
 
 asdic_status asdic_queue_init(asdic_queue *q, asdic_context *ctx, const asdic_queue_size *size) {
     size_t cells = size->beams * size->bins, pings = size->end - size->first;
-    size_t bytes = cells * (ASDIC_COMPONENT_COUNT * sizeof(double) + sizeof(float));
+    size_t bytes = cells * (ASDIC_COMPONENT_COUNT * sizeof(double) + sizeof(float)) +
+                   (size_t)asdic_elements_bytes(&size->elements);
     *q = (asdic_queue){.ctx = ctx,
                        .end = size->end,
                        .lock = PTHREAD_MUTEX_INITIALIZER,
@@ -40,6 +41,10 @@ asdic_status asdic_queue_init(asdic_queue *q, asdic_context *ctx, const asdic_qu
     for (size_t i = 0; i < q->slot_count; i++) {
         TRY(asdic_ping_create(ctx, size->beams, size->bins, &q->slots[i].result));
         q->slots[i].result->bin_length_m = size->bin_length_m;
+        if (size->elements.elements > 0) {
+            TRY(asdic_ping_add_elements(ctx, q->slots[i].result, size->elements.elements,
+                                        size->elements.samples));
+        }
     }
     return ASDIC_OK;
 }

@@ -6,6 +6,8 @@
 #ifndef ASDIC_MISSION_RUN_QUEUE_H
 #define ASDIC_MISSION_RUN_QUEUE_H
 
+#include "run_elements.h"
+
 #include <asdic/mission.h>
 
 #include <pthread.h>
@@ -46,6 +48,7 @@ typedef struct asdic_queue_size {
     size_t own;        /* of this process alone */
     size_t beams, bins;
     double bin_length_m;
+    asdic_elements_shape elements; /* of coherent pings whose pressures are wanted */
 } asdic_queue_size;
 
 /* Q is finished in any case. */

@@ -5,6 +5,7 @@
 #include "base/try.h"
 #include "mission/mission.h"
 #include "out/format.h"
+#include "run_elements.h"
 #include "run_files.h"
 #include "out/digits.h"
 #include "run_folder.h"
@@ -116,7 +117,10 @@ uint64_t asdic_mission_ping_bytes(const asdic_mission *mission) {
         }
     }
     double cells = (double)beams * (double)bins;
-    return asdic_record_stored_bytes(&layout) + beside +
+    double depth_m = asdic_mission_pose(mission, 0, NULL).position_m.z;
+    double speed_mps = asdic_environment_sound_speed_mps(&s->environment, depth_m);
+    asdic_elements_shape elements = asdic_elements_shape_of(s, 1, bins, speed_mps);
+    return asdic_record_stored_bytes(&layout) + beside + asdic_elements_bytes(&elements) +
            (uint64_t)(cells * ((double)each + csv_bytes(mission, bins, layout.parts)));
 }
 

@@ -185,6 +185,7 @@ asdic_status asdic_workers_run(asdic_context *ctx, const asdic_work *work,
                              .own = work->device_count,
                              .beams = sonar->receiver_count,
                              .bins = work->bins,
+                             .elements = work->elements,
                              .bin_length_m = sonar->bin_length_m};
     asdic_queue q;
     *result = (asdic_work_result){.ready_s = asdic_clock_s()};

@@ -5,6 +5,8 @@
 #ifndef ASDIC_MISSION_RUN_WORKERS_H
 #define ASDIC_MISSION_RUN_WORKERS_H
 
+#include "run_elements.h"
+
 #include <asdic/mission.h>
 
 typedef struct asdic_work {
@@ -13,6 +15,7 @@ typedef struct asdic_work {
     size_t device_count;
     size_t first, end; /* pings first .. end - 1 */
     size_t bins;
+    asdic_elements_shape elements; /* 0: no pressures are wanted */
     /* Called in the caller's thread, ping by ping, while devices go on; a failure stops the run. */
     asdic_status (*take)(void *user, size_t ping, const asdic_ping *result);
     /* Called at the end with the name of every device of another process that took part; may be

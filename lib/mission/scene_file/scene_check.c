@@ -210,6 +210,11 @@ static void check_coherent(const asdic_scene_file *file, asdic_problems *problem
     const file_sonar *s = &file->sonar;
     const file_environment *e = &file->environment;
     asdic_yaml_node *here = asdic_yaml_child(file->sampling.node, "coherent");
+    asdic_yaml_node *elements = asdic_yaml_child(file->output.node, "elements");
+    if (elements && !elements->bad && file->output.elements && !file->sampling.coherent) {
+        asdic_yaml_problem(problems, elements,
+                           "'elements' = true needs pressures: add 'sampling: {coherent: true}'");
+    }
     if (!here || here->bad || !file->sampling.coherent) {
         return;
     }

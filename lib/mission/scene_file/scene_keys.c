@@ -135,6 +135,9 @@ static const asdic_key output_keys[] = {
      .doc = "pings.npy: full has float32 throughout; compact has levels in float32, errors and the "
             "parts that the scene can have in float16; levels the same without parts; auto: full, "
             "but compact where csv: auto writes none"},
+    {"elements", ASDIC_KEY_BOOL, AT(file_output, elements), .fallback = "false",
+     .doc = "also elements.npy: of coherent pings the pressure by ping, element and sample, "
+            "complex64"},
     ASDIC_FORMATS(FORMAT_KEY){
         "images", ASDIC_KEY_WORDS, AT(file_output, images), .words = image_words,
         .fallback = "[waterfall, ascope, fan, overview, plan]", .doc = "pictures to draw"},

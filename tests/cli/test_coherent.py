@@ -1,0 +1,129 @@
+"""Coherent runs: element data as NumPy reads it, the same bytes in parts, on threads and resumed, beams
+formed outside, and errors."""
+import cmath
+import math
+import os
+import struct
+
+import program
+import tap
+from program import Folder, asdic
+from run_folder import data
+
+SCENE = """version: 1
+environment: {sound_speed_mps: 1500, particle_density: low}
+bottom: {depth_m: 12, type: sand}
+objects:
+  - {name: p, point: {target_strength_db: 10}, position_m: [12, 3, 7]}
+  - name: block
+    box: {size_m: [1, 1, 1]}
+    position_m: [15, -4, 11.5]
+    material: {impedance_mrayl: 8, roughness_rms_mm: 3}
+sonar:
+  frequency_khz: 100
+  bandwidth_khz: 10
+  bin_length_m: 0.15
+  max_range_m: 20
+  source_level_db: 200
+  transmitter: {length_h_m: 0.01, length_v_m: 0.05}
+  array: {elements: 13, shading: hann, element: {length_v_m: 0.05}, beams: {count: 9, sector_deg: 60}}
+mission: {pose: {position_m: [0, 0, 7]}, pings: 4}
+sampling: {coherent: true, rays: 4000}
+output: {csv: long, elements: true, images: [], records: full}
+"""
+FILES = ("bins.csv", "pings.npy", "elements.npy")
+
+
+def pressures(folder, run):
+    """By ping, element and sample; the header is NumPy's."""
+    raw = data(folder, run, "elements.npy")
+    tap.equal(raw[:8], b"\x93NUMPY\x01\x00")
+    length = 10 + struct.unpack("<H", raw[8:10])[0]
+    header = eval(raw[10:length].decode(), {"__builtins__": {}})  # pylint: disable=eval-used
+    tap.equal(header["descr"], "<c8")
+    tap.equal(header["fortran_order"], False)
+    pings, elements, samples = header["shape"]
+    numbers = memoryview(raw)[length:].cast("f")
+    tap.equal(len(numbers), 2 * pings * elements * samples, "numbers")
+
+    def at(ping, element, sample):
+        place = 2 * ((ping * elements + element) * samples + sample)
+        return complex(numbers[place], numbers[place + 1])
+    return header["shape"], at
+
+
+def same_files(folder, one, other):
+    for name in FILES:
+        tap.equal(data(folder, one, name) == data(folder, other, name), True,
+                  f"{name} of {one} and {other}")
+
+
+def test_same_bytes_in_parts_and_on_threads():
+    program.need_device()
+    with Folder() as folder:
+        path = folder.write("array.yaml", SCENE)
+        asdic("run", path, "-o", folder / "whole").check(code=0)
+        asdic("run", path, "-o", folder / "one", POCL_MAX_PTHREAD_COUNT="1").check(code=0)
+        same_files(folder, "whole", "one")
+        asdic("run", path, "-o", folder / "two", "--device", "all",
+              POCL_DEVICES="pthread pthread").check(code=0)
+        same_files(folder, "whole", "two")
+        for k in (1, 2):
+            asdic("run", path, "--shard", f"{k}/2", "-o", folder / f"part{k}").check(code=0)
+        asdic("merge", folder / "part1", folder / "part2", "-o", folder / "joined").check(code=0)
+        same_files(folder, "whole", "joined")
+
+
+def test_resume_makes_what_is_missing():
+    program.need_device()
+    with Folder() as folder:
+        path = folder.write("array.yaml", SCENE)
+        asdic("run", path, "-o", folder / "whole").check(code=0)
+        asdic("run", path, "-o", folder / "again").check(code=0)
+        os.remove(os.path.join(folder.path, "again", "elements.npy"))
+        done = asdic("run", path, "-o", folder / "again", "--resume").check(code=0)
+        tap.contains(done.err, "elements.npy' is missing or damaged; it is made again")
+        same_files(folder, "whole", "again")
+
+
+def test_beams_can_be_formed_outside():
+    """Delay-free sums of the element data towards the point peak where it is, as loud as it is."""
+    program.need_device()
+    with Folder() as folder:
+        path = folder.write("array.yaml", SCENE.replace("bandwidth_khz: 10", "bandwidth_khz: 5"))
+        asdic("run", path, "-o", folder / "run").check(code=0)
+        shape, at = pressures(folder, "run")
+        tap.equal(shape[:2], (4, 13))
+        distance = math.hypot(12, 3)
+        sample = int(distance / (20 / shape[2]))
+
+        def level(bearing_deg):
+            turn = 2j * math.pi * 0.5 * math.sin(math.radians(bearing_deg))
+            total = sum(at(0, e, sample) * cmath.exp(-turn * (e - 6)) for e in range(13)) / 13
+            return 20 * math.log10(abs(total))
+        best = max(range(-45, 46), key=level)
+        tap.equal(abs(best - math.degrees(math.atan2(3, 12))) < 1, True, f"{best} degrees")
+        side_wl, y = 0.01 / 0.015, 3 / distance
+        sinc = lambda x: math.sin(math.pi * x) / (math.pi * x)
+        expected = (200 + 10 - 40 * math.log10(distance) - 2 * (distance - 1) * 0.0335 +
+                    20 * math.log10(sinc(side_wl * y) * sinc(0.5 * y)))
+        tap.equal(abs(level(best) - expected) < 0.5, True,
+                  f"{level(best):.2f} dB, expected {expected:.2f} dB")
+
+
+def test_errors_are_one_each():
+    program.need_device()
+    with Folder() as folder:
+        path = folder.write("array.yaml", SCENE)
+        done = asdic("run", path, "-o", "-").check(code=1)
+        tap.contains(done.err, "'output: {elements: true}' needs a run folder: give one with -o")
+        with open("/proc/meminfo", encoding="ascii") as file:
+            left = next(int(line.split()[1]) for line in file if line.startswith("MemAvailable"))
+        if left < 40e6: # kB
+            huge = folder.write("huge.yaml", SCENE.replace("rays: 4000", "rays: 268435456"))
+            done = asdic("run", huge, "-o", folder / "huge").check(code=1)
+            tap.contains(done.err, "a ping of 268435456 scatterers needs")
+            tap.contains(done.err, "use fewer rays")
+
+
+tap.main(globals())
