@@ -140,6 +140,14 @@ static void print_text(const asdic_mission *mission, const asdic_plan *plan,
                plan->rows[t].kept ? "kept" : "left out", bound, plan->rows[t].reason);
     }
     print_refraction(mission, refraction);
+    char phase[160];
+    bool needed = asdic_mission_needs_phase(mission, phase, sizeof phase);
+    bool coherent = asdic_mission_sampling((asdic_mission *)mission)->coherent;
+    printf("\nphase: %s%s; %s\n", needed ? "needed" : "not needed",
+           coherent ? ", and simulated"
+           : needed ? ", yet pings add intensities"
+                    : "",
+           phase);
     printf("\n%zu pings of %u rays; %zu triangles, %.1f MB of hierarchy\n", pings, rays,
            scene.triangles, 1e-6 * (double)scene.bvh_bytes);
     char size[CLI_SIZE_TEXT];
@@ -178,6 +186,12 @@ static void print_json(const asdic_mission *mission, const asdic_plan *plan,
         json_text(&j, "reason", plan->rows[t].reason);
         json_close(&j);
     }
+    json_close(&j);
+    char phase[160];
+    json_open(&j, "phase", '{');
+    json_bool(&j, "needed", asdic_mission_needs_phase(mission, phase, sizeof phase));
+    json_bool(&j, "coherent", asdic_mission_sampling((asdic_mission *)mission)->coherent);
+    json_text(&j, "reason", phase);
     json_close(&j);
     json_open(&j, "refraction", '{');
     json_text(&j, "needed", asdic_refraction_name(refraction->needed));

@@ -10,8 +10,8 @@
 
 #define NO_GATE 0xffffffffu
 
-/* Rays end this share before a scatterer, so that its own facet does not hide it. */
-#define SHORT_OF_SCATTERER 0.9998f
+/* Rays end this share before a scatterer, so that facets that touch its own do not hide it. */
+#define SHORT_OF_SCATTERER 0.99998f
 
 /* A point of a patch as fractions of its edges. */
 static float2 fractions_of(__global const dev_patch *patch, uint k) {
@@ -38,17 +38,23 @@ static float2 grid_of(__global const dev_patch *patch, uint k) {
     return (float2)((float)(k / 2u) + third, (float)(row) + third) * step;
 }
 
+/* A vector whose lanes agree as one number: elementary functions are of vectors. */
+static float lane_0(real x) {
+    return ((float *)&x)[0];
+}
+
 /* A direction for a scatterer of the water: half of them anywhere, half where the transmitter is loud.
  * Returns the solid angle times the number of scatterers that it stands for. */
 static float water_direction(__global const dev_ping *ping, float2 at, uint k, vector *u) {
     __global const dev_beam *t = beams_of(ping);
     float most = ping->rear_lin > 0.0f ? M_PI_F : M_PI_2_F;
     float rise = min(1.2f / t->length_v_wl, 1.0f);
-    float turn = t->length_h_wl > 1.2f ? asin(1.2f / t->length_h_wl) : most;
+    float turn = t->length_h_wl > 1.2f ? lane_0(asin((real)(1.2f / t->length_h_wl))) : most;
     bool loud = (k & 1u) != 0u;
     float z = (2.0f * at.x - 1.0f) * (loud ? rise : 1.0f);
     float phi = (2.0f * at.y - 1.0f) * (loud ? turn : most);
-    float across = sqrt(max(1.0f - z * z, 0.0f)), x = across * cos(phi), y = across * sin(phi);
+    float across = sqrt(max(1.0f - z * z, 0.0f));
+    float x = across * lane_0(cos((real)(phi))), y = across * lane_0(sin((real)(phi)));
     bool inside = fabs(z) <= rise && fabs(phi) <= turn;
     float density = 0.5f / (4.0f * most) + (inside ? 0.5f / (4.0f * rise * turn) : 0.0f);
     u->x = t->rows[0] * x + t->rows[3] * y + t->rows[6] * z;
@@ -123,6 +129,8 @@ static mask in_water(__global const dev_ping *ping, real z) {
 typedef struct found {
     meeting m;
     natural kind, key0, key1, number;
+    natural plane;  /* that mirrors: DEV_KIND_*; 0: none */
+    mask out, back; /* which leg goes by way of it */
     mask there, smooth, folded;
     real share, pieces;
     triple at, edge1, edge2;
@@ -142,7 +150,12 @@ static found find(const world *w, __global const dev_coherent *c, __global const
     f.m.material = (natural)(w->ping->bottom_material);
     LANES {
         bool there = slot + lane < c->slots;
-        uint at = there ? slot + lane : slot;
+        uint way = (there ? slot + lane : slot) / c->scatterers;
+        uint at = (there ? slot + lane : slot) - way * c->scatterers;
+        uint leg = (way + DEV_MIRROR_WAYS - 1u) % DEV_MIRROR_WAYS; /* way 0 is straight */
+        AT(f.plane, uint) = way == 0u ? 0u : c->mirrored[(way - 1u) / DEV_MIRROR_WAYS];
+        AT(f.out, int) = way != 0u && leg != 0u ? -1 : 0;
+        AT(f.back, int) = way != 0u && leg != 1u ? -1 : 0;
         __global const dev_patch *patch = patches + owner[at];
         float4 p = places[at];
         AT(f.at.x, float) = p.x;
@@ -169,7 +182,8 @@ static found find(const world *w, __global const dev_coherent *c, __global const
                                                                      : w->ping->bottom_material;
         }
 #if ASDIC_HAS_MESH
-        there = there && hits[at].triangle == 0xffffffffu;
+        uint hit = hits[at].triangle;
+        there = there && (hit == 0xffffffffu || hit == patch->triangle);
         if (patch->triangle != 0xffffffffu) {
             meet_facet(w, patch->triangle, vector_of(p.x, p.y, p.z), &f.m, lane);
         }
@@ -180,6 +194,8 @@ static found find(const world *w, __global const dev_coherent *c, __global const
     }
 #if ASDIC_WIDTH == 1
     f.there = f.there != 0;
+    f.out = f.out != 0;
+    f.back = f.back != 0;
     f.smooth = f.smooth != 0;
     f.folded = f.folded != 0;
 #endif
@@ -191,6 +207,15 @@ typedef struct sight {
     two range;
     triple u;
 } sight;
+
+/* The image of AT in the planes that mirror. */
+static triple image_of(__global const dev_ping *ping, const found *f, triple at) {
+    real surface = (real)(ping->origin[2] - ping->surface_m);
+    real bottom = (real)(ping->origin[2] + ping->bottom_m);
+    real plane = choose(f->plane == DEV_KIND_SURFACE, surface, bottom);
+    at.z = choose(f->plane != 0u, R(2.0) * plane - at.z, at.z);
+    return at;
+}
 
 static sight see(__global const dev_ping *ping, __global const dev_coherent *c, triple at) {
     two x = two_sum(at.x, (real)(-ping->origin[0])), y = two_sum(at.y, (real)(-ping->origin[1])),
@@ -231,6 +256,41 @@ static real rough_strength(const world *w, const law_lanes *laws, slant met, rea
     return choose(laws->is_facet & (laws->formula[0] <= R(0.0)), diffuse, s);
 }
 
+static two choose_two(mask which, two a, two b) {
+    two out = {choose(which, a.high, b.high), choose(which, a.low, b.low)};
+    return out;
+}
+
+static sight choose_sight(mask which, const sight *a, const sight *b) {
+    sight s;
+    s.range = choose_two(which, a->range, b->range);
+    s.u.x = choose(which, a->u.x, b->u.x);
+    s.u.y = choose(which, a->u.y, b->u.y);
+    s.u.z = choose(which, a->u.z, b->u.z);
+    return s;
+}
+
+/* The slant of a leg that leaves the sonar along U; MIRRORED, a plane has turned it over. */
+static slant slant_by(const meeting *m, triple u, mask mirrored_leg) {
+    u.z = choose(mirrored_leg, -u.z, u.z);
+    return surface_slant(m, u);
+}
+
+/* What the plane that mirrors leaves of a pressure along U: the surface, soft, turns its sign. */
+static real mirror_amplitude(const world *w, const found *f, triple u) {
+    meeting m = f->m;
+    m.kind = f->plane;
+    m.triangle = (natural)(0xffffffffu);
+    m.facet.x = m.facet.y = R(0.0);
+    m.facet.z = R(-1.0);
+    m.surface = m.facet;
+    m.material = choose_natural(f->plane == DEV_KIND_SURFACE, (natural)(w->ping->surface_material),
+                                (natural)(w->ping->bottom_material));
+    law_lanes laws = laws_met(w, &m);
+    real share = mirrored(w, &laws, &m, surface_slant(&m, u));
+    return choose(f->plane == DEV_KIND_SURFACE, R(-1.0), R(1.0)) * sqrt(share);
+}
+
 /* ASDIC_WIDTH slots a work-item. GATES: the gate of every slot. */
 __kernel void coherent_shade(__global const dev_ping *ping, __global const dev_coherent *c,
                              __global const dev_patch *patches, __global const float4 *places,
@@ -244,27 +304,35 @@ __kernel void coherent_shade(__global const dev_ping *ping, __global const dev_c
     }
     world w = {ping, beams_of(ping), triangles, parts, materials, 0};
     found f = find(&w, c, patches, places, owner, hits, slot);
-    sight s = see(ping, c, f.at);
-    real range = s.range.high;
+    sight straight = see(ping, c, f.at), image = see(ping, c, image_of(ping, &f, f.at));
+    sight sent = choose_sight(f.out, &image, &straight);
+    sight heard_from = choose_sight(f.back, &image, &straight);
     law_lanes laws = laws_met(&w, &f.m);
-    slant met = surface_slant(&f.m, s.u);
-    real energy = rough_strength(&w, &laws, met, range) * f.share;
+    slant met_out = slant_by(&f.m, sent.u, f.out), met = slant_by(&f.m, heard_from.u, f.back);
+    real energy = sqrt(rough_strength(&w, &laws, met_out, sent.range.high) *
+                       rough_strength(&w, &laws, met, heard_from.range.high)) *
+                  f.share;
+    real range = heard_from.range.high;
     energy = choose(f.kind == DEV_KIND_POINT, f.share, energy);
     real tube = (real)(c->water_lin) * f.share * range * range;
     energy = choose(f.kind == DEV_KIND_WATER, tube, energy);
     real amplitude = sqrt(energy);
-    amplitude = choose(f.smooth, smooth_amplitude(&w, &f, &laws, met, s.u), amplitude);
+    amplitude = choose(f.smooth, smooth_amplitude(&w, &f, &laws, met, straight.u), amplitude);
 
-    /* The transmitter and an element, both ways, and the loss. */
+    /* The transmitter and an element, and the loss of both ways. */
     __global const float *rows = c->rows;
-    real x = rows[0] * s.u.x + rows[1] * s.u.y + rows[2] * s.u.z;
-    real y = rows[3] * s.u.x + rows[4] * s.u.y + rows[5] * s.u.z;
-    real z = rows[6] * s.u.x + rows[7] * s.u.y + rows[8] * s.u.z;
-    real gain = gain_towards(ping, w.beams, s.u.x, s.u.y, s.u.z) *
+    triple u = heard_from.u;
+    real x = rows[0] * u.x + rows[1] * u.y + rows[2] * u.z;
+    real y = rows[3] * u.x + rows[4] * u.y + rows[5] * u.z;
+    real z = rows[6] * u.x + rows[7] * u.y + rows[8] * u.z;
+    real gain = gain_towards(ping, w.beams, sent.u.x, sent.u.y, sent.u.z) *
                 beam_pattern_lin(x, y, z, (real)(c->element_h_wl), (real)(c->element_v_wl),
                                  (real)(ping->rear_lin));
-    amplitude *=
-        sqrt(gain * ray_transmission((real)(ping->absorption_np_per_m), r_max(range, R(1e-3))));
+    real k = (real)(ping->absorption_np_per_m);
+    amplitude *= sqrt(gain * sqrt(ray_transmission(k, r_max(sent.range.high, R(1e-3))) *
+                                  ray_transmission(k, r_max(range, R(1e-3)))));
+    amplitude *= choose(f.out, mirror_amplitude(&w, &f, sent.u), R(1.0));
+    amplitude *= choose(f.back, mirror_amplitude(&w, &f, heard_from.u), R(1.0));
 
     random4 draw = {{f.number, f.key0, f.key1, (natural)(RANDOM_SCATTERER)}};
     draw = philox4x32(draw, ping->seed[0], ping->seed[1]);
@@ -272,20 +340,23 @@ __kernel void coherent_shade(__global const dev_ping *ping, __global const dev_c
     mask sure = f.smooth | (f.kind == DEV_KIND_POINT);
     chance.re = choose(sure, R(1.0), chance.re);
     chance.im = choose(sure, R(0.0), chance.im);
-    two both = {R(2.0) * s.range.high, R(2.0) * s.range.low};
+    two both = two_add(sent.range, heard_from.range);
     two turns = {(real)(c->turns_per_m), (real)(c->turns_per_m_low)};
     phasor way = phasor_of(-two_turns(both, turns));
+    real half_way = R(0.5) * both.high;
 
     mask plane = (f.m.triangle == 0xffffffffu) & (f.m.kind != DEV_KIND_NONE);
-    mask heard = f.there & (amplitude > R(0.0)) & (range >= (real)(ping->blanking_m)) &
-                 (range < (real)(ping->range_m)) & (plane | in_water(ping, f.at.z));
-    natural gate = to_natural(range / (real)(c->sample_m * DEV_GATE_SAMPLES));
+    mask heard = f.there & (amplitude != R(0.0)) & (half_way >= (real)(ping->blanking_m)) &
+                 (half_way < (real)(ping->range_m)) & (plane | in_water(ping, f.at.z)) &
+                 ((f.plane == 0u) | (f.plane != f.m.kind));
+    natural gate = to_natural(half_way / (real)(c->sample_m * DEV_GATE_SAMPLES));
     LANES {
         uint at = slot + lane;
         if (at < c->slots) {
             dev_echo e;
             e.y = AT(y, float) * AT(range, float);
-            e.range_m = e.way_m = AT(range, float);
+            e.range_m = AT(range, float);
+            e.way_m = AT(half_way, float);
             e.re = AT(amplitude, float) * (AT(chance.re, float) * AT(way.re, float) -
                                            AT(chance.im, float) * AT(way.im, float));
             e.im = AT(amplitude, float) * (AT(chance.re, float) * AT(way.im, float) +

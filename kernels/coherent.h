@@ -40,6 +40,9 @@ typedef struct dev_patch {
     dev_uint key[2];   /* the same for the same piece, from ping to ping */
 } dev_patch;           /* 72 bytes */
 
+/* Ways there and back by each plane that mirrors: one leg by way of it, the other, both. */
+#define DEV_MIRROR_WAYS 3u
+
 /* A scatterer as elements hear it; array frame: x out of the face, y along the line, z the third. */
 typedef struct dev_echo {
     float y;       /* along the line, m */
@@ -62,10 +65,11 @@ typedef struct dev_coherent {
     float water_lin; /* s_V */
     dev_uint elements, lanes; /* LANES: elements, rounded up to whole vectors */
     dev_uint samples, gates;
-    dev_uint patches, slots;
+    dev_uint patches, scatterers;
+    dev_uint slots;        /* scatterers, once for each pair of ways there and back */
     dev_uint blocks;       /* of slots, that are sorted at the same time */
     dev_uint beams, looks; /* LOOKS: of a beam in all bins */
-    dev_uint mirrors;      /* images heard beside each scatterer: 0 */
+    dev_uint mirrored[2];  /* kinds of the planes that mirror, DEV_KIND_*; 0: none */
 } dev_coherent;
 
 /* ---- Sums of two floats, HIGH + LOW, good to some 2^-46 ---- */

@@ -112,6 +112,7 @@ static void describe(const asdic_simulator *sim, asdic_coherent *c,
                      const asdic_water_column *water) {
     const asdic_sonar *sonar = &sim->setup.sonar;
     const asdic_array *array = &sonar->array;
+    const asdic_scene *scene = sim->setup.scene;
     size_t width = sim->setup.layout.width;
     double strength = pow(10.0, 0.1 * volume_backscatter_db(sim->setup.env.particle_strength_db,
                                                             sonar->frequency_hz / 1e3));
@@ -131,6 +132,7 @@ static void describe(const asdic_simulator *sim, asdic_coherent *c,
         .blocks = width > 1 ? FEW_BLOCKS : MANY_BLOCKS,
         .beams = (dev_uint)sonar->receiver_count,
         .looks = (dev_uint)c->grid.looks,
+        .mirrored = {scene->has_surface ? DEV_KIND_SURFACE : DEV_KIND_BOTTOM, DEV_KIND_BOTTOM},
     };
 }
 
@@ -182,6 +184,15 @@ static asdic_status furnish(asdic_simulator *sim, const asdic_water_column *wate
     return create_buffers(sim, c);
 }
 
+/* Pairs of ways there and back: the straight one, and those by way of the planes that mirror. */
+static size_t ways_of(const asdic_simulator *sim) {
+    const asdic_scene *scene = sim->setup.scene;
+    bool mirrors = sim->setup.sampling.multipath == ASDIC_MULTIPATH_BOUNDARIES &&
+                   !(sim->setup.sampling.left_out & (1u << ASDIC_TERM_MULTIPATH));
+    size_t planes = (size_t)scene->has_surface + (size_t)scene->has_bottom_plane;
+    return mirrors ? 1 + DEV_MIRROR_WAYS * planes : 1;
+}
+
 asdic_status asdic_coherent_create(asdic_simulator *sim, const asdic_water_column *water,
                                    asdic_coherent **out) {
     if (sim->setup.bend_per_m != 0.0 || sim->setup.layer_count > 0) {
@@ -190,7 +201,7 @@ asdic_status asdic_coherent_create(asdic_simulator *sim, const asdic_water_colum
                           "with depth: leave refraction out of the model");
     }
     char what[64];
-    uint64_t bytes = (uint64_t)sim->setup.sampling.rays * SLOT_BYTES;
+    uint64_t bytes = (uint64_t)sim->setup.sampling.rays * ways_of(sim) * SLOT_BYTES;
     snprintf(what, sizeof what, "a ping of %u scatterers needs", sim->setup.sampling.rays);
     TRY(asdic_memory_check(sim->ctx, bytes, asdic_memory_left(), what, "use fewer rays"));
     *out = calloc(1, sizeof **out);
@@ -241,14 +252,15 @@ static asdic_status make_room(asdic_simulator *sim, asdic_coherent *c) {
     }
     destroy_slots(s);
     size_t room = c->found.slots + c->found.slots / 2, traced = sim->tracer ? room : 0;
+    size_t heard = room * ways_of(sim);
     const struct {
         size_t bytes;
         asdic_buffer **buffer;
     } wanted[] = {
         {room * 4 * sizeof(float), &s->places}, {room * sizeof(uint32_t), &s->owner},
         {traced * sizeof(dev_ray), &s->rays},   {traced * sizeof(dev_hit), &s->hits},
-        {room * sizeof(dev_echo), &s->echoes},  {room * sizeof(uint32_t), &s->gates},
-        {room * sizeof(dev_echo), &s->sorted},
+        {heard * sizeof(dev_echo), &s->echoes}, {heard * sizeof(uint32_t), &s->gates},
+        {heard * sizeof(dev_echo), &s->sorted},
     };
     for (size_t i = 0; i < COUNT(wanted); i++) {
         TRY(asdic_buffer_create(sim->device, wanted[i].bytes, NULL, wanted[i].buffer));
@@ -288,7 +300,8 @@ static asdic_status tell(asdic_simulator *sim, asdic_coherent *c, const asdic_pi
         (float)(noise_rms(sim, &shot->water, &c->grid) * sqrt(c->grid.sample_m / c->grid.pulse_m) /
                 sqrt(asdic_simulator_source_lin(sim, &shot->water)));
     n->patches = (dev_uint)c->found.count;
-    n->slots = (dev_uint)c->found.slots;
+    n->scatterers = (dev_uint)c->found.slots;
+    n->slots = (dev_uint)(c->found.slots * ways_of(sim));
     const dev_beam *beams = asdic_shot_beams(shot) + 1;
     for (size_t b = 0; b < n->beams; b++) {
         const float *axis = beams[b].rows, *line = n->rows + 3;
@@ -310,7 +323,7 @@ static asdic_status run_scatterers(asdic_simulator *sim, asdic_coherent *c) {
                                 ASDIC_ARG_BUFFER(s->owner),   ASDIC_ARG_BUFFER(s->rays)};
     TRY(asdic_kernel_run(c->place, place, COUNT(place), c->now.patches, local));
     if (sim->tracer) {
-        TRY(asdic_tracer_run(sim->tracer, s->rays, s->hits, c->now.slots, c->now.slots));
+        TRY(asdic_tracer_run(sim->tracer, s->rays, s->hits, c->now.scatterers, c->now.scatterers));
     }
     asdic_kernel_arg shade[] = {
         ASDIC_ARG_BUFFER(ping),

@@ -139,6 +139,44 @@ static void cut_in_four(finder *f, const piece *p) {
     }
 }
 
+/* A triangle in two, through the middle of its longest edge. */
+static void cut_in_two(finder *f, const piece *p) {
+    asdic_vec3 a = p->corner, b = asdic_vec3_add(a, p->edge1), c = asdic_vec3_add(a, p->edge2);
+    double ab = asdic_vec3_length(p->edge1), ac = asdic_vec3_length(p->edge2);
+    double bc = asdic_vec3_length(asdic_vec3_sub(c, b));
+    asdic_vec3 top = c, left = a, right = b; /* of the edge, and the corner across */
+    if (bc >= ab && bc >= ac) {
+        top = a, left = b, right = c;
+    } else if (ac >= ab) {
+        top = b, left = c, right = a;
+    }
+    asdic_vec3 middle = asdic_vec3_scale(asdic_vec3_add(left, right), 0.5);
+    for (uint32_t k = 0; k < 2; k++) {
+        piece part = *p;
+        part.corner = top;
+        part.edge1 = asdic_vec3_sub(k ? middle : left, top);
+        part.edge2 = asdic_vec3_sub(k ? right : middle, top);
+        part.name[2] = 2u * p->name[2] + k + 1u;
+        cut_piece(f, &part);
+    }
+}
+
+/* A smooth piece: until equal parts of it, as long as smooth_m, cover it. Slivers are not cut across. */
+static void cut_smooth(finder *f, const piece *p) {
+    if (!f->out) {
+        f->smooth_m2 += area_of(p);
+        return;
+    }
+    double length = length_of(p), side = ceil(length / f->out->smooth_m);
+    double width = 2.0 * area_of(p) / length;
+    double needed = side * fmax(width / f->out->smooth_m, 1.0);
+    if (side * side > DEV_PATCH_SCATTERERS || side * side > 2.0 * needed + 1.0) {
+        cut_in_two(f, p);
+    } else {
+        add_patch(f, p, (uint32_t)(side * side));
+    }
+}
+
 /* Cuts a piece until DEV_PATCH_SCATTERERS suffice it, and takes what may be heard. */
 static void cut_piece(finder *f, const piece *p) {
     const dev_ping *ping = f->shot->ping;
@@ -154,14 +192,7 @@ static void cut_piece(finder *f, const piece *p) {
         return;
     }
     if (p->smooth) {
-        double side = f->out ? ceil(length_of(p) / f->out->smooth_m) : 1.0;
-        if (side * side > DEV_PATCH_SCATTERERS) {
-            cut_in_four(f, p);
-        } else if (f->out) {
-            add_patch(f, p, (uint32_t)(side * side));
-        } else {
-            f->smooth_m2 += area;
-        }
+        cut_smooth(f, p);
         return;
     }
     double wanted = area * loud / near;

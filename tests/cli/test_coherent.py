@@ -111,6 +111,21 @@ def test_beams_can_be_formed_outside():
                   f"{level(best):.2f} dB, expected {expected:.2f} dB")
 
 
+def test_plan_says_when_phase_matters():
+    program.need_device()
+    plain = SCENE.replace("shading: hann", "shading: none")
+    smooth = SCENE.replace("roughness_rms_mm: 3", "roughness_rms_mm: 0, slope_rms: 0")
+    shallow = plain.replace("[12, 3, 7]", "[18, 3, 0.2]").replace("[0, 0, 7]", "[0, 0, 1]")
+    shallow = shallow.replace("sound_speed_mps: 1500,", "sound_speed_mps: 1500, wind_speed_kn: 1,")
+    with Folder() as folder:
+        for text, told in ((SCENE, "needed, and simulated; the side lobes of a shaded array"),
+                           (smooth, "needed, and simulated; 'block' is smooth"),
+                           (plain, "not needed, and simulated; nothing here"),
+                           (shallow, "needed, and simulated; 'p' and its image")):
+            done = asdic("plan", folder.write("plan.yaml", text), "--no-forecast").check(code=0)
+            tap.contains(done.out, f"phase: {told}")
+
+
 def test_errors_are_one_each():
     program.need_device()
     with Folder() as folder:

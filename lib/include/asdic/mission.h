@@ -236,6 +236,11 @@ ASDIC_API asdic_status asdic_mission_refraction(asdic_context *ctx, const asdic_
  * its deepest bottom. */
 ASDIC_API void asdic_mission_refract(asdic_mission *mission, asdic_refraction form);
 
+/* Whether the mission's echoes interfere in a way that only coherent pings show: lobes of smooth
+ * bodies, a target and its image in the surface (from the first ping's place), side lobes of a
+ * shaded array. REASON, of SIZE bytes, says what. */
+ASDIC_API bool asdic_mission_needs_phase(const asdic_mission *mission, char *reason, size_t size);
+
 /* Draws rays of ping INDEX over range and depth, as far as its bins reach. */
 ASDIC_API asdic_status asdic_mission_draw_rays(asdic_context *ctx, const asdic_mission *mission,
                                                size_t index, const char *path);

@@ -236,11 +236,6 @@ static void check_coherent(const asdic_scene_file *file, asdic_problems *problem
                            "'coherent' = true needs one sound speed at all depths; add 'model: "
                            "{refraction: off}' or leave the profile or gradient out");
     }
-    if (file->sampling.multipath == ASDIC_MULTIPATH_BOUNDARIES) {
-        asdic_yaml_problem(problems, asdic_yaml_child(file->sampling.node, "multipath"),
-                           "'multipath' = boundaries is not possible with 'coherent: true'; "
-                           "leave one of them out");
-    }
 }
 
 static void check_sonar(const asdic_scene_file *file, asdic_arena *arena,

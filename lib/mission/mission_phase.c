@@ -1,0 +1,83 @@
+/*
+ * Whether a mission needs phase: what interferes that pings of intensities only add.
+ */
+#include "mission.h"
+
+#include "base/vec.h"
+#include "scene/scene.h"
+#include "sim/environment.h"
+
+#include <math.h>
+#include <stdio.h>
+
+/* What of an echo must keep its phase, exp(-g): more roughness leaves no lobes or fringes worth a dB. */
+#define MOST_ROUGHNESS 1.0
+
+/* A body whose own lobes have phase: flat or curved, and smooth. */
+static const asdic_part *smooth_part(const asdic_mission *mission, const asdic_law_water *water) {
+    const asdic_scene *scene = mission->scene;
+    for (size_t i = 0; i < scene->part_count; i++) {
+        const asdic_part *part = &scene->parts[i];
+        asdic_scatterer s = asdic_scatterer_at(&scene->materials[part->material], water);
+        if (part->kind == DEV_KIND_OBJECT && s.device.law == DEV_LAW_FACET &&
+            !(s.device.formula[0] > 0.0f) && s.device.roughness_g < MOST_ROUGHNESS) {
+            return part;
+        }
+    }
+    return NULL;
+}
+
+/* Whether the straight way from the sonar AT to a target and that by way of the surface, which keeps its phase,
+ * come within one resolution cell of CELL_M. */
+static bool has_image(asdic_vec3 at, asdic_vec3 target, float roughness_g, double cell_m) {
+    double range = asdic_vec3_length(asdic_vec3_sub(target, at));
+    double sine = (at.z + target.z) / range, longer = 2.0 * at.z * target.z / range;
+    return at.z > 0.0 && target.z > 0.0 && sine < 1.0 && longer < cell_m &&
+           (double)roughness_g * sine * sine < MOST_ROUGHNESS;
+}
+
+/* What has such an image; its name. */
+static const char *fringed(const asdic_mission *mission, const asdic_law_water *water,
+                           double cell_m) {
+    const asdic_scene *scene = mission->scene;
+    asdic_vec3 at = asdic_mission_pose(mission, 0, NULL).position_m;
+    float g = asdic_scatterer_at(&scene->surface, water).device.roughness_g;
+    if (!scene->has_surface) {
+        return NULL;
+    }
+    for (size_t i = 0; i < scene->point_count; i++) {
+        if (has_image(at, scene->points[i].position_m, g, cell_m)) {
+            return scene->points[i].name;
+        }
+    }
+    for (size_t i = 0; i < scene->part_count; i++) {
+        if (scene->parts[i].kind == DEV_KIND_OBJECT &&
+            has_image(at, scene->parts[i].center_m, g, cell_m)) {
+            return scene->parts[i].name;
+        }
+    }
+    return NULL;
+}
+
+bool asdic_mission_needs_phase(const asdic_mission *mission, char *reason, size_t size) {
+    const asdic_settings *s = &mission->settings;
+    double depth_m = asdic_mission_pose(mission, 0, NULL).position_m.z;
+    asdic_water_column column = asdic_water_column_at(&s->environment, &s->sonar, depth_m);
+    asdic_law_water water = asdic_water_column_laws(&column, &s->environment, &s->sonar);
+    double cell_m = 0.5 * column.sound_speed_mps / s->sonar.bandwidth_hz;
+    const asdic_part *smooth = smooth_part(mission, &water);
+    const char *image = fringed(mission, &water, cell_m);
+    bool shaded = s->sonar.array.elements > 0 && s->sonar.array.shading != ASDIC_SHADING_NONE;
+    if (smooth) {
+        snprintf(reason, size, "'%s' is smooth: its side lobes have phase", smooth->name);
+    } else if (image) {
+        snprintf(reason, size, "'%s' and its image in the surface are in one cell, and interfere",
+                 image);
+    } else if (shaded) {
+        snprintf(reason, size, "the side lobes of a shaded array are not those of an aperture");
+    } else {
+        snprintf(reason, size,
+                 "nothing here interferes but scatterers, whose speckle can be drawn");
+    }
+    return smooth || image || shaded;
+}
