@@ -17,6 +17,14 @@ static const cli_option options[] = {
     {"detect", 0, NULL, "also what exceeds the expected level, by the scene's detector"},
     {"rays", 0, "N", "rays per ping, instead of the scene's"},
     {"seed", 0, "N", "random seed, instead of the scene's"},
+    {"ros2", 0, NULL, "poses from and pings to topics of ROS 2, in place of lines"},
+    {"pose-topic", 0, "NAME", "of poses; default /asdic/pose"},
+    {"pose-type", 0, "TYPE", "odometry or pose: nav_msgs/Odometry, the default, or PoseStamped"},
+    {"topics", 0, "NAME", "of pings: NAME/sonar, NAME/image, NAME/detections; default /asdic"},
+    {"frame", 0, "NAME", "that poses must be in, east, north, up; default map"},
+    {"sonar-frame", 0, "NAME", "that pings are in; default sonar"},
+    {"reliable", 0, NULL, "pings for subscribers that ask for reliable delivery, too"},
+    {"sim-time", 0, NULL, "stamps from /clock, not the pose's"},
     {NULL, 0, NULL, NULL},
 };
 
@@ -30,7 +38,9 @@ typedef struct server {
     float *expected_db;
     asdic_expected_place place; /* of both */
     bool has_expected;
-    asdic_scan *scan; /* NULL: not asked for */
+    asdic_scan *scan;        /* NULL: not asked for */
+    asdic_loop_ping ping;    /* the last, ... */
+    asdic_scan_result found; /* ... and what was detected in it */
     uint64_t line;
 } server;
 
@@ -131,36 +141,47 @@ static void refuse(server *s, const char *why) {
     cli_warning(s->c, "line %llu: %s", (unsigned long long)s->line, why);
 }
 
-static asdic_status ping_at(server *s, const serve_request *request) {
-    asdic_loop_ping ping;
-    char why[SERVE_WHY_SIZE];
-    double z_m = request->pose.position_m.z;
-    double bottom_m =
-        asdic_mission_bottom_m(asdic_mission_scene(s->mission), request->pose.position_m);
+/* A ping at POSE, in ANSWER until the next; or WHY there is none. */
+static asdic_status make_ping(void *user, const asdic_pose *pose, serve_answer *answer,
+                              char why[SERVE_WHY_SIZE]) {
+    server *s = user;
+    asdic_loop_ping *ping = &s->ping;
+    double z_m = pose->position_m.z;
+    double bottom_m = asdic_mission_bottom_m(asdic_mission_scene(s->mission), pose->position_m);
     if (z_m > bottom_m + 1e-6 * fabs(bottom_m)) {
-        snprintf(why, sizeof why, "the sonar is at z = %.6g m, below the bottom at %.6g m", z_m,
+        snprintf(why, SERVE_WHY_SIZE, "the sonar is at z = %.6g m, below the bottom at %.6g m", z_m,
                  bottom_m);
-        refuse(s, why);
         return ASDIC_OK;
     }
-    asdic_status status = asdic_loop_submit(s->loop, &request->pose);
+    asdic_status status = asdic_loop_submit(s->loop, pose);
     if (status == ASDIC_ERROR_ARGUMENT) { /* no place for a vehicle */
-        refuse(s, asdic_context_error(cli_context(s->c)));
+        snprintf(why, SERVE_WHY_SIZE, "%s", asdic_context_error(cli_context(s->c)));
         return ASDIC_OK;
     }
     TRY(status);
-    TRY(asdic_loop_collect(s->loop, &ping));
+    TRY(asdic_loop_collect(s->loop, ping));
     if (s->expected_db) {
-        TRY(expect(s, &ping));
+        TRY(expect(s, ping));
     }
     if (s->scan) {
-        TRY(asdic_scan_ping(s->scan, ping.parts->intensity_lin[ASDIC_TOTAL],
+        TRY(asdic_scan_ping(s->scan, ping->parts->intensity_lin[ASDIC_TOTAL],
                             s->expectation->intensity_lin[ASDIC_TOTAL],
-                            s->expectation->intensity_lin[ASDIC_NOISE], ping.parts->stderr_db));
+                            s->expectation->intensity_lin[ASDIC_NOISE], ping->parts->stderr_db));
+        s->found = asdic_scan_get(s->scan);
     }
-    asdic_scan_result found = s->scan ? asdic_scan_get(s->scan) : (asdic_scan_result){0};
-    serve_answer answer = {&ping, s->expected_db, s->scan ? &found : NULL};
-    serve_write_ping(&s->writer, s->line, request, &answer);
+    *answer = (serve_answer){ping, s->expected_db, s->scan ? &s->found : NULL};
+    return ASDIC_OK;
+}
+
+static asdic_status ping_at(server *s, const serve_request *request) {
+    serve_answer answer;
+    char why[SERVE_WHY_SIZE] = "";
+    TRY(make_ping(s, &request->pose, &answer, why));
+    if (*why) {
+        refuse(s, why);
+    } else {
+        serve_write_ping(&s->writer, s->line, request, &answer);
+    }
     return ASDIC_OK;
 }
 
@@ -227,15 +248,83 @@ static asdic_status start(server *s, asdic_device *device) {
     return ASDIC_OK;
 }
 
+static const char *text_or(cli *c, const char *option, const char *fallback) {
+    return cli_given(c, option) ? cli_text(c, option) : fallback;
+}
+
+/* A whole name, as the wire has it: ROS 2 makes one of the parts that a node's own names lack. */
+static bool is_topic(const char *name) {
+    static const char allowed[] =
+        "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_/";
+    size_t length = strlen(name);
+    return name[0] == '/' && length > 1 && length < 200 && name[length - 1] != '/' &&
+           strspn(name, allowed) == length && !strstr(name, "//");
+}
+
+static int serve_topics(server *s, bool is_odometry) {
+    asdic_ros_about about = asdic_ros_about_default();
+    serve_ros2_options topics = {.pose_topic = "/asdic/pose", .out_topics = "/asdic"};
+    const asdic_sonar *sonar = asdic_mission_sonar(s->mission);
+    const serve_pinger pinger = {make_ping, s, 1.0 / sonar->ping_rate_hz};
+    double start_s, depth_m = asdic_mission_pose(s->mission, 0, &start_s).position_m.z;
+    topics.is_odometry = is_odometry;
+    topics.is_reliable = cli_given(s->c, "reliable");
+    topics.has_sim_time = cli_given(s->c, "sim-time");
+    topics.has_detections = s->writer.has_detections;
+    topics.pose_topic = text_or(s->c, "pose-topic", topics.pose_topic);
+    topics.out_topics = text_or(s->c, "topics", topics.out_topics);
+    about.world_frame = text_or(s->c, "frame", about.world_frame);
+    about.sonar_frame = text_or(s->c, "sonar-frame", about.sonar_frame);
+    about.sonar = sonar;
+    about.sweep = asdic_mission_sweep(s->mission);
+    about.bins = s->writer.bins;
+    about.sound_speed_mps =
+        asdic_environment_sound_speed_mps(asdic_mission_environment(s->mission), depth_m);
+    return serve_ros2(s->c, &topics, &about, &pinger);
+}
+
+/* What goes with topics alone, and with lines alone. */
+static bool check_topics(cli *c) {
+    static const char *const only[] = {"pose-topic",  "pose-type", "topics",  "frame",
+                                       "sonar-frame", "reliable",  "sim-time"};
+    static const char *const names[] = {"pose-topic", "topics"};
+    const char *word = NULL;
+    for (size_t i = 0; i < sizeof only / sizeof *only && !cli_given(c, "ros2"); i++) {
+        word = cli_given(c, only[i]) ? only[i] : word;
+    }
+    if (word) {
+        cli_usage(c, "--%s goes with --ros2", word);
+        return false;
+    }
+    if (cli_given(c, "ros2") && (cli_given(c, "format") || cli_given(c, "expected"))) {
+        cli_usage(c, "--format and --expected go with lines, not with --ros2");
+        return false;
+    }
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        const char *name = cli_text(c, names[i]);
+        if (name && !is_topic(name)) {
+            cli_usage(c, "--%s: '%s' is no topic: '/' and letters, digits, '_', as /auv/pose",
+                      names[i], name);
+            return false;
+        }
+    }
+    return true;
+}
+
 static int run(cli *c) {
     static const char *const formats[] = {"json", "csv", "raw", NULL};
+    static const char *const pose_types[] = {"odometry", "pose", NULL};
     server s = {.c = c, .reader = serve_reader_begin(), .writer = {.out = stdout}};
     uint64_t rays = 0, seed = 0;
-    int format = SERVE_JSON;
+    int format = SERVE_JSON, pose_type = 0;
     cli_choice(c, "format", formats, &format);
+    cli_choice(c, "pose-type", pose_types, &pose_type);
     cli_integer(c, "rays", 64, 1u << 28, &rays);
     cli_integer(c, "seed", 0, UINT64_MAX, &seed);
     if (cli_bad_usage(c)) {
+        return CLI_USAGE;
+    }
+    if (!check_topics(c)) {
         return CLI_USAGE;
     }
     if (strcmp(cli_operand(c, 0), "-") == 0) {
@@ -256,7 +345,9 @@ static int run(cli *c) {
     if (!status) {
         status = start(&s, devices[0]);
     }
-    int code = status ? cli_end(c, status) : serve(&s);
+    int code = status                 ? cli_end(c, status)
+               : cli_given(c, "ros2") ? serve_topics(&s, pose_type == 0)
+                                      : serve(&s);
     asdic_loop_destroy(&s.loop);
     asdic_scan_destroy(&s.scan);
     asdic_ping_destroy(&s.expectation);
@@ -295,11 +386,19 @@ const cli_command cli_serve_command = {
         "served. "
         "Blank lines and headers are not answered. At the end of the input the program ends with "
         "code 0.\n\n"
+        "--ros2 subscribes to poses (nav_msgs/Odometry or geometry_msgs/PoseStamped) and publishes "
+        "marine_acoustic_msgs/ProjectedSonarImage, the fan as sensor_msgs/Image and, with "
+        "--detect, "
+        "SonarDetections: as ROS 2 has them on the wire, by Cyclone DDS, without ROS. Poses are "
+        "east, "
+        "north, up; the newest counts, and the sonar pings at its own rate. ROS_DOMAIN_ID, "
+        "ROS_LOCALHOST_ONLY and CYCLONEDDS_URI work as in ROS 2. Ctrl-C ends it.\n\n"
         "Angles are rounded to whole nanodegrees. A run of the scene with model: {terms: all} and "
         "a "
         "track that holds the same poses, one per ping, gives the same levels to the last bit.",
     .examples = "echo '{\"x_m\": 0, \"y_m\": 0, \"z_m\": 7}' | asdic serve scene.yaml --detect\n"
-                "asdic serve scene.yaml --format csv < poses.csv > levels.csv",
+                "asdic serve scene.yaml --format csv < poses.csv > levels.csv\n"
+                "asdic serve scene.yaml --ros2 --pose-topic /auv/odometry --detect",
     .options = options,
     .traits = CLI_HAS_DEVICE | CLI_INTERRUPTIBLE,
     .run = run,

@@ -75,4 +75,29 @@ void serve_write_ping(const serve_writer *w, uint64_t line, const serve_request 
                       const serve_answer *answer);
 void serve_write_error(const serve_writer *w, uint64_t line, const char *why);
 
+/* Whether bin CELL, [beam * bins + bin], exceeds the detector's threshold. */
+bool serve_is_detected(const serve_answer *answer, size_t cell);
+
+/* --- ROS 2 ------------------------------------------------------------------------------------ */
+
+typedef struct serve_ros2_options {
+    const char *pose_topic; /* "/asdic/pose" */
+    bool is_odometry;       /* else PoseStamped */
+    const char *out_topics; /* "/asdic": what is before "/sonar", "/image", "/detections" */
+    bool is_reliable, has_sim_time, has_detections;
+} serve_ros2_options;
+
+/* Makes pings: MAKE answers a pose, or fills WHY when there is no ping from there. */
+typedef struct serve_pinger {
+    asdic_status (*make)(void *server, const asdic_pose *pose, serve_answer *out,
+                         char why[SERVE_WHY_SIZE]);
+    void *server;
+    double period_s; /* between pings */
+} serve_pinger;
+
+/* Serves topics in place of lines until it is interrupted; the program's exit code. ABOUT: world_frame is
+ * that which poses must name. */
+int serve_ros2(cli *c, const serve_ros2_options *options, const asdic_ros_about *about,
+               const serve_pinger *pinger);
+
 #endif

@@ -66,7 +66,7 @@ static void put_json_levels(const serve_writer *w, const char *name, const float
     fputc('}', w->out);
 }
 
-static bool is_detected(const serve_answer *answer, size_t cell) {
+bool serve_is_detected(const serve_answer *answer, size_t cell) {
     return answer->ping->parts->intensity_lin[ASDIC_TOTAL][cell] >
            answer->detection->threshold_lin[cell];
 }
@@ -75,7 +75,7 @@ static void put_json_detections(const serve_writer *w, const serve_answer *answe
     const char *comma = "";
     fputs(",\"detections\":[", w->out);
     for (size_t i = 0; i < cells_of(w); i++) {
-        if (is_detected(answer, i)) {
+        if (serve_is_detected(answer, i)) {
             fprintf(w->out, "%s{\"beam\":", comma);
             put_text(w->out, w->sonar->receivers[i / w->bins].name);
             fprintf(w->out, ",\"range_m\":");
@@ -124,7 +124,7 @@ static void put_csv_detections(const serve_writer *w, const serve_answer *answer
     const char *blank = "";
     fputs(",\"", w->out);
     for (size_t i = 0; answer && i < cells_of(w); i++) {
-        if (is_detected(answer, i)) {
+        if (serve_is_detected(answer, i)) {
             fprintf(w->out, "%s%s:%.15g", blank, w->sonar->receivers[i / w->bins].name,
                     ((double)(i % w->bins) + 0.5) * w->bin_length_m);
             blank = " ";
@@ -196,7 +196,7 @@ static void write_raw(const serve_writer *w, uint64_t line, const serve_request 
         fwrite(answer->expected_db, sizeof(float), cells_of(w), w->out);
     }
     for (size_t i = 0; w->has_detections && i < cells_of(w); i++) {
-        float llr = is_detected(answer, i) ? (float)answer->detection->llr[i] : NAN;
+        float llr = serve_is_detected(answer, i) ? (float)answer->detection->llr[i] : NAN;
         fwrite(&llr, sizeof llr, 1, w->out);
     }
 }

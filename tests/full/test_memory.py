@@ -17,7 +17,7 @@ sonar:
   receivers: [{{name: forward}}]
 mission: {{pose: {{position_m: [0, 0, 7]}}, pings: {pings}}}
 sampling: {{rays: 64, multipath: "off"}}
-output: {{npy: true, netcdf: true}}
+output: {{npy: true, netcdf: true, mcap: true}}
 """
 
 

@@ -1,0 +1,171 @@
+"""asdic serve --ros2 against another vendor's DDS (ros2/peer.cc, Fast DDS): poses in, pings out, field by
+field; and one message for each thing that keeps them from one another. All on the loopback."""
+import json
+import math
+import struct
+import subprocess
+
+import tap
+from program import Folder, asdic
+from ros2 import PEER, Server, need, peer
+
+SCENE = """version: 1
+bottom: {depth_m: 12, type: sand}
+objects:
+  - {name: ball, sphere: {radius_m: 0.5}, position_m: [15, 1, 9], material: {impedance_mrayl: 45}}
+sonar:
+  frequency_khz: 100
+  bandwidth_khz: 10
+  ping_rate_hz: 10
+  source_level_db: 200
+  speckle: rayleigh
+  receivers:
+    fan: {count: 12, sector_deg: 90, length_h_m: 0.1, length_v_m: 0.05}
+  transmitter: {length_h_m: 0.01, length_v_m: 0.04}
+mission: {pose: {position_m: [0, 0, 7]}}
+sampling: {rays: 512}
+model: {terms: all}
+"""
+S15, C15, HALF = math.sin(math.radians(15)), math.cos(math.radians(15)), math.sqrt(0.5)
+# East, north, up and a quaternion; the same as asdic's north, east, down, roll, pitch, yaw.
+POSES = [("2 1 -7 0 0 0 1", "0,1,2,7,0,0,90"),
+         (f"0 1 -7 0 0 {HALF!r} {HALF!r}", "0,1,0,7,0,0,0"),
+         (f"0 1 -6 {S15!r} 0 0 {C15!r}", "0,1,0,6,30,0,90"),
+         (f"0 1 -6 0 {S15!r} 0 {C15!r}", "0,1,0,6,0,-30,90")]
+
+
+def test_pings_are_those_of_lines_field_by_field():
+    need()
+    with Folder() as folder:
+        scene = folder.write("lines.yaml", SCENE)
+        lines = "\n".join(line for _, line in POSES)
+        answers = [json.loads(line) for line in
+                   asdic("serve", scene, "--detect", stdin=lines).check(code=0).out.splitlines()]
+        with Server(folder, SCENE, "--detect") as server:
+            got = peer(server, folder, [pose for pose, _ in POSES], stamp=5_000_000_007)
+        tap.equal(server.code, 130, server.said)
+        tap.lacks(server.said, "warning")
+        sonar, image, found = ([m for m in got if m.get("topic") == t] for t in
+                               ("sonar", "image", "detections"))
+        tap.equal((len(sonar), len(image), len(found)), (4, 4, 4), "messages")
+        beams = list(answers[0]["level_db"])
+        for i, (answer, s, m, d) in enumerate(zip(answers, sonar, image, found)):
+            bins = len(answer["level_db"][beams[0]])
+            for message in (s, m, d):
+                tap.equal((message["stamp"], message["frame"]), (5_000_000_007 + i * 10**8, "sonar"))
+            tap.equal((s["frequency"], s["dtype"], s["beams"], s["bytes"], s["tx"], s["rx"][0]),
+                      (1e5, 8, 12, 4 * 12 * bins, 12, 12))
+            tap.equal(s["ranges"], [bins, 0.25, (bins - 0.5) * 0.5], "ranges")
+            tap.equal([round(math.degrees(math.atan2(-y, z)), 6) for _, y, z in s["directions"]],
+                      [-41.25 + 7.5 * b for b in range(12)], "port first")
+            with open(folder / f"sonar_{i}", "rb") as file:
+                levels = struct.unpack(f"<{12 * bins}f", file.read())
+            for b, beam in enumerate(beams):
+                for n, level in enumerate(answer["level_db"][beam]):
+                    ours = levels[n * 12 + b]
+                    tap.equal(None if ours != ours else f"{ours:.9g}",
+                              None if level is None else f"{level:.9g}", f"ping {i} {beam} {n}")
+            tap.equal((m["encoding"], m["height"], m["width"], m["step"], m["bytes"]),
+                      ("rgb8", 400, 566, 1698, 400 * 1698))
+            speed = s["sound_speed"]
+            theirs = [(round(t * speed / 2, 3), round(math.degrees(a), 3)) for t, a, _ in d["found"]]
+            ours = [(round(x["range_m"], 3), -41.25 + 7.5 * beams.index(x["beam"]))
+                    for x in answer["detections"]]
+            tap.equal(theirs, ours, "detections")
+        tap.equal(sum(len(d["found"]) for d in found) > 0, True, "something is detected")
+
+
+def test_poses_stamped_clock_and_reliable_subscribers():
+    need()
+    with Folder() as folder:
+        with Server(folder, SCENE, "--pose-type", "pose", "--sim-time", "--reliable") as server:
+            got = peer(server, folder, [p for p, _ in POSES[:3]], kind="pose", quality="reliable")
+        sonar = [m for m in got if m.get("topic") == "sonar"]
+        # The peer's clock says 1000 s and 1 s more with every pose.
+        tap.equal([m["stamp"] for m in sonar], [10**9 * (1000 + i) for i in range(3)], server.said)
+        tap.equal({m.get("topic", "summary") for m in got}, {"sonar", "image", "summary"}, "topics")
+        tap.lacks(server.said, "warning")
+
+
+def test_what_cannot_be_pinged_is_told_once():
+    need()
+    with Folder() as folder:
+        with Server(folder, SCENE) as server:
+            got = peer(server, folder, ["0 0 -7 0 0 0 1"] * 3, frame="odom", wait=0.3)
+        tap.equal([m for m in got if "topic" in m], [], "pings")
+        tap.equal(server.said.count("warning"), 1, server.said)
+        tap.contains(server.said, "poses in the frame 'odom', not 'map'")
+        for poses, why in ((["0 0 1 0 0 0 1"], "above the sea surface"),
+                           (["0 0 -20 0 0 0 1"], "below the bottom at 12 m")):
+            with Server(folder, SCENE, "--frame", "odom") as server:
+                got = peer(server, folder, [*poses * 3, "0 0 -7 0 0 0 1"], frame="odom", wait=2,
+                           stamp=10**9)
+            tap.equal(len([m for m in got if m.get("topic") == "sonar"]), 1, server.said)
+            tap.equal(server.said.count("warning"), 1, server.said)
+            tap.contains(server.said, why)
+        with Server(folder, SCENE) as server:
+            peer(server, folder, ["0 0 -7 0 0 0 0"], wait=0.5)
+        tap.contains(server.said, "a quaternion of length 1")
+
+
+def test_the_sonar_keeps_its_own_rate():
+    """Poses every 25 ms are pings every 100 ms: by their stamps, not by when they come."""
+    need()
+    with Folder() as folder:
+        with Server(folder, SCENE.replace("ping_rate_hz: 10", "ping_rate_hz: 2.5")) as server:
+            got = peer(server, folder, [POSES[0][0]] * 9, wait=1.5, stamp=10**9)
+        stamps = [m["stamp"] / 1e9 for m in got if m.get("topic") == "sonar"]
+        tap.equal(stamps, [1.0, 1.4, 1.8], server.said)
+
+
+def test_who_does_not_find_one_another_is_told():
+    need()
+    with Folder() as folder:
+        with Server(folder, SCENE) as server:
+            server.wait_for("nobody publishes '/asdic/pose' (nav_msgs/msg/Odometry)")
+            tap.contains(server.said, f"in domain {server.domain} yet")
+        tap.equal(server.code, 130, "code")
+        for options, kind, quality, text in (
+                ((), "pose", "best_effort", "'/asdic/pose' is published as geometry_msgs/msg/PoseStamped, "
+                 "and read as nav_msgs/msg/Odometry; --pose-type chooses"),
+                ((), "odometry", "reliable", "a subscriber of '/asdic/sonar' asks for reliable delivery")):
+            with Server(folder, SCENE, *options) as server:
+                with subprocess.Popen([PEER, str(server.domain), kind, quality, "0", "map", folder.path],
+                                      stdin=subprocess.PIPE, stdout=subprocess.DEVNULL) as other:
+                    server.wait_for(text)
+                    other.kill()
+            tap.equal(server.said.count(text), 1, server.said)
+
+
+def test_no_network_and_no_such_domain():
+    need()
+    with Folder() as folder:
+        for domain in ("300", "-1", "seven", "7x", "99999999999999999999"):
+            with Server(folder, SCENE, ROS_DOMAIN_ID=domain) as server:
+                server.child.wait(timeout=60)
+            tap.equal((server.code, server.said.count("error")), (1, 1), server.said)
+            tap.contains(server.said, f"ROS_DOMAIN_ID is '{domain}'; a DDS domain is a number from 0 to 232")
+        for uri in ("<General><Interfaces><NetworkInterface name=\"none0\"/></Interfaces></General>",
+                    "<General><Nonsense>1</Nonsense></General>"):
+            with Server(folder, SCENE, uri=uri) as server:
+                server.child.wait(timeout=60)
+            tap.equal((server.code, server.said.count("error:")), (1, 1), server.said)
+            tap.contains(server.said, f"cannot join the DDS domain {server.domain}")
+        with Server(folder, SCENE, uri="", ROS_LOCALHOST_ONLY="1") as server:
+            server.wait_for("poses from")
+        tap.equal(server.code, 130, server.said)
+
+
+def test_options_that_do_not_go_together():
+    with Folder() as folder:
+        scene = folder.write("scene.yaml", SCENE)
+        for options, text in ((("--pose-topic", "/x"), "goes with --ros2"),
+                              (("--ros2", "--format", "csv"), "go with lines"),
+                              (("--ros2", "--pose-topic", "auv pose"), "is no topic"),
+                              (("--ros2", "--topics", "/a//b"), "is no topic"),
+                              (("--ros2", "--pose-type", "twist"), "pose")):
+            done = asdic("serve", scene, *options).check(code=2, out="")
+            tap.contains(done.err, text)
+
+
+tap.main(globals())
