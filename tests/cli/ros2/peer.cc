@@ -5,7 +5,7 @@
 //
 // A line of the input is x y z qx qy qz qw. With HZ 0 every pose waits for its ping; else poses go out at
 // that rate, and their pings are counted and timed. OUT: a folder for what images hold, one file each.
-// PEER_WAIT_S: how long one waits for a ping, else 60. FIRST_STAMP_NS: poses say that and 0.1 s more each; without it the time at which they go out.
+// PEER_WAIT_S: how long one waits for a ping, else 60. PEER_COLD: without poses beforehand. FIRST_STAMP_NS: poses say that and 0.1 s more each; without it the time at which they go out.
 #include "asdic_rosPubSubTypes.h"
 
 #include <fastdds/dds/domain/DomainParticipant.hpp>
@@ -52,6 +52,7 @@ static std::map<int64_t, double> sent_s;              // by stamp
 static std::map<std::string, std::vector<double>> latency_s; // by topic
 static std::string folder;
 static bool is_quiet;
+static size_t warm; // pings of poses that only prove that both ends have found one another
 
 static double now_s() {
     return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -119,8 +120,13 @@ private:
         double arrived_s = now_s();
         int64_t stamp = stamp_of(message.header_());
         std::lock_guard<std::mutex> guard(lock);
+        if (!sent_s.count(stamp)) {
+            warm++;
+            news.notify_all();
+            return;
+        }
         auto &times = latency_s[name];
-        times.push_back(sent_s.count(stamp) ? arrived_s - sent_s[stamp] : -1.0);
+        times.push_back(arrived_s - sent_s[stamp]);
         if (!is_quiet) {
             printf("{\"topic\":\"%s\",\"stamp\":%lld,", name, static_cast<long long>(stamp));
             show(message, times.size() - 1);
@@ -216,6 +222,41 @@ static void report(const std::string &name, std::vector<double> times, double to
            n ? 1e3 * times[n * 99 / 100] : 0.0);
 }
 
+struct Sender {
+    DataWriter *poses, *clock;
+    bool is_odometry;
+    const char *frame;
+    void send(const double v[7], int64_t stamp, int32_t clock_s) {
+        Clock time;
+        Odometry odometry;
+        Pose pose;
+        time.clock_().sec_(clock_s);
+        clock->write(&time);
+        fill(is_odometry ? odometry.header_() : pose.header_(), stamp, frame);
+        fill(is_odometry ? odometry.pose_().pose_() : pose.pose_(), v);
+        poses->write(is_odometry ? static_cast<void *>(&odometry) : static_cast<void *>(&pose));
+    }
+};
+
+// Best effort forgets what it sends before the ends have found one another: the first pose goes out, long
+// before its time, until there is a ping, and until no more come.
+static void warm_up(Sender &sender, const double v[7], int64_t first_ns) {
+    size_t had = 0;
+    for (int i = 0; i < 240; i++) {
+        sender.send(v, first_ns + (i - 1000) * INT64_C(1000000000), 1 + i);
+        std::unique_lock<std::mutex> guard(lock);
+        if (news.wait_for(guard, std::chrono::milliseconds(500), [&] { return warm > 0; })) {
+            break;
+        }
+    }
+    for (size_t now = warm; now != had;) {
+        had = now;
+        std::this_thread::sleep_for(std::chrono::milliseconds(1000));
+        std::lock_guard<std::mutex> guard(lock);
+        now = warm;
+    }
+}
+
 int main(int argc, char **argv) {
     if (argc < 7) {
         return 2;
@@ -239,36 +280,24 @@ int main(int argc, char **argv) {
     node.reader("rt/asdic/detections", found_type, &found);
     DataWriter *poses = node.writer("rt/asdic/pose", pose_type);
     DataWriter *clock = node.writer("rt/clock", clock_type);
-    size_t count = 0;
+    Sender sender = {poses, clock, is_odometry, frame};
     const char *patience = getenv("PEER_WAIT_S");
     double v[7], began_s = 0.0, wait_s = patience ? atof(patience) : 60.0;
-    PublicationMatchedStatus matched;
-    for (int i = 0; i < 400; i++) { // the server is found
-        poses->get_publication_matched_status(matched);
-        if (matched.current_count > 0) {
-            break;
-        }
-        std::this_thread::sleep_for(std::chrono::milliseconds(50));
-    }
-    std::this_thread::sleep_for(std::chrono::milliseconds(500)); // and its topics, which are more
-    began_s = now_s();
+    size_t count = 0;
     while (std::cin >> v[0] >> v[1] >> v[2] >> v[3] >> v[4] >> v[5] >> v[6]) {
+        if (count == 0 && !getenv("PEER_COLD")) {
+            warm_up(sender, v, first_ns ? first_ns : wall_ns());
+        }
+        began_s = count ? began_s : now_s();
         int64_t stamp = first_ns ? first_ns + static_cast<int64_t>(count) * 100000000 : wall_ns();
-        Clock time;
-        time.clock_().sec_(static_cast<int32_t>(1000 + count));
-        clock->write(&time);
+        int32_t clock_s = static_cast<int32_t>(1000 + count);
         size_t had;
         {
             std::lock_guard<std::mutex> guard(lock);
             had = latency_s["image"].size();
-            sent_s[stamp] = now_s();
+            sent_s[stamp] = sent_s[clock_s * INT64_C(1000000000)] = now_s();
         }
-        Odometry odometry;
-        Pose pose;
-        fill(is_odometry ? odometry.header_() : pose.header_(), stamp, frame);
-        fill(is_odometry ? odometry.pose_().pose_() : pose.pose_(), v);
-        void *message = is_odometry ? static_cast<void *>(&odometry) : static_cast<void *>(&pose);
-        poses->write(message);
+        sender.send(v, stamp, clock_s);
         count++;
         if (hz > 0.0) {
             std::this_thread::sleep_until(std::chrono::steady_clock::time_point(
@@ -276,20 +305,18 @@ int main(int argc, char **argv) {
                     std::chrono::duration<double>(began_s + static_cast<double>(count) / hz))));
             continue;
         }
-        // The server may not have found this writer yet, and best effort forgets: the same again.
-        for (double end_s = now_s() + wait_s; now_s() < end_s;) {
+        for (double end_s = now_s() + wait_s; now_s() < end_s;) { // the same again, if it was lost
             std::unique_lock<std::mutex> guard(lock);
             if (news.wait_for(guard, std::chrono::milliseconds(500),
                               [&] { return latency_s["image"].size() > had; })) {
                 break;
             }
             guard.unlock();
-            clock->write(&time);
-            poses->write(message);
+            sender.send(v, stamp, clock_s);
         }
     }
     double took_s = now_s() - began_s;
-    std::this_thread::sleep_for(std::chrono::milliseconds(hz > 0.0 ? 1000 : 300));
+    std::this_thread::sleep_for(std::chrono::milliseconds(1500));
     std::lock_guard<std::mutex> guard(lock);
     for (const auto &topic : latency_s) {
         report(topic.first, topic.second, took_s, count);
