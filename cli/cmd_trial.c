@@ -6,10 +6,13 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
+#include <unistd.h>
+
+#define MOST_WORKERS 256
 
 typedef struct request {
     asdic_trial_options options;
+    uint64_t workers;
     char *key; /* of --vary */
     const char *values[ASDIC_TRIAL_MOST_VARIANTS];
     uint64_t shard, shards;
@@ -51,6 +54,11 @@ static bool read_request(cli *c, request *r) {
     asdic_trial_options *o = &r->options;
     cli_integer(c, "runs", 1, 1000000000, &o->runs);
     cli_integer(c, "seed", 0, UINT64_MAX, &o->seed);
+    long processors = sysconf(_SC_NPROCESSORS_ONLN);
+    r->workers = processors < 1              ? 1
+                 : processors > MOST_WORKERS ? MOST_WORKERS
+                                             : (uint64_t)processors;
+    cli_integer(c, "workers", 1, MOST_WORKERS, &r->workers);
     cli_integer(c, "rays", 64, 1u << 28, &rays);
     cli_share(c, "shard", &r->shard, &r->shards);
     cli_number(c, "rule-timeout", 0.01, 86400.0, &r->timeout_s);
@@ -292,15 +300,41 @@ static asdic_status replay_on(cli *c, request *r, asdic_device **devices, size_t
     return status;
 }
 
-static int fly(cli *c, request *r, asdic_team *team) {
-    asdic_device **devices = NULL;
-    size_t count = 0;
-    r->options.team = team;
-    asdic_status status = cli_open_devices(c, &devices, &count);
-    if (!status) {
-        status = (r->replay ? replay_on : fly_on)(c, r, devices, count);
+/* Devices opened as often as there are workers: what the host does for a ping takes longer than what
+ * a device does. */
+typedef struct workforce {
+    asdic_device **opened[MOST_WORKERS];
+    size_t times, each; /* devices that are opened at a time */
+    asdic_device **all;
+} workforce;
+
+static asdic_status recruit(cli *c, size_t workers, workforce *w) {
+    do {
+        TRY(cli_open_devices(c, &w->opened[w->times], &w->each));
+        w->times++;
+    } while (w->times * w->each < workers && w->times < MOST_WORKERS);
+    w->all = malloc(w->times * w->each * sizeof(asdic_device *));
+    for (size_t i = 0; w->all && i < w->times * w->each; i++) {
+        w->all[i] = w->opened[i / w->each][i % w->each];
     }
-    asdic_devices_close(&devices, count);
+    return w->all ? ASDIC_OK : ASDIC_ERROR_MEMORY;
+}
+
+static void dismiss(workforce *w) {
+    for (size_t i = 0; i < w->times; i++) {
+        asdic_devices_close(&w->opened[i], w->each);
+    }
+    free(w->all);
+}
+
+static int fly(cli *c, request *r, asdic_team *team) {
+    workforce w = {.times = 0};
+    r->options.team = team;
+    asdic_status status = recruit(c, r->replay ? 1 : r->workers, &w);
+    if (!status) {
+        status = (r->replay ? replay_on : fly_on)(c, r, w.all, w.times * w.each);
+    }
+    dismiss(&w);
     if (status || r->replay || cli_team_is_worker(team)) {
         return cli_end(c, status);
     }
@@ -334,6 +368,7 @@ static const cli_option options[] = {
     {"vary", 0, "KEY=A,B,..",
      "a design for each value of this key of the scene, as sonar.file=one.yaml,three.yaml"},
     {"rays", 0, "N", "rays per ping, instead of the scene's; of 'auto' 4096"},
+    {"workers", 0, "N", "runs that are flown at a time, else one for each processor"},
     {"rule", 0, "PROGRAM",
      "let this command, run by the shell, decide: it reads pings as 'asdic serve --detect' writes "
      "them, and answers each with a line"},

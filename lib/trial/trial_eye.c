@@ -27,9 +27,9 @@ static void forget_places(asdic_eye *eye) {
 }
 
 /* Whether what was expected holds on. */
-static bool is_same(const asdic_eye *eye, const asdic_mission *mission, size_t bins) {
+static bool is_same(const asdic_eye *eye, const asdic_mission *mission, size_t bins, size_t known) {
     const asdic_sonar *a = &eye->sonar, *b = &mission->settings.sonar;
-    if (bins != eye->bins || a->receiver_count != b->receiver_count ||
+    if (bins != eye->bins || known != eye->known || a->receiver_count != b->receiver_count ||
         memcmp(&eye->environment, &mission->settings.environment, sizeof eye->environment) != 0) {
         return false;
     }
@@ -39,33 +39,44 @@ static bool is_same(const asdic_eye *eye, const asdic_mission *mission, size_t b
            memcmp(a->receivers, b->receivers, a->receiver_count * sizeof *a->receivers) == 0;
 }
 
-static asdic_status remember(asdic_eye *eye, const asdic_mission *mission, size_t bins) {
+static asdic_status remember(asdic_eye *eye, const asdic_mission *mission, size_t bins,
+                             size_t known) {
     const asdic_sonar *sonar = &mission->settings.sonar;
     size_t bytes = sonar->receiver_count * sizeof *sonar->receivers;
     asdic_beam *receivers = malloc(bytes);
+    size_t cells = sonar->receiver_count * bins;
     forget_places(eye);
     asdic_ping_destroy(&eye->scratch);
     free((asdic_beam *)eye->sonar.receivers);
+    free(eye->total_lin);
+    eye->total_lin = malloc(2 * cells * sizeof(double));
+    eye->noise_lin = eye->total_lin + cells;
     eye->sonar = *sonar;
     eye->sonar.receivers = receivers;
     eye->environment = mission->settings.environment;
     eye->bins = bins;
-    if (!receivers) {
+    eye->known = known;
+    if (!receivers || !eye->total_lin) {
         return asdic_fail_memory(eye->ctx, "a sonar");
     }
     memcpy(receivers, sonar->receivers, bytes);
-    return asdic_ping_create(eye->ctx, sonar->receiver_count, bins, &eye->scratch);
+    for (size_t i = 0; i < 2 * cells; i++) {
+        eye->total_lin[i] = NAN;
+    }
+    return asdic_ping_create(eye->ctx, sonar->receiver_count, known, &eye->scratch);
 }
 
-asdic_status asdic_eye_open(asdic_eye *eye, const asdic_mission *mission, double depth_m) {
+asdic_status asdic_eye_open(asdic_eye *eye, const asdic_mission *mission, double depth_m,
+                            double reach_m) {
     const asdic_sonar *sonar = &mission->settings.sonar;
     asdic_cfar cfar = asdic_cfar_default();
     asdic_trial_background background = mission->trial.background;
     eye->mission = mission;
     TRY(asdic_loop_create_mission(eye->ctx, eye->device, mission, depth_m, 0.0, &eye->loop));
     size_t bins = asdic_loop_bin_count(eye->loop);
-    if (!is_same(eye, mission, bins)) {
-        TRY(remember(eye, mission, bins));
+    size_t known = (size_t)fmin(ceil(reach_m / sonar->bin_length_m) + 1.0, (double)bins);
+    if (!is_same(eye, mission, bins, known)) {
+        TRY(remember(eye, mission, bins, known));
     }
     if (background == ASDIC_TRIAL_AUTO) {
         bool is_plane = asdic_scene_get_info(mission->scene).has_bottom_plane;
@@ -106,45 +117,46 @@ static size_t slot_of(const asdic_expected_place *place) {
     return (hash >> 32) % ASDIC_EYE_PLACES;
 }
 
-/* What is expected at PLACE; valid until the next call. */
-static asdic_status expect(asdic_eye *eye, const asdic_expected_place *place,
-                           const eye_place **out) {
+/* Copies what KEPT holds to where a scan reads it. */
+static void spread(asdic_eye *eye, const eye_place *kept) {
+    size_t bytes = eye->known * sizeof(double);
+    for (size_t b = 0; b < eye->sonar.receiver_count; b++) {
+        memcpy(eye->total_lin + b * eye->bins, kept->total_lin + b * eye->known, bytes);
+        memcpy(eye->noise_lin + b * eye->bins, kept->noise_lin + b * eye->known, bytes);
+    }
+}
+
+/* What is expected at PLACE, into the eye's total and noise. */
+static asdic_status expect(asdic_eye *eye, const asdic_expected_place *place) {
     eye_place *kept = &eye->places[slot_of(place)];
-    size_t cells = eye->sonar.receiver_count * eye->bins;
-    *out = kept;
-    if (kept->total_lin && asdic_expected_is_near(place, &kept->place, 0.0, 0.0)) {
-        return ASDIC_OK;
+    size_t cells = eye->sonar.receiver_count * eye->known;
+    if (!kept->total_lin || !asdic_expected_is_near(place, &kept->place, 0.0, 0.0)) {
+        TRY(asdic_expected_compute(eye->ctx, &place->flat, &eye->environment, &eye->sonar,
+                                   &place->pose, eye->scratch));
+        kept->total_lin = kept->total_lin ? kept->total_lin : malloc(2 * cells * sizeof(double));
+        if (!kept->total_lin) {
+            return asdic_fail_memory(eye->ctx, "expected levels");
+        }
+        kept->noise_lin = kept->total_lin + cells;
+        kept->place = *place;
+        memcpy(kept->total_lin, eye->scratch->intensity_lin[ASDIC_TOTAL], cells * sizeof(double));
+        memcpy(kept->noise_lin, eye->scratch->intensity_lin[ASDIC_NOISE], cells * sizeof(double));
     }
-    kept->total_lin = kept->total_lin ? kept->total_lin : malloc(2 * cells * sizeof(double));
-    if (!kept->total_lin) {
-        return asdic_fail_memory(eye->ctx, "expected levels");
-    }
-    kept->noise_lin = kept->total_lin + cells;
-    asdic_status status = asdic_expected_compute(eye->ctx, &place->flat, &eye->environment,
-                                                 &eye->sonar, &place->pose, eye->scratch);
-    if (status) {
-        free(kept->total_lin);
-        kept->total_lin = NULL;
-        return status;
-    }
-    kept->place = *place;
-    memcpy(kept->total_lin, eye->scratch->intensity_lin[ASDIC_TOTAL], cells * sizeof(double));
-    memcpy(kept->noise_lin, eye->scratch->intensity_lin[ASDIC_NOISE], cells * sizeof(double));
+    spread(eye, kept);
     return ASDIC_OK;
 }
 
 asdic_status asdic_eye_look(asdic_eye *eye, const asdic_pose *pose, asdic_loop_ping *ping,
                             asdic_scan_result *found) {
-    const eye_place *expected = NULL;
     TRY(asdic_loop_submit(eye->loop, pose));
     TRY(asdic_loop_collect(eye->loop, ping));
     if (eye->is_flat) {
         asdic_expected_place place = place_of(eye, ping);
-        TRY(expect(eye, &place, &expected));
+        TRY(expect(eye, &place));
     }
     TRY(asdic_scan_ping(eye->scan, ping->parts->intensity_lin[ASDIC_TOTAL],
-                        expected ? expected->total_lin : NULL,
-                        expected ? expected->noise_lin : ping->parts->intensity_lin[ASDIC_NOISE],
+                        eye->is_flat ? eye->total_lin : NULL,
+                        eye->is_flat ? eye->noise_lin : ping->parts->intensity_lin[ASDIC_NOISE],
                         ping->parts->stderr_db));
     *found = asdic_scan_get(eye->scan);
     return ASDIC_OK;
@@ -161,4 +173,6 @@ void asdic_eye_finish(asdic_eye *eye) {
     asdic_ping_destroy(&eye->scratch);
     free((asdic_beam *)eye->sonar.receivers);
     eye->sonar.receivers = NULL;
+    free(eye->total_lin);
+    eye->total_lin = NULL;
 }

@@ -27,13 +27,16 @@ typedef struct asdic_eye {
     /* Expected levels, kept from run to run as long as water and sonar stay the same. */
     eye_place places[ASDIC_EYE_PLACES];
     asdic_environment environment;
-    asdic_sonar sonar; /* with receivers of its own */
-    size_t bins;
+    asdic_sonar sonar;             /* with receivers of its own */
+    size_t bins, known;            /* of a beam; of these, what is expected in the first */
+    double *total_lin, *noise_lin; /* of a ping, NAN behind those */
 } asdic_eye;
 
 /* EYE is zero but for ctx and device at first; the next run opens it again. DEPTH_M: of the sonar at
- * the first ping. */
-asdic_status asdic_eye_open(asdic_eye *eye, const asdic_mission *mission, double depth_m);
+ * the first ping. Nothing is detected beyond REACH_M where levels are compared with what is expected,
+ * since to expect them takes longer than to simulate them. */
+asdic_status asdic_eye_open(asdic_eye *eye, const asdic_mission *mission, double depth_m,
+                            double reach_m);
 
 /* The ping at POSE of the vehicle; valid until the next. */
 asdic_status asdic_eye_look(asdic_eye *eye, const asdic_pose *pose, asdic_loop_ping *ping,

@@ -382,8 +382,9 @@ asdic_status asdic_trial_run_one(asdic_eye *eye, const asdic_trial_job *job, asd
     asdic_pilot_begin(&r.pilot, &m->flight);
     place_objects(&r, 0.0);
     if (begins_well(&r, why)) {
+        double reach_m = job->rule ? INFINITY : m->trial.reach_m;
         bool is_blind = m->trial.is_ideal && !job->rule;
-        status = is_blind ? ASDIC_OK : asdic_eye_open(eye, m, r.pilot.state.z_m);
+        status = is_blind ? ASDIC_OK : asdic_eye_open(eye, m, r.pilot.state.z_m, reach_m);
         status = status ? status : fly_all(&r, eye, why);
         out->time_s = r.time_s;
         asdic_eye_close(eye);
