@@ -32,6 +32,7 @@ void asdic_mission_destroy(asdic_mission **mission) {
     }
     free(m->drawn);
     free(m->points_m);
+    free(m->geometry);
     free(m->motions);
     free(m->objects);
     asdic_settings_finish(&m->settings);

@@ -34,6 +34,7 @@ struct asdic_mission {
     size_t row_files;
     asdic_trial_plan trial; /* of a run of a trial; without a section as its defaults say */
     double *points_m;       /* of the flight */
+    char *geometry;         /* what the scene was made from, of a run of a trial */
     asdic_setting *drawn;   /* of a run of a trial; one of NULL ends it; NULL: nothing was drawn */
     bool is_varied;         /* settings changed what the text says */
     asdic_flight flight;    /* how the vehicle manoeuvres; an ordinary one without waypoints */
@@ -47,10 +48,12 @@ struct asdic_mission {
 asdic_status asdic_mission_load_empty(asdic_context *ctx, const char *path, asdic_mission **out);
 
 /* As asdic_mission_load_run, of a vehicle that steers itself: nothing is said of where it would be at a
- * ping, and it may start below the bottom. */
+ * ping, and it may start below the bottom. DONOR (NULL: none), of a run whose simulators are gone,
+ * gives its geometry away where it is the same; then it can only be destroyed. */
 asdic_status asdic_mission_load_trial(asdic_context *ctx, const char *path,
                                       const asdic_setting *settings, size_t count,
-                                      const asdic_draw *draw, asdic_mission **out);
+                                      const asdic_draw *draw, asdic_mission *donor,
+                                      asdic_mission **out);
 
 /* Whether the scene file at PATH, with what it includes, says what the mission with HASH did. */
 bool asdic_mission_has_hash(const char *path, const char *hash);

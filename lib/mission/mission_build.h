@@ -21,6 +21,7 @@ typedef struct mission_builder {
     size_t setting_count;
     const asdic_draw *draw;         /* the run of a trial; NULL: the scene itself */
     const asdic_scene_text *memory; /* where the scene is; NULL: in a file */
+    asdic_mission *donor;           /* gives its geometry where ours is the same; NULL: none */
     bool leaves_positions;          /* not checked: where the vehicle is matters later */
 } mission_builder;
 

@@ -11,6 +11,7 @@
 #include "base/try.h"
 #include "mission/scene_file/scene_draw.h"
 #include "mission/scene_file/scene_keys.h"
+#include "mission/scene_file/yaml_print.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -138,6 +139,22 @@ static asdic_status keep_drawn(mission_builder *b, const asdic_drawn *drawn) {
     return kept ? ASDIC_OK : asdic_fail_memory(b->ctx, "what was drawn");
 }
 
+/* What the scene's geometry is made from, as text: of a run of a trial, so that the next can see
+ * whether its own is the same. */
+static asdic_status keep_geometry(mission_builder *b, const asdic_yaml_node *root) {
+    static const char *const keys[] = {"surface", "bottom", "objects"};
+    asdic_text text = {0};
+    for (size_t i = 0; i < sizeof keys / sizeof *keys; i++) {
+        const asdic_yaml_node *node = asdic_yaml_child(root, keys[i]);
+        asdic_text_format(&text, "%s:\n", keys[i]);
+        if (node) {
+            asdic_yaml_print(node, &text);
+        }
+    }
+    b->mission->geometry = asdic_text_take(&text);
+    return b->mission->geometry ? ASDIC_OK : asdic_fail_memory(b->ctx, "a scene");
+}
+
 static asdic_status load(mission_builder *b, asdic_scene_file *file) {
     asdic_yaml_node *root = NULL;
     file_trial trial;
@@ -151,6 +168,9 @@ static asdic_status load(mission_builder *b, asdic_scene_file *file) {
     }
     TRY(keep_drawn(b, &drawn));
     b->mission->trial = asdic_scene_file_trial(&trial);
+    if (b->leaves_positions) {
+        TRY(keep_geometry(b, root));
+    }
     if (b->extent == MISSION_EMPTY) {
         file->objects.count = 0;
     }
@@ -222,12 +242,14 @@ asdic_status asdic_mission_load_with(asdic_context *ctx, const char *path,
 
 asdic_status asdic_mission_load_trial(asdic_context *ctx, const char *path,
                                       const asdic_setting *settings, size_t count,
-                                      const asdic_draw *draw, asdic_mission **out) {
+                                      const asdic_draw *draw, asdic_mission *donor,
+                                      asdic_mission **out) {
     const mission_builder how = {.extent = MISSION_WHOLE,
                                  .settings = settings,
                                  .setting_count = count,
                                  .draw = draw,
-                                 .leaves_positions = true};
+                                 .leaves_positions = true,
+                                 .donor = donor};
     return load_file(ctx, path, &how, out);
 }
 

@@ -251,8 +251,32 @@ static size_t count_primitives(const asdic_scene_file *file) {
     return count;
 }
 
+/* Whether the donor's scene is what the file describes. Meshes that change on the disk meanwhile are
+ * not looked for; numbers from files and objects on tracks are read anew. */
+static bool can_take(const mission_builder *b) {
+    const asdic_mission *donor = b->donor;
+    return donor && donor->scene && donor->geometry && b->mission->geometry &&
+           donor->row_files == 0 && donor->motion_count == 0 && b->problems->total == 0 &&
+           strcmp(donor->geometry, b->mission->geometry) == 0;
+}
+
+static void take_scene(mission_builder *b) {
+    asdic_mission *m = b->mission, *donor = b->donor;
+    m->scene = donor->scene;
+    m->objects = donor->objects;
+    m->object_count = donor->object_count;
+    m->bottom = donor->bottom;
+    donor->scene = NULL;
+    donor->objects = NULL;
+    donor->object_count = 0;
+}
+
 asdic_status asdic_mission_build_scene(mission_builder *b) {
     const asdic_scene_file *file = b->file;
+    if (can_take(b)) {
+        take_scene(b);
+        return ASDIC_OK;
+    }
     b->mission->objects = calloc(file->objects.count + 1, sizeof *b->mission->objects);
     if (!b->mission->objects) {
         return asdic_fail_memory(b->ctx, "the objects");

@@ -65,6 +65,7 @@ typedef struct worker {
     pthread_t thread;
     bool has_thread;
     asdic_eye eye;
+    asdic_mission *before; /* of the last run: its geometry may be that of the next */
 } worker;
 
 asdic_trial_options asdic_trial_options_default(void) {
@@ -82,7 +83,7 @@ static uint64_t ping_seed(uint64_t seed, uint64_t run) {
 
 /* The mission of RUN as VARIANT changes it. */
 static asdic_status load(asdic_context *ctx, const asdic_trial_options *o, uint64_t run,
-                         size_t variant, asdic_mission **out) {
+                         size_t variant, asdic_mission *donor, asdic_mission **out) {
     char seed[ASDIC_DIGITS_SIZE], rays[ASDIC_DIGITS_SIZE];
     const asdic_draw draw = {o->seed, run};
     asdic_setting settings[MOST_SETTINGS];
@@ -96,7 +97,7 @@ static asdic_status load(asdic_context *ctx, const asdic_trial_options *o, uint6
     if (o->variants.key) {
         settings[count++] = (asdic_setting){o->variants.key, o->variants.values[variant]};
     }
-    TRY(asdic_mission_load_trial(ctx, o->scene, settings, count, &draw, out));
+    TRY(asdic_mission_load_trial(ctx, o->scene, settings, count, &draw, donor, out));
     if (asdic_mission_ray_forecast(*out).is_auto) {
         asdic_mission_sampling(*out)->rays = AUTO_RAYS;
     }
@@ -110,9 +111,11 @@ static asdic_status fly(worker *w, uint64_t job, asdic_text *row, uint64_t *ping
     asdic_mission *mission = NULL;
     asdic_trial_run outcome;
     char why[ASDIC_TRIAL_WHY];
-    TRY(load(w->fleet->ctx, o, run, variant, &mission));
+    asdic_status status = load(w->fleet->ctx, o, run, variant, w->before, &mission);
+    asdic_mission_destroy(&w->before);
+    TRY(status);
     const asdic_trial_job one = {mission, o->seed, run, w->number, o->rule, NULL};
-    asdic_status status = asdic_trial_run_one(&w->eye, &one, &outcome, why);
+    status = asdic_trial_run_one(&w->eye, &one, &outcome, why);
     if (!status) {
         asdic_trial_print_row(mission, run, variant, &outcome, row);
         *pings = outcome.pings;
@@ -121,7 +124,7 @@ static asdic_status fly(worker *w, uint64_t job, asdic_text *row, uint64_t *ping
                       (unsigned long long)run, asdic_trial_outcome_name(outcome.outcome), why);
         }
     }
-    asdic_mission_destroy(&mission);
+    w->before = mission;
     return !status && row->failed ? asdic_fail_memory(w->fleet->ctx, "a row") : status;
 }
 
@@ -195,6 +198,7 @@ static asdic_status work_all(fleet *f) {
             pthread_join(workers[i].thread, NULL);
         }
         asdic_eye_finish(&workers[i].eye);
+        asdic_mission_destroy(&workers[i].before);
     }
     free(workers);
     return f->status ? asdic_fail(f->ctx, f->status, "%s", f->why) : ASDIC_OK;
@@ -221,7 +225,7 @@ static asdic_status describe(asdic_context *ctx, const asdic_trial_options *o, t
     for (size_t v = 0; !status && v < o->variants.count; v++) {
         asdic_mission *mission = NULL;
         facts->values[v] = strdup(o->variants.key ? o->variants.values[v] : "");
-        status = load(ctx, o, 0, v, &mission);
+        status = load(ctx, o, 0, v, NULL, &mission);
         if (!status) {
             const asdic_trial_plan *plan = &mission->trial;
             *is_ideal = plan->is_ideal && !o->rule && (v == 0 || *is_ideal);
@@ -534,7 +538,7 @@ asdic_status asdic_trial_replay(asdic_context *ctx, asdic_device *device,
     asdic_status status =
         scene && poses && track ? ASDIC_OK : asdic_fail_memory(ctx, "a run of a trial");
     if (!status) {
-        status = load(ctx, options, run, variant, &mission);
+        status = load(ctx, options, run, variant, NULL, &mission);
     }
     const asdic_trial_job job = {mission, options->seed, run, 0, options->rule, track};
     if (!status) {

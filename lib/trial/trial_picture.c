@@ -63,8 +63,7 @@ static bool draw_clearance(drawing *d, const asdic_trial *t, size_t variant) {
         d->y[variant][2 * i] = (double)i / (double)count;
         d->y[variant][2 * i + 1] = (double)(i + 1) / (double)count;
     }
-    d->curves[variant] = (asdic_series){.label = d->labels[variant],
-                                        .x = d->x[variant],
+    d->curves[variant] = (asdic_series){.x = d->x[variant],
                                         .y = d->y[variant],
                                         .count = 2 * count,
                                         .rgb = colors[variant % 8],
@@ -125,6 +124,7 @@ asdic_status asdic_trial_draw(asdic_context *ctx, const asdic_trial *t, const ch
         draw_interval((double)v + 1.0, &r->collision, d->bar_x[v], d->bar_y[v]);
         draw_interval((double)v + 1.0, &r->needless, d->late_x[v], d->late_y[v]);
         d->bars[v] = d->needless[v] = line;
+        d->bars[v].label = d->labels[v];
         d->bars[v].x = d->bar_x[v];
         d->bars[v].y = d->bar_y[v];
         d->needless[v].x = d->late_x[v];

@@ -23,6 +23,7 @@ def checked(*paths):
 def test_scenes_are_valid():
     scenes = sorted((DATA / "scenes").glob("*.yaml"))
     tap.equal(len(scenes) >= 14, True, "14 scenes or more")
+    scenes += [DATA / "trials" / f"{name}.yaml" for name in ("cliff", "net", "pile", "rise")]
     for scene in checked(*scenes):
         tap.equal((scene["kind"], scene["valid"]), ("scene", True))
 

@@ -1,0 +1,225 @@
+/*
+ * What trials count with: distances against a search of another kind, and intervals against sums over
+ * all that can happen.
+ */
+#include "asserts.h"
+
+#include <asdic/asdic.h>
+
+#include "base/vec.h"
+#include "scene/nearest.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* --- distances --------------------------------------------------------------------------------- */
+
+static double random_unit(uint64_t *state) {
+    *state = *state * 6364136223846793005u + 1442695040888963407u;
+    return (double)(*state >> 11) * 0x1p-53;
+}
+
+static asdic_vec3 random_place(uint64_t *state, double size_m) {
+    double x = random_unit(state), y = random_unit(state), z = random_unit(state);
+    return (asdic_vec3){size_m * (x - 0.5), size_m * (y - 0.5), size_m * (z - 0.5) + 50.0};
+}
+
+static asdic_vec3 mix(const asdic_vec3 v[3], double u, double w) {
+    asdic_vec3 ab = asdic_vec3_scale(asdic_vec3_sub(v[1], v[0]), u);
+    asdic_vec3 ac = asdic_vec3_scale(asdic_vec3_sub(v[2], v[0]), w);
+    return asdic_vec3_add(v[0], asdic_vec3_add(ab, ac));
+}
+
+/* The distance is a convex function of the place on the segment and of that on the triangle, so that
+ * going downhill in shrinking steps ends at its least. */
+static double search(asdic_vec3 a, asdic_vec3 b, const asdic_vec3 v[3]) {
+    double at[3] = {0.5, 0.3, 0.3}, best = INFINITY;
+    for (double step = 0.5; step > 1e-7; step *= 0.7) {
+        for (int round = 0; round < 40; round++) {
+            double next[3] = {at[0], at[1], at[2]};
+            for (int k = 0; k < 27; k++) {
+                double t = fmin(fmax(at[0] + step * (k % 3 - 1), 0.0), 1.0);
+                double u = fmin(fmax(at[1] + step * (k / 3 % 3 - 1), 0.0), 1.0);
+                double w = fmin(fmax(at[2] + step * (k / 9 - 1), 0.0), 1.0);
+                double over = u + w > 1.0 ? 0.5 * (u + w - 1.0) : 0.0;
+                u = fmin(fmax(u - over, 0.0), 1.0);
+                w = fmin(fmax(w - over, 0.0), 1.0 - u);
+                asdic_vec3 p = asdic_vec3_add(a, asdic_vec3_scale(asdic_vec3_sub(b, a), t));
+                double found = asdic_vec3_length(asdic_vec3_sub(p, mix(v, u, w)));
+                if (found < best) {
+                    best = found;
+                    next[0] = t;
+                    next[1] = u;
+                    next[2] = w;
+                }
+            }
+            if (next[0] == at[0] && next[1] == at[1] && next[2] == at[2]) {
+                break;
+            }
+            at[0] = next[0];
+            at[1] = next[1];
+            at[2] = next[2];
+        }
+    }
+    return best;
+}
+
+static asdic_scene *make_scene(asdic_context *ctx) {
+    asdic_scene *scene = NULL;
+    asdic_mesh *ball = NULL, *box = NULL;
+    asdic_material rock = asdic_material_bottom(4.0);
+    assert_int_equal(asdic_scene_create(ctx, &scene), ASDIC_OK);
+    assert_int_equal(asdic_mesh_sphere(ctx, 3.0, 12, &ball), ASDIC_OK);
+    assert_int_equal(asdic_mesh_box(ctx, (asdic_vec3){8, 2, 4}, &box), ASDIC_OK);
+    asdic_pose at = {.position_m = {6, 2, 48}};
+    assert_int_equal(asdic_scene_add_object(scene, "ball", ball, at, rock), ASDIC_OK);
+    assert_int_equal(asdic_scene_add_moving_object(scene, "box", box, at, rock), ASDIC_OK);
+    assert_int_equal(asdic_scene_add_point(scene, "fish", (asdic_vec3){0, 9, 50}, -30.0), ASDIC_OK);
+    assert_int_equal(asdic_scene_commit(scene), ASDIC_OK);
+    asdic_mesh_destroy(&ball);
+    asdic_mesh_destroy(&box);
+    return scene;
+}
+
+/* To all triangles one by one, and to the point. */
+static double nearest_of_all(const asdic_placement *p, asdic_vec3 a, asdic_vec3 b) {
+    const asdic_scene *scene = p->scene;
+    const asdic_vec3 fish[3] = {{0, 9, 50}, {0, 9, 50}, {0, 9, 50}};
+    double best = search(a, b, fish);
+    for (size_t i = 0; i < scene->triangle_count; i++) {
+        const dev_triangle *t = asdic_placement_triangle(p, i);
+        const float *from[3] = {t->v0, t->v1, t->v2};
+        asdic_vec3 v[3];
+        for (int k = 0; k < 3; k++) {
+            asdic_vec3 corner = {from[k][0], from[k][1], from[k][2]};
+            v[k] = asdic_vec3_add(corner, scene->origin_m);
+        }
+        best = fmin(best, search(a, b, v));
+    }
+    return best;
+}
+
+static void test_nearest(void **state) {
+    (void)state;
+    asdic_context *ctx = NULL;
+    asdic_placement *placement = NULL;
+    assert_int_equal(asdic_context_create(&ctx), ASDIC_OK);
+    asdic_scene *scene = make_scene(ctx);
+    assert_int_equal(asdic_placement_create(scene, &placement), ASDIC_OK);
+    uint64_t random = 1;
+    for (int i = 0; i < 30; i++) {
+        asdic_pose pose = {.position_m = random_place(&random, 20.0),
+                           .roll_rad = random_unit(&random),
+                           .yaw_rad = 6.0 * random_unit(&random)};
+        asdic_placement_move(placement, 0, &pose);
+        asdic_vec3 a = random_place(&random, 30.0);
+        asdic_vec3 b = i % 3 ? random_place(&random, 30.0) : a;
+        asdic_nearest found = asdic_placement_nearest(placement, a, b, 1000.0);
+        double wanted_m = nearest_of_all(placement, a, b);
+        if (fabs(found.distance_m - wanted_m) > 2e-3) {
+            fail_msg("%d: %.9g m, by search %.9g m", i, found.distance_m, wanted_m);
+        }
+        asdic_nearest within = asdic_placement_nearest(placement, a, b, 0.5 * wanted_m);
+        if (wanted_m > 0.1) { /* else the way goes through something */
+            assert_true(within.part == ASDIC_NOTHING && within.distance_m == 0.5 * wanted_m);
+        }
+    }
+    asdic_placement_destroy(&placement);
+    asdic_scene_destroy(&scene);
+    asdic_context_destroy(&ctx);
+}
+
+static void test_inside(void **state) {
+    (void)state;
+    asdic_context *ctx = NULL;
+    asdic_placement *placement = NULL;
+    assert_int_equal(asdic_context_create(&ctx), ASDIC_OK);
+    asdic_scene *scene = make_scene(ctx);
+    assert_int_equal(asdic_placement_create(scene, &placement), ASDIC_OK);
+    asdic_pose away = {.position_m = {-20, 0, 50}};
+    asdic_placement_move(placement, 0, &away);
+    uint64_t random = 5;
+    for (int i = 0; i < 2000; i++) {
+        size_t part = 9;
+        asdic_vec3 at = asdic_vec3_add(random_place(&random, 8.0), (asdic_vec3){6, 2, -2});
+        double off_m = asdic_vec3_length(asdic_vec3_sub(at, (asdic_vec3){6, 2, 48}));
+        bool is_inside = asdic_placement_is_inside(placement, at, &part);
+        if (off_m < 2.7) { /* inside all facets of the ball */
+            assert_true(is_inside && part == 0);
+        } else if (off_m > 3.0) {
+            assert_false(is_inside);
+        }
+    }
+    asdic_placement_destroy(&placement);
+    asdic_scene_destroy(&scene);
+    asdic_context_destroy(&ctx);
+}
+
+/* --- intervals --------------------------------------------------------------------------------- */
+
+static double log_choose(double n, double k) {
+    return lgamma(n + 1.0) - lgamma(k + 1.0) - lgamma(n - k + 1.0);
+}
+
+/* Over all counts that can happen, the bounds hold the truth with 0.95 or more. */
+static void test_shares_cover(void **state) {
+    (void)state;
+    for (double p = 0.01; p < 1.0; p += 0.07) {
+        double held = 0.0;
+        for (uint64_t k = 0; k <= 40; k++) {
+            asdic_trial_figure f = asdic_trial_share(k, 40, 0.95);
+            double chance = exp(log_choose(40, (double)k) + (double)k * log(p) +
+                                (40.0 - (double)k) * log1p(-p));
+            held += f.low <= p && p <= f.high ? chance : 0.0;
+        }
+        assert_true(held >= 0.95 && held <= 1.0 + 1e-9);
+    }
+}
+
+/* The log likelihood of B, C discordant of N where the chances differ by D and the second is Q. */
+static double likelihood(double b, double c, double n, double d, double q) {
+    double rest = 1.0 - 2.0 * q - d;
+    return (b > 0.0 ? b * log(q + d) : 0.0) + (c > 0.0 ? c * log(q) : 0.0) +
+           (n > b + c ? (n - b - c) * log(rest) : 0.0);
+}
+
+/* Tango's bounds are where the score is 1.96; the likeliest Q is found by a search here. */
+static void test_differences(void **state) {
+    (void)state;
+    static const uint64_t cases[][3] = {{12, 3, 50}, {40, 45, 1000}, {1, 0, 30}, {5, 5, 20}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        double b = (double)cases[i][0], c = (double)cases[i][1], n = (double)cases[i][2];
+        asdic_trial_figure f = asdic_trial_paired(cases[i][0], cases[i][1], cases[i][2], 0.95);
+        assert_true(f.value == (b - c) / n && f.low < f.value && f.value < f.high);
+        const double ends[2] = {f.low, f.high};
+        for (int k = 0; k < 2; k++) {
+            double d = ends[k], low = fmax(0.0, -d), high = 0.5 * (1.0 - d);
+            for (int step = 0; step < 200; step++) { /* golden section of a concave function */
+                double x = high - 0.618033988749895 * (high - low);
+                double y = low + 0.618033988749895 * (high - low);
+                if (likelihood(b, c, n, d, x) < likelihood(b, c, n, d, y)) {
+                    low = x;
+                } else {
+                    high = y;
+                }
+            }
+            double q = 0.5 * (low + high);
+            double score = (b - c - n * d) / sqrt(n * (2.0 * q + d - d * d));
+            if (fabs(fabs(score) - 1.959964) > 1e-3) {
+                fail_msg("case %zu: score %.6g at %.6g", i, score, d);
+            }
+        }
+    }
+    assert_true(fabs(asdic_trial_mcnemar(1, 9) - 2.0 * 11.0 / 1024.0) < 1e-12);
+    assert_true(asdic_trial_mcnemar(0, 0) == 1.0 && asdic_trial_mcnemar(4, 4) == 1.0);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_nearest),
+        cmocka_unit_test(test_inside),
+        cmocka_unit_test(test_shares_cover),
+        cmocka_unit_test(test_differences),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
