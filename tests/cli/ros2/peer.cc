@@ -48,14 +48,15 @@ using ClockType = rosgraph_msgs::msg::dds_::Clock_PubSubType;
 
 static std::mutex lock;
 static std::condition_variable news;
-static std::map<int64_t, double> sent_s;              // by stamp
+static std::map<int64_t, double> sent_s;                     // by stamp
 static std::map<std::string, std::vector<double>> latency_s; // by topic
 static std::string folder;
 static bool is_quiet;
 static size_t warm; // pings of poses that only prove that both ends have found one another
 
 static double now_s() {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch())
+        .count();
 }
 
 static int64_t stamp_of(const std_msgs::msg::dds_::Header_ &header) {
@@ -64,7 +65,8 @@ static int64_t stamp_of(const std_msgs::msg::dds_::Header_ &header) {
 
 static void keep(const char *name, size_t number, const std::vector<uint8_t> &bytes) {
     std::ofstream file(folder + "/" + name + "_" + std::to_string(number), std::ios::binary);
-    file.write(reinterpret_cast<const char *>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+    file.write(reinterpret_cast<const char *>(bytes.data()),
+               static_cast<std::streamsize>(bytes.size()));
 }
 
 static void show(const Sonar &m, size_t number) {
@@ -72,10 +74,11 @@ static void show(const Sonar &m, size_t number) {
     keep("sonar", number, image.data_());
     printf("\"frame\":\"%s\",\"frequency\":%.9g,\"sound_speed\":%.9g,\"tx\":%zu,\"rx\":[%zu,%.9g],"
            "\"dtype\":%u,\"beams\":%u,\"bytes\":%zu,\"ranges\":[%zu,%.9g,%.9g],\"directions\":[",
-           m.header_().frame_id_().c_str(), m.ping_info_().frequency_(), m.ping_info_().sound_speed_(),
-           m.ping_info_().tx_beamwidths_().size(), m.ping_info_().rx_beamwidths_().size(),
-           m.ping_info_().rx_beamwidths_().front(), image.dtype_(), image.beam_count_(),
-           image.data_().size(), m.ranges_().size(), m.ranges_().front(), m.ranges_().back());
+           m.header_().frame_id_().c_str(), m.ping_info_().frequency_(),
+           m.ping_info_().sound_speed_(), m.ping_info_().tx_beamwidths_().size(),
+           m.ping_info_().rx_beamwidths_().size(), m.ping_info_().rx_beamwidths_().front(),
+           image.dtype_(), image.beam_count_(), image.data_().size(), m.ranges_().size(),
+           m.ranges_().front(), m.ranges_().back());
     const char *comma = "";
     for (const auto &d : m.beam_directions_()) {
         printf("%s[%.17g,%.17g,%.17g]", comma, d.x_(), d.y_(), d.z_());
@@ -86,9 +89,10 @@ static void show(const Sonar &m, size_t number) {
 
 static void show(const Image &m, size_t number) {
     keep("image", number, m.data_());
-    printf("\"frame\":\"%s\",\"encoding\":\"%s\",\"height\":%u,\"width\":%u,\"step\":%u,\"bytes\":%zu",
-           m.header_().frame_id_().c_str(), m.encoding_().c_str(), m.height_(), m.width_(), m.step_(),
-           m.data_().size());
+    printf(
+        "\"frame\":\"%s\",\"encoding\":\"%s\",\"height\":%u,\"width\":%u,\"step\":%u,\"bytes\":%zu",
+        m.header_().frame_id_().c_str(), m.encoding_().c_str(), m.height_(), m.width_(), m.step_(),
+        m.data_().size());
 }
 
 static void show(const Found &m, size_t) {
@@ -100,9 +104,8 @@ static void show(const Found &m, size_t) {
     printf("]");
 }
 
-template <typename Message>
-class Ears : public DataReaderListener {
-public:
+template <typename Message> class Ears : public DataReaderListener {
+  public:
     explicit Ears(const char *name) : name(name) {
     }
     void on_data_available(DataReader *reader) override {
@@ -115,7 +118,7 @@ public:
         }
     }
 
-private:
+  private:
     void take(const Message &message) {
         double arrived_s = now_s();
         int64_t stamp = stamp_of(message.header_());
@@ -153,7 +156,7 @@ static DomainParticipant *join(int domain) {
 }
 
 class Node {
-public:
+  public:
     Node(int domain, bool is_reliable) : is_reliable(is_reliable), participant(join(domain)) {
         if (!participant) {
             fprintf(stderr, "no participant\n");
@@ -171,7 +174,8 @@ public:
     }
     void reader(const char *name, TypeSupport type, DataReaderListener *ears) {
         DataReaderQos qos = DATAREADER_QOS_DEFAULT;
-        qos.reliability().kind = is_reliable ? RELIABLE_RELIABILITY_QOS : BEST_EFFORT_RELIABILITY_QOS;
+        qos.reliability().kind =
+            is_reliable ? RELIABLE_RELIABILITY_QOS : BEST_EFFORT_RELIABILITY_QOS;
         qos.history().kind = KEEP_LAST_HISTORY_QOS;
         qos.history().depth = 5;
         qos.endpoint().history_memory_policy =
@@ -179,7 +183,7 @@ public:
         subscriber->create_datareader(topic(name, type), qos, ears);
     }
 
-private:
+  private:
     Topic *topic(const char *name, TypeSupport type) {
         type.register_type(participant);
         return participant->create_topic(name, type.get_type_name(), TOPIC_QOS_DEFAULT);
@@ -213,7 +217,8 @@ static int64_t wall_ns() {
 }
 
 // Median and 99th percentile, ms, of a topic.
-static void report(const std::string &name, std::vector<double> times, double took_s, size_t poses) {
+static void report(const std::string &name, std::vector<double> times, double took_s,
+                   size_t poses) {
     std::sort(times.begin(), times.end());
     size_t n = times.size();
     printf("{\"summary\":\"%s\",\"poses\":%zu,\"pings\":%zu,\"per_s\":%.3f,\"median_ms\":%.3f,"
