@@ -89,10 +89,14 @@ FORMULA real r_acos(real x) {
     return choose(s.is_half, narrow, wide);
 }
 
-/* X times 2^N, N a whole number from -250 to 250, in two steps: 2^128 is none. */
+/* X times 2^N, N a whole number from -250 to 250: exact, but in two steps, since 2^128 is none. */
 FORMULA real times_power(real x, real n) {
+#if ASDIC_WIDTH == 1
+    return ldexp(x, to_whole(n)); /* an instruction of GPUs */
+#else
     whole power = to_whole(n), first = power >> 1;
     return x * as_real((first + 127) << 23) * as_real((power - first + 127) << 23);
+#endif
 }
 
 /* exp(r) - 1 for |r| <= ln 2 / 2. */
@@ -110,8 +114,12 @@ FORMULA real rest_of(real x, real n) {
     return (x - n * R(0.693359375)) + n * R(2.12194440e-4);
 }
 
+/* INFINITY above 88.7, for X of at most 1e4. */
 FORMULA real r_exp(real x) {
-    x = r_min(r_max(x, R(-104.0)), R(89.0));
+    x = r_max(x, R(-104.0));
+#if ASDIC_WIDTH > 1 /* where the power is made of two */
+    x = r_min(x, R(89.0));
+#endif
     real n = powers_in(x);
     return times_power(small_expm1(rest_of(x, n)) + R(1.0), n);
 }
