@@ -57,6 +57,7 @@ asdic_status asdic_settings_take(asdic_context *ctx, const asdic_scene_file *fil
     for (size_t i = 0; i < ASDIC_FORMAT_COUNT; i++) {
         out->output.formats |= file->output.formats[i] ? 1u << i : 0u;
     }
+    out->sampling.truth = out->output.formats & 1u << ASDIC_FORMAT_truth;
     choose_output(file, out);
     out->receivers = calloc(out->sonar.receiver_count + 1, sizeof *out->receivers);
     if (!out->receivers) {

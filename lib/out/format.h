@@ -21,6 +21,7 @@ typedef struct asdic_format_about {
     size_t pings, bins;
     const char *scene_name, *scene_hash, *version;
     uint64_t seed;
+    bool truth; /* records have it */
 } asdic_format_about;
 
 /* A file appears under its name on commit, complete, or not at all. */

@@ -42,6 +42,8 @@ typedef struct netcdf {
     float *levels_db[ASDIC_RECORD_ARRAYS]; /* [chunk_pings * beams * bins] */
     uint64_t *ping_numbers;
     double *series[SERIES_COUNT];
+    bool truth;
+    int truth_ids[ASDIC_TRUTH_FIELDS];
     asdic_sweep sweep;
     double *axes;           /* [3][beams], forward, starboard, down, the head not turned */
     int axis_ids[3];        /* where the head turns: of every ping */
@@ -289,6 +291,44 @@ static void define_levels(netcdf *f, const int dimensions[3]) {
     }
 }
 
+static const char *const truth_names[ASDIC_TRUTH_FIELDS] = {
+    "what gives the largest share: an object's number; -1 bottom, -2 surface, -3 volume, -5 "
+    "multipath, -6 "
+    "noise",
+    "number of the strongest object, 0: none",
+    "share of the strongest",
+    "share of the strongest object",
+    "share of what was scattered once",
+    "share by way of the surface",
+    "share by way of the bottom",
+    "share by way of objects",
+    "share of noise",
+    "where the echo arrives from, below the horizontal"};
+
+/* Ping by ping: they are not buffered. */
+static void define_truth(netcdf *f, const int dimensions[3]) {
+    const size_t chunks[3] = {1, f->beams, f->bins};
+    for (size_t i = 0; i < ASDIC_TRUTH_FIELDS && f->truth && f->nc.failure == NC_NOERR; i++) {
+        bool is_number = asdic_truth_fields[i].width == sizeof(int16_t);
+        int id = asdic_nc_variable(&f->nc, f->beam_group, asdic_truth_fields[i].name,
+                                   is_number ? NC_SHORT : NC_FLOAT, 3, dimensions, truth_names[i],
+                                   i + 1 == ASDIC_TRUTH_FIELDS ? "rad" : "1");
+        if (id >= 0 &&
+            asdic_nc_check(&f->nc, nc_def_var_chunking(f->beam_group, id, NC_CHUNKED, chunks))) {
+            asdic_nc_check(&f->nc, nc_def_var_deflate(f->beam_group, id, 1, 1, DEFLATE_LEVEL));
+        }
+        f->truth_ids[i] = id;
+    }
+}
+
+static void write_truth(netcdf *f, const asdic_ping_truth *truth, size_t ping) {
+    const size_t start[3] = {ping, 0, 0}, count[3] = {1, f->beams, f->bins};
+    for (size_t i = 0; i < ASDIC_TRUTH_FIELDS && f->truth && truth->share; i++) {
+        asdic_nc_check(&f->nc, nc_put_vara(f->beam_group, f->truth_ids[i], start, count,
+                                           asdic_truth_values(truth, i)));
+    }
+}
+
 static void describe_beams(netcdf *f, const asdic_format_about *about) {
     const asdic_nc_attribute sonar_texts[] = {
         {"sonar_manufacturer", "none: simulated"}, {"sonar_model", about->scene_name},
@@ -314,6 +354,7 @@ static void describe_beams(netcdf *f, const asdic_format_about *about) {
     }
     put_pulse(f, about);
     define_levels(f, dimensions);
+    define_truth(f, dimensions);
 }
 
 /* The levels once more, with their axes as coordinates, where a reader looks first: tools that
@@ -396,6 +437,7 @@ static asdic_status open_netcdf(asdic_context *ctx, const char *path,
     f->beams = beams;
     f->bins = about->bins;
     f->pings = about->pings;
+    f->truth = about->truth;
     f->chunk_pings = chunk < 1 ? 1 : chunk > about->pings ? about->pings : chunk;
     asdic_status status = begin(f, ctx, path, about);
     if (status) {
@@ -474,6 +516,7 @@ static asdic_status write_netcdf(void *file, const asdic_record *record) {
                i < ASDIC_COMPONENT_COUNT ? record->level_db[i] : record->stderr_db,
                cells * sizeof(float));
     }
+    write_truth(f, &record->truth, f->written + n);
     return f->buffered == f->chunk_pings ? flush(f) : ASDIC_OK;
 }
 

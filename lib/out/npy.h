@@ -10,7 +10,7 @@
  * ("3, 150, " or "") further dimensions. Its length is a multiple of 64 and does not depend on
  * COUNT, so that it can be written again when COUNT is known. Returns the length, 0 when CAPACITY
  * is too small. */
-#define ASDIC_NPY_HEADER_SIZE 1024
+#define ASDIC_NPY_HEADER_SIZE 2048
 size_t asdic_npy_header(char header[ASDIC_NPY_HEADER_SIZE], const char *dtype, size_t count,
                         const char *shape_rest);
 

@@ -18,8 +18,53 @@ const char *const asdic_record_names[ASDIC_RECORD_ARRAYS] = {
     [ASDIC_NOISE] = "noise_db",     [ASDIC_COMPONENT_COUNT] = "stderr_db",
 };
 
+const asdic_truth_field asdic_truth_fields[ASDIC_TRUTH_FIELDS] = {
+    {"strongest", "<i2", sizeof(int16_t)}, {"object", "<i2", sizeof(int16_t)},
+    {"share", "<f4", sizeof(float)},       {"object_share", "<f4", sizeof(float)},
+    {"direct", "<f4", sizeof(float)},      {"by_surface", "<f4", sizeof(float)},
+    {"by_bottom", "<f4", sizeof(float)},   {"by_object", "<f4", sizeof(float)},
+    {"noise", "<f4", sizeof(float)},       {"depression_rad", "<f4", sizeof(float)},
+};
+
+const void *asdic_truth_values(const asdic_ping_truth *truth, size_t field) {
+    const void *const values[ASDIC_TRUTH_FIELDS] = {truth->strongest,
+                                                    truth->object,
+                                                    truth->share,
+                                                    truth->object_share,
+                                                    truth->path[ASDIC_PATH_DIRECT],
+                                                    truth->path[ASDIC_PATH_BY_SURFACE],
+                                                    truth->path[ASDIC_PATH_BY_BOTTOM],
+                                                    truth->path[ASDIC_PATH_BY_OBJECT],
+                                                    truth->path[ASDIC_PATH_NOISE],
+                                                    truth->depression_rad};
+    return values[field];
+}
+
+size_t asdic_truth_dtype(char *text, size_t size, size_t used, size_t beams, size_t bins) {
+    for (size_t i = 0; i < ASDIC_TRUTH_FIELDS; i++) {
+        used += (size_t)snprintf(text + used, size - used, "%s('%s', '%s', (%zu, %zu))",
+                                 i > 0 ? ", " : "", asdic_truth_fields[i].name,
+                                 asdic_truth_fields[i].type, beams, bins);
+    }
+    return used;
+}
+
+/* Bytes of a record in memory before its truth: the last eight say whether there is one. */
+static size_t levels_bytes(size_t cells) {
+    size_t bytes = sizeof(asdic_record_head) + ASDIC_RECORD_ARRAYS * cells * sizeof(float);
+    return (bytes + 7) / 8 * 8 + sizeof(uint64_t);
+}
+
+static uint64_t *truth_mark(const void *bytes, size_t cells) {
+    return (uint64_t *)(uintptr_t)((const char *)bytes + levels_bytes(cells)) - 1;
+}
+
+static char *truth_of(const void *bytes, size_t cells) {
+    return (char *)(uintptr_t)bytes + levels_bytes(cells);
+}
+
 size_t asdic_record_bytes(size_t beams, size_t bins) {
-    return sizeof(asdic_record_head) + ASDIC_RECORD_ARRAYS * beams * bins * sizeof(float);
+    return levels_bytes(beams * bins) + beams * bins * ASDIC_TRUTH_BYTES;
 }
 
 /* Bytes of a number of ARRAY in the file; 0: not stored. */
@@ -37,6 +82,7 @@ size_t asdic_record_stored_bytes(const asdic_record_layout *layout) {
     for (int i = 0; i < ASDIC_RECORD_ARRAYS; i++) {
         each += width_of(layout, i);
     }
+    each += layout->truth ? ASDIC_TRUTH_BYTES : 0;
     return sizeof(asdic_record_head) + layout->beams * layout->bins * each + sizeof(uint32_t);
 }
 
@@ -52,6 +98,11 @@ void asdic_record_dtype(char text[ASDIC_RECORD_DTYPE_SIZE], const asdic_record_l
                              ", ('%s', '<f%zu', (%zu, %zu))", asdic_record_names[i], width,
                              layout->beams, layout->bins);
         }
+    }
+    if (layout->truth) {
+        used += snprintf(text + used, ASDIC_RECORD_DTYPE_SIZE - (size_t)used, ", ");
+        used = (int)asdic_truth_dtype(text, ASDIC_RECORD_DTYPE_SIZE, (size_t)used, layout->beams,
+                                      layout->bins);
     }
     snprintf(text + used, ASDIC_RECORD_DTYPE_SIZE - (size_t)used, ", ('crc32', '<u4')]");
 }
@@ -86,6 +137,10 @@ void asdic_record_store(const asdic_record_layout *layout, const void *bytes, vo
         }
         to += cells * width;
     }
+    if (layout->truth) {
+        memcpy(to, truth_of(bytes, cells), cells * ASDIC_TRUTH_BYTES);
+        to += cells * ASDIC_TRUTH_BYTES;
+    }
     uint32_t sum = sum_of(stored, stored_bytes);
     memcpy(to, &sum, sizeof sum);
 }
@@ -107,6 +162,10 @@ void asdic_record_restore(const asdic_record_layout *layout, const void *stored,
         }
         from += cells * width;
     }
+    *truth_mark(bytes, cells) = layout->truth;
+    if (layout->truth) {
+        memcpy(truth_of(bytes, cells), from, cells * ASDIC_TRUTH_BYTES);
+    }
 }
 
 void asdic_record_pack(const asdic_record_head *head, const asdic_ping *ping, void *bytes) {
@@ -120,6 +179,26 @@ void asdic_record_pack(const asdic_record_head *head, const asdic_ping *ping, vo
     for (size_t i = 0; i < cells; i++) {
         bool is_known = ping->intensity_lin[ASDIC_TOTAL][i] > 0.0 && isfinite(ping->stderr_db[i]);
         *out++ = is_known ? ping->stderr_db[i] : NAN;
+    }
+    *truth_mark(bytes, cells) = ping->truth != NULL;
+    char *to = truth_of(bytes, cells);
+    for (size_t i = 0; ping->truth && i < ASDIC_TRUTH_FIELDS; i++) {
+        size_t width = cells * asdic_truth_fields[i].width;
+        memcpy(to, asdic_truth_values(ping->truth, i), width);
+        to += width;
+    }
+}
+
+/* Points TRUTH to the fields that lie behind FROM. */
+static void view_truth(const char *from, size_t cells, asdic_ping_truth *truth) {
+    float *values = (float *)(void *)(uintptr_t)(from + 2 * cells * sizeof(int16_t));
+    *truth = (asdic_ping_truth){.strongest = (int16_t *)(void *)(uintptr_t)from,
+                                .object = (int16_t *)(void *)(uintptr_t)from + cells,
+                                .share = values,
+                                .object_share = values + cells,
+                                .depression_rad = values + (2 + ASDIC_PATH_COUNT) * cells};
+    for (size_t p = 0; p < ASDIC_PATH_COUNT; p++) {
+        truth->path[p] = values + (2 + p) * cells;
     }
 }
 
@@ -142,4 +221,7 @@ void asdic_record_view(const void *bytes, size_t beams, size_t bins, asdic_recor
         record->level_db[c] = values + (size_t)c * cells;
     }
     record->stderr_db = values + ASDIC_COMPONENT_COUNT * cells;
+    if (*truth_mark(bytes, cells)) {
+        view_truth(truth_of(bytes, cells), cells, &record->truth);
+    }
 }

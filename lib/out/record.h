@@ -22,7 +22,25 @@ typedef struct asdic_record_head {
     uint64_t rays, saturated;
 } asdic_record_head;
 
-/* In memory: the head, then the arrays, each float32 [beam, bin]. */
+/* What of a ping's truth is kept, in its order. */
+typedef struct asdic_truth_field {
+    const char *name, *type; /* as NumPy has it */
+    size_t width;            /* bytes */
+} asdic_truth_field;
+
+#define ASDIC_TRUTH_FIELDS (ASDIC_PATH_COUNT + 5)
+/* Bytes of a bin's. */
+#define ASDIC_TRUTH_BYTES (2 * sizeof(int16_t) + (ASDIC_PATH_COUNT + 3) * sizeof(float))
+extern const asdic_truth_field asdic_truth_fields[ASDIC_TRUTH_FIELDS];
+
+/* The array of FIELD; NULL where TRUTH has none. */
+const void *asdic_truth_values(const asdic_ping_truth *truth, size_t field);
+
+/* Appends NumPy's names and types of the fields, [BEAMS, BINS] each, to TEXT of SIZE bytes, of which USED are
+ * taken; the number that is taken then. */
+size_t asdic_truth_dtype(char *text, size_t size, size_t used, size_t beams, size_t bins);
+
+/* In memory: the head, the arrays, each float32 [beam, bin], whether truth follows, and room for it. */
 size_t asdic_record_bytes(size_t beams, size_t bins);
 
 /* Fills BYTES (asdic_record_bytes, aligned for double) from a ping. */
@@ -41,6 +59,7 @@ typedef enum asdic_record_form {
 typedef struct asdic_record_layout {
     size_t beams, bins;
     asdic_record_form form;
+    bool truth;
     unsigned parts; /* 1u << asdic_component; what has energy in no ping need not be among them */
 } asdic_record_layout;
 
@@ -48,7 +67,7 @@ typedef struct asdic_record_layout {
 size_t asdic_record_stored_bytes(const asdic_record_layout *layout);
 
 /* The NumPy dtype: "[('ping', '<u8'), ...]". */
-#define ASDIC_RECORD_DTYPE_SIZE 768
+#define ASDIC_RECORD_DTYPE_SIZE 1536
 void asdic_record_dtype(char text[ASDIC_RECORD_DTYPE_SIZE], const asdic_record_layout *layout);
 
 /* From memory, BYTES, to the file's form, and back: what is not stored is NAN then. */

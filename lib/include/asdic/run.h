@@ -40,6 +40,7 @@ typedef struct asdic_record {
     uint64_t rays, saturated;
     const float *level_db[ASDIC_COMPONENT_COUNT]; /* [beam * bins + bin] */
     const float *stderr_db;
+    asdic_ping_truth truth; /* NULLs in a run without `output: {truth: true}` */
 } asdic_record;
 
 /* ASDIC_ERROR_INPUT when FOLDER is not a run folder, or one that was damaged. */

@@ -45,7 +45,8 @@ struct asdic_namer {
     asdic_pose pose;        /* of the ping */
     asdic_face transmitter; /* its faces */
     asdic_face *receivers;
-    bool is_placed; /* shares are those of POSE, and nothing moves */
+    const int16_t *objects; /* of the ping's bins, where the run has truth; else NULL */
+    bool is_placed;         /* shares are those of POSE, and nothing moves */
 };
 
 static void read_triangle(const asdic_scene *scene, size_t index, asdic_vec3 v[3],
@@ -266,7 +267,8 @@ static bool moves(const asdic_namer *namer) {
 
 asdic_status asdic_namer_begin_ping(asdic_namer *namer, const asdic_record *record) {
     const asdic_sonar *sonar = &namer->run->settings.sonar;
-    if (namer->count < 2 ||
+    namer->objects = record->truth.object;
+    if (namer->count < 2 || namer->objects ||
         (namer->is_placed && memcmp(&namer->pose, &record->pose, sizeof namer->pose) == 0)) {
         return ASDIC_OK;
     }
@@ -315,6 +317,10 @@ size_t asdic_namer_find(const asdic_namer *namer, size_t beam, size_t bin) {
     size_t bins = namer->run->facts.bins;
     if (namer->count < 2) {
         return 0;
+    }
+    int number = namer->objects ? namer->objects[beam * bins + bin] : 0;
+    if (namer->objects) { /* names are the scene's objects, in its order */
+        return number > 0 && (size_t)number <= namer->count ? (size_t)number - 1 : 0;
     }
     /* A pulse, and the footprint of a ray, reach into neighbouring bins. */
     for (size_t off = 0; off < bins; off++) {

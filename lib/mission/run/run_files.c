@@ -75,7 +75,8 @@ asdic_status asdic_files_create(asdic_context *ctx, const char *folder,
                                 .scene_name = name,
                                 .scene_hash = facts->scene_hash,
                                 .version = facts->version,
-                                .seed = facts->sampling.seed};
+                                .seed = facts->sampling.seed,
+                                .truth = settings->sampling.truth};
     *out = calloc(1, sizeof **out);
     asdic_status status = name && *out ? open_all(ctx, folder, settings, &about, *out)
                                        : asdic_fail_memory(ctx, "a run's files");

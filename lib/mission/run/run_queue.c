@@ -45,6 +45,9 @@ asdic_status asdic_queue_init(asdic_queue *q, asdic_context *ctx, const asdic_qu
             TRY(asdic_ping_add_elements(ctx, q->slots[i].result, size->elements.elements,
                                         size->elements.samples));
         }
+        if (size->truth) {
+            TRY(asdic_ping_add_truth(ctx, q->slots[i].result));
+        }
     }
     return ASDIC_OK;
 }

@@ -162,7 +162,8 @@ asdic_record_layout asdic_store_layout(const asdic_settings *settings, size_t be
         [ASDIC_BOTTOM] = ASDIC_TERM_BOTTOM, [ASDIC_SURFACE] = ASDIC_TERM_SURFACE,
         [ASDIC_VOLUME] = ASDIC_TERM_VOLUME, [ASDIC_OBJECT] = ASDIC_TERM_OBJECTS,
         [ASDIC_NOISE] = ASDIC_TERM_NOISE,   [ASDIC_MULTIPATH] = ASDIC_TERM_MULTIPATH};
-    asdic_record_layout layout = {.beams = beams, .bins = bins, .form = settings->records};
+    asdic_record_layout layout = {
+        .beams = beams, .bins = bins, .form = settings->records, .truth = settings->sampling.truth};
     for (int c = 0; c < ASDIC_COMPONENT_COUNT; c++) {
         bool is_kept = c != ASDIC_TOTAL && !(left_out & 1u << terms[c]);
         layout.parts |= is_kept ? 1u << c : 0u;

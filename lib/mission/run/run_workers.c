@@ -186,7 +186,9 @@ asdic_status asdic_workers_run(asdic_context *ctx, const asdic_work *work,
                              .beams = sonar->receiver_count,
                              .bins = work->bins,
                              .elements = work->elements,
-                             .bin_length_m = sonar->bin_length_m};
+                             
+                             .bin_length_m = sonar->bin_length_m,
+                             .truth = asdic_mission_sampling(work->mission)->truth};
     asdic_queue q;
     *result = (asdic_work_result){.ready_s = asdic_clock_s()};
     worker *workers = calloc(work->device_count, sizeof *workers);

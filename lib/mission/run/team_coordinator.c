@@ -135,7 +135,7 @@ static void take_result(asdic_coordinator *c, remote *r, size_t ping, const void
     asdic_ping *result = q->slots[ping % q->slot_count].result;
     asdic_range *order = &r->orders[0];
     if (r->is_lost || r->order_count == 0 || order->next != ping ||
-        bytes != asdic_message_ping_bytes(result->beams, result->bins)) {
+        bytes != asdic_message_ping_bytes(result)) {
         return; /* it was given to another device */
     }
     asdic_message_unpack_ping(payload, result);

@@ -41,9 +41,15 @@ asdic_status asdic_message_receive(const asdic_team *team, unsigned *from, asdic
     }
 }
 
-size_t asdic_message_ping_bytes(size_t beams, size_t bins) {
-    return 2 * sizeof(uint64_t) +
-           beams * bins * (ASDIC_COMPONENT_COUNT * sizeof(double) + sizeof(float));
+/* The truth of a ping is one block of memory. */
+static size_t truth_bytes(const asdic_ping *ping) {
+    size_t each = 2 * sizeof(int16_t) + (ASDIC_PATH_COUNT + 3) * sizeof(float);
+    return ping->truth ? ping->beams * ping->bins * each : 0;
+}
+
+size_t asdic_message_ping_bytes(const asdic_ping *ping) {
+    return 2 * sizeof(uint64_t) + truth_bytes(ping) +
+           ping->beams * ping->bins * (ASDIC_COMPONENT_COUNT * sizeof(double) + sizeof(float));
 }
 
 void asdic_message_pack_ping(const asdic_ping *ping, void *payload) {
@@ -56,6 +62,9 @@ void asdic_message_pack_ping(const asdic_ping *ping, void *payload) {
         memcpy(at, ping->intensity_lin[c], cells * sizeof(double));
     }
     memcpy(at, ping->stderr_db, cells * sizeof(float));
+    if (ping->truth) {
+        memcpy(at + cells * sizeof(float), ping->truth + 1, truth_bytes(ping));
+    }
 }
 
 void asdic_message_unpack_ping(const void *payload, asdic_ping *ping) {
@@ -70,6 +79,9 @@ void asdic_message_unpack_ping(const void *payload, asdic_ping *ping) {
         memcpy(ping->intensity_lin[c], at, cells * sizeof(double));
     }
     memcpy(ping->stderr_db, at, cells * sizeof(float));
+    if (ping->truth) {
+        memcpy(ping->truth + 1, at + cells * sizeof(float), truth_bytes(ping));
+    }
 }
 
 void asdic_message_wait(void) {

@@ -54,7 +54,7 @@ asdic_status asdic_message_receive(const asdic_team *team, unsigned *from, asdic
                                    const void **payload, size_t *bytes);
 
 /* A ping as a payload. */
-size_t asdic_message_ping_bytes(size_t beams, size_t bins);
+size_t asdic_message_ping_bytes(const asdic_ping *ping);
 void asdic_message_pack_ping(const asdic_ping *ping, void *payload);
 void asdic_message_unpack_ping(const void *payload, asdic_ping *ping);
 

@@ -89,7 +89,7 @@ static asdic_status simulate_order(device_thread *d, asdic_run_device *device,
         TRY(asdic_run_device_pings(device, (size_t)ping, 1, &result));
         message *out = new_message(
             (asdic_message){.kind = ASDIC_MESSAGE_RESULT, .device = d->number, .first = ping},
-            asdic_message_ping_bytes(result->beams, result->bins));
+            asdic_message_ping_bytes(result));
         if (!out) {
             return asdic_fail_memory(w->job->ctx, "a message");
         }
@@ -119,6 +119,9 @@ static asdic_status simulate_orders(device_thread *d, asdic_run_device *device,
     asdic_message order;
     TRY(asdic_run_device_open(device, job->ctx, job->mission, d->device, job->facts.bins));
     TRY(asdic_ping_create(job->ctx, job->facts.beams, job->facts.bins, result));
+    if (job->facts.sampling.truth) {
+        TRY(asdic_ping_add_truth(job->ctx, *result));
+    }
     while (wait_for_order(d, &order)) {
         TRY(simulate_order(d, device, &order, *result));
     }

@@ -1,0 +1,95 @@
+"""What bins hold, through runs: truth.npy, resumed and joined, levels that stay, netCDF, names in
+detections."""
+import os
+import subprocess
+
+import program
+import tap
+from program import Folder, asdic
+
+SYSTEM_PYTHON = "/usr/bin/python3"  # Debian's, which has Debian's numpy
+
+SCENE = """version: 1
+bottom: {depth_m: 10, type: sand}
+objects:
+  - {name: near, sphere: {radius_m: 0.8}, position_m: [9, 0, 9.2], material: {lambert_db: -8}}
+  - {name: far, box: {size_m: [1, 1, 1]}, position_m: [9.5, 2, 9], material: {lambert_db: -8}}
+sonar:
+  frequency_khz: 100
+  ping_rate_hz: 20
+  source_level_db: 200
+  bandwidth_khz: 5
+  bin_length_m: 0.25
+  receivers: [{name: a}, {name: b, yaw_deg: 15}]
+  speckle: rayleigh
+mission: {pose: {position_m: [0, 0, 7]}, pings: 4}
+sampling: {rays: 2000}
+output: {npy: true, netcdf: true, truth: true}
+"""
+
+
+def data(folder, name):
+    with open(folder / name, "rb") as file:
+        return file.read()
+
+
+def write(folder):
+    path = folder.write("t.yaml", SCENE)
+    if "no netCDF" in asdic("run", path, "-o", folder / "probe", "--pings", "0:1").err:
+        path = folder.write("t.yaml", SCENE.replace("netcdf: true, ", ""))
+    return path
+
+
+def test_runs_keep_it():
+    program.need_device()
+    with Folder() as folder:
+        path = write(folder)
+        asdic("run", path, "-o", folder / "whole").check(code=0)
+        plain = folder.write("plain.yaml", folder.read("t.yaml").replace(", truth: true", ""))
+        asdic("run", plain, "-o", folder / "plain").check(code=0)
+        tap.equal(data(folder, "plain/levels.npy") == data(folder, "whole/levels.npy"), True, "levels")
+        tap.equal(os.path.exists(folder / "plain/truth.npy"), False, "truth that nobody asked for")
+        whole = data(folder, "whole/truth.npy")
+        for k in (1, 2):
+            asdic("run", path, "--shard", f"{k}/2", "-o", folder / f"p{k}").check(code=0)
+        asdic("merge", folder / "p1", folder / "p2", "-o", folder / "m").check(code=0)
+        tap.equal(data(folder, "m/truth.npy") == whole, True, "joined")
+        os.remove(folder / "whole/truth.npy")
+        asdic("run", path, "-o", folder / "whole", "--resume").check(code=0)
+        tap.equal(data(folder, "whole/truth.npy") == whole, True, "resumed")
+        done = asdic("detect", folder / "whole", "--json").check(code=0)
+        tap.contains(done.out, '"near"')
+        tap.contains(done.out, '"far"')
+        script = """
+import numpy as np
+t, p = np.load("whole/truth.npy"), np.load("whole/pings.npy")
+assert t.shape == (4,) and t["strongest"].shape == (4, 2, p["level_db"].shape[2])
+total = sum(t[n].astype(float) for n in ("direct", "by_surface", "by_bottom", "by_object", "noise"))
+assert abs(total - 1).max() < 1e-5
+assert {1, 2, -1} <= set(np.unique(t["strongest"]))
+own = 10 ** (p["object_db"] / 10)
+rest = sum(np.nan_to_num(10 ** (p[n] / 10)) for n in
+           ("bottom_db", "surface_db", "volume_db", "object_db", "multipath_db", "noise_db"))
+share = np.nan_to_num(own / rest)
+assert (t["object_share"] <= share + 1e-5).all() and (t["object_share"] >= share / 2 - 1e-5).all()
+assert (t["strongest"][t["object_share"] > 0.5] > 0).all()
+for name in t.dtype.names:
+    assert (t[name] == p[name]).all() or name == "depression_rad", name
+# Right below the sonar the bottom is 3 m away, and what comes back from farther comes from less far down.
+down = t["depression_rad"][:, :, [13, 30, 60]]
+assert (np.diff(down, axis=2) < 0).all() or not np.isfinite(down).all()
+"""
+        done = subprocess.run([SYSTEM_PYTHON, "-c", "import sys\ntry:\n import numpy\n"
+                               "except ImportError:\n sys.exit(77)\n" + script],
+                              cwd=folder / ".", capture_output=True, text=True, check=False)
+        if done.returncode == 77:
+            raise tap.Skip("no numpy")
+        tap.equal(done.returncode, 0, done.stderr)
+        if os.path.exists(folder / "whole/run.nc") and os.path.exists("/usr/bin/ncdump"):
+            dump = subprocess.run(["/usr/bin/ncdump", "-h", folder / "whole/run.nc"],
+                                  capture_output=True, text=True, check=True).stdout
+            tap.contains(dump, "short strongest(ping_time, beam, ")
+            tap.contains(dump, 'depression_rad:units = "rad"')
+
+
+tap.main(globals())
