@@ -2,6 +2,16 @@
 
 #include <stdlib.h>
 
+typedef asdic_status (*merge_function)(asdic_context *ctx, const char *const *folders, size_t count,
+                                       const char *out_folder, bool force);
+
+/* What joins parts like the one in FOLDER. */
+static merge_function merge_by(const char *folder) {
+    return asdic_trial_is_in(folder)     ? asdic_trial_merge
+           : asdic_dataset_is_in(folder) ? asdic_dataset_merge
+                                         : asdic_run_merge;
+}
+
 static int run(cli *c) {
     const char *folder = cli_text(c, "output");
     size_t count = cli_operand_count(c);
@@ -17,8 +27,7 @@ static int run(cli *c) {
         folders[i] = cli_operand(c, i);
     }
     bool force = cli_given(c, "force");
-    asdic_status status = (asdic_trial_is_in(folders[0]) ? asdic_trial_merge : asdic_run_merge)(
-        cli_context(c), folders, count, folder, force);
+    asdic_status status = merge_by(folders[0])(cli_context(c), folders, count, folder, force);
     free(folders);
     return cli_end(c, status);
 }
@@ -34,7 +43,7 @@ const cli_command cli_merge_command = {
     .operands = "DIR...",
     .min_operands = 1,
     .max_operands = CLI_ANY_NUMBER,
-    .summary = "join the parts of a run or a trial made with --shard or --pings",
+    .summary = "join the parts of a run, a trial or a data set made with --shard or --pings",
     .details = "The parts may be given in any order; they must follow on each other without gaps. "
                "The result has the same bytes as one run of all pings, but for the times in "
                "run.json.",

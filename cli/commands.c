@@ -15,6 +15,7 @@ const cli_command *const cli_commands[] = {
     &cli_serve_command,
     &cli_render_command,
     &cli_merge_command,
+    &cli_dataset_command,
     &cli_model_command,
     &cli_bench_command,
     &cli_check_command,

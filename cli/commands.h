@@ -12,6 +12,7 @@ extern const cli_command cli_detect_command;
 extern const cli_command cli_devices_command;
 extern const cli_command cli_expect_command;
 extern const cli_command cli_merge_command;
+extern const cli_command cli_dataset_command;
 extern const cli_command cli_render_command;
 extern const cli_command cli_roc_command;
 extern const cli_command cli_run_command;

@@ -17,7 +17,9 @@ void asdic_mission_destroy(asdic_mission **mission) {
         return;
     }
     asdic_mission *m = *mission;
-    asdic_scene_destroy(&m->scene);
+    if (!m->base) {
+        asdic_scene_destroy(&m->scene);
+    }
     asdic_track_destroy(&m->track);
     for (size_t i = 0; i < m->motion_count; i++) {
         asdic_track_destroy(&m->motions[i].track);

@@ -36,10 +36,14 @@ struct asdic_mission {
     double *points_m;       /* of the flight */
     char *geometry;         /* what the scene was made from, of a run of a trial */
     asdic_setting *drawn;   /* of a run of a trial; one of NULL ends it; NULL: nothing was drawn */
-    bool is_varied;         /* settings changed what the text says */
-    asdic_flight flight;    /* how the vehicle manoeuvres; an ordinary one without waypoints */
-    asdic_pose pose;        /* of every ping, when there is no track */
-    asdic_track *track;     /* NULL: at rest */
+    /* Of missions by asdic_mission_load_like. */
+    char form[65];             /* hash of all but the places of objects and vehicle */
+    bool stands_anywhere;      /* the scene's objects are to be put where `objects` say */
+    const asdic_mission *base; /* that the scene belongs to; NULL: its own */
+    bool is_varied;            /* settings changed what the text says */
+    asdic_flight flight;       /* how the vehicle manoeuvres; an ordinary one without waypoints */
+    asdic_pose pose;           /* of every ping, when there is no track */
+    asdic_track *track;        /* NULL: at rest */
     size_t ping_count;
 };
 
@@ -54,6 +58,13 @@ asdic_status asdic_mission_load_trial(asdic_context *ctx, const char *path,
                                       const asdic_setting *settings, size_t count,
                                       const asdic_draw *draw, asdic_mission *donor,
                                       asdic_mission **out);
+
+/* asdic_mission_load_run of one of many runs. All objects of its scene can be moved, and are to be before a
+ * ping, where stands_anywhere. Where one of the COUNT BASES, which may be NULL and must live longer, differs from
+ * the run in places alone, the scene is that one's (`base`). Remarks are left out. */
+asdic_status asdic_mission_load_like(asdic_context *ctx, const char *path, const asdic_draw *draw,
+                                     const asdic_mission *const *bases, size_t count,
+                                     asdic_mission **out);
 
 /* Whether the scene file at PATH, with what it includes, says what the mission with HASH did. */
 bool asdic_mission_has_hash(const char *path, const char *hash);

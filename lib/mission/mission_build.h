@@ -19,7 +19,10 @@ typedef struct mission_builder {
     mission_extent extent;
     const asdic_setting *settings; /* in place of what the file says */
     size_t setting_count;
-    const asdic_draw *draw;         /* the run of a trial; NULL: the scene itself */
+    const asdic_draw *draw; /* the run of a trial; NULL: the scene itself */
+    bool many;              /* as asdic_mission_load_like; with */
+    const asdic_mission *const *bases;
+    size_t base_count;
     const asdic_scene_text *memory; /* where the scene is; NULL: in a file */
     asdic_mission *donor;           /* gives its geometry where ours is the same; NULL: none */
     bool leaves_positions;          /* not checked: where the vehicle is matters later */
@@ -40,6 +43,8 @@ void asdic_mission_take_out(asdic_yaml_node *map, const asdic_yaml_node *child);
 asdic_status asdic_mission_build_tracks(mission_builder *b);
 /* Surface, bottom and objects; the scene is committed when nothing was wrong. */
 asdic_status asdic_mission_build_scene(mission_builder *b);
+/* The same where the scene is the base's: the objects alone, where they are. */
+asdic_status asdic_mission_borrow_scene(mission_builder *b);
 /* The flight along waypoints, and the number of pings. It comes after the scene, whose bottom a
  * flight may follow. */
 asdic_status asdic_mission_build_pings(mission_builder *b);

@@ -51,7 +51,7 @@ static asdic_status build(mission_builder *b) {
     TRY(asdic_settings_take(b->ctx, b->file, &b->mission->settings));
     b->mission->pose = asdic_scene_file_pose(b->file);
     TRY(asdic_mission_build_tracks(b));
-    TRY(asdic_mission_build_scene(b));
+    TRY(b->mission->base ? asdic_mission_borrow_scene(b) : asdic_mission_build_scene(b));
     TRY(asdic_mission_build_pings(b));
     if (b->problems->total == 0) {
         asdic_mission_build_rays(b);
@@ -155,6 +155,50 @@ static asdic_status keep_geometry(mission_builder *b, const asdic_yaml_node *roo
     return b->mission->geometry ? ASDIC_OK : asdic_fail_memory(b->ctx, "a scene");
 }
 
+static void take_out(asdic_yaml_node *map, const char *key) {
+    asdic_yaml_node *child = asdic_yaml_child(map, key);
+    if (child) {
+        asdic_mission_take_out(map, child);
+    }
+}
+
+/* What the scene of ROOT, which was read, is but for places; and the base that is the same. In layers of water
+ * nothing may move: places are then part of it. */
+static asdic_status find_base(mission_builder *b, asdic_yaml_node *root) {
+    asdic_mission *m = b->mission;
+    asdic_settings settings = {0};
+    TRY(asdic_settings_take(b->ctx, b->file, &settings));
+    const asdic_environment *env = &settings.environment;
+    m->stands_anywhere = env->sound_speed_profile.points == 0;
+    asdic_settings_finish(&settings);
+    asdic_yaml_node *objects = asdic_yaml_child(root, "objects");
+    for (asdic_yaml_node *o = objects ? objects->first : NULL; o; o = o->next) {
+        if (!asdic_yaml_child(o, "name")) {
+            asdic_yaml_problem(b->problems, o,
+                               "an object of a data set needs a 'name': it is its class");
+        }
+    }
+    for (asdic_yaml_node *o = objects ? objects->first : NULL; o && m->stands_anywhere;
+         o = o->next) {
+        take_out(o, "position_m");
+        take_out(o, "rotation_deg");
+    }
+    take_out(asdic_yaml_child(root, "mission"), "pose");
+    asdic_text text = {0};
+    asdic_yaml_print(root, &text);
+    size_t length = text.length;
+    char *whole = asdic_text_take(&text);
+    if (!whole) {
+        return asdic_fail_memory(b->ctx, "what a scene is");
+    }
+    asdic_sha256_hex(whole, length, m->form);
+    free(whole);
+    for (size_t i = 0; i < b->base_count; i++) {
+        m->base = b->bases[i] && strcmp(b->bases[i]->form, m->form) == 0 ? b->bases[i] : m->base;
+    }
+    return ASDIC_OK;
+}
+
 static asdic_status load(mission_builder *b, asdic_scene_file *file) {
     asdic_yaml_node *root = NULL;
     file_trial trial;
@@ -167,6 +211,9 @@ static asdic_status load(mission_builder *b, asdic_scene_file *file) {
         return asdic_fail_memory(b->ctx, "the scene file's content");
     }
     TRY(keep_drawn(b, &drawn));
+    if (b->many && root && b->problems->total == 0) {
+        TRY(find_base(b, root));
+    }
     b->mission->trial = asdic_scene_file_trial(&trial);
     if (b->leaves_positions) {
         TRY(keep_geometry(b, root));
@@ -261,6 +308,14 @@ asdic_status asdic_mission_load_run(asdic_context *ctx, const char *path,
     }
     const mission_builder how = {
         .extent = MISSION_WHOLE, .settings = settings, .setting_count = count, .draw = draw};
+    return load_file(ctx, path, &how, out);
+}
+
+asdic_status asdic_mission_load_like(asdic_context *ctx, const char *path, const asdic_draw *draw,
+                                     const asdic_mission *const *bases, size_t count,
+                                     asdic_mission **out) {
+    const mission_builder how = {
+        .extent = MISSION_WHOLE, .draw = draw, .many = true, .bases = bases, .base_count = count};
     return load_file(ctx, path, &how, out);
 }
 

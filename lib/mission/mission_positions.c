@@ -332,6 +332,8 @@ void asdic_mission_check_positions(mission_builder *b) {
     check_bottom_depth(b);
     if (b->problems->total == 0) {
         check_depths(b);
+    }
+    if (b->problems->total == 0 && !b->many) {
         remark_on_bottom(b);
         remark_on_reach(b);
         remark_on_objects(b);

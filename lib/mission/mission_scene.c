@@ -115,7 +115,11 @@ static void find_box(const asdic_mesh *mesh, asdic_mission_object *object) {
 }
 
 static asdic_status add_to_scene(asdic_scene *scene, const asdic_mesh *mesh,
-                                 const asdic_mission_object *o) {
+                                 const asdic_mission_object *o, bool anywhere) {
+    if (o->name[0] && anywhere) {
+        /* The same scene, whatever places were drawn for the first run that needed it. */
+        return asdic_scene_add_moving_object(scene, o->name, mesh, (asdic_pose){0}, o->material);
+    }
     if (o->moves) {
         return asdic_scene_add_moving_object(scene, o->name, mesh, o->pose, o->material);
     }
@@ -136,7 +140,7 @@ static asdic_status place(mission_builder *b, asdic_yaml_node *node, asdic_mesh 
             object.mesh.hint[0] = '\0'; /* sizes in the scene file are in metres */
         }
         m->objects[m->object_count++] = object;
-        status = add_to_scene(m->scene, *mesh, &object);
+        status = add_to_scene(m->scene, *mesh, &object, m->stands_anywhere);
     }
     asdic_mesh_destroy(mesh);
     return asdic_mission_file_problem(b, node, status);
@@ -269,6 +273,43 @@ static void take_scene(mission_builder *b) {
     donor->scene = NULL;
     donor->objects = NULL;
     donor->object_count = 0;
+}
+
+/* The box round an object of the base, which is moved to POSE: as large in all directions, when it is turned. */
+static void move_box(asdic_mission_object *object, const asdic_pose *pose) {
+    asdic_pose was = object->pose;
+    asdic_vec3 half = asdic_vec3_scale(asdic_vec3_sub(object->max_m, object->min_m), 0.5);
+    asdic_vec3 center = asdic_vec3_add(object->min_m, half);
+    asdic_mat3 before = asdic_mat3_attitude(was.roll_rad, was.pitch_rad, was.yaw_rad);
+    asdic_mat3 after = asdic_mat3_attitude(pose->roll_rad, pose->pitch_rad, pose->yaw_rad);
+    asdic_vec3 at = asdic_mat3_apply_inverse(before, asdic_vec3_sub(center, was.position_m));
+    if (memcmp(&before, &after, sizeof before) != 0) {
+        double most = asdic_vec3_length(half);
+        half = (asdic_vec3){most, most, most};
+    }
+    at = asdic_vec3_add(pose->position_m, asdic_mat3_apply(after, at));
+    object->min_m = asdic_vec3_sub(at, half);
+    object->max_m = asdic_vec3_add(at, half);
+    object->pose = *pose;
+}
+
+asdic_status asdic_mission_borrow_scene(mission_builder *b) {
+    asdic_mission *m = b->mission;
+    const asdic_mission *base = m->base;
+    size_t first = base->object_count - b->file->objects.count; /* the bottom may be before them */
+    m->objects = calloc(base->object_count + 1, sizeof *m->objects);
+    if (!m->objects) {
+        return asdic_fail_memory(b->ctx, "the objects");
+    }
+    memcpy(m->objects, base->objects, base->object_count * sizeof *m->objects);
+    m->object_count = base->object_count;
+    m->bottom = base->bottom;
+    m->scene = base->scene;
+    for (size_t i = 0; i < b->file->objects.count; i++) {
+        asdic_pose pose = first_pose(b, (const file_object *)b->file->objects.items + i);
+        move_box(&m->objects[first + i], &pose);
+    }
+    return ASDIC_OK;
 }
 
 asdic_status asdic_mission_build_scene(mission_builder *b) {

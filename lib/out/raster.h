@@ -45,6 +45,10 @@ typedef struct asdic_sector {
 
 asdic_sector asdic_sector_of(const asdic_fan *fan, double radius_px);
 
+/* The cell beam * bins + bin of each pixel, UINT32_MAX outside; *CELLS is freed with free(). */
+asdic_status asdic_sector_cells(asdic_context *ctx, const asdic_fan *fan,
+                                const asdic_sector *sector, uint32_t **cells);
+
 asdic_status asdic_raster_fan(asdic_context *ctx, const asdic_fan *fan, const asdic_sector *sector,
                               const asdic_picture_options *options, uint32_t background_rgb,
                               asdic_raster *out);

@@ -69,21 +69,43 @@ static size_t find_beam(const double *edges, size_t beams, double bearing) {
     return low;
 }
 
+/* The cell at pixel (X, Y) of a sector whose beams end at EDGES; UINT32_MAX outside. */
+static uint32_t cell_at(const asdic_fan *fan, const asdic_sector *sector, const double *edges,
+                        size_t x, size_t y, double *share) {
+    double ahead = sector->apex_y_px - ((double)y + 0.5);
+    double starboard = (double)x + 0.5 - sector->apex_x_px;
+    *share = hypot(ahead, starboard) / sector->radius_px;
+    size_t bin = (size_t)(*share * (double)fan->bins);
+    size_t beam = find_beam(edges, fan->beams, atan2(starboard, ahead));
+    return bin < fan->bins && beam < fan->beams ? (uint32_t)(beam * fan->bins + bin) : UINT32_MAX;
+}
+
+asdic_status asdic_sector_cells(asdic_context *ctx, const asdic_fan *fan,
+                                const asdic_sector *sector, uint32_t **cells) {
+    double share, *edges = malloc((fan->beams + 1) * sizeof *edges);
+    *cells = malloc(sector->width * sector->height * sizeof **cells);
+    for (size_t i = 0; edges && i <= fan->beams; i++) {
+        edges[i] = edge_of(fan, i);
+    }
+    for (size_t at = 0; edges && *cells && at < sector->width * sector->height; at++) {
+        (*cells)[at] = cell_at(fan, sector, edges, at % sector->width, at / sector->width, &share);
+    }
+    bool good = edges && *cells;
+    free(edges);
+    return good ? ASDIC_OK : asdic_fail_memory(ctx, "a picture's pixels");
+}
+
 static void paint(const asdic_fan *fan, const asdic_sector *sector, const double *edges,
                   const asdic_picture_options *options, uint32_t background_rgb,
                   asdic_raster *out) {
     double max_range_m = (double)fan->bins * fan->bin_length_m;
     for (size_t y = 0; y < sector->height; y++) {
         for (size_t x = 0; x < sector->width; x++) {
-            double ahead = sector->apex_y_px - ((double)y + 0.5);
-            double starboard = (double)x + 0.5 - sector->apex_x_px;
-            double share = hypot(ahead, starboard) / sector->radius_px;
-            size_t bin = (size_t)(share * (double)fan->bins);
-            size_t beam = find_beam(edges, fan->beams, atan2(starboard, ahead));
-            uint32_t rgb = background_rgb;
-            if (bin < fan->bins && beam < fan->beams) {
-                rgb = asdic_raster_color(options, fan->levels_db[beam * fan->bins + bin],
-                                         share * max_range_m, background_rgb);
+            double share;
+            uint32_t cell = cell_at(fan, sector, edges, x, y, &share), rgb = background_rgb;
+            if (cell != UINT32_MAX) {
+                rgb = asdic_raster_color(options, fan->levels_db[cell], share * max_range_m,
+                                         background_rgb);
             }
             asdic_raster_set(out, x, y, rgb);
         }

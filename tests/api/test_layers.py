@@ -20,6 +20,7 @@ BELOW = {
     "mission/scene_file": ["mission/track", "laws", "out", "scene", "sim"],
     "mission": ["mission/scene_file", "mission/track", "laws", "out", "scene", "sim", "detect"],
     "mission/run": ["mission", "mission/scene_file", "mission/track", "out", "scene", "sim"],
+    "mission/dataset": ["mission/run", "mission", "mission/scene_file", "out", "scene", "sim"],
     "mission/detect": ["mission/run", "mission", "mission/scene_file", "mission/track", "out",
                        "detect", "scene", "sim"],
 }

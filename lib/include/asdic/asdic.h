@@ -18,6 +18,7 @@
 #include <asdic/common.h>
 #include <asdic/context.h>
 #include <asdic/detect.h>
+#include <asdic/dataset.h>
 #include <asdic/detections.h>
 #include <asdic/device.h>
 #include <asdic/environment.h>

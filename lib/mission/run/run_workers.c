@@ -186,7 +186,6 @@ asdic_status asdic_workers_run(asdic_context *ctx, const asdic_work *work,
                              .beams = sonar->receiver_count,
                              .bins = work->bins,
                              .elements = work->elements,
-                             
                              .bin_length_m = sonar->bin_length_m,
                              .truth = asdic_mission_sampling(work->mission)->truth};
     asdic_queue q;

@@ -1,0 +1,109 @@
+#include "commands.h"
+#include "progress.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* "dataset_NAME" of "path/NAME.yaml", with the shard when there are several. */
+static char *default_folder(const char *scene, uint64_t shard, uint64_t shards) {
+    char *name = asdic_scene_name(scene);
+    size_t room = name ? strlen(name) + 64 : 0;
+    char *folder = name ? malloc(room) : NULL;
+    if (folder && shards > 1) {
+        snprintf(folder, room, "dataset_%s_%llu_of_%llu", name, (unsigned long long)shard,
+                 (unsigned long long)shards);
+    } else if (folder) {
+        snprintf(folder, room, "dataset_%s", name);
+    }
+    free(name);
+    return folder;
+}
+
+/* The options of the command line; false when something is wrong with them. */
+static bool read_options(cli *c, asdic_dataset_options *o, uint64_t *shard, uint64_t *shards) {
+    uint64_t frames = o->frames;
+    cli_integer(c, "number", 1, 999999, &frames);
+    cli_integer(c, "seed", 0, UINT64_MAX, &o->seed);
+    cli_number(c, "threshold", 1e-3, 1.0, &o->threshold);
+    cli_number(c, "radius", 16.0, 8192.0, &o->radius_px);
+    cli_number_range(c, "range-db", -300.0, 400.0, &o->low_db, &o->high_db);
+    cli_share(c, "shard", shard, shards);
+    o->force = cli_given(c, "force");
+    o->resume = cli_given(c, "resume");
+    o->frames = frames;
+    o->first = (size_t)(frames * (*shard - 1) / *shards);
+    o->end = (size_t)(frames * *shard / *shards);
+    if (o->force && o->resume) {
+        cli_usage(c, "--force starts afresh and --resume goes on; give one of them");
+        return false;
+    }
+    if (!cli_bad_usage(c) && o->first == o->end) {
+        cli_usage(c, "--shard %llu/%llu is empty: frames to share: %llu",
+                  (unsigned long long)*shard, (unsigned long long)*shards,
+                  (unsigned long long)frames);
+        return false;
+    }
+    return !cli_bad_usage(c);
+}
+
+static asdic_status make(cli *c, const asdic_dataset_options *o) {
+    asdic_device **devices = NULL;
+    size_t count = 0;
+    TRY(cli_open_devices(c, &devices, &count));
+    cli_progress progress = cli_progress_begin(c);
+    cli_progress_watch(&progress);
+    asdic_status status = asdic_dataset_make(cli_context(c), cli_operand(c, 0), devices[0], o);
+    cli_progress_end(&progress);
+    asdic_devices_close(&devices, count);
+    return status;
+}
+
+static int run(cli *c) {
+    asdic_dataset_options o = asdic_dataset_options_default();
+    uint64_t shard = 1, shards = 1;
+    if (!read_options(c, &o, &shard, &shards)) {
+        return CLI_USAGE;
+    }
+    char *folder = default_folder(cli_operand(c, 0), shard, shards);
+    o.folder = cli_given(c, "output") ? cli_text(c, "output") : folder;
+    asdic_status status = folder ? make(c, &o) : ASDIC_ERROR_MEMORY;
+    if (!status) {
+        cli_note(c, "%zu frames in %s", o.end - o.first, o.folder);
+    }
+    free(folder);
+    return cli_end(c, status);
+}
+
+static const cli_option options[] = {
+    {"number", 'n', "N", "frames of the whole set (default 1000)"},
+    {"output", 'o', "DIR", "folder to write to (default dataset_NAME)"},
+    {"seed", 0, "S", "seed of the drawings (default 1)"},
+    {"threshold", 0, "SHARE",
+     "an object's share of a bin from which on the bin is its (default 0.5)"},
+    {"radius", 0, "PIXELS", "the range in polar pictures (default 512)"},
+    {"range-db", 0, "LOW:HIGH", "levels from black to white, with gain (default: frame 0's)"},
+    {"shard", 0, "K/N", "make the K-th of N parts; 'asdic merge' joins them"},
+    {"resume", 'r', NULL, "make what is missing of a set that is there"},
+    {"force", 'f', NULL, "replace a set that is there"},
+    {0},
+};
+
+const cli_command cli_dataset_command = {
+    .name = "dataset",
+    .operands = "SCENE.yaml",
+    .min_operands = 1,
+    .max_operands = 1,
+    .summary = "make labelled frames of scenes drawn at random",
+    .details =
+        "Draws the scene as its 'trial' section says, one ping for each frame, and writes levels, "
+        "pictures by bearing and polar, masks of the objects, boxes and polygons (COCO, YOLO), and "
+        "a manifest. A frame depends on scene, seed, options and its number alone. What the files "
+        "hold stands in docs/dataset.md.",
+    .examples = "asdic dataset scene.yaml -n 100 -o frames\n"
+                "asdic dataset scene.yaml -n 10000 -o frames --resume\n"
+                "asdic dataset scene.yaml -n 10000 --shard 1/2 -o part1",
+    .options = options,
+    .traits = CLI_HAS_DEVICE | CLI_INTERRUPTIBLE,
+    .run = run,
+};

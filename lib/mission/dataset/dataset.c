@@ -1,0 +1,475 @@
+#include <asdic/dataset.h>
+
+#include "base/context.h"
+#include "base/sha256.h"
+#include "base/text.h"
+#include "base/try.h"
+#include "labelled.h"
+#include "gather.h"
+#include "mission/mission.h"
+#include "mission/run/run_folder.h"
+#include "out/file.h"
+#include "out/grey_png.h"
+#include "out/raster.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <math.h>
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+/* Scenes that are kept built: frames that differ in poses alone share one. */
+#define KEPT 8
+/* Frames that are made and written at the same time. */
+#define SLOTS 3
+
+/* A scene that is built, with its objects where poses put them. */
+typedef struct built {
+    asdic_mission *mission;
+    asdic_simulator *simulator;
+    size_t bins;
+    asdic_frame_map maps[ASDIC_FORM_COUNT];
+    size_t used;       /* when last; 0: empty */
+    unsigned borrowed; /* by frames that are being written */
+} built;
+
+/* A frame on its way to the disk. */
+typedef struct slot {
+    asdic_ping *ping;
+    asdic_labelled frame;
+    float *gain_db;
+    char *facts;
+    built *from;
+    bool is_full;
+} slot;
+
+typedef struct dataset {
+    asdic_context *ctx;
+    const char *scene;
+    asdic_device *device;
+    asdic_dataset_options options;
+    built kept[KEPT];
+    size_t clock;
+    double low_db, high_db;
+    /* The writer's thread takes what SLOTS hold, in turn. */
+    pthread_mutex_t lock;
+    pthread_cond_t changed;
+    slot slots[SLOTS];
+    size_t put, taken; /* frames */
+    bool is_over;
+    asdic_status failure;
+} dataset;
+
+asdic_dataset_options asdic_dataset_options_default(void) {
+    return (asdic_dataset_options){.seed = 1,
+                                   .frames = 1000,
+                                   .end = SIZE_MAX,
+                                   .threshold = 0.5,
+                                   .radius_px = 512.0,
+                                   .low_db = NAN,
+                                   .high_db = NAN};
+}
+
+/* --- scenes ----------------------------------------------------------------------------------- */
+
+static void forget(built *b) {
+    asdic_simulator_destroy(&b->simulator);
+    asdic_frame_maps_finish(b->maps);
+    asdic_mission_destroy(&b->mission);
+    *b = (built){0};
+}
+
+/* The place for a scene more: the one that was not used for longest. */
+static built *make_place(dataset *d) {
+    built *oldest = &d->kept[0];
+    for (size_t i = 1; i < KEPT; i++) {
+        oldest = d->kept[i].used < oldest->used ? &d->kept[i] : oldest;
+    }
+    pthread_mutex_lock(&d->lock);
+    while (oldest->borrowed > 0) {
+        pthread_cond_wait(&d->changed, &d->lock);
+    }
+    pthread_mutex_unlock(&d->lock);
+    forget(oldest);
+    return oldest;
+}
+
+/* Builds a simulator for MISSION, which is taken over. */
+static asdic_status build(dataset *d, asdic_mission *mission, built **out) {
+    built *b = *out = make_place(d);
+    b->mission = mission;
+    b->used = 1;
+    double depth_m = asdic_mission_pose(mission, 0, NULL).position_m.z;
+    asdic_sampling *sampling = asdic_mission_sampling(mission);
+    sampling->truth = true;
+    sampling->without_errors = true;
+    TRY(asdic_simulator_create(d->ctx, d->device, asdic_mission_scene(mission),
+                               asdic_mission_environment(mission), asdic_mission_sonar(mission),
+                               sampling, depth_m, &b->simulator));
+    b->bins = asdic_simulator_bin_count(b->simulator);
+    return asdic_frame_maps_init(d->ctx, asdic_mission_sonar(mission), b->bins,
+                                 d->options.radius_px, b->maps);
+}
+
+/* The mission of frame INDEX, to be destroyed unless it is FROM's own. */
+static asdic_status load(dataset *d, size_t index, asdic_mission **mission, built **from) {
+    const asdic_mission *bases[KEPT];
+    for (size_t i = 0; i < KEPT; i++) {
+        bases[i] = d->kept[i].mission;
+    }
+    const asdic_draw draw = {d->options.seed, index};
+    TRY(asdic_mission_load_like(d->ctx, d->scene, &draw, bases, KEPT, mission));
+    for (size_t i = 0; i < KEPT; i++) {
+        if ((*mission)->base && (*mission)->base == bases[i]) {
+            *from = &d->kept[i];
+            return ASDIC_OK;
+        }
+    }
+    asdic_status status = build(d, *mission, from);
+    if (status) {
+        *mission = NULL; /* kept there */
+    }
+    return status;
+}
+
+/* --- a frame ---------------------------------------------------------------------------------- */
+
+static void describe_pose(asdic_text *text, const asdic_pose *pose) {
+    const double degree = 180.0 / 3.14159265358979323846;
+    asdic_text_format(text, "\"position_m\":[%.9g,%.9g,%.9g],\"attitude_deg\":[%.9g,%.9g,%.9g]",
+                      pose->position_m.x, pose->position_m.y, pose->position_m.z,
+                      pose->roll_rad * degree, pose->pitch_rad * degree, pose->yaw_rad * degree);
+}
+
+/* The frame's line of the manifest. */
+static char *describe(const dataset *d, size_t index, const asdic_mission *m) {
+    asdic_text text = {0};
+    asdic_pose pose = asdic_mission_pose(m, 0, NULL);
+    asdic_text_format(&text, "{\"frame\":%zu,\"seed\":%llu,\"run\":%zu,\"scene_sha256\":\"%s\",",
+                      index, (unsigned long long)d->options.seed, index, asdic_mission_hash(m));
+    describe_pose(&text, &pose);
+    asdic_text_add(&text, ",\"objects\":[");
+    for (size_t i = 0, number = 0; i < m->object_count; i++) {
+        const asdic_mission_object *o = &m->objects[i];
+        if (o->name[0]) {
+            asdic_text_format(&text, "%s{\"number\":%zu,\"name\":", number ? "," : "", number + 1);
+            asdic_text_add_json(&text, o->name);
+            asdic_text_add(&text, ",");
+            describe_pose(&text, &o->pose);
+            asdic_text_add(&text, "}");
+            number++;
+        }
+    }
+    asdic_text_add(&text, "],\"drawn\":{");
+    for (size_t i = 0; asdic_mission_drawn(m, i).key; i++) {
+        asdic_setting s = asdic_mission_drawn(m, i);
+        asdic_text_add(&text, i ? "," : "");
+        asdic_text_add_json(&text, s.key);
+        asdic_text_add(&text, ":");
+        asdic_text_add_json(&text, s.value);
+    }
+    asdic_text_add(&text, "}}");
+    return asdic_text_take(&text);
+}
+
+static size_t objects_of(const asdic_mission *m) {
+    size_t count = 0;
+    for (size_t i = 0; i < m->object_count; i++) {
+        count += m->objects[i].name[0] != 0;
+    }
+    return count;
+}
+
+/* The time-varied gain of every bin, dB. */
+static void fill_gain(const asdic_mission *m, double depth_m, size_t bins, float *gain_db) {
+    const asdic_sonar *sonar = asdic_mission_sonar(m);
+    double alpha = asdic_environment_absorption_db_per_km(asdic_mission_environment(m),
+                                                          sonar->frequency_hz, depth_m);
+    for (size_t n = 0; n < bins; n++) {
+        double range_m = ((double)n + 0.5) * sonar->bin_length_m;
+        gain_db[n] = (float)(30.0 * log10(range_m) + 2.0 * alpha * range_m / 1000.0);
+    }
+}
+
+static asdic_status make_room(dataset *d, slot *s, size_t beams, size_t bins) {
+    if (s->ping && s->ping->beams == beams && s->ping->bins == bins) {
+        return ASDIC_OK;
+    }
+    asdic_ping_destroy(&s->ping);
+    free(s->gain_db);
+    s->gain_db = malloc(bins * sizeof *s->gain_db);
+    if (!s->gain_db) {
+        return asdic_fail_memory(d->ctx, "a frame");
+    }
+    TRY(asdic_ping_create(d->ctx, beams, bins, &s->ping));
+    return asdic_ping_add_truth(d->ctx, s->ping);
+}
+
+/* Simulates frame INDEX of MISSION in the scene FROM into S. */
+static asdic_status shoot(dataset *d, size_t index, const asdic_mission *m, built *from, slot *s) {
+    asdic_pose pose = asdic_mission_pose(m, 0, NULL);
+    TRY(make_room(d, s, asdic_mission_sonar(m)->receiver_count, from->bins));
+    for (size_t i = 0; i < m->object_count; i++) {
+        if (m->objects[i].name[0] && from->mission->stands_anywhere) {
+            TRY(asdic_simulator_move(from->simulator, m->objects[i].name, &m->objects[i].pose));
+        }
+    }
+    TRY(asdic_simulator_ping(from->simulator, &pose, index, s->ping));
+    fill_gain(m, pose.position_m.z, from->bins, s->gain_db);
+    free(s->facts);
+    s->facts = describe(d, index, m);
+    if (!s->facts) {
+        return asdic_fail_memory(d->ctx, "a frame");
+    }
+    s->from = from;
+    s->frame = (asdic_labelled){.index = index,
+                                .folder = d->options.folder,
+                                .facts = s->facts,
+                                .ping = s->ping,
+                                .maps = from->maps,
+                                .gain_db = s->gain_db,
+                                .low_db = d->low_db,
+                                .high_db = d->high_db,
+                                .threshold = d->options.threshold,
+                                .objects = objects_of(m)};
+    return ASDIC_OK;
+}
+
+static asdic_status make_frame(dataset *d, size_t index, slot *s) {
+    asdic_mission *mission = NULL;
+    built *from = NULL;
+    asdic_status status = load(d, index, &mission, &from);
+    if (!status) {
+        from->used = ++d->clock + 1;
+        status = shoot(d, index, mission, from, s);
+    }
+    if (mission && (!from || mission != from->mission)) {
+        asdic_mission_destroy(&mission);
+    }
+    return status;
+}
+
+/* --- frame after frame ------------------------------------------------------------------------ */
+
+static void *write_frames(void *user) {
+    dataset *d = user;
+    pthread_mutex_lock(&d->lock);
+    for (;;) {
+        slot *s = &d->slots[d->taken % SLOTS];
+        if (!s->is_full) {
+            if (d->is_over) {
+                break;
+            }
+            pthread_cond_wait(&d->changed, &d->lock);
+            continue;
+        }
+        asdic_status failed = d->failure;
+        pthread_mutex_unlock(&d->lock);
+        asdic_status status = failed ? failed : asdic_frame_write(d->ctx, &s->frame);
+        pthread_mutex_lock(&d->lock);
+        d->failure = d->failure ? d->failure : status;
+        s->is_full = false;
+        s->from->borrowed--;
+        d->taken++;
+        pthread_cond_broadcast(&d->changed);
+    }
+    pthread_mutex_unlock(&d->lock);
+    return NULL;
+}
+
+/* The next slot that is free, or NULL after a failure. */
+static slot *next_slot(dataset *d) {
+    pthread_mutex_lock(&d->lock);
+    slot *s = &d->slots[d->put % SLOTS];
+    while (s->is_full) {
+        pthread_cond_wait(&d->changed, &d->lock);
+    }
+    s = d->failure ? NULL : s;
+    pthread_mutex_unlock(&d->lock);
+    return s;
+}
+
+static void hand_over(dataset *d, slot *s) {
+    pthread_mutex_lock(&d->lock);
+    s->is_full = true;
+    s->from->borrowed++;
+    d->put++;
+    pthread_cond_broadcast(&d->changed);
+    pthread_mutex_unlock(&d->lock);
+}
+
+static bool is_there(const dataset *d, size_t index) {
+    char path[4096];
+    asdic_frame_path(path, d->options.folder, "frames", index, "txt");
+    return access(path, F_OK) == 0;
+}
+
+static asdic_status make_frames(dataset *d) {
+    const asdic_dataset_options *o = &d->options;
+    for (size_t index = o->first; index < o->end; index++) {
+        if (asdic_step(d->ctx, "frames", index - o->first, o->end - o->first)) {
+            return asdic_fail(d->ctx, ASDIC_ERROR_INTERRUPTED,
+                              "interrupted at frame %zu; --resume goes on", index);
+        }
+        if (!is_there(d, index)) {
+            slot *s = next_slot(d);
+            if (!s) {
+                return d->failure;
+            }
+            TRY(make_frame(d, index, s));
+            hand_over(d, s);
+        }
+    }
+    return ASDIC_OK;
+}
+
+/* The window of levels that frame 0 fills, where none is given. */
+static asdic_status find_window(dataset *d) {
+    d->low_db = d->options.low_db;
+    d->high_db = d->options.high_db;
+    if (!isnan(d->low_db) && !isnan(d->high_db)) {
+        return ASDIC_OK;
+    }
+    slot *s = &d->slots[0];
+    TRY(make_frame(d, 0, s));
+    size_t cells = s->ping->beams * s->ping->bins;
+    float *levels_db = malloc(cells * sizeof *levels_db);
+    if (!levels_db) {
+        return asdic_fail_memory(d->ctx, "levels");
+    }
+    double low_db = 0.0, high_db = 0.0;
+    for (size_t i = 0; i < cells; i++) {
+        levels_db[i] = (float)asdic_level_db(s->ping->intensity_lin[ASDIC_TOTAL][i]) +
+                       s->gain_db[i % s->ping->bins];
+    }
+    asdic_status status = asdic_raster_window(d->ctx, levels_db, cells, &low_db, &high_db);
+    free(levels_db);
+    d->low_db = isnan(d->low_db) ? low_db : d->low_db;
+    d->high_db = isnan(d->high_db) ? high_db : d->high_db;
+    return status;
+}
+
+static asdic_status run_frames(dataset *d) {
+    pthread_t writer;
+    if (pthread_create(&writer, NULL, write_frames, d) != 0) {
+        return asdic_fail_memory(d->ctx, "a thread");
+    }
+    asdic_status status = make_frames(d);
+    pthread_mutex_lock(&d->lock);
+    d->is_over = true;
+    pthread_cond_broadcast(&d->changed);
+    pthread_mutex_unlock(&d->lock);
+    pthread_join(writer, NULL);
+    return status ? status : d->failure;
+}
+
+/* --- the set ---------------------------------------------------------------------------------- */
+
+/* What the set is; the same text for every part of it. */
+static char *describe_set(const dataset *d) {
+    asdic_text text = {0};
+    const asdic_dataset_options *o = &d->options;
+    const asdic_mission *m = NULL;
+    for (size_t i = 0; i < KEPT && !m; i++) {
+        m = d->kept[i].mission;
+    }
+    asdic_text_add(&text, "{\"format\":\"asdic data set 1\",\"version\":");
+    asdic_text_add_json(&text, asdic_version());
+    asdic_text_format(
+        &text,
+        ",\"seed\":%llu,\"frames\":%zu,\"threshold\":%.9g,\"radius_px\":%.9g,"
+        "\"low_db\":%.9g,\"high_db\":%.9g,\"gain\":\"30 log r + 2 alpha r\",\"classes\":[",
+        (unsigned long long)o->seed, o->frames, o->threshold, o->radius_px, d->low_db, d->high_db);
+    for (size_t i = 0, number = 0; m && i < m->object_count; i++) {
+        if (m->objects[i].name[0]) {
+            asdic_text_add(&text, number++ ? "," : "");
+            asdic_text_add_json(&text, m->objects[i].name);
+        }
+    }
+    asdic_text_add(&text, "],\"scene\":");
+    char hex[65], *scene = asdic_dataset_scene_text(d->ctx, d->scene);
+    if (!scene) {
+        asdic_text_finish(&text);
+        return NULL;
+    }
+    asdic_sha256_hex(scene, strlen(scene), hex);
+    free(scene);
+    asdic_text_format(&text, "\"%s\"}\n", hex);
+    return asdic_text_take(&text);
+}
+
+static asdic_status check_options(asdic_context *ctx, asdic_dataset_options *o) {
+    o->end = o->end < o->frames ? o->end : o->frames;
+    if (!o->folder || !o->folder[0]) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "a data set needs a folder to write to");
+    }
+    if (o->frames == 0 || o->first >= o->end) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
+                          "no frame to make: frames %zu to %zu of a set of %zu", o->first, o->end,
+                          o->frames);
+    }
+    if (!(o->threshold > 0.0 && o->threshold <= 1.0)) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
+                          "threshold %g is out of range (0, 1]: a share of a bin's energy",
+                          o->threshold);
+    }
+    if (!(o->radius_px >= 16.0 && o->radius_px <= 8192.0)) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "radius %g is out of range [16, 8192] pixels",
+                          o->radius_px);
+    }
+    if (o->low_db >= o->high_db) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "no window of levels: %g to %g dB", o->low_db,
+                          o->high_db);
+    }
+    return o->force && o->resume
+               ? asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "replace the set or resume it, not both")
+               : ASDIC_OK;
+}
+
+static asdic_status make_set(dataset *d) {
+    TRY(asdic_dataset_check(d->ctx, &d->options));
+    TRY(find_window(d));
+    TRY(asdic_dataset_enter(d->ctx, &d->options));
+    char *text = describe_set(d);
+    asdic_status status = text ? asdic_dataset_begin(d->ctx, &d->options, text)
+                               : asdic_fail_memory(d->ctx, "what a data set is");
+    free(text);
+    TRY(status);
+    TRY(run_frames(d));
+    return asdic_dataset_gather(d->ctx, &d->options);
+}
+
+asdic_status asdic_dataset_make(asdic_context *ctx, const char *scene, asdic_device *device,
+                                const asdic_dataset_options *options) {
+    if (!scene || !device || !options) {
+        return asdic_fail_null(ctx, __func__);
+    }
+    dataset *d = calloc(1, sizeof *d);
+    if (!d) {
+        return asdic_fail_memory(ctx, "a data set");
+    }
+    d->ctx = ctx;
+    d->scene = scene;
+    d->device = device;
+    d->options = *options;
+    pthread_mutex_init(&d->lock, NULL);
+    pthread_cond_init(&d->changed, NULL);
+    asdic_status status = check_options(ctx, &d->options);
+    status = status ? status : make_set(d);
+    for (size_t i = 0; i < KEPT; i++) {
+        forget(&d->kept[i]);
+    }
+    for (size_t i = 0; i < SLOTS; i++) {
+        asdic_ping_destroy(&d->slots[i].ping);
+        free(d->slots[i].gain_db);
+        free(d->slots[i].facts);
+    }
+    pthread_cond_destroy(&d->changed);
+    pthread_mutex_destroy(&d->lock);
+    free(d);
+    return status;
+}

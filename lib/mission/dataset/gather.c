@@ -1,0 +1,354 @@
+#include "gather.h"
+
+#include "base/context.h"
+#include "base/file_read.h"
+#include "base/text.h"
+#include "base/try.h"
+#include "labelled.h"
+#include "mission/run/run_folder.h"
+#include "out/file.h"
+#include "out/grey_png.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#define MOST_BYTES ((size_t)1 << 28)
+
+/* The folders of a set, with what its frames have there. */
+static const struct {
+    const char *name, *extension; /* NULL: folders alone */
+} folders[] = {
+    {"frames", "txt"},           {"levels", "npy"},         {"polar", NULL},
+    {"polar/images", "png"},     {"polar/images16", "png"}, {"polar/masks", "png"},
+    {"polar/labels", "txt"},     {"bearing", NULL},         {"bearing/images", "png"},
+    {"bearing/images16", "png"}, {"bearing/masks", "png"},  {"bearing/labels", "txt"},
+};
+#define FOLDERS (sizeof folders / sizeof *folders)
+
+static const char *const summaries[] = {"dataset.json", "manifest.jsonl", "classes.txt",
+                                        "polar/annotations.json", "bearing/annotations.json"};
+#define SUMMARIES (sizeof summaries / sizeof *summaries)
+
+char *asdic_dataset_scene_text(asdic_context *ctx, const char *path) {
+    char *text = NULL;
+    size_t length = 0;
+    return asdic_file_read(ctx, path, MOST_BYTES, &text, &length) ? NULL : text;
+}
+
+bool asdic_dataset_is_in(const char *folder) {
+    char path[4096];
+    snprintf(path, sizeof path, "%s/dataset.json", folder ? folder : "");
+    return folder && access(path, F_OK) == 0;
+}
+
+static asdic_status make_folder(asdic_context *ctx, const char *path) {
+    return mkdir(path, 0777) == 0 || errno == EEXIST
+               ? ASDIC_OK
+               : asdic_fail(ctx, ASDIC_ERROR_IO, "cannot make folder '%s': %s", path,
+                            strerror(errno));
+}
+
+/* Removes what a set wrote into FOLDER: its frames, by their records, and the files about all. */
+static asdic_status clear(asdic_context *ctx, const char *folder) {
+    char path[4096], *text = NULL;
+    size_t length = 0, frames = 0;
+    snprintf(path, sizeof path, "%s/dataset.json", folder);
+    TRY(asdic_file_read(ctx, path, MOST_BYTES, &text, &length));
+    const char *count = strstr(text, "\"frames\":");
+    frames = count ? strtoull(count + strlen("\"frames\":"), NULL, 10) : 0;
+    free(text);
+    for (size_t k = 0; k < frames; k++) {
+        for (size_t i = 0; i < FOLDERS; i++) {
+            if (folders[i].extension) {
+                asdic_frame_path(path, folder, folders[i].name, k, folders[i].extension);
+                unlink(path);
+            }
+        }
+    }
+    for (size_t i = 0; i < SUMMARIES; i++) {
+        snprintf(path, sizeof path, "%s/%s", folder, summaries[i]);
+        unlink(path);
+    }
+    return ASDIC_OK;
+}
+
+asdic_status asdic_dataset_check(asdic_context *ctx, const asdic_dataset_options *options) {
+    const char *folder = options->folder;
+    if (strlen(folder) > 4000) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "the folder's name is too long");
+    }
+    if (asdic_folder_has_run(folder)) {
+        return asdic_fail(ctx, ASDIC_ERROR_EXISTS, "'%s' holds a run; give another folder", folder);
+    }
+    if (asdic_dataset_is_in(folder) && !options->force && !options->resume) {
+        return asdic_fail(ctx, ASDIC_ERROR_EXISTS,
+                          "'%s' holds a data set; --resume goes on with it, --force replaces it",
+                          folder);
+    }
+    return ASDIC_OK;
+}
+
+asdic_status asdic_dataset_enter(asdic_context *ctx, const asdic_dataset_options *options) {
+    const char *folder = options->folder;
+    char path[4096];
+    TRY(make_folder(ctx, folder));
+    if (asdic_dataset_is_in(folder) && options->force) {
+        TRY(clear(ctx, folder));
+    }
+    for (size_t i = 0; i < FOLDERS; i++) {
+        snprintf(path, sizeof path, "%s/%s", folder, folders[i].name);
+        TRY(make_folder(ctx, path));
+    }
+    return ASDIC_OK;
+}
+
+asdic_status asdic_dataset_begin(asdic_context *ctx, const asdic_dataset_options *options,
+                                 const char *text) {
+    char path[4096], *there = NULL;
+    size_t length = 0;
+    snprintf(path, sizeof path, "%s/dataset.json", options->folder);
+    if (!asdic_dataset_is_in(options->folder)) {
+        return asdic_file_write_all(ctx, path, text, strlen(text));
+    }
+    TRY(asdic_file_read(ctx, path, MOST_BYTES, &there, &length));
+    bool same = length == strlen(text) && memcmp(there, text, length) == 0;
+    free(there);
+    return same ? ASDIC_OK
+                : asdic_fail(
+                      ctx, ASDIC_ERROR_EXISTS,
+                      "'%s' holds a data set of another scene, seed, size or other options; it "
+                      "cannot be resumed, --force replaces it",
+                      options->folder);
+}
+
+/* --- the files about all frames --------------------------------------------------------------- */
+
+typedef struct gatherer {
+    asdic_context *ctx;
+    const asdic_dataset_options *options;
+    asdic_text manifest, images[ASDIC_FORM_COUNT], annotations[ASDIC_FORM_COUNT];
+    size_t ids[ASDIC_FORM_COUNT];
+    char *set; /* dataset.json */
+} gatherer;
+
+/* Width and height from a PNG's header. */
+static asdic_status read_size(asdic_context *ctx, const char *path, unsigned size[2]) {
+    unsigned char head[24];
+    FILE *file = fopen(path, "rbe");
+    bool good = file && fread(head, 1, sizeof head, file) == sizeof head;
+    if (file) {
+        fclose(file);
+    }
+    for (int k = 0; good && k < 2; k++) {
+        const unsigned char *b = head + 16 + 4 * k;
+        size[k] = (unsigned)b[0] << 24 | (unsigned)b[1] << 16 | (unsigned)b[2] << 8 | b[3];
+    }
+    return good
+               ? ASDIC_OK
+               : asdic_fail(ctx, ASDIC_ERROR_INPUT,
+                            "'%s' is missing or no picture; remove the frame's record and --resume",
+                            path);
+}
+
+static void take_line(gatherer *g, const char *line, size_t length) {
+    int form = line[0] == 'P' ? ASDIC_FORM_POLAR : ASDIC_FORM_BEARING;
+    if (line[0] == 'M') {
+        asdic_text_add_bytes(&g->manifest, line + 1, length - 1);
+        asdic_text_add(&g->manifest, "\n");
+        return;
+    }
+    asdic_text *to = &g->annotations[form];
+    asdic_text_format(to, "%s{\"id\":%zu,", g->ids[form] ? ",\n" : "", g->ids[form] + 1);
+    asdic_text_add_bytes(to, line + 1, length - 1);
+    g->ids[form]++;
+}
+
+static asdic_status take_frame(gatherer *g, size_t index, bool is_first) {
+    char path[4096], sub[32], *text = NULL;
+    size_t length = 0;
+    asdic_frame_path(path, g->options->folder, "frames", index, "txt");
+    TRY(asdic_file_read(g->ctx, path, MOST_BYTES, &text, &length));
+    for (char *line = text, *end; (end = strchr(line, '\n')) != NULL; line = end + 1) {
+        take_line(g, line, (size_t)(end - line));
+    }
+    free(text);
+    for (int form = 0; form < ASDIC_FORM_COUNT; form++) {
+        unsigned size[2] = {0, 0};
+        snprintf(sub, sizeof sub, "%s/images", asdic_form_names[form]);
+        asdic_frame_path(path, g->options->folder, sub, index, "png");
+        TRY(read_size(g->ctx, path, size));
+        asdic_text_format(&g->images[form],
+                          "%s{\"id\":%zu,\"file_name\":\"images/%06zu.png\",\"width\":%u,"
+                          "\"height\":%u}",
+                          is_first ? "" : ",\n", index, index, size[0], size[1]);
+    }
+    return ASDIC_OK;
+}
+
+/* The names in dataset.json's list of classes, one after the other; NULL behind the last. */
+static const char *next_class(const char *at, char name[256]) {
+    size_t n = 0;
+    while (*at == ',' || *at == '[') {
+        at++;
+    }
+    if (*at != '"') {
+        return NULL;
+    }
+    for (at++; *at && *at != '"' && n < 255; at++) {
+        name[n++] = *at;
+    }
+    name[n] = 0;
+    return at + 1;
+}
+
+static const char *classes_of(const gatherer *g) {
+    const char *at = strstr(g->set, "\"classes\":");
+    return at ? at + strlen("\"classes\":") : "";
+}
+
+static asdic_status write_text(gatherer *g, const char *name, asdic_text *text) {
+    char path[4096], *whole;
+    size_t length = text->length;
+    snprintf(path, sizeof path, "%s/%s", g->options->folder, name);
+    whole = text->failed ? NULL : asdic_text_take(text);
+    if (!whole && length > 0) {
+        return asdic_fail_memory(g->ctx, "a data set");
+    }
+    asdic_status status = asdic_file_write_all(g->ctx, path, whole ? whole : "", length);
+    free(whole);
+    return status;
+}
+
+static asdic_status write_coco(gatherer *g, int form) {
+    char path[64], name[256];
+    asdic_text text = {0};
+    const char *at = classes_of(g);
+    asdic_text_add(&text,
+                   "{\"info\":{\"description\":\"simulated sonar frames\"},\n\"categories\":[");
+    for (size_t k = 1; (at = next_class(at, name)) != NULL; k++) {
+        asdic_text_format(&text, "%s{\"id\":%zu,\"name\":\"%s\"}", k > 1 ? "," : "", k, name);
+    }
+    asdic_text_add(&text, "],\n\"images\":[");
+    asdic_text_add_bytes(&text, g->images[form].data, g->images[form].length);
+    asdic_text_add(&text, "],\n\"annotations\":[");
+    if (g->annotations[form].length > 0) {
+        asdic_text_add_bytes(&text, g->annotations[form].data, g->annotations[form].length);
+    }
+    asdic_text_add(&text, "]}\n");
+    bool failed = g->images[form].failed || g->annotations[form].failed;
+    snprintf(path, sizeof path, "%s/annotations.json", asdic_form_names[form]);
+    asdic_status status =
+        failed ? asdic_fail_memory(g->ctx, "a data set") : write_text(g, path, &text);
+    asdic_text_finish(&text);
+    return status;
+}
+
+static asdic_status gather(gatherer *g) {
+    char name[256];
+    asdic_text classes = {0};
+    const asdic_dataset_options *o = g->options;
+    for (size_t k = o->first; k < o->end; k++) {
+        TRY(take_frame(g, k, k == o->first));
+    }
+    for (const char *at = classes_of(g); (at = next_class(at, name)) != NULL;) {
+        asdic_text_format(&classes, "%s\n", name);
+    }
+    TRY(write_text(g, "classes.txt", &classes));
+    TRY(write_text(g, "manifest.jsonl", &g->manifest));
+    TRY(write_coco(g, ASDIC_FORM_POLAR));
+    return write_coco(g, ASDIC_FORM_BEARING);
+}
+
+asdic_status asdic_dataset_gather(asdic_context *ctx, const asdic_dataset_options *options) {
+    gatherer g = {.ctx = ctx, .options = options};
+    char path[4096];
+    size_t length = 0;
+    snprintf(path, sizeof path, "%s/dataset.json", options->folder);
+    asdic_status status = asdic_file_read(ctx, path, MOST_BYTES, &g.set, &length);
+    status = status ? status : gather(&g);
+    asdic_text_finish(&g.manifest);
+    for (int form = 0; form < ASDIC_FORM_COUNT; form++) {
+        asdic_text_finish(&g.images[form]);
+        asdic_text_finish(&g.annotations[form]);
+    }
+    free(g.set);
+    return status;
+}
+
+/* --- joining parts ---------------------------------------------------------------------------- */
+
+static asdic_status copy(asdic_context *ctx, const char *from, const char *to) {
+    char *bytes = NULL;
+    size_t length = 0;
+    TRY(asdic_file_read(ctx, from, MOST_BYTES, &bytes, &length));
+    asdic_status status = asdic_write_soon(ctx, to, bytes, length);
+    free(bytes);
+    return status;
+}
+
+/* Frame INDEX from the first of FOLDERS that has it, its record last. */
+static asdic_status copy_frame(asdic_context *ctx, const char *const *parts, size_t count,
+                               const char *out, size_t index) {
+    char from[4096], to[4096];
+    for (size_t p = 0; p < count; p++) {
+        asdic_frame_path(from, parts[p], "frames", index, "txt");
+        if (access(from, F_OK) != 0) {
+            continue;
+        }
+        for (size_t i = FOLDERS; i-- > 0;) {
+            if (folders[i].extension) {
+                asdic_frame_path(from, parts[p], folders[i].name, index, folders[i].extension);
+                asdic_frame_path(to, out, folders[i].name, index, folders[i].extension);
+                TRY(copy(ctx, from, to));
+            }
+        }
+        return ASDIC_OK;
+    }
+    return asdic_fail(ctx, ASDIC_ERROR_INPUT, "frame %zu is in none of the parts", index);
+}
+
+static asdic_status merge(asdic_context *ctx, const char *const *parts, size_t count,
+                          asdic_dataset_options *o, const char *set) {
+    for (size_t p = 1; p < count; p++) {
+        char path[4096], *other = NULL;
+        size_t length = 0;
+        snprintf(path, sizeof path, "%s/dataset.json", parts[p]);
+        TRY(asdic_file_read(ctx, path, MOST_BYTES, &other, &length));
+        bool same = strcmp(other, set) == 0;
+        free(other);
+        if (!same) {
+            return asdic_fail(ctx, ASDIC_ERROR_INPUT,
+                              "'%s' and '%s' are parts of different data sets", parts[0], parts[p]);
+        }
+    }
+    const char *frames = strstr(set, "\"frames\":");
+    o->frames = o->end = frames ? strtoull(frames + strlen("\"frames\":"), NULL, 10) : 0;
+    TRY(asdic_dataset_check(ctx, o));
+    TRY(asdic_dataset_enter(ctx, o));
+    for (size_t k = 0; k < o->frames; k++) {
+        TRY(copy_frame(ctx, parts, count, o->folder, k));
+    }
+    TRY(asdic_dataset_begin(ctx, o, set));
+    return asdic_dataset_gather(ctx, o);
+}
+
+asdic_status asdic_dataset_merge(asdic_context *ctx, const char *const *parts, size_t count,
+                                 const char *out_folder, bool force) {
+    if (!parts || count == 0 || !out_folder) {
+        return asdic_fail_null(ctx, __func__);
+    }
+    char path[4096], *set = NULL;
+    size_t length = 0;
+    asdic_dataset_options o = asdic_dataset_options_default();
+    o.folder = out_folder;
+    o.force = force;
+    snprintf(path, sizeof path, "%s/dataset.json", parts[0]);
+    TRY(asdic_file_read(ctx, path, MOST_BYTES, &set, &length));
+    asdic_status status = merge(ctx, parts, count, &o, set);
+    free(set);
+    return status;
+}

@@ -1,0 +1,247 @@
+#include "labelled.h"
+
+#include "base/context.h"
+#include "base/decibel.h"
+#include "base/try.h"
+#include "outline.h"
+#include "out/grey_png.h"
+#include "out/npy.h"
+#include "out/raster.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+const char *const asdic_form_names[ASDIC_FORM_COUNT] = {"polar", "bearing"};
+
+void asdic_frame_path(char path[4096], const char *folder, const char *sub, size_t index,
+                      const char *extension) {
+    snprintf(path, 4096, "%s/%s/%06zu.%s", folder, sub, index, extension);
+}
+
+/* --- where bins lie --------------------------------------------------------------------------- */
+
+static asdic_status map_bearing(asdic_context *ctx, size_t beams, size_t bins,
+                                asdic_frame_map *map) {
+    *map = (asdic_frame_map){beams, bins, malloc(beams * bins * sizeof *map->cells)};
+    for (size_t y = 0; map->cells && y < bins; y++) {
+        for (size_t x = 0; x < beams; x++) { /* the farthest bin on top */
+            map->cells[y * beams + x] = (uint32_t)(x * bins + bins - 1 - y);
+        }
+    }
+    return map->cells ? ASDIC_OK : asdic_fail_memory(ctx, "a picture's pixels");
+}
+
+static asdic_status map_polar(asdic_context *ctx, const asdic_sonar *sonar, size_t bins,
+                              double radius_px, asdic_frame_map *map) {
+    size_t beams = sonar->receiver_count;
+    double *bearing_rad = malloc(beams * sizeof *bearing_rad);
+    asdic_status status = bearing_rad ? ASDIC_OK : asdic_fail_memory(ctx, "bearings");
+    for (size_t b = 0; !status && b < beams; b++) {
+        bearing_rad[b] = sonar->receivers[b].yaw_rad;
+        if (b > 0 && !(bearing_rad[b] > bearing_rad[b - 1])) {
+            status =
+                asdic_fail(ctx, ASDIC_ERROR_INPUT,
+                           "receiver %zu does not look farther to starboard than the one before "
+                           "it: a data set needs a fan of beams from port to starboard",
+                           b);
+        }
+    }
+    if (!status) {
+        const asdic_fan fan = {.bearing_rad = bearing_rad, .beams = beams, .bins = bins};
+        asdic_sector sector = asdic_sector_of(&fan, radius_px);
+        *map = (asdic_frame_map){sector.width, sector.height, NULL};
+        status = asdic_sector_cells(ctx, &fan, &sector, &map->cells);
+    }
+    free(bearing_rad);
+    return status;
+}
+
+asdic_status asdic_frame_maps_init(asdic_context *ctx, const asdic_sonar *sonar, size_t bins,
+                                   double radius_px, asdic_frame_map maps[ASDIC_FORM_COUNT]) {
+    memset(maps, 0, ASDIC_FORM_COUNT * sizeof *maps);
+    TRY(map_polar(ctx, sonar, bins, radius_px, &maps[ASDIC_FORM_POLAR]));
+    return map_bearing(ctx, sonar->receiver_count, bins, &maps[ASDIC_FORM_BEARING]);
+}
+
+void asdic_frame_maps_finish(asdic_frame_map maps[ASDIC_FORM_COUNT]) {
+    for (int form = 0; form < ASDIC_FORM_COUNT; form++) {
+        free(maps[form].cells);
+        maps[form].cells = NULL;
+    }
+}
+
+/* --- files ------------------------------------------------------------------------------------ */
+
+static asdic_status write_png(asdic_context *ctx, const char *path, const asdic_grey *image) {
+    size_t length = 0;
+    unsigned char *bytes = asdic_grey_png(image, &length);
+    asdic_status status =
+        bytes ? asdic_write_soon(ctx, path, bytes, length) : asdic_fail_memory(ctx, "a picture");
+    free(bytes);
+    return status;
+}
+
+static asdic_status write_levels(asdic_context *ctx, const asdic_labelled *f,
+                                 const float *levels_db) {
+    char path[4096], header[ASDIC_NPY_HEADER_SIZE], rest[32];
+    size_t cells = f->ping->beams * f->ping->bins;
+    asdic_frame_path(path, f->folder, "levels", f->index, "npy");
+    snprintf(rest, sizeof rest, "%zu", f->ping->bins);
+    size_t length = asdic_npy_header(header, "'<f4'", f->ping->beams, rest);
+    char *whole = malloc(length + cells * sizeof *levels_db);
+    if (!whole) {
+        return asdic_fail_memory(ctx, "levels");
+    }
+    memcpy(whole, header, length);
+    memcpy(whole + length, levels_db, cells * sizeof *levels_db);
+    asdic_status status = asdic_write_soon(ctx, path, whole, length + cells * sizeof *levels_db);
+    free(whole);
+    return status;
+}
+
+/* What every bin shows: greys 1 to 65535 from LOW to HIGH, 0 where there is no energy; the object's number. */
+typedef struct shown {
+    uint16_t *grey, *number;
+    uint8_t *seen;
+} shown;
+
+static void show(const asdic_labelled *f, const float *levels_db, shown *s) {
+    size_t bins = f->ping->bins;
+    const asdic_ping_truth *truth = f->ping->truth;
+    double scale = 65534.0 / (f->high_db - f->low_db);
+    for (size_t at = 0; at < f->ping->beams * bins; at++) {
+        double level = (double)levels_db[at] + (double)f->gain_db[at % bins];
+        double grey = fmin(fmax((level - f->low_db) * scale, 0.0), 65534.0);
+        s->grey[at] = isnan(level) ? 0 : (uint16_t)(1.0 + rint(grey));
+        s->number[at] = truth->object[at] > 0 && (double)truth->object_share[at] >= f->threshold
+                            ? (uint16_t)truth->object[at]
+                            : 0;
+    }
+}
+
+/* VALUES of the bins as pixels. */
+static void lay_out(const asdic_frame_map *map, const uint16_t *values, uint16_t *pixels) {
+    for (size_t i = 0; i < map->width * map->height; i++) {
+        pixels[i] = map->cells[i] == UINT32_MAX ? 0 : values[map->cells[i]];
+    }
+}
+
+/* PIXELS in eight bits, in their place: greys by their high byte, but 0 for 0 alone; numbers as they are. */
+static void to_bytes(const uint16_t *pixels, size_t count, bool greys, uint8_t *bytes) {
+    for (size_t i = 0; i < count; i++) {
+        uint16_t high = (uint16_t)(pixels[i] >> 8);
+        bytes[i] = (uint8_t)(!greys ? pixels[i] : pixels[i] != 0 && high == 0 ? 1 : high);
+    }
+}
+
+static asdic_status write_grey(asdic_context *ctx, const asdic_labelled *f, const char *sub,
+                               const asdic_frame_map *map, unsigned bits, const void *values) {
+    char path[4096];
+    const asdic_grey image = {map->width, map->height, bits, values};
+    asdic_frame_path(path, f->folder, sub, f->index, "png");
+    return write_png(ctx, path, &image);
+}
+
+/* Boxes and polygons of MASK, COCO's to RECORD and YOLO's to a file. */
+static asdic_status write_labels(asdic_context *ctx, const asdic_labelled *f, asdic_view_form form,
+                                 const asdic_mask *mask, uint8_t *seen, asdic_text *record) {
+    char path[4096], sub[32];
+    asdic_text yolo = {0};
+    asdic_box *boxes = calloc(f->objects + 1, sizeof *boxes);
+    if (!boxes) {
+        return asdic_fail_memory(ctx, "boxes");
+    }
+    asdic_mask_boxes(mask, f->objects, boxes);
+    for (size_t i = 1; i <= f->objects; i++) {
+        const asdic_box *b = &boxes[i];
+        if (b->pixels == 0) {
+            continue;
+        }
+        double wide = (double)(b->right - b->left), high = (double)(b->bottom - b->top);
+        double w = (double)mask->width, h = (double)mask->height;
+        asdic_text_format(&yolo, "%zu %.6f %.6f %.6f %.6f\n", i - 1,
+                          ((double)b->left + 0.5 * wide) / w, ((double)b->top + 0.5 * high) / h,
+                          wide / w, high / h);
+        asdic_text_format(record,
+                          "%c\"image_id\":%zu,\"category_id\":%zu,\"iscrowd\":0,\"area\":%zu,"
+                          "\"bbox\":[%zu,%zu,%zu,%zu],\"segmentation\":[",
+                          "PB"[form], f -> index, i, b -> pixels, b -> left, b -> top,
+                          b -> right - b -> left, b -> bottom - b -> top);
+        asdic_mask_polygons(mask, b, (uint16_t)i, seen, record);
+        asdic_text_add(record, "]}\n");
+    }
+    free(boxes);
+    snprintf(sub, sizeof sub, "%s/labels", asdic_form_names[form]);
+    asdic_frame_path(path, f->folder, sub, f->index, "txt");
+    asdic_status status =
+        yolo.failed || record->failed
+            ? asdic_fail_memory(ctx, "labels")
+            : asdic_write_soon(ctx, path, yolo.length ? yolo.data : "", yolo.length);
+    asdic_text_finish(&yolo);
+    return status;
+}
+
+static asdic_status write_form(asdic_context *ctx, const asdic_labelled *f, asdic_view_form form,
+                               const shown *s, uint16_t *pixels, asdic_text *record) {
+    const asdic_frame_map *map = &f->maps[form];
+    size_t count = map->width * map->height;
+    uint8_t *bytes = (uint8_t *)(pixels + count);
+    char sub[3][32];
+    static const char *const kinds[3] = {"images", "images16", "masks"};
+    for (int k = 0; k < 3; k++) {
+        snprintf(sub[k], sizeof sub[k], "%s/%s", asdic_form_names[form], kinds[k]);
+    }
+    lay_out(map, s->grey, pixels);
+    to_bytes(pixels, count, true, bytes);
+    TRY(write_grey(ctx, f, sub[0], map, 8, bytes));
+    TRY(write_grey(ctx, f, sub[1], map, 16, pixels));
+    lay_out(map, s->number, pixels);
+    to_bytes(pixels, count, false, bytes);
+    bool small = f->objects < 256;
+    TRY(write_grey(ctx, f, sub[2], map, small ? 8 : 16, small ? (void *)bytes : (void *)pixels));
+    const asdic_mask mask = {map->width, map->height, pixels};
+    return write_labels(ctx, f, form, &mask, s->seen, record);
+}
+
+static asdic_status write_record(asdic_context *ctx, const asdic_labelled *f, asdic_text *record) {
+    char path[4096];
+    asdic_frame_path(path, f->folder, "frames", f->index, "txt");
+    return record->failed ? asdic_fail_memory(ctx, "a frame's record")
+                          : asdic_write_soon(ctx, path, record->data, record->length);
+}
+
+static asdic_status write_all(asdic_context *ctx, const asdic_labelled *f, float *levels_db,
+                              shown *s, uint16_t *pixels, asdic_text *record) {
+    asdic_decibels(f->ping->intensity_lin[ASDIC_TOTAL], f->ping->beams * f->ping->bins, levels_db);
+    TRY(write_levels(ctx, f, levels_db));
+    show(f, levels_db, s);
+    asdic_text_format(record, "M%s\n", f->facts);
+    for (int form = 0; form < ASDIC_FORM_COUNT; form++) {
+        TRY(write_form(ctx, f, (asdic_view_form)form, s, pixels, record));
+    }
+    return write_record(ctx, f, record);
+}
+
+asdic_status asdic_frame_write(asdic_context *ctx, const asdic_labelled *frame) {
+    size_t cells = frame->ping->beams * frame->ping->bins, most = 0;
+    for (int form = 0; form < ASDIC_FORM_COUNT; form++) {
+        size_t count = frame->maps[form].width * frame->maps[form].height;
+        most = count > most ? count : most;
+    }
+    asdic_text record = {0};
+    float *levels_db = malloc(cells * sizeof *levels_db);
+    shown s = {malloc(cells * sizeof *s.grey), malloc(cells * sizeof *s.number), calloc(most, 1)};
+    uint16_t *pixels = malloc(most * 3);
+    asdic_status status = levels_db && s.grey && s.number && s.seen && pixels
+                              ? write_all(ctx, frame, levels_db, &s, pixels, &record)
+                              : asdic_fail_memory(ctx, "a frame");
+    asdic_text_finish(&record);
+    free(levels_db);
+    free(s.grey);
+    free(s.number);
+    free(s.seen);
+    free(pixels);
+    return status;
+}

@@ -1,0 +1,50 @@
+/*
+ * One frame of a data set: from a ping with truth to the bytes of its files.
+ */
+#ifndef ASDIC_MISSION_DATASET_LABELLED_H
+#define ASDIC_MISSION_DATASET_LABELLED_H
+
+#include "base/text.h"
+
+#include <asdic/dataset.h>
+
+/* The two forms of a picture. */
+typedef enum asdic_view_form {
+    ASDIC_FORM_POLAR,
+    ASDIC_FORM_BEARING,
+    ASDIC_FORM_COUNT
+} asdic_view_form;
+extern const char *const asdic_form_names[ASDIC_FORM_COUNT]; /* folders: "polar", "bearing" */
+
+/* How a sonar's bins lie in a picture. */
+typedef struct asdic_frame_map {
+    size_t width, height;
+    uint32_t *cells; /* of each pixel, beam * bins + bin; UINT32_MAX: none */
+} asdic_frame_map;
+
+/* What a frame is drawn from. */
+typedef struct asdic_labelled {
+    size_t index;
+    const char *folder, *scene_hash;
+    char *facts; /* its line of the manifest, without the objects' pixels */
+    const asdic_ping *ping;
+    const asdic_frame_map *maps; /* by form */
+    const float *gain_db;        /* by bin */
+    double low_db, high_db, threshold;
+    size_t objects;
+} asdic_labelled;
+
+/* The maps of SONAR's pings of BINS; freed by asdic_frame_maps_finish. ASDIC_ERROR_INPUT: beams that do not follow
+ * each other in bearing. */
+asdic_status asdic_frame_maps_init(asdic_context *ctx, const asdic_sonar *sonar, size_t bins,
+                                   double radius_px, asdic_frame_map maps[ASDIC_FORM_COUNT]);
+void asdic_frame_maps_finish(asdic_frame_map maps[ASDIC_FORM_COUNT]);
+
+/* Writes all files of a frame; frames/NUMBER.txt comes last and says that the frame is whole. */
+asdic_status asdic_frame_write(asdic_context *ctx, const asdic_labelled *frame);
+
+/* "FOLDER/SUB/NUMBER.EXTENSION" */
+void asdic_frame_path(char path[4096], const char *folder, const char *sub, size_t index,
+                      const char *extension);
+
+#endif

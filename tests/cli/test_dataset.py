@@ -1,0 +1,259 @@
+"""asdic dataset: labelled frames, whole, repeatable, resumed and shared out; masks against rays that this file
+casts itself; read back by numpy, PIL and json."""
+import json
+import os
+import shutil
+import subprocess
+
+import program
+import tap
+from program import Folder, asdic
+
+SYSTEM_PYTHON = "/usr/bin/python3"  # Debian's, which has Debian's numpy and PIL
+
+SCENE = """version: 1
+bottom: {depth_m: 10, lambert_db: -30}
+objects:
+  - {name: ball, sphere: {radius_m: 1.2, segments: 256}, position_m: [9, 0, 8.8], material: {lambert_db: -8}}
+  - {name: post, sphere: {radius_m: 0.8, segments: 256}, position_m: [6, 1, 9.2], material: {lambert_db: -8}}
+sonar:
+  frequency_khz: 300
+  bandwidth_khz: 20
+  ping_rate_hz: 40
+  max_range_m: 14
+  source_level_db: 220
+  bin_length_m: 0.1
+  blanking_m: 0.5
+  transmitter: {length_h_m: 0.004, length_v_m: 0.01}
+  receivers: {fan: {count: 48, sector_deg: 60, length_h_m: 0.1, length_v_m: 0.01}}
+  noise: {enabled: false}
+surface: {enabled: false}
+mission: {pose: {position_m: [0, 0, 6], pitch_deg: -20}}
+sampling: {rays: RAYS, seed: 3, multipath: false}
+trial:
+  draws:
+    - {key: 'objects[0].position_m[1]', uniform: [-2, 2]}
+    - {key: 'objects[1].position_m[1]', uniform: [-2, 2]}
+    - {key: mission.pose.yaw_deg, uniform: [-5, 5]}
+"""
+
+
+def scene(folder, rays=4000, **edits):
+    text = SCENE.replace("RAYS", str(rays))
+    for old, new in edits.values():
+        tap.contains(text, old)
+        text = text.replace(old, new)
+    return folder.write("set.yaml", text)
+
+
+def files(folder):
+    found = {}
+    for root, _, names in os.walk(folder):
+        for name in names:
+            path = os.path.join(root, name)
+            with open(path, "rb") as file:
+                found[os.path.relpath(path, folder)] = file.read()
+    return found
+
+
+def says(done, code, part):
+    """DONE failed with CODE and an error that has PART."""
+    tap.equal(done.code, code, f"exit code ({done.err.strip()!r})")
+    tap.contains(done.err, part)
+    return done
+
+
+def python(script, cwd, modules="numpy"):
+    done = subprocess.run([SYSTEM_PYTHON, "-c", f"import sys\ntry:\n import {modules}\n"
+                           "except ImportError:\n sys.exit(77)\n" + script],
+                          cwd=cwd, capture_output=True, text=True, timeout=120, check=False)
+    if done.returncode == 77:
+        raise tap.Skip("no " + modules)
+    if done.returncode:
+        raise AssertionError(done.stderr)
+    return done.stdout
+
+
+def test_the_same_bytes_whole_resumed_and_in_parts():
+    program.need_device()
+    with Folder() as folder:
+        path = scene(folder)
+        asdic("dataset", path, "-n", "5", "-o", folder / "whole").check(code=0)
+        whole = files(folder / "whole")
+        tap.equal(len([n for n in whole if n.startswith("polar/masks/")]), 5, "masks")
+        for k in (1, 2):
+            asdic("dataset", path, "-n", "5", "--shard", f"{k}/2", "-o", folder / f"p{k}").check(code=0)
+        asdic("merge", folder / "p2", folder / "p1", "-o", folder / "merged").check(code=0)
+        tap.equal(files(folder / "merged") == whole, True, "parts joined are the whole")
+        for name in ("frames/000003.txt", "manifest.jsonl", "polar/annotations.json"):
+            os.remove(folder / ("whole/" + name))
+        says(asdic("dataset", path, "-n", "5", "-o", folder / "whole"), 1, "--resume")
+        asdic("dataset", path, "-n", "5", "-o", folder / "whole", "--resume").check(code=0)
+        tap.equal(files(folder / "whole") == whole, True, "resumed is the whole")
+        says(asdic("dataset", path, "-n", "5", "--seed", "2", "-o", folder / "whole",
+              "--resume"), 1, "cannot be resumed")
+        asdic("dataset", path, "-n", "4", "--seed", "2", "-o", folder / "whole", "--force").check(code=0)
+        other = files(folder / "whole")
+        tap.equal(len([n for n in other if n.startswith("levels/")]), 4, "frames that replaced five")
+        tap.equal(other["levels/000000.npy"] == whole["levels/000000.npy"], False, "another seed")
+        os.remove(folder / "p1/frames/000001.txt")
+        says(asdic("merge", folder / "p2", folder / "p1", "-o", folder / "m2"), 3, "frame 1 is in none of the parts")
+
+
+def test_labels_say_what_masks_show():
+    program.need_device()
+    with Folder() as folder:
+        asdic("dataset", scene(folder), "-n", "3", "-o", folder / "d").check(code=0)
+        set_ = json.loads(folder.read("d/dataset.json"))
+        tap.equal(set_["classes"], ["ball", "post"], "classes")
+        tap.equal(folder.read("d/classes.txt"), "ball\npost\n", "classes.txt")
+        lines = [json.loads(line) for line in folder.read("d/manifest.jsonl").splitlines()]
+        tap.equal([line["frame"] for line in lines], [0, 1, 2], "frames")
+        tap.equal(len({line["scene_sha256"] for line in lines}), 3, "scenes")
+        tap.equal(sorted(lines[0]["drawn"]), sorted(
+            ["objects[0].position_m[1]", "objects[1].position_m[1]", "mission.pose.yaw_deg"]), "drawn")
+        python("""
+import json, numpy as np
+from PIL import Image, ImageDraw
+for form in ("polar", "bearing"):
+    coco = json.load(open(f"d/{form}/annotations.json"))
+    assert [c["name"] for c in coco["categories"]] == ["ball", "post"]
+    assert len({a["id"] for a in coco["annotations"]}) == len(coco["annotations"]) >= 4
+    for image in coco["images"]:
+        picture = Image.open(f"d/{form}/" + image["file_name"])
+        assert picture.mode == "L" and picture.size == (image["width"], image["height"])
+        deep = np.array(Image.open(f"d/{form}/" + image["file_name"].replace("images", "images16"))).astype(int)
+        flat = np.array(picture).astype(int)
+        assert (abs(deep // 256 - flat) <= (flat == 1)).all() and deep.max() > 30000
+        name = image["file_name"].replace("images/", "")[:-4]
+        mask = np.array(Image.open(f"d/{form}/masks/{name}.png"))
+        drawn = np.zeros_like(mask)
+        yolo = open(f"d/{form}/labels/{name}.txt").read().split("\\n")[:-1]
+        own = [a for a in coco["annotations"] if a["image_id"] == image["id"]]
+        assert len(yolo) == len(own)
+        for line, a in zip(yolo, own):
+            k = a["category_id"]
+            y, x = np.nonzero(mask == k)
+            box = [x.min(), y.min(), x.max() + 1 - x.min(), y.max() + 1 - y.min()]
+            assert a["area"] == len(x) and a["bbox"] == box, (a["bbox"], box)
+            c, cx, cy, w, h = map(float, line.split())
+            assert c == k - 1
+            got = [(cx - w / 2) * image["width"], (cy - h / 2) * image["height"],
+                   w * image["width"], h * image["height"]]
+            assert max(abs(p - q) for p, q in zip(got, box)) < 0.01
+            # Even-odd, at the pixels' centres.
+            inside = np.zeros(mask.shape, int)
+            v, u = np.mgrid[0:mask.shape[0], 0:mask.shape[1]] + 0.5
+            hit = np.zeros(mask.shape, bool)
+            for polygon in a["segmentation"]:
+                p = np.array(polygon, float).reshape(-1, 2)
+                odd = np.zeros(mask.shape, bool)
+                for (x0, y0), (x1, y1) in zip(p, np.roll(p, -1, 0)):
+                    if y0 != y1:
+                        odd ^= (np.minimum(y0, y1) <= v) & (v < np.maximum(y0, y1)) & (u < x0)
+                hit |= odd
+            assert (hit >= (mask == k)).all()
+            assert hit.sum() - (mask == k).sum() <= 0.02 * hit.sum() + 2  # holes alone
+    if form == "bearing":
+        levels = np.load("d/levels/000001.npy")
+        picture = np.array(Image.open("d/bearing/images16/000001.png"))
+        assert levels.shape == (48, 140) and picture.shape == (140, 48)
+        assert ((picture.T[:, ::-1] == 0) == np.isnan(levels)).all()
+""", folder / ".", "numpy, PIL")
+
+
+def test_masks_are_those_of_rays():
+    program.need_device()
+    with Folder() as folder:
+        asdic("dataset", scene(folder, rays=6000000), "-n", "1", "--range-db", "0:100",
+              "-o", folder / "d").check(code=0)
+        out = python("""
+import json, numpy as np
+from PIL import Image
+lines = [json.loads(l) for l in open("d/manifest.jsonl")]
+c = 1449.0 + 4.6 * 10  # the wavelength alone depends on it
+rad = np.pi / 180
+both = either = 0
+for line in lines:
+    yaw, pitch = line["attitude_deg"][2] * rad, line["attitude_deg"][1] * rad
+    n = 2200
+    el, az = np.meshgrid(np.linspace(0.0, 65.0, n) * rad, np.linspace(-50.0, 50.0, n) * rad + yaw)
+    d_omega = np.cos(el)
+    u = np.stack([np.cos(el) * np.cos(az), np.cos(el) * np.sin(az), np.sin(el)], -1).reshape(-1, 3)
+    w = d_omega.reshape(-1)
+    with np.errstate(divide="ignore"):
+        t = np.where(u[:, 2] > 0, 4.0 / u[:, 2], np.inf)
+    kind = np.zeros(len(t), int)
+    sine = u[:, 2].copy()
+    mu = np.full(len(t), 10 ** -3.0)
+    for o, r in zip(line["objects"], (1.2, 0.8)):
+        to = np.array(o["position_m"]) - np.array([0, 0, 6.0])
+        along = u @ to
+        under = r * r - (to @ to - along ** 2)
+        d = along - np.sqrt(np.maximum(under, 0))
+        hit = (under > 0) & (d > 0) & (d < t)
+        t[hit] = d[hit]
+        kind[hit] = o["number"]
+        sine[hit] = -np.sum(u[hit] * (u[hit] * d[hit, None] - to) / r, -1)
+        mu[hit] = 10 ** -0.8
+    near = t[kind > 0]
+    ok = (t < near.max() + 0.1) & (t > near.min() - 0.1)
+    u, w, t, kind, sine, mu = u[ok], w[ok], t[ok], kind[ok], sine[ok], mu[ok]
+    lam = 1489.0 / 300e3
+    ahead = np.array([np.cos(pitch) * np.cos(yaw), np.cos(pitch) * np.sin(yaw), -np.sin(pitch)])
+    down = np.array([np.sin(pitch) * np.cos(yaw), np.sin(pitch) * np.sin(yaw), np.cos(pitch)])
+    right = np.array([-np.sin(yaw), np.cos(yaw), 0.0])
+    x, y, z = u @ ahead, u @ right, u @ down
+    sent = (np.sinc(0.004 / lam * y) * np.sinc(0.01 / lam * z)) ** 2
+    e = sent * np.sinc(0.01 / lam * z) ** 2 * mu * sine * w / t ** 2
+    cell = (t / 0.1).astype(int)
+    mask = np.array(Image.open(f"d/bearing/masks/{line['frame']:06d}.png")).T[:, ::-1]
+    for b in range(48):
+        a = (b - 23.5) * 60.0 / 47 * rad
+        g = e * np.sinc(0.1 / lam * (np.cos(a) * y - np.sin(a) * x)) ** 2
+        parts = np.stack([np.bincount(cell[kind == k], g[kind == k], 140) for k in range(3)])
+        best = parts[1:].argmax(0) + 1
+        own = np.where(parts[1:].max(0) >= 0.5 * parts.sum(0) + 1e-30, best, 0)
+        both += ((own == mask[b]) & (own > 0)).sum()
+        either += ((own > 0) | (mask[b] > 0)).sum()
+print(both, either, both / either)
+assert either > 250 and both >= 0.99 * either, (both, either)
+""", folder / ".", "numpy, PIL")
+        print("# masks over rays:", out.strip())
+
+
+def test_what_cannot_be_is_said_once():
+    program.need_device()
+    with Folder() as folder:
+        path = scene(folder)
+        says(asdic("dataset", path, "-n", "0", "-o", folder / "d"), 2, "--number")
+        says(asdic("dataset", path, "-n", "2", "--shard", "3/3", "-o", folder / "e", "--threshold",
+              "2"), 2, "--threshold")
+        says(asdic("dataset", folder / "none.yaml", "-o", folder / "d"), 3, "none.yaml")
+        bad = scene(folder, a=("uniform: [-5, 5]", "uniform: [-500, 500]"))
+        done = asdic("dataset", bad, "-n", "3", "-o", folder / "d")
+        says(done, 3, "drawn for run")
+        nameless = scene(folder, a=("name: ball, ", ""))
+        says(asdic("dataset", nameless, "-n", "2", "-o", folder / "f"), 3, "name")
+        lost = scene(folder, a=("[0, 0, 6]", "[0, 0, 11]"))
+        says(asdic("dataset", lost, "-n", "2", "-o", folder / "g"), 3, "drawn for run 0")
+
+
+def test_a_full_disk_loses_nothing():
+    program.need_device()
+    if not os.path.exists("/dev/full"):
+        raise tap.Skip("no /dev/full")
+    with Folder() as folder:
+        path = scene(folder)
+        asdic("dataset", path, "-n", "3", "-o", folder / "d").check(code=0)
+        whole = files(folder / "d")
+        os.remove(folder / "d/frames/000002.txt")
+        os.symlink("/dev/full", folder / "d/levels/000002.npy.part")
+        done = asdic("dataset", path, "-n", "3", "-o", folder / "d", "--resume")
+        says(done, 1, "levels/000002.npy")
+        tap.contains(done.err, "No space left")
+        asdic("dataset", path, "-n", "3", "-o", folder / "d", "--resume").check(code=0)
+        tap.equal(files(folder / "d") == whole, True, "goes on after a full disk")
+
+
+tap.main(globals())
