@@ -65,14 +65,17 @@ static void add_truth(const world *w, __global const dev_arrival *arrival, truth
         ((float *)&gain)[b] = ((const float *)&g->of_beam[b])[lane];
     }
     to.cells += first;
-    uint word = arrival->more, row = truth_row(word);
-    for (uint c = 0; c < MAX_ARRIVALS; c++) {
-        uint component = arrival->row[c] / w->ping->sums.component_rows;
-        uint bin = arrival->row[c] % w->ping->sums.component_rows;
-        float weight = truth_weight(w->ping, component, word), arriving = arrival->quanta[c];
-        if (!(arriving > 0.0f) || weight == 0.0f) {
+    /* Echoes come first, all of one component; water behind them. */
+    uint component = arrival->row[0] / w->ping->sums.component_rows;
+    uint before = component * w->ping->sums.component_rows, row = truth_row(arrival->more);
+    uint echoes = component == DEV_DEPOSIT_MULTIPATH ? MAX_ARRIVALS : MAX_ARRIVALS / 2u;
+    float weight = truth_weight(w->ping, component, arrival->more);
+    for (uint c = 0; c < echoes; c++) {
+        float arriving = arrival->quanta[c];
+        if (!(arriving > 0.0f)) {
             continue;
         }
+        uint bin = arrival->row[c] - before;
         add_to_row(w, &to, DEV_TRUTH_DEPRESSION, bin, gain * (arriving * weight));
         if (row != 0u) {
             add_to_row(w, &to, row, bin, gain * arriving);

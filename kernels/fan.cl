@@ -293,8 +293,8 @@ static inline void add_to_row(__global const dev_ping *ping, const fan_truth *t,
     }
     __global float *at = t->cells + cell + t->column;
     for (uint p = 0; p < PARTS && t->column + p * ASDIC_WIDTH < t->last; p++) {
-        STORE_REAL(LOAD_REAL(at + p * ASDIC_WIDTH) + entry->quanta[c] * gain[p],
-                   at + p * ASDIC_WIDTH);
+        real sum = r_fma((real)(entry->quanta[c]), gain[p], LOAD_REAL(at + p * ASDIC_WIDTH));
+        STORE_REAL(sum, at + p * ASDIC_WIDTH);
     }
 }
 
