@@ -56,7 +56,7 @@ static void yaml_of_serialisers_is_refused(void **state) {
     expect_edit("version: 1", "? [version]\n: 1\nversion: 1",
                 "1:1: error: a key is a list or a map, not a word  [scene]\n"
                 "1:3: error: unknown key '?'; the keys here are version, environment, surface, "
-                "bottom, objects, sonar, mission, sampling, model, detector, output  [scene]\n");
+                "bottom, objects, sonar, mission, sampling, model, detector, output, trial  [scene]\n");
 }
 
 static void duplicate_keys_are_refused(void **state) {
@@ -186,7 +186,7 @@ static void hostile_values_are_shown_tamely(void **state) {
         "5:3: error: a key holds a zero character  [sonar]\n"
         "5:3: error: unknown key '%s%s%n'; the keys here are file, frequency_khz, "
         "bandwidth_khz, ping_rate_hz, max_range_m, source_level_db, bin_length_m, blanking_m, "
-        "transmitter, receivers, scan, noise, speckle, speckle_shape, rear_floor_db  [sonar]\n");
+        "transmitter, receivers, array, scan, noise, speckle, speckle_shape, rear_floor_db  [sonar]\n");
 }
 
 int main(void) {
