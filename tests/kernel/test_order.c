@@ -162,7 +162,7 @@ static void *drive(void *argument) {
     }
     for (size_t i = 0; i < THREAD_PINGS && l->status == ASDIC_OK; i++) {
         asdic_pose pose = {.position_m = {(double)i, 0.0, 5.0}};
-        if (asdic_mission_load(ctx, "/nonexistent", &none) != ASDIC_ERROR_INPUT) {
+        if (asdic_mission_load(ctx, "/nonexistent/a.yaml", &none) != ASDIC_ERROR_INPUT) {
             l->status = ASDIC_ERROR_IO;
         }
         l->status = l->status ? l->status : asdic_simulator_ping(sim, &pose, i, ping);

@@ -359,9 +359,9 @@ static void misuse_is_answered(void **state) {
     assert_int_equal(asdic_mission_load(w->ctx, NULL, &m), ASDIC_ERROR_ARGUMENT);
     assert_null(m);
     assert_int_equal(asdic_mission_load(w->ctx, "x", NULL), ASDIC_ERROR_ARGUMENT);
-    assert_int_equal(asdic_mission_load(w->ctx, "/nonexistent", &m), ASDIC_ERROR_INPUT);
+    assert_int_equal(asdic_mission_load(w->ctx, "/nonexistent/a.yaml", &m), ASDIC_ERROR_INPUT);
     assert_string_equal(asdic_context_error(w->ctx),
-                        "/nonexistent: cannot open: No such file or directory");
+                        "/nonexistent/a.yaml: cannot open: No such file or directory");
     asdic_mission_destroy(NULL);
     asdic_mission_destroy(&m);
 }
