@@ -1,8 +1,8 @@
 /*
  * Coherent pings (coherent.h), in order: coherent_place puts scatterers on the patches that the host found,
- * the tracer tells which are hidden, coherent_shade computes what they send back, coherent_count, _offset
- * and _sort order them by range, coherent_elements sums them at every element of the array, coherent_beams
- * weighs the elements. A work-item owns the sums that it writes and adds in the order of scatterers, so that
+ * the tracer tells which are hidden, coherent_shade computes what they send back, coherent_count, _offset,
+ * _first and _sort order them by range, coherent_elements sums them at every element of the array,
+ * coherent_beams weighs the elements. A work-item owns the sums that it writes and adds in the order of scatterers, so that
  * no sum depends on the device's scheduling.
  */
 #include "coherent.h"
@@ -387,28 +387,41 @@ __kernel void coherent_count(__global const dev_coherent *c, __global const uint
     }
 }
 
-/* Counts to places; FIRST, one more than gates, where each gate begins. */
+/* One work-item per gate: counts to places within the gate; FIRST, one more than gates, how many each has.
+ * No work-item goes through all counts: llvmpipe leaves a work-item's loops after 65,535 rounds. */
 __kernel void coherent_offset(__global const dev_coherent *c, __global uint *counts,
                               __global uint *first) {
+    uint gate = (uint)(get_global_id(0));
+    if (gate >= c->gates) {
+        return;
+    }
+    uint sum = 0u;
+    for (uint block = 0; block < c->blocks; block++) {
+        size_t at = (size_t)(gate)*c->blocks + block;
+        uint count = counts[at];
+        counts[at] = sum;
+        sum += count;
+    }
+    first[gate] = sum;
+}
+
+/* One work-item: FIRST, how many each gate has, to where each begins. */
+__kernel void coherent_first(__global const dev_coherent *c, __global uint *first) {
     if (get_global_id(0) != 0) {
         return;
     }
     uint sum = 0u;
     for (uint gate = 0; gate < c->gates; gate++) {
+        uint count = first[gate];
         first[gate] = sum;
-        for (uint block = 0; block < c->blocks; block++) {
-            size_t at = (size_t)(gate)*c->blocks + block;
-            uint count = counts[at];
-            counts[at] = sum;
-            sum += count;
-        }
+        sum += count;
     }
     first[c->gates] = sum;
 }
 
 __kernel void coherent_sort(__global const dev_coherent *c, __global const uint *gates,
-                            __global uint *counts, __global const dev_echo *echoes,
-                            __global dev_echo *sorted) {
+                            __global uint *counts, __global const uint *first,
+                            __global const dev_echo *echoes, __global dev_echo *sorted) {
     uint block = (uint)(get_global_id(0));
     if (block >= c->blocks) {
         return;
@@ -416,7 +429,8 @@ __kernel void coherent_sort(__global const dev_coherent *c, __global const uint 
     uint step = (c->slots + c->blocks - 1u) / c->blocks, end = min((block + 1u) * step, c->slots);
     for (uint slot = block * step; slot < end; slot++) {
         if (gates[slot] != NO_GATE) {
-            sorted[counts[(size_t)(gates[slot]) * c->blocks + block]++] = echoes[slot];
+            uint place = counts[(size_t)(gates[slot]) * c->blocks + block]++;
+            sorted[first[gates[slot]] + place] = echoes[slot];
         }
     }
 }

@@ -36,7 +36,7 @@ typedef struct slot_buffers {
 } slot_buffers;
 
 struct asdic_coherent {
-    asdic_kernel *place, *shade, *count, *offset, *sort, *elements, *beams;
+    asdic_kernel *place, *shade, *count, *offset, *begin, *sort, *elements, *beams;
     asdic_buffer *told, *patches, *counts, *first, *steer, *pressure, *looks;
     slot_buffers slots;
     size_t patch_capacity;
@@ -96,10 +96,10 @@ static asdic_status create_kernels(asdic_simulator *sim, asdic_coherent *c) {
     const struct {
         const char *name;
         asdic_kernel **kernel;
-    } wanted[] = {{"coherent_place", &c->place}, {"coherent_shade", &c->shade},
-                  {"coherent_count", &c->count}, {"coherent_offset", &c->offset},
-                  {"coherent_sort", &c->sort},   {"coherent_elements", &c->elements},
-                  {"coherent_beams", &c->beams}};
+    } wanted[] = {{"coherent_place", &c->place},       {"coherent_shade", &c->shade},
+                  {"coherent_count", &c->count},       {"coherent_offset", &c->offset},
+                  {"coherent_first", &c->begin},       {"coherent_sort", &c->sort},
+                  {"coherent_elements", &c->elements}, {"coherent_beams", &c->beams}};
     for (size_t i = 0; i < COUNT(wanted); i++) {
         TRY(asdic_kernel_create(sim->device, "coherent.cl", options, wanted[i].name,
                                 wanted[i].kernel));
@@ -222,12 +222,14 @@ void asdic_coherent_destroy(asdic_coherent **pointer) {
     if (!c) {
         return;
     }
-    asdic_kernel **kernels[] = {&c->place, &c->shade,    &c->count, &c->offset,
-                                &c->sort,  &c->elements, &c->beams};
+    asdic_kernel **kernels[] = {&c->place, &c->shade, &c->count,    &c->offset,
+                                &c->begin, &c->sort,  &c->elements, &c->beams};
     asdic_buffer **buffers[] = {&c->told,  &c->patches,  &c->counts, &c->first,
                                 &c->steer, &c->pressure, &c->looks};
     for (size_t i = 0; i < COUNT(kernels); i++) {
         asdic_kernel_destroy(kernels[i]);
+    }
+    for (size_t i = 0; i < COUNT(buffers); i++) {
         asdic_buffer_destroy(buffers[i]);
     }
     destroy_slots(&c->slots);
@@ -349,11 +351,13 @@ static asdic_status run_sort(asdic_simulator *sim, asdic_coherent *c) {
                                 ASDIC_ARG_BUFFER(c->counts)};
     asdic_kernel_arg offset[] = {ASDIC_ARG_BUFFER(c->told), ASDIC_ARG_BUFFER(c->counts),
                                  ASDIC_ARG_BUFFER(c->first)};
-    asdic_kernel_arg sort[] = {ASDIC_ARG_BUFFER(c->told), ASDIC_ARG_BUFFER(s->gates),
-                               ASDIC_ARG_BUFFER(c->counts), ASDIC_ARG_BUFFER(s->echoes),
-                               ASDIC_ARG_BUFFER(s->sorted)};
+    asdic_kernel_arg begin[] = {ASDIC_ARG_BUFFER(c->told), ASDIC_ARG_BUFFER(c->first)};
+    asdic_kernel_arg sort[] = {ASDIC_ARG_BUFFER(c->told),   ASDIC_ARG_BUFFER(s->gates),
+                               ASDIC_ARG_BUFFER(c->counts), ASDIC_ARG_BUFFER(c->first),
+                               ASDIC_ARG_BUFFER(s->echoes), ASDIC_ARG_BUFFER(s->sorted)};
     TRY(asdic_kernel_run(c->count, count, COUNT(count), c->now.blocks, local));
-    TRY(asdic_kernel_run(c->offset, offset, COUNT(offset), 1, 1));
+    TRY(asdic_kernel_run(c->offset, offset, COUNT(offset), c->now.gates, local));
+    TRY(asdic_kernel_run(c->begin, begin, COUNT(begin), 1, 1));
     return asdic_kernel_run(c->sort, sort, COUNT(sort), c->now.blocks, local);
 }
 
