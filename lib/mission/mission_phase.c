@@ -60,6 +60,10 @@ static const char *fringed(const asdic_mission *mission, const asdic_law_water *
 }
 
 bool asdic_mission_needs_phase(const asdic_mission *mission, char *reason, size_t size) {
+    if (!mission) {
+        snprintf(reason, size, "there is no mission");
+        return false;
+    }
     const asdic_settings *s = &mission->settings;
     double depth_m = asdic_mission_pose(mission, 0, NULL).position_m.z;
     asdic_water_column column = asdic_water_column_at(&s->environment, &s->sonar, depth_m);

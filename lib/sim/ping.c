@@ -55,7 +55,9 @@ asdic_status asdic_ping_add_elements(asdic_context *ctx, asdic_ping *ping, size_
                           "asdic_ping_add_elements: %zu elements and %zu samples%s", elements,
                           samples, ping && ping->pressure ? ", a second time" : "");
     }
-    ping->pressure = calloc(elements * samples, 2 * sizeof *ping->pressure);
+    ping->pressure = samples <= SIZE_MAX / elements
+                         ? calloc(elements * samples, 2 * sizeof *ping->pressure)
+                         : NULL;
     if (!ping->pressure) {
         return asdic_fail(ctx, ASDIC_ERROR_MEMORY,
                           "out of memory while allocating %zu elements of %zu samples", elements,
@@ -81,8 +83,9 @@ void asdic_ping_destroy(asdic_ping **ping) {
 }
 
 asdic_status asdic_ping_add_truth(asdic_context *ctx, asdic_ping *ping) {
-    if (!ping) {
-        return asdic_fail_null(ctx, __func__);
+    if (!ping || ping->beams == 0 || ping->bins == 0) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
+                          "asdic_ping_add_truth: a ping with beams and bins is needed");
     }
     if (ping->truth) {
         return ASDIC_OK;

@@ -528,6 +528,10 @@ asdic_status asdic_trial_fly(asdic_context *ctx, asdic_device **devices, size_t 
 asdic_status asdic_trial_replay(asdic_context *ctx, asdic_device *device,
                                 const asdic_trial_options *options, uint64_t run, size_t variant,
                                 const char *folder, asdic_trial_run *out) {
+    if (!options || !options->scene || !folder || !out || variant >= options->variants.count) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
+                          "a run of a trial needs its scene, one of its variants and a folder");
+    }
     asdic_mission *mission = NULL;
     asdic_track *track = calloc(1, sizeof *track);
     asdic_eye eye = {.ctx = ctx, .device = device};
@@ -539,6 +543,9 @@ asdic_status asdic_trial_replay(asdic_context *ctx, asdic_device *device,
         scene && poses && track ? ASDIC_OK : asdic_fail_memory(ctx, "a run of a trial");
     if (!status) {
         status = load(ctx, options, run, variant, NULL, &mission);
+    }
+    if (!status && !device && (options->rule || !mission->trial.is_ideal)) {
+        status = asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "a trial that pings needs a device");
     }
     const asdic_trial_job job = {mission, options->seed, run, 0, options->rule, track};
     if (!status) {
