@@ -136,8 +136,8 @@ class Simulator:
     It numbers its pings from 0, learns where rays matter as missions do, turns a scanned sonar's head and
     moves objects that have a track. A mission whose track has the same poses gives the same levels.
 
-    Several simulators may work at once, each in a thread of its own: a ping leaves the interpreter to the
-    others. One simulator lets one thread in at a time.
+    A ping leaves the interpreter to other threads. Simulators belong in one thread of a process: two at
+    once, in threads of their own, have read freed memory.
     """
 
     def __init__(self, scene: SceneLike, *, device: str | None = None, rays: int | None = None,
