@@ -179,7 +179,7 @@ asdic_status asdic_camera_shoot(asdic_camera *c, const asdic_simulator *sim,
     if (has_mesh) {
         uint32_t slots = (uint32_t)c->slots;
         TRY(asdic_kernel_run(c->aim, aim, COUNT(aim), c->slots, 64));
-        TRY(asdic_tracer_run(sim->tracer, c->rays, c->hits, slots, slots));
+        TRY(asdic_tracer_run(sim->tracer, c->rays, c->hits, slots, slots, 0));
     }
     TRY(asdic_kernel_run(c->shade, shade, COUNT(shade), c->slots, 64));
     TRY(asdic_buffer_read(c->rgb_buffer, 0, pixels * sizeof(uint32_t), c->rgb));

@@ -171,7 +171,7 @@ static asdic_status check_loaded(const asdic_caster *c) {
 asdic_status asdic_caster_cast(asdic_caster *c) {
     TRY(check_loaded(c));
     uint32_t count = (uint32_t)c->count;
-    TRY(asdic_tracer_run(c->tracer, c->rays, c->hits, count, count));
+    TRY(asdic_tracer_run(c->tracer, c->rays, c->hits, count, count, 0));
     return asdic_device_finish(c->device);
 }
 

@@ -17,8 +17,11 @@
 #define LEAST_RUNS 3
 #define MOST_RUNS 8
 #define MEASURE_S 0.02
-/* Buffers for which the choice is kept; more than a simulator has. */
-#define MAX_CHOICES 16
+/* Legs of rays through layers that have choices of their own: the first ones meet little, those that follow most
+ * of the scene. Later ones go with the last of these. */
+#define CHOICE_LEGS 8u
+/* Buffers and legs for which the choice is kept; more than a simulator has. */
+#define MAX_CHOICES 24
 
 enum { FORM_WIDE8, FORM_PKT16, FORM_FRUSTUM64, FORM_SCALAR, FORM_COUNT, FORM_AUTO = FORM_COUNT };
 
@@ -36,6 +39,7 @@ static const struct {
 
 typedef struct choice {
     const asdic_buffer *rays;
+    uint32_t leg;
     int form;
 } choice;
 
@@ -222,10 +226,10 @@ static asdic_status measure(asdic_tracer *t, asdic_buffer *rays, asdic_buffer *h
 }
 
 static asdic_status choose(asdic_tracer *t, asdic_buffer *rays, asdic_buffer *hits, uint32_t count,
-                           int *form) {
+                           uint32_t leg, int *form) {
     *form = plain_form(t);
     for (size_t i = 0; i < t->choice_count; i++) {
-        if (t->choices[i].rays == rays) {
+        if (t->choices[i].rays == rays && t->choices[i].leg == leg) {
             *form = t->choices[i].form;
             return ASDIC_OK;
         }
@@ -237,17 +241,18 @@ static asdic_status choose(asdic_tracer *t, asdic_buffer *rays, asdic_buffer *hi
     if (!scalar) {
         TRY(measure(t, rays, hits, count, form));
     }
-    t->choices[t->choice_count++] = (choice){rays, *form};
-    asdic_log(asdic_device_context(t->device), ASDIC_LOG_DEBUG, "ray kernel: %s for %u rays",
-              forms[*form].name, count);
+    t->choices[t->choice_count++] = (choice){rays, leg, *form};
+    asdic_log(asdic_device_context(t->device), ASDIC_LOG_DEBUG,
+              "ray kernel: %s for %u rays, leg %u", forms[*form].name, count, leg);
     return ASDIC_OK;
 }
 
 asdic_status asdic_tracer_run(asdic_tracer *t, asdic_buffer *rays, asdic_buffer *hits,
-                              uint32_t count, uint32_t sample) {
+                              uint32_t count, uint32_t sample, uint32_t leg) {
     int form = t->form;
     if (form == FORM_AUTO) {
-        TRY(choose(t, rays, hits, sample < count ? sample : count, &form));
+        leg = leg < CHOICE_LEGS ? leg : CHOICE_LEGS - 1;
+        TRY(choose(t, rays, hits, sample < count ? sample : count, leg, &form));
     }
     return run_form(t, form, rays, hits, count);
 }

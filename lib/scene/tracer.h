@@ -35,9 +35,9 @@ void asdic_tracer_forget(asdic_tracer *tracer);
 
 /* Enqueues COUNT rays (dev_ray, scene frame) and their hits (dev_hit). Neighbours in the buffer
  * should be neighbours in direction: order changes the speed, never a hit. The first SAMPLE of them
- * stand for all where a form has to be chosen for this buffer. */
+ * stand for all where a form has to be chosen for this buffer, and for this LEG of its rays. */
 asdic_status asdic_tracer_run(asdic_tracer *tracer, asdic_buffer *rays, asdic_buffer *hits,
-                              uint32_t count, uint32_t sample);
+                              uint32_t count, uint32_t sample, uint32_t leg);
 
 /* Uploads the changes in PLACEMENT, of the tracer's scene, after MOVABLE has moved. */
 asdic_status asdic_tracer_move(asdic_tracer *tracer, const asdic_placement *placement,

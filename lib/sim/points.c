@@ -67,7 +67,7 @@ static asdic_status trace_points(asdic_simulator *sim, const asdic_ping_shot *sh
     }
     TRY(asdic_buffer_write(sim->points.ray_buffer, 0, count * sizeof(dev_ray), sim->points.rays));
     TRY(asdic_tracer_run(sim->tracer, sim->points.ray_buffer, sim->points.hit_buffer,
-                         (uint32_t)count, (uint32_t)count));
+                         (uint32_t)count, (uint32_t)count, 0));
     return asdic_buffer_read(sim->points.hit_buffer, 0, count * sizeof(dev_hit), sim->points.hits);
 }
 

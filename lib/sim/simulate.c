@@ -53,10 +53,10 @@ static size_t piece_local(const asdic_simulator *sim) {
 
 /* Traces the rays of COUNT pings. The tracer's choice of a form rests on those of one ping, or a few. */
 static asdic_status run_tracer(asdic_simulator *sim, asdic_buffer *rays, asdic_buffer *hits,
-                               size_t count) {
+                               size_t count, uint32_t leg) {
     uint32_t slots = (uint32_t)batch_slots(sim);
     return asdic_tracer_run(sim->tracer, rays, hits, (uint32_t)count * slots,
-                            slots > ENOUGH_RAYS ? slots : ENOUGH_RAYS);
+                            slots > ENOUGH_RAYS ? slots : ENOUGH_RAYS, leg);
 }
 
 /* Kernels need something to point at. */
@@ -92,11 +92,11 @@ static asdic_status run_bounces(asdic_simulator *sim, size_t count) {
     const asdic_kernels *kernels = &sim->kernels;
     const asdic_buffers *buffers = &sim->buffers;
     if (sim->tracer) {
-        TRY(run_tracer(sim, buffers->bounced, buffers->bounced_hits, count));
+        TRY(run_tracer(sim, buffers->bounced, buffers->bounced_hits, count, 0));
     }
     TRY(asdic_kernel_run_rows(kernels->connect, connect, COUNT(connect), pieces, local, count));
     if (sim->tracer) {
-        TRY(run_tracer(sim, buffers->returning, buffers->returning_hits, count));
+        TRY(run_tracer(sim, buffers->returning, buffers->returning_hits, count, 0));
     }
     return asdic_kernel_run_rows(kernels->bounce, bounce, COUNT(bounce), pieces, local, count);
 }
@@ -141,7 +141,7 @@ static asdic_status run_legs(asdic_simulator *sim, size_t count) {
             TRY(asdic_buffer_read(buffers->active, 0, (last + 1) * sizeof *active, active));
         }
         if (active[last] && sim->tracer) {
-            TRY(run_tracer(sim, buffers->rays, buffers->leg_hits, count));
+            TRY(run_tracer(sim, buffers->rays, buffers->leg_hits, count, leg));
         }
     }
     for (sim->legs_foreseen = 0; sim->legs_foreseen < last && active[sim->legs_foreseen];) {
@@ -166,7 +166,7 @@ asdic_status asdic_simulator_draw(asdic_simulator *sim, size_t count) {
     if (sim->kernels.advance) {
         TRY(run_legs(sim, count));
     } else if (sim->tracer) {
-        TRY(run_tracer(sim, sim->buffers.rays, sim->buffers.hits, count));
+        TRY(run_tracer(sim, sim->buffers.rays, sim->buffers.hits, count, 0));
     }
     return end_phase(sim, ASDIC_PHASE_TRACE);
 }

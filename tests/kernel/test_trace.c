@@ -276,6 +276,43 @@ static void ties_go_to_the_lowest_id(void **state) {
     asdic_scene_destroy(&scene);
 }
 
+static void count_choice(void *user, asdic_log_level level, const char *message) {
+    (void)level;
+    *(int *)user += strncmp(message, "ray kernel: ", 12) == 0;
+}
+
+/* Through layers the same buffer holds other rays at each leg: a form is chosen for each of the first ones, once. */
+static void legs_choose_for_themselves(void **state) {
+    (void)state;
+    static const uint32_t legs[] = {0, 1, 1, 0, 70, 200};
+    static dev_ray rays[RAYS];
+    const float v[3][3] = {{-2, -2, 5}, {2, -2, 5}, {0, 4, 5}};
+    const double origin[3] = {0, 0, 0}, down[3] = {0, 0, 1};
+    dev_triangle one = trace_rig_triangle(v[0], v[1], v[2]);
+    asdic_scene *scene = trace_rig_scene(&rig, &one, 1);
+    asdic_buffer *ray_buffer, *hit_buffer;
+    asdic_tracer *tracer;
+    int chosen = 0;
+    for (int i = 0; i < RAYS; i++) {
+        rays[i] = trace_rig_ray(origin, down);
+    }
+    trace_rig_check(&rig, asdic_tracer_create(rig.devices[0], scene, &tracer));
+    trace_rig_check(&rig, asdic_buffer_create(rig.devices[0], sizeof rays, rays, &ray_buffer));
+    trace_rig_check(&rig,
+                    asdic_buffer_create(rig.devices[0], RAYS * sizeof(dev_hit), NULL, &hit_buffer));
+    asdic_context_set_log(rig.ctx, ASDIC_LOG_DEBUG, count_choice, &chosen);
+    for (size_t i = 0; i < sizeof legs / sizeof *legs; i++) {
+        trace_rig_check(&rig,
+                        asdic_tracer_run(tracer, ray_buffer, hit_buffer, RAYS, RAYS, legs[i]));
+    }
+    asdic_context_set_log(rig.ctx, ASDIC_LOG_ERROR, NULL, NULL);
+    assert_int_equal(chosen, 3);
+    asdic_buffer_destroy(&hit_buffer);
+    asdic_buffer_destroy(&ray_buffer);
+    asdic_tracer_destroy(&tracer);
+    asdic_scene_destroy(&scene);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(walk_equals_every_block),
@@ -284,6 +321,7 @@ int main(void) {
         cmocka_unit_test(order_does_not_matter),
         cmocka_unit_test(empty_scene_and_skipped_rays),
         cmocka_unit_test(ties_go_to_the_lowest_id),
+        cmocka_unit_test(legs_choose_for_themselves),
     };
     int skipped = trace_rig_open(&rig);
     if (skipped) {

@@ -50,7 +50,7 @@ void trace_rig_run(const trace_rig *rig, const asdic_scene *scene, const char *f
     trace_rig_check(rig, asdic_tracer_set_kernel(tracer, form));
     trace_rig_check(rig, asdic_buffer_create(device, count * sizeof *rays, rays, &ray_buffer));
     trace_rig_check(rig, asdic_buffer_create(device, count * sizeof *hits, NULL, &hit_buffer));
-    trace_rig_check(rig, asdic_tracer_run(tracer, ray_buffer, hit_buffer, count, count));
+    trace_rig_check(rig, asdic_tracer_run(tracer, ray_buffer, hit_buffer, count, count, 0));
     trace_rig_check(rig, asdic_buffer_read(hit_buffer, 0, count * sizeof *hits, hits));
     asdic_buffer_destroy(&hit_buffer);
     asdic_buffer_destroy(&ray_buffer);
