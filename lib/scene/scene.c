@@ -167,15 +167,20 @@ static void place_triangles(asdic_scene *scene, const asdic_mesh *mesh, const as
     }
 }
 
+#define POSE_LIMIT 1e7 /* m and rad, as scene files have it */
+
+/* Farther positions are none on earth, and their products overflow the kernels' floats. */
 asdic_status asdic_pose_check(asdic_context *ctx, const asdic_pose *pose) {
-    if (!isfinite(pose->position_m.x) || !isfinite(pose->position_m.y) ||
-        !isfinite(pose->position_m.z) || !isfinite(pose->roll_rad) || !isfinite(pose->pitch_rad) ||
-        !isfinite(pose->yaw_rad)) {
-        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
-                          "the pose of an object is not finite: position (%g, %g, %g) m, roll %g, "
-                          "pitch %g, yaw %g rad",
-                          pose->position_m.x, pose->position_m.y, pose->position_m.z,
-                          pose->roll_rad, pose->pitch_rad, pose->yaw_rad);
+    const double values[] = {pose->position_m.x, pose->position_m.y, pose->position_m.z,
+                             pose->roll_rad,     pose->pitch_rad,    pose->yaw_rad};
+    for (size_t i = 0; i < sizeof values / sizeof *values; i++) {
+        if (!(fabs(values[i]) <= POSE_LIMIT)) {
+            return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
+                              "a pose is not finite or beyond %g: position (%g, %g, %g) m, roll "
+                              "%g, pitch %g, yaw %g rad",
+                              POSE_LIMIT, values[0], values[1], values[2], values[3], values[4],
+                              values[5]);
+        }
     }
     return ASDIC_OK;
 }

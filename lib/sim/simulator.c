@@ -385,8 +385,9 @@ asdic_status asdic_simulator_create_with(asdic_context *ctx, asdic_device *devic
     }
     *out = NULL;
     TRY(check_arguments(ctx, scene, env, sonar, sampling));
-    if (!isfinite(depth_m)) {
-        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "the sonar's depth is %g m", depth_m);
+    if (!(fabs(depth_m) <= 11000.0)) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
+                          "the sonar's depth, %g m, is out of range [-11000, 11000] m", depth_m);
     }
     asdic_simulator *sim = calloc(1, sizeof *sim);
     if (!sim) {

@@ -99,8 +99,11 @@ static void numbers_beyond_limits_are_refused(void **state) {
                   ASDIC_ERROR_ARGUMENT);
     assert_status(t.ctx, create(t.ctx, t.device, scene, &sonar, UINT32_MAX, 5.0, &sim),
                   ASDIC_ERROR_ARGUMENT);
-    assert_status(t.ctx, create(t.ctx, t.device, scene, &sonar, 64, NAN, &sim),
-                  ASDIC_ERROR_ARGUMENT);
+    const double depths_m[] = {NAN, INFINITY, 3e286, -3e286, 11001.0};
+    for (size_t i = 0; i < sizeof depths_m / sizeof *depths_m; i++) {
+        assert_status(t.ctx, create(t.ctx, t.device, scene, &sonar, 64, depths_m[i], &sim),
+                      ASDIC_ERROR_ARGUMENT);
+    }
     assert_status(t.ctx, asdic_ping_create(t.ctx, 0, 1, &ping), ASDIC_ERROR_ARGUMENT);
     asdic_status status = asdic_ping_create(t.ctx, SIZE_MAX / 2, 3, &ping);
     assert_true(status == ASDIC_ERROR_ARGUMENT || status == ASDIC_ERROR_MEMORY);
@@ -122,6 +125,9 @@ static void a_ping_that_does_not_fit_is_refused_and_the_next_works(void **state)
     assert_ok(t.ctx, asdic_ping_create(t.ctx, 1, bins - 1, &small));
     assert_ok(t.ctx, asdic_ping_create(t.ctx, 1, bins, &right));
     assert_status(t.ctx, asdic_simulator_ping(sim, &pose, 0, small), ASDIC_ERROR_ARGUMENT);
+    assert_status(t.ctx, asdic_simulator_ping(sim, &bad, 0, right), ASDIC_ERROR_ARGUMENT);
+    assert_status(t.ctx, asdic_simulator_learn(sim, &bad, 0), ASDIC_ERROR_ARGUMENT);
+    bad.position_m.y = 1e100; /* beyond float */
     assert_status(t.ctx, asdic_simulator_ping(sim, &bad, 0, right), ASDIC_ERROR_ARGUMENT);
     assert_status(t.ctx, asdic_simulator_learn(sim, &bad, 0), ASDIC_ERROR_ARGUMENT);
     assert_ok(t.ctx, asdic_simulator_ping(sim, &pose, 0, right));
