@@ -139,6 +139,8 @@ def test_poses():
     need_device()
     sonar = asdic.Simulator(pool())
     raises(asdic.ArgumentError, "x = nan is not finite", sonar.ping, float("nan"), 0, 5)
+    raises(asdic.ArgumentError, "a pose is not finite or beyond 1e+07", sonar.ping, 1e100, 0, 5)
+    raises(asdic.ArgumentError, "depth, 3e+286 m, is out of range", asdic.Simulator, pool(), depth_m=3e286)
     raises(TypeError, "y = 'east' is not a number", sonar.ping, 0, "east", 5)
     raises(asdic.ArgumentError, "z = -5 m is no depth of a vehicle: z is positive down", sonar.ping, 0, 0, -5)
     raises(TypeError, "unexpected keyword argument 'heading'", sonar.ping, 0, 0, 5, heading=3)
@@ -189,8 +191,25 @@ def test_garbage_in_any_order():
 
 
 def test_two_threads():
-    """One simulator lets its callers in one by one."""
+    """Two simulators work at once, and one lets its callers in one by one: the bytes are those of one thread."""
     need_device()
+    alone = [ping.level_db for ping in asdic.Simulator(pool()).fly()]
+    results, errors = {}, []
+
+    def work(name):
+        try:
+            results[name] = [ping.level_db for ping in asdic.Simulator(pool()).fly()]
+        except Exception as error:  # pylint: disable=broad-except # for the main thread to tell
+            errors.append(error)
+    threads = [threading.Thread(target=work, args=(k,)) for k in range(2)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    tap.equal(errors, [], "errors")
+    for levels in results.values():
+        for a, b in zip(alone, levels, strict=True):
+            tap.equal(np.array_equal(a, b, equal_nan=True), True, "levels")
     shared, numbers = asdic.Simulator(pool()), []
     threads = [threading.Thread(target=lambda: numbers.append(shared.ping(0, 0, 5).index)) for _ in range(4)]
     for thread in threads:

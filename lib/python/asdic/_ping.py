@@ -136,8 +136,8 @@ class Simulator:
     It numbers its pings from 0, learns where rays matter as missions do, turns a scanned sonar's head and
     moves objects that have a track. A mission whose track has the same poses gives the same levels.
 
-    A ping leaves the interpreter to other threads. Simulators belong in one thread of a process: two at
-    once, in threads of their own, have read freed memory.
+    Several simulators may work at once, each in a thread of its own: a ping leaves the interpreter to the
+    others. One simulator lets one thread in at a time.
     """
 
     def __init__(self, scene: SceneLike, *, device: str | None = None, rays: int | None = None,
@@ -153,7 +153,8 @@ class Simulator:
         if rays is None and lib.asdic_mission_ray_forecast(mission).is_auto:
             sampling.rays = lib.asdic_sampling_default().rays
         sampling.left_out = 0  # nobody knows yet where the vehicle will go
-        depth_m = lib.asdic_mission_pose(mission, 0, ffi.NULL).position_m.z if depth_m is None else depth_m
+        first = lib.asdic_mission_pose(mission, 0, ffi.NULL)  # kept: what is inside a struct does not keep it
+        depth_m = first.position_m.z if depth_m is None else depth_m
         self._devices = open_devices(context, device)
         self._sonar = lib.asdic_mission_sonar(mission)
         self._handle = context.make(
