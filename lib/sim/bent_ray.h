@@ -20,6 +20,10 @@
 
 #include "layers.h"
 
+/* Near a caustic, where rays are no longer what sound does, the gain over straight spreading is held
+ * to 20 dB: of what comes back both ways the integral over S would not be finite. */
+#define ASDIC_LEAST_SPREAD 1e-2
+
 typedef struct asdic_bent_ray {
     size_t layer;
     double z_m, speed_mps, sine; /* of the angle from the horizontal, positive down */

@@ -24,10 +24,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Near a caustic, where rays are no longer what sound does, the gain over straight spreading is held
- * to 20 dB: of what comes back both ways the integral over S would not be finite. */
-#define LEAST_SPREAD 1e-2
-
 /* Steps in which a stretch between critical angles is searched for bins' edges and caustics. */
 #define SEARCH 128
 
@@ -83,7 +79,7 @@ static asdic_bent_ray ray_at(const water_part *part, double range_m) {
 static double water_density(const water_part *part, double range_m) {
     const bent_job *job = part->job;
     asdic_bent_ray at = ray_at(part, range_m);
-    double spread = fmax(asdic_bent_ray_spread_m2(&at), LEAST_SPREAD * range_m * range_m);
+    double spread = fmax(asdic_bent_ray_spread_m2(&at), ASDIC_LEAST_SPREAD * range_m * range_m);
     double speed = at.speed_mps / job->speed_mps;
     return speed * speed * exp(-2.0 * job->absorption_np_per_m * (at.length_m - 1.0)) / spread;
 }
@@ -153,7 +149,8 @@ static double water(const water_part *part, double a, double b) {
     double focus = find_focus(part, a, b, width_a, width_b);
     asdic_bent_ray at = ray_at(part, focus);
     double slope = (width_b - width_a) / (b - a);
-    double held = LEAST_SPREAD * focus * focus * at.speed_mps / at.area_m2_per_s / fabs(slope);
+    double held =
+        ASDIC_LEAST_SPREAD * focus * focus * at.speed_mps / at.area_m2_per_s / fabs(slope);
     double begin = fmax(focus - held, a), end = fmin(focus + held, b);
     return (begin > a ? focused_water(part, a, begin, width_a, slope * (begin - focus)) : 0.0) +
            even_water(part, begin, end) +
@@ -228,7 +225,8 @@ static double boundary(const bent_job *job, const ray_outcome *out) {
     }
     const asdic_bent_ray *ray = &out->ray;
     double grazing = fmin(fmax(fabs(ray->sine), 1e-9), 1.0);
-    double spread = fmax(asdic_bent_ray_spread_m2(ray), LEAST_SPREAD * out->range_m * out->range_m);
+    double spread =
+        fmax(asdic_bent_ray_spread_m2(ray), ASDIC_LEAST_SPREAD * out->range_m * out->range_m);
     double strength = asdic_flat_strength(job->laws, out->end == ENDS_ON_SURFACE, grazing);
     double loss = exp(-2.0 * job->absorption_np_per_m * (ray->length_m - 1.0));
     return strength * loss * ray->speed_mps / (job->speed_mps * spread * grazing);

@@ -3,6 +3,7 @@
 #include "base/context.h"
 #include "base/try.h"
 #include "base/vec.h"
+#include "eigenray.h"
 #include "scene/scene.h"
 #include "sonar_ray.h"
 #include "truth.h"
@@ -17,58 +18,178 @@
 /* A point at the sonar itself, m, is not heard. */
 #define NEAREST 1e-9
 
-asdic_status asdic_points_init(asdic_simulator *sim) {
-    size_t count = sim->setup.scene->point_count;
-    if (count == 0) {
-        return ASDIC_OK;
-    }
-    sim->points.rays = calloc(count, sizeof *sim->points.rays);
-    sim->points.hits = calloc(count, sizeof *sim->points.hits);
-    if (!sim->points.rays || !sim->points.hits) {
-        return asdic_fail_memory(sim->ctx, "point targets");
-    }
-    if (!sim->tracer) {
-        return ASDIC_OK;
-    }
-    TRY(asdic_buffer_create(sim->device, count * sizeof(dev_ray), NULL, &sim->points.ray_buffer));
-    return asdic_buffer_create(sim->device, count * sizeof(dev_hit), NULL, &sim->points.hit_buffer);
-}
+/* A way from the sonar to a point, and what of its rays is traced. */
+struct asdic_point_path {
+    size_t point;
+    triple u; /* at the sonar */
+    double range_m;
+    double loss; /* of what goes out and comes back on it, re the source at 1 m */
+    size_t first_ray, ray_count;
+};
 
 void asdic_points_finish(asdic_simulator *sim) {
     asdic_buffer_destroy(&sim->points.ray_buffer);
     asdic_buffer_destroy(&sim->points.hit_buffer);
+    free(sim->points.paths);
     free(sim->points.rays);
     free(sim->points.hits);
 }
 
-/* From the sonar of SHOT to the point NTH. */
-static ray_way way_to(const asdic_simulator *sim, size_t nth, const asdic_ping_shot *shot) {
-    asdic_vec3 to = sim->placement->points[nth].position_m;
-    return asdic_sonar_ray(shot->ping, asdic_vec3_sub(to, shot->pose.position_m), NEAREST);
+/* Makes room for PATHS more paths and RAYS more rays. */
+static asdic_status make_room(asdic_simulator *sim, size_t paths, size_t rays) {
+    asdic_point_rays *p = &sim->points;
+    if (p->path_count + paths > p->path_capacity) {
+        size_t capacity = 2 * p->path_count + paths + sim->setup.scene->point_count;
+        asdic_point_path *grown = realloc(p->paths, capacity * sizeof *grown);
+        p->paths = grown ? grown : p->paths;
+        p->path_capacity = grown ? capacity : p->path_capacity;
+    }
+    if (p->ray_count + rays > p->ray_capacity) {
+        size_t capacity = 2 * p->ray_count + rays + sim->setup.scene->point_count;
+        dev_ray *grown = realloc(p->rays, capacity * sizeof *grown);
+        p->rays = grown ? grown : p->rays;
+        dev_hit *hits = realloc(p->hits, capacity * sizeof *hits);
+        p->hits = hits ? hits : p->hits;
+        p->ray_capacity = grown && hits ? capacity : p->ray_capacity;
+        asdic_buffer_destroy(&p->ray_buffer);
+        asdic_buffer_destroy(&p->hit_buffer);
+    }
+    return p->path_count + paths <= p->path_capacity && p->ray_count + rays <= p->ray_capacity
+               ? ASDIC_OK
+               : asdic_fail_memory(sim->ctx, "point targets");
 }
 
-/* Hits of the rays from the sonar to every point; none without triangles. */
-static asdic_status trace_points(asdic_simulator *sim, const asdic_ping_shot *shot) {
-    size_t count = sim->setup.scene->point_count;
+static void add_ray(asdic_point_rays *p, triple origin, triple along, double t_max) {
+    p->hits[p->ray_count] = (dev_hit){INFINITY, ~0u};
+    p->rays[p->ray_count++] =
+        (dev_ray){.origin = {(float)origin.x, (float)origin.y, (float)origin.z},
+                  .t_max = (float)t_max,
+                  .direction = {(float)along.x, (float)along.y, (float)along.z}};
+}
+
+/* ---- One layer, or none ---- */
+
+static asdic_status add_path(asdic_simulator *sim, size_t nth, const asdic_ping_shot *shot) {
+    TRY(make_room(sim, 1, 1));
+    asdic_vec3 to_m = sim->placement->points[nth].position_m;
     asdic_vec3 at = asdic_vec3_sub(shot->pose.position_m, sim->setup.scene->origin_m);
-    const ray_medium water = {sim->setup.bend_per_m, 1.0};
-    for (size_t i = 0; i < count; i++) {
-        ray_way to = way_to(sim, i, shot);
-        to.r.from = (triple){at.x, at.y, at.z};
-        triple origin = ray_lift(to.r.from, water), along = ray_traced(&to.r, water);
-        sim->points.rays[i] =
-            (dev_ray){.origin = {(float)origin.x, (float)origin.y, (float)origin.z},
-                      .t_max = (float)(SHORT_OF_POINT * to.t),
-                      .direction = {(float)along.x, (float)along.y, (float)along.z}};
-        sim->points.hits[i] = (dev_hit){INFINITY, ~0u};
-    }
-    if (!sim->tracer) {
+    ray_way to = asdic_sonar_ray(shot->ping, asdic_vec3_sub(to_m, shot->pose.position_m), NEAREST);
+    if (!(to.t > NEAREST)) {
         return ASDIC_OK;
     }
-    TRY(asdic_buffer_write(sim->points.ray_buffer, 0, count * sizeof(dev_ray), sim->points.rays));
-    TRY(asdic_tracer_run(sim->tracer, sim->points.ray_buffer, sim->points.hit_buffer,
-                         (uint32_t)count, (uint32_t)count, 0));
-    return asdic_buffer_read(sim->points.hit_buffer, 0, count * sizeof(dev_hit), sim->points.hits);
+    double absorption = shot->water.absorption_np_per_m;
+    double range = ray_range(&to.r, to.t), spread = range / to.t;
+    double loss = asdic_simulator_source_lin(sim, &shot->water) *
+                  ray_transmission(absorption, range) * spread * spread *
+                  ray_bending(&to.r, to.t, range, -2.0 * absorption);
+    sim->points.paths[sim->points.path_count++] =
+        (asdic_point_path){nth, to.r.u, range, loss, sim->points.ray_count, 1};
+    const ray_medium water = {sim->setup.bend_per_m, 1.0};
+    to.r.from = (triple){at.x, at.y, at.z};
+    add_ray(&sim->points, ray_lift(to.r.from, water), ray_traced(&to.r, water),
+            SHORT_OF_POINT * to.t);
+    return ASDIC_OK;
+}
+
+/* ---- Layers ---- */
+
+/* The legs of EIGENRAY in the direction LEVEL, each as its layer's triangles see it (scene/lifted.h). */
+static void add_legs(asdic_simulator *sim, const asdic_layers *layers, const asdic_vec3 *from_m,
+                     const asdic_vec3 *level, double across_m, const asdic_eigenray *eigenray) {
+    asdic_eigenray_leg legs[ASDIC_MOST_EIGENRAY_LEGS];
+    asdic_vec3 at = asdic_vec3_sub(*from_m, sim->setup.scene->origin_m);
+    triple begin = {at.x, at.y, at.z};
+    size_t count = asdic_eigenray_legs(layers, from_m->z, across_m, eigenray, legs);
+    for (size_t i = 0; i < count; i++) {
+        const dev_layer *layer = &sim->setup.layers[legs[i].layer];
+        const ray_medium water = {layer->bend_per_m, 1.0};
+        triple end = {at.x + level->x * legs[i].across_m, at.y + level->y * legs[i].across_m,
+                      legs[i].z_m - sim->setup.scene->origin_m.z};
+        triple a = ray_lift(begin, water), b = ray_lift(end, water);
+        triple along = {b.x - a.x, b.y - a.y, b.z - a.z};
+        double length = sqrt(dot3(along, along)), scale = 1.0 / fmax(length, NEAREST);
+        double cut = i + 1 < count ? 0.0 : (1.0 - SHORT_OF_POINT) * eigenray->end.length_m;
+        a.z += layer->shift_m;
+        add_ray(&sim->points, a, (triple){along.x * scale, along.y * scale, along.z * scale},
+                fmax(length - cut, 0.0));
+        begin = end;
+    }
+}
+
+static asdic_status add_eigenrays(asdic_simulator *sim, const asdic_layers *layers, size_t nth,
+                                  const asdic_ping_shot *shot) {
+    const asdic_scene *scene = sim->setup.scene;
+    const asdic_vec3 from = shot->pose.position_m, to = sim->placement->points[nth].position_m;
+    double x = to.x - from.x, y = to.y - from.y, across = hypot(x, y);
+    asdic_vec3 level = {across > 0.0 ? x / across : 1.0, across > 0.0 ? y / across : 0.0, 0.0};
+    double top = scene->has_surface ? fmin(0.0, from.z) : -INFINITY;
+    double bottom = scene->has_bottom_plane ? fmax(scene->bottom_plane_depth_m, from.z) : INFINITY;
+    double minus_2k = -2.0 * shot->water.absorption_np_per_m;
+    asdic_eigenray rays[ASDIC_MOST_EIGENRAYS];
+    size_t count = asdic_eigenrays_find(layers, from.z, to.z, across, rays);
+    for (size_t i = 0; i < count; i++) {
+        const asdic_eigenray *found = &rays[i];
+        double range = shot->water.sound_speed_mps * found->end.time_s;
+        double least = ASDIC_LEAST_SPREAD * range * range; /* at a caustic */
+        double spread = fmax(asdic_bent_ray_spread_m2(&found->end), least);
+        if (!asdic_eigenray_keeps_between(layers, from.z, across, found, top, bottom) ||
+            !(range > NEAREST)) {
+            continue;
+        }
+        double loss = asdic_simulator_source_lin(sim, &shot->water) *
+                      exp(minus_2k * (found->end.length_m - 1.0)) / (spread * spread);
+        double cosine = cos(found->elevation_rad);
+        TRY(make_room(sim, 1, ASDIC_MOST_EIGENRAY_LEGS));
+        asdic_point_path *path = &sim->points.paths[sim->points.path_count++];
+        *path = (asdic_point_path){nth,
+                                   {cosine * level.x, cosine * level.y, sin(found->elevation_rad)},
+                                   range,
+                                   loss,
+                                   sim->points.ray_count,
+                                   0};
+        add_legs(sim, layers, &from, &level, across, found);
+        path->ray_count = sim->points.ray_count - path->first_ray;
+    }
+    return ASDIC_OK;
+}
+
+/* ---- All ways ---- */
+
+static asdic_status find_paths(asdic_simulator *sim, const asdic_ping_shot *shot) {
+    asdic_layers layers;
+    asdic_layers_of(&sim->setup.env, shot->pose.position_m.z, &layers);
+    sim->points.path_count = sim->points.ray_count = 0;
+    for (size_t i = 0; i < sim->setup.scene->point_count; i++) {
+        TRY(sim->setup.layer_count > 0 ? add_eigenrays(sim, &layers, i, shot)
+                                       : add_path(sim, i, shot));
+    }
+    return ASDIC_OK;
+}
+
+/* What the rays of all paths meet; nothing without triangles. */
+static asdic_status trace_paths(asdic_simulator *sim) {
+    asdic_point_rays *p = &sim->points;
+    if (!sim->tracer || p->ray_count == 0) {
+        return ASDIC_OK;
+    }
+    if (!p->hit_buffer) {
+        size_t capacity = p->ray_capacity;
+        TRY(asdic_buffer_create(sim->device, capacity * sizeof *p->rays, NULL, &p->ray_buffer));
+        TRY(asdic_buffer_create(sim->device, capacity * sizeof *p->hits, NULL, &p->hit_buffer));
+    }
+    TRY(asdic_buffer_write(p->ray_buffer, 0, p->ray_count * sizeof *p->rays, p->rays));
+    TRY(asdic_tracer_run(sim->tracer, p->ray_buffer, p->hit_buffer, (uint32_t)p->ray_count,
+                         (uint32_t)p->ray_count, 0));
+    return asdic_buffer_read(p->hit_buffer, 0, p->ray_count * sizeof *p->hits, p->hits);
+}
+
+static bool is_clear(const asdic_simulator *sim, const asdic_point_path *path) {
+    for (size_t i = 0; i < path->ray_count; i++) {
+        if (sim->points.hits[path->first_ray + i].triangle != ~0u) {
+            return false;
+        }
+    }
+    return true;
 }
 
 /* Whether Z lies in the water; a sonar out of it sees nothing of what is in it, and the reverse. */
@@ -93,40 +214,52 @@ static void add_energy(asdic_ping *out, size_t cell, double energy) {
     }
 }
 
-static void add_point(asdic_simulator *sim, const asdic_ping_shot *shot, size_t nth, ray_way to,
-                      asdic_ping *out) {
-    double range = ray_range(&to.r, to.t), bin = floor(range / sim->setup.sonar.bin_length_m);
-    if (!(to.t > NEAREST) || range < sim->setup.sonar.blanking_m ||
-        bin >= (double)sim->setup.bins) {
+/* What goes out on OUTWARD and comes back on HOME. */
+static void add_echo(asdic_simulator *sim, const asdic_ping_shot *shot,
+                     const asdic_point_path *outward, const asdic_point_path *home,
+                     asdic_ping *out) {
+    bool same = outward == home;
+    double range = same ? home->range_m : 0.5 * (outward->range_m + home->range_m);
+    double bin = floor(range / sim->setup.sonar.bin_length_m);
+    if (range < sim->setup.sonar.blanking_m || bin >= (double)sim->setup.bins) {
         return;
     }
-    triple u = to.r.u;
     const dev_beam *beams = asdic_shot_beams(shot);
-    double absorption = shot->water.absorption_np_per_m, spread = range / to.t;
-    double energy = asdic_simulator_source_lin(sim, &shot->water) *
-                    ray_transmission(absorption, range) * spread * spread *
-                    ray_bending(&to.r, to.t, range, -2.0 * absorption) *
-                    pow(10.0, sim->placement->points[nth].target_strength_db / 10.0) *
-                    gain_towards(&beams[0], u, shot->ping->rear_lin);
+    double loss = same ? home->loss : sqrt(outward->loss) * sqrt(home->loss);
+    double energy = loss *
+                    pow(10.0, sim->placement->points[home->point].target_strength_db / 10.0) *
+                    gain_towards(&beams[0], outward->u, shot->ping->rear_lin);
     for (size_t b = 0; b < out->beams; b++) {
-        double gain = gain_towards(&beams[b + 1], u, shot->ping->rear_lin);
+        double gain = gain_towards(&beams[b + 1], home->u, shot->ping->rear_lin);
         add_energy(out, b * out->bins + (size_t)bin, energy * gain);
-        asdic_truth_add_point(sim, nth, u.z, b, (size_t)bin, energy * gain);
+        asdic_truth_add_point(sim, home->point, home->u.z, b, (size_t)bin, energy * gain);
     }
 }
 
 asdic_status asdic_points_add(asdic_simulator *sim, const asdic_ping_shot *shot, asdic_ping *out) {
     const asdic_scene *scene = sim->setup.scene;
-    const asdic_pose *pose = &shot->pose;
+    const asdic_point_rays *p = &sim->points;
     if (scene->point_count == 0) {
         return ASDIC_OK;
     }
-    TRY(trace_points(sim, shot));
-    bool wet = in_water(scene, pose->position_m.z);
-    for (size_t i = 0; i < scene->point_count; i++) {
-        const asdic_point *point = &sim->placement->points[i];
-        if (sim->points.hits[i].triangle == ~0u && in_water(scene, point->position_m.z) == wet) {
-            add_point(sim, shot, i, way_to(sim, i, shot), out);
+    TRY(find_paths(sim, shot));
+    TRY(trace_paths(sim));
+    bool wet = in_water(scene, shot->pose.position_m.z);
+    for (size_t i = 0; i < p->path_count; i++) {
+        const asdic_point_path *home = &p->paths[i];
+        if (in_water(scene, sim->placement->points[home->point].position_m.z) != wet ||
+            !is_clear(sim, home)) {
+            continue;
+        }
+        /* Paths to one point follow each other. */
+        size_t k = i;
+        while (k > 0 && p->paths[k - 1].point == home->point) {
+            k--;
+        }
+        for (; k < p->path_count && p->paths[k].point == home->point; k++) {
+            if (is_clear(sim, &p->paths[k])) {
+                add_echo(sim, shot, &p->paths[k], home, out);
+            }
         }
     }
     return ASDIC_OK;

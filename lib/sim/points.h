@@ -6,13 +6,12 @@
 
 #include "simulator.h"
 
-/* Buffers for the points of the simulator's scene; nothing without points or triangles. */
-asdic_status asdic_points_init(asdic_simulator *sim);
 void asdic_points_finish(asdic_simulator *sim);
 
 /* Adds the echo of every visible point to the object component and the total of OUT, SHOT's ping:
- * SL - TL(d) + TS with both beam patterns, in double, in the bin of its range. One ray tells whether
- * bottom, surface or an object hides it. Nothing in it is random: it has no sampling error. */
+ * SL - TL(d) + TS with both beam patterns, in double, in the bin of its range. Through layers of water there may be
+ * several rays to it: it echoes out by each and back by each. Traced rays tell whether bottom, surface or an object
+ * hides it. Nothing in it is random: it has no sampling error. */
 asdic_status asdic_points_add(asdic_simulator *sim, const asdic_ping_shot *shot, asdic_ping *out);
 
 #endif

@@ -292,10 +292,7 @@ const char *asdic_one_layer_cause(const asdic_scene *scene, const asdic_sampling
         mirrors |= part->kind == DEV_KIND_OBJECT &&
                    scene->materials[part->material].law->formula == DEV_LAW_FACET;
     }
-    return mirrors                    ? "mirrors"
-           : scene->movable_count > 0 ? "objects that move"
-           : scene->point_count > 0   ? "points"
-                                      : NULL;
+    return mirrors ? "mirrors" : scene->movable_count > 0 ? "objects that move" : NULL;
 }
 
 /* A triangle so near a layer is taken to lie in it: more than what lifted.c allows, and than rounding. */
@@ -366,7 +363,6 @@ static asdic_status furnish(asdic_simulator *sim, const asdic_water_column *wate
     }
     TRY(asdic_store_create_device(sim));
     TRY(asdic_faces_init(&sim->learnt.faces, sim->device, scene_echoes(sim) ? scene : NULL));
-    TRY(asdic_points_init(sim));
     TRY(asdic_truth_init(sim));
     TRY(asdic_speckle_create(sim->ctx, &sim->setup.sonar, water->sound_speed_mps, sim->setup.bins,
                              &sim->speckle));

@@ -152,9 +152,12 @@ typedef struct asdic_learnt {
 } asdic_learnt;
 
 /* Rays to point targets; buffers only where something can hide them. */
+typedef struct asdic_point_path asdic_point_path; /* points.c */
 typedef struct asdic_point_rays {
+    asdic_point_path *paths; /* of one ping, point by point */
     dev_ray *rays;
     dev_hit *hits;
+    size_t path_count, path_capacity, ray_count, ray_capacity;
     asdic_buffer *ray_buffer, *hit_buffer;
 } asdic_point_rays;
 

@@ -4,6 +4,7 @@
 #include "base/try.h"
 #include "base/vec.h"
 #include "base/widest.h"
+#include "eigenray.h"
 #include "pulse.h"
 
 #include <float.h>
@@ -37,6 +38,7 @@ asdic_status asdic_truth_init(asdic_simulator *sim) {
             DEV_TRUTH_MOST_ROWS - DEV_TRUTH_OBJECTS - 1, INT16_MAX, scene->object_count);
     }
     size_t pings = sim->setup.ping_batch, points = scene->point_count;
+    points *= sim->setup.layer_count > 0 ? ASDIC_MOST_EIGENRAYS * ASDIC_MOST_EIGENRAYS : 1;
     t->table = calloc(pings * t->rows, sizeof *t->table);
     t->work = calloc((5 * TILE + 1) * bins, sizeof *t->work);
     t->points = calloc(points + 1, sizeof *t->points);
@@ -173,10 +175,16 @@ void asdic_truth_add_point(asdic_simulator *sim, size_t point, double down, size
     if (!t->asked) {
         return;
     }
-    if (t->point_count == 0 || t->points[t->point_count - 1].point != point) {
-        t->points[t->point_count++] = (asdic_truth_point){point, bin, down};
+    size_t k = t->point_count, beams = sim->setup.sonar.receiver_count;
+    while (k > 0 && t->points[k - 1].point == point && t->points[k - 1].bin != bin) {
+        k--;
     }
-    t->point_lin[(t->point_count - 1) * sim->setup.sonar.receiver_count + beam] = energy;
+    if (k == 0 || t->points[k - 1].point != point) {
+        k = ++t->point_count;
+        t->points[k - 1] = (asdic_truth_point){point, bin, down};
+        memset(&t->point_lin[(k - 1) * beams], 0, beams * sizeof *t->point_lin);
+    }
+    t->point_lin[(k - 1) * beams + beam] += energy;
 }
 
 /* --- a tile of beams -------------------------------------------------------------------------- */

@@ -155,7 +155,7 @@ def test_remarks_tell_where_rays_do_not_come():
 
 
 def test_scenes_that_see_one_layer_are_told():
-    """Points, objects that move and mirrors: check, plan and run say so, with what it changes, where it counts."""
+    """Objects that move and mirrors: check, plan and run say so, with what it changes, where it counts."""
     need_device()
     thermocline = "{sound_speed_profile: [[0, 1510], [5, 1510], [9, 1480], [30, 1480]]}"
     below = "{sound_speed_profile: [[0, 1480], [20, 1480], [22, 1481], [30, 1482]]}"
@@ -168,7 +168,7 @@ def test_scenes_that_see_one_layer_are_told():
         def told(remarks):
             return [r for r in remarks if "follow one layer" in r]
 
-        for number, (objects, cause) in enumerate(((point, "points"), (mover, "objects that move"),
+        for number, (objects, cause) in enumerate(((point, None), (mover, "objects that move"),
                                                    (mirror, "mirrors"), ("", None))):
             text = SCENE.format(water=thermocline) + "sampling: {rays: 500}\n" + objects
             path = folder.write("scene.yaml", text)
@@ -185,7 +185,7 @@ def test_scenes_that_see_one_layer_are_told():
             # One layer asked for, or no more needed: there is nothing to tell.
             one = asdic("plan", path, "--no-forecast", "--json", "--refraction", "layer").check(code=0).out
             tap.equal(told(json.loads(one)["remarks"]), [])
-        path = folder.write("scene.yaml", SCENE.format(water=below) + point)
+        path = folder.write("scene.yaml", SCENE.format(water=below) + mirror)
         tap.equal(told(json.loads(asdic("check", path, "--json").check(code=0).out)[0]["remarks"]), [])
 
 

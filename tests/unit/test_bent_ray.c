@@ -3,6 +3,7 @@
  * Runge-Kutta integrator.
  */
 #include "asserts.h"
+#include "layer_steps.h"
 #include "test_context.h"
 
 #include "sim/bent_ray.h"
@@ -96,87 +97,6 @@ static void one_speed_gives_the_same_bytes(void **state) {
 }
 
 /* ---- Against a Runge-Kutta integrator ---- */
-
-/* Place, direction, time and length of a traced ray, by its time. */
-typedef struct traced {
-    double r, z, angle, length;
-} traced;
-
-/* The layer of the cast that holds Z: 0 above its first point. */
-static size_t layer_of(const asdic_sound_profile *p, double z) {
-    size_t i = 0;
-    while (i < p->points && z > p->depth_m[i]) {
-        i++;
-    }
-    return i;
-}
-
-/* The speed in LAYER, continued beyond its ends: a step keeps to one. */
-static double speed_at(const asdic_sound_profile *p, size_t layer, double z, double *gradient) {
-    bool outside = layer == 0 || layer == p->points;
-    size_t i = layer ? layer - 1 : 0;
-    *gradient = outside ? 0.0
-                        : (p->sound_speed_mps[i + 1] - p->sound_speed_mps[i]) /
-                              (p->depth_m[i + 1] - p->depth_m[i]);
-    return p->sound_speed_mps[i] + *gradient * (z - p->depth_m[i]);
-}
-
-static traced slope(const asdic_sound_profile *p, size_t layer, const traced *at) {
-    double g, c = speed_at(p, layer, at->z, &g);
-    return (traced){c * cos(at->angle), c * sin(at->angle), -g * cos(at->angle), c};
-}
-
-static traced move(const traced *from, const traced *by, double h) {
-    return (traced){from->r + h * by->r, from->z + h * by->z, from->angle + h * by->angle,
-                    from->length + h * by->length};
-}
-
-static traced step(const asdic_environment *env, const traced *from, double h) {
-    const asdic_sound_profile *p = &env->sound_speed_profile;
-    size_t layer = layer_of(p, from->z);
-    traced a = slope(p, layer, from), at = move(from, &a, 0.5 * h);
-    traced b = slope(p, layer, &at);
-    at = move(from, &b, 0.5 * h);
-    traced c = slope(p, layer, &at);
-    at = move(from, &c, h);
-    traced d = slope(p, layer, &at), next = move(from, &a, h / 6.0);
-    next = move(&next, &b, h / 3.0);
-    next = move(&next, &c, h / 3.0);
-    return move(&next, &d, h / 6.0);
-}
-
-/* Whether a point of the cast lies between A and B. */
-static bool crosses(const asdic_environment *env, double a, double b) {
-    for (size_t i = 0; i < env->sound_speed_profile.points; i++) {
-        double z = env->sound_speed_profile.depth_m[i];
-        if ((a < z && b > z) || (a > z && b < z)) {
-            return true;
-        }
-    }
-    return false;
-}
-
-/* Steps of 5 mm that end on the cast's points: across a kink they would lose an order. */
-static traced trace(const asdic_environment *env, double depth, double elevation, double time_s) {
-    const double whole = time_s / 20000;
-    traced at = {0.0, depth + (elevation > 0.0 ? 1e-12 : -1e-12), elevation, 0.0};
-    for (double t = 0.0; t < time_s - 1e-12;) {
-        double h = fmin(whole, time_s - t), least = 0.0;
-        traced next = step(env, &at, h);
-        if (crosses(env, at.z, next.z)) {
-            for (int i = 0; i < 50; i++) {
-                double middle = 0.5 * (least + h);
-                next = step(env, &at, middle);
-                *(crosses(env, at.z, next.z) ? &h : &least) = middle;
-            }
-            h += 1e-14; /* beyond the point */
-            next = step(env, &at, h);
-        }
-        at = next;
-        t += h;
-    }
-    return at;
-}
 
 /* The ray through layers at TIME_S. */
 static asdic_bent_ray ray_at(const asdic_layers *layers, double depth, double elevation,

@@ -1,0 +1,241 @@
+#include "eigenray.h"
+
+#include "base/vec.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* Elevations that are tried on a stretch between grazing rays. */
+#define SEARCH 32
+/* What a ray may miss its end by, m. */
+#define MISS 1e-3
+/* What is nearer than this horizontally, m, lies straight above or below. */
+#define VERTICAL 1e-6
+#define MOST_EDGES (2 * (ASDIC_PROFILE_POINTS + 2) + 3)
+
+typedef struct search {
+    const asdic_layers *layers;
+    double from_m, to_m, across_m;
+    asdic_eigenray *found;
+    size_t count;
+} search;
+
+/* ---- One ray ---- */
+
+/* Time after which RAY, which is not to leave its layer before, is at ACROSS_M; from A = c^2 sinh x / (g (cosh x -
+ * sin(theta) sinh x)), bent_ray.h, with x = g t. */
+static double time_across(const asdic_layers *layers, const asdic_bent_ray *ray, double across_m) {
+    double gradient = layers->layer[ray->layer].gradient_per_s, c = ray->speed_mps;
+    double area = across_m / ray->level_spm - ray->area_m2_per_s;
+    double tanh_per_g = area / (c * c + gradient * area * ray->sine), x = gradient * tanh_per_g;
+    if (!(fabs(x) < 1.0) || tanh_per_g < 0.0) {
+        return INFINITY;
+    }
+    return fabs(x) < 1e-8 ? tanh_per_g : atanh(x) / gradient;
+}
+
+/* The same where it goes straight up or down to Z_M. */
+static double time_down(const asdic_layers *layers, const asdic_bent_ray *ray, double z_m) {
+    const asdic_layer *layer = &layers->layer[ray->layer];
+    double apart = (z_m - ray->z_m) * (ray->sine > 0.0 ? 1.0 : -1.0);
+    double x = layer->gradient_per_s * (z_m - ray->z_m) / ray->speed_mps;
+    if (apart < 0.0 || x <= -1.0) {
+        return INFINITY;
+    }
+    return fabs(x) < 1e-12 ? apart / ray->speed_mps : apart / ray->speed_mps * log1p(x) / x;
+}
+
+/* What is told of a ray's legs; false: it goes no farther. */
+typedef bool (*leg_told)(void *to, const asdic_bent_ray *from, const asdic_bent_ray *end);
+
+/* The ray of ELEVATION_RAD where it is ACROSS_M away, or, where that is nothing, TO_M deep. */
+static asdic_bent_ray march(const asdic_layers *layers, double from_m, double to_m, double across_m,
+                            double elevation_rad, leg_told tell, void *to) {
+    bool vertical = across_m < VERTICAL;
+    asdic_bent_ray ray = asdic_bent_ray_start(layers, from_m, elevation_rad);
+    for (int i = 0; i < ASDIC_MOST_EIGENRAY_LEGS; i++) {
+        int way;
+        double exit_s = asdic_bent_ray_exit(layers, &ray, &way);
+        double end_s =
+            vertical ? time_down(layers, &ray, to_m) : time_across(layers, &ray, across_m);
+        asdic_bent_ray next = end_s <= exit_s ? asdic_bent_ray_later(layers, &ray, end_s)
+                                              : asdic_bent_ray_at_plane(layers, &ray, exit_s, way);
+        bool goes_on = !tell || tell(to, &ray, &next);
+        ray = next;
+        if (end_s <= exit_s) {
+            return ray;
+        }
+        if (!goes_on || !asdic_bent_ray_cross(layers, &ray, way)) {
+            break;
+        }
+    }
+    ray.z_m = NAN; /* it never comes there */
+    return ray;
+}
+
+static asdic_eigenray ray_of(const search *s, double elevation_rad) {
+    return (asdic_eigenray){elevation_rad, march(s->layers, s->from_m, s->to_m, s->across_m,
+                                                 elevation_rad, NULL, NULL)};
+}
+
+/* ---- All rays ---- */
+
+/* Keeps the rays of the least spreading. */
+static void keep(search *s, const asdic_eigenray *ray) {
+    size_t at = s->count < ASDIC_MOST_EIGENRAYS ? s->count++ : ASDIC_MOST_EIGENRAYS;
+    double spread = asdic_bent_ray_spread_m2(&ray->end);
+    while (at > 0 && spread < asdic_bent_ray_spread_m2(&s->found[at - 1].end)) {
+        if (at < ASDIC_MOST_EIGENRAYS) {
+            s->found[at] = s->found[at - 1];
+        }
+        at--;
+    }
+    if (at < ASDIC_MOST_EIGENRAYS) {
+        s->found[at] = *ray;
+    }
+}
+
+/* Halves the stretch from A to B, whose rays pass the end on either side. */
+static void close_in(search *s, asdic_eigenray a, asdic_eigenray b) {
+    bool below = a.end.z_m > s->to_m;
+    asdic_eigenray middle = a;
+    for (int i = 0; i < 80 && fabs(b.elevation_rad - a.elevation_rad) > 1e-16; i++) {
+        middle = ray_of(s, 0.5 * (a.elevation_rad + b.elevation_rad));
+        if (isnan(middle.end.z_m)) {
+            return;
+        }
+        *((middle.end.z_m > s->to_m) == below ? &a : &b) = middle;
+    }
+    if (fabs(middle.end.z_m - s->to_m) < MISS) {
+        keep(s, &middle);
+    }
+}
+
+static void look_between(search *s, const asdic_eigenray *a, const asdic_eigenray *b) {
+    if ((a->end.z_m > s->to_m) != (b->end.z_m > s->to_m)) {
+        close_in(s, *a, *b);
+    }
+}
+
+/* The ray between A and B at which the width changes its sign. */
+static asdic_eigenray find_fold(const search *s, asdic_eigenray a, asdic_eigenray b) {
+    for (int i = 0; i < 50 && fabs(b.elevation_rad - a.elevation_rad) > 1e-14; i++) {
+        asdic_eigenray middle = ray_of(s, 0.5 * (a.elevation_rad + b.elevation_rad));
+        *((middle.end.width_m > 0.0) == (a.end.width_m > 0.0) ? &a : &b) = middle;
+    }
+    return a;
+}
+
+static void look_along(search *s, double begin_rad, double end_rad) {
+    asdic_eigenray before = {.end.z_m = NAN};
+    for (int i = 0; i <= SEARCH; i++) {
+        /* Denser to the ends, where depth goes as the root of the distance, and just off them. */
+        double half = sin(0.5 * ASDIC_PI * i / SEARCH), share = half * half;
+        share = fmin(fmax(share, 1e-12), 1.0 - 1e-12);
+        asdic_eigenray here = ray_of(s, begin_rad + share * (end_rad - begin_rad));
+        if (i > 0 && !isnan(before.end.z_m) && !isnan(here.end.z_m)) {
+            if ((before.end.width_m > 0.0) != (here.end.width_m > 0.0)) {
+                asdic_eigenray fold = find_fold(s, before, here);
+                look_between(s, &before, &fold);
+                look_between(s, &fold, &here);
+            } else {
+                look_between(s, &before, &here);
+            }
+        }
+        before = here;
+    }
+}
+
+static int compare(const void *a, const void *b) {
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* The elevations of rays that graze a plane, level ones, and the ends. */
+static size_t find_edges(const search *s, double *edges) {
+    const asdic_layers *layers = s->layers;
+    double at =
+        asdic_layer_speed_mps(&layers->layer[asdic_layers_find(layers, s->from_m)], s->from_m);
+    size_t count = 0;
+    edges[count++] = -0.5 * ASDIC_PI;
+    edges[count++] = 0.0;
+    edges[count++] = 0.5 * ASDIC_PI;
+    for (size_t i = 0; i + 1 < layers->count; i++) {
+        double speed = asdic_layer_speed_mps(&layers->layer[i], layers->layer[i].bottom_m);
+        if (speed > at) {
+            double grazing = atan2(sqrt((speed - at) * (speed + at)), at);
+            edges[count++] = grazing;
+            edges[count++] = -grazing;
+        }
+    }
+    qsort(edges, count, sizeof *edges, compare);
+    return count;
+}
+
+size_t asdic_eigenrays_find(const asdic_layers *layers, double from_m, double to_m, double across_m,
+                            asdic_eigenray found[ASDIC_MOST_EIGENRAYS]) {
+    search s = {layers, from_m, to_m, across_m, found, 0};
+    double edges[MOST_EDGES];
+    if (across_m < VERTICAL) {
+        asdic_eigenray ray = ray_of(&s, copysign(0.5 * ASDIC_PI, to_m - from_m));
+        found[0] = ray;
+        return isnan(ray.end.z_m) || from_m == to_m ? 0 : 1;
+    }
+    size_t count = find_edges(&s, edges);
+    for (size_t i = 0; i + 1 < count; i++) {
+        if (edges[i + 1] - edges[i] > 1e-9) {
+            look_along(&s, edges[i], edges[i + 1]);
+        }
+    }
+    return s.count;
+}
+
+/* ---- Legs ---- */
+
+typedef struct leg_list {
+    asdic_eigenray_leg *legs;
+    size_t count;
+} leg_list;
+
+static bool add_leg(void *to, const asdic_bent_ray *from, const asdic_bent_ray *end) {
+    leg_list *list = to;
+    list->legs[list->count++] =
+        (asdic_eigenray_leg){from->layer, end->level_spm * end->area_m2_per_s, end->z_m};
+    return true;
+}
+
+size_t asdic_eigenray_legs(const asdic_layers *layers, double from_m, double across_m,
+                           const asdic_eigenray *ray,
+                           asdic_eigenray_leg legs[ASDIC_MOST_EIGENRAY_LEGS]) {
+    leg_list list = {legs, 0};
+    march(layers, from_m, ray->end.z_m, across_m, ray->elevation_rad, add_leg, &list);
+    return list.count;
+}
+
+typedef struct strait {
+    const asdic_layers *layers;
+    double top_m, bottom_m;
+    bool kept;
+} strait;
+
+/* Where it turns, sin(theta) = 0, it is where the speed is 1 / p. */
+static bool keep_leg(void *to, const asdic_bent_ray *from, const asdic_bent_ray *end) {
+    strait *s = to;
+    const asdic_layer *layer = &s->layers->layer[from->layer];
+    double least = fmin(from->z_m, end->z_m), most = fmax(from->z_m, end->z_m);
+    if (from->sine * end->sine < 0.0) {
+        double turn =
+            layer->origin_m + (1.0 / from->level_spm - layer->speed_mps) / layer->gradient_per_s;
+        least = fmin(least, turn);
+        most = fmax(most, turn);
+    }
+    s->kept = s->kept && least >= s->top_m && most <= s->bottom_m;
+    return s->kept;
+}
+
+bool asdic_eigenray_keeps_between(const asdic_layers *layers, double from_m, double across_m,
+                                  const asdic_eigenray *ray, double top_m, double bottom_m) {
+    strait s = {layers, top_m, bottom_m, true};
+    march(layers, from_m, ray->end.z_m, across_m, ray->elevation_rad, keep_leg, &s);
+    return s.kept;
+}
