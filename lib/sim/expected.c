@@ -28,6 +28,8 @@
 
 /* On the difference of two rules, of which the better one is kept: 1e-10 is reached. */
 #define TOLERANCE 1e-7
+/* An octave of rounded wavelengths. */
+#define WAVELENGTHS 4096.0
 
 asdic_flat_laws asdic_flat_laws_at(const asdic_flat_scene *flat, const asdic_environment *env,
                                    const asdic_sonar *sonar) {
@@ -115,11 +117,8 @@ static double volume_energy(integrand *in, double begin_m, double end_m) {
     return in->laws->volume_lin * sum;
 }
 
-static asdic_status compute_beam(asdic_context *ctx, const asdic_flat_laws *laws,
-                                 const asdic_sonar *sonar, const asdic_ring *ring, asdic_ping *ping,
-                                 size_t beam) {
-    asdic_ring_profile *profile = NULL;
-    TRY(asdic_ring_profile_create(ctx, ring, &profile));
+static void compute_beam(const asdic_flat_laws *laws, const asdic_sonar *sonar,
+                         const asdic_ring_profile *profile, asdic_ping *ping, size_t beam) {
     integrand bottom = {laws, profile, laws->flat.altitude_m, false};
     integrand surface = {laws, profile, laws->flat.depth_m, true};
     for (size_t n = 0; n < ping->bins; n++) {
@@ -140,8 +139,6 @@ static asdic_status compute_beam(asdic_context *ctx, const asdic_flat_laws *laws
         ping->intensity_lin[ASDIC_VOLUME][at] =
             laws->source_lin * volume_energy(&bottom, begin, end);
     }
-    asdic_ring_profile_destroy(&profile);
-    return ASDIC_OK;
 }
 
 static asdic_status check(asdic_context *ctx, const asdic_flat_scene *flat,
@@ -170,36 +167,53 @@ static asdic_status check(asdic_context *ctx, const asdic_flat_scene *flat,
     return ASDIC_OK;
 }
 
-static asdic_ring aim(const asdic_flat_laws *laws, const asdic_sonar *sonar, size_t receiver,
-                      const asdic_pose *pose) {
-    double wavelength_m = laws->water.wavelength_m;
+static asdic_ring aim(const asdic_sonar *sonar, size_t receiver, const asdic_pose *pose,
+                      double wavelength_m) {
     return (asdic_ring){asdic_face_aim(&sonar->transmitter, pose, wavelength_m),
                         asdic_face_aim(&sonar->receivers[receiver], pose, wavelength_m),
                         pow(10.0, 0.1 * sonar->rear_floor_db)};
 }
 
 static asdic_status compute_straight(asdic_context *ctx, const asdic_flat_laws *laws,
-                                     const asdic_sonar *sonar, const asdic_pose *pose,
+                                     const asdic_sonar *sonar, asdic_ring_profile *const *profiles,
                                      asdic_ping *ping) {
     for (size_t b = 0; b < ping->beams; b++) {
-        asdic_ring ring = aim(laws, sonar, b, pose);
         TRY(asdic_step(ctx, "beams", b, ping->beams));
-        TRY(compute_beam(ctx, laws, sonar, &ring, ping, b));
+        compute_beam(laws, sonar, profiles[b], ping, b);
     }
     return ASDIC_OK;
 }
 
-static asdic_status compute_bent(asdic_context *ctx, const asdic_flat_laws *laws,
-                                 const asdic_environment *env, const asdic_sonar *sonar,
-                                 const asdic_pose *pose, asdic_ping *ping) {
+/* What many places share. */
+typedef struct among {
+    asdic_ring_shelf *shelf;
+    bool is_quick; /* the wavelength is rounded, rays that bend are fewer */
+} among;
+
+/* The boundaries and the water. */
+static asdic_status compute_echoes(asdic_context *ctx, const among *with,
+                                   const asdic_flat_laws *laws, const asdic_environment *env,
+                                   const asdic_sonar *sonar, const asdic_pose *pose,
+                                   asdic_ping *ping) {
+    asdic_bent_view view = {.is_quick = with->is_quick};
+    double wavelength_m = laws->water.wavelength_m;
     asdic_ring *rings = malloc(ping->beams * sizeof *rings);
     if (!rings) {
         return asdic_fail_memory(ctx, "an expected ping");
     }
-    for (size_t b = 0; b < ping->beams; b++) {
-        rings[b] = aim(laws, sonar, b, pose);
+    if (with->is_quick) {
+        wavelength_m = exp2(round(WAVELENGTHS * log2(wavelength_m)) / WAVELENGTHS);
     }
-    asdic_status status = asdic_expected_bent(ctx, laws, env, sonar, rings, ping);
+    for (size_t b = 0; b < ping->beams; b++) {
+        rings[b] = aim(sonar, b, pose, wavelength_m);
+    }
+    view.rings = rings;
+    asdic_status status = asdic_ring_shelf_take(with->shelf, rings, ping->beams, &view.profiles);
+    if (!status) {
+        status = asdic_environment_bends(env)
+                     ? asdic_expected_bent(ctx, laws, env, sonar, &view, ping)
+                     : compute_straight(ctx, laws, sonar, view.profiles, ping);
+    }
     free(rings);
     return status;
 }
@@ -225,12 +239,10 @@ static asdic_status add_pulse(asdic_context *ctx, const asdic_sonar *sonar, doub
     return ASDIC_OK;
 }
 
-asdic_status asdic_expected_compute(asdic_context *ctx, const asdic_flat_scene *flat,
-                                    const asdic_environment *env, const asdic_sonar *sonar,
-                                    const asdic_pose *pose, asdic_ping *ping) {
-    if (!flat || !env || !sonar || !pose || !ping) {
-        return asdic_fail_null(ctx, __func__);
-    }
+static asdic_status compute(asdic_context *ctx, const among *with,
+                            const asdic_expected_place *place, const asdic_environment *env,
+                            const asdic_sonar *sonar, asdic_ping *ping) {
+    const asdic_flat_scene *flat = &place->flat;
     TRY(check(ctx, flat, env, sonar, ping));
     double range_m = (double)ping->bins * sonar->bin_length_m;
     TRY(asdic_environment_check_depths(
@@ -238,8 +250,7 @@ asdic_status asdic_expected_compute(asdic_context *ctx, const asdic_flat_scene *
         flat->depth_m + (flat->has_bottom ? flat->altitude_m : range_m)));
     asdic_flat_laws laws = asdic_flat_laws_at(flat, env, sonar);
     begin_ping(sonar, ping);
-    TRY(asdic_environment_bends(env) ? compute_bent(ctx, &laws, env, sonar, pose, ping)
-                                     : compute_straight(ctx, &laws, sonar, pose, ping));
+    TRY(compute_echoes(ctx, with, &laws, env, sonar, &place->pose, ping));
     asdic_noise_levels(env, sonar, laws.water.sound_speed_mps, ping);
     for (size_t i = 0; i < ping->beams * ping->bins; i++) {
         for (int c = ASDIC_TOTAL + 1; c < ASDIC_COMPONENT_COUNT; c++) {
@@ -247,6 +258,27 @@ asdic_status asdic_expected_compute(asdic_context *ctx, const asdic_flat_scene *
         }
     }
     return add_pulse(ctx, sonar, laws.water.sound_speed_mps, ping);
+}
+
+asdic_status asdic_expected_compute_among(asdic_context *ctx, asdic_ring_shelf *shelf,
+                                          const asdic_expected_place *place,
+                                          const asdic_environment *env, const asdic_sonar *sonar,
+                                          asdic_ping *ping) {
+    return compute(ctx, &(among){shelf, true}, place, env, sonar, ping);
+}
+
+asdic_status asdic_expected_compute(asdic_context *ctx, const asdic_flat_scene *flat,
+                                    const asdic_environment *env, const asdic_sonar *sonar,
+                                    const asdic_pose *pose, asdic_ping *ping) {
+    if (!flat || !env || !sonar || !pose || !ping) {
+        return asdic_fail_null(ctx, __func__);
+    }
+    const asdic_expected_place place = {*flat, *pose};
+    asdic_ring_shelf *shelf = NULL;
+    TRY(asdic_ring_shelf_create(ctx, 1, &shelf));
+    asdic_status status = compute(ctx, &(among){shelf, false}, &place, env, sonar, ping);
+    asdic_ring_shelf_destroy(&shelf);
+    return status;
 }
 
 static bool near(double a, double b, double share) {

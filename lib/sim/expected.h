@@ -6,8 +6,8 @@
 
 #include <asdic/expected.h>
 
-#include "ring_profile.h"
 #include "environment.h"
+#include "ring_shelf.h"
 
 /* What a scene's laws are made of, in double precision. */
 typedef struct asdic_flat_laws {
@@ -29,5 +29,13 @@ double asdic_flat_strength(const asdic_flat_laws *laws, bool surface, double sin
  * sphere, sr. */
 double asdic_flat_solid_angle(const asdic_flat_scene *flat, const asdic_ring_profile *profile,
                               double d_m);
+
+/* As asdic_expected_compute, for many places, to 0.01 dB: SHELF keeps the profiles of beams and
+ * attitudes that come again, for which the wavelength is the nearest of a row that rises by
+ * 2^(1/4096); rays that bend are fewer. */
+asdic_status asdic_expected_compute_among(asdic_context *ctx, asdic_ring_shelf *shelf,
+                                          const asdic_expected_place *place,
+                                          const asdic_environment *env, const asdic_sonar *sonar,
+                                          asdic_ping *ping);
 
 #endif

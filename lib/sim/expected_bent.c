@@ -31,11 +31,18 @@
 #define CYCLES16 0.8
 #define CYCLES4 0.02
 
-/* Share by which sixteen nodes may differ from twice as many, and how often a panel is halved to that. */
-#define KINK 1e-5
-#define WIDEST 0.015      /* of a stretch: what the water gives changes by where rays turn ... */
-#define WIDEST_FREE 0.006 /* ... and, of rays that end nowhere, by which caustics a bin holds */
 #define HALVINGS 10
+
+/* How fine a ping is computed. */
+typedef struct fineness {
+    double kink;   /* share by which sixteen nodes may differ from twice as many */
+    double widest; /* panel of a stretch: what the water gives changes by where rays turn ... */
+    double widest_free; /* ... and, of rays that end nowhere, by which caustics a bin holds */
+    double few_widest, few_cycles; /* panels and phases that four nodes hold, narrow panels apart */
+} fineness;
+
+static const fineness exact = {1e-5, 0.015, 0.006, 0.0, 0.0};
+static const fineness quick = {1e-3, 1.0, 0.048, 0.5, 0.1};
 
 typedef enum ray_end { ENDS_NOWHERE, ENDS_ON_BOTTOM, ENDS_ON_SURFACE } ray_end;
 
@@ -55,7 +62,8 @@ typedef struct bent_job {
     asdic_layers layers; /* between the boundaries */
     double depth_m, speed_mps, absorption_np_per_m, range_m;
     double cycles; /* of the two-way pattern that turns fastest, per radian */
-    asdic_ring_profile **profiles;
+    const fineness *fine;
+    asdic_ring_profile *const *profiles;
     asdic_ping *ping;
     double *row;        /* volume of each bin along one ray */
     size_t first, last; /* bins of it in use */
@@ -284,16 +292,21 @@ static void add_panel(bent_job *job, const stretch *w, double s0, double s1, pan
                       int depth) {
     double phase = job->cycles * fabs(elevation_at(w, s1) - elevation_at(w, s0));
     double middle = 0.5 * (s0 + s1);
-    bool halves = phase > CYCLES16 || s1 - s0 > (kind == PANEL_FREE ? WIDEST_FREE : WIDEST);
+    const fineness *fine = job->fine;
+    double widest = kind == PANEL_FREE ? fine->widest_free : fine->widest;
+    bool halves = phase > CYCLES16 || s1 - s0 > widest;
     if (!halves && kind == PANEL_WIDE && depth > 0) {
         double both = ends(job, w, s0, middle) + ends(job, w, middle, s1);
-        halves = fabs(ends(job, w, s0, s1) - both) > KINK * both;
+        halves = fabs(ends(job, w, s0, s1) - both) > fine->kink * both;
     }
     if (halves) {
         add_panel(job, w, s0, middle, kind, depth - 1);
         add_panel(job, w, middle, s1, kind, depth - 1);
     } else {
-        add_nodes(job, w, s0, s1, kind != PANEL_NARROW || phase > CYCLES4);
+        bool few = kind == PANEL_NARROW ? phase <= CYCLES4
+                                        : kind == PANEL_WIDE && s1 - s0 <= fine->few_widest &&
+                                              phase <= fine->few_cycles;
+        add_nodes(job, w, s0, s1, !few);
     }
 }
 
@@ -482,17 +495,9 @@ static asdic_status integrate(asdic_context *ctx, bent_job *job, const asdic_rin
     return status;
 }
 
-static asdic_status make_profiles(asdic_context *ctx, bent_job *job, const asdic_ring *rings) {
-    for (size_t b = 0; b < job->ping->beams; b++) {
-        TRY(asdic_ring_profile_create(ctx, &rings[b], &job->profiles[b]));
-        job->cycles = fmax(job->cycles, asdic_ring_cycles(&rings[b]));
-    }
-    return ASDIC_OK;
-}
-
 asdic_status asdic_expected_bent(asdic_context *ctx, const asdic_flat_laws *laws,
                                  const asdic_environment *env, const asdic_sonar *sonar,
-                                 const asdic_ring *rings, asdic_ping *ping) {
+                                 const asdic_bent_view *view, asdic_ping *ping) {
     const asdic_flat_scene *flat = &laws->flat;
     bent_job job = {.laws = laws,
                     .sonar = sonar,
@@ -501,23 +506,15 @@ asdic_status asdic_expected_bent(asdic_context *ctx, const asdic_flat_laws *laws
                     .absorption_np_per_m = laws->water.absorption_np_per_m,
                     .range_m = (double)ping->bins * sonar->bin_length_m,
                     .ping = ping,
-                    .profiles = calloc(ping->beams, sizeof *job.profiles),
+                    .fine = view->is_quick ? &quick : &exact,
+                    .profiles = view->profiles,
                     .row = calloc(ping->bins, sizeof *job.row)};
-    asdic_status status = ASDIC_OK;
     asdic_layers_between(env, flat, &job.layers);
-    if (!job.profiles || !job.row) {
-        status = asdic_fail_memory(ctx, "an expected ping");
+    for (size_t i = 0; i < ping->beams; i++) {
+        job.cycles = fmax(job.cycles, asdic_ring_cycles(&view->rings[i]));
     }
-    if (status == ASDIC_OK) {
-        status = make_profiles(ctx, &job, rings);
-    }
-    if (status == ASDIC_OK) {
-        status = integrate(ctx, &job, rings);
-    }
-    for (size_t b = 0; job.profiles && b < ping->beams; b++) {
-        asdic_ring_profile_destroy(&job.profiles[b]);
-    }
-    free(job.profiles);
+    asdic_status status =
+        job.row ? integrate(ctx, &job, view->rings) : asdic_fail_memory(ctx, "an expected ping");
     free(job.row);
     return status;
 }

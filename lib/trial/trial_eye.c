@@ -4,6 +4,7 @@
 #include "base/try.h"
 #include "base/vec.h"
 #include "scene/scene.h"
+#include "sim/expected.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -14,6 +15,8 @@
  * edge of a bin. */
 #define STEP_M 1e-3
 #define STEP_RAD (0.1 * ASDIC_PI / 180.0)
+/* Attitudes of which a beam's profile is kept, some 40 kB. */
+#define ATTITUDES 256
 
 static double on_grid(double x, double step) {
     return round(x / step) * step;
@@ -72,6 +75,9 @@ asdic_status asdic_eye_open(asdic_eye *eye, const asdic_mission *mission, double
     asdic_cfar cfar = asdic_cfar_default();
     asdic_trial_background background = mission->trial.background;
     eye->mission = mission;
+    if (!eye->shelf) {
+        TRY(asdic_ring_shelf_create(eye->ctx, ATTITUDES, &eye->shelf));
+    }
     TRY(asdic_loop_create_mission(eye->ctx, eye->device, mission, depth_m, 0.0, &eye->loop));
     size_t bins = asdic_loop_bin_count(eye->loop);
     size_t known = (size_t)fmin(ceil(reach_m / sonar->bin_length_m) + 1.0, (double)bins);
@@ -131,8 +137,8 @@ static asdic_status expect(asdic_eye *eye, const asdic_expected_place *place) {
     eye_place *kept = &eye->places[slot_of(place)];
     size_t cells = eye->sonar.receiver_count * eye->known;
     if (!kept->total_lin || !asdic_expected_is_near(place, &kept->place, 0.0, 0.0)) {
-        TRY(asdic_expected_compute(eye->ctx, &place->flat, &eye->environment, &eye->sonar,
-                                   &place->pose, eye->scratch));
+        TRY(asdic_expected_compute_among(eye->ctx, eye->shelf, place, &eye->environment,
+                                         &eye->sonar, eye->scratch));
         kept->total_lin = kept->total_lin ? kept->total_lin : malloc(2 * cells * sizeof(double));
         if (!kept->total_lin) {
             return asdic_fail_memory(eye->ctx, "expected levels");
@@ -170,6 +176,7 @@ void asdic_eye_close(asdic_eye *eye) {
 void asdic_eye_finish(asdic_eye *eye) {
     asdic_eye_close(eye);
     forget_places(eye);
+    asdic_ring_shelf_destroy(&eye->shelf);
     asdic_ping_destroy(&eye->scratch);
     free((asdic_beam *)eye->sonar.receivers);
     eye->sonar.receivers = NULL;

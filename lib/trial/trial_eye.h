@@ -23,6 +23,7 @@ typedef struct asdic_eye {
     asdic_loop *loop;
     asdic_scan *scan;
     bool is_flat; /* a bin is compared with what is expected */
+    struct asdic_ring_shelf *shelf;
     asdic_ping *scratch;
     /* Expected levels, kept from run to run as long as water and sonar stay the same. */
     eye_place places[ASDIC_EYE_PLACES];

@@ -1,0 +1,99 @@
+#include "ring_shelf.h"
+
+#include "base/context.h"
+#include "base/try.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* The rings of all beams of a sonar at one attitude. */
+typedef struct ring_set {
+    asdic_ring *rings;
+    asdic_ring_profile **profiles;
+    size_t count;
+} ring_set;
+
+struct asdic_ring_shelf {
+    asdic_context *ctx;
+    ring_set *sets;
+    size_t set_count;
+};
+
+asdic_status asdic_ring_shelf_create(asdic_context *ctx, size_t sets, asdic_ring_shelf **out) {
+    asdic_ring_shelf *shelf = *out = calloc(1, sizeof *shelf);
+    if (shelf) {
+        shelf->ctx = ctx;
+        shelf->set_count = sets;
+        shelf->sets = calloc(sets, sizeof *shelf->sets);
+    }
+    if (!shelf || !shelf->sets) {
+        asdic_ring_shelf_destroy(out);
+        return asdic_fail_memory(ctx, "profiles of beams");
+    }
+    return ASDIC_OK;
+}
+
+static void empty(ring_set *set) {
+    for (size_t i = 0; set->profiles && i < set->count; i++) {
+        asdic_ring_profile_destroy(&set->profiles[i]);
+    }
+    free(set->profiles);
+    free(set->rings);
+    *set = (ring_set){.rings = NULL};
+}
+
+void asdic_ring_shelf_destroy(asdic_ring_shelf **shelf) {
+    if (shelf && *shelf) {
+        for (size_t i = 0; (*shelf)->sets && i < (*shelf)->set_count; i++) {
+            empty(&(*shelf)->sets[i]);
+        }
+        free((*shelf)->sets);
+        free(*shelf);
+        *shelf = NULL;
+    }
+}
+
+/* FNV-1a over the numbers, which hold no padding. */
+static size_t slot_of(const asdic_ring_shelf *shelf, const asdic_ring *rings, size_t bytes) {
+    uint64_t hash = 0xcbf29ce484222325u, word;
+    for (size_t i = 0; i + sizeof word <= bytes; i += sizeof word) {
+        memcpy(&word, (const char *)rings + i, sizeof word);
+        hash = (hash ^ word ^ word >> 29) * 0x100000001b3u;
+    }
+    return (hash >> 32) % shelf->set_count;
+}
+
+static asdic_status fill(asdic_ring_shelf *shelf, const asdic_ring *rings, size_t count,
+                         ring_set *set) {
+    empty(set);
+    set->rings = malloc(count * sizeof *rings);
+    set->profiles = calloc(count, sizeof *set->profiles);
+    if (!set->rings || !set->profiles) {
+        empty(set);
+        return asdic_fail_memory(shelf->ctx, "profiles of beams");
+    }
+    memcpy(set->rings, rings, count * sizeof *rings);
+    set->count = count;
+    for (size_t i = 0; i < count; i++) {
+        asdic_status status =
+            asdic_context_interrupted(shelf->ctx)
+                ? asdic_fail(shelf->ctx, ASDIC_ERROR_INTERRUPTED, "interrupted")
+                : asdic_ring_profile_create(shelf->ctx, &rings[i], &set->profiles[i]);
+        if (status) {
+            empty(set);
+            return status;
+        }
+    }
+    return ASDIC_OK;
+}
+
+asdic_status asdic_ring_shelf_take(asdic_ring_shelf *shelf, const asdic_ring *rings, size_t count,
+                                   asdic_ring_profile *const **out) {
+    size_t bytes = count * sizeof *rings;
+    ring_set *set = &shelf->sets[slot_of(shelf, rings, bytes)];
+    if (set->count != count || memcmp(set->rings, rings, bytes) != 0) {
+        TRY(fill(shelf, rings, count, set));
+    }
+    *out = set->profiles;
+    return ASDIC_OK;
+}
