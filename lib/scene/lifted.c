@@ -120,13 +120,11 @@ static void limit_pieces(const asdic_scene *scene, pieces *p) {
     p->least2_m2 = 4.0 * sum / MOST_PIECES;
 }
 
-/* A triangle on a layer's plane belongs to both layers; more than ADVANCE_ROOM of advance.cl, m. */
-#define OVERLAP 1e-2
-
 static bool reaches(const corners *c, const dev_layer *layer) {
     double low = fmin(fmin(c->v[0][2], c->v[1][2]), c->v[2][2]);
     double high = fmax(fmax(c->v[0][2], c->v[1][2]), c->v[2][2]);
-    return high >= (double)layer->top_m - OVERLAP && low <= (double)layer->bottom_m + OVERLAP;
+    return high >= (double)layer->top_m - ASDIC_LAYER_OVERLAP_M &&
+           low <= (double)layer->bottom_m + ASDIC_LAYER_OVERLAP_M;
 }
 
 static void enter_layer(pieces *p, const dev_layer *layer) {
@@ -171,6 +169,25 @@ static asdic_status build(asdic_scene *lifted, pieces *p) {
     return status;
 }
 
+/* In how many layers an object that moves can be at a time. */
+static size_t count_copies(const asdic_scene *scene, const dev_layer *layers, size_t layer_count) {
+    double high = 2.0 * ASDIC_LAYER_OVERLAP_M;
+    size_t most = 1;
+    for (size_t i = 0; i < scene->movable_count; i++) {
+        high = fmax(high,
+                    2.0 * (scene->parts[scene->movables[i].part].radius_m + ASDIC_LAYER_OVERLAP_M));
+    }
+    for (size_t i = 0; i < layer_count; i++) {
+        size_t count = 1;
+        while (i + count < layer_count &&
+               (double)layers[i + count].top_m <= (double)layers[i].bottom_m + high) {
+            count++;
+        }
+        most = count > most ? count : most;
+    }
+    return most;
+}
+
 static asdic_status fill(const asdic_scene *scene, const dev_layer *layers, size_t layer_count,
                          double bend_per_m, asdic_scene *lifted) {
     size_t count = scene->triangle_count, movables = scene->movable_count;
@@ -184,7 +201,9 @@ static asdic_status fill(const asdic_scene *scene, const dev_layer *layers, size
     *lifted = *scene;
     lifted->bend_per_m = bend_per_m;
     lifted->bvh = (asdic_bvh){.root = DEV_EMPTY};
-    lifted->movables = calloc(movables + 1, sizeof *lifted->movables);
+    lifted->copies = count_copies(scene, layers, layer_count);
+    lifted->movable_count = movables * lifted->copies;
+    lifted->movables = calloc(lifted->movable_count + 1, sizeof *lifted->movables);
     p.triangles = malloc(p.capacity * sizeof *p.triangles);
     p.parents = malloc(64 * sizeof *p.parents);
     asdic_status status = lifted->movables && p.triangles && p.parents
@@ -192,8 +211,8 @@ static asdic_status fill(const asdic_scene *scene, const dev_layer *layers, size
                               : asdic_fail_memory(scene->ctx, "a scene for bent rays");
     if (!status) {
         memcpy(p.triangles, scene->triangles, count * sizeof *p.triangles);
-        if (movables > 0) {
-            memcpy(lifted->movables, scene->movables, movables * sizeof *lifted->movables);
+        for (size_t i = 0; i < lifted->movable_count; i++) {
+            lifted->movables[i] = scene->movables[i / lifted->copies];
         }
         limit_pieces(scene, &p);
         status = lift_triangles(scene, &p);
@@ -226,7 +245,10 @@ asdic_status asdic_scene_lift(const asdic_scene *scene, double bend_per_m, asdic
 
 asdic_status asdic_scene_lift_layers(const asdic_scene *scene, const dev_layer *layers,
                                      size_t count, asdic_scene **out) {
-    return lift(scene, layers, count, 0.0, out);
+    TRY(lift(scene, layers, count, 0.0, out));
+    (*out)->layers = layers;
+    (*out)->layer_count = count;
+    return ASDIC_OK;
 }
 
 void asdic_scene_unlift(asdic_scene **lifted) {

@@ -15,13 +15,17 @@ static inline float asdic_lifted_z(double bend_per_m, const double v[3]) {
     return (float)(v[2] + 0.5 * bend_per_m * (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]));
 }
 
+/* A triangle on a layer's plane belongs to both layers; more than ADVANCE_ROOM of advance.cl, m. */
+#define ASDIC_LAYER_OVERLAP_M 1e-2
+
 /* A view of the committed SCENE, which must outlive it, with a hierarchy of lifted triangles: for tracers and
  * placements. A flat triangle lifts to a curved one, of which an edge of length L leaves out at most
  * L^2 |BEND_PER_M| / 8: edges of what stays are halved until that is below 2 mm. */
 asdic_status asdic_scene_lift(const asdic_scene *scene, double bend_per_m, asdic_scene **lifted);
 
-/* The same in COUNT layers, from the top down: each triangle once in every layer that it reaches. Nothing may
- * move in the scene. */
+/* The same in COUNT layers, from the top down: each triangle once in every layer that it reaches. LAYERS must outlive
+ * it, too. Of a moving object there are as many copies as it can reach layers at a time; a placement finds the layers
+ * that they are in. */
 asdic_status asdic_scene_lift_layers(const asdic_scene *scene, const dev_layer *layers,
                                      size_t count, asdic_scene **lifted);
 void asdic_scene_unlift(asdic_scene **lifted);

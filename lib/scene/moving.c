@@ -57,22 +57,23 @@ asdic_root asdic_root_of(const dev_node8 *nodes, const dev_block4 *blocks, uint3
 }
 
 /* Corner NTH of a block's triangle. */
-static void place_corner(const float v[3], double bend_per_m, int nth, int lane,
+static void place_corner(const float v[3], double bend_per_m, double shift_m, int nth, int lane,
                          dev_block4 *block) {
     block->v[3 * nth][lane] = v[0];
     block->v[3 * nth + 1][lane] = v[1];
-    block->v[3 * nth + 2][lane] = asdic_lifted_z(bend_per_m, (const double[]){v[0], v[1], v[2]});
+    float z = asdic_lifted_z(bend_per_m, (const double[]){v[0], v[1], v[2]});
+    block->v[3 * nth + 2][lane] = (float)((double)z + shift_m);
 }
 
 void asdic_movable_refit(const asdic_movable *m, const dev_triangle *triangles, double bend_per_m,
-                         dev_node8 *nodes, dev_block4 *blocks) {
+                         double shift_m, dev_node8 *nodes, dev_block4 *blocks) {
     for (size_t b = 0; b < m->block_count; b++) {
         dev_block4 *block = &blocks[m->first_block + b];
         for (int lane = 0; lane < DEV_LEAF_TRIANGLES && block->id[lane] != ~0u; lane++) {
             const dev_triangle *t = &triangles[block->id[lane] - m->first];
-            place_corner(t->v0, bend_per_m, 0, lane, block);
-            place_corner(t->v1, bend_per_m, 1, lane, block);
-            place_corner(t->v2, bend_per_m, 2, lane, block);
+            place_corner(t->v0, bend_per_m, shift_m, 0, lane, block);
+            place_corner(t->v1, bend_per_m, shift_m, 1, lane, block);
+            place_corner(t->v2, bend_per_m, shift_m, 2, lane, block);
         }
     }
     /* Children come after their parents. */

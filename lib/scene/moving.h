@@ -39,9 +39,9 @@ asdic_root asdic_root_of(const dev_node8 *nodes, const dev_block4 *blocks, uint3
 size_t asdic_top_build(dev_node8 *nodes, asdic_root *roots, size_t count, unsigned *depth);
 
 /* Fits the movable's blocks and nodes, its root first, round TRIANGLES (indexed by triangle id less
- * FIRST), lifted by BEND_PER_M (lifted.h). */
+ * FIRST), lifted by BEND_PER_M (lifted.h) and then SHIFT_M lower. */
 void asdic_movable_refit(const asdic_movable *m, const dev_triangle *triangles, double bend_per_m,
-                         dev_node8 *nodes, dev_block4 *blocks);
+                         double shift_m, dev_node8 *nodes, dev_block4 *blocks);
 
 /* Triangles of the movable at POSE; only positions and normals change. WORLD_M, 9 per triangle,
  * receives the corners. */

@@ -1,5 +1,6 @@
 #include "placement.h"
 
+#include "lifted.h"
 #include "place.h"
 
 #include "../base/context.h"
@@ -32,11 +33,62 @@ static size_t root_count(const asdic_scene *scene) {
     return scene->movable_count + (scene->still_root != DEV_EMPTY);
 }
 
+/* Heights that COUNT triangles are between, in the scene frame. */
+static void find_heights(const dev_triangle *triangles, size_t count, float *low, float *high) {
+    *low = INFINITY;
+    *high = -INFINITY;
+    for (size_t i = 0; i < count; i++) {
+        const dev_triangle *t = &triangles[i];
+        *low = fminf(*low, fminf(fminf(t->v0[2], t->v1[2]), t->v2[2]));
+        *high = fmaxf(*high, fmaxf(fmaxf(t->v0[2], t->v1[2]), t->v2[2]));
+    }
+}
+
+/* Lifts copy NTH, as the bend of its layer asks for. Copies of an object are in the layers that it reaches, from the
+ * top down; one that is left over waits below all layers, where no ray is. */
+static void lift_copy(asdic_placement *p, size_t nth) {
+    const asdic_scene *scene = p->scene;
+    const asdic_movable *m = &scene->movables[nth];
+    const dev_triangle *triangles = p->triangles + p->first[nth];
+    double bend = scene->bend_per_m, shift = 0.0;
+    if (scene->layers) {
+        const dev_layer *layers = scene->layers;
+        float low, high;
+        find_heights(triangles, m->count, &low, &high);
+        size_t at = 0, last = scene->layer_count - 1;
+        while (at < last && layers[at].bottom_m + (float)ASDIC_LAYER_OVERLAP_M < low) {
+            at++;
+        }
+        at += nth % scene->copies;
+        bool used = at <= last && (nth % scene->copies == 0 ||
+                                   layers[at].top_m - (float)ASDIC_LAYER_OVERLAP_M <= high);
+        at = used ? at : last;
+        bend = layers[at].bend_per_m;
+        shift = layers[at].shift_m;
+        shift += used || last == 0 ? 0.0 : (double)layers[1].shift_m - (double)layers[0].shift_m;
+    }
+    asdic_movable_refit(m, triangles, bend, shift, p->nodes, p->blocks);
+}
+
+/* The top over all roots. */
+static void join_roots(asdic_placement *p) {
+    size_t count = root_count(p->scene);
+    asdic_root *sorted = p->roots + p->scene->movable_count + 1;
+    unsigned depth;
+    memcpy(sorted, p->roots, count * sizeof *sorted);
+    asdic_top_build(p->nodes, sorted, count, &depth);
+    p->extent_m = largest_coordinate(p->roots, count);
+}
+
 static void copy_triangles(asdic_placement *p) {
     const asdic_scene *scene = p->scene;
     size_t at = 0;
     for (size_t i = 0; i < scene->movable_count; i++) {
         const asdic_movable *m = &scene->movables[i];
+        if (i % asdic_scene_copies(scene) > 0) {
+            p->first[i] = p->first[i - 1];
+            continue;
+        }
         p->first[i] = at;
         memcpy(p->triangles + at, scene->triangles + m->first, m->count * sizeof *p->triangles);
         at += m->count;
@@ -70,12 +122,18 @@ asdic_status asdic_placement_create(const asdic_scene *scene, asdic_placement **
     }
     copy_triangles(p);
     for (size_t i = 0; i < scene->movable_count; i++) {
+        if (scene->layers) {
+            lift_copy(p, i);
+        }
         p->roots[i] = asdic_root_of(p->nodes, p->blocks, scene->movables[i].root);
     }
     p->roots[scene->movable_count] =
         scene->movable_count > 0
             ? asdic_root_of(scene->bvh.nodes, scene->bvh.blocks, scene->still_root)
             : (asdic_root){.word = DEV_EMPTY};
+    if (scene->layers && scene->movable_count > 0) {
+        join_roots(p);
+    }
     return ASDIC_OK;
 }
 
@@ -117,17 +175,15 @@ const dev_triangle *asdic_placement_triangle(const asdic_placement *p, size_t in
 
 void asdic_placement_move(asdic_placement *p, size_t movable, const asdic_pose *pose) {
     const asdic_scene *scene = p->scene;
-    const asdic_movable *m = &scene->movables[movable];
-    dev_triangle *triangles = p->triangles + p->first[movable];
+    size_t copies = asdic_scene_copies(scene);
+    const asdic_movable *m = &scene->movables[movable * copies];
+    dev_triangle *triangles = p->triangles + p->first[movable * copies];
     asdic_vec3 lo, hi;
     asdic_movable_place(m, pose, scene->origin_m, p->scratch_m, triangles);
     asdic_place_sphere(p->scratch_m, m->count, &p->parts[m->part], &lo, &hi);
-    asdic_movable_refit(m, triangles, scene->bend_per_m, p->nodes, p->blocks);
-    p->roots[movable] = asdic_root_of(p->nodes, p->blocks, m->root);
-    size_t count = root_count(scene);
-    asdic_root *sorted = p->roots + scene->movable_count + 1;
-    unsigned depth;
-    memcpy(sorted, p->roots, count * sizeof *sorted);
-    asdic_top_build(p->nodes, sorted, count, &depth);
-    p->extent_m = largest_coordinate(p->roots, count);
+    for (size_t i = movable * copies; i < (movable + 1) * copies; i++) {
+        lift_copy(p, i);
+        p->roots[i] = asdic_root_of(p->nodes, p->blocks, scene->movables[i].root);
+    }
+    join_roots(p);
 }

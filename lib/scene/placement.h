@@ -27,7 +27,7 @@ void asdic_placement_destroy(asdic_placement **placement);
 /* The triangle with that index in the scene, where it is now. */
 const dev_triangle *asdic_placement_triangle(const asdic_placement *placement, size_t index);
 
-/* Moves a movable of the scene. */
+/* Moves a movable of the scene; of a lifted view, all its copies. */
 void asdic_placement_move(asdic_placement *placement, size_t movable, const asdic_pose *pose);
 
 #endif

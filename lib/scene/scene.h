@@ -65,10 +65,17 @@ struct asdic_scene {
     size_t moving_nodes, moving_blocks; /* the first ones, see moving.h */
     uint32_t still_root;                /* child word of what stays, where something moves */
     double bend_per_m;                  /* of a lifted view (lifted.h); else 0 */
+    const struct dev_layer *layers;     /* of a view lifted layer by layer; else NULL */
+    size_t layer_count, copies;         /* ... in which each movable is there COPIES times */
     asdic_vec3 min_m, max_m;
     double build_s, hierarchy_s;
     unsigned threads; /* 0: one per processor */
 };
+
+/* How many movables in a row are one object. */
+static inline size_t asdic_scene_copies(const asdic_scene *scene) {
+    return scene->copies > 0 ? scene->copies : 1;
+}
 
 /* Node indices of the binary tree fit 32 bits. */
 #define ASDIC_BVH_MAX_TRIANGLES 0x7fffffffu

@@ -114,23 +114,26 @@ asdic_status asdic_tracer_create(asdic_device *device, const asdic_scene *scene,
     return status;
 }
 
+static asdic_status upload_copy(asdic_tracer *t, const asdic_placement *p, size_t copy) {
+    const asdic_movable *m = &p->scene->movables[copy];
+    const size_t node = sizeof *p->nodes, block = sizeof *p->blocks;
+    TRY(asdic_buffer_write(t->nodes, m->first_node * node, m->node_count * node,
+                           p->nodes + m->first_node));
+    return asdic_buffer_write(t->blocks, m->first_block * block, m->block_count * block,
+                              p->blocks + m->first_block);
+}
+
 asdic_status asdic_tracer_move(asdic_tracer *t, const asdic_placement *p, size_t movable) {
-    const asdic_movable *m = &p->scene->movables[movable];
-    const size_t node = sizeof *p->nodes, block = sizeof *p->blocks,
-                 triangle = sizeof *p->triangles;
-    const struct {
-        asdic_buffer *buffer;
-        size_t offset, bytes;
-        const void *data;
-    } parts[] = {
-        {t->nodes, 0, (p->scene->movable_count + 1) * node, p->nodes},
-        {t->nodes, m->first_node * node, m->node_count * node, p->nodes + m->first_node},
-        {t->blocks, m->first_block * block, m->block_count * block, p->blocks + m->first_block},
-        {t->triangles, m->first * triangle, m->count * triangle, p->triangles + p->first[movable]},
-    };
-    for (size_t i = 0; i < sizeof parts / sizeof *parts; i++) {
-        TRY(asdic_buffer_write(parts[i].buffer, parts[i].offset, parts[i].bytes, parts[i].data));
+    const asdic_scene *scene = p->scene;
+    size_t copies = asdic_scene_copies(scene), first = movable * copies;
+    const asdic_movable *m = &scene->movables[first];
+    const size_t node = sizeof *p->nodes, triangle = sizeof *p->triangles;
+    TRY(asdic_buffer_write(t->nodes, 0, (scene->movable_count + 1) * node, p->nodes));
+    for (size_t i = first; i < first + copies; i++) {
+        TRY(upload_copy(t, p, i));
     }
+    TRY(asdic_buffer_write(t->triangles, m->first * triangle, m->count * triangle,
+                           p->triangles + p->first[first]));
     t->extent_m = p->extent_m;
     return ASDIC_OK;
 }

@@ -259,6 +259,11 @@ static asdic_status bring_scene(asdic_simulator *sim, const asdic_water_column *
     if (needs_triangles(sim)) {
         TRY(asdic_tracer_create(sim->device, scene, &sim->tracer));
     }
+    size_t movables =
+        sim->tracer && sim->setup.layer_count > 0 ? sim->setup.scene->movable_count : 0;
+    for (size_t i = 0; i < movables; i++) { /* to the layers that they are in */
+        TRY(asdic_tracer_move(sim->tracer, sim->placement, i));
+    }
     if (sim->tracer && kernel != ASDIC_RAY_KERNEL_AUTO) {
         TRY(asdic_tracer_set_kernel(sim->tracer, asdic_tracer_kernel_name((size_t)kernel - 1)));
     }
@@ -292,7 +297,7 @@ const char *asdic_one_layer_cause(const asdic_scene *scene, const asdic_sampling
         mirrors |= part->kind == DEV_KIND_OBJECT &&
                    scene->materials[part->material].law->formula == DEV_LAW_FACET;
     }
-    return mirrors ? "mirrors" : scene->movable_count > 0 ? "objects that move" : NULL;
+    return mirrors ? "mirrors" : NULL;
 }
 
 /* A triangle so near a layer is taken to lie in it: more than what lifted.c allows, and than rounding. */
@@ -312,6 +317,7 @@ static void place_layers(asdic_simulator *sim, const asdic_layers *layers, doubl
         most = fmax(most, fabs(bend));
         bool empty = scene->triangle_count == 0 || l->top_m > scene->max_m.z + NEAR_M ||
                      l->bottom_m < scene->min_m.z - NEAR_M;
+        empty = empty && scene->movable_count == 0; /* where those go is not known yet */
         sim->setup.layers[i] = (dev_layer){(float)fmax(l->top_m - scene->origin_m.z, -1e5),
                                            (float)fmin(l->bottom_m - scene->origin_m.z, 1e5),
                                            (float)bend, 0.0f, !empty};

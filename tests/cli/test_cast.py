@@ -155,12 +155,12 @@ def test_remarks_tell_where_rays_do_not_come():
 
 
 def test_scenes_that_see_one_layer_are_told():
-    """Objects that move and mirrors: check, plan and run say so, with what it changes, where it counts."""
+    """Mirrors: check, plan and run say so, with what it changes, where it counts."""
     need_device()
     thermocline = "{sound_speed_profile: [[0, 1510], [5, 1510], [9, 1480], [30, 1480]]}"
     below = "{sound_speed_profile: [[0, 1480], [20, 1480], [22, 1481], [30, 1482]]}"
     point = "objects: [{name: buoy, point: -20, position_m: [9, 0, 5]}]\n"
-    mover = "objects: [{name: can, sphere: {radius_m: 0.5}, material: {type: sand}, track: t.csv}]\n"
+    mover = "objects: [{name: can, sphere: {radius_m: 0.5}, material: {preset: steel}, track: t.csv}]\n"
     mirror = "objects: [{name: wall, box: {size_m: [1, 4, 4]}, material: {preset: steel}, position_m: [9, 0, 9]}]\n"
     with Folder() as folder:
         folder.write("t.csv", TRACK + "0,9,0,5,0,0,0\n9,12,0,5,0,0,0\n")
@@ -168,7 +168,7 @@ def test_scenes_that_see_one_layer_are_told():
         def told(remarks):
             return [r for r in remarks if "follow one layer" in r]
 
-        for number, (objects, cause) in enumerate(((point, None), (mover, "objects that move"),
+        for number, (objects, cause) in enumerate(((point, None), (mover, "mirrors"),
                                                    (mirror, "mirrors"), ("", None))):
             text = SCENE.format(water=thermocline) + "sampling: {rays: 500}\n" + objects
             path = folder.write("scene.yaml", text)

@@ -184,6 +184,65 @@ static void moved_objects_are_those_built_there(void **state) {
     asdic_ping_destroy(&pings[1]);
 }
 
+static bool heard(const asdic_ping *ping, asdic_component c) {
+    double sum = 0.0;
+    for (size_t i = 0; i < ping->beams * ping->bins; i++) {
+        sum += ping->intensity_lin[c][i];
+    }
+    return sum > 0.0;
+}
+
+/* The same through layers, which the box reaches one after the other and up to four at a time; and as one that stays,
+ * of which each layer has its own triangles, cut where the lift bends long edges. */
+static void moved_objects_are_in_all_their_layers(void **state) {
+    static const asdic_pose there[] = {{{14.0, 3.0, 6.0}, 0.3, -0.2, 0.7},
+                                       {{16.0, -2.0, 9.4}, 0.1, 1.2, 0.4},
+                                       {{12.0, 0.0, 1.8}, 0.0, 0.0, 0.2}};
+    static const asdic_pose before = {{9.0, -4.0, 10.0}, 0, 0, 0};
+    enum { POSES = sizeof there / sizeof *there };
+    asdic_ping *pings[3];
+    (void)state;
+    for (int k = 0; k < 3 * POSES; k++) {
+        ping_rig r = bent_rig(0.0, 1u << 16);
+        asdic_mesh *mesh = NULL;
+        int pose = k / 3, way = k % 3;
+        r.env.sound_speed_profile =
+            (asdic_sound_profile){7,
+                                  {0.0, 2.0, 5.5, 6.2, 7.0, 9.0, 12.0},
+                                  {1500.0, 1498.5, 1494.0, 1493.2, 1492.0, 1489.5, 1491.0}};
+        asdic_scene_destroy(&r.scene);
+        r.scene = bottom_of_two_triangles();
+        assert_ok(t.ctx, asdic_mesh_box(t.ctx, (asdic_vec3){2.0, 3.0, 1.0}, &mesh));
+        assert_ok(t.ctx, way < 2 ? asdic_scene_add_moving_object(r.scene, "box", mesh,
+                                                                 way ? before : there[pose],
+                                                                 asdic_material_bottom(2.0))
+                                 : asdic_scene_add_object(r.scene, "box", mesh, there[pose],
+                                                          asdic_material_bottom(2.0)));
+        asdic_mesh_destroy(&mesh);
+        asdic_simulator *sim = rig_simulator(&r);
+        assert_ok(t.ctx, asdic_ping_create(t.ctx, 1, asdic_simulator_bin_count(sim), &pings[way]));
+        if (way == 1) {
+            assert_ok(t.ctx, asdic_simulator_move(sim, "box", &there[pose]));
+        }
+        assert_ok(t.ctx, asdic_simulator_learn(sim, &r.pose, 0));
+        assert_ok(t.ctx, asdic_simulator_ping(sim, &r.pose, 0, pings[way]));
+        asdic_simulator_destroy(&sim);
+        rig_destroy(&r);
+        if (way == 2) {
+            difference object = compare(pings[0], pings[2], ASDIC_OBJECT);
+            difference total = compare(pings[0], pings[2], ASDIC_TOTAL);
+            print_message("pose %d: object %.2g dB r.m.s., all %.2g off one that stays\n", pose,
+                          object.rms_db, total.rms_db);
+            assert_true(rig_same(pings[0], pings[1]));
+            assert_true(object.rms_db < 0.1 && total.rms_db < 0.02);
+            assert_true(heard(pings[0], ASDIC_OBJECT));
+            for (int i = 0; i < 3; i++) {
+                asdic_ping_destroy(&pings[i]);
+            }
+        }
+    }
+}
+
 /* Casts: isothermal over a thermocline, one in which the sonar is, a channel that traps rays, ten layers; each
  * over the plane, then over two triangles. */
 static void layers_meet_quadrature(void **state) {
@@ -433,6 +492,7 @@ int main(void) {
         cmocka_unit_test(no_gradient_is_straight),
         cmocka_unit_test(large_triangles_are_a_plane),
         cmocka_unit_test(moved_objects_are_those_built_there),
+        cmocka_unit_test(moved_objects_are_in_all_their_layers),
         cmocka_unit_test(layers_meet_quadrature),
         cmocka_unit_test(legs_are_the_same_for_all_kernels_and_layouts),
         cmocka_unit_test(trapped_rays_are_followed),
