@@ -7,6 +7,7 @@ of every formula's keys, options and operands of every command. promises.txt hol
 A limit or a default that changes makes old scene files fail, or mean something else, without a word.
 """
 import json
+import math
 import pathlib
 import re
 import sys
@@ -15,6 +16,7 @@ import tap
 from program import asdic
 
 RECORD = pathlib.Path(__file__).with_name("promises.txt")
+OPTION = r"^  (-\w,)? +(--[\w-]+)( [A-Z]\S*)?(?:  |$)"
 PROSE = ("description", "title", "what", "source", "$comment")
 
 
@@ -45,11 +47,31 @@ def usage(command):
     return asdic(command, "--help").check(code=0).out
 
 
+def option_lines(command):
+    return usage(command).split("\noptions:")[1].split("\nexamples:")[0]
+
+
 def options(command):
     """Each with its letter and its argument."""
-    text = usage(command).split("\noptions:")[1].split("\nexamples:")[0]
-    for letter, name, argument in re.findall(r"^  (-\w,)? +(--[\w-]+)( [A-Z]\S*)?(?:  |$)", text, re.M):
+    for letter, name, argument in re.findall(OPTION, option_lines(command), re.M):
         yield f"{command} {letter}{name}{argument}"
+
+
+def refusal(command, option, value):
+    """What COMMAND says of a value that OPTION does not take; None where it takes it."""
+    for line in asdic(command, f"{option}={value}", "nowhere.yaml").err.splitlines():
+        if line.startswith(f"error: option '{option}': '{value}' is "):
+            return line.split(f"'{value}' is ")[1]
+    return None
+
+
+def ranges():
+    """(command, option, what its values are) of all options that take no '?'."""
+    for command in commands():
+        for _, name, argument in re.findall(OPTION, option_lines(command), re.M):
+            told = refusal(command, name, "?") if argument else None
+            if told:
+                yield command, name, told.replace("not ", "")
 
 
 def promises():
@@ -58,6 +80,42 @@ def promises():
     for command in commands():
         yield f"command {usage(command).splitlines()[0]}"
         yield from options(command)
+    for command, name, values in ranges():
+        yield f"{command} {name}: {values}"
+
+
+def edges(values):
+    """Values at the limits of what '?' was told to be, and the nearest beyond them."""
+    whole = re.match(r"a whole number in \[(\d+), (\d+)\]", values)
+    if whole:
+        low, high = int(whole[1]), int(whole[2])
+        return [low, high], [high + 1, f"{low}.5", f" {low}", f"{low}x", ""] + [low - 1] * (low > 0)
+    number = re.match(r"a number in \[(\S+), (\S+)\]", values)
+    if number:
+        low, high = float(number[1]), float(number[2])
+        beyond = [math.nextafter(low, -math.inf), math.nextafter(high, math.inf)]
+        return [repr(low), repr(high)], [repr(x) for x in beyond] + ["nan", "inf", f" {low}", f"{low}x", ""]
+    pair = re.match(r"LOW:HIGH with (\S+) <= LOW < HIGH <= (\S+)", values)
+    if pair:
+        low, high = float(pair[1]), float(pair[2])
+        less, more = math.nextafter(low, -math.inf), math.nextafter(high, math.inf)
+        return [f"{low}:{high}"], [f"{less!r}:{high}", f"{low}:{more!r}", "1:1", "2:1", "1", "1:", ":1", "1:2x"]
+    if values.startswith("K/N"):
+        return ["1/1", "2/2", "1/2"], ["0/1", "2/1", "0/0", "1/", "/1", "1", "1/2x", "x/2"]
+    if values.startswith("FIRST:END"):
+        return ["0:1", "3", "3:", ":3"], ["1:1", "2:1", "3x", "0:1x", "x:1", "0:x"]
+    words = re.match(r"one of (.*)", values)
+    return (words[1].split(", "), [words[1].split(", ")[0] + "x"]) if words else ([], [])
+
+
+def test_limits_of_options_are_where_they_are_said_to_be():
+    for command, name, values in ranges():
+        taken, refused = edges(values)
+        for value in taken:
+            tap.equal(refusal(command, name, value), None, f"{command} {name}={value}")
+        for value in refused:
+            told = refusal(command, name, value)
+            tap.equal((told or "taken").split(";")[0], f"not {values}", f"{command} {name}={value}")
 
 
 def test_promises_are_kept():

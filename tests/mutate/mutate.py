@@ -1,11 +1,14 @@
 """Puts slips into lib, kernels and cli, one at a time, and tells which of them the tests notice.
 
     ./dev mutate [--count N] [--seed S] [--under FOLDER] [--quick SECONDS] [--harmless FILE]
+    ./dev mutate --unrun
 
-A copy of the tree is built in build/mutate, once. Each slip is compiled there; one that does not compile,
-or leaves the object file as it was, does not count. Then the default tests run, those first that name what
-the file defines, the quick before the slow, up to the first failure. What no quick test notices waits for
-others, which then run through the slow tests together; when those fail, half of them at a time.
+A copy of the tree is built in build/mutate, once, and once more to measure which default test runs which
+line. Each slip is compiled there; one that does not compile, or leaves the object file as it was, does not
+count. Then the default tests that run its line follow, up to the first failure: those first that have
+noticed a slip of the file, then those that name what the file defines, the quick before the slow. What no
+quick test notices waits for others, which then run through the slow tests together; when those fail, half of
+them at a time. --unrun lists the lines that no default test runs.
 
 Slips known to change nothing that matters stand in harmless.txt, each with its reason; they are not tried.
 The report tells by folder how many of the others were noticed. Exit code 1: fewer than 95 of 100 were.
@@ -26,10 +29,12 @@ import sys
 import time
 
 import slips
+from coverage import Coverage
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 WORK = ROOT / "build" / "mutate"
-TREE, BUILD = WORK / "tree", WORK / "build"
+TREE, BUILD, COVERED = WORK / "tree", WORK / "build", WORK / "coverage"
+LUCKY = WORK / "noticed.json"  # {path: {test: how many slips of it this test noticed first}}
 FOLDERS = ("lib", "kernels", "cli")
 QUICK_S = 5.0  # a processor's, of one test; those that take longer run for several slips together
 TOGETHER = 8
@@ -60,6 +65,18 @@ def copy_tree():
             path.unlink()
 
 
+def set_up(build, *options):
+    """Configures and builds the copy in BUILD."""
+    if not (build / "build.ninja").exists():
+        done = run(["meson", "setup", build, TREE, *options], env={**os.environ, **LINKER})
+        if done.returncode:
+            sys.exit(done.stdout)
+    print(f"mutate: compiling the unchanged tree in {build.name}", flush=True)
+    done = run(["ninja", "-C", build])
+    if done.returncode:
+        sys.exit("mutate: the unchanged tree does not compile: " + done.stdout[-2000:])
+
+
 def compiled(targets=()):
     """Whether ninja can make TARGETS, else everything."""
     return run(["ninja", "-C", BUILD, *targets]).returncode == 0
@@ -81,19 +98,20 @@ def code_of(path):
 
 
 class Test:
-    def __init__(self, entry, built):
+    def __init__(self, entry, built, build):
+        self.build = build
         self.name, self.command = entry["name"], entry["cmd"]
         self.environment = dict(os.environ, **entry["env"])
-        self.folder = entry["workdir"] or BUILD
+        self.folder = entry["workdir"] or build
         used = {built[of] for of in entry["depends"]} | set(self.command) & set(built.values())
-        self.targets = sorted(os.path.relpath(path, BUILD) for path in used)
+        self.targets = sorted(os.path.relpath(path, build) for path in used)
         sources = [a for a in self.command if a.endswith(".py")] or [self.command[0]]
         self.text = self._source(pathlib.Path(sources[-1]))
         self.seconds, self.output = None, ""
 
     def _source(self, path):
         if path.suffix != ".py":
-            path = TREE / path.relative_to(BUILD).with_suffix(".c")
+            path = TREE / path.relative_to(self.build).with_suffix(".c")
         return path.read_text() if path.exists() else ""
 
     def passes(self, processor_s):
@@ -115,30 +133,43 @@ class Test:
             return False
         return process.returncode in (0, 77) and not NOT_OK.search(self.output)
 
-    def measure(self):
-        """Times it; whether it passes, at the second attempt at the latest."""
+    def measure(self, coverage):
+        """Its time and lines; whether it passes, at the second attempt at the latest."""
         for _ in range(2):
+            coverage.clear()
             before = os.times()
             good = self.passes(600.0)
             after = os.times()
             self.seconds = (after.children_user - before.children_user
                             + after.children_system - before.children_system)  # fmt: skip
             if good:
-                return True
+                coverage.keep(self.name, self.text, self.seconds)
+                return
         print(f"mutate: '{self.name}' fails on the unchanged tree and is left out:\n{self.output[-1000:]}",
               flush=True)  # fmt: skip
-        return False
 
 
-def introspect(what):
-    return json.loads(subprocess.run(["meson", "introspect", what, BUILD], check=True,
+def introspect(what, build):
+    return json.loads(subprocess.run(["meson", "introspect", what, build], check=True,
                                      stdout=subprocess.PIPE).stdout)  # fmt: skip
 
 
-def default_tests():
-    built = {target["id"]: target["filename"][0] for target in introspect("--targets")}
-    return [Test(entry, built) for entry in introspect("--tests")
+def default_tests(build):
+    built = {target["id"]: target["filename"][0] for target in introspect("--targets", build)}
+    return [Test(entry, built, build) for entry in introspect("--tests", build)
             if not any(suite.endswith(":full") for suite in entry["suite"])]  # fmt: skip
+
+
+def measure():
+    """The coverage of every default test; of those that were measured before, when they are the same."""
+    set_up(COVERED, "-Dbuildtype=plain", "-Doptimization=1", "-Db_coverage=true")
+    coverage = Coverage(TREE, COVERED, WORK / "coverage.json")
+    fresh = [test for test in default_tests(COVERED) if not coverage.measured(test.name, test.text)]
+    if fresh:
+        print(f"mutate: measuring {len(fresh)} tests on the unchanged tree", flush=True)
+    for test in sorted(fresh, key=lambda test: test.command[-1].endswith(".py")):  # one at a time
+        test.measure(coverage)
+    return coverage
 
 
 def first_failure(tests, since):
@@ -153,14 +184,15 @@ def first_failure(tests, since):
     return None
 
 
-def in_order(tests, path, source):
-    """Those first that name most of what the file defines, the others by their time."""
+def in_order(tests, path, source, lucky):
+    """Those first that LUCKY says to have noticed slips of the file, then those that name most of what it
+    defines, the others by their time."""
     defined = set(re.findall(r"^\w[\w \*]*?\b(\w+)\(", source, re.MULTILINE))
     stem = pathlib.Path(path).stem
 
     def rank(test):
         names = len(defined & set(re.findall(r"\w+", test.text))) + 3 * (stem in test.name)
-        return -min(names, 8), test.seconds
+        return -lucky.get(test.name, 0), -min(names, 8), test.seconds
 
     return sorted(tests, key=rank)
 
@@ -234,7 +266,8 @@ class Session:
     def __init__(self, arguments):
         self.harmless = read_harmless(pathlib.Path(arguments.harmless))
         self.tree = Tree()
-        self.tests, self.code = [], {}
+        self.tests, self.code, self.coverage = [], {}, None
+        self.lucky = json.loads(LUCKY.read_text()) if LUCKY.exists() else {}
         self.noticed, self.missed, self.spared = {}, {}, {}
         self.waiting = []
         self.most_s = arguments.quick
@@ -242,39 +275,30 @@ class Session:
     def prepare(self):
         WORK.mkdir(parents=True, exist_ok=True)
         copy_tree()
-        if not (BUILD / "build.ninja").exists():
-            done = run(["meson", "setup", BUILD, TREE], env={**os.environ, **LINKER})
-            if done.returncode:
-                sys.exit(done.stdout)
-        print("mutate: compiling the unchanged tree", flush=True)
-        if not compiled():
-            sys.exit("mutate: the unchanged tree does not compile: " + run(["ninja", "-C", BUILD]).stdout[-2000:])
+        self.coverage = measure()
+        set_up(BUILD)
         self.code = {str(path): code_of(str(path)) for top in ("lib", "cli")
                      for path in (file.relative_to(TREE) for file in (TREE / top).rglob("*.c"))}  # fmt: skip
-        self.tests = self.timed(default_tests())
+        self.tests = [test for test in default_tests(BUILD) if self.coverage.measured(test.name, test.text)]
+        for test in self.tests:
+            test.seconds = self.coverage.seconds(test.name)
         if self.most_s is not None:
             self.tests = [test for test in self.tests if test.seconds <= self.most_s]
         quick = [test for test in self.tests if test.seconds <= QUICK_S]
         print(f"mutate: {len(self.tests)} tests, {len(quick)} of at most {QUICK_S:.0f} s", flush=True)
 
-    def timed(self, tests):
-        """Those that pass on the unchanged tree, with their times, which are kept from one call to the next."""
-        kept = WORK / "seconds.json"
-        known = json.loads(kept.read_text()) if kept.exists() else {}
-        fresh = [test for test in tests if test.name not in known]
-        if fresh:
-            print(f"mutate: timing {len(fresh)} tests on the unchanged tree", flush=True)
-        for test in fresh:  # one at a time
-            if test.measure():
-                known[test.name] = test.seconds
-                kept.write_text(json.dumps(known))
-        for test in tests:
-            test.seconds = known.get(test.name)
-        return [test for test in tests if test.seconds is not None]
+    def running(self, slip):
+        """The tests that run its line."""
+        names = self.coverage.runs(slip.path, slip.line)
+        return self.tests if names is None else [test for test in self.tests if test.name in names]
 
     def record(self, slip, by):
         to = self.noticed if by else self.missed
         to.setdefault(folder_of(slip.path), []).append(slip)
+        if by:
+            of = self.lucky.setdefault(slip.path, {})
+            of[by] = of.get(by, 0) + 1
+            LUCKY.write_text(json.dumps(self.lucky))
         print(f"{'noticed by ' + by if by else 'MISSED'}: {slip.name()}", flush=True)
         if not by:
             print(f"    {slip.text}", flush=True)
@@ -286,10 +310,11 @@ class Session:
             return True
         if not self.tree.put([slip]) or self.code.get(slip.path, "") == code_of(slip.path):
             return False
-        source = self.tree.clean[slip.path]
-        quick = [test for test in self.tests if test.seconds <= QUICK_S]
-        by = first_failure(in_order(quick, slip.path, source), self.tree.since)
-        if by:
+        source, running = self.tree.clean[slip.path], self.running(slip)
+        quick = [test for test in running if test.seconds <= QUICK_S]
+        lucky = self.lucky.get(slip.path, {})
+        by = first_failure(in_order(quick, slip.path, source, lucky), self.tree.since)
+        if by or len(quick) == len(running):
             self.record(slip, by)
         else:
             if any(slip.path == other.path for other in self.waiting):
@@ -310,7 +335,8 @@ class Session:
         self.waiting = []
 
     def together(self, some):
-        slow = [test for test in self.tests if test.seconds > QUICK_S]
+        names = {test.name for slip in some for test in self.running(slip) if test.seconds > QUICK_S}
+        slow = [test for test in self.tests if test.name in names]
         if not self.tree.put(some):
             by = "the compiler"
         else:
@@ -343,6 +369,13 @@ class Session:
         print(f"{folder:{width}}  {tried:5}  {counts[0]:7}  {counts[1]:6} {share}  {counts[2]:14}")
 
 
+def list_unrun(coverage):
+    for path, some in sorted(coverage.unrun().items()):
+        lines = (TREE / path).read_text().splitlines()
+        for first, last in some:
+            print(f"{path}:{first}: {last - first + 1} lines: {lines[first - 1].strip()}")
+
+
 def main():
     parser = argparse.ArgumentParser(prog="./dev mutate", description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)  # fmt: skip
@@ -353,7 +386,13 @@ def main():
                         help="leave out tests that take longer, which may notice more")  # fmt: skip
     parser.add_argument("--harmless", default=pathlib.Path(__file__).with_name("harmless.txt"),
                         help="slips known to change nothing")  # fmt: skip
+    parser.add_argument("--unrun", action="store_true", help="list the lines that no test runs")
     arguments = parser.parse_args()
+    if arguments.unrun:
+        WORK.mkdir(parents=True, exist_ok=True)
+        copy_tree()
+        list_unrun(measure())
+        return
     begun = time.monotonic()
     session = Session(arguments)
     session.prepare()
