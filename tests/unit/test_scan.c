@@ -2,6 +2,8 @@
 #include "asserts.h"
 #include "test_context.h"
 
+#include "detect/evidence.h"
+
 #include <asdic/scan.h>
 
 #include <math.h>
@@ -332,6 +334,84 @@ static void echoes_lie_on_the_floor_that_is_known(void **state) {
     asdic_occupancy_destroy(&r.map);
 }
 
+/* Cells are heard whose centres lie within the range: to the north, south, east and west of the sonar the
+ * farthest one 5 mm nearer than that, the next one a side farther. */
+static void cells_lie_at_their_centres(void **state) {
+    (void)state;
+    const double cell_m = 0.25, range_m = MAP_BINS * 0.5;
+    for (int k = 0; k < 4; k++) {
+        map_rig r;
+        map_begin(&r, 1);
+        asdic_occupancy_destroy(&r.map);
+        asdic_vec3 low = {-60.0, -60.0, 0.0}, high = {60.0, 60.0, 0.0};
+        assert_ok(ctx, asdic_occupancy_create(ctx, low, high, cell_m, 0.01, 10.0, &r.map));
+        r.sonar.bin_length_m = 0.5;
+        r.sonar.transmitter.length_v_m = r.beams[0].length_v_m =
+            1.0; /* flat: slant is no farther */
+        /* The centre of [row][column] is at -60 + 0.125 + 0.25 row. */
+        const double centre_m = -60.0 + (440 + 0.5) * cell_m; /* 50.125 */
+        double shift = centre_m - range_m + 0.005;
+        double c = cos(k * 90.0 * DEGREE), s = sin(k * 90.0 * DEGREE);
+        r.pose = (asdic_pose){
+            .position_m = {shift * c + 0.125 * fabs(s), shift * s + 0.125 * fabs(c), 0.0},
+            .yaw_rad = k * 90.0 * DEGREE};
+        map_look(&r);
+        for (int step = 0; step < 2; step++) {
+            size_t there = (size_t)(k < 2 ? 440 + step : 39 - step), here = 240;
+            size_t row = k % 2 ? here : there, column = k % 2 ? there : here;
+            assert_int_equal(isnan(r.map->log_odds[row * r.map->columns + column]), step);
+        }
+        asdic_occupancy_destroy(&r.map);
+    }
+}
+
+/* Where hardly anything is expected, a quiet look at a cell multiplies its odds by the mean of the ratios of
+ * its heights: that of the beam where it hears, 1 elsewhere. The share heard is the beam's height of that of
+ * all the water, cut off at the surface; unknown floors leave what is heard. */
+static void water_that_is_not_heard_says_nothing(void **state) {
+    (void)state;
+    static const double depth_m[] = {6.0, 1.0, 6.0, INFINITY};
+    static const float floor_m[] = {15.0f, 10.0f, NAN, 15.0f};
+    for (int i = 0; i < 4; i++) {
+        map_rig r;
+        asdic_evidence seen = {0};
+        map_begin(&r, 1);
+        asdic_occupancy_destroy(&r.map);
+        asdic_vec3 low = {-1.0, -30.0, 0.0}, high = {60.0, 30.0, 0.0};
+        assert_ok(ctx, asdic_occupancy_create(ctx, low, high, 0.25, 1e-9, 100.0, &r.map));
+        r.sonar.bin_length_m = 0.5;
+        r.depth_m = depth_m[i];
+        r.pose.position_m.z = isinf(depth_m[i]) ? 6.0 : depth_m[i];
+        for (size_t k = 0; k < r.map->rows * r.map->columns; k++) {
+            r.map->floor_depth_m[k] = floor_m[i];
+        }
+        const asdic_look look = {.sonar = &r.sonar,
+                                 .sound_speed_mps = SPEED,
+                                 .pose = r.pose,
+                                 .depth_m = r.depth_m,
+                                 .bins = MAP_BINS,
+                                 .intensity_lin = r.intensity,
+                                 .background_lin = r.background,
+                                 .snr_db = 10.0};
+        assert_ok(ctx, asdic_evidence_create(ctx, &look, &seen));
+        assert_int_equal(seen.arcs, 1);
+        double ratio = seen.ratio[60], away_m = 30.125;
+        double above = fmin(-away_m * seen.headings[0].slope_low, depth_m[i]);
+        double heard = above + away_m * seen.headings[0].slope_high;
+        double all = isnan(floor_m[i]) || isinf(depth_m[i])
+                         ? heard
+                         : floor_m[i] - r.pose.position_m.z + depth_m[i];
+        assert_true(heard > 3.0 && heard <= all);
+        map_look(&r);
+        size_t row = (size_t)(31.1 / 0.25), column = (size_t)(30.1 / 0.25);
+        double prior = isnan(floor_m[i]) ? log(1e-9) : log(0.5e-9); /* half of it on the floor */
+        double got = (double)r.map->part[ASDIC_OCCUPANCY_WATER][row * r.map->columns + column];
+        assert_close(got, prior + log(1.0 + heard / all * (ratio - 1.0)), 1e-4);
+        asdic_evidence_finish(&seen);
+        asdic_occupancy_destroy(&r.map);
+    }
+}
+
 /* Fixed in the world, clipped, and no larger than memory. */
 static void maps_have_limits(void **state) {
     (void)state;
@@ -491,6 +571,8 @@ int main(void) {
         cmocka_unit_test(poses_tell_cells_apart),
         cmocka_unit_test(side_lobes_are_explained),
         cmocka_unit_test(echoes_lie_on_the_floor_that_is_known),
+        cmocka_unit_test(cells_lie_at_their_centres),
+        cmocka_unit_test(water_that_is_not_heard_says_nothing),
         cmocka_unit_test(maps_have_limits),
         cmocka_unit_test(tracks_follow),
         cmocka_unit_test(clutter_confirms_tracks_as_said),
