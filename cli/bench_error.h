@@ -35,7 +35,9 @@ typedef struct bench_scene {
     double reference_rays;                  /* 0: quadrature */
 } bench_scene;
 
-/* Scene INDEX of those asked for. It is finished after a failure, too. */
+/* Scene INDEX of those asked for, without a reference. It is finished after a failure, too. */
+asdic_status bench_scene_load(const bench *b, size_t index, bench_scene *out);
+/* The same with its reference. */
 asdic_status bench_scene_open(const bench *b, size_t index, const bench_effort *effort,
                               bench_scene *out);
 /* A simulator of the scene and a ping that fits it; both destroyed by the caller, also on

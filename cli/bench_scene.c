@@ -92,8 +92,7 @@ static asdic_status take_mean(const bench *b, const bench_effort *effort, bench_
     return status;
 }
 
-asdic_status bench_scene_open(const bench *b, size_t index, const bench_effort *effort,
-                              bench_scene *out) {
+asdic_status bench_scene_load(const bench *b, size_t index, bench_scene *out) {
     char buffer[4096];
     const char *path = bench_scene_path(b, index, buffer, sizeof buffer);
     *out = (bench_scene){0};
@@ -111,6 +110,12 @@ asdic_status bench_scene_open(const bench *b, size_t index, const bench_effort *
     out->first_bin = (size_t)ceil(nearest_m / out->sonar.bin_length_m - 1e-9);
     out->first_bin = out->first_bin < out->bins ? out->first_bin : 0;
     out->far_bin = out->bins - (out->bins - out->first_bin) / 3;
+    return ASDIC_OK;
+}
+
+asdic_status bench_scene_open(const bench *b, size_t index, const bench_effort *effort,
+                              bench_scene *out) {
+    TRY(bench_scene_load(b, index, out));
     out->reference_lin = calloc(out->beams * out->bins, sizeof *out->reference_lin);
     if (!out->reference_lin) {
         return ASDIC_ERROR_MEMORY;
