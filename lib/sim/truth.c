@@ -40,7 +40,7 @@ asdic_status asdic_truth_init(asdic_simulator *sim) {
     size_t pings = sim->setup.ping_batch, points = scene->point_count;
     points *= sim->setup.layer_count > 0 ? ASDIC_MOST_EIGENRAYS * ASDIC_MOST_EIGENRAYS : 1;
     t->table = calloc(pings * t->rows, sizeof *t->table);
-    t->work = calloc((5 * TILE + 1) * bins, sizeof *t->work);
+    t->work = calloc((5 * TILE + 3) * bins, sizeof *t->work);
     t->points = calloc(points + 1, sizeof *t->points);
     t->point_lin = calloc(points * beams + 1, sizeof *t->point_lin);
     if (!t->table || !t->work || !t->points || !t->point_lin) {
@@ -207,7 +207,7 @@ WIDEST static void add_floats(const float *cells, size_t beams, double worth, do
 }
 
 /* Adds the energies of ROW to ENERGY, [beam][bin]: a quantum is worth UNIT times the bin's loss. */
-static dev_truth_row gather(const telling *to, size_t row, double unit, double *energy) {
+static void gather(const telling *to, size_t row, double unit, double *energy) {
     const asdic_truth_rows *t = &to->sim->truth;
     const dev_sums *sums = &to->shot->ping->sums;
     dev_truth_row r = t->table[to->nth * t->rows + row];
@@ -226,7 +226,6 @@ static dev_truth_row gather(const telling *to, size_t row, double unit, double *
             }
         }
     }
-    return r;
 }
 
 static void smear(const telling *to, double *energy) {
@@ -295,7 +294,8 @@ static inline double arcsine(double x) {
     for (int k = 6; k >= 0; k--) {
         sum = sum * y + a[k];
     }
-    return copysign(0.5 * ASDIC_PI - sqrt(1.0 - y) * sum, x);
+    double angle = 0.5 * ASDIC_PI - sqrt(1.0 - y) * sum;
+    return x < 0.0 ? -angle : angle; /* copysign keeps AVX-512's vectors out */
 }
 
 /* DEPRESSION from the energy-weighted MOMENT of (1 + sine) / 2 in the ECHO. */
@@ -337,68 +337,101 @@ static void tell_depressions(const telling *to, double *moment, double *echo) {
 
 /* What a bin holds, by arrays over the bins of a beam. */
 typedef struct holdings {
-    const double *bottom, *surface, *volume, *object, *multipath, *noise;
+    const double *part[ASDIC_COMPONENT_COUNT];
     const double *by_surface, *by_bottom; /* of the multipath */
-    const double *strongest_object;
+    double *most;                         /* the strongest object's, then the strongest of all */
+    double *once, *per_total;             /* room: scattered once; what makes energies shares */
 } holdings;
 
-WIDEST static void tell_shares(const holdings *h, size_t bins, asdic_ping_truth *truth,
-                               size_t first) {
-    int16_t *restrict strongest = truth->strongest + first;
-    const int16_t *restrict who = truth->object + first;
-    float *restrict share = truth->share + first, *restrict objects = truth->object_share + first;
-    float *restrict direct = truth->path[ASDIC_PATH_DIRECT] + first;
-    float *restrict surface = truth->path[ASDIC_PATH_BY_SURFACE] + first;
-    float *restrict bottom = truth->path[ASDIC_PATH_BY_BOTTOM] + first;
-    float *restrict object = truth->path[ASDIC_PATH_BY_OBJECT] + first;
-    float *restrict noise = truth->path[ASDIC_PATH_NOISE] + first;
+/* Loops of few arrays, which compilers make vectors of. */
+WIDEST static void add_up(const double *const *part, size_t bins, double *restrict once,
+                          double *restrict per_total) {
+    const double *bottom = part[ASDIC_BOTTOM], *surface = part[ASDIC_SURFACE];
+    const double *volume = part[ASDIC_VOLUME], *object = part[ASDIC_OBJECT];
+    const double *multipath = part[ASDIC_MULTIPATH], *noise = part[ASDIC_NOISE];
     for (size_t n = 0; n < bins; n++) {
-        double once = h->bottom[n] + h->surface[n] + h->volume[n] + h->object[n];
-        double total = once + h->multipath[n] + h->noise[n];
-        double each = total > 0.0 ? 1.0 / total : 0.0, most = h->strongest_object[n];
-        double rest = h->multipath[n] - h->by_surface[n] - h->by_bottom[n];
-        int16_t is = most > 0.0 ? who[n] : 0;
-#define TAKE(energy, component)                                                                    \
-    is = (energy) > most ? -(component) : is;                                                      \
-    most = (energy) > most ? (energy) : most
-        TAKE(h->bottom[n], ASDIC_BOTTOM);
-        TAKE(h->surface[n], ASDIC_SURFACE);
-        TAKE(h->volume[n], ASDIC_VOLUME);
-        TAKE(h->multipath[n], ASDIC_MULTIPATH);
-        TAKE(h->noise[n], ASDIC_NOISE);
-#undef TAKE
-        strongest[n] = is;
-        share[n] = (float)(most * each);
-        objects[n] = (float)(h->strongest_object[n] * each);
-        direct[n] = (float)(once * each);
-        surface[n] = (float)(h->by_surface[n] * each);
-        bottom[n] = (float)(h->by_bottom[n] * each);
-        object[n] = (float)((rest > 0.0 ? rest : 0.0) * each);
-        noise[n] = (float)(h->noise[n] * each);
+        once[n] = bottom[n] + surface[n] + volume[n] + object[n];
+        double total = once[n] + multipath[n] + noise[n];
+        per_total[n] = 1.0 / (total > 0.0 ? total : 1.0);
     }
 }
 
+WIDEST static void multiply(const double *restrict a, const double *restrict b, size_t count,
+                            float *restrict product) {
+    for (size_t n = 0; n < count; n++) {
+        product[n] = (float)(a[n] * b[n]);
+    }
+}
+
+/* The share of ALL that neither surface nor bottom passed on. */
+WIDEST static void take_rest(const double *restrict all, const double *restrict by_surface,
+                             const double *restrict by_bottom, const double *restrict per_total,
+                             size_t count, float *restrict share) {
+    for (size_t n = 0; n < count; n++) {
+        double rest = all[n] - by_surface[n] - by_bottom[n];
+        share[n] = (float)((rest > 0.0 ? rest : 0.0) * per_total[n]);
+    }
+}
+
+static void tell_shares(const holdings *h, size_t bins, const asdic_ping_truth *truth,
+                        size_t first) {
+    float *const *path = truth->path;
+    add_up(h->part, bins, h->once, h->per_total);
+    multiply(h->most, h->per_total, bins, truth->object_share + first);
+    multiply(h->once, h->per_total, bins, path[ASDIC_PATH_DIRECT] + first);
+    multiply(h->by_surface, h->per_total, bins, path[ASDIC_PATH_BY_SURFACE] + first);
+    multiply(h->by_bottom, h->per_total, bins, path[ASDIC_PATH_BY_BOTTOM] + first);
+    take_rest(h->part[ASDIC_MULTIPATH], h->by_surface, h->by_bottom, h->per_total, bins,
+              path[ASDIC_PATH_BY_OBJECT] + first);
+    multiply(h->part[ASDIC_NOISE], h->per_total, bins, path[ASDIC_PATH_NOISE] + first);
+}
+
+/* Objects come first: of equal energies theirs is the strongest. */
+static void tell_strongest(const holdings *h, size_t bins, const asdic_ping_truth *truth,
+                           size_t first) {
+    static const asdic_component components[] = {ASDIC_BOTTOM, ASDIC_SURFACE, ASDIC_VOLUME,
+                                                 ASDIC_MULTIPATH, ASDIC_NOISE};
+    memcpy(truth->strongest + first, truth->object + first, bins * sizeof *truth->strongest);
+    for (size_t k = 0; k < sizeof components / sizeof *components; k++) {
+        take_stronger(h->part[components[k]], (int16_t) - (int)components[k], bins, h->most,
+                      truth->strongest + first);
+    }
+    multiply(h->most, h->per_total, bins, truth->share + first);
+}
+
+/* Of WORK the first tile is 0 before and after, and the last row always. */
 static void tell_tile(const telling *to) {
-    size_t bins = to->out->bins, tile = TILE * bins;
+    size_t bins = to->out->bins, tile = TILE * bins, used = to->beams * bins * sizeof(double);
     double *work = to->sim->truth.work, *const *part = to->out->intensity_lin;
     double *most = work + tile, *by_surface = work + 2 * tile, *by_bottom = work + 3 * tile,
-           *moment = work + 4 * tile;
+           *moment = work + 4 * tile, *row = work + 5 * tile, *none = row + 2 * bins;
     double unit = to->source_lin / to->shot->ping->sums.scale[DEV_DEPOSIT_MULTIPATH];
-    memset(work, 0, 5 * tile * sizeof *work);
-    if (gather(to, DEV_TRUTH_BY_SURFACE, unit, by_surface).high > 0) {
+    bool boundaries =
+        to->sim->truth.table[to->nth * to->sim->truth.rows + DEV_TRUTH_BY_SURFACE].high;
+    if (boundaries) {
+        memset(by_surface, 0, used);
+        memset(by_bottom, 0, used);
+        gather(to, DEV_TRUTH_BY_SURFACE, unit, by_surface);
         gather(to, DEV_TRUTH_BY_BOTTOM, unit, by_bottom);
         smear(to, by_surface);
         smear(to, by_bottom);
     }
+    memset(most, 0, used);
+    memset(moment, 0, used);
     find_objects(to, work, most);
-    tell_depressions(to, moment, work + 5 * tile);
+    tell_depressions(to, moment, row);
     for (size_t b = 0; b < to->beams; b++) {
         size_t first = (to->beam + b) * bins;
-        const holdings h = {
-            part[ASDIC_BOTTOM] + first, part[ASDIC_SURFACE] + first,   part[ASDIC_VOLUME] + first,
-            part[ASDIC_OBJECT] + first, part[ASDIC_MULTIPATH] + first, part[ASDIC_NOISE] + first,
-            by_surface + b * bins,      by_bottom + b * bins,          most + b * bins};
+        holdings h = {.by_surface = boundaries ? by_surface + b * bins : none,
+                      .by_bottom = boundaries ? by_bottom + b * bins : none,
+                      .most = most + b * bins,
+                      .once = row,
+                      .per_total = row + bins};
+        for (int c = 0; c < ASDIC_COMPONENT_COUNT; c++) {
+            h.part[c] = part[c] + first;
+        }
         tell_shares(&h, bins, to->out->truth, first);
+        tell_strongest(&h, bins, to->out->truth, first);
     }
 }
 
