@@ -27,10 +27,15 @@
 #define VOLUME_STEPS (DEV_WATER_SETS * MAX_ARRIVALS - 2u)
 #define VOLUME_HIGH R(1.5)
 /* Between places on the way at which F is looked at, the width of a tube changes by this share, or by more, where
- * F hardly does; but they are this share of the range apart at least, less than what a caustic is held over. */
+ * F changes by less than VOLUME_EVEN; but they are this share of the range apart at least, less than what a caustic
+ * is held over. Any part of a leg is taken at once where F changes by less than VOLUME_FLAT: on a leg F has
+ * hardly more than one extremum, since both widths are linear in T. */
 #define VOLUME_STRIDE R(0.15)
 #define VOLUME_FAR_STRIDE R(0.5)
 #define VOLUME_LEAST_STRIDE R(4e-3)
+#define VOLUME_ANY_STRIDE R(64.0)
+#define VOLUME_EVEN R(0.06)
+#define VOLUME_FLAT R(0.01)
 /* Legs and strides, at most: a ray that is trapped may cross a plane again and again. */
 #define VOLUME_MOST 20000u
 /* Water is smoother than a bottom: of more rays than this each second one stands for both, of more than four times
@@ -77,19 +82,29 @@ static wander set_out(__global const dev_ping *ping, const layer_stack *to, trip
 }
 
 /* Takes the rays that are ON farther, within their legs: by STRIDE of the way on which their tubes would narrow to
- * nothing or have widened from it, and of the range. */
-static void stride_on(wander *way, real stride, real bin_m, real minus_2k, mask on) {
-    real width = r_abs(way->r.along + way->r.slope * way->t);
-    real by = stride * width / r_max(r_abs(way->r.slope), R(1e-6));
+ * nothing or have widened from it, and of the range; chooses the next STRIDE. Returns those that went on: others
+ * have to try a shorter one. */
+static mask stride_on(wander *way, real *stride, real bin_m, real minus_2k, mask on) {
+    real width = way->r.along + way->r.slope * way->t;
+    mask narrows = width * way->r.slope < R(0.0);
+    real by = choose(narrows, r_min(*stride, VOLUME_FAR_STRIDE), *stride) * r_abs(width) /
+              r_max(r_abs(way->r.slope), R(1e-6));
     real least = r_max(VOLUME_LEAST_STRIDE * way->range, R(0.05) * bin_m);
-    by = r_max(r_min(by, stride * (way->range + R(4.0) * bin_m)), least);
+    by = r_max(r_min(by, *stride * (way->range + R(4.0) * bin_m)), least);
     real t = r_min(r_min(way->t + by, way->leave), way->until);
+    real range = choose(t >= way->until, way->end, ray_range(&way->r, t));
+    real f = ray_bending(&way->r, t, r_max(range, R(1e-3)), minus_2k);
+    f *= bent_at(&way->r, t).q / way->r.pace; /* a metre of range is c / c_s of the path */
+    f = r_max(f, R(1e-12));
+    real change = r_abs(f - way->f) / way->f;
+    mask flat = change < VOLUME_FLAT, even = (change < VOLUME_EVEN) & (t < way->leave);
+    on &= flat | (*stride <= VOLUME_FAR_STRIDE);
+    real next = choose(even, r_min(R(2.0) * *stride, VOLUME_FAR_STRIDE), VOLUME_STRIDE);
+    *stride = choose(flat, VOLUME_ANY_STRIDE, choose(on, next, VOLUME_STRIDE));
     way->t = choose(on, t, way->t);
-    way->range = choose(on, ray_range(&way->r, way->t), way->range);
-    way->range = choose(on & (way->t >= way->until), way->end, way->range);
-    real f = ray_bending(&way->r, way->t, r_max(way->range, R(1e-3)), minus_2k);
-    f *= bent_at(&way->r, way->t).q / way->r.pace; /* a metre of range is c / c_s of the path */
-    way->f = choose(on, r_max(f, R(1e-12)), way->f);
+    way->range = choose(on, range, way->range);
+    way->f = choose(on, f, way->f);
+    return on;
 }
 
 /* Takes the rays that are ON, and stand at the end of their legs, to the next. */
@@ -155,6 +170,7 @@ typedef struct volume_grain {
 /* A rounding under way: the level, and the mean's beginning and sum. */
 typedef struct rounding {
     real level, from, sum;
+    real exact; /* the level before it is rounded */
 } rounding;
 
 /* Takes the rays that are ON from range BEFORE, where F was F_BEFORE, to where they are now. */
@@ -170,7 +186,7 @@ static void round_share(steps *s, rounding *at, const wander *way, const volume_
     mask leap = whole & (level != at->level);
     if (any_true(leap)) {
         /* Between the two places F goes by the logarithm. */
-        real then = log(f_before) / grain->height + draw->first;
+        real then = at->exact;
         real edge = R(0.5) * (at->level + level + R(1.0));
         real share = (edge - then) / choose(now == then, R(1.0), now - then);
         real place = choose(coarse, at->from, before + apart * r_min(r_max(share, R(0.0)), R(1.0)));
@@ -181,6 +197,7 @@ static void round_share(steps *s, rounding *at, const wander *way, const volume_
         s->end = choose(leap, q, s->end);
         at->level = choose(leap, level, at->level);
     }
+    at->exact = choose(on, now, at->exact);
     at->sum = choose(whole, R(0.0), at->sum);
     at->from = choose(whole, way->range, at->from);
 }
@@ -189,20 +206,17 @@ static void round_share(steps *s, rounding *at, const wander *way, const volume_
 static steps follow_water(__global const dev_ping *ping, const layer_stack *to, triple sent,
                           const volume_draw *draw, natural last, const volume_grain *grain) {
     real minus_2k = (real)(-2.0f * ping->absorption_np_per_m), bin_m = (real)(ping->bin_m);
-    real end = (to_real(last) + draw->place) * bin_m, stride = VOLUME_STRIDE;
+    real end = (to_real(last) + draw->place) * bin_m, stride = VOLUME_ANY_STRIDE;
     wander way = set_out(ping, to, sent, end);
     steps s;
     s.count = (natural)(0u);
     s.end = R(0.0);
-    rounding at = {(real)(-INFINITY), R(0.0), R(0.0)};
+    rounding at = {(real)(-INFINITY), R(0.0), R(0.0), draw->first};
     mask on = (mask)(-1);
     for (uint i = 0; i < VOLUME_MOST && any_true(on); i++) {
         real before = way.range, f_before = way.f;
-        stride_on(&way, stride, bin_m, minus_2k, on);
-        round_share(&s, &at, &way, draw, grain, before, f_before, bin_m, on);
-        mask even = r_abs(way.f - f_before) < R(0.06) * f_before;
-        even &= way.t < way.leave;
-        stride = choose(even, r_min(R(2.0) * stride, VOLUME_FAR_STRIDE), VOLUME_STRIDE);
+        mask moved = stride_on(&way, &stride, bin_m, minus_2k, on);
+        round_share(&s, &at, &way, draw, grain, before, f_before, bin_m, moved);
         change_legs(&way, on);
         on &= way.range < end;
     }

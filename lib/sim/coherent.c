@@ -325,7 +325,8 @@ static asdic_status run_scatterers(asdic_simulator *sim, asdic_coherent *c) {
                                 ASDIC_ARG_BUFFER(s->owner),   ASDIC_ARG_BUFFER(s->rays)};
     TRY(asdic_kernel_run(c->place, place, COUNT(place), c->now.patches, local));
     if (sim->tracer) {
-        TRY(asdic_tracer_run(sim->tracer, s->rays, s->hits, c->now.scatterers, c->now.scatterers, 0));
+        TRY(asdic_tracer_run(sim->tracer, s->rays, s->hits, c->now.scatterers, c->now.scatterers,
+                             0));
     }
     asdic_kernel_arg shade[] = {
         ASDIC_ARG_BUFFER(ping),
