@@ -35,6 +35,7 @@ struct asdic_mission {
     asdic_trial_plan trial; /* of a run of a trial; without a section as its defaults say */
     double *points_m;       /* of the flight */
     char *geometry;         /* what the scene was made from, of a run of a trial */
+    size_t ground_length;   /* of it, surface and bottom */
     asdic_setting *drawn;   /* of a run of a trial; one of NULL ends it; NULL: nothing was drawn */
     /* Of missions by asdic_mission_load_like. */
     char form[65];             /* hash of all but the places of objects and vehicle */

@@ -91,6 +91,16 @@ static void put_settings(mission_builder *b, asdic_yaml_node *root, bool is_firs
     }
 }
 
+/* Whether a setting is in the place of what is drawn for KEY. */
+static const asdic_setting *setting_of(const mission_builder *b, const char *key) {
+    for (size_t i = b->setting_count; i-- > 0;) {
+        if (strcmp(b->settings[i].key, key) == 0) {
+            return &b->settings[i];
+        }
+    }
+    return NULL;
+}
+
 /* The section `trial` of ROOT, which loses it when a run is drawn; FILE is zero without it. */
 static void read_trial(mission_builder *b, asdic_yaml_node *root, file_trial *file) {
     asdic_yaml_node *node = b->draw ? asdic_yaml_child(root, "trial") : NULL;
@@ -102,6 +112,16 @@ static void read_trial(mission_builder *b, asdic_yaml_node *root, file_trial *fi
     if (node) {
         asdic_scene_draw_check(file, b->arena, b->problems);
         asdic_mission_take_out(root, node);
+    }
+}
+
+/* Files that are set stand in place of those that were drawn. */
+static void put_drawn_files(mission_builder *b, asdic_yaml_node *root, const asdic_drawn *drawn) {
+    for (size_t i = 0; i < drawn->count; i++) {
+        const asdic_setting *set = setting_of(b, drawn->items[i].key);
+        if (set) {
+            asdic_scene_file_set(root, set, b->arena, b->problems);
+        }
     }
 }
 
@@ -120,6 +140,7 @@ static asdic_status read_scene(mission_builder *b, asdic_yaml_node **root, file_
     put_settings(b, *root, true);
     read_trial(b, *root, trial);
     asdic_scene_draw(*root, trial, b->draw, true, b->arena, b->problems, drawn);
+    put_drawn_files(b, *root, drawn);
     TRY(asdic_mission_include(b, *root, &included));
     asdic_scene_draw(*root, trial, b->draw, false, b->arena, b->problems, drawn);
     if (included && !b->draw) {
@@ -133,7 +154,9 @@ static asdic_status keep_drawn(mission_builder *b, const asdic_drawn *drawn) {
     asdic_setting *kept = calloc(drawn->count + 1, sizeof *kept);
     b->mission->drawn = kept;
     for (size_t i = 0; kept && i < drawn->count; i++) {
-        kept[i] = (asdic_setting){strdup(drawn->items[i].key), strdup(drawn->items[i].value)};
+        const char *key = drawn->items[i].key;
+        const asdic_setting *set = setting_of(b, key);
+        kept[i] = (asdic_setting){strdup(key), strdup(set ? set->value : drawn->items[i].value)};
         kept = kept[i].key && kept[i].value ? kept : NULL;
     }
     return kept ? ASDIC_OK : asdic_fail_memory(b->ctx, "what was drawn");
@@ -147,6 +170,7 @@ static asdic_status keep_geometry(mission_builder *b, const asdic_yaml_node *roo
     for (size_t i = 0; i < sizeof keys / sizeof *keys; i++) {
         const asdic_yaml_node *node = asdic_yaml_child(root, keys[i]);
         asdic_text_format(&text, "%s:\n", keys[i]);
+        b->mission->ground_length = text.length; /* up to the objects, the last */
         if (node) {
             asdic_yaml_print(node, &text);
         }

@@ -264,6 +264,25 @@ static bool can_take(const mission_builder *b) {
            strcmp(donor->geometry, b->mission->geometry) == 0;
 }
 
+/* Whether the donor's bottom and surface are what the file describes, and can be kept. */
+static bool can_take_ground(const mission_builder *b) {
+    const asdic_mission *donor = b->donor, *m = b->mission;
+    return donor && donor->scene && donor->geometry && m->geometry && donor->row_files == 0 &&
+           b->problems->total == 0 && donor->ground_length == m->ground_length &&
+           strncmp(donor->geometry, m->geometry, m->ground_length) == 0 &&
+           asdic_scene_can_reopen(donor->scene);
+}
+
+/* The donor's scene without its objects; the bottom is the first of what the mission lists. */
+static asdic_status take_ground(mission_builder *b) {
+    asdic_mission *m = b->mission, *donor = b->donor;
+    m->scene = donor->scene;
+    m->bottom = donor->bottom;
+    m->objects[m->object_count++] = donor->objects[0];
+    donor->scene = NULL;
+    return asdic_scene_reopen(m->scene);
+}
+
 static void take_scene(mission_builder *b) {
     asdic_mission *m = b->mission, *donor = b->donor;
     m->scene = donor->scene;
@@ -312,17 +331,13 @@ asdic_status asdic_mission_borrow_scene(mission_builder *b) {
     return ASDIC_OK;
 }
 
-asdic_status asdic_mission_build_scene(mission_builder *b) {
+/* Surface and bottom. */
+static asdic_status build_ground(mission_builder *b) {
     const asdic_scene_file *file = b->file;
-    if (can_take(b)) {
-        take_scene(b);
-        return ASDIC_OK;
-    }
-    b->mission->objects = calloc(file->objects.count + 1, sizeof *b->mission->objects);
-    if (!b->mission->objects) {
-        return asdic_fail_memory(b->ctx, "the objects");
-    }
     TRY(asdic_scene_create(b->ctx, &b->mission->scene));
+    if (b->mission->geometry) {
+        asdic_scene_keep_ground(b->mission->scene);
+    }
     asdic_scene_set_surface(b->mission->scene, file->surface.enabled);
     asdic_material_file rows;
     asdic_material surface = asdic_scene_file_surface(file, &rows);
@@ -333,7 +348,20 @@ asdic_status asdic_mission_build_scene(mission_builder *b) {
     if (b->problems->total == 0) {
         TRY(asdic_scene_reserve(b->mission->scene, count_primitives(file)));
     }
-    TRY(build_bottom(b));
+    return build_bottom(b);
+}
+
+asdic_status asdic_mission_build_scene(mission_builder *b) {
+    const asdic_scene_file *file = b->file;
+    if (can_take(b)) {
+        take_scene(b);
+        return ASDIC_OK;
+    }
+    b->mission->objects = calloc(file->objects.count + 1, sizeof *b->mission->objects);
+    if (!b->mission->objects) {
+        return asdic_fail_memory(b->ctx, "the objects");
+    }
+    TRY(can_take_ground(b) ? take_ground(b) : build_ground(b));
     for (size_t i = 0; i < file->objects.count; i++) {
         TRY(build_object(b, i));
     }

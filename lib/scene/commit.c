@@ -14,25 +14,50 @@
 
 #include <stdlib.h>
 
-/* Bounding spheres of the parts; the triangles of a part are contiguous. The scene's box and its
- * centre. */
+/* The lower and the upper corner of a box. */
+typedef struct box {
+    asdic_vec3 lo, hi;
+} box;
+
+static box join(box a, box b) {
+    return (box){
+        {fmin(a.lo.x, b.lo.x), fmin(a.lo.y, b.lo.y), fmin(a.lo.z, b.lo.z)},
+        {fmax(a.hi.x, b.hi.x), fmax(a.hi.y, b.hi.y), fmax(a.hi.z, b.hi.z)},
+    };
+}
+
+/* Bounding spheres of the parts that are not placed yet; the triangles of a part are contiguous. The
+ * boxes of the scene and of the ground: bottoms, before any object. The ground's centre is the
+ * origin, so that objects come and go without it; without a ground the scene's centre. */
 static void measure_parts(asdic_scene *scene) {
-    asdic_vec3 lo = {INFINITY, INFINITY, INFINITY}, hi = {-INFINITY, -INFINITY, -INFINITY};
-    for (size_t begin = 0, end; begin < scene->triangle_count; begin = end) {
+    const box empty = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+    box all = empty, ground = empty;
+    size_t count = scene->built;
+    if (count > 0) {
+        all = ground = (box){scene->ground_min_m, scene->ground_max_m};
+    }
+    for (size_t begin = count, end; begin < scene->triangle_count; begin = end) {
         uint32_t number = scene->corner_parts[begin];
         for (end = begin; end < scene->triangle_count && scene->corner_parts[end] == number;) {
             end++;
         }
-        asdic_vec3 part_lo, part_hi;
+        box part;
         asdic_place_sphere(&scene->corners_m[9 * begin], end - begin, &scene->parts[number],
-                           &part_lo, &part_hi);
-        lo = (asdic_vec3){fmin(lo.x, part_lo.x), fmin(lo.y, part_lo.y), fmin(lo.z, part_lo.z)};
-        hi = (asdic_vec3){fmax(hi.x, part_hi.x), fmax(hi.y, part_hi.y), fmax(hi.z, part_hi.z)};
+                           &part.lo, &part.hi);
+        all = join(all, part);
+        if (begin == count && scene->parts[number].kind == DEV_KIND_BOTTOM) {
+            ground = join(ground, part);
+            count = end;
+        }
     }
     if (scene->triangle_count > 0) {
-        scene->min_m = lo;
-        scene->max_m = hi;
-        scene->origin_m = asdic_vec3_scale(asdic_vec3_add(lo, hi), 0.5);
+        box frame = count > 0 ? ground : all;
+        scene->min_m = all.lo;
+        scene->max_m = all.hi;
+        scene->ground_count = count;
+        scene->ground_min_m = ground.lo;
+        scene->ground_max_m = ground.hi;
+        scene->origin_m = asdic_vec3_scale(asdic_vec3_add(frame.lo, frame.hi), 0.5);
     }
 }
 
@@ -62,13 +87,14 @@ asdic_status asdic_scene_commit(asdic_scene *scene) {
     }
     double start_s = asdic_clock_s();
     measure_parts(scene);
-    free(scene->triangles);
-    scene->triangles = malloc((scene->triangle_count + 1) * sizeof *scene->triangles);
-    if (!scene->triangles) {
+    dev_triangle *grown =
+        realloc(scene->triangles, (scene->triangle_count + 1) * sizeof *scene->triangles);
+    if (!grown) {
         return asdic_fail(scene->ctx, ASDIC_ERROR_MEMORY,
                           "out of memory for a scene of %zu triangles", scene->triangle_count);
     }
-    for (size_t i = 0; i < scene->triangle_count; i++) {
+    scene->triangles = grown;
+    for (size_t i = scene->built; i < scene->triangle_count; i++) {
         scene->triangles[i] = (dev_triangle){.part = scene->corner_parts[i]};
         asdic_place_triangle(&scene->corners_m[9 * i], scene->origin_m, &scene->triangles[i]);
     }

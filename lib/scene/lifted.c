@@ -200,7 +200,8 @@ static asdic_status fill(const asdic_scene *scene, const dev_layer *layers, size
     enter_layer(&p, &layers[0]);
     *lifted = *scene;
     lifted->bend_per_m = bend_per_m;
-    lifted->bvh = (asdic_bvh){.root = DEV_EMPTY};
+    lifted->bvh = lifted->ground = (asdic_bvh){.root = DEV_EMPTY};
+    lifted->keeps_ground = false; /* the scene's is not lifted */
     lifted->copies = count_copies(scene, layers, layer_count);
     lifted->movable_count = movables * lifted->copies;
     lifted->movables = calloc(lifted->movable_count + 1, sizeof *lifted->movables);

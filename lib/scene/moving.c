@@ -178,6 +178,48 @@ static asdic_status join_all(asdic_scene *scene, const asdic_bvh *parts, asdic_r
     return ASDIC_OK;
 }
 
+/* OUT: A and B under one node. */
+static asdic_status join_two(asdic_context *ctx, const asdic_bvh *a, const asdic_bvh *b,
+                             asdic_bvh *out) {
+    *out = (asdic_bvh){.nodes = calloc(a->node_count + b->node_count + 1, sizeof *out->nodes),
+                       .blocks = malloc((a->block_count + b->block_count) * sizeof *out->blocks),
+                       .node_count = 1,
+                       .extent_m = fmaxf(a->extent_m, b->extent_m)};
+    if (!out->nodes || !out->blocks) {
+        asdic_bvh_finish(out);
+        return asdic_fail_memory(ctx, "a hierarchy of bottom and objects");
+    }
+    joiner j = {.out = out};
+    uint32_t words[2] = {join(&j, a), join(&j, b)};
+    asdic_root roots[2] = {asdic_root_of(out->nodes, out->blocks, words[0]),
+                           asdic_root_of(out->nodes, out->blocks, words[1])};
+    unsigned top;
+    asdic_top_build(out->nodes, roots, words[1] == DEV_EMPTY ? 1 : 2, &top);
+    out->depth = top + j.deepest;
+    return ASDIC_OK;
+}
+
+static asdic_status build(asdic_scene *scene, const uint32_t *ids, size_t count, asdic_bvh *out) {
+    return asdic_bvh_build(scene->ctx, scene->triangles, ids, count, scene->threads, out);
+}
+
+/* The hierarchy of what stays, COUNT triangles of these IDS in ascending order. */
+static asdic_status build_still(asdic_scene *scene, const uint32_t *ids, size_t count,
+                                asdic_bvh *out) {
+    size_t ground = scene->ground_count;
+    if (!scene->keeps_ground || ground == 0) {
+        return build(scene, ids, count, out);
+    }
+    asdic_bvh rest = {.root = DEV_EMPTY};
+    if (scene->ground.root == DEV_EMPTY) {
+        TRY(build(scene, ids, ground, &scene->ground));
+    }
+    TRY(build(scene, ids + ground, count - ground, &rest));
+    asdic_status status = join_two(scene->ctx, &scene->ground, &rest, out);
+    asdic_bvh_finish(&rest);
+    return status;
+}
+
 /* The ids of the triangles that stay. */
 static size_t list_still(const asdic_scene *scene, uint32_t *ids) {
     size_t count = 0;
@@ -195,24 +237,17 @@ static asdic_status build_parts(asdic_scene *scene, uint32_t *ids, asdic_bvh *pa
         for (size_t k = 0; k < m->count; k++) {
             ids[k] = (uint32_t)(m->first + k);
         }
-        TRY(asdic_bvh_build(scene->ctx, scene->triangles, ids, m->count, scene->threads,
-                            &parts[i]));
+        TRY(build(scene, ids, m->count, &parts[i]));
     }
     size_t still = list_still(scene, ids);
-    return asdic_bvh_build(scene->ctx, scene->triangles, ids, still, scene->threads,
-                           &parts[scene->movable_count]);
+    return build_still(scene, ids, still, &parts[scene->movable_count]);
 }
 
-asdic_status asdic_scene_assemble(asdic_scene *scene) {
+static asdic_status assemble_with_movables(asdic_scene *scene, uint32_t *ids) {
     size_t count = scene->movable_count + 1;
-    if (scene->movable_count == 0) {
-        return asdic_bvh_build(scene->ctx, scene->triangles, NULL, scene->triangle_count,
-                               scene->threads, &scene->bvh);
-    }
-    uint32_t *ids = malloc(scene->triangle_count * sizeof *ids);
     asdic_bvh *parts = calloc(count, sizeof *parts);
     asdic_root *roots = malloc(count * sizeof *roots);
-    asdic_status status = ids && parts && roots
+    asdic_status status = parts && roots
                               ? build_parts(scene, ids, parts)
                               : asdic_fail_memory(scene->ctx, "a scene with moving parts");
     if (!status) {
@@ -223,6 +258,20 @@ asdic_status asdic_scene_assemble(asdic_scene *scene) {
     }
     free(roots);
     free(parts);
+    return status;
+}
+
+asdic_status asdic_scene_assemble(asdic_scene *scene) {
+    if (scene->movable_count == 0 && !scene->keeps_ground) {
+        return build(scene, NULL, scene->triangle_count, &scene->bvh);
+    }
+    uint32_t *ids = malloc((scene->triangle_count + 1) * sizeof *ids);
+    if (!ids) {
+        return asdic_fail_memory(scene->ctx, "the triangles of a scene");
+    }
+    asdic_status status = scene->movable_count > 0
+                              ? assemble_with_movables(scene, ids)
+                              : build_still(scene, ids, list_still(scene, ids), &scene->bvh);
     free(ids);
     return status;
 }

@@ -27,8 +27,16 @@ asdic_status asdic_scene_create(asdic_context *ctx, asdic_scene **out) {
     (*out)->ctx = ctx;
     (*out)->has_surface = true;
     (*out)->surface = asdic_material_of(asdic_law_find("course"));
-    (*out)->bvh.root = DEV_EMPTY;
+    (*out)->bvh.root = (*out)->ground.root = DEV_EMPTY;
     return ASDIC_OK;
+}
+
+static void forget_movables(asdic_scene *scene) {
+    for (size_t i = 0; i < scene->movable_count; i++) {
+        free(scene->movables[i].corners_m);
+        free(scene->movables[i].normals);
+    }
+    scene->movable_count = 0;
 }
 
 void asdic_scene_destroy(asdic_scene **scene) {
@@ -39,15 +47,13 @@ void asdic_scene_destroy(asdic_scene **scene) {
     free(s->materials);
     free(s->parts);
     free(s->points);
-    for (size_t i = 0; i < s->movable_count; i++) {
-        free(s->movables[i].corners_m);
-        free(s->movables[i].normals);
-    }
+    forget_movables(s);
     free(s->movables);
     free(s->corners_m);
     free(s->corner_parts);
     free(s->triangles);
     asdic_bvh_finish(&s->bvh);
+    asdic_bvh_finish(&s->ground);
     free(s);
     *scene = NULL;
 }
@@ -292,6 +298,35 @@ asdic_status asdic_scene_add_point(asdic_scene *scene, const char *name, asdic_v
     scene->points = grown;
     point.number = (unsigned)++scene->object_count;
     scene->points[scene->point_count++] = point;
+    return ASDIC_OK;
+}
+
+void asdic_scene_keep_ground(asdic_scene *scene) {
+    scene->keeps_ground = true;
+}
+
+bool asdic_scene_can_reopen(const asdic_scene *scene) {
+    return scene->committed && scene->keeps_ground && scene->ground_count > 0;
+}
+
+asdic_status asdic_scene_reopen(asdic_scene *scene) {
+    if (!asdic_scene_can_reopen(scene)) {
+        return asdic_fail(scene->ctx, ASDIC_ERROR_ARGUMENT,
+                          "the scene keeps no bottom to which objects could be added anew");
+    }
+    size_t parts = 0, materials = 0;
+    while (parts < scene->part_count && scene->parts[parts].kind == DEV_KIND_BOTTOM) {
+        materials = scene->parts[parts++].material + 1;
+    }
+    forget_movables(scene);
+    asdic_bvh_finish(&scene->bvh);
+    scene->part_count = parts;
+    scene->material_count = materials;
+    scene->point_count = scene->object_count = 0;
+    scene->triangle_count = scene->built = scene->ground_count;
+    scene->moving_nodes = scene->moving_blocks = 0;
+    scene->still_root = 0;
+    scene->committed = false;
     return ASDIC_OK;
 }
 

@@ -70,6 +70,13 @@ struct asdic_scene {
     asdic_vec3 min_m, max_m;
     double build_s, hierarchy_s;
     unsigned threads; /* 0: one per processor */
+    /* The bottom's triangles, where they are the first: their box, and, of a scene that may be
+     * reopened, their own hierarchy. */
+    size_t ground_count;
+    asdic_vec3 ground_min_m, ground_max_m;
+    bool keeps_ground;
+    asdic_bvh ground;
+    size_t built; /* triangles that an earlier commit has placed: the ground's, or none */
 };
 
 /* How many movables in a row are one object. */
@@ -85,6 +92,17 @@ static inline size_t asdic_scene_copies(const asdic_scene *scene) {
 asdic_status asdic_bvh_build(asdic_context *ctx, const dev_triangle *triangles, const uint32_t *ids,
                              size_t count, unsigned threads, asdic_bvh *out);
 void asdic_bvh_finish(asdic_bvh *bvh);
+
+/* Before the first commit: the bottom gets a hierarchy of its own, which asdic_scene_reopen keeps. Hits
+ * are the same. */
+void asdic_scene_keep_ground(asdic_scene *scene);
+
+/* Takes all objects and points out of a committed scene that keeps its ground and has one. Others
+ * can be added, and the scene committed, at a cost that does not depend on the bottom. */
+asdic_status asdic_scene_reopen(asdic_scene *scene);
+
+/* Whether it can be. */
+bool asdic_scene_can_reopen(const asdic_scene *scene);
 
 /* Makes every bottom of MATERIAL, which has been checked; simulators created before keep what they
  * have. */

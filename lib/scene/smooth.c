@@ -204,7 +204,7 @@ static asdic_status smooth_part(asdic_scene *scene, size_t begin, size_t end) {
 }
 
 asdic_status asdic_scene_smooth(asdic_scene *scene) {
-    for (size_t begin = 0, end; begin < scene->triangle_count; begin = end) {
+    for (size_t begin = scene->built, end; begin < scene->triangle_count; begin = end) {
         /* A part's triangles lie together, in the order in which they were added. */
         uint32_t number = scene->triangles[begin].part;
         for (end = begin; end < scene->triangle_count && scene->triangles[end].part == number;) {

@@ -29,11 +29,11 @@ static void forget_places(asdic_eye *eye) {
     }
 }
 
-/* Whether what was expected holds on. */
-static bool is_same(const asdic_eye *eye, const asdic_mission *mission, size_t bins, size_t known) {
+/* Whether the sonar, and what of a beam's bins is expected, are those of the run before. */
+static bool is_same_sonar(const asdic_eye *eye, const asdic_mission *mission, size_t bins,
+                          size_t known) {
     const asdic_sonar *a = &eye->sonar, *b = &mission->settings.sonar;
-    if (bins != eye->bins || known != eye->known || a->receiver_count != b->receiver_count ||
-        memcmp(&eye->environment, &mission->settings.environment, sizeof eye->environment) != 0) {
+    if (bins != eye->bins || known != eye->known || a->receiver_count != b->receiver_count) {
         return false;
     }
     asdic_sonar other = *b;
@@ -56,7 +56,6 @@ static asdic_status remember(asdic_eye *eye, const asdic_mission *mission, size_
     eye->noise_lin = eye->total_lin + cells;
     eye->sonar = *sonar;
     eye->sonar.receivers = receivers;
-    eye->environment = mission->settings.environment;
     eye->bins = bins;
     eye->known = known;
     if (!receivers || !eye->total_lin) {
@@ -67,6 +66,23 @@ static asdic_status remember(asdic_eye *eye, const asdic_mission *mission, size_
         eye->total_lin[i] = NAN;
     }
     return asdic_ping_create(eye->ctx, sonar->receiver_count, known, &eye->scratch);
+}
+
+/* The detector of the mission; one that is there stays, since what it has tabulated holds on. */
+static asdic_status need_scan(asdic_eye *eye, const asdic_cfar *cfar, double speed_mps) {
+    const asdic_detector *detector = &eye->mission->settings.detector;
+    if (eye->scan && eye->scan_speed_mps == speed_mps && eye->scan_is_flat == eye->is_flat &&
+        eye->scan_cfar == cfar->kind &&
+        memcmp(&eye->scan_detector, detector, sizeof *detector) == 0) {
+        return ASDIC_OK;
+    }
+    asdic_scan_destroy(&eye->scan);
+    eye->scan_speed_mps = speed_mps;
+    eye->scan_is_flat = eye->is_flat;
+    eye->scan_cfar = cfar->kind;
+    eye->scan_detector = *detector;
+    return asdic_scan_create(eye->ctx, &eye->sonar, speed_mps, eye->bins, detector,
+                             eye->is_flat ? NULL : cfar, &eye->scan);
 }
 
 asdic_status asdic_eye_open(asdic_eye *eye, const asdic_mission *mission, double depth_m,
@@ -81,8 +97,13 @@ asdic_status asdic_eye_open(asdic_eye *eye, const asdic_mission *mission, double
     TRY(asdic_loop_create_mission(eye->ctx, eye->device, mission, depth_m, 0.0, &eye->loop));
     size_t bins = asdic_loop_bin_count(eye->loop);
     size_t known = (size_t)fmin(ceil(reach_m / sonar->bin_length_m) + 1.0, (double)bins);
-    if (!is_same(eye, mission, bins, known)) {
+    if (!is_same_sonar(eye, mission, bins, known)) {
+        asdic_scan_destroy(&eye->scan);
         TRY(remember(eye, mission, bins, known));
+    }
+    if (memcmp(&eye->environment, &mission->settings.environment, sizeof eye->environment) != 0) {
+        forget_places(eye);
+        eye->environment = mission->settings.environment;
     }
     if (background == ASDIC_TRIAL_AUTO) {
         bool is_plane = asdic_scene_get_info(mission->scene).has_bottom_plane;
@@ -91,8 +112,7 @@ asdic_status asdic_eye_open(asdic_eye *eye, const asdic_mission *mission, double
     eye->is_flat = background == ASDIC_TRIAL_FLAT;
     cfar.kind = background == ASDIC_TRIAL_CA ? ASDIC_CFAR_CA : ASDIC_CFAR_OS;
     double speed_mps = asdic_environment_sound_speed_mps(&mission->settings.environment, depth_m);
-    return asdic_scan_create(eye->ctx, sonar, speed_mps, bins, &mission->settings.detector,
-                             eye->is_flat ? NULL : &cfar, &eye->scan);
+    return need_scan(eye, &cfar, speed_mps);
 }
 
 /* The place of PING, on the grid. */
@@ -170,11 +190,11 @@ asdic_status asdic_eye_look(asdic_eye *eye, const asdic_pose *pose, asdic_loop_p
 
 void asdic_eye_close(asdic_eye *eye) {
     asdic_loop_destroy(&eye->loop);
-    asdic_scan_destroy(&eye->scan);
 }
 
 void asdic_eye_finish(asdic_eye *eye) {
     asdic_eye_close(eye);
+    asdic_scan_destroy(&eye->scan);
     forget_places(eye);
     asdic_ring_shelf_destroy(&eye->shelf);
     asdic_ping_destroy(&eye->scratch);

@@ -21,7 +21,11 @@ typedef struct asdic_eye {
     asdic_device *device;
     const asdic_mission *mission;
     asdic_loop *loop;
-    asdic_scan *scan;
+    asdic_scan *scan; /* kept from run to run with what it is made for: */
+    double scan_speed_mps;
+    bool scan_is_flat;
+    asdic_cfar_kind scan_cfar;
+    asdic_detector scan_detector;
     bool is_flat; /* a bin is compared with what is expected */
     struct asdic_ring_shelf *shelf;
     asdic_ping *scratch;

@@ -238,6 +238,59 @@ def test_the_same_bytes_however_dealt():
         asdic("trial", path, "--runs", 20, "-o", folder / "whole").check(code=1)
 
 
+HILLS = """ncols 30
+nrows 30
+xllcorner -30
+yllcorner -30
+cellsize 5
+"""
+
+
+def test_terrain_is_kept_from_run_to_run():
+    """Objects drawn over a bottom of triangles: a worker that flies all runs, and keeps the bottom, writes
+    what workers write that fly one run each and build it anew."""
+    program.need_device()
+    with Folder() as folder:
+        heights = "\n".join(" ".join("%.3f" % (18 + math.sin(0.7 * i) * math.cos(0.4 * k))
+                                      for k in range(30)) for i in range(30))
+        folder.write("hills.asc", HILLS + heights + "\n")
+        path = folder.write("hills.yaml", WALL.replace("depth_m: 20", "grid: {file: hills.asc, values: depths}").replace(
+            "time_s: 45", "time_s: 8") + """  draws:
+    - {key: 'objects[0].position_m[0]', uniform: [20, 160]}
+    - {key: 'objects[0].box.size_m[2]', uniform: [10, 40]}
+    - {key: environment.wind_speed_kn, uniform: [0, 20]}
+""")
+        asdic("trial", path, "--runs", 4, "--workers", 1, "-o", folder / "one").check(code=0)
+        for k in range(1, 5):
+            asdic("trial", path, "--runs", 4, "--shard", f"{k}/4", "-o", folder / f"part{k}").check(code=0)
+        asdic("merge", *(folder / f"part{k}" for k in range(1, 5)), "-o", folder / "all").check(code=0)
+        tap.equal(data(folder, "all", "trial.csv"), data(folder, "one", "trial.csv"))
+
+
+def test_what_is_varied_is_not_drawn():
+    """A value of --vary stands in place of a draw of the same key, also of one that names a file."""
+    with Folder() as folder:
+        for name, rate in (("slow", 1), ("fast", 4)):
+            folder.write(name + ".yaml", f"frequency_khz: 100\nping_rate_hz: {rate}\nspeckle: rayleigh\n"
+                         "source_level_db: 200\nmax_range_m: 40\nbin_length_m: 0.5\n"
+                         "receivers: [{name: forward, length_h_m: 0.05, length_v_m: 0.05}]\n")
+        sonar = IDEAL[IDEAL.index("sonar:"):IDEAL.index("mission:")]
+        path = folder.write("wall.yaml", IDEAL.replace("PD", "0.1").replace(
+            sonar, "sonar: {file: slow.yaml}\n") + """  draws:
+    - {key: sonar.file, choice: [slow.yaml, fast.yaml]}
+    - {key: 'objects[0].position_m[0]', uniform: [59, 65]}
+""")
+        for key, values in (("sonar.file", ("slow.yaml", "fast.yaml")),
+                            ("objects[0].position_m[0]", ("61", "64"))):
+            asdic("trial", path, "--runs", 6, "--vary", f"{key}={','.join(values)}", "-o",
+                  folder / "out", "-f").check(code=0)
+            found = rows(folder)
+            tap.equal([row[key] for row in found], list(values) * 6)
+            late = [(row["run"], int(row["pings"])) for row in found if row["outcome"] == "late"]
+            if key == "sonar.file":
+                tap.equal(sorted({pings for _, pings in late}), [45, 180])
+
+
 def test_several_processes():
     if os.environ["ASDIC_MPI"] != "1" or not shutil.which("mpirun"):
         raise tap.Skip("no MPI")

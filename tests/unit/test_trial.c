@@ -81,6 +81,26 @@ static asdic_scene *make_scene(asdic_context *ctx) {
     return scene;
 }
 
+typedef struct rig {
+    asdic_context *ctx;
+    asdic_scene *scene;
+    asdic_placement *placement;
+} rig;
+
+static rig begin(void) {
+    rig r = {.ctx = NULL};
+    assert_int_equal(asdic_context_create(&r.ctx), ASDIC_OK);
+    r.scene = make_scene(r.ctx);
+    assert_int_equal(asdic_placement_create(r.scene, &r.placement), ASDIC_OK);
+    return r;
+}
+
+static void end(rig *r) {
+    asdic_placement_destroy(&r->placement);
+    asdic_scene_destroy(&r->scene);
+    asdic_context_destroy(&r->ctx);
+}
+
 /* To all triangles one by one, and to the point. */
 static double nearest_of_all(const asdic_placement *p, asdic_vec3 a, asdic_vec3 b) {
     const asdic_scene *scene = p->scene;
@@ -101,57 +121,145 @@ static double nearest_of_all(const asdic_placement *p, asdic_vec3 a, asdic_vec3 
 
 static void test_nearest(void **state) {
     (void)state;
-    asdic_context *ctx = NULL;
-    asdic_placement *placement = NULL;
-    assert_int_equal(asdic_context_create(&ctx), ASDIC_OK);
-    asdic_scene *scene = make_scene(ctx);
-    assert_int_equal(asdic_placement_create(scene, &placement), ASDIC_OK);
+    rig r = begin();
     uint64_t random = 1;
     for (int i = 0; i < 30; i++) {
         asdic_pose pose = {.position_m = random_place(&random, 20.0),
                            .roll_rad = random_unit(&random),
                            .yaw_rad = 6.0 * random_unit(&random)};
-        asdic_placement_move(placement, 0, &pose);
+        asdic_placement_move(r.placement, 0, &pose);
         asdic_vec3 a = random_place(&random, 30.0);
         asdic_vec3 b = i % 3 ? random_place(&random, 30.0) : a;
-        asdic_nearest found = asdic_placement_nearest(placement, a, b, 1000.0);
-        double wanted_m = nearest_of_all(placement, a, b);
+        asdic_nearest found = asdic_placement_nearest(r.placement, a, b, 1000.0);
+        double wanted_m = nearest_of_all(r.placement, a, b);
         if (fabs(found.distance_m - wanted_m) > 2e-3) {
             fail_msg("%d: %.9g m, by search %.9g m", i, found.distance_m, wanted_m);
         }
-        asdic_nearest within = asdic_placement_nearest(placement, a, b, 0.5 * wanted_m);
+        asdic_nearest within = asdic_placement_nearest(r.placement, a, b, 0.5 * wanted_m);
         if (wanted_m > 0.1) { /* else the way goes through something */
             assert_true(within.part == ASDIC_NOTHING && within.distance_m == 0.5 * wanted_m);
         }
     }
-    asdic_placement_destroy(&placement);
-    asdic_scene_destroy(&scene);
-    asdic_context_destroy(&ctx);
+    end(&r);
 }
 
 static void test_inside(void **state) {
     (void)state;
-    asdic_context *ctx = NULL;
-    asdic_placement *placement = NULL;
-    assert_int_equal(asdic_context_create(&ctx), ASDIC_OK);
-    asdic_scene *scene = make_scene(ctx);
-    assert_int_equal(asdic_placement_create(scene, &placement), ASDIC_OK);
+    rig r = begin();
     asdic_pose away = {.position_m = {-20, 0, 50}};
-    asdic_placement_move(placement, 0, &away);
+    asdic_placement_move(r.placement, 0, &away);
     uint64_t random = 5;
     for (int i = 0; i < 2000; i++) {
         size_t part = 9;
         asdic_vec3 at = asdic_vec3_add(random_place(&random, 8.0), (asdic_vec3){6, 2, -2});
         double off_m = asdic_vec3_length(asdic_vec3_sub(at, (asdic_vec3){6, 2, 48}));
-        bool is_inside = asdic_placement_is_inside(placement, at, &part);
+        bool is_inside = asdic_placement_is_inside(r.placement, at, &part);
         if (off_m < 2.7) { /* inside all facets of the ball */
             assert_true(is_inside && part == 0);
         } else if (off_m > 3.0) {
             assert_false(is_inside);
         }
     }
-    asdic_placement_destroy(&placement);
-    asdic_scene_destroy(&scene);
+    end(&r);
+}
+
+/* --- objects that come and go ------------------------------------------------------------------ */
+
+#define SIDE 24
+
+static asdic_mesh *make_hills(asdic_context *ctx) {
+    static double vertices_m[SIDE * SIDE * 3];
+    static uint32_t indices[(SIDE - 1) * (SIDE - 1) * 6];
+    size_t at = 0;
+    for (int i = 0; i < SIDE * SIDE; i++) {
+        double x = 3.0 * (i % SIDE), y = 3.0 * (i / SIDE);
+        vertices_m[3 * i] = x;
+        vertices_m[3 * i + 1] = y;
+        vertices_m[3 * i + 2] = 60.0 + 2.0 * sin(0.3 * x) * cos(0.2 * y);
+    }
+    for (uint32_t i = 0; i < SIDE * (SIDE - 1); i++) {
+        if (i % SIDE < SIDE - 1) {
+            const uint32_t quad[6] = {i, i + 1, i + SIDE, i + 1, i + SIDE + 1, i + SIDE};
+            for (int k = 0; k < 6; k++) {
+                indices[at++] = quad[k];
+            }
+        }
+    }
+    asdic_mesh *mesh = NULL;
+    assert_int_equal(
+        asdic_mesh_from_triangles(ctx, vertices_m, SIDE * SIDE, indices, at / 3, &mesh), ASDIC_OK);
+    return mesh;
+}
+
+/* A ball, and perhaps a box that moves, somewhere: also beyond the hills and above them. */
+static void add_objects(asdic_context *ctx, asdic_scene *scene, uint64_t seed, bool with_box) {
+    asdic_mesh *ball = NULL, *box = NULL;
+    asdic_material rock = asdic_material_bottom(4.0);
+    assert_int_equal(asdic_mesh_sphere(ctx, 1.0 + random_unit(&seed), 12, &ball), ASDIC_OK);
+    assert_int_equal(asdic_mesh_box(ctx, (asdic_vec3){8, 2, 4}, &box), ASDIC_OK);
+    asdic_pose at = {.position_m = random_place(&seed, 150.0)};
+    assert_int_equal(asdic_scene_add_object(scene, "ball", ball, at, rock), ASDIC_OK);
+    if (with_box) {
+        at.position_m = random_place(&seed, 60.0);
+        assert_int_equal(asdic_scene_add_moving_object(scene, "box", box, at, rock), ASDIC_OK);
+    }
+    assert_int_equal(asdic_scene_commit(scene), ASDIC_OK);
+    asdic_mesh_destroy(&ball);
+    asdic_mesh_destroy(&box);
+}
+
+static asdic_scene *make_hilly(asdic_context *ctx, const asdic_mesh *hills) {
+    asdic_scene *scene = NULL;
+    assert_int_equal(asdic_scene_create(ctx, &scene), ASDIC_OK);
+    assert_int_equal(
+        asdic_scene_add_bottom(scene, hills, (asdic_pose){0}, asdic_material_bottom(2.0)),
+        ASDIC_OK);
+    return scene;
+}
+
+static void compare_scenes(const asdic_scene *a, const asdic_scene *b) {
+    assert_int_equal(a->triangle_count, b->triangle_count);
+    assert_memory_equal(a->triangles, b->triangles, a->triangle_count * sizeof *a->triangles);
+    assert_memory_equal(&a->origin_m, &b->origin_m, sizeof a->origin_m);
+    assert_int_equal(a->part_count, b->part_count);
+    assert_int_equal(a->material_count, b->material_count);
+    assert_true(a->bvh.extent_m == b->bvh.extent_m);
+    assert_true(a->min_m.z == b->min_m.z && a->max_m.x == b->max_m.x);
+    asdic_placement *pa = NULL, *pb = NULL;
+    assert_int_equal(asdic_placement_create(a, &pa), ASDIC_OK);
+    assert_int_equal(asdic_placement_create(b, &pb), ASDIC_OK);
+    uint64_t random = 5;
+    for (int i = 0; i < 300; i++) {
+        asdic_vec3 from = random_place(&random, 120.0), to = random_place(&random, 120.0);
+        asdic_nearest na = asdic_placement_nearest(pa, from, to, 1000.0);
+        asdic_nearest nb = asdic_placement_nearest(pb, from, to, 1000.0);
+        assert_true(na.distance_m == nb.distance_m && na.part == nb.part);
+    }
+    asdic_placement_destroy(&pa);
+    asdic_placement_destroy(&pb);
+}
+
+/* A scene whose objects were taken out and replaced is that with the new ones, built from nothing. */
+static void test_reopened(void **state) {
+    (void)state;
+    asdic_context *ctx = NULL;
+    assert_int_equal(asdic_context_create(&ctx), ASDIC_OK);
+    asdic_mesh *hills = make_hills(ctx);
+    asdic_scene *kept = make_hilly(ctx, hills);
+    asdic_scene_keep_ground(kept);
+    add_objects(ctx, kept, 1, true);
+    for (uint64_t seed = 2; seed < 8; seed++) {
+        assert_int_equal(asdic_scene_reopen(kept), ASDIC_OK);
+        add_objects(ctx, kept, seed, seed % 2);
+        const dev_node8 *ground = kept->ground.nodes;
+        asdic_scene *fresh = make_hilly(ctx, hills);
+        add_objects(ctx, fresh, seed, seed % 2);
+        compare_scenes(kept, fresh);
+        assert_true(!asdic_scene_can_reopen(fresh) && ground && kept->ground.nodes == ground);
+        asdic_scene_destroy(&fresh);
+    }
+    asdic_scene_destroy(&kept);
+    asdic_mesh_destroy(&hills);
     asdic_context_destroy(&ctx);
 }
 
@@ -216,9 +324,8 @@ static void test_differences(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_nearest),
-        cmocka_unit_test(test_inside),
-        cmocka_unit_test(test_shares_cover),
+        cmocka_unit_test(test_nearest),     cmocka_unit_test(test_inside),
+        cmocka_unit_test(test_reopened),    cmocka_unit_test(test_shares_cover),
         cmocka_unit_test(test_differences),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
