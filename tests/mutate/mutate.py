@@ -38,6 +38,7 @@ LUCKY = WORK / "noticed.json"  # {path: {test: how many slips of it this test no
 FOLDERS = ("lib", "kernels", "cli")
 QUICK_S = 5.0  # a processor's, of one test; those that take longer run for several slips together
 TOGETHER = 8
+LEAST_S = {True: 240.0, False: 10.0}  # a processor's, to every test; whether a driver compiles changed kernels
 LINKER = {"CC_LD": "lld", "CXX_LD": "lld"} if shutil.which("ld.lld") else {}  # tests are linked often
 LIBRARY = ("lib/libasdic.a", "cli/asdic")  # what every slip is compiled into
 WANTED = 0.95
@@ -172,14 +173,14 @@ def measure():
     return coverage
 
 
-def first_failure(tests, since):
+def first_failure(tests, since, least_s):
     """The name of the first that fails, or cannot be linked, of those that what was written SINCE goes into."""
     for test in tests:
         if test.targets:
             good = compiled(test.targets)
             if good and max((BUILD / path).stat().st_mtime for path in test.targets) < since:
                 continue
-            if not good or not test.passes(10.0 + 10.0 * test.seconds):
+            if not good or not test.passes(least_s + 10.0 * test.seconds):
                 return test.name
     return None
 
@@ -188,10 +189,10 @@ def in_order(tests, path, source, lucky):
     """Those first that LUCKY says to have noticed slips of the file, then those that name most of what it
     defines, the others by their time."""
     defined = set(re.findall(r"^\w[\w \*]*?\b(\w+)\(", source, re.MULTILINE))
-    stem = pathlib.Path(path).stem
+    words = set(pathlib.Path(path).stem.split("_")) - {"cmd"}
 
     def rank(test):
-        names = len(defined & set(re.findall(r"\w+", test.text))) + 3 * (stem in test.name)
+        names = len(defined & set(re.findall(r"\w+", test.text))) + 3 * len(words & set(test.name.split("_")))
         return -lucky.get(test.name, 0), -min(names, 8), test.seconds
 
     return sorted(tests, key=rank)
@@ -313,7 +314,8 @@ class Session:
         source, running = self.tree.clean[slip.path], self.running(slip)
         quick = [test for test in running if test.seconds <= QUICK_S]
         lucky = self.lucky.get(slip.path, {})
-        by = first_failure(in_order(quick, slip.path, source, lucky), self.tree.since)
+        by = first_failure(in_order(quick, slip.path, source, lucky), self.tree.since,
+                           LEAST_S[slip.path.startswith("kernels/")])
         if by or len(quick) == len(running):
             self.record(slip, by)
         else:
@@ -340,7 +342,8 @@ class Session:
         if not self.tree.put(some):
             by = "the compiler"
         else:
-            by = first_failure(sorted(slow, key=lambda test: test.seconds), self.tree.since)
+            by = first_failure(sorted(slow, key=lambda test: test.seconds), self.tree.since,
+                               LEAST_S[any(slip.path.startswith("kernels/") for slip in some)])
         if by is None or len(some) == 1:
             for slip in some:
                 self.record(slip, by)

@@ -84,8 +84,27 @@ def _kept(source):
     return tokens
 
 
+CHOICE = re.compile(r"\s*(?P<right>[^\s?:;&|]+(?:\([^()]*\))?)\s*\?\s*(?P<yes>[^?:;]+?)\s*:\s*(?P<no>[^?:;]+)")
+CALLED = re.compile(r"[\w.>\[\]-]+(?:\([^()]*\))?$")
+
+
+def is_same_choice(source, start, old, new):
+    """Whether only equal sides tell them apart, and these are what is chosen: a < b ? a : b is a <= b ? a : b."""
+    if {old, new} not in ({"<", "<="}, {">", ">="}):
+        return False
+    before = source[max(0, start - 80) : start].rstrip()
+    left = CALLED.search(before)
+    choice = CHOICE.match(source[start + len(old) : start + 160])
+    if not left or not choice or not re.search(r"([=(,:?]|&&|\|\||return)$", before[: left.start()].rstrip()):
+        return False  # part of a sum, say
+    a, b = left.group().lstrip("-"), choice["right"]
+    no = choice["no"].strip()
+    ends = [no[: len(side)] == side and not re.match(r"\s*[\w.(*/%+-]", no[len(side) :]) for side in (a, b)]
+    return choice["yes"] == a and ends[1] or choice["yes"] == b and ends[0]
+
+
 def find(path, source):
-    """Every slip of a file, in its order."""
+    """Every slip of a file, in its order; not those that change nothing whatever the values are."""
     starts = [0] + [m.end() for m in re.finditer("\n", source)]
     slips, line, seen = [], 0, {}
     for kind, text, start in _kept(source):
@@ -100,5 +119,6 @@ def find(path, source):
         nth = seen[line, text] = seen.get((line, text), -1) + 1
         end = source.find("\n", start)
         whole = source[starts[line] : end if end >= 0 else None].strip()
-        slips += [Slip(path, start, text, new, line + 1, whole, nth) for new in others]
+        slips += [Slip(path, start, text, new, line + 1, whole, nth) for new in others
+                  if not is_same_choice(source, start, text, new)]  # fmt: skip
     return slips

@@ -31,6 +31,15 @@ def test_pointers_and_products():
     tap.equal(changes("int *a = &b, c = *d * *e;"), [(1, "*", "/")])
 
 
+def test_the_greater_of_two_is_the_same_where_they_are_equal():
+    tap.equal(changes("int c = a > b ? a : b;"), [(1, ">", "<")])
+    tap.equal(changes("int c = n->most <= 7 ? 7 : n->most;"),
+              [(1, "<=", ">="), (1, "7", "8"), (1, "7", "6"), (1, "7", "8"), (1, "7", "6")])  # fmt: skip
+    tap.equal(changes("int c = a > b ? b : a + 1;")[:2], [(1, ">", ">="), (1, ">", "<")])
+    tap.equal(changes("int c = a > b ? a : c;"), [(1, ">", ">="), (1, ">", "<")])
+    tap.equal(changes("int c = x + a > b ? a : b;")[1:], [(1, ">", ">="), (1, ">", "<")])
+
+
 def test_a_slip_is_known_again_when_lines_move():
     first = slips.find("lib/a.c", SOURCE)[4]
     moved = slips.find("lib/a.c", "\n\n" + SOURCE)[4]
