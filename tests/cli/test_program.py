@@ -37,6 +37,35 @@ def test_every_command_has_help_within_80_columns():
         raise AssertionError("the help of bench does not fit a screen")
 
 
+def rows_of(block):
+    """(head, lines of text) of each row of a table of help; the text begins in the column 26."""
+    rows = []
+    for line in block.splitlines():
+        head, text = line[:26], line[26:]
+        tap.equal(head[:2], "  ", f"the margin of {line!r}")
+        if head[24:].strip():
+            rows.append((line, []))  # a long head has a line of its own
+        elif head.strip():
+            rows.append((head, [text] if text else []))
+        else:
+            rows[-1][1].append(text)
+    return rows
+
+
+def test_help_is_aligned_and_its_lines_are_full():
+    """A word goes to the next line where it would end beyond the column 78, and only there."""
+    for command in [[], ["run"], ["detect"], ["trial"], ["view"], ["bench"], ["serve"]]:
+        text = asdic(*command, "--help").out
+        title = "options" if command else "commands"
+        for head, lines in rows_of(text.split(f"\n{title}:\n")[1].split("\n\n")[0]):
+            tap.equal(bool(lines), True, f"{head} is explained")
+            for line, after in zip(lines, [*lines[1:], None]):
+                tap.equal(line, " ".join(line.split()), f"{command}: {head}: blanks")
+                tap.equal(26 + len(line) <= 78, True, f"{command}: {line!r} is short enough")
+                if after:
+                    tap.equal(26 + len(line) + 1 + len(after.split()[0]) > 78, True, f"{line!r} is full")
+
+
 def test_unknown_command_is_answered_with_the_nearest():
     asdic("devcies").check(code=2, out="",
                            err="error: unknown command 'devcies'; did you mean 'devices'?\n")
