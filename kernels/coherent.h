@@ -38,7 +38,8 @@ typedef struct dev_patch {
     dev_uint folded;   /* 1: the triangle between the edges; 0: the parallelogram */
     dev_uint smooth;   /* 1: reflects by physical optics; 0: scatters by its law */
     dev_uint key[2];   /* the same for the same piece, from ping to ping */
-} dev_patch;           /* 72 bytes */
+    dev_uint start[2]; /* where its lattice begins */
+} dev_patch;           /* 80 bytes */
 
 /* Ways there and back by each plane that mirrors: one leg by way of it, the other, both. */
 #define DEV_MIRROR_WAYS 3u
@@ -178,14 +179,19 @@ FORMULA phasor gaussian_of(natural a, natural b) {
     return out;
 }
 
-/* Number K of COUNT in a patch, as fractions of its edges: the sequence of M. Roberts with the plastic
- * number, begun where the patch's KEY says. */
-FORMULA uint lattice_first(uint key, uint k) {
-    return key + k * 0xC13FA9A9u;
+/* Number K < 64 of a patch, as fractions of its edges, 2^-32 each, from START on: a rank-1 lattice sequence of
+ * base 2 (F. J. Hickernell, H. S. Hong, P. L'Ecuyer, C. Lemieux, SIAM J. Sci. Comput. 22, 1117 (2000)).
+ * Every 2^n first numbers are a lattice that goes on in the neighbouring patch of the same START. The energy
+ * in a resolution cell then varies by some 0.4 % (variance) with five scatterers in it, where those of independent
+ * places make it 20 %. 13: of all generators that with the least variance, over headings. */
+FORMULA uint lattice_first(uint start, uint k) {
+    uint back = (k & 1u) << 5 | (k & 2u) << 3 | (k & 4u) << 1 | (k & 8u) >> 1 | (k & 16u) >> 3 |
+                (k & 32u) >> 5;
+    return start + (back << 26);
 }
 
-FORMULA uint lattice_second(uint key, uint k) {
-    return key + k * 0x91E10DA5u;
+FORMULA uint lattice_second(uint start, uint k) {
+    return start + 13u * lattice_first(0u, k);
 }
 
 #endif

@@ -2,6 +2,7 @@
 
 #include <asdic/plan.h>
 
+#include "aim.h"
 #include "base/context.h"
 #include "base/try.h"
 #include "base/vec.h"
@@ -13,6 +14,12 @@
 
 /* Scatterers lie as dense as this share of what they would in the beam's middle, at least. */
 #define LEAST_LOUD 0.0625
+/* A resolution cell has this many scatterers in the directions of beams, at least: the variance of its energy
+ * is then below 1 %, and speckle is Rayleigh's. */
+#define LEAST_OF_CELL 5.0
+/* Lattices of seeds that follow each other begin far apart: the plastic number's inverse powers. */
+#define STEP_1 0xC13FA9A9u
+#define STEP_2 0x91E10DA5u
 /* Share of the scatterers that is in the water. */
 #define WATER_SHARE 0.25
 /* Pieces are cut to this share of their distance, at most. */
@@ -36,6 +43,9 @@ typedef struct finder {
     asdic_patches *out; /* NULL: scatterers are counted */
     asdic_vec3 at;      /* the sonar, scene frame */
     double counted, smooth_m2;
+    double least_per_m2;         /* density that LEAST_OF_CELL asks for, 1 m away */
+    float line[3];               /* the array's */
+    double beams_from, beams_to; /* direction cosines along the line between which beams look */
 } finder;
 
 static asdic_vec3 middle_of(const piece *p) {
@@ -99,6 +109,7 @@ static void add_patch(finder *f, const piece *p, uint32_t count) {
         all->capacity = capacity;
     }
     const dev_uint *seed = f->sim->setup.ping.seed;
+    bool plane = p->kind <= DEV_KIND_OBJECT && p->triangle == ~0u; /* lattices join */
     random4 key =
         random_draw(p->name[0], p->name[1], p->name[2], RANDOM_SCATTERER, seed[0], seed[1]);
     all->items[all->count++] = (dev_patch){
@@ -113,6 +124,7 @@ static void add_patch(finder *f, const piece *p, uint32_t count) {
         .folded = p->folded,
         .smooth = p->smooth,
         .key = {key.v[0] ^ (p->smooth ? 1u : 0u), key.v[1]},
+        .start = {plane ? STEP_1 * seed[0] : key.v[0], plane ? STEP_2 * seed[0] : key.v[1]},
     };
     all->slots += count;
 }
@@ -177,6 +189,36 @@ static void cut_smooth(finder *f, const piece *p) {
     }
 }
 
+/* Whether beams look at a piece that is WAY off and reaches over REACH. */
+static bool near_beams(const finder *f, asdic_vec3 way, double reach) {
+    double range = fmax(asdic_vec3_length(way), 1e-9), sine = fmin(reach / range, 1.0);
+    const float *line = f->line;
+    double y = (line[0] * way.x + line[1] * way.y + line[2] * way.z) / range;
+    return y + sine > f->beams_from && y - sine < f->beams_to;
+}
+
+/* What beams look at, and how dense scatterers then are: a cell is as wide as the unshaded array's beam, and as
+ * long as the pulse. */
+static void look_at_beams(finder *f) {
+    const asdic_sonar *sonar = &f->sim->setup.sonar;
+    const dev_beam *beams = asdic_shot_beams(f->shot);
+    double wavelength_m = f->shot->water.wavelength_m;
+    dev_beam element = asdic_aim_beam(&sonar->array.element, &f->shot->pose, wavelength_m);
+    double wide =
+        fmin(wavelength_m / (sonar->array.spacing_m * (double)sonar->array.elements), 1.0);
+    double cell = 0.5 * f->shot->water.sound_speed_mps / sonar->bandwidth_hz;
+    f->least_per_m2 = LEAST_OF_CELL / (wide * cell);
+    memcpy(f->line, element.rows + 3, sizeof f->line);
+    f->beams_from = 1.0;
+    f->beams_to = -1.0;
+    for (size_t b = 1; b <= sonar->receiver_count; b++) {
+        const float *axis = beams[b].rows;
+        double y = axis[0] * f->line[0] + axis[1] * f->line[1] + axis[2] * f->line[2];
+        f->beams_from = fmin(f->beams_from, y - wide);
+        f->beams_to = fmax(f->beams_to, y + wide);
+    }
+}
+
 /* Cuts a piece until DEV_PATCH_SCATTERERS suffice it, and takes what may be heard. */
 static void cut_piece(finder *f, const piece *p) {
     const dev_ping *ping = f->shot->ping;
@@ -206,6 +248,9 @@ static void cut_piece(finder *f, const piece *p) {
         return;
     }
     wanted *= f->out->per_m2;
+    if (near_beams(f, way, reach)) {
+        wanted = fmax(wanted, area * f->least_per_m2 / near);
+    }
     if (wide || wanted > DEV_PATCH_SCATTERERS) {
         cut_in_four(f, p);
         return;
@@ -340,6 +385,7 @@ asdic_status asdic_patches_find(const asdic_simulator *sim, const asdic_ping_sho
     /* Counts are rounded up to powers of two, on average by 1.44. */
     out->per_m2 = (1.0 - WATER_SHARE) * wanted / (1.44 * fmax(f.counted, 1e-12));
     out->smooth_m = smooth_side(&f, wanted);
+    look_at_beams(&f);
     f.out = out;
     cut_surfaces(&f);
     cut_water(&f, WATER_SHARE * wanted);
