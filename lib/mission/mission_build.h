@@ -7,6 +7,9 @@
 #include "mission.h"
 #include "mission/scene_file/scene_file.h"
 
+/* A scene file is written by hand or by a small script; geometry is elsewhere. */
+#define ASDIC_MOST_SCENE_BYTES ((size_t)4 << 20)
+
 /* How much of what the file says is taken: all; all but its objects; its text and hash alone. */
 typedef enum mission_extent { MISSION_WHOLE, MISSION_EMPTY, MISSION_TEXT } mission_extent;
 

@@ -19,9 +19,6 @@
 #include <string.h>
 #include <sys/stat.h>
 
-/* A scene file is written by hand or by a small script; geometry is elsewhere. */
-#define MAX_SCENE_BYTES ((size_t)4 << 20)
-
 /* Keeps SIZE BYTES of a scene in MISSION: as UTF-8, and their hash. */
 static asdic_status keep_text(asdic_context *ctx, asdic_mission *m, const char *bytes, size_t size,
                               size_t *length) {
@@ -41,7 +38,7 @@ static asdic_status read_text(asdic_context *ctx, asdic_mission *m, size_t *leng
                           "run.json",
                           m->path);
     }
-    TRY(asdic_file_read(ctx, m->path, MAX_SCENE_BYTES, &bytes, &size));
+    TRY(asdic_file_read(ctx, m->path, ASDIC_MOST_SCENE_BYTES, &bytes, &size));
     asdic_status status = keep_text(ctx, m, bytes, size, length);
     free(bytes);
     return status;
@@ -358,9 +355,9 @@ asdic_status asdic_mission_load_text(asdic_context *ctx, const asdic_scene_text 
             "asdic_mission_load_text: a scene needs a text and a name, and each of its "
             "meshes a name and a mesh");
     }
-    if (scene->length > MAX_SCENE_BYTES) {
+    if (scene->length > ASDIC_MOST_SCENE_BYTES) {
         return asdic_fail(ctx, ASDIC_ERROR_INPUT, "%s: a scene of %zu bytes; at most %zu are read",
-                          scene->name, scene->length, MAX_SCENE_BYTES);
+                          scene->name, scene->length, ASDIC_MOST_SCENE_BYTES);
     }
     const mission_builder how = {.extent = MISSION_WHOLE, .memory = scene};
     return load_file(ctx, scene->name, &how, out);

@@ -76,6 +76,38 @@ def test_scenes():
     raises(asdic.InputError, "stel", asdic.plan, scene)
 
 
+FULL = """
+import resource, sys
+sys.path[:0] = sys.argv[1:2]
+from package import pool
+import asdic
+scene = pool(mission={"pose": {"position_m": [0, 0, 5]}, "pings": 40})
+scene.sonar = {**scene.sonar, "bin_length_m": 0.01}
+scene.add_mesh([[0, 0, 0]] * 100 + [[0, 1, 0], [1, 0, 0], [0, 0, 1]], [[100, 101, 102]] * 200, position_m=(30, 0, 6))
+asdic.simulate(scene, "whole")  # the driver compiles; its files are smaller
+for limit, act in ((4 << 20, lambda: asdic.simulate(scene, "full")), (2048, lambda: scene.save("saved"))):
+    resource.setrlimit(resource.RLIMIT_FSIZE, (limit, resource.RLIM_INFINITY))
+    try:
+        act()
+    except asdic.FileError as error:
+        print(str(error).replace(chr(10), " "))
+"""
+
+
+def test_full_disk():
+    """One error each that names the file, as where there is no room; what was there stays."""
+    need_device()
+    with tempfile.TemporaryDirectory(prefix="asdic-test-") as folder:
+        done = subprocess.run([sys.executable, "-W", "ignore", "-c", FULL, os.path.dirname(os.path.abspath(__file__))],
+                              cwd=folder, capture_output=True, text=True, timeout=100, check=False)
+        tap.equal((done.returncode, done.stderr), (0, ""), "it ends by itself")
+        run, saved = done.stdout.splitlines()
+        for said, name in ((run, "full"), (saved, "saved")):
+            tap.contains(said, "File too large")
+            tap.contains(said, name)
+        tap.equal(asdic.Run(os.path.join(folder, "whole")).level_db.shape[:2], (40, 2), "what was there")
+
+
 def test_words_and_numbers():
     scene = pool()
     raises(TypeError, "unexpected keyword argument 'ray'", asdic.simulate, scene, ray=1000)

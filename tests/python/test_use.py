@@ -80,6 +80,67 @@ def box(size):
     return corners, np.array([t for a, b, c, d in faces for t in ((a, b, c), (a, c, d))])
 
 
+def test_scene_of_a_file():
+    """Opened, it is the file's; what is added is there beside it; files it names are found from anywhere."""
+    need_device()
+    scenes = os.path.join(ROOT, "data", "scenes")
+    with open(os.path.join(scenes, "survey.yaml"), encoding="utf-8") as file:
+        tap.contains(file.read(), "track: ../")
+    for name in sorted(os.listdir(scenes)):
+        path = os.path.join(scenes, name)
+        if name.endswith(".yaml"):
+            tap.equal(asdic.plan(asdic.Scene.open(path)).terms, asdic.plan(path).terms, name)
+    scene = asdic.Scene.open(os.path.join(scenes, "scenario2.yaml"))
+    one = asdic.simulate(os.path.join(scenes, "scenario2.yaml"), rays=2000)
+    same(asdic.simulate(scene, rays=2000).level_db, one.level_db, "levels")
+    scene.sampling = {**scene.sampling, "seed": 5}
+    scene.add("wall", box={"size_m": [1, 20, 4]}, position_m=(40, 0, 8), material="steel")
+    tap.equal(np.array_equal(asdic.simulate(scene, rays=2000).level_db, one.level_db, equal_nan=True), False, "changed")
+    with tempfile.TemporaryDirectory(prefix="asdic-test-") as folder:
+        path = os.path.join(folder, "scene.yaml")
+        for line, value in {"off": False, "yes": True, "1.": 1.0, "+2.5e1": 25.0, "007": "007", "1_0": "1_0", "~": None,
+                            "sand": "sand", "'12'": "12", "18446744073709551615": 18446744073709551615,
+                            "0.1": 0.1, "{}": {}, "[]": []}.items():
+            with open(path, "w", encoding="utf-8") as file:
+                file.write(f"sampling: {{key: {line}}}\n")
+            tap.equal(asdic.Scene.open(path).sampling["key"], value, line)
+
+
+def test_truth():
+    """Of pings and runs: the same bytes, and shares that sum to one."""
+    need_device()
+    scene = pool(output={"csv": "none", "images": [], "truth": True})
+    run = asdic.simulate(scene)
+    with asdic.Simulator(scene) as sonar, asdic.Simulator(pool(), truth=True) as asked, asdic.Simulator(pool()) as other:
+        for k, (ping, second) in enumerate(zip(sonar.fly(), asked.fly(), strict=True)):
+            tap.equal(set(ping.truth), set(run.truth.dtype.names) & set(ping.truth), "names")
+            for name, values in ping.truth.items():
+                same(values, run.truth[name][k], f"{name} of ping {k}")
+                same(values, second.truth[name], name)
+            shares = sum(ping.truth[name] for name in ("direct", "by_surface", "by_bottom", "by_object", "noise"))
+            tap.equal(abs(shares - 1).max() < 1e-5, True, "shares sum to one")
+            tap.equal((ping.truth["object"] == 1).any(), True, "the ball is seen")
+            plain = next(other.fly())
+            same(plain.level_db, ping.level_db, "levels")
+            tap.equal(plain.truth, None, "nobody asked")
+        raises(asdic.ArgumentError, "without truth", other.ping, 0, 0, 5, out=ping)
+    raises(asdic.InputError, "truth: true", lambda: asdic.simulate(pool()).truth)
+
+
+def test_pressure_at_elements():
+    """Of coherent pings, as the run's file has it."""
+    need_device()
+    scene = asdic.Scene.open(os.path.join(ROOT, "data", "scenes", "array.yaml"))
+    scene.output = {"csv": "none", "images": [], "elements": True}
+    run = asdic.simulate(scene, rays=2000, pings=slice(0, 1))
+    with asdic.Simulator(scene, rays=2000) as sonar:
+        ping = next(sonar.fly())
+        same(ping.pressure, run.pressure[0], "pressure")
+        tap.equal((ping.pressure.dtype, ping.pressure.shape[0]), (np.dtype("c8"), sonar.sonar.array.elements), "elements")
+        tap.equal(0 < ping.sample_m <= ping.bin_length_m, True, "samples")
+        same(ping.level_db, run.level_db[0], "levels")
+
+
 def test_own_mesh_is_the_box():
     """A box from arrays against the scene file's own: bytes but for the order of corners."""
     need_device()

@@ -270,6 +270,10 @@ ASDIC_API asdic_status asdic_mission_time_writing(asdic_context *ctx, const asdi
  * with free(). NULL when memory is short. */
 ASDIC_API char *asdic_mission_schema(void);
 
+/* What the scene file at PATH says, key by key, as JSON: for a program that goes on from it and
+ * hands it to asdic_mission_load_text. *OUT is freed with free(). Syntax alone is judged. */
+ASDIC_API asdic_status asdic_mission_file_json(asdic_context *ctx, const char *path, char **out);
+
 /* Stated error, r.m.s., above which ripples of the sampling look like those of sand. */
 #define ASDIC_ROUGH_DB 1.0
 

@@ -50,6 +50,9 @@ def beams_of(sonar: Any) -> np.ndarray:
 
 
 COMPONENTS = words("asdic_component")
+PATHS = words("asdic_path")
+TRUTH = ("strongest", "share", "object", "object_share", *(name.replace("-", "_") for name in PATHS), "depression_rad")
+"""The names of a bin's truth, as in truth.npy: docs/dataset.md."""
 
 
 class Ping:
@@ -61,8 +64,12 @@ class Ping:
     """Simulated time, s."""
     _altitude = math.nan
     _below: tuple[Any, Handle] | None = None  # the scene, and what keeps it
+    truth: Mapping[str, np.ndarray] | None = None
+    """What each bin's energy comes from, by name (docs/dataset.md); None where it was not asked for."""
+    pressure: np.ndarray | None = None
+    """Of a coherent ping: baseband pressure, complex, re 1 uPa, [element, sample]; else None."""
 
-    def __init__(self, beams: np.ndarray, bins: int) -> None:
+    def __init__(self, beams: np.ndarray, bins: int, *, truth: bool = False, samples: tuple[int, int] = (0, 0)) -> None:
         self.beams = beams
         """The receivers: name, pitch_rad, yaw_rad, roll_rad, length_h_m, length_v_m."""
         shape = (len(beams), bins)
@@ -72,6 +79,22 @@ class Ping:
         first, size = ffi.from_buffer("double[]", self._energies), shape[0] * shape[1]
         self._struct.intensity_lin = [first + k * size for k in range(len(COMPONENTS))]
         self._struct.stderr_db = ffi.from_buffer("float[]", self.stderr_db)
+        if truth:
+            self._add_truth(shape)
+        if samples[0]:
+            self.pressure = np.zeros(samples, np.complex64)
+            self._struct.elements, self._struct.samples = samples
+            self._struct.pressure = ffi.from_buffer("float[]", self.pressure)
+
+    def _add_truth(self, shape: tuple[int, int]) -> None:
+        self.truth = {name: np.zeros(shape, np.int16 if name in ("strongest", "object") else np.float32)
+                      for name in TRUTH}
+        at = {name: ffi.from_buffer("int16_t[]" if array.dtype == np.int16 else "float[]", array)
+              for name, array in self.truth.items()}
+        self._truth = ffi.new("asdic_ping_truth *", {
+            **{name: at[name] for name in ("strongest", "share", "object", "object_share", "depression_rad")},
+            "path": [at[name.replace("-", "_")] for name in PATHS]})
+        self._struct.truth = self._truth
 
     @functools.cached_property
     def intensity(self) -> Levels:
@@ -121,6 +144,11 @@ class Ping:
         return np.degrees(self.beams["yaw_rad"])
 
     @property
+    def sample_m(self) -> float:
+        """Range between samples of the pressure, m; sample n lies at (n + 1/2) of it."""
+        return float(self._struct.sample_m)
+
+    @property
     def rays(self) -> int:
         """Rays that were traced."""
         return int(self._struct.rays)
@@ -141,9 +169,12 @@ class Simulator:
     """
 
     def __init__(self, scene: SceneLike, *, device: str | None = None, rays: int | None = None,
-                 seed: int | None = None, sampler: str | None = None, depth_m: float | None = None) -> None:
+                 seed: int | None = None, sampler: str | None = None, depth_m: float | None = None,
+                 truth: bool | None = None) -> None:
         """DEVICE: as of `asdic run --device`. DEPTH_M: at which the number of bins is fixed; else where
-        the scene's mission begins. Without RAYS the scene's, or 20,000 where it says `rays: auto`."""
+        the scene's mission begins. Without RAYS the scene's, or 20,000 where it says `rays: auto`. TRUTH:
+        pings say what each bin's energy comes from; else where the scene's output has it. Coherent pings
+        have the pressure at every element."""
         self._context = context = Context()
         context.is_quiet = True  # about what the scene's own mission passes
         self._mission = load_mission(context, scene)
@@ -153,6 +184,9 @@ class Simulator:
         if rays is None and lib.asdic_mission_ray_forecast(mission).is_auto:
             sampling.rays = lib.asdic_sampling_default().rays
         sampling.left_out = 0  # nobody knows yet where the vehicle will go
+        if truth is not None:
+            sampling.truth = bool(truth)
+        self._truth = bool(sampling.truth)
         first = lib.asdic_mission_pose(mission, 0, ffi.NULL)  # kept: what is inside a struct does not keep it
         depth_m = first.position_m.z if depth_m is None else depth_m
         self._devices = open_devices(context, device)
@@ -172,6 +206,8 @@ class Simulator:
         self.bins = int(lib.asdic_simulator_bin_count(self._handle.pointer))
         self.beams = beams_of(self._sonar)
         self.rays = int(sampling.rays)
+        samples = int(lib.asdic_simulator_sample_count(self._handle.pointer))
+        self._samples = (int(self._sonar.array.elements) if samples else 0, samples)
 
     @property
     def sonar(self) -> Fields:
@@ -211,13 +247,16 @@ class Simulator:
             raise fail(ArgumentError, f"z = {at[2]:g} m is no depth of a vehicle: z is positive down, 0 to 11000 m")
         with self._context.lock:
             simulator = self._handle.pointer
-            result = Ping(self.beams, self.bins) if out is None else self._again(out)
+            result = self._new_ping() if out is None else self._again(out)
             self._set_pose(result._pose, at)
             self._simulate(simulator, result)
             result.index, result.time = self.index, self._start_s + self.index / self._rate_hz
             result._below = self._below
             self.index += 1
             return result
+
+    def _new_ping(self) -> Ping:
+        return Ping(self.beams, self.bins, truth=self._truth, samples=self._samples)
 
     def _set_pose(self, pose: Any, at: list[float]) -> None:
         """Where the sonar is and looks, which is where the vehicle does unless a head turns."""
@@ -236,9 +275,10 @@ class Simulator:
         context.check(lib.asdic_simulator_ping(simulator, pose, index, result._struct))
 
     def _again(self, out: Ping) -> Ping:
-        if not isinstance(out, Ping) or out.stderr_db.shape != (len(self.beams), self.bins):
+        if (not isinstance(out, Ping) or out.stderr_db.shape != (len(self.beams), self.bins)
+                or (out.truth is not None and not self._truth)):
             raise fail(ArgumentError, f"out = {out!r} is no ping of this simulator, which has {len(self.beams)} beams and "
-                       f"{self.bins} bins")
+                       f"{self.bins} bins{'' if self._truth else ', without truth'}")
         for name in ("level_db", "parts"):  # what was made of the old energies
             out.__dict__.pop(name, None)
         return out

@@ -155,6 +155,26 @@ class Run:
         names = tuple(name for name in PARTS if f"{name}_db" in (self.records.dtype.names or ()))
         return Levels(names, lambda name: self._column(f"{name}_db"))
 
+    @functools.cached_property
+    def truth(self) -> np.ndarray:
+        """What each bin's energy comes from, a structured array [ping] of arrays [beam, bin]: docs/dataset.md."""
+        return self._beside("truth.npy", "truth")
+
+    @functools.cached_property
+    def pressure(self) -> np.ndarray:
+        """Of a coherent run: baseband pressure, complex, re 1 uPa, [ping, element, sample]."""
+        return self._beside("elements.npy", "elements")
+
+    def _beside(self, name: str, key: str) -> np.ndarray:
+        path = os.path.join(self.folder, name)
+        try:
+            array: np.ndarray = np.load(path, mmap_mode="r")
+        except FileNotFoundError as error:
+            raise fail(InputError, f"{path} is not there; the scene asks for it by output: {{{key}: true}}") from error
+        except (OSError, ValueError) as error:
+            raise fail(InputError, f"{path}: {error}") from error
+        return array
+
     @property
     def pings(self) -> np.ndarray:
         """Numbers of the pings in the mission."""

@@ -8,10 +8,11 @@ from typing import Any, Mapping, Sequence, Union
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._library import (ArgumentError, Context, Handle, encoded, fail, ffi, lib, text, value_of, whole)
+from ._library import (ArgumentError, Context, FileError, Handle, encoded, fail, ffi, lib, text, value_of, whole)
 
 Keys = Mapping[str, Any]
 SECTIONS = ("environment", "surface", "bottom", "sonar", "mission", "sampling", "model", "detector", "output")
+FILES = ("file", "track", "curve", "sound_speed_profile")
 BOTTOMS = ("mud", "sand", "gravel", "rock")
 
 
@@ -54,6 +55,15 @@ def _write_ply(path: str, corners: np.ndarray, indices: np.ndarray) -> None:
         file.write(facets.tobytes())
 
 
+def _find_files(value: Any, folder: str) -> None:
+    """Makes the paths of files that lie in FOLDER whole."""
+    for key, inner in value.items() if isinstance(value, dict) else enumerate(value):
+        if isinstance(inner, (dict, list)):
+            _find_files(inner, folder)
+        elif isinstance(inner, str) and key in FILES and inner:
+            value[key] = os.path.join(folder, inner)
+
+
 class Scene:
     """A scene in memory: the sections of a scene file as dictionaries, and meshes from arrays.
 
@@ -75,6 +85,26 @@ class Scene:
         self.objects: list[dict[str, Any]] = []
         self._meshes: dict[str, tuple[Handle, np.ndarray, np.ndarray]] = {}
         self._context = Context()
+        self._more: dict[str, Any] = {}  # sections of a file that are no arguments here
+
+    @classmethod
+    def open(cls, path: str | os.PathLike[str]) -> Scene:
+        """The scene of a file, to be changed and added to. Files that it names are looked for where it is."""
+        context = Context()
+        found = ffi.new("char **")
+        context.call(lib.asdic_mission_file_json, context.pointer, encoded(path, "path"), found)
+        try:
+            sections = json.loads(text(found[0]))
+        finally:
+            lib.free(found[0])
+        _find_files(sections, os.path.dirname(os.path.abspath(os.fsdecode(path))))
+        sections.pop("version", None)
+        scene, objects = cls(), sections.pop("objects", None)
+        scene.objects = list(objects or [])
+        scene._more = {name: value for name, value in sections.items() if name not in SECTIONS}
+        for name in sections.keys() - scene._more.keys():
+            setattr(scene, name, sections[name])
+        return scene
 
     def add(self, name: str, *, position_m: Sequence[float] = (0.0, 0.0, 0.0), material: str | Keys | None = None,
             **keys: Any) -> None:
@@ -133,16 +163,20 @@ class Scene:
     def save(self, folder: str | os.PathLike[str]) -> str:
         """Writes the scene for the asdic program: FOLDER/scene.json, whose path it returns, and the meshes."""
         os.makedirs(folder, exist_ok=True)
-        for name, (_, corners, indices) in self._meshes.items():
-            _write_ply(os.path.join(folder, name), corners, indices)
-        path = os.path.join(os.fspath(folder), "scene.json")
-        with open(path, "w", encoding="utf-8") as file:
-            file.write(self.to_json())
+        try:
+            for name, (_, corners, indices) in self._meshes.items():
+                _write_ply(os.path.join(folder, name), corners, indices)
+            path = os.path.join(os.fspath(folder), "scene.json")
+            with open(path, "w", encoding="utf-8") as file:
+                file.write(self.to_json())
+        except OSError as error:
+            raise fail(FileError, f"the scene cannot be saved in '{os.fspath(folder)}': {error.strerror}") from error
         return path
 
     def to_json(self) -> str:
         """The scene as a scene file's text; JSON is YAML. Meshes from arrays stand in it by name."""
-        sections = {"version": 1, **{name: getattr(self, name) for name in SECTIONS}, "objects": self.objects}
+        sections = {"version": 1, **self._more, **{name: getattr(self, name) for name in SECTIONS},
+                    "objects": self.objects}
         return json.dumps({name: value for name, value in sections.items() if value not in (None, [])},
                           default=_plain, indent=1)
 
