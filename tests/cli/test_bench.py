@@ -3,6 +3,7 @@ are kept."""
 import csv
 import io
 import json
+import math
 import os
 
 import program
@@ -10,6 +11,32 @@ import tap
 from program import Folder, asdic
 
 SCENES = os.path.join(os.path.dirname(__file__), "..", "..", "data", "scenes")
+
+
+def between(x0, y0, x1, y1, x):
+    """Where the line through log (x, y) of two points meets log x."""
+    t = math.log(x / x0) / math.log(x1 / x0)
+    return y0 * (y1 / y0) ** t
+
+
+def check_what_follows_from_points(curves):
+    """Rays and time at an error of 1 dB, and how many times less that is than the sphere's."""
+    at_1db = {}
+    for name, points in curves.items():
+        for a, b in zip(points, points[1:]):
+            if a["rms_db"] > 1 >= b["rms_db"]:
+                rays = between(a["rms_db"], a["rays"], b["rms_db"], b["rays"], 1.0)
+                at_1db[name] = rays, between(a["rays"], a["ping_s"], b["rays"], b["ping_s"], rays)
+    tap.equal("uniform-sphere" in at_1db and len(at_1db) > 1, True, f"errors cross 1 dB: {at_1db}")
+    for name, (rays, seconds) in at_1db.items():
+        most_rays, most_seconds = at_1db["uniform-sphere"]
+        for key, value in (("rays_for_1db", rays), ("seconds_for_1db", seconds),
+                           ("fewer_rays", most_rays / rays), ("less_time", most_seconds / seconds)):
+            for row in curves[name]:
+                tap.equal(abs(row[key] / value - 1) < 1e-3, True, f"{name}: {key} {row[key]}, {value}")
+        for row in curves[name]:
+            tap.equal(row["far_rms_db"] <= row["max_db"] and row["rms_db"] <= row["max_db"], True, "the mean error")
+            tap.equal(abs(row["bias_db"]) <= row["rms_db"], True, "the bias")
 
 
 def test_error_keeps_its_goals():
@@ -32,6 +59,7 @@ def test_error_keeps_its_goals():
         for name, points in curves.items():
             errors = [p["rms_db"] for p in points]
             tap.equal(errors, sorted(errors, reverse=True), f"{name}: error over rays")
+        check_what_follows_from_points(curves)
         tap.equal(len(list(csv.DictReader(io.StringIO(folder.read("error.csv"))))), len(rows), "rows")
         tap.equal(folder.names(), ["error.csv"], "nothing left over")
 
