@@ -9,6 +9,10 @@
 #include <unistd.h>
 
 #define MOST_WORKERS 256
+/* Where --tolerance gives up. */
+#define MOST_RAYS (1u << 20)
+/* ... and begins. */
+#define LEAST_RAYS 1024
 
 typedef struct request {
     asdic_trial_options options;
@@ -16,6 +20,7 @@ typedef struct request {
     char *key; /* of --vary */
     const char *values[ASDIC_TRIAL_MOST_VARIANTS];
     uint64_t shard, shards;
+    double tolerance_db; /* NAN: none asked for */
     const char *program;
     double timeout_s;
     const char *replay;
@@ -49,6 +54,7 @@ static bool read_request(cli *c, request *r) {
     *r = (request){.options = asdic_trial_options_default(),
                    .shard = 1,
                    .shards = 1,
+                   .tolerance_db = NAN,
                    .timeout_s = 10.0,
                    .program = cli_text(c, "rule")};
     asdic_trial_options *o = &r->options;
@@ -60,6 +66,7 @@ static bool read_request(cli *c, request *r) {
                                              : (uint64_t)processors;
     cli_integer(c, "workers", 1, MOST_WORKERS, &r->workers);
     cli_integer(c, "rays", 64, 1u << 28, &rays);
+    cli_number(c, "tolerance", 1e-2, 20.0, &r->tolerance_db);
     cli_share(c, "shard", &r->shard, &r->shards);
     cli_number(c, "rule-timeout", 0.01, 86400.0, &r->timeout_s);
     o->scene = cli_operand(c, 0);
@@ -83,6 +90,10 @@ static bool read_request(cli *c, request *r) {
     }
     if (cli_given(c, "rule-timeout") && !r->program) {
         cli_usage(c, "--rule-timeout needs --rule PROGRAM");
+        return false;
+    }
+    if (rays > 0 && !isnan(r->tolerance_db)) {
+        cli_usage(c, "--rays and --tolerance exclude each other");
         return false;
     }
     uint64_t from = o->runs * (r->shard - 1) / r->shards, to = o->runs * r->shard / r->shards;
@@ -327,10 +338,42 @@ static void dismiss(workforce *w) {
     free(w->all);
 }
 
+/* The rays that --tolerance takes along the way of run 0 of each design, the most of them. */
+static asdic_status find_rays(cli *c, request *r, asdic_device *device) {
+    asdic_trial_options *o = &r->options;
+    const asdic_draw draw = {o->seed, 0};
+    const asdic_tolerance wanted = {r->tolerance_db, 0.99, MOST_RAYS};
+    for (size_t v = 0; v < o->variants.count; v++) {
+        const asdic_setting vary = {r->key, r->key ? r->values[v] : NULL};
+        asdic_mission *mission = NULL;
+        asdic_ray_budget found;
+        asdic_status status = asdic_mission_load_run(cli_context(c), o->scene, &vary,
+                                                     r->key != NULL, &draw, &mission);
+        if (!status) {
+            asdic_mission_sampling(mission)->rays = LEAST_RAYS;
+            status = asdic_mission_find_rays(cli_context(c), mission, device, &wanted, &found);
+        }
+        asdic_mission_destroy(&mission);
+        if (status) {
+            return status;
+        }
+        o->rays = found.rays > o->rays ? found.rays : o->rays;
+        if (!found.is_kept) {
+            cli_warning(c, "%u rays per ping do not keep %g dB: the worst bin has %.3g dB",
+                        found.rays, wanted.stderr_db, found.worst_db);
+        }
+    }
+    cli_note(c, "tolerance %g dB: %u rays per ping", wanted.stderr_db, o->rays);
+    return ASDIC_OK;
+}
+
 static int fly(cli *c, request *r, asdic_team *team) {
     workforce w = {.times = 0};
     r->options.team = team;
     asdic_status status = recruit(c, r->replay ? 1 : r->workers, &w);
+    if (!status && !isnan(r->tolerance_db)) {
+        status = find_rays(c, r, w.all[0]);
+    }
     if (!status) {
         status = (r->replay ? replay_on : fly_on)(c, r, w.all, w.times * w.each);
     }
@@ -368,6 +411,10 @@ static const cli_option options[] = {
     {"vary", 0, "KEY=A,B,..",
      "a design for each value of this key of the scene, as sonar.file=one.yaml,three.yaml"},
     {"rays", 0, "N", "rays per ping, instead of the scene's; of 'auto' 4096"},
+    {"tolerance", 0, "DB",
+     "as many rays per ping as keep the stated error of 99 % of the bins below this along the way "
+     "of "
+     "run 0, in place of --rays"},
     {"workers", 0, "N", "runs that are flown at a time, else one for each processor"},
     {"rule", 0, "PROGRAM",
      "let this command, run by the shell, decide: it reads pings as 'asdic serve --detect' writes "
@@ -401,7 +448,7 @@ const cli_command cli_trial_command = {
         "that depth and heading until the next ping. A program that crashes, answers nonsense or "
         "takes too long breaks the run: it is counted, and the program is started anew.",
     .examples = "asdic trial scene.yaml --runs 10000 --vary trial.rule.reach_m=10,20 -o out\n"
-                "asdic trial scene.yaml --runs 10000 --replay 17 -o run17 && asdic view run17",
+                "asdic trial scene.yaml --runs 10000 --replay 17 -o run17 && asdic view run17/scene.yaml",
     .options = options,
     .traits = CLI_HAS_DEVICE | CLI_HAS_JSON | CLI_INTERRUPTIBLE,
     .run = run,

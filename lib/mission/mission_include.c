@@ -44,18 +44,12 @@ static asdic_status read_tree(mission_builder *b, const char *path, asdic_yaml_n
     return has_memory ? ASDIC_OK : asdic_fail_memory(b->ctx, "the sonar's file");
 }
 
+static bool is_other(const asdic_yaml_node *node, const void *child) {
+    return node != child;
+}
+
 void asdic_mission_take_out(asdic_yaml_node *map, const asdic_yaml_node *child) {
-    asdic_yaml_node *next = map->first;
-    map->first = map->last = NULL;
-    map->count = 0;
-    while (next) {
-        asdic_yaml_node *node = next;
-        next = node->next;
-        node->next = NULL;
-        if (node != child) {
-            asdic_yaml_append(map, node);
-        }
-    }
+    asdic_yaml_filter(map, is_other, child);
 }
 
 /* Adds what FROM holds and MAP does not. */

@@ -13,29 +13,17 @@
 #include "base/sha256.h"
 #include "base/try.h"
 #include "mission/run/team_message.h"
-#include "out/digits.h"
 #include "out/file.h"
-#include "sim/variates.h"
-
-#include "../../kernels/random.h"
 
 #include <errno.h>
-#include <fcntl.h>
-#include <math.h>
 #include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* Rays a ping where the scene leaves them to asdic: enough for a detector that allows for their
- * error, and quick. */
-#define AUTO_RAYS 4096
 /* Workers without a device, where the sonar is ideal. */
 #define MOST_BLIND 64
-#define MOST_SETTINGS 3
-/* Seeds that a scene file holds exactly. */
-#define SEED_BITS 52
 
 typedef struct flown {
     char *row; /* NULL: not yet */
@@ -75,35 +63,6 @@ asdic_trial_options asdic_trial_options_default(void) {
 
 /* --- a run ------------------------------------------------------------------------------------- */
 
-/* The seed of a run's pings, the same for all variants. */
-static uint64_t ping_seed(uint64_t seed, uint64_t run) {
-    asdic_variates v = asdic_variates_begin(RANDOM_TRIAL, seed, run, 0xffffffffu);
-    return (uint64_t)(asdic_variates_uniform(&v) * (double)((uint64_t)1 << SEED_BITS));
-}
-
-/* The mission of RUN as VARIANT changes it. */
-static asdic_status load(asdic_context *ctx, const asdic_trial_options *o, uint64_t run,
-                         size_t variant, asdic_mission *donor, asdic_mission **out) {
-    char seed[ASDIC_DIGITS_SIZE], rays[ASDIC_DIGITS_SIZE];
-    const asdic_draw draw = {o->seed, run};
-    asdic_setting settings[MOST_SETTINGS];
-    size_t count = 0;
-    asdic_digits_natural(seed, ping_seed(o->seed, run));
-    settings[count++] = (asdic_setting){"sampling.seed", seed};
-    if (o->rays > 0) {
-        asdic_digits_natural(rays, o->rays);
-        settings[count++] = (asdic_setting){"sampling.rays", rays};
-    }
-    if (o->variants.key) {
-        settings[count++] = (asdic_setting){o->variants.key, o->variants.values[variant]};
-    }
-    TRY(asdic_mission_load_trial(ctx, o->scene, settings, count, &draw, donor, out));
-    if (asdic_mission_ray_forecast(*out).is_auto) {
-        asdic_mission_sampling(*out)->rays = AUTO_RAYS;
-    }
-    return ASDIC_OK;
-}
-
 static asdic_status fly(worker *w, uint64_t job, asdic_text *row, uint64_t *pings) {
     const asdic_trial_options *o = w->fleet->options;
     uint64_t run = w->fleet->first + job / o->variants.count;
@@ -111,7 +70,7 @@ static asdic_status fly(worker *w, uint64_t job, asdic_text *row, uint64_t *ping
     asdic_mission *mission = NULL;
     asdic_trial_run outcome;
     char why[ASDIC_TRIAL_WHY];
-    asdic_status status = load(w->fleet->ctx, o, run, variant, w->before, &mission);
+    asdic_status status = asdic_trial_load(w->fleet->ctx, o, run, variant, w->before, &mission);
     asdic_mission_destroy(&w->before);
     TRY(status);
     const asdic_trial_job one = {mission, o->seed, run, w->number, o->rule, NULL};
@@ -225,7 +184,7 @@ static asdic_status describe(asdic_context *ctx, const asdic_trial_options *o, t
     for (size_t v = 0; !status && v < o->variants.count; v++) {
         asdic_mission *mission = NULL;
         facts->values[v] = strdup(o->variants.key ? o->variants.values[v] : "");
-        status = load(ctx, o, 0, v, NULL, &mission);
+        status = asdic_trial_load(ctx, o, 0, v, NULL, &mission);
         if (!status) {
             const asdic_trial_plan *plan = &mission->trial;
             *is_ideal = plan->is_ideal && !o->rule && (v == 0 || *is_ideal);
@@ -266,25 +225,13 @@ static asdic_status check(asdic_context *ctx, asdic_trial_options *o) {
 
 /* --- the folder -------------------------------------------------------------------------------- */
 
-static bool is_same(const trial_facts *a, const trial_facts *b) {
-    return strcmp(a->hash, b->hash) == 0 && a->seed == b->seed && a->runs == b->runs &&
-           a->rays == b->rays && a->has_rule == b->has_rule && a->variants == b->variants;
-}
-
-static bool exists(const char *folder, const char *name) {
-    char *path = asdic_trial_path(folder, name);
-    bool is_there = path && access(path, F_OK) == 0;
-    free(path);
-    return is_there;
-}
-
 /* The rows that an earlier call left, cut behind the last whole one; *DONE of them. */
 static asdic_status go_on(asdic_context *ctx, const asdic_trial_options *o,
                           const trial_facts *facts, uint64_t *done, asdic_text *rows) {
     asdic_trial *before = NULL;
     TRY(asdic_trial_read(ctx, o->folder, true, &before));
     asdic_status status = ASDIC_OK;
-    if (!is_same(facts, &before->facts) || facts->first != before->facts.first ||
+    if (!asdic_trial_is_same(facts, &before->facts) || facts->first != before->facts.first ||
         facts->count != before->facts.count) {
         status = asdic_fail(ctx, ASDIC_ERROR_INPUT,
                             "%s holds another trial: scene, seed, runs, rays or variants differ; "
@@ -298,57 +245,6 @@ static asdic_status go_on(asdic_context *ctx, const asdic_trial_options *o,
     return status;
 }
 
-/* Opens trial.part.csv with its header and ROWS in it. */
-static asdic_status begin_files(fleet *f, const trial_facts *facts, const asdic_text *header,
-                                const asdic_text *rows) {
-    asdic_text text = {0};
-    const char *folder = f->options->folder;
-    char *json = asdic_trial_path(folder, "trial.part.json");
-    char *csv = asdic_trial_path(folder, "trial.part.csv");
-    asdic_trial_print(facts, NULL, NULL, &text);
-    asdic_status status =
-        json && csv && !text.failed ? ASDIC_OK : asdic_fail_memory(f->ctx, "a trial");
-    if (!status) {
-        status = asdic_file_write_all(f->ctx, json, text.data, text.length);
-    }
-    if (!status) {
-        int fd = asdic_file_open_new(csv, O_WRONLY | O_CREAT | O_TRUNC);
-        f->out = fd < 0 ? NULL : fdopen(fd, "w");
-        if (!f->out) {
-            status = asdic_file_fail(f->ctx, csv, errno);
-            if (fd >= 0) {
-                close(fd);
-            }
-        }
-    }
-    if (!status) {
-        fputs(header->data, f->out);
-        fputs(rows->data ? rows->data : "", f->out);
-    }
-    asdic_text_finish(&text);
-    free(json);
-    free(csv);
-    return status;
-}
-
-static asdic_status end_files(fleet *f) {
-    bool good = f->out && !ferror(f->out) && fflush(f->out) == 0;
-    int error = errno;
-    if (f->out) {
-        fclose(f->out);
-    }
-    f->out = NULL;
-    return good ? ASDIC_OK : asdic_file_fail(f->ctx, f->options->folder, error);
-}
-
-static asdic_status complete(asdic_context *ctx, const char *folder) {
-    asdic_trial *trial = NULL;
-    TRY(asdic_trial_read(ctx, folder, true, &trial));
-    asdic_status status = asdic_trial_complete(ctx, trial, folder);
-    asdic_trial_close(&trial);
-    return status;
-}
-
 /* Flies what is left of the part that F's options say. */
 static asdic_status fly_part(fleet *f, const trial_facts *facts, const asdic_text *header) {
     const asdic_trial_options *o = f->options;
@@ -357,12 +253,12 @@ static asdic_status fly_part(fleet *f, const trial_facts *facts, const asdic_tex
     if (mkdir(o->folder, 0777) != 0 && errno != EEXIST) {
         return asdic_file_fail(f->ctx, o->folder, errno);
     }
-    if (!o->force && exists(o->folder, "trial.json")) {
+    if (!o->force && asdic_trial_has(o->folder, "trial.json")) {
         return o->resume ? ASDIC_OK
                          : asdic_fail(f->ctx, ASDIC_ERROR_EXISTS,
                                       "'%s' holds a trial; --force replaces it", o->folder);
     }
-    if (!o->force && exists(o->folder, "trial.part.csv")) {
+    if (!o->force && asdic_trial_has(o->folder, "trial.part.csv")) {
         status = o->resume ? go_on(f->ctx, o, facts, &f->begin, &rows)
                            : asdic_fail(f->ctx, ASDIC_ERROR_EXISTS,
                                         "'%s' holds a trial that was stopped; --resume goes on, "
@@ -373,14 +269,14 @@ static asdic_status fly_part(fleet *f, const trial_facts *facts, const asdic_tex
     f->jobs = o->count * o->variants.count;
     f->next = f->taken = f->begin;
     if (!status) {
-        status = begin_files(f, facts, header, &rows);
+        status = asdic_trial_begin(f->ctx, o->folder, facts, header, &rows, &f->out);
     }
     asdic_text_finish(&rows);
     TRY(status);
     status = work_all(f);
-    asdic_status closed = end_files(f);
+    asdic_status closed = asdic_trial_end(f->ctx, o->folder, &f->out);
     status = status ? status : closed;
-    return status ? status : complete(f->ctx, o->folder);
+    return status ? status : asdic_trial_settle(f->ctx, o->folder);
 }
 
 /* --- several processes ------------------------------------------------------------------------- */
@@ -455,7 +351,7 @@ static asdic_status fly_in_team(fleet *f, trial_facts *facts, const asdic_text *
     if (mkdir(whole->folder, 0777) != 0 && errno != EEXIST) {
         return asdic_file_fail(f->ctx, whole->folder, errno);
     }
-    if (!whole->force && exists(whole->folder, "trial.json")) {
+    if (!whole->force && asdic_trial_has(whole->folder, "trial.json")) {
         return whole->resume ? ASDIC_OK
                              : asdic_fail(f->ctx, ASDIC_ERROR_EXISTS,
                                           "'%s' holds a trial; --force replaces it", whole->folder);
@@ -522,140 +418,5 @@ asdic_status asdic_trial_fly(asdic_context *ctx, asdic_device **devices, size_t 
     pthread_mutex_destroy(&f.lock);
     asdic_trial_facts_finish(&facts);
     asdic_text_finish(&header);
-    return status;
-}
-
-asdic_status asdic_trial_replay(asdic_context *ctx, asdic_device *device,
-                                const asdic_trial_options *options, uint64_t run, size_t variant,
-                                const char *folder, asdic_trial_run *out) {
-    if (!options || !options->scene || !folder || !out || variant >= options->variants.count) {
-        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
-                          "a run of a trial needs its scene, one of its variants and a folder");
-    }
-    asdic_mission *mission = NULL;
-    asdic_track *track = calloc(1, sizeof *track);
-    asdic_eye eye = {.ctx = ctx, .device = device};
-    char why[ASDIC_TRIAL_WHY];
-    char *scene = asdic_trial_path(folder, "scene.yaml");
-    char *poses = asdic_trial_path(folder, "track.csv");
-    asdic_file *file = NULL;
-    asdic_status status =
-        scene && poses && track ? ASDIC_OK : asdic_fail_memory(ctx, "a run of a trial");
-    if (!status) {
-        status = load(ctx, options, run, variant, NULL, &mission);
-    }
-    if (!status && !device && (options->rule || !mission->trial.is_ideal)) {
-        status = asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "a trial that pings needs a device");
-    }
-    const asdic_trial_job job = {mission, options->seed, run, 0, options->rule, track};
-    if (!status) {
-        status = asdic_trial_run_one(&eye, &job, out, why);
-    }
-    if (!status && why[0]) {
-        status = asdic_fail(ctx, ASDIC_ERROR_INPUT, "run %llu is %s: %s", (unsigned long long)run,
-                            asdic_trial_outcome_name(out->outcome), why);
-    }
-    if (!status && mkdir(folder, 0777) != 0 && errno != EEXIST) {
-        status = asdic_file_fail(ctx, folder, errno);
-    }
-    if (!status) {
-        status = asdic_mission_write_scene(ctx, mission, scene, "track.csv");
-    }
-    if (!status) {
-        status = asdic_file_create(ctx, poses, &file);
-    }
-    if (!status) {
-        const asdic_sweep *sweep = &mission->settings.sweep;
-        asdic_track_file_begin(file, sweep);
-        for (size_t i = 0; i < track->count; i++) {
-            const track_point *p = &track->points[i];
-            const asdic_pose pose = {
-                {p->x_m, p->y_m, p->z_m}, p->roll_rad, p->pitch_rad, p->yaw_rad};
-            asdic_track_file_add(file, sweep, i, p->time_s, &pose);
-        }
-        status = asdic_file_commit(&file);
-    }
-    asdic_eye_finish(&eye);
-    asdic_mission_destroy(&mission);
-    asdic_track_destroy(&track);
-    free(scene);
-    free(poses);
-    return status;
-}
-
-/* --- parts ------------------------------------------------------------------------------------- */
-
-static int by_first(const void *pa, const void *pb) {
-    const asdic_trial *a = *(asdic_trial *const *)pa, *b = *(asdic_trial *const *)pb;
-    return a->facts.first < b->facts.first ? -1 : a->facts.first > b->facts.first;
-}
-
-static asdic_status check_parts(asdic_context *ctx, asdic_trial **parts, size_t count) {
-    for (size_t i = 1; i < count; i++) {
-        const trial_facts *a = &parts[i - 1]->facts, *b = &parts[i]->facts;
-        if (!is_same(a, b) || strcmp(parts[i]->header, parts[i - 1]->header) != 0) {
-            return asdic_fail(ctx, ASDIC_ERROR_INPUT,
-                              "these are parts of different trials: scene, seed, runs, rays or "
-                              "variants differ");
-        }
-        if (b->first != a->first + a->count) {
-            return asdic_fail(ctx, ASDIC_ERROR_INPUT, "runs %llu to %llu are in no part, or in two",
-                              (unsigned long long)(a->first + a->count),
-                              (unsigned long long)b->first);
-        }
-    }
-    return ASDIC_OK;
-}
-
-static asdic_status write_parts(asdic_context *ctx, asdic_trial **parts, size_t count,
-                                const char *folder) {
-    asdic_text rows = {0}, header = {0};
-    asdic_trial_options o = {.folder = folder};
-    fleet f = {.ctx = ctx, .options = &o};
-    trial_facts whole = parts[0]->facts; /* borrowed */
-    whole.count = 0;
-    for (size_t i = 0; i < count; i++) {
-        whole.count += parts[i]->facts.count;
-        asdic_text_add(&rows, parts[i]->body);
-    }
-    asdic_text_add(&header, parts[0]->header);
-    asdic_status status = rows.failed || header.failed ? asdic_fail_memory(ctx, "a trial")
-                                                       : begin_files(&f, &whole, &header, &rows);
-    if (!status) {
-        status = end_files(&f);
-    }
-    asdic_text_finish(&rows);
-    asdic_text_finish(&header);
-    return status ? status : complete(ctx, folder);
-}
-
-asdic_status asdic_trial_merge(asdic_context *ctx, const char *const *folders, size_t folder_count,
-                               const char *folder, bool force) {
-    if (!folders || folder_count == 0 || !folder) {
-        return asdic_fail_null(ctx, __func__);
-    }
-    if (mkdir(folder, 0777) != 0 && errno != EEXIST) {
-        return asdic_file_fail(ctx, folder, errno);
-    }
-    if (!force && exists(folder, "trial.json")) {
-        return asdic_fail(ctx, ASDIC_ERROR_EXISTS, "'%s' holds a trial; --force replaces it",
-                          folder);
-    }
-    asdic_trial **parts = calloc(folder_count, sizeof *parts);
-    asdic_status status = parts ? ASDIC_OK : asdic_fail_memory(ctx, "parts of a trial");
-    for (size_t i = 0; !status && i < folder_count; i++) {
-        status = asdic_trial_open(ctx, folders[i], &parts[i]);
-    }
-    if (!status) {
-        qsort(parts, folder_count, sizeof *parts, by_first);
-        status = check_parts(ctx, parts, folder_count);
-    }
-    if (!status) {
-        status = write_parts(ctx, parts, folder_count, folder);
-    }
-    for (size_t i = 0; parts && i < folder_count; i++) {
-        asdic_trial_close(&parts[i]);
-    }
-    free(parts);
     return status;
 }

@@ -7,6 +7,7 @@
 #include "out/file.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -210,4 +211,67 @@ asdic_status asdic_trial_complete(asdic_context *ctx, asdic_trial *trial, const 
     free(picture);
     free(facts);
     return status;
+}
+
+asdic_status asdic_trial_settle(asdic_context *ctx, const char *folder) {
+    asdic_trial *trial = NULL;
+    TRY(asdic_trial_read(ctx, folder, true, &trial));
+    asdic_status status = asdic_trial_complete(ctx, trial, folder);
+    asdic_trial_close(&trial);
+    return status;
+}
+
+/* --- under way --------------------------------------------------------------------------------- */
+
+bool asdic_trial_is_same(const trial_facts *a, const trial_facts *b) {
+    return strcmp(a->hash, b->hash) == 0 && a->seed == b->seed && a->runs == b->runs &&
+           a->rays == b->rays && a->has_rule == b->has_rule && a->variants == b->variants;
+}
+
+bool asdic_trial_has(const char *folder, const char *name) {
+    char *path = asdic_trial_path(folder, name);
+    bool is_there = path && access(path, F_OK) == 0;
+    free(path);
+    return is_there;
+}
+
+asdic_status asdic_trial_begin(asdic_context *ctx, const char *folder, const trial_facts *facts,
+                               const asdic_text *header, const asdic_text *rows, FILE **out) {
+    asdic_text text = {0};
+    char *json = asdic_trial_path(folder, "trial.part.json");
+    char *csv = asdic_trial_path(folder, "trial.part.csv");
+    asdic_trial_print(facts, NULL, NULL, &text);
+    asdic_status status =
+        json && csv && !text.failed ? ASDIC_OK : asdic_fail_memory(ctx, "a trial");
+    if (!status) {
+        status = asdic_file_write_all(ctx, json, text.data, text.length);
+    }
+    if (!status) {
+        int fd = asdic_file_open_new(csv, O_WRONLY | O_CREAT | O_TRUNC);
+        *out = fd < 0 ? NULL : fdopen(fd, "w");
+        if (!*out) {
+            status = asdic_file_fail(ctx, csv, errno);
+            if (fd >= 0) {
+                close(fd);
+            }
+        }
+    }
+    if (!status) {
+        fputs(header->data, *out);
+        fputs(rows->data ? rows->data : "", *out);
+    }
+    asdic_text_finish(&text);
+    free(json);
+    free(csv);
+    return status;
+}
+
+asdic_status asdic_trial_end(asdic_context *ctx, const char *folder, FILE **out) {
+    bool good = *out && !ferror(*out) && fflush(*out) == 0;
+    int error = errno;
+    if (*out) {
+        fclose(*out);
+    }
+    *out = NULL;
+    return good ? ASDIC_OK : asdic_file_fail(ctx, folder, error);
 }

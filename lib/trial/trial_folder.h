@@ -63,6 +63,20 @@ asdic_status asdic_trial_read(asdic_context *ctx, const char *folder, bool part,
  * names. */
 asdic_status asdic_trial_complete(asdic_context *ctx, asdic_trial *trial, const char *folder);
 
+/* Opens trial.part.csv, for OUT, with HEADER and ROWS in it; and closes it. */
+asdic_status asdic_trial_begin(asdic_context *ctx, const char *folder, const trial_facts *facts,
+                               const asdic_text *header, const asdic_text *rows, FILE **out);
+asdic_status asdic_trial_end(asdic_context *ctx, const char *folder, FILE **out);
+
+/* Completes the trial under way in FOLDER. */
+asdic_status asdic_trial_settle(asdic_context *ctx, const char *folder);
+
+/* Whether both are parts of one trial. */
+bool asdic_trial_is_same(const trial_facts *a, const trial_facts *b);
+
+/* Whether FOLDER has a file NAME. */
+bool asdic_trial_has(const char *folder, const char *name);
+
 /* trial_picture.c */
 asdic_status asdic_trial_draw(asdic_context *ctx, const asdic_trial *trial, const char *path);
 

@@ -30,13 +30,14 @@ typedef struct moment {
 } moment;
 
 typedef struct run {
+    asdic_trial_run *out;
+    double time_s, step_s;
     const asdic_trial_job *job;
     const asdic_trial_plan *plan;
     const asdic_mission *mission;
     asdic_context *ctx;
     asdic_placement *placement;
     asdic_pilot pilot;
-    double time_s, step_s;
     moment *moments; /* one a ping */
     size_t moment_count, moment_capacity;
     asdic_order order; /* zero: along the waypoints */
@@ -44,7 +45,6 @@ typedef struct run {
     double until_s;
     uint64_t seen; /* a bit a ping, the last one lowest */
     size_t began;  /* ping at which the manoeuvre under way began */
-    asdic_trial_run *out;
 } run;
 
 /* --- the way ----------------------------------------------------------------------------------- */

@@ -21,4 +21,8 @@ typedef struct asdic_trial_job {
 asdic_status asdic_trial_run_one(asdic_eye *eye, const asdic_trial_job *job, asdic_trial_run *out,
                                  char why[ASDIC_TRIAL_WHY]);
 
+/* The mission of RUN as VARIANT changes it; DONOR, of another run, gives away what is the same. */
+asdic_status asdic_trial_load(asdic_context *ctx, const asdic_trial_options *options, uint64_t run,
+                              size_t variant, asdic_mission *donor, asdic_mission **out);
+
 #endif

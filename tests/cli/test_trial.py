@@ -173,7 +173,7 @@ def test_bounds_are_those_of_clopper_and_pearson():
 def test_false_alarms_are_those_of_the_design():
     """Over an empty bottom a run gives way to nothing as often as one of its bins exceeds."""
     program.need_device()
-    runs = 4000 if FULL else 200
+    runs = 10000 if FULL else 200
     with Folder() as folder:
         found, = fly(folder, folder.write("empty.yaml", EMPTY), runs)
         pings, bins = found["pings"] // runs, 40
@@ -289,6 +289,40 @@ def test_what_is_varied_is_not_drawn():
             late = [(row["run"], int(row["pings"])) for row in found if row["outcome"] == "late"]
             if key == "sonar.file":
                 tap.equal(sorted({pings for _, pings in late}), [45, 180])
+
+
+def test_several_devices_give_the_same_bytes():
+    """Runs dealt to two kinds of PoCL's devices, and to workers that share one."""
+    program.need_device()
+    with Folder() as folder:
+        path = folder.write("wall.yaml", WALL.replace("time_s: 45", "time_s: 12") + """  draws:
+    - {key: 'objects[0].position_m[0]', uniform: [20, 65]}
+""")
+        for name, options, devices in (("one", ("--device", "0:0", "--workers", 1), "pthread"),
+                                       ("three", ("--device", "0:0", "--workers", 3), "pthread"),
+                                       ("two", ("--device", "all"), "pthread basic"),
+                                       ("list", ("--device", "0:1,0:0"), "pthread basic")):
+            asdic("trial", path, "--runs", 5, *options, "-o", folder / name,
+                  POCL_DEVICES=devices).check(code=0)
+            for file in ("trial.csv", "trial.json", "trial.png"):
+                tap.equal(data(folder, name, file), data(folder, "one", file), f"{name}/{file}")
+
+
+def test_rays_by_a_tolerance():
+    """A finer tolerance takes more rays; a trial with them is that with as many --rays."""
+    program.need_device()
+    with Folder() as folder:
+        path = folder.write("wall.yaml", WALL.replace("time_s: 45", "time_s: 5"))
+        rays = []
+        for tolerance in (0.5, 3):
+            asdic("trial", path, "--runs", 2, "--tolerance", tolerance, "-o", folder / "out",
+                  "-f").check(code=0)
+            rays.append(json.loads(folder.read("out/trial.json"))["rays"])
+            asdic("trial", path, "--runs", 2, "--rays", rays[-1], "-o", folder / "same", "-f").check(code=0)
+            tap.equal(data(folder, "same", "trial.csv"), data(folder, "out", "trial.csv"))
+        assert rays[0] > rays[1] >= 1024, rays
+        done = asdic("trial", path, "--rays", 500, "--tolerance", 1, "-o", folder / "x").check(code=2)
+        tap.contains(done.err, "--rays and --tolerance exclude each other")
 
 
 def test_several_processes():
@@ -420,6 +454,13 @@ def test_a_run_can_be_seen_again():
             ping = json.loads(line)
             values = ["" if v is None else "%.9g" % v for v in ping["level_db"]["forward"]]
             tap.equal(values, levels[ping["ping"]])
+        # And it is seen in the viewer.
+        seen = asdic("view", folder / "again/scene.yaml", "--snapshot", "1", "--pings", "2", "--size", "960x540",
+                     "-o", folder / "v")
+        if "needs cairo" not in seen.err:
+            seen.check(code=0)
+            with open(folder / "v/view_1.png", "rb") as file:
+                tap.equal(file.read(8), b"\x89PNG\r\n\x1a\n")
 
 
 if FULL:

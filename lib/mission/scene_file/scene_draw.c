@@ -150,23 +150,9 @@ static void take_value(const drawer *d, asdic_yaml_node *from, uint64_t hash,
     }
 }
 
-static bool is_none(const asdic_yaml_node *node) {
-    return node->kind == ASDIC_YAML_SCALAR && !node->quoted && strcmp(node->text, "none") == 0;
-}
-
-/* Takes entries of lists that are `none` by a draw out of their lists, and what they became. */
-static void remove_none(asdic_yaml_node *list) {
-    asdic_yaml_node *next = list->first;
-    list->first = list->last = NULL;
-    list->count = 0;
-    while (next) {
-        asdic_yaml_node *node = next;
-        next = node->next;
-        node->next = NULL;
-        if (!is_none(node)) {
-            asdic_yaml_append(list, node);
-        }
-    }
+static bool is_some(const asdic_yaml_node *node, const void *unused) {
+    (void)unused;
+    return node->kind != ASDIC_YAML_SCALAR || node->quoted || strcmp(node->text, "none") != 0;
 }
 
 /* --- all of a run ------------------------------------------------------------------------------ */
@@ -235,6 +221,7 @@ static void draw_one(const drawer *d, asdic_yaml_node *root, const file_draw *fi
     remember(d, key, node, drawn);
 }
 
+/* Takes entries of lists that are `none` by a draw out of their lists, and what they became. */
 static void take_gone_out(const drawer *d, asdic_yaml_node *root, const asdic_drawn *drawn,
                           size_t first) {
     for (size_t i = first; i < drawn->count; i++) {
@@ -246,7 +233,7 @@ static void take_gone_out(const drawer *d, asdic_yaml_node *root, const asdic_dr
                 path ? asdic_scene_file_find(root, path, root, d->reader.arena, d->reader.problems)
                      : NULL;
             if (node && node->kind == ASDIC_YAML_LIST) {
-                remove_none(node);
+                asdic_yaml_filter(node, is_some, NULL);
             }
         }
     }

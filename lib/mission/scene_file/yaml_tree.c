@@ -28,6 +28,22 @@ void asdic_yaml_append(asdic_yaml_node *parent, asdic_yaml_node *child) {
     parent->last = child;
 }
 
+void asdic_yaml_filter(asdic_yaml_node *parent,
+                       bool (*stays)(const asdic_yaml_node *child, const void *user),
+                       const void *user) {
+    asdic_yaml_node *next = parent->first;
+    parent->first = parent->last = NULL;
+    parent->count = 0;
+    while (next) {
+        asdic_yaml_node *child = next;
+        next = child->next;
+        child->next = NULL;
+        if (stays(child, user)) {
+            asdic_yaml_append(parent, child);
+        }
+    }
+}
+
 /* "sonar.receivers[2].pitch_deg" into the end of BUFFER; returns its start. Levels that do not fit
  * are left out at the front. */
 static const char *path_of(const asdic_yaml_node *node, char *buffer, size_t size) {

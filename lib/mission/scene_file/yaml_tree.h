@@ -41,6 +41,11 @@ asdic_yaml_node *asdic_yaml_child(const asdic_yaml_node *map, const char *key);
 /* Appends a child, sets parent and index. */
 void asdic_yaml_append(asdic_yaml_node *parent, asdic_yaml_node *child);
 
+/* Leaves the children that stay, in their order. */
+void asdic_yaml_filter(asdic_yaml_node *parent,
+                       bool (*stays)(const asdic_yaml_node *child, const void *user),
+                       const void *user);
+
 /* One problem at NODE's value, or at its key: "...  [path.of.the.node]". Marks NODE and all above
  * it as bad. NODE NULL: about the file as a whole. */
 void asdic_yaml_problem(asdic_problems *problems, asdic_yaml_node *node, const char *format, ...)

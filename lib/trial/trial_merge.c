@@ -1,0 +1,87 @@
+/*
+ * Parts of a trial, joined.
+ */
+#include "trial_folder.h"
+
+#include "base/context.h"
+#include "out/file.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+static int by_first(const void *pa, const void *pb) {
+    const asdic_trial *a = *(asdic_trial *const *)pa, *b = *(asdic_trial *const *)pb;
+    return a->facts.first < b->facts.first ? -1 : a->facts.first > b->facts.first;
+}
+
+static asdic_status check_parts(asdic_context *ctx, asdic_trial **parts, size_t count) {
+    for (size_t i = 1; i < count; i++) {
+        const trial_facts *a = &parts[i - 1]->facts, *b = &parts[i]->facts;
+        if (!asdic_trial_is_same(a, b) || strcmp(parts[i]->header, parts[i - 1]->header) != 0) {
+            return asdic_fail(ctx, ASDIC_ERROR_INPUT,
+                              "these are parts of different trials: scene, seed, runs, rays or "
+                              "variants differ");
+        }
+        if (b->first != a->first + a->count) {
+            return asdic_fail(ctx, ASDIC_ERROR_INPUT, "runs %llu to %llu are in no part, or in two",
+                              (unsigned long long)(a->first + a->count),
+                              (unsigned long long)b->first);
+        }
+    }
+    return ASDIC_OK;
+}
+
+static asdic_status write_parts(asdic_context *ctx, asdic_trial **parts, size_t count,
+                                const char *folder) {
+    asdic_text rows = {0}, header = {0};
+    FILE *out = NULL;
+    trial_facts whole = parts[0]->facts; /* borrowed */
+    whole.count = 0;
+    for (size_t i = 0; i < count; i++) {
+        whole.count += parts[i]->facts.count;
+        asdic_text_add(&rows, parts[i]->body);
+    }
+    asdic_text_add(&header, parts[0]->header);
+    asdic_status status = rows.failed || header.failed
+                              ? asdic_fail_memory(ctx, "a trial")
+                              : asdic_trial_begin(ctx, folder, &whole, &header, &rows, &out);
+    if (!status) {
+        status = asdic_trial_end(ctx, folder, &out);
+    }
+    asdic_text_finish(&rows);
+    asdic_text_finish(&header);
+    return status ? status : asdic_trial_settle(ctx, folder);
+}
+
+asdic_status asdic_trial_merge(asdic_context *ctx, const char *const *folders, size_t folder_count,
+                               const char *folder, bool force) {
+    if (!folders || folder_count == 0 || !folder) {
+        return asdic_fail_null(ctx, __func__);
+    }
+    if (mkdir(folder, 0777) != 0 && errno != EEXIST) {
+        return asdic_file_fail(ctx, folder, errno);
+    }
+    if (!force && asdic_trial_has(folder, "trial.json")) {
+        return asdic_fail(ctx, ASDIC_ERROR_EXISTS, "'%s' holds a trial; --force replaces it",
+                          folder);
+    }
+    asdic_trial **parts = calloc(folder_count, sizeof *parts);
+    asdic_status status = parts ? ASDIC_OK : asdic_fail_memory(ctx, "parts of a trial");
+    for (size_t i = 0; !status && i < folder_count; i++) {
+        status = asdic_trial_open(ctx, folders[i], &parts[i]);
+    }
+    if (!status) {
+        qsort(parts, folder_count, sizeof *parts, by_first);
+        status = check_parts(ctx, parts, folder_count);
+    }
+    if (!status) {
+        status = write_parts(ctx, parts, folder_count, folder);
+    }
+    for (size_t i = 0; parts && i < folder_count; i++) {
+        asdic_trial_close(&parts[i]);
+    }
+    free(parts);
+    return status;
+}

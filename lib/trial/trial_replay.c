@@ -1,0 +1,110 @@
+/*
+ * The scene of a run, and the run once more.
+ */
+#include "trial_folder.h"
+#include "trial_run.h"
+
+#include "base/context.h"
+#include "base/try.h"
+#include "out/digits.h"
+#include "out/file.h"
+#include "sim/variates.h"
+
+#include "../../kernels/random.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <sys/stat.h>
+
+/* Rays a ping where the scene leaves them to asdic: enough for a detector that allows for their
+ * error, and quick. */
+#define AUTO_RAYS 4096
+#define MOST_SETTINGS 3
+/* Seeds that a scene file holds exactly. */
+#define SEED_BITS 52
+
+/* The seed of a run's pings, the same for all variants. */
+static uint64_t ping_seed(uint64_t seed, uint64_t run) {
+    asdic_variates v = asdic_variates_begin(RANDOM_TRIAL, seed, run, 0xffffffffu);
+    return (uint64_t)(asdic_variates_uniform(&v) * (double)((uint64_t)1 << SEED_BITS));
+}
+
+asdic_status asdic_trial_load(asdic_context *ctx, const asdic_trial_options *o, uint64_t run,
+                              size_t variant, asdic_mission *donor, asdic_mission **out) {
+    char seed[ASDIC_DIGITS_SIZE], rays[ASDIC_DIGITS_SIZE];
+    const asdic_draw draw = {o->seed, run};
+    asdic_setting settings[MOST_SETTINGS];
+    size_t count = 0;
+    asdic_digits_natural(seed, ping_seed(o->seed, run));
+    settings[count++] = (asdic_setting){"sampling.seed", seed};
+    if (o->rays > 0) {
+        asdic_digits_natural(rays, o->rays);
+        settings[count++] = (asdic_setting){"sampling.rays", rays};
+    }
+    if (o->variants.key) {
+        settings[count++] = (asdic_setting){o->variants.key, o->variants.values[variant]};
+    }
+    TRY(asdic_mission_load_trial(ctx, o->scene, settings, count, &draw, donor, out));
+    if (asdic_mission_ray_forecast(*out).is_auto) {
+        asdic_mission_sampling(*out)->rays = AUTO_RAYS;
+    }
+    return ASDIC_OK;
+}
+
+asdic_status asdic_trial_replay(asdic_context *ctx, asdic_device *device,
+                                const asdic_trial_options *options, uint64_t run, size_t variant,
+                                const char *folder, asdic_trial_run *out) {
+    if (!options || !options->scene || !folder || !out || variant >= options->variants.count) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
+                          "a run of a trial needs its scene, one of its variants and a folder");
+    }
+    asdic_mission *mission = NULL;
+    asdic_track *track = calloc(1, sizeof *track);
+    asdic_eye eye = {.ctx = ctx, .device = device};
+    char why[ASDIC_TRIAL_WHY];
+    char *scene = asdic_trial_path(folder, "scene.yaml");
+    char *poses = asdic_trial_path(folder, "track.csv");
+    asdic_file *file = NULL;
+    asdic_status status =
+        scene && poses && track ? ASDIC_OK : asdic_fail_memory(ctx, "a run of a trial");
+    if (!status) {
+        status = asdic_trial_load(ctx, options, run, variant, NULL, &mission);
+    }
+    if (!status && !device && (options->rule || !mission->trial.is_ideal)) {
+        status = asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "a trial that pings needs a device");
+    }
+    const asdic_trial_job job = {mission, options->seed, run, 0, options->rule, track};
+    if (!status) {
+        status = asdic_trial_run_one(&eye, &job, out, why);
+    }
+    if (!status && why[0]) {
+        status = asdic_fail(ctx, ASDIC_ERROR_INPUT, "run %llu is %s: %s", (unsigned long long)run,
+                            asdic_trial_outcome_name(out->outcome), why);
+    }
+    if (!status && mkdir(folder, 0777) != 0 && errno != EEXIST) {
+        status = asdic_file_fail(ctx, folder, errno);
+    }
+    if (!status) {
+        status = asdic_mission_write_scene(ctx, mission, scene, "track.csv");
+    }
+    if (!status) {
+        status = asdic_file_create(ctx, poses, &file);
+    }
+    if (!status) {
+        const asdic_sweep *sweep = &mission->settings.sweep;
+        asdic_track_file_begin(file, sweep);
+        for (size_t i = 0; i < track->count; i++) {
+            const track_point *p = &track->points[i];
+            const asdic_pose pose = {
+                {p->x_m, p->y_m, p->z_m}, p->roll_rad, p->pitch_rad, p->yaw_rad};
+            asdic_track_file_add(file, sweep, i, p->time_s, &pose);
+        }
+        status = asdic_file_commit(&file);
+    }
+    asdic_eye_finish(&eye);
+    asdic_mission_destroy(&mission);
+    asdic_track_destroy(&track);
+    free(scene);
+    free(poses);
+    return status;
+}
