@@ -5,6 +5,8 @@
  * layer's bend (scene/lifted.c). It follows each ray on one leg, as far as the layer goes. Then this kernel notes
  * what ended on a triangle, a plane or at the range, and sends the rest on into the next layer (leg.h).
  *
+ * So are the rays that leave a mirror, and those that go back to the sonar from what they met (multipath.cl).
+ *
  * Layers without triangles are crossed at once. The rays that have a leg to go lie at the front of their piece of
  * the array, as mirror rays do (mirror_ray.h), and name the slot that they come from.
  */
@@ -21,6 +23,8 @@
 
 /* Where legs lie, and what the tracer found on them. */
 typedef struct leg_store {
+    __global const dev_ray *starts;
+    bool from_sonar; /* else from where STARTS says, and legs have been begun there */
     __global dev_ray *rays;
     __global float *legs;
     __global const dev_hit *leg_hits;
@@ -35,7 +39,7 @@ static ray begin_legs(__global const dev_ping *ping, const leg_store *to, uint s
     float z = ping->origin[2];
     ray r;
     r.from = sonar_of(ping);
-    r.u = load_directions(to->rays, slots_from(slot));
+    r.u = load_directions(to->starts, slots_from(slot));
     uint above = first_layer(&to->layers, z, -1.0f), below = first_layer(&to->layers, z, 1.0f);
     *layer = choose_natural(r.u.z > R(0.0), (natural)(below), (natural)(above));
     r.bend = planes_of(&to->layers, *layer).bend;
@@ -45,11 +49,23 @@ static ray begin_legs(__global const dev_ping *ping, const leg_store *to, uint s
     row[LEG_SENT] = r.u.x;
     row[LEG_SENT + 1] = r.u.y;
     row[LEG_SENT + 2] = r.u.z;
-    dev_hit none = {INFINITY, NO_RAY};
-    LANES {
-        to->hits[slot + lane] = none;
-    }
     return r;
+}
+
+/* The first legs of rays that have been begun elsewhere. */
+static ray go_on(const leg_store *to, uint slot, natural *layer) {
+    ray r = load_leg(leg_rows(to->legs, slot));
+    LANES {
+        AT(*layer, uint) = first_layer(&to->layers, AT(r.from.z, float), AT(r.u.z, float));
+    }
+    r.bend = planes_of(&to->layers, *layer).bend;
+    r.bend /= R(1.0) + r.bend * r.from.z;
+    return r;
+}
+
+/* The range at which the rays from SLOT on end. */
+static real end_of(__global const dev_ping *ping, const leg_store *to, uint slot) {
+    return to->from_sonar ? (real)(ping->reach_m) : leg_rows(to->legs, slot)[LEG_UNTIL];
 }
 
 static void store_leg(const leg_store *to, const ray *r, natural layer, uint slot) {
@@ -72,8 +88,8 @@ static void store_leg(const leg_store *to, const ray *r, natural layer, uint slo
 
 /* Takes the rays R that CROSS over the planes of their layers, on and on while those are empty; returns those that
  * met what ends them first: they stay where they were. */
-static mask cross_planes(__global const dev_ping *ping, const leg_store *to, ray *r, natural *layer,
-                         mask cross) {
+static mask cross_planes(__global const dev_ping *ping, const leg_store *to, real until, ray *r,
+                         natural *layer, mask cross) {
     mask ended = (mask)(0);
     real sonar = (real)(ping->origin[2]);
     for (uint i = 0; i < LEG_MOST && any_true(cross); i++) {
@@ -81,7 +97,7 @@ static mask cross_planes(__global const dev_ping *ping, const leg_store *to, ray
         real t_below = to_below(r, p.below), t_above = to_above(r, p.above);
         mask down = t_below <= t_above;
         real t = r_min(t_below, t_above);
-        real end = ray_at_range(r, (real)(ping->reach_m));
+        real end = ray_at_range(r, until);
         if (ping->bottom_m < INFINITY) {
             end = r_min(end, to_below(r, sonar + (real)(ping->bottom_m)));
         }
@@ -101,12 +117,12 @@ static mask cross_planes(__global const dev_ping *ping, const leg_store *to, ray
 
 /* Brings the legs of the rays R that are ON, from SLOT on, to the tracer, where they lie from AT on, as far as their
  * layers go; returns the next AT. */
-static uint trace_legs(__global const dev_ping *ping, const leg_store *to, const ray *r,
-                       natural layer, mask on, uint slot, uint at) {
+static uint trace_legs(const leg_store *to, const ray *r, real until, natural layer, mask on,
+                       uint slot, uint at) {
     leg_planes p = planes_of(&to->layers, layer);
     real t = r_min(to_below(r, p.below), to_above(r, p.above));
     t += ADVANCE_ROOM / r_max(r_abs(ray_direction(r, t).z), ADVANCE_LEVEL);
-    t = r_min(t, ray_at_range(r, (real)(ping->reach_m)));
+    t = r_min(t, ray_at_range(r, until));
     ray_medium water = {p.bend, R(1.0)};
     triple from = ray_lift(r->from, water), along = ray_traced(r, water);
     from.z += p.shift;
@@ -125,23 +141,28 @@ static uint advance_rays(__global const dev_ping *ping, const leg_store *to, boo
     natural layer;
     mask cross = on;
     if (first) {
-        r = begin_legs(ping, to, slot, &layer);
+        dev_hit none = {INFINITY, NO_RAY};
+        LANES {
+            to->hits[slot + lane] = none;
+        }
+        r = to->from_sonar ? begin_legs(ping, to, slot, &layer) : go_on(to, slot, &layer);
         cross &= are_empty(&to->layers, layer);
     } else {
         __global const real *row = leg_rows(to->legs, slot);
         r = load_leg(row);
         layer = as_natural(row[LEG_LAYER]);
     }
-    on &= (mask)(cross_planes(ping, to, &r, &layer, cross) == 0);
+    real until = end_of(ping, to, slot);
+    on &= (mask)(cross_planes(ping, to, until, &r, &layer, cross) == 0);
     store_leg(to, &r, layer, slot);
-    return any_true(on) ? trace_legs(ping, to, &r, layer, on, slot, at) : at;
+    return any_true(on) ? trace_legs(to, &r, until, layer, on, slot, at) : at;
 }
 
 /* Which rays of the piece from BEGIN to END have a leg to go on from, by slot: -1. Notes the triangles that others
  * have met on theirs. */
 static void end_legs(const leg_store *to, bool first, uint begin, uint end, int *on) {
     for (uint slot = begin; slot < end; slot++) {
-        on[slot - begin] = first && to->rays[slot].t_max > 0.0f ? -1 : 0;
+        on[slot - begin] = first && to->starts[slot].t_max > 0.0f ? -1 : 0;
     }
     for (uint at = begin; !first && at < end && to->rays[at].source != NO_RAY; at++) {
         uint slot = to->rays[at].source;
@@ -156,15 +177,17 @@ static void end_legs(const leg_store *to, bool first, uint begin, uint end, int 
     }
 }
 
-/* One work-item per piece. LEG 0: rays are as they were drawn. Sets ACTIVE[LEG] where any ray has a leg to go. */
+/* One work-item per piece. LEG 0: rays are as they were drawn, in STARTS, where those that end have a T_MAX of 0.
+ * Sets ACTIVE[LEG] where any ray has a leg to go. */
 __kernel void advance(__global const dev_ping *pings, __global const dev_layer *layers, uint count,
-                      uint leg, __global dev_ray *rays, __global float *legs,
+                      uint leg, uint from_sonar, __global const dev_ray *starts,
+                      __global dev_ray *rays, __global float *legs,
                       __global const dev_hit *leg_hits, __global dev_hit *hits,
                       __global uint *active) {
     __global const dev_ping *ping = row_ping(pings);
     size_t own = row_slots(ping);
-    leg_store to = {
-        rays + own, legs + DEV_LEG_FLOATS * own, leg_hits + own, hits + own, {layers, count}};
+    leg_store to = {starts + own,   from_sonar != 0u, rays + own,     legs + DEV_LEG_FLOATS * own,
+                    leg_hits + own, hits + own,       {layers, count}};
     uint begin = (uint)(get_global_id(0)) * PIECE, at = begin;
     uint end = min(begin + PIECE, batch_slots(ping));
     int on[PIECE];

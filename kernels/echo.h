@@ -99,7 +99,11 @@ enum {
     LEG_ACROSS,
     LEG_ALONG,
     LEG_SLOPE,
-    LEG_LAYER
+    LEG_LAYER,
+    /* In the place of LEG_SENT, of rays that do not leave the sonar: the range at which they end, and the width of
+     * their tube across the plane of the ray at the mirror. */
+    LEG_UNTIL = LEG_SENT,
+    LEG_BEFORE
 };
 
 /* The vectors of the rays from SLOT on. */
@@ -124,6 +128,58 @@ static ray load_leg(__global const real *row) {
     r.slope = row[LEG_SLOPE];
     r.fan = R(1.0) / r.pace;
     return r;
+}
+
+/* A number of one ray. */
+static size_t leg_at(uint slot, uint row) {
+    return (size_t)(slot - slot % ASDIC_WIDTH) * DEV_LEG_FLOATS + row * ASDIC_WIDTH +
+           slot % ASDIC_WIDTH;
+}
+
+/* ROW of the rays in SLOTS, which need not be neighbours. */
+static real gather_row(__global const float *legs, natural slots, uint row) {
+    real values;
+    LANES {
+        AT(values, float) = legs[leg_at(AT(slots, uint), row)];
+    }
+    return values;
+}
+
+static ray gather_leg(__global const float *legs, natural slots) {
+    real row[DEV_LEG_FLOATS];
+    for (uint i = 0; i < DEV_LEG_FLOATS; i++) {
+        row[i] = gather_row(legs, slots, i);
+    }
+    ray r = {{row[LEG_FROM], row[LEG_FROM + 1], row[LEG_FROM + 2]},
+             {row[LEG_U], row[LEG_U + 1], row[LEG_U + 2]},
+             row[LEG_BEND],
+             row[LEG_PACE],
+             row[LEG_RANGE],
+             row[LEG_ARC],
+             row[LEG_ACROSS],
+             row[LEG_ALONG],
+             row[LEG_SLOPE],
+             R(1.0) / row[LEG_PACE]};
+    return r;
+}
+
+/* The first leg of a ray that does not leave the sonar, of one lane; its layer and bend are found later. */
+static void put_first_leg(__global float *legs, uint slot, const ray *r, real until, real before,
+                          uint lane) {
+    legs[leg_at(slot, LEG_FROM)] = AT(r->from.x, const float);
+    legs[leg_at(slot, LEG_FROM + 1)] = AT(r->from.y, const float);
+    legs[leg_at(slot, LEG_FROM + 2)] = AT(r->from.z, const float);
+    legs[leg_at(slot, LEG_U)] = AT(r->u.x, const float);
+    legs[leg_at(slot, LEG_U + 1)] = AT(r->u.y, const float);
+    legs[leg_at(slot, LEG_U + 2)] = AT(r->u.z, const float);
+    legs[leg_at(slot, LEG_PACE)] = AT(r->pace, const float);
+    legs[leg_at(slot, LEG_RANGE)] = AT(r->range, const float);
+    legs[leg_at(slot, LEG_ARC)] = AT(r->arc, const float);
+    legs[leg_at(slot, LEG_ACROSS)] = AT(r->across, const float);
+    legs[leg_at(slot, LEG_ALONG)] = AT(r->along, const float);
+    legs[leg_at(slot, LEG_SLOPE)] = AT(r->slope, const float);
+    legs[leg_at(slot, LEG_UNTIL)] = AT(until, float);
+    legs[leg_at(slot, LEG_BEFORE)] = AT(before, float);
 }
 
 #endif

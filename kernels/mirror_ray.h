@@ -55,11 +55,44 @@ static void end_piece(__global dev_ray *rays, uint at, uint end) {
 }
 
 /* Mirror rays, and for each what its mirror did: (share mu, d1, kappa_t / cos i + kappa_s cos i, K). The share
- * includes what bending does to the level on the way there, once (ray_bending). */
+ * includes what bending does to the level on the way there, once (ray_bending). Through layers: (mu, and what
+ * mirrored_tube asks for), and LEGS. */
 typedef struct mirror_store {
     __global dev_ray *rays;
     __global float4 *mirrors;
+    __global float *legs;
 } mirror_store;
+
+#if ASDIC_LAYERS
+
+/* The ray that goes on from START in direction TO where R has met a mirror at T1: the tube of rays goes on as in the
+ * image of the water, whose gradient across the mirror steps to its negative (leg.h). NORMAL, ALONG: as in reflect. */
+static ray mirrored_ray(const ray *r, real t1, triple start, triple to, triple normal, real along) {
+    bent_place at = bent_at(r, t1);
+    real cosine = choose(along < R(0.0), r_min(along, R(-1e-3)), r_max(along, R(1e-3)));
+    ray next = *r;
+    next.from = start;
+    next.u = to;
+    next.pace = r->pace / at.q;
+    next.range = ray_range(r, t1);
+    next.arc = r->arc + bent_arc(r, &at);
+    next.across = bent_across(r, t1);
+    next.along = r->along + r->slope * t1;
+    next.slope = at.q * r->slope + R(2.0) * r->bend / at.q * normal.z *
+                                       ((R(1.0) - along) * (R(1.0) + along)) / cosine * next.along;
+    return next;
+}
+
+/* Cross-section of the tube of one steradian of a ray by way of a mirror, at T of its last leg. A curved mirror turns
+ * neighbours by twice its curvature times the tube's widths a1, b1 there; from there on they part as in water of one
+ * speed. MIRROR: (mu, c1, c2, c3), c1 = B a1 p, c2 = B b1 p, c3 = 4 K a1 b1 p^2 with B and K of ray_mirror_gain, p
+ * c at the sonar over that at the mirror. BEFORE: b1. For straight rays this is J of ray_mirror_gain. */
+static real mirrored_tube(const ray *r, real t, real before, real c1, real c2, real c3) {
+    real a = r->along + r->slope * t, b = bent_across(r, t), apart = b - before;
+    return r_abs(a * b + apart * (c1 * b + c2 * a) + apart * apart * c3);
+}
+
+#endif
 
 /* Appends the mirror rays of the rays R that lie from SLOT on and met M, mirrored by SHARE, to STORE from
  * AT on; returns the next AT. */
@@ -82,6 +115,12 @@ static uint reflect(const world *w, const meeting *m, const ray *r, real share,
     /* The farthest d2 with d1 + d2 + d3 <= 2 range, whatever the mirror ray meets. */
     real farthest = ray_mirror_reach(R(2.0) * reach - d1, d1, dot3(u, to));
     farthest = r_min(farthest * (real)(RAY_MIRROR_ROOM), reach);
+#if ASDIC_LAYERS
+    ray next = mirrored_ray(r, t1, start, to, m->surface, along);
+    real t_max = farthest, until = d1 + farthest;
+    triple from = start, along_it = to;
+    (void)water;
+#else
     ray next = ray_start(start, to, water);
     real t_max = ray_at_range(&next, farthest);
     triple from = ray_lift(start, water), along_it = ray_traced(&next, water);
@@ -89,6 +128,7 @@ static uint reflect(const world *w, const meeting *m, const ray *r, real share,
     real minus_k = (real)(-w->ping->absorption_np_per_m);
     real first_leg = share * sqrt(ray_bending(r, t1, d1, R(2.0) * minus_k));
     ray_turn turn = ray_mirror_turn(r, m->facet, along, side);
+#endif
     LANES {
         if (AT(mirror, int) == 0) {
             continue;
@@ -104,9 +144,17 @@ static uint reflect(const world *w, const meeting *m, const ray *r, real share,
         source |= AT(m->kind, const uint) << TRUTH_KIND_SHIFT;
 #endif
         store->rays[at] = lane_ray(&from, &along_it, t_max, source, lane);
+#if ASDIC_LAYERS
+        float pace = AT(next.pace, float), a1 = pace * AT(next.along, float),
+              b1 = pace * AT(next.across, float);
+        put_first_leg(store->legs, at, &next, until, next.across, lane);
+        store->mirrors[at++] = (float4)(AT(share, float), bend.trace * a1, bend.trace * b1,
+                                        4.0f * bend.gauss * a1 * b1);
+#else
         store->mirrors[at++] =
             (float4)(AT(first_leg, float), AT(d1, float), bend.trace + AT(turn.trace, float),
                      bend.gauss + AT(turn.gauss, float));
+#endif
     }
     return at;
 }

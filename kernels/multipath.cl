@@ -14,10 +14,112 @@
  * The tube's outgoing spreading cancels against its area, so that only the return spreads. D^-2 is
  * for flat mirrors; at a curved one it becomes 1 / J (ray_mirror_gain). sqrt(s_in s_out) is exact for
  * Lambert's law.
+ *
+ * Through layers the way home is found by its launch elevation, and both echoes follow from cross-sections of tubes of
+ * one steradian: A over O to X (mirrored_tube), A' from X straight to the sonar. With q the sound speed at X over that
+ * at the sonar and L the length of all legs, D^-2 becomes q^2 / A, d3^-2 becomes 1 / A', and k is counted along L.
  */
+#include "leg.h"
 #include "mirror_ray.h"
 #include "receive.h"
 #include "ping_batch.h"
+
+#if ASDIC_LAYERS
+
+/* Steps of the search for a ray home, and by what such a ray may miss the sonar, m and of the distance. */
+#define HOME_STEPS 12u
+#define HOME_MISS R(2e-3)
+#define HOME_MISS_FAR R(1e-5)
+
+/* Where mirror rays and ways home lie, and the layers. */
+typedef struct leg_sets {
+    __global const float *bounced;
+    __global float *returning;
+    layer_stack layers;
+} leg_sets;
+
+/* A ray from X in the plane through the sonar, in direction U of unit length, at the sonar's distance. */
+typedef struct way_home {
+    ray r; /* its last leg */
+    triple u;
+    real t, miss; /* there; how far below the sonar it is */
+    mask found;
+} way_home;
+
+/* The ray from X with sine and cosine of its elevation towards TOWARDS, ACROSS far. PACE: at X. */
+static way_home try_home(const layer_stack *to, triple x, triple towards, real across, triple sonar,
+                         real sine, real cosine, real pace) {
+    way_home way;
+    way.u.x = cosine * towards.x;
+    way.u.y = cosine * towards.y;
+    way.u.z = sine;
+    natural layer;
+    LANES {
+        AT(layer, uint) = first_layer(to, AT(x.z, float), AT(sine, float));
+    }
+    ray_medium water = {planes_of(to, layer).bend, R(1.0)};
+    way.r = ray_start(x, way.u, water);
+    way.r.pace = pace;
+    way.r.slope = R(1.0);
+    way.r.fan = R(1.0) / pace;
+    way.t = R(0.0);
+    mask on = (mask)(-1);
+    for (uint i = 0; i < LEG_MOST && any_true(on); i++) {
+        leg_planes p = planes_of(to, layer);
+        real below = to_below(&way.r, p.below), above = to_above(&way.r, p.above);
+        real rest = (sonar.x - way.r.from.x) * towards.x + (sonar.y - way.r.from.y) * towards.y;
+        real level = sqrt(way.r.u.x * way.r.u.x + way.r.u.y * way.r.u.y);
+        real end = r_max(r_min(rest, across), R(0.0)) / r_max(level, R(1e-6));
+        real t = r_min(below, above);
+        mask over = on & (t < end), down = below <= above;
+        way.t = choose(on, end, way.t);
+        ray next = next_leg(&way.r, choose(over, t, R(0.0)), down, &p);
+        way.r = choose_ray(over, &next, &way.r);
+        natural beyond = choose_natural(down, layer + 1u, layer - 1u);
+        layer = choose_natural(over, min(beyond, (natural)(to->count - 1u)), layer);
+        on = over;
+    }
+    way.miss = ray_point(&way.r, way.t).z - sonar.z;
+    way.found = (on == 0) & (r_abs(way.miss) < HOME_MISS + HOME_MISS_FAR * across);
+    return way;
+}
+
+/* Newton's method on the launch elevation: at the sonar's distance a ray is W / cos(theta) lower by radian. A step that
+ * does not come nearer is cut. Of several ways home this is one near the straight line. */
+static way_home find_home(const layer_stack *to, triple x, triple sonar, real pace) {
+    triple apart = {sonar.x - x.x, sonar.y - x.y, sonar.z - x.z};
+    real across = r_max(sqrt(apart.x * apart.x + apart.y * apart.y), R(1e-6));
+    triple towards = {apart.x / across, apart.y / across, R(0.0)};
+    real chord = sqrt(across * across + apart.z * apart.z);
+    real sine = apart.z / chord, cosine = across / chord, step = R(0.0);
+    way_home best = try_home(to, x, towards, across, sonar, sine, cosine, pace);
+    for (uint i = 0; i < HOME_STEPS && any_true(best.found == 0); i++) {
+        triple u = ray_direction(&best.r, best.t);
+        real level = sqrt(u.x * u.x + u.y * u.y);
+        real width = best.r.along + best.r.slope * best.t;
+        width = choose(width < R(0.0), r_min(width, R(-1e-3)), r_max(width, R(1e-3)));
+        real newton = r_min(r_max(-best.miss * level / width, R(-0.2)), R(0.2));
+        step = choose(step == R(0.0), newton, step);
+        real s = sine + step * (cosine - R(0.5) * step * sine);
+        s = r_min(r_max(s, R(-0.9999999)), R(0.9999999));
+        real c = sqrt((R(1.0) - s) * (R(1.0) + s));
+        way_home next = try_home(to, x, towards, across, sonar, s, c, pace);
+        mask nearer = (best.found == 0) & (r_abs(next.miss) < r_abs(best.miss));
+        best.r = choose_ray(nearer, &next.r, &best.r);
+        best.u.x = choose(nearer, next.u.x, best.u.x);
+        best.u.y = choose(nearer, next.u.y, best.u.y);
+        best.u.z = choose(nearer, next.u.z, best.u.z);
+        best.t = choose(nearer, next.t, best.t);
+        best.miss = choose(nearer, next.miss, best.miss);
+        best.found |= nearer & next.found;
+        sine = choose(nearer, s, sine);
+        cosine = choose(nearer, c, cosine);
+        step = choose(nearer, R(0.0), R(0.3) * step);
+    }
+    return best;
+}
+
+#else
 
 static ray load_rays(__global const dev_ray *rays, natural slots, ray_medium water) {
     triple at;
@@ -30,18 +132,68 @@ static ray load_rays(__global const dev_ray *rays, natural slots, ray_medium wat
     return ray_of_traced(ray_unlift(at, water), load_directions(rays, slots), water);
 }
 
-/* What the mirror rays R in SLOTS met. */
-static meeting meet_bounced(const world *w, __global const dev_ray *bounced,
-                            __global const dev_hit *hits, natural slots, const ray *r) {
+#endif
+
+/* How far the mirror rays in SLOTS go; 0: there is none. */
+static real reach_of(__global const dev_ray *bounced, natural slots) {
     real limit;
     LANES {
         AT(limit, float) = bounced[AT(slots, uint)].t_max;
     }
+    return limit;
+}
+
+/* What the mirror rays R in SLOTS met up to LIMIT. */
+static meeting meet_bounced(const world *w, __global const dev_hit *hits, natural slots,
+                            const ray *r, real limit) {
     meeting m = meet(w, hits, slots, r, limit);
     mask off = limit <= R(0.0);
     m.kind = choose_natural(off, (natural)(DEV_KIND_NONE), m.kind);
     return m;
 }
+
+#if ASDIC_LAYERS
+
+/* Appends the ways back of the mirror rays from SLOT on to RETURNING from AT on; the next AT. */
+static uint connect_rays(const world *w, __global const dev_ray *bounced,
+                         __global const dev_hit *hits, const leg_sets *sets,
+                         __global dev_ray *returning, uint slot, uint at) {
+    natural slots = slots_from(slot);
+    __global const real *row = leg_rows(sets->bounced, slot);
+    ray r = load_leg(row);
+    real there = reach_of(bounced, slots);
+    real limit = choose(there > R(0.0), ray_at_range(&r, row[LEG_UNTIL]), R(0.0));
+    meeting m = meet_bounced(w, hits, slots, &r, limit);
+    mask met = m.kind != DEV_KIND_NONE;
+    if (!any_true(met)) {
+        return at;
+    }
+    real t2 = choose(met, m.t, R(0.0)), range = ray_range(&r, t2);
+    real along = dot3(m.facet, ray_direction(&r, t2));
+    triple x = clear_of(ray_point(&r, choose(met, m.traced, R(0.0))), m.facet,
+                        choose(along > R(0.0), R(-1.0), R(1.0)));
+    real pace = r.pace / bent_at(&r, t2).q;
+    way_home home = find_home(&sets->layers, x, sonar_of(w->ping), pace);
+    real d3 = ray_range(&home.r, home.t);
+    mask faces = dot3(home.u, m.facet) * along < R(0.0);
+    mask near = range + d3 < (real)(2.0002f * w->ping->range_m);
+    real t_max = choose(home.found & faces & near, R(1.0), R(0.0));
+    ray first = home.r;
+    first.from = x;
+    first.u = home.u;
+    first.pace = pace;
+    first.range = first.arc = first.across = first.along = R(0.0);
+    first.slope = R(1.0);
+    LANES {
+        if (AT(met, int) != 0) {
+            put_first_leg(sets->returning, at, &first, d3 * R(0.9999), d3, lane);
+            returning[at++] = lane_ray(&x, &home.u, t_max, slot + lane, lane);
+        }
+    }
+    return at;
+}
+
+#else
 
 /* Appends the ways back of the mirror rays from SLOT on to RETURNING from AT on; the next AT. */
 static uint connect_rays(const world *w, __global const dev_ray *bounced,
@@ -54,7 +206,7 @@ static uint connect_rays(const world *w, __global const dev_ray *bounced,
     }
     ray_medium water = medium_of(w->ping);
     ray r = load_rays(bounced, slots, water);
-    meeting m = meet_bounced(w, bounced, hits, slots, &r);
+    meeting m = meet_bounced(w, hits, slots, &r, reach_of(bounced, slots));
     mask met = m.kind != DEV_KIND_NONE;
     if (!any_true(met)) {
         return at;
@@ -78,6 +230,8 @@ static uint connect_rays(const world *w, __global const dev_ray *bounced,
     return at;
 }
 
+#endif
+
 /*
  * connect: from every X back to the sonar, to learn whether it is visible. The ray starts off X on
  * the side the mirror ray came from and ends just short of the sonar. One work-item per piece.
@@ -85,7 +239,9 @@ static uint connect_rays(const world *w, __global const dev_ray *bounced,
 __kernel void connect(__global const dev_ping *pings, __global const dev_ray *bounced,
                       __global const dev_hit *hits, __global const dev_triangle *triangles,
                       __global const dev_part *parts, __global const dev_material *materials,
-                      __global const float4 *mirrors, __global dev_ray *returning) {
+                      __global const float4 *mirrors, __global dev_ray *returning,
+                      __global const dev_layer *layers, uint count,
+                      __global const float *bounced_legs, __global float *returning_legs) {
     __global const dev_ping *ping = row_ping(pings);
     size_t own = row_slots(ping);
     bounced += own;
@@ -95,8 +251,23 @@ __kernel void connect(__global const dev_ping *pings, __global const dev_ray *bo
     uint first = (uint)(get_global_id(0)) * PIECE, at = first;
     uint end = min(first + PIECE, batch_slots(ping));
     world w = {ping, beams_of(ping), triangles, parts, materials, 0};
+#if ASDIC_LAYERS
+    leg_sets sets = {bounced_legs + DEV_LEG_FLOATS * own,
+                     returning_legs + DEV_LEG_FLOATS * own,
+                     {layers, count}};
+    (void)mirrors;
+#else
+    (void)layers;
+    (void)count;
+    (void)bounced_legs;
+    (void)returning_legs;
+#endif
     for (uint slot = first; slot < end && bounced[slot].source != NO_RAY; slot += ASDIC_WIDTH) {
+#if ASDIC_LAYERS
+        at = connect_rays(&w, bounced, hits, &sets, returning, slot, at);
+#else
         at = connect_rays(&w, bounced, hits, mirrors, returning, slot, at);
+#endif
     }
     end_piece(returning, at, end);
 }
@@ -106,15 +277,113 @@ typedef struct bounce_store {
     __global const dev_hit *bounced_hits, *returning_hits;
     __global const float *solid_angles;
     __global const float4 *mirrors;
+    __global const float *legs, *bounced_legs, *returning_legs;
 } bounce_store;
+
+/* What the kernel bounce makes echoes from: the way over a mirror to X, and that from X home. MIRROR: as mirror_store. */
+typedef struct bounce_way {
+    natural mirrors, slots;
+    mask on;
+    real mirror[4];
+    meeting m;
+    triple u, v, x, back; /* directions: sent, at X in and out, at the sonar in reverse */
+    real same_range, cross_range;
+    real same, cross; /* losses, relative to TL d^2 of these ranges, same without share */
+} bounce_way;
+
+/* The losses of a ray R by way of a mirror and of HOME, which end at T2 and T3; see above. */
+#if ASDIC_LAYERS
+static void follow_bounces(const world *w, const bounce_store *store, uint slot, bounce_way *way) {
+    __global const dev_ping *ping = w->ping;
+    ray r = gather_leg(store->bounced_legs, way->mirrors);
+    real until = gather_row(store->bounced_legs, way->mirrors, LEG_UNTIL);
+    real before = gather_row(store->bounced_legs, way->mirrors, LEG_BEFORE);
+    way->m = meet_bounced(w, store->bounced_hits, way->mirrors, &r, ray_at_range(&r, until));
+    mask met = way->on & (way->m.kind != DEV_KIND_NONE);
+    real t2 = choose(met, way->m.t, R(0.0));
+    bent_place at = bent_at(&r, t2);
+    real range = ray_range(&r, t2), q = at.q / r.pace, minus_2k = -2.0f * ping->absorption_np_per_m;
+    real arc = r.arc + bent_arc(&r, &at);
+    way->v = ray_direction(&r, t2);
+    real tube = mirrored_tube(&r, t2, before, way->mirror[1], way->mirror[2], way->mirror[3]);
+    tube = r_max(tube, (real)(BENT_CAUSTIC)*range * range * q);
+    way->same_range = range;
+    way->same = range * range * q * q / tube * exp(minus_2k * (arc - range));
+
+    __global const real *row = leg_rows(store->returning_legs, slot);
+    ray home = load_leg(row);
+    real d3 = row[LEG_BEFORE], t3 = ray_at_range(&home, d3);
+    mask clear = met;
+    LANES {
+        dev_ray back = store->returning[slot + lane];
+        AT(way->x.x, float) = back.direction[0];
+        AT(way->x.y, float) = back.direction[1];
+        AT(way->x.z, float) = back.direction[2];
+        AT(clear, int) = back.t_max > 0.0f ? AT(clear, int) : 0;
+#if ASDIC_HAS_MESH
+        AT(clear, int) = store->returning_hits[slot + lane].triangle == NO_RAY ? AT(clear, int) : 0;
+#endif
+    }
+    real drop = home.from.z - (real)(ping->origin[2]);
+    clear &= ray_to_plane((real)(ping->bottom_m) - drop, home.u.z, home.bend) > t3;
+    clear &= ray_to_plane((real)(ping->surface_m) + drop, -home.u.z, -home.bend) > t3;
+    bent_place end = bent_at(&home, t3);
+    /* Widths across are counted from c at the sonar, and these rays start with c at X. */
+    real tube_home = bent_across(&home, t3) * bent_along(&home, t3) * r.pace / at.q;
+    way->cross_range = R(0.5) * (range + d3);
+    real length = R(0.5) * (arc + home.arc + bent_arc(&home, &end));
+    real loss = way->cross_range * way->cross_range / r_max(tube_home, R(1e-6));
+    loss *= exp(minus_2k * (length - way->cross_range));
+    way->cross_range = choose(clear, way->cross_range, range);
+    way->cross = choose(clear, loss, R(0.0));
+    triple back = ray_back(&home, t3);
+    way->back.x = choose(clear, back.x, way->x.x);
+    way->back.y = choose(clear, back.y, way->x.y);
+    way->back.z = choose(clear, back.z, way->x.z);
+}
+#else
+static void follow_bounces(const world *w, const bounce_store *store, uint slot, bounce_way *way) {
+    ray_medium water = medium_of(w->ping);
+    ray r = load_rays(store->bounced, way->mirrors, water);
+    ray home = load_rays(store->returning, way->slots, water);
+    way->x = home.u;
+    way->m = meet_bounced(w, store->bounced_hits, way->mirrors, &r,
+                          reach_of(store->bounced, way->mirrors));
+    mask met = way->on & (way->m.kind != DEV_KIND_NONE);
+    real t2 = choose(met, way->m.t, R(0.0)), d1 = way->mirror[1], d2 = ray_range(&r, t2);
+    way->v = ray_direction(&r, t2);
+    real visible = R(0.0), t3 = R(1.0);
+    LANES {
+        dev_ray back = store->returning[slot + lane];
+        bool clear = back.t_max > 0.0f;
+#if ASDIC_HAS_MESH
+        clear = clear && store->returning_hits[slot + lane].triangle == 0xffffffffu;
+#endif
+        AT(visible, float) = clear ? 1.0f : 0.0f;
+        AT(t3, float) = back.t_max > 0.0f ? back.t_max / 0.9999f : 1.0f;
+    }
+    real d3 = ray_range(&home, t3);
+    way->same_range = d1 + d2;
+    way->cross_range = R(0.5) * (d1 + d2 + d3);
+    real minus_2k = (real)(-2.0f * w->ping->absorption_np_per_m);
+    real second_leg = sqrt(ray_bending(&r, t2, d2, minus_2k));
+    way->same = second_leg * ray_mirror_gain(d1, d2, way->mirror[2], way->mirror[3]) * second_leg;
+    /* split() works relative to TL d^2 at the echo's own range; this leg spreads over d3. */
+    real ratio = way->cross_range / r_max(d3, R(1e-3));
+    way->cross = visible * second_leg * ratio * ratio;
+    way->cross *= sqrt(ray_bending(&home, t3, d3, minus_2k));
+    way->back = ray_back(&home, t3);
+}
+#endif
 
 /* The echoes of what ASDIC_WIDTH mirror rays met, by their ways back from SLOT on. */
 static uint shade_bounces(const world *w, const bounce_store *store, const sink *to, uint slot) {
     __global const dev_ping *ping = w->ping;
-    real share, d1, bend, gauss, weight;
-    natural slots = slots_from(slot), mirrors, sources, targets;
+    real weight;
+    natural sources, targets;
     arrivals along, direct;
-    mask on;
+    bounce_way way;
+    way.slots = slots_from(slot);
     LANES { /* the first lane is on; lanes that are off compute with its mirror ray */
         uint own = store->returning[slot + lane].source;
         uint mirror = own == NO_RAY ? store->returning[slot].source : own;
@@ -127,57 +396,38 @@ static uint shade_bounces(const world *w, const bounce_store *store, const sink 
                                                               : 0u;
         source &= TRUTH_SLOT_MASK;
 #endif
-        AT(on, int) = own == NO_RAY ? 0 : -1;
-        AT(mirrors, uint) = mirror;
+        AT(way.on, int) = own == NO_RAY ? 0 : -1;
+        AT(way.mirrors, uint) = mirror;
         AT(sources, uint) = source;
         AT(targets, uint) = own == NO_RAY ? NO_RAY : ray_in(ping, source);
-        AT(share, float) = what.x;
-        AT(d1, float) = what.y;
-        AT(bend, float) = what.z;
-        AT(gauss, float) = what.w;
+        AT(way.mirror[0], float) = what.x;
+        AT(way.mirror[1], float) = what.y;
+        AT(way.mirror[2], float) = what.z;
+        AT(way.mirror[3], float) = what.w;
         AT(weight, float) = store->solid_angles[source];
     }
-    ray_medium water = medium_of(ping);
-    ray r = load_rays(store->bounced, mirrors, water);
+#if ASDIC_LAYERS
+    triple u = {gather_row(store->legs, sources, LEG_SENT),
+                gather_row(store->legs, sources, LEG_SENT + 1),
+                gather_row(store->legs, sources, LEG_SENT + 2)};
+#else
     triple u = load_sonar_rays(ping, store->rays, 0, sources).sent;
-    ray home = load_rays(store->returning, slots, water);
-    triple x = home.u;
-    meeting m = meet_bounced(w, store->bounced, store->bounced_hits, mirrors, &r);
-    law_lanes laws = laws_met(w, &m);
-    mask met = on & (m.kind != DEV_KIND_NONE);
-    real t2 = choose(met, m.t, R(0.0)), d2 = ray_range(&r, t2);
-    triple v = ray_direction(&r, t2);
-    real visible = R(0.0), t3 = R(1.0);
-    LANES {
-        dev_ray back = store->returning[slot + lane];
-        bool clear = back.t_max > 0.0f;
-#if ASDIC_HAS_MESH
-        clear = clear && store->returning_hits[slot + lane].triangle == 0xffffffffu;
 #endif
-        AT(visible, float) = clear ? 1.0f : 0.0f;
-        AT(t3, float) = back.t_max > 0.0f ? back.t_max / 0.9999f : 1.0f;
-    }
-    real d3 = ray_range(&home, t3);
-    real none = R(0.0), same_range = d1 + d2, cross_range = R(0.5) * (d1 + d2 + d3);
-    slant in = surface_slant(&m, v), out = surface_slant(&m, x);
-    real s_in =
-        strength(w, &laws, in, same_range) * scattered(w, &laws, mirrored(w, &laws, &m, in));
-    real s_out =
-        strength(w, &laws, out, same_range) * scattered(w, &laws, mirrored(w, &laws, &m, out));
-    weight *= share / grazing(&m, v);
-    real minus_2k = (real)(-2.0f * ping->absorption_np_per_m);
-    real second_leg = sqrt(ray_bending(&r, t2, d2, minus_2k));
-    weight *= second_leg;
-    real same = weight * share * s_in * ray_mirror_gain(d1, d2, bend, gauss) * second_leg;
-    same = choose(met, same, R(0.0));
-    /* split() works relative to TL d^2 at the echo's own range; this leg spreads over d3. */
-    real ratio = cross_range / r_max(d3, R(1e-3));
-    real cross = visible * weight * sqrt(s_in * s_out) * ratio * ratio;
-    cross *= sqrt(ray_bending(&home, t3, d3, minus_2k));
-    cross = choose(met, cross, R(0.0));
-    split_echo same_echo = split(ping, same_range, none, same, none);
-    split_echo cross_echo = split(ping, cross_range, none, cross, none);
-    triple back = ray_back(&home, t3);
+    follow_bounces(w, store, slot, &way);
+    law_lanes laws = laws_met(w, &way.m);
+    mask met = way.on & (way.m.kind != DEV_KIND_NONE);
+    real none = R(0.0), share = way.mirror[0];
+    slant in = surface_slant(&way.m, way.v), out = surface_slant(&way.m, way.x);
+    real s_in = strength(w, &laws, in, way.same_range) *
+                scattered(w, &laws, mirrored(w, &laws, &way.m, in));
+    real s_out = strength(w, &laws, out, way.same_range) *
+                 scattered(w, &laws, mirrored(w, &laws, &way.m, out));
+    weight *= share / grazing(&way.m, way.v);
+    real same = choose(met, weight * share * s_in * way.same, R(0.0));
+    real cross = choose(met, weight * sqrt(s_in * s_out) * way.cross, R(0.0));
+    split_echo same_echo = split(ping, way.same_range, none, same, none);
+    split_echo cross_echo = split(ping, way.cross_range, none, cross, none);
+    triple back = way.back;
     real ray_out = gain_towards(ping, w->beams, u.x, u.y, u.z);
     real x_out = gain_towards(ping, w->beams, back.x, back.y, back.z);
     /* What returns along the ray: the same-way echo, and the across echo sent towards X. */
@@ -209,7 +459,8 @@ __kernel void LEAST_WAVES(3)
            __global const dev_triangle *triangles, __global const dev_part *parts,
            __global const dev_material *materials, __global dev_arrival *arrivals,
            __global long *accumulator, __global uint *saturated, __global const dev_truth_row *rows,
-           __global long *truth) {
+           __global long *truth, __global const float *legs, __global const float *bounced_legs,
+           __global const float *returning_legs) {
     __global const dev_ping *ping = row_ping(pings);
     size_t own = row_slots(ping);
     returning += own;
@@ -218,9 +469,14 @@ __kernel void LEAST_WAVES(3)
     world w = {ping, beams_of(ping), triangles, parts, materials, 0};
     sink to = {row_cells(ping, accumulator), arrivals + ARRIVAL_SETS * own, truth_rows(ping, rows),
                truth + (size_t)(ping->sums.truth_first) * ping->sums.truth_columns};
-    bounce_store store = {rays + own,         bounced + own,        returning,
-                          bounced_hits + own, returning_hits + own, solid_angles + own,
-                          mirrors + own};
+    bounce_store store = {
+        rays + own,         bounced + own, returning, bounced_hits + own, returning_hits + own,
+        solid_angles + own, mirrors + own, legs,      bounced_legs,       returning_legs};
+#if ASDIC_LAYERS
+    store.legs += DEV_LEG_FLOATS * own;
+    store.bounced_legs += DEV_LEG_FLOATS * own;
+    store.returning_legs += DEV_LEG_FLOATS * own;
+#endif
     for (uint slot = first; slot < end && returning[slot].source != NO_RAY; slot += ASDIC_WIDTH) {
         cut += shade_bounces(&w, &store, &to, slot);
     }

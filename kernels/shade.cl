@@ -137,7 +137,7 @@ __kernel void LEAST_WAVES(3)
           __global const dev_part *parts, __global const dev_material *materials,
           __global const float *water, __global dev_arrival *arrivals, __global long *accumulator,
           __global uint *saturated, __global dev_ray *bounced, __global float4 *mirrors,
-          __global const dev_truth_row *rows, __global long *truth) {
+          __global float *bounced_legs, __global const dev_truth_row *rows, __global long *truth) {
     __global const dev_ping *ping = row_ping(pings);
     size_t own = row_slots(ping);
     uint first = (uint)(get_global_id(0)) * PIECE, at = first, cut = 0u;
@@ -147,7 +147,8 @@ __kernel void LEAST_WAVES(3)
                        solid_angles + own, splats + own, hits + own};
     sink to = {row_cells(ping, accumulator), arrivals + ARRIVAL_SETS * own, truth_rows(ping, rows),
                truth + (size_t)(ping->sums.truth_first) * ping->sums.truth_columns};
-    mirror_store reflected = {bounced + own, mirrors + own};
+    mirror_store reflected = {bounced + own, mirrors + own,
+                              ASDIC_LAYERS ? bounced_legs + DEV_LEG_FLOATS * own : bounced_legs};
     for (uint slot = first; slot < end; slot += ASDIC_WIDTH) {
         cut += shade_rays(&w, &store, row_water(ping, water), &to, &reflected, slot, &at);
     }

@@ -74,8 +74,7 @@ bool asdic_mission_has_hash(const char *path, const char *hash);
 asdic_status asdic_mission_place_at(const asdic_mission *mission, asdic_simulator *simulator,
                                     double time_s);
 
-/* Where rays that bend do not come, in the first ping: shadows, turning and trapped rays. And that pings
- * follow one layer where several are needed. */
+/* Where rays that bend do not come, in the first ping: shadows, turning and trapped rays. */
 void asdic_mission_remark_water(const asdic_mission *mission, asdic_remarks *out);
 
 /* FOLDER/track.csv: pings FIRST to FIRST + COUNT - 1. */

@@ -1,6 +1,5 @@
 /*
- * Remarks on where rays that bend do not come: shadows, and rays that stay in the water; and on scenes whose
- * pings follow fewer layers than the water has.
+ * Remarks on where rays that bend do not come: shadows, and rays that stay in the water.
  */
 #include "mission.h"
 
@@ -104,33 +103,11 @@ static double tenths(double rad) {
     return rint(rad * (1800.0 / ASDIC_PI)) / 10.0 + 0.0;
 }
 
-/* Pings that follow one layer although more are asked for, or needed. */
-static void remark_layers(const asdic_mission *mission, asdic_remarks *out) {
-    const asdic_settings *s = &mission->settings;
-    const char *cause = asdic_one_layer_cause(mission->scene, &s->sampling);
-    asdic_layers layers;
-    asdic_layers_of(&s->environment, 0.0, &layers);
-    asdic_refraction_plan plan;
-    if (!cause || layers.count < 2 || asdic_mission_refraction(mission->ctx, mission, &plan)) {
-        return;
-    }
-    bool asked_for = s->refraction == ASDIC_REFRACTION_FULL;
-    char *text = asked_for || plan.needed == ASDIC_REFRACTION_FULL ? next_text(out) : NULL;
-    if (text) {
-        snprintf(
-            text, ASDIC_REMARK_SIZE,
-            "water: pings of a scene with %s follow one layer, fitted from the sonar to the lowest "
-            "bottom, instead of %zu: levels over a flat bottom change by up to %.3g dB",
-            cause, layers.count, plan.layer_db);
-    }
-}
-
 void asdic_mission_remark_water(const asdic_mission *mission, asdic_remarks *out) {
     const asdic_environment *env = asdic_mission_environment(mission);
     if (!asdic_environment_bends(env)) {
         return;
     }
-    remark_layers(mission, out);
     asdic_flat_scene flat = asdic_mission_flat_scene(mission, 0);
     double speed_mps = asdic_environment_sound_speed_mps(env, flat.depth_m);
     double range_m = asdic_sonar_max_range_m(asdic_mission_sonar(mission), speed_mps);

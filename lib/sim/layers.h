@@ -33,8 +33,4 @@ size_t asdic_layers_find(const asdic_layers *layers, double depth_m);
 
 double asdic_layer_speed_mps(const asdic_layer *layer, double depth_m);
 
-/* What of SCENE makes the rays of pings follow one layer where the water has several: "mirrors", ...;
- * NULL: nothing. */
-const char *asdic_one_layer_cause(const asdic_scene *scene, const asdic_sampling *sampling);
-
 #endif

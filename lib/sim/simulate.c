@@ -64,14 +64,76 @@ static asdic_buffer *truth_cells(const asdic_simulator *sim) {
     return sim->truth.asked ? sim->truth.cell_buffer : sim->buffers.no_triangles;
 }
 
+/* Rays through layers that start together: from the sonar, from mirrors, from what those showed. */
+typedef struct leg_set {
+    bool from_sonar;
+    asdic_buffer *starts, *rays, *legs, *hits; /* RAYS: the legs in hand, may be STARTS */
+    uint32_t *foreseen;
+} leg_set;
+
+/* Traces rays from layer to layer until all have ended. For as many legs as the rays before had none is waited
+ * for; one that has no ray left does no harm. */
+static asdic_status run_legs(asdic_simulator *sim, const leg_set *set, size_t count) {
+    uint32_t layers = (uint32_t)sim->setup.layer_count, from_sonar = set->from_sonar;
+    uint32_t active[MOST_LEGS] = {1}, last = 0;
+    const asdic_buffers *buffers = &sim->buffers;
+    TRY(asdic_buffer_zero(buffers->active, sizeof active));
+    for (uint32_t leg = 0; leg < MOST_LEGS && active[last]; leg++) {
+        asdic_kernel_arg args[] = {ASDIC_ARG_BUFFER(buffers->pings),
+                                   ASDIC_ARG_BUFFER(buffers->layers),
+                                   ASDIC_ARG_VALUE(layers),
+                                   ASDIC_ARG_VALUE(leg),
+                                   ASDIC_ARG_VALUE(from_sonar),
+                                   ASDIC_ARG_BUFFER(set->starts),
+                                   ASDIC_ARG_BUFFER(set->rays),
+                                   ASDIC_ARG_BUFFER(set->legs),
+                                   ASDIC_ARG_BUFFER(buffers->leg_hits),
+                                   ASDIC_ARG_BUFFER(set->hits),
+                                   ASDIC_ARG_BUFFER(buffers->active)};
+        TRY(asdic_kernel_run_rows(sim->kernels.advance, args, COUNT(args), piece_count(sim),
+                                  piece_local(sim), count));
+        if (leg >= *set->foreseen) {
+            last = leg;
+            TRY(asdic_buffer_read(buffers->active, 0, (last + 1) * sizeof *active, active));
+        }
+        if (active[last] && sim->tracer) {
+            TRY(run_tracer(sim, set->rays, buffers->leg_hits, count, leg));
+        }
+    }
+    for (*set->foreseen = 0; *set->foreseen < last && active[*set->foreseen];) {
+        ++*set->foreseen;
+    }
+    return ASDIC_OK;
+}
+
+/* What the rays from mirrors meet, or those home. Through layers, the legs in hand lie where nothing is needed. */
+static asdic_status trace_bounces(asdic_simulator *sim, asdic_buffer *rays, asdic_buffer *hits,
+                                  size_t count) {
+    asdic_buffers *buffers = &sim->buffers;
+    bool home = rays == buffers->returning;
+    if (sim->kernels.advance) {
+        const leg_set set = {false,
+                             rays,
+                             home ? buffers->rays : buffers->returning,
+                             home ? buffers->returning_legs : buffers->bounced_legs,
+                             hits,
+                             &sim->legs_foreseen[home ? 2 : 1]};
+        return run_legs(sim, &set, count);
+    }
+    return sim->tracer ? run_tracer(sim, rays, hits, count, 0) : ASDIC_OK;
+}
+
 /* What mirror rays meet, the way back, the deposit. */
 static asdic_status run_bounces(asdic_simulator *sim, size_t count) {
     asdic_buffer *triangles = asdic_simulator_triangles(sim);
+    uint32_t layers = (uint32_t)sim->setup.layer_count;
     asdic_kernel_arg connect[] = {
         ASDIC_ARG_BUFFER(sim->buffers.pings),        ASDIC_ARG_BUFFER(sim->buffers.bounced),
         ASDIC_ARG_BUFFER(sim->buffers.bounced_hits), ASDIC_ARG_BUFFER(triangles),
         ASDIC_ARG_BUFFER(sim->buffers.parts),        ASDIC_ARG_BUFFER(sim->buffers.materials),
-        ASDIC_ARG_BUFFER(sim->buffers.mirrors),      ASDIC_ARG_BUFFER(sim->buffers.returning)};
+        ASDIC_ARG_BUFFER(sim->buffers.mirrors),      ASDIC_ARG_BUFFER(sim->buffers.returning),
+        ASDIC_ARG_BUFFER(sim->buffers.layers),       ASDIC_ARG_VALUE(layers),
+        ASDIC_ARG_BUFFER(sim->buffers.bounced_legs), ASDIC_ARG_BUFFER(sim->buffers.returning_legs)};
     asdic_kernel_arg bounce[] = {ASDIC_ARG_BUFFER(sim->buffers.pings),
                                  ASDIC_ARG_BUFFER(sim->buffers.rays),
                                  ASDIC_ARG_BUFFER(sim->buffers.solid_angles),
@@ -87,17 +149,16 @@ static asdic_status run_bounces(asdic_simulator *sim, size_t count) {
                                  ASDIC_ARG_BUFFER(sim->buffers.accumulator),
                                  ASDIC_ARG_BUFFER(sim->buffers.saturated),
                                  ASDIC_ARG_BUFFER(sim->truth.table_buffer),
-                                 ASDIC_ARG_BUFFER(truth_cells(sim))};
+                                 ASDIC_ARG_BUFFER(truth_cells(sim)),
+                                 ASDIC_ARG_BUFFER(sim->buffers.legs),
+                                 ASDIC_ARG_BUFFER(sim->buffers.bounced_legs),
+                                 ASDIC_ARG_BUFFER(sim->buffers.returning_legs)};
     size_t pieces = piece_count(sim), local = piece_local(sim);
     const asdic_kernels *kernels = &sim->kernels;
     const asdic_buffers *buffers = &sim->buffers;
-    if (sim->tracer) {
-        TRY(run_tracer(sim, buffers->bounced, buffers->bounced_hits, count, 0));
-    }
+    TRY(trace_bounces(sim, buffers->bounced, buffers->bounced_hits, count));
     TRY(asdic_kernel_run_rows(kernels->connect, connect, COUNT(connect), pieces, local, count));
-    if (sim->tracer) {
-        TRY(run_tracer(sim, buffers->returning, buffers->returning_hits, count, 0));
-    }
+    TRY(trace_bounces(sim, buffers->returning, buffers->returning_hits, count));
     return asdic_kernel_run_rows(kernels->bounce, bounce, COUNT(bounce), pieces, local, count);
 }
 
@@ -118,38 +179,6 @@ static asdic_status upload_pings(asdic_simulator *sim, size_t count) {
     return ASDIC_OK;
 }
 
-/* Traces rays from layer to layer until all have ended. For as many legs as the rays before had none is waited
- * for; one that has no ray left does no harm. */
-static asdic_status run_legs(asdic_simulator *sim, size_t count) {
-    uint32_t layers = (uint32_t)sim->setup.layer_count, active[MOST_LEGS] = {1}, last = 0;
-    const asdic_buffers *buffers = &sim->buffers;
-    TRY(asdic_buffer_zero(buffers->active, sizeof active));
-    for (uint32_t leg = 0; leg < MOST_LEGS && active[last]; leg++) {
-        asdic_kernel_arg args[] = {ASDIC_ARG_BUFFER(buffers->pings),
-                                   ASDIC_ARG_BUFFER(buffers->layers),
-                                   ASDIC_ARG_VALUE(layers),
-                                   ASDIC_ARG_VALUE(leg),
-                                   ASDIC_ARG_BUFFER(buffers->rays),
-                                   ASDIC_ARG_BUFFER(buffers->legs),
-                                   ASDIC_ARG_BUFFER(buffers->leg_hits),
-                                   ASDIC_ARG_BUFFER(buffers->hits),
-                                   ASDIC_ARG_BUFFER(buffers->active)};
-        TRY(asdic_kernel_run_rows(sim->kernels.advance, args, COUNT(args), piece_count(sim),
-                                  piece_local(sim), count));
-        if (leg >= sim->legs_foreseen) {
-            last = leg;
-            TRY(asdic_buffer_read(buffers->active, 0, (last + 1) * sizeof *active, active));
-        }
-        if (active[last] && sim->tracer) {
-            TRY(run_tracer(sim, buffers->rays, buffers->leg_hits, count, leg));
-        }
-    }
-    for (sim->legs_foreseen = 0; sim->legs_foreseen < last && active[sim->legs_foreseen];) {
-        sim->legs_foreseen++;
-    }
-    return ASDIC_OK;
-}
-
 asdic_status asdic_simulator_draw(asdic_simulator *sim, size_t count) {
     TRY(upload_pings(sim, count));
     asdic_kernel_arg sample[] = {ASDIC_ARG_BUFFER(sim->buffers.pings),
@@ -164,7 +193,13 @@ asdic_status asdic_simulator_draw(asdic_simulator *sim, size_t count) {
                               count));
     TRY(end_phase(sim, ASDIC_PHASE_SAMPLE));
     if (sim->kernels.advance) {
-        TRY(run_legs(sim, count));
+        const leg_set set = {true,
+                             sim->buffers.rays,
+                             sim->buffers.rays,
+                             sim->buffers.legs,
+                             sim->buffers.hits,
+                             &sim->legs_foreseen[0]};
+        TRY(run_legs(sim, &set, count));
     } else if (sim->tracer) {
         TRY(run_tracer(sim, sim->buffers.rays, sim->buffers.hits, count, 0));
     }
@@ -188,6 +223,7 @@ static asdic_status run_shade(asdic_simulator *sim, size_t count) {
                                 ASDIC_ARG_BUFFER(sim->buffers.saturated),
                                 ASDIC_ARG_BUFFER(sim->buffers.bounced),
                                 ASDIC_ARG_BUFFER(sim->buffers.mirrors),
+                                ASDIC_ARG_BUFFER(sim->buffers.bounced_legs),
                                 ASDIC_ARG_BUFFER(sim->truth.table_buffer),
                                 ASDIC_ARG_BUFFER(truth_cells(sim))};
     return asdic_kernel_run_rows(sim->kernels.shade, shade, COUNT(shade), piece_count(sim),

@@ -290,16 +290,6 @@ static void scene_depths(const asdic_scene *scene, double sonar_m, double *from_
     }
 }
 
-const char *asdic_one_layer_cause(const asdic_scene *scene, const asdic_sampling *sampling) {
-    bool mirrors = sampling->multipath == ASDIC_MULTIPATH_BOUNDARIES;
-    for (size_t i = 0; i < scene->part_count && sampling->multipath != ASDIC_MULTIPATH_OFF; i++) {
-        const asdic_part *part = &scene->parts[i];
-        mirrors |= part->kind == DEV_KIND_OBJECT &&
-                   scene->materials[part->material].law->formula == DEV_LAW_FACET;
-    }
-    return mirrors ? "mirrors" : NULL;
-}
-
 /* A triangle so near a layer is taken to lie in it: more than what lifted.c allows, and than rounding. */
 #define NEAR_M 0.1
 
@@ -344,11 +334,7 @@ static asdic_status plan_bend(asdic_simulator *sim, double depth_m) {
         one.refraction = ASDIC_REFRACTION_LAYER;
         one.layer_from_m = fmax(depth_m, 0.0);
         one.layer_to_m = fmax(to_m, one.layer_from_m);
-        if (!asdic_one_layer_cause(scene, &sim->setup.sampling)) {
-            place_layers(sim, &layers, depth_m);
-        } else {
-            *env = one;
-        }
+        place_layers(sim, &layers, depth_m);
         asdic_layers_of(&one, depth_m, &layers);
     }
     const asdic_layer *layer = &layers.layer[0];

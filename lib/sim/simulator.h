@@ -121,6 +121,7 @@ typedef struct asdic_buffers {
     asdic_buffer *rays, *solid_angles, *splats, *hits;
     asdic_buffer *layers, *legs, *leg_hits, *active; /* see advance.cl */
     asdic_buffer *bounced, *bounced_hits, *returning, *returning_hits, *mirrors;
+    asdic_buffer *bounced_legs, *returning_legs;
     asdic_buffer *arrivals; /* layout.deposit OWNED alone, see receive.h */
     asdic_buffer *water_tables;
     asdic_buffer *accumulator, *saturated, *totals, *results; /* see reduce.cl */
@@ -198,8 +199,8 @@ struct asdic_simulator {
     asdic_tracer *tracer;       /* NULL without triangles */
     asdic_kernels kernels;
     asdic_buffers buffers;
-    uint32_t legs_foreseen; /* of rays through layers: as many as the rays before had */
-    asdic_beam_fan fan;     /* where receivers are many */
+    uint32_t legs_foreseen[3]; /* of rays through layers, by set: as many as the rays before had */
+    asdic_beam_fan fan;        /* where receivers are many */
     asdic_point_rays points;
     asdic_truth_rows truth;
     asdic_learnt learnt;

@@ -82,6 +82,7 @@ asdic_status asdic_store_create_device(asdic_simulator *sim) {
            slots = pings * sim->setup.groups * sim->setup.per_group;
     slots = slots > pilots ? slots : pilots;
     size_t bounce_slots = sim->setup.has_mirrors ? slots : 0;
+    size_t leg_bytes = sim->kernels.advance ? DEV_LEG_FLOATS * sizeof(float) : 0;
     size_t sets = sim->setup.layout.deposit == ASDIC_DEPOSIT_COLLECT
                       ? DEV_ARRIVAL_SETS(sim->setup.has_mirrors, sim->kernels.volume)
                       : 0;
@@ -101,7 +102,7 @@ asdic_status asdic_store_create_device(asdic_simulator *sim) {
         {pings * asdic_simulator_ping_bytes(sim), &sim->buffers.pings},
         {sizeof sim->learnt.table, &sim->buffers.table},
         {slots * sizeof(dev_ray), &sim->buffers.rays},
-        {sim->kernels.advance ? slots * DEV_LEG_FLOATS * sizeof(float) : 0, &sim->buffers.legs},
+        {slots * leg_bytes, &sim->buffers.legs},
         {sim->kernels.advance && sim->tracer ? slots * sizeof(dev_hit) : 0, &sim->buffers.leg_hits},
         {sim->kernels.advance ? MOST_LEGS * sizeof(uint32_t) : 0, &sim->buffers.active},
         {slots * sizeof(float), &sim->buffers.solid_angles},
@@ -112,6 +113,8 @@ asdic_status asdic_store_create_device(asdic_simulator *sim) {
         {bounce_slots * sizeof(dev_ray), &sim->buffers.returning},
         {bounce_slots * sizeof(dev_hit), &sim->buffers.returning_hits},
         {bounce_slots * 4 * sizeof(float), &sim->buffers.mirrors},
+        {bounce_slots * leg_bytes, &sim->buffers.bounced_legs},
+        {bounce_slots * leg_bytes, &sim->buffers.returning_legs},
         {sets * slots * sizeof(dev_arrival), &sim->buffers.arrivals},
         {0, &sim->buffers.no_triangles},
         {pings * 2 * sim->setup.bins * sizeof(float), &sim->buffers.water_tables},
@@ -131,15 +134,16 @@ asdic_status asdic_store_create_device(asdic_simulator *sim) {
 
 void asdic_store_destroy(asdic_simulator *sim) {
     asdic_buffer **buffers[] = {
-        &sim->buffers.layers,       &sim->buffers.legs,           &sim->buffers.leg_hits,
-        &sim->buffers.active,       &sim->buffers.pings,          &sim->buffers.table,
-        &sim->buffers.rays,         &sim->buffers.solid_angles,   &sim->buffers.splats,
-        &sim->buffers.hits,         &sim->buffers.bounced,        &sim->buffers.bounced_hits,
-        &sim->buffers.returning,    &sim->buffers.returning_hits, &sim->buffers.mirrors,
-        &sim->buffers.parts,        &sim->buffers.materials,      &sim->buffers.no_triangles,
-        &sim->buffers.water_tables, &sim->buffers.arrivals,       &sim->buffers.accumulator,
-        &sim->buffers.saturated,    &sim->buffers.results,        &sim->buffers.totals,
-        &sim->buffers.pilot_rays,   &sim->buffers.pilot_energies};
+        &sim->buffers.layers,        &sim->buffers.legs,           &sim->buffers.leg_hits,
+        &sim->buffers.active,        &sim->buffers.pings,          &sim->buffers.table,
+        &sim->buffers.rays,          &sim->buffers.solid_angles,   &sim->buffers.splats,
+        &sim->buffers.hits,          &sim->buffers.bounced,        &sim->buffers.bounced_hits,
+        &sim->buffers.returning,     &sim->buffers.returning_hits, &sim->buffers.mirrors,
+        &sim->buffers.parts,         &sim->buffers.materials,      &sim->buffers.no_triangles,
+        &sim->buffers.water_tables,  &sim->buffers.arrivals,       &sim->buffers.accumulator,
+        &sim->buffers.saturated,     &sim->buffers.results,        &sim->buffers.totals,
+        &sim->buffers.pilot_rays,    &sim->buffers.pilot_energies, &sim->buffers.bounced_legs,
+        &sim->buffers.returning_legs};
     for (size_t i = 0; i < sizeof buffers / sizeof *buffers; i++) {
         asdic_buffer_destroy(buffers[i]);
     }

@@ -154,41 +154,6 @@ def test_remarks_tell_where_rays_do_not_come():
         check(any("turn before they end" in r for r in plan(folder, thermocline)["remarks"]), "a thermocline")
 
 
-def test_scenes_that_see_one_layer_are_told():
-    """Mirrors: check, plan and run say so, with what it changes, where it counts."""
-    need_device()
-    thermocline = "{sound_speed_profile: [[0, 1510], [5, 1510], [9, 1480], [30, 1480]]}"
-    below = "{sound_speed_profile: [[0, 1480], [20, 1480], [22, 1481], [30, 1482]]}"
-    point = "objects: [{name: buoy, point: -20, position_m: [9, 0, 5]}]\n"
-    mover = "objects: [{name: can, sphere: {radius_m: 0.5}, material: {preset: steel}, track: t.csv}]\n"
-    mirror = "objects: [{name: wall, box: {size_m: [1, 4, 4]}, material: {preset: steel}, position_m: [9, 0, 9]}]\n"
-    with Folder() as folder:
-        folder.write("t.csv", TRACK + "0,9,0,5,0,0,0\n9,12,0,5,0,0,0\n")
-
-        def told(remarks):
-            return [r for r in remarks if "follow one layer" in r]
-
-        for number, (objects, cause) in enumerate(((point, None), (mover, "mirrors"),
-                                                   (mirror, "mirrors"), ("", None))):
-            text = SCENE.format(water=thermocline) + "sampling: {rays: 500}\n" + objects
-            path = folder.write("scene.yaml", text)
-            plan_says = json.loads(asdic("plan", path, "--no-forecast", "--json").check(code=0).out)
-            asdic("run", "-q", path, "-o", folder / f"run{number}").check(code=0)
-            said = [told(json.loads(asdic("check", path, "--json").check(code=0).out)[0]["remarks"]),
-                    told(plan_says["remarks"]), told(facts(folder, f"run{number}")["remarks"])]
-            tap.equal(plan_says["refraction"]["needed"], "full")
-            for remarks in said:
-                tap.equal(len(remarks), 1 if cause else 0)
-                if cause:
-                    tap.contains(remarks[0], f"a scene with {cause} follow one layer")
-                    tap.contains(remarks[0], "%.3g dB" % plan_says["refraction"]["layer_db"])
-            # One layer asked for, or no more needed: there is nothing to tell.
-            one = asdic("plan", path, "--no-forecast", "--json", "--refraction", "layer").check(code=0).out
-            tap.equal(told(json.loads(one)["remarks"]), [])
-        path = folder.write("scene.yaml", SCENE.format(water=below) + mirror)
-        tap.equal(told(json.loads(asdic("check", path, "--json").check(code=0).out)[0]["remarks"]), [])
-
-
 def test_a_run_keeps_the_form_and_the_points():
     need_device()
     with Folder() as folder:

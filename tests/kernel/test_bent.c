@@ -284,7 +284,7 @@ static void layers_meet_quadrature(void **state) {
     }
 }
 
-/* A plane and a box from 5 to 11 m: five layers have triangles, rays end in each of them. */
+/* A plane and a box from 5 to 11 m that mirror: five layers have triangles, rays end in each of them. */
 static void legs_are_the_same_for_all_kernels_and_layouts(void **state) {
     static const asdic_ray_kernel kernels[] = {ASDIC_RAY_KERNEL_WIDE8, ASDIC_RAY_KERNEL_PKT16,
                                                ASDIC_RAY_KERNEL_FRUSTUM64, ASDIC_RAY_KERNEL_SCALAR};
@@ -304,15 +304,17 @@ static void legs_are_the_same_for_all_kernels_and_layouts(void **state) {
         r.scene = bottom_of_two_triangles();
         assert_ok(t.ctx, asdic_mesh_box(t.ctx, (asdic_vec3){3.0, 9.0, 6.0}, &mesh));
         asdic_pose at = {{14.0, 3.0, 8.0}, 0.1, 0.2, 0.7};
-        assert_ok(t.ctx,
-                  asdic_scene_add_object(r.scene, "box", mesh, at, asdic_material_bottom(2.0)));
+        assert_ok(t.ctx, asdic_scene_add_object(r.scene, "box", mesh, at,
+                                                asdic_material_facet(45.0, 1e-3, 0.1)));
         asdic_mesh_destroy(&mesh);
+        r.sampling.multipath = ASDIC_MULTIPATH_BOUNDARIES;
         r.sampling.kernel = kernels[k];
         unsigned width = r.layout.width;
         r.layout = layouts[k];
         r.layout.width = width;
         asdic_ping *ping = rig_shoot(&r, 0, true);
         assert_true(asdic_level_db(ping->intensity_lin[ASDIC_OBJECT][28]) > -120.0);
+        assert_true(asdic_level_db(ping->intensity_lin[ASDIC_MULTIPATH][40]) > -150.0);
         assert_true(k == 0 || rig_same(ping, first));
         if (k == 0) {
             first = ping;
