@@ -167,6 +167,17 @@ def test_output_that_exists():
         raises(asdic.InputError, "pings.npy", asdic.Run, out)
 
 
+def test_arrays_that_are_no_poses():
+    need_device()
+    with asdic.Simulator(pool()) as sonar:
+        raises(asdic.ArgumentError, "(2,)", sonar.pings, [1.0, 2.0])
+        raises(asdic.ArgumentError, "(1, 4)", sonar.pings, [[0, 0, 5, 0]])
+        raises(asdic.ArgumentError, "<U1", sonar.pings, [["a", "b", "c"]])
+        raises(asdic.ArgumentError, "pose 1 is [0.0, nan, 5.0]", sonar.pings, [[0, 0, 5], [0, np.nan, 5]])
+        raises(asdic.ArgumentError, "pose 0 is", sonar.pings, [[0, 0, -1.0]])
+        tap.equal((sonar.pings(np.empty((0, 3))), sonar.index), ([], 0), "nothing")
+
+
 def test_poses():
     need_device()
     sonar = asdic.Simulator(pool())

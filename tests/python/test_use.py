@@ -60,6 +60,23 @@ def test_simulator_gives_the_missions_bytes():
         tap.equal(list(sonar.beams["name"]), [b"forward", b"down"], "beams")
 
 
+def test_pings_of_many_poses():
+    """In one call, the pings that they are one by one, over blocks of learning; of a scanned head too."""
+    need_device()
+    head = asdic.Scene.open(os.path.join(ROOT, "data", "scenes", "sonar_ping360.yaml"))
+    for scene, rays in ((pool(), 500), (head, 500)):
+        poses = np.array([[0.5 * k, 0.1 * k, 5, 1, 2, 3 * k] for k in range(40)])
+        with asdic.Simulator(scene, rays=rays) as many, asdic.Simulator(scene, rays=rays) as single:
+            found = many.pings(poses[:3]) + many.pings(poses[3:])
+            tap.equal(len(found), 40, "pings")
+            for ping, pose in zip(found, poses.tolist(), strict=True):
+                one = single.ping(*pose)
+                same(ping.level_db, one.level_db, f"levels of ping {one.index}")
+                tap.equal((ping.index, ping.time, ping.pose, ping.altitude), (one.index, one.time, one.pose, one.altitude),
+                          "facts")
+            same(many.pings([[1, 2, 5]])[0].level_db, single.ping(1, 2, 5).level_db, "without attitude")
+
+
 def test_scanned_head_turns():
     """A scan's ping is that of a mission: the head's own direction."""
     need_device()

@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ._library import (ArgumentError, Context, Fields, Handle, Progress, dtype_of, encoded, fail, ffi, fields,
                        lib, number, open_devices, value_of, view, whole, words)
@@ -18,6 +19,8 @@ PARTS = tuple(word for word in words("asdic_component") if word != "total")
 
 
 AXES = ("x", "y", "z", "roll", "pitch", "yaw")
+PING, POSE, DOUBLES, FLOATS = map(ffi.typeof, ("asdic_ping *", "asdic_pose *", "double[]", "float[]"))
+NUMBERS, DEGREE = (float, int), math.pi / 180.0
 LEARN_BLOCK = int(lib.ASDIC_LEARN_BLOCK)
 
 
@@ -73,12 +76,14 @@ class Ping:
         self.beams = beams
         """The receivers: name, pitch_rad, yaw_rad, roll_rad, length_h_m, length_v_m."""
         shape = (len(beams), bins)
+        size = shape[0] * bins
         self._energies, self.stderr_db = np.zeros((len(COMPONENTS), *shape)), np.zeros(shape, np.float32)
-        self._struct, self._pose = ffi.new("asdic_ping *"), ffi.new("asdic_pose *")
-        self._struct.beams, self._struct.bins = shape
-        first, size = ffi.from_buffer("double[]", self._energies), shape[0] * shape[1]
-        self._struct.intensity_lin = [first + k * size for k in range(len(COMPONENTS))]
-        self._struct.stderr_db = ffi.from_buffer("float[]", self.stderr_db)
+        self._struct, self._pose = struct, _ = ffi.new(PING), ffi.new(POSE)
+        struct.beams, struct.bins = shape
+        first, place = ffi.from_buffer(DOUBLES, self._energies), struct.intensity_lin
+        for k in range(len(COMPONENTS)):
+            place[k] = first + k * size
+        struct.stderr_db = ffi.from_buffer(FLOATS, self.stderr_db)
         if truth:
             self._add_truth(shape)
         if samples[0]:
@@ -103,7 +108,7 @@ class Ping:
 
     def _levels(self, name: str) -> np.ndarray:
         levels = np.empty(self.stderr_db.shape, np.float32)
-        lib.asdic_ping_levels(self._struct, COMPONENTS[name], ffi.from_buffer("float[]", levels))
+        lib.asdic_ping_levels(self._struct, COMPONENTS[name], ffi.from_buffer(FLOATS, levels))
         return levels
 
     @functools.cached_property
@@ -196,6 +201,7 @@ class Simulator:
             self._devices.pointer[0], lib.asdic_mission_scene(mission), lib.asdic_mission_environment(mission),
             self._sonar, sampling, number(depth_m, "depth_m"), keeps=(self._devices, self._mission))
         self._sweep = ffi.new("asdic_sweep *", lib.asdic_mission_sweep(mission))
+        self._turns = bool(self._sweep.directions)
         self._below = (lib.asdic_mission_scene(mission), self._mission)
         self._rate_hz = float(self._sonar.ping_rate_hz)
         self._moves = any(lib.asdic_mission_get_object(mission, k).moves
@@ -242,37 +248,78 @@ class Simulator:
 
         OUT is an earlier ping whose memory may be used again: its arrays change with it.
         """
-        at = [number(value, what) for value, what in zip((x, y, z, roll, pitch, yaw), AXES)]
+        at: tuple[float, ...] = (x, y, z, roll, pitch, yaw)
+        for value in at:
+            if type(value) not in NUMBERS or not -1e30 < value < 1e30:  # one that is neither says what it is
+                at = tuple(number(one, what) for one, what in zip(at, AXES))
+                break
         if not 0.0 <= at[2] <= 11000.0:
             raise fail(ArgumentError, f"z = {at[2]:g} m is no depth of a vehicle: z is positive down, 0 to 11000 m")
         with self._context.lock:
             simulator = self._handle.pointer
             result = self._new_ping() if out is None else self._again(out)
-            self._set_pose(result._pose, at)
-            self._simulate(simulator, result)
-            result.index, result.time = self.index, self._start_s + self.index / self._rate_hz
-            result._below = self._below
+            self._set_pose(result._pose, at, self.index)
+            self._prepare(simulator, result._pose)
+            self._context.check(lib.asdic_simulator_ping(simulator, result._pose, self.index, result._struct))
+            self._note(result, self.index)
             self.index += 1
             return result
+
+    def pings(self, poses: ArrayLike) -> list[Ping]:
+        """A ping for each row of POSES: x, y, z in m, and roll, pitch, yaw in degrees if there are six columns.
+
+        The same pings as one by one, in fewer calls of the library, which may simulate some together.
+        """
+        rows = np.asarray(poses)
+        if rows.ndim != 2 or rows.shape[1] not in (3, 6) or rows.dtype.kind not in "fiu":
+            raise fail(ArgumentError, f"poses have the shape {rows.shape} of {rows.dtype}; they must be numbers of shape "
+                       "(n, 3) or (n, 6)")
+        rows = rows.astype(np.float64)
+        bad = ~np.isfinite(rows).all(axis=1) | ~((rows[:, 2] >= 0.0) & (rows[:, 2] <= 11000.0))
+        if bad.any():
+            first = int(np.flatnonzero(bad)[0])
+            raise fail(ArgumentError, f"pose {first} is {rows[first].tolist()}; its numbers must be finite, z positive "
+                       "down, 0 to 11000 m")
+        with self._context.lock:
+            results: list[Ping] = []
+            while len(results) < len(rows):  # up to where the simulator learns, or things move
+                left = 1 if self._moves else LEARN_BLOCK - self.index % LEARN_BLOCK
+                results += self._together(rows[len(results):len(results) + left].tolist())
+            return results
+
+    def _together(self, rows: list[list[float]]) -> list[Ping]:
+        simulator, results = self._handle.pointer, [self._new_ping() for _ in rows]
+        poses = ffi.new("asdic_pose[]", len(rows))
+        for k, (result, row) in enumerate(zip(results, rows)):
+            self._set_pose(result._pose, (*row, 0.0, 0.0, 0.0)[:6], self.index + k)
+            poses[k] = result._pose[0]
+            self._note(result, self.index + k)
+        self._prepare(simulator, poses)
+        self._context.check(lib.asdic_simulator_pings(simulator, poses, self.index, len(rows),
+                                                      [result._struct for result in results]))
+        self.index += len(rows)
+        return results
+
+    def _note(self, result: Ping, index: int) -> None:
+        result.index, result.time, result._below = index, self._start_s + index / self._rate_hz, self._below
 
     def _new_ping(self) -> Ping:
         return Ping(self.beams, self.bins, truth=self._truth, samples=self._samples)
 
-    def _set_pose(self, pose: Any, at: list[float]) -> None:
+    def _set_pose(self, pose: Any, at: tuple[float, ...], index: int) -> None:
         """Where the sonar is and looks, which is where the vehicle does unless a head turns."""
         place = pose.position_m
-        place.x, place.y, place.z = at[:3]
-        pose.roll_rad, pose.pitch_rad, pose.yaw_rad = map(math.radians, at[3:])
-        if self._sweep.directions:
-            pose[0] = lib.asdic_sweep_sonar(self._sweep, pose, self.index)
+        place.x, place.y, place.z, roll, pitch, yaw = at
+        pose.roll_rad, pose.pitch_rad, pose.yaw_rad = roll * DEGREE, pitch * DEGREE, yaw * DEGREE
+        if self._turns:
+            pose[0] = lib.asdic_sweep_sonar(self._sweep, pose, index)
 
-    def _simulate(self, simulator: Any, result: Ping) -> None:
-        context, index, pose = self._context, self.index, result._pose
+    def _prepare(self, simulator: Any, pose: Any) -> None:
+        """Before the ping of the current index, at POSE."""
         if self._moves:
-            context.check(lib.asdic_mission_place(self._mission.pointer, simulator, index))
-        if index % LEARN_BLOCK == 0:
-            context.check(lib.asdic_simulator_learn(simulator, pose, index))
-        context.check(lib.asdic_simulator_ping(simulator, pose, index, result._struct))
+            self._context.check(lib.asdic_mission_place(self._mission.pointer, simulator, self.index))
+        if self.index % LEARN_BLOCK == 0:
+            self._context.check(lib.asdic_simulator_learn(simulator, pose, self.index))
 
     def _again(self, out: Ping) -> Ping:
         if (not isinstance(out, Ping) or out.stderr_db.shape != (len(self.beams), self.bins)
