@@ -22,6 +22,8 @@
 #define DEV_PATCH_SCATTERERS 64
 /* Samples that a work-item sums at a time. */
 #define DEV_GATE_SAMPLES 16
+/* The gate of what is not heard. */
+#define NO_GATE 0xffffffffu
 /* Kinds of scatterers beside DEV_KIND_*. */
 #define DEV_KIND_POINT 4
 #define DEV_KIND_WATER 5

@@ -143,7 +143,7 @@ def table(others=False):
 
 def test_every_program_is_compiled():
     entries = {name for name in os.listdir(KERNELS) if name.endswith(".cl")}
-    parts = {"advance.cl", "collect.cl", "multipath.cl", "pilot.cl", "reduce.cl", "sample.cl",
+    parts = {"advance.cl", "array.cl", "collect.cl", "gates.cl", "scatterers.cl", "multipath.cl", "pilot.cl", "reduce.cl", "sample.cl",
              "shade.cl", "volume.cl"}
     # trace.cl has vectors, for processors.
     tap.equal(set(PROGRAMS) | set(OTHERS), entries - parts - {"trace.cl"}, "programs")

@@ -18,11 +18,15 @@ STRICT = ["-x", "cl", "-cl-std=CL1.2", "-Xclang", "-finclude-default-header", "-
 
 PING = {"ASDIC_WIDTH": (1, 8, 16), "ASDIC_DEPOSIT": (0, 1, 2), "ASDIC_HAS_MESH": (0, 1),
         "ASDIC_COMMON_AXIS": (0, 1), "ASDIC_HAS_WATER": (0, 1)}
+COHERENT = {"ASDIC_WIDTH": (1, 8, 16), "ASDIC_HAS_MESH": (0, 1)}
 SPECIALISATIONS = {
     "ping.cl": {**PING, "ASDIC_HAS_MIRRORS": (0, 1), "ASDIC_BENT": (0, 1, 2)},
     "fan.cl": {"ASDIC_WIDTH": (1, 16), "ASDIC_COMPONENTS": (3, 4, 5), "ASDIC_COMMON_AXIS": (0, 1),
                "ASDIC_HAS_MIRRORS": (0, 1)},
-    "coherent.cl": {"ASDIC_WIDTH": (1, 8, 16), "ASDIC_HAS_MESH": (0, 1)},
+    "coherent.cl": COHERENT,
+    "scatterers.cl": COHERENT,
+    "gates.cl": COHERENT,
+    "array.cl": COHERENT,
     "trace.cl": {"TRACE_STACK": (64,)},
     "camera.cl": {},
     "law.cl": {},

@@ -37,8 +37,8 @@ def drawn(script, size):
         return said.getvalue()
 
 
-def test_six_scripts_have_their_pictures():
-    tap.equal(len(SCRIPTS), 6, "scripts")
+def test_seven_scripts_have_their_pictures():
+    tap.equal(len(SCRIPTS), 7, "scripts")
     with open(os.path.join(ROOT, "docs", "python.md"), encoding="utf-8") as file:
         page = file.read()
     for script in SCRIPTS:

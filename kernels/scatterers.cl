@@ -1,0 +1,364 @@
+/*
+ * Scatterers of a coherent ping: where they are (coherent_place), what of them is seen, and what they send back
+ * (coherent_shade).
+ */
+#include "coherent.h"
+#include "echo.h"
+
+/* Rays end this share before a scatterer, so that facets that touch its own do not hide it. */
+#define SHORT_OF_SCATTERER 0.99998f
+
+/* A point of a patch as fractions of its edges. */
+static float2 fractions_of(__global const dev_patch *patch, uint k) {
+    float u = (float)(lattice_first(patch->start[0], k) >> 8) * 5.9604645e-8f;
+    float v = (float)(lattice_second(patch->start[1], k) >> 8) * 5.9604645e-8f;
+    bool beyond = patch->folded != 0u && u + v > 1.0f;
+    return beyond ? (float2)(1.0f - u, 1.0f - v) : (float2)(u, v);
+}
+
+/* The middle of the k-th of the equal triangles or parallelograms that a smooth patch falls into. */
+static float2 grid_of(__global const dev_patch *patch, uint k) {
+    uint side = (uint)(sqrt((float)(patch->count)) + 0.5f);
+    float step = 1.0f / (float)(side);
+    if (patch->folded == 0u) {
+        return (float2)((float)(k % side) + 0.5f, (float)(k / side) + 0.5f) * step;
+    }
+    /* Row by row: 2 (side - row) - 1 triangles, every other one upside down. */
+    uint row = 0u;
+    while (k >= 2u * (side - row) - 1u) {
+        k -= 2u * (side - row) - 1u;
+        row++;
+    }
+    float third = (k & 1u) != 0u ? 2.0f / 3.0f : 1.0f / 3.0f;
+    return (float2)((float)(k / 2u) + third, (float)(row) + third) * step;
+}
+
+/* A vector whose lanes agree as one number: elementary functions are of vectors. */
+static float lane_0(real x) {
+    return ((float *)&x)[0];
+}
+
+/* A direction for a scatterer of the water: half of them anywhere, half where the transmitter is loud.
+ * Returns the solid angle times the number of scatterers that it stands for. */
+static float water_direction(__global const dev_ping *ping, float2 at, uint k, vector *u) {
+    __global const dev_beam *t = beams_of(ping);
+    float most = ping->rear_lin > 0.0f ? M_PI_F : M_PI_2_F;
+    float rise = min(1.2f / t->length_v_wl, 1.0f);
+    float turn = t->length_h_wl > 1.2f ? lane_0(asin((real)(1.2f / t->length_h_wl))) : most;
+    bool loud = (k & 1u) != 0u;
+    float z = (2.0f * at.x - 1.0f) * (loud ? rise : 1.0f);
+    float phi = (2.0f * at.y - 1.0f) * (loud ? turn : most);
+    float across = sqrt(max(1.0f - z * z, 0.0f));
+    float x = across * lane_0(cos((real)(phi))), y = across * lane_0(sin((real)(phi)));
+    bool inside = fabs(z) <= rise && fabs(phi) <= turn;
+    float density = 0.5f / (4.0f * most) + (inside ? 0.5f / (4.0f * rise * turn) : 0.0f);
+    u->x = t->rows[0] * x + t->rows[3] * y + t->rows[6] * z;
+    u->y = t->rows[1] * x + t->rows[4] * y + t->rows[7] * z;
+    u->z = t->rows[2] * x + t->rows[5] * y + t->rows[8] * z;
+    return 1.0f / density;
+}
+
+/* Where a patch's k-th scatterer is, in the scene frame; the fourth: its share. */
+static float4 scatterer_of(__global const dev_ping *ping, __global const dev_patch *patch, uint k) {
+    float2 at = patch->smooth != 0u ? grid_of(patch, k) : fractions_of(patch, k);
+    float4 p;
+    if (patch->kind == DEV_KIND_WATER) {
+        vector u;
+        float solid = water_direction(ping, at, k, &u);
+        float depth =
+            (float)((lattice_first(patch->start[1], k) * 747796405u) >> 8) * 5.9604645e-8f;
+        float range = patch->corner[0] + depth * patch->edge1[0];
+        p = (float4)(ping->origin[0] + range * u.x, ping->origin[1] + range * u.y,
+                     ping->origin[2] + range * u.z, patch->share * solid);
+    } else {
+        p = (float4)(patch->corner[0] + at.x * patch->edge1[0] + at.y * patch->edge2[0],
+                     patch->corner[1] + at.x * patch->edge1[1] + at.y * patch->edge2[1],
+                     patch->corner[2] + at.x * patch->edge1[2] + at.y * patch->edge2[2],
+                     patch->share);
+    }
+    return p;
+}
+
+/* One work-item per patch. OWNER: the patch of every slot; slots beyond the last scatterer have none. */
+__kernel void coherent_place(__global const dev_ping *ping, __global const dev_coherent *c,
+                             __global const dev_patch *patches, __global float4 *places,
+                             __global uint *owner, __global dev_ray *rays) {
+    uint at = (uint)(get_global_id(0));
+    if (at >= c->patches) {
+        return;
+    }
+    __global const dev_patch *patch = patches + at;
+    for (uint k = 0; k < patch->count; k++) {
+        uint slot = patch->first + k;
+        float4 p = scatterer_of(ping, patch, k);
+        places[slot] = p;
+        owner[slot] = at;
+#if ASDIC_HAS_MESH
+        vector d =
+            vector_of((p.x - ping->origin[0]) - c->low[0], (p.y - ping->origin[1]) - c->low[1],
+                      (p.z - ping->origin[2]) - c->low[2]);
+        float range = sqrt(vector_dot(d, d)), unit = 1.0f / max(range, 1e-9f);
+        dev_ray ray;
+        for (int axis = 0; axis < 3; axis++) {
+            ray.origin[axis] = ping->origin[axis];
+        }
+        ray.direction[0] = d.x * unit;
+        ray.direction[1] = d.y * unit;
+        ray.direction[2] = d.z * unit;
+        ray.t_max = SHORT_OF_SCATTERER * range;
+        ray.source = slot;
+        rays[slot] = ray;
+#endif
+    }
+}
+
+/* ---- What scatterers send back ---- */
+
+/* Whether points at height Z lie in the water that the sonar is in. */
+static mask in_water(__global const dev_ping *ping, real z) {
+    real below = z - (real)(ping->origin[2]); /* the sonar */
+    mask sunk = (below <= (real)(ping->bottom_m)) & (-below <= (real)(ping->surface_m));
+    return sunk;
+}
+
+/* Patches of ASDIC_WIDTH scatterers, as formulas ask for them. */
+typedef struct found {
+    meeting m;
+    natural kind, key0, key1, number;
+    natural plane;  /* that mirrors: DEV_KIND_*; 0: none */
+    mask out, back; /* which leg goes by way of it */
+    mask there, smooth, folded;
+    real share, pieces;
+    triple at, edge1, edge2;
+} found;
+
+static found find(const world *w, __global const dev_coherent *c, __global const dev_patch *patches,
+                  __global const float4 *places, __global const uint *owner,
+                  __global const dev_hit *hits, uint slot) {
+    found f;
+    f.m.t = f.m.traced = R(0.0);
+    f.m.triangle = (natural)(0xffffffffu);
+    f.m.kind = (natural)(DEV_KIND_NONE);
+    f.m.facet.x = f.m.facet.y = R(0.0);
+    f.m.facet.z = R(-1.0);
+    f.m.surface = f.m.facet;
+    f.m.coherent_m2 = (real)(ASDIC_PLANE_M2);
+    f.m.material = (natural)(w->ping->bottom_material);
+    LANES {
+        bool there = slot + lane < c->slots;
+        uint way = (there ? slot + lane : slot) / c->scatterers;
+        uint at = (there ? slot + lane : slot) - way * c->scatterers;
+        uint leg = (way + DEV_MIRROR_WAYS - 1u) % DEV_MIRROR_WAYS; /* way 0 is straight */
+        AT(f.plane, uint) = way == 0u ? 0u : c->mirrored[(way - 1u) / DEV_MIRROR_WAYS];
+        AT(f.out, int) = way != 0u && leg != 0u ? -1 : 0;
+        AT(f.back, int) = way != 0u && leg != 1u ? -1 : 0;
+        __global const dev_patch *patch = patches + owner[at];
+        float4 p = places[at];
+        AT(f.at.x, float) = p.x;
+        AT(f.at.y, float) = p.y;
+        AT(f.at.z, float) = p.z;
+        AT(f.share, float) = p.w;
+        AT(f.kind, uint) = patch->kind;
+        AT(f.key0, uint) = patch->key[0];
+        AT(f.key1, uint) = patch->key[1];
+        AT(f.number, uint) = at - patch->first;
+        AT(f.smooth, int) = patch->smooth != 0u ? -1 : 0;
+        AT(f.folded, int) = patch->folded != 0u ? -1 : 0;
+        AT(f.pieces, float) = (float)(patch->count);
+        AT(f.edge1.x, float) = patch->edge1[0];
+        AT(f.edge1.y, float) = patch->edge1[1];
+        AT(f.edge1.z, float) = patch->edge1[2];
+        AT(f.edge2.x, float) = patch->edge2[0];
+        AT(f.edge2.y, float) = patch->edge2[1];
+        AT(f.edge2.z, float) = patch->edge2[2];
+        AT(f.m.triangle, uint) = patch->triangle;
+        if (patch->kind <= DEV_KIND_OBJECT) {
+            AT(f.m.kind, uint) = patch->kind;
+            AT(f.m.material, uint) = patch->kind == DEV_KIND_SURFACE ? w->ping->surface_material
+                                                                     : w->ping->bottom_material;
+        }
+#if ASDIC_HAS_MESH
+        uint hit = hits[at].triangle;
+        there = there && (hit == 0xffffffffu || hit == patch->triangle);
+        if (patch->triangle != 0xffffffffu) {
+            meet_facet(w, patch->triangle, vector_of(p.x, p.y, p.z), &f.m, lane);
+        }
+#else
+        (void)hits;
+#endif
+        AT(f.there, int) = there ? -1 : 0;
+    }
+#if ASDIC_WIDTH == 1
+    f.there = f.there != 0;
+    f.out = f.out != 0;
+    f.back = f.back != 0;
+    f.smooth = f.smooth != 0;
+    f.folded = f.folded != 0;
+#endif
+    return f;
+}
+
+/* From the sonar to scatterers. */
+typedef struct sight {
+    two range;
+    triple u;
+} sight;
+
+/* The image of AT in the planes that mirror. */
+static triple image_of(__global const dev_ping *ping, const found *f, triple at) {
+    real surface = (real)(ping->origin[2] - ping->surface_m);
+    real bottom = (real)(ping->origin[2] + ping->bottom_m);
+    real plane = choose(f->plane == DEV_KIND_SURFACE, surface, bottom);
+    at.z = choose(f->plane != 0u, R(2.0) * plane - at.z, at.z);
+    return at;
+}
+
+static sight see(__global const dev_ping *ping, __global const dev_coherent *c, triple at) {
+    two x = two_sum(at.x, (real)(-ping->origin[0])), y = two_sum(at.y, (real)(-ping->origin[1])),
+        z = two_sum(at.z, (real)(-ping->origin[2]));
+    two lx = {(real)(-c->low[0]), R(0.0)}, ly = {(real)(-c->low[1]), R(0.0)},
+        lz = {(real)(-c->low[2]), R(0.0)};
+    x = two_add(x, lx);
+    y = two_add(y, ly);
+    z = two_add(z, lz);
+    sight s;
+    s.range = two_length(x, y, z);
+    real unit = R(1.0) / r_max(s.range.high, R(1e-9));
+    s.u.x = x.high * unit;
+    s.u.y = y.high * unit;
+    s.u.z = z.high * unit;
+    return s;
+}
+
+/* What a smooth piece of area SHARE returns, relative to a point of 1 m2 (physical optics: the integral of
+ * cos i exp(-2 i k r) / lambda over the piece, here the middle's value times the fall of its form factor,
+ * exact to second order in its size). Roughness takes exp(-g cos^2 i) of its energy. */
+static real smooth_amplitude(const world *w, const found *f, const law_lanes *laws, slant met,
+                             triple u) {
+    real turns = R(2.0) / (real)(w->ping->wavelength_m);
+    real a = dot3(f->edge1, u) * turns, b = dot3(f->edge2, u) * turns;
+    real spread = choose(f->folded, (a * a + b * b - a * b) / R(18.0), (a * a + b * b) / R(12.0));
+    spread /= f->pieces;
+    real fall = exp(R(-2.0) * R_PI * R_PI * spread);
+    real amplitude = f->share * met.sine / (real)(w->ping->wavelength_m) * sqrt(laws->reflection2);
+    return amplitude * fall * exp(R(-0.5) * laws->roughness_g * met.sine * met.sine);
+}
+
+/* The scattering strength without the lobe that smooth pieces make themselves. */
+static real rough_strength(const world *w, const law_lanes *laws, slant met, real range) {
+    real s = strength(w, laws, met, range);
+    real cos2 = met.sine * met.sine;
+    real diffuse = laws->reflection2 * -expm1(-laws->roughness_g * cos2) * cos2 / R_PI;
+    return choose(laws->is_facet & (laws->formula[0] <= R(0.0)), diffuse, s);
+}
+
+static two choose_two(mask which, two a, two b) {
+    two out = {choose(which, a.high, b.high), choose(which, a.low, b.low)};
+    return out;
+}
+
+static sight choose_sight(mask which, const sight *a, const sight *b) {
+    sight s;
+    s.range = choose_two(which, a->range, b->range);
+    s.u.x = choose(which, a->u.x, b->u.x);
+    s.u.y = choose(which, a->u.y, b->u.y);
+    s.u.z = choose(which, a->u.z, b->u.z);
+    return s;
+}
+
+/* The slant of a leg that leaves the sonar along U; MIRRORED, a plane has turned it over. */
+static slant slant_by(const meeting *m, triple u, mask mirrored_leg) {
+    u.z = choose(mirrored_leg, -u.z, u.z);
+    return surface_slant(m, u);
+}
+
+/* What the plane that mirrors leaves of a pressure along U: the surface, soft, turns its sign. */
+static real mirror_amplitude(const world *w, const found *f, triple u) {
+    meeting m = f->m;
+    m.kind = f->plane;
+    m.triangle = (natural)(0xffffffffu);
+    m.facet.x = m.facet.y = R(0.0);
+    m.facet.z = R(-1.0);
+    m.surface = m.facet;
+    m.material = choose_natural(f->plane == DEV_KIND_SURFACE, (natural)(w->ping->surface_material),
+                                (natural)(w->ping->bottom_material));
+    law_lanes laws = laws_met(w, &m);
+    real share = mirrored(w, &laws, &m, surface_slant(&m, u));
+    return choose(f->plane == DEV_KIND_SURFACE, R(-1.0), R(1.0)) * sqrt(share);
+}
+
+/* ASDIC_WIDTH slots a work-item. GATES: the gate of every slot. */
+__kernel void coherent_shade(__global const dev_ping *ping, __global const dev_coherent *c,
+                             __global const dev_patch *patches, __global const float4 *places,
+                             __global const uint *owner, __global const dev_hit *hits,
+                             __global const dev_triangle *triangles, __global const dev_part *parts,
+                             __global const dev_material *materials, __global dev_echo *echoes,
+                             __global uint *gates) {
+    uint slot = (uint)(get_global_id(0)) * ASDIC_WIDTH;
+    if (slot >= c->slots) {
+        return;
+    }
+    world w = {ping, beams_of(ping), triangles, parts, materials, 0};
+    found f = find(&w, c, patches, places, owner, hits, slot);
+    sight straight = see(ping, c, f.at), image = see(ping, c, image_of(ping, &f, f.at));
+    sight sent = choose_sight(f.out, &image, &straight);
+    sight heard_from = choose_sight(f.back, &image, &straight);
+    law_lanes laws = laws_met(&w, &f.m);
+    slant met_out = slant_by(&f.m, sent.u, f.out), met = slant_by(&f.m, heard_from.u, f.back);
+    real energy = sqrt(rough_strength(&w, &laws, met_out, sent.range.high) *
+                       rough_strength(&w, &laws, met, heard_from.range.high)) *
+                  f.share;
+    real range = heard_from.range.high;
+    energy = choose(f.kind == DEV_KIND_POINT, f.share, energy);
+    real tube = (real)(c->water_lin) * f.share * range * range;
+    energy = choose(f.kind == DEV_KIND_WATER, tube, energy);
+    real amplitude = sqrt(energy);
+    amplitude = choose(f.smooth, smooth_amplitude(&w, &f, &laws, met, straight.u), amplitude);
+
+    /* The transmitter and an element, and the loss of both ways. */
+    __global const float *rows = c->rows;
+    triple u = heard_from.u;
+    real x = rows[0] * u.x + rows[1] * u.y + rows[2] * u.z;
+    real y = rows[3] * u.x + rows[4] * u.y + rows[5] * u.z;
+    real z = rows[6] * u.x + rows[7] * u.y + rows[8] * u.z;
+    real gain = gain_towards(ping, w.beams, sent.u.x, sent.u.y, sent.u.z) *
+                beam_pattern_lin(x, y, z, (real)(c->element_h_wl), (real)(c->element_v_wl),
+                                 (real)(ping->rear_lin));
+    real k = (real)(ping->absorption_np_per_m);
+    amplitude *= sqrt(gain * sqrt(ray_transmission(k, r_max(sent.range.high, R(1e-3))) *
+                                  ray_transmission(k, r_max(range, R(1e-3)))));
+    amplitude *= choose(f.out, mirror_amplitude(&w, &f, sent.u), R(1.0));
+    amplitude *= choose(f.back, mirror_amplitude(&w, &f, heard_from.u), R(1.0));
+
+    random4 draw = {{f.number, f.key0, f.key1, (natural)(RANDOM_SCATTERER)}};
+    draw = philox4x32(draw, ping->seed[0], ping->seed[1]);
+    phasor chance = gaussian_of(draw.v[0], draw.v[1]);
+    mask sure = f.smooth | (f.kind == DEV_KIND_POINT);
+    chance.re = choose(sure, R(1.0), chance.re);
+    chance.im = choose(sure, R(0.0), chance.im);
+    two both = two_add(sent.range, heard_from.range);
+    two turns = {(real)(c->turns_per_m), (real)(c->turns_per_m_low)};
+    phasor way = phasor_of(-two_turns(both, turns));
+    real half_way = R(0.5) * both.high;
+
+    mask plane = (f.m.triangle == 0xffffffffu) & (f.m.kind != DEV_KIND_NONE);
+    mask heard = f.there & (amplitude != R(0.0)) & (half_way >= (real)(ping->blanking_m)) &
+                 (half_way < (real)(ping->range_m)) & (plane | in_water(ping, f.at.z)) &
+                 ((f.plane == 0u) | (f.plane != f.m.kind));
+    natural gate = to_natural(half_way / (real)(c->sample_m * DEV_GATE_SAMPLES));
+    LANES {
+        uint at = slot + lane;
+        if (at < c->slots) {
+            dev_echo e;
+            e.y = AT(y, float) * AT(range, float);
+            e.range_m = AT(range, float);
+            e.way_m = AT(half_way, float);
+            e.re = AT(amplitude, float) * (AT(chance.re, float) * AT(way.re, float) -
+                                           AT(chance.im, float) * AT(way.im, float));
+            e.im = AT(amplitude, float) * (AT(chance.re, float) * AT(way.im, float) +
+                                           AT(chance.im, float) * AT(way.re, float));
+            echoes[at] = e;
+            gates[at] = AT(heard, int) != 0 ? min(AT(gate, uint), c->gates - 1u) : NO_GATE;
+        }
+    }
+}
