@@ -437,6 +437,42 @@ static void points_echo_through_layers(void **state) {
     }
 }
 
+/* Where rays cross, the gain of each way is held to 20 dB over straight spreading: an echo by one ray there and back
+ * stays within 40 dB, and those of all pairs of six rays within 36 times that. */
+static void caustics_are_held(void **state) {
+    (void)state;
+    ping_rig r = bent_rig(0.0, 1024u);
+    asdic_ping *ping = NULL;
+    double most_db = -INFINITY;
+    r.pose.position_m.z = 7.5;
+    r.env.sound_speed_profile =
+        (asdic_sound_profile){4, {0.0, 3.0, 7.0, 12.0}, {1500.0, 1490.0, 1480.0, 1486.0}};
+    r.sonar.transmitter.length_h_m = r.sonar.transmitter.length_v_m = 1e-4;
+    r.receivers[0] = r.sonar.transmitter;
+    assert_ok(t.ctx, asdic_scene_add_point(r.scene, "point", (asdic_vec3){10.0, 0.0, 7.0}, 0.0));
+    asdic_simulator *sim = rig_simulator(&r);
+    assert_ok(t.ctx, asdic_ping_create(t.ctx, 1, asdic_simulator_bin_count(sim), &ping));
+    double alpha =
+        asdic_environment_absorption_db_per_km(&r.env, r.sonar.frequency_hz, r.pose.position_m.z);
+    for (int i = 0; i < 60; i++) {
+        double x = 10.0 + i, sum = 0.0;
+        asdic_pose at = {.position_m = {x, 0.0, 7.0}};
+        assert_ok(t.ctx, asdic_simulator_move(sim, "point", &at));
+        assert_ok(t.ctx, asdic_simulator_ping(sim, &r.pose, 0, ping));
+        for (size_t n = 0; n < ping->bins; n++) {
+            sum += ping->intensity_lin[ASDIC_OBJECT][n];
+        }
+        assert_true(isfinite(sum) && sum > 0.0);
+        double straight_db = -40.0 * log10(x) - 2e-3 * alpha * (x - 1.0);
+        most_db = fmax(most_db, 10.0 * log10(sum) - straight_db);
+    }
+    print_message("a point along a channel: at most %.1f dB above straight spreading\n", most_db);
+    assert_true(most_db > 10.0 && most_db < 40.0 + 10.0 * log10(36.0));
+    asdic_ping_destroy(&ping);
+    asdic_simulator_destroy(&sim);
+    rig_destroy(&r);
+}
+
 /* What stands between is met by the legs of the rays to a point, in the layers that they are in. */
 static void points_hide_behind_objects(void **state) {
     static const double side_m[] = {0.0, 4.0};
@@ -500,6 +536,7 @@ int main(void) {
         cmocka_unit_test(trapped_rays_are_followed),
         cmocka_unit_test(points_echo_over_the_arc),
         cmocka_unit_test(points_echo_through_layers),
+        cmocka_unit_test(caustics_are_held),
         cmocka_unit_test(points_hide_behind_objects),
         cmocka_unit_test(impossible_water_is_refused),
     };
