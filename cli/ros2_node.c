@@ -276,6 +276,12 @@ bool ros2_node_clock(ros2_node *n, int64_t *time_ns) {
 }
 
 /* The bytes become a sample of the DDS, which sends the same bytes again. */
+bool ros2_node_is_heard(const ros2_node *n, asdic_ros_output output) {
+    dds_publication_matched_status_t status;
+    return dds_get_publication_matched_status(n->outputs[output].end, &status) != DDS_RETCODE_OK ||
+           status.current_count > 0;
+}
+
 bool ros2_node_publish(ros2_node *n, asdic_ros_output output, const void *bytes, size_t size) {
     channel *ch = &n->outputs[output];
     dds_istream_t in;

@@ -23,6 +23,9 @@ bool ros2_node_take_pose(ros2_node *node, asdic_ros_stamped *out, uint64_t *pass
 /* The last time of /clock; false before the first. */
 bool ros2_node_clock(ros2_node *node, int64_t *time_ns);
 
+/* Whether anybody subscribes to OUTPUT: what nobody takes need not be made. */
+bool ros2_node_is_heard(const ros2_node *node, asdic_ros_output output);
+
 /* Sends a message; false when the DDS refuses, which is told. */
 bool ros2_node_publish(ros2_node *node, asdic_ros_output output, const void *bytes, size_t size);
 

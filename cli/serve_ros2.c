@@ -77,7 +77,7 @@ static asdic_status send(ros2_server *s, const serve_answer *answer, int64_t tim
     for (size_t i = 0; i < sizeof order / sizeof *order; i++) {
         const void *bytes;
         size_t size;
-        bool is_sent = asdic_ros_has(s->ros, order[i]) &&
+        bool is_sent = asdic_ros_has(s->ros, order[i]) && ros2_node_is_heard(s->node, order[i]) &&
                        (order[i] != ASDIC_ROS_DETECTIONS || answer->detection);
         asdic_status status =
             is_sent ? asdic_ros_encode(s->ros, order[i], &ping, &bytes, &size) : ASDIC_OK;
