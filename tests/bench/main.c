@@ -16,6 +16,7 @@ static int run(cli *c) {
     static const bench_kind kinds[] = {
         {"bend", bend_columns, bend, NULL, 0, 0, 0, false},
         {"beside", beside_columns, beside, NULL, 0, CLI_ANY_NUMBER, 1, false},
+        {"coherent", coherent_columns, coherent, NULL, 0, 0, 0, false},
         {"cost", cost_columns, cost, NULL, 1, CLI_ANY_NUMBER, 0, false},
         {"fan", fan_columns, fan, NULL, 0, 0, 0, true},
         {"first", first_columns, first, NULL, 0, 0, 0, false},
@@ -30,7 +31,7 @@ static int run(cli *c) {
 
 static const cli_command command = {
     .name = "asdic-bench",
-    .operands = "bend|beside|cost|fan|growth|latency|start|truth [SCENE.yaml|MESH ...]",
+    .operands = "bend|beside|coherent|cost|fan|growth|latency|start|truth [SCENE.yaml|MESH ...]",
     .min_operands = 1,
     .max_operands = CLI_ANY_NUMBER,
     .summary = "measure what only the project asks",

@@ -28,6 +28,14 @@ def test_stating_errors_costs_little():
             raise AssertionError(row)
 
 
+def test_coherent_pings_cost_by_pairs():
+    """Time is that of pairs of scatterer and element."""
+    program.need_device()
+    many, few = rows("coherent", "--quick")
+    tap.equal((many["elements"], many["samples"], few["elements"]), (64, 4000, 16), "sizes")
+    tap.equal(0.2 < many["pair_s"] / few["pair_s"] < 5.0, True, f"{many} beside {few}")
+
+
 def test_fan_keeps_its_error():
     """Many beams err as few of the same sector do, and all rows are there."""
     program.need_device()
