@@ -69,7 +69,7 @@ def test_scenes():
                 asdic("run", path, "-o", folder / device, "--force", "-q", "--pings", "0:1",
                       "--device", f"name:{device}", **env).check(code=0)
                 seconds[device] = time.monotonic() - begin
-                tables[device] = (folder / device / "bins.csv").read_bytes()
+                tables[device] = pathlib.Path(folder / device, "bins.csv").read_bytes()
             print(f"# {path.stem}: {seconds['rusticl']:.1f} s, PoCL {seconds['pthread']:.1f} s", flush=True)
             if tables["pthread"] != tables["rusticl"]:
                 different.append(path.stem)

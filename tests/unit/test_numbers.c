@@ -8,6 +8,8 @@
 #include "out/axis.h"
 #include "out/decimate.h"
 #include "out/half.h"
+#include "out/polar.h"
+#include "out/raster.h"
 #include "sim/variates.h"
 
 #include <float.h>
@@ -397,6 +399,113 @@ static void polygons_enclose_their_pixels(void **state) {
     }
 }
 
+/* ---- Fans ---- */
+
+#define DEGREE (3.14159265358979323846 / 180.0)
+
+/* Every pixel's centre by its own range and bearing; the picture is no larger than the sector. */
+static void check_sector(const double *bearing_deg, size_t beams, double radius_px) {
+    enum { BINS = 20 };
+    double bearing[8], edges[9], x0 = 0.0, x1 = 0.0, y0 = 0.0, y1 = 0.0;
+    for (size_t b = 0; b < beams; b++) {
+        bearing[b] = bearing_deg[b] * DEGREE;
+    }
+    for (size_t b = 1; b < beams; b++) {
+        edges[b] = 0.5 * (bearing[b - 1] + bearing[b]);
+    }
+    edges[0] = beams > 1 ? 2.0 * bearing[0] - edges[1] : bearing[0] - DEGREE;
+    edges[beams] = beams > 1 ? 2.0 * bearing[beams - 1] - edges[beams - 1] : bearing[0] + DEGREE;
+    for (int i = 0; i <= 3600; i++) { /* along the arc */
+        double at = fmax(fmin(edges[0] + (edges[beams] - edges[0]) * i / 3600.0, 180.0 * DEGREE),
+                         -180.0 * DEGREE);
+        x0 = fmin(x0, radius_px * sin(at));
+        x1 = fmax(x1, radius_px * sin(at));
+        y0 = fmin(y0, -radius_px * cos(at));
+        y1 = fmax(y1, -radius_px * cos(at));
+    }
+    const asdic_fan fan = {
+        .bearing_rad = bearing, .beams = beams, .bins = BINS, .bin_length_m = 0.5};
+    asdic_sector s = asdic_sector_of(&fan, radius_px);
+    uint32_t *cells = NULL;
+    assert_ok(ctx, asdic_sector_cells(ctx, &fan, &s, &cells));
+    assert_true(s.apex_x_px >= -x0 - 1e-3 && s.apex_x_px < 1.001 - x0);
+    assert_true(s.apex_y_px >= -y0 - 1e-3 && s.apex_y_px < 1.001 - y0);
+    double right = (double)s.width - s.apex_x_px, below = (double)s.height - s.apex_y_px;
+    assert_true(right >= x1 - 1e-3 && right < x1 + 1.001 + (x1 - x0 < 1.0));
+    assert_true(below >= y1 - 1e-3 && below < y1 + 1.001 + (y1 - y0 < 1.0));
+    size_t inside = 0;
+    for (size_t i = 0; i < s.width * s.height; i++) {
+        double x = (double)(i % s.width) + 0.5 - s.apex_x_px;
+        double y = s.apex_y_px - (double)(i / s.width) - 0.5;
+        double range = sqrt(x * x + y * y) / radius_px * BINS, at = atan2(x, y);
+        uint32_t expected = UINT32_MAX;
+        bool is_edge = fabs(range - rint(range)) < 1e-9;
+        for (size_t b = 0; b < beams; b++) {
+            is_edge = is_edge || fabs(at - edges[b]) < 1e-9 || fabs(at - edges[b + 1]) < 1e-9;
+            if (at >= edges[b] && at < edges[b + 1] && range < BINS) {
+                expected = (uint32_t)(b * BINS + (size_t)range);
+            }
+        }
+        inside += expected != UINT32_MAX;
+        assert_true(is_edge || cells[i] == expected);
+    }
+    assert_true(inside > 0);
+    free(cells);
+}
+
+static void pixels_belong_to_beams(void **state) {
+    (void)state;
+    check_sector((const double[]){-30.0, -11.0, 1.0, 40.0}, 4, 37.3);
+    check_sector((const double[]){20.0, 25.0, 70.0}, 3, 25.0);
+    check_sector((const double[]){-120.0, -100.0}, 2, 30.0);
+    check_sector((const double[]){-140.0, -60.0, 10.0, 80.0, 150.0}, 5, 21.7);
+    check_sector((const double[]){-180.0, -90.0, 0.0, 90.0, 180.0}, 5, 16.0);
+    check_sector((const double[]){3.0}, 1, 60.0);
+}
+
+/* A head that turns round, beside one that goes back and forth; beams to starboard of it. */
+static void a_scan_fills_its_directions(void **state) {
+    (void)state;
+    const asdic_sweep circle = {.directions = 8, .step_rad = 45.0 * DEGREE, .is_circle = true};
+    const asdic_sweep sector = {.directions = 3, .step_rad = 10.0 * DEGREE};
+    static const double yaw_deg[] = {0.0, 50.0, -100.0, 400.0};
+    for (size_t i = 0; i < 8; i++) {
+        const asdic_sweep *sweep = i < 4 ? &circle : &sector;
+        double yaw = yaw_deg[i % 4] * DEGREE;
+        asdic_polar polar;
+        assert_ok(ctx, asdic_polar_init(ctx, sweep, yaw, 2, &polar));
+        assert_int_equal(polar.columns, sweep->directions + sweep->is_circle);
+        for (uint64_t ping = 0; ping < 8; ping++) {
+            const float levels[2] = {(float)ping, (float)ping + 0.5f};
+            asdic_polar_add(&polar, ping, levels);
+            /* It lies where the beam looked, at both ends of a circle. */
+            double looked =
+                yaw + asdic_sweep_bearing_rad(sweep, asdic_sweep_direction(sweep, ping));
+            int found = 0;
+            for (size_t c = 0; c < polar.columns; c++) {
+                double off = polar.bearing_rad[c] - looked;
+                if (fabs(sweep->is_circle ? remainder(off, 360.0 * DEGREE) : off) < 1e-9) {
+                    assert_memory_equal(polar.levels_db + 2 * c, levels, sizeof levels);
+                    found++;
+                } else {
+                    assert_true(memcmp(polar.levels_db + 2 * c, levels, sizeof levels) != 0);
+                }
+            }
+            assert_in_range(found, 1, 2);
+        }
+        for (size_t c = 1; c < polar.columns; c++) {
+            assert_close(polar.bearing_rad[c] - polar.bearing_rad[c - 1], sweep->step_rad, 1e-12);
+        }
+        if (sweep->is_circle) { /* the seam stays astern, within half a step */
+            assert_close(polar.bearing_rad[0], -180.0 * DEGREE, 0.5001 * sweep->step_rad);
+            assert_memory_equal(polar.levels_db, polar.levels_db + 16, 2 * sizeof(float));
+        }
+        asdic_fan fan = asdic_polar_fan(&polar, 0.25);
+        assert_true(fan.beams == polar.columns && fan.bins == 2 && fan.bin_length_m == 0.25);
+        asdic_polar_finish(&polar);
+    }
+}
+
 /* ---- Random variates ---- */
 
 /* Means of COUNT: of the values, their squares and cubes. */
@@ -457,6 +566,8 @@ int main(void) {
         cmocka_unit_test(ticks_lie_within),
         cmocka_unit_test(groups_are_means_of_energy),
         cmocka_unit_test(polygons_enclose_their_pixels),
+        cmocka_unit_test(pixels_belong_to_beams),
+        cmocka_unit_test(a_scan_fills_its_directions),
         cmocka_unit_test(gammas_have_their_moments),
     };
     return cmocka_run_group_tests(tests, context_begin, context_end);
