@@ -33,7 +33,18 @@ static taps taps_of(__global const dev_coherent *c, float near, float far, float
     return t;
 }
 
-/* Adds ECHO to the samples from BEGIN on. */
+/* Adds an echo X from sample 0 to sample N, if that is not beyond TO. */
+static void add_tap(__global const dev_coherent *c, real x, real per, phasor echo, int n, int to,
+                    gate_sums *sums) {
+    if (n <= to) {
+        real s = pulse_at(x - (real)((float)(n)*c->sample_m), per);
+        sums->re[n] += s * echo.re;
+        sums->im[n] += s * echo.im;
+    }
+}
+
+/* Adds ECHO to the samples from BEGIN on. Eight a round: llvmpipe leaves all loops of a work-item, those
+ * over echoes too, after 65,535 rounds. */
 static void add_echo(__global const dev_coherent *c, __global const dev_echo *echo, real y,
                      float begin, gate_sums *sums) {
     real longer = element_longer(y, (real)(echo->y), (real)(echo->range_m));
@@ -51,10 +62,16 @@ static void add_echo(__global const dev_coherent *c, __global const dev_echo *ec
     real re = turn.re * echo->re - turn.im * echo->im, im = turn.re * echo->im + turn.im * echo->re;
     real per = (real)(1.0f / c->pulse_m);
     real x = R(0.5) * longer + (echo->way_m - (begin + 0.5f) * c->sample_m);
-    for (int n = t.from; n <= t.to; n++) {
-        real s = pulse_at(x - (real)((float)(n)*c->sample_m), per);
-        sums->re[n] += s * re;
-        sums->im[n] += s * im;
+    phasor turned = {re, im};
+    for (int n = t.from; n <= t.to; n += 8) {
+        add_tap(c, x, per, turned, n, t.to, sums);
+        add_tap(c, x, per, turned, n + 1, t.to, sums);
+        add_tap(c, x, per, turned, n + 2, t.to, sums);
+        add_tap(c, x, per, turned, n + 3, t.to, sums);
+        add_tap(c, x, per, turned, n + 4, t.to, sums);
+        add_tap(c, x, per, turned, n + 5, t.to, sums);
+        add_tap(c, x, per, turned, n + 6, t.to, sums);
+        add_tap(c, x, per, turned, n + 7, t.to, sums);
     }
 }
 
