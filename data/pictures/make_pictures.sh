@@ -31,3 +31,7 @@ mkdir "$work/made"
 python3 "$here/../generate/draw_laws.py" "$asdic" "$work/made"
 cp "$work/made/pictures/laws.svg" "$out/laws.svg"
 cp "$work/view/view_159.png" "$out/view.png" # has more colours than a palette holds
+for obstacle in pile cliff; do # some minutes each
+  "$asdic" trial -q "$here/../trials/$obstacle.yaml" --runs 200 --vary sonar.file=one.yaml,three.yaml,nine.yaml -o "$work/$obstacle"
+  shrink "$work/$obstacle/trial.png" trial_$obstacle.png 32
+done

@@ -296,7 +296,11 @@ static void scene_depths(const asdic_scene *scene, double sonar_m, double *from_
 /* LAYERS in the scene frame. Lifted, none may touch another's: each is moved down by more than any is high. */
 static void place_layers(asdic_simulator *sim, const asdic_layers *layers, double depth_m) {
     const asdic_scene *scene = sim->setup.scene;
-    asdic_vec3 size = asdic_vec3_sub(scene->max_m, scene->min_m);
+    asdic_vec3 above = asdic_vec3_sub(scene->max_m, scene->origin_m);
+    asdic_vec3 below = asdic_vec3_sub(scene->origin_m, scene->min_m);
+    /* Of a box round the origin that holds the scene: objects may lie on one side of it. */
+    asdic_vec3 size = {2.0 * fmax(above.x, below.x), 2.0 * fmax(above.y, below.y),
+                       2.0 * fmax(above.z, below.z)};
     double high = size.z + fabs(depth_m - scene->origin_m.z) +
                   asdic_sonar_max_range_m(&sim->setup.sonar, 1500.0);
     double wide2 = 0.25 * (size.x * size.x + size.y * size.y + high * high);

@@ -22,6 +22,7 @@
 #define TURNED_RAD 0.1
 
 #define MOST_PINGS 1000000
+#define FASTEST_MPS 50.0
 
 /* What was flown up to a ping. */
 typedef struct moment {
@@ -88,6 +89,12 @@ static bool would_hit(const run *r, const asdic_pilot *from, const asdic_order *
                       double distance_m) {
     asdic_pilot p = *from;
     double hull_m = r->plan->hull_radius_m, slowest_mps = 0.01;
+    /* The last step may go beyond the distance; no vehicle here does so at more than this. */
+    double most_m = distance_m + FASTEST_MPS * p.model.step_s + hull_m;
+    if (asdic_placement_nearest(r->placement, position(&p), position(&p), most_m).distance_m >=
+        most_m) {
+        return false;
+    }
     for (double flown_m = 0.0, time_s = 0.0;
          flown_m < distance_m && time_s < distance_m / slowest_mps; time_s += r->step_s) {
         asdic_vec3 before_m = position(&p);

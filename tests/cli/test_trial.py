@@ -42,6 +42,10 @@ trial:
   rule: {manoeuvre: turn, turn_deg: 150, reach_m: 20, hold_s: 1000}
 """
 IDEAL = WALL + "  ideal: {pd: PD}\n"
+# The same in deep water and from pings at which the wall is in sight soon: quick.
+LEAD = 20
+CLOSE = IDEAL.replace("depth_m: 20", "depth_m: 200").replace("[[0, 0, 10]", f"[[{LEAD * 1.5}, 0, 10]").replace(
+    "time_s: 45", f"time_s: {45 - LEAD}")
 
 EMPTY = """
 version: 1
@@ -117,7 +121,7 @@ def test_a_wall_and_a_sonar_of_fixed_pd():
     runs = 10000 if FULL else 1000
     with Folder() as folder:
         for pd in (0.05, 0.2):
-            path = folder.write("wall.yaml", IDEAL.replace("PD", str(pd)))
+            path = folder.write("wall.yaml", CLOSE.replace("PD", str(pd)))
             found, = fly(folder, path, runs)
             wanted = (1 - pd) ** chances()
             if not within_99(found["hit"], runs, wanted):
@@ -132,7 +136,7 @@ def test_intervals_cover():
     seeds, runs, block = (20, 10000, 500) if FULL else (4, 500, 50)
     wanted, held, blocks = 0.8 ** chances(), 0, 0
     with Folder() as folder:
-        path = folder.write("wall.yaml", IDEAL.replace("PD", "0.2"))
+        path = folder.write("wall.yaml", CLOSE.replace("PD", "0.2"))
         for seed in range(1, seeds + 1):
             fly(folder, path, runs, "--seed", seed)
             hits = [row["outcome"] == "hit" for row in rows(folder)]
@@ -186,7 +190,7 @@ def test_false_alarms_are_those_of_the_design():
 
 def test_pairs_need_fewer_runs():
     with Folder() as folder:
-        path = folder.write("wall.yaml", IDEAL.replace("PD", "0.10"))
+        path = folder.write("wall.yaml", CLOSE.replace("PD", "0.10"))
         runs = 10000 if FULL else 400
         first, second = fly(folder, path, runs, "--vary", "trial.ideal.pd=0.10,0.12")
         hits = {}
@@ -419,6 +423,15 @@ def test_scenes_and_options_that_cannot_be():
                "did you mean 'salinity_ppt'")
         refuse(ideal + "  draws: [{key: environment.salinity_ppt, uniform: [50, 60]}]\n", 3,
                "as drawn for run 0 with seed 1")
+        # Of a later run: it is named, and the runs before it are kept.
+        refuse(ideal + "  draws: [{key: environment.salinity_ppt, uniform: [0, 60]}]\n", 3,
+               "with seed 1", "--runs", 40, "--workers", 1, "-f")
+        with open(folder / "bad/trial.part.csv", encoding="utf-8") as file:
+            kept = list(csv.DictReader(file))
+        assert 0 < len(kept) < 40 and all(float(row["environment.salinity_ppt"]) <= 45 for row in kept)
+        done = asdic("trial", folder / "bad.yaml", "--runs", 40, "-o", folder / "bad", "--resume").check(code=3)
+        tap.contains(done.err, f"as drawn for run {len(kept)} with seed 1")
+        shutil.rmtree(folder / "bad")
         refuse(ideal + "  draws: [{key: 'objects[4].position_m', choice: [[1, 2, 3]]}]\n", 3,
                "there is no '[4]' here")
         refuse(ideal.replace("hold_s: 1000", "hits: 3, of: 2"), 3, "'hits' = 3 is more than 'of' = 2")
