@@ -85,15 +85,16 @@ static way_home try_home(const layer_stack *to, triple x, triple towards, real a
 }
 
 /* Newton's method on the launch elevation: at the sonar's distance a ray is W / cos(theta) lower by radian. A step that
- * does not come nearer is cut. Of several ways home this is one near the straight line. */
-static way_home find_home(const layer_stack *to, triple x, triple sonar, real pace) {
+ * does not come nearer is cut. Only ways that are WANTED are searched for; of several home this is one near the straight
+ * line. */
+static way_home find_home(const layer_stack *to, triple x, triple sonar, real pace, mask wanted) {
     triple apart = {sonar.x - x.x, sonar.y - x.y, sonar.z - x.z};
     real across = r_max(sqrt(apart.x * apart.x + apart.y * apart.y), R(1e-6));
     triple towards = {apart.x / across, apart.y / across, R(0.0)};
     real chord = sqrt(across * across + apart.z * apart.z);
     real sine = apart.z / chord, cosine = across / chord, step = R(0.0);
     way_home best = try_home(to, x, towards, across, sonar, sine, cosine, pace);
-    for (uint i = 0; i < HOME_STEPS && any_true(best.found == 0); i++) {
+    for (uint i = 0; i < HOME_STEPS && any_true(wanted & (best.found == 0)); i++) {
         triple u = ray_direction(&best.r, best.t);
         real level = sqrt(u.x * u.x + u.y * u.y);
         real width = best.r.along + best.r.slope * best.t;
@@ -173,7 +174,7 @@ static uint connect_rays(const world *w, __global const dev_ray *bounced,
     triple x = clear_of(ray_point(&r, choose(met, m.traced, R(0.0))), m.facet,
                         choose(along > R(0.0), R(-1.0), R(1.0)));
     real pace = r.pace / bent_at(&r, t2).q;
-    way_home home = find_home(&sets->layers, x, sonar_of(w->ping), pace);
+    way_home home = find_home(&sets->layers, x, sonar_of(w->ping), pace, met);
     real d3 = ray_range(&home.r, home.t);
     mask faces = dot3(home.u, m.facet) * along < R(0.0);
     mask near = range + d3 < (real)(2.0002f * w->ping->range_m);
