@@ -135,8 +135,8 @@ static uint trace_legs(const leg_store *to, const ray *r, real until, natural la
 }
 
 /* Sends the rays from SLOT on that are ON to their next legs, which lie from AT on; returns the next AT. */
-static uint advance_rays(__global const dev_ping *ping, const leg_store *to, bool first, mask on,
-                         uint slot, uint at) {
+APART static uint advance_rays(__global const dev_ping *ping, const leg_store *to, bool first,
+                               mask on, uint slot, uint at) {
     ray r;
     natural layer;
     mask cross = on;

@@ -198,8 +198,8 @@ static triple arrival_directions(__global const dev_arrival *set, mask on) {
 }
 
 /* Adds all arrivals of ASDIC_WIDTH rays, of every set, to the receivers from FIRST on. */
-static uint add_rays(const world *w, __global const dev_arrival *direct, __global long *cells,
-                     const truth_sink *truth, uint first) {
+APART static uint add_rays(const world *w, __global const dev_arrival *direct, __global long *cells,
+                           const truth_sink *truth, uint first) {
     size_t all = batch_slots(w->ping);
     __global const dev_arrival *along = direct + DEV_ARRIVAL_ALONG * all;
     __global const dev_arrival *across = direct + DEV_ARRIVAL_ACROSS * all;
@@ -270,8 +270,9 @@ TAKE_WATER(8)
 
 /* Takes the current group's totals over all components to TOTALS, in units of the bin's TL d^2, and brings
  * SUMS up to date with CELLS. */
-static void take_group(__global const dev_ping *ping, turn at_group, __global long *cells,
-                       __global long *sums, __global const float *ratio, __global float *totals) {
+APART static void take_group(__global const dev_ping *ping, turn at_group, __global long *cells,
+                             __global long *sums, __global const float *ratio,
+                             __global float *totals) {
     const size_t plane = (size_t)(ping->sums.component_rows) * ping->sums.columns;
     __global long *water = cells + DEV_DEPOSIT_VOLUME * plane;
     __global long *water_sums = sums + DEV_DEPOSIT_VOLUME * plane;

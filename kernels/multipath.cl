@@ -197,9 +197,9 @@ static uint connect_rays(const world *w, __global const dev_ray *bounced,
 #else
 
 /* Appends the ways back of the mirror rays from SLOT on to RETURNING from AT on; the next AT. */
-static uint connect_rays(const world *w, __global const dev_ray *bounced,
-                         __global const dev_hit *hits, __global const float4 *mirrors,
-                         __global dev_ray *returning, uint slot, uint at) {
+APART static uint connect_rays(const world *w, __global const dev_ray *bounced,
+                               __global const dev_hit *hits, __global const float4 *mirrors,
+                               __global dev_ray *returning, uint slot, uint at) {
     natural slots = slots_from(slot);
     real d1;
     LANES {
@@ -378,7 +378,8 @@ static void follow_bounces(const world *w, const bounce_store *store, uint slot,
 #endif
 
 /* The echoes of what ASDIC_WIDTH mirror rays met, by their ways back from SLOT on. */
-static uint shade_bounces(const world *w, const bounce_store *store, const sink *to, uint slot) {
+APART static uint shade_bounces(const world *w, const bounce_store *store, const sink *to,
+                                uint slot) {
     __global const dev_ping *ping = w->ping;
     real weight;
     natural sources, targets;

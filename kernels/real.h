@@ -50,6 +50,14 @@ typedef mask whole;
 #define any_true(m) any(m)
 #endif
 
+/* What a kernel does for a vector of rays, as a function of its own: PoCL makes three copies of a kernel's body,
+ * and takes as long for each. */
+#if ASDIC_WIDTH > 1 && defined(__clang__)
+#define APART __attribute__((noinline))
+#else
+#define APART
+#endif
+
 /* An AMD GPU's compiler takes all registers unless told how many groups of work-items shall run at a time
  * on a unit. */
 #ifdef __AMDGCN__

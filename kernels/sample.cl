@@ -126,6 +126,19 @@ static ray_sample draw_adaptive(__global const dev_ping *ping, const sampler_sto
     return ping->sampling.background == ping->batch.rays ? s : add_objects(ping, store, index, s);
 }
 
+APART static ray_sample draw(__global const dev_ping *ping, const sampler_store *store,
+                             natural index) {
+    if (ping->sampling.sampler == DEV_SAMPLER_ADAPTIVE) {
+        return draw_adaptive(ping, store, index);
+    }
+    real count = (real)((float)(ping->batch.rays));
+    random4 random = random_draw(index, ping->ping[0], ping->ping[1], RANDOM_SAMPLE, ping->seed[0],
+                                 ping->seed[1]);
+    return ping->sampling.sampler == DEV_SAMPLER_BEAM
+               ? sample_beam(ping->sampling.lobe, ping->sampling.lobes, random, count)
+               : sample_uniform_sphere(random, count);
+}
+
 __kernel void LEAST_WAVES(3)
     sample(__global const dev_ping *pings, __global const float *table,
            __global const dev_face *faces, __global const dev_triangle *triangles,
@@ -140,20 +153,8 @@ __kernel void LEAST_WAVES(3)
     solid_angles += own;
     splats += own;
     natural index = ping->batch.first * ping->batch.groups + rays_in(ping, first);
-    real count = (real)((float)(ping->batch.rays));
-    ray_sample s;
-    if (ping->sampling.sampler == DEV_SAMPLER_ADAPTIVE) {
-        sampler_store store = {table, faces, triangles};
-        s = draw_adaptive(ping, &store, index);
-    } else {
-        random4 random = random_draw(index, ping->ping[0], ping->ping[1], RANDOM_SAMPLE,
-                                     ping->seed[0], ping->seed[1]);
-        if (ping->sampling.sampler == DEV_SAMPLER_BEAM) {
-            s = sample_beam(ping->sampling.lobe, ping->sampling.lobes, random, count);
-        } else {
-            s = sample_uniform_sphere(random, count);
-        }
-    }
+    sampler_store store = {table, faces, triangles};
+    ray_sample s = draw(ping, &store, index);
     ray_medium water = {(real)(ping->bend_per_m),
                         (real)(1.0f + ping->bend_per_m * ping->origin[2])};
     triple sonar = {(real)(ping->origin[0]), (real)(ping->origin[1]), (real)(ping->origin[2])};

@@ -46,12 +46,13 @@ typedef struct ray_store {
     __global float *solid_angles;
     __global float *splats;
     __global const dev_hit *hits;
+    __global const float *volume_inverse;
 } ray_store;
 
 /* The echoes and the water of ASDIC_WIDTH rays, on their way to every receiver; returns how many
  * deposits had to be cut. Their mirror rays are appended to MIRRORS from *AT on. */
-static uint shade_rays(const world *w, const ray_store *store, __global const float *volume_inverse,
-                       const sink *to, const mirror_store *mirrors, uint slot, uint *at) {
+static uint shade_rays(const world *w, const ray_store *store, const sink *to,
+                       const mirror_store *mirrors, uint slot, uint *at) {
     __global const dev_ping *ping = w->ping;
     real weight, splat;
     natural slots = slots_from(slot);
@@ -109,22 +110,36 @@ static uint shade_rays(const world *w, const ray_store *store, __global const fl
     arrivals_add_echo(w, &a, component, &echo);
 #if ASDIC_HAS_WATER && !ASDIC_LAYERS /* else see volume.cl */
     /* Water: full bins before the last, part of the last. */
-    water_end end = find_water_end(ping, volume_inverse, range);
+    water_end end = find_water_end(ping, store->volume_inverse, range);
     real before = choose(end.last == 0u, R(0.0), R(1.0) - end.part);
     natural water = (natural)(DEV_DEPOSIT_VOLUME);
     arrivals_add(w, &a, water, end.last, weight * end.part);
     arrivals_add(w, &a, water, max(end.last, (natural)(1u)) - 1u, weight * before);
 #elif ASDIC_LAYERS
-    (void)volume_inverse;
     LANES { /* volume.cl takes the range from there */
         store->splats[slot + lane] = AT(range, float);
     }
-#else
-    (void)volume_inverse;
 #endif
     uint cut = receive(w, to, DEV_ARRIVAL_DIRECT, &a, rays_in(ping, slot), sent);
 #if ASDIC_HAS_MIRRORS
     *at = reflect(w, &m, &r, share, mirrors, slot, *at);
+#endif
+    return cut;
+}
+
+/* The slots from FIRST to END. Copies hold what a compiler need not read again after each store. */
+APART static uint shade_piece(const world *w, const ray_store *store, const sink *to,
+                              const mirror_store *mirrors, uint first, uint end) {
+    const world own_world = *w;
+    const ray_store own_store = *store;
+    const sink own_sink = *to;
+    const mirror_store own_mirrors = *mirrors;
+    uint at = first, cut = 0u;
+    for (uint slot = first; slot < end; slot += ASDIC_WIDTH) {
+        cut += shade_rays(&own_world, &own_store, &own_sink, &own_mirrors, slot, &at);
+    }
+#if ASDIC_HAS_MIRRORS
+    end_piece(own_mirrors.rays, at, end);
 #endif
     return cut;
 }
@@ -140,21 +155,17 @@ __kernel void LEAST_WAVES(3)
           __global float *bounced_legs, __global const dev_truth_row *rows, __global long *truth) {
     __global const dev_ping *ping = row_ping(pings);
     size_t own = row_slots(ping);
-    uint first = (uint)(get_global_id(0)) * PIECE, at = first, cut = 0u;
+    uint first = (uint)(get_global_id(0)) * PIECE;
     uint end = min(first + PIECE, batch_slots(ping));
     world w = {ping, beams_of(ping), triangles, parts, materials, face_density};
-    ray_store store = {rays + own, ASDIC_LAYERS ? legs + DEV_LEG_FLOATS * own : legs,
-                       solid_angles + own, splats + own, hits + own};
+    ray_store store = {rays + own,         ASDIC_LAYERS ? legs + DEV_LEG_FLOATS * own : legs,
+                       solid_angles + own, splats + own,
+                       hits + own,         row_water(ping, water)};
     sink to = {row_cells(ping, accumulator), arrivals + ARRIVAL_SETS * own, truth_rows(ping, rows),
                truth + (size_t)(ping->sums.truth_first) * ping->sums.truth_columns};
     mirror_store reflected = {bounced + own, mirrors + own,
                               ASDIC_LAYERS ? bounced_legs + DEV_LEG_FLOATS * own : bounced_legs};
-    for (uint slot = first; slot < end; slot += ASDIC_WIDTH) {
-        cut += shade_rays(&w, &store, row_water(ping, water), &to, &reflected, slot, &at);
-    }
-#if ASDIC_HAS_MIRRORS
-    end_piece(reflected.rays, at, end);
-#endif
+    uint cut = shade_piece(&w, &store, &to, &reflected, first, end);
     if (cut != 0u) {
         atomic_add(saturated + get_group_id(1), cut);
     }

@@ -317,9 +317,9 @@ typedef struct sent_rays {
 } sent_rays;
 
 /* Of the rays in SLOTS, those of the lanes ON, each of which stands for SHARE. */
-static uint echo_of_water(const world *w, const sent_rays *from, const layer_stack *layers,
-                          __global const float *volume_inverse, const sink *to, natural slots,
-                          mask on, uint share) {
+APART static uint echo_of_water(const world *w, const sent_rays *from, const layer_stack *layers,
+                                __global const float *volume_inverse, const sink *to, natural slots,
+                                mask on, uint share) {
     __global const dev_ping *ping = w->ping;
     real weight, range;
     triple sent;
