@@ -449,7 +449,8 @@ const cli_command cli_trial_command = {
         "takes too long breaks the run: it is counted, and the program is started anew.",
     .examples =
         "asdic trial scene.yaml --runs 10000 --vary trial.rule.reach_m=10,20 -o out\n"
-        "asdic trial scene.yaml --runs 10000 --replay 17 -o run17 && asdic view run17/scene.yaml",
+        "asdic trial scene.yaml --runs 10000 --replay 17 -o run17\n"
+        "asdic view run17/scene.yaml",
     .options = options,
     .traits = CLI_HAS_DEVICE | CLI_HAS_JSON | CLI_INTERRUPTIBLE,
     .run = run,
