@@ -447,10 +447,9 @@ const cli_command cli_trial_command = {
         "A rule's answer is a JSON object: {} holds on, {\"z_m\": 5} and {\"yaw_deg\": 40} fly "
         "that depth and heading until the next ping. A program that crashes, answers nonsense or "
         "takes too long breaks the run: it is counted, and the program is started anew.",
-    .examples =
-        "asdic trial scene.yaml --runs 10000 --vary trial.rule.reach_m=10,20 -o out\n"
-        "asdic trial scene.yaml --runs 10000 --replay 17 -o run17\n"
-        "asdic view run17/scene.yaml",
+    .examples = "asdic trial scene.yaml --runs 10000 --vary trial.rule.reach_m=10,20 -o out\n"
+                "asdic trial scene.yaml --runs 10000 --replay 17 -o run17\n"
+                "asdic view run17/scene.yaml",
     .options = options,
     .traits = CLI_HAS_DEVICE | CLI_HAS_JSON | CLI_INTERRUPTIBLE,
     .run = run,
