@@ -174,11 +174,14 @@ static asdic_ring aim(const asdic_sonar *sonar, size_t receiver, const asdic_pos
                         pow(10.0, 0.1 * sonar->rear_floor_db)};
 }
 
+/* A twentieth of what the profiles took, which have said how far they are. */
 static asdic_status compute_straight(asdic_context *ctx, const asdic_flat_laws *laws,
                                      const asdic_sonar *sonar, asdic_ring_profile *const *profiles,
                                      asdic_ping *ping) {
     for (size_t b = 0; b < ping->beams; b++) {
-        TRY(asdic_step(ctx, "beams", b, ping->beams));
+        if (asdic_context_interrupted(ctx)) {
+            return asdic_fail(ctx, ASDIC_ERROR_INTERRUPTED, "interrupted");
+        }
         compute_beam(laws, sonar, profiles[b], ping, b);
     }
     return ASDIC_OK;

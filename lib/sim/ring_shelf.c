@@ -75,10 +75,10 @@ static asdic_status fill(asdic_ring_shelf *shelf, const asdic_ring *rings, size_
     memcpy(set->rings, rings, count * sizeof *rings);
     set->count = count;
     for (size_t i = 0; i < count; i++) {
-        asdic_status status =
-            asdic_context_interrupted(shelf->ctx)
-                ? asdic_fail(shelf->ctx, ASDIC_ERROR_INTERRUPTED, "interrupted")
-                : asdic_ring_profile_create(shelf->ctx, &rings[i], &set->profiles[i]);
+        asdic_status status = asdic_step(shelf->ctx, "beams", i, count);
+        if (!status) {
+            status = asdic_ring_profile_create(shelf->ctx, &rings[i], &set->profiles[i]);
+        }
         if (status) {
             empty(set);
             return status;
