@@ -3,6 +3,7 @@
  */
 #include "mesh_build.h"
 
+#include "base/hash.h"
 #include "base/try.h"
 #include "mesh_openmesh.h"
 #include "mesh_polygon.h"
@@ -22,9 +23,9 @@ static uint64_t hash_facets(const asdic_mesh_scan *scan, const asdic_polygons *p
             asdic_mesh_scan_names_twice(corners, count)) {
             continue;
         }
-        hash = asdic_mesh_scan_hash(hash, count);
+        hash = asdic_hash_fold(hash, count);
         for (size_t i = 0; i < count; i++) {
-            hash = asdic_mesh_scan_hash(hash, corners[i]);
+            hash = asdic_hash_fold(hash, corners[i]);
         }
     }
     return hash;

@@ -30,7 +30,7 @@ typedef struct asdic_mesh_scan {
     size_t vertices, facets;
     size_t degenerate;   /* facets that name a vertex, or have a corner, twice: OpenMesh may drop
                          * them; not counted for PLY and OFF, whose facets it hands over as is */
-    uint64_t facet_hash; /* of all corners' indices; for OBJ without the degenerate facets */
+    uint64_t facet_hash; /* of all facets' corner counts and indices; OBJ: degenerate ones apart */
     double *vertices_m;  /* 3 * vertices; NULL for STL, whose facets carry their own corners */
 } asdic_mesh_scan;
 
@@ -69,11 +69,6 @@ bool asdic_line_take_integer(asdic_line *line, long long *out);
 /* "PATH:LINE: MESSAGE" and ASDIC_ERROR_INPUT. */
 asdic_status asdic_mesh_scan_fail(const asdic_mesh_scan *scan, size_t line, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
-
-/* Folds the number of a facet's corners, then each corner's index from 0, into HASH. */
-static inline uint64_t asdic_mesh_scan_hash(uint64_t hash, uint64_t value) {
-    return (hash ^ value) * 0x100000001b3u; /* FNV-1a, by words */
-}
 
 /* Whether a polygon names one vertex twice. */
 bool asdic_mesh_scan_names_twice(const uint32_t *corners, size_t count);

@@ -3,6 +3,7 @@
  */
 #include "mesh_polygon.h"
 
+#include "base/hash.h"
 #include "base/try.h"
 #include "mesh_scan.h"
 
@@ -63,9 +64,9 @@ static void count_facet(asdic_mesh_scan *scan, const uint32_t *facet, size_t cor
         scan->degenerate++;
         return;
     }
-    scan->facet_hash = asdic_mesh_scan_hash(scan->facet_hash, corners);
+    scan->facet_hash = asdic_hash_fold(scan->facet_hash, corners);
     for (size_t i = 0; i < corners; i++) {
-        scan->facet_hash = asdic_mesh_scan_hash(scan->facet_hash, facet[i]);
+        scan->facet_hash = asdic_hash_fold(scan->facet_hash, facet[i]);
     }
 }
 

@@ -5,6 +5,7 @@
  */
 #include "mesh_scan.h"
 
+#include "base/hash.h"
 #include "base/try.h"
 
 #include "../base/context.h"
@@ -130,14 +131,14 @@ static asdic_status scan_facets(off_text *text, asdic_line *line, long long face
             return asdic_mesh_scan_fail(scan, line->number,
                                         "facet %lld does not start with 3 or more corners", i);
         }
-        scan->facet_hash = asdic_mesh_scan_hash(scan->facet_hash, (uint64_t)corners);
+        scan->facet_hash = asdic_hash_fold(scan->facet_hash, (uint64_t)corners);
         for (long long k = 0; k < corners; k++) {
             if (!asdic_line_take_integer(line, &vertex) || vertex < 0 ||
                 vertex >= (long long)scan->vertices) {
                 return asdic_mesh_scan_fail(scan, line->number,
                                             "corner %lld of facet %lld names no vertex", k, i);
             }
-            scan->facet_hash = asdic_mesh_scan_hash(scan->facet_hash, (uint64_t)vertex);
+            scan->facet_hash = asdic_hash_fold(scan->facet_hash, (uint64_t)vertex);
         }
         keep(text, from, line->at);
         scan->facets++;

@@ -4,6 +4,7 @@
  */
 #include "mesh_scan_ply.h"
 
+#include "base/hash.h"
 #include "base/try.h"
 
 #include "../base/context.h"
@@ -139,7 +140,7 @@ static bool walk_property(ply_file *ply, const ply_property *property, double v[
         if (count < 3.0) {
             return false;
         }
-        *hash = asdic_mesh_scan_hash(*hash, (uint64_t)count);
+        *hash = asdic_hash_fold(*hash, (uint64_t)count);
     }
     for (double i = 0.0; i < count; i += 1.0) {
         if (!take_value(ply, property->type, &value) ||
@@ -151,7 +152,7 @@ static bool walk_property(ply_file *ply, const ply_property *property, double v[
             v[property->axis] = value;
         }
         if (property->corners) {
-            *hash = asdic_mesh_scan_hash(*hash, (uint64_t)value);
+            *hash = asdic_hash_fold(*hash, (uint64_t)value);
         }
     }
     return true;

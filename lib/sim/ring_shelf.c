@@ -1,6 +1,7 @@
 #include "ring_shelf.h"
 
 #include "base/context.h"
+#include "base/hash.h"
 #include "base/try.h"
 
 #include <stdlib.h>
@@ -53,16 +54,6 @@ void asdic_ring_shelf_destroy(asdic_ring_shelf **shelf) {
     }
 }
 
-/* FNV-1a over the numbers, which hold no padding. */
-static size_t slot_of(const asdic_ring_shelf *shelf, const asdic_ring *rings, size_t bytes) {
-    uint64_t hash = 0xcbf29ce484222325u, word;
-    for (size_t i = 0; i + sizeof word <= bytes; i += sizeof word) {
-        memcpy(&word, (const char *)rings + i, sizeof word);
-        hash = (hash ^ word ^ word >> 29) * 0x100000001b3u;
-    }
-    return (hash >> 32) % shelf->set_count;
-}
-
 static asdic_status fill(asdic_ring_shelf *shelf, const asdic_ring *rings, size_t count,
                          ring_set *set) {
     empty(set);
@@ -90,7 +81,7 @@ static asdic_status fill(asdic_ring_shelf *shelf, const asdic_ring *rings, size_
 asdic_status asdic_ring_shelf_take(asdic_ring_shelf *shelf, const asdic_ring *rings, size_t count,
                                    asdic_ring_profile *const **out) {
     size_t bytes = count * sizeof *rings;
-    ring_set *set = &shelf->sets[slot_of(shelf, rings, bytes)];
+    ring_set *set = &shelf->sets[asdic_hash_slot(rings, bytes, shelf->set_count)];
     if (set->count != count || memcmp(set->rings, rings, bytes) != 0) {
         TRY(fill(shelf, rings, count, set));
     }

@@ -1,6 +1,7 @@
 #include "trial_eye.h"
 
 #include "base/context.h"
+#include "base/hash.h"
 #include "base/try.h"
 #include "base/vec.h"
 #include "scene/scene.h"
@@ -135,12 +136,7 @@ static asdic_expected_place place_of(const asdic_eye *eye, const asdic_loop_ping
 static size_t slot_of(const asdic_expected_place *place) {
     const double key[4] = {place->flat.altitude_m, place->flat.depth_m, place->pose.pitch_rad,
                            place->pose.roll_rad};
-    uint64_t hash = 0xcbf29ce484222325u, bits;
-    for (int i = 0; i < 4; i++) {
-        memcpy(&bits, &key[i], sizeof bits);
-        hash = (hash ^ bits ^ bits >> 29) * 0x100000001b3u;
-    }
-    return (hash >> 32) % ASDIC_EYE_PLACES;
+    return asdic_hash_slot(key, sizeof key, ASDIC_EYE_PLACES);
 }
 
 /* Copies what KEPT holds to where a scan reads it. */

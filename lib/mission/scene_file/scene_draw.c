@@ -11,6 +11,7 @@
 #include "scene_draw.h"
 #include "scene_keys.h"
 
+#include "base/hash.h"
 #include "out/digits.h"
 #include "sim/variates.h"
 
@@ -40,10 +41,10 @@ static file_draw read_inner(const asdic_schema_reader *r, asdic_yaml_node *node)
     return inner;
 }
 
-/* FNV-1a, 64 bits (Fowler, Noll, Vo; RFC 9923): of a key, step by step from the outside in. */
+/* Of a key, step by step from the outside in. */
 static uint64_t hash_text(uint64_t hash, const char *text, size_t length) {
     for (size_t i = 0; i < length; i++) {
-        hash = (hash ^ (unsigned char)text[i]) * 0x100000001b3u;
+        hash = asdic_hash_fold(hash, (unsigned char)text[i]);
     }
     return hash;
 }
@@ -217,7 +218,7 @@ static void draw_one(const drawer *d, asdic_yaml_node *root, const file_draw *fi
     }
     node->line = file->node->line;
     node->column = file->node->column;
-    take_draw(d, file, hash_text(0xcbf29ce484222325u, key, strlen(key)), node);
+    take_draw(d, file, hash_text(ASDIC_HASH_BEGIN, key, strlen(key)), node);
     remember(d, key, node, drawn);
 }
 
