@@ -1,10 +1,11 @@
 """asdic dataset: labelled frames, whole, repeatable, resumed and shared out; masks against rays that this file
-casts itself; read back by numpy, PIL and json."""
+casts itself; read back by numpy, PIL and json, and by the package that Roboflow imports annotations with."""
 import json
 import os
 import shutil
 import subprocess
 
+import node
 import program
 import tap
 from program import Folder, asdic
@@ -160,6 +161,51 @@ for form in ("polar", "bearing"):
         assert levels.shape == (48, 140) and picture.shape == (140, 48)
         assert ((picture.T[:, ::-1] == 0) == np.isnan(levels)).all()
 """, folder / ".", "numpy, PIL")
+
+
+def test_others_read_the_same():
+    """Names, boxes and polygons as Roboflow's reader has them, against the pixels of the masks. It makes one hull
+    of an object's parts: polygons are compared where there is one part."""
+    program.need_device()
+    node.packages()
+    with Folder() as folder:
+        asdic("dataset", scene(folder, rays=100000), "-n", "3", "-o", folder / "d").check(code=0)
+        for form in ("polar", "bearing"):
+            folder.write(form + ".json", node.read("labels.mjs", folder / "d/" + form))
+        print("# one part each:", python("""
+import json, numpy as np
+from PIL import Image
+worst = 1
+polygons = 0
+for form in ("polar", "bearing"):
+    for kind, frames in json.load(open(form + ".json")).items():
+        assert sorted(frames) == ["000000.png", "000001.png", "000002.png"], (kind, sorted(frames))
+        for name, boxes in frames.items():
+            mask = np.array(Image.open(f"d/{form}/masks/{name}"))
+            labels = [b["label"] for b in boxes]
+            assert labels == ["ball", "post"], (kind, form, name, labels)
+            for number, box in enumerate(boxes, 1):
+                own = mask == number
+                y, x = np.nonzero(own)
+                size = (1, 1) if kind == "COCO" else mask.shape[::-1]
+                got = [(box["x"] - box["width"] / 2) * size[0], (box["y"] - box["height"] / 2) * size[1],
+                       (box["x"] + box["width"] / 2) * size[0], (box["y"] + box["height"] / 2) * size[1]]
+                want = [x.min(), y.min(), x.max() + 1, y.max() + 1]
+                assert np.allclose(got, want, rtol=0, atol=0.01), (kind, form, name, got, want)
+                if kind != "COCO":
+                    continue
+                points = np.array(box["points"])
+                if not (points == points.round()).all():
+                    continue  # of a hull
+                v, u = np.mgrid[0:mask.shape[0], 0:mask.shape[1]] + 0.5
+                inside = np.zeros(mask.shape, bool)
+                for (x0, y0), (x1, y1) in zip(points, np.roll(points, -1, 0)):
+                    inside ^= (np.minimum(y0, y1) <= v) & (v < np.maximum(y0, y1)) & (u < x0)
+                worst = min(worst, (inside & own).sum() / (inside | own).sum())
+                polygons += 1
+print(polygons, "polygons, overlap with the masks", worst)
+assert polygons >= 8 and worst >= 0.99, (polygons, worst)
+""", folder / ".", "numpy, PIL").strip())
 
 
 def test_masks_are_those_of_rays():

@@ -4,17 +4,15 @@ import csv
 import json
 import math
 import os
-import shutil
 import subprocess
 
 import mcap
+import node
 import program
 import tap
 from program import Folder, asdic
 from run_folder import data
 
-HERE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "mcap")
-PACKAGES = os.path.join(os.environ["BUILD_FOLDER"], "node")
 FAN = "{fan: {count: 12, sector_deg: 90, length_h_m: 0.1, length_v_m: 0.05}}"
 SCENE = """version: 1
 bottom: {depth_m: 12, type: sand}
@@ -243,26 +241,8 @@ def test_a_full_disk_leaves_no_half_file():
 # --- by others --------------------------------------------------------------------------------------
 
 
-def packages():
-    """The folder with the packages that package.json names, which `./dev test` installs."""
-    if not shutil.which("node") or not shutil.which("npm"):
-        raise tap.Skip("no node and npm")
-    os.makedirs(PACKAGES, exist_ok=True)
-    wanted = os.path.join(HERE, "package.json")
-    there = os.path.join(PACKAGES, "package.json")
-    with open(wanted, encoding="utf-8") as file:
-        text = file.read()
-    if not os.path.isdir(os.path.join(PACKAGES, "node_modules", "@mcap")) or open(there).read() != text:
-        shutil.copy(wanted, there)
-        done = subprocess.run(["npm", "install", "--no-package-lock", "--no-audit", "--no-fund", "--silent"],
-                              cwd=PACKAGES, capture_output=True, text=True, check=False, timeout=100)
-        if done.returncode:
-            raise tap.Skip("npm cannot install @mcap/core: " + (done.stdout + done.stderr)[-200:].strip())
-    return PACKAGES
-
-
 def short(value):
-    """As read.mjs prints it."""
+    """As readers/mcap.mjs prints it."""
     if isinstance(value, dict):
         return {k: short(v) for k, v in value.items()}
     if isinstance(value, (list, tuple, bytes)):
@@ -288,17 +268,13 @@ def same(theirs, ours, where):
 
 
 def test_others_read_the_same():
-    folder_of_packages = packages()
+    node.packages()
     with Folder() as folder:
         files = [run_of(folder)]
         asdic("detect", folder / "r", "--background", "flat").check(code=0)
         files.append(mcap.File(folder / "r/detections.mcap"))
         for file, name in zip(files, ("run.mcap", "detections.mcap")):
-            done = subprocess.run(["node", os.path.join(HERE, "read.mjs"), folder_of_packages,
-                                   folder / "r/" + name], capture_output=True, text=True, check=False,
-                                  timeout=100)
-            tap.equal(done.returncode, 0, done.stderr)
-            theirs = [json.loads(line) for line in done.stdout.splitlines()]
+            theirs = [json.loads(line) for line in node.read("mcap.mjs", folder / "r/" + name).splitlines()]
             tap.equal(len(theirs), len(file.messages), name)
             for topic, _ in file.channels.values():
                 of_topic = [m for m in theirs if m["topic"] == topic]
