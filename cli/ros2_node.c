@@ -56,8 +56,10 @@ static char last_words[256];
 
 static void hear(void *user, const dds_log_data_t *said) {
     (void)user;
-    const char *text = said->message + said->hdrsize;
-    snprintf(last_words, sizeof last_words, ": %.*s", (int)strcspn(text, "\n"), text);
+    const char *text = said->message; /* its header stands before it */
+    size_t length = strcspn(text, "\n");
+    length -= length && text[length - 1] == '.';
+    snprintf(last_words, sizeof last_words, ": %.*s", (int)length, text);
 }
 
 /* "geometry_msgs::msg::dds_::Pose_" as "geometry_msgs/msg/Pose". */

@@ -6,27 +6,15 @@ import re
 import struct
 import subprocess
 
+import program
 import tap
 from program import Folder, asdic
 from ros2 import PEER, Server, need, peer
+from scenes import SONAR, ball_over_sand
 
-SCENE = """version: 1
-bottom: {depth_m: 12, type: sand}
-objects:
-  - {name: ball, sphere: {radius_m: 0.5}, position_m: [15, 1, 9], material: {impedance_mrayl: 45}}
-sonar:
-  frequency_khz: 100
-  bandwidth_khz: 10
-  ping_rate_hz: 10
-  source_level_db: 200
-  speckle: rayleigh
-  receivers:
-    fan: {count: 12, sector_deg: 90, length_h_m: 0.1, length_v_m: 0.05}
-  transmitter: {length_h_m: 0.01, length_v_m: 0.04}
-mission: {pose: {position_m: [0, 0, 7]}}
-sampling: {rays: 512}
-model: {terms: all}
-"""
+SCENE = ball_over_sand(f"""{SONAR},
+  receivers: {{fan: {{count: 12, sector_deg: 90, length_h_m: 0.1, length_v_m: 0.05}}}},
+  transmitter: {{length_h_m: 0.01, length_v_m: 0.04}}""", 512, more="model: {terms: all}\n")
 START = 5000 * 10**9  # of stamps, ns
 S15, C15, HALF = math.sin(math.radians(15)), math.cos(math.radians(15)), math.sqrt(0.5)
 # East, north, up and a quaternion; the same as asdic's north, east, down, roll, pitch, yaw.
@@ -90,12 +78,44 @@ def test_poses_stamped_clock_and_reliable_subscribers():
         tap.lacks(server.said, "warning")
 
 
+def brightest(folder, number):
+    """The largest sum of red, green, blue in a picture."""
+    with open(folder / f"image_{number}", "rb") as file:
+        data = file.read()
+    return max(map(sum, zip(data[::3], data[1::3], data[2::3])))
+
+
+def test_a_message_is_made_for_who_subscribes_alone():
+    """Pings that nobody hears are made all the same. A picture that nobody subscribes to is not drawn: one near
+    the bottom, which is loud, then does not choose the window of those in mid-water."""
+    need()
+    near, far = f"0 0 -10 0 {HALF!r} 0 {HALF!r}", "0 0 -4 0 0 0 1"  # straight down from 2 m above it, and ahead
+    with Folder() as folder:
+        with Server(folder, SCENE) as server:
+            got = peer(server, folder, [near], wait=2, cold=True, topics="none")
+            tap.equal([m for m in got if "topic" in m], [], "messages that nobody asked for")
+            got = peer(server, folder, [near], topics="sonar")
+            tap.equal([m["topic"] for m in got if "topic" in m], ["sonar"], server.said)
+            got = peer(server, folder, [far], topics="sonar,image")
+            tap.equal({m["topic"] for m in got if "topic" in m}, {"sonar", "image"}, server.said)
+            own = brightest(folder, 0)
+        tap.equal(int(re.search(r"^(\d+) pings;", server.said, re.M).group(1)) >= 3, True, server.said)
+        tap.lacks(server.said, "warning")
+        with Server(folder, SCENE) as server:
+            peer(server, folder, [near, far], stamp=START)
+            loud, others = brightest(folder, 0), brightest(folder, 1)
+        print(f"# brightest: {own} in its own window, {loud} near the bottom and {others} in its window")
+        tap.equal(own > others + 100, True, "the window is of the first picture that somebody has")
+
+
 def test_what_cannot_be_pinged_is_told_once():
     need()
     with Folder() as folder:
         with Server(folder, SCENE) as server:
             got = peer(server, folder, ["0 0 -7 0 0 0 1"] * 2, frame="odom", wait=2, cold=True)
-        tap.equal([m for m in got if "topic" in m], [], "pings")
+            tap.equal([m for m in got if "topic" in m], [], "pings")
+            got = peer(server, folder, ["0 0 -7 0 0 0 1"])
+            tap.equal(len([m for m in got if m.get("topic") == "sonar"]), 1, "a pose of the right frame")
         tap.equal(server.said.count("warning"), 1, server.said)
         tap.contains(server.said, "poses in the frame 'odom', not 'map'")
         for poses, why in ((["0 0 1 0 0 0 1"], "above the sea surface"),
@@ -148,15 +168,32 @@ def test_no_network_and_no_such_domain():
                 server.child.wait(timeout=60)
             tap.equal((server.code, server.said.count("error")), (1, 1), server.said)
             tap.contains(server.said, f"ROS_DOMAIN_ID is '{domain}'; a DDS domain is a number from 0 to 232")
-        for uri in ("<General><Interfaces><NetworkInterface name=\"none0\"/></Interfaces></General>",
-                    "<General><Nonsense>1</Nonsense></General>"):
+        for uri, why in (("<General><Interfaces><NetworkInterface name=\"none0\"/></Interfaces></General>",
+                          "none0: does not match an available interface; see the network"),
+                         ("<General><Nonsense>1</Nonsense></General>", "Nonsense: unknown element")):
             with Server(folder, SCENE, uri=uri) as server:
                 server.child.wait(timeout=60)
             tap.equal((server.code, server.said.count("error:")), (1, 1), server.said)
             tap.contains(server.said, f"cannot join the DDS domain {server.domain}")
+            tap.contains(server.said, why)
         with Server(folder, SCENE, uri="", ROS_LOCALHOST_ONLY="1") as server:
             server.wait_for("poses from")
         tap.equal(server.code, 130, server.said)
+
+
+def test_no_interface_at_all():
+    """In a network namespace of its own, where not even the loopback is up."""
+    need()
+    alone = ["unshare", "--map-root-user", "--net"]
+    if subprocess.run(["sh", "-c", " ".join([*alone, "true"])], capture_output=True, check=False).returncode:
+        raise tap.Skip("no network namespace can be made here")
+    with Folder() as folder:
+        done = subprocess.run([*alone, program.PATH, "serve", folder.write("scene.yaml", SCENE), "--ros2"],
+                              capture_output=True, text=True, check=False, timeout=60,
+                              env=program.environment({"CYCLONEDDS_URI": None, "ROS_DOMAIN_ID": None}))
+        tap.equal((done.returncode, done.stdout), (1, ""), done.stderr)
+        tap.equal(done.stderr, "error: cannot join the DDS domain 0 (ROS_DOMAIN_ID): Error: failed to find interfaces "
+                  "for \"udp\"; see the network, and CYCLONEDDS_URI where that is set\n")
 
 
 def test_options_that_do_not_go_together():

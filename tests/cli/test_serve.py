@@ -11,31 +11,23 @@ import sys
 import program
 import tap
 from program import Folder, asdic
+from scenes import SONAR, ball_over_sand
 
 ROOT = os.path.join(os.path.dirname(__file__), "..", "..")
 SCENE2 = os.path.join(ROOT, "data", "scenes", "scenario2.yaml")
-SCENE = """version: 1
-bottom: {depth_m: 12, type: sand}
-objects:
-  - {name: ball, sphere: {radius_m: 0.5}, position_m: [15, 1, 9], material: {impedance_mrayl: 45}}
-sonar:
-  frequency_khz: 100
-  bandwidth_khz: 10
-  ping_rate_hz: 10
-  source_level_db: 200
-  speckle: rayleigh
-  receivers: [{name: left, yaw_deg: -8}, {name: right, yaw_deg: 8}]
-mission: %s
-sampling: {rays: 1024}
-model: {terms: all}
-"""
+PLACE = "{pose: {position_m: [0, 0, 7]}}"
 TRACK = "time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg\n"
 POSES = [f"{0.1 * i:.1f},{0.3 * i:.2f},{-0.1 * i:.2f},{7 + 0.01 * i:.2f},{0.7 * i:.1f},-3,{2.3 * i:.2f}"
          for i in range(35)]
 
 
-def serve(folder, lines, *options, mission="{pose: {position_m: [0, 0, 7]}}", code=0):
-    scene = folder.write("scene.yaml", SCENE % mission)
+def scene_of(mission=PLACE):
+    receivers = "receivers: [{name: left, yaw_deg: -8}, {name: right, yaw_deg: 8}]"
+    return ball_over_sand(f"{SONAR}, {receivers}", 1024, mission, "model: {terms: all}\n")
+
+
+def serve(folder, lines, *options, mission=PLACE, code=0):
+    scene = folder.write("scene.yaml", scene_of(mission))
     return asdic("serve", scene, *options, stdin="\n".join(lines)).check(code=code)
 
 
@@ -55,7 +47,7 @@ def test_levels_are_those_of_a_run():
         # One point more: the run's last ping, too, then lies at the beginning of a leg.
         with open(folder / "track.csv", "a", encoding="utf-8") as file:
             file.write(POSES[-1].replace("3.4,", "3.44,", 1) + "\n")
-        scene = folder.write("run.yaml", SCENE % "{track: track.csv}")
+        scene = folder.write("run.yaml", scene_of("{track: track.csv}"))
         asdic("run", scene, "-o", folder / "run").check(code=0)
         rows = list(csv.DictReader(io.StringIO(folder.read("run/bins.csv"))))
         tap.equal(len(rows), 35 * 2 * 149)
@@ -157,7 +149,7 @@ def test_lines_that_are_no_text_are_answered_in_text():
     lines = [b'{"x_m": 1, "y_m": 2, "z_m": 7}', b"\0\0\0\0", b'{"x_m": 1, "\xff\xfe": 2, "z_m": 7}',
              b"x_m,\xc3\x28,z_m", b"\xed\xa0\x80", b"1,2\0,7", '{"x_m": 1, "y_m": 2, "z_m": 7, "é𝄞": "日"}'.encode()]
     with Folder() as folder:
-        scene = folder.write("scene.yaml", SCENE % "{pose: {position_m: [0, 0, 7]}}")
+        scene = folder.write("scene.yaml", scene_of())
         for form in ("json", "csv"):
             done = subprocess.run([program.PATH, "serve", scene, "-f", form], input=b"\n".join(lines),
                                   capture_output=True, check=False, timeout=100)
@@ -170,7 +162,7 @@ def test_lines_that_are_no_text_are_answered_in_text():
 
 
 def talk(folder, *options):
-    scene = folder.write("scene.yaml", SCENE % "{pose: {position_m: [0, 0, 7]}}")
+    scene = folder.write("scene.yaml", scene_of())
     return subprocess.Popen([program.PATH, "serve", scene, *options], stdin=subprocess.PIPE,
                             stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
 

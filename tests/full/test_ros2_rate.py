@@ -4,25 +4,12 @@ import os
 import tap
 from program import Folder
 from ros2 import Server, need, peer
+from scenes import ball_over_sand
 
-SCENE = """version: 1
-bottom: {depth_m: 12, type: sand}
-objects:
-  - {name: ball, sphere: {radius_m: 0.5}, position_m: [15, 1, 9], material: {impedance_mrayl: 45}}
-sonar:
-  frequency_khz: 750
-  bandwidth_khz: 50
-  ping_rate_hz: 10
-  source_level_db: 200
-  bin_length_m: 0.1
-  max_range_m: 30
-  speckle: rayleigh
-  receivers:
-    fan: {count: 512, sector_deg: 120, length_h_m: 0.1, length_v_m: 0.005}
-  transmitter: {length_h_m: 0.002, length_v_m: 0.005}
-mission: {pose: {position_m: [0, 0, 7]}}
-sampling: {rays: 32768}
-"""
+SCENE = ball_over_sand("""frequency_khz: 750, bandwidth_khz: 50, ping_rate_hz: 10, source_level_db: 200,
+  bin_length_m: 0.1, max_range_m: 30, speckle: rayleigh,
+  receivers: {fan: {count: 512, sector_deg: 120, length_h_m: 0.1, length_v_m: 0.005}},
+  transmitter: {length_h_m: 0.002, length_v_m: 0.005}""", 32768)
 MOST_S = 0.1  # of processor time a ping: half of what two cores have in a tenth of a second
 POSES = [f"0 {0.05 * i:.2f} -7 0 0 0.7071067811865476 0.7071067811865476" for i in range(80)]
 

@@ -70,12 +70,13 @@ class Server:
 
 
 def peer(server, folder, poses, kind="odometry", quality="best_effort", hz=0, frame="map", wait=60,
-         stamp=None, cold=False):
+         stamp=None, cold=False, topics=None):
     """What the other DDS got: JSON objects. The first pose goes out beforehand until there is a ping, which
-    is not among them; not when COLD."""
+    is not among them; not when COLD. It subscribes to TOPICS, else to all."""
     out = folder.path
     done = subprocess.run([PEER, str(server.domain), kind, quality, str(hz), frame, out,
                            *([str(stamp)] if stamp else [])], input="\n".join(poses), text=True,
                           capture_output=True, check=True, timeout=110,
-                          env=program.environment({"PEER_WAIT_S": str(wait), "PEER_COLD": "1" if cold else None}))
+                          env=program.environment({"PEER_WAIT_S": str(wait), "PEER_COLD": "1" if cold else None,
+                                                   "PEER_TOPICS": topics}))
     return [json.loads(line) for line in done.stdout.splitlines()]

@@ -5,7 +5,9 @@
 //
 // A line of the input is x y z qx qy qz qw. With HZ 0 every pose waits for its ping; else poses go out at
 // that rate, and their pings are counted and timed. OUT: a folder for what images hold, one file each.
-// PEER_WAIT_S: how long one waits for a ping, else 60. PEER_COLD: without poses beforehand. FIRST_STAMP_NS: poses say that and 0.1 s more each; without it the time at which they go out.
+// PEER_WAIT_S: how long one waits for a ping, else 60. PEER_COLD: without poses beforehand. PEER_TOPICS: what it
+// subscribes to, of sonar,image,detections; pings are waited for on the image if it is among them, else on the
+// sonar. FIRST_STAMP_NS: poses say that and 0.1 s more each; without it the time at which they go out.
 #include "asdic_rosPubSubTypes.h"
 
 #include <fastdds/dds/domain/DomainParticipant.hpp>
@@ -280,9 +282,19 @@ int main(int argc, char **argv) {
     TypeSupport pose_type(is_odometry ? static_cast<TopicDataType *>(new OdometryType)
                                       : static_cast<TopicDataType *>(new PoseType));
     TypeSupport clock_type(new ClockType);
-    node.reader("rt/asdic/sonar", sonar_type, &sonar);
-    node.reader("rt/asdic/image", image_type, &image);
-    node.reader("rt/asdic/detections", found_type, &found);
+    const char *chosen = getenv("PEER_TOPICS");
+    const std::string topics = chosen ? chosen : "sonar,image,detections";
+    auto wants = [&](const char *name) { return topics.find(name) != std::string::npos; };
+    const char *awaited = wants("image") ? "image" : "sonar";
+    if (wants("sonar")) {
+        node.reader("rt/asdic/sonar", sonar_type, &sonar);
+    }
+    if (wants("image")) {
+        node.reader("rt/asdic/image", image_type, &image);
+    }
+    if (wants("detections")) {
+        node.reader("rt/asdic/detections", found_type, &found);
+    }
     DataWriter *poses = node.writer("rt/asdic/pose", pose_type);
     DataWriter *clock = node.writer("rt/clock", clock_type);
     Sender sender = {poses, clock, is_odometry, frame};
@@ -299,7 +311,7 @@ int main(int argc, char **argv) {
         size_t had;
         {
             std::lock_guard<std::mutex> guard(lock);
-            had = latency_s["image"].size();
+            had = latency_s[awaited].size();
             sent_s[stamp] = sent_s[clock_s * INT64_C(1000000000)] = now_s();
         }
         sender.send(v, stamp, clock_s);
@@ -313,7 +325,7 @@ int main(int argc, char **argv) {
         for (double end_s = now_s() + wait_s; now_s() < end_s;) { // the same again, if it was lost
             std::unique_lock<std::mutex> guard(lock);
             if (news.wait_for(guard, std::chrono::milliseconds(500),
-                              [&] { return latency_s["image"].size() > had; })) {
+                              [&] { return latency_s[awaited].size() > had; })) {
                 break;
             }
             guard.unlock();
