@@ -336,7 +336,7 @@ static asdic_status build_ground(mission_builder *b) {
     const asdic_scene_file *file = b->file;
     TRY(asdic_scene_create(b->ctx, &b->mission->scene));
     if (b->mission->geometry) {
-        asdic_scene_keep_ground(b->mission->scene);
+        TRY(asdic_scene_keep_ground(b->mission->scene));
     }
     asdic_scene_set_surface(b->mission->scene, file->surface.enabled);
     asdic_material_file rows;

@@ -13,9 +13,10 @@
 /* Pieces that few large triangles may make; from there on edges may be longer. */
 #define MOST_PIECES 4e6
 
-/* Lifted triangles: one for each of the scene's, then further pieces of those, whose ids are in PARENTS. */
+/* Lifted triangles: one for each of the first triangles of the scene, then further pieces of those, whose ids are
+ * in PARENTS. */
 typedef struct pieces {
-    asdic_context *ctx;
+    const asdic_scene *scene;
     dev_triangle *triangles;
     uint32_t *parents;
     size_t scene_count, count, capacity;
@@ -68,7 +69,7 @@ static asdic_status append(pieces *p, size_t parent, const corners *c) {
         uint32_t *parents = realloc(p->parents, (capacity - p->scene_count) * sizeof *parents);
         p->parents = parents ? parents : p->parents;
         if (!triangles || !parents) {
-            return asdic_fail_memory(p->ctx, "a scene for bent rays");
+            return asdic_fail_memory(p->scene->ctx, "a scene for bent rays");
         }
         p->capacity = capacity;
     }
@@ -101,11 +102,19 @@ static asdic_status divide(pieces *p, size_t parent, const corners *c, bool *fir
     return divide(p, parent, &half[1], first);
 }
 
-/* Lets edges be longer where large triangles would make too many pieces. */
-static void limit_pieces(const asdic_scene *scene, pieces *p) {
+static void enter_layer(pieces *p, const dev_layer *layer) {
+    p->bend_per_m = layer->bend_per_m;
+    p->shift_m = layer->shift_m;
+    p->longest2_m2 = fmax(8.0 * CHORD / fmax(fabs(p->bend_per_m), 1e-30), p->least2_m2);
+}
+
+/* Lets edges be longer where large triangles, of those from BEGIN to END, would make too many pieces. */
+static void limit_pieces(pieces *p, size_t begin, size_t end) {
     double sum = 0.0;
-    for (size_t i = 0; i < scene->triangle_count; i++) {
-        corners c = corners_of(&scene->triangles[i]);
+    p->least2_m2 = 0.0;
+    enter_layer(p, &p->layers[0]);
+    for (size_t i = begin; i < end; i++) {
+        corners c = corners_of(&p->scene->triangles[i]);
         if (is_long(p, &c)) {
             double a[3], b[3];
             for (int k = 0; k < 3; k++) {
@@ -127,14 +136,33 @@ static bool reaches(const corners *c, const dev_layer *layer) {
            low <= (double)layer->bottom_m + ASDIC_LAYER_OVERLAP_M;
 }
 
-static void enter_layer(pieces *p, const dev_layer *layer) {
-    p->bend_per_m = layer->bend_per_m;
-    p->shift_m = layer->shift_m;
-    p->longest2_m2 = fmax(8.0 * CHORD / fmax(fabs(p->bend_per_m), 1e-30), p->least2_m2);
+/* The first COUNT triangles of SCENE; those from FIRST on are to be lifted. */
+static asdic_status begin_pieces(pieces *p, const asdic_scene *scene, size_t first, size_t count,
+                                 const dev_layer *layers, size_t layer_count) {
+    *p = (pieces){.scene = scene,
+                  .triangles = malloc((count + 64) * sizeof *p->triangles),
+                  .parents = malloc(64 * sizeof *p->parents),
+                  .scene_count = count,
+                  .count = count,
+                  .capacity = count + 64,
+                  .layers = layers,
+                  .layer_count = layer_count};
+    if (!p->triangles || !p->parents) {
+        return asdic_fail_memory(scene->ctx, "a scene for bent rays");
+    }
+    memcpy(p->triangles + first, scene->triangles + first, (count - first) * sizeof *p->triangles);
+    return ASDIC_OK;
 }
 
-static asdic_status lift_triangles(const asdic_scene *scene, pieces *p) {
-    for (size_t i = 0; i < scene->triangle_count; i++) {
+static void finish_pieces(pieces *p) {
+    free(p->triangles);
+    free(p->parents);
+}
+
+static asdic_status lift_triangles(pieces *p, size_t begin, size_t end) {
+    const asdic_scene *scene = p->scene;
+    limit_pieces(p, begin, end);
+    for (size_t i = begin; i < end; i++) {
         corners c = corners_of(&scene->triangles[i]);
         bool first = true;
         if (scene->parts[scene->triangles[i].part].moves) {
@@ -151,21 +179,94 @@ static asdic_status lift_triangles(const asdic_scene *scene, pieces *p) {
     return ASDIC_OK;
 }
 
-/* Builds LIFTED's hierarchy; its blocks get the ids of the scene's triangles. */
-static asdic_status build(asdic_scene *lifted, pieces *p) {
+/* The blocks of BVH, over pieces, get the ids of the scene's triangles. */
+static void name_parents(const pieces *p, asdic_bvh *bvh) {
+    for (size_t b = 0; b < bvh->block_count; b++) {
+        uint32_t *ids = bvh->blocks[b].id;
+        for (int lane = 0; lane < DEV_LEAF_TRIANGLES && ids[lane] != ~0u; lane++) {
+            ids[lane] =
+                ids[lane] < p->scene_count ? ids[lane] : p->parents[ids[lane] - p->scene_count];
+        }
+    }
+}
+
+/* Builds LIFTED's hierarchy. */
+static asdic_status build(asdic_scene *lifted, const pieces *p) {
     dev_triangle *own = lifted->triangles;
     lifted->triangles = p->triangles;
     lifted->triangle_count = p->count;
     asdic_status status = asdic_scene_assemble(lifted);
     lifted->triangles = own;
     lifted->triangle_count = p->scene_count;
-    for (size_t b = 0; !status && b < lifted->bvh.block_count; b++) {
-        uint32_t *ids = lifted->bvh.blocks[b].id;
-        for (int lane = 0; lane < DEV_LEAF_TRIANGLES && ids[lane] != ~0u; lane++) {
-            ids[lane] =
-                ids[lane] < p->scene_count ? ids[lane] : p->parents[ids[lane] - p->scene_count];
-        }
+    if (!status) {
+        name_parents(p, &lifted->bvh);
     }
+    return status;
+}
+
+/* Whether what lifts triangles is the same. */
+static bool is_lifted_in(const asdic_ground *ground, const dev_layer *layers, size_t count) {
+    bool is = ground->layers && ground->layer_count == count;
+    for (size_t i = 0; is && i < count; i++) {
+        const dev_layer *a = &ground->layers[i], *b = &layers[i];
+        is = a->top_m == b->top_m && a->bottom_m == b->bottom_m && a->bend_per_m == b->bend_per_m &&
+             a->shift_m == b->shift_m;
+    }
+    return is;
+}
+
+/* Lifts what SCENE keeps of its ground, unless it is lifted in these layers. */
+static asdic_status need_ground(const asdic_scene *scene, const dev_layer *layers,
+                                size_t layer_count) {
+    asdic_ground *ground = scene->ground;
+    size_t count = scene->ground_count;
+    asdic_bvh bvh = {.root = DEV_EMPTY};
+    pieces p;
+    if (is_lifted_in(ground, layers, layer_count)) {
+        return ASDIC_OK;
+    }
+    asdic_status status = begin_pieces(&p, scene, 0, count, layers, layer_count);
+    status = status ? status : lift_triangles(&p, 0, count);
+    if (!status) {
+        status = asdic_bvh_build(scene->ctx, p.triangles, NULL, p.count, scene->threads, &bvh);
+    }
+    dev_layer *kept = status ? NULL : malloc(layer_count * sizeof *kept);
+    if (kept) {
+        name_parents(&p, &bvh);
+        memcpy(kept, layers, layer_count * sizeof *kept);
+        asdic_bvh_finish(&ground->lifted);
+        free(ground->layers);
+        ground->lifted = bvh;
+        ground->layers = kept;
+        ground->layer_count = layer_count;
+    } else {
+        asdic_bvh_finish(&bvh);
+    }
+    finish_pieces(&p);
+    return status ? status : kept ? ASDIC_OK : asdic_fail_memory(scene->ctx, "a lifted bottom");
+}
+
+/* Lifts all that SCENE does not keep lifted, and builds LIFTED's hierarchy. */
+static asdic_status lift_all(const asdic_scene *scene, const dev_layer *layers, size_t layer_count,
+                             asdic_scene *lifted) {
+    size_t ground = scene->ground_count, count = scene->triangle_count;
+    asdic_ground kept;
+    pieces p;
+    lifted->ground = NULL;
+    if (scene->ground && ground > 0) {
+        TRY(need_ground(scene, layers, layer_count));
+        kept.bvh = scene->ground->lifted;
+        lifted->ground = &kept;
+    }
+    asdic_status status =
+        begin_pieces(&p, scene, lifted->ground ? ground : 0, count, layers, layer_count);
+    if (!status && !lifted->ground) {
+        status = lift_triangles(&p, 0, ground);
+    }
+    status = status ? status : lift_triangles(&p, ground, count);
+    status = status ? status : build(lifted, &p);
+    finish_pieces(&p);
+    lifted->ground = NULL; /* a view is not reopened */
     return status;
 }
 
@@ -190,39 +291,25 @@ static size_t count_copies(const asdic_scene *scene, const dev_layer *layers, si
 
 static asdic_status fill(const asdic_scene *scene, const dev_layer *layers, size_t layer_count,
                          double bend_per_m, asdic_scene *lifted) {
-    size_t count = scene->triangle_count, movables = scene->movable_count;
-    pieces p = {.ctx = scene->ctx,
-                .scene_count = count,
-                .count = count,
-                .capacity = count + 64,
-                .layers = layers,
-                .layer_count = layer_count};
-    enter_layer(&p, &layers[0]);
+    size_t movables = scene->movable_count;
     *lifted = *scene;
     lifted->bend_per_m = bend_per_m;
-    lifted->bvh = lifted->ground = (asdic_bvh){.root = DEV_EMPTY};
-    lifted->keeps_ground = false; /* the scene's is not lifted */
+    lifted->bvh = (asdic_bvh){.root = DEV_EMPTY};
     lifted->copies = count_copies(scene, layers, layer_count);
     lifted->movable_count = movables * lifted->copies;
     lifted->movables = calloc(lifted->movable_count + 1, sizeof *lifted->movables);
-    p.triangles = malloc(p.capacity * sizeof *p.triangles);
-    p.parents = malloc(64 * sizeof *p.parents);
-    asdic_status status = lifted->movables && p.triangles && p.parents
-                              ? ASDIC_OK
-                              : asdic_fail_memory(scene->ctx, "a scene for bent rays");
-    if (!status) {
-        memcpy(p.triangles, scene->triangles, count * sizeof *p.triangles);
-        for (size_t i = 0; i < lifted->movable_count; i++) {
-            lifted->movables[i] = scene->movables[i / lifted->copies];
-        }
-        limit_pieces(scene, &p);
-        status = lift_triangles(scene, &p);
+    if (!lifted->movables) {
+        return asdic_fail_memory(scene->ctx, "a scene for bent rays");
     }
-    if (!status) {
-        status = build(lifted, &p);
+    for (size_t i = 0; i < lifted->movable_count; i++) {
+        lifted->movables[i] = scene->movables[i / lifted->copies];
     }
-    free(p.triangles);
-    free(p.parents);
+    if (!scene->ground) {
+        return lift_all(scene, layers, layer_count, lifted);
+    }
+    pthread_mutex_lock(&scene->ground->lock);
+    asdic_status status = lift_all(scene, layers, layer_count, lifted);
+    pthread_mutex_unlock(&scene->ground->lock);
     return status;
 }
 

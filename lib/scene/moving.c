@@ -206,24 +206,29 @@ static asdic_status build(asdic_scene *scene, const uint32_t *ids, size_t count,
 /* The hierarchy of what stays, COUNT triangles of these IDS in ascending order. */
 static asdic_status build_still(asdic_scene *scene, const uint32_t *ids, size_t count,
                                 asdic_bvh *out) {
-    size_t ground = scene->ground_count;
-    if (!scene->keeps_ground || ground == 0) {
+    size_t first = scene->ground_count;
+    asdic_ground *ground = scene->ground;
+    if (!ground || first == 0) {
         return build(scene, ids, count, out);
     }
     asdic_bvh rest = {.root = DEV_EMPTY};
-    if (scene->ground.root == DEV_EMPTY) {
-        TRY(build(scene, ids, ground, &scene->ground));
+    if (ground->bvh.root == DEV_EMPTY) {
+        TRY(build(scene, ids, first, &ground->bvh));
     }
-    TRY(build(scene, ids + ground, count - ground, &rest));
-    asdic_status status = join_two(scene->ctx, &scene->ground, &rest, out);
+    TRY(build(scene, ids + first, count - first, &rest));
+    asdic_status status = join_two(scene->ctx, &ground->bvh, &rest, out);
     asdic_bvh_finish(&rest);
     return status;
 }
 
-/* The ids of the triangles that stay. */
+/* The ids of the triangles that stay: all of the ground, then some. */
 static size_t list_still(const asdic_scene *scene, uint32_t *ids) {
     size_t count = 0;
-    for (size_t i = 0; i < scene->triangle_count; i++) {
+    while (count < scene->ground_count) {
+        ids[count] = (uint32_t)count;
+        count++;
+    }
+    for (size_t i = count; i < scene->triangle_count; i++) {
         if (!scene->parts[scene->triangles[i].part].moves) {
             ids[count++] = (uint32_t)i;
         }
@@ -262,7 +267,7 @@ static asdic_status assemble_with_movables(asdic_scene *scene, uint32_t *ids) {
 }
 
 asdic_status asdic_scene_assemble(asdic_scene *scene) {
-    if (scene->movable_count == 0 && !scene->keeps_ground) {
+    if (scene->movable_count == 0 && !scene->ground) {
         return build(scene, NULL, scene->triangle_count, &scene->bvh);
     }
     uint32_t *ids = malloc((scene->triangle_count + 1) * sizeof *ids);

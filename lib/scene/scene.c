@@ -27,7 +27,7 @@ asdic_status asdic_scene_create(asdic_context *ctx, asdic_scene **out) {
     (*out)->ctx = ctx;
     (*out)->has_surface = true;
     (*out)->surface = asdic_material_of(asdic_law_find("course"));
-    (*out)->bvh.root = (*out)->ground.root = DEV_EMPTY;
+    (*out)->bvh.root = DEV_EMPTY;
     return ASDIC_OK;
 }
 
@@ -37,6 +37,16 @@ static void forget_movables(asdic_scene *scene) {
         free(scene->movables[i].normals);
     }
     scene->movable_count = 0;
+}
+
+static void forget_ground(asdic_ground *ground) {
+    if (ground) {
+        asdic_bvh_finish(&ground->bvh);
+        asdic_bvh_finish(&ground->lifted);
+        free(ground->layers);
+        pthread_mutex_destroy(&ground->lock);
+        free(ground);
+    }
 }
 
 void asdic_scene_destroy(asdic_scene **scene) {
@@ -53,7 +63,7 @@ void asdic_scene_destroy(asdic_scene **scene) {
     free(s->corner_parts);
     free(s->triangles);
     asdic_bvh_finish(&s->bvh);
-    asdic_bvh_finish(&s->ground);
+    forget_ground(s->ground);
     free(s);
     *scene = NULL;
 }
@@ -301,12 +311,19 @@ asdic_status asdic_scene_add_point(asdic_scene *scene, const char *name, asdic_v
     return ASDIC_OK;
 }
 
-void asdic_scene_keep_ground(asdic_scene *scene) {
-    scene->keeps_ground = true;
+asdic_status asdic_scene_keep_ground(asdic_scene *scene) {
+    asdic_ground *ground = calloc(1, sizeof *ground);
+    if (!ground || pthread_mutex_init(&ground->lock, NULL) != 0) {
+        free(ground);
+        return asdic_fail_memory(scene->ctx, "a bottom");
+    }
+    ground->bvh.root = ground->lifted.root = DEV_EMPTY;
+    scene->ground = ground;
+    return ASDIC_OK;
 }
 
 bool asdic_scene_can_reopen(const asdic_scene *scene) {
-    return scene->committed && scene->keeps_ground && scene->ground_count > 0;
+    return scene->committed && scene->ground && scene->ground_count > 0;
 }
 
 asdic_status asdic_scene_reopen(asdic_scene *scene) {

@@ -7,7 +7,10 @@
 
 #include <asdic/scene.h>
 
+#include "../../kernels/ping_types.h"
 #include "../../kernels/types.h"
+
+#include <pthread.h>
 
 typedef struct asdic_bvh {
     dev_node8 *nodes;
@@ -37,6 +40,16 @@ typedef struct asdic_point {
 
 typedef struct asdic_movable asdic_movable; /* moving.h */
 
+/* Hierarchies of the bottom alone, which stay when objects are taken out: of its triangles, and of those lifted
+ * in the layers that a lifted view asked for last. */
+typedef struct asdic_ground {
+    asdic_bvh bvh;
+    pthread_mutex_t lock; /* guards what follows: views are made in several threads */
+    asdic_bvh lifted;
+    dev_layer *layers; /* NULL: not lifted yet */
+    size_t layer_count;
+} asdic_ground;
+
 struct asdic_scene {
     asdic_context *ctx;
     bool committed;
@@ -65,18 +78,17 @@ struct asdic_scene {
     size_t moving_nodes, moving_blocks; /* the first ones, see moving.h */
     uint32_t still_root;                /* child word of what stays, where something moves */
     double bend_per_m;                  /* of a lifted view (lifted.h); else 0 */
-    const struct dev_layer *layers;     /* of a view lifted layer by layer; else NULL */
+    const dev_layer *layers;            /* of a view lifted layer by layer; else NULL */
     size_t layer_count, copies;         /* ... in which each movable is there COPIES times */
     asdic_vec3 min_m, max_m;
     double build_s, hierarchy_s;
     unsigned threads; /* 0: one per processor */
     /* The bottom's triangles, where they are the first: their box, and, of a scene that may be
-     * reopened, their own hierarchy. */
+     * reopened, what is kept of them. */
     size_t ground_count;
     asdic_vec3 ground_min_m, ground_max_m;
-    bool keeps_ground;
-    asdic_bvh ground;
-    size_t built; /* triangles that an earlier commit has placed: the ground's, or none */
+    asdic_ground *ground; /* NULL: nothing */
+    size_t built;         /* triangles that an earlier commit has placed: the ground's, or none */
 };
 
 /* How many movables in a row are one object. */
@@ -93,9 +105,9 @@ asdic_status asdic_bvh_build(asdic_context *ctx, const dev_triangle *triangles, 
                              size_t count, unsigned threads, asdic_bvh *out);
 void asdic_bvh_finish(asdic_bvh *bvh);
 
-/* Before the first commit: the bottom gets a hierarchy of its own, which asdic_scene_reopen keeps. Hits
- * are the same. */
-void asdic_scene_keep_ground(asdic_scene *scene);
+/* Before the first commit: the bottom gets a hierarchy of its own, which asdic_scene_reopen keeps, lifted
+ * (lifted.h) as well as not. Hits are the same. */
+asdic_status asdic_scene_keep_ground(asdic_scene *scene);
 
 /* Takes all objects and points out of a committed scene that keeps its ground and has one. Others
  * can be added, and the scene committed, at a cost that does not depend on the bottom. */

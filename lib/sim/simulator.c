@@ -293,7 +293,15 @@ static void scene_depths(const asdic_scene *scene, double sonar_m, double *from_
 /* A triangle so near a layer is taken to lie in it: more than what lifted.c allows, and than rounding. */
 #define NEAR_M 0.1
 
-/* LAYERS in the scene frame. Lifted, none may touch another's: each is moved down by more than any is high. */
+/* X or more: the next of 1, 1.25, 1.5, 1.75 times a power of two. */
+static double round_up(double x) {
+    int exponent;
+    double fraction = frexp(x, &exponent);
+    return ldexp(ceil(8.0 * fraction), exponent - 3);
+}
+
+/* LAYERS in the scene frame. Lifted, none may touch another's: each is moved down by more than any is high, rounded
+ * up so far that scenes whose poses and objects differ a little are lifted alike. */
 static void place_layers(asdic_simulator *sim, const asdic_layers *layers, double depth_m) {
     const asdic_scene *scene = sim->setup.scene;
     asdic_vec3 above = asdic_vec3_sub(scene->max_m, scene->origin_m);
@@ -316,7 +324,7 @@ static void place_layers(asdic_simulator *sim, const asdic_layers *layers, doubl
                                            (float)fmin(l->bottom_m - scene->origin_m.z, 1e5),
                                            (float)bend, 0.0f, !empty};
     }
-    double apart = 1.1 * (2.0 * high + most * wide2);
+    double apart = round_up(1.1 * (2.0 * high + most * wide2));
     for (size_t i = 0; i < layers->count; i++) {
         sim->setup.layers[i].shift_m =
             (float)(apart * ((double)i - 0.5 * (double)(layers->count - 1)));

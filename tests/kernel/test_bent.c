@@ -7,6 +7,8 @@
 #include "layer_steps.h"
 #include "one_layer.h"
 
+#include "scene/scene.h"
+
 static void pings_meet_quadrature(void **state) {
     static const double gradients[] = {0.016, -0.2, 0.2, -1.0, 1.0};
     static const asdic_component each[] = {ASDIC_BOTTOM, ASDIC_SURFACE, ASDIC_VOLUME};
@@ -240,6 +242,40 @@ static void moved_objects_are_in_all_their_layers(void **state) {
                 asdic_ping_destroy(&pings[i]);
             }
         }
+    }
+}
+
+/* A bottom that is kept is lifted once, in one layer or several, for sonars at about the same depth; pings are those
+ * over one that is lifted anew. */
+static void kept_bottoms_stay_lifted(void **state) {
+    (void)state;
+    for (int many = 0; many < 2; many++) {
+        asdic_scene *kept = bottom_of_two_triangles();
+        const dev_node8 *lifted = NULL;
+        assert_ok(t.ctx, asdic_scene_keep_ground(kept));
+        for (int i = 0; i < 4; i++) {
+            asdic_ping *pings[2];
+            for (int fresh = 0; fresh < 2; fresh++) {
+                ping_rig r = bent_rig(many ? 0.0 : 0.8, 4096u);
+                if (many) {
+                    r.env.sound_speed_profile = (asdic_sound_profile){
+                        4, {0.0, 2.0, 7.0, 12.0}, {1500.0, 1498.5, 1492.0, 1491.0}};
+                }
+                r.pose.position_m.z += 0.05 * i;
+                asdic_scene_destroy(&r.scene);
+                r.scene = fresh ? bottom_of_two_triangles() : kept;
+                pings[fresh] = rig_shoot(&r, 0, false);
+                r.scene = fresh ? r.scene : NULL;
+                rig_destroy(&r);
+            }
+            assert_true(rig_same(pings[0], pings[1]));
+            asdic_ping_destroy(&pings[0]);
+            asdic_ping_destroy(&pings[1]);
+            assert_true(kept->ground->lifted.nodes &&
+                        (i == 0 || kept->ground->lifted.nodes == lifted));
+            lifted = kept->ground->lifted.nodes;
+        }
+        asdic_scene_destroy(&kept);
     }
 }
 
@@ -531,6 +567,7 @@ int main(void) {
         cmocka_unit_test(large_triangles_are_a_plane),
         cmocka_unit_test(moved_objects_are_those_built_there),
         cmocka_unit_test(moved_objects_are_in_all_their_layers),
+        cmocka_unit_test(kept_bottoms_stay_lifted),
         cmocka_unit_test(layers_meet_quadrature),
         cmocka_unit_test(legs_are_the_same_for_all_kernels_and_layouts),
         cmocka_unit_test(trapped_rays_are_followed),

@@ -7,10 +7,12 @@
 #include <asdic/asdic.h>
 
 #include "base/vec.h"
+#include "scene/lifted.h"
 #include "scene/nearest.h"
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* --- distances --------------------------------------------------------------------------------- */
 
@@ -239,6 +241,52 @@ static void compare_scenes(const asdic_scene *a, const asdic_scene *b) {
     asdic_placement_destroy(&pb);
 }
 
+/* A lifted triangle of a hierarchy. */
+typedef struct leaf {
+    uint32_t id;
+    float v[9];
+} leaf;
+
+static int compare_leaves(const void *a, const void *b) {
+    return memcmp(a, b, sizeof(leaf));
+}
+
+static leaf *list_leaves(const asdic_bvh *bvh, size_t *count) {
+    leaf *out = calloc(bvh->block_count * DEV_LEAF_TRIANGLES, sizeof *out);
+    assert_non_null(out);
+    *count = 0;
+    for (size_t b = 0; b < bvh->block_count; b++) {
+        const dev_block4 *block = &bvh->blocks[b];
+        for (int i = 0; i < DEV_LEAF_TRIANGLES && block->id[i] != ~0u; i++) {
+            leaf *to = &out[(*count)++];
+            to->id = block->id[i];
+            for (int k = 0; k < 9; k++) {
+                to->v[k] = block->v[k][i];
+            }
+        }
+    }
+    qsort(out, *count, sizeof *out, compare_leaves);
+    return out;
+}
+
+/* Lifted in LAYERS, both scenes have the same triangles, of which a hierarchy holds all. */
+static void compare_lifted(const asdic_scene *a, const asdic_scene *b, const dev_layer *layers,
+                           size_t layer_count) {
+    asdic_scene *la = NULL, *lb = NULL;
+    assert_int_equal(asdic_scene_lift_layers(a, layers, layer_count, &la), ASDIC_OK);
+    assert_int_equal(asdic_scene_lift_layers(b, layers, layer_count, &lb), ASDIC_OK);
+    size_t na, nb;
+    leaf *leaves_a = list_leaves(&la->bvh, &na), *leaves_b = list_leaves(&lb->bvh, &nb);
+    assert_int_equal(na, nb);
+    assert_true(na > a->triangle_count); /* some are in two layers, or halved */
+    assert_memory_equal(leaves_a, leaves_b, na * sizeof *leaves_a);
+    assert_true(la->bvh.extent_m == lb->bvh.extent_m);
+    free(leaves_a);
+    free(leaves_b);
+    asdic_scene_unlift(&la);
+    asdic_scene_unlift(&lb);
+}
+
 /* A scene whose objects were taken out and replaced is that with the new ones, built from nothing. */
 static void test_reopened(void **state) {
     (void)state;
@@ -246,16 +294,46 @@ static void test_reopened(void **state) {
     assert_int_equal(asdic_context_create(&ctx), ASDIC_OK);
     asdic_mesh *hills = make_hills(ctx);
     asdic_scene *kept = make_hilly(ctx, hills);
-    asdic_scene_keep_ground(kept);
+    assert_int_equal(asdic_scene_keep_ground(kept), ASDIC_OK);
     add_objects(ctx, kept, 1, true);
     for (uint64_t seed = 2; seed < 8; seed++) {
         assert_int_equal(asdic_scene_reopen(kept), ASDIC_OK);
         add_objects(ctx, kept, seed, seed % 2);
-        const dev_node8 *ground = kept->ground.nodes;
+        const dev_node8 *ground = kept->ground->bvh.nodes;
         asdic_scene *fresh = make_hilly(ctx, hills);
         add_objects(ctx, fresh, seed, seed % 2);
         compare_scenes(kept, fresh);
-        assert_true(!asdic_scene_can_reopen(fresh) && ground && kept->ground.nodes == ground);
+        assert_true(!asdic_scene_can_reopen(fresh) && ground && kept->ground->bvh.nodes == ground);
+        asdic_scene_destroy(&fresh);
+    }
+    asdic_scene_destroy(&kept);
+    asdic_mesh_destroy(&hills);
+    asdic_context_destroy(&ctx);
+}
+
+/* So is its lifted view; the bottom is lifted once for the same layers, and anew for others. */
+static void test_reopened_and_lifted(void **state) {
+    (void)state;
+    static const dev_layer water[2][2] = {
+        {{-1e5f, 0.5f, 2e-4f, -500.0f, 1}, {0.5f, 1e5f, -5e-4f, 500.0f, 1}},
+        {{-1e5f, -0.5f, 3e-3f, -500.0f, 1}, {-0.5f, 1e5f, 1e-4f, 500.0f, 1}}};
+    asdic_context *ctx = NULL;
+    assert_int_equal(asdic_context_create(&ctx), ASDIC_OK);
+    asdic_mesh *hills = make_hills(ctx);
+    asdic_scene *kept = make_hilly(ctx, hills);
+    assert_int_equal(asdic_scene_keep_ground(kept), ASDIC_OK);
+    add_objects(ctx, kept, 1, true);
+    const dev_node8 *before = NULL;
+    for (uint64_t seed = 2; seed < 8; seed++) {
+        assert_int_equal(asdic_scene_reopen(kept), ASDIC_OK);
+        add_objects(ctx, kept, seed, seed % 2);
+        asdic_scene *fresh = make_hilly(ctx, hills);
+        add_objects(ctx, fresh, seed, seed % 2);
+        compare_lifted(kept, fresh, water[seed >= 5], 2);
+        compare_scenes(kept, fresh);
+        bool is_same = kept->ground->lifted.nodes == before;
+        assert_int_equal(is_same, seed != 2 && seed != 5);
+        before = kept->ground->lifted.nodes;
         asdic_scene_destroy(&fresh);
     }
     asdic_scene_destroy(&kept);
@@ -324,9 +402,9 @@ static void test_differences(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_nearest),     cmocka_unit_test(test_inside),
-        cmocka_unit_test(test_reopened),    cmocka_unit_test(test_shares_cover),
-        cmocka_unit_test(test_differences),
+        cmocka_unit_test(test_nearest),      cmocka_unit_test(test_inside),
+        cmocka_unit_test(test_reopened),     cmocka_unit_test(test_reopened_and_lifted),
+        cmocka_unit_test(test_shares_cover), cmocka_unit_test(test_differences),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
