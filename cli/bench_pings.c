@@ -8,6 +8,10 @@
 #define BEAMS 6
 #define RAYS 20000
 #define MOST_PINGS 192
+/* After a million rays the simulator chooses how to cast them. */
+#define WARM_UP_RAYS 1.1e6
+#define MOST_WARM_UP_S 2.0
+#define QUICK_WARM_UP_S 0.1
 
 const size_t bench_floors[BENCH_FLOORS] = {10000, 100000, 1000000, 4000000};
 const size_t bench_bin_counts[BENCH_BIN_COUNTS] = {150, 1000, 2048, 4000};
@@ -83,6 +87,17 @@ static asdic_pose pose_of(const rig *r, size_t ping) {
                : (asdic_pose){{-400.0 + 0.5 * (double)ping, 0.0, 100.0}, 0.0, 0.0, 0.0};
 }
 
+asdic_status bench_warm_up(const bench *b, asdic_simulator *sim, const asdic_pose *pose,
+                           double rays, asdic_ping *ping) {
+    double began = bench_now_s(), most_s = b->quick ? QUICK_WARM_UP_S : MOST_WARM_UP_S;
+    for (double cast = 0.0; cast < WARM_UP_RAYS && bench_now_s() - began < most_s;) {
+        TRY(bench_interrupted(b));
+        TRY(asdic_simulator_ping(sim, pose, 0, ping));
+        cast += rays;
+    }
+    return asdic_simulator_ping(sim, pose, 0, ping); /* which chooses */
+}
+
 static asdic_status shoot(const bench *b, const rig *r, size_t pings, asdic_simulator *sim,
                           asdic_ping *ping, bench_rate *rate) {
     double times[MOST_PINGS], began = bench_now_s();
@@ -94,6 +109,7 @@ static asdic_status shoot(const bench *b, const rig *r, size_t pings, asdic_simu
         TRY(asdic_simulator_learn(sim, &pose, 0));
         rate->learn_s = bench_now_s() - began;
     }
+    TRY(pings > 0 ? bench_warm_up(b, sim, &pose, r->sampling.rays, ping) : ASDIC_OK);
     for (size_t k = 0; k < pings; k++) {
         TRY(bench_interrupted(b));
         pose = pose_of(r, k);

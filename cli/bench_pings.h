@@ -41,6 +41,10 @@ typedef struct bench_rate {
     double phase_s[ASDIC_PHASE_COUNT]; /* mean, waiting after each */
 } bench_rate;
 
+/* Pings of RAYS rays at POSE until the simulator goes as fast as it will. */
+asdic_status bench_warm_up(const bench *b, asdic_simulator *sim, const asdic_pose *pose,
+                           double rays, asdic_ping *ping);
+
 asdic_status bench_pings_measure(const bench *b, asdic_device *device, const bench_case *of,
                                  bench_rate *out);
 void bench_pings_add(bench *b, const char *scene, const bench_rate *r);

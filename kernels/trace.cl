@@ -11,7 +11,6 @@
 #endif
 
 #include "types.h"
-#include "trace_hybrid.h"
 #include "trace_wide8.h"
 
 /* Sixty-four rays a work-item, each by itself. */
@@ -21,25 +20,5 @@ __kernel void trace_wide8(__global const dev_node8 *nodes, __global const dev_bl
     uint first = TURNS_RAYS * (uint)get_global_id(0);
     if (first < count) {
         trace_in_turns(nodes, blocks, rays, hits, first, count, root, extent_m);
-    }
-}
-
-/* Sixteen rays a work-item, neighbours in direction. */
-__kernel void trace_pkt16(__global const dev_node8 *nodes, __global const dev_block4 *blocks,
-                          __global const dev_ray *rays, __global dev_hit *hits, uint count,
-                          uint root, float extent_m) {
-    uint first = 16 * (uint)get_global_id(0);
-    if (first < count) {
-        trace_sixteen_new(nodes, blocks, rays, hits, first, count, root, extent_m);
-    }
-}
-
-/* Sixty-four rays a work-item, neighbours and from one point. */
-__kernel void trace_frustum64(__global const dev_node8 *nodes, __global const dev_block4 *blocks,
-                              __global const dev_ray *rays, __global dev_hit *hits, uint count,
-                              uint root, float extent_m) {
-    uint first = 64 * (uint)get_global_id(0);
-    if (first < count) {
-        trace_sixty_four(nodes, blocks, rays, hits, first, count, root, extent_m);
     }
 }

@@ -6,6 +6,7 @@
 #include "base/try.h"
 #include "mission/mission.h"
 #include "mission/track/track.h"
+#include "sim/simulator.h"
 
 #include <math.h>
 #include <pthread.h>
@@ -133,6 +134,7 @@ asdic_status asdic_loop_create(asdic_context *ctx, asdic_device *device, const a
     if (status) {
         goto fail;
     }
+    asdic_simulator_hasten(loop->simulator);
     loop->ping_rate_hz = sonar->ping_rate_hz;
     if ((status = allocate(loop, sonar->receiver_count)) != ASDIC_OK ||
         (status = start_thread(loop)) != ASDIC_OK) {

@@ -29,12 +29,13 @@ enum { FORM_WIDE8, FORM_PKT16, FORM_FRUSTUM64, FORM_SCALAR, FORM_COUNT, FORM_AUT
 static const struct {
     const char *name, *file, *kernel;
     uint32_t rays; /* per work-item */
+    bool told;     /* this number is the kernel's last argument */
     size_t local;
 } forms[FORM_COUNT] = {
-    [FORM_WIDE8] = {"wide8", "trace.cl", "trace_wide8", 64, 8},
-    [FORM_PKT16] = {"pkt16", "trace.cl", "trace_pkt16", 16, 32},
-    [FORM_FRUSTUM64] = {"frustum64", "trace.cl", "trace_frustum64", 64, 16},
-    [FORM_SCALAR] = {"scalar", "trace_scalar.cl", "trace_scalar", 1, 64},
+    [FORM_WIDE8] = {"wide8", "trace.cl", "trace_wide8", 64, false, 8},
+    [FORM_PKT16] = {"pkt16", "trace_packets.cl", "trace_packets", 16, true, 16},
+    [FORM_FRUSTUM64] = {"frustum64", "trace_packets.cl", "trace_packets", 64, true, 16},
+    [FORM_SCALAR] = {"scalar", "trace_scalar.cl", "trace_scalar", 1, false, 64},
 };
 
 typedef struct choice {
@@ -50,7 +51,8 @@ struct asdic_tracer {
     char options[64];
     uint32_t root;
     float extent_m;
-    int form; /* as set, or FORM_AUTO */
+    int form;      /* as set, or FORM_AUTO */
+    uint64_t wait; /* so many rays to be cast yet before forms are measured */
     choice choices[MAX_CHOICES];
     size_t choice_count;
 };
@@ -189,6 +191,10 @@ const char *asdic_tracer_form(const asdic_tracer *t, const asdic_buffer *rays) {
     return t->form == FORM_AUTO ? "auto" : forms[t->form].name;
 }
 
+void asdic_tracer_wait(asdic_tracer *t, uint64_t rays) {
+    t->wait = rays;
+}
+
 void asdic_tracer_forget(asdic_tracer *t) {
     t->choice_count = 0;
 }
@@ -196,13 +202,15 @@ void asdic_tracer_forget(asdic_tracer *t) {
 static asdic_status run_form(asdic_tracer *t, int form, asdic_buffer *rays, asdic_buffer *hits,
                              uint32_t count) {
     asdic_kernel_arg args[] = {
-        ASDIC_ARG_BUFFER(t->nodes),   ASDIC_ARG_BUFFER(t->blocks), ASDIC_ARG_BUFFER(rays),
-        ASDIC_ARG_BUFFER(hits),       ASDIC_ARG_VALUE(count),      ASDIC_ARG_VALUE(t->root),
-        ASDIC_ARG_VALUE(t->extent_m),
+        ASDIC_ARG_BUFFER(t->nodes),   ASDIC_ARG_BUFFER(t->blocks),
+        ASDIC_ARG_BUFFER(rays),       ASDIC_ARG_BUFFER(hits),
+        ASDIC_ARG_VALUE(count),       ASDIC_ARG_VALUE(t->root),
+        ASDIC_ARG_VALUE(t->extent_m), ASDIC_ARG_VALUE(forms[form].rays),
     };
     size_t items = (count + forms[form].rays - 1) / forms[form].rays;
     TRY(need_kernel(t, form));
-    return asdic_kernel_run(t->kernels[form], args, sizeof args / sizeof *args, items,
+    return asdic_kernel_run(t->kernels[form], args,
+                            sizeof args / sizeof *args - (forms[form].told ? 0 : 1), items,
                             forms[form].local);
 }
 
@@ -249,6 +257,9 @@ static asdic_status choose(asdic_tracer *t, asdic_buffer *rays, asdic_buffer *hi
     if ((!scalar && count < MEASURE_RAYS) || t->choice_count == MAX_CHOICES) {
         return ASDIC_OK;
     }
+    if (!scalar && t->wait > 0) {
+        return ASDIC_OK;
+    }
     if (!scalar) {
         TRY(measure(t, rays, hits, count, form));
     }
@@ -265,6 +276,7 @@ asdic_status asdic_tracer_run(asdic_tracer *t, asdic_buffer *rays, asdic_buffer 
         leg = leg < CHOICE_LEGS ? leg : CHOICE_LEGS - 1;
         TRY(choose(t, rays, hits, sample < count ? sample : count, leg, &form));
     }
+    t->wait -= count < t->wait ? count : t->wait;
     return run_form(t, form, rays, hits, count);
 }
 

@@ -5,7 +5,7 @@
  * ray by itself against eight boxes, `pkt16` sixteen neighbouring rays together, `frustum64`
  * sixty-four rays from one point, `scalar` one ray a work-item without vectors (GPUs). `auto` takes
  * scalar on a GPU; elsewhere it measures the others on the first large set of rays in a buffer, and
- * remembers the fastest for that buffer.
+ * remembers the fastest for that buffer. Until then it takes wide8, for which the least is compiled.
  */
 #ifndef ASDIC_SCENE_TRACER_H
 #define ASDIC_SCENE_TRACER_H
@@ -29,6 +29,10 @@ const char *asdic_tracer_kernel_name(size_t index);
 
 /* The form that was set, or chosen for the rays in this buffer; "auto" where none is chosen yet. */
 const char *asdic_tracer_form(const asdic_tracer *tracer, const asdic_buffer *rays);
+
+/* Measures no form before RAYS more were cast: where few are cast, the driver shall not compile forms that
+ * could not repay it. */
+void asdic_tracer_wait(asdic_tracer *tracer, uint64_t rays);
 
 /* Forgets what was chosen for any buffer. */
 void asdic_tracer_forget(asdic_tracer *tracer);

@@ -29,6 +29,10 @@
  * stack of 8 MB; no device gains by more. */
 #define LOCAL_LIMIT 1024
 
+/* The tracer takes the form that is compiled first for so many rays, a tenth of a second: a driver takes a second
+ * for the others where its cache lacks them. */
+#define FEW_RAYS (1u << 20)
+
 asdic_layout asdic_layout_default(const asdic_device_info *info) {
     bool cpu = info->kind == ASDIC_DEVICE_CPU && !asdic_driver_refuses_vectors(info);
     asdic_layout layout = {.width = cpu ? 8 : 1, .local = cpu ? 16 : 64};
@@ -258,6 +262,7 @@ static asdic_status bring_scene(asdic_simulator *sim, const asdic_water_column *
     TRY(asdic_placement_create(scene, &sim->placement));
     if (needs_triangles(sim)) {
         TRY(asdic_tracer_create(sim->device, scene, &sim->tracer));
+        asdic_tracer_wait(sim->tracer, FEW_RAYS);
     }
     size_t movables =
         sim->tracer && sim->setup.layer_count > 0 ? sim->setup.scene->movable_count : 0;
@@ -464,6 +469,12 @@ void asdic_simulator_destroy(asdic_simulator **pointer) {
 
 asdic_buffer *asdic_simulator_triangles(const asdic_simulator *sim) {
     return sim->tracer ? asdic_tracer_triangles(sim->tracer) : sim->buffers.no_triangles;
+}
+
+void asdic_simulator_hasten(asdic_simulator *sim) {
+    if (sim->tracer) {
+        asdic_tracer_wait(sim->tracer, 0);
+    }
 }
 
 size_t asdic_simulator_bin_count(const asdic_simulator *sim) {

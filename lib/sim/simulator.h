@@ -275,6 +275,9 @@ void asdic_store_destroy(asdic_simulator *sim);
 /* The scene's triangles on the device, or a buffer to point at when there are none. */
 asdic_buffer *asdic_simulator_triangles(const asdic_simulator *sim);
 
+/* Has the first ping do what others would wait for: where pings have to keep time. */
+void asdic_simulator_hasten(asdic_simulator *sim);
+
 /* Whether the scene has a mesh of KIND (DEV_KIND_BOTTOM, DEV_KIND_OBJECT). */
 bool asdic_simulator_has(const asdic_simulator *sim, unsigned kind);
 

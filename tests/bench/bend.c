@@ -89,7 +89,8 @@ static asdic_status open_side(const bench *b, const asdic_scene *scene, size_t w
     TRY(asdic_ping_create(cli_context(b->c), BEAMS, asdic_simulator_bin_count(s->sim), &s->ping));
     asdic_pose pose = pose_of(0);
     TRY(asdic_simulator_ping(s->sim, &pose, 0, s->ping)); /* compiles */
-    return asdic_simulator_learn(s->sim, &pose, 0);
+    TRY(asdic_simulator_learn(s->sim, &pose, 0));
+    return bench_warm_up(b, s->sim, &pose, RAYS, s->ping);
 }
 
 static asdic_status take_turns(const bench *b, side *sides, size_t rounds) {

@@ -145,8 +145,8 @@ def test_every_program_is_compiled():
     entries = {name for name in os.listdir(KERNELS) if name.endswith(".cl")}
     parts = {"advance.cl", "array.cl", "collect.cl", "gates.cl", "scatterers.cl", "multipath.cl", "pilot.cl", "reduce.cl", "sample.cl",
              "shade.cl", "volume.cl"}
-    # trace.cl has vectors, for processors.
-    tap.equal(set(PROGRAMS) | set(OTHERS), entries - parts - {"trace.cl"}, "programs")
+    vectors = {"trace.cl", "trace_packets.cl"}  # for processors
+    tap.equal(set(PROGRAMS) | set(OTHERS), entries - parts - vectors, "programs")
 
 
 def test_only_the_stack_of_the_trace_lies_outside_registers():

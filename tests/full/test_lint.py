@@ -28,6 +28,7 @@ SPECIALISATIONS = {
     "gates.cl": COHERENT,
     "array.cl": COHERENT,
     "trace.cl": {"TRACE_STACK": (64,)},
+    "trace_packets.cl": {"TRACE_STACK": (64,)},
     "camera.cl": {},
     "law.cl": {},
     "model.cl": {},

@@ -276,41 +276,82 @@ static void ties_go_to_the_lowest_id(void **state) {
     asdic_scene_destroy(&scene);
 }
 
+/* A tracer that is to choose, and what it says. */
+typedef struct choices {
+    asdic_tracer *tracer;
+    asdic_scene *scene;
+    asdic_buffer *rays, *hits;
+    int chosen, compiled; /* forms; programs for packets */
+} choices;
+
 static void count_choice(void *user, asdic_log_level level, const char *message) {
+    choices *c = user;
     (void)level;
-    *(int *)user += strncmp(message, "ray kernel: ", 12) == 0;
+    c->chosen += strncmp(message, "ray kernel: ", 12) == 0;
+    c->compiled += strncmp(message, "compiling kernels/trace_packets.cl", 34) == 0;
+}
+
+static void start_choices(choices *c) {
+    static dev_ray rays[RAYS];
+    const float v[3][3] = {{-2, -2, 5}, {2, -2, 5}, {0, 4, 5}};
+    const double origin[3] = {0, 0, 0}, down[3] = {0, 0, 1};
+    dev_triangle one = trace_rig_triangle(v[0], v[1], v[2]);
+    *c = (choices){.scene = trace_rig_scene(&rig, &one, 1)};
+    /* A device of its own: nothing is compiled for it yet. */
+    asdic_devices_close(&rig.devices, rig.device_count);
+    trace_rig_check(&rig, asdic_devices_open(rig.ctx, NULL, &rig.devices, &rig.device_count));
+    asdic_device *device = rig.devices[0];
+    for (int i = 0; i < RAYS; i++) {
+        rays[i] = trace_rig_ray(origin, down);
+    }
+    trace_rig_check(&rig, asdic_tracer_create(device, c->scene, &c->tracer));
+    trace_rig_check(&rig, asdic_buffer_create(device, sizeof rays, rays, &c->rays));
+    trace_rig_check(&rig, asdic_buffer_create(device, RAYS * sizeof(dev_hit), NULL, &c->hits));
+    asdic_context_set_log(rig.ctx, ASDIC_LOG_DEBUG, count_choice, c);
+}
+
+static void cast_once(choices *c, uint32_t leg) {
+    trace_rig_check(&rig, asdic_tracer_run(c->tracer, c->rays, c->hits, RAYS, RAYS, leg));
+}
+
+static void end_choices(choices *c) {
+    asdic_context_set_log(rig.ctx, ASDIC_LOG_ERROR, NULL, NULL);
+    asdic_buffer_destroy(&c->hits);
+    asdic_buffer_destroy(&c->rays);
+    asdic_tracer_destroy(&c->tracer);
+    asdic_scene_destroy(&c->scene);
 }
 
 /* Through layers the same buffer holds other rays at each leg: a form is chosen for each of the first ones, once. */
 static void legs_choose_for_themselves(void **state) {
     (void)state;
     static const uint32_t legs[] = {0, 1, 1, 0, 70, 200};
-    static dev_ray rays[RAYS];
-    const float v[3][3] = {{-2, -2, 5}, {2, -2, 5}, {0, 4, 5}};
-    const double origin[3] = {0, 0, 0}, down[3] = {0, 0, 1};
-    dev_triangle one = trace_rig_triangle(v[0], v[1], v[2]);
-    asdic_scene *scene = trace_rig_scene(&rig, &one, 1);
-    asdic_buffer *ray_buffer, *hit_buffer;
-    asdic_tracer *tracer;
-    int chosen = 0;
-    for (int i = 0; i < RAYS; i++) {
-        rays[i] = trace_rig_ray(origin, down);
-    }
-    trace_rig_check(&rig, asdic_tracer_create(rig.devices[0], scene, &tracer));
-    trace_rig_check(&rig, asdic_buffer_create(rig.devices[0], sizeof rays, rays, &ray_buffer));
-    trace_rig_check(&rig,
-                    asdic_buffer_create(rig.devices[0], RAYS * sizeof(dev_hit), NULL, &hit_buffer));
-    asdic_context_set_log(rig.ctx, ASDIC_LOG_DEBUG, count_choice, &chosen);
+    choices c;
+    start_choices(&c);
     for (size_t i = 0; i < sizeof legs / sizeof *legs; i++) {
-        trace_rig_check(&rig,
-                        asdic_tracer_run(tracer, ray_buffer, hit_buffer, RAYS, RAYS, legs[i]));
+        cast_once(&c, legs[i]);
     }
-    asdic_context_set_log(rig.ctx, ASDIC_LOG_ERROR, NULL, NULL);
-    assert_int_equal(chosen, 3);
-    asdic_buffer_destroy(&hit_buffer);
-    asdic_buffer_destroy(&ray_buffer);
-    asdic_tracer_destroy(&tracer);
-    asdic_scene_destroy(&scene);
+    assert_int_equal(c.chosen, 3);
+    end_choices(&c);
+}
+
+/* A driver without a cache compiles what casts few rays, and the rest once there were many. */
+static void few_rays_do_not_choose(void **state) {
+    (void)state;
+    enum { FEW = 10 };
+    choices c;
+    start_choices(&c);
+    asdic_tracer_wait(c.tracer, FEW * RAYS);
+    for (int i = 0; i < FEW; i++) {
+        cast_once(&c, 0);
+    }
+    assert_int_equal(c.chosen, 0);
+    assert_int_equal(c.compiled, 0);
+    cast_once(&c, 0);
+    cast_once(&c, 0);
+    assert_int_equal(c.chosen, 1);
+    assert_true(c.compiled > 0 || strcmp(asdic_tracer_form(c.tracer, c.rays), "scalar") == 0);
+    end_choices(&c);
 }
 
 int main(void) {
@@ -322,6 +363,7 @@ int main(void) {
         cmocka_unit_test(empty_scene_and_skipped_rays),
         cmocka_unit_test(ties_go_to_the_lowest_id),
         cmocka_unit_test(legs_choose_for_themselves),
+        cmocka_unit_test(few_rays_do_not_choose),
     };
     int skipped = trace_rig_open(&rig);
     if (skipped) {
