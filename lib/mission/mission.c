@@ -33,6 +33,7 @@ void asdic_mission_destroy(asdic_mission **mission) {
         free((char *)drawn->value);
     }
     free(m->drawn);
+    asdic_mission_forget_meshes(m);
     free(m->points_m);
     free(m->geometry);
     free(m->motions);

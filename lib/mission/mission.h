@@ -18,6 +18,8 @@ typedef struct asdic_motion {
     asdic_track *track;
 } asdic_motion;
 
+typedef struct mission_mesh mission_mesh; /* mission_meshes.c */
+
 struct asdic_mission {
     asdic_context *ctx;
     char *path; /* as given; "-" is standard input */
@@ -36,7 +38,9 @@ struct asdic_mission {
     double *points_m;       /* of the flight */
     char *geometry;         /* what the scene was made from, of a run of a trial */
     size_t ground_length;   /* of it, surface and bottom */
-    asdic_setting *drawn;   /* of a run of a trial; one of NULL ends it; NULL: nothing was drawn */
+    mission_mesh *meshes;   /* objects' files; of a run of a trial also after it is built */
+    size_t mesh_count;
+    asdic_setting *drawn; /* of a run of a trial; one of NULL ends it; NULL: nothing was drawn */
     /* Of missions by asdic_mission_load_like. */
     char form[65];             /* hash of all but the places of objects and vehicle */
     bool stands_anywhere;      /* the scene's objects are to be put where `objects` say */
@@ -69,6 +73,9 @@ asdic_status asdic_mission_load_like(asdic_context *ctx, const char *path, const
 
 /* Whether the scene file at PATH, with what it includes, says what the mission with HASH did. */
 bool asdic_mission_has_hash(const char *path, const char *hash);
+
+/* Frees the meshes of objects' files. */
+void asdic_mission_forget_meshes(asdic_mission *mission);
 
 /* Puts the objects that move where they are at TIME_S of the pings' clock. */
 asdic_status asdic_mission_place_at(const asdic_mission *mission, asdic_simulator *simulator,

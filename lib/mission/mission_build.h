@@ -44,6 +44,11 @@ asdic_status asdic_mission_keep_tree(mission_builder *b, const asdic_yaml_node *
 void asdic_mission_take_out(asdic_yaml_node *map, const asdic_yaml_node *child);
 /* Tracks from files: the vehicle's, and the objects'. */
 asdic_status asdic_mission_build_tracks(mission_builder *b);
+/* The mesh from PATH, which stays the mission's; as asdic_mesh_load. */
+asdic_status asdic_mission_need_mesh(mission_builder *b, const char *path, double scale, bool z_up,
+                                     const asdic_mesh **out);
+/* All that DONOR has. */
+void asdic_mission_take_meshes(asdic_mission *mission, asdic_mission *donor);
 /* Surface, bottom and objects; the scene is committed when nothing was wrong. */
 asdic_status asdic_mission_build_scene(mission_builder *b);
 /* The same where the scene is the base's: the objects alone, where they are. */

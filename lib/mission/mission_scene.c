@@ -43,6 +43,22 @@ static asdic_status load_mesh(mission_builder *b, const file_mesh *m, asdic_mesh
     return asdic_mission_file_problem(b, file_node(m->node), status);
 }
 
+/* As load_mesh, of an object: a mesh from a file is the mission's, others are *OWN, which is to be destroyed. */
+static asdic_status load_object(mission_builder *b, const file_mesh *m, asdic_mesh **own,
+                                const asdic_mesh **out) {
+    if (mesh_in_memory(b, m->file)) {
+        asdic_status status = load_mesh(b, m, own);
+        *out = *own;
+        return status;
+    }
+    const char *path = asdic_mission_resolve(b, m->file);
+    if (!path) {
+        return asdic_fail_memory(b->ctx, "a path");
+    }
+    asdic_status status = asdic_mission_need_mesh(b, path, m->scale, m->z_up, out);
+    return asdic_mission_file_problem(b, file_node(m->node), status);
+}
+
 static asdic_status load_grid(mission_builder *b, const file_grid *g, asdic_mesh **out) {
     const char *path = asdic_mission_resolve(b, g->file);
     if (!path) {
@@ -52,11 +68,8 @@ static asdic_status load_grid(mission_builder *b, const file_grid *g, asdic_mesh
     return asdic_mission_file_problem(b, file_node(g->node), status);
 }
 
-/* The shape of O; *OUT stays NULL when the file is wrong about it. */
-static asdic_status make_shape(mission_builder *b, const file_object *o, asdic_mesh **out) {
-    if (asdic_scene_node_good(o->mesh.node)) {
-        return load_mesh(b, &o->mesh, out);
-    }
+/* The primitive that O is, if it is one. */
+static asdic_status make_primitive(mission_builder *b, const file_object *o, asdic_mesh **out) {
     if (asdic_scene_node_good(o->box.node)) {
         const double *s = o->box.size_m;
         return asdic_mesh_box(b->ctx, (asdic_vec3){s[0], s[1], s[2]}, out);
@@ -72,6 +85,17 @@ static asdic_status make_shape(mission_builder *b, const file_object *o, asdic_m
         return asdic_mesh_plate(b->ctx, o->plate.size_m[0], o->plate.size_m[1], out);
     }
     return ASDIC_OK;
+}
+
+/* The shape of O, of which *OWN is to be destroyed; *OUT stays NULL when the file is wrong about it. */
+static asdic_status make_shape(mission_builder *b, const file_object *o, asdic_mesh **own,
+                               const asdic_mesh **out) {
+    if (asdic_scene_node_good(o->mesh.node)) {
+        return load_object(b, &o->mesh, own, out);
+    }
+    asdic_status status = make_primitive(b, o, own);
+    *out = *own;
+    return status;
 }
 
 /* The numbers of the file that MATERIAL's law wants; the mission keeps them. */
@@ -127,22 +151,21 @@ static asdic_status add_to_scene(asdic_scene *scene, const asdic_mesh *mesh,
                       : asdic_scene_add_bottom(scene, mesh, o->pose, o->material);
 }
 
-/* Adds MESH, which is destroyed, to the scene as OBJECT, whose name, pose and material are set,
+/* Adds MESH (NULL: nothing) to the scene as OBJECT, whose name, pose and material are set,
  * and lists it in the mission. What the scene refuses becomes a problem at NODE. */
-static asdic_status place(mission_builder *b, asdic_yaml_node *node, asdic_mesh **mesh,
+static asdic_status place(mission_builder *b, asdic_yaml_node *node, const asdic_mesh *mesh,
                           bool is_file, asdic_mission_object object) {
     asdic_mission *m = b->mission;
     asdic_status status = ASDIC_OK;
-    if (*mesh && b->problems->total == 0) {
-        object.mesh = asdic_mesh_get_info(*mesh);
-        find_box(*mesh, &object);
+    if (mesh && b->problems->total == 0) {
+        object.mesh = asdic_mesh_get_info(mesh);
+        find_box(mesh, &object);
         if (!is_file) {
             object.mesh.hint[0] = '\0'; /* sizes in the scene file are in metres */
         }
         m->objects[m->object_count++] = object;
-        status = add_to_scene(m->scene, *mesh, &object, m->stands_anywhere);
+        status = add_to_scene(m->scene, mesh, &object, m->stands_anywhere);
     }
-    asdic_mesh_destroy(mesh);
     return asdic_mission_file_problem(b, node, status);
 }
 
@@ -173,7 +196,9 @@ static asdic_status build_bottom(mission_builder *b) {
     asdic_mission_object object = {
         .pose = asdic_scene_file_place(bottom->position_m, bottom->rotation_deg),
         .material = material};
-    return place(b, bottom->node, &mesh, true, object);
+    status = place(b, bottom->node, mesh, true, object);
+    asdic_mesh_destroy(&mesh);
+    return status;
 }
 
 /* Where O is at the first ping. */
@@ -223,22 +248,22 @@ static asdic_status build_object(mission_builder *b, size_t number) {
     if (o->point.node) {
         return build_point(b, o);
     }
-    asdic_mesh *mesh = NULL;
+    asdic_mesh *own = NULL;
+    const asdic_mesh *mesh = NULL;
     asdic_material_file rows;
     asdic_mission_object object = {.pose = first_pose(b, o),
                                    .material = asdic_scene_file_material(o, &rows),
                                    .moves = o->track != NULL};
     snprintf(object.name, sizeof object.name, "%s", o->name ? o->name : "");
     asdic_status status = read_rows(b, &rows, &object.material);
-    status = status ? status : make_shape(b, o, &mesh);
+    status = status ? status : make_shape(b, o, &own, &mesh);
     if (!status && mesh && o->mesh.node) {
         status = reserve_copies(b, number, mesh);
     }
-    if (status) {
-        asdic_mesh_destroy(&mesh);
-        return asdic_mission_file_problem(b, o->node, status);
-    }
-    return place(b, o->node, &mesh, o->mesh.node != NULL, object);
+    status = status ? asdic_mission_file_problem(b, o->node, status)
+                    : place(b, o->node, mesh, o->mesh.node != NULL, object);
+    asdic_mesh_destroy(&own);
+    return status;
 }
 
 /* Triangles of all spheres and cylinders; boxes and plates are small. */
@@ -353,6 +378,9 @@ static asdic_status build_ground(mission_builder *b) {
 
 asdic_status asdic_mission_build_scene(mission_builder *b) {
     const asdic_scene_file *file = b->file;
+    if (b->donor) {
+        asdic_mission_take_meshes(b->mission, b->donor);
+    }
     if (can_take(b)) {
         take_scene(b);
         return ASDIC_OK;
@@ -364,6 +392,9 @@ asdic_status asdic_mission_build_scene(mission_builder *b) {
     TRY(can_take_ground(b) ? take_ground(b) : build_ground(b));
     for (size_t i = 0; i < file->objects.count; i++) {
         TRY(build_object(b, i));
+    }
+    if (!b->mission->geometry) {
+        asdic_mission_forget_meshes(b->mission);
     }
     return b->problems->total == 0 ? asdic_scene_commit(b->mission->scene) : ASDIC_OK;
 }

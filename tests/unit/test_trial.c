@@ -7,12 +7,17 @@
 #include <asdic/asdic.h>
 
 #include "base/vec.h"
+#include "mission/mission.h"
 #include "scene/lifted.h"
 #include "scene/nearest.h"
 
+#include <fcntl.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 /* --- distances --------------------------------------------------------------------------------- */
 
@@ -341,6 +346,71 @@ static void test_reopened_and_lifted(void **state) {
     asdic_context_destroy(&ctx);
 }
 
+/* --- meshes from files ------------------------------------------------------------------------- */
+
+static void write_file(const char *path, const char *text) {
+    FILE *file = fopen(path, "w");
+    assert_non_null(file);
+    assert_true(fputs(text, file) >= 0);
+    assert_int_equal(fclose(file), 0);
+}
+
+/* Says of PATH that it was changed SECONDS after 2001. */
+static void date_file(const char *path, long seconds) {
+    const struct timespec times[2] = {{978307200 + seconds, 0}, {978307200 + seconds, 0}};
+    assert_int_equal(utimensat(AT_FDCWD, path, times, 0), 0);
+}
+
+static asdic_status load_run(asdic_context *ctx, uint64_t run, asdic_mission **before) {
+    const asdic_draw draw = {.seed = 1, .run = run};
+    asdic_mission *m = NULL;
+    asdic_status status = asdic_mission_load_trial(ctx, "scene.yaml", NULL, 0, &draw, *before, &m);
+    asdic_mission_destroy(before);
+    *before = m;
+    return status;
+}
+
+/* A mesh is read again only where its file looks other than before. */
+static void test_meshes_are_read_once(void **state) {
+    (void)state;
+    static const char mesh[] = "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n"
+                               "3 0 2 1\n3 0 1 3\n3 1 2 3\n3 2 0 3\n";
+    char folder[] = "trial_XXXXXX", nonsense[sizeof mesh];
+    asdic_context *ctx = NULL;
+    asdic_mission *m = NULL;
+    assert_int_equal(asdic_context_create(&ctx), ASDIC_OK);
+    assert_true(mkdtemp(folder) && chdir(folder) == 0);
+    write_file("scene.yaml",
+               "version: 1\n"
+               "bottom: {depth_m: 20}\n"
+               "objects:\n"
+               "  - {name: a, mesh: {file: a.off}, position_m: [30, 0, 10]}\n"
+               "  - {name: b, mesh: {file: a.off}, position_m: [30, 5, 10]}\n"
+               "sonar: {frequency_khz: 100, source_level_db: 190, max_range_m: 30,\n"
+               "  receivers: [{length_h_m: 0.06, length_v_m: 0.06}]}\n"
+               "mission: {waypoints: {points_m: [[0, 0, 10], [60, 0, 10]], speed_mps: 1}}\n"
+               "trial:\n"
+               "  draws: [{key: 'objects[0].position_m[0]', uniform: [20, 40]}]\n");
+    write_file("a.off", mesh);
+    date_file("a.off", 0);
+    assert_int_equal(load_run(ctx, 0, &m), ASDIC_OK);
+    assert_int_equal(m->scene->triangle_count, 8);
+    memset(nonsense, 'x', sizeof nonsense - 1);
+    nonsense[sizeof nonsense - 1] = '\0';
+    write_file("a.off", nonsense);
+    date_file("a.off", 0);
+    for (uint64_t run = 1; run < 4; run++) {
+        assert_int_equal(load_run(ctx, run, &m), ASDIC_OK);
+        assert_int_equal(m->scene->triangle_count, 8);
+    }
+    date_file("a.off", 1);
+    assert_int_equal(load_run(ctx, 4, &m), ASDIC_ERROR_INPUT);
+    assert_true(remove("a.off") == 0 && remove("scene.yaml") == 0);
+    assert_true(chdir("..") == 0 && rmdir(folder) == 0);
+    asdic_mission_destroy(&m);
+    asdic_context_destroy(&ctx);
+}
+
 /* --- intervals --------------------------------------------------------------------------------- */
 
 static double log_choose(double n, double k) {
@@ -402,9 +472,13 @@ static void test_differences(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_nearest),      cmocka_unit_test(test_inside),
-        cmocka_unit_test(test_reopened),     cmocka_unit_test(test_reopened_and_lifted),
-        cmocka_unit_test(test_shares_cover), cmocka_unit_test(test_differences),
+        cmocka_unit_test(test_nearest),
+        cmocka_unit_test(test_inside),
+        cmocka_unit_test(test_reopened),
+        cmocka_unit_test(test_reopened_and_lifted),
+        cmocka_unit_test(test_meshes_are_read_once),
+        cmocka_unit_test(test_shares_cover),
+        cmocka_unit_test(test_differences),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
