@@ -13,9 +13,10 @@
  * Acoust. Soc. Am. 90, 2718 (1991)). Intensities are correlated by rho^2. Two equal receivers D
  * apart in yaw, in a wide transmitter's beam: rho = sinc(L_H sin D).
  *
- * Along range a pulse of bandwidth B takes in scatterers from a stretch of c / (2 B), evenly, as
- * asdic_pulse_smear has it. Pressures d apart are correlated by the share that their stretches
- * have in common, max(0, 1 - 2 B d / c), and intensities by its square.
+ * Along range bins shorter than a resolution cell c / (2 B) take in scatterers through the pulse s of
+ * kernels/coherent.h, as coherent pings do. Pressures d apart are correlated by the integral of
+ * s(x) s(x + d), and intensities by its square. Longer bins share nothing; of coherent pings,
+ * where edges of pulses overlap, 0.016.
  *
  * Assumed: scatterers lie in all directions, and every bin has the same rho. In a bin whose echo
  * comes from one depression e alone, as from a level bottom, beams that are D apart in yaw are as

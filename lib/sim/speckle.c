@@ -6,7 +6,7 @@
 #include "coherence.h"
 #include "texture.h"
 
-#include "../../kernels/random.h"
+#include "../../kernels/coherent.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -14,19 +14,35 @@
 
 /* Loops work on this many numbers at once. */
 #define RUN 128u
-/* Bins are drawn in blocks, so that all sources of a block stay in a processor's cache. A block draws one
- * resolution cell more than it has: it is therefore as long as a cell, at most this. */
+/* Bins are drawn in blocks, so that all sources of a block stay in a processor's cache. A block draws a
+ * pulse more than it has: it is therefore as long as a cell, at most this. */
 #define MOST_BLOCK 4096.0
+/* A pulse is that of coherent pings, 1.5 cells long, in steps of 1/16 of a cell or less. */
+#define STEPS_OF_CELL 16.0
+#define PULSE_CELLS (2.0 * (double)PULSE_REACH)
+#define MOST_STEPS 48
+/* White noise that is added, so that the spectrum vanishes nowhere. */
+#define RIDGE 1e-3
+/* Bins within 1/16 of a cell are taken as one: they share 0.99 of the pressure. */
+#define SAME_CELL 16.0
 /* A cell's number in a stream: its bin, and above that the look; looks are at most 1000. */
 #define LOOK_SHIFT 22
 #define TEXTURE_LOOK 1023u
+
+/* The pulse along range: COUNT weights, each of the sum of STEP bins of white noise. */
+typedef struct pulse {
+    size_t count, step;
+    float weight[MOST_STEPS];
+    bool is_one; /* all bins are the same */
+} pulse;
 
 struct asdic_speckle_field {
     asdic_sonar sonar; /* without receivers */
     asdic_coherence coherence;
     asdic_texture texture; /* of K */
+    pulse pulse;
     size_t bins, block;
-    float *noise;   /* of one source: two rows of complex numbers */
+    float *noise;   /* of one source: a row of complex numbers */
     float *sources; /* [source][2][block] */
     double *drawn;  /* intensities of a beam's block */
 };
@@ -36,9 +52,68 @@ typedef struct stream {
     uint32_t seed[2], index[2], look;
 } stream;
 
+/* What two bins D pulses apart share of the pressure: the integral of s(x) s(x + D). */
+static double pulse_shared(double d) {
+    const int steps = 600;
+    double sum = 0.0, wide = PULSE_CELLS / steps;
+    for (int i = 0; i < steps; i++) {
+        double x = ((double)i + 0.5) * wide - 0.5 * PULSE_CELLS;
+        sum += wide * pulse_at(x, 1.0) * pulse_at(x + d, 1.0);
+    }
+    return sum;
+}
+
+/* The filter whose output, of white noise, has the covariance C[0] to C[COUNT - 1] and none beyond: the last row of
+ * the Cholesky factor of the covariance of many values (F. L. Bauer, Arch. Elektr. Uebertr. 9, 285 (1955)). */
+static void factor(const double *c, size_t count, float *weight) {
+    enum { ROWS = 400 };
+    double row[MOST_STEPS][MOST_STEPS] = {{0}}; /* row n: what value n has of noise n, n - 1, ... */
+    for (size_t n = 0; n < ROWS; n++) {
+        double *own = row[n % count];
+        for (size_t k = count; k-- > 0;) {
+            const double *other = row[(n + count - k) % count];
+            double left = k <= n ? c[k] : 0.0;
+            for (size_t i = k + 1; i < count; i++) {
+                left -= own[i] * (k > 0 ? other[i - k] : own[i]);
+            }
+            own[k] = k > 0 ? (k <= n ? left / other[0] : 0.0) : sqrt(left);
+        }
+    }
+    for (size_t k = 0; k < count; k++) {
+        weight[k] = (float)row[(ROWS - 1) % count][k];
+    }
+}
+
+/* The pulse, for cells of CELL bins. Bins as long as a cell share nothing. */
+static pulse pulse_of(double cell, size_t bins) {
+    pulse p = {.count = 1, .step = 1, .weight = {1.0f}};
+    double last = PULSE_CELLS * cell + (double)bins;
+    p.is_one = cell > SAME_CELL * (double)bins || last > (double)(1u << LOOK_SHIFT);
+    if (cell <= 1.0 || p.is_one) {
+        return p;
+    }
+    p.step = (size_t)fmax(floor(cell / STEPS_OF_CELL), 1.0);
+    double step = (double)p.step / cell, shared[MOST_STEPS] = {0.0};
+    p.count = (size_t)ceil(PULSE_CELLS / step);
+    for (size_t k = 0; k < p.count; k++) {
+        shared[k] = pulse_shared((double)k * step);
+    }
+    shared[0] *= 1.0 + RIDGE;
+    factor(shared, p.count, p.weight);
+    for (size_t k = 0; k < p.count; k++) {
+        p.weight[k] *= (float)(1.0 / sqrt((1.0 + RIDGE) * (double)p.step));
+    }
+    return p;
+}
+
+/* Bins beyond a block that it needs. */
+static size_t beyond(const pulse *p) {
+    return p->count * p->step - 1;
+}
+
 /* Length of a row of variates, which is drawn in whole runs. */
 static size_t noise_length(const asdic_speckle_field *f) {
-    return f->block + f->bins + RUN;
+    return f->block + beyond(&f->pulse) + RUN;
 }
 
 asdic_status asdic_speckle_create(asdic_context *ctx, const asdic_sonar *sonar,
@@ -63,7 +138,8 @@ asdic_status asdic_speckle_create(asdic_context *ctx, const asdic_sonar *sonar,
     f->sonar.receivers = NULL;
     f->bins = bins;
     f->block = (size_t)block;
-    f->noise = malloc(4 * noise_length(f) * sizeof *f->noise);
+    f->pulse = pulse_of(cell, bins);
+    f->noise = malloc(2 * noise_length(f) * sizeof *f->noise);
     f->sources = malloc(2 * f->coherence.sources * f->block * sizeof *f->sources);
     f->drawn = malloc(f->block * sizeof *f->drawn);
     bool has_texture =
@@ -149,70 +225,63 @@ typedef struct row {
 } row;
 
 /* Draws COUNT complex numbers of SOURCE from bin FIRST on, rounded up to whole runs. */
-static void draw_pairs(stream s, uint32_t source, size_t first, size_t count, row one, row two) {
+static void draw_row(stream s, uint32_t source, size_t first, size_t count, row out) {
     uint32_t words[4][RUN];
     for (size_t i = 0; i < count; i += RUN) {
         draw_words(s, source, (uint32_t)(first + i), words);
-        make_normal(words[0], words[1], one.re + i, one.im + i);
-        if (two.re) {
-            make_normal(words[2], words[3], two.re + i, two.im + i);
-        }
+        make_normal(words[0], words[1], out.re + i, out.im + i);
     }
 }
 
-/* A resolution cell for every bin, which begins with the bin and is CELL bins long. It holds
- * WHOLE bins and PART of a further one, up to a cut that is the same in all bins: the two pieces
- * of a bin are independent. LAST: amplitude of a beam's last bin, which stands for all the whole
- * ones beyond it as well. */
-typedef struct cell_length {
-    double cell, part, last;
-    size_t whole; /* at most the beam's bins */
-} cell_length;
-
-static cell_length length_of(double cell, size_t bins) {
-    double whole = floor(cell), kept = fmin(whole, (double)bins);
-    return (cell_length){.cell = cell,
-                         .part = cell - whole,
-                         .last = sqrt(whole - kept + 1.0),
-                         .whole = (size_t)kept};
-}
-
-/* COUNT cells from the pieces BEFORE and AFTER the cut of COUNT + WHOLE bins; LAST as above, if
- * among them. */
-static void sum_cells(const cell_length *c, size_t count, size_t last, float *before, float *after,
-                      float *restrict out) {
-    size_t all = count + c->whole;
-    float part = (float)sqrt(c->part), rest = (float)sqrt(1.0 - c->part);
-    double sum = 0.0, scale = 1.0 / sqrt(c->cell);
-    for (size_t i = 0; i < all; i++) {
-        before[i] *= part;
-        after[i] = before[i] + rest * after[i];
-    }
-    after[last < all ? last : 0] *= last < all ? (float)c->last : 1.0f;
-    for (size_t i = 0; i < c->whole; i++) {
-        sum += (double)after[i];
+/* Replaces COUNT numbers by the sums of STEP that begin with each; STEP - 1 more follow them. */
+static void sum_steps(float *x, size_t count, size_t step) {
+    double sum = 0.0;
+    for (size_t i = 0; i < step - 1; i++) {
+        sum += (double)x[i];
     }
     for (size_t i = 0; i < count; i++) {
-        out[i] = (float)((sum + (double)before[i + c->whole]) * scale);
-        sum += (double)after[i + c->whole] - (double)after[i];
+        double first = (double)x[i];
+        sum += (double)x[i + step - 1];
+        x[i] = (float)sum;
+        sum -= first;
+    }
+}
+
+/* COUNT bins, rounded up to whole runs, of the white noise X through the pulse. */
+WIDEST static void filter(const pulse *p, const float *restrict x, size_t count,
+                          float *restrict out) {
+    for (size_t at = 0; at < count; at += RUN) {
+        float sum[RUN] = {0};
+        for (size_t k = 0; k < p->count; k++) {
+            const float *from = x + at + k * p->step, weight = p->weight[k];
+            for (size_t i = 0; i < RUN; i++) {
+                sum[i] += weight * from[i];
+            }
+        }
+        memcpy(out + at, sum, sizeof sum);
     }
 }
 
 /* Draws all sources in the block of COUNT bins that begins at FIRST. */
-static void draw_sources(asdic_speckle_field *f, const cell_length *c, stream s, size_t first,
-                         size_t count) {
-    size_t length = noise_length(f);
-    row before = {f->noise, f->noise + length};
-    row after = {f->noise + 2 * length, f->noise + 3 * length};
+static void draw_sources(asdic_speckle_field *f, stream s, size_t first, size_t count) {
+    const pulse *p = &f->pulse;
+    size_t length = noise_length(f), runs = (count + RUN - 1) / RUN * RUN;
+    row white = {f->noise, f->noise + length};
     for (size_t i = 0; i < f->coherence.sources; i++) {
         row out = {f->sources + 2 * i * f->block, f->sources + (2 * i + 1) * f->block};
-        if (c->cell <= 1.0) {
-            draw_pairs(s, (uint32_t)i, first, count, out, (row){0});
+        if (p->count == 1) {
+            draw_row(s, (uint32_t)i, p->is_one ? 0 : first, p->is_one ? 1 : count, out);
+            for (size_t k = 1; p->is_one && k < runs; k++) {
+                out.re[k] = out.re[0];
+                out.im[k] = out.im[0];
+            }
             continue;
         }
-        draw_pairs(s, (uint32_t)i, first, count + c->whole, before, after);
-        sum_cells(c, count, f->bins - 1 - first, before.re, after.re, out.re);
-        sum_cells(c, count, f->bins - 1 - first, before.im, after.im, out.im);
+        draw_row(s, (uint32_t)i, first, runs + beyond(p), white);
+        sum_steps(white.re, runs + (p->count - 1) * p->step, p->step);
+        sum_steps(white.im, runs + (p->count - 1) * p->step, p->step);
+        filter(p, white.re, runs, out.re);
+        filter(p, white.im, runs, out.im);
     }
 }
 
@@ -264,8 +333,6 @@ void asdic_speckle_apply(asdic_speckle_field *f, double sound_speed_mps, uint64_
         return;
     }
     double *const *part = ping->intensity_lin;
-    double cell = 0.5 * sound_speed_mps / f->sonar.bandwidth_hz / f->sonar.bin_length_m;
-    cell_length c = length_of(fmax(cell, 1.0), f->bins);
     const asdic_texture *texture = f->sonar.speckle == ASDIC_SPECKLE_K ? &f->texture : NULL;
     unsigned looks = asdic_sonar_looks(&f->sonar, sound_speed_mps);
     stream s = {.seed = {(uint32_t)seed, (uint32_t)(seed >> 32)},
@@ -274,14 +341,14 @@ void asdic_speckle_apply(asdic_speckle_field *f, double sound_speed_mps, uint64_
     for (size_t first = 0; first < f->bins; first += f->block) {
         size_t left = f->bins - first, count = left < f->block ? left : f->block;
         for (s.look = 0; s.look < looks; s.look++) {
-            draw_sources(f, &c, s, first, count);
+            draw_sources(f, s, first, count);
             for (size_t b = 0; b < ping->beams; b++) {
                 hear_beam(f, b, count, part[ASDIC_TOTAL] + b * f->bins + first);
             }
         }
         if (texture) {
             s.look = TEXTURE_LOOK;
-            draw_sources(f, &c, s, first, count);
+            draw_sources(f, s, first, count);
         }
         for (size_t b = 0; b < ping->beams; b++) {
             memset(f->drawn, 0, count * sizeof *f->drawn);

@@ -1,6 +1,7 @@
 /* Simulated pings of overlapping beams and short bins: what neighbours share is what theory
  * says. */
 #include "ping_rig.h"
+#include "pulse.h"
 
 static test_device device;
 
@@ -113,7 +114,7 @@ static void neighbours_share_what_theory_says(void **state) {
                       step / RIG_DEGREE, length, f->bin_length_m / cell);
         for (size_t k = 1; k < LAGS; k++) {
             double across = pow(sinc(length * sin((double)k * step)), 2);
-            double along = pow(fmax(1.0 - (double)k * f->bin_length_m / cell, 0.0), 2);
+            double along = pow(pulse_share((double)k * f->bin_length_m / cell), 2);
             if (f->speckle == ASDIC_SPECKLE_K) { /* speckle and texture are correlated alike */
                 across = ((1.0 + across) * (1.0 + across / 4.0) - 1.0) / 1.5;
                 along = ((1.0 + along) * (1.0 + along / 4.0) - 1.0) / 1.5;
