@@ -1,16 +1,40 @@
-/*
- * Coherent pings at the array: the sums at every element (coherent_elements), and the beams that are formed of them
- * (coherent_beams).
- */
+/* Coherent pings at the array: the sums at every element (coherent_elements), and the beams that
+ * are formed of them (coherent_beams). */
 #include "coherent.h"
 #include "echo.h"
 
 /* ---- At the elements ---- */
 
-/* Sums of DEV_GATE_SAMPLES samples at ASDIC_WIDTH elements. */
-typedef struct gate_sums {
-    real re[DEV_GATE_SAMPLES], im[DEV_GATE_SAMPLES];
-} gate_sums;
+/* Samples that a work-item sums. On a GPU few, that stay in registers: every index into them is
+ * known to the compiler. Elsewhere many, as a work-item looks at all echoes that reach into its
+ * samples. */
+#define OWN_SAMPLES (DEV_GATE_SAMPLES * DEV_OWN_GATES(ASDIC_WIDTH))
+
+/* Loops over own samples from FROM on, short of TO. */
+#if ASDIC_WIDTH == 1
+#define EVERY_SAMPLE _Pragma("unroll")
+#define FIRST(from) 0
+#define LAST(to) OWN_SAMPLES
+#else
+#define EVERY_SAMPLE
+#define FIRST(from) (from)
+#define LAST(to) (to)
+#endif
+
+/* Sums at ASDIC_WIDTH elements. */
+typedef struct own_sums {
+    real re[OWN_SAMPLES], im[OWN_SAMPLES];
+} own_sums;
+
+/* What echoes are added with. */
+typedef struct listener {
+    real y;        /* of the elements, along the line, m */
+    float begin_m; /* where the first own sample is */
+    float lead_m;  /* from where an echo reaches to the mean of the ways to both ends */
+    float step;    /* from sample to sample, in lengths of the pulse */
+    float turns_per_m, pulses_per_m, samples_per_m;
+    int taps; /* samples that an echo reaches, at most */
+} listener;
 
 /* Where elements FIRST and on lie on the line. */
 static real elements_at(__global const dev_coherent *c, uint first) {
@@ -21,57 +45,48 @@ static real elements_at(__global const dev_coherent *c, uint first) {
     return y;
 }
 
-/* The samples, counted from BEGIN, that an echo at ways from NEAR to FAR reaches. */
-typedef struct taps {
-    int from, to;
-} taps;
-
-static taps taps_of(__global const dev_coherent *c, float near, float far, float begin) {
-    float reach = PULSE_REACH * c->pulse_m, per = 1.0f / c->sample_m;
-    taps t = {max((int)(ceil((near - reach) * per - 0.5f - begin)), 0),
-              min((int)(floor((far + reach) * per - 0.5f - begin)), DEV_GATE_SAMPLES - 1)};
-    return t;
+/* From one element of a vector to another the way changes by their distance at most. With what it
+ * is at both ends that bounds it in between. */
+static listener listener_of(__global const dev_coherent *c, uint element, uint begin) {
+    listener l;
+    float span = (float)(ASDIC_WIDTH - 1) * c->spacing_m, reach = PULSE_REACH * c->pulse_m;
+    l.y = elements_at(c, element);
+    l.begin_m = ((float)(begin) + 0.5f) * c->sample_m;
+    l.lead_m = reach + 0.25f * span;
+    l.step = c->sample_m / c->pulse_m;
+    l.turns_per_m = c->turns_per_m;
+    l.pulses_per_m = 1.0f / c->pulse_m;
+    l.samples_per_m = 1.0f / c->sample_m;
+    l.taps = (int)((2.0f * reach + 0.5f * span) * l.samples_per_m) + 1;
+    return l;
 }
 
-/* Adds an echo X from sample 0 to sample N, if that is not beyond TO. */
-static void add_tap(__global const dev_coherent *c, real x, real per, phasor echo, int n, int to,
-                    gate_sums *sums) {
-    if (n <= to) {
-        real s = pulse_at(x - (real)((float)(n)*c->sample_m), per);
-        sums->re[n] += s * echo.re;
-        sums->im[n] += s * echo.im;
+/* Adds ECHO to the samples that it reaches: as many for every echo, which is quicker than no more
+ * than needed. */
+static void add_echo(const listener *l, __global const dev_echo *echo, own_sums *sums) {
+    real longer = element_longer(l->y, (real)(echo->y), (real)(echo->range_m));
+    float ends = ((float *)&longer)[0] + ((float *)&longer)[ASDIC_WIDTH - 1];
+    float way = echo->way_m - l->begin_m;
+    float before = (way + 0.25f * ends - l->lead_m) * l->samples_per_m;
+    if (before < (float)(-1 - l->taps) || before > (float)(OWN_SAMPLES)) {
+        return;
     }
-}
-
-/* Adds ECHO to the samples from BEGIN on. Eight a round: llvmpipe leaves all loops of a work-item, those
- * over echoes too, after 65,535 rounds. */
-static void add_echo(__global const dev_coherent *c, __global const dev_echo *echo, real y,
-                     float begin, gate_sums *sums) {
-    real longer = element_longer(y, (real)(echo->y), (real)(echo->range_m));
-#if ASDIC_WIDTH == 1
-    taps t = taps_of(c, echo->way_m + 0.5f * longer, echo->way_m + 0.5f * longer, begin);
-#else
-    /* The way is longest at one end of the vector, and within a sagitta shortest at the other. */
-    float first = 0.5f * ((float *)&longer)[0], last = 0.5f * ((float *)&longer)[ASDIC_WIDTH - 1];
-    float span = (float)(ASDIC_WIDTH - 1) * c->spacing_m;
-    float sagitta = span * span / (8.0f * max(echo->range_m - span, 0.1f * span));
-    taps t =
-        taps_of(c, echo->way_m + min(first, last) - sagitta, echo->way_m + max(first, last), begin);
-#endif
-    phasor turn = phasor_of(-longer * (real)(c->turns_per_m));
+    int from = (int)(before + 1024.0f) - 1023; /* truncation goes down */
+    int to = min(from + l->taps, OWN_SAMPLES);
+    from = max(from, 0);
+    phasor turn = phasor_of(-longer * (real)(l->turns_per_m));
     real re = turn.re * echo->re - turn.im * echo->im, im = turn.re * echo->im + turn.im * echo->re;
-    real per = (real)(1.0f / c->pulse_m);
-    real x = R(0.5) * longer + (echo->way_m - (begin + 0.5f) * c->sample_m);
-    phasor turned = {re, im};
-    for (int n = t.from; n <= t.to; n += 8) {
-        add_tap(c, x, per, turned, n, t.to, sums);
-        add_tap(c, x, per, turned, n + 1, t.to, sums);
-        add_tap(c, x, per, turned, n + 2, t.to, sums);
-        add_tap(c, x, per, turned, n + 3, t.to, sums);
-        add_tap(c, x, per, turned, n + 4, t.to, sums);
-        add_tap(c, x, per, turned, n + 5, t.to, sums);
-        add_tap(c, x, per, turned, n + 6, t.to, sums);
-        add_tap(c, x, per, turned, n + 7, t.to, sums);
+    real x =
+        (R(0.5) * longer + way) * (real)(l->pulses_per_m) - (real)((float)(FIRST(from)) * l->step);
+    real step = (real)(l->step);
+    EVERY_SAMPLE
+    for (int n = FIRST(from); n < LAST(to); n++) {
+        if (n >= from && n < to) {
+            real s = pulse_at(x, R(1.0));
+            sums->re[n] = r_fma(s, re, sums->re[n]);
+            sums->im[n] = r_fma(s, im, sums->im[n]);
+        }
+        x -= step;
     }
 }
 
@@ -89,109 +104,127 @@ static phasor draw_noise(__global const dev_ping *ping, uint sample, uint first)
 
 /* Noise in the pulse's band: white noise through the pulse. */
 static void add_noise(__global const dev_ping *ping, __global const dev_coherent *c, uint first,
-                      int begin, gate_sums *sums) {
+                      uint begin, own_sums *sums) {
     int reach = (int)(PULSE_REACH * c->pulse_m / c->sample_m);
     float per = c->sample_m / c->pulse_m;
-    for (int n = -reach; n < DEV_GATE_SAMPLES + reach; n++) {
-        phasor white = draw_noise(ping, (uint)(begin + n + reach), first);
-        for (int k = max(n - reach, 0); k <= min(n + reach, DEV_GATE_SAMPLES - 1); k++) {
-            real s = pulse_at((real)((float)(k - n)), (real)(per)) * c->noise;
-            sums->re[k] += s * white.re;
-            sums->im[k] += s * white.im;
+    for (int n = -reach; n < OWN_SAMPLES + reach; n++) {
+        phasor white = draw_noise(ping, (uint)((int)(begin) + n + reach), first);
+        int from = max(n - reach, 0), to = min(n + reach + 1, OWN_SAMPLES);
+        EVERY_SAMPLE
+        for (int k = FIRST(from); k < LAST(to); k++) {
+            if (k >= from && k < to) {
+                real s = pulse_at((real)((float)(k - n)), (real)(per)) * c->noise;
+                sums->re[k] += s * white.re;
+                sums->im[k] += s * white.im;
+            }
         }
     }
 }
 
-/* One work-item per gate and ASDIC_WIDTH elements. PRESSURE [element][sample]. */
+/* One work-item per DEV_OWN_GATES gates and ASDIC_WIDTH elements. PRESSURE [sample][re,
+ * im][element]. */
 __kernel void coherent_elements(__global const dev_ping *ping, __global const dev_coherent *c,
                                 __global const dev_echo *sorted, __global const uint *first,
-                                __global float2 *pressure) {
-    uint groups = c->lanes / ASDIC_WIDTH, item = (uint)(get_global_id(0));
-    uint gate = item / groups, element = item % groups * ASDIC_WIDTH;
+                                __global real *pressure) {
+    uint groups = c->lanes / ASDIC_WIDTH, item = (uint)(get_global_id(0)), group = item % groups;
+    uint gate = item / groups * DEV_OWN_GATES(ASDIC_WIDTH);
     if (gate >= c->gates) {
         return;
     }
-    gate_sums sums;
-    for (int n = 0; n < DEV_GATE_SAMPLES; n++) {
+    own_sums sums;
+    EVERY_SAMPLE
+    for (int n = 0; n < OWN_SAMPLES; n++) {
         sums.re[n] = sums.im[n] = R(0.0);
     }
-    real y = elements_at(c, element);
+    uint begin = gate * DEV_GATE_SAMPLES;
+    listener l = listener_of(c, group * ASDIC_WIDTH, begin);
     uint reach = (uint)(c->margin_m / (c->sample_m * DEV_GATE_SAMPLES)) + 1u;
-    uint from = gate > reach ? gate - reach : 0u, to = min(gate + reach + 1u, c->gates);
-    float begin = (float)(gate * DEV_GATE_SAMPLES);
-    float near = begin * c->sample_m - c->margin_m;
-    float far = (begin + DEV_GATE_SAMPLES) * c->sample_m + c->margin_m;
+    uint from = gate > reach ? gate - reach : 0u;
+    uint to = min(gate + DEV_OWN_GATES(ASDIC_WIDTH) + reach, c->gates);
     for (uint at = first[from]; at < first[to]; at++) {
-        if (sorted[at].way_m > near && sorted[at].way_m < far) {
-            add_echo(c, sorted + at, y, begin, &sums);
-        }
+        add_echo(&l, sorted + at, &sums);
     }
     if (c->noise > 0.0f) {
-        add_noise(ping, c, element, (int)(gate * DEV_GATE_SAMPLES), &sums);
+        add_noise(ping, c, group * ASDIC_WIDTH, begin, &sums);
     }
-    for (uint n = 0; n < DEV_GATE_SAMPLES; n++) {
-        uint sample = gate * DEV_GATE_SAMPLES + n;
-        LANES {
-            if (sample < c->samples && element + lane < c->elements) {
-                pressure[(size_t)(element + lane) * c->samples + sample] =
-                    (float2)(AT(sums.re[n], float), AT(sums.im[n], float));
-            }
+    EVERY_SAMPLE
+    for (uint n = 0; n < OWN_SAMPLES; n++) {
+        if (begin + n < c->samples) {
+            __global real *row = pressure + (size_t)(begin + n) * 2u * groups + group;
+            row[0] = sums.re[n];
+            row[groups] = sums.im[n];
         }
     }
 }
 
 /* ---- Beams ---- */
 
-/* Samples of an element between samples: the quintic through six neighbours (Lagrange), which leaves 1 % of a
- * pulse's energy out at worst. AT counts samples. */
-static phasor between(__global const float2 *row, uint samples, real at) {
-    real base = floor(at), f = at - base;
-    real a = f + R(2.0), b = f + R(1.0), d = f - R(1.0), e = f - R(2.0), g = f - R(3.0);
-    real weight[6] = {b * f * d * e * g * R(-0.00833333333), a * f * d * e * g * R(0.0416666667),
-                      a * b * d * e * g * R(-0.0833333333),  a * b * f * e * g * R(0.0833333333),
-                      a * b * f * d * g * R(-0.0416666667),  a * b * f * d * e * R(0.00833333333)};
-    phasor out = {R(0.0), R(0.0)};
-    for (int k = 0; k < 6; k++) {
-        phasor p;
-        LANES {
-            int sample = (int)(AT(base, float)) + k - 2;
-            float2 v = sample >= 0 && sample < (int)(samples) ? row[sample] : (float2)(0.0f);
-            AT(p.re, float) = v.x;
-            AT(p.im, float) = v.y;
-        }
-        out.re += weight[k] * p.re;
-        out.im += weight[k] * p.im;
+/* Samples that a beam takes in on either side of a time between samples. */
+#define NEIGHBOURS 3.0f
+
+/* The weight of a sample X samples away. As much of a pulse four samples long is left out, 0.09 %
+ * of its energy, as by the quintic through the same six samples (Lagrange), but one polynomial is
+ * for all of them and every time in between: least squares over these times, heavier the lower the
+ * frequency. A constant is kept within 7e-5. */
+static real between(real x) {
+    real v = r_max(r_fma(x * x, R(-0.111111111), R(1.0)), R(0.0));
+    real h = r_fma(v, R(55.8977115), R(-173.675193));
+    h = r_fma(v, h, R(241.501067));
+    h = r_fma(v, h, R(-187.757739));
+    h = r_fma(v, h, R(83.2961579));
+    h = r_fma(v, h, R(-20.9520188));
+    h = r_fma(v, h, R(2.72416098));
+    h = r_fma(v, h, R(-0.0207689849));
+    return v * v * h;
+}
+
+/* The pressures at elements, delayed and turned towards a beam: the sum over a vector of elements.
+ * */
+static phasor listen(__global const dev_coherent *c, __global const real *pressure, uint group,
+                     float range, float along) {
+    uint groups = c->lanes / ASDIC_WIDTH;
+    float samples_per_m = 1.0f / c->sample_m, span = (float)(ASDIC_WIDTH - 1) * c->spacing_m;
+    real longer =
+        element_longer(elements_at(c, group * ASDIC_WIDTH), (real)(range * along), (real)(range));
+    float ends = ((float *)&longer)[0] + ((float *)&longer)[ASDIC_WIDTH - 1];
+    float at = range * samples_per_m - 0.5f;
+    int from = (int)(at + 0.25f * (ends - span) * samples_per_m - NEIGHBOURS + 1024.0f) - 1023;
+    int to =
+        min(from + (int)(2.0f * NEIGHBOURS + 0.5f * span * samples_per_m) + 1, (int)(c->samples));
+    from = max(from, 0);
+    real x = (real)(at - (float)(from)) + longer * (real)(0.5f * samples_per_m);
+    phasor sum = {R(0.0), R(0.0)};
+    for (int n = from; n < to; n++) {
+        __global const real *row = pressure + (size_t)(n)*2u * groups + group;
+        real h = between(x);
+        sum.re = r_fma(h, row[0], sum.re);
+        sum.im = r_fma(h, row[groups], sum.im);
+        x -= R(1.0);
     }
+    phasor turn = phasor_of(longer * (real)(c->turns_per_m)), out;
+    out.re = turn.re * sum.re - turn.im * sum.im;
+    out.im = turn.re * sum.im + turn.im * sum.re;
     return out;
 }
 
-/* One work-item per beam and ASDIC_WIDTH looks. STEER: by beam, the direction cosine along the line; then
- * the elements' weights. Every look is focused at its range. */
-__kernel void coherent_beams(__global const dev_coherent *c, __global const float *steer,
-                             __global const float2 *pressure, __global float2 *out) {
-    uint groups = (c->looks + ASDIC_WIDTH - 1u) / ASDIC_WIDTH, item = (uint)(get_global_id(0));
-    uint beam = item / groups, first = item % groups * ASDIC_WIDTH;
-    if (beam >= c->beams) {
-        return;
-    }
-    real look = R(0.5);
-    LANES {
-        AT(look, float) += (float)(first + lane);
-    }
-    real range = look * c->look_m, re = R(0.0), im = R(0.0);
-    for (uint e = 0; e < c->elements; e++) {
-        real y = (real)(((float)(e)-0.5f * (float)(c->elements - 1u)) * c->spacing_m);
-        real longer = element_longer(y, range * steer[beam], range);
-        phasor turn = phasor_of(longer * (real)(c->turns_per_m));
-        real at = (range + R(0.5) * longer) / (real)(c->sample_m) - R(0.5);
-        phasor p = between(pressure + (size_t)(e)*c->samples, c->samples, at);
-        real weight = (real)(steer[c->beams + e]);
-        re += weight * (turn.re * p.re - turn.im * p.im);
-        im += weight * (turn.re * p.im + turn.im * p.re);
-    }
-    LANES {
-        if (first + lane < c->looks) {
-            out[(size_t)(beam)*c->looks + first + lane] = (float2)(AT(re, float), AT(im, float));
+/* One work-item per beam and ASDIC_WIDTH looks. WEIGHTS of elements, 0 of those that are not there;
+ * STEER, the direction cosine of beams along the line. Every look is focused at its range. */
+__kernel void coherent_beams(__global const dev_coherent *c, __global const real *weights,
+                             __global const float *steer, __global const real *pressure,
+                             __global float2 *out) {
+    uint item = (uint)(get_global_id(0)), beam = item % c->beams;
+    uint begin = item / c->beams * ASDIC_WIDTH, end = min(begin + ASDIC_WIDTH, c->looks);
+    for (uint look = begin; look < end; look++) {
+        phasor sum = {R(0.0), R(0.0)};
+        for (uint group = 0; group < c->lanes / ASDIC_WIDTH; group++) {
+            phasor p = listen(c, pressure, group, ((float)(look) + 0.5f) * c->look_m, steer[beam]);
+            sum.re = r_fma(weights[group], p.re, sum.re);
+            sum.im = r_fma(weights[group], p.im, sum.im);
         }
+        float2 all = (float2)(0.0f);
+        LANES {
+            all += (float2)(AT(sum.re, float), AT(sum.im, float));
+        }
+        out[(size_t)(beam)*c->looks + look] = all;
     }
 }

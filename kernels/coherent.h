@@ -20,8 +20,9 @@
 
 /* A patch has at most this many scatterers. */
 #define DEV_PATCH_SCATTERERS 64
-/* Samples that a work-item sums at a time. */
+/* Samples of a gate, by which scatterers are sorted; gates that a work-item sums. */
 #define DEV_GATE_SAMPLES 16
+#define DEV_OWN_GATES(width) ((width) > 1 ? 16 : 1)
 /* The gate of what is not heard. */
 #define NO_GATE 0xffffffffu
 /* Kinds of scatterers beside DEV_KIND_*. */
@@ -129,22 +130,24 @@ typedef struct phasor {
     real re, im;
 } phasor;
 
-/* exp(2 pi i TURNS). On a device the series of sine and cosine over an eighth of a turn, 1e-7. */
+/* exp(2 pi i TURNS), |TURNS| below 2^22. On a device the series of sine and cosine of half the angle, 2e-7. */
 FORMULA phasor phasor_of(real turns) {
 #ifdef __OPENCL_C_VERSION__
-    real x = turns - rint(turns);
-    real quarter = rint(R(4.0) * x);
-    real a = R(6.28318530717958647692) * (x - R(0.25) * quarter), q = a * a;
-    real s =
-        a * (R(1.0) + q * (R(-0.166666667) +
-                           q * (R(8.33333333e-3) + q * (R(-1.98412698e-4) + q * R(2.7557319e-6)))));
-    real c = R(1.0) + q * (R(-0.5) +
-                           q * (R(4.16666667e-2) + q * (R(-1.38888889e-3) + q * R(2.48015873e-5))));
-    /* quarters: -2, -1, 0, 1, 2 */
-    mask odd = r_abs(quarter) == R(1.0);
-    real sine = choose(odd, c * quarter, s), cosine = choose(odd, -s * quarter, c);
-    real flip = choose(r_abs(quarter) == R(2.0), R(-1.0), R(1.0));
-    phasor out = {flip * cosine, flip * sine};
+    real whole_turns =
+        (turns + R(12582912.0)) - R(12582912.0); /* rounds: 1.5 * 2^23 has no fraction */
+    real x = R_PI * (turns - whole_turns), q = x * x;
+    real s = r_fma(q, R(-2.50521084e-8), R(2.75573192e-6)),
+         c = r_fma(q, R(2.0876757e-9), R(-2.75573192e-7));
+    s = r_fma(q, s, R(-1.98412698e-4));
+    c = r_fma(q, c, R(2.48015873e-5));
+    s = r_fma(q, s, R(8.33333333e-3));
+    c = r_fma(q, c, R(-1.38888889e-3));
+    s = r_fma(q, s, R(-0.166666667));
+    c = r_fma(q, c, R(4.16666667e-2));
+    s = x * r_fma(q, s, R(1.0));
+    c = r_fma(q, c, R(-0.5));
+    c = r_fma(q, c, R(1.0));
+    phasor out = {r_fma(R(-2.0) * s, s, R(1.0)), R(2.0) * s * c};
 #else
     phasor out = {r_sinpi(2.0 * turns + 0.5), r_sinpi(2.0 * turns)};
 #endif
@@ -161,13 +164,13 @@ FORMULA real element_longer(real y, real along, real range) {
 
 /* The pulse after compression: an amplitude of 1 over its middle half, and edges of half its LENGTH each,
  * that reach a quarter beyond. Squares of two edges that overlap add up to 1, so that the integral of
- * s^2 is LENGTH and samples LENGTH apart take the whole of every echo. The edges' energy is the smoothest
- * polynomial of order 7. */
+ * s^2 is LENGTH and samples LENGTH apart take the whole of every echo: within 0.4 % wherever the echo is, and
+ * 0.02 % on average. Of the polynomials of order 4 with level ends this does it best. */
 FORMULA real pulse_at(real x, real per_length) {
     real u = R(1.5) - R(2.0) * r_abs(x) * per_length;
     u = r_max(r_min(u, R(1.0)), R(0.0));
-    real s = R(35.0) + u * (R(-84.0) + u * (R(70.0) - R(20.0) * u));
-    return u * u * sqrt(s);
+    real s = R(6.33333333) + u * (R(-8.66666667) + u * R(3.33333333));
+    return u * u * s;
 }
 
 /* Half of what the pulse reaches over, in lengths. */

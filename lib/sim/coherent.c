@@ -20,7 +20,7 @@
 
 #define COUNT(args) (sizeof(args) / sizeof *(args))
 
-/* Samples of a pulse, at least: the quintic between them then leaves out 1 % of energy at most. */
+/* Samples of a pulse, at least: beams then leave out 0.1 % of its energy in between. */
 #define SAMPLES_OF_PULSE 4.0
 /* Blocks of scatterers that are sorted at the same time. */
 #define FEW_BLOCKS 32u
@@ -37,13 +37,13 @@ typedef struct slot_buffers {
 
 struct asdic_coherent {
     asdic_kernel *place, *shade, *count, *offset, *begin, *sort, *elements, *beams;
-    asdic_buffer *told, *patches, *counts, *first, *steer, *pressure, *looks;
+    asdic_buffer *told, *patches, *counts, *first, *weights, *steer, *pressure, *looks;
     slot_buffers slots;
     size_t patch_capacity;
     asdic_patches found;
     asdic_coherent_grid grid;
     dev_coherent now;
-    float *steering; /* of beams; weights of elements */
+    float *steering; /* of beams */
     float *heard;    /* of beams, by looks */
     double weights2; /* sum of the weights' squares */
 };
@@ -138,17 +138,21 @@ static void describe(const asdic_simulator *sim, asdic_coherent *c,
 
 static asdic_status make_weights(asdic_simulator *sim, asdic_coherent *c) {
     const asdic_array *array = &sim->setup.sonar.array;
-    double *weights = malloc(array->elements * sizeof *weights);
-    if (!weights) {
-        return asdic_fail_memory(sim->ctx, "an array");
+    double *exact = malloc(array->elements * sizeof *exact);
+    float *weights = calloc(c->now.lanes, sizeof *weights); /* 0 beyond the elements */
+    asdic_status status = asdic_fail_memory(sim->ctx, "an array");
+    if (exact && weights) {
+        asdic_array_weights(array, exact);
+        for (size_t e = 0; e < array->elements; e++) {
+            weights[e] = (float)exact[e];
+            c->weights2 += exact[e] * exact[e];
+        }
+        status =
+            asdic_buffer_create(sim->device, c->now.lanes * sizeof *weights, weights, &c->weights);
     }
-    asdic_array_weights(array, weights);
-    for (size_t e = 0; e < array->elements; e++) {
-        c->steering[c->now.beams + e] = (float)weights[e];
-        c->weights2 += weights[e] * weights[e];
-    }
+    free(exact);
     free(weights);
-    return ASDIC_OK;
+    return status;
 }
 
 static asdic_status create_buffers(asdic_simulator *sim, asdic_coherent *c) {
@@ -160,8 +164,8 @@ static asdic_status create_buffers(asdic_simulator *sim, asdic_coherent *c) {
         {sizeof *n, &c->told},
         {(size_t)n->gates * n->blocks * sizeof(uint32_t), &c->counts},
         {((size_t)n->gates + 1) * sizeof(uint32_t), &c->first},
-        {((size_t)n->beams + n->elements) * sizeof(float), &c->steer},
-        {(size_t)n->elements * n->samples * 2 * sizeof(float), &c->pressure},
+        {(size_t)n->beams * sizeof(float), &c->steer},
+        {(size_t)n->lanes * n->samples * 2 * sizeof(float), &c->pressure},
         {(size_t)n->beams * n->looks * 2 * sizeof(float), &c->looks},
     };
     for (size_t i = 0; i < COUNT(wanted); i++) {
@@ -174,7 +178,7 @@ static asdic_status furnish(asdic_simulator *sim, const asdic_water_column *wate
                             asdic_coherent *c) {
     describe(sim, c, water);
     const dev_coherent *n = &c->now;
-    c->steering = calloc((size_t)n->beams + n->elements, sizeof *c->steering);
+    c->steering = calloc(n->beams, sizeof *c->steering);
     c->heard = calloc((size_t)n->beams * n->looks, 2 * sizeof *c->heard);
     if (!c->steering || !c->heard) {
         return asdic_fail_memory(sim->ctx, "the beams of an array");
@@ -231,8 +235,8 @@ void asdic_coherent_destroy(asdic_coherent **pointer) {
     }
     asdic_kernel **kernels[] = {&c->place, &c->shade, &c->count,    &c->offset,
                                 &c->begin, &c->sort,  &c->elements, &c->beams};
-    asdic_buffer **buffers[] = {&c->told,  &c->patches,  &c->counts, &c->first,
-                                &c->steer, &c->pressure, &c->looks};
+    asdic_buffer **buffers[] = {&c->told,    &c->patches, &c->counts,   &c->first,
+                                &c->weights, &c->steer,   &c->pressure, &c->looks};
     for (size_t i = 0; i < COUNT(kernels); i++) {
         asdic_kernel_destroy(kernels[i]);
     }
@@ -318,8 +322,7 @@ static asdic_status tell(asdic_simulator *sim, asdic_coherent *c, const asdic_pi
         c->steering[b] = axis[0] * line[0] + axis[1] * line[1] + axis[2] * line[2];
     }
     TRY(asdic_buffer_write(c->told, 0, sizeof *n, n));
-    TRY(asdic_buffer_write(c->steer, 0, ((size_t)n->beams + n->elements) * sizeof(float),
-                           c->steering));
+    TRY(asdic_buffer_write(c->steer, 0, n->beams * sizeof(float), c->steering));
     TRY(asdic_buffer_write(c->patches, 0, c->found.count * sizeof(dev_patch), c->found.items));
     return asdic_buffer_write(sim->buffers.pings, 0, asdic_simulator_ping_bytes(sim), shot->ping);
 }
@@ -376,10 +379,12 @@ static asdic_status run_array(asdic_simulator *sim, asdic_coherent *c) {
     asdic_kernel_arg elements[] = {ASDIC_ARG_BUFFER(sim->buffers.pings), ASDIC_ARG_BUFFER(c->told),
                                    ASDIC_ARG_BUFFER(c->slots.sorted), ASDIC_ARG_BUFFER(c->first),
                                    ASDIC_ARG_BUFFER(c->pressure)};
-    asdic_kernel_arg beams[] = {ASDIC_ARG_BUFFER(c->told), ASDIC_ARG_BUFFER(c->steer),
-                                ASDIC_ARG_BUFFER(c->pressure), ASDIC_ARG_BUFFER(c->looks)};
-    TRY(asdic_kernel_run(c->elements, elements, COUNT(elements),
-                         (size_t)n->gates * (n->lanes / width), local));
+    asdic_kernel_arg beams[] = {ASDIC_ARG_BUFFER(c->told), ASDIC_ARG_BUFFER(c->weights),
+                                ASDIC_ARG_BUFFER(c->steer), ASDIC_ARG_BUFFER(c->pressure),
+                                ASDIC_ARG_BUFFER(c->looks)};
+    size_t own = DEV_OWN_GATES(width), shares = (n->gates + own - 1) / own;
+    TRY(asdic_kernel_run(c->elements, elements, COUNT(elements), shares * (n->lanes / width),
+                         local));
     return asdic_kernel_run(c->beams, beams, COUNT(beams),
                             n->beams * (((size_t)n->looks + width - 1) / width), local);
 }
@@ -407,26 +412,36 @@ static void sum_looks(const asdic_simulator *sim, const asdic_coherent *c, doubl
     }
 }
 
-/* Pressures re 1 uPa, where somebody wants them. */
+/* Pressures re 1 uPa by element and sample. */
 static asdic_status fetch_elements(asdic_simulator *sim, asdic_coherent *c, double source_lin,
                                    asdic_ping *out) {
+    const dev_coherent *n = &c->now;
     if (!out->pressure) {
         return ASDIC_OK;
     }
-    size_t count = 2 * (size_t)c->now.elements * c->now.samples;
-    if (out->elements != c->now.elements || out->samples != c->now.samples) {
+    if (out->elements != n->elements || out->samples != n->samples) {
         return asdic_fail(sim->ctx, ASDIC_ERROR_ARGUMENT,
                           "the ping has room for %zu elements x %zu samples, the simulator makes "
                           "%u x %u",
-                          out->elements, out->samples, c->now.elements, c->now.samples);
+                          out->elements, out->samples, n->elements, n->samples);
     }
-    TRY(asdic_buffer_read(c->pressure, 0, count * sizeof(float), out->pressure));
-    float unit = (float)sqrt(source_lin);
-    for (size_t i = 0; i < count; i++) {
-        out->pressure[i] *= unit;
+    size_t bytes = (size_t)n->samples * 2 * n->lanes * sizeof(float);
+    float *rows = malloc(bytes), unit = (float)sqrt(source_lin);
+    if (!rows) {
+        return asdic_fail_memory(sim->ctx, "pressures at elements");
     }
+    asdic_status status = asdic_buffer_read(c->pressure, 0, bytes, rows);
+    for (size_t s = 0; !status && s < n->samples; s++) {
+        const float *re = rows + 2 * s * n->lanes, *im = re + n->lanes;
+        for (size_t e = 0; e < n->elements; e++) {
+            float *to = out->pressure + 2 * (e * n->samples + s);
+            to[0] = re[e] * unit;
+            to[1] = im[e] * unit;
+        }
+    }
+    free(rows);
     out->sample_m = c->grid.sample_m;
-    return ASDIC_OK;
+    return status;
 }
 
 asdic_status asdic_coherent_ping(asdic_simulator *sim, const asdic_pose *pose, uint64_t index,

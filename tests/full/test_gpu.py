@@ -61,7 +61,7 @@ NEVER = {"collect"}
 STACK_BYTES = 256  # of the walk through the tree, which is all that may lie outside registers
 LEAST_WAVES = {"trace_scalar": 4, "model": 2}  # others: 3
 # Of the other forms: the most bytes outside registers, where not 0; the fewest waves, where not 3.
-OTHER_BYTES = {"bounce": 88, "coherent_elements": 136, "shade": 96, "volume": 376}
+OTHER_BYTES = {"bounce": 88, "shade": 96, "volume": 376}
 OTHER_WAVES = {"volume": 2}
 
 
