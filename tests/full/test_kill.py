@@ -23,21 +23,28 @@ KILLS = int(os.environ.get("ASDIC_KILLS", "200"))
 CODES = {signal.SIGINT: 130, signal.SIGTERM: 143, signal.SIGKILL: -9}
 
 
-def valid(folder, run, was_killed):
-    """What may be there after a stop."""
+def state_of(folder, run):
+    return facts(folder, run)["state"] if os.path.exists(folder / f"{run}/run.json") else None
+
+
+def valid(folder, run, was_killed, before):
+    """What may be there after a stop. BEFORE: the state that the stopped program found. A run that
+    was killed stays "running" where its resumption is stopped before it has begun to write."""
     names = os.listdir(folder / run) if os.path.isdir(folder / run) else []
     if "run.json" not in names:  # stopped before the first ping
         tap.equal([n for n in names if not n.endswith(".part")], [], "files without run.json")
         return
     run_facts = facts(folder, run)
     if not was_killed:
-        tap.equal(run_facts["state"] in ("interrupted", "complete"), True, run_facts["state"])
+        allowed = ("interrupted", "complete", before)
+        tap.equal(run_facts["state"] in allowed, True, f"state {run_facts['state']} after {before}")
         tap.equal([n for n in names if n.endswith(".part")], [], "unfinished files")
 
 
 def stop_once(folder, path, longest_s, luck):
     """One stop; the seconds that the run had. None when it was through before."""
     stop = luck.choice(list(CODES))
+    before = state_of(folder, "r")
     resume = ["--resume"] if os.path.exists(folder / "r/run.json") else ["--force"]
     begin = time.monotonic()
     child = subprocess.Popen([program.PATH, "run", path, "-o", folder / "r", *resume],
@@ -59,7 +66,7 @@ def stop_once(folder, path, longest_s, luck):
                  if line != "1 error generated." and " a ping, " not in line]
         tap.equal(len(lines), 1, f"sentences ({err!r})")
         tap.contains(lines[0], "--resume")
-    valid(folder, "r", child.returncode < 0)
+    valid(folder, "r", child.returncode < 0, before)
     return child.returncode, stop, took
 
 

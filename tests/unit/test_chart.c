@@ -408,7 +408,9 @@ static void names_do_not_cover_what_they_name(void **state) {
                 piles[i].north_m[k] = 2.0 - 10.0 * (double)(i / 2) + (k < 2 ? 0.2 : -0.2);
                 piles[i].east_m[k] = 12.0 + 10.0 * (double)(i % 2) + (k % 3 ? 0.2 : -0.2);
             }
-            snprintf(piles[i].name, sizeof piles[i].name, named ? "pile_%zu" : "", i);
+            if (named) {
+                snprintf(piles[i].name, sizeof piles[i].name, "pile_%zu", i);
+            }
         }
         assert_int_equal(asdic_draw_chart(ctx, path, &chart, &options), ASDIC_OK);
         red[named] = reds(path, &count);
