@@ -159,15 +159,15 @@ static asdic_status draw(const bench *b, const result *results, size_t count) {
                                                   .width = 1.5,
                                                   .style = styles[scene % 4]};
     }
-    const asdic_plot_axis error = {"r.m.s. error (dB)", 1e-3, 100.0, true};
-    const asdic_plot panels[2] = {{.x = {"rays per ping", 50.0, 1e7, true},
-                                   .y = error,
-                                   .series = series[0],
-                                   .series_count = n + entries},
-                                  {.x = {"time of a ping (ms)", 0.02, 1e3, true},
-                                   .y = error,
-                                   .series = series[1],
-                                   .series_count = n}};
+    const asdic_plot_axis error = {
+        .label = "r.m.s. error (dB)", .low = 1e-3, .high = 100.0, .logarithmic = true};
+    const asdic_plot_axis rays = {
+        .label = "rays per ping", .low = 50.0, .high = 1e7, .logarithmic = true};
+    const asdic_plot_axis time = {
+        .label = "time of a ping (ms)", .low = 0.02, .high = 1e3, .logarithmic = true};
+    const asdic_plot panels[2] = {
+        {.x = rays, .y = error, .series = series[0], .series_count = n + entries},
+        {.x = time, .y = error, .series = series[1], .series_count = n}};
     asdic_picture_options options = asdic_picture_options_default();
     char facts[ASDIC_SUBTITLE_SIZE] = "", title[ASDIC_SUBTITLE_SIZE + 64];
     bool is_one = true;

@@ -65,9 +65,39 @@ static size_t decade_ticks(const asdic_plot_axis *axis, size_t max_count,
     return count;
 }
 
+/* As much of NAME as there is room for, in whole characters of UTF-8. */
+static void name_label(char label[24], const char *name) {
+    static const char more[] = "\u2026";
+    size_t length = strlen(name), most = 24 - sizeof more;
+    if (length < 24) {
+        memcpy(label, name, length + 1);
+        return;
+    }
+    while (most > 0 && ((unsigned char)name[most] & 0xc0) == 0x80) {
+        most--;
+    }
+    memcpy(label, name, most);
+    memcpy(label + most, more, sizeof more);
+}
+
+static size_t named_ticks(const asdic_plot_axis *axis, asdic_tick ticks[ASDIC_AXIS_MAX_TICKS]) {
+    size_t count = 0;
+    for (size_t i = 0; i < axis->name_count && count < ASDIC_AXIS_MAX_TICKS; i++) {
+        double value = (double)i + 1.0;
+        if (value >= axis->low && value <= axis->high) {
+            ticks[count].value = value;
+            name_label(ticks[count++].label, axis->names[i]);
+        }
+    }
+    return count;
+}
+
 size_t asdic_axis_ticks(const asdic_plot_axis *axis, size_t max_count,
                         asdic_tick ticks[ASDIC_AXIS_MAX_TICKS]) {
     max_count = max_count > ASDIC_AXIS_MAX_TICKS - 2 ? ASDIC_AXIS_MAX_TICKS - 2 : max_count;
+    if (axis->names) {
+        return named_ticks(axis, ticks);
+    }
     if (axis->logarithmic) {
         return decade_ticks(axis, max_count, ticks);
     }

@@ -16,7 +16,8 @@ typedef struct asdic_tick {
 /* 1, 2 or 5 times a power of ten: the smallest step with at most MAX_COUNT steps in SPAN. */
 double asdic_axis_step(double span, size_t max_count);
 
-/* Ticks inside [low, high], about MAX_COUNT at most; decades when logarithmic. Returns how many. */
+/* Ticks inside [low, high], about MAX_COUNT at most; decades when logarithmic, all that have names.
+ * Returns how many. */
 size_t asdic_axis_ticks(const asdic_plot_axis *axis, size_t max_count,
                         asdic_tick ticks[ASDIC_AXIS_MAX_TICKS]);
 

@@ -25,6 +25,7 @@ void asdic_canvas_axis_x(asdic_canvas *c, asdic_box box, const asdic_plot_axis *
     asdic_tick ticks[ASDIC_AXIS_MAX_TICKS];
     size_t count = asdic_axis_ticks(axis, tick_count(box.w, 90.0), ticks);
     double bottom = box.y + box.h;
+    double room = axis->names ? box.w / (axis->high - axis->low) - GAP_PX : box.w;
     cairo_set_line_width(c->cr, 1.0);
     for (size_t i = 0; i < count; i++) {
         double x = crisp(box.x + box.w * asdic_axis_share(axis, ticks[i].value));
@@ -34,13 +35,13 @@ void asdic_canvas_axis_x(asdic_canvas *c, asdic_box box, const asdic_plot_axis *
         }
         asdic_canvas_color(c, INK_RGB);
         asdic_canvas_line(c, x, bottom, x, bottom + TICK_PX);
-        asdic_canvas_text(c,
-                          (asdic_text){.x = x,
-                                       .y = bottom + TICK_PX + GAP_PX,
-                                       .align_x = 0.5,
-                                       .align_y = 1.0,
-                                       .size_px = ASDIC_TEXT_PX},
-                          ticks[i].label);
+        asdic_canvas_text_fit(c,
+                              (asdic_text){.x = x,
+                                           .y = bottom + TICK_PX + GAP_PX,
+                                           .align_x = 0.5,
+                                           .align_y = 1.0,
+                                           .size_px = ASDIC_TEXT_PX},
+                              ticks[i].label, room);
     }
     if (axis->label) {
         asdic_canvas_text(c,

@@ -10,11 +10,15 @@
 #include <stdlib.h>
 
 #define LABEL_SIZE 256
+/* So many designs have their names below the axis; more have numbers. */
+#define MOST_NAMES 8
 
 static const uint32_t colors[] = {0x0072b2u, 0xd55e00u, 0x009e73u, 0xcc79a7u,
                                   0xe69f00u, 0x56b4e9u, 0x7f7f7fu, 0x8c564bu};
 
 typedef struct drawing {
+    char numbers[ASDIC_TRIAL_MOST_VARIANTS][24];
+    const char *names[ASDIC_TRIAL_MOST_VARIANTS]; /* of ticks */
     char labels[ASDIC_TRIAL_MOST_VARIANTS][LABEL_SIZE];
     double bar_x[ASDIC_TRIAL_MOST_VARIANTS][11], bar_y[ASDIC_TRIAL_MOST_VARIANTS][11];
     double late_x[ASDIC_TRIAL_MOST_VARIANTS][11], late_y[ASDIC_TRIAL_MOST_VARIANTS][11];
@@ -84,8 +88,13 @@ static asdic_status draw(asdic_context *ctx, const asdic_trial *t, const drawing
             farthest = fmax(farthest, d->x[v][i]);
         }
     }
-    const asdic_plot_axis variants = {
-        .label = "design, in the order of the legend", .low = 0.0, .high = (double)n + 1.0};
+    const asdic_plot_axis variants = {.label = n > MOST_NAMES ? "design, in the order of the legend"
+                                               : t->facts.key ? t->facts.key
+                                                              : "design",
+                                      .low = 0.5,
+                                      .high = (double)n + 0.5,
+                                      .names = d->names,
+                                      .name_count = n};
     const asdic_plot plots[3] = {
         {.title = "Runs that end in a collision",
          .x = variants,
@@ -121,6 +130,10 @@ asdic_status asdic_trial_draw(asdic_context *ctx, const asdic_trial *t, const ch
         asdic_series line = {.rgb = colors[v % 8], .width = 1.6, .count = 11};
         snprintf(d->labels[v], LABEL_SIZE, "%s: P(collision) %.4f (%.4f\u2026%.4f)", t->names[v],
                  r->collision.value, r->collision.low, r->collision.high);
+        snprintf(d->numbers[v], sizeof d->numbers[v], "%zu", v + 1);
+        d->names[v] = t->facts.variants > MOST_NAMES ? d->numbers[v]
+                      : t->facts.key                 ? t->facts.values[v]
+                                                     : t->names[v];
         draw_interval((double)v + 1.0, &r->collision, d->bar_x[v], d->bar_y[v]);
         draw_interval((double)v + 1.0, &r->needless, d->late_x[v], d->late_y[v]);
         d->bars[v] = d->needless[v] = line;

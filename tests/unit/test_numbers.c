@@ -225,6 +225,10 @@ static void steps_are_1_2_or_5(void **state) {
     }
 }
 
+static asdic_plot_axis axis_of(double low, double high, bool logarithmic) {
+    return (asdic_plot_axis){.label = "", .low = low, .high = high, .logarithmic = logarithmic};
+}
+
 static void check_ticks(asdic_plot_axis axis, size_t most, const char *expected) {
     asdic_tick ticks[ASDIC_AXIS_MAX_TICKS];
     size_t count = asdic_axis_ticks(&axis, most, ticks);
@@ -242,21 +246,35 @@ static void check_ticks(asdic_plot_axis axis, size_t most, const char *expected)
 
 static void ticks_lie_within(void **state) {
     (void)state;
-    check_ticks((asdic_plot_axis){"", 0.0, 10.0, false}, 5, "0 2 4 6 8 10");
-    check_ticks((asdic_plot_axis){"", -0.25, 0.25, false}, 5, "\u22120.2 \u22120.1 0.0 0.1 0.2");
-    check_ticks((asdic_plot_axis){"", 0.11, 0.149, false}, 4, "0.11 0.12 0.13 0.14");
-    check_ticks((asdic_plot_axis){"", 1e7, 3e7, false}, 2, "1e+07 2e+07 3e+07");
-    check_ticks((asdic_plot_axis){"", 9999990.0, 9999999.0, false}, 2, "9999990 9999995");
-    check_ticks((asdic_plot_axis){"", 0.01, 1000.0, true}, 8,
+    check_ticks(axis_of(0.0, 10.0, false), 5, "0 2 4 6 8 10");
+    check_ticks(axis_of(-0.25, 0.25, false), 5, "\u22120.2 \u22120.1 0.0 0.1 0.2");
+    check_ticks(axis_of(0.11, 0.149, false), 4, "0.11 0.12 0.13 0.14");
+    check_ticks(axis_of(1e7, 3e7, false), 2, "1e+07 2e+07 3e+07");
+    check_ticks(axis_of(9999990.0, 9999999.0, false), 2, "9999990 9999995");
+    check_ticks(axis_of(0.01, 1000.0, true), 8,
                 "10\u207b\u00b2 10\u207b\u00b9 10\u2070 10\u00b9 10\u00b2 10\u00b3");
-    check_ticks((asdic_plot_axis){"", 0.01, 1000.0, true}, 3, "10\u207b\u00b2 10\u2070 10\u00b2");
-    check_ticks((asdic_plot_axis){"", 0.02, 999.0, true}, 5,
-                "10\u207b\u00b9 10\u2070 10\u00b9 10\u00b2");
-    check_ticks((asdic_plot_axis){"", 1e9, 1e12, true}, 4,
+    check_ticks(axis_of(0.01, 1000.0, true), 3, "10\u207b\u00b2 10\u2070 10\u00b2");
+    check_ticks(axis_of(0.02, 999.0, true), 5, "10\u207b\u00b9 10\u2070 10\u00b9 10\u00b2");
+    check_ticks(axis_of(1e9, 1e12, true), 4,
                 "10\u2079 10\u00b9\u2070 10\u00b9\u00b9 10\u00b9\u00b2");
     asdic_tick ticks[ASDIC_AXIS_MAX_TICKS];
-    asdic_plot_axis fine = {"", 0.0, 30.0, false};
+    asdic_plot_axis fine = axis_of(0.0, 30.0, false);
     assert_int_equal(asdic_axis_ticks(&fine, 1000, ticks), 31);
+}
+
+/* Names stand at 1, 2, ..., and nowhere between; long ones are cut at a whole character. */
+static void ticks_with_names(void **state) {
+    (void)state;
+    const char *const names[] = {"one", "", "a name of twenty \u03b1\u03b2\u03b3\u03b4", "outside"};
+    const asdic_plot_axis axis = {.low = 0.5, .high = 3.5, .names = names, .name_count = 4};
+    asdic_tick ticks[ASDIC_AXIS_MAX_TICKS];
+    assert_int_equal(asdic_axis_ticks(&axis, 12, ticks), 3);
+    for (size_t i = 0; i < 3; i++) {
+        assert_true(ticks[i].value == (double)i + 1.0);
+    }
+    assert_string_equal(ticks[0].label, "one");
+    assert_string_equal(ticks[1].label, "");
+    assert_string_equal(ticks[2].label, "a name of twenty \u03b1\u2026");
 }
 
 /* ---- Fewer rows and columns ---- */
@@ -564,6 +582,7 @@ int main(void) {
         cmocka_unit_test(halves_are_the_nearest),
         cmocka_unit_test(steps_are_1_2_or_5),
         cmocka_unit_test(ticks_lie_within),
+        cmocka_unit_test(ticks_with_names),
         cmocka_unit_test(groups_are_means_of_energy),
         cmocka_unit_test(polygons_enclose_their_pixels),
         cmocka_unit_test(pixels_belong_to_beams),

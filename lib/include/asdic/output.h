@@ -116,6 +116,8 @@ typedef struct asdic_plot_axis {
     const char *label;
     double low, high; /* low < high; both positive when logarithmic */
     bool logarithmic;
+    const char *const *names; /* of 1, 2, ..., the only ticks, in place of numbers; NULL: none */
+    size_t name_count;
 } asdic_plot_axis;
 
 /* A panel of curves; several are stacked and get one legend. */
