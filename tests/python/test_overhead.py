@@ -5,6 +5,10 @@ Python. Both draw the same rays and follow each other, so that what else runs on
 the processor time of the process, pair by pair. The median of the ratios has an interval from its order
 statistics, which hold whatever the ratios' distribution is; pairs are added until it lies on one side of
 the limit.
+
+After a single ping Python's own code is no longer in the processor's caches, and the less so the more runs beside:
+single pings are compared by the quickest twentieth of the calls of each loop, which were left alone. Where processes
+wait for a processor no call is: five times as much is then allowed.
 """
 import math
 import os
@@ -18,8 +22,9 @@ import asdic
 from asdic._native import ffi, lib
 
 SCENE = os.path.join(ROOT, "data", "scenes", "scenario2.yaml")
-LIMIT, MOST_SINGLE = 0.02, 0.1  # a single ping finds its Python code no longer in the processor's caches
-PAIRS, MOST_PAIRS = 200, 2000
+LIMIT = 0.02
+PAIRS, MOST_PAIRS = 25, 125  # of 16 pings a call
+SINGLE_PAIRS, MOST_SINGLE_PAIRS, QUICKEST = 250, 1000, 0.05
 
 
 def processor_s(function):
@@ -67,25 +72,38 @@ class Loops:
         return times
 
 
-def overhead(count, most, pairs):
-    """The median share that Python adds to 20,000 rays a ping, COUNT pings a call."""
+def loops_of(count):
+    """20,000 rays a ping, COUNT pings a call."""
     loops = Loops(20000, count)
     loops.pairs(4)
     tap.equal(np.array_equal(loops.levels, loops.in_python(), equal_nan=True), True, "both simulate the same pings")
-    times, low, high = np.empty((0, 2)), -1.0, 1.0
-    while low < LIMIT < high and len(times) < most:
-        times = np.concatenate([times, loops.pairs(pairs)])
-        ratio, low, high = median_interval(times[:, 0] / times[:, 1] - 1)
-    print(f"# 20,000 rays, {count} pings a call: {1e3 * np.median(times[:, 1]) / count:.2f} ms of processor time a ping in C, "
-          f"in Python {100 * ratio:+.2f} % ({100 * low:+.2f} to {100 * high:+.2f} with 99 %, {len(times)} pairs)")
-    return ratio
+    return loops
 
 
-def test_overhead_is_below_two_per_cent():
+def test_overhead_of_many_pings_a_call():
+    """The median share that Python adds."""
     need_device()
-    many, single = overhead(16, MOST_PAIRS // 16, PAIRS // 8), overhead(1, PAIRS, PAIRS)
-    tap.equal(many < LIMIT, True, f"{100 * many:.2f} % is below {100 * LIMIT:.0f} %")
-    tap.equal(single < MOST_SINGLE, True, f"{100 * single:.2f} % of single pings is below {100 * MOST_SINGLE:.0f} %")
+    loops, times, low, high = loops_of(16), np.empty((0, 2)), -1.0, 1.0
+    while low < LIMIT < high and len(times) < MOST_PAIRS:
+        times = np.concatenate([times, loops.pairs(PAIRS)])
+        ratio, low, high = median_interval(times[:, 0] / times[:, 1] - 1)
+    print(f"# 16 pings a call: {1e3 * np.median(times[:, 1]) / 16:.2f} ms of processor time a ping in C, in Python "
+          f"{100 * ratio:+.2f} % ({100 * low:+.2f} to {100 * high:+.2f} with 99 %, {len(times)} pairs)")
+    tap.equal(ratio < LIMIT, True, f"{100 * ratio:.2f} % is below {100 * LIMIT:.0f} %")
+
+
+def test_overhead_of_single_pings():
+    """The share that Python adds to the quickest."""
+    need_device()
+    loops, times, ratio = loops_of(1), np.empty((0, 2)), 1.0
+    while ratio >= LIMIT and len(times) < MOST_SINGLE_PAIRS:
+        times = np.concatenate([times, loops.pairs(SINGLE_PAIRS)])
+        python_s, c_s = np.quantile(times, QUICKEST, axis=0)
+        ratio = python_s / c_s - 1
+    print(f"# single pings: {1e3 * c_s:.2f} ms of processor time in C, in Python {100 * ratio:+.2f} %, by the quickest of "
+          f"{len(times)} pairs; the median of all pairs is {100 * np.median(times[:, 0] / times[:, 1] - 1):+.2f} %")
+    limit = LIMIT if os.getloadavg()[0] <= 2 * os.cpu_count() else 5 * LIMIT
+    tap.equal(ratio < limit, True, f"{100 * ratio:.2f} % is below {100 * limit:.0f} %")
 
 
 tap.main(globals())

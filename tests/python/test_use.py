@@ -314,14 +314,14 @@ def test_progress():
 
 
 INTERRUPTED = """
-import os, signal, sys, threading, time
+import os, signal, sys, threading
 import asdic
 from package import pool
 long = pool(mission={"pose": {"position_m": [0, 0, 5]}, "pings": 100000})
-threading.Timer(float(sys.argv[2]), lambda: os.kill(os.getpid(), signal.SIGINT)).start()
-began = time.monotonic()
+begun = threading.Event()
+threading.Thread(target=lambda: begun.wait() and os.kill(os.getpid(), signal.SIGINT), daemon=True).start()
 try:
-    asdic.simulate(long, sys.argv[1])
+    asdic.simulate(long, sys.argv[1], progress=lambda what, done, total: done > 0 and begun.set())
 except KeyboardInterrupt:
     run = asdic.Run(sys.argv[1])
     print("interrupted", 0 < len(run) < 100000)
@@ -335,7 +335,7 @@ def test_ctrl_c():
     with tempfile.TemporaryDirectory(prefix="asdic-test-") as folder:
         path = os.environ["PYTHONPATH"] + os.pathsep + os.path.dirname(__file__)
         began = time.monotonic()
-        done = subprocess.run([sys.executable, "-c", INTERRUPTED, os.path.join(folder, "run"), "2"],
+        done = subprocess.run([sys.executable, "-c", INTERRUPTED, os.path.join(folder, "run")],
                               env={**os.environ, "PYTHONPATH": path}, capture_output=True, text=True, check=False,
                               timeout=100)
         tap.equal((done.returncode, done.stdout.split()), (0, ["interrupted", "True", "2"]), done.stderr)

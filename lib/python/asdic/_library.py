@@ -122,12 +122,13 @@ class Handle:
 
     @property
     def pointer(self) -> Any:
-        if not self._finalizer.alive:
+        pointer = self._place[0]
+        if not pointer:
             raise fail(ClosedError, f"the {self._name} is closed")
         if self._process != os.getpid():
             raise fail(ClosedError, f"the {self._name} is of the process that forked this one; make it anew here, "
                        "or start processes by multiprocessing's 'spawn'")
-        return self._place[0]
+        return pointer
 
     def close(self) -> None:
         self._finalizer()

@@ -58,6 +58,27 @@ TRUTH = ("strongest", "share", "object", "object_share", *(name.replace("-", "_"
 """The names of a bin's truth, as in truth.npy: docs/dataset.md."""
 
 
+class _Mount:
+    """How a mission carries its sonar: what pings keep of it."""
+
+    def __init__(self, mission: Handle) -> None:
+        self._mission, self._scene = mission, lib.asdic_mission_scene(mission.pointer)
+        self._sweep = ffi.new("asdic_sweep *", lib.asdic_mission_sweep(mission.pointer))
+        self._turns = bool(self._sweep.directions)
+
+    def set_pose(self, pose: Any, at: tuple[float, ...], index: int) -> None:
+        """Where the sonar is and looks, which is where the vehicle does unless a head turns."""
+        place = pose.position_m
+        place.x, place.y, place.z, roll, pitch, yaw = at
+        pose.roll_rad, pose.pitch_rad, pose.yaw_rad = roll * DEGREE, pitch * DEGREE, yaw * DEGREE
+        if self._turns:
+            pose[0] = lib.asdic_sweep_sonar(self._sweep, pose, index)
+
+    def altitude(self, pose: Any) -> float:
+        """Above the bottom straight below, m."""
+        return float(lib.asdic_scene_altitude_m(self._scene, pose.position_m))
+
+
 class Ping:
     """One ping. Arrays are [beam, bin]; the library writes into their memory, and nothing is copied."""
 
@@ -66,7 +87,8 @@ class Ping:
     time = math.nan
     """Simulated time, s."""
     _altitude = math.nan
-    _below: tuple[Any, Handle] | None = None  # the scene, and what keeps it
+    _level_db: np.ndarray | None = None
+    _at: tuple[_Mount, tuple[float, ...]] | None = None  # the vehicle, and where it was
     truth: Mapping[str, np.ndarray] | None = None
     """What each bin's energy comes from, by name (docs/dataset.md); None where it was not asked for."""
     pressure: np.ndarray | None = None
@@ -75,15 +97,13 @@ class Ping:
     def __init__(self, beams: np.ndarray, bins: int, *, truth: bool = False, samples: tuple[int, int] = (0, 0)) -> None:
         self.beams = beams
         """The receivers: name, pitch_rad, yaw_rad, roll_rad, length_h_m, length_v_m."""
-        shape = (len(beams), bins)
+        self._shape = shape = (len(beams), bins)
         size = shape[0] * bins
-        self._energies, self.stderr_db = np.zeros((len(COMPONENTS), *shape)), np.zeros(shape, np.float32)
-        self._struct, self._pose = struct, _ = ffi.new(PING), ffi.new(POSE)
-        struct.beams, struct.bins = shape
-        first, place = ffi.from_buffer(DOUBLES, self._energies), struct.intensity_lin
-        for k in range(len(COMPONENTS)):
-            place[k] = first + k * size
-        struct.stderr_db = ffi.from_buffer(FLOATS, self.stderr_db)
+        # Energies, then errors: one piece of memory, which the library fills whole. What looks at it is made when it is
+        # asked for: the interpreter's code is no longer in the processor's caches after a ping.
+        self._memory = memory = np.empty(len(COMPONENTS) * size + (size + 1) // 2)
+        self._struct = struct = ffi.new(PING)
+        lib.asdic_python_lay(struct, ffi.from_buffer(DOUBLES, memory), shape[0], bins)
         if truth:
             self._add_truth(shape)
         if samples[0]:
@@ -102,19 +122,40 @@ class Ping:
         self._struct.truth = self._truth
 
     @functools.cached_property
+    def stderr_db(self) -> np.ndarray:
+        """One standard error of the level's sampling, dB."""
+        errors: np.ndarray = self._memory.view(np.float32)[2 * len(COMPONENTS) * math.prod(self._shape):]
+        return errors[:math.prod(self._shape)].reshape(self._shape)
+
+    @functools.cached_property
+    def _energies(self) -> np.ndarray:
+        count = len(COMPONENTS) * math.prod(self._shape)
+        return self._memory[:count].reshape(len(COMPONENTS), *self._shape)
+
+    @functools.cached_property
+    def _pose(self) -> Any:
+        place = ffi.new(POSE)
+        if self._at:
+            mount, at = self._at
+            mount.set_pose(place, at, self.index)
+        return place
+
+    @functools.cached_property
     def intensity(self) -> Levels:
         """Energy of each bin, linear re 1 uPa^2, of "total" and each mechanism."""
         return Levels(tuple(COMPONENTS), lambda name: self._energies[COMPONENTS[name]])
 
     def _levels(self, name: str) -> np.ndarray:
-        levels = np.empty(self.stderr_db.shape, np.float32)
+        levels = np.empty(self._shape, np.float32)
         lib.asdic_ping_levels(self._struct, COMPONENTS[name], ffi.from_buffer(FLOATS, levels))
         return levels
 
-    @functools.cached_property
+    @property
     def level_db(self) -> np.ndarray:
         """dB re 1 uPa; NAN where there is no energy."""
-        return self._levels("total")
+        if self._level_db is None:
+            self._level_db = self._levels("total")
+        return self._level_db
 
     @functools.cached_property
     def parts(self) -> Levels:
@@ -129,14 +170,14 @@ class Ping:
     @property
     def altitude(self) -> float:
         """Above the bottom straight below, m; infinite where there is none."""
-        if self._below:
-            return float(lib.asdic_scene_altitude_m(self._below[0], self._pose.position_m))
+        if self._at:
+            return self._at[0].altitude(self._pose)
         return self._altitude
 
     @property
     def ranges(self) -> np.ndarray:
         """Centres of the bins, m."""
-        return (np.arange(self.stderr_db.shape[1]) + 0.5) * self.bin_length_m
+        return (np.arange(self._shape[1]) + 0.5) * self.bin_length_m
 
     @property
     def bin_length_m(self) -> float:
@@ -159,7 +200,7 @@ class Ping:
         return int(self._struct.rays)
 
     def __repr__(self) -> str:
-        beams, bins = self.stderr_db.shape
+        beams, bins = self._shape
         return f"<asdic.Ping {self.index}: {beams} beams, {bins} bins of {self.bin_length_m:g} m>"
 
 
@@ -200,9 +241,7 @@ class Simulator:
             "asdic_simulator", lib.asdic_simulator_destroy, lib.asdic_simulator_create, context.pointer,
             self._devices.pointer[0], lib.asdic_mission_scene(mission), lib.asdic_mission_environment(mission),
             self._sonar, sampling, number(depth_m, "depth_m"), keeps=(self._devices, self._mission))
-        self._sweep = ffi.new("asdic_sweep *", lib.asdic_mission_sweep(mission))
-        self._turns = bool(self._sweep.directions)
-        self._below = (lib.asdic_mission_scene(mission), self._mission)
+        self._mount, self._pose = _Mount(self._mission), ffi.new(POSE)
         self._rate_hz = float(self._sonar.ping_rate_hz)
         self._moves = any(lib.asdic_mission_get_object(mission, k).moves
                           for k in range(lib.asdic_mission_object_count(mission)))
@@ -258,10 +297,11 @@ class Simulator:
         with self._context.lock:
             simulator = self._handle.pointer
             result = self._new_ping() if out is None else self._again(out)
-            self._set_pose(result._pose, at, self.index)
-            self._prepare(simulator, result._pose)
-            self._context.check(lib.asdic_simulator_ping(simulator, result._pose, self.index, result._struct))
-            self._note(result, self.index)
+            self._mount.set_pose(self._pose, at, self.index)
+            if self._moves or self.index % LEARN_BLOCK == 0:
+                self._prepare(simulator, self._pose)
+            self._context.check(lib.asdic_simulator_ping(simulator, self._pose, self.index, result._struct))
+            self._note(result, at, self.index)
             self.index += 1
             return result
 
@@ -291,28 +331,20 @@ class Simulator:
         simulator, results = self._handle.pointer, [self._new_ping() for _ in rows]
         poses = ffi.new("asdic_pose[]", len(rows))
         for k, (result, row) in enumerate(zip(results, rows)):
-            self._set_pose(result._pose, (*row, 0.0, 0.0, 0.0)[:6], self.index + k)
-            poses[k] = result._pose[0]
-            self._note(result, self.index + k)
+            at = (*row, 0.0, 0.0, 0.0)[:6]
+            self._mount.set_pose(poses + k, at, self.index + k)
+            self._note(result, at, self.index + k)
         self._prepare(simulator, poses)
         self._context.check(lib.asdic_simulator_pings(simulator, poses, self.index, len(rows),
                                                       [result._struct for result in results]))
         self.index += len(rows)
         return results
 
-    def _note(self, result: Ping, index: int) -> None:
-        result.index, result.time, result._below = index, self._start_s + index / self._rate_hz, self._below
+    def _note(self, result: Ping, at: tuple[float, ...], index: int) -> None:
+        result.index, result.time, result._at = index, self._start_s + index / self._rate_hz, (self._mount, at)
 
     def _new_ping(self) -> Ping:
         return Ping(self.beams, self.bins, truth=self._truth, samples=self._samples)
-
-    def _set_pose(self, pose: Any, at: tuple[float, ...], index: int) -> None:
-        """Where the sonar is and looks, which is where the vehicle does unless a head turns."""
-        place = pose.position_m
-        place.x, place.y, place.z, roll, pitch, yaw = at
-        pose.roll_rad, pose.pitch_rad, pose.yaw_rad = roll * DEGREE, pitch * DEGREE, yaw * DEGREE
-        if self._turns:
-            pose[0] = lib.asdic_sweep_sonar(self._sweep, pose, index)
 
     def _prepare(self, simulator: Any, pose: Any) -> None:
         """Before the ping of the current index, at POSE."""
@@ -322,11 +354,11 @@ class Simulator:
             self._context.check(lib.asdic_simulator_learn(simulator, pose, self.index))
 
     def _again(self, out: Ping) -> Ping:
-        if (not isinstance(out, Ping) or out.stderr_db.shape != (len(self.beams), self.bins)
+        if (not isinstance(out, Ping) or out._shape != (len(self.beams), self.bins)
                 or (out.truth is not None and not self._truth)):
             raise fail(ArgumentError, f"out = {out!r} is no ping of this simulator, which has {len(self.beams)} beams and "
                        f"{self.bins} bins{'' if self._truth else ', without truth'}")
-        for name in ("level_db", "parts"):  # what was made of the old energies
+        for name in ("_level_db", "parts", "_pose"):  # what was made of the old ping
             out.__dict__.pop(name, None)
         return out
 
