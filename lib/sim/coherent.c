@@ -140,16 +140,18 @@ static asdic_status make_weights(asdic_simulator *sim, asdic_coherent *c) {
     const asdic_array *array = &sim->setup.sonar.array;
     double *exact = malloc(array->elements * sizeof *exact);
     float *weights = calloc(c->now.lanes, sizeof *weights); /* 0 beyond the elements */
-    asdic_status status = asdic_fail_memory(sim->ctx, "an array");
-    if (exact && weights) {
-        asdic_array_weights(array, exact);
-        for (size_t e = 0; e < array->elements; e++) {
-            weights[e] = (float)exact[e];
-            c->weights2 += exact[e] * exact[e];
-        }
-        status =
-            asdic_buffer_create(sim->device, c->now.lanes * sizeof *weights, weights, &c->weights);
+    asdic_status status = ASDIC_OK;
+    if (!exact || !weights) {
+        status = asdic_fail_memory(sim->ctx, "an array");
+        goto end;
     }
+    asdic_array_weights(array, exact);
+    for (size_t e = 0; e < array->elements; e++) {
+        weights[e] = (float)exact[e];
+        c->weights2 += exact[e] * exact[e];
+    }
+    status = asdic_buffer_create(sim->device, c->now.lanes * sizeof *weights, weights, &c->weights);
+end:
     free(exact);
     free(weights);
     return status;
