@@ -35,7 +35,8 @@ def test_arrays_that_are_no_mesh():
             (asdic.ArgumentError, "a triangle has the corner 4294967296", CORNERS, [[0, 1, 1 << 32]]),
             (asdic.InputError, "vertex 1 (1, 0, nan) is not finite; repair the mesh", bad, FACET),
             (asdic.InputError, "check the units", np.array(CORNERS) * 1e30, FACET)):
-        raises(kind, part, scene.add_mesh, corners, facets)
+        error = raises(kind, part, scene.add_mesh, corners, facets)
+        tap.equal(len(str(error).splitlines()), 1, f"one sentence: {error}")
     tap.equal(len(scene.objects), 0, "nothing of them is kept")
     raises(asdic.ArgumentError, "depth_m has the shape (2, 3)", scene.set_terrain, [0, 1, 2], [0, 1], np.zeros((2, 3)))
 
