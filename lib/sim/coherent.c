@@ -332,7 +332,7 @@ static asdic_status tell(asdic_simulator *sim, asdic_coherent *c, const asdic_pi
 static asdic_status run_scatterers(asdic_simulator *sim, asdic_coherent *c) {
     slot_buffers *s = &c->slots;
     asdic_buffer *ping = sim->buffers.pings;
-    size_t width = sim->setup.layout.width, local = width > 1 ? 16 : 64;
+    size_t width = sim->setup.layout.width, local = sim->setup.layout.local;
     asdic_kernel_arg place[] = {ASDIC_ARG_BUFFER(ping),       ASDIC_ARG_BUFFER(c->told),
                                 ASDIC_ARG_BUFFER(c->patches), ASDIC_ARG_BUFFER(s->places),
                                 ASDIC_ARG_BUFFER(s->owner),   ASDIC_ARG_BUFFER(s->rays)};
@@ -358,9 +358,15 @@ static asdic_status run_scatterers(asdic_simulator *sim, asdic_coherent *c) {
                             local);
 }
 
+/* Work-group size of kernels with few work-items, each of which has much to do: on processors one. */
+static size_t few_local(const asdic_simulator *sim) {
+    const asdic_layout *layout = &sim->setup.layout;
+    return layout->width > 1 ? (layout->local + 15) / 16 : layout->local;
+}
+
 static asdic_status run_sort(asdic_simulator *sim, asdic_coherent *c) {
     slot_buffers *s = &c->slots;
-    size_t local = sim->setup.layout.width > 1 ? 1 : 64;
+    size_t local = few_local(sim);
     asdic_kernel_arg count[] = {ASDIC_ARG_BUFFER(c->told), ASDIC_ARG_BUFFER(s->gates),
                                 ASDIC_ARG_BUFFER(c->counts)};
     asdic_kernel_arg offset[] = {ASDIC_ARG_BUFFER(c->told), ASDIC_ARG_BUFFER(c->counts),
@@ -377,7 +383,7 @@ static asdic_status run_sort(asdic_simulator *sim, asdic_coherent *c) {
 
 static asdic_status run_array(asdic_simulator *sim, asdic_coherent *c) {
     const dev_coherent *n = &c->now;
-    size_t width = sim->setup.layout.width, local = width > 1 ? 1 : 64;
+    size_t width = sim->setup.layout.width, local = few_local(sim);
     asdic_kernel_arg elements[] = {ASDIC_ARG_BUFFER(sim->buffers.pings), ASDIC_ARG_BUFFER(c->told),
                                    ASDIC_ARG_BUFFER(c->slots.sorted), ASDIC_ARG_BUFFER(c->first),
                                    ASDIC_ARG_BUFFER(c->pressure)};

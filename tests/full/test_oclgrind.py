@@ -21,6 +21,7 @@ OWNED, ATOMIC64, ATOMIC32 = range(3)           # asdic_deposit
 
 APERTURE = {"length_h_m": 0.05, "length_v_m": 0.05}
 STEEL = {"impedance_mrayl": 45, "roughness_rms_mm": 0.2, "slope_rms": 0.2}
+SMOOTH = {"impedance_mrayl": 45, "roughness_rms_mm": 0.2, "slope_rms": 0}
 FLOOR_OFF = """OFF
 9 8 0
 -20 -20 11.5\n-20 0 12\n-20 20 11.8\n0 -20 12\n0 0 11.6\n0 20 12\n20 -20 11.7\n20 0 12\n20 20 11.9
@@ -50,6 +51,21 @@ def scene(objects=(), beams=2, sampling=(), **more):
             "sampling": {"rays": 72, "multipath": "off", **dict(sampling)}, **more}
 
 
+
+
+def array_scene():
+    """Coherent pings: a plate whose phase counts, a rough one, bottom, surface, water, both mirrors."""
+    coherent = scene([{**PLATE, "plate": {"size_m": [0.06, 0.04]}, "material": SMOOTH},
+                      {**PLATE, "name": "rough", "position_m": [6, -1, 8]}],
+                     sampling={**BOUNDARIES, "coherent": True, "rays": 64})
+    sonar = coherent["sonar"]
+    del sonar["receivers"], sonar["ping_rate_hz"]
+    sonar.update(frequency_khz=20, bandwidth_khz=0.75, bin_length_m=1, max_range_m=9,
+                 array={"elements": 3, "beams": {"count": 2, "sector_deg": 40},
+                        "element": {"length_v_m": 0.05}})
+    return coherent
+
+
 FIRST, BOUNDARIES = {"multipath": "first"}, {"multipath": "boundaries"}
 SCENES = {
     "flat": scene(),
@@ -61,6 +77,7 @@ SCENES = {
     "fan_flat": scene(beams=24),
     "point": scene([BOX, BUOY], sampling=FIRST),
     "beam_sampler": scene([BALL], sampling={"sampler": "beam"}),
+    "array": array_scene(),
     "sphere_sampler": scene([BALL], sampling={"sampler": "uniform-sphere"}),
 }
 # Rays a work-item, and the ways to add that go with them: of processors, of GPUs.

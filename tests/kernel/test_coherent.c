@@ -175,6 +175,38 @@ static void beams_have_the_pattern_of_their_weights(void **state) {
     }
 }
 
+/* Work-groups of any size: the same bytes, at elements and in beams. */
+static void work_groups_change_no_byte(void **state) {
+    (void)state;
+    static const size_t locals[] = {16, 1, 8, 40, 256, 4096};
+    asdic_ping *first = NULL;
+    for (size_t k = 0; k < sizeof locals / sizeof *locals; k++) {
+        ping_rig r = array_rig(&t);
+        asdic_mesh *mesh = NULL;
+        assert_ok(t.ctx, asdic_mesh_box(t.ctx, (asdic_vec3){1.0, 1.0, 1.0}, &mesh));
+        asdic_pose pose = {.position_m = {12.0, 2.0, 11.0}};
+        assert_ok(t.ctx,
+                  asdic_scene_add_object(r.scene, "box", mesh, pose, asdic_material_bottom(2.0)));
+        r.env.particle_strength_db = -60.0;
+        r.sonar.noise_enabled = true;
+        r.sonar.max_range_m = 20.0;
+        r.layout.local = locals[k];
+        asdic_simulator *sim = rig_simulator(&r);
+        asdic_ping *ping = array_shoot(&r, sim, 3);
+        first = first ? first : ping;
+        assert_memory_equal(ping->pressure, first->pressure,
+                            2 * ping->elements * ping->samples * sizeof(float));
+        assert_true(rig_same(ping, first));
+        if (ping != first) {
+            asdic_ping_destroy(&ping);
+        }
+        asdic_mesh_destroy(&mesh);
+        asdic_simulator_destroy(&sim);
+        rig_destroy(&r);
+    }
+    asdic_ping_destroy(&first);
+}
+
 int main(void) {
     t = test_device_open_or_skip();
     const struct CMUnitTest tests[] = {
@@ -182,6 +214,7 @@ int main(void) {
         cmocka_unit_test(phase_holds_at_a_megahertz),
         cmocka_unit_test(elements_agree_with_double),
         cmocka_unit_test(beams_have_the_pattern_of_their_weights),
+        cmocka_unit_test(work_groups_change_no_byte),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
     test_device_close(&t);
