@@ -41,8 +41,9 @@ const char *cli_nearest(const char *text, const char *const *words, size_t count
 void cli_report_begin(cli *c);
 
 /* The first SIGINT or SIGTERM asks CTX to stop, the second ends the program; with STOPS_SOON also
- * the time that it takes. Call it before threads begin. */
-void cli_signals_begin(asdic_context *ctx, bool stops_soon);
+ * the time that it takes. RESUMES: the command has --resume, which the message names where a driver that
+ * compiles is not waited for. Call it before threads begin. */
+void cli_signals_begin(asdic_context *ctx, bool stops_soon, bool resumes);
 void cli_signals_end(void);    /* before the context is destroyed */
 int cli_signal_received(void); /* 0: none */
 

@@ -9,6 +9,7 @@
 #include <pthread.h>
 #include <signal.h>
 #include <stdatomic.h>
+#include <string.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -19,6 +20,7 @@ static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
 static asdic_context *watched_context; /* under the lock */
 static atomic_int received;
 static int wake_fds[2] = {-1, -1};
+static const char *while_compiling;
 
 static void stop_signals(sigset_t *set) {
     sigemptyset(set);
@@ -31,7 +33,6 @@ static void stop_signals(sigset_t *set) {
  * a while the program ends: a run folder stays good, and so it does for what STOPS_SOON. */
 static int wait_for_second(const sigset_t *set, int number, bool stops_soon) {
     static const struct timespec step = {.tv_nsec = STEP_MS * 1000000};
-    static const char text[] = "error: interrupted while a driver compiled\n";
     for (int waited_ms = 0;; waited_ms += STEP_MS) {
         int second = sigtimedwait(set, NULL, &step);
         if (second > 0) {
@@ -41,7 +42,7 @@ static int wait_for_second(const sigset_t *set, int number, bool stops_soon) {
         bool compiles = asdic_context_compiles(watched_context);
         if (waited_ms >= PATIENCE_MS && (stops_soon || compiles)) {
             if (compiles) {
-                (void)!write(STDERR_FILENO, text, sizeof text - 1);
+                (void)!write(STDERR_FILENO, while_compiling, strlen(while_compiling));
             }
             _exit(128 + number);
         }
@@ -69,9 +70,13 @@ static void *wait_for_signals(void *stops_soon) {
 }
 
 /* Without a thread or a pipe, signals end the program at once; a run folder survives that. */
-void cli_signals_begin(asdic_context *ctx, bool stops_soon) {
+void cli_signals_begin(asdic_context *ctx, bool stops_soon, bool resumes) {
     sigset_t set;
     pthread_t thread;
+    while_compiling =
+        resumes
+            ? "error: interrupted while a driver compiled; --resume goes on with what was begun\n"
+            : "error: interrupted while a driver compiled\n";
     if (pipe2(wake_fds, O_CLOEXEC) != 0) {
         return;
     }

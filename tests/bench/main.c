@@ -51,7 +51,7 @@ int main(int argc, char **argv) {
     int code = CLI_USAGE;
     if (cli_parse(&c, argc, argv) && cli_operand_count(&c) > 0) {
         cli_report_begin(&c);
-        cli_signals_begin(ctx, false);
+        cli_signals_begin(ctx, false, false);
         code = run(&c);
     } else {
         cli_help_command(stderr, &command);
