@@ -1,6 +1,7 @@
 """Puts slips into lib, kernels and cli, one at a time, and tells which of them the tests notice.
 
     ./dev mutate [--count N] [--seed S] [--under FOLDER] [--quick SECONDS] [--harmless FILE]
+    ./dev mutate --list [--count N] [--seed S] [--under FOLDER] [--harmless FILE]
     ./dev mutate --unrun
 
 A copy of the tree is built in build/mutate, once, and once more to measure which default test runs which
@@ -8,7 +9,7 @@ line. Each slip is compiled there; one that does not compile, or leaves the obje
 count. Then the default tests that run its line follow, up to the first failure: those first that have
 noticed a slip of the file, then those that name what the file defines, the quick before the slow. What no
 quick test notices waits for others, which then run through the slow tests together; when those fail, half of
-them at a time. --unrun lists the lines that no default test runs.
+them at a time. --list shows the slips that would be drawn first, and tries none; --unrun lists the lines that no default test runs.
 
 Slips known to change nothing that matters stand in harmless.txt, each with its reason; they are not tried.
 The report tells by folder how many of the others were noticed. Exit code 1: fewer than 95 of 100 were.
@@ -214,6 +215,10 @@ def read_harmless(path):
     return known
 
 
+def is_harmless(slip, known):
+    return any(all(fnmatch.fnmatchcase(value, pattern) for value, pattern in zip(slip.key(), one)) for one in known)
+
+
 def folder_of(path):
     parts = path.split("/")
     return "/".join(parts[:2]) if parts[0] == "lib" else parts[0]
@@ -306,7 +311,7 @@ class Session:
 
     def attempt(self, slip):
         """One slip; False where it does not count."""
-        if self.is_harmless(slip):
+        if is_harmless(slip, self.harmless):
             self.spared.setdefault(folder_of(slip.path), []).append(slip)
             return True
         if not self.tree.put([slip]) or self.code.get(slip.path, "") == code_of(slip.path):
@@ -326,9 +331,6 @@ class Session:
                 self.finish()
         return True
 
-    def is_harmless(self, slip):
-        return any(all(fnmatch.fnmatchcase(value, pattern) for value, pattern in zip(slip.key(), known))
-                   for known in self.harmless)  # fmt: skip
 
     def finish(self):
         """The slow tests, for all that wait."""
@@ -379,6 +381,14 @@ def list_unrun(coverage):
             print(f"{path}:{first}: {last - first + 1} lines: {lines[first - 1].strip()}")
 
 
+def list_drawn(arguments):
+    """Some of them do not compile, for which others of their folder are tried in the end."""
+    known = read_harmless(pathlib.Path(arguments.harmless))
+    for share, found in draw(arguments.count, arguments.seed, arguments.under):
+        for slip in found[:share]:
+            print(f"{slip.name()}{', harmless' if is_harmless(slip, known) else ''}: {slip.text}")
+
+
 def main():
     parser = argparse.ArgumentParser(prog="./dev mutate", description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)  # fmt: skip
@@ -389,8 +399,14 @@ def main():
                         help="leave out tests that take longer, which may notice more")  # fmt: skip
     parser.add_argument("--harmless", default=pathlib.Path(__file__).with_name("harmless.txt"),
                         help="slips known to change nothing")  # fmt: skip
+    parser.add_argument("--list", action="store_true", help="list the slips that would be tried")
     parser.add_argument("--unrun", action="store_true", help="list the lines that no test runs")
     arguments = parser.parse_args()
+    if arguments.list:
+        WORK.mkdir(parents=True, exist_ok=True)
+        copy_tree()
+        list_drawn(arguments)
+        return
     if arguments.unrun:
         WORK.mkdir(parents=True, exist_ok=True)
         copy_tree()

@@ -12,6 +12,7 @@
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <unistd.h>
 
 /* FIPS 180-4 test vectors as NIST publishes them (CSRC, Cryptographic Standards: SHA-256 examples
  * and the long-message example of FIPS 180-2, B.3). */
@@ -83,6 +84,26 @@ static void whole_numbers_are_whole(void **state) {
     assert_int_equal(value, -9007199254740992);
 }
 
+/* "-" alone is standard input; a path that begins or ends with it is a file's. */
+static void a_dash_is_standard_input(void **state) {
+    (void)state;
+    char *data = NULL;
+    size_t bytes = 0;
+    int saved = dup(STDIN_FILENO), ends[2];
+    assert_int_equal(pipe(ends), 0);
+    assert_int_equal(write(ends[1], "depth", 5), 5);
+    close(ends[1]);
+    assert_int_equal(dup2(ends[0], STDIN_FILENO), STDIN_FILENO);
+    assert_int_equal(asdic_file_read(NULL, "-", 5, &data, &bytes), ASDIC_OK);
+    assert_int_equal(bytes, 5);
+    assert_string_equal(data, "depth");
+    free(data);
+    dup2(saved, STDIN_FILENO);
+    close(saved);
+    close(ends[0]);
+    assert_int_equal(asdic_file_read(NULL, "--", 5, &data, &bytes), ASDIC_ERROR_INPUT);
+}
+
 static void files_are_read_whole_or_refused(void **state) {
     (void)state;
     asdic_context *ctx = NULL;
@@ -122,6 +143,7 @@ int main(void) {
         cmocka_unit_test(arena_gives_aligned_zeros),
         cmocka_unit_test(whole_numbers_are_whole),
         cmocka_unit_test(files_are_read_whole_or_refused),
+        cmocka_unit_test(a_dash_is_standard_input),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
