@@ -76,17 +76,14 @@ static void add_echo(const listener *l, __global const dev_echo *echo, own_sums 
     from = max(from, 0);
     phasor turn = phasor_of(-longer * (real)(l->turns_per_m));
     real re = turn.re * echo->re - turn.im * echo->im, im = turn.re * echo->im + turn.im * echo->re;
-    real x =
-        (R(0.5) * longer + way) * (real)(l->pulses_per_m) - (real)((float)(FIRST(from)) * l->step);
-    real step = (real)(l->step);
+    real x = (R(0.5) * longer + way) * (real)(l->pulses_per_m);
     EVERY_SAMPLE
     for (int n = FIRST(from); n < LAST(to); n++) {
         if (n >= from && n < to) {
-            real s = pulse_at(x, R(1.0));
+            real s = pulse_at(x - (real)((float)(n)*l->step), R(1.0));
             sums->re[n] = r_fma(s, re, sums->re[n]);
             sums->im[n] = r_fma(s, im, sums->im[n]);
         }
-        x -= step;
     }
 }
 
@@ -192,14 +189,13 @@ static phasor listen(__global const dev_coherent *c, __global const real *pressu
     int to =
         min(from + (int)(2.0f * NEIGHBOURS + 0.5f * span * samples_per_m) + 1, (int)(c->samples));
     from = max(from, 0);
-    real x = (real)(at - (float)(from)) + longer * (real)(0.5f * samples_per_m);
+    real x = longer * (real)(0.5f * samples_per_m);
     phasor sum = {R(0.0), R(0.0)};
     for (int n = from; n < to; n++) {
         __global const real *row = pressure + (size_t)(n)*2u * groups + group;
-        real h = between(x);
+        real h = between(x + (real)(at - (float)(n)));
         sum.re = r_fma(h, row[0], sum.re);
         sum.im = r_fma(h, row[groups], sum.im);
-        x -= R(1.0);
     }
     phasor turn = phasor_of(longer * (real)(c->turns_per_m)), out;
     out.re = turn.re * sum.re - turn.im * sum.im;
@@ -207,23 +203,36 @@ static phasor listen(__global const dev_coherent *c, __global const real *pressu
     return out;
 }
 
+/* A look is eight sums, each of every eighth element: the same on every device. */
+#define PARTS (8 / ASDIC_WIDTH)
+
 /* One work-item per beam and ASDIC_WIDTH looks. WEIGHTS of elements, 0 of those that are not there;
  * STEER, the direction cosine of beams along the line. Every look is focused at its range. */
 __kernel void coherent_beams(__global const dev_coherent *c, __global const real *weights,
                              __global const float *steer, __global const real *pressure,
                              __global float2 *out) {
-    uint item = (uint)(get_global_id(0)), beam = item % c->beams;
+    uint item = (uint)(get_global_id(0)), beam = item % c->beams, groups = c->lanes / ASDIC_WIDTH;
     uint begin = item / c->beams * ASDIC_WIDTH, end = min(begin + ASDIC_WIDTH, c->looks);
     for (uint look = begin; look < end; look++) {
-        phasor sum = {R(0.0), R(0.0)};
-        for (uint group = 0; group < c->lanes / ASDIC_WIDTH; group++) {
-            phasor p = listen(c, pressure, group, ((float)(look) + 0.5f) * c->look_m, steer[beam]);
-            sum.re = r_fma(weights[group], p.re, sum.re);
-            sum.im = r_fma(weights[group], p.im, sum.im);
+        phasor sums[PARTS];
+        _Pragma("unroll") for (uint part = 0; part < PARTS; part++) {
+            sums[part].re = sums[part].im = R(0.0);
+        }
+        for (uint first = 0; first < groups; first += PARTS) {
+            _Pragma("unroll") for (uint part = 0; part < PARTS; part++) {
+                uint group = min(first + part, groups - 1u);
+                real weight = first + part < groups ? weights[group] : R(0.0);
+                phasor p =
+                    listen(c, pressure, group, ((float)(look) + 0.5f) * c->look_m, steer[beam]);
+                sums[part].re = r_fma(weight, p.re, sums[part].re);
+                sums[part].im = r_fma(weight, p.im, sums[part].im);
+            }
         }
         float2 all = (float2)(0.0f);
-        LANES {
-            all += (float2)(AT(sum.re, float), AT(sum.im, float));
+        _Pragma("unroll") for (uint part = 0; part < PARTS; part++) {
+            LANES {
+                all += (float2)(AT(sums[part].re, float), AT(sums[part].im, float));
+            }
         }
         out[(size_t)(beam)*c->looks + look] = all;
     }
