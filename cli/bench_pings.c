@@ -62,7 +62,7 @@ static void rig_floor(const bench_case *of, rig *r) {
     r->sonar.receivers = r->receivers;
     r->sonar.receiver_count = BEAMS;
     r->sampling = asdic_sampling_default();
-    r->sampling.rays = RAYS;
+    r->sampling.rays = of->rays ? of->rays : RAYS;
     r->sampling.multipath = ASDIC_MULTIPATH_BOUNDARIES;
     for (int i = 0; i < BEAMS; i++) {
         r->receivers[i] = r->sonar.transmitter;
@@ -118,11 +118,13 @@ static asdic_status shoot(const bench *b, const rig *r, size_t pings, asdic_simu
         times[k] = bench_now_s() - began;
     }
     for (size_t k = 0; k < pings; k++) {
+        double phase_s[ASDIC_PHASE_COUNT] = {0.0};
         pose = pose_of(r, k);
-        TRY(asdic_simulator_profile(sim, &pose, k, ping, rate->phase_s));
-    }
-    for (int p = 0; p < ASDIC_PHASE_COUNT; p++) {
-        rate->phase_s[p] /= (double)pings;
+        TRY(asdic_simulator_profile(sim, &pose, k, ping, phase_s));
+        for (int p = 0; p < ASDIC_PHASE_COUNT; p++) {
+            rate->phase_s[p] += phase_s[p] / (double)pings;
+            rate->least_s[p] = k > 0 ? fmin(rate->least_s[p], phase_s[p]) : phase_s[p];
+        }
     }
     rate->ping_s = bench_median(times, pings);
     return ASDIC_OK;

@@ -28,7 +28,8 @@ typedef struct bench_case {
     asdic_mission *mission;
     const asdic_scene *scene;
     size_t bins;
-    size_t pings; /* 0: only the first */
+    uint32_t rays; /* 0: those of the mission, or the paper's 20,000 */
+    size_t pings;  /* 0: only the first */
 } bench_case;
 
 typedef struct bench_rate {
@@ -39,6 +40,7 @@ typedef struct bench_rate {
     double create_s, first_s; /* a process's first simulator, or a later one; its first ping */
     double ping_s, learn_s;   /* medians: a ping; a block's learning */
     double phase_s[ASDIC_PHASE_COUNT]; /* mean, waiting after each */
+    double least_s[ASDIC_PHASE_COUNT]; /* the least of each: other load hardly shows */
 } bench_rate;
 
 /* Pings of RAYS rays at POSE until the simulator goes as fast as it will. */

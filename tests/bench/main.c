@@ -22,6 +22,7 @@ static int run(cli *c) {
         {"first", first_columns, first, NULL, 0, 0, 0, false},
         {"growth", bench_pings_columns, growth, NULL, 0, 0, 0, false},
         {"latency", bench_loop_columns, latency, NULL, 0, 0, 0, false},
+        {"roofline", roofline_columns, roofline, NULL, 0, 0, 0, false},
         {"start", start_columns, start, NULL, 0, 0, 0, false},
         {"truth", truth_columns, truth, NULL, 1, CLI_ANY_NUMBER, 0, false},
         {NULL, NULL, NULL, NULL, 0, 0, 0, false},
@@ -31,7 +32,8 @@ static int run(cli *c) {
 
 static const cli_command command = {
     .name = "asdic-bench",
-    .operands = "bend|beside|coherent|cost|fan|growth|latency|start|truth [SCENE.yaml|MESH ...]",
+    .operands =
+        "bend|beside|coherent|cost|fan|growth|latency|roofline|start|truth [SCENE.yaml|MESH ...]",
     .min_operands = 1,
     .max_operands = CLI_ANY_NUMBER,
     .summary = "measure what only the project asks",

@@ -77,6 +77,18 @@ def test_start_is_quicker_with_a_cache():
         raise AssertionError(row)
 
 
+def test_roofline_is_above_every_phase():
+    """No phase of a ping moves or computes more than the device can, and all rays take longer than few."""
+    program.need_device()
+    found = rows("roofline", "--quick")
+    tap.equal([r["phase"] for r in found], ["sample", "trace", "shade", "bounce", "collect"], "phases")
+    for row in found:
+        if not (0.0 < row["memory_share"] < 1.0 and 0.0 < row["arithmetic_share"] < 1.0):
+            raise AssertionError(row)
+        if not 0.0 <= row["fixed_s"] < row["phase_of_120000_s"]:
+            raise AssertionError(row)
+
+
 def test_latency_over_a_large_floor():
     program.need_device()
     found = rows("latency", "--quick")
