@@ -135,6 +135,7 @@ APART static uint shade_piece(const world *w, const ray_store *store, const sink
     const sink own_sink = *to;
     const mirror_store own_mirrors = *mirrors;
     uint at = first, cut = 0u;
+    fetch_met(&own_world, own_store.hits, first, end);
     for (uint slot = first; slot < end; slot += ASDIC_WIDTH) {
         cut += shade_rays(&own_world, &own_store, &own_sink, &own_mirrors, slot, &at);
     }
