@@ -40,7 +40,7 @@ asdic_status asdic_truth_init(asdic_simulator *sim) {
     size_t pings = sim->setup.ping_batch, points = scene->point_count;
     points *= sim->setup.layer_count > 0 ? ASDIC_MOST_EIGENRAYS * ASDIC_MOST_EIGENRAYS : 1;
     t->table = calloc(pings * t->rows, sizeof *t->table);
-    t->work = calloc((5 * TILE + 3) * bins, sizeof *t->work);
+    t->work = calloc((5 * TILE + 4) * bins, sizeof *t->work);
     t->points = calloc(points + 1, sizeof *t->points);
     t->point_lin = calloc(points * beams + 1, sizeof *t->point_lin);
     if (!t->table || !t->work || !t->points || !t->point_lin) {
@@ -199,14 +199,15 @@ typedef struct telling {
     bool smears; /* the pulse */
 } telling;
 
-WIDEST static void add_floats(const float *cells, size_t beams, double worth, double *at,
-                              size_t stride) {
+WIDEST static void take_floats(const float *cells, size_t beams, double worth, double *to,
+                               size_t stride) {
     for (size_t b = 0; b < beams; b++) {
-        at[b * stride] += (double)cells[b] * worth;
+        to[b * stride] = (double)cells[b] * worth;
     }
 }
 
-/* Adds the energies of ROW to ENERGY, [beam][bin]: a quantum is worth UNIT times the bin's loss. */
+/* The energies of ROW to ENERGY, [beam][bin], whose bins beyond the row stay as they are: a quantum is worth
+ * UNIT times the bin's loss. */
 static void gather(const telling *to, size_t row, double unit, double *energy) {
     const asdic_truth_rows *t = &to->sim->truth;
     const dev_sums *sums = &to->shot->ping->sums;
@@ -216,14 +217,17 @@ static void gather(const telling *to, size_t row, double unit, double *energy) {
         size_t cell = (before + n - r.low) * t->columns + to->beam;
         double worth = unit * to->shot->loss[n];
         if (to->sim->fan.many) {
-            add_floats((const float *)t->cells + cell, to->beams, worth, energy + n, to->out->bins);
+            take_floats((const float *)t->cells + cell, to->beams, worth, energy + n,
+                        to->out->bins);
             continue;
         }
         const int64_t *from = (const int64_t *)t->cells + cell;
-        for (size_t k = 0; k < each; k++, from += sums->truth_cells * t->columns) {
-            for (size_t b = 0; b < to->beams; b++) {
-                energy[b * to->out->bins + n] += (double)from[b] * worth;
+        for (size_t b = 0; b < to->beams; b++) {
+            int64_t quanta = 0;
+            for (size_t k = 0; k < each; k++) {
+                quanta += from[k * sums->truth_cells * t->columns + b];
             }
+            energy[b * to->out->bins + n] = (double)quanta * worth;
         }
     }
 }
@@ -287,52 +291,42 @@ static void find_objects(const telling *to, double *energy, double *most) {
 }
 
 /* arcsin to 2e-8 (Abramowitz & Stegun, Handbook of Mathematical Functions (1964), 4.4.46), for vectors. */
-static inline double arcsine(double x) {
-    static const double a[8] = {1.5707963050, -0.2145988016, 0.0889789874, -0.0501743046,
-                                0.0308918810, -0.0170881256, 0.0066700901, -0.0012624911};
-    double y = fabs(x), sum = a[7];
+static inline float arcsine(float x) {
+    static const float a[8] = {1.5707963050f, -0.2145988016f, 0.0889789874f, -0.0501743046f,
+                               0.0308918810f, -0.0170881256f, 0.0066700901f, -0.0012624911f};
+    float y = fabsf(x), sum = a[7];
     for (int k = 6; k >= 0; k--) {
         sum = sum * y + a[k];
     }
-    double angle = 0.5 * ASDIC_PI - sqrt(1.0 - y) * sum;
-    return x < 0.0 ? -angle : angle; /* copysign keeps AVX-512's vectors out */
+    float angle = (float)(0.5 * ASDIC_PI) - sqrtf(1.0f - y) * sum;
+    return x < 0.0f ? -angle : angle; /* copysign keeps AVX-512's vectors out */
 }
 
 /* DEPRESSION from the energy-weighted MOMENT of (1 + sine) / 2 in the ECHO. */
 WIDEST static void tell_depression(const double *restrict moment, const double *restrict echo,
                                    size_t bins, float *restrict depression) {
     for (size_t n = 0; n < bins; n++) {
-        double sine = moment[n] / (MIDDLE * echo[n]) - 1.0;
-        sine = sine > 1.0 ? 1.0 : sine;
-        sine = sine < -1.0 ? -1.0 : sine;
-        depression[n] = echo[n] > 0.0 ? (float)arcsine(sine) : NAN;
+        float sine = (float)(moment[n] / (MIDDLE * echo[n]) - 1.0);
+        sine = sine > 1.0f ? 1.0f : sine;
+        sine = sine < -1.0f ? -1.0f : sine;
+        depression[n] = echo[n] > 0.0 ? arcsine(sine) : NAN;
     }
 }
 
-/* MOMENT is 0 before; ECHO has room for a beam. */
-static void tell_depressions(const telling *to, double *moment, double *echo) {
+/* What tell_depression wants, to MOMENT, [beam][bin]. */
+static void gather_moments(const telling *to, double *moment) {
     const asdic_truth_rows *t = &to->sim->truth;
-    double *const *part = to->out->intensity_lin;
-    size_t bins = to->out->bins;
     const dev_sums *sums = &to->shot->ping->sums;
     double scale = (double)sums->scale[DEV_DEPOSIT_BOTTOM] * sums->truth_ratio[DEV_DEPOSIT_BOTTOM];
     gather(to, DEV_TRUTH_DEPRESSION, to->source_lin / scale, moment);
     for (size_t k = 0; k < t->point_count; k++) {
         const asdic_truth_point *point = &t->points[k];
         for (size_t b = 0; b < to->beams; b++) {
-            moment[b * bins + point->bin] +=
+            moment[b * to->out->bins + point->bin] +=
                 t->point_lin[k * to->out->beams + to->beam + b] * MIDDLE * (1.0 + point->down);
         }
     }
     smear(to, moment);
-    for (size_t b = 0; b < to->beams; b++) {
-        size_t first = (to->beam + b) * bins;
-        for (size_t n = 0, at = first; n < bins; n++, at++) {
-            echo[n] = part[ASDIC_BOTTOM][at] + part[ASDIC_SURFACE][at] + part[ASDIC_OBJECT][at] +
-                      part[ASDIC_MULTIPATH][at];
-        }
-        tell_depression(moment + b * bins, echo, bins, to->out->truth->depression_rad + first);
-    }
 }
 
 /* What a bin holds, by arrays over the bins of a beam. */
@@ -340,17 +334,21 @@ typedef struct holdings {
     const double *part[ASDIC_COMPONENT_COUNT];
     const double *by_surface, *by_bottom; /* of the multipath */
     double *most;                         /* the strongest object's, then the strongest of all */
+    const double *none;                   /* zeros, which stand for a part that is not there */
     double *once, *per_total;             /* room: scattered once; what makes energies shares */
+    double *echo;                         /* and all but water and noise */
 } holdings;
 
 /* Loops of few arrays, which compilers make vectors of. */
 WIDEST static void add_up(const double *const *part, size_t bins, double *restrict once,
-                          double *restrict per_total) {
+                          double *restrict per_total, double *restrict echo) {
     const double *bottom = part[ASDIC_BOTTOM], *surface = part[ASDIC_SURFACE];
     const double *volume = part[ASDIC_VOLUME], *object = part[ASDIC_OBJECT];
     const double *multipath = part[ASDIC_MULTIPATH], *noise = part[ASDIC_NOISE];
     for (size_t n = 0; n < bins; n++) {
-        once[n] = bottom[n] + surface[n] + volume[n] + object[n];
+        double direct = bottom[n] + surface[n] + object[n];
+        echo[n] = direct + multipath[n];
+        once[n] = direct + volume[n];
         double total = once[n] + multipath[n] + noise[n];
         per_total[n] = 1.0 / (total > 0.0 ? total : 1.0);
     }
@@ -376,7 +374,7 @@ WIDEST static void take_rest(const double *restrict all, const double *restrict 
 static void tell_shares(const holdings *h, size_t bins, const asdic_ping_truth *truth,
                         size_t first) {
     float *const *path = truth->path;
-    add_up(h->part, bins, h->once, h->per_total);
+    add_up(h->part, bins, h->once, h->per_total, h->echo);
     multiply(h->most, h->per_total, bins, truth->object_share + first);
     multiply(h->once, h->per_total, bins, path[ASDIC_PATH_DIRECT] + first);
     multiply(h->by_surface, h->per_total, bins, path[ASDIC_PATH_BY_SURFACE] + first);
@@ -393,45 +391,64 @@ static void tell_strongest(const holdings *h, size_t bins, const asdic_ping_trut
                                                  ASDIC_MULTIPATH, ASDIC_NOISE};
     memcpy(truth->strongest + first, truth->object + first, bins * sizeof *truth->strongest);
     for (size_t k = 0; k < sizeof components / sizeof *components; k++) {
-        take_stronger(h->part[components[k]], (int16_t) - (int)components[k], bins, h->most,
-                      truth->strongest + first);
+        if (h->part[components[k]] != h->none) {
+            take_stronger(h->part[components[k]], (int16_t) - (int)components[k], bins, h->most,
+                          truth->strongest + first);
+        }
     }
     multiply(h->most, h->per_total, bins, truth->share + first);
+}
+
+/* What a beam of OUT holds of each component. */
+static void find_parts(const telling *to, size_t first, holdings *h) {
+    static const asdic_component echoes[DEV_DEPOSIT_COUNT] = {[DEV_DEPOSIT_BOTTOM] = ASDIC_BOTTOM,
+                                                              [DEV_DEPOSIT_SURFACE] = ASDIC_SURFACE,
+                                                              [DEV_DEPOSIT_VOLUME] = ASDIC_VOLUME,
+                                                              [DEV_DEPOSIT_OBJECT] = ASDIC_OBJECT,
+                                                              [DEV_DEPOSIT_MULTIPATH] =
+                                                                  ASDIC_MULTIPATH};
+    for (int c = 0; c < ASDIC_COMPONENT_COUNT; c++) {
+        h->part[c] = to->out->intensity_lin[c] + first;
+    }
+    for (int c = 0; c < DEV_DEPOSIT_COUNT; c++) {
+        bool points = c == DEV_DEPOSIT_OBJECT && to->sim->truth.point_count > 0;
+        if (!(to->shot->ping->sums.present & 1u << c) && !points) {
+            h->part[echoes[c]] = h->none;
+        }
+    }
 }
 
 /* Of WORK the first tile is 0 before and after, and the last row always. */
 static void tell_tile(const telling *to) {
     size_t bins = to->out->bins, tile = TILE * bins, used = to->beams * bins * sizeof(double);
-    double *work = to->sim->truth.work, *const *part = to->out->intensity_lin;
-    double *most = work + tile, *by_surface = work + 2 * tile, *by_bottom = work + 3 * tile,
-           *moment = work + 4 * tile, *row = work + 5 * tile, *none = row + 2 * bins;
+    const asdic_truth_rows *t = &to->sim->truth;
+    const asdic_ping_truth *truth = to->out->truth;
+    double *most = t->work + tile, *by_surface = most + tile, *by_bottom = by_surface + tile,
+           *moment = by_bottom + tile, *row = moment + tile, *none = row + 3 * bins;
     double unit = to->source_lin / to->shot->ping->sums.scale[DEV_DEPOSIT_MULTIPATH];
-    bool boundaries =
-        to->sim->truth.table[to->nth * to->sim->truth.rows + DEV_TRUTH_BY_SURFACE].high;
+    bool boundaries = t->table[to->nth * t->rows + DEV_TRUTH_BY_SURFACE].high;
     if (boundaries) {
-        memset(by_surface, 0, used);
-        memset(by_bottom, 0, used);
         gather(to, DEV_TRUTH_BY_SURFACE, unit, by_surface);
         gather(to, DEV_TRUTH_BY_BOTTOM, unit, by_bottom);
         smear(to, by_surface);
         smear(to, by_bottom);
     }
     memset(most, 0, used);
-    memset(moment, 0, used);
-    find_objects(to, work, most);
-    tell_depressions(to, moment, row);
+    find_objects(to, t->work, most);
+    gather_moments(to, moment);
     for (size_t b = 0; b < to->beams; b++) {
         size_t first = (to->beam + b) * bins;
         holdings h = {.by_surface = boundaries ? by_surface + b * bins : none,
                       .by_bottom = boundaries ? by_bottom + b * bins : none,
                       .most = most + b * bins,
+                      .none = none,
                       .once = row,
-                      .per_total = row + bins};
-        for (int c = 0; c < ASDIC_COMPONENT_COUNT; c++) {
-            h.part[c] = part[c] + first;
-        }
-        tell_shares(&h, bins, to->out->truth, first);
-        tell_strongest(&h, bins, to->out->truth, first);
+                      .per_total = row + bins,
+                      .echo = row + 2 * bins};
+        find_parts(to, first, &h);
+        tell_shares(&h, bins, truth, first);
+        tell_strongest(&h, bins, truth, first);
+        tell_depression(moment + b * bins, h.echo, bins, truth->depression_rad + first);
     }
 }
 
