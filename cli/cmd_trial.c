@@ -92,6 +92,11 @@ static bool read_request(cli *c, request *r) {
         cli_usage(c, "--rule-timeout needs --rule PROGRAM");
         return false;
     }
+    if (r->program && !trial_program_exists(r->program)) {
+        cli_usage(c, "option '--rule': there is no program '%s'; give a path, or a name in PATH",
+                  r->program);
+        return false;
+    }
     if (rays > 0 && !isnan(r->tolerance_db)) {
         cli_usage(c, "--rays and --tolerance exclude each other");
         return false;
@@ -127,6 +132,10 @@ static char *default_folder(const request *r) {
 /* --- the table --------------------------------------------------------------------------------- */
 
 static void print_figure(const asdic_trial_figure *f, int digits) {
+    if (!isfinite(f->value)) { /* no run could be flown */
+        printf(" %9s %18s", "-", "-");
+        return;
+    }
     printf(" %9.*f %8.*f..%-8.*f", digits, f->value, digits, f->low, digits, f->high);
 }
 
@@ -135,7 +144,11 @@ static void print_variant(const asdic_trial *trial, size_t v, int wide) {
     printf("%-*s %8llu", wide, asdic_trial_variant_name(trial, v), (unsigned long long)r.runs);
     print_figure(&r.collision, 4);
     print_figure(&r.needless_per_km, 3);
-    printf(" %9.2f\n", r.least_clearance_m);
+    if (isfinite(r.least_clearance_m)) {
+        printf(" %9.2f\n", r.least_clearance_m);
+    } else {
+        printf(" %9s\n", "-");
+    }
 }
 
 static void print_causes(const asdic_trial *trial, size_t v, int wide) {

@@ -38,6 +38,25 @@ trial_programs *trial_programs_begin(const char *command, size_t workers, double
     return p;
 }
 
+bool trial_program_exists(const char *command) {
+    const char *word = command + strspn(command, " \t");
+    size_t length = strcspn(word, " \t");
+    char name[PATH_MAX];
+    if (length >= sizeof name || strcspn(word, "=$'\"`()&;|<>{}[]*?~!#\\\n") < length) {
+        return true;
+    }
+    snprintf(name, sizeof name, "%.*s", (int)length, word);
+    pid_t pid = fork();
+    if (pid == 0) {
+        execl("/bin/sh", "sh", "-c", "command -v -- \"$1\" >/dev/null", "sh", name, (char *)NULL);
+        _exit(127);
+    }
+    int status = 0;
+    while (pid > 0 && waitpid(pid, &status, 0) < 0 && errno == EINTR) {
+    }
+    return pid < 0 || (WIFEXITED(status) && WEXITSTATUS(status) == 0);
+}
+
 static void stop(program *p) {
     if (p->pid > 0) {
         close(p->in);

@@ -8,6 +8,10 @@
 
 typedef struct trial_programs trial_programs;
 
+/* Whether the shell finds the program that COMMAND begins with. True where that cannot be told before
+ * it runs: the command begins with an assignment, a quotation or other syntax of the shell. */
+bool trial_program_exists(const char *command);
+
 /* COMMAND is run by the shell, a process for each of WORKERS, when it is needed first. NULL: no
  * memory. */
 trial_programs *trial_programs_begin(const char *command, size_t workers, double timeout_s);

@@ -414,6 +414,7 @@ def test_draws_into_the_bottom_are_counted():
             "LOW", "21").replace("HIGH", "25"))
         done = asdic("trial", path, "--runs", 4, "-o", folder / "deep").check(code=1)
         tap.contains(done.err, "no run could be flown")
+        tap.equal("nan" in done.out or "inf" in done.out, False, done.out)
 
 
 def test_scenes_and_options_that_cannot_be():
@@ -445,6 +446,7 @@ def test_scenes_and_options_that_cannot_be():
         refuse(ideal, 2, "is not KEY=VALUE", "--vary", "nonsense")
         refuse(ideal, 2, "is no RUN or RUN:VARIANT", "--replay", "3:1")
         refuse(ideal, 2, "--rule-timeout needs --rule", "--rule-timeout", "3")
+        refuse(ideal, 2, "there is no program './mistyped.py --fast'", "--rule", "./mistyped.py --fast")
 
 
 def test_a_run_can_be_seen_again():
