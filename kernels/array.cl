@@ -10,6 +10,9 @@
  * samples. */
 #define OWN_SAMPLES (DEV_GATE_SAMPLES * DEV_OWN_GATES(ASDIC_WIDTH))
 
+/* What bounds of samples have to spare, in samples, for rounding. */
+#define SPARE 0.01f
+
 /* Loops over own samples from FROM on, short of TO. */
 #if ASDIC_WIDTH == 1
 #define EVERY_SAMPLE _Pragma("unroll")
@@ -32,8 +35,9 @@ typedef struct listener {
     float begin_m; /* where the first own sample is */
     float lead_m;  /* from where an echo reaches to the mean of the ways to both ends */
     float step;    /* from sample to sample, in lengths of the pulse */
-    float turns_per_m, pulses_per_m, samples_per_m;
-    int taps; /* samples that an echo reaches, at most */
+    float turns_per_m, pulses_per_m, samples_per_m, sample_m;
+    int begin; /* the first own sample */
+    int taps;  /* samples that an echo reaches, at most */
 } listener;
 
 /* Where elements FIRST and on lie on the line. */
@@ -52,13 +56,25 @@ static listener listener_of(__global const dev_coherent *c, uint element, uint b
     float span = (float)(ASDIC_WIDTH - 1) * c->spacing_m, reach = PULSE_REACH * c->pulse_m;
     l.y = elements_at(c, element);
     l.begin_m = ((float)(begin) + 0.5f) * c->sample_m;
-    l.lead_m = reach + 0.25f * span;
+    l.lead_m = reach + 0.25f * span + SPARE * c->sample_m;
     l.step = c->sample_m / c->pulse_m;
+    l.sample_m = c->sample_m;
+    l.begin = (int)(begin);
     l.turns_per_m = c->turns_per_m;
     l.pulses_per_m = 1.0f / c->pulse_m;
     l.samples_per_m = 1.0f / c->sample_m;
-    l.taps = (int)((2.0f * reach + 0.5f * span) * l.samples_per_m) + 1;
+    l.taps = (int)((2.0f * reach + 0.5f * span) * l.samples_per_m + 2.0f * SPARE) + 1;
     return l;
+}
+
+/* Adds ECHO, X behind sample NEAREST, to sample N of those FROM on and short of TO. */
+static void add_tap(const listener *l, real x, int nearest, phasor echo, int n, int from, int to,
+                    own_sums *sums) {
+    if (n >= from && n < to) {
+        real s = pulse_at(x - (real)((float)(n - nearest) * l->step), R(1.0));
+        sums->re[n] = r_fma(s, echo.re, sums->re[n]);
+        sums->im[n] = r_fma(s, echo.im, sums->im[n]);
+    }
 }
 
 /* Adds ECHO to the samples that it reaches: as many for every echo, which is quicker than no more
@@ -74,17 +90,30 @@ static void add_echo(const listener *l, __global const dev_echo *echo, own_sums 
     int from = (int)(before + 1024.0f) - 1023; /* truncation goes down */
     int to = min(from + l->taps, OWN_SAMPLES);
     from = max(from, 0);
+    /* From the sample nearest to the echo, whichever work-item asks: the same bits for all. */
+    int nearest = (int)(echo->way_m * l->samples_per_m);
+    float rest = fused(-((float)(nearest) + 0.5f), l->sample_m, echo->way_m);
+    nearest -= l->begin;
     phasor turn = phasor_of(-longer * (real)(l->turns_per_m));
     real re = turn.re * echo->re - turn.im * echo->im, im = turn.re * echo->im + turn.im * echo->re;
-    real x = (R(0.5) * longer + way) * (real)(l->pulses_per_m);
-    EVERY_SAMPLE
-    for (int n = FIRST(from); n < LAST(to); n++) {
-        if (n >= from && n < to) {
-            real s = pulse_at(x - (real)((float)(n)*l->step), R(1.0));
-            sums->re[n] = r_fma(s, re, sums->re[n]);
-            sums->im[n] = r_fma(s, im, sums->im[n]);
-        }
+    real x = (R(0.5) * longer + rest) * (real)(l->pulses_per_m);
+    phasor turned = {re, im};
+#if ASDIC_WIDTH == 1
+    /* No loop: llvmpipe leaves all loops of a work-item, that over echoes too, after 65,535 rounds. */
+#define FOUR_TAPS(n)                                                                               \
+    add_tap(l, x, nearest, turned, n, from, to, sums);                                             \
+    add_tap(l, x, nearest, turned, (n) + 1, from, to, sums);                                       \
+    add_tap(l, x, nearest, turned, (n) + 2, from, to, sums);                                       \
+    add_tap(l, x, nearest, turned, (n) + 3, from, to, sums);
+    FOUR_TAPS(0)
+    FOUR_TAPS(4)
+    FOUR_TAPS(8)
+    FOUR_TAPS(12)
+#else
+    for (int n = from; n < to; n++) {
+        add_tap(l, x, nearest, turned, n, from, to, sums);
     }
+#endif
 }
 
 /* Noise of a sample at elements FIRST and on, before it is filtered. */
@@ -185,9 +214,10 @@ static phasor listen(__global const dev_coherent *c, __global const real *pressu
         element_longer(elements_at(c, group * ASDIC_WIDTH), (real)(range * along), (real)(range));
     float ends = ((float *)&longer)[0] + ((float *)&longer)[ASDIC_WIDTH - 1];
     float at = range * samples_per_m - 0.5f;
-    int from = (int)(at + 0.25f * (ends - span) * samples_per_m - NEIGHBOURS + 1024.0f) - 1023;
-    int to =
-        min(from + (int)(2.0f * NEIGHBOURS + 0.5f * span * samples_per_m) + 1, (int)(c->samples));
+    int from =
+        (int)(at + 0.25f * (ends - span) * samples_per_m - NEIGHBOURS - SPARE + 1024.0f) - 1023;
+    int to = min(from + (int)(2.0f * (NEIGHBOURS + SPARE) + 0.5f * span * samples_per_m) + 1,
+                 (int)(c->samples));
     from = max(from, 0);
     real x = longer * (real)(0.5f * samples_per_m);
     phasor sum = {R(0.0), R(0.0)};
