@@ -33,18 +33,12 @@ def environment(changes):
     return {name: value for name, value in {**os.environ, **changes}.items() if value is not None}
 
 
-def guarded(env):
-    """ENV with the check of the heap that C tests have (tests/meson.build), unless it preloads another library."""
-    guard = os.environ.get("HEAP_GUARD")
-    return {"LD_PRELOAD": guard, "GLIBC_TUNABLES": "glibc.malloc.check=3", **env} if guard else env
-
-
 def asdic(*args, stdin=b"", cwd=None, most_s=120, **env):
     """Exit code, standard output and error of asdic ARGS, which may take MOST_S; ENV adds to the environment."""
     if isinstance(stdin, str):
         stdin = stdin.encode()
     done = subprocess.run([PATH, *map(str, args)], input=stdin, cwd=cwd, capture_output=True,
-                          timeout=most_s, check=False, env=environment(guarded(env)))
+                          timeout=most_s, check=False, env=environment(env))
     return Result(done.returncode, done.stdout.decode(), done.stderr.decode())
 
 
