@@ -1,16 +1,14 @@
 #include "cli_state.h"
 #include "commands.h"
-#include "options.h"
 
 #include <fcntl.h>
 #include <signal.h>
 #include <string.h>
 
-static bool resumes(const cli_command *command) {
-    const cli_option *options[CLI_MAX_OPTIONS];
-    size_t count = cli_options_of(command, options);
-    for (size_t i = 0; i < count; i++) {
-        if (strcmp(options[i]->name, "resume") == 0) {
+/* Whether C's command has --resume. */
+static bool resumes(const cli *c) {
+    for (size_t i = 0; i < c->option_count; i++) {
+        if (strcmp(c->options[i]->name, "resume") == 0) {
             return true;
         }
     }
@@ -36,7 +34,7 @@ static int run_command(cli *c, int argc, char **argv) {
                          c->operands[command->max_operands]);
     }
     if (command->traits & (CLI_INTERRUPTIBLE | CLI_STOPS_SOON)) {
-        cli_signals_begin(c->ctx, (command->traits & CLI_STOPS_SOON) != 0, resumes(command));
+        cli_signals_begin(c->ctx, (command->traits & CLI_STOPS_SOON) != 0, resumes(c));
     }
     return command->run(c);
 }
