@@ -292,15 +292,21 @@ static void compare_lifted(const asdic_scene *a, const asdic_scene *b, const dev
     asdic_scene_unlift(&lb);
 }
 
+/* A scene that keeps its ground, to be reopened. */
+static asdic_scene *make_kept(asdic_context *ctx, const asdic_mesh *hills) {
+    asdic_scene *kept = make_hilly(ctx, hills);
+    assert_int_equal(asdic_scene_keep_ground(kept), ASDIC_OK);
+    add_objects(ctx, kept, 1, true);
+    return kept;
+}
+
 /* A scene whose objects were taken out and replaced is that with the new ones, built from nothing. */
 static void test_reopened(void **state) {
     (void)state;
     asdic_context *ctx = NULL;
     assert_int_equal(asdic_context_create(&ctx), ASDIC_OK);
     asdic_mesh *hills = make_hills(ctx);
-    asdic_scene *kept = make_hilly(ctx, hills);
-    assert_int_equal(asdic_scene_keep_ground(kept), ASDIC_OK);
-    add_objects(ctx, kept, 1, true);
+    asdic_scene *kept = make_kept(ctx, hills);
     for (uint64_t seed = 2; seed < 8; seed++) {
         assert_int_equal(asdic_scene_reopen(kept), ASDIC_OK);
         add_objects(ctx, kept, seed, seed % 2);
@@ -325,9 +331,7 @@ static void test_reopened_and_lifted(void **state) {
     asdic_context *ctx = NULL;
     assert_int_equal(asdic_context_create(&ctx), ASDIC_OK);
     asdic_mesh *hills = make_hills(ctx);
-    asdic_scene *kept = make_hilly(ctx, hills);
-    assert_int_equal(asdic_scene_keep_ground(kept), ASDIC_OK);
-    add_objects(ctx, kept, 1, true);
+    asdic_scene *kept = make_kept(ctx, hills);
     const dev_node8 *before = NULL;
     for (uint64_t seed = 2; seed < 8; seed++) {
         assert_int_equal(asdic_scene_reopen(kept), ASDIC_OK);
