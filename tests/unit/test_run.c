@@ -100,6 +100,40 @@ static void interrupted_run_goes_on(void **state) {
     end(&f);
 }
 
+/* An interruption that comes while the records of an earlier call are checked. */
+static void interrupted_while_records_are_checked(void **state) {
+    (void)state;
+    asdic_run_options resume = {.count = SIZE_MAX, .resume = true};
+    fixture f;
+    begin(&f);
+    f.stop_at = 40;
+    f.devices[0].delay_us = 1500;
+    assert_int_equal(run(&f, 1, resume, "early"), ASDIC_ERROR_INTERRUPTED);
+    size_t kept = f.reported;
+    end(&f);
+    for (int turn = 0; turn < 2; turn++) {
+        char sentence[64];
+        snprintf(sentence, sizeof sentence, "; %zu of %d pings are kept", kept, PINGS);
+        begin(&f);
+        asdic_context_interrupt(f.ctx);
+        assert_int_equal(run(&f, 1, resume, "early"), ASDIC_ERROR_INTERRUPTED);
+        assert_non_null(strstr(asdic_context_error(f.ctx), sentence));
+        assert_int_equal(f.devices[0].pings, 0);
+        assert_state("early", "interrupted", 0);
+        assert_no_part("early");
+        end(&f);
+    }
+    begin(&f);
+    assert_int_equal(run(&f, 1, resume, "early"), ASDIC_OK);
+    assert_int_equal(f.devices[0].pings, PINGS - kept);
+    assert_same_files("reference", "early");
+    asdic_context_interrupt(f.ctx);
+    assert_int_equal(run(&f, 1, resume, "early"), ASDIC_ERROR_INTERRUPTED);
+    assert_state("early", "complete", PINGS);
+    assert_no_part("early");
+    end(&f);
+}
+
 /* Makes of a finished run what kill -9 leaves: the state of the beginning, files without their
  * names, SHARE of the records, the last one torn. */
 static void undo(const char *run_name, double share) {
@@ -418,6 +452,7 @@ int main(int argc, char **argv) {
         cmocka_unit_test(losing_all_devices_keeps_what_was_done),
         cmocka_unit_test(no_device_leaves_no_folder),
         cmocka_unit_test(interrupted_run_goes_on),
+        cmocka_unit_test(interrupted_while_records_are_checked),
         cmocka_unit_test(killed_run_goes_on),
         cmocka_unit_test(bad_records_are_named_and_made_again),
         cmocka_unit_test(complete_runs_are_checked),

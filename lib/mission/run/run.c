@@ -118,18 +118,17 @@ static asdic_status simulate(asdic_run_job *job, size_t end) {
 /* Takes all pings in turn: those that are there, and those that are made now. */
 static asdic_status take_all(asdic_run_job *job) {
     size_t planned = job->facts.pings_planned;
-    while (job->kept < planned) {
+    while (job->kept < planned && !asdic_context_interrupted(job->ctx)) {
         size_t end = job->kept;
         while (end < planned && !job->is_there[end]) {
             end++;
         }
         TRY(end == job->kept ? asdic_job_take_again(job) : simulate(job, end));
-        if (asdic_context_interrupted(job->ctx)) {
-            return asdic_fail(job->ctx, ASDIC_ERROR_INTERRUPTED, "interrupted at ping %zu",
-                              job->facts.first_ping + job->kept);
-        }
     }
-    return ASDIC_OK;
+    return asdic_context_interrupted(job->ctx)
+               ? asdic_fail(job->ctx, ASDIC_ERROR_INTERRUPTED, "interrupted at ping %zu",
+                            job->facts.first_ping + job->kept)
+               : ASDIC_OK;
 }
 
 /* Adds to the context's sentence what is kept and how to continue. */

@@ -197,26 +197,22 @@ static asdic_status open_elements(asdic_run_job *job, bool goes_on) {
     return asdic_elements_open(job->ctx, job->options->folder, mode, &shape, &job->elements);
 }
 
-/* Finds the pings whose records are whole; every other is to be made. */
-static asdic_status find_whole(asdic_run_job *job, asdic_status *first_failure) {
+/* Finds the pings whose records are whole; every other is to be made. After an interruption the rest
+ * is taken to be whole, unread: the run ends before it uses them. */
+static void find_whole(asdic_run_job *job, asdic_status *first_failure) {
     size_t stored = asdic_store_count(job->store), planned = job->facts.pings_planned;
     *first_failure = ASDIC_OK;
     job->to_make = planned;
     for (size_t i = 0; i < stored && i < planned; i++) {
-        asdic_status status = asdic_store_read(job->store, i, job->bytes);
+        bool is_read = !asdic_context_interrupted(job->ctx);
+        asdic_status status = is_read ? asdic_store_read(job->store, i, job->bytes) : ASDIC_OK;
         job->is_there[i] = status == ASDIC_OK && asdic_elements_has(job->elements, i);
         job->to_make -= job->is_there[i];
         if (status != ASDIC_OK && *first_failure == ASDIC_OK) {
             *first_failure = status;
             asdic_log(job->ctx, ASDIC_LOG_WARNING, "%s", asdic_context_error(job->ctx));
         }
-        if (asdic_context_interrupted(job->ctx)) {
-            return asdic_fail(job->ctx, ASDIC_ERROR_INTERRUPTED,
-                              "interrupted while the pings in '%s' were checked; --resume goes on",
-                              job->options->folder);
-        }
     }
-    return ASDIC_OK;
 }
 
 /* Whether a run that ended has still all that it wrote; a warning says what not. */
@@ -227,8 +223,13 @@ static asdic_status check_complete(asdic_run_job *job, const asdic_run_facts *ea
         return status;
     }
     if (status == ASDIC_OK) {
-        TRY(find_whole(job, &bad));
+        find_whole(job, &bad);
         asdic_store_close(&job->store);
+        if (asdic_context_interrupted(job->ctx)) {
+            return asdic_fail(job->ctx, ASDIC_ERROR_INTERRUPTED,
+                              "interrupted while the pings in '%s' were checked; --resume goes on",
+                              job->options->folder);
+        }
         if (bad == ASDIC_OK && job->to_make > 0) {
             status = asdic_fail(job->ctx, ASDIC_ERROR_INPUT,
                                 "'%s/pings.npy' has %zu of %zu pings; the others are made again",
@@ -286,7 +287,8 @@ static asdic_status open_run(asdic_run_job *job) {
     TRY(open_store(job, goes_on ? ASDIC_STORE_RESUME : ASDIC_STORE_CREATE));
     TRY(asdic_store_cut(job->store, job->facts.pings_planned));
     TRY(open_elements(job, goes_on));
-    return find_whole(job, &bad);
+    find_whole(job, &bad);
+    return ASDIC_OK;
 }
 
 /* Writes the poses of the vehicle at the run's pings. */
