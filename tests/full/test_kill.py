@@ -23,28 +23,32 @@ KILLS = int(os.environ.get("ASDIC_KILLS", "200"))
 CODES = {signal.SIGINT: 130, signal.SIGTERM: 143, signal.SIGKILL: -9}
 
 
-def state_of(folder, run):
-    return facts(folder, run)["state"] if os.path.exists(folder / f"{run}/run.json") else None
+def found(folder, run):
+    """The state of the run and the names of its files."""
+    names = os.listdir(folder / run) if os.path.isdir(folder / run) else []
+    return facts(folder, run)["state"] if "run.json" in names else None, names
 
 
 def valid(folder, run, was_killed, before):
-    """What may be there after a stop. BEFORE: the state that the stopped program found. A run that
-    was killed stays "running" where its resumption is stopped before it has begun to write."""
-    names = os.listdir(folder / run) if os.path.isdir(folder / run) else []
-    if "run.json" not in names:  # stopped before the first ping
+    """What may be there after a stop. BEFORE: what the stopped program found. What a killed one left
+    stays where its resumption is stopped before it comes to it: the state "running", with files under
+    way, or a picture's."""
+    (before_state, before_names), (state, names) = before, found(folder, run)
+    if state is None:  # stopped before the first ping
         tap.equal([n for n in names if not n.endswith(".part")], [], "files without run.json")
         return
-    run_facts = facts(folder, run)
     if not was_killed:
-        allowed = ("interrupted", "complete", before)
-        tap.equal(run_facts["state"] in allowed, True, f"state {run_facts['state']} after {before}")
-        tap.equal([n for n in names if n.endswith(".part")], [], "unfinished files")
+        allowed = ("interrupted", "complete", before_state)
+        tap.equal(state in allowed, True, f"state {state} after {before_state}")
+        parts = [n for n in names if n.endswith(".part")]
+        left = [n for n in before_names if state == "running" or n.endswith(".png.part")]
+        tap.equal([n for n in parts if n not in left], [], "unfinished files")
 
 
 def stop_once(folder, path, longest_s, luck):
     """One stop; the seconds that the run had. None when it was through before."""
     stop = luck.choice(list(CODES))
-    before = state_of(folder, "r")
+    before = found(folder, "r")
     resume = ["--resume"] if os.path.exists(folder / "r/run.json") else ["--force"]
     begin = time.monotonic()
     child = subprocess.Popen([program.PATH, "run", path, "-o", folder / "r", *resume],
