@@ -40,96 +40,125 @@ static uint count_cut(const world *w, real quanta) {
     return cut;
 }
 
-#if ASDIC_TRUTH
-
-/* Where a work-item adds its groups' truth. */
+/* Where a work-item adds its groups' truth, from a receiver on. */
 typedef struct truth_sink {
     __global const dev_truth_row *rows;
     __global long *cells;
 } truth_sink;
 
-static void add_to_row(const world *w, const truth_sink *to, uint row, uint bin, real quanta) {
-    size_t cell = truth_cell(w->ping, to->rows, row, bin);
+#if ASDIC_TRUTH
+
+/* What truth takes of an arrival: its first ECHOES deposits, all of one component, whose first row is BEFORE. */
+typedef struct truth_part {
+    uint echoes, before, row;
+    float weight, dither;
+} truth_part;
+
+/* Nothing without TO, or where nobody asks. */
+static truth_part truth_of(const world *w, __global const dev_arrival *arrival,
+                           const truth_sink *to) {
+    truth_part t = {0u, 0u, 0u, 0.0f, 0.0f};
+    if (to && w->ping->sums.truth_rows != 0u) {
+        uint component = truth_component(w->ping, arrival->row[0]);
+        t.echoes = component == DEV_DEPOSIT_MULTIPATH ? MAX_ARRIVALS : MAX_ARRIVALS / 2u;
+        t.before = component * w->ping->sums.component_rows;
+        t.row = truth_row(arrival->more);
+        t.weight = truth_weight(w->ping, component, arrival->more);
+        t.dither = truth_dither(arrival->more);
+    }
+    return t;
+}
+
+/* QUANTA times the weight, for the row of depressions. */
+static wholes moment_of(const world *w, const truth_part *t, real quanta) {
+    return to_wholes(TRUTH_MOMENT(quanta, t->weight, t->dither, (real)(w->ping->sums.limit)));
+}
+
+/* Adds an echo in row AT of the accumulator: WHOLE and its MOMENT. */
+static void add_truth(const world *w, const truth_part *t, const truth_sink *to, uint at,
+                      wholes whole, wholes moment) {
+    uint bin = at - t->before;
+    size_t cell = truth_depression_cell(w->ping, bin);
+    store_wholes(load_wholes(0, to->cells + cell) + moment, 0, to->cells + cell);
+    cell = t->row != 0u ? truth_cell(w->ping, to->rows, t->row, bin) : TRUTH_NO_CELL;
     if (cell != TRUTH_NO_CELL) {
-        wholes whole = to_wholes(whole_quanta(quanta, (real)(w->ping->sums.limit)));
-        __global long *at = to->cells + cell;
-        store_wholes(load_wholes(0, at) + whole, 0, at);
+        store_wholes(load_wholes(0, to->cells + cell) + whole, 0, to->cells + cell);
     }
 }
 
-/* Adds ARRIVAL, whose gains are those of LANE, to the truth of the receivers from FIRST on. */
-static void add_truth(const world *w, __global const dev_arrival *arrival, truth_sink to,
-                      const weights *g, uint lane, uint first) {
-    real gain;
-    for (uint b = 0; b < ASDIC_WIDTH; b++) {
-        ((float *)&gain)[b] = ((const float *)&g->of_beam[b])[lane];
-    }
-    to.cells += first;
-    /* Echoes come first, all of one component; water behind them. */
-    uint component = arrival->row[0] / w->ping->sums.component_rows;
-    uint before = component * w->ping->sums.component_rows, row = truth_row(arrival->more);
-    uint echoes = component == DEV_DEPOSIT_MULTIPATH ? MAX_ARRIVALS : MAX_ARRIVALS / 2u;
-    float weight = truth_weight(w->ping, component, arrival->more);
-    for (uint c = 0; c < echoes; c++) {
-        float arriving = arrival->quanta[c];
-        if (!(arriving > 0.0f)) {
-            continue;
-        }
-        uint bin = arrival->row[c] - before;
-        add_to_row(w, &to, DEV_TRUTH_DEPRESSION, bin, gain * (arriving * weight));
-        if (row != 0u) {
-            add_to_row(w, &to, row, bin, gain * arriving);
-        }
-    }
-}
-
-static void add_truths(const world *w, __global const dev_arrival *set, const truth_sink *to,
-                       mask on, const weights *g, uint first) {
-    if (w->ping->sums.truth_rows != 0u) {
-        LANES {
-            if (AT(on, int) != 0) {
-                add_truth(w, set + lane, *to, g, lane, first);
-            }
-        }
-    }
-}
-
-#define ADD_TRUTHS(set, on) add_truths(w, set, truth, on, &g, first)
-#else
-typedef struct truth_sink {
-    int none;
-} truth_sink;
-#define ADD_TRUTHS(set, on) (void)truth
 #endif
 
 /* Adds ARRIVAL, whose gains are those of LANE, to the receivers from FIRST on; returns how many deposits were
  * cut to the limit. The last vector may reach beyond the last receiver: its cells are padding and get 0. */
 static uint add_arrival(const world *w, __global const dev_arrival *arrival, __global long *cells,
-                        const weights *g, uint lane, uint first) {
+                        const truth_sink *truth, const weights *g, uint lane, uint first) {
     uint cut = 0u;
     real gain, limit = (real)(w->ping->sums.limit);
     for (uint b = 0; b < ASDIC_WIDTH; b++) {
         ((float *)&gain)[b] = ((const float *)&g->of_beam[b])[lane];
     }
+#if ASDIC_TRUTH
+    truth_part t = truth_of(w, arrival, truth);
+#else
+    (void)truth;
+#endif
     for (uint c = 0; c < MAX_ARRIVALS; c++) {
         float arriving = arrival->quanta[c];
         if (!(fabs(arriving) > 0.0f)) {
             continue;
         }
         real quanta = gain * arriving;
+        wholes whole = to_wholes(deposited_quanta(quanta, limit));
         __global long *at = cells + (size_t)(arrival->row[c]) * w->ping->sums.columns + first;
-        store_wholes(load_wholes(0, at) + to_wholes(deposited_quanta(quanta, limit)), 0, at);
+        store_wholes(load_wholes(0, at) + whole, 0, at);
         cut += count_cut(w, quanta);
+#if ASDIC_TRUTH
+        if (c < t.echoes) {
+            add_truth(w, &t, truth, arrival->row[c], whole, moment_of(w, &t, quanta));
+        }
+#endif
     }
     return cut;
 }
 
 #if ASDIC_WIDTH == 8
 
-/* The same for four columns: a vector of eight holds two deposits, four receivers each. */
+/* Adds the halves of TWO, four receivers' each, to the rows FIRST and SECOND. */
+static void add_to_four(__global long *first, __global long *second, wholes two) {
+    vstore4(vload4(0, first) + two.lo, 0, first);
+    vstore4(vload4(0, second) + two.hi, 0, second);
+}
+
+#if ASDIC_TRUTH
+/* add_truth of two deposits. Those that are nothing may be in any row: bin 0 gets nothing by them. */
+static void add_truth_to_four(const world *w, const truth_part *t, const truth_sink *to, uint2 at,
+                              wholes whole, wholes moment) {
+    uint2 bin = select((uint2)(0u), at - t->before, at >= t->before);
+    add_to_four(to->cells + bin.x * 4u, to->cells + bin.y * 4u, moment);
+    if (t->row == 0u) {
+        return;
+    }
+    size_t first = truth_cell(w->ping, to->rows, t->row, bin.x);
+    size_t second = truth_cell(w->ping, to->rows, t->row, bin.y);
+    if (first != TRUTH_NO_CELL) {
+        vstore4(vload4(0, to->cells + first) + whole.lo, 0, to->cells + first);
+    }
+    if (second != TRUTH_NO_CELL) {
+        vstore4(vload4(0, to->cells + second) + whole.hi, 0, to->cells + second);
+    }
+}
+#endif
+
+/* add_arrival for four columns: a vector of eight holds two deposits, four receivers each. */
 static uint add_arrival_to_four(const world *w, __global const dev_arrival *arrival,
-                                __global long *cells, const weights *g, uint lane) {
+                                __global long *cells, const truth_sink *truth, const weights *g,
+                                uint lane) {
     uint cut = 0u;
+#if ASDIC_TRUTH
+    truth_part t = truth_of(w, arrival, truth);
+#else
+    (void)truth;
+#endif
     float4 gain;
     for (uint b = 0; b < 4u; b++) {
         ((float *)&gain)[b] = ((const float *)&g->of_beam[b])[lane];
@@ -138,27 +167,34 @@ static uint add_arrival_to_four(const world *w, __global const dev_arrival *arri
         float2 arriving = vload2(0, arrival->quanta + c);
         real quanta = gain.xyzwxyzw * arriving.xxxxyyyy;
         wholes whole = to_wholes(deposited_quanta(quanta, (real)(w->ping->sums.limit)));
-        __global long *at = cells + (size_t)(arrival->row[c]) * 4u;
-        vstore4(vload4(0, at) + whole.lo, 0, at);
-        at = cells + (size_t)(arrival->row[c + 1u]) * 4u;
-        vstore4(vload4(0, at) + whole.hi, 0, at);
+        add_to_four(cells + (size_t)(arrival->row[c]) * 4u,
+                    cells + (size_t)(arrival->row[c + 1u]) * 4u, whole);
         cut += count_cut(w, quanta);
+#if ASDIC_TRUTH
+        if (c < t.echoes && (arriving.x > 0.0f || arriving.y > 0.0f)) {
+            add_truth_to_four(w, &t, truth, vload2(0, arrival->row + c), whole,
+                              moment_of(w, &t, quanta));
+        }
+#endif
     }
     return cut;
 }
 
 #endif
 
-/* Adds the arrivals of ASDIC_WIDTH rays in SET, those of the lanes ON, to the receivers from FIRST on. */
+/* Adds the arrivals of ASDIC_WIDTH rays in SET, those of the lanes ON, to the receivers from FIRST on; TRUTH is
+ * NULL for the water's. */
 static uint add_arrivals(const world *w, __global const dev_arrival *set, __global long *cells,
-                         mask on, const weights *g, uint first) {
+                         const truth_sink *truth, mask on, const weights *g, uint first) {
     uint cut = 0u;
     if (w->ping->beams <= FEW_BEAMS) {
         arrivals a;
+        natural words;
         a.count = MAX_ARRIVALS;
         LANES {
             __global const dev_arrival *p = set + lane;
             bool here = AT(on, int) != 0;
+            AT(words, uint) = p->more;
             for (uint c = 0; c < MAX_ARRIVALS; c++) {
                 AT(a.row[c], uint) = here ? p->row[c] : 0u;
                 AT(a.quanta[c], float) = here ? p->quanta[c] : 0.0f;
@@ -167,6 +203,13 @@ static uint add_arrivals(const world *w, __global const dev_arrival *set, __glob
         for (uint b = 0; b < ASDIC_WIDTH && first + b < w->ping->beams; b++) {
             natural column = (natural)(first + b);
             cut += add_column(w, &a, cells, (natural)(0u), column, g->of_beam[b]);
+#if ASDIC_TRUTH
+            if (truth && w->ping->sums.truth_rows != 0u) {
+                add_truth_column(w, &a, words, truth->rows, truth->cells + b, g->of_beam[b]);
+            }
+#else
+            (void)words;
+#endif
         }
         return cut;
     }
@@ -176,11 +219,11 @@ static uint add_arrivals(const world *w, __global const dev_arrival *set, __glob
         }
 #if ASDIC_WIDTH == 8
         if (w->ping->sums.columns == 4u) {
-            cut += add_arrival_to_four(w, set + lane, cells, g, lane);
+            cut += add_arrival_to_four(w, set + lane, cells, truth, g, lane);
             continue;
         }
 #endif
-        cut += add_arrival(w, set + lane, cells, g, lane, first);
+        cut += add_arrival(w, set + lane, cells, truth, g, lane, first);
     }
     return cut;
 }
@@ -208,8 +251,8 @@ APART static uint add_rays(const world *w, __global const dev_arrival *direct, _
         AT(more, int) = (direct[lane].more & 1u) != 0u ? -1 : 0;
     }
     weights g = weigh(w, first, arrival_directions(direct, every));
-    uint cut = add_arrivals(w, direct, cells, every, &g, first);
-    ADD_TRUTHS(direct, every);
+    truth_sink own = {truth->rows, truth->cells + first};
+    uint cut = add_arrivals(w, direct, cells, &own, every, &g, first);
 #if ASDIC_LAYERS && ASDIC_HAS_WATER
     __global const dev_arrival *water = direct + DEV_ARRIVAL_WATER(ASDIC_HAS_MIRRORS) * all;
     natural sets;
@@ -217,15 +260,13 @@ APART static uint add_rays(const world *w, __global const dev_arrival *direct, _
         AT(sets, uint) = water[lane].more >> DEV_WATER_SHIFT;
     }
     for (uint set = 0; set < DEV_WATER_SETS && any_true(sets > (natural)(set)); set++) {
-        cut += add_arrivals(w, water + set * all, cells, sets > (natural)(set), &g, first);
+        cut += add_arrivals(w, water + set * all, cells, 0, sets > (natural)(set), &g, first);
     }
 #endif
     if (any_true(more)) {
-        cut += add_arrivals(w, along, cells, more, &g, first);
-        ADD_TRUTHS(along, more);
+        cut += add_arrivals(w, along, cells, &own, more, &g, first);
         g = weigh(w, first, arrival_directions(across, more));
-        cut += add_arrivals(w, across, cells, more, &g, first);
-        ADD_TRUTHS(across, more);
+        cut += add_arrivals(w, across, cells, &own, more, &g, first);
     }
     return cut;
 }
@@ -327,14 +368,9 @@ __kernel void collect(__global const dev_ping *pings, __global const dev_arrival
     __global const float *ratio = row_water(ping, water) + ping->bins;
     arrivals += ARRIVAL_SETS * row_slots(ping);
     totals += row_first_total(ping);
-#if ASDIC_TRUTH
     size_t before =
         (size_t)(ping->sums.truth_first) * workers + (size_t)(worker)*ping->sums.truth_cells;
     truth_sink truth = {truth_rows(ping, rows), truth_cells + before * ping->sums.truth_columns};
-#else
-    truth_sink truth = {0};
-    (void)rows, (void)truth_cells;
-#endif
     for (uint group = worker; group < ping->batch.groups; group += workers) {
         for (uint k = 0; k < ping->batch.per_group; k += ASDIC_WIDTH) {
             for (uint first = 0; first < ping->beams; first += ASDIC_WIDTH) {

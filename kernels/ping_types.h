@@ -165,7 +165,7 @@ typedef struct dev_sums {
     float scale[DEV_DEPOSIT_COUNT];       /* quanta per energy, powers of two */
     float limit;                          /* largest single deposit, in quanta */
     dev_uint truth_rows;                  /* of truth.h; 0: nobody asks for them */
-    dev_uint truth_columns;               /* receivers, rounded up to the widest vector */
+    dev_uint truth_columns;               /* receivers, rounded up to whole vectors */
     dev_uint truth_cells;                 /* a receiver's, of all rows of this ping */
     dev_uint truth_first;                 /* those of the pings before it */
     float truth_ratio[DEV_DEPOSIT_COUNT]; /* scale of the row of depressions over a component's */

@@ -91,6 +91,42 @@ static uint add_column(const world *w, const arrivals *a, __global long *cells, 
     return cut;
 }
 
+#if ASDIC_TRUTH
+/* The quanta of a deposit times its weight, for the row of depressions. */
+#define TRUTH_MOMENT(quanta, weight, dither, limit) (r_min((quanta) * (weight), limit) + (dither))
+
+/* Adds GAIN times the deposits of A but the water's, which arrive with WORDS, to a column of their rows, which
+ * begins at CELLS. */
+static void add_truth_column(const world *w, const arrivals *a, natural words,
+                             __global const dev_truth_row *rows, __global long *cells, real gain) {
+    const real limit = (real)(w->ping->sums.limit);
+    for (uint c = 0; c < a->count; c++) {
+        real quanta = gain * a->quanta[c], whole = deposited_quanta(quanta, limit);
+        real weight, dither;
+        LANES {
+            uint component = truth_component(w->ping, AT(a->row[c], const uint));
+            AT(weight, float) = truth_weight(w->ping, component, AT(words, uint));
+            AT(dither, float) = truth_dither(AT(words, uint));
+        }
+        real moment = TRUTH_MOMENT(quanta, weight, dither, limit);
+        LANES {
+            uint bin = AT(a->row[c], const uint), row = truth_row(AT(words, uint));
+            uint component = truth_component(w->ping, bin);
+            if (component == DEV_DEPOSIT_VOLUME || !(AT(quanta, float) > 0.0f)) {
+                continue;
+            }
+            bin -= component * w->ping->sums.component_rows;
+            size_t cell = truth_depression_cell(w->ping, bin);
+            deposit_add(cells + cell, convert_long(AT(moment, float)));
+            cell = row != 0u ? truth_cell(w->ping, rows, row, bin) : TRUTH_NO_CELL;
+            if (cell != TRUTH_NO_CELL) {
+                deposit_add(cells + cell, convert_long(AT(whole, float)));
+            }
+        }
+    }
+}
+#endif
+
 /* First cells of the groups that RAYS belong to. */
 static natural cells_of(const world *w, natural rays) {
     natural first = (natural)(0u);
@@ -149,34 +185,6 @@ static uint receive(const world *w, const sink *to, uint set, const arrivals *a,
 
 #else
 
-#if ASDIC_TRUTH
-/* Adds GAIN times the deposits of A, which arrive from DOWN, to column BEAM of their rows of truth. */
-static void add_truth(const world *w, const sink *to, const arrivals *a, natural rays, real down,
-                      uint beam, real gain) {
-    __global const dev_sums *sums = &w->ping->sums;
-    for (uint c = 0; c < a->count; c++) {
-        LANES {
-            uint component = AT(a->row[c], const uint) / sums->component_rows;
-            uint bin = AT(a->row[c], const uint) % sums->component_rows;
-            uint row = AT(a->truth_row, const uint), word = truth_word(row, AT(down, float));
-            float weight = truth_weight(w->ping, component, word);
-            float arriving = AT(a->quanta[c], const float), own = AT(gain, float);
-            if (!(arriving > 0.0f) || weight == 0.0f || AT(rays, uint) == NO_RAY) {
-                continue;
-            }
-            size_t cell = truth_cell(w->ping, to->truth_rows, DEV_TRUTH_DEPRESSION, bin);
-            real whole = whole_quanta((real)(own * (arriving * weight)), (real)(sums->limit));
-            deposit_add(to->truth + cell + beam, convert_long(AT(whole, float)));
-            cell = row != 0u ? truth_cell(w->ping, to->truth_rows, row, bin) : TRUTH_NO_CELL;
-            whole = whole_quanta((real)(own * arriving), (real)(sums->limit));
-            if (cell != TRUTH_NO_CELL) {
-                deposit_add(to->truth + cell + beam, convert_long(AT(whole, float)));
-            }
-        }
-    }
-}
-#endif
-
 static uint receive(const world *w, const sink *to, uint set, const arrivals *a, natural rays,
                     triple u) {
     uint cut = 0u;
@@ -186,7 +194,11 @@ static uint receive(const world *w, const sink *to, uint set, const arrivals *a,
         cut += add_column(w, a, to->accumulator, first, (natural)(b), gain);
 #if ASDIC_TRUTH
         if (w->ping->sums.truth_rows != 0u) {
-            add_truth(w, to, a, rays, u.z, b, gain);
+            natural words;
+            LANES {
+                AT(words, uint) = truth_word(AT(a->truth_row, const uint), AT(u.z, float));
+            }
+            add_truth_column(w, a, words, to->truth_rows, to->truth + b, gain);
         }
 #endif
     }

@@ -36,15 +36,26 @@ static inline uint truth_row(uint word) {
     return word >> 1u & ((1u << TRUTH_ROW_BITS) - 1u);
 }
 
-/* (1 + sine of depression) / 2 */
-static inline float truth_part(uint word) {
-    return (float)(word >> TRUTH_SINE_SHIFT) * (1.0f / TRUTH_SINE_MOST);
+/* What multiplies the quanta of COMPONENT for the row of depressions, whose scale is one for all: (1 + sine of
+ * depression) / 2; 0: the water, which has no place. */
+static inline float truth_weight(__global const dev_ping *ping, uint component, uint word) {
+    return ping->sums.truth_ratio[component] *
+           ((float)(word >> TRUTH_SINE_SHIFT) * (1.0f / TRUTH_SINE_MOST));
 }
 
-/* What multiplies the quanta of COMPONENT for the row of depressions, whose scale is one for all; 0: the water,
- * which has no place. */
-static inline float truth_weight(__global const dev_ping *ping, uint component, uint word) {
-    return ping->sums.truth_ratio[component] * truth_part(word);
+/* 0 to 1, by a hash of WORD without the bit that says whether others follow: what is added to quanta before their
+ * fraction is cut off, so that small ones are worth in the sum what they are worth. */
+static inline float truth_dither(uint word) {
+    return (float)((word | 1u) * 2654435769u >> 8) * 5.9604645e-8f;
+}
+
+/* A row holds components behind each other, see ping_types.h. */
+static inline uint truth_component(__global const dev_ping *ping, uint row) {
+    uint component = 0u;
+    for (uint c = 1u; c < DEV_DEPOSIT_COUNT; c++) {
+        component += (uint)(row >= c * ping->sums.component_rows);
+    }
+    return component;
 }
 
 /* The first receiver's cell of BIN in ROW; bins beyond the row have none. */
@@ -56,6 +67,11 @@ static inline size_t truth_cell(__global const dev_ping *ping, __global const de
     return bin >= r.low && bin < r.high
                ? (size_t)(r.cell + (bin - r.low)) * ping->sums.truth_columns
                : TRUTH_NO_CELL;
+}
+
+/* The same of the row of depressions, which is the first and holds all bins. */
+static inline size_t truth_depression_cell(__global const dev_ping *ping, uint bin) {
+    return (size_t)(bin)*ping->sums.truth_columns;
 }
 
 /* This launch's row of pings (ping_batch.h). */

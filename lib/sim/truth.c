@@ -19,6 +19,16 @@
 /* Where the sines of depression begin: they are summed as (1 + sine) / 2. */
 #define MIDDLE 0.5
 
+/* Receivers of a row of cells, rounded up to the vectors that kernels add. A fan's are an odd number of cache
+ * lines: rows of an even one would all want the same place in a cache. */
+static size_t columns_of(const asdic_simulator *sim) {
+    size_t beams = sim->setup.sonar.receiver_count, width = sim->setup.layout.width;
+    if (sim->fan.many) {
+        return ((beams + TILE - 1) / TILE | 1) * TILE;
+    }
+    return width == 8 && beams <= 4 ? 4 : (beams + width - 1) / width * width;
+}
+
 asdic_status asdic_truth_init(asdic_simulator *sim) {
     asdic_truth_rows *t = &sim->truth;
     const asdic_scene *scene = sim->setup.scene;
@@ -27,9 +37,7 @@ asdic_status asdic_truth_init(asdic_simulator *sim) {
         return asdic_buffer_create(sim->device, 0, NULL, &t->table_buffer);
     }
     t->rows = DEV_TRUTH_OBJECTS + scene->part_count;
-    t->columns = ((beams + TILE - 1) / TILE | 1) *
-                 TILE; /* odd: of even ones the rows would all want the same
-                                                            place in a cache */
+    t->columns = columns_of(sim);
     if (t->rows > DEV_TRUTH_MOST_ROWS || scene->object_count > INT16_MAX) {
         return asdic_fail(
             sim->ctx, ASDIC_ERROR_ARGUMENT,

@@ -91,7 +91,7 @@ static asdic_ping *shoot(ping_rig *r, const kind *k, bool truth) {
     asdic_simulator *sim = NULL;
     asdic_ping *ping = NULL;
     r->sampling.truth = truth;
-    r->sonar.receivers = k->beams == FAN ? fan : r->receivers;
+    r->sonar.receivers = k->beams > RIG_MOST_BEAMS ? fan : r->receivers;
     asdic_scene_commit(r->scene); /* a second time it changes nothing */
     assert_ok(t.ctx,
               asdic_simulator_create_with(t.ctx, t.device, r->scene, &r->env, &r->sonar,
@@ -243,6 +243,36 @@ static void layouts_and_levels_agree(void **state) {
         asdic_ping_destroy(&other);
         asdic_ping_destroy(&plain);
         asdic_ping_destroy(&truth);
+        rig_destroy(&r);
+    }
+}
+
+/* Every width of a row of cells: work-items of their own cells against atomics; batches of other sizes of a fan. */
+static void any_number_of_beams_is_told(void **state) {
+    static const size_t beams[] = {1, 2, 3, 4, 5, 8, 17};
+    (void)state;
+    for (size_t i = 0; i < sizeof beams / sizeof *beams; i++) {
+        const kind k = {
+            .beams = beams[i], .multipath = ASDIC_MULTIPATH_FIRST, .bandwidth_hz = 10e3};
+        ping_rig r = make_rig(&k, 0);
+        asdic_ping *p = shoot(&r, &k, true);
+        check_sums(p);
+        for (size_t n = 0; n < p->beams * p->bins; n++) {
+            double echo = 0.0;
+            for (int c = ASDIC_BOTTOM; c < ASDIC_NOISE; c++) {
+                echo += c == ASDIC_VOLUME ? 0.0 : p->intensity_lin[c][n];
+            }
+            assert_int_equal(isfinite(p->truth->depression_rad[n]), echo > 0.0);
+        }
+        if (r.layout.deposit == ASDIC_DEPOSIT_COLLECT) {
+            r.layout.deposit = ASDIC_DEPOSIT_ATOMIC32;
+            r.layout.batch_slots = 5000;
+            r.layout.ping_batch_slots = 1;
+            asdic_ping *other = shoot(&r, &k, true);
+            assert_true(same_truth(p, other));
+            asdic_ping_destroy(&other);
+        }
+        asdic_ping_destroy(&p);
         rig_destroy(&r);
     }
 }
@@ -416,6 +446,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(an_object_is_told_apart),
         cmocka_unit_test(layouts_and_levels_agree),
+        cmocka_unit_test(any_number_of_beams_is_told),
         cmocka_unit_test(spheres_are_as_summed_by_hand),
         cmocka_unit_test(mirrors_are_told_apart),
         cmocka_unit_test(a_simulator_without_truth_says_so),
