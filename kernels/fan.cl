@@ -26,19 +26,36 @@
 #define DEPOSITS 4u
 #define SPAN 4u
 
+/* Sums of a bin: its components', then, where truth is wanted, that of depressions (truth.h). */
+#define SUMS (ASDIC_COMPONENTS + ASDIC_TRUTH)
+
 /* Up to four deposits from one direction. Their bins are KEY, the list's own bin, to KEY + SPAN - 1. */
 typedef struct fan_entry {
     float direction[3]; /* as in the arrival */
-    uint rows; /* a byte for each deposit: (bins beyond KEY) * ASDIC_COMPONENTS + component */
+    uint rows;          /* a byte for each deposit: (bins beyond KEY) * SUMS + component */
     float quanta[4];
 #if ASDIC_TRUTH
-    float depression; /* what multiplies the echo's quanta for the row of depressions */
-    uint truth_row;   /* that they go to besides; 0: none */
+    float depression; /* what multiplies the echo's quanta for the sum of depressions */
+    uint truth; /* the row that they go to besides, 0: none; how far behind the echo's sum that of
+                         depressions is; see below */
 #endif
 } fan_entry;
 
-/* In TRUTH_ROW: all deposits are echoes; else the first two are, and the others water. */
+/* In `truth`: all deposits are echoes; else the first two are, and the others water. */
 #define ECHOES_ALONE 0x80000000u
+#define TRUTH_BEHIND_SHIFT 16u
+
+static inline uint echoes_of(uint truth) {
+    return (truth & ECHOES_ALONE) != 0u ? DEPOSITS : DEPOSITS / 2u;
+}
+
+static inline uint row_of(uint truth) {
+    return truth & ((1u << TRUTH_BEHIND_SHIFT) - 1u);
+}
+
+static inline uint behind_of(uint truth) {
+    return (truth & ~ECHOES_ALONE) >> TRUTH_BEHIND_SHIFT;
+}
 
 typedef struct fan_list {
     uint first, count;
@@ -90,7 +107,7 @@ static inline void sort_deposits(const fan_sort *sort, __global const dev_arriva
         bool here = c >= first && c < end && arrival->quanta[c] != 0.0f;
         uint component = here ? arrival->row[c] / ping->sums.component_rows : 0u;
         uint beyond = here ? bin_of_row(ping, arrival->row[c]) - key : 0u;
-        rows |= (ASDIC_COMPONENTS * beyond + component) << 8u * c;
+        rows |= (SUMS * beyond + component) << 8u * c;
         to->quanta[c] = here ? arrival->quanta[c] : 0.0f;
     }
     for (uint k = 0; k < 3u; k++) {
@@ -98,10 +115,10 @@ static inline void sort_deposits(const fan_sort *sort, __global const dev_arriva
     }
     to->rows = rows;
 #if ASDIC_TRUTH
-    uint component = arrival->row[0] / ping->sums.component_rows;
+    uint component = truth_component(ping, arrival->row[0]);
     to->depression = truth_weight(ping, component, arrival->more);
-    to->truth_row =
-        truth_row(arrival->more) | (component == DEV_DEPOSIT_MULTIPATH ? ECHOES_ALONE : 0u);
+    to->truth = truth_row(arrival->more) | (ASDIC_COMPONENTS - component) << TRUTH_BEHIND_SHIFT |
+                (component == DEV_DEPOSIT_MULTIPATH ? ECHOES_ALONE : 0u);
 #endif
 }
 
@@ -283,15 +300,15 @@ typedef struct fan_truth {
 /* Adds GAIN times deposit C of ENTRY, of the list of bin KEY, to its row. */
 static inline void add_to_row(__global const dev_ping *ping, const fan_truth *t,
                               __global const fan_entry *entry, uint key, uint c, const real *gain) {
-    uint bin = key + (entry->rows >> 8u * c & 0xffu) / ASDIC_COMPONENTS;
+    uint bin = key + (entry->rows >> 8u * c & 0xffu) / SUMS;
     if (bin < t->first || bin >= t->end) {
         return;
     }
-    size_t cell = truth_cell(ping, t->rows, entry->truth_row & ~ECHOES_ALONE, bin);
+    size_t cell = truth_cell(ping, t->rows, row_of(entry->truth), bin);
     if (cell == TRUTH_NO_CELL) {
         return;
     }
-    __global float *at = t->cells + cell + t->column;
+    __global float *at = t->cells + cell + t->column % (uint)(DEV_FAN_TILE);
     for (uint p = 0; p < PARTS && t->column + p * ASDIC_WIDTH < t->last; p++) {
         real sum = r_fma((real)(entry->quanta[c]), gain[p], LOAD_REAL(at + p * ASDIC_WIDTH));
         STORE_REAL(sum, at + p * ASDIC_WIDTH);
@@ -301,8 +318,7 @@ static inline void add_to_row(__global const dev_ping *ping, const fan_truth *t,
 /* The same of all its echoes. */
 static inline void add_to_rows(__global const dev_ping *ping, const fan_truth *t,
                                __global const fan_entry *entry, uint key, const real *gain) {
-    uint echoes = (entry->truth_row & ECHOES_ALONE) != 0u ? DEPOSITS : DEPOSITS / 2u;
-    for (uint c = 0; c < echoes; c++) {
+    for (uint c = 0; c < echoes_of(entry->truth); c++) {
         if (entry->quanta[c] > 0.0f) {
             add_to_row(ping, t, entry, key, c, gain);
         }
@@ -318,21 +334,20 @@ static inline void add_to_rows(__global const dev_ping *ping, const fan_truth *t
 
 /* Of one bin and receiver. */
 typedef struct fan_sums {
-    float of[ASDIC_COMPONENTS];
+    float of[SUMS];
 #if ASDIC_TRUTH
     fan_truth truth;
-    float depression;
 #endif
 } fan_sums;
 
 #if ASDIC_TRUTH
 static inline void add_depression(__global const fan_entry *entry, float gain, uint beyond,
                                   fan_sums *sums) {
-    uint echoes = (entry->truth_row & ECHOES_ALONE) != 0u ? DEPOSITS : DEPOSITS / 2u;
-    for (uint c = 0; c < echoes; c++) {
+    for (uint c = 0; c < echoes_of(entry->truth); c++) {
         uint row = entry->rows >> 8u * c & 0xffu;
-        float quanta = row / ASDIC_COMPONENTS == beyond ? entry->quanta[c] : 0.0f;
-        sums->depression = r_fma(quanta * entry->depression, gain, sums->depression);
+        float quanta = row / SUMS == beyond ? entry->quanta[c] : 0.0f;
+        sums->of[ASDIC_COMPONENTS] =
+            r_fma(quanta * entry->depression, gain, sums->of[ASDIC_COMPONENTS]);
     }
 }
 #endif
@@ -344,26 +359,23 @@ static void add_list(__global const dev_ping *ping, __global const fan_entry *en
         float gain = gains(r, entries + k, ping->rear_lin);
         uint rows = entries[k].rows;
 #if ASDIC_TRUTH
-        if (sums->truth.rows) {
-            add_depression(entries + k, gain, beyond, sums);
-            if ((entries[k].truth_row & ~ECHOES_ALONE) != 0u) {
-                add_to_rows(ping, &sums->truth, entries + k, sums->truth.first - beyond, &gain);
-            }
+        add_depression(entries + k, gain, beyond, sums);
+        if (row_of(entries[k].truth) != 0u && sums->truth.rows) {
+            add_to_rows(ping, &sums->truth, entries + k, sums->truth.first - beyond, &gain);
         }
 #endif
         for (uint c = 0; c < DEPOSITS; c++) {
             uint row = rows >> 8u * c & 0xffu;
-            float quanta = row / ASDIC_COMPONENTS == beyond ? entries[k].quanta[c] : 0.0f;
+            float quanta = row / SUMS == beyond ? entries[k].quanta[c] : 0.0f;
             float sum = 0.0f;
 #pragma unroll
             for (uint component = 0; component < ASDIC_COMPONENTS; component++) {
-                sum = row % ASDIC_COMPONENTS == component ? sums->of[component] : sum;
+                sum = row % SUMS == component ? sums->of[component] : sum;
             }
             sum = r_fma(quanta, gain, sum);
 #pragma unroll
             for (uint component = 0; component < ASDIC_COMPONENTS; component++) {
-                sums->of[component] =
-                    row % ASDIC_COMPONENTS == component ? sum : sums->of[component];
+                sums->of[component] = row % SUMS == component ? sum : sums->of[component];
             }
         }
     }
@@ -381,92 +393,123 @@ static void project(__global const dev_ping *ping, __global const fan_entry *ent
     sums.truth.end = bin + 1u;
     sums.truth.column = receiver;
     sums.truth.last = ping->beams;
-    sums.depression = 0.0f;
 #endif
 #pragma unroll
-    for (uint c = 0; c < ASDIC_COMPONENTS; c++) {
+    for (uint c = 0; c < SUMS; c++) {
         sums.of[c] = 0.0f;
     }
     for (uint beyond = min(bin, SPAN - 1u) + 1u; beyond-- > 0u;) {
         add_list(ping, entries, lists[bin - beyond], &r, beyond, &sums);
     }
 #pragma unroll
-    for (uint c = 0; c < ASDIC_COMPONENTS; c++) {
+    for (uint c = 0; c < SUMS; c++) {
         __global float *to = results + (size_t)(c)*ping->bins;
         *to = sums.of[c] + (add != 0u ? *to : 0.0f);
     }
-#if ASDIC_TRUTH
-    if (truth.rows) {
-        truth.cells[(size_t)(bin)*ping->sums.truth_columns + receiver] += sums.depression;
-    }
-#endif
 }
 
 #else
 
 /* Of RUN bins, and of those before and behind that share entries with them. */
 typedef struct fan_sums {
-    real of[(RUN + 2u * (SPAN - 1u)) * ASDIC_COMPONENTS][PARTS];
+    real of[(RUN + 2u * (SPAN - 1u)) * SUMS][PARTS];
 #if ASDIC_TRUTH
     fan_truth truth;
-    real depression[RUN + 2u * (SPAN - 1u)][PARTS];
 #endif
 } fan_sums;
 
 #if ASDIC_TRUTH
-/* Adds to the sums of depressions what ENTRY, whose list's bin is row AT, brings with GAIN. */
-static inline void add_depression(__global const fan_entry *entry, const real *gain, uint at,
-                                  fan_sums *sums) {
-    uint echoes = (entry->truth_row & ECHOES_ALONE) != 0u ? DEPOSITS : DEPOSITS / 2u;
-    for (uint c = 0; c < echoes; c++) {
-        if (entry->quanta[c] > 0.0f) {
-            real quanta = (real)(entry->quanta[c] * entry->depression);
-            real *sum = sums->depression[at + (entry->rows >> 8u * c & 0xffu) / ASDIC_COMPONENTS];
+/* Adds to the sums of depressions what deposits FIRST and the next of ENTRY, whose list's bin is AT, bring with
+ * GAIN. */
+static inline void add_depressions(__global const fan_entry *entry, uint first, const real *gain,
+                                   uint at, fan_sums *sums) {
+    uint behind = at * SUMS + behind_of(entry->truth);
 #pragma unroll
-            for (uint p = 0; p < PARTS; p++) {
-                sum[p] = r_fma(quanta, gain[p], sum[p]);
-            }
-        }
-    }
-}
-
-/* Adds the first BINS sums of depressions to their row. */
-static void store_depressions(__global const dev_ping *ping, const fan_sums *sums, uint bins) {
-    const fan_truth *t = &sums->truth;
-    for (uint bin = 0; bin < bins && t->rows; bin++) {
-        __global float *at =
-            t->cells + (size_t)(t->first + bin) * ping->sums.truth_columns + t->column;
-        for (uint p = 0; p < PARTS && t->column + p * ASDIC_WIDTH < t->last; p++) {
-            STORE_REAL(LOAD_REAL(at + p * ASDIC_WIDTH) + sums->depression[bin + SPAN - 1u][p],
-                       at + p * ASDIC_WIDTH);
+    for (uint c = first; c < first + 2u; c++) {
+        real quanta = (real)(entry->quanta[c] * entry->depression);
+        real *sum = sums->of[behind + (entry->rows >> 8u * c & 0xffu)];
+#pragma unroll
+        for (uint p = 0; p < PARTS; p++) {
+            sum[p] = r_fma(quanta, gain[p], sum[p]);
         }
     }
 }
 #endif
 
+/* Whether ENTRY and the next go to the same sums and to no row of truth: most do, and each sum is then read and
+ * written once for both. */
+static inline bool go_together(__global const fan_entry *entry) {
+    bool same = entry[0].rows == entry[1].rows;
+#if ASDIC_TRUTH
+    same = same && entry[0].truth == entry[1].truth && row_of(entry[0].truth) == 0u &&
+           echoes_of(entry[0].truth) != DEPOSITS;
+#endif
+    return same;
+}
+
+/* Adds ENTRY with GAIN and then the one behind it with NEXT. */
+static inline void add_two(__global const fan_entry *entry, const real *gain, const real *next,
+                           uint at, fan_sums *sums) {
+    uint rows = entry->rows;
+#pragma unroll
+    for (uint c = 0; c < DEPOSITS; c++) {
+        real one = (real)(entry[0].quanta[c]), two = (real)(entry[1].quanta[c]);
+        real *sum = sums->of[at * SUMS + (rows >> 8u * c & 0xffu)];
+#pragma unroll
+        for (uint p = 0; p < PARTS; p++) {
+            sum[p] = r_fma(two, next[p], r_fma(one, gain[p], sum[p]));
+        }
+    }
+#if ASDIC_TRUTH
+    uint behind = at * SUMS + behind_of(entry->truth);
+#pragma unroll
+    for (uint c = 0; c < DEPOSITS / 2u; c++) {
+        real one = (real)(entry[0].quanta[c] * entry[0].depression);
+        real two = (real)(entry[1].quanta[c] * entry[1].depression);
+        real *sum = sums->of[behind + (rows >> 8u * c & 0xffu)];
+#pragma unroll
+        for (uint p = 0; p < PARTS; p++) {
+            sum[p] = r_fma(two, next[p], r_fma(one, gain[p], sum[p]));
+        }
+    }
+#endif
+}
+
 /* Adds LIST, whose bin is row AT of the sums. */
 static void add_list(__global const dev_ping *ping, __global const fan_entry *entries,
                      fan_list list, const receivers *r, uint at, fan_sums *sums) {
-    for (uint k = list.first; k < list.first + list.count; k++) {
+    const uint end = list.first + list.count;
+    for (uint k = list.first; k < end; k++) {
         real gain[PARTS];
 #pragma unroll
         for (uint p = 0; p < PARTS; p++) {
             gain[p] = gains(r + p, entries + k, ping->rear_lin);
         }
+        if (k + 1u < end && go_together(entries + k)) {
+            real next[PARTS];
+            k++;
+#pragma unroll
+            for (uint p = 0; p < PARTS; p++) {
+                next[p] = gains(r + p, entries + k, ping->rear_lin);
+            }
+            add_two(entries + k - 1u, gain, next, at, sums);
+            continue;
+        }
         uint rows = entries[k].rows;
 #if ASDIC_TRUTH
-        if (sums->truth.rows) {
-            add_depression(entries + k, gain, at, sums);
-            if ((entries[k].truth_row & ~ECHOES_ALONE) != 0u) {
-                add_to_rows(ping, &sums->truth, entries + k, sums->truth.first + at - (SPAN - 1u),
-                            gain);
-            }
+        add_depressions(entries + k, 0u, gain, at, sums);
+        if (echoes_of(entries[k].truth) == DEPOSITS) {
+            add_depressions(entries + k, DEPOSITS / 2u, gain, at, sums);
+        }
+        if (row_of(entries[k].truth) != 0u && sums->truth.rows) {
+            add_to_rows(ping, &sums->truth, entries + k, sums->truth.first + at - (SPAN - 1u),
+                        gain);
         }
 #endif
 #pragma unroll
         for (uint c = 0; c < DEPOSITS; c++) {
             real quanta = (real)(entries[k].quanta[c]);
-            real *sum = sums->of[at * ASDIC_COMPONENTS + (rows >> 8u * c & 0xffu)];
+            real *sum = sums->of[at * SUMS + (rows >> 8u * c & 0xffu)];
 #pragma unroll
             for (uint p = 0; p < PARTS; p++) {
                 sum[p] = r_fma(quanta, gain[p], sum[p]);
@@ -492,13 +535,13 @@ static void transpose(real *v) {
     }
 }
 
-/* The first BINS sums of COMPONENT and part P to the rows of RECEIVERS receivers, STRIDE floats from
+/* The first BINS sums of COMPONENT (the one behind the last: of depressions) and part P to the rows of RECEIVERS receivers, STRIDE floats from
  * each other, from TO on. */
 static void store_sums(const fan_sums *sums, uint component, uint p, uint bins, uint receivers,
                        __global float *to, size_t stride, uint add) {
     real v[RUN];
     for (uint bin = 0; bin < RUN; bin++) {
-        v[bin] = sums->of[(bin + SPAN - 1u) * ASDIC_COMPONENTS + component][p];
+        v[bin] = sums->of[(bin + SPAN - 1u) * SUMS + component][p];
     }
     transpose(v);
     for (uint k = 0; k < receivers; k++) {
@@ -519,7 +562,7 @@ static void project(__global const dev_ping *ping, __global const fan_entry *ent
                     __global const fan_list *lists, __global float *results, uint receiver,
                     uint bin, uint add TRUTH_PARAMETER) {
     const uint end = min(receiver + RECEIVERS, ping->beams), bins = min(ping->bins - bin, RUN);
-    const size_t stride = (size_t)(ping->sums.components) * ping->bins;
+    const size_t stride = (size_t)(SUMS)*ping->bins;
     for (uint first = receiver; first < end; first += PARTS * ASDIC_WIDTH) {
         receivers r[PARTS];
         fan_sums sums;
@@ -529,15 +572,10 @@ static void project(__global const dev_ping *ping, __global const fan_entry *ent
         sums.truth.end = bin + bins;
         sums.truth.column = first;
         sums.truth.last = end;
-        for (uint k = 0; k < RUN + 2u * (SPAN - 1u); k++) {
-            for (uint p = 0; p < PARTS; p++) {
-                sums.depression[k][p] = R(0.0);
-            }
-        }
 #endif
         for (uint p = 0; p < PARTS; p++) {
             r[p] = receivers_from(ping, first + p * ASDIC_WIDTH);
-            for (uint k = 0; k < (RUN + 2u * (SPAN - 1u)) * ASDIC_COMPONENTS; k++) {
+            for (uint k = 0; k < (RUN + 2u * (SPAN - 1u)) * SUMS; k++) {
                 sums.of[k][p] = R(0.0);
             }
         }
@@ -546,21 +584,21 @@ static void project(__global const dev_ping *ping, __global const fan_entry *ent
         }
         for (uint p = 0; p < PARTS && first + p * ASDIC_WIDTH < end; p++) {
             uint own = first + p * ASDIC_WIDTH;
-            for (uint c = 0; c < ASDIC_COMPONENTS; c++) {
+            for (uint c = 0; c < SUMS; c++) {
+                if (c < ASDIC_COMPONENTS && (ping->sums.present & 1u << c) == 0u) {
+                    continue; /* nobody reads it */
+                }
                 store_sums(&sums, c, p, bins, min(end - own, (uint)(ASDIC_WIDTH)),
                            results + (own - receiver) * stride + c * (size_t)(ping->bins), stride,
                            add);
             }
         }
-#if ASDIC_TRUTH
-        store_depressions(ping, &sums, bins);
-#endif
     }
 }
 
 #endif
 
-/* fan_project: tile TILE_AT of receivers. RESULTS: quanta as floats, [receiver][component][bin]; ADD: to
+/* fan_project: tile TILE_AT of receivers. RESULTS: quanta as floats, [receiver][sum][bin]; ADD: to
  * those of the batches before. One work-item per RUN bins and RECEIVERS receivers. */
 __kernel void fan_project(__global const dev_ping *ping, __global const fan_entry *entries,
                           __global const fan_list *lists, __global float *results, uint tile_at,
@@ -570,10 +608,10 @@ __kernel void fan_project(__global const dev_ping *ping, __global const fan_entr
     uint bin = id / parts * RUN;
     if (receiver < ping->beams && bin < ping->bins) {
 #if ASDIC_TRUTH
-        fan_truth truth = {ping->sums.truth_rows != 0u ? rows : 0, cells, 0u, 0u, 0u, 0u};
+        size_t before = tile_at * (size_t)(ping->sums.truth_cells) * ping->sums.truth_columns;
+        fan_truth truth = {ping->sums.truth_rows != 0u ? rows : 0, cells + before, 0u, 0u, 0u, 0u};
 #endif
-        project(ping, entries, lists,
-                results + (size_t)(receiver)*ping->sums.components * ping->bins + bin, receiver,
-                bin, add TRUTH_ARGUMENT);
+        project(ping, entries, lists, results + (size_t)(receiver)*SUMS * ping->bins + bin,
+                receiver, bin, add TRUTH_ARGUMENT);
     }
 }

@@ -4,7 +4,8 @@
  * Beside the accumulator a ping then has rows of its own: the echoes' sines of depression, weighed by energy;
  * what came by way of the surface and of the bottom; and what each object sent back directly. An object's row
  * spans the bins that it can be heard in and no others. Cells lie [row][bin][receiver]: sums of whole quanta,
- * as the accumulator's, or, of many receivers (fan.cl), floats added in the order of rays.
+ * as the accumulator's, or, of many receivers (fan.cl), floats added in the order of rays, tile by tile of
+ * receivers; there the depressions lie behind the components of their bin.
  */
 #ifndef ASDIC_KERNEL_TRUTH_H
 #define ASDIC_KERNEL_TRUTH_H

@@ -78,7 +78,7 @@ asdic_status asdic_beam_fan_init(asdic_beam_fan *fan, asdic_device *device,
                    {sizeof(uint32_t), &fan->made},
                    {size->bins * LIST_BYTES, &fan->lists},
                    {size->slots * entries * entry, &fan->entries}};
-    fan->fetches = calloc(tiles, sizeof *fan->fetches);
+    fan->fetches = calloc(2 * tiles, sizeof *fan->fetches);
     if (!fan->fetches) {
         return asdic_fail_memory(asdic_device_context(device), "a fan");
     }
@@ -93,8 +93,8 @@ asdic_status asdic_beam_fan_init(asdic_beam_fan *fan, asdic_device *device,
 }
 
 void asdic_beam_fan_finish(asdic_beam_fan *fan, asdic_device *device) {
-    for (size_t tile = 0; tile < fan->tiles; tile++) {
-        asdic_fetch_wait(device, &fan->fetches[tile]);
+    for (size_t i = 0; i < 2 * fan->tiles; i++) {
+        asdic_fetch_wait(device, &fan->fetches[i]);
     }
     free(fan->fetches);
     asdic_kernel_destroy(&fan->count);
@@ -135,8 +135,8 @@ static asdic_status sort(asdic_beam_fan *fan, const dev_ping *ping, asdic_buffer
 asdic_status asdic_beam_fan_project(asdic_beam_fan *fan, const dev_ping *ping,
                                     asdic_buffer *ping_buffer, asdic_buffer *arrivals,
                                     asdic_buffer *results, float *host_results,
-                                    asdic_buffer *truth_rows, asdic_buffer *truth_cells) {
-    size_t rows = ping->sums.components * (size_t)ping->bins;
+                                    const asdic_fan_truth *truth) {
+    size_t rows = fan->sums * (size_t)ping->bins;
     bool wide = fan->width > 1;
     size_t items = wide ? (ping->bins + 15) / 16 : ping->bins * (size_t)DEV_FAN_TILE;
     dev_uint add = ping->batch.first != 0;
@@ -145,18 +145,22 @@ asdic_status asdic_beam_fan_project(asdic_beam_fan *fan, const dev_ping *ping,
         asdic_kernel_arg args[] = {ASDIC_ARG_BUFFER(ping_buffer), ASDIC_ARG_BUFFER(fan->entries),
                                    ASDIC_ARG_BUFFER(fan->lists),  ASDIC_ARG_BUFFER(results),
                                    ASDIC_ARG_VALUE(tile),         ASDIC_ARG_VALUE(add),
-                                   ASDIC_ARG_BUFFER(truth_rows),  ASDIC_ARG_BUFFER(truth_cells)};
+                                   ASDIC_ARG_BUFFER(truth->rows), ASDIC_ARG_BUFFER(truth->cells)};
         TRY(asdic_kernel_run(fan->project, args, 8, items, wide ? 1 : 64));
         size_t first = (size_t)tile * DEV_FAN_TILE, left = ping->beams - first;
         size_t bytes = (left < DEV_FAN_TILE ? left : DEV_FAN_TILE) * rows * sizeof(float);
         if (ping->batch.last) {
             TRY(asdic_buffer_fetch(results, first * rows * sizeof(float), bytes,
                                    host_results + first * rows, &fan->fetches[tile]));
+            TRY(asdic_buffer_fetch(truth->cells, tile * truth->tile_bytes, truth->tile_bytes,
+                                   (char *)truth->host_cells + tile * truth->tile_bytes,
+                                   &fan->fetches[fan->tiles + tile]));
         }
     }
     return ASDIC_OK;
 }
 
 asdic_status asdic_beam_fan_wait(asdic_beam_fan *fan, asdic_device *device, size_t tile) {
-    return asdic_fetch_wait(device, &fan->fetches[tile]);
+    TRY(asdic_fetch_wait(device, &fan->fetches[tile]));
+    return asdic_fetch_wait(device, &fan->fetches[fan->tiles + tile]);
 }

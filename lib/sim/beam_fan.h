@@ -18,9 +18,10 @@ typedef struct asdic_beam_fan {
     bool common_axis; /* faces of one size that differ in yaw about one axis only */
     unsigned blocks;  /* of rays, that are sorted at the same time */
     unsigned width;   /* receivers of a vector */
+    size_t sums;      /* of a bin and receiver: components, and where truth is wanted depressions */
     asdic_kernel *count, *place, *scatter, *project;
     asdic_buffer *counts, *made, *lists, *entries;
-    asdic_fetch **fetches; /* a tile's each, on their way to the host */
+    asdic_fetch **fetches; /* a tile's each, on their way to the host, then those of its truth */
     size_t tiles;
 } asdic_beam_fan;
 
@@ -42,12 +43,19 @@ void asdic_beam_fan_finish(asdic_beam_fan *fan, asdic_device *device);
 /* The frame of the common axis of a ping whose beams (transmitter first) are aimed. */
 void asdic_beam_fan_describe(const asdic_beam_fan *fan, const dev_beam *beams, dev_ping *ping);
 
+/* Where the truth of a ping's rows goes (kernels/truth.h), TILE_BYTES of every tile. */
+typedef struct asdic_fan_truth {
+    asdic_buffer *rows, *cells;
+    void *host_cells;
+    size_t tile_bytes;
+} asdic_fan_truth;
+
 /* Enqueues the sums of one batch's ARRIVALS, added to those of the batches before, in RESULTS: floats
- * [beam][component][bin], and in TRUTH_CELLS (kernels/truth.h). After the last batch they are fetched to HOST_RESULTS, tile by tile. */
+ * [beam][sum][bin], and in the TRUTH's cells. After the last batch they are fetched to the host, tile by tile. */
 asdic_status asdic_beam_fan_project(asdic_beam_fan *fan, const dev_ping *ping,
                                     asdic_buffer *ping_buffer, asdic_buffer *arrivals,
                                     asdic_buffer *results, float *host_results,
-                                    asdic_buffer *truth_rows, asdic_buffer *truth_cells);
+                                    const asdic_fan_truth *truth);
 /* Blocks until the beams of TILE are there. */
 asdic_status asdic_beam_fan_wait(asdic_beam_fan *fan, asdic_device *device, size_t tile);
 

@@ -6,6 +6,7 @@
 
 #include "base/try.h"
 #include "base/widest.h"
+#include "truth.h"
 
 #include <math.h>
 #include <string.h>
@@ -134,7 +135,7 @@ WIDEST static void add(const double *restrict energy, size_t bins, double *restr
 static void convert_fan_beam(const asdic_simulator *sim, const asdic_ping_shot *shot,
                              const double *unit, size_t beam, asdic_ping *out) {
     size_t first = beam * sim->setup.bins, bins = sim->setup.bins;
-    const float *quanta = (const float *)shot->sums + first * sim->setup.components;
+    const float *quanta = (const float *)shot->sums + first * sim->fan.sums;
     double *water = out->intensity_lin[ASDIC_VOLUME] + first;
     convert_fan_water(quanta + DEV_DEPOSIT_VOLUME * bins, unit[DEV_DEPOSIT_VOLUME], shot->volume,
                       bins, water);
@@ -168,15 +169,19 @@ asdic_status asdic_simulator_convert(asdic_simulator *sim, const asdic_ping_shot
     for (int c = 0; c < DEV_DEPOSIT_COUNT; c++) {
         unit[c] = source_lin / shot->ping->sums.scale[c];
     }
-    for (size_t beam = 0; beam < sim->setup.sonar.receiver_count; beam++) {
-        if (!fan) {
-            convert_beam(sim, shot, unit, beam, out);
-            continue;
-        }
-        if (beam % DEV_FAN_TILE == 0) {
+    size_t beams = sim->setup.sonar.receiver_count;
+    for (size_t beam = 0; beam < beams; beam++) {
+        if (fan && beam % DEV_FAN_TILE == 0) {
             TRY(asdic_beam_fan_wait(&sim->fan, sim->device, beam / DEV_FAN_TILE));
         }
-        convert_fan_beam(sim, shot, unit, beam, out);
+        if (fan) {
+            convert_fan_beam(sim, shot, unit, beam, out);
+        } else {
+            convert_beam(sim, shot, unit, beam, out);
+        }
+        if (beam % ASDIC_TRUTH_BEAMS == ASDIC_TRUTH_BEAMS - 1 || beam == beams - 1) {
+            asdic_truth_tell(sim, shot, beam / ASDIC_TRUTH_BEAMS * ASDIC_TRUTH_BEAMS, out);
+        }
     }
     size_t sums = sim->setup.components * sim->setup.cells;
     out->saturated = fan ? 0 : (uint64_t)((const int64_t *)shot->sums)[sums];

@@ -274,10 +274,11 @@ static asdic_status run_batch(asdic_simulator *sim, size_t count) {
         TRY(run_collect(sim, count));
     }
     if (sim->fan.many) {
+        const asdic_fan_truth truth = {sim->truth.table_buffer, truth_cells(sim), sim->truth.cells,
+                                       sim->truth.bytes / sim->fan.tiles};
         TRY(asdic_beam_fan_project(&sim->fan, sim->shots[0].ping, sim->buffers.pings,
                                    sim->buffers.arrivals, sim->buffers.results,
-                                   (float *)sim->host.results, sim->truth.table_buffer,
-                                   truth_cells(sim)));
+                                   (float *)sim->host.results, &truth));
     }
     return sim->kernels.collect || sim->fan.many ? end_phase(sim, ASDIC_PHASE_COLLECT) : ASDIC_OK;
 }
@@ -367,10 +368,11 @@ static asdic_status run_shots(asdic_simulator *sim, size_t count, asdic_ping *co
     TRY(tabulate(sim, count));
     TRY(asdic_truth_begin(sim, count, out));
     TRY(run_batches(sim, count));
+    TRY(asdic_truth_fetch(sim));
     for (size_t k = 0; k < count; k++) {
         TRY(convert(sim, &sim->shots[k], out[k]));
     }
-    return asdic_truth_fetch(sim);
+    return ASDIC_OK;
 }
 
 asdic_status asdic_simulator_simulate(asdic_simulator *sim, size_t count, asdic_ping *const *out) {
@@ -395,7 +397,7 @@ static asdic_status simulate_rays(asdic_simulator *sim, const asdic_pose *poses,
         TRY(asdic_points_add(sim, shot, out[k]));
         asdic_pulse_smear(&sim->setup.sonar, shot->water.sound_speed_mps, sim->host.scratch,
                           out[k]);
-        asdic_truth_tell(sim, k, out[k]);
+        asdic_truth_end(sim, k, out[k]);
         asdic_speckle_apply(sim->speckle, shot->water.sound_speed_mps, sim->setup.sampling.seed,
                             shot->index, out[k]);
     }

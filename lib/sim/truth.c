@@ -12,19 +12,19 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Vectors of the kernels are as wide at most; and beams that are told together, a cache line of floats. */
-#define TILE 16u
+#define TILE ASDIC_TRUTH_BEAMS
 /* An echo may lie in a bin next to that of its range; and rounding. */
 #define ROOM_BINS 2.0
+/* Bins of a beam whose shares are told together: they stay in the nearest cache. */
+#define BLOCK 256
 /* Where the sines of depression begin: they are summed as (1 + sine) / 2. */
 #define MIDDLE 0.5
 
-/* Receivers of a row of cells, rounded up to the vectors that kernels add. A fan's are an odd number of cache
- * lines: rows of an even one would all want the same place in a cache. */
+/* Receivers of a row of cells, rounded up to the vectors that kernels add; of a fan those of a tile. */
 static size_t columns_of(const asdic_simulator *sim) {
     size_t beams = sim->setup.sonar.receiver_count, width = sim->setup.layout.width;
     if (sim->fan.many) {
-        return ((beams + TILE - 1) / TILE | 1) * TILE;
+        return DEV_FAN_TILE;
     }
     return width == 8 && beams <= 4 ? 4 : (beams + width - 1) / width * width;
 }
@@ -48,7 +48,7 @@ asdic_status asdic_truth_init(asdic_simulator *sim) {
     size_t pings = sim->setup.ping_batch, points = scene->point_count;
     points *= sim->setup.layer_count > 0 ? ASDIC_MOST_EIGENRAYS * ASDIC_MOST_EIGENRAYS : 1;
     t->table = calloc(pings * t->rows, sizeof *t->table);
-    t->work = calloc((5 * TILE + 4) * bins, sizeof *t->work);
+    t->work = calloc((5 * TILE + 1) * bins, sizeof *t->work);
     t->points = calloc(points + 1, sizeof *t->points);
     t->point_lin = calloc(points * beams + 1, sizeof *t->point_lin);
     if (!t->table || !t->work || !t->points || !t->point_lin) {
@@ -71,9 +71,12 @@ void asdic_truth_finish(asdic_simulator *sim) {
 
 /* --- before and after the rays ---------------------------------------------------------------- */
 
-/* Copies of a cell that the host adds: collect.cl's work-items have one each. */
+/* Copies of a cell: collect.cl's work-items have one each, which the host adds; or of a fan its tiles. */
 static size_t copies(const asdic_simulator *sim) {
-    bool collects = sim->setup.layout.deposit == ASDIC_DEPOSIT_COLLECT && !sim->fan.many;
+    if (sim->fan.many) {
+        return sim->fan.tiles;
+    }
+    bool collects = sim->setup.layout.deposit == ASDIC_DEPOSIT_COLLECT;
     return collects ? sim->setup.ping.sums.blocks / 2 : 1;
 }
 
@@ -105,7 +108,8 @@ static size_t place_rows(const asdic_simulator *sim, const asdic_ping_shot *shot
     bool boundaries = sim->setup.has_mirrors && shot->ping->boundary_mirrors;
     dev_uint bins = (dev_uint)sim->setup.bins;
     size_t cells = 0;
-    table[DEV_TRUTH_DEPRESSION] = (dev_truth_row){.high = bins};
+    /* A fan's depressions lie among its results. */
+    table[DEV_TRUTH_DEPRESSION] = (dev_truth_row){.high = sim->fan.many ? 0 : bins};
     table[DEV_TRUTH_BY_SURFACE] = table[DEV_TRUTH_BY_BOTTOM] =
         (dev_truth_row){.high = boundaries ? bins : 0};
     for (size_t r = 0; r < t->rows; r++) {
@@ -148,6 +152,7 @@ asdic_status asdic_truth_begin(asdic_simulator *sim, size_t count, asdic_ping *c
     asdic_truth_rows *t = &sim->truth;
     size_t cells = 0;
     t->asked = false;
+    t->bytes = t->point_count = 0;
     for (size_t k = 0; k < count && t->rows > 0; k++) {
         t->asked |= out[k]->truth != NULL;
     }
@@ -173,8 +178,8 @@ asdic_status asdic_truth_begin(asdic_simulator *sim, size_t count, asdic_ping *c
 
 asdic_status asdic_truth_fetch(asdic_simulator *sim) {
     asdic_truth_rows *t = &sim->truth;
-    t->point_count = 0;
-    return t->asked ? asdic_buffer_read(t->cell_buffer, 0, t->bytes, t->cells) : ASDIC_OK;
+    return t->asked && !sim->fan.many ? asdic_buffer_read(t->cell_buffer, 0, t->bytes, t->cells)
+                                      : ASDIC_OK;
 }
 
 void asdic_truth_add_point(asdic_simulator *sim, size_t point, double down, size_t beam, size_t bin,
@@ -222,14 +227,15 @@ static void gather(const telling *to, size_t row, double unit, double *energy) {
     dev_truth_row r = t->table[to->nth * t->rows + row];
     size_t each = copies(to->sim), before = (size_t)sums->truth_first * each + r.cell;
     for (size_t n = r.low; n < r.high; n++) {
-        size_t cell = (before + n - r.low) * t->columns + to->beam;
+        size_t cell = before + n - r.low;
         double worth = unit * to->shot->loss[n];
         if (to->sim->fan.many) {
-            take_floats((const float *)t->cells + cell, to->beams, worth, energy + n,
-                        to->out->bins);
+            cell += to->beam / DEV_FAN_TILE * sums->truth_cells;
+            take_floats((const float *)t->cells + cell * DEV_FAN_TILE + to->beam % DEV_FAN_TILE,
+                        to->beams, worth, energy + n, to->out->bins);
             continue;
         }
-        const int64_t *from = (const int64_t *)t->cells + cell;
+        const int64_t *from = (const int64_t *)t->cells + cell * t->columns + to->beam;
         for (size_t b = 0; b < to->beams; b++) {
             int64_t quanta = 0;
             for (size_t k = 0; k < each; k++) {
@@ -312,20 +318,37 @@ static inline float arcsine(float x) {
 
 /* DEPRESSION from the energy-weighted MOMENT of (1 + sine) / 2 in the ECHO. */
 WIDEST static void tell_depression(const double *restrict moment, const double *restrict echo,
-                                   size_t bins, float *restrict depression) {
+                                   const double *restrict per_total, size_t bins,
+                                   float *restrict depression) {
     for (size_t n = 0; n < bins; n++) {
-        float sine = (float)(moment[n] / (MIDDLE * echo[n]) - 1.0);
+        /* Shares, for floats: their quotients are quicker. */
+        float all = (float)(MIDDLE * per_total[n] * echo[n]);
+        float sine = (float)(moment[n] * per_total[n]) / (all > FLT_MIN ? all : FLT_MIN) - 1.0f;
         sine = sine > 1.0f ? 1.0f : sine;
         sine = sine < -1.0f ? -1.0f : sine;
         depression[n] = echo[n] > 0.0 ? arcsine(sine) : NAN;
     }
 }
 
+WIDEST static void weigh_floats(const float *restrict sums, const double *restrict loss,
+                                double unit, size_t bins, double *restrict moment) {
+    for (size_t n = 0; n < bins; n++) {
+        moment[n] = (double)sums[n] * unit * loss[n];
+    }
+}
+
 /* What tell_depression wants, to MOMENT, [beam][bin]. */
 static void gather_moments(const telling *to, double *moment) {
     const asdic_truth_rows *t = &to->sim->truth;
-    const dev_sums *sums = &to->shot->ping->sums;
-    double scale = (double)sums->scale[DEV_DEPOSIT_BOTTOM] * sums->truth_ratio[DEV_DEPOSIT_BOTTOM];
+    const dev_sums *device = &to->shot->ping->sums;
+    double scale =
+        (double)device->scale[DEV_DEPOSIT_BOTTOM] * device->truth_ratio[DEV_DEPOSIT_BOTTOM];
+    size_t each = to->sim->fan.sums, bins = to->out->bins;
+    for (size_t b = 0; b < to->beams && to->sim->fan.many; b++) {
+        const float *sums = (const float *)to->shot->sums + (to->beam + b) * each * bins;
+        weigh_floats(sums + (each - 1) * bins, to->shot->loss, to->source_lin / scale, bins,
+                     moment + b * bins);
+    }
     gather(to, DEV_TRUTH_DEPRESSION, to->source_lin / scale, moment);
     for (size_t k = 0; k < t->point_count; k++) {
         const asdic_truth_point *point = &t->points[k];
@@ -337,28 +360,66 @@ static void gather_moments(const telling *to, double *moment) {
     smear(to, moment);
 }
 
-/* What a bin holds, by arrays over the bins of a beam. */
+/* What a beam holds, by arrays over its bins. */
 typedef struct holdings {
     const double *part[ASDIC_COMPONENT_COUNT];
-    const double *by_surface, *by_bottom; /* of the multipath */
-    double *most;                         /* the strongest object's, then the strongest of all */
+    const double *by_surface, *by_bottom; /* of the multipath; NULL: none of either */
+    const double *most, *moment;          /* the strongest object's energy; as in tell_depression */
     const double *none;                   /* zeros, which stand for a part that is not there */
-    double *once, *per_total;             /* room: scattered once; what makes energies shares */
-    double *echo;                         /* and all but water and noise */
 } holdings;
 
-/* Loops of few arrays, which compilers make vectors of. */
-WIDEST static void add_up(const double *const *part, size_t bins, double *restrict once,
-                          double *restrict per_total, double *restrict echo) {
-    const double *bottom = part[ASDIC_BOTTOM], *surface = part[ASDIC_SURFACE];
-    const double *volume = part[ASDIC_VOLUME], *object = part[ASDIC_OBJECT];
-    const double *multipath = part[ASDIC_MULTIPATH], *noise = part[ASDIC_NOISE];
-    for (size_t n = 0; n < bins; n++) {
-        double direct = bottom[n] + surface[n] + object[n];
-        echo[n] = direct + multipath[n];
-        once[n] = direct + volume[n];
-        double total = once[n] + multipath[n] + noise[n];
-        per_total[n] = 1.0 / (total > 0.0 ? total : 1.0);
+/* Of a block of bins. Arrays of one width: what loops are vectors of. */
+typedef struct block {
+    double echo[BLOCK], per_total[BLOCK]; /* all but water and noise; what makes energies shares */
+    float share[4][BLOCK];                /* of components in the order of `compared`, but noise */
+} block;
+
+static const asdic_component compared[] = {ASDIC_BOTTOM, ASDIC_SURFACE, ASDIC_VOLUME,
+                                           ASDIC_MULTIPATH, ASDIC_NOISE};
+
+/* Shares of COUNT bins from FIRST on. */
+WIDEST static void tell_shares(const holdings *h, size_t first, size_t count, block *restrict k,
+                               float *restrict direct, float *restrict noisy,
+                               float *restrict of_object) {
+    const double *restrict bottom = h->part[ASDIC_BOTTOM] + first;
+    const double *restrict surface = h->part[ASDIC_SURFACE] + first;
+    const double *restrict volume = h->part[ASDIC_VOLUME] + first;
+    const double *restrict object = h->part[ASDIC_OBJECT] + first;
+    const double *restrict multipath = h->part[ASDIC_MULTIPATH] + first;
+    const double *restrict noise = h->part[ASDIC_NOISE] + first;
+    const double *restrict most = h->most + first;
+    for (size_t n = 0; n < count; n++) {
+        double echo = bottom[n] + surface[n] + object[n];
+        double once = echo + volume[n];
+        double total = once + multipath[n] + noise[n];
+        double per_total = 1.0 / (total > 0.0 ? total : 1.0);
+        k->echo[n] = echo + multipath[n];
+        k->per_total[n] = per_total;
+        k->share[0][n] = (float)(bottom[n] * per_total);
+        k->share[1][n] = (float)(surface[n] * per_total);
+        k->share[2][n] = (float)(volume[n] * per_total);
+        k->share[3][n] = (float)(multipath[n] * per_total);
+        direct[n] = (float)(once * per_total);
+        noisy[n] = (float)(noise[n] * per_total);
+        of_object[n] = (float)(most[n] * per_total);
+    }
+}
+
+/* Objects come first: of equal shares theirs is the strongest. */
+WIDEST static void tell_strongest(const block *restrict k, const float *restrict of_object,
+                                  const float *restrict noisy, const int16_t *restrict object,
+                                  size_t count, int16_t *restrict strongest,
+                                  float *restrict share) {
+    for (size_t n = 0; n < count; n++) {
+        float best = of_object[n];
+        int32_t who = object[n];
+        for (int c = 0; c < 5; c++) {
+            float own = c < 4 ? k->share[c][n] : noisy[n];
+            who = own > best ? -(int32_t)compared[c] : who;
+            best = own > best ? own : best;
+        }
+        strongest[n] = (int16_t)who;
+        share[n] = best;
     }
 }
 
@@ -379,32 +440,34 @@ WIDEST static void take_rest(const double *restrict all, const double *restrict 
     }
 }
 
-static void tell_shares(const holdings *h, size_t bins, const asdic_ping_truth *truth,
-                        size_t first) {
+/* The multipath of the bins from FIRST on, by what passed it on; in the truth they begin AT. */
+static void tell_paths(const holdings *h, const block *k, size_t first, size_t count,
+                       const asdic_ping_truth *truth, size_t at) {
     float *const *path = truth->path;
-    add_up(h->part, bins, h->once, h->per_total, h->echo);
-    multiply(h->most, h->per_total, bins, truth->object_share + first);
-    multiply(h->once, h->per_total, bins, path[ASDIC_PATH_DIRECT] + first);
-    multiply(h->by_surface, h->per_total, bins, path[ASDIC_PATH_BY_SURFACE] + first);
-    multiply(h->by_bottom, h->per_total, bins, path[ASDIC_PATH_BY_BOTTOM] + first);
-    take_rest(h->part[ASDIC_MULTIPATH], h->by_surface, h->by_bottom, h->per_total, bins,
-              path[ASDIC_PATH_BY_OBJECT] + first);
-    multiply(h->part[ASDIC_NOISE], h->per_total, bins, path[ASDIC_PATH_NOISE] + first);
+    if (h->by_surface) {
+        multiply(h->by_surface + first, k->per_total, count, path[ASDIC_PATH_BY_SURFACE] + at);
+        multiply(h->by_bottom + first, k->per_total, count, path[ASDIC_PATH_BY_BOTTOM] + at);
+        take_rest(h->part[ASDIC_MULTIPATH] + first, h->by_surface + first, h->by_bottom + first,
+                  k->per_total, count, path[ASDIC_PATH_BY_OBJECT] + at);
+        return;
+    }
+    memset(path[ASDIC_PATH_BY_SURFACE] + at, 0, count * sizeof(float));
+    memset(path[ASDIC_PATH_BY_BOTTOM] + at, 0, count * sizeof(float));
+    memcpy(path[ASDIC_PATH_BY_OBJECT] + at, k->share[3], count * sizeof(float));
 }
 
-/* Objects come first: of equal energies theirs is the strongest. */
-static void tell_strongest(const holdings *h, size_t bins, const asdic_ping_truth *truth,
-                           size_t first) {
-    static const asdic_component components[] = {ASDIC_BOTTOM, ASDIC_SURFACE, ASDIC_VOLUME,
-                                                 ASDIC_MULTIPATH, ASDIC_NOISE};
-    memcpy(truth->strongest + first, truth->object + first, bins * sizeof *truth->strongest);
-    for (size_t k = 0; k < sizeof components / sizeof *components; k++) {
-        if (h->part[components[k]] != h->none) {
-            take_stronger(h->part[components[k]], (int16_t) - (int)components[k], bins, h->most,
-                          truth->strongest + first);
-        }
+/* A beam, whose truth begins at FIRST. */
+static void tell_beam(const holdings *h, size_t bins, const asdic_ping_truth *truth, size_t first) {
+    block k;
+    for (size_t n = 0; n < bins; n += BLOCK) {
+        size_t count = bins - n < BLOCK ? bins - n : BLOCK, at = first + n;
+        tell_shares(h, n, count, &k, truth->path[ASDIC_PATH_DIRECT] + at,
+                    truth->path[ASDIC_PATH_NOISE] + at, truth->object_share + at);
+        tell_strongest(&k, truth->object_share + at, truth->path[ASDIC_PATH_NOISE] + at,
+                       truth->object + at, count, truth->strongest + at, truth->share + at);
+        tell_paths(h, &k, n, count, truth, at);
+        tell_depression(h->moment + n, k.echo, k.per_total, count, truth->depression_rad + at);
     }
-    multiply(h->most, h->per_total, bins, truth->share + first);
 }
 
 /* What a beam of OUT holds of each component. */
@@ -432,7 +495,7 @@ static void tell_tile(const telling *to) {
     const asdic_truth_rows *t = &to->sim->truth;
     const asdic_ping_truth *truth = to->out->truth;
     double *most = t->work + tile, *by_surface = most + tile, *by_bottom = by_surface + tile,
-           *moment = by_bottom + tile, *row = moment + tile, *none = row + 3 * bins;
+           *moment = by_bottom + tile, *none = moment + tile;
     double unit = to->source_lin / to->shot->ping->sums.scale[DEV_DEPOSIT_MULTIPATH];
     bool boundaries = t->table[to->nth * t->rows + DEV_TRUTH_BY_SURFACE].high;
     if (boundaries) {
@@ -446,31 +509,50 @@ static void tell_tile(const telling *to) {
     gather_moments(to, moment);
     for (size_t b = 0; b < to->beams; b++) {
         size_t first = (to->beam + b) * bins;
-        holdings h = {.by_surface = boundaries ? by_surface + b * bins : none,
-                      .by_bottom = boundaries ? by_bottom + b * bins : none,
+        holdings h = {.by_surface = boundaries ? by_surface + b * bins : NULL,
+                      .by_bottom = by_bottom + b * bins,
                       .most = most + b * bins,
-                      .none = none,
-                      .once = row,
-                      .per_total = row + bins,
-                      .echo = row + 2 * bins};
+                      .moment = moment + b * bins,
+                      .none = none};
         find_parts(to, first, &h);
-        tell_shares(&h, bins, truth, first);
-        tell_strongest(&h, bins, truth, first);
-        tell_depression(moment + b * bins, h.echo, bins, truth->depression_rad + first);
+        tell_beam(&h, bins, truth, first);
     }
 }
 
-void asdic_truth_tell(asdic_simulator *sim, size_t nth, asdic_ping *out) {
-    if (!sim->truth.asked || !out->truth) {
-        return;
-    }
-    telling to = {.sim = sim, .shot = &sim->shots[nth], .out = out, .nth = nth};
-    to.source_lin = asdic_simulator_source_lin(sim, &to.shot->water);
-    to.speed_mps = to.shot->water.sound_speed_mps;
+/* Tells the beams of OUT, which is what SHOT became, from BEAM on: as many as go together. */
+static void tell_beams(asdic_simulator *sim, const asdic_ping_shot *shot, size_t beam,
+                       asdic_ping *out) {
+    size_t left = out->beams - beam;
+    telling to = {.sim = sim,
+                  .shot = shot,
+                  .out = out,
+                  .nth = (size_t)(shot - sim->shots),
+                  .beam = beam,
+                  .beams = left < TILE ? left : TILE,
+                  .source_lin = asdic_simulator_source_lin(sim, &shot->water),
+                  .speed_mps = shot->water.sound_speed_mps};
     to.smears = asdic_pulse_smears(&sim->setup.sonar, to.speed_mps);
-    for (to.beam = 0; to.beam < out->beams; to.beam += TILE) {
-        to.beams = out->beams - to.beam < TILE ? out->beams - to.beam : TILE;
-        tell_tile(&to);
+    tell_tile(&to);
+}
+
+/* Whether what bins hold changes after the levels of SHOT. */
+static bool is_late(const asdic_simulator *sim, const asdic_ping_shot *shot) {
+    return sim->setup.scene->point_count > 0 ||
+           asdic_pulse_smears(&sim->setup.sonar, shot->water.sound_speed_mps);
+}
+
+void asdic_truth_tell(asdic_simulator *sim, const asdic_ping_shot *shot, size_t beam,
+                      asdic_ping *out) {
+    if (sim->truth.asked && out->truth && !is_late(sim, shot)) {
+        tell_beams(sim, shot, beam, out);
+    }
+}
+
+void asdic_truth_end(asdic_simulator *sim, size_t nth, asdic_ping *out) {
+    const asdic_ping_shot *shot = &sim->shots[nth];
+    bool wanted = sim->truth.asked && out->truth && is_late(sim, shot);
+    for (size_t beam = 0; wanted && beam < out->beams; beam += TILE) {
+        tell_beams(sim, shot, beam, out);
     }
     sim->truth.point_count = 0;
 }

@@ -10,18 +10,27 @@
 asdic_status asdic_truth_init(asdic_simulator *sim);
 void asdic_truth_finish(asdic_simulator *sim);
 
+/* Beams whose truth is told together. */
+#define ASDIC_TRUTH_BEAMS 16u
+
 /* Before the rays of the first COUNT shots: says which bins each row spans, clears the rows. Nothing where no
  * ping of OUT has truth. */
 asdic_status asdic_truth_begin(asdic_simulator *sim, size_t count, asdic_ping *const *out);
 
-/* After them: fetches the rows. */
+/* After them: fetches the rows; those of a fan are fetched with its tiles. */
 asdic_status asdic_truth_fetch(asdic_simulator *sim);
 
 /* Notes that POINT, heard from DOWN (the sine of its depression), gives ENERGY to BIN of BEAM. */
 void asdic_truth_add_point(asdic_simulator *sim, size_t point, double down, size_t beam, size_t bin,
                            double energy);
 
-/* Fills the truth of OUT, which is what shot NTH became, with points and pulse, without speckle. */
-void asdic_truth_tell(asdic_simulator *sim, size_t nth, asdic_ping *out);
+/* Fills the truth of the beams of OUT from BEAM on, as soon as they have the levels of SHOT and while these are in
+ * a cache; where points or the pulse's length will change them, does nothing. */
+void asdic_truth_tell(asdic_simulator *sim, const asdic_ping_shot *shot, size_t beam,
+                      asdic_ping *out);
+
+/* Fills the truth of OUT, which is what shot NTH became, with points and pulse, before speckle, where
+ * asdic_truth_tell has not. */
+void asdic_truth_end(asdic_simulator *sim, size_t nth, asdic_ping *out);
 
 #endif
