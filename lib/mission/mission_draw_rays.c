@@ -132,10 +132,11 @@ asdic_status asdic_mission_draw_rays(asdic_context *ctx, const asdic_mission *mi
         add_plane(d, flat.depth_m + flat.altitude_m, range_m, NULL);
     }
     find_depths(d, &low, &high);
-    const asdic_plot plot = {.x = {"horizontal range (m)", 0.0, range_m, false},
-                             .y = {"height above the sea surface (m)", low, high, false},
-                             .series = d->series,
-                             .series_count = d->count};
+    const asdic_plot plot = {
+        .x = {.label = "horizontal range (m)", .high = range_m},
+        .y = {.label = "height above the sea surface (m)", .low = low, .high = high},
+        .series = d->series,
+        .series_count = d->count};
     snprintf(title, sizeof title,
              "%s: rays from %.4g m, %d to %d degrees\nsound speed there %.1f m/s; flat bottom as "
              "below the sonar",
