@@ -146,20 +146,21 @@ static real gather_row(__global const float *legs, natural slots, uint row) {
 }
 
 static ray gather_leg(__global const float *legs, natural slots) {
-    real row[DEV_LEG_FLOATS];
-    for (uint i = 0; i < DEV_LEG_FLOATS; i++) {
-        row[i] = gather_row(legs, slots, i);
-    }
-    ray r = {{row[LEG_FROM], row[LEG_FROM + 1], row[LEG_FROM + 2]},
-             {row[LEG_U], row[LEG_U + 1], row[LEG_U + 2]},
-             row[LEG_BEND],
-             row[LEG_PACE],
-             row[LEG_RANGE],
-             row[LEG_ARC],
-             row[LEG_ACROSS],
-             row[LEG_ALONG],
-             row[LEG_SLOPE],
-             R(1.0) / row[LEG_PACE]};
+    ray r;
+    r.from.x = gather_row(legs, slots, LEG_FROM);
+    r.from.y = gather_row(legs, slots, LEG_FROM + 1);
+    r.from.z = gather_row(legs, slots, LEG_FROM + 2);
+    r.u.x = gather_row(legs, slots, LEG_U);
+    r.u.y = gather_row(legs, slots, LEG_U + 1);
+    r.u.z = gather_row(legs, slots, LEG_U + 2);
+    r.bend = gather_row(legs, slots, LEG_BEND);
+    r.pace = gather_row(legs, slots, LEG_PACE);
+    r.range = gather_row(legs, slots, LEG_RANGE);
+    r.arc = gather_row(legs, slots, LEG_ARC);
+    r.across = gather_row(legs, slots, LEG_ACROSS);
+    r.along = gather_row(legs, slots, LEG_ALONG);
+    r.slope = gather_row(legs, slots, LEG_SLOPE);
+    r.fan = R(1.0) / r.pace;
     return r;
 }
 

@@ -23,6 +23,12 @@
 #define PIECE 64u
 #endif
 
+/* STEP slots after SLOT, in a piece that goes to END. A compiler must see that a piece of one slot is no loop: in
+ * registers it would keep what the loop's rounds have in common. */
+static uint slot_after(uint slot, uint step, uint end) {
+    return PIECE == 1u ? end : slot + step;
+}
+
 /* Moves the start P of a secondary ray off the surface that it leaves, to SIDE of its normal, by more than
  * the rounding of coordinates. */
 static triple clear_of(triple p, triple normal, real side) {

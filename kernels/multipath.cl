@@ -237,12 +237,13 @@ APART static uint connect_rays(const world *w, __global const dev_ray *bounced,
  * connect: from every X back to the sonar, to learn whether it is visible. The ray starts off X on
  * the side the mirror ray came from and ends just short of the sonar. One work-item per piece.
  */
-__kernel void connect(__global const dev_ping *pings, __global const dev_ray *bounced,
-                      __global const dev_hit *hits, __global const dev_triangle *triangles,
-                      __global const dev_part *parts, __global const dev_material *materials,
-                      __global const float4 *mirrors, __global dev_ray *returning,
-                      __global const dev_layer *layers, uint count,
-                      __global const float *bounced_legs, __global float *returning_legs) {
+__kernel void LEAST_WAVES(3)
+    connect(__global const dev_ping *pings, __global const dev_ray *bounced,
+            __global const dev_hit *hits, __global const dev_triangle *triangles,
+            __global const dev_part *parts, __global const dev_material *materials,
+            __global const float4 *mirrors, __global dev_ray *returning,
+            __global const dev_layer *layers, uint count, __global const float *bounced_legs,
+            __global float *returning_legs) {
     __global const dev_ping *ping = row_ping(pings);
     size_t own = row_slots(ping);
     bounced += own;
@@ -263,7 +264,8 @@ __kernel void connect(__global const dev_ping *pings, __global const dev_ray *bo
     (void)bounced_legs;
     (void)returning_legs;
 #endif
-    for (uint slot = first; slot < end && bounced[slot].source != NO_RAY; slot += ASDIC_WIDTH) {
+    for (uint slot = first; slot < end && bounced[slot].source != NO_RAY;
+         slot = slot_after(slot, ASDIC_WIDTH, end)) {
 #if ASDIC_LAYERS
         at = connect_rays(&w, bounced, hits, &sets, returning, slot, at);
 #else
@@ -479,7 +481,8 @@ __kernel void LEAST_WAVES(3)
     store.bounced_legs += DEV_LEG_FLOATS * own;
     store.returning_legs += DEV_LEG_FLOATS * own;
 #endif
-    for (uint slot = first; slot < end && returning[slot].source != NO_RAY; slot += ASDIC_WIDTH) {
+    for (uint slot = first; slot < end && returning[slot].source != NO_RAY;
+         slot = slot_after(slot, ASDIC_WIDTH, end)) {
         cut += shade_bounces(&w, &store, &to, slot);
     }
     if (cut != 0u) {

@@ -100,7 +100,11 @@ static uint add_column(const world *w, const arrivals *a, __global long *cells, 
 static void add_truth_column(const world *w, const arrivals *a, natural words,
                              __global const dev_truth_row *rows, __global long *cells, real gain) {
     const real limit = (real)(w->ping->sums.limit);
-    for (uint c = 0; c < a->count; c++) {
+#pragma unroll
+    for (uint c = 0; c < MAX_ARRIVALS; c++) {
+        if (c >= a->count) {
+            break;
+        }
         real quanta = gain * a->quanta[c], whole = deposited_quanta(quanta, limit);
         real weight, dither;
         LANES {

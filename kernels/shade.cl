@@ -49,6 +49,16 @@ typedef struct ray_store {
     __global const float *volume_inverse;
 } ray_store;
 
+/* Loads the rays in SLOTS once more, through layers, where to keep them takes registers that a GPU lacks. */
+static void load_again(sonar_rays *own, __global const dev_ping *ping, const ray_store *store,
+                       natural slots) {
+#if ASDIC_LAYERS
+    *own = load_sonar_rays(ping, store->rays, store->legs, slots);
+#else
+    (void)own, (void)ping, (void)store, (void)slots;
+#endif
+}
+
 /* The echoes and the water of ASDIC_WIDTH rays, on their way to every receiver; returns how many
  * deposits had to be cut. Their mirror rays are appended to MIRRORS from *AT on. */
 static uint shade_rays(const world *w, const ray_store *store, const sink *to,
@@ -58,7 +68,6 @@ static uint shade_rays(const world *w, const ray_store *store, const sink *to,
     natural slots = slots_from(slot);
     sonar_rays own = load_sonar_rays(ping, store->rays, store->legs, slots);
     ray r = own.r;
-    triple sent = own.sent;
     LANES {
         AT(weight, float) = store->solid_angles[slot + lane];
         AT(splat, float) = store->splats[slot + lane];
@@ -73,11 +82,14 @@ static uint shade_rays(const world *w, const ray_store *store, const sink *to,
         splat = r_max(splat, R(0.0));
     }
 #endif
-    weight *= gain_towards(ping, w->beams, sent.x, sent.y, sent.z);
-
     /* The echo's footprint in range follows from the spacing of the samples in elevation. */
     triple arriving = ray_direction(&r, m.t);
     real range = ray_range(&r, m.t);
+#if ASDIC_LAYERS
+    LANES { /* volume.cl takes the range from there */
+        store->splats[slot + lane] = AT(range, float);
+    }
+#endif
     real sin_grazing = grazing(&m, arriving);
     real footprint = ray_footprint(&r, m.t, splat, m.facet, sin_grazing);
     /* Near normal incidence it is cut: it would leak from the peak there into neighbouring bins. */
@@ -101,6 +113,9 @@ static uint shade_rays(const world *w, const ray_store *store, const sink *to,
 #if ASDIC_TRUTH
     a.truth_row = truth_rows_met(w, &m);
 #endif
+    load_again(&own, ping, store, slots);
+    triple sent = own.sent;
+    weight *= gain_towards(ping, w->beams, sent.x, sent.y, sent.z);
     /* Objects that a plan left out still hide what is behind them. */
     natural component = component_of(m.kind);
     real heard = choose(component < ping->sums.components, weight, R(0.0));
@@ -115,14 +130,11 @@ static uint shade_rays(const world *w, const ray_store *store, const sink *to,
     natural water = (natural)(DEV_DEPOSIT_VOLUME);
     arrivals_add(w, &a, water, end.last, weight * end.part);
     arrivals_add(w, &a, water, max(end.last, (natural)(1u)) - 1u, weight * before);
-#elif ASDIC_LAYERS
-    LANES { /* volume.cl takes the range from there */
-        store->splats[slot + lane] = AT(range, float);
-    }
 #endif
     uint cut = receive(w, to, DEV_ARRIVAL_DIRECT, &a, rays_in(ping, slot), sent);
 #if ASDIC_HAS_MIRRORS
-    *at = reflect(w, &m, &r, share, mirrors, slot, *at);
+    load_again(&own, ping, store, slots);
+    *at = reflect(w, &m, &own.r, share, mirrors, slot, *at);
 #endif
     return cut;
 }
@@ -136,7 +148,7 @@ APART static uint shade_piece(const world *w, const ray_store *store, const sink
     const mirror_store own_mirrors = *mirrors;
     uint at = first, cut = 0u;
     fetch_met(&own_world, own_store.hits, first, end);
-    for (uint slot = first; slot < end; slot += ASDIC_WIDTH) {
+    for (uint slot = first; slot < end; slot = slot_after(slot, ASDIC_WIDTH, end)) {
         cut += shade_rays(&own_world, &own_store, &own_sink, &own_mirrors, slot, &at);
     }
 #if ASDIC_HAS_MIRRORS

@@ -22,9 +22,10 @@
 
 /* The levels' distance: less would take more deposits than it saves rays. */
 #define VOLUME_STEP R(0.25)
-/* Steps of a ray, at most. Where F changes more often, levels are farther apart, up to this; where it still does,
- * F is its mean over some part of the way. */
-#define VOLUME_STEPS (DEV_WATER_SETS * MAX_ARRIVALS - 2u)
+/* Arrivals of a ray, at most: two where it ends, the others of steps. Where F changes more often, levels are farther
+ * apart, up to this; where it still does, F is its mean over some part of the way. */
+#define VOLUME_ROWS ((int)(DEV_WATER_SETS * MAX_ARRIVALS))
+#define VOLUME_STEPS (VOLUME_ROWS - 2)
 #define VOLUME_HIGH R(1.5)
 /* Between places on the way at which F is looked at, the width of a tube changes by this share, or by more, where
  * F changes by less than VOLUME_EVEN; but they are this share of the range apart at least, less than what a caustic
@@ -47,7 +48,6 @@ typedef struct wander {
     const layer_stack *to;
     ray r;
     natural layer;
-    leg_planes planes;
     mask down;         /* the leg ends at the plane below */
     real t, range, f;  /* on the leg, and F there */
     real leave, until; /* where it ends; until which range it is followed: T there */
@@ -55,8 +55,8 @@ typedef struct wander {
 } wander;
 
 static void find_exit(wander *way) {
-    way->planes = planes_of(way->to, way->layer);
-    real below = to_below(&way->r, way->planes.below), above = to_above(&way->r, way->planes.above);
+    leg_planes planes = planes_of(way->to, way->layer);
+    real below = to_below(&way->r, planes.below), above = to_above(&way->r, planes.above);
     way->down = below <= above;
     way->leave = r_min(below, above);
     real until = ray_at_range(&way->r, way->end);
@@ -113,7 +113,8 @@ static void change_legs(wander *way, mask on) {
     if (!any_true(over)) {
         return;
     }
-    ray next = next_leg(&way->r, choose(over, way->leave, R(0.0)), way->down, &way->planes);
+    leg_planes planes = planes_of(way->to, way->layer);
+    ray next = next_leg(&way->r, choose(over, way->leave, R(0.0)), way->down, &planes);
     way->r = choose_ray(over, &next, &way->r);
     natural layer = choose_natural(way->down, way->layer + 1u, way->layer - 1u);
     way->layer = choose_natural(over, min(layer, (natural)(way->to->count - 1u)), way->layer);
@@ -121,28 +122,51 @@ static void change_legs(wander *way, mask on) {
     find_exit(way);
 }
 
+/* Arrivals that are kept at a time. A GPU has registers for those of one set, and goes the way again for the next: its
+ * private arrays lie in the card's memory. */
+#if ASDIC_WIDTH == 1
+#define VOLUME_KEPT MAX_ARRIVALS
+#define VOLUME_AGAIN 1
+#else
+#define VOLUME_KEPT VOLUME_ROWS
+#define VOLUME_AGAIN 0
+#endif
+
 /* F along ASDIC_WIDTH rays, in steps. */
 typedef struct steps {
-    natural count;
-    natural bin[VOLUME_STEPS]; /* the farthest before the step */
-    real loss[VOLUME_STEPS];   /* what F loses there */
-    real end;                  /* F where the ray ends */
+    whole rows;               /* of arrivals so far, from the first that is kept on */
+    natural bin[VOLUME_KEPT]; /* the farthest before the step */
+    real loss[VOLUME_KEPT];   /* what F loses there */
+    natural last;             /* the bin of the last step */
+    real end;                 /* F where the ray ends */
 } steps;
+
+/* Row AT of LANE, if it is kept, loses LOSS in BIN, AGAIN or for the first time. */
+static void lose(steps *s, int at, uint lane, uint bin, float loss, bool again) {
+#if ASDIC_WIDTH == 1
+#pragma unroll
+    for (int k = 0; k < VOLUME_KEPT; k++) { /* no index that the compiler does not know */
+        s->bin[k] = at == k ? bin : s->bin[k];
+        s->loss[k] = at == k ? (again ? s->loss[k] + loss : loss) : s->loss[k];
+    }
+#else
+    AT(s->bin[at], uint) = bin;
+    AT(s->loss[at], float) = again ? AT(s->loss[at], float) + loss : loss;
+#endif
+}
 
 static void add_step(steps *s, mask on, natural bin, real loss) {
     LANES {
-        uint at = AT(s->count, uint);
+        int at = AT(s->rows, int);
         if (AT(on, int) == 0) {
             continue;
         }
-        if (at > 0u && at <= VOLUME_STEPS && AT(s->bin[at - 1u], uint) == AT(bin, uint)) {
-            AT(s->loss[at - 1u], float) += AT(loss, float);
-            continue;
-        }
-        AT(s->count, uint) = at + 1u;
-        if (at < VOLUME_STEPS) {
-            AT(s->bin[at], uint) = AT(bin, uint);
-            AT(s->loss[at], float) = AT(loss, float);
+        bool again = at <= VOLUME_ROWS && AT(s->last, uint) == AT(bin, uint);
+        at -= again ? 1 : 0;
+        AT(s->rows, int) = at + 1;
+        if (at < VOLUME_ROWS) {
+            AT(s->last, uint) = AT(bin, uint);
+            lose(s, at, lane, AT(bin, uint), AT(loss, float), again);
         }
     }
 }
@@ -162,16 +186,27 @@ static volume_draw draw_volume(__global const dev_ping *ping, natural rays) {
     return d;
 }
 
-/* How F is rounded: levels a factor e^HEIGHT apart; SPAN > 0: of means over so long a way. */
+/* How F is rounded: levels a factor e^HEIGHT apart, MIDDLE as above; SPAN > 0: of means over so long a way. */
 typedef struct volume_grain {
-    real height, span;
+    real height, middle, span;
 } volume_grain;
+
+/* MIDDLE: what a level is divided by. */
+static volume_grain grain_of(real height, real span) {
+    real high = R(0.5) * height;
+    volume_grain grain = {height, high / sinh(high), span};
+    return grain;
+}
 
 /* A rounding under way: the level, and the mean's beginning and sum. */
 typedef struct rounding {
     real level, from, sum;
-    real exact; /* the level before it is rounded */
 } rounding;
+
+/* The level of F before it is rounded. */
+static real level_of(real f, const volume_draw *draw, const volume_grain *grain) {
+    return log(r_max(f, R(1e-12))) / grain->height + draw->first;
+}
 
 /* Takes the rays that are ON from range BEFORE, where F was F_BEFORE, to where they are now. */
 static void round_share(steps *s, rounding *at, const wander *way, const volume_draw *draw,
@@ -182,69 +217,127 @@ static void round_share(steps *s, rounding *at, const wander *way, const volume_
     at->sum += choose(on, R(0.5) * (way->f + f_before) * apart, R(0.0));
     mask whole = on & ((coarse == 0) | (over >= grain->span) | (way->range >= way->end));
     real f = choose(coarse, at->sum / r_max(over, R(1e-6)), way->f);
-    real now = log(r_max(f, R(1e-12))) / grain->height + draw->first, level = floor(now);
+    real now = level_of(f, draw, grain), level = floor(now);
     mask leap = whole & (level != at->level);
     if (any_true(leap)) {
         /* Between the two places F goes by the logarithm. */
-        real then = at->exact;
+        real then = level_of(f_before, draw, grain);
         real edge = R(0.5) * (at->level + level + R(1.0));
         real share = (edge - then) / choose(now == then, R(1.0), now - then);
         real place = choose(coarse, at->from, before + apart * r_min(r_max(share, R(0.0)), R(1.0)));
-        real high = R(0.5) * grain->height;
-        real q = high / sinh(high) * exp((level + R(0.5) - draw->first) * grain->height);
+        real q = grain->middle * exp((level + R(0.5) - draw->first) * grain->height);
         real bin = floor(place / bin_m - draw->place);
         add_step(s, leap & (bin >= R(0.0)), to_natural(r_max(bin, R(0.0))), s->end - q);
         s->end = choose(leap, q, s->end);
         at->level = choose(leap, level, at->level);
     }
-    at->exact = choose(on, now, at->exact);
     at->sum = choose(whole, R(0.0), at->sum);
     at->from = choose(whole, way->range, at->from);
 }
 
-/* F on the way up to bins LAST. */
-static steps follow_water(__global const dev_ping *ping, const layer_stack *to, triple sent,
-                          const volume_draw *draw, natural last, const volume_grain *grain) {
+/* What ping.cl has of rays: how they left the sonar, their solid angles, the ranges at which they end; a table of the
+ * ping's (row_water), and the layers. */
+typedef struct water_store {
+    __global const float *legs, *solid_angles, *ranges, *volume_inverse;
+    layer_stack layers;
+} water_store;
+
+/* ASDIC_WIDTH rays whose water is heard, where lanes are ON. Functions load what they need of them, since a GPU lacks
+ * registers to keep it meanwhile. */
+typedef struct water_rays {
+    natural slots;
+    mask on;
+} water_rays;
+
+/* Their numbers. */
+static natural numbers_of(__global const dev_ping *ping, const water_rays *rays) {
+    natural numbers;
+    LANES {
+        AT(numbers, uint) =
+            AT(rays->on, const int) != 0 ? ray_in(ping, AT(rays->slots, const uint)) : NO_RAY;
+    }
+    return numbers;
+}
+
+static triple load_sent(const water_store *store, const water_rays *rays) {
+    triple sent;
+    LANES {
+        uint slot = AT(rays->slots, const uint), column = slot % ASDIC_WIDTH;
+        __global const float *leg = store->legs + (size_t)(slot - column) * DEV_LEG_FLOATS + column;
+        AT(sent.x, float) = leg[LEG_SENT * ASDIC_WIDTH];
+        AT(sent.y, float) = leg[(LEG_SENT + 1) * ASDIC_WIDTH];
+        AT(sent.z, float) = leg[(LEG_SENT + 2) * ASDIC_WIDTH];
+    }
+    return sent;
+}
+
+static water_end load_end(__global const dev_ping *ping, const water_store *store,
+                          const water_rays *rays) {
+    real range;
+    LANES {
+        AT(range, float) = store->ranges[AT(rays->slots, const uint)];
+    }
+    water_end end = find_water_end(ping, store->volume_inverse, range);
+    end.last = choose_natural(rays->on, end.last, (natural)(0u));
+    return end;
+}
+
+/* Of rays each of which stands for SHARE. */
+static real load_weight(const world *w, const water_store *store, const water_rays *rays,
+                        uint share) {
+    real weight;
+    LANES {
+        AT(weight, float) = store->solid_angles[AT(rays->slots, const uint)] * (float)(share);
+    }
+    triple sent = load_sent(store, rays);
+    weight *= gain_towards(w->ping, w->beams, sent.x, sent.y, sent.z);
+    return choose(rays->on, weight, R(0.0));
+}
+
+/* Makes an AMD GPU's compiler load again what it has loaded of RAYS: it would keep that in registers, which are too few.
+ * There is a fence, and to the slots comes what is 0, as ROWS are never so many, but a compiler cannot know it. */
+#ifdef __AMDGCN__
+#define AFRESH(rays, rows)                                                                         \
+    do {                                                                                           \
+        mem_fence(CLK_GLOBAL_MEM_FENCE);                                                           \
+        (rays)->slots += (uint)(rows) >> 31;                                                       \
+    } while (0)
+#else
+#define AFRESH(rays, rows)
+#endif
+
+/* F on the way of RAYS, rounded with GRAIN; arrivals from row FIRST on are kept. */
+static steps follow_water(__global const dev_ping *ping, const water_store *store,
+                          const water_rays *rays, const volume_grain *grain, int first) {
     real minus_2k = (real)(-2.0f * ping->absorption_np_per_m), bin_m = (real)(ping->bin_m);
-    real end = (to_real(last) + draw->place) * bin_m, stride = VOLUME_ANY_STRIDE;
-    wander way = set_out(ping, to, sent, end);
+    volume_draw draw = draw_volume(ping, numbers_of(ping, rays));
+    natural last = load_end(ping, store, rays).last;
+    real end = (to_real(last) + draw.place) * bin_m, stride = VOLUME_ANY_STRIDE;
+    wander way = set_out(ping, &store->layers, load_sent(store, rays), end);
     steps s;
-    s.count = (natural)(0u);
+    s.rows = (whole)(2 - first);
+    s.last = (natural)(NO_RAY);
     s.end = R(0.0);
-    rounding at = {(real)(-INFINITY), R(0.0), R(0.0), draw->first};
+    rounding at = {(real)(-INFINITY), R(0.0), R(0.0)};
     mask on = (mask)(-1);
     for (uint i = 0; i < VOLUME_MOST && any_true(on); i++) {
         real before = way.range, f_before = way.f;
         mask moved = stride_on(&way, &stride, bin_m, minus_2k, on);
-        round_share(&s, &at, &way, draw, grain, before, f_before, bin_m, moved);
+        round_share(&s, &at, &way, &draw, grain, before, f_before, bin_m, moved);
         change_legs(&way, on);
         on &= way.range < end;
     }
     return s;
 }
 
-/* The same, with the finest grain that VOLUME_STEPS are enough for. */
-static steps follow_all_water(__global const dev_ping *ping, const layer_stack *to, triple sent,
-                              const volume_draw *draw, natural last) {
-    const natural room = (natural)(VOLUME_STEPS);
-    volume_grain grain = {VOLUME_STEP, R(0.0)};
-    steps s = follow_water(ping, to, sent, draw, last, &grain);
-    if (any_true(s.count > room)) {
-        real span = (to_real(last) + R(1.0)) * (real)(1.1f * ping->bin_m / (float)(VOLUME_STEPS));
-        real needed = VOLUME_STEP * (real)(1.2f / (float)(VOLUME_STEPS)) * to_real(s.count);
-        grain.height = choose(s.count > room, needed, grain.height);
-        mask coarse = grain.height > VOLUME_HIGH;
-        grain.height = choose(coarse, VOLUME_STEP, grain.height);
-        grain.span = choose(coarse, span, R(0.0));
-        s = follow_water(ping, to, sent, draw, last, &grain);
-        mask over = s.count > room;
-        if (any_true(over)) {
-            grain.span = choose(over, span, grain.span);
-            s = follow_water(ping, to, sent, draw, last, &grain);
-        }
-    }
-    s.count = min(s.count, room);
-    return s;
+/* Makes the grain coarser OVER where there were so many ROWS: first levels, then means. */
+static void coarsen(volume_grain *grain, __global const dev_ping *ping, natural last, whole rows,
+                    mask over) {
+    real span = (to_real(last) + R(1.0)) * (real)(1.1f * ping->bin_m / (float)(VOLUME_STEPS));
+    real needed = VOLUME_STEP * (real)(1.2f / (float)(VOLUME_STEPS)) * to_real(rows - 2);
+    mask levels = over & (grain->height == VOLUME_STEP) & (needed <= VOLUME_HIGH);
+    *grain =
+        grain_of(choose(levels, needed, grain->height), choose(over & ~levels, span, grain->span));
 }
 
 /* Says that RAY has so many SETS of arrivals; one that another stands for has none. */
@@ -260,46 +353,32 @@ static void note_sets(__global const dev_ping *ping, const sink *to, uint ray, u
 #endif
 }
 
-/* Brings the steps of rays of WEIGHT, and their ends, to every receiver. */
-static uint receive_steps(const world *w, const sink *to, const steps *s, const water_end *end,
-                          real weight, natural rays, triple sent) {
+/* The arrivals of SET: first two of the water where rays of WEIGHT end, then their STEPS; of ROWS in all. */
+static arrivals water_arrivals(const world *w, const steps *s, const water_end *end, real weight,
+                               whole rows, uint set) {
     const natural water = (natural)(DEV_DEPOSIT_VOLUME);
-    uint cut = 0u;
-    natural rows = s->count + 2u;
-    for (uint set = 0; set < DEV_WATER_SETS; set++) {
-        arrivals a;
-        a.count = 0u;
+    arrivals a;
+    a.count = 0u;
 #if ASDIC_TRUTH
-        a.truth_row = (natural)(0u);
+    a.truth_row = (natural)(0u);
 #endif
-        mask here = (natural)(set * MAX_ARRIVALS) < rows;
-        if (!any_true(here)) {
-            break;
-        }
-        for (uint c = 0; c < MAX_ARRIVALS; c++) {
-            uint k = set * MAX_ARRIVALS + c;
-            if (k == 0u) {
-                arrivals_add(w, &a, water, end->last, weight * end->part * s->end);
-            } else if (k == 1u) {
-                real before = choose(end->last == 0u, R(0.0), R(1.0) - end->part);
-                arrivals_add(w, &a, water, max(end->last, (natural)(1u)) - 1u,
-                             weight * before * s->end);
-            } else {
-                mask has = (natural)(k) < rows;
-                natural bin = choose_natural(has, s->bin[k - 2u], (natural)(0u));
-                arrivals_add(w, &a, water, bin, choose(has, weight * s->loss[k - 2u], R(0.0)));
-            }
-        }
-        natural own = choose_natural(here, rays, (natural)(NO_RAY));
-        cut += receive(w, to, DEV_ARRIVAL_WATER(ASDIC_HAS_MIRRORS) + set, &a, own, sent);
-    }
-    LANES {
-        if (AT(rays, uint) != NO_RAY) {
-            uint sets = (AT(rows, uint) + MAX_ARRIVALS - 1u) / MAX_ARRIVALS;
-            note_sets(w->ping, to, AT(rays, uint), sets);
+#pragma unroll
+    for (uint c = 0; c < MAX_ARRIVALS; c++) {
+        uint k = set * MAX_ARRIVALS + c;
+        if (k == 0u) {
+            arrivals_add(w, &a, water, end->last, weight * end->part * s->end);
+        } else if (k == 1u) {
+            real before = choose(end->last == 0u, R(0.0), R(1.0) - end->part);
+            arrivals_add(w, &a, water, max(end->last, (natural)(1u)) - 1u,
+                         weight * before * s->end);
+        } else {
+            uint kept = VOLUME_AGAIN ? c : k;
+            mask has = (whole)((int)(k)) < rows;
+            natural bin = choose_natural(has, s->bin[kept], (natural)(0u));
+            arrivals_add(w, &a, water, bin, choose(has, weight * s->loss[kept], R(0.0)));
         }
     }
-    return cut;
+    return a;
 }
 
 /* The lattice of a group's rays of which one stands for the others. */
@@ -311,76 +390,86 @@ static uint water_share(__global const dev_ping *ping) {
     return share;
 }
 
-/* How rays left the sonar, their solid angles, and the ranges at which they end. */
-typedef struct sent_rays {
-    __global const float *legs, *solid_angles, *ranges;
-} sent_rays;
-
-/* Of the rays in SLOTS, those of the lanes ON, each of which stands for SHARE. */
-APART static uint echo_of_water(const world *w, const sent_rays *from, const layer_stack *layers,
-                                __global const float *volume_inverse, const sink *to, natural slots,
-                                mask on, uint share) {
-    __global const dev_ping *ping = w->ping;
-    real weight, range;
-    triple sent;
-    natural rays;
+/* Brings the water of RAYS, each of which stands for SHARE, to every receiver: with the finest grain that VOLUME_STEPS
+ * are enough for. */
+APART static uint echo_of_water(const world *w, const water_store *store, const sink *to,
+                                water_rays rays, uint share) {
+    volume_grain grain = grain_of(VOLUME_STEP, R(0.0));
+    uint cut = 0u;
+    int row = 0;
+    whole rows = (whole)(2);
+    real weight;
+    water_end end;
+    steps s;
+    do {
+        if (VOLUME_AGAIN || row == 0) {
+            s = follow_water(w->ping, store, &rays, &grain, row);
+            AFRESH(&rays, s.rows);
+            end = load_end(w->ping, store, &rays);
+            weight = load_weight(w, store, &rays, share);
+            rows = min(s.rows + row, (whole)(VOLUME_ROWS));
+        }
+        mask over = (s.rows > VOLUME_ROWS) & (grain.span == R(0.0));
+        if (any_true(over)) {
+            coarsen(&grain, w->ping, end.last, s.rows, over);
+            continue;
+        }
+        mask here = rows > row;
+        uint set = (uint)(row) / MAX_ARRIVALS;
+        arrivals a = water_arrivals(w, &s, &end, weight, rows, set);
+        natural own = choose_natural(here, numbers_of(w->ping, &rays), (natural)(NO_RAY));
+        cut += receive(w, to, DEV_ARRIVAL_WATER(ASDIC_HAS_MIRRORS) + set, &a, own,
+                       load_sent(store, &rays));
+        row += MAX_ARRIVALS;
+    } while (any_true(rows > row));
     LANES {
-        uint slot = AT(slots, uint), column = slot % ASDIC_WIDTH;
-        __global const float *leg = from->legs + (size_t)(slot - column) * DEV_LEG_FLOATS + column;
-        AT(sent.x, float) = leg[LEG_SENT * ASDIC_WIDTH];
-        AT(sent.y, float) = leg[(LEG_SENT + 1) * ASDIC_WIDTH];
-        AT(sent.z, float) = leg[(LEG_SENT + 2) * ASDIC_WIDTH];
-        AT(range, float) = from->ranges[slot];
-        AT(weight, float) = from->solid_angles[slot] * (float)(share);
-        AT(rays, uint) = AT(on, int) != 0 ? ray_in(ping, slot) : NO_RAY;
+        if (AT(rays.on, int) != 0) {
+            uint sets = ((uint)(AT(rows, int)) + MAX_ARRIVALS - 1u) / MAX_ARRIVALS;
+            note_sets(w->ping, to, ray_in(w->ping, AT(rays.slots, uint)), sets);
+        }
     }
-    weight = choose(on, weight * gain_towards(ping, w->beams, sent.x, sent.y, sent.z), R(0.0));
-    water_end end = find_water_end(ping, volume_inverse, range);
-    end.last = choose_natural(on, end.last, (natural)(0u));
-    volume_draw draw = draw_volume(ping, rays);
-    steps s = follow_all_water(ping, layers, sent, &draw, end.last);
-    return receive_steps(w, to, &s, &end, weight, rays, sent);
+    return cut;
 }
 
 /* One work-item per piece (mirror_ray.h). */
-__kernel void volume(__global const dev_ping *pings, __global const dev_layer *layers, uint count,
-                     __global const float *legs, __global const float *solid_angles,
-                     __global const float *ranges, __global const float *water,
-                     __global dev_arrival *arrivals, __global long *accumulator,
-                     __global uint *saturated, __global const dev_truth_row *rows,
-                     __global long *truth) {
+__kernel void LEAST_WAVES(3)
+    volume(__global const dev_ping *pings, __global const dev_layer *layers, uint count,
+           __global const float *legs, __global const float *solid_angles,
+           __global const float *ranges, __global const float *water,
+           __global dev_arrival *arrivals, __global long *accumulator, __global uint *saturated,
+           __global const dev_truth_row *rows, __global long *truth) {
     __global const dev_ping *ping = row_ping(pings);
     size_t own = row_slots(ping);
     uint first = (uint)(get_global_id(0)) * PIECE, cut = 0u;
     uint end = min(first + PIECE, batch_slots(ping));
     world w = {ping, beams_of(ping), 0, 0, 0, 0};
-    sent_rays from = {legs + DEV_LEG_FLOATS * own, solid_angles + own, ranges + own};
-    layer_stack stack = {layers, count};
+    water_store store = {legs + DEV_LEG_FLOATS * own,
+                         solid_angles + own,
+                         ranges + own,
+                         row_water(ping, water),
+                         {layers, count}};
     sink to = {row_cells(ping, accumulator), arrivals + ARRIVAL_SETS * own, truth_rows(ping, rows),
                truth + (size_t)(ping->sums.truth_first) * ping->sums.truth_columns};
     uint share = water_share(ping), filled = 0u;
     natural slots = (natural)(first);
-    for (uint slot = first; slot < end; slot++) {
+    for (uint slot = first; slot < end; slot = slot_after(slot, 1u, end)) {
         uint ray = ray_in(ping, slot);
         uint turn =
             ping->batch.first + (ray >> popcount(ping->batch.groups - 1u)) + group_of(ping, ray);
         if ((turn & (share - 1u)) != 0u) {
             note_sets(ping, &to, ray, 0u);
-            continue;
+        } else {
+            ((uint *)&slots)[filled++] = slot;
         }
-        ((uint *)&slots)[filled++] = slot;
-        if (filled == ASDIC_WIDTH) {
-            cut += echo_of_water(&w, &from, &stack, row_water(ping, water), &to, slots, (mask)(-1),
-                                 share);
+        if (filled == ASDIC_WIDTH || (filled > 0u && slot + 1u == end)) {
+            water_rays rays;
+            rays.slots = slots;
+            LANES {
+                AT(rays.on, int) = lane < filled ? -1 : 0;
+            }
+            cut += echo_of_water(&w, &store, &to, rays, share);
             filled = 0u;
         }
-    }
-    if (filled > 0u) {
-        mask on;
-        LANES {
-            AT(on, int) = lane < filled ? -1 : 0;
-        }
-        cut += echo_of_water(&w, &from, &stack, row_water(ping, water), &to, slots, on, share);
     }
     if (cut != 0u) {
         atomic_add(saturated + get_group_id(1), cut);
