@@ -13,9 +13,9 @@
 typedef struct asdic_holdings {
     const double *part[ASDIC_COMPONENT_COUNT];
     const double *by_surface, *by_bottom; /* of the multipath; NULL: none of either */
-    const double *most,
-        *moment; /* the strongest object's energy; its (1 + sine of depression) / 2 by energy */
-    const double *none; /* zeros, which stand for a part that is not there */
+    const double *most;                   /* the strongest object's energy */
+    const double *moment; /* (1 + sine of depression) / 2 of the echo, summed by its energy */
+    const double *none;   /* zeros, which stand for a part that is not there */
 } asdic_holdings;
 
 /* Fills the truth of a beam of BINS, which begins at FIRST, but the numbers of objects, which are there. */
