@@ -381,6 +381,13 @@ static int compare(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
+/* In water of many layers a stretch takes long. */
+static asdic_status go_on(asdic_context *ctx) {
+    return asdic_context_interrupted(ctx)
+               ? asdic_fail(ctx, ASDIC_ERROR_INTERRUPTED, "interrupted while rays were bent")
+               : ASDIC_OK;
+}
+
 static asdic_status find_cuts(asdic_context *ctx, bent_job *job, const stretch *w, cut_list *cuts) {
     double before_s = 1e-5;
     ray_outcome before = follow(job, elevation_at(w, before_s), false);
@@ -388,6 +395,7 @@ static asdic_status find_cuts(asdic_context *ctx, bent_job *job, const stretch *
     TRY(append(ctx, cuts, 0.0));
     for (int i = 1; i <= SEARCH; i++) {
         double s = i == SEARCH ? 1.0 - 1e-5 : (double)i / SEARCH;
+        TRY(go_on(ctx));
         ray_outcome here = follow(job, elevation_at(w, s), false);
         bool folds = before.end != ENDS_NOWHERE && here.end == before.end &&
                      (before.ray.width_m > 0.0) != (here.ray.width_m > 0.0);
@@ -427,6 +435,7 @@ static asdic_status add_stretch(asdic_context *ctx, bent_job *job, const stretch
     TRY(find_cuts(ctx, job, w, cuts));
     for (size_t i = 0; i + 1 < cuts->count; i++) {
         double s0 = cuts->s[i], s1 = cuts->s[i + 1];
+        TRY(go_on(ctx));
         if (s1 - s0 > 1e-13) {
             add_panel(job, w, s0, s1, kind_of(job, w, s0, s1), HALVINGS);
         }

@@ -66,6 +66,22 @@ def test_a_plan_stops_while_kernels_are_compiled():
             stop(child, signal.SIGINT)
 
 
+def test_rays_through_many_layers_stop():
+    """Water of 48 layers, each warmer or colder than the next by 9 degrees or more: minutes of quadrature before
+    the first ping."""
+    program.need_device()
+    temperatures = (8, 22, 12, 21, 11, 20, 10, 24, 9, 23)
+    cast = "".join(f"{i / 4},{temperatures[i % 10]}\n" for i in range(49))
+    water = "environment: {wind_speed_kn: 10, sound_speed_profile: cast.csv}"
+    with Folder() as folder:
+        folder.write("cast.csv", "depth_m,temperature_degc\n" + cast)
+        folder.write("scene.yaml", SCENE.replace("environment: {wind_speed_kn: 10}", water))
+        with begin(folder, "run", "scene.yaml", "-o", "out") as child:
+            time.sleep(3)
+            stop(child)
+        tap.equal(folder.names(), ["cast.csv", "scene.yaml"])
+
+
 def test_a_drawing_stops():
     program.need_device()
     with Folder() as folder:
