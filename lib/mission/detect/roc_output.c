@@ -159,16 +159,15 @@ static size_t add_lines(asdic_series *out, const columns *c, uint32_t rgb, const
     static const asdic_line_style style[LINES_EACH] = {ASDIC_LINE_SOLID,  ASDIC_LINE_SOLID,
                                                        ASDIC_LINE_SOLID,  ASDIC_LINE_DASHED,
                                                        ASDIC_LINE_DOTTED, ASDIC_LINE_DOTTED};
-    int lines = c->count > 0 && isnan(c->model_low[0]) ? LINES_EACH - 2 : LINES_EACH;
-    for (int k = 0; k < lines; k++) {
+    for (int k = 0; k < LINES_EACH; k++) { /* NAN is not drawn */
         out[k] = line;
         out[k].y = y[k];
         out[k].width = width[k];
         out[k].style = style[k];
         out[k].label = k == 2 ? label : NULL;
-        out[k].rgb = k == 3 ? 0x202020u : k == 2 || k > 3 ? rgb : pale(rgb);
+        out[k].rgb = k == 3 ? 0x202020u : k < 2 ? pale(rgb) : rgb;
     }
-    return (size_t)lines;
+    return LINES_EACH;
 }
 
 /* The lowest P_D of the axis: it shows how far P_D stays from 1 when that is not far. */
