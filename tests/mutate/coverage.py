@@ -117,7 +117,22 @@ class Coverage:
         line = self._statement(path, line)
         if line is None:
             return None
+        return self._counted(path, line) or self._counted(path, self._before(path, line))
+
+    def _counted(self, path, line):
         return {name for name, ran in self.ran.items() if line in ran.get(path, ())}
+
+    def _before(self, path, line):
+        """The last line before LINE that a test runs, of the same function; else LINE. What the compiler moves
+        or merges, as an `int i = 0`, has no count of its own."""
+        texts = (self.tree / path).read_text().splitlines()
+        ran = set().union(*(of.get(path, set()) for of in self.ran.values()))
+        for before in range(line - 1, 0, -1):
+            if before in ran:
+                return before
+            if texts[before - 1] == "}":
+                break
+        return line
 
     def _runs_kernel(self, path, line):
         """Also those on the host that include it."""

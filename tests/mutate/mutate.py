@@ -219,6 +219,14 @@ def is_harmless(slip, known):
     return any(all(fnmatch.fnmatchcase(value, pattern) for value, pattern in zip(slip.key(), one)) for one in known)
 
 
+def wilson(noticed, tried):
+    """The 95 % interval of a share, after Wilson, J. Am. Stat. Assoc. 22 (1927) 209: that of slips not drawn."""
+    z2 = 1.959964**2
+    middle = noticed + z2 / 2.0
+    spread = (z2 * (noticed * (tried - noticed) / tried + z2 / 4.0)) ** 0.5 if tried else 0.0
+    return ((middle - spread) / (tried + z2), (middle + spread) / (tried + z2)) if tried else (0.0, 1.0)
+
+
 def folder_of(path):
     parts = path.split("/")
     return "/".join(parts[:2]) if parts[0] == "lib" else parts[0]
@@ -357,7 +365,7 @@ class Session:
     def report(self, seconds):
         folders = sorted(set(self.noticed) | set(self.missed) | set(self.spared))
         width = max([len(folder) for folder in folders] + [8])
-        print(f"\n{'folder':{width}}  tried  noticed  missed  share  known harmless")
+        print(f"\n{'folder':{width}}  tried  noticed  missed  share  95 of 100 times  known harmless")
         total = [0, 0, 0]
         for folder in folders:
             counts = [len(of.get(folder, [])) for of in (self.noticed, self.missed, self.spared)]
@@ -370,8 +378,10 @@ class Session:
     @staticmethod
     def line(folder, counts, width):
         tried = counts[0] + counts[1]
+        low, high = wilson(counts[0], tried)
         share = f"{100 * counts[0] / tried:4.0f} %" if tried else "     -"
-        print(f"{folder:{width}}  {tried:5}  {counts[0]:7}  {counts[1]:6} {share}  {counts[2]:14}")
+        among = f"{100 * low:3.0f} to {100 * high:3.0f} %"
+        print(f"{folder:{width}}  {tried:5}  {counts[0]:7}  {counts[1]:6} {share}  {among:>15}  {counts[2]:14}")
 
 
 def list_unrun(coverage):
