@@ -27,7 +27,7 @@ static void choose_output(const asdic_scene_file *file, asdic_settings *out) {
     }
     out->leaves_csv_out = is_large;
     out->output.csv = is_large ? ASDIC_CSV_NONE : ASDIC_CSV_LONG;
-    if (is_large && out->output.formats == 0) {
+    if (is_large && out->output.formats == 0 && !file->output.truth) {
         out->output.formats = 1u << ASDIC_FORMAT_npy_float16;
     }
 }
@@ -57,7 +57,7 @@ asdic_status asdic_settings_take(asdic_context *ctx, const asdic_scene_file *fil
     for (size_t i = 0; i < ASDIC_FORMAT_COUNT; i++) {
         out->output.formats |= file->output.formats[i] ? 1u << i : 0u;
     }
-    out->sampling.truth = out->output.formats & 1u << ASDIC_FORMAT_truth;
+    out->sampling.truth = file->output.truth;
     choose_output(file, out);
     out->receivers = calloc(out->sonar.receiver_count + 1, sizeof *out->receivers);
     if (!out->receivers) {

@@ -10,7 +10,7 @@ static asdic_status open_levels(asdic_context *ctx, const char *path,
 }
 
 static asdic_status write_levels(void *file, const asdic_record *record) {
-    return asdic_npy_levels_write_16(file, record, asdic_half_of);
+    return asdic_npy_levels_write_16(file, record, asdic_halves_of);
 }
 
 const char asdic_format_doc_npy_float16[] =

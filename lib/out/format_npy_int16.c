@@ -8,9 +8,11 @@
 
 #define NOTHING INT16_MIN
 
-static uint16_t hundredths_of(float level_db) {
-    float hundredths = fminf(fmaxf(100.0f * level_db, -INT16_MAX), INT16_MAX);
-    return (uint16_t)(isnan(level_db) ? NOTHING : lrintf(hundredths));
+static void hundredths_of(const float *levels_db, size_t count, uint16_t *converted) {
+    for (size_t i = 0; i < count; i++) {
+        float hundredths = fminf(fmaxf(100.0f * levels_db[i], -INT16_MAX), INT16_MAX);
+        converted[i] = (uint16_t)(isnan(levels_db[i]) ? NOTHING : lrintf(hundredths));
+    }
 }
 
 static asdic_status open_levels(asdic_context *ctx, const char *path,

@@ -1,33 +1,58 @@
 #include "half.h"
 
-#include <math.h>
+#include "base/widest.h"
 
-#define LEAST_NORMAL 0x1p-14f
-#define LEAST_STEP 0x1p-24f
-#define OVERFLOW 65520.0f /* rounds to the number after the largest, 65504 */
+#include <string.h>
 
-/* A significand that rounds up to 2 carries into the exponent, as it should. */
-uint16_t asdic_half_of(float value) {
-    uint16_t sign = signbit(value) ? 0x8000 : 0;
-    float size = fabsf(value);
-    int exponent;
-    if (isnan(value)) {
-        return 0x7e00;
+/* The bits of float32 and of binary16: 8 and 5 of exponent, biased by 127 and 15, 23 and 10 of fraction. */
+#define FRACTION (23 - 10)
+#define BIAS ((uint32_t)(127 - 15) << 23)
+#define LEAST_NORMAL 0x38800000u /* 2^-14 */
+#define OVERFLOW 0x477ff000u     /* 65520 rounds to the number after the largest, 65504 */
+#define INFINITE 0x7f800000u
+#define ONE_HALF 0x3f000000u
+
+/* What is rounded up to the next power of 2 carries into the exponent, as it should. Numbers below the least
+ * normal one are rounded by adding 0.5, whose last place is a step of theirs, 2^-24. */
+WIDEST static void round_all(const float *restrict values, size_t count,
+                             uint16_t *restrict halves) {
+    for (size_t i = 0; i < count; i++) {
+        uint32_t bits, small;
+        memcpy(&bits, &values[i], sizeof bits);
+        uint32_t size = bits & 0x7fffffffu, sign = bits >> 16 & 0x8000u;
+        float size_value, shifted;
+        memcpy(&size_value, &size, sizeof size_value);
+        shifted = size_value + 0.5f;
+        memcpy(&small, &shifted, sizeof small);
+        uint32_t normal = (size - BIAS + 0xfffu + (size >> FRACTION & 1u)) >> FRACTION;
+        uint32_t half = size < LEAST_NORMAL ? small - ONE_HALF : normal;
+        half = size >= OVERFLOW ? 0x7c00u : half;
+        halves[i] = (uint16_t)(size > INFINITE ? 0x7e00u : sign | half);
     }
-    if (size >= OVERFLOW) {
-        return sign | 0x7c00;
-    }
-    if (size < LEAST_NORMAL) {
-        return (uint16_t)(sign | lrintf(size / LEAST_STEP));
-    }
-    float significand = 2.0f * frexpf(size, &exponent); /* 1..2 */
-    return (uint16_t)(sign | (((exponent + 14) << 10) + lrintf(1024.0f * (significand - 1.0f))));
 }
 
-float asdic_half_value(uint16_t half) {
-    int exponent = half >> 10 & 31, fraction = half & 1023;
-    float size = exponent == 31  ? (fraction ? NAN : INFINITY)
-                 : exponent == 0 ? (float)fraction * LEAST_STEP
-                                 : ldexpf((float)(1024 + fraction), exponent - 25);
-    return half & 0x8000 ? -size : size;
+/* Those below the least normal one: of 2^-14 (1 + fraction) 2^-14 is taken away. */
+WIDEST static void widen_all(const uint16_t *restrict halves, size_t count,
+                             float *restrict values) {
+    for (size_t i = 0; i < count; i++) {
+        uint32_t half = halves[i], size = half & 0x7fffu, sign = (half & 0x8000u) << 16;
+        uint32_t shifted = (size << FRACTION) + LEAST_NORMAL, small;
+        float value;
+        memcpy(&value, &shifted, sizeof value);
+        value -= 0x1p-14f;
+        memcpy(&small, &value, sizeof small);
+        uint32_t bits = size < 0x400u ? small : (size << FRACTION) + BIAS;
+        bits = size >= 0x7c00u ? INFINITE : bits;
+        bits = size > 0x7c00u ? 0x7fc00000u : bits;
+        bits |= sign;
+        memcpy(&values[i], &bits, sizeof bits);
+    }
+}
+
+void asdic_halves_of(const float *values, size_t count, uint16_t *halves) {
+    round_all(values, count, halves);
+}
+
+void asdic_half_values(const uint16_t *halves, size_t count, float *values) {
+    widen_all(halves, count, values);
 }

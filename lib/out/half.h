@@ -4,10 +4,11 @@
 #ifndef ASDIC_OUT_HALF_H
 #define ASDIC_OUT_HALF_H
 
+#include <stddef.h>
 #include <stdint.h>
 
-/* The nearest; NAN stays NAN. */
-uint16_t asdic_half_of(float value);
-float asdic_half_value(uint16_t half);
+/* The nearest of each; NAN stays NAN. */
+void asdic_halves_of(const float *values, size_t count, uint16_t *halves);
+void asdic_half_values(const uint16_t *halves, size_t count, float *values);
 
 #endif

@@ -51,11 +51,9 @@ asdic_status asdic_npy_levels_write(void *file, const asdic_record *record) {
 }
 
 asdic_status asdic_npy_levels_write_16(void *file, const asdic_record *record,
-                                       uint16_t (*convert)(float level_db)) {
+                                       asdic_npy_convert *convert) {
     levels *l = file;
-    for (size_t i = 0; i < l->cells; i++) {
-        l->converted[i] = convert(record->level_db[ASDIC_TOTAL][i]);
-    }
+    convert(record->level_db[ASDIC_TOTAL], l->cells, l->converted);
     fwrite(l->converted, sizeof *l->converted, l->cells, asdic_file_stream(l->file));
     return ASDIC_OK;
 }

@@ -14,8 +14,9 @@ asdic_status asdic_npy_levels_open(asdic_context *ctx, const char *path,
 asdic_status asdic_npy_levels_write(void *file, const asdic_record *record);
 
 /* The same, each level made 16 bits by CONVERT; NAN where there is no energy. */
+typedef void asdic_npy_convert(const float *levels_db, size_t count, uint16_t *converted);
 asdic_status asdic_npy_levels_write_16(void *file, const asdic_record *record,
-                                       uint16_t (*convert)(float level_db));
+                                       asdic_npy_convert *convert);
 
 asdic_status asdic_npy_levels_commit(void **file);
 void asdic_npy_levels_discard(void **file);

@@ -40,31 +40,28 @@ const void *asdic_truth_values(const asdic_ping_truth *truth, size_t field) {
     return values[field];
 }
 
-size_t asdic_truth_dtype(char *text, size_t size, size_t used, size_t beams, size_t bins) {
-    for (size_t i = 0; i < ASDIC_TRUTH_FIELDS; i++) {
-        used += (size_t)snprintf(text + used, size - used, "%s('%s', '%s', (%zu, %zu))",
-                                 i > 0 ? ", " : "", asdic_truth_fields[i].name,
-                                 asdic_truth_fields[i].type, beams, bins);
-    }
-    return used;
-}
-
-/* Bytes of a record in memory before its truth: the last eight say whether there is one. */
+/* Bytes of a record in memory before its truth: head, arrays, their sum; the last eight say whether there is
+ * truth. */
 static size_t levels_bytes(size_t cells) {
     size_t bytes = sizeof(asdic_record_head) + ASDIC_RECORD_ARRAYS * cells * sizeof(float);
-    return (bytes + 7) / 8 * 8 + sizeof(uint64_t);
+    return (bytes + sizeof(uint32_t) + 7) / 8 * 8 + sizeof(uint64_t);
 }
 
 static uint64_t *truth_mark(const void *bytes, size_t cells) {
     return (uint64_t *)(uintptr_t)((const char *)bytes + levels_bytes(cells)) - 1;
 }
 
+/* As it lies in the file: the ping's number, the fields, their sum. */
 static char *truth_of(const void *bytes, size_t cells) {
     return (char *)(uintptr_t)bytes + levels_bytes(cells);
 }
 
+static size_t truth_bytes(size_t cells) {
+    return sizeof(uint64_t) + cells * ASDIC_TRUTH_BYTES + sizeof(uint32_t);
+}
+
 size_t asdic_record_bytes(size_t beams, size_t bins) {
-    return levels_bytes(beams * bins) + beams * bins * ASDIC_TRUTH_BYTES;
+    return levels_bytes(beams * bins) + truth_bytes(beams * bins);
 }
 
 /* Bytes of a number of ARRAY in the file; 0: not stored. */
@@ -82,8 +79,11 @@ size_t asdic_record_stored_bytes(const asdic_record_layout *layout) {
     for (int i = 0; i < ASDIC_RECORD_ARRAYS; i++) {
         each += width_of(layout, i);
     }
-    each += layout->truth ? ASDIC_TRUTH_BYTES : 0;
     return sizeof(asdic_record_head) + layout->beams * layout->bins * each + sizeof(uint32_t);
+}
+
+size_t asdic_record_truth_bytes(const asdic_record_layout *layout) {
+    return layout->truth ? truth_bytes(layout->beams * layout->bins) : 0;
 }
 
 void asdic_record_dtype(char text[ASDIC_RECORD_DTYPE_SIZE], const asdic_record_layout *layout) {
@@ -99,10 +99,16 @@ void asdic_record_dtype(char text[ASDIC_RECORD_DTYPE_SIZE], const asdic_record_l
                              layout->beams, layout->bins);
         }
     }
-    if (layout->truth) {
-        used += snprintf(text + used, ASDIC_RECORD_DTYPE_SIZE - (size_t)used, ", ");
-        used = (int)asdic_truth_dtype(text, ASDIC_RECORD_DTYPE_SIZE, (size_t)used, layout->beams,
-                                      layout->bins);
+    snprintf(text + used, ASDIC_RECORD_DTYPE_SIZE - (size_t)used, ", ('crc32', '<u4')]");
+}
+
+void asdic_record_truth_dtype(char text[ASDIC_RECORD_DTYPE_SIZE],
+                              const asdic_record_layout *layout) {
+    int used = snprintf(text, ASDIC_RECORD_DTYPE_SIZE, "[('ping', '<u8')");
+    for (size_t i = 0; i < ASDIC_TRUTH_FIELDS; i++) {
+        used += snprintf(text + used, ASDIC_RECORD_DTYPE_SIZE - (size_t)used,
+                         ", ('%s', '%s', (%zu, %zu))", asdic_truth_fields[i].name,
+                         asdic_truth_fields[i].type, layout->beams, layout->bins);
     }
     snprintf(text + used, ASDIC_RECORD_DTYPE_SIZE - (size_t)used, ", ('crc32', '<u4')]");
 }
@@ -113,59 +119,74 @@ static uint32_t sum_of(const void *stored, size_t stored_bytes) {
 }
 
 bool asdic_record_is_whole(const void *stored, size_t stored_bytes, uint64_t ping) {
-    asdic_record_head head;
+    uint64_t number;
     uint32_t sum;
-    memcpy(&head, stored, sizeof head);
+    memcpy(&number, stored, sizeof number);
     memcpy(&sum, (const char *)stored + stored_bytes - sizeof sum, sizeof sum);
-    return head.ping == ping && sum == sum_of(stored, stored_bytes);
+    return number == ping && sum == sum_of(stored, stored_bytes);
+}
+
+/* Puts the sum behind the rest of STORED. */
+static void seal(void *stored, size_t stored_bytes) {
+    uint32_t sum = sum_of(stored, stored_bytes);
+    memcpy((char *)stored + stored_bytes - sizeof sum, &sum, sizeof sum);
 }
 
 void asdic_record_store(const asdic_record_layout *layout, const void *bytes, void *stored) {
-    size_t cells = layout->beams * layout->bins, stored_bytes = asdic_record_stored_bytes(layout);
+    size_t cells = layout->beams * layout->bins;
     const float *from =
         (const float *)(const void *)((const char *)bytes + sizeof(asdic_record_head));
     char *to = (char *)stored + sizeof(asdic_record_head);
-    memcpy(stored, bytes, sizeof(asdic_record_head));
-    for (int i = 0; i < ASDIC_RECORD_ARRAYS; i++, from += cells) {
+    if (layout->form != ASDIC_RECORD_FULL) {
+        memcpy(stored, bytes, sizeof(asdic_record_head));
+    }
+    for (int i = 0; layout->form != ASDIC_RECORD_FULL && i < ASDIC_RECORD_ARRAYS; i++) {
         size_t width = width_of(layout, i);
         if (width == sizeof(float)) {
             memcpy(to, from, cells * sizeof *from);
         }
-        for (size_t k = 0; k < cells && width == sizeof(uint16_t); k++) {
-            uint16_t half = asdic_half_of(from[k]);
-            memcpy(to + k * sizeof half, &half, sizeof half);
+        if (width == sizeof(uint16_t)) {
+            asdic_halves_of(from, cells, (uint16_t *)(void *)to);
         }
         to += cells * width;
+        from += cells;
     }
-    if (layout->truth) {
-        memcpy(to, truth_of(bytes, cells), cells * ASDIC_TRUTH_BYTES);
-        to += cells * ASDIC_TRUTH_BYTES;
-    }
-    uint32_t sum = sum_of(stored, stored_bytes);
-    memcpy(to, &sum, sizeof sum);
+    seal(stored, asdic_record_stored_bytes(layout));
 }
 
 void asdic_record_restore(const asdic_record_layout *layout, const void *stored, void *bytes) {
     size_t cells = layout->beams * layout->bins;
     const char *from = (const char *)stored + sizeof(asdic_record_head);
     float *to = (float *)(void *)((char *)bytes + sizeof(asdic_record_head));
+    *truth_mark(bytes, cells) = layout->truth;
+    if (layout->form == ASDIC_RECORD_FULL) {
+        return;
+    }
     memcpy(bytes, stored, sizeof(asdic_record_head));
     for (int i = 0; i < ASDIC_RECORD_ARRAYS; i++, to += cells) {
         size_t width = width_of(layout, i);
         if (width == sizeof(float)) {
             memcpy(to, from, cells * sizeof *to);
         }
-        for (size_t k = 0; k < cells && width != sizeof(float); k++) {
-            uint16_t half = 0;
-            memcpy(&half, from + k * width, width);
-            to[k] = width ? asdic_half_value(half) : NAN;
+        if (width == sizeof(uint16_t)) {
+            asdic_half_values((const uint16_t *)(const void *)from, cells, to);
+        }
+        for (size_t k = 0; k < cells && width == 0; k++) {
+            to[k] = NAN;
         }
         from += cells * width;
     }
-    *truth_mark(bytes, cells) = layout->truth;
-    if (layout->truth) {
-        memcpy(truth_of(bytes, cells), from, cells * ASDIC_TRUTH_BYTES);
-    }
+}
+
+void *asdic_record_truth(const asdic_record_layout *layout, void *bytes) {
+    return truth_of(bytes, layout->beams * layout->bins);
+}
+
+const void *asdic_record_store_truth(const asdic_record_layout *layout, void *bytes) {
+    void *stored = asdic_record_truth(layout, bytes);
+    memcpy(stored, bytes, sizeof(uint64_t)); /* the ping's number */
+    seal(stored, asdic_record_truth_bytes(layout));
+    return stored;
 }
 
 void asdic_record_pack(const asdic_record_head *head, const asdic_ping *ping, void *bytes) {
@@ -181,7 +202,7 @@ void asdic_record_pack(const asdic_record_head *head, const asdic_ping *ping, vo
         *out++ = is_known ? ping->stderr_db[i] : NAN;
     }
     *truth_mark(bytes, cells) = ping->truth != NULL;
-    char *to = truth_of(bytes, cells);
+    char *to = truth_of(bytes, cells) + sizeof(uint64_t);
     for (size_t i = 0; ping->truth && i < ASDIC_TRUTH_FIELDS; i++) {
         size_t width = cells * asdic_truth_fields[i].width;
         memcpy(to, asdic_truth_values(ping->truth, i), width);
@@ -222,6 +243,6 @@ void asdic_record_view(const void *bytes, size_t beams, size_t bins, asdic_recor
     }
     record->stderr_db = values + ASDIC_COMPONENT_COUNT * cells;
     if (*truth_mark(bytes, cells)) {
-        view_truth(truth_of(bytes, cells), cells, &record->truth);
+        view_truth(truth_of(bytes, cells) + sizeof(uint64_t), cells, &record->truth);
     }
 }

@@ -1,5 +1,5 @@
 /*
- * A ping as it is stored: how asdic_record lies in pings.npy.
+ * A ping as it is stored: how asdic_record lies in pings.npy and truth.npy.
  */
 #ifndef ASDIC_OUT_RECORD_H
 #define ASDIC_OUT_RECORD_H
@@ -36,11 +36,8 @@ extern const asdic_truth_field asdic_truth_fields[ASDIC_TRUTH_FIELDS];
 /* The array of FIELD; NULL where TRUTH has none. */
 const void *asdic_truth_values(const asdic_ping_truth *truth, size_t field);
 
-/* Appends NumPy's names and types of the fields, [BEAMS, BINS] each, to TEXT of SIZE bytes, of which USED are
- * taken; the number that is taken then. */
-size_t asdic_truth_dtype(char *text, size_t size, size_t used, size_t beams, size_t bins);
-
-/* In memory: the head, the arrays, each float32 [beam, bin], whether truth follows, and room for it. */
+/* In memory: the head, the arrays, each float32 [beam, bin], whether truth follows, and room for that
+ * and sums. */
 size_t asdic_record_bytes(size_t beams, size_t bins);
 
 /* Fills BYTES (asdic_record_bytes, aligned for double) from a ping. */
@@ -63,16 +60,25 @@ typedef struct asdic_record_layout {
     unsigned parts; /* 1u << asdic_component; what has energy in no ping need not be among them */
 } asdic_record_layout;
 
-/* In the file: the head, the arrays, and the CRC-32 of all before it; packed. */
+/* In pings.npy: the head, the arrays, and the CRC-32 of all before it; packed. */
 size_t asdic_record_stored_bytes(const asdic_record_layout *layout);
+/* In truth.npy: the ping's number, the fields, and their CRC-32; packed. 0: no truth. */
+size_t asdic_record_truth_bytes(const asdic_record_layout *layout);
 
-/* The NumPy dtype: "[('ping', '<u8'), ...]". */
+/* The NumPy dtypes: "[('ping', '<u8'), ...]". */
 #define ASDIC_RECORD_DTYPE_SIZE 1536
 void asdic_record_dtype(char text[ASDIC_RECORD_DTYPE_SIZE], const asdic_record_layout *layout);
+void asdic_record_truth_dtype(char text[ASDIC_RECORD_DTYPE_SIZE],
+                              const asdic_record_layout *layout);
 
-/* From memory, BYTES, to the file's form, and back: what is not stored is NAN then. */
+/* From memory, BYTES, to the form in pings.npy, and back: what is not stored is NAN then. In the form
+ * ASDIC_RECORD_FULL levels lie in memory as they do in the file, and STORED is BYTES. */
 void asdic_record_store(const asdic_record_layout *layout, const void *bytes, void *stored);
 void asdic_record_restore(const asdic_record_layout *layout, const void *stored, void *bytes);
+
+/* Where truth lies in BYTES, as it does in the file; and the same with number and sum put in. */
+void *asdic_record_truth(const asdic_record_layout *layout, void *bytes);
+const void *asdic_record_store_truth(const asdic_record_layout *layout, void *bytes);
 
 /* Whether STORED is the record of PING as it was made. */
 bool asdic_record_is_whole(const void *stored, size_t stored_bytes, uint64_t ping);

@@ -186,27 +186,54 @@ static void rules_are_exact_for_polynomials(void **state) {
 
 /* ---- Half precision ---- */
 
+/* Several at once, as vectors of every width take them, with some left over. */
+#define MANY 67
+
+static uint16_t half_of(float value) {
+    float values[MANY];
+    uint16_t halves[MANY];
+    for (int i = 0; i < MANY; i++) {
+        values[i] = value;
+    }
+    asdic_halves_of(values, MANY, halves);
+    for (int i = 1; i < MANY; i++) {
+        assert_int_equal(halves[i], halves[0]);
+    }
+    return halves[0];
+}
+
+static float value_of(uint16_t half) {
+    uint16_t halves[MANY];
+    float values[MANY];
+    for (int i = 0; i < MANY; i++) {
+        halves[i] = half;
+    }
+    asdic_half_values(halves, MANY, values);
+    assert_memory_equal(values, values + 1, (MANY - 1) * sizeof *values);
+    return values[0];
+}
+
 static void halves_are_the_nearest(void **state) {
     (void)state;
     for (unsigned bits = 0; bits < 0x7c00; bits++) {
         int exponent = (int)(bits >> 10);
         double value = exponent ? ldexp(1.0 + (bits & 1023) / 1024.0, exponent - 15)
                                 : ldexp((double)bits, -24);
-        assert_true((double)asdic_half_value((uint16_t)bits) == value);
-        assert_true((double)asdic_half_value((uint16_t)(bits | 0x8000)) == -value);
-        assert_int_equal(asdic_half_of((float)value), bits);
-        assert_int_equal(asdic_half_of((float)-value), bits | 0x8000);
-        double next = bits == 0x7bff ? 65536.0 : (double)asdic_half_value((uint16_t)(bits + 1));
+        assert_true((double)value_of((uint16_t)bits) == value);
+        assert_true((double)value_of((uint16_t)(bits | 0x8000)) == -value);
+        assert_int_equal(half_of((float)value), bits);
+        assert_int_equal(half_of((float)-value), bits | 0x8000);
+        double next = bits == 0x7bff ? 65536.0 : (double)value_of((uint16_t)(bits + 1));
         float middle = (float)(0.5 * (value + next)); /* ties go to even */
-        assert_int_equal(asdic_half_of(middle), bits + bits % 2);
-        assert_int_equal(asdic_half_of(nextafterf(middle, 0.0f)), bits);
-        assert_int_equal(asdic_half_of(nextafterf(middle, INFINITY)), bits + 1);
+        assert_int_equal(half_of(middle), bits + bits % 2);
+        assert_int_equal(half_of(nextafterf(middle, 0.0f)), bits);
+        assert_int_equal(half_of(nextafterf(middle, INFINITY)), bits + 1);
     }
-    assert_int_equal(asdic_half_of(INFINITY), 0x7c00);
-    assert_int_equal(asdic_half_of(-INFINITY), 0xfc00);
-    assert_int_equal(asdic_half_of(NAN), 0x7e00);
-    assert_true(isinf(asdic_half_value(0x7c00)) && asdic_half_value(0xfc00) < 0.0f);
-    assert_true(isnan(asdic_half_value(0x7e00)) && isnan(asdic_half_value(0x7c01)));
+    assert_int_equal(half_of(INFINITY), 0x7c00);
+    assert_int_equal(half_of(-INFINITY), 0xfc00);
+    assert_int_equal(half_of(NAN), 0x7e00);
+    assert_true(isinf(value_of(0x7c00)) && value_of(0xfc00) < 0.0f);
+    assert_true(isnan(value_of(0x7e00)) && isnan(value_of(0x7c01)));
 }
 
 /* ---- Axes ---- */

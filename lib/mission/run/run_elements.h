@@ -1,12 +1,12 @@
 /*
- * elements.npy: the pressures of coherent pings, complex64 [ping, element, sample]. While a run goes on the
- * file is called elements.npy.part; a ping's pressures are written before its record, so that a ping whose
- * record is there has them.
+ * elements.npy: the pressures of coherent pings, complex64 [ping, element, sample] (run_records.h). A ping's
+ * pressures are written before its record, so that a ping whose record is there has them.
  */
 #ifndef ASDIC_MISSION_RUN_ELEMENTS_H
 #define ASDIC_MISSION_RUN_ELEMENTS_H
 
-#include "run_store.h"
+#include "mission/mission_settings.h"
+#include "run_records.h"
 
 #define ASDIC_ELEMENTS_NAME "elements.npy"
 
@@ -23,7 +23,7 @@ asdic_elements_shape asdic_elements_shape_of(const asdic_settings *settings, siz
 /* Bytes of a ping. */
 uint64_t asdic_elements_bytes(const asdic_elements_shape *shape);
 
-/* The file in FOLDER, as pings.npy (run_store.h). *OUT stays NULL where there are no elements. */
+/* The file in FOLDER. *OUT stays NULL where there are no elements. */
 asdic_status asdic_elements_open(asdic_context *ctx, const char *folder, asdic_store_mode mode,
                                  const asdic_elements_shape *shape, asdic_elements **out);
 
@@ -34,7 +34,8 @@ asdic_elements_shape asdic_elements_shape_now(const asdic_elements *elements);
 bool asdic_elements_has(const asdic_elements *elements, size_t index);
 
 /* Whether FOLDER has the whole file under its name, where it needs one. */
-bool asdic_elements_complete(const char *folder, const asdic_elements_shape *shape);
+bool asdic_elements_complete(asdic_context *ctx, const char *folder,
+                             const asdic_elements_shape *shape);
 
 /* Does nothing of NULL. */
 asdic_status asdic_elements_write(asdic_elements *elements, size_t index, const float *pressure);

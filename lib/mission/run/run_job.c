@@ -232,13 +232,13 @@ static asdic_status check_complete(asdic_run_job *job, const asdic_run_facts *ea
         }
         if (bad == ASDIC_OK && job->to_make > 0) {
             status = asdic_fail(job->ctx, ASDIC_ERROR_INPUT,
-                                "'%s/pings.npy' has %zu of %zu pings; the others are made again",
+                                "'%s' has %zu of %zu pings; the others are made again",
                                 job->options->folder, job->facts.pings_planned - job->to_make,
                                 job->facts.pings_planned);
         }
     }
     asdic_elements_shape elements = elements_of(job);
-    if (status == ASDIC_OK && !asdic_elements_complete(job->options->folder, &elements)) {
+    if (status == ASDIC_OK && !asdic_elements_complete(job->ctx, job->options->folder, &elements)) {
         status = asdic_fail(job->ctx, ASDIC_ERROR_INPUT,
                             "'%s/" ASDIC_ELEMENTS_NAME "' is missing or damaged; it is made again",
                             job->options->folder);

@@ -6,6 +6,7 @@
 #include "run_check.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -30,10 +31,12 @@ static asdic_status open_run(asdic_run *run) {
     asdic_status status =
         asdic_store_open(run->ctx, run->folder, ASDIC_STORE_READ, &shape, &run->store);
     if (status == ASDIC_ERROR_IO) {
+        char why[512];
+        snprintf(why, sizeof why, "%s", asdic_context_error(run->ctx));
         return asdic_fail(run->ctx, ASDIC_ERROR_INPUT,
-                          "'%s' has no pings.npy that can be read; if the run was killed, finish "
-                          "it by --resume",
-                          run->folder);
+                          "%s; if the run was killed, or the file removed, 'asdic run' with "
+                          "--resume makes it again",
+                          why);
     }
     TRY(status);
     run->scene_name = asdic_scene_name(facts->scene_path);

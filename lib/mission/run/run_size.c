@@ -120,7 +120,8 @@ uint64_t asdic_mission_ping_bytes(const asdic_mission *mission) {
     double depth_m = asdic_mission_pose(mission, 0, NULL).position_m.z;
     double speed_mps = asdic_environment_sound_speed_mps(&s->environment, depth_m);
     asdic_elements_shape elements = asdic_elements_shape_of(s, 1, bins, speed_mps);
-    return asdic_record_stored_bytes(&layout) + beside + asdic_elements_bytes(&elements) +
+    return asdic_record_stored_bytes(&layout) + asdic_record_truth_bytes(&layout) + beside +
+           asdic_elements_bytes(&elements) +
            (uint64_t)(cells * ((double)each + csv_bytes(mission, bins, layout.parts)));
 }
 
@@ -194,9 +195,11 @@ asdic_status asdic_run_check_room(asdic_context *ctx, const asdic_mission *missi
     uint64_t needed = asdic_mission_run_bytes(mission, count);
     uint64_t left = asdic_disk_free_bytes(o->folder);
     bool goes_on = o->resume && asdic_folder_has_run(o->folder);
-    uint64_t there =
-        goes_on ? bytes_there(o->folder, "pings.npy.part") + bytes_there(o->folder, "pings.npy")
-                : 0;
+    uint64_t there = goes_on ? bytes_there(o->folder, "pings.npy.part") +
+                                   bytes_there(o->folder, "pings.npy") +
+                                   bytes_there(o->folder, ASDIC_TRUTH_NAME ".part") +
+                                   bytes_there(o->folder, ASDIC_TRUTH_NAME)
+                             : 0;
     if (needed <= there || needed - there <= left) {
         return ASDIC_OK;
     }
@@ -245,7 +248,7 @@ static asdic_status time_in(asdic_context *ctx, const asdic_mission *m, const as
     asdic_files *files = NULL;
     const asdic_store_shape shape = {
         .layout = asdic_store_layout(&m->settings, ping->beams, ping->bins, 0)};
-    void *bytes = malloc(asdic_record_bytes(ping->beams, ping->bins));
+    void *bytes = calloc(1, asdic_record_bytes(ping->beams, ping->bins));
     asdic_status status = bytes ? asdic_store_open(ctx, folder, ASDIC_STORE_CREATE, &shape, &store)
                                 : asdic_fail_memory(ctx, "a record");
     if (!status) {

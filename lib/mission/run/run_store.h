@@ -1,14 +1,17 @@
 /*
- * pings.npy: the records of a run, appended ping by ping. While a run goes on the file is called
- * pings.npy.part. Written records survive the death of the process; an incomplete one is dropped.
+ * The records of a run, appended ping by ping (run_records.h): pings.npy, and truth.npy where the scene asks
+ * for truth.
  */
 #ifndef ASDIC_MISSION_RUN_STORE_H
 #define ASDIC_MISSION_RUN_STORE_H
 
 #include "mission/mission_settings.h"
 #include "out/record.h"
+#include "run_records.h"
 
 #include <asdic/context.h>
+
+#define ASDIC_TRUTH_NAME "truth.npy"
 
 typedef struct asdic_store asdic_store;
 
@@ -17,12 +20,6 @@ typedef struct asdic_store_shape {
     size_t first_ping;
     asdic_record_layout layout;
 } asdic_store_shape;
-
-typedef enum asdic_store_mode {
-    ASDIC_STORE_READ,   /* the finished file */
-    ASDIC_STORE_CREATE, /* an empty one */
-    ASDIC_STORE_RESUME, /* what an earlier run of the same shape left; else an empty one */
-} asdic_store_mode;
 
 /* What runs with these SETTINGS, whose plan leaves LEFT_OUT out (asdic_plan), store. */
 asdic_record_layout asdic_store_layout(const asdic_settings *settings, size_t beams, size_t bins,
@@ -36,13 +33,13 @@ size_t asdic_store_count(const asdic_store *store);
 /* Record INDEX in the place of the one that is there, or behind the last. BYTES, as they are in
  * memory, become what will be read. */
 asdic_status asdic_store_write(asdic_store *store, size_t index, void *bytes);
-/* ASDIC_ERROR_INPUT, with the ping's number, when the record is not as it was written. */
+/* ASDIC_ERROR_INPUT, with file and ping, when a record is not as it was written. */
 asdic_status asdic_store_read(asdic_store *store, size_t index, void *bytes);
 
 /* Drops the records from COUNT on. */
 asdic_status asdic_store_cut(asdic_store *store, size_t count);
 
-/* Completes the header and gives the file its name; the store stays open for reading. */
+/* Completes the headers and gives the files their names; the store stays open for reading. */
 asdic_status asdic_store_commit(asdic_store *store);
 
 /* Leaves a file that was not committed as it is, to be resumed. */

@@ -239,7 +239,7 @@ typedef struct file_detector {
 typedef struct file_output {
     asdic_yaml_node *node;
     int csv, records;
-    bool elements;
+    bool elements, truth;
     bool formats[ASDIC_FORMAT_COUNT];
     unsigned images;
 } file_output;

@@ -138,6 +138,8 @@ static const asdic_key output_keys[] = {
     {"elements", ASDIC_KEY_BOOL, AT(file_output, elements), .fallback = "false",
      .doc = "also elements.npy: of coherent pings the pressure by ping, element and sample, "
             "complex64"},
+    {"truth", ASDIC_KEY_BOOL, AT(file_output, truth), .fallback = "false",
+     .doc = "also truth.npy: strongest source, object, shares by path and depression of every bin"},
     ASDIC_FORMATS(FORMAT_KEY){
         "images", ASDIC_KEY_WORDS, AT(file_output, images), .words = image_words,
         .fallback = "[waterfall, ascope, fan, overview, plan]", .doc = "pictures to draw"},
