@@ -32,7 +32,7 @@
 /* Up to four deposits from one direction. Their bins are KEY, the list's own bin, to KEY + SPAN - 1. */
 typedef struct fan_entry {
     float direction[3]; /* as in the arrival */
-    uint rows;          /* a byte for each deposit: (bins beyond KEY) * SUMS + component */
+    uint rows; /* a byte for each deposit: (bins beyond KEY) * SUMS + component; and APART */
     float quanta[4];
 #if ASDIC_TRUTH
     float depression; /* what multiplies the echo's quanta for the sum of depressions */
@@ -55,6 +55,14 @@ static inline uint row_of(uint truth) {
 
 static inline uint behind_of(uint truth) {
     return (truth & ~ECHOES_ALONE) >> TRUTH_BEHIND_SHIFT;
+}
+
+/* In `rows`: the entry goes to a row of truth, or all its deposits are echoes. */
+#define APART 0x80000000u
+
+/* The sum, counted from those of KEY on, that deposit C of ROWS goes to. */
+static inline uint sum_at(uint rows, uint c) {
+    return rows >> 8u * c & 0x7fu;
 }
 
 typedef struct fan_list {
@@ -113,13 +121,15 @@ static inline void sort_deposits(const fan_sort *sort, __global const dev_arriva
     for (uint k = 0; k < 3u; k++) {
         to->direction[k] = arrival->direction[k];
     }
-    to->rows = rows;
 #if ASDIC_TRUTH
-    uint component = truth_component(ping, arrival->row[0]);
+    uint component = truth_component(ping, arrival->row[0]), row = truth_row(arrival->more);
+    bool echoes_alone = component == DEV_DEPOSIT_MULTIPATH;
+    rows |= row != 0u || echoes_alone ? APART : 0u;
     to->depression = truth_weight(ping, component, arrival->more);
-    to->truth = truth_row(arrival->more) | (ASDIC_COMPONENTS - component) << TRUTH_BEHIND_SHIFT |
-                (component == DEV_DEPOSIT_MULTIPATH ? ECHOES_ALONE : 0u);
+    to->truth = row | (ASDIC_COMPONENTS - component) << TRUTH_BEHIND_SHIFT |
+                (echoes_alone ? ECHOES_ALONE : 0u);
 #endif
+    to->rows = rows;
 }
 
 /* An arrival is one entry where its deposits lie close together, else two. */
@@ -300,7 +310,7 @@ typedef struct fan_truth {
 /* Adds GAIN times deposit C of ENTRY, of the list of bin KEY, to its row. */
 static inline void add_to_row(__global const dev_ping *ping, const fan_truth *t,
                               __global const fan_entry *entry, uint key, uint c, const real *gain) {
-    uint bin = key + (entry->rows >> 8u * c & 0xffu) / SUMS;
+    uint bin = key + (sum_at(entry->rows, c)) / SUMS;
     if (bin < t->first || bin >= t->end) {
         return;
     }
@@ -344,7 +354,7 @@ typedef struct fan_sums {
 static inline void add_depression(__global const fan_entry *entry, float gain, uint beyond,
                                   fan_sums *sums) {
     for (uint c = 0; c < echoes_of(entry->truth); c++) {
-        uint row = entry->rows >> 8u * c & 0xffu;
+        uint row = sum_at(entry->rows, c);
         float quanta = row / SUMS == beyond ? entry->quanta[c] : 0.0f;
         sums->of[ASDIC_COMPONENTS] =
             r_fma(quanta * entry->depression, gain, sums->of[ASDIC_COMPONENTS]);
@@ -365,7 +375,7 @@ static void add_list(__global const dev_ping *ping, __global const fan_entry *en
         }
 #endif
         for (uint c = 0; c < DEPOSITS; c++) {
-            uint row = rows >> 8u * c & 0xffu;
+            uint row = sum_at(rows, c);
             float quanta = row / SUMS == beyond ? entries[k].quanta[c] : 0.0f;
             float sum = 0.0f;
 #pragma unroll
@@ -427,7 +437,7 @@ static inline void add_depressions(__global const fan_entry *entry, uint first, 
 #pragma unroll
     for (uint c = first; c < first + 2u; c++) {
         real quanta = (real)(entry->quanta[c] * entry->depression);
-        real *sum = sums->of[behind + (entry->rows >> 8u * c & 0xffu)];
+        real *sum = sums->of[behind + (sum_at(entry->rows, c))];
 #pragma unroll
         for (uint p = 0; p < PARTS; p++) {
             sum[p] = r_fma(quanta, gain[p], sum[p]);
@@ -436,15 +446,10 @@ static inline void add_depressions(__global const fan_entry *entry, uint first, 
 }
 #endif
 
-/* Whether ENTRY and the next go to the same sums and to no row of truth: most do, and each sum is then read and
+/* Whether ENTRY and the next go to the same sums and nowhere else: most do, and each sum is then read and
  * written once for both. */
 static inline bool go_together(__global const fan_entry *entry) {
-    bool same = entry[0].rows == entry[1].rows;
-#if ASDIC_TRUTH
-    same = same && entry[0].truth == entry[1].truth && row_of(entry[0].truth) == 0u &&
-           echoes_of(entry[0].truth) != DEPOSITS;
-#endif
-    return same;
+    return entry[0].rows == entry[1].rows && (entry[0].rows & APART) == 0u;
 }
 
 /* Adds ENTRY with GAIN and then the one behind it with NEXT. */
@@ -454,7 +459,7 @@ static inline void add_two(__global const fan_entry *entry, const real *gain, co
 #pragma unroll
     for (uint c = 0; c < DEPOSITS; c++) {
         real one = (real)(entry[0].quanta[c]), two = (real)(entry[1].quanta[c]);
-        real *sum = sums->of[at * SUMS + (rows >> 8u * c & 0xffu)];
+        real *sum = sums->of[at * SUMS + (sum_at(rows, c))];
 #pragma unroll
         for (uint p = 0; p < PARTS; p++) {
             sum[p] = r_fma(two, next[p], r_fma(one, gain[p], sum[p]));
@@ -466,7 +471,7 @@ static inline void add_two(__global const fan_entry *entry, const real *gain, co
     for (uint c = 0; c < DEPOSITS / 2u; c++) {
         real one = (real)(entry[0].quanta[c] * entry[0].depression);
         real two = (real)(entry[1].quanta[c] * entry[1].depression);
-        real *sum = sums->of[behind + (rows >> 8u * c & 0xffu)];
+        real *sum = sums->of[behind + (sum_at(rows, c))];
 #pragma unroll
         for (uint p = 0; p < PARTS; p++) {
             sum[p] = r_fma(two, next[p], r_fma(one, gain[p], sum[p]));
@@ -509,7 +514,7 @@ static void add_list(__global const dev_ping *ping, __global const fan_entry *en
 #pragma unroll
         for (uint c = 0; c < DEPOSITS; c++) {
             real quanta = (real)(entries[k].quanta[c]);
-            real *sum = sums->of[at * SUMS + (rows >> 8u * c & 0xffu)];
+            real *sum = sums->of[at * SUMS + (sum_at(rows, c))];
 #pragma unroll
             for (uint p = 0; p < PARTS; p++) {
                 sum[p] = r_fma(quanta, gain[p], sum[p]);
@@ -520,19 +525,22 @@ static void add_list(__global const dev_ping *ping, __global const fan_entry *en
 
 /* A row of V's i-th lane becomes the i-th row: four times, halves of two rows are put between each
  * other. */
-static void transpose(real *v) {
-    for (uint round = 0; round < 4u; round++) {
-        real w[16];
-        for (uint i = 0; i < 8u; i++) {
-            w[2u * i].even = v[i].lo;
-            w[2u * i].odd = v[i + 8u].lo;
-            w[2u * i + 1u].even = v[i].hi;
-            w[2u * i + 1u].odd = v[i + 8u].hi;
-        }
-        for (uint i = 0; i < 16u; i++) {
-            v[i] = w[i];
-        }
+static inline void interleave(const real *v, real *w) {
+#pragma unroll
+    for (uint i = 0; i < 8u; i++) {
+        w[2u * i].even = v[i].lo;
+        w[2u * i].odd = v[i + 8u].lo;
+        w[2u * i + 1u].even = v[i].hi;
+        w[2u * i + 1u].odd = v[i + 8u].hi;
     }
+}
+
+static inline void transpose(real *v) {
+    real w[RUN];
+    interleave(v, w);
+    interleave(w, v);
+    interleave(v, w);
+    interleave(w, v);
 }
 
 /* The first BINS sums of COMPONENT (the one behind the last: of depressions) and part P to the rows of RECEIVERS receivers, STRIDE floats from
@@ -540,6 +548,7 @@ static void transpose(real *v) {
 static void store_sums(const fan_sums *sums, uint component, uint p, uint bins, uint receivers,
                        __global float *to, size_t stride, uint add) {
     real v[RUN];
+#pragma unroll
     for (uint bin = 0; bin < RUN; bin++) {
         v[bin] = sums->of[(bin + SPAN - 1u) * SUMS + component][p];
     }
