@@ -1,0 +1,335 @@
+/*
+ * A trial from the disk: every field of its rows, every fact and every figure, each against numbers
+ * that differ from all others; and what it says of files that are not those of a trial.
+ */
+#include "asserts.h"
+#include "test_context.h"
+
+#include "lib/trial/trial_folder.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static char folder[] = "/tmp/asdic-trial-folder-XXXXXX";
+
+static const char facts[] = "{\n  \"scene\": \"reef\",\n  \"hash\": \"c0ffee\",\n  \"seed\": 11,\n"
+                            "  \"runs\": 40,\n  \"first\": 7,\n  \"count\": 4,\n  \"rays\": 2048,\n"
+                            "  \"rule\": \"program\",\n  \"key\": \"sonar.beam\",\n"
+                            "  \"values\": [\"a\", \"b\"],\n  \"variants\": [\n";
+static const char header[] = "run,variant,outcome,cause,what,time_s,distance_m,pings,clearance_m,"
+                             "manoeuvres,needless,seen_m,depth_m\n";
+/* Two variants of runs 7 to 10; behind the last field that is read, a draw. */
+static const char rows[] = "7,0,hit,seen late,rock,10.5,100,21,0.25,3,1,12.5,30\n"
+                           "7,1,clear,,,11.5,200,22,4.5,4,0,,30\n"
+                           "8,0,clear,,,12.5,300,23,5.5,5,2,,31\n"
+                           "8,1,hit,not seen,bottom,13.5,400,24,0.125,6,0,,31\n"
+                           "9,0,hit,could not turn,rock,14.5,500,25,0.0625,7,0,2.5,\"a,b\"\n"
+                           "9,1,clear,,,15.5,600,26,,8,0,,\"a,b\"\n"
+                           "10,0,void,,rock,16.5,700,27,8.5,9,5,,33\n"
+                           "10,1,late,,,17.5,800,28,9.5,10,0,,33\n";
+
+static void write_file(const char *name, const char *text, const char *more) {
+    char path[200];
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    FILE *file = fopen(path, "w");
+    fprintf(file, "%s%s", text, more);
+    assert_int_equal(fclose(file), 0);
+}
+
+static asdic_trial *open_trial(void) {
+    asdic_trial *trial = NULL;
+    write_file("trial.json", facts, "  ]\n}\n");
+    write_file("trial.csv", header, rows);
+    assert_ok(ctx, asdic_trial_open(ctx, folder, &trial));
+    return trial;
+}
+
+static void rows_are_read(void **state) {
+    (void)state;
+    asdic_trial *t = open_trial();
+    static const asdic_trial_run first = {.outcome = ASDIC_TRIAL_HIT,
+                                          .cause = ASDIC_TRIAL_SEEN_LATE,
+                                          .what = "rock",
+                                          .time_s = 10.5,
+                                          .distance_m = 100,
+                                          .pings = 21,
+                                          .clearance_m = 0.25,
+                                          .manoeuvres = 3,
+                                          .needless = 1,
+                                          .seen_m = 12.5};
+    assert_int_equal(t->row_count, 8);
+    for (size_t i = 0; i < 8; i++) {
+        const asdic_trial_run *r = &t->rows[i].flown;
+        assert_int_equal(t->rows[i].run, 7 + i / 2);
+        assert_int_equal(t->rows[i].variant, i % 2);
+        assert_true(r->time_s == 10.5 + (double)i && r->distance_m == 100.0 * ((double)i + 1.0));
+        assert_int_equal(r->pings, 21 + i);
+        assert_int_equal(r->manoeuvres, 3 + i);
+    }
+    const asdic_trial_run *r = &t->rows[0].flown;
+    assert_int_equal(r->outcome, first.outcome);
+    assert_int_equal(r->cause, first.cause);
+    assert_string_equal(r->what, first.what);
+    assert_true(r->clearance_m == first.clearance_m && r->seen_m == first.seen_m);
+    assert_int_equal(r->needless, first.needless);
+    assert_true(isnan(t->rows[1].flown.seen_m) && isinf(t->rows[5].flown.clearance_m));
+    assert_int_equal(t->rows[7].flown.outcome, ASDIC_TRIAL_LATE);
+    assert_string_equal(t->header, header);
+    assert_string_equal(t->body, rows);
+    asdic_trial_close(&t);
+    assert_null(t);
+}
+
+static void facts_are_read(void **state) {
+    (void)state;
+    asdic_trial *t = open_trial();
+    const trial_facts *f = &t->facts;
+    assert_string_equal(f->scene, "reef");
+    assert_string_equal(f->hash, "c0ffee");
+    assert_int_equal(f->seed, 11);
+    assert_int_equal(f->runs, 40);
+    assert_int_equal(f->first, 7);
+    assert_int_equal(f->count, 4);
+    assert_int_equal(f->rays, 2048);
+    assert_true(f->has_rule);
+    assert_int_equal(asdic_trial_variant_count(t), 2);
+    assert_string_equal(asdic_trial_variant_name(t, 0), "sonar.beam = a");
+    assert_string_equal(asdic_trial_variant_name(t, 1), "sonar.beam = b");
+    assert_null(asdic_trial_variant_name(t, 2));
+    assert_int_equal(asdic_trial_get(t, 2).runs, 0);
+    asdic_trial_close(&t);
+    assert_int_equal(asdic_trial_variant_count(NULL), 0);
+    assert_true(asdic_trial_is_in(folder));
+    assert_false(asdic_trial_is_in("/nowhere"));
+    assert_false(asdic_trial_is_in(NULL));
+}
+
+static void assert_figure(asdic_trial_figure actual, asdic_trial_figure expected) {
+    assert_close(actual.value, expected.value, 1e-12);
+    assert_close(actual.low, expected.low, 1e-12);
+    assert_close(actual.high, expected.high, 1e-12);
+}
+
+/* Of the first variant's 0.9 km with 1, 2 and 0 events in 0.1, 0.3 and 0.5 km: Cochran's (6.4). */
+static asdic_trial_figure first_rate(void) {
+    double rate = 3.0 / 0.9, off[3] = {1.0 - 0.1 * rate, 2.0 - 0.3 * rate, -0.5 * rate};
+    double error = sqrt(3.0 / 2.0 * (off[0] * off[0] + off[1] * off[1] + off[2] * off[2])) / 0.9;
+    return (asdic_trial_figure){rate, fmax(rate - 1.959963984540054 * error, 0.0),
+                                rate + 1.959963984540054 * error};
+}
+
+static void figures_are_those_of_the_rows(void **state) {
+    (void)state;
+    asdic_trial *t = open_trial();
+    asdic_trial_result a = asdic_trial_get(t, 0), b = asdic_trial_get(t, 1);
+    static const uint64_t outcomes[2][ASDIC_TRIAL_OUTCOMES] = {{1, 2, 0, 1, 0}, {2, 1, 1, 0, 0}};
+    static const uint64_t causes[2][ASDIC_TRIAL_CAUSES] = {{2, 0, 1, 1}, {3, 1, 0, 0}};
+    for (int i = 0; i < ASDIC_TRIAL_OUTCOMES; i++) {
+        assert_int_equal(a.outcomes[i], outcomes[0][i]);
+        assert_int_equal(b.outcomes[i], outcomes[1][i]);
+    }
+    for (int i = 0; i < ASDIC_TRIAL_CAUSES; i++) {
+        assert_int_equal(a.causes[i], causes[0][i]);
+        assert_int_equal(b.causes[i], causes[1][i]);
+    }
+    assert_int_equal(a.runs, 3); /* one is void */
+    assert_int_equal(b.runs, 4);
+    assert_int_equal(a.pings, 21 + 23 + 25);
+    assert_int_equal(b.pings, 22 + 24 + 26 + 28);
+    assert_close(a.km, 0.9, 1e-12);
+    assert_close(b.km, 2.0, 1e-12);
+    assert_true(a.least_clearance_m == 0.0625 && b.least_clearance_m == 0.125);
+    assert_figure(a.collision, asdic_trial_share(2, 3, 0.95));
+    assert_figure(b.collision, asdic_trial_share(1, 4, 0.95));
+    assert_figure(a.needless, asdic_trial_share(2, 3, 0.95));
+    assert_figure(b.needless, asdic_trial_share(0, 4, 0.95));
+    assert_figure(a.needless_per_km, first_rate());
+    /* No event in 2 km: exp(-2 rate) is 2.5 % at the upper bound. */
+    assert_figure(b.needless_per_km, (asdic_trial_figure){0.0, 0.0, -log(0.025) / 2.0});
+    /* Three pairs: hit by the first in two of them, by the second in another. */
+    assert_figure(b.difference, asdic_trial_paired(1, 2, 3, 0.95));
+    assert_close(b.mcnemar, asdic_trial_mcnemar(1, 2), 0.0);
+    double p = 2.0 / 3.0, q = 1.0 / 3.0, d = -1.0 / 3.0;
+    assert_close(b.paired_share, (1.0 - d * d) / (p * (1.0 - p) + q * (1.0 - q)), 1e-12);
+    assert_true(isnan(a.mcnemar) && isnan(a.paired_share) && isnan(a.difference.value));
+    asdic_trial_close(&t);
+}
+
+/* Everything behind KEY in TEXT up to the line's end is VALUE. */
+static void assert_value(const char **text, const char *key, const char *value) {
+    char line[200];
+    snprintf(line, sizeof line, "      \"%s\": %s,\n", key, value);
+    if (strncmp(*text, line, strlen(line)) != 0) {
+        fail_msg("'%s' missing, there is '%.80s'", line, *text);
+    }
+    *text += strlen(line);
+}
+
+static void assert_values(const char **text, const char *key, asdic_trial_figure f) {
+    char value[150];
+    snprintf(value, sizeof value, "[%.9g, %.9g, %.9g]", f.value, f.low, f.high);
+    assert_value(text, key, value);
+}
+
+static void results_are_written(void **state) {
+    (void)state;
+    asdic_trial *t = open_trial();
+    asdic_text text = {0};
+    asdic_trial_print(&t->facts, t->results, (const char *const *)t->names, &text);
+    assert_false(text.failed);
+    const char *at = text.data;
+    static const char begin[] = "    {\n", next[] = ",\n    {\n", end[] = "\n  ]\n}\n";
+    assert_memory_equal(at, facts, strlen(facts));
+    at += strlen(facts);
+    static const char *const name[2] = {"\"sonar.beam = a\"", "\"sonar.beam = b\""};
+    static const char *const counts[2][9] = {{"3", "1", "2", "0", "1", "0", "0", "1", "1"},
+                                             {"4", "2", "1", "1", "0", "0", "1", "0", "0"}};
+    static const char *const keys[9] = {"runs",   "clear",    "hit",       "late",          "void",
+                                        "broken", "not seen", "seen late", "could not turn"};
+    for (int v = 0; v < 2; v++) {
+        const asdic_trial_result *r = &t->results[v];
+        char value[40];
+        assert_memory_equal(at, v ? next : begin, strlen(v ? next : begin));
+        at += strlen(v ? next : begin);
+        assert_value(&at, "name", name[v]);
+        for (int k = 0; k < 9; k++) {
+            assert_value(&at, keys[k], counts[v][k]);
+        }
+        assert_values(&at, "collision", r->collision);
+        assert_values(&at, "needless", r->needless);
+        assert_values(&at, "needless_per_km", r->needless_per_km);
+        if (v == 1) {
+            assert_values(&at, "difference", r->difference);
+            snprintf(value, sizeof value, "%.9g", r->mcnemar);
+            assert_value(&at, "mcnemar", value);
+            snprintf(value, sizeof value, "%.9g", r->paired_share);
+            assert_value(&at, "paired_share", value);
+        }
+        assert_value(&at, "km", v ? "2" : "0.9");
+        assert_value(&at, "least_clearance_m", v ? "0.125" : "0.0625");
+        const char *pings = v ? "      \"pings\": 100\n    }" : "      \"pings\": 69\n    }";
+        assert_memory_equal(at, pings, strlen(pings));
+        at += strlen(pings);
+    }
+    assert_string_equal(at, end);
+    asdic_text_finish(&text);
+    t->results[0].least_clearance_m = INFINITY;
+    asdic_trial_print(&t->facts, t->results, (const char *const *)t->names, &text);
+    assert_contains(text.data, "\"least_clearance_m\": null,\n");
+    asdic_text_finish(&text);
+    asdic_trial_close(&t);
+}
+
+/* WORD of the facts or rows replaced by OTHER; what the error says. */
+static void refuse(const char *word, const char *other, const char *says) {
+    char text[2][1000] = {"", ""};
+    const char *whole[2] = {facts, rows};
+    asdic_trial *t = NULL;
+    for (int i = 0; i < 2; i++) {
+        const char *found = strstr(whole[i], word);
+        snprintf(text[i], sizeof text[i], "%.*s%s%s", found ? (int)(found - whole[i]) : 0, whole[i],
+                 found ? other : "", found ? found + strlen(word) : whole[i]);
+    }
+    write_file("trial.json", text[0], "  ]\n}\n");
+    write_file("trial.csv", header, text[1]);
+    assert_status(ctx, asdic_trial_open(ctx, folder, &t), ASDIC_ERROR_INPUT);
+    assert_null(t);
+    assert_contains(asdic_context_error(ctx), says);
+    assert_contains(asdic_context_error(ctx), "--force");
+}
+
+static void damage_is_told(void **state) {
+    (void)state;
+    static const char json[] = "trial.json: this is no trial.json";
+    static const char csv[] = "trial.csv: its rows are not those of the trial";
+    refuse("c0ffee", "", json);
+    refuse("\"runs\": 40", "\"runs\": 0", json);
+    refuse("[\"a\", \"b\"]", "[]", json);
+    refuse("\"scene\"", "[\"scene\"", json);
+    refuse("\"first\": 7", "\"first\": 6", csv);
+    refuse("8,0,clear", "9,0,clear", csv);
+    refuse("8,0,clear", "8,1,clear", csv);
+    refuse("8,0,clear", "8,0,well", csv);
+    refuse("seen late", "unlucky", csv);
+    refuse("\"count\": 4", "\"count\": 5", "trial.csv: rows are missing");
+    refuse("10,1,late,,,17.5,800,28,9.5,10,0,,33\n", "", "trial.csv: rows are missing");
+    refuse("33\n10,1,late,,,17.5,800,28,9.5,10,0,,33\n", "33\n10,1,la", "rows are missing");
+    asdic_trial *t = NULL;
+    assert_status(ctx, asdic_trial_open(ctx, NULL, &t), ASDIC_ERROR_ARGUMENT);
+    assert_status(ctx, asdic_trial_open(ctx, folder, NULL), ASDIC_ERROR_ARGUMENT);
+    assert_true(asdic_trial_open(ctx, "/nowhere", &t) != ASDIC_OK);
+    assert_null(t);
+}
+
+/* Under way rows may be missing, and the last be cut. */
+static void one_under_way_is_read(void **state) {
+    (void)state;
+    static const char whole[] = "7,0,hit,seen late,rock,10.5,100,21,0.25,3,1,12.5,30\n";
+    asdic_trial *t = NULL;
+    write_file("trial.part.json", facts, "  ]\n}\n");
+    char some[200];
+    snprintf(some, sizeof some, "%s7,1,cle", whole);
+    write_file("trial.part.csv", header, some);
+    assert_ok(ctx, asdic_trial_read(ctx, folder, true, &t));
+    assert_int_equal(t->row_count, 1);
+    assert_string_equal(t->body, whole);
+    assert_int_equal(asdic_trial_get(t, 0).runs, 1);
+    assert_int_equal(asdic_trial_get(t, 1).runs, 0);
+    /* One run tells nothing of the spread. */
+    assert_true(isinf(asdic_trial_get(t, 0).needless_per_km.high));
+    asdic_trial_close(&t);
+}
+
+static void parts_of_one_trial(void **state) {
+    (void)state;
+    asdic_trial *a = open_trial(), *b = open_trial();
+    b->facts.first++;
+    b->facts.count++;
+    assert_true(asdic_trial_is_same(&a->facts, &b->facts));
+    trial_facts other[6];
+    for (int i = 0; i < 6; i++) {
+        other[i] = a->facts;
+    }
+    other[0].hash[0]++;
+    other[1].seed++;
+    other[2].runs++;
+    other[3].rays++;
+    other[4].has_rule = false;
+    other[5].variants--;
+    for (int i = 0; i < 6; i++) {
+        assert_false(asdic_trial_is_same(&a->facts, &other[i]));
+    }
+    asdic_trial_close(&a);
+    asdic_trial_close(&b);
+}
+
+static int end(void **state) {
+    static const char *const names[] = {"trial.json", "trial.csv", "trial.part.json",
+                                        "trial.part.csv"};
+    char path[200];
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        snprintf(path, sizeof path, "%s/%s", folder, names[i]);
+        unlink(path);
+    }
+    rmdir(folder);
+    return context_end(state);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(rows_are_read),
+        cmocka_unit_test(facts_are_read),
+        cmocka_unit_test(figures_are_those_of_the_rows),
+        cmocka_unit_test(results_are_written),
+        cmocka_unit_test(damage_is_told),
+        cmocka_unit_test(one_under_way_is_read),
+        cmocka_unit_test(parts_of_one_trial),
+    };
+    if (!mkdtemp(folder)) {
+        return 1;
+    }
+    return cmocka_run_group_tests(tests, context_begin, end);
+}
