@@ -1,6 +1,6 @@
 """Puts slips into lib, kernels and cli, one at a time, and tells which of them the tests notice.
 
-    ./dev mutate [--count N] [--seed S] [--under FOLDER] [--quick SECONDS] [--harmless FILE]
+    ./dev mutate [--count N] [--seed S] [--under FOLDER] [--quick SECONDS] [--most SECONDS] [--harmless FILE]
     ./dev mutate --list [--count N] [--seed S] [--under FOLDER] [--harmless FILE]
     ./dev mutate --unrun
 
@@ -9,7 +9,7 @@ line. Each slip is compiled there; one that does not compile, or leaves the obje
 count. Then the default tests that run its line follow, up to the first failure: those first that have
 noticed a slip of the file, then those that name what the file defines, the quick before the slow. What no
 quick test notices waits for others, which then run through the slow tests together; when those fail, half of
-them at a time. --list shows the slips that would be drawn first, and tries none; --unrun lists the lines that no default test runs.
+them at a time. With --most a slip gets no more tests, in that order, than take so long together. --list shows the slips that would be drawn first, and tries none; --unrun lists the lines that no default test runs.
 
 Slips known to change nothing that matters stand in harmless.txt, each with its reason; they are not tried.
 The report tells by folder how many of the others were noticed. Exit code 1: fewer than 95 of 100 were.
@@ -67,12 +67,15 @@ def copy_tree():
             path.unlink()
 
 
-def set_up(build, *options):
-    """Configures and builds the copy in BUILD."""
+def configure(build, *options):
+    """Makes BUILD of the copy, empty yet."""
     if not (build / "build.ninja").exists():
         done = run(["meson", "setup", build, TREE, *options], env={**os.environ, **LINKER})
         if done.returncode:
             sys.exit(done.stdout)
+
+
+def compile_clean(build):
     print(f"mutate: compiling the unchanged tree in {build.name}", flush=True)
     done = run(["ninja", "-C", build])
     if done.returncode:
@@ -164,10 +167,11 @@ def default_tests(build):
 
 def measure():
     """The coverage of every default test; of those that were measured before, when they are the same."""
-    set_up(COVERED, "-Dbuildtype=plain", "-Doptimization=1", "-Db_coverage=true")
+    configure(COVERED, "-Dbuildtype=plain", "-Doptimization=1", "-Db_coverage=true")
     coverage = Coverage(TREE, COVERED, WORK / "coverage.json")
     fresh = [test for test in default_tests(COVERED) if not coverage.measured(test.name, test.text)]
     if fresh:
+        compile_clean(COVERED)
         print(f"mutate: measuring {len(fresh)} tests on the unchanged tree", flush=True)
     for test in sorted(fresh, key=lambda test: test.command[-1].endswith(".py")):  # one at a time
         test.measure(coverage)
@@ -197,6 +201,16 @@ def in_order(tests, path, source, lucky):
         return -lucky.get(test.name, 0), -min(names, 8), test.seconds
 
     return sorted(tests, key=rank)
+
+
+def within(tests, most_s):
+    """Of tests in their order those that take MOST_S together; one too long for what is left is left out."""
+    found, left_s = [], most_s
+    for test in tests:
+        if test.seconds <= left_s:
+            found.append(test)
+            left_s -= test.seconds
+    return found
 
 
 # ---- Slips ----
@@ -284,27 +298,30 @@ class Session:
         self.lucky = json.loads(LUCKY.read_text()) if LUCKY.exists() else {}
         self.noticed, self.missed, self.spared = {}, {}, {}
         self.waiting = []
-        self.most_s = arguments.quick
+        self.quick_s, self.most_s = arguments.quick, arguments.most
 
     def prepare(self):
         WORK.mkdir(parents=True, exist_ok=True)
         copy_tree()
         self.coverage = measure()
-        set_up(BUILD)
+        configure(BUILD)
+        compile_clean(BUILD)
         self.code = {str(path): code_of(str(path)) for top in ("lib", "cli")
                      for path in (file.relative_to(TREE) for file in (TREE / top).rglob("*.c"))}  # fmt: skip
         self.tests = [test for test in default_tests(BUILD) if self.coverage.measured(test.name, test.text)]
         for test in self.tests:
             test.seconds = self.coverage.seconds(test.name)
-        if self.most_s is not None:
-            self.tests = [test for test in self.tests if test.seconds <= self.most_s]
+        if self.quick_s is not None:
+            self.tests = [test for test in self.tests if test.seconds <= self.quick_s]
         quick = [test for test in self.tests if test.seconds <= QUICK_S]
         print(f"mutate: {len(self.tests)} tests, {len(quick)} of at most {QUICK_S:.0f} s", flush=True)
 
     def running(self, slip):
-        """The tests that run its line."""
+        """The tests that run its line, in the order to try them."""
         names = self.coverage.runs(slip.path, slip.line)
-        return self.tests if names is None else [test for test in self.tests if test.name in names]
+        tests = self.tests if names is None else [test for test in self.tests if test.name in names]
+        ordered = in_order(tests, slip.path, (TREE / slip.path).read_text(), self.lucky.get(slip.path, {}))
+        return ordered if self.most_s is None else within(ordered, self.most_s)
 
     def record(self, slip, by):
         to = self.noticed if by else self.missed
@@ -324,11 +341,9 @@ class Session:
             return True
         if not self.tree.put([slip]) or self.code.get(slip.path, "") == code_of(slip.path):
             return False
-        source, running = self.tree.clean[slip.path], self.running(slip)
+        running = self.running(slip)
         quick = [test for test in running if test.seconds <= QUICK_S]
-        lucky = self.lucky.get(slip.path, {})
-        by = first_failure(in_order(quick, slip.path, source, lucky), self.tree.since,
-                           LEAST_S[slip.path.startswith("kernels/")])
+        by = first_failure(quick, self.tree.since, LEAST_S[slip.path.startswith("kernels/")])
         if by or len(quick) == len(running):
             self.record(slip, by)
         else:
@@ -338,7 +353,6 @@ class Session:
             if len(self.waiting) == TOGETHER:
                 self.finish()
         return True
-
 
     def finish(self):
         """The slow tests, for all that wait."""
@@ -407,6 +421,8 @@ def main():
     parser.add_argument("--under", default="", help="only files below this folder, as lib/sim")
     parser.add_argument("--quick", type=float, metavar="SECONDS",
                         help="leave out tests that take longer, which may notice more")  # fmt: skip
+    parser.add_argument("--most", type=float, metavar="SECONDS",
+                        help="no more tests for a slip than take so long together, which may notice more")  # fmt: skip
     parser.add_argument("--harmless", default=pathlib.Path(__file__).with_name("harmless.txt"),
                         help="slips known to change nothing")  # fmt: skip
     parser.add_argument("--list", action="store_true", help="list the slips that would be tried")
