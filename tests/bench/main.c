@@ -32,8 +32,8 @@ static int run(cli *c) {
 
 static const cli_command command = {
     .name = "asdic-bench",
-    .operands =
-        "bend|beside|coherent|cost|fan|growth|latency|roofline|start|truth [SCENE.yaml|MESH ...]",
+    .operands = "bend|beside|coherent|cost|fan|first|growth|latency|roofline|start|truth "
+                "[SCENE.yaml|MESH ...]",
     .min_operands = 1,
     .max_operands = CLI_ANY_NUMBER,
     .summary = "measure what only the project asks",
@@ -51,7 +51,11 @@ int main(int argc, char **argv) {
     }
     cli_begin(&c, ctx, &command);
     int code = CLI_USAGE;
-    if (cli_parse(&c, argc, argv) && cli_operand_count(&c) > 0) {
+    bool is_right = cli_parse(&c, argc, argv);
+    if (is_right && cli_given(&c, "help")) {
+        cli_help_command(stdout, &command);
+        code = CLI_OK;
+    } else if (is_right && cli_operand_count(&c) > 0) {
         cli_report_begin(&c);
         cli_signals_begin(ctx, false, false);
         code = run(&c);

@@ -118,6 +118,10 @@ def test_rays_of_the_terrain_and_a_mesh():
     tap.contains(out, "terrain")
 
 
+def test_help_measures_nothing():
+    tap.contains(program.asdic_bench("fan", "--help").check(code=0, err="").out, "usage: ")
+
+
 def test_mistakes_have_their_exit_codes():
     asdic("bench").check(code=2, out="")
     asdic("bench", "rain").check(code=2, out="")

@@ -271,6 +271,39 @@ static void layout_never_changes_a_byte(void **state) {
     rig_destroy(&r);
 }
 
+/* What a ping held before leaves nothing behind, whatever the scene lacks. */
+static void used_pings_hold_what_fresh_ones_do(void **state) {
+    (void)state;
+    static const size_t counts[] = {5, 64, 67};
+    for (size_t i = 0; i < sizeof counts / sizeof *counts; i++) {
+        const fan_case f = {counts[i], 90, 450, 40.3, 5.2, 1.1, 5.2, 4, 6, 0, false};
+        ping_rig r = rig_of(&f);
+        r.sampling.rays = 20000;
+        r.sampling.multipath = ASDIC_MULTIPATH_OFF;
+        add_ball(&r);
+        asdic_simulator *sim = simulator_of(&r);
+        size_t bins = asdic_simulator_bin_count(sim), cells = counts[i] * bins;
+        asdic_ping *fresh, *used;
+        assert_ok(t.ctx, asdic_ping_create(t.ctx, counts[i], bins, &fresh));
+        assert_ok(t.ctx, asdic_ping_create(t.ctx, counts[i], bins, &used));
+        for (int c = 0; c < ASDIC_COMPONENT_COUNT; c++) {
+            for (size_t n = 0; n < cells; n++) {
+                used->intensity_lin[c][n] = n % 3 == 0 ? NAN : 7.0;
+            }
+        }
+        assert_ok(t.ctx, asdic_simulator_ping(sim, &r.pose, 3, fresh));
+        assert_ok(t.ctx, asdic_simulator_ping(sim, &r.pose, 3, used));
+        assert_true(rig_same(fresh, used));
+        for (size_t n = 0; n < cells; n++) {
+            assert_true(used->intensity_lin[ASDIC_MULTIPATH][n] == 0.0);
+        }
+        asdic_ping_destroy(&fresh);
+        asdic_ping_destroy(&used);
+        asdic_simulator_destroy(&sim);
+        rig_destroy(&r);
+    }
+}
+
 int main(void) {
     t = test_device_open_or_skip();
     const struct CMUnitTest tests[] = {
@@ -279,6 +312,7 @@ int main(void) {
         cmocka_unit_test(any_receivers_meet_the_quadrature),
         cmocka_unit_test(many_hear_what_few_hear),
         cmocka_unit_test(layout_never_changes_a_byte),
+        cmocka_unit_test(used_pings_hold_what_fresh_ones_do),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
     test_device_close(&t);
