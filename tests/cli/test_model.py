@@ -1,5 +1,6 @@
 """asdic model: one line per value, the list, errors that help."""
 import json
+import struct
 
 import tap
 from program import asdic, need_device
@@ -18,6 +19,7 @@ def test_value_and_unit():
     tap.equal(model("sound-speed", "t_degc=10", "s_ppt=35", "z_m=7"), "1490.102 m/s\n")
     tap.equal(model("range-resolution", "c_mps=1500", "bandwidth_hz=7500"), "0.1 m\n")
     tap.equal(model("pfa", "model=exponential", "threshold=0", "mu0=2"), "1 1\n")
+    tap.equal(model("pfa", "model=exponential", "threshold=1", "mu0=3"), "0.716531310573789 1\n")  # of ...78928
     tap.equal(model("beam-pattern", "theta_deg=180", "psi_deg=0", "length_h_m=0.05",
                     "length_v_m=0.05", "wavelength_m=0.015"), "-inf dB\n")
 
@@ -35,7 +37,10 @@ def test_device_agrees():
     need_device()
     args = ("surface-backscatter", "wind_kn=10", "f_khz=100", "grazing_deg=20")
     host = float(model(*args).split()[0])
-    device = float(model(*args, "--device", "auto").split()[0])
+    printed = model(*args, "--device", "auto").split()[0]
+    device = float(printed)
+    single = struct.unpack("f", struct.pack("f", device))[0]
+    tap.equal(printed, f"{single:.9g}", "all digits of a float")
     if not 0 < abs(host - device) < 1e-3:  # single precision is not double precision
         raise AssertionError(f"{host} on the host, {device} on the device")
 

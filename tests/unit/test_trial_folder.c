@@ -28,7 +28,7 @@ static const char rows[] = "7,0,hit,seen late,rock,10.5,100,21,0.25,3,1,12.5,30\
                            "8,1,hit,not seen,bottom,13.5,400,24,0.125,6,0,,31\n"
                            "9,0,hit,could not turn,rock,14.5,500,25,0.0625,7,0,2.5,\"a,b\"\n"
                            "9,1,clear,,,15.5,600,26,,8,0,,\"a,b\"\n"
-                           "10,0,void,,rock,16.5,700,27,8.5,9,5,,33\n"
+                           "10,0,void,,rock,16.5,700,27,8.5,9,15,,33\n"
                            "10,1,late,,,17.5,800,28,9.5,10,0,,33\n";
 
 static void write_file(const char *name, const char *text, const char *more) {
@@ -75,6 +75,7 @@ static void rows_are_read(void **state) {
     assert_string_equal(r->what, first.what);
     assert_true(r->clearance_m == first.clearance_m && r->seen_m == first.seen_m);
     assert_int_equal(r->needless, first.needless);
+    assert_int_equal(t->rows[6].flown.needless, 15);
     assert_true(isnan(t->rows[1].flown.seen_m) && isinf(t->rows[5].flown.clearance_m));
     assert_int_equal(t->rows[7].flown.outcome, ASDIC_TRIAL_LATE);
     assert_string_equal(t->header, header);

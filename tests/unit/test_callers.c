@@ -1,0 +1,130 @@
+/*
+ * What a caller may always do: destroy what was never made, ask about nothing, and name folders
+ * that are yet to be made; and what keeps two writers of one file apart.
+ */
+#include "asserts.h"
+#include "test_context.h"
+
+#include "out/file.h"
+
+#include <asdic/asdic.h>
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/file.h>
+#include <sys/statvfs.h>
+#include <unistd.h>
+
+#define NONE_IS_DESTROYED(type, destroy)                                                           \
+    do {                                                                                           \
+        type *none = NULL;                                                                         \
+        destroy(NULL);                                                                             \
+        destroy(&none);                                                                            \
+        assert_null(none);                                                                         \
+    } while (0)
+
+static void none_is_destroyed(void **state) {
+    (void)state;
+    NONE_IS_DESTROYED(asdic_context, asdic_context_destroy);
+    NONE_IS_DESTROYED(asdic_detect_report, asdic_detect_report_destroy);
+    NONE_IS_DESTROYED(asdic_device_info, asdic_device_info_free);
+    NONE_IS_DESTROYED(asdic_loop, asdic_loop_destroy);
+    NONE_IS_DESTROYED(asdic_mesh, asdic_mesh_destroy);
+    NONE_IS_DESTROYED(asdic_mission, asdic_mission_destroy);
+    NONE_IS_DESTROYED(asdic_ping, asdic_ping_destroy);
+    NONE_IS_DESTROYED(asdic_simulator, asdic_simulator_destroy);
+    NONE_IS_DESTROYED(asdic_caster, asdic_caster_destroy);
+    NONE_IS_DESTROYED(asdic_roc, asdic_roc_destroy);
+    NONE_IS_DESTROYED(asdic_ros, asdic_ros_destroy);
+    NONE_IS_DESTROYED(asdic_run, asdic_run_close);
+    NONE_IS_DESTROYED(asdic_scan, asdic_scan_destroy);
+    NONE_IS_DESTROYED(asdic_occupancy, asdic_occupancy_destroy);
+    NONE_IS_DESTROYED(asdic_tracker, asdic_tracker_destroy);
+    NONE_IS_DESTROYED(asdic_scene, asdic_scene_destroy);
+    NONE_IS_DESTROYED(asdic_trial, asdic_trial_close);
+    NONE_IS_DESTROYED(asdic_view, asdic_view_destroy);
+    asdic_devices_close(NULL, 0);
+    asdic_device **devices = NULL;
+    asdic_devices_close(&devices, 0);
+    assert_null(devices);
+}
+
+static void no_mission_has_no_phase_and_no_size(void **state) {
+    (void)state;
+    char reason[80] = "";
+    assert_false(asdic_mission_needs_phase(NULL, reason, sizeof reason));
+    assert_string_equal(reason, "there is no mission");
+    assert_int_equal(asdic_mission_run_bytes(NULL, 7), 0);
+    assert_int_equal(asdic_mission_ping_bytes(NULL), 0);
+    assert_false(asdic_mission_leaves_csv_out(NULL));
+}
+
+/* Whether FOLDER has as much room as what WHERE names, give or take what others write meanwhile. */
+static bool has_room_of(const char *folder, const char *where) {
+    struct statvfs disk;
+    assert_int_equal(statvfs(where, &disk), 0);
+    double there = (double)disk.f_bavail * (double)disk.f_frsize;
+    double told = (double)asdic_disk_free_bytes(folder);
+    return told > 0.5 * there - 1e9 && told < 2.0 * there + 1e9;
+}
+
+static void room_is_that_of_the_nearest_folder(void **state) {
+    (void)state;
+    assert_true(has_room_of("/", "/"));
+    assert_true(has_room_of("/none-here", "/"));
+    assert_true(has_room_of("/none-here/nor/here", "/"));
+    assert_true(has_room_of("none-here", "."));
+    assert_true(has_room_of("none-here/nor/here", "."));
+    assert_true(asdic_disk_free_bytes(NULL) == UINT64_MAX);
+    assert_true(asdic_disk_free_bytes("") == UINT64_MAX);
+}
+
+/* Locks belong to what is open: this process's second descriptor is as good as another process. */
+static void a_file_in_writing_is_locked(void **state) {
+    (void)state;
+    char path[] = "/tmp/asdic-callers-XXXXXX";
+    int made = mkstemp(path);
+    assert_true(made >= 0);
+    close(made);
+    int writes = asdic_file_open_new(path, O_WRONLY);
+    int other = open(path, O_WRONLY);
+    assert_true(writes >= 0 && other >= 0);
+    assert_int_equal(flock(other, LOCK_EX | LOCK_NB), -1);
+    assert_int_equal(errno, EWOULDBLOCK);
+    assert_int_equal(asdic_file_open_new(path, O_WRONLY), -1);
+    assert_int_equal(errno, EBUSY);
+    close(writes);
+    assert_int_equal(flock(other, LOCK_EX | LOCK_NB), 0);
+    close(other);
+    unlink(path);
+}
+
+/* Swerling III over four looks: 1F1(2; 4; c) = 6 ((c - 2) e^c + c + 2) / c^3, as its power series
+ * shows term by term; with snr the target's mean to the background's, w = 1 + 2 snr and
+ * c = 4 z (w - 1) / w, the ratio of densities at the intensity z is 1F1 / w^2. */
+static void likelihood_of_swerling_3_in_closed_form(void **state) {
+    (void)state;
+    const asdic_background none = {.mean_lin = 1.0, .looks = 4, .shape = INFINITY};
+    for (double snr = 0.5; snr < 100.0; snr *= 3.0) {
+        for (double z = 1.0; z < 300.0; z *= 1.7) {
+            double w = 1.0 + 2.0 * snr, c = 4.0 * z * (w - 1.0) / w;
+            double exact =
+                c + log(6.0 * (c - 2.0 + (c + 2.0) * exp(-c)) / (c * c * c)) - 2.0 * log(w);
+            assert_close(asdic_detect_llr(&none, ASDIC_TARGET_SWERLING3, snr, z), exact, 1e-9);
+        }
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(none_is_destroyed),
+        cmocka_unit_test(no_mission_has_no_phase_and_no_size),
+        cmocka_unit_test(room_is_that_of_the_nearest_folder),
+        cmocka_unit_test(a_file_in_writing_is_locked),
+        cmocka_unit_test(likelihood_of_swerling_3_in_closed_form),
+    };
+    return cmocka_run_group_tests(tests, context_begin, context_end);
+}
