@@ -53,6 +53,14 @@ class Coverage:
         """Whether the test NAME, whose source is TEXT, has been measured."""
         return self.known["tests"].get(name, {}).get("digest") == digest(text)
 
+    def failed(self, name, text):
+        """Whether it failed on the unchanged tree."""
+        return self.known.get("failed", {}).get(name) == digest(text)
+
+    def keep_failed(self, name, text):
+        self.known.setdefault("failed", {})[name] = digest(text)
+        self.kept.write_text(json.dumps(self.known))
+
     def keep(self, name, text, seconds):
         """What the test that has just run has left, and its processor time."""
         ran = self._collect()
@@ -117,14 +125,14 @@ class Coverage:
         line = self._statement(path, line)
         if line is None:
             return None
-        return self._counted(path, line) or self._counted(path, self._before(path, line))
+        return self._counted(path, line) | self._counted(path, self._before(path, line))
 
     def _counted(self, path, line):
         return {name for name, ran in self.ran.items() if line in ran.get(path, ())}
 
     def _before(self, path, line):
         """The last line before LINE that a test runs, of the same function; else LINE. What the compiler moves
-        or merges, as an `int i = 0`, has no count of its own."""
+        or merges, as an `int i = 0`, has no count of its own, or that of another program alone."""
         texts = (self.tree / path).read_text().splitlines()
         ran = set().union(*(of.get(path, set()) for of in self.ran.values()))
         for before in range(line - 1, 0, -1):

@@ -150,6 +150,7 @@ class Test:
             if good:
                 coverage.keep(self.name, self.text, self.seconds)
                 return
+        coverage.keep_failed(self.name, self.text)
         print(f"mutate: '{self.name}' fails on the unchanged tree and is left out:\n{self.output[-1000:]}",
               flush=True)  # fmt: skip
 
@@ -169,7 +170,8 @@ def measure():
     """The coverage of every default test; of those that were measured before, when they are the same."""
     configure(COVERED, "-Dbuildtype=plain", "-Doptimization=1", "-Db_coverage=true")
     coverage = Coverage(TREE, COVERED, WORK / "coverage.json")
-    fresh = [test for test in default_tests(COVERED) if not coverage.measured(test.name, test.text)]
+    fresh = [test for test in default_tests(COVERED) if not coverage.measured(test.name, test.text)
+             and not coverage.failed(test.name, test.text)]  # fmt: skip
     if fresh:
         compile_clean(COVERED)
         print(f"mutate: measuring {len(fresh)} tests on the unchanged tree", flush=True)
