@@ -34,6 +34,21 @@ def test_json_has_the_numbers():
             raise AssertionError(f"sizes of {device}")
 
 
+def test_table_has_the_numbers_of_json():
+    """PoCL with a limit of 1 GiB has one size of GiB and one of MiB."""
+    need_device()
+    limited = {"POCL_MEMORY_LIMIT": "1"}
+    lines = asdic("devices", **limited).check(code=0, err="").out.splitlines()
+    rows = {line[2:].split()[0]: line for line in lines if line[2:3].isdigit()}
+    for device in listed(**limited):
+        row = rows[device["device"]]
+        for key in ("global_bytes", "max_alloc_bytes"):
+            size, unit = (device[key] / 2**30, "GiB") if device[key] >= 2**30 else (device[key] / 2**20, "MiB")
+            tap.contains(row, f"  {size:6.1f} {unit}")
+        tap.equal(row[2:].split()[1:3], [device["kind"], str(device["compute_units"])])
+        tap.equal(row.endswith("  " + (device["lacks"] or "-")), True, f"what is lacking ends '{row}'")
+
+
 def test_two_devices_of_one_platform():
     need_device()
     devices = listed(POCL_DEVICES="pthread basic")

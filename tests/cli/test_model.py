@@ -58,6 +58,21 @@ def test_list_has_every_name():
         tap.equal(bool(m["source"] and m["unit"] and m["keys"]), True, m["name"])
 
 
+def test_list_in_words_has_the_numbers_of_json():
+    told = {block.split("  ")[0]: block.splitlines()[2:] for block in model().split("\n\n")}
+    for info in json.loads(model("--json")):
+        lines = {line.split()[0]: line for line in told[info["name"]]}
+        for k in info["keys"]:
+            if k.get("min") is None:
+                continue
+            line = lines[k["name"]]
+            tap.contains(line, f"[{k['min']:.9g}, {k['max']:.9g}]")
+            valid = f", valid [{k['valid_min']:.9g}, {k['valid_max']:.9g}]"
+            is_narrow = (k["valid_min"], k["valid_max"]) != (k["min"], k["max"])
+            tap.equal(line[line.find(", valid"):] if ", valid" in line else "", valid if is_narrow else "",
+                      f"{info['name']}, {k['name']}")
+
+
 def test_json_value():
     value = json.loads(model("noise-thermal", "f_khz=100", "--json"))
     tap.equal((value["value"], value["unit"], value["device"]), (25.0, "dB", None))
