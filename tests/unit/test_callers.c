@@ -62,6 +62,40 @@ static void no_mission_has_no_phase_and_no_size(void **state) {
     assert_false(asdic_mission_leaves_csv_out(NULL));
 }
 
+/* A sonar and a point, both DEPTH_M deep and 100 m apart, at 7.5 kHz of bandwidth. */
+static bool interferes(double depth_m, double wind_kn, const char *surface, char reason[120]) {
+    char text[700];
+    int length = snprintf(
+        text, sizeof text,
+        "{\"version\": 1, \"environment\": {\"sound_speed_mps\": 1500, \"wind_speed_kn\": %g},\n"
+        " \"bottom\": {\"depth_m\": 60}, \"surface\": {\"enabled\": %s},\n"
+        " \"objects\": [{\"name\": \"buoy\", \"point\": {\"target_strength_db\": 0},\n"
+        "  \"position_m\": [100, 0, %g]}],\n"
+        " \"sonar\": {\"frequency_khz\": 100, \"bandwidth_khz\": 7.5, \"source_level_db\": 0,\n"
+        "  \"receivers\": [{\"name\": \"forward\"}]},\n"
+        " \"mission\": {\"pose\": {\"position_m\": [0, 0, %g]}}}\n",
+        wind_kn, surface, depth_m, depth_m);
+    const asdic_scene_text scene = {.text = text, .length = (size_t)length, .name = "memory"};
+    asdic_mission *mission = NULL;
+    assert_int_equal(asdic_mission_load_text(ctx, &scene, &mission), ASDIC_OK);
+    bool needs = asdic_mission_needs_phase(mission, reason, 120);
+    asdic_mission_destroy(&mission);
+    return needs;
+}
+
+/* By way of the surface it is 2 d^2 / R farther, by the images' geometry, where d is much less than
+ * R: as long as a cell of 0.5 x 1500 m/s / 7.5 kHz = 0.1 m at 2.236 m. A rough surface leaves no image. */
+static void a_target_and_its_image_interfere_within_a_cell(void **state) {
+    (void)state;
+    char reason[120];
+    assert_true(interferes(2.2, 0, "true", reason));
+    assert_non_null(strstr(reason, "'buoy' and its image"));
+    assert_false(interferes(2.27, 0, "true", reason));
+    assert_non_null(strstr(reason, "nothing here interferes"));
+    assert_false(interferes(2.2, 0, "false", reason));
+    assert_false(interferes(2.2, 30, "true", reason));
+}
+
 /* Whether FOLDER has as much room as what WHERE names, give or take what others write meanwhile. */
 static bool has_room_of(const char *folder, const char *where) {
     struct statvfs disk;
@@ -122,6 +156,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(none_is_destroyed),
         cmocka_unit_test(no_mission_has_no_phase_and_no_size),
+        cmocka_unit_test(a_target_and_its_image_interfere_within_a_cell),
         cmocka_unit_test(room_is_that_of_the_nearest_folder),
         cmocka_unit_test(a_file_in_writing_is_locked),
         cmocka_unit_test(likelihood_of_swerling_3_in_closed_form),
