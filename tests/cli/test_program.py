@@ -66,6 +66,12 @@ def test_help_is_aligned_and_its_lines_are_full():
                     tap.equal(26 + len(line) + 1 + len(after.split()[0]) > 78, True, f"{line!r} is full")
 
 
+def test_an_option_before_the_command_is_told_apart():
+    for option in ("-x", "-o", "--device"):
+        told = asdic(option, "run").check(code=2, out="").err
+        tap.equal(told, f"error: '{option}' stands before a command; 'asdic --help' shows the usage\n")
+
+
 def test_unknown_command_is_answered_with_the_nearest():
     asdic("devcies").check(code=2, out="",
                            err="error: unknown command 'devcies'; did you mean 'devices'?\n")
