@@ -32,7 +32,7 @@
 /* Up to four deposits from one direction. Their bins are KEY, the list's own bin, to KEY + SPAN - 1. */
 typedef struct fan_entry {
     float direction[3]; /* as in the arrival */
-    uint rows; /* a byte for each deposit: (bins beyond KEY) * SUMS + component; and APART */
+    uint rows; /* a byte for each deposit: (bins beyond KEY) * SUMS + component; and NOT_PAIRED */
     float quanta[4];
 #if ASDIC_TRUTH
     float depression; /* what multiplies the echo's quanta for the sum of depressions */
@@ -58,7 +58,7 @@ static inline uint behind_of(uint truth) {
 }
 
 /* In `rows`: the entry goes to a row of truth, or all its deposits are echoes. */
-#define APART 0x80000000u
+#define NOT_PAIRED 0x80000000u
 
 /* The sum, counted from those of KEY on, that deposit C of ROWS goes to. */
 static inline uint sum_at(uint rows, uint c) {
@@ -124,7 +124,7 @@ static inline void sort_deposits(const fan_sort *sort, __global const dev_arriva
 #if ASDIC_TRUTH
     uint component = truth_component(ping, arrival->row[0]), row = truth_row(arrival->more);
     bool echoes_alone = component == DEV_DEPOSIT_MULTIPATH;
-    rows |= row != 0u || echoes_alone ? APART : 0u;
+    rows |= row != 0u || echoes_alone ? NOT_PAIRED : 0u;
     to->depression = truth_weight(ping, component, arrival->more);
     to->truth = row | (ASDIC_COMPONENTS - component) << TRUTH_BEHIND_SHIFT |
                 (echoes_alone ? ECHOES_ALONE : 0u);
@@ -449,7 +449,7 @@ static inline void add_depressions(__global const fan_entry *entry, uint first, 
 /* Whether ENTRY and the next go to the same sums and nowhere else: most do, and each sum is then read and
  * written once for both. */
 static inline bool go_together(__global const fan_entry *entry) {
-    return entry[0].rows == entry[1].rows && (entry[0].rows & APART) == 0u;
+    return entry[0].rows == entry[1].rows && (entry[0].rows & NOT_PAIRED) == 0u;
 }
 
 /* Adds ENTRY with GAIN and then the one behind it with NEXT. */
