@@ -73,6 +73,7 @@ rest = sum(np.nan_to_num(10 ** (p[n] / 10)) for n in
 share = np.nan_to_num(own / rest)
 assert (t["object_share"] <= share + 1e-5).all() and (t["object_share"] >= share / 2 - 1e-5).all()
 assert (t["strongest"][t["object_share"] > 0.5] > 0).all()
+assert (t["object"][t["object_share"] == 0] == 0).all() and (t["object_share"] == 0).any()
 assert (t["ping"] == p["ping"]).all() and not set(t.dtype.names) & set(p.dtype.names) - {"ping", "crc32"}
 # Right below the sonar the bottom is 3 m away, and what comes back from farther comes from less far down.
 down = t["depression_rad"][:, :, [13, 30, 60]]
