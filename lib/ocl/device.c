@@ -1,6 +1,10 @@
 #include "opencl.h"
 
 #include <stdlib.h>
+#include <time.h>
+
+/* Of 0.1 ms each, for commands that are done; those that are not are not waited for. */
+#define MOST_PAUSES 200
 
 void asdic_device_may_compile(asdic_device *device) {
     if (!device->may_compile) {
@@ -16,12 +20,28 @@ void asdic_device_has_compiled(asdic_device *device) {
     }
 }
 
+/* Every command holds its queue. PoCL's threads let go of a command after they have said that it is done, and
+ * crash where the process ends in between. */
+static void await_release(cl_command_queue queue) {
+    const struct timespec pause = {.tv_nsec = 100000};
+    cl_uint holders = 1;
+    for (int i = 0; i < MOST_PAUSES; i++) {
+        cl_int code =
+            clGetCommandQueueInfo(queue, CL_QUEUE_REFERENCE_COUNT, sizeof holders, &holders, NULL);
+        if (code != CL_SUCCESS || holders <= 1) {
+            return;
+        }
+        nanosleep(&pause, NULL);
+    }
+}
+
 static void device_destroy(asdic_device **device) {
     if (!device || !*device) {
         return;
     }
     asdic_programs_destroy(&(*device)->programs);
     if ((*device)->queue) {
+        await_release((*device)->queue);
         clReleaseCommandQueue((*device)->queue);
     }
     if ((*device)->cl) {
