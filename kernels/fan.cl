@@ -459,7 +459,7 @@ static inline void add_two(__global const fan_entry *entry, const real *gain, co
 #pragma unroll
     for (uint c = 0; c < DEPOSITS; c++) {
         real one = (real)(entry[0].quanta[c]), two = (real)(entry[1].quanta[c]);
-        real *sum = sums->of[at * SUMS + (sum_at(rows, c))];
+        real *sum = sums->of[at * SUMS + sum_at(rows, c)];
 #pragma unroll
         for (uint p = 0; p < PARTS; p++) {
             sum[p] = r_fma(two, next[p], r_fma(one, gain[p], sum[p]));
@@ -471,7 +471,7 @@ static inline void add_two(__global const fan_entry *entry, const real *gain, co
     for (uint c = 0; c < DEPOSITS / 2u; c++) {
         real one = (real)(entry[0].quanta[c] * entry[0].depression);
         real two = (real)(entry[1].quanta[c] * entry[1].depression);
-        real *sum = sums->of[behind + (sum_at(rows, c))];
+        real *sum = sums->of[behind + sum_at(rows, c)];
 #pragma unroll
         for (uint p = 0; p < PARTS; p++) {
             sum[p] = r_fma(two, next[p], r_fma(one, gain[p], sum[p]));
@@ -514,7 +514,7 @@ static void add_list(__global const dev_ping *ping, __global const fan_entry *en
 #pragma unroll
         for (uint c = 0; c < DEPOSITS; c++) {
             real quanta = (real)(entries[k].quanta[c]);
-            real *sum = sums->of[at * SUMS + (sum_at(rows, c))];
+            real *sum = sums->of[at * SUMS + sum_at(rows, c)];
 #pragma unroll
             for (uint p = 0; p < PARTS; p++) {
                 sum[p] = r_fma(quanta, gain[p], sum[p]);
@@ -523,8 +523,7 @@ static void add_list(__global const dev_ping *ping, __global const fan_entry *en
     }
 }
 
-/* A row of V's i-th lane becomes the i-th row: four times, halves of two rows are put between each
- * other. */
+/* Row 2 i becomes the first halves of rows i and i + 8, lane by lane, row 2 i + 1 their second halves. */
 static inline void interleave(const real *v, real *w) {
 #pragma unroll
     for (uint i = 0; i < 8u; i++) {
@@ -535,6 +534,8 @@ static inline void interleave(const real *v, real *w) {
     }
 }
 
+/* Lane i of row k becomes lane k of row i: a row's number and a lane's are four bits each, and an interleaving
+ * turns all eight by one. */
 static inline void transpose(real *v) {
     real w[RUN];
     interleave(v, w);
@@ -543,8 +544,8 @@ static inline void transpose(real *v) {
     interleave(w, v);
 }
 
-/* The first BINS sums of COMPONENT (the one behind the last: of depressions) and part P to the rows of RECEIVERS receivers, STRIDE floats from
- * each other, from TO on. */
+/* The first BINS sums of COMPONENT (the one behind the last: of depressions) and part P to the rows of RECEIVERS
+ * receivers, STRIDE floats from each other, from TO on. */
 static void store_sums(const fan_sums *sums, uint component, uint p, uint bins, uint receivers,
                        __global float *to, size_t stride, uint add) {
     real v[RUN];

@@ -132,15 +132,14 @@ static void seal(void *stored, size_t stored_bytes) {
     memcpy((char *)stored + stored_bytes - sizeof sum, &sum, sizeof sum);
 }
 
-void asdic_record_store(const asdic_record_layout *layout, const void *bytes, void *stored) {
+/* A whole record to the arrays that LAYOUT keeps, in their widths. */
+static void shorten(const asdic_record_layout *layout, const void *bytes, void *stored) {
     size_t cells = layout->beams * layout->bins;
     const float *from =
         (const float *)(const void *)((const char *)bytes + sizeof(asdic_record_head));
     char *to = (char *)stored + sizeof(asdic_record_head);
-    if (layout->form != ASDIC_RECORD_FULL) {
-        memcpy(stored, bytes, sizeof(asdic_record_head));
-    }
-    for (int i = 0; layout->form != ASDIC_RECORD_FULL && i < ASDIC_RECORD_ARRAYS; i++) {
+    memcpy(stored, bytes, sizeof(asdic_record_head));
+    for (int i = 0; i < ASDIC_RECORD_ARRAYS; i++, from += cells) {
         size_t width = width_of(layout, i);
         if (width == sizeof(float)) {
             memcpy(to, from, cells * sizeof *from);
@@ -149,7 +148,12 @@ void asdic_record_store(const asdic_record_layout *layout, const void *bytes, vo
             asdic_halves_of(from, cells, (uint16_t *)(void *)to);
         }
         to += cells * width;
-        from += cells;
+    }
+}
+
+void asdic_record_store(const asdic_record_layout *layout, const void *bytes, void *stored) {
+    if (layout->form != ASDIC_RECORD_FULL) {
+        shorten(layout, bytes, stored);
     }
     seal(stored, asdic_record_stored_bytes(layout));
 }

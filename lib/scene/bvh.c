@@ -1,10 +1,10 @@
 #include "bvh.h"
 
 #include "../base/context.h"
+#include "../base/share.h"
 
 #include <math.h>
 #include <stdlib.h>
-#include <unistd.h>
 
 typedef struct filler {
     const dev_triangle *triangles;
@@ -23,7 +23,8 @@ void asdic_triangle_box(const float *const corner[3], float lo[3], float hi[3]) 
     }
 }
 
-static void fill_items(void *user, size_t first, size_t end) {
+static void fill_items(void *user, unsigned worker, size_t first, size_t end) {
+    (void)worker;
     const filler *f = user;
     for (size_t i = first; i < end; i++) {
         uint32_t id = f->ids ? f->ids[i] : (uint32_t)i;
@@ -56,8 +57,7 @@ asdic_status asdic_bvh_build(asdic_context *ctx, const dev_triangle *triangles, 
                           count, ASDIC_BVH_MAX_TRIANGLES);
     }
     if (threads == 0) {
-        long online = sysconf(_SC_NPROCESSORS_ONLN);
-        threads = online > 0 ? (unsigned)online : 1;
+        threads = asdic_processors();
     }
     asdic_bvh_tree tree = {.nodes = NULL};
     filler f = {triangles, ids, malloc(count * sizeof *f.items)};
@@ -67,7 +67,7 @@ asdic_status asdic_bvh_build(asdic_context *ctx, const dev_triangle *triangles, 
                             "out of memory while building a hierarchy of %zu triangles", count);
         goto fail;
     }
-    asdic_bvh_share(threads, count, fill_items, &f);
+    asdic_share(threads, count, ASDIC_BVH_SHARE, fill_items, &f);
     status = asdic_bvh_grow(ctx, f.items, count, threads, &tree);
     if (status == ASDIC_OK) {
         status = asdic_bvh_pack(ctx, &tree, f.items, triangles, threads, out);

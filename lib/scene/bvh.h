@@ -72,6 +72,9 @@ void asdic_bvh_tree_finish(asdic_bvh_tree *tree);
 /* Fills the forest of an inner node from those of its children. */
 void asdic_bvh_plan(const asdic_bvh_node2 *nodes, asdic_bvh_forest *best, size_t node);
 
+/* Triangles, or leaves, that a thread takes at once where they are filled (base/share.h). */
+#define ASDIC_BVH_SHARE 8192
+
 /* Turns the binary tree into OUT's nodes and blocks, which it allocates. */
 asdic_status asdic_bvh_pack(asdic_context *ctx, const asdic_bvh_tree *tree,
                             const asdic_bvh_item *items, const dev_triangle *triangles,
@@ -79,10 +82,5 @@ asdic_status asdic_bvh_pack(asdic_context *ctx, const asdic_bvh_tree *tree,
 
 /* Makes child I of NODE the box LO to HI with WORD below it; LO NULL: no child. */
 void asdic_node8_set_child(dev_node8 *node, int i, const float *lo, const float *hi, uint32_t word);
-
-/* Calls WORK(USER, first, end) for parts of 0 .. COUNT on up to THREADS threads, this one
- * included. */
-void asdic_bvh_share(unsigned threads, size_t count,
-                     void (*work)(void *user, size_t first, size_t end), void *user);
 
 #endif

@@ -5,6 +5,7 @@
 #include "bvh.h"
 
 #include "../base/context.h"
+#include "../base/share.h"
 
 #include <pthread.h>
 #include <stdatomic.h>
@@ -13,7 +14,6 @@
 /* Smaller subtrees stay with the thread that meets them. */
 #define TASK_ITEMS 8192
 #define MAX_TASKS 512
-#define MAX_THREADS 64
 /* Nodes that a thread allocates at once; even, as children lie in pairs. */
 #define CHUNK 1024
 
@@ -124,10 +124,10 @@ static void plan_trunk(asdic_bvh_tree *tree, size_t node) {
 }
 
 static void run(grower *g, unsigned threads) {
-    pthread_t workers[MAX_THREADS];
+    pthread_t workers[ASDIC_SHARE_MOST];
     unsigned started = 0;
     /* Where a thread cannot be started, the others do its work. */
-    while (started + 1 < threads && started < MAX_THREADS &&
+    while (started + 1 < threads && started < ASDIC_SHARE_MOST &&
            pthread_create(&workers[started], NULL, help, g) == 0) {
         started++;
     }
@@ -141,7 +141,7 @@ asdic_status asdic_bvh_grow(asdic_context *ctx, asdic_bvh_item *items, size_t co
                             unsigned threads, asdic_bvh_tree *tree) {
     grower g = {.items = items, .tree = tree, .next_node = 2, .queued = 1};
     /* Touched as far as it is used. A chunk is unfinished at the end of every thread. */
-    size_t entries = 2 * count + (MAX_THREADS + 2) * CHUNK;
+    size_t entries = 2 * count + (ASDIC_SHARE_MOST + 2) * CHUNK;
     *tree = (asdic_bvh_tree){.nodes = malloc(entries * sizeof *tree->nodes),
                              .best = malloc(entries * sizeof *tree->best)};
     if (!tree->nodes || !tree->best) {
@@ -169,38 +169,4 @@ void asdic_bvh_tree_finish(asdic_bvh_tree *tree) {
     free(tree->nodes);
     free(tree->best);
     *tree = (asdic_bvh_tree){.nodes = NULL};
-}
-
-/* ---- even shares ---------------------------------------------------------------------------- */
-
-typedef struct part {
-    void (*work)(void *user, size_t first, size_t end);
-    void *user;
-    size_t first, end;
-} part;
-
-static void *work_part(void *user) {
-    const part *p = user;
-    p->work(p->user, p->first, p->end);
-    return NULL;
-}
-
-void asdic_bvh_share(unsigned threads, size_t count,
-                     void (*work)(void *user, size_t first, size_t end), void *user) {
-    pthread_t workers[MAX_THREADS];
-    part parts[MAX_THREADS];
-    bool started[MAX_THREADS] = {false};
-    threads = threads > MAX_THREADS ? MAX_THREADS : count < TASK_ITEMS ? 1 : threads;
-    for (unsigned i = threads; i-- > 0;) {
-        parts[i] = (part){work, user, count * i / threads, count * (i + 1) / threads};
-        started[i] = i > 0 && pthread_create(&workers[i], NULL, work_part, &parts[i]) == 0;
-        if (!started[i]) {
-            work_part(&parts[i]);
-        }
-    }
-    for (unsigned i = 0; i < threads; i++) {
-        if (started[i]) {
-            pthread_join(workers[i], NULL);
-        }
-    }
 }

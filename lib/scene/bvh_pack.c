@@ -6,6 +6,7 @@
 #include "bvh.h"
 
 #include "../base/context.h"
+#include "../base/share.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -90,7 +91,8 @@ static uint32_t pack_block(packer *p, uint32_t leaf) {
     return DEV_LEAF | index;
 }
 
-static void fill_blocks(void *user, size_t first, size_t end) {
+static void fill_blocks(void *user, unsigned worker, size_t first, size_t end) {
+    (void)worker;
     const packer *p = user;
     for (size_t i = first; i < end; i++) {
         const asdic_bvh_node2 *leaf = &p->nodes[p->leaves[i]];
@@ -184,7 +186,7 @@ asdic_status asdic_bvh_pack(asdic_context *ctx, const asdic_bvh_tree *tree,
                           "out of memory while packing a hierarchy of %zu leaves", tree->leaves);
     }
     pack_nodes(&p);
-    asdic_bvh_share(threads, out->block_count, fill_blocks, &p);
+    asdic_share(threads, out->block_count, ASDIC_BVH_SHARE, fill_blocks, &p);
     free(p.leaves);
     return ASDIC_OK;
 }

@@ -79,10 +79,10 @@ asdic_status asdic_beam_fan_init(asdic_beam_fan *fan, asdic_device *device,
                    {size->bins * LIST_BYTES, &fan->lists},
                    {size->slots * entries * entry, &fan->entries}};
     fan->fetches = calloc(2 * tiles, sizeof *fan->fetches);
-    if (!fan->fetches) {
+    if (!fan->fetches || pthread_mutex_init(&fan->lock, NULL) != 0) {
         return asdic_fail_memory(asdic_device_context(device), "a fan");
     }
-    fan->tiles = tiles;
+    fan->tiles = tiles; /* and the lock is there */
     for (size_t i = 0; i < sizeof kernels / sizeof *kernels; i++) {
         TRY(asdic_kernel_create(device, "fan.cl", options, kernels[i].name, kernels[i].kernel));
     }
@@ -97,6 +97,9 @@ void asdic_beam_fan_finish(asdic_beam_fan *fan, asdic_device *device) {
         asdic_fetch_wait(device, &fan->fetches[i]);
     }
     free(fan->fetches);
+    if (fan->tiles > 0) {
+        pthread_mutex_destroy(&fan->lock);
+    }
     asdic_kernel_destroy(&fan->count);
     asdic_kernel_destroy(&fan->place);
     asdic_kernel_destroy(&fan->scatter);
@@ -140,6 +143,7 @@ asdic_status asdic_beam_fan_project(asdic_beam_fan *fan, const dev_ping *ping,
     bool wide = fan->width > 1;
     size_t items = wide ? (ping->bins + 15) / 16 : ping->bins * (size_t)DEV_FAN_TILE;
     dev_uint add = ping->batch.first != 0;
+    atomic_store(&fan->fetched, 0);
     TRY(sort(fan, ping, ping_buffer, arrivals));
     for (dev_uint tile = 0; tile < fan->tiles; tile++) {
         asdic_kernel_arg args[] = {ASDIC_ARG_BUFFER(ping_buffer), ASDIC_ARG_BUFFER(fan->entries),
@@ -160,7 +164,22 @@ asdic_status asdic_beam_fan_project(asdic_beam_fan *fan, const dev_ping *ping,
     return ASDIC_OK;
 }
 
+/* The lock is held. */
+static asdic_status wait_in_order(asdic_beam_fan *fan, asdic_device *device, size_t tile) {
+    for (size_t at = atomic_load(&fan->fetched); at <= tile; at++) {
+        TRY(asdic_fetch_wait(device, &fan->fetches[at]));
+        TRY(asdic_fetch_wait(device, &fan->fetches[fan->tiles + at]));
+        atomic_store(&fan->fetched, at + 1);
+    }
+    return ASDIC_OK;
+}
+
 asdic_status asdic_beam_fan_wait(asdic_beam_fan *fan, asdic_device *device, size_t tile) {
-    TRY(asdic_fetch_wait(device, &fan->fetches[tile]));
-    return asdic_fetch_wait(device, &fan->fetches[fan->tiles + tile]);
+    if (tile < atomic_load(&fan->fetched)) {
+        return ASDIC_OK;
+    }
+    pthread_mutex_lock(&fan->lock);
+    asdic_status status = wait_in_order(fan, device, tile);
+    pthread_mutex_unlock(&fan->lock);
+    return status;
 }

@@ -9,6 +9,9 @@
 #include "../../kernels/ping_types.h"
 #include "ocl/ocl.h"
 
+#include <pthread.h>
+#include <stdatomic.h>
+
 /* Rays of a batch. Its size is fixed: sums are floats, added in the order of rays batch by batch, and so the
  * same on every device. */
 #define ASDIC_FAN_BATCH ((size_t)1 << 17)
@@ -23,6 +26,8 @@ typedef struct asdic_beam_fan {
     asdic_buffer *counts, *made, *lists, *entries;
     asdic_fetch **fetches; /* a tile's each, on their way to the host, then those of its truth */
     size_t tiles;
+    pthread_mutex_t lock;
+    atomic_size_t fetched; /* tiles that are there: they come in order */
 } asdic_beam_fan;
 
 /* Fills MANY and COMMON_AXIS. */
@@ -56,7 +61,8 @@ asdic_status asdic_beam_fan_project(asdic_beam_fan *fan, const dev_ping *ping,
                                     asdic_buffer *ping_buffer, asdic_buffer *arrivals,
                                     asdic_buffer *results, float *host_results,
                                     const asdic_fan_truth *truth);
-/* Blocks until the beams of TILE are there. */
+
+/* Blocks until the beams of TILE are there; for several threads at a time. */
 asdic_status asdic_beam_fan_wait(asdic_beam_fan *fan, asdic_device *device, size_t tile);
 
 #endif

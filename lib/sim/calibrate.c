@@ -232,7 +232,7 @@ static asdic_status run_pings(asdic_simulator *sim, const asdic_pose *pose, uint
         for (uint32_t i = 0; i < together; i++, k++) {
             take_mean(sim, c->pings[i], c);
             asdic_pulse_smear(&sim->setup.sonar, sim->shots[i].water.sound_speed_mps,
-                              sim->host.scratch, c->pings[i]);
+                              sim->setup.threads, sim->host.scratch, c->pings[i]);
             take_ping(sim, c->pings[i], k, c);
         }
     }

@@ -237,7 +237,7 @@ static asdic_status add_pulse(asdic_context *ctx, const asdic_sonar *sonar, doub
     if (!scratch) {
         return asdic_fail_memory(ctx, "an expected ping");
     }
-    asdic_pulse_smear(sonar, sound_speed_mps, scratch, ping);
+    asdic_pulse_smear(sonar, sound_speed_mps, 1, scratch, ping);
     free(scratch);
     return ASDIC_OK;
 }

@@ -4,11 +4,14 @@
  */
 #include "simulator.h"
 
+#include "base/share.h"
 #include "base/try.h"
 #include "base/widest.h"
+#include "noise_level.h"
 #include "truth.h"
 
 #include <math.h>
+#include <stdatomic.h>
 #include <string.h>
 
 static const asdic_component component_of[DEV_DEPOSIT_COUNT] = {
@@ -18,20 +21,20 @@ static const asdic_component component_of[DEV_DEPOSIT_COUNT] = {
     [DEV_DEPOSIT_OBJECT] = ASDIC_OBJECT,
     [DEV_DEPOSIT_MULTIPATH] = ASDIC_MULTIPATH};
 
-/* Nothing to COUNT of ENERGY. What is zero is left alone: in many scenes whole components are, and pages that
- * nobody writes to take neither memory nor time. */
-WIDEST static uint64_t bits_of(const double *restrict energy, size_t count) {
+WIDEST static bool are_clear(const double *restrict energy, size_t count) {
     uint64_t any = 0;
     for (size_t n = 0; n < count; n++) {
         uint64_t bits;
         memcpy(&bits, &energy[n], sizeof bits);
         any |= bits;
     }
-    return any;
+    return any == 0;
 }
 
+/* Nothing to COUNT of ENERGY. What is zero is left alone: in many scenes whole components are, and pages that
+ * nobody writes to take neither memory nor time. */
 static void clear(double *energy, size_t count) {
-    if (bits_of(energy, count) != 0) {
+    if (!are_clear(energy, count)) {
         memset(energy, 0, count * sizeof *energy);
     }
 }
@@ -71,13 +74,15 @@ WIDEST static void estimate_errors(const asdic_stated_error *restrict stated,
     }
 }
 
-/* Echo and noise to the total, and the echo's relative error to its part of the total, in dB. */
-WIDEST static void end_cells(const double *restrict echo, const double *restrict noise,
+/* ECHO and a bin's noise to the total, and the echo's relative error to its part of the total, in dB. */
+WIDEST static void end_cells(const double *restrict echo, double noise_lin,
                              const float *restrict error, double to_db, size_t bins,
-                             double *restrict total, float *restrict stderr_db) {
+                             double *restrict noise, double *restrict total,
+                             float *restrict stderr_db) {
     for (size_t n = 0; n < bins; n++) {
-        double sum = echo[n] + noise[n];
+        double sum = echo[n] + noise_lin;
         double error_db = to_db * (double)error[n] * (echo[n] / sum);
+        noise[n] = noise_lin;
         total[n] = sum;
         stderr_db[n] = echo[n] > 0.0 ? (float)error_db : 0.0f;
     }
@@ -86,30 +91,47 @@ WIDEST static void end_cells(const double *restrict echo, const double *restrict
 /* The cells of a beam are worked on in blocks that stay in the nearest cache. */
 #define BLOCK 256
 
-static void end_block(const double *echo, const float *error, size_t at, size_t count,
-                      asdic_ping *out) {
+/* A ping's sums on their way to levels. */
+typedef struct conversion {
+    asdic_simulator *sim;
+    const asdic_ping_shot *shot;
+    asdic_ping *out;
+    double unit[DEV_DEPOSIT_COUNT]; /* a quantum's energy at loss 1, by component */
+    atomic_int status;              /* of beams that failed */
+} conversion;
+
+static double noise_of(const conversion *c, size_t beam) {
+    const asdic_sonar *sonar = &c->sim->setup.sonar;
+    return asdic_noise_lin(&c->sim->setup.env, sonar, &sonar->receivers[beam],
+                           c->shot->water.sound_speed_mps);
+}
+
+static void end_block(const double *echo, double noise_lin, const float *error, size_t at,
+                      size_t count, asdic_ping *out) {
     /* dB per relative error */
     const double to_db = 10.0 / log(10.0);
-    end_cells(echo, out->intensity_lin[ASDIC_NOISE] + at, error, to_db, count,
+    end_cells(echo, noise_lin, error, to_db, count, out->intensity_lin[ASDIC_NOISE] + at,
               out->intensity_lin[ASDIC_TOTAL] + at, out->stderr_db + at);
 }
 
-/* Quanta to energies of one beam; UNIT[component] is a quantum's energy at loss 1. */
-static void convert_beam(const asdic_simulator *sim, const asdic_ping_shot *shot,
-                         const double *unit, size_t beam, asdic_ping *out) {
+/* Quanta to energies of one beam. */
+static void convert_beam(const conversion *k, size_t beam) {
+    const asdic_simulator *sim = k->sim;
+    const asdic_ping_shot *shot = k->shot;
     const int64_t *quanta = (const int64_t *)shot->sums;
     const float *spread = (const float *)(quanta + sim->setup.components * sim->setup.cells + 1);
     size_t first = beam * sim->setup.bins;
+    double noise_lin = noise_of(k, beam);
     for (size_t n = 0; n < sim->setup.bins; n += BLOCK) {
         size_t count = sim->setup.bins - n < BLOCK ? sim->setup.bins - n : BLOCK, at = first + n;
         double echo[BLOCK] = {0.0};
         float error[BLOCK] = {0.0f};
         for (size_t c = 0; c < DEV_DEPOSIT_COUNT; c++) {
-            double *energy = out->intensity_lin[component_of[c]] + at;
+            double *energy = k->out->intensity_lin[component_of[c]] + at;
             const double *loss = c == DEV_DEPOSIT_VOLUME ? shot->volume : shot->loss;
             if (shot->ping->sums.present & 1u << c) {
-                convert_whole(quanta + c * sim->setup.cells + at, unit[c], loss + n, count, energy,
-                              echo);
+                convert_whole(quanta + c * sim->setup.cells + at, k->unit[c], loss + n, count,
+                              energy, echo);
             } else {
                 clear(energy, count);
             }
@@ -117,7 +139,7 @@ static void convert_beam(const asdic_simulator *sim, const asdic_ping_shot *shot
         if (!sim->setup.sampling.without_errors) {
             estimate_errors(sim->learnt.stated + at, spread + at, echo, count, error);
         }
-        end_block(echo, error, at, count, out);
+        end_block(echo, noise_lin, error, at, count, k->out);
     }
 }
 
@@ -137,20 +159,21 @@ WIDEST static void convert_fan_echo(const float *restrict quanta, double unit,
 
 /* A fan's water still has to be summed from where it ends to what it crosses: cheaper by beams than by
  * azimuths. Of the beams from BEAM on. */
-static void convert_fan_water(const asdic_simulator *sim, const asdic_ping_shot *shot, double unit,
-                              size_t beam, asdic_ping *out) {
-    size_t bins = out->bins, left = out->beams - beam;
+static void convert_fan_water(const conversion *c, size_t beam) {
+    size_t bins = c->out->bins, left = c->out->beams - beam;
+    double unit = c->unit[DEV_DEPOSIT_VOLUME];
     const float *quanta[WATER_BEAMS];
     double crossing[WATER_BEAMS] = {0.0}, *energy[WATER_BEAMS];
     for (size_t k = 0; k < WATER_BEAMS; k++) {
         size_t first = (beam + (k < left ? k : 0)) * bins; /* behind the last the first again */
-        quanta[k] = (const float *)shot->sums + first * sim->fan.sums + DEV_DEPOSIT_VOLUME * bins;
-        energy[k] = out->intensity_lin[ASDIC_VOLUME] + first;
+        quanta[k] =
+            (const float *)c->shot->sums + first * c->sim->fan.sums + DEV_DEPOSIT_VOLUME * bins;
+        energy[k] = c->out->intensity_lin[ASDIC_VOLUME] + first;
     }
     for (size_t n = bins; n-- > 0;) {
         for (size_t k = 0; k < WATER_BEAMS; k++) {
             crossing[k] += (double)quanta[k][n];
-            energy[k][n] = crossing[k] * unit * shot->volume[n];
+            energy[k][n] = crossing[k] * unit * c->shot->volume[n];
         }
     }
 }
@@ -171,24 +194,26 @@ WIDEST static void add(const double *restrict energy, size_t bins, double *restr
 }
 
 /* convert_beam of a fan. */
-static void convert_fan_beam(const asdic_simulator *sim, const asdic_ping_shot *shot,
-                             const double *unit, size_t beam, asdic_ping *out) {
+static void convert_fan_beam(const conversion *k, size_t beam) {
+    const asdic_simulator *sim = k->sim;
+    const asdic_ping_shot *shot = k->shot;
     size_t first = beam * sim->setup.bins, bins = sim->setup.bins;
+    double noise_lin = noise_of(k, beam);
     const float *quanta = (const float *)shot->sums + first * sim->fan.sums;
     if (beam % WATER_BEAMS == 0) {
-        convert_fan_water(sim, shot, unit[DEV_DEPOSIT_VOLUME], beam, out);
+        convert_fan_water(k, beam);
     }
     for (size_t n = 0; n < bins; n += BLOCK) {
         size_t count = bins - n < BLOCK ? bins - n : BLOCK, at = first + n;
         double echo[BLOCK] = {0.0};
         float error[BLOCK] = {0.0f};
         for (size_t c = 0; c < DEV_DEPOSIT_COUNT; c++) {
-            double *energy = out->intensity_lin[component_of[c]] + at;
+            double *energy = k->out->intensity_lin[component_of[c]] + at;
             if (c == DEV_DEPOSIT_VOLUME) {
                 add(energy, count, echo);
             } else if (shot->ping->sums.present & 1u << c &&
                        holds_any(quanta + c * bins + n, count)) {
-                convert_fan_echo(quanta + c * bins + n, unit[c], shot->loss + n, count, energy,
+                convert_fan_echo(quanta + c * bins + n, k->unit[c], shot->loss + n, count, energy,
                                  echo);
             } else {
                 clear(energy, count);
@@ -198,32 +223,42 @@ static void convert_fan_beam(const asdic_simulator *sim, const asdic_ping_shot *
             static const float none[BLOCK];
             estimate_errors(sim->learnt.stated + at, none, echo, count, error);
         }
-        end_block(echo, error, at, count, out);
+        end_block(echo, noise_lin, error, at, count, k->out);
+    }
+}
+
+static asdic_status convert_some(const conversion *c, unsigned worker, size_t first, size_t end) {
+    asdic_simulator *sim = c->sim;
+    for (size_t beam = first; beam < end; beam++) {
+        if (sim->fan.many && (beam == first || beam % DEV_FAN_TILE == 0)) {
+            TRY(asdic_beam_fan_wait(&sim->fan, sim->device, beam / DEV_FAN_TILE));
+        }
+        if (sim->fan.many) {
+            convert_fan_beam(c, beam);
+        } else {
+            convert_beam(c, beam);
+        }
+    }
+    asdic_truth_tell(sim, c->shot, worker, first, c->out);
+    return ASDIC_OK;
+}
+
+static void convert_beams(void *user, unsigned worker, size_t first, size_t end) {
+    conversion *c = user;
+    asdic_status status = convert_some(c, worker, first, end);
+    if (status) {
+        atomic_store(&c->status, (int)status);
     }
 }
 
 asdic_status asdic_simulator_convert(asdic_simulator *sim, const asdic_ping_shot *shot,
                                      double source_lin, asdic_ping *out) {
-    double unit[DEV_DEPOSIT_COUNT];
-    bool fan = sim->fan.many;
-    for (int c = 0; c < DEV_DEPOSIT_COUNT; c++) {
-        unit[c] = source_lin / shot->ping->sums.scale[c];
+    conversion c = {.sim = sim, .shot = shot, .out = out};
+    for (int k = 0; k < DEV_DEPOSIT_COUNT; k++) {
+        c.unit[k] = source_lin / shot->ping->sums.scale[k];
     }
-    size_t beams = sim->setup.sonar.receiver_count;
-    for (size_t beam = 0; beam < beams; beam++) {
-        if (fan && beam % DEV_FAN_TILE == 0) {
-            TRY(asdic_beam_fan_wait(&sim->fan, sim->device, beam / DEV_FAN_TILE));
-        }
-        if (fan) {
-            convert_fan_beam(sim, shot, unit, beam, out);
-        } else {
-            convert_beam(sim, shot, unit, beam, out);
-        }
-        if (beam % ASDIC_TRUTH_BEAMS == ASDIC_TRUTH_BEAMS - 1 || beam == beams - 1) {
-            asdic_truth_tell(sim, shot, beam / ASDIC_TRUTH_BEAMS * ASDIC_TRUTH_BEAMS, out);
-        }
-    }
+    asdic_share(sim->setup.threads, out->beams, ASDIC_TRUTH_BEAMS, convert_beams, &c);
     size_t sums = sim->setup.components * sim->setup.cells;
-    out->saturated = fan ? 0 : (uint64_t)((const int64_t *)shot->sums)[sums];
-    return ASDIC_OK;
+    out->saturated = sim->fan.many ? 0 : (uint64_t)((const int64_t *)shot->sums)[sums];
+    return (asdic_status)atomic_load(&c.status);
 }

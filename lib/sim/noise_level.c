@@ -11,9 +11,8 @@ static double directivity(const asdic_beam *beam, double wavelength_m) {
     return fmax(d, 2.0);
 }
 
-/* Of one receiver, in a bin. */
-static double noise_lin(const asdic_environment *env, const asdic_sonar *sonar,
-                        const asdic_beam *receiver, double sound_speed_mps) {
+double asdic_noise_lin(const asdic_environment *env, const asdic_sonar *sonar,
+                       const asdic_beam *receiver, double sound_speed_mps) {
     if (!sonar->noise_enabled) {
         return 0.0;
     }
@@ -30,7 +29,7 @@ static double noise_lin(const asdic_environment *env, const asdic_sonar *sonar,
 void asdic_noise_levels(const asdic_environment *env, const asdic_sonar *sonar,
                         double sound_speed_mps, asdic_ping *ping) {
     for (size_t b = 0; b < ping->beams; b++) {
-        double level = noise_lin(env, sonar, &sonar->receivers[b], sound_speed_mps);
+        double level = asdic_noise_lin(env, sonar, &sonar->receivers[b], sound_speed_mps);
         for (size_t n = 0; n < ping->bins; n++) {
             ping->intensity_lin[ASDIC_NOISE][b * ping->bins + n] = level;
         }
@@ -41,7 +40,7 @@ double asdic_noise_least_lin(const asdic_environment *env, const asdic_sonar *so
                              double sound_speed_mps) {
     double least = INFINITY;
     for (size_t b = 0; b < sonar->receiver_count; b++) {
-        least = fmin(least, noise_lin(env, sonar, &sonar->receivers[b], sound_speed_mps));
+        least = fmin(least, asdic_noise_lin(env, sonar, &sonar->receivers[b], sound_speed_mps));
     }
     return least;
 }

@@ -6,8 +6,12 @@
 
 #include <asdic/ping.h>
 
-/* Fills PING's noise component: ambient level in the band, less the directivity index of each
- * receiver, summed over the resolution cells of a bin as the echoes are. Zero when switched off. */
+/* RECEIVER's noise in a bin: ambient level in the band, less the directivity index, summed over the resolution
+ * cells of a bin as the echoes are. Zero when switched off. */
+double asdic_noise_lin(const asdic_environment *env, const asdic_sonar *sonar,
+                       const asdic_beam *receiver, double sound_speed_mps);
+
+/* Fills PING's noise component. */
 void asdic_noise_levels(const asdic_environment *env, const asdic_sonar *sonar,
                         double sound_speed_mps, asdic_ping *ping);
 

@@ -1,9 +1,13 @@
 #include "pulse.h"
 
+#include "base/share.h"
 #include "base/widest.h"
 
 #include <math.h>
 #include <string.h>
+
+/* Beams that a thread takes at once. */
+#define BEAMS 16
 
 /* The window that a bin receives from: all of REACH - 1 bins on each side, and a part of one more. */
 typedef struct window {
@@ -84,22 +88,33 @@ void asdic_pulse_smear_row(const asdic_sonar *sonar, double sound_speed_mps, dou
     }
 }
 
-void asdic_pulse_smear(const asdic_sonar *sonar, double sound_speed_mps, double *scratch,
-                       asdic_ping *ping) {
-    if (!asdic_pulse_smears(sonar, sound_speed_mps)) {
-        return;
-    }
+typedef struct smearing {
+    asdic_ping *ping;
+    window window;
+    double *scratch;
+} smearing;
+
+static void smear_beams(void *user, unsigned worker, size_t first, size_t end) {
+    const smearing *s = user;
+    asdic_ping *ping = s->ping;
     size_t bins = ping->bins;
-    window w = window_of(length_of(sonar, sound_speed_mps), bins);
-    double *errors = scratch, *padded = scratch + bins;
-    for (size_t b = 0; b < ping->beams; b++) {
-        size_t first = b * bins;
+    double *errors = s->scratch + worker * asdic_pulse_scratch(bins), *padded = errors + bins;
+    for (size_t b = first; b < end; b++) {
+        size_t at = b * bins;
         /* Errors of neighbouring bins are taken to agree, the least favourable case. */
-        weigh(ping->intensity_lin[ASDIC_TOTAL] + first, ping->stderr_db + first, bins, errors);
-        smear_row(errors, padded, bins, w);
+        weigh(ping->intensity_lin[ASDIC_TOTAL] + at, ping->stderr_db + at, bins, errors);
+        smear_row(errors, padded, bins, s->window);
         for (int c = ASDIC_TOTAL + 1; c < ASDIC_NOISE; c++) {
-            smear_row(ping->intensity_lin[c] + first, padded, bins, w);
+            smear_row(ping->intensity_lin[c] + at, padded, bins, s->window);
         }
-        sum_parts(ping, first, errors);
+        sum_parts(ping, at, errors);
+    }
+}
+
+void asdic_pulse_smear(const asdic_sonar *sonar, double sound_speed_mps, unsigned threads,
+                       double *scratch, asdic_ping *ping) {
+    if (asdic_pulse_smears(sonar, sound_speed_mps)) {
+        smearing s = {ping, window_of(length_of(sonar, sound_speed_mps), ping->bins), scratch};
+        asdic_share(threads, ping->beams, BEAMS, smear_beams, &s);
     }
 }

@@ -7,15 +7,15 @@
 #include <asdic/ping.h>
 #include <asdic/sonar.h>
 
-/* Doubles of scratch that asdic_pulse_smear needs for so many bins. */
+/* Doubles of scratch that a thread of asdic_pulse_smear needs for so many bins. */
 size_t asdic_pulse_scratch(size_t bins);
 
 /* Spreads every component's energy over a resolution cell c / (2 B), centred, when that is longer
  * than a bin; nothing to do otherwise: a bin then holds whole cells, and what leaks over its edges
  * is at most half a cell's share. Stated errors follow the energy. Noise is the same in every bin, and
- * the total the sum of all. SCRATCH: asdic_pulse_scratch of the ping's bins. */
-void asdic_pulse_smear(const asdic_sonar *sonar, double sound_speed_mps, double *scratch,
-                       asdic_ping *ping);
+ * the total the sum of all. THREADS, at most, do it. SCRATCH: asdic_pulse_scratch of the ping's bins for each. */
+void asdic_pulse_smear(const asdic_sonar *sonar, double sound_speed_mps, unsigned threads,
+                       double *scratch, asdic_ping *ping);
 
 /* Whether it does anything; and the same for a ROW of any energy. */
 bool asdic_pulse_smears(const asdic_sonar *sonar, double sound_speed_mps);

@@ -10,7 +10,6 @@
 #include "base/context.h"
 #include "base/try.h"
 #include "coherent.h"
-#include "noise_level.h"
 #include "points.h"
 #include "pulse.h"
 #include "truth.h"
@@ -357,9 +356,7 @@ static asdic_status tabulate(asdic_simulator *sim, size_t count) {
 
 /* The sums of SHOT to levels. */
 static asdic_status convert(asdic_simulator *sim, const asdic_ping_shot *shot, asdic_ping *out) {
-    const asdic_sonar *sonar = &sim->setup.sonar;
-    asdic_noise_levels(&sim->setup.env, sonar, shot->water.sound_speed_mps, out);
-    out->bin_length_m = sonar->bin_length_m;
+    out->bin_length_m = sim->setup.sonar.bin_length_m;
     out->rays = sim->setup.sampling.rays;
     return asdic_simulator_convert(sim, shot, asdic_simulator_source_lin(sim, &shot->water), out);
 }
@@ -395,8 +392,8 @@ static asdic_status simulate_rays(asdic_simulator *sim, const asdic_pose *poses,
     for (size_t k = 0; k < count; k++) {
         const asdic_ping_shot *shot = &sim->shots[k];
         TRY(asdic_points_add(sim, shot, out[k]));
-        asdic_pulse_smear(&sim->setup.sonar, shot->water.sound_speed_mps, sim->host.scratch,
-                          out[k]);
+        asdic_pulse_smear(&sim->setup.sonar, shot->water.sound_speed_mps, sim->setup.threads,
+                          sim->host.scratch, out[k]);
         asdic_truth_end(sim, k, out[k]);
         asdic_speckle_apply(sim->speckle, shot->water.sound_speed_mps, sim->setup.sampling.seed,
                             shot->index, out[k]);

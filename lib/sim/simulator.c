@@ -3,6 +3,7 @@
 #include <asdic/plan.h>
 
 #include "base/context.h"
+#include "base/share.h"
 #include "base/try.h"
 #include "base/vec.h"
 #include "coherent.h"
@@ -42,6 +43,9 @@ asdic_layout asdic_layout_default(const asdic_device_info *info) {
     layout.workers = info->compute_units;
     layout.batch_slots = (size_t)1 << 20;
     layout.ping_batch_slots = (size_t)1 << (cpu ? 13 : 18);
+    layout.threads = asdic_processors();
+    layout.thread_cells = (size_t)1
+                          << 14; /* their levels take some four times as long as a thread's start */
     return layout;
 }
 
@@ -230,6 +234,13 @@ static asdic_status check_arguments(asdic_context *ctx, const asdic_scene *scene
 }
 
 /* Bins, and how the work on them is laid out. */
+static unsigned thread_count(const asdic_simulator *sim) {
+    size_t most = sim->setup.layout.threads, worth = sim->setup.layout.thread_cells;
+    size_t count = worth > 0 ? sim->setup.cells / worth : 1;
+    count = count < most ? count : most;
+    return count < 1 ? 1 : count < ASDIC_SHARE_MOST ? (unsigned)count : ASDIC_SHARE_MOST;
+}
+
 static void plan_work(asdic_simulator *sim, const asdic_water_column *water) {
     sim->setup.bins = asdic_sonar_bin_count(&sim->setup.sonar, water->sound_speed_mps);
     sim->setup.cells = sim->setup.bins * sim->setup.sonar.receiver_count;
@@ -237,6 +248,7 @@ static void plan_work(asdic_simulator *sim, const asdic_water_column *water) {
     if (sim->setup.layout.local > LOCAL_LIMIT) {
         sim->setup.layout.local = LOCAL_LIMIT;
     }
+    sim->setup.threads = thread_count(sim);
     asdic_beam_fan_plan(&sim->setup.sonar, &sim->fan);
     if (sim->fan.many) { /* the block tells the error */
         sim->setup.groups = 1;
@@ -375,7 +387,7 @@ static asdic_status furnish(asdic_simulator *sim, const asdic_water_column *wate
     TRY(asdic_faces_init(&sim->learnt.faces, sim->device, scene_echoes(sim) ? scene : NULL));
     TRY(asdic_truth_init(sim));
     TRY(asdic_speckle_create(sim->ctx, &sim->setup.sonar, water->sound_speed_mps, sim->setup.bins,
-                             &sim->speckle));
+                             sim->setup.threads, &sim->speckle));
     asdic_simulator_forget(sim);
     return sim->setup.sampling.coherent ? asdic_coherent_create(sim, water, &sim->coherent)
                                         : ASDIC_OK;

@@ -45,6 +45,8 @@ typedef struct asdic_layout {
     size_t batch_slots; /* rays held on the device at once, at least ASDIC_PILOT_RAYS */
     size_t
         ping_batch_slots; /* pings go to the device together while their rays are no more than this */
+    unsigned threads; /* of the host, that share a ping's beams, at most: each has THREAD_CELLS */
+    size_t thread_cells;
 } asdic_layout;
 
 asdic_layout asdic_layout_default(const asdic_device_info *info);
@@ -95,6 +97,7 @@ typedef struct asdic_setup {
     unsigned groups;             /* replicates of a ping, whose spread tells its error */
     size_t per_group;            /* slots of a group in one batch of rays */
     size_t ping_batch;           /* that go to the device together */
+    unsigned threads;            /* of the host, that share a ping's beams */
     bool has_mirrors;            /* multipath is wanted, and something in the scene reflects */
     asdic_scatterer *scatterers; /* the scene's materials, then the surface */
     dev_ping ping;               /* the members that are the same in every ping */
@@ -135,7 +138,7 @@ typedef struct asdic_host_store {
     double *bin_tables;
     float *water;
     char *results;
-    double *scratch; /* asdic_pulse_scratch */
+    double *scratch; /* asdic_pulse_scratch for every thread */
     dev_pilot *pilot_rays;
     float *pilot_energies;
 } asdic_host_store;
@@ -176,7 +179,7 @@ typedef struct asdic_truth_rows {
     asdic_buffer *table_buffer, *cell_buffer;
     void *cells; /* as they came from the device */
     size_t bytes;
-    double *work;              /* of a beam */
+    double *work;              /* of every thread */
     asdic_truth_point *points; /* of the current shot */
     double *point_lin;         /* their energies, [point][beam] */
     size_t point_count;

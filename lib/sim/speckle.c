@@ -2,6 +2,7 @@
 
 #include "base/bits.h"
 #include "base/context.h"
+#include "base/share.h"
 #include "base/widest.h"
 #include "coherence.h"
 #include "texture.h"
@@ -25,6 +26,8 @@
 #define RIDGE 1e-3
 /* Bins within 1/16 of a cell are taken as one: they share 0.99 of the pressure. */
 #define SAME_CELL 16.0
+/* Beams of a group, at least. */
+#define LEAST_GROUP 32
 /* A cell's number in a stream: its bin, and above that the look; looks are at most 1000. */
 #define LOOK_SHIFT 22
 #define TEXTURE_LOOK 1023u
@@ -36,15 +39,25 @@ typedef struct pulse {
     bool is_one; /* all bins are the same */
 } pulse;
 
+/* Where a thread draws a block. */
+typedef struct sheet {
+    bool *is_heard; /* sources that the beams in hand hear */
+    float *noise;   /* of one source: a row of complex numbers */
+    float *sources; /* [source][2][block] */
+    double *drawn;  /* intensities of a beam's block */
+} sheet;
+
 struct asdic_speckle_field {
     asdic_sonar sonar; /* without receivers */
     asdic_coherence coherence;
     asdic_texture texture; /* of K */
     pulse pulse;
     size_t bins, block;
-    float *noise;   /* of one source: a row of complex numbers */
-    float *sources; /* [source][2][block] */
-    double *drawn;  /* intensities of a beam's block */
+    sheet *sheets; /* of every thread */
+    unsigned threads;
+    size_t
+        groups; /* of beams, where blocks are too few for the threads: their sources are drawn twice at the
+                    * edges */
 };
 
 /* A stream of complex normal variates. */
@@ -116,8 +129,34 @@ static size_t noise_length(const asdic_speckle_field *f) {
     return f->block + beyond(&f->pulse) + RUN;
 }
 
+static size_t blocks_of(const asdic_speckle_field *f) {
+    return (f->bins + f->block - 1) / f->block;
+}
+
+/* Threads take blocks in turn: two for each keep all of them at work. */
+static size_t groups_of(const asdic_speckle_field *f) {
+    size_t wanted = f->threads > 1 ? (2 * f->threads - 1) / blocks_of(f) + 1 : 1;
+    size_t most = f->coherence.receivers / LEAST_GROUP;
+    return wanted < most ? wanted : most > 0 ? most : 1;
+}
+
+static bool make_sheets(asdic_speckle_field *f) {
+    bool has_all = true;
+    f->sheets = calloc(f->threads, sizeof *f->sheets);
+    for (unsigned i = 0; f->sheets && i < f->threads; i++) {
+        sheet *s = &f->sheets[i];
+        s->is_heard = malloc(f->coherence.sources);
+        s->noise = malloc(2 * noise_length(f) * sizeof *s->noise);
+        s->sources = malloc(2 * f->coherence.sources * f->block * sizeof *s->sources);
+        s->drawn = malloc(f->block * sizeof *s->drawn);
+        has_all = has_all && s->is_heard && s->noise && s->sources && s->drawn;
+    }
+    return f->sheets && has_all;
+}
+
 asdic_status asdic_speckle_create(asdic_context *ctx, const asdic_sonar *sonar,
-                                  double sound_speed_mps, size_t bins, asdic_speckle_field **out) {
+                                  double sound_speed_mps, size_t bins, unsigned threads,
+                                  asdic_speckle_field **out) {
     *out = NULL;
     if (sonar->speckle == ASDIC_SPECKLE_NONE) {
         return ASDIC_OK;
@@ -139,12 +178,11 @@ asdic_status asdic_speckle_create(asdic_context *ctx, const asdic_sonar *sonar,
     f->bins = bins;
     f->block = (size_t)block;
     f->pulse = pulse_of(cell, bins);
-    f->noise = malloc(2 * noise_length(f) * sizeof *f->noise);
-    f->sources = malloc(2 * f->coherence.sources * f->block * sizeof *f->sources);
-    f->drawn = malloc(f->block * sizeof *f->drawn);
+    f->threads = threads;
+    f->groups = groups_of(f);
     bool has_texture =
         sonar->speckle != ASDIC_SPECKLE_K || asdic_texture_init(&f->texture, sonar->speckle_shape);
-    if (!f->noise || !f->sources || !f->drawn || !has_texture) {
+    if (!has_texture || !make_sheets(f)) {
         asdic_speckle_destroy(&f);
         return asdic_fail_memory(ctx, "speckle");
     }
@@ -156,9 +194,13 @@ void asdic_speckle_destroy(asdic_speckle_field **field) {
     if (field && *field) {
         asdic_coherence_finish(&(*field)->coherence);
         asdic_texture_finish(&(*field)->texture);
-        free((*field)->noise);
-        free((*field)->sources);
-        free((*field)->drawn);
+        for (unsigned i = 0; (*field)->sheets && i < (*field)->threads; i++) {
+            free((*field)->sheets[i].is_heard);
+            free((*field)->sheets[i].noise);
+            free((*field)->sheets[i].sources);
+            free((*field)->sheets[i].drawn);
+        }
+        free((*field)->sheets);
         free(*field);
         *field = NULL;
     }
@@ -262,13 +304,17 @@ WIDEST static void filter(const pulse *p, const float *restrict x, size_t count,
     }
 }
 
-/* Draws all sources in the block of COUNT bins that begins at FIRST. */
-static void draw_sources(asdic_speckle_field *f, stream s, size_t first, size_t count) {
+/* Draws the sources that are heard, in the block of COUNT bins that begins at FIRST. */
+static void draw_sources(const asdic_speckle_field *f, const sheet *on, stream s, size_t first,
+                         size_t count) {
     const pulse *p = &f->pulse;
     size_t length = noise_length(f), runs = (count + RUN - 1) / RUN * RUN;
-    row white = {f->noise, f->noise + length};
+    row white = {on->noise, on->noise + length};
     for (size_t i = 0; i < f->coherence.sources; i++) {
-        row out = {f->sources + 2 * i * f->block, f->sources + (2 * i + 1) * f->block};
+        if (!on->is_heard[i]) {
+            continue;
+        }
+        row out = {on->sources + 2 * i * f->block, on->sources + (2 * i + 1) * f->block};
         if (p->count == 1) {
             draw_row(s, (uint32_t)i, p->is_one ? 0 : first, p->is_one ? 1 : count, out);
             for (size_t k = 1; p->is_one && k < runs; k++) {
@@ -305,12 +351,13 @@ WIDEST static void hear(const float *restrict sources, size_t block,
     }
 }
 
-static void hear_beam(const asdic_speckle_field *f, size_t beam, size_t count, double *intensity) {
+static void hear_beam(const asdic_speckle_field *f, const sheet *on, size_t beam, size_t count,
+                      double *intensity) {
     const asdic_coherence *c = &f->coherence;
     size_t first = c->first[beam], taps = c->first[beam + 1] - first;
     for (size_t at = 0; at < count; at += RUN) {
         size_t left = count - at;
-        hear(f->sources + at, f->block, c->source + first, c->weight + first, taps,
+        hear(on->sources + at, f->block, c->source + first, c->weight + first, taps,
              left < RUN ? left : RUN, intensity + at);
     }
 }
@@ -327,35 +374,65 @@ static void scale_beam(double *const *part, size_t first, size_t count, double l
     }
 }
 
+/* A ping to which speckle is applied. */
+typedef struct drawing {
+    const asdic_speckle_field *field;
+    asdic_ping *ping;
+    stream stream;
+    unsigned looks;
+} drawing;
+
+/* Notes the sources of beams FROM to TO. */
+static void mark_sources(const asdic_coherence *c, size_t from, size_t to, bool *is_heard) {
+    memset(is_heard, 0, c->sources);
+    for (size_t k = c->first[from]; k < c->first[to]; k++) {
+        is_heard[c->source[k]] = true;
+    }
+}
+
+/* Draws part AT of a ping: a group of beams in a block of bins. */
+static void draw_part(void *user, unsigned worker, size_t at, size_t end) {
+    const drawing *d = user;
+    const asdic_speckle_field *f = d->field;
+    const sheet *on = &f->sheets[worker];
+    const asdic_texture *texture = f->sonar.speckle == ASDIC_SPECKLE_K ? &f->texture : NULL;
+    double *const *part = d->ping->intensity_lin;
+    size_t beams = d->ping->beams, group = at % f->groups, first = at / f->groups * f->block;
+    size_t from = beams * group / f->groups, to = beams * (group + 1) / f->groups;
+    size_t left = f->bins - first, count = left < f->block ? left : f->block;
+    stream s = d->stream;
+    (void)end;
+    mark_sources(&f->coherence, from, to, on->is_heard);
+    for (size_t b = from; b < to; b++) {
+        memset(part[ASDIC_TOTAL] + b * f->bins + first, 0, count * sizeof *part[ASDIC_TOTAL]);
+    }
+    for (s.look = 0; s.look < d->looks; s.look++) {
+        draw_sources(f, on, s, first, count);
+        for (size_t b = from; b < to; b++) {
+            hear_beam(f, on, b, count, part[ASDIC_TOTAL] + b * f->bins + first);
+        }
+    }
+    if (texture) {
+        s.look = TEXTURE_LOOK;
+        draw_sources(f, on, s, first, count);
+    }
+    for (size_t b = from; b < to; b++) {
+        memset(on->drawn, 0, count * sizeof *on->drawn);
+        if (texture) {
+            hear_beam(f, on, b, count, on->drawn);
+        }
+        scale_beam(part, b * f->bins + first, count, d->looks, texture, on->drawn);
+    }
+}
+
 void asdic_speckle_apply(asdic_speckle_field *f, double sound_speed_mps, uint64_t seed,
                          uint64_t index, asdic_ping *ping) {
-    if (!f) {
-        return;
-    }
-    double *const *part = ping->intensity_lin;
-    const asdic_texture *texture = f->sonar.speckle == ASDIC_SPECKLE_K ? &f->texture : NULL;
-    unsigned looks = asdic_sonar_looks(&f->sonar, sound_speed_mps);
-    stream s = {.seed = {(uint32_t)seed, (uint32_t)(seed >> 32)},
-                .index = {(uint32_t)index, (uint32_t)(index >> 32)}};
-    memset(part[ASDIC_TOTAL], 0, ping->beams * ping->bins * sizeof *part[ASDIC_TOTAL]);
-    for (size_t first = 0; first < f->bins; first += f->block) {
-        size_t left = f->bins - first, count = left < f->block ? left : f->block;
-        for (s.look = 0; s.look < looks; s.look++) {
-            draw_sources(f, s, first, count);
-            for (size_t b = 0; b < ping->beams; b++) {
-                hear_beam(f, b, count, part[ASDIC_TOTAL] + b * f->bins + first);
-            }
-        }
-        if (texture) {
-            s.look = TEXTURE_LOOK;
-            draw_sources(f, s, first, count);
-        }
-        for (size_t b = 0; b < ping->beams; b++) {
-            memset(f->drawn, 0, count * sizeof *f->drawn);
-            if (texture) {
-                hear_beam(f, b, count, f->drawn);
-            }
-            scale_beam(part, b * f->bins + first, count, looks, texture, f->drawn);
-        }
+    if (f) {
+        drawing d = {.field = f,
+                     .ping = ping,
+                     .stream = {.seed = {(uint32_t)seed, (uint32_t)(seed >> 32)},
+                                .index = {(uint32_t)index, (uint32_t)(index >> 32)}},
+                     .looks = asdic_sonar_looks(&f->sonar, sound_speed_mps)};
+        asdic_share(f->threads, blocks_of(f) * f->groups, 1, draw_part, &d);
     }
 }

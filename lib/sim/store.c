@@ -53,7 +53,8 @@ asdic_status asdic_store_create_host(asdic_simulator *sim) {
     sim->host.water = calloc(pings * 2 * bins, sizeof *sim->host.water);
     sim->host.results = malloc(pings * asdic_simulator_results_bytes(sim));
     sim->learnt.stated = malloc(sim->setup.cells * sizeof *sim->learnt.stated);
-    sim->host.scratch = malloc(asdic_pulse_scratch(bins) * sizeof *sim->host.scratch);
+    sim->host.scratch =
+        malloc(sim->setup.threads * asdic_pulse_scratch(bins) * sizeof *sim->host.scratch);
     sim->host.pilot_rays = malloc(pilot_slots(sim) * sizeof *sim->host.pilot_rays);
     sim->host.pilot_energies = malloc(pilot_energy_bytes(sim));
     if (!sim->setup.receivers || !sim->host.pings || !sim->shots || !sim->host.bin_tables ||

@@ -1,6 +1,7 @@
 #include "truth.h"
 
 #include "base/context.h"
+#include "base/share.h"
 #include "base/try.h"
 #include "base/vec.h"
 #include "base/widest.h"
@@ -26,10 +27,15 @@ static size_t columns_of(const asdic_simulator *sim) {
     return width == 8 && beams <= 4 ? 4 : (beams + width - 1) / width * width;
 }
 
+/* Doubles that a thread needs for telling a tile. */
+static size_t work_of(const asdic_simulator *sim) {
+    return (5 * TILE + 1) * sim->setup.bins;
+}
+
 asdic_status asdic_truth_init(asdic_simulator *sim) {
     asdic_truth_rows *t = &sim->truth;
     const asdic_scene *scene = sim->setup.scene;
-    size_t beams = sim->setup.sonar.receiver_count, bins = sim->setup.bins;
+    size_t beams = sim->setup.sonar.receiver_count;
     if (!sim->setup.sampling.truth) {
         return asdic_buffer_create(sim->device, 0, NULL, &t->table_buffer);
     }
@@ -45,7 +51,7 @@ asdic_status asdic_truth_init(asdic_simulator *sim) {
     size_t pings = sim->setup.ping_batch, points = scene->point_count;
     points *= sim->setup.layer_count > 0 ? ASDIC_MOST_EIGENRAYS * ASDIC_MOST_EIGENRAYS : 1;
     t->table = calloc(pings * t->rows, sizeof *t->table);
-    t->work = calloc((5 * TILE + 1) * bins, sizeof *t->work);
+    t->work = calloc(sim->setup.threads * work_of(sim), sizeof *t->work);
     t->points = calloc(points + 1, sizeof *t->points);
     t->point_lin = calloc(points * beams + 1, sizeof *t->point_lin);
     if (!t->table || !t->work || !t->points || !t->point_lin) {
@@ -206,7 +212,8 @@ typedef struct telling {
     asdic_ping *out;
     size_t nth, beam, beams; /* from which one on, how many */
     double source_lin, speed_mps;
-    bool smears; /* the pulse */
+    bool smears;            /* the pulse */
+    double *work, *scratch; /* the thread's */
 } telling;
 
 WIDEST static void take_floats(const float *cells, size_t beams, double worth, double *to,
@@ -245,8 +252,8 @@ static void gather(const telling *to, size_t row, double unit, double *energy) {
 
 static void smear(const telling *to, double *energy) {
     for (size_t b = 0; b < to->beams && to->smears; b++) {
-        asdic_pulse_smear_row(&to->sim->setup.sonar, to->speed_mps, to->sim->host.scratch,
-                              to->out->bins, energy + b * to->out->bins);
+        asdic_pulse_smear_row(&to->sim->setup.sonar, to->speed_mps, to->scratch, to->out->bins,
+                              energy + b * to->out->bins);
     }
 }
 
@@ -351,12 +358,12 @@ static void find_parts(const telling *to, size_t first, asdic_holdings *h) {
     }
 }
 
-/* Of WORK the first tile is 0 before and after, and the last row always. */
+/* Of the work the first tile is 0 before and after, and the last row always. */
 static void tell_tile(const telling *to) {
     size_t bins = to->out->bins, tile = TILE * bins, used = to->beams * bins * sizeof(double);
     const asdic_truth_rows *t = &to->sim->truth;
     const asdic_ping_truth *truth = to->out->truth;
-    double *most = t->work + tile, *by_surface = most + tile, *by_bottom = by_surface + tile,
+    double *most = to->work + tile, *by_surface = most + tile, *by_bottom = by_surface + tile,
            *moment = by_bottom + tile, *none = moment + tile;
     double unit = to->source_lin / to->shot->ping->sums.scale[DEV_DEPOSIT_MULTIPATH];
     bool boundaries = t->table[to->nth * t->rows + DEV_TRUTH_BY_SURFACE].high;
@@ -367,7 +374,7 @@ static void tell_tile(const telling *to) {
         smear(to, by_bottom);
     }
     memset(most, 0, used);
-    find_objects(to, t->work, most);
+    find_objects(to, to->work, most);
     gather_moments(to, moment);
     for (size_t b = 0; b < to->beams; b++) {
         size_t first = (to->beam + b) * bins;
@@ -382,8 +389,8 @@ static void tell_tile(const telling *to) {
 }
 
 /* Tells the beams of OUT, which is what SHOT became, from BEAM on: as many as go together. */
-static void tell_beams(asdic_simulator *sim, const asdic_ping_shot *shot, size_t beam,
-                       asdic_ping *out) {
+static void tell_beams(asdic_simulator *sim, const asdic_ping_shot *shot, unsigned worker,
+                       size_t beam, asdic_ping *out) {
     size_t left = out->beams - beam;
     telling to = {.sim = sim,
                   .shot = shot,
@@ -392,7 +399,9 @@ static void tell_beams(asdic_simulator *sim, const asdic_ping_shot *shot, size_t
                   .beam = beam,
                   .beams = left < TILE ? left : TILE,
                   .source_lin = asdic_simulator_source_lin(sim, &shot->water),
-                  .speed_mps = shot->water.sound_speed_mps};
+                  .speed_mps = shot->water.sound_speed_mps,
+                  .work = sim->truth.work + worker * work_of(sim),
+                  .scratch = sim->host.scratch + worker * asdic_pulse_scratch(out->bins)};
     to.smears = asdic_pulse_smears(&sim->setup.sonar, to.speed_mps);
     tell_tile(&to);
 }
@@ -403,18 +412,29 @@ static bool is_late(const asdic_simulator *sim, const asdic_ping_shot *shot) {
            asdic_pulse_smears(&sim->setup.sonar, shot->water.sound_speed_mps);
 }
 
-void asdic_truth_tell(asdic_simulator *sim, const asdic_ping_shot *shot, size_t beam,
-                      asdic_ping *out) {
+void asdic_truth_tell(asdic_simulator *sim, const asdic_ping_shot *shot, unsigned worker,
+                      size_t beam, asdic_ping *out) {
     if (sim->truth.asked && out->truth && !is_late(sim, shot)) {
-        tell_beams(sim, shot, beam, out);
+        tell_beams(sim, shot, worker, beam, out);
     }
 }
 
+typedef struct late {
+    asdic_simulator *sim;
+    const asdic_ping_shot *shot;
+    asdic_ping *out;
+} late;
+
+static void tell_late(void *user, unsigned worker, size_t first, size_t end) {
+    const late *l = user;
+    (void)end;
+    tell_beams(l->sim, l->shot, worker, first, l->out);
+}
+
 void asdic_truth_end(asdic_simulator *sim, size_t nth, asdic_ping *out) {
-    const asdic_ping_shot *shot = &sim->shots[nth];
-    bool wanted = sim->truth.asked && out->truth && is_late(sim, shot);
-    for (size_t beam = 0; wanted && beam < out->beams; beam += TILE) {
-        tell_beams(sim, shot, beam, out);
+    late l = {sim, &sim->shots[nth], out};
+    if (sim->truth.asked && out->truth && is_late(sim, l.shot)) {
+        asdic_share(sim->setup.threads, out->beams, TILE, tell_late, &l);
     }
     sim->truth.point_count = 0;
 }

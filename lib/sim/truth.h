@@ -10,7 +10,7 @@
 asdic_status asdic_truth_init(asdic_simulator *sim);
 void asdic_truth_finish(asdic_simulator *sim);
 
-/* Beams whose truth is told together. */
+/* Beams whose truth is told together, and which a thread takes at once. */
 #define ASDIC_TRUTH_BEAMS 16u
 
 /* Before the rays of the first COUNT shots: says which bins each row spans, clears the rows. Nothing where no
@@ -24,10 +24,11 @@ asdic_status asdic_truth_fetch(asdic_simulator *sim);
 void asdic_truth_add_point(asdic_simulator *sim, size_t point, double down, size_t beam, size_t bin,
                            double energy);
 
-/* Fills the truth of the beams of OUT from BEAM on, as soon as they have the levels of SHOT and while these are in
- * a cache; where points or the pulse's length will change them, does nothing. */
-void asdic_truth_tell(asdic_simulator *sim, const asdic_ping_shot *shot, size_t beam,
-                      asdic_ping *out);
+/* Fills the truth of ASDIC_TRUTH_BEAMS beams of OUT from BEAM on, as soon as they have the levels of SHOT and while
+ * these are in a cache; where points or the pulse's length will change them, does nothing. WORKER: the thread's
+ * number, below setup.threads. */
+void asdic_truth_tell(asdic_simulator *sim, const asdic_ping_shot *shot, unsigned worker,
+                      size_t beam, asdic_ping *out);
 
 /* Fills the truth of OUT, which is what shot NTH became, with points and pulse, before speckle, where
  * asdic_truth_tell has not. */

@@ -11,6 +11,7 @@
 #include "base/context.h"
 #include "base/number.h"
 #include "base/sha256.h"
+#include "base/share.h"
 #include "base/try.h"
 #include "mission/run/team_message.h"
 #include "out/file.h"
@@ -385,8 +386,8 @@ static asdic_status fly_in_team(fleet *f, trial_facts *facts, const asdic_text *
 /* --- the calls --------------------------------------------------------------------------------- */
 
 static size_t count_blind(void) {
-    long processors = sysconf(_SC_NPROCESSORS_ONLN);
-    return processors < 1 ? 1 : processors > MOST_BLIND ? MOST_BLIND : (size_t)processors;
+    unsigned processors = asdic_processors();
+    return processors > MOST_BLIND ? MOST_BLIND : processors;
 }
 
 asdic_status asdic_trial_fly(asdic_context *ctx, asdic_device **devices, size_t device_count,

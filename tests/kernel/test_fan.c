@@ -257,13 +257,15 @@ static void many_hear_what_few_hear(void **state) {
 
 static void layout_never_changes_a_byte(void **state) {
     (void)state;
-    const fan_case f = {64, 90, 450, 40.3, 5.2, 1.1, 5.2, 4, 6, 0, false};
+    const fan_case f = {150, 90, 450, 40.3, 5.2, 1.1, 5.2, 4, 6, 0, false};
     ping_rig r = rig_of(&f);
     r.sampling.rays = 200000;
     add_ball(&r);
     asdic_ping *plain = shoot(&r, true);
     r.layout.local = 8;
     r.layout.batch_slots = 16384;
+    r.layout.threads = 5;
+    r.layout.thread_cells = 1;
     asdic_ping *other = shoot(&r, true);
     assert_true(rig_same(plain, other));
     asdic_ping_destroy(&plain);

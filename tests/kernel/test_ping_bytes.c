@@ -26,7 +26,12 @@ static void layout_never_changes_a_byte_of(size_t beams) {
     static const asdic_layout others[] = {
         {.deposit = ASDIC_DEPOSIT_COLLECT, .local = 1, .batch_slots = 16384},
         {.deposit = ASDIC_DEPOSIT_COLLECT, .local = 8, .batch_slots = 1 << 20, .workers = 1},
-        {.deposit = ASDIC_DEPOSIT_COLLECT, .local = 8, .batch_slots = 1 << 20, .workers = 3},
+        {.deposit = ASDIC_DEPOSIT_COLLECT,
+         .local = 8,
+         .batch_slots = 1 << 20,
+         .workers = 3,
+         .threads = 4,
+         .thread_cells = 1},
         {.deposit = ASDIC_DEPOSIT_COLLECT, .local = 64, .batch_slots = 20000, .workers = 3},
         {.deposit = ASDIC_DEPOSIT_COLLECT, .local = 4096, .batch_slots = 1 << 20},
         {.deposit = ASDIC_DEPOSIT_ATOMIC32, .local = 4096, .batch_slots = 20000},

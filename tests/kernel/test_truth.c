@@ -216,16 +216,17 @@ static bool same_truth(const asdic_ping *a, const asdic_ping *b) {
 
 static void layouts_and_levels_agree(void **state) {
     (void)state;
-    for (size_t i = 0; i < KINDS; i += KINDS - 1) { /* many kernels: of few beams, and a fan */
+    for (size_t i = 0; i < KINDS; i += i ? 1 : KINDS - 2) { /* many kernels: few beams, and fans */
         const kind *k = &kinds[i];
         ping_rig r = make_rig(k, 0);
         const asdic_layout usual = r.layout;
         asdic_ping *plain = shoot(&r, k, false), *truth = shoot(&r, k, true);
         assert_true(rig_same(plain, truth));
         const asdic_layout others[] = {
-            {usual.width, ASDIC_DEPOSIT_COLLECT, 1, 1, usual.batch_slots, usual.ping_batch_slots},
-            {usual.width, ASDIC_DEPOSIT_COLLECT, 8, 3, 5000, 1},
-            {usual.width, ASDIC_DEPOSIT_ATOMIC32, 4, 2, usual.batch_slots, 1},
+            {usual.width, ASDIC_DEPOSIT_COLLECT, 1, 1, usual.batch_slots, usual.ping_batch_slots, 1,
+             1},
+            {usual.width, ASDIC_DEPOSIT_COLLECT, 8, 3, 5000, 1, 2, 1},
+            {usual.width, ASDIC_DEPOSIT_ATOMIC32, 4, 2, usual.batch_slots, 1, 5, 1},
         };
         for (size_t o = 0; o < 3 && usual.deposit == ASDIC_DEPOSIT_COLLECT; o++) {
             r.layout = others[o];

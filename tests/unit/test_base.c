@@ -8,8 +8,11 @@
 #include "base/file_read.h"
 #include "base/number.h"
 #include "base/sha256.h"
+#include "base/share.h"
 #include "base/text.h"
 
+#include <sched.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <unistd.h>
@@ -136,6 +139,54 @@ static void files_are_read_whole_or_refused(void **state) {
     asdic_context_destroy(&ctx);
 }
 
+typedef struct tally {
+    size_t step, count;
+    atomic_int taken[100];
+    atomic_int at_work[ASDIC_SHARE_MOST]; /* by worker */
+} tally;
+
+static void take(void *user, unsigned worker, size_t first, size_t end) {
+    tally *t = user;
+    assert_int_equal(atomic_fetch_add(&t->at_work[worker], 1), 0);
+    assert_int_equal(first % t->step, 0);
+    assert_true(end == first + t->step || (end == t->count && end < first + t->step));
+    for (size_t i = first; i < end; i++) {
+        atomic_fetch_add(&t->taken[i], 1);
+    }
+    sched_yield();
+    atomic_fetch_sub(&t->at_work[worker], 1);
+}
+
+static void shares_are_taken_once(void **state) {
+    (void)state;
+    static const size_t counts[] = {0, 1, 7, 64, 100}, steps[] = {1, 3, 64, 200};
+    static const unsigned threads[] = {0, 1, 2, 5, 1000};
+    for (size_t k = 0; k < 5 * 4 * 5; k++) {
+        tally t = {.step = steps[k / 5 % 4], .count = counts[k % 5]};
+        asdic_share(threads[k / 20], t.count, t.step, take, &t);
+        for (size_t i = 0; i < 100; i++) {
+            assert_int_equal(t.taken[i], i < t.count ? 1 : 0);
+        }
+    }
+}
+
+/* A process that was given one processor of many counts one. */
+static void processors_are_those_that_may_be_used(void **state) {
+    (void)state;
+    cpu_set_t all, one;
+    assert_int_equal(sched_getaffinity(0, sizeof all, &all), 0);
+    assert_int_equal(asdic_processors(), CPU_COUNT(&all));
+    CPU_ZERO(&one);
+    for (int i = 0; i < CPU_SETSIZE && CPU_COUNT(&one) == 0; i++) {
+        if (CPU_ISSET(i, &all)) {
+            CPU_SET(i, &one);
+        }
+    }
+    assert_int_equal(sched_setaffinity(0, sizeof one, &one), 0);
+    assert_int_equal(asdic_processors(), 1);
+    assert_int_equal(sched_setaffinity(0, sizeof all, &all), 0);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(sha256_meets_published_vectors),
@@ -144,6 +195,8 @@ int main(void) {
         cmocka_unit_test(whole_numbers_are_whole),
         cmocka_unit_test(files_are_read_whole_or_refused),
         cmocka_unit_test(a_dash_is_standard_input),
+        cmocka_unit_test(shares_are_taken_once),
+        cmocka_unit_test(processors_are_those_that_may_be_used),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -89,7 +89,7 @@ static void draw(const asdic_sonar *s, double rho2[MOST][MOST]) {
     enum { BINS = 1000, PINGS = 60 };
     asdic_speckle_field *field = NULL;
     asdic_ping *ping = NULL;
-    assert_ok(ctx, asdic_speckle_create(ctx, s, SPEED, BINS, &field));
+    assert_ok(ctx, asdic_speckle_create(ctx, s, SPEED, BINS, 1, &field));
     assert_ok(ctx, asdic_ping_create(ctx, s->receiver_count, BINS, &ping));
     const double *x = ping->intensity_lin[ASDIC_TOTAL];
     double sum[MOST][MOST] = {{0.0}};

@@ -33,7 +33,7 @@ static int tear_down(void **state) {
 static void smear(rig *r, double length) {
     r->sonar.bin_length_m = 0.1;
     r->sonar.bandwidth_hz = 1500.0 / (2.0 * length * r->sonar.bin_length_m);
-    asdic_pulse_smear(&r->sonar, 1500.0, r->scratch, r->ping);
+    asdic_pulse_smear(&r->sonar, 1500.0, 1, r->scratch, r->ping);
 }
 
 /* Energy of 1 in one bin spreads over five; a bin that holds nothing but its neighbour's energy errs as

@@ -49,16 +49,21 @@ typedef struct drawing {
 
 #define SPEED 1500.0
 
-static drawing drawing_begin(const asdic_sonar *sonar, size_t bins, double fixed) {
+static drawing drawing_by_threads(const asdic_sonar *sonar, size_t bins, double fixed,
+                                  unsigned threads) {
     drawing d = {0};
     assert_int_equal(asdic_context_create(&d.ctx), ASDIC_OK);
     assert_ok(d.ctx, asdic_ping_create(d.ctx, sonar->receiver_count, bins, &d.ping));
-    assert_ok(d.ctx, asdic_speckle_create(d.ctx, sonar, SPEED, bins, &d.field));
+    assert_ok(d.ctx, asdic_speckle_create(d.ctx, sonar, SPEED, bins, threads, &d.field));
     for (size_t i = 0; i < sonar->receiver_count * bins; i++) {
         d.ping->intensity_lin[ASDIC_BOTTOM][i] = 1.0 - fixed;
         d.ping->intensity_lin[ASDIC_OBJECT][i] = fixed;
     }
     return d;
+}
+
+static drawing drawing_begin(const asdic_sonar *sonar, size_t bins, double fixed) {
+    return drawing_by_threads(sonar, bins, fixed, 1);
 }
 
 /* Intensities of the next ping, [beam * bins + bin]. */
@@ -306,6 +311,39 @@ static void textures_are_gamma_variates(void **state) {
     }
 }
 
+/* Threads share blocks of bins, and where these are few groups of beams, which draw sources twice. */
+static void threads_change_nothing(void **state) {
+    (void)state;
+    enum { BEAMS = 203 };
+    static const struct {
+        size_t bins;
+        double cell_m;
+        asdic_speckle speckle;
+    } kinds[] = {{77, 0.02, ASDIC_SPECKLE_K},
+                 {77, 0.5, ASDIC_SPECKLE_RAYLEIGH},
+                 {391, 0.4, ASDIC_SPECKLE_K},
+                 {391, 0.1, ASDIC_SPECKLE_RAYLEIGH}};
+    asdic_beam receivers[BEAMS];
+    for (int b = 0; b < BEAMS; b++) {
+        receivers[b] = asdic_sonar_default().transmitter;
+        receivers[b].yaw_rad = 0.01 * (double)(b - BEAMS / 2);
+    }
+    for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++) {
+        asdic_sonar sonar = sonar_of(receivers, BEAMS, 0.1, kinds[k].cell_m);
+        sonar.speckle = kinds[k].speckle;
+        sonar.speckle_shape = 2.0;
+        drawing one = drawing_begin(&sonar, kinds[k].bins, 0.3);
+        drawing_next(&one);
+        for (unsigned threads = 2; threads < 9; threads += 3) {
+            drawing many = drawing_by_threads(&sonar, kinds[k].bins, 0.3, threads);
+            assert_memory_equal(drawing_next(&many), one.ping->intensity_lin[ASDIC_TOTAL],
+                                BEAMS * kinds[k].bins * sizeof(double));
+            drawing_end(&many);
+        }
+        drawing_end(&one);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(philox_gives_the_published_answers),
@@ -318,6 +356,7 @@ int main(void) {
         cmocka_unit_test(range_bins_share_what_their_cells_do),
         cmocka_unit_test(long_pulses_are_one_cell),
         cmocka_unit_test(textures_are_gamma_variates),
+        cmocka_unit_test(threads_change_nothing),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
