@@ -44,6 +44,9 @@ asdic_layout asdic_layout_default(const asdic_device_info *info) {
     layout.batch_slots = (size_t)1 << 20;
     layout.ping_batch_slots = (size_t)1 << (cpu ? 13 : 18);
     layout.threads = asdic_processors();
+    if (info->kind == ASDIC_DEVICE_CPU && info->compute_units < layout.threads) {
+        layout.threads = info->compute_units; /* the user's wish, where it is a part of a processor */
+    }
     layout.thread_cells = (size_t)1
                           << 14; /* their levels take some four times as long as a thread's start */
     return layout;

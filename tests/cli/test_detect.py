@@ -121,6 +121,30 @@ def test_objects_are_named_and_mapped():
         tap.equal({o["object"] for o in json.loads(done.out)["objects"]}, {"object"})
 
 
+def test_tracks_move_with_the_whole_scene():
+    """North 400 m, west 300 m: over a flat bottom nothing else changes."""
+    need_device()
+    with Folder() as folder:
+        tracks = {}
+        for name, north, east in ("here", 0, 0), ("there", 400, -300):
+            text = TWO.replace("pings: 20", "pings: 6")
+            for x, y in (26, -15), (26, 15), (0, 0):
+                text = text.replace(f"position_m: [{x}, {y}, 8]", f"position_m: [{x + north}, {y + east}, 8]")
+            folder.write(name + ".yaml", text)
+            asdic("detect", name + ".yaml", "-q", "-o", name, cwd=folder.path).check(0)
+            tracks[name] = [{k: v if k == "truth" else float(v) for k, v in row.items()}
+                            for row in rows(folder / (name + "/tracks.csv"))]
+            for row in tracks[name]:
+                row["x_m"] -= north
+                row["y_m"] -= east
+        tap.equal(len(tracks["here"]) >= 6, True, "tracks")
+        tap.equal(len(tracks["there"]), len(tracks["here"]), "tracks")
+        for here, there in zip(tracks["here"], tracks["there"]):
+            for key, value in here.items():
+                same = value == there[key] if key == "truth" else abs(value - there[key]) < 0.02
+                tap.equal(same, True, f"{key}: {value} {there[key]}")
+
+
 def test_options_replace_the_scenes_detector():
     need_device()
     with Folder() as folder:

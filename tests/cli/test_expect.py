@@ -2,6 +2,7 @@
 import csv
 import io
 import os
+import re
 import struct
 import subprocess
 
@@ -130,6 +131,43 @@ def test_the_picture_of_a_fan_is_of_its_middle():
         with open(folder / "a.png", "rb") as file:
             height = struct.unpack(">I", file.read(24)[20:])[0]
         tap.equal(height < 1000, True, f"{height} pixels are one panel's")
+
+
+def curves_of(svg):
+    """Points of every line of a picture, in pixels."""
+    for path in re.findall(r"<path [^>]*stroke[:=][^>]* d=\"([^\"]*)\"", svg):
+        yield [(float(x), float(y)) for x, y in re.findall(r"[ML] ([-\d.]+) ([-\d.]+)", path)]
+
+
+def test_every_curve_of_the_picture_is_at_its_level():
+    with Folder() as folder:
+        loud = SCENE.replace("{enabled: false}", "{enabled: true}")
+        path = folder.write("scene.yaml", loud.replace("source_level_db: 0", "source_level_db: 150"))
+        done = asdic("expect", path, "-o", "a.csv", "--picture", "a.svg", cwd=folder.path)
+        if "without cairo" in done.err:
+            raise tap.Skip("built without cairo")
+        done.check(code=0)
+        rows = list(csv.DictReader(io.StringIO(folder.read("a.csv"))))
+        lines = [line for line in curves_of(folder.read("a.svg")) if len(line) > 1]
+        tops = {round(min(y for _, y in line), 3) for line in lines if len(line) > 100}
+        tap.equal(len(tops) >= 8, True, "four curves in each of two panels")
+        for beam in ("forward", "down"):
+            levels = {part: [float(row[part]) for row in rows if row["beam"] == beam and row[part]]
+                      for part in HEADER.split(",")[3:]}
+            total = levels["total_db"]
+            flat = [line for line in lines if len({y for _, y in line}) == 1
+                    and abs(line[-1][0] - line[0][0]) > 500]
+
+            def fits(line):
+                ys = [y for _, y in line]
+                pixels = (max(ys) - min(ys)) / (max(total) - min(total))
+                at = lambda level: min(ys) + (max(total) - level) * pixels
+                highest = [at(max(levels[part])) for part in ("bottom_db", "surface_db", "volume_db")]
+                return (all(any(abs(top - y) < 2.0 for top in tops) for y in highest) and
+                        any(abs(line[0][1] - at(levels["noise_db"][0])) < 2.0 for line in flat))
+
+            if not any(fits(line) for line in lines if len(line) > 100):
+                raise AssertionError(f"{beam}: no line fits the total so that the others fit too")
 
 
 def test_wrong_use():

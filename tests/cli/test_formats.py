@@ -11,7 +11,7 @@ import xml.etree.ElementTree
 import program
 import tap
 from program import Folder, asdic
-from run_folder import data, facts, pictures, same, scene
+from run_folder import data, facts, pictures, same, scene, png_texts
 
 SYSTEM_PYTHON = "/usr/bin/python3"  # Debian's, which has Debian's numpy
 
@@ -589,6 +589,12 @@ def test_vector_pictures():
             content = data(folder, "r", stem + ".pdf")
             tap.equal((content[:5], b"%%EOF" in content[-8:], digest in content),
                       (b"%PDF-", True, True), stem)
+            if not re.search(rb"/Keywords \((\w+: [^;)]+; )*\w+: [^;)]+\)", content):
+                raise AssertionError(f"{stem}: no keywords")
+            if stem == "waterfall_down":
+                said = png_texts(data(folder, "r", stem + ".png"))
+                for key in ("db_low", "db_high"):
+                    tap.contains(content.decode("latin-1"), f"{key}: {said[key]}")
             root = xml.etree.ElementTree.fromstring(data(folder, "r", stem + ".svg"))
             tap.equal(root.tag, "{http://www.w3.org/2000/svg}svg", stem)
         root = xml.etree.ElementTree.fromstring(

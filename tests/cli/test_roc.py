@@ -71,6 +71,27 @@ def test_other_beams_and_targets():
         tap.equal(aside["target_db"] < point["target_db"] - 3, True, "off the axis")
 
 
+def test_a_beam_among_others_is_as_alone():
+    need_device()
+    with Folder() as folder:
+        text = SCENE2.read_text(encoding="utf-8")
+        others = [line for line in text.splitlines() if "{name: forward" in line or "{name: up" in line]
+        folder.write("three.yaml", text)
+        for line in others:
+            text = text.replace(line + "\n", "")
+        folder.write("one.yaml", text)
+        levels = {}
+        for name in "three", "one":
+            asdic("roc", name + ".yaml", "--beam", "down", "--range", "40", "--trials", "2000", "-q", "-o", name,
+                  cwd=folder.path).check(0)
+            levels[name] = [(float(row["range_m"]), float(row["snr_db"]))
+                            for row in rows(folder / (name + "/roc_range.csv"))]
+        tap.equal(len(levels["one"]) > 50, True, "ranges")
+        tap.equal([r for r, _ in levels["three"]], [r for r, _ in levels["one"]], "ranges")
+        apart = max(abs(a - b) for (_, a), (_, b) in zip(levels["three"], levels["one"]))
+        tap.equal(apart < 0.01, True, f"{apart} dB")
+
+
 def test_designs_are_compared():
     need_device()
     with Folder() as folder:

@@ -319,6 +319,7 @@ def test_tolerance_finds_rays():
         rays = facts(folder, "fine")["rays"]
         if not (rays > 64 and f"tolerance 0.5 dB: {rays} rays per ping" in done.err):
             raise AssertionError((rays, done.err))
+        tap.contains(done.err, "keep it in 100 % of bins")
         asdic("run", folder / "pool.yaml", "--rays", rays, "-o", "same",
               cwd=folder.path).check(code=0)
         tap.equal(data(folder, "fine", "bins.csv") == data(folder, "same", "bins.csv"), True, "bins")

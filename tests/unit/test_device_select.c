@@ -1,6 +1,7 @@
 /* What --device chooses, on made-up lists: no device is needed. */
 #include "asserts.h"
 
+#include "base/share.h"
 #include "ocl/opencl.h"
 #include "sim/simulator.h"
 
@@ -94,6 +95,17 @@ static void some_drivers_get_no_vectors(void **state) {
     assert_int_equal(asdic_layout_default(&machine[0].info).width, 1);
 }
 
+/* Who gives a part of a processor to the program gets no more threads than that on the host. */
+static void a_part_of_a_processor_gets_as_many_threads(void **state) {
+    (void)state;
+    const asdic_device_info part = {.kind = ASDIC_DEVICE_CPU, .compute_units = 1};
+    const asdic_device_info large = {.kind = ASDIC_DEVICE_CPU, .compute_units = 100000};
+    const asdic_device_info card = {.kind = ASDIC_DEVICE_GPU, .compute_units = 1};
+    assert_int_equal(asdic_layout_default(&part).threads, 1);
+    assert_int_equal(asdic_layout_default(&large).threads, asdic_processors());
+    assert_int_equal(asdic_layout_default(&card).threads, asdic_processors());
+}
+
 static void kinds_choose_all_usable_of_the_kind(void **state) {
     (void)state;
     assert_chosen("cpu", 2, 0, 1);
@@ -156,6 +168,7 @@ int main(void) {
         cmocka_unit_test_setup(auto_takes_the_largest_of_a_kind, setup),
         cmocka_unit_test_setup(slow_drivers_come_last, setup),
         cmocka_unit_test_setup(some_drivers_get_no_vectors, setup),
+        cmocka_unit_test(a_part_of_a_processor_gets_as_many_threads),
         cmocka_unit_test_setup(kinds_choose_all_usable_of_the_kind, setup),
         cmocka_unit_test_setup(pairs_choose_in_the_order_given, setup),
         cmocka_unit_test_setup(names_match_in_part_and_any_case, setup),
