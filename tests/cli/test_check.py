@@ -234,13 +234,15 @@ def test_objects_far_from_a_track_are_remarked_on():
             "mission:", """objects:
   - {name: met, sphere: {radius_m: 1}, position_m: [160, 0, 10]}
   - {name: far, sphere: {radius_m: 1}, position_m: [5100, 0, 10]}
+  - {name: round, box: {size_m: [4, 4, 4]}, position_m: [10, 0, 8]}
 mission:"""))
     floor = "v -100 -80 20\nv 200 -80 20\nv 200 80 20\nv -100 80 20\nf 1 2 3\nf 1 3 4\n"
     with folder(floor_obj=floor, t_csv=track, here_yaml=scene % 0, away_yaml=scene % 400000) as at:
         here = asdic("check", "here.yaml", cwd=at).check(code=0).err
         away = asdic("check", "away.yaml", cwd=at).check(code=0).err
-    tap.equal(here.count("warning"), 1, here)
+    tap.equal(here.count("warning"), 2, here)
     tap.contains(here, "object 'far' is beyond the maximum range: 4999 m away, heard to 74.51 m")
+    tap.contains(here, "object 'round' has the sonar inside it at ping ")
     tap.contains(away, "the bottom is never in range: 3.998e+05 m away, heard to 74.51 m  [bottom]")
 
 

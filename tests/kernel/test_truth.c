@@ -248,6 +248,41 @@ static void layouts_and_levels_agree(void **state) {
     }
 }
 
+static void check_near(const float *a, const float *b, size_t cells) {
+    for (size_t n = 0; n < cells; n++) {
+        assert_true(isnan(a[n]) == isnan(b[n]));
+        assert_true(isnan(a[n]) || fabsf(a[n] - b[n]) < 1e-3f);
+    }
+}
+
+/* A GPU's form of the fan: one receiver a work-item. */
+static void one_receiver_a_work_item_is_told_the_same(void **state) {
+    (void)state;
+    for (size_t i = KINDS - 2; i < KINDS; i++) {
+        const kind *k = &kinds[i];
+        ping_rig r = make_rig(k, 0);
+        asdic_ping *wide = shoot(&r, k, true);
+        r.layout.width = 1;
+        asdic_ping *narrow = shoot(&r, k, true);
+        const asdic_ping_truth *x = wide->truth, *y = narrow->truth;
+        size_t cells = wide->beams * wide->bins, others = 0;
+        check_sums(narrow);
+        check_near(x->share, y->share, cells);
+        check_near(x->object_share, y->object_share, cells);
+        check_near(x->depression_rad, y->depression_rad, cells);
+        for (int p = 0; p < ASDIC_PATH_COUNT; p++) {
+            check_near(x->path[p], y->path[p], cells);
+        }
+        for (size_t n = 0; n < cells; n++) {
+            others += x->object[n] != y->object[n] && x->object_share[n] > 1e-3f;
+        }
+        assert_true(others <= cells / 1000);
+        asdic_ping_destroy(&wide);
+        asdic_ping_destroy(&narrow);
+        rig_destroy(&r);
+    }
+}
+
 /* Every width of a row of cells: work-items of their own cells against atomics; batches of other sizes of a fan. */
 static void any_number_of_beams_is_told(void **state) {
     static const size_t beams[] = {1, 2, 3, 4, 5, 8, 17};
@@ -447,6 +482,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(an_object_is_told_apart),
         cmocka_unit_test(layouts_and_levels_agree),
+        cmocka_unit_test(one_receiver_a_work_item_is_told_the_same),
         cmocka_unit_test(any_number_of_beams_is_told),
         cmocka_unit_test(spheres_are_as_summed_by_hand),
         cmocka_unit_test(mirrors_are_told_apart),
