@@ -20,15 +20,15 @@ typedef struct share {
     atomic_size_t next;
 } share;
 
-typedef struct hand {
+typedef struct helper {
     share *of;
     unsigned worker;
     bool is_started;
     pthread_t thread;
-} hand;
+} helper;
 
 static void *take_parts(void *user) {
-    const hand *h = user;
+    const helper *h = user;
     share *s = h->of;
     for (;;) {
         size_t first = atomic_fetch_add(&s->next, s->step);
@@ -43,19 +43,20 @@ static void *take_parts(void *user) {
 void asdic_share(unsigned threads, size_t count, size_t step,
                  void (*work)(void *user, unsigned worker, size_t first, size_t end), void *user) {
     share s = {.work = work, .user = user, .count = count, .step = step};
-    hand hands[ASDIC_SHARE_MOST];
+    helper helpers[ASDIC_SHARE_MOST];
     size_t parts = (count + step - 1) / step;
     threads = threads < ASDIC_SHARE_MOST ? threads : ASDIC_SHARE_MOST;
     threads = threads < parts ? threads : (unsigned)parts;
     for (unsigned i = 1; i < threads; i++) {
-        hands[i] = (hand){.of = &s, .worker = i};
-        hands[i].is_started = pthread_create(&hands[i].thread, NULL, take_parts, &hands[i]) == 0;
+        helpers[i] = (helper){.of = &s, .worker = i};
+        helpers[i].is_started =
+            pthread_create(&helpers[i].thread, NULL, take_parts, &helpers[i]) == 0;
     }
-    hands[0] = (hand){.of = &s};
-    take_parts(&hands[0]);
+    helpers[0] = (helper){.of = &s};
+    take_parts(&helpers[0]);
     for (unsigned i = 1; i < threads; i++) {
-        if (hands[i].is_started) {
-            pthread_join(hands[i].thread, NULL);
+        if (helpers[i].is_started) {
+            pthread_join(helpers[i].thread, NULL);
         }
     }
 }

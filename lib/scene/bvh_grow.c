@@ -89,9 +89,11 @@ static void grow_subtree(worker *w, const asdic_bvh_task *t) {
     }
 }
 
-static void *help(void *user) {
+/* A thread's part: subtrees until there are none. */
+static void help(void *user, unsigned worker_index, size_t first, size_t end) {
     grower *g = user;
     worker w = {.g = g};
+    (void)worker_index, (void)first, (void)end;
     pthread_mutex_lock(&g->lock);
     for (;;) {
         while (g->queued == 0 && g->running > 0) {
@@ -110,7 +112,6 @@ static void *help(void *user) {
     pthread_cond_broadcast(&g->changed);
     pthread_mutex_unlock(&g->lock);
     atomic_fetch_add(&g->leaves, w.leaves);
-    return NULL;
 }
 
 /* Plans the top of the tree after several threads have grown its subtrees. */
@@ -121,20 +122,6 @@ static void plan_trunk(asdic_bvh_tree *tree, size_t node) {
     plan_trunk(tree, tree->nodes[node].link);
     plan_trunk(tree, tree->nodes[node].link + 1);
     asdic_bvh_plan(tree->nodes, tree->best, node);
-}
-
-static void run(grower *g, unsigned threads) {
-    pthread_t workers[ASDIC_SHARE_MOST];
-    unsigned started = 0;
-    /* Where a thread cannot be started, the others do its work. */
-    while (started + 1 < threads && started < ASDIC_SHARE_MOST &&
-           pthread_create(&workers[started], NULL, help, g) == 0) {
-        started++;
-    }
-    help(g);
-    for (unsigned i = 0; i < started; i++) {
-        pthread_join(workers[i], NULL);
-    }
 }
 
 asdic_status asdic_bvh_grow(asdic_context *ctx, asdic_bvh_item *items, size_t count,
@@ -157,7 +144,7 @@ asdic_status asdic_bvh_grow(asdic_context *ctx, asdic_bvh_item *items, size_t co
     }
     g.queue[0] = (asdic_bvh_task){.count = count};
     asdic_bvh_measure(items, &g.queue[0]);
-    run(&g, threads);
+    asdic_share(threads, threads, 1, help, &g);
     plan_trunk(tree, 0);
     tree->leaves = g.leaves;
     pthread_cond_destroy(&g.changed);

@@ -227,12 +227,15 @@ static void convert_fan_beam(const conversion *k, size_t beam) {
     }
 }
 
+_Static_assert(DEV_FAN_TILE % ASDIC_TRUTH_BEAMS == 0, "threads take parts of tiles");
+
+/* Beams FIRST to END, which are of one tile. */
 static asdic_status convert_some(const conversion *c, unsigned worker, size_t first, size_t end) {
     asdic_simulator *sim = c->sim;
+    if (sim->fan.many) {
+        TRY(asdic_beam_fan_wait(&sim->fan, sim->device, first / DEV_FAN_TILE));
+    }
     for (size_t beam = first; beam < end; beam++) {
-        if (sim->fan.many && (beam == first || beam % DEV_FAN_TILE == 0)) {
-            TRY(asdic_beam_fan_wait(&sim->fan, sim->device, beam / DEV_FAN_TILE));
-        }
         if (sim->fan.many) {
             convert_fan_beam(c, beam);
         } else {

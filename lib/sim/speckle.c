@@ -40,12 +40,12 @@ typedef struct pulse {
 } pulse;
 
 /* Where a thread draws a block. */
-typedef struct sheet {
+typedef struct scratch {
     bool *is_heard; /* sources that the beams in hand hear */
     float *noise;   /* of one source: a row of complex numbers */
     float *sources; /* [source][2][block] */
     double *drawn;  /* intensities of a beam's block */
-} sheet;
+} scratch;
 
 struct asdic_speckle_field {
     asdic_sonar sonar; /* without receivers */
@@ -53,7 +53,7 @@ struct asdic_speckle_field {
     asdic_texture texture; /* of K */
     pulse pulse;
     size_t bins, block;
-    sheet *sheets; /* of every thread */
+    scratch *scratch; /* of every thread */
     unsigned threads;
     size_t
         groups; /* of beams, where blocks are too few for the threads: their sources are drawn twice at the
@@ -140,18 +140,18 @@ static size_t groups_of(const asdic_speckle_field *f) {
     return wanted < most ? wanted : most > 0 ? most : 1;
 }
 
-static bool make_sheets(asdic_speckle_field *f) {
+static bool make_scratch(asdic_speckle_field *f) {
     bool has_all = true;
-    f->sheets = calloc(f->threads, sizeof *f->sheets);
-    for (unsigned i = 0; f->sheets && i < f->threads; i++) {
-        sheet *s = &f->sheets[i];
+    f->scratch = calloc(f->threads, sizeof *f->scratch);
+    for (unsigned i = 0; f->scratch && i < f->threads; i++) {
+        scratch *s = &f->scratch[i];
         s->is_heard = malloc(f->coherence.sources);
         s->noise = malloc(2 * noise_length(f) * sizeof *s->noise);
         s->sources = malloc(2 * f->coherence.sources * f->block * sizeof *s->sources);
         s->drawn = malloc(f->block * sizeof *s->drawn);
         has_all = has_all && s->is_heard && s->noise && s->sources && s->drawn;
     }
-    return f->sheets && has_all;
+    return f->scratch && has_all;
 }
 
 asdic_status asdic_speckle_create(asdic_context *ctx, const asdic_sonar *sonar,
@@ -182,7 +182,7 @@ asdic_status asdic_speckle_create(asdic_context *ctx, const asdic_sonar *sonar,
     f->groups = groups_of(f);
     bool has_texture =
         sonar->speckle != ASDIC_SPECKLE_K || asdic_texture_init(&f->texture, sonar->speckle_shape);
-    if (!has_texture || !make_sheets(f)) {
+    if (!has_texture || !make_scratch(f)) {
         asdic_speckle_destroy(&f);
         return asdic_fail_memory(ctx, "speckle");
     }
@@ -194,13 +194,13 @@ void asdic_speckle_destroy(asdic_speckle_field **field) {
     if (field && *field) {
         asdic_coherence_finish(&(*field)->coherence);
         asdic_texture_finish(&(*field)->texture);
-        for (unsigned i = 0; (*field)->sheets && i < (*field)->threads; i++) {
-            free((*field)->sheets[i].is_heard);
-            free((*field)->sheets[i].noise);
-            free((*field)->sheets[i].sources);
-            free((*field)->sheets[i].drawn);
+        for (unsigned i = 0; (*field)->scratch && i < (*field)->threads; i++) {
+            free((*field)->scratch[i].is_heard);
+            free((*field)->scratch[i].noise);
+            free((*field)->scratch[i].sources);
+            free((*field)->scratch[i].drawn);
         }
-        free((*field)->sheets);
+        free((*field)->scratch);
         free(*field);
         *field = NULL;
     }
@@ -305,16 +305,16 @@ WIDEST static void filter(const pulse *p, const float *restrict x, size_t count,
 }
 
 /* Draws the sources that are heard, in the block of COUNT bins that begins at FIRST. */
-static void draw_sources(const asdic_speckle_field *f, const sheet *on, stream s, size_t first,
+static void draw_sources(const asdic_speckle_field *f, const scratch *with, stream s, size_t first,
                          size_t count) {
     const pulse *p = &f->pulse;
     size_t length = noise_length(f), runs = (count + RUN - 1) / RUN * RUN;
-    row white = {on->noise, on->noise + length};
+    row white = {with->noise, with->noise + length};
     for (size_t i = 0; i < f->coherence.sources; i++) {
-        if (!on->is_heard[i]) {
+        if (!with->is_heard[i]) {
             continue;
         }
-        row out = {on->sources + 2 * i * f->block, on->sources + (2 * i + 1) * f->block};
+        row out = {with->sources + 2 * i * f->block, with->sources + (2 * i + 1) * f->block};
         if (p->count == 1) {
             draw_row(s, (uint32_t)i, p->is_one ? 0 : first, p->is_one ? 1 : count, out);
             for (size_t k = 1; p->is_one && k < runs; k++) {
@@ -351,13 +351,13 @@ WIDEST static void hear(const float *restrict sources, size_t block,
     }
 }
 
-static void hear_beam(const asdic_speckle_field *f, const sheet *on, size_t beam, size_t count,
+static void hear_beam(const asdic_speckle_field *f, const scratch *with, size_t beam, size_t count,
                       double *intensity) {
     const asdic_coherence *c = &f->coherence;
     size_t first = c->first[beam], taps = c->first[beam + 1] - first;
     for (size_t at = 0; at < count; at += RUN) {
         size_t left = count - at;
-        hear(on->sources + at, f->block, c->source + first, c->weight + first, taps,
+        hear(with->sources + at, f->block, c->source + first, c->weight + first, taps,
              left < RUN ? left : RUN, intensity + at);
     }
 }
@@ -394,7 +394,7 @@ static void mark_sources(const asdic_coherence *c, size_t from, size_t to, bool 
 static void draw_part(void *user, unsigned worker, size_t at, size_t end) {
     const drawing *d = user;
     const asdic_speckle_field *f = d->field;
-    const sheet *on = &f->sheets[worker];
+    const scratch *with = &f->scratch[worker];
     const asdic_texture *texture = f->sonar.speckle == ASDIC_SPECKLE_K ? &f->texture : NULL;
     double *const *part = d->ping->intensity_lin;
     size_t beams = d->ping->beams, group = at % f->groups, first = at / f->groups * f->block;
@@ -402,26 +402,26 @@ static void draw_part(void *user, unsigned worker, size_t at, size_t end) {
     size_t left = f->bins - first, count = left < f->block ? left : f->block;
     stream s = d->stream;
     (void)end;
-    mark_sources(&f->coherence, from, to, on->is_heard);
+    mark_sources(&f->coherence, from, to, with->is_heard);
     for (size_t b = from; b < to; b++) {
         memset(part[ASDIC_TOTAL] + b * f->bins + first, 0, count * sizeof *part[ASDIC_TOTAL]);
     }
     for (s.look = 0; s.look < d->looks; s.look++) {
-        draw_sources(f, on, s, first, count);
+        draw_sources(f, with, s, first, count);
         for (size_t b = from; b < to; b++) {
-            hear_beam(f, on, b, count, part[ASDIC_TOTAL] + b * f->bins + first);
+            hear_beam(f, with, b, count, part[ASDIC_TOTAL] + b * f->bins + first);
         }
     }
     if (texture) {
         s.look = TEXTURE_LOOK;
-        draw_sources(f, on, s, first, count);
+        draw_sources(f, with, s, first, count);
     }
     for (size_t b = from; b < to; b++) {
-        memset(on->drawn, 0, count * sizeof *on->drawn);
+        memset(with->drawn, 0, count * sizeof *with->drawn);
         if (texture) {
-            hear_beam(f, on, b, count, on->drawn);
+            hear_beam(f, with, b, count, with->drawn);
         }
-        scale_beam(part, b * f->bins + first, count, d->looks, texture, on->drawn);
+        scale_beam(part, b * f->bins + first, count, d->looks, texture, with->drawn);
     }
 }
 
