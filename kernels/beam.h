@@ -7,15 +7,14 @@
 #include "real.h"
 
 /* [sin(pi x) / (pi x)]^2, normalised: 1 at 0, exact zeros at whole numbers. Below 1e-9 it is 1 to 2e-18.
- * On a device sin(pi r) / (pi r) of the remainder |r| <= 1/2 is its series to r^10, good to 4e-8: a
- * library's sine takes three times as long. */
+ * On a device sin(pi r) / (pi r) of the remainder |r| <= 1/2 is 1 plus four terms fitted to it for the least
+ * relative error, 6e-9: a library's sine takes three times as long. */
 FORMULA real sinc2(real x) {
-    real safe = choose(r_abs(x) < R(1.0e-9), R(1.0e-9), x);
+    real safe = r_max(r_abs(x), R(1.0e-9));
 #ifdef __OPENCL_C_VERSION__
     real r = safe - ((safe + R(12582912.0)) - R(12582912.0)), s = r * r; /* 1.5 2^23 rounds */
-    real p = r_fma(s, R(-0.00234608104), R(0.0261478478));
-    p = r_fma(s, r_fma(s, r_fma(s, p, R(-0.190751824)), R(0.811742425)), R(-1.64493407));
-    p = r_fma(s, p, R(1.0));
+    real p = r_fma(s, R(0.0247250456), R(-0.190447388));
+    p = r_fma(s, r_fma(s, r_fma(s, p, R(0.811716409)), R(-1.64493336)), R(1.0));
     real amplitude = r / safe * p;
 #else
     real amplitude = r_sinpi(safe) / (R_PI * safe);

@@ -58,6 +58,13 @@ typedef mask whole;
 #define APART
 #endif
 
+/* What has to become part of its callers: its constants choose what they do. */
+#if defined(__clang__)
+#define WITHIN static inline __attribute__((always_inline))
+#else
+#define WITHIN static inline
+#endif
+
 /* An AMD GPU's compiler takes all registers unless told how many groups of work-items shall run at a time
  * on a unit. */
 #ifdef __AMDGCN__

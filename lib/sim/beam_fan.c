@@ -11,9 +11,9 @@
 
 /* With fewer receivers arrivals are added group by group (collect.cl), and the groups tell the error. */
 #define LEAST_RECEIVERS 16
-/* Bytes of a fan_entry and of a fan_list in fan.cl. */
+/* Bytes of a fan_entry and of a fan_list in fan_entry.h. */
 #define ENTRY_BYTES 32
-#define TRUTH_ENTRY_BYTES 40
+#define TRUTH_ENTRY_BYTES 52
 #define LIST_BYTES 8
 /* Blocks of rays that are sorted at the same time: some for each core of a processor, many for a GPU, fewer
  * where a table of blocks by bins would be large. */
