@@ -210,15 +210,6 @@ static inline uint end_of_run(__global const fan_entry *entries, uint k, uint en
     return next;
 }
 
-/* The sums of two deposits of a run, for one vector of receivers, while they wait in registers. */
-typedef struct two_sums {
-    real sum[2];
-#if ASDIC_TRUTH
-    real down[2], in_row[2];
-    truth_cells cells[2];
-#endif
-} two_sums;
-
 /* A run: its first ENTRY, how many there are, the row AT of the sums that its list's bin is, and the vector P. */
 typedef struct fan_run {
     __global const fan_entry *entry;
@@ -240,60 +231,54 @@ static inline truth_cells cells_of_run(__global const dev_ping *ping, const fan_
 }
 #endif
 
-/* Takes the sums of deposits C and the next out. */
-WITHIN void take_two(__global const dev_ping *ping, fan_sums *sums, const fan_run *run, uint c,
-                     const bool echoes, const bool in_row, two_sums *two) {
-    two->sum[0] = *sum_of(sums, run, 0u, c);
-    two->sum[1] = *sum_of(sums, run, 0u, c + 1u);
+/* What deposit C of a run adds to, for one vector of receivers, while it waits in registers: its sum; that of
+ * depressions where it is an ECHO; what it goes to besides, IN_ROW. */
+typedef struct waiting {
+    real sum;
 #if ASDIC_TRUTH
-    if (echoes) {
-        uint behind = behind_of(run->entry->truth);
-        two->down[0] = *sum_of(sums, run, behind, c);
-        two->down[1] = *sum_of(sums, run, behind, c + 1u);
+    real down, in_row;
+    truth_cells cells;
+#endif
+} waiting;
+
+WITHIN waiting take(__global const dev_ping *ping, fan_sums *sums, const fan_run *run, uint c,
+                    const bool echo, const bool in_row) {
+    waiting w = {*sum_of(sums, run, 0u, c)};
+#if ASDIC_TRUTH
+    if (echo) {
+        w.down = *sum_of(sums, run, behind_of(run->entry->truth), c);
     }
     if (in_row) {
-        two->cells[0] = cells_of_run(ping, sums, run, c);
-        two->cells[1] = cells_of_run(ping, sums, run, c + 1u);
-        two->in_row[0] = two->cells[0] ? LOAD_REAL(two->cells[0]) : R(0.0);
-        two->in_row[1] = two->cells[1] ? LOAD_REAL(two->cells[1]) : R(0.0);
+        w.cells = cells_of_run(ping, sums, run, c);
+        w.in_row = w.cells ? LOAD_REAL(w.cells) : R(0.0);
+    }
+#endif
+    return w;
+}
+
+/* Adds deposit C of ENTRY with GAIN. */
+WITHIN void add(__global const fan_entry *entry, real gain, uint c, const bool echo,
+                const bool in_row, waiting *w) {
+    w->sum = r_fma((real)(entry->quanta[c]), gain, w->sum);
+#if ASDIC_TRUTH
+    if (echo) {
+        w->down = r_fma((real)(entry->down[c]), gain, w->down);
+    }
+    if (in_row) {
+        w->in_row = r_fma((real)(entry->quanta[c]), gain, w->in_row);
     }
 #endif
 }
 
-/* Adds deposits C and the next of ENTRY with GAIN. */
-WITHIN void add_two(__global const fan_entry *entry, real gain, uint c, const bool echoes,
-                    const bool in_row, two_sums *two) {
-    real first = (real)(entry->quanta[c]), second = (real)(entry->quanta[c + 1u]);
-    two->sum[0] = r_fma(first, gain, two->sum[0]);
-    two->sum[1] = r_fma(second, gain, two->sum[1]);
+WITHIN void put(fan_sums *sums, const fan_run *run, uint c, const bool echo, const bool in_row,
+                const waiting *w) {
+    *sum_of(sums, run, 0u, c) = w->sum;
 #if ASDIC_TRUTH
-    if (echoes) {
-        two->down[0] = r_fma((real)(entry->down[c]), gain, two->down[0]);
-        two->down[1] = r_fma((real)(entry->down[c + 1u]), gain, two->down[1]);
+    if (echo) {
+        *sum_of(sums, run, behind_of(run->entry->truth), c) = w->down;
     }
-    if (in_row) {
-        two->in_row[0] = r_fma(first, gain, two->in_row[0]);
-        two->in_row[1] = r_fma(second, gain, two->in_row[1]);
-    }
-#endif
-}
-
-/* Puts them back. */
-WITHIN void put_two(fan_sums *sums, const fan_run *run, uint c, const bool echoes,
-                    const bool in_row, const two_sums *two) {
-    *sum_of(sums, run, 0u, c) = two->sum[0];
-    *sum_of(sums, run, 0u, c + 1u) = two->sum[1];
-#if ASDIC_TRUTH
-    if (echoes) {
-        uint behind = behind_of(run->entry->truth);
-        *sum_of(sums, run, behind, c) = two->down[0];
-        *sum_of(sums, run, behind, c + 1u) = two->down[1];
-    }
-    if (in_row && two->cells[0]) {
-        STORE_REAL(two->in_row[0], two->cells[0]);
-    }
-    if (in_row && two->cells[1]) {
-        STORE_REAL(two->in_row[1], two->cells[1]);
+    if (in_row && w->cells) {
+        STORE_REAL(w->in_row, w->cells);
     }
 #endif
 }
@@ -301,17 +286,24 @@ WITHIN void put_two(fan_sums *sums, const fan_run *run, uint c, const bool echoe
 /* Adds RUN to SUMS, with truth of the first two deposits or of ALL, and IN_ROW: for the row that it goes to. */
 WITHIN void add_run(__global const dev_ping *ping, fan_run run, const receivers *r, const bool all,
                     const bool in_row, fan_sums *sums) {
+    const bool all_in_row = all && in_row;
     for (run.p = 0; run.p < sums->parts; run.p++) {
-        two_sums lo, hi;
-        take_two(ping, sums, &run, 0u, true, in_row, &lo);
-        take_two(ping, sums, &run, 2u, all, all && in_row, &hi);
+        waiting w0 = take(ping, sums, &run, 0u, true, in_row);
+        waiting w1 = take(ping, sums, &run, 1u, true, in_row);
+        waiting w2 = take(ping, sums, &run, 2u, all, all_in_row);
+        waiting w3 = take(ping, sums, &run, 3u, all, all_in_row);
         for (uint k = 0; k < run.count; k++) {
-            real gain = gains(r + run.p, run.entry + k, ping->rear_lin);
-            add_two(run.entry + k, gain, 0u, true, in_row, &lo);
-            add_two(run.entry + k, gain, 2u, all, all && in_row, &hi);
+            __global const fan_entry *entry = run.entry + k;
+            real gain = gains(r + run.p, entry, ping->rear_lin);
+            add(entry, gain, 0u, true, in_row, &w0);
+            add(entry, gain, 1u, true, in_row, &w1);
+            add(entry, gain, 2u, all, all_in_row, &w2);
+            add(entry, gain, 3u, all, all_in_row, &w3);
         }
-        put_two(sums, &run, 0u, true, in_row, &lo);
-        put_two(sums, &run, 2u, all, all && in_row, &hi);
+        put(sums, &run, 0u, true, in_row, &w0);
+        put(sums, &run, 1u, true, in_row, &w1);
+        put(sums, &run, 2u, all, all_in_row, &w2);
+        put(sums, &run, 3u, all, all_in_row, &w3);
     }
 }
 
@@ -330,24 +322,20 @@ static APART void add_run_of_echoes(__global const dev_ping *ping, fan_run run, 
 #endif
 #endif
 
-/* Adds the one entry of RUN, of whose sums two are one: each is read again. */
+/* Adds the one entry of RUN, of whose sums two are one: they are taken and put one by one. */
 static inline void add_alone(__global const dev_ping *ping, fan_run run, const receivers *r,
                              fan_sums *sums) {
     for (run.p = 0; run.p < sums->parts; run.p++) {
         real gain = gains(r + run.p, run.entry, ping->rear_lin);
         for (uint c = 0; c < DEPOSITS; c++) {
-            real *sum = sum_of(sums, &run, 0u, c), quanta = (real)(run.entry->quanta[c]);
-            *sum = r_fma(quanta, gain, *sum);
 #if ASDIC_TRUTH
-            if (c < echoes_of(run.entry->truth)) {
-                real *down = sum_of(sums, &run, behind_of(run.entry->truth), c);
-                *down = r_fma((real)(run.entry->down[c]), gain, *down);
-                truth_cells cells = cells_of_run(ping, sums, &run, c);
-                if (cells) {
-                    STORE_REAL(r_fma(quanta, gain, LOAD_REAL(cells)), cells);
-                }
-            }
+            bool echo = c < echoes_of(run.entry->truth);
+#else
+            bool echo = false;
 #endif
+            waiting w = take(ping, sums, &run, c, echo, echo);
+            add(run.entry, gain, c, echo, echo, &w);
+            put(sums, &run, c, echo, echo, &w);
         }
     }
 }
