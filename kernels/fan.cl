@@ -56,6 +56,18 @@ __kernel void fan_scatter(__global const dev_ping *ping, __global const dev_arri
     }
 }
 
+/* fan_runs: of the list of one bin each work-item. */
+__kernel void fan_runs(__global const dev_ping *ping, __global fan_entry *entries,
+                       __global const fan_list *lists) {
+    uint bin = (uint)(get_global_id(0));
+    if (bin < ping->bins) {
+        __global fan_entry *entry = entries + lists[bin].first;
+        for (__global fan_entry *end = entry + lists[bin].count; entry < end;) {
+            entry = make_run(entry, end);
+        }
+    }
+}
+
 /* fan_project: tile TILE_AT of receivers. RESULTS: quanta as floats, [receiver][sum][bin]; ADD: to
  * those of the batches before. One work-item per BINS bins and RECEIVERS receivers. */
 __kernel void fan_project(__global const dev_ping *ping, __global const fan_entry *entries,

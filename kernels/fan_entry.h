@@ -33,7 +33,7 @@
 /* Up to four deposits from one direction. Their bins are KEY, the list's own bin, to KEY + SPAN - 1. */
 typedef struct fan_entry {
     float direction[3]; /* as in the arrival */
-    uint rows; /* of each deposit a byte: (bins beyond KEY) * SUMS + component; and ALONE */
+    uint rows;          /* the sums that they go to; see below */
 #if ASDIC_TRUTH
     uint truth; /* the row that they go to besides, 0: none; how far behind the echo's sum that of
                    depressions is; see below */
@@ -60,19 +60,22 @@ static inline uint behind_of(uint truth) {
     return (truth & ~ECHOES_ALONE) >> TRUTH_BEHIND_SHIFT;
 }
 
-/* In `rows`: of the four sums two are one. */
-#define ALONE 0x80000000u
+/* `rows` are the sums, counted from those of KEY on, of the first deposit and of the third, seven bits each:
+ * (bins beyond KEY) * SUMS + component. The second and fourth go to the next bin's. Then ALONE: of the four sums two
+ * are one. And of how many entries this is the first of a run (fan_run.h). */
+#define ROW_BITS 7u
+#define ALONE (1u << 2u * ROW_BITS)
+#define RUN_SHIFT (2u * ROW_BITS + 1u)
+#define MOST_IN_RUN ((1u << (32u - RUN_SHIFT)) - 1u)
 
-/* The sum, counted from those of KEY on, that deposit C of ROWS goes to. */
+/* The sum that deposit C of ROWS goes to. */
 static inline uint sum_at(uint rows, uint c) {
-    return rows >> 8u * c & 0x7fu;
+    return (rows >> c / 2u * ROW_BITS & ((1u << ROW_BITS) - 1u)) + c % 2u * SUMS;
 }
 
 /* Whether any deposit of ROWS lies BINS bins beyond KEY, or more. */
 static inline bool reaches(uint rows, uint bins) {
-    uint most =
-        max(max(sum_at(rows, 0u), sum_at(rows, 1u)), max(sum_at(rows, 2u), sum_at(rows, 3u)));
-    return most >= bins * SUMS;
+    return max(sum_at(rows, 1u), sum_at(rows, 3u)) >= bins * SUMS;
 }
 
 typedef struct fan_list {
@@ -157,7 +160,7 @@ static inline void sort_deposits(const fan_sort *sort, __global const dev_arriva
     float4 quanta = {lo.quanta, hi.quanta};
     /* Where there are no others, nothing is added to sums that the first are not. */
     uint second = hi.any ? hi.at : (lo.at + 1u) % ASDIC_COMPONENTS;
-    uint rows = lo.at | (lo.at + SUMS) << 8u | second << 16u | (second + SUMS) << 24u;
+    uint rows = lo.at | second << ROW_BITS;
     vstore4(quanta, 0, to->quanta);
     for (uint k = 0; k < 3u; k++) {
         to->direction[k] = arrival->direction[k];

@@ -5,7 +5,7 @@
 #define ASDIC_KERNEL_FAN_SUMS_H
 
 #include "beam.h"
-#include "fan_entry.h"
+#include "fan_run.h"
 
 /* A work-item sums BINS bins: of one receiver, or for vectors of a tile of them, PARTS vectors at a time. */
 #if ASDIC_WIDTH == 1
@@ -193,149 +193,116 @@ typedef struct fan_sums {
 #endif
 } fan_sums;
 
-/* The entry behind the last one from K on, before END, that goes to the same sums as K: rays lie in order, and
- * their neighbours' echoes mostly do. */
-static inline uint end_of_run(__global const fan_entry *entries, uint k, uint end) {
-    uint rows = entries[k].rows, next = k + 1u;
-#if ASDIC_TRUTH
-    uint truth = entries[k].truth;
-    while (next < end && entries[next].rows == rows && entries[next].truth == truth) {
-        next++;
-    }
-#else
-    while (next < end && entries[next].rows == rows) {
-        next++;
-    }
-#endif
-    return next;
-}
-
-/* A run: its first ENTRY, how many there are, the row AT of the sums that its list's bin is, and the vector P. */
+/* A run: its first ENTRY, how many there are, the SUMS of its list's bin, and the vector P. */
 typedef struct fan_run {
     __global const fan_entry *entry;
-    uint count, at, p;
+    uint count, p;
+    real (*sums)[PARTS];
+#if ASDIC_TRUTH
+    uint echoes;
+    truth_cells cells[DEPOSITS]; /* that the echoes go to besides */
+#endif
 } fan_run;
 
-static inline real *sum_of(fan_sums *sums, const fan_run *run, uint behind, uint c) {
-    return &sums->of[run->at * SUMS + behind + sum_at(run->entry->rows, c)][run->p];
+/* The run that begins with ENTRY, whose list's bin is row AT of SUMS. */
+static inline fan_run run_of(__global const dev_ping *ping, __global const fan_entry *entry,
+                             uint at, fan_sums *sums) {
+    fan_run run = {entry, in_run(entry), 0u, sums->of + at * SUMS};
+#if ASDIC_TRUTH
+    run.echoes = echoes_of(entry->truth);
+    for (uint c = 0; c < DEPOSITS; c++) {
+        uint bin = sums->truth.first + at + sum_at(entry->rows, c) / SUMS - (SPAN - 1u);
+        run.cells[c] = c < run.echoes ? cells_of(ping, &sums->truth, entry, bin) : 0;
+    }
+#endif
+    return run;
 }
 
-#if ASDIC_TRUTH
-/* The cells that deposit C goes to besides. */
-static inline truth_cells cells_of_run(__global const dev_ping *ping, const fan_sums *sums,
-                                       const fan_run *run, uint c) {
-    uint beyond = sum_at(run->entry->rows, c) / SUMS;
-    truth_cells cells = cells_of(ping, &sums->truth, run->entry,
-                                 sums->truth.first + run->at + beyond - (SPAN - 1u));
-    return cells ? cells + run->p * ASDIC_WIDTH : 0;
+static inline real *sum_of(const fan_run *run, uint c) {
+    return &run->sums[sum_at(run->entry->rows, c)][run->p];
 }
-#endif
 
-/* What deposit C of a run adds to, for one vector of receivers, while it waits in registers: its sum; that of
- * depressions where it is an ECHO; what it goes to besides, IN_ROW. */
-typedef struct waiting {
-    real sum;
-#if ASDIC_TRUTH
-    real down, in_row;
-    truth_cells cells;
-#endif
-} waiting;
-
-WITHIN waiting take(__global const dev_ping *ping, fan_sums *sums, const fan_run *run, uint c,
-                    const bool echo, const bool in_row) {
-    waiting w = {*sum_of(sums, run, 0u, c)};
+/* Deposit C of RUN brought its sum to SUM and, where it is an ECHO, DOWN to that of depressions. */
+WITHIN void put(const fan_run *run, uint c, real sum, const bool echo, real down) {
+    real *to = sum_of(run, c);
 #if ASDIC_TRUTH
     if (echo) {
-        w.down = *sum_of(sums, run, behind_of(run->entry->truth), c);
-    }
-    if (in_row) {
-        w.cells = cells_of_run(ping, sums, run, c);
-        w.in_row = w.cells ? LOAD_REAL(w.cells) : R(0.0);
+        to[behind_of(run->entry->truth) * PARTS] += down;
+        if (run->cells[c]) {
+            truth_cells cells = run->cells[c] + run->p * ASDIC_WIDTH;
+            STORE_REAL(LOAD_REAL(cells) + (sum - *to), cells);
+        }
     }
 #endif
-    return w;
+    *to = sum;
 }
 
-/* Adds deposit C of ENTRY with GAIN. */
-WITHIN void add(__global const fan_entry *entry, real gain, uint c, const bool echo,
-                const bool in_row, waiting *w) {
-    w->sum = r_fma((real)(entry->quanta[c]), gain, w->sum);
+/* DOWN with deposit C of ENTRY, an echo, received with GAIN. */
+WITHIN real add_down(__global const fan_entry *entry, uint c, real gain, real down) {
 #if ASDIC_TRUTH
-    if (echo) {
-        w->down = r_fma((real)(entry->down[c]), gain, w->down);
-    }
-    if (in_row) {
-        w->in_row = r_fma((real)(entry->quanta[c]), gain, w->in_row);
-    }
+    return r_fma((real)(entry->down[c]), gain, down);
+#else
+    return down;
 #endif
 }
 
-WITHIN void put(fan_sums *sums, const fan_run *run, uint c, const bool echo, const bool in_row,
-                const waiting *w) {
-    *sum_of(sums, run, 0u, c) = w->sum;
-#if ASDIC_TRUTH
-    if (echo) {
-        *sum_of(sums, run, behind_of(run->entry->truth), c) = w->down;
-    }
-    if (in_row && w->cells) {
-        STORE_REAL(w->in_row, w->cells);
-    }
-#endif
-}
-
-/* Adds RUN to SUMS, with truth of the first two deposits or of ALL, and IN_ROW: for the row that it goes to. */
-WITHIN void add_run(__global const dev_ping *ping, fan_run run, const receivers *r, const bool all,
-                    const bool in_row, fan_sums *sums) {
-    const bool all_in_row = all && in_row;
-    for (run.p = 0; run.p < sums->parts; run.p++) {
-        waiting w0 = take(ping, sums, &run, 0u, true, in_row);
-        waiting w1 = take(ping, sums, &run, 1u, true, in_row);
-        waiting w2 = take(ping, sums, &run, 2u, all, all_in_row);
-        waiting w3 = take(ping, sums, &run, 3u, all, all_in_row);
+/* Adds RUN, for one vector of receivers after the other. ALL: its deposits are all echoes. */
+WITHIN void add_run(__global const dev_ping *ping, fan_run run, const receivers *r, uint parts,
+                    const bool all) {
+    for (; run.p < parts; run.p++) {
+        real s0 = *sum_of(&run, 0u), s1 = *sum_of(&run, 1u);
+        real s2 = *sum_of(&run, 2u), s3 = *sum_of(&run, 3u);
+        real d0 = R(0.0), d1 = R(0.0), d2 = R(0.0), d3 = R(0.0);
         for (uint k = 0; k < run.count; k++) {
             __global const fan_entry *entry = run.entry + k;
             real gain = gains(r + run.p, entry, ping->rear_lin);
-            add(entry, gain, 0u, true, in_row, &w0);
-            add(entry, gain, 1u, true, in_row, &w1);
-            add(entry, gain, 2u, all, all_in_row, &w2);
-            add(entry, gain, 3u, all, all_in_row, &w3);
+            s0 = r_fma((real)(entry->quanta[0]), gain, s0);
+            s1 = r_fma((real)(entry->quanta[1]), gain, s1);
+            s2 = r_fma((real)(entry->quanta[2]), gain, s2);
+            s3 = r_fma((real)(entry->quanta[3]), gain, s3);
+            d0 = add_down(entry, 0u, gain, d0);
+            d1 = add_down(entry, 1u, gain, d1);
+            if (all) {
+                d2 = add_down(entry, 2u, gain, d2);
+                d3 = add_down(entry, 3u, gain, d3);
+            }
         }
-        put(sums, &run, 0u, true, in_row, &w0);
-        put(sums, &run, 1u, true, in_row, &w1);
-        put(sums, &run, 2u, all, all_in_row, &w2);
-        put(sums, &run, 3u, all, all_in_row, &w3);
+        put(&run, 0u, s0, true, d0);
+        put(&run, 1u, s1, true, d1);
+        put(&run, 2u, s2, all, d2);
+        put(&run, 3u, s3, all, d3);
     }
 }
 
-#if ASDIC_TRUTH
-/* Runs of each kind. Apart: else compilers make one loop of all. */
-static APART void add_run_in_row(__global const dev_ping *ping, fan_run run, const receivers *r,
-                                 fan_sums *sums) {
-    add_run(ping, run, r, false, true, sums);
+/* Apart: else compilers make one loop of both. */
+static APART void add_run_of_two(__global const dev_ping *ping, fan_run run, const receivers *r,
+                                 uint parts) {
+    add_run(ping, run, r, parts, false);
 }
 
-#if ASDIC_HAS_MIRRORS
+#if ASDIC_TRUTH && ASDIC_HAS_MIRRORS
 static APART void add_run_of_echoes(__global const dev_ping *ping, fan_run run, const receivers *r,
-                                    fan_sums *sums) {
-    add_run(ping, run, r, true, true, sums);
+                                    uint parts) {
+    add_run(ping, run, r, parts, true);
 }
 #endif
-#endif
 
-/* Adds the one entry of RUN, of whose sums two are one: they are taken and put one by one. */
-static inline void add_alone(__global const dev_ping *ping, fan_run run, const receivers *r,
-                             fan_sums *sums) {
-    for (run.p = 0; run.p < sums->parts; run.p++) {
-        real gain = gains(r + run.p, run.entry, ping->rear_lin);
-        for (uint c = 0; c < DEPOSITS; c++) {
+/* Adds RUN, of whose sums two are one: they are taken and put one by one. */
+static APART void add_alone(__global const dev_ping *ping, fan_run run, const receivers *r,
+                            uint parts) {
+    for (; run.p < parts; run.p++) {
+        for (uint k = 0; k < run.count; k++) {
+            __global const fan_entry *entry = run.entry + k;
+            real gain = gains(r + run.p, entry, ping->rear_lin);
+            for (uint c = 0; c < DEPOSITS; c++) {
 #if ASDIC_TRUTH
-            bool echo = c < echoes_of(run.entry->truth);
+                bool echo = c < run.echoes;
 #else
-            bool echo = false;
+                bool echo = false;
 #endif
-            waiting w = take(ping, sums, &run, c, echo, echo);
-            add(run.entry, gain, c, echo, echo, &w);
-            put(sums, &run, c, echo, echo, &w);
+                put(&run, c, r_fma((real)(entry->quanta[c]), gain, *sum_of(&run, c)), echo,
+                    echo ? add_down(entry, c, gain, R(0.0)) : R(0.0));
+            }
         }
     }
 }
@@ -343,31 +310,24 @@ static inline void add_alone(__global const dev_ping *ping, fan_run run, const r
 /* Adds LIST, whose bin is row AT of the sums. */
 static void add_list(__global const dev_ping *ping, __global const fan_entry *entries,
                      fan_list list, const receivers *r, uint at, fan_sums *sums) {
-    const uint end = list.first + list.count, least = at < SPAN - 1u ? SPAN - 1u - at : 0u;
-    for (uint k = list.first, next; k < end; k = next) {
-        bool alone = (entries[k].rows & ALONE) != 0u;
-        next = alone ? k + 1u : end_of_run(entries, k, end);
-        fan_run run = {entries + k, next - k, at, 0u};
-        if (!reaches(entries[k].rows, least)) {
+    const uint least = at < SPAN - 1u ? SPAN - 1u - at : 0u;
+    __global const fan_entry *entry = entries + list.first, *end = entry + list.count;
+    for (; entry < end; entry += in_run(entry)) {
+        if (!reaches(entry->rows, least)) {
             continue;
         }
-        if (alone) {
-            add_alone(ping, run, r, sums);
+        fan_run run = run_of(ping, entry, at, sums);
+        if ((entry->rows & ALONE) != 0u) {
+            add_alone(ping, run, r, sums->parts);
             continue;
         }
-#if ASDIC_TRUTH
-#if ASDIC_HAS_MIRRORS
-        if (echoes_of(entries[k].truth) == DEPOSITS) {
-            add_run_of_echoes(ping, run, r, sums);
-            continue;
-        }
-#endif
-        if (row_of(entries[k].truth) != 0u) {
-            add_run_in_row(ping, run, r, sums);
+#if ASDIC_TRUTH && ASDIC_HAS_MIRRORS
+        if (run.echoes == DEPOSITS) {
+            add_run_of_echoes(ping, run, r, sums->parts);
             continue;
         }
 #endif
-        add_run(ping, run, r, false, false, sums);
+        add_run_of_two(ping, run, r, sums->parts);
     }
 }
 

@@ -67,6 +67,7 @@ asdic_status asdic_beam_fan_init(asdic_beam_fan *fan, asdic_device *device,
     } kernels[] = {{"fan_count", &fan->count},
                    {"fan_place", &fan->place},
                    {"fan_scatter", &fan->scatter},
+                   {"fan_runs", &fan->runs},
                    {"fan_project", &fan->project}};
     size_t entry = size->truth ? TRUTH_ENTRY_BYTES : ENTRY_BYTES;
     /* A mirror's arrivals are up to three entries more; those of water one a deposit. */
@@ -103,6 +104,7 @@ void asdic_beam_fan_finish(asdic_beam_fan *fan, asdic_device *device) {
     asdic_kernel_destroy(&fan->count);
     asdic_kernel_destroy(&fan->place);
     asdic_kernel_destroy(&fan->scatter);
+    asdic_kernel_destroy(&fan->runs);
     asdic_kernel_destroy(&fan->project);
     asdic_buffer_destroy(&fan->counts);
     asdic_buffer_destroy(&fan->made);
@@ -130,9 +132,12 @@ static asdic_status sort(asdic_beam_fan *fan, const dev_ping *ping, asdic_buffer
     asdic_kernel_arg scatter[] = {ASDIC_ARG_BUFFER(ping_buffer), ASDIC_ARG_BUFFER(arrivals),
                                   ASDIC_ARG_BUFFER(fan->counts), ASDIC_ARG_BUFFER(fan->entries),
                                   ASDIC_ARG_VALUE(blocks)};
+    asdic_kernel_arg runs[] = {ASDIC_ARG_BUFFER(ping_buffer), ASDIC_ARG_BUFFER(fan->entries),
+                               ASDIC_ARG_BUFFER(fan->lists)};
     TRY(asdic_kernel_run(fan->count, count, 5, blocks, local));
     TRY(asdic_kernel_run(fan->place, place, 5, ping->bins, 64));
-    return asdic_kernel_run(fan->scatter, scatter, 5, blocks, local);
+    TRY(asdic_kernel_run(fan->scatter, scatter, 5, blocks, local));
+    return fan->width > 1 ? asdic_kernel_run(fan->runs, runs, 3, ping->bins, local) : ASDIC_OK;
 }
 
 asdic_status asdic_beam_fan_project(asdic_beam_fan *fan, const dev_ping *ping,

@@ -22,7 +22,7 @@ typedef struct asdic_beam_fan {
     unsigned blocks;  /* of rays, that are sorted at the same time */
     unsigned width;   /* receivers of a vector */
     size_t sums;      /* of a bin and receiver: components, and where truth is wanted depressions */
-    asdic_kernel *count, *place, *scatter, *project;
+    asdic_kernel *count, *place, *scatter, *runs, *project;
     asdic_buffer *counts, *made, *lists, *entries;
     asdic_fetch **fetches; /* a tile's each, on their way to the host, then those of its truth */
     size_t tiles;
