@@ -181,12 +181,12 @@ static inline void sort_deposits(const fan_sort *sort, __global const dev_arriva
 }
 
 /* The part of an arrival that goes to one list. */
-static inline void sort_part(const fan_sort *sort, __global const dev_arrival *arrival, landing l,
-                             float4 quanta) {
-    l.quanta = quanta;
-    bin_range b = bins_of(&l);
+static inline void sort_part(const fan_sort *sort, __global const dev_arrival *arrival,
+                             const landing *all, float4 quanta) {
+    landing part = {all->bin, all->component, quanta};
+    bin_range b = bins_of(&part);
     if (b.low <= b.high) {
-        sort_deposits(sort, arrival, &l, b.low);
+        sort_deposits(sort, arrival, &part, b.low);
     }
 }
 
@@ -197,8 +197,8 @@ static inline void sort_arrival(const fan_sort *sort, __global const dev_arrival
     if (all.low <= all.high && all.high - all.low < SPAN) {
         sort_deposits(sort, arrival, &l, all.low);
     } else if (all.low <= all.high) {
-        sort_part(sort, arrival, l, (float4)(l.quanta.lo, 0.0f, 0.0f));
-        sort_part(sort, arrival, l, (float4)(0.0f, 0.0f, l.quanta.hi));
+        sort_part(sort, arrival, &l, (float4)(l.quanta.lo, 0.0f, 0.0f));
+        sort_part(sort, arrival, &l, (float4)(0.0f, 0.0f, l.quanta.hi));
     }
 }
 
@@ -207,8 +207,8 @@ static inline void sort_arrival(const fan_sort *sort, __global const dev_arrival
 static inline void sort_water(const fan_sort *sort, __global const dev_arrival *arrival) {
     landing l = landing_of(sort->ping, arrival);
     for (uint turn = 0u; turn < 2u; turn++) {
-        sort_part(sort, arrival, l, (float4)(l.quanta.s0, 0.0f, 0.0f, 0.0f));
-        sort_part(sort, arrival, l, (float4)(0.0f, l.quanta.s1, 0.0f, 0.0f));
+        sort_part(sort, arrival, &l, (float4)(l.quanta.s0, 0.0f, 0.0f, 0.0f));
+        sort_part(sort, arrival, &l, (float4)(0.0f, l.quanta.s1, 0.0f, 0.0f));
         landing turned = {l.bin.zwxy, l.component.zwxy, l.quanta.zwxy};
         l = turned;
     }

@@ -249,13 +249,13 @@ WITHIN real add_down(__global const fan_entry *entry, uint c, real gain, real do
 /* Adds RUN, for one vector of receivers after the other. ALL: its deposits are all echoes. */
 WITHIN void add_run(__global const dev_ping *ping, fan_run run, const receivers *r, uint parts,
                     const bool all) {
-    for (; run.p < parts; run.p++) {
-        real s0 = *sum_of(&run, 0u), s1 = *sum_of(&run, 1u);
-        real s2 = *sum_of(&run, 2u), s3 = *sum_of(&run, 3u);
+    for (fan_run to = run; to.p < parts; to.p++) {
+        real s0 = *sum_of(&to, 0u), s1 = *sum_of(&to, 1u);
+        real s2 = *sum_of(&to, 2u), s3 = *sum_of(&to, 3u);
         real d0 = R(0.0), d1 = R(0.0), d2 = R(0.0), d3 = R(0.0);
-        for (uint k = 0; k < run.count; k++) {
-            __global const fan_entry *entry = run.entry + k;
-            real gain = gains(r + run.p, entry, ping->rear_lin);
+        for (uint k = 0; k < to.count; k++) {
+            __global const fan_entry *entry = to.entry + k;
+            real gain = gains(r + to.p, entry, ping->rear_lin);
             s0 = r_fma((real)(entry->quanta[0]), gain, s0);
             s1 = r_fma((real)(entry->quanta[1]), gain, s1);
             s2 = r_fma((real)(entry->quanta[2]), gain, s2);
@@ -267,10 +267,10 @@ WITHIN void add_run(__global const dev_ping *ping, fan_run run, const receivers 
                 d3 = add_down(entry, 3u, gain, d3);
             }
         }
-        put(&run, 0u, s0, true, d0);
-        put(&run, 1u, s1, true, d1);
-        put(&run, 2u, s2, all, d2);
-        put(&run, 3u, s3, all, d3);
+        put(&to, 0u, s0, true, d0);
+        put(&to, 1u, s1, true, d1);
+        put(&to, 2u, s2, all, d2);
+        put(&to, 3u, s3, all, d3);
     }
 }
 
@@ -290,17 +290,17 @@ static APART void add_run_of_echoes(__global const dev_ping *ping, fan_run run, 
 /* Adds RUN, of whose sums two are one: they are taken and put one by one. */
 static APART void add_alone(__global const dev_ping *ping, fan_run run, const receivers *r,
                             uint parts) {
-    for (; run.p < parts; run.p++) {
-        for (uint k = 0; k < run.count; k++) {
-            __global const fan_entry *entry = run.entry + k;
-            real gain = gains(r + run.p, entry, ping->rear_lin);
+    for (fan_run to = run; to.p < parts; to.p++) {
+        for (uint k = 0; k < to.count; k++) {
+            __global const fan_entry *entry = to.entry + k;
+            real gain = gains(r + to.p, entry, ping->rear_lin);
             for (uint c = 0; c < DEPOSITS; c++) {
 #if ASDIC_TRUTH
-                bool echo = c < run.echoes;
+                bool echo = c < to.echoes;
 #else
                 bool echo = false;
 #endif
-                put(&run, c, r_fma((real)(entry->quanta[c]), gain, *sum_of(&run, c)), echo,
+                put(&to, c, r_fma((real)(entry->quanta[c]), gain, *sum_of(&to, c)), echo,
                     echo ? add_down(entry, c, gain, R(0.0)) : R(0.0));
             }
         }

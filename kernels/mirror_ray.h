@@ -33,10 +33,9 @@ static uint slot_after(uint slot, uint step, uint end) {
  * the rounding of coordinates. */
 static triple clear_of(triple p, triple normal, real side) {
     real off = R(1e-4) + R(1e-6) * r_max(r_max(r_abs(p.x), r_abs(p.y)), r_abs(p.z));
-    p.x += side * off * normal.x;
-    p.y += side * off * normal.y;
-    p.z += side * off * normal.z;
-    return p;
+    triple clear = {p.x + side * off * normal.x, p.y + side * off * normal.y,
+                    p.z + side * off * normal.z};
+    return clear;
 }
 
 static dev_ray lane_ray(const triple *from, const triple *to, real t_max, uint source, uint lane) {

@@ -43,12 +43,13 @@ FORMULA random4 philox_round(random4 c, uint k0, uint k1) {
 }
 
 FORMULA random4 philox4x32(random4 counter, uint key0, uint key1) {
+    random4 drawn = counter;
     for (int round = 0; round < 10; round++) {
-        counter = philox_round(counter, key0, key1);
+        drawn = philox_round(drawn, key0, key1);
         key0 += 0x9E3779B9u;
         key1 += 0xBB67AE85u;
     }
-    return counter;
+    return drawn;
 }
 
 /* The numbers of ray INDEX (or cell, or shift) of ping (PING0, PING1) for PURPOSE. */

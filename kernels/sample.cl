@@ -19,10 +19,10 @@ static real background_rays(__global const dev_ping *ping, __global const float 
            azimuth_density(ping, table, &lobes, x, atan2(s->y, s->x), &y);
 }
 
-/* A direction from the sonar to a point of the face that holds the quantile XI1. */
-static ray_sample sample_face(__global const dev_ping *ping, __global const dev_face *faces,
-                              __global const dev_triangle *triangles, float xi1, float xi2,
-                              uint lane, ray_sample s) {
+/* LANE of S: a direction from the sonar to a point of the face that holds the quantile XI1. */
+static void sample_face(__global const dev_ping *ping, __global const dev_face *faces,
+                        __global const dev_triangle *triangles, float xi1, float xi2, uint lane,
+                        ray_sample *s) {
     uint low = 0u, high = ping->sampling.faces - 1u;
     while (low < high) {
         uint middle = (low + high) / 2u;
@@ -43,17 +43,15 @@ static ray_sample sample_face(__global const dev_ping *ping, __global const dev_
     to[2] += 0.5f * bend * (to[0] * to[0] + to[1] * to[1] + to[2] * to[2]);
 #endif
     float inverse = 1.0f / sqrt(max(to[0] * to[0] + to[1] * to[1] + to[2] * to[2], 1e-12f));
-    ((float *)&s.x)[lane] = to[0] * inverse;
-    ((float *)&s.y)[lane] = to[1] * inverse;
-    ((float *)&s.z)[lane] = to[2] * inverse;
-    ((float *)&s.splat)[lane] = as_float(0x80000000u | faces[low].triangle);
-    return s;
+    ((float *)&s->x)[lane] = to[0] * inverse;
+    ((float *)&s->y)[lane] = to[1] * inverse;
+    ((float *)&s->z)[lane] = to[2] * inverse;
+    ((float *)&s->splat)[lane] = as_float(0x80000000u | faces[low].triangle);
 }
 
 /* Aims rays at faces. Their weights are set in shade.cl, when it is known what they meet (faces.h). */
-static ray_sample aim_at_faces(__global const dev_ping *ping, __global const dev_face *faces,
-                               __global const dev_triangle *triangles, natural index,
-                               ray_sample s) {
+static void aim_at_faces(__global const dev_ping *ping, __global const dev_face *faces,
+                         __global const dev_triangle *triangles, natural index, ray_sample *s) {
     for (uint lane = 0; lane < ASDIC_WIDTH; lane++) {
         uint own = ((uint *)&index)[lane] - ping->sampling.face_first;
         if (own < ping->sampling.face_count) {
@@ -61,10 +59,9 @@ static ray_sample aim_at_faces(__global const dev_ping *ping, __global const dev
                 ((float)(own) + ping->sampling.lattice_offset) / (float)(ping->sampling.face_count);
             uint golden = own * 2654435769u + ping->sampling.lattice_shift;
             float xi2 = ((float)(golden >> 9) + 0.5f) * 1.1920928955078125e-7f;
-            s = sample_face(ping, faces, triangles, min(xi1, 0.99999994f), xi2, lane, s);
+            sample_face(ping, faces, triangles, min(xi1, 0.99999994f), xi2, lane, s);
         }
     }
-    return s;
 }
 
 /* Which lanes are rays of CONE. */
@@ -81,8 +78,8 @@ typedef struct sampler_store {
 
 /* Replaces the directions of the rays that belong to cones and faces, and weighs every ray by all the ways
  * in which its direction could have been drawn. */
-static ray_sample add_objects(__global const dev_ping *ping, const sampler_store *store,
-                              natural index, ray_sample s) {
+static void add_objects(__global const dev_ping *ping, const sampler_store *store, natural index,
+                        ray_sample *s) {
     mask drawn = index >= ping->sampling.background;
     for (uint c = 0; c < ping->sampling.cones; c++) {
         mask here = drawn_by(ping->sampling.cone + c, index);
@@ -93,27 +90,26 @@ static ray_sample add_objects(__global const dev_ping *ping, const sampler_store
             natural golden = j * (natural)(2654435769u) + (natural)(ping->sampling.lattice_shift);
             ray_sample own =
                 sample_cone(ping->sampling.cone + c, r_min(xi1, R(1.0)), random_uniform(golden));
-            s.x = choose(here, own.x, s.x);
-            s.y = choose(here, own.y, s.y);
-            s.z = choose(here, own.z, s.z);
-            s.splat = choose(here, own.splat, s.splat);
+            s->x = choose(here, own.x, s->x);
+            s->y = choose(here, own.y, s->y);
+            s->z = choose(here, own.z, s->z);
+            s->splat = choose(here, own.splat, s->splat);
         }
     }
     if (ping->sampling.face_count != 0u) {
-        s = aim_at_faces(ping, store->faces, store->triangles, index, s);
+        aim_at_faces(ping, store->faces, store->triangles, index, s);
     }
-    real rays = R(1.0) / s.solid_angle;
+    real rays = R(1.0) / s->solid_angle;
     if (any_true(drawn)) {
-        rays = choose(drawn, background_rays(ping, store->table, &s), rays);
+        rays = choose(drawn, background_rays(ping, store->table, s), rays);
     }
     for (uint c = 0; c < ping->sampling.cones; c++) {
         __global const dev_cone *cone = ping->sampling.cone + c;
-        mask inside = in_cone(cone, s.x, s.y, s.z) | drawn_by(cone, index);
+        mask inside = in_cone(cone, s->x, s->y, s->z) | drawn_by(cone, index);
         real own = (real)((float)(cone->count)) / (R(2.0) * R_PI * (real)(cone->cap));
         rays += choose(inside, own, R(0.0));
     }
-    s.solid_angle = R(1.0) / rays;
-    return s;
+    s->solid_angle = R(1.0) / rays;
 }
 
 static ray_sample draw_adaptive(__global const dev_ping *ping, const sampler_store *store,
@@ -123,7 +119,10 @@ static ray_sample draw_adaptive(__global const dev_ping *ping, const sampler_sto
     natural golden = index * (natural)(2654435769u) + (natural)(ping->sampling.lattice_shift);
     ray_sample s = sample_adaptive(ping, store->table, r_min(xi1, R(0.99999994)),
                                    random_uniform(golden), count);
-    return ping->sampling.background == ping->batch.rays ? s : add_objects(ping, store, index, s);
+    if (ping->sampling.background != ping->batch.rays) {
+        add_objects(ping, store, index, &s);
+    }
+    return s;
 }
 
 APART static ray_sample draw(__global const dev_ping *ping, const sampler_store *store,

@@ -209,8 +209,9 @@ static triple image_of(__global const dev_ping *ping, const found *f, triple at)
     real surface = (real)(ping->origin[2] - ping->surface_m);
     real bottom = (real)(ping->origin[2] + ping->bottom_m);
     real plane = choose(f->plane == DEV_KIND_SURFACE, surface, bottom);
-    at.z = choose(f->plane != 0u, R(2.0) * plane - at.z, at.z);
-    return at;
+    triple image = at;
+    image.z = choose(f->plane != 0u, R(2.0) * plane - at.z, at.z);
+    return image;
 }
 
 static sight see(__global const dev_ping *ping, __global const dev_coherent *c, triple at) {
@@ -268,8 +269,9 @@ static sight choose_sight(mask which, const sight *a, const sight *b) {
 
 /* The slant of a leg that leaves the sonar along U; MIRRORED, a plane has turned it over. */
 static slant slant_by(const meeting *m, triple u, mask mirrored_leg) {
-    u.z = choose(mirrored_leg, -u.z, u.z);
-    return surface_slant(m, u);
+    triple met = u;
+    met.z = choose(mirrored_leg, -u.z, u.z);
+    return surface_slant(m, met);
 }
 
 /* What the plane that mirrors leaves of a pressure along U: the surface, soft, turns its sign. */

@@ -24,13 +24,13 @@ TRACE_APART static void trace_sixteen(__global const dev_node8 *nodes,
     g.best = known;
     f.limit = greatest16(known.t);
     bool done = walk_frustum(nodes, blocks, root, 1, FRUSTUM_BUDGET_16, &f, &g);
-    known = g.best;
     if (!done) {
-        r.t_max = known.t;
-        uint lanes = sieve16(nodes, r, root, extent_m);
-        known = walk_singly(nodes, blocks, &rays[first], known, lanes, root, extent_m);
+        rays16 nearer = r;
+        nearer.t_max = g.best.t;
+        uint lanes = sieve16(nodes, nearer, root, extent_m);
+        g.best = walk_singly(nodes, blocks, &rays[first], g.best, lanes, root, extent_m);
     }
-    store_hits16(hits, first, count, known);
+    store_hits16(hits, first, count, g.best);
 }
 
 TRACE_APART static void trace_sixteen_new(__global const dev_node8 *nodes,

@@ -101,12 +101,12 @@ typedef struct hits16 {
 } hits16;
 
 static inline void store_hits16(__global dev_hit *hits, uint first, uint count, hits16 h) {
-    h.t = h.id == ~0u ? (float16)(INFINITY) : h.t;
+    float16 t_m = h.id == ~0u ? (float16)(INFINITY) : h.t;
     if (first + 16 <= count) {
         float16 id = as_float16(h.id), low, high;
-        low.even = h.t.lo;
+        low.even = t_m.lo;
         low.odd = id.lo;
-        high.even = h.t.hi;
+        high.even = t_m.hi;
         high.odd = id.hi;
         ((__global float16 *)&hits[first])[0] = low;
         ((__global float16 *)&hits[first])[1] = high;
@@ -114,7 +114,7 @@ static inline void store_hits16(__global dev_hit *hits, uint first, uint count, 
     }
     float t[16];
     uint id[16];
-    vstore16(h.t, 0, t);
+    vstore16(t_m, 0, t);
     vstore16(h.id, 0, id);
     for (uint i = 0; first + i < count; i++) {
         hits[first + i].t_m = t[i];

@@ -46,21 +46,23 @@ typedef struct packet16 {
 
 /* Skipped rays take the place of the first live one, so that they widen nothing. */
 static inline rays16 fill_skipped(rays16 r, int16 live) {
+    rays16 filled;
     float lane[16];
     uint first = lowest_bit(bits16(live));
     vstore16(r.ox, 0, lane);
-    r.ox = live ? r.ox : (float16)(lane[first]);
+    filled.ox = live ? r.ox : (float16)(lane[first]);
     vstore16(r.oy, 0, lane);
-    r.oy = live ? r.oy : (float16)(lane[first]);
+    filled.oy = live ? r.oy : (float16)(lane[first]);
     vstore16(r.oz, 0, lane);
-    r.oz = live ? r.oz : (float16)(lane[first]);
+    filled.oz = live ? r.oz : (float16)(lane[first]);
     vstore16(r.dx, 0, lane);
-    r.dx = live ? r.dx : (float16)(lane[first]);
+    filled.dx = live ? r.dx : (float16)(lane[first]);
     vstore16(r.dy, 0, lane);
-    r.dy = live ? r.dy : (float16)(lane[first]);
+    filled.dy = live ? r.dy : (float16)(lane[first]);
     vstore16(r.dz, 0, lane);
-    r.dz = live ? r.dz : (float16)(lane[first]);
-    return r;
+    filled.dz = live ? r.dz : (float16)(lane[first]);
+    filled.t_max = r.t_max;
+    return filled;
 }
 
 /* P->best is set already; the signs of the rays' directions agree. */
@@ -329,6 +331,7 @@ static inline void trace_packet16(__global const dev_node8 *nodes,
                                   __global const dev_block4 *blocks, __global const dev_ray *rays,
                                   __global dev_hit *hits, rays16 r, hits16 known, uint first,
                                   uint count, uint root, float extent_m) {
+    hits16 best = known;
     float16 sum = ((r.ox + r.oy) + (r.oz + r.dx)) + (r.dy + r.dz);
     int16 live = (r.t_max > 0.0f) & (fabs(sum) < INFINITY); /* a NAN must not spoil the intervals */
     int16 octant = ((r.dx < 0.0f) & 1) | ((r.dy < 0.0f) & 2) | ((r.dz < 0.0f) & 4);
@@ -341,17 +344,17 @@ static inline void trace_packet16(__global const dev_node8 *nodes,
         uint lanes = bits16(same);
         left &= ~lanes;
         if (popcount(lanes) <= PACKET_ALONE) {
-            known = walk_singly(nodes, blocks, &rays[first], known, lanes, root, extent_m);
+            best = walk_singly(nodes, blocks, &rays[first], best, lanes, root, extent_m);
             continue;
         }
-        p.best.t = same ? known.t : (float16)(-1.0f);
-        p.best.id = known.id;
+        p.best.t = same ? best.t : (float16)(-1.0f);
+        p.best.id = best.id;
         packet16_prepare(lanes == 0xffff ? r : fill_skipped(r, same), extent_m, &p);
         walk16(nodes, blocks, root, &p);
-        known.t = same ? p.best.t : known.t;
-        known.id = same ? p.best.id : known.id;
+        best.t = same ? p.best.t : best.t;
+        best.id = same ? p.best.id : best.id;
     }
-    store_hits16(hits, first, count, known);
+    store_hits16(hits, first, count, best);
 }
 
 #endif
