@@ -157,7 +157,7 @@ static inline void sort_deposits(const fan_sort *sort, __global const dev_arriva
     __global fan_entry *to = sort->entries + at;
     two_deposits lo = place_two(l->bin.lo, l->component.lo, l->quanta.lo, key);
     two_deposits hi = place_two(l->bin.hi, l->component.hi, l->quanta.hi, key);
-    float4 quanta = {lo.quanta, hi.quanta};
+    float4 quanta = {lo.quanta.s0, lo.quanta.s1, hi.quanta.s0, hi.quanta.s1};
     /* Where there are no others, nothing is added to sums that the first are not. */
     uint second = hi.any ? hi.at : (lo.at + 1u) % ASDIC_COMPONENTS;
     uint rows = lo.at | second << ROW_BITS;

@@ -2,7 +2,7 @@
 intensities whatever the layout of the work.
 
 Oclgrind's exit code stays 0, so its log is read. It is slow: the work is kept small, and the default
-tier has test_a_ping alone.
+tier has test_a_ping and test_a_fan alone.
 """
 import json
 import os
@@ -95,9 +95,9 @@ LANE_BY_LANE = (
     ("trace_lanes.h", "out.c[4 + i] = (float16)(a.odd, b.odd);",
      EACH.format("out.c[4 + i]", "k", "a", "2 * k + 1")
      + EACH.format("out.c[4 + i]", "8 + k", "b", "2 * k + 1")),
-    ("trace_lanes.h", "low.even = h.t.lo;", EACH.format("low", "2 * k", "h.t", "k")),
+    ("trace_lanes.h", "low.even = t_m.lo;", EACH.format("low", "2 * k", "t_m", "k")),
     ("trace_lanes.h", "low.odd = id.lo;", EACH.format("low", "2 * k + 1", "id", "k")),
-    ("trace_lanes.h", "high.even = h.t.hi;", EACH.format("high", "2 * k", "h.t", "8 + k")),
+    ("trace_lanes.h", "high.even = t_m.hi;", EACH.format("high", "2 * k", "t_m", "8 + k")),
     ("trace_lanes.h", "high.odd = id.hi;", EACH.format("high", "2 * k + 1", "id", "8 + k")),
     ("trace_bundle.h", "(float16)(c.xxxx, c.yyyy, c.zzzz, c.wwww)", "c.xxxxyyyyzzzzwwww"),
     ("trace_bundle.h", "(float16)(h.xxxx, h.yyyy, h.zzzz, h.wwww)", "h.xxxxyyyyzzzzwwww"),
@@ -155,10 +155,17 @@ def test_buffers_and_simple_kernels():
     tap.contains(under_oclgrind(UNIT), "[       OK ] kernel_computes")
 
 
-def test_a_ping():
-    """The slice of the default tier."""
-    printed = ping("mirrors", FRUSTUM64, LAYOUTS[0])
+def check_ping(name, kernel):
+    printed = ping(name, kernel, LAYOUTS[0])
     tap.equal(max(map(float.fromhex, printed.split())) > 0, True, "something comes back")
+
+
+def test_a_ping():
+    check_ping("mirrors", FRUSTUM64)
+
+
+def test_a_fan():
+    check_ping("fan_flat", WIDE8)
 
 
 def test_every_way_to_trace():
