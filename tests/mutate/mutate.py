@@ -5,7 +5,7 @@
     ./dev mutate --unrun
 
 A copy of the tree is built in build/mutate, once, and once more to measure which default test runs which
-line. Each slip is compiled there; one that does not compile, or leaves the object file as it was, does not
+line (about three times what the tests take; with --quick of the quick ones only). Each slip is compiled there; one that does not compile, or leaves the object file as it was, does not
 count. Then the default tests that run its line follow, up to the first failure: those first that have
 noticed a slip of the file, then those that name what the file defines, the quick before the slow. What no
 quick test notices waits for others, which then run through the slow tests together; when those fail, half of
@@ -37,6 +37,8 @@ WORK = ROOT / "build" / "mutate"
 TREE, BUILD, COVERED = WORK / "tree", WORK / "build", WORK / "coverage"
 LUCKY = WORK / "noticed.json"  # {path: {test: how many slips of it this test noticed first}}
 FOLDERS = ("lib", "kernels", "cli")
+SLOWEST_S = 600.0  # a processor's, of any default test
+SLOWER = 4.0  # than without measuring its coverage a test takes, at most
 QUICK_S = 5.0  # a processor's, of one test; those that take longer run for several slips together
 TOGETHER = 8
 LEAST_S = {True: 240.0, False: 10.0}  # a processor's, to every test; whether a driver compiles changed kernels
@@ -138,17 +140,20 @@ class Test:
             return False
         return process.returncode in (0, 77) and not NOT_OK.search(self.output)
 
-    def measure(self, coverage):
-        """Its time and lines; whether it passes, at the second attempt at the latest."""
+    def measure(self, coverage, most_s):
+        """Its time and lines; whether it passes, at the second attempt at the latest. Nothing, where it takes
+        longer than MOST_S."""
         for _ in range(2):
             coverage.clear()
             before = os.times()
-            good = self.passes(600.0)
+            good = self.passes(most_s)
             after = os.times()
             self.seconds = (after.children_user - before.children_user
                             + after.children_system - before.children_system)  # fmt: skip
             if good:
                 coverage.keep(self.name, self.text, self.seconds)
+                return
+            if most_s < SLOWEST_S and self.seconds >= most_s:
                 return
         coverage.keep_failed(self.name, self.text)
         print(f"mutate: '{self.name}' fails on the unchanged tree and is left out:\n{self.output[-1000:]}",
@@ -166,8 +171,9 @@ def default_tests(build):
             if not any(suite.endswith(":full") for suite in entry["suite"])]  # fmt: skip
 
 
-def measure():
-    """The coverage of every default test; of those that were measured before, when they are the same."""
+def measure(most_s=SLOWEST_S):
+    """The coverage of every default test that takes at most MOST_S; of those that were measured before, when
+    they are the same."""
     configure(COVERED, "-Dbuildtype=plain", "-Doptimization=1", "-Db_coverage=true")
     coverage = Coverage(TREE, COVERED, WORK / "coverage.json")
     fresh = [test for test in default_tests(COVERED) if not coverage.measured(test.name, test.text)
@@ -176,7 +182,7 @@ def measure():
         compile_clean(COVERED)
         print(f"mutate: measuring {len(fresh)} tests on the unchanged tree", flush=True)
     for test in sorted(fresh, key=lambda test: test.command[-1].endswith(".py")):  # one at a time
-        test.measure(coverage)
+        test.measure(coverage, most_s)
     return coverage
 
 
@@ -305,7 +311,7 @@ class Session:
     def prepare(self):
         WORK.mkdir(parents=True, exist_ok=True)
         copy_tree()
-        self.coverage = measure()
+        self.coverage = measure(SLOWEST_S if self.quick_s is None else SLOWER * self.quick_s)
         configure(BUILD)
         compile_clean(BUILD)
         self.code = {str(path): code_of(str(path)) for top in ("lib", "cli")
