@@ -107,6 +107,61 @@ static void the_user_decides(void **state) {
     assert_int_equal(run(&g, 0.2, 1e-6, 100), 1000);
 }
 
+/* COUNT pings that each take SHARE of the period; at which of them the rays change, and to how many. 0: at none. */
+static size_t changes_at(double share, uint32_t rays, size_t count, uint32_t *then) {
+    asdic_governor g;
+    asdic_governor_init(&g, PERIOD_S, 100000, 1000, true);
+    g.rays = rays;
+    for (size_t i = 1; i <= count; i++) {
+        bool changed = asdic_governor_note(&g, share * PERIOD_S, PERIOD_S);
+        *then = asdic_governor_rays(&g);
+        assert_int_equal(changed, *then != rays);
+        if (changed) {
+            return i;
+        }
+    }
+    return 0;
+}
+
+/* A mission learns every 32 pings; above 95 % rays fall to what takes 80 %, below 50 % they rise, by half at most. */
+static void shares_of_a_block_decide(void **state) {
+    (void)state;
+    static const struct {
+        double share;
+        uint32_t rays;
+        size_t ping;
+        uint32_t then;
+    } cases[] = {{0.94, 50000, 0, 50000},   {0.96, 50000, 32, 41666}, {0.51, 50000, 0, 50000},
+                 {0.49, 50000, 32, 75000},  {0.49, 100000, 0, 100000}, {0.49, 90000, 32, 100000},
+                 {1.49, 50000, 32, 26845},  {1.51, 50000, 6, 26490},   {9.00, 50000, 6, 20000},
+                 {9.00, 2000, 6, 1000},     {9.00, 1000, 0, 1000}};
+    for (size_t n = 0; n < sizeof cases / sizeof *cases; n++) {
+        uint32_t then = 0;
+        assert_int_equal(changes_at(cases[n].share, cases[n].rays, 96, &then), cases[n].ping);
+        assert_int_equal(then, cases[n].then);
+    }
+}
+
+/* Time that passes by a thirtieth too slowly is real time; before the first ping there is none to judge by. */
+static void time_is_real_within_3_percent(void **state) {
+    (void)state;
+    static const double slow[] = {1.0, 1.029, 1.031, 1.5, 0.5};
+    for (size_t n = 0; n < sizeof slow / sizeof *slow; n++) {
+        asdic_governor g;
+        asdic_governor_init(&g, PERIOD_S, 1000, 1000, true);
+        assert_true(asdic_governor_stretch(&g) == 1.0);
+        asdic_governor_note(&g, 0.0, 0.0); /* after a pause */
+        assert_true(asdic_governor_stretch(&g) == 1.0);
+        asdic_governor_note(&g, 0.0, 2.0 * PERIOD_S); /* a tenth of what is new */
+        assert_close(asdic_governor_stretch(&g), 1.1, 1e-12);
+        for (int k = 0; k < 200; k++) {
+            asdic_governor_note(&g, 0.0, slow[n] * PERIOD_S);
+        }
+        bool is_real = n < 2;
+        assert_close(asdic_governor_stretch(&g), is_real ? 1.0 : slow[n], is_real ? 0.0 : 1e-8);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_fast_machine_keeps_its_rays),
@@ -117,6 +172,8 @@ int main(void) {
         cmocka_unit_test(the_floor_follows_the_beams),
         cmocka_unit_test(bins_are_joined_before_time_is_stretched),
         cmocka_unit_test(the_user_decides),
+        cmocka_unit_test(shares_of_a_block_decide),
+        cmocka_unit_test(time_is_real_within_3_percent),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -260,6 +260,41 @@ static void keys_are_listed(void **state) {
     assert_false(asdic_view_press(NULL, "x"));
 }
 
+static void check_title(asdic_view *v, const char *wanted) {
+    asdic_view_write_title(v);
+    if (!strstr(v->title, wanted)) {
+        fail_msg("'%s' lacks '%s'", v->title, wanted);
+    }
+}
+
+/* Rays by thousands, those that are wanted where the machine cannot follow, and how time goes. */
+static void titles_say_rays_and_time(void **state) {
+    static const struct {
+        uint32_t rays;
+        const char *said;
+    } cases[] = {{999, "  999 rays"},
+                 {1000, "  1,000 rays"},
+                 {20480, "  20,480 rays"},
+                 {999999, "  999,999 rays"},
+                 {1000000, "  1,000,000 rays"},
+                 {12003004, "  12,003,004 rays"}};
+    asdic_view *v = fresh(state);
+    v->governor.stretch = 1.0;
+    for (size_t n = 0; n < sizeof cases / sizeof *cases; n++) {
+        v->governor.rays = v->governor.wanted = cases[n].rays;
+        check_title(v, cases[n].said);
+    }
+    check_title(v, "  4 pings/s  ");
+    check_title(v, "as fast as it goes");
+    check_title(v, "asdic-keys-"); /* the scene's name */
+    v->governor.rays = 2048;
+    check_title(v, "  2,048 of 12,003,004 rays");
+    v->options.real_time = true;
+    check_title(v, "real time");
+    v->governor.stretch = 2.5;
+    check_title(v, "time stretched 2.50\u00d7");
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(steering_starts_where_the_vehicle_is),
@@ -271,6 +306,7 @@ int main(void) {
         cmocka_unit_test(the_sea_follows),
         cmocka_unit_test(source_and_rays_have_limits),
         cmocka_unit_test(keys_are_listed),
+        cmocka_unit_test(titles_say_rays_and_time),
     };
     return cmocka_run_group_tests(tests, begin, end);
 }
