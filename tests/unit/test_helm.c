@@ -130,6 +130,72 @@ static void speeds_stay_within_the_models(void **state) {
     assert_close(fly(*state, &helm, 20.0).position_m.x, 19.0, 0.3); /* a lag of 1 s */
 }
 
+/* 0.3 m of water is left above and below; 6 m/s is the most, 0.05 m/s the least that answers; the REMUS 100 does not
+ * go slower than its model allows, but stops. */
+static void limits_are_those_that_are_said(void **state) {
+    asdic_helm helm = take(ASDIC_VEHICLE_NOMOTO, 1.5);
+    asdic_helm_change_planes(&helm, -1.0);
+    assert_close(fly(*state, &helm, 60.0).position_m.z, 0.3, 1e-9);
+    asdic_helm_change_planes(&helm, 2.0);
+    assert_close(fly(*state, &helm, 120.0).position_m.z, 19.7, 1e-9);
+
+    asdic_helm_change_speed(&helm, 100.0);
+    assert_close(helm.wanted_mps, 6.0, 0.0);
+    asdic_helm_change_speed(&helm, -100.0);
+    assert_close(helm.wanted_mps, 0.0, 0.0);
+
+    helm = take(ASDIC_VEHICLE_NOMOTO, 0.049);
+    assert_close(fly(*state, &helm, 10.0).position_m.x, 0.0, 0.0);
+    helm = take(ASDIC_VEHICLE_NOMOTO, 0.051);
+    assert_close(fly(*state, &helm, 10.0).position_m.x, 0.51, 1e-3);
+
+    helm = take(ASDIC_VEHICLE_REMUS100, ASDIC_REMUS100_MIN_MPS);
+    assert_close(helm.wanted_mps, ASDIC_REMUS100_MIN_MPS, 0.0);
+    asdic_helm_change_speed(&helm, -0.01);
+    assert_close(helm.wanted_mps, 0.0, 0.0);
+    asdic_helm_change_speed(&helm, 0.01);
+    assert_close(helm.wanted_mps, ASDIC_REMUS100_MIN_MPS, 0.0);
+    asdic_helm_change_speed(&helm, 100.0);
+    assert_close(helm.wanted_mps, ASDIC_REMUS100_MAX_MPS, 0.0);
+}
+
+/* Slow vehicles cannot dive steeper than at a slope of 0.57. */
+static void slow_dives_are_no_steeper(void **state) {
+    asdic_helm helm = take(ASDIC_VEHICLE_NOMOTO, 0.5); /* 0.5 m/s down is what it may */
+    asdic_helm_change_planes(&helm, 1.0);
+    fly(*state, &helm, 10.0); /* settled */
+    double z_m = helm.state.z_m;
+    assert_close(fly(*state, &helm, 10.0).position_m.z - z_m, 10.0 * 0.57 * 0.5, 0.02);
+    assert_close(helm.flight.dive_rate_mps, 0.5, 0.0); /* as before */
+}
+
+/* The first touch of the planes leaves the depth that is held; rudder and planes add up to 1. */
+static void touches_add_up(void **state) {
+    asdic_helm helm = take(ASDIC_VEHICLE_NOMOTO, 1.5);
+    assert_true(helm.holds_depth && helm.hold_z_m == 8.0);
+    helm.planes = 0.7;
+    asdic_helm_change_planes(&helm, 0.25);
+    assert_false(helm.holds_depth);
+    assert_close(helm.planes, 0.25, 0.0);
+    asdic_helm_change_planes(&helm, 0.25);
+    assert_close(helm.planes, 0.5, 0.0);
+    asdic_helm_change_planes(&helm, 7.0);
+    assert_close(helm.planes, 1.0, 0.0);
+    fly(*state, &helm, 3.0);
+    asdic_helm_toggle_hold(&helm);
+    assert_true(helm.holds_depth && helm.hold_z_m == helm.state.z_m && helm.planes == 0.0);
+    asdic_helm_toggle_hold(&helm);
+    assert_false(helm.holds_depth);
+
+    asdic_helm_change_rudder(&helm, -0.25);
+    asdic_helm_change_rudder(&helm, -0.25);
+    assert_close(helm.rudder, -0.5, 0.0);
+    asdic_helm_change_rudder(&helm, -7.0);
+    assert_close(helm.rudder, -1.0, 0.0);
+    asdic_helm_change_rudder(&helm, 0.0);
+    assert_close(helm.rudder, 0.0, 0.0);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(straight_on_it_keeps_course_and_depth),
@@ -137,6 +203,9 @@ int main(void) {
         cmocka_unit_test(planes_dive_and_hold_keeps_the_depth),
         cmocka_unit_test(neither_ground_nor_air_is_flown_through),
         cmocka_unit_test(speeds_stay_within_the_models),
+        cmocka_unit_test(limits_are_those_that_are_said),
+        cmocka_unit_test(slow_dives_are_no_steeper),
+        cmocka_unit_test(touches_add_up),
     };
     return cmocka_run_group_tests(tests, make_sea, drain);
 }

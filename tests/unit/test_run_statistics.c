@@ -63,8 +63,8 @@ static void windows_leave_spikes_out(void **state) {
     static const struct {
         size_t faint, loud;
         double low_db, high_db;
-    } cases[] = {{0, 0, -130.0, -70.0},  {49, 0, -130.0, -70.0},   {51, 0, -200.0, -70.0},
-                 {0, 5, -130.0, -70.0},  {0, 6, -130.0, -10.0},    {51, 6, -200.0, -10.0}};
+    } cases[] = {{0, 0, -130.0, -70.0}, {49, 0, -130.0, -70.0}, {51, 0, -200.0, -70.0},
+                 {0, 5, -130.0, -70.0}, {0, 6, -130.0, -10.0},  {51, 6, -200.0, -10.0}};
     for (size_t n = 0; n < sizeof cases / sizeof *cases; n++) {
         asdic_statistics s = begun();
         float *level_db = all.level_db[ASDIC_TOTAL];

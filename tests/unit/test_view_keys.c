@@ -272,12 +272,9 @@ static void titles_say_rays_and_time(void **state) {
     static const struct {
         uint32_t rays;
         const char *said;
-    } cases[] = {{999, "  999 rays"},
-                 {1000, "  1,000 rays"},
-                 {20480, "  20,480 rays"},
-                 {999999, "  999,999 rays"},
-                 {1000000, "  1,000,000 rays"},
-                 {12003004, "  12,003,004 rays"}};
+    } cases[] = {{999, "  999 rays"},           {1000, "  1,000 rays"},
+                 {20480, "  20,480 rays"},      {999999, "  999,999 rays"},
+                 {1000000, "  1,000,000 rays"}, {12003004, "  12,003,004 rays"}};
     asdic_view *v = fresh(state);
     v->governor.stretch = 1.0;
     for (size_t n = 0; n < sizeof cases / sizeof *cases; n++) {
