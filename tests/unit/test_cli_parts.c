@@ -73,6 +73,7 @@ static void a_header_gives_the_order(void **state) {
     assert_bad("x_m,z_m", "the header lacks");
     assert_bad("y_m,z_m", "the header lacks");
     assert_bad("x_m,y_m,z_m,x_m", "there twice in the header");
+    assert_bad("time_s,x_m,y_m,z_m,time_s", "there twice in the header");
     assert_pose("7,1,fast,2", 1.0, 2.0, 7.0, 0.0, 0.0, 0.0);         /* a bad one changes nothing */
     assert_int_equal(read_line("_a,_a,x_m,y_m,z_m"), SERVE_NOTHING); /* unknown ones may be */
 

@@ -203,6 +203,36 @@ static void wrong_settings_are_named(void **state) {
     asdic_context_set_log(ctx, ASDIC_LOG_ERROR, NULL, NULL);
 }
 
+/* P_D at a P_FA of 1e-3 over K-distributed reverberation of REVERBERATION_LIN and a NOISE_LIN that no law moves. */
+static double pd_over(double reverberation_lin, double noise_lin, double target_lin) {
+    double mean_lin = reverberation_lin + noise_lin, threshold_lin;
+    asdic_background b = {
+        .mean_lin = mean_lin, .looks = 1, .shape = 1.0, .noise_share = noise_lin / mean_lin};
+    assert_ok(ctx, asdic_detect_threshold(ctx, &b, 1e-3, &threshold_lin));
+    return asdic_detect_pd(&b, ASDIC_TARGET_SWERLING1, target_lin, threshold_lin);
+}
+
+/* What laws leave open moves the background's mean and the echo; ambient noise stays what it is. */
+static void bands_hold_what_the_laws_leave_open(void **state) {
+    (void)state;
+    asdic_background b = {.mean_lin = 2.0, .looks = 1, .shape = 1.0, .noise_share = 0.25};
+    asdic_roc_case c = {.none = b, .rest = b, .target_lin = 40.0};
+    asdic_band band;
+    assert_ok(ctx, asdic_roc_band(ctx, &c, ASDIC_TARGET_SWERLING1, 1e-3, &band));
+    assert_true(isnan(band.low) && isnan(band.high)); /* nothing is stated */
+    c.background_most_db = 10.0 * log10(2.0); /* a mean of 4 and of 1, of which noise is 0.5 */
+    c.background_least_db = -c.background_most_db;
+    c.target_error_db = 10.0 * log10(1.25);
+    assert_ok(ctx, asdic_roc_band(ctx, &c, ASDIC_TARGET_SWERLING1, 1e-3, &band));
+    assert_close(band.low, pd_over(3.5, 0.5, 32.0), 1e-9);
+    assert_close(band.high, pd_over(0.5, 0.5, 50.0), 1e-9);
+    assert_true(band.low > 0.05 && band.high < 0.95 && band.low + 0.1 < band.high);
+    c.background_least_db = 10.0 * log10(0.125); /* all of it is noise */
+    c.target_error_db = 0.0;
+    assert_ok(ctx, asdic_roc_band(ctx, &c, ASDIC_TARGET_SWERLING1, 1e-3, &band));
+    assert_true(band.high > pd_over(0.5, 0.5, 40.0));
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(an_area_counts_pairs),
@@ -210,6 +240,7 @@ int main(void) {
         cmocka_unit_test(an_area_can_be_stopped),
         cmocka_unit_test(closed_forms_lie_in_the_bounds),
         cmocka_unit_test(pairs_compare_better),
+        cmocka_unit_test(bands_hold_what_the_laws_leave_open),
         cmocka_unit_test(settings_replace_and_add),
         cmocka_unit_test(wrong_settings_are_named),
     };
