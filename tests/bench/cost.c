@@ -32,6 +32,9 @@ typedef struct side {
 } side;
 
 #define MOST_PAIRS 15
+/* Parts of a block of pings, and pings of a part. */
+#define PARTS 8
+#define PART (ASDIC_LEARN_BLOCK / PARTS)
 
 /* Seconds of blocks of both sides. */
 typedef struct turns {
@@ -39,20 +42,22 @@ typedef struct turns {
     size_t pairs;
 } turns;
 
-/* A block of S, learning and calibration included; its seconds by CLOCK_S. */
-static asdic_status shoot_block(const bench *b, side *s, const asdic_pose *pose, uint64_t first,
-                                double (*clock_s)(void), double *seconds) {
-    asdic_pose poses[ASDIC_LEARN_BLOCK];
-    asdic_ping *same[ASDIC_LEARN_BLOCK];
-    for (size_t k = 0; k < ASDIC_LEARN_BLOCK; k++) {
+/* Part NTH of a block of S, learning included in the first; its seconds by CLOCK_S are added. */
+static asdic_status shoot_part(const bench *b, side *s, const asdic_pose *pose, uint64_t nth,
+                               double (*clock_s)(void), double *seconds) {
+    asdic_pose poses[PART];
+    asdic_ping *same[PART];
+    for (size_t k = 0; k < PART; k++) {
         poses[k] = *pose;
         same[k] = s->ping;
     }
     TRY(bench_interrupted(b));
     double began = clock_s();
-    TRY(asdic_simulator_learn(s->sim, pose, first));
-    TRY(asdic_simulator_pings(s->sim, poses, first, ASDIC_LEARN_BLOCK, same));
-    *seconds = clock_s() - began;
+    if (nth % PARTS == 0) {
+        TRY(asdic_simulator_learn(s->sim, pose, nth * PART));
+    }
+    TRY(asdic_simulator_pings(s->sim, poses, nth * PART, PART, same));
+    *seconds += clock_s() - began;
     return ASDIC_OK;
 }
 
@@ -66,18 +71,18 @@ static asdic_status open_side(const bench *b, const bench_scene *scene, side *s)
     return s->truth ? asdic_ping_add_truth(cli_context(b->c), s->ping) : ASDIC_OK;
 }
 
-/* T->pairs blocks of both sides, one after the other in turn. */
+/* T->pairs blocks of both sides, a part of each in turn: so both meet what else the machine does. */
 static asdic_status take_turns(const bench *b, const bench_scene *scene, double (*clock_s)(void),
                                side *sides, turns *t) {
-    double seconds;
+    double first = 0.0;
     for (int k = 0; k < 2; k++) {
         TRY(open_side(b, scene, &sides[k]));
         /* the first compiles for its sizes */
-        TRY(shoot_block(b, &sides[k], &scene->pose, 0, clock_s, &seconds));
+        TRY(shoot_part(b, &sides[k], &scene->pose, 0, clock_s, &first));
     }
-    for (size_t i = 0; i < 2 * t->pairs; i++) {
-        TRY(shoot_block(b, &sides[i % 2], &scene->pose, i / 2 * ASDIC_LEARN_BLOCK, clock_s,
-                        &t->seconds[i % 2][i / 2]));
+    for (size_t i = 0; i < 2 * PARTS * t->pairs; i++) {
+        TRY(shoot_part(b, &sides[i % 2], &scene->pose, i / 2, clock_s,
+                       &t->seconds[i % 2][i / 2 / PARTS]));
     }
     return ASDIC_OK;
 }
@@ -115,7 +120,7 @@ static asdic_status measure(bench *b, const bench_scene *scene) {
     const double range_m = (double)scene->bins * scene->sonar.bin_length_m;
     side stated[2] = {{.sonar = scene->sonar}, {.sonar = scene->sonar, .without_errors = true}};
     side bins[2] = {{.sonar = scene->sonar}, {.sonar = scene->sonar}};
-    turns of_errors, of_bins;
+    turns of_errors = {0}, of_bins = {0};
     bins[0].sonar.bin_length_m = range_m / (FEW_BINS + 0.5);
     bins[1].sonar.bin_length_m = range_m / (MANY_BINS + 0.5);
     TRY(by_turns(b, scene, bench_processor_s, stated, &of_errors));
@@ -132,7 +137,7 @@ static asdic_status measure(bench *b, const bench_scene *scene) {
 static asdic_status measure_truth(bench *b, const bench_scene *scene) {
     const asdic_sonar *sonar = asdic_mission_sonar(scene->mission);
     side sides[2] = {{.sonar = *sonar, .truth = true}, {.sonar = *sonar}};
-    turns of_processor, of_wall;
+    turns of_processor = {0}, of_wall = {0};
     if (asdic_mission_sampling(scene->mission)->coherent) {
         return ASDIC_OK;
     }
