@@ -68,7 +68,7 @@ __kernel void fan_runs(__global const dev_ping *ping, __global fan_entry *entrie
     }
 }
 
-/* fan_project: tile TILE_AT of receivers. RESULTS: quanta as floats, [receiver][sum][bin]; ADD: to
+/* fan_project: tile TILE_AT of receivers. RESULTS: quanta as floats, rows [receiver][sum]; ADD: to
  * those of the batches before. One work-item per BINS bins and RECEIVERS receivers. */
 __kernel void fan_project(__global const dev_ping *ping, __global const fan_entry *entries,
                           __global const fan_list *lists, __global float *results, uint tile_at,
@@ -81,7 +81,7 @@ __kernel void fan_project(__global const dev_ping *ping, __global const fan_entr
         size_t before = tile_at * (size_t)(ping->sums.truth_cells) * ping->sums.truth_columns;
         fan_truth truth = {ping->sums.truth_rows != 0u ? rows : 0, cells + before, 0u, 0u, 0u};
 #endif
-        project(ping, entries, lists, results + (size_t)(receiver)*SUMS * ping->bins + bin,
+        project(ping, entries, lists, results + (size_t)(receiver)*SUMS * DEV_FAN_ROW(ping->bins) + bin,
                 receiver, bin, add TRUTH_ARGUMENT);
     }
 }

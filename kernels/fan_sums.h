@@ -176,7 +176,7 @@ static void project(__global const dev_ping *ping, __global const fan_entry *ent
     }
 #pragma unroll
     for (uint c = 0; c < SUMS; c++) {
-        __global float *to = results + (size_t)(c)*ping->bins;
+        __global float *to = results + (size_t)(c)*DEV_FAN_ROW(ping->bins);
         *to = sums.of[c] + (add != 0u ? *to : 0.0f);
     }
 }
@@ -246,6 +246,9 @@ WITHIN real add_down(__global const fan_entry *entry, uint c, real gain, real do
 #endif
 }
 
+/* Entries of a run whose gains are found first, then used: either takes most of a processor's registers. */
+#define TOGETHER 32u
+
 /* Adds RUN, for one vector of receivers after the other. ALL: its deposits are all echoes. */
 WITHIN void add_run(__global const dev_ping *ping, fan_run run, const receivers *r, uint parts,
                     const bool all) {
@@ -253,18 +256,25 @@ WITHIN void add_run(__global const dev_ping *ping, fan_run run, const receivers 
         real s0 = *sum_of(&to, 0u), s1 = *sum_of(&to, 1u);
         real s2 = *sum_of(&to, 2u), s3 = *sum_of(&to, 3u);
         real d0 = R(0.0), d1 = R(0.0), d2 = R(0.0), d3 = R(0.0);
-        for (uint k = 0; k < to.count; k++) {
-            __global const fan_entry *entry = to.entry + k;
-            real gain = gains(r + to.p, entry, ping->rear_lin);
-            s0 = r_fma((real)(entry->quanta[0]), gain, s0);
-            s1 = r_fma((real)(entry->quanta[1]), gain, s1);
-            s2 = r_fma((real)(entry->quanta[2]), gain, s2);
-            s3 = r_fma((real)(entry->quanta[3]), gain, s3);
-            d0 = add_down(entry, 0u, gain, d0);
-            d1 = add_down(entry, 1u, gain, d1);
-            if (all) {
-                d2 = add_down(entry, 2u, gain, d2);
-                d3 = add_down(entry, 3u, gain, d3);
+        for (uint from = 0; from < to.count; from += TOGETHER) {
+            __global const fan_entry *entries = to.entry + from;
+            const uint count = min(to.count - from, TOGETHER);
+            real gain[TOGETHER];
+            for (uint k = 0; k < count; k++) {
+                gain[k] = gains(r + to.p, entries + k, ping->rear_lin);
+            }
+            for (uint k = 0; k < count; k++) {
+                __global const fan_entry *entry = entries + k;
+                s0 = r_fma((real)(entry->quanta[0]), gain[k], s0);
+                s1 = r_fma((real)(entry->quanta[1]), gain[k], s1);
+                s2 = r_fma((real)(entry->quanta[2]), gain[k], s2);
+                s3 = r_fma((real)(entry->quanta[3]), gain[k], s3);
+                d0 = add_down(entry, 0u, gain[k], d0);
+                d1 = add_down(entry, 1u, gain[k], d1);
+                if (all) {
+                    d2 = add_down(entry, 2u, gain[k], d2);
+                    d3 = add_down(entry, 3u, gain[k], d3);
+                }
             }
         }
         put(&to, 0u, s0, true, d0);
@@ -331,30 +341,55 @@ static void add_list(__global const dev_ping *ping, __global const fan_entry *en
     }
 }
 
-/* Row 2 i becomes the first halves of rows i and i + 8, lane by lane, row 2 i + 1 their second halves. */
-static inline void interleave(const real *v, real *w) {
+/* Of each four lanes of A and B the first two, or the last two, by turns; then the same two by two. */
+static inline real low_of(real a, real b) {
+    return (real)(a.s0, b.s0, a.s1, b.s1, a.s4, b.s4, a.s5, b.s5, a.s8, b.s8, a.s9, b.s9, a.sc, b.sc,
+                  a.sd, b.sd);
+}
+
+static inline real high_of(real a, real b) {
+    return (real)(a.s2, b.s2, a.s3, b.s3, a.s6, b.s6, a.s7, b.s7, a.sa, b.sa, a.sb, b.sb, a.se, b.se,
+                  a.sf, b.sf);
+}
+
+static inline real low_pairs_of(real a, real b) {
+    return (real)(a.s01, b.s01, a.s45, b.s45, a.s89, b.s89, a.scd, b.scd);
+}
+
+static inline real high_pairs_of(real a, real b) {
+    return (real)(a.s23, b.s23, a.s67, b.s67, a.sab, b.sab, a.sef, b.sef);
+}
+
+/* Of four rows from V on: lane 4 L + I of row J becomes lane 4 L + J of row I. */
+static inline void transpose_fours(real *v) {
+    real low01 = low_of(v[0], v[1]), low23 = low_of(v[2], v[3]);
+    real high01 = high_of(v[0], v[1]), high23 = high_of(v[2], v[3]);
+    v[0] = low_pairs_of(low01, low23);
+    v[1] = high_pairs_of(low01, low23);
+    v[2] = low_pairs_of(high01, high23);
+    v[3] = high_pairs_of(high01, high23);
+}
+
+/* Lane i of row k becomes lane k of row i: in blocks of four by four, which are what processors shuffle at once,
+ * then block by block. */
+static inline void transpose(real *v) {
 #pragma unroll
-    for (uint i = 0; i < 8u; i++) {
-        w[2u * i].even = v[i].lo;
-        w[2u * i].odd = v[i + 8u].lo;
-        w[2u * i + 1u].even = v[i].hi;
-        w[2u * i + 1u].odd = v[i + 8u].hi;
+    for (uint k = 0; k < 16u; k += 4u) {
+        transpose_fours(v + k);
+    }
+#pragma unroll
+    for (uint k = 0; k < 4u; k++) {
+        real a = v[k], b = v[k + 4u], c = v[k + 8u], d = v[k + 12u];
+        v[k] = (real)(a.s0123, b.s0123, c.s0123, d.s0123);
+        v[k + 4u] = (real)(a.s4567, b.s4567, c.s4567, d.s4567);
+        v[k + 8u] = (real)(a.s89ab, b.s89ab, c.s89ab, d.s89ab);
+        v[k + 12u] = (real)(a.scdef, b.scdef, c.scdef, d.scdef);
     }
 }
 
-/* Lane i of row k becomes lane k of row i: a row's number and a lane's are four bits each, and an interleaving
- * turns all eight by one. */
-static inline void transpose(real *v) {
-    real w[BINS];
-    interleave(v, w);
-    interleave(w, v);
-    interleave(v, w);
-    interleave(w, v);
-}
-
 /* The first BINS sums of COMPONENT (the one behind the last: of depressions) and part P to the rows of RECEIVERS
- * receivers, STRIDE floats from each other, from TO on. */
-static void store_sums(const fan_sums *sums, uint component, uint p, uint bins, uint receivers,
+ * receivers, STRIDE floats from each other, from TO on: rows have room for those behind their last bin. */
+static void store_sums(const fan_sums *sums, uint component, uint p, uint receivers,
                        __global float *to, size_t stride, uint add) {
     real v[BINS];
 #pragma unroll
@@ -364,13 +399,7 @@ static void store_sums(const fan_sums *sums, uint component, uint p, uint bins, 
     transpose(v);
     for (uint k = 0; k < receivers; k++) {
         __global float *row = to + k * stride;
-        if (bins == BINS) {
-            vstore16(add != 0u ? v[k] + vload16(0, row) : v[k], 0, row);
-            continue;
-        }
-        for (uint bin = 0; bin < bins; bin++) {
-            row[bin] = ((float *)&v[k])[bin] + (add != 0u ? row[bin] : 0.0f);
-        }
+        STORE_REAL(add != 0u ? v[k] + LOAD_REAL(row) : v[k], row);
     }
 }
 
@@ -380,7 +409,7 @@ static void project(__global const dev_ping *ping, __global const fan_entry *ent
                     __global const fan_list *lists, __global float *results, uint receiver,
                     uint bin, uint add TRUTH_PARAMETER) {
     const uint end = min(receiver + RECEIVERS, ping->beams), bins = min(ping->bins - bin, BINS);
-    const size_t stride = (size_t)(SUMS)*ping->bins;
+    const size_t row = DEV_FAN_ROW(ping->bins);
     for (uint first = receiver; first < end; first += PARTS * ASDIC_WIDTH) {
         receivers r[PARTS];
         fan_sums sums;
@@ -406,8 +435,8 @@ static void project(__global const dev_ping *ping, __global const fan_entry *ent
                 if (c < ASDIC_COMPONENTS && (ping->sums.present & 1u << c) == 0u) {
                     continue; /* nobody reads it */
                 }
-                store_sums(&sums, c, p, bins, min(end - own, (uint)(ASDIC_WIDTH)),
-                           results + (own - receiver) * stride + c * (size_t)(ping->bins), stride,
+                store_sums(&sums, c, p, min(end - own, (uint)(ASDIC_WIDTH)),
+                           results + ((own - receiver) * (size_t)(SUMS) + c) * row, SUMS * row,
                            add);
             }
         }

@@ -15,6 +15,9 @@
 
 /* fan.cl computes this many receivers together. */
 #define DEV_FAN_TILE 128
+/* Floats of one of its rows of BINS: whole lines of a cache, an odd number of them, so that rows do not share
+ * their place in it. */
+#define DEV_FAN_ROW(bins) ((((bins) + 15u) / 16u | 1u) * 16u)
 
 /* A footprint in range spans at least this many rays, next to each other in elevation. */
 #define DEV_FOOTPRINT_RAYS 4.0f

@@ -118,6 +118,15 @@ void asdic_beam_fan_describe(const asdic_beam_fan *fan, const dev_beam *beams, d
     }
 }
 
+size_t asdic_beam_fan_results(const asdic_beam_fan *fan, size_t beams) {
+    return beams * fan->sums * fan->row;
+}
+
+const float *asdic_beam_fan_row(const asdic_beam_fan *fan, const void *results, size_t beam,
+                                size_t sum) {
+    return (const float *)results + (beam * fan->sums + sum) * fan->row;
+}
+
 /* Sorts arrivals into lists of entries, a list for every bin. */
 static asdic_status sort(asdic_beam_fan *fan, const dev_ping *ping, asdic_buffer *ping_buffer,
                          asdic_buffer *arrivals) {
@@ -144,7 +153,7 @@ asdic_status asdic_beam_fan_project(asdic_beam_fan *fan, const dev_ping *ping,
                                     asdic_buffer *ping_buffer, asdic_buffer *arrivals,
                                     asdic_buffer *results, float *host_results,
                                     const asdic_fan_truth *truth) {
-    size_t rows = fan->sums * (size_t)ping->bins;
+    size_t rows = fan->sums * fan->row;
     bool wide = fan->width > 1;
     size_t items = wide ? (ping->bins + 15) / 16 : ping->bins * (size_t)DEV_FAN_TILE;
     dev_uint add = ping->batch.first != 0;

@@ -22,6 +22,7 @@ typedef struct asdic_beam_fan {
     unsigned blocks;  /* of rays, that are sorted at the same time */
     unsigned width;   /* receivers of a vector */
     size_t sums;      /* of a bin and receiver: components, and where truth is wanted depressions */
+    size_t row;       /* floats of the results of one sum and receiver: bins, and what fills lines up */
     asdic_kernel *count, *place, *scatter, *runs, *project;
     asdic_buffer *counts, *made, *lists, *entries;
     asdic_fetch **fetches; /* a tile's each, on their way to the host, then those of its truth */
@@ -55,12 +56,19 @@ typedef struct asdic_fan_truth {
     size_t tile_bytes;
 } asdic_fan_truth;
 
-/* Enqueues the sums of one batch's ARRIVALS, added to those of the batches before, in RESULTS: floats
- * [beam][sum][bin], and in the TRUTH's cells. After the last batch they are fetched to the host, tile by tile. */
+/* Enqueues the sums of one batch's ARRIVALS, added to those of the batches before, in RESULTS: rows
+ * [beam][sum], and in the TRUTH's cells. After the last batch they are fetched to the host, tile by tile. */
 asdic_status asdic_beam_fan_project(asdic_beam_fan *fan, const dev_ping *ping,
                                     asdic_buffer *ping_buffer, asdic_buffer *arrivals,
                                     asdic_buffer *results, float *host_results,
                                     const asdic_fan_truth *truth);
+
+/* Floats of all results. */
+size_t asdic_beam_fan_results(const asdic_beam_fan *fan, size_t beams);
+
+/* SUM of BEAM by bins, in RESULTS that have come to the host. */
+const float *asdic_beam_fan_row(const asdic_beam_fan *fan, const void *results, size_t beam,
+                                size_t sum);
 
 /* Blocks until the beams of TILE are there; for several threads at a time. */
 asdic_status asdic_beam_fan_wait(asdic_beam_fan *fan, asdic_device *device, size_t tile);

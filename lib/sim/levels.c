@@ -4,6 +4,7 @@
  */
 #include "simulator.h"
 
+#include "base/clear.h"
 #include "base/share.h"
 #include "base/try.h"
 #include "base/widest.h"
@@ -20,24 +21,6 @@ static const asdic_component component_of[DEV_DEPOSIT_COUNT] = {
     [DEV_DEPOSIT_VOLUME] = ASDIC_VOLUME,
     [DEV_DEPOSIT_OBJECT] = ASDIC_OBJECT,
     [DEV_DEPOSIT_MULTIPATH] = ASDIC_MULTIPATH};
-
-WIDEST static bool are_clear(const double *restrict energy, size_t count) {
-    uint64_t any = 0;
-    for (size_t n = 0; n < count; n++) {
-        uint64_t bits;
-        memcpy(&bits, &energy[n], sizeof bits);
-        any |= bits;
-    }
-    return any == 0;
-}
-
-/* Nothing to COUNT of ENERGY. What is zero is left alone: in many scenes whole components are, and pages that
- * nobody writes to take neither memory nor time. */
-static void clear(double *energy, size_t count) {
-    if (!are_clear(energy, count)) {
-        memset(energy, 0, count * sizeof *energy);
-    }
-}
 
 /* A component's energies, added to ECHO; a quantum is worth UNIT times LOSS. */
 WIDEST static void convert_whole(const int64_t *restrict quanta, double unit,
@@ -133,7 +116,7 @@ static void convert_beam(const conversion *k, size_t beam) {
                 convert_whole(quanta + c * sim->setup.cells + at, k->unit[c], loss + n, count,
                               energy, echo);
             } else {
-                clear(energy, count);
+                asdic_clear(energy, count * sizeof *energy);
             }
         }
         if (!sim->setup.sampling.without_errors) {
@@ -165,10 +148,9 @@ static void convert_fan_water(const conversion *c, size_t beam) {
     const float *quanta[WATER_BEAMS];
     double crossing[WATER_BEAMS] = {0.0}, *energy[WATER_BEAMS];
     for (size_t k = 0; k < WATER_BEAMS; k++) {
-        size_t first = (beam + (k < left ? k : 0)) * bins; /* behind the last the first again */
-        quanta[k] =
-            (const float *)c->shot->sums + first * c->sim->fan.sums + DEV_DEPOSIT_VOLUME * bins;
-        energy[k] = c->out->intensity_lin[ASDIC_VOLUME] + first;
+        size_t own = beam + (k < left ? k : 0); /* behind the last the first again */
+        quanta[k] = asdic_beam_fan_row(&c->sim->fan, c->shot->sums, own, DEV_DEPOSIT_VOLUME);
+        energy[k] = c->out->intensity_lin[ASDIC_VOLUME] + own * bins;
     }
     for (size_t n = bins; n-- > 0;) {
         for (size_t k = 0; k < WATER_BEAMS; k++) {
@@ -199,7 +181,6 @@ static void convert_fan_beam(const conversion *k, size_t beam) {
     const asdic_ping_shot *shot = k->shot;
     size_t first = beam * sim->setup.bins, bins = sim->setup.bins;
     double noise_lin = noise_of(k, beam);
-    const float *quanta = (const float *)shot->sums + first * sim->fan.sums;
     if (beam % WATER_BEAMS == 0) {
         convert_fan_water(k, beam);
     }
@@ -209,14 +190,13 @@ static void convert_fan_beam(const conversion *k, size_t beam) {
         float error[BLOCK] = {0.0f};
         for (size_t c = 0; c < DEV_DEPOSIT_COUNT; c++) {
             double *energy = k->out->intensity_lin[component_of[c]] + at;
+            const float *quanta = asdic_beam_fan_row(&sim->fan, shot->sums, beam, c) + n;
             if (c == DEV_DEPOSIT_VOLUME) {
                 add(energy, count, echo);
-            } else if (shot->ping->sums.present & 1u << c &&
-                       holds_any(quanta + c * bins + n, count)) {
-                convert_fan_echo(quanta + c * bins + n, k->unit[c], shot->loss + n, count, energy,
-                                 echo);
+            } else if (shot->ping->sums.present & 1u << c && holds_any(quanta, count)) {
+                convert_fan_echo(quanta, k->unit[c], shot->loss + n, count, energy, echo);
             } else {
-                clear(energy, count);
+                asdic_clear(energy, count * sizeof *energy);
             }
         }
         if (!sim->setup.sampling.without_errors) {

@@ -321,11 +321,11 @@ static void gather_moments(const telling *to, double *moment) {
     const dev_sums *device = &to->shot->ping->sums;
     double scale =
         (double)device->scale[DEV_DEPOSIT_BOTTOM] * device->truth_ratio[DEV_DEPOSIT_BOTTOM];
-    size_t each = to->sim->fan.sums, bins = to->out->bins;
-    for (size_t b = 0; b < to->beams && to->sim->fan.many; b++) {
-        const float *sums = (const float *)to->shot->sums + (to->beam + b) * each * bins;
-        weigh_floats(sums + (each - 1) * bins, to->shot->loss, to->source_lin / scale, bins,
-                     moment + b * bins);
+    const asdic_beam_fan *fan = &to->sim->fan;
+    size_t bins = to->out->bins;
+    for (size_t b = 0; b < to->beams && fan->many; b++) {
+        weigh_floats(asdic_beam_fan_row(fan, to->shot->sums, to->beam + b, fan->sums - 1),
+                     to->shot->loss, to->source_lin / scale, bins, moment + b * bins);
     }
     gather(to, DEV_TRUTH_DEPRESSION, to->source_lin / scale, moment);
     for (size_t k = 0; k < t->point_count; k++) {

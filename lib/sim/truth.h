@@ -11,7 +11,7 @@ asdic_status asdic_truth_init(asdic_simulator *sim);
 void asdic_truth_finish(asdic_simulator *sim);
 
 /* Beams whose truth is told together, and which a thread takes at once. */
-#define ASDIC_TRUTH_BEAMS 16u
+#define ASDIC_TRUTH_BEAMS 4u
 
 /* Before the rays of the first COUNT shots: says which bins each row spans, clears the rows. Nothing where no
  * ping of OUT has truth. */

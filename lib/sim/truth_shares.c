@@ -1,11 +1,11 @@
 #include "truth_shares.h"
 
+#include "base/clear.h"
 #include "base/vec.h"
 #include "base/widest.h"
 
 #include <float.h>
 #include <math.h>
-#include <string.h>
 
 /* Bins of a beam whose shares are told together: they stay in the nearest cache. */
 #define BLOCK 256
@@ -14,80 +14,82 @@
 static inline float arcsine(float x) {
     static const float a[8] = {1.5707963050f, -0.2145988016f, 0.0889789874f, -0.0501743046f,
                                0.0308918810f, -0.0170881256f, 0.0066700901f, -0.0012624911f};
-    float y = fabsf(x), sum = a[7];
-    for (int k = 6; k >= 0; k--) {
-        sum = sum * y + a[k];
-    }
+    float y = fabsf(x), y2 = y * y;
+    float low = a[0] + a[1] * y + (a[2] + a[3] * y) * y2;
+    float high = a[4] + a[5] * y + (a[6] + a[7] * y) * y2;
+    float sum = low + high * (y2 * y2);
     float angle = (float)(0.5 * ASDIC_PI) - sqrtf(1.0f - y) * sum;
     return x < 0.0f ? -angle : angle; /* copysign keeps AVX-512's vectors out */
 }
 
-/* DEPRESSION from the energy-weighted MOMENT of (1 + sine) / 2 in the ECHO. */
-WIDEST static void tell_depression(const double *restrict moment, const double *restrict echo,
-                                   const double *restrict per_total, size_t bins,
-                                   float *restrict depression) {
-    for (size_t n = 0; n < bins; n++) {
-        /* Shares, for floats: their quotients are quicker. */
-        float all = (float)(ASDIC_TRUTH_MIDDLE * per_total[n] * echo[n]);
-        float sine = (float)(moment[n] * per_total[n]) / (all > FLT_MIN ? all : FLT_MIN) - 1.0f;
-        sine = sine > 1.0f ? 1.0f : sine;
-        sine = sine < -1.0f ? -1.0f : sine;
-        depression[n] = echo[n] > 0.0 ? arcsine(sine) : NAN;
-    }
-}
-
-/* Of a block of bins. Arrays of one width: what loops are vectors of. */
+/* Of a block of bins: what makes energies shares, and shares. */
 typedef struct block {
-    double echo[BLOCK], per_total[BLOCK]; /* all but water and noise; what makes energies shares */
-    float share[4][BLOCK];                /* of components in the order of `compared`, but noise */
+    double per_total[BLOCK];
+    float bottom[BLOCK], surface[BLOCK], volume[BLOCK], object[BLOCK];
+    float moment[BLOCK]; /* asdic_holdings' */
 } block;
-
-static const asdic_component compared[] = {ASDIC_BOTTOM, ASDIC_SURFACE, ASDIC_VOLUME,
-                                           ASDIC_MULTIPATH, ASDIC_NOISE};
 
 /* Shares of COUNT bins from FIRST on. */
 WIDEST static void tell_shares(const asdic_holdings *h, size_t first, size_t count,
-                               block *restrict k, float *restrict direct, float *restrict noisy,
-                               float *restrict of_object) {
+                               block *restrict k, float *restrict multiple, float *restrict noisy,
+                               float *restrict strongest_object) {
     const double *restrict bottom = h->part[ASDIC_BOTTOM] + first;
     const double *restrict surface = h->part[ASDIC_SURFACE] + first;
     const double *restrict volume = h->part[ASDIC_VOLUME] + first;
     const double *restrict object = h->part[ASDIC_OBJECT] + first;
     const double *restrict multipath = h->part[ASDIC_MULTIPATH] + first;
     const double *restrict noise = h->part[ASDIC_NOISE] + first;
-    const double *restrict most = h->most + first;
+    const double *restrict most = h->most + first, *restrict moment = h->moment + first;
     for (size_t n = 0; n < count; n++) {
-        double echo = bottom[n] + surface[n] + object[n];
-        double once = echo + volume[n];
-        double total = once + multipath[n] + noise[n];
+        double total = bottom[n] + surface[n] + object[n] + volume[n] + multipath[n] + noise[n];
         double per_total = 1.0 / (total > 0.0 ? total : 1.0);
-        k->echo[n] = echo + multipath[n];
         k->per_total[n] = per_total;
-        k->share[0][n] = (float)(bottom[n] * per_total);
-        k->share[1][n] = (float)(surface[n] * per_total);
-        k->share[2][n] = (float)(volume[n] * per_total);
-        k->share[3][n] = (float)(multipath[n] * per_total);
-        direct[n] = (float)(once * per_total);
+        k->bottom[n] = (float)(bottom[n] * per_total);
+        k->surface[n] = (float)(surface[n] * per_total);
+        k->volume[n] = (float)(volume[n] * per_total);
+        k->object[n] = (float)(object[n] * per_total);
+        k->moment[n] = (float)(moment[n] * per_total);
+        multiple[n] = (float)(multipath[n] * per_total);
         noisy[n] = (float)(noise[n] * per_total);
-        of_object[n] = (float)(most[n] * per_total);
+        strongest_object[n] = (float)(most[n] * per_total);
     }
 }
 
+static inline void pick(float own, asdic_component component, float *best, int32_t *who) {
+    *who = own > *best ? -(int32_t)component : *who;
+    *best = own > *best ? own : *best;
+}
+
 /* Objects come first: of equal shares theirs is the strongest. */
-WIDEST static void tell_strongest(const block *restrict k, const float *restrict of_object,
-                                  const float *restrict noisy, const int16_t *restrict object,
-                                  size_t count, int16_t *restrict strongest,
-                                  float *restrict share) {
+WIDEST static void tell_strongest(const block *restrict k, const float *restrict multiple,
+                                  const float *restrict noisy,
+                                  const float *restrict strongest_object,
+                                  const int16_t *restrict object, size_t count,
+                                  int16_t *restrict strongest, float *restrict share) {
     for (size_t n = 0; n < count; n++) {
-        float best = of_object[n];
+        float best = strongest_object[n];
         int32_t who = object[n];
-        for (int c = 0; c < 5; c++) {
-            float own = c < 4 ? k->share[c][n] : noisy[n];
-            who = own > best ? -(int32_t)compared[c] : who;
-            best = own > best ? own : best;
-        }
+        pick(k->bottom[n], ASDIC_BOTTOM, &best, &who);
+        pick(k->surface[n], ASDIC_SURFACE, &best, &who);
+        pick(k->volume[n], ASDIC_VOLUME, &best, &who);
+        pick(multiple[n], ASDIC_MULTIPATH, &best, &who);
+        pick(noisy[n], ASDIC_NOISE, &best, &who);
         strongest[n] = (int16_t)who;
         share[n] = best;
+    }
+}
+
+/* What came directly, and from where the echo did. */
+WIDEST static void tell_arrival(const block *restrict k, const float *restrict multiple,
+                                size_t count, float *restrict direct, float *restrict depression) {
+    for (size_t n = 0; n < count; n++) {
+        float echo = k->bottom[n] + k->surface[n] + k->object[n];
+        float all = (float)ASDIC_TRUTH_MIDDLE * (echo + multiple[n]);
+        float sine = k->moment[n] / (all > FLT_MIN ? all : FLT_MIN) - 1.0f;
+        sine = sine > 1.0f ? 1.0f : sine;
+        sine = sine < -1.0f ? -1.0f : sine;
+        direct[n] = echo + k->volume[n];
+        depression[n] = all > 0.0f ? arcsine(sine) : NAN;
     }
 }
 
@@ -108,20 +110,21 @@ WIDEST static void take_rest(const double *restrict all, const double *restrict 
     }
 }
 
-/* The multipath of the bins from FIRST on, by what passed it on; in the truth they begin AT. */
+/* The multipath of the bins from FIRST on, by what passed it on; in the truth they begin AT, where all of it is an
+ * object's so far. */
 static void tell_paths(const asdic_holdings *h, const block *k, size_t first, size_t count,
                        const asdic_ping_truth *truth, size_t at) {
-    float *const *path = truth->path;
+    float *by_surface = truth->path[ASDIC_PATH_BY_SURFACE] + at;
+    float *by_bottom = truth->path[ASDIC_PATH_BY_BOTTOM] + at;
     if (h->by_surface) {
-        multiply(h->by_surface + first, k->per_total, count, path[ASDIC_PATH_BY_SURFACE] + at);
-        multiply(h->by_bottom + first, k->per_total, count, path[ASDIC_PATH_BY_BOTTOM] + at);
+        multiply(h->by_surface + first, k->per_total, count, by_surface);
+        multiply(h->by_bottom + first, k->per_total, count, by_bottom);
         take_rest(h->part[ASDIC_MULTIPATH] + first, h->by_surface + first, h->by_bottom + first,
-                  k->per_total, count, path[ASDIC_PATH_BY_OBJECT] + at);
-        return;
+                  k->per_total, count, truth->path[ASDIC_PATH_BY_OBJECT] + at);
+    } else {
+        asdic_clear(by_surface, count * sizeof *by_surface);
+        asdic_clear(by_bottom, count * sizeof *by_bottom);
     }
-    memset(path[ASDIC_PATH_BY_SURFACE] + at, 0, count * sizeof(float));
-    memset(path[ASDIC_PATH_BY_BOTTOM] + at, 0, count * sizeof(float));
-    memcpy(path[ASDIC_PATH_BY_OBJECT] + at, k->share[3], count * sizeof(float));
 }
 
 void asdic_truth_share(const asdic_holdings *h, size_t bins, const asdic_ping_truth *truth,
@@ -129,11 +132,13 @@ void asdic_truth_share(const asdic_holdings *h, size_t bins, const asdic_ping_tr
     block k;
     for (size_t n = 0; n < bins; n += BLOCK) {
         size_t count = bins - n < BLOCK ? bins - n : BLOCK, at = first + n;
-        tell_shares(h, n, count, &k, truth->path[ASDIC_PATH_DIRECT] + at,
-                    truth->path[ASDIC_PATH_NOISE] + at, truth->object_share + at);
-        tell_strongest(&k, truth->object_share + at, truth->path[ASDIC_PATH_NOISE] + at,
-                       truth->object + at, count, truth->strongest + at, truth->share + at);
+        float *multiple = truth->path[ASDIC_PATH_BY_OBJECT] + at;
+        float *noisy = truth->path[ASDIC_PATH_NOISE] + at;
+        tell_shares(h, n, count, &k, multiple, noisy, truth->object_share + at);
+        tell_strongest(&k, multiple, noisy, truth->object_share + at, truth->object + at, count,
+                       truth->strongest + at, truth->share + at);
+        tell_arrival(&k, multiple, count, truth->path[ASDIC_PATH_DIRECT] + at,
+                     truth->depression_rad + at);
         tell_paths(h, &k, n, count, truth, at);
-        tell_depression(h->moment + n, k.echo, k.per_total, count, truth->depression_rad + at);
     }
 }
