@@ -120,8 +120,8 @@ FORMULA two two_length(two x, two y, two z) {
 /* Turns, less the whole ones: within +-1/2. */
 FORMULA real two_turns(two length_m, two turns_per_m) {
     two turns = two_multiply(length_m, turns_per_m);
-    real left = (turns.high - rint(turns.high)) + turns.low;
-    return left - rint(left);
+    real left = (turns.high - r_rint(turns.high)) + turns.low;
+    return left - r_rint(left);
 }
 
 /* ---- Phase, pulse, chance ---- */

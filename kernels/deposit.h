@@ -41,12 +41,12 @@ static inline void deposit_sum_crossings(__global long *water, uint bins, uint c
  * fraction says, by a hash of its own bits: many rays of less than a quantum each then add up to what they
  * are worth, and the bytes repeat. */
 static inline real whole_quanta(real quanta, real limit) {
-    real whole = rint(r_min(quanta, limit));
+    real whole = r_rint(r_min(quanta, limit));
     natural hash = as_natural(quanta) * (natural)(2654435769u);
     hash = (hash ^ (hash >> 15)) * (natural)(2246822519u);
     hash ^= hash >> 13;
     whole =
-        choose(quanta < R(65536.0), floor(quanta + to_real(hash >> 8) * R(5.9604645e-8)), whole);
+        choose(quanta < R(65536.0), r_floor(quanta + to_real(hash >> 8) * R(5.9604645e-8)), whole);
     return choose(whole > R(0.0), whole, R(0.0));
 }
 

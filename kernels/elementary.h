@@ -32,7 +32,7 @@ FORMULA real quarter_sine(real quarters, real r, int shift) {
 /* Sine of X radians and SHIFT quarter turns, |X| <= 8192; pi / 2 in three parts, so that its products with
  * whole numbers are exact. */
 FORMULA real turned_sine(real x, int shift) {
-    real quarters = rint(x * R(0.636619772367581));
+    real quarters = r_rint(x * R(0.636619772367581));
     real r = x - quarters * R(1.5703125);
     r = (r - quarters * R(4.837512969970703e-4)) - quarters * R(7.549789954891882e-8);
     return quarter_sine(quarters, r, shift);
@@ -40,8 +40,8 @@ FORMULA real turned_sine(real x, int shift) {
 
 /* sin(pi x), exactly 0 at whole numbers. */
 FORMULA real r_sinpi(real x) {
-    real quarters = rint(R(2.0) * (x - R(2.0) * rint(R(0.5) * x)));
-    real rest = (x - R(2.0) * rint(R(0.5) * x)) - R(0.5) * quarters;
+    real quarters = r_rint(R(2.0) * (x - R(2.0) * r_rint(R(0.5) * x)));
+    real rest = (x - R(2.0) * r_rint(R(0.5) * x)) - R(0.5) * quarters;
     return quarter_sine(quarters, rest * R_PI, 0);
 }
 
@@ -107,7 +107,7 @@ FORMULA real small_expm1(real r) {
 }
 
 FORMULA real powers_in(real x) {
-    return rint(x * R(1.44269504088896341));
+    return r_rint(x * R(1.44269504088896341));
 }
 
 FORMULA real rest_of(real x, real n) {
@@ -132,7 +132,7 @@ FORMULA real r_expm1(real x) {
 
 FORMULA real r_exp2(real x) {
     x = r_min(r_max(x, R(-150.0)), R(129.0));
-    real n = rint(x), r = x - n;
+    real n = r_rint(x), r = x - n;
     real p = (R(1.535336188319500e-4) * r + R(1.339887440266574e-3)) * r + R(9.618437357674640e-3);
     p = ((p * r + R(5.550332471162809e-2)) * r + R(2.402264791363012e-1)) * r;
     return times_power((p + R(6.931472028550421e-1)) * r + R(1.0), n);
@@ -140,7 +140,7 @@ FORMULA real r_exp2(real x) {
 
 FORMULA real r_exp10(real x) {
     x = r_min(r_max(x, R(-46.0)), R(39.0));
-    real n = rint(x * R(3.32192809488736235));
+    real n = r_rint(x * R(3.32192809488736235));
     real r = (x - n * R(3.00781250e-1)) - n * R(2.48745663981195e-4);
     real p = (R(2.063216740311022e-1) * r + R(5.420251702225484e-1)) * r + R(1.171292686296281);
     p = ((p * r + R(2.034649854009453)) * r + R(2.650948748208892)) * r + R(2.302585167056758);

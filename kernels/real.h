@@ -79,6 +79,17 @@ typedef mask whole;
 #define r_max(a, b) max((real)(a), (real)(b))
 #define r_min(a, b) min((real)(a), (real)(b))
 #define r_abs(x) fabs(x)
+/* PoCL's own are a dozen instructions of vectors where a processor has one. */
+#if ASDIC_WIDTH > 1 && defined(__has_builtin)
+#if __has_builtin(__builtin_elementwise_floor) && __has_builtin(__builtin_elementwise_roundeven)
+#define r_floor(x) __builtin_elementwise_floor((real)(x))
+#define r_rint(x) __builtin_elementwise_roundeven((real)(x))
+#endif
+#endif
+#ifndef r_rint
+#define r_floor(x) floor((real)(x))
+#define r_rint(x) rint((real)(x))
+#endif
 #define r_fma(a, b, c) fused((real)(a), (real)(b), (real)(c))
 #define FORMULA static inline
 
@@ -101,6 +112,8 @@ typedef uint32_t uint;
 #define r_max(a, b) ((a) > (b) ? (a) : (b))
 #define r_min(a, b) ((a) < (b) ? (a) : (b))
 #define r_abs(x) fabs(x)
+#define r_floor(x) floor(x)
+#define r_rint(x) rint(x)
 #define r_exp10(x) pow(10.0, (x))
 #define FORMULA static inline __attribute__((unused))
 

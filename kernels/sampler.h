@@ -122,7 +122,7 @@ FORMULA real sector_sample(real xi, real core, real limit) {
 
 /* Angle to (-pi, pi]. */
 FORMULA real wrap_angle(real phi) {
-    return phi - R(2.0) * R_PI * floor(phi * (R(0.5) / R_PI) + R(0.5));
+    return phi - R(2.0) * R_PI * r_floor(phi * (R(0.5) / R_PI) + R(0.5));
 }
 
 /* The paper's sampler: N directions uniform on the sphere. */

@@ -217,7 +217,7 @@ static void round_share(steps *s, rounding *at, const wander *way, const volume_
     at->sum += choose(on, R(0.5) * (way->f + f_before) * apart, R(0.0));
     mask whole = on & ((coarse == 0) | (over >= grain->span) | (way->range >= way->end));
     real f = choose(coarse, at->sum / r_max(over, R(1e-6)), way->f);
-    real now = level_of(f, draw, grain), level = floor(now);
+    real now = level_of(f, draw, grain), level = r_floor(now);
     mask leap = whole & (level != at->level);
     if (any_true(leap)) {
         /* Between the two places F goes by the logarithm. */
@@ -226,7 +226,7 @@ static void round_share(steps *s, rounding *at, const wander *way, const volume_
         real share = (edge - then) / choose(now == then, R(1.0), now - then);
         real place = choose(coarse, at->from, before + apart * r_min(r_max(share, R(0.0)), R(1.0)));
         real q = grain->middle * exp((level + R(0.5) - draw->first) * grain->height);
-        real bin = floor(place / bin_m - draw->place);
+        real bin = r_floor(place / bin_m - draw->place);
         add_step(s, leap & (bin >= R(0.0)), to_natural(r_max(bin, R(0.0))), s->end - q);
         s->end = choose(leap, q, s->end);
         at->level = choose(leap, level, at->level);
