@@ -46,27 +46,48 @@ typedef struct truth_sink {
     __global long *cells;
 } truth_sink;
 
-#if ASDIC_TRUTH
+/* What truth takes of each of a vector's arrivals: its first ECHOES deposits, all of one component, whose first
+ * row is BEFORE. */
+typedef struct truth_parts {
+    natural echoes, before, row;
+    real weight, dither;
+} truth_parts;
 
-/* What truth takes of an arrival: its first ECHOES deposits, all of one component, whose first row is BEFORE. */
+/* Of the arrivals of SET, those of the lanes ON. Nothing without TO, or where nobody asks. */
+static truth_parts truth_of(const world *w, __global const dev_arrival *set, mask on,
+                            const truth_sink *to) {
+    truth_parts t = {(natural)(0u), (natural)(0u), (natural)(0u), R(0.0), R(0.0)};
+    natural words, first;
+    if (!ASDIC_TRUTH || !to || w->ping->sums.truth_rows == 0u) {
+        return t;
+    }
+    LANES {
+        bool here = AT(on, int) != 0;
+        AT(words, uint) = here ? set[lane].more : 0u;
+        AT(first, uint) = here ? set[lane].row[0] : 0u;
+    }
+    natural component = truth_components(w->ping, first);
+    t.echoes = choose_natural(component == (natural)(DEV_DEPOSIT_MULTIPATH),
+                              (natural)(MAX_ARRIVALS), (natural)(MAX_ARRIVALS / 2u));
+    t.before = component * (natural)(w->ping->sums.component_rows);
+    t.row = words >> 1u & (natural)((1u << TRUTH_ROW_BITS) - 1u);
+    t.weight = truth_weights(w->ping, component, words);
+    t.dither = truth_dithers(words);
+    return t;
+}
+
+/* That of one arrival, and where it goes. */
 typedef struct truth_part {
     uint echoes, before, row;
     float weight, dither;
+    const truth_sink *to;
 } truth_part;
 
-/* Nothing without TO, or where nobody asks. */
-static truth_part truth_of(const world *w, __global const dev_arrival *arrival,
-                           const truth_sink *to) {
-    truth_part t = {0u, 0u, 0u, 0.0f, 0.0f};
-    if (to && w->ping->sums.truth_rows != 0u) {
-        uint component = truth_component(w->ping, arrival->row[0]);
-        t.echoes = component == DEV_DEPOSIT_MULTIPATH ? MAX_ARRIVALS : MAX_ARRIVALS / 2u;
-        t.before = component * w->ping->sums.component_rows;
-        t.row = truth_row(arrival->more);
-        t.weight = truth_weight(w->ping, component, arrival->more);
-        t.dither = truth_dither(arrival->more);
-    }
-    return t;
+static truth_part truth_of_lane(const truth_parts *t, uint lane, const truth_sink *to) {
+    truth_part part = {AT(t->echoes, const uint),  AT(t->before, const uint),
+                       AT(t->row, const uint),     AT(t->weight, const float),
+                       AT(t->dither, const float), to};
+    return part;
 }
 
 /* QUANTA times the weight, for the row of depressions. */
@@ -75,33 +96,25 @@ static wholes moment_of(const world *w, const truth_part *t, real quanta) {
 }
 
 /* Adds an echo in row AT of the accumulator: WHOLE and its MOMENT. */
-static void add_truth(const world *w, const truth_part *t, const truth_sink *to, uint at,
-                      wholes whole, wholes moment) {
+static void add_truth(const world *w, const truth_part *t, uint at, wholes whole, wholes moment) {
     uint bin = at - t->before;
     size_t cell = truth_depression_cell(w->ping, bin);
-    store_wholes(load_wholes(0, to->cells + cell) + moment, 0, to->cells + cell);
-    cell = t->row != 0u ? truth_cell(w->ping, to->rows, t->row, bin) : TRUTH_NO_CELL;
+    store_wholes(load_wholes(0, t->to->cells + cell) + moment, 0, t->to->cells + cell);
+    cell = t->row != 0u ? truth_cell(w->ping, t->to->rows, t->row, bin) : TRUTH_NO_CELL;
     if (cell != TRUTH_NO_CELL) {
-        store_wholes(load_wholes(0, to->cells + cell) + whole, 0, to->cells + cell);
+        store_wholes(load_wholes(0, t->to->cells + cell) + whole, 0, t->to->cells + cell);
     }
 }
-
-#endif
 
 /* Adds ARRIVAL, whose gains are those of LANE, to the receivers from FIRST on; returns how many deposits were
  * cut to the limit. The last vector may reach beyond the last receiver: its cells are padding and get 0. */
 static uint add_arrival(const world *w, __global const dev_arrival *arrival, __global long *cells,
-                        const truth_sink *truth, const weights *g, uint lane, uint first) {
+                        const truth_part *t, const weights *g, uint lane, uint first) {
     uint cut = 0u;
     real gain, limit = (real)(w->ping->sums.limit);
     for (uint b = 0; b < ASDIC_WIDTH; b++) {
         ((float *)&gain)[b] = ((const float *)&g->of_beam[b])[lane];
     }
-#if ASDIC_TRUTH
-    truth_part t = truth_of(w, arrival, truth);
-#else
-    (void)truth;
-#endif
     for (uint c = 0; c < MAX_ARRIVALS; c++) {
         float arriving = arrival->quanta[c];
         if (!(fabs(arriving) > 0.0f)) {
@@ -112,11 +125,9 @@ static uint add_arrival(const world *w, __global const dev_arrival *arrival, __g
         __global long *at = cells + (size_t)(arrival->row[c]) * w->ping->sums.columns + first;
         store_wholes(load_wholes(0, at) + whole, 0, at);
         cut += count_cut(w, quanta);
-#if ASDIC_TRUTH
-        if (c < t.echoes) {
-            add_truth(w, &t, truth, arrival->row[c], whole, moment_of(w, &t, quanta));
+        if (ASDIC_TRUTH && c < t->echoes) {
+            add_truth(w, t, arrival->row[c], whole, moment_of(w, t, quanta));
         }
-#endif
     }
     return cut;
 }
@@ -129,40 +140,31 @@ static void add_to_four(__global long *first, __global long *second, wholes two)
     vstore4(vload4(0, second) + two.hi, 0, second);
 }
 
-#if ASDIC_TRUTH
 /* add_truth of two deposits. Those that are nothing may be in any row: bin 0 gets nothing by them. */
-static void add_truth_to_four(const world *w, const truth_part *t, const truth_sink *to, uint2 at,
-                              wholes whole, wholes moment) {
+static void add_truth_to_four(const world *w, const truth_part *t, uint2 at, wholes whole,
+                              wholes moment) {
     uint2 bin = select((uint2)(0u), at - t->before, at >= t->before);
-    add_to_four(to->cells + bin.x * 4u, to->cells + bin.y * 4u, moment);
+    add_to_four(t->to->cells + bin.x * 4u, t->to->cells + bin.y * 4u, moment);
     if (t->row == 0u) {
         return;
     }
-    size_t first = truth_cell(w->ping, to->rows, t->row, bin.x);
-    size_t second = truth_cell(w->ping, to->rows, t->row, bin.y);
+    size_t first = truth_cell(w->ping, t->to->rows, t->row, bin.x);
+    size_t second = truth_cell(w->ping, t->to->rows, t->row, bin.y);
     if (first != TRUTH_NO_CELL) {
-        vstore4(vload4(0, to->cells + first) + whole.lo, 0, to->cells + first);
+        vstore4(vload4(0, t->to->cells + first) + whole.lo, 0, t->to->cells + first);
     }
     if (second != TRUTH_NO_CELL) {
-        vstore4(vload4(0, to->cells + second) + whole.hi, 0, to->cells + second);
+        vstore4(vload4(0, t->to->cells + second) + whole.hi, 0, t->to->cells + second);
     }
 }
-#endif
 
 /* add_arrival for four columns: a vector of eight holds two deposits, four receivers each. */
 static uint add_arrival_to_four(const world *w, __global const dev_arrival *arrival,
-                                __global long *cells, const truth_sink *truth, const weights *g,
+                                __global long *cells, const truth_part *t, const weights *g,
                                 uint lane) {
     uint cut = 0u;
-#if ASDIC_TRUTH
-    truth_part t = truth_of(w, arrival, truth);
-#else
-    (void)truth;
-#endif
-    float4 gain;
-    for (uint b = 0; b < 4u; b++) {
-        ((float *)&gain)[b] = ((const float *)&g->of_beam[b])[lane];
-    }
+    const float *gains = (const float *)g->of_beam + lane;
+    float4 gain = {gains[0], gains[8], gains[16], gains[24]};
     for (uint c = 0; c < MAX_ARRIVALS; c += 2u) {
         float2 arriving = vload2(0, arrival->quanta + c);
         real quanta = gain.xyzwxyzw * arriving.xxxxyyyy;
@@ -170,12 +172,9 @@ static uint add_arrival_to_four(const world *w, __global const dev_arrival *arri
         add_to_four(cells + (size_t)(arrival->row[c]) * 4u,
                     cells + (size_t)(arrival->row[c + 1u]) * 4u, whole);
         cut += count_cut(w, quanta);
-#if ASDIC_TRUTH
-        if (c < t.echoes && (arriving.x > 0.0f || arriving.y > 0.0f)) {
-            add_truth_to_four(w, &t, truth, vload2(0, arrival->row + c), whole,
-                              moment_of(w, &t, quanta));
+        if (ASDIC_TRUTH && c < t->echoes && (arriving.x > 0.0f || arriving.y > 0.0f)) {
+            add_truth_to_four(w, t, vload2(0, arrival->row + c), whole, moment_of(w, t, quanta));
         }
-#endif
     }
     return cut;
 }
@@ -202,28 +201,27 @@ static uint add_arrivals(const world *w, __global const dev_arrival *set, __glob
         }
         for (uint b = 0; b < ASDIC_WIDTH && first + b < w->ping->beams; b++) {
             natural column = (natural)(first + b);
-            cut += add_column(w, &a, cells, (natural)(0u), column, g->of_beam[b]);
-#if ASDIC_TRUTH
-            if (truth && w->ping->sums.truth_rows != 0u) {
-                add_truth_column(w, &a, words, truth->rows, truth->cells + b, g->of_beam[b]);
+            truth_column own = {0, 0};
+            if (ASDIC_TRUTH && truth && w->ping->sums.truth_rows != 0u) {
+                own = (truth_column){truth->rows, truth->cells + b};
             }
-#else
-            (void)words;
-#endif
+            cut += add_column(w, &a, words, cells, &own, (natural)(0u), column, g->of_beam[b]);
         }
         return cut;
     }
+    truth_parts parts = truth_of(w, set, on, truth);
     LANES {
         if (AT(on, int) == 0) {
             continue;
         }
+        truth_part part = truth_of_lane(&parts, lane, truth);
 #if ASDIC_WIDTH == 8
         if (w->ping->sums.columns == 4u) {
-            cut += add_arrival_to_four(w, set + lane, cells, truth, g, lane);
+            cut += add_arrival_to_four(w, set + lane, cells, &part, g, lane);
             continue;
         }
 #endif
-        cut += add_arrival(w, set + lane, cells, truth, g, lane, first);
+        cut += add_arrival(w, set + lane, cells, &part, g, lane, first);
     }
     return cut;
 }

@@ -68,10 +68,41 @@ static real deposited_quanta(real quanta, real limit) {
 #endif
 }
 
-/* Adds GAIN times every deposit to column COLUMN of its row, counted from cell FIRST; returns how many were
- * cut to the limit. */
-static uint add_column(const world *w, const arrivals *a, __global long *cells, natural first,
-                       natural column, real gain) {
+/* Where a column's truth goes: ROWS, and CELLS, at which the receiver's begin. NULL CELLS: nobody asks. */
+typedef struct truth_column {
+    __global const dev_truth_row *rows;
+    __global long *cells;
+} truth_column;
+
+/* The quanta of a deposit times its weight, for the row of depressions. */
+#define TRUTH_MOMENT(quanta, weight, dither, limit) (r_min((quanta) * (weight), limit) + (dither))
+
+/* Adds deposits in ROWS, QUANTA and those as WHOLE ones, unless they are the water's; they arrive with WORDS. */
+static void add_truth_column(const world *w, const truth_column *to, natural words, natural rows,
+                             real quanta, real whole) {
+    natural component = truth_components(w->ping, rows);
+    natural bins = rows - component * (natural)(w->ping->sums.component_rows);
+    real moment = TRUTH_MOMENT(quanta, truth_weights(w->ping, component, words),
+                               truth_dithers(words), (real)(w->ping->sums.limit));
+    LANES {
+        uint bin = AT(bins, uint), row = truth_row(AT(words, uint));
+        if (AT(component, uint) == DEV_DEPOSIT_VOLUME || !(AT(quanta, float) > 0.0f)) {
+            continue;
+        }
+        size_t cell = truth_depression_cell(w->ping, bin);
+        deposit_add(to->cells + cell, convert_long(AT(moment, float)));
+        cell = row != 0u ? truth_cell(w->ping, to->rows, row, bin) : TRUTH_NO_CELL;
+        if (cell != TRUTH_NO_CELL) {
+            deposit_add(to->cells + cell, convert_long(AT(whole, float)));
+        }
+    }
+}
+
+/* Adds GAIN times every deposit, which arrive with WORDS, to column COLUMN of its row, counted from cell FIRST, and
+ * to TRUTH; returns how many were cut to the limit. */
+static uint add_column(const world *w, const arrivals *a, natural words, __global long *cells,
+                       const truth_column *truth, natural first, natural column, real gain) {
+    const real limit = (real)(w->ping->sums.limit);
     uint cut = 0u;
 #pragma unroll
     for (uint c = 0; c < MAX_ARRIVALS; c++) {
@@ -79,7 +110,7 @@ static uint add_column(const world *w, const arrivals *a, __global long *cells, 
             break;
         }
         real quanta = gain * a->quanta[c];
-        real whole = deposited_quanta(quanta, (real)(w->ping->sums.limit));
+        real whole = deposited_quanta(quanta, limit);
         natural at = first + a->row[c] * (natural)(w->ping->sums.columns) + column;
         LANES {
             if (AT(whole, float) != 0.0f) {
@@ -87,49 +118,12 @@ static uint add_column(const world *w, const arrivals *a, __global long *cells, 
             }
             cut += (uint)(fabs(AT(quanta, float)) > w->ping->sums.limit);
         }
+        if (ASDIC_TRUTH && truth->cells) {
+            add_truth_column(w, truth, words, a->row[c], quanta, whole);
+        }
     }
     return cut;
 }
-
-#if ASDIC_TRUTH
-/* The quanta of a deposit times its weight, for the row of depressions. */
-#define TRUTH_MOMENT(quanta, weight, dither, limit) (r_min((quanta) * (weight), limit) + (dither))
-
-/* Adds GAIN times the deposits of A but the water's, which arrive with WORDS, to a column of their rows, which
- * begins at CELLS. */
-static void add_truth_column(const world *w, const arrivals *a, natural words,
-                             __global const dev_truth_row *rows, __global long *cells, real gain) {
-    const real limit = (real)(w->ping->sums.limit);
-#pragma unroll
-    for (uint c = 0; c < MAX_ARRIVALS; c++) {
-        if (c >= a->count) {
-            break;
-        }
-        real quanta = gain * a->quanta[c], whole = deposited_quanta(quanta, limit);
-        real weight, dither;
-        LANES {
-            uint component = truth_component(w->ping, AT(a->row[c], const uint));
-            AT(weight, float) = truth_weight(w->ping, component, AT(words, uint));
-            AT(dither, float) = truth_dither(AT(words, uint));
-        }
-        real moment = TRUTH_MOMENT(quanta, weight, dither, limit);
-        LANES {
-            uint bin = AT(a->row[c], const uint), row = truth_row(AT(words, uint));
-            uint component = truth_component(w->ping, bin);
-            if (component == DEV_DEPOSIT_VOLUME || !(AT(quanta, float) > 0.0f)) {
-                continue;
-            }
-            bin -= component * w->ping->sums.component_rows;
-            size_t cell = truth_depression_cell(w->ping, bin);
-            deposit_add(cells + cell, convert_long(AT(moment, float)));
-            cell = row != 0u ? truth_cell(w->ping, rows, row, bin) : TRUTH_NO_CELL;
-            if (cell != TRUTH_NO_CELL) {
-                deposit_add(cells + cell, convert_long(AT(whole, float)));
-            }
-        }
-    }
-}
-#endif
 
 /* First cells of the groups that RAYS belong to. */
 static natural cells_of(const world *w, natural rays) {
@@ -153,7 +147,7 @@ static uint receive(const world *w, const sink *to, uint set, const arrivals *a,
     __global dev_arrival *arrivals = to->arrivals + (size_t)(set)*batch_slots(w->ping);
     real gain = R(1.0);
 #if ASDIC_TRUTH
-    real down = u.z;
+    natural words = truth_words(a->truth_row, u.z);
 #endif
 #if ASDIC_COMMON_AXIS
     __global const float *f = w->ping->fan_rows;
@@ -168,7 +162,7 @@ static uint receive(const world *w, const sink *to, uint set, const arrivals *a,
         p.direction[1] = AT(u.y, float);
         p.direction[2] = AT(u.z, float);
 #if ASDIC_TRUTH
-        p.more = truth_word(AT(a->truth_row, const uint), AT(down, float));
+        p.more = AT(words, uint);
 #else
         p.more = 0u;
 #endif
@@ -192,19 +186,17 @@ static uint receive(const world *w, const sink *to, uint set, const arrivals *a,
 static uint receive(const world *w, const sink *to, uint set, const arrivals *a, natural rays,
                     triple u) {
     uint cut = 0u;
-    natural first = cells_of(w, rays);
+    natural first = cells_of(w, rays), words = (natural)(0u);
+    truth_column truth = {to->truth_rows, 0};
+#if ASDIC_TRUTH
+    words = truth_words(a->truth_row, u.z);
+#endif
     for (uint b = 0; b < w->ping->beams; b++) {
         real gain = gain_towards(w->ping, w->beams + 1u + b, u.x, u.y, u.z);
-        cut += add_column(w, a, to->accumulator, first, (natural)(b), gain);
-#if ASDIC_TRUTH
-        if (w->ping->sums.truth_rows != 0u) {
-            natural words;
-            LANES {
-                AT(words, uint) = truth_word(AT(a->truth_row, const uint), AT(u.z, float));
-            }
-            add_truth_column(w, a, words, to->truth_rows, to->truth + b, gain);
+        if (ASDIC_TRUTH && w->ping->sums.truth_rows != 0u) {
+            truth.cells = to->truth + b;
         }
-#endif
+        cut += add_column(w, a, words, to->accumulator, &truth, first, (natural)(b), gain);
     }
     return cut;
 }

@@ -27,12 +27,6 @@
 #define TRUTH_KIND_SHIFT 29u
 #define TRUTH_SLOT_MASK 0x0fffffffu
 
-/* The word for an arrival from a direction with DOWN as its sine of depression. */
-static inline uint truth_word(uint row, float down) {
-    float part = fmin(fmax(0.5f + 0.5f * down, 0.0f), 1.0f);
-    return (uint)(part * TRUTH_SINE_MOST + 0.5f) << TRUTH_SINE_SHIFT | row << 1u;
-}
-
 static inline uint truth_row(uint word) {
     return word >> 1u & ((1u << TRUTH_ROW_BITS) - 1u);
 }
@@ -44,20 +38,41 @@ static inline float truth_weight(__global const dev_ping *ping, uint component, 
            ((float)(word >> TRUTH_SINE_SHIFT) * (1.0f / TRUTH_SINE_MOST));
 }
 
-/* 0 to 1, by a hash of WORD without the bit that says whether others follow: what is added to quanta before their
- * fraction is cut off, so that small ones are worth in the sum what they are worth. */
-static inline float truth_dither(uint word) {
-    return (float)((word | 1u) * 2654435769u >> 8) * 5.9604645e-8f;
+/* --- of the rays of a vector ---------------------------------------------------------------------- */
+
+/* The words for arrivals from directions with DOWN as their sine of depression. */
+static inline natural truth_words(natural row, real down) {
+    real part = r_min(r_max(R(0.5) + R(0.5) * down, R(0.0)), R(1.0));
+    natural sine = as_natural(to_whole(part * (real)(TRUTH_SINE_MOST) + R(0.5)));
+    return sine << TRUTH_SINE_SHIFT | row << 1u;
 }
 
-/* A row holds components behind each other, see ping_types.h. */
-static inline uint truth_component(__global const dev_ping *ping, uint row) {
-    uint component = 0u;
+/* truth_weight. */
+static inline real truth_weights(__global const dev_ping *ping, natural component, natural words) {
+    real ratio, sine = to_real(words >> TRUTH_SINE_SHIFT) * (real)(1.0f / TRUTH_SINE_MOST);
+    for (uint lane = 0; lane < ASDIC_WIDTH; lane++) {
+        ((float *)&ratio)[lane] = ping->sums.truth_ratio[((const uint *)&component)[lane]];
+    }
+    return ratio * sine;
+}
+
+/* 0 to 1, by a hash of the words without the bit that says whether others follow: what is added to quanta before
+ * their fraction is cut off, so that small ones are worth in the sum what they are worth. */
+static inline real truth_dithers(natural words) {
+    return to_real((words | 1u) * 2654435769u >> 8) * R(5.9604645e-8);
+}
+
+/* A row of sums holds components behind each other, see ping_types.h. */
+static inline natural truth_components(__global const dev_ping *ping, natural row) {
+    natural component = (natural)(0u);
     for (uint c = 1u; c < DEV_DEPOSIT_COUNT; c++) {
-        component += (uint)(row >= c * ping->sums.component_rows);
+        natural beyond = as_natural(row >= (natural)(c * ping->sums.component_rows));
+        component += beyond & 1u;
     }
     return component;
 }
+
+/* --- cells ------------------------------------------------------------------------------------------ */
 
 /* The first receiver's cell of BIN in ROW; bins beyond the row have none. */
 #define TRUTH_NO_CELL ((size_t)(-1))
