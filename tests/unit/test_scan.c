@@ -188,7 +188,7 @@ static void beams_have_axes_and_widths(void **state) {
 
 /* ---- the map: beams of 10.9 degrees, one look, a background of 1 ------------------------------ */
 
-enum { MAP_BINS = 100, MAP_BEAMS = 3 };
+enum { MAP_BINS = 100, MAP_BEAMS = 5 };
 static const double MAP_PRIOR = -4.59511985; /* ln(0.01 / 0.99) */
 
 typedef struct map_rig {
@@ -285,9 +285,9 @@ static void side_lobes_are_explained(void **state) {
     (void)state;
     for (int has_other = 0; has_other < 2; has_other++) {
         map_rig r;
-        map_begin(&r, MAP_BEAMS);
-        static const double yaw_deg[MAP_BEAMS] = {-40.0, 0.0, 40.0};
-        for (int b = 0; b < MAP_BEAMS; b++) {
+        map_begin(&r, 3);
+        static const double yaw_deg[] = {-40.0, 0.0, 40.0};
+        for (int b = 0; b < 3; b++) {
             r.beams[b].yaw_rad = yaw_deg[b] * DEGREE;
             double x = 0.05 * 100e3 / SPEED * sin(yaw_deg[b] * DEGREE) * acos(-1.0);
             double lobe = b == 1 ? 1.0 : pow(sin(x) / x, 2);
@@ -410,6 +410,83 @@ static void water_that_is_not_heard_says_nothing(void **state) {
         asdic_evidence_finish(&seen);
         asdic_occupancy_destroy(&r.map);
     }
+}
+
+/* The pattern in the horizontal of a face LENGTH_M wide, ASIDE_RAD off its axis. */
+static double face_gain(const asdic_sonar *sonar, double length_m, double aside_rad) {
+    double x = acos(-1.0) * length_m * sonar->frequency_hz / SPEED * sin(aside_rad);
+    return fabs(x) < 1e-9 ? 1.0 : pow(sin(x) / x, 2);
+}
+
+/* Directions a quarter of the narrowest width apart; beams hear them within 1.5 of their own widths and 0.03 of what
+ * they hear on their axes, the best in this first, whose axis all gains refer to. Beams that hear the same share
+ * its weight. */
+static void headings_know_who_hears_them(void **state) {
+    (void)state;
+    static const double yaw_rad[] = {0.2, 0.0, 0.08, 0.85, 0.21},
+                        wide_m[] = {0.1, 0.05, 0.1, 0.2, 0.05};
+    map_rig r;
+    asdic_evidence seen = {0};
+    double width_rad[5], axis_lin[5], weight[5], narrowest_rad = 7.0;
+    map_begin(&r, 5);
+    r.sonar.transmitter.length_h_m = 0.01;
+    for (size_t b = 0; b < 5; b++) {
+        r.beams[b].yaw_rad = yaw_rad[b];
+        r.beams[b].length_h_m = wide_m[b];
+    }
+    for (size_t b = 0; b < 5; b++) {
+        width_rad[b] = asdic_beam_width_rad(&r.sonar, b, SPEED);
+        narrowest_rad = fmin(narrowest_rad, width_rad[b]);
+        axis_lin[b] = face_gain(&r.sonar, 0.01, yaw_rad[b]);
+        double sum = 0.0;
+        for (size_t k = 0; k < 5; k++) {
+            double aside = yaw_rad[k] - yaw_rad[b];
+            sum += fabs(aside) < 4.0 * width_rad[b] ? face_gain(&r.sonar, wide_m[b], aside) : 0.0;
+        }
+        weight[b] = 1.0 / sum;
+    }
+    const asdic_look look = {.sonar = &r.sonar,
+                             .sound_speed_mps = SPEED,
+                             .depth_m = INFINITY,
+                             .bins = MAP_BINS,
+                             .intensity_lin = r.intensity,
+                             .background_lin = r.background,
+                             .snr_db = 10.0};
+    assert_ok(ctx, asdic_evidence_create(ctx, &look, &seen));
+    assert_int_equal(seen.arcs, 1);
+    assert_int_equal(seen.azimuths, (size_t)ceil(8.0 * acos(-1.0) / narrowest_rad));
+    size_t several = 0;
+    for (size_t k = 0; k < seen.azimuths; k++) {
+        const asdic_heading *h = &seen.headings[k];
+        const asdic_hearing *heard = seen.hearings + h->hearing;
+        double at = remainder((double)k * seen.step_rad, 2.0 * acos(-1.0));
+        double lin[5], best = 0.0;
+        size_t count = 0;
+        for (size_t b = 0; b < 5; b++) {
+            double aside = fabs(at - yaw_rad[b]);
+            lin[b] = face_gain(&r.sonar, 0.01, at) * face_gain(&r.sonar, wide_m[b], aside);
+            bool hears = aside <= 1.5 * width_rad[b] && lin[b] / axis_lin[b] >= 0.03;
+            lin[b] = hears ? lin[b] : 0.0;
+            best = fmax(best, lin[b] / axis_lin[b]);
+            count += hears;
+        }
+        assert_int_equal(h->hearing_count, count);
+        for (size_t i = 0; i < count; i++) {
+            size_t b = heard[i].beam;
+            assert_true(b < 5 && lin[b] > 0.0);
+            assert_close(heard[i].gain_lin, lin[b] / axis_lin[heard[0].beam], 1e-6);
+            assert_close(heard[i].weight, weight[b], 1e-6);
+            lin[b] = i == 0 ? lin[b] : 0.0; /* each once */
+        }
+        if (count > 0) {
+            size_t first = heard[0].beam;
+            assert_close(lin[first] / axis_lin[first], best, 1e-9);
+        }
+        several += count > 1;
+    }
+    assert_true(several > 10);
+    asdic_evidence_finish(&seen);
+    asdic_occupancy_destroy(&r.map);
 }
 
 /* Fixed in the world, clipped, and no larger than memory. */
@@ -722,6 +799,7 @@ int main(void) {
         cmocka_unit_test(echoes_lie_on_the_floor_that_is_known),
         cmocka_unit_test(cells_lie_at_their_centres),
         cmocka_unit_test(water_that_is_not_heard_says_nothing),
+        cmocka_unit_test(headings_know_who_hears_them),
         cmocka_unit_test(maps_have_limits),
         cmocka_unit_test(tracks_follow),
         cmocka_unit_test(tracks_say_where_and_how_fast),
