@@ -44,7 +44,7 @@ static page lay_out(const asdic_overview *o, const asdic_overview_axes *axes,
         p.scale[0].label = "level + gain (dB re 1 \u00b5Pa)";
     }
     double wide = (double)o->columns * pixels_each(o->columns, PANEL_PX, PANEL_PX);
-    double high = fmax((double)o->rows * pixels_each(o->rows, 720.0, 240.0), 240.0);
+    double high = (double)o->rows * pixels_each(o->rows, 720.0, 240.0);
     double x = ASDIC_MARGIN_PX + ceil(asdic_canvas_axis_y_room(&p.time, high));
     for (int i = 0; i < 2; i++) {
         p.box[i] = (asdic_box){

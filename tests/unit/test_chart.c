@@ -511,8 +511,49 @@ static void pictures_show_them(void **state) {
     asdic_overview_finish(&o);
 }
 
+/* Pixels of the brightest colour in an overview of PINGS and 7 beams, LIT of which have an echo, in ping 0. */
+static size_t lit_pixels(size_t pings, size_t lit, size_t *height) {
+    char path[] = "/tmp/asdic-chart-XXXXXX.png";
+    asdic_picture_options options = asdic_picture_options_default();
+    const asdic_overview_axes axes = {0};
+    float levels_db[7], noise_db[7];
+    asdic_overview o;
+    size_t width;
+    close(mkstemps(path, 4));
+    options.colormap = ASDIC_COLORMAP_VIRIDIS;
+    assert_int_equal(asdic_overview_init(ctx, pings, 7, 1, 10.0, &o), ASDIC_OK);
+    for (size_t ping = 0; ping < pings; ping++) {
+        for (size_t b = 0; b < 7; b++) {
+            levels_db[b] = ping == 0 && b < lit ? -60.0f : NAN;
+            noise_db[b] = NAN;
+        }
+        asdic_overview_add(&o, levels_db, noise_db);
+    }
+    assert_int_equal(asdic_draw_overview(ctx, path, &o, &axes, &options), ASDIC_OK);
+    asdic_overview_finish(&o);
+    return count_pixels(path, 0xfde725, &width, height);
+}
+
+/* A cell is whole pixels: 68 wide where 7 share 480, and as many high as fit into 720, from 1 to 240. */
+static void cells_of_an_overview_are_whole_pixels(void **state) {
+    (void)state;
+    static const struct {
+        size_t pings, cell_px, rows_px;
+    } expected[] = {{5, 144, 720}, {11, 65, 715}, {2, 240, 480}, {1000, 1, 1000}};
+    if (!asdic_picture_annotated()) {
+        skip();
+    }
+    for (size_t i = 0; i < sizeof expected / sizeof *expected; i++) {
+        size_t height, one = lit_pixels(expected[i].pings, 1, &height);
+        size_t two = lit_pixels(expected[i].pings, 2, &height);
+        assert_int_equal(two - one, 68 * expected[i].cell_px); /* without what the scale has */
+        assert_in_range(height, expected[i].rows_px + 60, expected[i].rows_px + 250);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(cells_of_an_overview_are_whole_pixels),
         cmocka_unit_test(relief_is_the_bottoms_depth),
         cmocka_unit_test(relief_tells_objects_apart),
         cmocka_unit_test(relief_is_lit_from_the_north_west),
