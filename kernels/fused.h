@@ -15,6 +15,11 @@
 
 #pragma OPENCL FP_CONTRACT OFF
 
+#ifdef __clang__
+/* Vectors wider than the processor's are passed among functions of one program only. */
+#pragma clang diagnostic ignored "-Wpsabi"
+#endif
+
 #if defined(__FMA__) || defined(FP_FAST_FMAF) || defined(__ARM_FEATURE_FMA)
 #define ASDIC_FUSED
 #define fused(a, b, c) fma((a), (b), (c))
