@@ -240,6 +240,23 @@ def test_few_rays_keep_the_false_alarm_rate():
         tap.contains(done.err, "sampling error")
 
 
+def test_a_large_sampling_error_is_a_warning():
+    """Above 0.5 dB; above 0.1 a note; both with the report's figures."""
+    need_device()
+    with Folder() as folder:
+        for rays, mark in ((6000, "warning: "), (12000, "")):
+            folder.write("some.yaml", FEW.replace("rays: 8000", f"rays: {rays}").replace("pings: 1200", "pings: 24"))
+            done = asdic("detect", "some.yaml", "-o", f"out{rays}", "--json", cwd=folder.path).check(0)
+            report = json.loads(done.out)
+            error_db, lift_db = report["sampling_error_db"], report["sampling_lift_db"]
+            tap.equal(error_db > 0.5 if mark else 0.1 < error_db < 0.5, True, f"{error_db}")
+            told = [line for line in done.err.splitlines() if "sampling error, " in line]
+            tap.equal(len(told), 1, done.err)
+            tap.equal(told[0].startswith(f"{mark}the levels' sampling error"), True, told[0])
+            tap.contains(told[0], f"sampling error, {error_db:.2g} dB in the median bin")
+            tap.contains(told[0], f"are {lift_db:.2g} dB higher")
+
+
 # Over sand waves, with a ball above them.
 WAVES = """version: 1
 bottom: {mesh: {file: "%s"}, type: sand}
