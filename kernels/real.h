@@ -79,8 +79,9 @@ typedef mask whole;
 #define r_max(a, b) max((real)(a), (real)(b))
 #define r_min(a, b) min((real)(a), (real)(b))
 #define r_abs(x) fabs(x)
-/* PoCL's own are a dozen instructions of vectors where a processor has one. */
-#if ASDIC_WIDTH > 1 && defined(__has_builtin)
+/* PoCL's own are a dozen instructions of vectors where x86 has one; without SSE4.1 the builtins are calls, and to
+ * Oclgrind unknown. */
+#if ASDIC_WIDTH > 1 && defined(__SSE4_1__) && defined(__has_builtin)
 #if __has_builtin(__builtin_elementwise_floor) && __has_builtin(__builtin_elementwise_roundeven)
 #define r_floor(x) __builtin_elementwise_floor((real)(x))
 #define r_rint(x) __builtin_elementwise_roundeven((real)(x))

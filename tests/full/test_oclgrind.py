@@ -87,7 +87,18 @@ LAYOUTS = ((8, OWNED, 16), (16, OWNED, 4), (1, ATOMIC32, 64), (1, ATOMIC64, 8), 
 # Oclgrind 21.10 takes the upper half of a vector of sixteen for uninitialised, and crashes where one is
 # joined of several, also in kernels of one line. These say the same lane by lane.
 EACH = "for (int k = 0; k < 8; k++) ((float *)&{})[{}] = ((float *)&{})[{}];"
+
+
+def joined(*parts):
+    """What fan_sums.h joins of several, e.g. a.s01, and the same of single lanes."""
+    lanes = [f"{name}.s{digit}" for name, digits in (part.split(".s") for part in parts) for digit in digits]
+    return "fan_sums.h", f"(real)({', '.join(parts)})", f"(real)({', '.join(lanes)})"
+
+
 LANE_BY_LANE = (
+    joined("a.s01", "b.s01", "a.s45", "b.s45", "a.s89", "b.s89", "a.scd", "b.scd"),
+    joined("a.s23", "b.s23", "a.s67", "b.s67", "a.sab", "b.sab", "a.sef", "b.sef"),
+    *(joined(*(f"{name}.s{four}" for name in "abcd")) for four in ("0123", "4567", "89ab", "cdef")),
     ("intersect.h", "bits8(m.lo) | bits8(m.hi) << 8", "bits8(m.lo) | bits8(((int8 *)&m)[1]) << 8"),
     ("trace_lanes.h", "LESSER(v.lo, v.hi)", "LESSER(v.lo, ((float8 *)&v)[1])"),
     ("trace_lanes.h", "out.c[i] = (float16)(a.even, b.even);",
