@@ -40,12 +40,6 @@ static uint count_cut(const world *w, real quanta) {
     return cut;
 }
 
-/* Where a work-item adds its groups' truth, from a receiver on. */
-typedef struct truth_sink {
-    __global const dev_truth_row *rows;
-    __global long *cells;
-} truth_sink;
-
 /* What truth takes of each of a vector's arrivals: its first ECHOES deposits, all of one component, whose first
  * row is BEFORE. */
 typedef struct truth_parts {
@@ -189,6 +183,7 @@ static uint add_arrivals(const world *w, __global const dev_arrival *set, __glob
     if (w->ping->beams <= FEW_BEAMS) {
         arrivals a;
         natural words;
+        const bool asked = ASDIC_TRUTH && truth && w->ping->sums.truth_rows != 0u;
         a.count = MAX_ARRIVALS;
         LANES {
             __global const dev_arrival *p = set + lane;
@@ -201,11 +196,12 @@ static uint add_arrivals(const world *w, __global const dev_arrival *set, __glob
         }
         for (uint b = 0; b < ASDIC_WIDTH && first + b < w->ping->beams; b++) {
             natural column = (natural)(first + b);
-            truth_column own = {0, 0};
-            if (ASDIC_TRUTH && truth && w->ping->sums.truth_rows != 0u) {
-                own = (truth_column){truth->rows, truth->cells + b};
+            truth_sink own = {0, 0};
+            if (asked) {
+                own = (truth_sink){truth->rows, truth->cells + b};
             }
-            cut += add_column(w, &a, words, cells, &own, (natural)(0u), column, g->of_beam[b]);
+            cut += add_column(w, &a, words, cells, asked ? &own : 0, (natural)(0u), column,
+                              g->of_beam[b]);
         }
         return cut;
     }

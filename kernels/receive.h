@@ -68,17 +68,17 @@ static real deposited_quanta(real quanta, real limit) {
 #endif
 }
 
-/* Where a column's truth goes: ROWS, and CELLS, at which the receiver's begin. NULL CELLS: nobody asks. */
-typedef struct truth_column {
+/* Where truth goes: ROWS, and CELLS, at which those of the receivers in question begin. */
+typedef struct truth_sink {
     __global const dev_truth_row *rows;
     __global long *cells;
-} truth_column;
+} truth_sink;
 
 /* The quanta of a deposit times its weight, for the row of depressions. */
 #define TRUTH_MOMENT(quanta, weight, dither, limit) (r_min((quanta) * (weight), limit) + (dither))
 
 /* Adds deposits in ROWS, QUANTA and those as WHOLE ones, unless they are the water's; they arrive with WORDS. */
-static void add_truth_column(const world *w, const truth_column *to, natural words, natural rows,
+static void add_truth_column(const world *w, const truth_sink *to, natural words, natural rows,
                              real quanta, real whole) {
     natural component = truth_components(w->ping, rows);
     natural bins = rows - component * (natural)(w->ping->sums.component_rows);
@@ -99,9 +99,9 @@ static void add_truth_column(const world *w, const truth_column *to, natural wor
 }
 
 /* Adds GAIN times every deposit, which arrive with WORDS, to column COLUMN of its row, counted from cell FIRST, and
- * to TRUTH; returns how many were cut to the limit. */
+ * to TRUTH, unless that is NULL; returns how many were cut to the limit. */
 static uint add_column(const world *w, const arrivals *a, natural words, __global long *cells,
-                       const truth_column *truth, natural first, natural column, real gain) {
+                       const truth_sink *truth, natural first, natural column, real gain) {
     const real limit = (real)(w->ping->sums.limit);
     uint cut = 0u;
 #pragma unroll
@@ -118,7 +118,7 @@ static uint add_column(const world *w, const arrivals *a, natural words, __globa
             }
             cut += (uint)(fabs(AT(quanta, float)) > w->ping->sums.limit);
         }
-        if (ASDIC_TRUTH && truth->cells) {
+        if (ASDIC_TRUTH && truth) {
             add_truth_column(w, truth, words, a->row[c], quanta, whole);
         }
     }
@@ -187,16 +187,15 @@ static uint receive(const world *w, const sink *to, uint set, const arrivals *a,
                     triple u) {
     uint cut = 0u;
     natural first = cells_of(w, rays), words = (natural)(0u);
-    truth_column truth = {to->truth_rows, 0};
+    const bool asked = ASDIC_TRUTH && w->ping->sums.truth_rows != 0u;
 #if ASDIC_TRUTH
     words = truth_words(a->truth_row, u.z);
 #endif
     for (uint b = 0; b < w->ping->beams; b++) {
         real gain = gain_towards(w->ping, w->beams + 1u + b, u.x, u.y, u.z);
-        if (ASDIC_TRUTH && w->ping->sums.truth_rows != 0u) {
-            truth.cells = to->truth + b;
-        }
-        cut += add_column(w, a, words, to->accumulator, &truth, first, (natural)(b), gain);
+        truth_sink own = {to->truth_rows, to->truth + b};
+        cut +=
+            add_column(w, a, words, to->accumulator, asked ? &own : 0, first, (natural)(b), gain);
     }
     return cut;
 }

@@ -13,7 +13,6 @@
 
 #include <math.h>
 #include <stdatomic.h>
-#include <string.h>
 
 static const asdic_component component_of[DEV_DEPOSIT_COUNT] = {
     [DEV_DEPOSIT_BOTTOM] = ASDIC_BOTTOM,

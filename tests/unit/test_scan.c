@@ -215,15 +215,19 @@ static void map_begin(map_rig *r, size_t beams) {
     assert_ok(ctx, asdic_occupancy_create(ctx, low, high, 0.25, 0.01, 10.0, &r->map));
 }
 
+static asdic_look look_of(const map_rig *r) {
+    return (asdic_look){.sonar = &r->sonar,
+                        .sound_speed_mps = SPEED,
+                        .pose = r->pose,
+                        .depth_m = r->depth_m,
+                        .bins = MAP_BINS,
+                        .intensity_lin = r->intensity,
+                        .background_lin = r->background,
+                        .snr_db = 10.0};
+}
+
 static void map_look(map_rig *r) {
-    const asdic_look look = {.sonar = &r->sonar,
-                             .sound_speed_mps = SPEED,
-                             .pose = r->pose,
-                             .depth_m = r->depth_m,
-                             .bins = MAP_BINS,
-                             .intensity_lin = r->intensity,
-                             .background_lin = r->background,
-                             .snr_db = 10.0};
+    const asdic_look look = look_of(r);
     assert_ok(ctx, asdic_occupancy_add(ctx, r->map, &look));
 }
 
@@ -385,14 +389,7 @@ static void water_that_is_not_heard_says_nothing(void **state) {
         for (size_t k = 0; k < r.map->rows * r.map->columns; k++) {
             r.map->floor_depth_m[k] = floor_m[i];
         }
-        const asdic_look look = {.sonar = &r.sonar,
-                                 .sound_speed_mps = SPEED,
-                                 .pose = r.pose,
-                                 .depth_m = r.depth_m,
-                                 .bins = MAP_BINS,
-                                 .intensity_lin = r.intensity,
-                                 .background_lin = r.background,
-                                 .snr_db = 10.0};
+        const asdic_look look = look_of(&r);
         assert_ok(ctx, asdic_evidence_create(ctx, &look, &seen));
         assert_int_equal(seen.arcs, 1);
         double ratio = seen.ratio[60], away_m = 30.125;
@@ -445,13 +442,7 @@ static void headings_know_who_hears_them(void **state) {
         }
         weight[b] = 1.0 / sum;
     }
-    const asdic_look look = {.sonar = &r.sonar,
-                             .sound_speed_mps = SPEED,
-                             .depth_m = INFINITY,
-                             .bins = MAP_BINS,
-                             .intensity_lin = r.intensity,
-                             .background_lin = r.background,
-                             .snr_db = 10.0};
+    const asdic_look look = look_of(&r);
     assert_ok(ctx, asdic_evidence_create(ctx, &look, &seen));
     assert_int_equal(seen.arcs, 1);
     assert_int_equal(seen.azimuths, (size_t)ceil(8.0 * acos(-1.0) / narrowest_rad));
