@@ -22,20 +22,21 @@ const bench_column roofline_columns[] = {{"phase", "phase", 8, 0, 0.0},
                                          {NULL, NULL, 0, 0, 0.0}};
 
 /* What a ray has the device do. BYTES are what kernels must read and write of it in buffers (ping_types.h: a ray has
- * 32, a hit 8, a triangle 80, an arrival 48); the tree is left out, of which caches hold what rays share. FLOPS were
- * counted by Oclgrind 21.10 (--inst-counts, a processor's kernels in vectors, rays one by one through the tree):
- * sums, products, quotients and roots, multiply-adds twice. */
+ * 32, a hit 8, a triangle 80, an arrival 48); the tree is left out, of which caches hold what rays share. FLOPS are
+ * what Oclgrind 21.10 counts more for 2,048 rays than for 1,024 (--inst-counts, one ray a work-item, fma() for
+ * fused(), over the floor of 10,000 triangles): sums, products, quotients and roots, multiply-adds twice; lanes of
+ * a vector that do nothing, comparing and choosing are left out. */
 static const struct {
     asdic_phase phase;
     double bytes, flops;
 } works[] = {
-    {ASDIC_PHASE_SAMPLE, 32 + 4 + 4, 1309},
-    {ASDIC_PHASE_TRACE, 32 + 8, 3294},
-    {ASDIC_PHASE_SHADE, 32 + 4 + 4 + 8 + 80 + 48 + 32 + 16, 905},
+    {ASDIC_PHASE_SAMPLE, 32 + 4 + 4, 1044},
+    {ASDIC_PHASE_TRACE, 32 + 8, 516},
+    {ASDIC_PHASE_SHADE, 32 + 4 + 4 + 8 + 80 + 48 + 32 + 16, 649},
     {ASDIC_PHASE_BOUNCE, /* the mirror rays' trace, connect, the trace home, bounce */
      (32 + 8) + (32 + 8 + 80 + 16 + 32) + (32 + 8) + (32 + 4 + 32 + 8 + 32 + 8 + 16 + 80 + 2 * 48),
-     2723 + 27 + 279 + 278},
-    {ASDIC_PHASE_COLLECT, 3 * 48, 4371}, /* six beams */
+     402 + 10 + 12 + 15},
+    {ASDIC_PHASE_COLLECT, 3 * 48, 340}, /* six beams */
 };
 
 #define WORKS (sizeof works / sizeof *works)
