@@ -85,6 +85,9 @@ static void quadrature_meets_closed_forms(void **state) {
                           pow(1.0 + factor / 16.0, -16.0), 1e-12);
     assert_close_relative(asdic_cfar_pd(ASDIC_CFAR_CA, 8, 0, 5, 4.0, ASDIC_TARGET_SWERLING0, 0.0),
                           asdic_cfar_pfa(ASDIC_CFAR_CA, 8, 0, 5, 4.0), 1e-7);
+    /* The estimate's density far from 0. */
+    assert_close_relative(asdic_cfar_pd(ASDIC_CFAR_CA, 64, 0, 20, 1.5, ASDIC_TARGET_SWERLING0, 0.0),
+                          asdic_cfar_pfa(ASDIC_CFAR_CA, 64, 0, 20, 1.5), 1e-7);
     /* Many bins know the background: the fixed threshold. */
     asdic_background b = {1.0, 2, INFINITY, 0.0};
     assert_close_relative(asdic_cfar_pfa(ASDIC_CFAR_CA, 512, 0, 2, 4.0), asdic_detect_pfa(&b, 4.0),
@@ -129,11 +132,49 @@ static void order_statistics_of_many_looks(void **state) {
     }
 }
 
-/* What sorting every window gives, bins without energy left out. */
-static void sorted_windows(void **state) {
+/* The window's bins round AT that have energy, sorted; returns how many. */
+static unsigned window_round(const asdic_cfar *cfar, const double *z, int bins, int at,
+                             double *near) {
+    unsigned count = 0;
+    for (int k = 0; k < bins; k++) {
+        unsigned off = (unsigned)abs(k - at);
+        if (off > cfar->guard && off <= cfar->guard + cfar->cells && z[k] > 0.0) {
+            near[count++] = z[k];
+        }
+    }
+    qsort(near, count, sizeof *near, ascending);
+    return count;
+}
+
+static double mean_or_rank(const asdic_cfar *cfar, const double *near, unsigned count,
+                           unsigned rank) {
+    double sum = 0.0;
+    for (unsigned k = 0; k < count; k++) {
+        sum += near[k];
+    }
+    return cfar->kind == ASDIC_CFAR_CA ? sum / count : near[rank - 1];
+}
+
+/* What looking at every window anew gives, bins without energy left out. */
+static void windows_bin_by_bin(const asdic_cfar *cfar, const double *z, int bins) {
+    double background[300], threshold[300], near[300], factor;
+    assert_ok(ctx, asdic_cfar_row(ctx, cfar, 1, 1e-2, z, bins, background, threshold));
+    for (int i = 0; i < bins; i++) {
+        unsigned count = window_round(cfar, z, bins, i, near);
+        if (!(z[i] > 0.0) || count == 0) {
+            assert_true(isnan(threshold[i]) && isnan(background[i]));
+            continue;
+        }
+        unsigned rank = (unsigned)ceil(cfar->rank * count - 1e-9);
+        assert_ok(ctx, asdic_cfar_factor(ctx, cfar->kind, count, rank, 1, 1e-2, &factor));
+        assert_close_relative(threshold[i], mean_or_rank(cfar, near, count, rank) * factor, 1e-12);
+    }
+}
+
+static void rows_are_those_of_every_window(void **state) {
     (void)state;
     enum { BINS = 300 };
-    double z[BINS], background[BINS], threshold[BINS], near[BINS];
+    double z[BINS];
     asdic_background b = {1.0, 1, INFINITY, 0.0};
     asdic_detect_draw(&b, ASDIC_TARGET_SWERLING1, 0.0, 5, 0, BINS, z);
     for (int i = 0; i < BINS; i += 7) {
@@ -141,28 +182,50 @@ static void sorted_windows(void **state) {
     }
     for (unsigned cells = 1; cells <= 256; cells = 3 * cells + 1) {
         for (unsigned guard = 0; guard <= 2; guard += 2) {
-            asdic_cfar cfar = {ASDIC_CFAR_OS, cells, guard, 0.75};
-            assert_ok(ctx, asdic_cfar_row(ctx, &cfar, 1, 1e-2, z, BINS, background, threshold));
-            for (int i = 0; i < BINS; i++) {
-                unsigned count = 0;
-                for (int k = 0; k < BINS; k++) {
-                    unsigned off = (unsigned)abs(k - i);
-                    if (off > guard && off <= guard + cells && z[k] > 0.0) {
-                        near[count++] = z[k];
-                    }
-                }
-                qsort(near, count, sizeof *near, ascending);
-                if (!(z[i] > 0.0) || count == 0) {
-                    assert_true(isnan(threshold[i]));
-                    continue;
-                }
-                unsigned rank = (unsigned)ceil(0.75 * count - 1e-9);
-                double factor;
-                assert_ok(ctx,
-                          asdic_cfar_factor(ctx, ASDIC_CFAR_OS, count, rank, 1, 1e-2, &factor));
-                assert_close_relative(threshold[i], near[rank - 1] * factor, 1e-12);
-            }
+            windows_bin_by_bin(&(asdic_cfar){ASDIC_CFAR_OS, cells, guard, 0.75}, z, BINS);
+            windows_bin_by_bin(&(asdic_cfar){ASDIC_CFAR_CA, cells, guard, 0.75}, z, BINS);
         }
+    }
+}
+
+/* The limits of <asdic/detect.h>, from both sides. */
+static void arguments_have_limits(void **state) {
+    (void)state;
+    static const struct {
+        unsigned count, rank, looks;
+        double pfa;
+        bool is_good;
+    } cases[] = {{1, 1, 1, 0.1, true},     {0, 1, 1, 0.1, false}, {512, 1, 1, 0.1, true},
+                 {513, 1, 1, 0.1, false},  {4, 4, 1, 0.1, true},  {4, 5, 1, 0.1, false},
+                 {4, 0, 1, 0.1, false},    {4, 1, 0, 0.1, false}, {4, 1, 1000, 0.1, true},
+                 {4, 1, 1001, 0.1, false}, {4, 1, 1, 0.0, false}, {4, 1, 1, 1.0, false},
+                 {4, 1, 1, 0.999, true},   {4, 1, 1, -0.1, false}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        double factor;
+        asdic_status wanted = cases[i].is_good ? ASDIC_OK : ASDIC_ERROR_ARGUMENT;
+        assert_status(ctx,
+                      asdic_cfar_factor(ctx, ASDIC_CFAR_OS, cases[i].count, cases[i].rank,
+                                        cases[i].looks, cases[i].pfa, &factor),
+                      wanted);
+    }
+    const double snr = 4.0;
+    assert_true(isnan(asdic_cfar_pfa(ASDIC_CFAR_OS, 4, 5, 1, 2.0)));
+    assert_true(isnan(asdic_cfar_pfa(ASDIC_CFAR_CA, 4, 0, 1, -1.0)));
+    assert_true(isnan(asdic_cfar_pd(ASDIC_CFAR_OS, 4, 5, 1, 2.0, ASDIC_TARGET_SWERLING1, snr)));
+    assert_true(isnan(asdic_cfar_pd(ASDIC_CFAR_CA, 4, 0, 1, 2.0, ASDIC_TARGET_SWERLING1, -1.0)));
+    double z[2] = {1.0, 2.0}, out[2];
+    asdic_cfar of = asdic_cfar_default();
+    assert_status(ctx, asdic_cfar_row(ctx, NULL, 1, 0.1, z, 2, out, out), ASDIC_ERROR_ARGUMENT);
+    assert_status(ctx, asdic_cfar_row(ctx, &of, 1, 0.1, NULL, 2, out, out), ASDIC_ERROR_ARGUMENT);
+    assert_status(ctx, asdic_cfar_row(ctx, &of, 1, 0.1, z, 2, NULL, out), ASDIC_ERROR_ARGUMENT);
+    assert_status(ctx, asdic_cfar_row(ctx, &of, 1, 0.1, z, 2, out, NULL), ASDIC_ERROR_ARGUMENT);
+    const asdic_cfar wrong[] = {{ASDIC_CFAR_CA, 0, 1, 1.0},
+                                {ASDIC_CFAR_CA, 257, 1, 1.0},
+                                {ASDIC_CFAR_OS, 8, 1, 0.0},
+                                {ASDIC_CFAR_OS, 8, 1, 1.01}};
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
+        assert_status(ctx, asdic_cfar_row(ctx, &wrong[i], 1, 0.1, z, 2, out, out),
+                      ASDIC_ERROR_ARGUMENT);
     }
 }
 
@@ -193,12 +256,6 @@ static void a_row(void **state) {
         assert_close_relative(sum / (double)count, 1e-10, 0.02);
         assert_inside("P_FA of a row", 1e-2, asdic_estimate_of(events, count));
     }
-    asdic_cfar wrong = {ASDIC_CFAR_CA, 0, 1, 1.0};
-    assert_status(ctx, asdic_cfar_row(ctx, &wrong, 1, 0.1, z, 10, background, threshold),
-                  ASDIC_ERROR_ARGUMENT);
-    double factor;
-    assert_status(ctx, asdic_cfar_factor(ctx, ASDIC_CFAR_OS, 4, 5, 1, 0.1, &factor),
-                  ASDIC_ERROR_ARGUMENT);
 }
 
 int main(void) {
@@ -206,7 +263,8 @@ int main(void) {
         cmocka_unit_test(rates_are_as_designed),
         cmocka_unit_test(quadrature_meets_closed_forms),
         cmocka_unit_test(order_statistics_of_many_looks),
-        cmocka_unit_test(sorted_windows),
+        cmocka_unit_test(rows_are_those_of_every_window),
+        cmocka_unit_test(arguments_have_limits),
         cmocka_unit_test(a_row),
     };
     return cmocka_run_group_tests(tests, context_begin, context_end);
