@@ -291,7 +291,7 @@ static asdic_status find_spots(asdic_context *ctx, update *u) {
             double plane = sqrt(north * north + east * east);
             if (plane <= reach) {
                 double at = atan2(east, north) / f->step_rad;
-                size_t k = (size_t)lround(at < 0.0 ? at + (double)f->azimuths : at) % f->azimuths;
+                size_t k = (size_t)lround(at + (double)f->azimuths) % f->azimuths;
                 size_t cell = row * map->columns + c;
                 if (is_heard[k]) {
                     if (isnan(map->log_odds[cell])) {

@@ -53,4 +53,19 @@ static inline asdic_ping *expected(const ping_rig *r, const asdic_ping *like) {
     return truth;
 }
 
+/* The bottom as two triangles, whose edges are 600 m long: lifted, they would leave the water. */
+static inline asdic_scene *bottom_of_two_triangles(void) {
+    static const double v[] = {-300,  -300, DEPTH, 300,   -300, DEPTH, 300, 300,
+                               DEPTH, -300, 300,   DEPTH, -299, -300,  0.5};
+    static const uint32_t index[] = {0, 2, 1, 0, 3, 2, 0, 1, 4}; /* and a fin far behind */
+    asdic_scene *scene = NULL;
+    asdic_mesh *mesh = NULL;
+    assert_ok(t.ctx, asdic_mesh_from_triangles(t.ctx, v, 5, index, 3, &mesh));
+    assert_ok(t.ctx, asdic_scene_create(t.ctx, &scene));
+    assert_ok(t.ctx,
+              asdic_scene_add_bottom(scene, mesh, (asdic_pose){0}, asdic_material_bottom(2.0)));
+    asdic_mesh_destroy(&mesh);
+    return scene;
+}
+
 #endif

@@ -4,9 +4,6 @@
  */
 #include "bent_rig.h"
 
-#include "layer_steps.h"
-#include "one_layer.h"
-
 #include "scene/scene.h"
 
 static void pings_meet_quadrature(void **state) {
@@ -110,21 +107,6 @@ static void no_gradient_is_straight(void **state) {
     }
     asdic_ping_destroy(&truth);
     rig_destroy(&straight);
-}
-
-/* The bottom as two triangles, whose edges are 600 m long: lifted, they would leave the water. */
-static asdic_scene *bottom_of_two_triangles(void) {
-    static const double v[] = {-300,  -300, DEPTH, 300,   -300, DEPTH, 300, 300,
-                               DEPTH, -300, 300,   DEPTH, -299, -300,  0.5};
-    static const uint32_t index[] = {0, 2, 1, 0, 3, 2, 0, 1, 4}; /* and a fin far behind */
-    asdic_scene *scene = NULL;
-    asdic_mesh *mesh = NULL;
-    assert_ok(t.ctx, asdic_mesh_from_triangles(t.ctx, v, 5, index, 3, &mesh));
-    assert_ok(t.ctx, asdic_scene_create(t.ctx, &scene));
-    assert_ok(t.ctx,
-              asdic_scene_add_bottom(scene, mesh, (asdic_pose){0}, asdic_material_bottom(2.0)));
-    asdic_mesh_destroy(&mesh);
-    return scene;
 }
 
 static void large_triangles_are_a_plane(void **state) {
@@ -388,155 +370,6 @@ static void trapped_rays_are_followed(void **state) {
     rig_destroy(&r);
 }
 
-/* A point's echo against the closed forms by the ends of a ray (lift.h), which no ping takes. */
-static void points_echo_over_the_arc(void **state) {
-    (void)state;
-    for (int k = 0; k < 6; k++) {
-        const double g = k % 2 ? 0.9 : -0.9;
-        ping_rig r = bent_rig(g, 1024u);
-        const asdic_vec3 at = {25.0 + 8.0 * k, 4.0 * k, 2.0 + 1.5 * k};
-        r.sonar.transmitter.length_h_m = r.sonar.transmitter.length_v_m = 1e-4;
-        r.receivers[0] = r.sonar.transmitter;
-        assert_ok(t.ctx, asdic_scene_add_point(r.scene, "point", at, 10.0));
-        asdic_ping *ping = rig_shoot(&r, 0, false);
-        double c0 = asdic_environment_sound_speed_mps(&r.env, r.pose.position_m.z), bend = g / c0;
-        triple apart = {at.x, at.y, at.z - r.pose.position_m.z};
-        double d = sqrt(dot3(apart, apart)), n1 = 1.0 + bend * apart.z;
-        double range = lift_time(bend, d, 1.0, n1), spread = lift_spread(bend, d, 1.0, n1);
-        /* Horizontal part of the direction, from that of the lifted ray, which is straight. */
-        triple lifted = lift_point(bend, apart);
-        double level = hypot(lifted.x, lifted.y) / sqrt(dot3(lifted, lifted));
-        double alpha = asdic_environment_absorption_db_per_km(&r.env, r.sonar.frequency_hz,
-                                                              r.pose.position_m.z);
-        double db = 10.0 - 40.0 * log10(spread) -
-                    2.0 * (lift_length(bend, d, 1.0, level) - 1.0) * alpha * 1e-3;
-        size_t bin = (size_t)(range / r.sonar.bin_length_m);
-        assert_close(asdic_level_db(ping->intensity_lin[ASDIC_OBJECT][bin]), db, 5e-4);
-        asdic_ping_destroy(&ping);
-        rig_destroy(&r);
-    }
-}
-
-/* Casts in which one ray or several go to a point: out by each and back by each, against Runge-Kutta steps. */
-static void points_echo_through_layers(void **state) {
-    static const struct {
-        const char *name;
-        asdic_sound_profile cast;
-        double from_m, to_m, across_m;
-    } cases[] = {
-        {"thermocline", {4, {0.0, 5.0, 9.0, 12.0}, {1482.0, 1480.0, 1471.0, 1470.0}}, 7.0, 4.0, 31},
-        {"foot", {4, {0.0, 4.0, 7.0, 20.0}, {1490.0, 1489.0, 1455.0, 1456.0}}, 7.5, 6.9, 44},
-        {"knee", {3, {0.0, 8.0, 60.0}, {1495.0, 1495.0, 1443.0}}, 8.0, 11.0, 45},
-        {"channel", {4, {0.0, 3.0, 7.0, 12.0}, {1500.0, 1490.0, 1480.0, 1486.0}}, 6.0, 8.0, 62},
-        {"axis", {4, {0.0, 3.0, 7.0, 12.0}, {1500.0, 1490.0, 1480.0, 1486.0}}, 7.0, 6.9, 68}};
-    (void)state;
-    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
-        ping_rig r = bent_rig(0.0, 1024u);
-        double across = cases[k].across_m, worst = 0.0;
-        asdic_vec3 at = {0.8 * across, 0.6 * across, cases[k].to_m};
-        stepped_ray rays[8];
-        r.env.sound_speed_profile = cases[k].cast;
-        r.pose.position_m.z = cases[k].from_m;
-        r.sonar.transmitter.length_h_m = r.sonar.transmitter.length_v_m = 1e-4;
-        r.receivers[0] = r.sonar.transmitter;
-        if (k % 2) {
-            asdic_scene_destroy(&r.scene);
-            r.scene = bottom_of_two_triangles();
-        }
-        assert_ok(t.ctx, asdic_scene_add_point(r.scene, "point", at, 10.0));
-        asdic_ping *ping = rig_shoot(&r, 0, false);
-        int count = stepped_rays(&r.env, cases[k].from_m, cases[k].to_m, across, rays, 8);
-        double *level = calloc(ping->bins, sizeof *level);
-        double c0 = speed_of(&r.env, cases[k].from_m);
-        double alpha = asdic_environment_absorption_db_per_km(&r.env, r.sonar.frequency_hz,
-                                                              r.pose.position_m.z);
-        for (int i = 0; i < count * count; i++) {
-            const stepped_ray *a = &rays[i / count], *b = &rays[i % count];
-            double held_a = 1e-2 * pow(c0 * a->time_s, 2.0),
-                   held_b = 1e-2 * pow(c0 * b->time_s, 2.0);
-            double length = 0.5 * (a->length_m + b->length_m);
-            double db = 10.0 - 10.0 * log10(fmax(a->spread_m2, held_a)) -
-                        10.0 * log10(fmax(b->spread_m2, held_b)) - 2e-3 * alpha * (length - 1.0);
-            size_t bin = (size_t)(0.5 * c0 * (a->time_s + b->time_s) / r.sonar.bin_length_m);
-            level[bin] += pow(10.0, 0.1 * db);
-        }
-        for (size_t n = 0; n < ping->bins; n++) {
-            double got = ping->intensity_lin[ASDIC_OBJECT][n];
-            assert_true((got > 0.0) == (level[n] > 0.0));
-            worst = fmax(worst, got > 0.0 ? fabs(10.0 * log10(got / level[n])) : 0.0);
-        }
-        print_message("%s: %d rays to the point, %.2g dB\n", cases[k].name, count, worst);
-        assert_true(count > 0 && worst < 2e-3);
-        free(level);
-        asdic_ping_destroy(&ping);
-        rig_destroy(&r);
-    }
-}
-
-/* Where rays cross, the gain of each way is held to 20 dB over straight spreading: an echo by one ray there and back
- * stays within 40 dB, and those of all pairs of six rays within 36 times that. */
-static void caustics_are_held(void **state) {
-    (void)state;
-    ping_rig r = bent_rig(0.0, 1024u);
-    asdic_ping *ping = NULL;
-    double most_db = -INFINITY;
-    r.pose.position_m.z = 7.5;
-    r.env.sound_speed_profile =
-        (asdic_sound_profile){4, {0.0, 3.0, 7.0, 12.0}, {1500.0, 1490.0, 1480.0, 1486.0}};
-    r.sonar.transmitter.length_h_m = r.sonar.transmitter.length_v_m = 1e-4;
-    r.receivers[0] = r.sonar.transmitter;
-    assert_ok(t.ctx, asdic_scene_add_point(r.scene, "point", (asdic_vec3){10.0, 0.0, 7.0}, 0.0));
-    asdic_simulator *sim = rig_simulator(&r);
-    assert_ok(t.ctx, asdic_ping_create(t.ctx, 1, asdic_simulator_bin_count(sim), &ping));
-    double alpha =
-        asdic_environment_absorption_db_per_km(&r.env, r.sonar.frequency_hz, r.pose.position_m.z);
-    for (int i = 0; i < 60; i++) {
-        double x = 10.0 + i, sum = 0.0;
-        asdic_pose at = {.position_m = {x, 0.0, 7.0}};
-        assert_ok(t.ctx, asdic_simulator_move(sim, "point", &at));
-        assert_ok(t.ctx, asdic_simulator_ping(sim, &r.pose, 0, ping));
-        for (size_t n = 0; n < ping->bins; n++) {
-            sum += ping->intensity_lin[ASDIC_OBJECT][n];
-        }
-        assert_true(isfinite(sum) && sum > 0.0);
-        double straight_db = -40.0 * log10(x) - 2e-3 * alpha * (x - 1.0);
-        most_db = fmax(most_db, 10.0 * log10(sum) - straight_db);
-    }
-    print_message("a point along a channel: at most %.1f dB above straight spreading\n", most_db);
-    assert_true(most_db > 10.0 && most_db < 40.0 + 10.0 * log10(36.0));
-    asdic_ping_destroy(&ping);
-    asdic_simulator_destroy(&sim);
-    rig_destroy(&r);
-}
-
-/* What stands between is met by the legs of the rays to a point, in the layers that they are in. */
-static void points_hide_behind_objects(void **state) {
-    static const double side_m[] = {0.0, 4.0};
-    (void)state;
-    for (int k = 0; k < 2; k++) {
-        ping_rig r = bent_rig(0.0, 1024u);
-        asdic_mesh *mesh = NULL;
-        r.env.sound_speed_profile =
-            (asdic_sound_profile){4, {0.0, 5.0, 9.0, 12.0}, {1482.0, 1480.0, 1471.0, 1470.0}};
-        assert_ok(t.ctx, asdic_mesh_box(t.ctx, (asdic_vec3){0.5, 5.0, 1.0}, &mesh));
-        asdic_pose at = {.position_m = {20.0, side_m[k], 6.25}};
-        assert_ok(t.ctx,
-                  asdic_scene_add_object(r.scene, "box", mesh, at, asdic_material_bottom(2.0)));
-        asdic_mesh_destroy(&mesh);
-        assert_ok(t.ctx,
-                  asdic_scene_add_point(r.scene, "point", (asdic_vec3){40.0, 0.0, 5.5}, 10.0));
-        asdic_ping *ping = rig_shoot(&r, 0, false);
-        size_t bin = (size_t)(40.0 / r.sonar.bin_length_m);
-        double level = 0.0;
-        for (size_t n = bin - 2; n < bin + 2; n++) {
-            level += ping->intensity_lin[ASDIC_OBJECT][n];
-        }
-        assert_true((level > 0.0) == (k == 1));
-        asdic_ping_destroy(&ping);
-        rig_destroy(&r);
-    }
-}
-
 /* Sound speeds that no water has are refused, with the depth; a cast of several layers is taken as one. */
 static void impossible_water_is_refused(void **state) {
     (void)state;
@@ -571,10 +404,6 @@ int main(void) {
         cmocka_unit_test(layers_meet_quadrature),
         cmocka_unit_test(legs_are_the_same_for_all_kernels_and_layouts),
         cmocka_unit_test(trapped_rays_are_followed),
-        cmocka_unit_test(points_echo_over_the_arc),
-        cmocka_unit_test(points_echo_through_layers),
-        cmocka_unit_test(caustics_are_held),
-        cmocka_unit_test(points_hide_behind_objects),
         cmocka_unit_test(impossible_water_is_refused),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
