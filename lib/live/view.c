@@ -101,7 +101,6 @@ static asdic_status begin_history(asdic_view *view) {
                : ASDIC_OK;
 }
 
-/* Opens a loop from POSE on with the present choices, and a recording where one is wanted. */
 /* Clears histories after a change of the number of bins. */
 static asdic_status resize(asdic_view *view) {
     asdic_live_expected_finish(&view->expected);
@@ -110,6 +109,7 @@ static asdic_status resize(asdic_view *view) {
                                     view->options.real_time, &view->expected);
 }
 
+/* Opens a loop from POSE on with the present choices, and a recording where one is wanted. */
 static asdic_status open_loop(asdic_view *view, const asdic_pose *pose, double start_s) {
     size_t bins = asdic_loop_bin_count(view->loop);
     asdic_choices now = view->chosen;
