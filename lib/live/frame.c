@@ -143,9 +143,7 @@ static void see_beams(const asdic_view *view, asdic_shot *shot) {
             dev_cone_view *cone = &shot->cone[shot->cones++];
             *cone = cone_of(view, beam, half_h, half_v);
             tint(cone, b == view->beam ? PANEL_AMBER_RGB : PANEL_CYAN_RGB,
-                 b == view->beam ? 1.0f
-                 : n > 1         ? 0.55f
-                                 : 0.9f);
+                 b == view->beam ? 1.0f : 0.55f);
         }
     }
     if (n >= DEV_CAMERA_CONES) {
