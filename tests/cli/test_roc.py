@@ -44,11 +44,16 @@ def test_the_rise():
                                  "closed_pd"])
         tap.equal(float(far[-1]["range_m"]) > 70, True)
         if "roc.png" in os.listdir(folder / "out"):
-            tap.equal(png_texts(pathlib.Path(folder / "out/roc.png").read_bytes())["Title"],
-                      "scenario2: rise at 35.25 m, beam \u2018forward\u2019, 7 looks\n100 kHz, bandwidth "
-                      "10 kHz  \u00b7  bins of 0.5 m  \u00b7  levels re an SL of 0 dB")
+            tap.equal(title(folder, "out"),
+                      ["scenario2: rise at 35.25 m, beam \u2018forward\u2019, 7 looks",
+                       "100 kHz, bandwidth 10 kHz  \u00b7  bins of 0.5 m  \u00b7  levels re an SL of 0 dB"])
         done = asdic("roc", SCENE2, "-o", "out", cwd=folder.path).check(1)
         tap.contains(done.err, "--force")
+
+
+def title(folder, name):
+    """The two lines above the picture of a folder."""
+    return png_texts(pathlib.Path(folder / name, "roc.png").read_bytes())["Title"].split("\n")
 
 
 def test_other_beams_and_targets():
@@ -112,6 +117,12 @@ def test_designs_are_compared():
         text = asdic("roc", SCENE2, "--vary", "objects[0].position_m[0]=55,60", "--trials", "5000",
                      "-o", "place", cwd=folder.path).check(0).out
         tap.contains(text, "40.25 m")
+        if "roc.png" in os.listdir(folder / "out"):
+            first, facts = title(folder, "out")
+            tap.equal(first, "scenario2: sonar.receivers[0].pitch_deg, the first at 60 m, beam \u2018forward\u2019, "
+                             "7 looks")
+            tap.equal(facts.startswith("100 kHz, "), True, facts)
+            tap.equal(title(folder, "tone")[1].startswith("the first: 80 kHz, "), True, "facts that differ")
 
 
 def test_the_background_is_told():
@@ -210,6 +221,51 @@ def test_the_laws_error_moves_detection():
             tap.equal(band["low"] <= sight["pd"] <= band["high"], True, f"{band} {sight['pd']}")
         done = asdic("expect", "sand.yaml", "-o", "out.csv", cwd=folder.path).check(0)
         tap.contains(done.err, "model_uncertainty_db: bottom 5")
+
+
+def test_words_say_what_json_says():
+    need_device()
+    with Folder() as folder:
+        def bounds(band, form):
+            return f"{band['low']:{form}}..{band['high']:{form}}"
+
+        # One look: a bin as long as a pulse.
+        pathlib.Path(folder / "sand.yaml").write_text(
+            SEDIMENT.replace("ping_rate_hz: 10", "max_range_m: 20, bin_length_m: 0.075"), encoding="utf-8")
+        for vary in (), ("--vary", "sonar.receivers[0].pitch_deg=0.0000000,4"):
+            ask = ("roc", "sand.yaml", "--range", "18", "--strength=-30", "--trials", "2000", "--force", *vary)
+            curves = json.loads(asdic(*ask, "--json", cwd=folder.path).check(0).out)
+            text = asdic(*ask, cwd=folder.path).check(0).out.splitlines()
+            tap.equal({line.index("forward") for line in text[1:1 + len(curves)]}, {text[0].index("beam")}, "columns")
+            lines = [" ".join(line.split()) for line in text]
+            told, models = [], []
+            for c in curves:
+                told.append(f"{c['variant']} forward {c['range_m']:.2f} m {c['snr_db']:.2f} dB {c['pd']['value']:.4f} "
+                             f"{bounds(c['pd'], '.4f')} {c['closed_pd']:.4f} {c['area']['value']:.5f} "
+                             f"{bounds(c['area'], '.5f')} {c['closed_area']:.5f}")
+                models.append(f"{c['variant']}: P_D {bounds(c['model_pd'], '.4f')} "
+                              "over the error of the scattering laws")
+                is_first = c is curves[0]
+                tap.equal(["area_difference" in c, "model_pd_difference" in c], [not is_first] * 2)
+                if not is_first:
+                    less = c["area_difference"]
+                    told[-1] += f" {less['value']:+.5f} ({bounds(less, '+.5f')})"
+                    models[-1] += ("; less the first's, with the same error, "
+                                   + bounds(c["model_pd_difference"], "+.4f"))
+            count = len(curves)
+            tap.equal(lines[0].endswith("area - first's"), count > 1, "the last column")
+            tap.equal(lines[1:1 + count], told)
+            tap.contains(lines[1 + count], "P_D at P_FA = 0.001; 2000 draws each, ")
+            tap.equal(lines[2 + count], "background: what is expected over a plane")
+            tap.equal(lines[3 + count:3 + 2 * count], models)
+            decades = [f"{p['design_pfa']:.0e} {p['threshold_db']:.2f} dB {p['pfa']['value']:.4e} "
+                       f"{bounds(p['pfa'], '.4e')}" for p in curves[0]["curve"]
+                       if any(abs(p["design_pfa"] * 10**n - 1) < 1e-6 for n in range(1, 7))]
+            tap.equal(len(decades), 6)
+            tap.equal(lines[5 + 2 * count:], decades if count == 1 else [], "thresholds by decades")
+            if "roc.png" in os.listdir(folder / "roc_sand"):
+                line = title(folder, "roc_sand")[0]
+                tap.equal(line.endswith(", 1 look"), True, line)
 
 
 def test_a_mistake_is_told_once():
