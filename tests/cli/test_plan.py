@@ -1,0 +1,139 @@
+"""asdic plan: the same in words and in JSON, and a forecast that holds."""
+import csv
+import json
+import math
+import os
+import pathlib
+import re
+import time
+
+import tap
+from program import Folder, asdic, need_device
+
+SCENES = pathlib.Path(__file__).resolve().parents[2] / "data" / "scenes"
+# The second scenario in noise that its echoes sink into; three blocks of pings, the last begun.
+NOISY = (SCENES / "scenario2.yaml").read_text(encoding="utf-8").replace(
+    "noise: {enabled: false}", "noise: {enabled: true}").replace("source_level_db: 0", "source_level_db: 170").replace(
+        "rays: 20000", "rays: 2000").replace("pings: 1", "pings: 65")
+# Speeds at the surface and below.
+LAYERS = """version: 1
+environment: {max_depth_m: 12, sound_speed_profile: [[0, 1482], %s]}
+bottom: {depth_m: 12, type: sand}
+sonar: {frequency_khz: 100, max_range_m: 10, receivers: [{name: forward}], noise: {enabled: false}}
+mission: {pose: {position_m: [0, 0, 7]}}
+"""
+TRACK = "time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg\n0,0,0,7,0,0,0\n9,30,0,11,0,0,0\n"
+NO_DEVICE = {"OCL_ICD_VENDORS": "/nonexistent"}
+
+
+def words(scene, *args):
+    return asdic("plan", scene, "--no-forecast", *args, **NO_DEVICE).check(code=0).out
+
+
+def told(scene, *args):
+    return json.loads(asdic("plan", scene, "--no-forecast", "--json", *args, **NO_DEVICE).check(code=0, err="").out)
+
+
+def test_words_say_what_json_says():
+    with Folder() as folder:
+        plan, bounds = told(folder.write("noisy.yaml", NOISY)), set()
+        text = words(folder / "noisy.yaml")
+        for term, line in zip(plan["terms"], text.splitlines()[1:]):
+            bound = {None: "-", 0: "exact"}.get(term["bound_db"]) or f"{term['bound_db']:.2g} dB"
+            tap.equal(re.split("  +", line),
+                      [term["name"], "kept" if term["kept"] else "left out", bound, term["reason"]])
+            bounds.add(bound)
+        # Boric acid: 0.116 dB/km over 74.5 m, there and back.
+        tap.equal({"-", "exact", "0.017 dB"} <= bounds, True, f"{bounds}")
+        tap.contains(text, "\n65 pings of 2000 rays; 12 triangles, 0.0 MB of hierarchy\n")
+        tap.equal([plan[key] for key in ("pings", "rays", "triangles")], [65, 2000, 12])
+        for word in "measured", "stated", "scan:", "rays:":
+            tap.lacks(text, f"\n{word}")
+        tap.equal("forecast" in plan, False, "a forecast")
+        mission = SCENES / "mission.yaml"
+        tap.contains(words(mission), f" {1e-6 * told(mission)['bvh_bytes']:.1f} MB of hierarchy\n")
+
+
+def test_phase_is_told():
+    array = (SCENES / "array.yaml").read_text(encoding="utf-8")
+    with Folder() as folder:
+        for text, said, needed, coherent in ((array, "needed, and simulated", True, True),
+                                             (array.replace("coherent: true, ", ""),
+                                              "needed, yet pings add intensities", True, False),
+                                             (NOISY, "not needed", False, False)):
+            phase = told(folder.write("scene.yaml", text))["phase"]
+            tap.equal((phase["needed"], phase["coherent"]), (needed, coherent))
+            tap.contains(words(folder / "scene.yaml"), f"\nphase: {said}; {phase['reason']}\n")
+
+
+def test_what_rays_follow_is_told():
+    with Folder() as folder:
+        for profile, args, said in (("[9, 1482], [12, 1431]", (), "all layers; "), ("[12, 1470]", (), "one layer; "),
+                                    ("[12, 1482.000001]", (), "straight; "),
+                                    ("[12, 1470]", ("--refraction", "layer"), "one layer, as asked for; "),
+                                    ("[12, 1470]", ("--refraction", "off"), "straight, as asked for; ")):
+            path = folder.write("scene.yaml", LAYERS % profile)
+            reason = told(path, *args)["refraction"]["reason"]
+            tap.contains(words(path, *args), f"\nrays: {said}{reason}\n")
+
+
+def test_the_picture_is_of_the_first_ping():
+    with Folder() as folder:
+        folder.write("track.csv", TRACK)
+        drawn = set()
+        for mission in "pose: {position_m: [0, 0, 7]}", "pings: 2, track: track.csv":
+            path = folder.write("scene.yaml", LAYERS.replace("pose: {position_m: [0, 0, 7]}", mission) % "[12, 1470]")
+            done = asdic("plan", path, "--no-forecast", "--picture", folder / "rays.svg", **NO_DEVICE)
+            if "without cairo" in done.err:
+                raise tap.Skip("built without cairo")
+            done.check(code=0)
+            drawn.add(folder.read("rays.svg"))
+        tap.equal(len(drawn), 1, "pictures")
+
+
+def test_the_forecast_adds_up():
+    need_device()
+    with Folder() as folder:
+        start = time.monotonic()
+        text = asdic("plan", folder.write("noisy.yaml", NOISY), "--json").check(code=0).out
+        elapsed_ms = 1e3 * (time.monotonic() - start)
+        found = json.loads(text)["forecast"]
+        first, learn, ping, write = (found[key + "_ms"] for key in ("first_ping", "learn", "ping", "write"))
+        tap.equal(min(first, learn, ping, write) > 0, True, f"{found}")
+        tap.equal(first + learn + 5 * ping + write < elapsed_ms, True, f"{found} in {elapsed_ms} ms")
+        tap.equal(round(found["mission_s"], 9), round(1e-3 * (first + 3 * learn + 65 * (ping + write)), 9))
+
+
+def test_the_error_is_that_of_the_first_ping():
+    """Of a vehicle that moves; without noise a bin that nothing comes from counts among all, not among those heard."""
+    need_device()
+    with Folder() as folder:
+        folder.write("track.csv", TRACK)
+        for scene in NOISY, NOISY.replace("noise: {enabled: true}", "noise: {enabled: false}"):
+            path = folder.write("scene.yaml", scene.replace("pose: {position_m: [0, 0, 7]}", "track: track.csv"))
+            asdic("run", path, "--pings", "0:1", "-q", "--force", "-o", folder / "run").check(code=0)
+            with open(os.path.join(folder / "run", "bins.csv"), newline="", encoding="utf-8") as file:
+                bins = list(csv.DictReader(file))
+
+            def energy(row, *parts):
+                return sum(10 ** (float(row[part + "_db"]) / 10) for part in parts if row[part + "_db"])
+
+            def error(row):
+                return float(row["stderr_db"] or 0)
+
+            echoes = [energy(row, "bottom", "surface", "volume", "object", "multipath") for row in bins]
+            heard = [error(row) for row, echo in zip(bins, echoes) if echo > 0 and echo >= energy(row, "noise")]
+            errors = sorted(map(error, bins))
+            tap.equal(0 < len(heard) < len(errors), True, "some are heard")
+            wanted = {"rms": math.hypot(*heard) / math.sqrt(len(heard)), "median": errors[len(errors) // 2],
+                      "worst": errors[-1]}
+            found = json.loads(asdic("plan", path, "--json").check(code=0).out)["forecast"]
+            for name, value in wanted.items():
+                tap.equal(abs(found[f"stderr_{name}_db"] / value - 1) < 1e-6, True, f"{name}: {found}, not {value}")
+        text = asdic("plan", path).check(code=0).out
+        tap.contains(text, f"first ping: {wanted['rms']:.2f} dB r.m.s. in bins above the noise; of all, median "
+                           f"{wanted['median']:.3f} dB, worst {wanted['worst']:.2f} dB\n")
+        tap.contains(text, "per block of 32: about ")
+
+
+tap.main(globals())
