@@ -63,14 +63,26 @@ def test_list_in_words_has_the_numbers_of_json():
     for info in json.loads(model("--json")):
         lines = {line.split()[0]: line for line in told[info["name"]]}
         for k in info["keys"]:
+            line = lines[k["name"]]
+            tap.equal(("default" in k, " (optional)" in line), (not k["required"],) * 2, k["name"])
+            is_told = k.get("default") is not None
+            tap.equal(", else " in line, is_told, f"{info['name']}, {k['name']}")
+            if is_told:
+                tap.contains(line, f", else {k['default']:.9g}" if "min" in k else ", else the first")
             if k.get("min") is None:
                 continue
-            line = lines[k["name"]]
             tap.contains(line, f"[{k['min']:.9g}, {k['max']:.9g}]")
             valid = f", valid [{k['valid_min']:.9g}, {k['valid_max']:.9g}]"
             is_narrow = (k["valid_min"], k["valid_max"]) != (k["min"], k["max"])
             tap.equal(line[line.find(", valid"):] if ", valid" in line else "", valid if is_narrow else "",
                       f"{info['name']}, {k['name']}")
+
+
+def test_no_formula_has_as_many_keys():
+    most = 12  # as in the header
+    for count, is_too_many in ((most, False), (most + 1, True)):
+        done = asdic("model", "noise", *(f"a{i}=1" for i in range(count))).check(code=2, out="")
+        tap.equal(f"{count} keys, more than any formula has" in done.err, is_too_many, done.err)
 
 
 def test_json_value():
