@@ -470,8 +470,32 @@ static void test_differences(void **state) {
             }
         }
     }
-    assert_true(fabs(asdic_trial_mcnemar(1, 9) - 2.0 * 11.0 / 1024.0) < 1e-12);
+    /* Bounds are told to the last digits; where all pairs are discordant they end at the end. */
+    asdic_trial_figure even = asdic_trial_paired(5, 5, 20, 0.95);
+    assert_close(even.high, -even.low, 1e-12);
+    assert_close(asdic_trial_paired(7, 0, 7, 0.95).high, 1.0, 1e-12);
+    assert_close(asdic_trial_paired(0, 7, 7, 0.95).low, -1.0, 1e-12);
+    assert_close(asdic_trial_paired(1, 0, 1, 0.95).value, 1.0, 0.0);
+    /* Of nothing, or of less than all, anything may be true. */
+    static const uint64_t unknown[][3] = {{0, 0, 0}, {3, 2, 4}};
+    for (int i = 0; i < 2; i++) {
+        asdic_trial_figure f =
+            asdic_trial_paired(unknown[i][0], unknown[i][1], unknown[i][2], 0.95);
+        assert_true(isnan(f.value) && f.low == -1.0 && f.high == 1.0);
+    }
+}
+
+/* Twice the binomial tail; many pairs go by the normal law, 1.96 standard errors being 5 %. */
+static void test_mcnemar(void **state) {
+    (void)state;
+    assert_close(asdic_trial_mcnemar(1, 9), 2.0 * 11.0 / 1024.0, 1e-12);
+    assert_close(asdic_trial_mcnemar(9, 1), 2.0 * 11.0 / 1024.0, 1e-12);
+    assert_close(asdic_trial_mcnemar(0, 5), 2.0 / 32.0, 1e-12);
     assert_true(asdic_trial_mcnemar(0, 0) == 1.0 && asdic_trial_mcnemar(4, 4) == 1.0);
+    assert_true(asdic_trial_mcnemar(1, 0) == 1.0);
+    /* 250000 pairs: a standard error of 500. */
+    assert_close(asdic_trial_mcnemar(125000 - 490, 125000 + 490), erfc(1.96 / sqrt(2.0)), 1e-12);
+    assert_close(asdic_trial_mcnemar(125000 + 490, 125000 - 490), 0.0499957902964409, 1e-12);
 }
 
 int main(void) {
@@ -483,6 +507,7 @@ int main(void) {
         cmocka_unit_test(test_meshes_are_read_once),
         cmocka_unit_test(test_shares_cover),
         cmocka_unit_test(test_differences),
+        cmocka_unit_test(test_mcnemar),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -11,6 +11,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 static char folder[] = "/tmp/asdic-trial-folder-XXXXXX";
@@ -224,16 +225,20 @@ static void results_are_written(void **state) {
     asdic_trial_close(&t);
 }
 
+/* WHOLE with WORD, where it is there, replaced by OTHER. */
+static void replace(const char *whole, const char *word, const char *other, char text[1000]) {
+    const char *found = strstr(whole, word);
+    int length = snprintf(text, 1000, "%.*s%s%s", found ? (int)(found - whole) : 0, whole,
+                          found ? other : "", found ? found + strlen(word) : whole);
+    assert_true(length < 1000);
+}
+
 /* WORD of the facts or rows replaced by OTHER; what the error says. */
 static void refuse(const char *word, const char *other, const char *says) {
-    char text[2][1000] = {"", ""};
-    const char *whole[2] = {facts, rows};
+    char text[2][1000];
     asdic_trial *t = NULL;
-    for (int i = 0; i < 2; i++) {
-        const char *found = strstr(whole[i], word);
-        snprintf(text[i], sizeof text[i], "%.*s%s%s", found ? (int)(found - whole[i]) : 0, whole[i],
-                 found ? other : "", found ? found + strlen(word) : whole[i]);
-    }
+    replace(facts, word, other, text[0]);
+    replace(rows, word, other, text[1]);
     write_file("trial.json", text[0], "  ]\n}\n");
     write_file("trial.csv", header, text[1]);
     assert_status(ctx, asdic_trial_open(ctx, folder, &t), ASDIC_ERROR_INPUT);
@@ -307,13 +312,113 @@ static void parts_of_one_trial(void **state) {
     asdic_trial_close(&b);
 }
 
+/* Runs FIRST and so on, COUNT of them, of the trial as a part in FOLDER/PART; WORD of what is in both files
+ * replaced by OTHER. */
+static void write_part(const char *part, unsigned first, unsigned count, const char *word,
+                       const char *other) {
+    char text[1000], some[1000], file[40], path[200], number[40];
+    snprintf(path, sizeof path, "%s/%s", folder, part);
+    mkdir(path, 0777);
+    snprintf(number, sizeof number, "\"first\": %u", first);
+    replace(facts, "\"first\": 7", number, some);
+    snprintf(number, sizeof number, "\"count\": %u", count);
+    replace(some, "\"count\": 4", number, text);
+    replace(text, word, other, some);
+    snprintf(file, sizeof file, "%s/trial.json", part);
+    write_file(file, some, "  ]\n}\n");
+    const char *begin = rows, *end;
+    for (unsigned i = 0; i < 2 * (first - 7); i++) {
+        begin = strchr(begin, '\n') + 1;
+    }
+    end = begin;
+    for (unsigned i = 0; i < 2 * count; i++) {
+        end = strchr(end, '\n') + 1;
+    }
+    snprintf(text, sizeof text, "%.*s", (int)(end - begin), begin);
+    replace(header, word, other, some);
+    snprintf(file, sizeof file, "%s/trial.csv", part);
+    write_file(file, some, text);
+}
+
+/* Parts NAMES joined in FOLDER/whole. */
+static asdic_status merge(const char *const names[3], size_t count, bool force) {
+    char path[4][200];
+    const char *parts[3] = {path[0], path[1], path[2]};
+    for (size_t i = 0; i < count; i++) {
+        snprintf(path[i], sizeof path[i], "%s/%s", folder, names[i]);
+    }
+    snprintf(path[3], sizeof path[3], "%s/whole", folder);
+    return asdic_trial_merge(ctx, parts, count, path[3], force);
+}
+
+/* In whatever order they are named, parts join to the trial with all their rows. */
+static void parts_join_to_the_whole(void **state) {
+    (void)state;
+    static const char *const orders[][3] = {{"a", "b", "c"}, {"c", "a", "b"}, {"b", "c", "a"}};
+    char path[200];
+    write_part("a", 7, 1, "", "");
+    write_part("b", 8, 2, "", "");
+    write_part("c", 10, 1, "", "");
+    snprintf(path, sizeof path, "%s/whole", folder);
+    for (int i = 0; i < 3; i++) {
+        asdic_trial *t = NULL, *at_once = open_trial();
+        assert_ok(ctx, merge(orders[i], 3, i > 0));
+        assert_ok(ctx, asdic_trial_open(ctx, path, &t));
+        assert_true(asdic_trial_is_same(&t->facts, &at_once->facts));
+        assert_int_equal(t->facts.first, 7);
+        assert_int_equal(t->facts.count, 4);
+        assert_string_equal(t->header, header);
+        assert_string_equal(t->body, rows);
+        asdic_trial_close(&t);
+        asdic_trial_close(&at_once);
+    }
+    assert_status(ctx, merge(orders[0], 3, false), ASDIC_ERROR_EXISTS);
+    assert_contains(asdic_context_error(ctx), "--force replaces it");
+}
+
+static void parts_that_do_not_fit_are_refused(void **state) {
+    (void)state;
+    static const char *const names[3] = {"a", "b", "c"};
+    static const char other_trial[] = "parts of different trials";
+    static const struct {
+        unsigned first, count;
+        const char *word, *other, *says;
+    } wrong[] = {
+        {8, 1, "", "", "runs 9 to 10 are in no part, or in two"},
+        {8, 3, "", "", "runs 11 to 10 are in no part, or in two"},
+        {7, 3, "", "", "runs 8 to 7 are in no part, or in two"},
+        {8, 2, "\"seed\": 11", "\"seed\": 12", other_trial},
+        {8, 2, "c0ffee", "c0ffed", other_trial},
+        {8, 2, "depth_m", "width_m", other_trial},
+        {8, 2, "\"scene\"", "[\"scene\"", "this is no trial.json"},
+    };
+    write_part("a", 7, 1, "", "");
+    write_part("c", 10, 1, "", "");
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
+        write_part("b", wrong[i].first, wrong[i].count, wrong[i].word, wrong[i].other);
+        assert_status(ctx, merge(names, 3, true), ASDIC_ERROR_INPUT);
+        assert_contains(asdic_context_error(ctx), wrong[i].says);
+    }
+    const char *const parts[1] = {folder};
+    assert_status(ctx, asdic_trial_merge(ctx, NULL, 1, folder, true), ASDIC_ERROR_ARGUMENT);
+    assert_status(ctx, asdic_trial_merge(ctx, parts, 0, folder, true), ASDIC_ERROR_ARGUMENT);
+    assert_status(ctx, asdic_trial_merge(ctx, parts, 1, NULL, true), ASDIC_ERROR_ARGUMENT);
+    assert_true(asdic_trial_merge(ctx, parts, 1, "/nowhere/deep", true) != ASDIC_OK);
+    assert_contains(asdic_context_error(ctx), "/nowhere/deep");
+}
+
 static int end(void **state) {
-    static const char *const names[] = {"trial.json", "trial.csv", "trial.part.json",
+    static const char *const folders[] = {"a", "b", "c", "whole", "."};
+    static const char *const names[] = {"trial.json", "trial.csv", "trial.png", "trial.part.json",
                                         "trial.part.csv"};
     char path[200];
-    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
-        snprintf(path, sizeof path, "%s/%s", folder, names[i]);
-        unlink(path);
+    for (size_t f = 0; f < sizeof folders / sizeof *folders; f++) {
+        for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+            snprintf(path, sizeof path, "%s/%s/%s", folder, folders[f], names[i]);
+            unlink(path);
+        }
+        snprintf(path, sizeof path, "%s/%s", folder, folders[f]);
+        rmdir(path);
     }
     rmdir(folder);
     return context_end(state);
@@ -328,6 +433,8 @@ int main(void) {
         cmocka_unit_test(damage_is_told),
         cmocka_unit_test(one_under_way_is_read),
         cmocka_unit_test(parts_of_one_trial),
+        cmocka_unit_test(parts_join_to_the_whole),
+        cmocka_unit_test(parts_that_do_not_fit_are_refused),
     };
     if (!mkdtemp(folder)) {
         return 1;
