@@ -135,11 +135,11 @@ void asdic_mission_remark_water(const asdic_mission *mission, asdic_remarks *out
     bool trapped = f.most_rad - f.least_rad > TELLING_RAD;
     char *text = turn || trapped ? next_text(out) : NULL;
     if (text) {
-        snprintf(
-            text, ASDIC_REMARK_SIZE,
-            "water: rays of the first ping that leave between %g and %g degrees of elevation %s",
-            tenths(trapped ? f.least_rad : f.turn_least_rad),
-            tenths(trapped ? f.most_rad : f.turn_most_rad),
-            trapped ? "turn back and forth: trapped in a channel" : "turn before they end");
+        snprintf(text, ASDIC_REMARK_SIZE,
+                 "water: rays of the first ping that leave between %g and %g degrees below the "
+                 "horizontal %s",
+                 tenths(trapped ? f.least_rad : f.turn_least_rad),
+                 tenths(trapped ? f.most_rad : f.turn_most_rad),
+                 trapped ? "turn back and forth: trapped in a channel" : "turn before they end");
     }
 }

@@ -155,6 +155,67 @@ static void laws_read_their_files(void **state) {
     }
 }
 
+/* The remarks on water where the sound speed has PROFILE over a bottom 12 m deep, a line each; the sonar's depth and
+ * what else there is in MORE. It hears 187 m. */
+static char *water_remarks(const workshop *w, const char *profile, double depth_m,
+                           const char *more) {
+    static char said[4 * ASDIC_REMARK_SIZE];
+    char bottom[300], mission[100];
+    snprintf(bottom, sizeof bottom, "{depth_m: 12}\nenvironment: {sound_speed_profile: %s}%s",
+             profile, more);
+    snprintf(mission, sizeof mission, "{pose: {position_m: [0, 0, %g]}}", depth_m);
+    asdic_mission *m = load(w, bottom, mission);
+    asdic_remarks remarks = asdic_mission_remarks(m);
+    said[0] = '\0';
+    for (size_t i = 0; i < remarks.count; i++) {
+        if (strncmp(remarks.text[i], "water: ", 7) == 0) {
+            strcat(strcat(said, remarks.text[i] + 7), "\n");
+        }
+    }
+    asdic_mission_destroy(&m);
+    return said;
+}
+
+/* Where the speed changes by G a metre from C0 to C1 at a plane, the ray that grazes it leaves with cos = C0 / C1 and
+ * meets it at sqrt(C1^2 - C0^2) / G: beyond is shadow, and flatter rays turn. */
+static void rays_that_turn_are_remarked(void **state) {
+    const workshop *w = *state;
+    static const char rays[] = "rays of the first ping that leave between %g and %g degrees "
+                               "below the horizontal %s\n";
+    static const char turn[] = "turn before they end";
+    static const char trapped[] = "turn back and forth: trapped in a channel";
+    static const struct {
+        const char *profile, *more, *plane;
+        double c0, c1, least_deg, most_deg; /* negative: above the horizontal */
+    } cases[] = {{"[[0, 1486], [12, 1510]]", "", "bottom", 1500, 1510, 0.0, 6.6},
+                 {"[[0, 1514], [12, 1490]]", "\nsurface: {}", "surface", 1500, 1514, -7.8, 0.0}};
+    char expected[200], plane[20], *said;
+    for (size_t i = 0; i < 2; i++) {
+        double reach_m, c0 = cases[i].c0, c1 = cases[i].c1;
+        said = water_remarks(w, cases[i].profile, 7.0, cases[i].more);
+        assert_int_equal(
+            sscanf(said, "no ray of the first ping reaches the %19s beyond %lf m: a shadow begins",
+                   plane, &reach_m),
+            2);
+        assert_string_equal(plane, cases[i].plane);
+        assert_close(reach_m, sqrt(c1 * c1 - c0 * c0) / 2.0,
+                     0.06); /* the last ray that is cast; %.4g */
+        snprintf(expected, sizeof expected, rays, cases[i].least_deg, cases[i].most_deg, turn);
+        assert_string_equal(strchr(said, '\n') + 1, expected);
+    }
+    /* A channel about 10 m, where rays up to acos(1490 / 1500) stay. */
+    static const char channel[] = "[[0, 1540], [10, 1490], [12, 1500]]";
+    snprintf(expected, sizeof expected, rays, -6.6, 6.6, trapped);
+    assert_non_null(strstr(water_remarks(w, channel, 10.0, ""), expected));
+    /* Of less than 0.009 rad of elevations nothing is said: here 0.0082, then 0.0104. */
+    assert_null(strstr(water_remarks(w, "[[0, 1486], [12, 1510]]", 11.975, ""), "rays of"));
+    assert_non_null(
+        strstr(water_remarks(w, "[[0, 1486], [12, 1510]]", 11.96, ""), "between 0 and 0.6 "));
+    /* Straight rays, or hardly bent: nothing. */
+    assert_string_equal(water_remarks(w, "[[0, 1500], [12, 1500]]", 7.0, ""), "");
+    assert_string_equal(water_remarks(w, "[[0, 1500], [12, 1500.001]]", 7.0, "\nsurface: {}"), "");
+}
+
 static void flat_bottom_and_rest(void **state) {
     const workshop *w = *state;
     asdic_mission *m = load(w, "{depth_m: 12, type: 2.5}",
@@ -378,6 +439,7 @@ int main(void) {
         cmocka_unit_test(levels_of_a_ping),
         cmocka_unit_test(misuse_is_answered),
         cmocka_unit_test(laws_read_their_files),
+        cmocka_unit_test(rays_that_turn_are_remarked),
     };
     return cmocka_run_group_tests(tests, begin, end);
 }
