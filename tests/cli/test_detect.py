@@ -208,6 +208,19 @@ def test_an_empty_sea_has_the_false_tracks_that_are_said():
         tap.contains(text, "of false alarms alone")
 
 
+def test_no_false_track_is_confirmed_sooner_than_it_can_be():
+    need_device()
+    with Folder() as folder:
+        said = []
+        for pings in 3, 4:  # a track is confirmed by three plots
+            folder.write("short.yaml", EMPTY.replace("pings: 600", f"pings: {pings}"))
+            done = asdic("detect", "short.yaml", "-o", f"out{pings}", "--json", cwd=folder.path).check(0)
+            said.append(json.loads(done.out)["tracks"]["by_chance"])
+        tap.equal(said[0], 0)
+        # One in 170 of 2.8 plots, as in the long run; so few pings have their plots by chance.
+        tap.equal(0.005 < said[1] < 0.05, True, f"{said}")
+
+
 # So few rays that levels err by half a dB.
 FEW = """version: 1
 bottom: {depth_m: 12, type: sand}
