@@ -155,14 +155,13 @@ static void laws_read_their_files(void **state) {
     }
 }
 
-/* The remarks on water where the sound speed has PROFILE over a bottom 12 m deep, a line each; the sonar's depth and
- * what else there is in MORE. It hears 187 m. */
-static char *water_remarks(const workshop *w, const char *profile, double depth_m,
-                           const char *more) {
+/* The remarks on water where the sound speed has PROFILE over a bottom 12 m deep, a line each, as heard
+ * from DEPTH_M as far as 187 m. */
+static char *water_remarks(const workshop *w, const char *profile, double depth_m) {
     static char said[4 * ASDIC_REMARK_SIZE];
     char bottom[300], mission[100];
-    snprintf(bottom, sizeof bottom, "{depth_m: 12}\nenvironment: {sound_speed_profile: %s}%s",
-             profile, more);
+    snprintf(bottom, sizeof bottom, "{depth_m: 12}\nenvironment: {sound_speed_profile: %s}",
+             profile);
     snprintf(mission, sizeof mission, "{pose: {position_m: [0, 0, %g]}}", depth_m);
     asdic_mission *m = load(w, bottom, mission);
     asdic_remarks remarks = asdic_mission_remarks(m);
@@ -185,14 +184,14 @@ static void rays_that_turn_are_remarked(void **state) {
     static const char turn[] = "turn before they end";
     static const char trapped[] = "turn back and forth: trapped in a channel";
     static const struct {
-        const char *profile, *more, *plane;
+        const char *profile, *plane;
         double c0, c1, least_deg, most_deg; /* negative: above the horizontal */
-    } cases[] = {{"[[0, 1486], [12, 1510]]", "", "bottom", 1500, 1510, 0.0, 6.6},
-                 {"[[0, 1514], [12, 1490]]", "\nsurface: {}", "surface", 1500, 1514, -7.8, 0.0}};
+    } cases[] = {{"[[0, 1486], [12, 1510]]", "bottom", 1500, 1510, 0.0, 6.6},
+                 {"[[0, 1514], [12, 1490]]", "surface", 1500, 1514, -7.8, 0.0}};
     char expected[200], plane[20], *said;
     for (size_t i = 0; i < 2; i++) {
         double reach_m, c0 = cases[i].c0, c1 = cases[i].c1;
-        said = water_remarks(w, cases[i].profile, 7.0, cases[i].more);
+        said = water_remarks(w, cases[i].profile, 7.0);
         assert_int_equal(
             sscanf(said, "no ray of the first ping reaches the %19s beyond %lf m: a shadow begins",
                    plane, &reach_m),
@@ -206,14 +205,53 @@ static void rays_that_turn_are_remarked(void **state) {
     /* A channel about 10 m, where rays up to acos(1490 / 1500) stay. */
     static const char channel[] = "[[0, 1540], [10, 1490], [12, 1500]]";
     snprintf(expected, sizeof expected, rays, -6.6, 6.6, trapped);
-    assert_non_null(strstr(water_remarks(w, channel, 10.0, ""), expected));
+    assert_non_null(strstr(water_remarks(w, channel, 10.0), expected));
     /* Of less than 0.009 rad of elevations nothing is said: here 0.0082, then 0.0104. */
-    assert_null(strstr(water_remarks(w, "[[0, 1486], [12, 1510]]", 11.975, ""), "rays of"));
+    assert_null(strstr(water_remarks(w, "[[0, 1486], [12, 1510]]", 11.975), "rays of"));
     assert_non_null(
-        strstr(water_remarks(w, "[[0, 1486], [12, 1510]]", 11.96, ""), "between 0 and 0.6 "));
+        strstr(water_remarks(w, "[[0, 1486], [12, 1510]]", 11.96), "between 0 and 0.6 "));
     /* Straight rays, or hardly bent: nothing. */
-    assert_string_equal(water_remarks(w, "[[0, 1500], [12, 1500]]", 7.0, ""), "");
-    assert_string_equal(water_remarks(w, "[[0, 1500], [12, 1500.001]]", 7.0, "\nsurface: {}"), "");
+    assert_string_equal(water_remarks(w, "[[0, 1500], [12, 1500]]", 7.0), "");
+    assert_string_equal(water_remarks(w, "[[0, 1500], [12, 1500.001]]", 7.0), "");
+}
+
+/* A ball half a metre deep, seen from 2 m with cells of 75 mm: its image is 2 / range m behind it. */
+static void phase_is_needed_where_echoes_interfere(void **state) {
+    const workshop *w = *state;
+    static const char none[] = "nothing here interferes", smooth[] = "'ball' is smooth";
+    static const char image[] = "'ball' and its image in the surface are in one cell";
+    static const struct {
+        const char *surface, *material;
+        double x_m, wind_kn;
+        const char *reason;
+    } cases[] = {
+        {"", "impedance_mrayl: 45, slope_rms: 0", 20, 0, smooth},
+        {"", "impedance_mrayl: 45, slope_rms: 0.1", 20, 0, none},
+        /* 4 k^2 s^2 is 0.7 and 1.6: at 1 a share of exp(-1) of the echo has kept its phase. */
+        {"", "slope_rms: 0, impedance_mrayl: 45, roughness_rms_mm: 1", 20, 0, smooth},
+        {"", "slope_rms: 0, impedance_mrayl: 45, roughness_rms_mm: 1.5", 20, 0, none},
+        {"", "lambert_db: -20", 26, 0, none},
+        {"", "lambert_db: -20", 27.5, 0, image},
+        {"", "lambert_db: -20", -27.5, 0, image},
+        {"surface: {enabled: false}\n", "lambert_db: -20", 27.5, 0, none},
+        /* The sea's 4 k^2 s^2 is 114 and 130, of which the angle, 5.2 degrees, leaves 0.94 and 1.07. */
+        {"", "lambert_db: -20", 27.5, 3.0, image},
+        {"", "lambert_db: -20", 27.5, 3.1, none},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char bottom[400], reason[200];
+        snprintf(
+            bottom, sizeof bottom,
+            "{depth_m: 12}\nenvironment: {sound_speed_mps: 1500, wind_speed_kn: %g}\n%sobjects:\n"
+            "  - {name: ball, sphere: {radius_m: 0.2}, position_m: [%g, 0, 0.5], material: {%s}}",
+            cases[i].wind_kn, cases[i].surface, cases[i].x_m, cases[i].material);
+        asdic_mission *m = load(w, bottom, "{pose: {position_m: [0, 0, 2]}}");
+        bool needs = asdic_mission_needs_phase(m, reason, sizeof reason);
+        assert_contains(reason, cases[i].reason);
+        assert_int_equal(needs, cases[i].reason != none);
+        asdic_mission_destroy(&m);
+        assert_false(asdic_mission_needs_phase(NULL, reason, sizeof reason));
+    }
 }
 
 static void flat_bottom_and_rest(void **state) {
@@ -440,6 +478,7 @@ int main(void) {
         cmocka_unit_test(misuse_is_answered),
         cmocka_unit_test(laws_read_their_files),
         cmocka_unit_test(rays_that_turn_are_remarked),
+        cmocka_unit_test(phase_is_needed_where_echoes_interfere),
     };
     return cmocka_run_group_tests(tests, begin, end);
 }
