@@ -206,10 +206,10 @@ static void rows_are_read(void **state) {
     char path[] = "/tmp/asdic-curve-XXXXXX";
     assert_true(close(mkstemp(path)) == 0);
     asdic_material m = curve(NULL, 0), other = lambert(-20.0), none = {0};
-    write_curve(path, "0,-200\n90,60\n");
+    write_curve(path, "0,60\n90,-200\n");
     assert_ok(ctx, asdic_material_read_rows(ctx, &m, path));
     assert_int_equal(m.row_count, 2);
-    assert_close(m.rows[1], -200.0, 0.0);
+    assert_close(m.rows[1], 60.0, 0.0);
     assert_close(m.rows[2], 90.0, 0.0);
     free((double *)m.rows);
     static const char *const wrong[] = {"30,-40\n30,-30\n", "30,-40\n90.1,-30\n",
