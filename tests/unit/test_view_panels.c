@@ -1,0 +1,438 @@
+/* Panels of a view: their words, axes and curves; what its camera is told to show. */
+#include "view_rig.h"
+
+#include "out/colormap.h"
+
+#include <cairo.h>
+
+/* What was written since word_count was 0, and the middle of its ink. This takes the place of cairo's own. */
+static struct word {
+    char text[160];
+    double x, y;
+} words[400];
+static size_t word_count;
+
+void cairo_show_text(cairo_t *cr, const char *text) {
+    cairo_text_extents_t e;
+    if (word_count == sizeof words / sizeof *words) {
+        return;
+    }
+    struct word *w = &words[word_count++];
+    cairo_get_current_point(cr, &w->x, &w->y);
+    cairo_text_extents(cr, text, &e);
+    w->x += e.x_bearing + 0.5 * e.width;
+    w->y += e.y_bearing + 0.5 * e.height;
+    cairo_user_to_device(cr, &w->x, &w->y);
+    snprintf(w->text, sizeof w->text, "%s", text);
+}
+
+/* Of DB, where colours go from 0 to 100 dB. */
+static uint32_t colour_of(const asdic_view *v, double db) {
+    return asdic_colormap_rgb(v->look.colormap, (unsigned)(db * 2.56));
+}
+
+/* Top down the waterfall has the newest ping first; to the right range, of bins in a pixel the strongest. */
+static void the_newest_ping_is_on_top(void **state) {
+    (void)state;
+    asdic_view *v = open_view(THREE, "sampling: {rays: 256}");
+    step(v, 1);
+    view_history *h = &v->history;
+    const size_t bins = v->ping.bins;
+    v->look.db_low = 0.0;
+    v->look.db_high = 100.0;
+    h->rows = 5;
+    h->count = 3; /* rows 0, 4 and 3 */
+    h->next = 1;
+    v->beam = 1;
+    for (size_t peak = bins / 4; peak < bins / 4 + 4; peak++) {
+        /* Row k of beam b: 20 k + 3 b dB, 5 more far off. */
+        for (size_t i = 0; i < 5 * 3 * bins; i++) {
+            size_t row = i / bins / 3, beam = i / bins % 3, bin = i % bins;
+            h->levels_db[i] = (float)(20 * row + 3 * beam + (bin >= bins / 2 ? 5 : 0));
+            h->levels_db[i] = bin == peak ? 95.0f : h->levels_db[i];
+        }
+        assert_ok(t.ctx, asdic_view_draw(v));
+        asdic_view_image frame = asdic_view_get_frame(v);
+        const double newest_first_db[] = {3.0, 83.0, 63.0, 43.0};
+        const asdic_box box = v->layout.sonar;
+        size_t found = 0;
+        for (double y = box.y; y < box.y + box.h && found < 4; y += 1.0) {
+            const uint32_t *row = frame.rgb + (size_t)y * frame.stride;
+            uint32_t near = colour_of(v, newest_first_db[found]);
+            uint32_t far = colour_of(v, newest_first_db[found] + 5.0), strong = colour_of(v, 95.0);
+            size_t nears = 0, fars = 0, strongs = 0;
+            for (double x = box.x; x < box.x + 0.9 * box.w; x += 1.0) {
+                uint32_t rgb = row[(size_t)x] & 0xffffffu;
+                nears += rgb == near && fars == 0;
+                fars += rgb == far;
+                strongs += rgb == strong && fars == 0;
+            }
+            if (nears > 100 && strongs == 1) {
+                assert_close((double)nears, (double)fars, 3.0);
+                found++;
+            }
+        }
+        assert_int_equal(found, 3);
+    }
+    close_view(v);
+}
+
+/* The last shot, seen on its way to the camera. */
+static asdic_shot shot;
+
+asdic_status __real_asdic_camera_shoot(asdic_camera *camera, const asdic_simulator *sim,
+                                       const asdic_shot *of);
+asdic_status __wrap_asdic_camera_shoot(asdic_camera *camera, const asdic_simulator *sim,
+                                       const asdic_shot *of);
+
+asdic_status __wrap_asdic_camera_shoot(asdic_camera *camera, const asdic_simulator *sim,
+                                       const asdic_shot *of) {
+    shot = *of;
+    return __real_asdic_camera_shoot(camera, sim, of);
+}
+
+static void draw(asdic_view *view) {
+    word_count = 0;
+    assert_ok(t.ctx, asdic_view_draw(view));
+}
+
+/* TEXT stands behind LABEL; anywhere, where LABEL is NULL. */
+static void assert_said(const char *label, const char *text) {
+    for (size_t i = label ? 1 : 0; i < word_count; i++) {
+        if (strcmp(words[i].text, text) == 0 && (!label || strcmp(words[i - 1].text, label) == 0)) {
+            return;
+        }
+    }
+    fail_msg("'%s' is missing behind '%s'", text, label ? label : "");
+}
+
+static void the_status_says_what_is(void **state) {
+    (void)state;
+    asdic_view *v =
+        open_view("[{name: a}], bin_length_m: 0.25, bandwidth_khz: 12.5", "sampling: {rays: 256}");
+    step(v, 3);
+    v->chosen.wind_speed_kn = 15.0;
+    v->chosen.source_level_db = 205.0;
+    v->look.db_low = -20.0;
+    v->look.db_high = 30.0;
+    v->look.tvg_db_per_decade = 40.0;
+    draw(v);
+    static const char *const said[][2] = {
+        {"flown", "by the mission"},
+        {"depth", "7.0 m"},
+        {"altitude", "13.0 m"},
+        {"rudder", "\u2013"},
+        {"planes", "\u2013"},
+        {"bins", "0.25 m"},
+        {"sea", "15 kn wind"},
+        {"source", "205 dB"},
+        {"bandwidth", "12.5 kHz"},
+        {"rays", "256"},
+        {"window", "-20..30 dB"},
+        {"colours", "inferno"},
+        {"recording", "off"},
+        {NULL, "ping 2  \u00b7  t = 0.5 s"},
+        {NULL, "sonar  \u00b7  beam \u2018a\u2019  \u00b7  shown + 40 log r"},
+        {NULL, "A-scope  \u00b7  \u2018a\u2019"}};
+    for (size_t i = 0; i < sizeof said / sizeof *said; i++) {
+        assert_said(said[i][0], said[i][1]);
+    }
+    v->is_manual = v->is_paused = true;
+    v->helm.rudder = 0.25;
+    v->helm.planes = -0.5;
+    v->helm.holds_depth = false;
+    v->ping.altitude_m = INFINITY;
+    draw(v);
+    assert_said("flown", "by hand");
+    assert_said("altitude", "none");
+    assert_said("rudder", "+25 %");
+    assert_said("planes", "-50 %");
+    assert_said(NULL, "PAUSED  \u00b7  ping 2  \u00b7  t = 0.5 s");
+    v->helm.rudder = 0.0;
+    v->helm.holds_depth = true;
+    v->helm.hold_z_m = 8.5;
+    draw(v);
+    assert_said("rudder", "amidships");
+    assert_said("planes", "hold 8.5 m");
+    static const struct {
+        double yaw_deg;
+        const char *said;
+    } headings[] = {{0, "000\u00b0"},     {-10, "350\u00b0"},    {359.4, "359\u00b0"},
+                    {359.7, "000\u00b0"}, {-365.0, "355\u00b0"}, {95.2, "095\u00b0"}};
+    for (size_t i = 0; i < sizeof headings / sizeof *headings; i++) {
+        v->ping.pose.yaw_rad = headings[i].yaw_deg * DEGREE;
+        draw(v);
+        assert_said("heading", headings[i].said);
+    }
+    close_view(v);
+}
+
+/* Labels of ranges below a panel are even, begin with 0 and end with the unit, and nearly fill it. */
+static void check_ranges(const asdic_view *v, asdic_box box) {
+    double first_x = 0.0, each_px = 0.0;
+    size_t count = 0;
+    bool has_unit = false;
+    for (size_t i = 0; i < word_count; i++) {
+        char *end;
+        double value = strtod(words[i].text, &end);
+        if (end == words[i].text || words[i].y < box.y + box.h - 10.0 ||
+            words[i].y > box.y + box.h || words[i].x < box.x || words[i].x > box.x + box.w) {
+            continue;
+        }
+        assert_false(has_unit);
+        has_unit = strcmp(end, " m") == 0;
+        if (count == 0) {
+            assert_true(value == 0.0);
+            first_x = words[i].x;
+        } else {
+            double own = (words[i].x - first_x) / value;
+            each_px = count == 1 ? own : each_px;
+            assert_close(own * value, each_px * value, has_unit ? 8.0 : 3.0);
+        }
+        count++;
+    }
+    assert_true(has_unit && count >= 3);
+    double wide = each_px * asdic_view_range_m(v);
+    assert_true(wide > 0.7 * box.w && wide < box.w);
+}
+
+/* A waterfall has two pixels a ping, of which there are four a second. */
+static void axes_are_even(void **state) {
+    (void)state;
+    asdic_view *v = open_view(THREE, "sampling: {rays: 256}");
+    step(v, 1);
+    draw(v);
+    check_ranges(v, v->layout.sonar);
+    check_ranges(v, v->layout.ascope);
+    double now_y = NAN;
+    size_t count = 0;
+    for (size_t i = 0; i < word_count; i++) {
+        double ago_s;
+        now_y = strcmp(words[i].text, "now") == 0 ? words[i].y : now_y;
+        if (sscanf(words[i].text, "\u2212%lf s", &ago_s) == 1) {
+            assert_close(words[i].y - now_y, ago_s * 4.0 * 2.0, 2.5);
+            count++;
+        }
+    }
+    assert_true(count >= 1);
+    close_view(v);
+}
+
+/* Pixels of the A-scope that are red, from LOW to HIGH of its width. */
+static size_t reds(const asdic_view *v, double low, double high) {
+    asdic_view_image frame = asdic_view_get_frame(v);
+    asdic_box box = v->layout.ascope;
+    size_t count = 0;
+    for (double y = box.y; y < box.y + box.h; y += 1.0) {
+        for (double x = box.x + low * box.w; x < box.x + high * box.w; x += 1.0) {
+            uint32_t rgb = frame.rgb[(size_t)y * frame.stride + (size_t)x];
+            count += (rgb >> 16 & 255) > 80 && (rgb >> 16 & 255) > 2 * (rgb >> 8 & 255);
+        }
+    }
+    return count;
+}
+
+/* Echoes 6 dB above what is expected are marked. */
+static void what_stands_out_is_red(void **state) {
+    (void)state;
+    asdic_view *v = open_view("[{name: a}]", "sampling: {rays: 256}");
+    step(v, 1);
+    const float *expected_db = asdic_live_expected_db(&v->expected, ASDIC_TOTAL);
+    float *levels_db = malloc(v->ping.bins * sizeof *levels_db);
+    assert_true(expected_db && levels_db);
+    v->ping.level_db = levels_db;
+    for (int above_db = 5; above_db < 8; above_db += 2) {
+        for (size_t n = 0; n < v->ping.bins; n++) {
+            bool is_near = 2 * n < v->ping.bins;
+            levels_db[n] = expected_db[n] + (is_near ? (float)above_db : -20.0f);
+        }
+        draw(v);
+        assert_true((reds(v, 0.05, 0.45) > 100) == (above_db > 6));
+        assert_true(reds(v, 0.65, 1.0) == 0);
+    }
+    close_view(v);
+    free(levels_db);
+}
+
+/* Panels of any frame lie within it, apart from each other, and leave little of it empty. */
+static void panels_fill_the_frame(void **state) {
+    (void)state;
+    static const unsigned sizes[][2] = {{640, 360},   {800, 600},   {1280, 720},
+                                        {1920, 1080}, {1000, 3000}, {7680, 360}};
+    for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
+        view_layout l = asdic_view_lay_out(sizes[i][0], sizes[i][1]);
+        const asdic_box boxes[] = {l.title, l.sonar, l.ascope, l.chase, l.plan, l.status};
+        enum { COUNT = sizeof boxes / sizeof *boxes };
+        double width = sizes[i][0], height = sizes[i][1], area = 0.0;
+        assert_close(l.scale, fmin(width / 1280.0, height / 720.0), 1e-12);
+        for (size_t k = 0; k < COUNT; k++) {
+            const asdic_box *a = &boxes[k];
+            area += a->w * a->h;
+            assert_true(a->x > 0.0 && a->y >= 0.0 && a->w > 60.0 && a->h > 15.0);
+            assert_true(a->x + a->w < width && a->y + a->h < height);
+            for (size_t n = 0; n < k; n++) {
+                const asdic_box *b = &boxes[n];
+                assert_true(a->x > b->x + b->w || b->x > a->x + a->w || a->y >= b->y + b->h ||
+                            b->y >= a->y + a->h);
+            }
+        }
+        assert_true(area > 0.9 * width * height);
+        assert_close(l.sonar.x, width - l.chase.x - l.chase.w, 2.0); /* as wide at both sides */
+        assert_close(l.sonar.w, l.chase.w, 2.0);
+        assert_close(l.ascope.y + l.ascope.h, l.status.y + l.status.h, 2.0);
+    }
+}
+
+/* A cone's axis and edges lie as said: by heading and depression, with half-widths to the sides and up and down. */
+static void check_cone(const dev_cone_view *cone, double heading_rad, double down_rad,
+                       double half_h_rad, double half_v_rad) {
+    for (int k = 0; k < 5; k++) {
+        double side = k < 3 ? half_h_rad * (k - 1) : 0.0,
+               below = k < 3 ? 0.0 : half_v_rad * (2 * k - 7);
+        /* Turned to the side within the plane of the face, then down, then to the heading. */
+        double x = cos(side) * cos(below), y = sin(side), z = sin(below), seen[3];
+        double ahead = x * cos(down_rad) - z * sin(down_rad);
+        const double u[3] = {ahead * cos(heading_rad) - y * sin(heading_rad),
+                             ahead * sin(heading_rad) + y * cos(heading_rad),
+                             x * sin(down_rad) + z * cos(down_rad)};
+        for (int row = 0; row < 3; row++) {
+            const float *r = cone->rows + 3 * row;
+            seen[row] = (double)r[0] * u[0] + (double)r[1] * u[1] + (double)r[2] * u[2];
+        }
+        assert_close(seen[1] / seen[0], k < 3 ? k - 1.0 : 0.0, 1e-4);
+        assert_close(seen[2] / seen[0], k < 3 ? 0.0 : 2.0 * k - 7.0, 1e-4);
+        assert_close(seen[0], cos(side) * cos(below), 1e-4);
+    }
+}
+
+/* Nine beams and more are one wedge. The chosen beam is amber, which has more red than blue, and stronger. */
+static void beams_are_cones(void **state) {
+    (void)state;
+    asdic_view *v =
+        open_view("[{name: a, yaw_deg: -40}, {name: b, pitch_deg: 30, length_v_m: 0.05}, "
+                  "{name: c, yaw_deg: 25, length_h_m: 0.2}]",
+                  "sampling: {rays: 256}");
+    v->beam = 2;
+    step(v, 1);
+    const asdic_beam *beams = asdic_mission_sonar(v->mission)->receivers;
+    double heading = v->ping.pose.yaw_rad;
+    assert_int_equal(shot.cones, 3);
+    for (size_t b = 0; b < 3; b++) {
+        const dev_cone_view *cone = &shot.cone[b];
+        check_cone(cone, heading + beams[b].yaw_rad, beams[b].pitch_rad,
+                   asdic_view_half_width_rad(v, beams[b].length_h_m),
+                   asdic_view_half_width_rad(v, beams[b].length_v_m));
+        assert_int_equal(cone->rgb[0] > cone->rgb[2], b == 2);
+        assert_close((double)cone->strength, b == 2 ? 1.0 : 0.55, 1e-6);
+    }
+    close_view(v);
+    for (int count = 8; count < 11; count++) {
+        char receivers[1024] = "[";
+        add_beams(receivers, count);
+        v = open_view(receivers, "sampling: {rays: 256}");
+        v->beam = 1;
+        step(v, 1);
+        beams = asdic_mission_sonar(v->mission)->receivers;
+        assert_int_equal(shot.cones, count < 9 ? count : 2);
+        if (count >= 9) {
+            double half = asdic_view_half_width_rad(v, beams[0].length_h_m);
+            check_cone(&shot.cone[0], v->ping.pose.yaw_rad + beams[1].yaw_rad, 0.0, half,
+                       asdic_view_half_width_rad(v, beams[1].length_v_m));
+            check_cone(&shot.cone[1], v->ping.pose.yaw_rad, 0.0, beams[count - 1].yaw_rad + half,
+                       asdic_view_half_width_rad(v, beams[0].length_v_m));
+            assert_true(shot.cone[0].rgb[0] > shot.cone[0].rgb[2]);
+            assert_true(shot.cone[1].rgb[0] < shot.cone[1].rgb[2]);
+        }
+        close_view(v);
+    }
+}
+
+/* From behind and above, in the water, clear of the bottom. */
+static void the_camera_stays_in_the_water(void **state) {
+    (void)state;
+    static const double depths_m[] = {0.1, 1.0, 7.0, 15.0, 19.9};
+    asdic_view *v = open_view("[{name: a}]", "sampling: {rays: 256}");
+    step(v, 1);
+    for (size_t i = 0; i < sizeof depths_m / sizeof *depths_m; i++) {
+        asdic_vec3 *at = &v->ping.pose.position_m;
+        at->z = depths_m[i];
+        draw(v);
+        double behind_m = at->y - shot.eye_m.y; /* it swims east */
+        assert_true(behind_m > 3.0 && fabs(shot.eye_m.x - at->x) < 0.02 * behind_m);
+        assert_true(shot.eye_m.z >= 0.4 && shot.eye_m.z < 20.0 - 0.1 * behind_m);
+        assert_true(shot.eye_m.z < at->z || at->z < 0.4);
+        assert_true(shot.eye_m.z > 0.41 || at->z < 0.4 * behind_m);
+        /* Down to a place ahead of the vehicle, which is seen below the middle, if at all. */
+        double down = atan2(at->z - shot.eye_m.z, behind_m);
+        assert_true(-shot.pitch_rad < down + 0.1 && shot.pitch_rad < 0.0);
+    }
+    close_view(v);
+}
+
+/* Where the label of LEVEL stands beside the A-scope. */
+static double label_y(const asdic_view *v, const char *level) {
+    asdic_box box = v->layout.ascope;
+    for (size_t i = 0; i < word_count; i++) {
+        if (strcmp(words[i].text, level) == 0 && words[i].y > box.y && words[i].x > box.x &&
+            words[i].x < box.x + 20.0) {
+            return words[i].y;
+        }
+    }
+    fail_msg("no level %s", level);
+    return NAN;
+}
+
+/* The curve's mean height at SHARE of the A-scope's width; NAN: there is none. */
+static double curve_y(const asdic_view *v, double share) {
+    asdic_view_image frame = asdic_view_get_frame(v);
+    asdic_box box = v->layout.ascope;
+    double sum = 0.0, count = 0.0;
+    for (double y = box.y + 16.0; y < box.y + box.h - 12.0; y += 1.0) {
+        uint32_t rgb = frame.rgb[(size_t)y * frame.stride + (size_t)(box.x + share * box.w)];
+        double light = (rgb >> 16 & 255) > 60 ? (double)(rgb & 255) : 0.0;
+        sum += light * (y + 0.5);
+        count += light;
+    }
+    return sum / count;
+}
+
+static void the_scope_shows_the_chosen_beam(void **state) {
+    (void)state;
+    asdic_view *v = open_view(THREE, "sampling: {rays: 256}");
+    step(v, 1);
+    size_t bins = v->ping.bins;
+    float *levels_db = malloc(3 * bins * sizeof *levels_db);
+    assert_non_null(levels_db);
+    for (size_t i = 0; i < 3 * bins; i++) { /* between thirds there is nothing */
+        size_t third = 3 * (i % bins) / bins;
+        levels_db[i] = i / bins != 1 ? 45.0f : third == 0 ? 60.0f : third == 1 ? NAN : 70.0f;
+    }
+    asdic_live_expected_finish(&v->expected);
+    assert_ok(t.ctx, asdic_live_expected_init(t.ctx, bins, true, &v->expected));
+    v->ping.level_db = levels_db;
+    v->look.db_low = 40.0;
+    v->look.db_high = 80.0;
+    draw(v); /* without the curves of what is expected, which a thread finds */
+    assert_close(curve_y(v, 0.25), label_y(v, "60"), 1.5);
+    assert_true(isnan(curve_y(v, 0.55)));
+    assert_close(curve_y(v, 0.85), label_y(v, "70"), 1.5);
+    close_view(v);
+    free(levels_db);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_newest_ping_is_on_top),
+        cmocka_unit_test(beams_are_cones),
+        cmocka_unit_test(the_camera_stays_in_the_water),
+        cmocka_unit_test(the_scope_shows_the_chosen_beam),
+        cmocka_unit_test(the_status_says_what_is),
+        cmocka_unit_test(axes_are_even),
+        cmocka_unit_test(what_stands_out_is_red),
+        cmocka_unit_test(panels_fill_the_frame),
+    };
+    t = test_device_open_or_skip();
+    int failed = cmocka_run_group_tests(tests, NULL, NULL);
+    test_device_close(&t);
+    return failed;
+}
