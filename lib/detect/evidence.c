@@ -67,8 +67,10 @@ static asdic_vec3 direction(double azimuth_rad, double elevation_rad) {
     return (asdic_vec3){level * cos(azimuth_rad), level * sin(azimuth_rad), sin(elevation_rad)};
 }
 
+/* Of azimuths, each less than a turn from 0. */
 static double apart(double a_rad, double b_rad) {
-    return fabs(remainder(a_rad - b_rad, 2.0 * ASDIC_PI));
+    double off = fabs(a_rad - b_rad);
+    return off > ASDIC_PI ? fabs(2.0 * ASDIC_PI - off) : off;
 }
 
 /* --- beams ------------------------------------------------------------------------------------ */

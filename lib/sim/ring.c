@@ -1,6 +1,7 @@
 #include "ring.h"
 
 #include "base/quadrature.h"
+#include "base/widest.h"
 
 #include "../../kernels/beam.h"
 
@@ -76,17 +77,19 @@ double asdic_ring_cycles(const asdic_ring *ring) {
 }
 
 /* One-way pattern without the question of front and rear. */
-static double pattern(const asdic_face *face, asdic_vec3 direction) {
-    asdic_vec3 v = asdic_mat3_apply(face->world_to_face, direction);
-    return sinc2(face->length_h_wl * v.y) * sinc2(face->length_v_wl * v.z);
+static inline double pattern(const asdic_face *face, double x, double y, double z) {
+    const double *h = face->world_to_face.m[1], *v = face->world_to_face.m[2];
+    return sinc2(face->length_h_wl * (h[0] * x + h[1] * y + h[2] * z)) *
+           sinc2(face->length_v_wl * (v[0] * x + v[1] * y + v[2] * z));
 }
 
 /* Panels of 16 Gauss points hold three cycles to 1e-14. Their nodes turn with the panel's centre. */
-static double arc_sum(const asdic_ring *ring, const arc *part, double sin_e, double cos_e) {
+WIDEST static double arc_sum(const asdic_ring *ring, const arc *part, double sin_e, double cos_e) {
+    const asdic_face *t = &ring->transmitter, *r = &ring->receiver;
     double length = part->end_rad - part->begin_rad;
     int panels = 1 + (int)(length * cos_e * asdic_ring_cycles(ring) / 3.0);
     double half = 0.5 * length / panels, sum = 0.0;
-    double cos_node[ASDIC_GAUSS16_HALF], sin_node[ASDIC_GAUSS16_HALF];
+    double cos_node[ASDIC_GAUSS16_HALF], sin_node[ASDIC_GAUSS16_HALF], two_way[ASDIC_GAUSS16_HALF];
     for (int k = 0; k < ASDIC_GAUSS16_HALF; k++) {
         cos_node[k] = cos_e * cos(half * asdic_gauss16_node[k]);
         sin_node[k] = cos_e * sin(half * asdic_gauss16_node[k]);
@@ -97,10 +100,11 @@ static double arc_sum(const asdic_ring *ring, const arc *part, double sin_e, dou
         for (int k = 0; k < ASDIC_GAUSS16_HALF; k++) {
             double cc = c * cos_node[k], ss = s * sin_node[k];
             double sc = s * cos_node[k], cs = c * sin_node[k];
-            asdic_vec3 u = {cc - ss, sc + cs, sin_e}, v = {cc + ss, sc - cs, sin_e};
-            sum += asdic_gauss16_weight[k] *
-                   (pattern(&ring->transmitter, u) * pattern(&ring->receiver, u) +
-                    pattern(&ring->transmitter, v) * pattern(&ring->receiver, v));
+            two_way[k] = pattern(t, cc - ss, sc + cs, sin_e) * pattern(r, cc - ss, sc + cs, sin_e) +
+                         pattern(t, cc + ss, sc - cs, sin_e) * pattern(r, cc + ss, sc - cs, sin_e);
+        }
+        for (int k = 0; k < ASDIC_GAUSS16_HALF; k++) {
+            sum += asdic_gauss16_weight[k] * two_way[k];
         }
     }
     return sum * half;
