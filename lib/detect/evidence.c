@@ -249,7 +249,7 @@ static double ratio_of(const reader *r, size_t beam, size_t bin, double echo_lin
     if (r->law.shape > ASDIC_SHAPE_MAX) {
         double rest = mean + r->extra_lin[beam], snr = echo_lin / rest;
         double x = r->look->intensity_lin[cell] / rest;
-        return (double)r->law.looks * (x * snr / (1.0 + snr) - log1p(snr));
+        return (double)r->law.looks * (x * snr / (1.0 + snr) - log(1.0 + snr));
     }
     const double *t = r->table + beam * STRENGTHS;
     double at = fmin((10.0 * log10(echo_lin / mean) - FIRST_DB) / STEP_DB, STRENGTHS - 1.000001);

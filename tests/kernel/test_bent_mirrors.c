@@ -11,8 +11,8 @@
 
 /* ---- The reference ---- */
 
-#define FAN 12001
-#define STEP 1e-4
+#define FAN 6001
+#define STEP 2e-4
 
 /* Where a ray is on its first two boundaries. */
 typedef struct landing {

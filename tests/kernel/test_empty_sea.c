@@ -75,7 +75,8 @@ static void sea_end(sea *s) {
 
 /* ---- the map -------------------------------------------------------------------------------- */
 
-enum { MAP_PINGS = 4, MAPS = 50 };
+/* Many beams share what they hear, so that fewer maps say as much. */
+enum { MAP_PINGS = 4, MAPS = 50, MAPS_OF_MANY = 20, MANY_BEAMS = 128 };
 
 /* Share of cells above even odds after each of MAP_PINGS, of single beams with Rayleigh speckle and
  * one look: likelihood ratio e^(snr x / (1 + snr)) / (1 + snr) of an intensity x, by chance. */
@@ -99,7 +100,8 @@ static void measure_map(size_t beams, size_t elevations, const asdic_detector *d
     sea s;
     sea_begin(&s, beams, elevations, d);
     double cells = 0.0;
-    for (uint64_t m = 0; m < MAPS; m++) {
+    uint64_t maps = beams > MANY_BEAMS ? MAPS_OF_MANY : MAPS;
+    for (uint64_t m = 0; m < maps; m++) {
         asdic_occupancy *map = NULL;
         asdic_vec3 low = {0.0, -6.0, 0.0}, high = {19.0, 6.0, 0.0};
         assert_ok(device.ctx,
