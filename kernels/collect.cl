@@ -40,34 +40,20 @@ static uint count_cut(const world *w, real quanta) {
     return cut;
 }
 
-/* What truth takes of each of a vector's arrivals: its first ECHOES deposits, all of one component, whose first
- * row is BEFORE. */
-typedef struct truth_parts {
-    natural echoes, before, row;
-    real weight, dither;
-} truth_parts;
-
 /* Of the arrivals of SET, those of the lanes ON. Nothing without TO, or where nobody asks. */
-static truth_parts truth_of(const world *w, __global const dev_arrival *set, mask on,
-                            const truth_sink *to) {
-    truth_parts t = {(natural)(0u), (natural)(0u), (natural)(0u), R(0.0), R(0.0)};
+static truth_parts truth_of_set(const world *w, __global const dev_arrival *set, mask on,
+                                const truth_sink *to) {
+    truth_parts none = {(natural)(0u), (natural)(0u), (natural)(0u), R(0.0), R(0.0)};
     natural words, first;
     if (!ASDIC_TRUTH || !to || w->ping->sums.truth_rows == 0u) {
-        return t;
+        return none;
     }
     LANES {
         bool here = AT(on, int) != 0;
         AT(words, uint) = here ? set[lane].more : 0u;
         AT(first, uint) = here ? set[lane].row[0] : 0u;
     }
-    natural component = truth_components(w->ping, first);
-    t.echoes = choose_natural(component == (natural)(DEV_DEPOSIT_MULTIPATH),
-                              (natural)(MAX_ARRIVALS), (natural)(MAX_ARRIVALS / 2u));
-    t.before = component * (natural)(w->ping->sums.component_rows);
-    t.row = words >> 1u & (natural)((1u << TRUTH_ROW_BITS) - 1u);
-    t.weight = truth_weights(w->ping, component, words);
-    t.dither = truth_dithers(words);
-    return t;
+    return truth_of(w->ping, words, first);
 }
 
 /* That of one arrival, and where it goes. */
@@ -180,15 +166,14 @@ static uint add_arrival_to_four(const world *w, __global const dev_arrival *arri
 static uint add_arrivals(const world *w, __global const dev_arrival *set, __global long *cells,
                          const truth_sink *truth, mask on, const weights *g, uint first) {
     uint cut = 0u;
+    truth_parts parts = truth_of_set(w, set, on, truth);
     if (w->ping->beams <= FEW_BEAMS) {
         arrivals a;
-        natural words;
         const bool asked = ASDIC_TRUTH && truth && w->ping->sums.truth_rows != 0u;
         a.count = MAX_ARRIVALS;
         LANES {
             __global const dev_arrival *p = set + lane;
             bool here = AT(on, int) != 0;
-            AT(words, uint) = p->more;
             for (uint c = 0; c < MAX_ARRIVALS; c++) {
                 AT(a.row[c], uint) = here ? p->row[c] : 0u;
                 AT(a.quanta[c], float) = here ? p->quanta[c] : 0.0f;
@@ -200,12 +185,11 @@ static uint add_arrivals(const world *w, __global const dev_arrival *set, __glob
             if (asked) {
                 own = (truth_sink){truth->rows, truth->cells + b};
             }
-            cut += add_column(w, &a, words, cells, asked ? &own : 0, (natural)(0u), column,
+            cut += add_column(w, &a, cells, asked ? &own : 0, &parts, (natural)(0u), column,
                               g->of_beam[b]);
         }
         return cut;
     }
-    truth_parts parts = truth_of(w, set, on, truth);
     LANES {
         if (AT(on, int) == 0) {
             continue;

@@ -74,21 +74,40 @@ typedef struct truth_sink {
     __global long *cells;
 } truth_sink;
 
+/* What truth takes of the arrivals of a vector of rays: the first ECHOES deposits of each, all of one component, whose
+ * first row is BEFORE. */
+typedef struct truth_parts {
+    natural echoes, before, row;
+    real weight, dither;
+} truth_parts;
+
+/* Of arrivals with WORDS, whose first deposits go to ROWS; what comes from the water has no place. */
+static truth_parts truth_of(__global const dev_ping *ping, natural words, natural rows) {
+    natural component = truth_components(ping, rows), echo = (natural)(MAX_ARRIVALS / 2u);
+    truth_parts t;
+    t.echoes = choose_natural(component == (natural)(DEV_DEPOSIT_MULTIPATH),
+                              (natural)(MAX_ARRIVALS), echo);
+    t.echoes = choose_natural(component == (natural)(DEV_DEPOSIT_VOLUME), (natural)(0u), t.echoes);
+    t.before = component * (natural)(ping->sums.component_rows);
+    t.row = words >> 1u & (natural)((1u << TRUTH_ROW_BITS) - 1u);
+    t.weight = truth_weights(ping, component, words);
+    t.dither = truth_dithers(words);
+    return t;
+}
+
 /* The quanta of a deposit times its weight, for the row of depressions. */
 #define TRUTH_MOMENT(quanta, weight, dither, limit) (r_min((quanta) * (weight), limit) + (dither))
 
-/* Adds deposits in ROWS, QUANTA and those as WHOLE ones, unless they are the water's; they arrive with WORDS. */
-static void add_truth_column(const world *w, const truth_sink *to, natural words, natural rows,
-                             real quanta, real whole) {
-    natural component = truth_components(w->ping, rows);
-    natural bins = rows - component * (natural)(w->ping->sums.component_rows);
-    real moment = TRUTH_MOMENT(quanta, truth_weights(w->ping, component, words),
-                               truth_dithers(words), (real)(w->ping->sums.limit));
+/* Adds deposit C of each ray, QUANTA and those as WHOLE ones, which go to ROWS. */
+static void add_truth_column(const world *w, const truth_sink *to, const truth_parts *t, uint c,
+                             natural rows, real quanta, real whole) {
+    natural bins = rows - t->before;
+    real moment = TRUTH_MOMENT(quanta, t->weight, t->dither, (real)(w->ping->sums.limit));
     LANES {
-        uint bin = AT(bins, uint), row = truth_row(AT(words, uint));
-        if (AT(component, uint) == DEV_DEPOSIT_VOLUME || !(AT(quanta, float) > 0.0f)) {
+        if (c >= AT(t->echoes, const uint) || !(AT(quanta, float) > 0.0f)) {
             continue;
         }
+        uint bin = AT(bins, uint), row = AT(t->row, const uint);
         size_t cell = truth_depression_cell(w->ping, bin);
         deposit_add(to->cells + cell, convert_long(AT(moment, float)));
         cell = row != 0u ? truth_cell(w->ping, to->rows, row, bin) : TRUTH_NO_CELL;
@@ -98,10 +117,11 @@ static void add_truth_column(const world *w, const truth_sink *to, natural words
     }
 }
 
-/* Adds GAIN times every deposit, which arrive with WORDS, to column COLUMN of its row, counted from cell FIRST, and
- * to TRUTH, unless that is NULL; returns how many were cut to the limit. */
-static uint add_column(const world *w, const arrivals *a, natural words, __global long *cells,
-                       const truth_sink *truth, natural first, natural column, real gain) {
+/* Adds GAIN times every deposit to column COLUMN of its row, counted from cell FIRST, and what T takes to TRUTH,
+ * unless that is NULL; returns how many were cut to the limit. */
+static uint add_column(const world *w, const arrivals *a, __global long *cells,
+                       const truth_sink *truth, const truth_parts *t, natural first, natural column,
+                       real gain) {
     const real limit = (real)(w->ping->sums.limit);
     uint cut = 0u;
 #pragma unroll
@@ -119,7 +139,7 @@ static uint add_column(const world *w, const arrivals *a, natural words, __globa
             cut += (uint)(fabs(AT(quanta, float)) > w->ping->sums.limit);
         }
         if (ASDIC_TRUTH && truth) {
-            add_truth_column(w, truth, words, a->row[c], quanta, whole);
+            add_truth_column(w, truth, t, c, a->row[c], quanta, whole);
         }
     }
     return cut;
@@ -186,16 +206,17 @@ static uint receive(const world *w, const sink *to, uint set, const arrivals *a,
 static uint receive(const world *w, const sink *to, uint set, const arrivals *a, natural rays,
                     triple u) {
     uint cut = 0u;
-    natural first = cells_of(w, rays), words = (natural)(0u);
+    natural first = cells_of(w, rays);
     const bool asked = ASDIC_TRUTH && w->ping->sums.truth_rows != 0u;
+    truth_parts parts;
 #if ASDIC_TRUTH
-    words = truth_words(a->truth_row, u.z);
+    parts = truth_of(w->ping, truth_words(a->truth_row, u.z), a->row[0]);
 #endif
     for (uint b = 0; b < w->ping->beams; b++) {
         real gain = gain_towards(w->ping, w->beams + 1u + b, u.x, u.y, u.z);
         truth_sink own = {to->truth_rows, to->truth + b};
         cut +=
-            add_column(w, a, words, to->accumulator, asked ? &own : 0, first, (natural)(b), gain);
+            add_column(w, a, to->accumulator, asked ? &own : 0, &parts, first, (natural)(b), gain);
     }
     return cut;
 }
