@@ -185,8 +185,7 @@ static uint add_arrivals(const world *w, __global const dev_arrival *set, __glob
             if (asked) {
                 own = (truth_sink){truth->rows, truth->cells + b};
             }
-            cut += add_column(w, &a, cells, asked ? &own : 0, &parts, (natural)(0u), column,
-                              g->of_beam[b]);
+            cut += add_column(w, &a, cells, own, &parts, (natural)(0u), column, g->of_beam[b]);
         }
         return cut;
     }

@@ -68,7 +68,7 @@ static real deposited_quanta(real quanta, real limit) {
 #endif
 }
 
-/* Where truth goes: ROWS, and CELLS, at which those of the receivers in question begin. */
+/* Where truth goes: ROWS, and CELLS, at which those of the receivers in question begin; NULL: nowhere. */
 typedef struct truth_sink {
     __global const dev_truth_row *rows;
     __global long *cells;
@@ -99,29 +99,28 @@ static truth_parts truth_of(__global const dev_ping *ping, natural words, natura
 #define TRUTH_MOMENT(quanta, weight, dither, limit) (r_min((quanta) * (weight), limit) + (dither))
 
 /* Adds deposit C of each ray, QUANTA and those as WHOLE ones, which go to ROWS. */
-static void add_truth_column(const world *w, const truth_sink *to, const truth_parts *t, uint c,
+static void add_truth_column(const world *w, truth_sink to, const truth_parts *t, uint c,
                              natural rows, real quanta, real whole) {
-    natural bins = rows - t->before;
+    natural bins = rows - t->before, besides = t->row, echoes = t->echoes;
     real moment = TRUTH_MOMENT(quanta, t->weight, t->dither, (real)(w->ping->sums.limit));
     LANES {
-        if (c >= AT(t->echoes, const uint) || !(AT(quanta, float) > 0.0f)) {
+        if (c >= AT(echoes, uint) || !(AT(quanta, float) > 0.0f)) {
             continue;
         }
-        uint bin = AT(bins, uint), row = AT(t->row, const uint);
+        uint bin = AT(bins, uint), row = AT(besides, uint);
         size_t cell = truth_depression_cell(w->ping, bin);
-        deposit_add(to->cells + cell, convert_long(AT(moment, float)));
-        cell = row != 0u ? truth_cell(w->ping, to->rows, row, bin) : TRUTH_NO_CELL;
+        deposit_add(to.cells + cell, convert_long(AT(moment, float)));
+        cell = row != 0u ? truth_cell(w->ping, to.rows, row, bin) : TRUTH_NO_CELL;
         if (cell != TRUTH_NO_CELL) {
-            deposit_add(to->cells + cell, convert_long(AT(whole, float)));
+            deposit_add(to.cells + cell, convert_long(AT(whole, float)));
         }
     }
 }
 
-/* Adds GAIN times every deposit to column COLUMN of its row, counted from cell FIRST, and what T takes to TRUTH,
- * unless that is NULL; returns how many were cut to the limit. */
-static uint add_column(const world *w, const arrivals *a, __global long *cells,
-                       const truth_sink *truth, const truth_parts *t, natural first, natural column,
-                       real gain) {
+/* Adds GAIN times every deposit to column COLUMN of its row, counted from cell FIRST, and what T takes to
+ * TRUTH; returns how many were cut to the limit. */
+static uint add_column(const world *w, const arrivals *a, __global long *cells, truth_sink truth,
+                       const truth_parts *t, natural first, natural column, real gain) {
     const real limit = (real)(w->ping->sums.limit);
     uint cut = 0u;
 #pragma unroll
@@ -138,7 +137,7 @@ static uint add_column(const world *w, const arrivals *a, __global long *cells,
             }
             cut += (uint)(fabs(AT(quanta, float)) > w->ping->sums.limit);
         }
-        if (ASDIC_TRUTH && truth) {
+        if (ASDIC_TRUTH && truth.cells) {
             add_truth_column(w, truth, t, c, a->row[c], quanta, whole);
         }
     }
@@ -214,9 +213,8 @@ static uint receive(const world *w, const sink *to, uint set, const arrivals *a,
 #endif
     for (uint b = 0; b < w->ping->beams; b++) {
         real gain = gain_towards(w->ping, w->beams + 1u + b, u.x, u.y, u.z);
-        truth_sink own = {to->truth_rows, to->truth + b};
-        cut +=
-            add_column(w, a, to->accumulator, asked ? &own : 0, &parts, first, (natural)(b), gain);
+        truth_sink own = {to->truth_rows, asked ? to->truth + b : 0};
+        cut += add_column(w, a, to->accumulator, own, &parts, first, (natural)(b), gain);
     }
     return cut;
 }
