@@ -13,7 +13,7 @@
 #define STEEPEST_RAD 0.5
 #define RAYS 4001
 
-/* A share of the range that no ray reaches is no shadow: bins end there. */
+/* A share of what straight rays reach that no ray reaches is no shadow: bins end there. */
 #define SHADOW_SHARE 0.95
 
 /* Of fewer degrees of elevation nothing is said: half a degree. */
@@ -103,6 +103,13 @@ static double tenths(double rad) {
     return rint(rad * (1800.0 / ASDIC_PI)) / 10.0 + 0.0;
 }
 
+/* How far rays reach a plane AWAY_M above or below where they are straight; 0 where the fan is too flat. */
+static double straight_reach_m(double away_m, double range_m) {
+    return away_m < SHADOW_SHARE * sin(STEEPEST_RAD) * range_m
+               ? sqrt((range_m - away_m) * (range_m + away_m))
+               : 0.0;
+}
+
 void asdic_mission_remark_water(const asdic_mission *mission, asdic_remarks *out) {
     const asdic_environment *env = asdic_mission_environment(mission);
     if (!asdic_environment_bends(env)) {
@@ -115,14 +122,17 @@ void asdic_mission_remark_water(const asdic_mission *mission, asdic_remarks *out
         const char *name;
         water_end end;
         bool is_there;
-    } planes[] = {{"bottom", ON_BOTTOM, flat.has_bottom},
-                  {"surface", ON_SURFACE, flat.has_surface}};
+        double away_m;
+    } planes[] = {{"bottom", ON_BOTTOM, flat.has_bottom, flat.altitude_m},
+                  {"surface", ON_SURFACE, flat.has_surface, flat.depth_m}};
     asdic_layers layers;
     asdic_layers_between(env, &flat, &layers);
     fan_reach f = cast_fan(&layers, flat.depth_m, speed_mps, range_m / speed_mps);
     for (size_t i = 0; i < 2; i++) {
         double reach_m = f.reach_m[planes[i].end];
-        char *text = planes[i].is_there && reach_m < SHADOW_SHARE * range_m ? next_text(out) : NULL;
+        double straight_m = straight_reach_m(planes[i].away_m, range_m);
+        bool is_short = reach_m < SHADOW_SHARE * straight_m;
+        char *text = planes[i].is_there && is_short ? next_text(out) : NULL;
         if (text) {
             snprintf(
                 text, ASDIC_REMARK_SIZE,

@@ -155,13 +155,14 @@ static void laws_read_their_files(void **state) {
     }
 }
 
-/* The remarks on water where the sound speed has PROFILE over a bottom 12 m deep, a line each, as heard
- * from DEPTH_M as far as 187 m. */
-static char *water_remarks(const workshop *w, const char *profile, double depth_m) {
+/* The remarks on water where the sound speed has PROFILE over a bottom BOTTOM_M deep, a line each, as
+ * heard from DEPTH_M as far as 187 m. */
+static char *water_remarks(const workshop *w, double bottom_m, const char *profile,
+                           double depth_m) {
     static char said[4 * ASDIC_REMARK_SIZE];
     char bottom[300], mission[100];
-    snprintf(bottom, sizeof bottom, "{depth_m: 12}\nenvironment: {sound_speed_profile: %s}",
-             profile);
+    snprintf(bottom, sizeof bottom, "{depth_m: %g}\nenvironment: {sound_speed_profile: %s}",
+             bottom_m, profile);
     snprintf(mission, sizeof mission, "{pose: {position_m: [0, 0, %g]}}", depth_m);
     asdic_mission *m = load(w, bottom, mission);
     asdic_remarks remarks = asdic_mission_remarks(m);
@@ -191,7 +192,7 @@ static void rays_that_turn_are_remarked(void **state) {
     char expected[200], plane[20], *said;
     for (size_t i = 0; i < 2; i++) {
         double reach_m, c0 = cases[i].c0, c1 = cases[i].c1;
-        said = water_remarks(w, cases[i].profile, 7.0);
+        said = water_remarks(w, 12, cases[i].profile, 7.0);
         assert_int_equal(
             sscanf(said, "no ray of the first ping reaches the %19s beyond %lf m: a shadow begins",
                    plane, &reach_m),
@@ -205,14 +206,21 @@ static void rays_that_turn_are_remarked(void **state) {
     /* A channel about 10 m, where rays up to acos(1490 / 1500) stay. */
     static const char channel[] = "[[0, 1540], [10, 1490], [12, 1500]]";
     snprintf(expected, sizeof expected, rays, -6.6, 6.6, trapped);
-    assert_non_null(strstr(water_remarks(w, channel, 10.0), expected));
-    /* Of less than 0.009 rad of elevations nothing is said: here 0.0082, then 0.0104. */
-    assert_null(strstr(water_remarks(w, "[[0, 1486], [12, 1510]]", 11.975), "rays of"));
+    assert_non_null(strstr(water_remarks(w, 12, channel, 10.0), expected));
+    /* Of less than 0.009 rad of elevations nothing is said: here 0.0088, then 0.0093. */
+    assert_null(strstr(water_remarks(w, 12, "[[0, 1486], [12, 1510]]", 11.971), "rays of"));
     assert_non_null(
-        strstr(water_remarks(w, "[[0, 1486], [12, 1510]]", 11.96), "between 0 and 0.6 "));
+        strstr(water_remarks(w, 12, "[[0, 1486], [12, 1510]]", 11.967), "between 0 and 0.5 "));
     /* Straight rays, or hardly bent: nothing. */
-    assert_string_equal(water_remarks(w, "[[0, 1500], [12, 1500]]", 7.0), "");
-    assert_string_equal(water_remarks(w, "[[0, 1500], [12, 1500.001]]", 7.0), "");
+    assert_string_equal(water_remarks(w, 12, "[[0, 1500], [12, 1500]]", 7.0), "");
+    assert_string_equal(water_remarks(w, 12, "[[0, 1500], [12, 1500.001]]", 7.0), "");
+    /* Nor of planes that straight rays too reach less far, and none beyond 187 m. */
+    static const double away_m[] = {60, 84, 90, 95, 200};
+    for (size_t i = 0; i < sizeof away_m / sizeof *away_m; i++) {
+        static const char even[] = "[[0, 1500], [300, 1500.9]]";
+        assert_string_equal(water_remarks(w, 7 + away_m[i], even, 7.0), "");
+        assert_string_equal(water_remarks(w, away_m[i] + 7, even, away_m[i]), "");
+    }
 }
 
 /* What the sources of the laws state: of the handbook 3 dB where a sediment's relief and volume are given,
