@@ -123,6 +123,79 @@ static void relief_is_lit_from_the_north_west(void **state) {
     asdic_raster_finish(&raster);
 }
 
+/* Depths from west to east, and from north to south, which is the same to the light; WANT is the colour of
+ * each, 0xc8640a for a flat bottom and 0x640ac8 for an object. */
+static void check_light(const float *line_m, size_t count, bool is_object, const uint32_t *want) {
+    enum { WIDE = 3, MOST = 9 };
+    asdic_relief_look look = {
+        .low_m = 10, .high_m = 40, .object_rgb = 0x640ac8, .empty_rgb = 0x123456};
+    for (size_t i = 0; i < 256; i++) {
+        look.bottom_rgb[i] = 0xc8640a;
+    }
+    for (int south = 0; south < 2; south++) {
+        float depth_m[WIDE * MOST];
+        bool objects[WIDE * MOST];
+        asdic_raster raster;
+        asdic_relief relief = {.columns = south ? WIDE : count,
+                               .rows = south ? count : WIDE,
+                               .cell_m = 1,
+                               .depth_m = depth_m,
+                               .is_object = objects};
+        for (size_t i = 0; i < WIDE * count; i++) {
+            depth_m[i] = line_m[south ? i / WIDE : i % count];
+            objects[i] = is_object;
+        }
+        assert_int_equal(asdic_raster_relief(ctx, &relief, &look, &raster), ASDIC_OK);
+        for (size_t i = 0; i < WIDE * count; i++) {
+            const uint8_t *p = raster.rgb + 3 * i;
+            uint32_t rgb = (uint32_t)p[0] << 16 | (uint32_t)p[1] << 8 | p[2];
+            assert_int_equal(rgb, want[south ? i / WIDE : i % count]);
+        }
+        asdic_raster_finish(&raster);
+    }
+}
+
+/* The light's share on a slope s down towards it is (1 + s / sqrt(2)) / sqrt(1 + s^2), from 0.6 to 1.25. Of a
+ * bottom slopes are exaggerated to a root mean square of a half, at most 20 times. */
+static void light_falls_on_slopes(void **state) {
+    (void)state;
+    const uint32_t flat = 0xc8640a, none = 0x123456, dark = 0x783c06;
+    /* Slopes of 0, 0.5, 0.5, 0, 0: 0.79 as shown, a share of 1.223. */
+    check_light((const float[]){21, 21, 20, 20, 20}, 5, false,
+                (const uint32_t[]){flat, 0xf57a0c, 0xf57a0c, flat, flat});
+    check_light((const float[]){20, 20, 21, 21, 21}, 5, false,
+                (const uint32_t[]){flat, dark, dark, flat, flat});
+    /* 0.01 becomes 0.2, to the very edges: 1.119 and 0.842. */
+    const uint32_t bright = 0xe0700b, dim = 0xa85408;
+    check_light((const float[]){20.02f, 20.01f, 20}, 3, false,
+                (const uint32_t[]){bright, bright, bright});
+    check_light((const float[]){20, 20.01f, 20.02f}, 3, false, (const uint32_t[]){dim, dim, dim});
+    /* Beside a hole a cell's own depth stands for what is not known. */
+    check_light((const float[]){21, NAN, 20, 20}, 4, false,
+                (const uint32_t[]){flat, none, flat, flat});
+    /* Of an object they are as they are: 0.5, a share of 1.211. */
+    check_light((const float[]){21, 21, 20, 20}, 4, true,
+                (const uint32_t[]){0x640ac8, 0x790cf2, 0x790cf2, 0x640ac8});
+}
+
+/* From the greatest depth that is shown, 0, to the least, 255; cells that stand alone are flat. */
+static void relief_is_coloured_by_depth(void **state) {
+    (void)state;
+    float depth_m[] = {10, NAN, 25, NAN, 38.9f, NAN, 40, NAN, 41, NAN, 9};
+    const uint32_t want[] = {255, 0x777, 128, 0x777, 9, 0x777, 0, 0x777, 0, 0x777, 255};
+    asdic_relief relief = {.columns = 11, .rows = 1, .cell_m = 1, .depth_m = depth_m};
+    asdic_relief_look look = {.low_m = 10, .high_m = 40, .empty_rgb = 0x777};
+    asdic_raster raster;
+    for (uint32_t i = 0; i < 256; i++) {
+        look.bottom_rgb[i] = i;
+    }
+    assert_int_equal(asdic_raster_relief(ctx, &relief, &look, &raster), ASDIC_OK);
+    for (size_t i = 0; i < 11; i++) {
+        assert_int_equal(raster.rgb[3 * i + 1] << 8 | raster.rgb[3 * i + 2], want[i]);
+    }
+    asdic_raster_finish(&raster);
+}
+
 static double area_of(const double *north_m, const double *east_m, size_t count) {
     double twice = 0.0;
     for (size_t i = 0; i < count; i++) {
@@ -557,6 +630,8 @@ int main(void) {
         cmocka_unit_test(relief_is_the_bottoms_depth),
         cmocka_unit_test(relief_tells_objects_apart),
         cmocka_unit_test(relief_is_lit_from_the_north_west),
+        cmocka_unit_test(light_falls_on_slopes),
+        cmocka_unit_test(relief_is_coloured_by_depth),
         cmocka_unit_test(outlines_are_the_objects),
         cmocka_unit_test(footprint_on_a_plane),
         cmocka_unit_test(footprint_in_water_that_bends),

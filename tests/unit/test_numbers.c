@@ -551,6 +551,31 @@ static void a_scan_fills_its_directions(void **state) {
     }
 }
 
+/* ---- Windows of levels ---- */
+
+/* LOW levels of -205 dB, HIGH of 25 dB, the rest of COUNT -55 dB, the highest first, and cells without. */
+static void check_window(size_t count, size_t low, size_t high, double low_db, double high_db) {
+    float levels_db[1003];
+    double got_low_db, got_high_db;
+    for (size_t i = 0; i < count; i++) {
+        levels_db[i] = i < high ? 25.0f : i < count - low ? -55.0f : -205.0f;
+    }
+    levels_db[count] = NAN;
+    levels_db[count + 1] = -INFINITY;
+    levels_db[count + 2] = NAN;
+    assert_ok(ctx, asdic_raster_window(ctx, levels_db, count + 3, &got_low_db, &got_high_db));
+    assert_true(got_low_db == low_db && got_high_db == high_db);
+}
+
+/* From the 5th to the 99.5th percentile, outwards to 10 dB, and at least 30 dB. */
+static void windows_leave_out_the_rarest(void **state) {
+    (void)state;
+    check_window(1000, 50, 5, -60, 30);
+    check_window(1000, 51, 4, -210, -50);
+    check_window(1, 0, 0, -60, -30);
+    check_window(0, 0, 0, -70, 0);
+}
+
 /* ---- Random variates ---- */
 
 /* Means of COUNT: of the values, their squares and cubes. */
@@ -614,6 +639,7 @@ int main(void) {
         cmocka_unit_test(polygons_enclose_their_pixels),
         cmocka_unit_test(pixels_belong_to_beams),
         cmocka_unit_test(a_scan_fills_its_directions),
+        cmocka_unit_test(windows_leave_out_the_rarest),
         cmocka_unit_test(gammas_have_their_moments),
     };
     return cmocka_run_group_tests(tests, context_begin, context_end);
