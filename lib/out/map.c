@@ -5,6 +5,7 @@
 #include "colormap.h"
 
 #include <math.h>
+#include <stdio.h>
 
 #define MOST_PX 1000
 #define UNKNOWN_RGB 0xffffffu
@@ -64,10 +65,21 @@ asdic_status asdic_picture_map(asdic_context *ctx, const char *path, const asdic
     shown.cell_m = map->cell_m * (double)group;
     shown.rows = (map->rows + group - 1) / group;
     shown.columns = (map->columns + group - 1) / group;
+    asdic_picture_options noted = *options;
+    char note[ASDIC_NOTE_SIZE] = "", text[128];
+    if (group > 1) {
+        snprintf(text, sizeof text, "each pixel is the greatest of %zu \u00d7 %zu cells", group,
+                 group);
+        if (options->note) {
+            asdic_draw_note_add(note, options->note);
+        }
+        asdic_draw_note_add(note, text);
+        noted.note = note;
+    }
     asdic_raster raster = {0};
     asdic_status status = paint(ctx, map, options, &raster);
     if (status == ASDIC_OK) {
-        status = asdic_draw_map(ctx, path, &shown, &raster, options);
+        status = asdic_draw_map(ctx, path, &shown, &raster, &noted);
     }
     asdic_raster_finish(&raster);
     return status;
