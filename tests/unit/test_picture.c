@@ -380,6 +380,126 @@ static void failures_leave_nothing(void **state) {
                      ASDIC_ERROR_ARGUMENT);
 }
 
+/* What stands over and below pictures. */
+static void words_say_what_is_shown(void **state) {
+    (void)state;
+    char text[ASDIC_SUBTITLE_SIZE], note[ASDIC_NOTE_SIZE];
+    asdic_sonar sonar = asdic_sonar_default();
+    sonar.frequency_hz = 123456.0;
+    sonar.bandwidth_hz = 12500.0;
+    sonar.source_level_db = 217.5;
+    asdic_picture_subtitle(&sonar, 0.0375, text);
+    assert_string_equal(text, "123.456 kHz, bandwidth 12.5 kHz  \u00b7  bins of 0.0375 m  \u00b7  "
+                              "source level 217.5 dB re 1 \u00b5Pa at 1 m");
+    sonar.source_level_db = 0.0;
+    asdic_picture_subtitle(&sonar, 0.0375, text);
+    assert_string_equal(text, "123.456 kHz, bandwidth 12.5 kHz  \u00b7  bins of 0.0375 m  \u00b7  "
+                              "levels re an SL of 0 dB");
+    asdic_picture_subtitle(NULL, 0.0375, text);
+    assert_string_equal(text, "");
+    asdic_picture_subtitle(&sonar, 0.0375, NULL);
+    static const struct {
+        const char *note;
+        double per_decade, per_m;
+        size_t rows, columns;
+        const char *right;
+    } cases[] = {{NULL, 0, 0, 1, 1, ""},
+                 {"a note", 0, 0, 1, 1, "a note"},
+                 {NULL, 0, 0.02, 1, 1, "time-varied gain for display: 0 log r + 0.02 r dB"},
+                 {"a", 30, 0, 2, 1,
+                  "a  \u00b7  time-varied gain for display: 30 log r + 0 r dB  \u00b7  each pixel "
+                  "is the mean "
+                  "energy of 2 pings \u00d7 1 bin"},
+                 {NULL, 0, 0, 1, 2, "each pixel is the mean energy of 1 ping \u00d7 2 bins"}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const asdic_decimator levels = {.row_group = cases[i].rows,
+                                        .column_group = cases[i].columns};
+        asdic_picture_options options = asdic_picture_options_default();
+        options.note = cases[i].note;
+        options.tvg_db_per_decade = cases[i].per_decade;
+        options.tvg_db_per_m = cases[i].per_m;
+        asdic_draw_note(note, &options, &levels);
+        assert_string_equal(note, cases[i].right);
+    }
+}
+
+/* Each by one thing alone, and no file is left. */
+static void what_cannot_be_drawn_is_refused(void **state) {
+    (void)state;
+    const asdic_picture_options good = asdic_picture_options_default();
+    asdic_picture_options wrong[6] = {good, good, good, good, good, good};
+    wrong[0].db_low = -INFINITY;
+    wrong[1].db_high = INFINITY;
+    wrong[2].db_high = wrong[2].db_low + 0.95e-3;
+    wrong[3].tvg_db_per_decade = NAN;
+    wrong[4].tvg_db_per_m = NAN;
+    wrong[5].colormap = ASDIC_COLORMAP_COUNT;
+    const double bearing_rad[2] = {0.5, 0.5};
+    const asdic_fan fan = {
+        .levels_db = ramp_db, .bearing_rad = bearing_rad, .beams = 1, .bins = 8, .bin_length_m = 1};
+    char path[256];
+    snprintf(path, sizeof path, "%s", file_in_folder("r.png"));
+    for (size_t i = 0; i < 6; i++) {
+        assert_int_equal(asdic_picture_raster(ctx, path, &ramp, &wrong[i]), ASDIC_ERROR_ARGUMENT);
+        assert_int_equal(asdic_picture_fan(ctx, path, &fan, &wrong[i]), ASDIC_ERROR_ARGUMENT);
+    }
+    asdic_waterfall falls[3] = {ramp, ramp, ramp};
+    falls[0].pings = falls[1].bins = 0;
+    falls[2].bin_length_m = 0.0;
+    asdic_fan fans[4] = {fan, fan, fan, fan};
+    fans[0].beams = fans[1].bins = 0;
+    fans[2].bin_length_m = 0.0;
+    fans[3].beams = 2;
+    for (size_t i = 0; i < 4; i++) {
+        const asdic_waterfall *fall = &falls[i % 3];
+        assert_int_equal(asdic_picture_waterfall(ctx, path, fall, &good), ASDIC_ERROR_ARGUMENT);
+        assert_int_equal(asdic_picture_raster(ctx, path, fall, &good), ASDIC_ERROR_ARGUMENT);
+        assert_int_equal(asdic_picture_raw(ctx, path, fall, &good), ASDIC_ERROR_ARGUMENT);
+        assert_int_equal(asdic_picture_fan(ctx, path, &fans[i], &good), ASDIC_ERROR_ARGUMENT);
+    }
+    assert_contains(asdic_context_error(ctx), "beam 0 lies at 0.5 and beam 1 at 0.5 rad");
+    const asdic_plot_axis axis = {.label = "m", .low = 1, .high = 2};
+    const asdic_plot_axis none[4] = {{.low = 1, .high = 1},
+                                     {.low = 0, .high = INFINITY},
+                                     {.low = 0, .high = 1, .logarithmic = true},
+                                     {.low = NAN, .high = 1}};
+    for (size_t i = 0; i < 8; i++) {
+        const asdic_plot panels[2] = {
+            {.x = axis, .y = axis}, {.x = i < 4 ? none[i] : axis, .y = i < 4 ? axis : none[i - 4]}};
+        assert_int_equal(asdic_picture_plot(ctx, path, panels, 2, &good), ASDIC_ERROR_ARGUMENT);
+        assert_int_equal(asdic_picture_plot(ctx, path, panels, 0, &good), ASDIC_ERROR_ARGUMENT);
+    }
+    const asdic_plot panel = {.x = axis, .y = axis};
+    for (int i = 0; i < 3; i++) {
+        const char *at = i == 0 ? NULL : path;
+        const asdic_waterfall *fall = i == 1 ? NULL : &ramp;
+        const asdic_picture_options *options = i == 2 ? NULL : &good;
+        assert_int_equal(asdic_picture_waterfall(ctx, at, fall, options), ASDIC_ERROR_ARGUMENT);
+        assert_int_equal(asdic_picture_raster(ctx, at, fall, options), ASDIC_ERROR_ARGUMENT);
+        assert_int_equal(asdic_picture_raw(ctx, at, fall, options), ASDIC_ERROR_ARGUMENT);
+        assert_int_equal(asdic_picture_fan(ctx, at, i == 1 ? NULL : &fan, options),
+                         ASDIC_ERROR_ARGUMENT);
+        assert_int_equal(asdic_picture_plot(ctx, at, i == 1 ? NULL : &panel, 1, options),
+                         ASDIC_ERROR_ARGUMENT);
+    }
+    assert_int_equal(access(path, F_OK), -1);
+}
+
+/* -100 dB at 5 and at 15 m, with 20 log r + r; the window's 100 dB are 65534 steps. */
+static void gain_is_of_the_bins_centre(void **state) {
+    (void)state;
+    const float levels_db[2] = {-100.0f, -100.0f};
+    asdic_picture_options options = asdic_picture_options_default();
+    uint16_t grey[2];
+    options.db_low = -100.0;
+    options.db_high = 0.0;
+    options.tvg_db_per_decade = 20.0;
+    options.tvg_db_per_m = 1.0;
+    asdic_draw_grey(&options, levels_db, 2, 10.0, grey);
+    assert_close(grey[0], 1.0 + 655.34 * (13.9794 + 5.0), 0.51);
+    assert_close(grey[1], 1.0 + 655.34 * (23.5218 + 15.0), 0.51);
+}
+
 /* ---- Maps: in the place of their page ---- */
 
 static struct {
@@ -577,6 +697,9 @@ int main(void) {
         cmocka_unit_test(ascope_draws_its_curves),
         cmocka_unit_test(ascope_shows_residuals_and_lone_echoes),
         cmocka_unit_test(subtitles_have_a_line),
+        cmocka_unit_test(words_say_what_is_shown),
+        cmocka_unit_test(what_cannot_be_drawn_is_refused),
+        cmocka_unit_test(gain_is_of_the_bins_centre),
         cmocka_unit_test(maps_are_north_up),
         cmocka_unit_test(large_maps_show_the_greatest),
         cmocka_unit_test(maps_of_nothing_are_refused),
