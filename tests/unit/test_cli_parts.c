@@ -218,6 +218,113 @@ static void the_nearest_word_is_meant(void **state) {
     assert_ptr_equal(cli_nearest(longest, one, 1), longest);
 }
 
+/* Two beams of two bins of half a metre: a's bins and the second of b are above their thresholds. No echo reaches
+ * the first bin of b. */
+static const asdic_beam two_beams[] = {{.name = "a\"\\\x1f "}, {.name = "b"}};
+static const asdic_sonar two = {.receivers = two_beams, .receiver_count = 2};
+static double total_lin[] = {1.0, 3.0, 2.0, 5.0}, limit_lin[] = {0.5, 2.0, 2.0, 4.0},
+              llr[] = {-1.0, 2.5, (double)NAN, 1.0 / 3.0};
+static const float level_db[] = {1.5f, 60.1f, NAN, -3.0f};
+static const float expected_db[] = {-INFINITY, 7.0f, 8.0f, 9.0f};
+
+static asdic_ping parts = {.intensity_lin = {[ASDIC_TOTAL] = total_lin}};
+static const asdic_loop_ping ping = {.ping = 7,
+                                     .time_s = 0.1,
+                                     .altitude_m = INFINITY,
+                                     .bin_length_m = 0.5,
+                                     .level_db = level_db,
+                                     .parts = &parts};
+static const asdic_scan_result detection = {.threshold_lin = limit_lin, .llr = llr};
+
+/* What is written of a ping and of an error on line 3, with its length. */
+static char written[1024];
+
+static size_t write_both(serve_format format, bool is_full, double time_s) {
+    serve_writer w = {
+        fmemopen(written, sizeof written, "w"), format, &two, 2, 0.5, is_full, is_full};
+    serve_request request = {.value = {time_s, 1.0, -0.1, 1.0 / 3.0, 0.0, -5.0, 90.0}};
+    serve_answer answer = {&ping, is_full ? expected_db : NULL, is_full ? &detection : NULL};
+    assert_non_null(w.out);
+    serve_write_head(&w);
+    serve_write_ping(&w, 2, &request, &answer);
+    serve_write_error(&w, 3, "no \"z\"");
+    long length = ftell(w.out);
+    assert_int_equal(fclose(w.out), 0);
+    return (size_t)length;
+}
+
+#define POSE_JSON                                                                                  \
+    "\"x_m\":1,\"y_m\":-0.1,\"z_m\":0.33333333333333331,\"roll_deg\":0,\"pitch_deg\":-5,"          \
+    "\"yaw_deg\":90,\"altitude_m\":null,\"bin_length_m\":0.5,"
+#define LEVELS_JSON "\"level_db\":{\"a\\\"\\\\\\u001f \":[1.5,60.0999985],\"b\":[null,-3]}"
+#define ERROR_JSON "{\"error\":\"no \\\"z\\\"\",\"line\":3}\n"
+
+static void answers_are_json(void **state) {
+    (void)state;
+    write_both(SERVE_JSON, false, 12.5);
+    assert_string_equal(written,
+                        "{\"ping\":7,\"time_s\":12.5," POSE_JSON LEVELS_JSON "}\n" ERROR_JSON);
+    write_both(SERVE_JSON, true, NAN); /* the mission's time */
+    assert_string_equal(written,
+                        "{\"ping\":7,\"time_s\":0.1," POSE_JSON LEVELS_JSON
+                        ",\"expected_db\":{\"a\\\"\\\\\\u001f \":[null,7],\"b\":[8,9]}"
+                        ",\"detections\":[{\"beam\":\"a\\\"\\\\\\u001f "
+                        "\",\"range_m\":0.25,\"llr\":-1},{\"beam\":\"a\\\"\\\\\\u001f "
+                        "\",\"range_m\":0.75,\"llr\":2.5},"
+                        "{\"beam\":\"b\",\"range_m\":0.75,\"llr\":0.333333333}]}\n" ERROR_JSON);
+}
+
+#define HEAD_CSV "ping,time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg,altitude_m,error"
+#define LEVELS_CSV ",1,-0.1,0.33333333333333331,0,-5,90,,,1.5,60.0999985,,-3"
+#define A "a\"\\\x1f "
+
+static void answers_are_csv(void **state) {
+    (void)state;
+    write_both(SERVE_CSV, false, 12.5);
+    assert_string_equal(written, HEAD_CSV "," A "_0," A "_1,b_0,b_1\n"
+                                          "7,12.5" LEVELS_CSV "\n"
+                                          ",,,,,,,,,\"no \"\"z\"\"\",,,,\n");
+    write_both(SERVE_CSV, true, NAN);
+    assert_string_equal(written,
+                        HEAD_CSV "," A "_0," A "_1,b_0,b_1,expected_" A "_0,expected_" A
+                                 "_1,expected_b_0,expected_b_1,detections\n"
+                                 "7,0.1" LEVELS_CSV ",,7,8,9,\"" A ":0.25 " A ":0.75 b:0.75\"\n"
+                                 ",,,,,,,,,\"no \"\"z\"\"\",,,,,,,,,\"\"\n");
+}
+
+/* The frame of a ping or of an error, and behind it what ARRAYS of 4 floats there are. */
+static void assert_frame(const char *at, uint32_t status, uint32_t line, size_t arrays,
+                         const float *const want[]) {
+    serve_frame frame;
+    float got_floats[4];
+    memcpy(&frame, at, sizeof frame);
+    assert_memory_equal(frame.magic, "ASDP", 4);
+    assert_true(frame.status == status && frame.line == line && frame.arrays == arrays);
+    assert_true(frame.beams == 2 && frame.bins == 2 && frame.bin_length_m == 0.5);
+    assert_true(frame.ping == (status ? 0 : 7));
+    assert_true(status ? isnan(frame.time_s) : frame.time_s == 0.1);
+    assert_true(status ? isnan(frame.altitude_m) : isinf(frame.altitude_m));
+    for (size_t i = 0; i < arrays; i++) {
+        memcpy(got_floats, at + sizeof frame + i * sizeof got_floats, sizeof got_floats);
+        for (size_t k = 0; k < 4; k++) {
+            float wanted = status ? NAN : want[i][k];
+            assert_true(got_floats[k] == wanted || (isnan(got_floats[k]) && isnan(wanted)));
+        }
+    }
+}
+
+static void answers_are_frames(void **state) {
+    (void)state;
+    static const float found[] = {-1.0f, 2.5f, NAN, 1.0f / 3.0f};
+    static const float *const want[] = {level_db, expected_db, found};
+    for (size_t arrays = 1; arrays <= 3; arrays += 2) {
+        size_t size = sizeof(serve_frame) + arrays * sizeof level_db;
+        assert_int_equal(write_both(SERVE_RAW, arrays == 3, NAN), 2 * size);
+        assert_frame(written, 0, 2, arrays, want);
+        assert_frame(written + size, 1, 3, arrays, NULL);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(values_have_an_order),
@@ -226,6 +333,9 @@ int main(void) {
         cmocka_unit_test(lines_are_text),
         cmocka_unit_test(long_numbers_are_shown_short),
         cmocka_unit_test(the_nearest_word_is_meant),
+        cmocka_unit_test(answers_are_json),
+        cmocka_unit_test(answers_are_csv),
+        cmocka_unit_test(answers_are_frames),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
