@@ -107,8 +107,9 @@ asdic_status asdic_eye_open(asdic_eye *eye, const asdic_mission *mission, double
         eye->environment = mission->settings.environment;
     }
     if (background == ASDIC_TRIAL_AUTO) {
-        bool is_plane = asdic_scene_get_info(mission->scene).has_bottom_plane;
-        background = is_plane || !mission->bottom.law ? ASDIC_TRIAL_FLAT : ASDIC_TRIAL_OS;
+        /* A bottom from a file is the first object, and has no name. */
+        bool is_file = mission->object_count > 0 && !mission->objects[0].name[0];
+        background = is_file ? ASDIC_TRIAL_OS : ASDIC_TRIAL_FLAT;
     }
     eye->is_flat = background == ASDIC_TRIAL_FLAT;
     cfar.kind = background == ASDIC_TRIAL_CA ? ASDIC_CFAR_CA : ASDIC_CFAR_OS;
