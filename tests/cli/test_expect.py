@@ -93,6 +93,27 @@ def test_noise_fills_every_bin():
         near(rows["forward", 100]["noise_db"], 69.09 + 8.268, 2e-2)
 
 
+def test_a_ping_is_where_the_mission_is():
+    with Folder() as folder:
+        folder.write("t.csv", "time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg\n0,0,0,7,0,0,0\n1,3,4,9,10,20,30\n")
+        flown = SCENE.replace("pose: {position_m: [0, 0, 7]}", "track: t.csv")
+        tap.equal(expected(folder, "--ping", "0", scene=flown), expected(folder))
+        there = SCENE.replace("[0, 0, 7]", "[1.5, 2, 8], roll_deg: 5, pitch_deg: 10, yaw_deg: 15")
+        tap.equal(expected(folder, "--ping", "5", scene=flown), expected(folder, scene=there))
+
+
+def test_what_was_written_and_how_sure_it_is_are_said():
+    """The source of a sediment's law says 5 dB, the course nothing."""
+    one_of = lambda scene: re.sub(r"    - {name: down.*\n", "", scene)
+    with Folder() as folder:
+        for scene, sure in ((SCENE, ""), (SCENE.replace("type: sand", "sediment: medium_sand"),
+                                          "model_uncertainty_db: bottom 5\n")):
+            for text, beams in (scene, "2 beams"), (one_of(scene), "1 beam"):
+                path = folder.write("scene.yaml", text)
+                done = asdic("expect", path, "-o", "a.csv", "--force", cwd=folder.path).check(code=0)
+                tap.equal(done.err, f"{sure}a.csv: {beams}, 149 bins\n")
+
+
 def test_file_is_not_overwritten_unasked():
     with Folder() as folder:
         path = folder.write("scene.yaml", SCENE)
@@ -117,7 +138,8 @@ def pictured(folder, kind, scene=SCENE):
 def test_picture():
     """All levels are in its window, of whole tens; 10 dB below are for parts of the total."""
     with Folder() as folder:
-        picture, rows = pictured(folder, "png")
+        # The first beam is the quieter.
+        picture, rows = pictured(folder, "png", SCENE.replace("0.05}\n    - ", "0.5}\n    - "))
         texts = png_texts(picture)
         levels = [float(row["total_db"]) for row in rows if row["total_db"]]
         tap.equal((float(texts["db_low"]), float(texts["db_high"])),
@@ -185,7 +207,7 @@ def test_wrong_use():
         for option in "--variant", "--refraction":
             asdic("expect", path, option, "wrong").check(code=2, out="")
         tap.contains(asdic("expect", path, "--ping", "1", "-o", "-").check(code=2, out="").err,
-                     "--ping 1")
+                     "--ping 1: the mission has 1 pings (0..0)")
         asdic("expect", folder / "none.yaml").check(code=3, out="")
 
 

@@ -1,5 +1,7 @@
 """The program itself: usage, help, suggestions, colours, output that cannot be written."""
+import json
 import os
+import re
 import signal
 import subprocess
 
@@ -90,8 +92,16 @@ def test_unknown_option_is_answered_with_the_nearest():
         tap.contains(asdic("devices", mistake).check(code=2, out="").err, answer)
 
 
-def test_too_many_operands_are_refused():
-    tap.contains(asdic("devices", "extra").check(code=2, out="").err, "does not take 'extra'")
+def test_operands_are_as_many_as_said():
+    """What stands in brackets may be left out; dots are for any number."""
+    for command in json.loads(asdic("help", "--json").check(code=0).out):
+        name, operands = command["name"], command["operands"]
+        if re.sub(r"\[.*\]", "", operands):
+            tap.contains(asdic(name).check(code=2, out="").err, f"'{name}' needs {operands}\n")
+        if "..." not in operands:
+            many = [*operands.split(), "extra"]
+            tap.contains(asdic(name, *many).check(code=2, out="").err, "does not take 'extra'")
+        tap.equal([o for o in command["options"] if o["letter"] and not o["letter"].isalpha()], [], name)
 
 
 def test_colours_are_for_terminals_only():
