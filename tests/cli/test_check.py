@@ -136,12 +136,41 @@ def test_mesh_is_described():
                   ("mesh", 4, 0, [1, 1, 2]))
 
 
+def test_every_object_is_described():
+    """A tetrahedron that lacks a face and has a degenerate one, a point, a box; of many objects the first forty."""
+    open_mesh = TETRAHEDRON.replace("f 3 1 4", "f 1 1 2")
+    point = "  - {name: p%d, point: {target_strength_db: 0}, position_m: [9, -3, 6]}\n"
+    head = """objects:
+  - {name: frame, mesh: m.obj, position_m: [20, 0, 7]}
+  - {name: c, box: {size_m: [1, 2, 3]}, position_m: [30, 0, 9], rotation_deg: [90, 0, 0]}
+"""
+    with folder(m_obj=open_mesh) as at:
+        for points in 38, 39:
+            objects = head + "".join(point % i for i in range(points)) + "mission:"
+            scene = MINIMAL.replace("{depth_m: 12}", "none").replace("mission:", objects)
+            said = without_free_space(asdic("check", "-", stdin=scene, cwd=at).check(0).out)
+            tap.contains(said, "  beams       2: forward .. port\n")
+            tap.equal(said.partition("  surface ")[2], """    at z = 0
+  bottom      none
+  frame       3 triangles, x 20 .. 21, y 0 .. 1, z 5 .. 7 m
+              1 degenerate facets dropped
+              3 open edges
+  c           12 triangles, x 29.5 .. 30.5, y -1.5 .. 1.5, z 8 .. 10 m
+""" + "".join(f"  p{i:<10} a point at x 9, y -3, z 6 m\n" for i in range(38))
+                      + ("" if points == 38 else "  ...         1 more; --json lists all\n"))
+        [told] = json.loads(asdic("check", "-", "--json", stdin=scene, cwd=at).check(0).out)
+        tap.equal((told["bottom"], told["triangles"], len(told["meshes"])), ("none", 15, 41))
+        tap.equal([told["meshes"][0][key] for key in ("name", "triangles", "dropped_facets", "open_edges", "moves")],
+                  ["frame", 3, 1, 3, False])
+
+
 def test_places_are_checked_against_meshes():
     floor = "v -50 -50 -20\nv 150 -50 -20\nv 150 50 -20\nv -50 50 -20\nf 1 2 3\nf 1 3 4\n"
     scene = MINIMAL.replace("depth_m: 12", "mesh: floor.obj")
     with folder(floor_obj=floor, up_yaml=scene.replace("floor.obj", "{file: floor.obj, z_up: false}"),
                 ok_yaml=scene, deep_yaml=scene.replace("0, 7]", "0, 27]")) as at:
-        tap.equal(asdic("check", "ok.yaml", cwd=at).code, 0)
+        [ok] = json.loads(asdic("check", "ok.yaml", "--json", cwd=at).check(0).out)
+        tap.equal((ok["bottom"], ok["meshes"][0]["max_m"]), ("mesh", [50, 150, 20]))
         up = asdic("check", "up.yaml", cwd=at)
         tap.equal(up.code, 3)
         tap.contains(up.err, "up.yaml:2:23: error: the bottom lies above the sea surface, from z = "
