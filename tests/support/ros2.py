@@ -1,4 +1,5 @@
 """`asdic serve --ros2` and the other vendor's DDS that it is tested with, on the loopback."""
+import itertools
 import json
 import os
 import signal
@@ -26,11 +27,10 @@ def need():
 
 class Server:
     """asdic serve --ros2 in a domain of its own, its stderr read as it comes."""
-    domains = 20 + os.getpid() % 180
+    domains = itertools.count(21 + os.getpid() % 180)
 
     def __init__(self, folder, scene, *options, uri=HERE, **env):
-        Server.domains += 1
-        self.domain = Server.domains
+        self.domain = next(Server.domains)
         self.lines = []
         self.child = subprocess.Popen(
             [program.PATH, "serve", folder.write("scene.yaml", scene), "--ros2", *options],
@@ -73,6 +73,7 @@ def peer(server, folder, poses, kind="odometry", quality="best_effort", hz=0, fr
          stamp=None, cold=False, topics=None):
     """What the other DDS got: JSON objects. The first pose goes out beforehand until there is a ping, which
     is not among them; not when COLD. It subscribes to TOPICS, else to all."""
+    server.wait_for("poses from")  # who comes first is found seconds later
     out = folder.path
     done = subprocess.run([PEER, str(server.domain), kind, quality, str(hz), frame, out,
                            *([str(stamp)] if stamp else [])], input="\n".join(poses), text=True,

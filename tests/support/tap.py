@@ -5,6 +5,7 @@
         tap.equal(1 + 1, 2)
     tap.main(globals())
 """
+import concurrent.futures
 import sys
 import traceback
 
@@ -28,13 +29,17 @@ def lacks(text, part):
         raise AssertionError(f"{text!r} contains {part!r}")
 
 
-def main(module):
-    """Exit code 0 when all pass or skip, 77 when all skip, else 1. Arguments select by name."""
+def main(module, at_once=1):
+    """Exit code 0 when all pass or skip, 77 when all skip, else 1. Arguments select by name. AT_ONCE: as many tests
+    run in threads of their own, for tests that wait for most of their time."""
     tests = [(name, f) for name, f in module.items() if name.startswith("test_") and callable(f)]
     if len(sys.argv) > 1:
         tests = [(name, f) for name, f in tests if name in sys.argv[1:]]
     failed = skipped = 0
     print(f"1..{len(tests)}")
+    if at_once > 1:
+        pool = concurrent.futures.ThreadPoolExecutor(at_once)
+        tests = [(name, pool.submit(function).result) for name, function in tests]
     for number, (name, function) in enumerate(tests, 1):
         title = name[5:].replace("_", " ")
         try:
