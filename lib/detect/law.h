@@ -42,4 +42,15 @@ asdic_estimate asdic_estimate_within(uint64_t events, uint64_t trials, double le
 /* TARGET_... of kernels/detection.h. */
 int asdic_target_code(asdic_target target);
 
+/* What asdic_detect_simulate_rare draws, which is the same for every threshold: gamma variates of mean LOOKS and SHAPE. */
+typedef struct asdic_rare_draw {
+    double speckle, texture;
+} asdic_rare_draw;
+
+asdic_rare_draw asdic_rare_draw_one(const asdic_background *b, uint64_t seed, uint64_t index);
+
+/* The same as asdic_detect_simulate_rare from COUNT draws of indices 0, 1, ... */
+asdic_estimate asdic_rare_estimate(const asdic_background *b, double threshold_lin,
+                                   const asdic_rare_draw *draws, size_t count);
+
 #endif

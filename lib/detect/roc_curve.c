@@ -1,5 +1,7 @@
 #include "roc_curve.h"
 
+#include "law.h"
+
 #include "base/clock.h"
 #include "base/context.h"
 #include "base/try.h"
@@ -82,18 +84,40 @@ asdic_status asdic_roc_band(asdic_context *ctx, const asdic_roc_case *c, asdic_t
 }
 
 static asdic_status add_point(asdic_context *ctx, const asdic_roc_case *c,
-                              const asdic_roc_options *options, asdic_roc *roc, double pfa) {
+                              const asdic_roc_options *options, const asdic_rare_draw *rare,
+                              asdic_roc *roc, double pfa) {
     double threshold;
     TRY(asdic_detect_threshold(ctx, &c->none, pfa, &threshold));
     bool is_rare = pfa * (double)roc->trials < LEAST_EVENTS;
     asdic_roc_point *p = &roc->points[roc->point_count++];
     p->design_pfa = pfa;
     p->threshold_db = asdic_level_db(threshold);
-    p->pfa = is_rare ? asdic_detect_simulate_rare(&c->none, threshold, RARE_TRIALS, options->seed)
+    p->pfa = is_rare ? asdic_rare_estimate(&c->none, threshold, rare, RARE_TRIALS)
                      : count(roc->none, roc->trials, threshold);
     p->pd = count(roc->present, roc->trials, threshold);
     p->closed_pd = asdic_detect_pd(&c->rest, options->target, c->target_lin, threshold);
     return asdic_roc_band(ctx, c, options->target, pfa, &p->model_pd);
+}
+
+static asdic_status add_points(asdic_context *ctx, const asdic_roc_case *c,
+                               const asdic_roc_options *options, asdic_roc *roc) {
+    asdic_status status = ASDIC_OK;
+    asdic_rare_draw *rare = malloc(RARE_TRIALS * sizeof *rare); /* the same for every threshold */
+    if (!rare) {
+        return asdic_fail_memory(ctx, "draws");
+    }
+    for (size_t i = 0; i < RARE_TRIALS; i++) {
+        rare[i] = asdic_rare_draw_one(&c->none, options->seed, i);
+    }
+    for (int i = 0; i <= DECADES * PER_DECADE && status == ASDIC_OK; i++) {
+        double pfa = pow(10.0, (double)i / PER_DECADE - DECADES);
+        status = asdic_step(ctx, "points", (size_t)i, DECADES * PER_DECADE + 1);
+        if (status == ASDIC_OK) {
+            status = add_point(ctx, c, options, rare, roc, pfa);
+        }
+    }
+    free(rare);
+    return status;
 }
 
 /* Integral of P_D over P_FA by Simpson's rule in u, ln P_FA = -60 (1 - u)^2: dense towards 1, and
@@ -132,11 +156,7 @@ asdic_status asdic_roc_fill(asdic_context *ctx, const asdic_roc_case *c,
     if (!roc->points) {
         return asdic_fail_memory(ctx, "a curve");
     }
-    for (int i = 0; i <= DECADES * PER_DECADE; i++) {
-        double pfa = pow(10.0, (double)i / PER_DECADE - DECADES);
-        TRY(asdic_step(ctx, "points", (size_t)i, DECADES * PER_DECADE + 1));
-        TRY(add_point(ctx, c, options, roc, pfa));
-    }
+    TRY(add_points(ctx, c, options, roc));
     TRY(asdic_roc_area(ctx, roc->none, roc->present, roc->trials, &roc->area));
     TRY(closed_area(ctx, c, options, &roc->closed_area));
     TRY(asdic_detect_threshold(ctx, &c->none, roc->pfa, &threshold));

@@ -109,23 +109,33 @@ asdic_estimate asdic_detect_simulate(const asdic_background *b, asdic_target tar
     return asdic_estimate_of(events, trials);
 }
 
+static bool is_k(const asdic_background *b) {
+    return b->shape <= ASDIC_SHAPE_MAX && b->noise_share < 1.0;
+}
+
+asdic_rare_draw asdic_rare_draw_one(const asdic_background *b, uint64_t seed, uint64_t index) {
+    asdic_variates v = asdic_variates_begin(RANDOM_TRIAL, seed, index, 2);
+    double speckle = asdic_variates_gamma(&v, (double)b->looks);
+    return (asdic_rare_draw){speckle, is_k(b) ? asdic_variates_gamma(&v, b->shape) : 0.0};
+}
+
 /* Speckle from a gamma law wider by THETA and texture from one wider by BETA: the product of means
  * is the threshold, shared as the largest part of the tail shares it (detection_k). The weight is
  * the ratio of the true densities to these. */
-asdic_estimate asdic_detect_simulate_rare(const asdic_background *b, double threshold_lin,
-                                          uint64_t trials, uint64_t seed) {
+static asdic_estimate rare_of(const asdic_background *b, double threshold_lin,
+                              const asdic_rare_draw *draws, uint64_t trials, uint64_t seed) {
     double m = (double)b->looks, threshold = threshold_lin / b->mean_lin;
-    bool is_k = b->shape <= ASDIC_SHAPE_MAX && b->noise_share < 1.0;
-    double share = is_k ? b->noise_share : 1.0;
-    double beta = is_k ? fmax(sqrt(m * threshold / b->shape), 1.0) : 1.0;
+    bool has_texture = is_k(b);
+    double share = has_texture ? b->noise_share : 1.0;
+    double beta = has_texture ? fmax(sqrt(m * threshold / b->shape), 1.0) : 1.0;
     double theta = fmax(threshold / ((1.0 - share) * beta + share), 1.0);
     double sum = 0.0, squares = 0.0, n = (double)trials;
     for (uint64_t i = 0; i < trials; i++) {
-        asdic_variates v = asdic_variates_begin(RANDOM_TRIAL, seed, i, 2);
-        double g = theta * asdic_variates_gamma(&v, m);
-        double log_weight = m * log(theta) - g * (1.0 - 1.0 / theta), mean = 1.0;
-        if (is_k) {
-            double t = beta * asdic_variates_gamma(&v, b->shape);
+        asdic_rare_draw draw = draws ? draws[i] : asdic_rare_draw_one(b, seed, i);
+        double g = theta * draw.speckle, mean = 1.0;
+        double log_weight = m * log(theta) - g * (1.0 - 1.0 / theta);
+        if (has_texture) {
+            double t = beta * draw.texture;
             log_weight += b->shape * log(beta) - t * (1.0 - 1.0 / beta);
             mean = (1.0 - share) * t / b->shape + share;
         }
@@ -138,4 +148,14 @@ asdic_estimate asdic_detect_simulate_rare(const asdic_background *b, double thre
     double value = sum / n;
     double error = sqrt(fmax(squares / n - value * value, 0.0) / n);
     return (asdic_estimate){value, fmax(value - NORMAL_99 * error, 0.0), value + NORMAL_99 * error};
+}
+
+asdic_estimate asdic_rare_estimate(const asdic_background *b, double threshold_lin,
+                                   const asdic_rare_draw *draws, size_t count) {
+    return rare_of(b, threshold_lin, draws, count, 0);
+}
+
+asdic_estimate asdic_detect_simulate_rare(const asdic_background *b, double threshold_lin,
+                                          uint64_t trials, uint64_t seed) {
+    return rare_of(b, threshold_lin, NULL, trials, seed);
 }
