@@ -79,14 +79,28 @@ int view_stream(view_job *job, const char *path) {
     return code; /* of a broken stdout, main tells */
 }
 
-static bool take_snapshot(view_job *job, const char *folder, bool force) {
-    char path[4096];
-    size_t ping = asdic_view_get_clock(job->view).pings - 1;
-    snprintf(path, sizeof path, "%s/view_%zu.png", folder, ping);
-    if (!force && access(path, F_OK) == 0) {
-        cli_error(job->c, "'%s' exists; use --force to replace it", path);
-        return false;
+#define PATH_SIZE 4096
+
+static void path_of(char path[PATH_SIZE], const char *folder, size_t ping) {
+    snprintf(path, PATH_SIZE, "%s/view_%zu.png", folder, ping);
+}
+
+/* Before the first ping: none of COUNT snapshots of so many pings exists. */
+static bool are_new(view_job *job, size_t count, size_t pings, const char *folder) {
+    for (size_t taken = 0; taken < count; taken++) {
+        char path[PATH_SIZE];
+        path_of(path, folder, ((taken + 1) * pings + count - 1) / count - 1);
+        if (access(path, F_OK) == 0) {
+            cli_error(job->c, "'%s' exists; use --force to replace it", path);
+            return false;
+        }
     }
+    return true;
+}
+
+static bool take_snapshot(view_job *job, const char *folder) {
+    char path[PATH_SIZE];
+    path_of(path, folder, asdic_view_get_clock(job->view).pings - 1);
     asdic_status status = asdic_view_save(job->view, path);
     if (status) {
         cli_end(job->c, status);
@@ -103,11 +117,14 @@ int view_snapshots(view_job *job, size_t count, size_t pings, const char *folder
         cli_error(job->c, "cannot create folder '%s': %s", folder, strerror(errno));
         return CLI_FAILED;
     }
+    if (!force && !are_new(job, count, pings, folder)) {
+        return CLI_FAILED;
+    }
     while (taken < count && view_next(job, &status)) {
         size_t done = asdic_view_get_clock(job->view).pings;
         /* Evenly, the last one at the end. */
         if (done * count >= (taken + 1) * pings) {
-            if (!take_snapshot(job, folder, force)) {
+            if (!take_snapshot(job, folder)) {
                 return CLI_FAILED;
             }
             taken++;
