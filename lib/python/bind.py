@@ -19,17 +19,22 @@ extern "Python" void asdic_python_progress(void *user, const char *what, size_t 
 extern "Python" void asdic_python_run_progress(void *user, const asdic_run_progress *progress);
 """
 
-# The memory of a ping: energies, one mechanism behind the other, then errors.
-LAY = """
-static void asdic_python_lay(asdic_ping *ping, double *memory, size_t beams, size_t bins) {
+# What takes the interpreter many steps, and every ping needs: the memory of a ping (energies, one mechanism behind the
+# other, then errors), and a pose of angles in degrees.
+STEPS = {
+    "void asdic_python_lay(asdic_ping *ping, double *memory, size_t beams, size_t bins)": """{
     ping->beams = beams;
     ping->bins = bins;
     for (size_t c = 0; c < ASDIC_COMPONENT_COUNT; c++) {
         ping->intensity_lin[c] = memory + c * beams * bins;
     }
     ping->stderr_db = (float *)(memory + ASDIC_COMPONENT_COUNT * beams * bins);
+}""",
+    "void asdic_python_place(asdic_pose *pose, double x, double y, double z, double roll, double pitch, double yaw)": """{
+    const double degree = 3.14159265358979323846 / 180.0;
+    *pose = (asdic_pose){{x, y, z}, roll * degree, pitch * degree, yaw * degree};
+}""",
 }
-"""
 
 INTEGER = re.compile(r"\(?-?(0[xX][0-9a-fA-F]+|\d+)[uUlL]*\)?")
 REAL = re.compile(r"-?\d+(\.\d*)?([eE][-+]?\d+)?")
@@ -64,7 +69,7 @@ def definitions(text, include):
             lines.append(f"static const double {macro.group(1)};")
         elif not line.startswith("#"):
             lines.append(re.sub(r"__attribute__\s*\(\(.*?\)\)\s", "", line))
-    lines.append(CALLBACKS + LAY.partition(" {")[0].replace("static ", "") + ";\nvoid free(void *);")
+    lines.append(CALLBACKS + ";\n".join(STEPS) + ";\nvoid free(void *);")
     return "\n".join(lines)
 
 
@@ -72,7 +77,8 @@ def main():
     out, depfile, include, *compiler = sys.argv[1:]
     builder = cffi.FFI()
     builder.cdef(definitions(preprocessed(compiler, include, out, depfile), include))
-    builder.set_source("asdic._native", "#include <asdic/asdic.h>\n#include <stdlib.h>\n" + LAY)
+    builder.set_source("asdic._native", "#include <asdic/asdic.h>\n#include <stdlib.h>\n" +
+                       "\n".join(f"static {head} {body}" for head, body in STEPS.items()))
     builder.emit_c_code(out)
 
 

@@ -20,7 +20,7 @@ PARTS = tuple(word for word in words("asdic_component") if word != "total")
 
 AXES = ("x", "y", "z", "roll", "pitch", "yaw")
 PING, POSE, DOUBLES, FLOATS = map(ffi.typeof, ("asdic_ping *", "asdic_pose *", "double[]", "float[]"))
-NUMBERS, DEGREE = (float, int), math.pi / 180.0
+NUMBERS = (float, int)
 LEARN_BLOCK = int(lib.ASDIC_LEARN_BLOCK)
 
 
@@ -68,9 +68,7 @@ class _Mount:
 
     def set_pose(self, pose: Any, at: tuple[float, ...], index: int) -> None:
         """Where the sonar is and looks, which is where the vehicle does unless a head turns."""
-        place = pose.position_m
-        place.x, place.y, place.z, roll, pitch, yaw = at
-        pose.roll_rad, pose.pitch_rad, pose.yaw_rad = roll * DEGREE, pitch * DEGREE, yaw * DEGREE
+        lib.asdic_python_place(pose, *at)
         if self._turns:
             pose[0] = lib.asdic_sweep_sonar(self._sweep, pose, index)
 
