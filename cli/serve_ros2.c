@@ -6,6 +6,8 @@
 
 /* So long a signal may wait. */
 #define TICK_MS 100
+/* Who publishes poses and a clock is found topic by topic: so long poses may come alone. */
+#define CLOCK_PATIENCE_NS INT64_C(2000000000)
 
 typedef struct ros2_server {
     cli *c;
@@ -16,6 +18,7 @@ typedef struct ros2_server {
     size_t cells;
     bool *detected;
     int64_t period_ns, due_ns, last_ns; /* by the poses' stamps */
+    int64_t without_clock_ns;           /* when the first pose came; 0: none did */
     uint64_t pings, passed;
     const char *frame;
     bool told_frame, told_refusal, told_clock;
@@ -32,7 +35,10 @@ static int64_t wall_ns(void) {
 static bool find_time(ros2_server *s, const asdic_ros_stamped *pose, int64_t *out) {
     *out = pose->time_ns ? pose->time_ns : wall_ns();
     bool good = !s->options->has_sim_time || ros2_node_clock(s->node, out);
-    if (!good && !s->told_clock) {
+    if (!good && !s->without_clock_ns) {
+        s->without_clock_ns = wall_ns();
+    }
+    if (!good && !s->told_clock && wall_ns() - s->without_clock_ns > CLOCK_PATIENCE_NS) {
         cli_warning(s->c, "there are poses but no /clock yet; --sim-time waits for it");
         s->told_clock = true;
     }

@@ -78,6 +78,16 @@ def test_poses_stamped_clock_and_reliable_subscribers():
         tap.lacks(server.said, "warning")
 
 
+def test_poses_without_a_clock_are_told_once():
+    need()
+    with Folder() as folder:
+        with Server(folder, SCENE, "--sim-time") as server:
+            got = peer(server, folder, ["0 0 -7 0 0 0 1"], wait=6, cold=True, clockless=True)
+        tap.equal([m for m in got if "topic" in m], [], "pings")
+        tap.equal(server.said.count("warning"), 1, server.said)
+        tap.contains(server.said, "there are poses but no /clock yet")
+
+
 def brightest(folder, number):
     """The largest sum of red, green, blue in a picture."""
     with open(folder / f"image_{number}", "rb") as file:
@@ -224,4 +234,4 @@ def test_options_that_do_not_go_together():
             tap.contains(done.err, text)
 
 
-tap.main(globals(), at_once=12)  # they wait for discovery and for what must not come
+tap.main(globals(), at_once=13)  # they wait for discovery and for what must not come

@@ -70,7 +70,7 @@ class Server:
 
 
 def peer(server, folder, poses, kind="odometry", quality="best_effort", hz=0, frame="map", wait=60,
-         stamp=None, cold=False, topics=None):
+         stamp=None, cold=False, topics=None, clockless=False):
     """What the other DDS got: JSON objects. The first pose goes out beforehand until there is a ping, which
     is not among them; not when COLD. It subscribes to TOPICS, else to all."""
     server.wait_for("poses from")  # who comes first is found seconds later
@@ -79,5 +79,6 @@ def peer(server, folder, poses, kind="odometry", quality="best_effort", hz=0, fr
                            *([str(stamp)] if stamp else [])], input="\n".join(poses), text=True,
                           capture_output=True, check=True, timeout=110,
                           env=program.environment({"PEER_WAIT_S": str(wait), "PEER_COLD": "1" if cold else None,
-                                                   "PEER_TOPICS": topics}))
+                                                   "PEER_TOPICS": topics,
+                                                   "PEER_CLOCKLESS": "1" if clockless else None}))
     return [json.loads(line) for line in done.stdout.splitlines()]

@@ -7,7 +7,8 @@
 // that rate, and their pings are counted and timed. OUT: a folder for what images hold, one file each.
 // PEER_WAIT_S: how long one waits for a ping, else 60. PEER_COLD: without poses beforehand. PEER_TOPICS: what it
 // subscribes to, of sonar,image,detections; pings are waited for on the image if it is among them, else on the
-// sonar. FIRST_STAMP_NS: poses say that and 0.1 s more each; without it the time at which they go out.
+// sonar. PEER_CLOCKLESS: nothing on /clock. FIRST_STAMP_NS: poses say that and 0.1 s more each; without it the
+// time at which they go out.
 #include "asdic_rosPubSubTypes.h"
 
 #include <fastdds/dds/domain/DomainParticipant.hpp>
@@ -238,7 +239,9 @@ struct Sender {
         Odometry odometry;
         Pose pose;
         time.clock_().sec_(clock_s);
-        clock->write(&time);
+        if (clock) {
+            clock->write(&time);
+        }
         fill(is_odometry ? odometry.header_() : pose.header_(), stamp, frame);
         fill(is_odometry ? odometry.pose_().pose_() : pose.pose_(), v);
         poses->write(is_odometry ? static_cast<void *>(&odometry) : static_cast<void *>(&pose));
@@ -297,7 +300,7 @@ int main(int argc, char **argv) {
     }
     DataWriter *poses = node.writer("rt/asdic/pose", pose_type);
     DataWriter *clock = node.writer("rt/clock", clock_type);
-    Sender sender = {poses, clock, is_odometry, frame};
+    Sender sender = {poses, getenv("PEER_CLOCKLESS") ? nullptr : clock, is_odometry, frame};
     const char *patience = getenv("PEER_WAIT_S");
     double v[7], began_s = 0.0, wait_s = patience ? atof(patience) : 60.0;
     size_t count = 0;
