@@ -46,16 +46,17 @@ def stop(child, number=signal.SIGTERM):
 
 
 def test_expect_says_how_far_it_is_and_stops():
-    """Half a minute of quadrature for 512 beams: a line after ten seconds where there is no terminal."""
+    """A minute of quadrature for 1,024 beams of long apertures: a line after ten seconds where there is no terminal."""
     with Folder() as folder:
-        with begin(folder, "expect", FAN, "-o", "out.csv") as child:
+        path = folder.write("scene.yaml", SCENE.replace("count: 12", "count: 1024, length_h_m: 0.5, length_v_m: 0.1"))
+        with begin(folder, "expect", path, "-o", "out.csv") as child:
             line = ""
-            while "of 512 beams" not in line:
+            while "of 1024 beams" not in line:
                 line = child.stderr.readline().decode()
                 tap.equal(line != "", True, "a line before the end")
             tap.contains(line, " left")
             stop(child)
-        tap.equal(folder.names(), [])
+        tap.equal(folder.names(), ["scene.yaml"])
 
 
 def test_a_plan_stops_while_kernels_are_compiled():
