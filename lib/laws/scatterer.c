@@ -86,8 +86,8 @@ double asdic_scatterer_steepest(const asdic_scatterer *s, double least) {
     double from = fmin(fmax(least, LEAST), 1.0);
     largest l = {.least = from, .step = pow(1.0 / from, 1.0 / STEPS)};
     for (int i = 0; i < STEPS; i++, from *= l.step) {
-        double most = fmax(asdic_scatterer_strength(s, from),
-                           asdic_scatterer_strength(s, fmin(from * l.step, 1.0)));
+        double most =
+            fmax(asdic_scatterer_strength(s, from), asdic_scatterer_strength(s, from * l.step));
         l.most = fmax(l.most, most / from);
     }
     visit_angles(s, steepest_visit, &l);

@@ -105,6 +105,58 @@ static void narrow_peaks_are_found(void **state) {
     }
 }
 
+/* Where a made-up law has its peak of 0 dB: WIDTH wide re PLACE, the sine or the cosine; with a PLACE of 0, where that
+ * is less than 1e-7. */
+enum { PLACE, BY_COSINE, WIDTH };
+
+static double peaked_lin(const asdic_scatterer *s, const asdic_incidence *at) {
+    double x = s->made[BY_COSINE] > 0.0 ? sqrt(at->cos2) : at->sine, place = s->made[PLACE];
+    double off = place > 0.0 ? log(fmax(x, 1e-300) / place) / s->made[WIDTH] : x / 1e-7;
+    return exp(-off * off);
+}
+
+static double at_30_deg(const asdic_scatterer *s, size_t index) {
+    (void)s;
+    return index == 0 ? 30.0 : (double)NAN;
+}
+
+static const asdic_law smooth = {.strength_lin = peaked_lin};
+static const asdic_law knotted = {.strength_lin = peaked_lin, .knot_deg = at_30_deg};
+
+static asdic_scatterer peaked(double place, bool by_cosine) {
+    return (asdic_scatterer){.material = {.law = &smooth}, .made = {place, by_cosine, 0.1}};
+}
+
+/* Near grazing, near normal incidence, and at both ends; of a narrow one a knot tells. */
+static void peaks_are_searched_at_all_angles(void **state) {
+    (void)state;
+    static const double places[] = {0.0, 1e-6, 1e-5, 1e-3, 0.05, 0.28};
+    for (int by_cosine = 0; by_cosine < 2; by_cosine++) {
+        for (size_t i = 0; i < sizeof places / sizeof *places; i++) {
+            asdic_scatterer s = peaked(places[i], by_cosine);
+            assert_close(asdic_scatterer_most(&s, 100.0), 1.0, 0.1);
+        }
+    }
+    asdic_scatterer s = {.material = {.law = &knotted}, .made = {0.5, false, 1e-6}};
+    assert_close(asdic_scatterer_most(&s, 100.0), 1.0, 1e-9);
+}
+
+/* By the sine, a peak at a sine of 0.02 counts fiftyfold, one near normal incidence once. */
+static void the_steepest_share_is_searched_at_all_angles(void **state) {
+    (void)state;
+    static const struct {
+        double place;
+        bool by_cosine;
+        double least, right;
+    } cases[] = {{0.02, false, 1e-3, 50.0}, {0.5, false, 1e-3, 2.0}, {0.5, false, 0.3, 2.0},
+                 {1e-3, true, 0.3, 1.0},    {1e-6, true, 0.3, 1.0},  {0.0, true, 0.3, 1.0},
+                 {1e-6, false, 1e-9, 1e6}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        asdic_scatterer s = peaked(cases[i].place, cases[i].by_cosine);
+        assert_close_relative(asdic_scatterer_steepest(&s, cases[i].least), cases[i].right, 0.08);
+    }
+}
+
 /* A surface that is left out of echoes is still a mirror. */
 static void a_silent_surface_has_no_gain(void **state) {
     (void)state;
@@ -255,6 +307,8 @@ int main(void) {
         cmocka_unit_test(lamberts_law_is_a_squared_sine),
         cmocka_unit_test(a_curve_is_linear_between_its_angles),
         cmocka_unit_test(narrow_peaks_are_found),
+        cmocka_unit_test(peaks_are_searched_at_all_angles),
+        cmocka_unit_test(the_steepest_share_is_searched_at_all_angles),
         cmocka_unit_test(a_silent_surface_has_no_gain),
         cmocka_unit_test(what_is_set_is_got),
         cmocka_unit_test(equal_materials_scatter_alike),
