@@ -144,7 +144,9 @@ asdic_status asdic_roc_area(asdic_context *ctx, const double *none, const double
     area->low = fmax(area->value - half, 0.0);
     area->high = fmin(area->value + half, 1.0);
     if (variance == 0.0) { /* no overlap at all: an event seen in none of TRIALS */
-        area->low = fmin(area->low, 1.0 - asdic_estimate_of(0, trials).high);
+        double most = asdic_estimate_of(0, trials).high;
+        area->low = fmin(area->low, 1.0 - most);
+        area->high = fmax(area->high, most);
     }
     return ASDIC_OK;
 }

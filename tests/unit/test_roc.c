@@ -19,23 +19,69 @@ static void an_area_counts_pairs(void **state) {
     const double apart[3] = {10.0, 11.0, 12.0};
     assert_ok(ctx, asdic_roc_area(ctx, none, apart, 3, &area));
     assert_close(area.value, 1.0, 0.0);
-    assert_close(area.low, pow(0.005, 1.0 / 3.0), 1e-9); /* 3 draws say little */
+    assert_close(area.low, pow(0.005, 1.0 / 3.0), 1e-9);        /* 3 draws say little */
+    assert_ok(ctx, asdic_roc_area(ctx, apart, none, 3, &area)); /* nor the other way round */
+    assert_close(area.value, 0.0, 0.0);
+    assert_close(area.high, 1.0 - pow(0.005, 1.0 / 3.0), 1e-9);
     assert_status(ctx, asdic_roc_area(ctx, none, apart, 1, &area), ASDIC_ERROR_ARGUMENT);
+}
+
+/* The bounds by hand, of 99 %: the places of the draws with a target are 1/2, 1 and 2/3, those of the others 0, 1/6 and
+ * 2/3. Their variances of 7/108 and 13/108, over 3 draws each, make 5/81. */
+static void an_area_has_bounds_by_its_places(void **state) {
+    (void)state;
+    double none[3] = {1.0, 2.0, 3.0}, present[3] = {2.0, 5.0, 2.5}, apart[3] = {10.0, 11.0, 12.0};
+    const double half = 2.5758293035489004 * sqrt(5.0 / 81.0);
+    asdic_estimate area, difference;
+    assert_ok(ctx, asdic_roc_area(ctx, none, present, 3, &area));
+    assert_close(area.low, 6.5 / 9.0 - half, 1e-12);
+    assert_close(area.high, 1.0, 0.0); /* not beyond */
+    assert_ok(ctx, asdic_roc_area(ctx, present, none, 3, &area));
+    assert_close(area.high, 2.5 / 9.0 + half, 1e-12);
+    assert_close(area.low, 0.0, 0.0);
+    /* All places of draws apart are alike: the difference varies as the one area does. */
+    asdic_roc a = {.trials = 3, .none = none, .present = present}, b = a;
+    b.present = apart;
+    assert_ok(ctx, asdic_roc_compare(ctx, &a, &b, &difference));
+    assert_close(difference.value, 2.5 / 9.0, 1e-12);
+    assert_close(difference.low, 2.5 / 9.0 - half, 1e-12);
+    assert_close(difference.high, 2.5 / 9.0 + half, 1e-12);
+    b.trials = 2;
+    assert_status(ctx, asdic_roc_compare(ctx, &a, &b, &difference), ASDIC_ERROR_ARGUMENT);
+    assert_status(ctx, asdic_roc_compare(ctx, NULL, &a, &difference), ASDIC_ERROR_ARGUMENT);
+    assert_status(ctx, asdic_roc_compare(ctx, &a, NULL, &difference), ASDIC_ERROR_ARGUMENT);
+    assert_status(ctx, asdic_roc_compare(ctx, &a, &a, NULL), ASDIC_ERROR_ARGUMENT);
+}
+
+/* The same error moves both bands: its end, not the widest of ends. */
+static void bands_compare_end_by_end(void **state) {
+    (void)state;
+    const asdic_roc a = {.model_pd = {0.2, 0.6}}, b = {.model_pd = {0.5, 0.7}};
+    const asdic_roc none = {.model_pd = {NAN, NAN}};
+    asdic_band band = asdic_roc_compare_model(&a, &b);
+    assert_close(band.low, 0.1, 1e-15);
+    assert_close(band.high, 0.3, 1e-15);
+    band = asdic_roc_compare_model(&b, &a);
+    assert_close(band.low, -0.3, 1e-15);
+    assert_close(band.high, -0.1, 1e-15);
+    assert_true(isnan(asdic_roc_compare_model(&a, &none).low));
+    assert_true(isnan(asdic_roc_compare_model(&none, &b).high));
+    assert_true(isnan(asdic_roc_compare_model(NULL, &b).low));
+    assert_true(isnan(asdic_roc_compare_model(&a, NULL).low));
 }
 
 /* More draws than are sorted at a time, of few values: pairs in order and ties counted in whole
  * numbers. */
-static void an_area_of_many_draws_counts_pairs(void **state) {
-    (void)state;
-    enum { DRAWS = 200001, VALUES = 997 };
-    double *none = malloc(2 * DRAWS * sizeof *none), *present = none + DRAWS;
-    static uint64_t seen[2][VALUES];
+static void count_pairs(size_t draws) {
+    enum { VALUES = 997 };
+    double *none = malloc(2 * draws * sizeof *none), *present = none + draws;
+    uint64_t seen[2][VALUES] = {{0}};
     uint64_t number = 1, twice = 0, below = 0;
-    for (size_t i = 0; i < 2 * DRAWS; i++) {
+    for (size_t i = 0; i < 2 * draws; i++) {
         number = number * 6364136223846793005u + 1442695040888963407u;
         uint64_t value = (number >> 40) % VALUES;
-        value = i < DRAWS ? value * value / VALUES : value; /* less often high without a target */
-        seen[i >= DRAWS][value]++;
+        value = i < draws ? value * value / VALUES : value; /* less often high without a target */
+        seen[i >= draws][value]++;
         none[i] = (double)value;
     }
     for (size_t v = 0; v < VALUES; v++) {
@@ -43,9 +89,15 @@ static void an_area_of_many_draws_counts_pairs(void **state) {
         below += seen[0][v];
     }
     asdic_estimate area;
-    assert_ok(ctx, asdic_roc_area(ctx, none, present, DRAWS, &area));
-    assert_close(area.value, 0.5 * (double)twice / DRAWS / DRAWS, 1e-10);
+    assert_ok(ctx, asdic_roc_area(ctx, none, present, draws, &area));
+    assert_close(area.value, 0.5 * (double)twice / (double)draws / (double)draws, 1e-10);
     free(none);
+}
+
+static void an_area_of_many_draws_counts_pairs(void **state) {
+    (void)state;
+    count_pairs(100000); /* two blocks, merged once */
+    count_pairs(200001); /* four, merged twice */
 }
 
 typedef struct stopper {
@@ -112,11 +164,20 @@ static void closed_forms_lie_in_the_bounds(void **state) {
             outside += p->design_pfa < p->pfa.low || p->design_pfa > p->pfa.high;
         }
         assert_true(outside <= 6); /* of 98 that hang together */
+        for (size_t i = 0; t == 1 && i + 1 < roc->point_count; i++) {
+            const asdic_roc_point *p = &roc->points[i]; /* eight a decade, e^-z and e^-(z / 5) */
+            assert_close_relative(p->design_pfa, pow(10.0, (double)i / 8.0 - 6.0), 1e-12);
+            assert_close(p->threshold_db, 10.0 * log10(-1e-9 * log(p->design_pfa)), 1e-9);
+            assert_close_relative(p->closed_pd, pow(p->design_pfa, 0.2), 1e-9);
+        }
         asdic_roc_destroy(&roc);
     }
     asdic_roc *chance = compute(0.0, 2, ASDIC_TARGET_SWERLING1, 1);
     assert_close(chance->closed_area, 0.5, 1e-7);
     assert_true(chance->area.low < 0.5 && chance->area.high > 0.5);
+    for (size_t i = 0; i < chance->trials; i++) { /* each kind has its own random numbers */
+        assert_true(chance->none[i] != chance->present[i]);
+    }
     asdic_roc_destroy(&chance);
 }
 
@@ -236,6 +297,8 @@ static void bands_hold_what_the_laws_leave_open(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(an_area_counts_pairs),
+        cmocka_unit_test(an_area_has_bounds_by_its_places),
+        cmocka_unit_test(bands_compare_end_by_end),
         cmocka_unit_test(an_area_of_many_draws_counts_pairs),
         cmocka_unit_test(an_area_can_be_stopped),
         cmocka_unit_test(closed_forms_lie_in_the_bounds),
