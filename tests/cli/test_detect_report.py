@@ -1,0 +1,151 @@
+"""asdic detect: what is printed is what --json says; which options go together; whose detector it is."""
+import json
+import os
+
+import tap
+from program import Folder, asdic, need_device
+
+# A ball before nine beams side by side, which all hear it.
+SCENE = """version: 1
+bottom: {depth_m: 20, type: sand}
+objects:
+  - {name: ball, sphere: {radius_m: 1}, position_m: [20, 0, 8], material: {impedance_mrayl: 45}}
+sonar:
+  frequency_khz: 100
+  bin_length_m: 0.5
+  source_level_db: 220
+  receivers: {fan: {count: 9, sector_deg: 4, length_h_m: 0.1, length_v_m: 0.1}}
+  speckle: rayleigh
+mission: {pose: {position_m: [0, 0, 8]}, pings: 4}
+sampling: {rays: 1000}
+detector: {pfa: 1.0e-2, target: swerling3, prior: 0.2, snr_db: 12}
+output: {images: [], csv: none}
+"""
+
+
+def made(folder, text=SCENE):
+    """A run of the scene in out."""
+    folder.write("scene.yaml", text)
+    asdic("run", "scene.yaml", "-q", "-f", "-o", "out", cwd=folder.path).check(0)
+
+
+def report(folder, *options):
+    done = asdic("detect", "out", "--json", "--force", "--cell", "5", *options, cwd=folder.path)
+    return json.loads(done.check(0).out)
+
+
+def sight_row(seen, beam):
+    row = f"{seen['object']:20} {beam:20} {seen['pings_detected']:5}/{seen['pings_seen']:<5} " \
+          f"{seen['range_m']:6.4g} m {seen['snr_db']:6.1f} dB {seen['pd']:8.4f} " \
+          f"{'yes' if seen['detected'] else 'no':>7}"
+    band = seen["model_pd"]
+    if band["low"] is not None:
+        row += f"   P_D {band['low']:.4f}..{band['high']:.4f} by laws"
+    return row
+
+
+def test_text_says_what_json_says():
+    need_device()
+    with Folder() as folder:
+        made(folder)
+        said = report(folder)
+        done = asdic("detect", "out", "--force", cwd=folder.path).check(0)
+        lines = done.out.splitlines()
+        for row in said["confusion"]:
+            rate = row["detected"] / row["bins"] if row["bins"] else 0
+            predicted = "" if row["predicted"] is None else f"{row['predicted']:.1f}"
+            text = f"{row['truth']:24} {row['bins']:12} {row['detected']:12} {predicted:>12} {rate:10.3g}"
+            tap.equal(text in lines, row["bins"] > 0 or row["truth"] == "none", text)
+            told = f"  {row['truth']}: "
+            tap.equal(told in done.out, row["bins"] > 0 and row["truth"] in ("ghost", "faint", "none"), told)
+        rate = said["pfa_measured"]
+        tap.contains(done.out, f"P_FA: design 0.01, measured {rate['value']:.4g}, 99 % bounds "
+                               f"{rate['low']:.4g}..{rate['high']:.4g}\n")
+        tracks = said["tracks"]
+        tap.equal(lines[-1], f"tracks: {tracks['begun']} begun, {tracks['confirmed']} confirmed, "
+                             f"{tracks['on_objects']} of these on objects; of false alarms alone "
+                             f"{tracks['by_chance']:.2g} are to be expected")
+        tap.contains(done.err, f"out: detections.csv ({said['detections']}), tracks.csv, occupancy.png")
+        tap.equal(said["detections"], sum(row["detected"] for row in said["confusion"]), "detections")
+        # Of nine beams the one in which the ball stands out most.
+        tap.equal([s["object"] for s in said["objects"]], ["ball"] * 9, "nine beams hear it")
+        best = max(said["objects"], key=lambda s: s["snr_db"])
+        tap.contains(done.out, "\n" + sight_row(best, best["beam"] + ", best of 9") + "\n")
+
+
+def test_means_have_no_false_alarms():
+    """Without speckle; of eight beams each is listed."""
+    need_device()
+    with Folder() as folder:
+        made(folder, SCENE.replace("speckle: rayleigh", "speckle: none").replace("count: 9", "count: 8"))
+        done = asdic("detect", "out", cwd=folder.path).check(0)
+        tap.contains(done.err, "warning: the scene has 'speckle: none'")
+        tap.lacks(done.out, "P_FA")
+        tap.lacks(done.out, "of false alarms alone")
+        said = report(folder)
+        tap.equal((said["speckle"], len(said["objects"])), (False, 8), "means of eight beams")
+        tap.contains(done.out, "\n".join(sight_row(s, s["beam"]) for s in said["objects"]) + "\n")
+
+
+def test_options_replace_one_number_each():
+    need_device()
+    keys = "target", "pfa", "prior", "snr_db", "cost_ratio"
+    own = ["swerling3", 0.01, 0.2, 12, None]
+    with Folder() as folder:
+        made(folder)
+        some = ["--target", "swerling0", "--prior", "0.999", "--snr", "-20"]
+        for options, right in (([], own), (some, ["swerling0", 0.01, 0.999, -20, None]),
+                               (["--pfa", "0.5"], ["swerling3", 0.5, 0.2, 12, None]),
+                               (["--cost", "50"], ["swerling3", 0.01, 0.2, 12, 50])):
+            said = report(folder, *options)
+            tap.equal([said[k] for k in keys], right, " ".join(options))
+        tap.equal((said["cfar"], said["background"]), (False, "flat"))
+        for options in ["--cfar", "os"], ["--background", "cfar"]:
+            done = asdic("detect", "out", "--json", "-f", *options, "--cfar-cells", "1", cwd=folder.path).check(0)
+            tap.lacks(done.err, "background")  # which is as it was asked for
+            said = json.loads(done.out)
+            tap.equal((said["cfar"], said["background"]), (True, "cfar"), " ".join(options))
+        # Where the scene has costs, a P_FA that is typed takes their place.
+        made(folder, SCENE.replace("pfa: 1.0e-2", "cost_ratio: 30"))
+        tap.equal(report(folder)["cost_ratio"], 30)
+        tap.equal(report(folder, "--pfa", "0.1")["cost_ratio"], None)
+
+
+def test_options_that_exclude_each_other():
+    with Folder() as folder:
+        for options, why in ((["--cost", "2", "--pfa", "0.1"], "--cost and --pfa are two thresholds"),
+                             (["--cfar", "ca", "--background", "flat"], "leave --background flat out"),
+                             (["--cfar-cells", "9"], "--cfar-cells and --cfar-guard go with --cfar"),
+                             (["--cfar-guard", "1"], "--cfar-cells and --cfar-guard go with --cfar"),
+                             (["-o", "other"], "--output goes with a scene")):
+            tap.contains(asdic("detect", folder.path, *options).check(2).err, why)
+
+
+def test_numbers_have_limits():
+    """As the manual has them; there is no scene, which is another error than a wrong option."""
+    limits = {"pfa": (1e-12, 0.5), "prior": (1e-9, 0.999), "snr": (-20, 60), "truth": (-20, 60), "cell": (0.001, 1000),
+              "cfar-cells": (1, 256), "cfar-guard": (0, 256), "cost": (1e-6, 1e12)}
+    beyond = {"pfa": (0.9e-12, 0.51), "prior": (0.9e-9, 0.9991), "snr": (-20.1, 60.1), "truth": (-20.1, 60.1),
+              "cell": (0.0009, 1001), "cfar-cells": (0, 257), "cfar-guard": (-1, 257), "cost": (0.9e-6, 1.1e12)}
+
+    def detect(numbers, end):
+        return asdic("detect", "/nonexistent.yaml", "--cfar", "ca", *(f"--{k}={v[end]}" for k, v in numbers.items()))
+
+    for end in 0, 1:
+        detect({k: v for k, v in limits.items() if k != "cost"}, end).check(3)
+        detect({k: v for k, v in limits.items() if k != "pfa"}, end).check(3)
+        told = detect(beyond, end).check(2).err
+        for option in limits:
+            tap.contains(told, f"option '--{option}': ")
+
+
+def test_a_scene_is_run_first():
+    need_device()
+    with Folder() as folder:
+        folder.write("scene.yaml", SCENE)
+        asdic("detect", "scene.yaml", "-q", cwd=folder.path).check(0, err="")
+        tap.equal("detections.csv" in os.listdir(folder / "run_scene"), True, "its folder")
+        asdic("detect", "scene.yaml", "-q", cwd=folder.path).check(1)
+
+
+tap.main(globals())
