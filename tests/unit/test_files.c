@@ -6,6 +6,7 @@
 
 #include "base/context.h"
 #include "out/file.h"
+#include "out/grey_png.h"
 #include "out/png_file.h"
 
 #include <errno.h>
@@ -179,6 +180,22 @@ static void what_the_disk_refuses_is_told(void **state) {
     assert_int_equal(rmdir(part), 0);
 }
 
+/* Under its name when it is whole; where that cannot be, nothing stays. */
+static void files_written_soon_are_whole(void **state) {
+    (void)state;
+    char none[80];
+    assert_int_equal(asdic_write_soon(ctx, name, "whole", 5), ASDIC_OK);
+    assert_true(holds(name, "whole"));
+    assert_int_equal(unlink(name), 0);
+    assert_int_equal(mkdir(name, 0777), 0);
+    assert_int_equal(asdic_write_soon(ctx, name, "whole", 5), ASDIC_ERROR_IO);
+    assert_contains(asdic_context_error(ctx), "Is a directory");
+    assert_int_equal(rmdir(name), 0);
+    snprintf(none, sizeof none, "%s/none/soon", folder);
+    assert_int_equal(asdic_write_soon(ctx, none, "x", 1), ASDIC_ERROR_IO);
+    assert_contains(asdic_context_error(ctx), "No such file or directory");
+}
+
 /* The check value of CRC-32 is that of the nine digits; of many bytes it is zlib's in one piece. */
 static void sums_are_zlibs(void **state) {
     (void)state;
@@ -314,6 +331,7 @@ int main(void) {
         cmocka_unit_test(another_writers_file_is_left_to_it),
         cmocka_unit_test(links_are_replaced),
         cmocka_unit_test(what_the_disk_refuses_is_told),
+        cmocka_unit_test(files_written_soon_are_whole),
         cmocka_unit_test(sums_are_zlibs),
         cmocka_unit_test(png_says_resolution_and_letters),
         cmocka_unit_test(png_asks_for_each_row_once),
