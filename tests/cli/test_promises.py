@@ -6,6 +6,8 @@ of every formula's keys, options and operands of every command. promises.txt hol
 
 A limit or a default that changes makes old scene files fail, or mean something else, without a word.
 """
+import functools
+import itertools
 import json
 import math
 import pathlib
@@ -38,11 +40,13 @@ def leaves(value, path):
         yield f"{path} = {json.dumps(value)}"
 
 
+@functools.cache
 def commands():
     listed = asdic("help").check(code=0).out.split("commands:")[1]
     return re.findall(r"^  (\w+) ", listed, re.M)
 
 
+@functools.cache
 def usage(command):
     return asdic(command, "--help").check(code=0).out
 
@@ -57,21 +61,24 @@ def options(command):
         yield f"{command} {letter}{name}{argument}"
 
 
-def refusal(command, option, value):
-    """What COMMAND says of a value that OPTION does not take; None where it takes it."""
-    for line in asdic(command, f"{option}={value}", "nowhere.yaml").err.splitlines():
-        if line.startswith(f"error: option '{option}': '{value}' is "):
-            return line.split(f"'{value}' is ")[1]
-    return None
+def refusals(command, values):
+    """{option: what COMMAND says of its value} of those of VALUES, {option: value}, that it does not take."""
+    told, given = {}, [f"{option}={value}" for option, value in values.items()]
+    for line in asdic(command, *given, "nowhere.yaml").err.splitlines():
+        name, says, rest = line.removeprefix("error: option '").partition("': ")
+        if says and rest.startswith(f"'{values.get(name)}' is "):
+            told[name] = rest.removeprefix(f"'{values[name]}' is ")
+    return told
 
 
-def ranges():
-    """(command, option, what its values are) of all options that take no '?'."""
-    for command in commands():
-        for _, name, argument in re.findall(OPTION, option_lines(command), re.M):
-            told = refusal(command, name, "?") if argument else None
-            if told:
-                yield command, name, told.replace("not ", "")
+@functools.cache
+def ranges(command):
+    """[{option: what its values are}] of all options that take no '?': those that are judged together, then each
+    of the others."""
+    names = [name for _, name, argument in re.findall(OPTION, option_lines(command), re.M) if argument]
+    together = refusals(command, dict.fromkeys(names, "?"))
+    alone = [refusals(command, {name: "?"}) for name in names if name not in together]
+    return [{name: told.replace("not ", "") for name, told in some.items()} for some in [together, *alone]]
 
 
 def promises():
@@ -80,8 +87,8 @@ def promises():
     for command in commands():
         yield f"command {usage(command).splitlines()[0]}"
         yield from options(command)
-    for command, name, values in ranges():
-        yield f"{command} {name}: {values}"
+        for some in ranges(command):
+            yield from (f"{command} {name}: {values}" for name, values in some.items())
 
 
 def edges(values):
@@ -108,14 +115,20 @@ def edges(values):
     return (words[1].split(", "), [words[1].split(", ")[0] + "x"]) if words else ([], [])
 
 
+def rounds(values):
+    """{option: value}, one of VALUES, {option: [value, ...]}, each."""
+    for some in itertools.zip_longest(*values.values()):
+        yield {name: value for name, value in zip(values, some) if value is not None}
+
+
 def test_limits_of_options_are_where_they_are_said_to_be():
-    for command, name, values in ranges():
-        taken, refused = edges(values)
-        for value in taken:
-            tap.equal(refusal(command, name, value), None, f"{command} {name}={value}")
-        for value in refused:
-            told = refusal(command, name, value)
-            tap.equal((told or "taken").split(";")[0], f"not {values}", f"{command} {name}={value}")
+    for command in commands():
+        for some in ranges(command):
+            for given in rounds({name: edges(values)[0] for name, values in some.items()}):
+                tap.equal(refusals(command, given), {}, f"{command} {given}")
+            for given in rounds({name: edges(values)[1] for name, values in some.items()}):
+                told = {name: says.split(";")[0] for name, says in refusals(command, given).items()}
+                tap.equal(told, {name: f"not {some[name]}" for name in given}, f"{command} {given}")
 
 
 def test_promises_are_kept():
