@@ -5,10 +5,13 @@ import io
 import json
 import math
 import random
+import sys
 
 import tap
 from program import Folder, asdic, need_device
 from run_folder import data, facts
+
+FULL = "full" in sys.argv and not sys.argv.remove("full")
 
 SCENE = """version: 1
 environment: {water}
@@ -172,7 +175,7 @@ def test_a_run_keeps_the_form_and_the_points():
 
 
 def test_the_plan_bounds_what_simpler_forms_leave_out():
-    """Twenty profiles, a track that dives: at places that the plan does not look at the change is within its bound."""
+    """Nine profiles, sixty in the full tier, a track that dives: at places that the plan does not look at the change is within its bound."""
     draw = random.Random(20)
     depths = [4.0, 4.7, 5.6, 6.5, 7.3, 8.2, 8.8]
     with Folder() as folder:
@@ -181,7 +184,7 @@ def test_the_plan_bounds_what_simpler_forms_leave_out():
             "noise: {{enabled: false}}", "noise: {{enabled: true}}").replace(
                 "source_level_db: 0", "source_level_db: 150").replace("ping_rate_hz: 10", "ping_rate_hz: 20")
         needed = {"off": 0, "layer": 0, "full": 0}
-        for number in range(20):
+        for number in range(60 if FULL else 9):
             count = draw.randint(2, 6)
             depth = sorted(draw.uniform(0, 14) for _ in range(count))
             slope, rough = draw.uniform(-1, 1) * (number % 3 > 0), 10 ** draw.uniform(-3.5, 1 - 4 * (number % 3 == 2))

@@ -293,10 +293,10 @@ def test_size_is_foretold():
 
 
 def test_what_does_not_fit_is_refused():
-    """42 MB a ping, half a million pings: 21 TB, which no disk of these days has left."""
+    """8 MB a ping, two and a half million pings: 21 TB, which no disk of these days has left."""
     with Folder() as folder:
-        text = scene(folder, pings=500000, rays=500, receivers=FAN.replace("65", "512"))
-        folder.write("pool.yaml", folder.read("pool.yaml").replace("bin_length_m: 1", "bin_length_m: 0.01").replace(
+        text = scene(folder, pings=2500000, rays=500, receivers=FAN.replace("65", "512"))
+        folder.write("pool.yaml", folder.read("pool.yaml").replace("bin_length_m: 1", "bin_length_m: 0.05").replace(
             "[waterfall, ascope, fan]", "[]"))
         done = asdic("run", text, "-o", folder / "r").check(code=1)
         tap.contains(done.err, "room for")

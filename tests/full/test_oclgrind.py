@@ -172,7 +172,7 @@ def check_ping(name, kernel):
 
 
 def test_a_ping():
-    check_ping("mirrors", FRUSTUM64)
+    check_ping("point", FRUSTUM64)
 
 
 def test_a_fan():
