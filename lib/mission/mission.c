@@ -109,6 +109,10 @@ const asdic_mission_object *asdic_mission_get_object(const asdic_mission *missio
     return mission && index < mission->object_count ? &mission->objects[index] : NULL;
 }
 
+const asdic_mission_object *asdic_mission_bottom_mesh(const asdic_mission *mission) {
+    return mission->object_count && !mission->objects[0].name[0] ? mission->objects : NULL;
+}
+
 size_t asdic_mission_ping_count(const asdic_mission *mission) {
     return mission ? mission->ping_count : 0;
 }
@@ -239,11 +243,8 @@ asdic_status asdic_mission_choose(asdic_context *ctx, asdic_mission *mission,
         return ASDIC_OK;
     }
     asdic_scene_set_bottom(mission->scene, &choices->bottom);
-    for (size_t i = 0; i < mission->object_count; i++) {
-        asdic_mission_object *object = &mission->objects[i];
-        if (object->name[0] == 0) {
-            object->material = choices->bottom;
-        }
+    if (asdic_mission_bottom_mesh(mission)) {
+        mission->objects[0].material = choices->bottom;
     }
     return ASDIC_OK;
 }

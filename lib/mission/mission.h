@@ -71,6 +71,9 @@ asdic_status asdic_mission_load_like(asdic_context *ctx, const char *path, const
                                      const asdic_mission *const *bases, size_t count,
                                      asdic_mission **out);
 
+/* The bottom where it is a mesh or grid: the first object, which has no name. Else NULL. */
+const asdic_mission_object *asdic_mission_bottom_mesh(const asdic_mission *mission);
+
 /* Whether the scene file at PATH, with what it includes, says what the mission with HASH did. */
 bool asdic_mission_has_hash(const char *path, const char *hash);
 

@@ -107,9 +107,7 @@ asdic_status asdic_eye_open(asdic_eye *eye, const asdic_mission *mission, double
         eye->environment = mission->settings.environment;
     }
     if (background == ASDIC_TRIAL_AUTO) {
-        /* A bottom from a file is the first object, and has no name. */
-        bool is_file = mission->object_count > 0 && !mission->objects[0].name[0];
-        background = is_file ? ASDIC_TRIAL_OS : ASDIC_TRIAL_FLAT;
+        background = asdic_mission_bottom_mesh(mission) ? ASDIC_TRIAL_OS : ASDIC_TRIAL_FLAT;
     }
     eye->is_flat = background == ASDIC_TRIAL_FLAT;
     cfar.kind = background == ASDIC_TRIAL_CA ? ASDIC_CFAR_CA : ASDIC_CFAR_OS;

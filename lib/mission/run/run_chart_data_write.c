@@ -4,6 +4,7 @@
 #include "base/file_read.h"
 #include "base/try.h"
 #include "base/vec.h"
+#include "mission/mission.h"
 #include "out/axis.h"
 #include "out/digits.h"
 #include "out/file.h"
@@ -42,17 +43,6 @@ static extent reach_of(const asdic_mission *mission) {
         asdic_sonar_max_range_m(sonar, asdic_environment_sound_speed_mps(env, depth_m));
     return (extent){e.south_m - range_m, e.west_m - range_m, e.north_m + range_m,
                     e.east_m + range_m};
-}
-
-/* The bottom when it is a mesh or grid; it comes before the objects and has no name. */
-static const asdic_mission_object *bottom_of(const asdic_mission *mission) {
-    for (size_t i = 0; i < asdic_mission_object_count(mission); i++) {
-        const asdic_mission_object *object = asdic_mission_get_object(mission, i);
-        if (object->name[0] == 0) {
-            return object;
-        }
-    }
-    return NULL;
 }
 
 /* Whole cells round the bottom within reach; false where there is none. */
@@ -117,7 +107,7 @@ static void put_relief(FILE *stream, const asdic_relief *r) {
 
 static asdic_status write_terrain(asdic_context *ctx, const asdic_mission *mission,
                                   const char *path) {
-    const asdic_mission_object *bottom = bottom_of(mission);
+    const asdic_mission_object *bottom = asdic_mission_bottom_mesh(mission);
     asdic_relief relief;
     asdic_file *file = NULL;
     if (!bottom || !lay_out(mission, bottom, &relief)) {

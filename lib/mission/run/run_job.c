@@ -36,10 +36,8 @@ static asdic_status check_range(asdic_run_job *job) {
 }
 
 static const char *bottom_of(const asdic_mission *mission) {
-    for (size_t i = 0; i < asdic_mission_object_count(mission); i++) {
-        if (asdic_mission_get_object(mission, i)->name[0] == 0) {
-            return ASDIC_RUN_BOTTOM_MESH;
-        }
+    if (asdic_mission_bottom_mesh(mission)) {
+        return ASDIC_RUN_BOTTOM_MESH;
     }
     return asdic_scene_get_info(asdic_mission_scene(mission)).has_bottom_plane
                ? ASDIC_RUN_BOTTOM_PLANE

@@ -140,9 +140,7 @@ static uint64_t fixed_bytes(const asdic_mission *m, size_t pings) {
             (m->settings.output.images & 1u << image) && (pings > 1 || !picture_sizes[i].needs_two);
         bytes += is_drawn ? count * picture_sizes[i].bytes : 0;
     }
-    for (size_t i = 0; i < m->object_count; i++) {
-        bytes += m->objects[i].name[0] == 0 ? TERRAIN_BYTES : 0; /* the bottom */
-    }
+    bytes += asdic_mission_bottom_mesh(m) ? TERRAIN_BYTES : 0;
     return bytes;
 }
 
