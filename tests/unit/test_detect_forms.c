@@ -138,6 +138,40 @@ static void ends_are_as_they_should_be(void **state) {
     assert_true(isnan(asdic_detect_pfa(&one_look, NAN)));
 }
 
+/* ln of the sum over textures e^v of clutter of MEAN e^v and a target that changes from look to look, by 200,000
+ * nodes from where nothing of it is left to where nothing is left. */
+static double log_average(const asdic_background *b, double snr, double x) {
+    enum { NODES = 200000 };
+    static double part[NODES];
+    double most = -INFINITY, sum = 0.0, m = (double)b->looks;
+    for (int i = 0; i < NODES; i++) {
+        double v = 8.0 - (8.0 + 45.0 / b->shape) * i / NODES, mean = exp(v) + snr;
+        part[i] = b->shape * (v - exp(v)) - m * log(mean) - x / mean;
+        most = fmax(most, part[i]);
+    }
+    for (int i = 0; i < NODES; i++) {
+        sum += exp(part[i] - most);
+    }
+    return most + log(sum);
+}
+
+static void textures_are_averaged(void **state) {
+    (void)state;
+    static const struct {
+        unsigned looks;
+        double shape, snr, times; /* what is heard, over the clutter's mean */
+    } cases[] = {{1, 0.5, 3.0, 2.0},     {1, 0.5, 3.0, 40.0},   {30, 2.0, 5.0, 0.5},
+                 {400, 3.0, 10.0, 30.0}, {1000, 1.0, 4.0, 9.0}, {1000, 40.0, 0.5, 1.2},
+                 {10, 0.1, 20.0, 300.0}, {1, 90.0, 1.0, 100.0}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const asdic_background b = {MEAN, cases[i].looks, cases[i].shape, 0.0};
+        double x = cases[i].looks * cases[i].times, snr = cases[i].snr;
+        assert_close(
+            asdic_detect_llr(&b, ASDIC_TARGET_SWERLING2, snr * MEAN, cases[i].times * MEAN),
+            log_average(&b, snr, x) - log_average(&b, 0.0, x), 1e-8);
+    }
+}
+
 static void thresholds_invert_the_exponential(void **state) {
     (void)state;
     static const double good[] = {1e-300, 1e-6, 0.5, 0.999999, 1.0},
@@ -238,6 +272,7 @@ int main(void) {
         cmocka_unit_test(three_looks_are_gamma_distributed),
         cmocka_unit_test(a_steady_target_has_bessels_function),
         cmocka_unit_test(ends_are_as_they_should_be),
+        cmocka_unit_test(textures_are_averaged),
         cmocka_unit_test(thresholds_invert_the_exponential),
         cmocka_unit_test(thresholds_invert_the_likelihood),
         cmocka_unit_test(odds_and_costs_multiply),
