@@ -7,6 +7,8 @@
 
 #include <asdic/expected.h>
 
+#include "sim/environment.h"
+
 #include <math.h>
 
 static asdic_status check(asdic_environment env) {
@@ -72,6 +74,12 @@ static void a_profile_has_its_limits(void **state) {
     env = cast(3, depth, speed);
     env.sound_speed_profile.points = 65;
     REFUSED(env, "has 65 points", "[2, 64]");
+    for (int i = 0; i < 64; i++) {
+        env.sound_speed_profile.depth_m[i] = i;
+        env.sound_speed_profile.sound_speed_mps[i] = 1490.0;
+    }
+    env.sound_speed_profile.points = 64;
+    assert_ok(ctx, check(env));
     REFUSED(cast(3, (const double[]){0.0, 8.0, 8.0}, speed), "point 3", "8 m is not below the 8 m");
     REFUSED(cast(3, (const double[]){0.0, 8.0, 7.0}, speed), "point 3", "not below");
     REFUSED(cast(3, (const double[]){-1.0, 8.0, 9.0}, speed), "point 1", "-1 m", "[0, 11000]");
@@ -84,6 +92,17 @@ static void a_profile_has_its_limits(void **state) {
     env.layer_from_m = 7.0;
     env.layer_to_m = 5.0;
     REFUSED(env, "from 7 m to 5 m");
+    env.layer_to_m = 7.0;
+    assert_ok(ctx, check(env));
+    env.layer_from_m = 0.0;
+    assert_ok(ctx, check(env));
+    env.layer_to_m = 11001.0;
+    REFUSED(env, "from 0 m to 11001 m");
+    env.layer_from_m = -1.0;
+    env.layer_to_m = 5.0;
+    REFUSED(env, "from -1 m to 5 m");
+    env.refraction = ASDIC_REFRACTION_FULL;
+    assert_ok(ctx, check(env));
 }
 
 /* A gradient that would take the sound speed to 0 is refused with the depth. */
@@ -99,6 +118,8 @@ static void a_gradient_is_checked_over_the_depths_of_a_scene(void **state) {
     assert_ok(ctx, asdic_environment_check_depths(ctx, &env, 0.0, 210.0));
     assert_status(ctx, asdic_environment_check_depths(ctx, &env, 0.0, 211.0), ASDIC_ERROR_ARGUMENT);
     assert_contains(asdic_context_error(ctx), "1700 m/s at a depth of 210 m, and");
+    env.sound_speed_gradient_per_s = -1.0;
+    assert_ok(ctx, asdic_environment_check_depths(ctx, &env, 190.0, 190.0)); /* 1300 m/s */
 }
 
 /* The speed at a depth: on the lines between the points and at both ends; what bends says whether it
@@ -208,10 +229,55 @@ static void places_differ_by_what_matters(void **state) {
     assert_true(asdic_expected_is_near(&a, &b, 0.01, 0.1));
 }
 
+static void the_default_is_moderate_water(void **state) {
+    (void)state;
+    asdic_environment env = asdic_environment_default();
+    assert_true(env.temperature_degc == 10.0 && env.salinity_ppt == 35.0 && env.ph == 8.0);
+    assert_true(env.wind_speed_kn == 10.0 && env.shipping_density == 0.5);
+    assert_true(env.particle_strength_db == -90.0 && isnan(env.sound_speed_mps));
+}
+
+/* Of 3 dB a kilometre; the integral over a bin by 10,000 rectangles. */
+static void a_water_column_takes_its_share(void **state) {
+    (void)state;
+    asdic_environment env = asdic_environment_default();
+    asdic_sonar sonar = asdic_sonar_default();
+    const asdic_water_column water = {1500.0, 0.015, 3e-3 * log(10.0) / 10.0};
+    env.sound_speed_mps = 1500.0;
+    sonar.frequency_hz = 100e3;
+    assert_close_relative(asdic_water_column_at(&env, &sonar, 5.0).wavelength_m, 0.015, 1e-12);
+    double alpha = asdic_environment_absorption_db_per_km(&env, 100e3, 5.0);
+    assert_true(alpha > 30.0 && alpha < 40.0); /* 10 degC, 35 ppt, 100 kHz */
+    sonar.source_level_db = 183.0;
+    double source = pow(10.0, 18.3);
+    assert_close_relative(asdic_water_column_source_lin(&water, &env, &sonar), source, 1e-12);
+    env.variant = ASDIC_VARIANT_PRINTED;
+    assert_close_relative(asdic_water_column_source_lin(&water, &env, &sonar),
+                          source * pow(10.0, -3e-4), 1e-12);
+    /* The centre of bin 8 of 2 m is 17 m away: twice 16 m of absorption. */
+    assert_close_relative(asdic_water_column_loss(&water, 2.0, 8), pow(10.0, -3e-4 * 32.0) / 289.0,
+                          1e-12);
+    assert_true(asdic_water_column_volume(&water, 2.0, 10.0, 4) == 0.0);
+    assert_true(isinf(asdic_water_column_volume(&water, 2.0, 0.0, 0)));
+    assert_true(isfinite(asdic_water_column_volume(&water, 2.0, 0.5, 0)));
+    for (size_t bin = 5; bin < 30; bin += 12) {
+        double begin = fmax(2.0 * (double)bin, 11.0),
+               width = (2.0 * (double)bin + 2.0 - begin) / 1e4;
+        double sum = 0.0;
+        for (int i = 0; i < 10000; i++) {
+            double d = begin + (i + 0.5) * width;
+            sum += width * pow(10.0, -6e-4 * (d - 1.0)) / (d * d);
+        }
+        assert_close_relative(asdic_water_column_volume(&water, 2.0, 11.0, bin), sum, 1e-6);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_field_has_its_limits),
         cmocka_unit_test(a_profile_has_its_limits),
+        cmocka_unit_test(the_default_is_moderate_water),
+        cmocka_unit_test(a_water_column_takes_its_share),
         cmocka_unit_test(a_gradient_is_checked_over_the_depths_of_a_scene),
         cmocka_unit_test(speeds_come_from_the_profile),
         cmocka_unit_test(nan_stands_for_what_is_derived),
