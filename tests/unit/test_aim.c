@@ -1,0 +1,253 @@
+/* Where rays are sent: which lobes apertures get, how wide, with which share; how loud a direction may be. */
+#include "asserts.h"
+
+#include "base/vec.h"
+#include "sim/aim.h"
+
+#include <math.h>
+#include <string.h>
+
+#define DEGREE (ASDIC_PI / 180.0)
+#define WAVELENGTH_M 0.01
+#define MOST 40
+
+static dev_beam beams[MOST + 1];          /* the transmitter and its receivers */
+static dev_lobe lobes[DEV_MAX_LOBES + 1]; /* the last is none of them */
+
+/* A square aperture of 10 wavelengths. */
+static dev_beam look(double yaw_deg, double pitch_deg, double roll_deg) {
+    const asdic_beam beam = {.yaw_rad = yaw_deg * DEGREE,
+                             .pitch_rad = pitch_deg * DEGREE,
+                             .roll_rad = roll_deg * DEGREE,
+                             .length_h_m = 0.1,
+                             .length_v_m = 0.1};
+    const asdic_pose level = {.position_m = {1.0, 2.0, 3.0}};
+    return asdic_aim_beam(&beam, &level, WAVELENGTH_M);
+}
+
+static double turned(double degrees) {
+    return remainder(degrees, 360.0);
+}
+
+/* Where a ridge crosses the horizontal, degrees. */
+static double crossing_deg(const dev_lobe *lobe) {
+    return turned((double)lobe->beta_rad / DEGREE + 90.0 * (double)lobe->side);
+}
+
+static void beams_have_frames_of_the_world(void **state) {
+    (void)state;
+    const asdic_beam beam = {.yaw_rad = 0.3, .length_h_m = 0.2, .length_v_m = 0.05};
+    const asdic_pose pose = {.yaw_rad = 0.4};
+    dev_beam b = asdic_aim_beam(&beam, &pose, WAVELENGTH_M);
+    const double c = cos(0.7), s = sin(0.7), rows[9] = {c, s, 0, -s, c, 0, 0, 0, 1};
+    assert_close(b.length_h_wl, 20.0, 1e-5);
+    assert_close(b.length_v_wl, 5.0, 1e-5);
+    for (int i = 0; i < 9; i++) {
+        assert_close(b.rows[i], rows[i], 1e-6);
+    }
+}
+
+/* The half-power half-width of sinc^4 is 0.32 wavelengths per aperture. */
+static void alike_beams_share_a_lobe(void **state) {
+    (void)state;
+    beams[0] = beams[1] = look(40.0, 0.0, 0.0);
+    beams[2] = look(40.1, 0.0, 0.0);
+    assert_int_equal(asdic_aim_lobes(ASDIC_SAMPLER_ADAPTIVE, beams, 2, false, lobes), 1);
+    assert_close(crossing_deg(&lobes[0]), 40.0, 1e-4);
+    assert_true(lobes[0].scale_h > 0.028f && lobes[0].scale_h < 0.034f);
+    assert_true(lobes[0].limit_rad < 0.0f && lobes[0].margin_rad == 0.0f && lobes[0].tilt == 0.0f);
+    assert_true(lobes[0].share == 1.0f && lobes[0].share_begin == 0.0f);
+    /* Narrower by two, or aside by more than a width: a lobe of its own. */
+    beams[2].length_h_wl = 20.0f;
+    assert_int_equal(asdic_aim_lobes(ASDIC_SAMPLER_ADAPTIVE, beams, 2, false, lobes), 2);
+    assert_true(lobes[1].scale_h < 0.017f && lobes[1].share_begin == 0.5f);
+    beams[2].length_h_wl = 5.0f;
+    assert_int_equal(asdic_aim_lobes(ASDIC_SAMPLER_ADAPTIVE, beams, 2, false, lobes), 2);
+    beams[2] = look(42.5, 0.0, 0.0);
+    assert_int_equal(asdic_aim_lobes(ASDIC_SAMPLER_ADAPTIVE, beams, 2, false, lobes), 2);
+    beams[2] = look(-42.5, 0.0, 0.0);
+    assert_int_equal(asdic_aim_lobes(ASDIC_SAMPLER_ADAPTIVE, beams, 2, false, lobes), 2);
+    assert_close(crossing_deg(&lobes[1]), -42.5, 1e-4);
+    beams[2] = look(-140.0, 0.0, 0.0); /* the same ridge, its other half */
+    assert_int_equal(asdic_aim_lobes(ASDIC_SAMPLER_ADAPTIVE, beams, 2, false, lobes), 2);
+    assert_close(crossing_deg(&lobes[1]), -140.0, 1e-4);
+}
+
+/* On a ridge the direction cosine along the side is zero at every elevation. */
+static void check_ridge(const dev_lobe *lobe, const float *row) {
+    for (double elevation = -1.2; elevation < 1.3; elevation += 0.4) {
+        double off = -(double)lobe->tilt * tan(elevation);
+        if (fabs(off) <= 1.0) {
+            double azimuth = (double)lobe->beta_rad + (double)lobe->side * acos(off);
+            double along = (row[0] * cos(azimuth) + row[1] * sin(azimuth)) * cos(elevation) +
+                           row[2] * sin(elevation);
+            assert_close(along, 0.0, 1e-6);
+        }
+    }
+}
+
+static void rolled_beams_have_two_ridges(void **state) {
+    (void)state;
+    beams[0] = beams[1] = look(-70.0, 10.0, 45.0);
+    assert_int_equal(asdic_aim_lobes(ASDIC_SAMPLER_ADAPTIVE, beams, 1, false, lobes), 2);
+    bool is_first =
+        hypot(beams[0].rows[3], beams[0].rows[4]) > hypot(beams[0].rows[6], beams[0].rows[7]);
+    check_ridge(&lobes[0], beams[0].rows + (is_first ? 3 : 6));
+    check_ridge(&lobes[1], beams[0].rows + (is_first ? 6 : 3));
+    double level = hypot(beams[0].rows[3], beams[0].rows[4]);
+    assert_close_relative(
+        lobes[is_first ? 0 : 1].scale_h * level,
+        lobes[1].scale_h * hypot(beams[0].rows[is_first ? 6 : 3], beams[0].rows[is_first ? 7 : 4]),
+        1e-5);
+    /* On its side the vertical aperture leads; of a little roll one ridge matters. */
+    beams[0] = beams[1] = look(-70.0, 0.0, 90.0);
+    assert_int_equal(asdic_aim_lobes(ASDIC_SAMPLER_ADAPTIVE, beams, 1, false, lobes), 1);
+    check_ridge(&lobes[0], beams[0].rows + 6);
+    assert_close(crossing_deg(&lobes[0]), -70.0, 1e-3);
+    beams[0] = beams[1] = look(-70.0, 0.0, 20.0);
+    assert_int_equal(asdic_aim_lobes(ASDIC_SAMPLER_ADAPTIVE, beams, 1, false, lobes), 1);
+    check_ridge(&lobes[0], beams[0].rows + 3);
+}
+
+static void what_leaks_backwards_gets_rays(void **state) {
+    (void)state;
+    beams[0] = beams[1] = look(0.0, 0.0, 0.0);
+    assert_int_equal(asdic_aim_lobes(ASDIC_SAMPLER_ADAPTIVE, beams, 1, true, lobes), 2);
+    assert_close(lobes[0].share, 0.9, 1e-6);
+    assert_close(lobes[1].share, 0.1, 1e-6);
+    assert_close(lobes[1].share_begin, 0.9, 1e-6);
+    assert_close(lobes[1].limit_rad, ASDIC_PI, 1e-6);
+    assert_close(crossing_deg(&lobes[1]), 0.0, 1e-4);
+    assert_true(lobes[1].scale_h > 1e3f);
+}
+
+static void the_beam_sampler_looks_along_beams(void **state) {
+    (void)state;
+    beams[0] = beams[1] = look(20.0, 0.0, 0.0);
+    beams[1].length_v_wl = 9.0f; /* much the same */
+    beams[2] = look(20.0, 15.0, 0.0);
+    assert_int_equal(asdic_aim_lobes(ASDIC_SAMPLER_BEAM, beams, 2, false, lobes), 3);
+    for (int k = 0; k < 2; k++) {
+        assert_memory_equal(lobes[k].rows, beams[2 * k].rows, sizeof lobes[k].rows);
+        assert_true(lobes[k].scale_h == lobes[k].scale_v && lobes[k].scale_h > 0.028f &&
+                    lobes[k].scale_h < 0.034f);
+        assert_close(lobes[k].limit_rad, 90.0 * DEGREE, 1e-6);
+        assert_close(lobes[k].share, 0.45, 1e-6);
+    }
+    assert_close(lobes[2].share, 0.1, 1e-6);
+    assert_close(lobes[2].limit_rad, 90.0 * DEGREE, 1e-6);
+    asdic_aim_lobes(ASDIC_SAMPLER_BEAM, beams, 2, true, lobes);
+    assert_close(lobes[2].limit_rad, 180.0 * DEGREE, 1e-6);
+    /* A roll by ten degrees, or a height that differs by two, is another beam. */
+    beams[2] = look(20.0, 0.0, 10.0);
+    assert_int_equal(asdic_aim_lobes(ASDIC_SAMPLER_BEAM, beams, 2, false, lobes), 3);
+    beams[2] = look(20.0, 0.0, 0.0);
+    beams[2].length_v_wl = 20.0f;
+    assert_int_equal(asdic_aim_lobes(ASDIC_SAMPLER_BEAM, beams, 2, false, lobes), 3);
+    beams[2].length_v_wl = 5.0f;
+    assert_int_equal(asdic_aim_lobes(ASDIC_SAMPLER_BEAM, beams, 2, false, lobes), 3);
+    beams[0] = look(20.0, 3.0, 0.0);
+    beams[1] = beams[2] = look(20.0, -3.0, 0.0);
+    assert_int_equal(asdic_aim_lobes(ASDIC_SAMPLER_BEAM, beams, 2, false, lobes), 3);
+    /* Of fifteen far apart eight, each as wide as an eighth of the sector. */
+    beams[0] = look(0.0, 0.0, 0.0);
+    for (int k = 0; k < 15; k++) {
+        beams[1 + k] = look(160.0 + 3.0 * k, 0.0, 0.0);
+    }
+    assert_int_equal(asdic_aim_lobes(ASDIC_SAMPLER_BEAM, beams, 15, false, lobes), 9);
+    for (int k = 0; k < 8; k++) {
+        assert_memory_equal(lobes[k].rows, beams[1 + 2 * k].rows, sizeof lobes[k].rows);
+        assert_close(lobes[k].scale_h, 42.0 * DEGREE / 8.0, 1e-5);
+    }
+}
+
+/* Nine rolled beams have eighteen ridges. */
+static void lobes_have_a_limit(void **state) {
+    (void)state;
+    for (int k = 0; k < 9; k++) {
+        beams[k] = look(20.0 * k, 0.0, 45.0);
+    }
+    for (int rear = 0; rear < 2; rear++) {
+        unsigned most = DEV_MAX_LOBES - 1 + (unsigned)rear;
+        double sum = 0.0;
+        memset(lobes, 0x55, sizeof lobes);
+        dev_lobe beyond = lobes[DEV_MAX_LOBES];
+        assert_int_equal(asdic_aim_lobes(ASDIC_SAMPLER_ADAPTIVE, beams, 8, rear, lobes), most);
+        for (unsigned j = 0; j < most; j++) {
+            assert_close(lobes[j].share_begin, sum, 1e-6);
+            sum += (double)lobes[j].share;
+        }
+        assert_close(sum, 1.0, 1e-6);
+        assert_memory_equal(&beyond, &lobes[DEV_MAX_LOBES], sizeof beyond);
+    }
+}
+
+/* Twelve receivers from 130 to 240 degrees: one lobe, even over them, for two and a half widths more. */
+static void a_sector_is_one_lobe(void **state) {
+    (void)state;
+    for (int turn = 0; turn < 2; turn++) {
+        beams[0] = look(185.0, 0.0, 0.0);
+        for (int k = 0; k < 12; k++) {
+            beams[1 + k] = look(turn ? 240.0 - 10.0 * k : 130.0 + 10.0 * k, 0.0, 0.0);
+        }
+        beams[5].length_h_wl = 5.0f; /* the widest sets the margin */
+        assert_int_equal(asdic_aim_lobes(ASDIC_SAMPLER_ADAPTIVE, beams, 12, false, lobes), 1);
+        assert_close(crossing_deg(&lobes[0]), -175.0, 1e-3);
+        assert_close(lobes[0].limit_rad, 55.0 * DEGREE, 1e-5);
+        assert_close(lobes[0].margin_rad, 2.5 / 5.0, 1e-6);
+        assert_true(lobes[0].scale_h > 1e3f && lobes[0].share == 1.0f);
+    }
+    assert_close_relative(asdic_aim_footprint_rays(&lobes[0]),
+                          2.0 * 2.5 * (55.0 * DEGREE + 0.5) / 0.5, 1e-5);
+    lobes[0].limit_rad = 0.01f;
+    lobes[0].margin_rad = 100.0f;
+    assert_close_relative(asdic_aim_footprint_rays(&lobes[0]), 5.0005, 1e-5);
+    lobes[0].margin_rad = 0.0f;
+    assert_close(asdic_aim_footprint_rays(&lobes[0]), 4.0, 0.0);
+    /* The tilts are those of the outermost. */
+    for (int k = 0; k < 12; k++) {
+        beams[1 + k] = look(10.0 * k, 0.0, k == 0 ? 5.0 : k == 11 ? -8.0 : 0.0);
+    }
+    asdic_aim_lobes(ASDIC_SAMPLER_ADAPTIVE, beams, 12, false, lobes);
+    assert_close(fabs((double)lobes[0].tilt), tan(5.0 * DEGREE), 1e-5);
+    assert_close(fabs((double)lobes[0].most_tilt), tan(8.0 * DEGREE), 1e-5);
+    assert_true(lobes[0].tilt * lobes[0].most_tilt < 0.0f);
+}
+
+/* sinc^2 is at most 1 / (1 + (pi x)^2), nearly; here x = 10 sin of the angle off. */
+static void the_loudest_receiver_counts(void **state) {
+    (void)state;
+    beams[0] = beams[1] = look(0.0, 0.0, 0.0);
+    beams[2] = look(30.0, 0.0, 0.0);
+    const asdic_vec3 ahead = {1.0, 0.0, 0.0};
+    assert_close(asdic_aim_envelope(beams, 2, ahead), 1.0, 1e-6);
+    double at_30 = 1.0 / (1.0 + pow(ASDIC_PI * 5.0, 2.0));
+    const asdic_vec3 aside = {cos(30.0 * DEGREE), sin(30.0 * DEGREE), 0.0};
+    assert_close_relative(asdic_aim_envelope(beams, 2, aside), at_30, 1e-5);
+    assert_close_relative(asdic_aim_envelope(beams, 1, aside), at_30 * at_30, 1e-5);
+    const asdic_vec3 below = {cos(30.0 * DEGREE), 0.0, sin(30.0 * DEGREE)};
+    assert_close_relative(asdic_aim_envelope(beams, 1, below), at_30 * at_30, 1e-5);
+    beams[2] = look(0.0, -25.0, 0.0); /* along either axis, 25 degrees off the other */
+    assert_close_relative(asdic_aim_envelope(beams + 1, 1, ahead),
+                          1.0 / (1.0 + pow(ASDIC_PI * 10.0 * sin(25.0 * DEGREE), 2.0)), 1e-5);
+    const float *axis = beams[2].rows;
+    assert_close_relative(asdic_aim_envelope(beams + 1, 1, (asdic_vec3){axis[0], axis[1], axis[2]}),
+                          1.0 / (1.0 + pow(ASDIC_PI * 10.0 * sin(25.0 * DEGREE), 2.0)), 1e-5);
+    const asdic_vec3 both = {sqrt(0.48), 0.6, 0.4};
+    double h = 1.0 + pow(ASDIC_PI * 6.0, 2.0), v = 1.0 + pow(ASDIC_PI * 4.0, 2.0);
+    assert_close_relative(asdic_aim_envelope(beams, 1, both), pow(h * v, -2.0), 1e-5);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(beams_have_frames_of_the_world),
+        cmocka_unit_test(alike_beams_share_a_lobe),
+        cmocka_unit_test(rolled_beams_have_two_ridges),
+        cmocka_unit_test(what_leaks_backwards_gets_rays),
+        cmocka_unit_test(the_beam_sampler_looks_along_beams),
+        cmocka_unit_test(lobes_have_a_limit),
+        cmocka_unit_test(a_sector_is_one_lobe),
+        cmocka_unit_test(the_loudest_receiver_counts),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
