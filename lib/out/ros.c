@@ -327,9 +327,9 @@ static const struct {
 static size_t picture_bytes(const asdic_sonar *sonar, const asdic_sweep *sweep) {
     size_t n = sweep->directions ? sweep->directions : sonar->receiver_count;
     const size_t outer[4] = {0, 1, n - 2, n - 1};
-    double bearing_rad[4];
+    double bearing_rad[4], aim_rad = sweep->is_circle ? 0.0 : sonar->receivers[0].yaw_rad;
     for (size_t i = 0; i < 4; i++) {
-        bearing_rad[i] = sweep->directions ? asdic_sweep_bearing_rad(sweep, outer[i])
+        bearing_rad[i] = sweep->directions ? asdic_sweep_bearing_rad(sweep, outer[i]) + aim_rad
                                            : sonar->receivers[outer[i]].yaw_rad;
     }
     const asdic_fan fan = {.bearing_rad = bearing_rad, .beams = 4};

@@ -6,6 +6,7 @@
 #include "test_context.h"
 
 #include "base/vec.h"
+#include "out/ros_cdr.h"
 
 #include <asdic/ros.h>
 
@@ -124,26 +125,69 @@ static void quaternions_become_headings(void **state) {
     }
 }
 
+static void check_refused(bool is_odometry, const message *m, size_t size) {
+    asdic_ros_stamped got;
+    assert_int_equal(asdic_ros_decode_pose(ctx, is_odometry, m->bytes, size, &got),
+                     ASDIC_ERROR_INPUT);
+    assert_contains(asdic_context_error(ctx), is_odometry
+                                                  ? "bytes are no nav_msgs/msg/Odometry"
+                                                  : "bytes are no geometry_msgs/msg/PoseStamped");
+}
+
 static void what_is_cut_short_is_refused(void **state) {
     (void)state;
     const double pose[7] = {1, 2, -3, 0, 0, 0, 1};
     message both[2] = {stamped(false, pose), odometry(false, pose)};
-    asdic_ros_stamped got;
     for (int k = 0; k < 2; k++) {
         for (size_t size = 0; size < both[k].size; size++) {
-            assert_int_equal(asdic_ros_decode_pose(ctx, k == 1, both[k].bytes, size, &got),
-                             ASDIC_ERROR_INPUT);
+            check_refused(k == 1, &both[k], size);
         }
     }
-    assert_non_null(strstr(asdic_context_error(ctx), "are no nav_msgs/msg/Odometry"));
     message m = stamped(false, pose);
-    m.bytes[1] = 7; /* another encoding */
-    assert_int_equal(asdic_ros_decode_pose(ctx, false, m.bytes, m.size, &got), ASDIC_ERROR_INPUT);
+    for (uint8_t i = 2; i < 8; i++) { /* other encodings */
+        m.bytes[1] = i;
+        check_refused(false, &m, m.size);
+    }
+    m = stamped(false, pose);
+    m.bytes[0] = 1;
+    check_refused(false, &m, m.size);
     m = stamped(false, pose);
     memset(m.bytes + 12, 0xff, 4); /* a name of 4 GiB */
-    assert_int_equal(asdic_ros_decode_pose(ctx, false, m.bytes, m.size, &got), ASDIC_ERROR_INPUT);
+    check_refused(false, &m, m.size);
     memset(m.bytes + 12, 0, 4); /* a name without its zero */
-    assert_int_equal(asdic_ros_decode_pose(ctx, false, m.bytes, m.size, &got), ASDIC_ERROR_INPUT);
+    check_refused(false, &m, m.size);
+    m = stamped(false, pose);
+    m.bytes[12] = 3; /* the name's zero is its fourth letter */
+    check_refused(false, &m, m.size);
+}
+
+/* Numbers alone are aligned: where a list has none, there is nothing to align. */
+static void an_empty_list_is_its_length_alone(void **state) {
+    (void)state;
+    struct lists {
+        struct {
+            const void *items;
+            size_t count;
+        } doubles;
+        uint8_t last;
+    } some = {{(const double[]){1.0, 2.0}, 2}, 7};
+    const asdic_ros_field fields[] = {
+        {.offset = 0, .kind = ASDIC_ROS_F64, .form = ASDIC_ROS_SEQUENCE},
+        {.offset = offsetof(struct lists, last), .count = 1, .kind = ASDIC_ROS_U8}};
+    const asdic_ros_type type = {.fields = fields, .field_count = 2, .bytes = sizeof some};
+    const uint8_t full[] = {0, 1, 0, 0,    2,    0, 0, 0, 0, 0, 0, 0, 0,    0, 0,
+                            0, 0, 0, 0xf0, 0x3f, 0, 0, 0, 0, 0, 0, 0, 0x40, 7};
+    asdic_bytes out = {0};
+    asdic_ros_write(&out, &type, &some);
+    assert_int_equal(out.size, sizeof full);
+    assert_memory_equal(out.bytes, full, sizeof full);
+    some.doubles.count = 0;
+    asdic_ros_write(&out, &type, &some);
+    assert_int_equal(out.size, 9);
+    assert_memory_equal(out.bytes, "\0\1\0\0\0\0\0\0\7", 9);
+    assert_false(asdic_ros_read(&type, out.bytes, out.size, &some)); /* it has a list */
+    asdic_bytes_finish(&out);
+    assert_null(out.bytes);
 }
 
 static void what_is_no_place_is_refused(void **state) {
@@ -162,11 +206,33 @@ static void what_is_no_place_is_refused(void **state) {
     }
 }
 
+/* The sender's rounding is forgiven, to a hundredth of the length. */
+static void a_quaternions_length_is_nearly_1(void **state) {
+    (void)state;
+    const struct {
+        double length;
+        bool good;
+    } rows[] = {{0.989, false}, {0.991, true}, {1.009, true}, {1.011, false}, {-0.991, true}};
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        double part = 0.5 * rows[i].length;
+        const double pose[7] = {0, 0, 0, part, -part, part, part};
+        message m = stamped(false, pose);
+        asdic_ros_stamped got;
+        assert_int_equal(asdic_ros_decode_pose(ctx, false, m.bytes, m.size, &got),
+                         rows[i].good ? ASDIC_OK : ASDIC_ERROR_INPUT);
+        if (rows[i].good) {
+            check_pose(&got, 0, 90, 0);
+        }
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(quaternions_become_headings),
         cmocka_unit_test(what_is_cut_short_is_refused),
+        cmocka_unit_test(an_empty_list_is_its_length_alone),
         cmocka_unit_test(what_is_no_place_is_refused),
+        cmocka_unit_test(a_quaternions_length_is_nearly_1),
     };
     return cmocka_run_group_tests(tests, context_begin, context_end);
 }
