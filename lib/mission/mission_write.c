@@ -112,13 +112,20 @@ static void set_law(rewriter *r, asdic_yaml_node *map, const asdic_material *mat
     }
 }
 
+/* Whether NODE is the name of a file; that of a mesh or grid stands alone, or in a map as its file. */
+static bool is_path(const asdic_yaml_node *node) {
+    static const char *const keys[] = {"file", "grid", "mesh", "track"};
+    bool found = node->key && is_law_key(node->key, true);
+    for (size_t i = 0; node->key && i < sizeof keys / sizeof *keys; i++) {
+        found |= strcmp(node->key, keys[i]) == 0;
+    }
+    return found && node->kind == ASDIC_YAML_SCALAR;
+}
+
 /* Names of files are relative to the scene file, which now lies elsewhere. */
 static void make_absolute(rewriter *r, asdic_yaml_node *node) {
     for (asdic_yaml_node *child = node->first; child; child = child->next) {
-        bool is_path = child->kind == ASDIC_YAML_SCALAR && child->key &&
-                       (strcmp(child->key, "file") == 0 || strcmp(child->key, "track") == 0 ||
-                        is_law_key(child->key, true));
-        if (is_path && child->text[0] != '/') {
+        if (is_path(child) && child->text[0] != '/') {
             char *path = NULL;
             if (asprintf(&path, "%s/%s", r->folder, child->text) < 0) {
                 r->failed = true;

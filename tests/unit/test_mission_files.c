@@ -1,0 +1,434 @@
+/*
+ * Scene files that a mission is loaded from with settings, draws and included files, and those that it writes.
+ */
+#include "mission_rig.h"
+
+#include "base/memory_left.h"
+#include "mission/mission.h"
+
+#include <sys/stat.h>
+
+static uint64_t left = UINT64_MAX;
+
+uint64_t __wrap_asdic_memory_left(void); /* linked in place of the library's */
+
+uint64_t __wrap_asdic_memory_left(void) {
+    return left;
+}
+
+#define POSE "mission: {pose: {position_m: [0, 0, 3]}}\n"
+#define FLAT "bottom: {depth_m: 12}\n"
+#define SONAR "sonar: {file: a.yaml, ping_rate_hz: 10, receivers: [{name: a}]}\n"
+
+static const char *path_of(const workshop *w, const char *name) {
+    static char paths[2][128];
+    static int turn;
+    turn = 1 - turn;
+    snprintf(paths[turn], sizeof paths[turn], "%s/%s", w->folder, name);
+    return paths[turn];
+}
+
+/* What is in the file NAME. */
+static const char *content_of(const workshop *w, const char *name) {
+    static char text[8192];
+    FILE *file = fopen(path_of(w, name), "r");
+    assert_non_null(file);
+    text[fread(text, 1, sizeof text - 1, file)] = '\0';
+    assert_int_equal(fclose(file), 0);
+    return text;
+}
+
+/* Loads the file scene.yaml, with what is said of it; NULL where it is wrong. */
+static asdic_mission *load_with(workshop *w, const asdic_setting *settings, size_t count,
+                                const asdic_draw *draw) {
+    asdic_mission *m = NULL;
+    w->said[0] = '\0';
+    asdic_context_set_log(w->ctx, ASDIC_LOG_WARNING, keep_lines, w);
+    if (draw) {
+        asdic_mission_load_run(w->ctx, path_of(w, "scene.yaml"), settings, count, draw, &m);
+    } else {
+        asdic_mission_load_with(w->ctx, path_of(w, "scene.yaml"), settings, count, &m);
+    }
+    asdic_context_set_log(w->ctx, ASDIC_LOG_WARNING, NULL, NULL);
+    return m;
+}
+
+/* Settings come after what files bring, the last one for a key counts, and the text stays the file's. */
+static void settings_stand_in_place_of_the_file(void **state) {
+    workshop *w = *state;
+    static const char text[] = "version: 1\n" FLAT SONAR POSE;
+    static const asdic_setting settings[] = {{"sonar.frequency_khz", "50"},
+                                             {"sonar.file", "b.yaml"},
+                                             {"sonar.frequency_khz", "60"},
+                                             {"environment.wind_speed_kn", "7"}};
+    write_file(w, "a.yaml", "frequency_khz: 30\nbandwidth_khz: 3\nping_rate_hz: 5\n");
+    write_file(w, "b.yaml", "frequency_khz: 40\nbandwidth_khz: 4\n");
+    write_file(w, "scene.yaml", text);
+    asdic_mission *m = load_with(w, NULL, 0, NULL);
+    assert_close(asdic_mission_sonar(m)->frequency_hz, 30e3, 1e-6);
+    assert_close(asdic_mission_sonar(m)->bandwidth_hz, 3e3, 1e-6);
+    assert_close(asdic_mission_sonar(m)->ping_rate_hz, 10, 0);
+    assert_false(m->is_varied);
+    assert_null(strstr(asdic_mission_text(m), "a.yaml"));
+    assert_contains(asdic_mission_text(m), "bandwidth_khz: 3");
+    char hash[65];
+    strcpy(hash, asdic_mission_hash(m));
+    asdic_mission_destroy(&m);
+    m = load_with(w, settings, 4, NULL);
+    assert_close(asdic_mission_sonar(m)->frequency_hz, 60e3, 1e-6);
+    assert_close(asdic_mission_sonar(m)->bandwidth_hz, 4e3, 1e-6);
+    assert_close(asdic_mission_environment(m)->wind_speed_kn, 7, 0);
+    assert_true(m->is_varied);
+    assert_null(strstr(asdic_mission_text(m), "60"));
+    asdic_mission_destroy(&m);
+    /* The hash is that of the file with what it includes. */
+    assert_true(asdic_mission_has_hash(path_of(w, "scene.yaml"), hash));
+    assert_false(asdic_mission_has_hash("-", hash));
+    assert_false(asdic_mission_has_hash(path_of(w, "none.yaml"), hash));
+    write_file(w, "a.yaml", "frequency_khz: 31\nbandwidth_khz: 3\nping_rate_hz: 5\n");
+    assert_false(asdic_mission_has_hash(path_of(w, "scene.yaml"), hash));
+    write_file(w, "scene.yaml", "version: 1\nsonar: nonsense\n"); /* its text is enough */
+    assert_ok(w->ctx, asdic_mission_load_text(w->ctx,
+                                              &(asdic_scene_text){.text = SCENE FLAT POSE,
+                                                                  .length = strlen(SCENE FLAT POSE),
+                                                                  .name = "s"},
+                                              &m));
+    write_file(w, "scene.yaml", SCENE FLAT POSE);
+    assert_true(asdic_mission_has_hash(path_of(w, "scene.yaml"), asdic_mission_hash(m)));
+    asdic_mission_destroy(&m);
+}
+
+/* Draws stand in place of the file's values, files before the values in them, and settings in place of draws. */
+static void draws_stand_in_place_of_the_file(void **state) {
+    workshop *w = *state;
+    static const asdic_setting settings[] = {
+        {"environment.wind_speed_kn", "7"}, {"sonar.file", "c.yaml"}, {"trial.time_s", "5"}};
+    const asdic_draw draw = {.seed = 7, .run = 3};
+    char text[1024];
+    write_file(w, "b.yaml", "frequency_khz: 40\nbandwidth_khz: 4\n");
+    write_file(w, "c.yaml", "frequency_khz: 70\nbandwidth_khz: 7\n");
+    snprintf(text, sizeof text,
+             "version: 1\n" FLAT SONAR POSE "trial:\n  draws:\n"
+             "    - {key: sonar.bandwidth_khz, uniform: [8, 9]}\n"
+             "    - {key: sonar.file, choice: [b.yaml]}\n"
+             "    - {key: environment.wind_speed_kn, uniform: [20, 30]}\n");
+    write_file(w, "scene.yaml", text);
+    asdic_mission *m = load_with(w, NULL, 0, &draw);
+    assert_non_null(m);
+    assert_close(asdic_mission_sonar(m)->frequency_hz, 40e3, 1e-6);
+    assert_close(asdic_mission_sonar(m)->bandwidth_hz, 8.5e3, 0.5e3);
+    double wind_kn = asdic_mission_environment(m)->wind_speed_kn;
+    assert_close(wind_kn, 25, 5);
+    assert_false(m->is_varied);
+    assert_null(strstr(asdic_mission_text(m), "trial"));
+    assert_null(strstr(asdic_mission_text(m), "b.yaml"));
+    assert_contains(asdic_mission_text(m), "frequency_khz: 40");
+    assert_contains(asdic_mission_text(m), "wind_speed_kn: 2");
+    for (size_t i = 0; i < 3; i++) {
+        asdic_setting drawn = asdic_mission_drawn(m, i);
+        assert_non_null(drawn.key);
+        if (strcmp(drawn.key, "environment.wind_speed_kn") == 0) {
+            assert_close(atof(drawn.value), wind_kn, 1e-12);
+        }
+    }
+    assert_null(asdic_mission_drawn(m, 3).key);
+    asdic_mission_destroy(&m);
+    m = load_with(w, settings, 3, &draw);
+    assert_close(asdic_mission_environment(m)->wind_speed_kn, 7, 0);
+    assert_close(asdic_mission_sonar(m)->frequency_hz, 70e3, 1e-6);
+    assert_close(asdic_mission_sonar(m)->bandwidth_hz, 8.5e3, 0.5e3);
+    assert_close(m->trial.time_s, 5, 0);
+    assert_contains(asdic_mission_text(m), "wind_speed_kn: 7");
+    for (size_t i = 0; i < 3; i++) {
+        asdic_setting drawn = asdic_mission_drawn(m, i);
+        if (strncmp(drawn.key, "sonar.b", 7) != 0) {
+            assert_string_equal(drawn.value, drawn.key[0] == 's' ? "c.yaml" : "7");
+        }
+    }
+    asdic_mission_destroy(&m);
+    /* Without a draw the section is there, and nothing is drawn. */
+    m = load_with(w, settings, 1, NULL);
+    assert_null(asdic_mission_drawn(m, 0).key);
+    assert_close(asdic_mission_sonar(m)->bandwidth_hz, 3e3, 1e-6);
+    assert_close(asdic_mission_environment(m)->wind_speed_kn, 7, 0);
+    asdic_mission_destroy(&m);
+    static const asdic_setting wrong[] = {{"sonar.frequency_khz", "-1"}};
+    assert_null(load_with(w, wrong, 1, &draw));
+    assert_contains(asdic_context_error(w->ctx), ", as drawn for run 3 with seed 7");
+    assert_null(load_with(w, wrong, 1, NULL));
+    assert_null(strstr(asdic_context_error(w->ctx), "as drawn"));
+}
+
+/* A run of a trial may start below the bottom; runs of a data set need names, and in layers their places count. */
+static void loads_of_other_kinds(void **state) {
+    workshop *w = *state;
+    const asdic_draw draw = {.seed = 7, .run = 3};
+    const char *path = path_of(w, "scene.yaml");
+    asdic_mission *m = NULL, *first = NULL;
+    write_file(w, "scene.yaml", SCENE FLAT "mission: {waypoints: [[0, 0, 3], [0, 60, 14]]}\n");
+    assert_null(load_with(w, NULL, 0, &draw));
+    assert_ok(w->ctx, asdic_mission_load_trial(w->ctx, path, NULL, 0, &draw, NULL, &m));
+    asdic_mission_destroy(&m);
+    assert_int_equal(asdic_mission_load_run(w->ctx, path, NULL, 0, NULL, &m), ASDIC_ERROR_ARGUMENT);
+    write_file(w, "scene.yaml",
+               SCENE FLAT "objects:\n  - {box: {size_m: [1, 1, 1]}, position_m: [9, 0, 9]}\n" POSE);
+    assert_ok(w->ctx, asdic_mission_load(w->ctx, path, &m));
+    assert_int_equal(asdic_mission_object_count(m), 1);
+    assert_false(m->is_varied);
+    asdic_mission_destroy(&m);
+    assert_ok(w->ctx, asdic_mission_load_empty(w->ctx, path, &m));
+    assert_int_equal(asdic_mission_object_count(m), 0);
+    assert_true(m->is_varied);
+    asdic_mission_destroy(&m);
+    asdic_context_set_log(w->ctx, ASDIC_LOG_ERROR, keep_lines, w);
+    w->said[0] = '\0';
+    assert_int_equal(asdic_mission_load_like(w->ctx, path, &draw, NULL, 0, &m), ASDIC_ERROR_INPUT);
+    asdic_context_set_log(w->ctx, ASDIC_LOG_ERROR, NULL, NULL);
+    assert_string_equal(w->said,
+                        "scene.yaml:6:5: error: an object of a data set needs a 'name': it "
+                        "is its class  [objects[0]]\n");
+    for (int layers = 0; layers < 2; layers++) {
+        for (int i = 0; i < 2; i++) {
+            char text[600];
+            snprintf(text, sizeof text,
+                     "version: 1\n%s" FLAT "sonar: {frequency_khz: 100, receivers: [{name: a}]}\n"
+                     "objects:\n"
+                     "  - {name: a, box: {size_m: [1, 1, 1]}, position_m: [%d, 0, 9]}\n" POSE,
+                     layers ? "environment: {sound_speed_profile: [[0, 1500], [9, 1510]]}\n" : "",
+                     9 + i);
+            write_file(w, "scene.yaml", text);
+            const asdic_mission *bases[] = {first};
+            assert_ok(w->ctx,
+                      asdic_mission_load_like(w->ctx, path, &draw, bases, 1, i ? &m : &first));
+        }
+        assert_ptr_equal(m->base, layers ? NULL : first);
+        assert_int_equal(m->stands_anywhere, !layers);
+        asdic_mission_destroy(&m);
+        asdic_mission_destroy(&first);
+    }
+}
+
+/* A scene in memory that lacks something is refused; 4 MiB are read, and a byte more is not. */
+static void scenes_in_memory_are_whole(void **state) {
+    workshop *w = *state;
+    const size_t most = (size_t)4 << 20;
+    char *large = malloc(most + 2);
+    asdic_mission *m = NULL;
+    asdic_mesh *mesh = NULL;
+    assert_non_null(large);
+    memset(large, '#', most + 1);
+    memcpy(large, SCENE FLAT POSE, strlen(SCENE FLAT POSE));
+    large[most + 1] = '\0';
+    assert_ok(w->ctx, asdic_mesh_box(w->ctx, (asdic_vec3){1, 1, 1}, &mesh));
+    const asdic_named_mesh good = {"box", mesh}, unnamed = {NULL, mesh}, empty = {"box", NULL};
+    const asdic_scene_text cases[] = {
+        {large, most, "s", &good, 1},  {large, most, "s", NULL, 0},
+        {NULL, most, "s", &good, 1},   {large, most, NULL, &good, 1},
+        {large, most, "s", NULL, 1},   {large, most, "s", &unnamed, 1},
+        {large, most, "s", &empty, 1}, {large, most + 1, "s", NULL, 0}};
+    for (size_t i = 0; i < 8; i++) {
+        m = (asdic_mission *)large;
+        asdic_status status = asdic_mission_load_text(w->ctx, &cases[i], &m);
+        assert_int_equal(status, i < 2   ? ASDIC_OK
+                                 : i < 7 ? ASDIC_ERROR_ARGUMENT
+                                         : ASDIC_ERROR_INPUT);
+        assert_int_equal(m != NULL, i < 2);
+        asdic_mission_destroy(&m);
+    }
+    assert_string_equal(asdic_context_error(w->ctx),
+                        "s: a scene of 4194305 bytes; at most 4194304 are read");
+    asdic_context_set_log(w->ctx, ASDIC_LOG_ERROR, keep_lines, w);
+    w->said[0] = '\0';
+    asdic_mission_load_text(w->ctx, &(asdic_scene_text){"version: 2", 10, "-", NULL, 0}, &m);
+    asdic_context_set_log(w->ctx, ASDIC_LOG_ERROR, NULL, NULL);
+    assert_int_equal(strncmp(w->said, "-:1:1: ", 7), 0);
+    assert_int_equal(asdic_mission_load(w->ctx, w->folder, &m), ASDIC_ERROR_INPUT);
+    assert_contains(asdic_context_error(w->ctx), ": Is a directory; give a scene file");
+    asdic_mesh_destroy(&mesh);
+    free(large);
+}
+
+/* Two beams of 150 bins are some 90,000 bytes. */
+static void scenes_beyond_the_memory_are_refused(void **state) {
+    workshop *w = *state;
+    static const char text[] = "version: 1\nenvironment: {sound_speed_mps: 1500}\n" FLAT POSE
+                               "sonar: {frequency_khz: 100, receivers: [{name: a}, {name: b}]}\n";
+    left = 95000;
+    asdic_mission *m = load_text(w, text);
+    assert_non_null(m);
+    asdic_mission_destroy(&m);
+    left = 85000;
+    m = load_text(w, text);
+    left = UINT64_MAX;
+    assert_null(m);
+    assert_contains(asdic_context_error(w->ctx), "2 beams of 150 bins need 9");
+    assert_contains(asdic_context_error(w->ctx), " bytes of memory, 85000 are available; use fewer "
+                                                 "beams or a longer 'bin_length_m'");
+}
+
+/* --- written ------------------------------------------------------------------------------------ */
+
+static const char WRITTEN[] = "version: 1\n"
+                              "bottom: {grid: ground.asc, type: mud, position_m: [0, 0, 1]}\n"
+                              "objects:\n"
+                              "  - {name: a, box: {size_m: [1, 1, 1]}, track: way.csv}\n"
+                              "  - {name: b, box: {size_m: [1, 1, 1]}, position_m: [9, 0, 5],\n"
+                              "     material: {curve: a.csv}}\n"
+                              "sonar: {frequency_khz: 100, receivers: [{name: a}]}\n"
+                              "mission: {waypoints: [[5, 5, 3], [5, 30, 3]]}\n"
+                              "sampling: {rays: %s}\n";
+
+/* The scene of WRITTEN, changed by CHOICES, written to again/scene.yaml with its track, and read from there. */
+static asdic_mission *write_again(workshop *w, const asdic_choices *choices, const char *rays) {
+    char text[1024], path[128];
+    asdic_mission *m = NULL, *again = NULL;
+    snprintf(text, sizeof text, WRITTEN, rays);
+    write_file(w, "scene.yaml", text);
+    assert_ok(w->ctx, asdic_mission_load(w->ctx, path_of(w, "scene.yaml"), &m));
+    if (choices) {
+        assert_ok(w->ctx, asdic_mission_choose(w->ctx, m, choices));
+    }
+    snprintf(path, sizeof path, "%s/again/scene.yaml", w->folder);
+    assert_ok(w->ctx, asdic_mission_write_scene(w->ctx, m, path, "track.csv"));
+    assert_ok(w->ctx, asdic_mission_write_track(w->ctx, m, path_of(w, "again/track.csv")));
+    assert_ok(w->ctx, asdic_mission_load(w->ctx, path, &again));
+    assert_int_equal(asdic_mission_ping_count(again), asdic_mission_ping_count(m));
+    assert_int_equal(again->object_count, 3);
+    assert_int_equal(again->objects[2].material.row_count, 2);
+    for (size_t i = 0; i < asdic_mission_ping_count(m); i += 10) {
+        asdic_vec3 a = asdic_mission_pose(m, i, NULL).position_m;
+        asdic_vec3 b = asdic_mission_pose(again, i, NULL).position_m;
+        assert_close(a.x, b.x, 1e-9);
+        assert_close(a.y, b.y, 1e-9);
+        assert_close(asdic_mission_object_pose(again, 1, i).position_m.x,
+                     asdic_mission_object_pose(m, 1, i).position_m.x, 1e-9);
+    }
+    asdic_mission_destroy(&m);
+    return again;
+}
+
+static void written_scenes_are_as_chosen(void **state) {
+    workshop *w = *state;
+    char path[128];
+    assert_int_equal(mkdir(path_of(w, "again"), 0700), 0);
+    write_file(w, "ground.asc",
+               "ncols 3\nnrows 3\nxllcorner 0\nyllcorner 0\ncellsize 40\n9 9 9\n9 9 9\n9 9 9\n");
+    write_file(w, "a.csv", "grazing_deg,strength_db\n5,-40\n10,-30\n");
+    write_track(w, "way.csv", "0,0,0,5,0,0,0\n10,10,20,5,0,0,0\n");
+    asdic_mission *m =
+        load_text(w, SCENE FLAT "objects:\n"
+                                "  - {name: a, box: {size_m: [1, 1, 1]}, position_m: [9, 0, 9],\n"
+                                "     material: {lambert_db: -21}}\n"
+                                "  - {name: b, box: {size_m: [1, 1, 1]}, position_m: [9, 0, 9],\n"
+                                "     material: {sediment: rock}}\n" POSE);
+    assert_non_null(m);
+    asdic_material rock = m->objects[1].material;
+    asdic_choices choices = {.wind_speed_kn = 13,
+                             .bottom = m->objects[0].material,
+                             .source_level_db = 201,
+                             .rays = 777,
+                             .seed = 99};
+    asdic_mission_destroy(&m);
+    m = write_again(w, &choices, "5000");
+    asdic_choices read = asdic_mission_get_choices(m);
+    assert_close(read.wind_speed_kn, 13, 0);
+    assert_close(read.source_level_db, 201, 0);
+    assert_int_equal(read.rays, 777);
+    assert_int_equal(read.seed, 99);
+    assert_ptr_equal(read.bottom.law, choices.bottom.law);
+    assert_close(asdic_material_get(&read.bottom, "lambert_db"), -21, 0);
+    assert_close(m->objects[0].min_m.z, 10, 0); /* the ground's place is kept */
+    assert_true(m->settings.keeps_all_terms);
+    asdic_mission_destroy(&m);
+    const char *text = content_of(w, "again/scene.yaml");
+    assert_null(strstr(text, "waypoints"));
+    assert_null(strstr(text, "type: "));
+    snprintf(path, sizeof path, "%s/ground.asc", w->folder);
+    assert_contains(text, path);
+    /* A word that stands for a number; what is not given is left out; rays that asdic chose stay so. */
+    choices.bottom = rock;
+    m = write_again(w, &choices, "5000");
+    text = content_of(w, "again/scene.yaml");
+    assert_contains(text, "sediment: rock\n");
+    assert_null(strstr(text, "nan"));
+    assert_null(strstr(text, "type: "));
+    assert_ptr_equal(m->bottom.law, rock.law);
+    assert_close(asdic_material_get(&m->bottom, "sediment"), asdic_material_get(&rock, "sediment"),
+                 0);
+    asdic_mission_destroy(&m);
+    m = write_again(w, NULL, "auto");
+    assert_true(asdic_settings_rays_are_auto(&m->settings));
+    assert_contains(content_of(w, "again/scene.yaml"), "rays: auto");
+    assert_close(asdic_material_get(&m->bottom, "type"), 1, 0);
+    asdic_mission_destroy(&m);
+}
+
+/* A bottom whose law has a file stays as it is; where there is none, none is made. Names that are absolute stay. */
+static void written_scenes_keep_what_is_not_chosen(void **state) {
+    workshop *w = *state;
+    static const char *const bottoms[] = {"{depth_m: 12, curve: a.csv}", "none"};
+    char before[500], text[1024], folder[500];
+    write_file(w, "a.csv", "grazing_deg,strength_db\n5,-40\n10,-30\n");
+    assert_non_null(getcwd(before, sizeof before));
+    assert_int_equal(chdir(w->folder), 0);
+    assert_non_null(getcwd(folder, sizeof folder));
+    for (size_t i = 0; i < 2; i++) {
+        asdic_mission *m = NULL;
+        snprintf(text, sizeof text,
+                 "version: 1\nbottom: %s\nobjects:\n  - {name: a, point: -20, track: %s/way.csv}\n"
+                 "sonar: {frequency_khz: 100, receivers: [{name: a}]}\n" POSE,
+                 bottoms[i], folder);
+        write_file(w, "scene.yaml", text);
+        asdic_status status = asdic_mission_load(w->ctx, "scene.yaml", &m);
+        assert_int_equal(status, ASDIC_OK);
+        assert_ok(w->ctx, asdic_mission_write_scene(w->ctx, m, "again/scene.yaml", "t.csv"));
+        asdic_mission_destroy(&m);
+        snprintf(text, sizeof text, "track: \"%s/way.csv\"", folder);
+        assert_non_null(strstr(content_of(w, "again/scene.yaml"), "track: "));
+        assert_null(strstr(content_of(w, "again/scene.yaml"), "//"));
+        snprintf(text, sizeof text, "%s/a.csv", folder);
+        assert_int_equal(strstr(content_of(w, "again/scene.yaml"), text) != NULL, i == 0);
+        assert_int_equal(strstr(content_of(w, "again/scene.yaml"), "none") != NULL, i == 1);
+        assert_null(strstr(content_of(w, "again/scene.yaml"), "_db: -2"));
+    }
+    assert_int_equal(chdir(before), 0);
+    asdic_mission *m = load_text(w, SCENE FLAT POSE);
+    assert_int_equal(asdic_mission_write_scene(w->ctx, NULL, "x", "t.csv"), ASDIC_ERROR_ARGUMENT);
+    assert_int_equal(asdic_mission_write_scene(w->ctx, m, NULL, "t.csv"), ASDIC_ERROR_ARGUMENT);
+    assert_int_equal(asdic_mission_write_track(w->ctx, NULL, "x"), ASDIC_ERROR_ARGUMENT);
+    assert_int_equal(asdic_mission_write_track(w->ctx, m, NULL), ASDIC_ERROR_ARGUMENT);
+    asdic_mission_destroy(&m);
+}
+
+/* Pings 3 to 6 of a way of 1 m/s along which a ping is 0.1 s. */
+static void tracks_are_of_the_pings_asked_for(void **state) {
+    workshop *w = *state;
+    write_track(w, "way.csv", "100,0,0,5,0,0,90\n110,10,0,5,0,0,90\n");
+    asdic_mission *m = load_text(w, SCENE FLAT "mission: {track: way.csv}\n");
+    assert_non_null(m);
+    assert_ok(w->ctx, asdic_mission_write_pings(w->ctx, m, 3, 4, path_of(w, "part.csv")));
+    asdic_mission_destroy(&m);
+    const char *text = content_of(w, "part.csv"), *line = strchr(text, '\n');
+    for (int i = 3; i < 7; i++) {
+        double time_s, x_m, y_m, z_m;
+        assert_int_equal(sscanf(line, " %lf,%lf,%lf,%lf", &time_s, &x_m, &y_m, &z_m), 4);
+        assert_close(time_s, 100 + 0.1 * i, 1e-9);
+        assert_close(x_m, 0.1 * i, 1e-9);
+        line = strchr(line + 1, '\n');
+    }
+    assert_string_equal(line, "\n");
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(settings_stand_in_place_of_the_file),
+        cmocka_unit_test(draws_stand_in_place_of_the_file),
+        cmocka_unit_test(loads_of_other_kinds),
+        cmocka_unit_test(scenes_in_memory_are_whole),
+        cmocka_unit_test(scenes_beyond_the_memory_are_refused),
+        cmocka_unit_test(written_scenes_are_as_chosen),
+        cmocka_unit_test(written_scenes_keep_what_is_not_chosen),
+        cmocka_unit_test(tracks_are_of_the_pings_asked_for),
+    };
+    return cmocka_run_group_tests(tests, begin, end);
+}

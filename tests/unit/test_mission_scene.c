@@ -1,0 +1,304 @@
+/*
+ * The geometry that a scene file describes, and that of runs which take it from one another.
+ */
+#include "mission_rig.h"
+
+#include "mission/mission.h"
+#include "scene/scene.h"
+
+#define DEG (3.14159265358979323846 / 180.0)
+#define POSE "mission: {pose: {position_m: [0, 0, 3]}}\n"
+
+static asdic_mission *load(workshop *w, const char *rest) {
+    char text[4096];
+    snprintf(text, sizeof text, SCENE "%s", rest);
+    asdic_mission *m = load_text(w, text);
+    if (!m) {
+        print_error("%s", w->said);
+    }
+    assert_non_null(m);
+    return m;
+}
+
+static void assert_box(const asdic_mission *m, size_t object, const double min[3],
+                       const double max[3]) {
+    const asdic_mission_object *o = asdic_mission_get_object(m, object);
+    assert_close(o->min_m.x, min[0], 1e-9);
+    assert_close(o->min_m.y, min[1], 1e-9);
+    assert_close(o->min_m.z, min[2], 1e-9);
+    assert_close(o->max_m.x, max[0], 1e-9);
+    assert_close(o->max_m.y, max[1], 1e-9);
+    assert_close(o->max_m.z, max[2], 1e-9);
+}
+
+/* A box is 12 triangles, a cylinder's axis is east, a plate's normal north; turned, the axes go with it. */
+static void shapes_are_where_they_are_put(void **state) {
+    workshop *w = *state;
+    asdic_mission *m = load(
+        w, "bottom: {mesh: floor, position_m: [0, 0, 50], type: mud}\n"
+           "objects:\n"
+           "  - {name: box, box: {size_m: [2, 4, 6]}, position_m: [10, 20, 30], type: rock}\n"
+           "  - {name: turned, box: {size_m: [2, 4, 6]}, position_m: [10, 20, 30],\n"
+           "     rotation_deg: [90, 0, 0]}\n"
+           "  - {name: sphere, sphere: {radius_m: 2, segments: 8}, position_m: [11, 0, 9]}\n"
+           "  - {name: more, sphere: {radius_m: 2, segments: 12}, position_m: [12, 0, 9]}\n"
+           "  - {name: pipe, cylinder: {radius_m: 1, length_m: 6, segments: 8}, position_m: [9, 0, "
+           "9]}\n"
+           "  - {name: plate, plate: {size_m: [4, 2]}, position_m: [7, 8, 9]}\n"
+           "  - {name: wedge, mesh: wedge, position_m: [20, 30, 40], rotation_deg: [0, 0, 90]}\n"
+           "  - {name: fish, point: -20, position_m: [1, 2, 3]}\n" POSE);
+    static const struct {
+        const char *name;
+        double min_m[3], max_m[3];
+    } boxes[] = {
+        {"", {-90, -90, 50}, {90, 90, 50}},    {"box", {9, 18, 27}, {11, 22, 33}},
+        {"turned", {9, 17, 28}, {11, 23, 32}}, {"sphere", {9, -2, 7}, {13, 2, 11}},
+        {"more", {10, -2, 7}, {14, 2, 11}},    {"pipe", {8, -3, 8}, {10, 3, 10}},
+        {"plate", {7, 6, 8}, {7, 10, 10}},     {"wedge", {17.8, 30.1, 40.3}, {19.8, 30.4, 40.6}},
+        {"fish", {1, 2, 3}, {1, 2, 3}}};
+    assert_string_equal(w->said, "");
+    assert_int_equal(asdic_mission_object_count(m), 9);
+    for (size_t i = 0; i < 9; i++) {
+        assert_string_equal(asdic_mission_get_object(m, i)->name, boxes[i].name);
+        assert_false(asdic_mission_get_object(m, i)->moves);
+        assert_box(m, i, boxes[i].min_m, boxes[i].max_m);
+    }
+    const asdic_mission_object *o = m->objects;
+    assert_int_equal(o[1].mesh.triangles, 12);
+    assert_int_equal(o[8].mesh.triangles, 0);
+    assert_true(o[4].mesh.triangles > o[3].mesh.triangles);
+    assert_close(o[2].pose.roll_rad, 90 * DEG, 1e-12);
+    assert_close(asdic_material_get(&o[0].material, "type"), 1, 0);
+    assert_close(asdic_material_get(&m->bottom, "type"), 1, 0);
+    assert_close(asdic_material_get(&o[1].material, "type"), 4, 0);
+    /* Sizes in the scene file are in metres; a file's may be in others, also one of 0.3 m. */
+    assert_string_equal(o[1].mesh.hint, "");
+    asdic_mission_destroy(&m);
+    m = load(w, "bottom: none\nobjects:\n"
+                "  - {name: pea, box: {size_m: [0.1, 0.1, 0.1]}, position_m: [9, 0, 9]}\n"
+                "  - {name: bean, mesh: bean, position_m: [9, 3, 9]}\n" POSE);
+    assert_string_equal(asdic_mission_get_object(m, 0)->mesh.hint, "");
+    assert_contains(asdic_mission_get_object(m, 1)->mesh.hint, "0.3 m across");
+    assert_int_equal(asdic_mission_scene(m)->has_surface, 1);
+    asdic_mission_destroy(&m);
+    m = load(w, "surface: {enabled: false}\nbottom: {depth_m: 12}\n" POSE);
+    assert_false(asdic_mission_scene(m)->has_surface);
+    assert_close(asdic_scene_get_info(m->scene).bottom_plane_depth_m, 12, 0);
+    assert_int_equal(asdic_mission_object_count(m), 0);
+    asdic_mission_destroy(&m);
+}
+
+/* On a track from (0, 0) at 0 s to (10, 20) at 10 s. Pings without a track of their own begin at 0 s. */
+static void moving_objects_are_where_they_are_first(void **state) {
+    workshop *w = *state;
+    static const char objects[] = "bottom: none\nobjects:\n"
+                                  "  - {name: other, point: -20, track: other.csv}\n"
+                                  "  - {name: box, box: {size_m: [2, 4, 6]}, track: way.csv}\n"
+                                  "  - {name: fish, point: -20, track: way.csv}\n";
+    static const double ways_s[] = {0, 2, 5};
+    write_track(w, "way.csv", "0,0,0,9,0,0,0\n10,10,20,9,0,0,0\n");
+    write_track(w, "other.csv", "0,30,0,9,0,0,0\n10,30,0,9,0,0,0\n");
+    for (size_t i = 0; i < 3; i++) {
+        char text[600], rows[100];
+        double t = ways_s[i];
+        snprintf(rows, sizeof rows, "%g,0,0,9,0,0,0\n%g,1,0,9,0,0,0\n", t, t + 0.5);
+        write_track(w, "sonar.csv", rows);
+        snprintf(text, sizeof text, "%s%s", objects, i ? "mission: {track: sonar.csv}\n" : POSE);
+        asdic_mission *m = load(w, text);
+        const double fish[] = {t, 2 * t, 9};
+        const double min[] = {t - 1, 2 * t - 2, 6}, max[] = {t + 1, 2 * t + 2, 12};
+        assert_box(m, 1, min, max);
+        assert_box(m, 2, fish, fish);
+        assert_true(m->objects[1].moves && m->objects[2].moves);
+        asdic_mission_destroy(&m);
+    }
+}
+
+/* Each material has the rows of its own file; a file that is not there is named where it is given. */
+static void materials_read_their_files(void **state) {
+    workshop *w = *state;
+    write_file(w, "a.csv", "grazing_deg,strength_db\n5,-40\n10,-30\n");
+    write_file(w, "b.csv", "grazing_deg,strength_db\n5,-41\n20,-31\n40,-21\n");
+    asdic_mission *m = load(w, "bottom: {depth_m: 12, curve: a.csv}\nobjects:\n"
+                               "  - {name: o, box: {size_m: [1, 1, 1]}, position_m: [9, 0, 9],\n"
+                               "     material: {curve: b.csv}}\n" POSE);
+    const asdic_material *rows = &m->objects[0].material;
+    assert_int_equal(m->bottom.row_count, 2);
+    assert_close(m->bottom.rows[3], -30, 0);
+    assert_int_equal(rows->row_count, 3);
+    assert_close(rows->rows[5], -21, 0);
+    assert_int_equal(m->row_files, 2);
+    asdic_mission_destroy(&m);
+    static const struct {
+        const char *rest, *said;
+    } wrong[] = {
+        {"bottom: {depth_m: 12, curve: none.csv}\n" POSE, "  [bottom.curve]\n"},
+        {"bottom: {grid: none.asc}\n" POSE, "  [bottom.grid.file]\n"},
+        {"bottom: {mesh: none.obj}\n" POSE, "  [bottom.mesh.file]\n"},
+        {"bottom: none\nobjects:\n"
+         "  - {name: o, mesh: none.obj, position_m: [9, 0, 9]}\n" POSE,
+         "  [objects[0].mesh.file]\n"},
+        {"bottom: none\nobjects:\n  - {name: o, box: {size_m: [1, 1, 1]}, position_m: [9, 0, 9],\n"
+         "     material: {curve: none.csv}}\n" POSE,
+         "  [objects[0].material.curve]\n"},
+    };
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
+        assert_contains(said_of(w, wrong[i].rest), wrong[i].said);
+        assert_contains(w->said, "none.");
+        assert_null(strstr(strchr(w->said, '\n') + 1, "error")); /* once */
+    }
+}
+
+/* --- runs that take it over --------------------------------------------------------------------- */
+
+static const char DRAWS[] = "mission: {waypoints: {points_m: [[0, 0, 3], [60, 0, 3]]}}\n"
+                            "trial: {draws: [{key: '%s', uniform: [%g, %g]}]}\n";
+
+static void write_scene(const workshop *w, const char *rest, const char *key, double from,
+                        double to) {
+    char text[4096] = SCENE;
+    strcat(text, rest);
+    snprintf(text + strlen(text), sizeof text - strlen(text), DRAWS, key, from, to);
+    write_file(w, "scene.yaml", text);
+}
+
+static asdic_mission *load_run(const workshop *w, uint64_t run, asdic_mission *donor) {
+    const asdic_draw draw = {.seed = 1, .run = run};
+    char path[128];
+    asdic_mission *m = NULL;
+    snprintf(path, sizeof path, "%s/scene.yaml", w->folder);
+    assert_ok(w->ctx, asdic_mission_load_trial(w->ctx, path, NULL, 0, &draw, donor, &m));
+    return m;
+}
+
+/* What a run takes of the one before: all, the ground, nothing. What it draws is where it says. */
+static void runs_take_what_is_the_same(void **state) {
+    workshop *w = *state;
+    static const char grid[] = "{grid: ground.asc, type: mud, position_m: [0, 0, 3]}\nobjects:\n";
+    static const char ball[] =
+        "  - {name: a, box: {size_m: [2, 2, 2]}, position_m: [30, 30, 5], type: rock}\n";
+    static const char moves[] = "  - {name: b, box: {size_m: [2, 2, 2]}, track: way.csv}\n";
+    static const char curve[] = "  - {name: c, box: {size_m: [2, 2, 2]}, position_m: [9, 9, 5], "
+                                "material: {curve: a.csv}}\n";
+    enum { ALL, GROUND, NOTHING };
+    static const struct {
+        const char *bottom, *objects, *key;
+        int taken;
+    } cases[] = {
+        {grid, "", "environment.wind_speed_kn", ALL},
+        {"{depth_m: 12, type: mud}\nobjects:\n", "", "environment.wind_speed_kn", ALL},
+        {grid, "", "objects[0].position_m[0]", GROUND},
+        {"{depth_m: 12, type: mud}\nobjects:\n", "", "objects[0].position_m[0]", NOTHING},
+        {grid, "", "bottom.position_m[2]", NOTHING},
+        {grid, moves, "environment.wind_speed_kn", GROUND},
+        {grid, curve, "environment.wind_speed_kn", NOTHING},
+    };
+    write_file(w, "ground.asc",
+               "ncols 3\nnrows 3\nxllcorner 0\nyllcorner 0\ncellsize 40\n9 9 9\n9 9 9\n9 9 9\n");
+    write_file(w, "a.csv", "grazing_deg,strength_db\n5,-40\n10,-30\n");
+    write_track(w, "way.csv", "0,0,0,5,0,0,0\n10,10,20,5,0,0,0\n");
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char rest[1024];
+        snprintf(rest, sizeof rest, "bottom: %s%s%s", cases[i].bottom, ball, cases[i].objects);
+        bool drawn = strstr(cases[i].key, "[0]") != NULL;
+        size_t at = cases[i].bottom == grid;
+        write_scene(w, rest, cases[i].key, 2, 4);
+        asdic_mission *first = load_run(w, 1, NULL), *second;
+        const asdic_scene *scene = first->scene;
+        size_t count = first->object_count, triangles = first->scene->triangle_count;
+        assert_int_equal(count, 1 + at + (*cases[i].objects != '\0'));
+        second = load_run(w, 2, first);
+        assert_int_equal(second->scene == scene, cases[i].taken != NOTHING);
+        assert_int_equal(first->scene == NULL, cases[i].taken != NOTHING);
+        assert_int_equal(first->objects == NULL, cases[i].taken == ALL);
+        assert_int_equal(second->object_count, count);
+        assert_int_equal(second->scene->triangle_count, triangles);
+        assert_string_equal(second->objects[at].name, "a");
+        assert_string_equal(second->objects[0].name, at ? "" : "a");
+        assert_close(asdic_material_get(&second->objects[at].material, "type"), 4, 0);
+        assert_close(asdic_material_get(&second->bottom, "type"), 1, 0);
+        double x_m = drawn ? atof(asdic_mission_drawn(second, 0).value) : 30;
+        assert_close(second->objects[at].pose.position_m.x, x_m, 1e-12);
+        assert_close(second->objects[at].min_m.x, x_m - 1, 1e-12);
+        asdic_mission_destroy(&first);
+        asdic_mission_destroy(&second);
+    }
+    /* A mission of its own gives nothing. */
+    char path[128];
+    asdic_mission *own = NULL;
+    snprintf(path, sizeof path, "%s/scene.yaml", w->folder);
+    assert_ok(w->ctx, asdic_mission_load(w->ctx, path, &own));
+    asdic_mission *run = load_run(w, 1, own);
+    assert_true(own->scene && own->scene != run->scene);
+    asdic_mission_destroy(&own);
+    asdic_mission_destroy(&run);
+}
+
+/* Of one of many runs whose scenes differ in places alone the scene is the first one's; the box is moved, and is a
+ * cube over the old one's diagonal, sqrt(1 + 4 + 9) to each side, where the object is turned. */
+static void runs_of_many_borrow_their_scene(void **state) {
+    workshop *w = *state;
+    char path[128], rest[600];
+    asdic_mission *runs[3] = {NULL};
+    snprintf(path, sizeof path, "%s/scene.yaml", w->folder);
+    for (uint64_t i = 0; i < 3; i++) {
+        const asdic_draw draw = {.seed = 1, .run = i};
+        const asdic_mission *bases[] = {NULL, runs[0], NULL};
+        snprintf(rest, sizeof rest,
+                 SCENE "bottom: {grid: ground.asc, type: mud}\nobjects:\n"
+                       "  - {name: still, point: -10, position_m: [8, 8, 8]}\n"
+                       "  - {name: a, box: {size_m: [2, 4, 6]}, position_m: [%d, 20, 5],\n"
+                       "     rotation_deg: [0, 0, %d]}\n"
+                       "mission: {pose: {position_m: [0, 0, %d]}}\n",
+                 30 + (int)i, i == 2 ? 45 : 0, 3 + (int)i);
+        write_file(w, "scene.yaml", rest);
+        assert_ok(w->ctx, asdic_mission_load_like(w->ctx, path, &draw, bases, 3, &runs[i]));
+        assert_int_equal(runs[i]->stands_anywhere, 1);
+        assert_ptr_equal(runs[i]->base, i ? runs[0] : NULL);
+        assert_ptr_equal(runs[i]->scene, runs[0]->scene);
+        assert_int_equal(runs[i]->object_count, 3);
+        assert_string_equal(runs[i]->objects[0].name, "");
+        assert_close(asdic_material_get(&runs[i]->bottom, "type"), 1, 0);
+        assert_close(runs[i]->objects[2].pose.position_m.x, 30 + (double)i, 0);
+        assert_close(runs[i]->pose.position_m.z, 3 + (double)i, 0);
+    }
+    const double half = sqrt(14.0);
+    const double fish[3] = {8, 8, 8};
+    static const double min[2][3] = {{29, 18, 2}, {30, 18, 2}},
+                        max[2][3] = {{31, 22, 8}, {32, 22, 8}};
+    const double low[3] = {32 - half, 20 - half, 5 - half},
+                 high[3] = {32 + half, 20 + half, 5 + half};
+    assert_box(runs[0], 2, min[0], max[0]);
+    assert_box(runs[1], 2, min[1], max[1]);
+    assert_box(runs[2], 2, low, high);
+    assert_box(runs[1], 1, fish, fish);
+    for (size_t i = 3; i-- > 0;) {
+        asdic_mission_destroy(&runs[i]);
+    }
+}
+
+/* A floor of 180 by 180 m at depth 0; a wedge whose corner is off its origin; a bean 0.3 m long. */
+static int begin_with_meshes(void **state) {
+    static const double floor[6][3] = {{-90, -90, 0}, {90, -90, 0}, {90, 90, 0},
+                                       {-90, -90, 0}, {90, 90, 0},  {-90, 90, 0}};
+    static const double wedge[3][3] = {{0.1, 0.2, 0.3}, {0.4, 0.2, 0.3}, {0.1, 2.2, 0.6}};
+    static const double bean[3][3] = {{0, 0, 0}, {0.3, 0, 0}, {0, 0.2, 0.1}};
+    if (begin(state)) {
+        return -1;
+    }
+    add_mesh(*state, "floor", floor, 2);
+    add_mesh(*state, "wedge", wedge, 1);
+    add_mesh(*state, "bean", bean, 1);
+    return 0;
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(shapes_are_where_they_are_put),
+        cmocka_unit_test(moving_objects_are_where_they_are_first),
+        cmocka_unit_test(materials_read_their_files),
+        cmocka_unit_test(runs_take_what_is_the_same),
+        cmocka_unit_test(runs_of_many_borrow_their_scene),
+    };
+    return cmocka_run_group_tests(tests, begin_with_meshes, end);
+}
