@@ -70,7 +70,7 @@ static void put(const char *path, const void *bytes, size_t length) {
 
 /* The descriptor that is opened next: none before it may stay open. */
 static int lowest_free(void) {
-    int fd = dup(STDIN_FILENO);
+    int fd = dup(STDOUT_FILENO);
     close(fd);
     return fd;
 }
@@ -137,6 +137,32 @@ static void another_writers_file_is_left_to_it(void **state) {
     assert_ok(ctx, asdic_file_commit(&file));
     assert_true(holds(name, "third"));
     assert_int_equal(lowest_free(), free_before);
+    assert_int_equal(unlink(name), 0);
+}
+
+/* Whoever starts a program may have closed its standard input: then files get its number, 0. */
+static void descriptor_0_is_one_as_all_others(void **state) {
+    (void)state;
+    asdic_file *file, *other;
+    asdic_sum sum;
+    int kept = dup(STDIN_FILENO);
+    assert_true(kept > STDIN_FILENO);
+    file = begin("first");
+    close(STDIN_FILENO);
+    assert_status(ctx, asdic_file_create(ctx, name, &other), ASDIC_ERROR_IO);
+    assert_int_equal(lowest_free(), STDIN_FILENO);
+    assert_ok(ctx, asdic_file_commit(&file));
+    file = begin("new");
+    assert_int_not_equal(lowest_free(), STDIN_FILENO);
+    assert_status(ctx, asdic_file_create(ctx, name, &other), ASDIC_ERROR_IO);
+    assert_ok(ctx, asdic_file_commit(&file));
+    assert_true(holds(name, "new"));
+    assert_int_equal(lowest_free(), STDIN_FILENO);
+    assert_ok(ctx, asdic_file_sum(ctx, name, &sum));
+    assert_int_equal(sum.bytes, 3);
+    assert_int_equal(lowest_free(), STDIN_FILENO);
+    assert_int_equal(dup2(kept, STDIN_FILENO), STDIN_FILENO);
+    close(kept);
     assert_int_equal(unlink(name), 0);
 }
 
@@ -210,6 +236,7 @@ static void sums_are_zlibs(void **state) {
         unsigned long crc32;
     } rows[] = {{"123456789", 9, 0xcbf43926}, {"", 0, 0}, {many, MANY, crc32_z(0, many, MANY)}};
     asdic_sum sum;
+    int free_before = lowest_free();
     for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
         put(name, rows[i].bytes, rows[i].length);
         assert_ok(ctx, asdic_file_sum(ctx, name, &sum));
@@ -221,6 +248,7 @@ static void sums_are_zlibs(void **state) {
     assert_contains(asdic_context_error(ctx), "No such file or directory");
     assert_status(ctx, asdic_file_sum(ctx, folder, &sum), ASDIC_ERROR_INPUT);
     assert_contains(asdic_context_error(ctx), "Is a directory");
+    assert_int_equal(lowest_free(), free_before);
 }
 
 /* ---- PNG ------------------------------------------------------------------------------------- */
@@ -329,6 +357,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_name_has_the_old_file_until_the_new_one_is_whole),
         cmocka_unit_test(another_writers_file_is_left_to_it),
+        cmocka_unit_test(descriptor_0_is_one_as_all_others),
         cmocka_unit_test(links_are_replaced),
         cmocka_unit_test(what_the_disk_refuses_is_told),
         cmocka_unit_test(files_written_soon_are_whole),
