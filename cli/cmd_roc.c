@@ -152,6 +152,15 @@ static asdic_status draw(cli *c, const request *r, const char *path, const char 
     return asdic_roc_draw(cli_context(c), path, title, names, v->rocs, v->count);
 }
 
+static bool make_folder(cli *c, const char *folder, bool *is_new) {
+    *is_new = mkdir(folder, 0777) == 0;
+    if (!*is_new && errno != EEXIST) {
+        cli_error(c, "cannot create folder '%s': %s", folder, strerror(errno));
+        return false;
+    }
+    return true;
+}
+
 static asdic_status write_files(cli *c, request *r, char *const paths[3]) {
     const char *names[ROC_MOST_VARIANTS];
     roc_variants *v = &r->variants;
@@ -162,7 +171,7 @@ static asdic_status write_files(cli *c, request *r, char *const paths[3]) {
     return asdic_picture_annotated() ? draw(c, r, paths[2], names) : ASDIC_OK;
 }
 
-static asdic_status compute_all(cli *c, request *r, const char *folder, char *const paths[3]) {
+static asdic_status compute_all(cli *c, request *r) {
     asdic_device **devices = NULL;
     size_t count = 0;
     TRY(cli_open_devices(c, &devices, &count));
@@ -174,7 +183,10 @@ static asdic_status compute_all(cli *c, request *r, const char *folder, char *co
     }
     cli_progress_end(&progress);
     asdic_devices_close(&devices, count);
-    TRY(status);
+    return status;
+}
+
+static asdic_status tell(cli *c, request *r, const char *folder, char *const paths[3]) {
     TRY(write_files(c, r, paths));
     (cli_given(c, "json") ? roc_print_json : roc_print_table)(&r->variants);
     cli_note(c, "%s: roc.csv, roc_range.csv%s", folder,
@@ -182,25 +194,29 @@ static asdic_status compute_all(cli *c, request *r, const char *folder, char *co
     return ASDIC_OK;
 }
 
+/* Whether the folder can be made is told before the work, and it is made after it: a signal leaves
+ * none behind. */
 static int judge(cli *c, request *r, const char *folder) {
     static const char *const files[3] = {"roc.csv", "roc_range.csv", "roc.png"};
     char *paths[3] = {NULL, NULL, NULL};
     int code = CLI_FAILED;
-    bool is_new = mkdir(folder, 0777) == 0;
-    if (!is_new && errno != EEXIST) {
-        cli_error(c, "cannot create folder '%s': %s", folder, strerror(errno));
-        return CLI_FAILED;
+    bool is_new = false, is_good = make_folder(c, folder, &is_new);
+    for (int i = 0; i < 3 && is_good; i++) {
+        is_good = out_path(c, folder, files[i], &paths[i]);
     }
-    for (int i = 0; i < 3; i++) {
-        if (!out_path(c, folder, files[i], &paths[i])) {
-            goto done;
-        }
-    }
-    asdic_status status = compute_all(c, r, folder, paths);
-    code = cli_bad_usage(c) ? CLI_USAGE : cli_end(c, status);
-done:
-    if (is_new && code != CLI_OK) {
+    if (is_new) {
         rmdir(folder);
+    }
+    if (is_good) {
+        asdic_status status = compute_all(c, r);
+        if (cli_bad_usage(c)) {
+            code = CLI_USAGE;
+        } else if (status != ASDIC_OK || make_folder(c, folder, &is_new)) {
+            code = cli_end(c, status == ASDIC_OK ? tell(c, r, folder, paths) : status);
+        }
+        if (code != CLI_OK && is_new) {
+            rmdir(folder);
+        }
     }
     for (int i = 0; i < 3; i++) {
         free(paths[i]);

@@ -3,7 +3,6 @@ import csv
 import json
 import pathlib
 import resource
-import signal
 import subprocess
 import time
 
@@ -393,11 +392,7 @@ def test_a_background_stops_when_told():
         with subprocess.Popen(command, cwd=folder.path, stderr=subprocess.PIPE) as child:
             while not (out / "background.npy.part").exists() and child.poll() is None:
                 time.sleep(0.01)
-            begin = time.monotonic()
-            child.send_signal(signal.SIGTERM)
-            child.communicate()
-            tap.equal(child.returncode, 143)
-            tap.equal(time.monotonic() - begin < 5, True, "seconds until it stopped")
+            program.stop(child, most_s=5)
         # While a driver compiles nothing can be cleared away: the next try replaces it.
         whole = [n.name for n in out.iterdir() if n.suffix != ".part"]
         tap.equal(sorted(whole), before)

@@ -34,17 +34,6 @@ def begin(folder, *args, **env):
                             stderr=subprocess.PIPE, env=program.environment(env))
 
 
-def stop(child, number=signal.SIGTERM):
-    """Sends the signal; the command ends within a second (two where the machine is busy)."""
-    tap.equal(child.poll(), None, "still at work")
-    began = time.monotonic()
-    child.send_signal(number)
-    child.communicate()
-    took = time.monotonic() - began
-    tap.equal(child.returncode, 128 + number, "exit code")
-    tap.equal(took < 2, True, f"{took:.2f} s until it stopped")
-
-
 def test_expect_says_how_far_it_is_and_stops():
     """A minute of quadrature for 1,024 beams of long apertures: a line after ten seconds where there is no terminal."""
     with Folder() as folder:
@@ -59,7 +48,7 @@ def test_expect_says_how_far_it_is_and_stops():
                 line = child.stderr.readline().decode()
                 tap.equal(line != "", True, "a line before the end")
             tap.contains(line, " left")
-            stop(child)
+            program.stop(child)
         tap.equal(folder.names(), ["scene.yaml"])
 
 
@@ -68,7 +57,7 @@ def test_a_plan_stops_while_kernels_are_compiled():
     with Folder() as folder, Folder() as cache:
         with begin(folder, "plan", FAN, POCL_CACHE_DIR=cache.path) as child:
             time.sleep(1)
-            stop(child, signal.SIGINT)
+            program.stop(child, signal.SIGINT)
 
 
 def test_rays_through_many_layers_stop():
@@ -83,7 +72,7 @@ def test_rays_through_many_layers_stop():
         folder.write("scene.yaml", SCENE.replace("environment: {wind_speed_kn: 10}", water))
         with begin(folder, "run", "scene.yaml", "-o", "out") as child:
             time.sleep(3)
-            stop(child)
+            program.stop(child)
         tap.equal(folder.names(), ["cast.csv", "scene.yaml"])
 
 
@@ -100,10 +89,10 @@ def test_a_drawing_stops():
         if shutil.which("ffmpeg"):
             with begin(folder, "render", "run", "--video", "film.mp4") as child:
                 time.sleep(2)  # of some 40 s
-                stop(child)
+                program.stop(child)
         with begin(folder, "render", "run", "--mosaic", "map.png", "--cell", "0.04") as child:
             time.sleep(2)
-            stop(child)
+            program.stop(child)
         tap.equal(folder.names(), ["a.svg", "run", "scene.yaml"])
         tap.equal(sorted(os.listdir(folder / "run")), before)
 

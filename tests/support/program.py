@@ -8,8 +8,10 @@ import functools
 import os
 import pty
 import shutil
+import signal
 import subprocess
 import tempfile
+import time
 
 import tap
 
@@ -111,3 +113,20 @@ class Folder:
 
     def names(self):
         return sorted(os.listdir(self.path))
+
+
+def stop(child, number=signal.SIGTERM, most_s=2):
+    """Sends CHILD the signal, and returns what it still says (text or bytes). It ends within a second (two where the
+    machine is busy), counted in waits: where the whole machine stands still these take longer, too."""
+    tap.equal(child.poll(), None, "still at work")
+    child.send_signal(number)
+    waits = 0
+    while child.poll() is None and waits < 1000:
+        time.sleep(0.02)
+        waits += 1
+    if child.poll() is None:
+        child.kill()
+    err = child.communicate()[1]
+    tap.equal(child.returncode, 128 + number, "exit code")
+    tap.equal(waits < 50 * most_s, True, f"{waits} waits of 20 ms until it stopped")
+    return err
