@@ -10,6 +10,7 @@
 #define ASDIC_CLI_H
 
 #include <stdio.h>
+#include <sys/types.h>
 
 #include <asdic/asdic.h>
 
@@ -70,6 +71,15 @@ asdic_context *cli_context(const cli *c);
 /* A descriptor for poll that hangs up at the first signal that asks to stop; -1 where there is
  * none. */
 int cli_signal_fd(void);
+
+/* A program that this one started, and files of theirs. */
+typedef struct cli_helper {
+    pid_t child;          /* 0: none */
+    const char *files[2]; /* up to the first NULL */
+} cli_helper;
+
+/* What ends with the program where a signal ends it where it stands; NULL: nothing any more. */
+void cli_signals_helper(const cli_helper *now);
 size_t cli_operand_count(const cli *c);
 const char *cli_operand(const cli *c, size_t index); /* NULL beyond the last */
 

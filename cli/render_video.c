@@ -22,7 +22,8 @@ extern char **environ;
 typedef struct film {
     cli *c;
     const char *path;
-    char *part; /* where ffmpeg writes: of the same ending, by which it knows the format */
+    char *part;  /* where ffmpeg writes: of the same ending, by which it knows the format */
+    char *frame; /* the picture that is drawn anew for each ping */
     double rate_hz;
     pid_t child;
     FILE *pipe; /* NULL: ffmpeg was not started */
@@ -77,6 +78,7 @@ static bool start(film *f) {
                   strerror(error));
         return false;
     }
+    cli_signals_helper(&(cli_helper){f->child, {f->frame, f->part}});
     f->pipe = fdopen(ends[1], "wb");
     return f->pipe != NULL;
 }
@@ -113,6 +115,7 @@ static bool finish(film *f, asdic_status status) {
     bool is_whole = fclose(f->pipe) == 0;
     while (waitpid(f->child, &state, 0) < 0 && errno == EINTR) {
     }
+    cli_signals_helper(NULL);
     is_whole = is_whole && WIFEXITED(state) && WEXITSTATUS(state) == 0;
     if (is_whole && all && rename(f->part, f->path) == 0) {
         return true;
@@ -124,36 +127,34 @@ static bool finish(film *f, asdic_status status) {
     return false;
 }
 
-/* "fan.part.mp4" of "fan.mp4". */
-static char *part_of(const char *path) {
-    const char *name = strrchr(path, '/'), *dot = strrchr(name ? name : path, '.');
-    size_t stem = dot ? (size_t)(dot - path) : strlen(path);
-    char *part = NULL;
-    return asprintf(&part, "%.*s.part%s", (int)stem, path, path + stem) < 0 ? NULL : part;
+/* "fan.part.mp4" of "fan.mp4", and "fan.part.mp4.png" for the frames. */
+static bool name_parts(film *f) {
+    const char *name = strrchr(f->path, '/'), *dot = strrchr(name ? name : f->path, '.');
+    size_t stem = dot ? (size_t)(dot - f->path) : strlen(f->path);
+    if (asprintf(&f->part, "%.*s.part%s", (int)stem, f->path, f->path + stem) < 0) {
+        f->part = NULL;
+    }
+    if (!f->part || asprintf(&f->frame, "%s.png", f->part) < 0) {
+        f->frame = NULL;
+    }
+    return f->frame != NULL;
 }
 
 int render_video(cli *c, const char *folder, const asdic_render_options *options,
                  const char *path) {
-    film f = {.c = c, .path = path, .part = part_of(path)};
+    film f = {.c = c, .path = path};
     asdic_render_options each = *options;
-    char frame[] = "/tmp/asdic-frame-XXXXXX.png";
-    asdic_status status = f.part ? find_rate(c, folder, &f.rate_hz) : ASDIC_ERROR_MEMORY;
-    if (status != ASDIC_OK) {
-        free(f.part);
-        return cli_end(c, status);
+    asdic_status status =
+        name_parts(&f) ? find_rate(c, folder, &f.rate_hz) : ASDIC_ERROR_MEMORY;
+    bool is_whole = false;
+    if (status == ASDIC_OK) {
+        signal(SIGPIPE, SIG_IGN); /* an ffmpeg that ends early is an error to report */
+        each.path = f.frame;
+        status = asdic_run_render_frames(cli_context(c), folder, &each, add_frame, &f);
+        is_whole = finish(&f, status);
+        unlink(f.frame);
     }
-    int file = mkstemps(frame, 4);
-    if (file < 0) {
-        cli_error(c, "'%s': %s", frame, strerror(errno));
-        free(f.part);
-        return CLI_FAILED;
-    }
-    close(file);
-    signal(SIGPIPE, SIG_IGN); /* an ffmpeg that ends early is an error to report */
-    each.path = frame;
-    status = asdic_run_render_frames(cli_context(c), folder, &each, add_frame, &f);
-    bool is_whole = finish(&f, status);
-    unlink(frame);
     free(f.part);
+    free(f.frame);
     return status != ASDIC_OK ? cli_end(c, status) : is_whole ? CLI_OK : CLI_FAILED;
 }

@@ -21,11 +21,22 @@ static asdic_context *watched_context; /* under the lock */
 static atomic_int received;
 static int wake_fds[2] = {-1, -1};
 static const char *while_compiling;
+static cli_helper helper; /* under the lock */
 
 static void stop_signals(sigset_t *set) {
     sigemptyset(set);
     sigaddset(set, SIGINT);
     sigaddset(set, SIGTERM);
+}
+
+/* Under the lock, before the program ends where it stands. */
+static void end_helper(void) {
+    if (helper.child > 0) {
+        kill(helper.child, SIGKILL);
+    }
+    for (int i = 0; i < 2 && helper.files[i]; i++) {
+        unlink(helper.files[i]);
+    }
 }
 
 /* After signal NUMBER: waits for the next one of SET, and returns it. A driver that compiles does not
@@ -44,6 +55,7 @@ static int wait_for_second(const sigset_t *set, int number, bool stops_soon) {
             if (compiles) {
                 (void)!write(STDERR_FILENO, while_compiling, strlen(while_compiling));
             }
+            end_helper();
             _exit(128 + number);
         }
         pthread_mutex_unlock(&lock);
@@ -63,6 +75,8 @@ static void *wait_for_signals(void *stops_soon) {
     pthread_mutex_unlock(&lock);
     close(wake_fds[1]); /* who polls the other end learns of it */
     number = wait_for_second(&set, number, stops_soon != NULL);
+    pthread_mutex_lock(&lock);
+    end_helper();
     signal(number, SIG_DFL); /* the second one ends the program at once */
     pthread_sigmask(SIG_UNBLOCK, &set, NULL);
     raise(number);
@@ -93,6 +107,12 @@ void cli_signals_begin(asdic_context *ctx, bool stops_soon, bool resumes) {
 void cli_signals_end(void) {
     pthread_mutex_lock(&lock);
     watched_context = NULL;
+    pthread_mutex_unlock(&lock);
+}
+
+void cli_signals_helper(const cli_helper *now) {
+    pthread_mutex_lock(&lock);
+    helper = now ? *now : (cli_helper){0};
     pthread_mutex_unlock(&lock);
 }
 

@@ -1,5 +1,6 @@
 """Commands that take long show how far they are, and end soon after a signal."""
 import os
+import pathlib
 import shutil
 import signal
 import subprocess
@@ -95,6 +96,26 @@ def test_a_drawing_stops():
             program.stop(child)
         tap.equal(folder.names(), ["a.svg", "run", "scene.yaml"])
         tap.equal(sorted(os.listdir(folder / "run")), before)
+
+
+def test_a_video_stops_whose_encoder_hangs():
+    """One that reads nothing, so that the frames wait for it: it ends too, and neither leaves anything."""
+    program.need_device()
+    with Folder() as folder:
+        path = folder.write("scene.yaml", SCENE.replace("speed_mps: 1", "speed_mps: 20"))
+        asdic("run", path, "-o", folder / "run", "-q").check(0)
+        os.mkdir(folder / "bin")
+        encoder = folder.write("bin/ffmpeg", '#!/bin/sh\necho $$ >pid\nfor file; do :; done\n: >"$file"\nexec sleep 60\n')
+        os.chmod(encoder, 0o755)
+        with begin(folder, "render", "run", "--video", "film.mp4",
+                   PATH=folder / "bin" + ":" + os.environ["PATH"]) as child:
+            while not os.path.exists(folder / "film.part.mp4"):
+                time.sleep(0.05)
+            time.sleep(1)
+            program.stop(child)
+        state = pathlib.Path("/proc", folder.read("pid").strip(), "stat")
+        tap.equal(not state.exists() or " Z " in state.read_text(encoding="ascii"), True, "the encoder has ended")
+        tap.equal(folder.names(), ["bin", "pid", "run", "scene.yaml"])
 
 
 def test_each_shows_a_bar_on_a_terminal():
