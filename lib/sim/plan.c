@@ -45,20 +45,22 @@ void asdic_plan_row_set(asdic_plan *plan, asdic_term term, bool kept, double bou
 }
 
 /* Integral over the sphere of the transmitter's one-way pattern: no echo can use more solid angle,
- * since a receiver's gain is at most 1. Midpoint sums, generously many. */
+ * since a receiver's gain is at most 1. Midpoint sums, generously many, even in elevation: a narrow
+ * beam over all bearings lies in few steps of its sine. */
 static double transmit_solid_angle(const asdic_sonar *sonar, double wavelength_m) {
     const asdic_beam *beam = &sonar->transmitter;
     double h = beam->length_h_m / wavelength_m, v = beam->length_v_m / wavelength_m;
     double rear = pow(10.0, sonar->rear_floor_db / 10.0), sum = 0.0;
-    int rows = 64 + (int)(16.0 * v), columns = 64 + (int)(16.0 * h);
+    int rows = 64 + (int)(16.0 * v + 4.0 * h), columns = 64 + (int)(16.0 * h);
     for (int i = 0; i < rows; i++) {
-        double vz = -1.0 + 2.0 * (i + 0.5) / rows, m = sqrt((1.0 - vz) * (1.0 + vz));
+        double elevation_rad = ASDIC_PI * ((i + 0.5) / rows - 0.5);
+        double vz = sin(elevation_rad), m = cos(elevation_rad);
         for (int k = 0; k < columns; k++) {
             double phi = ASDIC_PI * ((k + 0.5) / columns - 0.5);
-            sum += beam_pattern_lin(m * cos(phi), m * sin(phi), vz, h, v, rear);
+            sum += beam_pattern_lin(m * cos(phi), m * sin(phi), vz, h, v, rear) * m;
         }
     }
-    return (1.0 + rear) * sum * 2.0 / rows * ASDIC_PI / columns;
+    return (1.0 + rear) * sum * ASDIC_PI / rows * ASDIC_PI / columns;
 }
 
 double asdic_plan_change_db(double energy, double noise) {

@@ -159,6 +159,32 @@ static void what_drowns_is_left_out(void **state) {
     }
 }
 
+/* A bound on the water's energy is proportional to the transmitter's solid angle. Of a line of N wavelengths, upright or
+ * level, that is pi times the integral of sinc^2(N u) over -1 <= u <= 1: from pi (1 - 1 / (pi^2 N)) / N for whole N
+ * to 2 pi for a point. */
+static void a_fan_of_water_is_bounded(void **state) {
+    (void)state;
+    static const double lengths_wl[3][2] = {{0.01, 0.01}, {20.0, 0.01}, {0.01, 20.0}};
+    ping_rig r = rig_create(&t);
+    double energies[3];
+    r.sonar.noise_enabled = true;
+    r.sonar.source_level_db = 200.0;
+    double wavelength_m =
+        asdic_environment_sound_speed_mps(&r.env, r.pose.position_m.z) / r.sonar.frequency_hz;
+    for (int k = 0; k < 3; k++) {
+        r.sonar.transmitter.length_h_m = lengths_wl[k][0] * wavelength_m;
+        r.sonar.transmitter.length_v_m = lengths_wl[k][1] * wavelength_m;
+        double bound_db = plan_of(&r).rows[ASDIC_TERM_VOLUME].bound_db;
+        assert_true(bound_db > 1e-6);
+        energies[k] = pow(10.0, 0.1 * bound_db) - 1.0;
+    }
+    double wanted = (1.0 - 1.0 / (M_PI * M_PI * 20.0)) / 40.0;
+    for (int k = 1; k < 3; k++) {
+        assert_float_equal(energies[k] / energies[0] / wanted, 1.0, 2e-3);
+    }
+    rig_destroy(&r);
+}
+
 /* Boric acid goes where it takes less than the bound from any level, at high frequencies and short
  * ranges; what is left out then is really missing. */
 static void boric_acid_goes_at_short_range(void **state) {
@@ -241,6 +267,7 @@ int main(void) {
         cmocka_unit_test(what_lies_beyond_is_left_out),
         cmocka_unit_test(objects_count_where_they_reach),
         cmocka_unit_test(what_drowns_is_left_out),
+        cmocka_unit_test(a_fan_of_water_is_bounded),
         cmocka_unit_test(boric_acid_goes_at_short_range),
         cmocka_unit_test(flat_scenes_need_no_rays),
     };
