@@ -19,20 +19,30 @@ extern "Python" void asdic_python_progress(void *user, const char *what, size_t 
 extern "Python" void asdic_python_run_progress(void *user, const asdic_run_progress *progress);
 """
 
-# What takes the interpreter many steps, and every ping needs: the memory of a ping (energies, one mechanism behind the
-# other, then errors), and a pose of angles in degrees.
+# What takes the interpreter many steps, and every ping needs: a ping in a piece of memory (the struct, energies, one
+# mechanism behind the other, then errors), a pose of angles in degrees, and the ping of a vehicle there, whose sonar a
+# head turns.
 STEPS = {
-    "void asdic_python_lay(asdic_ping *ping, double *memory, size_t beams, size_t bins)": """{
-    ping->beams = beams;
-    ping->bins = bins;
+    "asdic_ping *asdic_python_lay(double *memory, size_t beams, size_t bins)": """{
+    asdic_ping *ping = (asdic_ping *)memory;
+    *ping = (asdic_ping){.beams = beams, .bins = bins};
+    memory += (sizeof *ping + sizeof *memory - 1) / sizeof *memory;
     for (size_t c = 0; c < ASDIC_COMPONENT_COUNT; c++) {
         ping->intensity_lin[c] = memory + c * beams * bins;
     }
     ping->stderr_db = (float *)(memory + ASDIC_COMPONENT_COUNT * beams * bins);
+    return ping;
 }""",
-    "void asdic_python_place(asdic_pose *pose, double x, double y, double z, double roll, double pitch, double yaw)": """{
+    "asdic_pose asdic_python_place(const asdic_sweep *sweep, uint64_t index, double x, double y, double z, double roll, "
+    "double pitch, double yaw)": """{
     const double degree = 3.14159265358979323846 / 180.0;
-    *pose = (asdic_pose){{x, y, z}, roll * degree, pitch * degree, yaw * degree};
+    asdic_pose pose = {{x, y, z}, roll * degree, pitch * degree, yaw * degree};
+    return sweep->directions ? asdic_sweep_sonar(sweep, &pose, index) : pose;
+}""",
+    "asdic_status asdic_python_ping(asdic_simulator *simulator, asdic_ping *ping, const asdic_sweep *sweep, uint64_t "
+    "index, double x, double y, double z, double roll, double pitch, double yaw)": """{
+    asdic_pose pose = asdic_python_place(sweep, index, x, y, z, roll, pitch, yaw);
+    return asdic_simulator_ping(simulator, &pose, index, ping);
 }""",
 }
 

@@ -102,8 +102,21 @@ def fail(kind: type[Error], sentence: str) -> Error:
 # ---- ownership -------------------------------------------------------------------------------
 
 
+class _Process:  # pylint: disable=too-few-public-methods
+    """Which one this is; known without a call of the system, which every ping would make."""
+
+    number = os.getpid()
+
+    @classmethod
+    def forked(cls) -> None:
+        cls.number = os.getpid()
+
+
+os.register_at_fork(after_in_child=_Process.forked)
+
+
 def _destroy(place: Any, destroy: Callable[..., None], process: int, _keeps: tuple[Any, ...]) -> None:
-    if process == os.getpid():  # a forked process has no threads that devices could work with
+    if process == _Process.number:  # a forked process has no threads that devices could work with
         destroy(place)
 
 
@@ -117,7 +130,7 @@ class Handle:
     __slots__ = ("_place", "_process", "_finalizer", "_name", "__weakref__")
 
     def __init__(self, name: str, place: Any, destroy: Callable[..., None], *keeps: Any) -> None:
-        self._place, self._name, self._process = place, name, os.getpid()
+        self._place, self._name, self._process = place, name, _Process.number
         self._finalizer = weakref.finalize(self, _destroy, place, destroy, self._process, keeps)
 
     @property
@@ -125,7 +138,7 @@ class Handle:
         pointer = self._place[0]
         if not pointer:
             raise fail(ClosedError, f"the {self._name} is closed")
-        if self._process != os.getpid():
+        if self._process != _Process.number:
             raise fail(ClosedError, f"the {self._name} is of the process that forked this one; make it anew here, "
                        "or start processes by multiprocessing's 'spawn'")
         return pointer
@@ -190,7 +203,7 @@ class Context:
         self._log_handle, self.progress_user = ffi.new_handle(self._log), ffi.new_handle(self._done)
         self._progress = bar if progress is True else progress or None
         self._last: tuple[str, int, int] | None = None
-        self.lock, self.process = threading.RLock(), os.getpid()
+        self.lock, self.process = threading.RLock(), _Process.number
         if lib.asdic_context_create(place):
             raise fail(MemoryShortError, "out of memory while allocating a context")
         self.handle = Handle("context", place, lib.asdic_context_destroy, self._log_handle, self.progress_user)
@@ -290,7 +303,7 @@ _CONTEXTS: weakref.WeakSet[Context] = weakref.WeakSet()
 def _end() -> None:
     """At the interpreter's end daemon threads may be in a call: it is waited for, and none begins any more."""
     for context in list(_CONTEXTS):
-        if context.process == os.getpid() and not context.lock.acquire(blocking=False):
+        if context.process == _Process.number and not context.lock.acquire(blocking=False):
             lib.asdic_context_interrupt(context.pointer)
             context.lock.acquire()
 
@@ -311,10 +324,10 @@ class Devices(Handle):
 
 def open_devices(context: Context, selector: str | None) -> Devices:
     """The devices of a selector ("auto", "cpu", "0:0", ...); pointer[0] is the first."""
-    if _OPENCL and _OPENCL[0] != os.getpid():
+    if _OPENCL and _OPENCL[0] != _Process.number:
         raise fail(DeviceError, "OpenCL was used before this process was forked, and its threads are gone; "
                    "start processes by multiprocessing's 'spawn'")
-    _OPENCL[:] = [os.getpid()]
+    _OPENCL[:] = [_Process.number]
     place, count = ffi.new("asdic_device ***"), ffi.new("size_t *")
     context.run(lib.asdic_devices_open, context.pointer, encoded(selector, "device") if selector else ffi.NULL,
                 place, count)

@@ -19,7 +19,8 @@ PARTS = tuple(word for word in words("asdic_component") if word != "total")
 
 
 AXES = ("x", "y", "z", "roll", "pitch", "yaw")
-PING, POSE, DOUBLES, FLOATS = map(ffi.typeof, ("asdic_ping *", "asdic_pose *", "double[]", "float[]"))
+POSE, DOUBLES, FLOATS = map(ffi.typeof, ("asdic_pose *", "double[]", "float[]"))
+HEAD = -(-ffi.sizeof("asdic_ping") // 8)  # doubles
 NUMBERS = (float, int)
 LEARN_BLOCK = int(lib.ASDIC_LEARN_BLOCK)
 
@@ -64,13 +65,15 @@ class _Mount:
     def __init__(self, mission: Handle) -> None:
         self._mission, self._scene = mission, lib.asdic_mission_scene(mission.pointer)
         self._sweep = ffi.new("asdic_sweep *", lib.asdic_mission_sweep(mission.pointer))
-        self._turns = bool(self._sweep.directions)
+
+    def ping(self, simulator: Any, ping: Any, at: tuple[float, ...], index: int) -> int:
+        """Simulates PING, number INDEX, of a vehicle at AT."""
+        status: int = lib.asdic_python_ping(simulator, ping, self._sweep, index, *at)
+        return status
 
     def set_pose(self, pose: Any, at: tuple[float, ...], index: int) -> None:
         """Where the sonar is and looks, which is where the vehicle does unless a head turns."""
-        lib.asdic_python_place(pose, *at)
-        if self._turns:
-            pose[0] = lib.asdic_sweep_sonar(self._sweep, pose, index)
+        pose[0] = lib.asdic_python_place(self._sweep, index, *at)
 
     def altitude(self, pose: Any) -> float:
         """Above the bottom straight below, m."""
@@ -97,11 +100,10 @@ class Ping:
         """The receivers: name, pitch_rad, yaw_rad, roll_rad, length_h_m, length_v_m."""
         self._shape = shape = (len(beams), bins)
         size = shape[0] * bins
-        # Energies, then errors: one piece of memory, which the library fills whole. What looks at it is made when it is
-        # asked for: the interpreter's code is no longer in the processor's caches after a ping.
-        self._memory = memory = np.empty(len(COMPONENTS) * size + (size + 1) // 2)
-        self._struct = struct = ffi.new(PING)
-        lib.asdic_python_lay(struct, ffi.from_buffer(DOUBLES, memory), shape[0], bins)
+        # The struct, energies, errors: one piece of memory, which the library fills whole. What looks at it is made when
+        # it is asked for: the interpreter's code is no longer in the processor's caches after a ping.
+        self._memory = memory = np.empty(HEAD + len(COMPONENTS) * size + (size + 1) // 2)
+        self._struct = lib.asdic_python_lay(ffi.from_buffer(DOUBLES, memory), shape[0], bins)
         if truth:
             self._add_truth(shape)
         if samples[0]:
@@ -122,13 +124,13 @@ class Ping:
     @functools.cached_property
     def stderr_db(self) -> np.ndarray:
         """One standard error of the level's sampling, dB."""
-        errors: np.ndarray = self._memory.view(np.float32)[2 * len(COMPONENTS) * math.prod(self._shape):]
+        errors: np.ndarray = self._memory[HEAD + len(COMPONENTS) * math.prod(self._shape):].view(np.float32)
         return errors[:math.prod(self._shape)].reshape(self._shape)
 
     @functools.cached_property
     def _energies(self) -> np.ndarray:
         count = len(COMPONENTS) * math.prod(self._shape)
-        return self._memory[:count].reshape(len(COMPONENTS), *self._shape)
+        return self._memory[HEAD:HEAD + count].reshape(len(COMPONENTS), *self._shape)
 
     @functools.cached_property
     def _pose(self) -> Any:
@@ -295,12 +297,13 @@ class Simulator:
         with self._context.lock:
             simulator = self._handle.pointer
             result = self._new_ping() if out is None else self._again(out)
-            self._mount.set_pose(self._pose, at, self.index)
-            if self._moves or self.index % LEARN_BLOCK == 0:
+            index = self.index
+            if self._moves or index % LEARN_BLOCK == 0:
+                self._mount.set_pose(self._pose, at, index)
                 self._prepare(simulator, self._pose)
-            self._context.check(lib.asdic_simulator_ping(simulator, self._pose, self.index, result._struct))
-            self._note(result, at, self.index)
-            self.index += 1
+            self._context.check(self._mount.ping(simulator, result._struct, at, index))
+            self._note(result, at, index)
+            self.index = index + 1
             return result
 
     def pings(self, poses: ArrayLike) -> list[Ping]:
