@@ -8,6 +8,7 @@ import tempfile
 import threading
 import time
 import weakref
+from unittest import mock
 
 from package import ROOT, need_device, pool, raises
 import tap
@@ -290,6 +291,12 @@ def test_xarray():
     tap.equal(np.shares_memory(data.level.values, run.records), True, "without a copy")
 
 
+class OverAtOnce(threading.Thread):
+    def start(self):
+        super().start()
+        self.join()
+
+
 def test_progress():
     need_device()
     said, threads = [], set()
@@ -300,7 +307,11 @@ def test_progress():
     asdic.simulate(pool(), progress=report)
     tap.equal((said[-1], threads), (("pings", 3, 3), {threading.current_thread()}), "in this thread, to the end")
     asdic.expect(pool(), progress=report)
-    tap.equal(said[-1][0], "beams", "expectations count beams")
+    tap.equal(said[-1], ("beams", 2, 2), "expectations count beams")
+    said.clear()
+    with mock.patch.object(threading, "Thread", OverAtOnce):
+        asdic.expect(pool(), progress=report)
+    tap.equal(said, [("beams", 1, 2), ("beams", 2, 2)], "a call that is over before anyone looks")
 
     class Enough(Exception):
         pass

@@ -260,15 +260,15 @@ class Context:
             thread.start()
             while thread.is_alive():
                 try:
-                    while not over.wait(0.1):
-                        self._report()
-                    thread.join()
                     self._report()
+                    if over.wait(0.1):
+                        thread.join()
                 except BaseException as error:  # pylint: disable=broad-except # raised again below
                     lib.asdic_context_interrupt(self.pointer)
                     stop = stop or error
             if stop:
                 raise stop
+            self._report()  # a short call may be over before the first look
             self.check(status[0])
             self._finish()
 
