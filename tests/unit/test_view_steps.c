@@ -2,6 +2,9 @@
 #include "view_rig.h"
 
 #include "kernels/beam.h"
+#include "live/recording.h"
+
+#include <sys/stat.h>
 
 static void the_mission_is_flown_to_its_end(void **state) {
     (void)state;
@@ -149,6 +152,47 @@ static void recordings_are_written_at_the_end(void **state) {
     assert_ok(t.ctx, asdic_view_stop(v));
     assert_contains(v->message, "recorded 1 pings to");
     assert_ok(t.ctx, asdic_view_stop(NULL));
+    close_view(v);
+    assert_int_equal(system(command), 0);
+}
+
+/* The first number that is free, three digits; a recording of no pings leaves nothing. */
+static void recordings_have_numbers(void **state) {
+    (void)state;
+    char folder[] = "/tmp/asdic-view-XXXXXX", path[64], command[64];
+    assert_non_null(mkdtemp(folder));
+    snprintf(command, sizeof command, "rm -r %s", folder);
+    asdic_view *v = open_view("[{name: a}]", "sampling: {rays: 256}");
+    asdic_recording *r = NULL;
+    for (int k = 0; k < 4; k++) {
+        snprintf(path, sizeof path, "%s/%03d", folder, k);
+        assert_true(k == 2 || mkdir(path, 0777) == 0);
+    }
+    assert_ok(t.ctx, asdic_recording_begin(t.ctx, v->mission, t.device, folder, &r));
+    assert_int_equal(asdic_recording_number(r), 2);
+    assert_int_equal(asdic_recording_pings(r), 0);
+    snprintf(path, sizeof path, "%s/002/scene.yaml", folder);
+    assert_int_equal(access(path, F_OK), 0);
+    assert_ok(t.ctx, asdic_recording_end(&r));
+    assert_null(r);
+    snprintf(path, sizeof path, "%s/002", folder);
+    assert_int_not_equal(access(path, F_OK), 0);
+    for (int k = 2; k < 1000; k++) {
+        snprintf(path, sizeof path, "%s/%03d", folder, k);
+        assert_true(k == 3 || k == 999 || mkdir(path, 0777) == 0);
+    }
+    assert_ok(t.ctx, asdic_recording_begin(t.ctx, v->mission, t.device, folder, &r));
+    assert_int_equal(asdic_recording_number(r), 999);
+    asdic_recording *other = r;
+    assert_status(t.ctx, asdic_recording_begin(t.ctx, v->mission, t.device, folder, &other),
+                  ASDIC_ERROR_EXISTS);
+    assert_null(other);
+    assert_contains(asdic_context_error(t.ctx), "holds 1000 recordings; give another folder");
+    snprintf(path, sizeof path, "%s/999/scene.yaml", folder);
+    assert_status(t.ctx, asdic_recording_begin(t.ctx, v->mission, t.device, path, &other),
+                  ASDIC_ERROR_IO);
+    assert_contains(asdic_context_error(t.ctx), "cannot create folder");
+    assert_ok(t.ctx, asdic_recording_end(&r));
     close_view(v);
     assert_int_equal(system(command), 0);
 }
@@ -361,6 +405,7 @@ int main(void) {
         cmocka_unit_test(the_history_is_a_ring),
         cmocka_unit_test(bins_of_few_rays_are_joined),
         cmocka_unit_test(recordings_are_written_at_the_end),
+        cmocka_unit_test(recordings_have_numbers),
         cmocka_unit_test(slow_machines_get_fewer_rays),
         cmocka_unit_test(rays_are_enough_for_every_bin),
         cmocka_unit_test(the_window_is_of_the_first_ping),
