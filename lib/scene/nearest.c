@@ -127,29 +127,38 @@ static void search_word(search *s, uint32_t word) {
     }
 }
 
-asdic_nearest asdic_placement_nearest(const asdic_placement *placement, asdic_vec3 from_m,
-                                      asdic_vec3 to_m, double within_m) {
-    const asdic_scene *scene = placement->scene;
-    search s = {.placement = placement,
-                .scene = scene,
-                .a = asdic_vec3_sub(from_m, scene->origin_m),
-                .b = asdic_vec3_sub(to_m, scene->origin_m),
-                .best = {within_m, ASDIC_NOTHING}};
-    const double a[3] = {s.a.x, s.a.y, s.a.z}, b[3] = {s.b.x, s.b.y, s.b.z};
-    for (int k = 0; k < 3; k++) {
-        s.lo[k] = fmin(a[k], b[k]);
-        s.hi[k] = fmax(a[k], b[k]);
+/* Searches what is under WORD for what is near WAY. */
+static void search_along(search *s, const asdic_way *way, uint32_t word) {
+    if (word == DEV_EMPTY) {
+        return;
     }
+    s->a = asdic_vec3_sub(way->from_m, s->scene->origin_m);
+    s->b = asdic_vec3_sub(way->to_m, s->scene->origin_m);
+    const double a[3] = {s->a.x, s->a.y, s->a.z}, b[3] = {s->b.x, s->b.y, s->b.z};
+    for (int k = 0; k < 3; k++) {
+        s->lo[k] = fmin(a[k], b[k]);
+        s->hi[k] = fmax(a[k], b[k]);
+    }
+    search_word(s, word);
+}
+
+asdic_nearest asdic_placement_nearest(const asdic_placement *placement, const asdic_way *way,
+                                      const asdic_way *moving, double within_m) {
+    const asdic_scene *scene = placement->scene;
+    size_t movables = scene->movable_count;
+    search s = {.placement = placement, .scene = scene, .best = {within_m, ASDIC_NOTHING}};
     if (scene->has_bottom_plane) {
-        double height_m = scene->bottom_plane_depth_m - fmax(from_m.z, to_m.z);
+        double height_m = scene->bottom_plane_depth_m - fmax(way->from_m.z, way->to_m.z);
         s.best.distance_m = fmin(s.best.distance_m, fmax(height_m, 0.0));
     }
-    if (scene->bvh.root != DEV_EMPTY) {
-        search_word(&s, scene->bvh.root);
+    search_along(&s, way, moving && movables > 0 ? scene->still_root : scene->bvh.root);
+    for (size_t i = 0; moving && i < movables; i++) {
+        search_along(&s, &moving[i], scene->movables[i].root);
     }
     for (size_t i = 0; i < scene->point_count; i++) {
+        const asdic_way *seen = moving ? &moving[movables + i] : way;
         asdic_vec3 point_m = placement->points[i].position_m;
-        double distance_m = sqrt(segments2(from_m, to_m, point_m, point_m));
+        double distance_m = sqrt(segments2(seen->from_m, seen->to_m, point_m, point_m));
         if (distance_m < s.best.distance_m) {
             s.best = (asdic_nearest){distance_m, scene->part_count + i};
         }

@@ -1,5 +1,6 @@
 /*
  * How near a moving point comes to a scene: exact distances from a segment to triangles, on the host.
+ * What moves meanwhile sees another segment: the point's way in its own frame.
  */
 #ifndef ASDIC_SCENE_NEAREST_H
 #define ASDIC_SCENE_NEAREST_H
@@ -13,10 +14,16 @@ typedef struct asdic_nearest {
     size_t part; /* of the scene; ASDIC_NOTHING: none, or the bottom's plane */
 } asdic_nearest;
 
-/* From the straight way FROM_M to TO_M (world) to the nearest triangle, point or bottom plane, where
- * that is below WITHIN_M; else WITHIN_M. The sea surface does not count. */
-asdic_nearest asdic_placement_nearest(const asdic_placement *placement, asdic_vec3 from_m,
-                                      asdic_vec3 to_m, double within_m);
+/* Straight, in the world as it is while things stand where the placement has them. */
+typedef struct asdic_way {
+    asdic_vec3 from_m, to_m;
+} asdic_way;
+
+/* From WAY to the nearest triangle, point or bottom plane, where that is below WITHIN_M; else
+ * WITHIN_M. The sea surface does not count. MOVING: the way as each movable of the scene sees it,
+ * then as each of its points does; NULL: as WAY. */
+asdic_nearest asdic_placement_nearest(const asdic_placement *placement, const asdic_way *way,
+                                      const asdic_way *moving, double within_m);
 
 /* Whether POSITION_M (world) is inside an object: a plumb line down meets its triangles an odd
  * number of times. PART becomes the object's. Objects are closed, as all but plates and torn meshes. */

@@ -1,10 +1,11 @@
 #include "trial_run.h"
 
+#include "trial_hazards.h"
+
 #include "base/context.h"
 #include "base/try.h"
 #include "base/vec.h"
 #include "mission/track/flight.h"
-#include "scene/nearest.h"
 #include "sim/variates.h"
 
 #include "../../kernels/random.h"
@@ -23,6 +24,8 @@
 
 #define MOST_PINGS 1000000
 #define FASTEST_MPS 50.0
+/* One that is slower than this gets nowhere. */
+#define SLOWEST_MPS 0.01
 
 /* What was flown up to a ping. */
 typedef struct moment {
@@ -37,7 +40,7 @@ typedef struct run {
     const asdic_trial_plan *plan;
     const asdic_mission *mission;
     asdic_context *ctx;
-    asdic_placement *placement;
+    asdic_hazards *hazards;
     asdic_pilot pilot;
     moment *moments; /* one a ping */
     size_t moment_count, moment_capacity;
@@ -54,51 +57,40 @@ static asdic_vec3 position(const asdic_pilot *p) {
     return (asdic_vec3){p->state.x_m, p->state.y_m, p->state.z_m};
 }
 
-static void place_objects(const run *r, double time_s) {
-    const asdic_scene *scene = r->mission->scene;
-    for (size_t i = 0; i < r->mission->motion_count; i++) {
-        const asdic_motion *motion = &r->mission->motions[i];
-        asdic_pose pose = asdic_track_pose(motion->track, time_s);
-        for (size_t k = 0; k < scene->movable_count; k++) {
-            if (strcmp(scene->parts[scene->movables[k].part].name, motion->name) == 0) {
-                asdic_placement_move(r->placement, k, &pose);
-            }
-        }
-    }
-}
-
-/* Flies P for SECONDS by ORDER; the nearest that it came to anything, at most WITHIN_M. Stops where
- * that is less than ENOUGH_M. */
-static asdic_nearest fly(const run *r, asdic_pilot *p, const asdic_order *order, double seconds,
-                         double within_m, double enough_m) {
+/* Flies P for SECONDS from TIME_S by ORDER; the nearest that it came to anything, at most WITHIN_M.
+ * Stops where that is less than ENOUGH_M. */
+static asdic_nearest fly(const run *r, asdic_pilot *p, const asdic_order *order, double time_s,
+                         double seconds, double within_m, double enough_m) {
     size_t steps = (size_t)ceil(seconds / p->model.step_s - 1e-9);
+    double step_s = seconds / (double)steps;
     asdic_nearest nearest = {within_m, ASDIC_NOTHING};
     for (size_t i = 0; i < steps && nearest.distance_m > enough_m; i++) {
         asdic_vec3 from_m = position(p);
-        asdic_pilot_advance(p, order, seconds / (double)steps);
-        asdic_nearest near =
-            asdic_placement_nearest(r->placement, from_m, position(p), nearest.distance_m);
+        double from_s = time_s + (double)i * step_s;
+        asdic_pilot_advance(p, order, step_s);
+        asdic_nearest near = asdic_hazards_nearest(r->hazards, from_m, position(p), from_s,
+                                                   from_s + step_s, nearest.distance_m);
         nearest = near.distance_m < nearest.distance_m ? near : nearest;
     }
     return nearest;
 }
 
-/* Whether a copy of FROM that flies by ORDER for DISTANCE_M comes within the hull's radius of
- * something. Objects are where they are now. */
-static bool would_hit(const run *r, const asdic_pilot *from, const asdic_order *order,
-                      double distance_m) {
+/* Whether a copy of FROM that flies by ORDER for DISTANCE_M from TIME_S comes within the hull's
+ * radius of something. */
+static bool would_hit(const run *r, const asdic_pilot *from, double time_s,
+                      const asdic_order *order, double distance_m) {
     asdic_pilot p = *from;
-    double hull_m = r->plan->hull_radius_m, slowest_mps = 0.01;
+    double hull_m = r->plan->hull_radius_m, end_s = time_s + distance_m / SLOWEST_MPS;
     /* The last step may go beyond the distance; no vehicle here does so at more than this. */
     double most_m = distance_m + FASTEST_MPS * p.model.step_s + hull_m;
-    if (asdic_placement_nearest(r->placement, position(&p), position(&p), most_m).distance_m >=
-        most_m) {
+    if (!asdic_hazards_move(r->hazards) &&
+        asdic_hazards_nearest(r->hazards, position(&p), position(&p), time_s, time_s, most_m)
+                .distance_m >= most_m) {
         return false;
     }
-    for (double flown_m = 0.0, time_s = 0.0;
-         flown_m < distance_m && time_s < distance_m / slowest_mps; time_s += r->step_s) {
+    for (double flown_m = 0.0; flown_m < distance_m && time_s < end_s; time_s += p.model.step_s) {
         asdic_vec3 before_m = position(&p);
-        asdic_nearest near = fly(r, &p, order, p.model.step_s, hull_m, 0.0);
+        asdic_nearest near = fly(r, &p, order, time_s, p.model.step_s, hull_m, 0.0);
         if (near.distance_m < hull_m || (hull_m == 0.0 && near.distance_m == 0.0)) {
             return true;
         }
@@ -113,7 +105,7 @@ static bool would_hit(const run *r, const asdic_pilot *from, const asdic_order *
 /* Whether holding on along the waypoints would hit something within the rule's reach. */
 static bool is_something_ahead(const run *r, const asdic_pilot *p) {
     double bin_m = r->mission->settings.sonar.bin_length_m;
-    return would_hit(r, p, NULL, r->plan->reach_m + bin_m + r->plan->hull_radius_m);
+    return would_hit(r, p, r->time_s, NULL, r->plan->reach_m + bin_m + r->plan->hull_radius_m);
 }
 
 /* --- the rule ---------------------------------------------------------------------------------- */
@@ -295,10 +287,10 @@ static void find_cause(run *r) {
         double turn_rad = remainder(r->order.yaw_rad - began->state.yaw_rad, 2.0 * ASDIC_PI);
         order = manoeuvre(r->plan, &from->state, turn_rad < 0.0 ? -1.0 : 1.0);
     }
-    place_objects(r, r->moments[i].time_s);
     double way_m = 1.5 * asdic_vec3_length(asdic_vec3_sub(position(from), end_m));
-    out->cause =
-        would_hit(r, from, &order, way_m) ? ASDIC_TRIAL_COULD_NOT_TURN : ASDIC_TRIAL_SEEN_LATE;
+    out->cause = would_hit(r, from, r->moments[i].time_s, &order, way_m)
+                     ? ASDIC_TRIAL_COULD_NOT_TURN
+                     : ASDIC_TRIAL_SEEN_LATE;
 }
 
 /* To the next ping. */
@@ -306,7 +298,7 @@ static void go_on(run *r) {
     asdic_trial_run *out = r->out;
     asdic_vec3 from_m = position(&r->pilot);
     double hull_m = r->plan->hull_radius_m;
-    asdic_nearest near = fly(r, &r->pilot, r->gives_way ? &r->order : NULL, r->step_s,
+    asdic_nearest near = fly(r, &r->pilot, r->gives_way ? &r->order : NULL, r->time_s, r->step_s,
                              out->clearance_m + hull_m, hull_m);
     out->distance_m += asdic_vec3_length(asdic_vec3_sub(position(&r->pilot), from_m));
     out->clearance_m = fmax(near.distance_m - hull_m, 0.0);
@@ -323,8 +315,8 @@ static bool begins_well(run *r, char *why) {
     asdic_vec3 at_m = position(&r->pilot);
     size_t part = ASDIC_NOTHING;
     double hull_m = r->plan->hull_radius_m;
-    asdic_nearest near = asdic_placement_nearest(r->placement, at_m, at_m, INFINITY);
-    bool is_inside = asdic_placement_is_inside(r->placement, at_m, &part);
+    asdic_nearest near = asdic_hazards_nearest(r->hazards, at_m, at_m, 0.0, 0.0, INFINITY);
+    bool is_inside = asdic_hazards_hold(r->hazards, at_m, &part);
     bool is_below = at_m.z > asdic_mission_bottom_m(r->mission->scene, at_m);
     if (!is_inside && !is_below && near.distance_m > hull_m) {
         out->clearance_m = near.distance_m - hull_m;
@@ -344,7 +336,6 @@ static asdic_status fly_all(run *r, asdic_eye *eye, char *why) {
     asdic_trial_run *out = r->out;
     for (;;) {
         r->time_s = (double)out->pings * r->step_s;
-        place_objects(r, r->time_s);
         TRY(keep_moment(r));
         TRY(ping(r, eye, why));
         if (out->outcome == ASDIC_TRIAL_BROKEN) {
@@ -384,10 +375,9 @@ asdic_status asdic_trial_run_one(asdic_eye *eye, const asdic_trial_job *job, asd
                           "%s: a trial flies along 'mission: {waypoints: ...}'; there are none",
                           m->path);
     }
-    TRY(asdic_placement_create(m->scene, &r.placement));
+    TRY(asdic_hazards_create(m, &r.hazards));
     asdic_status status = ASDIC_OK;
     asdic_pilot_begin(&r.pilot, &m->flight);
-    place_objects(&r, 0.0);
     if (begins_well(&r, why)) {
         double reach_m = job->rule ? INFINITY : m->trial.reach_m;
         bool is_blind = m->trial.is_ideal && !job->rule;
@@ -396,7 +386,7 @@ asdic_status asdic_trial_run_one(asdic_eye *eye, const asdic_trial_job *job, asd
         out->time_s = r.time_s;
         asdic_eye_close(eye);
     }
-    asdic_placement_destroy(&r.placement);
+    asdic_hazards_destroy(&r.hazards);
     free(r.moments);
     return status;
 }

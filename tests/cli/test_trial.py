@@ -130,6 +130,31 @@ def test_a_wall_and_a_sonar_of_fixed_pd():
             tap.equal(found["late"] + found["hit"], runs)
 
 
+def test_what_moves_is_met_where_it_is():
+    """A boat of 1 m that crosses the way at 1 m/s when the vehicle is there, at 20 s, or 10 s before: then it is missed
+    by |(1.5, 1) x (15, 0)| / |(1.5, 1)| less its radius and the hull's. One of 0.5 m at 25 m/s, which goes 25 m from one
+    ping to the next, is met as well, and so is what is a point."""
+    ball = "sphere: {radius_m: 1}"
+    cases = ((ball, 1, 0, "hit", 20 - 1.2 / math.hypot(1.5, 1)), (ball, 1, 10, "late", 15 / math.hypot(1.5, 1) - 1.2),
+             ("sphere: {radius_m: 0.5}", 25, 0, "hit", 20), ("point: -20", 1, 0, "hit", 20))
+    scene = WALL.replace("depth_m: 20", "depth_m: 200").replace("time_s: 45", "time_s: 30") + "  ideal: {pd: 1.0e-9}\n"
+    i, j = scene.index("  - {name: wall"), scene.index("sonar:")
+    for what, speed_mps, lead_s, outcome, expected in cases:
+        with Folder() as folder:
+            ways = [speed_mps * (t - 20 + lead_s) for t in (0, 60)]
+            folder.write("boat.csv", "time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg\n"
+                         f"0,30,{ways[0]},10,0,0,0\n60,30,{ways[1]},10,0,0,0\n")
+            boat = "  - {name: boat, " + what + ", track: boat.csv}\n"
+            fly(folder, folder.write("cross.yaml", scene[:i] + boat + scene[j:]), 1)
+            row, = rows(folder)
+            tap.equal(row["outcome"], outcome, f"{what}: {row}")
+            if outcome == "hit":
+                tap.equal(row["what"], "boat")
+                tap.equal(0 <= float(row["time_s"]) - expected < 1.2, True, f"met at {expected} s, to a ping: {row}")
+            else:
+                tap.equal(abs(float(row["clearance_m"]) - expected) < 0.02, True, f"{expected} m: {row}")
+
+
 def test_intervals_cover():
     """Of many intervals of 95 % that many hold the closed form's probability: Clopper and Pearson's
     hold it a little more often. 20 seeds in the full tier; blocks of runs of them."""

@@ -137,12 +137,14 @@ static void test_nearest(void **state) {
         asdic_placement_move(r.placement, 0, &pose);
         asdic_vec3 a = random_place(&random, 30.0);
         asdic_vec3 b = i % 3 ? random_place(&random, 30.0) : a;
-        asdic_nearest found = asdic_placement_nearest(r.placement, a, b, 1000.0);
+        asdic_nearest found =
+            asdic_placement_nearest(r.placement, &(asdic_way){a, b}, NULL, 1000.0);
         double wanted_m = nearest_of_all(r.placement, a, b);
         if (fabs(found.distance_m - wanted_m) > 2e-3) {
             fail_msg("%d: %.9g m, by search %.9g m", i, found.distance_m, wanted_m);
         }
-        asdic_nearest within = asdic_placement_nearest(r.placement, a, b, 0.5 * wanted_m);
+        asdic_nearest within =
+            asdic_placement_nearest(r.placement, &(asdic_way){a, b}, NULL, 0.5 * wanted_m);
         if (wanted_m > 0.1) { /* else the way goes through something */
             assert_true(within.part == ASDIC_NOTHING && within.distance_m == 0.5 * wanted_m);
         }
@@ -237,9 +239,9 @@ static void compare_scenes(const asdic_scene *a, const asdic_scene *b) {
     assert_int_equal(asdic_placement_create(b, &pb), ASDIC_OK);
     uint64_t random = 5;
     for (int i = 0; i < 300; i++) {
-        asdic_vec3 from = random_place(&random, 120.0), to = random_place(&random, 120.0);
-        asdic_nearest na = asdic_placement_nearest(pa, from, to, 1000.0);
-        asdic_nearest nb = asdic_placement_nearest(pb, from, to, 1000.0);
+        asdic_way way = {random_place(&random, 120.0), random_place(&random, 120.0)};
+        asdic_nearest na = asdic_placement_nearest(pa, &way, NULL, 1000.0);
+        asdic_nearest nb = asdic_placement_nearest(pb, &way, NULL, 1000.0);
         assert_true(na.distance_m == nb.distance_m && na.part == nb.part);
     }
     asdic_placement_destroy(&pa);
