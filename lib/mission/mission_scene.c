@@ -225,6 +225,9 @@ static asdic_status build_point(mission_builder *b, const file_object *o) {
     m->objects[m->object_count++] = object;
     asdic_status status =
         asdic_scene_add_point(m->scene, object.name, at, o->point.target_strength_db);
+    if (!status) {
+        m->scene->points[m->scene->point_count - 1].moves = object.moves;
+    }
     return asdic_mission_file_problem(b, o->node, status);
 }
 

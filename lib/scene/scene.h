@@ -36,6 +36,7 @@ typedef struct asdic_point {
     unsigned number;
     asdic_vec3 position_m; /* world */
     double target_strength_db;
+    bool moves; /* it has a track */
 } asdic_point;
 
 typedef struct asdic_movable asdic_movable; /* moving.h */

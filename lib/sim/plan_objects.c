@@ -241,7 +241,7 @@ static size_t points_reached(const asdic_plan_case *c) {
     size_t reached = 0;
     for (size_t i = 0; i < c->scene->point_count; i++) {
         asdic_part point = {.center_m = c->scene->points[i].position_m};
-        bool near = false;
+        bool near = c->scene->points[i].moves;
         for (size_t k = 0; !near && k < c->count; k++) {
             near = sight_of(&point, &c->poses[k]).nearest_m <= c->range_m;
         }

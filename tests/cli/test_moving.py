@@ -63,6 +63,28 @@ def test_every_ping_is_that_of_a_scene_with_the_object_there():
             raise AssertionError(f"nothing moved: first echo in bins {nearest}")
 
 
+COMING = """version: 1
+bottom: {depth_m: 200}
+objects: [{name: fish, point: -20, track: fish.csv}]
+sonar: {frequency_khz: 100, ping_rate_hz: 1, source_level_db: 200, max_range_m: 60, receivers: [{name: ahead}]}
+mission: {pose: {position_m: [0, 0, 10]}, pings: 12}
+sampling: {rays: 1000}
+output: {records: compact, images: []}
+"""
+
+
+def test_a_point_that_comes_from_afar_is_planned_for():
+    """It is out of range at the first ping: records that leave out what no ping can have keep its levels all the same."""
+    program.need_device()
+    with Folder() as folder:
+        folder.write("fish.csv", BALL_TRACK.replace("20,0,6", "900,0,10").replace("2,16,1,8", "10,20,0,10"))
+        path = folder.write("coming.yaml", COMING)
+        tap.contains(asdic("plan", path).check(code=0).out, "1 of 1 come within range")
+        asdic("run", path, "-o", folder / "r").check(code=0)
+        heard = [max([v for v in levels(folder, "r", ping) if v == v], default=0) > 120 for ping in range(12)]
+        tap.equal(heard, [False] * 10 + [True] * 2)
+
+
 def test_parts_and_devices_do_not_change_a_byte():
     program.need_device()
     with Folder() as folder:
