@@ -15,16 +15,24 @@ const bench_column bench_honest_columns[] = {{"scene", "scene", 20, 0, 0.0},
                                              {"seed", "seed", 5, 0, 0.0},
                                              {"true_over_stated", "true/stated", 11, 2, 0.0},
                                              {"true_over_stated_all", "all", 6, 2, 0.0},
+                                             {"true_over_stated_objects", "objects", 7, 2, 0.0},
                                              {"beyond", "beyond 5, %", 11, 2, 100.0},
                                              {"true_db", "true dB", 9, 4, 0.0},
                                              {"stated_db", "stated dB", 9, 4, 0.0},
                                              {"truth_stderr_db", "truth dB", 9, 4, 0.0},
                                              {NULL, NULL, 0, 0, 0.0}};
 
-/* Sums over the bins that are counted of a seed's pings. */
+/* Sums over the bins that are counted of a seed's pings; of these, over the bins that objects rule. */
 typedef struct tally {
     double squares, stated, ratios, beyond, count;
+    double object_ratios, object_count;
 } tally;
+
+/* Whether more than half of what cell I of PING holds came off an object. */
+static bool is_objects(const asdic_ping *ping, size_t i) {
+    return ping->intensity_lin[ASDIC_OBJECT][i] + ping->intensity_lin[ASDIC_MULTIPATH][i] >
+           0.5 * ping->intensity_lin[ASDIC_TOTAL][i];
+}
 
 static void count_ping(const bench_scene *s, const asdic_ping *ping, tally *t) {
     const double to_db = 10.0 / log(10.0);
@@ -42,6 +50,10 @@ static void count_ping(const bench_scene *s, const asdic_ping *ping, tally *t) {
         t->ratios += ratio2;
         t->beyond += ratio2 > FAR * FAR;
         t->count += 1.0;
+        if (is_objects(ping, i)) {
+            t->object_ratios += ratio2;
+            t->object_count += 1.0;
+        }
     }
 }
 
@@ -72,9 +84,11 @@ static asdic_status measure_seed(bench *b, const bench_scene *s, uint64_t seed, 
 }
 
 static void add_rows(bench *b, const bench_scene *s, const tally *tallies) {
-    double squares = 0.0;
+    double squares = 0.0, object_squares = 0.0, objects = 0.0;
     for (size_t k = 0; k < SEEDS; k++) {
         squares += tallies[k].ratios / tallies[k].count;
+        object_squares += tallies[k].object_ratios;
+        objects += tallies[k].object_count;
     }
     for (size_t k = 0; k < SEEDS; k++) {
         const tally *t = &tallies[k];
@@ -85,6 +99,7 @@ static void add_rows(bench *b, const bench_scene *s, const tally *tallies) {
                                     BENCH_NUMBER(k),
                                     BENCH_NUMBER(sqrt(t->ratios / t->count)),
                                     BENCH_NUMBER(sqrt(squares / SEEDS)),
+                                    BENCH_NUMBER(sqrt(object_squares / objects)),
                                     BENCH_NUMBER(t->beyond / t->count),
                                     BENCH_NUMBER(sqrt(t->squares / t->count)),
                                     BENCH_NUMBER(sqrt(t->stated / t->count)),

@@ -7,6 +7,9 @@
  * the groups suggest corrects the stated errors of the block. A ping of many receivers has one group and a
  * nominal spread of 1: there the ratio is the relative variance itself.
  *
+ * Edges of objects make a lattice err less like 1 / N than water and bottom do. So bins that objects rule
+ * share a ratio among themselves, over all beams, and the others among themselves.
+ *
  * The calibration also shows what a ping may have missed: a ping that holds less energy than the
  * calibration's pings knows less of its error than they do.
  *
@@ -60,6 +63,7 @@ typedef struct asdic_calibration {
     double *mean;             /* of the energies before the pulse's length */
     float *suggested;         /* mean of the relative variances that the groups suggest */
     float *rare;              /* the same, 0 in cells of RARE or less */
+    float *objects;           /* of the mean, what came off objects */
     asdic_ping *pings[PINGS]; /* the latest; as many as go to the device together */
     double *row;              /* scratch, 4 (bins + 1) */
 } calibration;
@@ -84,18 +88,35 @@ static double cell_ratio(const calibration *c, size_t cell) {
     return variance < 0.0 ? -1.0 : fmin(variance / c->suggested[cell], MOST_RATIO);
 }
 
+static bool is_ruled_by_objects(const calibration *c, size_t cell) {
+    return c->objects[cell] > 0.5 * c->mean[cell];
+}
+
+/* The mean ratio of all cells that objects rule; 1 where there are none. */
+static double objects_ratio(const asdic_simulator *sim, const calibration *c) {
+    double sum = 0.0, count = 0.0;
+    for (size_t cell = 0; cell < sim->setup.cells; cell++) {
+        double ratio = is_ruled_by_objects(c, cell) ? cell_ratio(c, cell) : -1.0;
+        if (ratio >= 0.0) {
+            sum += ratio;
+            count += 1.0;
+        }
+    }
+    return count > 0.0 ? sum / count : 1.0;
+}
+
 static int compare(const void *a, const void *b) {
     double x = *(const double *)a, y = *(const double *)b;
     return (x > y) - (x < y);
 }
 
-/* The typical ratio of a beam whose bins begin at cell FIRST: from the median, which outliers in deep nulls
- * do not move. */
+/* The typical ratio of a beam whose bins begin at cell FIRST, but for those that objects rule: from the
+ * median, which outliers in deep nulls do not move. */
 static double typical_ratio(const asdic_simulator *sim, size_t first, const calibration *c) {
     double ratios[TYPICAL_SAMPLES];
     size_t count = 0, step = (sim->setup.bins + TYPICAL_SAMPLES - 1) / TYPICAL_SAMPLES;
     for (size_t n = 0; n < sim->setup.bins; n += step) {
-        double ratio = cell_ratio(c, first + n);
+        double ratio = is_ruled_by_objects(c, first + n) ? -1.0 : cell_ratio(c, first + n);
         if (ratio >= 0.0) {
             ratios[count++] = ratio;
         }
@@ -141,19 +162,25 @@ static void spread_rare(const asdic_simulator *sim, size_t first, const calibrat
     }
 }
 
-static void calibrate_beam(asdic_simulator *sim, size_t beam, const calibration *c) {
-    size_t first = beam * sim->setup.bins, bins = sim->setup.bins;
+/* The bins of a beam that objects rule, or those that they do not. */
+static void calibrate_bins(asdic_simulator *sim, size_t first, bool of_objects, double typical,
+                           const calibration *c) {
+    size_t bins = sim->setup.bins;
     double *values = c->row, *sums = values + bins + 1, *counts = sums + bins + 1;
     for (size_t n = 0; n < bins; n++) {
-        values[n] = fmax(cell_ratio(c, first + n), 0.0);
+        bool is_one = is_ruled_by_objects(c, first + n) == of_objects;
+        values[n] = is_one ? fmax(cell_ratio(c, first + n), 0.0) : 0.0;
     }
     add_up(values, bins, sums);
     for (size_t n = 0; n < bins; n++) {
-        values[n] = cell_ratio(c, first + n) >= 0.0;
+        bool is_one = is_ruled_by_objects(c, first + n) == of_objects;
+        values[n] = is_one && cell_ratio(c, first + n) >= 0.0;
     }
     add_up(values, bins, counts);
-    double typical = typical_ratio(sim, first, c);
     for (size_t n = 0; n < bins; n++) {
+        if (is_ruled_by_objects(c, first + n) != of_objects) {
+            continue;
+        }
         double ratio = (within(sums, bins, n, WINDOW) + TYPICAL_WEIGHT * typical) /
                        (within(counts, bins, n, WINDOW) + TYPICAL_WEIGHT);
         double block = OWN_BIN * c->suggested[first + n] +
@@ -165,6 +192,13 @@ static void calibrate_beam(asdic_simulator *sim, size_t beam, const calibration 
                                  .of_block = (float)(ratio * block + own),
                                  .mean_lin = (float)c->mean[first + n]};
     }
+}
+
+static void calibrate_beam(asdic_simulator *sim, size_t beam, double objects_typical,
+                           const calibration *c) {
+    size_t first = beam * sim->setup.bins;
+    calibrate_bins(sim, first, true, objects_typical, c);
+    calibrate_bins(sim, first, false, typical_ratio(sim, first, c), c);
     spread_rare(sim, first, c, sim->learnt.stated + first);
 }
 
@@ -207,10 +241,11 @@ static void take_ping(const asdic_simulator *sim, const asdic_ping *ping, uint32
 }
 
 static void take_mean(const asdic_simulator *sim, const asdic_ping *ping, calibration *c) {
+    double *const *part = ping->intensity_lin;
     for (size_t cell = 0; cell < sim->setup.cells; cell++) {
-        c->mean[cell] +=
-            (ping->intensity_lin[ASDIC_TOTAL][cell] - ping->intensity_lin[ASDIC_NOISE][cell]) /
-            PINGS;
+        c->mean[cell] += (part[ASDIC_TOTAL][cell] - part[ASDIC_NOISE][cell]) / PINGS;
+        c->objects[cell] +=
+            (float)((part[ASDIC_OBJECT][cell] + part[ASDIC_MULTIPATH][cell]) / PINGS);
     }
 }
 
@@ -221,6 +256,7 @@ static asdic_status run_pings(asdic_simulator *sim, const asdic_pose *pose, uint
     memset(c->suggested, 0, sim->setup.cells * sizeof *c->suggested);
     memset(c->rare, 0, sim->setup.cells * sizeof *c->rare);
     memset(c->mean, 0, sim->setup.cells * sizeof *c->mean);
+    memset(c->objects, 0, sim->setup.cells * sizeof *c->objects);
     for (uint32_t k = 0; k < PINGS;) {
         uint32_t left = PINGS - k;
         uint32_t together = sim->setup.ping_batch < left ? (uint32_t)sim->setup.ping_batch : left;
@@ -250,6 +286,7 @@ static asdic_status allocate(const asdic_simulator *sim, calibration *c) {
     whole = whole && (c->mean = malloc(cells * sizeof *c->mean)) &&
             (c->suggested = malloc(cells * sizeof *c->suggested)) &&
             (c->rare = malloc(cells * sizeof *c->rare)) &&
+            (c->objects = malloc(cells * sizeof *c->objects)) &&
             (c->row = malloc(4 * (longest + 1) * sizeof *c->row));
     if (!whole) {
         return asdic_fail_memory(sim->ctx, "a calibration");
@@ -282,6 +319,7 @@ void asdic_calibration_destroy(asdic_calibration **c) {
         free((*c)->mean);
         free((*c)->suggested);
         free((*c)->rare);
+        free((*c)->objects);
         free((*c)->row);
         free(*c);
         *c = NULL;
@@ -299,8 +337,9 @@ asdic_status asdic_simulator_calibrate(asdic_simulator *sim, const asdic_pose *p
         }
         return ASDIC_OK;
     }
+    double objects_typical = objects_ratio(sim, c);
     for (size_t beam = 0; beam < sim->setup.sonar.receiver_count; beam++) {
-        calibrate_beam(sim, beam, c);
+        calibrate_beam(sim, beam, objects_typical, c);
     }
     return ASDIC_OK;
 }

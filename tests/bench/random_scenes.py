@@ -3,13 +3,14 @@
 
     random_scenes.py DIR [COUNT] [--first N]    writes DIR/random_000.yaml, ...
 
-A number always gives the same scene. Pass the files to `asdic bench honest`.
+A number always gives the same scene; those from 600 on are of targets in mid-water, far from the bottom. Pass the files to `asdic bench honest`.
 """
 import argparse
 import math
 import os
 import random
 
+FIRST_TARGETS = 600
 KINDS = ("box", "pipe", "sphere", "step", "mesh", "mixture")
 MATERIALS = ("{type: rock}", "{type: sand}",
              "{impedance_mrayl: 45, roughness_rms_mm: 1, slope_rms: 0.1}",
@@ -44,7 +45,7 @@ class Scene:
         self.rng = random.Random(1000 + number)
         self.name = f"random_{number:03d}"
         self.folder = folder
-        self.kind = KINDS[number % len(KINDS)]
+        self.kind = "target" if number >= FIRST_TARGETS else KINDS[number % len(KINDS)]
         self.objects = []
 
     def between(self, low, high):
@@ -76,6 +77,13 @@ class Scene:
         self.add("sphere", f"sphere: {{radius_m: {radius}}}",
                  (self.between(6, 32), self.between(-8, 8), self.between(1.5, self.depth - radius)), (0, 0))
 
+    def add_target(self):
+        shape = self.rng.choice((f"sphere: {{radius_m: {self.between(0.15, 3)}}}",
+                                 f"box: {{size_m: {[self.between(0.5, 6) for _ in range(3)]}}}",
+                                 f"cylinder: {{radius_m: {self.between(0.1, 0.6)}, length_m: {self.between(2, 30)}}}"))
+        self.add("target", shape, (self.between(12, 45), self.between(-4, 4), self.between(5, 15)),
+                 (self.between(-30, 30), self.between(-60, 60)))
+
     def build(self):
         rng = self.rng
         khz = rng.choice((60, 100, 120, 200, 300, 450))
@@ -83,7 +91,12 @@ class Scene:
         self.depth = self.between(6, 14)
         sonar_z = self.between(2, self.depth - 2)
         bottom = f"{{depth_m: {self.depth}, type: {rng.choice(BOTTOMS)}}}"
-        if self.kind == "box":
+        if self.kind == "target":
+            bottom = f"{{depth_m: {self.between(30, 90)}, type: {rng.choice(BOTTOMS)}}}"
+            sonar_z = self.between(3, 8)
+            for _ in range(rng.randint(1, 3)):
+                self.add_target()
+        elif self.kind == "box":
             for _ in range(rng.randint(1, 5)):
                 self.add_box(False)
         elif self.kind == "pipe":

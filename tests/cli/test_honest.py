@@ -19,13 +19,14 @@ if FULL:
 def test_stated_errors_hold_in_random_scenes():
     program.need_device()
     with Folder() as folder:
-        numbers = range(30) if FULL else (1, 3, 5, 6)
+        numbers = (*range(30), *range(600, 605)) if FULL else (1, 3, 5, 6, 604)
         paths = [random_scenes.write(folder.path, n) for n in numbers]
         done = subprocess.run([program.PATH, "bench", "honest", "--json", *([] if FULL else ["--quick"]),
                                *paths], capture_output=True, check=True, env=program.environment({}))
     scenes = {}
     for row in json.loads(done.stdout)["rows"]:
         scenes.setdefault(row["scene"], []).append(row)
+    ruled = []
     for name, seeds in scenes.items():
         ratios = [s["true_over_stated"] for s in seeds]
         beyond = sum(s["beyond"] for s in seeds) / len(ratios)
@@ -33,9 +34,14 @@ def test_stated_errors_hold_in_random_scenes():
         print(f'# {name}: true over stated {" ".join(f"{r:.2f}" for r in ratios)}, all {pooled:.2f}, '
               f"{100 * beyond:.2f} % beyond five")
         tap.equal(abs(pooled - seeds[0]["true_over_stated_all"]) < 1e-9, True)
+        objects = seeds[0]["true_over_stated_objects"]
+        if objects is not None:
+            ruled.append(objects)
+            print(f"# of bins that objects rule {objects:.2f}")
         if not (0.8 < pooled < 1.3 and 0.7 < min(ratios) and max(ratios) < 1.6 and beyond < 0.005):
             raise AssertionError(seeds)
     tap.equal(len(scenes), len(paths), "scenes")
+    tap.equal(len(ruled) > 2 and 0.2 < min(ruled) and max(ruled) < 1.4, True, f"{ruled}")
 
 
 tap.main(globals())
