@@ -43,6 +43,11 @@ static asdic_status check_counts(const ply_file *ply) {
             if (property->axis >= 0) {
                 axes[property->axis] = true;
             }
+            if (property->axis >= 0 && property->type < PLY_FLOAT && !ply->text) {
+                return asdic_mesh_scan_fail(ply->scan, 0,
+                                            "coordinates are whole numbers, which OpenMesh reads "
+                                            "from text only; write them as float");
+            }
         }
         if ((element->vertex && !(axes[0] && axes[1] && axes[2])) || (element->face && !corners)) {
             return asdic_mesh_scan_fail(ply->scan, 0,

@@ -74,6 +74,11 @@ static asdic_status header_property(ply_file *ply, asdic_line *line) {
     property.corners = element->face && property.count != PLY_NONE &&
                        (asdic_line_take_word(line, "vertex_indices") ||
                         asdic_line_take_word(line, "vertex_index"));
+    if (property.corners && property.count != PLY_UINT8 && property.count != PLY_INT32) {
+        return asdic_mesh_scan_fail(ply->scan, line->number,
+                                    "OpenMesh reads how many corners a facet has as uchar or int "
+                                    "only; write it so");
+    }
     if (property.axis < 0 && !property.corners) {
         asdic_line_skip_blanks(line);
         if (line->at == line->end) {

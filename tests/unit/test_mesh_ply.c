@@ -3,6 +3,8 @@
  */
 #include "mesh_rig.h"
 
+#include "scene/mesh_build.h"
+
 #include <stdio.h>
 #include <time.h>
 
@@ -65,6 +67,8 @@ static void ply_bodies(void **state) {
         {"solid\n", "does not start with 'ply'"},
         {"ply\nformat ascii 1.1\n", ":2: the version"}, /* OpenMesh reads on forever */
         {"ply\nformat ascii 1.0\ncom\n", ":3: unknown line"},
+        {"ply\nformat ascii 1.0\nelement face 1\nproperty list short int vertex_indices\n",
+         ":4: OpenMesh reads how many corners"},
         {"ply\nformat ascii 1.0\nelement edge 900000000000\nend_header\n", "no properties"},
         {"ply\nformat ascii 1.0\nelement vertex 3 4\n", ":3: '4' follows"},
         {"ply\nformat ascii 1.0\nelement vertex 3\nproperty float\n", ":4: this property has no"},
@@ -128,11 +132,58 @@ static void ply_binary(void **state) {
     }
 }
 
+/* Facets by integers of one and two bytes, in either byte order, beside what is passed over; and coordinates of whole
+ * numbers, which OpenMesh cannot read. */
+static void ply_integers(void **state) {
+    (void)state;
+    static const float corners[3][3] = {{-5, 300, -7}, {4, -300, -7}, {-5, -2, 100}};
+    static const char *const types[] = {"float", "short"};
+    for (int k = 0; k < 4; k++) {
+        bool big = k % 2 != 0;
+        unsigned char file[512];
+        int head = snprintf((char *)file, sizeof file,
+                            "ply\nformat binary_%s_endian 1.0\nelement vertex 3\nproperty %s x\n"
+                            "property float y\nproperty float z\nproperty int8 confidence\n"
+                            "element face 1\nproperty list uint8 int16 vertex_index\nend_header\n",
+                            big ? "big" : "little", types[k / 2]);
+        unsigned char *at = file + head;
+        for (int i = 0; i < 9; i++) {
+            unsigned char bytes[4];
+            memcpy(bytes, &corners[i / 3][i % 3], 4);
+            for (int b = 0; b < 4; b++) {
+                *at++ = bytes[big ? 3 - b : b];
+            }
+            if (i % 3 == 2) {
+                *at++ = 0xfe;
+            }
+        }
+        *at++ = 3;
+        for (unsigned char i = 0; i < 3; i++) {
+            *at++ = big ? 0 : i;
+            *at++ = big ? i : 0;
+        }
+        mesh_rig_write_bytes(&rig, "m.ply", file, (size_t)(at - file));
+        if (k >= 2) {
+            mesh_rig_refuse(&rig, "coordinates are whole numbers");
+            continue;
+        }
+        mesh_rig_expect(&rig, 1, 0);
+        asdic_mesh *mesh = mesh_rig_load(&rig);
+        for (size_t i = 0; i < 3; i++) {
+            asdic_vec3 v = asdic_mesh_vertex(mesh, i);
+            assert_true(v.x == (double)corners[i][0] && v.y == (double)corners[i][1] &&
+                        v.z == (double)corners[i][2]);
+        }
+        asdic_mesh_destroy(&mesh);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(ply_counts),
         cmocka_unit_test(ply_bodies),
         cmocka_unit_test(ply_binary),
+        cmocka_unit_test(ply_integers),
     };
     mesh_rig_open(&rig);
     int failed = mesh_rig_reads_files(&rig) ? cmocka_run_group_tests(tests, NULL, NULL) : 77;
