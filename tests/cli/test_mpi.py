@@ -37,8 +37,10 @@ def launch(*args, **kwargs):
 def test_any_number_of_processes_gives_the_same_bytes():
     need_mpi()
     with Folder() as folder:
-        path = scene(folder, pings=70, rays=1000)
+        scene(folder, pings=70, rays=1000)
+        path = folder.write("told.yaml", folder.read("pool.yaml").replace("output: {", "output: {truth: true, "))
         asdic("run", path, "-o", folder / "alone").check(code=0)
+        tap.equal(os.path.exists(folder / "alone/truth.npy"), True)
         for n in (1, 2, 4):
             done = launch(n, "run", path, "-o", folder / f"by{n}").check(code=0, out="")
             tap.equal(done.err.count("70 pings"), 1, "one process speaks")

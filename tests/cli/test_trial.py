@@ -239,6 +239,7 @@ def test_the_same_bytes_however_dealt():
         path = folder.write("wall.yaml", IDEAL.replace("PD", "0.1") + """  draws:
     - {key: 'objects[0].position_m[0]', uniform: [59, 65]}
     - {key: 'objects[0].material.type', choice: [mud, rock]}
+    - {key: 'objects[0].box.size_m', choice: [[2, 400, 40]]}
 """)
         vary = ("--vary", "trial.rule.reach_m=10,20")
         asdic("trial", path, "--runs", 20, *vary, "-o", folder / "whole").check(code=0)
@@ -258,6 +259,9 @@ def test_the_same_bytes_however_dealt():
         asdic("trial", path, "--runs", 20, *vary, "-o", folder / "cut").check(code=1)
         asdic("trial", path, "--runs", 21, *vary, "-o", folder / "cut", "--resume").check(code=3)
         asdic("trial", path, "--runs", 20, *vary, "-o", folder / "cut", "--resume").check(code=0)
+        with open(folder / "whole/trial.csv", encoding="utf-8") as file:
+            drawn = [row["objects[0].box.size_m"] for row in csv.DictReader(file)]
+        tap.equal(drawn, 40 * ["[2, 400, 40]"], "a field with commas")
         for name in ("trial.csv", "trial.json", "trial.png"):
             for other in ("merged", "cut"):
                 tap.equal(data(folder, other, name), data(folder, "whole", name), f"{other}/{name}")
@@ -399,6 +403,13 @@ def test_a_rule_of_another_program():
     with Folder() as folder:
         with_rule(folder, 'print("{}")')
         tap.equal([row["manoeuvres"] for row in rows(folder)], ["0", "0"])
+        # Its first orders are seen again.
+        act = 'print(json.dumps({"yaw_deg": 90} if ping["ping"] >= 10 else {}))'
+        with_rule(folder, act, "--replay", "1", runs=2)
+        with open(folder / "out/track.csv", encoding="utf-8") as file:
+            track = list(csv.DictReader(file))
+        yaws = [float(row["yaw_deg"]) for row in track]
+        tap.equal((len(track), yaws[:11], 80 < yaws[-1] < 91), (30, 11 * [0.0], True), f"{yaws}")
         with_rule(folder, 'print(json.dumps({"yaw_deg": 150} if ping["ping"] >= 10 else {}))')
         for row in rows(folder):
             tap.equal((row["manoeuvres"], row["needless"], row["outcome"]), ("1", "1", "late"))

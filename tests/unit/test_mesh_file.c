@@ -176,6 +176,12 @@ static void polygons(void **state) {
     /* corners on a straight line, and a corner twice */
     mesh_rig_write(&rig, "m.obj", "v 0 0 0\nv 2 0 0\nv 4 0 0\nv 4 4 0\nv 0 4 0\nf 1 2 3 4 5\n");
     assert_close(area_of_load(), 16.0, 0.05);
+    /* a spike out of a triangle, there and back again, and one that is all there is */
+    mesh_rig_write(&rig, "m.obj", "v 0 0 0\nv 2 0 0\nv 4 0 0\nv 2 0 0\nv 2 2 0\nf 1 2 3 4 5\n");
+    assert_close(area_of_load(), 2.0, 0.05);
+    mesh_rig_write(&rig, "m.obj",
+                   "v 0 0 0\nv 1 0 0\nv 4 0 0\nv 3 0 0\nv 0 1 0\nf 1 2 3 4\nf 1 2 5\n");
+    mesh_rig_expect(&rig, 1, 1);
     /* a bow tie */
     mesh_rig_write(&rig, "m.obj", "v 0 0 0\nv 4 4 0\nv 4 0 0\nv 0 3 0\nf 1 2 3 4\n");
     mesh_rig_refuse(&rig, "crosses itself");

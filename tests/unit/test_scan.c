@@ -480,6 +480,43 @@ static void headings_know_who_hears_them(void **state) {
     asdic_occupancy_destroy(&r.map);
 }
 
+/* K speckle of a shape so large that it is all but Rayleigh's says what that says, by its tables of strengths; of a
+ * small one, in which high values are common without an object, an echo says less. */
+static void k_speckle_is_weighed_by_its_shape(void **state) {
+    (void)state;
+    map_rig r;
+    double on_axis[3], worst = 0.0;
+    asdic_evidence rayleigh = {0};
+    map_begin(&r, 2);
+    r.beams[1].yaw_rad = 9.0 * DEGREE;
+    r.intensity[40] = 1e4; /* cut at the greatest that a ratio can be */
+    r.intensity[50] = 25.0;
+    r.intensity[MAP_BINS + 60] = 8.0;
+    for (int k = 0; k < 3; k++) {
+        asdic_evidence seen = {0};
+        r.sonar.speckle = k == 0 ? ASDIC_SPECKLE_RAYLEIGH : ASDIC_SPECKLE_K;
+        r.sonar.speckle_shape = k == 1 ? 999.0 : 1.5;
+        const asdic_look look = look_of(&r);
+        assert_ok(ctx, asdic_evidence_create(ctx, &look, &seen));
+        on_axis[k] = seen.ratio[50]; /* straight ahead */
+        for (size_t i = 0; k == 1 && i < seen.arcs * seen.azimuths * MAP_BINS; i++) {
+            if (seen.headings[i / MAP_BINS].hearing_count > 0 && i % MAP_BINS > 0) {
+                double a = log(rayleigh.ratio[i]), b = log(seen.ratio[i]);
+                worst = fmax(worst, fabs(a - b) / (1.0 + fabs(a)));
+            }
+        }
+        if (k == 0) {
+            rayleigh = seen;
+        } else {
+            asdic_evidence_finish(&seen);
+        }
+    }
+    assert_true(worst < 0.05);
+    assert_true(on_axis[0] > 10.0 && on_axis[2] > 2.0 && on_axis[2] < 0.6 * on_axis[1]);
+    asdic_evidence_finish(&rayleigh);
+    asdic_occupancy_destroy(&r.map);
+}
+
 /* Fixed in the world, clipped, and no larger than memory. */
 static void maps_have_limits(void **state) {
     (void)state;
@@ -791,6 +828,7 @@ int main(void) {
         cmocka_unit_test(cells_lie_at_their_centres),
         cmocka_unit_test(water_that_is_not_heard_says_nothing),
         cmocka_unit_test(headings_know_who_hears_them),
+        cmocka_unit_test(k_speckle_is_weighed_by_its_shape),
         cmocka_unit_test(maps_have_limits),
         cmocka_unit_test(tracks_follow),
         cmocka_unit_test(tracks_say_where_and_how_fast),
