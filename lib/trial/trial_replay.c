@@ -16,9 +16,9 @@
 #include <stdlib.h>
 #include <sys/stat.h>
 
-/* Rays a ping where the scene leaves them to asdic: enough for a detector that allows for their
- * error, and quick. */
-#define AUTO_RAYS 4096
+/* Rays a ping where the scene leaves them to asdic: so many, or as many times two as leave no rough
+ * pings, whose errors a detector would have to allow for. */
+#define LEAST_RAYS 4096u
 #define MOST_SETTINGS 3
 /* Seeds that a scene file holds exactly. */
 #define SEED_BITS 52
@@ -27,6 +27,18 @@
 static uint64_t ping_seed(uint64_t seed, uint64_t run) {
     asdic_variates v = asdic_variates_begin(RANDOM_TRIAL, seed, run, 0xffffffffu);
     return (uint64_t)(asdic_variates_uniform(&v) * (double)((uint64_t)1 << SEED_BITS));
+}
+
+static void choose_rays(asdic_mission *m) {
+    asdic_ray_forecast forecast = asdic_mission_ray_forecast(m);
+    uint32_t *rays = &asdic_mission_sampling(m)->rays, most = forecast.auto_rays;
+    if (!forecast.is_auto || most <= LEAST_RAYS) {
+        return;
+    }
+    *rays = LEAST_RAYS;
+    while (*rays < most && asdic_mission_ray_forecast(m).is_rough) {
+        *rays = *rays < most / 2 ? 2 * *rays : most;
+    }
 }
 
 asdic_status asdic_trial_load(asdic_context *ctx, const asdic_trial_options *o, uint64_t run,
@@ -45,9 +57,7 @@ asdic_status asdic_trial_load(asdic_context *ctx, const asdic_trial_options *o, 
         settings[count++] = (asdic_setting){o->variants.key, o->variants.values[variant]};
     }
     TRY(asdic_mission_load_trial(ctx, o->scene, settings, count, &draw, donor, out));
-    if (asdic_mission_ray_forecast(*out).is_auto) {
-        asdic_mission_sampling(*out)->rays = AUTO_RAYS;
-    }
+    choose_rays(*out);
     return ASDIC_OK;
 }
 

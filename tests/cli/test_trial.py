@@ -365,6 +365,26 @@ def test_rays_by_a_tolerance():
         tap.contains(done.err, "--rays and --tolerance exclude each other")
 
 
+def test_rays_of_its_own_choice():
+    """As few as leave no rough pings: 4,096 for one wide beam, more for a fan of narrow beams and short bins."""
+    program.need_device()
+    fan = ", ".join(f"{{name: b{k}, yaw_deg: {0.4 * (k - 79.5):.1f}, length_h_m: 0.2, length_v_m: 0.02}}"
+                    for k in range(160))
+    quick = WALL.replace("sampling: {rays: 1000}\n", "").replace("time_s: 45", "time_s: 1")
+    fine = quick.replace("bin_length_m: 0.5", "bandwidth_khz: 40\n  bin_length_m: 0.05").replace(
+        "{name: forward, length_h_m: 0.05, length_v_m: 0.05}", fan)
+    with Folder() as folder:
+        found = []
+        for name, text in (("one", quick), ("fan", fine)):
+            asdic("trial", folder.write(name + ".yaml", text), "--runs", 1, "--replay", 0, "-o",
+                  folder / name).check(code=0)
+            facts = json.loads(folder.read(name + "/run.json"))
+            found.append((facts["rays"], facts["stderr_db"]["rms"]))
+        print("# rays, stated error:", found)
+        tap.equal(found[0][0], 4096)
+        tap.equal(found[1][0] in (8192, 16384, 32768, 65536) and found[1][1] < 1.6, True, f"{found}")
+
+
 def test_several_processes():
     if os.environ["ASDIC_MPI"] != "1" or not shutil.which("mpirun"):
         raise tap.Skip("no MPI")
