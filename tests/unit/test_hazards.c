@@ -131,6 +131,11 @@ static void what_passes_within_a_step_is_met(void **state) {
     asdic_vec3 fish = {0.0, -2.5, 21.0};
     found = asdic_hazards_nearest(hazards, fish, fish, 4.9, 5.1, 1e-3);
     assert_string_equal(name_of(m->scene, found.part), "swims");
+    /* Down to the bottom, and through it: */
+    asdic_vec3 far_off = {500.0, 0.0, 80.0}, low = {500.0, 0.0, 89.5}, below = {500.0, 0.0, 95.0};
+    found = asdic_hazards_nearest(hazards, far_off, low, 0.0, 1.0, 1e3);
+    assert_true(fabs(found.distance_m - 0.5) < 1e-9 && found.part == ASDIC_NOTHING);
+    assert_true(asdic_hazards_nearest(hazards, far_off, below, 0.0, 1.0, 1e3).distance_m == 0.0);
     /* At the first ping: */
     size_t part = ASDIC_NOTHING;
     assert_true(asdic_hazards_hold(hazards, (asdic_vec3){5.0, 5.0, 15.0}, &part));
@@ -140,10 +145,37 @@ static void what_passes_within_a_step_is_met(void **state) {
     asdic_mission_destroy(&m);
 }
 
+/* Whether anything moves in a sea with OBJECT alone. */
+static bool moves(workshop *w, const char *object) {
+    char text[1024];
+    asdic_hazards *hazards = NULL;
+    snprintf(text, sizeof text,
+             SCENE "bottom: {depth_m: 90}\nobjects: [{name: it, %s}]\n"
+                   "mission: {pose: {position_m: [0, 0, 10]}}\n",
+             object);
+    asdic_mission *m = load_text(w, text);
+    assert_non_null(m);
+    assert_ok(w->ctx, asdic_hazards_create(m, &hazards));
+    bool answer = asdic_hazards_move(hazards);
+    asdic_hazards_destroy(&hazards);
+    asdic_mission_destroy(&m);
+    return answer;
+}
+
+static void what_has_a_track_moves(void **state) {
+    workshop *w = *state;
+    write_track(w, "way.csv", "0,-60,-20,20,0,0,30\n10,100,40,22,0,0,30\n");
+    assert_true(moves(w, "box: {size_m: [6, 1, 2]}, track: way.csv"));
+    assert_true(moves(w, "point: -30, track: way.csv"));
+    assert_false(moves(w, "box: {size_m: [6, 1, 2]}, position_m: [9, 9, 20]"));
+    assert_false(moves(w, "point: -30, position_m: [9, 9, 20]"));
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(nothing_is_missed_between_two_steps, begin, end),
         cmocka_unit_test_setup_teardown(what_passes_within_a_step_is_met, begin, end),
+        cmocka_unit_test_setup_teardown(what_has_a_track_moves, begin, end),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
