@@ -480,6 +480,23 @@ static void headings_know_who_hears_them(void **state) {
     asdic_occupancy_destroy(&r.map);
 }
 
+/* Straight ahead of one beam: of the detector's strength, 10 dB over a background of 1, and of the loudest, what is there
+ * less the background, which is as much rarer as it is louder, the mean. */
+static void strengths_are_averaged(void **state) {
+    (void)state;
+    map_rig r;
+    asdic_evidence seen = {0};
+    map_begin(&r, 1);
+    r.intensity[50] = 25.0;
+    const asdic_look look = look_of(&r);
+    assert_ok(ctx, asdic_evidence_create(ctx, &look, &seen));
+    double faint = 25.0 * 10.0 / 11.0 - log(11.0), loud = 25.0 * 24.0 / 25.0 - log(25.0);
+    assert_close(log(seen.ratio[50]), log(0.5 * (exp(faint) + exp(loud) * 10.0 / 24.0)), 1e-6);
+    assert_close(log(seen.ratio[49]), 0.3 * 10.0 / 11.0 - log(11.0), 1e-6);
+    asdic_evidence_finish(&seen);
+    asdic_occupancy_destroy(&r.map);
+}
+
 /* K speckle of a shape so large that it is all but Rayleigh's says what that says, by its tables of strengths; of a
  * small one, in which high values are common without an object, an echo says less. */
 static void k_speckle_is_weighed_by_its_shape(void **state) {
@@ -828,6 +845,7 @@ int main(void) {
         cmocka_unit_test(cells_lie_at_their_centres),
         cmocka_unit_test(water_that_is_not_heard_says_nothing),
         cmocka_unit_test(headings_know_who_hears_them),
+        cmocka_unit_test(strengths_are_averaged),
         cmocka_unit_test(k_speckle_is_weighed_by_its_shape),
         cmocka_unit_test(maps_have_limits),
         cmocka_unit_test(tracks_follow),
