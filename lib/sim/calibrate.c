@@ -92,11 +92,16 @@ static bool is_ruled_by_objects(const calibration *c, size_t cell) {
     return c->objects[cell] > 0.5 * c->mean[cell];
 }
 
+/* The ratio of a cell that objects rule, or that they do not; negative: it is of the others, or empty. */
+static double ratio_among(const calibration *c, bool of_objects, size_t cell) {
+    return is_ruled_by_objects(c, cell) == of_objects ? cell_ratio(c, cell) : -1.0;
+}
+
 /* The mean ratio of all cells that objects rule; 1 where there are none. */
 static double objects_ratio(const asdic_simulator *sim, const calibration *c) {
     double sum = 0.0, count = 0.0;
     for (size_t cell = 0; cell < sim->setup.cells; cell++) {
-        double ratio = is_ruled_by_objects(c, cell) ? cell_ratio(c, cell) : -1.0;
+        double ratio = ratio_among(c, true, cell);
         if (ratio >= 0.0) {
             sum += ratio;
             count += 1.0;
@@ -116,7 +121,7 @@ static double typical_ratio(const asdic_simulator *sim, size_t first, const cali
     double ratios[TYPICAL_SAMPLES];
     size_t count = 0, step = (sim->setup.bins + TYPICAL_SAMPLES - 1) / TYPICAL_SAMPLES;
     for (size_t n = 0; n < sim->setup.bins; n += step) {
-        double ratio = is_ruled_by_objects(c, first + n) ? -1.0 : cell_ratio(c, first + n);
+        double ratio = ratio_among(c, false, first + n);
         if (ratio >= 0.0) {
             ratios[count++] = ratio;
         }
@@ -168,13 +173,11 @@ static void calibrate_bins(asdic_simulator *sim, size_t first, bool of_objects, 
     size_t bins = sim->setup.bins;
     double *values = c->row, *sums = values + bins + 1, *counts = sums + bins + 1;
     for (size_t n = 0; n < bins; n++) {
-        bool is_one = is_ruled_by_objects(c, first + n) == of_objects;
-        values[n] = is_one ? fmax(cell_ratio(c, first + n), 0.0) : 0.0;
+        values[n] = fmax(ratio_among(c, of_objects, first + n), 0.0);
     }
     add_up(values, bins, sums);
     for (size_t n = 0; n < bins; n++) {
-        bool is_one = is_ruled_by_objects(c, first + n) == of_objects;
-        values[n] = is_one && cell_ratio(c, first + n) >= 0.0;
+        values[n] = ratio_among(c, of_objects, first + n) >= 0.0;
     }
     add_up(values, bins, counts);
     for (size_t n = 0; n < bins; n++) {
@@ -240,6 +243,7 @@ static void take_ping(const asdic_simulator *sim, const asdic_ping *ping, uint32
     }
 }
 
+/* With few receivers. */
 static void take_mean(const asdic_simulator *sim, const asdic_ping *ping, calibration *c) {
     double *const *part = ping->intensity_lin;
     for (size_t cell = 0; cell < sim->setup.cells; cell++) {
@@ -266,7 +270,9 @@ static asdic_status run_pings(asdic_simulator *sim, const asdic_pose *pose, uint
         }
         TRY(asdic_simulator_simulate(sim, together, c->pings));
         for (uint32_t i = 0; i < together; i++, k++) {
-            take_mean(sim, c->pings[i], c);
+            if (!sim->fan.many) {
+                take_mean(sim, c->pings[i], c);
+            }
             asdic_pulse_smear(&sim->setup.sonar, sim->shots[i].water.sound_speed_mps,
                               sim->setup.threads, sim->host.scratch, c->pings[i]);
             take_ping(sim, c->pings[i], k, c);

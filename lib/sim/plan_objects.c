@@ -7,7 +7,6 @@
 #include "base/vec.h"
 #include "laws/scatterer.h"
 #include "ring.h"
-#include "scene/moving.h"
 #include "scene/scene.h"
 
 #include "../../kernels/backscatter.h"
@@ -18,16 +17,6 @@
 #define RECEIVERS_MOST 16
 /* As in ray_mirror_gain of ray.h. */
 #define FOCUS_MOST 100.0
-
-/* Where an object moves to is not known here. */
-static bool moves(const asdic_scene *scene, size_t part) {
-    for (size_t i = 0; i < scene->movable_count; i++) {
-        if (scene->movables[i].part == part) {
-            return true;
-        }
-    }
-    return false;
-}
 
 /* A bounding sphere from a pose. */
 typedef struct sight {
@@ -183,7 +172,7 @@ static verdict judge(const asdic_plan_case *c, const bounds *b, size_t part) {
     verdict v = {0};
     asdic_scatterer m = scatterer_of(c, &c->scene->materials[c->scene->parts[part].material]);
     v.mirrors = m.device.law == DEV_LAW_FACET && m.device.reflection2 > DEV_MIN_MIRROR;
-    if (moves(c->scene, part)) {
+    if (c->scene->parts[part].moves) { /* where to is not known here */
         v.reached = v.faced = true;
         v.echo_lin = v.bounce_lin = INFINITY;
         return v;

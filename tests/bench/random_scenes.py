@@ -3,7 +3,8 @@
 
     random_scenes.py DIR [COUNT] [--first N]    writes DIR/random_000.yaml, ...
 
-A number always gives the same scene; those from 600 on are of targets in mid-water, far from the bottom. Pass the files to `asdic bench honest`.
+A number always gives the same scene; those from 600 on are of targets in mid-water, far from the bottom. Pass the
+files to `asdic bench honest`.
 """
 import argparse
 import math
