@@ -1,6 +1,7 @@
 /*
  * How near a vehicle comes to things that move, against where all of them are at many times on the way.
  */
+#include "dice.h"
 #include "mission_rig.h"
 
 #include "base/vec.h"
@@ -10,11 +11,6 @@
 #include <math.h>
 
 #define TIMES 200
-
-static double random_unit(uint64_t *state) {
-    *state = *state * 6364136223846793005u + 1442695040888963407u;
-    return (double)(*state >> 11) * 0x1p-53;
-}
 
 static asdic_vec3 random_place(uint64_t *state) {
     double x = random_unit(state), y = random_unit(state), z = random_unit(state);

@@ -3,6 +3,7 @@
  * all that can happen.
  */
 #include "asserts.h"
+#include "dice.h"
 
 #include <asdic/asdic.h>
 
@@ -20,11 +21,6 @@
 #include <unistd.h>
 
 /* --- distances --------------------------------------------------------------------------------- */
-
-static double random_unit(uint64_t *state) {
-    *state = *state * 6364136223846793005u + 1442695040888963407u;
-    return (double)(*state >> 11) * 0x1p-53;
-}
 
 static asdic_vec3 random_place(uint64_t *state, double size_m) {
     double x = random_unit(state), y = random_unit(state), z = random_unit(state);
