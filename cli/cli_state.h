@@ -40,6 +40,9 @@ const char *cli_nearest(const char *text, const char *const *words, size_t count
 /* Sends the library's messages to stderr with the verbosity asked for. */
 void cli_report_begin(cli *c);
 
+/* Sets how the process takes memory from the system. Call it first of all. */
+void cli_heap_begin(void);
+
 /* The first SIGINT or SIGTERM asks CTX to stop, the second ends the program; with STOPS_SOON also
  * the time that it takes. RESUMES: the command has --resume, which the message names where a driver that
  * compiles is not waited for. Call it before threads begin. */

@@ -85,6 +85,7 @@ static void hold_standard_streams(void) {
 int main(int argc, char **argv) {
     cli c;
     asdic_context *ctx = NULL;
+    cli_heap_begin();
     hold_standard_streams();
     signal(SIGXFSZ, SIG_IGN); /* a limit on file sizes is an error of writing, as a full disk */
     if (asdic_context_create(&ctx) != ASDIC_OK) {

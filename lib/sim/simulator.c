@@ -30,9 +30,9 @@
  * stack of 8 MB; no device gains by more. */
 #define LOCAL_LIMIT 1024
 
-/* The tracer takes the form that is compiled first for so many rays, a tenth of a second: a driver takes a second
- * for the others where its cache lacks them. */
-#define FEW_RAYS (1u << 20)
+/* The tracer takes the form that is compiled first for so many rays, a second of two processors: a driver takes as
+ * long for the others where its cache lacks them, so that they cost at most twice what they might have saved. */
+#define FEW_RAYS 10000000u
 
 asdic_layout asdic_layout_default(const asdic_device_info *info) {
     bool cpu = info->kind == ASDIC_DEVICE_CPU && !asdic_driver_refuses_vectors(info);
