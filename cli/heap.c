@@ -19,8 +19,8 @@
 #define LINKER_TUNABLES "glibc.malloc.hugetlb=1:glibc.malloc.top_pad=16777216"
 
 /* One heap for all threads, of huge pages, grown once. PoCL compiles on a thread of its own, whose heap would
- * grow by a few pages at a time: a quarter of a cold start, a third of a warm one. Where memory is not glibc's
- * (sanitizers, valgrind), this changes nothing. */
+ * grow by a few pages at a time: a tenth to a fifth of a cold start, a quarter of a warm one. Where memory is not
+ * glibc's (sanitizers, valgrind), this changes nothing. */
 void cli_heap_begin(void) {
     const uintptr_t huge = 2 << 20;
     mallopt(M_ARENA_MAX, 1);
@@ -28,8 +28,8 @@ void cli_heap_begin(void) {
     mallopt(M_TRIM_THRESHOLD, 2 * HEAP_BYTES);
     mallopt(M_TOP_PAD, HEAP_BYTES);
     uintptr_t begin = ((uintptr_t)sbrk(0) + huge - 1) / huge * huge;
-    void *volatile block =
-        malloc(PAD_BYTES); /* the heap has no room for it, and grows by the padding too */
+    /* A block for which the heap has no room, so that it grows, by the padding as well. */
+    void *volatile block = malloc(PAD_BYTES);
     free(block);
     uintptr_t end = (uintptr_t)sbrk(0) / huge * huge;
     mallopt(M_TOP_PAD, PAD_BYTES);

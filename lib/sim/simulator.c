@@ -31,7 +31,7 @@
 #define LOCAL_LIMIT 1024
 
 /* The tracer takes the form that is compiled first for so many rays, a second of two processors: a driver takes as
- * long for the others where its cache lacks them, so that they cost at most twice what they might have saved. */
+ * long for the others where its cache lacks them, which pays where at least as many rays follow. */
 #define FEW_RAYS 10000000u
 
 asdic_layout asdic_layout_default(const asdic_device_info *info) {
