@@ -1,6 +1,7 @@
 #include "run_check.h"
 
 #include "base/context.h"
+#include "base/text.h"
 #include "base/try.h"
 #include "out/format.h"
 #include "out/png_file.h"
@@ -54,58 +55,90 @@ asdic_status asdic_run_check_note(asdic_context *ctx, const char *folder, asdic_
     return asdic_folder_pictures(ctx, folder, arena, &facts->pictures, &facts->picture_count);
 }
 
-/* What CHECKED means of the file NAME. */
-static asdic_status judge(asdic_context *ctx, asdic_status checked, const char *folder,
-                          const char *name) {
-    return checked != ASDIC_ERROR_INPUT
-               ? checked
-               : asdic_fail(ctx, ASDIC_ERROR_INPUT,
-                            "'%s/%s' is missing or damaged; 'asdic run' with --resume makes it "
-                            "again",
-                            folder, name);
+/* The files that are not as they were left. */
+typedef struct lost_files {
+    asdic_text names;
+    size_t count;
+} lost_files;
+
+#define MOST_NAMED 5
+
+static void lose(lost_files *lost, const char *folder, const char *name) {
+    if (lost->count < MOST_NAMED) {
+        asdic_text_format(&lost->names, "%s'%s/%s'", lost->count ? ", " : "", folder, name);
+    }
+    lost->count++;
 }
 
-static asdic_status check_file(asdic_context *ctx, const char *folder, const asdic_run_file *file) {
+static asdic_status check_file(asdic_context *ctx, const char *folder, const asdic_run_file *file,
+                               lost_files *lost) {
     asdic_sum now;
     char *path = asdic_folder_file(folder, file->name);
     if (!path) {
         return asdic_fail_memory(ctx, "a file name");
     }
-    asdic_status status = asdic_file_sum(ctx, path, &now);
-    free(path);
-    if (now.bytes != file->sum.bytes || now.crc32 != file->sum.crc32) {
-        status = ASDIC_ERROR_INPUT;
+    if (asdic_file_sum(ctx, path, &now) || now.bytes != file->sum.bytes ||
+        now.crc32 != file->sum.crc32) {
+        lose(lost, folder, file->name);
     }
-    return judge(ctx, status, folder, file->name);
+    free(path);
+    return ASDIC_OK;
 }
 
-static asdic_status check_picture(asdic_context *ctx, const char *folder, const char *name) {
+static asdic_status check_picture(asdic_context *ctx, const char *folder, const char *name,
+                                  lost_files *lost) {
     char *path = asdic_folder_file(folder, name);
     if (!path) {
         return asdic_fail_memory(ctx, "a file name");
     }
     asdic_status status = asdic_png_check(ctx, path);
     free(path);
-    return judge(ctx, status, folder, name);
+    if (status == ASDIC_ERROR_INPUT) {
+        lose(lost, folder, name);
+        return ASDIC_OK;
+    }
+    return status;
+}
+
+/* One error that names those that LOST has, unless STATUS is one already. */
+static asdic_status tell(asdic_context *ctx, asdic_status status, lost_files *lost) {
+    if (status == ASDIC_OK && lost->count > MOST_NAMED) {
+        asdic_text_format(&lost->names, " and %zu more", lost->count - MOST_NAMED);
+    }
+    char *names = asdic_text_take(&lost->names);
+    if (status == ASDIC_OK && lost->count > 0) {
+        status = names ? asdic_fail(ctx, ASDIC_ERROR_INPUT,
+                                    "%s %s missing or damaged; 'asdic run' with --resume makes %s "
+                                    "again",
+                                    names, lost->count == 1 ? "is" : "are",
+                                    lost->count == 1 ? "it" : "them")
+                       : asdic_fail_memory(ctx, "file names");
+    }
+    free(names);
+    return status;
 }
 
 asdic_status asdic_run_check_small(asdic_context *ctx, const char *folder,
                                    const asdic_run_facts *facts) {
-    for (size_t i = 0; i < facts->file_count; i++) {
+    lost_files lost = {0};
+    asdic_status status = ASDIC_OK;
+    for (size_t i = 0; i < facts->file_count && !status; i++) {
         if (is_small(facts->files[i].name)) {
-            TRY(check_file(ctx, folder, &facts->files[i]));
+            status = check_file(ctx, folder, &facts->files[i], &lost);
         }
     }
-    return ASDIC_OK;
+    return tell(ctx, status, &lost);
 }
 
 asdic_status asdic_run_check_all(asdic_context *ctx, const char *folder,
                                  const asdic_run_facts *facts) {
-    for (size_t i = 0; i < facts->file_count; i++) {
-        TRY(check_file(ctx, folder, &facts->files[i]));
+    lost_files lost = {0};
+    asdic_status status = ASDIC_OK;
+    for (size_t i = 0; i < facts->file_count && !status; i++) {
+        status = check_file(ctx, folder, &facts->files[i], &lost);
     }
-    for (size_t i = 0; i < facts->picture_count; i++) {
-        TRY(check_picture(ctx, folder, facts->pictures[i]));
+    for (size_t i = 0; i < facts->picture_count && !status; i++) {
+        status = check_picture(ctx, folder, facts->pictures[i], &lost);
     }
-    return ASDIC_OK;
+    return tell(ctx, status, &lost);
 }

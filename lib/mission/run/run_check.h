@@ -11,8 +11,8 @@
 asdic_status asdic_run_check_note(asdic_context *ctx, const char *folder, asdic_arena *arena,
                                   asdic_run_facts *facts);
 
-/* Checks the small files that are read back: ASDIC_ERROR_INPUT with the name of the first that is
- * missing or another. */
+/* Checks the small files that are read back: ASDIC_ERROR_INPUT with the names of those that are missing or
+ * others. */
 asdic_status asdic_run_check_small(asdic_context *ctx, const char *folder,
                                    const asdic_run_facts *facts);
 

@@ -198,7 +198,7 @@ static asdic_status open_elements(asdic_run_job *job, bool goes_on) {
 /* Finds the pings whose records are whole; every other is to be made. After an interruption the rest
  * is taken to be whole, unread: the run ends before it uses them. */
 static void find_whole(asdic_run_job *job, asdic_status *first_failure) {
-    size_t stored = asdic_store_count(job->store), planned = job->facts.pings_planned;
+    size_t stored = asdic_store_count(job->store), planned = job->facts.pings_planned, failed = 0;
     *first_failure = ASDIC_OK;
     job->to_make = planned;
     for (size_t i = 0; i < stored && i < planned; i++) {
@@ -206,10 +206,15 @@ static void find_whole(asdic_run_job *job, asdic_status *first_failure) {
         asdic_status status = is_read ? asdic_store_read(job->store, i, job->bytes) : ASDIC_OK;
         job->is_there[i] = status == ASDIC_OK && asdic_elements_has(job->elements, i);
         job->to_make -= job->is_there[i];
+        failed += status != ASDIC_OK;
         if (status != ASDIC_OK && *first_failure == ASDIC_OK) {
             *first_failure = status;
             asdic_log(job->ctx, ASDIC_LOG_WARNING, "%s", asdic_context_error(job->ctx));
         }
+    }
+    if (failed > 1) {
+        asdic_log(job->ctx, ASDIC_LOG_WARNING, "'%s': %zu more of its pings are damaged",
+                  job->options->folder, failed - 1);
     }
 }
 
