@@ -54,16 +54,13 @@ __kernel void camera_rays(__constant dev_camera *c, __global dev_ray *rays) {
     pixel_of(c, i, &x, &y);
     vector d = direction_of(c, x, y);
     dev_ray ray;
-    /* Light goes where sound goes: the hierarchy is lifted where rays bend (lift.h). */
-    vector eye = load3(c->eye);
-    float bend = c->bend_per_m;
-    ray.origin[0] = eye.x;
-    ray.origin[1] = eye.y;
-    ray.origin[2] = eye.z + 0.5f * bend * vector_dot(eye, eye);
+    for (int k = 0; k < 3; k++) {
+        ray.origin[k] = c->eye[k];
+    }
     ray.t_max = c->far_m;
     ray.direction[0] = d.x;
     ray.direction[1] = d.y;
-    ray.direction[2] = d.z + bend * vector_dot(eye, d);
+    ray.direction[2] = d.z;
     ray.source = 0u;
     rays[i] = ray;
 }

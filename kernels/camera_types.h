@@ -41,8 +41,7 @@ typedef struct dev_camera {
     float body_eye[3]; /* the camera seen from the vehicle, in its axes */
     float time_s;      /* for waves */
     dev_uint cones;
-    float bend_per_m; /* as of dev_ping: the hierarchy is lifted */
-    float pad[2];
+    float pad[3];
     dev_cone_view cone[DEV_CAMERA_CONES];
 } dev_camera;
 

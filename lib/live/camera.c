@@ -160,18 +160,20 @@ static dev_camera describe(const asdic_camera *c, const asdic_scene *scene,
 
 #define COUNT(args) (sizeof(args) / sizeof *(args))
 
-asdic_status asdic_camera_shoot(asdic_camera *c, const asdic_simulator *sim,
-                                const asdic_shot *shot) {
+asdic_status asdic_camera_shoot(asdic_camera *c, asdic_simulator *sim, const asdic_shot *shot) {
     size_t pixels = (size_t)c->width * c->height;
-    dev_uint has_mesh = sim->tracer != NULL;
+    asdic_tracer *tracer;
+    TRY(asdic_simulator_look(sim, &tracer));
+    dev_uint has_mesh = tracer != NULL;
+    asdic_buffer *triangles =
+        tracer ? asdic_tracer_triangles(tracer) : asdic_simulator_triangles(sim);
     c->last = describe(c, sim->setup.scene, shot);
-    c->last.bend_per_m = (float)sim->setup.bend_per_m;
     c->origin_m = sim->setup.scene->origin_m;
     asdic_kernel_arg aim[] = {ASDIC_ARG_BUFFER(c->settings), ASDIC_ARG_BUFFER(c->rays)};
     asdic_kernel_arg shade[] = {ASDIC_ARG_BUFFER(c->settings),
                                 ASDIC_ARG_BUFFER(c->hits),
                                 ASDIC_ARG_VALUE(has_mesh),
-                                ASDIC_ARG_BUFFER(asdic_simulator_triangles(sim)),
+                                ASDIC_ARG_BUFFER(triangles),
                                 ASDIC_ARG_BUFFER(sim->buffers.parts),
                                 ASDIC_ARG_BUFFER(c->rgb_buffer),
                                 ASDIC_ARG_BUFFER(c->far_buffer)};
@@ -179,7 +181,7 @@ asdic_status asdic_camera_shoot(asdic_camera *c, const asdic_simulator *sim,
     if (has_mesh) {
         uint32_t slots = (uint32_t)c->slots;
         TRY(asdic_kernel_run(c->aim, aim, COUNT(aim), c->slots, 64));
-        TRY(asdic_tracer_run(sim->tracer, c->rays, c->hits, slots, slots, 0));
+        TRY(asdic_tracer_run(tracer, c->rays, c->hits, slots, slots, 0));
     }
     TRY(asdic_kernel_run(c->shade, shade, COUNT(shade), c->slots, 64));
     TRY(asdic_buffer_read(c->rgb_buffer, 0, pixels * sizeof(uint32_t), c->rgb));

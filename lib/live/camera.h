@@ -1,6 +1,6 @@
 /*
- * A chase camera: pictures of the scene, cast through the hierarchy that traces sound. It uses the
- * simulator's tracer between pings.
+ * A chase camera: pictures of the scene, cast through the hierarchy that traces sound, or where that bends through
+ * one of its own. It uses the simulator between pings.
  */
 #ifndef ASDIC_LIVE_CAMERA_H
 #define ASDIC_LIVE_CAMERA_H
@@ -26,7 +26,7 @@ typedef struct asdic_shot {
     dev_cone_view cone[DEV_CAMERA_CONES];
 } asdic_shot;
 
-asdic_status asdic_camera_shoot(asdic_camera *camera, const asdic_simulator *sim,
+asdic_status asdic_camera_shoot(asdic_camera *camera, asdic_simulator *sim,
                                 const asdic_shot *shot);
 
 /* The last picture: WIDTH x HEIGHT of 0x00RRGGBB, and the distance of what each pixel shows, m. */

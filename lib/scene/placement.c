@@ -90,6 +90,7 @@ static void copy_triangles(asdic_placement *p) {
             continue;
         }
         p->first[i] = at;
+        p->poses[i / asdic_scene_copies(scene)] = m->pose;
         memcpy(p->triangles + at, scene->triangles + m->first, m->count * sizeof *p->triangles);
         at += m->count;
     }
@@ -109,14 +110,15 @@ asdic_status asdic_placement_create(const asdic_scene *scene, asdic_placement **
     p->extent_m = scene->bvh.extent_m;
     p->parts = copy(scene->parts, scene->part_count, sizeof *p->parts);
     p->points = copy(scene->points, scene->point_count, sizeof *p->points);
+    p->poses = calloc(scene->movable_count + 1, sizeof *p->poses);
     p->nodes = copy(scene->bvh.nodes, scene->moving_nodes, sizeof *p->nodes);
     p->blocks = copy(scene->bvh.blocks, scene->moving_blocks, sizeof *p->blocks);
     p->triangles = calloc(triangles + 1, sizeof *p->triangles);
     p->first = calloc(scene->movable_count + 1, sizeof *p->first);
     p->roots = calloc(2 * (scene->movable_count + 1), sizeof *p->roots);
     p->scratch_m = calloc(9 * most + 1, sizeof *p->scratch_m);
-    if (!p->parts || !p->points || !p->nodes || !p->blocks || !p->triangles || !p->first ||
-        !p->roots || !p->scratch_m) {
+    if (!p->parts || !p->points || !p->poses || !p->nodes || !p->blocks || !p->triangles ||
+        !p->first || !p->roots || !p->scratch_m) {
         asdic_placement_destroy(out);
         return asdic_fail_memory(scene->ctx, "the poses of objects");
     }
@@ -144,6 +146,7 @@ void asdic_placement_destroy(asdic_placement **placement) {
     asdic_placement *p = *placement;
     free(p->parts);
     free(p->points);
+    free(p->poses);
     free(p->nodes);
     free(p->blocks);
     free(p->triangles);
@@ -179,6 +182,7 @@ void asdic_placement_move(asdic_placement *p, size_t movable, const asdic_pose *
     const asdic_movable *m = &scene->movables[movable * copies];
     dev_triangle *triangles = p->triangles + p->first[movable * copies];
     asdic_vec3 lo, hi;
+    p->poses[movable] = *pose;
     asdic_movable_place(m, pose, scene->origin_m, p->scratch_m, triangles);
     asdic_place_sphere(p->scratch_m, m->count, &p->parts[m->part], &lo, &hi);
     for (size_t i = movable * copies; i < (movable + 1) * copies; i++) {

@@ -11,6 +11,7 @@ typedef struct asdic_placement {
     const asdic_scene *scene;
     asdic_part *parts;   /* the scene's, spheres as they are now */
     asdic_point *points; /* the scene's, positions as they are now */
+    asdic_pose *poses;   /* of what moves, a movable with all its copies */
     dev_node8 *nodes;    /* the first nodes of the scene: the top, and the moving objects */
     dev_block4 *blocks;
     dev_triangle *triangles; /* of what moves, in the scene's order of it */

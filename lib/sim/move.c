@@ -20,8 +20,11 @@ static asdic_status move_object(asdic_simulator *sim, size_t movable, const asdi
     asdic_placement_move(sim->placement, movable, pose);
     dev_part moved = asdic_simulator_part(&sim->placement->parts[part], part);
     TRY(asdic_buffer_write(sim->buffers.parts, part * sizeof moved, sizeof moved, &moved));
-    return sim->tracer ? asdic_tracer_move(sim->tracer, sim->placement, movable)
-                       : ASDIC_OK; /* objects that a plan left out are not traced */
+    if (!sim->tracer) { /* objects that a plan left out are not traced */
+        return ASDIC_OK;
+    }
+    TRY(asdic_tracer_move(sim->tracer, sim->placement, movable));
+    return asdic_sight_move(sim, movable, pose);
 }
 
 /* Whether the scene has a part of that name that stays. */

@@ -45,7 +45,8 @@ asdic_layout asdic_layout_default(const asdic_device_info *info) {
     layout.ping_batch_slots = (size_t)1 << (cpu ? 13 : 18);
     layout.threads = asdic_processors();
     if (info->kind == ASDIC_DEVICE_CPU && info->compute_units < layout.threads) {
-        layout.threads = info->compute_units; /* the user's wish, where it is a part of a processor */
+        layout.threads =
+            info->compute_units; /* the user's wish, where it is a part of a processor */
     }
     layout.thread_cells = (size_t)1
                           << 14; /* their levels take some four times as long as a thread's start */
@@ -475,6 +476,7 @@ void asdic_simulator_destroy(asdic_simulator **pointer) {
     asdic_faces_finish(&sim->learnt.faces);
     asdic_points_finish(sim);
     asdic_truth_finish(sim);
+    asdic_sight_finish(&sim->sight);
     asdic_tracer_destroy(&sim->tracer);
     asdic_placement_destroy(&sim->placement);
     asdic_scene_unlift(&sim->lifted);

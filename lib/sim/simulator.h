@@ -193,6 +193,13 @@ typedef struct asdic_profile {
 
 typedef struct asdic_coherent asdic_coherent; /* coherent.h */
 
+/* The scene for light, which goes straight where sound does not; NULL until somebody looks, and where sound goes
+ * straight too. */
+typedef struct asdic_sight {
+    asdic_placement *placement;
+    asdic_tracer *tracer;
+} asdic_sight;
+
 struct asdic_simulator {
     asdic_context *ctx;
     asdic_device *device;
@@ -200,6 +207,7 @@ struct asdic_simulator {
     asdic_scene *lifted;        /* what rays meet where they bend; else NULL */
     asdic_placement *placement; /* where objects and points are now */
     asdic_tracer *tracer;       /* NULL without triangles */
+    asdic_sight sight;
     asdic_kernels kernels;
     asdic_buffers buffers;
     uint32_t legs_foreseen[3]; /* of rays through layers, by set: as many as the rays before had */
@@ -277,6 +285,13 @@ void asdic_store_destroy(asdic_simulator *sim);
 
 /* The scene's triangles on the device, or a buffer to point at when there are none. */
 asdic_buffer *asdic_simulator_triangles(const asdic_simulator *sim);
+
+/* What light meets: the scene as it stands now, without triangles NULL. The simulator's. */
+asdic_status asdic_simulator_look(asdic_simulator *sim, asdic_tracer **out);
+
+/* The same MOVABLE for light, where somebody has looked. */
+asdic_status asdic_sight_move(asdic_simulator *sim, size_t movable, const asdic_pose *pose);
+void asdic_sight_finish(asdic_sight *sight);
 
 /* Has the first ping do what others would wait for: where pings have to keep time. */
 void asdic_simulator_hasten(asdic_simulator *sim);

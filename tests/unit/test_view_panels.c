@@ -80,12 +80,12 @@ static void the_newest_ping_is_on_top(void **state) {
 /* The last shot, seen on its way to the camera. */
 static asdic_shot shot;
 
-asdic_status __real_asdic_camera_shoot(asdic_camera *camera, const asdic_simulator *sim,
+asdic_status __real_asdic_camera_shoot(asdic_camera *camera, asdic_simulator *sim,
                                        const asdic_shot *of);
-asdic_status __wrap_asdic_camera_shoot(asdic_camera *camera, const asdic_simulator *sim,
+asdic_status __wrap_asdic_camera_shoot(asdic_camera *camera, asdic_simulator *sim,
                                        const asdic_shot *of);
 
-asdic_status __wrap_asdic_camera_shoot(asdic_camera *camera, const asdic_simulator *sim,
+asdic_status __wrap_asdic_camera_shoot(asdic_camera *camera, asdic_simulator *sim,
                                        const asdic_shot *of) {
     shot = *of;
     return __real_asdic_camera_shoot(camera, sim, of);

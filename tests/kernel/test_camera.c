@@ -1,0 +1,182 @@
+/*
+ * Pictures of the live view: things are seen where they are, whatever sound does.
+ */
+#include "ping_rig.h"
+
+#include "live/camera.h"
+
+#include <math.h>
+#include <string.h>
+
+#define WIDTH 160
+#define HEIGHT 96
+#define PIXELS ((size_t)WIDTH * HEIGHT)
+
+static test_device t;
+
+/* From 4 m of depth, a little to the right and down. */
+static const asdic_shot shot = {
+    .eye_m = {-6.0, 0.0, 4.0}, .yaw_rad = 0.2, .pitch_rad = -0.25, .range_m = 60.0};
+
+static asdic_camera *camera(void) {
+    asdic_camera *c = NULL;
+    assert_ok(t.ctx, asdic_camera_create(t.ctx, t.device, WIDTH, HEIGHT, &c));
+    return c;
+}
+
+/* Whether the picture shows a thing at AT, and not something before or behind it. */
+static void assert_seen(const asdic_camera *c, asdic_vec3 at_m) {
+    double x, y, far_m;
+    assert_true(asdic_camera_project(c, at_m, &x, &y, &far_m));
+    assert_true(x > 0.0 && x < WIDTH && y > 0.0 && y < HEIGHT);
+    size_t pixel = (size_t)y * WIDTH + (size_t)x;
+    assert_close((double)asdic_camera_far_m(c)[pixel], far_m, 0.015 * far_m);
+}
+
+static const asdic_pose ball_from = {{9.0, -3.0, 6.0}, 0.0, 0.0, 0.0};
+static const asdic_pose ball_to = {{7.0, -1.0, 8.0}, 0.0, 0.0, 0.0};
+
+/* Flat bottom at 12 m, a box that stays and a ball that moves. */
+static ping_rig furnished(void) {
+    ping_rig r = rig_create(&t);
+    asdic_material steel = asdic_material_facet(45.0, 1e-3, 0.1);
+    asdic_mesh *box = NULL, *ball = NULL;
+    assert_ok(t.ctx, asdic_mesh_box(t.ctx, (asdic_vec3){1.0, 2.0, 1.5}, &box));
+    assert_ok(t.ctx, asdic_mesh_sphere(t.ctx, 0.8, 48, &ball));
+    assert_ok(t.ctx, asdic_scene_add_object(r.scene, "box", box,
+                                            (asdic_pose){{9.5, 4.0, 7.0}, 0.0, 0.0, 0.0}, steel));
+    assert_ok(t.ctx, asdic_scene_add_moving_object(r.scene, "ball", ball, ball_from, steel));
+    asdic_mesh_destroy(&box);
+    asdic_mesh_destroy(&ball);
+    r.sampling.rays = 256;
+    return r;
+}
+
+/* A picture of what R describes; the ball moves before the first and after it. */
+static void look(ping_rig *r, float far_m[2][PIXELS]) {
+    asdic_simulator *sim = rig_simulator(r);
+    asdic_camera *c = camera();
+    for (int k = 0; k < 2; k++) {
+        const asdic_pose *at = k == 0 ? &ball_to : &ball_from;
+        assert_ok(t.ctx, asdic_simulator_move(sim, "ball", at));
+        assert_ok(t.ctx, asdic_camera_shoot(c, sim, &shot));
+        memcpy(far_m[k], asdic_camera_far_m(c), PIXELS * sizeof(float));
+        assert_seen(c, (asdic_vec3){9.0, 4.0, 7.0});   /* the box's near face */
+        assert_seen(c, (asdic_vec3){9.0, 4.8, 6.5});   /* its corner */
+        assert_seen(c, (asdic_vec3){9.0, -4.5, 12.0}); /* the floor beside it */
+        assert_seen(c, (asdic_vec3){7.0, 1.0, 12.0});
+        asdic_vec3 near_m = at->position_m; /* the ball's side towards the eye */
+        double away_m = hypot(hypot(near_m.x + 6.0, near_m.y), near_m.z - 4.0);
+        near_m.x -= 0.8 * (near_m.x + 6.0) / away_m;
+        near_m.y -= 0.8 * near_m.y / away_m;
+        near_m.z -= 0.8 * (near_m.z - 4.0) / away_m;
+        assert_seen(c, near_m);
+    }
+    asdic_camera_destroy(&c);
+    asdic_simulator_destroy(&sim);
+    rig_destroy(r);
+}
+
+static void light_goes_straight(void **state) {
+    (void)state;
+    static float straight[2][PIXELS], bent[2][PIXELS];
+    ping_rig r = furnished();
+    look(&r, straight);
+    for (int k = 0; k < 2; k++) {
+        r = furnished();
+        if (k == 0) {
+            r.env.sound_speed_gradient_per_s = -4.0;
+        } else {
+            r.env.sound_speed_profile =
+                (asdic_sound_profile){4, {0.0, 3.0, 7.0, 12.0}, {1500.0, 1490.0, 1440.0, 1446.0}};
+        }
+        look(&r, bent);
+        size_t off = 0;
+        for (size_t i = 0; i < PIXELS; i++) {
+            for (int n = 0; n < 2; n++) {
+                off += fabsf(straight[n][i] - bent[n][i]) > 1e-3f * straight[n][i];
+            }
+        }
+        assert_true(off < 20); /* edges */
+    }
+}
+
+static double brightness(const asdic_camera *c) {
+    double sum = 0.0;
+    for (size_t i = PIXELS / 2; i < PIXELS; i++) {
+        uint32_t rgb = asdic_camera_rgb(c)[i];
+        sum += (double)(rgb & 0xff) + (double)(rgb >> 8 & 0xff) + (double)(rgb >> 16 & 0xff);
+    }
+    return sum;
+}
+
+/* A floor of triangles, 8 m below the eye. */
+static double floor_brightness(double depth_m) {
+    ping_rig r = rig_create(&t);
+    const double v[] = {-90, -90, depth_m, 90, -90, depth_m, 90, 90, depth_m, -90, 90, depth_m};
+    static const uint32_t index[] = {0, 2, 1, 0, 3, 2};
+    asdic_mesh *mesh = NULL;
+    asdic_scene_destroy(&r.scene);
+    assert_ok(t.ctx, asdic_scene_create(t.ctx, &r.scene));
+    assert_ok(t.ctx, asdic_mesh_from_triangles(t.ctx, v, 4, index, 2, &mesh));
+    assert_ok(t.ctx,
+              asdic_scene_add_bottom(r.scene, mesh, (asdic_pose){0}, asdic_material_bottom(2.0)));
+    asdic_mesh_destroy(&mesh);
+    r.env.max_depth_m = depth_m;
+    r.pose.position_m.z = depth_m - 8.0;
+    r.sampling.rays = 256;
+    asdic_simulator *sim = rig_simulator(&r);
+    asdic_camera *c = camera();
+    asdic_shot from = shot;
+    from.eye_m.z = depth_m - 8.0;
+    assert_ok(t.ctx, asdic_camera_shoot(c, sim, &from));
+    assert_seen(c, (asdic_vec3){8.0, -2.0, depth_m});
+    double sum = brightness(c);
+    asdic_camera_destroy(&c);
+    asdic_simulator_destroy(&sim);
+    rig_destroy(&r);
+    return sum;
+}
+
+static void the_deep_is_dark(void **state) {
+    (void)state;
+    double shallow = floor_brightness(10.0), deep = floor_brightness(80.0);
+    printf("# 80 m down %.2f times as bright as 10 m\n", deep / shallow);
+    assert_true(deep < 0.95 * shallow);
+}
+
+/* Of pixels at the same distance on either side of the middle, most differ. */
+static void the_floor_has_a_grain(void **state) {
+    (void)state;
+    ping_rig r = rig_create(&t);
+    r.sampling.rays = 256;
+    asdic_simulator *sim = rig_simulator(&r);
+    asdic_camera *c = camera();
+    const asdic_shot down = {.eye_m = {3.0, 3.0, 4.0}, .pitch_rad = -1.4, .range_m = 60.0};
+    assert_ok(t.ctx, asdic_camera_shoot(c, sim, &down));
+    const uint32_t *rgb = asdic_camera_rgb(c);
+    size_t other = 0;
+    for (size_t y = 0; y < HEIGHT; y++) {
+        for (size_t x = 0; x < WIDTH / 2; x++) {
+            assert_close((double)asdic_camera_far_m(c)[y * WIDTH + x],
+                         (double)asdic_camera_far_m(c)[y * WIDTH + WIDTH - 1 - x], 1e-3);
+            other += rgb[y * WIDTH + x] != rgb[y * WIDTH + WIDTH - 1 - x];
+        }
+    }
+    assert_true(other > PIXELS / 3);
+    asdic_camera_destroy(&c);
+    asdic_simulator_destroy(&sim);
+    rig_destroy(&r);
+}
+
+int main(void) {
+    t = test_device_open_or_skip();
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(light_goes_straight),
+        cmocka_unit_test(the_deep_is_dark),
+        cmocka_unit_test(the_floor_has_a_grain),
+    };
+    int failed = cmocka_run_group_tests(tests, NULL, NULL);
+    test_device_close(&t);
+    return failed;
+}
