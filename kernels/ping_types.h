@@ -184,7 +184,8 @@ typedef struct dev_truth_row {
 #define DEV_TRUTH_BY_SURFACE 1
 #define DEV_TRUTH_BY_BOTTOM 2
 #define DEV_TRUTH_OBJECTS 3
-#define DEV_TRUTH_MOST_ROWS 2048
+#define DEV_TRUTH_ROW_BITS 11 /* that an arrival has to name its row */
+#define DEV_TRUTH_MOST_ROWS (1 << DEV_TRUTH_ROW_BITS)
 
 /* In the buffer that kernels get, the apertures follow: the transmitter, then the receivers. One transfer
  * carries them all, and those of all pings that go together (ping_batch.h). */

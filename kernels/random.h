@@ -3,7 +3,7 @@
  *
  * Source: Salmon, Moraes, Dror, Shaw, "Parallel random numbers: as easy as 1, 2, 3", SC11. The
  * value depends on (key, counter) alone, so that a ray's numbers do not depend on which device,
- * work-item or order drew them. Known-answer vectors: tests/kernel/test_random.c.
+ * work-item or order drew them. Known-answer vectors: tests/unit/test_speckle.c.
  */
 #ifndef ASDIC_KERNEL_RANDOM_H
 #define ASDIC_KERNEL_RANDOM_H

@@ -89,7 +89,7 @@ static truth_parts truth_of(__global const dev_ping *ping, natural words, natura
                               (natural)(MAX_ARRIVALS), echo);
     t.echoes = choose_natural(component == (natural)(DEV_DEPOSIT_VOLUME), (natural)(0u), t.echoes);
     t.before = component * (natural)(ping->sums.component_rows);
-    t.row = words >> 1u & (natural)((1u << TRUTH_ROW_BITS) - 1u);
+    t.row = words >> 1u & (natural)((1u << DEV_TRUTH_ROW_BITS) - 1u);
     t.weight = truth_weights(ping, component, words);
     t.dither = truth_dithers(words);
     return t;

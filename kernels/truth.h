@@ -19,8 +19,7 @@
 
 /* The word `more` of an arrival: bit 0 says whether others follow, 11 bits the row that its energy goes to
  * besides (0: none), 20 bits the sine of its depression. */
-#define TRUTH_ROW_BITS 11u
-#define TRUTH_SINE_SHIFT (TRUTH_ROW_BITS + 1u)
+#define TRUTH_SINE_SHIFT (DEV_TRUTH_ROW_BITS + 1u)
 #define TRUTH_SINE_MOST 1048575.0f
 
 /* What a mirror is, for rays that go on from it: above the slots in dev_ray.source. */
@@ -28,7 +27,7 @@
 #define TRUTH_SLOT_MASK 0x0fffffffu
 
 static inline uint truth_row(uint word) {
-    return word >> 1u & ((1u << TRUTH_ROW_BITS) - 1u);
+    return word >> 1u & ((1u << DEV_TRUTH_ROW_BITS) - 1u);
 }
 
 /* What multiplies the quanta of COMPONENT for the row of depressions, whose scale is one for all: (1 + sine of

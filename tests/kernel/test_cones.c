@@ -133,12 +133,64 @@ static void crowds_keep_the_flat_bins(void **state) {
     rig_destroy(&r);
 }
 
+/* So few rays that a ray a steradian more or less in the cones' place would be heard: the mean of many pings. */
+static void few_rays_keep_the_flat_bins(void **state) {
+    (void)state;
+    enum { PINGS = 1024, FIRST = 10, LAST = 16 };
+    ping_rig r = rig_create(&t);
+    r.sonar.receiver_count = 1;
+    r.sampling.rays = 512;
+    asdic_mesh *mesh = NULL;
+    assert_ok(t.ctx, asdic_mesh_sphere(t.ctx, 0.01, 8, &mesh));
+    for (int i = 0; i < 8; i++) {
+        double azimuth = 0.7 * i, range = 12.0 + 2.0 * i;
+        asdic_pose pose = {.position_m = {range * cos(azimuth), range * sin(azimuth), 7.0}};
+        char name[16];
+        snprintf(name, sizeof name, "ball%d", i);
+        assert_ok(t.ctx, asdic_scene_add_object(r.scene, name, mesh, pose,
+                                                asdic_material_facet(1.6, 1e-2, 0.5)));
+    }
+    asdic_mesh_destroy(&mesh);
+    asdic_simulator *sim = rig_simulator(&r);
+    asdic_ping *ping = NULL, *truth = NULL;
+    size_t bins = asdic_simulator_bin_count(sim);
+    assert_ok(t.ctx, asdic_ping_create(t.ctx, 1, bins, &ping));
+    assert_ok(t.ctx, asdic_ping_create(t.ctx, 1, bins, &truth));
+    asdic_flat_scene flat = {.has_surface = true,
+                             .has_bottom = true,
+                             .altitude_m = 5.0,
+                             .depth_m = 7.0,
+                             .bottom = asdic_material_bottom(2.0)};
+    assert_ok(t.ctx, asdic_expected_compute(t.ctx, &flat, &r.env, &r.sonar, &r.pose, truth));
+    double sum = 0.0, square = 0.0;
+    for (int k = 0; k < PINGS; k++) {
+        double heard = 0.0;
+        assert_ok(t.ctx, asdic_simulator_ping(sim, &r.pose, (uint64_t)k, ping));
+        for (size_t n = FIRST; n < LAST; n++) {
+            heard += (ping->intensity_lin[ASDIC_TOTAL][n] - ping->intensity_lin[ASDIC_OBJECT][n]) /
+                     truth->intensity_lin[ASDIC_TOTAL][n] / (LAST - FIRST);
+        }
+        sum += heard / PINGS;
+        square += heard * heard / PINGS;
+    }
+    double error = sqrt((square - sum * sum) / PINGS);
+    print_message("few rays among cones: %.4f of what is expected, standard error %.4f\n", sum,
+                  error);
+    assert_true(error < 0.01);
+    assert_true(fabs(sum - 1.0) < 0.005 + 3.5 * error);
+    asdic_ping_destroy(&truth);
+    asdic_ping_destroy(&ping);
+    asdic_simulator_destroy(&sim);
+    rig_destroy(&r);
+}
+
 int main(void) {
     t = test_device_open_or_skip();
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(target_is_never_missed),
         cmocka_unit_test(cones_agree_with_beam_sampler),
         cmocka_unit_test(crowds_keep_the_flat_bins),
+        cmocka_unit_test(few_rays_keep_the_flat_bins),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
     test_device_close(&t);

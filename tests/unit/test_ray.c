@@ -169,6 +169,14 @@ static void mirrors_spread_as_images_do(void **state) {
     }
 }
 
+/* Where no water bends rays, none is asked for its bend, nor has a ray room for more than a line. */
+static void straight_rays_know_no_water(void **state) {
+    const ray_medium bending = {0.01, 1.0};
+    (void)state;
+    assert_true(ray_bend(5.0, bending) == 0.0);
+    assert_int_equal(sizeof(ray), 2 * sizeof(triple) + 2 * sizeof(real));
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_way_is_the_ray_to_its_point),
@@ -177,6 +185,7 @@ int main(void) {
         cmocka_unit_test(water_is_the_integral_of_the_loss),
         cmocka_unit_test(mirrors_reach_as_far_as_they_say),
         cmocka_unit_test(mirrors_spread_as_images_do),
+        cmocka_unit_test(straight_rays_know_no_water),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -9,6 +9,19 @@
 
 #include "../../kernels/random.h"
 
+/* Streams never meet: each has a word of its own, below the eight that elements add to theirs. */
+static void streams_have_words_of_their_own(void **state) {
+    static const uint32_t words[] = {RANDOM_SAMPLE, RANDOM_SHIFT,     RANDOM_SPECKLE, RANDOM_TRIAL,
+                                     RANDOM_DRAW,   RANDOM_SCATTERER, RANDOM_ELEMENT};
+    (void)state;
+    for (size_t i = 0; i < sizeof words / sizeof *words; i++) {
+        assert_true(words[i] < 8);
+        for (size_t k = 0; k < i; k++) {
+            assert_int_not_equal(words[i], words[k]);
+        }
+    }
+}
+
 /* Known-answer vectors of Random123 (kat_vectors, philox4x32 10). */
 static void philox_gives_the_published_answers(void **state) {
     (void)state;
@@ -346,6 +359,7 @@ static void threads_change_nothing(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(streams_have_words_of_their_own),
         cmocka_unit_test(philox_gives_the_published_answers),
         cmocka_unit_test(uniforms_stay_inside),
         cmocka_unit_test(rayleigh_has_contrast_one),
