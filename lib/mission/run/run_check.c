@@ -102,19 +102,20 @@ static asdic_status check_picture(asdic_context *ctx, const char *folder, const 
 
 /* One error that names those that LOST has, unless STATUS is one already. */
 static asdic_status tell(asdic_context *ctx, asdic_status status, lost_files *lost) {
-    if (status == ASDIC_OK && lost->count > MOST_NAMED) {
-        asdic_text_format(&lost->names, " and %zu more", lost->count - MOST_NAMED);
-    }
-    char *names = asdic_text_take(&lost->names);
     if (status == ASDIC_OK && lost->count > 0) {
+        if (lost->count > MOST_NAMED) {
+            asdic_text_format(&lost->names, " and %zu more", lost->count - MOST_NAMED);
+        }
+        char *names = asdic_text_take(&lost->names);
         status = names ? asdic_fail(ctx, ASDIC_ERROR_INPUT,
                                     "%s %s missing or damaged; 'asdic run' with --resume makes %s "
                                     "again",
                                     names, lost->count == 1 ? "is" : "are",
                                     lost->count == 1 ? "it" : "them")
                        : asdic_fail_memory(ctx, "file names");
+        free(names);
     }
-    free(names);
+    asdic_text_finish(&lost->names);
     return status;
 }
 
