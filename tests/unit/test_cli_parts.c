@@ -1,12 +1,16 @@
-/* Parts of the program without a device: poses from lines, words and numbers that are shown. */
+/* Parts of the program without a device: poses from lines, words and numbers that are shown, rules in other
+ * programs. */
 #include "asserts.h"
 
 #include "cli/cli_state.h"
 #include "cli/progress.h"
 #include "cli/serve.h"
+#include "cli/trial_rule.h"
 
+#include <errno.h>
 #include <math.h>
 #include <string.h>
+#include <unistd.h>
 
 #define DEGREE (3.14159265358979323846 / 180.0)
 
@@ -325,6 +329,63 @@ static void answers_are_frames(void **state) {
     }
 }
 
+/* No process is ended from here, whatever a slip would signal; fork fails when told to. */
+static int kills;
+static bool fork_fails;
+
+int __wrap_kill(pid_t pid, int number);
+pid_t __real_fork(void);
+pid_t __wrap_fork(void);
+
+int __wrap_kill(pid_t pid, int number) {
+    (void)pid;
+    (void)number;
+    kills++;
+    return 0;
+}
+
+pid_t __wrap_fork(void) {
+    errno = EAGAIN;
+    return fork_fails ? -1 : __real_fork();
+}
+
+/* The rule orders the heading that it is told, and ends by itself. */
+static void a_rule_reads_degrees(void **state) {
+    (void)state;
+    trial_programs *rule = trial_programs_begin(
+        "read -r p; y=${p#*'\"yaw_deg\":'}; echo '{\"yaw_deg\":'${y%%,*}'}'", 1, 60.0);
+    asdic_loop_ping turned = ping;
+    turned.pose.yaw_rad = 90.0 * DEGREE;
+    const asdic_trial_look look = {.sonar = &two, .ping = &turned, .found = &detection};
+    asdic_trial_order order = {.turns = false};
+    char wrong[ASDIC_TRIAL_WHY] = "";
+    bool good = trial_programs_decide(rule, &look, &order, wrong);
+    assert_string_equal(wrong, "");
+    assert_true(good && order.turns && !order.dives);
+    assert_close(order.yaw_rad, 90.0 * DEGREE, 1e-12);
+    kills = 0;
+    trial_programs_end(&rule);
+    assert_int_equal(kills, 1);
+    assert_null(rule);
+}
+
+/* None was started, so that none is to be ended: -1 would be every process. */
+static void a_rule_without_a_process_ends_none(void **state) {
+    (void)state;
+    trial_programs *rule = trial_programs_begin("cat", 1, 60.0);
+    const asdic_trial_look look = {.sonar = &two, .ping = &ping, .found = &detection};
+    asdic_trial_order order = {.turns = false};
+    char wrong[ASDIC_TRIAL_WHY] = "";
+    fork_fails = true;
+    bool good = trial_programs_decide(rule, &look, &order, wrong);
+    fork_fails = false;
+    assert_false(good);
+    assert_contains(wrong, "cannot start the rule: ");
+    kills = 0;
+    trial_programs_end(&rule);
+    assert_int_equal(kills, 0);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(values_have_an_order),
@@ -336,6 +397,8 @@ int main(void) {
         cmocka_unit_test(answers_are_json),
         cmocka_unit_test(answers_are_csv),
         cmocka_unit_test(answers_are_frames),
+        cmocka_unit_test(a_rule_reads_degrees),
+        cmocka_unit_test(a_rule_without_a_process_ends_none),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
