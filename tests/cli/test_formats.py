@@ -478,10 +478,11 @@ def test_a_video_shows_fans_and_leaves_no_parts():
                                   ("fan", 2, "three beams or more"), ("ascope", 1, "did not write")):
             # An ffmpeg that fails; the run's two beams are no fan.
             os.makedirs(folder / "bin", exist_ok=True)
-            folder.write("bin/ffmpeg", "#!/bin/sh\nexit 3\n")
+            folder.write("bin/ffmpeg", '#!/bin/sh\necho "$@" >"$0.args"\nexit 3\n')
             os.chmod(folder / "bin/ffmpeg", 0o755)
             tap.contains(asdic("render", run, "--video", folder / "v.mp4", "--images", images,
                                PATH=folder / "bin").check(code=code).err, why)
+        tap.contains(folder.read("bin/ffmpeg.args"), " -framerate 20000/1000 ")  # the run's own time
         tap.equal(sorted(set(os.listdir(folder.path)) - {"bin"}), before, "nothing is left")
         shutil.rmtree(folder / "r")
         fan = "  receivers:\n    fan: {count: 12, sector_deg: 90, length_h_m: 0.1, length_v_m: 0.05}"

@@ -23,8 +23,11 @@ def rows(path):
 def test_the_rise():
     need_device()
     with Folder() as folder:
-        done = asdic("roc", SCENE2, "--trials", "100000", "-o", "out", "--json", "-q",
-                     cwd=folder.path).check(0, err="")
+        umask = os.umask(0)
+        done = asdic("roc", SCENE2, "--trials", "100000", "-o", "out", "--json", "-q", cwd=folder.path)
+        os.umask(umask)
+        done.check(0, err="")
+        tap.equal(oct(os.stat(folder / "out").st_mode & 0o777), "0o777", "who may enter")
         curve, = json.loads(done.out)
         tap.equal((curve["variant"], curve["beam"], curve["range_m"], curve["looks"]),
                   ("rise", "forward", 35.25, 7))
@@ -164,6 +167,9 @@ def test_mistakes():
         fail(2, "end at 74.5 m", SCENE2, "--range", "500")
         fail(2, "ping 7 of a mission of 1", SCENE2, "--ping", "7")
         fail(3, "nothing.yaml", "nothing.yaml")
+        os.mkdir(folder / "mine")
+        asdic("roc", SCENE2, "--object", "wreck", "-o", "mine", cwd=folder.path).check(2)
+        tap.equal(folder.names(), ["mine"], "a folder that was there before")
 
 
 # No noise, no surface, clear water: all that the target stands in is the bottom's.

@@ -16,6 +16,12 @@ from run_folder import same, scene
 
 HERE = pathlib.Path(__file__).resolve().parent
 FULL = "full" in sys.argv and not sys.argv.remove("full")
+IDEAL = """version: 1
+bottom: {depth_m: 20}
+sonar: {frequency_khz: 100, ping_rate_hz: 1, speckle: rayleigh, receivers: [{name: a}]}
+mission: {waypoints: {points_m: [[0, 0, 10], [9, 0, 10]], speed_mps: 3}}
+trial: {time_s: 3, ideal: {pd: 0.5}}
+"""
 MEMCHECK = ["--leak-check=full", "--errors-for-leak-kinds=definite"]
 
 
@@ -41,6 +47,9 @@ def test_expect_and_check():
         path = scene(folder)
         check("expect", path, "-o", folder / "expected.csv")
         check("check", path)
+        # The picture of a trial; to fly it opens devices.
+        program.asdic("trial", folder.write("ideal.yaml", IDEAL), "--runs", 1, "-o", folder / "t").check(code=0)
+        check("merge", folder / "t", "-o", folder / "merged")
 
 
 def test_queue_of_pings_has_no_race():
