@@ -182,6 +182,13 @@ static asdic_status merge(void) {
     return asdic_run_merge(ctx, parts, 1, in_folder("merged"), true);
 }
 
+static asdic_status replay(void) {
+    asdic_trial_options options = asdic_trial_options_default();
+    asdic_trial_run flown;
+    options.scene = in_folder("ideal.yaml");
+    return asdic_trial_replay(ctx, NULL, &options, 0, 0, in_folder("replay"), &flown);
+}
+
 /* ---- what must hold ------------------------------------------------------------------------- */
 
 static void assert_same_file(const char *a, const char *b, const char *name) {
@@ -238,8 +245,8 @@ static void fail_each(fault_kind kind, job run, long step, long spared, void (*a
 
 static void memory_while_loading(void **state) {
     (void)state;
-    static const job jobs[] = {load_objects, load_track, load_obj, load_off,
-                               load_ply,     load_grid,  expect,   merge};
+    static const job jobs[] = {load_objects, load_track, load_obj, load_off, load_ply,
+                               load_grid,    expect,     merge,    replay};
     for (size_t i = 0; i < sizeof jobs / sizeof *jobs; i++) {
         fail_each(FAULT_ALLOCATION, jobs[i], 1, 1, NULL); /* the tree is not trimmed */
     }
@@ -302,6 +309,12 @@ static int set_up(void **state) {
                "{point: {target_strength_db: -20}, position_m: [9, 0, 5]}]\n"
                "sonar: {frequency_khz: 100, receivers: {fan: {count: 16, sector_deg: 90}}}\n"
                "mission: {waypoints: {points_m: [[0, 0, 5], [20, 0, 5]], speed_mps: 2}}\n");
+    write_text("ideal.yaml",
+               "version: 1\nbottom: {depth_m: 20}\n"
+               "sonar: {frequency_khz: 100, ping_rate_hz: 1, speckle: rayleigh, "
+               "receivers: [{name: a}]}\n"
+               "mission: {waypoints: {points_m: [[0, 0, 10], [9, 0, 10]], speed_mps: 3}}\n"
+               "trial: {time_s: 3, ideal: {pd: 0.5}}\n");
     write_text("track.yaml", "version: 1\nbottom: none\n"
                              "sonar: {frequency_khz: 100, receivers: [{name: a}]}\n"
                              "mission: {track: t.csv}\n");

@@ -5,6 +5,7 @@
 #include "asserts.h"
 #include "test_context.h"
 
+#include "lib/mission/run/team_message.h"
 #include "lib/trial/trial_folder.h"
 
 #include <math.h>
@@ -407,10 +408,49 @@ static void parts_that_do_not_fit_are_refused(void **state) {
     assert_contains(asdic_context_error(ctx), "/nowhere/deep");
 }
 
+/* Two runs without a device, of a vehicle that meets nothing. */
+static const char empty[] =
+    "version: 1\nbottom: {depth_m: 20}\n"
+    "sonar: {frequency_khz: 100, ping_rate_hz: 1, speckle: rayleigh, receivers: [{name: a}]}\n"
+    "mission: {waypoints: {points_m: [[0, 0, 10], [9, 0, 10]], speed_mps: 3}}\n"
+    "trial: {time_s: 3, ideal: {pd: 0.5}}\n";
+
+static asdic_status note_result(void *user, unsigned to, const void *data, size_t bytes) {
+    assert_int_equal(to, 0);
+    assert_true(bytes >= sizeof(asdic_message));
+    memcpy(user, data, sizeof(asdic_message));
+    return ASDIC_OK;
+}
+
+/* One of several processes flies its own runs, and tells the first of them. */
+static void a_team_has_parts(void **state) {
+    (void)state;
+    char scene[200], whole[200], part[200];
+    asdic_message told = {.kind = 0};
+    asdic_team team = {.rank = 1, .size = 2, .send = note_result, .user = &told};
+    asdic_trial_options options = asdic_trial_options_default();
+    asdic_trial *t = NULL;
+    write_file("empty.yaml", empty, "");
+    snprintf(scene, sizeof scene, "%s/empty.yaml", folder);
+    snprintf(whole, sizeof whole, "%s/team", folder);
+    snprintf(part, sizeof part, "%s/team/part_1", folder);
+    options.scene = scene;
+    options.folder = whole;
+    options.runs = 2;
+    options.team = &team;
+    assert_ok(ctx, asdic_trial_fly(ctx, NULL, 0, &options));
+    assert_int_equal(told.kind, ASDIC_MESSAGE_RESULT);
+    assert_int_equal(told.status, ASDIC_OK);
+    assert_ok(ctx, asdic_trial_open(ctx, part, &t));
+    assert_int_equal(t->facts.first, 1);
+    assert_int_equal(t->row_count, 1);
+    asdic_trial_close(&t);
+}
+
 static int end(void **state) {
-    static const char *const folders[] = {"a", "b", "c", "whole", "."};
-    static const char *const names[] = {"trial.json", "trial.csv", "trial.png", "trial.part.json",
-                                        "trial.part.csv"};
+    static const char *const folders[] = {"a", "b", "c", "whole", "team/part_1", "team", "."};
+    static const char *const names[] = {"trial.json",      "trial.csv",      "trial.png",
+                                        "trial.part.json", "trial.part.csv", "empty.yaml"};
     char path[200];
     for (size_t f = 0; f < sizeof folders / sizeof *folders; f++) {
         for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
@@ -435,6 +475,7 @@ int main(void) {
         cmocka_unit_test(parts_of_one_trial),
         cmocka_unit_test(parts_join_to_the_whole),
         cmocka_unit_test(parts_that_do_not_fit_are_refused),
+        cmocka_unit_test(a_team_has_parts),
     };
     if (!mkdtemp(folder)) {
         return 1;
