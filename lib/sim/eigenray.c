@@ -126,15 +126,17 @@ static asdic_eigenray find_fold(const search *s, asdic_eigenray a, asdic_eigenra
     return a;
 }
 
-static void look_along(search *s, double begin_rad, double end_rad) {
-    asdic_eigenray before = {.end.z_m = NAN};
+/* Follows BEFORE, the last ray of the stretch before: what meets the end on an edge itself, as the level ray between
+ * two places at one depth of even water, lies between two stretches. */
+static asdic_eigenray look_along(search *s, asdic_eigenray before, double begin_rad,
+                                 double end_rad) {
     for (int i = 0; i <= SEARCH; i++) {
         /* Denser to the ends, where depth goes as the root of the distance, and just off them. */
         double half = sin(0.5 * ASDIC_PI * i / SEARCH), share = half * half;
         share = fmin(fmax(share, 1e-12), 1.0 - 1e-12);
         asdic_eigenray here = ray_of(s, begin_rad + share * (end_rad - begin_rad));
-        if (i > 0 && !isnan(before.end.z_m) && !isnan(here.end.z_m)) {
-            if ((before.end.width_m > 0.0) != (here.end.width_m > 0.0)) {
+        if (!isnan(before.end.z_m) && !isnan(here.end.z_m)) {
+            if (i > 0 && (before.end.width_m > 0.0) != (here.end.width_m > 0.0)) {
                 asdic_eigenray fold = find_fold(s, before, here);
                 look_between(s, &before, &fold);
                 look_between(s, &fold, &here);
@@ -144,6 +146,7 @@ static void look_along(search *s, double begin_rad, double end_rad) {
         }
         before = here;
     }
+    return before;
 }
 
 static int compare(const void *a, const void *b) {
@@ -182,9 +185,10 @@ size_t asdic_eigenrays_find(const asdic_layers *layers, double from_m, double to
         return isnan(ray.end.z_m) || from_m == to_m ? 0 : 1;
     }
     size_t count = find_edges(&s, edges);
+    asdic_eigenray last = {.end.z_m = NAN};
     for (size_t i = 0; i + 1 < count; i++) {
         if (edges[i + 1] - edges[i] > 1e-9) {
-            look_along(&s, edges[i], edges[i + 1]);
+            last = look_along(&s, last, edges[i], edges[i + 1]);
         }
     }
     return s.count;

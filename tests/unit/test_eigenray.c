@@ -105,9 +105,33 @@ static void rays_are_those_of_steps(void **state) {
     }
 }
 
+/* Between two places at one depth of even water one ray goes, the level one; so does one to a place at just the
+ * elevation of a ray that is tried. */
+static void even_water_has_one_ray(void **state) {
+    static const asdic_sound_profile even = {4, {0.0, 10.0, 20.0, 40.0}, {1500, 1500, 1480, 1480}};
+    static const struct {
+        double from_m, to_m, across_m;
+    } ways[] = {{7.0, 7.0, 0.5},  {7.0, 7.0, 14.0},   {3.3, 3.3, 75.0}, {10.0, 10.0, 20.0},
+                {0.0, 0.0, 30.0}, {30.0, 30.0, 80.0}, {9.0, 7.0, 2.0},  {4.0, 9.0, 5.0}};
+    (void)state;
+    for (size_t k = 0; k < sizeof ways / sizeof *ways; k++) {
+        const double from_m = ways[k].from_m, to_m = ways[k].to_m, across_m = ways[k].across_m;
+        const double way2 = across_m * across_m + (to_m - from_m) * (to_m - from_m);
+        const water_case c = {"even", even, from_m};
+        asdic_environment env = water_of(&c);
+        asdic_layers layers;
+        asdic_eigenray found[ASDIC_MOST_EIGENRAYS];
+        asdic_layers_of(&env, from_m, &layers);
+        assert_int_equal(asdic_eigenrays_find(&layers, from_m, to_m, across_m, found), 1);
+        assert_close(found[0].elevation_rad, atan2(to_m - from_m, across_m), 1e-9);
+        assert_close(asdic_bent_ray_spread_m2(&found[0].end), way2, 1e-9 * way2);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(rays_are_those_of_steps),
+        cmocka_unit_test(even_water_has_one_ray),
     };
     return cmocka_run_group_tests(tests, context_begin, context_end);
 }
