@@ -239,7 +239,7 @@ static bool keep_leg(void *to, const asdic_bent_ray *from, const asdic_bent_ray 
 
 bool asdic_eigenray_keeps_between(const asdic_layers *layers, double from_m, double across_m,
                                   const asdic_eigenray *ray, double top_m, double bottom_m) {
-    strait s = {layers, top_m, bottom_m, true};
+    strait s = {layers, top_m - MISS, bottom_m + MISS, true};
     march(layers, from_m, ray->end.z_m, across_m, ray->elevation_rad, keep_leg, &s);
     return s.kept;
 }

@@ -36,7 +36,8 @@ size_t asdic_eigenray_legs(const asdic_layers *layers, double from_m, double acr
                            const asdic_eigenray *ray,
                            asdic_eigenray_leg legs[ASDIC_MOST_EIGENRAY_LEGS]);
 
-/* Whether RAY keeps between TOP_M and BOTTOM_M on its way, its end included. */
+/* Whether RAY keeps between TOP_M and BOTTOM_M on its way, its end included, which may lie on either: to within a
+ * millimetre, as rays are found. */
 bool asdic_eigenray_keeps_between(const asdic_layers *layers, double from_m, double across_m,
                                   const asdic_eigenray *ray, double top_m, double bottom_m);
 

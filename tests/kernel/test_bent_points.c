@@ -36,6 +36,38 @@ static void points_echo_over_the_arc(void **state) {
     }
 }
 
+/* In water that hardly bends, points at the sonar's own depth, on the bottom, in the surface, on a layer's plane and
+ * straight below are heard as in water that does not. */
+static void points_lie_on_planes(void **state) {
+    static const asdic_vec3 at[] = {{14.0, 0.0, 7.0}, {9.0, -11.0, 7.0}, {14.0, 0.0, 12.0},
+                                    {14.0, 3.0, 0.0}, {8.0, 2.0, 9.0},   {3.0, 0.0, 10.0},
+                                    {20.0, 0.0, 12.0}};
+    (void)state;
+    for (size_t k = 0; k < sizeof at / sizeof *at; k++) {
+        double db[2];
+        for (int layered = 0; layered < 2; layered++) {
+            ping_rig r = bent_rig(0.0, 256u);
+            r.sonar.transmitter.length_h_m = r.sonar.transmitter.length_v_m = 1e-4;
+            r.receivers[0] = r.sonar.transmitter;
+            r.env.sound_speed_mps = layered ? NAN : 1500.0;
+            if (layered) {
+                r.env.sound_speed_profile =
+                    (asdic_sound_profile){3, {0.0, 9.0, 12.0}, {1500.0, 1500.0, 1499.99}};
+            }
+            assert_ok(t.ctx, asdic_scene_add_point(r.scene, "point", at[k], 10.0));
+            asdic_ping *ping = rig_shoot(&r, 0, false);
+            double sum = 0.0;
+            for (size_t n = 0; n < ping->bins; n++) {
+                sum += ping->intensity_lin[ASDIC_OBJECT][n];
+            }
+            db[layered] = asdic_level_db(sum);
+            asdic_ping_destroy(&ping);
+            rig_destroy(&r);
+        }
+        assert_close(db[1], db[0], 0.01);
+    }
+}
+
 /* Casts in which one ray or several go to a point: out by each and back by each, against Runge-Kutta steps. */
 static void points_echo_through_layers(void **state) {
     static const struct {
@@ -159,9 +191,8 @@ static void points_hide_behind_objects(void **state) {
 int main(void) {
     t = test_device_open_or_skip();
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(points_echo_over_the_arc),
-        cmocka_unit_test(points_echo_through_layers),
-        cmocka_unit_test(caustics_are_held),
+        cmocka_unit_test(points_echo_over_the_arc),   cmocka_unit_test(points_lie_on_planes),
+        cmocka_unit_test(points_echo_through_layers), cmocka_unit_test(caustics_are_held),
         cmocka_unit_test(points_hide_behind_objects),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
