@@ -34,6 +34,7 @@ def test_shards_merge_to_the_whole():
         tap.equal(sum(facts(folder, part)["pings"] for part in parts), 7)
         asdic("merge", *parts, "-o", "joined", cwd=folder.path).check(code=0)
         same(folder, "whole", "joined")
+        tap.equal(facts(folder, "joined")["devices"], facts(folder, "whole")["devices"], "each device once")
         asdic("merge", *parts, "-o", "joined", cwd=folder.path).check(code=1)
         asdic("merge", *parts, cwd=folder.path).check(code=2)
         asdic("merge", parts[0], parts[2], parts[2], "-o", "x", cwd=folder.path).check(code=3)

@@ -9,7 +9,7 @@ import subprocess
 import program
 import tap
 from program import Folder, asdic
-from run_folder import data, facts, pictures, same
+from run_folder import data, facts, pictures, png_texts, same
 
 SCENE = """
 version: 1
@@ -69,6 +69,8 @@ def test_poses_are_the_vehicles_with_the_head_beside():
                   "the vehicle at rest")
         tap.equal([float(r["head_deg"]) for r in rows], [6.0 * k - 180 for k in range(60)], "the head")
         tap.equal(facts(folder, "r")["scan"], {"directions": 60, "step_deg": 6, "circle": True}, "run.json")
+        for name in pictures(folder, "r"):
+            tap.lacks(png_texts(data(folder, "r", name))["Title"], "of a scan")  # there is one beam
         text = folder.read("scan.yaml")
         replay = folder.write("replay.yaml", re.sub(r"mission: .*", "mission: {track: r/track.csv}", text))
         asdic("run", replay, "-o", folder / "again").check(code=0)

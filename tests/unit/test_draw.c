@@ -178,6 +178,7 @@ static void test_impossible(void **state) {
         {"{key: a, uniform: [2, 1]}", "'uniform' = [2, 1] is empty; give the lower bound first"},
         {"{key: a, normal: [0, 0]}", "a standard deviation of 0 is not above 0"},
         {"{key: a, normal: [0, 1], within: [9, 10]}", "'within' = [9, 10] leaves 1.1e-19 of the"},
+        {"{key: a, normal: [0, 1], within: [2, 1]}", "'within' = [2, 1] is empty; give the lower"},
         {"{key: a, uniform: [0, 1], within: [0, 1]}", "'within' cuts a 'normal' draw"},
         {"{key: a, choice: []}", "'choice' must be a list of values"},
         {"{key: a, choice: [1, {b: {uniform: [2, 1]}}]}", "'uniform' = [2, 1] is empty"},
