@@ -183,6 +183,9 @@ static void moved_objects_are_in_all_their_layers(void **state) {
                                        {{16.0, -2.0, 9.4}, 0.1, 1.2, 0.4},
                                        {{12.0, 0.0, 1.8}, 0.0, 0.0, 0.2}};
     static const asdic_pose before = {{9.0, -4.0, 10.0}, 0, 0, 0};
+    /* Far aside, where what is lifted lies much higher. */
+    static const asdic_pose aside = {{20.0, 55.0, 9.0}, 0.0, 0.0, 0.4},
+                            other = {{5, -9, 3}, 0, 0, 0};
     enum { POSES = sizeof there / sizeof *there };
     asdic_ping *pings[3];
     (void)state;
@@ -202,11 +205,17 @@ static void moved_objects_are_in_all_their_layers(void **state) {
                                                                  asdic_material_bottom(2.0))
                                  : asdic_scene_add_object(r.scene, "box", mesh, there[pose],
                                                           asdic_material_bottom(2.0)));
+        assert_ok(t.ctx, way < 2 ? asdic_scene_add_moving_object(r.scene, "second", mesh,
+                                                                 way ? other : aside,
+                                                                 asdic_material_bottom(2.0))
+                                 : asdic_scene_add_object(r.scene, "second", mesh, aside,
+                                                          asdic_material_bottom(2.0)));
         asdic_mesh_destroy(&mesh);
         asdic_simulator *sim = rig_simulator(&r);
         assert_ok(t.ctx, asdic_ping_create(t.ctx, 1, asdic_simulator_bin_count(sim), &pings[way]));
         if (way == 1) {
             assert_ok(t.ctx, asdic_simulator_move(sim, "box", &there[pose]));
+            assert_ok(t.ctx, asdic_simulator_move(sim, "second", &aside));
         }
         assert_ok(t.ctx, asdic_simulator_learn(sim, &r.pose, 0));
         assert_ok(t.ctx, asdic_simulator_ping(sim, &r.pose, 0, pings[way]));
