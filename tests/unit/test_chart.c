@@ -8,6 +8,7 @@
 #include "lib/base/vec.h"
 #include "lib/mission/run/run_footprint.h"
 #include "lib/mission/run/run_chart_data.h"
+#include "lib/out/draw_chart_page.h"
 #include "lib/out/overview.h"
 #include "lib/out/raster_relief.h"
 #include "lib/scene/chart.h"
@@ -624,6 +625,29 @@ static void cells_of_an_overview_are_whole_pixels(void **state) {
     }
 }
 
+/* What lies half a track's length beside it is left out, wherever north 0 is. */
+static void charts_leave_out_what_is_far(void **state) {
+    static const double south_m[] = {0.0, 900.0, -1000.0};
+    (void)state;
+    for (size_t k = 0; k < sizeof south_m / sizeof *south_m; k++) {
+        const double north_m[] = {south_m[k], south_m[k] + 100.0}, east_m[] = {0.0, 0.0};
+        const asdic_outline rock = {.count = 1, .north_m = {south_m[k] + 50.0}, .east_m = {50.0}};
+        asdic_chart chart = {.relief = &no_relief,
+                             .outlines = &rock,
+                             .outline_count = 1,
+                             .north_m = north_m,
+                             .east_m = east_m,
+                             .track_count = 2};
+        const asdic_picture_options options = asdic_picture_options_default();
+        asdic_chart_page beside, alone;
+        asdic_chart_page_init(&beside, &chart, &options);
+        chart.outline_count = 0;
+        asdic_chart_page_init(&alone, &chart, &options);
+        assert_close(beside.east_m, alone.east_m, 1e-9);
+        assert_true(beside.east_m < 50.0);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(cells_of_an_overview_are_whole_pixels),
@@ -641,6 +665,7 @@ int main(void) {
         cmocka_unit_test(overview_leaves_out_the_last_bin),
         cmocka_unit_test(names_do_not_cover_what_they_name),
         cmocka_unit_test(routes_are_the_runs),
+        cmocka_unit_test(charts_leave_out_what_is_far),
         cmocka_unit_test(pictures_show_them),
     };
     return cmocka_run_group_tests(tests, context_begin, context_end);

@@ -182,6 +182,14 @@ static void polygons(void **state) {
     mesh_rig_write(&rig, "m.obj",
                    "v 0 0 0\nv 1 0 0\nv 4 0 0\nv 3 0 0\nv 0 1 0\nf 1 2 3 4\nf 1 2 5\n");
     mesh_rig_expect(&rig, 1, 1);
+    /* twice its area is just 1, its normal up or down; and none, though not on a line */
+    mesh_rig_write(&rig, "m.obj", "v 0 0 0\nv 1 0 0\nv 1 0.5 0\nv 0 0.5 0\nf 1 2 3 4\n");
+    mesh_rig_expect(&rig, 2, 0);
+    mesh_rig_write(&rig, "m.obj", "v 0 0 0\nv 1 0 0\nv 1 0.5 0\nv 0 0.5 0\nf 4 3 2 1\n");
+    mesh_rig_expect(&rig, 2, 0);
+    mesh_rig_write(&rig, "m.obj",
+                   "v 0 0 0\nv 1 1 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3 4\nf 1 3 5\n");
+    mesh_rig_expect(&rig, 1, 1);
     /* a bow tie */
     mesh_rig_write(&rig, "m.obj", "v 0 0 0\nv 4 4 0\nv 4 0 0\nv 0 3 0\nf 1 2 3 4\n");
     mesh_rig_refuse(&rig, "crosses itself");

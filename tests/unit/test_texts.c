@@ -156,6 +156,9 @@ static void waterfalls(void **state) {
                              .first_time_s = 1000.0,
                              .ping_period_s = 0.2};
         assert_ok(t.ctx, asdic_picture_waterfall(t.ctx, path, &w, &options));
+        if (sizes[i][0] == 1001) { /* drawn as means of pings: to 1200.2 s all the same */
+            assert_written("1200");
+        }
         assert_legible("waterfall", 10);
         free(levels_db);
     }
