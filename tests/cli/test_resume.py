@@ -35,6 +35,9 @@ def test_shards_merge_to_the_whole():
         asdic("merge", *parts, "-o", "joined", cwd=folder.path).check(code=0)
         same(folder, "whole", "joined")
         tap.equal(facts(folder, "joined")["devices"], facts(folder, "whole")["devices"], "each device once")
+        for what in ("setup", "simulate"):
+            spent = sum(facts(folder, part)["time_s"][what] for part in parts)
+            tap.equal(abs(facts(folder, "joined")["time_s"][what] - spent) < 0.01, True, f"{what}, of all parts")
         asdic("merge", *parts, "-o", "joined", cwd=folder.path).check(code=1)
         asdic("merge", *parts, cwd=folder.path).check(code=2)
         asdic("merge", parts[0], parts[2], parts[2], "-o", "x", cwd=folder.path).check(code=3)

@@ -296,7 +296,7 @@ static int set_up(void **state) {
                "version: 1\nbottom: {depth_m: 12}\n"
                "objects: [{box: {size_m: [1, 1, 1]}, position_m: [8, 0, 6], material: "
                "{impedance_mrayl: 45, roughness_rms_mm: 0, slope_rms: 0}}]\n"
-               "sonar: {frequency_khz: 100, ping_rate_hz: 50, bin_length_m: 4, "
+               "sonar: {frequency_khz: 100, ping_rate_hz: 50, bin_length_m: 4, speckle: rayleigh, "
                "receivers: [{name: a}]}\n"
                "mission: {pose: {position_m: [0, 0, 5]}, pings: 2}\n"
                "sampling: {rays: 64}\noutput: {npy: true, images: [waterfall, ascope]}\n");

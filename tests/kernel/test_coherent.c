@@ -207,6 +207,39 @@ static void work_groups_change_no_byte(void **state) {
     asdic_ping_destroy(&first);
 }
 
+/* What lies to either side and ahead is heard alike, on whichever side of the scene's zero the sonar is. */
+static void both_sides_are_heard(void **state) {
+    static const double at_m[] = {-0.5, 0.0, 0.5};
+    double first = 0.0;
+    (void)state;
+    for (int k = 0; k < 9; k++) {
+        ping_rig r = array_rig(&t);
+        r.sonar.receiver_count = 2;
+        r.sonar.max_range_m = 20.0;
+        r.sampling.rays = 4000;
+        r.pose.position_m.x = at_m[k / 3];
+        r.pose.position_m.y = at_m[k % 3];
+        for (int b = 0; b < 2; b++) {
+            r.receivers[b].length_h_m = 0.12;
+            r.receivers[b].yaw_rad = (b ? 40.0 : -40.0) * RIG_DEGREE;
+        }
+        asdic_simulator *sim = rig_simulator(&r);
+        asdic_ping *ping = array_shoot(&r, sim, 0);
+        double sum[2] = {0.0, 0.0};
+        for (size_t i = 0; i < 2 * ping->bins; i++) {
+            sum[i / ping->bins] += ping->intensity_lin[ASDIC_TOTAL][i];
+        }
+        print_message("at (%g, %g): port %.2f dB above starboard\n", r.pose.position_m.x,
+                      r.pose.position_m.y, 10.0 * log10(sum[0] / sum[1]));
+        first = k == 0 ? sum[0] + sum[1] : first;
+        assert_close(10.0 * log10(sum[0] / sum[1]), 0.0, 3.0);
+        assert_close(10.0 * log10((sum[0] + sum[1]) / first), 0.0, 3.0);
+        asdic_ping_destroy(&ping);
+        asdic_simulator_destroy(&sim);
+        rig_destroy(&r);
+    }
+}
+
 int main(void) {
     t = test_device_open_or_skip();
     const struct CMUnitTest tests[] = {
@@ -215,6 +248,7 @@ int main(void) {
         cmocka_unit_test(elements_agree_with_double),
         cmocka_unit_test(beams_have_the_pattern_of_their_weights),
         cmocka_unit_test(work_groups_change_no_byte),
+        cmocka_unit_test(both_sides_are_heard),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
     test_device_close(&t);

@@ -4,6 +4,8 @@
  */
 #include "ping_rig.h"
 
+#include "sim/cones.h"
+
 #include <math.h>
 
 static test_device t;
@@ -184,6 +186,33 @@ static void few_rays_keep_the_flat_bins(void **state) {
     rig_destroy(&r);
 }
 
+/* Half a metre away: the axis is a direction, the cap that of the ball with its margin, and the rays' step in range
+ * that of twice the half-angle. */
+static void near_objects_have_cones(void **state) {
+    (void)state;
+    const asdic_part ball = {.kind = DEV_KIND_OBJECT, .center_m = {0.3, 0.4, 7.0}, .radius_m = 0.1};
+    const dev_beam ahead = {
+        .rows = {1, 0, 0, 0, 1, 0, 0, 0, 1}, .length_h_wl = 1.0f, .length_v_wl = 1.0f};
+    const dev_beam beams[2] = {ahead, ahead};
+    dev_ping *ping = calloc(1, sizeof *ping);
+    assert_non_null(ping);
+    ping->range_m = 50.0f;
+    ping->beams = 1;
+    ping->batch.rays = ping->sampling.background = 1000;
+    asdic_cones_place(&ball, 1, (asdic_vec3){0.0, 0.0, 7.0}, beams, ping);
+    assert_int_equal(ping->sampling.cones, 1);
+    const dev_cone *cone = &ping->sampling.cone[0];
+    assert_close((double)cone->rows[6], 0.6, 1e-6);
+    assert_close((double)cone->rows[7], 0.8, 1e-6);
+    assert_close((double)cone->rows[8], 0.0, 1e-6);
+    double cosine = 1.0 - (double)cone->cap, sine = sqrt(1.0 - cosine * cosine);
+    assert_true(sine >= 0.2 && sine < 0.22);
+    assert_close((double)cone->splat * cone->count, 8.0 * asin(sine), 1e-5);
+    assert_int_equal(cone->first, ping->sampling.background);
+    assert_int_equal(ping->sampling.background + cone->count, 1000);
+    free(ping);
+}
+
 int main(void) {
     t = test_device_open_or_skip();
     const struct CMUnitTest tests[] = {
@@ -191,6 +220,7 @@ int main(void) {
         cmocka_unit_test(cones_agree_with_beam_sampler),
         cmocka_unit_test(crowds_keep_the_flat_bins),
         cmocka_unit_test(few_rays_keep_the_flat_bins),
+        cmocka_unit_test(near_objects_have_cones),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
     test_device_close(&t);

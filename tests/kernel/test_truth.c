@@ -414,6 +414,41 @@ static void spheres_are_as_summed_by_hand(void **state) {
     rig_destroy(&r);
 }
 
+/* Sixteen equal beams over a flat bottom 5 m below: what comes from D metres away comes from asin(5 / D) below. */
+static void fans_tell_depressions(void **state) {
+    enum { BEAMS = 16 };
+    const kind k = {.beams = BEAMS};
+    (void)state;
+    ping_rig r = rig_create(&t);
+    asdic_scene_set_surface(r.scene, false);
+    r.env.particle_strength_db = -200.0;
+    r.sonar.max_range_m = 45.0;
+    r.sonar.receiver_count = BEAMS;
+    r.sampling.multipath = ASDIC_MULTIPATH_OFF;
+    asdic_beam others[BEAMS];
+    memcpy(others, fan, sizeof others);
+    for (int b = 0; b < BEAMS; b++) {
+        fan[b] = r.sonar.transmitter;
+    }
+    asdic_ping *p = shoot(&r, &k, true);
+    memcpy(fan, others, sizeof others);
+    size_t told = 0;
+    for (size_t n = 0; n < p->beams * p->bins; n++) {
+        double near_m = (double)(n % p->bins) * r.sonar.bin_length_m;
+        double far_m = near_m + r.sonar.bin_length_m,
+               depression = (double)p->truth->depression_rad[n];
+        if (near_m < 6.0 || far_m > 40.0 || !(p->intensity_lin[ASDIC_BOTTOM][n] > 0.0)) {
+            continue;
+        }
+        told++;
+        assert_true(depression > asin(5.0 / far_m) - 0.01 &&
+                    depression < asin(5.0 / near_m) + 0.01);
+    }
+    assert_true(told > BEAMS * 60);
+    asdic_ping_destroy(&p);
+    rig_destroy(&r);
+}
+
 /* --- paths, and who may ask ------------------------------------------------------------------- */
 
 /* Where only one thing mirrors, all multipath is by way of it. */
@@ -485,6 +520,7 @@ int main(void) {
         cmocka_unit_test(one_receiver_a_work_item_is_told_the_same),
         cmocka_unit_test(any_number_of_beams_is_told),
         cmocka_unit_test(spheres_are_as_summed_by_hand),
+        cmocka_unit_test(fans_tell_depressions),
         cmocka_unit_test(mirrors_are_told_apart),
         cmocka_unit_test(a_simulator_without_truth_says_so),
     };
