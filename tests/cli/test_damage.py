@@ -128,6 +128,10 @@ def test_complete_runs_are_checked():
         edit_facts(folder, "r", '"seed": 7', '"seed": 8')
         tap.contains(asdic("run", path, "-o", folder / "r", "--resume").check(code=1).err, "seed")
         tap.equal(facts(folder, "r")["seed"], 8, "the other run's")
+        for wrong in ("8.5", "8x", "-8", "9" * 25):  # another program's, with a sum that is right
+            edit_facts(folder, "r", '"seed": 8', f'"seed": {wrong}')
+            tap.contains(asdic("render", folder / "r").check(code=3).err, "run.json' is damaged")
+            edit_facts(folder, "r", f'"seed": {wrong}', '"seed": 8')
 
 
 # --- what somebody has put where files are written --------------------------------------------------

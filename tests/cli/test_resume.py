@@ -47,6 +47,22 @@ def test_shards_merge_to_the_whole():
         tap.equal(rows, [row for row in whole if row.split(",")[0] in "234"], "--pings 2:5")
 
 
+def test_a_run_of_another_curve_is_not_resumed():
+    program.need_device()
+    with Folder() as folder:
+        curve = "grazing_deg,strength_db\n5,-40\n45,{}\n90,-5\n"
+        folder.write("c.csv", curve.format(-20))
+        path = folder.write("s.yaml", "version: 1\nbottom: {depth_m: 12, curve: c.csv}\n"
+                            "sonar: {frequency_khz: 100, receivers: [{name: a}]}\n"
+                            "mission: {pose: {position_m: [0, 0, 7]}, pings: 1}\nsampling: {rays: 500}\n")
+        asdic("run", path, "-o", folder / "r").check(code=0)
+        folder.write("c.csv", curve.format(-21))
+        tap.contains(asdic("run", path, "-o", folder / "r", "--resume").check(code=1).err, "another mesh, grid or track, "
+                     "or measured law")
+        folder.write("c.csv", curve.format(-20))
+        tap.contains(asdic("run", path, "-o", folder / "r", "--resume").check(code=0).err, "complete already")
+
+
 def test_a_fan_that_turns_is_the_same_in_parts():
     """At one depth, and so of one wavelength, all that a simulator keeps from ping to ping is in use:
     a part that begins anywhere must not see that it lacks the pings before."""

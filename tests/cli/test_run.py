@@ -195,6 +195,27 @@ def test_levels_without_a_source_level_say_so():
                      "levels re an SL of 0 dB")
 
 
+def test_pictures_say_and_show_what_they_should():
+    """An overview without a gain of its own makes good spreading and the absorption at the sonar, both ways; an A-scope
+    has curves of its own for all that it expects."""
+    program.need_device()
+    with Folder() as folder:
+        path = folder.write("s.yaml", "version: 1\nbottom: {depth_m: 12}\n"
+                            "sonar: {frequency_khz: 100, source_level_db: 200, ping_rate_hz: 2, bin_length_m: 2, "
+                            "receivers: [{name: a}]}\n"
+                            "mission: {pose: {position_m: [0, 0, 7]}, pings: 3}\n"
+                            "sampling: {rays: 500}\noutput: {images: [overview, ascope]}\n")
+        asdic("run", path, "-o", folder / "r").check(code=0)
+        if "ascope_0.png" not in pictures(folder, "r"):
+            raise tap.Skip("no cairo")
+        loss = float(re.search(r"and (\S+) dB/km", asdic("check", path).check(code=0).out)[1])
+        gain = re.fullmatch(r"40 log r \+ (\S+) r dB", png_texts(data(folder, "r", "overview.png"))["gain"])
+        tap.equal(abs(float(gain[1]) - 2e-3 * loss) < 5e-4, True, f"{gain[0]}, {loss} dB/km one way")
+        asdic("render", folder / "r", "--images", "ascope", "--ping", 0, "-o", folder / "a.svg").check(code=0)
+        curves = [d for d in re.findall(r' d="([^"]*)"', folder.read("a.svg")) if d.count("L") > 40]
+        tap.equal(len(curves) >= 4 and len(set(curves)) == len(curves), True, f"{len(curves)} curves, no two the same")
+
+
 def test_times_in_titles_are_round():
     """The third ping of 15 a second comes at 0.1333... s."""
     program.need_device()

@@ -286,6 +286,32 @@ static void footprint_on_a_plane(void **state) {
     asdic_footprint_finish(&area);
 }
 
+/* Of more than eight beams each has its place on the edges, in its bearing. */
+static void footprint_of_many_beams(void **state) {
+    enum { BEAMS = 9 };
+    (void)state;
+    asdic_beam beams[BEAMS];
+    for (int b = 0; b < BEAMS; b++) {
+        beams[b] = (asdic_beam){
+            .yaw_rad = (b - 4) * 0.17, .pitch_rad = 0.5, .length_h_m = 0.1, .length_v_m = 0.05};
+    }
+    asdic_swath swath = {.beams = beams, .count = BEAMS, .wavelength_m = 0.015, .range_m = 100};
+    asdic_pose pose = {.position_m = {3, 7, 20}, .yaw_rad = 0.5 * ASDIC_PI};
+    asdic_ground ground = {.relief = &no_relief, .plane_depth_m = 30};
+    asdic_chart_area area;
+    assert_int_equal(asdic_footprint_find(ctx, &swath, &pose, &ground, &area), ASDIC_OK);
+    assert_int_equal(area.count, 2 * (BEAMS + 2)); /* and the outer edges of the outer two */
+    double half_h = asin(HALF_POWER * 0.015 / 0.1);
+    for (int i = 0; i < BEAMS + 2; i++) {
+        double yaw = i == 0           ? beams[0].yaw_rad - half_h
+                     : i == BEAMS + 1 ? beams[BEAMS - 1].yaw_rad + half_h
+                                      : beams[i - 1].yaw_rad;
+        double bearing = atan2(3.0 - area.north_m[i], area.east_m[i] - 7.0);
+        assert_close(bearing, yaw, i == 0 || i == BEAMS + 1 ? 0.02 : 1e-9);
+    }
+    asdic_footprint_finish(&area);
+}
+
 /* Where a ray that leaves 20 m at DOWN meets 30 m: arcs of circles, whose angles keep cos / c; x from level to
  * level is c / (g cos) times the difference of the sines (C. B. Officer, 1958, ch. 2). */
 static double arcs_m(const double *depth_m, const double *speed_mps, int layers, double down_rad) {
@@ -658,6 +684,7 @@ int main(void) {
         cmocka_unit_test(relief_is_coloured_by_depth),
         cmocka_unit_test(outlines_are_the_objects),
         cmocka_unit_test(footprint_on_a_plane),
+        cmocka_unit_test(footprint_of_many_beams),
         cmocka_unit_test(footprint_in_water_that_bends),
         cmocka_unit_test(footprint_on_terrain),
         cmocka_unit_test(footprint_beside_a_hole),

@@ -145,6 +145,28 @@ static void tightest_turn_has_the_radius(void **state) {
 
 /* Full rudder: surge, sway and yaw rate at which forces and moments balance, found by integrating
  * the published equations by a program of its own; the circle is the same at any speed. */
+/* The autopilots' gains: of the heading error a share of four response times; rudder and planes against rates, at the
+ * fins' own time constant, up to 13.6 degrees. */
+static void autopilots_answer_by_their_gains(void **state) {
+    (void)state;
+    const double points_m[] = {0, 0, 5, 99, 0, 5};
+    asdic_flight slow = nomoto(points_m, 2, 1.5, 5.0, 2.0, 0.5), fins = remus100(points_m, 2, 1.5);
+    flight_state at = {.z_m = 5};
+    flight_aim aim = {.yaw_rad = 0.01, .z_m = 5};
+    assert_close(asdic_flight_model_nomoto(&slow).derivative(&slow, &aim, &at).yaw_rate,
+                 0.01 / (4.0 * 2.0) / 2.0, 1e-15);
+    flight_model model = asdic_flight_model_remus100();
+    aim.yaw_rad = 0.0;
+    at = (flight_state){.z_m = 5, .surge_mps = 1.5, .pitch_rate = 0.02};
+    assert_close(model.derivative(&fins, &aim, &at).plane_rad, 1.5 * 0.02 / 0.1, 1e-12);
+    at = (flight_state){.z_m = 5, .surge_mps = 1.5, .yaw_rate = 0.02};
+    assert_close(model.derivative(&fins, &aim, &at).rudder_rad, 2.5 * 0.02 / 0.1, 1e-12);
+    at = (flight_state){.z_m = 5, .surge_mps = 1.5};
+    aim.yaw_rad = 3.0;
+    assert_close(model.derivative(&fins, &aim, &at).rudder_rad, -13.6 * ASDIC_PI / 180.0 / 0.1,
+                 1e-12);
+}
+
 static void remus_balances_in_its_circle(void **state) {
     (void)state;
     const double points_m[] = {0, 0, 5, 99, 0, 5};
@@ -330,6 +352,7 @@ int main(void) {
         cmocka_unit_test(box_is_flown_close_to_its_corners),
         cmocka_unit_test(depth_is_reached_without_overshoot),
         cmocka_unit_test(tightest_turn_has_the_radius),
+        cmocka_unit_test(autopilots_answer_by_their_gains),
         cmocka_unit_test(remus_balances_in_its_circle),
         cmocka_unit_test(sideways_drag_is_a_tenth_of_what_is_printed),
         cmocka_unit_test(remus_flies_a_box),

@@ -203,6 +203,9 @@ static void rays_that_turn_are_remarked(void **state) {
         snprintf(expected, sizeof expected, rays, cases[i].least_deg, cases[i].most_deg, turn);
         assert_string_equal(strchr(said, '\n') + 1, expected);
     }
+    /* 20 m above the bottom, near the end of the range of 187.5 m: straight rays reach it 186.4 m away. */
+    assert_non_null(strstr(water_remarks(w, 27, "[[0, 1486], [27, 1540]]", 7.0),
+                           "reaches the bottom beyond 174."));
     /* A channel about 10 m, where rays up to acos(1490 / 1500) stay. */
     static const char channel[] = "[[0, 1540], [10, 1490], [12, 1500]]";
     snprintf(expected, sizeof expected, rays, -6.6, 6.6, trapped);
