@@ -1,6 +1,7 @@
 """asdic detect: detections, confusion table, map and tracks of a run."""
 import csv
 import json
+import math
 import pathlib
 import resource
 import subprocess
@@ -418,6 +419,35 @@ def test_mistakes():
         tap.contains(done.err, "larger")
         tap.equal([n for n in (pathlib.Path(folder.path) / "out").iterdir()
                    if n.suffix == ".part"], [])
+
+
+def test_a_sonar_that_looks_down_knows_places_to_a_bin():
+    """Straight below there is no bearing: a track was taken to be known to 0.1 um."""
+    program.need_device()
+    with Folder() as folder:
+        path = folder.write("down.yaml", """version: 1
+bottom: {depth_m: 30}
+objects:
+  - sphere: {radius_m: 1}
+    position_m: [1, 0, 15]
+    material: {impedance_mrayl: 45, roughness_rms_mm: 1, slope_rms: 0.3}
+sonar:
+  frequency_khz: 100
+  source_level_db: 200
+  ping_rate_hz: 4
+  speckle: rayleigh
+  transmitter: {pitch_deg: 90}
+  receivers: [{name: down, pitch_deg: 90}]
+mission: {waypoints: {points_m: [[0, 0, 5], [2, 0, 5]], speed_mps: 1}}
+sampling: {rays: 2000}
+""")
+        asdic("run", path, "-o", folder / "r").check(code=0)
+        asdic("detect", folder / "r").check(code=0)
+        rows = list(csv.DictReader(folder.read("r/tracks.csv").splitlines()))
+        tap.equal(len(rows) > 3, True, "rows of tracks")
+        for row in rows:
+            for key in ("sd_x_m", "sd_y_m"):
+                tap.equal(0.05 < float(row[key]) <= 0.5 / math.sqrt(12) + 1e-3, True, f"{key} {row[key]}")
 
 
 tap.main(globals())

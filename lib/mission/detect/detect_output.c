@@ -46,8 +46,8 @@ static asdic_plot_point plot_of(const asdic_detect_job *job, const asdic_record 
     size_t beam = cell / job->info.bins;
     asdic_vec3 at = asdic_detect_position(job, record, beam, cell % job->info.bins);
     double north = at.x - record->pose.position_m.x, east = at.y - record->pose.position_m.y;
-    double plane = fmax(hypot(north, east), 1e-9), along, across;
-    double c = north / plane, s = east / plane;
+    double plane = hypot(north, east), along, across;
+    double c = plane > 0.0 ? north / plane : 1.0, s = plane > 0.0 ? east / plane : 0.0;
     asdic_detect_spread(job, beam, plane, &along, &across);
     return (asdic_plot_point){.north_m = at.x,
                               .east_m = at.y,
