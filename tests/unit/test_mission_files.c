@@ -419,6 +419,42 @@ static void tracks_are_of_the_pings_asked_for(void **state) {
     assert_string_equal(line, "\n");
 }
 
+/* Copies of a mesh are counted before the first is made: those of its own file, and those that follow. */
+static void copies_beyond_the_memory_are_refused(void **state) {
+    workshop *w = *state;
+    enum { BIG = 21, COPIES = 12 };
+    char mesh[1024] = "v 0 0 0\n", text[2048];
+    size_t used = strlen(mesh);
+    for (int i = 0; i <= BIG; i++) {
+        used += (size_t)snprintf(mesh + used, sizeof mesh - used, "v 1 %d %d\n", i, i * i);
+    }
+    for (int i = 0; i < BIG; i++) {
+        used += (size_t)snprintf(mesh + used, sizeof mesh - used, "f 1 %d %d\n", i + 2, i + 3);
+    }
+    write_file(w, "big.obj", mesh);
+    write_file(w, "small.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    for (int big_first = 0; big_first < 2; big_first++) {
+        int length = snprintf(text, sizeof text,
+                              "version: 1\nenvironment: {sound_speed_mps: 1500}\n" FLAT POSE
+                              "sonar: {frequency_khz: 100, receivers: [{name: a}]}\nobjects:\n");
+        for (int i = 0; i < COPIES + 1; i++) {
+            bool big = big_first ? i == 0 : i < COPIES; /* once and eleven small ones; or twelve */
+            length += snprintf(text + length, sizeof text - (size_t)length,
+                               "  - {mesh: {file: %s.obj}, position_m: [%d, 0, 5], type: rock}\n",
+                               big ? "big" : "small", 20 + 5 * i);
+        }
+        write_file(w, "scene.yaml", text);
+        left = big_first ? (BIG + COPIES) * 304 + 46000 : 50000;
+        asdic_mission *m = load_with(w, NULL, 0, NULL);
+        left = UINT64_MAX;
+        assert_int_equal(m != NULL, big_first);
+        if (!m) {
+            assert_contains(asdic_context_error(w->ctx), "a scene of 252 triangles or more needs");
+        }
+        asdic_mission_destroy(&m);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(settings_stand_in_place_of_the_file),
@@ -426,6 +462,7 @@ int main(void) {
         cmocka_unit_test(loads_of_other_kinds),
         cmocka_unit_test(scenes_in_memory_are_whole),
         cmocka_unit_test(scenes_beyond_the_memory_are_refused),
+        cmocka_unit_test(copies_beyond_the_memory_are_refused),
         cmocka_unit_test(written_scenes_are_as_chosen),
         cmocka_unit_test(written_scenes_keep_what_is_not_chosen),
         cmocka_unit_test(tracks_are_of_the_pings_asked_for),

@@ -502,20 +502,23 @@ static void strengths_are_averaged(void **state) {
 static void k_speckle_is_weighed_by_its_shape(void **state) {
     (void)state;
     map_rig r;
-    double on_axis[3], worst = 0.0;
+    static const double shapes[] = {0.0, 999.0, 1.5,
+                                    1000.0}; /* the last is the greatest there is */
+    double on_axis[4], loud[4], worst = 0.0;
     asdic_evidence rayleigh = {0};
     map_begin(&r, 2);
     r.beams[1].yaw_rad = 9.0 * DEGREE;
     r.intensity[40] = 1e4; /* cut at the greatest that a ratio can be */
     r.intensity[50] = 25.0;
     r.intensity[MAP_BINS + 60] = 8.0;
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 4; k++) {
         asdic_evidence seen = {0};
         r.sonar.speckle = k == 0 ? ASDIC_SPECKLE_RAYLEIGH : ASDIC_SPECKLE_K;
-        r.sonar.speckle_shape = k == 1 ? 999.0 : 1.5;
+        r.sonar.speckle_shape = k == 0 ? 1.5 : shapes[k];
         const asdic_look look = look_of(&r);
         assert_ok(ctx, asdic_evidence_create(ctx, &look, &seen));
         on_axis[k] = seen.ratio[50]; /* straight ahead */
+        loud[k] = seen.ratio[40];
         for (size_t i = 0; k == 1 && i < seen.arcs * seen.azimuths * MAP_BINS; i++) {
             if (seen.headings[i / MAP_BINS].hearing_count > 0 && i % MAP_BINS > 0) {
                 double a = log(rayleigh.ratio[i]), b = log(seen.ratio[i]);
@@ -529,6 +532,8 @@ static void k_speckle_is_weighed_by_its_shape(void **state) {
         }
     }
     assert_true(worst < 0.05);
+    assert_close(log(on_axis[3]), log(on_axis[1]), 2e-4 * fabs(log(on_axis[1])));
+    assert_close(log(loud[3]), log(loud[1]), 2e-4 * fabs(log(loud[1])));
     assert_true(on_axis[0] > 10.0 && on_axis[2] > 2.0 && on_axis[2] < 0.6 * on_axis[1]);
     asdic_evidence_finish(&rayleigh);
     asdic_occupancy_destroy(&r.map);
