@@ -336,6 +336,17 @@ def test_a_background_is_simulated_over_a_mesh():
         tap.equal([n.name for n in out.iterdir() if n.suffix == ".part"], [])
 
 
+def test_a_background_may_be_quiet():
+    """Of a source of 0 dB and without noise, levels are far below 1 uPa: errors are shares of them all the same."""
+    need_device()
+    with Folder() as folder:
+        quiet = WAVES.replace("source_level_db: 200", "source_level_db: 0\n  noise: {enabled: false}")
+        folder.write("quiet.yaml", quiet.replace("pings: 40", "pings: 5") % (DATA / "meshes/terrain.ply"))
+        asdic("run", "quiet.yaml", "-o", "out", "-q", cwd=folder.path).check(0)
+        rate = json.loads(asdic("detect", "out", "--json", cwd=folder.path).check(0).out)["pfa_measured"]["value"]
+        tap.equal(0.3e-3 < rate < 3e-3, True, f"P_FA {rate} of 1e-3")
+
+
 def test_a_background_is_of_the_mesh_that_was_run():
     """A scene file that stays the same does not say that its meshes do."""
     need_device()
