@@ -140,6 +140,20 @@ static void another_writers_file_is_left_to_it(void **state) {
     assert_int_equal(unlink(name), 0);
 }
 
+/* Memory for a stream is short when told to be. */
+static bool fdopen_fails;
+
+FILE *__real_fdopen(int fd, const char *mode);
+FILE *__wrap_fdopen(int fd, const char *mode);
+
+FILE *__wrap_fdopen(int fd, const char *mode) {
+    if (fdopen_fails) {
+        errno = ENOMEM;
+        return NULL;
+    }
+    return __real_fdopen(fd, mode);
+}
+
 /* Whoever starts a program may have closed its standard input: then files get its number, 0. */
 static void descriptor_0_is_one_as_all_others(void **state) {
     (void)state;
@@ -161,6 +175,13 @@ static void descriptor_0_is_one_as_all_others(void **state) {
     assert_ok(ctx, asdic_file_sum(ctx, name, &sum));
     assert_int_equal(sum.bytes, 3);
     assert_int_equal(lowest_free(), STDIN_FILENO);
+    fdopen_fails = true;
+    assert_status(ctx, asdic_file_create(ctx, name, &other), ASDIC_ERROR_IO);
+    fdopen_fails = false;
+    assert_contains(asdic_context_error(ctx), "Cannot allocate memory");
+    assert_int_equal(lowest_free(), STDIN_FILENO);
+    assert_ok(ctx, asdic_file_write_all(ctx, name, "newer", 5)); /* it left no lock behind */
+    assert_true(holds(name, "newer"));
     assert_int_equal(dup2(kept, STDIN_FILENO), STDIN_FILENO);
     close(kept);
     assert_int_equal(unlink(name), 0);
