@@ -89,13 +89,18 @@ static void assert_legible(const char *what, size_t least) {
     assert_true(count >= least);
 }
 
-static void assert_written(const char *text) {
+static size_t times_written(const char *text) {
+    size_t times = 0;
     for (size_t i = 0; i < box_count; i++) {
-        if (strcmp(boxes[i].text, text) == 0) {
-            return;
-        }
+        times += strcmp(boxes[i].text, text) == 0;
     }
-    fail_msg("'%s' is missing", text);
+    return times;
+}
+
+static void assert_written(const char *text) {
+    if (times_written(text) == 0) {
+        fail_msg("'%s' is missing", text);
+    }
 }
 
 /* With all that a run's pictures say. */
@@ -207,7 +212,30 @@ static void ascopes(void **state) {
     }
     for (size_t count = 1; count <= 8; count++) {
         assert_ok(t.ctx, asdic_picture_ascope(t.ctx, path, beams, count, &options));
+        assert_int_equal(times_written("range (m)"), 1);
         assert_legible("A-scope", 15);
+    }
+}
+
+/* Panels share the label of their abscissa where it is one and the same. */
+static void abscissas_are_labelled(void **state) {
+    (void)state;
+    const asdic_plot_axis level = {.label = "level (dB)", .high = 1};
+    const asdic_plot_axis ends[] = {
+        {.label = "range (m)", .low = 1, .high = 10},
+        {.label = "range (m)", .low = 1, .high = 20},
+        {.label = "range (m)", .low = 2, .high = 10},
+        {.label = "range (m)", .low = 1, .high = 10, .logarithmic = true}};
+    const double at[] = {3, 4};
+    const asdic_series line = {.label = "line", .x = at, .y = at, .count = 2, .width = 1};
+    asdic_picture_options options = options_of("plot");
+    for (size_t i = 0; i < sizeof ends / sizeof *ends; i++) {
+        const asdic_plot panels[] = {
+            {.x = ends[0], .y = level, .series = &line, .series_count = 1},
+            {.x = ends[i], .y = level, .series = &line, .series_count = 1}};
+        assert_ok(t.ctx, asdic_picture_plot(t.ctx, path, panels, 2, &options));
+        assert_int_equal(times_written("range (m)"), i == 0 ? 1 : 2);
+        assert_legible("plot", 10);
     }
 }
 
@@ -397,6 +425,7 @@ int main(void) {
         cmocka_unit_test(waterfalls),
         cmocka_unit_test(overviews),
         cmocka_unit_test(ascopes),
+        cmocka_unit_test(abscissas_are_labelled),
         cmocka_unit_test(ascopes_are_of_one_height),
         cmocka_unit_test(plans),
         cmocka_unit_test(maps),
