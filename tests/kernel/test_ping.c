@@ -201,6 +201,47 @@ static void stated_error_is_honest(void **state) {
     }
 }
 
+/* Whatever stood there: until a calibration, a cell knows no error but its groups'. */
+static void forgotten_errors_are_of_groups(void **state) {
+    (void)state;
+    ping_rig r = rig_create(&t);
+    asdic_simulator *sim = rig_simulator(&r);
+    for (size_t cell = 0; cell < sim->setup.cells; cell++) {
+        sim->learnt.stated[cell] = (asdic_stated_error){7.0f, 7.0f, 7.0f, 7.0f};
+    }
+    asdic_simulator_forget(sim);
+    for (size_t cell = 0; cell < sim->setup.cells; cell++) {
+        asdic_stated_error e = sim->learnt.stated[cell];
+        assert_true(e.of_groups == 1.0f && e.of_block == 0.0f && e.mean_lin == 0.0f &&
+                    e.rare == 0.0f);
+    }
+    asdic_simulator_destroy(&sim);
+    rig_destroy(&r);
+}
+
+/* A calibration keeps the energies that its pings had, which a ping of less is told by; over a flat bottom no
+ * echo is rare, not even by the least float. */
+static void calibrations_know_a_ping(void **state) {
+    (void)state;
+    ping_rig r = rig_create(&t);
+    r.sonar.receiver_count = 1;
+    r.sampling.rays = 65536;
+    asdic_simulator *sim = rig_simulator(&r);
+    asdic_ping *ping = NULL;
+    assert_ok(t.ctx, asdic_ping_create(t.ctx, 1, asdic_simulator_bin_count(sim), &ping));
+    assert_ok(t.ctx, asdic_simulator_learn(sim, &r.pose, 0));
+    assert_ok(t.ctx, asdic_simulator_ping(sim, &r.pose, 0, ping));
+    for (size_t n = 4; n < ping->bins; n++) {
+        asdic_stated_error e = sim->learnt.stated[n];
+        double level_db = asdic_level_db(ping->intensity_lin[ASDIC_TOTAL][n]);
+        assert_close(asdic_level_db((double)e.mean_lin), level_db, 1.0);
+        assert_true(e.rare == 0.0f);
+    }
+    asdic_ping_destroy(&ping);
+    asdic_simulator_destroy(&sim);
+    rig_destroy(&r);
+}
+
 /* A rolled, yawed vehicle with counter-turned beams sees what a level one sees. */
 static void attitude_and_aim_cancel(void **state) {
     (void)state;
@@ -287,6 +328,8 @@ int main(void) {
         cmocka_unit_test(short_bins_meet_quadrature),
         cmocka_unit_test(every_sampler_is_unbiased),
         cmocka_unit_test(stated_error_is_honest),
+        cmocka_unit_test(forgotten_errors_are_of_groups),
+        cmocka_unit_test(calibrations_know_a_ping),
         cmocka_unit_test(attitude_and_aim_cancel),
         cmocka_unit_test(nothing_echoes_before_the_nearest_surface),
         cmocka_unit_test(wrong_use_is_refused),
