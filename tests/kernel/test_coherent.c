@@ -240,6 +240,30 @@ static void both_sides_are_heard(void **state) {
     }
 }
 
+/* What scatters in the water is new in every ping, were it 2^32 pings later. */
+static void water_is_new_in_every_ping(void **state) {
+    static const uint64_t indices[] = {5, 6, 5 + (1ull << 32), 5 + (1ull << 63)};
+    asdic_ping *first = NULL;
+    (void)state;
+    ping_rig r = empty_array(&t);
+    r.env.particle_strength_db = -50.0;
+    r.sonar.max_range_m = 20.0;
+    r.sampling.rays = 1000;
+    asdic_simulator *sim = rig_simulator(&r);
+    for (size_t k = 0; k < sizeof indices / sizeof *indices; k++) {
+        asdic_ping *ping = array_shoot(&r, sim, indices[k]);
+        first = first ? first : ping;
+        size_t bytes = 2 * ping->elements * ping->samples * sizeof(float);
+        assert_true(ping == first || memcmp(ping->pressure, first->pressure, bytes) != 0);
+        if (ping != first) {
+            asdic_ping_destroy(&ping);
+        }
+    }
+    asdic_ping_destroy(&first);
+    asdic_simulator_destroy(&sim);
+    rig_destroy(&r);
+}
+
 int main(void) {
     t = test_device_open_or_skip();
     const struct CMUnitTest tests[] = {
@@ -249,6 +273,7 @@ int main(void) {
         cmocka_unit_test(beams_have_the_pattern_of_their_weights),
         cmocka_unit_test(work_groups_change_no_byte),
         cmocka_unit_test(both_sides_are_heard),
+        cmocka_unit_test(water_is_new_in_every_ping),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
     test_device_close(&t);

@@ -357,6 +357,24 @@ static void threads_change_nothing(void **state) {
     }
 }
 
+/* A ping's speckle is by its whole index, the highest bits included. */
+static void pings_far_apart_differ(void **state) {
+    (void)state;
+    enum { BINS = 16 };
+    asdic_beam beam = asdic_sonar_default().transmitter;
+    asdic_sonar sonar = sonar_of(&beam, 1, 0.5, 0.5);
+    drawing one = drawing_begin(&sonar, BINS, 0.5), other = drawing_begin(&sonar, BINS, 0.5);
+    one.index = 1;
+    drawing_next(&one);
+    for (int bit = 31; bit < 64; bit++) {
+        other.index = 1 + (1ull << bit);
+        assert_memory_not_equal(drawing_next(&other), one.ping->intensity_lin[ASDIC_TOTAL],
+                                BINS * sizeof(double));
+    }
+    drawing_end(&other);
+    drawing_end(&one);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(streams_have_words_of_their_own),
@@ -371,6 +389,7 @@ int main(void) {
         cmocka_unit_test(long_pulses_are_one_cell),
         cmocka_unit_test(textures_are_gamma_variates),
         cmocka_unit_test(threads_change_nothing),
+        cmocka_unit_test(pings_far_apart_differ),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
