@@ -2,13 +2,25 @@
 #include "asserts.h"
 #include "test_context.h"
 
-#include <asdic/detect.h>
+#include "base/quadrature.h"
+#include "detect/law.h"
 
 #include <stdlib.h>
 
 static int ascending(const void *a, const void *b) {
     double x = *(const double *)a, y = *(const double *)b;
     return (x > y) - (x < y);
+}
+
+static size_t integrals; /* so many were asked for */
+
+double __real_asdic_quadrature(asdic_integrand f, void *user, double a, double b, double tolerance);
+double __wrap_asdic_quadrature(asdic_integrand f, void *user, double a, double b, double tolerance);
+
+double __wrap_asdic_quadrature(asdic_integrand f, void *user, double a, double b,
+                               double tolerance) {
+    integrals++;
+    return __real_asdic_quadrature(f, user, a, b, tolerance);
 }
 
 typedef struct scheme {
@@ -92,6 +104,19 @@ static void quadrature_meets_closed_forms(void **state) {
     asdic_background b = {1.0, 2, INFINITY, 0.0};
     assert_close_relative(asdic_cfar_pfa(ASDIC_CFAR_CA, 512, 0, 2, 4.0), asdic_detect_pfa(&b, 4.0),
                           0.05);
+}
+
+/* Rates of one look take no integrals, which would last a thousand times as long. */
+static void one_look_takes_the_closed_form(void **state) {
+    (void)state;
+    integrals = 0;
+    for (double f = 0.5; f < 2e4; f *= 40.0) {
+        assert_close_relative(asdic_cfar_pfa(ASDIC_CFAR_OS, 4, 3, 1, f),
+                              4.0 / (4.0 + f) * 3.0 / (3.0 + f) * 2.0 / (2.0 + f), 1e-14);
+    }
+    assert_int_equal(integrals, 0);
+    asdic_cfar_pfa(ASDIC_CFAR_OS, 4, 3, 2, 1.0);
+    assert_true(integrals > 0);
 }
 
 /* P(Poisson(X) >= M), summed from its largest term on. */
@@ -188,6 +213,29 @@ static void rows_are_those_of_every_window(void **state) {
     }
 }
 
+/* Factors are found once: those that are there are taken. */
+static void factors_are_kept(void **state) {
+    (void)state;
+    static asdic_cfar_scale scales[ASDIC_CFAR_SCALES];
+    enum { BINS = 20 };
+    double z[BINS], background[BINS], threshold[BINS], near[BINS];
+    const asdic_cfar cfar = {ASDIC_CFAR_OS, 3, 1, 0.75};
+    for (size_t n = 0; n < ASDIC_CFAR_SCALES; n++) {
+        scales[n] = (asdic_cfar_scale){.factor = 3.0, .bias = 2.0}; /* no window has these */
+    }
+    for (int i = 0; i < BINS; i++) {
+        z[i] = 1.0 + 7 * i % 11;
+    }
+    assert_ok(ctx,
+              asdic_cfar_row_scaled(ctx, &cfar, 4, 1e-2, z, BINS, background, threshold, scales));
+    for (int i = 0; i < BINS; i++) {
+        unsigned count = window_round(&cfar, z, BINS, i, near);
+        double found = near[(unsigned)ceil(0.75 * count) - 1];
+        assert_close_relative(threshold[i], 3.0 * found, 1e-12);
+        assert_close_relative(background[i], found / 2.0, 1e-12);
+    }
+}
+
 /* The limits of <asdic/detect.h>, from both sides. */
 static void arguments_have_limits(void **state) {
     (void)state;
@@ -262,8 +310,10 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(rates_are_as_designed),
         cmocka_unit_test(quadrature_meets_closed_forms),
+        cmocka_unit_test(one_look_takes_the_closed_form),
         cmocka_unit_test(order_statistics_of_many_looks),
         cmocka_unit_test(rows_are_those_of_every_window),
+        cmocka_unit_test(factors_are_kept),
         cmocka_unit_test(arguments_have_limits),
         cmocka_unit_test(a_row),
     };
