@@ -80,11 +80,17 @@ static double part(double s, void *user) {
            detection_exponential(w->factor * s / w->looks, w->snr, w->looks, w->target);
 }
 
-/* In pieces, lest a narrow peak lies between the nodes of a wide one. */
+/* In pieces, lest a narrow peak lies between the nodes of a wide one; ever shorter ones towards 0, where a
+ * large factor leaves no chance farther off. */
 static double average(window *w) {
     double shape = w->kind == ASDIC_CFAR_CA ? w->count * w->looks : w->looks;
-    double end = shape + 12.0 * sqrt(shape) + 60.0, sum = 0.0;
-    for (int i = 0; i < 32; i++) {
+    double end = shape + 12.0 * sqrt(shape) + 60.0, sum = 0.0, first = end / 32.0;
+    double rate = w->kind == ASDIC_CFAR_CA ? w->factor / w->count : w->factor;
+    for (; first * rate > 1000.0; first *= 0.5) {
+        sum += asdic_quadrature(part, w, 0.5 * first, first, TOLERANCE);
+    }
+    sum += asdic_quadrature(part, w, 0.0, first, TOLERANCE);
+    for (int i = 1; i < 32; i++) {
         sum += asdic_quadrature(part, w, end * i / 32.0, end * (i + 1) / 32.0, TOLERANCE);
     }
     return fmin(sum, 1.0);

@@ -119,6 +119,25 @@ static void one_look_takes_the_closed_form(void **state) {
     assert_true(integrals > 0);
 }
 
+/* Large factors leave a peak near 0, which integrals are to find, and soon. The only bin of a window is its mean and
+ * its rank; without a target P_D is P_FA. */
+static void large_factors_are_integrated(void **state) {
+    (void)state;
+    for (double f = 100.0; f < 1e15; f *= 3.0) {
+        for (unsigned looks = 2; looks < 7; looks += 2) {
+            assert_close_relative(asdic_cfar_pfa(ASDIC_CFAR_OS, 1, 1, looks, f),
+                                  asdic_cfar_pfa(ASDIC_CFAR_CA, 1, 0, looks, f), 1e-8);
+            assert_close_relative(
+                asdic_cfar_pd(ASDIC_CFAR_CA, looks, 0, 2, f, ASDIC_TARGET_SWERLING0, 0.0),
+                asdic_cfar_pfa(ASDIC_CFAR_CA, looks, 0, 2, f), 1e-8);
+        }
+    }
+    double by_rank, by_mean;
+    assert_ok(ctx, asdic_cfar_factor(ctx, ASDIC_CFAR_OS, 1, 1, 2, 1e-12, &by_rank));
+    assert_ok(ctx, asdic_cfar_factor(ctx, ASDIC_CFAR_CA, 1, 0, 2, 1e-12, &by_mean));
+    assert_close_relative(by_rank, by_mean, 1e-8);
+}
+
 /* P(Poisson(X) >= M), summed from its largest term on. */
 static double poisson_from(unsigned m, double x) {
     double sum = 0.0;
@@ -311,6 +330,7 @@ int main(void) {
         cmocka_unit_test(rates_are_as_designed),
         cmocka_unit_test(quadrature_meets_closed_forms),
         cmocka_unit_test(one_look_takes_the_closed_form),
+        cmocka_unit_test(large_factors_are_integrated),
         cmocka_unit_test(order_statistics_of_many_looks),
         cmocka_unit_test(rows_are_those_of_every_window),
         cmocka_unit_test(factors_are_kept),
