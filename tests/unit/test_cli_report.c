@@ -213,6 +213,24 @@ static void loops_are_told_apart(void **state) {
     cli_progress_end(&p);
 }
 
+/* What lies behind the last loop is left alone when there is one too many. */
+static void loops_have_a_limit(void **state) {
+    (void)state;
+    begin(0, false);
+    struct {
+        cli_progress p;
+        cli_progress_loop behind;
+    } s = {.p = cli_progress_begin(&c)};
+    char names[CLI_PROGRESS_LOOPS + 1][2];
+    for (int i = 0; i <= CLI_PROGRESS_LOOPS; i++) {
+        snprintf(names[i], sizeof names[i], "%d", i);
+        cli_progress_step(&s.p, names[i], 0, 2);
+    }
+    assert_ptr_equal(s.p.loops[CLI_PROGRESS_LOOPS - 1].what, names[CLI_PROGRESS_LOOPS - 1]);
+    assert_null(s.behind.what);
+    cli_progress_end(&s.p);
+}
+
 /* A bar of 24 places, drawn at most ten times a second over the last one, and wiped away once. */
 static void a_terminal_has_a_bar(void **state) {
     (void)state;
@@ -327,6 +345,7 @@ int main(void) {
         cmocka_unit_test(a_status_is_an_exit_code),
         cmocka_unit_test(progress_counts_from_the_first_ping),
         cmocka_unit_test(loops_are_told_apart),
+        cmocka_unit_test(loops_have_a_limit),
         cmocka_unit_test(a_terminal_has_a_bar),
         cmocka_unit_test(json_nests),
         cmocka_unit_test(help_is_wrapped),

@@ -26,6 +26,31 @@ void cairo_show_text(cairo_t *cr, const char *text) {
     snprintf(w->text, sizeof w->text, "%s", text);
 }
 
+/* Straight lines, and the angles of arcs, since line_count and arc_count were 0. */
+static struct line { double x0, y0, x1, y1; } lines[400];
+static double arcs_rad[400][2];
+static size_t line_count, arc_count;
+
+void __real_asdic_canvas_line(asdic_canvas *c, double x0, double y0, double x1, double y1);
+void __wrap_asdic_canvas_line(asdic_canvas *c, double x0, double y0, double x1, double y1);
+void __real_cairo_arc(cairo_t *cr, double x, double y, double radius, double low, double high);
+void __wrap_cairo_arc(cairo_t *cr, double x, double y, double radius, double low, double high);
+
+void __wrap_asdic_canvas_line(asdic_canvas *c, double x0, double y0, double x1, double y1) {
+    if (line_count < sizeof lines / sizeof *lines) {
+        lines[line_count++] = (struct line){x0, y0, x1, y1};
+    }
+    __real_asdic_canvas_line(c, x0, y0, x1, y1);
+}
+
+void __wrap_cairo_arc(cairo_t *cr, double x, double y, double radius, double low, double high) {
+    if (arc_count < sizeof arcs_rad / sizeof *arcs_rad) {
+        arcs_rad[arc_count][0] = low;
+        arcs_rad[arc_count++][1] = high;
+    }
+    __real_cairo_arc(cr, x, y, radius, low, high);
+}
+
 /* Of DB, where colours go from 0 to 100 dB. */
 static uint32_t colour_of(const asdic_view *v, double db) {
     return asdic_colormap_rgb(v->look.colormap, (unsigned)(db * 2.56));
@@ -92,7 +117,7 @@ asdic_status __wrap_asdic_camera_shoot(asdic_camera *camera, asdic_simulator *si
 }
 
 static void draw(asdic_view *view) {
-    word_count = 0;
+    word_count = line_count = arc_count = 0;
     assert_ok(t.ctx, asdic_view_draw(view));
 }
 
@@ -305,7 +330,15 @@ static void check_cone(const dev_cone_view *cone, double heading_rad, double dow
     }
 }
 
-/* Nine beams and more are one wedge. The chosen beam is amber, which has more red than blue, and stronger. */
+/* An arc of the last frame goes from LOW to HIGH, bearings from north on. */
+static void check_arc(size_t at, double low_rad, double high_rad) {
+    assert_true(at < arc_count);
+    assert_close(arcs_rad[at][0], low_rad - 90.0 * DEGREE, 1e-9);
+    assert_close(arcs_rad[at][1], high_rad - 90.0 * DEGREE, 1e-9);
+}
+
+/* Nine beams and more are one wedge, on the map one sector. The chosen beam is amber, which has more red than blue, and
+ * stronger. */
 static void beams_are_cones(void **state) {
     (void)state;
     asdic_view *v =
@@ -342,6 +375,11 @@ static void beams_are_cones(void **state) {
                        asdic_view_half_width_rad(v, beams[0].length_v_m));
             assert_true(shot.cone[0].rgb[0] > shot.cone[0].rgb[2]);
             assert_true(shot.cone[1].rgb[0] < shot.cone[1].rgb[2]);
+            double yaw = v->ping.pose.yaw_rad, last = beams[count - 1].yaw_rad;
+            draw(v);
+            assert_int_equal(arc_count, 2);
+            check_arc(0, yaw - last - half, yaw + last + half);
+            check_arc(1, yaw + beams[1].yaw_rad - half, yaw + beams[1].yaw_rad + half);
         }
         close_view(v);
     }
@@ -420,6 +458,67 @@ static void the_scope_shows_the_chosen_beam(void **state) {
     free(levels_db);
 }
 
+/* As far apart as the scale bar is long: lines of equal east, which go down the map, and of equal north. */
+static void the_map_is_to_scale(void **state) {
+    (void)state;
+    asdic_view *v = open_view("[{name: a}]", "sampling: {rays: 256}");
+    step(v, 1);
+    draw(v);
+    const asdic_box box = v->layout.plan;
+    double side_m = v->relief.cell_m * (double)v->relief.rows, length_m = NAN, bar_px = NAN;
+    for (size_t i = 0; i < word_count && isnan(length_m); i++) {
+        char *end;
+        double value = strtod(words[i].text, &end);
+        if (words[i].x > box.x && words[i].x < box.x + box.w && words[i].y > box.y &&
+            strcmp(end, " m") == 0) {
+            length_m = value;
+        }
+    }
+    assert_true(length_m > 0.1 * side_m && length_m < 0.5 * side_m);
+    double step_px = length_m * fmax(box.w, box.h) / side_m, last_x = NAN, last_y = NAN;
+    size_t down = 0, across = 0;
+    for (size_t i = 0; i < line_count; i++) {
+        const struct line *l = &lines[i];
+        if (l->x0 == l->x1 && l->y0 == box.y && l->y1 == box.y + box.h && l->x0 >= box.x) {
+            assert_true(down++ == 0 || fabs(fabs(l->x0 - last_x) - step_px) < 1.01);
+            last_x = l->x0;
+        } else if (l->y0 == l->y1 && l->x0 == box.x && l->x1 == box.x + box.w) {
+            assert_true(across++ == 0 || fabs(fabs(l->y0 - last_y) - step_px) < 1.01);
+            last_y = l->y0;
+        } else if (l->y0 == l->y1 && l->x0 > box.x && l->x1 < box.x + box.w && l->y0 > box.y) {
+            bar_px = l->x1 - l->x0;
+        }
+    }
+    assert_close(bar_px, step_px, 1e-6);
+    assert_close((double)down, box.w / step_px, 1.0);
+    assert_close((double)across, box.h / step_px, 1.0);
+    assert_true(down >= 3 && across >= 3);
+    close_view(v);
+}
+
+static bool is_written(const char *word) {
+    for (size_t i = 0; i < word_count; i++) {
+        if (strcmp(words[i].text, word) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* Of objects in one place the first is named alone, wherever others are. */
+static void names_keep_clear_of_names(void **state) {
+    (void)state;
+    asdic_view *v = open_view(
+        "[{name: a}]", "sampling: {rays: 256}\nobjects:\n"
+                       "  - {name: port, box: {size_m: [1, 1, 1]}, position_m: [4, 15, 12]}\n"
+                       "  - {name: starboard, box: {size_m: [1, 1, 1]}, position_m: [-4, 15, 12]}\n"
+                       "  - {name: again, box: {size_m: [0.9, 0.9, 1]}, position_m: [4, 15, 12]}");
+    step(v, 1);
+    draw(v);
+    assert_true(is_written("port") && is_written("starboard") && !is_written("again"));
+    close_view(v);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_newest_ping_is_on_top),
@@ -430,6 +529,8 @@ int main(void) {
         cmocka_unit_test(axes_are_even),
         cmocka_unit_test(what_stands_out_is_red),
         cmocka_unit_test(panels_fill_the_frame),
+        cmocka_unit_test(the_map_is_to_scale),
+        cmocka_unit_test(names_keep_clear_of_names),
     };
     t = test_device_open_or_skip();
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
