@@ -29,6 +29,7 @@ static void with_commas(char text[24], uint32_t value) {
 static void name_of(const asdic_view *view, char out[64]) {
     char *name = asdic_scene_name(asdic_mission_path(view->mission));
     snprintf(out, 64, "%s", name ? name : "");
+    asdic_view_end_whole(out);
     free(name);
 }
 

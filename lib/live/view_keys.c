@@ -13,6 +13,21 @@ void asdic_view_say(asdic_view *view, const char *format, ...) {
     va_start(args, format);
     vsnprintf(view->message, sizeof view->message, format, args);
     va_end(args);
+    asdic_view_end_whole(view->message);
+}
+
+void asdic_view_end_whole(char *text) {
+    size_t length = strlen(text), lead = length;
+    while (lead > 0 && ((unsigned char)text[lead - 1] & 0xc0) == 0x80) {
+        lead--;
+    }
+    if (lead > 0) {
+        unsigned char c = (unsigned char)text[lead - 1];
+        size_t whole = c >= 0xf0 ? 4 : c >= 0xe0 ? 3 : c >= 0xc0 ? 2 : 1;
+        if (length - (lead - 1) < whole) {
+            text[lead - 1] = '\0';
+        }
+    }
 }
 
 /* The first steering key starts manual steering at the vehicle's pose. */

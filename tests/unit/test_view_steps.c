@@ -3,6 +3,7 @@
 
 #include "kernels/beam.h"
 #include "live/recording.h"
+#include "mission/mission.h"
 
 #include <sys/stat.h>
 
@@ -398,6 +399,46 @@ static void camera_and_map_follow(void **state) {
     close_view(v);
 }
 
+/* LETTER so often. */
+static const char *letters(const char *letter, size_t count) {
+    static char text[256];
+    text[0] = '\0';
+    for (size_t i = 0; i < count; i++) {
+        strcat(text, letter);
+    }
+    return text;
+}
+
+/* Names and messages are as long as there is room, in whole characters: cairo draws nothing after half a one. */
+static void long_words_end_with_a_character(void **state) {
+    (void)state;
+    static const struct {
+        const char *letter;
+        size_t count, named, said;
+    } cases[] = {{"a", 150, 63, 150},
+                 {"a", 170, 63, 159},
+                 {"\u00e4", 100, 31, 79},
+                 {"\u20ac", 60, 21, 53},
+                 {"\U0001d11e", 60, 15, 39}};
+    asdic_view *v = open_view("[{name: a}]", "sampling: {rays: 256}");
+    char *path = v->mission->path;
+    step(v, 1);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char named[256];
+        const char *letter = cases[i].letter;
+        snprintf(named, sizeof named, "asdic  \u00b7  %s  \u00b7  4 pings/s",
+                 letters(letter, cases[i].named));
+        v->mission->path = strdup(letters(letter, cases[i].count));
+        asdic_view_say(v, "%s", letters(letter, cases[i].count));
+        assert_string_equal(v->message, letters(letter, cases[i].said));
+        assert_ok(t.ctx, asdic_view_draw(v));
+        assert_contains(asdic_view_title(v), named);
+        free(v->mission->path);
+    }
+    v->mission->path = path;
+    close_view(v);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_mission_is_flown_to_its_end),
@@ -414,6 +455,7 @@ int main(void) {
         cmocka_unit_test(beams_are_as_wide_as_their_pattern),
         cmocka_unit_test(wrong_options_are_refused),
         cmocka_unit_test(camera_and_map_follow),
+        cmocka_unit_test(long_words_end_with_a_character),
     };
     t = test_device_open_or_skip();
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
