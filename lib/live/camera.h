@@ -26,8 +26,7 @@ typedef struct asdic_shot {
     dev_cone_view cone[DEV_CAMERA_CONES];
 } asdic_shot;
 
-asdic_status asdic_camera_shoot(asdic_camera *camera, asdic_simulator *sim,
-                                const asdic_shot *shot);
+asdic_status asdic_camera_shoot(asdic_camera *camera, asdic_simulator *sim, const asdic_shot *shot);
 
 /* The last picture: WIDTH x HEIGHT of 0x00RRGGBB, and the distance of what each pixel shows, m. */
 const uint32_t *asdic_camera_rgb(const asdic_camera *camera);
