@@ -59,3 +59,13 @@ size_t asdic_words_nearest(const char *text, const char *const *names, size_t co
     }
     return best;
 }
+
+size_t asdic_words_cut(const char *text, size_t length, size_t most) {
+    if (length <= most) {
+        return length;
+    }
+    while (most > 0 && ((unsigned char)text[most] & 0xc0) == 0x80) {
+        most--;
+    }
+    return most;
+}

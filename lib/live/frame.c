@@ -4,6 +4,7 @@
 #include "base/context.h"
 #include "base/try.h"
 #include "base/vec.h"
+#include "base/words.h"
 #include "loop.h"
 #include "out/png_file.h"
 #include "scene/chart.h"
@@ -28,8 +29,8 @@ static void with_commas(char text[24], uint32_t value) {
 
 static void name_of(const asdic_view *view, char out[64]) {
     char *name = asdic_scene_name(asdic_mission_path(view->mission));
-    snprintf(out, 64, "%s", name ? name : "");
-    asdic_view_end_whole(out);
+    int length = name ? (int)asdic_words_cut(name, strlen(name), 63) : 0;
+    snprintf(out, 64, "%.*s", length, name ? name : "");
     free(name);
 }
 

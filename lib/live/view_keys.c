@@ -2,6 +2,7 @@
 #include "view_state.h"
 
 #include "base/vec.h"
+#include "base/words.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -9,25 +10,14 @@
 #include <string.h>
 
 void asdic_view_say(asdic_view *view, const char *format, ...) {
+    /* Room for a character more, to see where the last whole one ends: cairo draws nothing after half a one. */
+    char whole[sizeof view->message + 4];
     va_list args;
     va_start(args, format);
-    vsnprintf(view->message, sizeof view->message, format, args);
+    vsnprintf(whole, sizeof whole, format, args);
     va_end(args);
-    asdic_view_end_whole(view->message);
-}
-
-void asdic_view_end_whole(char *text) {
-    size_t length = strlen(text), lead = length;
-    while (lead > 0 && ((unsigned char)text[lead - 1] & 0xc0) == 0x80) {
-        lead--;
-    }
-    if (lead > 0) {
-        unsigned char c = (unsigned char)text[lead - 1];
-        size_t whole = c >= 0xf0 ? 4 : c >= 0xe0 ? 3 : c >= 0xc0 ? 2 : 1;
-        if (length - (lead - 1) < whole) {
-            text[lead - 1] = '\0';
-        }
-    }
+    size_t length = asdic_words_cut(whole, strlen(whole), sizeof view->message - 1);
+    snprintf(view->message, sizeof view->message, "%.*s", (int)length, whole);
 }
 
 /* The first steering key starts manual steering at the vehicle's pose. */

@@ -98,7 +98,4 @@ void asdic_view_write_title(asdic_view *view);
 void asdic_view_say(asdic_view *view, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 
-/* Takes away what is left of a character of UTF-8 that was cut at TEXT's end: cairo draws nothing more after one. */
-void asdic_view_end_whole(char *text);
-
 #endif

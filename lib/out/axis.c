@@ -2,6 +2,8 @@
 
 #include "digits.h"
 
+#include "base/words.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -68,14 +70,12 @@ static size_t decade_ticks(const asdic_plot_axis *axis, size_t max_count,
 /* As much of NAME as there is room for, in whole characters of UTF-8. */
 static void name_label(char label[24], const char *name) {
     static const char more[] = "\u2026";
-    size_t length = strlen(name), most = 24 - sizeof more;
+    size_t length = strlen(name);
     if (length < 24) {
         memcpy(label, name, length + 1);
         return;
     }
-    while (most > 0 && ((unsigned char)name[most] & 0xc0) == 0x80) {
-        most--;
-    }
+    size_t most = asdic_words_cut(name, length, 24 - sizeof more);
     memcpy(label, name, most);
     memcpy(label + most, more, sizeof more);
 }

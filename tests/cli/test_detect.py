@@ -434,7 +434,7 @@ def test_mistakes():
 
 def test_a_sonar_that_looks_down_knows_places_to_a_bin():
     """Straight below there is no bearing: a track was taken to be known to 0.1 um."""
-    program.need_device()
+    need_device()
     with Folder() as folder:
         path = folder.write("down.yaml", """version: 1
 bottom: {depth_m: 30}

@@ -36,8 +36,8 @@ static void points_echo_over_the_arc(void **state) {
     }
 }
 
-/* In water that hardly bends, points at the sonar's own depth, on the bottom, in the surface, on a layer's plane and
- * straight below are heard as in water that does not. */
+/* In water that hardly bends, points at the sonar's own depth, on the bottom, in the surface and on a layer's
+ * plane are heard as in water that does not. */
 static void points_lie_on_planes(void **state) {
     static const asdic_vec3 at[] = {{14.0, 0.0, 7.0}, {9.0, -11.0, 7.0}, {14.0, 0.0, 12.0},
                                     {14.0, 3.0, 0.0}, {8.0, 2.0, 9.0},   {3.0, 0.0, 10.0},

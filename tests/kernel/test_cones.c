@@ -90,36 +90,48 @@ static void cones_agree_with_beam_sampler(void **state) {
     rig_destroy(&r);
 }
 
+/* COUNT small balls STEP_RAD apart round about, the first FIRST_M away, the Ith then START_M + 2 I. */
+static void add_balls(ping_rig *r, int count, double step_rad, double first_m, double start_m) {
+    asdic_mesh *mesh = NULL;
+    assert_ok(t.ctx, asdic_mesh_sphere(t.ctx, 0.01, 8, &mesh));
+    for (int i = 0; i < count; i++) {
+        double azimuth = step_rad * i, range = i == 0 ? first_m : start_m + 2.0 * i;
+        asdic_pose pose = {.position_m = {range * cos(azimuth), range * sin(azimuth), 7.0}};
+        char name[16];
+        snprintf(name, sizeof name, "ball%d", i);
+        assert_ok(t.ctx, asdic_scene_add_object(r->scene, name, mesh, pose,
+                                                asdic_material_facet(1.6, 1e-2, 0.5)));
+    }
+    asdic_mesh_destroy(&mesh);
+}
+
+/* What surface and bottom send back to R's one beam. */
+static asdic_ping *expected_of_planes(const ping_rig *r, size_t bins) {
+    asdic_ping *truth = NULL;
+    asdic_flat_scene flat = {.has_surface = true,
+                             .has_bottom = true,
+                             .altitude_m = 5.0,
+                             .depth_m = 7.0,
+                             .bottom = asdic_material_bottom(2.0)};
+    assert_ok(t.ctx, asdic_ping_create(t.ctx, 1, bins, &truth));
+    assert_ok(t.ctx, asdic_expected_compute(t.ctx, &flat, &r->env, &r->sonar, &r->pose, truth));
+    return truth;
+}
+
 /* More objects than cones, some behind, one round the sonar, one out of range: nothing is lost, and
  * the flat bins keep their truth. */
 static void crowds_keep_the_flat_bins(void **state) {
     (void)state;
     ping_rig r = rig_create(&t);
     r.sonar.receiver_count = 1;
+    add_balls(&r, 24, 0.5, 200.0, 6.0);
     asdic_mesh *mesh = NULL;
-    assert_ok(t.ctx, asdic_mesh_sphere(t.ctx, 0.01, 8, &mesh));
-    for (int i = 0; i < 24; i++) {
-        double azimuth = 0.5 * i, range = i == 0 ? 200.0 : 6.0 + 2.0 * i;
-        asdic_pose pose = {.position_m = {range * cos(azimuth), range * sin(azimuth), 7.0}};
-        char name[16];
-        snprintf(name, sizeof name, "ball%d", i);
-        assert_ok(t.ctx, asdic_scene_add_object(r.scene, name, mesh, pose,
-                                                asdic_material_facet(1.6, 1e-2, 0.5)));
-    }
-    asdic_mesh_destroy(&mesh);
     assert_ok(t.ctx, asdic_mesh_box(t.ctx, (asdic_vec3){0.1, 0.1, 0.1}, &mesh));
     asdic_pose around = {.position_m = {-0.2, 0.0, 7.0}};
     assert_ok(t.ctx, asdic_scene_add_object(r.scene, "hull", mesh, around,
                                             asdic_material_facet(45.0, 1e-3, 0.2)));
     asdic_mesh_destroy(&mesh);
-    asdic_ping *ping = rig_shoot(&r, 0, true), *truth = NULL;
-    assert_ok(t.ctx, asdic_ping_create(t.ctx, 1, ping->bins, &truth));
-    asdic_flat_scene flat = {.has_surface = true,
-                             .has_bottom = true,
-                             .altitude_m = 5.0,
-                             .depth_m = 7.0,
-                             .bottom = asdic_material_bottom(2.0)};
-    assert_ok(t.ctx, asdic_expected_compute(t.ctx, &flat, &r.env, &r.sonar, &r.pose, truth));
+    asdic_ping *ping = rig_shoot(&r, 0, true), *truth = expected_of_planes(&r, ping->bins);
     double sum = 0.0;
     for (size_t n = 4; n < ping->bins; n++) {
         double flat_lin =
@@ -142,28 +154,11 @@ static void few_rays_keep_the_flat_bins(void **state) {
     ping_rig r = rig_create(&t);
     r.sonar.receiver_count = 1;
     r.sampling.rays = 512;
-    asdic_mesh *mesh = NULL;
-    assert_ok(t.ctx, asdic_mesh_sphere(t.ctx, 0.01, 8, &mesh));
-    for (int i = 0; i < 8; i++) {
-        double azimuth = 0.7 * i, range = 12.0 + 2.0 * i;
-        asdic_pose pose = {.position_m = {range * cos(azimuth), range * sin(azimuth), 7.0}};
-        char name[16];
-        snprintf(name, sizeof name, "ball%d", i);
-        assert_ok(t.ctx, asdic_scene_add_object(r.scene, name, mesh, pose,
-                                                asdic_material_facet(1.6, 1e-2, 0.5)));
-    }
-    asdic_mesh_destroy(&mesh);
+    add_balls(&r, 8, 0.7, 12.0, 12.0);
     asdic_simulator *sim = rig_simulator(&r);
-    asdic_ping *ping = NULL, *truth = NULL;
     size_t bins = asdic_simulator_bin_count(sim);
+    asdic_ping *ping = NULL, *truth = expected_of_planes(&r, bins);
     assert_ok(t.ctx, asdic_ping_create(t.ctx, 1, bins, &ping));
-    assert_ok(t.ctx, asdic_ping_create(t.ctx, 1, bins, &truth));
-    asdic_flat_scene flat = {.has_surface = true,
-                             .has_bottom = true,
-                             .altitude_m = 5.0,
-                             .depth_m = 7.0,
-                             .bottom = asdic_material_bottom(2.0)};
-    assert_ok(t.ctx, asdic_expected_compute(t.ctx, &flat, &r.env, &r.sonar, &r.pose, truth));
     double sum = 0.0, square = 0.0;
     for (int k = 0; k < PINGS; k++) {
         double heard = 0.0;

@@ -399,12 +399,12 @@ static void camera_and_map_follow(void **state) {
     close_view(v);
 }
 
-/* LETTER so often. */
-static const char *letters(const char *letter, size_t count) {
+/* COUNT times the character C. */
+static const char *repeated(const char *c, size_t count) {
     static char text[256];
     text[0] = '\0';
     for (size_t i = 0; i < count; i++) {
-        strcat(text, letter);
+        strcat(text, c);
     }
     return text;
 }
@@ -413,7 +413,7 @@ static const char *letters(const char *letter, size_t count) {
 static void long_words_end_with_a_character(void **state) {
     (void)state;
     static const struct {
-        const char *letter;
+        const char *character;
         size_t count, named, said;
     } cases[] = {{"a", 150, 63, 150},
                  {"a", 170, 63, 159},
@@ -425,12 +425,12 @@ static void long_words_end_with_a_character(void **state) {
     step(v, 1);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         char named[256];
-        const char *letter = cases[i].letter;
+        const char *c = cases[i].character;
         snprintf(named, sizeof named, "asdic  \u00b7  %s  \u00b7  4 pings/s",
-                 letters(letter, cases[i].named));
-        v->mission->path = strdup(letters(letter, cases[i].count));
-        asdic_view_say(v, "%s", letters(letter, cases[i].count));
-        assert_string_equal(v->message, letters(letter, cases[i].said));
+                 repeated(c, cases[i].named));
+        v->mission->path = strdup(repeated(c, cases[i].count));
+        asdic_view_say(v, "%s", repeated(c, cases[i].count));
+        assert_string_equal(v->message, repeated(c, cases[i].said));
         assert_ok(t.ctx, asdic_view_draw(v));
         assert_contains(asdic_view_title(v), named);
         free(v->mission->path);

@@ -88,8 +88,20 @@ static void nearest_counts_edits(void **state) {
     assert_int_equal(asdic_words_nearest("abcdef", names, 3), 1);
 }
 
+static void cut_ends_with_a_character(void **state) {
+    (void)state;
+    assert_int_equal(asdic_words_cut("reef", 4, 4), 4);
+    assert_int_equal(asdic_words_cut("reef", 4, 3), 3);
+    assert_int_equal(asdic_words_cut("", 0, 3), 0);
+    assert_int_equal(asdic_words_cut("a\u00e4b", 4, 1), 1);
+    assert_int_equal(asdic_words_cut("a\u00e4b", 4, 2), 1); /* half of the second */
+    assert_int_equal(asdic_words_cut("a\u00e4b", 4, 3), 3);
+    assert_int_equal(asdic_words_cut("\U0001d11e", 4, 3), 0);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(cut_ends_with_a_character),
         cmocka_unit_test(number_reads_whole_finite_words),
         cmocka_unit_test(number_ignores_the_locale),
         cmocka_unit_test(nearest_finds_slips_only),

@@ -3,8 +3,8 @@
  */
 #include "schema.h"
 
-#include "base/words.h"
 #include "base/number.h"
+#include "base/words.h"
 
 #include <asdic/common.h>
 
@@ -30,13 +30,7 @@ static const char *show(const asdic_key *key, const asdic_yaml_node *node, char 
         return buffer;
     }
     const char *quote = node->quoted ? "\"" : "";
-    size_t length = node->length;
-    if (length > longest) {
-        length = longest;
-        while (length > 0 && ((unsigned char)node->text[length] & 0xc0) == 0x80) {
-            length--; /* not in the middle of a character */
-        }
-    }
+    size_t length = asdic_words_cut(node->text, node->length, longest);
     int at = snprintf(buffer, size, "'%s' = %s", key->name, quote);
     for (size_t i = 0; i < length; i++) {
         unsigned char c = (unsigned char)node->text[i];
