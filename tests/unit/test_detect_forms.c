@@ -172,7 +172,8 @@ static void textures_are_averaged(void **state) {
     }
 }
 
-/* The greatest shape is one as all others are, though near that of none: 8 % more false alarms at least at 15 times the mean. */
+/* The greatest shape is one as all others are, though near that of none: 8 % more false alarms at least at 15 times
+ * the mean. */
 static void the_greatest_shape_is_one(void **state) {
     (void)state;
     const asdic_background b[] = {
