@@ -1,23 +1,31 @@
 #include "json.h"
 
+#include <asdic/common.h>
+
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 json json_begin(FILE *out) {
     return (json){.out = out};
 }
 
-static void print_string(FILE *out, const char *text) {
+void json_string(FILE *out, const char *text) {
+    const char *end = text + strlen(text);
     fputc('"', out);
-    for (const unsigned char *p = (const unsigned char *)text; *p; p++) {
-        if (*p == '"' || *p == '\\') {
-            fprintf(out, "\\%c", *p);
-        } else if (*p < 0x20) {
-            fprintf(out, "\\u%04x", *p);
+    while (text < end) {
+        size_t size = asdic_utf8_character(text, (size_t)(end - text));
+        if (size == 0) {
+            fputs("\\ufffd", out);
+        } else if (*text == '"' || *text == '\\') {
+            fprintf(out, "\\%c", *text);
+        } else if ((unsigned char)*text < 0x20) {
+            fprintf(out, "\\u%04x", (unsigned)*text);
         } else {
-            fputc(*p, out);
+            fwrite(text, 1, size, out);
         }
+        text += size ? size : 1;
     }
     fputc('"', out);
 }
@@ -30,7 +38,7 @@ static void begin_value(json *j, const char *key) {
     }
     j->filled[j->depth] = true;
     if (key) {
-        print_string(j->out, key);
+        json_string(j->out, key);
         fputs(": ", j->out);
     }
 }
@@ -60,7 +68,7 @@ void json_close(json *j) {
 void json_text(json *j, const char *key, const char *value) {
     begin_value(j, key);
     if (value) {
-        print_string(j->out, value);
+        json_string(j->out, value);
     } else {
         fputs("null", j->out);
     }

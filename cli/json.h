@@ -33,4 +33,7 @@ void json_number(json *j, const char *key, double value);    /* null when not fi
 void json_integer(json *j, const char *key, uint64_t value);
 void json_bool(json *j, const char *key, bool value);
 
+/* TEXT in quotes, as JSON wants it; U+FFFD for each byte that is no text in UTF-8. */
+void json_string(FILE *out, const char *text);
+
 #endif

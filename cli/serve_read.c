@@ -190,34 +190,17 @@ static serve_line read_values(const serve_reader *r, const char *line, serve_req
     }
 }
 
-/* How many bytes the UTF-8 character at P has, of LEFT that there are; 0: it is none, or no text. */
-static size_t character(const unsigned char *p, size_t left) {
-    if (*p < 0x80) {
-        return (*p >= 0x20 && *p != 0x7f) || *p == '\t' ? 1 : 0;
-    }
-    size_t size = *p >= 0xf0 ? 4 : *p >= 0xe0 ? 3 : 2;
-    if (*p < 0xc2 || *p > 0xf4 || size > left) {
-        return 0;
-    }
-    uint32_t code = *p & (0x7fu >> size);
-    for (size_t i = 1; i < size; i++) {
-        if ((p[i] & 0xc0) != 0x80) {
-            return 0;
-        }
-        code = code << 6 | (p[i] & 0x3fu);
-    }
-    bool is_short = size == 3 ? code < 0x800 : size == 4 && (code < 0x10000 || code > 0x10ffff);
-    return is_short || (code >= 0xd800 && code < 0xe000) ? 0 : size;
+static bool is_control(char c) {
+    return (unsigned char)c < 0x20 ? c != '\t' : c == 0x7f;
 }
 
 /* Whether all of LINE is text: what is none would end the line early, or spoil an answer that quotes it. */
 static bool is_text(const char *line, size_t length, char *why) {
-    const unsigned char *bytes = (const unsigned char *)line;
     for (size_t at = 0; at < length;) {
-        size_t size = character(bytes + at, length - at);
-        if (size == 0) {
+        size_t size = asdic_utf8_character(line + at, length - at);
+        if (size == 0 || is_control(line[at])) {
             snprintf(why, SERVE_WHY_SIZE, "column %zu: the byte 0x%02x is no text in UTF-8", at + 1,
-                     bytes[at]);
+                     (unsigned char)line[at]);
             return false;
         }
         at += size;

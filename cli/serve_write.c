@@ -1,6 +1,8 @@
 /* Answers: one line of JSON or CSV, or one raw frame, for every line that asks. */
 #include "serve.h"
 
+#include "json.h"
+
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
@@ -11,18 +13,6 @@ _Static_assert(sizeof(serve_frame) == 56, "frames are packed");
 
 static size_t cells_of(const serve_writer *w) {
     return w->sonar->receiver_count * w->bins;
-}
-
-/* Quotes, backslashes and control characters as JSON wants them. */
-static void put_text(FILE *out, const char *text) {
-    fputc('"', out);
-    for (const unsigned char *p = (const unsigned char *)text; *p; p++) {
-        if (*p == '"' || *p == '\\') {
-            fputc('\\', out);
-        }
-        fprintf(out, *p < 0x20 ? "\\u%04x" : "%c", *p);
-    }
-    fputc('"', out);
 }
 
 /* NONE where there is no number. */
@@ -55,7 +45,7 @@ static void put_json_levels(const serve_writer *w, const char *name, const float
     fprintf(w->out, ",\"%s\":{", name);
     for (size_t b = 0; b < w->sonar->receiver_count; b++) {
         fputs(b ? "," : "", w->out);
-        put_text(w->out, w->sonar->receivers[b].name);
+        json_string(w->out, w->sonar->receivers[b].name);
         fputs(":[", w->out);
         for (size_t n = 0; n < w->bins; n++) {
             fputs(n ? "," : "", w->out);
@@ -77,7 +67,7 @@ static void put_json_detections(const serve_writer *w, const serve_answer *answe
     for (size_t i = 0; i < cells_of(w); i++) {
         if (serve_is_detected(answer, i)) {
             fprintf(w->out, "%s{\"beam\":", comma);
-            put_text(w->out, w->sonar->receivers[i / w->bins].name);
+            json_string(w->out, w->sonar->receivers[i / w->bins].name);
             fprintf(w->out, ",\"range_m\":");
             put_number(w->out, ((double)(i % w->bins) + 0.5) * w->bin_length_m, "null");
             fprintf(w->out, ",\"llr\":%.9g}", answer->detection->llr[i]);
@@ -215,7 +205,7 @@ void serve_write_ping(const serve_writer *w, uint64_t line, const serve_request 
 void serve_write_error(const serve_writer *w, uint64_t line, const char *why) {
     if (w->format == SERVE_JSON) {
         fprintf(w->out, "{\"error\":");
-        put_text(w->out, why);
+        json_string(w->out, why);
         fprintf(w->out, ",\"line\":%" PRIu64 "}\n", line);
     } else if (w->format == SERVE_CSV) {
         fputs(",,,,,,,,,\"", w->out);

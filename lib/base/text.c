@@ -1,5 +1,7 @@
 #include "text.h"
 
+#include <asdic/common.h>
+
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -54,18 +56,32 @@ void asdic_text_format(asdic_text *text, const char *format, ...) {
     va_end(args);
 }
 
+/* The character of SIZE bytes at C. What JSON allows and YAML does not is escaped. */
+static void add_character(asdic_text *text, const char *c, size_t size) {
+    if (*c == '"' || *c == '\\') {
+        asdic_text_format(text, "\\%c", *c);
+    } else if (*c == '\n') {
+        asdic_text_add(text, "\\n");
+    } else if (size == 1 && ((unsigned char)*c < 0x20 || *c == 0x7f)) {
+        asdic_text_format(text, "\\u%04x", (unsigned)*c);
+    } else if (size == 2 && (unsigned char)c[0] == 0xc2 && (unsigned char)c[1] < 0xa0) {
+        asdic_text_format(text, "\\u%04x", (unsigned)(unsigned char)c[1]);
+    } else {
+        asdic_text_add_bytes(text, c, size);
+    }
+}
+
 void asdic_text_add_json(asdic_text *text, const char *string) {
+    const char *end = string + strlen(string);
     asdic_text_add(text, "\"");
-    for (const char *c = string; *c; c++) {
-        if (*c == '"' || *c == '\\') {
-            asdic_text_format(text, "\\%c", *c);
-        } else if (*c == '\n') {
-            asdic_text_add(text, "\\n");
-        } else if ((unsigned char)*c < 0x20 || *c == 0x7f) {
-            asdic_text_format(text, "\\u%04x", (unsigned)*c);
+    for (const char *c = string; c < end;) {
+        size_t size = asdic_utf8_character(c, (size_t)(end - c));
+        if (size) {
+            add_character(text, c, size);
         } else {
-            asdic_text_add_bytes(text, c, 1);
+            asdic_text_add(text, "\\ufffd");
         }
+        c += size ? size : 1;
     }
     asdic_text_add(text, "\"");
 }

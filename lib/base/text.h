@@ -19,7 +19,7 @@ void asdic_text_add_bytes(asdic_text *text, const char *bytes, size_t count);
 void asdic_text_format(asdic_text *text, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 
-/* STRING as a JSON string, quotes included. */
+/* STRING as a JSON string, quotes included, with U+FFFD for each byte that is no text in UTF-8. */
 void asdic_text_add_json(asdic_text *text, const char *string);
 
 /* The text, to be freed with free(); NULL when memory was short. TEXT is empty afterwards. */

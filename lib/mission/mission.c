@@ -78,7 +78,13 @@ char *asdic_scene_name(const char *path) {
     const char *slash = strrchr(path, '/');
     const char *base = strcmp(path, "-") == 0 ? "scene" : slash ? slash + 1 : path;
     const char *dot = strrchr(base, '.');
-    return dot && dot != base ? strndup(base, (size_t)(dot - base)) : strdup(base);
+    char *name = dot && dot != base ? strndup(base, (size_t)(dot - base)) : strdup(base);
+    for (char *c = name, *end = name ? name + strlen(name) : NULL; c < end;) {
+        size_t size = asdic_utf8_character(c, (size_t)(end - c));
+        *c = size ? *c : '_';
+        c += size ? size : 1;
+    }
+    return name;
 }
 
 const char *asdic_mission_path(const asdic_mission *mission) {

@@ -144,12 +144,30 @@ static void set_font(cairo_t *cr, double size_px, bool bold) {
     cairo_set_font_size(cr, size_px);
 }
 
+#define LONGEST_TEXT 1024
+
+/* TEXT without bytes that are no text in UTF-8, as of a character that was cut, behind which cairo
+ * would draw nothing. */
+static const char *clean(const char *text, char room[LONGEST_TEXT]) {
+    size_t left = strlen(text), used = 0;
+    while (left > 0 && used + 4 < LONGEST_TEXT) {
+        size_t size = asdic_utf8_character(text, left);
+        memcpy(room + used, text, size);
+        used += size;
+        text += size ? size : 1;
+        left -= size ? size : 1;
+    }
+    room[used] = '\0';
+    return room;
+}
+
 double asdic_canvas_text_width(const char *text, double size_px) {
     cairo_surface_t *surface = cairo_image_surface_create(CAIRO_FORMAT_A8, 1, 1);
     cairo_t *cr = cairo_create(surface);
     cairo_text_extents_t extents;
+    char room[LONGEST_TEXT];
     set_font(cr, size_px, false);
-    cairo_text_extents(cr, text, &extents);
+    cairo_text_extents(cr, clean(text, room), &extents);
     cairo_destroy(cr);
     cairo_surface_destroy(surface);
     return extents.x_advance;
@@ -158,6 +176,8 @@ double asdic_canvas_text_width(const char *text, double size_px) {
 void asdic_canvas_text(asdic_canvas *c, asdic_text where, const char *text) {
     cairo_font_extents_t font;
     cairo_text_extents_t extents;
+    char room[LONGEST_TEXT];
+    text = clean(text, room);
     cairo_save(c->cr);
     set_font(c->cr, where.size_px, where.bold);
     cairo_text_extents(c->cr, text, &extents);
@@ -177,9 +197,10 @@ void asdic_canvas_text(asdic_canvas *c, asdic_text where, const char *text) {
 void asdic_canvas_text_fit(asdic_canvas *c, asdic_text where, const char *text,
                            double max_width_px) {
     cairo_text_extents_t extents;
+    char room[LONGEST_TEXT];
     cairo_save(c->cr);
     set_font(c->cr, where.size_px, where.bold);
-    cairo_text_extents(c->cr, text, &extents);
+    cairo_text_extents(c->cr, clean(text, room), &extents);
     cairo_restore(c->cr);
     if (extents.x_advance > max_width_px) {
         where.size_px = fmax(10.0, floor(where.size_px * max_width_px / extents.x_advance));

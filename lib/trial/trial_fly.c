@@ -13,6 +13,7 @@
 #include "base/sha256.h"
 #include "base/share.h"
 #include "base/try.h"
+#include "base/words.h"
 #include "mission/run/team_message.h"
 #include "out/file.h"
 
@@ -180,7 +181,8 @@ static asdic_status describe(asdic_context *ctx, const asdic_trial_options *o, t
                            .has_rule = o->rule != NULL,
                            .variants = o->variants.count,
                            .key = o->variants.key ? strdup(o->variants.key) : NULL};
-    snprintf(facts->scene, sizeof facts->scene, "%s", name ? name : "");
+    int length = name ? (int)asdic_words_cut(name, strlen(name), sizeof facts->scene - 1) : 0;
+    snprintf(facts->scene, sizeof facts->scene, "%.*s", length, name ? name : "");
     free(name);
     for (size_t v = 0; !status && v < o->variants.count; v++) {
         asdic_mission *mission = NULL;

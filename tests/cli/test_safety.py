@@ -1,4 +1,5 @@
 """Paths, locales and links: files are written where the user says and nowhere else."""
+import json
 import os
 import re
 import subprocess
@@ -22,17 +23,22 @@ def tree(path):
 
 def test_any_file_name():
     program.need_device()
-    names = ["with space", "tücke-日本", "a'b\"c;$(touch x)`y`&|<>*?", "-dash", "n" * 255]
+    names = ["with space", "tücke-日本", "a'b\"c;$(touch x)`y`&|<>*?", "-dash", "n" * 255, "é" * 127,
+             os.fsdecode(b"b\xe9ton")]
     with Folder() as folder:
         path = scene(folder, pings=1, rays=64)
         for name in names:
             os.mkdir(folder / "in")
-            copy = os.path.join(folder / "in", name[:250] + ".yaml")
+            kept = os.fsencode(name)[:250].decode(errors="ignore") if name[0] in "né" else name
+            copy = os.path.join(folder / "in", kept + ".yaml")
             os.rename(path, copy)
             os.mkdir(folder / "out")
             asdic("run", copy, "-o", os.path.join(folder / "out", name), "-q").check(0, "", "")
             tap.equal(sorted(os.listdir(folder / "out")), [name], "folders")
             tap.contains(sorted(os.listdir(os.path.join(folder / "out", name))), "bins.csv")
+            with open(os.path.join(folder / "out", name, "run.json"), encoding="utf-8") as file:
+                tap.equal(json.load(file)["state"], "complete", "run.json is JSON")
+            asdic("render", os.path.join(folder / "out", name), "--ping", 0, "-q").check(0, "", "")
             tap.equal(os.listdir(folder / "in"), [os.path.basename(copy)], "files of the input")
             os.rename(copy, path)
             subprocess.run(["rm", "-r", folder / "in", folder / "out"], check=True)

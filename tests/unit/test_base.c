@@ -50,6 +50,11 @@ static void text_grows_and_quotes(void **state) {
     asdic_text_add_json(&text, "a\"b\\c\n\x01\x7f\xc3\xa4");
     assert_string_equal(text.data, "\"a\\\"b\\\\c\\n\\u0001\\u007f\xc3\xa4\"");
     asdic_text_finish(&text);
+    /* Half a character, and what JSON allows and YAML does not. */
+    asdic_text_add_json(&text, "b\xe9ton \xe6\x97 \xc2\x85\xc2\xa0\xe6\x97\xa5\U0001d11e");
+    assert_string_equal(text.data,
+                        "\"b\\ufffdton \\ufffd\\ufffd \\u0085\xc2\xa0\xe6\x97\xa5\U0001d11e\"");
+    asdic_text_finish(&text);
     char *empty = asdic_text_take(&text);
     assert_string_equal(empty, "");
     free(empty);

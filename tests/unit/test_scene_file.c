@@ -180,7 +180,9 @@ static void a_scene_has_its_file_s_name(void **state) {
                                            {"reef", "reef"},
                                            {"./a.b.yaml", "a.b"},
                                            {"-", "scene"},
-                                           {"a/.hidden", ".hidden"}};
+                                           {"a/.hidden", ".hidden"},
+                                           {"caf\xe9/b\xe9ton.yaml", "b_ton"},
+                                           {"\xe6\x97\xa5\xe6\x97.yaml", "\xe6\x97\xa5__"}};
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
         char *name = asdic_scene_name(names[i][0]);
         assert_string_equal(name, names[i][1]);

@@ -56,6 +56,26 @@ static uint32_t colour_of(const asdic_view *v, double db) {
     return asdic_colormap_rgb(v->look.colormap, (unsigned)(db * 2.56));
 }
 
+/* Cairo draws nothing more once it is given half a character. */
+static void texts_lose_what_is_no_text(void **state) {
+    (void)state;
+    static const char *const cases[][2] = {
+        {"b\xe9ton", "bton"}, {"\u65e5\xe6\x97", "\u65e5"}, {"\xe9", ""}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        assert_close(asdic_canvas_text_width(cases[i][0], 12.0),
+                     asdic_canvas_text_width(cases[i][1], 12.0), 0.0);
+    }
+    asdic_canvas canvas = {0};
+    cairo_surface_t *surface = cairo_image_surface_create(CAIRO_FORMAT_ARGB32, 100, 20);
+    canvas.cr = cairo_create(surface);
+    word_count = 0;
+    asdic_canvas_text(&canvas, (asdic_text){.size_px = 12.0}, "b\xe9ton");
+    assert_string_equal(words[0].text, "bton");
+    assert_int_equal(cairo_status(canvas.cr), CAIRO_STATUS_SUCCESS);
+    cairo_destroy(canvas.cr);
+    cairo_surface_destroy(surface);
+}
+
 /* Top down the waterfall has the newest ping first; to the right range, of bins in a pixel the strongest. */
 static void the_newest_ping_is_on_top(void **state) {
     (void)state;
@@ -521,6 +541,7 @@ static void names_keep_clear_of_names(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(texts_lose_what_is_no_text),
         cmocka_unit_test(the_newest_ping_is_on_top),
         cmocka_unit_test(beams_are_cones),
         cmocka_unit_test(the_camera_stays_in_the_water),

@@ -60,6 +60,11 @@ typedef struct asdic_pose {
     double roll_rad, pitch_rad, yaw_rad;
 } asdic_pose;
 
+/* How many bytes the character of UTF-8 at TEXT has, of LEFT that may be read: 1 to 4; 0 where none
+ * begins, as when LEFT is 0 or TEXT is NULL. RFC 3629: neither overlong forms nor surrogates. Any
+ * thread. */
+ASDIC_API size_t asdic_utf8_character(const char *text, size_t left);
+
 /* Longest name of a beam or object, terminating zero included. */
 #define ASDIC_NAME_SIZE 64
 

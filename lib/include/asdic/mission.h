@@ -116,8 +116,9 @@ typedef struct asdic_output_options {
 ASDIC_API const asdic_detector *asdic_mission_detector(const asdic_mission *mission);
 ASDIC_API const asdic_output_options *asdic_mission_output(const asdic_mission *mission);
 
-/* The name of the scene in the file PATH: its last part without extension, or "scene" for "-", the
- * standard input. To be freed with free(); NULL when memory is short. */
+/* The name of the scene in the file PATH: its last part without extension, with '_' for each byte
+ * that is no text in UTF-8, or "scene" for "-", the standard input. To be freed with free(); NULL
+ * when memory is short. */
 ASDIC_API char *asdic_scene_name(const char *path);
 
 /* Where the mission came from: the path as given, the text in UTF-8, and the SHA-256 of the file's
