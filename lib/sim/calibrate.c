@@ -8,7 +8,9 @@
  * nominal spread of 1: there the ratio is the relative variance itself.
  *
  * Edges of objects make a lattice err less like 1 / N than water and bottom do. So bins that objects rule
- * share a ratio among themselves, over all beams, and the others among themselves.
+ * share a ratio among themselves, over all beams, and the others among themselves. Open water, too, may err more
+ * than the boundaries whose ratio its bins share: through layers a narrow beam has few rays far away. Its own
+ * variance, by the ratio of all bins that water rules, is the least that a bin has of its share.
  *
  * The calibration also shows what a ping may have missed: a ping that holds less energy than the
  * calibration's pings knows less of its error than they do.
@@ -28,6 +30,8 @@
 
 /* Pings of a calibration. The variance of a cell has one degree of freedom less. */
 #define PINGS 3
+/* The same where a receiver among many has few beside it that are like it. */
+#define PINGS_ALONE 8
 /* Median of a normal error's mean square with two degrees of freedom. */
 #define MEDIAN_SQUARE 0.693
 /* Bins on each side that share a ratio. */
@@ -55,32 +59,48 @@
 /* Receivers, and bins, on each side that share an error where receivers are many. */
 #define BEAM_WINDOW 8
 #define BIN_WINDOW 1
+/* They share it while they are alike: sides of apertures within this factor, and pitch within this part of a
+ * beam's width. Of a sonar of unlike beams, as of two heads, a narrow beam errs more than a broad one beside it. */
+#define ALIKE_SIDE 1.1
+#define ALIKE_PITCH 0.5
+#define NOMINAL_MPS 1500.0
+/* With fewer alike, itself included, a receiver is alone: more of its own bins share an error. */
+#define LEAST_ALIKE 5
+#define BIN_WINDOW_ALONE 4
+
+/* The receivers from LOW to HIGH share an error with a receiver between them. */
+typedef struct alike {
+    size_t low, high;
+} alike;
 
 /* What the calibration's pings gave, per cell. The memory is kept from block to block: for many beams and
  * bins it is a hundred megabytes, which take longer to allocate than to fill. */
 typedef struct asdic_calibration {
-    double *energy[PINGS];    /* without noise */
-    double *mean;             /* of the energies before the pulse's length */
-    float *suggested;         /* mean of the relative variances that the groups suggest */
-    float *rare;              /* the same, 0 in cells of RARE or less */
-    float *objects;           /* of the mean, what came off objects */
-    asdic_ping *pings[PINGS]; /* the latest; as many as go to the device together */
-    double *row;              /* scratch, 4 (bins + 1) */
+    uint32_t count;                 /* pings */
+    double *energy[PINGS_ALONE];    /* without noise */
+    double *mean;                   /* of the energies before the pulse's length */
+    float *suggested;               /* mean of the relative variances that the groups suggest */
+    float *rare;                    /* the same, 0 in cells of RARE or less */
+    float *objects, *water;         /* of the mean, what came off objects, off water */
+    asdic_ping *pings[PINGS_ALONE]; /* the latest; as many as go to the device together */
+    double *row;                    /* scratch, 4 (bins + 1) */
+    alike *alike;                   /* of each receiver where they are many, else NULL */
 } calibration;
 
 /* The relative variance of one ping, from how the calibration's pings differ in a cell; negative: the cell
  * is empty. */
 static double cell_variance(const calibration *c, size_t cell) {
     double sum = 0.0, squares = 0.0;
-    for (int k = 0; k < PINGS; k++) {
+    for (uint32_t k = 0; k < c->count; k++) {
         sum += c->energy[k][cell];
     }
-    double mean = sum / PINGS;
-    for (int k = 0; k < PINGS; k++) {
+    double mean = sum / c->count;
+    for (uint32_t k = 0; k < c->count; k++) {
         double d = c->energy[k][cell] - mean;
         squares += d * d;
     }
-    return mean > 0.0 && c->suggested[cell] > 0.0f ? squares / ((PINGS - 1) * mean * mean) : -1.0;
+    return mean > 0.0 && c->suggested[cell] > 0.0f ? squares / ((c->count - 1) * mean * mean)
+                                                   : -1.0;
 }
 
 static double cell_ratio(const calibration *c, size_t cell) {
@@ -167,9 +187,37 @@ static void spread_rare(const asdic_simulator *sim, size_t first, const calibrat
     }
 }
 
-/* The bins of a beam that objects rule, or those that they do not. */
+static bool is_ruled_by_water(const calibration *c, size_t cell) {
+    return c->water[cell] > 0.5 * c->mean[cell];
+}
+
+/* The mean ratio of all cells that water rules; 1 where there are none. */
+static double water_ratio(const asdic_simulator *sim, const calibration *c) {
+    double sum = 0.0, count = 0.0;
+    for (size_t cell = 0; cell < sim->setup.cells; cell++) {
+        double ratio = is_ruled_by_water(c, cell) ? cell_ratio(c, cell) : -1.0;
+        sum += fmax(ratio, 0.0);
+        count += ratio >= 0.0;
+    }
+    return count > 0.0 ? sum / count : 1.0;
+}
+
+/* The relative variance of the water of a beam whose bins begin at cell FIRST: all of them have the same, of the
+ * rays that cross them. From those bins that it rules; 0 without such. */
+static double water_variance(const asdic_simulator *sim, size_t first, double ratio,
+                             const calibration *c) {
+    double sum = 0.0, count = 0.0;
+    for (size_t cell = first; cell < first + sim->setup.bins; cell++) {
+        bool counts = is_ruled_by_water(c, cell) && c->suggested[cell] > 0.0f;
+        sum += counts ? ratio / LARGER_OF_SEVERAL * (double)c->suggested[cell] : 0.0;
+        count += counts;
+    }
+    return count > 0.0 ? sum / count : 0.0;
+}
+
+/* The bins of a beam that objects rule, or those that they do not; of the WATER's variance each has its share. */
 static void calibrate_bins(asdic_simulator *sim, size_t first, bool of_objects, double typical,
-                           const calibration *c) {
+                           double water, const calibration *c) {
     size_t bins = sim->setup.bins;
     double *values = c->row, *sums = values + bins + 1, *counts = sums + bins + 1;
     for (size_t n = 0; n < bins; n++) {
@@ -189,29 +237,64 @@ static void calibrate_bins(asdic_simulator *sim, size_t first, bool of_objects, 
         double block = OWN_BIN * c->suggested[first + n] +
                        NEIGHBOURS * neighbours_of(c->suggested + first, n, bins);
         double own = OWN_ERROR * fmax(cell_variance(c, first + n), 0.0) / LARGER_OF_SEVERAL;
+        double share = c->mean[first + n] > 0.0 ? c->water[first + n] / c->mean[first + n] : 0.0;
         ratio /= LARGER_OF_SEVERAL;
-        sim->learnt.stated[first + n] =
-            (asdic_stated_error){.of_groups = (float)ratio,
-                                 .of_block = (float)(ratio * block + own),
-                                 .mean_lin = (float)c->mean[first + n]};
+        sim->learnt.stated[first + n] = (asdic_stated_error){
+            .of_groups = (float)ratio,
+            .of_block = (float)(fmax(ratio * block, share * share * water) + own),
+            .mean_lin = (float)c->mean[first + n]};
     }
 }
 
-static void calibrate_beam(asdic_simulator *sim, size_t beam, double objects_typical,
+/* OBJECTS, WATER: the ratios of those, over all beams. */
+static void calibrate_beam(asdic_simulator *sim, size_t beam, double objects, double water,
                            const calibration *c) {
     size_t first = beam * sim->setup.bins;
-    calibrate_bins(sim, first, true, objects_typical, c);
-    calibrate_bins(sim, first, false, typical_ratio(sim, first, c), c);
+    double variance = water_variance(sim, first, water, c);
+    calibrate_bins(sim, first, true, objects, variance, c);
+    calibrate_bins(sim, first, false, typical_ratio(sim, first, c), variance, c);
     spread_rare(sim, first, c, sim->learnt.stated + first);
+}
+
+static bool are_alike(const asdic_beam *a, const asdic_beam *b, double wavelength_m) {
+    double h = a->length_h_m / b->length_h_m, v = a->length_v_m / b->length_v_m;
+    double width_rad = wavelength_m / fmax(a->length_v_m, b->length_v_m);
+    return fmax(h, 1.0 / h) < ALIKE_SIDE && fmax(v, 1.0 / v) < ALIKE_SIDE &&
+           fabs(a->pitch_rad - b->pitch_rad) < ALIKE_PITCH * width_rad;
+}
+
+static bool is_alone(const alike *a) {
+    return a->high - a->low + 1 < LEAST_ALIKE;
+}
+
+/* Of many receivers, those that share an error with each; how many pings that takes. */
+static uint32_t find_alike(const asdic_sonar *sonar, alike *out) {
+    const asdic_beam *beams = sonar->receivers;
+    double wavelength_m = NOMINAL_MPS / sonar->frequency_hz;
+    uint32_t pings = PINGS;
+    for (size_t b = 0; b < sonar->receiver_count; b++) {
+        size_t low = b, high = b, last = sonar->receiver_count - 1;
+        while (low > 0 && b - low < BEAM_WINDOW &&
+               are_alike(&beams[b], &beams[low - 1], wavelength_m)) {
+            low--;
+        }
+        while (high < last && high - b < BEAM_WINDOW &&
+               are_alike(&beams[b], &beams[high + 1], wavelength_m)) {
+            high++;
+        }
+        out[b] = (alike){low, high};
+        pings = is_alone(&out[b]) ? PINGS_ALONE : pings;
+    }
+    return pings;
 }
 
 /* The same with many receivers: neighbouring receivers see much the same and share an error. */
 static void calibrate_bin(asdic_simulator *sim, size_t n, const calibration *c, double *values,
                           double *sums) {
     size_t beams = sim->setup.sonar.receiver_count, bins = sim->setup.bins;
-    size_t from = n > BIN_WINDOW ? n - BIN_WINDOW : 0;
-    size_t to = n + BIN_WINDOW < bins ? n + BIN_WINDOW : bins - 1;
     for (size_t b = 0; b < beams; b++) {
+        size_t reach = is_alone(&c->alike[b]) ? BIN_WINDOW_ALONE : BIN_WINDOW;
+        size_t from = n > reach ? n - reach : 0, to = n + reach < bins ? n + reach : bins - 1;
         values[b] = 0.0;
         for (size_t k = from; k <= to; k++) {
             values[b] += fmax(cell_variance(c, b * bins + k), 0.0) / (double)(to - from + 1);
@@ -219,9 +302,8 @@ static void calibrate_bin(asdic_simulator *sim, size_t n, const calibration *c, 
     }
     add_up(values, beams, sums);
     for (size_t b = 0; b < beams; b++) {
-        size_t low = b > BEAM_WINDOW ? b - BEAM_WINDOW : 0;
-        size_t high = b + BEAM_WINDOW < beams ? b + BEAM_WINDOW : beams - 1;
-        double shared = within(sums, beams, b, BEAM_WINDOW) / (double)(high - low + 1);
+        size_t low = c->alike[b].low, high = c->alike[b].high;
+        double shared = (sums[high + 1] - sums[low]) / (double)(high - low + 1);
         double own = OWN_ERROR * fmax(cell_variance(c, b * bins + n), 0.0);
         sim->learnt.stated[b * bins + n].of_block = (float)(shared + own);
     }
@@ -236,7 +318,7 @@ static void take_ping(const asdic_simulator *sim, const asdic_ping *ping, uint32
         double energy = total - ping->intensity_lin[ASDIC_NOISE][cell];
         double spread =
             energy > 0.0 ? log(10.0) / 10.0 * ping->stderr_db[cell] * total / energy : 0.0;
-        double variance = spread * spread / PINGS;
+        double variance = spread * spread / c->count;
         c->suggested[cell] += (float)variance;
         c->rare[cell] += spread * spread > RARE ? (float)variance : 0.0f;
         c->energy[k][cell] = energy;
@@ -247,9 +329,10 @@ static void take_ping(const asdic_simulator *sim, const asdic_ping *ping, uint32
 static void take_mean(const asdic_simulator *sim, const asdic_ping *ping, calibration *c) {
     double *const *part = ping->intensity_lin;
     for (size_t cell = 0; cell < sim->setup.cells; cell++) {
-        c->mean[cell] += (part[ASDIC_TOTAL][cell] - part[ASDIC_NOISE][cell]) / PINGS;
+        c->mean[cell] += (part[ASDIC_TOTAL][cell] - part[ASDIC_NOISE][cell]) / c->count;
         c->objects[cell] +=
-            (float)((part[ASDIC_OBJECT][cell] + part[ASDIC_MULTIPATH][cell]) / PINGS);
+            (float)((part[ASDIC_OBJECT][cell] + part[ASDIC_MULTIPATH][cell]) / c->count);
+        c->water[cell] += (float)(part[ASDIC_VOLUME][cell] / c->count);
     }
 }
 
@@ -261,11 +344,12 @@ static asdic_status run_pings(asdic_simulator *sim, const asdic_pose *pose, uint
     memset(c->rare, 0, sim->setup.cells * sizeof *c->rare);
     memset(c->mean, 0, sim->setup.cells * sizeof *c->mean);
     memset(c->objects, 0, sim->setup.cells * sizeof *c->objects);
-    for (uint32_t k = 0; k < PINGS;) {
-        uint32_t left = PINGS - k;
+    memset(c->water, 0, sim->setup.cells * sizeof *c->water);
+    for (uint32_t k = 0; k < c->count;) {
+        uint32_t left = c->count - k;
         uint32_t together = sim->setup.ping_batch < left ? (uint32_t)sim->setup.ping_batch : left;
         for (uint32_t i = 0; i < together; i++) {
-            asdic_shot_aim(sim, &sim->shots[i], pose, index, ASDIC_STREAM_CALIBRATION + k + i,
+            asdic_shot_aim(sim, &sim->shots[i], pose, index, ASDIC_STREAM_CALIBRATION(k + i),
                            sim->setup.sampling.rays);
         }
         TRY(asdic_simulator_simulate(sim, together, c->pings));
@@ -286,18 +370,25 @@ static asdic_status allocate(const asdic_simulator *sim, calibration *c) {
     size_t cells = setup->cells, beams = setup->sonar.receiver_count;
     size_t longest = setup->bins > beams ? setup->bins : beams;
     bool whole = true;
-    for (int k = 0; k < PINGS; k++) {
+    c->count = PINGS;
+    if (sim->fan.many) {
+        c->alike = malloc(beams * sizeof *c->alike);
+        whole = c->alike != NULL;
+        c->count = whole ? find_alike(&setup->sonar, c->alike) : PINGS;
+    }
+    for (uint32_t k = 0; k < c->count; k++) {
         whole = whole && (c->energy[k] = malloc(cells * sizeof(double)));
     }
     whole = whole && (c->mean = malloc(cells * sizeof *c->mean)) &&
             (c->suggested = malloc(cells * sizeof *c->suggested)) &&
             (c->rare = malloc(cells * sizeof *c->rare)) &&
             (c->objects = malloc(cells * sizeof *c->objects)) &&
+            (c->water = malloc(cells * sizeof *c->water)) &&
             (c->row = malloc(4 * (longest + 1) * sizeof *c->row));
     if (!whole) {
         return asdic_fail_memory(sim->ctx, "a calibration");
     }
-    for (size_t k = 0; k < PINGS && k < setup->ping_batch; k++) {
+    for (size_t k = 0; k < c->count && k < setup->ping_batch; k++) {
         TRY(asdic_ping_create(sim->ctx, beams, setup->bins, &c->pings[k]));
     }
     return ASDIC_OK;
@@ -318,7 +409,7 @@ static asdic_status calibration_create(asdic_simulator *sim) {
 
 void asdic_calibration_destroy(asdic_calibration **c) {
     if (*c) {
-        for (int k = 0; k < PINGS; k++) {
+        for (int k = 0; k < PINGS_ALONE; k++) {
             free((*c)->energy[k]);
             asdic_ping_destroy(&(*c)->pings[k]);
         }
@@ -326,7 +417,9 @@ void asdic_calibration_destroy(asdic_calibration **c) {
         free((*c)->suggested);
         free((*c)->rare);
         free((*c)->objects);
+        free((*c)->water);
         free((*c)->row);
+        free((*c)->alike);
         free(*c);
         *c = NULL;
     }
@@ -343,9 +436,9 @@ asdic_status asdic_simulator_calibrate(asdic_simulator *sim, const asdic_pose *p
         }
         return ASDIC_OK;
     }
-    double objects_typical = objects_ratio(sim, c);
+    double objects = objects_ratio(sim, c), water = water_ratio(sim, c);
     for (size_t beam = 0; beam < sim->setup.sonar.receiver_count; beam++) {
-        calibrate_beam(sim, beam, objects_typical, c);
+        calibrate_beam(sim, beam, objects, water, c);
     }
     return ASDIC_OK;
 }
