@@ -64,12 +64,15 @@ static void decorate(const panel *p, const asdic_view *view, const fan_place *at
                                 .size_px = PANEL_SMALL_PX},
                    PANEL_DIM_RGB, label);
     }
-    for (int deg = -150; deg <= 180; deg += 30) {
-        double angle = deg * ASDIC_PI / 180.0;
+    const double degree = ASDIC_PI / 180.0;
+    double low_deg = at->sector.low_rad / degree, high_deg = at->sector.high_rad / degree;
+    bool is_round = high_deg - low_deg > 360.0 - 1e-6; /* both ends are the same */
+    for (double d = 30.0 * ceil(low_deg / 30.0 + (is_round ? 1e-6 : -1e-6)); d <= high_deg + 1e-6;
+         d += 30.0) {
+        double angle = d * degree;
+        int deg = (int)remainder(d, 360.0);
+        deg = deg == -180 ? 180 : deg;
         char label[16];
-        if (angle < at->sector.low_rad - 1e-9 || angle > at->sector.high_rad + 1e-9) {
-            continue;
-        }
         cairo_set_source_rgba(cr, 0.75, 0.82, 0.88, 0.16);
         ray(p, at, angle, 0.0, radius);
         snprintf(label, sizeof label, "%s%d\u00b0", deg < 0 ? "\u2212" : "", deg < 0 ? -deg : deg);

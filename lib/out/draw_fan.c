@@ -135,7 +135,8 @@ static void draw_bearings(asdic_canvas *c, const page *p) {
         place(p, p->sector.radius_px + 14.0, angle, &x2, &y2);
         asdic_canvas_color(c, RING_RGB);
         asdic_canvas_line(c, x0, y0, x1, y1);
-        asdic_axis_label(number, is_full_circle(p) && bearing <= -180.0 ? 180.0 : bearing, 1.0);
+        double shown = remainder(bearing, 360.0); /* from -180, which is 180, to 180 */
+        asdic_axis_label(number, shown <= -180.0 ? 180.0 : shown, 1.0);
         snprintf(label, sizeof label, "%s\u00b0", number);
         asdic_canvas_color(c, INK_RGB);
         asdic_canvas_text(c,

@@ -26,24 +26,37 @@ static double edge_of(const asdic_fan *fan, size_t edge) {
     return 0.5 * (bearing[edge - 1] + bearing[edge]);
 }
 
-asdic_sector asdic_sector_of(const asdic_fan *fan, double radius_px) {
-    asdic_sector s = {.radius_px = radius_px,
-                      .low_rad = fmax(edge_of(fan, 0), -ASDIC_PI),
-                      .high_rad = fmin(edge_of(fan, fan->beams), ASDIC_PI)};
-    /* The box holds the apex, both ends of the arc, and the axes that the arc crosses. */
-    const double candidates[] = {s.low_rad, s.high_rad,     -ASDIC_PI, -0.5 * ASDIC_PI,
-                                 0.0,       0.5 * ASDIC_PI, ASDIC_PI};
-    double left = 0.0, right = 0.0, up = 0.0, down = 0.0;
-    for (size_t i = 0; i < sizeof candidates / sizeof *candidates; i++) {
-        double bearing = candidates[i];
-        if (bearing < s.low_rad || bearing > s.high_rad) {
-            continue;
-        }
-        left = fmax(left, -sin(bearing));
-        right = fmax(right, sin(bearing));
-        up = fmax(up, cos(bearing));
-        down = fmax(down, -cos(bearing));
+void asdic_fan_edges(const asdic_fan *fan, double *edges) {
+    for (size_t i = 0; i <= fan->beams; i++) {
+        edges[i] = edge_of(fan, i);
     }
+}
+
+/* Makes the box that holds what lies along BEARING on the circle of radius 1: LEFT, RIGHT, UP, DOWN. */
+static void widen(double box[4], double bearing) {
+    box[0] = fmax(box[0], -sin(bearing));
+    box[1] = fmax(box[1], sin(bearing));
+    box[2] = fmax(box[2], cos(bearing));
+    box[3] = fmax(box[3], -cos(bearing));
+}
+
+asdic_sector asdic_sector_of(const asdic_fan *fan, double radius_px) {
+    double low = edge_of(fan, 0), high = edge_of(fan, fan->beams);
+    double middle = 0.5 * (low + high), half = fmin(0.5 * (high - low), ASDIC_PI);
+    asdic_sector s = {.radius_px = radius_px, .low_rad = low, .high_rad = high};
+    if (half == ASDIC_PI) { /* once round */
+        s.low_rad = middle - half;
+        s.high_rad = middle + half;
+    }
+    /* The box holds the apex, both ends of the arc, and the axes that the arc crosses. */
+    const double quarter = 0.5 * ASDIC_PI;
+    double box[4] = {0.0, 0.0, 0.0, 0.0};
+    widen(box, s.low_rad);
+    widen(box, s.high_rad);
+    for (double i = ceil(s.low_rad / quarter); i * quarter <= s.high_rad; i += 1.0) {
+        widen(box, i * quarter);
+    }
+    double left = box[0], right = box[1], up = box[2], down = box[3];
     /* A millionth of a pixel absorbs rounding, as of sin(pi). */
     s.apex_x_px = ceil(left * radius_px - 1e-6);
     s.apex_y_px = ceil(up * radius_px - 1e-6);
@@ -52,9 +65,15 @@ asdic_sector asdic_sector_of(const asdic_fan *fan, double radius_px) {
     return s;
 }
 
-/* Beam whose half-way edges enclose BEARING; BEAMS when outside. */
-static size_t find_beam(const double *edges, size_t beams, double bearing) {
-    if (bearing < edges[0] || bearing > edges[beams]) {
+size_t asdic_fan_beam(const double *edges, size_t beams, double bearing_rad) {
+    double bearing = bearing_rad;
+    while (bearing < edges[0]) {
+        bearing += 2.0 * ASDIC_PI;
+    }
+    while (bearing > edges[beams]) {
+        bearing -= 2.0 * ASDIC_PI;
+    }
+    if (bearing < edges[0]) {
         return beams;
     }
     size_t low = 0, high = beams; /* edges[low] <= bearing <= edges[high] */
@@ -76,7 +95,7 @@ static uint32_t cell_at(const asdic_fan *fan, const asdic_sector *sector, const 
     double starboard = (double)x + 0.5 - sector->apex_x_px;
     *share = hypot(ahead, starboard) / sector->radius_px;
     size_t bin = (size_t)(*share * (double)fan->bins);
-    size_t beam = find_beam(edges, fan->beams, atan2(starboard, ahead));
+    size_t beam = asdic_fan_beam(edges, fan->beams, atan2(starboard, ahead));
     return bin < fan->bins && beam < fan->beams ? (uint32_t)(beam * fan->bins + bin) : UINT32_MAX;
 }
 
@@ -84,8 +103,8 @@ asdic_status asdic_sector_cells(asdic_context *ctx, const asdic_fan *fan,
                                 const asdic_sector *sector, uint32_t **cells) {
     double share, *edges = malloc((fan->beams + 1) * sizeof *edges);
     *cells = malloc(sector->width * sector->height * sizeof **cells);
-    for (size_t i = 0; edges && i <= fan->beams; i++) {
-        edges[i] = edge_of(fan, i);
+    if (edges) {
+        asdic_fan_edges(fan, edges);
     }
     for (size_t at = 0; edges && *cells && at < sector->width * sector->height; at++) {
         (*cells)[at] = cell_at(fan, sector, edges, at % sector->width, at / sector->width, &share);
@@ -126,9 +145,7 @@ asdic_status asdic_raster_fan(asdic_context *ctx, const asdic_fan *fan, const as
         status = asdic_fail_memory(ctx, "bearings");
         goto done;
     }
-    for (size_t i = 0; i <= fan->beams; i++) {
-        edges[i] = edge_of(fan, i);
-    }
+    asdic_fan_edges(fan, edges);
     status = asdic_decimator_init(ctx, fan->beams, fan->bins, fan->beams,
                                   (size_t)ceil(sector->radius_px), &thin);
     if (status != ASDIC_OK) {

@@ -3,6 +3,7 @@ program is not installed; `./dev test` installs them."""
 import csv
 import hashlib
 import json
+import math
 import os
 import re
 import shutil
@@ -542,6 +543,21 @@ def test_a_mosaic_lies_where_it_says():
             raise AssertionError("behind the vehicle nothing was seen")
         if brightness(0, 19.2) <= brightness(6, 19.2):
             raise AssertionError("the ball is brighter than the floor beside it")
+
+
+def test_a_mosaic_of_a_fan_that_looks_astern():
+    """Both halves of its floor, beyond 180 degrees as well."""
+    with Folder() as folder:
+        run = run_of(folder, pings=1, edits={
+            "  receivers:\n    - {name: forward}\n    - {name: down, pitch_deg: 45}":
+            "  receivers: {fan: {count: 4, sector_deg: 120, yaw_deg: 180}}"})
+        asdic("render", run, "--mosaic", folder / "m.png", "--cell", "0.5").check(code=0, out="")
+        yaws = [0, 90, 115, 125, 150, 178, 182, 200, 235, 245, 270]
+        places = "".join(f"{20 * math.sin(math.radians(y))} {20 * math.cos(math.radians(y))}\n" for y in yaws)
+        out = tool("gdallocationinfo", "-valonly", "-b", "1", "-geoloc", "m.png", cwd=folder.path,
+                   stdin=places).split()
+        tap.equal([yaw for yaw, value in zip(yaws, out) if value != "255"], [125, 150, 178, 182, 200, 235],
+                  "bearings that were seen")
 
 
 STEP = """version: 1

@@ -460,9 +460,13 @@ static void check_sector(const double *bearing_deg, size_t beams, double radius_
     }
     edges[0] = beams > 1 ? 2.0 * bearing[0] - edges[1] : bearing[0] - DEGREE;
     edges[beams] = beams > 1 ? 2.0 * bearing[beams - 1] - edges[beams - 1] : bearing[0] + DEGREE;
+    double low = edges[0], high = edges[beams];
+    if (high - low > 360.0 * DEGREE) {
+        low = 0.5 * (low + high) - 180.0 * DEGREE;
+        high = low + 360.0 * DEGREE;
+    }
     for (int i = 0; i <= 3600; i++) { /* along the arc */
-        double at = fmax(fmin(edges[0] + (edges[beams] - edges[0]) * i / 3600.0, 180.0 * DEGREE),
-                         -180.0 * DEGREE);
+        double at = low + (high - low) * i / 3600.0;
         x0 = fmin(x0, radius_px * sin(at));
         x1 = fmax(x1, radius_px * sin(at));
         y0 = fmin(y0, -radius_px * cos(at));
@@ -485,9 +489,13 @@ static void check_sector(const double *bearing_deg, size_t beams, double radius_
         double range = sqrt(x * x + y * y) / radius_px * BINS, at = atan2(x, y);
         uint32_t expected = UINT32_MAX;
         bool is_edge = fabs(range - rint(range)) < 1e-9;
-        for (size_t b = 0; b < beams; b++) {
-            is_edge = is_edge || fabs(at - edges[b]) < 1e-9 || fabs(at - edges[b + 1]) < 1e-9;
-            if (at >= edges[b] && at < edges[b + 1] && range < BINS) {
+        for (size_t k = 0; k < 3 * beams;
+             k++) { /* of the same bearings, those of atan2 come first */
+            static const double turns[] = {360.0, -360.0, 0.0};
+            double there = at + turns[k / beams] * DEGREE;
+            size_t b = k % beams;
+            is_edge = is_edge || fabs(there - edges[b]) < 1e-9 || fabs(there - edges[b + 1]) < 1e-9;
+            if (there >= edges[b] && there < edges[b + 1] && range < BINS) {
                 expected = (uint32_t)(b * BINS + (size_t)range);
             }
         }
@@ -506,6 +514,11 @@ static void pixels_belong_to_beams(void **state) {
     check_sector((const double[]){-140.0, -60.0, 10.0, 80.0, 150.0}, 5, 21.7);
     check_sector((const double[]){-180.0, -90.0, 0.0, 90.0, 180.0}, 5, 16.0);
     check_sector((const double[]){3.0}, 1, 60.0);
+    /* Astern, aside all round, and turned a whole turn. */
+    check_sector((const double[]){120.0, 150.0, 180.0, 210.0, 240.0}, 5, 31.3);
+    check_sector((const double[]){-90.0, 0.0, 90.0, 180.0, 270.0}, 5, 16.0);
+    check_sector((const double[]){-250.0, -200.0, -170.0}, 3, 22.9);
+    check_sector((const double[]){340.0, 350.0, 360.0}, 3, 41.0);
 }
 
 /* A head that turns round, beside one that goes back and forth; beams to starboard of it. */

@@ -232,19 +232,20 @@ static void fan_spreads_from_port_to_starboard(void **state) {
 }
 
 /* A pitched array: its beams lie in one plane, so that those at the sides look down less. */
-static void fan_of_an_array_lies_in_its_plane(void **state) {
-    (void)state;
+static void check_plane(double yaw_deg) {
     enum { COUNT = 5 };
     asdic_arena arena = {0};
     asdic_scene_file file;
-    char *text = edited(MINIMAL, "    - name: forward\n",
-                        "    fan: {count: 5, sector_deg: 150, yaw_deg: 20, pitch_deg: 10}\n");
+    char fan[128];
+    snprintf(fan, sizeof fan, "    fan: {count: 5, sector_deg: 150, yaw_deg: %g, pitch_deg: 10}\n",
+             yaw_deg);
+    char *text = edited(MINIMAL, "    - name: forward\n", fan);
     char *errors = read_errors(text, strlen(text), &arena, &file);
     assert_string_equal(errors, "");
     asdic_beam beams[COUNT];
     asdic_scene_file_receivers(&file, beams);
     const asdic_pose level = {{0.0, 0.0, 0.0}, 0.0, 0.0, 0.0};
-    const double degree = 3.14159265358979323846 / 180, yaw = 20 * degree, pitch = 10 * degree;
+    const double degree = 3.14159265358979323846 / 180, yaw = yaw_deg * degree, pitch = 10 * degree;
     for (size_t i = 0; i < COUNT; i++) {
         double bearing = (-60.0 + 30.0 * (double)i) * degree;
         asdic_vec3 axis = asdic_beam_axis(&beams[i], &level);
@@ -253,11 +254,20 @@ static void fan_of_an_array_lies_in_its_plane(void **state) {
         assert_close(axis.x, ahead * cos(yaw) - aside * sin(yaw), 1e-12);
         assert_close(axis.y, ahead * sin(yaw) + aside * cos(yaw), 1e-12);
         assert_close(axis.z, cos(bearing) * sin(pitch), 1e-12);
+        /* Bearings rise through 180 degrees, so that pictures know a fan. */
+        assert_true(i == 0 || beams[i].yaw_rad > beams[i - 1].yaw_rad);
     }
     assert_close(asin(asdic_beam_axis(&beams[0], &level).z) / degree, 4.98, 0.01);
     free(errors);
     free(text);
     asdic_arena_finish(&arena);
+}
+
+static void fan_of_an_array_lies_in_its_plane(void **state) {
+    (void)state;
+    check_plane(20.0);
+    check_plane(180.0);
+    check_plane(-130.0);
 }
 
 static void decimal_comma_locale_changes_nothing(void **state) {

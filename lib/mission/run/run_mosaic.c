@@ -36,27 +36,9 @@ typedef struct mosaic {
     size_t columns, rows;
     double *sum;     /* [row * columns + column], rows from south to north: intensities with gain */
     uint32_t *count; /* of pings that saw the cell */
+    double *edges_rad; /* of the beams */
     double db_per_decade, db_per_m;
 } mosaic;
-
-/* Where the beam that looks along BEARING_RAD is; as many as there are beams beside the fan. */
-static size_t beam_at(const asdic_sonar *sonar, double bearing_rad) {
-    size_t low = 0, high = sonar->receiver_count - 1;
-    const asdic_beam *beams = sonar->receivers;
-    double half_rad = 0.5 * (beams[1].yaw_rad - beams[0].yaw_rad);
-    if (bearing_rad < beams[0].yaw_rad - half_rad || bearing_rad > beams[high].yaw_rad + half_rad) {
-        return sonar->receiver_count;
-    }
-    while (high - low > 1) {
-        size_t middle = low + (high - low) / 2;
-        if (beams[middle].yaw_rad <= bearing_rad) {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    return bearing_rad - beams[low].yaw_rad > beams[high].yaw_rad - bearing_rad ? high : low;
-}
 
 /* Adds what RECORD, whose sonar has these AXES, heard from (NORTH_M, EAST_M) on the floor:
  * the terrain, beside which there is none, or a plane as deep as straight below the vehicle. */
@@ -74,7 +56,7 @@ static void add_cell(mosaic *m, const asdic_record *record, asdic_mat3 axes, siz
     double range_m = asdic_vec3_length(way_m);
     size_t bin = (size_t)(range_m / m->bin_length_m);
     asdic_vec3 along = asdic_mat3_apply_inverse(axes, way_m);
-    size_t beam = beam_at(m->info.sonar, atan2(along.y, along.x));
+    size_t beam = asdic_fan_beam(m->edges_rad, m->info.beams, atan2(along.y, along.x));
     if (bin >= m->info.bins || beam >= m->info.beams) {
         return;
     }
@@ -197,6 +179,21 @@ static asdic_status write(mosaic *m, const char *path, const asdic_picture_optio
     return status == ASDIC_OK ? write_world(m, path) : status;
 }
 
+static asdic_status find_edges(mosaic *m) {
+    double *bearing_rad = malloc(m->info.beams * sizeof *bearing_rad);
+    m->edges_rad = malloc((m->info.beams + 1) * sizeof *m->edges_rad);
+    bool good = bearing_rad && m->edges_rad;
+    for (size_t b = 0; good && b < m->info.beams; b++) {
+        bearing_rad[b] = m->info.sonar->receivers[b].yaw_rad;
+    }
+    if (good) {
+        asdic_fan_edges(&(asdic_fan){.bearing_rad = bearing_rad, .beams = m->info.beams},
+                        m->edges_rad);
+    }
+    free(bearing_rad);
+    return good ? ASDIC_OK : asdic_fail_memory(m->ctx, "bearings");
+}
+
 static asdic_status lay(mosaic *m, const asdic_render_options *options) {
     asdic_picture_options look = {
         .db_low = options->db_low, .db_high = options->db_high, .colormap = options->colormap};
@@ -212,6 +209,7 @@ static asdic_status lay(mosaic *m, const asdic_render_options *options) {
                       : 2e-3 * asdic_environment_absorption_db_per_km(m->info.environment,
                                                                       m->info.sonar->frequency_hz,
                                                                       record.pose.position_m.z);
+    TRY(find_edges(m));
     for (size_t i = 0; i < m->info.pings; i++) {
         TRY(asdic_step(m->ctx, "pings", i, m->info.pings));
         TRY(asdic_run_read(m->run, i, &record));
@@ -240,6 +238,7 @@ asdic_status asdic_run_mosaic(asdic_context *ctx, const char *folder, double cel
                      : lay(&m, options);
     }
     asdic_chart_data_finish(&m.data);
+    free(m.edges_rad);
     free(m.sum);
     free(m.count);
     asdic_run_close(&m.run);

@@ -121,7 +121,10 @@ static void turn_in_plane(const file_fan *fan, double bearing_deg, asdic_beam *b
     asdic_mat3 face =
         asdic_mat3_multiply(array, asdic_mat3_attitude(0.0, 0.0, radians(bearing_deg)));
     beam->pitch_rad = asin(fmax(fmin(face.m[2][0], 1.0), -1.0));
-    beam->yaw_rad = atan2(face.m[1][0], face.m[0][0]);
+    /* Whole turns as the untilted beam has them: bearings go on astern. */
+    double yaw_rad = radians(fan->yaw_deg + bearing_deg);
+    beam->yaw_rad =
+        yaw_rad + remainder(atan2(face.m[1][0], face.m[0][0]) - yaw_rad, 2.0 * ASDIC_PI);
     beam->roll_rad = atan2(face.m[2][1], face.m[2][2]);
 }
 
