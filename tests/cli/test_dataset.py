@@ -213,6 +213,11 @@ def test_masks_are_those_of_rays():
     with Folder() as folder:
         asdic("dataset", scene(folder, rays=6000000), "-n", "1", "--range-db", "0:100",
               "-o", folder / "d").check(code=0)
+        tap.equal(json.loads(folder.read("d/dataset.json"))["classes"], ["ball", "post"], "classes")
+        tap.equal(folder.read("d/classes.txt"), "ball\npost\n", "classes.txt")
+        none = asdic("dataset", folder / "none.yaml", "--range-db", "0:100", "-o", folder / "e")
+        tap.contains(none.check(code=3).err, "none.yaml: cannot open")
+        tap.equal(os.path.exists(folder / "e"), False, "a folder")
         out = python("""
 import json, numpy as np
 from PIL import Image

@@ -327,12 +327,14 @@ static asdic_status make_frames(dataset *d) {
     return ASDIC_OK;
 }
 
-/* The window of levels that frame 0 fills, where none is given. */
-static asdic_status find_window(dataset *d) {
+/* The window of levels, that frame 0 fills where none is given. Its scene is kept, for the names of classes. */
+static asdic_status look_at_first(dataset *d) {
     d->low_db = d->options.low_db;
     d->high_db = d->options.high_db;
     if (!isnan(d->low_db) && !isnan(d->high_db)) {
-        return ASDIC_OK;
+        asdic_mission *mission = NULL;
+        built *from = NULL;
+        return load(d, 0, &mission, &from);
     }
     slot *s = &d->slots[0];
     TRY(make_frame(d, 0, s));
@@ -432,7 +434,7 @@ static asdic_status check_options(asdic_context *ctx, asdic_dataset_options *o) 
 
 static asdic_status make_set(dataset *d) {
     TRY(asdic_dataset_check(d->ctx, &d->options));
-    TRY(find_window(d));
+    TRY(look_at_first(d));
     TRY(asdic_dataset_enter(d->ctx, &d->options));
     char *text = describe_set(d);
     asdic_status status = text ? asdic_dataset_begin(d->ctx, &d->options, text)
