@@ -328,11 +328,11 @@ static void cut_surfaces(finder *f) {
 /* Shells of water, new in every ping: what scatters there drifts. */
 static void cut_water(finder *f, double wanted) {
     const dev_ping *ping = f->shot->ping;
-    if (f->sim->setup.sampling.left_out & (1u << ASDIC_TERM_VOLUME)) {
+    double depth = ping->range_m - ping->blanking_m;
+    if (f->sim->setup.sampling.left_out & (1u << ASDIC_TERM_VOLUME) || depth <= 0.0) {
         return;
     }
     double pulse = 0.5 * f->shot->water.sound_speed_mps / f->sim->setup.sonar.bandwidth_hz;
-    double depth = ping->range_m - ping->blanking_m;
     double thick = fmin(0.5 * pulse, fmax(0.25 * pulse, 8.0 * depth / wanted));
     size_t shells = (size_t)ceil(depth / thick);
     double each = fmin(fmax(wanted / (double)shells, 8.0), DEV_PATCH_SCATTERERS);

@@ -264,6 +264,24 @@ static void water_is_new_in_every_ping(void **state) {
     rig_destroy(&r);
 }
 
+/* Beyond the last bin nothing is heard, and no memory asked for. */
+static void blanking_may_leave_no_bin(void **state) {
+    (void)state;
+    ping_rig r = array_rig(&t);
+    r.env.particle_strength_db = -50.0;
+    r.sonar.max_range_m = 20.0;
+    r.sonar.blanking_m = 25.0;
+    r.sampling.rays = 1000;
+    asdic_simulator *sim = rig_simulator(&r);
+    asdic_ping *ping = array_shoot(&r, sim, 0);
+    for (size_t i = 0; i < 2 * ping->elements * ping->samples; i++) {
+        assert_true(ping->pressure[i] == 0.0f);
+    }
+    asdic_ping_destroy(&ping);
+    asdic_simulator_destroy(&sim);
+    rig_destroy(&r);
+}
+
 int main(void) {
     t = test_device_open_or_skip();
     const struct CMUnitTest tests[] = {
@@ -274,6 +292,7 @@ int main(void) {
         cmocka_unit_test(work_groups_change_no_byte),
         cmocka_unit_test(both_sides_are_heard),
         cmocka_unit_test(water_is_new_in_every_ping),
+        cmocka_unit_test(blanking_may_leave_no_bin),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
     test_device_close(&t);

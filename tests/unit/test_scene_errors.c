@@ -258,6 +258,10 @@ static void keys_must_fit_together(void **state) {
     expect_edit("100\n", "100\n  max_range_m: 20\n  blanking_m: 30\n",
                 "6:15: error: 'blanking_m' = 30 is not below the maximum range of 20 m; lower it "
                 "or raise 'max_range_m'  [sonar.blanking_m]\n");
+    expect_edit(
+        "100\n", "100\n  max_range_m: 20.3\n  bin_length_m: 0.5\n  blanking_m: 20\n",
+        "7:15: error: 'blanking_m' = 20 leaves no bin, as the last ends at 20 m; lower it or "
+        "'bin_length_m'  [sonar.blanking_m]\n");
     expect_edit("100\n", "100\n  blanking_m: 80\n",
                 "5:15: error: 'blanking_m' = 80 is not below the maximum range of 74.51 m, which "
                 "is c / (2 ping_rate_hz); lower it or 'ping_rate_hz'  [sonar.blanking_m]\n");

@@ -163,6 +163,11 @@ static void check_bins(const asdic_scene_file *file, asdic_problems *problems) {
                            "'blanking_m' = %.15g is not below the maximum range of %.4g m%s; "
                            "lower it or %s",
                            s->blanking_m, range_m, which, key);
+    } else if (s->blanking_m >= (double)bins * s->bin_length_m && s->bin_length_m <= range_m) {
+        asdic_yaml_problem(problems, at(s->node, "blanking_m"),
+                           "'blanking_m' = %.15g leaves no bin, as the last ends at %.15g m; lower "
+                           "it or 'bin_length_m'",
+                           s->blanking_m, (double)bins * s->bin_length_m);
     }
     if (s->bin_length_m > range_m) {
         asdic_yaml_problem(problems, at(s->node, "bin_length_m"),
