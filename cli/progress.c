@@ -36,11 +36,11 @@ cli_progress cli_progress_begin(const cli *c) {
 void cli_progress_short(char text[16], double value) {
     static const char units[] = " kMGT";
     size_t unit = 0;
-    while (value >= 1000.0 && unit + 2 < sizeof units) {
+    while (value >= 999.5 && unit + 2 < sizeof units) {
         value /= 1000.0;
         unit++;
     }
-    const char *format = value < 10.0 ? "%.2f %c" : value < 100.0 ? "%.1f %c" : "%.0f %c";
+    const char *format = value < 9.995 ? "%.2f %c" : value < 99.95 ? "%.1f %c" : "%.0f %c";
     snprintf(text, 16, unit ? format : "%.0f ", value, units[unit]);
 }
 
