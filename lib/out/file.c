@@ -17,6 +17,7 @@ struct asdic_file {
     FILE *stream;
     char *path;
     char *part; /* NULL: written directly to PATH */
+    bool soon;  /* the disk is not waited for */
 };
 
 /* Renaming over a terminal, a pipe or /dev/full would replace it. */
@@ -156,7 +157,7 @@ static int file_close(asdic_file *file) {
     } else if (fflush(file->stream) != 0) {
         error = errno;
     }
-    if (!error && file->part && fsync(fileno(file->stream)) != 0) {
+    if (!error && file->part && !file->soon && fsync(fileno(file->stream)) != 0) {
         error = errno;
     }
     if (!error && file->part && !is_own(file)) {
@@ -190,12 +191,23 @@ void asdic_file_discard(asdic_file **file) {
     file_free(file);
 }
 
-asdic_status asdic_file_write_all(asdic_context *ctx, const char *path, const void *bytes,
-                                  size_t length) {
+static asdic_status write_whole(asdic_context *ctx, const char *path, const void *bytes,
+                                size_t length, bool soon) {
     asdic_file *file;
     TRY(asdic_file_create(ctx, path, &file));
+    file->soon = soon;
     fwrite(bytes, 1, length, file->stream);
     return asdic_file_commit(&file);
+}
+
+asdic_status asdic_file_write_all(asdic_context *ctx, const char *path, const void *bytes,
+                                  size_t length) {
+    return write_whole(ctx, path, bytes, length, false);
+}
+
+asdic_status asdic_file_write_soon(asdic_context *ctx, const char *path, const void *bytes,
+                                   size_t length) {
+    return write_whole(ctx, path, bytes, length, true);
 }
 
 asdic_status asdic_file_sum(asdic_context *ctx, const char *path, asdic_sum *out) {

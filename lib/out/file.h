@@ -36,6 +36,10 @@ asdic_status asdic_file_fail(asdic_context *ctx, const char *path, int error);
 asdic_status asdic_file_write_all(asdic_context *ctx, const char *path, const void *bytes,
                                   size_t length);
 
+/* The same without waiting for the disk, for data sets of many small files. */
+asdic_status asdic_file_write_soon(asdic_context *ctx, const char *path, const void *bytes,
+                                   size_t length);
+
 /* What a file's bytes come to. */
 typedef struct asdic_sum {
     uint64_t bytes;

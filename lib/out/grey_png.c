@@ -1,14 +1,11 @@
 #include "grey_png.h"
 
-#include "base/context.h"
-
 #include <zlib.h>
 
-#include <errno.h>
-#include <stdio.h>
+#include <stdbool.h>
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 static void put32(unsigned char *at, uint32_t value) {
     for (int k = 0; k < 4; k++) {
@@ -86,26 +83,4 @@ unsigned char *asdic_grey_png(const asdic_grey *image, size_t *length) {
     at = end_chunk(at, "IEND", 0);
     *length = (size_t)(at - file);
     return file;
-}
-
-asdic_status asdic_write_soon(asdic_context *ctx, const char *path, const void *bytes,
-                              size_t length) {
-    char part[4096];
-    snprintf(part, sizeof part, "%s.part", path);
-    FILE *file = fopen(part, "wbe");
-    bool good = file && fwrite(bytes, 1, length, file) == length;
-    int error = errno;
-    if (file && fclose(file) != 0 && good) {
-        good = false;
-        error = errno;
-    }
-    if (good && rename(part, path) != 0) {
-        good = false;
-        error = errno;
-    }
-    if (good) {
-        return ASDIC_OK;
-    }
-    unlink(part);
-    return asdic_fail(ctx, ASDIC_ERROR_IO, "cannot write '%s': %s", path, strerror(error));
 }

@@ -1,10 +1,10 @@
 /*
- * Grey PNG files for data sets: written at speed, some hundred a second.
+ * Grey PNG files for data sets: packed at speed, some hundred a second.
  */
 #ifndef ASDIC_OUT_GREY_PNG_H
 #define ASDIC_OUT_GREY_PNG_H
 
-#include <asdic/context.h>
+#include <stddef.h>
 
 /* WIDTH x HEIGHT greys, row by row from the top, of BITS 8 (VALUES: uint8_t) or 16 (uint16_t). */
 typedef struct asdic_grey {
@@ -15,9 +15,5 @@ typedef struct asdic_grey {
 
 /* The whole file, freed with free(); NULL when memory is short. */
 unsigned char *asdic_grey_png(const asdic_grey *image, size_t *length);
-
-/* Writes LENGTH bytes to PATH, complete or not at all, without waiting for the disk. */
-asdic_status asdic_write_soon(asdic_context *ctx, const char *path, const void *bytes,
-                              size_t length);
 
 #endif

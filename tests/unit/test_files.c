@@ -6,7 +6,6 @@
 
 #include "base/context.h"
 #include "out/file.h"
-#include "out/grey_png.h"
 #include "out/png_file.h"
 
 #include <errno.h>
@@ -196,6 +195,9 @@ static void links_are_replaced(void **state) {
     asdic_file *file = begin("new");
     assert_ok(ctx, asdic_file_commit(&file));
     assert_true(holds(name, "new") && is_missing(part) && holds(target, "mine"));
+    assert_int_equal(unlink(name) | symlink(target, name) | symlink(target, part), 0);
+    assert_ok(ctx, asdic_file_write_soon(ctx, name, "soon", 4));
+    assert_true(holds(name, "soon") && is_missing(part) && holds(target, "mine"));
     assert_int_equal(unlink(name) | unlink(target), 0);
 }
 
@@ -231,15 +233,15 @@ static void what_the_disk_refuses_is_told(void **state) {
 static void files_written_soon_are_whole(void **state) {
     (void)state;
     char none[80];
-    assert_int_equal(asdic_write_soon(ctx, name, "whole", 5), ASDIC_OK);
+    assert_int_equal(asdic_file_write_soon(ctx, name, "whole", 5), ASDIC_OK);
     assert_true(holds(name, "whole"));
     assert_int_equal(unlink(name), 0);
     assert_int_equal(mkdir(name, 0777), 0);
-    assert_int_equal(asdic_write_soon(ctx, name, "whole", 5), ASDIC_ERROR_IO);
+    assert_int_equal(asdic_file_write_soon(ctx, name, "whole", 5), ASDIC_ERROR_IO);
     assert_contains(asdic_context_error(ctx), "Is a directory");
     assert_int_equal(rmdir(name), 0);
     snprintf(none, sizeof none, "%s/none/soon", folder);
-    assert_int_equal(asdic_write_soon(ctx, none, "x", 1), ASDIC_ERROR_IO);
+    assert_int_equal(asdic_file_write_soon(ctx, none, "x", 1), ASDIC_ERROR_IO);
     assert_contains(asdic_context_error(ctx), "No such file or directory");
 }
 

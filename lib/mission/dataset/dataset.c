@@ -9,7 +9,6 @@
 #include "mission/mission.h"
 #include "mission/run/run_folder.h"
 #include "out/file.h"
-#include "out/grey_png.h"
 #include "out/raster.h"
 
 #include <dirent.h>

@@ -7,7 +7,6 @@
 #include "labelled.h"
 #include "mission/run/run_folder.h"
 #include "out/file.h"
-#include "out/grey_png.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -285,7 +284,7 @@ static asdic_status copy(asdic_context *ctx, const char *from, const char *to) {
     char *bytes = NULL;
     size_t length = 0;
     TRY(asdic_file_read(ctx, from, MOST_BYTES, &bytes, &length));
-    asdic_status status = asdic_write_soon(ctx, to, bytes, length);
+    asdic_status status = asdic_file_write_soon(ctx, to, bytes, length);
     free(bytes);
     return status;
 }

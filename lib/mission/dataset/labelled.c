@@ -4,6 +4,7 @@
 #include "base/decibel.h"
 #include "base/try.h"
 #include "outline.h"
+#include "out/file.h"
 #include "out/grey_png.h"
 #include "out/npy.h"
 #include "out/raster.h"
@@ -77,8 +78,8 @@ void asdic_frame_maps_finish(asdic_frame_map maps[ASDIC_FORM_COUNT]) {
 static asdic_status write_png(asdic_context *ctx, const char *path, const asdic_grey *image) {
     size_t length = 0;
     unsigned char *bytes = asdic_grey_png(image, &length);
-    asdic_status status =
-        bytes ? asdic_write_soon(ctx, path, bytes, length) : asdic_fail_memory(ctx, "a picture");
+    asdic_status status = bytes ? asdic_file_write_soon(ctx, path, bytes, length)
+                                : asdic_fail_memory(ctx, "a picture");
     free(bytes);
     return status;
 }
@@ -96,7 +97,8 @@ static asdic_status write_levels(asdic_context *ctx, const asdic_labelled *f,
     }
     memcpy(whole, header, length);
     memcpy(whole + length, levels_db, cells * sizeof *levels_db);
-    asdic_status status = asdic_write_soon(ctx, path, whole, length + cells * sizeof *levels_db);
+    asdic_status status =
+        asdic_file_write_soon(ctx, path, whole, length + cells * sizeof *levels_db);
     free(whole);
     return status;
 }
@@ -178,7 +180,7 @@ static asdic_status write_labels(asdic_context *ctx, const asdic_labelled *f, as
     asdic_status status =
         yolo.failed || record->failed
             ? asdic_fail_memory(ctx, "labels")
-            : asdic_write_soon(ctx, path, yolo.length ? yolo.data : "", yolo.length);
+            : asdic_file_write_soon(ctx, path, yolo.length ? yolo.data : "", yolo.length);
     asdic_text_finish(&yolo);
     return status;
 }
@@ -209,7 +211,7 @@ static asdic_status write_record(asdic_context *ctx, const asdic_labelled *f, as
     char path[4096];
     asdic_frame_path(path, f->folder, "frames", f->index, "txt");
     return record->failed ? asdic_fail_memory(ctx, "a frame's record")
-                          : asdic_write_soon(ctx, path, record->data, record->length);
+                          : asdic_file_write_soon(ctx, path, record->data, record->length);
 }
 
 static asdic_status write_all(asdic_context *ctx, const asdic_labelled *f, float *levels_db,
