@@ -346,6 +346,21 @@ static void any_waypoints_come_to_an_end(void **state) {
     }
 }
 
+/* A current that is faster than the vehicle carries it away from all but where it begins. */
+static void a_waypoint_out_of_reach_is_named(void **state) {
+    (void)state;
+    const double points_m[] = {0, 0, 5, 1000, 0, 5};
+    asdic_context *ctx = NULL;
+    asdic_track *track = NULL;
+    asdic_flight flight = nomoto(points_m, 2, 1.5, 5.0, 1.0, 0.3);
+    set_current(&flight, 2.0, ASDIC_PI);
+    assert_int_equal(asdic_context_create(&ctx), ASDIC_OK);
+    assert_int_equal(asdic_flight_fly(ctx, &flight, &track), ASDIC_ERROR_INPUT);
+    assert_null(track);
+    assert_contains(asdic_context_error(ctx), "waypoint 1 is not reached in ");
+    asdic_context_destroy(&ctx);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(straight_line_takes_length_over_speed),
@@ -359,6 +374,7 @@ int main(void) {
         cmocka_unit_test(current_is_met_by_a_crab_angle),
         cmocka_unit_test(altitude_is_held_over_the_bottom),
         cmocka_unit_test(any_waypoints_come_to_an_end),
+        cmocka_unit_test(a_waypoint_out_of_reach_is_named),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
