@@ -60,6 +60,21 @@ static void rows_run_south(void **state) {
     asdic_mesh_destroy(&mesh);
 }
 
+/* A ridge from north to south between two slopes: each facet has its own corners. */
+static void facets_are_of_their_corners(void **state) {
+    (void)state;
+    mesh_rig_write(&rig, "g.asc",
+                   "ncols 3\nnrows 2\nxllcenter 0\nyllcenter 0\ncellsize 1\n"
+                   "10 20 10\n10 20 10\n");
+    asdic_mesh *mesh = load(true);
+    for (double north_m = 0.1; north_m < 1.0; north_m += 0.2) {
+        for (double east_m = 0.15; east_m < 2.0; east_m += 0.2) {
+            assert_close(depth_at(mesh, north_m, east_m), 20.0 - 10.0 * fabs(east_m - 1.0), 1e-4);
+        }
+    }
+    asdic_mesh_destroy(&mesh);
+}
+
 static void heights_and_other_headers(void **state) {
     (void)state;
     mesh_rig_write(&rig, "g.asc",
@@ -130,6 +145,7 @@ static void locale_does_not_matter(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(rows_run_south),
+        cmocka_unit_test(facets_are_of_their_corners),
         cmocka_unit_test(heights_and_other_headers),
         cmocka_unit_test(holes),
         cmocka_unit_test(refusals),
