@@ -3,6 +3,7 @@
  */
 #include "mesh_rig.h"
 
+#include "base/text.h"
 #include "scene/mesh_build.h"
 
 #include <stdio.h>
@@ -72,6 +73,8 @@ static void ply_bodies(void **state) {
         {"ply\nformat ascii 1.0\nelement edge 900000000000\nend_header\n", "no properties"},
         {"ply\nformat ascii 1.0\nelement vertex 3 4\n", ":3: '4' follows"},
         {"ply\nformat ascii 1.0\nelement vertex 3\nproperty float\n", ":4: this property has no"},
+        {"ply\nformat ascii 1.0\nelement vertex 3\nproperty real x\n",
+         ":4: unknown type of a property"},
         {PLY_HEAD("3", "1") "0 0 0\n1 0x1 0\n0 1 0\n3 0 1 2\n", ":11: vertex 1"},
         {PLY_HEAD("3", "1") "0 0 0\n1 1e39 0\n0 1 0\n3 0 1 2\n", ":11: vertex 1"},
         {PLY_HEAD("3", "1") "0 0 0\n1 0 0\n0 1 0\n3.5 0 1 2 1\n", ":13: face 0"},
@@ -80,6 +83,37 @@ static void ply_bodies(void **state) {
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         mesh_rig_write(&rig, "m.ply", cases[i].text);
         mesh_rig_refuse(&rig, cases[i].part);
+    }
+}
+
+/* A vertex has 64 properties at most. */
+static void ply_properties(void **state) {
+    (void)state;
+    for (int count = 64; count <= 65; count++) {
+        asdic_text text = {0};
+        asdic_text_format(&text, "ply\nformat ascii 1.0\nelement vertex 3\n"
+                                 "property float x\nproperty float y\nproperty float z\n");
+        for (int k = 3; k < count; k++) {
+            asdic_text_format(&text, "property float p%d\n", k);
+        }
+        asdic_text_format(&text, "element face 1\nproperty list uchar int vertex_indices\n"
+                                 "end_header\n");
+        for (int corner = 0; corner < 3; corner++) {
+            asdic_text_format(&text, "%d %d 0", corner == 1, corner == 2);
+            for (int k = 3; k < count; k++) {
+                asdic_text_format(&text, " 5");
+            }
+            asdic_text_format(&text, "\n");
+        }
+        asdic_text_format(&text, "3 0 1 2\n");
+        assert_false(text.failed);
+        mesh_rig_write(&rig, "m.ply", text.data);
+        asdic_text_finish(&text);
+        if (count == 64) {
+            mesh_rig_expect(&rig, 1, 0);
+        } else {
+            mesh_rig_refuse(&rig, "more than 64 of them");
+        }
     }
 }
 
@@ -180,9 +214,8 @@ static void ply_integers(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(ply_counts),
-        cmocka_unit_test(ply_bodies),
-        cmocka_unit_test(ply_binary),
+        cmocka_unit_test(ply_counts),     cmocka_unit_test(ply_bodies),
+        cmocka_unit_test(ply_properties), cmocka_unit_test(ply_binary),
         cmocka_unit_test(ply_integers),
     };
     mesh_rig_open(&rig);
