@@ -67,6 +67,37 @@ static void relief_is_the_bottoms_depth(void **state) {
     asdic_scene_destroy(&scene);
 }
 
+/* Of a single triangle only the cells whose centre lies in it, not all of its box. */
+static void relief_keeps_to_its_triangles(void **state) {
+    (void)state;
+    enum { SIDE = 10 };
+    const double corners_m[] = {0, 0, 10, 10, 0, 10, 0, 10, 10};
+    const uint32_t triangle[] = {0, 1, 2};
+    asdic_scene *scene;
+    asdic_mesh *mesh;
+    float depth_m[SIDE * SIDE];
+    asdic_relief relief = {.columns = SIDE, .rows = SIDE, .cell_m = 1, .depth_m = depth_m};
+    assert_int_equal(asdic_scene_create(ctx, &scene), ASDIC_OK);
+    assert_int_equal(asdic_mesh_from_triangles(ctx, corners_m, 3, triangle, 1, &mesh), ASDIC_OK);
+    asdic_material sand = asdic_material_bottom(2.0);
+    assert_int_equal(asdic_scene_add_bottom(scene, mesh, (asdic_pose){0}, sand), ASDIC_OK);
+    asdic_mesh_destroy(&mesh);
+    assert_int_equal(asdic_scene_commit(scene), ASDIC_OK);
+    asdic_chart_relief(scene, &relief);
+    for (size_t row = 0; row < SIDE; row++) {
+        for (size_t column = 0; column < SIDE; column++) {
+            float found_m = depth_m[row * SIDE + column];
+            double north_m = 9.5 - (double)row, east_m = (double)column + 0.5;
+            if (north_m + east_m < 9.5) {
+                assert_close(found_m, 10.0, 1e-6);
+            } else if (north_m + east_m > 10.5) { /* at 10 m they lie on the edge */
+                assert_true(isnan(found_m));
+            }
+        }
+    }
+    asdic_scene_destroy(&scene);
+}
+
 /* A ball over a plane shows where objects are told apart; one that moves does not. */
 static void relief_tells_objects_apart(void **state) {
     (void)state;
@@ -448,6 +479,17 @@ static void overview_keeps_the_strongest(void **state) {
     asdic_overview_finish(&o);
 }
 
+/* The gain is that of each bin's middle, and of no bin more than there are. */
+static void overview_gain_is_of_its_bins(void **state) {
+    (void)state;
+    double gain_db[] = {7, 7, 7, 7};
+    asdic_overview o = {.bins = 3, .bin_length_m = 10, .gain_db = gain_db};
+    asdic_overview_set_gain(&o, 20.0, 0.1);
+    assert_close(gain_db[0], 20.0 * log10(5.0) + 0.5, 1e-12);
+    assert_close(gain_db[2], 20.0 * log10(25.0) + 2.5, 1e-12);
+    assert_close(gain_db[3], 7.0, 0.0);
+}
+
 /* Reverberation that its gain makes rise to the last bin is no echo; a weaker one on it is. */
 static void overview_leaves_out_the_last_bin(void **state) {
     (void)state;
@@ -678,6 +720,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(cells_of_an_overview_are_whole_pixels),
         cmocka_unit_test(relief_is_the_bottoms_depth),
+        cmocka_unit_test(relief_keeps_to_its_triangles),
         cmocka_unit_test(relief_tells_objects_apart),
         cmocka_unit_test(relief_is_lit_from_the_north_west),
         cmocka_unit_test(light_falls_on_slopes),
@@ -689,6 +732,7 @@ int main(void) {
         cmocka_unit_test(footprint_on_terrain),
         cmocka_unit_test(footprint_beside_a_hole),
         cmocka_unit_test(overview_keeps_the_strongest),
+        cmocka_unit_test(overview_gain_is_of_its_bins),
         cmocka_unit_test(overview_leaves_out_the_last_bin),
         cmocka_unit_test(names_do_not_cover_what_they_name),
         cmocka_unit_test(routes_are_the_runs),
