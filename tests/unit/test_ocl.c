@@ -162,6 +162,47 @@ static void work_group_is_lowered_and_range_rounded_up(void **state) {
     asdic_kernel_destroy(&kernel);
 }
 
+/* What a kernel may have by the driver's word: less than the device, where registers run short. 0: as it is. */
+static size_t kernel_limit;
+
+cl_int __real_clGetKernelWorkGroupInfo(cl_kernel kernel, cl_device_id device,
+                                       cl_kernel_work_group_info what, size_t room, void *to,
+                                       size_t *length);
+cl_int __wrap_clGetKernelWorkGroupInfo(cl_kernel kernel, cl_device_id device,
+                                       cl_kernel_work_group_info what, size_t room, void *to,
+                                       size_t *length);
+
+cl_int __wrap_clGetKernelWorkGroupInfo(cl_kernel kernel, cl_device_id device,
+                                       cl_kernel_work_group_info what, size_t room, void *to,
+                                       size_t *length) {
+    cl_int code = __real_clGetKernelWorkGroupInfo(kernel, device, what, room, to, length);
+    if (code == CL_SUCCESS && what == CL_KERNEL_WORK_GROUP_SIZE && kernel_limit > 0) {
+        memcpy(to, &kernel_limit, sizeof kernel_limit);
+    }
+    return code;
+}
+
+static void a_kernel_may_take_less_than_its_device(void **state) {
+    (void)state;
+    asdic_kernel *kernel = NULL;
+    cl_uint got[3];
+    assert_ok(t.ctx, asdic_kernel_create(t.device, "simple.cl", "", "sizes", &kernel));
+    size_t most = asdic_kernel_max_work_group(kernel);
+    asdic_kernel_destroy(&kernel);
+    if (most < 4) {
+        skip();
+    }
+    kernel_limit = 3;
+    asdic_status status = asdic_kernel_create(t.device, "simple.cl", "", "sizes", &kernel);
+    kernel_limit = 0;
+    assert_ok(t.ctx, status);
+    assert_int_equal(asdic_kernel_max_work_group(kernel), 3);
+    launch_sizes(kernel, 7, 64, got);
+    assert_int_equal(got[0], 9);
+    assert_int_equal(got[1], 3);
+    asdic_kernel_destroy(&kernel);
+}
+
 static size_t program_count(void) {
     size_t count = 0;
     for (const asdic_program *p = t.device->programs; p; p = p->next) {
@@ -301,6 +342,7 @@ int main(void) {
         cmocka_unit_test(allocation_beyond_the_limit_names_both_numbers),
         cmocka_unit_test_setup(kernel_computes, use_test_kernels),
         cmocka_unit_test_setup(work_group_is_lowered_and_range_rounded_up, use_test_kernels),
+        cmocka_unit_test_setup(a_kernel_may_take_less_than_its_device, use_test_kernels),
         cmocka_unit_test_setup(same_source_and_options_share_a_program, use_test_kernels),
         cmocka_unit_test_setup(compile_error_names_file_and_line, use_test_kernels),
         cmocka_unit_test_setup(missing_kernel_and_source_are_named, use_test_kernels),
