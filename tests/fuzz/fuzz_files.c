@@ -5,6 +5,7 @@
 #include <asdic/asdic.h>
 
 #include "mission/track/track.h"
+#include "scene/placement.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -55,7 +56,17 @@ void fuzz_track(const uint8_t *data, size_t size) {
     asdic_context_destroy(&ctx);
 }
 
-/* A mesh that loads must be sound: finite, and fit to be built into a scene. */
+/* Moves the first moving object of a scene that is committed. */
+static void move(const asdic_scene *scene) {
+    asdic_placement *placement = NULL;
+    const asdic_pose there = {.position_m = {3.0, -2.0, 9.0}, .yaw_rad = 1.0, .roll_rad = 0.5};
+    if (asdic_placement_create(scene, &placement) == ASDIC_OK) {
+        asdic_placement_move(placement, 0, &there);
+    }
+    asdic_placement_destroy(&placement);
+}
+
+/* A mesh that loads must be sound: finite, and fit to be built into a scene, where it moves also. */
 static void use_mesh(asdic_context *ctx, asdic_mesh *mesh) {
     asdic_scene *scene = NULL;
     asdic_pose here = {.position_m = {0.0, 0.0, 10.0}};
@@ -63,10 +74,13 @@ static void use_mesh(asdic_context *ctx, asdic_mesh *mesh) {
     if (info.triangles == 0 || !isfinite(info.min_m.x) || !isfinite(info.max_m.z)) {
         abort();
     }
+    asdic_material rock = asdic_material_bottom(2.0);
     if (asdic_scene_create(ctx, &scene) == ASDIC_OK &&
-        asdic_scene_add_bottom(scene, mesh, here, asdic_material_bottom(2.0)) == ASDIC_OK &&
+        asdic_scene_add_bottom(scene, mesh, here, rock) == ASDIC_OK &&
+        asdic_scene_add_moving_object(scene, "moves", mesh, here, rock) == ASDIC_OK &&
         asdic_scene_commit(scene) == ASDIC_OK) {
         asdic_scene_altitude_m(scene, (asdic_vec3){0.1, 0.1, 0.0});
+        move(scene);
     }
     asdic_scene_destroy(&scene);
 }
