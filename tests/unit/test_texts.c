@@ -5,7 +5,7 @@
 #include "asserts.h"
 #include "test_device.h"
 
-#include "lib/out/draw_chart.h"
+#include "lib/out/draw_chart_page.h"
 #include "lib/out/overview.h"
 
 #include <asdic/asdic.h>
@@ -303,6 +303,47 @@ static void plans(void **state) {
     }
 }
 
+/* A name goes 8 px beside what it names, or 26 px where all eight sides are taken, here but for one: below left. */
+static void names_go_where_there_is_room(void **state) {
+    (void)state;
+    static const asdic_relief no_relief;
+    static const double taken_px[8][2] = {{36, 0},   {-36, 0}, {0, -27},   {0, 27},
+                                          {36, -27}, {36, 27}, {-36, -27}, {-14, 16}};
+    const double north_m[2] = {0, 100}, east_m[2] = {0, 100};
+    asdic_picture_options options = options_of("plan");
+    asdic_outline outlines[9] = {0};
+    asdic_chart_page page;
+    asdic_chart chart = {.relief = &no_relief,
+                         .outlines = outlines,
+                         .outline_count = 9,
+                         .north_m = north_m,
+                         .east_m = east_m,
+                         .track_count = 2,
+                         .last_time_s = 1};
+    for (size_t i = 0; i < 9; i++) {
+        outlines[i].count = 1;
+        outlines[i].north_m[0] = outlines[i].east_m[0] = 50;
+    }
+    snprintf(outlines[8].name, sizeof outlines[8].name, "named");
+    asdic_chart_page_init(&page, &chart, &options);
+    for (size_t i = 0; i < 8; i++) {
+        outlines[i].east_m[0] += taken_px[i][0] / page.px_per_m;
+        outlines[i].north_m[0] -= taken_px[i][1] / page.px_per_m;
+    }
+    box_count = 0;
+    assert_ok(t.ctx, asdic_draw_chart(t.ctx, path, &chart, &options));
+    assert_int_equal(times_written("named"), 1);
+    double x = asdic_chart_x(&page, 50), y = asdic_chart_y(&page, 50);
+    for (size_t i = 0; i < box_count; i++) {
+        const struct box *b = &boxes[i];
+        if (strcmp(b->text, "named") == 0) {
+            assert_close(b->right, x - 26.0 - 3.0, 2.0); /* its ground is 3 px wider */
+            assert_true(b->top > y + 26.0 && b->bottom < y + 26.0 + 20.0);
+        }
+    }
+    assert_legible("plan", 12);
+}
+
 static void maps(void **state) {
     (void)state;
     static const size_t sizes[][2] = {{4, 4}, {400, 20}, {20, 400}, {3000, 1000}};
@@ -428,6 +469,7 @@ int main(void) {
         cmocka_unit_test(abscissas_are_labelled),
         cmocka_unit_test(ascopes_are_of_one_height),
         cmocka_unit_test(plans),
+        cmocka_unit_test(names_go_where_there_is_room),
         cmocka_unit_test(maps),
         cmocka_unit_test(rocs),
         cmocka_unit_test(views),
