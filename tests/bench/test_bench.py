@@ -99,7 +99,8 @@ def test_latency_over_a_large_floor():
 def test_mistakes_have_their_exit_codes():
     asdic_bench().check(code=2, out="")
     asdic_bench("error").check(code=2, out="")
-    asdic_bench("fan", "scene.yaml").check(code=2, out="")
+    done = asdic_bench("fan", "scene.yaml").check(code=2, out="")
+    tap.contains(done.err, "'bench fan' does not take 'scene.yaml'")
     asdic_bench("cost").check(code=2, out="")
 
 
