@@ -147,6 +147,20 @@ def test_picture():
         tap.contains(texts["Title"], "scene: expected levels without objects\n")
 
 
+def test_a_picture_without_levels_has_a_window():
+    """Of a megahertz at 7 km nothing is left in a double."""
+    scene = SCENE
+    for old, new in (("frequency_khz: 100", "frequency_khz: 1000"), ("ping_rate_hz: 10", "ping_rate_hz: 0.1"),
+                     ("bin_length_m: 0.5", "bin_length_m: 50"), ("blanking_m: 0.5", "blanking_m: 7000")):
+        tap.contains(scene, old)
+        scene = scene.replace(old, new)
+    with Folder() as folder:
+        picture, rows = pictured(folder, "png", scene)
+        tap.equal((len(rows), {row["total_db"] for row in rows}), (298, {""}), "levels")
+        texts = png_texts(picture)
+        tap.equal(float(texts["db_low"]) < float(texts["db_high"]), True, "window")
+
+
 def curves_of(svg):
     """Points of every line of a picture, in pixels."""
     for path in re.findall(r"<path [^>]*stroke[:=][^>]* d=\"([^\"]*)\"", svg):
