@@ -39,6 +39,12 @@ def check_what_follows_from_points(curves):
             tap.equal(abs(row["bias_db"]) <= row["rms_db"], True, "the bias")
 
 
+def check_bias(points):
+    """What pings' spread explains of the error in their mean, rms / sqrt(pings), is taken off: no bias is left."""
+    shares = [p["bias_db"] / p["rms_db"] * math.sqrt(p["pings"]) for p in points if p["rms_db"] < 1]
+    tap.equal(len(shares) > 0 and sum(shares) / len(shares) < 0.7, True, f"bias beside the spread: {shares}")
+
+
 def numbers(row):
     """A row of a table, its words left; no number where there is none."""
     return {key: value if key in ("scene", "sampler", "reference") else float(value or "nan")
@@ -66,6 +72,7 @@ def test_error_keeps_its_goals():
             errors = [p["rms_db"] for p in points]
             tap.equal(errors, sorted(errors, reverse=True), f"{name}: error over rays")
         check_what_follows_from_points(curves)
+        check_bias(curves["beam"])
         told = [line.split()[0] for line in done.out.splitlines() if " 1 dB with " in line]
         tap.equal(told, [name for name, points in curves.items() if points[0]["rays_for_1db"] > 0], "told in words")
         tap.equal(folder.names(), ["error.csv"], "nothing left over")
