@@ -2,6 +2,7 @@
  * programs. */
 #include "asserts.h"
 
+#include "cli/bench_error.h"
 #include "cli/cli_state.h"
 #include "cli/progress.h"
 #include "cli/serve.h"
@@ -387,6 +388,51 @@ static void a_rule_without_a_process_ends_none(void **state) {
     assert_int_equal(kills, 0);
 }
 
+/* The panel that would be drawn. */
+static asdic_plot drawn;
+
+asdic_status __wrap_asdic_picture_plot(asdic_context *ctx, const char *path,
+                                       const asdic_plot *panels, size_t panel_count,
+                                       const asdic_picture_options *options);
+asdic_status __wrap_asdic_picture_plot(asdic_context *ctx, const char *path,
+                                       const asdic_plot *panels, size_t panel_count,
+                                       const asdic_picture_options *options) {
+    (void)ctx;
+    (void)path;
+    (void)options;
+    assert_int_equal(panel_count, 1);
+    drawn = panels[0];
+    return ASDIC_OK;
+}
+
+/* Whole decades, with marks at both ends, round all times. */
+static void times_have_decades(void **state) {
+    (void)state;
+    static const struct {
+        double times_ms[2], low_ms, high_ms;
+    } cases[] = {{{115, 300}, 100, 1000},
+                 {{2, 30}, 1, 100},
+                 {{0.02, 0.5}, 0.01, 1},
+                 {{5000, 9000}, 1000, 1e4}};
+    const double rays[] = {1, 10};
+    cli c = {0};
+    const bench b = {.c = &c, .picture = "p.svg"};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        asdic_series curve = {.label = "scene", .x = rays, .y = cases[i].times_ms, .count = 2};
+        assert_int_equal(bench_scaling_picture(&b, "title", "rays", &curve, 1), ASDIC_OK);
+        assert_close_relative(drawn.y.low, cases[i].low_ms, 1e-12);
+        assert_close_relative(drawn.y.high, cases[i].high_ms, 1e-12);
+        assert_true(drawn.y.logarithmic && drawn.x.low < 1 && drawn.x.high > 10);
+    }
+}
+
+/* docs/accuracy.md: the mean of pings with 1e8 rays in all. */
+static void references_have_the_rays_that_are_promised(void **state) {
+    (void)state;
+    const bench_effort whole = bench_effort_of(false);
+    assert_close_relative((double)whole.reference_pings * whole.reference_rays, 1e8, 0.02);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(values_have_an_order),
@@ -400,6 +446,8 @@ int main(void) {
         cmocka_unit_test(answers_are_frames),
         cmocka_unit_test(a_rule_reads_degrees),
         cmocka_unit_test(a_rule_without_a_process_ends_none),
+        cmocka_unit_test(times_have_decades),
+        cmocka_unit_test(references_have_the_rays_that_are_promised),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
