@@ -485,6 +485,13 @@ def test_a_video_shows_fans_and_leaves_no_parts():
                                PATH=folder / "bin").check(code=code).err, why)
         tap.contains(folder.read("bin/ffmpeg.args"), " -framerate 20000/1000 ")  # the run's own time
         tap.equal(sorted(set(os.listdir(folder.path)) - {"bin"}), before, "nothing is left")
+        # One that keeps what it gets.
+        folder.write("bin/ffmpeg", '#!/bin/sh\nfor last; do :; done\nexec /bin/cat >"$last"\n')
+        asdic("render", run, "--video", folder / "v.mp4", "--images", "ascope",
+              PATH=folder / "bin").check(code=0, out="")
+        tap.equal(data(folder, "", "v.mp4").count(b"\x89PNG\r\n"), 2, "pictures of two pings")
+        tap.equal(sorted(set(os.listdir(folder.path)) - {"bin", "v.mp4"}), before, "no part is left")
+        os.remove(folder / "v.mp4")
         shutil.rmtree(folder / "r")
         fan = "  receivers:\n    fan: {count: 12, sector_deg: 90, length_h_m: 0.1, length_v_m: 0.05}"
         run_of(folder, pings=2, edits={"  receivers:\n    - {name: forward}\n    - {name: down, pitch_deg: 45}":
