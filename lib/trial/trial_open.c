@@ -132,13 +132,13 @@ static bool take_facts(const asdic_yaml_node *root, trial_facts *f) {
                        .has_rule = rule && rule->text && strcmp(rule->text, "program") == 0};
     copy_text(root, "scene", f->scene, sizeof f->scene);
     copy_text(root, "hash", f->hash, sizeof f->hash);
-    f->key = key ? strdup(key->text) : NULL;
+    f->key = key && key->text ? strdup(key->text) : NULL;
     f->variants = key ? 0 : 1;
     for (const asdic_yaml_node *v = values ? values->first : NULL;
          key && v && f->variants < ASDIC_TRIAL_MOST_VARIANTS; v = v->next) {
         f->values[f->variants++] = strdup(v->text ? v->text : "");
     }
-    return f->variants > 0 && f->runs > 0 && f->hash[0];
+    return (!key || key->text) && f->variants > 0 && f->runs > 0 && f->hash[0];
 }
 
 static asdic_status read_facts(asdic_context *ctx, const char *path, trial_facts *out) {

@@ -254,6 +254,7 @@ static void damage_is_told(void **state) {
     static const char csv[] = "trial.csv: its rows are not those of the trial";
     refuse("c0ffee", "", json);
     refuse("\"runs\": 40", "\"runs\": 0", json);
+    refuse("\"key\": \"sonar.beam\"", "\"key\": [1]", json);
     refuse("[\"a\", \"b\"]", "[]", json);
     refuse("\"scene\"", "[\"scene\"", json);
     refuse("\"first\": 7", "\"first\": 6", csv);
