@@ -52,6 +52,9 @@
 /* Where the larger of several estimates is taken, the variance comes out too large by this factor, as
  * measured over scenes of every kind. */
 #define LARGER_OF_SEVERAL 1.25
+/* What N rays bring off an object errs by no less than this over N of what random ones would: an edge that three
+ * rays hit knows no lattice. */
+#define NO_LATTICE 3.0
 /* A cell of more than this relative variance holds an echo or two of a rare kind, such as mirrors give. The
  * bins within RARE_WINDOW on each side might as well have held it. */
 #define RARE 0.7
@@ -239,6 +242,7 @@ static void calibrate_bins(asdic_simulator *sim, size_t first, bool of_objects, 
         double own = OWN_ERROR * fmax(cell_variance(c, first + n), 0.0) / LARGER_OF_SEVERAL;
         double share = c->mean[first + n] > 0.0 ? c->water[first + n] / c->mean[first + n] : 0.0;
         ratio /= LARGER_OF_SEVERAL;
+        ratio = of_objects ? fmax(ratio, fmin(NO_LATTICE * block, 1.0)) : ratio;
         sim->learnt.stated[first + n] = (asdic_stated_error){
             .of_groups = (float)ratio,
             .of_block = (float)(fmax(ratio * block, share * share * water) + own),
