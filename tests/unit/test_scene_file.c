@@ -137,6 +137,7 @@ static void example_means_what_it_says(void **state) {
     assert_close(sonar.frequency_hz, 1e5, 0);
     assert_close(sonar.bandwidth_hz, 1e4, 0);
     assert_int_equal(sonar.receiver_count, 1);
+    assert_int_equal(sonar.array.elements, 0);
     asdic_beam beam;
     asdic_scene_file_receivers(&file, &beam);
     assert_string_equal(beam.name, "forward");

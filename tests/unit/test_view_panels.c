@@ -478,6 +478,15 @@ static void the_scope_shows_the_chosen_beam(void **state) {
     free(levels_db);
 }
 
+static bool is_written(const char *word) {
+    for (size_t i = 0; i < word_count; i++) {
+        if (strcmp(words[i].text, word) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
 /* As far apart as the scale bar is long: lines of equal east, which go down the map, and of equal north. */
 static void the_map_is_to_scale(void **state) {
     (void)state;
@@ -504,6 +513,7 @@ static void the_map_is_to_scale(void **state) {
             last_x = l->x0;
         } else if (l->y0 == l->y1 && l->x0 == box.x && l->x1 == box.x + box.w) {
             assert_true(across++ == 0 || fabs(fabs(l->y0 - last_y) - step_px) < 1.01);
+            assert_true(l->y0 > box.y - 1.0 && l->y0 < box.y + box.h + 1.0);
             last_y = l->y0;
         } else if (l->y0 == l->y1 && l->x0 > box.x && l->x1 < box.x + box.w && l->y0 > box.y) {
             bar_px = l->x1 - l->x0;
@@ -516,13 +526,48 @@ static void the_map_is_to_scale(void **state) {
     close_view(v);
 }
 
-static bool is_written(const char *word) {
-    for (size_t i = 0; i < word_count; i++) {
-        if (strcmp(words[i].text, word) == 0) {
-            return true;
+/* A flat floor has the middle of the map's colours, 0.04, 0.13, 0.20 to 0.33, 0.53, 0.56 of white, and its depth below. */
+static void the_map_knows_a_flat_floor(void **state) {
+    (void)state;
+    asdic_view *v = open_view("[{name: a}]", "sampling: {rays: 256}");
+    step(v, 1);
+    draw(v);
+    assert_true(is_written("floor at 20.0 m") || is_written("20.0 m"));
+    const asdic_box box = v->layout.plan;
+    asdic_view_image frame = asdic_view_get_frame(v);
+    size_t alike = 0, seen = 0;
+    for (size_t y = (size_t)box.y; y < (size_t)(box.y + box.h); y++) {
+        for (size_t x = (size_t)box.x; x < (size_t)(box.x + box.w); x++, seen++) {
+            uint32_t rgb = frame.rgb[y * frame.stride + x];
+            alike += abs((int)(rgb >> 16 & 255) - 47) < 3 && abs((int)(rgb >> 8 & 255) - 84) < 3 &&
+                     abs((int)(rgb & 255) - 97) < 3;
         }
     }
-    return false;
+    assert_true(alike > seen / 4);
+    close_view(v);
+}
+
+/* Seen from behind, the oldest of the way lies in open water, nearest to the eye. */
+static void a_trail_lies_behind_the_vehicle(void **state) {
+    (void)state;
+    asdic_view *v = open_view("[{name: a}]", "sampling: {rays: 256}");
+    step(v, 12);
+    draw(v);
+    double x[2], y[2], far_m[2];
+    bool is_drawn = false;
+    for (size_t k = 0; k < 2; k++) {
+        assert_true(asdic_camera_project(v->camera, v->trail_m[k], &x[k], &y[k], &far_m[k]));
+        x[k] += v->layout.chase.x;
+        y[k] += v->layout.chase.y;
+    }
+    assert_true(far_m[0] < far_m[1]);
+    for (size_t i = 0; i < line_count; i++) {
+        const struct line *l = &lines[i];
+        is_drawn = is_drawn ||
+                   hypot(l->x0 - x[0], l->y0 - y[0]) + hypot(l->x1 - x[1], l->y1 - y[1]) < 1e-6;
+    }
+    assert_true(is_drawn);
+    close_view(v);
 }
 
 /* Of objects in one place the first is named alone, wherever others are. */
@@ -551,6 +596,8 @@ int main(void) {
         cmocka_unit_test(what_stands_out_is_red),
         cmocka_unit_test(panels_fill_the_frame),
         cmocka_unit_test(the_map_is_to_scale),
+        cmocka_unit_test(the_map_knows_a_flat_floor),
+        cmocka_unit_test(a_trail_lies_behind_the_vehicle),
         cmocka_unit_test(names_keep_clear_of_names),
     };
     t = test_device_open_or_skip();
