@@ -184,9 +184,31 @@ static void a_point_interferes_with_its_image(void **state) {
     assert_true(worst < 0.2);
 }
 
+/* A smooth wall takes some times the scatterers that were asked for, not one a quarter of a wavelength. */
+static void a_wall_has_the_scatterers_asked_for(void **state) {
+    (void)state;
+    ping_rig r = long_pulse();
+    asdic_mesh *mesh = NULL;
+    asdic_pose pose = {.position_m = {40.0, 0.0, 7.0}};
+    r.sampling.rays = 20000;
+    r.sampling.left_out = 1u << ASDIC_TERM_VOLUME;
+    assert_ok(t.ctx, asdic_mesh_box(t.ctx, (asdic_vec3){0.01, 1.0, 1.0}, &mesh));
+    assert_ok(t.ctx, asdic_scene_add_object(r.scene, "wall", mesh, pose,
+                                            asdic_material_facet(200.0, 0.0, 0.0)));
+    asdic_simulator *sim = rig_simulator(&r);
+    asdic_ping *ping = array_shoot(&r, sim, 0);
+    print_message("%llu scatterers of 20000\n", (unsigned long long)ping->rays);
+    assert_in_range(ping->rays, 10000, 150000);
+    asdic_ping_destroy(&ping);
+    asdic_simulator_destroy(&sim);
+    asdic_mesh_destroy(&mesh);
+    rig_destroy(&r);
+}
+
 int main(void) {
     t = test_device_open_or_skip();
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_wall_has_the_scatterers_asked_for),
         cmocka_unit_test(a_plate_has_its_lobes),
         cmocka_unit_test(a_cylinder_has_its_lobes),
         cmocka_unit_test(a_point_interferes_with_its_image),

@@ -208,6 +208,48 @@ static void near_objects_have_cones(void **state) {
     free(ping);
 }
 
+/* Each of several gets its part of the rays, less than one alone: four as many as two together. */
+static void several_objects_share_rays(void **state) {
+    (void)state;
+    static const asdic_vec3 at[4] = {{4, 0, 7}, {3, 2, 7}, {3, -2, 7}, {3, 0, 9}};
+    const dev_beam beam = {
+        .rows = {1, 0, 0, 0, 1, 0, 0, 0, 1}, .length_h_wl = 1.0f, .length_v_wl = 1.0f};
+    const dev_beam beams[2] = {beam, beam};
+    asdic_part balls[4];
+    dev_uint counts[5] = {0};
+    for (size_t count = 1; count <= 4; count *= 2) {
+        dev_ping *ping = calloc(1, sizeof *ping);
+        assert_non_null(ping);
+        ping->range_m = 50.0f;
+        ping->beams = 1;
+        ping->batch.rays = ping->sampling.background = 1000;
+        for (size_t i = 0; i < count; i++) {
+            balls[i] = (asdic_part){.kind = DEV_KIND_OBJECT, .center_m = at[i], .radius_m = 0.1};
+        }
+        asdic_cones_place(balls, count, (asdic_vec3){0.0, 0.0, 7.0}, beams, ping);
+        assert_int_equal(ping->sampling.cones, count);
+        counts[count] = ping->sampling.cone[0].count;
+        assert_int_equal(ping->sampling.background, 1000 - count * counts[count]);
+        free(ping);
+    }
+    print_message("%u rays of 1000 at one, %u at each of two, %u of four\n", counts[1], counts[2],
+                  counts[4]);
+    assert_close((double)counts[4], 0.5 * counts[1], 1.0);
+    assert_close((double)counts[2], sqrt(0.5) * counts[1], 1.0);
+}
+
+/* Without objects no rays are aimed at faces. */
+static void a_floor_alone_has_no_faces(void **state) {
+    (void)state;
+    ping_rig r = rig_create(&t);
+    asdic_simulator *sim = rig_simulator(&r);
+    assert_ok(t.ctx, asdic_simulator_learn(sim, &r.pose, 0));
+    assert_int_equal(sim->learnt.faces.count, 0);
+    assert_int_equal(sim->shots[0].ping->sampling.face_count, 0);
+    asdic_simulator_destroy(&sim);
+    rig_destroy(&r);
+}
+
 /* One ball aside in empty water: pilots show its elevation, and among the elevations near it its azimuth. */
 static void pilots_learn_where_a_ball_is(void **state) {
     enum { CELLS = DEV_TABLE_CELLS, ROWS = DEV_TABLE_ROWS, AZIMUTHS = DEV_AZIMUTH_CELLS };
@@ -255,6 +297,8 @@ int main(void) {
         cmocka_unit_test(crowds_keep_the_flat_bins),
         cmocka_unit_test(few_rays_keep_the_flat_bins),
         cmocka_unit_test(near_objects_have_cones),
+        cmocka_unit_test(several_objects_share_rays),
+        cmocka_unit_test(a_floor_alone_has_no_faces),
         cmocka_unit_test(pilots_learn_where_a_ball_is),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);

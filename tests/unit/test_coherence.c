@@ -206,6 +206,21 @@ static void all_receivers_have_the_integral(void **state) {
     }
     s = sonar_of(b, MOST, 0.004, 0.03);
     check("small ones all round", &s);
+    /* Whose sides are seen foreshortened; that share one direction. */
+    for (int i = 0; i < MOST; i++) {
+        b[i] = (asdic_beam){.length_h_m = 0.4,
+                            .length_v_m = 0.05,
+                            .pitch_rad = 60.0 * DEGREE,
+                            .yaw_rad = 0.02625 * i};
+    }
+    s = sonar_of(b, 4, 0.01, 0.01);
+    check("long ones, steep", &s);
+    for (int i = 0; i < 3; i++) {
+        b[i] = (asdic_beam){
+            .length_h_m = 0.03, .length_v_m = 0.2, .pitch_rad = (1.0 + 6.2 * i) * DEGREE};
+    }
+    s = sonar_of(b, 3, 0.05, 0.02);
+    check("three above each other", &s);
 }
 
 /* Beams that are one and the same have the same speckle; those that share nothing have none in

@@ -591,6 +591,18 @@ static void windows_leave_out_the_rarest(void **state) {
 
 /* ---- Random variates ---- */
 
+/* All 64 bits of a seed and of an index count. */
+static void variates_know_whole_seeds(void **state) {
+    (void)state;
+    static const uint64_t pairs[][2] = {{11, 12}, {11 + (1ull << 32), 12}, {11, 12 + (1ull << 32)}};
+    double first[3];
+    for (size_t i = 0; i < 3; i++) {
+        asdic_variates v = asdic_variates_begin(3, pairs[i][0], pairs[i][1], 13);
+        first[i] = asdic_variates_uniform(&v);
+    }
+    assert_true(first[0] != first[1] && first[0] != first[2] && first[1] != first[2]);
+}
+
 /* Means of COUNT: of the values, their squares and cubes. */
 static void moments(double shape, double out[3]) {
     enum { COUNT = 200000 };
@@ -654,6 +666,7 @@ int main(void) {
         cmocka_unit_test(a_scan_fills_its_directions),
         cmocka_unit_test(windows_leave_out_the_rarest),
         cmocka_unit_test(gammas_have_their_moments),
+        cmocka_unit_test(variates_know_whole_seeds),
     };
     return cmocka_run_group_tests(tests, context_begin, context_end);
 }
