@@ -33,6 +33,8 @@ def test_the_rise():
                   ("rise", "forward", 35.25, 7))
         tap.equal(curve["area"]["low"] <= curve["closed_area"] <= curve["area"]["high"], True)
         tap.equal(curve["closed_pd"] > 0.999, True, "P_D of Swerling I at 34 dB")
+        tap.equal((curve["target_uncertainty_db"], curve["model_pd"]), (None, {"low": None, "high": None}),
+                  "its law states no error")
         table = rows(folder / "out/roc.csv")
         tap.equal(list(table[0]), ["variant", "design_pfa", "threshold_db", "pfa", "pfa_low",
                                    "pfa_high", "pd", "pd_low", "pd_high", "closed_pd"])
@@ -209,6 +211,10 @@ def test_the_laws_error_moves_detection():
         ends = sorted(paired[1]["model_pd"][e] - paired[0]["model_pd"][e] for e in ("low", "high"))
         told = paired[1]["model_pd_difference"]
         tap.equal([told["low"], told["high"]], ends, "the same error for both")
+        spiky = SEDIMENT.replace("speckle: rayleigh", "speckle: k, speckle_shape: 0.5")
+        pathlib.Path(folder / "spiky.yaml").write_text(spiky, encoding="utf-8")
+        among, = ask("spiky.yaml", "--strength", "-20")
+        tap.equal(among["closed_pd"] < curve["closed_pd"] - 0.05, True, "spikes raise the threshold")
         silent, = ask(SCENE2, "--strength", "-20")
         tap.equal(silent["model_pd"], {"low": None, "high": None}, "the course states none")
 

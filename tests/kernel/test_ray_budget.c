@@ -111,9 +111,10 @@ static void assert_looks_at(double length_m, const size_t *numbers, size_t pings
 
 static void pings_are_spread_over_the_mission(void **state) {
     (void)state;
-    assert_looks_at(1.0, (const size_t[]){0}, 1);                /* 21 pings: a block */
-    assert_looks_at(3.5, (const size_t[]){0, 32, 64}, 3);        /* 71 */
-    assert_looks_at(10.0, (const size_t[]){0, 64, 128, 192}, 4); /* 201: seven blocks */
+    assert_looks_at(1.0, (const size_t[]){0}, 1);                /* 22 pings: a block */
+    assert_looks_at(1.5, (const size_t[]){0}, 1);                /* 32: a whole block */
+    assert_looks_at(3.5, (const size_t[]){0, 32, 64}, 3);        /* 72 */
+    assert_looks_at(10.0, (const size_t[]){0, 64, 128, 192}, 4); /* 202: seven blocks */
 }
 
 /* Doubled until a share of the bins is exact enough; the last step ends at the most that may be. */

@@ -40,6 +40,18 @@ static void the_mission_is_flown_to_its_end(void **state) {
     close_view(v);
 }
 
+/* Who steers before the first ping begins at 0 s, too. */
+static void steering_begins_at_once(void **state) {
+    (void)state;
+    asdic_view *v = open_view("[{name: a}]", "sampling: {rays: 256}");
+    assert_true(asdic_view_press(v, "x"));
+    step(v, 1);
+    assert_close(asdic_view_get_clock(v).time_s, 0.0, 1e-12);
+    step(v, 1);
+    assert_close(asdic_view_get_clock(v).time_s, 0.25, 1e-12);
+    close_view(v);
+}
+
 /* While paused a view composes; the first ping is made all the same, for there is something to show. */
 static void pauses_hold_pings(void **state) {
     (void)state;
@@ -442,6 +454,7 @@ static void long_words_end_with_a_character(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_mission_is_flown_to_its_end),
+        cmocka_unit_test(steering_begins_at_once),
         cmocka_unit_test(pauses_hold_pings),
         cmocka_unit_test(the_history_is_a_ring),
         cmocka_unit_test(bins_of_few_rays_are_joined),
