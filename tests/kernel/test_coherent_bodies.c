@@ -156,8 +156,10 @@ static void a_point_interferes_with_its_image(void **state) {
         asdic_scene_set_surface(r.scene, true);
         r.env.wind_speed_kn = 0.0;
         r.sampling.multipath = ASDIC_MULTIPATH_BOUNDARIES;
-        r.sampling.left_out = 1u << ASDIC_TERM_SURFACE;
+        r.sampling.left_out = 1u << ASDIC_TERM_SURFACE | 1u << ASDIC_TERM_BOTTOM;
         r.pose.position_m.z = 1.5;
+        /* Images in a bottom far below come later; its law is not the surface's. */
+        assert_ok(t.ctx, asdic_scene_set_bottom_plane(r.scene, 60.0, asdic_material_bottom(2.0)));
         double depth = 0.6 + 0.03 * i, own = 1.5, across = RANGE_M;
         asdic_vec3 at = {across, 0.0, depth};
         assert_ok(t.ctx, asdic_scene_add_point(r.scene, "p", at, 0.0));

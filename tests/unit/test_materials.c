@@ -301,6 +301,39 @@ static void materials_are_described_in_words(void **state) {
     assert_string_equal(text, "none");
 }
 
+/* Density and speed of mud, sand, gravel and rock over water's: Jensen et al., Computational Ocean Acoustics, table
+ * 1.3. Between kinds half of each. */
+static void kinds_of_bottom_are_fluids(void **state) {
+    (void)state;
+    static const double kinds[][3] = {
+        {1.0, 1.5, 1.0}, {2.0, 1.9, 1.1}, {3.0, 2.0, 1.2}, {4.0, 2.4, 2.0}, {3.5, 2.2, 1.6}};
+    for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++) {
+        asdic_material material = asdic_material_bottom(kinds[i][0]);
+        asdic_scatterer s = asdic_scatterer_at(&material, &water);
+        assert_close((double)s.device.density_ratio, kinds[i][1], 1e-6);
+        assert_close(1.0 / (double)s.device.index, kinds[i][2], 1e-6);
+    }
+}
+
+/* A mirror sees the relief's waves up to 1 m: 4 k^2 h^2 of their r.m.s. height, here summed over their spectrum
+ * w / K^gamma, K in 1/cm from 2 pi / 100 on. */
+static void mirrors_see_waves_up_to_a_metre(void **state) {
+    (void)state;
+    const double strength_cm4 = 0.005, exponent = 3.25, k = 2.0 * 3.14159265358979323846 / 0.15;
+    const asdic_law_water low = {1e4, 1500.0, 0.15, 10.0};
+    asdic_material material = asdic_material_of(asdic_law_find("apl-bottom"));
+    assert_ok(ctx, asdic_material_set(ctx, &material, "grain_size_phi", 1.5));
+    assert_ok(ctx, asdic_material_set(ctx, &material, "spectral_strength_cm4", strength_cm4));
+    assert_ok(ctx, asdic_material_set(ctx, &material, "spectral_exponent", exponent));
+    asdic_scatterer s = asdic_scatterer_at(&material, &low);
+    double cm2 = 0.0, step = 1e-4;
+    for (double x = log(2.0 * 3.14159265358979323846 / 100.0) + 0.5 * step; x < 12.0; x += step) {
+        cm2 += 2.0 * 3.14159265358979323846 * strength_cm4 * exp((2.0 - exponent) * x) * step;
+    }
+    double lost = -log(material.law->reflected(&s, 1.0) / material.law->smooth_reflected(&s, 1.0));
+    assert_close(lost / (4.0 * k * k * 1e-4 * cm2), 1.0, 1e-3);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(laws_are_found_by_name),
@@ -313,6 +346,8 @@ int main(void) {
         cmocka_unit_test(what_is_set_is_got),
         cmocka_unit_test(equal_materials_scatter_alike),
         cmocka_unit_test(a_material_is_checked),
+        cmocka_unit_test(kinds_of_bottom_are_fluids),
+        cmocka_unit_test(mirrors_see_waves_up_to_a_metre),
         cmocka_unit_test(rows_are_read),
         cmocka_unit_test(materials_are_described_in_words),
     };

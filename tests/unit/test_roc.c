@@ -103,12 +103,14 @@ static void an_area_of_many_draws_counts_pairs(void **state) {
 typedef struct stopper {
     asdic_context *ctx;
     const char *at;
+    size_t calls;
 } stopper;
 
 static void stop_at(void *user, const char *what, size_t done, size_t total) {
     stopper *s = user;
     assert_true(done < total);
-    if (strcmp(what, s->at) == 0) {
+    s->calls++;
+    if (s->at && strcmp(what, s->at) == 0) {
         asdic_context_interrupt(s->ctx);
     }
 }
@@ -128,6 +130,14 @@ static void an_area_can_be_stopped(void **state) {
         assert_non_null(strstr(asdic_context_error(s.ctx), parts[i]));
         asdic_context_destroy(&s.ctx);
     }
+    /* Told now and then, not of each draw. */
+    asdic_estimate area;
+    stopper s = {.at = NULL};
+    assert_int_equal(asdic_context_create(&s.ctx), ASDIC_OK);
+    asdic_context_set_progress(s.ctx, stop_at, &s);
+    assert_ok(s.ctx, asdic_roc_area(s.ctx, draws, draws + DRAWS, DRAWS, &area));
+    assert_in_range(s.calls, 3, 100);
+    asdic_context_destroy(&s.ctx);
     free(draws);
 }
 
