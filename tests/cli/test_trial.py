@@ -128,6 +128,11 @@ def test_a_wall_and_a_sonar_of_fixed_pd():
                 raise AssertionError((pd, found, wanted))
             tap.equal(found["hit"], found["not seen"] + found["seen late"])
             tap.equal(found["late"] + found["hit"], runs)
+            tap.equal(found["km"] > 0, True, f"km flown: {found['km']}")
+            for row in rows(folder):  # straight on unless it turned; a hit within the last ping's second
+                left_m = 1.5 * float(row["time_s"]) - float(row["distance_m"])
+                if row["manoeuvres"] == "0" and not -0.05 < left_m < 1.55:
+                    raise AssertionError(row)
 
 
 def test_what_moves_is_met_where_it_is():

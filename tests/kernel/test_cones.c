@@ -4,6 +4,8 @@
  */
 #include "ping_rig.h"
 
+#include "base/vec.h"
+
 #include "sim/cones.h"
 
 #include <math.h>
@@ -238,6 +240,39 @@ static void several_objects_share_rays(void **state) {
     assert_close((double)counts[2], sqrt(0.5) * counts[1], 1.0);
 }
 
+/* Rays aimed at the faces of what is too large for a cone are as dense on each as is said: they add up to all. */
+static void rays_at_faces_add_up(void **state) {
+    (void)state;
+    ping_rig r = rig_create(&t);
+    asdic_mesh *mesh = NULL;
+    asdic_pose pose = {{9.0, 0.0, 6.0}, 0.3, 0.4, 0.7};
+    assert_ok(t.ctx, asdic_mesh_box(t.ctx, (asdic_vec3){8.0, 6.0, 3.0}, &mesh));
+    assert_ok(t.ctx, asdic_scene_add_object(r.scene, "block", mesh, pose,
+                                            asdic_material_facet(45.0, 1e-3, 0.2)));
+    asdic_simulator *sim = rig_simulator(&r);
+    assert_ok(t.ctx, asdic_simulator_learn(sim, &r.pose, 0));
+    const asdic_scene *scene = sim->setup.scene;
+    double sum = 0.0;
+    for (size_t i = 0; i < scene->triangle_count; i++) {
+        const dev_triangle *at = &scene->triangles[i];
+        asdic_vec3 v[3];
+        for (int k = 0; k < 3; k++) {
+            const float *c = k == 0 ? at->v0 : k == 1 ? at->v1 : at->v2;
+            v[k] = (asdic_vec3){(double)c[0], (double)c[1], (double)c[2]};
+        }
+        asdic_vec3 normal =
+            asdic_vec3_cross(asdic_vec3_sub(v[1], v[0]), asdic_vec3_sub(v[2], v[0]));
+        sum += (double)sim->learnt.faces.density[i] * 0.5 * asdic_vec3_length(normal);
+    }
+    print_message("%zu faces of %zu, sum %.6f\n", sim->learnt.faces.count, scene->triangle_count,
+                  sum);
+    assert_true(sim->learnt.faces.count > 0);
+    assert_close(sum, 1.0, 1e-4);
+    asdic_simulator_destroy(&sim);
+    asdic_mesh_destroy(&mesh);
+    rig_destroy(&r);
+}
+
 /* Without objects no rays are aimed at faces. */
 static void a_floor_alone_has_no_faces(void **state) {
     (void)state;
@@ -298,6 +333,7 @@ int main(void) {
         cmocka_unit_test(few_rays_keep_the_flat_bins),
         cmocka_unit_test(near_objects_have_cones),
         cmocka_unit_test(several_objects_share_rays),
+        cmocka_unit_test(rays_at_faces_add_up),
         cmocka_unit_test(a_floor_alone_has_no_faces),
         cmocka_unit_test(pilots_learn_where_a_ball_is),
     };
