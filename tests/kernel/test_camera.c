@@ -169,12 +169,44 @@ static void the_floor_has_a_grain(void **state) {
     rig_destroy(&r);
 }
 
+/* Mean of the three colours where AT is seen. */
+static double brightness_at(const asdic_camera *c, asdic_vec3 at_m) {
+    double x, y, far_m;
+    assert_true(asdic_camera_project(c, at_m, &x, &y, &far_m));
+    assert_true(x > 0.0 && x < WIDTH && y > 0.0 && y < HEIGHT);
+    uint32_t rgb = asdic_camera_rgb(c)[(size_t)y * WIDTH + (size_t)x];
+    return ((rgb >> 16 & 255) + (rgb >> 8 & 255) + (rgb & 255)) / 3.0;
+}
+
+/* Lines of the floor, ten metres apart, are darker than the sand on both sides of them. */
+static void the_floor_has_a_grid(void **state) {
+    (void)state;
+    ping_rig r = rig_create(&t);
+    r.sampling.rays = 256;
+    asdic_simulator *sim = rig_simulator(&r);
+    asdic_camera *c = camera();
+    const asdic_shot down = {.eye_m = {10.0, 5.0, 8.0}, .pitch_rad = -1.5, .range_m = 60.0};
+    assert_ok(t.ctx, asdic_camera_shoot(c, sim, &down));
+    double line = 0.0, port = 0.0, starboard = 0.0;
+    for (double y = 3.0; y < 7.0; y += 0.02) {
+        line += brightness_at(c, (asdic_vec3){10.0, y, 12.0});
+        port += brightness_at(c, (asdic_vec3){9.5, y, 12.0});
+        starboard += brightness_at(c, (asdic_vec3){10.5, y, 12.0});
+    }
+    printf("# a line %.2f and %.2f times as bright as beside it\n", line / port, line / starboard);
+    assert_true(line < 0.95 * port && line < 0.95 * starboard);
+    asdic_camera_destroy(&c);
+    asdic_simulator_destroy(&sim);
+    rig_destroy(&r);
+}
+
 int main(void) {
     t = test_device_open_or_skip();
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(light_goes_straight),
         cmocka_unit_test(the_deep_is_dark),
         cmocka_unit_test(the_floor_has_a_grain),
+        cmocka_unit_test(the_floor_has_a_grid),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
     test_device_close(&t);
