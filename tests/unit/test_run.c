@@ -77,6 +77,23 @@ static void no_device_leaves_no_folder(void **state) {
     end(&f);
 }
 
+/* run.json lists each of the first COUNT devices once. */
+static void assert_devices(const char *run_name, size_t count) {
+    size_t length;
+    char *json = read_file(run_name, "run.json", &length);
+    char *list = strstr(json, "\"devices\": [");
+    assert_non_null(list);
+    *strchr(list, ']') = '\0';
+    for (size_t i = 0; i < 3; i++) {
+        char name[16];
+        snprintf(name, sizeof name, "\"fake %zu\"", i);
+        const char *first = strstr(list, name);
+        assert_true((first != NULL) == (i < count));
+        assert_null(first ? strstr(first + 1, name) : NULL);
+    }
+    free(json);
+}
+
 static void interrupted_run_goes_on(void **state) {
     (void)state;
     asdic_run_options resume = {.count = SIZE_MAX, .resume = true};
@@ -92,7 +109,9 @@ static void interrupted_run_goes_on(void **state) {
     }
     fixture f;
     begin(&f);
-    assert_int_equal(run(&f, 2, resume, "stopped"), ASDIC_OK);
+    assert_devices("stopped", 2);
+    assert_int_equal(run(&f, 1, resume, "stopped"), ASDIC_OK);
+    assert_devices("stopped", 2); /* those of earlier calls, too */
     assert_same_files("reference", "stopped");
     size_t pings = f.devices[0].pings + f.devices[1].pings;
     assert_int_equal(run(&f, 2, resume, "stopped"), ASDIC_OK); /* nothing left to do */
@@ -156,22 +175,12 @@ static void undo(const char *run_name, double share) {
     assert_int_equal(truncate(part, (off_t)(share * (double)length)), 0);
 }
 
-static void killed_run_goes_on(void **state) {
-    (void)state;
-    const double shares[] = {0.66, 0.999, 1.0, 1e-5}; /* the last one cuts the header */
-    asdic_run_options resume = {.count = SIZE_MAX, .resume = true};
-    fixture f;
-    begin(&f);
-    assert_int_equal(run(&f, 1, asdic_run_options_default(), "killed"), ASDIC_OK);
-    for (size_t i = 0; i < sizeof shares / sizeof *shares; i++) {
-        f.devices[0].pings = 0;
-        undo("killed", shares[i]);
-        assert_int_equal(run(&f, 1, resume, "killed"), ASDIC_OK);
-        assert_close((double)f.devices[0].pings, (1.0 - shares[i]) * PINGS, 2.0);
-        assert_same_files("reference", "killed");
-        assert_no_part("killed");
-    }
-    end(&f);
+static size_t bins_of(fixture *f, const char *run_name) {
+    asdic_run *opened;
+    assert_int_equal(asdic_run_open(f->ctx, in_folder(run_name), &opened), ASDIC_OK);
+    size_t bins = asdic_run_get_info(opened).bins;
+    asdic_run_close(&opened);
+    return bins;
 }
 
 /* Changes one bit of ping PING's record. */
@@ -188,6 +197,30 @@ static void flip(const char *run_name, size_t bins, size_t ping, size_t byte) {
     free(bytes);
 }
 
+static void killed_run_goes_on(void **state) {
+    (void)state;
+    const double shares[] = {0.66, 0.999, 1.0, 1e-5}; /* the last one cuts the header */
+    asdic_run_options resume = {.count = SIZE_MAX, .resume = true};
+    fixture f;
+    begin(&f);
+    assert_int_equal(run(&f, 1, asdic_run_options_default(), "killed"), ASDIC_OK);
+    for (size_t i = 0; i < sizeof shares / sizeof *shares; i++) {
+        f.devices[0].pings = 0;
+        undo("killed", shares[i]);
+        assert_int_equal(run(&f, 1, resume, "killed"), ASDIC_OK);
+        assert_close((double)f.devices[0].pings, (1.0 - shares[i]) * PINGS, 2.0);
+        assert_same_files("reference", "killed");
+        assert_no_part("killed");
+    }
+    flip("killed", bins_of(&f, "killed"), 3, 12);
+    undo("killed", 1.0);
+    f.warnings[0] = '\0';
+    assert_int_equal(run(&f, 1, resume, "killed"), ASDIC_OK);
+    assert_contains(f.warnings, "killed/pings.npy.part' is damaged: ping 3 ");
+    assert_same_files("reference", "killed");
+    end(&f);
+}
+
 static void bad_records_are_named_and_made_again(void **state) {
     (void)state;
     const size_t bad[] = {3, 4, 100};
@@ -197,11 +230,9 @@ static void bad_records_are_named_and_made_again(void **state) {
     asdic_record record;
     begin(&f);
     assert_int_equal(run(&f, 1, asdic_run_options_default(), "flawed"), ASDIC_OK);
-    assert_int_equal(asdic_run_open(f.ctx, in_folder("flawed"), &opened), ASDIC_OK);
-    size_t bins = asdic_run_get_info(opened).bins;
+    size_t bins = bins_of(&f, "flawed");
     const asdic_record_layout layout = {.beams = BEAMS, .bins = bins};
     size_t each = asdic_record_stored_bytes(&layout);
-    asdic_run_close(&opened);
     flip("flawed", bins, bad[0], 12);       /* the head */
     flip("flawed", bins, bad[1], each / 2); /* a level */
     flip("flawed", bins, bad[2], each - 1); /* the sum */
