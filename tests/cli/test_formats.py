@@ -539,6 +539,9 @@ def test_a_mosaic_lies_where_it_says():
         reach = facts(folder, "r")["bins"] * 1.0
         tap.equal(world, [0.5, 0, 0, -0.5, -reach + 0.25, -reach + 0.25 + 0.5 * (4 * reach - 1)],
                   "world file")
+        said = png_texts(data(folder, "", "m.png"))
+        low, high = float(said["db_low"]), float(said["db_high"])
+        tap.equal((low % 10, high % 10, low < high), (0, 0, True), f"window {low} to {high} dB")
         tap.contains(asdic("render", run, "--mosaic", folder / "m.png").check(code=1).err, "--force")
         if not shutil.which("gdallocationinfo"):
             raise tap.Skip("no gdal")
