@@ -161,15 +161,16 @@ static void put_route(FILE *stream, const asdic_mission *mission, size_t object)
     size_t last = asdic_mission_ping_count(mission) - 1, every = last / MOST_POINTS + 1;
     for (size_t i = 0; i <= last; i = i + every < last || i == last ? i + every : last) {
         double time_s;
-        char numbers[4][ASDIC_DIGITS_SIZE];
+        char time[ASDIC_DIGITS_SIZE], x[ASDIC_DIGITS_SIZE], y[ASDIC_DIGITS_SIZE];
+        char yaw[ASDIC_DIGITS_SIZE];
         asdic_mission_pose(mission, i, &time_s);
         asdic_pose pose = asdic_mission_object_pose(mission, object, i);
-        asdic_digits_double(numbers[0], time_s);
-        asdic_digits_print(numbers[1], "%.3f", pose.position_m.x);
-        asdic_digits_print(numbers[2], "%.3f", pose.position_m.y);
-        asdic_digits_print(numbers[3], "%.3f", pose.yaw_rad * 180.0 / ASDIC_PI);
-        fprintf(stream, "%s,%s,%s,%s,%s\n", asdic_mission_get_object(mission, object)->name,
-                numbers[0], numbers[1], numbers[2], numbers[3]);
+        asdic_digits_double(time, time_s);
+        asdic_digits_print(x, "%.3f", pose.position_m.x);
+        asdic_digits_print(y, "%.3f", pose.position_m.y);
+        asdic_digits_print(yaw, "%.3f", pose.yaw_rad * 180.0 / ASDIC_PI);
+        fprintf(stream, "%s,%s,%s,%s,%s\n", asdic_mission_get_object(mission, object)->name, time,
+                x, y, yaw);
     }
 }
 
