@@ -152,6 +152,17 @@ static void likelihood_of_swerling_3_in_closed_form(void **state) {
     }
 }
 
+/* Before any part is opened. */
+static void sets_of_no_parts_or_no_folder_are_refused(void **state) {
+    (void)state;
+    const char *const parts[] = {"/nonexistent", "/nonexistent"};
+    assert_status(ctx, asdic_dataset_merge(ctx, parts, 0, "/nonexistent/whole", false),
+                  ASDIC_ERROR_ARGUMENT);
+    assert_status(ctx, asdic_dataset_merge(ctx, parts, 2, NULL, false), ASDIC_ERROR_ARGUMENT);
+    assert_status(ctx, asdic_dataset_merge(ctx, parts, 2, "/nonexistent/whole", false),
+                  ASDIC_ERROR_INPUT);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(none_is_destroyed),
@@ -159,6 +170,7 @@ int main(void) {
         cmocka_unit_test(a_target_and_its_image_interfere_within_a_cell),
         cmocka_unit_test(room_is_that_of_the_nearest_folder),
         cmocka_unit_test(a_file_in_writing_is_locked),
+        cmocka_unit_test(sets_of_no_parts_or_no_folder_are_refused),
         cmocka_unit_test(likelihood_of_swerling_3_in_closed_form),
     };
     return cmocka_run_group_tests(tests, context_begin, context_end);
