@@ -65,7 +65,7 @@ static void need_slope(const workshop *w) {
 
 /* The scene of BOTTOM and MISSION, two lines of YAML. */
 static asdic_mission *load(const workshop *w, const char *bottom, const char *mission) {
-    char text[1024], path[128];
+    char text[3000], path[128];
     snprintf(text, sizeof text,
              "version: 1\nbottom: %s\nmission: %s\n"
              "sonar: {frequency_khz: 100, ping_rate_hz: 4, receivers: [{name: a}, {}]}\n",
@@ -174,6 +174,29 @@ static char *water_remarks(const workshop *w, double bottom_m, const char *profi
     }
     asdic_mission_destroy(&m);
     return said;
+}
+
+/* Of many remarks the first ones are kept. */
+static void remarks_are_as_many_as_there_is_room(void **state) {
+    const workshop *w = *state;
+    for (int balls = ASDIC_MOST_REMARKS - 1; balls <= ASDIC_MOST_REMARKS + 1; balls++) {
+        char bottom[2000];
+        int used = snprintf(bottom, sizeof bottom,
+                            "{depth_m: 12}\nenvironment: {sound_speed_profile: [[0, 1540], [10, "
+                            "1490], [12, 1500]]}\nobjects:");
+        for (int i = 0; i < balls; i++) { /* a density beyond the law's, another one each */
+            used += snprintf(bottom + used, sizeof bottom - (size_t)used,
+                             "\n  - {sphere: {radius_m: 0.2}, position_m: [%d, 0, 5], material: "
+                             "{sediment: medium_sand, density_ratio: %g}}",
+                             9 + i, 3.1 + 0.1 * i);
+        }
+        asdic_mission *m = load(w, bottom, "{pose: {position_m: [0, 0, 10]}}");
+        asdic_remarks remarks = asdic_mission_remarks(m);
+        assert_int_equal(remarks.count, ASDIC_MOST_REMARKS);
+        assert_true((strstr(remarks.text[ASDIC_MOST_REMARKS - 1], "water: ") != NULL) ==
+                    (balls < ASDIC_MOST_REMARKS));
+        asdic_mission_destroy(&m);
+    }
 }
 
 /* Where the speed changes by G a metre from C0 to C1 at a plane, the ray that grazes it leaves with cos = C0 / C1 and
@@ -542,6 +565,7 @@ int main(void) {
         cmocka_unit_test(levels_of_a_ping),
         cmocka_unit_test(misuse_is_answered),
         cmocka_unit_test(laws_read_their_files),
+        cmocka_unit_test(remarks_are_as_many_as_there_is_room),
         cmocka_unit_test(rays_that_turn_are_remarked),
         cmocka_unit_test(phase_is_needed_where_echoes_interfere),
         cmocka_unit_test(laws_leave_open_what_their_sources_state),
