@@ -5,7 +5,9 @@
 
 #include "base/memory_left.h"
 #include "mission/mission.h"
+#include "mission/run/run_chart_data.h"
 
+#include <malloc.h>
 #include <sys/stat.h>
 
 static uint64_t left = UINT64_MAX;
@@ -442,6 +444,38 @@ static void tracks_are_of_the_pings_asked_for(void **state) {
     assert_string_equal(line, "\n");
 }
 
+/* The rows of a curve count, and nothing behind them, whatever memory held before. */
+static void inputs_have_one_hash(void **state) {
+    workshop *w = *state;
+    char first[65] = "", other[65];
+    write_file(w, "a.csv", "grazing_deg,strength_db\n5,-40\n60,-20\n");
+    for (int k = 0; k < 4; k++) {
+        if (k == 3) {
+            write_file(w, "a.csv", "grazing_deg,strength_db\n5,-40\n60,-21\n");
+        }
+        mallopt(M_PERTURB, 17 + 50 * k); /* what new memory holds */
+        asdic_mission *m = load_text(w, SCENE "bottom: {depth_m: 12, curve: a.csv}\n" POSE);
+        assert_non_null(m);
+        assert_ok(w->ctx, asdic_mission_inputs_hash(w->ctx, m, k == 0 ? first : other));
+        asdic_mission_destroy(&m);
+        assert_true(k == 0 || (strcmp(first, other) == 0) == (k < 3));
+    }
+    mallopt(M_PERTURB, 0);
+}
+
+/* A point's outline is a point, and there is none behind it. */
+static void outlines_are_as_many_as_objects(void **state) {
+    workshop *w = *state;
+    mallopt(M_PERTURB, 90);
+    asdic_mission *m =
+        load_text(w, SCENE FLAT POSE "objects: [{name: p, point: 0, position_m: [9, 1, 5]}]\n");
+    assert_non_null(m);
+    assert_ok(w->ctx, asdic_chart_data_write(w->ctx, m, w->folder));
+    assert_string_equal(content_of(w, "objects.csv"), "object,outline,x_m,y_m\np,0,9.000,1.000\n");
+    asdic_mission_destroy(&m);
+    mallopt(M_PERTURB, 0);
+}
+
 /* Copies of a mesh are counted before the first is made: those of its own file, and those that follow. */
 static void copies_beyond_the_memory_are_refused(void **state) {
     workshop *w = *state;
@@ -484,6 +518,8 @@ int main(void) {
         cmocka_unit_test(draws_stand_in_place_of_the_file),
         cmocka_unit_test(loads_of_other_kinds),
         cmocka_unit_test(scenes_in_memory_are_whole),
+        cmocka_unit_test(inputs_have_one_hash),
+        cmocka_unit_test(outlines_are_as_many_as_objects),
         cmocka_unit_test(scenes_beyond_the_memory_are_refused),
         cmocka_unit_test(copies_beyond_the_memory_are_refused),
         cmocka_unit_test(written_scenes_are_as_chosen),
