@@ -10,6 +10,8 @@
 #include <asdic/asdic.h>
 
 #include "base/context.h"
+#include "mission/mission.h"
+#include "mission/run/run_files.h"
 
 #include "fault.h"
 
@@ -189,6 +191,25 @@ static asdic_status replay(void) {
     return asdic_trial_replay(ctx, NULL, &options, 0, 0, in_folder("replay"), &flown);
 }
 
+static asdic_status create_files(void) {
+    asdic_mission *mission = NULL;
+    asdic_files *files = NULL;
+    asdic_status status = asdic_mission_load(ctx, in_folder("small.yaml"), &mission);
+    if (status == ASDIC_OK) {
+        const asdic_run_facts facts = {.scene_path = "small.yaml",
+                                       .scene_hash = asdic_mission_hash(mission),
+                                       .version = "0",
+                                       .pings_planned = 2,
+                                       .beams = 1,
+                                       .bins = 4};
+        status = asdic_files_create(ctx, folder, &mission->settings, &facts, 5.0, &files);
+    }
+    assert_true((status == ASDIC_OK) == (files != NULL));
+    asdic_files_destroy(&files);
+    asdic_mission_destroy(&mission);
+    return status;
+}
+
 /* ---- what must hold ------------------------------------------------------------------------- */
 
 static void assert_same_file(const char *a, const char *b, const char *name) {
@@ -246,7 +267,7 @@ static void fail_each(fault_kind kind, job run, long step, long spared, void (*a
 static void memory_while_loading(void **state) {
     (void)state;
     static const job jobs[] = {load_objects, load_track, load_obj, load_off, load_ply,
-                               load_grid,    expect,     merge,    replay};
+                               load_grid,    expect,     merge,    replay,   create_files};
     for (size_t i = 0; i < sizeof jobs / sizeof *jobs; i++) {
         fail_each(FAULT_ALLOCATION, jobs[i], 1, 1, NULL); /* the tree is not trimmed */
     }
