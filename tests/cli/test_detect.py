@@ -100,6 +100,9 @@ def test_objects_are_named_and_mapped():
         seen = {(o["object"], o["beam"]) for o in report["objects"] if o["pings_detected"] > 15}
         tap.equal(seen, {("left", "port"), ("right", "starboard")})
         tap.equal(report["confusion"][-1]["truth"], "none")
+        hits = [{t["ping"] for t in rows(folder / "out/tracks.csv") if t["truth"] == name and t["hit"] == "1"}
+                for name in ("left", "right")]
+        tap.equal(len(hits[0] & hits[1]) > 15, True, "pings with a plot of either object")
         with open(folder / "out/occupancy.png", "rb") as file:
             texts = png_texts(file.read())
         if "Title" in texts:  # with cairo
@@ -219,6 +222,30 @@ def test_no_false_track_is_confirmed_sooner_than_it_can_be():
         tap.equal(said[0], 0)
         # One in 170 of 2.8 plots, as in the long run; so few pings have their plots by chance.
         tap.equal(0.005 < said[1] < 0.05, True, f"{said}")
+
+
+def test_false_tracks_are_where_beams_look():
+    """Of two beams a plot lies within a width of either axis: with two widths or more between them the sea in which
+    false plots may meet grows no further."""
+    need_device()
+    with Folder() as folder:
+        said = []
+        width = math.degrees(2 * math.asin(0.5 * 0.886 * 1500 / (100e3 * math.hypot(0.001, 0.1))))
+        for gap in 1, 2.1, 8:  # widths
+            yaw = 0.5 * gap * width
+            text = EMPTY
+            for old, new in (("{fan: {count: 8, sector_deg: 1.75, length_h_m: 0.75, length_v_m: 0.05}}",
+                              f"[{{yaw_deg: {-yaw}, length_h_m: 0.1}}, {{yaw_deg: {yaw}, length_h_m: 0.1}}]"),
+                             ("receivers", "transmitter: {length_h_m: 0.001}\n  receivers"), ("3.0e-3", "1.0e-6"),
+                             ("pings: 600", "pings: 30"), ("rays: 20000", "rays: 500"),
+                             ("bottom:", "environment: {sound_speed_mps: 1500}\nbottom:")):
+                tap.contains(text, old)
+                text = text.replace(old, new)
+            folder.write("two.yaml", text)
+            done = asdic("detect", "two.yaml", "-o", "out", "--force", "--json", "-q", cwd=folder.path).check(0)
+            said.append(json.loads(done.out)["tracks"]["by_chance"])
+        tap.equal(abs(said[2] / said[1] - 1) < 1e-6, True, f"far apart {said}")
+        tap.equal(said[0] > 1.1 * said[1], True, f"near each other {said}")
 
 
 # So few rays that levels err by half a dB.
@@ -390,6 +417,39 @@ def test_naming_long_thin_objects_is_quick():
         tap.equal({o["object"] for o in json.loads(done.out)["objects"]} >= {"pile_0", "pile_3"},
                   True, "names")
         tap.equal(spent < 1.5, True, f"{spent:.1f} s of CPU")
+
+
+# A triangle that rises from 31 m away to 45 m, and a ball before it.
+RISE = """version: 1
+bottom: {depth_m: 20, type: mud}
+objects:
+  - {name: slope, mesh: {file: slope.ply, z_up: false}, position_m: [0, 0, 0], material: {lambert_db: -10}}
+  - {name: ball, sphere: {radius_m: 0.15}, position_m: [38, 0, 5], material: {lambert_db: -10}}
+sonar:
+  frequency_khz: 100
+  source_level_db: 220
+  receivers: [{name: ahead, length_h_m: 0.1, length_v_m: 0.02}]
+  transmitter: {length_h_m: 0.1, length_v_m: 0.02}
+  speckle: rayleigh
+mission: {pose: {position_m: [0, 0, 8]}, pings: 3}
+sampling: {rays: 20000}
+"""
+
+
+def test_a_large_triangle_is_named_all_over():
+    """Its first and last corner are its nearest edge; a ball has its name in its own bins alone."""
+    need_device()
+    with Folder() as folder:
+        folder.write("slope.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+                     "property float z\nelement face 1\nproperty list uchar int vertex_index\nend_header\n"
+                     "30 -3 14\n45 0 2\n30 3 14\n3 0 1 2\n")
+        folder.write("rise.yaml", RISE)
+        asdic("detect", "rise.yaml", "-o", "out", "-q", cwd=folder.path).check(0)
+        found = rows(folder / "out/detections.csv")
+        where = {name: [float(r["range_m"]) for r in found if r["truth"] == name] for name in ("slope", "ball")}
+        tap.equal((min(where["slope"]) < 32, max(where["slope"]) > 42), (True, True), f"{where['slope']}")
+        tap.equal([r for r in where["ball"] if abs(r - math.hypot(38, 3)) > 1.5], [], "far from the ball")
+        tap.equal(len(where["slope"]) > 25, True, f"{where['slope']}")
 
 
 def test_a_background_stops_when_told():
