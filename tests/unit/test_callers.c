@@ -62,7 +62,7 @@ static void no_mission_has_no_phase_and_no_size(void **state) {
     assert_false(asdic_mission_leaves_csv_out(NULL));
 }
 
-/* A sonar and a point, both DEPTH_M deep and 100 m apart, at 7.5 kHz of bandwidth. */
+/* A sonar and a point, both DEPTH_M deep and 100 m apart, at 6 kHz of bandwidth. */
 static bool interferes(double depth_m, double wind_kn, const char *surface, char reason[120]) {
     char text[700];
     int length = snprintf(
@@ -71,7 +71,7 @@ static bool interferes(double depth_m, double wind_kn, const char *surface, char
         " \"bottom\": {\"depth_m\": 60}, \"surface\": {\"enabled\": %s},\n"
         " \"objects\": [{\"name\": \"buoy\", \"point\": {\"target_strength_db\": 0},\n"
         "  \"position_m\": [100, 0, %g]}],\n"
-        " \"sonar\": {\"frequency_khz\": 100, \"bandwidth_khz\": 7.5, \"source_level_db\": 0,\n"
+        " \"sonar\": {\"frequency_khz\": 100, \"bandwidth_khz\": 6, \"source_level_db\": 0,\n"
         "  \"receivers\": [{\"name\": \"forward\"}]},\n"
         " \"mission\": {\"pose\": {\"position_m\": [0, 0, %g]}}}\n",
         wind_kn, surface, depth_m, depth_m);
@@ -84,13 +84,14 @@ static bool interferes(double depth_m, double wind_kn, const char *surface, char
 }
 
 /* By way of the surface it is 2 d^2 / R farther, by the images' geometry, where d is much less than
- * R: as long as a cell of 0.5 x 1500 m/s / 7.5 kHz = 0.1 m at 2.236 m. A rough surface leaves no image. */
+ * R: as long as a cell of 0.5 x 1500 m/s / 6 kHz = 0.125 m at 2.5 m, where the next cell begins. A rough
+ * surface leaves no image. */
 static void a_target_and_its_image_interfere_within_a_cell(void **state) {
     (void)state;
     char reason[120];
-    assert_true(interferes(2.2, 0, "true", reason));
+    assert_true(interferes(2.47, 0, "true", reason));
     assert_non_null(strstr(reason, "'buoy' and its image"));
-    assert_false(interferes(2.27, 0, "true", reason));
+    assert_false(interferes(2.5, 0, "true", reason));
     assert_non_null(strstr(reason, "nothing here interferes"));
     assert_false(interferes(2.2, 0, "false", reason));
     assert_false(interferes(2.2, 30, "true", reason));
