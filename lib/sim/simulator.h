@@ -241,8 +241,9 @@ static inline dev_beam *asdic_shot_beams(const asdic_ping_shot *shot) {
 /* Streams of lattice shifts: what users get; the calibration's pings; the pilots, whose table
  * must not depend on the points it is used with. */
 #define ASDIC_STREAM_PING 0u
-#define ASDIC_STREAM_CALIBRATION(nth) ((nth) < 3u ? 1u + (nth) : 3u + (nth)) /* beside the pilots' */
-#define ASDIC_STREAM_PILOT 4u                                                /* and the next */
+#define ASDIC_STREAM_CALIBRATION(nth)                                                              \
+    ((nth) < 3u ? 1u + (nth) : 3u + (nth)) /* beside the pilots' */
+#define ASDIC_STREAM_PILOT 4u              /* and the next */
 
 /* Aims SHOT at POSE: its water column, and its ping of RAYS rays with INDEX and STREAM. */
 void asdic_shot_aim(const asdic_simulator *sim, asdic_ping_shot *shot, const asdic_pose *pose,
