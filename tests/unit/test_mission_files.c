@@ -365,29 +365,6 @@ static void written_scenes_are_as_chosen(void **state) {
     asdic_mission_destroy(&m);
 }
 
-/* The rows of a curve count, not what lies behind them. */
-static void a_curve_s_rows_are_hashed(void **state) {
-    workshop *w = *state;
-    char hashes[3][65];
-    write_file(w, "a.csv", "grazing_deg,strength_db\n5,-40\n10,-30\n");
-    asdic_mission *m = NULL;
-    char path[500];
-    write_file(w, "scene.yaml", SCENE "bottom: {depth_m: 12, curve: a.csv}\n" POSE);
-    snprintf(path, sizeof path, "%s/scene.yaml", w->folder);
-    assert_ok(w->ctx, asdic_mission_load(w->ctx, path, &m));
-    double *rows = (double *)(uintptr_t)m->bottom.rows;
-    assert_int_equal(m->bottom.row_count, 2);
-    rows[4] = 1.0; /* there is room */
-    assert_ok(w->ctx, asdic_mission_inputs_hash(w->ctx, m, hashes[0]));
-    rows[4] = 2.0;
-    assert_ok(w->ctx, asdic_mission_inputs_hash(w->ctx, m, hashes[1]));
-    assert_string_equal(hashes[1], hashes[0]);
-    rows[3] = -20.0;
-    assert_ok(w->ctx, asdic_mission_inputs_hash(w->ctx, m, hashes[2]));
-    assert_string_not_equal(hashes[2], hashes[0]);
-    asdic_mission_destroy(&m);
-}
-
 /* A bottom whose law has a file stays as it is; where there is none, none is made. Names that are absolute stay. */
 static void written_scenes_keep_what_is_not_chosen(void **state) {
     workshop *w = *state;
@@ -523,7 +500,6 @@ int main(void) {
         cmocka_unit_test(scenes_beyond_the_memory_are_refused),
         cmocka_unit_test(copies_beyond_the_memory_are_refused),
         cmocka_unit_test(written_scenes_are_as_chosen),
-        cmocka_unit_test(a_curve_s_rows_are_hashed),
         cmocka_unit_test(written_scenes_keep_what_is_not_chosen),
         cmocka_unit_test(tracks_are_of_the_pings_asked_for),
     };
