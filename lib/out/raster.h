@@ -48,8 +48,8 @@ asdic_sector asdic_sector_of(const asdic_fan *fan, double radius_px);
 /* The beams' half-way bearings and the ends of the fan, EDGES[beams + 1]. */
 void asdic_fan_edges(const asdic_fan *fan, double *edges);
 
-/* The beam whose EDGES enclose BEARING_RAD, or that and whole turns; BEAMS where none does. */
-size_t asdic_fan_beam(const double *edges, size_t beams, double bearing_rad);
+/* The beam whose EDGES enclose BEARING, or that and whole turns; BEAMS where none does. */
+size_t asdic_fan_beam(const double *edges, size_t beams, double bearing);
 
 /* The cell beam * bins + bin of each pixel, UINT32_MAX outside; *CELLS is freed with free(). */
 asdic_status asdic_sector_cells(asdic_context *ctx, const asdic_fan *fan,

@@ -65,8 +65,7 @@ asdic_sector asdic_sector_of(const asdic_fan *fan, double radius_px) {
     return s;
 }
 
-size_t asdic_fan_beam(const double *edges, size_t beams, double bearing_rad) {
-    double bearing = bearing_rad;
+size_t asdic_fan_beam(const double *edges, size_t beams, double bearing) {
     while (bearing < edges[0]) {
         bearing += 2.0 * ASDIC_PI;
     }

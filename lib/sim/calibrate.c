@@ -31,7 +31,7 @@
 /* Pings of a calibration. The variance of a cell has one degree of freedom less. */
 #define PINGS 3
 /* The same where a receiver among many has few beside it that are like it. */
-#define PINGS_ALONE 8
+#define PINGS_ALONE ASDIC_MOST_CALIBRATION
 /* Median of a normal error's mean square with two degrees of freedom. */
 #define MEDIAN_SQUARE 0.693
 /* Bins on each side that share a ratio. */
@@ -120,11 +120,16 @@ static double ratio_among(const calibration *c, bool of_objects, size_t cell) {
     return is_ruled_by_objects(c, cell) == of_objects ? cell_ratio(c, cell) : -1.0;
 }
 
-/* The mean ratio of all cells that objects rule; 1 where there are none. */
-static double objects_ratio(const asdic_simulator *sim, const calibration *c) {
+static bool is_ruled_by_water(const calibration *c, size_t cell) {
+    return c->water[cell] > 0.5 * c->mean[cell];
+}
+
+/* The mean ratio of all cells that something rules; 1 where there are none. */
+static double mean_ratio(const asdic_simulator *sim, const calibration *c,
+                         bool (*is_ruled)(const calibration *c, size_t cell)) {
     double sum = 0.0, count = 0.0;
     for (size_t cell = 0; cell < sim->setup.cells; cell++) {
-        double ratio = ratio_among(c, true, cell);
+        double ratio = is_ruled(c, cell) ? cell_ratio(c, cell) : -1.0;
         if (ratio >= 0.0) {
             sum += ratio;
             count += 1.0;
@@ -171,6 +176,11 @@ static double neighbours_of(const float *values, size_t n, size_t bins) {
     return (before + values[n] + after) / 3.0;
 }
 
+/* Square of the range of bin N's middle, in bins. */
+static double range2_of(size_t n) {
+    return ((double)n + 0.5) * ((double)n + 0.5);
+}
+
 /* The variance that rare echoes of the bins around add to each bin. An echo moved to another bin changes as
  * range^-2. */
 static void spread_rare(const asdic_simulator *sim, size_t first, const calibration *c,
@@ -178,31 +188,15 @@ static void spread_rare(const asdic_simulator *sim, size_t first, const calibrat
     size_t bins = sim->setup.bins;
     double *values = c->row, *sums = values + bins + 1;
     for (size_t n = 0; n < bins; n++) {
-        double range2 = ((double)n + 0.5) * ((double)n + 0.5);
-        double at_one = c->mean[first + n] * range2;
+        double at_one = c->mean[first + n] * range2_of(n);
         values[n] = c->rare[first + n] * at_one * at_one;
     }
     add_up(values, bins, sums);
     for (size_t n = 0; n < bins; n++) {
-        double range2 = ((double)n + 0.5) * ((double)n + 0.5), mean = c->mean[first + n] * range2;
+        double mean = c->mean[first + n] * range2_of(n);
         double shared = within(sums, bins, n, RARE_WINDOW) / (2 * RARE_WINDOW + 1);
         stated[n].rare = mean > 0.0 ? (float)fmin(0.5 * shared / (mean * mean), 1e6) : 0.0f;
     }
-}
-
-static bool is_ruled_by_water(const calibration *c, size_t cell) {
-    return c->water[cell] > 0.5 * c->mean[cell];
-}
-
-/* The mean ratio of all cells that water rules; 1 where there are none. */
-static double water_ratio(const asdic_simulator *sim, const calibration *c) {
-    double sum = 0.0, count = 0.0;
-    for (size_t cell = 0; cell < sim->setup.cells; cell++) {
-        double ratio = is_ruled_by_water(c, cell) ? cell_ratio(c, cell) : -1.0;
-        sum += fmax(ratio, 0.0);
-        count += ratio >= 0.0;
-    }
-    return count > 0.0 ? sum / count : 1.0;
 }
 
 /* The relative variance of the water of a beam whose bins begin at cell FIRST: all of them have the same, of the
@@ -346,9 +340,11 @@ static asdic_status run_pings(asdic_simulator *sim, const asdic_pose *pose, uint
                               calibration *c) {
     memset(c->suggested, 0, sim->setup.cells * sizeof *c->suggested);
     memset(c->rare, 0, sim->setup.cells * sizeof *c->rare);
-    memset(c->mean, 0, sim->setup.cells * sizeof *c->mean);
-    memset(c->objects, 0, sim->setup.cells * sizeof *c->objects);
-    memset(c->water, 0, sim->setup.cells * sizeof *c->water);
+    if (!sim->fan.many) { /* what take_mean adds up */
+        memset(c->mean, 0, sim->setup.cells * sizeof *c->mean);
+        memset(c->objects, 0, sim->setup.cells * sizeof *c->objects);
+        memset(c->water, 0, sim->setup.cells * sizeof *c->water);
+    }
     for (uint32_t k = 0; k < c->count;) {
         uint32_t left = c->count - k;
         uint32_t together = sim->setup.ping_batch < left ? (uint32_t)sim->setup.ping_batch : left;
@@ -440,7 +436,8 @@ asdic_status asdic_simulator_calibrate(asdic_simulator *sim, const asdic_pose *p
         }
         return ASDIC_OK;
     }
-    double objects = objects_ratio(sim, c), water = water_ratio(sim, c);
+    double objects = mean_ratio(sim, c, is_ruled_by_objects);
+    double water = mean_ratio(sim, c, is_ruled_by_water);
     for (size_t beam = 0; beam < sim->setup.sonar.receiver_count; beam++) {
         calibrate_beam(sim, beam, objects, water, c);
     }

@@ -99,8 +99,8 @@ static void place_zones(const asdic_simulator *sim, const asdic_pose *pose, dev_
 
 /* How far the lattices of a calibration's pings lie from the first's, in turns of the golden coordinate:
  * shifts drawn independently now and then lie beside each other, and the pings then agree by chance. */
-static const double CALIBRATION_APART[] = {0.0, 2.0 / 15.0, 0.35, 0.59, 0.83, 0.46, 0.71, 0.24};
-#define CALIBRATION_PINGS (sizeof CALIBRATION_APART / sizeof *CALIBRATION_APART)
+static const double CALIBRATION_APART[ASDIC_MOST_CALIBRATION] = {0.0,  2.0 / 15.0, 0.35, 0.59,
+                                                                 0.83, 0.46,       0.71, 0.24};
 
 /* The ping's lattice shift: the same for every device and order of pings. */
 static void place_lattice(dev_ping *ping, uint32_t stream) {
@@ -108,7 +108,7 @@ static void place_lattice(dev_ping *ping, uint32_t stream) {
                                 ping->seed[1]);
     ping->sampling.lattice_offset = (float)random_uniform(shift.v[0]);
     ping->sampling.lattice_shift = shift.v[1];
-    for (uint32_t nth = 0; nth < CALIBRATION_PINGS; nth++) {
+    for (uint32_t nth = 0; nth < ASDIC_MOST_CALIBRATION; nth++) {
         if (stream == ASDIC_STREAM_CALIBRATION(nth)) {
             random4 first = random_draw(ASDIC_STREAM_CALIBRATION(0u), ping->ping[0], ping->ping[1],
                                         RANDOM_SHIFT, ping->seed[0], ping->seed[1]);

@@ -241,6 +241,7 @@ static inline dev_beam *asdic_shot_beams(const asdic_ping_shot *shot) {
 /* Streams of lattice shifts: what users get; the calibration's pings; the pilots, whose table
  * must not depend on the points it is used with. */
 #define ASDIC_STREAM_PING 0u
+#define ASDIC_MOST_CALIBRATION 8 /* pings */
 #define ASDIC_STREAM_CALIBRATION(nth)                                                              \
     ((nth) < 3u ? 1u + (nth) : 3u + (nth)) /* beside the pilots' */
 #define ASDIC_STREAM_PILOT 4u              /* and the next */

@@ -528,13 +528,18 @@ def test_a_video_has_a_frame_for_each_ping():
         tap.equal(pictures(folder, "r"), names, "pictures of the run")
 
 
+def mosaic_of(folder, fan, pings):
+    """The run of so many pings with that FAN, and m.png beside it in cells of half a metre."""
+    run = run_of(folder, pings=pings, edits={
+        "  receivers:\n    - {name: forward}\n    - {name: down, pitch_deg: 45}": "  receivers: {fan: {" + fan + "}}"})
+    asdic("render", run, "--mosaic", folder / "m.png", "--cell", "0.5").check(code=0, out="")
+    return run
+
+
 def test_a_mosaic_lies_where_it_says():
     """A ball 20 m north of a vehicle that looks north: the brightest place of its floor."""
     with Folder() as folder:
-        run = run_of(folder, pings=2, edits={
-            "  receivers:\n    - {name: forward}\n    - {name: down, pitch_deg: 45}":
-            "  receivers:\n    fan: {count: 64, sector_deg: 90, length_h_m: 0.5, length_v_m: 0.05}"})
-        asdic("render", run, "--mosaic", folder / "m.png", "--cell", "0.5").check(code=0, out="")
+        run = mosaic_of(folder, "count: 64, sector_deg: 90, length_h_m: 0.5, length_v_m: 0.05", pings=2)
         world = [float(line) for line in data(folder, "", "m.pgw").decode().split()]
         reach = facts(folder, "r")["bins"] * 1.0
         tap.equal(world, [0.5, 0, 0, -0.5, -reach + 0.25, -reach + 0.25 + 0.5 * (4 * reach - 1)],
@@ -558,10 +563,7 @@ def test_a_mosaic_lies_where_it_says():
 def test_a_mosaic_of_a_fan_that_looks_astern():
     """Both halves of its floor, beyond 180 degrees as well."""
     with Folder() as folder:
-        run = run_of(folder, pings=1, edits={
-            "  receivers:\n    - {name: forward}\n    - {name: down, pitch_deg: 45}":
-            "  receivers: {fan: {count: 4, sector_deg: 120, yaw_deg: 180}}"})
-        asdic("render", run, "--mosaic", folder / "m.png", "--cell", "0.5").check(code=0, out="")
+        mosaic_of(folder, "count: 4, sector_deg: 120, yaw_deg: 180", pings=1)
         yaws = [0, 90, 115, 125, 150, 178, 182, 200, 235, 245, 270]
         places = "".join(f"{20 * math.sin(math.radians(y))} {20 * math.cos(math.radians(y))}\n" for y in yaws)
         out = tool("gdallocationinfo", "-valonly", "-b", "1", "-geoloc", "m.png", cwd=folder.path,
