@@ -31,7 +31,7 @@ struct asdic_tracker {
     asdic_track_state *states; /* copies, for asdic_tracker_get */
     pair *pairs;
     bool *taken; /* plots */
-    size_t count, capacity, pair_capacity, plot_capacity;
+    size_t count, capacity, state_capacity, pair_capacity, plot_capacity;
     unsigned next_id;
     double time_s;
 };
@@ -170,27 +170,29 @@ asdic_status asdic_tracker_update(asdic_tracker *t, double time_s, const asdic_p
     if (!t || (!plots && count > 0)) {
         return asdic_fail_null(t ? t->ctx : NULL, __func__);
     }
-    size_t pairs = 0, kept = 0, state_capacity = t->capacity;
+    size_t pairs = 0, kept = 0;
     double step_s = isnan(t->time_s) ? 0.0 : time_s - t->time_s;
     if (!(step_s >= 0.0)) {
         return asdic_fail(t->ctx, ASDIC_ERROR_ARGUMENT, "a ping at %g s after one at %g s", time_s,
                           t->time_s);
     }
     if (!grow((void **)&t->tracks, &t->capacity, t->count + count, sizeof *t->tracks) ||
-        !grow((void **)&t->states, &state_capacity, t->count + count, sizeof *t->states) ||
+        !grow((void **)&t->states, &t->state_capacity, t->count + count, sizeof *t->states) ||
         !grow((void **)&t->taken, &t->plot_capacity, count, sizeof *t->taken)) {
         return asdic_fail_memory(t->ctx, "tracks");
     }
     t->time_s = time_s;
     for (size_t i = 0; i < t->count; i++) {
+        asdic_kalman_predict(&t->tracks[i].filter, step_s, t->options.acceleration);
+    }
+    if (!find_pairs(t, plots, count, &pairs)) { /* the ping may come again, after no time */
+        return asdic_fail_memory(t->ctx, "tracks");
+    }
+    for (size_t i = 0; i < t->count; i++) {
         track *tr = &t->tracks[i];
-        asdic_kalman_predict(&tr->filter, step_s, t->options.acceleration);
         tr->state.hit = false;
         tr->history <<= 1;
         tr->missed++;
-    }
-    if (!find_pairs(t, plots, count, &pairs)) {
-        return asdic_fail_memory(t->ctx, "tracks");
     }
     for (size_t k = 0; k < count; k++) {
         t->taken[k] = false;

@@ -309,6 +309,65 @@ static void threads_while_running(void **state) {
     fail_each(FAULT_THREAD, run_small, 1, 4, resume_to_the_same);
 }
 
+enum { TRACKED_PINGS = 3, PLOTS = 60 };
+
+static asdic_status track_ping(asdic_tracker *tracker, int ping) {
+    asdic_plot_point plots[PLOTS];
+    size_t count = ping == 0 ? PLOTS / 2 : PLOTS;
+    for (size_t i = 0; i < count; i++) {
+        plots[i] = (asdic_plot_point){.north_m = 10.0 * (double)i + 0.2 * ping,
+                                      .east_m = -0.1 * ping,
+                                      .variance_nn_m2 = 0.04,
+                                      .variance_ee_m2 = 0.04};
+    }
+    return asdic_tracker_update(tracker, ping, plots, count);
+}
+
+/* Tracks of a few pings; the NTH allocation in PING fails, after which it is tried again. False if there are fewer. */
+static bool track_with_fault(int ping, long nth, asdic_track_state tracks[PLOTS]) {
+    asdic_tracker_options options = asdic_tracker_options_default();
+    asdic_tracker *tracker = NULL;
+    bool came = false;
+    size_t count;
+    options.confirm = options.of = TRACKED_PINGS; /* each ping counts */
+    assert_ok(ctx, asdic_tracker_create(ctx, &options, &tracker));
+    for (int k = 0; k < TRACKED_PINGS; k++) {
+        fault_arm(FAULT_ALLOCATION, k == ping ? nth : 1000);
+        asdic_status status = track_ping(tracker, k);
+        if (fault_disarm()) {
+            came = true;
+            assert_status(ctx, status, ASDIC_ERROR_MEMORY);
+            status = track_ping(tracker, k);
+        }
+        assert_ok(ctx, status);
+    }
+    const asdic_track_state *found = asdic_tracker_get(tracker, &count);
+    assert_int_equal(count, PLOTS);
+    memcpy(tracks, found, count * sizeof *tracks);
+    asdic_tracker_destroy(&tracker);
+    return came;
+}
+
+/* A ping without memory may come again, as if nothing had happened. */
+static void memory_while_tracking(void **state) {
+    (void)state;
+    asdic_track_state usual[PLOTS], tracks[PLOTS];
+    track_with_fault(-1, 0, usual);
+    assert_true(usual[0].confirmed && usual[0].hits == TRACKED_PINGS);
+    for (int ping = 0; ping < 2; ping++) {
+        long n = 1;
+        for (; track_with_fault(ping, n, tracks); n++) {
+            for (size_t i = 0; i < PLOTS; i++) {
+                const asdic_track_state *a = &usual[i], *b = &tracks[i];
+                assert_true(a->id == b->id && a->hits == b->hits && a->age == b->age &&
+                            a->confirmed == b->confirmed && a->north_m == b->north_m &&
+                            a->east_m == b->east_m && a->sd_north_m == b->sd_north_m);
+            }
+        }
+        assert_true(n > 3);
+    }
+}
+
 /* ---- set up --------------------------------------------------------------------------------- */
 
 static int set_up(void **state) {
@@ -374,6 +433,7 @@ int main(void) {
         cmocka_unit_test(opencl_while_running),
         cmocka_unit_test(opencl_while_compiling),
         cmocka_unit_test(threads_while_running),
+        cmocka_unit_test(memory_while_tracking),
     };
     int failed = cmocka_run_group_tests_name("faults", tests, set_up, tear_down);
     test_device_close(&t);
