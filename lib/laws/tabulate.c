@@ -157,6 +157,9 @@ asdic_status asdic_law_tables_add(asdic_context *ctx, asdic_scatterer *s, asdic_
     if (out->count == 0) { /* no table lies at word 0 */
         bool failed = false;
         push(out, 0, &failed);
+        if (failed) {
+            return asdic_fail_memory(ctx, "the table of a scattering law");
+        }
     }
     while (law->knot_deg && !isnan(law->knot_deg(s, count))) {
         count++;

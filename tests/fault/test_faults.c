@@ -10,6 +10,7 @@
 #include <asdic/asdic.h>
 
 #include "base/context.h"
+#include "laws/tabulate.h"
 #include "mission/mission.h"
 #include "mission/run/run_files.h"
 
@@ -309,6 +310,23 @@ static void threads_while_running(void **state) {
     fail_each(FAULT_THREAD, run_small, 1, 4, resume_to_the_same);
 }
 
+/* The first tables of all, of which none may lie at word 0. */
+static asdic_status make_tables(void) {
+    const asdic_law_water water = {
+        .frequency_hz = 1e5, .sound_speed_mps = 1500.0, .wavelength_m = 0.015};
+    asdic_material material = asdic_material_of(asdic_law_find("lambert"));
+    asdic_scatterer s = asdic_scatterer_at(&material, &water);
+    asdic_law_words tables = {0};
+    asdic_status status = asdic_law_tables_add(ctx, &s, &tables);
+    free(tables.words);
+    return status;
+}
+
+static void memory_for_tables(void **state) {
+    (void)state;
+    fail_each(FAULT_ALLOCATION, make_tables, 1, 0, NULL);
+}
+
 enum { TRACKED_PINGS = 3, PLOTS = 60 };
 
 static asdic_status track_ping(asdic_tracker *tracker, int ping) {
@@ -433,6 +451,7 @@ int main(void) {
         cmocka_unit_test(opencl_while_running),
         cmocka_unit_test(opencl_while_compiling),
         cmocka_unit_test(threads_while_running),
+        cmocka_unit_test(memory_for_tables),
         cmocka_unit_test(memory_while_tracking),
     };
     int failed = cmocka_run_group_tests_name("faults", tests, set_up, tear_down);
