@@ -4,7 +4,11 @@
 #include "base/vec.h"
 #include "sim/aim.h"
 
+#define any_true(m) (m)
+#include "../../kernels/sampler.h"
+
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #define DEGREE (ASDIC_PI / 180.0)
@@ -75,12 +79,12 @@ static void alike_beams_share_a_lobe(void **state) {
 
 /* On a ridge the direction cosine along the side is zero at every elevation. */
 static void check_ridge(const dev_lobe *lobe, const float *row) {
-    for (double elevation = -1.2; elevation < 1.3; elevation += 0.4) {
-        double off = -(double)lobe->tilt * tan(elevation);
+    for (double angle = -1.2; angle < 1.3; angle += 0.4) {
+        double off = -(double)lobe->tilt * tan(angle);
         if (fabs(off) <= 1.0) {
             double azimuth = (double)lobe->beta_rad + (double)lobe->side * acos(off);
-            double along = (row[0] * cos(azimuth) + row[1] * sin(azimuth)) * cos(elevation) +
-                           row[2] * sin(elevation);
+            double along =
+                (row[0] * cos(azimuth) + row[1] * sin(azimuth)) * cos(angle) + row[2] * sin(angle);
             assert_close(along, 0.0, 1e-6);
         }
     }
@@ -107,6 +111,58 @@ static void rolled_beams_have_two_ridges(void **state) {
     beams[0] = beams[1] = look(-70.0, 0.0, 20.0);
     assert_int_equal(asdic_aim_lobes(ASDIC_SAMPLER_ADAPTIVE, beams, 1, false, lobes), 1);
     check_ridge(&lobes[0], beams[0].rows + 3);
+}
+
+/* Where the arc of azimuths ends, directions are at right angles to the transmitter's axis; round the nadir of one
+ * that looks down all azimuths lie in front, round the zenith none. */
+static void fronts_end_beside_the_transmitter(void **state) {
+    (void)state;
+    dev_ping *ping = calloc(1, sizeof *ping);
+    assert_non_null(ping);
+    const double pitches[] = {0.0, 0.5, -0.9};
+    for (int i = 0; i < 3; i++) {
+        const double x = cos(pitches[i]), z = sin(pitches[i]);
+        ping->sampling.front[0] = (float)x;
+        ping->sampling.front[2] = (float)z;
+        for (double uz = -0.98; uz < 1.0; uz += 0.14) {
+            double m = sqrt(1.0 - uz * uz), arc = front_arc(ping, uz, m);
+            if (m * x > fabs(uz * z)) {
+                assert_true(arc > 0.0 && arc < ASDIC_PI);
+                assert_close(m * cos(arc) * x + uz * z, 0.0, 1e-6);
+            } else {
+                assert_true(arc > ASDIC_PI);
+            }
+        }
+    }
+    free(ping);
+}
+
+/* Across a ridge a lobe has the same width in direction cosines, and so more azimuths where elevations are steep. */
+static void lobes_are_as_wide_at_all_elevations(void **state) {
+    (void)state;
+    dev_ping *ping = calloc(1, sizeof *ping);
+    assert_non_null(ping);
+    ping->sampling.front[0] = 1.0f;
+    for (int turn = 0; turn < 2; turn++) {
+        beams[0] = beams[1] = look(0.0, 10.0, turn ? 20.0 : 0.0);
+        assert_int_equal(asdic_aim_lobes(ASDIC_SAMPLER_ADAPTIVE, beams, 1, false, lobes), 1);
+        const float *row = beams[0].rows + 3;
+        for (double angle = -1.1; angle < 1.2; angle += 0.2) {
+            double uz = sin(angle), m = cos(angle), step = 1e-4, cosine[2];
+            azimuth_lobe a = azimuth_lobe_at(ping, &lobes[0], uz, m, 0.5 * ASDIC_PI);
+            for (int k = 0; k < 2; k++) {
+                double azimuth = a.near + (k ? step : -step);
+                cosine[k] = (row[0] * cos(azimuth) + row[1] * sin(azimuth)) * m + row[2] * uz;
+            }
+            double by_azimuth = fabs(cosine[1] - cosine[0]) / (2.0 * step);
+            assert_close(0.5 * (cosine[0] + cosine[1]), 0.0, 1e-6);
+            assert_close_relative(a.scale * by_azimuth, 0.32 / 10.0,
+                                  0.12); /* as alike_beams_share_a_lobe */
+            assert_close_relative(a.scale * by_azimuth,
+                                  (double)lobes[0].scale_h * hypot(row[0], row[1]), 1e-4);
+        }
+    }
+    free(ping);
 }
 
 static void what_leaks_backwards_gets_rays(void **state) {
@@ -243,6 +299,8 @@ int main(void) {
         cmocka_unit_test(beams_have_frames_of_the_world),
         cmocka_unit_test(alike_beams_share_a_lobe),
         cmocka_unit_test(rolled_beams_have_two_ridges),
+        cmocka_unit_test(fronts_end_beside_the_transmitter),
+        cmocka_unit_test(lobes_are_as_wide_at_all_elevations),
         cmocka_unit_test(what_leaks_backwards_gets_rays),
         cmocka_unit_test(the_beam_sampler_looks_along_beams),
         cmocka_unit_test(lobes_have_a_limit),
