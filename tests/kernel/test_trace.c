@@ -107,11 +107,11 @@ static void forms_agree_on_cones(void **state) {
         bottom[2 * i + 1] = trace_rig_triangle(v[2], v[3], v[0]);
     }
     asdic_scene *scene = trace_rig_scene(&rig, bottom, 2 * SIDE * SIDE);
-    for (int kind = 0; kind < 6; kind++) {
+    for (int kind = 0; kind < 7; kind++) {
         uint64_t seed = 21;
         for (int i = 0; i < COUNT; i++) {
-            /* narrow, wide, across the axes and diagonals; moving origins. Eight by eight rays make
-             * a packet of 64 that is narrow both ways. */
+            /* narrow, wide, across the axes and diagonals; moving origins, which end, whose directions are
+             * long (rays that bend are lifted). Eight by eight rays make a packet of 64 that is narrow both ways. */
             double spread = kind == 0 ? 0.05 : kind == 1 ? 0.5 : 3.0;
             double origin[3] = {0.3, -0.2, 1.0};
             int row = i / 640 * 8 + i % 64 / 8, column = i / 64 % 10 * 8 + i % 8;
@@ -121,7 +121,13 @@ static void forms_agree_on_cones(void **state) {
                 origin[k] += kind >= 3 ? 0.01 * kind * trace_rig_random_signed(&seed) : 0.0;
             }
             rays[i] = trace_rig_ray(origin, direction);
-            rays[i].t_max = kind == 4 && i % 3 ? 0.0f : kind == 5 ? 9.5f : INFINITY;
+            rays[i].t_max = kind == 4 && i % 3 ? 0.0f
+                            : kind == 5        ? 9.5f
+                            : kind == 6        ? 6.3f
+                                               : INFINITY;
+            for (int k = 0; kind == 6 && k < 3; k++) {
+                rays[i].direction[k] *= 1.5f;
+            }
             if (kind == 5 && i % 50 == 7) {
                 rays[i].direction[i % 3] = NAN;
             }
