@@ -176,6 +176,17 @@ static void order_statistics_of_many_looks(void **state) {
     }
 }
 
+/* A threshold of 0 is always exceeded: with probability 1, not a rounding more. */
+static void no_rate_is_above_one(void **state) {
+    (void)state;
+    for (unsigned looks = 2; looks <= 4; looks++) {
+        for (unsigned count = 32; count <= 128; count *= 2) {
+            double pfa = asdic_cfar_pfa(ASDIC_CFAR_OS, count, count * 3 / 4, looks, 0.0);
+            assert_true(pfa <= 1.0 && pfa > 1.0 - 1e-9);
+        }
+    }
+}
+
 /* The window's bins round AT that have energy, sorted; returns how many. */
 static unsigned window_round(const asdic_cfar *cfar, const double *z, int bins, int at,
                              double *near) {
@@ -332,6 +343,7 @@ int main(void) {
         cmocka_unit_test(one_look_takes_the_closed_form),
         cmocka_unit_test(large_factors_are_integrated),
         cmocka_unit_test(order_statistics_of_many_looks),
+        cmocka_unit_test(no_rate_is_above_one),
         cmocka_unit_test(rows_are_those_of_every_window),
         cmocka_unit_test(factors_are_kept),
         cmocka_unit_test(arguments_have_limits),
