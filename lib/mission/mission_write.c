@@ -13,6 +13,7 @@
 #include "out/file.h"
 #include "mission/scene_file/yaml_print.h"
 
+#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -161,13 +162,17 @@ static void apply(rewriter *r, const asdic_mission *m, asdic_yaml_node *root, co
     }
 }
 
-/* The absolute folder of the mission's scene file; freed by the caller. */
-static char *folder_of(const char *path) {
+/* The absolute folder of the scene file PATH; freed by the caller. */
+static asdic_status find_folder(asdic_context *ctx, const char *path, char **out) {
     const char *slash = strrchr(path, '/');
     char *name = slash ? strndup(path, (size_t)(slash - path) + 1) : strdup(".");
-    char *folder = name ? realpath(name, NULL) : NULL;
+    *out = name ? realpath(name, NULL) : NULL;
+    int error = errno;
     free(name);
-    return folder;
+    return *out              ? ASDIC_OK
+           : error == ENOMEM ? asdic_fail_memory(ctx, "a scene file")
+                             : asdic_fail(ctx, ASDIC_ERROR_IO, "the folder of '%s' is gone: %s",
+                                          path, strerror(error));
 }
 
 asdic_status asdic_mission_write_scene(asdic_context *ctx, const asdic_mission *mission,
@@ -175,13 +180,13 @@ asdic_status asdic_mission_write_scene(asdic_context *ctx, const asdic_mission *
     if (!mission || !path) {
         return asdic_fail_null(ctx, __func__);
     }
-    rewriter r = {.folder = folder_of(mission->path)};
+    rewriter r = {0};
     asdic_problems problems = {.name = mission->path};
     asdic_yaml_node *root = NULL;
+    TRY(find_folder(ctx, mission->path, &r.folder));
     asdic_status status = ASDIC_OK;
-    bool good = r.folder &&
-                asdic_yaml_read(mission->text, strlen(mission->text), &r.arena, &problems, &root);
-    if (!good || !root) {
+    if (!asdic_yaml_read(mission->text, strlen(mission->text), &r.arena, &problems, &root) ||
+        !root) {
         status = asdic_fail_memory(ctx, "a scene file");
         goto done;
     }

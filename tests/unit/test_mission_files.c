@@ -394,7 +394,17 @@ static void written_scenes_keep_what_is_not_chosen(void **state) {
         assert_null(strstr(content_of(w, "again/scene.yaml"), "_db: -2"));
     }
     assert_int_equal(chdir(before), 0);
-    asdic_mission *m = load_text(w, SCENE FLAT POSE);
+    asdic_mission *m = NULL;
+    assert_int_equal(mkdir(path_of(w, "gone"), 0700), 0);
+    write_file(w, "gone/scene.yaml", SCENE FLAT POSE);
+    assert_ok(w->ctx, asdic_mission_load(w->ctx, path_of(w, "gone/scene.yaml"), &m));
+    assert_int_equal(unlink(path_of(w, "gone/scene.yaml")), 0);
+    assert_int_equal(rmdir(path_of(w, "gone")), 0);
+    assert_int_equal(asdic_mission_write_scene(w->ctx, m, path_of(w, "x.yaml"), "t.csv"),
+                     ASDIC_ERROR_IO);
+    assert_contains(asdic_context_error(w->ctx), "gone/scene.yaml' is gone: No such file");
+    asdic_mission_destroy(&m);
+    m = load_text(w, SCENE FLAT POSE);
     assert_int_equal(asdic_mission_write_scene(w->ctx, NULL, "x", "t.csv"), ASDIC_ERROR_ARGUMENT);
     assert_int_equal(asdic_mission_write_scene(w->ctx, m, NULL, "t.csv"), ASDIC_ERROR_ARGUMENT);
     assert_int_equal(asdic_mission_write_track(w->ctx, NULL, "x"), ASDIC_ERROR_ARGUMENT);
