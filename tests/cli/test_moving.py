@@ -2,6 +2,7 @@
 import csv
 import json
 import os
+import re
 import zlib
 
 import program
@@ -121,20 +122,28 @@ def test_routes_are_kept_and_drawn():
         asdic("render", folder / "r").check(code=0)
         tap.equal(data(folder, "r", "plan.png") == drawn, True, "drawn again")
         whole = data(folder, "r", "routes.csv").decode()
-        replace_routes(folder, whole.replace("ball,0,20.000,0.000,", "ball,0,12.000,6.000,"))
+        replace(folder, "routes.csv",
+                whole.replace("ball,0,20.000,0.000,", "ball,0,12.000,6.000,").rstrip("\n"))
         asdic("render", folder / "r").check(code=0)
         tap.equal(data(folder, "r", "plan.png") == drawn, False, "routes are seen")
-        replace_routes(folder, "object,time_s,x_m,y_m,yaw_deg\nball,0,20,x\n")
-        tap.contains(asdic("render", folder / "r").check(code=3).err, "routes.csv' is damaged")
+        head = "object,time_s,x_m,y_m,yaw_deg\n"
+        for rows in ("ball,0,20,x\n", "ball,0,20,0,0," * 1000, "a,0,0,0,0,b,0,0,0,0,a,0,0,0,0,b,0,0,0,0\n"):
+            replace(folder, "routes.csv", head + rows)
+            tap.contains(asdic("render", folder / "r").check(code=3).err,
+                         "routes.csv' is damaged")
+        replace(folder, "routes.csv", whole)
+        outlines = data(folder, "r", "objects.csv").decode()
+        replace(folder, "objects.csv", re.sub(r"(?m)^(\w+),\d+,", r"\1,-1,", outlines, count=1))
+        asdic("render", folder / "r").check(code=0)
 
 
-def replace_routes(folder, text):
-    """In the run r, of which run.json states length and sum."""
+def replace(folder, name, text):
+    """The file NAME in the run r, of which run.json states length and sum."""
     def stated(body):
-        return f'"routes.csv", "bytes": {len(body)}, "crc32": "{zlib.crc32(body):08x}"'
+        return f'"{name}", "bytes": {len(body)}, "crc32": "{zlib.crc32(body):08x}"'
 
-    before = data(folder, "r", "routes.csv")
-    folder.write("r/routes.csv", text)
+    before = data(folder, "r", name)
+    folder.write("r/" + name, text)
     edit_facts(folder, "r", stated(before), stated(text.encode()))
 
 

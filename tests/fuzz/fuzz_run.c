@@ -130,18 +130,23 @@ void fuzz_records(const uint8_t *data, size_t size) {
     asdic_context_destroy(&ctx);
 }
 
-/* terrain.asc and, behind a line "---", objects.csv. */
+/* terrain.asc and, behind lines "---", objects.csv and routes.csv. */
 void fuzz_chart_data(const uint8_t *data, size_t size) {
     static const char mark[] = "---\n";
     asdic_context *ctx = NULL;
     asdic_chart_data chart;
-    if (asdic_context_create(&ctx) != ASDIC_OK) {
+    if (size == 0 || asdic_context_create(&ctx) != ASDIC_OK) {
         return;
     }
-    const uint8_t *cut = size ? memmem(data, size, mark, sizeof mark - 1) : NULL;
-    size_t first = cut ? (size_t)(cut - data) : size, second = cut ? first + sizeof mark - 1 : size;
-    scratch_write("terrain.asc", data, first);
-    scratch_write("objects.csv", data + second, size - second);
+    static const char *const files[] = {"terrain.asc", "objects.csv", "routes.csv"};
+    for (size_t i = 0; i < 3; i++) {
+        const uint8_t *cut = memmem(data, size, mark, sizeof mark - 1);
+        size_t length = cut ? (size_t)(cut - data) : size;
+        size_t used = cut ? length + sizeof mark - 1 : size;
+        scratch_write(files[i], data, length);
+        data += used;
+        size -= used;
+    }
     asdic_status status = asdic_chart_data_read(ctx, folder(), &chart);
     if (status != ASDIC_OK && (!asdic_context_error(ctx)[0] || chart.outline_count)) {
         abort();

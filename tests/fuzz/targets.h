@@ -21,7 +21,7 @@ void fuzz_ply(const uint8_t *data, size_t size);
 void fuzz_stl(const uint8_t *data, size_t size);
 void fuzz_facts(const uint8_t *data, size_t size);      /* run.json */
 void fuzz_records(const uint8_t *data, size_t size);    /* pings.npy */
-void fuzz_chart_data(const uint8_t *data, size_t size); /* terrain.asc, objects.csv */
+void fuzz_chart_data(const uint8_t *data, size_t size); /* terrain.asc, objects.csv, routes.csv */
 void fuzz_arguments(const uint8_t *data, size_t size);
 void fuzz_serve(const uint8_t *data, size_t size);
 

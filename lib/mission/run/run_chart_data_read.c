@@ -76,7 +76,7 @@ static bool parse_relief(scan *s, asdic_chart_data *out) {
 /* One corner a line; a new number in the second field begins an outline. */
 static bool parse_outlines(scan *s, asdic_chart_data *out) {
     size_t length, capacity = 0;
-    double number, last = -1.0, x_m, y_m;
+    double number, last = NAN, x_m, y_m;
     next_word(s, "\n", &length); /* the names of the columns */
     for (const char *name; (name = next_word(s, ",\n", &length));) {
         if (length >= ASDIC_NAME_SIZE || !next_number(s, ",\n", &number) ||
@@ -118,6 +118,9 @@ static bool parse_routes(scan *s, asdic_chart_data *out) {
     out->routes = calloc(lines + 1, sizeof *out->routes);
     for (const char *name; out->points && out->routes && (name = next_word(s, ",\n", &length));) {
         asdic_route *r = out->route_count ? &out->routes[out->route_count - 1] : NULL;
+        if (point > lines) {
+            return false; /* several on a line */
+        }
         asdic_route_point *p = &out->points[point++];
         double yaw_deg;
         if (length >= ASDIC_NAME_SIZE || !next_number(s, ",\n", &p->time_s) ||
