@@ -134,6 +134,17 @@ void bench_table_json(const bench *b) {
 }
 
 /* A field is empty where there is no number. */
+/* Quoted where it has a comma, a quote or a line end (RFC 4180). */
+static void put_text(const char *text, FILE *file) {
+    bool is_plain = text[strcspn(text, ",\"\r\n")] == '\0';
+    fputs(is_plain ? "" : "\"", file);
+    for (; *text; text++) {
+        fputs(*text == '"' ? "\"" : "", file);
+        fputc(*text, file);
+    }
+    fputs(is_plain ? "" : "\"", file);
+}
+
 static void put_rows(const bench_table *t, FILE *file) {
     for (size_t i = 0; i < t->column_count; i++) {
         fprintf(file, "%s%s", i > 0 ? "," : "", t->columns[i].key);
@@ -141,7 +152,7 @@ static void put_rows(const bench_table *t, FILE *file) {
     for (size_t i = 0; i < t->row_count * t->column_count; i++) {
         fputs(i % t->column_count ? "," : "\n", file);
         if (t->cells[i].text) {
-            fputs(t->cells[i].text, file);
+            put_text(t->cells[i].text, file);
         } else if (isfinite(t->cells[i].number)) {
             fprintf(file, "%.10g", t->cells[i].number);
         }

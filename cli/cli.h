@@ -80,12 +80,16 @@ typedef struct cli_helper {
 
 /* What ends with the program where a signal ends it where it stands; NULL: nothing any more. */
 void cli_signals_helper(const cli_helper *now);
+/* In a child that becomes another program: signals as this program found them. */
+void cli_signals_as_found(void);
 size_t cli_operand_count(const cli *c);
 const char *cli_operand(const cli *c, size_t index); /* NULL beyond the last */
 
 bool cli_given(const cli *c, const char *option);
 const char *cli_text(const cli *c, const char *option); /* NULL when not given */
 void cli_number(cli *c, const char *option, double low, double high, double *out);
+/* A whole number at TEXT that ends at *END; false where there is none, or one beyond 64 bits. */
+bool cli_read_integer(const char *text, uint64_t *out, const char **end);
 void cli_integer(cli *c, const char *option, uint64_t low, uint64_t high, uint64_t *out);
 /* LOW:HIGH; both must lie in [LIMIT_LOW, LIMIT_HIGH], LOW below HIGH. */
 void cli_number_range(cli *c, const char *option, double limit_low, double limit_high, double *low,

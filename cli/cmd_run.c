@@ -248,6 +248,10 @@ static int run_alone_or_in(cli *c, asdic_team *team) {
     }
     folder = r.folder ? NULL : default_folder(&r);
     options.folder = r.folder ? r.folder : folder;
+    if (!options.folder) {
+        code = cli_end(c, ASDIC_ERROR_MEMORY);
+        goto done;
+    }
     options.force = r.force;
     options.resume = r.resume;
     options.team = team;

@@ -46,7 +46,7 @@ typedef struct server {
 
 /* Lines from standard input, without stdio, so that a signal ends the wait. */
 typedef struct line_source {
-    char buffer[MAX_LINE + 1];
+    char buffer[MAX_LINE + 2]; /* with its end, and a zero */
     size_t begin, end;
     bool is_over, is_too_long;
 } line_source;
@@ -62,7 +62,7 @@ static bool refill(line_source *in, asdic_context *ctx, int *error) {
         if (got > 0 && !waits[0].revents) {
             return false; /* a signal */
         }
-        got = got < 0 ? got : read(STDIN_FILENO, in->buffer + in->end, MAX_LINE - in->end);
+        got = got < 0 ? got : read(STDIN_FILENO, in->buffer + in->end, MAX_LINE + 1 - in->end);
         if (got > 0) {
             in->end += (size_t)got;
             return true;
@@ -82,7 +82,7 @@ static const char *next_line(line_source *in, asdic_context *ctx, size_t *length
     for (;;) {
         char *from = in->buffer + in->begin;
         char *end = memchr(from, '\n', in->end - in->begin);
-        bool is_full = in->begin == 0 && in->end == MAX_LINE;
+        bool is_full = in->begin == 0 && in->end == MAX_LINE + 1;
         if (!end && is_full) {
             in->is_too_long = true;
             in->end = 0;

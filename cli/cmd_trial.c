@@ -29,19 +29,16 @@ typedef struct request {
 
 /* RUN or RUN:VARIANT. */
 static bool read_replay(cli *c, request *r) {
-    char *end = NULL;
+    const char *end;
     r->replay = cli_text(c, "replay");
     if (!r->replay) {
         return true;
     }
-    r->replay_run = strtoull(r->replay, &end, 10);
-    if (end != r->replay && *end == ':') {
-        const char *variant = end + 1;
-        r->replay_variant = strtoull(variant, &end, 10);
-        end = end == variant ? NULL : end;
+    bool good = cli_read_integer(r->replay, &r->replay_run, &end);
+    if (good && *end == ':') {
+        good = cli_read_integer(end + 1, &r->replay_variant, &end);
     }
-    if (!end || end == r->replay || *end || r->replay[0] == '-' ||
-        r->replay_variant >= r->options.variants.count) {
+    if (!good || *end || r->replay_variant >= r->options.variants.count) {
         cli_usage(c, "option '--replay': '%s' is no RUN or RUN:VARIANT, with variants 0 to %zu",
                   r->replay, r->options.variants.count - 1);
         return false;

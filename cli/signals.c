@@ -110,6 +110,13 @@ void cli_signals_end(void) {
     pthread_mutex_unlock(&lock);
 }
 
+void cli_signals_as_found(void) {
+    sigset_t set;
+    stop_signals(&set);
+    pthread_sigmask(SIG_UNBLOCK, &set, NULL);
+    signal(SIGPIPE, SIG_DFL);
+}
+
 void cli_signals_helper(const cli_helper *now) {
     pthread_mutex_lock(&lock);
     helper = now ? *now : (cli_helper){0};

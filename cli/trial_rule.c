@@ -32,6 +32,7 @@ struct trial_programs {
 
 trial_programs *trial_programs_begin(const char *command, size_t workers, double timeout_s) {
     trial_programs *p = calloc(1, sizeof *p + workers * sizeof p->each[0]);
+    signal(SIGPIPE, SIG_IGN); /* a rule that ends early breaks its run alone */
     if (p) {
         *p = (trial_programs){.command = command, .count = workers, .timeout_s = timeout_s};
     }
@@ -91,6 +92,7 @@ static bool start(program *p, const char *command, char *why) {
     p->pid = fork();
     if (p->pid == 0) {
         setpgid(0, 0);
+        cli_signals_as_found();
         dup2(to[0], STDIN_FILENO);
         dup2(from[1], STDOUT_FILENO);
         execl("/bin/sh", "sh", "-c", command, (char *)NULL);

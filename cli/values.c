@@ -52,7 +52,7 @@ static bool read_number(const char *text, double *out, const char **end) {
     return stop != text && isfinite(*out);
 }
 
-static bool read_integer(const char *text, uint64_t *out, const char **end) {
+bool cli_read_integer(const char *text, uint64_t *out, const char **end) {
     char *stop;
     if (!isdigit((unsigned char)text[0])) {
         return false;
@@ -85,7 +85,7 @@ void cli_integer(cli *c, const char *option, uint64_t low, uint64_t high, uint64
     if (!text) {
         return;
     }
-    if (!read_integer(text, &value, &end) || *end != '\0' || value < low || value > high) {
+    if (!cli_read_integer(text, &value, &end) || *end != '\0' || value < low || value > high) {
         snprintf(expected, sizeof expected, "a whole number in [%llu, %llu]",
                  (unsigned long long)low, (unsigned long long)high);
         bad(c, option, expected);
@@ -121,7 +121,7 @@ void cli_index_range(cli *c, const char *option, uint64_t *first, uint64_t *end)
         return;
     }
     if (*text != ':') {
-        good = read_integer(text, &a, &text);
+        good = cli_read_integer(text, &a, &text);
         if (good && *text == '\0') {
             b = a + 1;
         }
@@ -129,7 +129,7 @@ void cli_index_range(cli *c, const char *option, uint64_t *first, uint64_t *end)
     if (good && *text == ':') {
         text++;
         if (*text != '\0') {
-            good = read_integer(text, &b, &text);
+            good = cli_read_integer(text, &b, &text);
         }
     }
     if (!good || *text != '\0' || a >= b) {
@@ -146,7 +146,7 @@ void cli_share(cli *c, const char *option, uint64_t *k, uint64_t *n) {
     if (!text) {
         return;
     }
-    if (!read_integer(text, &a, &end) || *end != '/' || !read_integer(end + 1, &b, &end) ||
+    if (!cli_read_integer(text, &a, &end) || *end != '/' || !cli_read_integer(end + 1, &b, &end) ||
         *end != '\0' || a < 1 || a > b) {
         bad(c, option, "K/N with 1 <= K <= N");
         return;

@@ -53,12 +53,12 @@ def numbers(row):
 
 def test_error_keeps_its_goals():
     program.need_device()
-    with Folder() as folder:
-        done = asdic("bench", "error", "--quick", "-o", folder / "error.csv",
-                     os.path.join(SCENES, "bench_flat.yaml")).check(code=0)
+    with Folder() as folder, open(os.path.join(SCENES, "bench_flat.yaml"), encoding="utf-8") as scene:
+        path = folder.write('flat, "1".yaml', scene.read())
+        done = asdic("bench", "error", "--quick", "-o", folder / "error.csv", path).check(code=0)
         rows = [numbers(row) for row in csv.DictReader(io.StringIO(folder.read("error.csv")))]
         tap.equal({(r["scene"], r["beams"], r["bins"], r["reference"]) for r in rows},
-                  {("bench_flat", 1, 149, "quadrature")})
+                  {('flat, "1"', 1, 149, "quadrature")})
         curves = {}
         for row in rows:
             curves.setdefault(row["sampler"], []).append(row)
@@ -75,7 +75,7 @@ def test_error_keeps_its_goals():
         check_bias(curves["beam"])
         told = [line.split()[0] for line in done.out.splitlines() if " 1 dB with " in line]
         tap.equal(told, [name for name, points in curves.items() if points[0]["rays_for_1db"] > 0], "told in words")
-        tap.equal(folder.names(), ["error.csv"], "nothing left over")
+        tap.equal(folder.names(), ["error.csv", 'flat, "1".yaml'], "nothing left over")
 
 
 def check_pings(rows):

@@ -142,6 +142,10 @@ def test_every_line_that_asks_is_answered():
         rows = list(csv.DictReader(io.StringIO(serve(folder, ["1,2", POSES[0]], "-f", "csv").out)))
         tap.equal([bool(row["error"]) for row in rows], [True, False])
         tap.equal(None in rows[0], False, "the line of an error has as many fields")
+        long = [('{"x_m": 1, "y_m": 2, "z_m": 7, "name": "%s"}' % (size * "a")) for size in (4054, 4055)]
+        answers = [json.loads(line) for line in serve(folder, long).out.splitlines()]
+        tap.equal([len(line) for line in long], [4096, 4097])
+        tap.equal(["error" in answer for answer in answers], [False, True], "the longest line")
 
 
 def test_lines_that_are_no_text_are_answered_in_text():

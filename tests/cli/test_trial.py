@@ -448,6 +448,8 @@ def test_rules_that_fail_are_counted():
                               ('print("starboard")', "the rule answered 'starboard': column 1"),
                               ('print(json.dumps({"z_m": -3}))', "z_m = -3, out of range"),
                               ('print("{" + 2000 * " " + "}")', "longer than 1023 characters"),
+                              ('import os, time; os.close(0); print("{}"); time.sleep(0.2); os._exit(4)',
+                               "the rule ended with code 4 without an answer"),
                               ("import time; time.sleep(60)", "did not answer within 0.5 s")):
             done = with_rule(folder, act, "--rule-timeout", "5" if "sleep" not in act else "0.5", code=1)
             tap.contains(done.err, sentence)
@@ -505,7 +507,8 @@ def test_scenes_and_options_that_cannot_be():
                "there is no '[4]' here")
         refuse(ideal.replace("hold_s: 1000", "hits: 3, of: 2"), 3, "'hits' = 3 is more than 'of' = 2")
         refuse(ideal, 2, "is not KEY=VALUE", "--vary", "nonsense")
-        refuse(ideal, 2, "is no RUN or RUN:VARIANT", "--replay", "3:1")
+        for run in ("3:1", "99999999999999999999", " -1", "-1", "1:-0", "1:", ":0", "1:0:0"):
+            refuse(ideal, 2, "is no RUN or RUN:VARIANT", "--replay=" + run)
         refuse(ideal, 2, "--rule-timeout needs --rule", "--rule-timeout", "3")
         refuse(ideal, 2, "there is no program './mistyped.py --fast'", "--rule", "./mistyped.py --fast")
 
