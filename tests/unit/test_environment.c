@@ -1,6 +1,6 @@
 /*
- * The limits of an environment that a caller of the library fills in, field by field, and which places
- * expect the same.
+ * The limits of an environment and a sonar that a caller of the library fills in, field by field, and which
+ * places expect the same.
  */
 #include "asserts.h"
 #include "test_context.h"
@@ -175,6 +175,56 @@ static void nan_stands_for_what_is_derived(void **state) {
     assert_status(ctx, check(env), ASDIC_ERROR_ARGUMENT);
 }
 
+/* A sonar's numbers, as the schema of scene files has their limits; receivers as README and header say. */
+static void a_sonar_has_its_limits(void **state) {
+    (void)state;
+    enum { MOST = 4096 };
+    static asdic_beam beams[MOST + 1];
+    asdic_sonar sonar = asdic_sonar_default();
+    const struct {
+        const char *name;
+        double *value, least, most;
+    } fields[] = {{"frequency_hz", &sonar.frequency_hz, 100.0, 1e6},
+                  {"bandwidth_hz", &sonar.bandwidth_hz, 1.0, 1e6},
+                  {"ping_rate_hz", &sonar.ping_rate_hz, 0.01, 1000.0},
+                  {"source_level_db", &sonar.source_level_db, -300.0, 300.0},
+                  {"bin_length_m", &sonar.bin_length_m, 0.001, 1000.0},
+                  {"blanking_m", &sonar.blanking_m, 0.01, 10000.0},
+                  {"length_h_m", &sonar.transmitter.length_h_m, 1e-4, 100.0},
+                  {"length_v_m", &sonar.transmitter.length_v_m, 1e-4, 100.0},
+                  {"length_h_m", &beams[MOST - 1].length_h_m, 1e-4, 100.0},
+                  {"length_v_m", &beams[MOST - 1].length_v_m, 1e-4, 100.0}};
+    for (int i = 0; i <= MOST; i++) {
+        beams[i] = sonar.transmitter;
+    }
+    sonar.receivers = beams;
+    sonar.receiver_count = MOST;
+    sonar.max_range_m = 20.0; /* few bins, however short */
+    for (size_t i = 0; i < sizeof fields / sizeof *fields; i++) {
+        double before = *fields[i].value;
+        const double good[] = {fields[i].least, fields[i].most};
+        const double bad[] = {nextafter(good[0], -INFINITY), nextafter(good[1], INFINITY), NAN};
+        for (int k = 0; k < 2; k++) {
+            *fields[i].value = good[k];
+            assert_ok(ctx, asdic_sonar_check(ctx, &sonar));
+        }
+        for (int k = 0; k < 3; k++) {
+            *fields[i].value = bad[k];
+            assert_status(ctx, asdic_sonar_check(ctx, &sonar), ASDIC_ERROR_ARGUMENT);
+            assert_contains(asdic_context_error(ctx), fields[i].name);
+        }
+        *fields[i].value = before;
+    }
+    sonar.receiver_count = 1;
+    assert_ok(ctx, asdic_sonar_check(ctx, &sonar));
+    for (size_t count = 0; count <= MOST + 1; count += MOST + 1) {
+        sonar.receiver_count = count;
+        assert_status(ctx, asdic_sonar_check(ctx, &sonar), ASDIC_ERROR_ARGUMENT);
+        assert_contains(asdic_context_error(ctx), "receiver_count");
+        assert_contains(asdic_context_error(ctx), "[1, 4096]");
+    }
+}
+
 static asdic_expected_place place(void) {
     return (asdic_expected_place){
         .flat = {.altitude_m = 10.0, .depth_m = 5.0, .has_surface = true, .has_bottom = true}};
@@ -281,6 +331,7 @@ int main(void) {
         cmocka_unit_test(a_gradient_is_checked_over_the_depths_of_a_scene),
         cmocka_unit_test(speeds_come_from_the_profile),
         cmocka_unit_test(nan_stands_for_what_is_derived),
+        cmocka_unit_test(a_sonar_has_its_limits),
         cmocka_unit_test(places_differ_by_what_matters),
     };
     return cmocka_run_group_tests(tests, context_begin, context_end);
