@@ -137,7 +137,8 @@ static void rayleigh_has_contrast_one(void **state) {
     assert_close(m[2], 6.0, 0.3);
 }
 
-/* Exponential looks add up to Gamma(m): contrast 1 / sqrt(m). */
+/* Exponential looks add up to Gamma(m): contrast 1 / sqrt(m). The mean of 1.6e7 looks is good to 0.00025: sine and
+ * cosine leave every intensity as it is, to the last bits of a float. */
 static void looks_average(void **state) {
     (void)state;
     double m[3];
@@ -145,7 +146,7 @@ static void looks_average(void **state) {
     assert_close(m[0], 1.0, 0.01);
     assert_close(m[1], 1.0 / sqrt(6.0), 0.01);
     moments(INFINITY, 40, 0.0, m);
-    assert_close(m[0], 1.0, 0.01);
+    assert_close(m[0], 1.0, 0.001);
     assert_close(m[1], 1.0 / sqrt(40.0), 0.003);
 }
 
