@@ -59,6 +59,35 @@ static void is_that_of_steps(const asdic_environment *env, const water_case *c, 
     worst[3] = at.spread_m2 > 1e-2 * across_m * across_m ? fmax(worst[3], fabs(db)) : worst[3];
 }
 
+/* The legs of RAY lead from plane to plane to its end, where steps have it; the first begins in the layer of FROM_M,
+ * or on a plane of it. */
+static void has_legs_from_plane_to_plane(const asdic_environment *env, const asdic_layers *layers,
+                                         double from_m, double across_m,
+                                         const asdic_eigenray *ray) {
+    static asdic_eigenray_leg legs[ASDIC_MOST_EIGENRAY_LEGS + 1];
+    memset(legs, 0xff, sizeof legs);
+    size_t count = asdic_eigenray_legs(layers, from_m, across_m, ray, legs);
+    double z_m = from_m, so_far_m = 0.0;
+    assert_in_range(count, 1, ASDIC_MOST_EIGENRAY_LEGS);
+    for (size_t i = 0; i < count; i++) {
+        const asdic_eigenray_leg *leg = &legs[i];
+        assert_true(leg->layer < layers->count);
+        const asdic_layer *layer = &layers->layer[leg->layer];
+        bool on_plane = leg->z_m == layer->top_m || leg->z_m == layer->bottom_m;
+        assert_true(z_m >= layer->top_m && z_m <= layer->bottom_m);
+        assert_true(leg->z_m >= layer->top_m && leg->z_m <= layer->bottom_m);
+        assert_true(on_plane || i + 1 == count);
+        assert_true(leg->across_m >= so_far_m);
+        assert_close(depth_of(env, from_m, ray->elevation_rad, leg->across_m, COARSE), leg->z_m,
+                     1e-3);
+        z_m = leg->z_m;
+        so_far_m = leg->across_m;
+    }
+    assert_close(so_far_m, across_m, 1e-6);
+    assert_close(z_m, ray->end.z_m, 1e-6);
+    assert_true(isnan(legs[count].z_m)); /* no more than it says */
+}
+
 /* How often the depth of a fan of rays by steps passes TO_M, jumps left out. */
 static size_t count_in_fan(const double *fan, size_t rays, double to_m) {
     size_t count = 0;
@@ -91,6 +120,8 @@ static void rays_are_those_of_steps(void **state) {
                 size_t in_fan = count_in_fan(fan, FAN, to_m[i]);
                 for (size_t n = 0; n < count; n++) {
                     is_that_of_steps(&env, &cases[k], to_m[i], across_m[a], &found[n], worst);
+                    has_legs_from_plane_to_plane(&env, &layers, cases[k].from_m, across_m[a],
+                                                 &found[n]);
                 }
                 rays += count;
                 most = count > most ? count : most;
