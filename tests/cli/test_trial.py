@@ -454,7 +454,10 @@ def test_rules_that_fail_are_counted():
             done = with_rule(folder, act, "--rule-timeout", "5" if "sleep" not in act else "0.5", code=1)
             tap.contains(done.err, sentence)
             tap.contains(done.err, "the rule failed in 2 runs")
-            tap.equal([row["outcome"] for row in rows(folder)], ["broken", "broken"])
+            # They end where they begin: 10 m above the bottom, less the hull.
+            for row in rows(folder):
+                tap.equal((row["outcome"], row["distance_m"]), ("broken", "0"))
+                tap.equal(abs(float(row["clearance_m"]) - (10 - HULL)) < 1e-6, True, row["clearance_m"])
         # What fails in one run is begun anew for the next.
         fails = folder / "failed"
         with_rule(folder, f'import os; again = os.path.exists({fails!r}); open({fails!r}, "w").close(); '
