@@ -5,14 +5,20 @@
 #include "asserts.h"
 #include "test_context.h"
 
+#include "lib/base/context.h"
 #include "lib/mission/run/team_message.h"
 #include "lib/trial/trial_folder.h"
+#include "lib/trial/trial_run.h"
+
+#include <asdic/output.h>
 
 #include <math.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
 
 static char folder[] = "/tmp/asdic-trial-folder-XXXXXX";
@@ -223,6 +229,76 @@ static void results_are_written(void **state) {
     asdic_trial_print(&t->facts, t->results, (const char *const *)t->names, &text);
     assert_contains(text.data, "\"least_clearance_m\": null,\n");
     asdic_text_finish(&text);
+    asdic_trial_close(&t);
+}
+
+/* Looks at plots in the place of drawing them; NULL: they are drawn. */
+static void (*look)(const asdic_plot *plots);
+
+asdic_status __real_asdic_picture_plot(asdic_context *context, const char *path,
+                                       const asdic_plot *panels, size_t panel_count,
+                                       const asdic_picture_options *options);
+asdic_status __wrap_asdic_picture_plot(asdic_context *context, const char *path,
+                                       const asdic_plot *panels, size_t panel_count,
+                                       const asdic_picture_options *options);
+asdic_status __wrap_asdic_picture_plot(asdic_context *context, const char *path,
+                                       const asdic_plot *panels, size_t panel_count,
+                                       const asdic_picture_options *options) {
+    if (!look) {
+        return __real_asdic_picture_plot(context, path, panels, panel_count, options);
+    }
+    assert_int_equal(panel_count, 3);
+    look(panels);
+    return ASDIC_OK;
+}
+
+/* Both ends of an interval, a line between them, its value. */
+static void assert_drawn(const asdic_series *s, double at, asdic_trial_figure f) {
+    assert_int_equal(s->count, 11);
+    for (int i = 0; i < 11; i += 3) { /* gaps between */
+        assert_close(0.5 * (s->x[i] + s->x[i + 1]), at, 1e-12);
+        assert_true(i + 2 >= 11 || !isfinite(s->x[i + 2] + s->y[i + 2]));
+    }
+    assert_true(s->y[0] == f.low && s->y[1] == f.low && s->y[6] == f.high && s->y[7] == f.high);
+    assert_true(s->y[3] == f.low && s->y[4] == f.high && s->x[3] == s->x[4]);
+    assert_true(s->y[9] == f.value && s->y[10] == f.value);
+}
+
+static void look_at_plots(const asdic_plot *plots) {
+    const asdic_trial_figure collision[2] = {asdic_trial_share(2, 3, 0.95),
+                                             asdic_trial_share(1, 4, 0.95)};
+    const asdic_trial_figure needless[2] = {asdic_trial_share(2, 3, 0.95),
+                                            asdic_trial_share(0, 4, 0.95)};
+    static const double clearance_m[2][3] = {{0.0625, 0.25, 5.5}, {0.125, 4.5, 9.5}};
+    for (int v = 0; v < 2; v++) {
+        assert_drawn(&plots[0].series[v], v + 1.0, collision[v]);
+        assert_drawn(&plots[1].series[v], v + 1.0, needless[v]);
+        /* Steps at the clearances; the run that is void, and the one that met nothing, have none. */
+        const asdic_series *s = &plots[2].series[v];
+        assert_int_equal(s->count, 6);
+        for (int i = 0; i < 3; i++) {
+            assert_true(s->x[2 * i] == clearance_m[v][i] && s->x[2 * i + 1] == clearance_m[v][i]);
+            assert_true(v == 1 || fabs(s->y[2 * i] - i / 3.0) < 1e-12);
+            assert_true(v == 1 || fabs(s->y[2 * i + 1] - (i + 1) / 3.0) < 1e-12);
+        }
+    }
+    for (int k = 0; k < 3; k++) {
+        assert_int_equal(plots[k].series_count, 2);
+    }
+    /* Whatever is drawn has its place. */
+    assert_true(plots[0].y.low == 0.0 && plots[0].y.high >= collision[0].high);
+    assert_true(plots[1].y.low == 0.0 && plots[1].y.high >= needless[0].high);
+    assert_true(plots[2].x.low == 0.0 && plots[2].x.high == 9.5);
+    assert_true(plots[2].y.low == 0.0 && plots[2].y.high == 1.0);
+    look = NULL;
+}
+
+static void figures_are_drawn(void **state) {
+    (void)state;
+    asdic_trial *t = open_trial();
+    look = look_at_plots;
+    assert_ok(ctx, asdic_trial_draw(ctx, t, "nowhere.png"));
+    assert_null(look); /* it was called */
     asdic_trial_close(&t);
 }
 
@@ -448,10 +524,99 @@ static void a_team_has_parts(void **state) {
     asdic_trial_close(&t);
 }
 
+/* Two runs of OPTIONS in the place of others: the second begins before the first fails, and fails after it. */
+static bool both_fail;
+static atomic_bool second_began, first_fails;
+
+static void wait_ms(long ms) {
+    nanosleep(&(struct timespec){.tv_nsec = ms * 1000000}, NULL);
+}
+
+asdic_status __real_asdic_trial_run_one(asdic_eye *eye, const asdic_trial_job *job,
+                                        asdic_trial_run *out, char why[ASDIC_TRIAL_WHY]);
+asdic_status __wrap_asdic_trial_run_one(asdic_eye *eye, const asdic_trial_job *job,
+                                        asdic_trial_run *out, char why[ASDIC_TRIAL_WHY]);
+asdic_status __wrap_asdic_trial_run_one(asdic_eye *eye, const asdic_trial_job *job,
+                                        asdic_trial_run *out, char why[ASDIC_TRIAL_WHY]) {
+    if (!both_fail) {
+        return __real_asdic_trial_run_one(eye, job, out, why);
+    }
+    if (job->run == 1) {
+        second_began = true;
+        for (int i = 0; i < 1000 && !first_fails; i++) {
+            wait_ms(10);
+        }
+        wait_ms(200); /* until that is known */
+        return asdic_fail(eye->ctx, ASDIC_ERROR_DEVICE, "the second");
+    }
+    for (int i = 0; i < 100 && !second_began; i++) { /* never on one processor */
+        wait_ms(10);
+    }
+    first_fails = true;
+    return asdic_fail(eye->ctx, ASDIC_ERROR_INPUT, "the first");
+}
+
+static asdic_trial_options two_runs(const char scene[], const char whole[]) {
+    asdic_trial_options options = asdic_trial_options_default();
+    write_file("empty.yaml", empty, "");
+    options.scene = scene;
+    options.folder = whole;
+    options.runs = 2;
+    return options;
+}
+
+/* What failed first ends a trial, and is told: others may fail because of it. */
+static void the_first_failure_is_told(void **state) {
+    (void)state;
+    char scene[200], whole[200];
+    snprintf(scene, sizeof scene, "%s/empty.yaml", folder);
+    snprintf(whole, sizeof whole, "%s/whole", folder);
+    asdic_trial_options options = two_runs(scene, whole);
+    options.force = true;
+    both_fail = true;
+    assert_status(ctx, asdic_trial_fly(ctx, NULL, 0, &options), ASDIC_ERROR_INPUT);
+    assert_string_equal(asdic_context_error(ctx), "the first");
+    both_fail = false;
+}
+
+/* A run of a trial is flown again where everything that it needs is named. */
+static void a_run_again_needs_all_it_asks_for(void **state) {
+    (void)state;
+    char scene[200], again[200];
+    snprintf(scene, sizeof scene, "%s/empty.yaml", folder);
+    snprintf(again, sizeof again, "%s/again", folder);
+    asdic_trial_options options = two_runs(scene, again), none = options;
+    asdic_trial_run flown = {.time_s = NAN};
+    none.scene = NULL;
+    const struct {
+        const asdic_trial_options *options;
+        size_t variant;
+        const char *folder;
+        asdic_trial_run *out;
+    } wrong[] = {{NULL, 0, again, &flown},
+                 {&none, 0, again, &flown},
+                 {&options, 0, NULL, &flown},
+                 {&options, 0, again, NULL},
+                 {&options, 1, again, &flown}};
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
+        assert_status(ctx,
+                      asdic_trial_replay(ctx, NULL, wrong[i].options, 0, wrong[i].variant,
+                                         wrong[i].folder, wrong[i].out),
+                      ASDIC_ERROR_ARGUMENT);
+        assert_contains(asdic_context_error(ctx), "needs its scene, one of its variants");
+        assert_true(access(again, F_OK) != 0);
+    }
+    assert_ok(ctx, asdic_trial_replay(ctx, NULL, &options, 1, 0, again, &flown));
+    assert_close(flown.time_s, 3.0, 1e-9);
+    assert_close(flown.distance_m, 9.0, 1e-6);
+}
+
 static int end(void **state) {
-    static const char *const folders[] = {"a", "b", "c", "whole", "team/part_1", "team", "."};
+    static const char *const folders[] = {"a",           "b",    "c",     "whole",
+                                          "team/part_1", "team", "again", "."};
     static const char *const names[] = {"trial.json",      "trial.csv",      "trial.png",
-                                        "trial.part.json", "trial.part.csv", "empty.yaml"};
+                                        "trial.part.json", "trial.part.csv", "empty.yaml",
+                                        "scene.yaml",      "track.csv"};
     char path[200];
     for (size_t f = 0; f < sizeof folders / sizeof *folders; f++) {
         for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
@@ -471,12 +636,15 @@ int main(void) {
         cmocka_unit_test(facts_are_read),
         cmocka_unit_test(figures_are_those_of_the_rows),
         cmocka_unit_test(results_are_written),
+        cmocka_unit_test(figures_are_drawn),
         cmocka_unit_test(damage_is_told),
         cmocka_unit_test(one_under_way_is_read),
         cmocka_unit_test(parts_of_one_trial),
         cmocka_unit_test(parts_join_to_the_whole),
         cmocka_unit_test(parts_that_do_not_fit_are_refused),
         cmocka_unit_test(a_team_has_parts),
+        cmocka_unit_test(the_first_failure_is_told),
+        cmocka_unit_test(a_run_again_needs_all_it_asks_for),
     };
     if (!mkdtemp(folder)) {
         return 1;
