@@ -53,8 +53,9 @@ static inline asdic_ping *expected(const ping_rig *r, const asdic_ping *like) {
     return truth;
 }
 
-/* The bottom as two triangles, whose edges are 600 m long: lifted, they would leave the water. */
-static inline asdic_scene *bottom_of_two_triangles(void) {
+/* The bottom as two triangles, whose edges are 600 m long: lifted, they would leave the water. Deeper than the plane by
+ * so many metres. */
+static inline asdic_scene *bottom_of_two_triangles_at(double deeper_m) {
     static const double v[] = {-300,  -300, DEPTH, 300,   -300, DEPTH, 300, 300,
                                DEPTH, -300, 300,   DEPTH, -299, -300,  0.5};
     static const uint32_t index[] = {0, 2, 1, 0, 3, 2, 0, 1, 4}; /* and a fin far behind */
@@ -62,10 +63,14 @@ static inline asdic_scene *bottom_of_two_triangles(void) {
     asdic_mesh *mesh = NULL;
     assert_ok(t.ctx, asdic_mesh_from_triangles(t.ctx, v, 5, index, 3, &mesh));
     assert_ok(t.ctx, asdic_scene_create(t.ctx, &scene));
-    assert_ok(t.ctx,
-              asdic_scene_add_bottom(scene, mesh, (asdic_pose){0}, asdic_material_bottom(2.0)));
+    const asdic_pose pose = {.position_m = {0.0, 0.0, deeper_m}};
+    assert_ok(t.ctx, asdic_scene_add_bottom(scene, mesh, pose, asdic_material_bottom(2.0)));
     asdic_mesh_destroy(&mesh);
     return scene;
+}
+
+static inline asdic_scene *bottom_of_two_triangles(void) {
+    return bottom_of_two_triangles_at(0.0);
 }
 
 #endif

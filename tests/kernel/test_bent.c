@@ -379,6 +379,65 @@ static void trapped_rays_are_followed(void **state) {
     rig_destroy(&r);
 }
 
+/* Among triangles each crossing of a layer's plane is a leg to trace: nearly level rays have more of them than are
+ * followed. The ping is made all the same, and the others' echoes are right. */
+static void rays_with_too_many_legs_are_given_up(void **state) {
+    (void)state;
+    ping_rig r = bent_rig(0.0, 4096u);
+    r.pose.position_m.z = 7.0;
+    r.sonar.ping_rate_hz = 5.0;
+    r.sonar.transmitter.length_v_m = 0.75; /* of a beam within half a degree */
+    r.env.sound_speed_profile =
+        (asdic_sound_profile){4, {0.0, 3.0, 7.0, 12.0}, {1500.0, 1490.0, 1480.0, 1486.0}};
+    asdic_scene_destroy(&r.scene);
+    r.scene = bottom_of_two_triangles();
+    asdic_ping *ping = rig_shoot(&r, 0, false), *truth = expected(&r, ping);
+    difference d = compare(ping, truth, ASDIC_TOTAL);
+    print_message("level in a channel: r.m.s. %.4f dB, most %.3f\n", d.rms_db, d.most_db);
+    assert_true(d.rms_db < 1.0); /* of so few rays in so narrow a beam */
+    asdic_ping_destroy(&truth);
+    asdic_ping_destroy(&ping);
+    rig_destroy(&r);
+}
+
+/* A scene 3 km deeper is lifted as it is near the surface: single precision stays as fine. */
+static void deep_scenes_are_lifted_as_shallow_ones(void **state) {
+    const double deeper_m = 3000.0;
+    double apart_m[2];
+    (void)state;
+    for (int deep = 0; deep < 2; deep++) {
+        ping_rig r = bent_rig(0.0, 1u << 16);
+        const double by_m = deep * deeper_m;
+        r.env.max_depth_m = NAN;
+        r.env.sound_speed_profile = (asdic_sound_profile){
+            4, {by_m, by_m + 5.0, by_m + 9.0, by_m + 12.0}, {1482.0, 1480.0, 1471.0, 1470.0}};
+        r.pose.position_m.z += by_m;
+        asdic_scene_destroy(&r.scene);
+        r.scene = bottom_of_two_triangles_at(by_m);
+        asdic_scene_set_surface(r.scene, false);
+        asdic_simulator *sim = rig_simulator(&r);
+        assert_true(sim->setup.layer_count > 2);
+        apart_m[deep] = (double)sim->setup.layers[1].shift_m - (double)sim->setup.layers[0].shift_m;
+        asdic_simulator_destroy(&sim);
+        asdic_ping *ping = rig_shoot(&r, 0, true), *truth = NULL;
+        asdic_flat_scene flat = {.has_bottom = true,
+                                 .altitude_m = DEPTH + by_m - r.pose.position_m.z,
+                                 .depth_m = r.pose.position_m.z,
+                                 .bottom = asdic_material_bottom(2.0)};
+        assert_ok(t.ctx, asdic_ping_create(t.ctx, ping->beams, ping->bins, &truth));
+        assert_ok(t.ctx, asdic_expected_compute(t.ctx, &flat, &r.env, &r.sonar, &r.pose, truth));
+        difference d = compare(ping, truth, ASDIC_BOTTOM);
+        print_message("%g m deeper: layers %g m apart, bottom r.m.s. %.4f dB\n", by_m,
+                      apart_m[deep], d.rms_db);
+        assert_true(d.rms_db < 0.05);
+        asdic_ping_destroy(&truth);
+        asdic_ping_destroy(&ping);
+        rig_destroy(&r);
+    }
+    assert_true(apart_m[0] > 2.0 * DEPTH && apart_m[0] < 1000.0);
+    assert_close_relative(apart_m[1], apart_m[0], 0.3); /* rounded to quarters */
+}
+
 /* Sound speeds that no water has are refused, with the depth; a cast of several layers is taken as one. */
 static void impossible_water_is_refused(void **state) {
     (void)state;
@@ -413,6 +472,8 @@ int main(void) {
         cmocka_unit_test(layers_meet_quadrature),
         cmocka_unit_test(legs_are_the_same_for_all_kernels_and_layouts),
         cmocka_unit_test(trapped_rays_are_followed),
+        cmocka_unit_test(rays_with_too_many_legs_are_given_up),
+        cmocka_unit_test(deep_scenes_are_lifted_as_shallow_ones),
         cmocka_unit_test(impossible_water_is_refused),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
