@@ -1,6 +1,8 @@
 /* Coherent pings against closed forms, quadrature and a reference in double. */
 #include "coherent_rig.h"
 
+#include "sim/patches.h"
+
 static test_device t;
 
 /* A point's pressure at every element: level by the sonar equation, phase by the way there and back. */
@@ -264,6 +266,48 @@ static void water_is_new_in_every_ping(void **state) {
     rig_destroy(&r);
 }
 
+/* Where scatterers of facets begin is even over them, along either edge and by both; on a plane, whose pieces join,
+ * it is one place. */
+static void scatterers_lie_anywhere_on_facets(void **state) {
+    (void)state;
+    asdic_mesh *mesh = NULL;
+    asdic_patches patches = {0};
+    ping_rig r = array_rig(&t);
+    assert_ok(t.ctx, asdic_mesh_sphere(t.ctx, 1.5, 32, &mesh));
+    asdic_pose pose = {.position_m = {12.0, 2.0, 9.0}};
+    assert_ok(t.ctx,
+              asdic_scene_add_object(r.scene, "ball", mesh, pose, asdic_material_bottom(2.0)));
+    asdic_mesh_destroy(&mesh);
+    asdic_simulator *sim = rig_simulator(&r);
+    asdic_ping *ping = array_shoot(&r, sim, 3);
+    assert_ok(t.ctx, asdic_patches_find(sim, &sim->shots[0], &patches));
+    const dev_patch *plane = NULL;
+    double n = 0.0, u = 0.0, v = 0.0, uu = 0.0, vv = 0.0, uv = 0.0;
+    for (size_t i = 0; i < patches.count; i++) {
+        const dev_patch *p = &patches.items[i];
+        if (p->kind == DEV_KIND_OBJECT) {
+            double x = p->start[0] / 0x1p32 - 0.5, y = p->start[1] / 0x1p32 - 0.5;
+            n += 1.0, u += x, v += y, uu += x * x, vv += y * y, uv += x * y;
+        } else if (p->kind == DEV_KIND_BOTTOM) {
+            plane = plane ? plane : p;
+            assert_memory_equal(p->start, plane->start, sizeof p->start);
+            assert_true(p == plane || memcmp(p->key, plane->key, sizeof p->key) != 0);
+        }
+    }
+    print_message("%.0f facets: on average %.3f and %.3f, correlation %.3f\n", n, u / n, v / n,
+                  12.0 * uv / n);
+    assert_true(n > 500.0 && plane);
+    assert_close(u / n, 0.0, 4.0 / sqrt(12.0 * n));
+    assert_close(v / n, 0.0, 4.0 / sqrt(12.0 * n));
+    assert_close(12.0 * uu / n, 1.0, 4.0 / sqrt(n));
+    assert_close(12.0 * vv / n, 1.0, 4.0 / sqrt(n));
+    assert_close(12.0 * uv / n, 0.0, 4.0 / sqrt(n));
+    asdic_patches_finish(&patches);
+    asdic_ping_destroy(&ping);
+    asdic_simulator_destroy(&sim);
+    rig_destroy(&r);
+}
+
 /* Beyond the last bin nothing is heard, and no memory asked for. */
 static void blanking_may_leave_no_bin(void **state) {
     (void)state;
@@ -292,6 +336,7 @@ int main(void) {
         cmocka_unit_test(work_groups_change_no_byte),
         cmocka_unit_test(both_sides_are_heard),
         cmocka_unit_test(water_is_new_in_every_ping),
+        cmocka_unit_test(scatterers_lie_anywhere_on_facets),
         cmocka_unit_test(blanking_may_leave_no_bin),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
