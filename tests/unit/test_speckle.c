@@ -220,6 +220,32 @@ static void rare_intensities_are_as_rare_as_they_should_be(void **state) {
     }
 }
 
+/* How small an intensity is, down to 2^-33: of those below 2^-13 every binary digit of their distribution function is
+ * set as often as not. */
+static void small_intensities_are_finely_divided(void **state) {
+    (void)state;
+    enum { BINS = 1000, PINGS = 4000, FIRST = 14, LAST = 33 };
+    asdic_beam beam = asdic_sonar_default().transmitter;
+    asdic_sonar sonar = sonar_of(&beam, 1, 0.5, 0.5);
+    drawing d = drawing_begin(&sonar, BINS, 0.0);
+    double set[LAST + 1] = {0.0}, count = 0.0;
+    for (int p = 0; p < PINGS; p++) {
+        const double *x = drawing_next(&d);
+        for (int i = 0; i < BINS; i++) {
+            double below = -expm1(-x[i]);
+            count += below < ldexp(1.0, 1 - FIRST);
+            for (int k = FIRST; k <= LAST && below < ldexp(1.0, 1 - FIRST); k++) {
+                set[k] += fmod(floor(ldexp(below, k)), 2.0);
+            }
+        }
+    }
+    assert_close(count, (double)BINS * PINGS * ldexp(1.0, 1 - FIRST), 4.0 * sqrt(count));
+    for (int k = FIRST; k <= LAST; k++) {
+        assert_close(set[k] / count, 0.5, 2.0 / sqrt(count));
+    }
+    drawing_end(&d);
+}
+
 /* Correlation of a beam's intensities over so many bins. */
 typedef struct correlations {
     double lags[8], contrast;
@@ -386,6 +412,7 @@ int main(void) {
         cmocka_unit_test(k_shape_is_recovered),
         cmocka_unit_test(looks_are_cells),
         cmocka_unit_test(rare_intensities_are_as_rare_as_they_should_be),
+        cmocka_unit_test(small_intensities_are_finely_divided),
         cmocka_unit_test(range_bins_share_what_their_cells_do),
         cmocka_unit_test(long_pulses_are_one_cell),
         cmocka_unit_test(textures_are_gamma_variates),
