@@ -539,6 +539,45 @@ static void k_speckle_is_weighed_by_its_shape(void **state) {
     asdic_occupancy_destroy(&r.map);
 }
 
+/* Over cells that are as far to all sides the same ping draws the same map whichever way the sonar looks, where a
+ * quarter turn is a number of whole headings. North is the first of these, and its neighbour the last. */
+static void maps_do_not_depend_on_the_compass(void **state) {
+    (void)state;
+    enum { SIDE = 81, MIDDLE = SIDE / 2, REACH = 30 };
+    float ahead[SIDE][SIDE] = {{0}};
+    for (int quarter = 0; quarter < 4; quarter++) {
+        map_rig r;
+        map_begin(&r, 1);
+        asdic_occupancy_destroy(&r.map);
+        const asdic_vec3 low = {-10.125, -10.125, 0.0}, high = {10.125, 10.125, 0.0};
+        assert_ok(ctx, asdic_occupancy_create(ctx, low, high, 0.25, 0.3, 10.0, &r.map));
+        assert_true(r.map->rows == SIDE && r.map->columns == SIDE);
+        r.beams[0].length_h_m = r.sonar.transmitter.length_h_m = 0.0507; /* 136 headings */
+        r.sonar.bin_length_m = 2.0;
+        r.sonar.bandwidth_hz = 0.5 * SPEED / r.sonar.bin_length_m;
+        r.background[0] = 1.0;
+        r.intensity[0] = r.intensity[2] = 40.0;
+        r.pose.yaw_rad = 90.0 * quarter * DEGREE;
+        map_look(&r);
+        const int to_north[] = {1, 0, -1, 0}, to_east[] = {0, 1, 0, -1};
+        size_t known = 0;
+        for (int along = 1; along < REACH; along++) {
+            for (int aside = -along; aside <= along; aside++) {
+                int row = MIDDLE + along * to_north[quarter] - aside * to_east[quarter];
+                int column = MIDDLE + along * to_east[quarter] + aside * to_north[quarter];
+                float now = r.map->log_odds[row * SIDE + column];
+                float *first = &ahead[along][MIDDLE + aside];
+                *first = quarter == 0 ? now : *first;
+                known += !isnan(now);
+                assert_int_equal(isnan(now), isnan(*first));
+                assert_true(isnan(now) || fabs((double)now - (double)*first) < 1e-4);
+            }
+        }
+        assert_true(known > 100);
+        asdic_occupancy_destroy(&r.map);
+    }
+}
+
 /* Fixed in the world, clipped, and no larger than memory. */
 static void maps_have_limits(void **state) {
     (void)state;
@@ -852,6 +891,7 @@ int main(void) {
         cmocka_unit_test(headings_know_who_hears_them),
         cmocka_unit_test(strengths_are_averaged),
         cmocka_unit_test(k_speckle_is_weighed_by_its_shape),
+        cmocka_unit_test(maps_do_not_depend_on_the_compass),
         cmocka_unit_test(maps_have_limits),
         cmocka_unit_test(tracks_follow),
         cmocka_unit_test(tracks_say_where_and_how_fast),
