@@ -277,6 +277,30 @@ static void a_sonars_bin_is_a_background(void **state) {
     assert_true(isinf(asdic_background_of(&sonar, 1500.0, 1.0, 0.0).shape));
 }
 
+/* Draws of one look with a mean of 2 and a threshold of 4: they are spread by theta = 2, and those above 1 count with
+ * the weight 2 e^-draw each; 99 % of a normal variate lie within 2.5758 standard deviations. */
+static void rare_draws_are_weighed(void **state) {
+    (void)state;
+    const asdic_rare_draw draws[] = {{0.5, 0.0}, {1.25, 0.0}, {2.0, 0.0}, {0.999, 0.0}};
+    const double w[] = {2.0 * exp(-1.25), 2.0 * exp(-2.0)};
+    double value = (w[0] + w[1]) / 4.0;
+    double error = sqrt(((w[0] * w[0] + w[1] * w[1]) / 4.0 - value * value) / 4.0);
+    asdic_estimate e = asdic_rare_estimate(&one_look, 4.0, draws, 4);
+    assert_close(e.value, value, 1e-12);
+    assert_close(e.high, value + 2.5758293035489004 * error, 1e-9);
+    assert_close(e.low, 0.0, 0.0); /* a probability, though the error is larger */
+    const asdic_rare_draw alike[] = {{1.25, 0.0}, {1.3, 0.0}, {1.35, 0.0}};
+    double sum = 0.0, squares = 0.0;
+    for (size_t i = 0; i < 3; i++) {
+        double weight = 2.0 * exp(-alike[i].speckle);
+        sum += weight;
+        squares += weight * weight;
+    }
+    error = sqrt((squares / 3.0 - sum * sum / 9.0) / 3.0);
+    e = asdic_rare_estimate(&one_look, 4.0, alike, 3);
+    assert_close(e.low, sum / 3.0 - 2.5758293035489004 * error, 1e-9);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(backgrounds_have_limits),
@@ -291,6 +315,7 @@ int main(void) {
         cmocka_unit_test(odds_and_costs_multiply),
         cmocka_unit_test(an_error_of_the_mean_is_a_texture),
         cmocka_unit_test(a_sonars_bin_is_a_background),
+        cmocka_unit_test(rare_draws_are_weighed),
     };
     return cmocka_run_group_tests(tests, context_begin, context_end);
 }
