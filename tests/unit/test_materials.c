@@ -6,6 +6,7 @@
 #include "test_context.h"
 
 #include "laws/scatterer.h"
+#include "laws/tabulate.h"
 
 #include <stdlib.h>
 #include <unistd.h>
@@ -334,6 +335,28 @@ static void mirrors_see_waves_up_to_a_metre(void **state) {
     assert_close(lost / (4.0 * k * k * 1e-4 * cm2), 1.0, 1e-3);
 }
 
+/* A table asks for strengths at grazing angles from nearly 0 to 90 degrees, by sine and squared cosine of one angle. */
+static double asked_low, asked_high;
+
+static double asked(const void *of, double sine, double cos2) {
+    (void)of;
+    assert_close(sine * sine + cos2, 1.0, 1e-9);
+    asked_low = fmin(asked_low, sine);
+    asked_high = fmax(asked_high, sine);
+    return 0.01;
+}
+
+static void tables_ask_for_angles(void **state) {
+    (void)state;
+    asdic_law_words words = {0};
+    dev_uint at;
+    asked_low = 1.0;
+    asked_high = 0.0;
+    assert_ok(ctx, asdic_law_table_add(ctx, asked, NULL, NULL, 0, &words, &at));
+    assert_true(asked_low < 1e-3 && asked_high == 1.0);
+    free(words.words);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(laws_are_found_by_name),
@@ -348,6 +371,7 @@ int main(void) {
         cmocka_unit_test(a_material_is_checked),
         cmocka_unit_test(kinds_of_bottom_are_fluids),
         cmocka_unit_test(mirrors_see_waves_up_to_a_metre),
+        cmocka_unit_test(tables_ask_for_angles),
         cmocka_unit_test(rows_are_read),
         cmocka_unit_test(materials_are_described_in_words),
     };
