@@ -602,6 +602,41 @@ static void routes_are_the_runs(void **state) {
     assert_int_equal(data.route_count, 0);
 }
 
+/* What a run kept of its objects: a corner a line, and a new number in the second field begins an outline. */
+static void kept_outlines_are_read(void **state) {
+    (void)state;
+    char folder[] = "/tmp/asdic-chart-XXXXXX", path[64];
+    assert_non_null(mkdtemp(folder));
+    snprintf(path, sizeof path, "%s/objects.csv", folder);
+    FILE *file = fopen(path, "w");
+    assert_non_null(file);
+    assert_true(fputs("object,outline,x_m,y_m\nrock,0,1,2\nrock,0,3,4\nbox,1,5,6\nbox,2,7,8\n"
+                      "box,2,9,10\nbox,2,11,12\n",
+                      file) >= 0);
+    assert_int_equal(fclose(file), 0);
+    asdic_chart_data data;
+    assert_int_equal(asdic_chart_data_read(ctx, folder, &data), ASDIC_OK);
+    static const struct {
+        const char *name;
+        size_t count;
+    } outlines[] = {{"rock", 2}, {"box", 1}, {"box", 3}};
+    double next = 1.0;
+    assert_int_equal(data.outline_count, 3);
+    for (size_t i = 0; i < 3; i++) {
+        const asdic_outline *o = &data.outlines[i];
+        assert_string_equal(o->name, outlines[i].name);
+        assert_int_equal(o->count, outlines[i].count);
+        for (size_t k = 0; k < o->count; k++) {
+            assert_close(o->north_m[k], next++, 0.0);
+            assert_close(o->east_m[k], next++, 0.0);
+        }
+    }
+    assert_true(data.route_count == 0 && data.relief.columns == 0);
+    asdic_chart_data_finish(&data);
+    unlink(path);
+    assert_int_equal(rmdir(folder), 0);
+}
+
 /* Width, height and how many pixels are RGB of a picture, which is deleted. */
 static size_t count_pixels(const char *path, uint32_t rgb, size_t *width, size_t *height) {
     png_image image = {.version = PNG_IMAGE_VERSION};
@@ -736,6 +771,7 @@ int main(void) {
         cmocka_unit_test(overview_leaves_out_the_last_bin),
         cmocka_unit_test(names_do_not_cover_what_they_name),
         cmocka_unit_test(routes_are_the_runs),
+        cmocka_unit_test(kept_outlines_are_read),
         cmocka_unit_test(charts_leave_out_what_is_far),
         cmocka_unit_test(pictures_show_them),
     };
