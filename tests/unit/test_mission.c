@@ -8,6 +8,7 @@
 #include "damage.h"
 #include "de_locale.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <unistd.h>
@@ -553,6 +554,74 @@ static void misuse_is_answered(void **state) {
     asdic_mission_destroy(&m);
 }
 
+/* Rays that end on the bottom, on the surface and nowhere, of the last plot. */
+static size_t ends[3];
+
+/* A sonar at 35 m over a bottom at 68 m in water of 1490 m/s, of 1500 m/s from 9 m upwards. */
+static void check_ray(const asdic_series *s, double angle_rad, double range_m) {
+    size_t last = s->count - 1;
+    double length_m = 0.0, upper_rad = acos(fmin(cos(angle_rad) * 1500.0 / 1490.0, 1.0));
+    assert_close(s->x[0], 0.0, 0.0);
+    assert_close(s->y[0], -35.0, 1e-9);
+    for (size_t i = 1; i <= last; i++) {
+        double dx = s->x[i] - s->x[i - 1], dy = fabs(s->y[i] - s->y[i - 1]);
+        assert_true(hypot(dx, dy) < range_m / 100.0); /* it looks curved */
+        length_m += hypot(dx, dy);
+        if (fmax(s->y[i], s->y[i - 1]) < -18.001) {
+            assert_close(dy, dx * tan(angle_rad), 1e-6);
+        } else if (fmin(s->y[i], s->y[i - 1]) > -8.999) { /* by Snell's law */
+            assert_close(dy, dx * tan(upper_rad), 1e-6);
+        }
+    }
+    size_t end = s->rgb == 0x8c510a ? 0 : s->rgb == 0x2166ac ? 1 : 2;
+    ends[end]++;
+    if (end < 2) {
+        assert_close(s->y[last], end == 0 ? -68.0 : 0.0, 1e-6);
+        assert_true(length_m < range_m * 1500.0 / 1490.0);
+    } else { /* when the last bin is heard */
+        assert_true(s->y[last] > -68.0 && s->y[last] < 0.0);
+        assert_true(length_m > 0.9999 * range_m && length_m < range_m * 1500.0 / 1490.0);
+    }
+}
+
+asdic_status __wrap_asdic_picture_plot(asdic_context *ctx, const char *path,
+                                       const asdic_plot *panels, size_t panel_count,
+                                       const asdic_picture_options *options);
+asdic_status __wrap_asdic_picture_plot(asdic_context *ctx, const char *path,
+                                       const asdic_plot *panels, size_t panel_count,
+                                       const asdic_picture_options *options) {
+    (void)ctx;
+    (void)path;
+    (void)options;
+    assert_int_equal(panel_count, 1);
+    assert_int_equal(panels->series_count, 41 + 2); /* surface and bottom */
+    for (int i = 0; i < 41; i++) {
+        check_ray(&panels->series[i], fabs(i - 20.0) * DEG, panels->x.high);
+    }
+    for (size_t i = 41; i < 43; i++) {
+        const asdic_series *s = &panels->series[i];
+        assert_int_equal(s->count, 2);
+        assert_true(s->x[0] == 0.0 && s->x[1] == panels->x.high);
+        assert_true(s->y[0] == (i == 41 ? 0.0 : -68.0) && s->y[1] == s->y[0]);
+    }
+    assert_true(panels->y.low < -68.0 && panels->y.high > 0.0);
+    return ASDIC_OK;
+}
+
+/* Heard to 186 m: rays end on the bottom from 10.2 degrees down on, 33 m / sin, and on the surface from 11.7 up on:
+ * 17, 9 and 9 m over the sines of 11.7, 10.7 and 9.7 degrees, their angles there, add up to that. */
+static void drawn_rays_obey_snell(void **state) {
+    const workshop *w = *state;
+    asdic_mission *m =
+        load(w, "{depth_m: 68}",
+             "{pose: {position_m: [0, 0, 35]}}\n"
+             "environment: {sound_speed_profile: [[0, 1500], [9, 1500], [18, 1490], [68, 1490]]}");
+    ends[0] = ends[1] = ends[2] = 0;
+    assert_int_equal(asdic_mission_draw_rays(w->ctx, m, 0, "rays.png"), ASDIC_OK);
+    assert_true(ends[0] == 10 && ends[1] == 9 && ends[2] == 22);
+    asdic_mission_destroy(&m);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(flat_bottom_and_rest),
@@ -569,6 +638,7 @@ int main(void) {
         cmocka_unit_test(rays_that_turn_are_remarked),
         cmocka_unit_test(phase_is_needed_where_echoes_interfere),
         cmocka_unit_test(laws_leave_open_what_their_sources_state),
+        cmocka_unit_test(drawn_rays_obey_snell),
     };
     return cmocka_run_group_tests(tests, begin, end);
 }
