@@ -581,6 +581,43 @@ static void names_keep_clear_of_names(void **state) {
     step(v, 1);
     draw(v);
     assert_true(is_written("port") && is_written("starboard") && !is_written("again"));
+    /* Each stands above the middle of its object's top, 6 pixels in a window of 1280 and half as many in one of 640. */
+    static const struct {
+        const char *name;
+        asdic_vec3 top_m;
+    } tops[] = {{"port", {4, 15, 11.5}}, {"starboard", {-4, 15, 11.5}}};
+    for (size_t i = 0; i < 2; i++) {
+        double x, y, far_m;
+        assert_true(asdic_camera_project(v->camera, tops[i].top_m, &x, &y, &far_m));
+        const struct word *w = words;
+        while (strcmp(w->text, tops[i].name) != 0) {
+            w++;
+        }
+        assert_close(w->x, v->layout.chase.x + x, 1.5);
+        assert_close(w->y, v->layout.chase.y + y - 3.0 - 3.0, 3.0); /* half the letters' height */
+    }
+    close_view(v);
+}
+
+/* What the camera sees fills its panel, but for what is drawn over it. */
+static void the_camera_fills_its_panel(void **state) {
+    (void)state;
+    asdic_view *v = open_view("[{name: a}]", "sampling: {rays: 256}");
+    step(v, 4);
+    draw(v);
+    const asdic_box box = v->layout.chase;
+    const size_t width = (size_t)box.w, height = (size_t)box.h;
+    const uint32_t *seen = asdic_camera_rgb(v->camera);
+    asdic_view_image frame = asdic_view_get_frame(v);
+    size_t others = 0, coloured = 0;
+    for (size_t y = 0; y < height; y++) {
+        const uint32_t *row = frame.rgb + ((size_t)box.y + y) * frame.stride + (size_t)box.x;
+        for (size_t x = 0; x < width; x++) {
+            others += ((row[x] ^ seen[y * width + x]) & 0xffffffu) != 0;
+            coloured += seen[y * width + x] != seen[0];
+        }
+    }
+    assert_true(others < width * height / 50 && coloured > width * height / 2);
     close_view(v);
 }
 
@@ -599,6 +636,7 @@ int main(void) {
         cmocka_unit_test(the_map_knows_a_flat_floor),
         cmocka_unit_test(a_trail_lies_behind_the_vehicle),
         cmocka_unit_test(names_keep_clear_of_names),
+        cmocka_unit_test(the_camera_fills_its_panel),
     };
     t = test_device_open_or_skip();
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
