@@ -7,6 +7,17 @@
 
 #include <sys/stat.h>
 
+/* Windows of the size that the manual states. */
+static void views_are_as_large_as_said(void **state) {
+    (void)state;
+    const asdic_view_options o = asdic_view_options_default();
+    asdic_view *v = try_view("[{name: a}]", "sampling: {rays: 256}", &o, ASDIC_OK);
+    asdic_view_image frame = asdic_view_get_frame(v);
+    assert_true(frame.width == 1280 && frame.height == 720);
+    assert_true(o.colormap == ASDIC_COLORMAP_INFERNO && isnan(o.db_low) && isnan(o.db_high));
+    close_view(v);
+}
+
 static void the_mission_is_flown_to_its_end(void **state) {
     (void)state;
     asdic_view *v = open_view("[{name: a}]", "sampling: {rays: 256}");
@@ -453,6 +464,7 @@ static void long_words_end_with_a_character(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(views_are_as_large_as_said),
         cmocka_unit_test(the_mission_is_flown_to_its_end),
         cmocka_unit_test(steering_begins_at_once),
         cmocka_unit_test(pauses_hold_pings),
