@@ -1,6 +1,7 @@
 """asdic roc: curves, tables, pictures, and designs compared."""
 import csv
 import json
+import math
 import os
 import pathlib
 import subprocess
@@ -78,6 +79,27 @@ def test_other_beams_and_targets():
         tap.equal(abs(point["target_db"] - level) < 0.05, True, f"{point['target_db']} {level}")
         aside = ask("--range", "60", "--strength", "-20", "--bearing", "10")
         tap.equal(aside["target_db"] < point["target_db"] - 3, True, "off the axis")
+
+
+def test_a_point_has_its_strength():
+    """Wherever it lies, in whichever beam; the beam that is named is asked, though another hears it better."""
+    need_device()
+    with Folder() as folder:
+        for yaw_deg, beams in (30, ["any"]), (135, ["any", "aside"]), (250, ["any"]):
+            yaw = math.radians(yaw_deg)
+            scene = SEDIMENT.replace("0, 7]", f"0, 7], yaw_deg: {yaw_deg}").replace(
+                "{name: forward}", "{name: aside, yaw_deg: 40}, {name: ahead}")
+            folder.write("s.yaml", f"""{scene}objects:
+  - {{name: buoy, point: -5, position_m: [{28.25 * math.cos(yaw)}, {28.25 * math.sin(yaw)}, 7]}}
+""")
+            for beam in beams:
+                done = asdic("roc", "s.yaml", "--object", "buoy", "--trials", "2000", "-o", "out", "--force", "--json",
+                             "-q", *([] if beam == "any" else ["--beam", beam]), cwd=folder.path).check(0)
+                curve, = json.loads(done.out)
+                tap.equal(curve["beam"], "ahead" if beam == "any" else beam)
+                tap.equal(curve["range_m"], 28.25)
+                tap.equal(abs(curve["target_strength_db"] + 5) < 0.1, True,
+                          f"{yaw_deg}, {beam}: {curve['target_strength_db']} dB")
 
 
 def test_a_beam_among_others_is_as_alone():
