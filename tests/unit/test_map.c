@@ -4,6 +4,8 @@
 #include "asserts.h"
 #include "test_context.h"
 
+#include "mission/detect/detect_job.h"
+#include "mission/run/run_open.h"
 #include "out/draw.h"
 
 #include <asdic/asdic.h>
@@ -16,7 +18,10 @@ static struct {
     size_t rows, columns, width, height;
     double cell_m;
     uint8_t rgb[1000 * 1000 * 3];
-    char note[ASDIC_NOTE_SIZE];
+    char note[ASDIC_NOTE_SIZE], title[256];
+    double db_low, db_high;
+    size_t line_count;
+    asdic_series first_line;
 } page;
 
 asdic_status __wrap_asdic_draw_map(asdic_context *c, const char *path, const asdic_map *map,
@@ -34,6 +39,11 @@ asdic_status __wrap_asdic_draw_map(asdic_context *c, const char *path, const asd
     page.width = raster->width;
     page.height = raster->height;
     snprintf(page.note, sizeof page.note, "%s", options->note ? options->note : "");
+    snprintf(page.title, sizeof page.title, "%s", options->title ? options->title : "");
+    page.db_low = options->db_low;
+    page.db_high = options->db_high;
+    page.line_count = map->line_count;
+    page.first_line = map->line_count ? map->lines[0] : (asdic_series){0};
     assert_true(raster->width <= 1000 && raster->height <= 1000);
     memcpy(page.rgb, raster->rgb, 3 * raster->width * raster->height);
     return ASDIC_OK;
@@ -137,11 +147,45 @@ static void maps_of_nothing_are_refused(void **state) {
     assert_int_equal(asdic_picture_map(ctx, "m", &good, &options), ASDIC_OK);
 }
 
+/* The occupancy map of asdic detect has the vehicle's way so far over it, and that alone. */
+static void an_occupancy_map_has_the_way(void **state) {
+    (void)state;
+    double north_m[] = {1.0, 2.0, 9.0}, east_m[] = {5.0, 7.0, 9.0};
+    const asdic_vec3 low = {0.0, 0.0, 0.0}, high = {10.0, 20.0, 0.0};
+    asdic_sonar sonar = asdic_sonar_default();
+    char folder[] = "f";
+    asdic_run run = {.folder = folder, .facts = {.bin_length_m = 0.5}};
+    asdic_detect_job job = {.ctx = ctx,
+                            .run = &run,
+                            .info = {.sonar = &sonar, .scene_name = "lake", .scene_hash = "0"},
+                            .detector = {.prior = 0.02, .snr_db = 12.0},
+                            .track_north_m = north_m,
+                            .track_east_m = east_m};
+    assert_ok(ctx, asdic_occupancy_create(ctx, low, high, 1.0, 0.02, 10.0, &job.map));
+    for (job.pings_done = 1; job.pings_done < 3; job.pings_done++) {
+        char title[64];
+        snprintf(title, sizeof title, "lake: occupancy after %s\n",
+                 job.pings_done == 1 ? "1 ping" : "2 pings");
+        assert_ok(ctx, asdic_detect_draw_map(&job));
+        assert_int_equal(page.line_count, 1);
+        assert_int_equal(page.first_line.count, job.pings_done);
+        assert_ptr_equal(page.first_line.x, east_m);
+        assert_ptr_equal(page.first_line.y, north_m);
+        assert_true(page.rows == 10 && page.columns == 20 && page.cell_m == 1.0);
+        assert_true(page.db_low < 0.0 && page.db_low == -page.db_high);
+        assert_contains(page.title, title);
+        assert_contains(page.note, "cells of 1 m");
+        assert_contains(page.note, "prior 0.02, targets from 12 dB above");
+    }
+    asdic_occupancy_destroy(&job.map);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(maps_are_north_up),
         cmocka_unit_test(large_maps_show_the_greatest),
         cmocka_unit_test(maps_of_nothing_are_refused),
+        cmocka_unit_test(an_occupancy_map_has_the_way),
     };
     return cmocka_run_group_tests(tests, context_begin, context_end);
 }
