@@ -602,24 +602,37 @@ static void routes_are_the_runs(void **state) {
     assert_int_equal(data.route_count, 0);
 }
 
-/* What a run kept of its objects: a corner a line, and a new number in the second field begins an outline. */
-static void kept_outlines_are_read(void **state) {
-    (void)state;
-    char folder[] = "/tmp/asdic-chart-XXXXXX", path[64];
-    assert_non_null(mkdtemp(folder));
-    snprintf(path, sizeof path, "%s/objects.csv", folder);
+static void write_kept(const char *folder, const char *name, const char *text) {
+    char path[64];
+    snprintf(path, sizeof path, "%s/%s", folder, name);
     FILE *file = fopen(path, "w");
     assert_non_null(file);
-    assert_true(fputs("object,outline,x_m,y_m\nrock,0,1,2\nrock,0,3,4\nbox,1,5,6\nbox,2,7,8\n"
-                      "box,2,9,10\nbox,2,11,12\n",
-                      file) >= 0);
+    assert_true(fputs(text, file) >= 0);
     assert_int_equal(fclose(file), 0);
+}
+
+/* What a run kept: a corner a line, where a new number begins an outline; a point a line, where a new name begins a
+ * route; depths from the north-western cell on. */
+static void kept_charts_are_read(void **state) {
+    (void)state;
+    char folder[] = "/tmp/asdic-chart-XXXXXX", command[64];
+    assert_non_null(mkdtemp(folder));
+    write_kept(folder, "objects.csv",
+               "object,outline,x_m,y_m\nrock,0,1,2\nrock,0,3,4\nbox,1,5,6\nbox,2,7,8\n"
+               "box,2,9,10\nbox,2,11,12\n");
+    write_kept(folder, "routes.csv",
+               "object,time_s,x_m,y_m,yaw_deg\nboat,0,1,2,90\nboat,1,3,4,-90\nboa,0,5,6,0\n"
+               "boat,0,7,8,180\nboat,2,9,10,180");
+    write_kept(folder, "terrain.asc",
+               "ncols 3\nnrows 2\nxllcorner -5\nyllcorner 7.5\ncellsize 2\n"
+               "NODATA_value -9999\n1 2 3\n4 -9999 6\n");
     asdic_chart_data data;
     assert_int_equal(asdic_chart_data_read(ctx, folder, &data), ASDIC_OK);
     static const struct {
         const char *name;
         size_t count;
-    } outlines[] = {{"rock", 2}, {"box", 1}, {"box", 3}};
+    } outlines[] = {{"rock", 2}, {"box", 1}, {"box", 3}},
+      routes[] = {{"boat", 2}, {"boa", 1}, {"boat", 2}};
     double next = 1.0;
     assert_int_equal(data.outline_count, 3);
     for (size_t i = 0; i < 3; i++) {
@@ -631,10 +644,31 @@ static void kept_outlines_are_read(void **state) {
             assert_close(o->east_m[k], next++, 0.0);
         }
     }
-    assert_true(data.route_count == 0 && data.relief.columns == 0);
+    static const double times_s[] = {0, 1, 0, 0, 2}, yaws_deg[] = {90, -90, 0, 180, 180};
+    size_t point = 0;
+    next = 1.0;
+    assert_int_equal(data.route_count, 3);
+    for (size_t i = 0; i < 3; i++) {
+        const asdic_route *r = &data.routes[i];
+        assert_string_equal(r->name, routes[i].name);
+        assert_int_equal(r->count, routes[i].count);
+        for (size_t k = 0; k < r->count; k++, point++) {
+            assert_close(r->points[k].time_s, times_s[point], 0.0);
+            assert_close(r->points[k].north_m, next++, 0.0);
+            assert_close(r->points[k].east_m, next++, 0.0);
+            assert_close(r->points[k].yaw_rad, yaws_deg[point] * ASDIC_PI / 180.0, 1e-12);
+        }
+    }
+    const asdic_relief *relief = &data.relief;
+    assert_true(relief->columns == 3 && relief->rows == 2 && relief->cell_m == 2.0);
+    assert_true(relief->west_m == -5.0 && relief->south_m == 7.5);
+    for (size_t i = 0; i < 6; i++) {
+        double depth_m = (double)relief->depth_m[i];
+        assert_true(i == 4 ? isnan(depth_m) : depth_m == (double)(i + 1));
+    }
     asdic_chart_data_finish(&data);
-    unlink(path);
-    assert_int_equal(rmdir(folder), 0);
+    snprintf(command, sizeof command, "rm -r %s", folder);
+    assert_int_equal(system(command), 0);
 }
 
 /* Width, height and how many pixels are RGB of a picture, which is deleted. */
@@ -771,7 +805,7 @@ int main(void) {
         cmocka_unit_test(overview_leaves_out_the_last_bin),
         cmocka_unit_test(names_do_not_cover_what_they_name),
         cmocka_unit_test(routes_are_the_runs),
-        cmocka_unit_test(kept_outlines_are_read),
+        cmocka_unit_test(kept_charts_are_read),
         cmocka_unit_test(charts_leave_out_what_is_far),
         cmocka_unit_test(pictures_show_them),
     };
