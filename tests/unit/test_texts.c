@@ -103,6 +103,20 @@ static void assert_written(const char *text) {
     }
 }
 
+/* TEXT, which is written once. */
+static const struct box *only(const char *text) {
+    size_t i = 0;
+    assert_int_equal(times_written(text), 1);
+    while (strcmp(boxes[i].text, text) != 0) {
+        i++;
+    }
+    return &boxes[i];
+}
+
+static double middle_of(const char *text) {
+    return 0.5 * (only(text)->left + only(text)->right);
+}
+
 /* With all that a run's pictures say. */
 static asdic_picture_options options_of(const char *title) {
     static char heading[512];
@@ -163,6 +177,9 @@ static void waterfalls(void **state) {
         assert_ok(t.ctx, asdic_picture_waterfall(t.ctx, path, &w, &options));
         if (sizes[i][0] == 1001) { /* drawn as means of pings: to 1200.2 s all the same */
             assert_written("1200");
+        }
+        if (sizes[i][1] == 2000) { /* as means of two bins, a pixel each: to 500 m all the same */
+            assert_close(middle_of("500") - middle_of("100"), 800.0, 3.0);
         }
         assert_legible("waterfall", 10);
         free(levels_db);
@@ -236,6 +253,39 @@ static void abscissas_are_labelled(void **state) {
         assert_ok(t.ctx, asdic_picture_plot(t.ctx, path, panels, 2, &options));
         assert_int_equal(times_written("range (m)"), i == 0 ? 1 : 2);
         assert_legible("plot", 10);
+    }
+}
+
+/* Names below an axis keep their size where each has room, and get smaller where they have not. */
+static void names_share_an_abscissa(void **state) {
+    (void)state;
+    static const char *const names[] = {"a_design_of_some_width", "b_design_of_some_width",
+                                        "c_design_of_some_width", "d_design_of_some_width",
+                                        "e_design_of_some_width", "f_design_of_some_width",
+                                        "g_design_of_some_width"};
+    const double at[] = {1, 2};
+    const asdic_series line = {.label = "line", .x = at, .y = at, .count = 2, .width = 1};
+    asdic_picture_options options = options_of("plot");
+    double wide_px = 0.0;
+    for (size_t count = 2; count <= 7; count++) {
+        const asdic_plot panel = {
+            .x = {.low = 0.5, .high = (double)count + 0.5, .names = names, .name_count = count},
+            .y = {.label = "level (dB)", .high = 2},
+            .series = &line,
+            .series_count = 1};
+        box_count = 0;
+        assert_ok(t.ctx, asdic_picture_plot(t.ctx, path, &panel, 1, &options));
+        assert_close(middle_of(names[1]) - middle_of(names[0]), 1040.0 / (double)count, 2.0);
+        double px = only(names[0])->right - only(names[0])->left;
+        double room_px = 1040.0 / (double)count - 5.0; /* apart from the next */
+        wide_px = count == 2 ? px : wide_px;
+        assert_true(px < room_px + 1.0);
+        if (wide_px + 2.0 < room_px) {
+            assert_true(px == wide_px);
+        } else {
+            assert_true(px > 0.88 * room_px); /* sizes are whole pixels */
+        }
+        assert_legible("plot", 5);
     }
 }
 
@@ -467,6 +517,7 @@ int main(void) {
         cmocka_unit_test(overviews),
         cmocka_unit_test(ascopes),
         cmocka_unit_test(abscissas_are_labelled),
+        cmocka_unit_test(names_share_an_abscissa),
         cmocka_unit_test(ascopes_are_of_one_height),
         cmocka_unit_test(plans),
         cmocka_unit_test(names_go_where_there_is_room),
