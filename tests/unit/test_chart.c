@@ -782,6 +782,10 @@ static void charts_leave_out_what_is_far(void **state) {
         asdic_chart_page_init(&alone, &chart, &options);
         assert_close(beside.east_m, alone.east_m, 1e-9);
         assert_true(beside.east_m < 50.0);
+        /* The map's frame keeps off the page's edges. */
+        assert_true(alone.box.x >= ASDIC_MARGIN_PX);
+        assert_true(alone.width >= alone.box.x + alone.box.w + ASDIC_MARGIN_PX);
+        assert_true(alone.height >= alone.box.y + alone.box.h + ASDIC_MARGIN_PX);
     }
 }
 
