@@ -319,6 +319,14 @@ static void plans(void **state) {
     (void)state;
     /* Four piles 10 m apart beside the beginning of a track that is long or short. */
     static const asdic_relief no_relief;
+    enum { SIDE = 61 };
+    static float depth_m[SIDE * SIDE]; /* around the beginning */
+    const asdic_relief relief = {.columns = SIDE,
+                                 .rows = SIDE,
+                                 .west_m = -205,
+                                 .south_m = -205,
+                                 .cell_m = 10,
+                                 .depth_m = depth_m};
     const double lengths_m[] = {0, 4, 100, 400};
     asdic_outline piles[5] = {0};
     asdic_picture_options options = options_of("plan");
@@ -336,9 +344,13 @@ static void plans(void **state) {
     memmove(piles + 1, piles, 4 * sizeof *piles);
     piles[0] = last;
     snprintf(piles[0].name, sizeof piles[0].name, "%s", piles[1].name);
-    for (size_t i = 0; i < sizeof lengths_m / sizeof *lengths_m; i++) {
-        const double north_m[2] = {0, lengths_m[i]}, east_m[2] = {0, 0};
-        asdic_chart chart = {.relief = &no_relief,
+    for (size_t i = 0; i < SIDE * SIDE; i++) {
+        depth_m[i] = 1000.0f + (float)i;
+    }
+    for (size_t i = 0; i < 2 * sizeof lengths_m / sizeof *lengths_m; i++) {
+        bool has_depths = i % 2 == 1;
+        const double north_m[2] = {0, lengths_m[i / 2]}, east_m[2] = {0, 0};
+        asdic_chart chart = {.relief = has_depths ? &relief : &no_relief,
                              .outlines = piles,
                              .outline_count = 5,
                              .north_m = north_m,
@@ -346,9 +358,10 @@ static void plans(void **state) {
                              .track_count = 2,
                              .last_time_s = 1000.125};
         assert_ok(t.ctx, asdic_draw_chart(t.ctx, path, &chart, &options));
-        if (lengths_m[i] >= 100) { /* else they lie off the map */
+        if (north_m[1] >= 100) { /* else they lie off the map */
             assert_written("pile_number_0");
         }
+        assert_int_equal(times_written("depth (m)"), has_depths);
         assert_legible("plan", 12);
     }
 }
@@ -392,6 +405,47 @@ static void names_go_where_there_is_room(void **state) {
         }
     }
     assert_legible("plan", 12);
+}
+
+/* A name is left out where there is no room up to 80 px off, on none of eight sides. */
+static void names_go_up_to_80_px_off(void **state) {
+    (void)state;
+    enum { PLACES = 40 };
+    static const double sides[8][2] = {{1, 0},  {-1, 0}, {0, -1},  {0, 1},
+                                       {1, -1}, {1, 1},  {-1, -1}, {-1, 1}};
+    static const asdic_relief no_relief;
+    static asdic_outline outlines[PLACES + 1];
+    const double north_m[2] = {0, 100}, east_m[2] = {0, 100};
+    asdic_picture_options options = options_of("plan");
+    asdic_chart_page page;
+    asdic_chart chart = {.relief = &no_relief,
+                         .outlines = outlines,
+                         .outline_count = PLACES + 1,
+                         .north_m = north_m,
+                         .east_m = east_m,
+                         .track_count = 2,
+                         .last_time_s = 1};
+    for (size_t i = 0; i <= PLACES; i++) {
+        outlines[i].count = 1;
+        outlines[i].north_m[0] = outlines[i].east_m[0] = 50;
+    }
+    snprintf(outlines[PLACES].name, sizeof outlines[PLACES].name, "named");
+    asdic_chart_page_init(&page, &chart, &options);
+    for (size_t i = 0; i < PLACES;
+         i++) { /* a point in the near end of each place, from 8 px to 80 */
+        double px = 8.0 + 18.0 * (double)(i / 8) + 2.0;
+        outlines[i].east_m[0] += sides[i % 8][0] * px / page.px_per_m;
+        outlines[i].north_m[0] -= sides[i % 8][1] * px / page.px_per_m;
+    }
+    for (size_t is_free = 0; is_free < 2; is_free++) {
+        if (is_free) { /* the farthest one below left */
+            outlines[PLACES - 1] = outlines[0];
+        }
+        box_count = 0;
+        assert_ok(t.ctx, asdic_draw_chart(t.ctx, path, &chart, &options));
+        assert_int_equal(times_written("named"), is_free);
+        assert_legible("plan", 11);
+    }
 }
 
 static void maps(void **state) {
@@ -521,6 +575,7 @@ int main(void) {
         cmocka_unit_test(ascopes_are_of_one_height),
         cmocka_unit_test(plans),
         cmocka_unit_test(names_go_where_there_is_room),
+        cmocka_unit_test(names_go_up_to_80_px_off),
         cmocka_unit_test(maps),
         cmocka_unit_test(rocs),
         cmocka_unit_test(views),
