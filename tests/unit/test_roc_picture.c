@@ -17,6 +17,7 @@
 
 #define MOST_LINES 300
 #define MOST_POINTS 64
+#define MOST_DASHES 8
 #define POINTS 7         /* of a curve: no other line has so many */
 #define CHANCE_POINTS 40 /* at least: cairo joins steps of one slope */
 
@@ -30,6 +31,8 @@ static char path[] = "/tmp/asdic-roc-XXXXXX.png";
 typedef struct drawn_line {
     double x[MOST_POINTS], y[MOST_POINTS], width, red, green, blue;
     int count, dashes;
+    double dash[MOST_DASHES];
+    cairo_line_cap_t cap;
 } drawn_line;
 
 static drawn_line lines[MOST_LINES];
@@ -56,6 +59,9 @@ void cairo_stroke(cairo_t *cr) {
     }
     line->width = cairo_get_line_width(cr);
     line->dashes = cairo_get_dash_count(cr);
+    assert_true(line->dashes <= MOST_DASHES);
+    cairo_get_dash(cr, line->dash, NULL);
+    line->cap = cairo_get_line_cap(cr);
     cairo_pattern_get_rgba(cairo_get_source(cr), &line->red, &line->green, &line->blue, NULL);
     cairo_path_destroy(found);
     cairo_new_path(cr);
@@ -315,6 +321,65 @@ static void too_many_curves_are_refused(void **state) {
     assert_int_equal(asdic_roc_draw(ctx, path, "ROC", names, rocs, 0), ASDIC_ERROR_ARGUMENT);
 }
 
+/* A curve of STYLE and WIDTH; its sample in the legend looks alike. */
+static const drawn_line *line_of(asdic_line_style style, double width) {
+    double x[POINTS], y[POINTS];
+    for (int i = 0; i < POINTS; i++) {
+        x[i] = i / 6.0;
+        y[i] = shape(i) / 6.0;
+    }
+    const asdic_series series = {
+        .label = "line", .x = x, .y = y, .count = POINTS, .width = width, .style = style};
+    const asdic_plot plot = {.x = {.label = "x", .high = 1},
+                             .y = {.label = "y", .high = 1},
+                             .series = &series,
+                             .series_count = 1};
+    const asdic_picture_options options = asdic_picture_options_default();
+    line_count = text_length = 0;
+    assert_ok(ctx, asdic_picture_plot(ctx, path, &plot, 1, &options));
+    const drawn_line *line = &lines[next_of(0, POINTS)];
+    assert_true(line < lines + line_count);
+    size_t samples = 0;
+    for (size_t at = 0; at < line_count; at++) {
+        const drawn_line *l = &lines[at];
+        samples += l->count == 2 && l->width == line->width && l->dashes == line->dashes &&
+                   memcmp(l->dash, line->dash, sizeof l->dash) == 0;
+    }
+    assert_int_equal(samples, 1);
+    return line;
+}
+
+/* Strokes, dots and gaps are told apart, and grow with the line. */
+static void styles_are_told_apart(void **state) {
+    (void)state;
+    static const int dashes[] = {[ASDIC_LINE_SOLID] = 0,
+                                 [ASDIC_LINE_DASHED] = 2,
+                                 [ASDIC_LINE_DOTTED] = 2,
+                                 [ASDIC_LINE_DASH_DOT] = 4};
+    for (asdic_line_style style = ASDIC_LINE_SOLID; style <= ASDIC_LINE_DASH_DOT; style++) {
+        const drawn_line thin = *line_of(style, 1.5), thick = *line_of(style, 3.0);
+        const double *dash = thin.dash, width = thin.width;
+        assert_close(thick.width, 2.0 * width, 1e-9);
+        assert_int_equal(thin.dashes, dashes[style]);
+        assert_int_equal(thick.dashes, dashes[style]);
+        for (int i = 0; i < thin.dashes; i++) {
+            assert_close(thick.dash[i], 2.0 * dash[i], 1e-9);
+            assert_true(i % 2 == 0 ||
+                        (dash[i] >= 2.0 * width && dash[i] <= 4.0 * width)); /* gaps */
+        }
+        bool is_dotted = style == ASDIC_LINE_DOTTED; /* by round ends of strokes without length */
+        assert_int_equal(thin.cap == CAIRO_LINE_CAP_ROUND, is_dotted);
+        if (is_dotted) {
+            assert_close(dash[0], 0.0, 1e-9);
+        } else if (style != ASDIC_LINE_SOLID) {
+            assert_true(dash[0] >= 4.0 * width && dash[0] <= 8.0 * width);
+        }
+        if (style == ASDIC_LINE_DASH_DOT) {
+            assert_true(dash[2] >= width && dash[2] <= 0.4 * dash[0]);
+        }
+    }
+}
+
 /* One row of a table: its numbers, NAN for an empty field. */
 static void assert_row(FILE *file, const char *name, const double *expected, int count) {
     char line[512], *rest = line;
@@ -371,6 +436,7 @@ int main(void) {
         cmocka_unit_test(a_high_pd_fills_the_axis),
         cmocka_unit_test(ranges_come_in_any_order),
         cmocka_unit_test(too_many_curves_are_refused),
+        cmocka_unit_test(styles_are_told_apart),
         cmocka_unit_test(tables_hold_the_numbers),
     };
     close(mkstemps(path, 4));
