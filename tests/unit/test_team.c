@@ -184,9 +184,13 @@ static void work_of_process_0_goes_on_elsewhere(void **state) {
     process p[RANKS];
     begin_team(p, "headless");
     p[0].f.devices[0].fails_after = p[0].f.devices[1].fails_after = 2;
+    p[2].f.devices[0].fails_after = 8; /* when those are gone: told all the same */
     run_team(p);
     assert_int_equal(p[0].status, ASDIC_OK);
     assert_int_equal(pings_of(&p[0]), 4);
+    assert_non_null(strstr(p[0].f.warnings, "device 'fake 0.0' failed"));
+    assert_non_null(strstr(p[0].f.warnings, "device 'fake 0.1' failed"));
+    assert_non_null(strstr(p[0].f.warnings, "device 'fake 2.0' of process 2 failed"));
     assert_same_files("reference", "headless");
     end_team(p);
 }
