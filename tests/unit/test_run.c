@@ -4,8 +4,10 @@
 #include "run_rig.h"
 
 #include "mission/run/run_facts.h"
+#include "mission/run/run_records.h"
 #include "out/record.h"
 
+#include <fcntl.h>
 #include <math.h>
 #include <signal.h>
 #include <stdio.h>
@@ -367,6 +369,50 @@ static void folders_are_not_overwritten(void **state) {
     end(&f);
 }
 
+/* Opens, gives a record where there is none yet, and closes; 0 when each went well. */
+static int use_records(asdic_context *ctx, asdic_store_mode mode, bool is_whole) {
+    static const asdic_records_shape shape = {
+        .name = "r.npy", .dtype = "<f4", .rest = "", .bytes = 4};
+    asdic_records *records = NULL;
+    float number = 1.5f;
+    int bad = asdic_records_open(ctx, in_folder("."), mode, &shape, &records) != ASDIC_OK;
+    if (!bad && asdic_records_count(records) == 0) {
+        bad |= asdic_records_write(records, 0, &number) != ASDIC_OK;
+    }
+    if (!bad) {
+        number = 0.0f;
+        bad |= asdic_records_read(records, 0, &number) != ASDIC_OK || number != 1.5f;
+    }
+    if (!bad && is_whole) {
+        bad |= asdic_records_commit(records) != ASDIC_OK;
+    }
+    asdic_records_close(&records);
+    return bad || fcntl(0, F_GETFD) != -1; /* closed as well */
+}
+
+/* Where a program has closed its standard input, the first file that it opens has the number 0. */
+static void files_may_have_any_number(void **state) {
+    (void)state;
+    asdic_run *run_folder = NULL;
+    fixture f;
+    begin(&f);
+    int input = dup(0);
+    close(0);
+    int bad = use_records(f.ctx, ASDIC_STORE_CREATE, false);
+    bad |= use_records(f.ctx, ASDIC_STORE_RESUME, true) << 1;
+    bad |= use_records(f.ctx, ASDIC_STORE_READ, false) << 2;
+    asdic_status opened = asdic_run_open(f.ctx, in_folder("reference"), &run_folder);
+    asdic_run_close(&run_folder);
+    if (input >= 0) {
+        dup2(input, 0);
+        close(input);
+    }
+    assert_int_equal(bad, 0);
+    assert_int_equal(opened, ASDIC_OK);
+    assert_int_equal(unlink(in_folder("r.npy")), 0);
+    end(&f);
+}
+
 /* bins.csv says in text, to the last bit, what pings.npy says in binary. */
 static void csv_reads_back_to_the_bit(void **state) {
     (void)state;
@@ -490,6 +536,7 @@ int main(int argc, char **argv) {
         cmocka_unit_test(full_disk_loses_nothing),
         cmocka_unit_test(parts_join_to_the_whole),
         cmocka_unit_test(folders_are_not_overwritten),
+        cmocka_unit_test(files_may_have_any_number),
         cmocka_unit_test(csv_reads_back_to_the_bit),
         cmocka_unit_test(damaged_folders_are_refused),
         cmocka_unit_test(formats_that_a_build_lacks_are_refused),
