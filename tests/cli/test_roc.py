@@ -82,15 +82,16 @@ def test_other_beams_and_targets():
 
 
 def test_a_point_has_its_strength():
-    """Wherever it lies, in whichever beam; the beam that is named is asked, though another hears it better."""
+    """Wherever it lies, as deep as it lies, in whichever beam; the beam that is named is asked, though another
+    hears it better."""
     need_device()
     with Folder() as folder:
-        for yaw_deg, beams in (30, ["any"]), (135, ["any", "aside"]), (250, ["any"]):
-            yaw = math.radians(yaw_deg)
+        for yaw_deg, z_m, beams in (30, 11.5, ["any"]), (135, 7, ["any", "aside"]), (250, 2.5, ["any"]):
+            yaw, flat_m = math.radians(yaw_deg), math.sqrt(28.25**2 - (z_m - 7) ** 2)
             scene = SEDIMENT.replace("0, 7]", f"0, 7], yaw_deg: {yaw_deg}").replace(
                 "{name: forward}", "{name: aside, yaw_deg: 40}, {name: ahead}")
             folder.write("s.yaml", f"""{scene}objects:
-  - {{name: buoy, point: -5, position_m: [{28.25 * math.cos(yaw)}, {28.25 * math.sin(yaw)}, 7]}}
+  - {{name: buoy, point: -5, position_m: [{flat_m * math.cos(yaw)}, {flat_m * math.sin(yaw)}, {z_m}]}}
 """)
             for beam in beams:
                 done = asdic("roc", "s.yaml", "--object", "buoy", "--trials", "2000", "-o", "out", "--force", "--json",
@@ -100,6 +101,25 @@ def test_a_point_has_its_strength():
                 tap.equal(curve["range_m"], 28.25)
                 tap.equal(abs(curve["target_strength_db"] + 5) < 0.1, True,
                           f"{yaw_deg}, {beam}: {curve['target_strength_db']} dB")
+
+
+def test_an_objects_strength_does_not_depend_on_the_compass():
+    """A large box, whose middle is north-east, south-east, ... of the sonar, as the bow is."""
+    need_device()
+    with Folder() as folder:
+        found = []
+        for north, east, yaw_deg in (30, 30, 45), (-30, 30, 135), (-30, -30, 225), (30, -30, 315):
+            folder.write("s.yaml", SEDIMENT.replace("0, 7]", f"0, 7], yaw_deg: {yaw_deg}").replace(
+                "{name: forward}", "{name: forward, length_h_m: 0.3}") + f"""objects:
+  - {{name: block, box: {{size_m: [10, 10, 4]}}, material: {{lambert_db: -10}}, position_m: [{north}, {east}, 10]}}
+""")
+            done = asdic("roc", "s.yaml", "--object", "block", "--trials", "2000", "-o", "out", "--force", "--json",
+                         "-q", cwd=folder.path).check(0)
+            found.append(json.loads(done.out)[0]["target_strength_db"])
+        tap.equal(max(found) - min(found) < 0.2, True, f"{found} dB")
+        # A face of 45 degrees to either side of the corner, 4 m high, in a cell of a few decimetres: no more
+        # than a few square metres at -10 dB.
+        tap.equal(-25 < min(found) < 5, True, f"{found} dB")
 
 
 def test_a_beam_among_others_is_as_alone():

@@ -37,8 +37,8 @@ typedef struct asdic_roc_point {
     asdic_band model_pd; /* of closed_pd */
 } asdic_roc_point;
 
-/* A point as strong as the curve's target at other ranges in its bearing, level with the vehicle
- * and in clear sight. */
+/* A point as strong as the curve's target at other ranges, in its bearing and at its depth (of an
+ * object, whatever of it the beam looks to most directly), in clear sight. */
 typedef struct asdic_roc_reach {
     double range_m, snr_db;
     asdic_estimate pd;

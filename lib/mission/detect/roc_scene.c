@@ -2,6 +2,7 @@
  * A target in a scene: its strength in a bin, and what else is in that bin.
  */
 #include <asdic/roc.h>
+#include <asdic/scan.h>
 
 #include "base/context.h"
 #include "base/try.h"
@@ -22,6 +23,13 @@
 #define MOST_RANGES 100
 #define REACH_TRIALS 20000u
 
+/* Where the target is, from the sonar: bearings round AZIMUTH_RAD, which is from north, and depths
+ * below it. A target of a given range is a point, level with the sonar. */
+typedef struct extent {
+    double azimuth_rad, port_rad, starboard_rad; /* -pi..0, 0..pi */
+    double top_m, foot_m;
+} extent;
+
 typedef struct scene_job {
     asdic_context *ctx;
     const asdic_mission *mission;
@@ -29,7 +37,7 @@ typedef struct scene_job {
     asdic_sonar sonar; /* with speckle */
     asdic_water_column water;
     asdic_pose pose;
-    double azimuth_rad; /* of the target, from north */
+    extent target;
     size_t beams, bins;
     bool is_plane;        /* quadrature knows what is expected */
     asdic_ping *ping;     /* simulated, its total without speckle */
@@ -94,14 +102,33 @@ static asdic_status expect(scene_job *job) {
     return ASDIC_OK;
 }
 
-/* Echo in BEAM of a point of 0 dB at RANGE_M in the target's bearing; 0 where that is no water. */
+static double within(double value, double low, double high) {
+    return fmin(fmax(value, low), high);
+}
+
+/* That part of the target, at RANGE_M, to which BEAM looks most directly; 0 where the target is deeper or
+ * higher than far. */
+static asdic_vec3 direction_of_target(const scene_job *job, size_t beam, double range_m) {
+    const extent *t = &job->target;
+    asdic_vec3 axis = asdic_beam_axis(&job->sonar.receivers[beam], &job->pose);
+    double turn = remainder(atan2(axis.y, axis.x) - t->azimuth_rad, 2.0 * ASDIC_PI);
+    double azimuth = t->azimuth_rad + within(turn, t->port_rad, t->starboard_rad);
+    double depth = within(range_m * axis.z, t->top_m, t->foot_m);
+    if (fabs(depth) > range_m + job->sonar.bin_length_m) {
+        return (asdic_vec3){0};
+    }
+    double sine = within(depth / range_m, -1.0, 1.0), cosine = sqrt(1.0 - sine * sine);
+    return (asdic_vec3){cosine * cos(azimuth), cosine * sin(azimuth), sine};
+}
+
+/* Echo in BEAM of a point of 0 dB at RANGE_M where the target is; 0 where that is no water. */
 static double echo_lin(const scene_job *job, size_t beam, double range_m) {
     const asdic_scene *scene = job->mission->scene;
     const asdic_sonar *sonar = &job->sonar;
-    asdic_vec3 u = {cos(job->azimuth_rad), sin(job->azimuth_rad), 0.0};
+    asdic_vec3 u = direction_of_target(job, beam, range_m);
     double gain = 1.0, z = job->pose.position_m.z;
     const asdic_beam *apertures[2] = {&sonar->transmitter, &sonar->receivers[beam]};
-    if ((scene->has_surface && z < 0.0) ||
+    if (asdic_vec3_length(u) == 0.0 || (scene->has_surface && z < 0.0) ||
         (scene->has_bottom_plane && z > scene->bottom_plane_depth_m)) {
         return 0.0;
     }
@@ -140,7 +167,27 @@ static asdic_roc_case case_of(const scene_job *job, size_t cell) {
     return c;
 }
 
-/* The range bins between which the object lies, by its box, and its bearing. */
+/* Of what lies between the corners LOW and HIGH, from the sonar; the part in the water. */
+static extent extent_of(const scene_job *job, asdic_vec3 low, asdic_vec3 high) {
+    const asdic_scene *scene = job->mission->scene;
+    double z = job->pose.position_m.z;
+    extent e = {.azimuth_rad = atan2(0.5 * (low.y + high.y), 0.5 * (low.x + high.x)),
+                .top_m = scene->has_surface ? fmax(low.z, -z) : low.z,
+                .foot_m = scene->has_bottom_plane ? fmin(high.z, scene->bottom_plane_depth_m - z)
+                                                  : high.z};
+    bool is_round = low.x <= 0.0 && high.x >= 0.0 && low.y <= 0.0 && high.y >= 0.0;
+    e.port_rad = is_round ? -ASDIC_PI : 0.0;
+    e.starboard_rad = is_round ? ASDIC_PI : 0.0;
+    for (int corner = 0; corner < 4; corner++) {
+        double x = corner & 1 ? high.x : low.x, y = corner & 2 ? high.y : low.y;
+        double turn = remainder(atan2(y, x) - e.azimuth_rad, 2.0 * ASDIC_PI);
+        e.port_rad = fmin(e.port_rad, turn);
+        e.starboard_rad = fmax(e.starboard_rad, turn);
+    }
+    return e;
+}
+
+/* The range bins between which the object lies, by its box, and where it is. */
 static asdic_status bins_of_object(scene_job *job, size_t *first, size_t *end) {
     const asdic_mission *m = job->mission;
     double bin_m = job->sonar.bin_length_m;
@@ -157,8 +204,7 @@ static asdic_status bins_of_object(scene_job *job, size_t *first, size_t *end) {
                            fmax(fmax(low.z, -high.z), 0.0)};
         asdic_vec3 far = {fmax(fabs(low.x), fabs(high.x)), fmax(fabs(low.y), fabs(high.y)),
                           fmax(fabs(low.z), fabs(high.z))};
-        job->azimuth_rad =
-            atan2(0.5 * (low.y + high.y), low.x > 0.0 ? low.x : 0.5 * (low.x + high.x));
+        job->target = extent_of(job, low, high);
         double begin = floor(asdic_vec3_length(near) / bin_m) - 1.0;
         double last = ceil(asdic_vec3_length(far) / bin_m) + 1.0;
         *first = (size_t)fmin(fmax(begin, 0.0), (double)job->bins);
@@ -345,7 +391,7 @@ asdic_status asdic_roc_compute(asdic_context *ctx, const asdic_mission *mission,
                      .pose = asdic_mission_pose(mission, options->ping, NULL),
                      .uncertainty = asdic_mission_uncertainty(mission),
                      .beams = mission->settings.sonar.receiver_count};
-    job.azimuth_rad = job.pose.yaw_rad + options->bearing_rad;
+    job.target.azimuth_rad = job.pose.yaw_rad + options->bearing_rad;
     if (job.sonar.speckle == ASDIC_SPECKLE_NONE) {
         job.sonar.speckle = ASDIC_SPECKLE_RAYLEIGH;
     }
