@@ -479,6 +479,30 @@ static void overview_keeps_the_strongest(void **state) {
     asdic_overview_finish(&o);
 }
 
+/* 601 beams are shown two by two: each cell has the stronger of its own, the last beam one to itself. */
+static void overview_groups_many_beams(void **state) {
+    (void)state;
+    enum { BEAMS = 601, COLUMNS = 301 };
+    asdic_overview o;
+    float levels_db[2][BEAMS], noise_db[BEAMS];
+    for (int b = 0; b < BEAMS; b++) {
+        levels_db[0][b] = (float)-b;
+        levels_db[1][b] = (float)(b - 1000);
+        noise_db[b] = NAN;
+    }
+    assert_int_equal(asdic_overview_init(ctx, 2, BEAMS, 1, 10.0, &o), ASDIC_OK);
+    assert_int_equal(o.columns, COLUMNS);
+    asdic_overview_add(&o, levels_db[0], noise_db);
+    asdic_overview_add(&o, levels_db[1], noise_db);
+    for (int c = 0; c < COLUMNS; c++) {
+        int last = c == COLUMNS - 1 ? 2 * c : 2 * c + 1;
+        assert_close(o.shown_db[c], -2.0 * c, 0.0);
+        assert_close(o.shown_db[COLUMNS + c], last - 1000.0, 0.0);
+        assert_close(o.range_m[c], 5.0, 0.0);
+    }
+    asdic_overview_finish(&o);
+}
+
 /* The gain is that of each bin's middle, and of no bin more than there are. */
 static void overview_gain_is_of_its_bins(void **state) {
     (void)state;
@@ -805,6 +829,7 @@ int main(void) {
         cmocka_unit_test(footprint_on_terrain),
         cmocka_unit_test(footprint_beside_a_hole),
         cmocka_unit_test(overview_keeps_the_strongest),
+        cmocka_unit_test(overview_groups_many_beams),
         cmocka_unit_test(overview_gain_is_of_its_bins),
         cmocka_unit_test(overview_leaves_out_the_last_bin),
         cmocka_unit_test(names_do_not_cover_what_they_name),
