@@ -163,6 +163,17 @@ static void polygons(void **state) {
     assert_close(area_of_load(), 4.0, 0.1);
     mesh_rig_write(&rig, "m.obj", "v 0 0 0\nv 4 2 0\nv 0 4 0\nv 2 2 0\nf 4 3 2 1\n");
     assert_close(area_of_load(), 4.0, 0.1);
+    /* a small one of 0.32 - 0.16 m2, from every corner and wound either way */
+    static const char *const darts[] = {"1 2 3 4", "2 3 4 1", "3 4 1 2", "4 1 2 3",
+                                        "4 3 2 1", "3 2 1 4", "2 1 4 3", "1 4 3 2"};
+    for (size_t i = 0; i < sizeof darts / sizeof *darts; i++) {
+        char text[128];
+        snprintf(text, sizeof text, "v 0 0 0\nv 0.8 0.4 0\nv 0 0.8 0\nv 0.4 0.4 0\nf %s\n",
+                 darts[i]);
+        mesh_rig_write(&rig, "m.obj", text);
+        mesh_rig_expect(&rig, 2, 0);
+        assert_close(area_of_load(), 0.16, 0.03);
+    }
     /* a comb with three teeth: 4 x 1 and three of 3 x 0.8 */
     mesh_rig_write(&rig, "m.off",
                    "OFF\n12 1 0\n0 0 0\n1 0 0\n1 4 0\n4 4 0\n4 3.2 0\n1 3.2 0\n1 2.4 0\n4 2.4 0\n"
