@@ -166,6 +166,61 @@ static void altitude_takes_the_nearest_bottom_below(void **state) {
     asdic_mesh_destroy(&box);
 }
 
+/* A bottom 30 m deep, 200 m to each side, of squares of 10 m; its corner 80 m north of the middle is 20 m deep. */
+static void add_hill(asdic_scene *scene) {
+    enum { SIDE = 41 };
+    static double corners_m[3 * SIDE * SIDE];
+    static uint32_t triangles[6 * SIDE * SIDE];
+    asdic_mesh *mesh;
+    size_t count = 0;
+    for (uint32_t i = 0; i < SIDE * SIDE; i++) {
+        double x = 10.0 * (i / SIDE) - 200.0, y = 10.0 * (i % SIDE) - 200.0;
+        corners_m[3 * i] = x;
+        corners_m[3 * i + 1] = y;
+        corners_m[3 * i + 2] = x == 80.0 && y == 0.0 ? 20.0 : 30.0;
+        if (i / SIDE + 1 < SIDE && i % SIDE + 1 < SIDE) {
+            const uint32_t two[6] = {i, i + 1, i + SIDE, i + SIDE, i + 1, i + SIDE + 1};
+            memcpy(&triangles[6 * count++], two, sizeof two);
+        }
+    }
+    check(asdic_mesh_from_triangles(ctx, corners_m, SIDE * SIDE, triangles, 2 * count, &mesh));
+    check(asdic_scene_add_bottom(scene, mesh, (asdic_pose){0}, asdic_material_bottom(2)));
+    asdic_mesh_destroy(&mesh);
+}
+
+/* Reaches are tens of metres off where more or less would count, since whole boxes of triangles are taken. */
+static void clearance_is_of_the_highest_bottom_in_reach(void **state) {
+    (void)state;
+    static const struct {
+        asdic_vec3 from_m;
+        double reach_m, clearance_m;
+    } cases[] = {
+        {{0, 0, 10}, 1e3, 10},        {{0, 0, 10}, 120, 10},        {{0, 0, 10}, 40, 20},
+        {{0, 0, 10}, 15, INFINITY},   {{80, 80, 10}, 120, 10},      {{80, 80, 10}, 40, 20},
+        {{0, -80, 10}, 150, 10},      {{0, -80, 10}, 80, 20}, /* 113 m off, 80 along each axis */
+        {{80, 0, 25}, 120, 5},        {{80, 0, 31}, 1e3, INFINITY}, {{80, 0, -60}, 100, 80},
+        {{80, 0, -60}, 60, INFINITY}, {{0, 0, 29}, 40, 1},
+    };
+    asdic_mesh *box;
+    asdic_scene *scene;
+    asdic_pose at_15 = {.position_m = {0.0, 5.0, 15.0}};
+    check(asdic_mesh_box(ctx, (asdic_vec3){1.0, 1.0, 1.0}, &box));
+    check(asdic_scene_create(ctx, &scene));
+    add_hill(scene);
+    check(asdic_scene_add_object(scene, "box", box, at_15, asdic_material_facet(45, 1e-3, 0.1)));
+    check(asdic_scene_commit(scene));
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        double m = asdic_scene_clearance_m(scene, cases[i].from_m, cases[i].reach_m);
+        if (isinf(cases[i].clearance_m)) {
+            assert_true(isinf(m) && m > 0.0);
+        } else {
+            assert_close(m, cases[i].clearance_m, 1e-5);
+        }
+    }
+    asdic_scene_destroy(&scene);
+    asdic_mesh_destroy(&box);
+}
+
 static void scene_checks_its_arguments(void **state) {
     (void)state;
     asdic_mesh *mesh;
@@ -259,6 +314,7 @@ int main(void) {
         cmocka_unit_test(placing_keeps_precision_far_out),
         cmocka_unit_test(attitude_turns_in_aerospace_order),
         cmocka_unit_test(altitude_takes_the_nearest_bottom_below),
+        cmocka_unit_test(clearance_is_of_the_highest_bottom_in_reach),
         cmocka_unit_test(scene_checks_its_arguments),
         cmocka_unit_test(hierarchy_of_awkward_input),
         cmocka_unit_test(threads_do_not_show),
