@@ -16,6 +16,15 @@ static mesh_rig rig;
     "\nproperty float x\nproperty float y\nproperty float z\nelement face " faces                  \
     "\nproperty list uchar int vertex_indices\nend_header\n"
 
+#define SIXTY "qwertyuiop1qwertyuiop2qwertyuiop3qwertyuiop4qwertyuiop5qwert"
+
+/* Three vertices with a whole number each, the first one's FIRST, and a facet of them. */
+#define PLY_WHOLE(first)                                                                           \
+    "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"                \
+    "property float z\nproperty uchar quality\nelement face 1\n"                                   \
+    "property list uchar int vertex_indices\nend_header\n"                                         \
+    "0 0 0 " first "\n1 0 0 0\n0 1 0 0\n3 0 1 2\n"
+
 static double seconds(void) {
     struct timespec t;
     clock_gettime(CLOCK_MONOTONIC, &t);
@@ -59,7 +68,7 @@ static void ply_bodies(void **state) {
         {"ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
          "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0\n1 0\n0 1\n"
          "3 0 1 2\n",
-         "vertices need x, y, z"},
+         "m.ply: vertices need x, y, z"},
         {"ply\nformat ascii 1.0\nelement vertex 3\n", "no format or no end"},
         {"ply\ncomment\nformat ascii 1.0\nformat binary_little_endian 1.0\n",
          ":4: a second format"},
@@ -70,7 +79,8 @@ static void ply_bodies(void **state) {
         {"ply\nformat ascii 1.0\ncom\n", ":3: unknown line"},
         {"ply\nformat ascii 1.0\nelement face 1\nproperty list short int vertex_indices\n",
          ":4: OpenMesh reads how many corners"},
-        {"ply\nformat ascii 1.0\nelement edge 900000000000\nend_header\n", "no properties"},
+        {"ply\nformat ascii 1.0\nelement edge 900000000000\nend_header\n",
+         "m.ply: an element has no properties"},
         {"ply\nformat ascii 1.0\nelement vertex 3 4\n", ":3: '4' follows"},
         {"ply\nformat ascii 1.0\nelement vertex 3\nproperty float\n", ":4: this property has no"},
         {"ply\nformat ascii 1.0\nelement vertex 3\nproperty real x\n",
@@ -79,10 +89,38 @@ static void ply_bodies(void **state) {
         {PLY_HEAD("3", "1") "0 0 0\n1 1e39 0\n0 1 0\n3 0 1 2\n", ":11: vertex 1"},
         {PLY_HEAD("3", "1") "0 0 0\n1 0 0\n0 1 0\n3.5 0 1 2 1\n", ":13: face 0"},
         {PLY_HEAD("3", "1") "0 0 0\n1 0 0\n0 1 0\n300 0 1 2\n", ":13: face 0"},
+        {PLY_HEAD("3", "0") "0 0 0\n1 0 0\n0 1 0\n", "m.ply: 3 vertices and 0 faces"},
+        {"ply\nformat ascii 1.0\nelement face 1\nproperty list uchar int vertex_indices\n"
+         "element vertex 3\nproperty float x\nproperty float y\nproperty float z\nend_header\n"
+         "3 0 1 2\n0 0 0\n1 0 0\n0 1 0\n",
+         "m.ply: has its faces before its vertices"},
+        {"ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"
+         "property float z\nelement vertex 2\nproperty float x\nproperty float y\n"
+         "property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
+         "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
+         "m.ply: declares its vertices twice"},
+        {PLY_WHOLE("256"), ":11: vertex 0"},
+        {PLY_WHOLE("-1"), ":11: vertex 0"},
+        {PLY_WHOLE("2.5"), ":11: vertex 0"},
+        {PLY_WHOLE("2x"), ":11: vertex 0"},
+        {"ply\nformat ascii 1.0\nelement vertex 3 " SIXTY "a\n", ":3: '" SIXTY "' follows"},
+        {"ply\nformat ascii 1.0\nelement vertex 3 " SIXTY "\n", ":3: '" SIXTY "' follows"},
+    };
+    static const char *const sound[] = {
+        PLY_WHOLE("0"),
+        PLY_WHOLE("255"),
+        /* lines without the word comment, as short as that and longer */
+        "ply\nformat ascii 1.0\nmade by\nmade: by\nmade: by me\nelement vertex 3\n"
+        "property float x\nproperty float y\nproperty float z\nelement face 1\n"
+        "property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         mesh_rig_write(&rig, "m.ply", cases[i].text);
         mesh_rig_refuse(&rig, cases[i].part);
+    }
+    for (size_t i = 0; i < sizeof sound / sizeof *sound; i++) {
+        mesh_rig_write(&rig, "m.ply", sound[i]);
+        mesh_rig_expect(&rig, 1, 0);
     }
 }
 
@@ -156,13 +194,14 @@ static void ply_binary(void **state) {
         assert_close(asdic_mesh_get_info(mesh).min_m.x, 4500000.125, 0.0);
         asdic_mesh_destroy(&mesh);
         write_binary_ply(big, NAN, 2, 85);
-        mesh_rig_refuse(&rig, "vertex 2 of 3");
+        mesh_rig_refuse(&rig, "m.ply: vertex 2 of 3"); /* it has no lines */
         write_binary_ply(big, 0.0, 3, 85);
-        mesh_rig_refuse(&rig, "face 0 of 1");
+        mesh_rig_refuse(&rig, "m.ply: face 0 of 1");
         write_binary_ply(big, 0.0, 2, 80);
-        mesh_rig_refuse(&rig, "face 0 of 1");
+        mesh_rig_refuse(&rig, "m.ply: face 0 of 1");
         write_binary_ply(big, 0.0, 2, 60);
-        mesh_rig_refuse(&rig, "needs at least");
+        mesh_rig_refuse(&rig,
+                        "m.ply: its header needs at least 73 bytes of data, but there are 60");
     }
 }
 
@@ -198,7 +237,7 @@ static void ply_integers(void **state) {
         }
         mesh_rig_write_bytes(&rig, "m.ply", file, (size_t)(at - file));
         if (k >= 2) {
-            mesh_rig_refuse(&rig, "coordinates are whole numbers");
+            mesh_rig_refuse(&rig, "m.ply: coordinates are whole numbers");
             continue;
         }
         mesh_rig_expect(&rig, 1, 0);
