@@ -109,6 +109,7 @@ static void holes(void **state) {
 
 #define HEAD "ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 1\n"
 
+/* What is wrong with the header as a whole has no line. */
 static void refusals(void **state) {
     (void)state;
     refuse("", "empty");
@@ -117,13 +118,20 @@ static void refusals(void **state) {
     refuse(HEAD "1 2\n3 x\n", ":7: row 1, column 1");
     refuse(HEAD "1 2\n3 inf\n", ":7: row 1, column 1");
     refuse(HEAD "1 2\n3 4\n5\n", ":8: more than 4 values");
-    refuse("ncols 100000\nnrows 100000\nxllcorner 0\nyllcorner 0\ncellsize 1\n1 2\n", "do not fit");
-    refuse("ncols 1e300\nnrows 1e300\nxllcorner 0\nyllcorner 0\ncellsize 1\n1 2\n", "do not fit");
-    refuse("ncols -2\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 1\n1 2\n3 4\n", "ncols -2");
-    refuse("ncols 2.5\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 1\n1 2\n3 4\n", "ncols 2.5");
-    refuse("ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\n1 2\n3 4\n", "cellsize");
-    refuse("ncols 2\nnrows 2\nxllcorner 0\ncellsize 1\n1 2\n3 4\n", "yllcorner");
+    refuse("ncols 100000\nnrows 100000\nxllcorner 0\nyllcorner 0\ncellsize 1\n1 2\n",
+           "g.asc: 100000 x 100000 values do not fit");
+    refuse("ncols 1e300\nnrows 1e300\nxllcorner 0\nyllcorner 0\ncellsize 1\n1 2\n",
+           "g.asc: 1e+300 x 1e+300 values do not fit");
+    refuse("ncols -2\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 1\n1 2\n3 4\n",
+           "g.asc: ncols -2");
+    refuse("ncols 2.5\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 1\n1 2\n3 4\n",
+           "g.asc: ncols 2.5");
+    refuse("ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\n1 2\n3 4\n",
+           "g.asc: a cell of nan x nan is no cell; cellsize");
+    refuse("ncols 2\nnrows 2\nxllcorner 0\ncellsize 1\n1 2\n3 4\n",
+           "g.asc: xllcorner and yllcorner");
     refuse("ncols two\nnrows 2\n", ":1: 'ncols'");
+    refuse("CDF\1", "g.asc: netCDF grids");
     refuse(HEAD "NODATA_value 7\n7 7\n7 7\n", "no facet");
 }
 
