@@ -31,21 +31,21 @@ static void stl_sizes(void **state) {
     write_stl(2, 184, 0.0f);
     mesh_rig_expect(&rig, 2, 0);
     write_stl(2, 150, 0.0f);
-    mesh_rig_refuse(&rig, "184 bytes");
+    mesh_rig_refuse(&rig, "m.stl: a binary STL of 2 facets has 184 bytes, this file has 150");
     write_stl(1, 184, 0.0f);
-    mesh_rig_refuse(&rig, "134 bytes");
+    mesh_rig_refuse(&rig, "m.stl: a binary STL of 1 facets has 134 bytes, this file has 184");
     write_stl(4000000000u, 184, 0.0f);
     mesh_rig_refuse(&rig, "cut short or damaged");
     write_stl(0, 84, 0.0f);
-    mesh_rig_refuse(&rig, "without facets");
+    mesh_rig_refuse(&rig, "m.stl: a binary STL without facets");
     write_stl(2, 50, 0.0f);
-    mesh_rig_refuse(&rig, "50 bytes");
+    mesh_rig_refuse(&rig, "m.stl: 50 bytes");
     write_stl(2, 0, 0.0f);
     mesh_rig_refuse(&rig, "empty");
     write_stl(2, 184, NAN);
-    mesh_rig_refuse(&rig, "not finite");
+    mesh_rig_refuse(&rig, "m.stl: corner 2 of facet 1 is not finite");
     write_stl(2, 184, INFINITY);
-    mesh_rig_refuse(&rig, "not finite");
+    mesh_rig_refuse(&rig, "m.stl: corner 2 of facet 1 is not finite");
 }
 
 static void stl_text(void **state) {
@@ -73,7 +73,7 @@ static void stl_text(void **state) {
     mesh_rig_write(&rig, "m.stl",
                    "solid x\nfacet normal 0 0 1\nouter loop\nvertex 4500000.1 0 0\n"
                    "vertex 4500000.3 0 0\nvertex 4500000.1 0.2 0\nendloop\nendfacet\nendsolid\n");
-    mesh_rig_refuse(&rig, "subtract an offset");
+    mesh_rig_refuse(&rig, "m.stl: 0.2 across, but so far from 0 that");
 }
 
 static void obj_sound(void **state) {
