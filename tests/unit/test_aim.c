@@ -3,6 +3,7 @@
 
 #include "base/vec.h"
 #include "sim/aim.h"
+#include "sim/beam_fan.h"
 
 #define any_true(m) (m)
 #include "../../kernels/sampler.h"
@@ -271,6 +272,37 @@ static void a_sector_is_one_lobe(void **state) {
     assert_true(lobes[0].tilt * lobes[0].most_tilt < 0.0f);
 }
 
+/* From 16 receivers on; they have an axis in common where they are alike but for their yaw. */
+static void many_receivers_may_have_an_axis_in_common(void **state) {
+    (void)state;
+    asdic_beam receivers[16];
+    const asdic_sonar sonar = {.receivers = receivers, .receiver_count = 16};
+    const asdic_sonar fewer = {.receivers = receivers, .receiver_count = 15};
+    asdic_beam_fan fan = {0};
+    for (int k = 0; k < 16; k++) {
+        receivers[k] =
+            (asdic_beam){.yaw_rad = 3.0 * k * DEGREE, .length_h_m = 0.1, .length_v_m = 0.1};
+    }
+    asdic_beam_fan_plan(&sonar, &fan);
+    assert_true(fan.many && fan.common_axis);
+    asdic_beam_fan_plan(&fewer, &fan);
+    assert_false(fan.many || fan.common_axis);
+    for (int k = 0; k < 16; k++) {
+        asdic_beam *odd = &receivers[k];
+        double *const keys[] = {&odd->pitch_rad, &odd->roll_rad, &odd->length_h_m,
+                                &odd->length_v_m};
+        for (size_t i = 0; i < sizeof keys / sizeof *keys; i++) {
+            double before = *keys[i];
+            *keys[i] += 0.01;
+            asdic_beam_fan_plan(&sonar, &fan);
+            assert_true(fan.many && !fan.common_axis);
+            *keys[i] = before;
+        }
+    }
+    asdic_beam_fan_plan(&sonar, &fan);
+    assert_true(fan.common_axis);
+}
+
 /* sinc^2 is at most 1 / (1 + (pi x)^2), nearly; here x = 10 sin of the angle off. */
 static void the_loudest_receiver_counts(void **state) {
     (void)state;
@@ -306,6 +338,7 @@ int main(void) {
         cmocka_unit_test(the_beam_sampler_looks_along_beams),
         cmocka_unit_test(lobes_have_a_limit),
         cmocka_unit_test(a_sector_is_one_lobe),
+        cmocka_unit_test(many_receivers_may_have_an_axis_in_common),
         cmocka_unit_test(the_loudest_receiver_counts),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
