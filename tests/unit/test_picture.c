@@ -225,6 +225,38 @@ static void waterfall_shows_every_level(void **state) {
     }
 }
 
+/* The frame lies round the levels, not on them: each of 1,200 bins keeps its column of pixels. */
+static void a_waterfalls_frame_hides_no_level(void **state) {
+    (void)state;
+    static float levels_db[1200]; /* all at the top of the window */
+    const asdic_waterfall full = {
+        .levels_db = levels_db, .pings = 1, .bins = 1200, .bin_length_m = 0.5};
+    asdic_picture_options options = asdic_picture_options_default();
+    size_t width, height, rows = 0;
+    if (!asdic_picture_annotated()) {
+        skip();
+    }
+    assert_ok(ctx, asdic_picture_waterfall(ctx, file_in_folder("e.png"), &full, &options));
+    uint8_t *rgb = decode(file_in_folder("e.png"), PNG_FORMAT_RGB, &width, &height);
+    for (size_t y = 0; y < height; y++) {
+        size_t x = 0, row = 0;
+        while (x < width && pixel(rgb, width, x, y) != 0xfde725) {
+            x++;
+        }
+        while (x + row < width && pixel(rgb, width, x + row, y) == 0xfde725) {
+            row++;
+        }
+        if (row >= 1000) {
+            assert_int_equal(row, 1200);
+            assert_int_equal(pixel(rgb, width, x - 1, y), 0x202020);
+            assert_int_equal(pixel(rgb, width, x + row, y), 0x202020);
+            rows++;
+        }
+    }
+    assert_int_equal(rows, 160);
+    free(rgb);
+}
+
 static void waterfall_averages_energy(void **state) {
     (void)state;
     /* 4000 bins are averaged by four: 0 dB beside three empty ones is 10 log 1/4 = -6.02 dB. */
@@ -518,6 +550,7 @@ int main(void) {
         cmocka_unit_test(gain_is_for_display_only),
         cmocka_unit_test(text_chunks_are_there),
         cmocka_unit_test(waterfall_shows_every_level),
+        cmocka_unit_test(a_waterfalls_frame_hides_no_level),
         cmocka_unit_test(waterfall_averages_energy),
         cmocka_unit_test(fan_starboard_is_right),
         cmocka_unit_test(ascope_draws_its_curves),
