@@ -5,6 +5,7 @@
 #include <asdic/asdic.h>
 
 #include "mission/track/track.h"
+#include "scene/chart.h"
 #include "scene/placement.h"
 
 #include <math.h>
@@ -18,7 +19,17 @@ static void judge(asdic_context *ctx, asdic_status status, const void *result) {
     }
 }
 
-/* A scene file, whole: with the geometry it asks for, its track, its plan. */
+/* The objects as a chart shows them; of few, since each takes a grid of its own. */
+static void outline(asdic_context *ctx, const asdic_scene *scene) {
+    asdic_outline *outlines = NULL;
+    size_t count = 0;
+    if (scene->part_count <= 100) {
+        asdic_chart_outlines(ctx, scene, &outlines, &count);
+        free(outlines);
+    }
+}
+
+/* A scene file, whole: with the geometry it asks for, its outlines, its track, its plan. */
 void fuzz_scene(const uint8_t *data, size_t size) {
     asdic_context *ctx = NULL;
     asdic_mission *mission = NULL;
@@ -30,6 +41,7 @@ void fuzz_scene(const uint8_t *data, size_t size) {
         asdic_mission_load(ctx, scratch_write("scene.yaml", data, size), &mission);
     judge(ctx, status, mission);
     if (mission) {
+        outline(ctx, asdic_mission_scene(mission));
         asdic_mission_pose(mission, asdic_mission_ping_count(mission) - 1, NULL);
         asdic_mission_plan(ctx, mission, &plan);
     }
