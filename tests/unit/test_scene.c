@@ -280,6 +280,72 @@ static void hierarchy_of_awkward_input(void **state) {
     free(seen);
 }
 
+/* Counts each triangle below WORD in SEEN; those must lie in the box from LO to HI. Returns the levels of nodes. */
+static unsigned walk_hierarchy(const asdic_scene *scene, uint32_t word, const float lo[3],
+                               const float hi[3], uint8_t *seen) {
+    unsigned below = 0;
+    if (word & DEV_LEAF) {
+        assert_true((word & ~DEV_LEAF) < scene->bvh.block_count);
+        for (int lane = 0; lane < DEV_LEAF_TRIANGLES; lane++) {
+            uint32_t id = scene->bvh.blocks[word & ~DEV_LEAF].id[lane];
+            if (id != ~0u) {
+                const dev_triangle *t = &scene->triangles[id];
+                assert_true(id < scene->triangle_count);
+                assert_int_equal(seen[id]++, 0);
+                for (int k = 0; k < 3; k++) {
+                    assert_true(t->v0[k] >= lo[k] && t->v1[k] >= lo[k] && t->v2[k] >= lo[k]);
+                    assert_true(t->v0[k] <= hi[k] && t->v1[k] <= hi[k] && t->v2[k] <= hi[k]);
+                }
+            }
+        }
+        return 0;
+    }
+    assert_true(word < scene->bvh.node_count);
+    const dev_node8 *n = &scene->bvh.nodes[word];
+    for (int i = 0; i < DEV_BVH_WIDTH; i++) {
+        if (n->child[i] != DEV_EMPTY) {
+            const float l[3] = {n->lo_x[i], n->lo_y[i], n->lo_z[i]};
+            const float h[3] = {n->hi_x[i], n->hi_y[i], n->hi_z[i]};
+            unsigned levels = walk_hierarchy(scene, n->child[i], l, h, seen);
+            below = levels > below ? levels : below;
+        }
+    }
+    return below + 1;
+}
+
+/* Objects that move have hierarchies of their own below a few nodes, beside that of what stays. */
+static void what_moves_and_what_stays_are_in_the_hierarchy(void **state) {
+    (void)state;
+    const float least[3] = {-INFINITY, -INFINITY, -INFINITY};
+    const float most[3] = {INFINITY, INFINITY, INFINITY};
+    asdic_mesh *sphere, *plate;
+    check(asdic_mesh_sphere(ctx, 1.0, 12, &sphere));
+    check(asdic_mesh_plate(ctx, 1.0, 1.0, &plate));
+    for (int movables = 0; movables <= 20; movables += 5) {
+        asdic_scene *scene;
+        check(asdic_scene_create(ctx, &scene));
+        add_hill(scene);
+        for (int i = 0; i < movables; i++) {
+            asdic_pose pose = {.position_m = {7.0 * i, -3.0 * i, 10.0}};
+            check(asdic_scene_add_moving_object(scene, "mover", i % 3 ? sphere : plate, pose,
+                                                asdic_material_facet(45, 1e-3, 0.1)));
+        }
+        check(asdic_scene_commit(scene));
+        uint8_t *seen = calloc(scene->triangle_count, 1);
+        assert_non_null(seen);
+        unsigned levels = walk_hierarchy(scene, scene->bvh.root, least, most, seen);
+        /* by which the walk's stack is made: exact, or the sum of the deepest above and below */
+        assert_in_range(scene->bvh.depth, levels, levels + (movables > 8));
+        for (size_t i = 0; i < scene->triangle_count; i++) {
+            assert_int_equal(seen[i], 1);
+        }
+        free(seen);
+        asdic_scene_destroy(&scene);
+    }
+    asdic_mesh_destroy(&sphere);
+    asdic_mesh_destroy(&plate);
+}
+
 static void threads_do_not_show(void **state) {
     (void)state;
     enum { COUNT = 60000 };
@@ -317,6 +383,7 @@ int main(void) {
         cmocka_unit_test(clearance_is_of_the_highest_bottom_in_reach),
         cmocka_unit_test(scene_checks_its_arguments),
         cmocka_unit_test(hierarchy_of_awkward_input),
+        cmocka_unit_test(what_moves_and_what_stays_are_in_the_hierarchy),
         cmocka_unit_test(threads_do_not_show),
     };
     assert_int_equal(asdic_context_create(&ctx), ASDIC_OK);
