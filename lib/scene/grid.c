@@ -9,6 +9,7 @@
 
 #include "../base/context.h"
 
+#include <ctype.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -40,6 +41,18 @@ static bool take_key(asdic_line *line, const char *key) {
     return true;
 }
 
+/* "nan" as programs write it: with a sign, in any case. */
+static bool take_nan(asdic_line *line) {
+    asdic_line_skip_blanks(line);
+    const char *at = line->at + (line->at < line->end && *line->at == '-');
+    if (line->end - at < 3 || strncasecmp(at, "nan", 3) != 0 ||
+        (at + 3 < line->end && !isspace((unsigned char)at[3]))) {
+        return false;
+    }
+    line->at = at + 3;
+    return true;
+}
+
 /* Reads one header line; *KNOWN is false for the first line that is none. */
 static asdic_status header_line(grid *g, asdic_line *line, bool *known) {
     struct {
@@ -64,9 +77,7 @@ static asdic_status header_line(grid *g, asdic_line *line, bool *known) {
             continue;
         }
         *known = true;
-        asdic_line value = *line;
-        asdic_line_skip_blanks(&value);
-        bool nan_no_data = keys[i].value == &g->no_data && strncasecmp(value.at, "nan", 3) == 0;
+        bool nan_no_data = keys[i].value == &g->no_data && take_nan(line);
         if (!nan_no_data && !asdic_line_take_number(g->scan, line, keys[i].value)) {
             return asdic_mesh_scan_fail(g->scan, line->number, "'%s' has no finite number",
                                         keys[i].key);
@@ -130,7 +141,7 @@ static bool take_value(grid *g, double *out) {
         }
         asdic_line_skip_blanks(&g->line);
     }
-    if (asdic_line_take_word(&g->line, "nan") || asdic_line_take_word(&g->line, "-nan")) {
+    if (take_nan(&g->line)) {
         *out = NAN;
         return true;
     }

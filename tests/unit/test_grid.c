@@ -107,6 +107,22 @@ static void holes(void **state) {
     asdic_mesh_destroy(&mesh);
 }
 
+static void holes_may_be_no_numbers(void **state) {
+    (void)state;
+    static const char *const markers[] = {"nan", "-nan", "NaN"};
+    for (size_t i = 0; i < sizeof markers / sizeof *markers; i++) {
+        char text[256];
+        snprintf(text, sizeof text,
+                 "ncols 3\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 1\nNODATA_value %s\n"
+                 "1 1 1\n1 1 %s\n",
+                 markers[i], markers[i]);
+        mesh_rig_write(&rig, "g.asc", text);
+        asdic_mesh *mesh = load(true);
+        assert_int_equal(asdic_mesh_get_info(mesh).vertices, 5);
+        asdic_mesh_destroy(&mesh);
+    }
+}
+
 #define HEAD "ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 1\n"
 
 /* What is wrong with the header as a whole has no line. */
@@ -156,6 +172,7 @@ int main(void) {
         cmocka_unit_test(facets_are_of_their_corners),
         cmocka_unit_test(heights_and_other_headers),
         cmocka_unit_test(holes),
+        cmocka_unit_test(holes_may_be_no_numbers),
         cmocka_unit_test(refusals),
         cmocka_unit_test(locale_does_not_matter),
     };
