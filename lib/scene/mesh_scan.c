@@ -5,6 +5,7 @@
 #include "../base/context.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -12,6 +13,7 @@
 #include <string.h>
 #include <strings.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 asdic_status asdic_mesh_scan_fail(const asdic_mesh_scan *scan, size_t line, const char *format,
                                   ...) {
@@ -166,9 +168,14 @@ asdic_status asdic_mesh_scan_open(asdic_context *ctx, const char *path, asdic_me
     if (!out->c_locale) {
         return asdic_fail_memory(ctx, "the C locale");
     }
-    FILE *file = fopen(path, "rb");
+    int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK); /* a pipe would wait for its writer */
+    FILE *file = fd >= 0 ? fdopen(fd, "rb") : NULL;
     if (!file) {
-        return asdic_fail(ctx, ASDIC_ERROR_INPUT, "%s: cannot open: %s", path, strerror(errno));
+        int error = errno;
+        if (fd >= 0) {
+            close(fd);
+        }
+        return asdic_fail(ctx, ASDIC_ERROR_INPUT, "%s: cannot open: %s", path, strerror(error));
     }
     asdic_status status = read_stream(out, file);
     fclose(file);

@@ -4,6 +4,7 @@
 #include "mesh_rig.h"
 
 #include <stdio.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 static mesh_rig rig;
@@ -152,6 +153,15 @@ static double area_of_load(void) {
     return (double)inside * 0.04 * 0.04;
 }
 
+static void pipes_are_refused(void **state) {
+    (void)state;
+    unlink(mesh_rig_write(&rig, "m.obj", ""));
+    assert_int_equal(mkfifo(rig.path, 0600), 0);
+    alarm(5); /* ends the test if the file is waited for */
+    mesh_rig_refuse(&rig, "m.obj: not a regular file");
+    alarm(0);
+}
+
 static void polygons(void **state) {
     (void)state;
     /* an arrow head whose first corner sees outside: area 8 - 4 */
@@ -295,9 +305,10 @@ static void four_formats_agree(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(stl_sizes),          cmocka_unit_test(stl_text),
-        cmocka_unit_test(obj_sound),          cmocka_unit_test(obj_unsound),
-        cmocka_unit_test(polygons),           cmocka_unit_test(off_variants),
-        cmocka_unit_test(transform_and_info), cmocka_unit_test(four_formats_agree),
+        cmocka_unit_test(pipes_are_refused),  cmocka_unit_test(obj_sound),
+        cmocka_unit_test(obj_unsound),        cmocka_unit_test(polygons),
+        cmocka_unit_test(off_variants),       cmocka_unit_test(transform_and_info),
+        cmocka_unit_test(four_formats_agree),
     };
     mesh_rig_open(&rig);
     int failed = mesh_rig_reads_files(&rig) ? cmocka_run_group_tests(tests, NULL, NULL) : 77;
