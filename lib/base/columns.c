@@ -98,6 +98,9 @@ static asdic_status read_row(columns_reader *r, const char *line) {
 }
 
 static asdic_status read_lines(columns_reader *r, char *text) {
+    if (strncmp(text, "\xef\xbb\xbf", 3) == 0) {
+        text += 3; /* a byte-order mark, as spreadsheets write it */
+    }
     for (char *line = text, *next; line; line = next) {
         next = strchr(line, '\n');
         if (next) {
@@ -121,7 +124,10 @@ asdic_status asdic_columns_read(asdic_context *ctx, const char *path, const char
     char *text = NULL;
     size_t bytes = 0;
     TRY(asdic_file_read(ctx, path, BYTES_MOST, &text, &bytes));
-    asdic_status status = read_lines(&r, text);
+    asdic_status status =
+        memchr(text, '\0', bytes)
+            ? asdic_fail(ctx, ASDIC_ERROR_INPUT, "%s: not a text file: a zero byte", path)
+            : read_lines(&r, text);
     free(text);
     if (status) {
         free(r.rows);

@@ -8,13 +8,14 @@
 #include <string.h>
 #include <unistd.h>
 
-/* Reads TEXT as a file; its name becomes "F" in the error, which is "" when there is none. */
-static size_t read_text(const char *text, double **rows, size_t **lines, char error[256]) {
+/* Reads LENGTH bytes of TEXT as a file; its name becomes "F" in the error, which is "" when there is none. */
+static size_t read_bytes(const char *text, size_t length, double **rows, size_t **lines,
+                         char error[256]) {
     char path[] = "/tmp/asdic_columns_XXXXXX";
     int file = mkstemp(path);
     size_t count = 0;
     assert_true(file >= 0);
-    assert_int_equal(write(file, text, strlen(text)), (ssize_t)strlen(text));
+    assert_int_equal(write(file, text, length), (ssize_t)length);
     close(file);
     asdic_status status = asdic_columns_read(ctx, path, "deg,db", rows, lines, &count);
     const char *said = status ? asdic_context_error(ctx) : "";
@@ -23,6 +24,10 @@ static size_t read_text(const char *text, double **rows, size_t **lines, char er
     assert_int_equal(status, *said ? ASDIC_ERROR_INPUT : ASDIC_OK);
     unlink(path);
     return count;
+}
+
+static size_t read_text(const char *text, double **rows, size_t **lines, char error[256]) {
+    return read_bytes(text, strlen(text), rows, lines, error);
 }
 
 static void columns_are_found_by_name(void **state) {
@@ -86,6 +91,28 @@ static void errors_name_file_and_line(void **state) {
         assert_null(rows);
         assert_null(lines);
     }
+    static const char zero[] = "deg,db\n5,-40\n10,-3\0005\n";
+    double *rows = NULL;
+    size_t *lines = NULL;
+    char error[256];
+    read_bytes(zero, sizeof zero - 1, &rows, &lines, error);
+    assert_string_equal(error, "F: not a text file: a zero byte");
+}
+
+static void spreadsheets_mark_what_they_write(void **state) {
+    (void)state;
+    double *rows = NULL;
+    size_t *lines = NULL;
+    char error[256];
+    assert_int_equal(read_text("\xef\xbb\xbf"
+                               "deg,db\r\n5,-40\r\n",
+                               &rows, &lines, error),
+                     1);
+    assert_string_equal(error, "");
+    assert_close(rows[1], -40.0, 0);
+    assert_int_equal(lines[0], 2);
+    free(rows);
+    free(lines);
 }
 
 int main(void) {
@@ -93,6 +120,7 @@ int main(void) {
         cmocka_unit_test(columns_are_found_by_name),
         cmocka_unit_test(long_files_are_read),
         cmocka_unit_test(errors_name_file_and_line),
+        cmocka_unit_test(spreadsheets_mark_what_they_write),
     };
     return cmocka_run_group_tests(tests, context_begin, context_end);
 }
