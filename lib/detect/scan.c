@@ -123,7 +123,9 @@ static asdic_status find_lift(asdic_scan *scan, size_t step, double *lift) {
  * squared error. */
 static asdic_status lift_thresholds(asdic_scan *scan, const float *stderr_db) {
     for (size_t i = 0; i < scan->beams * scan->bins; i++) {
-        double at = fmin((double)stderr_db[i] / ERROR_STEP_DB, MOST_STEPS), low, high;
+        double error_db =
+            isnan(stderr_db[i]) ? 0.0 : (double)stderr_db[i]; /* a silent bin has none */
+        double at = fmin(error_db / ERROR_STEP_DB, MOST_STEPS), low, high;
         double k = floor(fmin(at, MOST_STEPS - 1)), part = (at * at - k * k) / (2.0 * k + 1.0);
         if (at > 0.0) {
             TRY(find_lift(scan, (size_t)k, &low));

@@ -171,6 +171,31 @@ static void sampling_errors_are_allowed_for(void **state) {
     }
 }
 
+/* Where nothing is heard, a ping states NAN. */
+static void bins_without_an_error_keep_their_threshold(void **state) {
+    (void)state;
+    enum { BINS = 20 };
+    asdic_beam beam = asdic_sonar_default().transmitter;
+    asdic_sonar sonar = sonar_of(&beam, 1);
+    asdic_detector detector = asdic_detector_default();
+    asdic_scan *scan = NULL;
+    double mean[BINS], z[BINS], before[BINS];
+    float stderr_db[BINS];
+    assert_ok(ctx, asdic_scan_create(ctx, &sonar, SPEED, BINS, &detector, NULL, &scan));
+    for (int i = 0; i < BINS; i++) {
+        mean[i] = z[i] = 1.0;
+        stderr_db[i] = i % 3 == 1 ? 1.0f : NAN;
+    }
+    assert_ok(ctx, asdic_scan_ping(scan, z, mean, NULL, NULL));
+    memcpy(before, asdic_scan_get(scan).threshold_lin, sizeof before);
+    assert_ok(ctx, asdic_scan_ping(scan, z, mean, NULL, stderr_db));
+    for (int i = 0; i < BINS; i++) {
+        double after = asdic_scan_get(scan).threshold_lin[i];
+        assert_true(i % 3 == 1 ? after > 1.01 * before[i] : after == before[i]);
+    }
+    asdic_scan_destroy(&scan);
+}
+
 static void beams_have_axes_and_widths(void **state) {
     (void)state;
     asdic_sonar sonar = asdic_sonar_default();
@@ -881,6 +906,7 @@ int main(void) {
         cmocka_unit_test(a_ping_is_decided),
         cmocka_unit_test(detectors_have_limits),
         cmocka_unit_test(sampling_errors_are_allowed_for),
+        cmocka_unit_test(bins_without_an_error_keep_their_threshold),
         cmocka_unit_test(beams_have_axes_and_widths),
         cmocka_unit_test(quiet_bins_clear_by_what_would_be_heard),
         cmocka_unit_test(poses_tell_cells_apart),
