@@ -93,11 +93,12 @@ static asdic_status fly(worker *w, uint64_t job, asdic_text *row, uint64_t *ping
 
 /* Writes the rows whose turn it is; the lock is held. */
 static void take_rows(fleet *f) {
+    int error = 0;
     while (f->taken < f->jobs && f->rows[f->taken - f->begin].row) {
         flown *r = &f->rows[f->taken++ - f->begin];
         f->pings += r->pings;
-        if (fputs(r->row, f->out) < 0 && !f->status) {
-            f->status = asdic_file_fail(f->ctx, "trial.part.csv", errno);
+        if (fputs(r->row, f->out) < 0) {
+            error = errno;
         }
         free(r->row);
         r->row = NULL;
@@ -105,7 +106,13 @@ static void take_rows(fleet *f) {
             f->options->progress(f->options->user, f->taken, f->jobs, f->pings);
         }
     }
-    fflush(f->out);
+    if (fflush(f->out) != 0 && !error) {
+        error = errno;
+    }
+    if (error && !f->status) {
+        f->status = asdic_file_fail(f->ctx, "trial.part.csv", error);
+        asdic_context_copy_error(f->ctx, f->why, sizeof f->why);
+    }
 }
 
 static void *work(void *argument) {
@@ -277,9 +284,13 @@ static asdic_status fly_part(fleet *f, const trial_facts *facts, const asdic_tex
     asdic_text_finish(&rows);
     TRY(status);
     status = work_all(f);
-    asdic_status closed = asdic_trial_end(f->ctx, o->folder, &f->out);
-    status = status ? status : closed;
-    return status ? status : asdic_trial_settle(f->ctx, o->folder);
+    if (status) {
+        fclose(f->out); /* its rows are there */
+        f->out = NULL;
+        return status;
+    }
+    TRY(asdic_trial_end(f->ctx, o->folder, &f->out));
+    return asdic_trial_settle(f->ctx, o->folder);
 }
 
 /* --- several processes ------------------------------------------------------------------------- */

@@ -267,8 +267,12 @@ asdic_status asdic_trial_begin(asdic_context *ctx, const char *folder, const tri
 }
 
 asdic_status asdic_trial_end(asdic_context *ctx, const char *folder, FILE **out) {
-    bool good = *out && !ferror(*out) && fflush(*out) == 0;
+    bool good = *out && fflush(*out) == 0;
     int error = errno;
+    if (good && ferror(*out)) {
+        good = false;
+        error = EIO;
+    }
     if (*out) {
         fclose(*out);
     }

@@ -4,6 +4,7 @@ import csv
 import json
 import math
 import os
+import resource
 import shutil
 import subprocess
 import sys
@@ -463,6 +464,22 @@ def test_rules_that_fail_are_counted():
         with_rule(folder, f'import os; again = os.path.exists({fails!r}); open({fails!r}, "w").close(); '
                   'print("{}" if again else "x")', "--workers", "1", code=1)
         tap.equal([row["outcome"] for row in rows(folder)], ["broken", "late"])
+
+
+def test_a_disk_that_is_full_ends_a_trial():
+    """At once, for the reason that there is; what was flown is kept."""
+    with Folder() as folder:
+        path = folder.write("wall.yaml", IDEAL.replace("PD", "0.1"))
+        whole = asdic("trial", path, "--runs", 300, "-o", folder / "whole").check(code=0)
+        done = subprocess.run([program.PATH, "trial", path, "--runs", "300", "-o", folder / "out"], capture_output=True,
+                              text=True, check=False, preexec_fn=lambda: resource.setrlimit(
+                                  resource.RLIMIT_FSIZE, (6000, 6000)))  # fmt: skip
+        tap.equal(done.returncode, 1, done.stderr)
+        tap.contains(done.stderr, "error: cannot write 'trial.part.csv': File too large")
+        with open(folder / "out/trial.part.csv", "rb") as file:
+            tap.equal(len(file.read()), 6000, "what is kept")
+        asdic("trial", path, "--runs", 300, "-o", folder / "out", "--resume").check(code=0)
+        tap.equal(folder.read("out/trial.csv") == folder.read("whole/trial.csv"), True, whole.err)
 
 
 def test_draws_into_the_bottom_are_counted():
