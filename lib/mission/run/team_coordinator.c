@@ -151,7 +151,7 @@ static void take_result(asdic_coordinator *c, remote *r, size_t ping, const void
 
 /* Takes one message, if there is one. */
 static asdic_status take_message(asdic_coordinator *c, bool *any) {
-    asdic_message head;
+    asdic_message head = {0};
     const void *payload = NULL;
     size_t bytes = 0;
     unsigned from = 0;
