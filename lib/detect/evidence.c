@@ -20,6 +20,8 @@
  * widths from the axis that is at most. */
 #define PER_WIDTH 4.0
 #define LEAST_GAIN 0.03
+/* An axis on which a beam hears less, re the most where it is asked, is in a null of the transmitter. */
+#define NULL_GAIN 0.25
 #define MOST_WIDTHS 1.5
 /* In K speckle likelihood ratios are tabled by strength re the background: from, in steps of, how many. */
 #define FIRST_DB (-12.0)
@@ -35,7 +37,7 @@ typedef struct ear {
     asdic_face face;
     asdic_vec3 axis;
     double azimuth_rad, elevation_rad, width_rad, height_rad, weight;
-    double axis_lin; /* two-way pattern on the axis */
+    double axis_lin; /* two-way pattern on the axis, see reference_lin */
     long arc;
     bool is_asked;
 } ear;
@@ -75,6 +77,18 @@ static double apart(double a_rad, double b_rad) {
 
 /* --- beams ------------------------------------------------------------------------------------ */
 
+/* What gains of BEAM refer to: its two-way pattern on its axis, or, where that looks into a null of the
+ * transmitter, the most where it is asked. */
+static double reference_lin(const reader *r, size_t beam) {
+    const ear *e = &r->ears[beam];
+    double axis_lin = two_way(r, beam, e->axis), most_lin = axis_lin;
+    for (double widths = -MOST_WIDTHS; widths <= MOST_WIDTHS; widths += 1.0 / PER_WIDTH) {
+        double azimuth_rad = e->azimuth_rad + widths * e->width_rad;
+        most_lin = fmax(most_lin, two_way(r, beam, direction(azimuth_rad, e->elevation_rad)));
+    }
+    return axis_lin < NULL_GAIN * most_lin ? most_lin : axis_lin;
+}
+
 static void find_ears(reader *r) {
     const asdic_look *look = r->look;
     const asdic_sonar *sonar = look->sonar;
@@ -92,7 +106,7 @@ static void find_ears(reader *r) {
         e->height_rad = asdic_beam_height_rad(sonar, b, look->sound_speed_mps);
         e->arc = lround(e->elevation_rad / e->height_rad);
         e->is_asked = level >= LEAST_COS;
-        e->axis_lin = two_way(r, b, e->axis);
+        e->axis_lin = reference_lin(r, b);
     }
     for (size_t b = 0; b < sonar->receiver_count; b++) {
         double sum = 0.0;

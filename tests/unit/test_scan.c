@@ -505,6 +505,36 @@ static void headings_know_who_hears_them(void **state) {
     asdic_occupancy_destroy(&r.map);
 }
 
+/* A transmitter of two wavelengths sends nothing 30 degrees aside, where a receiver looks: it is not the one by
+ * which directions beside its axis are heard best. */
+static void a_beam_in_a_null_is_no_better_than_others(void **state) {
+    (void)state;
+    map_rig r;
+    asdic_evidence seen = {0};
+    map_begin(&r, 2);
+    r.sonar.transmitter.length_h_m = 2.0 * SPEED / r.sonar.frequency_hz;
+    r.beams[0].yaw_rad = 22.0 * DEGREE;
+    r.beams[1].yaw_rad = 30.0 * DEGREE;
+    r.beams[0].length_h_m = r.beams[1].length_h_m = 5.0 * SPEED / r.sonar.frequency_hz;
+    const asdic_look look = look_of(&r);
+    assert_ok(ctx, asdic_evidence_create(ctx, &look, &seen));
+    size_t heard = 0;
+    for (size_t k = 0; k < seen.azimuths; k++) {
+        const asdic_heading *h = &seen.headings[k];
+        double at = remainder((double)k * seen.step_rad, 2.0 * acos(-1.0));
+        for (size_t i = 0; i < h->hearing_count; i++) {
+            assert_true(seen.hearings[h->hearing + i].gain_lin < 20.0);
+        }
+        if (h->hearing_count > 0 && at < 22.5 * DEGREE) {
+            assert_int_equal(seen.hearings[h->hearing].beam, 0);
+            heard++;
+        }
+    }
+    assert_true(heard > 2);
+    asdic_evidence_finish(&seen);
+    asdic_occupancy_destroy(&r.map);
+}
+
 /* Straight ahead of one beam: of the detector's strength, 10 dB over a background of 1, and of the loudest, what is there
  * less the background, which is as much rarer as it is louder, the mean. */
 static void strengths_are_averaged(void **state) {
@@ -915,6 +945,7 @@ int main(void) {
         cmocka_unit_test(cells_lie_at_their_centres),
         cmocka_unit_test(water_that_is_not_heard_says_nothing),
         cmocka_unit_test(headings_know_who_hears_them),
+        cmocka_unit_test(a_beam_in_a_null_is_no_better_than_others),
         cmocka_unit_test(strengths_are_averaged),
         cmocka_unit_test(k_speckle_is_weighed_by_its_shape),
         cmocka_unit_test(maps_do_not_depend_on_the_compass),
