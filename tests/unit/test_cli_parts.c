@@ -351,24 +351,36 @@ pid_t __wrap_fork(void) {
     return fork_fails ? -1 : __real_fork();
 }
 
-/* The rule orders the heading that it is told, and ends by itself. */
-static void a_rule_reads_degrees(void **state) {
+/* The rule orders as its heading what it is told of the pose, and ends by itself. */
+static void a_rule_is_told_the_pose(void **state) {
     (void)state;
-    trial_programs *rule = trial_programs_begin(
-        "read -r p; y=${p#*'\"yaw_deg\":'}; echo '{\"yaw_deg\":'${y%%,*}'}'", 1, 60.0);
+    static const struct {
+        const char *key;
+        double told;
+    } values[] = {{"x_m", 100.5},    {"y_m", -30.25},      {"z_m", 12.75},
+                  {"roll_deg", 7.5}, {"pitch_deg", -30.0}, {"yaw_deg", 90.0}};
     asdic_loop_ping turned = ping;
-    turned.pose.yaw_rad = 90.0 * DEGREE;
+    turned.pose = (asdic_pose){.position_m = {100.5, -30.25, 12.75},
+                               .roll_rad = 7.5 * DEGREE,
+                               .pitch_rad = -30.0 * DEGREE,
+                               .yaw_rad = 90.0 * DEGREE};
     const asdic_trial_look look = {.sonar = &two, .ping = &turned, .found = &detection};
-    asdic_trial_order order = {.turns = false};
-    char wrong[ASDIC_TRIAL_WHY] = "";
-    bool good = trial_programs_decide(rule, &look, &order, wrong);
-    assert_string_equal(wrong, "");
-    assert_true(good && order.turns && !order.dives);
-    assert_close(order.yaw_rad, 90.0 * DEGREE, 1e-12);
-    kills = 0;
-    trial_programs_end(&rule);
-    assert_int_equal(kills, 1);
-    assert_null(rule);
+    for (size_t i = 0; i < sizeof values / sizeof *values; i++) {
+        char command[128];
+        snprintf(command, sizeof command,
+                 "read -r p; y=${p#*'\"%s\":'}; echo '{\"yaw_deg\":'${y%%%%,*}'}'", values[i].key);
+        trial_programs *rule = trial_programs_begin(command, 1, 60.0);
+        asdic_trial_order order = {.turns = false};
+        char wrong[ASDIC_TRIAL_WHY] = "";
+        bool good = trial_programs_decide(rule, &look, &order, wrong);
+        assert_string_equal(wrong, "");
+        assert_true(good && order.turns && !order.dives);
+        assert_close(order.yaw_rad, values[i].told * DEGREE, 1e-12);
+        kills = 0;
+        trial_programs_end(&rule);
+        assert_int_equal(kills, 1);
+        assert_null(rule);
+    }
 }
 
 /* None was started, so that none is to be ended: -1 would be every process. */
@@ -444,7 +456,7 @@ int main(void) {
         cmocka_unit_test(answers_are_json),
         cmocka_unit_test(answers_are_csv),
         cmocka_unit_test(answers_are_frames),
-        cmocka_unit_test(a_rule_reads_degrees),
+        cmocka_unit_test(a_rule_is_told_the_pose),
         cmocka_unit_test(a_rule_without_a_process_ends_none),
         cmocka_unit_test(times_have_decades),
         cmocka_unit_test(references_have_the_rays_that_are_promised),
