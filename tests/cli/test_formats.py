@@ -656,6 +656,7 @@ def test_bins_go_to_standard_output():
         run_of(folder)
         done = asdic("run", folder / "pool.yaml", "-o", "-", cwd=folder.path).check(code=0)
         tap.equal(done.out.encode() == data(folder, "r", "bins.csv"), True, "bins.csv")
+        tap.contains(done.err, "standard output: ")
         tap.equal(sorted(folder.names()), ["pool.yaml", "r"], "files")
         asdic("run", folder / "pool.yaml", "-o", "-", "--resume").check(code=2, out="")
 

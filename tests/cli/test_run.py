@@ -7,6 +7,7 @@ import re
 import shutil
 import struct
 import subprocess
+import time
 
 import program
 import tap
@@ -106,7 +107,7 @@ def test_runs_without_rays_are_no_complete_ones():
                             "        bin_length_m: 0.5, receivers: [{name: forward}]}\n"
                             "mission: {pose: {position_m: [0, 0, 7]}, pings: 70}\n"
                             "sampling: {multipath: off}\n")
-        tap.contains(asdic("run", path, "-o", folder / "r").check(code=0).err, "70 pings, 1 beam")
+        tap.contains(asdic("run", path, "-o", folder / "r").check(code=0).err, folder / "r: 70 pings, 1 beam")
         tap.equal(facts(folder, "r")["rays_traced"], 0, "rays")
         again = asdic("run", path, "-o", folder / "r", "--resume").check(code=0)
         tap.contains(again.err, "complete already")
@@ -372,12 +373,15 @@ def test_tolerance_is_for_a_share_of_the_bins():
         path = scene(folder, pings=3)
         rays = {}
         for percent in (50, 100):
+            began_s = time.monotonic()
             done = asdic("run", path, "--rays", 64, "--tolerance", 0.5, "--tolerance-percent",
                          percent, "-o", folder / f"p{percent}").check(code=0)
+            spent_s = time.monotonic() - began_s
             rays[percent] = facts(folder, f"p{percent}")["rays"]
             said = re.search(r"(\d+) rays per ping keep it in ([\d.]+) % of bins", done.err)
             tap.equal((int(said.group(1)), float(said.group(2)) >= percent), (rays[percent], True))
-            tap.contains(done.err, "3 pings take about ")
+            seconds = float(re.search(r"3 pings take about (\S+) s on one device", done.err).group(1))
+            tap.equal(0 < seconds < spent_s, True, f"{seconds} s said, {spent_s} s with all that was tried")
             tap.equal("stay above 0.5 dB; the roughest:\n  ping 0, beam '" in done.err,
                       percent == 50, done.err)
         tap.equal(rays[50] < rays[100], True, rays)
@@ -394,6 +398,8 @@ def test_mistakes_have_their_exit_codes():
             asdic("run", path, *arguments, "-o", folder / "r").check(code=2, out="")
         asdic("run").check(code=2)
         asdic("run", folder / "absent.yaml").check(code=3)
+        for arguments in (["--force", "--resume"], ["--tolerance-percent", "50"]):  # before a scene is loaded
+            asdic("run", folder / "absent.yaml", *arguments).check(code=2, out="")
         bad = folder.write("bad.yaml", folder.read("pool.yaml").replace("bottom:", "botom:"))
         tap.contains(asdic("run", bad).check(code=3).err, "did you mean 'bottom'")
         asdic("run", path, "-o", folder / "r", OCL_ICD_VENDORS="/nonexistent").check(code=4)
