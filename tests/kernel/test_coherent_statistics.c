@@ -253,11 +253,78 @@ static void speckle_stays_on_the_bottom(void **state) {
     rig_destroy(&r);
 }
 
+/* docs/coherent.md: a pulse as long as a cell, with smooth edges, whose squares add up to 1. */
+static double smooth_pulse(double x) {
+    double u = fmin(fmax(1.5 - 2.0 * fabs(x), 0.0), 1.0);
+    return sin(0.25 * TURN * u * u * (3.0 - 2.0 * u));
+}
+
+/* Noise in an empty sea: as loud at elements and in beams as in pings of intensities, and of the pulse's band, that
+ * is, as coherent from sample to sample as the pulse with itself, whether this is longer than a metre or shorter. */
+static void noise_has_the_band_and_level_of_the_pulse(void **state) {
+    (void)state;
+    enum { LAGS = 8, PINGS = 40, BESIDE = LAGS + 1 };
+    static const double bands_hz[] = {300.0, 1875.0}; /* pulses of 2.5 and 0.4 m */
+    for (size_t band = 0; band < 2; band++) {
+        ping_rig r = empty_array(&t);
+        double pulse_m = 1500.0 / (2.0 * bands_hz[band]), samples = 0.0, beams = 0.0;
+        r.sonar.noise_enabled = true;
+        r.sonar.bandwidth_hz = bands_hz[band];
+        r.sonar.bin_length_m = 2.0 * pulse_m;
+        r.sonar.max_range_m = 60.0 * pulse_m;
+        r.receivers[1] = r.sonar.array.element;
+        asdic_simulator *sim = rig_simulator(&r);
+        asdic_flat_scene nothing = {.altitude_m = NAN};
+        asdic_ping *expected = NULL;
+        asdic_sonar one = r.sonar;
+        one.receivers = &r.receivers[1];
+        assert_ok(t.ctx, asdic_ping_create(t.ctx, 1, asdic_simulator_bin_count(sim), &expected));
+        assert_ok(t.ctx, asdic_expected_compute(t.ctx, &nothing, &r.env, &one, &r.pose, expected));
+        pair_sum sums[BESIDE + 1] = {{0}};
+        for (uint64_t k = 0; k < PINGS; k++) {
+            asdic_ping *ping = array_shoot(&r, sim, k);
+            assert_close_relative(ping->sample_m, 0.25 * pulse_m, 1e-5);
+            for (size_t e = 0; e + 1 < ping->elements; e++) {
+                for (size_t n = 0; n + LAGS < ping->samples; n++) {
+                    for (size_t lag = 0; lag <= LAGS; lag++) {
+                        add_pair(&sums[lag], array_at(ping, e, n), array_at(ping, e, n + lag));
+                    }
+                    add_pair(&sums[BESIDE], array_at(ping, e, n), array_at(ping, e + 1, n));
+                }
+            }
+            for (size_t n = 1; n < ping->bins; n++) { /* the blanking cuts the first */
+                beams += ping->intensity_lin[ASDIC_TOTAL][n] / ping->intensity_lin[ASDIC_NOISE][n] /
+                         (double)(PINGS * (ping->bins - 1));
+            }
+            samples += (double)(ping->elements - 1) * (double)(ping->samples - LAGS);
+            asdic_ping_destroy(&ping);
+        }
+        double bin_lin = sums[0].aa / samples * 2.0; /* of two pulses */
+        double level_db = 10.0 * log10(bin_lin / expected->intensity_lin[ASDIC_NOISE][5]);
+        print_message("noise of %g Hz: %.3f dB off at elements, %.2f dB in beams\n", bands_hz[band],
+                      level_db, 10.0 * log10(beams));
+        assert_true(fabs(level_db) < 0.05 && fabs(10.0 * log10(beams)) < 0.3);
+        for (size_t lag = 1; lag <= BESIDE; lag++) {
+            double with = 0.0;
+            for (int i = -800; lag < BESIDE && i < 800; i++) {
+                with += 1e-3 * smooth_pulse(1e-3 * i) * smooth_pulse(1e-3 * i + 0.25 * (double)lag);
+            }
+            double off = pair_error(&sums[lag], with);
+            print_message("%zu: coherence %.3f, off by %.3f\n", lag, with, off);
+            assert_true(off < 0.02);
+        }
+        asdic_ping_destroy(&expected);
+        asdic_simulator_destroy(&sim);
+        rig_destroy(&r);
+    }
+}
+
 int main(int argc, char **argv) {
     full = argc > 1 && strcmp(argv[1], "--full") == 0;
     t = test_device_open_or_skip();
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_mean_is_that_of_intensities),
+        cmocka_unit_test(noise_has_the_band_and_level_of_the_pulse),
         cmocka_unit_test(speckle_is_rayleigh),
         cmocka_unit_test(elements_share_what_theory_says),
         cmocka_unit_test(speckle_stays_on_the_bottom),
