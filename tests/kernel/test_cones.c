@@ -271,7 +271,8 @@ static void several_objects_share_rays(void **state) {
     assert_close((double)counts[2], sqrt(0.5) * counts[1], 1.0);
 }
 
-/* Rays aimed at the faces of what is too large for a cone are as dense on each as is said: they add up to all. */
+/* Rays aimed at the faces of what is too large for a cone are as dense on each as is said: they add up to all, and
+ * what they hear with the others is as loud as what these hear alone. */
 static void rays_at_faces_add_up(void **state) {
     (void)state;
     ping_rig r = rig_create(&t);
@@ -300,6 +301,19 @@ static void rays_at_faces_add_up(void **state) {
     assert_true(sim->learnt.faces.count > 0);
     assert_close(sum, 1.0, 1e-4);
     asdic_simulator_destroy(&sim);
+    double heard[2] = {0.0, 0.0};
+    for (int k = 0; k < 2; k++) {
+        r.sampling.sampler = k ? ASDIC_SAMPLER_BEAM : ASDIC_SAMPLER_ADAPTIVE;
+        r.sampling.rays = 1u << 17;
+        asdic_ping *ping = rig_shoot(&r, 0, true);
+        for (size_t n = 0; n < ping->bins; n++) {
+            heard[k] += ping->intensity_lin[ASDIC_OBJECT][n];
+        }
+        asdic_ping_destroy(&ping);
+    }
+    double off_db = asdic_level_db(heard[0]) - asdic_level_db(heard[1]);
+    print_message("a block with aimed rays: %.3f dB beside the beam sampler\n", off_db);
+    assert_true(fabs(off_db) < 0.1);
     asdic_mesh_destroy(&mesh);
     rig_destroy(&r);
 }
