@@ -174,8 +174,7 @@ static double between(double x0, double y0, double x1, double y1, double x) {
     return exp(log(y0) + t * (log(y1) - log(y0)));
 }
 
-/* The last crossing of 1 dB: errors of few rays scatter. */
-static void find_1db(bench_curve *curve) {
+void bench_find_1db(bench_curve *curve) {
     curve->rays_1db = curve->seconds_1db = NAN;
     for (size_t i = 1; i < curve->count; i++) {
         const bench_point *a = &curve->points[i - 1], *b = &curve->points[i];
@@ -200,6 +199,6 @@ asdic_status bench_curve_measure(const bench *b, const bench_scene *scene,
         point->rays = *rays;
         TRY(measure_point(b, scene, out->sampler, effort, point));
     }
-    find_1db(out);
+    bench_find_1db(out);
     return ASDIC_OK;
 }

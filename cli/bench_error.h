@@ -67,6 +67,8 @@ typedef struct bench_curve {
 
 const char *bench_sampler_name(asdic_sampler sampler);
 
+/* Where the points cross 1 dB for the last time: errors of few rays scatter. */
+void bench_find_1db(bench_curve *curve);
 /* Measures all ray counts of out->sampler. */
 asdic_status bench_curve_measure(const bench *b, const bench_scene *scene,
                                  const bench_effort *effort, bench_curve *out);

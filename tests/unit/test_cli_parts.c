@@ -400,8 +400,9 @@ static void a_rule_without_a_process_ends_none(void **state) {
     assert_int_equal(kills, 0);
 }
 
-/* The panel that would be drawn. */
-static asdic_plot drawn;
+/* The panels that would be drawn, with their curves. */
+static asdic_plot drawn[2];
+static asdic_series curves_drawn[2][64];
 
 asdic_status __wrap_asdic_picture_plot(asdic_context *ctx, const char *path,
                                        const asdic_plot *panels, size_t panel_count,
@@ -412,8 +413,12 @@ asdic_status __wrap_asdic_picture_plot(asdic_context *ctx, const char *path,
     (void)ctx;
     (void)path;
     (void)options;
-    assert_int_equal(panel_count, 1);
-    drawn = panels[0];
+    assert_in_range(panel_count, 1, 2);
+    for (size_t i = 0; i < panel_count; i++) {
+        drawn[i] = panels[i];
+        assert_in_range(panels[i].series_count, 0, 64);
+        memcpy(curves_drawn[i], panels[i].series, panels[i].series_count * sizeof(asdic_series));
+    }
     return ASDIC_OK;
 }
 
@@ -432,9 +437,104 @@ static void times_have_decades(void **state) {
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         asdic_series curve = {.label = "scene", .x = rays, .y = cases[i].times_ms, .count = 2};
         assert_int_equal(bench_scaling_picture(&b, "title", "rays", &curve, 1), ASDIC_OK);
-        assert_close_relative(drawn.y.low, cases[i].low_ms, 1e-12);
-        assert_close_relative(drawn.y.high, cases[i].high_ms, 1e-12);
-        assert_true(drawn.y.logarithmic && drawn.x.low < 1 && drawn.x.high > 10);
+        assert_close_relative(drawn[0].y.low, cases[i].low_ms, 1e-12);
+        assert_close_relative(drawn[0].y.high, cases[i].high_ms, 1e-12);
+        assert_true(drawn[0].y.logarithmic && drawn[0].x.low < 1 && drawn[0].x.high > 10);
+    }
+}
+
+asdic_status __wrap_bench_scene_open(const bench *b, size_t index, const bench_effort *effort,
+                                     bench_scene *out);
+asdic_status __wrap_bench_curve_measure(const bench *b, const bench_scene *scene,
+                                        const bench_effort *effort, bench_curve *out);
+void __wrap_bench_add(bench *b, const bench_cell *cells);
+
+asdic_status __wrap_bench_scene_open(const bench *b, size_t index, const bench_effort *effort,
+                                     bench_scene *out) {
+    (void)b;
+    (void)effort;
+    *out = (bench_scene){.sonar = asdic_sonar_default()};
+    snprintf(out->name, sizeof out->name, "scene %zu", index);
+    return ASDIC_OK;
+}
+
+asdic_status __wrap_bench_curve_measure(const bench *b, const bench_scene *scene,
+                                        const bench_effort *effort, bench_curve *out) {
+    (void)b;
+    (void)scene;
+    (void)effort;
+    out->count = 1;
+    out->points[0] = (bench_point){.rays = 64u << out->sampler, .rms_db = 0.7, .ping_s = 0.02};
+    return ASDIC_OK;
+}
+
+void __wrap_bench_add(bench *b, const bench_cell *cells) {
+    (void)b;
+    (void)cells;
+}
+
+/* A colour for each sampler, a line for each scene, of which there are four: the fifth has the first one's. The
+ * legend, after all curves of the panel on the left, shows both. */
+static void curves_have_their_colours_and_lines(void **state) {
+    (void)state;
+    enum { SCENES = 5, CURVES = SCENES * BENCH_SAMPLERS };
+    cli c = {.operand_count = 1 + SCENES}; /* "error" and the scenes */
+    bench b = {.c = &c, .picture = "p.svg", .json = true};
+    assert_int_equal(bench_error(&b), ASDIC_OK);
+    assert_int_equal(drawn[0].series_count, CURVES + BENCH_SAMPLERS + SCENES);
+    assert_int_equal(drawn[1].series_count, CURVES);
+    const asdic_series *legend = curves_drawn[0] + CURVES;
+    for (size_t i = 0; i < CURVES; i++) {
+        size_t scene = i / BENCH_SAMPLERS, sampler = i % BENCH_SAMPLERS;
+        for (size_t panel = 0; panel < 2; panel++) {
+            assert_int_equal(curves_drawn[panel][i].rgb, legend[sampler].rgb);
+            assert_int_equal(curves_drawn[panel][i].style, legend[BENCH_SAMPLERS + scene].style);
+            assert_int_equal(curves_drawn[panel][i].count, 1);
+            assert_null(curves_drawn[panel][i].label);
+        }
+    }
+    for (size_t i = 0; i < BENCH_SAMPLERS; i++) {
+        assert_int_not_equal(legend[i].rgb, legend[(i + 1) % BENCH_SAMPLERS].rgb);
+        assert_int_equal(legend[i].style, ASDIC_LINE_SOLID);
+    }
+    assert_string_equal(legend[0].label, "adaptive");
+    assert_string_equal(legend[2].label, "uniform-sphere");
+    for (size_t i = 0; i < 4; i++) {
+        for (size_t k = 0; k < i; k++) {
+            assert_int_not_equal(legend[BENCH_SAMPLERS + i].style,
+                                 legend[BENCH_SAMPLERS + k].style);
+        }
+    }
+    assert_int_equal(legend[BENCH_SAMPLERS + 4].style, legend[BENCH_SAMPLERS].style);
+    assert_int_equal(legend[BENCH_SAMPLERS].style, ASDIC_LINE_SOLID);
+}
+
+/* In log-log, where errors cross 1 dB for the last time; nowhere when they end above. */
+static void one_decibel_is_crossed_last(void **state) {
+    (void)state;
+    const struct {
+        double rms_db[4], rays, seconds;
+    } cases[] = {{{3.0, 1.05, 1.05, 1.05}, NAN, NAN},
+                 {{0.9, 0.8, 0.7, 0.6}, NAN, NAN},
+                 {{8.0, 4.0, 0.5, 0.25}, 400.0 * pow(2.0, 2.0 / 3.0), 0.04 * pow(1.5, 2.0 / 3.0)},
+                 {{4.0, 1.05, 1.05 / 8.0, 0.1}, /* log2(1.05) of three octaves */
+                  400.0 * pow(2.0, log2(1.05) / 3.0),
+                  0.04 * pow(1.5, log2(1.05) / 3.0)},
+                 {{2.0, 0.5, 4.0, 0.25}, 800.0 * sqrt(2.0), 0.06 * sqrt(0.08 / 0.06)},
+                 {{4.0, 2.0, 1.0, 0.5}, 800.0, 0.06}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        bench_curve curve = {.count = 4};
+        for (size_t k = 0; k < 4; k++) {
+            curve.points[k] = (bench_point){
+                .rays = 200u << k, .ping_s = 0.02 * (double)(k + 1), .rms_db = cases[i].rms_db[k]};
+        }
+        bench_find_1db(&curve);
+        if (isnan(cases[i].rays)) {
+            assert_true(isnan(curve.rays_1db) && isnan(curve.seconds_1db));
+        } else {
+            assert_close_relative(curve.rays_1db, cases[i].rays, 1e-9);
+            assert_close_relative(curve.seconds_1db, cases[i].seconds, 1e-9);
+        }
     }
 }
 
@@ -459,6 +559,8 @@ int main(void) {
         cmocka_unit_test(a_rule_is_told_the_pose),
         cmocka_unit_test(a_rule_without_a_process_ends_none),
         cmocka_unit_test(times_have_decades),
+        cmocka_unit_test(curves_have_their_colours_and_lines),
+        cmocka_unit_test(one_decibel_is_crossed_last),
         cmocka_unit_test(references_have_the_rays_that_are_promised),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
