@@ -78,6 +78,31 @@ def test_error_keeps_its_goals():
         tap.equal(folder.names(), ["error.csv", 'flat, "1".yaml'], "nothing left over")
 
 
+BALL = """version: 1
+bottom: {depth_m: 200, type: sand}
+objects: [{name: ball, sphere: {radius_m: 2, segments: 32}, position_m: [10, 0, 100]}]
+sonar: {frequency_khz: 100, ping_rate_hz: 40, source_level_db: 200, bin_length_m: 0.5, receivers: [{name: forward}]}
+mission: {pose: {position_m: [0, 0, 100]}, pings: 1}
+environment: {max_depth_m: 200}
+sampling: {multipath: off}
+"""
+
+
+def test_error_of_a_scene_without_quadrature():
+    """Its truth is the mean of 16 pings of 262,144 rays (docs/refraction.md), good to about 0.002 dB."""
+    program.need_device()
+    with Folder() as folder:
+        done = asdic("bench", "error", "--quick", "-o", folder / "e.csv", folder.write("ball.yaml", BALL)).check(code=0)
+        rows = [numbers(row) for row in csv.DictReader(io.StringIO(folder.read("e.csv")))]
+    tap.equal({(r["scene"], r["reference"], r["reference_rays"]) for r in rows},
+              {("ball", "mean of pings", 16 * 262144)})
+    tap.contains(done.out, "counted from 2 m; truth: 4.19e+06 rays, good to ")
+    spreads = {r["reference_spread_db"] for r in rows}
+    tap.equal(len(spreads) == 1 and 0 < max(spreads) < 0.01, True, f"the truth's own error {spreads}")
+    beam = [r["true_over_stated"] for r in rows if r["sampler"] == "beam" and r["pings"] > 4]
+    tap.equal(len(beam) == 4 and all(0.7 < share < 1.5 for share in beam), True, f"true over stated error {beam}")
+
+
 def check_pings(rows):
     for row in rows:
         tap.equal(0 < row["mission_pings_per_s"] <= row["pings_per_s"], True)
