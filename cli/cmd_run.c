@@ -132,8 +132,9 @@ static asdic_status keep_tolerance(cli *c, asdic_mission *mission, asdic_device 
              wanted->stderr_db, found.rays, 100.0 * kept, found.worst_db);
     double blocks = ceil((double)pings / ASDIC_LEARN_BLOCK);
     double seconds = found.ping_s * (double)pings + found.learn_s * blocks;
-    cli_note(c, "  %zu pings take about %.3g %s on one device", pings,
-             seconds < 120.0 ? seconds : seconds / 60.0, seconds < 120.0 ? "s" : "minutes");
+    cli_note(c, "  %zu %s about %.3g %s on one device", pings,
+             pings == 1 ? "ping takes" : "pings take", seconds < 120.0 ? seconds : seconds / 60.0,
+             seconds < 120.0 ? "s" : "minutes");
     say_rough(c, asdic_mission_sonar(mission), wanted, &found);
     return ASDIC_OK;
 }
