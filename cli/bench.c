@@ -180,12 +180,14 @@ asdic_status bench_scaling_picture(const bench *b, const char *title, const char
         curves[i].rgb = colors[i % (sizeof colors / sizeof colors[0])];
         curves[i].width = 1.5;
     }
-    const asdic_plot panel = {.x = {abscissa, 0.7 * low_x, 1.4 * high_x, true},
-                              /* whole decades, so that the axis has marks */
-                              .y = {"time of a ping (ms)", pow(10.0, floor(log10(0.9 * low_y))),
-                                    pow(10.0, ceil(log10(1.1 * high_y))), true},
-                              .series = curves,
-                              .series_count = count};
+    const asdic_plot_axis x = {
+        .label = abscissa, .low = 0.7 * low_x, .high = 1.4 * high_x, .logarithmic = true};
+    /* whole decades, so that the axis has marks */
+    const asdic_plot_axis y = {.label = "time of a ping (ms)",
+                               .low = pow(10.0, floor(log10(0.9 * low_y))),
+                               .high = pow(10.0, ceil(log10(1.1 * high_y))),
+                               .logarithmic = true};
+    const asdic_plot panel = {.x = x, .y = y, .series = curves, .series_count = count};
     asdic_picture_options options = asdic_picture_options_default();
     options.title = title;
     return asdic_picture_plot(cli_context(b->c), b->picture, &panel, 1, &options);

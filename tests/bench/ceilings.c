@@ -156,7 +156,7 @@ static void measure(const machine *m, bench_ceilings *out) {
 }
 
 asdic_status bench_ceilings_measure(asdic_device *device, bench_ceilings *out) {
-    machine m = {NULL};
+    machine m = {0};
     *out = (bench_ceilings){0.0, 0.0};
     bool opened = open_machine(asdic_device_get_info(device), &m);
     if (opened) {
