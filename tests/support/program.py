@@ -6,6 +6,7 @@
 """
 import functools
 import os
+import pathlib
 import pty
 import shutil
 import signal
@@ -46,7 +47,9 @@ def asdic(*args, stdin=b"", cwd=None, most_s=120, **env):
 
 
 def asdic_bench(*args, **env):
-    """The same of asdic-bench, the benches that only the project needs."""
+    """The same of asdic-bench, the benches that only the project needs; a build inside another is too far from its
+    data."""
+    env.setdefault("ASDIC_DATA", str(pathlib.Path(__file__).parents[2] / "data"))
     done = subprocess.run([os.environ["ASDIC_BENCH"], *map(str, args)], capture_output=True,
                           timeout=240, check=False, env=environment(env))
     return Result(done.returncode, done.stdout.decode(), done.stderr.decode())
