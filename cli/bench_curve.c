@@ -88,11 +88,13 @@ static double bias_db(const tally *t, const bench_scene *s) {
         if (t->ratios[i] > 0.0) {
             double mean = t->ratios[i] / n;
             double variance = fmax(t->ratio_squares[i] / n - mean * mean, 0.0) / (n - 1.0);
-            sum += (mean - 1.0) * (mean - 1.0) - variance;
+            double off_db = 10.0 * log10(mean),
+                   spread_db = 10.0 / log(10.0) * sqrt(variance) / mean;
+            sum += off_db * off_db - spread_db * spread_db;
             count++;
         }
     }
-    return 10.0 / log(10.0) * root_mean(fmax(sum, 0.0), count);
+    return root_mean(fmax(sum, 0.0), count);
 }
 
 static void finish_point(tally *t, const bench_scene *s, bench_point *point) {
