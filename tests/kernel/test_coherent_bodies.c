@@ -89,11 +89,14 @@ static void add_cylinder(optics *o, double radius, double length) {
 enum { LOBES = 12 };
 
 /* Turns MESH, of the extent LENGTH_M, towards its lobes; SIZE is that of a box, or RADIUS that of a cylinder. The first
- * lobes are compared with the closed form as well: the pattern of a line, and PEAK_DB. */
-static void compare_lobes(const asdic_mesh *mesh, asdic_vec3 size, double radius, double peak_db) {
+ * lobes are compared with the closed form as well: the pattern of a line, and PEAK_DB. The box may lie DOWN below the
+ * horizontal: it is then turned upwards, which is the same to a sonar that looks everywhere. */
+static void compare_lobes(const asdic_mesh *mesh, asdic_vec3 size, double radius, double peak_db,
+                          double down) {
     ping_rig r = long_pulse();
     asdic_material rigid = asdic_material_facet(200.0, 0.0, 0.0);
-    asdic_pose pose = {.position_m = {RANGE_M + (radius > 0.0 ? radius : 0.5 * size.x), 0.0, 7.0}};
+    double away_m = RANGE_M + (radius > 0.0 ? radius : 0.5 * size.x);
+    asdic_pose pose = {.position_m = {away_m * cos(down), 0.0, 7.0 + away_m * sin(down)}};
     assert_ok(t.ctx, asdic_scene_add_moving_object(r.scene, "body", mesh, pose, rigid));
     asdic_simulator *sim = rig_simulator(&r);
     double water = 1e-6 * 1025.0 * 1500.0;
@@ -102,10 +105,10 @@ static void compare_lobes(const asdic_mesh *mesh, asdic_vec3 size, double radius
     for (int lobe = 0; lobe <= LOBES;
          lobe++) { /* lobe 0 is the main one; others peak near n + 1/2 */
         double x = lobe == 0 ? 0.0 : lobe + 0.5, sine = x * WAVELENGTH_M / (2.0 * size.y);
-        pose.yaw_rad = asin(sine);
+        *(down != 0.0 ? &pose.pitch_rad : &pose.yaw_rad) = asin(sine) - down; /* bow down */
         assert_ok(t.ctx, asdic_simulator_move(sim, "body", &pose));
         asdic_ping *ping = array_shoot(&r, sim, 0);
-        optics o = {.yaw = pose.yaw_rad, .away_m = pose.position_m.x};
+        optics o = {.yaw = asin(sine), .away_m = away_m};
         if (radius > 0.0) {
             add_cylinder(&o, radius, size.y);
         } else {
@@ -133,7 +136,9 @@ static void a_plate_has_its_lobes(void **state) {
     const asdic_vec3 size = {0.002, 0.2, 0.2};
     asdic_mesh *mesh = NULL;
     assert_ok(t.ctx, asdic_mesh_box(t.ctx, size, &mesh));
-    compare_lobes(mesh, size, 0.0, 20.0 * log10(size.y * size.z / WAVELENGTH_M));
+    compare_lobes(mesh, size, 0.0, 20.0 * log10(size.y * size.z / WAVELENGTH_M), 0.0);
+    print_message("60 degrees below\n");
+    compare_lobes(mesh, size, 0.0, 20.0 * log10(size.y * size.z / WAVELENGTH_M), 60.0 * RIG_DEGREE);
     asdic_mesh_destroy(&mesh);
 }
 
@@ -143,7 +148,7 @@ static void a_cylinder_has_its_lobes(void **state) {
     asdic_mesh *mesh = NULL;
     assert_ok(t.ctx, asdic_mesh_cylinder(t.ctx, radius, length, 256, &mesh));
     compare_lobes(mesh, (asdic_vec3){0.0, length, 0.0}, radius,
-                  10.0 * log10(radius * length * length / (2.0 * WAVELENGTH_M)));
+                  10.0 * log10(radius * length * length / (2.0 * WAVELENGTH_M)), 0.0);
     asdic_mesh_destroy(&mesh);
 }
 
