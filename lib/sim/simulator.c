@@ -313,6 +313,23 @@ static void scene_depths(const asdic_scene *scene, double sonar_m, double *from_
     }
 }
 
+/* Without a bottom, or a surface, nothing ends rays but the range. The sound speed must be one of water wherever they
+ * come, as in asdic_expected_compute. */
+static asdic_status check_water(const asdic_simulator *sim, double sonar_m, double from_m,
+                                double to_m) {
+    const asdic_setup *setup = &sim->setup;
+    double speed_mps = asdic_environment_sound_speed_mps(&setup->env, sonar_m);
+    double range_m =
+        (double)asdic_sonar_bin_count(&setup->sonar, speed_mps) * setup->sonar.bin_length_m;
+    if (!setup->scene->has_surface) {
+        from_m = fmin(from_m, fmax(sonar_m - range_m, 0.0));
+    }
+    if (!setup->scene->has_bottom_plane && !asdic_simulator_has(sim, DEV_KIND_BOTTOM)) {
+        to_m = fmax(to_m, sonar_m + range_m);
+    }
+    return asdic_environment_check_depths(sim->ctx, &setup->env, from_m, to_m);
+}
+
 /* A triangle so near a layer is taken to lie in it: more than what lifted.c allows, and than rounding. */
 #define NEAR_M 0.1
 
@@ -362,7 +379,7 @@ static asdic_status plan_bend(asdic_simulator *sim, double depth_m) {
     asdic_layers layers;
     double from_m, to_m;
     scene_depths(scene, depth_m, &from_m, &to_m);
-    TRY(asdic_environment_check_depths(sim->ctx, env, from_m, to_m));
+    TRY(check_water(sim, depth_m, from_m, to_m));
     asdic_layers_of(env, depth_m, &layers);
     if (layers.count > 1) {
         asdic_environment one = *env;

@@ -128,6 +128,13 @@ def test_scenes_are_judged_as_a_whole():
             err = refused(folder, water)
             tap.contains(err, part)
             tap.contains(err, "1 error")
+        # Without a bottom rays go down to the range, of 73 m.
+        steep = SCENE.format(water="{sound_speed_mps: 1490, sound_speed_gradient_per_s: -3}")
+        path = folder.write("open.yaml", steep.replace("bottom: {depth_m: 12, type: sand}", "bottom: none"))
+        for command in ("check", "run", "expect"):
+            err = asdic(command, path).check(code=3).err
+            tap.contains(err, "open.yaml:2:")
+            tap.contains(err, "1300 m/s at a depth of 63.33 m; without a bottom rays go down to 80 m: give")
 
 
 def test_the_speed_is_that_at_the_sonar():

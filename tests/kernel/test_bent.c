@@ -325,6 +325,31 @@ static void layers_meet_quadrature(void **state) {
     }
 }
 
+/* No bottom, and the sonar amid a thermocline of 20 m/s a metre, which the sampler takes for all of the water: going on,
+ * it would halve the sound speed within the range. */
+static void a_steep_thermocline_meets_quadrature(void **state) {
+    static const double below_mps[] = {1480.0, 1520.0};
+    (void)state;
+    for (int k = 0; k < 2; k++) {
+        ping_rig r = bent_rig(0.0, 1u << 16);
+        asdic_scene_destroy(&r.scene);
+        assert_ok(t.ctx, asdic_scene_create(t.ctx, &r.scene));
+        r.env.sound_speed_profile = (asdic_sound_profile){
+            4, {0.0, 6.5, 7.5, 60.0}, {1500.0, 1500.0, below_mps[k], below_mps[k]}};
+        asdic_flat_scene flat = {.has_surface = true, .depth_m = r.pose.position_m.z};
+        asdic_ping *ping = rig_shoot(&r, 0, true), *truth = NULL;
+        assert_ok(t.ctx, asdic_ping_create(t.ctx, 1, ping->bins, &truth));
+        assert_ok(t.ctx, asdic_expected_compute(t.ctx, &flat, &r.env, &r.sonar, &r.pose, truth));
+        difference d = compare(ping, truth, ASDIC_VOLUME);
+        print_message("%.0f m/s below, no bottom: volume r.m.s. %.4f dB, most %.3f\n", below_mps[k],
+                      d.rms_db, d.most_db);
+        assert_true(d.rms_db < 0.05 && d.most_db < 0.2);
+        asdic_ping_destroy(&truth);
+        asdic_ping_destroy(&ping);
+        rig_destroy(&r);
+    }
+}
+
 /* A plane and a box from 5 to 11 m that mirror: five layers have triangles, rays end in each of them. */
 static void legs_are_the_same_for_all_kernels_and_layouts(void **state) {
     static const asdic_ray_kernel kernels[] = {ASDIC_RAY_KERNEL_WIDE8, ASDIC_RAY_KERNEL_PKT16,
@@ -452,6 +477,37 @@ static void deep_scenes_are_lifted_as_shallow_ones(void **state) {
     assert_close_relative(apart_m[1], apart_m[0], 0.3); /* rounded to quarters */
 }
 
+/* Without a bottom rays go on down to the range: what no water has is refused there, by simulation and quadrature. */
+static void impossible_open_water_is_refused(void **state) {
+    static const struct {
+        double gradient_per_s;
+        asdic_status status;
+    } cases[] = {{-2.0, ASDIC_OK}, {-3.0, ASDIC_ERROR_ARGUMENT}, {-11.0, ASDIC_ERROR_ARGUMENT}};
+    (void)state;
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        ping_rig r = bent_rig(cases[k].gradient_per_s, 1024u);
+        asdic_simulator *sim = NULL;
+        asdic_ping *truth = NULL;
+        asdic_scene_destroy(&r.scene);
+        assert_ok(t.ctx, asdic_scene_create(t.ctx, &r.scene));
+        assert_ok(t.ctx, asdic_scene_commit(r.scene));
+        r.env.sound_speed_mps = 1490.0;
+        r.sonar.max_range_m = 60.0;
+        r.sonar.receivers = r.receivers;
+        asdic_flat_scene flat = {.has_surface = true, .depth_m = r.pose.position_m.z};
+        assert_ok(t.ctx, asdic_ping_create(t.ctx, 1, 120, &truth));
+        assert_status(t.ctx, asdic_expected_compute(t.ctx, &flat, &r.env, &r.sonar, &r.pose, truth),
+                      cases[k].status);
+        assert_status(t.ctx,
+                      asdic_simulator_create(t.ctx, t.device, r.scene, &r.env, &r.sonar,
+                                             &r.sampling, r.pose.position_m.z, &sim),
+                      cases[k].status);
+        asdic_simulator_destroy(&sim);
+        asdic_ping_destroy(&truth);
+        rig_destroy(&r);
+    }
+}
+
 /* Sound speeds that no water has are refused, with the depth; a cast of several layers is taken as one. */
 static void impossible_water_is_refused(void **state) {
     (void)state;
@@ -484,11 +540,13 @@ int main(void) {
         cmocka_unit_test(moved_objects_are_in_all_their_layers),
         cmocka_unit_test(kept_bottoms_stay_lifted),
         cmocka_unit_test(layers_meet_quadrature),
+        cmocka_unit_test(a_steep_thermocline_meets_quadrature),
         cmocka_unit_test(legs_are_the_same_for_all_kernels_and_layouts),
         cmocka_unit_test(trapped_rays_are_followed),
         cmocka_unit_test(rays_with_too_many_legs_are_given_up),
         cmocka_unit_test(deep_scenes_are_lifted_as_shallow_ones),
         cmocka_unit_test(impossible_water_is_refused),
+        cmocka_unit_test(impossible_open_water_is_refused),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
     test_device_close(&t);

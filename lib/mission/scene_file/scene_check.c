@@ -107,28 +107,51 @@ static void check_profile(const file_environment *e, asdic_problems *problems) {
     }
 }
 
-/* The sound speed stays that of water down to a flat bottom. Meshes are not read yet. */
+/* How far down rays go: to a flat bottom, or without one to the range, of the sonar of a mission at rest or, of
+ * others, one at the surface. NAN: not known, as meshes are not read yet. */
+static double deepest_m(const asdic_scene_file *file, const asdic_environment *env) {
+    const file_sonar *s = &file->sonar;
+    if (!file->bottom.none) {
+        return file->bottom.depth_m;
+    }
+    if (!s->node || is_bad(s->node, "ping_rate_hz") || is_bad(s->node, "max_range_m") ||
+        is_bad(s->node, "bin_length_m")) {
+        return NAN;
+    }
+    const file_pose *pose = &file->mission.pose;
+    double depth_m = asdic_scene_node_good(pose->node) ? fmax(pose->position_m[2], 0.0) : 0.0;
+    asdic_sonar sonar = asdic_scene_file_sonar(file);
+    double sound_speed_mps = asdic_environment_sound_speed_mps(env, depth_m);
+    return depth_m + (double)asdic_sonar_bin_count(&sonar, sound_speed_mps) * s->bin_length_m;
+}
+
+/* The sound speed stays that of water as far down as rays go. */
 static void check_gradient(const asdic_scene_file *file, asdic_problems *problems) {
     asdic_yaml_node *node = asdic_yaml_child(file->environment.node, "sound_speed_gradient_per_s");
     double surface_mps, gradient = file->environment.sound_speed_gradient_per_s;
     if (!asdic_scene_node_good(node) || is_bad(file->node, "environment") ||
-        is_bad(file->node, "bottom") || !(file->bottom.depth_m > 0.0)) {
+        is_bad(file->node, "bottom")) {
         return;
     }
     asdic_environment env = asdic_scene_file_environment(file);
+    double most_m = deepest_m(file, &env);
+    if (!(most_m > 0.0)) {
+        return;
+    }
     surface_mps = asdic_environment_sound_speed_mps(&env, 0.0);
-    double bottom_mps = surface_mps + gradient * file->bottom.depth_m;
+    double bottom_mps = surface_mps + gradient * most_m;
     double limit = gradient < 0.0 ? ASDIC_SOUND_LEAST_MPS : ASDIC_SOUND_MOST_MPS;
     if (bottom_mps >= ASDIC_SOUND_LEAST_MPS && bottom_mps <= ASDIC_SOUND_MOST_MPS) {
         return;
     }
-    asdic_yaml_problem(
-        problems, node,
-        "'sound_speed_gradient_per_s' = %.15g takes the sound speed of %.6g m/s at "
-        "the surface to %g m/s at a depth of %.4g m%s; the bottom is at %.6g m: give "
-        "a 'sound_speed_profile' that ends where the gradient does",
-        gradient, surface_mps, limit, (limit - surface_mps) / gradient,
-        bottom_mps <= 0.0 ? " and on to 0" : "", file->bottom.depth_m);
+    asdic_yaml_problem(problems, node,
+                       "'sound_speed_gradient_per_s' = %.15g takes the sound speed of %.6g m/s at "
+                       "the surface to %g m/s at a depth of %.4g m%s; %s %.6g m: give "
+                       "a 'sound_speed_profile' that ends where the gradient does",
+                       gradient, surface_mps, limit, (limit - surface_mps) / gradient,
+                       bottom_mps <= 0.0 ? " and on to 0" : "",
+                       file->bottom.none ? "without a bottom rays go down to" : "the bottom is at",
+                       most_m);
 }
 
 /* Checks the range and its bins, at the sound speed where the sonar is. */
