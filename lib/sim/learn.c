@@ -30,6 +30,11 @@
  * than this share of the altitude. */
 #define LOWEST 0.2
 
+#define IS_POWER_OF_TWO(x) (((x) & ((x)-1)) == 0)
+_Static_assert(IS_POWER_OF_TWO(DEV_TABLE_CELLS) && IS_POWER_OF_TWO(DEV_AZIMUTH_CELLS),
+               "learnt_cell halves them");
+_Static_assert(DEV_TABLE_CELLS % DEV_TABLE_ROWS == 0, "rows have as many cells each");
+
 /* What a pilot ping's rays brought, as in pilot.cl. */
 typedef struct pilots {
     const dev_pilot *rays;
