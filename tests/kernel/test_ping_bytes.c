@@ -61,6 +61,59 @@ static void layout_never_changes_a_byte(void **state) {
     }
 }
 
+/* How many deposits a ping of R cuts where those of the components in LIFTED are 2^40 times what there is room for. */
+static uint64_t cut_of(ping_rig *r, unsigned lifted) {
+    asdic_simulator *sim = rig_simulator(r);
+    asdic_ping *ping = NULL;
+    for (unsigned c = 0; c < DEV_DEPOSIT_COUNT; c++) {
+        sim->setup.ping.sums.scale[c] *= lifted >> c & 1u ? 0x1p40f : 1.0f;
+    }
+    assert_ok(t.ctx, asdic_ping_create(t.ctx, r->sonar.receiver_count,
+                                       asdic_simulator_bin_count(sim), &ping));
+    assert_ok(t.ctx, asdic_simulator_ping(sim, &r->pose, 7, ping));
+    uint64_t cut = ping->saturated;
+    asdic_ping_destroy(&ping);
+    asdic_simulator_destroy(&sim);
+    return cut;
+}
+
+/* Each deposit that is too large is counted once, of whichever component and however it is added. */
+static void what_is_cut_is_counted(void **state) {
+    static const int ways[] = {ASDIC_DEPOSIT_COLLECT, ASDIC_DEPOSIT_ATOMIC32,
+                               ASDIC_DEPOSIT_ATOMIC64};
+    static const size_t beams[] = {1, RIG_BEAMS, RIG_MOST_BEAMS, 1};
+    enum { LAYERS = 3 }; /* the last of them, through layers of water */
+    enum { RAYS = 2048, EVERY = (1 << DEV_DEPOSIT_COUNT) - 1 };
+    (void)state;
+    bool has_int64 = asdic_device_get_info(t.device)->has_int64_atomics;
+    for (size_t k = 0; k <= LAYERS; k++) {
+        ping_rig r = rig_create(&t);
+        add_box(&r, asdic_material_facet(45.0, 1e-4, 0.1));
+        r.sonar.receiver_count = beams[k];
+        r.sampling.rays = RAYS;
+        if (k == LAYERS) {
+            r.env.sound_speed_profile =
+                (asdic_sound_profile){3, {0.0, 6.0, 12.0}, {1500.0, 1502.0, 1495.0}};
+        }
+        uint64_t first[DEV_DEPOSIT_COUNT];
+        for (size_t way = 0; way < (has_int64 && k < LAYERS ? 3 : 2); way++) {
+            uint64_t sum = 0;
+            r.layout.deposit = ways[way];
+            assert_int_equal(cut_of(&r, 0), 0);
+            for (unsigned c = 0; c < DEV_DEPOSIT_COUNT; c++) {
+                uint64_t cut = cut_of(&r, 1u << c);
+                first[c] = way == 0 ? cut : first[c];
+                sum += cut;
+                assert_in_range(cut, 1, 8 * RAYS * beams[k]);
+                assert_int_equal(cut, first[c]);
+            }
+            assert_int_equal(cut_of(&r, EVERY), sum);
+            print_message("%zu beams, way %zu: %llu cut\n", beams[k], way, (unsigned long long)sum);
+        }
+        rig_destroy(&r);
+    }
+}
+
 /* The width is fixed per kind of device; across widths only the last bits of functions differ. */
 static void widths_agree(void **state) {
     (void)state;
@@ -111,6 +164,7 @@ int main(void) {
     t = test_device_open_or_skip();
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(layout_never_changes_a_byte),
+        cmocka_unit_test(what_is_cut_is_counted),
         cmocka_unit_test(widths_agree),
         cmocka_unit_test(pings_depend_on_seed_and_index_alone),
     };
