@@ -1,4 +1,5 @@
-#include "../../../kernels/real.h"
+/* From the folder of this file, whatever folder the test runs in. */
+#include <../../../kernels/real.h>
 
 /* OUT[i] = function WHICH of X[i], Y[i]: as listed in test_elementary.c. */
 kernel void evaluate(global const float *xs, global const float *ys, global float *out,
