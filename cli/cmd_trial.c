@@ -306,7 +306,7 @@ static asdic_status replay_on(cli *c, request *r, asdic_device **devices, size_t
     if (!status) {
         asdic_run_options options = asdic_run_options_default();
         options.folder = r->options.folder;
-        options.force = r->options.force;
+        options.force = true; /* the replay looked; its track is there */
         status = asdic_mission_run(cli_context(c), mission, devices, count, &options);
     }
     if (!status) {

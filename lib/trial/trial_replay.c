@@ -6,6 +6,7 @@
 
 #include "base/context.h"
 #include "base/try.h"
+#include "mission/run/run_folder.h"
 #include "out/digits.h"
 #include "out/file.h"
 #include "sim/variates.h"
@@ -15,6 +16,7 @@
 #include <errno.h>
 #include <stdlib.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 /* Rays a ping where the scene leaves them to asdic: so many, or as many times two as leave no rough
  * pings, whose errors a detector would have to allow for. */
@@ -61,6 +63,31 @@ asdic_status asdic_trial_load(asdic_context *ctx, const asdic_trial_options *o, 
     return ASDIC_OK;
 }
 
+static bool is_same_file(const char *a, const char *b) {
+    struct stat first, second;
+    return stat(a, &first) == 0 && stat(b, &second) == 0 && first.st_dev == second.st_dev &&
+           first.st_ino == second.st_ino;
+}
+
+/* What is in FOLDER stays as it is unless it is to be given up; the trial's own scene always does. */
+static asdic_status check_folder(asdic_context *ctx, const asdic_trial_options *o,
+                                 const char *folder, const char *scene, const char *poses) {
+    if (is_same_file(scene, o->scene)) {
+        return asdic_fail(ctx, ASDIC_ERROR_EXISTS,
+                          "'%s' is the trial's own scene, which a run again would replace; choose "
+                          "another folder",
+                          scene);
+    }
+    bool is_taken =
+        access(scene, F_OK) == 0 || access(poses, F_OK) == 0 || asdic_folder_has_run(folder);
+    return is_taken && !o->force
+               ? asdic_fail(ctx, ASDIC_ERROR_EXISTS,
+                            "'%s' holds a scene, a track or a run already; use --force to replace "
+                            "it, or another folder",
+                            folder)
+               : ASDIC_OK;
+}
+
 asdic_status asdic_trial_replay(asdic_context *ctx, asdic_device *device,
                                 const asdic_trial_options *options, uint64_t run, size_t variant,
                                 const char *folder, asdic_trial_run *out) {
@@ -77,6 +104,9 @@ asdic_status asdic_trial_replay(asdic_context *ctx, asdic_device *device,
     asdic_file *file = NULL;
     asdic_status status =
         scene && poses && track ? ASDIC_OK : asdic_fail_memory(ctx, "a run of a trial");
+    if (!status) {
+        status = check_folder(ctx, options, folder, scene, poses);
+    }
     if (!status) {
         status = asdic_trial_load(ctx, options, run, variant, NULL, &mission);
     }

@@ -154,6 +154,24 @@ def quick(*command):
                           check=False, timeout=60)
 
 
+def test_what_is_no_runs_stays():
+    """A track beside its scene has the name of one that a run writes."""
+    program.need_device()
+    with Folder() as folder:
+        text = re.sub(r"mission:.*", "mission: {track: track.csv}", open(scene(folder, pings=2, rays=64)).read())
+        track = "time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg\n0,0,0,7,0,0,0\n2,2,0,7,0,0,0\n"
+        path = folder.write("pool.yaml", text)
+        folder.write("track.csv", track)
+        done = asdic("run", path, "-o", folder.path).check(code=1)
+        tap.contains(done.err, "holds 'track.csv', which a run may write there")
+        tap.equal(sorted(folder.names()), ["pool.yaml", "track.csv"])
+        asdic("run", path, "-o", folder / "r").check(code=0)
+        folder.write("plan.png", "a plan of mine")
+        os.unlink(folder / "track.csv")
+        tap.contains(asdic("merge", folder / "r", "-o", folder.path).check(code=1).err, "holds 'plan.png'")
+        tap.equal(folder.read("plan.png"), "a plan of mine")
+
+
 def test_obstacles_are_replaced():
     program.need_device()
     with Folder() as folder:

@@ -467,8 +467,6 @@ def test_rules_that_fail_are_counted():
                               ('print("starboard")', "the rule answered 'starboard': column 1"),
                               ('print(json.dumps({"z_m": -3}))', "z_m = -3, out of range"),
                               ('print("{" + 2000 * " " + "}")', "longer than 1023 characters"),
-                              ('import os, time; os.close(0); print("{}"); time.sleep(0.2); os._exit(4)',
-                               "the rule ended with code 4 without an answer"),
                               ("import time; time.sleep(60)", "did not answer within 0.5 s")):
             done = with_rule(folder, act, "--rule-timeout", "5" if "sleep" not in act else "0.5", code=1)
             tap.contains(done.err, sentence)
@@ -477,6 +475,10 @@ def test_rules_that_fail_are_counted():
             for row in rows(folder):
                 tap.equal((row["outcome"], row["distance_m"]), ("broken", "0"))
                 tap.equal(abs(float(row["clearance_m"]) - (10 - HULL)) < 1e-6, True, row["clearance_m"])
+        # One that ends after an answer, when nobody reads the next ping.
+        done = with_rule(folder, 'import os, time; os.close(0); print("{}"); time.sleep(0.2); os._exit(4)', code=1)
+        tap.contains(done.err, "the rule ended with code 4 without an answer")
+        tap.equal([row["outcome"] for row in rows(folder)], ["broken", "broken"])
         # What fails in one run is begun anew for the next.
         fails = folder / "failed"
         with_rule(folder, f'import os; again = os.path.exists({fails!r}); open({fails!r}, "w").close(); '
@@ -560,6 +562,16 @@ def test_a_run_can_be_seen_again():
 """)
         asdic("trial", path, "--runs", 3, "-o", folder / "out").check(code=0)
         asdic("trial", path, "--runs", 3, "--replay", 2, "-o", folder / "again").check(code=0)
+        before = data(folder, "again", "track.csv"), data(folder, "again", "scene.yaml")
+        done = asdic("trial", path, "--runs", 3, "--replay", 1, "-o", folder / "again").check(code=1)
+        tap.contains(done.err, "holds a scene, a track or a run already; use --force")
+        tap.equal((data(folder, "again", "track.csv"), data(folder, "again", "scene.yaml")), before, "the first")
+        asdic("render", folder / "again").check(code=0)
+        shutil.copy(path, folder / "scene.yaml")
+        own = folder.read("scene.yaml")
+        done = asdic("trial", folder / "scene.yaml", "--runs", 3, "--replay", 1, "-o", folder.path, "-f").check(code=1)
+        tap.contains(done.err, "is the trial's own scene")
+        tap.equal(folder.read("scene.yaml") == own, True, "the trial's scene")
         row = rows(folder)[2]
         with open(folder / "again/track.csv", encoding="utf-8") as file:
             track = list(csv.DictReader(file))

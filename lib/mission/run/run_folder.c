@@ -150,10 +150,30 @@ static asdic_status clear(asdic_context *ctx, const char *folder) {
     return status;
 }
 
+/* Where there is no run, a file of a name that runs write is somebody's own, a scene's track perhaps. */
+static asdic_status check_foreign(asdic_context *ctx, const char *folder) {
+    asdic_status status = ASDIC_OK;
+    DIR *dir = opendir(folder);
+    if (!dir) {
+        return fail_open(ctx, folder);
+    }
+    for (struct dirent *entry; status == ASDIC_OK && (entry = readdir(dir));) {
+        if (is_ours(entry->d_name) && !ends_in(entry->d_name, ".part")) {
+            status =
+                asdic_fail(ctx, ASDIC_ERROR_EXISTS,
+                           "'%s' holds '%s', which a run may write there; use another folder, or "
+                           "--force to lose it",
+                           folder, entry->d_name);
+        }
+    }
+    closedir(dir);
+    return status;
+}
+
 asdic_status asdic_folder_prepare(asdic_context *ctx, const char *folder, bool force,
                                   bool can_resume) {
     if (!asdic_folder_has_run(folder)) {
-        return ASDIC_OK;
+        return force ? ASDIC_OK : check_foreign(ctx, folder);
     }
     if (!force) {
         return asdic_fail(

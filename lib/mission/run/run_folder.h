@@ -18,7 +18,8 @@ bool asdic_folder_has_run(const char *folder);
 asdic_status asdic_folder_hold(asdic_context *ctx, const char *folder, DIR **out);
 
 /* A folder that holds a run is an error, which names --resume if that CAN_RESUME it, unless FORCE
- * removes the run: the files that it writes, nothing else. */
+ * removes the run: the files that it writes, nothing else. So is one that holds no run but a file of
+ * such a name, unless FORCE gives it up. */
 asdic_status asdic_folder_prepare(asdic_context *ctx, const char *folder, bool force,
                                   bool can_resume);
 
