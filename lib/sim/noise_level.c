@@ -19,7 +19,7 @@ double asdic_noise_lin(const asdic_environment *env, const asdic_sonar *sonar,
     double f_khz = sonar->frequency_hz / 1e3;
     double spectrum_db = noise_db(f_khz, env->shipping_density, env->wind_speed_kn);
     double cell_m = sound_speed_mps / (2.0 * sonar->bandwidth_hz);
-    double cells = fmax(sonar->bin_length_m / cell_m, 1.0);
+    double cells = sonar->bin_length_m / cell_m; /* less than one, as of an echo, in a short bin */
     double level = pow(10.0, 0.1 * noise_band_db(spectrum_db, sonar->bandwidth_hz)) * cells;
     return sonar->noise_directivity
                ? level / directivity(receiver, sound_speed_mps / sonar->frequency_hz)

@@ -46,8 +46,8 @@ static asdic_sonar sonar_of(asdic_beam receivers[BEAMS + 1]) {
 
 static void levels_are_as_by_hand(void **state) {
     (void)state;
-    /* A bin is of as many cells as it holds, and of one at least. */
-    static const double bins[][2] = {{0.075, 1.0}, {0.3, 4.0}, {0.09, 1.2}, {0.02, 1.0}};
+    /* A bin is of as many cells as it holds, and of a part of one, as its echo is. */
+    static const double bins[][2] = {{0.075, 1.0}, {0.3, 4.0}, {0.09, 1.2}, {0.03, 0.4}};
     const double band = pow(10.0, 4.5) * BANDWIDTH_HZ;
     asdic_beam receivers[BEAMS + 1];
     const asdic_environment env = calm();
