@@ -103,6 +103,30 @@ def test_a_point_has_its_strength():
                           f"{yaw_deg}, {beam}: {curve['target_strength_db']} dB")
 
 
+def test_an_object_has_its_own_echo():
+    """Two points at one range: each is heard as if it were alone, and not where the other is louder."""
+    need_device()
+    with Folder() as folder:
+        def ask(code, objects, *options):
+            folder.write("s.yaml", SEDIMENT.replace("{name: forward}", "{name: port, yaw_deg: -45}, "
+                                                    "{name: starboard, yaw_deg: 45}") + f"objects:\n{objects}")
+            done = asdic("roc", "s.yaml", "--trials", "2000", "-o", "out", "--force", "--json", "-q", *options,
+                         cwd=folder.path).check(code)
+            return done.err if code else json.loads(done.out)[0]
+
+        points = {name: f"  - {{name: {name}, point: {db}, position_m: [20, {y_m}, 7]}}\n"
+                  for name, db, y_m in (("buoy", -40, 20), ("ship", 10, -20))}
+        for name, beam, strength_db in ("buoy", "starboard", -40), ("ship", "port", 10):
+            alone = ask(0, points[name])
+            among = ask(0, "".join(points.values()), "--object", name)
+            tap.equal((among["beam"], alone["beam"], among["range_m"]), (beam, beam, 28.25))
+            tap.equal(abs(among["target_strength_db"] - strength_db) < 0.1, True, f"{among['target_strength_db']} dB")
+            for key in "target_db", "closed_pd":
+                tap.equal(abs(among[key] - alone[key]) < 1e-3, True, f"{key}: {among[key]}, alone {alone[key]}")
+        tap.contains(ask(2, "".join(points.values()), "--object", "buoy", "--beam", "port"),
+                     "other objects are louder than 'buoy'")
+
+
 def test_an_objects_strength_does_not_depend_on_the_compass():
     """A large box, whose middle is north-east, south-east, ... of the sonar, as the bow is."""
     need_device()

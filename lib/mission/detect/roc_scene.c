@@ -38,12 +38,14 @@ typedef struct scene_job {
     asdic_water_column water;
     asdic_pose pose;
     extent target;
+    size_t object; /* in the mission, where one is asked for */
+    int number;    /* that of truth, where it has to be told from others; else 0 */
     size_t beams, bins;
     bool is_plane;        /* quadrature knows what is expected */
     asdic_ping *ping;     /* simulated, its total without speckle */
     asdic_ping *expected; /* the null hypothesis */
     asdic_uncertainty uncertainty;
-    double *rest_lin; /* simulated: all but the objects' echoes */
+    double *rest_lin; /* simulated: all but the echoes of the object, or objects */
 } scene_job;
 
 asdic_roc_options asdic_roc_options_default(void) {
@@ -55,9 +57,32 @@ asdic_roc_options asdic_roc_options_default(void) {
                                .seed = 1};
 }
 
+/* The object asked for. Truth numbers objects from 1 on; a bottom that is listed with them has no name. */
+static asdic_status find_object(scene_job *job) {
+    const asdic_mission *m = job->mission;
+    const char *name = job->options->object;
+    int named = 0;
+    bool is_there = !name;
+    for (size_t i = 0; name && i < m->object_count; i++) {
+        named += m->objects[i].name[0] != 0;
+        if (strcmp(m->objects[i].name, name) == 0) {
+            job->object = i;
+            job->number = named;
+            is_there = true;
+        }
+    }
+    job->number = named > 1 ? job->number : 0;
+    return is_there
+               ? ASDIC_OK
+               : asdic_fail(job->ctx, ASDIC_ERROR_ARGUMENT, "the scene has no object '%s'", name);
+}
+
 static asdic_status ping_with(scene_job *job, asdic_simulator *sim) {
     job->bins = asdic_simulator_bin_count(sim);
     TRY(asdic_ping_create(job->ctx, job->beams, job->bins, &job->ping));
+    if (job->number) {
+        TRY(asdic_ping_add_truth(job->ctx, job->ping));
+    }
     TRY(asdic_mission_place(job->mission, sim, job->options->ping));
     TRY(asdic_simulator_learn(sim, &job->pose, job->options->ping));
     return asdic_simulator_ping(sim, &job->pose, job->options->ping, job->ping);
@@ -67,13 +92,30 @@ static asdic_status simulate(scene_job *job, asdic_device *device) {
     const asdic_mission *m = job->mission;
     asdic_simulator *sim = NULL;
     asdic_sonar quiet = job->sonar;
+    asdic_sampling sampling = m->settings.sampling;
     quiet.speckle = ASDIC_SPECKLE_NONE;
+    sampling.truth = job->number != 0;
     TRY(asdic_simulator_create(job->ctx, device, m->scene, &m->settings.environment, &quiet,
-                               &m->settings.sampling, asdic_mission_pose(m, 0, NULL).position_m.z,
-                               &sim));
+                               &sampling, asdic_mission_pose(m, 0, NULL).position_m.z, &sim));
     asdic_status status = ping_with(job, sim);
     asdic_simulator_destroy(&sim);
     return status;
+}
+
+/* Whether an object other than that asked for is the loudest in CELL: truth tells no more of the others. */
+static bool is_of_another(const scene_job *job, size_t cell) {
+    int loudest = job->number ? job->ping->truth->object[cell] : 0;
+    return loudest != 0 && loudest != job->number;
+}
+
+/* The echo in CELL of the object asked for, without what is_of_another. */
+static double object_lin(const scene_job *job, size_t cell) {
+    double all_lin = job->ping->intensity_lin[ASDIC_OBJECT][cell];
+    if (!job->number) {
+        return all_lin;
+    }
+    double share = is_of_another(job, cell) ? 0.0 : (double)job->ping->truth->object_share[cell];
+    return fmin(share * job->ping->intensity_lin[ASDIC_TOTAL][cell], all_lin);
 }
 
 static asdic_status expect(scene_job *job) {
@@ -94,6 +136,9 @@ static asdic_status expect(scene_job *job) {
     for (size_t i = 0; i < job->beams * job->bins; i++) {
         job->rest_lin[i] = part[ASDIC_BOTTOM][i] + part[ASDIC_SURFACE][i] + part[ASDIC_VOLUME][i] +
                            part[ASDIC_MULTIPATH][i] + part[ASDIC_NOISE][i];
+        if (job->number) {
+            job->rest_lin[i] += part[ASDIC_OBJECT][i] - object_lin(job, i);
+        }
         if (!job->is_plane) {
             job->expected->intensity_lin[ASDIC_TOTAL][i] = job->rest_lin[i];
             job->expected->intensity_lin[ASDIC_NOISE][i] = part[ASDIC_NOISE][i];
@@ -190,34 +235,25 @@ static extent extent_of(const scene_job *job, asdic_vec3 low, asdic_vec3 high) {
 /* The range bins between which the object lies, by its box, and where it is. */
 static asdic_status bins_of_object(scene_job *job, size_t *first, size_t *end) {
     const asdic_mission *m = job->mission;
+    const asdic_mission_object *o = &m->objects[job->object];
     double bin_m = job->sonar.bin_length_m;
-    for (size_t i = 0; i < m->object_count; i++) {
-        const asdic_mission_object *o = &m->objects[i];
-        if (strcmp(o->name, job->options->object) != 0) {
-            continue;
-        }
-        asdic_pose now = asdic_mission_object_pose(m, i, job->options->ping);
-        asdic_vec3 shift = asdic_vec3_sub(now.position_m, o->pose.position_m);
-        asdic_vec3 low = asdic_vec3_sub(asdic_vec3_add(o->min_m, shift), job->pose.position_m);
-        asdic_vec3 high = asdic_vec3_sub(asdic_vec3_add(o->max_m, shift), job->pose.position_m);
-        asdic_vec3 near = {fmax(fmax(low.x, -high.x), 0.0), fmax(fmax(low.y, -high.y), 0.0),
-                           fmax(fmax(low.z, -high.z), 0.0)};
-        asdic_vec3 far = {fmax(fabs(low.x), fabs(high.x)), fmax(fabs(low.y), fabs(high.y)),
-                          fmax(fabs(low.z), fabs(high.z))};
-        job->target = extent_of(job, low, high);
-        double begin = floor(asdic_vec3_length(near) / bin_m) - 1.0;
-        double last = ceil(asdic_vec3_length(far) / bin_m) + 1.0;
-        *first = (size_t)fmin(fmax(begin, 0.0), (double)job->bins);
-        *end = (size_t)fmin(last, (double)job->bins);
-        if (*first >= *end) {
-            return asdic_fail(job->ctx, ASDIC_ERROR_ARGUMENT,
-                              "object '%s' is beyond the sonar's range of %g m",
-                              job->options->object, (double)job->bins * bin_m);
-        }
-        return ASDIC_OK;
-    }
-    return asdic_fail(job->ctx, ASDIC_ERROR_ARGUMENT, "the scene has no object '%s'",
-                      job->options->object);
+    asdic_pose now = asdic_mission_object_pose(m, job->object, job->options->ping);
+    asdic_vec3 shift = asdic_vec3_sub(now.position_m, o->pose.position_m);
+    asdic_vec3 low = asdic_vec3_sub(asdic_vec3_add(o->min_m, shift), job->pose.position_m);
+    asdic_vec3 high = asdic_vec3_sub(asdic_vec3_add(o->max_m, shift), job->pose.position_m);
+    asdic_vec3 near = {fmax(fmax(low.x, -high.x), 0.0), fmax(fmax(low.y, -high.y), 0.0),
+                       fmax(fmax(low.z, -high.z), 0.0)};
+    asdic_vec3 far = {fmax(fabs(low.x), fabs(high.x)), fmax(fabs(low.y), fabs(high.y)),
+                      fmax(fabs(low.z), fabs(high.z))};
+    job->target = extent_of(job, low, high);
+    double begin = floor(asdic_vec3_length(near) / bin_m) - 1.0;
+    double last = ceil(asdic_vec3_length(far) / bin_m) + 1.0;
+    *first = (size_t)fmin(fmax(begin, 0.0), (double)job->bins);
+    *end = (size_t)fmin(last, (double)job->bins);
+    return *first < *end ? ASDIC_OK
+                         : asdic_fail(job->ctx, ASDIC_ERROR_ARGUMENT,
+                                      "object '%s' is beyond the sonar's range of %g m", o->name,
+                                      (double)job->bins * bin_m);
 }
 
 /* Beams first <= beam < end. */
@@ -261,7 +297,7 @@ static asdic_roc_case target_in(const scene_job *job, size_t beam, size_t cell) 
         double noise = job->ping->intensity_lin[ASDIC_NOISE][cell];
         c.rest = asdic_background_of(&job->sonar, job->water.sound_speed_mps,
                                      fmax(job->rest_lin[cell], 1e-12 * c.none.mean_lin), noise);
-        c.target_lin = job->ping->intensity_lin[ASDIC_OBJECT][cell];
+        c.target_lin = object_lin(job, cell);
         double db = job->uncertainty.db[ASDIC_OBJECT];
         c.target_error_db = isnan(db) ? 0.0 : db;
     } else {
@@ -274,11 +310,13 @@ static asdic_roc_case target_in(const scene_job *job, size_t beam, size_t cell) 
 static asdic_status find_cell(scene_job *job, size_t *cell, asdic_roc_case *found) {
     size_t beam, beam_end, first = 0, end = 0;
     double best = -1.0;
+    bool is_hidden = false;
     TRY(choose_beams(job, &beam, &beam_end));
     TRY(find_bins(job, &first, &end));
     for (; beam < beam_end; beam++) {
         for (size_t at = beam * job->bins + first; at < beam * job->bins + end; at++) {
-            if (!(case_of(job, at).none.mean_lin > 0.0)) {
+            if (is_of_another(job, at) || !(case_of(job, at).none.mean_lin > 0.0)) {
+                is_hidden = is_hidden || is_of_another(job, at);
                 continue;
             }
             asdic_roc_case c = target_in(job, beam, at);
@@ -288,6 +326,11 @@ static asdic_status find_cell(scene_job *job, size_t *cell, asdic_roc_case *foun
                 *found = c;
             }
         }
+    }
+    if (is_hidden && best <= 0.0) {
+        return asdic_fail(job->ctx, ASDIC_ERROR_ARGUMENT,
+                          "other objects are louder than '%s' wherever it may be heard",
+                          job->options->object);
     }
     return best < 0.0
                ? asdic_fail(job->ctx, ASDIC_ERROR_ARGUMENT,
@@ -366,6 +409,7 @@ static asdic_status compute(scene_job *job, asdic_device *device, asdic_roc *roc
     const asdic_roc_options *options = job->options;
     size_t cell = 0;
     asdic_roc_case c;
+    TRY(find_object(job));
     TRY(simulate(job, device));
     TRY(expect(job));
     TRY(find_cell(job, &cell, &c));
