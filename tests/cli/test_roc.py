@@ -127,6 +127,25 @@ def test_an_object_has_its_own_echo():
                      "other objects are louder than 'buoy'")
 
 
+def test_an_object_that_turns_is_found():
+    """A bar across the beam, which a second later is end-on: as one that always was."""
+    need_device()
+    with Folder() as folder:
+        found = []
+        folder.write("turn.csv", "time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg\n0,60,0,7,0,0,90\n1,60,0,7,0,0,0\n")
+        for place in "track: turn.csv", "position_m: [60, 0, 7]":
+            folder.write("s.yaml", SEDIMENT.replace("0, 7]}", "0, 7]}, pings: 11") + f"""objects:
+  - {{name: bar, box: {{size_m: [40, 0.5, 2]}}, material: {{lambert_db: -10}}, {place}}}
+""")
+            done = asdic("roc", "s.yaml", "--ping", "10", "--trials", "2000", "-o", "out", "--force", "--json", "-q",
+                         cwd=folder.path).check(0)
+            found.append(json.loads(done.out)[0])
+        turned, still = found
+        tap.equal(turned["range_m"], 40.25, "the bin of its near end")
+        for key in "target_db", "target_strength_db":
+            tap.equal(abs(turned[key] - still[key]) < 1e-3, True, f"{key}: {turned[key]}, at rest {still[key]}")
+
+
 def test_an_objects_strength_does_not_depend_on_the_compass():
     """A large box, whose middle is north-east, south-east, ... of the sonar, as the bow is."""
     need_device()
