@@ -165,6 +165,25 @@ def test_an_objects_strength_does_not_depend_on_the_compass():
         tap.equal(-25 < min(found) < 5, True, f"{found} dB")
 
 
+def test_bearings_are_from_the_bow():
+    """Of a sonar whose head turns: a target is on its axis when the head looks there, and hardly heard beside it."""
+    need_device()
+    with Folder() as folder:
+        folder.write("s.yaml", SEDIMENT.replace("0, 7]", "0, 7], yaw_deg: 100").replace(
+            "receivers", "scan: {sector_deg: 120, step_deg: 30}, receivers"))
+
+        def target_db(ping, bearing_deg):
+            done = asdic("roc", "s.yaml", "--range", "30", "--bearing", str(bearing_deg), "--ping", str(ping),
+                         "--trials", "2000", "-o", "out", "--force", "--json", "-q", cwd=folder.path).check(0)
+            return json.loads(done.out)[0]["target_db"]
+
+        ahead_db = target_db(2, 0)  # the head at -60, -30, 0, 30, 60 degrees
+        for ping, bearing_deg in (0, -60), (3, 30), (4, 60):
+            off_db = target_db(ping, bearing_deg) - ahead_db
+            tap.equal(abs(off_db) < 1e-6, True, f"on the axis at ping {ping}: {off_db} dB")
+        tap.equal(target_db(2, 30) < ahead_db - 20, True, "off the axis")
+
+
 def test_a_beam_among_others_is_as_alone():
     need_device()
     with Folder() as folder:

@@ -454,7 +454,8 @@ asdic_status asdic_roc_compute(asdic_context *ctx, const asdic_mission *mission,
                      .pose = asdic_mission_pose(mission, options->ping, NULL),
                      .uncertainty = asdic_mission_uncertainty(mission),
                      .beams = mission->settings.sonar.receiver_count};
-    job.target.azimuth_rad = job.pose.yaw_rad + options->bearing_rad;
+    job.target.azimuth_rad =
+        asdic_mission_vehicle_pose(mission, options->ping, NULL).yaw_rad + options->bearing_rad;
     if (job.sonar.speckle == ASDIC_SPECKLE_NONE) {
         job.sonar.speckle = ASDIC_SPECKLE_RAYLEIGH;
     }
