@@ -28,6 +28,12 @@ size_t asdic_pulse_scratch(size_t bins) {
     return 4 * bins; /* a row between margins, and a row of errors */
 }
 
+/* Bins, of BINS in all, over which what lies in bin N is spread. */
+static inline double spread_of(window w, size_t bins, size_t n) {
+    double ahead = (double)(bins - n) - 0.5;
+    return w.half + (ahead < w.half ? ahead : w.half);
+}
+
 /* Moving average of ROW. PADDED has room for bins + 2 reach. Nothing arrives from before the first bin. What
  * lies beyond the last is taken to be like the bins before it: the mean is over the bins that there are.
  * Running sums are not used: they would lose what lies far below the loudest bin. */
@@ -44,8 +50,7 @@ WIDEST static void smear_row(double *restrict row, double *restrict padded, size
         }
     }
     for (size_t n = 0; n < bins; n++) {
-        double ahead = (double)(bins - n) - 0.5;
-        row[n] /= w.half + (ahead < w.half ? ahead : w.half);
+        row[n] /= spread_of(w, bins, n);
     }
 }
 
@@ -86,6 +91,11 @@ void asdic_pulse_smear_row(const asdic_sonar *sonar, double sound_speed_mps, dou
     if (asdic_pulse_smears(sonar, sound_speed_mps)) {
         smear_row(row, scratch, bins, window_of(length_of(sonar, sound_speed_mps), bins));
     }
+}
+
+double asdic_pulse_share(const asdic_sonar *sonar, double sound_speed_mps, size_t bins, size_t n) {
+    double length = length_of(sonar, sound_speed_mps);
+    return length > 1.0 ? 1.0 / spread_of(window_of(length, bins), bins, n) : 1.0;
 }
 
 typedef struct smearing {

@@ -22,4 +22,7 @@ bool asdic_pulse_smears(const asdic_sonar *sonar, double sound_speed_mps);
 void asdic_pulse_smear_row(const asdic_sonar *sonar, double sound_speed_mps, double *scratch,
                            size_t bins, double *row);
 
+/* Of an echo in bin N of a ping of BINS, the share that this bin keeps. */
+double asdic_pulse_share(const asdic_sonar *sonar, double sound_speed_mps, size_t bins, size_t n);
+
 #endif

@@ -103,6 +103,23 @@ def test_a_point_has_its_strength():
                           f"{yaw_deg}, {beam}: {curve['target_strength_db']} dB")
 
 
+def test_a_pulse_spreads_its_echo():
+    """Of 0.75 m over bins of 0.1 m: a point of the scene is one of its range and strength."""
+    need_device()
+    with Folder() as folder:
+        folder.write("s.yaml", SEDIMENT.replace("ping_rate_hz", "bandwidth_khz: 1, bin_length_m: 0.1, ping_rate_hz")
+                     + "objects:\n  - {name: buoy, point: -20, position_m: [20.07, 0, 7]}\n")
+        found = []
+        for target in ("--object", "buoy"), ("--range", "20.07", "--strength=-20"):
+            done = asdic("roc", "s.yaml", *target, "--trials", "2000", "-o", "out", "--force", "--json", "-q",
+                         cwd=folder.path).check(0)
+            found.append(json.loads(done.out)[0])
+        buoy, point = found
+        tap.equal(abs(buoy["target_strength_db"] + 20) < 0.2, True, f"{buoy['target_strength_db']} dB")
+        tap.equal(abs(buoy["target_db"] - point["target_db"]) < 1e-3, True,
+                  f"{buoy['target_db']}, by range {point['target_db']} dB")
+
+
 def test_an_object_has_its_own_echo():
     """Two points at one range: each is heard as if it were alone, and not where the other is louder."""
     need_device()

@@ -46,14 +46,18 @@ static void pulse_keeps_energy_and_widens(void **state) {
     smear(r, 5.0);
     for (int n = 0; n < BINS; n++) {
         double expected = n >= 18 && n <= 22 ? 0.2 : 0.0;
+        double share = asdic_pulse_share(&r->sonar, 1500.0, BINS, (size_t)n);
         sum += bottom[n];
         assert_close(bottom[n], expected, 1e-12);
         assert_close(r->ping->intensity_lin[ASDIC_TOTAL][n], expected, 1e-12);
         assert_close(r->ping->stderr_db[n], expected > 0.0 ? 0.5 : 0.0, 1e-6);
+        assert_close(share, 1.0 / (2.5 + fmin(2.5, BINS - n - 0.5)),
+                     1e-12); /* of the bins there are */
     }
     assert_close(sum, 1.0, 1e-12);
     smear(r, 0.99); /* shorter than a bin: untouched */
     assert_close(bottom[18], 0.2, 1e-12);
+    assert_close(asdic_pulse_share(&r->sonar, 1500.0, BINS, 18), 1.0, 0.0);
 }
 
 /* What falls of BIN's energy, evenly spread over it, into a window of LENGTH round bin N's centre. */

@@ -10,6 +10,7 @@
 #include "detect/roc_curve.h"
 #include "mission/mission.h"
 #include "scene/scene.h"
+#include "sim/pulse.h"
 #include "sim/ring.h"
 #include "sim/environment.h"
 
@@ -166,7 +167,8 @@ static asdic_vec3 direction_of_target(const scene_job *job, size_t beam, double 
     return (asdic_vec3){cosine * cos(azimuth), cosine * sin(azimuth), sine};
 }
 
-/* Echo in BEAM of a point of 0 dB at RANGE_M where the target is; 0 where that is no water. */
+/* Echo in BEAM of a point of 0 dB at RANGE_M where the target is, in the bin of that range: the pulse may be longer.
+ * 0 where that is no water. */
 static double echo_lin(const scene_job *job, size_t beam, double range_m) {
     const asdic_scene *scene = job->mission->scene;
     const asdic_sonar *sonar = &job->sonar;
@@ -183,7 +185,8 @@ static double echo_lin(const scene_job *job, size_t beam, double range_m) {
         gain *= beam_pattern_lin(v.x, v.y, v.z, face.length_h_wl, face.length_v_wl,
                                  pow(10.0, 0.1 * sonar->rear_floor_db));
     }
-    return gain *
+    size_t bin = (size_t)(range_m / sonar->bin_length_m);
+    return gain * asdic_pulse_share(sonar, job->water.sound_speed_mps, job->bins, bin) *
            asdic_water_column_source_lin(&job->water, &job->mission->settings.environment, sonar) *
            ray_transmission(job->water.absorption_np_per_m, range_m);
 }
