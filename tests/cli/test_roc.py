@@ -277,8 +277,9 @@ def test_mistakes():
         def fail(code, says, *options):
             done = asdic("roc", *options, "-o", "out", cwd=folder.path).check(code)
             tap.contains(done.err, says)
-            tap.equal(folder.names(), [], "files left behind")
+            tap.equal(folder.names(), ["blanked.yaml"], "files left behind")
 
+        folder.write("blanked.yaml", SEDIMENT.replace("noise: {enabled: false}", "blanking_m: 10"))
         fail(2, "KEY=VALUE", SCENE2, "--vary", "sonar")
         fail(2, "none of them empty", SCENE2, "--vary", "sonar.frequency_khz=80,,90")
         fail(3, "frequency_khz", SCENE2, "--vary", "sonar.frequenci_khz=80")
@@ -288,11 +289,12 @@ def test_mistakes():
         fail(2, "those of a target at --range", SCENE2, "--strength", "3")
         fail(2, "two targets", SCENE2, "--object", "rise", "--range", "5")
         fail(2, "end at 74.5 m", SCENE2, "--range", "500")
+        fail(2, "blanked to 10 m", "blanked.yaml", "--range", "9.9", "--strength=-30")
         fail(2, "ping 7 of a mission of 1", SCENE2, "--ping", "7")
         fail(3, "nothing.yaml", "nothing.yaml")
         os.mkdir(folder / "mine")
         asdic("roc", SCENE2, "--object", "wreck", "-o", "mine", cwd=folder.path).check(2)
-        tap.equal(folder.names(), ["mine"], "a folder that was there before")
+        tap.equal(folder.names(), ["blanked.yaml", "mine"], "a folder that was there before")
 
 
 # No noise, no surface, clear water: all that the target stands in is the bottom's.

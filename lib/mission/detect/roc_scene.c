@@ -306,6 +306,11 @@ static asdic_status find_bins(scene_job *job, size_t *first, size_t *end) {
                           "a range of %g m: the sonar's bins end at %g m", o->range_m,
                           (double)job->bins * job->sonar.bin_length_m);
     }
+    if (o->range_m < job->sonar.blanking_m) {
+        return asdic_fail(job->ctx, ASDIC_ERROR_ARGUMENT,
+                          "a range of %g m: the sonar is blanked to %g m", o->range_m,
+                          job->sonar.blanking_m);
+    }
     *first = (size_t)bin;
     *end = *first + 1;
     return ASDIC_OK;
