@@ -3,6 +3,9 @@
 #include "json.h"
 
 #include <math.h>
+#include <string.h>
+
+#define BACKGROUND_SIZE 96
 
 static void print_rates(const asdic_roc *roc) {
     printf("\n%-12s %12s %12s %25s\n", "P_FA design", "threshold", "P_FA", "99 % bounds");
@@ -34,6 +37,43 @@ static void print_model(const roc_variants *v) {
     }
 }
 
+/* The P_FA of each variant, where they differ. */
+static void print_pfa(const roc_variants *v) {
+    double first = v->rocs[0]->pfa;
+    bool differ = false;
+    printf("P_D at P_FA = %g", first);
+    for (size_t i = 1; i < v->count; i++) {
+        differ = differ || v->rocs[i]->pfa != first;
+    }
+    for (size_t i = 1; i < v->count && differ; i++) {
+        printf(", %g", v->rocs[i]->pfa);
+    }
+    printf("; %zu draws each, %.2f s per million\n", v->rocs[0]->trials, v->rocs[0]->draw_s);
+}
+
+static void describe_background(const asdic_roc *roc, char text[BACKGROUND_SIZE]) {
+    if (roc->background_error_db == 0.0) {
+        snprintf(text, BACKGROUND_SIZE, "background: what is expected over a plane");
+    } else {
+        snprintf(text, BACKGROUND_SIZE,
+                 "background: the rest of one simulated ping, standard error %.2g dB",
+                 roc->background_error_db);
+    }
+}
+
+/* The background of each variant, where they differ. */
+static void print_background(const roc_variants *v) {
+    char texts[ROC_MOST_VARIANTS][BACKGROUND_SIZE];
+    bool differ = false;
+    for (size_t i = 0; i < v->count; i++) {
+        describe_background(v->rocs[i], texts[i]);
+        differ = differ || strcmp(texts[i], texts[0]) != 0;
+    }
+    for (size_t i = 0; i < (differ ? v->count : 1); i++) {
+        printf("%s%s%s\n", differ ? v->names[i] : "", differ ? ": " : "", texts[i]);
+    }
+}
+
 void roc_print_table(const roc_variants *v) {
     int wide = 8;
     for (size_t i = 0; i < v->count; i++) {
@@ -54,14 +94,8 @@ void roc_print_table(const roc_variants *v) {
         }
         printf("\n");
     }
-    printf("P_D at P_FA = %g; %zu draws each, %.2f s per million\n", v->rocs[0]->pfa,
-           v->rocs[0]->trials, v->rocs[0]->draw_s);
-    if (v->rocs[0]->background_error_db == 0.0) {
-        printf("background: what is expected over a plane\n");
-    } else {
-        printf("background: the rest of one simulated ping, standard error %.2g dB\n",
-               v->rocs[0]->background_error_db);
-    }
+    print_pfa(v);
+    print_background(v);
     print_model(v);
     if (v->count == 1) {
         print_rates(v->rocs[0]);

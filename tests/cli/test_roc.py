@@ -264,6 +264,14 @@ sampling: {{rays: 2000}}
         common = ("--range", "40", "--strength=-20", "--trials", "2000")
         flat = asdic("roc", SCENE2, *common, "-o", "a", cwd=folder.path).check(0)
         tap.contains(flat.out, "background: what is expected over a plane\n")
+        tap.contains(flat.out, "P_D at P_FA = 0.001; ")
+        strict = asdic("roc", SCENE2, *common, "-o", "d", "--vary", "detector.pfa=1e-2,1e-5", cwd=folder.path).check(0)
+        tap.contains(strict.out, "P_D at P_FA = 0.01, 1e-05; ")
+        tap.equal(strict.out.count("background: "), 1, "one for both")
+        rays = asdic("roc", "mesh.yaml", *common, "-o", "e", "--vary", "sampling.rays=1000,64000",
+                     cwd=folder.path).check(0)
+        for name in "1000", "64000":
+            tap.contains(rays.out, f"\n{name}: background: the rest of one simulated ping, standard error ")
         rough = asdic("roc", "mesh.yaml", *common, "-o", "b", cwd=folder.path).check(0)
         tap.contains(rough.out, "background: the rest of one simulated ping, standard error ")
         curve, = json.loads(asdic("roc", "mesh.yaml", *common, "--json", "-o", "c",

@@ -255,6 +255,17 @@ static void curves_lie_where_their_numbers_say(void **state) {
     }
 }
 
+static void a_p_fa_of_their_own_is_told(void **state) {
+    (void)state;
+    static variant all[2];
+    fill(&all[0], 0.2, 0.1, false);
+    fill(&all[1], 0.1, 0.1, false);
+    all[1].roc.pfa = 1e-5;
+    draw(all, 2);
+    assert_null(strstr(texts, "P_FA = 0.001"));
+    assert_non_null(strstr(texts, "each at its own P_FA"));
+}
+
 /* Also what lies close to 1, where the axis begins higher and the line of chance lies outside. */
 static void a_high_pd_fills_the_axis(void **state) {
     (void)state;
@@ -433,6 +444,7 @@ static void tables_hold_the_numbers(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(curves_lie_where_their_numbers_say),
+        cmocka_unit_test(a_p_fa_of_their_own_is_told),
         cmocka_unit_test(a_high_pd_fills_the_axis),
         cmocka_unit_test(ranges_come_in_any_order),
         cmocka_unit_test(too_many_curves_are_refused),

@@ -239,11 +239,16 @@ static void add_chance(drawing *d) {
 }
 
 static asdic_status draw(asdic_context *ctx, const char *path, const char *title, const drawing *d,
-                         size_t count, double pfa) {
-    char range_title[160];
+                         asdic_roc *const *rocs, size_t count) {
+    char range_title[160], pfa[32];
+    snprintf(pfa, sizeof pfa, "P_FA = %g", rocs[0]->pfa);
+    for (size_t i = 1; i < count; i++) {
+        if (rocs[i]->pfa != rocs[0]->pfa) {
+            snprintf(pfa, sizeof pfa, "each at its own P_FA");
+        }
+    }
     snprintf(range_title, sizeof range_title,
-             "The same target at other ranges in its bearing, level with the vehicle, P_FA = %g",
-             pfa);
+             "The same target at other ranges in its bearing, level with the vehicle, %s", pfa);
     asdic_plot plots[2] = {{.title = "The target where it is",
                             .x = {.label = "P_FA", .low = 1e-6, .high = 1.0, .logarithmic = true},
                             .y = {.label = "P_D", .low = lowest(d->curve, count), .high = 1.0},
@@ -281,8 +286,8 @@ asdic_status asdic_roc_draw(asdic_context *ctx, const char *path, const char *ti
     if (lowest(d->curve, count) == 0.0) { /* else it lies outside */
         add_chance(d);
     }
-    asdic_status status = is_there ? draw(ctx, path, title, d, count, rocs[0]->pfa)
-                                   : asdic_fail_memory(ctx, "a picture");
+    asdic_status status =
+        is_there ? draw(ctx, path, title, d, rocs, count) : asdic_fail_memory(ctx, "a picture");
     asdic_c_locale_leave(before);
     drawing_finish(d);
     return status;
