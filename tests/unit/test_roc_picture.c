@@ -235,7 +235,7 @@ static void assert_texts(size_t count, bool has_model) {
     assert_int_equal(strstr(texts, "dotted: over the error of the scattering laws") != NULL,
                      has_model);
     assert_non_null(strstr(texts, "solid: by random draws, pale: its bounds of 99 %"));
-    assert_non_null(strstr(texts, "P_FA = 0.001"));
+    assert_non_null(strstr(texts, "in its bearing and depth, P_FA = 0.001")); /* an object's, too */
 }
 
 static void curves_lie_where_their_numbers_say(void **state) {

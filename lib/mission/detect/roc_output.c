@@ -248,7 +248,7 @@ static asdic_status draw(asdic_context *ctx, const char *path, const char *title
         }
     }
     snprintf(range_title, sizeof range_title,
-             "The same target at other ranges in its bearing, level with the vehicle, %s", pfa);
+             "The same target at other ranges in its bearing and depth, %s", pfa);
     asdic_plot plots[2] = {{.title = "The target where it is",
                             .x = {.label = "P_FA", .low = 1e-6, .high = 1.0, .logarithmic = true},
                             .y = {.label = "P_D", .low = lowest(d->curve, count), .high = 1.0},
