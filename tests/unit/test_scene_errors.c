@@ -246,6 +246,20 @@ static void names_are_fit_for_files_and_differ(void **state) {
     expect_edit("- name: forward", "- name: '001'\n    - yaw_deg: 3",
                 "7:7: error: 'name' = 001 is the name of the entry at line 6 already  "
                 "[sonar.receivers[1]]\n");
+    expect_edit(
+        "mission:", "objects:\n  - {name: None, point: -20, position_m: [1, 2, 3]}\nmission:", "");
+    expect_edit("mission:",
+                "objects:\n"
+                "  - {name: none, point: -20, position_m: [1, 2, 3]}\n"
+                "  - {name: ghost, point: -20, position_m: [1, 2, 4]}\n"
+                "  - {name: faint, point: -20, position_m: [1, 2, 5]}\n"
+                "mission:",
+                "8:12: error: 'name' = none is what detections that are no object's are called; "
+                "give another  [objects[0].name]\n"
+                "9:12: error: 'name' = ghost is what detections that are no object's are called; "
+                "give another  [objects[1].name]\n"
+                "10:12: error: 'name' = faint is what detections that are no object's are called; "
+                "give another  [objects[2].name]\n");
 }
 
 static void keys_must_fit_together(void **state) {

@@ -349,6 +349,20 @@ static void check_object_track(const file_object *object, asdic_problems *proble
     }
 }
 
+/* Detections name what is no object by words that no object may have. */
+static void check_object_name(const file_object *object, asdic_problems *problems) {
+    static const char *const words[] = {"none", "ghost", "faint"};
+    asdic_yaml_node *name = asdic_yaml_child(object->node, "name");
+    for (size_t i = 0; object->name && asdic_scene_node_good(name) && i < 3; i++) {
+        if (strcmp(object->name, words[i]) == 0) {
+            asdic_yaml_problem(problems, name,
+                               "'name' = %s is what detections that are no object's are called; "
+                               "give another",
+                               words[i]);
+        }
+    }
+}
+
 static void check_objects(const asdic_scene_file *file, asdic_arena *arena,
                           asdic_problems *problems) {
     const file_object *objects = file->objects.items;
@@ -356,6 +370,7 @@ static void check_objects(const asdic_scene_file *file, asdic_arena *arena,
                 problems);
     for (size_t i = 0; i < file->objects.count; i++) {
         asdic_scene_laws_check(ASDIC_LAW_OBJECT, objects[i].material.node, problems);
+        check_object_name(&objects[i], problems);
         check_point(&objects[i], problems);
         check_object_track(&objects[i], problems);
     }

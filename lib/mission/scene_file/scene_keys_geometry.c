@@ -106,7 +106,8 @@ const asdic_table asdic_material_table = {.size = sizeof(file_material),
 #define OBJECT(member) AT(file_object, member)
 #define SHAPE (ASDIC_KEY_ONE_OF | ASDIC_KEY_OPTIONAL)
 static const asdic_key object_keys[] = {
-    {"name", ASDIC_KEY_NAME, OBJECT(name), .doc = "name in detections; else object0, object1, ..."},
+    {"name", ASDIC_KEY_NAME, OBJECT(name),
+     .doc = "name in detections, not none, ghost or faint; else object0, object1, ..."},
     {"box", ASDIC_KEY_MAP, SHAPE, OBJECT(box), .table = &box_table, .doc = "a box"},
     {"sphere", ASDIC_KEY_MAP, SHAPE, OBJECT(sphere), .table = &sphere_table, .doc = "a sphere"},
     {"cylinder", ASDIC_KEY_MAP, SHAPE, OBJECT(cylinder), .table = &cylinder_table,
