@@ -124,6 +124,16 @@ def test_file_is_not_overwritten_unasked():
         asdic("expect", path, "--force", cwd=folder.path).check(code=0, out="")
 
 
+def test_a_picture_has_a_file_of_its_own():
+    with Folder() as folder:
+        path = folder.write("s.yaml", SCENE)
+        for output, picture in ("f.png", "f.png"), ("f.csv", "-"), ("-", "-"):
+            done = asdic("expect", path, "-o", output, "--picture", picture, "--force", cwd=folder.path).check(2)
+            tap.contains(done.err, f"--picture {picture}: a picture goes to a file of its own")
+        asdic("expect", path, "--picture", "expected_s.csv", cwd=folder.path).check(2)
+        tap.equal(folder.names(), ["s.yaml"], "nothing is written")
+
+
 def pictured(folder, kind, scene=SCENE):
     """What is drawn of SCENE in a picture of KIND, and the rows of its table."""
     path = folder.write("scene.yaml", scene)
