@@ -33,6 +33,7 @@ void asdic_mission_destroy(asdic_mission **mission) {
         free((char *)drawn->value);
     }
     free(m->drawn);
+    free(m->classes);
     asdic_mission_forget_meshes(m);
     free(m->points_m);
     free(m->geometry);
@@ -113,6 +114,15 @@ size_t asdic_mission_object_count(const asdic_mission *mission) {
 
 const asdic_mission_object *asdic_mission_get_object(const asdic_mission *mission, size_t index) {
     return mission && index < mission->object_count ? &mission->objects[index] : NULL;
+}
+
+size_t asdic_mission_class(const asdic_mission *mission, const char *name) {
+    for (size_t i = 0; i < mission->class_count; i++) {
+        if (strcmp(mission->classes[i], name) == 0) {
+            return i + 1;
+        }
+    }
+    return 0;
 }
 
 const asdic_mission_object *asdic_mission_bottom_mesh(const asdic_mission *mission) {

@@ -42,7 +42,9 @@ struct asdic_mission {
     size_t mesh_count;
     asdic_setting *drawn; /* of a run of a trial; one of NULL ends it; NULL: nothing was drawn */
     /* Of missions by asdic_mission_load_like. */
-    char form[65];             /* hash of all but the places of objects and vehicle */
+    char form[65];                    /* hash of all but the places of objects and vehicle */
+    char (*classes)[ASDIC_NAME_SIZE]; /* the names of objects in any run, in the file's order */
+    size_t class_count;
     bool stands_anywhere;      /* the scene's objects are to be put where `objects` say */
     const asdic_mission *base; /* that the scene belongs to; NULL: its own */
     bool is_varied;            /* settings changed what the text says */
@@ -76,6 +78,9 @@ const asdic_mission_object *asdic_mission_bottom_mesh(const asdic_mission *missi
 
 /* Whether the scene file at PATH, with what it includes, says what the mission with HASH did. */
 bool asdic_mission_has_hash(const char *path, const char *hash);
+
+/* The place of NAME among the mission's classes, from 1; 0: it is none of them. */
+size_t asdic_mission_class(const asdic_mission *mission, const char *name);
 
 /* Frees the meshes of objects' files. */
 void asdic_mission_forget_meshes(asdic_mission *mission);

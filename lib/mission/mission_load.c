@@ -112,6 +112,16 @@ static void read_trial(mission_builder *b, asdic_yaml_node *root, file_trial *fi
     }
 }
 
+/* Of many runs: the names that objects have in any of them. */
+static asdic_status keep_classes(mission_builder *b, const asdic_yaml_node *root,
+                                 const file_trial *trial) {
+    asdic_names names = {0};
+    bool good = !b->many || asdic_scene_draw_names(root, trial, &names);
+    b->mission->classes = names.items;
+    b->mission->class_count = names.count;
+    return good ? ASDIC_OK : asdic_fail_memory(b->ctx, "names of classes");
+}
+
 /* Files that are set stand in place of those that were drawn. */
 static void put_drawn_files(mission_builder *b, asdic_yaml_node *root, const asdic_drawn *drawn) {
     for (size_t i = 0; i < drawn->count; i++) {
@@ -136,6 +146,7 @@ static asdic_status read_scene(mission_builder *b, asdic_yaml_node **root, file_
     }
     put_settings(b, *root, true);
     read_trial(b, *root, trial);
+    TRY(keep_classes(b, *root, trial));
     asdic_scene_draw(*root, trial, b->draw, true, b->arena, b->problems, drawn);
     put_drawn_files(b, *root, drawn);
     TRY(asdic_mission_include(b, *root, &included));
@@ -194,9 +205,13 @@ static asdic_status find_base(mission_builder *b, asdic_yaml_node *root) {
     asdic_settings_finish(&settings);
     asdic_yaml_node *objects = asdic_yaml_child(root, "objects");
     for (asdic_yaml_node *o = objects ? objects->first : NULL; o; o = o->next) {
-        if (!asdic_yaml_child(o, "name")) {
+        const asdic_yaml_node *name = asdic_yaml_child(o, "name");
+        if (!name) {
             asdic_yaml_problem(b->problems, o,
                                "an object of a data set needs a 'name': it is its class");
+        } else if (asdic_mission_class(m, name->text) == 0) {
+            asdic_yaml_problem(b->problems, o,
+                               "'name' is the object's class in a data set; draw it by 'choice'");
         }
     }
     for (asdic_yaml_node *o = objects ? objects->first : NULL; o && m->stands_anywhere;

@@ -163,6 +163,39 @@ for form in ("polar", "bearing"):
 """, folder / ".", "numpy, PIL")
 
 
+def test_a_name_keeps_its_class():
+    """Where the ball is left out, or another object takes its place, the post stays "post" in labels and masks."""
+    program.need_device()
+    ball = "sphere: {radius_m: 1.2}, position_m: [9, 0, 8.8], material: {lambert_db: -8}}"
+    with Folder() as folder:
+        path = scene(folder, a=("{key: 'objects[0].position_m[1]', uniform: [-2, 2]}",
+                                "{key: 'objects[0]', choice: [none, {name: buoy, " + ball +
+                                ", {name: {choice: [ball, buoy]}, " + ball + "]}"))
+        asdic("dataset", path, "-n", "6", "-o", folder / "d").check(code=0)
+        classes = folder.read("d/classes.txt").split()
+        tap.equal(classes, ["buoy", "ball", "post"], "the names of any frame, in the file's order")
+        coco = json.loads(folder.read("d/polar/annotations.json"))
+        tap.equal([c["name"] for c in coco["categories"]], classes, "categories")
+        seen = set()
+        for k, line in enumerate(folder.read("d/manifest.jsonl").splitlines()):
+            objects = json.loads(line)["objects"]
+            names = [o["name"] for o in objects]
+            tap.equal([classes[o["number"] - 1] for o in objects], names, "numbers")
+            labels = folder.read(f"d/polar/labels/{k:06d}.txt").splitlines()
+            tap.equal([classes[int(label.split()[0])] for label in labels], names, "YOLO's classes")
+            own = [a["category_id"] for a in coco["annotations"] if a["image_id"] == k]
+            tap.equal([classes[c - 1] for c in own], names, "COCO's categories")
+            mask = python(f"""import numpy as np
+from PIL import Image
+print(*np.unique(np.array(Image.open('d/polar/masks/{k:06d}.png'))))""", folder / ".", "numpy, PIL")
+            tap.equal([classes[int(c) - 1] for c in mask.split()[1:]], names, "the mask's numbers")
+            seen.add(names[0])
+        tap.equal(seen, {"ball", "buoy", "post"}, "frames of all kinds")
+        unnamed = scene(folder, a=("{name: ball,", "{name: 7,"),
+                        b=("objects[0].position_m[1]', uniform: [-2, 2]", "objects[0].name', uniform: [1, 2]"))
+        says(asdic("dataset", unnamed, "-n", "2", "-o", folder / "e"), 3, "draw it by 'choice'")
+
+
 def test_others_read_the_same():
     """Names, boxes and polygons as Roboflow's reader has them, against the pixels of the masks. It makes one hull
     of an object's parts: polygons are compared where there is one part."""

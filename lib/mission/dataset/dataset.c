@@ -41,6 +41,7 @@ typedef struct slot {
     asdic_ping *ping;
     asdic_labelled frame;
     float *gain_db;
+    uint16_t *classes; /* of the scene's objects */
     char *facts;
     built *from;
     bool is_full;
@@ -152,15 +153,17 @@ static char *describe(const dataset *d, size_t index, const asdic_mission *m) {
                       index, (unsigned long long)d->options.seed, index, asdic_mission_hash(m));
     describe_pose(&text, &pose);
     asdic_text_add(&text, ",\"objects\":[");
-    for (size_t i = 0, number = 0; i < m->object_count; i++) {
+    const char *comma = "";
+    for (size_t i = 0; i < m->object_count; i++) {
         const asdic_mission_object *o = &m->objects[i];
         if (o->name[0]) {
-            asdic_text_format(&text, "%s{\"number\":%zu,\"name\":", number ? "," : "", number + 1);
+            asdic_text_format(&text, "%s{\"number\":%zu,\"name\":", comma,
+                              asdic_mission_class(m, o->name));
             asdic_text_add_json(&text, o->name);
             asdic_text_add(&text, ",");
             describe_pose(&text, &o->pose);
             asdic_text_add(&text, "}");
-            number++;
+            comma = ",";
         }
     }
     asdic_text_add(&text, "],\"drawn\":{");
@@ -175,12 +178,15 @@ static char *describe(const dataset *d, size_t index, const asdic_mission *m) {
     return asdic_text_take(&text);
 }
 
-static size_t objects_of(const asdic_mission *m) {
-    size_t count = 0;
-    for (size_t i = 0; i < m->object_count; i++) {
-        count += m->objects[i].name[0] != 0;
+/* The classes of M's objects, by the numbers that truth gives them, from 1. */
+static uint16_t *classes_of(const asdic_mission *m) {
+    uint16_t *classes = calloc(m->object_count + 1, sizeof *classes);
+    for (size_t i = 0, number = 0; classes && i < m->object_count; i++) {
+        if (m->objects[i].name[0]) {
+            classes[++number] = (uint16_t)asdic_mission_class(m, m->objects[i].name);
+        }
     }
-    return count;
+    return classes;
 }
 
 /* The time-varied gain of every bin, dB. */
@@ -220,8 +226,10 @@ static asdic_status shoot(dataset *d, size_t index, const asdic_mission *m, buil
     TRY(asdic_simulator_ping(from->simulator, &pose, index, s->ping));
     fill_gain(m, pose.position_m.z, from->bins, s->gain_db);
     free(s->facts);
+    free(s->classes);
     s->facts = describe(d, index, m);
-    if (!s->facts) {
+    s->classes = classes_of(m);
+    if (!s->facts || !s->classes) {
         return asdic_fail_memory(d->ctx, "a frame");
     }
     s->from = from;
@@ -234,7 +242,8 @@ static asdic_status shoot(dataset *d, size_t index, const asdic_mission *m, buil
                                 .low_db = d->low_db,
                                 .high_db = d->high_db,
                                 .threshold = d->options.threshold,
-                                .objects = objects_of(m)};
+                                .classes = s->classes,
+                                .class_count = m->class_count};
     return ASDIC_OK;
 }
 
@@ -385,11 +394,9 @@ static char *describe_set(const dataset *d) {
         ",\"seed\":%llu,\"frames\":%zu,\"threshold\":%.9g,\"radius_px\":%.9g,"
         "\"low_db\":%.9g,\"high_db\":%.9g,\"gain\":\"30 log r + 2 alpha r\",\"classes\":[",
         (unsigned long long)o->seed, o->frames, o->threshold, o->radius_px, d->low_db, d->high_db);
-    for (size_t i = 0, number = 0; m && i < m->object_count; i++) {
-        if (m->objects[i].name[0]) {
-            asdic_text_add(&text, number++ ? "," : "");
-            asdic_text_add_json(&text, m->objects[i].name);
-        }
+    for (size_t i = 0; m && i < m->class_count; i++) {
+        asdic_text_add(&text, i ? "," : "");
+        asdic_text_add_json(&text, m->classes[i]);
     }
     asdic_text_add(&text, "],\"scene\":");
     char hex[65], *scene = asdic_dataset_scene_text(d->ctx, d->scene);
@@ -468,6 +475,7 @@ asdic_status asdic_dataset_make(asdic_context *ctx, const char *scene, asdic_dev
         asdic_ping_destroy(&d->slots[i].ping);
         free(d->slots[i].gain_db);
         free(d->slots[i].facts);
+        free(d->slots[i].classes);
     }
     pthread_cond_destroy(&d->changed);
     pthread_mutex_destroy(&d->lock);

@@ -103,7 +103,7 @@ static asdic_status write_levels(asdic_context *ctx, const asdic_labelled *f,
     return status;
 }
 
-/* What every bin shows: greys 1 to 65535 from LOW to HIGH, 0 where there is no energy; the object's number. */
+/* What every bin shows: greys 1 to 65535 from LOW to HIGH, 0 where there is no energy; the object's class. */
 typedef struct shown {
     uint16_t *grey, *number;
     uint8_t *seen;
@@ -118,7 +118,7 @@ static void show(const asdic_labelled *f, const float *levels_db, shown *s) {
         double grey = fmin(fmax((level - f->low_db) * scale, 0.0), 65534.0);
         s->grey[at] = isnan(level) ? 0 : (uint16_t)(1.0 + rint(grey));
         s->number[at] = truth->object[at] > 0 && (double)truth->object_share[at] >= f->threshold
-                            ? (uint16_t)truth->object[at]
+                            ? f->classes[truth->object[at]]
                             : 0;
     }
 }
@@ -151,12 +151,12 @@ static asdic_status write_labels(asdic_context *ctx, const asdic_labelled *f, as
                                  const asdic_mask *mask, uint8_t *seen, asdic_text *record) {
     char path[4096], sub[32];
     asdic_text yolo = {0};
-    asdic_box *boxes = calloc(f->objects + 1, sizeof *boxes);
+    asdic_box *boxes = calloc(f->class_count + 1, sizeof *boxes);
     if (!boxes) {
         return asdic_fail_memory(ctx, "boxes");
     }
-    asdic_mask_boxes(mask, f->objects, boxes);
-    for (size_t i = 1; i <= f->objects; i++) {
+    asdic_mask_boxes(mask, f->class_count, boxes);
+    for (size_t i = 1; i <= f->class_count; i++) {
         const asdic_box *b = &boxes[i];
         if (b->pixels == 0) {
             continue;
@@ -201,7 +201,7 @@ static asdic_status write_form(asdic_context *ctx, const asdic_labelled *f, asdi
     TRY(write_grey(ctx, f, sub[1], map, 16, pixels));
     lay_out(map, s->number, pixels);
     to_bytes(pixels, count, false, bytes);
-    bool small = f->objects < 256;
+    bool small = f->class_count < 256;
     TRY(write_grey(ctx, f, sub[2], map, small ? 8 : 16, small ? (void *)bytes : (void *)pixels));
     const asdic_mask mask = {map->width, map->height, pixels};
     return write_labels(ctx, f, form, &mask, s->seen, record);

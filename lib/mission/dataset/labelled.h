@@ -31,7 +31,8 @@ typedef struct asdic_labelled {
     const asdic_frame_map *maps; /* by form */
     const float *gain_db;        /* by bin */
     double low_db, high_db, threshold;
-    size_t objects;
+    const uint16_t *classes; /* by the number of an object in the truth, from 1 to CLASS_COUNT */
+    size_t class_count;
 } asdic_labelled;
 
 /* The maps of SONAR's pings of BINS; freed by asdic_frame_maps_finish. ASDIC_ERROR_INPUT: beams that do not follow

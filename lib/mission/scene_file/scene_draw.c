@@ -18,6 +18,8 @@
 #include "../../../kernels/random.h"
 
 #include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* A distribution cut down to less than this is a mistake. */
@@ -271,6 +273,79 @@ void asdic_scene_draw(asdic_yaml_node *root, const file_trial *trial, const asdi
         }
     }
     take_gone_out(&d, root, drawn, first);
+}
+
+/* --- names that objects may have --------------------------------------------------------------- */
+
+/* NAME, or what it is chosen from. */
+static bool add_name(asdic_names *names, const asdic_yaml_node *name) {
+    const asdic_yaml_node *choice = asdic_yaml_child(name, "choice");
+    bool good = true;
+    for (const asdic_yaml_node *c = choice ? choice->first : NULL; c && good; c = c->next) {
+        good = add_name(names, c);
+    }
+    if (!name || name->kind != ASDIC_YAML_SCALAR || name->length >= ASDIC_NAME_SIZE) {
+        return good; /* no name, or one that is refused where it is drawn */
+    }
+    for (size_t i = 0; i < names->count; i++) {
+        if (strcmp(names->items[i], name->text) == 0) {
+            return true;
+        }
+    }
+    void *grown = realloc(names->items, (names->count + 1) * sizeof *names->items);
+    if (grown) {
+        names->items = grown;
+        memcpy(names->items[names->count++], name->text, name->length + 1);
+    }
+    return grown;
+}
+
+/* Of OBJECT, or of what it is chosen from. */
+static bool add_object(asdic_names *names, const asdic_yaml_node *object) {
+    const asdic_yaml_node *choice = asdic_yaml_child(object, "choice");
+    bool good = true;
+    for (const asdic_yaml_node *c = choice ? choice->first : NULL; c && good; c = c->next) {
+        good = add_object(names, c);
+    }
+    return good && (choice || add_name(names, asdic_yaml_child(object, "name")));
+}
+
+/* What is drawn for KEY; NULL: nothing. */
+static const asdic_yaml_node *draw_of(const file_trial *trial, const char *key) {
+    const file_draw *draws = trial->draws.items;
+    for (size_t i = 0; i < trial->draws.count; i++) {
+        if (strcmp(draws[i].key->text, key) == 0) {
+            return draws[i].node;
+        }
+    }
+    return NULL;
+}
+
+static bool add_objects(asdic_names *names, const asdic_yaml_node *list, const file_trial *trial) {
+    bool good = true;
+    for (const asdic_yaml_node *o = list ? list->first : NULL; o && good; o = o->next) {
+        char key[64];
+        snprintf(key, sizeof key, "objects[%zu].name", o->index);
+        const asdic_yaml_node *name = draw_of(trial, key);
+        snprintf(key, sizeof key, "objects[%zu]", o->index);
+        const asdic_yaml_node *object = draw_of(trial, key);
+        good = name ? add_name(names, name) : add_object(names, object ? object : o);
+    }
+    return good;
+}
+
+bool asdic_scene_draw_names(const asdic_yaml_node *root, const file_trial *trial,
+                            asdic_names *names) {
+    const asdic_yaml_node *list = asdic_yaml_child(root, "objects");
+    if (trial->node && trial->node->bad) {
+        return true;
+    }
+    const asdic_yaml_node *choice = asdic_yaml_child(draw_of(trial, "objects"), "choice");
+    bool good = choice || add_objects(names, list, trial);
+    for (const asdic_yaml_node *c = choice ? choice->first : NULL; c && good; c = c->next) {
+        good = add_objects(names, c, trial);
+    }
+    return good;
 }
 
 /* --- what may be drawn -------------------------------------------------------------------------- */

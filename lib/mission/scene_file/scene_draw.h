@@ -24,6 +24,17 @@ typedef struct asdic_drawn {
 void asdic_scene_draw(asdic_yaml_node *root, const file_trial *trial, const asdic_draw *draw,
                       bool files, asdic_arena *arena, asdic_problems *problems, asdic_drawn *drawn);
 
+/* Names without doubles. */
+typedef struct asdic_names {
+    char (*items)[ASDIC_NAME_SIZE]; /* freed with free() */
+    size_t count;
+} asdic_names;
+
+/* The names that objects of ROOT, from which no run was drawn yet, have in any run: in the order of the file, those
+ * of choices in the place of what is drawn. False: out of memory. */
+bool asdic_scene_draw_names(const asdic_yaml_node *root, const file_trial *trial,
+                            asdic_names *names);
+
 /* Reports draws that are impossible, those inside choices too. */
 void asdic_scene_draw_check(const file_trial *trial, asdic_arena *arena, asdic_problems *problems);
 
