@@ -97,8 +97,13 @@ def test_the_same_bytes_whole_resumed_and_in_parts():
         other = files(folder / "whole")
         tap.equal(len([n for n in other if n.startswith("levels/")]), 4, "frames that replaced five")
         tap.equal(other["levels/000000.npy"] == whole["levels/000000.npy"], False, "another seed")
+        part = files(folder / "p1")
+        says(asdic("merge", folder / "p1", folder / "p2", "-o", folder / "p1/.", "--force"), 2, "one of the parts")
+        tap.equal(files(folder / "p1") == part, True, "a part that the result would replace stays")
         os.remove(folder / "p1/frames/000001.txt")
         says(asdic("merge", folder / "p2", folder / "p1", "-o", folder / "m2"), 3, "frame 1 is in none of the parts")
+        says(asdic("merge", folder / "p2", folder / "p1", "-o", folder / "merged", "--force"), 3, "frame 1 is in none")
+        tap.equal(sorted(files(folder / "merged")), sorted(whole), "a joined set stays where parts lack a frame")
 
 
 def test_labels_say_what_masks_show():

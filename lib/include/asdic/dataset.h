@@ -38,7 +38,8 @@ ASDIC_API asdic_status asdic_dataset_make(asdic_context *ctx, const char *scene,
                                           const asdic_dataset_options *options);
 
 /* Joins parts of one set, made with other FIRST and END, into OUT_FOLDER: the bytes of a set made
- * at once. ASDIC_ERROR_INPUT: they are of different sets, or frames are missing. */
+ * at once. ASDIC_ERROR_INPUT: they are of different sets, or frames are missing;
+ * ASDIC_ERROR_ARGUMENT: OUT_FOLDER is one of them. Nothing is touched then. */
 ASDIC_API asdic_status asdic_dataset_merge(asdic_context *ctx, const char *const *folders,
                                            size_t count, const char *out_folder, bool force);
 

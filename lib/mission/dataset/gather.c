@@ -289,25 +289,51 @@ static asdic_status copy(asdic_context *ctx, const char *from, const char *to) {
     return status;
 }
 
-/* Frame INDEX from the first of FOLDERS that has it, its record last. */
-static asdic_status copy_frame(asdic_context *ctx, const char *const *parts, size_t count,
-                               const char *out, size_t index) {
-    char from[4096], to[4096];
+/* The first of PARTS that has frame INDEX. */
+static asdic_status find_part(asdic_context *ctx, const char *const *parts, size_t count,
+                              size_t index, const char **out) {
+    char path[4096];
     for (size_t p = 0; p < count; p++) {
-        asdic_frame_path(from, parts[p], "frames", index, "txt");
-        if (access(from, F_OK) != 0) {
-            continue;
+        asdic_frame_path(path, parts[p], "frames", index, "txt");
+        if (access(path, F_OK) == 0) {
+            *out = parts[p];
+            return ASDIC_OK;
         }
-        for (size_t i = FOLDERS; i-- > 0;) {
-            if (folders[i].extension) {
-                asdic_frame_path(from, parts[p], folders[i].name, index, folders[i].extension);
-                asdic_frame_path(to, out, folders[i].name, index, folders[i].extension);
-                TRY(copy(ctx, from, to));
-            }
-        }
-        return ASDIC_OK;
     }
     return asdic_fail(ctx, ASDIC_ERROR_INPUT, "frame %zu is in none of the parts", index);
+}
+
+/* Frame INDEX, its record last. */
+static asdic_status copy_frame(asdic_context *ctx, const char *part, const char *out,
+                               size_t index) {
+    char from[4096], to[4096];
+    for (size_t i = FOLDERS; i-- > 0;) {
+        if (folders[i].extension) {
+            asdic_frame_path(from, part, folders[i].name, index, folders[i].extension);
+            asdic_frame_path(to, out, folders[i].name, index, folders[i].extension);
+            TRY(copy(ctx, from, to));
+        }
+    }
+    return ASDIC_OK;
+}
+
+/* All frames must be there, and in other folders than OUT, before what is in OUT is replaced. */
+static asdic_status check_parts(asdic_context *ctx, const char *const *parts, size_t count,
+                                const char *out, size_t frames) {
+    struct stat folder, part;
+    bool is_new = stat(out, &folder) != 0;
+    for (size_t p = 0; p < count && !is_new; p++) {
+        if (stat(parts[p], &part) == 0 && part.st_dev == folder.st_dev &&
+            part.st_ino == folder.st_ino) {
+            return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
+                              "'%s' is one of the parts to be joined; choose another folder", out);
+        }
+    }
+    for (size_t k = 0; k < frames; k++) {
+        const char *found = NULL;
+        TRY(find_part(ctx, parts, count, k, &found));
+    }
+    return ASDIC_OK;
 }
 
 static asdic_status merge(asdic_context *ctx, const char *const *parts, size_t count,
@@ -326,10 +352,13 @@ static asdic_status merge(asdic_context *ctx, const char *const *parts, size_t c
     }
     const char *frames = strstr(set, "\"frames\":");
     o->frames = o->end = frames ? strtoull(frames + strlen("\"frames\":"), NULL, 10) : 0;
+    TRY(check_parts(ctx, parts, count, o->folder, o->frames));
     TRY(asdic_dataset_check(ctx, o));
     TRY(asdic_dataset_enter(ctx, o));
     for (size_t k = 0; k < o->frames; k++) {
-        TRY(copy_frame(ctx, parts, count, o->folder, k));
+        const char *part = NULL;
+        TRY(find_part(ctx, parts, count, k, &part));
+        TRY(copy_frame(ctx, part, o->folder, k));
     }
     TRY(asdic_dataset_begin(ctx, o, set));
     return asdic_dataset_gather(ctx, o);
