@@ -330,6 +330,35 @@ def test_what_cannot_be_is_said_once():
         says(asdic("dataset", lost, "-n", "2", "-o", folder / "g"), 3, "drawn for run 0")
 
 
+def test_a_set_is_of_all_files_that_its_scene_names():
+    """A set whose sonar's file, or a mesh that is drawn, changed is another one; other files may come and go."""
+    program.need_device()
+    with Folder() as folder:
+        text = folder.read(os.path.basename(scene(folder)))
+        begin, end = text.index("sonar:\n") + 7, text.index("surface:")
+        sonar = "\n".join(line.strip() for line in text[begin:end].splitlines())
+        mesh = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
+        text = text[:begin - 1] + " {file: sonar.yaml}\n" + text[end:] + (
+            "    - {key: 'objects[0]', choice: [{name: ball, mesh: {file: a.obj}, position_m: [9, 0, 8]},\n"
+            "       {name: ball, mesh: {file: b.obj}, position_m: [9, 0, 8]}]}\n")
+        path = folder.write("set.yaml", text.replace(
+            "    - {key: 'objects[0].position_m[1]', uniform: [-2, 2]}\n", ""))
+        own = {"sonar.yaml": sonar, "a.obj": mesh, "b.obj": mesh}
+        for name, content in own.items():
+            folder.write(name, content)
+        asdic("dataset", path, "-n", "2", "-o", folder / "d").check(code=0)
+        whole = files(folder / "d")
+        for name, old, new in (("sonar.yaml", "level_db: 220", "level_db: 160"), ("a.obj", "v 1 0", "v 2 0"),
+                               ("b.obj", "v 1 0", "v 2 0")):
+            folder.write(name, own[name].replace(old, new))
+            says(asdic("dataset", path, "-n", "2", "-o", folder / "d", "--resume"), 1, "cannot be resumed")
+            folder.write(name, own[name])
+        folder.write("c.obj", mesh)
+        os.remove(folder / "d/frames/000001.txt")
+        asdic("dataset", path, "-n", "2", "-o", folder / "d", "--resume").check(code=0)
+        tap.equal(files(folder / "d") == whole, True, "resumed is the whole")
+
+
 def test_a_full_disk_loses_nothing():
     program.need_device()
     if not os.path.exists("/dev/full"):

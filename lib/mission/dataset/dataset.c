@@ -1,7 +1,6 @@
 #include <asdic/dataset.h>
 
 #include "base/context.h"
-#include "base/sha256.h"
 #include "base/text.h"
 #include "base/try.h"
 #include "labelled.h"
@@ -380,7 +379,7 @@ static asdic_status run_frames(dataset *d) {
 /* --- the set ---------------------------------------------------------------------------------- */
 
 /* What the set is; the same text for every part of it. */
-static char *describe_set(const dataset *d) {
+static char *describe_set(const dataset *d, const char *scene_hash) {
     asdic_text text = {0};
     const asdic_dataset_options *o = &d->options;
     const asdic_mission *m = NULL;
@@ -398,15 +397,7 @@ static char *describe_set(const dataset *d) {
         asdic_text_add(&text, i ? "," : "");
         asdic_text_add_json(&text, m->classes[i]);
     }
-    asdic_text_add(&text, "],\"scene\":");
-    char hex[65], *scene = asdic_dataset_scene_text(d->ctx, d->scene);
-    if (!scene) {
-        asdic_text_finish(&text);
-        return NULL;
-    }
-    asdic_sha256_hex(scene, strlen(scene), hex);
-    free(scene);
-    asdic_text_format(&text, "\"%s\"}\n", hex);
+    asdic_text_format(&text, "],\"scene\":\"%s\"}\n", scene_hash);
     return asdic_text_take(&text);
 }
 
@@ -442,7 +433,9 @@ static asdic_status make_set(dataset *d) {
     TRY(asdic_dataset_check(d->ctx, &d->options));
     TRY(look_at_first(d));
     TRY(asdic_dataset_enter(d->ctx, &d->options));
-    char *text = describe_set(d);
+    char hex[65];
+    TRY(asdic_dataset_hash(d->ctx, d->scene, hex));
+    char *text = describe_set(d, hex);
     asdic_status status = text ? asdic_dataset_begin(d->ctx, &d->options, text)
                                : asdic_fail_memory(d->ctx, "what a data set is");
     free(text);

@@ -32,12 +32,6 @@ static const char *const summaries[] = {"dataset.json", "manifest.jsonl", "class
                                         "polar/annotations.json", "bearing/annotations.json"};
 #define SUMMARIES (sizeof summaries / sizeof *summaries)
 
-char *asdic_dataset_scene_text(asdic_context *ctx, const char *path) {
-    char *text = NULL;
-    size_t length = 0;
-    return asdic_file_read(ctx, path, MOST_BYTES, &text, &length) ? NULL : text;
-}
-
 bool asdic_dataset_is_in(const char *folder) {
     char path[4096];
     snprintf(path, sizeof path, "%s/dataset.json", folder ? folder : "");

@@ -19,7 +19,7 @@ asdic_status asdic_dataset_begin(asdic_context *ctx, const asdic_dataset_options
 /* Once the frames are there: manifest.jsonl, the COCO files, classes.txt. */
 asdic_status asdic_dataset_gather(asdic_context *ctx, const asdic_dataset_options *options);
 
-/* The bytes of the scene file, freed with free(). */
-char *asdic_dataset_scene_text(asdic_context *ctx, const char *path);
+/* SHA-256 of the scene file, as `sha256sum` prints it; where it names files, of that and theirs (inputs.c). */
+asdic_status asdic_dataset_hash(asdic_context *ctx, const char *scene, char hex[65]);
 
 #endif

@@ -1,0 +1,87 @@
+/*
+ * The hash of what the frames of a data set are made from: the scene file, and the files that it names.
+ */
+#include "gather.h"
+
+#include "base/context.h"
+#include "base/file_read.h"
+#include "base/sha256.h"
+#include "base/text.h"
+#include "base/try.h"
+#include "mission/scene_file/scene_file.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+typedef struct inputs {
+    asdic_context *ctx;
+    const char *scene;
+    asdic_arena arena;
+    asdic_problems problems; /* told when the mission was loaded */
+    asdic_text hashes;
+} inputs;
+
+static asdic_status add_bytes(inputs *in, const void *bytes, size_t length) {
+    char hex[65];
+    asdic_sha256_hex(bytes, length, hex);
+    asdic_text_add(&in->hashes, hex);
+    return in->hashes.failed ? asdic_fail_memory(in->ctx, "the hash of a scene") : ASDIC_OK;
+}
+
+/* The file called NAME, if there is one. */
+static asdic_status add_file(inputs *in, const char *name) {
+    const char *slash = *name != '/' ? strrchr(in->scene, '/') : NULL;
+    int folder = slash ? (int)(slash - in->scene) + 1 : 0;
+    char path[4096], *bytes = NULL;
+    size_t length = 0;
+    struct stat st;
+    int size = snprintf(path, sizeof path, "%.*s%s", folder, in->scene, name);
+    if ((size_t)size >= sizeof path || stat(path, &st) != 0 || !S_ISREG(st.st_mode)) {
+        return ASDIC_OK;
+    }
+    TRY(asdic_file_read(in->ctx, path, SIZE_MAX, &bytes, &length));
+    asdic_status status = add_bytes(in, bytes, length);
+    free(bytes);
+    return status;
+}
+
+/* Files that any value names, whatever is drawn: choices hold names too. */
+static asdic_status add_files(inputs *in, const asdic_yaml_node *node) {
+    if (node->kind == ASDIC_YAML_SCALAR) {
+        return node->length > 0 ? add_file(in, node->text) : ASDIC_OK;
+    }
+    for (const asdic_yaml_node *child = node->first; child; child = child->next) {
+        TRY(add_files(in, child));
+    }
+    return ASDIC_OK;
+}
+
+static asdic_status add_scene(inputs *in, const char *bytes, size_t size) {
+    size_t length = 0;
+    asdic_yaml_node *root = NULL;
+    char *text = asdic_text_to_utf8(bytes, size, &length);
+    bool good = text && asdic_yaml_read(text, length, &in->arena, &in->problems, &root);
+    free(text);
+    TRY(good ? add_bytes(in, bytes, size) : asdic_fail_memory(in->ctx, "the hash of a scene"));
+    return root ? add_files(in, root) : ASDIC_OK;
+}
+
+asdic_status asdic_dataset_hash(asdic_context *ctx, const char *scene, char hex[65]) {
+    inputs in = {.ctx = ctx, .scene = scene, .problems = {.name = scene}};
+    char *bytes = NULL;
+    size_t size = 0;
+    TRY(asdic_file_read(ctx, scene, SIZE_MAX, &bytes, &size));
+    asdic_status status = add_scene(&in, bytes, size);
+    free(bytes);
+    if (!status && in.hashes.length == 64) {
+        memcpy(hex, in.hashes.data, 65); /* of the scene file alone */
+    } else if (!status) {
+        asdic_sha256_hex(in.hashes.data, in.hashes.length, hex);
+    }
+    asdic_text_finish(&in.hashes);
+    asdic_problems_finish(&in.problems);
+    asdic_arena_finish(&in.arena);
+    return status;
+}
