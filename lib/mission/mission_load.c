@@ -195,13 +195,14 @@ static void take_out(asdic_yaml_node *map, const char *key) {
 }
 
 /* What the scene of ROOT, which was read, is but for places; and the base that is the same. In layers of water
- * nothing may move: places are then part of it. */
+ * nothing may move: places are then part of it, and the pose where one layer is fitted to its depth. */
 static asdic_status find_base(mission_builder *b, asdic_yaml_node *root) {
     asdic_mission *m = b->mission;
     asdic_settings settings = {0};
     TRY(asdic_settings_take(b->ctx, b->file, &settings));
     const asdic_environment *env = &settings.environment;
     m->stands_anywhere = env->sound_speed_profile.points == 0;
+    bool is_fitted = settings.refraction == ASDIC_REFRACTION_LAYER;
     asdic_settings_finish(&settings);
     asdic_yaml_node *objects = asdic_yaml_child(root, "objects");
     for (asdic_yaml_node *o = objects ? objects->first : NULL; o; o = o->next) {
@@ -219,7 +220,9 @@ static asdic_status find_base(mission_builder *b, asdic_yaml_node *root) {
         take_out(o, "position_m");
         take_out(o, "rotation_deg");
     }
-    take_out(asdic_yaml_child(root, "mission"), "pose");
+    if (!is_fitted) {
+        take_out(asdic_yaml_child(root, "mission"), "pose");
+    }
     asdic_text text = {0};
     asdic_yaml_print(root, &text);
     size_t length = text.length;

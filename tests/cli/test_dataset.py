@@ -106,6 +106,29 @@ def test_the_same_bytes_whole_resumed_and_in_parts():
         tap.equal(sorted(files(folder / "merged")), sorted(whole), "a joined set stays where parts lack a frame")
 
 
+def test_frames_of_other_depths_are_the_same_in_parts():
+    """Sound is faster at depth: bins, automatic rays, speckle and one layer's fit hang on the sonar's depth, and frames
+    of other depths share a scene."""
+    program.need_device()
+    with Folder() as folder:
+        for water in ("", "environment: {sound_speed_gradient_per_s: 0.02}\nmodel: {refraction: layer}\n"):
+            path = scene(folder, a=("source_level_db", "speckle: rayleigh\n  source_level_db"),
+                         b=("  max_range_m: 14\n", ""), c=("rays: 4000", "rays: auto"), d=("count: 48", "count: 4"),
+                         e=("depth_m: 10,", "depth_m: 910, type: sand}\n#"), f=("surface:", water + "surface:"),
+                         g=("{key: mission.pose.yaw_deg, uniform: [-5, 5]}",
+                            "{key: 'mission.pose.position_m[2]', uniform: [6, 900]}\n"
+                            "    - {key: bottom.type, choice: [mud, sand, gravel]}"))
+            make = ("dataset", path, "-n", "6", "--radius", "32", "-o", folder / "d")
+            asdic(*make, "--force").check(code=0)
+            whole = files(folder / "d")
+            for k in (3, 4, 5):  # the last one's scene is then built by another frame
+                os.remove(folder / f"d/frames/{k:06d}.txt")
+            asdic(*make, "--resume").check(code=0)
+            tap.equal(files(folder / "d") == whole, True, "resumed is the whole")
+            shapes = {len(whole[f"levels/{k:06d}.npy"]) for k in range(6)}
+            tap.equal(len(shapes), 1, "shapes")
+
+
 def test_labels_say_what_masks_show():
     program.need_device()
     with Folder() as folder:

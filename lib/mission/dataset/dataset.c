@@ -53,6 +53,7 @@ typedef struct dataset {
     asdic_dataset_options options;
     built kept[KEPT];
     size_t clock;
+    double depth_m; /* of frame 0; NAN before it is loaded, which comes first */
     double low_db, high_db;
     /* The writer's thread takes what SLOTS hold, in turn. */
     pthread_mutex_t lock;
@@ -97,18 +98,26 @@ static built *make_place(dataset *d) {
     return oldest;
 }
 
-/* Builds a simulator for MISSION, which is taken over. */
+/* Builds a simulator for MISSION, which is taken over. What hangs on the sound speed at the sonar (bins, automatic
+ * rays, speckle) is that of frame 0's depth in all scenes, whichever frame builds one. */
 static asdic_status build(dataset *d, asdic_mission *mission, built **out) {
     built *b = *out = make_place(d);
     b->mission = mission;
     b->used = 1;
-    double depth_m = asdic_mission_pose(mission, 0, NULL).position_m.z;
+    if (isnan(d->depth_m)) {
+        d->depth_m = asdic_mission_pose(mission, 0, NULL).position_m.z;
+    }
+    const asdic_settings *s = &mission->settings;
     asdic_sampling *sampling = asdic_mission_sampling(mission);
+    if (s->auto_rays > 0) {
+        double speed_mps = asdic_environment_sound_speed_mps(&s->environment, d->depth_m);
+        sampling->rays = asdic_rays_auto(&s->sonar, speed_mps, s->has_meshes);
+    }
     sampling->truth = true;
     sampling->without_errors = true;
     TRY(asdic_simulator_create(d->ctx, d->device, asdic_mission_scene(mission),
                                asdic_mission_environment(mission), asdic_mission_sonar(mission),
-                               sampling, depth_m, &b->simulator));
+                               sampling, d->depth_m, &b->simulator));
     b->bins = asdic_simulator_bin_count(b->simulator);
     return asdic_frame_maps_init(d->ctx, asdic_mission_sonar(mission), b->bins,
                                  d->options.radius_px, b->maps);
@@ -457,6 +466,7 @@ asdic_status asdic_dataset_make(asdic_context *ctx, const char *scene, asdic_dev
     d->scene = scene;
     d->device = device;
     d->options = *options;
+    d->depth_m = NAN;
     pthread_mutex_init(&d->lock, NULL);
     pthread_cond_init(&d->changed, NULL);
     asdic_status status = check_options(ctx, &d->options);
