@@ -78,11 +78,13 @@ static asdic_status check_memory(asdic_context *ctx, const asdic_mission *m) {
 }
 
 /* Files to include and the trial's own keys come first, since what else is set and drawn may be in
- * what they bring. */
-static void put_settings(mission_builder *b, asdic_yaml_node *root, bool is_first) {
+ * what they bring. What is set in an entry that was DRAWN as `none` is gone with it. */
+static void put_settings(mission_builder *b, asdic_yaml_node *root, const asdic_drawn *drawn,
+                         bool is_first) {
     for (size_t i = 0; root && i < b->setting_count; i++) {
         const char *key = b->settings[i].key;
-        if ((asdic_scene_key_includes(key) || strncmp(key, "trial", 5) == 0) == is_first) {
+        bool comes_first = asdic_scene_key_includes(key) || strncmp(key, "trial", 5) == 0;
+        if (comes_first == is_first && !asdic_scene_draw_is_gone(drawn, key)) {
             asdic_scene_file_set(root, &b->settings[i], b->arena, b->problems);
         }
     }
@@ -144,7 +146,7 @@ static asdic_status read_scene(mission_builder *b, asdic_yaml_node **root, file_
     if (!asdic_yaml_read(b->mission->text, length, b->arena, b->problems, root)) {
         return asdic_fail_memory(b->ctx, "the scene file's content");
     }
-    put_settings(b, *root, true);
+    put_settings(b, *root, drawn, true);
     read_trial(b, *root, trial);
     TRY(keep_classes(b, *root, trial));
     asdic_scene_draw(*root, trial, b->draw, true, b->arena, b->problems, drawn);
@@ -154,7 +156,8 @@ static asdic_status read_scene(mission_builder *b, asdic_yaml_node **root, file_
     if (included && !b->draw) {
         TRY(asdic_mission_keep_tree(b, *root));
     }
-    put_settings(b, *root, false);
+    put_settings(b, *root, drawn, false);
+    asdic_scene_draw_finish(*root, drawn, b->arena, b->problems);
     return b->draw && *root ? asdic_mission_keep_tree(b, *root) : ASDIC_OK;
 }
 
@@ -163,7 +166,7 @@ static asdic_status keep_drawn(mission_builder *b, const asdic_drawn *drawn) {
     b->mission->drawn = kept;
     for (size_t i = 0; kept && i < drawn->count; i++) {
         const char *key = drawn->items[i].key;
-        const asdic_setting *set = setting_of(b, key);
+        const asdic_setting *set = asdic_scene_draw_is_gone(drawn, key) ? NULL : setting_of(b, key);
         kept[i] = (asdic_setting){strdup(key), strdup(set ? set->value : drawn->items[i].value)};
         kept = kept[i].key && kept[i].value ? kept : NULL;
     }

@@ -161,6 +161,30 @@ static void draws_stand_in_place_of_the_file(void **state) {
     assert_null(strstr(asdic_context_error(w->ctx), "as drawn"));
 }
 
+/* An index means the file's entry in every run, also where one before it is drawn as none; what is set in an entry that is
+ * gone goes with it. */
+static void settings_mean_the_entries_of_the_file(void **state) {
+    workshop *w = *state;
+    static const asdic_setting settings[] = {{"objects[1].position_m[0]", "7"},
+                                             {"objects[0].position_m[0]", "8"}};
+    const asdic_draw draw = {.seed = 7, .run = 3};
+    write_file(w, "scene.yaml",
+               SCENE FLAT POSE "objects:\n"
+                               "  - {name: a, point: 0, position_m: [20, 0, 3]}\n"
+                               "  - {name: b, point: 0, position_m: [30, 0, 3]}\n"
+                               "  - {name: c, point: 0, position_m: [40, 0, 3]}\n"
+                               "trial:\n  draws:\n    - {key: 'objects[0]', choice: [none]}\n"
+                               "    - {key: 'objects[0].position_m[0]', uniform: [1, 2]}\n");
+    asdic_mission *m = load_with(w, settings, 2, &draw);
+    assert_non_null(m);
+    assert_int_equal(asdic_mission_object_count(m), 2);
+    assert_string_equal(asdic_mission_get_object(m, 0)->name, "b");
+    assert_close(asdic_mission_get_object(m, 0)->pose.position_m.x, 7, 0);
+    assert_close(asdic_mission_get_object(m, 1)->pose.position_m.x, 40, 0);
+    assert_string_equal(asdic_mission_drawn(m, 1).value, "");
+    asdic_mission_destroy(&m);
+}
+
 /* A run of a trial may start below the bottom; runs of a data set need names, and in layers their places count. */
 static void loads_of_other_kinds(void **state) {
     workshop *w = *state;
@@ -514,6 +538,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(settings_stand_in_place_of_the_file),
         cmocka_unit_test(draws_stand_in_place_of_the_file),
+        cmocka_unit_test(settings_mean_the_entries_of_the_file),
         cmocka_unit_test(loads_of_other_kinds),
         cmocka_unit_test(scenes_in_memory_are_whole),
         cmocka_unit_test(inputs_have_one_hash),

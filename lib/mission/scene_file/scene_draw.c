@@ -184,8 +184,7 @@ static void print_flow(const asdic_yaml_node *node, asdic_text *text) {
     asdic_text_add(text, node->kind == ASDIC_YAML_MAP ? "}" : "]");
 }
 
-/* Whether KEY lies in a list's entry that was drawn as `none`. */
-static bool is_gone(const asdic_drawn *drawn, const char *key) {
+bool asdic_scene_draw_is_gone(const asdic_drawn *drawn, const char *key) {
     for (size_t i = 0; i < drawn->count; i++) {
         size_t length = strlen(drawn->items[i].key);
         if (strcmp(drawn->items[i].value, "none") == 0 && key[length] &&
@@ -224,17 +223,15 @@ static void draw_one(const drawer *d, asdic_yaml_node *root, const file_draw *fi
     remember(d, key, node, drawn);
 }
 
-/* Takes entries of lists that are `none` by a draw out of their lists, and what they became. */
-static void take_gone_out(const drawer *d, asdic_yaml_node *root, const asdic_drawn *drawn,
-                          size_t first) {
-    for (size_t i = first; i < drawn->count; i++) {
+void asdic_scene_draw_finish(asdic_yaml_node *root, const asdic_drawn *drawn, asdic_arena *arena,
+                             asdic_problems *problems) {
+    for (size_t i = 0; i < drawn->count; i++) {
         size_t length = strlen(drawn->items[i].key);
         if (strcmp(drawn->items[i].value, "none") == 0 && drawn->items[i].key[length - 1] == ']') {
             size_t list = (size_t)(strrchr(drawn->items[i].key, '[') - drawn->items[i].key);
-            char *path = asdic_arena_string(d->reader.arena, drawn->items[i].key, list);
+            char *path = asdic_arena_string(arena, drawn->items[i].key, list);
             asdic_yaml_node *node =
-                path ? asdic_scene_file_find(root, path, root, d->reader.arena, d->reader.problems)
-                     : NULL;
+                path ? asdic_scene_file_find(root, path, root, arena, problems) : NULL;
             if (node && node->kind == ASDIC_YAML_LIST) {
                 asdic_yaml_filter(node, is_some, NULL);
             }
@@ -266,13 +263,12 @@ void asdic_scene_draw(asdic_yaml_node *root, const file_trial *trial, const asdi
         if (asdic_scene_key_includes(key) != files) {
             continue;
         }
-        if (is_gone(drawn, key)) {
+        if (asdic_scene_draw_is_gone(drawn, key)) {
             drawn->items[drawn->count++] = (asdic_setting){key, ""};
         } else {
             draw_one(&d, root, &draws[i], drawn);
         }
     }
-    take_gone_out(&d, root, drawn, first);
 }
 
 /* --- names that objects may have --------------------------------------------------------------- */
