@@ -187,7 +187,8 @@ asdic_status asdic_mission_write_scene(asdic_context *ctx, const asdic_mission *
     asdic_status status = ASDIC_OK;
     if (!asdic_yaml_read(mission->text, strlen(mission->text), &r.arena, &problems, &root) ||
         !root) {
-        status = asdic_fail_memory(ctx, "a scene file");
+        status = problems.total ? asdic_problems_report(&problems, ctx)
+                                : asdic_fail_memory(ctx, "a scene file");
         goto done;
     }
     make_absolute(&r, root);

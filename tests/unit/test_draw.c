@@ -55,6 +55,32 @@ static char *drawn_by(const char *draws, uint64_t seed, uint64_t run, char **sce
     return asdic_text_take(&out);
 }
 
+/* What is printed says what was set: names of files may hold what means something in YAML. */
+static void settings_are_printed_as_they_are(void **state) {
+    (void)state;
+    static const char *const values[] = {
+        "w #1", "w: 2", "w:",  "- w",  "-",  "-w",  "[w",  "#w", "'w'", "\"w\"", "a:b#c", " w",
+        "w\t",  "w\nv", "{w}", "a, b", "?w", "? w", ": w", "@w", "w",   "-1.5",  "C:\\w"};
+    for (size_t i = 0; i < sizeof values / sizeof *values; i++) {
+        asdic_arena arena = {0};
+        asdic_problems problems = {.name = "t"};
+        asdic_text text = {0};
+        asdic_yaml_node *root = NULL, *again = NULL;
+        const asdic_setting setting = {"list[0].track", values[i]};
+        static const char scene[] = "list:\n  - {track: a}\n";
+        assert_true(asdic_yaml_read(scene, strlen(scene), &arena, &problems, &root));
+        asdic_scene_file_set(root, &setting, &arena, &problems);
+        asdic_yaml_print(root, &text);
+        assert_true(asdic_yaml_read(text.data, text.length, &arena, &problems, &again));
+        assert_int_equal(problems.total, 0);
+        const asdic_yaml_node *entry = asdic_yaml_child(again, "list")->first;
+        assert_string_equal(asdic_yaml_child(entry, "track")->text, values[i]);
+        asdic_problems_finish(&problems);
+        asdic_text_finish(&text);
+        asdic_arena_finish(&arena);
+    }
+}
+
 static double number_by(const char *draws, uint64_t run) {
     char *text = drawn_by(draws, 7, run, NULL);
     double value = strtod(strrchr(text, ' '), NULL);
@@ -253,6 +279,7 @@ static void test_mission_of_a_run(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(settings_are_printed_as_they_are),
         cmocka_unit_test(test_distributions),
         cmocka_unit_test(test_choices_are_as_likely),
         cmocka_unit_test(test_depends_on_seed_run_and_key),

@@ -8,8 +8,24 @@ static void indent(asdic_text *text, unsigned depth) {
     }
 }
 
+/* Whether TEXT without quotes is read as what it is; all that was written without quotes is. */
+static bool is_plain(const char *text) {
+    size_t length = strlen(text);
+    bool begins = !strchr(",[]{}#&*!|>'\"%@` \t", text[0]) &&
+                  (!strchr("-?:", text[0]) || (text[1] && !strchr(" \t", text[1])));
+    bool ends = !strchr(": \t", text[length - 1]);
+    for (size_t i = 0; i + 1 < length; i++) {
+        bool is_key = text[i] == ':' && strchr(" \t", text[i + 1]);
+        bool is_comment = text[i + 1] == '#' && strchr(" \t", text[i]);
+        if (is_key || is_comment || strchr("\r\n", text[i])) {
+            return false;
+        }
+    }
+    return begins && ends;
+}
+
 static void print_scalar(asdic_text *text, const asdic_yaml_node *node) {
-    if (node->quoted) {
+    if (node->quoted || (node->length && !is_plain(node->text))) {
         asdic_text_add_json(text, node->text);
     } else {
         asdic_text_add(text, node->length ? node->text : "null");
