@@ -9,7 +9,7 @@ static const cli_option options[] = {
     {"y4m", 0, "FILE", "write frames as a Y4M video, - for standard output; no display needed"},
     {"snapshot", 0, "N", "write N frames, evenly over the mission, as PNG; no display needed"},
     {"output", 'o', "DIR", "where recordings and snapshots go; default of these: view_NAME"},
-    {"pings", 0, "N", "end after N pings"},
+    {"pings", 0, "N", "end after N pings, or with the mission"},
     {"keys", 0, "T:KEY,...", "press keys at seconds of the mission: 2:up,4:right,9:r"},
     {"rays", 0, "N", "rays per ping, instead of the scene's"},
     {"least-rays", 0, "N",
@@ -73,12 +73,15 @@ static char *default_folder(const char *scene) {
 }
 
 static int show(view_job *job, const request *r, size_t mission_pings, const char *folder) {
-    size_t pings = r->pings ? r->pings : mission_pings;
+    /* A mission that leads somewhere ends the view, unless keys steer. */
+    bool ends = mission_pings > 1 && job->key_count == 0;
+    size_t pings = r->pings && !(ends && r->pings > mission_pings) ? r->pings : mission_pings;
     bool is_offline = r->y4m || r->snapshots;
     job->pings = is_offline ? pings : r->pings ? r->pings : SIZE_MAX;
     if (r->snapshots > pings) {
-        return cli_usage(job->c, "--snapshot %llu: pings in the mission: %zu; --pings gives more",
-                         (unsigned long long)r->snapshots, pings);
+        return cli_usage(job->c, "--snapshot %llu: pings in the mission: %zu%s",
+                         (unsigned long long)r->snapshots, pings,
+                         ends ? "" : "; --pings gives more");
     }
     if (r->y4m) {
         return view_stream(job, r->y4m);

@@ -130,5 +130,10 @@ int view_snapshots(view_job *job, size_t count, size_t pings, const char *folder
             taken++;
         }
     }
+    if (!status && taken < count) {
+        cli_error(job->c, "the view ended after %zu pings, with %zu of %zu frames",
+                  asdic_view_get_clock(job->view).pings, taken, count);
+        return CLI_FAILED;
+    }
     return cli_end(job->c, status);
 }

@@ -142,6 +142,24 @@ def test_snapshots_are_pictures_of_everything():
             tap.equal(file.read() == data, True, "the same ping gives the same bytes")
 
 
+def test_snapshots_end_with_the_mission():
+    """Of a mission of three pings no more are asked for, and what was not taken is told."""
+    need_view()
+    with Folder() as folder:
+        write_scene(folder)
+        folder.write("way.csv", "time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg\n0,0,0,7,0,0,0\n0.1,0.2,0,7,0,0,0\n")
+        scene = folder.write("scene.yaml", SCENE.replace(
+            "waypoints: {points_m: [[0, 0, 7], [40, 0, 8]], speed_mps: 2}", "track: way.csv"))
+        size = ("--size", "640x360")
+        view(scene, "--snapshot", "1", "--pings", "20", *size, "-o", folder / "v")
+        tap.equal(os.listdir(folder / "v"), ["view_2.png"])
+        done = view(scene, "--snapshot", "4", "--pings", "20", "-o", folder / "w", code=2)
+        tap.contains(done.err, "pings in the mission: 3")
+        tap.lacks(done.err, "--pings gives more")
+        done = view(scene, "--snapshot", "2", "--pings", "6", "--keys", "0:b", *size, "-o", folder / "x", code=1)
+        tap.contains(done.err, "ended after 3 pings, with 1 of 2 frames")
+
+
 def test_few_rays_make_a_fan_of_coarser_bins_not_of_dashes():
     """The fan of 512 beams at the view's floor of rays beside one of forty times as many."""
     need_view()
