@@ -248,8 +248,8 @@ static asdic_pose fly(asdic_view *view, double *time_s) {
     asdic_pose pose =
         asdic_mission_vehicle_pose(view->mission, view->mission_ping, view->steps ? NULL : time_s);
     view->helm.flight.speed_mps = asdic_view_mission_speed_mps(view);
+    view->is_flown = view->mission_ping >= last && last > 0;
     view->mission_ping += view->mission_ping < last;
-    view->is_flown = view->mission_ping >= last && view->steps >= last && last > 0;
     return pose;
 }
 

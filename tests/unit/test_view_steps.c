@@ -51,6 +51,25 @@ static void the_mission_is_flown_to_its_end(void **state) {
     close_view(v);
 }
 
+/* A mission that goes on after three pings by hand is flown to its last ping all the same. */
+static void the_end_is_flown_after_steering(void **state) {
+    (void)state;
+    asdic_view *v = open_view("[{name: a}]", "sampling: {rays: 256}");
+    size_t count = asdic_mission_ping_count(v->mission);
+    step(v, 1);
+    assert_true(asdic_view_press(v, "x"));
+    step(v, 3);
+    assert_true(asdic_view_press(v, "a"));
+    for (size_t k = 1; k < count; k++) {
+        assert_false(asdic_view_is_over(v));
+        step(v, 1);
+    }
+    assert_true(asdic_view_is_over(v));
+    asdic_vec3 last = asdic_mission_pose(v->mission, count - 1, NULL).position_m;
+    assert_memory_equal(&v->ping.pose.position_m, &last, sizeof last);
+    close_view(v);
+}
+
 /* Who steers before the first ping begins at 0 s, too. */
 static void steering_begins_at_once(void **state) {
     (void)state;
@@ -466,6 +485,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(views_are_as_large_as_said),
         cmocka_unit_test(the_mission_is_flown_to_its_end),
+        cmocka_unit_test(the_end_is_flown_after_steering),
         cmocka_unit_test(steering_begins_at_once),
         cmocka_unit_test(pauses_hold_pings),
         cmocka_unit_test(the_history_is_a_ring),
