@@ -26,7 +26,8 @@ static void row(writer *w, const char *label, const char *value, uint32_t rgb) {
 static void write_vehicle(writer *w, const asdic_view *view) {
     const asdic_pose *pose = &view->ping.pose;
     char text[64];
-    double heading = fmod(pose->yaw_rad * 180.0 / ASDIC_PI + 720.0, 360.0);
+    double heading = fmod(pose->yaw_rad * 180.0 / ASDIC_PI, 360.0);
+    heading += heading < 0.0 ? 360.0 : 0.0;
     snprintf(text, sizeof text, "%s", view->is_manual ? "by hand" : "by the mission");
     row(w, "flown", text, view->is_manual ? PANEL_AMBER_RGB : PANEL_INK_RGB);
     snprintf(text, sizeof text, "%.2f m/s", asdic_helm_speed_mps(&view->helm));

@@ -202,8 +202,9 @@ static void the_status_says_what_is(void **state) {
     static const struct {
         double yaw_deg;
         const char *said;
-    } headings[] = {{0, "000\u00b0"},     {-10, "350\u00b0"},    {359.4, "359\u00b0"},
-                    {359.7, "000\u00b0"}, {-365.0, "355\u00b0"}, {95.2, "095\u00b0"}};
+    } headings[] = {{0, "000\u00b0"},      {-10, "350\u00b0"},    {359.4, "359\u00b0"},
+                    {359.7, "000\u00b0"},  {-365.0, "355\u00b0"}, {-800.0, "280\u00b0"},
+                    {1085.0, "005\u00b0"}, {95.2, "095\u00b0"}};
     for (size_t i = 0; i < sizeof headings / sizeof *headings; i++) {
         v->ping.pose.yaw_rad = headings[i].yaw_deg * DEGREE;
         draw(v);
