@@ -35,6 +35,7 @@ struct asdic_mission {
     const double **rows;   /* of the files that materials name */
     size_t row_files;
     asdic_trial_plan trial; /* of a run of a trial; without a section as its defaults say */
+    char trial_hash[65];    /* of that section, its draws too */
     double *points_m;       /* of the flight */
     char *geometry;         /* what the scene was made from, of a run of a trial */
     size_t ground_length;   /* of it, surface and bottom */

@@ -100,18 +100,27 @@ static const asdic_setting *setting_of(const mission_builder *b, const char *key
     return NULL;
 }
 
-/* The section `trial` of ROOT, which loses it when a run is drawn; FILE is zero without it. */
-static void read_trial(mission_builder *b, asdic_yaml_node *root, file_trial *file) {
+/* The section `trial` of ROOT, which loses it when a run is drawn; FILE is zero without it. The
+ * mission has its hash. */
+static asdic_status read_trial(mission_builder *b, asdic_yaml_node *root, file_trial *file) {
     asdic_yaml_node *node = b->draw ? asdic_yaml_child(root, "trial") : NULL;
     *file = (file_trial){0};
     if (!b->draw) {
-        return;
+        return ASDIC_OK;
     }
     asdic_schema_read(&asdic_trial_table, asdic_scene_table(), node, b->arena, b->problems, file);
+    asdic_text text = {0};
     if (node) {
         asdic_scene_draw_check(file, b->arena, b->problems);
         asdic_mission_take_out(root, node);
+        asdic_yaml_print(node, &text);
     }
+    bool is_good = !text.failed;
+    if (is_good) {
+        asdic_sha256_hex(text.data, text.length, b->mission->trial_hash);
+    }
+    asdic_text_finish(&text);
+    return is_good ? ASDIC_OK : asdic_fail_memory(b->ctx, "a trial");
 }
 
 /* Of many runs: the names that objects have in any of them. */
@@ -147,7 +156,7 @@ static asdic_status read_scene(mission_builder *b, asdic_yaml_node **root, file_
         return asdic_fail_memory(b->ctx, "the scene file's content");
     }
     put_settings(b, *root, drawn, true);
-    read_trial(b, *root, trial);
+    TRY(read_trial(b, *root, trial));
     TRY(keep_classes(b, *root, trial));
     asdic_scene_draw(*root, trial, b->draw, true, b->arena, b->problems, drawn);
     put_drawn_files(b, *root, drawn);

@@ -174,7 +174,7 @@ static asdic_status work_all(fleet *f) {
 
 /* --- what is flown ----------------------------------------------------------------------------- */
 
-/* The hash of the scene file and of run 0 of each variant, with what it includes. */
+/* The hash of each variant: of its run 0, with what that includes, and of its section `trial`. */
 static asdic_status describe(asdic_context *ctx, const asdic_trial_options *o, trial_facts *facts,
                              asdic_text *header, bool *is_ideal) {
     asdic_text all = {0};
@@ -193,15 +193,15 @@ static asdic_status describe(asdic_context *ctx, const asdic_trial_options *o, t
     free(name);
     for (size_t v = 0; !status && v < o->variants.count; v++) {
         asdic_mission *mission = NULL;
-        facts->values[v] = strdup(o->variants.key ? o->variants.values[v] : "");
+        const char *key = o->variants.key ? o->variants.key : "";
+        const char *value = o->variants.key ? o->variants.values[v] : "";
+        facts->values[v] = strdup(value);
         status = asdic_trial_load(ctx, o, 0, v, NULL, &mission);
         if (!status) {
             const asdic_trial_plan *plan = &mission->trial;
             *is_ideal = plan->is_ideal && !o->rule && (v == 0 || *is_ideal);
-            asdic_text_format(&all, "%s %.17g %.17g %.17g %.17g %u %u %d\n",
-                              asdic_mission_hash(mission), plan->hull_radius_m, plan->reach_m,
-                              plan->posterior, plan->hold_s, plan->hits, plan->of,
-                              (int)plan->manoeuvre);
+            asdic_text_format(&all, "%s %s %s %s\n", asdic_mission_hash(mission),
+                              mission->trial_hash, key, value);
             if (v == 0) {
                 asdic_trial_print_header(mission, header);
             }

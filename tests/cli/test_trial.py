@@ -331,6 +331,24 @@ def test_terrain_is_kept_from_run_to_run():
             tap.equal(data(folder, f"all{i}", "trial.csv"), data(folder, f"one{i}", "trial.csv"))
 
 
+def test_parts_are_of_one_trial():
+    """Whatever differs in the section `trial`, or in the values of a key of it, parts are not joined."""
+    base = IDEAL.replace("PD", "0.1") + "  draws: [{key: 'objects[0].position_m[0]', uniform: [59, 65]}]\n"
+    vary = ("--vary", "trial.rule.turn_deg=30,60")
+    others = [(base.replace(a, b), vary) for a, b in (("pd: 0.1", "pd: 0.2"), ("pd: 0.1", "pd: 0.1, pfa: 0.1"),
+                                                      ("time_s: 45", "time_s: 20"), ("59, 65", "59, 66"),
+                                                      ("reach_m: 20", "reach_m: 20, sector_deg: 30"))]
+    others += [(base, ("--vary", "trial.rule.turn_deg=30,90")), (base, ("--vary", "trial.rule.climb_m=30,60"))]
+    with Folder() as folder:
+        path = folder.write("one.yaml", base)
+        asdic("trial", path, "--runs", 2, *vary, "--shard", "1/2", "-o", folder / "one").check(code=0)
+        for i, (text, option) in enumerate(others):
+            asdic("trial", folder.write("one.yaml", text), "--runs", 2, *option, "--shard", "2/2", "-o",
+                  folder / f"two{i}").check(code=0)
+            done = asdic("merge", folder / "one", folder / f"two{i}", "-o", folder / "all").check(code=3)
+            tap.contains(done.err, "these are parts of different trials")
+
+
 def test_what_is_varied_is_not_drawn():
     """A value of --vary stands in place of a draw of the same key, also of one that names a file."""
     with Folder() as folder:
