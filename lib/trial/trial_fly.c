@@ -235,23 +235,45 @@ static asdic_status check(asdic_context *ctx, asdic_trial_options *o) {
 
 /* --- the folder -------------------------------------------------------------------------------- */
 
+/* Reads what an earlier call left, under way when PART: it must be of the same trial. */
+static asdic_status read_same(asdic_context *ctx, const asdic_trial_options *o,
+                              const trial_facts *facts, bool part, asdic_trial **out) {
+    TRY(asdic_trial_read(ctx, o->folder, part, out));
+    const trial_facts *before = &(*out)->facts;
+    if (asdic_trial_is_same(facts, before) && facts->first == before->first &&
+        facts->count == before->count) {
+        return ASDIC_OK;
+    }
+    asdic_trial_close(out);
+    return asdic_fail(ctx, ASDIC_ERROR_INPUT,
+                      "%s holds another trial: scene, seed, runs, rays or variants differ; "
+                      "--force replaces it",
+                      o->folder);
+}
+
 /* The rows that an earlier call left, cut behind the last whole one; *DONE of them. */
 static asdic_status go_on(asdic_context *ctx, const asdic_trial_options *o,
                           const trial_facts *facts, uint64_t *done, asdic_text *rows) {
     asdic_trial *before = NULL;
-    TRY(asdic_trial_read(ctx, o->folder, true, &before));
-    asdic_status status = ASDIC_OK;
-    if (!asdic_trial_is_same(facts, &before->facts) || facts->first != before->facts.first ||
-        facts->count != before->facts.count) {
-        status = asdic_fail(ctx, ASDIC_ERROR_INPUT,
-                            "%s holds another trial: scene, seed, runs, rays or variants differ; "
-                            "--force replaces it",
-                            o->folder);
-    } else {
-        *done = before->row_count;
-        asdic_text_add(rows, before->body);
-    }
+    TRY(read_same(ctx, o, facts, true, &before));
+    *done = before->row_count;
+    asdic_text_add(rows, before->body);
     asdic_trial_close(&before);
+    return ASDIC_OK;
+}
+
+/* Whether nothing is left to be flown, since the folder holds the whole trial; it may be there only
+ * when that is resumed. */
+static asdic_status look_for_whole(asdic_context *ctx, const asdic_trial_options *o,
+                                   const trial_facts *facts, bool *is_there) {
+    asdic_trial *whole = NULL;
+    *is_there = !o->force && asdic_trial_has(o->folder, "trial.json");
+    if (*is_there && !o->resume) {
+        return asdic_fail(ctx, ASDIC_ERROR_EXISTS, "'%s' holds a trial; --force replaces it",
+                          o->folder);
+    }
+    asdic_status status = *is_there ? read_same(ctx, o, facts, false, &whole) : ASDIC_OK;
+    asdic_trial_close(&whole);
     return status;
 }
 
@@ -260,13 +282,13 @@ static asdic_status fly_part(fleet *f, const trial_facts *facts, const asdic_tex
     const asdic_trial_options *o = f->options;
     asdic_text rows = {0};
     asdic_status status = ASDIC_OK;
+    bool is_whole = false;
     if (mkdir(o->folder, 0777) != 0 && errno != EEXIST) {
         return asdic_file_fail(f->ctx, o->folder, errno);
     }
-    if (!o->force && asdic_trial_has(o->folder, "trial.json")) {
-        return o->resume ? ASDIC_OK
-                         : asdic_fail(f->ctx, ASDIC_ERROR_EXISTS,
-                                      "'%s' holds a trial; --force replaces it", o->folder);
+    TRY(look_for_whole(f->ctx, o, facts, &is_whole));
+    if (is_whole) {
+        return ASDIC_OK;
     }
     if (!o->force && asdic_trial_has(o->folder, "trial.part.csv")) {
         status = o->resume ? go_on(f->ctx, o, facts, &f->begin, &rows)
@@ -362,13 +384,13 @@ static asdic_status fly_in_team(fleet *f, trial_facts *facts, const asdic_text *
     asdic_trial_options mine = *whole;
     uint64_t from = whole->count * team->rank / team->size;
     uint64_t to = whole->count * (team->rank + 1) / team->size;
+    bool is_whole = false;
     if (mkdir(whole->folder, 0777) != 0 && errno != EEXIST) {
         return asdic_file_fail(f->ctx, whole->folder, errno);
     }
-    if (!whole->force && asdic_trial_has(whole->folder, "trial.json")) {
-        return whole->resume ? ASDIC_OK
-                             : asdic_fail(f->ctx, ASDIC_ERROR_EXISTS,
-                                          "'%s' holds a trial; --force replaces it", whole->folder);
+    TRY(look_for_whole(f->ctx, whole, facts, &is_whole));
+    if (is_whole) {
+        return ASDIC_OK;
     }
     if (whole->count < team->size) {
         return asdic_fail(f->ctx, ASDIC_ERROR_ARGUMENT, "%llu runs for %u processes",

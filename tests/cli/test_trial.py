@@ -290,6 +290,10 @@ def test_the_same_bytes_however_dealt():
             for other in ("merged", "cut"):
                 tap.equal(data(folder, other, name), data(folder, "whole", name), f"{other}/{name}")
         tap.equal(sorted(os.listdir(folder / "cut")), ["trial.csv", "trial.json", "trial.png"])
+        asdic("trial", path, "--runs", 20, *vary, "-o", folder / "cut", "--resume").check(code=0) # nothing is left
+        for options in (("--runs", 21), ("--runs", 20, "--seed", 2), ("--runs", 20, "--shard", "1/2")):
+            done = asdic("trial", path, *options, *vary, "-o", folder / "cut", "--resume").check(code=3)
+            tap.contains(done.err, "holds another trial")
         done = asdic("merge", folder / "part1", folder / "part3", "-o", folder / "gap").check(code=3)
         tap.contains(done.err, "runs 6 to 13 are in no part, or in two")
         asdic("trial", path, "--runs", 20, "-o", folder / "whole").check(code=1)
