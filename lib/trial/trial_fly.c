@@ -235,6 +235,18 @@ static asdic_status check(asdic_context *ctx, asdic_trial_options *o) {
 
 /* --- the folder -------------------------------------------------------------------------------- */
 
+/* Removes a complete trial; trial.json, by which it is one, first. */
+static void remove_whole(const char *folder) {
+    static const char *const names[] = {"trial.json", "trial.csv", "trial.png", NULL};
+    for (int i = 0; names[i]; i++) {
+        char *path = asdic_trial_path(folder, names[i]);
+        if (path) {
+            unlink(path);
+        }
+        free(path);
+    }
+}
+
 /* Reads what an earlier call left, under way when PART: it must be of the same trial. */
 static asdic_status read_same(asdic_context *ctx, const asdic_trial_options *o,
                               const trial_facts *facts, bool part, asdic_trial **out) {
@@ -267,7 +279,8 @@ static asdic_status go_on(asdic_context *ctx, const asdic_trial_options *o,
 static asdic_status look_for_whole(asdic_context *ctx, const asdic_trial_options *o,
                                    const trial_facts *facts, bool *is_there) {
     asdic_trial *whole = NULL;
-    *is_there = !o->force && asdic_trial_has(o->folder, "trial.json");
+    *is_there = !o->force && asdic_trial_has(o->folder, "trial.json") &&
+                !asdic_trial_has(o->folder, "trial.part.csv");
     if (*is_there && !o->resume) {
         return asdic_fail(ctx, ASDIC_ERROR_EXISTS, "'%s' holds a trial; --force replaces it",
                           o->folder);
@@ -290,7 +303,9 @@ static asdic_status fly_part(fleet *f, const trial_facts *facts, const asdic_tex
     if (is_whole) {
         return ASDIC_OK;
     }
-    if (!o->force && asdic_trial_has(o->folder, "trial.part.csv")) {
+    if (o->force) { /* what is there must not pass for what is begun */
+        remove_whole(o->folder);
+    } else if (asdic_trial_has(o->folder, "trial.part.csv")) {
         status = o->resume ? go_on(f->ctx, o, facts, &f->begin, &rows)
                            : asdic_fail(f->ctx, ASDIC_ERROR_EXISTS,
                                         "'%s' holds a trial that was stopped; --resume goes on, "
@@ -320,18 +335,6 @@ static asdic_status fly_part(fleet *f, const trial_facts *facts, const asdic_tex
 static char *part_folder(const char *folder, unsigned rank) {
     char *path = NULL;
     return asprintf(&path, "%s/part_%u", folder, rank) < 0 ? NULL : path;
-}
-
-static void remove_part(const char *folder) {
-    static const char *const names[] = {"trial.csv", "trial.json", "trial.png", NULL};
-    for (int i = 0; names[i]; i++) {
-        char *path = asdic_trial_path(folder, names[i]);
-        if (path) {
-            unlink(path);
-        }
-        free(path);
-    }
-    rmdir(folder);
 }
 
 /* Waits until the others have said how they fared. */
@@ -369,7 +372,8 @@ static asdic_status join_parts(asdic_context *ctx, const asdic_trial_options *o)
     }
     for (unsigned i = 0; parts && i < size; i++) {
         if (!status) {
-            remove_part(parts[i]);
+            remove_whole(parts[i]);
+            rmdir(parts[i]);
         }
         free(parts[i]);
     }
@@ -395,6 +399,9 @@ static asdic_status fly_in_team(fleet *f, trial_facts *facts, const asdic_text *
     if (whole->count < team->size) {
         return asdic_fail(f->ctx, ASDIC_ERROR_ARGUMENT, "%llu runs for %u processes",
                           (unsigned long long)whole->count, team->size);
+    }
+    if (whole->force && team->rank == 0) {
+        remove_whole(whole->folder);
     }
     mine.first = facts->first = whole->first + from;
     mine.count = facts->count = to - from;
