@@ -150,9 +150,10 @@ static bool sees(const run *r, const asdic_loop_ping *ping, const asdic_scan_res
     const asdic_trial_plan *plan = r->plan;
     const asdic_sonar *sonar = &r->mission->settings.sonar;
     const asdic_pose level = {.yaw_rad = 0.0};
+    asdic_pose head = asdic_sweep_sonar(&r->mission->settings.sweep, &level, ping->ping);
     double best = -INFINITY, prior = r->mission->settings.detector.prior;
     for (size_t b = 0; b < ping->beams; b++) {
-        asdic_vec3 axis = asdic_beam_axis(&sonar->receivers[b], &level);
+        asdic_vec3 axis = asdic_beam_axis(&sonar->receivers[b], &head);
         double off_bow_rad = acos(fmin(fmax(axis.x, -1.0), 1.0));
         if (off_bow_rad > plan->sector_rad + 1e-9) {
             continue;

@@ -481,6 +481,29 @@ def test_a_rule_of_another_program():
             tap.equal((row["manoeuvres"], row["needless"], row["outcome"]), ("1", "1", "late"))
 
 
+def test_a_scanned_head_is_turned():
+    """What a head that goes round hears astern is not ahead, and it turns away from what it hears abeam."""
+    program.need_device()
+    scene = """
+version: 1
+bottom: none
+objects: [{name: ball, sphere: {radius_m: 2}, position_m: PLACE, material: {type: rock}}]
+sonar:
+  {frequency_khz: 100, ping_rate_hz: 1, max_range_m: 30, source_level_db: 160,
+   scan: {sector_deg: 360, step_deg: 90}, receivers: [{name: head, length_h_m: 0.06, length_v_m: 0.06}]}
+mission: {waypoints: {points_m: [[0, 0, 50], [60, 0, 50]], speed_mps: 1.5}}
+sampling: {rays: 2000}
+trial: {time_s: 7, rule: {manoeuvre: turn, reach_m: 15, sector_deg: SECTOR}}
+"""
+    for place, sector_deg, side in (([-12, 0, 50], 20, 0), ([4, 12, 50], 180, -1), ([4, -12, 50], 180, 1)):
+        with Folder() as folder:
+            path = folder.write("scan.yaml", scene.replace("PLACE", str(place)).replace("SECTOR", str(sector_deg)))
+            asdic("trial", path, "--replay", 0, "-o", folder / "run").check(code=0)
+            with open(folder / "run/track.csv", encoding="utf-8") as file:
+                yaws_deg = [float(row["yaw_deg"]) for row in csv.DictReader(file)]
+            tap.equal((yaws_deg[-1] > 5) - (yaws_deg[-1] < -5), side, f"ball at {place}: {yaws_deg}")
+
+
 def test_rules_that_fail_are_counted():
     program.need_device()
     with Folder() as folder:
