@@ -57,21 +57,22 @@ static asdic_vec3 position(const asdic_pilot *p) {
     return (asdic_vec3){p->state.x_m, p->state.y_m, p->state.z_m};
 }
 
-/* Flies P for SECONDS from TIME_S by ORDER; the nearest that it came to anything, at most WITHIN_M.
- * Stops where that is less than ENOUGH_M. */
-static asdic_nearest fly(const run *r, asdic_pilot *p, const asdic_order *order, double time_s,
+/* Flies P from *TIME_S, which becomes when it ends, for SECONDS by ORDER; the nearest that it came
+ * to anything, at most WITHIN_M. Stops where that is ENOUGH_M or less, and past the last waypoint. */
+static asdic_nearest fly(const run *r, asdic_pilot *p, const asdic_order *order, double *time_s,
                          double seconds, double within_m, double enough_m) {
-    size_t steps = (size_t)ceil(seconds / p->model.step_s - 1e-9);
+    size_t steps = (size_t)ceil(seconds / p->model.step_s - 1e-9), i = 0;
     double step_s = seconds / (double)steps;
     asdic_nearest nearest = {within_m, ASDIC_NOTHING};
-    for (size_t i = 0; i < steps && nearest.distance_m > enough_m; i++) {
+    do {
         asdic_vec3 from_m = position(p);
-        double from_s = time_s + (double)i * step_s;
+        double from_s = *time_s + (double)i * step_s;
         asdic_pilot_advance(p, order, step_s);
         asdic_nearest near = asdic_hazards_nearest(r->hazards, from_m, position(p), from_s,
                                                    from_s + step_s, nearest.distance_m);
         nearest = near.distance_m < nearest.distance_m ? near : nearest;
-    }
+    } while (++i < steps && nearest.distance_m > enough_m && !asdic_pilot_is_done(p));
+    *time_s += i < steps ? (double)i * step_s : seconds;
     return nearest;
 }
 
@@ -88,9 +89,9 @@ static bool would_hit(const run *r, const asdic_pilot *from, double time_s,
                 .distance_m >= most_m) {
         return false;
     }
-    for (double flown_m = 0.0; flown_m < distance_m && time_s < end_s; time_s += p.model.step_s) {
+    for (double flown_m = 0.0; flown_m < distance_m && time_s < end_s;) {
         asdic_vec3 before_m = position(&p);
-        asdic_nearest near = fly(r, &p, order, time_s, p.model.step_s, hull_m, 0.0);
+        asdic_nearest near = fly(r, &p, order, &time_s, p.model.step_s, hull_m, 0.0);
         if (near.distance_m < hull_m || (hull_m == 0.0 && near.distance_m == 0.0)) {
             return true;
         }
@@ -294,16 +295,15 @@ static void find_cause(run *r) {
                      : ASDIC_TRIAL_SEEN_LATE;
 }
 
-/* To the next ping. */
+/* To the next ping, or to where the run ends. */
 static void go_on(run *r) {
     asdic_trial_run *out = r->out;
     asdic_vec3 from_m = position(&r->pilot);
     double hull_m = r->plan->hull_radius_m;
-    asdic_nearest near = fly(r, &r->pilot, r->gives_way ? &r->order : NULL, r->time_s, r->step_s,
+    asdic_nearest near = fly(r, &r->pilot, r->gives_way ? &r->order : NULL, &r->time_s, r->step_s,
                              out->clearance_m + hull_m, hull_m);
     out->distance_m += asdic_vec3_length(asdic_vec3_sub(position(&r->pilot), from_m));
     out->clearance_m = fmax(near.distance_m - hull_m, 0.0);
-    r->time_s += r->step_s;
     if (near.distance_m <= hull_m) {
         out->outcome = ASDIC_TRIAL_HIT;
         name_part(r, near.part, out->what);
