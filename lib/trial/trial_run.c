@@ -22,6 +22,9 @@
 /* A turn is done, and may be followed by another, within this of its heading. */
 #define TURNED_RAD 0.1
 
+/* Looked for beyond the hull, so that nothing at all is not taken for what touches it. */
+#define HAIR_M 1e-9
+
 #define MOST_PINGS 1000000
 #define FASTEST_MPS 50.0
 /* One that is slower than this gets nowhere. */
@@ -91,8 +94,8 @@ static bool would_hit(const run *r, const asdic_pilot *from, double time_s,
     }
     for (double flown_m = 0.0; flown_m < distance_m && time_s < end_s;) {
         asdic_vec3 before_m = position(&p);
-        asdic_nearest near = fly(r, &p, order, &time_s, p.model.step_s, hull_m, 0.0);
-        if (near.distance_m < hull_m || (hull_m == 0.0 && near.distance_m == 0.0)) {
+        asdic_nearest near = fly(r, &p, order, &time_s, p.model.step_s, hull_m + HAIR_M, hull_m);
+        if (near.distance_m <= hull_m) {
             return true;
         }
         flown_m += asdic_vec3_length(asdic_vec3_sub(position(&p), before_m));

@@ -149,6 +149,18 @@ def test_a_run_ends_at_its_last_waypoint():
             tap.equal(all(0 <= late < 0.1 * SPEED for late in late_m), True, f"{row}: {late_m}") # a step of 0.1 s
 
 
+def test_a_hull_of_no_size():
+    """A bottom 10 m below is not in its way, 15 m before the wall is in reach; there the wall is."""
+    for pd, pfa in ((1, 0), (0, 1)):
+        with Folder() as folder:
+            scene = IDEAL.replace("PD", f"{pd}, pfa: {pfa}").replace("hull_radius_m: 0.2", "hull_radius_m: 0")
+            fly(folder, folder.write("thin.yaml", scene), 1, "--vary", "trial.time_s=10,45")
+            short, whole = rows(folder)
+            tap.equal([short["manoeuvres"], short["needless"]], 2 * [str(pfa)], str(short))
+            tap.equal([whole["manoeuvres"], whole["needless"]], ["1", str(pfa)], str(whole))
+            tap.equal(whole["outcome"], "late")
+
+
 def test_what_moves_is_met_where_it_is():
     """A boat of 1 m that crosses the way at 1 m/s when the vehicle is there, at 20 s, or 10 s before: then it is missed
     by |(1.5, 1) x (15, 0)| / |(1.5, 1)| less its radius and the hull's. One of 0.5 m at 25 m/s, which goes 25 m from one
