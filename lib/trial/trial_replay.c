@@ -31,16 +31,18 @@ static uint64_t ping_seed(uint64_t seed, uint64_t run) {
     return (uint64_t)(asdic_variates_uniform(&v) * (double)((uint64_t)1 << SEED_BITS));
 }
 
+/* They are a number then: a loop has another one of its own for `auto`. */
 static void choose_rays(asdic_mission *m) {
     asdic_ray_forecast forecast = asdic_mission_ray_forecast(m);
     uint32_t *rays = &asdic_mission_sampling(m)->rays, most = forecast.auto_rays;
-    if (!forecast.is_auto || most <= LEAST_RAYS) {
+    if (!forecast.is_auto) {
         return;
     }
     *rays = LEAST_RAYS;
     while (*rays < most && asdic_mission_ray_forecast(m).is_rough) {
         *rays = *rays < most / 2 ? 2 * *rays : most;
     }
+    m->settings.auto_rays = 0;
 }
 
 asdic_status asdic_trial_load(asdic_context *ctx, const asdic_trial_options *o, uint64_t run,

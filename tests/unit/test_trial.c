@@ -11,6 +11,7 @@
 #include "mission/mission.h"
 #include "scene/lifted.h"
 #include "scene/nearest.h"
+#include "trial/trial_run.h"
 
 #include <fcntl.h>
 #include <math.h>
@@ -413,6 +414,37 @@ static void test_meshes_are_read_once(void **state) {
     asdic_context_destroy(&ctx);
 }
 
+/* Where even as many rays as those of `auto` leave rough pings, a trial takes as many, as a number. */
+static void test_rays_of_a_fine_sonar(void **state) {
+    (void)state;
+    char folder[] = "trial_XXXXXX";
+    asdic_context *ctx = NULL;
+    asdic_mission *run = NULL, *trial = NULL;
+    asdic_trial_options options = asdic_trial_options_default();
+    options.scene = "scene.yaml";
+    assert_int_equal(asdic_context_create(&ctx), ASDIC_OK);
+    assert_true(mkdtemp(folder) && chdir(folder) == 0);
+    write_file("scene.yaml",
+               "version: 1\n"
+               "bottom: {depth_m: 20}\n"
+               "objects: [{name: a, sphere: {radius_m: 1}, position_m: [20, 0, 10]}]\n"
+               "sonar: {frequency_khz: 400, source_level_db: 190, max_range_m: 30,\n"
+               "  bin_length_m: 0.01, receivers:\n"
+               "  {fan: {count: 256, sector_deg: 130, length_h_m: 1.7, length_v_m: 0.1}}}\n"
+               "mission: {waypoints: {points_m: [[0, 0, 10], [60, 0, 10]], speed_mps: 1}}\n");
+    assert_int_equal(asdic_mission_load(ctx, "scene.yaml", &run), ASDIC_OK);
+    assert_int_equal(asdic_trial_load(ctx, &options, 0, 0, NULL, &trial), ASDIC_OK);
+    asdic_ray_forecast whole = asdic_mission_ray_forecast(run);
+    asdic_ray_forecast taken = asdic_mission_ray_forecast(trial);
+    assert_true(whole.is_auto && whole.is_rough);
+    assert_int_equal(taken.rays, whole.rays);
+    assert_false(taken.is_auto);
+    assert_true(remove("scene.yaml") == 0 && chdir("..") == 0 && rmdir(folder) == 0);
+    asdic_mission_destroy(&run);
+    asdic_mission_destroy(&trial);
+    asdic_context_destroy(&ctx);
+}
+
 /* --- intervals --------------------------------------------------------------------------------- */
 
 static double log_choose(double n, double k) {
@@ -503,6 +535,7 @@ int main(void) {
         cmocka_unit_test(test_reopened),
         cmocka_unit_test(test_reopened_and_lifted),
         cmocka_unit_test(test_meshes_are_read_once),
+        cmocka_unit_test(test_rays_of_a_fine_sonar),
         cmocka_unit_test(test_shares_cover),
         cmocka_unit_test(test_differences),
         cmocka_unit_test(test_mcnemar),
