@@ -227,6 +227,13 @@ static bool read_answer(const char *answer, asdic_trial_order *order, char *why)
         snprintf(why, ASDIC_TRIAL_WHY, "the rule answered '%.60s': %.150s", answer, wrong);
         return false;
     }
+    for (int i = 0; i < SERVE_COLUMNS; i++) {
+        if (i != SERVE_Z && i != SERVE_YAW && !isnan(value[i])) {
+            snprintf(why, ASDIC_TRIAL_WHY, "the rule asks for %s; it can ask for z_m and yaw_deg",
+                     serve_columns[i]);
+            return false;
+        }
+    }
     order->dives = !isnan(value[SERVE_Z]);
     order->turns = !isnan(value[SERVE_YAW]);
     order->z_m = order->dives ? value[SERVE_Z] : 0.0;

@@ -537,6 +537,7 @@ def test_rules_that_fail_are_counted():
                               ("import os; os.kill(os.getpid(), 9)", "the rule was ended by signal 9"),
                               ('print("starboard")', "the rule answered 'starboard': column 1"),
                               ('print(json.dumps({"z_m": -3}))', "z_m = -3, out of range"),
+                              ('print(json.dumps({"pitch_deg": 4}))', "asks for pitch_deg; it can ask for z_m and"),
                               ('print("{" + 2000 * " " + "}")', "longer than 1023 characters"),
                               ("import time; time.sleep(60)", "did not answer within 0.5 s")):
             done = with_rule(folder, act, "--rule-timeout", "5" if "sleep" not in act else "0.5", code=1)
