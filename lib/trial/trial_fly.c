@@ -24,7 +24,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* Workers without a device, where the sonar is ideal. */
+/* Workers where no device is given, since the sonar is ideal. */
 #define MOST_BLIND 64
 
 typedef struct flown {
@@ -449,7 +449,7 @@ asdic_status asdic_trial_fly(asdic_context *ctx, asdic_device **devices, size_t 
     fleet f = {.ctx = ctx,
                .options = &o,
                .devices = is_ideal ? NULL : devices,
-               .worker_count = is_ideal ? count_blind() : device_count,
+               .worker_count = device_count > 0 ? device_count : count_blind(),
                .lock = PTHREAD_MUTEX_INITIALIZER};
     if (!status) {
         status = o.team ? fly_in_team(&f, &facts, &header) : fly_part(&f, &facts, &header);

@@ -527,6 +527,7 @@ static void a_team_has_parts(void **state) {
 /* Two runs of OPTIONS in the place of others: the second begins before the first fails, and fails after it. */
 static bool both_fail;
 static atomic_bool second_began, first_fails;
+static atomic_uint by_others; /* runs of workers but the first */
 
 static void wait_ms(long ms) {
     nanosleep(&(struct timespec){.tv_nsec = ms * 1000000}, NULL);
@@ -538,6 +539,7 @@ asdic_status __wrap_asdic_trial_run_one(asdic_eye *eye, const asdic_trial_job *j
                                         asdic_trial_run *out, char why[ASDIC_TRIAL_WHY]);
 asdic_status __wrap_asdic_trial_run_one(asdic_eye *eye, const asdic_trial_job *job,
                                         asdic_trial_run *out, char why[ASDIC_TRIAL_WHY]) {
+    by_others += job->worker > 0;
     if (!both_fail) {
         return __real_asdic_trial_run_one(eye, job, out, why);
     }
@@ -577,6 +579,21 @@ static void the_first_failure_is_told(void **state) {
     assert_status(ctx, asdic_trial_fly(ctx, NULL, 0, &options), ASDIC_ERROR_INPUT);
     assert_string_equal(asdic_context_error(ctx), "the first");
     both_fail = false;
+}
+
+/* A sonar that is ideal flies as many runs at a time as there are devices, though it needs none. */
+static void one_device_is_one_worker(void **state) {
+    (void)state;
+    char scene[200], whole[200];
+    asdic_device *devices[1] = {NULL};
+    snprintf(scene, sizeof scene, "%s/empty.yaml", folder);
+    snprintf(whole, sizeof whole, "%s/whole", folder);
+    asdic_trial_options options = two_runs(scene, whole);
+    options.force = true;
+    options.runs = 200;
+    by_others = 0;
+    assert_ok(ctx, asdic_trial_fly(ctx, devices, 1, &options));
+    assert_int_equal(by_others, 0);
 }
 
 /* A run of a trial is flown again where everything that it needs is named. */
@@ -644,6 +661,7 @@ int main(void) {
         cmocka_unit_test(parts_that_do_not_fit_are_refused),
         cmocka_unit_test(a_team_has_parts),
         cmocka_unit_test(the_first_failure_is_told),
+        cmocka_unit_test(one_device_is_one_worker),
         cmocka_unit_test(a_run_again_needs_all_it_asks_for),
     };
     if (!mkdtemp(folder)) {

@@ -102,9 +102,9 @@ typedef struct asdic_trial_options {
 ASDIC_API asdic_trial_options asdic_trial_options_default(void);
 
 /* Flies all runs of all variants on DEVICES and writes FOLDER: trial.csv, a row for each run and
- * variant; trial.json, the figures; trial.png. Its bytes are the same however runs were dealt.
- * DEVICES may be NULL for scenes whose sonar is `ideal`. ASDIC_ERROR_INTERRUPTED: what is written
- * can be resumed. */
+ * variant; trial.json, the figures; trial.png. Its bytes are the same however runs were dealt: as
+ * many at a time as there are devices. For scenes whose sonar is `ideal` DEVICES may be NULL; it is
+ * then as many as processors. ASDIC_ERROR_INTERRUPTED: what is written can be resumed. */
 ASDIC_API asdic_status asdic_trial_fly(asdic_context *ctx, asdic_device **devices,
                                        size_t device_count, const asdic_trial_options *options);
 
