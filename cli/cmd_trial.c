@@ -11,8 +11,6 @@
 #define MOST_WORKERS 256
 /* Where --tolerance gives up. */
 #define MOST_RAYS (1u << 20)
-/* ... and begins. */
-#define LEAST_RAYS 1024
 
 typedef struct request {
     asdic_trial_options options;
@@ -351,22 +349,10 @@ static void dismiss(workforce *w) {
 /* The rays that --tolerance takes along the way of run 0 of each design, the most of them. */
 static asdic_status find_rays(cli *c, request *r, asdic_device *device) {
     asdic_trial_options *o = &r->options;
-    const asdic_draw draw = {o->seed, 0};
     const asdic_tolerance wanted = {r->tolerance_db, 0.99, MOST_RAYS};
     for (size_t v = 0; v < o->variants.count; v++) {
-        const asdic_setting vary = {r->key, r->key ? r->values[v] : NULL};
-        asdic_mission *mission = NULL;
         asdic_ray_budget found;
-        asdic_status status = asdic_mission_load_run(cli_context(c), o->scene, &vary,
-                                                     r->key != NULL, &draw, &mission);
-        if (!status) {
-            asdic_mission_sampling(mission)->rays = LEAST_RAYS;
-            status = asdic_mission_find_rays(cli_context(c), mission, device, &wanted, &found);
-        }
-        asdic_mission_destroy(&mission);
-        if (status) {
-            return status;
-        }
+        TRY(asdic_trial_find_rays(cli_context(c), device, o, v, &wanted, &found));
         o->rays = found.rays > o->rays ? found.rays : o->rays;
         if (!found.is_kept) {
             cli_warning(c, "%u rays per ping do not keep %g dB: the worst bin has %.3g dB",

@@ -104,6 +104,9 @@ static asdic_status look(asdic_context *ctx, const asdic_mission *mission, asdic
         size_t last = out->pings - 1;
         size_t number = (last ? k * (blocks - 1) / last : 0) * ASDIC_LEARN_BLOCK;
         asdic_pose pose = asdic_mission_pose(mission, number, NULL);
+        if (pose.position_m.z > asdic_mission_bottom_m(mission->scene, pose.position_m)) {
+            continue; /* of a trial, whose vehicle gives way before */
+        }
         TRY(asdic_step(ctx, "pings to find how many rays are needed", k, out->pings));
         TRY(asdic_mission_place(mission, sim, number));
         double began_s = asdic_clock_s();

@@ -21,6 +21,8 @@
 /* Rays a ping where the scene leaves them to asdic: so many, or as many times two as leave no rough
  * pings, whose errors a detector would have to allow for. */
 #define LEAST_RAYS 4096u
+/* Where the search for as many as a tolerance takes begins. */
+#define FIRST_RAYS 1024u
 #define MOST_SETTINGS 3
 /* Seeds that a scene file holds exactly. */
 #define SEED_BITS 52
@@ -88,6 +90,25 @@ static asdic_status check_folder(asdic_context *ctx, const asdic_trial_options *
                             "it, or another folder",
                             folder)
                : ASDIC_OK;
+}
+
+asdic_status asdic_trial_find_rays(asdic_context *ctx, asdic_device *device,
+                                   const asdic_trial_options *options, size_t variant,
+                                   const asdic_tolerance *tolerance, asdic_ray_budget *out) {
+    if (!options || !options->scene || variant >= options->variants.count) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
+                          "rays of a trial need its scene and one of its variants");
+    }
+    const asdic_trial_variants *v = &options->variants;
+    const asdic_setting vary = {v->key, v->key ? v->values[variant] : NULL};
+    const asdic_draw draw = {options->seed, 0};
+    asdic_mission *mission = NULL;
+    TRY(asdic_mission_load_trial(ctx, options->scene, &vary, v->key != NULL, &draw, NULL,
+                                 &mission));
+    asdic_mission_sampling(mission)->rays = FIRST_RAYS;
+    asdic_status status = asdic_mission_find_rays(ctx, mission, device, tolerance, out);
+    asdic_mission_destroy(&mission);
+    return status;
 }
 
 asdic_status asdic_trial_replay(asdic_context *ctx, asdic_device *device,

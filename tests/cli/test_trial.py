@@ -433,6 +433,12 @@ def test_rays_by_a_tolerance():
             asdic("trial", path, "--runs", 2, "--rays", rays[-1], "-o", folder / "same", "-f").check(code=0)
             tap.equal(data(folder, "same", "trial.csv"), data(folder, "out", "trial.csv"))
         assert rays[0] > rays[1] >= 1024, rays
+        # Where the bottom is in the way, too: from 30 m on it is above the vehicle.
+        rise = "".join(("5 " if north_m > 30 else "20 ") * 3 + "\n" for north_m in range(90, -20, -10))
+        folder.write("rise.asc", "ncols 3\nnrows 11\nxllcorner -15\nyllcorner -15\ncellsize 10\n" + rise)
+        path = folder.write("rise.yaml", WALL.replace("depth_m: 20", "grid: {file: rise.asc, values: depths}")
+                            .replace("[60, 0, 10]", "[200, 0, 10]").replace("time_s: 45", "time_s: 5"))
+        asdic("trial", path, "--runs", 2, "--tolerance", 3, "-o", folder / "rise").check(code=0)
         done = asdic("trial", path, "--rays", 500, "--tolerance", 1, "-o", folder / "x").check(code=2)
         tap.contains(done.err, "--rays and --tolerance exclude each other")
 
