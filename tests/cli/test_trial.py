@@ -161,6 +161,28 @@ def test_a_hull_of_no_size():
             tap.equal(whole["outcome"], "late")
 
 
+def test_half_a_turn_is_to_starboard():
+    """From every heading, also where a sum with half a turn is rounded to more than that."""
+    ways = [(x_m, y_m) for x_m in (-40, -30, -20) for y_m in range(1, 60)]
+    ways = [way for way in ways if math.remainder(math.atan2(way[1], way[0]) + math.pi - math.atan2(way[1], way[0]),
+                                                  2 * math.pi) < 0]
+    tap.equal(len(ways) > 2, True, f"{ways}")
+    scene = """
+version: 1
+bottom: {depth_m: 200}
+sonar: {frequency_khz: 100, ping_rate_hz: 1, receivers: [{name: ahead}]}
+mission: {waypoints: {points_m: [[0, 0, 15], WAY], speed_mps: 1.5}}
+trial: {time_s: 4, ideal: {pd: 1, pfa: 1}, rule: {manoeuvre: turn, turn_deg: 180}}
+"""
+    with Folder() as folder:
+        for x_m, y_m in ways[:2]:
+            path = folder.write("half.yaml", scene.replace("WAY", f"[{x_m}, {y_m}, 15]"))
+            asdic("trial", path, "--replay", 0, "-f", "-o", folder / "run").check(code=0)
+            with open(folder / "run/track.csv", encoding="utf-8") as file:
+                yaws_deg = [float(row["yaw_deg"]) for row in csv.DictReader(file)]
+            tap.equal(yaws_deg[0] + 30 < yaws_deg[-1] < yaws_deg[0] + 180, True, f"{yaws_deg}")
+
+
 def test_what_moves_is_met_where_it_is():
     """A boat of 1 m that crosses the way at 1 m/s when the vehicle is there, at 20 s, or 10 s before: then it is missed
     by |(1.5, 1) x (15, 0)| / |(1.5, 1)| less its radius and the hull's. One of 0.5 m at 25 m/s, which goes 25 m from one

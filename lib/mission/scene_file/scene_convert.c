@@ -178,6 +178,9 @@ void asdic_scene_file_receivers(const asdic_scene_file *file, asdic_beam *beams)
     }
 }
 
+/* Turns of a trial's rule stay this short of half a turn, which could be made to either side. */
+#define HAIR_RAD 1e-6
+
 asdic_trial_plan asdic_scene_file_trial(const file_trial *t) {
     return (asdic_trial_plan){
         .hull_radius_m = t->hull_radius_m,
@@ -191,7 +194,7 @@ asdic_trial_plan asdic_scene_file_trial(const file_trial *t) {
         .hits = (unsigned)t->rule.hits,
         .of = (unsigned)t->rule.of,
         .climb_m = t->rule.climb_m,
-        .turn_rad = t->rule.turn_deg * ASDIC_PI / 180.0,
+        .turn_rad = fmin(t->rule.turn_deg * ASDIC_PI / 180.0, ASDIC_PI - HAIR_RAD),
         .hold_s = t->rule.hold_s,
         .is_ideal = t->ideal.node != NULL,
         .pd = t->ideal.pd,
