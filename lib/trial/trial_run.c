@@ -17,7 +17,7 @@
 
 /* A run ends when its flight has taken this many times as long as without manoeuvres. */
 #define PATIENCE 3.0
-/* A vehicle that climbs stays this deep. */
+/* A vehicle that climbs stays this deep; one that is less deep keeps its depth. */
 #define SHALLOWEST_M 0.5
 /* A turn is done, and may be followed by another, within this of its heading. */
 #define TURNED_RAD 0.1
@@ -117,7 +117,8 @@ static bool is_something_ahead(const run *r, const asdic_pilot *p) {
 /* Climb, or turn to the side that SIDE says (1: starboard). */
 static asdic_order manoeuvre(const asdic_trial_plan *plan, const flight_state *s, double side) {
     if (plan->manoeuvre == ASDIC_CLIMB) {
-        return (asdic_order){.dives = true, .z_m = fmax(s->z_m - plan->climb_m, SHALLOWEST_M)};
+        double z_m = fmax(s->z_m - plan->climb_m, SHALLOWEST_M);
+        return (asdic_order){.dives = true, .z_m = fmin(z_m, s->z_m)};
     }
     return (asdic_order){.turns = true, .yaw_rad = s->yaw_rad + side * plan->turn_rad};
 }

@@ -183,6 +183,20 @@ trial: {time_s: 4, ideal: {pd: 1, pfa: 1}, rule: {manoeuvre: turn, turn_deg: 180
             tap.equal(yaws_deg[0] + 30 < yaws_deg[-1] < yaws_deg[0] + 180, True, f"{yaws_deg}")
 
 
+def test_a_climb_does_not_dive():
+    """Not even near the surface: from 0.2 m there is nowhere to climb to, from 2 m half a metre is left."""
+    for z_m, least_m in ((0.2, 0.2), (2, 0.5)):
+        with Folder() as folder:
+            scene = IDEAL.replace("PD", "1, pfa: 1").replace("manoeuvre: turn", "manoeuvre: climb")
+            scene = scene.replace("[0, 0, 10], [100, 0, 10]", f"[0, 0, {z_m}], [100, 0, {z_m}]")
+            path = folder.write("shallow.yaml", scene)
+            asdic("trial", path, "--replay", 0, "-o", folder / "run").check(code=0)
+            with open(folder / "run/track.csv", encoding="utf-8") as file:
+                depths_m = [float(row["z_m"]) for row in csv.DictReader(file)]
+            tap.equal(all(least_m - 0.05 < z <= z_m for z in depths_m), True, f"{depths_m}")
+            tap.equal(abs(depths_m[-1] - least_m) < 0.05, True, f"{depths_m}")
+
+
 def test_what_moves_is_met_where_it_is():
     """A boat of 1 m that crosses the way at 1 m/s when the vehicle is there, at 20 s, or 10 s before: then it is missed
     by |(1.5, 1) x (15, 0)| / |(1.5, 1)| less its radius and the hull's. One of 0.5 m at 25 m/s, which goes 25 m from one
