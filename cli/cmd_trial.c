@@ -160,6 +160,10 @@ static void print_causes(const asdic_trial *trial, size_t v, int wide) {
 
 static void print_difference(const asdic_trial *trial, size_t v, int wide) {
     asdic_trial_result r = asdic_trial_get(trial, v);
+    if (!isfinite(r.difference.value)) { /* no run was flown by both */
+        printf("%-*s %9s %17s %12s\n", wide, asdic_trial_variant_name(trial, v), "-", "-", "-");
+        return;
+    }
     printf("%-*s %+9.4f %+8.4f..%+.4f %12.2g", wide, asdic_trial_variant_name(trial, v),
            r.difference.value, r.difference.low, r.difference.high, r.mcnemar);
     if (isfinite(r.paired_share)) {

@@ -633,6 +633,9 @@ def test_draws_into_the_bottom_are_counted():
         done = asdic("trial", path, "--runs", 4, "-o", folder / "deep").check(code=1)
         tap.contains(done.err, "no run could be flown")
         tap.equal("nan" in done.out or "inf" in done.out, False, done.out)
+        key = "mission.waypoints.points_m[0][2]"
+        done = asdic("trial", path, "--runs", 4, "--vary", f"{key}=10,25", "-o", folder / "half").check(code=0)
+        tap.equal(done.out.splitlines()[-1].split(), [key, "=", "25", "-", "-", "-"], done.out)
 
 
 def test_scenes_and_options_that_cannot_be():
