@@ -150,6 +150,9 @@ asdic_status asdic_mission_build_pings(mission_builder *b) {
         TRY(asdic_mission_file_problem(b, waypoints, fly(b)));
     }
     if (b->mission->track) {
+        const asdic_track *way = b->mission->track;
+        double depth_m = asdic_track_pose(way, asdic_track_start_s(way)).position_m.z;
+        asdic_scene_file_check_bins(b->file, depth_m, b->problems);
         count_pings(b, track ? track : waypoints);
     }
     return ASDIC_OK;

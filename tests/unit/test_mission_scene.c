@@ -149,6 +149,32 @@ static void materials_read_their_files(void **state) {
     }
 }
 
+/* Echoes come from c / (2 ping_rate_hz), of the sound speed where the sonar is at first, however that
+ * is said: 20 m down 1490 or 1510 m/s. */
+static void range_is_that_of_the_sonars_depth(void **state) {
+    workshop *w = *state;
+    static const char *const places[] = {
+        "pose: {position_m: [0, 0, 20]}", "track: sonar.csv", "waypoints: [[0, 0, 20], [9, 0, 20]]",
+        "waypoints: {points_m: [[0, 0, 1], [9, 0, 1]], altitude_m: 80}"};
+    write_track(w, "sonar.csv", "0,0,0,20,0,0,0\n1,1,0,20,0,0,0\n");
+    for (size_t i = 0; i < 2 * sizeof places / sizeof *places; i++) {
+        char text[600];
+        bool is_less = i % 2;
+        snprintf(
+            text, sizeof text,
+            "version: 1\nbottom: {depth_m: 100}\nenvironment: {sound_speed_mps: 1500,\n"
+            "  sound_speed_gradient_per_s: %s}\nsonar: {frequency_khz: 100, ping_rate_hz: 10,\n"
+            "  max_range_m: %s, source_level_db: 0, receivers: [{name: a}]}\nmission: {%s}\n",
+            is_less ? "-0.5" : "0.5", is_less ? "74.6" : "75.4", places[i / 2]);
+        asdic_mission *m = load_text(w, text);
+        assert_int_equal(m == NULL, is_less);
+        if (is_less) {
+            assert_contains(w->said, "'max_range_m' = 74.6 is more than the 74.5 m");
+        }
+        asdic_mission_destroy(&m);
+    }
+}
+
 /* --- runs that take it over --------------------------------------------------------------------- */
 
 static const char DRAWS[] = "mission: {waypoints: {points_m: [[0, 0, 3], [60, 0, 3]]}}\n"
@@ -297,6 +323,7 @@ int main(void) {
         cmocka_unit_test(shapes_are_where_they_are_put),
         cmocka_unit_test(moving_objects_are_where_they_are_first),
         cmocka_unit_test(materials_read_their_files),
+        cmocka_unit_test(range_is_that_of_the_sonars_depth),
         cmocka_unit_test(runs_take_what_is_the_same),
         cmocka_unit_test(runs_of_many_borrow_their_scene),
     };

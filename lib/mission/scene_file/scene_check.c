@@ -154,19 +154,17 @@ static void check_gradient(const asdic_scene_file *file, asdic_problems *problem
                        most_m);
 }
 
-/* Checks the range and its bins, at the sound speed where the sonar is. */
-static void check_bins(const asdic_scene_file *file, asdic_problems *problems) {
+void asdic_scene_file_check_bins(const asdic_scene_file *file, double depth_m,
+                                 asdic_problems *problems) {
     const file_sonar *s = &file->sonar;
     if (!s->node || is_bad(s->node, "ping_rate_hz") || is_bad(s->node, "max_range_m") ||
         is_bad(s->node, "bin_length_m") || is_bad(s->node, "blanking_m") ||
         is_bad(file->node, "environment")) {
         return;
     }
-    const file_pose *pose = &file->mission.pose;
-    double depth_m = asdic_scene_node_good(pose->node) ? fmax(pose->position_m[2], 0.0) : 0.0;
     asdic_environment env = asdic_scene_file_environment(file);
     asdic_sonar sonar = asdic_scene_file_sonar(file);
-    double sound_speed_mps = asdic_environment_sound_speed_mps(&env, depth_m);
+    double sound_speed_mps = asdic_environment_sound_speed_mps(&env, fmax(depth_m, 0.0));
     double range_m = asdic_sonar_max_range_m(&sonar, sound_speed_mps);
     size_t bins = asdic_sonar_bin_count(&sonar, sound_speed_mps);
     bool is_set = s->max_range_m <= range_m;
@@ -291,7 +289,12 @@ static void check_sonar(const asdic_scene_file *file, asdic_arena *arena,
     check_array(&s->array, problems);
     check_scan(&s->scan, problems);
     check_names(s->receivers, sizeof(file_beam), offsetof(file_beam, name), "", arena, problems);
-    check_bins(file, problems);
+    const file_mission *mission = &file->mission;
+    if (!asdic_scene_node_good(asdic_yaml_child(mission->node, "track")) &&
+        !asdic_scene_node_good(mission->waypoints.node)) {
+        bool is_known = asdic_scene_node_good(mission->pose.node);
+        asdic_scene_file_check_bins(file, is_known ? mission->pose.position_m[2] : 0.0, problems);
+    }
 }
 
 /* Keys that the chosen kind of bottom cannot honour. */

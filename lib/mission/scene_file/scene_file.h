@@ -328,6 +328,11 @@ bool asdic_scene_key_includes(const char *key);
 /* Checks what depends on several keys, and names what has no name (scene_check.c). */
 void asdic_scene_file_check(asdic_scene_file *file, asdic_arena *arena, asdic_problems *problems);
 
+/* Checks the range and its bins at the sound speed of DEPTH_M, where the sonar is at its first ping.
+ * asdic_scene_file_check does so of a sonar at rest. */
+void asdic_scene_file_check_bins(const asdic_scene_file *file, double depth_m,
+                                 asdic_problems *problems);
+
 /* Whether NODE is given and nothing in it is wrong, so that it can be judged together with
  * others. */
 bool asdic_scene_node_good(const asdic_yaml_node *node);
