@@ -91,8 +91,16 @@ static void remark_on_sonar(const asdic_settings *settings, double speed_mps, as
     }
 }
 
+/* Puts all of REST behind what of OUT leaves room for it. */
+static void append(asdic_remarks *out, const asdic_remarks *rest) {
+    size_t room = ASDIC_MOST_REMARKS - rest->count;
+    out->count = out->count < room ? out->count : room;
+    memcpy(out->text[out->count], rest->text, rest->count * ASDIC_REMARK_SIZE);
+    out->count += rest->count;
+}
+
 asdic_remarks asdic_mission_remarks(const asdic_mission *mission) {
-    asdic_remarks out = {0};
+    asdic_remarks out = {0}, rest = {0};
     if (!mission) {
         return out;
     }
@@ -118,8 +126,9 @@ asdic_remarks asdic_mission_remarks(const asdic_mission *mission) {
     if (scene->has_surface) {
         remark(&scene->surface.law->model, &scene->surface, &s, &out);
     }
-    remark_rays(mission, &out);
-    asdic_mission_remark_water(mission, &out);
-    remark_on_sonar(&mission->settings, asdic_environment_sound_speed_mps(env, s.z_m), &out);
+    remark_rays(mission, &rest);
+    asdic_mission_remark_water(mission, &rest);
+    remark_on_sonar(&mission->settings, asdic_environment_sound_speed_mps(env, s.z_m), &rest);
+    append(&out, &rest);
     return out;
 }
