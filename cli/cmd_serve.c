@@ -164,6 +164,8 @@ static asdic_status make_ping(void *user, const asdic_pose *pose, serve_answer *
         TRY(expect(s, ping));
     }
     if (s->scan) {
+        const asdic_environment *env = asdic_mission_environment(s->mission);
+        asdic_scan_set_sound_speed(s->scan, asdic_environment_sound_speed_mps(env, z_m));
         TRY(asdic_scan_ping(s->scan, ping->parts->intensity_lin[ASDIC_TOTAL],
                             s->expectation->intensity_lin[ASDIC_TOTAL],
                             s->expectation->intensity_lin[ASDIC_NOISE], ping->parts->stderr_db));

@@ -7,6 +7,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* Thresholds of K speckle depend on the noise's share of a bin; shares are rounded to this step. */
 #define SHARE_STEPS 1000
@@ -16,6 +17,7 @@
 
 struct asdic_scan {
     asdic_context *ctx;
+    asdic_sonar sonar; /* without receivers */
     size_t beams, bins;
     asdic_detector detector;
     bool has_cfar;
@@ -58,6 +60,8 @@ asdic_status asdic_scan_create(asdic_context *ctx, const asdic_sonar *sonar, dou
         return asdic_fail_memory(ctx, "a detector");
     }
     scan->ctx = ctx;
+    scan->sonar = *sonar;
+    scan->sonar.receivers = NULL;
     scan->beams = sonar->receiver_count;
     scan->bins = bins;
     scan->detector = *detector;
@@ -82,6 +86,19 @@ void asdic_scan_destroy(asdic_scan **scan) {
         free((*scan)->background_lin);
         free(*scan);
         *scan = NULL;
+    }
+}
+
+void asdic_scan_set_sound_speed(asdic_scan *scan, double sound_speed_mps) {
+    if (!scan) {
+        return;
+    }
+    asdic_background law = asdic_background_of(&scan->sonar, sound_speed_mps, 1.0, 0.0);
+    if (law.looks != scan->law.looks) { /* what was computed is another law's */
+        scan->law = law;
+        memset(scan->factor, 0, (SHARE_STEPS + 1) * sizeof *scan->factor);
+        memset(scan->lift, 0, sizeof scan->lift);
+        memset(scan->scales, 0, sizeof scan->scales);
     }
 }
 

@@ -72,13 +72,11 @@ static asdic_status remember(asdic_eye *eye, const asdic_mission *mission, size_
 /* The detector of the mission; one that is there stays, since what it has tabulated holds on. */
 static asdic_status need_scan(asdic_eye *eye, const asdic_cfar *cfar, double speed_mps) {
     const asdic_detector *detector = &eye->mission->settings.detector;
-    if (eye->scan && eye->scan_speed_mps == speed_mps && eye->scan_is_flat == eye->is_flat &&
-        eye->scan_cfar == cfar->kind &&
+    if (eye->scan && eye->scan_is_flat == eye->is_flat && eye->scan_cfar == cfar->kind &&
         memcmp(&eye->scan_detector, detector, sizeof *detector) == 0) {
         return ASDIC_OK;
     }
     asdic_scan_destroy(&eye->scan);
-    eye->scan_speed_mps = speed_mps;
     eye->scan_is_flat = eye->is_flat;
     eye->scan_cfar = cfar->kind;
     eye->scan_detector = *detector;
@@ -175,6 +173,8 @@ asdic_status asdic_eye_look(asdic_eye *eye, const asdic_pose *pose, asdic_loop_p
         asdic_expected_place place = place_of(eye, ping);
         TRY(expect(eye, &place));
     }
+    asdic_scan_set_sound_speed(
+        eye->scan, asdic_environment_sound_speed_mps(&eye->environment, pose->position_m.z));
     TRY(asdic_scan_ping(eye->scan, ping->parts->intensity_lin[ASDIC_TOTAL],
                         eye->is_flat ? eye->total_lin : NULL,
                         eye->is_flat ? eye->noise_lin : ping->parts->intensity_lin[ASDIC_NOISE],

@@ -22,7 +22,6 @@ typedef struct asdic_eye {
     const asdic_mission *mission;
     asdic_loop *loop;
     asdic_scan *scan; /* kept from run to run with what it is made for: */
-    double scan_speed_mps;
     bool scan_is_flat;
     asdic_cfar_kind scan_cfar;
     asdic_detector scan_detector;

@@ -90,6 +90,7 @@ static void assert_seen(const sight *s, const asdic_mission *m, asdic_scan *scan
                 (double)(i % ping.bins) * sonar->bin_length_m < end_m ? total[i] : (double)NAN;
         }
     }
+    asdic_scan_set_sound_speed(scan, asdic_environment_sound_speed_mps(env, pose->position_m.z));
     assert_ok(t.ctx,
               asdic_scan_ping(
                   scan, ping.parts->intensity_lin[ASDIC_TOTAL], s->source == FLAT ? total : NULL,

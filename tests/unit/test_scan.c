@@ -196,6 +196,49 @@ static void bins_without_an_error_keep_their_threshold(void **state) {
     asdic_scan_destroy(&scan);
 }
 
+/* Bins of two looks (0.5 m, 2.24 kHz: 1.503 cells) have one in faster water (1.493): the threshold of a
+ * scan is then that of an exponential, the mean times ln(1 / P_FA), and what one made there says. */
+static void looks_follow_the_sound_speed(void **state) {
+    (void)state;
+    enum { BINS = 80 };
+    asdic_beam beam = asdic_sonar_default().transmitter;
+    asdic_sonar sonar = sonar_of(&beam, 1);
+    asdic_detector detector = asdic_detector_default();
+    asdic_cfar cfar = asdic_cfar_default();
+    double mean[BINS], z[BINS];
+    float stderr_db[BINS];
+    sonar.speckle = ASDIC_SPECKLE_RAYLEIGH;
+    sonar.bin_length_m = 0.5;
+    sonar.bandwidth_hz = 2240.0;
+    for (int i = 0; i < BINS; i++) {
+        mean[i] = 3.0;
+        z[i] = 3.0 + i % 3;
+        stderr_db[i] = i % 2 ? 0.5f : 0.0f;
+    }
+    for (int k = 0; k < 2; k++) {
+        asdic_scan *moved = NULL, *made = NULL;
+        const asdic_cfar *by = k ? &cfar : NULL;
+        assert_ok(ctx, asdic_scan_create(ctx, &sonar, 1490.0, BINS, &detector, by, &moved));
+        assert_ok(ctx, asdic_scan_create(ctx, &sonar, 1500.0, BINS, &detector, by, &made));
+        assert_ok(ctx, asdic_scan_ping(moved, z, mean, NULL, stderr_db));
+        double two_looks = asdic_scan_get(moved).threshold_lin[40];
+        asdic_scan_set_sound_speed(moved, 1500.0);
+        assert_ok(ctx, asdic_scan_ping(moved, z, mean, NULL, stderr_db));
+        assert_ok(ctx, asdic_scan_ping(made, z, mean, NULL, stderr_db));
+        asdic_scan_result r = asdic_scan_get(moved), right = asdic_scan_get(made);
+        for (int i = 0; i < BINS; i++) {
+            assert_close(r.threshold_lin[i], right.threshold_lin[i], 0.0);
+            assert_close(r.llr[i], right.llr[i], 0.0);
+        }
+        if (k == 0) {
+            assert_close_relative(r.threshold_lin[40], 3.0 * log(1e3), 1e-6);
+        }
+        assert_true(two_looks < 0.8 * r.threshold_lin[40]);
+        asdic_scan_destroy(&moved);
+        asdic_scan_destroy(&made);
+    }
+}
+
 static void beams_have_axes_and_widths(void **state) {
     (void)state;
     asdic_sonar sonar = asdic_sonar_default();
@@ -937,6 +980,7 @@ int main(void) {
         cmocka_unit_test(detectors_have_limits),
         cmocka_unit_test(sampling_errors_are_allowed_for),
         cmocka_unit_test(bins_without_an_error_keep_their_threshold),
+        cmocka_unit_test(looks_follow_the_sound_speed),
         cmocka_unit_test(beams_have_axes_and_widths),
         cmocka_unit_test(quiet_bins_clear_by_what_would_be_heard),
         cmocka_unit_test(poses_tell_cells_apart),

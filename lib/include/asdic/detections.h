@@ -71,7 +71,7 @@ typedef struct asdic_detect_report {
     bool is_sample; /* the sonar has speckle; else levels are means and rates mean little */
     double sampling_error_db; /* median over bins of the rays' standard error: keep it small */
     double sampling_lift_db;  /* by how much a threshold by P_FA is higher for such an error */
-    unsigned looks;
+    unsigned looks;           /* of a bin, at the first ping's depth */
     size_t pings;
     uint64_t bins, detections;
     asdic_estimate pfa; /* over bins that hold nothing; its bounds know that they share speckle */

@@ -35,6 +35,9 @@ ASDIC_API asdic_status asdic_scan_create(asdic_context *ctx, const asdic_sonar *
                                          asdic_scan **out);
 ASDIC_API void asdic_scan_destroy(asdic_scan **scan);
 
+/* Where the vehicle is now: a bin has fewer looks in faster water, as the simulator draws them. */
+ASDIC_API void asdic_scan_set_sound_speed(asdic_scan *scan, double sound_speed_mps);
+
 /* Decides about INTENSITY_LIN[beam * bins + bin]. EXPECTED_LIN: the background's mean, noise
  * included; NULL with CFAR. NOISE_LIN: the ambient noise in it, for K speckle; NULL: none.
  * STDERR_DB: the sampling error of simulated intensities, as a ping states it; NULL: none. It

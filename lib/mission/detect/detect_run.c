@@ -93,6 +93,7 @@ static asdic_status take_ping(asdic_detect_job *job, size_t index, const asdic_r
         asdic_environment_sound_speed_mps(job->info.environment, record->pose.position_m.z);
     TRY(asdic_namer_begin_ping(job->namer, record));
     read_truth(job, record);
+    asdic_scan_set_sound_speed(job->scan, job->sound_speed_mps);
     TRY(find_background(job, index, record, &mean));
     TRY(asdic_scan_ping(job->scan, job->intensity_lin, mean, job->noise_lin, job->error_db));
     asdic_scan_result result = asdic_scan_get(job->scan);
