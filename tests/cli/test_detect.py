@@ -396,6 +396,31 @@ def test_a_background_may_be_quiet():
         tap.equal(0.3e-3 < rate < 3e-3, True, f"P_FA {rate} of 1e-3")
 
 
+def test_a_background_bends_as_the_run():
+    """Through a thermocline straight rays reach the floor elsewhere."""
+    need_device()
+    with Folder() as folder:
+        text = WAVES % (DATA / "meshes/terrain.ply")
+        for old, new in (("bottom:", "environment: {sound_speed_profile: [[0, 1482], [8, 1480], [12, 1460], "
+                                     "[20, 1445], [35, 1440]]}\nbottom:"),
+                         ("waypoints: {points_m: [[0, 0, 20], [30, 5, 20]], speed_mps: 1.5}",
+                          "pose: {position_m: [0, 0, 9]}"), ("pings: 40", "pings: 20"),
+                         ("frequency_khz: 200", "frequency_khz: 100"), ("bin_length_m: 0.1", "bin_length_m: 0.5")):
+            tap.contains(text, old)
+            text = text.replace(old, new)
+        folder.write("bent.yaml", text)
+        backgrounds = {}
+        for form in "off", "full":
+            asdic("run", "bent.yaml", "-o", "out", "-q", "-f", "--refraction", form, cwd=folder.path).check(0)
+            for name, kept in backgrounds.items():  # another form's is not taken for its own
+                (pathlib.Path(folder.path) / "out/background.npy").write_bytes(kept)
+            found = json.loads(asdic("detect", "out", "--json", "-f", cwd=folder.path).check(0).out)
+            tap.equal(found["background_s"] > 0, True, form)
+            backgrounds[form] = (pathlib.Path(folder.path) / "out/background.npy").read_bytes()
+            rate = found["pfa_measured"]["value"]
+            tap.equal(0.3e-3 < rate < 3e-3, True, f"P_FA {rate} of 1e-3, {form}")
+
+
 def test_a_background_is_of_the_mesh_that_was_run():
     """A scene file that stays the same does not say that its meshes do."""
     need_device()

@@ -83,10 +83,11 @@ static uint64_t key_of(const asdic_backdrop *b) {
     const asdic_run_facts *f = &b->run->facts;
     const asdic_sampling *s = &f->sampling;
     char text[512], hex[65];
-    int length = snprintf(text, sizeof text, "%s %s %s %zu+%zu %zu*%zu %u %d %d %llu %u",
-                          f->version, f->scene_hash, f->geometry_hash, f->first_ping, b->pings,
-                          f->beams, f->bins, b->rays, (int)s->sampler, (int)s->multipath,
-                          (unsigned long long)s->seed, s->left_out);
+    int length =
+        snprintf(text, sizeof text, "%s %s %s %zu+%zu %zu*%zu %u %d %d %llu %u %d %.17g %.17g",
+                 f->version, f->scene_hash, f->geometry_hash, f->first_ping, b->pings, f->beams,
+                 f->bins, b->rays, (int)s->sampler, (int)s->multipath, (unsigned long long)s->seed,
+                 s->left_out, (int)f->refraction, f->layer_from_m, f->layer_to_m);
     asdic_sha256_hex(text, (size_t)length, hex);
     hex[16] = 0;
     return strtoull(hex, NULL, 16);
@@ -169,6 +170,7 @@ static asdic_status simulate_on(asdic_backdrop *b, asdic_mission *mission, asdic
     mission->settings.sampling = facts->sampling;
     mission->settings.sampling.rays = b->rays;
     mission->settings.sonar.speckle = ASDIC_SPECKLE_NONE;
+    mission->settings.environment = b->run->settings.environment; /* rays bend as the run's */
     TRY(asdic_file_create(b->run->ctx, b->path, &b->part));
     fwrite(b->header, b->header_bytes, 1, asdic_file_stream(b->part));
     report(b, 0);
