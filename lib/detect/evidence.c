@@ -5,8 +5,6 @@
 #include "law.h"
 #include "sim/ring.h"
 
-#include "../../kernels/beam.h"
-
 #include <limits.h>
 #include <math.h>
 #include <stdlib.h>
@@ -23,6 +21,8 @@
 /* An axis on which a beam hears less, re the most where it is asked, is in a null of the transmitter. */
 #define NULL_GAIN 0.25
 #define MOST_WIDTHS 1.5
+/* The least gain behind a face: gains are divided by each other. */
+#define LEAST_REAR 1e-6
 /* In K speckle likelihood ratios are tabled by strength re the background: from, in steps of, how many. */
 #define FIRST_DB (-12.0)
 #define STEP_DB 4.0
@@ -49,19 +49,16 @@ typedef struct reader {
     asdic_face transmitter;
     ear *ears;
     asdic_background law;
+    double rear_lin;   /* one-way gain behind a face */
     double snr_lin;    /* of the weakest object looked for */
     double *extra_lin; /* by beam: explained echoes, at the range in work */
     double *table;     /* by beam: ln of ratios at that range, STRENGTHS each; K speckle only */
     bool *is_frozen;   /* headings near an echo that is explained elsewhere */
 } reader;
 
-static double pattern(const asdic_face *face, asdic_vec3 towards) {
-    asdic_vec3 v = asdic_mat3_apply(face->world_to_face, towards);
-    return beam_pattern_lin(v.x, v.y, v.z, face->length_h_wl, face->length_v_wl, 1e-6);
-}
-
 static double two_way(const reader *r, size_t beam, asdic_vec3 towards) {
-    return pattern(&r->transmitter, towards) * pattern(&r->ears[beam].face, towards);
+    return asdic_face_gain(&r->transmitter, towards, r->rear_lin) *
+           asdic_face_gain(&r->ears[beam].face, towards, r->rear_lin);
 }
 
 static asdic_vec3 direction(double azimuth_rad, double elevation_rad) {
@@ -113,7 +110,9 @@ static void find_ears(reader *r) {
         ear *e = &r->ears[b];
         for (size_t k = 0; k < sonar->receiver_count; k++) {
             bool is_near = apart(e->azimuth_rad, r->ears[k].azimuth_rad) < 4.0 * e->width_rad;
-            sum += k == b ? 1.0 : is_near ? pattern(&e->face, r->ears[k].axis) : 0.0;
+            sum += k == b    ? 1.0
+                   : is_near ? asdic_face_gain(&e->face, r->ears[k].axis, r->rear_lin)
+                             : 0.0;
         }
         e->weight = 1.0 / sum;
     }
@@ -410,7 +409,10 @@ static asdic_status read_ping(asdic_context *ctx, reader *r) {
 asdic_status asdic_evidence_create(asdic_context *ctx, const asdic_look *look,
                                    asdic_evidence *out) {
     size_t beams = look->sonar->receiver_count;
-    reader r = {.look = look, .out = out, .snr_lin = pow(10.0, 0.1 * look->snr_db)};
+    reader r = {.look = look,
+                .out = out,
+                .rear_lin = fmax(pow(10.0, 0.1 * look->sonar->rear_floor_db), LEAST_REAR),
+                .snr_lin = pow(10.0, 0.1 * look->snr_db)};
     *out = (asdic_evidence){.bins = look->bins};
     r.law = asdic_background_of(look->sonar, look->sound_speed_mps, 1.0, 0.0);
     r.ears = calloc(beams, sizeof *r.ears);

@@ -26,6 +26,11 @@ asdic_face asdic_face_aim(const asdic_beam *beam, const asdic_pose *pose, double
     return face;
 }
 
+double asdic_face_gain(const asdic_face *face, asdic_vec3 towards, double rear_lin) {
+    asdic_vec3 v = asdic_mat3_apply(face->world_to_face, towards);
+    return beam_pattern_lin(v.x, v.y, v.z, face->length_h_wl, face->length_v_wl, rear_lin);
+}
+
 /* Azimuths at which the face's edge crosses the ring: cos(phi - middle) = -offset / reach. Returns
  * 0 or 2. */
 static size_t crossings(const asdic_face *face, double sin_e, double cos_e, double out[2]) {

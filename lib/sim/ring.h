@@ -18,6 +18,9 @@ typedef struct asdic_face {
 
 asdic_face asdic_face_aim(const asdic_beam *beam, const asdic_pose *pose, double wavelength_m);
 
+/* One-way gain in the direction of a unit vector of the world; behind the face REAR_LIN times that. */
+double asdic_face_gain(const asdic_face *face, asdic_vec3 towards, double rear_lin);
+
 typedef struct asdic_ring {
     asdic_face transmitter, receiver;
     double rear_lin; /* one-way gain behind a face */

@@ -466,6 +466,42 @@ def test_naming_long_thin_objects_is_quick():
         tap.equal(spent < 1.5, True, f"{spent:.1f} s of CPU")
 
 
+# Two points at one range, ahead and astern.
+POINTS = """version: 1
+bottom: none
+objects:
+  - {name: ahead, point: {target_strength_db: 0}, position_m: [20, 12, 50]}
+  - {name: astern, point: {target_strength_db: 0}, position_m: [-23.3238, 0, 50]}
+sonar:
+  frequency_khz: 100
+  source_level_db: 200
+  receivers: [{name: f}]
+  speckle: rayleigh
+mission: {pose: {position_m: [0, 0, 50]}, pings: 2}
+sampling: {rays: 1000}
+output: {csv: none, images: []}
+"""
+
+
+def named(folder, text):
+    """What bins with echoes are named by detections.csv: the same where the run kept the truth."""
+    names = []
+    for kept in "false", "true":
+        folder.write("points.yaml", text.replace("output: {", f"output: {{truth: {kept}, "))
+        asdic("detect", "points.yaml", "-o", "out", "-q", "-f", cwd=folder.path).check(0)
+        names.append({row["truth"] for row in rows(folder / "out/detections.csv") if row["pd"]})
+    tap.equal(names[0], names[1], "names without truth, and with it")
+    return names[0]
+
+
+def test_echoes_from_behind_are_named_as_loud_as_they_are_heard():
+    """A face that hears as well from behind hears 'astern' on its axis."""
+    need_device()
+    with Folder() as folder:
+        tap.equal(named(folder, POINTS), {"ahead"}, "deaf behind")
+        tap.equal(named(folder, POINTS.replace("sonar:", "sonar:\n  rear_floor_db: 0")), {"astern"}, "not deaf")
+
+
 # A triangle that rises from 31 m away to 45 m, and a ball before it.
 RISE = """version: 1
 bottom: {depth_m: 20, type: mud}

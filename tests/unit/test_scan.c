@@ -378,6 +378,22 @@ static void side_lobes_are_explained(void **state) {
     }
 }
 
+/* Faces that hear 20 dB less from behind: an echo from ahead is no object astern of a beam that looks there. */
+static void echoes_through_the_rear_are_explained(void **state) {
+    (void)state;
+    map_rig r;
+    map_begin(&r, 2);
+    r.beams[1].yaw_rad = 180.0 * DEGREE;
+    r.sonar.rear_floor_db = -20.0;
+    r.pose.position_m.x = 30.0;
+    r.intensity[40] = 1.0 + 1e5;
+    r.intensity[MAP_BINS + 40] = 1.0 + 1e3;
+    map_look(&r);
+    assert_true(map_at(&r, 50.4, 0.1) > MAP_PRIOR + 0.5);
+    assert_true(map_at(&r, 9.9, 0.1) < MAP_PRIOR);
+    asdic_occupancy_destroy(&r.map);
+}
+
 /* On a floor that is known, 8 m below a beam that looks 30 degrees down, an echo at 16.25 m lies
  * 14.1 m away and nowhere else; what is above the beam's height stays as it was. */
 static void echoes_lie_on_the_floor_that_is_known(void **state) {
@@ -985,6 +1001,7 @@ int main(void) {
         cmocka_unit_test(quiet_bins_clear_by_what_would_be_heard),
         cmocka_unit_test(poses_tell_cells_apart),
         cmocka_unit_test(side_lobes_are_explained),
+        cmocka_unit_test(echoes_through_the_rear_are_explained),
         cmocka_unit_test(echoes_lie_on_the_floor_that_is_known),
         cmocka_unit_test(cells_lie_at_their_centres),
         cmocka_unit_test(water_that_is_not_heard_says_nothing),

@@ -7,8 +7,7 @@
 #include "scene/scene.h"
 #include "sim/ring.h"
 
-#include "../../../kernels/beam.h"
-
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -287,13 +286,9 @@ asdic_status asdic_namer_begin_ping(asdic_namer *namer, const asdic_record *reco
     return ASDIC_OK;
 }
 
-static double gain(const asdic_face *face, asdic_vec3 towards) {
-    asdic_vec3 v = asdic_mat3_apply(face->world_to_face, towards);
-    return beam_pattern_lin(v.x, v.y, v.z, face->length_h_wl, face->length_v_wl, 1e-6);
-}
-
 /* The object with the largest part in BIN; *WEIGHT is 0 when there is none. */
 static size_t heaviest(const asdic_namer *namer, size_t beam, size_t bin, double *weight) {
+    double rear_lin = pow(10.0, 0.1 * namer->run->settings.sonar.rear_floor_db);
     size_t best = 0;
     *weight = 0.0;
     for (size_t i = 0; i < namer->count; i++) {
@@ -303,8 +298,9 @@ static size_t heaviest(const asdic_namer *namer, size_t beam, size_t bin, double
             continue;
         }
         asdic_vec3 u = asdic_vec3_scale(s->towards, 1.0 / length);
-        double w =
-            s->area_m2 * (gain(&namer->transmitter, u) * gain(&namer->receivers[beam], u) + 1e-12);
+        double gain = asdic_face_gain(&namer->transmitter, u, rear_lin) *
+                      asdic_face_gain(&namer->receivers[beam], u, rear_lin);
+        double w = s->area_m2 * (gain + 1e-12);
         if (w > *weight) {
             *weight = w;
             best = i;
