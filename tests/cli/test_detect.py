@@ -502,6 +502,16 @@ def test_echoes_from_behind_are_named_as_loud_as_they_are_heard():
         tap.equal(named(folder, POINTS.replace("sonar:", "sonar:\n  rear_floor_db: 0")), {"astern"}, "not deaf")
 
 
+def test_echoes_are_named_after_the_stronger_point():
+    """At one range, 4.6 degrees to the right and 10 to the left, where the beam hears 9 dB less."""
+    need_device()
+    with Folder() as folder:
+        points = POINTS.replace("[20, 12, 50]", "[20.05, 1.6, 50]").replace("[-23.3238, 0, 50]", "[19.8, -3.5, 50]")
+        tap.equal(named(folder, points), {"ahead"}, "as strong")
+        louder = points.replace("astern, point: {target_strength_db: 0}", "astern, point: {target_strength_db: 50}")
+        tap.equal(named(folder, louder), {"astern"}, "by 50 dB")
+
+
 # A triangle that rises from 31 m away to 45 m, and a ball before it.
 RISE = """version: 1
 bottom: {depth_m: 20, type: mud}

@@ -14,8 +14,6 @@
 /* An object's surface counts as equal pieces: of a quarter of a bin squared, but so many. */
 #define LEAST_PIECES 256.0
 #define MOST_PIECES 16384.0
-/* A point counts like a surface of half a square millimetre. */
-#define POINT_M2 5e-7
 
 /* A piece of an object's surface, where it is at the mission's beginning. */
 typedef struct piece {
@@ -31,6 +29,7 @@ typedef struct share {
 typedef struct named {
     char name[ASDIC_NAME_SIZE];
     size_t object, part; /* index in the mission; in its scene, SIZE_MAX for a point */
+    double point_m2;     /* of a point: what a sonar sees of a rigid sphere as strong */
     share *shares;       /* per bin */
     piece *pieces;
     size_t piece_count;
@@ -155,7 +154,7 @@ static void place(const asdic_namer *namer, named *n, size_t ping) {
         if (bin < (double)facts->bins) {
             share *s = &n->shares[(size_t)bin];
             double seen = fabs(asdic_vec3_dot(p.area_m2, to)) / range; /* as the sonar sees it */
-            double area = n->part == SIZE_MAX ? POINT_M2 : seen;
+            double area = n->part == SIZE_MAX ? n->point_m2 : seen;
             s->area_m2 += area;
             s->towards = asdic_vec3_add(s->towards, asdic_vec3_scale(to, area / range));
         }
@@ -179,6 +178,11 @@ static asdic_status add_names(asdic_namer *namer) {
         for (size_t p = 0; p < scene->part_count; p++) {
             if (strcmp(scene->parts[p].name, o->name) == 0) {
                 n->part = p;
+            }
+        }
+        for (size_t p = 0; p < scene->point_count; p++) {
+            if (strcmp(scene->points[p].name, o->name) == 0) { /* of radius a: a^2 / 4 */
+                n->point_m2 = 4.0 * ASDIC_PI * pow(10.0, 0.1 * scene->points[p].target_strength_db);
             }
         }
         n->shares = calloc(namer->run->facts.bins, sizeof *n->shares);

@@ -1,7 +1,7 @@
 /*
  * The object that an echo comes from. The run recorded how much energy of each bin comes from
  * objects. Where the scene has several, the one with the largest area in the bin, weighted by the
- * beams, gives the name.
+ * beams, gives the name; a point's area is that of a rigid sphere as strong.
  */
 #ifndef ASDIC_MISSION_DETECT_TRUTH_H
 #define ASDIC_MISSION_DETECT_TRUTH_H
