@@ -72,6 +72,17 @@ static double apart(double a_rad, double b_rad) {
     return off > ASDIC_PI ? fabs(2.0 * ASDIC_PI - off) : off;
 }
 
+asdic_hearing_range asdic_evidence_range(const asdic_sonar *sonar, size_t receiver, asdic_vec3 axis,
+                                         double sound_speed_mps) {
+    double level = hypot(axis.x, axis.y);
+    double edge_rad = EDGE * asdic_beam_height_rad(sonar, receiver, sound_speed_mps);
+    double flattest_rad = fmax(atan2(fabs(axis.z), level) - edge_rad, 0.0);
+    return (asdic_hearing_range){.plane_share = level >= LEAST_COS ? cos(flattest_rad) : 0.0,
+                                 .aside_rad =
+                                     (MOST_WIDTHS + 0.5 / PER_WIDTH) *
+                                     asdic_beam_width_rad(sonar, receiver, sound_speed_mps)};
+}
+
 /* --- beams ------------------------------------------------------------------------------------ */
 
 /* What gains of BEAM refer to: its two-way pattern on its axis, or, where that looks into a null of the

@@ -51,6 +51,15 @@ typedef struct asdic_evidence {
 /* As asdic_beam_width_rad, in the vertical. */
 double asdic_beam_height_rad(const asdic_sonar *sonar, size_t receiver, double sound_speed_mps);
 
+/* Where in the plane a beam along AXIS is asked. */
+typedef struct asdic_hearing_range {
+    double plane_share; /* of the slant range, at most; 0: it is not asked */
+    double aside_rad;   /* to either side of the axis */
+} asdic_hearing_range;
+
+asdic_hearing_range asdic_evidence_range(const asdic_sonar *sonar, size_t receiver, asdic_vec3 axis,
+                                         double sound_speed_mps);
+
 asdic_status asdic_evidence_create(asdic_context *ctx, const asdic_look *look, asdic_evidence *out);
 void asdic_evidence_finish(asdic_evidence *footprint);
 

@@ -512,6 +512,27 @@ def test_echoes_are_named_after_the_stronger_point():
         tap.equal(named(folder, louder), {"astern"}, "by 50 dB")
 
 
+def test_a_map_reaches_as_far_as_a_steep_beam_hears():
+    """80 degrees down and 56 tall: heard up to 0.75 heights above its axis, 38 degrees down."""
+    need_device()
+    with Folder() as folder:
+        height_m = 0.443 * 1500 / 100e3 / math.sin(math.radians(28)) / math.sqrt(2)
+        face = f"pitch_deg: 80, length_v_m: {height_m}"
+        text = POINTS.replace("{name: f}", f"{{name: f, {face}}}")
+        text = text.replace("sonar:", f"sonar:\n  transmitter: {{{face}}}")
+        folder.write("steep.yaml", "environment: {sound_speed_mps: 1500}\n" + text)
+        asdic("run", "steep.yaml", "-o", "out", "-q", cwd=folder.path).check(0)
+        # Cells that are too small are refused with the number that there would be.
+        refused = asdic("detect", "out", "--cell", "0.001", cwd=folder.path).check(2).err
+        north, east = (int(word) for word in refused.split("a map of ")[1].split(" cells")[0].split(" x "))
+        done = asdic("detect", "out", "--json", "-q", cwd=folder.path).check(0)
+        reach_m = 0.5 * json.loads(done.out)["bins"] / 2
+        tap.equal(abs(north * 0.001 - reach_m * math.cos(math.radians(38))) < 0.1, True, f"{north} mm of {reach_m} m")
+        # Aside over 1.5 widths and the half of a quarter that a direction stands for.
+        aside = 1.625 * 2 * math.asin(0.443 * 0.015 / math.hypot(0.05, 0.05))
+        tap.equal(abs(east / north - 2 * math.sin(aside)) < 0.01, True, f"{east} mm aside")
+
+
 # A triangle that rises from 31 m away to 45 m, and a ball before it.
 RISE = """version: 1
 bottom: {depth_m: 20, type: mud}

@@ -564,6 +564,41 @@ static void headings_know_who_hears_them(void **state) {
     asdic_occupancy_destroy(&r.map);
 }
 
+/* A beam that looks 80 degrees down, 56 degrees tall, is asked up to 80 - 0.75 x 56 = 38 degrees down, and no heading is
+ * heard farther aside or flatter; one that looks straight down is not asked. */
+static void beams_are_asked_within_their_range(void **state) {
+    (void)state;
+    map_rig r;
+    asdic_evidence seen = {0};
+    map_begin(&r, 2);
+    r.sonar.transmitter.pitch_rad = r.beams[0].pitch_rad = 80.0 * DEGREE;
+    r.beams[1].pitch_rad = 90.0 * DEGREE;
+    double height_m = 0.443 * SPEED / 100e3 / sin(28.0 * DEGREE) / sqrt(2.0);
+    r.sonar.transmitter.length_v_m = r.beams[0].length_v_m = height_m;
+    asdic_vec3 axis = asdic_beam_axis(&r.beams[0], &r.pose);
+    asdic_hearing_range range = asdic_evidence_range(&r.sonar, 0, axis, SPEED);
+    assert_close(range.plane_share, cos(38.0 * DEGREE), 1e-6);
+    /* Headings are a quarter of a width apart: those within 1.5 widths reach half as far beyond. */
+    assert_close(range.aside_rad, 1.625 * asdic_beam_width_rad(&r.sonar, 0, SPEED), 1e-12);
+    axis = asdic_beam_axis(&r.beams[1], &r.pose);
+    assert_close(asdic_evidence_range(&r.sonar, 1, axis, SPEED).plane_share, 0.0, 0.0);
+    const asdic_look look = look_of(&r);
+    assert_ok(ctx, asdic_evidence_create(ctx, &look, &seen));
+    size_t heard = 0;
+    for (size_t i = 0; i < seen.arcs * seen.azimuths; i++) {
+        const asdic_heading *h = &seen.headings[i];
+        double at = remainder((double)(i % seen.azimuths) * seen.step_rad, 2.0 * acos(-1.0));
+        if (h->hearing_count > 0) {
+            assert_true(fabs(at) + 0.5 * seen.step_rad <= range.aside_rad + 1e-9);
+            assert_true(cos(atan(h->slope_low)) <= range.plane_share + 1e-9);
+            heard++;
+        }
+    }
+    assert_true(heard > 4);
+    asdic_evidence_finish(&seen);
+    asdic_occupancy_destroy(&r.map);
+}
+
 /* A transmitter of two wavelengths sends nothing 30 degrees aside, where a receiver looks: it is not the one by
  * which directions beside its axis are heard best. */
 static void a_beam_in_a_null_is_no_better_than_others(void **state) {
@@ -1006,6 +1041,7 @@ int main(void) {
         cmocka_unit_test(cells_lie_at_their_centres),
         cmocka_unit_test(water_that_is_not_heard_says_nothing),
         cmocka_unit_test(headings_know_who_hears_them),
+        cmocka_unit_test(beams_are_asked_within_their_range),
         cmocka_unit_test(a_beam_in_a_null_is_no_better_than_others),
         cmocka_unit_test(strengths_are_averaged),
         cmocka_unit_test(k_speckle_is_weighed_by_its_shape),

@@ -7,6 +7,7 @@
 #include "base/context.h"
 #include "base/try.h"
 #include "base/vec.h"
+#include "detect/evidence.h"
 #include "mission/mission.h"
 #include "mission/run/run_folder.h"
 #include "out/csv.h"
@@ -249,6 +250,8 @@ asdic_status asdic_detect_write_tracks(asdic_detect_job *job, const asdic_record
 
 /* Log-odds are clipped here: e^10 to 1. */
 #define LIMIT 10.0
+/* Directions in which the map's edge is sought: 0.13 % of the reach are missed at most, mostly less than a cell. */
+#define STEP_RAD 0.1
 
 static void find_floor(const asdic_mission *mission, asdic_occupancy *map) {
     for (size_t i = 0; i < map->rows * map->columns; i++) {
@@ -259,23 +262,23 @@ static void find_floor(const asdic_mission *mission, asdic_occupancy *map) {
     }
 }
 
-/* The map covers all that the sonar reaches along the track. */
+/* The map covers all that beams are asked about along the track. */
 asdic_status asdic_detect_create_map(asdic_detect_job *job) {
     if (isnan(job->options->cell_m)) {
         return ASDIC_OK;
     }
-    double reach_m = 0.0;
+    double range_m = (double)job->info.bins * job->info.sonar->bin_length_m;
     asdic_vec3 low = {INFINITY, INFINITY, 0.0}, high = {-INFINITY, -INFINITY, 0.0};
     for (size_t i = 0; i < job->info.pings; i++) {
         asdic_record record;
         TRY(asdic_run_read(job->run, i, &record));
         for (size_t b = 0; b < job->info.beams; b++) {
             asdic_vec3 axis = asdic_beam_axis(&job->info.sonar->receivers[b], &record.pose);
-            double half = 0.5 * asdic_beam_width_rad(job->info.sonar, b, job->sound_speed_mps);
-            reach_m =
-                (double)job->info.bins * job->info.sonar->bin_length_m * hypot(axis.x, axis.y);
-            for (int k = -2; k <= 2; k++) {
-                double azimuth = atan2(axis.y, axis.x) + 0.5 * k * half;
+            asdic_hearing_range heard =
+                asdic_evidence_range(job->info.sonar, b, axis, job->sound_speed_mps);
+            double reach_m = heard.plane_share * range_m, steps = ceil(heard.aside_rad / STEP_RAD);
+            for (double k = -steps; k <= steps; k += 1.0) {
+                double azimuth = atan2(axis.y, axis.x) + k / steps * heard.aside_rad;
                 double north = record.pose.position_m.x + reach_m * cos(azimuth);
                 double east = record.pose.position_m.y + reach_m * sin(azimuth);
                 low.x = fmin(low.x, fmin(north, record.pose.position_m.x));
