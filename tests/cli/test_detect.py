@@ -224,6 +224,17 @@ def test_no_false_track_is_confirmed_sooner_than_it_can_be():
         tap.equal(0.005 < said[1] < 0.05, True, f"{said}")
 
 
+def said_of(folder, *changes):
+    """How many false tracks are to be expected of the empty sea with these CHANGES, (old, new) each."""
+    text = EMPTY
+    for old, new in (("pings: 600", "pings: 30"), ("rays: 20000", "rays: 500"), *changes):
+        tap.contains(text, old)
+        text = text.replace(old, new)
+    folder.write("sea.yaml", text)
+    done = asdic("detect", "sea.yaml", "-o", "out", "-f", "--json", "-q", cwd=folder.path).check(0)
+    return json.loads(done.out)["tracks"]["by_chance"]
+
+
 def test_false_tracks_are_where_beams_look():
     """Of two beams a plot lies within a width of either axis: with two widths or more between them the sea in which
     false plots may meet grows no further."""
@@ -233,17 +244,11 @@ def test_false_tracks_are_where_beams_look():
         width = math.degrees(2 * math.asin(0.5 * 0.886 * 1500 / (100e3 * math.hypot(0.001, 0.1))))
         for gap in 1, 2.1, 8:  # widths
             yaw = 0.5 * gap * width
-            text = EMPTY
-            for old, new in (("{fan: {count: 8, sector_deg: 1.75, length_h_m: 0.75, length_v_m: 0.05}}",
-                              f"[{{yaw_deg: {-yaw}, length_h_m: 0.1}}, {{yaw_deg: {yaw}, length_h_m: 0.1}}]"),
-                             ("receivers", "transmitter: {length_h_m: 0.001}\n  receivers"), ("3.0e-3", "1.0e-6"),
-                             ("pings: 600", "pings: 30"), ("rays: 20000", "rays: 500"),
-                             ("bottom:", "environment: {sound_speed_mps: 1500}\nbottom:")):
-                tap.contains(text, old)
-                text = text.replace(old, new)
-            folder.write("two.yaml", text)
-            done = asdic("detect", "two.yaml", "-o", "out", "--force", "--json", "-q", cwd=folder.path).check(0)
-            said.append(json.loads(done.out)["tracks"]["by_chance"])
+            beams = f"[{{yaw_deg: {-yaw}, length_h_m: 0.1}}, {{yaw_deg: {yaw}, length_h_m: 0.1}}]"
+            said.append(said_of(folder,
+                                ("{fan: {count: 8, sector_deg: 1.75, length_h_m: 0.75, length_v_m: 0.05}}", beams),
+                                ("receivers", "transmitter: {length_h_m: 0.001}\n  receivers"), ("3.0e-3", "1.0e-6"),
+                                ("bottom:", "environment: {sound_speed_mps: 1500}\nbottom:")))
         tap.equal(abs(said[2] / said[1] - 1) < 1e-6, True, f"far apart {said}")
         tap.equal(said[0] > 1.1 * said[1], True, f"near each other {said}")
 
@@ -268,6 +273,15 @@ def test_a_vehicle_that_dives_keeps_the_false_alarm_rate():
         # 180 false alarms of 18,000 bins; 640 by the threshold of two looks.
         tap.equal(0.007 < report["pfa_measured"]["value"] < 0.014, True, f"{report['pfa_measured']}")
         tap.equal(report["looks"], 2, "at the first ping's depth")
+
+
+def test_false_tracks_do_not_depend_on_the_compass():
+    """A fan that looks across south, where bearings begin anew, hears as wide a sea as one to the north."""
+    need_device()
+    with Folder() as folder:
+        quiet = ("3.0e-3", "1.0e-6")  # hardly a false alarm: none are counted
+        said = [said_of(folder, quiet, ("[0, 0, 7]", f"[0, 0, 7], yaw_deg: {yaw}")) for yaw in (0, 90, 180)]
+        tap.equal(all(abs(s / said[0] - 1) < 1e-6 for s in said), True, f"{said}")
 
 
 # So few rays that levels err by half a dB.

@@ -20,6 +20,21 @@ static int by_size(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
+/* From the bearing before to bearing B, of sorted ones round the circle. */
+static double gap_before(const double *bearing, size_t beams, size_t b) {
+    return b > 0 ? bearing[b] - bearing[b - 1] : bearing[0] - bearing[beams - 1] + 2.0 * ASDIC_PI;
+}
+
+/* The bearing that the widest gap leads to; between those like it the first. */
+static size_t widest_gap(const double *bearing, size_t beams) {
+    size_t widest = 0;
+    for (size_t b = 1; b < beams; b++) {
+        bool is_wider = gap_before(bearing, beams, b) > gap_before(bearing, beams, widest);
+        widest = is_wider ? b : widest;
+    }
+    return widest;
+}
+
 /* The bearings over which the beams' axes, and hence plots, are spread, rad; gaps of more than
  * two widths are left out. NAN: no memory. */
 static double spread_rad(const asdic_detect_job *job, const asdic_pose *pose) {
@@ -34,8 +49,9 @@ static double spread_rad(const asdic_detect_job *job, const asdic_pose *pose) {
         width += asdic_beam_width_rad(job->info.sonar, b, job->sound_speed_mps) / (double)beams;
     }
     qsort(bearing, beams, sizeof *bearing, by_size);
+    size_t first = widest_gap(bearing, beams); /* wherever that is by the compass */
     for (size_t b = 1; b < beams; b++) {
-        sum += fmin(bearing[b] - bearing[b - 1], 2.0 * width);
+        sum += fmin(gap_before(bearing, beams, (first + b) % beams), 2.0 * width);
     }
     free(bearing);
     return fmax(sum, 1e-6);
