@@ -284,6 +284,22 @@ def test_false_tracks_do_not_depend_on_the_compass():
         tap.equal(all(abs(s / said[0] - 1) < 1e-6 for s in said), True, f"{said}")
 
 
+def test_false_tracks_do_not_depend_on_the_order_of_beams():
+    """Nor on one that looks straight down, whose plots fall on one spot."""
+    need_device()
+    with Folder() as folder:
+        fan = "{fan: {count: 8, sector_deg: 1.75, length_h_m: 0.75, length_v_m: 0.05}}"
+        ahead, aside, low, down = ("{}", "{yaw_deg: 30}", "{yaw_deg: 3, pitch_deg: 60}", "{pitch_deg: 90}")
+        said = {beams: said_of(folder, ("3.0e-3", "1.0e-6"), (fan, f"[{', '.join(beams)}]"))
+                for beams in ((ahead, aside), (ahead, down, aside), (down, ahead, aside),
+                              (ahead, low, aside), (low, ahead, aside), (ahead, aside, low), (down, down))}
+        two, middle, first, *three, none = said.values()
+        tap.equal(all(abs(s / two - 1) < 1e-6 for s in (middle, first)), True, f"{said}")
+        tap.equal(all(abs(s / three[0] - 1) < 1e-6 for s in three), True, f"{said}")
+        tap.equal(three[0] > two, True, f"{said}")
+        tap.equal(none, 0, "down alone")
+
+
 # So few rays that levels err by half a dB.
 FEW = """version: 1
 bottom: {depth_m: 12, type: sand}

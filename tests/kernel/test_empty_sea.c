@@ -244,7 +244,8 @@ static double expected_tracks(const sea *s, const asdic_detect_job *job, int pin
     double sum = 0.0, per_bin = plots / (double)bins_heard;
     for (size_t n = s->bins - bins_heard; n < s->bins; n++) {
         double range_m = ((double)n + 0.5) * s->rig.sonar.bin_length_m, along, across;
-        asdic_detect_spread(job, s->beams / 2, range_m, &along, &across);
+        asdic_detect_spread(job, asdic_beam_width_rad(&s->rig.sonar, 0, s->speed_mps), range_m,
+                            &along, &across);
         asdic_plot_point plot = {.variance_nn_m2 = along * along,
                                  .variance_ee_m2 = across * across};
         double width_m = range_m * SECTOR_RAD;

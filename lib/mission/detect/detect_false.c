@@ -14,6 +14,8 @@
 /* Intervals of range, each longer than the one before by the same factor: most false tracks are
  * near. */
 #define RANGES 64
+/* Beams steeper than this (84 degrees) have all their plots on one spot. */
+#define LEAST_COS 0.1
 
 static int by_size(const void *a, const void *b) {
     double x = *(const double *)a, y = *(const double *)b;
@@ -35,42 +37,73 @@ static size_t widest_gap(const double *bearing, size_t beams) {
     return widest;
 }
 
-/* The bearings over which the beams' axes, and hence plots, are spread, rad; gaps of more than
- * two widths are left out. NAN: no memory. */
-static double spread_rad(const asdic_detect_job *job, const asdic_pose *pose) {
+/* Where the plots of all beams are that are not too steep. */
+typedef struct strip {
+    size_t beams;
+    double width_rad;     /* of a beam, on average */
+    double spread_rad;    /* bearings of the axes; of gaps two widths at most */
+    double near_m, far_m; /* in the plane */
+} strip;
+
+/* Where false plots of BEAM lie in the plane; false where that is one spot, which is one track at most. */
+static bool find_reach(const asdic_detect_job *job, const asdic_pose *pose, size_t beam,
+                       double *near_m, double *far_m) {
+    const asdic_sonar *sonar = job->info.sonar;
+    asdic_vec3 axis = asdic_beam_axis(&sonar->receivers[beam], pose);
+    double level = hypot(axis.x, axis.y), range_m = (double)job->info.bins * sonar->bin_length_m;
+    *far_m = level * range_m;
+    *near_m = level * fmin(fmax(sonar->blanking_m, sonar->bin_length_m), 0.5 * range_m);
+    return level > LEAST_COS;
+}
+
+static asdic_status find_strip(const asdic_detect_job *job, const asdic_pose *pose, strip *out) {
     size_t beams = job->info.beams;
-    double *bearing = malloc(beams * sizeof *bearing), sum = 0.0, width = 0.0;
+    double *bearing = malloc(beams * sizeof *bearing), near_m, far_m, width = 0.0;
+    *out = (strip){.near_m = INFINITY};
     if (!bearing) {
-        return NAN;
+        return asdic_fail_memory(job->ctx, "bearings");
     }
     for (size_t b = 0; b < beams; b++) {
         asdic_vec3 axis = asdic_beam_axis(&job->info.sonar->receivers[b], pose);
-        bearing[b] = atan2(axis.y, axis.x);
-        width += asdic_beam_width_rad(job->info.sonar, b, job->sound_speed_mps) / (double)beams;
+        if (find_reach(job, pose, b, &near_m, &far_m)) {
+            bearing[out->beams++] = atan2(axis.y, axis.x);
+            width += asdic_beam_width_rad(job->info.sonar, b, job->sound_speed_mps);
+            out->near_m = fmin(out->near_m, near_m);
+            out->far_m = fmax(out->far_m, far_m);
+        }
     }
-    qsort(bearing, beams, sizeof *bearing, by_size);
-    size_t first = widest_gap(bearing, beams); /* wherever that is by the compass */
-    for (size_t b = 1; b < beams; b++) {
-        sum += fmin(gap_before(bearing, beams, (first + b) % beams), 2.0 * width);
+    qsort(bearing, out->beams, sizeof *bearing, by_size);
+    out->width_rad = width / fmax((double)out->beams, 1.0);
+    size_t first = widest_gap(bearing, out->beams); /* wherever that is by the compass */
+    for (size_t b = 1; b < out->beams; b++) {
+        double gap = gap_before(bearing, out->beams, (first + b) % out->beams);
+        out->spread_rad += fmin(gap, 2.0 * out->width_rad);
     }
+    out->spread_rad = fmax(out->spread_rad, 1e-6);
     free(bearing);
-    return fmax(sum, 1e-6);
+    return ASDIC_OK;
 }
 
-/* Tracks that PLOTS false plots a ping, anywhere in range and bearing, confirm in a ping. */
-static double confirmed(const asdic_detect_job *job, const asdic_pose *pose, double step_s,
-                        double plots, double spread) {
-    const asdic_sonar *sonar = job->info.sonar;
-    size_t middle = job->info.beams / 2;
-    asdic_vec3 axis = asdic_beam_axis(&sonar->receivers[middle], pose);
-    double level = fmax(hypot(axis.x, axis.y), 1e-6);
-    double end_m = level * (double)job->info.bins * sonar->bin_length_m;
-    double from_m = level * fmin(fmax(sonar->blanking_m, sonar->bin_length_m), 0.5 * end_m / level);
-    double factor = pow(end_m / from_m, 1.0 / RANGES), per_m = plots / (end_m - from_m);
-    double near_m = from_m, sum = 0.0, along, across;
-    for (int k = 0; k < RANGES; k++, near_m *= factor) {
-        double plane_m = near_m * sqrt(factor), width_m = spread * plane_m;
-        asdic_detect_spread(job, middle, plane_m, &along, &across);
+/* Plots per metre at PLANE_M, of all beams that have any there; each has PLOTS in all. */
+static double plots_per_m(const asdic_detect_job *job, const asdic_pose *pose, double plots,
+                          double plane_m) {
+    double near_m, far_m, sum = 0.0;
+    for (size_t b = 0; b < job->info.beams; b++) {
+        bool has_plots = find_reach(job, pose, b, &near_m, &far_m);
+        sum += has_plots && plane_m > near_m && plane_m < far_m ? plots / (far_m - near_m) : 0.0;
+    }
+    return sum;
+}
+
+/* Tracks that PLOTS false plots a ping, anywhere in range and in any beam, confirm in a ping. */
+static double confirmed(const asdic_detect_job *job, const asdic_pose *pose, const strip *s,
+                        double step_s, double plots) {
+    double factor = pow(s->far_m / s->near_m, 1.0 / RANGES);
+    double near_m = s->near_m, sum = 0.0, along, across;
+    for (int k = 0; k < RANGES && s->beams > 0; k++, near_m *= factor) {
+        double plane_m = near_m * sqrt(factor), width_m = s->spread_rad * plane_m;
+        double per_m = plots_per_m(job, pose, plots / (double)job->info.beams, plane_m);
+        asdic_detect_spread(job, s->width_rad, plane_m, &along, &across);
         asdic_plot_point plot = {.variance_nn_m2 = along * along,
                                  .variance_ee_m2 = across * across};
         sum += per_m * near_m * (factor - 1.0) *
@@ -91,13 +124,11 @@ asdic_status asdic_detect_expect_tracks(asdic_detect_job *job) {
     TRY(asdic_run_read(job->run, r->pings - 1, &record));
     double end_s = record.time_s;
     TRY(asdic_run_read(job->run, 0, &record));
-    double spread = spread_rad(job, &record.pose);
-    if (isnan(spread)) {
-        return asdic_fail_memory(job->ctx, "bearings");
-    }
+    strip plane;
+    TRY(find_strip(job, &record.pose, &plane));
     double per_alarm = job->false_bins > 0.0 ? job->false_plots / job->false_bins : 1.0;
     r->tracks_by_chance =
-        lasting * confirmed(job, &record.pose, (end_s - record.time_s) / (pings - 1.0),
-                            none->expected / pings * per_alarm, spread);
+        lasting * confirmed(job, &record.pose, &plane, (end_s - record.time_s) / (pings - 1.0),
+                            none->expected / pings * per_alarm);
     return ASDIC_OK;
 }

@@ -60,10 +60,10 @@ asdic_status asdic_detect_write_rows(asdic_detect_job *job, const asdic_record *
 asdic_status asdic_detect_write_tracks(asdic_detect_job *job, const asdic_record *record);
 
 /* detect_output.c: joins neighbouring detections into plots; gives the standard deviations of a
- * plot in BEAM at the horizontal distance PLANE_M. */
+ * plot in a beam of WIDTH_RAD at the horizontal distance PLANE_M. */
 void asdic_detect_find_plots(asdic_detect_job *job, const asdic_record *record);
-void asdic_detect_spread(const asdic_detect_job *job, size_t beam, double plane_m, double *along_m,
-                         double *across_m);
+void asdic_detect_spread(const asdic_detect_job *job, double width_rad, double plane_m,
+                         double *along_m, double *across_m);
 
 /* detect_false.c: fills tracks_by_chance of the report, when all pings are counted. */
 asdic_status asdic_detect_expect_tracks(asdic_detect_job *job);

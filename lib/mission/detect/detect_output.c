@@ -33,13 +33,12 @@ static size_t peak(const asdic_detect_job *job, const double *llr, size_t first,
     return best;
 }
 
-void asdic_detect_spread(const asdic_detect_job *job, size_t beam, double plane_m, double *along_m,
-                         double *across_m) {
+void asdic_detect_spread(const asdic_detect_job *job, double width_rad, double plane_m,
+                         double *along_m, double *across_m) {
     const asdic_sonar *sonar = job->info.sonar;
     *along_m =
         UNIFORM * fmax(sonar->bin_length_m, 0.5 * job->sound_speed_mps / sonar->bandwidth_hz);
-    *across_m =
-        fmax(UNIFORM * plane_m * asdic_beam_width_rad(sonar, beam, job->sound_speed_mps), *along_m);
+    *across_m = fmax(UNIFORM * plane_m * width_rad, *along_m);
 }
 
 static asdic_plot_point plot_of(const asdic_detect_job *job, const asdic_record *record,
@@ -49,7 +48,8 @@ static asdic_plot_point plot_of(const asdic_detect_job *job, const asdic_record 
     double north = at.x - record->pose.position_m.x, east = at.y - record->pose.position_m.y;
     double plane = hypot(north, east), along, across;
     double c = plane > 0.0 ? north / plane : 1.0, s = plane > 0.0 ? east / plane : 0.0;
-    asdic_detect_spread(job, beam, plane, &along, &across);
+    double width = asdic_beam_width_rad(job->info.sonar, beam, job->sound_speed_mps);
+    asdic_detect_spread(job, width, plane, &along, &across);
     return (asdic_plot_point){.north_m = at.x,
                               .east_m = at.y,
                               .variance_nn_m2 = pow(c * along, 2) + pow(s * across, 2),
