@@ -161,7 +161,7 @@ static void print_report(const asdic_detect_report *r) {
     print_sights(r);
     printf("\ntracks: %zu begun, %zu confirmed, %zu of these on objects", r->tracks,
            r->tracks_confirmed, r->tracks_of_objects);
-    if (r->is_sample) {
+    if (r->is_sample && !isnan(r->tracks_by_chance)) {
         printf("; of false alarms alone %.2g are to be expected", r->tracks_by_chance);
     }
     printf("\n");

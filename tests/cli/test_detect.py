@@ -300,6 +300,19 @@ def test_false_tracks_do_not_depend_on_the_order_of_beams():
         tap.equal(none, 0, "down alone")
 
 
+def test_false_tracks_of_a_scanned_sonar_are_not_said():
+    """Beams of one degree: five pings at a quarter of it stay within a beam, at half of it they do not."""
+    need_device()
+    with Folder() as folder:
+        fan = "{fan: {count: 8, sector_deg: 1.75, length_h_m: 0.75, length_v_m: 0.05}}"
+        said = []
+        for step_deg in 0, 0.2, 0.5:
+            scan = f"scan: {{sector_deg: 12, step_deg: {step_deg}}}\n  " if step_deg else ""
+            said.append(said_of(folder, (fan, "[{length_h_m: 0.75}]"), ("speckle:", f"{scan}speckle:")))
+        tap.equal((said[0] > 0, abs(said[1] / said[0] - 1) < 1e-6, said[2]), (True, True, None), f"{said}")
+        tap.lacks(asdic("detect", "out", "-f", cwd=folder.path).check(0).out, "to be expected")
+
+
 # So few rays that levels err by half a dB.
 FEW = """version: 1
 bottom: {depth_m: 12, type: sand}

@@ -113,19 +113,29 @@ static double confirmed(const asdic_detect_job *job, const asdic_pose *pose, con
     return sum;
 }
 
+/* Whether a scanned head turns by more than a beam in the pings by which a track is judged. */
+static bool turns_away(const asdic_detect_job *job, const strip *s) {
+    double steps = (double)job->options->tracker.of - 1.0;
+    return steps * job->run->settings.sweep.step_rad > s->width_rad;
+}
+
 asdic_status asdic_detect_expect_tracks(asdic_detect_job *job) {
     asdic_detect_report *r = job->report;
     const asdic_detect_class *none = &r->classes[r->class_count - 1];
     double pings = (double)r->pings, lasting = pings - (double)job->options->tracker.confirm;
     asdic_record record;
-    if (!r->is_sample || lasting <= 0.0) {
-        return ASDIC_OK;
-    }
     TRY(asdic_run_read(job->run, r->pings - 1, &record));
     double end_s = record.time_s;
     TRY(asdic_run_read(job->run, 0, &record));
     strip plane;
     TRY(find_strip(job, &record.pose, &plane));
+    if (turns_away(job, &plane)) {
+        r->tracks_by_chance = NAN;
+        return ASDIC_OK;
+    }
+    if (!r->is_sample || lasting <= 0.0) {
+        return ASDIC_OK;
+    }
     double per_alarm = job->false_bins > 0.0 ? job->false_plots / job->false_bins : 1.0;
     r->tracks_by_chance =
         lasting * confirmed(job, &record.pose, &plane, (end_s - record.time_s) / (pings - 1.0),
