@@ -272,6 +272,11 @@ static asdic_status detect(cli *c, const char *folder, request *r) {
         remark_on_error(c, report);
     }
     remark_on_background(c, report, r->options.has_cfar);
+    if (isnan(report->tracks_by_chance)) {
+        cli_note(
+            c, "tracks are not for this sonar: its head turns by more than a beam in the pings by "
+               "which a track is judged, so that few objects are confirmed, and are lost again");
+    }
     (cli_given(c, "json") ? print_json : print_report)(report);
     cli_note(c, "%s: detections.csv (%llu), tracks.csv, occupancy.png", folder,
              (unsigned long long)report->detections);
