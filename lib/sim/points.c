@@ -69,12 +69,24 @@ static void add_ray(asdic_point_rays *p, triple origin, triple along, double t_m
 
 /* ---- One layer, or none ---- */
 
+/* How far a ray may pass beyond a plane, m: points that lie in one are rounded. */
+#define BEYOND_PLANE 1e-3
+
+/* Whether the arc TO keeps between surface and bottom plane on its way, from a sonar FROM_M deep. */
+static bool keeps_in_water(const asdic_scene *scene, double from_m, const ray_way *to) {
+    double up = fmax(from_m, 0.0) + BEYOND_PLANE;
+    double down = fmax(scene->bottom_plane_depth_m - from_m, 0.0) + BEYOND_PLANE;
+    return !(scene->has_surface && ray_to_plane(up, -to->r.u.z, -to->r.bend) < to->t) &&
+           !(scene->has_bottom_plane && ray_to_plane(down, to->r.u.z, to->r.bend) < to->t);
+}
+
 static asdic_status add_path(asdic_simulator *sim, size_t nth, const asdic_ping_shot *shot) {
     TRY(make_room(sim, 1, 1));
     asdic_vec3 to_m = sim->placement->points[nth].position_m;
     asdic_vec3 at = asdic_vec3_sub(shot->pose.position_m, sim->setup.scene->origin_m);
     ray_way to = asdic_sonar_ray(shot->ping, asdic_vec3_sub(to_m, shot->pose.position_m), NEAREST);
-    if (!(to.t > NEAREST)) {
+    if (!(to.t > NEAREST) ||
+        (to.r.bend != 0.0 && !keeps_in_water(sim->setup.scene, shot->pose.position_m.z, &to))) {
         return ASDIC_OK;
     }
     double absorption = shot->water.absorption_np_per_m;

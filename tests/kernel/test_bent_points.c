@@ -188,12 +188,40 @@ static void points_hide_behind_objects(void **state) {
     }
 }
 
+/* In water of one gradient the ray to a point as deep as the sonar is an arc that rises or sags by
+ * across^2 |g| / (8 c): 0.5 m at 40 m where g / c is 0.0025 1/m. A point is heard unless that arc leaves the water. */
+static void points_hide_behind_planes(void **state) {
+    static const struct {
+        double bend_per_m, depth_m;
+        bool heard;
+    } cases[] = {{-0.0025, 0.6, true},  {-0.0025, 0.4, false},  {0.0025, 0.4, true},
+                 {0.0025, 11.4, true},  {0.0025, 11.6, false},  {-0.0025, 11.6, true},
+                 {-0.0025, 0.51, true}, {-0.0025, 0.49, false}, {0.0025, 11.49, true},
+                 {0.0025, 11.51, false}};
+    (void)state;
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        ping_rig r = bent_rig(0.0, 256u);
+        double g = 1480.0 * cases[k].bend_per_m, z = cases[k].depth_m, sum = 0.0;
+        r.env.sound_speed_mps = 1480.0 - g * z; /* at the surface */
+        r.env.sound_speed_gradient_per_s = g;
+        r.pose.position_m.z = z;
+        assert_ok(t.ctx, asdic_scene_add_point(r.scene, "point", (asdic_vec3){40.0, 0.0, z}, 10.0));
+        asdic_ping *ping = rig_shoot(&r, 0, false);
+        for (size_t n = 0; n < ping->bins; n++) {
+            sum += ping->intensity_lin[ASDIC_OBJECT][n];
+        }
+        assert_true((sum > 0.0) == cases[k].heard);
+        asdic_ping_destroy(&ping);
+        rig_destroy(&r);
+    }
+}
+
 int main(void) {
     t = test_device_open_or_skip();
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(points_echo_over_the_arc),   cmocka_unit_test(points_lie_on_planes),
         cmocka_unit_test(points_echo_through_layers), cmocka_unit_test(caustics_are_held),
-        cmocka_unit_test(points_hide_behind_objects),
+        cmocka_unit_test(points_hide_behind_objects), cmocka_unit_test(points_hide_behind_planes),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
     test_device_close(&t);
