@@ -365,6 +365,13 @@ static void follow_bounces(const world *w, const bounce_store *store, uint slot,
         AT(visible, float) = clear ? 1.0f : 0.0f;
         AT(t3, float) = back.t_max > 0.0f ? back.t_max / 0.9999f : 1.0f;
     }
+#if ASDIC_BENT
+    /* An arc home may leave the water; it ends just short of the sonar. */
+    real drop = home.from.z - (real)(w->ping->origin[2]), end = R(0.9999) * t3;
+    mask in_water = ray_to_plane((real)(w->ping->bottom_m) - drop, home.u.z, home.bend) > end;
+    in_water &= ray_to_plane((real)(w->ping->surface_m) + drop, -home.u.z, -home.bend) > end;
+    visible = choose(in_water, visible, R(0.0));
+#endif
     real d3 = ray_range(&home, t3);
     way->same_range = d1 + d2;
     way->cross_range = R(0.5) * (d1 + d2 + d3);
