@@ -108,32 +108,36 @@ static void enter_layer(pieces *p, const dev_layer *layer) {
     p->longest2_m2 = fmax(8.0 * CHORD / fmax(fabs(p->bend_per_m), 1e-30), p->least2_m2);
 }
 
-/* Lets edges be longer where large triangles, of those from BEGIN to END, would make too many pieces. */
-static void limit_pieces(pieces *p, size_t begin, size_t end) {
-    double sum = 0.0;
-    p->least2_m2 = 0.0;
-    enter_layer(p, &p->layers[0]);
-    for (size_t i = begin; i < end; i++) {
-        corners c = corners_of(&p->scene->triangles[i]);
-        if (is_long(p, &c)) {
-            double a[3], b[3];
-            for (int k = 0; k < 3; k++) {
-                a[k] = c.v[1][k] - c.v[0][k];
-                b[k] = c.v[2][k] - c.v[0][k];
-            }
-            sum += hypot(hypot(a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2]),
-                         a[0] * b[1] - a[1] * b[0]);
-        }
-    }
-    /* Pieces have from a quarter to half of the square of their longest edge. */
-    p->least2_m2 = 4.0 * sum / MOST_PIECES;
-}
-
 static bool reaches(const corners *c, const dev_layer *layer) {
     double low = fmin(fmin(c->v[0][2], c->v[1][2]), c->v[2][2]);
     double high = fmax(fmax(c->v[0][2], c->v[1][2]), c->v[2][2]);
     return high >= (double)layer->top_m - ASDIC_LAYER_OVERLAP_M &&
            low <= (double)layer->bottom_m + ASDIC_LAYER_OVERLAP_M;
+}
+
+static double twice_area_m2(const corners *c) {
+    double a[3], b[3];
+    for (int k = 0; k < 3; k++) {
+        a[k] = c->v[1][k] - c->v[0][k];
+        b[k] = c->v[2][k] - c->v[0][k];
+    }
+    return hypot(hypot(a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2]),
+                 a[0] * b[1] - a[1] * b[0]);
+}
+
+/* Lets edges be longer where large triangles, of those from BEGIN to END, would make too many pieces in all layers. */
+static void limit_pieces(pieces *p, size_t begin, size_t end) {
+    double sum = 0.0;
+    p->least2_m2 = 0.0;
+    for (size_t i = begin; i < end; i++) {
+        corners c = corners_of(&p->scene->triangles[i]);
+        for (size_t k = 0; k < p->layer_count; k++) {
+            enter_layer(p, &p->layers[k]);
+            sum += is_long(p, &c) && reaches(&c, &p->layers[k]) ? twice_area_m2(&c) : 0.0;
+        }
+    }
+    /* Pieces have from a quarter to half of the square of their longest edge. */
+    p->least2_m2 = 4.0 * sum / MOST_PIECES;
 }
 
 /* The first COUNT triangles of SCENE; those from FIRST on are to be lifted. */

@@ -20,8 +20,9 @@ static inline float asdic_lifted_z(double bend_per_m, const double v[3]) {
 
 /* A view of the committed SCENE, which must outlive it, with a hierarchy of lifted triangles: for tracers and
  * placements. A flat triangle lifts to a curved one, of which an edge of length L leaves out at most
- * L^2 |BEND_PER_M| / 8: edges of what stays are halved until that is below 2 mm.
- * Of a scene that keeps its ground, the lifted ground is kept too, until other layers are asked for. */
+ * L^2 |BEND_PER_M| / 8: edges of what stays are halved until that is below 2 mm, or there are
+ * four million pieces in all layers. Of a scene that keeps its ground, the lifted ground is kept too, until other
+ * layers are asked for. */
 asdic_status asdic_scene_lift(const asdic_scene *scene, double bend_per_m, asdic_scene **lifted);
 
 /* The same in COUNT layers, from the top down: each triangle once in every layer that it reaches. LAYERS must outlive

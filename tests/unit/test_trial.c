@@ -299,6 +299,33 @@ static asdic_scene *make_kept(asdic_context *ctx, const asdic_mesh *hills) {
     return kept;
 }
 
+/* A floor so large that eight million pieces would keep to 2 mm: it falls into four million at most, also in a cast, whose
+ * topmost layer does not bend rays. */
+static void test_large_floor(void **state) {
+    (void)state;
+    static const double corners[] = {-14e3, -14e3, 60, 14e3, -14e3, 60, -14e3, 14e3, 60};
+    static const uint32_t index[] = {0, 1, 2};
+    const dev_layer cast[] = {{-1e5f, -20.0f, 0.0f, 0.0f, 1}, {-20.0f, 1e5f, -8e-5f, 0.0f, 1}};
+    asdic_context *ctx = NULL;
+    asdic_scene *scene = NULL, *lifted = NULL;
+    asdic_mesh *mesh = NULL;
+    size_t count = 0;
+    assert_int_equal(asdic_context_create(&ctx), ASDIC_OK);
+    assert_int_equal(asdic_scene_create(ctx, &scene), ASDIC_OK);
+    assert_int_equal(asdic_mesh_from_triangles(ctx, corners, 3, index, 1, &mesh), ASDIC_OK);
+    assert_int_equal(asdic_scene_add_bottom(scene, mesh, (asdic_pose){.yaw_rad = 0.0},
+                                            asdic_material_bottom(2.0)),
+                     ASDIC_OK);
+    assert_int_equal(asdic_scene_commit(scene), ASDIC_OK);
+    assert_int_equal(asdic_scene_lift_layers(scene, cast, 2, &lifted), ASDIC_OK);
+    free(list_leaves(&lifted->bvh, &count));
+    assert_true(count > 1000000 && count <= 4000000);
+    asdic_scene_unlift(&lifted);
+    asdic_mesh_destroy(&mesh);
+    asdic_scene_destroy(&scene);
+    asdic_context_destroy(&ctx);
+}
+
 /* A scene whose objects were taken out and replaced is that with the new ones, built from nothing. */
 static void test_reopened(void **state) {
     (void)state;
@@ -532,6 +559,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_nearest),
         cmocka_unit_test(test_inside),
+        cmocka_unit_test(test_large_floor),
         cmocka_unit_test(test_reopened),
         cmocka_unit_test(test_reopened_and_lifted),
         cmocka_unit_test(test_meshes_are_read_once),
