@@ -166,20 +166,26 @@ asdic_nearest asdic_placement_nearest(const asdic_placement *placement, const as
     return s.best;
 }
 
+/* Whether SIDE is that of a place left of the line from A to B. A place on it counts as moved north by next to nothing,
+ * and east by less: an edge seen from above belongs to one of the two triangles beside it. */
+static bool is_left(double side, const float *a, const float *b) {
+    return side > 0.0 || (side == 0.0 && (a[1] > b[1] || (a[1] == b[1] && a[0] < b[0])));
+}
+
 /* Whether the plumb line below P meets T. */
 static bool is_above(asdic_vec3 p, const dev_triangle *t) {
     const float *v[3] = {t->v0, t->v1, t->v2};
-    double area = 0.0, side[3], z = 0.0;
+    double area = 0.0, z = 0.0;
+    int left = 0;
     for (int i = 0; i < 3; i++) {
         const float *a = v[(i + 1) % 3], *b = v[(i + 2) % 3];
-        side[i] = ((double)a[0] - p.x) * ((double)b[1] - p.y) -
-                  ((double)a[1] - p.y) * ((double)b[0] - p.x);
-        area += side[i];
-        z += side[i] * v[i][2];
+        double side = ((double)a[0] - p.x) * ((double)b[1] - p.y) -
+                      ((double)a[1] - p.y) * ((double)b[0] - p.x);
+        left += is_left(side, a, b);
+        area += side;
+        z += side * v[i][2];
     }
-    /* An edge seen from above belongs to one of the two triangles beside it. */
-    bool is_in = (side[0] >= 0.0) == (side[1] >= 0.0) && (side[1] >= 0.0) == (side[2] >= 0.0);
-    return is_in && area != 0.0 && z / area > p.z;
+    return left % 3 == 0 && area != 0.0 && z / area > p.z;
 }
 
 bool asdic_placement_is_inside(const asdic_placement *placement, asdic_vec3 position_m,

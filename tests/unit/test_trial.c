@@ -169,6 +169,39 @@ static void test_inside(void **state) {
     end(&r);
 }
 
+/* Where plumb lines go through edges and corners of facets: those below a body's middle and others on the diagonals
+ * of a box, and through the poles of a ball. The scene's origin is the middle, so that nothing is rounded. */
+static void test_inside_over_edges(void **state) {
+    (void)state;
+    for (int is_ball = 0; is_ball < 2; is_ball++) {
+        rig r = {.ctx = NULL};
+        asdic_mesh *mesh = NULL;
+        const asdic_pose pose = {.position_m = {40, 8, 16}};
+        assert_int_equal(asdic_context_create(&r.ctx), ASDIC_OK);
+        assert_int_equal(asdic_scene_create(r.ctx, &r.scene), ASDIC_OK);
+        assert_int_equal(is_ball ? asdic_mesh_sphere(r.ctx, 2.0, 16, &mesh)
+                                 : asdic_mesh_box(r.ctx, (asdic_vec3){4, 4, 4}, &mesh),
+                         ASDIC_OK);
+        assert_int_equal(asdic_scene_add_object(r.scene, "body", mesh, pose,
+                                                asdic_material_facet(45.0, 1e-3, 0.1)),
+                         ASDIC_OK);
+        assert_int_equal(asdic_scene_commit(r.scene), ASDIC_OK);
+        assert_int_equal(asdic_placement_create(r.scene, &r.placement), ASDIC_OK);
+        for (int i = -1; i <= 1; i++) {
+            for (int k = 0; k < 36; k++) {
+                const asdic_vec3 off = {0.25 * i * (k / 4 - 4), 0.25 * (k / 4 - 4),
+                                        3.0 * (k % 4) - 4.0};
+                size_t part = 9;
+                assert_int_equal(asdic_placement_is_inside(
+                                     r.placement, asdic_vec3_add(pose.position_m, off), &part),
+                                 fabs(off.z) < 2.0);
+            }
+        }
+        asdic_mesh_destroy(&mesh);
+        end(&r);
+    }
+}
+
 /* --- objects that come and go ------------------------------------------------------------------ */
 
 #define SIDE 24
@@ -299,8 +332,8 @@ static asdic_scene *make_kept(asdic_context *ctx, const asdic_mesh *hills) {
     return kept;
 }
 
-/* A floor so large that eight million pieces would keep to 2 mm: it falls into four million at most, also in a cast, whose
- * topmost layer does not bend rays. */
+/* A floor so large that eight million pieces would keep to 2 mm: it falls into four million at most, also in a cast,
+ * whose topmost layer does not bend rays. */
 static void test_large_floor(void **state) {
     (void)state;
     static const double corners[] = {-14e3, -14e3, 60, 14e3, -14e3, 60, -14e3, 14e3, 60};
@@ -559,6 +592,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_nearest),
         cmocka_unit_test(test_inside),
+        cmocka_unit_test(test_inside_over_edges),
         cmocka_unit_test(test_large_floor),
         cmocka_unit_test(test_reopened),
         cmocka_unit_test(test_reopened_and_lifted),
