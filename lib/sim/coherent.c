@@ -253,16 +253,16 @@ void asdic_coherent_destroy(asdic_coherent **pointer) {
     *pointer = NULL;
 }
 
-/* Room for as many scatterers and patches as were found, and some more. */
+/* Room for as many scatterers and patches as were found, and some more; buffers for none, too. */
 static asdic_status make_room(asdic_simulator *sim, asdic_coherent *c) {
     slot_buffers *s = &c->slots;
-    if (c->found.count > c->patch_capacity) {
+    if (!c->patches || c->found.count > c->patch_capacity) {
         asdic_buffer_destroy(&c->patches);
         c->patch_capacity = c->found.count + c->found.count / 2;
         TRY(asdic_buffer_create(sim->device, c->patch_capacity * sizeof(dev_patch), NULL,
                                 &c->patches));
     }
-    if (c->found.slots <= s->capacity) {
+    if (s->places && c->found.slots <= s->capacity) {
         return ASDIC_OK;
     }
     destroy_slots(s);
@@ -337,7 +337,7 @@ static asdic_status run_scatterers(asdic_simulator *sim, asdic_coherent *c) {
                                 ASDIC_ARG_BUFFER(c->patches), ASDIC_ARG_BUFFER(s->places),
                                 ASDIC_ARG_BUFFER(s->owner),   ASDIC_ARG_BUFFER(s->rays)};
     TRY(asdic_kernel_run(c->place, place, COUNT(place), c->now.patches, local));
-    if (sim->tracer) {
+    if (sim->tracer && c->now.scatterers > 0) {
         TRY(asdic_tracer_run(sim->tracer, s->rays, s->hits, c->now.scatterers, c->now.scatterers,
                              0));
     }

@@ -326,6 +326,33 @@ static void blanking_may_leave_no_bin(void **state) {
     rig_destroy(&r);
 }
 
+/* Nothing in reach, and water left out: a ping of nothing, or of noise alone. */
+static void a_ping_may_have_no_scatterer(void **state) {
+    (void)state;
+    for (int kind = 0; kind < 4; kind++) {
+        ping_rig r = empty_array(&t);
+        r.sampling.left_out = 1u << ASDIC_TERM_VOLUME;
+        r.sonar.max_range_m = 20.0;
+        r.sonar.noise_enabled = kind % 2;
+        if (kind / 2) { /* far away */
+            asdic_mesh *mesh = NULL;
+            assert_ok(t.ctx, asdic_mesh_box(t.ctx, (asdic_vec3){1.0, 1.0, 1.0}, &mesh));
+            assert_ok(t.ctx, asdic_scene_add_object(r.scene, "box", mesh,
+                                                    (asdic_pose){.position_m = {500.0, 0.0, 7.0}},
+                                                    asdic_material_bottom(2.0)));
+            asdic_mesh_destroy(&mesh);
+        }
+        asdic_simulator *sim = rig_simulator(&r);
+        asdic_ping *ping = array_shoot(&r, sim, 0);
+        for (size_t i = 0; i < 2 * ping->elements * ping->samples; i++) {
+            assert_true((ping->pressure[i] != 0.0f) == r.sonar.noise_enabled);
+        }
+        asdic_ping_destroy(&ping);
+        asdic_simulator_destroy(&sim);
+        rig_destroy(&r);
+    }
+}
+
 int main(void) {
     t = test_device_open_or_skip();
     const struct CMUnitTest tests[] = {
@@ -338,6 +365,7 @@ int main(void) {
         cmocka_unit_test(water_is_new_in_every_ping),
         cmocka_unit_test(scatterers_lie_anywhere_on_facets),
         cmocka_unit_test(blanking_may_leave_no_bin),
+        cmocka_unit_test(a_ping_may_have_no_scatterer),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
     test_device_close(&t);
