@@ -307,9 +307,11 @@ __kernel void coherent_shade(__global const dev_ping *ping, __global const dev_c
     sight heard_from = choose_sight(f.back, &image, &straight);
     law_lanes laws = laws_met(&w, &f.m);
     slant met_out = slant_by(&f.m, sent.u, f.out), met = slant_by(&f.m, heard_from.u, f.back);
-    real energy = sqrt(rough_strength(&w, &laws, met_out, sent.range.high) *
-                       rough_strength(&w, &laws, met, heard_from.range.high)) *
-                  f.share;
+    real s_out = rough_strength(&w, &laws, met_out, sent.range.high) *
+                 scattered(&w, &laws, mirrored(&w, &laws, &f.m, met_out));
+    real s_in = rough_strength(&w, &laws, met, heard_from.range.high) *
+                scattered(&w, &laws, mirrored(&w, &laws, &f.m, met));
+    real energy = sqrt(s_out * s_in) * f.share;
     real range = heard_from.range.high;
     energy = choose(f.kind == DEV_KIND_POINT, f.share, energy);
     real tube = (real)(c->water_lin) * f.share * range * range;
