@@ -267,11 +267,12 @@ static sight choose_sight(mask which, const sight *a, const sight *b) {
     return s;
 }
 
-/* The slant of a leg that leaves the sonar along U; MIRRORED, a plane has turned it over. */
-static slant slant_by(const meeting *m, triple u, mask mirrored_leg) {
+/* As a scatterer meets it, the direction of a leg that leaves the sonar along U; MIRRORED, a plane has turned
+ * it over. */
+static triple met_along(triple u, mask mirrored_leg) {
     triple met = u;
     met.z = choose(mirrored_leg, -u.z, u.z);
-    return surface_slant(m, met);
+    return met;
 }
 
 /* What the plane that mirrors leaves of a pressure along U: the surface, soft, turns its sign. */
@@ -306,7 +307,8 @@ __kernel void coherent_shade(__global const dev_ping *ping, __global const dev_c
     sight sent = choose_sight(f.out, &image, &straight);
     sight heard_from = choose_sight(f.back, &image, &straight);
     law_lanes laws = laws_met(&w, &f.m);
-    slant met_out = slant_by(&f.m, sent.u, f.out), met = slant_by(&f.m, heard_from.u, f.back);
+    triple out = met_along(sent.u, f.out), back = met_along(heard_from.u, f.back);
+    slant met_out = surface_slant(&f.m, out), met = surface_slant(&f.m, back);
     real s_out = rough_strength(&w, &laws, met_out, sent.range.high) *
                  scattered(&w, &laws, mirrored(&w, &laws, &f.m, met_out));
     real s_in = rough_strength(&w, &laws, met, heard_from.range.high) *
@@ -346,9 +348,12 @@ __kernel void coherent_shade(__global const dev_ping *ping, __global const dev_c
     real half_way = R(0.5) * both.high;
 
     mask plane = (f.m.triangle == 0xffffffffu) & (f.m.kind != DEV_KIND_NONE);
-    mask heard = f.there & (amplitude != R(0.0)) & (half_way >= (real)(ping->blanking_m)) &
-                 (half_way < (real)(ping->range_m)) & (plane | in_water(ping, f.at.z)) &
-                 ((f.plane == 0u) | (f.plane != f.m.kind));
+    /* Nothing goes through a facet, in on one side and out on the other. */
+    mask one_side =
+        (f.m.triangle == 0xffffffffu) | (dot3(f.m.facet, out) * dot3(f.m.facet, back) >= R(0.0));
+    mask heard = f.there & one_side & (amplitude != R(0.0)) &
+                 (half_way >= (real)(ping->blanking_m)) & (half_way < (real)(ping->range_m)) &
+                 (plane | in_water(ping, f.at.z)) & ((f.plane == 0u) | (f.plane != f.m.kind));
     natural gate = to_natural(half_way / (real)(c->sample_m * DEV_GATE_SAMPLES));
     LANES {
         uint at = slot + lane;

@@ -191,6 +191,38 @@ static void a_point_interferes_with_its_image(void **state) {
     assert_true(worst < 0.2);
 }
 
+/* A level plate between sonar and surface is seen from below, and its image from above: out by one way and back by
+ * the other nothing is heard. */
+static void nothing_goes_through_a_plate(void **state) {
+    (void)state;
+    ping_rig r = empty_array(&t);
+    asdic_mesh *mesh = NULL;
+    const asdic_pose pose = {.position_m = {10.0, 0.0, 3.0}, .pitch_rad = 90.0 * RIG_DEGREE};
+    asdic_scene_set_surface(r.scene, true);
+    r.env.wind_speed_kn = 0.0; /* it scatters nothing */
+    r.sampling.multipath = ASDIC_MULTIPATH_BOUNDARIES;
+    r.sampling.left_out = 1u << ASDIC_TERM_VOLUME;
+    assert_ok(t.ctx, asdic_mesh_plate(t.ctx, 0.5, 0.5, &mesh));
+    assert_ok(t.ctx,
+              asdic_scene_add_object(r.scene, "plate", mesh, pose, asdic_material_bottom(2.0)));
+    asdic_simulator *sim = rig_simulator(&r);
+    asdic_ping *ping = array_shoot(&r, sim, 0);
+    /* Straight, sqrt(10^2 + 4^2); one of each; by the image, sqrt(10^2 + 10^2). */
+    double ways[3] = {0.0, 0.0, 0.0};
+    for (size_t n = 0; n < ping->samples; n++) {
+        double range_m = ((double)n + 0.5) * ping->sample_m;
+        const float *p = array_at(ping, 1, n);
+        ways[range_m < 11.5   ? 0
+             : range_m < 13.5 ? 1
+                              : 2] += (double)p[0] * p[0] + (double)p[1] * p[1];
+    }
+    assert_true(ways[0] > 0.0 && ways[1] == 0.0 && ways[2] > 0.0);
+    asdic_ping_destroy(&ping);
+    asdic_simulator_destroy(&sim);
+    asdic_mesh_destroy(&mesh);
+    rig_destroy(&r);
+}
+
 /* A smooth wall takes some times the scatterers that were asked for, not one a quarter of a wavelength. */
 static void a_wall_has_the_scatterers_asked_for(void **state) {
     (void)state;
@@ -219,6 +251,7 @@ int main(void) {
         cmocka_unit_test(a_plate_has_its_lobes),
         cmocka_unit_test(a_cylinder_has_its_lobes),
         cmocka_unit_test(a_point_interferes_with_its_image),
+        cmocka_unit_test(nothing_goes_through_a_plate),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
     test_device_close(&t);
