@@ -19,6 +19,7 @@
  * one steradian: A over O to X (mirrored_tube), A' from X straight to the sonar. With q the sound speed at X over that
  * at the sonar and L the length of all legs, D^-2 becomes q^2 / A, d3^-2 becomes 1 / A', and k is counted along L.
  */
+#include "intersect.h"
 #include "leg.h"
 #include "mirror_ray.h"
 #include "receive.h"
@@ -153,15 +154,75 @@ static meeting meet_bounced(const world *w, __global const dev_hit *hits, natura
     return m;
 }
 
+#if ASDIC_HAS_MESH
+/* How far from an edge, of a triangle's size, its rim may begin: bent rays meet triangles a little aside. */
+#define RIM (ASDIC_BENT ? 10.0f * TRACE_TOLERANCE : TRACE_TOLERANCE)
+
+/* Whether P, in the plane of T, is at or beyond an edge. */
+static bool is_on_rim(__global const dev_triangle *t, vector normal, vector p) {
+    vector a = vector_of(t->v0[0] - p.x, t->v0[1] - p.y, t->v0[2] - p.z);
+    vector b = vector_of(t->v1[0] - p.x, t->v1[1] - p.y, t->v1[2] - p.z);
+    vector c = vector_of(t->v2[0] - p.x, t->v2[1] - p.y, t->v2[2] - p.z);
+    float u = vector_dot(vector_cross(b, c), normal), v = vector_dot(vector_cross(c, a), normal);
+    float w = vector_dot(vector_cross(a, b), normal);
+    return min(min(u, v), w) < RIM * (u + v + w);
+}
+#endif
+
+/* Forgets what the mirror rays R from SLOT on met of their mirror's own part only because tracers give triangles a rim
+ * (intersect.h): mirror and target are both met there, or one of them and their sides are not the same. A convex body
+ * shows nothing of itself. SONAR_HITS: of the sonar's rays. */
+static void forget_rims(const world *w, __global const dev_ray *bounced,
+                        __global const dev_hit *sonar_hits, __global dev_hit *hits, const ray *r,
+                        uint slot) {
+#if ASDIC_HAS_MESH
+    real t;
+    LANES {
+        bool met = bounced[slot + lane].source != NO_RAY && hits[slot + lane].triangle != NO_RAY;
+        AT(t, float) = met ? hits[slot + lane].t_m : 0.0f;
+    }
+    triple at = ray_point(r, t), going = ray_direction(r, t);
+    LANES {
+        uint source = bounced[slot + lane].source;
+#if ASDIC_TRUTH
+        source = source == NO_RAY ? source : source & TRUTH_SLOT_MASK;
+#endif
+        uint from = source == NO_RAY ? NO_RAY : sonar_hits[source].triangle;
+        uint to = hits[slot + lane].triangle;
+        if (from == NO_RAY || to == NO_RAY || AT(t, float) <= 0.0f) {
+            continue;
+        }
+        __global const dev_triangle *a = w->triangles + from, *b = w->triangles + to;
+        vector left = vector_of(a->normal[0], a->normal[1], a->normal[2]);
+        vector reached = vector_of(b->normal[0], b->normal[1], b->normal[2]);
+        float out = vector_dot(left, lane_of(&r->u, lane));
+        bool through = out * vector_dot(reached, lane_of(&going, lane)) > 0.0f;
+        int rims =
+            is_on_rim(a, left, lane_of(&r->from, lane)) + is_on_rim(b, reached, lane_of(&at, lane));
+        if (a->part == b->part && rims > (through ? 0 : 1)) {
+            hits[slot + lane].triangle = NO_RAY;
+        }
+    }
+#else
+    (void)w;
+    (void)bounced;
+    (void)sonar_hits;
+    (void)hits;
+    (void)r;
+    (void)slot;
+#endif
+}
+
 #if ASDIC_LAYERS
 
 /* Appends the ways back of the mirror rays from SLOT on to RETURNING from AT on; the next AT. */
 static uint connect_rays(const world *w, __global const dev_ray *bounced,
-                         __global const dev_hit *hits, const leg_sets *sets,
-                         __global dev_ray *returning, uint slot, uint at) {
+                         __global const dev_hit *sonar_hits, __global dev_hit *hits,
+                         const leg_sets *sets, __global dev_ray *returning, uint slot, uint at) {
     natural slots = slots_from(slot);
     __global const real *row = leg_rows(sets->bounced, slot);
     ray r = load_leg(row);
+    forget_rims(w, bounced, sonar_hits, hits, &r, slot);
     real there = reach_of(bounced, slots);
     real limit = choose(there > R(0.0), ray_at_range(&r, row[LEG_UNTIL]), R(0.0));
     meeting m = meet_bounced(w, hits, slots, &r, limit);
@@ -198,8 +259,9 @@ static uint connect_rays(const world *w, __global const dev_ray *bounced,
 
 /* Appends the ways back of the mirror rays from SLOT on to RETURNING from AT on; the next AT. */
 APART static uint connect_rays(const world *w, __global const dev_ray *bounced,
-                               __global const dev_hit *hits, __global const float4 *mirrors,
-                               __global dev_ray *returning, uint slot, uint at) {
+                               __global const dev_hit *sonar_hits, __global dev_hit *hits,
+                               __global const float4 *mirrors, __global dev_ray *returning,
+                               uint slot, uint at) {
     natural slots = slots_from(slot);
     real d1;
     LANES {
@@ -207,6 +269,7 @@ APART static uint connect_rays(const world *w, __global const dev_ray *bounced,
     }
     ray_medium water = medium_of(w->ping);
     ray r = load_rays(bounced, slots, water);
+    forget_rims(w, bounced, sonar_hits, hits, &r, slot);
     meeting m = meet_bounced(w, hits, slots, &r, reach_of(bounced, slots));
     mask met = m.kind != DEV_KIND_NONE;
     if (!any_true(met)) {
@@ -239,14 +302,15 @@ APART static uint connect_rays(const world *w, __global const dev_ray *bounced,
  */
 __kernel void LEAST_WAVES(3)
     connect(__global const dev_ping *pings, __global const dev_ray *bounced,
-            __global const dev_hit *hits, __global const dev_triangle *triangles,
-            __global const dev_part *parts, __global const dev_material *materials,
-            __global const float4 *mirrors, __global dev_ray *returning,
-            __global const dev_layer *layers, uint count, __global const float *bounced_legs,
-            __global float *returning_legs) {
+            __global const dev_hit *sonar_hits, __global dev_hit *hits,
+            __global const dev_triangle *triangles, __global const dev_part *parts,
+            __global const dev_material *materials, __global const float4 *mirrors,
+            __global dev_ray *returning, __global const dev_layer *layers, uint count,
+            __global const float *bounced_legs, __global float *returning_legs) {
     __global const dev_ping *ping = row_ping(pings);
     size_t own = row_slots(ping);
     bounced += own;
+    sonar_hits += own;
     hits += own;
     mirrors += own;
     returning += own;
@@ -267,9 +331,9 @@ __kernel void LEAST_WAVES(3)
     for (uint slot = first; slot < end && bounced[slot].source != NO_RAY;
          slot = slot_after(slot, ASDIC_WIDTH, end)) {
 #if ASDIC_LAYERS
-        at = connect_rays(&w, bounced, hits, &sets, returning, slot, at);
+        at = connect_rays(&w, bounced, sonar_hits, hits, &sets, returning, slot, at);
 #else
-        at = connect_rays(&w, bounced, hits, mirrors, returning, slot, at);
+        at = connect_rays(&w, bounced, sonar_hits, hits, mirrors, returning, slot, at);
 #endif
     }
     end_piece(returning, at, end);

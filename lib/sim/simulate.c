@@ -126,13 +126,19 @@ static asdic_status trace_bounces(asdic_simulator *sim, asdic_buffer *rays, asdi
 static asdic_status run_bounces(asdic_simulator *sim, size_t count) {
     asdic_buffer *triangles = asdic_simulator_triangles(sim);
     uint32_t layers = (uint32_t)sim->setup.layer_count;
-    asdic_kernel_arg connect[] = {
-        ASDIC_ARG_BUFFER(sim->buffers.pings),        ASDIC_ARG_BUFFER(sim->buffers.bounced),
-        ASDIC_ARG_BUFFER(sim->buffers.bounced_hits), ASDIC_ARG_BUFFER(triangles),
-        ASDIC_ARG_BUFFER(sim->buffers.parts),        ASDIC_ARG_BUFFER(sim->buffers.materials),
-        ASDIC_ARG_BUFFER(sim->buffers.mirrors),      ASDIC_ARG_BUFFER(sim->buffers.returning),
-        ASDIC_ARG_BUFFER(sim->buffers.layers),       ASDIC_ARG_VALUE(layers),
-        ASDIC_ARG_BUFFER(sim->buffers.bounced_legs), ASDIC_ARG_BUFFER(sim->buffers.returning_legs)};
+    asdic_kernel_arg connect[] = {ASDIC_ARG_BUFFER(sim->buffers.pings),
+                                  ASDIC_ARG_BUFFER(sim->buffers.bounced),
+                                  ASDIC_ARG_BUFFER(sim->buffers.hits),
+                                  ASDIC_ARG_BUFFER(sim->buffers.bounced_hits),
+                                  ASDIC_ARG_BUFFER(triangles),
+                                  ASDIC_ARG_BUFFER(sim->buffers.parts),
+                                  ASDIC_ARG_BUFFER(sim->buffers.materials),
+                                  ASDIC_ARG_BUFFER(sim->buffers.mirrors),
+                                  ASDIC_ARG_BUFFER(sim->buffers.returning),
+                                  ASDIC_ARG_BUFFER(sim->buffers.layers),
+                                  ASDIC_ARG_VALUE(layers),
+                                  ASDIC_ARG_BUFFER(sim->buffers.bounced_legs),
+                                  ASDIC_ARG_BUFFER(sim->buffers.returning_legs)};
     asdic_kernel_arg bounce[] = {ASDIC_ARG_BUFFER(sim->buffers.pings),
                                  ASDIC_ARG_BUFFER(sim->buffers.rays),
                                  ASDIC_ARG_BUFFER(sim->buffers.solid_angles),

@@ -97,12 +97,36 @@ static void boundary_formulas_meet_their_limits(void **state) {
     assert_true(sea_height_rms_m(0.0) == 0.0);
 }
 
+/* Nothing but a convex body: what it mirrors meets nothing, though tracers widen triangles. */
+static void a_convex_body_shows_nothing_of_itself(void **state) {
+    (void)state;
+    static const double yaw_deg[] = {5.0, 10.0, 45.0, 80.0};
+    for (int k = 0; k < 12; k++) { /* straight rays, one layer, several */
+        target_rig r = open_sea(40.0);
+        asdic_mesh *mesh = NULL;
+        assert_ok(t.ctx, asdic_mesh_box(t.ctx, (asdic_vec3){1.0, 3.0, 2.0}, &mesh));
+        r.env.sound_speed_gradient_per_s = k / 4 == 1 ? 0.5 : 0.0;
+        if (k / 4 == 2) {
+            r.env.sound_speed_profile =
+                (asdic_sound_profile){3, {0.0, 100.0, 200.0}, {1450.0, 1500.0, 1530.0}};
+        }
+        add(&r, mesh, (asdic_vec3){25.0, 0.0, 0.0}, yaw_deg[k % 4], 10.0,
+            asdic_material_facet(45.0, 5e-5, 0.0));
+        asdic_ping *ping = shoot(&r);
+        assert_true(energy(ping, ASDIC_OBJECT, 0.0, INFINITY) > 0.0);
+        assert_true(energy(ping, ASDIC_MULTIPATH, 0.0, INFINITY) == 0.0);
+        asdic_ping_destroy(&ping);
+        target_rig_destroy(&r);
+    }
+}
+
 int main(void) {
     t = test_device_open_or_skip();
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(boundaries_scatter_what_they_do_not_mirror),
         cmocka_unit_test(no_more_leaves_than_arrives),
         cmocka_unit_test(boundary_formulas_meet_their_limits),
+        cmocka_unit_test(a_convex_body_shows_nothing_of_itself),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
     test_device_close(&t);
