@@ -443,8 +443,10 @@ asdic_status asdic_simulator_create_with(asdic_context *ctx, asdic_device *devic
     if (sampling->truth) { /* quadrature tells no directions */
         sim->setup.sampling.left_out &= ~(1u << ASDIC_TERM_RAYS);
     }
-    if (sampling->left_out & (1u << ASDIC_TERM_BORIC_ACID)) {
-        sim->setup.env.ph = -INFINITY; /* 10^(0.78 pH - 5), its strength, is then zero */
+    const unsigned left_out = sim->setup.sampling.left_out;
+    if ((left_out & (1u << ASDIC_TERM_BORIC_ACID)) && !(left_out & (1u << ASDIC_TERM_RAYS))) {
+        /* 10^(0.78 pH - 5), its strength, is then zero. Quadrature asks for a pH. */
+        sim->setup.env.ph = -INFINITY;
     }
     asdic_status status = plan_bend(sim, depth_m);
     if (!status) {
