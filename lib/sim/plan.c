@@ -2,6 +2,7 @@
 
 #include "base/context.h"
 #include "base/vec.h"
+#include "bent_ray.h"
 #include "noise_level.h"
 #include "plan_case.h"
 #include "quadrature_ping.h"
@@ -14,6 +15,18 @@
 
 #include <stdarg.h>
 #include <stdio.h>
+
+/* The greatest sound speed that rays from the poses may meet. */
+static double fastest_mps(const asdic_plan_case *c) {
+    const asdic_sound_profile *profile = &c->env->sound_speed_profile;
+    double from_m = fmax(c->depth_least_m - c->range_m, 0.0), to_m = c->depth_most_m + c->range_m;
+    double fastest = fmax(asdic_environment_sound_speed_mps(c->env, from_m),
+                          asdic_environment_sound_speed_mps(c->env, to_m));
+    for (size_t i = 0; i < profile->points; i++) {
+        fastest = fmax(fastest, profile->sound_speed_mps[i]);
+    }
+    return fmin(fastest, ASDIC_SOUND_MOST_MPS);
+}
 
 static void span(asdic_plan_case *c) {
     c->depth_least_m = c->altitude_least_m = INFINITY;
@@ -28,6 +41,9 @@ static void span(asdic_plan_case *c) {
     }
     c->range_m =
         (double)asdic_sonar_bin_count(c->sonar, c->water.sound_speed_mps) * c->sonar->bin_length_m;
+    c->bends = asdic_environment_bends(c->env);
+    c->reach_m =
+        c->bends ? c->range_m * fmax(fastest_mps(c) / c->water.sound_speed_mps, 1.0) : c->range_m;
 }
 
 void asdic_plan_row_set(asdic_plan *plan, asdic_term term, bool kept, double bound_db,
@@ -80,7 +96,7 @@ static double volume_bound_db(const asdic_plan_case *c) {
             asdic_water_column_volume(&c->water, c->sonar->bin_length_m, c->sonar->blanking_m, n);
         most = fmax(most, source * strength * solid_angle * part);
     }
-    return asdic_plan_change_db(most, c->noise_lin);
+    return asdic_plan_change_db(c->bends ? most / ASDIC_LEAST_SPREAD : most, c->noise_lin);
 }
 
 /* The same for the surface: whole rings at full gain, at the steepest angle the mission has. */
@@ -109,13 +125,13 @@ static void plan_surface(const asdic_plan_case *c, asdic_plan *plan) {
         asdic_plan_row_set(plan, ASDIC_TERM_SURFACE, false, 0.0, "the scene has no surface");
         return;
     }
-    if (c->depth_least_m > c->range_m) {
+    if (c->depth_least_m > c->reach_m) {
         asdic_plan_row_set(plan, ASDIC_TERM_SURFACE, false, 0.0,
                            "the surface is never nearer than %.1f m, the range ends at %.1f m",
-                           c->depth_least_m, c->range_m);
+                           c->depth_least_m, c->reach_m);
         return;
     }
-    double bound = surface_bound_db(c);
+    double bound = c->bends ? INFINITY : surface_bound_db(c);
     bool kept = !(bound <= ASDIC_PLAN_NEGLIGIBLE_DB);
     asdic_plan_row_set(plan, ASDIC_TERM_SURFACE, kept, bound, "from %.1f m on%s", c->depth_least_m,
                        kept ? "" : ", below the noise in every bin");
@@ -130,10 +146,10 @@ static void plan_bottom(const asdic_plan_case *c, asdic_plan *plan) {
         asdic_plan_row_set(plan, ASDIC_TERM_BOTTOM, true, INFINITY, "a mesh, traced");
     } else if (!c->scene->has_bottom_plane) {
         asdic_plan_row_set(plan, ASDIC_TERM_BOTTOM, false, 0.0, "the scene has no bottom");
-    } else if (c->altitude_least_m > c->range_m) {
+    } else if (c->altitude_least_m > c->reach_m) {
         asdic_plan_row_set(plan, ASDIC_TERM_BOTTOM, false, 0.0,
                            "the bottom is never nearer than %.1f m, the range ends at %.1f m",
-                           c->altitude_least_m, c->range_m);
+                           c->altitude_least_m, c->reach_m);
     } else {
         asdic_plan_row_set(plan, ASDIC_TERM_BOTTOM, true, INFINITY, "a plane, from %.1f m",
                            c->altitude_least_m);

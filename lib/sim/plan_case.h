@@ -21,6 +21,10 @@ typedef struct asdic_plan_case {
     double depth_least_m, depth_most_m;
     double altitude_least_m; /* above a bottom plane; INFINITY without one */
     double range_m;
+    /* Whether rays bend; how far what is heard within range may lie: farther where the water on the
+     * way is faster than at the sonar. */
+    bool bends;
+    double reach_m;
 } asdic_plan_case;
 
 void asdic_plan_row_set(asdic_plan *plan, asdic_term term, bool kept, double bound_db,

@@ -139,10 +139,15 @@ static void judge_pose(const asdic_plan_case *c, const bounds *b, size_t part, d
                        const asdic_pose *pose, verdict *v) {
     const asdic_part *object = &c->scene->parts[part];
     sight s = sight_of(object, pose);
-    if (s.nearest_m > c->range_m) {
+    if (s.nearest_m > c->reach_m) {
         return;
     }
     v->reached = true;
+    if (c->bends) { /* its rays leave and return elsewhere than straight ones, and may be focused */
+        v->faced = true;
+        v->echo_lin = v->bounce_lin = INFINITY;
+        return;
+    }
     gains g = gains_of(c, pose, &s);
     v->faced = v->faced || (g.send > 0.0 && g.receive > 0.0);
     if (!(c->noise_lin > 0.0) || v->echo_lin == INFINITY) {
@@ -232,7 +237,7 @@ static size_t points_reached(const asdic_plan_case *c) {
         asdic_part point = {.center_m = c->scene->points[i].position_m};
         bool near = c->scene->points[i].moves;
         for (size_t k = 0; !near && k < c->count; k++) {
-            near = sight_of(&point, &c->poses[k]).nearest_m <= c->range_m;
+            near = sight_of(&point, &c->poses[k]).nearest_m <= c->reach_m;
         }
         reached += near;
     }

@@ -116,6 +116,35 @@ static void objects_count_where_they_reach(void **state) {
     }
 }
 
+/* Amid slow water the range of a bin is shorter than the way through faster water that it is heard over: the surface
+ * and a ball 94 m away are heard at less than 93 m. */
+static void what_fast_water_brings_near_is_kept(void **state) {
+    (void)state;
+    ping_rig r = rig_create(&t);
+    asdic_mesh *mesh = NULL;
+    asdic_scene_destroy(&r.scene);
+    assert_ok(t.ctx, asdic_scene_create(t.ctx, &r.scene));
+    assert_ok(t.ctx, asdic_mesh_sphere(t.ctx, 1.0, 96, &mesh));
+    assert_ok(t.ctx, asdic_scene_add_object(r.scene, "ball", mesh,
+                                            (asdic_pose){.position_m = {8.0, 0.0, 1.5}},
+                                            asdic_material_facet(45.0, 1e-3, 0.1)));
+    asdic_mesh_destroy(&mesh);
+    r.env.max_depth_m = NAN;
+    r.env.sound_speed_profile =
+        (asdic_sound_profile){3, {0.0, 20.0, 60.0}, {1500.0, 1500.0, 1400.0}};
+    r.pose.position_m.z = 93.5;
+    r.sonar.max_range_m = 93.0;
+    r.sonar.ping_rate_hz = 5.0;
+    r.sonar.transmitter.pitch_rad = r.receivers[0].pitch_rad = -90.0 * RIG_DEGREE;
+    asdic_plan plan = plan_of(&r);
+    assert_true(plan.rows[ASDIC_TERM_SURFACE].kept && plan.rows[ASDIC_TERM_OBJECTS].kept);
+    r.sonar.max_range_m = 80.0;
+    plan = plan_of(&r);
+    assert_false(plan.rows[ASDIC_TERM_SURFACE].kept || plan.rows[ASDIC_TERM_OBJECTS].kept);
+    assert_true(change_db(&r, &plan) <= 0.0);
+    rig_destroy(&r);
+}
+
 /* Largest source level at which TERM goes, within 0 .. 250 dB. */
 static double drown(ping_rig *r, asdic_term term) {
     double low = 0.0, high = 250.0;
@@ -266,6 +295,7 @@ int main(void) {
         cmocka_unit_test(needed_terms_are_kept),
         cmocka_unit_test(what_lies_beyond_is_left_out),
         cmocka_unit_test(objects_count_where_they_reach),
+        cmocka_unit_test(what_fast_water_brings_near_is_kept),
         cmocka_unit_test(what_drowns_is_left_out),
         cmocka_unit_test(a_fan_of_water_is_bounded),
         cmocka_unit_test(boric_acid_goes_at_short_range),
