@@ -3,6 +3,8 @@
 #include <math.h>
 
 #define DEEPEST 40
+/* A panel this deep is judged by what it holds: the first look may have missed all of it. */
+#define OWN_DEPTH 12
 
 const double asdic_gauss16_node[ASDIC_GAUSS16_HALF] = {
     0.0950125098376374402, 0.281603550779258913, 0.458016777657227386, 0.617876244402643748,
@@ -38,14 +40,16 @@ static panel rule(asdic_integrand f, void *user, double a, double b) {
 }
 
 static double refine(asdic_integrand f, void *user, double a, double b, panel whole, double allowed,
-                     int depth) {
+                     double tolerance, int depth) {
     double centre = 0.5 * (a + b);
     if (whole.error <= allowed || depth == DEEPEST || centre <= a || centre >= b) {
         return whole.integral;
     }
     panel left = rule(f, user, a, centre), right = rule(f, user, centre, b);
-    return refine(f, user, a, centre, left, 0.5 * allowed, depth + 1) +
-           refine(f, user, centre, b, right, 0.5 * allowed, depth + 1);
+    double seen = fabs(left.integral) + fabs(right.integral);
+    allowed = depth < OWN_DEPTH ? 0.5 * allowed : fmax(allowed, tolerance * seen);
+    return refine(f, user, a, centre, left, allowed, tolerance, depth + 1) +
+           refine(f, user, centre, b, right, allowed, tolerance, depth + 1);
 }
 
 double asdic_quadrature(asdic_integrand f, void *user, double a, double b, double tolerance) {
@@ -53,9 +57,9 @@ double asdic_quadrature(asdic_integrand f, void *user, double a, double b, doubl
         return 0.0;
     }
     panel whole = rule(f, user, a, b);
-    double result = refine(f, user, a, b, whole, tolerance * fabs(whole.integral), 0);
+    double result = refine(f, user, a, b, whole, tolerance * fabs(whole.integral), tolerance, 0);
     if (fabs(result) < 0.5 * fabs(whole.integral)) { /* the first look was too bright */
-        result = refine(f, user, a, b, whole, tolerance * fabs(result), 0);
+        result = refine(f, user, a, b, whole, tolerance * fabs(result), tolerance, 0);
     }
     return result;
 }

@@ -161,6 +161,23 @@ static double peak(double x, void *user) {
     return 1e-4 / (x * x + 1e-8);
 }
 
+/* Falls by 180 decibels within a thousandth, to a foot that is no polynomial. */
+static double cliff(double x, void *user) {
+    (void)user;
+    calls++;
+    return pow(10.0, -18.0 * fmin(fmax(1e3 * x, 0.0), 1.0)) * (1.0 + fabs(x - 0.01));
+}
+
+/* The first look sees the foot alone, a share of which is less than rounding above. */
+static void a_first_look_may_miss_all_but_a_trifle(void **state) {
+    (void)state;
+    calls = 0;
+    double fall = 1e-3 / (18.0 * log(10.0));
+    assert_close_relative(asdic_quadrature(cliff, NULL, -1e-3, 1.0, 1e-7),
+                          1.01e-3 + 0.5e-6 + fall * (1.01 - fall), 1e-7);
+    assert_true(calls < 10000);
+}
+
 /* The rule of 15 points is exact to the degree 22, Gauss's to 31 with 16. */
 static void rules_are_exact_for_polynomials(void **state) {
     (void)state;
@@ -656,6 +673,7 @@ int main(void) {
         cmocka_unit_test(a_filter_predicts),
         cmocka_unit_test(a_filter_takes_a_plot),
         cmocka_unit_test(rules_are_exact_for_polynomials),
+        cmocka_unit_test(a_first_look_may_miss_all_but_a_trifle),
         cmocka_unit_test(halves_are_the_nearest),
         cmocka_unit_test(steps_are_1_2_or_5),
         cmocka_unit_test(ticks_lie_within),
