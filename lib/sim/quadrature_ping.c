@@ -15,8 +15,8 @@ bool asdic_quadrature_knows(const asdic_scene *scene, const asdic_environment *e
                      scene->materials[scene->bottom_plane_material].law->formula != DEV_LAW_FACET;
     return scene->part_count == 0 && scene->point_count == 0 && plane_law &&
            sampling->sampler == ASDIC_SAMPLER_ADAPTIVE &&
-           sampling->multipath != ASDIC_MULTIPATH_BOUNDARIES &&
-           env->variant == ASDIC_VARIANT_CORRECTED && altitude_m > 0.0 &&
+           sampling->multipath != ASDIC_MULTIPATH_BOUNDARIES && !sampling->coherent &&
+           !sampling->truth && env->variant == ASDIC_VARIANT_CORRECTED && altitude_m > 0.0 &&
            (!scene->has_surface || depth_m > 0.0);
 }
 

@@ -15,7 +15,8 @@ typedef struct asdic_quadrature_cache {
     size_t next; /* to be replaced */
 } asdic_quadrature_cache;
 
-/* Whether the scene holds only what the quadrature knows, from depths and altitudes in the water. */
+/* Whether the scene holds and the sampling asks for only what the quadrature knows, from depths and altitudes in the
+ * water. */
 bool asdic_quadrature_knows(const asdic_scene *scene, const asdic_environment *env,
                             const asdic_sampling *sampling, double depth_m, double altitude_m);
 

@@ -415,6 +415,14 @@ static void quadratures_want_many_pings(void **state) {
                         "a flat scene without objects: 1 quadratures for 32 pings");
     assert_false(row_of(ASDIC_TERM_RAYS)->kept);
     assert_true(row_of(ASDIC_TERM_RAYS)->bound_db == 0.0);
+    y.sampling.coherent = true; /* of scatterers, one by one */
+    make(&y);
+    assert_true(row_of(ASDIC_TERM_RAYS)->kept);
+    y.sampling.coherent = false;
+    y.sampling.truth = true; /* directions */
+    make(&y);
+    assert_true(row_of(ASDIC_TERM_RAYS)->kept);
+    y.sampling.truth = false;
     y.sonar.receiver_count = 2;
     y.count = 63;
     make(&y);
