@@ -146,7 +146,7 @@ static asdic_status check(asdic_context *ctx, const asdic_flat_scene *flat,
                           const asdic_ping *ping) {
     TRY(asdic_environment_check(ctx, env));
     TRY(asdic_sonar_check(ctx, sonar));
-    if (!(flat->depth_m >= 0.0 && isfinite(flat->depth_m))) {
+    if (!isfinite(flat->depth_m) || (flat->has_surface && flat->depth_m < 0.0)) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
                           "flat scene: the sonar is %g m above the surface", -flat->depth_m);
     }

@@ -285,6 +285,26 @@ static void open_water_is_the_beam_times_the_shell(void **state) {
     end(&s);
 }
 
+/* Without a surface the height of the scene is nothing to its levels, those above 0 included. */
+static void without_a_surface_any_height_is_one(void **state) {
+    (void)state;
+    setup s = begin();
+    s.flat.has_surface = false;
+    s.env.sound_speed_mps = 1490.0;
+    s.env.max_depth_m = 12.0; /* of the absorption */
+    asdic_ping *below = compute(&s, 40);
+    s.flat.depth_m = -5.0;
+    asdic_ping *above = compute(&s, 40);
+    for (int c = 0; c < ASDIC_COMPONENT_COUNT; c++) {
+        for (size_t n = 0; n < 40; n++) {
+            assert_close_relative(above->intensity_lin[c][n], below->intensity_lin[c][n], 1e-12);
+        }
+    }
+    asdic_ping_destroy(&below);
+    asdic_ping_destroy(&above);
+    end(&s);
+}
+
 /* The energy of a bin is continuous in the altitude across its edge, where the bottom's nadir enters
  * or leaves the bin. */
 static void energy_is_continuous_at_bin_edges(void **state) {
@@ -432,6 +452,7 @@ int main(void) {
         cmocka_unit_test(bins_add_up),
         cmocka_unit_test(symmetries_hold),
         cmocka_unit_test(open_water_is_the_beam_times_the_shell),
+        cmocka_unit_test(without_a_surface_any_height_is_one),
         cmocka_unit_test(energy_is_continuous_at_bin_edges),
         cmocka_unit_test(hard_cases_stay_finite),
         cmocka_unit_test(wrong_scenes_are_refused),

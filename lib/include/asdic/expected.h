@@ -14,7 +14,7 @@ extern "C" {
 typedef struct asdic_flat_scene {
     bool has_surface, has_bottom;
     double altitude_m; /* of the sonar above the bottom, >= 0 */
-    double depth_m;    /* of the sonar below the surface, >= 0 */
+    double depth_m;    /* of the sonar below the surface, >= 0 where there is one */
     asdic_material bottom;
     asdic_material surface; /* without a law: the course's */
 } asdic_flat_scene;
