@@ -122,7 +122,7 @@ static void print_refraction(const asdic_mission *mission,
         return;
     }
     const asdic_environment *env = asdic_mission_environment(mission);
-    bool planned = env->refraction == ASDIC_REFRACTION_FULL;
+    bool planned = asdic_mission_plans_refraction(mission);
     printf("\nrays: %s%s; %s\n", words[planned ? refraction->needed : env->refraction],
            planned ? "" : ", as asked for", refraction->reason);
 }

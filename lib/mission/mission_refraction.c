@@ -78,6 +78,10 @@ void asdic_mission_refract(asdic_mission *mission, asdic_refraction form) {
     }
 }
 
+bool asdic_mission_plans_refraction(const asdic_mission *mission) {
+    return mission && mission->settings.refraction < 0;
+}
+
 /* ---- What simpler forms leave out ---- */
 
 typedef struct comparison {

@@ -70,6 +70,7 @@ def test_what_rays_follow_is_told():
     with Folder() as folder:
         for profile, args, said in (("[9, 1482], [12, 1431]", (), "all layers; "), ("[12, 1470]", (), "one layer; "),
                                     ("[12, 1482.000001]", (), "straight; "),
+                                    ("[12, 1470]", ("--refraction", "full"), "all layers, as asked for; "),
                                     ("[12, 1470]", ("--refraction", "layer"), "one layer, as asked for; "),
                                     ("[12, 1470]", ("--refraction", "off"), "straight, as asked for; ")):
             path = folder.write("scene.yaml", LAYERS % profile)

@@ -238,6 +238,10 @@ ASDIC_API asdic_status asdic_mission_refraction(asdic_context *ctx, const asdic_
  * its deepest bottom. */
 ASDIC_API void asdic_mission_refract(asdic_mission *mission, asdic_refraction form);
 
+/* Whether its scene leaves the form to asdic_mission_refraction, and asdic_mission_refract was not
+ * called. */
+ASDIC_API bool asdic_mission_plans_refraction(const asdic_mission *mission);
+
 /* Whether the mission's echoes interfere in a way that only coherent pings show: lobes of smooth
  * bodies, a target and its image in the surface (from the first ping's place), side lobes of a
  * shaded array. REASON, of SIZE bytes, says what. */
