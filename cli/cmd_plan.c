@@ -164,10 +164,13 @@ static void print_text(const asdic_mission *mission, const asdic_plan *plan,
                mission_seconds(f, pings));
     }
     if (f->known && !asdic_mission_sampling((asdic_mission *)mission)->coherent) {
+        char heard[64] = "no bin is above the noise";
+        if (!isnan(f->rms_db)) {
+            snprintf(heard, sizeof heard, "%.2f dB r.m.s. in bins above the noise", f->rms_db);
+        }
         printf(
-            "stated standard error of the first ping: %.2f dB r.m.s. in bins above the noise; of "
-            "all, median %.3f dB, worst %.2f dB\n",
-            f->rms_db, f->median_db, f->worst_db);
+            "stated standard error of the first ping: %s; of all, median %.3f dB, worst %.2f dB\n",
+            heard, f->median_db, f->worst_db);
     }
 }
 

@@ -134,6 +134,8 @@ def test_the_error_is_that_of_the_first_ping():
         text = asdic("plan", path).check(code=0).out
         tap.contains(text, f"first ping: {wanted['rms']:.2f} dB r.m.s. in bins above the noise; of all, median "
                            f"{wanted['median']:.3f} dB, worst {wanted['worst']:.2f} dB\n")
+        path = folder.write("quiet.yaml", NOISY.replace("source_level_db: 170", "source_level_db: 20"))
+        tap.contains(asdic("plan", path).check(code=0).out, "first ping: no bin is above the noise; of all, median ")
         tap.contains(text, "per block of 32: about ")
 
 
