@@ -44,7 +44,7 @@ typedef struct asdic_material {
 /* LAW with nothing given. */
 ASDIC_API asdic_material asdic_material_of(const asdic_law *law);
 
-/* A bottom of the SEARAY model: 1 mud, 2 sand, 3 gravel, 4 rock, fractions allowed. */
+/* A bottom of the SEARAY model: 1 mud, 2 sand, 3 gravel, 4 rock, fractions allowed; NAN: sand. */
 ASDIC_API asdic_material asdic_material_bottom(double bottom_type);
 
 /* A rough facet: impedance 1e6 kg/(m2 s) (water 1.54, steel 45, air 0), r.m.s. height and slope of
@@ -73,7 +73,8 @@ ASDIC_API bool asdic_material_equal(const asdic_material *a, const asdic_materia
 /* Writes what it is in a few words: "sand", "impedance_mrayl 45", "curve". */
 ASDIC_API void asdic_material_describe(const asdic_material *material, char *text, size_t size);
 
-/* ASDIC_ERROR_ARGUMENT names the key whose value is missing or out of range. */
+/* ASDIC_ERROR_ARGUMENT names the key whose value is out of range or whose rows are missing. A
+ * number that is not given is none of these: it has the fallback. */
 ASDIC_API asdic_status asdic_material_check(asdic_context *ctx, const asdic_material *material);
 
 #ifdef __cplusplus
