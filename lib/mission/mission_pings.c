@@ -7,6 +7,7 @@
 #include "base/try.h"
 #include "mission/track/flight.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -15,7 +16,10 @@
 /* Pings that the track covers, the one at its start included. */
 static double covered_pings(const mission_builder *b) {
     const asdic_track *track = b->mission->track;
-    double length_s = asdic_track_end_s(track) - asdic_track_start_s(track);
+    double start_s = asdic_track_start_s(track), end_s = asdic_track_end_s(track);
+    double length_s = end_s - start_s;
+    /* Times of day since 1970 are rounded to 2.4e-7 s. */
+    length_s += DBL_EPSILON * fmax(fabs(start_s), fabs(end_s));
     /* 5 s at 10 Hz are 51 pings, though 5 * 10 is 49.99999999 somewhere. */
     return floor(length_s * b->mission->settings.sonar.ping_rate_hz * (1.0 + 1e-12) + 1e-9) + 1.0;
 }

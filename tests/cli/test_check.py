@@ -312,6 +312,17 @@ def test_tracks_give_the_pings():
         tap.contains(bad.err, "b.yaml:8:10: error: bad.csv: 5 errors  [mission.track]\n")
 
 
+def test_tracks_may_begin_at_any_time():
+    """As loggers do that count seconds from 1970: what a track was made of is what it gives."""
+    scene = MINIMAL.replace("pose: {position_m: [0, 0, 7]}", "track: t.csv")
+    for pings in 2, 4, 7, 9, 51:
+        rows = "".join(f"{1700000000 + k / 10:.1f},{k},0,5,0,0,0\n" for k in range(pings))
+        with folder(t_csv="time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg\n" + rows, s_yaml=scene) as at:
+            written = asdic("check", "s.yaml", "--track", "-", cwd=at).out.splitlines()
+            tap.equal(len(written) - 1, pings, "pings")
+            tap.equal([row.split(",")[1] for row in written[1:]], [str(k) for k in range(pings)], "places")
+
+
 def test_waypoints_are_flown_and_written():
     scene = MINIMAL.replace("pose: {position_m: [0, 0, 7]}",
                             "waypoints: [[0, 0, 7], [60, 0, 7], [60, 40, 9]]")
