@@ -77,14 +77,16 @@ static asdic_status check_memory(asdic_context *ctx, const asdic_mission *m) {
                               "use fewer beams or a longer 'bin_length_m'");
 }
 
-/* Files to include and the trial's own keys come first, since what else is set and drawn may be in
- * what they bring. What is set in an entry that was DRAWN as `none` is gone with it. */
+/* Files to include, what rules them and the trial's own keys come first, since what else is set and
+ * drawn may be in what they bring. What is set in an entry that was DRAWN as `none` is gone with it. */
 static void put_settings(mission_builder *b, asdic_yaml_node *root, const asdic_drawn *drawn,
                          bool is_first) {
     for (size_t i = 0; root && i < b->setting_count; i++) {
         const char *key = b->settings[i].key;
-        bool comes_first = asdic_scene_key_includes(key) || strncmp(key, "trial", 5) == 0;
-        if (comes_first == is_first && !asdic_scene_draw_is_gone(drawn, key)) {
+        bool is_trial = strncmp(key, "trial", 5) == 0;
+        bool has_turn = is_first ? is_trial || asdic_scene_key_is_early(key)
+                                 : !is_trial && !asdic_scene_key_includes(key);
+        if (has_turn && !asdic_scene_draw_is_gone(drawn, key)) {
             asdic_scene_file_set(root, &b->settings[i], b->arena, b->problems);
         }
     }
@@ -133,8 +135,8 @@ static asdic_status keep_classes(mission_builder *b, const asdic_yaml_node *root
     return good ? ASDIC_OK : asdic_fail_memory(b->ctx, "names of classes");
 }
 
-/* Files that are set stand in place of those that were drawn. */
-static void put_drawn_files(mission_builder *b, asdic_yaml_node *root, const asdic_drawn *drawn) {
+/* What is set stands in place of what was drawn, before files are included. */
+static void put_in_place(mission_builder *b, asdic_yaml_node *root, const asdic_drawn *drawn) {
     for (size_t i = 0; i < drawn->count; i++) {
         const asdic_setting *set = setting_of(b, drawn->items[i].key);
         if (set) {
@@ -159,7 +161,7 @@ static asdic_status read_scene(mission_builder *b, asdic_yaml_node **root, file_
     TRY(read_trial(b, *root, trial));
     TRY(keep_classes(b, *root, trial));
     asdic_scene_draw(*root, trial, b->draw, true, b->arena, b->problems, drawn);
-    put_drawn_files(b, *root, drawn);
+    put_in_place(b, *root, drawn);
     TRY(asdic_mission_include(b, *root, &included));
     asdic_scene_draw(*root, trial, b->draw, false, b->arena, b->problems, drawn);
     if (included && !b->draw) {

@@ -185,6 +185,40 @@ static void settings_mean_the_entries_of_the_file(void **state) {
     asdic_mission_destroy(&m);
 }
 
+/* By Medwin's equation, at the surface. */
+static double speed_of(double temperature_degc, double salinity_ppt) {
+    double t = temperature_degc;
+    return 1449.2 + 4.6 * t - 0.055 * t * t + 0.00029 * t * t * t +
+           (1.34 - 0.010 * t) * (salinity_ppt - 35.0);
+}
+
+/* The speeds of a cast of temperatures are those of the salinity that is set or drawn. */
+static void casts_take_the_salinity_that_is_set(void **state) {
+    workshop *w = *state;
+    static const asdic_setting set = {"environment.salinity_ppt", "20"};
+    const asdic_draw draw = {.seed = 7, .run = 3};
+    write_file(w, "a.yaml", "frequency_khz: 30\n");
+    write_file(w, "cast.csv", "depth_m,temperature_degc\n0,10\n9,5\n");
+    write_file(w, "scene.yaml",
+               "version: 1\n" FLAT SONAR POSE
+               "environment: {sound_speed_profile: cast.csv, salinity_ppt: 35}\n"
+               "trial: {draws: [{key: environment.salinity_ppt, choice: [5]}]}\n");
+    const struct {
+        size_t settings;
+        const asdic_draw *draw;
+        double salinity_ppt;
+    } cases[] = {{0, NULL, 35.0}, {1, NULL, 20.0}, {0, &draw, 5.0}, {1, &draw, 20.0}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        asdic_mission *m = load_with(w, &set, cases[i].settings, cases[i].draw);
+        assert_non_null(m);
+        const asdic_environment *env = asdic_mission_environment(m);
+        assert_close(env->salinity_ppt, cases[i].salinity_ppt, 0);
+        assert_close(env->sound_speed_profile.sound_speed_mps[0],
+                     speed_of(10.0, cases[i].salinity_ppt), 1e-9);
+        asdic_mission_destroy(&m);
+    }
+}
+
 /* A run of a trial may start below the bottom; runs of a data set need names, and in layers their places count. */
 static void loads_of_other_kinds(void **state) {
     workshop *w = *state;
@@ -539,6 +573,7 @@ int main(void) {
         cmocka_unit_test(settings_stand_in_place_of_the_file),
         cmocka_unit_test(draws_stand_in_place_of_the_file),
         cmocka_unit_test(settings_mean_the_entries_of_the_file),
+        cmocka_unit_test(casts_take_the_salinity_that_is_set),
         cmocka_unit_test(loads_of_other_kinds),
         cmocka_unit_test(scenes_in_memory_are_whole),
         cmocka_unit_test(inputs_have_one_hash),

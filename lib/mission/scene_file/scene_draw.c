@@ -240,7 +240,7 @@ void asdic_scene_draw_finish(asdic_yaml_node *root, const asdic_drawn *drawn, as
 }
 
 void asdic_scene_draw(asdic_yaml_node *root, const file_trial *trial, const asdic_draw *draw,
-                      bool files, asdic_arena *arena, asdic_problems *problems,
+                      bool early, asdic_arena *arena, asdic_problems *problems,
                       asdic_drawn *drawn) {
     const drawer d = {{asdic_scene_table(), arena, problems}, draw};
     if (!asdic_scene_node_good(trial->node)) {
@@ -260,7 +260,7 @@ void asdic_scene_draw(asdic_yaml_node *root, const file_trial *trial, const asdi
     const file_draw *draws = trial->draws.items;
     for (size_t i = 0; i < trial->draws.count; i++) {
         const char *key = draws[i].key->text;
-        if (asdic_scene_key_includes(key) != files) {
+        if (asdic_scene_key_is_early(key) != early) {
             continue;
         }
         if (asdic_scene_draw_is_gone(drawn, key)) {

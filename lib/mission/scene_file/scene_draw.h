@@ -19,11 +19,11 @@ typedef struct asdic_drawn {
 } asdic_drawn;
 
 /* Puts what run DRAW->run draws by TRIAL, which asdic_scene_draw_check found good, into ROOT. What is
- * wrong with the values is found when the tree is read. FILES: draws of the keys that name files to
- * include (asdic_scene_key_includes) alone, else all others. Appends to DRAWN. Entries of lists that became `none`
- * keep their places until asdic_scene_draw_finish. */
+ * wrong with the values is found when the tree is read. EARLY: draws of the keys that come before
+ * files are included (asdic_scene_key_is_early) alone, else all others. Appends to DRAWN. Entries of
+ * lists that became `none` keep their places until asdic_scene_draw_finish. */
 void asdic_scene_draw(asdic_yaml_node *root, const file_trial *trial, const asdic_draw *draw,
-                      bool files, asdic_arena *arena, asdic_problems *problems, asdic_drawn *drawn);
+                      bool early, asdic_arena *arena, asdic_problems *problems, asdic_drawn *drawn);
 
 /* Whether KEY lies in a list's entry that was drawn as `none`. */
 bool asdic_scene_draw_is_gone(const asdic_drawn *drawn, const char *key);

@@ -153,6 +153,11 @@ bool asdic_scene_key_includes(const char *key) {
     return strcmp(key, "sonar.file") == 0 || strcmp(key, "environment.sound_speed_profile") == 0;
 }
 
+bool asdic_scene_key_is_early(const char *key) {
+    /* Speeds of a cast of temperatures hang on the salinity. */
+    return asdic_scene_key_includes(key) || strcmp(key, "environment.salinity_ppt") == 0;
+}
+
 /* --- the file --------------------------------------------------------------------------------- */
 
 bool asdic_scene_file_parse(const char *text, size_t size, asdic_arena *arena,

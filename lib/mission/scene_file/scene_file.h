@@ -325,6 +325,9 @@ void asdic_scene_file_set(asdic_yaml_node *root, const asdic_setting *setting, a
 /* Whether the value of KEY names a file whose content takes its place (mission_include.c). */
 bool asdic_scene_key_includes(const char *key);
 
+/* Whether KEY is drawn and set before files are included: it names one, or rules what comes of it. */
+bool asdic_scene_key_is_early(const char *key);
+
 /* Checks what depends on several keys, and names what has no name (scene_check.c). */
 void asdic_scene_file_check(asdic_scene_file *file, asdic_arena *arena, asdic_problems *problems);
 
