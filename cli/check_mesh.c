@@ -48,6 +48,10 @@ asdic_status check_mesh(cli *c, const char *path, bool is_grid, json *j) {
     TRY(is_grid ? asdic_mesh_load_grid(cli_context(c), path, true, &mesh)
                 : asdic_mesh_load(cli_context(c), path, 1.0, false, &mesh));
     asdic_mesh_info info = asdic_mesh_get_info(mesh);
+    if (is_grid) { /* its x is east, the scene's y */
+        info.min_m = (asdic_vec3){info.min_m.y, info.min_m.x, info.min_m.z};
+        info.max_m = (asdic_vec3){info.max_m.y, info.max_m.x, info.max_m.z};
+    }
     if (j) {
         print_json(path, is_grid, &info, j);
     } else {

@@ -136,6 +136,18 @@ def test_mesh_is_described():
                   ("mesh", 4, 0, [1, 1, 2]))
 
 
+def test_grid_is_described():
+    """As its file says: x to the east from the lower left corner, y to the north, a value amid each cell."""
+    rows = (" ".join(["12"] * 5) + "\n") * 10 + "20 20 20 20 20\n"
+    with folder(g_asc="ncols 5\nnrows 11\nxllcorner -40\nyllcorner -10\ncellsize 10\n" + rows) as at:
+        tap.contains(asdic("check", "g.asc", cwd=at).check(0).out,
+                     "g.asc: grid, in its own axes\n"
+                     "  extent    40 x 100 x 8\n"
+                     "            x -35 .. 5, y -5 .. 95, z 12 .. 20\n")
+        [grid] = json.loads(asdic("check", "g.asc", "--json", cwd=at).out)
+        tap.equal((grid["kind"], grid["min"], grid["max"]), ("grid", [-35, -5, 12], [5, 95, 20]))
+
+
 def test_every_object_is_described():
     """A tetrahedron that lacks a face and has a degenerate one, a point, a box; of many objects the first forty."""
     open_mesh = TETRAHEDRON.replace("f 3 1 4", "f 1 1 2")
