@@ -16,7 +16,9 @@
 /* What the file writes where it does not say. It depends on the file alone, so that parts of a
  * mission agree. */
 static void choose_output(const asdic_scene_file *file, asdic_settings *out) {
-    bool is_one_ping = file->mission.pose.node && file->mission.pings <= 1;
+    int64_t pings = file->mission.pings;
+    bool is_scanned = out->sweep.directions > 1; /* a turn of the head, where there is no number */
+    bool is_one_ping = file->mission.pose.node && (pings == 1 || (pings == 0 && !is_scanned));
     size_t cells = out->sonar.receiver_count * asdic_sonar_bin_count(&out->sonar, SOUND_SPEED_MPS);
     bool is_large = cells > MOST_CELLS && !is_one_ping;
     if (file->output.records == FILE_AUTO) {

@@ -205,6 +205,9 @@ def test_large_pings_write_no_table_unless_asked():
             names, said = files_of(many.replace(*edit))
             tap.equal(names, wanted, edit[1])
             tap.equal("no bins.csv" in said, wanted == {"levels.npy"}, said)
+        scanned = many.replace(", pings: 2", "").replace(
+            "sonar:\n", "sonar:\n  scan: {sector_deg: 90, step_deg: 45}\n")
+        tap.equal(files_of(scanned)[0], {"levels_float16.npy"}, "three pings, none counted in the file")
 
 
 def test_sizes_are_foretold():

@@ -203,7 +203,7 @@ typedef struct file_mission {
     file_pose pose;
     const char *track;
     file_waypoints waypoints;
-    int64_t pings; /* 0: one, or what the track covers */
+    int64_t pings; /* 0: one, a turn of the head, or what the track covers */
 } file_mission;
 
 #define FILE_RAYS_AUTO 0 /* of file_sampling.rays */
