@@ -398,6 +398,19 @@ static void what_moves_is_kept(void **state) {
     asdic_mesh_destroy(&mesh);
 }
 
+/* Straight rays graze the surface from a sonar at it; those that bend upwards come back to it. */
+static void a_sonar_at_the_surface_hears_it_where_rays_come_back(void **state) {
+    (void)state;
+    for (int bends = 0; bends < 2; bends++) {
+        yard y = begin(true, true);
+        y.poses[0].position_m.z = 0.0;
+        y.env.sound_speed_gradient_per_s = bends ? 0.5 : 0.0;
+        make(&y);
+        assert_true(row_of(ASDIC_TERM_SURFACE)->kept == (bends != 0));
+        end(&y);
+    }
+}
+
 /* A quadrature for every depth and attitude, which 32 pings a beam must share; eight at most are remembered. */
 static void quadratures_want_many_pings(void **state) {
     (void)state;
@@ -499,6 +512,7 @@ int main(void) {
         cmocka_unit_test(boxes_add_up),
         cmocka_unit_test(places_make_no_difference),
         cmocka_unit_test(what_moves_is_kept),
+        cmocka_unit_test(a_sonar_at_the_surface_hears_it_where_rays_come_back),
         cmocka_unit_test(quadratures_want_many_pings),
         cmocka_unit_test(what_is_missing_is_refused),
     };
