@@ -57,6 +57,16 @@ static bool may_write(cli *c, const char *path) {
     return true;
 }
 
+/* Whether the mosaic PATH, and the world file that comes with it, may be written. */
+static bool may_write_mosaic(cli *c, const char *path) {
+    char world[4096];
+    if (!path) {
+        return true;
+    }
+    snprintf(world, sizeof world, "%.*s.pgw", (int)render_stem(path), path);
+    return may_write(c, path) && may_write(c, world);
+}
+
 static int run(cli *c) {
     static const char *const formats[] = {
         [ASDIC_PICTURE_BY_NAME] = "auto", "png", "pdf", "svg", NULL};
@@ -99,7 +109,7 @@ static int run(cli *c) {
     if (mosaic && (options.path || video)) {
         return cli_usage(c, "--mosaic goes without --output and --video");
     }
-    if (!may_write(c, options.path) || !may_write(c, video) || !may_write(c, mosaic)) {
+    if (!may_write(c, options.path) || !may_write(c, video) || !may_write_mosaic(c, mosaic)) {
         return CLI_FAILED;
     }
     asdic_status status = cli_given(c, "tvg") ? set_gain(c, folder, gain, &options) : ASDIC_OK;
@@ -134,7 +144,7 @@ static const cli_option options[] = {
     {"mosaic", 0, "FILE",
      "the fans of all pings on one map: a PNG, and a world file for GIS beside it"},
     {"cell", 0, "M", "side of the mosaic's cells; default: a bin's length"},
-    {"force", 'f', NULL, "overwrite that file"},
+    {"force", 'f', NULL, "overwrite that file, and a mosaic's world file"},
     {"raw", 0, NULL, "16-bit grey pictures too, a pixel per bin: raw_<beam>.png"},
     {0},
 };

@@ -127,10 +127,14 @@ static bool finish(film *f, asdic_status status) {
     return false;
 }
 
+size_t render_stem(const char *path) {
+    const char *name = strrchr(path, '/'), *dot = strrchr(name ? name : path, '.');
+    return dot ? (size_t)(dot - path) : strlen(path);
+}
+
 /* "fan.part.mp4" of "fan.mp4", and "fan.part.mp4.png" for the frames. */
 static bool name_parts(film *f) {
-    const char *name = strrchr(f->path, '/'), *dot = strrchr(name ? name : f->path, '.');
-    size_t stem = dot ? (size_t)(dot - f->path) : strlen(f->path);
+    size_t stem = render_stem(f->path);
     if (asprintf(&f->part, "%.*s.part%s", (int)stem, f->path, f->path + stem) < 0) {
         f->part = NULL;
     }
@@ -144,8 +148,7 @@ int render_video(cli *c, const char *folder, const asdic_render_options *options
                  const char *path) {
     film f = {.c = c, .path = path};
     asdic_render_options each = *options;
-    asdic_status status =
-        name_parts(&f) ? find_rate(c, folder, &f.rate_hz) : ASDIC_ERROR_MEMORY;
+    asdic_status status = name_parts(&f) ? find_rate(c, folder, &f.rate_hz) : ASDIC_ERROR_MEMORY;
     bool is_whole = false;
     if (status == ASDIC_OK) {
         signal(SIGPIPE, SIG_IGN); /* an ffmpeg that ends early is an error to report */

@@ -551,6 +551,14 @@ def test_a_mosaic_lies_where_it_says():
         low, high = float(said["db_low"]), float(said["db_high"])
         tap.equal((low % 10, high % 10, low < high), (0, 0, True), f"window {low} to {high} dB")
         tap.contains(asdic("render", run, "--mosaic", folder / "m.png").check(code=1).err, "--force")
+        os.remove(folder / "m.png")  # the world file alone: as much someone's as the picture
+        tap.contains(asdic("render", run, "--mosaic", folder / "m.png").check(code=1).err, "'%s' exists; --force" %
+                     (folder / "m.pgw"))
+        tap.equal("m.png" in folder.names(), False, "a mosaic beside another's world file")
+        os.mkdir(folder / "r.1")  # a name's ending is not its folder's
+        asdic("render", run, "--mosaic", folder / "r.1/a", "--cell", "0.5").check(code=0, out="")
+        tap.equal(sorted(os.listdir(folder / "r.1")), ["a", "a.pgw"], "a mosaic in a folder with a point")
+        asdic("render", run, "--mosaic", folder / "m.png", "--cell", "0.5", "--force").check(code=0, out="")
         if not shutil.which("gdallocationinfo"):
             raise tap.Skip("no gdal")
         def brightness(east, north):

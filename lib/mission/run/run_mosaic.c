@@ -145,9 +145,9 @@ static asdic_status to_levels(mosaic *m, asdic_picture_options *look) {
 static asdic_status write_world(const mosaic *m, const char *path) {
     char name[4096], numbers[3][ASDIC_DIGITS_SIZE];
     asdic_file *file;
-    size_t length = strlen(path);
-    bool has_ending = length > 4 && path[length - 4] == '.';
-    snprintf(name, sizeof name, "%.*s.pgw", (int)(has_ending ? length - 4 : length), path);
+    const char *file_name = strrchr(path, '/'), *dot = strrchr(file_name ? file_name : path, '.');
+    size_t stem = dot ? (size_t)(dot - path) : strlen(path);
+    snprintf(name, sizeof name, "%.*s.pgw", (int)stem, path);
     asdic_digits_print(numbers[0], "%.10g", m->cell_m);
     asdic_digits_print(numbers[1], "%.10g", m->west_m + 0.5 * m->cell_m);
     asdic_digits_print(numbers[2], "%.10g", m->south_m + ((double)m->rows - 0.5) * m->cell_m);
