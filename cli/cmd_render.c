@@ -4,6 +4,7 @@
 
 #include <math.h>
 #include <string.h>
+#include <strings.h>
 #include <sys/stat.h>
 
 /* Names of pictures in a list with commas, as bits. */
@@ -57,6 +58,30 @@ static bool may_write(cli *c, const char *path) {
     return true;
 }
 
+/* Whether the mosaic MOSAIC goes with the other options. */
+static bool check_mosaic(cli *c, const char *mosaic) {
+    static const char *const others[] = {"output", "video",  "images", "beam",
+                                         "ping",   "format", "raw",    NULL};
+    if (!mosaic && cli_given(c, "cell")) {
+        cli_usage(c, "--cell goes with --mosaic");
+        return false;
+    }
+    for (size_t i = 0; mosaic && others[i]; i++) {
+        if (cli_given(c, others[i])) {
+            cli_usage(c, "--mosaic goes without --%s: it is one PNG of all beams and pings",
+                      others[i]);
+            return false;
+        }
+    }
+    const char *ending = mosaic ? mosaic + render_stem(mosaic) : "";
+    if (mosaic && (strcmp(mosaic, "-") == 0 || (*ending && strcasecmp(ending, ".png") != 0))) {
+        cli_usage(c, "--mosaic '%s': a PNG file with a world file beside it, so a name in .png",
+                  mosaic);
+        return false;
+    }
+    return true;
+}
+
 /* Whether the mosaic PATH, and the world file that comes with it, may be written. */
 static bool may_write_mosaic(cli *c, const char *path) {
     char world[4096];
@@ -103,11 +128,8 @@ static int run(cli *c) {
     const char *mosaic = cli_text(c, "mosaic");
     double cell_m = 0.0;
     cli_number(c, "cell", 1e-3, 1e6, &cell_m);
-    if (cli_bad_usage(c)) {
+    if (cli_bad_usage(c) || !check_mosaic(c, mosaic)) {
         return CLI_USAGE;
-    }
-    if (mosaic && (options.path || video)) {
-        return cli_usage(c, "--mosaic goes without --output and --video");
     }
     if (!may_write(c, options.path) || !may_write(c, video) || !may_write_mosaic(c, mosaic)) {
         return CLI_FAILED;

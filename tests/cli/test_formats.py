@@ -571,6 +571,18 @@ def test_a_mosaic_lies_where_it_says():
             raise AssertionError("the ball is brighter than the floor beside it")
 
 
+def test_a_mosaic_goes_without_what_it_cannot_follow():
+    """Before the run is looked at: there is none."""
+    with Folder() as folder:
+        for others in (("--mosaic", "m.png", "--beam", "down"), ("--mosaic", "m.png", "--ping", "1"),
+                       ("--mosaic", "m.png", "--images", "plan"), ("--mosaic", "m.png", "--raw"),
+                       ("--mosaic", "m.png", "--format", "png"), ("--mosaic", "m.png", "-o", "o.png"),
+                       ("--mosaic", "m.png", "--video", "v.mp4"), ("--mosaic", "m.pdf"), ("--mosaic", "-"),
+                       ("--cell", "1"), ("--cell", "1", "--video", "v.mp4")):
+            tap.contains(asdic("render", "r", *others, cwd=folder.path).check(code=2, out="").err, "--mosaic")
+        tap.equal(folder.names(), [], "files that were written")
+
+
 def test_a_mosaic_of_a_fan_that_looks_astern():
     """Both halves of its floor, beyond 180 degrees as well."""
     with Folder() as folder:
