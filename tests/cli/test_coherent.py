@@ -3,6 +3,7 @@ formed outside, and errors."""
 import cmath
 import math
 import os
+import pathlib
 import struct
 
 import program
@@ -83,6 +84,12 @@ def test_resume_makes_what_is_missing():
         os.remove(os.path.join(folder.path, "again", "elements.npy"))
         done = asdic("run", path, "-o", folder / "again", "--resume").check(code=0)
         tap.contains(done.err, "elements.npy' is missing or damaged; it is made again")
+        same_files(folder, "whole", "again")
+        raw = data(folder, "again", "elements.npy")
+        pathlib.Path(folder / "again", "elements.npy").write_bytes(raw[:-9999] + b"XXXX" + raw[-9995:])
+        tap.contains(asdic("merge", folder / "again", "-o", folder / "joined").check(code=3).err,
+                     "again/elements.npy' is missing or damaged")
+        asdic("run", path, "-o", folder / "again", "--resume").check(code=0)
         same_files(folder, "whole", "again")
 
 

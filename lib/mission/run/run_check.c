@@ -5,6 +5,7 @@
 #include "base/try.h"
 #include "out/format.h"
 #include "out/png_file.h"
+#include "run_elements.h"
 #include "run_folder.h"
 
 #include <stdio.h>
@@ -16,7 +17,7 @@
 static const char *const small_names[] = {"track.csv", "terrain.asc", "objects.csv", "routes.csv"};
 #define SMALL (sizeof small_names / sizeof *small_names)
 
-_Static_assert(SMALL + 1 + ASDIC_FORMAT_COUNT <= ASDIC_RUN_FILES, "room for every file");
+_Static_assert(SMALL + 2 + ASDIC_FORMAT_COUNT <= ASDIC_RUN_FILES, "room for every file");
 
 static bool is_small(const char *name) {
     bool is = false;
@@ -46,6 +47,7 @@ asdic_status asdic_run_check_note(asdic_context *ctx, const char *folder, asdic_
                                   asdic_run_facts *facts) {
     facts->file_count = 0;
     TRY(note(ctx, folder, "bins.csv", facts));
+    TRY(note(ctx, folder, ASDIC_ELEMENTS_NAME, facts));
     for (size_t i = 0; i < SMALL; i++) {
         TRY(note(ctx, folder, small_names[i], facts));
     }
@@ -125,6 +127,18 @@ asdic_status asdic_run_check_small(asdic_context *ctx, const char *folder,
     asdic_status status = ASDIC_OK;
     for (size_t i = 0; i < facts->file_count && !status; i++) {
         if (is_small(facts->files[i].name)) {
+            status = check_file(ctx, folder, &facts->files[i], &lost);
+        }
+    }
+    return tell(ctx, status, &lost);
+}
+
+asdic_status asdic_run_check_one(asdic_context *ctx, const char *folder,
+                                 const asdic_run_facts *facts, const char *name) {
+    lost_files lost = {0};
+    asdic_status status = ASDIC_OK;
+    for (size_t i = 0; i < facts->file_count && !status; i++) {
+        if (strcmp(facts->files[i].name, name) == 0) {
             status = check_file(ctx, folder, &facts->files[i], &lost);
         }
     }

@@ -16,6 +16,10 @@ asdic_status asdic_run_check_note(asdic_context *ctx, const char *folder, asdic_
 asdic_status asdic_run_check_small(asdic_context *ctx, const char *folder,
                                    const asdic_run_facts *facts);
 
+/* Checks the file NAME, if FACTS have it. */
+asdic_status asdic_run_check_one(asdic_context *ctx, const char *folder,
+                                 const asdic_run_facts *facts, const char *name);
+
 /* Checks the other files and the pictures as well. */
 asdic_status asdic_run_check_all(asdic_context *ctx, const char *folder,
                                  const asdic_run_facts *facts);

@@ -218,9 +218,27 @@ static void find_whole(asdic_run_job *job, asdic_status *first_failure) {
     }
 }
 
+/* Sets *ARE_WHOLE where a run that ended has the elements that it wrote. Nothing says which pings of a
+ * damaged file are good: it is removed, so that all are made again. */
+static asdic_status check_elements(asdic_run_job *job, const asdic_run_facts *earlier,
+                                   bool *are_whole) {
+    asdic_elements_shape shape = elements_of(job);
+    asdic_status status =
+        asdic_run_check_one(job->ctx, job->options->folder, earlier, ASDIC_ELEMENTS_NAME);
+    if (status == ASDIC_ERROR_INPUT) {
+        *are_whole = false;
+        unlinkat(dirfd(job->lock), ASDIC_ELEMENTS_NAME, 0);
+        return ASDIC_OK;
+    }
+    *are_whole = asdic_elements_complete(job->ctx, job->options->folder, &shape);
+    return status;
+}
+
 /* Whether a run that ended has still all that it wrote; a warning says what not. */
 static asdic_status check_complete(asdic_run_job *job, const asdic_run_facts *earlier) {
     asdic_status bad = ASDIC_OK;
+    bool are_whole = false; /* the elements */
+    TRY(check_elements(job, earlier, &are_whole));
     asdic_status status = open_store(job, ASDIC_STORE_READ);
     if (status == ASDIC_ERROR_MEMORY) {
         return status;
@@ -240,8 +258,7 @@ static asdic_status check_complete(asdic_run_job *job, const asdic_run_facts *ea
                                 job->facts.pings_planned);
         }
     }
-    asdic_elements_shape elements = elements_of(job);
-    if (status == ASDIC_OK && !asdic_elements_complete(job->ctx, job->options->folder, &elements)) {
+    if (status == ASDIC_OK && !are_whole) {
         status = asdic_fail(job->ctx, ASDIC_ERROR_INPUT,
                             "'%s/" ASDIC_ELEMENTS_NAME "' is missing or damaged; it is made again",
                             job->options->folder);

@@ -150,6 +150,7 @@ static asdic_status copy_elements(merger *m, asdic_elements *to, asdic_elements_
     for (size_t i = 0; i < m->count; i++) {
         const asdic_run *part = m->parts[i];
         asdic_elements *from = NULL;
+        TRY(asdic_run_check_one(m->ctx, part->folder, &part->facts, ASDIC_ELEMENTS_NAME));
         shape.pings = part->facts.pings_planned;
         asdic_status status =
             asdic_elements_open(m->ctx, part->folder, ASDIC_STORE_READ, &shape, &from);
