@@ -31,7 +31,8 @@ void asdic_axis_label(char label[24], double value, double step) {
     if (fabs(value) < 1e-9 * step) {
         value = 0.0;
     }
-    if (fabs(value) >= 1e7) {
+    /* Of large values as many digits as tell neighbours apart, as of Unix time; beyond 1e15 a double has none. */
+    if (fabs(value) >= 1e15 || (fabs(value) >= 1e7 && step >= 1e6)) {
         strcpy(format, "%.3g");
     }
     asdic_digits_print(number, format, fabs(value));

@@ -60,6 +60,10 @@ size_t asdic_digits_natural(char text[ASDIC_DIGITS_SIZE], uint64_t value) {
     return count;
 }
 
+size_t asdic_digits_time(char text[ASDIC_DIGITS_SIZE], double time_s) {
+    return asdic_digits_print(text, "%.13g", 1e-3 * rint(1e3 * time_s));
+}
+
 /* 10^0 .. 10^12, all exact in double. */
 static const double powers[] = {1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12};
 

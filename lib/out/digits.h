@@ -17,6 +17,9 @@ size_t asdic_digits_float(char text[ASDIC_DIGITS_SIZE], float value);
 /* The shortest of "%.15g", "%.16g", "%.17g" that reads back to VALUE. */
 size_t asdic_digits_double(char text[ASDIC_DIGITS_SIZE], double value);
 
+/* Seconds to the millisecond, of Unix time as well. */
+size_t asdic_digits_time(char text[ASDIC_DIGITS_SIZE], double time_s);
+
 size_t asdic_digits_natural(char text[ASDIC_DIGITS_SIZE], uint64_t value);
 
 /* FORMAT is a printf format of one double; never a decimal comma. */

@@ -238,7 +238,7 @@ static void name_objects(labels *l, const asdic_chart *chart) {
 
 static void name_time(char text[48], const char *what, double time_s) {
     char digits[ASDIC_DIGITS_SIZE];
-    asdic_digits_print(digits, "%.4g", time_s);
+    asdic_digits_time(digits, time_s);
     snprintf(text, 48, "%s %s s", what, digits);
 }
 

@@ -73,6 +73,22 @@ static void double_is_short_and_exact(void **state) {
     assert_string_equal(text, "18446744073709551615");
 }
 
+static void times_have_milliseconds(void **state) {
+    (void)state;
+    const struct {
+        double time_s;
+        const char *text;
+    } cases[] = {{0.30000000000000004, "0.3"},
+                 {1234.5678, "1234.568"},
+                 {12345.0, "12345"},
+                 {1700000000.75, "1700000000.75"}};
+    char text[ASDIC_DIGITS_SIZE];
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        asdic_digits_time(text, cases[i].time_s);
+        assert_string_equal(text, cases[i].text);
+    }
+}
+
 static void locale_does_not_matter(void **state) {
     (void)state;
     if (!setlocale(LC_NUMERIC, "de_DE.UTF-8") && !setlocale(LC_NUMERIC, "fr_FR.UTF-8")) {
@@ -89,9 +105,8 @@ static void locale_does_not_matter(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(float_is_printf_9g),
-        cmocka_unit_test(nothing_is_an_empty_field),
-        cmocka_unit_test(double_is_short_and_exact),
+        cmocka_unit_test(float_is_printf_9g),        cmocka_unit_test(nothing_is_an_empty_field),
+        cmocka_unit_test(double_is_short_and_exact), cmocka_unit_test(times_have_milliseconds),
         cmocka_unit_test(locale_does_not_matter),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -295,6 +295,8 @@ static void ticks_lie_within(void **state) {
     check_ticks(axis_of(0.11, 0.149, false), 4, "0.11 0.12 0.13 0.14");
     check_ticks(axis_of(1e7, 3e7, false), 2, "1e+07 2e+07 3e+07");
     check_ticks(axis_of(9999990.0, 9999999.0, false), 2, "9999990 9999995");
+    check_ticks(axis_of(1.7e9, 1.7e9 + 11.0, false), 5, "1700000000 1700000005 1700000010");
+    check_ticks(axis_of(1.7e9, 1.7e9 + 1.0, false), 2, "1700000000.0 1700000000.5 1700000001.0");
     check_ticks(axis_of(0.01, 1000.0, true), 8,
                 "10\u207b\u00b2 10\u207b\u00b9 10\u2070 10\u00b9 10\u00b2 10\u00b3");
     check_ticks(axis_of(0.01, 1000.0, true), 3, "10\u207b\u00b2 10\u2070 10\u00b2");

@@ -21,7 +21,7 @@ static void name_ping(const asdic_render *r, const asdic_record *record, char ti
                       char number[ASDIC_DIGITS_SIZE]) {
     char time_s[ASDIC_DIGITS_SIZE];
     asdic_digits_natural(number, record->ping);
-    asdic_digits_print(time_s, "%.10g", 1e-3 * rint(1e3 * record->time_s));
+    asdic_digits_time(time_s, record->time_s);
     snprintf(title, 256, "%s: ping %s, t = %s s", r->info.scene_name, number, time_s);
 }
 
