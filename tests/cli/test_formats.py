@@ -449,6 +449,34 @@ def render_bytes(run, *arguments):
                           capture_output=True, timeout=60).stdout
 
 
+def test_levels_alone_tell_noise_from_echoes():
+    """The error that a run states, and what its overview leaves white, hang on the noise, which records of levels
+    do not keep. One run hears much, the other nothing."""
+    def pixels(name):
+        content, at, found = data(folder, name, "overview.png"), 8, b""
+        while at < len(content):
+            length = int.from_bytes(content[at:at + 4], "big")
+            found += content[at + 8:at + 8 + length] if content[at + 4:at + 8] == b"IDAT" else b""
+            at += 12 + length
+        return found
+    with Folder() as folder:
+        for level_db in (200, 100):
+            for records in ("full", "levels"):
+                loud = f"source_level_db: {level_db}\n  speckle: rayleigh"
+                run = run_of(folder, edits={"source_level_db: 200": loud,
+                                            "fan]": f"overview], records: {records}"})
+                os.rename(run, folder / f"{records}{level_db}")
+        full, levels = (facts(folder, f"{records}200")["stderr_db"]["rms"] for records in ("full", "levels"))
+        tap.equal(abs(levels / full - 1) < 0.1, True, f"errors {full} dB with all parts, {levels} dB with levels")
+        tap.equal(facts(folder, "levels100")["stderr_db"]["rms"], None, "an error where nothing is heard")
+        if "overview.png" not in pictures(folder, "full100"):
+            raise tap.Skip("built without cairo")
+        tap.equal(pixels("levels100") == pixels("full100"), True, "the same overview")
+        before = data(folder, "levels100", "overview.png")
+        asdic("render", folder / "levels100").check(code=0)
+        tap.equal(data(folder, "levels100", "overview.png") == before, True, "the same overview drawn again")
+
+
 def test_one_picture_goes_to_a_file_or_standard_output():
     with Folder() as folder:
         run = run_of(folder)

@@ -196,6 +196,7 @@ static asdic_status plan(asdic_render *r) {
                                    .pings = r->info.pings,
                                    .bins = r->info.bins,
                                    .bin_length_m = r->run->facts.bin_length_m,
+                                   .lacks_parts = r->run->settings.records == ASDIC_RECORD_LEVELS,
                                    .images = r->images,
                                    .tvg_db_per_decade = r->options.tvg_db_per_decade,
                                    .tvg_db_per_m = r->options.tvg_db_per_m};

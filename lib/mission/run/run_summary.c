@@ -3,10 +3,13 @@
 #include "base/context.h"
 #include "base/try.h"
 #include "out/draw.h"
+#include "sim/noise_level.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+#define TWICE_DB 3.0103f
 
 static bool wants(const asdic_summary *d, asdic_image image) {
     return (d->plan.images & 1u << image) != 0;
@@ -66,6 +69,14 @@ static asdic_status begin(asdic_context *ctx, asdic_summary *d) {
         TRY(asdic_overview_init(ctx, plan->pings, plan->sonar->receiver_count, plan->bins,
                                 plan->bin_length_m, &d->overview));
     }
+    if (plan->lacks_parts) {
+        size_t cells = plan->sonar->receiver_count * plan->bins;
+        d->noise_db = malloc(cells * sizeof *d->noise_db);
+        d->echo_db = malloc(cells * sizeof *d->echo_db);
+        if (!d->noise_db || !d->echo_db) {
+            return asdic_fail_memory(ctx, "a ping's noise");
+        }
+    }
     if (wants(d, ASDIC_IMAGE_PLAN)) {
         d->north_m = malloc((ASDIC_TRACK_POINTS + 1) * sizeof *d->north_m);
         d->east_m = malloc((ASDIC_TRACK_POINTS + 1) * sizeof *d->east_m);
@@ -97,6 +108,7 @@ asdic_status asdic_summary_create_all(asdic_context *ctx, const asdic_settings *
                                .pings = facts->pings_planned,
                                .bins = facts->bins,
                                .bin_length_m = facts->bin_length_m,
+                               .lacks_parts = settings->records == ASDIC_RECORD_LEVELS,
                                .images = settings->output.images};
     TRY(asdic_summary_choose_beams(ctx, NULL, &plan));
     return asdic_summary_create(ctx, &plan, out);
@@ -112,6 +124,8 @@ void asdic_summary_destroy(asdic_summary **summary) {
         asdic_decimator_finish(&d->waterfalls[k]);
     }
     asdic_overview_finish(&d->overview);
+    free(d->noise_db);
+    free(d->echo_db);
     free(d->north_m);
     free(d->east_m);
     free(d);
@@ -144,9 +158,39 @@ static void set_gain(asdic_summary *d, const asdic_record *first) {
     asdic_overview_set_gain(&d->overview, d->overview_db_per_decade, d->overview_db_per_m);
 }
 
+/* RECORD with what a summary asks of the parts that it lacks: the noise, which is known without it, and
+ * one echo, there where it makes the level twice the noise. A level that is drawn at random may be
+ * that by noise alone, and is an echo as in the overview. */
+static asdic_record with_parts(asdic_summary *d, const asdic_record *record) {
+    const asdic_summary_plan *p = &d->plan;
+    asdic_record whole = *record;
+    double speed_mps = asdic_environment_sound_speed_mps(p->environment, record->pose.position_m.z);
+    float above_db =
+        p->sonar->speckle == ASDIC_SPECKLE_NONE ? TWICE_DB : (float)ASDIC_OVERVIEW_ABOVE_NOISE_DB;
+    for (size_t i = 0; i < p->sonar->receiver_count * p->bins; i++) {
+        const asdic_beam *beam = &p->sonar->receivers[i / p->bins];
+        float level_db = record->level_db[ASDIC_TOTAL][i];
+        if (i % p->bins == 0) {
+            d->noise_db[i] =
+                (float)asdic_level_db(asdic_noise_lin(p->environment, p->sonar, beam, speed_mps));
+        } else {
+            d->noise_db[i] = d->noise_db[i - 1];
+        }
+        d->echo_db[i] = level_db < d->noise_db[i] + above_db ? NAN : level_db;
+    }
+    whole.level_db[ASDIC_NOISE] = d->noise_db;
+    whole.level_db[ASDIC_BOTTOM] = d->echo_db;
+    return whole;
+}
+
 void asdic_summary_add(asdic_summary *d, const asdic_record *record) {
+    asdic_record whole;
     if (!d) {
         return;
+    }
+    if (d->plan.lacks_parts) {
+        whole = with_parts(d, record);
+        record = &whole;
     }
     const float *levels_db = record->level_db[ASDIC_TOTAL];
     asdic_statistics_add(&d->statistics, record, d->plan.sonar->receiver_count * d->plan.bins);

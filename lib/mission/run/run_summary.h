@@ -22,6 +22,7 @@ typedef struct asdic_summary_plan {
     const asdic_environment *environment;
     size_t pings, bins; /* pings: as many as will be added, or more when a run is stopped */
     double bin_length_m;
+    bool lacks_parts;                       /* of the records: levels and errors alone */
     unsigned images;                        /* 1u << ASDIC_IMAGE_... */
     double tvg_db_per_decade, tvg_db_per_m; /* asked for; 0, 0: none */
     size_t beams[ASDIC_SUMMARY_BEAMS],
@@ -34,6 +35,7 @@ typedef struct asdic_summary {
     asdic_decimator waterfalls[ASDIC_SUMMARY_BEAMS]; /* of plan.beams */
     asdic_overview overview;
     double overview_db_per_decade, overview_db_per_m; /* its gain */
+    float *noise_db, *echo_db; /* [beam * bins + bin], of records that lack parts */
     double *north_m,
         *east_m; /* the track: at most ASDIC_TRACK_POINTS + 1 points, the last one there */
     size_t track_count;
