@@ -23,6 +23,7 @@ typedef struct film {
     cli *c;
     const char *path;
     char *part;  /* where ffmpeg writes: of the same ending, by which it knows the format */
+    char *to;    /* the same as ffmpeg takes it, whatever is in it: "file:fan.part.mp4" */
     char *frame; /* the picture that is drawn anew for each ping */
     double rate_hz;
     pid_t child;
@@ -56,7 +57,7 @@ static bool start(film *f) {
     const char *const words[] = {
         "ffmpeg",   "-loglevel", "error", "-y", "-f", "image2pipe", "-framerate",
         rate,       "-c:v",      "png",   "-i", "-",  "-vf",        "pad=ceil(iw/2)*2:ceil(ih/2)*2",
-        "-pix_fmt", "yuv420p",   f->part, NULL};
+        "-pix_fmt", "yuv420p",   f->to,   NULL};
     posix_spawn_file_actions_t actions;
     if (pipe(ends) != 0) {
         cli_error(f->c, "no pipe for ffmpeg: %s", strerror(errno));
@@ -141,7 +142,10 @@ static bool name_parts(film *f) {
     if (!f->part || asprintf(&f->frame, "%s.png", f->part) < 0) {
         f->frame = NULL;
     }
-    return f->frame != NULL;
+    if (!f->frame || asprintf(&f->to, "file:%s", f->part) < 0) {
+        f->to = NULL;
+    }
+    return f->to != NULL;
 }
 
 int render_video(cli *c, const char *folder, const asdic_render_options *options,
@@ -158,6 +162,7 @@ int render_video(cli *c, const char *folder, const asdic_render_options *options
         unlink(f.frame);
     }
     free(f.part);
+    free(f.to);
     free(f.frame);
     return status != ASDIC_OK ? cli_end(c, status) : is_whole ? CLI_OK : CLI_FAILED;
 }

@@ -515,9 +515,12 @@ def test_a_video_shows_fans_and_leaves_no_parts():
             tap.contains(asdic("render", run, "--video", folder / "v.mp4", "--images", images,
                                PATH=folder / "bin").check(code=code).err, why)
         tap.contains(folder.read("bin/ffmpeg.args"), " -framerate 20000/1000 ")  # the run's own time
+        asdic("render", run, "--video", "x:1.mp4", "--images", "ascope", cwd=folder.path,
+              PATH=folder / "bin").check(code=1)
+        tap.contains(folder.read("bin/ffmpeg.args"), " file:x:1.part.mp4\n")  # a colon begins no protocol
         tap.equal(sorted(set(os.listdir(folder.path)) - {"bin"}), before, "nothing is left")
         # One that keeps what it gets.
-        folder.write("bin/ffmpeg", '#!/bin/sh\nfor last; do :; done\nexec /bin/cat >"$last"\n')
+        folder.write("bin/ffmpeg", '#!/bin/sh\nfor last; do :; done\nexec /bin/cat >"${last#file:}"\n')
         asdic("render", run, "--video", folder / "v.mp4", "--images", "ascope",
               PATH=folder / "bin").check(code=0, out="")
         tap.equal(data(folder, "", "v.mp4").count(b"\x89PNG\r\n"), 2, "pictures of two pings")
