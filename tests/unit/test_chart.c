@@ -309,11 +309,42 @@ static void footprint_on_a_plane(void **state) {
     assert_true(area.dashed);
     assert_close(area.east_m[1 + 8], 7.0 + 100.0 * cos(0.5), 1e-9);
     asdic_footprint_finish(&area);
-    /* Level, it meets the bottom by its lower edge only: out to the range. */
+    /* Level, it meets the bottom by its lower edge only: as far as the range goes on the bottom. */
     beam.pitch_rad = 0.0;
     assert_int_equal(asdic_footprint_find(ctx, &swath, &pose, &ground, &area), ASDIC_OK);
     assert_close(area.east_m[middle], 7.0 + 10.0 / tan(half_v), 1e-9);
-    assert_close(area.east_m[middle + 17], 7.0 + 100.0 * cos(half_v), 1e-9);
+    assert_close(area.east_m[middle + 17], 7.0 + sqrt(100.0 * 100.0 - 10.0 * 10.0), 0.02);
+    asdic_footprint_finish(&area);
+}
+
+/* Straight down, and so broad that both edges pass the range: as far astern as ahead. */
+static void footprint_of_a_broad_lobe(void **state) {
+    (void)state;
+    asdic_beam beam = {.pitch_rad = 0.5 * ASDIC_PI, .length_h_m = 0.1, .length_v_m = 0.0074};
+    asdic_swath swath = {.beams = &beam, .count = 1, .wavelength_m = 0.015, .range_m = 15};
+    asdic_pose pose = {.position_m = {3, 7, 20}};
+    asdic_ground ground = {.relief = &no_relief, .plane_depth_m = 30};
+    asdic_chart_area area;
+    double most_m = sqrt(15.0 * 15.0 - 10.0 * 10.0); /* the lobe's edges: 64 degrees from below */
+    assert_int_equal(asdic_footprint_find(ctx, &swath, &pose, &ground, &area), ASDIC_OK);
+    assert_false(area.dashed);
+    assert_close(area.north_m[8], 3.0 - most_m, 1e-3);
+    assert_close(area.north_m[8 + 17], 3.0 + most_m, 1e-3);
+    asdic_footprint_finish(&area);
+    /* As broad across: nothing of it lies beyond the range. */
+    beam.length_h_m = 0.0074;
+    assert_int_equal(asdic_footprint_find(ctx, &swath, &pose, &ground, &area), ASDIC_OK);
+    for (size_t i = 0; i < area.count; i++) {
+        assert_true(hypot(area.north_m[i] - 3.0, area.east_m[i] - 7.0) <= most_m + 1e-9);
+    }
+    asdic_footprint_finish(&area);
+    beam.length_h_m = 0.1;
+    /* Level, and open all round: from straight below. */
+    beam.pitch_rad = 0.0;
+    beam.length_v_m = 0.006;
+    assert_int_equal(asdic_footprint_find(ctx, &swath, &pose, &ground, &area), ASDIC_OK);
+    assert_close(area.north_m[8], 3.0, 1e-9);
+    assert_close(area.north_m[8 + 17], 3.0 + most_m, 1e-3);
     asdic_footprint_finish(&area);
 }
 
@@ -824,6 +855,7 @@ int main(void) {
         cmocka_unit_test(relief_is_coloured_by_depth),
         cmocka_unit_test(outlines_are_the_objects),
         cmocka_unit_test(footprint_on_a_plane),
+        cmocka_unit_test(footprint_of_a_broad_lobe),
         cmocka_unit_test(footprint_of_many_beams),
         cmocka_unit_test(footprint_in_water_that_bends),
         cmocka_unit_test(footprint_on_terrain),

@@ -10,12 +10,24 @@
 /* Directions across one beam, and at most across a fan. */
 #define ACROSS 17
 #define MOST_ACROSS 129
+/* Directions from a lobe's lower edge to its upper one, and halvings of what lies between one that meets the
+ * bottom and one that does not. */
+#define DOWNWARD 17
+#define HALVINGS 16
 /* Steps along a ray over terrain, at most. */
 #define MOST_STEPS 4000.0
 
-/* A section of a lobe: the direction of its axis or beside it, and the edges above and below. */
+/* A direction (world, unit), and the range at which it meets the bottom; NAN: it does not. */
+typedef struct sight {
+    asdic_vec3 along;
+    double at_m;
+} sight;
+
+/* A section of a lobe, upright through its axis or beside it. */
 typedef struct cut {
-    asdic_vec3 upper, lower, axis; /* world, unit */
+    const asdic_beam *beam;
+    double azimuth_rad, half_rad; /* from the axis; half the section's height */
+    sight lower, upper;           /* its edges, or the last before them that meets the bottom */
 } cut;
 
 /* From the axis to half power, one way: the pattern sinc^2 u of a line is a half at u = 0.4429 (R.
@@ -34,32 +46,30 @@ static asdic_vec3 direction(const asdic_pose *pose, const asdic_beam *beam, doub
     return asdic_mat3_apply(vehicle, asdic_mat3_apply(aim, v));
 }
 
-static cut cut_at(const asdic_swath *s, const asdic_pose *pose, const asdic_beam *beam,
-                  double azimuth_rad) {
-    double down_rad = half_width_rad(s->wavelength_m, beam->length_v_m);
-    return (cut){.upper = direction(pose, beam, azimuth_rad, -down_rad),
-                 .lower = direction(pose, beam, azimuth_rad, down_rad),
-                 .axis = direction(pose, beam, azimuth_rad, 0.0)};
+static cut cut_at(const asdic_swath *s, const asdic_beam *beam, double azimuth_rad) {
+    return (cut){.beam = beam,
+                 .azimuth_rad = azimuth_rad,
+                 .half_rad = half_width_rad(s->wavelength_m, beam->length_v_m)};
 }
 
 /* From port to starboard. */
-static size_t cut_swath(const asdic_swath *s, const asdic_pose *pose, cut cuts[MOST_ACROSS]) {
+static size_t cut_swath(const asdic_swath *s, cut cuts[MOST_ACROSS]) {
     size_t n = 0;
     const asdic_beam *first = &s->beams[0], *last = &s->beams[s->count - 1];
     double half_rad = half_width_rad(s->wavelength_m, first->length_h_m);
     if (s->count == 1) {
         while (n < ACROSS) {
             double share = 2.0 * (double)n / (ACROSS - 1) - 1.0;
-            cuts[n++] = cut_at(s, pose, first, share * half_rad);
+            cuts[n++] = cut_at(s, first, share * half_rad);
         }
         return n;
     }
     size_t step = (s->count - 1) / (MOST_ACROSS - 3) + 1;
-    cuts[n++] = cut_at(s, pose, first, -half_rad);
+    cuts[n++] = cut_at(s, first, -half_rad);
     for (size_t i = 0; i < s->count; i += step) {
-        cuts[n++] = cut_at(s, pose, &s->beams[i], 0.0);
+        cuts[n++] = cut_at(s, &s->beams[i], 0.0);
     }
-    cuts[n++] = cut_at(s, pose, last, half_width_rad(s->wavelength_m, last->length_h_m));
+    cuts[n++] = cut_at(s, last, half_width_rad(s->wavelength_m, last->length_h_m));
     return n;
 }
 
@@ -140,6 +150,51 @@ static double meet(const asdic_ground *g, const asdic_swath *s, const asdic_pose
     return NAN;
 }
 
+/* DOWN from the axis of CUT. */
+static sight look(const asdic_ground *g, const asdic_swath *s, const asdic_pose *pose, const cut *c,
+                  double down_rad) {
+    asdic_vec3 along = direction(pose, c->beam, c->azimuth_rad, down_rad);
+    return (sight){along, meet(g, s, pose, along)};
+}
+
+/* The last direction from MET, which meets the bottom, towards MISSED that does. */
+static sight last_met(const asdic_ground *g, const asdic_swath *s, const asdic_pose *pose,
+                      const cut *c, double met_rad, double missed_rad) {
+    sight last = look(g, s, pose, c, met_rad);
+    for (int i = 0; i < HALVINGS; i++) {
+        double middle_rad = 0.5 * (met_rad + missed_rad);
+        sight middle = look(g, s, pose, c, middle_rad);
+        if (isnan(middle.at_m)) {
+            missed_rad = middle_rad;
+        } else {
+            met_rad = middle_rad;
+            last = middle;
+        }
+    }
+    return last;
+}
+
+static void find_edges(const asdic_ground *g, const asdic_swath *s, const asdic_pose *pose,
+                       cut *c) {
+    double half_rad = c->half_rad, met_rad = NAN;
+    c->lower = look(g, s, pose, c, half_rad);
+    c->upper = look(g, s, pose, c, -half_rad);
+    bool has_lower = !isnan(c->lower.at_m), has_upper = !isnan(c->upper.at_m);
+    if (has_lower || has_upper) {
+        met_rad = has_lower ? half_rad : -half_rad;
+    }
+    for (int i = 1; i < DOWNWARD - 1 && isnan(met_rad); i++) {
+        double down_rad = half_rad * (1.0 - 2.0 * i / (DOWNWARD - 1));
+        met_rad = isnan(look(g, s, pose, c, down_rad).at_m) ? NAN : down_rad;
+    }
+    if (!has_lower && !isnan(met_rad)) {
+        c->lower = last_met(g, s, pose, c, met_rad, half_rad);
+    }
+    if (!has_upper && !isnan(met_rad)) {
+        c->upper = last_met(g, s, pose, c, met_rad, -half_rad);
+    }
+}
+
 static void add_point(asdic_chart_area *area, const asdic_swath *s, const asdic_pose *pose,
                       asdic_vec3 along, double at_m) {
     way w = set_out(s, pose, along);
@@ -151,8 +206,7 @@ static void add_point(asdic_chart_area *area, const asdic_swath *s, const asdic_
 asdic_status asdic_footprint_find(asdic_context *ctx, const asdic_swath *s, const asdic_pose *pose,
                                   const asdic_ground *ground, asdic_chart_area *out) {
     cut cuts[MOST_ACROSS];
-    double near_m[MOST_ACROSS];
-    size_t n = cut_swath(s, pose, cuts);
+    size_t n = cut_swath(s, cuts);
     *out = (asdic_chart_area){.north_m = malloc(2 * MOST_ACROSS * sizeof(double)),
                               .east_m = malloc(2 * MOST_ACROSS * sizeof(double))};
     if (!out->north_m || !out->east_m) {
@@ -161,26 +215,32 @@ asdic_status asdic_footprint_find(asdic_context *ctx, const asdic_swath *s, cons
     }
     out->dashed = true;
     for (size_t i = 0; i < n; i++) {
-        near_m[i] = meet(ground, s, pose, cuts[i].lower);
-        out->dashed = out->dashed && isnan(near_m[i]);
+        find_edges(ground, s, pose, &cuts[i]);
+        out->dashed = out->dashed && isnan(cuts[i].lower.at_m);
     }
     if (out->dashed) {
-        add_point(out, s, pose, cuts[0].axis, 0.0);
+        add_point(out, s, pose, cuts[0].upper.along, 0.0);
     }
     /* A cut that misses the bottom has no width there, at the full range: a chord between its
-     * neighbours would enclose what no beam sees. */
-    for (size_t i = 0; i < n && !out->dashed; i++) {
-        bool is_missed = isnan(near_m[i]);
-        add_point(out, s, pose, is_missed ? cuts[i].upper : cuts[i].lower,
-                  is_missed ? s->range_m : near_m[i]);
+     * neighbours would enclose what no beam sees. Over a plane the lobe ends beside the outermost. */
+    size_t begin = 0, end = n;
+    bool ends_beside = !out->dashed && ground->relief->columns == 0;
+    while (ends_beside && isnan(cuts[begin].lower.at_m)) {
+        begin++;
     }
-    for (size_t i = n; i-- > 0;) {
-        double far_m = NAN;
-        if (!isnan(near_m[i])) {
-            far_m = meet(ground, s, pose, cuts[i].upper);
-        }
-        add_point(out, s, pose, out->dashed ? cuts[i].axis : cuts[i].upper,
-                  isnan(far_m) ? s->range_m : far_m);
+    while (ends_beside && isnan(cuts[end - 1].lower.at_m)) {
+        end--;
+    }
+    for (size_t i = begin; i < end && !out->dashed; i++) {
+        bool is_missed = isnan(cuts[i].lower.at_m);
+        add_point(out, s, pose, is_missed ? cuts[i].upper.along : cuts[i].lower.along,
+                  is_missed ? s->range_m : cuts[i].lower.at_m);
+    }
+    for (size_t i = end; i-- > begin;) {
+        const sight *upper = &cuts[i].upper;
+        asdic_vec3 axis = direction(pose, cuts[i].beam, cuts[i].azimuth_rad, 0.0);
+        add_point(out, s, pose, out->dashed ? axis : upper->along,
+                  isnan(upper->at_m) ? s->range_m : upper->at_m);
     }
     return ASDIC_OK;
 }
