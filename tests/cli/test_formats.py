@@ -449,16 +449,19 @@ def render_bytes(run, *arguments):
                           capture_output=True, timeout=60).stdout
 
 
+def pixels(folder, run, name):
+    """A PNG file without its texts."""
+    content, at, found = data(folder, run, name), 8, b""
+    while at < len(content):
+        length = int.from_bytes(content[at:at + 4], "big")
+        found += content[at + 8:at + 8 + length] if content[at + 4:at + 8] == b"IDAT" else b""
+        at += 12 + length
+    return found
+
+
 def test_levels_alone_tell_noise_from_echoes():
     """The error that a run states, and what its overview leaves white, hang on the noise, which records of levels
     do not keep. One run hears much, the other nothing."""
-    def pixels(name):
-        content, at, found = data(folder, name, "overview.png"), 8, b""
-        while at < len(content):
-            length = int.from_bytes(content[at:at + 4], "big")
-            found += content[at + 8:at + 8 + length] if content[at + 4:at + 8] == b"IDAT" else b""
-            at += 12 + length
-        return found
     with Folder() as folder:
         for level_db in (200, 100):
             for records in ("full", "levels"):
@@ -471,10 +474,25 @@ def test_levels_alone_tell_noise_from_echoes():
         tap.equal(facts(folder, "levels100")["stderr_db"]["rms"], None, "an error where nothing is heard")
         if "overview.png" not in pictures(folder, "full100"):
             raise tap.Skip("built without cairo")
-        tap.equal(pixels("levels100") == pixels("full100"), True, "the same overview")
+        tap.equal(pixels(folder, "levels100", "overview.png") == pixels(folder, "full100", "overview.png"), True,
+                  "the same overview")
         before = data(folder, "levels100", "overview.png")
         asdic("render", folder / "levels100").check(code=0)
         tap.equal(data(folder, "levels100", "overview.png") == before, True, "the same overview drawn again")
+
+
+def test_a_plan_shows_beams_that_are_no_fan():
+    """Nine beams all round have the same areas in whatever order they are listed."""
+    with Folder() as folder:
+        for name, order in (("r1", (4, 8, 0, 3, 7, 2, 6, 1, 5)), ("r2", (0, 5, 1, 2, 8, 4, 7, 3, 6))):
+            beams = "".join(f"\n    - {{name: b{i}, pitch_deg: 30, yaw_deg: {40 * i - 160}}}" for i in order)
+            run = run_of(folder, pings=1, edits={"\n    - {name: forward}\n    - {name: down, pitch_deg: 45}": beams,
+                                                 "[waterfall, ascope, fan]": "[plan]",
+                                                 "level_db: 200": "level_db: 0"})  # no error to note
+            os.rename(run, folder / name)
+        if not pictures(folder, "r1"):
+            raise tap.Skip("built without cairo")
+        tap.equal(pixels(folder, "r1", "plan.png") == pixels(folder, "r2", "plan.png"), True, "the same plan")
 
 
 def test_one_picture_goes_to_a_file_or_standard_output():

@@ -32,7 +32,7 @@ typedef struct cut {
 
 /* From the axis to half power, one way: the pattern sinc^2 u of a line is a half at u = 0.4429 (R.
  * J. Urick, Principles of Underwater Sound, 3rd ed., 1983, table 3.2). */
-static double half_width_rad(double wavelength_m, double length_m) {
+double asdic_footprint_half_width_rad(double wavelength_m, double length_m) {
     return asin(fmin(0.442946 * wavelength_m / length_m, 1.0));
 }
 
@@ -49,14 +49,14 @@ static asdic_vec3 direction(const asdic_pose *pose, const asdic_beam *beam, doub
 static cut cut_at(const asdic_swath *s, const asdic_beam *beam, double azimuth_rad) {
     return (cut){.beam = beam,
                  .azimuth_rad = azimuth_rad,
-                 .half_rad = half_width_rad(s->wavelength_m, beam->length_v_m)};
+                 .half_rad = asdic_footprint_half_width_rad(s->wavelength_m, beam->length_v_m)};
 }
 
 /* From port to starboard. */
 static size_t cut_swath(const asdic_swath *s, cut cuts[MOST_ACROSS]) {
     size_t n = 0;
     const asdic_beam *first = &s->beams[0], *last = &s->beams[s->count - 1];
-    double half_rad = half_width_rad(s->wavelength_m, first->length_h_m);
+    double half_rad = asdic_footprint_half_width_rad(s->wavelength_m, first->length_h_m);
     if (s->count == 1) {
         while (n < ACROSS) {
             double share = 2.0 * (double)n / (ACROSS - 1) - 1.0;
@@ -69,7 +69,7 @@ static size_t cut_swath(const asdic_swath *s, cut cuts[MOST_ACROSS]) {
     for (size_t i = 0; i < s->count; i += step) {
         cuts[n++] = cut_at(s, &s->beams[i], 0.0);
     }
-    cuts[n++] = cut_at(s, last, half_width_rad(s->wavelength_m, last->length_h_m));
+    cuts[n++] = cut_at(s, last, asdic_footprint_half_width_rad(s->wavelength_m, last->length_h_m));
     return n;
 }
 

@@ -17,7 +17,7 @@
 
 /* Footprints are drawn at so many positions along the track. */
 #define PLACES 3
-/* More beams than these are drawn as one area. */
+/* More beams than these are of one colour, and one area where they are side by side. */
 #define MOST_APART ASDIC_SUMMARY_BEAMS
 
 /* Okabe & Ito's colours but for the track's. */
@@ -25,7 +25,7 @@ static const uint32_t colors[MOST_APART] = {0x0072b2, 0x009e73, 0xcc79a7, 0xe69f
                                             0x56b4e9, 0x000000, 0xf0e442, 0x606060};
 
 typedef struct sketch {
-    asdic_chart_area areas[PLACES * MOST_APART];
+    asdic_chart_area *areas; /* PLACES times the beams */
     size_t area_count;
     char labels[MOST_APART][ASDIC_NAME_SIZE + 24];
     char places[96]; /* "pings 0, 300, 600" */
@@ -35,6 +35,7 @@ static void sketch_finish(sketch *s) {
     for (size_t i = 0; i < s->area_count; i++) {
         asdic_footprint_finish(&s->areas[i]);
     }
+    free(s->areas);
 }
 
 /* BEAM in all directions of SWEEP, side by side; the caller frees. */
@@ -64,6 +65,22 @@ static asdic_status find_turn(asdic_render *r, asdic_swath swath, const asdic_be
     return status;
 }
 
+/* Beams from the one at INDEX on that make one area: all of a fan; else those at ascending bearings whose
+ * lobes touch, for an outline round others would enclose what no beam sees. */
+static size_t side_by_side(const asdic_sonar *sonar, size_t index, double wavelength_m) {
+    size_t end = index + 1;
+    for (; end < sonar->receiver_count && !asdic_render_has_fan(sonar); end++) {
+        const asdic_beam *beam = &sonar->receivers[end], *before = beam - 1;
+        double step_rad = beam->yaw_rad - before->yaw_rad;
+        double touch_rad = asdic_footprint_half_width_rad(wavelength_m, beam->length_h_m) +
+                           asdic_footprint_half_width_rad(wavelength_m, before->length_h_m);
+        if (!(step_rad > 0.0 && step_rad <= touch_rad)) {
+            return end - index;
+        }
+    }
+    return sonar->receiver_count - index;
+}
+
 /* Adds the areas of all beams at one position. */
 static asdic_status add_place(asdic_render *r, sketch *s, const asdic_record *record,
                               const asdic_ground *ground) {
@@ -75,25 +92,25 @@ static asdic_status add_place(asdic_render *r, sketch *s, const asdic_record *re
     asdic_layers layers;
     asdic_layers_of(r->info.environment, record->pose.position_m.z, &layers);
     asdic_swath swath = {.layers = asdic_environment_bends(r->info.environment) ? &layers : NULL,
-                         .count = is_apart ? 1 : sonar->receiver_count,
                          .wavelength_m = speed_mps / sonar->frequency_hz,
                          .range_m = (double)r->info.bins * r->run->facts.bin_length_m};
-    for (size_t k = 0; k < (is_apart ? sonar->receiver_count : 1); k++) {
+    for (size_t k = 0; k < sonar->receiver_count; k += swath.count) {
         asdic_chart_area *area = &s->areas[s->area_count];
         swath.beams = &sonar->receivers[k];
+        swath.count = is_apart ? 1 : side_by_side(sonar, k, swath.wavelength_m);
         if (is_apart && is_scan) {
             TRY(find_turn(r, swath, swath.beams, record, ground, area));
         } else {
             TRY(asdic_footprint_find(r->ctx, &swath, &record->pose, ground, area));
         }
-        area->rgb = colors[k];
-        if (s->area_count < MOST_APART && s->area_count == k) { /* the first place names them */
+        area->rgb = colors[is_apart ? k : 0];
+        if (s->area_count == k && (is_apart || k == 0)) { /* the first place names them */
             if (is_apart) {
                 snprintf(s->labels[k], sizeof s->labels[k], "%sbeam \u2018%s\u2019",
                          is_scan ? "scan of " : "", sonar->receivers[k].name);
             } else {
-                snprintf(s->labels[k], sizeof s->labels[k], "fan of %zu beams",
-                         sonar->receiver_count);
+                snprintf(s->labels[k], sizeof s->labels[k], "%s%zu beams",
+                         asdic_render_has_fan(sonar) ? "fan of " : "", sonar->receiver_count);
             }
             area->label = s->labels[k];
         }
@@ -109,6 +126,10 @@ static asdic_status add_areas(asdic_render *r, const asdic_ground *ground, sketc
                         ? PLACES
                         : 1;
     places = places > r->info.pings ? r->info.pings : places;
+    s->areas = calloc(PLACES * r->info.beams, sizeof *s->areas);
+    if (!s->areas) {
+        return asdic_fail_memory(r->ctx, "footprints");
+    }
     snprintf(s->places, sizeof s->places, "ping%s", places > 1 ? "s" : "");
     for (size_t i = 0; i < places; i++) {
         asdic_record record;
