@@ -75,6 +75,26 @@ def test_same_bytes_in_parts_and_on_threads():
         same_files(folder, "whole", "joined")
 
 
+def test_later_parts_of_a_dive_are_joined():
+    """Their samples are those of the sound speed where the mission begins, not of that where they do."""
+    program.need_device()
+    with Folder() as folder:
+        folder.write("dive.csv", "time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg\n0,0,0,2,0,0,0\n1,1,0,4000,0,0,0\n")
+        path = folder.write("dive.yaml", """version: 1
+bottom: {depth_m: 5000}
+sonar:
+  {frequency_khz: 100, bandwidth_khz: 10, bin_length_m: 0.339, max_range_m: 20, source_level_db: 200, ping_rate_hz: 2,
+   array: {elements: 4, beams: {count: 4, sector_deg: 90}}}
+mission: {track: dive.csv, pings: 3}
+sampling: {coherent: true, rays: 1000}
+output: {elements: true, images: []}
+""")
+        for k in (1, 2, 3):
+            asdic("run", path, "--shard", f"{k}/3", "-o", folder / f"part{k}").check(code=0)
+        asdic("merge", folder / "part2", folder / "part3", "-o", folder / "joined").check(code=0)
+        tap.equal(pressures(folder, "joined")[0], (2, 4, pressures(folder, "part1")[0][2]), "shape")
+
+
 def test_resume_makes_what_is_missing():
     program.need_device()
     with Folder() as folder:

@@ -1,10 +1,14 @@
 #include "run_elements.h"
 
 #include "base/context.h"
+#include "run_folder.h"
 #include "sim/coherent.h"
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
+
+#define MAGIC 10 /* bytes before an NPY header's text */
 
 struct asdic_elements {
     asdic_elements_shape shape;
@@ -18,6 +22,33 @@ asdic_elements_shape asdic_elements_shape_of(const asdic_settings *settings, siz
     }
     asdic_coherent_grid grid = asdic_coherent_grid_of(&settings->sonar, sound_speed_mps, bins);
     return (asdic_elements_shape){pings, settings->sonar.array.elements, grid.samples};
+}
+
+asdic_status asdic_elements_shape_read(asdic_context *ctx, const char *folder,
+                                       const asdic_settings *settings, asdic_elements_shape *out) {
+    char header[128] = "";
+    *out = (asdic_elements_shape){0};
+    if (!settings->elements) {
+        return ASDIC_OK;
+    }
+    char *path = asdic_folder_file(folder, ASDIC_ELEMENTS_NAME);
+    if (!path) {
+        return asdic_fail_memory(ctx, "a file name");
+    }
+    FILE *file = fopen(path, "rb");
+    size_t length = file ? fread(header, 1, sizeof header - 1, file) : 0;
+    const char *shape = length > MAGIC ? strstr(header + MAGIC, "(") : NULL;
+    bool is_read =
+        shape && sscanf(shape, "(%zu, %zu, %zu", &out->pings, &out->elements, &out->samples) == 3;
+    asdic_status status = ASDIC_OK;
+    if (!is_read || out->elements != settings->sonar.array.elements) {
+        status = asdic_fail(ctx, ASDIC_ERROR_INPUT, "'%s' is missing or damaged", path);
+    }
+    if (file) {
+        fclose(file);
+    }
+    free(path);
+    return status;
 }
 
 uint64_t asdic_elements_bytes(const asdic_elements_shape *shape) {

@@ -20,6 +20,11 @@ typedef struct asdic_elements_shape {
 asdic_elements_shape asdic_elements_shape_of(const asdic_settings *settings, size_t pings,
                                              size_t bins, double sound_speed_mps);
 
+/* Of the file in FOLDER, whose run has SETTINGS: the samples hang on the sound speed where its mission begins, which
+ * is in no later part of it. */
+asdic_status asdic_elements_shape_read(asdic_context *ctx, const char *folder,
+                                       const asdic_settings *settings, asdic_elements_shape *out);
+
 /* Bytes of a ping. */
 uint64_t asdic_elements_bytes(const asdic_elements_shape *shape);
 

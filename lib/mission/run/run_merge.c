@@ -166,13 +166,11 @@ static asdic_status copy_elements(merger *m, asdic_elements *to, asdic_elements_
 }
 
 static asdic_status join_elements(merger *m) {
-    const asdic_settings *settings = &m->parts[0]->settings;
-    asdic_record first;
-    TRY(asdic_run_read(m->parts[0], 0, &first));
-    double speed_mps =
-        asdic_environment_sound_speed_mps(&settings->environment, first.pose.position_m.z);
-    asdic_elements_shape shape =
-        asdic_elements_shape_of(settings, m->facts.pings_planned, m->facts.bins, speed_mps);
+    const asdic_run *part = m->parts[0];
+    asdic_elements_shape shape;
+    TRY(asdic_run_check_one(m->ctx, part->folder, &part->facts, ASDIC_ELEMENTS_NAME));
+    TRY(asdic_elements_shape_read(m->ctx, part->folder, &part->settings, &shape));
+    shape.pings = m->facts.pings_planned;
     if (shape.elements == 0) {
         return ASDIC_OK;
     }
