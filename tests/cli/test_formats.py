@@ -599,6 +599,10 @@ def test_a_mosaic_lies_where_it_says():
         said = png_texts(data(folder, "", "m.png"))
         low, high = float(said["db_low"]), float(said["db_high"])
         tap.equal((low % 10, high % 10, low < high), (0, 0, True), f"window {low} to {high} dB")
+        asdic("render", run, "--mosaic", folder / "gain.png", "--tvg", "20", "--colormap", "gray").check(code=0)
+        given = png_texts(data(folder, "", "gain.png"))
+        tap.equal((said["colormap"], given["colormap"]), ("viridis", "gray"))
+        tap.equal(said["gain"].replace("30 log", "20 log"), given["gain"], "gain")
         tap.contains(asdic("render", run, "--mosaic", folder / "m.png").check(code=1).err, "--force")
         os.remove(folder / "m.png")  # the world file alone: as much someone's as the picture
         tap.contains(asdic("render", run, "--mosaic", folder / "m.png").check(code=1).err, "'%s' exists; --force" %
