@@ -58,6 +58,13 @@ static bool may_write(cli *c, const char *path) {
     return true;
 }
 
+/* Whether a picture that goes to PATH is no PNG. */
+static bool is_vector(const char *path, asdic_picture_format format) {
+    const char *ending = path + render_stem(path);
+    bool says_so = strcmp(ending, ".pdf") == 0 || strcmp(ending, ".svg") == 0;
+    return format == ASDIC_PICTURE_BY_NAME ? says_so : format != ASDIC_PICTURE_PNG;
+}
+
 /* Whether the mosaic MOSAIC goes with the other options. */
 static bool check_mosaic(cli *c, const char *mosaic) {
     static const char *const others[] = {"output", "video",  "images", "beam",
@@ -124,6 +131,9 @@ static int run(cli *c) {
     if (video && options.images && options.images != 1u << ASDIC_IMAGE_FAN &&
         options.images != 1u << ASDIC_IMAGE_ASCOPE) {
         return cli_usage(c, "--video is of '--images fan' or '--images ascope'");
+    }
+    if (options.raw && options.path && is_vector(options.path, options.format)) {
+        return cli_usage(c, "--raw pictures are PNG files");
     }
     const char *mosaic = cli_text(c, "mosaic");
     double cell_m = 0.0;

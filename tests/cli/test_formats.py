@@ -512,6 +512,8 @@ def test_one_picture_goes_to_a_file_or_standard_output():
         tap.contains(asdic("render", run, "-o", "-").check(code=2, out="").err, "these are")
         asdic("render", run, "--images", "ascope", "-o", "-").check(code=2, out="")
         asdic("render", run, "--format", "jpg").check(code=2)
+        for vector in (("-o", folder / "raw.pdf"), ("-o", folder / "raw.svg"), ("-o", "-", "--format", "svg")):
+            tap.contains(asdic("render", run, "--raw", "--beam", "down", *vector).check(code=2, out="").err, "PNG")
         os.symlink("/dev/full", folder / "full")  # a link: no slip may replace the device itself
         asdic("render", run, "--images", "waterfall", "--beam", "down", "-o",
               folder / "full").check(code=1)
