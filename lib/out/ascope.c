@@ -8,7 +8,7 @@
 #include <string.h>
 
 #define MAX_BEAMS 8
-#define CURVES 7
+#define CURVES 8
 
 /* Okabe & Ito's colours, distinct with every common colour vision deficiency; M. Okabe, K. Ito,
  * "Color Universal Design", 2008. */
@@ -18,10 +18,12 @@
 #define OKABE_GREEN 0x009e73u
 #define OKABE_BLUE 0x0072b2u
 #define OKABE_VERMILION 0xd55e00u
+#define OKABE_PURPLE 0xcc79a7u
 #define GREY 0xb4b4b4u
 
 #define NOWHERE_DB (-1e4)
-#define OBJECT 4 /* index of the object's curve */
+#define MULTIPATH 4 /* indices of the curves */
+#define OBJECT 5
 
 /* Look of each curve and its member of asdic_ascope, in drawing order: the thin black simulated
  * curve lies on the broad grey expected one and on all others, so that both are visible where they
@@ -37,6 +39,8 @@ static const struct curve {
      {.label = "surface", .rgb = OKABE_SKY, .width = 1.8, .style = ASDIC_LINE_DOTTED}},
     {offsetof(asdic_ascope, bottom_db),
      {.label = "bottom", .rgb = OKABE_BLUE, .width = 1.5, .style = ASDIC_LINE_DASHED}},
+    {offsetof(asdic_ascope, multipath_db),
+     {.label = "multipath", .rgb = OKABE_PURPLE, .width = 1.5}},
     {offsetof(asdic_ascope, object_db), {.label = "object", .rgb = OKABE_VERMILION, .width = 1.5}},
     {offsetof(asdic_ascope, total_db), {.label = "expected total", .rgb = GREY, .width = 3.2}},
     {offsetof(asdic_ascope, simulated_db),
@@ -82,8 +86,8 @@ static size_t collect(const asdic_ascope *beam, const bool shown[CURVES],
         series[count].count = levels_db ? beam->bins : 0;
         for (size_t n = 0; n < series[count].count; n++) {
             y[n] = (double)levels_db[n];
-            /* Echoes of objects are short: they rise from the panel's floor and do not float. */
-            if (k == OBJECT && !isfinite(y[n])) {
+            /* Echoes of objects and multipath are short: they rise from the panel's floor and do not float. */
+            if ((k == OBJECT || k == MULTIPATH) && !isfinite(y[n])) {
                 y[n] = NOWHERE_DB;
             }
         }
@@ -95,7 +99,7 @@ static size_t collect(const asdic_ascope *beam, const bool shown[CURVES],
 /* Of the residuals, a colour for each beam. */
 static const uint32_t beam_colors[MAX_BEAMS] = {
     OKABE_BLUE, OKABE_VERMILION, OKABE_GREEN, OKABE_ORANGE,
-    OKABE_SKY,  0xcc79a7u,       OKABE_BLACK, GREY};
+    OKABE_SKY,  OKABE_PURPLE,    OKABE_BLACK, GREY};
 #define MOST_RESIDUAL_DB 40.0
 
 /* What the panel of simulated minus expected levels shows. */

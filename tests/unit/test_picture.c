@@ -320,7 +320,8 @@ static void ascope_draws_its_curves(void **state) {
                           .bin_length_m = 0.5,
                           .total_db = levels_db,
                           .bottom_db = levels_db,
-                          .volume_db = levels_db};
+                          .volume_db = levels_db,
+                          .multipath_db = levels_db};
     asdic_picture_options options = asdic_picture_options_default();
     asdic_status status = asdic_picture_ascope(ctx, file_in_folder("p.png"), &scope, 1, &options);
     if (!asdic_picture_annotated()) {
@@ -331,6 +332,7 @@ static void ascope_draws_its_curves(void **state) {
     size_t width, height;
     uint8_t *rgb = decode(file_in_folder("p.png"), PNG_FORMAT_RGB, &width, &height);
     assert_true(count_color(rgb, width * height, 0xb4b4b4) > 500); /* the total, bold */
+    assert_true(count_color(rgb, width * height, 0xcc79a7) > 20);  /* multipath */
     free(rgb);
     const char *const vector_files[] = {"p.pdf", "p.svg"};
     for (int i = 0; i < 2; i++) {

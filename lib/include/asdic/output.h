@@ -155,13 +155,14 @@ typedef struct asdic_ascope {
     const char *title; /* of the panel, "beam 'forward'" */
     size_t bins;
     double bin_length_m;
-    const float *simulated_db; /* thin grey */
-    const float *total_db;     /* expected total: bold */
+    const float *simulated_db; /* thin black */
+    const float *total_db;     /* expected total: broad grey */
     const float *bottom_db;    /* dashed */
     const float *surface_db;   /* dotted */
     const float *volume_db;    /* dash-dot */
     const float *noise_db;     /* thin */
     const float *object_db;    /* solid */
+    const float *multipath_db; /* solid */
 } asdic_ascope;
 
 /* One panel per beam (1..8), ordinate OPTIONS->db_low..db_high. */

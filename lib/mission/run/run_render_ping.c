@@ -75,7 +75,8 @@ static asdic_ascope panel_of(const asdic_render *r, const asdic_record *record,
     asdic_ascope panel = {.bins = bins,
                           .bin_length_m = r->run->facts.bin_length_m,
                           .simulated_db = record->level_db[ASDIC_TOTAL] + first};
-    panel.object_db = record->level_db[ASDIC_OBJECT] + first; /* expected: none */
+    panel.object_db = record->level_db[ASDIC_OBJECT] + first; /* of both none is expected */
+    panel.multipath_db = record->level_db[ASDIC_MULTIPATH] + first;
     if (expected->ping) {
         panel.total_db = expected->level_db[ASDIC_TOTAL] + k * bins;
         panel.bottom_db = expected->level_db[ASDIC_BOTTOM] + k * bins;
@@ -103,6 +104,17 @@ static double highest_db(const asdic_ascope *panels, size_t count, double least_
         }
     }
     return high_db;
+}
+
+static bool has_multipath(const asdic_ascope *panels, size_t count) {
+    for (size_t k = 0; k < count; k++) {
+        for (size_t i = 0; i < panels[k].bins; i++) {
+            if (isfinite(panels[k].multipath_db[i])) {
+                return true;
+            }
+        }
+    }
+    return false;
 }
 
 /* An A-scope shows levels without a gain, in a window of their own. */
@@ -138,9 +150,13 @@ asdic_status asdic_render_ascope(const asdic_render *whole, const asdic_record *
     asdic_render_describe(&own);
     asdic_picture_options options = asdic_render_picture(r, title, "ping", number);
     snprintf(note, sizeof note, "%s  \u00b7  %s", options.note,
-             expected.ping ? "expected: flat bottom, no objects, by quadrature; object: simulated"
-                           : "no expected curve: the bottom is a mesh or grid; all curves are "
-                             "simulated");
+             !expected.ping ? "no expected curve: the bottom is a mesh or grid; all curves are "
+                              "simulated"
+             : has_multipath(panels, count)
+                 ? "expected: flat bottom, no objects, by quadrature; object, "
+                   "multipath: simulated"
+                 : "expected: flat bottom, no objects, by quadrature; object: "
+                   "simulated");
     options.note = note;
     path = asdic_render_path(r, "ascope_", number);
     status = path ? asdic_picture_ascope(r->ctx, path, panels, count, &options)
