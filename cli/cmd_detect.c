@@ -249,7 +249,7 @@ static void remark_on_background(cli *c, const asdic_detect_report *r, bool aske
         cli_note(c, "background: background.npy, standard error %.2g dB in the median bin",
                  r->background_error_db);
     } else if (r->background == ASDIC_BACKGROUND_CFAR && !asked) {
-        cli_note(c, "the bottom is no plane and the scene file is not there as it was: background "
+        cli_note(c, "no background can be simulated, the scene file is not there as it was: it is "
                     "from neighbouring bins (--cfar ca)");
     }
 }
@@ -352,7 +352,8 @@ static const cli_option options[] = {
      "ca or os: background from neighbouring bins, their mean or their third quartile"},
     {"background", 0, "KIND",
      "flat (a plane below the vehicle), simulated (the scene without its objects; background.npy "
-     "keeps it), cfar; else auto: flat, simulated over a bottom from a mesh or grid"},
+     "keeps it), cfar; else auto: flat, simulated over a bottom from a mesh or grid and with "
+     "multipath over boundaries"},
     {"cfar-cells", 0, "N", "bins on either side, else 8"},
     {"cfar-guard", 0, "N", "bins left out next to the bin, else 2"},
     {"truth", 0, "DB",
@@ -371,7 +372,8 @@ const cli_command cli_detect_command = {
     .details =
         "A bin is detected when its intensity exceeds the threshold for the false-alarm "
         "probability. The threshold stands over the level expected without objects: over a bottom "
-        "from a mesh or grid that of a simulation, which takes up to four times as long as the run "
+        "from a mesh or grid, and with multipath over boundaries, that of a simulation, which "
+        "takes up to four times as long as the run "
         "and is kept in its folder; with --cfar over the neighbouring bins. Writes into the run "
         "folder "
         "detections.csv (log-likelihood ratio, posterior probability, position on the "

@@ -578,6 +578,35 @@ def test_a_map_reaches_as_far_as_a_steep_beam_hears():
         tap.equal(abs(east / north - 2 * math.sin(aside)) < 0.01, True, f"{east} mm aside")
 
 
+# Shallow water in which bottom and surface mirror each other's echoes; nothing else is there.
+SHALLOW = """version: 1
+environment: {wind_speed_kn: 2}
+bottom: {depth_m: 6, type: rock}
+sonar:
+  frequency_khz: 30
+  bandwidth_khz: 3
+  source_level_db: 210
+  transmitter: {length_v_m: 0.03}
+  receivers: [{name: ahead, length_v_m: 0.03}]
+  speckle: rayleigh
+mission: {pose: {position_m: [0, 0, 3]}, pings: 8}
+sampling: {rays: 20000, multipath: boundaries}
+output: {images: [], csv: none}
+"""
+
+
+def test_echoes_by_way_of_boundaries_are_background():
+    need_device()
+    with Folder() as folder:
+        folder.write("shallow.yaml", SHALLOW)
+        done = asdic("detect", "shallow.yaml", "-o", "out", "--json", cwd=folder.path).check(0)
+        found = json.loads(done.out)
+        tap.equal((found["background"], found["tracks"]["confirmed"]), ("simulated", 0))
+        tap.equal(found["detections"] < 0.01 * found["bins"], True, f"{found['detections']} of {found['bins']} bins")
+        done = asdic("detect", "out", "--force", "--json", "--background", "flat", cwd=folder.path).check(0)
+        tap.contains(done.err, "knows no 'multipath: boundaries'")
+
+
 # A triangle that rises from 31 m away to 45 m, and a ball before it.
 RISE = """version: 1
 bottom: {depth_m: 20, type: mud}

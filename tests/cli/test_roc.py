@@ -182,6 +182,33 @@ def test_an_objects_strength_does_not_depend_on_the_compass():
         tap.equal(-25 < min(found) < 5, True, f"{found} dB")
 
 
+def test_a_background_holds_what_boundaries_mirror():
+    """Between a rough bottom and a smooth surface, mirrored echoes are louder than direct ones."""
+    need_device()
+    with Folder() as folder:
+        for speckle in "none", "rayleigh":
+            folder.write(speckle + ".yaml", f"""version: 1
+environment: {{wind_speed_kn: 2}}
+bottom: {{depth_m: 6, type: rock}}
+sonar:
+  frequency_khz: 30
+  bandwidth_khz: 3
+  source_level_db: 210
+  receivers: [{{name: ahead, length_v_m: 0.03}}]
+  speckle: {speckle}
+mission: {{pose: {{position_m: [0, 0, 3]}}}}
+sampling: {{rays: 100000, multipath: boundaries}}
+output: {{images: []}}
+""")
+        asdic("run", "none.yaml", "-o", "out", "-q", cwd=folder.path).check(0)
+        ping = next(r for r in rows(folder / "out/bins.csv") if r["bin"] == "120")
+        done = asdic("roc", "rayleigh.yaml", "--range", "60.1", "--strength=-10", "--trials", "1000", "-o", "roc",
+                     "--json", "-q", cwd=folder.path).check(0)
+        told = json.loads(done.out)[0]["background_db"]
+        tap.equal(float(ping["multipath_db"]) > float(ping["bottom_db"]) + 3, True, "mirrored echoes")
+        tap.equal(abs(told - float(ping["level_db"])) < 0.5, True, f"{told} dB of {ping['level_db']}")
+
+
 def test_bearings_are_from_the_bow():
     """Of a sonar whose head turns: a target is on its axis when the head looks there, and hardly heard beside it."""
     need_device()

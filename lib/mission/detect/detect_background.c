@@ -318,6 +318,11 @@ asdic_status asdic_backdrop_read(asdic_backdrop *b, size_t index, const double *
     return ASDIC_OK;
 }
 
+bool asdic_flat_scene_mirrors(const asdic_flat_scene *flat, const asdic_sampling *sampling) {
+    return sampling->multipath == ASDIC_MULTIPATH_BOUNDARIES &&
+           (flat->has_surface || flat->has_bottom);
+}
+
 void asdic_backdrop_add_error(const asdic_backdrop *b, float *error_db) {
     size_t bins = b->run->facts.bins;
     double db = 10.0 / log(10.0), times = (double)b->rays / (double)b->run->facts.sampling.rays;

@@ -25,6 +25,9 @@ asdic_status asdic_backdrop_read(asdic_backdrop *backdrop, size_t index, const d
  * one. */
 void asdic_backdrop_add_error(const asdic_backdrop *backdrop, float *error_db);
 
+/* Whether SAMPLING lets the planes of FLAT mirror what is scattered, of which a quadrature knows nothing. */
+bool asdic_flat_scene_mirrors(const asdic_flat_scene *flat, const asdic_sampling *sampling);
+
 /* The median standard error of the bins read so far, dB. */
 double asdic_backdrop_error_db(const asdic_backdrop *backdrop);
 

@@ -170,16 +170,32 @@ static asdic_status simulate_background(asdic_detect_job *job) {
     return asdic_backdrop_open(job->run, job->options, &job->report->background_s, &job->backdrop);
 }
 
-/* Over a bottom that is no plane a background is simulated, where that can be. */
+/* Whether the first ping's bottom and surface mirror what they scatter. */
+static asdic_status find_mirrors(asdic_detect_job *job, bool *mirrors) {
+    asdic_record first;
+    TRY(asdic_run_read(job->run, 0, &first));
+    asdic_flat_scene flat = asdic_run_flat_scene(job->run, &first);
+    *mirrors = asdic_flat_scene_mirrors(&flat, &job->run->facts.sampling);
+    return ASDIC_OK;
+}
+
+/* Over a bottom that is no plane, or with mirrors, a background is simulated, where that can be. */
 static asdic_status choose_background(asdic_detect_job *job) {
     asdic_background_source wanted =
         job->options->has_cfar ? ASDIC_BACKGROUND_CFAR : job->options->background;
     bool is_auto = wanted == ASDIC_BACKGROUND_AUTO;
-    bool is_plane = strcmp(job->run->facts.bottom, ASDIC_RUN_BOTTOM_MESH) != 0;
+    bool is_plane = strcmp(job->run->facts.bottom, ASDIC_RUN_BOTTOM_MESH) != 0, mirrors = false;
+    TRY(find_mirrors(job, &mirrors));
+    bool is_known = is_plane && !mirrors;
     job->background = !is_auto   ? wanted
-                      : is_plane ? ASDIC_BACKGROUND_FLAT
+                      : is_known ? ASDIC_BACKGROUND_FLAT
                                  : ASDIC_BACKGROUND_SIMULATED;
-    if (is_auto && !is_plane && !job->mission) {
+    if (wanted == ASDIC_BACKGROUND_FLAT && mirrors) {
+        asdic_log(job->ctx, ASDIC_LOG_WARNING,
+                  "a flat background knows no 'multipath: boundaries', whose echoes pass for "
+                  "targets; --background simulated knows them");
+    }
+    if (is_auto && !is_known && !job->mission) {
         job->background = ASDIC_BACKGROUND_CFAR;
     }
     if (job->background == ASDIC_BACKGROUND_SIMULATED) {

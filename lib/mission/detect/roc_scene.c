@@ -8,6 +8,7 @@
 #include "base/try.h"
 #include "base/vec.h"
 #include "detect/roc_curve.h"
+#include "detect_background.h"
 #include "mission/mission.h"
 #include "scene/scene.h"
 #include "sim/pulse.h"
@@ -123,7 +124,8 @@ static asdic_status expect(scene_job *job) {
     const asdic_mission *m = job->mission;
     asdic_flat_scene flat = asdic_mission_flat_scene(m, job->options->ping);
     asdic_scene_info info = asdic_scene_get_info(m->scene);
-    job->is_plane = info.has_bottom_plane || !flat.has_bottom;
+    bool is_mesh = flat.has_bottom && !info.has_bottom_plane;
+    job->is_plane = !is_mesh && !asdic_flat_scene_mirrors(&flat, &m->settings.sampling);
     TRY(asdic_ping_create(job->ctx, job->beams, job->bins, &job->expected));
     job->rest_lin = calloc(job->beams * job->bins, sizeof *job->rest_lin);
     if (!job->rest_lin) {
