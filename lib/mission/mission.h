@@ -83,6 +83,9 @@ bool asdic_mission_has_hash(const char *path, const char *hash);
 /* The place of NAME among the mission's classes, from 1; 0: it is none of them. */
 size_t asdic_mission_class(const asdic_mission *mission, const char *name);
 
+/* asdic_mission_uncertainty of OBJECT, an index, alone. */
+double asdic_mission_object_uncertainty_db(const asdic_mission *mission, size_t object);
+
 /* Frees the meshes of objects' files. */
 void asdic_mission_forget_meshes(asdic_mission *mission);
 

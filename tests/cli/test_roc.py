@@ -388,6 +388,19 @@ def test_the_laws_error_moves_detection():
         for sight in sights:
             band = sight["model_pd"]
             tap.equal(band["low"] <= sight["pd"] <= band["high"], True, f"{band} {sight['pd']}")
+        # Of two objects each errs by its own law; the bottom's without an error, the metal has no band.
+        certain = SEDIMENT.replace("sediment: medium_sand", "type: sand")
+        pathlib.Path(folder / "two.yaml").write_text(certain + """objects:
+  - {name: metal, sphere: {radius_m: 0.5}, position_m: [25, 0, 7]}
+  - {name: rise, box: {size_m: [4, 20, 2]}, position_m: [37, 0, 11], material: {sediment: rock}}
+""", encoding="utf-8")
+        for name, error_db in ("metal", None), ("rise", 10):
+            done = asdic("roc", "two.yaml", "--object", name, "--trials", "2000", "-o", "out", "--force", "--json",
+                         "-q", cwd=folder.path).check(0)
+            tap.equal(json.loads(done.out)[0]["target_uncertainty_db"], error_db, name)
+        done = asdic("detect", "two.yaml", "-o", "two", "--json", "-q", cwd=folder.path).check(0)
+        stated = {o["object"]: o["model_pd"]["low"] is not None for o in json.loads(done.out)["objects"]}
+        tap.equal(stated, {"metal": False, "rise": True}, "whose P_D has a band")
         done = asdic("expect", "sand.yaml", "-o", "out.csv", cwd=folder.path).check(0)
         tap.contains(done.err, "model_uncertainty_db: bottom 5")
 

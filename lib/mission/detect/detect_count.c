@@ -95,7 +95,8 @@ static double pd_with_error(const asdic_detect_job *job, const asdic_record *rec
     double factor = 1.0 + (shift(record->level_db[ASDIC_BOTTOM], cell, sign * db[ASDIC_BOTTOM]) +
                            shift(record->level_db[ASDIC_SURFACE], cell, sign * db[ASDIC_SURFACE])) /
                               rest_lin;
-    double echo = isnan(db[ASDIC_OBJECT]) ? 1.0 : pow(10.0, -0.1 * sign * db[ASDIC_OBJECT]);
+    double own_db = asdic_namer_uncertainty_db(job->namer, (size_t)job->label[cell]);
+    double echo = isnan(own_db) ? 1.0 : pow(10.0, -0.1 * sign * own_db);
     asdic_background rest = asdic_background_of(job->info.sonar, job->sound_speed_mps,
                                                 factor * rest_lin, job->noise_lin[cell]);
     return asdic_detect_pd(&rest, ASDIC_TARGET_SWERLING2, echo * job->object_lin[cell],
@@ -104,8 +105,8 @@ static double pd_with_error(const asdic_detect_job *job, const asdic_record *rec
 
 static asdic_band band_of(const asdic_detect_job *job, const asdic_record *record, size_t cell) {
     const double *db = job->info.uncertainty.db;
-    bool is_stated =
-        !isnan(db[ASDIC_BOTTOM]) || !isnan(db[ASDIC_SURFACE]) || !isnan(db[ASDIC_OBJECT]);
+    double own_db = asdic_namer_uncertainty_db(job->namer, (size_t)job->label[cell]);
+    bool is_stated = !isnan(db[ASDIC_BOTTOM]) || !isnan(db[ASDIC_SURFACE]) || !isnan(own_db);
     if (!is_stated || !(job->rest_lin[cell] > 0.0)) {
         return (asdic_band){NAN, NAN};
     }

@@ -259,6 +259,13 @@ const char *asdic_namer_name(const asdic_namer *namer, size_t index) {
     return namer->names[index].name;
 }
 
+double asdic_namer_uncertainty_db(const asdic_namer *namer, size_t index) {
+    bool is_named = namer->names[index].pieces != NULL;
+    return is_named
+               ? asdic_mission_object_uncertainty_db(namer->mission, namer->names[index].object)
+               : namer->run->facts.uncertainty.db[ASDIC_OBJECT];
+}
+
 static bool moves(const asdic_namer *namer) {
     for (size_t i = 0; i < namer->count; i++) {
         if (asdic_mission_get_object(namer->mission, namer->names[i].object)->moves) {

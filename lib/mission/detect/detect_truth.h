@@ -19,6 +19,10 @@ void asdic_namer_destroy(asdic_namer **namer);
 size_t asdic_namer_count(const asdic_namer *namer);
 const char *asdic_namer_name(const asdic_namer *namer, size_t index);
 
+/* How far the object's echo may be off by its scattering law, dB; of the one with the most where objects have no
+ * names. NAN: not stated. */
+double asdic_namer_uncertainty_db(const asdic_namer *namer, size_t index);
+
 /* Before a ping's bins are asked for. */
 asdic_status asdic_namer_begin_ping(asdic_namer *namer, const asdic_record *record);
 

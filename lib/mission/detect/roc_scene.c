@@ -70,6 +70,7 @@ static asdic_status find_object(scene_job *job) {
         if (strcmp(m->objects[i].name, name) == 0) {
             job->object = i;
             job->number = named;
+            job->uncertainty.db[ASDIC_OBJECT] = asdic_mission_object_uncertainty_db(m, i);
             is_there = true;
         }
     }
