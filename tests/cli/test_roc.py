@@ -405,6 +405,24 @@ def test_the_laws_error_moves_detection():
         tap.contains(done.err, "model_uncertainty_db: bottom 5")
 
 
+def test_thresholds_err_as_the_background_they_stand_over():
+    """A slab hides the bottom. Of one look P_D is exp(-threshold / echo): 5 dB of background raise it to 10^0.5."""
+    need_device()
+    with Folder() as folder:
+        text = SEDIMENT.replace("frequency_khz: 100", "frequency_khz: 100, bandwidth_khz: 1.5, source_level_db: 200")
+        pathlib.Path(folder / "slab.yaml").write_text(text + """objects:
+  - {name: slab, box: {size_m: [60, 200, 0.4]}, position_m: [55, 0, 11.9], material: {type: gravel}}
+""", encoding="utf-8")
+        asdic("run", "slab.yaml", "-o", "run", "-q", cwd=folder.path).check(0)
+        for background in "flat", "simulated":
+            done = asdic("detect", "run", "--background", background, "--pfa", "0.01", "--force", "--json", "-q",
+                         cwd=folder.path).check(0)
+            slab, = json.loads(done.out)["objects"]
+            for end, factor in ("low", 10**0.5), ("high", 10**-0.5):
+                off = slab["model_pd"][end] - slab["pd"]**factor
+                tap.equal(abs(off) < 0.01, True, f"{background}: {slab}")
+
+
 def test_words_say_what_json_says():
     need_device()
     with Folder() as folder:

@@ -79,10 +79,34 @@ double asdic_detect_bin_pd(const asdic_detect_job *job, size_t cell) {
     return asdic_detect_pd(&rest, ASDIC_TARGET_SWERLING2, job->object_lin[cell], threshold);
 }
 
-static double shift(const float *level_db, size_t cell, double error_db) {
-    bool counts = !isnan(level_db[cell]) && !isnan(error_db);
-    return counts ? pow(10.0, 0.1 * (double)level_db[cell]) * (pow(10.0, 0.1 * error_db) - 1.0)
-                  : 0.0;
+/* What is added to an intensity when it errs by ERROR_DB, where that is stated. */
+static double shift(double lin, double error_db) {
+    return isnan(error_db) ? 0.0 : lin * (pow(10.0, 0.1 * error_db) - 1.0);
+}
+
+static double part_lin(const asdic_record *record, asdic_component part, size_t cell) {
+    double db = (double)record->level_db[part][cell];
+    return isnan(db) ? 0.0 : pow(10.0, 0.1 * db);
+}
+
+/* The factor on the background, which the threshold follows, when its laws err by SIGN times what they state. Of a
+ * simulated one only the sum is known: what an object hides of it counts as bottom. */
+static double background_factor(const asdic_detect_job *job, const asdic_record *record,
+                                size_t cell, double sign) {
+    const double *db = job->info.uncertainty.db;
+    double mean = job->backdrop || job->expected ? asdic_scan_get(job->scan).background_lin[cell]
+                                                 : job->rest_lin[cell];
+    double bottom = part_lin(record, ASDIC_BOTTOM, cell);
+    double surface = part_lin(record, ASDIC_SURFACE, cell);
+    if (job->expected) {
+        bottom = job->expected->intensity_lin[ASDIC_BOTTOM][cell];
+        surface = job->expected->intensity_lin[ASDIC_SURFACE][cell];
+    } else if (job->backdrop) {
+        bottom += fmax(mean - job->rest_lin[cell], 0.0);
+    }
+    return 1.0 +
+           (shift(bottom, sign * db[ASDIC_BOTTOM]) + shift(surface, sign * db[ASDIC_SURFACE])) /
+               mean;
 }
 
 /* P_D of a bin when background and echo err by SIGN times what the sources of their laws leave open,
@@ -91,16 +115,15 @@ static double pd_with_error(const asdic_detect_job *job, const asdic_record *rec
                             double sign) {
     const double *db = job->info.uncertainty.db;
     double threshold = asdic_scan_get(job->scan).threshold_lin[cell];
-    double rest_lin = job->rest_lin[cell];
-    double factor = 1.0 + (shift(record->level_db[ASDIC_BOTTOM], cell, sign * db[ASDIC_BOTTOM]) +
-                           shift(record->level_db[ASDIC_SURFACE], cell, sign * db[ASDIC_SURFACE])) /
-                              rest_lin;
+    double rest_lin = job->rest_lin[cell] +
+                      shift(part_lin(record, ASDIC_BOTTOM, cell), sign * db[ASDIC_BOTTOM]) +
+                      shift(part_lin(record, ASDIC_SURFACE, cell), sign * db[ASDIC_SURFACE]);
     double own_db = asdic_namer_uncertainty_db(job->namer, (size_t)job->label[cell]);
     double echo = isnan(own_db) ? 1.0 : pow(10.0, -0.1 * sign * own_db);
-    asdic_background rest = asdic_background_of(job->info.sonar, job->sound_speed_mps,
-                                                factor * rest_lin, job->noise_lin[cell]);
+    asdic_background rest =
+        asdic_background_of(job->info.sonar, job->sound_speed_mps, rest_lin, job->noise_lin[cell]);
     return asdic_detect_pd(&rest, ASDIC_TARGET_SWERLING2, echo * job->object_lin[cell],
-                           factor * threshold);
+                           background_factor(job, record, cell, sign) * threshold);
 }
 
 static asdic_band band_of(const asdic_detect_job *job, const asdic_record *record, size_t cell) {
