@@ -303,6 +303,18 @@ asdic_status asdic_cfar_row_scaled(asdic_context *ctx, const asdic_cfar *cfar, u
     return ASDIC_OK;
 }
 
+double asdic_cfar_rate(const asdic_cfar *cfar, unsigned looks, double factor,
+                       const double *intensity_lin, size_t bins, size_t at,
+                       asdic_cfar_scale *scales) {
+    unsigned count;
+    mean_of(cfar, intensity_lin, bins, at, &count);
+    asdic_cfar_scale *s = &scales[count];
+    if (s->rate == 0.0) {
+        s->rate = asdic_cfar_pfa(cfar->kind, count, rank_of(cfar, count), looks, factor / s->bias);
+    }
+    return s->rate;
+}
+
 asdic_status asdic_cfar_row(asdic_context *ctx, const asdic_cfar *cfar, unsigned looks, double pfa,
                             const double *intensity_lin, size_t bins, double *background_lin,
                             double *threshold_lin) {

@@ -4,7 +4,7 @@
 #ifndef ASDIC_DETECT_LAW_H
 #define ASDIC_DETECT_LAW_H
 
-#include <asdic/detect.h>
+#include <asdic/scan.h>
 
 /* Above this shape, K speckle counts as Rayleigh speckle. */
 #define ASDIC_SHAPE_MAX 1000.0
@@ -19,9 +19,9 @@ asdic_status asdic_background_check(asdic_context *ctx, const asdic_background *
 asdic_background asdic_background_blurred(asdic_background background, double stderr_db);
 
 /* What CFAR needs to know of a window of so many bins: threshold over statistic, and the statistic over
- * the background's mean. Factor 0: not computed yet. */
+ * the background's mean; the P_FA of a threshold by cost. 0: not computed yet. */
 typedef struct asdic_cfar_scale {
-    double factor, bias;
+    double factor, bias, rate;
 } asdic_cfar_scale;
 
 #define ASDIC_CFAR_MOST_CELLS 256u /* on either side */
@@ -35,6 +35,16 @@ asdic_status asdic_cfar_row_scaled(asdic_context *ctx, const asdic_cfar *cfar, u
                                    double pfa, const double *intensity_lin, size_t bins,
                                    double *background_lin, double *threshold_lin,
                                    asdic_cfar_scale *scales);
+
+/* P_FA of a threshold FACTOR times the background estimated of bin AT of the row that was scaled last. FACTOR is the
+ * same at every call. */
+double asdic_cfar_rate(const asdic_cfar *cfar, unsigned looks, double factor,
+                       const double *intensity_lin, size_t bins, size_t at,
+                       asdic_cfar_scale *scales);
+
+/* P_FA of the threshold by cost of CELL of the ping that was scanned last, over a background that CFAR estimates. NAN
+ * in K clutter, for which there is no closed form. */
+double asdic_scan_cfar_pfa(asdic_scan *scan, const double *intensity_lin, size_t cell);
 
 /* As asdic_estimate_of, with a confidence of LEVEL. */
 asdic_estimate asdic_estimate_within(uint64_t events, uint64_t trials, double level);

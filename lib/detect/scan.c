@@ -207,6 +207,15 @@ asdic_status asdic_scan_ping(asdic_scan *scan, const double *intensity_lin,
     return ASDIC_OK;
 }
 
+double asdic_scan_cfar_pfa(asdic_scan *scan, const double *intensity_lin, size_t cell) {
+    size_t at = cell % scan->bins;
+    double factor = scan->threshold_lin[cell] / scan->background_lin[cell];
+    return scan->law.shape <= ASDIC_SHAPE_MAX
+               ? NAN
+               : asdic_cfar_rate(&scan->cfar, scan->law.looks, factor, intensity_lin + cell - at,
+                                 scan->bins, at, scan->scales);
+}
+
 asdic_scan_result asdic_scan_get(const asdic_scan *scan) {
     return (asdic_scan_result){scan->background_lin, scan->threshold_lin, scan->llr};
 }

@@ -175,6 +175,34 @@ def test_options_replace_the_scenes_detector():
         tap.equal(strict < detect()["confusion"][0]["bins"], True, "bins that hold the rise")
 
 
+def test_by_cost_a_background_from_neighbours_makes_more_false_alarms():
+    """Of one look, for targets of 10 dB, the threshold is 1.1 ln(11 x 99 / cost) means; over the mean of 16 bins it is
+    passed by chance (1 + threshold / 16)^-16 of the time (Finn & Johnson 1968), near the ends more often."""
+    need_device()
+    with Folder() as folder:
+        folder.write("water.yaml", """version: 1
+bottom: none
+sonar:
+  frequency_khz: 100
+  bandwidth_khz: 1.5
+  bin_length_m: 0.5
+  source_level_db: 200
+  receivers: [{name: ahead}]
+  speckle: rayleigh
+mission: {pose: {position_m: [0, 0, 50]}, pings: 150}
+sampling: {rays: 2000}
+output: {images: [], csv: none}
+""")
+        done = asdic("detect", "water.yaml", "-o", "out", "--cost", "100", "--cfar", "ca", "--json", "-q",
+                     cwd=folder.path)
+        report = json.loads(done.check(0).out)
+        none, pfa = report["confusion"][-1], report["pfa_measured"]
+        predicted = none["predicted"] / none["bins"]
+        inner = (1 + 1.1 * math.log(11 * 99 / 100) / 16)**-16
+        tap.equal(inner < predicted < 1.03 * inner, True, f"{predicted} of {inner}")
+        tap.equal(pfa["low"] <= predicted <= pfa["high"], True, f"{predicted} in {pfa}")
+
+
 # Eight beams of one degree, a quarter of a degree apart, and nothing to see.
 EMPTY = """version: 1
 bottom: {depth_m: 12, type: sand}

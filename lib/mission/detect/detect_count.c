@@ -4,6 +4,7 @@
 #include "detect_job.h"
 
 #include "base/context.h"
+#include "detect/law.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -68,6 +69,18 @@ static asdic_background null_of(const asdic_detect_job *job, size_t cell) {
     return asdic_background_of(job->info.sonar, job->sound_speed_mps,
                                asdic_scan_get(job->scan).background_lin[cell],
                                job->noise_lin[cell]);
+}
+
+/* The P_FA of a bin's threshold; of one by cost in K clutter as if the background were known. */
+static double pfa_of(const asdic_detect_job *job, size_t cell) {
+    if (isnan(job->detector.cost_ratio)) {
+        return job->detector.pfa;
+    }
+    double pfa = job->report->by_cfar ? asdic_scan_cfar_pfa(job->scan, job->intensity_lin, cell)
+                                      : (double)NAN;
+    asdic_background null = null_of(job, cell);
+    return isnan(pfa) ? asdic_detect_pfa(&null, asdic_scan_get(job->scan).threshold_lin[cell])
+                      : pfa;
 }
 
 double asdic_detect_bin_pd(const asdic_detect_job *job, size_t cell) {
@@ -201,10 +214,7 @@ void asdic_detect_count(asdic_detect_job *job, const asdic_record *record) {
         if (c->truth == ASDIC_TRUTH_OBJECT) {
             c->expected += asdic_detect_bin_pd(job, i);
         } else if (c->truth == ASDIC_TRUTH_NONE) {
-            asdic_background null = null_of(job, i);
-            bool is_designed = isnan(job->detector.cost_ratio);
-            c->expected +=
-                is_designed ? job->detector.pfa : asdic_detect_pfa(&null, threshold_lin[i]);
+            c->expected += pfa_of(job, i);
         }
     }
     for (size_t b = 0; b < job->info.beams; b++) {
