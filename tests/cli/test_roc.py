@@ -312,13 +312,17 @@ def test_mistakes():
         def fail(code, says, *options):
             done = asdic("roc", *options, "-o", "out", cwd=folder.path).check(code)
             tap.contains(done.err, says)
-            tap.equal(folder.names(), ["blanked.yaml"], "files left behind")
+            tap.equal(folder.names(), ["blanked.yaml", "mesh.yaml"], "files left behind")
 
+        terrain = SCENES.parent / "meshes/terrain.ply"
+        folder.write("mesh.yaml", SEDIMENT.replace("depth_m: 12, sediment: medium_sand",
+                                                   f"mesh: {{file: '{terrain}'}}, type: sand"))
         folder.write("blanked.yaml", SEDIMENT.replace("noise: {enabled: false}", "blanking_m: 10"))
         fail(2, "KEY=VALUE", SCENE2, "--vary", "sonar")
         fail(2, "none of them empty", SCENE2, "--vary", "sonar.frequency_khz=80,,90")
         fail(3, "frequency_khz", SCENE2, "--vary", "sonar.frequenci_khz=80")
         fail(2, "no object 'wreck'", SCENE2, "--object", "wreck")
+        fail(2, "no object ''", "mesh.yaml", "--object", "")  # the bottom's mesh has no name
         fail(2, "no beam 'aft'", SCENE2, "--beam", "aft")
         fail(2, "give --range", SCENES / "scenario1.yaml")
         fail(2, "those of a target at --range", SCENE2, "--strength", "3")
@@ -329,7 +333,7 @@ def test_mistakes():
         fail(3, "nothing.yaml", "nothing.yaml")
         os.mkdir(folder / "mine")
         asdic("roc", SCENE2, "--object", "wreck", "-o", "mine", cwd=folder.path).check(2)
-        tap.equal(folder.names(), ["blanked.yaml", "mine"], "a folder that was there before")
+        tap.equal(folder.names(), ["blanked.yaml", "mesh.yaml", "mine"], "a folder that was there before")
 
 
 # No noise, no surface, clear water: all that the target stands in is the bottom's.

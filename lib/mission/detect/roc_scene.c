@@ -67,7 +67,7 @@ static asdic_status find_object(scene_job *job) {
     bool is_there = !name;
     for (size_t i = 0; name && i < m->object_count; i++) {
         named += m->objects[i].name[0] != 0;
-        if (strcmp(m->objects[i].name, name) == 0) {
+        if (name[0] && strcmp(m->objects[i].name, name) == 0) {
             job->object = i;
             job->number = named;
             job->uncertainty.db[ASDIC_OBJECT] = asdic_mission_object_uncertainty_db(m, i);
