@@ -93,7 +93,8 @@ void asdic_occupancy_destroy(asdic_occupancy **map) {
 /* A cell that is heard: its azimuth in steps, its distance in the plane. */
 typedef struct spot {
     size_t cell, azimuth;
-    double plane_m;
+    double plane_m,
+        half_m; /* ... and half its length along that, where it is longer than a bin; else 0 */
     double rate[ASDIC_OCCUPANCY_PARTS]; /* -ln(1 - p), by the map so far */
 } spot;
 
@@ -110,9 +111,11 @@ typedef struct update {
 } update;
 
 /* Places in a cell at which an object may be, by index of heading and bin together, and the share of
- * objects that are there; the rest of these is not heard. On an arc, so many at most. */
+ * objects that are there; the rest of these is not heard. On an arc, so many heights at most; of a cell that is longer
+ * than a bin, so many distances. */
 #define MOST_HEIGHTS 8
-#define MOST_PLACES 32
+#define MOST_RANGES 32
+#define MOST_PLACES 512
 
 typedef struct places {
     size_t at[MOST_PLACES];
@@ -148,7 +151,29 @@ static void add_on_floor(const update *u, const spot *s, places *p) {
         }
     }
     if (least < INFINITY) {
-        add_place(u, p, best, sqrt(s->plane_m * s->plane_m + below * below), 1.0);
+        double count =
+            fmin(fmax(ceil(2.0 * s->half_m / u->look->sonar->bin_length_m), 1.0), MOST_RANGES);
+        for (double i = 0.5; i < count; i += 1.0) {
+            double plane_m = s->plane_m + (2.0 * i / count - 1.0) * s->half_m;
+            add_place(u, p, best, sqrt(plane_m * plane_m + below * below), 1.0 / count);
+        }
+    }
+}
+
+/* In the water of a long cell: as many distances as it has bins, of each the heights LOW_M to HIGH_M in as many steps
+ * as they spread over bins. */
+static void add_column(const update *u, const spot *s, size_t heading, double low_m, double high_m,
+                       places *p) {
+    double bin_m = u->look->sonar->bin_length_m, height_m = high_m - low_m;
+    double count = fmin(ceil(2.0 * s->half_m / bin_m), MOST_RANGES);
+    for (double i = 0.5; i < count; i += 1.0) {
+        double plane_m = fmax(s->plane_m + (2.0 * i / count - 1.0) * s->half_m, 0.0);
+        double spread_m = hypot(plane_m, fmax(fabs(low_m), fabs(high_m))) - plane_m;
+        double heights = fmin(2.0 * floor(1.0 + spread_m / bin_m), MOST_HEIGHTS);
+        for (double k = 0.5; k < heights; k += 1.0) {
+            add_place(u, p, heading, hypot(plane_m, low_m + k / heights * height_m),
+                      height_m / (count * heights));
+        }
     }
 }
 
@@ -165,11 +190,15 @@ static void add_in_water(const update *u, const spot *s, places *p) {
         if (h->hearing_count == 0 || low >= high) {
             continue;
         }
+        heard_m += high - low;
+        if (s->half_m > 0.0) {
+            add_column(u, s, a * f->azimuths + s->azimuth, low, high, p);
+            continue;
+        }
         double least = low * high < 0.0 ? 0.0 : fmin(low * low, high * high);
         double near_m = sqrt(plane2 + least), far_m = sqrt(plane2 + fmax(low * low, high * high));
         double step = fmax(bin_m, 0.5 * u->map->cell_m);
         double heights = fmin(floor(1.0 + (far_m - near_m) / step), MOST_HEIGHTS);
-        heard_m += high - low;
         for (double i = 0.5; i < heights; i += 1.0) {
             add_place(u, p, a * f->azimuths + s->azimuth, near_m + i / heights * (far_m - near_m),
                       (high - low) / heights);
@@ -269,6 +298,14 @@ static void begin_cell(asdic_occupancy *map, size_t cell) {
     map->part[ASDIC_OCCUPANCY_FLOOR][cell] = has_floor ? (float)log_odds : -INFINITY;
 }
 
+/* Half a cell's length along its azimuth, NORTH_M and EAST_M from the sonar. Cells no longer than bins leave none out
+ * that are taken at their centres: 0. */
+static double half_length_m(const update *u, double north_m, double east_m) {
+    double cell_m = u->map->cell_m, plane_m = hypot(north_m, east_m);
+    bool is_long = cell_m > u->look->sonar->bin_length_m * (1.0 + 1e-9) && plane_m > 0.0;
+    return is_long ? 0.5 * cell_m * (fabs(north_m) + fabs(east_m)) / plane_m : 0.0;
+}
+
 static asdic_status find_spots(asdic_context *ctx, update *u) {
     const asdic_occupancy *map = u->map;
     const asdic_evidence *f = &u->seen;
@@ -301,6 +338,7 @@ static asdic_status find_spots(asdic_context *ctx, update *u) {
                         cell,
                         k,
                         plane,
+                        half_length_m(u, north, east),
                         {rate_of((double)map->part[0][cell]), rate_of((double)map->part[1][cell])}};
                 }
             }

@@ -351,6 +351,26 @@ static void poses_tell_cells_apart(void **state) {
     asdic_occupancy_destroy(&r.map);
 }
 
+/* Cells of two bins' length, whose centres ahead lie in every other bin: an echo in one of those between is in the
+ * cell round it. */
+static void long_cells_hear_all_their_bins(void **state) {
+    (void)state;
+    map_rig r;
+    map_begin(&r, 1);
+    asdic_occupancy_destroy(&r.map);
+    asdic_vec3 low = {-1.0, -30.0, 0.0}, high = {60.0, 30.0, 0.0};
+    assert_ok(ctx, asdic_occupancy_create(ctx, low, high, 1.0, 0.01, 10.0, &r.map));
+    r.intensity[40] = 40.0; /* 20 to 20.5 m; centres are at 19.5 and 20.5 m */
+    for (int i = 0; i < 5; i++) {
+        map_look(&r);
+    }
+    const float *cell = r.map->log_odds + 21 * r.map->columns + 30; /* [20, 21) m */
+    assert_true((double)cell[0] > MAP_PRIOR + 1.0);
+    assert_true((double)cell[2 * r.map->columns] < MAP_PRIOR - 2.0);
+    assert_true((double)cell[-2 * (ptrdiff_t)r.map->columns] < MAP_PRIOR - 2.0);
+    asdic_occupancy_destroy(&r.map);
+}
+
 /* A strong echo ahead comes in by the side lobes of the beams at its sides: no arc there, while an
  * object of its own at the same range is seen. */
 static void side_lobes_are_explained(void **state) {
@@ -1035,6 +1055,7 @@ int main(void) {
         cmocka_unit_test(beams_have_axes_and_widths),
         cmocka_unit_test(quiet_bins_clear_by_what_would_be_heard),
         cmocka_unit_test(poses_tell_cells_apart),
+        cmocka_unit_test(long_cells_hear_all_their_bins),
         cmocka_unit_test(side_lobes_are_explained),
         cmocka_unit_test(echoes_through_the_rear_are_explained),
         cmocka_unit_test(echoes_lie_on_the_floor_that_is_known),
