@@ -233,7 +233,8 @@ static sight see(__global const dev_ping *ping, __global const dev_coherent *c, 
 
 /* What a smooth piece of area SHARE returns, relative to a point of 1 m2 (physical optics: the integral of
  * cos i exp(-2 i k r) / lambda over the piece, here the middle's value times the fall of its form factor,
- * exact to second order in its size). Roughness takes exp(-g cos^2 i) of its energy. */
+ * exact to second order in its size). U is the mean of both legs' directions. Roughness takes exp(-g cos^2 i) of
+ * its energy. */
 static real smooth_amplitude(const world *w, const found *f, const law_lanes *laws, slant met,
                              triple u) {
     real turns = R(2.0) / (real)(w->ping->wavelength_m);
@@ -273,6 +274,13 @@ static triple met_along(triple u, mask mirrored_leg) {
     triple met = u;
     met.z = choose(mirrored_leg, -u.z, u.z);
     return met;
+}
+
+/* Half the sum of both legs' directions: the phase along a piece goes with it. */
+static triple mean_of_legs(triple out, triple back) {
+    triple mean = {R(0.5) * (out.x + back.x), R(0.5) * (out.y + back.y),
+                   R(0.5) * (out.z + back.z)};
+    return mean;
 }
 
 /* What the plane that mirrors leaves of a pressure along U: the surface, soft, turns its sign. */
@@ -319,7 +327,8 @@ __kernel void coherent_shade(__global const dev_ping *ping, __global const dev_c
     real tube = (real)(c->water_lin) * f.share * range * range;
     energy = choose(f.kind == DEV_KIND_WATER, tube, energy);
     real amplitude = sqrt(energy);
-    amplitude = choose(f.smooth, smooth_amplitude(&w, &f, &laws, met, straight.u), amplitude);
+    triple mean = mean_of_legs(out, back);
+    amplitude = choose(f.smooth, smooth_amplitude(&w, &f, &laws, met, mean), amplitude);
 
     /* The transmitter and an element, and the loss of both ways. */
     __global const float *rows = c->rows;

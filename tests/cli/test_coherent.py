@@ -1,5 +1,6 @@
 """Coherent runs: element data as NumPy reads it, the same bytes in parts, on threads and resumed, beams
 formed outside, and errors."""
+import csv
 import cmath
 import math
 import os
@@ -8,7 +9,7 @@ import struct
 
 import program
 import tap
-from program import Folder, asdic
+from program import Folder, asdic, need_device
 from run_folder import data
 
 SCENE = """version: 1
@@ -166,6 +167,43 @@ def test_errors_are_one_each():
             done = asdic("run", huge, "-o", folder / "huge").check(code=1)
             tap.contains(done.err, "a ping of 268435456 scatterers needs")
             tap.contains(done.err, "use fewer rays")
+
+
+def test_a_smooth_plate_is_silent_off_its_mirror_direction():
+    """An upright plate at the sonar's depth answers straight back; by way of the surface it throws its echo past the
+    sonar, however large its pieces are."""
+    need_device()
+    with Folder() as folder:
+        folder.write("plate.yaml", """version: 1
+environment: {wind_speed_kn: 0}
+bottom: none
+objects:
+  - name: plate
+    plate: {size_m: [2, 2]}
+    position_m: [20, 0, 5]
+    material: {preset: steel, roughness_rms_mm: 0, slope_rms: 0}
+sonar:
+  frequency_khz: 100
+  bandwidth_khz: 10
+  bin_length_m: 0.25
+  max_range_m: 26
+  source_level_db: 200
+  transmitter: {length_h_m: 0.004, length_v_m: 0.004}
+  array:
+    elements: 4
+    spacing_wl: 0.5
+    element: {length_v_m: 0.004}
+    beams: {count: 1, sector_deg: 10}
+mission: {pose: {position_m: [0, 0, 5]}}
+sampling: {coherent: true, rays: 1000, multipath: boundaries}
+output: {images: []}
+""")
+        asdic("run", "plate.yaml", "-o", "out", "-q", cwd=folder.path).check(0)
+        with open(folder / "out/bins.csv", newline="", encoding="utf-8") as file:
+            level_db = {float(r["range_m"]): float(r["level_db"]) for r in csv.DictReader(file)}
+        for range_m, legs in (21.125, "one leg"), (22.375, "both legs"):
+            below_db = level_db[20.125] - level_db[range_m]
+            tap.equal(below_db > 30, True, f"{legs} by way of the surface: {below_db} dB below the straight echo")
 
 
 tap.main(globals())
