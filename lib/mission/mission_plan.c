@@ -13,23 +13,27 @@
 
 /* --- terms ------------------------------------------------------------------------------------ */
 
-/* Keeps every term: a vehicle that is steered by hand may come where a term matters. */
+/* Keeps every term of what there is: a vehicle that is steered by hand may come where a term
+ * matters. */
 static void keep_all(const asdic_mission *mission, asdic_plan *plan) {
+    const asdic_scene_info scene = asdic_scene_get_info(mission->scene);
     const bool is_there[ASDIC_TERM_COUNT] = {
-        [ASDIC_TERM_SURFACE] = asdic_scene_get_info(mission->scene).has_surface,
+        [ASDIC_TERM_BOTTOM] = scene.has_bottom_plane,
+        [ASDIC_TERM_SURFACE] = scene.has_surface,
         [ASDIC_TERM_VOLUME] = true,
         [ASDIC_TERM_OBJECTS] = asdic_mission_object_count(mission) > 0,
         [ASDIC_TERM_BORIC_ACID] = true,
         [ASDIC_TERM_RAYS] = true,
         [ASDIC_TERM_MULTIPATH] = mission->settings.sampling.multipath != ASDIC_MULTIPATH_OFF};
+    plan->left_out = 0; /* as the rows say: a run's files are read by them */
     for (int t = 0; t < ASDIC_TERM_COUNT; t++) {
         asdic_plan_row *row = &plan->rows[t];
         if (is_there[t] && !row->kept) {
             row->kept = true;
             snprintf(row->reason, sizeof row->reason, "the scene keeps all terms");
         }
+        plan->left_out |= row->kept ? 0u : 1u << t;
     }
-    plan->left_out = 0;
 }
 
 /* Room for the poses of COUNT pings, to be freed. More than the memory that is left is refused

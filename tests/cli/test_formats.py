@@ -276,6 +276,18 @@ def test_records_as_small_as_asked():
               folder.path)
 
 
+def test_compact_records_of_all_terms():
+    """What the scene does not have is left out of records that keep all terms, written and read alike."""
+    with Folder() as folder:
+        scene(folder, pings=2, rays=500)
+        pool = folder.read("pool.yaml").replace("output: {", "model: {terms: all}\noutput: {records: compact, ")
+        path = folder.write("all.yaml", pool[:pool.index("objects:")] + pool[pool.index("sonar:"):])
+        asdic("run", path, "-o", folder / "r").check(code=0)
+        numpy("names = numpy.load('r/pings.npy').dtype.names\n"
+              "assert 'bottom_db' in names and 'object_db' not in names, names\n", folder.path)
+        asdic("render", folder / "r").check(code=0)
+
+
 def test_size_is_foretold():
     """What check, plan and run say is what the files take, within a tenth."""
     with Folder() as folder:
