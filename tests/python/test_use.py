@@ -179,6 +179,27 @@ def test_own_mesh_is_the_box():
     same(asdic.Run(out).level_db, a.level_db, "the program runs what was saved")
 
 
+def test_saved_meshes_stay():
+    """One that is added to an opened scene takes no other's place, and a run is resumed with its own meshes alone."""
+    need_device()
+    with tempfile.TemporaryDirectory(prefix="asdic-test-") as folder:
+        scene, at = pool(), np.array([-120.0, 120.0])
+        scene.add_mesh(*box([1, 8, 3]), name="large", position_m=(15, 0, 6))
+        alone = asdic.Scene.open(scene.save(folder))
+        alone.add_mesh(*box([.1, .1, .1]), name="small", position_m=(10, 4, 6))
+        both = asdic.Scene.open(alone.save(folder))
+        first, second = (one.objects[1]["mesh"]["file"] for one in (scene, both))
+        tap.equal(os.path.basename(second), first, "the large mesh's file")
+        tap.equal(len({one["mesh"]["file"] for one in both.objects[1:]}), 2, "files")
+        out = os.path.join(folder, "run")
+        scene.set_terrain(at, at, np.full((2, 2), 12.0))
+        run = asdic.simulate(scene, out)
+        scene.set_terrain(at, at, np.full((2, 2), 20.0))
+        raises(asdic.InputError, "not the scene to be resumed", asdic.simulate, scene, out, resume=True)
+        scene.set_terrain(at, at, np.full((2, 2), 12.0))
+        same(asdic.simulate(scene, out, resume=True).level_db, run.level_db, "resumed")
+
+
 def test_terrain_is_the_plane():
     """A flat grid of depths gives the levels of the plane, as well as rays sample it."""
     need_device()

@@ -1,6 +1,7 @@
 """Scenes: from files, or put together here from dictionaries and arrays."""
 from __future__ import annotations
 
+import hashlib
 import json
 import os
 from typing import Any, Mapping, Sequence, Union
@@ -146,14 +147,14 @@ class Scene:
         self.bottom = {"mesh": {"file": self._keep(vertices, triangles), "z_up": False}, **law}
 
     def _keep(self, vertices: ArrayLike, triangles: ArrayLike) -> str:
-        """Makes a mesh of the arrays; its name in this scene."""
+        """Makes a mesh of the arrays; its name, which no other mesh has, whatever folder it is saved in."""
         corners = np.array(_array(vertices, "fiu", "vertices"), dtype=np.float64, order="C")
         found = _array(triangles, "iu", "triangles")
         if found.min() < 0 or found.max() >= len(corners):
             worst = found.min() if found.min() < 0 else found.max()
             raise fail(ArgumentError, f"a triangle has the corner {worst}, but there are {len(corners)} vertices")
         indices = np.array(found, dtype=np.uint32, order="C")
-        name = f"mesh{len(self._meshes)}.ply"
+        name = f"mesh_{hashlib.sha256(corners.tobytes() + indices.tobytes()).hexdigest()[:16]}.ply"
         handle = self._context.make(
             "asdic_mesh", lib.asdic_mesh_destroy, lib.asdic_mesh_from_triangles, self._context.pointer,
             ffi.from_buffer("double[]", corners), len(corners), ffi.from_buffer("uint32_t[]", indices), len(indices))
