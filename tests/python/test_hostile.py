@@ -160,6 +160,12 @@ def test_output_that_exists():
         other = pool(bottom={"depth_m": 13})
         raises(asdic.InputError, "is not the scene to be resumed", asdic.simulate, other, out, resume=True)
         raises(asdic.ExistsError, out, asdic.simulate, other, out)
+        mine = os.path.join(folder, "scene.json")
+        with open(mine, "w", encoding="utf-8") as file:
+            file.write("precious")
+        raises(asdic.ExistsError, mine, asdic.simulate, other, folder)
+        with open(mine, encoding="utf-8") as file:
+            tap.equal(file.read(), "precious", "another's file of that name")
         broken = os.path.join(folder, "broken")
         raises(asdic.InputError, "depth_m", asdic.simulate, pool(bottom={"depth_m": -13}), broken)
         tap.equal(os.path.exists(broken), False, "nothing is written of a scene with errors")

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any, Sequence, Union
 
 import numpy as np
 
-from ._library import (ArgumentError, Context, Fields, Handle, InputError, Progress, dtype_of, encoded, fail, ffi,
-                       fields, lib, number, open_devices, value_of, view, warn, whole)
+from ._library import (ArgumentError, Context, ExistsError, Fields, Handle, InputError, Progress, dtype_of, encoded,
+                       fail, ffi, fields, lib, number, open_devices, value_of, view, warn, whole)
 from ._ping import PARTS, Levels, Ping, beams_of, expected
 from ._scene import Scene, SceneLike, choose_sampling, load_mission, remarks
 
@@ -48,13 +48,18 @@ def _kept(scene: SceneLike, folder: Folder, force: bool, resume: bool) -> SceneL
     if not isinstance(scene, Scene):
         return scene
     path = os.path.join(folder, "scene.json")
-    if resume and os.path.exists(path):
-        with open(path, encoding="utf-8") as file:
-            if file.read() != scene.to_json():
-                raise fail(InputError, f"{path} is not the scene to be resumed; force begins anew")
-        return path
+    is_other = False
+    if os.path.isfile(path):
+        with open(path, encoding="utf-8", errors="replace") as file:
+            is_other = file.read() != scene.to_json()
+        if resume and is_other:
+            raise fail(InputError, f"{path} is not the scene to be resumed; force begins anew")
+        if resume:
+            return path
     if os.path.exists(os.path.join(folder, "run.json")) and not force:
         return scene  # refused below
+    if is_other and not force:
+        raise fail(ExistsError, f"{path} is there, and is another scene; force replaces it")
     load_mission(Context(), scene)  # nothing is written of a scene with errors
     return scene.save(folder)
 
