@@ -248,6 +248,24 @@ def test_arrays_are_views_that_keep_their_owner():
     tap.equal((os.path.exists(folder), float(np.nanmax(levels)) > 0), (False, True), "temporary; the array stays")
 
 
+def test_objects_are_moved():
+    """A point goes where it is put and stays there, on a track or not: it is heard at that range alone."""
+    need_device()
+    with tempfile.TemporaryDirectory(prefix="asdic-test-") as folder:
+        path = os.path.join(folder, "fish.csv")
+        with open(path, "w", encoding="utf-8") as file:
+            file.write("time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg\n0,10,0,5,0,0,0\n100,10,0,5,0,0,0\n")
+        for place in ({"track": path}, {"position_m": [10, 0, 5]}):
+            scene = pool()
+            scene.objects = [{"name": "fish", "point": 0, **place}]
+            sonar = asdic.Simulator(scene)
+            for at in (10, 20, 20):
+                if at == 20:
+                    sonar.move("fish", 20, 0, 5)
+                heard = np.flatnonzero(np.isfinite(sonar.ping(0, 0, 5).parts["object"][0]))
+                tap.equal(abs(sonar.ranges[heard] - at).max() < 2, True, f"{place}: bins {heard}, expected {at} m")
+
+
 def test_memory_used_again():
     need_device()
     sonar = asdic.Simulator(pool())

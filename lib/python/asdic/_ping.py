@@ -246,6 +246,7 @@ class Simulator:
         self._moves = any(lib.asdic_mission_get_object(mission, k).moves
                           for k in range(lib.asdic_mission_object_count(mission)))
         self._pings = int(lib.asdic_mission_ping_count(mission))
+        self._moved: dict[bytes, Any] = {}
         self._start_s = self._time_of(0)
         self.index = 0
         self.bins = int(lib.asdic_simulator_bin_count(self._handle.pointer))
@@ -351,6 +352,8 @@ class Simulator:
         """Before the ping of the current index, at POSE."""
         if self._moves:
             self._context.check(lib.asdic_mission_place(self._mission.pointer, simulator, self.index))
+            for name, place in self._moved.items():  # off its track
+                self._context.check(lib.asdic_simulator_move(simulator, name, place))
         if self.index % LEARN_BLOCK == 0:
             self._context.check(lib.asdic_simulator_learn(simulator, pose, self.index))
 
@@ -372,11 +375,14 @@ class Simulator:
 
     def move(self, name: str, x: float, y: float, z: float, roll: float = 0.0, pitch: float = 0.0,
              yaw: float = 0.0) -> None:
-        """Puts the point NAME, or an object that has a track, elsewhere for the pings that follow."""
+        """Puts the point NAME, or an object off the track that it has, elsewhere for the pings that follow."""
         angles = [math.radians(number(value, "an angle")) for value in (roll, pitch, yaw)]
         pose = ffi.new("asdic_pose *", {"position_m": [number(value, "a position") for value in (x, y, z)],
                                         "roll_rad": angles[0], "pitch_rad": angles[1], "yaw_rad": angles[2]})
-        self._context.call(lib.asdic_simulator_move, self._handle.pointer, encoded(name, "name"), pose)
+        called = encoded(name, "name")
+        with self._context.lock:
+            self._context.check(lib.asdic_simulator_move(self._handle.pointer, called, pose))
+            self._moved[called] = pose
 
     def close(self) -> None:
         """Gives the device back; pings that were made stay."""
