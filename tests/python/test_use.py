@@ -124,6 +124,26 @@ def test_scene_of_a_file():
             tap.equal(asdic.Scene.open(path).sampling["key"], value, line)
 
 
+def test_scene_names_files():
+    """Those of the working folder, wherever the scene is saved."""
+    need_device()
+    with tempfile.TemporaryDirectory(prefix="asdic-test-") as folder:
+        before = os.getcwd()
+        os.chdir(folder)
+        try:
+            for name, x_m in (("fish.csv", 10.5), ("out/fish.csv", 30)):
+                os.makedirs("out", exist_ok=True)
+                with open(name, "w", encoding="utf-8") as file:
+                    file.write(f"time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg\n0,{x_m},0,5,0,0,0\n9,{x_m},0,5,0,0,0\n")
+            scene = pool()
+            scene.objects = [{"name": "fish", "point": 0, "track": "fish.csv"}]
+            run = asdic.simulate(scene, "out")
+            tap.equal(run.ranges[np.nanargmax(run.parts["object"][0, 0])], 10.5, "where the fish is, m")
+            same(asdic.simulate(scene, "out", resume=True).level_db, run.level_db, "resumed")
+        finally:
+            os.chdir(before)
+
+
 def test_truth():
     """Of pings and runs: the same bytes, and shares that sum to one."""
     need_device()

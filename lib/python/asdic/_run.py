@@ -51,7 +51,7 @@ def _kept(scene: SceneLike, folder: Folder, force: bool, resume: bool) -> SceneL
     is_other = False
     if os.path.isfile(path):
         with open(path, encoding="utf-8", errors="replace") as file:
-            is_other = file.read() != scene.to_json()
+            is_other = file.read() != scene.saved_json()
         if resume and is_other:
             raise fail(InputError, f"{path} is not the scene to be resumed; force begins anew")
         if resume:

@@ -4,7 +4,7 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-from typing import Any, Mapping, Sequence, Union
+from typing import Any, Container, Mapping, Sequence, Union
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -56,12 +56,12 @@ def _write_ply(path: str, corners: np.ndarray, indices: np.ndarray) -> None:
         file.write(facets.tobytes())
 
 
-def _find_files(value: Any, folder: str) -> None:
-    """Makes the paths of files that lie in FOLDER whole."""
+def _find_files(value: Any, folder: str, known: Container[str] = ()) -> None:
+    """Makes the paths of files that lie in FOLDER whole, but of those that are KNOWN."""
     for key, inner in value.items() if isinstance(value, dict) else enumerate(value):
         if isinstance(inner, (dict, list)):
-            _find_files(inner, folder)
-        elif isinstance(inner, str) and key in FILES and inner:
+            _find_files(inner, folder, known)
+        elif isinstance(inner, str) and key in FILES and inner and inner not in known:
             value[key] = os.path.join(folder, inner)
 
 
@@ -169,7 +169,7 @@ class Scene:
                 _write_ply(os.path.join(folder, name), corners, indices)
             path = os.path.join(os.fspath(folder), "scene.json")
             with open(path, "w", encoding="utf-8") as file:
-                file.write(self.to_json())
+                file.write(self.saved_json())
         except OSError as error:
             raise fail(FileError, f"the scene cannot be saved in '{os.fspath(folder)}': {error.strerror}") from error
         return path
@@ -180,6 +180,12 @@ class Scene:
                     "objects": self.objects}
         return json.dumps({name: value for name, value in sections.items() if value not in (None, [])},
                           default=_plain, indent=1)
+
+    def saved_json(self) -> str:
+        """The text that save writes: files that the scene names are those that it means here, in the working folder."""
+        sections = json.loads(self.to_json())
+        _find_files(sections, os.getcwd(), self._meshes)
+        return json.dumps(sections, indent=1)
 
     def __repr__(self) -> str:
         given = [name for name in SECTIONS if getattr(self, name) is not None]
