@@ -1,6 +1,7 @@
 """What users of the Python package do, against what the library and the program give."""
 import csv
 import gc
+import json
 import os
 import subprocess
 import sys
@@ -122,6 +123,12 @@ def test_scene_of_a_file():
             with open(path, "w", encoding="utf-8") as file:
                 file.write(f"sampling: {{key: {line}}}\n")
             tap.equal(asdic.Scene.open(path).sampling["key"], value, line)
+        with open(path, "w", encoding="utf-8") as file:
+            file.write("bottom: {grid: g.asc}\nobjects: [{name: mesh, mesh: /x.ply}]\n"
+                       "draws: [{key: 'objects[0].mesh', choice: [y.ply, {file: z.ply}]}]\n")
+        scene, at = asdic.Scene.open(path), lambda name: os.path.join(os.path.realpath(folder), name)
+        tap.equal((scene.bottom, scene.objects), ({"grid": at("g.asc")}, [{"name": "mesh", "mesh": "/x.ply"}]), "short")
+        tap.equal(json.loads(scene.to_json())["draws"][0]["choice"], [at("y.ply"), {"file": at("z.ply")}], "choices")
 
 
 def test_scene_names_files():

@@ -13,7 +13,7 @@ from ._library import (ArgumentError, Context, FileError, Handle, encoded, fail,
 
 Keys = Mapping[str, Any]
 SECTIONS = ("environment", "surface", "bottom", "sonar", "mission", "sampling", "model", "detector", "output")
-FILES = ("file", "track", "curve", "sound_speed_profile")
+FILES = ("file", "grid", "mesh", "track", "curve", "sound_speed_profile")
 BOTTOMS = ("mud", "sand", "gravel", "rock")
 
 
@@ -56,13 +56,21 @@ def _write_ply(path: str, corners: np.ndarray, indices: np.ndarray) -> None:
         file.write(facets.tobytes())
 
 
+def _whole(name: Any, folder: str, known: Container[str]) -> Any:
+    """The path of the file NAME in FOLDER, unless it is none or is KNOWN."""
+    return os.path.join(folder, name) if isinstance(name, str) and name and name not in known else name
+
+
 def _find_files(value: Any, folder: str, known: Container[str] = ()) -> None:
-    """Makes the paths of files that lie in FOLDER whole, but of those that are KNOWN."""
+    """Makes the paths of files that lie in FOLDER whole, but of those that are KNOWN; of draws' choices too."""
+    if isinstance(value, dict) and isinstance(value.get("choice"), list):
+        if str(value.get("key")).rpartition(".")[2] in FILES:
+            value["choice"] = [_whole(one, folder, known) for one in value["choice"]]
     for key, inner in value.items() if isinstance(value, dict) else enumerate(value):
         if isinstance(inner, (dict, list)):
             _find_files(inner, folder, known)
-        elif isinstance(inner, str) and key in FILES and inner and inner not in known:
-            value[key] = os.path.join(folder, inner)
+        elif key in FILES:
+            value[key] = _whole(inner, folder, known)
 
 
 class Scene:
@@ -182,7 +190,7 @@ class Scene:
                           default=_plain, indent=1)
 
     def saved_json(self) -> str:
-        """The text that save writes: files that the scene names are those that it means here, in the working folder."""
+        """The text that save writes, with whole paths of the files that the scene names in the working folder."""
         sections = json.loads(self.to_json())
         _find_files(sections, os.getcwd(), self._meshes)
         return json.dumps(sections, indent=1)
