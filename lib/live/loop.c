@@ -95,10 +95,11 @@ static void *work(void *argument) {
     return NULL;
 }
 
-static asdic_status allocate(asdic_loop *loop, size_t beams) {
+static asdic_status allocate(asdic_loop *loop, size_t beams, bool truth) {
     size_t bins = asdic_simulator_bin_count(loop->simulator);
     for (int k = 0; k < 2; k++) {
         TRY(asdic_ping_create(loop->ctx, beams, bins, &loop->slots[k].ping));
+        TRY(truth ? asdic_ping_add_truth(loop->ctx, loop->slots[k].ping) : ASDIC_OK);
         loop->slots[k].level_db = malloc(beams * bins * sizeof(float));
         if (!loop->slots[k].level_db) {
             return asdic_fail_memory(loop->ctx, "a loop's levels");
@@ -136,7 +137,7 @@ asdic_status asdic_loop_create(asdic_context *ctx, asdic_device *device, const a
     }
     asdic_simulator_hasten(loop->simulator);
     loop->ping_rate_hz = sonar->ping_rate_hz;
-    if ((status = allocate(loop, sonar->receiver_count)) != ASDIC_OK ||
+    if ((status = allocate(loop, sonar->receiver_count, sampling->truth)) != ASDIC_OK ||
         (status = start_thread(loop)) != ASDIC_OK) {
         goto fail;
     }
@@ -145,6 +146,16 @@ asdic_status asdic_loop_create(asdic_context *ctx, asdic_device *device, const a
 fail:
     asdic_loop_destroy(&loop);
     return status;
+}
+
+/* Room for the pressures that the mission's output holds. */
+static asdic_status add_elements(asdic_loop *loop, const asdic_settings *settings) {
+    size_t samples = asdic_simulator_sample_count(loop->simulator);
+    for (int k = 0; k < 2 && settings->elements; k++) {
+        TRY(asdic_ping_add_elements(loop->ctx, loop->slots[k].ping, settings->sonar.array.elements,
+                                    samples));
+    }
+    return ASDIC_OK;
 }
 
 asdic_status asdic_loop_create_mission(asdic_context *ctx, asdic_device *device,
@@ -164,7 +175,11 @@ asdic_status asdic_loop_create_mission(asdic_context *ctx, asdic_device *device,
                           &mission->settings.sonar, &sampling, depth_m, out));
     (*out)->mission = mission;
     (*out)->start_s = start_s;
-    return ASDIC_OK;
+    asdic_status status = add_elements(*out, &mission->settings);
+    if (status) {
+        asdic_loop_destroy(out);
+    }
+    return status;
 }
 
 asdic_simulator *asdic_loop_simulator(const asdic_loop *loop) {

@@ -26,9 +26,10 @@ struct asdic_recording {
     char *folder;
     unsigned number;
     asdic_file *track;
-    FILE *spool; /* records; an unnamed file that vanishes with the process */
-    void *bytes; /* one record */
-    size_t record_bytes, pings, beams, bins;
+    FILE *spool;     /* records; an unnamed file that vanishes with the process */
+    void *bytes;     /* one record */
+    float *pressure; /* at the elements, behind each record; NULL: not recorded */
+    size_t record_bytes, pressure_bytes, pings, beams, bins;
 };
 
 static asdic_status fail_io(asdic_recording *r, const char *what) {
@@ -66,6 +67,7 @@ static void finish(asdic_recording **recording) {
         fclose(r->spool);
     }
     free(r->bytes);
+    free(r->pressure);
     free(r->folder);
     free(r);
     *recording = NULL;
@@ -111,6 +113,19 @@ asdic_status asdic_recording_begin(asdic_context *ctx, const asdic_mission *miss
     return status;
 }
 
+/* Room for a ping as large as PING. */
+static asdic_status make_room(asdic_recording *r, const asdic_loop_ping *ping) {
+    const asdic_ping *parts = ping->parts;
+    r->beams = ping->beams;
+    r->bins = ping->bins;
+    r->record_bytes = asdic_record_bytes(r->beams, r->bins);
+    r->pressure_bytes = parts->pressure ? parts->elements * parts->samples * 2 * sizeof(float) : 0;
+    r->bytes = malloc(r->record_bytes);
+    r->pressure = r->pressure_bytes ? malloc(r->pressure_bytes) : NULL;
+    return r->bytes && (r->pressure || !r->pressure_bytes) ? ASDIC_OK
+                                                           : asdic_fail_memory(r->ctx, "a record");
+}
+
 asdic_status asdic_recording_add(asdic_recording *r, const asdic_loop_ping *ping) {
     const asdic_sweep *sweep = &r->mission->settings.sweep;
     asdic_pose pose = asdic_sweep_sonar(sweep, &ping->pose, ping->ping);
@@ -123,17 +138,12 @@ asdic_status asdic_recording_add(asdic_recording *r, const asdic_loop_ping *ping
         .rays = ping->parts->rays,
         .saturated = ping->parts->saturated};
     if (!r->bytes) {
-        r->beams = ping->beams;
-        r->bins = ping->bins;
-        r->record_bytes = asdic_record_bytes(r->beams, r->bins);
-        r->bytes = malloc(r->record_bytes);
-        if (!r->bytes) {
-            return asdic_fail_memory(r->ctx, "a record");
-        }
+        TRY(make_room(r, ping));
     }
     asdic_record_pack(&head, ping->parts, r->bytes);
     asdic_track_file_add(r->track, sweep, ping->ping, ping->time_s, &ping->pose);
-    if (fwrite(r->bytes, r->record_bytes, 1, r->spool) != 1) {
+    if (fwrite(r->bytes, r->record_bytes, 1, r->spool) != 1 ||
+        (r->pressure && fwrite(ping->parts->pressure, r->pressure_bytes, 1, r->spool) != 1)) {
         return fail_io(r, "a ping");
     }
     r->pings++;
@@ -151,8 +161,12 @@ static asdic_status copy_records(asdic_recording *r, asdic_run_job *job) {
                           r->folder, r->pings, r->bins, job->facts.pings_planned, job->facts.bins);
     }
     for (size_t i = 0; i < r->pings; i++) {
-        if (fread(r->bytes, r->record_bytes, 1, r->spool) != 1) {
+        if (fread(r->bytes, r->record_bytes, 1, r->spool) != 1 ||
+            (r->pressure && fread(r->pressure, r->pressure_bytes, 1, r->spool) != 1)) {
             return fail_io(r, "a ping");
+        }
+        if (r->pressure) {
+            TRY(asdic_elements_write(job->elements, i, r->pressure));
         }
         TRY(asdic_job_take(job, r->bytes));
     }

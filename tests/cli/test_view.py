@@ -230,6 +230,11 @@ def test_video_is_read_by_ffmpeg():
         tap.equal(len(rest), 6 + 3 * 1280 * 720)
 
 
+def same_file(part, again, name):
+    with open(f"{part}/{name}", "rb") as one, open(f"{again}/{name}", "rb") as other:
+        tap.equal(one.read() == other.read(), True, f"{part}/{name} is the same")
+
+
 def same_bytes(folder, number):
     """A recording's run, and the run of its scene."""
     part = folder / f"rec/{number:03d}"
@@ -238,8 +243,7 @@ def same_bytes(folder, number):
     again = folder / f"again{number}"
     asdic("run", f"{part}/scene.yaml", "-o", again).check(code=0)
     for name in ("bins.csv", "pings.npy", "track.csv"):
-        with open(f"{part}/{name}", "rb") as one, open(f"{again}/{name}", "rb") as other:
-            tap.equal(one.read() == other.read(), True, f"{number:03d}/{name} is the same")
+        same_file(part, again, name)
     with open(f"{part}/run.json", encoding="utf-8") as file:
         return json.load(file)
 
@@ -274,6 +278,32 @@ def test_recordings_replay_to_the_same_bytes():
             raise AssertionError((first, track[-1]))  # it turned to starboard, and dived
         rows = list(csv.DictReader(io.StringIO(folder.read("rec/003/bins.csv"))))
         tap.equal(len(rows), pings[3] * 2 * len({row["bin"] for row in rows}))
+
+
+def test_recordings_have_truth_and_pressures():
+    """Where the scene's output has them: those of the run again."""
+    need_view()
+    with Folder() as folder:
+        write_scene(folder)
+        array = """version: 1
+bottom: {depth_m: 12, type: sand}
+sonar:
+  frequency_khz: 100
+  bandwidth_khz: 10
+  source_level_db: 200
+  bin_length_m: 0.3
+  max_range_m: 20
+  array: {elements: 8, beams: {count: 4, sector_deg: 90}}
+mission: {waypoints: {points_m: [[0, 0, 5], [4, 0, 5]], speed_mps: 2}}
+sampling: {coherent: true, rays: 2000}
+output: {elements: true}
+"""
+        for name, text in (("truth", SCENE + "output: {truth: true}\n"), ("elements", array)):
+            out = folder / name
+            view(folder.write("scene.yaml", text), "--y4m", "/dev/null", "--pings", "4", "--size", "640x360", "-o", out,
+                 "--keys", "0:r")
+            asdic("run", f"{out}/000/scene.yaml", "-o", f"{out}/again").check(code=0)
+            same_file(f"{out}/000", f"{out}/again", f"{name}.npy")
 
 
 def test_keys_and_mistakes():

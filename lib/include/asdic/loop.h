@@ -44,7 +44,8 @@ ASDIC_API asdic_status asdic_loop_create(asdic_context *ctx, asdic_device *devic
 
 /* The same for what a mission describes, all of its terms, and its moving objects where they are
  * when the first ping happens at START_S. Where the scene says `rays: auto`, as many as of
- * asdic_sampling_default, so that pings come in time. The mission must outlive the loop. */
+ * asdic_sampling_default, so that pings come in time. Where its output has them, pings hold
+ * truth and the pressure at every element. The mission must outlive the loop. */
 ASDIC_API asdic_status asdic_loop_create_mission(asdic_context *ctx, asdic_device *device,
                                                  const asdic_mission *mission, double depth_m,
                                                  double start_s, asdic_loop **out);
