@@ -107,6 +107,9 @@ bool cli_vary(cli *c, size_t most, char **key, const char **values, size_t *coun
 extern const char *const cli_target_names[];
 bool cli_bad_usage(const cli *c);
 
+/* The mission of the first operand, with RAYS a ping in place of what its scene says; 0: as it says. */
+asdic_status cli_load_rays(cli *c, uint64_t rays, asdic_mission **out);
+
 /* ---- devices --------------------------------------------------------------------------------
  * Those of --device, else of the environment's ASDIC_DEVICE, else "auto". Closed with
  * asdic_devices_close. On failure nothing is open; end with cli_end. */

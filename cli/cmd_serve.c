@@ -337,10 +337,9 @@ static int run(cli *c) {
     s.writer.has_detections = cli_given(c, "detect");
     asdic_device **devices = NULL;
     size_t device_count = 0;
-    asdic_status status = asdic_mission_load(cli_context(c), cli_operand(c, 0), &s.mission);
+    asdic_status status = cli_load_rays(c, rays, &s.mission);
     if (!status) {
         asdic_sampling *sampling = asdic_mission_sampling(s.mission);
-        sampling->rays = cli_given(c, "rays") ? (uint32_t)rays : sampling->rays;
         sampling->seed = cli_given(c, "seed") ? seed : sampling->seed;
         status = cli_open_devices(c, &devices, &device_count);
     }

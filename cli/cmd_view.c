@@ -129,10 +129,8 @@ static int run(cli *c) {
     if (!read_request(c, &r)) {
         return CLI_USAGE;
     }
-    asdic_status status = asdic_mission_load(cli_context(c), cli_operand(c, 0), &mission);
+    asdic_status status = cli_load_rays(c, r.rays, &mission);
     if (!status) {
-        asdic_sampling *sampling = asdic_mission_sampling(mission);
-        sampling->rays = r.rays ? (uint32_t)r.rays : sampling->rays;
         status = cli_open_devices(c, &devices, &count);
     }
     int code = status ? cli_end(c, status) : view_mission(c, &r, mission, devices[0]);

@@ -181,6 +181,13 @@ void cli_choice(cli *c, const char *option, const char *const *words, int *out) 
     bad(c, option, expected);
 }
 
+asdic_status cli_load_rays(cli *c, uint64_t rays, asdic_mission **out) {
+    char digits[24];
+    snprintf(digits, sizeof digits, "%llu", (unsigned long long)rays);
+    const asdic_setting chosen = {"sampling.rays", digits};
+    return asdic_mission_load_with(cli_context(c), cli_operand(c, 0), &chosen, rays ? 1 : 0, out);
+}
+
 const char *cli_device(cli *c) {
     const char *selector = cli_text(c, "device");
     cli_prepare_kernel_cache(c);

@@ -327,6 +327,7 @@ static asdic_status begin(asdic_view *view) {
             asdic_governor_enough(sonar->receiver_count, asdic_sonar_bin_count(sonar, speed_mps));
         uint32_t usual = asdic_sampling_default().rays;
         view->chosen.rays = enough > usual ? enough : usual;
+        view->mission->settings.auto_rays = 0; /* what was chosen is no longer auto */
     }
     asdic_governor_init(&view->governor, 1.0 / sonar->ping_rate_hz, view->chosen.rays,
                         o->least_rays ? o->least_rays : asdic_governor_floor(sonar->receiver_count),

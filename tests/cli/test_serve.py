@@ -58,6 +58,21 @@ def test_levels_are_those_of_a_run():
             tap.equal(f"{level:.9g}" if level is not None else "", row["level_db"], str(row))
 
 
+def test_rays_are_as_many_as_asked():
+    """Also where the scene leaves them to asdic, and they are just as many as a run would take."""
+    program.need_device()
+    with Folder() as folder:
+        fan = "receivers: {fan: {count: 64, sector_deg: 120, length_h_m: 0.5, length_v_m: 0.02}}"
+        text = ball_over_sand(f"{SONAR}, bin_length_m: 0.02, max_range_m: 20, {fan}", "auto")
+        path, at = folder.write("scene.yaml", text), "0,0,0,7,0,0,0"
+        auto = json.loads(asdic("plan", "--json", path).check(code=0).out)["rays"]
+        tap.equal(auto > 20000, True, f"{auto} rays: more than serve takes for auto")
+        folder.write("rays.yaml", text.replace("rays: auto", f"rays: {auto}"))
+        asked = asdic("serve", path, "--rays", auto, stdin=at).check(code=0).out
+        tap.equal(json.loads(asked)["level_db"],
+                  json.loads(asdic("serve", folder / "rays.yaml", stdin=at).check(code=0).out)["level_db"], "levels")
+
+
 def test_every_format_says_the_same():
     program.need_device()
     with Folder() as folder:
