@@ -10,7 +10,8 @@ static const cli_option options[] = {
     {"snapshot", 0, "N", "write N frames, evenly over the mission, as PNG; no display needed"},
     {"output", 'o', "DIR", "where recordings and snapshots go; default of these: view_NAME"},
     {"pings", 0, "N", "end after N pings, or with the mission"},
-    {"keys", 0, "T:KEY,...", "press keys at seconds of the mission: 2:up,4:right,9:r"},
+    {"keys", 0, "T:KEY,...",
+     "press keys at seconds of the mission: 2:up,4:right,9:r; without a display none that pauses"},
     {"rays", 0, "N", "rays per ping, instead of the scene's"},
     {"least-rays", 0, "N",
      "the floor of rays when the machine cannot follow; default: 80 a beam, 2000 at least"},
@@ -76,8 +77,7 @@ static int show(view_job *job, const request *r, size_t mission_pings, const cha
     /* A mission that leads somewhere ends the view, unless keys steer. */
     bool ends = mission_pings > 1 && job->key_count == 0;
     size_t pings = r->pings && !(ends && r->pings > mission_pings) ? r->pings : mission_pings;
-    bool is_offline = r->y4m || r->snapshots;
-    job->pings = is_offline ? pings : r->pings ? r->pings : SIZE_MAX;
+    job->pings = job->is_offline ? pings : r->pings ? r->pings : SIZE_MAX;
     if (r->snapshots > pings) {
         return cli_usage(job->c, "--snapshot %llu: pings in the mission: %zu%s",
                          (unsigned long long)r->snapshots, pings,
@@ -100,6 +100,7 @@ static int wind_up(view_job *job, int code) {
 static int view_mission(cli *c, const request *r, asdic_mission *mission, asdic_device *device) {
     view_job job = {.c = c,
                     .rate_hz = asdic_mission_sonar(mission)->ping_rate_hz,
+                    .is_offline = r->y4m || r->snapshots,
                     .mission_pings = asdic_mission_ping_count(mission)};
     asdic_view_options o = r->options;
     char *folder = r->folder ? strdup(r->folder) : default_folder(cli_operand(c, 0));

@@ -16,7 +16,8 @@ typedef struct view_job {
     cli *c;
     asdic_view *view;
     double rate_hz;
-    size_t pings; /* SIZE_MAX: until it is over */
+    bool is_offline; /* without a display, and so without a user */
+    size_t pings;    /* SIZE_MAX: until it is over */
     size_t mission_pings;
     view_key *keys;
     size_t key_count, next_key;

@@ -14,6 +14,11 @@ static bool is_key(const char *name) {
     return false;
 }
 
+/* Keys that stop the mission's time, and so every key behind them: a user is needed to go on. */
+static bool is_pause(const char *name) {
+    return strcmp(name, "space") == 0 || strcmp(name, ".") == 0;
+}
+
 bool view_read_keys(view_job *job, const char *text) {
     size_t most = 1;
     for (const char *p = text; *p; p++) {
@@ -36,6 +41,10 @@ bool view_read_keys(view_job *job, const char *text) {
         }
         if (!is_key(name + 1)) {
             cli_usage(job->c, "--keys: there is no key '%s'", name + 1);
+            return false;
+        }
+        if (job->is_offline && is_pause(name + 1)) {
+            cli_usage(job->c, "--keys: without a display, nothing goes on after '%s'", name + 1);
             return false;
         }
         job->keys[job->key_count++] = (view_key){time_s, name + 1};

@@ -313,7 +313,7 @@ def test_keys_and_mistakes():
                         ["--snapshot", "0"], ["--snapshot", "1", "--db-range", "5:1"]):
             view(scene, *options, code=2)
         program.need_device()
-        for keys in ("up", "1:nokey", "x:up", "2:up,1:up", "1:"):
+        for keys in ("up", "1:nokey", "x:up", "2:up,1:up", "1:", "0:space", "0:up,0:."):
             view(scene, "--snapshot", "1", "--keys", keys, "-o", folder / "v", code=2)
         view(scene, "--snapshot", "9", "--pings", "3", "-o", folder / "v", code=2)
         view(scene, "--y4m", folder / "no/such", code=1)
