@@ -315,7 +315,11 @@ def test_detections():
     alone = asdic.simulate(pool()).detect()
     gc.collect()
     tap.equal(len(alone.table), alone.report.detections, "detections keep their run")
-    tap.equal(asdic.detect(run.folder, pfa=1e-2, force=True).report.detector.pfa, 1e-2, "a P_FA of one's own")
+    own = asdic.detect(run.folder, pfa=1e-2, force=True)
+    tap.equal(own.report.detector.pfa, 1e-2, "a P_FA of one's own")
+    fewer = run.detect(pfa=1e-5, force=True)
+    tap.equal(fewer.report.detections < own.report.detections, True, "another detection")
+    tap.equal([len(one.table) for one in (own, fewer)], [one.report.detections for one in (own, fewer)], "each its table")
 
 
 def test_curve_over_range():

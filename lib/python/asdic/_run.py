@@ -278,13 +278,13 @@ class Detections:
         """A row of the confusion table each: name, bins, detected, expected."""
         self.sights = view(struct.sights, (struct.sight_count,), dtype_of("asdic_detect_sight"), handle)
         """Each object as each beam saw it: object, beam, pings_seen, pings_detected, snr_db, pd."""
+        with open(os.path.join(run.folder, "detections.csv"), encoding="utf-8", newline="") as file:
+            self._lines = file.readlines()  # another detection replaces the file
 
     @functools.cached_property
     def table(self) -> np.ndarray:
         """detections.csv as a structured array."""
-        path = os.path.join(self._run.folder, "detections.csv")
-        with open(path, encoding="utf-8", newline="") as file:
-            names, *rows = csv.reader(file)
+        names, *rows = csv.reader(self._lines)
         columns = [_column(values) for values in zip(*rows)] if rows else [np.empty(0)] * len(names)
         dtype = [(name, column.dtype) for name, column in zip(names, columns)]
         table = np.empty(len(rows), dtype)
