@@ -339,6 +339,13 @@ def test_formulas_and_plan():
     done = subprocess.run([os.environ["ASDIC"], "model", "absorption", *(f"{k}={v}" for k, v in keys.items())],
                           check=True, capture_output=True, text=True)
     tap.equal(f"{asdic.model('absorption', **keys):.6g}", f"{float(done.stdout.split()[0]):.6g}", "dB/km")
+    class Number(float):
+        """As numpy's, which says what it is from version 2 on."""
+
+        def __repr__(self):
+            return f"np.float64({float(self)})"
+    tap.equal(asdic.model("absorption", **{k: Number(v) for k, v in keys.items()}), asdic.model("absorption", **keys),
+              "numbers out of arrays")
     tap.equal({"absorption", "sound-speed"} <= {formula.name for formula in asdic.formulas()}, True, "names")
     found = asdic.plan(pool())
     tap.equal([term.kept for term in found.terms if term.name == "objects"], [True], "the ball is kept")

@@ -120,7 +120,8 @@ def model(name: str, *, device: str | None = None, **keys: float | str) -> float
     In double precision; with DEVICE in single precision there. asdic.formulas() lists names, keys, units.
     """
     context = Context()
-    assignments = [ffi.new("char[]", f"{key}={value!r}".replace("'", "").encode()) for key, value in keys.items()]
+    given = {key: value if isinstance(value, str) else repr(number(value, key)) for key, value in keys.items()}
+    assignments = [ffi.new("char[]", f"{key}={value}".encode()) for key, value in given.items()]
     devices = open_devices(context, device) if device is not None else None
     out = ffi.new("double *")
     context.run(lib.asdic_model_evaluate, context.pointer, devices.pointer[0] if devices else ffi.NULL,
