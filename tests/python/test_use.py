@@ -127,7 +127,8 @@ def test_scene_of_a_file():
             file.write("bottom: {grid: g.asc}\nobjects: [{name: mesh, mesh: /x.ply}]\n"
                        "draws: [{key: 'objects[0].mesh', choice: [y.ply, {file: z.ply}]}]\n")
         scene, at = asdic.Scene.open(path), lambda name: os.path.join(os.path.realpath(folder), name)
-        tap.equal((scene.bottom, scene.objects), ({"grid": at("g.asc")}, [{"name": "mesh", "mesh": "/x.ply"}]), "short")
+        tap.equal(scene.bottom, {"grid": at("g.asc")}, "a grid's short form")
+        tap.equal(scene.objects, [{"name": "mesh", "mesh": "/x.ply"}], "a mesh's")
         tap.equal(json.loads(scene.to_json())["draws"][0]["choice"], [at("y.ply"), {"file": at("z.ply")}], "choices")
 
 
@@ -141,7 +142,8 @@ def test_scene_names_files():
             for name, x_m in (("fish.csv", 10.5), ("out/fish.csv", 30)):
                 os.makedirs("out", exist_ok=True)
                 with open(name, "w", encoding="utf-8") as file:
-                    file.write(f"time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg\n0,{x_m},0,5,0,0,0\n9,{x_m},0,5,0,0,0\n")
+                    file.write("time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg\n"
+                               f"0,{x_m},0,5,0,0,0\n9,{x_m},0,5,0,0,0\n")
             scene = pool()
             scene.objects = [{"name": "fish", "point": 0, "track": "fish.csv"}]
             run = asdic.simulate(scene, "out")
@@ -169,6 +171,7 @@ def test_truth():
             same(plain.level_db, ping.level_db, "levels")
             tap.equal(plain.truth, None, "nobody asked")
         raises(asdic.ArgumentError, "without truth", other.ping, 0, 0, 5, out=ping)
+        raises(asdic.ArgumentError, "with truth", sonar.ping, 0, 0, 5, out=plain)
     raises(asdic.InputError, "truth: true", lambda: asdic.simulate(pool()).truth)
 
 
@@ -184,6 +187,7 @@ def test_pressure_at_elements():
         tap.equal((ping.pressure.dtype, ping.pressure.shape[0]), (np.dtype("c8"), sonar.sonar.array.elements), "elements")
         tap.equal(0 < ping.sample_m <= ping.bin_length_m, True, "samples")
         same(ping.level_db, run.level_db[0], "levels")
+        raises(asdic.ArgumentError, "samples of pressure", sonar.ping, 0, 0, 5, out=asdic.expect(scene))
 
 
 def test_own_mesh_is_the_box():
@@ -301,6 +305,9 @@ def test_memory_used_again():
     second = sonar.ping(3, 0, 5, yaw=20, out=first)
     tap.equal((second is first, second.index, np.array_equal(levels, second.level_db)), (True, 1, False), "out")
     tap.equal(energy.ctypes.data, second.intensity["total"].ctypes.data, "memory")
+    alike = asdic.Simulator(pool(sonar={**pool().sonar, "receivers": [{"name": "a"}, {"name": "b"}]}))
+    other = sonar.ping(0, 0, 5, out=alike.ping(0, 0, 5))
+    tap.equal(list(other.beams["name"]), [b"forward", b"down"], "another sonar's memory, this one's beams")
 
 
 def test_detections():
@@ -319,7 +326,8 @@ def test_detections():
     tap.equal(own.report.detector.pfa, 1e-2, "a P_FA of one's own")
     fewer = run.detect(pfa=1e-5, force=True)
     tap.equal(fewer.report.detections < own.report.detections, True, "another detection")
-    tap.equal([len(one.table) for one in (own, fewer)], [one.report.detections for one in (own, fewer)], "each its table")
+    for one in (own, fewer):
+        tap.equal(len(one.table), one.report.detections, "rows of its own table")
 
 
 def test_curve_over_range():

@@ -358,10 +358,14 @@ class Simulator:
             self._context.check(lib.asdic_simulator_learn(simulator, pose, self.index))
 
     def _again(self, out: Ping) -> Ping:
+        samples = self._samples if self._samples[0] else None
         if (not isinstance(out, Ping) or out._shape != (len(self.beams), self.bins)
-                or (out.truth is not None and not self._truth)):
-            raise fail(ArgumentError, f"out = {out!r} is no ping of this simulator, which has {len(self.beams)} beams and "
-                       f"{self.bins} bins{'' if self._truth else ', without truth'}")
+                or (out.truth is not None) != self._truth
+                or (None if out.pressure is None else out.pressure.shape) != samples):
+            raise fail(ArgumentError, f"out = {out!r} is no ping of this simulator, which has {len(self.beams)} beams "
+                       f"and {self.bins} bins, {'with' if self._truth else 'without'} truth, "
+                       f"{f'with {samples[1]} samples of pressure' if samples else 'without pressure'}")
+        out.beams = self.beams
         for name in ("_level_db", "parts", "_pose"):  # what was made of the old ping
             out.__dict__.pop(name, None)
         return out
