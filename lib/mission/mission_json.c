@@ -32,15 +32,28 @@ static const char *word_of(const asdic_yaml_node *node) {
     return NULL;
 }
 
+/* Whether NODE is a name, or that of a file: text, even where it reads as a word or a number. */
+static bool is_name(const asdic_yaml_node *node) {
+    static const char *const keys[] = {
+        "name", "file", "track", "curve", "grid", "mesh", "sound_speed_profile"};
+    for (size_t i = 0; node->key && node->text[0] && i < sizeof keys / sizeof *keys; i++) {
+        if (strcmp(node->key, keys[i]) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
 static void print_scalar(const asdic_yaml_node *node, asdic_text *text) {
     char digits[ASDIC_DIGITS_SIZE];
     double value;
-    const char *word = node->quoted ? NULL : word_of(node);
+    bool is_text = node->quoted || is_name(node);
+    const char *word = is_text ? NULL : word_of(node);
     if (word) {
         asdic_text_add(text, word);
-    } else if (!node->quoted && is_whole(node->text)) {
+    } else if (!is_text && is_whole(node->text)) {
         asdic_text_add(text, node->text);
-    } else if (!node->quoted && !asdic_number_parse(node->text, node->length, &value)) {
+    } else if (!is_text && !asdic_number_parse(node->text, node->length, &value)) {
         asdic_text_add_bytes(text, digits, asdic_digits_double(digits, value));
     } else {
         asdic_text_add_json(text, node->text);

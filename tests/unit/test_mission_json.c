@@ -66,6 +66,19 @@ static void nodes_nest(void **state) {
     free(json);
 }
 
+static void names_are_text(void **state) {
+    workshop *w = *state;
+    char *json = json_of(
+        w, "objects: [{name: no, mesh: 12}, {name: 1.50, track: 1e3}, {name: on, point: 1.50}]\n"
+           "bottom: {grid: {file: 007.0}}\nmesh: {scale: 2.0}\nname:\n");
+    assert_string_equal(json, "{\"objects\": [{\"name\": \"no\", \"mesh\": \"12\"}, "
+                              "{\"name\": \"1.50\", \"track\": \"1e3\"}, "
+                              "{\"name\": \"on\", \"point\": 1.5}], "
+                              "\"bottom\": {\"grid\": {\"file\": \"007.0\"}}, "
+                              "\"mesh\": {\"scale\": 2}, \"name\": null}");
+    free(json);
+}
+
 static void what_is_no_file_is_told(void **state) {
     workshop *w = *state;
     char path[128], *json = (char *)w;
@@ -86,6 +99,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(scalars_are_what_they_say, begin, end),
         cmocka_unit_test_setup_teardown(nodes_nest, begin, end),
+        cmocka_unit_test_setup_teardown(names_are_text, begin, end),
         cmocka_unit_test_setup_teardown(what_is_no_file_is_told, begin, end),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
