@@ -394,7 +394,8 @@ const cli_command cli_serve_command = {
         "east, "
         "north, up; the newest counts, and the sonar pings at its own rate. ROS_DOMAIN_ID, "
         "ROS_LOCALHOST_ONLY and CYCLONEDDS_URI work as in ROS 2. Ctrl-C ends it.\n\n"
-        "Angles are rounded to whole nanodegrees. A run of the scene with model: {terms: all} and "
+        "Angles are rounded to whole nanodegrees. A run of the scene with model: {terms: all, "
+        "refraction: full} and "
         "a "
         "track that holds the same poses, one per ping, gives the same levels to the last bit.",
     .examples = "echo '{\"x_m\": 0, \"y_m\": 0, \"z_m\": 7}' | asdic serve scene.yaml --detect\n"

@@ -139,6 +139,14 @@ static void make_absolute(rewriter *r, asdic_yaml_node *node) {
     }
 }
 
+/* What was left to a run's plan has been simulated as it is now: who runs it again hears the same. */
+static void set_refraction(rewriter *r, const asdic_mission *m, asdic_yaml_node *model) {
+    const asdic_environment *env = &m->settings.environment;
+    if (m->settings.refraction < 0 && asdic_environment_bends(env)) {
+        set_text(r, model, "refraction", asdic_refraction_name(env->refraction), false);
+    }
+}
+
 static void apply(rewriter *r, const asdic_mission *m, asdic_yaml_node *root, const char *track) {
     asdic_yaml_node *bottom = asdic_yaml_child(root, "bottom");
     asdic_yaml_node *mission = need_map(r, root, "mission");
@@ -152,6 +160,7 @@ static void apply(rewriter *r, const asdic_mission *m, asdic_yaml_node *root, co
     }
     set_number(r, need_map(r, root, "sampling"), "seed", (double)m->settings.sampling.seed);
     set_text(r, need_map(r, root, "model"), "terms", "all", false);
+    set_refraction(r, m, need_map(r, root, "model"));
     if (bottom && bottom->kind == ASDIC_YAML_MAP && !asdic_yaml_child(bottom, "none")) {
         set_law(r, bottom, &m->bottom);
     }

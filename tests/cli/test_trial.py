@@ -675,7 +675,9 @@ def test_a_run_can_be_seen_again():
     """A replay is a run folder whose pings are those of the trial: the same rule sees the same."""
     program.need_device()
     with Folder() as folder:
-        path = folder.write("wall.yaml", WALL.replace("time_s: 45", "time_s: 33") + """  draws:
+        # A run of the scene would do without the gradient; the trial follows it.
+        wall = WALL.replace("version: 1\n", "version: 1\nenvironment: {sound_speed_gradient_per_s: 0.002}\n")
+        path = folder.write("wall.yaml", wall.replace("time_s: 45", "time_s: 33") + """  draws:
     - {key: 'objects[0].position_m[0]', uniform: [55, 65]}
 """)
         asdic("trial", path, "--runs", 3, "-o", folder / "out").check(code=0)
@@ -696,6 +698,7 @@ def test_a_run_can_be_seen_again():
         tap.equal(len(track), int(row["pings"]))
         x_m = row["objects[0].position_m[0]"]
         tap.contains(folder.read("again/scene.yaml"), f"position_m: [{x_m}, 0, 10]")
+        tap.contains(folder.read("again/scene.yaml"), "refraction: full")
         # Serve at the same poses of the same scene gives the same levels.
         poses = "".join("%s,%s,%s,%s,%s,%s,%s\n" % tuple(p[c] for c in (
             "time_s", "x_m", "y_m", "z_m", "roll_deg", "pitch_deg", "yaw_deg")) for p in track[:5])

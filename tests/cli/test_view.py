@@ -298,12 +298,15 @@ mission: {waypoints: {points_m: [[0, 0, 5], [4, 0, 5]], speed_mps: 2}}
 sampling: {coherent: true, rays: 2000}
 output: {elements: true}
 """
-        for name, text in (("truth", SCENE + "output: {truth: true}\n"), ("elements", array)):
+        # A run that plans would take one layer for two.
+        bent = SCENE.replace("wind_speed_kn: 10", "sound_speed_profile: [[0, 1500], [8, 1496], [16, 1491.99]]")
+        for name, text in (("truth", bent + "output: {truth: true}\n"), ("elements", array)):
             out = folder / name
             view(folder.write("scene.yaml", text), "--y4m", "/dev/null", "--pings", "4", "--size", "640x360", "-o", out,
                  "--keys", "0:r")
             asdic("run", f"{out}/000/scene.yaml", "-o", f"{out}/again").check(code=0)
             same_file(f"{out}/000", f"{out}/again", f"{name}.npy")
+            same_file(f"{out}/000", f"{out}/again", "pings.npy")
 
 
 def test_keys_and_mistakes():

@@ -7,7 +7,8 @@
  *     asdic_loop_collect(loop, &ping);        (ping.level_db[beam * ping.bins + bin])
  *
  * Pings are numbered from 0 and learn as a mission's do (asdic/ping.h): a mission whose track holds
- * the submitted poses, one every 1 / ping_rate_hz, gives the same bytes.
+ * the submitted poses, one every 1 / ping_rate_hz, and whose scene has
+ * `model: {terms: all, refraction: full}`, gives the same bytes: nothing is planned here.
  */
 #ifndef ASDIC_LOOP_H
 #define ASDIC_LOOP_H

@@ -187,8 +187,9 @@ ASDIC_API asdic_status asdic_mission_choose(asdic_context *ctx, asdic_mission *m
                                             const asdic_choices *choices);
 
 /* Writes a scene file of the mission as chosen, flown along the track file TRACK (relative to
- * PATH's folder), with nothing left out of the model. Files that the scene names become
- * absolute. */
+ * PATH's folder), with nothing left out of the model, and refraction as it
+ * is now where the scene leaves it to the plan; a layer is fitted anew to the track's depths. Files
+ * that the scene names become absolute. */
 ASDIC_API asdic_status asdic_mission_write_scene(asdic_context *ctx, const asdic_mission *mission,
                                                  const char *path, const char *track);
 
