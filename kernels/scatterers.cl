@@ -278,8 +278,7 @@ static triple met_along(triple u, mask mirrored_leg) {
 
 /* Half the sum of both legs' directions: the phase along a piece goes with it. */
 static triple mean_of_legs(triple out, triple back) {
-    triple mean = {R(0.5) * (out.x + back.x), R(0.5) * (out.y + back.y),
-                   R(0.5) * (out.z + back.z)};
+    triple mean = {R(0.5) * (out.x + back.x), R(0.5) * (out.y + back.y), R(0.5) * (out.z + back.z)};
     return mean;
 }
 
