@@ -105,7 +105,7 @@ def test_a_video_stops_whose_encoder_hangs():
         path = folder.write("scene.yaml", SCENE.replace("speed_mps: 1", "speed_mps: 20"))
         asdic("run", path, "-o", folder / "run", "-q").check(0)
         os.mkdir(folder / "bin")
-        encoder = folder.write("bin/ffmpeg", '#!/bin/sh\necho $$ >pid\nfor file; do :; done\n: >"$file"\nexec sleep 60\n')
+        encoder = folder.write("bin/ffmpeg", '#!/bin/sh\necho $$ >pid\nfor file; do :; done\n: >"${file#file:}"\nexec sleep 60\n')
         os.chmod(encoder, 0o755)
         with begin(folder, "render", "run", "--video", "film.mp4",
                    PATH=folder / "bin" + ":" + os.environ["PATH"]) as child:

@@ -14,8 +14,8 @@ extern "C" {
 /* What a bin is compared with. */
 typedef enum asdic_background_source {
     ASDIC_BACKGROUND_AUTO,      /* FLAT over a plane or no bottom, but where these are mirrors;
-                                 * else SIMULATED, or CFAR where the scene file, a mesh or a track is
-                                 * gone or has changed */
+                                 * else SIMULATED, or CFAR where the scene file, a mesh or a track
+                                 * is gone or has changed */
     ASDIC_BACKGROUND_FLAT,      /* what is expected over a plane, straight below the vehicle */
     ASDIC_BACKGROUND_SIMULATED, /* the scene without its objects, with its bottom, simulated by many
                                  * rays; kept in the run folder as background.npy */

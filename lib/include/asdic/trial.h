@@ -123,9 +123,9 @@ ASDIC_API asdic_status asdic_trial_find_rays(asdic_context *ctx, asdic_device *d
 ASDIC_API bool asdic_trial_is_in(const char *folder);
 
 /* Flies run RUN of variant VARIANT again and leaves FOLDER/scene.yaml and FOLDER/track.csv: a scene
- * of that run's pings, which asdic_mission_run simulates to the same bytes; with `refraction: layer`
- * but for the layer, which is fitted to the depths that were flown. ASDIC_ERROR_EXISTS where FOLDER
- * holds such files or a run, unless options.force; or the trial's own scene. */
+ * of that run's pings, which asdic_mission_run simulates to the same bytes; with `refraction:
+ * layer` but for the layer, which is fitted to the depths that were flown. ASDIC_ERROR_EXISTS where
+ * FOLDER holds such files or a run, unless options.force; or the trial's own scene. */
 ASDIC_API asdic_status asdic_trial_replay(asdic_context *ctx, asdic_device *device,
                                           const asdic_trial_options *options, uint64_t run,
                                           size_t variant, const char *folder, asdic_trial_run *out);
