@@ -189,6 +189,7 @@ static asdic_status replay(void) {
     asdic_trial_options options = asdic_trial_options_default();
     asdic_trial_run flown;
     options.scene = in_folder("ideal.yaml");
+    options.force = true; /* the same folder again and again */
     return asdic_trial_replay(ctx, NULL, &options, 0, 0, in_folder("replay"), &flown);
 }
 
