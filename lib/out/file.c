@@ -210,6 +210,12 @@ asdic_status asdic_file_write_soon(asdic_context *ctx, const char *path, const v
     return write_whole(ctx, path, bytes, length, true);
 }
 
+bool asdic_file_is_same(const char *a, const char *b) {
+    struct stat first, second;
+    return stat(a, &first) == 0 && stat(b, &second) == 0 && first.st_dev == second.st_dev &&
+           first.st_ino == second.st_ino;
+}
+
 asdic_status asdic_file_sum(asdic_context *ctx, const char *path, asdic_sum *out) {
     unsigned char bytes[1 << 15];
     int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);

@@ -40,6 +40,9 @@ asdic_status asdic_file_write_all(asdic_context *ctx, const char *path, const vo
 asdic_status asdic_file_write_soon(asdic_context *ctx, const char *path, const void *bytes,
                                    size_t length);
 
+/* Whether both paths lead to one file or folder, which is there. */
+bool asdic_file_is_same(const char *a, const char *b);
+
 /* What a file's bytes come to. */
 typedef struct asdic_sum {
     uint64_t bytes;

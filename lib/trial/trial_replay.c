@@ -67,16 +67,10 @@ asdic_status asdic_trial_load(asdic_context *ctx, const asdic_trial_options *o, 
     return ASDIC_OK;
 }
 
-static bool is_same_file(const char *a, const char *b) {
-    struct stat first, second;
-    return stat(a, &first) == 0 && stat(b, &second) == 0 && first.st_dev == second.st_dev &&
-           first.st_ino == second.st_ino;
-}
-
 /* What is in FOLDER stays as it is unless it is to be given up; the trial's own scene always does. */
 static asdic_status check_folder(asdic_context *ctx, const asdic_trial_options *o,
                                  const char *folder, const char *scene, const char *poses) {
-    if (is_same_file(scene, o->scene)) {
+    if (asdic_file_is_same(scene, o->scene)) {
         return asdic_fail(ctx, ASDIC_ERROR_EXISTS,
                           "'%s' is the trial's own scene, which a run again would replace; choose "
                           "another folder",

@@ -314,11 +314,8 @@ static asdic_status copy_frame(asdic_context *ctx, const char *part, const char 
 /* All frames must be there, and in other folders than OUT, before what is in OUT is replaced. */
 static asdic_status check_parts(asdic_context *ctx, const char *const *parts, size_t count,
                                 const char *out, size_t frames) {
-    struct stat folder, part;
-    bool is_new = stat(out, &folder) != 0;
-    for (size_t p = 0; p < count && !is_new; p++) {
-        if (stat(parts[p], &part) == 0 && part.st_dev == folder.st_dev &&
-            part.st_ino == folder.st_ino) {
+    for (size_t p = 0; p < count; p++) {
+        if (asdic_file_is_same(parts[p], out)) {
             return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
                               "'%s' is one of the parts to be joined; choose another folder", out);
         }

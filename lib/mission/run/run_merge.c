@@ -10,11 +10,11 @@
 #include "run_render.h"
 #include "run_chart_data.h"
 #include "mission/track/track.h"
+#include "out/file.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 typedef struct merger {
     asdic_context *ctx;
@@ -46,13 +46,8 @@ static asdic_status open_parts(merger *m, const char *const *folders) {
 
 /* The result must not replace a part. */
 static asdic_status check_folder(const merger *m) {
-    struct stat out, part;
-    if (stat(m->folder, &out) != 0) {
-        return ASDIC_OK; /* it will be created */
-    }
     for (size_t i = 0; i < m->count; i++) {
-        if (stat(m->parts[i]->folder, &part) == 0 && part.st_dev == out.st_dev &&
-            part.st_ino == out.st_ino) {
+        if (asdic_file_is_same(m->parts[i]->folder, m->folder)) {
             return asdic_fail(m->ctx, ASDIC_ERROR_ARGUMENT,
                               "'%s' is one of the runs to be joined; choose another folder",
                               m->folder);
