@@ -15,7 +15,6 @@
 #include "sim/ring.h"
 #include "sim/environment.h"
 
-#include "../../../kernels/beam.h"
 #include "../../../kernels/ray.h"
 
 #include <stdlib.h>
@@ -176,7 +175,8 @@ static double echo_lin(const scene_job *job, size_t beam, double range_m) {
     const asdic_scene *scene = job->mission->scene;
     const asdic_sonar *sonar = &job->sonar;
     asdic_vec3 u = direction_of_target(job, beam, range_m);
-    double gain = 1.0, z = job->pose.position_m.z;
+    double rear_lin = pow(10.0, 0.1 * sonar->rear_floor_db), gain = 1.0;
+    double z = job->pose.position_m.z;
     const asdic_beam *apertures[2] = {&sonar->transmitter, &sonar->receivers[beam]};
     if (asdic_vec3_length(u) == 0.0 || (scene->has_surface && z < 0.0) ||
         (scene->has_bottom_plane && z > scene->bottom_plane_depth_m)) {
@@ -184,9 +184,7 @@ static double echo_lin(const scene_job *job, size_t beam, double range_m) {
     }
     for (int i = 0; i < 2; i++) {
         asdic_face face = asdic_face_aim(apertures[i], &job->pose, job->water.wavelength_m);
-        asdic_vec3 v = asdic_mat3_apply(face.world_to_face, u);
-        gain *= beam_pattern_lin(v.x, v.y, v.z, face.length_h_wl, face.length_v_wl,
-                                 pow(10.0, 0.1 * sonar->rear_floor_db));
+        gain *= asdic_face_gain(&face, u, rear_lin);
     }
     size_t bin = (size_t)(range_m / sonar->bin_length_m);
     return gain * asdic_pulse_share(sonar, job->water.sound_speed_mps, job->bins, bin) *
