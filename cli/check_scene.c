@@ -133,8 +133,12 @@ static void print_text(const char *path, const asdic_mission *m, const scene_num
     }
     printf("  bins        %zu of %.4g m, from %.4g to %.5g m\n", n->bins, sonar->bin_length_m,
            sonar->blanking_m, n->range_m);
-    printf("  rays        %u a ping%s, for a stated error of about %.2g dB r.m.s.\n", n->rays.rays,
-           n->rays.is_auto ? " (auto)" : "", n->rays.stderr_db);
+    printf("  rays        %u a ping%s", n->rays.rays, n->rays.is_auto ? " (auto)" : "");
+    if (isnan(n->rays.stderr_db)) {
+        printf(", as scatterers of coherent pings\n");
+    } else {
+        printf(", for a stated error of about %.2g dB r.m.s.\n", n->rays.stderr_db);
+    }
     printf("  water       %.6g m/s and %.4g dB/km at %.4g kHz, %.4g m deep\n", n->sound_speed_mps,
            n->absorption_db_per_km, 1e-3 * sonar->frequency_hz, n->depth_m);
     printf("  surface     %s\n", n->info.has_surface ? "at z = 0" : "none");

@@ -272,7 +272,10 @@ static asdic_status detect(cli *c, const char *folder, request *r) {
         remark_on_error(c, report);
     }
     remark_on_background(c, report, r->options.has_cfar);
-    if (isnan(report->tracks_by_chance)) {
+    if (report->is_coherent) {
+        cli_note(c, "coherent pings do not say what is in a bin: objects, boundaries and water are "
+                    "those of the same scene by intensities, kept as parts.npy");
+    } else if (isnan(report->tracks_by_chance)) {
         cli_note(
             c, "tracks are not for this sonar: its head turns by more than a beam in the pings by "
                "which a track is judged, so that few objects are confirmed, and are lost again");

@@ -1,7 +1,8 @@
 """Coherent runs: element data as NumPy reads it, the same bytes in parts, on threads and resumed, beams
 formed outside, and errors."""
-import csv
 import cmath
+import csv
+import json
 import math
 import os
 import pathlib
@@ -167,6 +168,32 @@ def test_errors_are_one_each():
             done = asdic("run", huge, "-o", folder / "huge").check(code=1)
             tap.contains(done.err, "a ping of 268435456 scatterers needs")
             tap.contains(done.err, "use fewer rays")
+
+
+def test_detections_are_held_against_the_scene_by_intensities():
+    """Coherent pings state no parts; those of the same scene by intensities say what is in a bin."""
+    program.need_device()
+    with Folder() as folder:
+        path = folder.write("array.yaml", SCENE)
+        done = asdic("run", path, "-o", folder / "out").check(code=0)
+        tap.lacks(done.err, "stated error")
+        done = asdic("detect", folder / "out", "--json").check(code=0)
+        tap.lacks(done.err, "speckle: none")
+        tap.contains(done.err, "the same scene by intensities, kept as parts.npy")
+        report = json.loads(done.out)
+        tap.equal(report["speckle"], True)
+        tap.equal(report["tracks"]["by_chance"], None, "false alarms come again where the speckle stays")
+        rows = {row["truth"]: row for row in report["confusion"]}
+        for name in ("p", "block"):
+            found, should = rows[name]["detected"], rows[name]["predicted"]
+            tap.equal(0 < should / 2 < found < 2 * should, True, f"{rows[name]}: as many as predicted")
+        tap.equal(rows["none"]["detected"] < 0.03 * rows["none"]["bins"], True, f"{rows['none']} is quiet")
+        kept = data(folder, "out", "parts.npy")
+        asdic("detect", folder / "out", "--force").check(code=0)
+        tap.equal(data(folder, "out", "parts.npy") == kept, True, "kept")
+        (pathlib.Path(folder.path) / "array.yaml").unlink()
+        done = asdic("detect", folder / "out", "--force").check(code=3)
+        tap.contains(done.err, "coherent pings do not say what is in a bin")
 
 
 def test_a_smooth_plate_is_silent_off_its_mirror_direction():

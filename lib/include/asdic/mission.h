@@ -289,7 +289,7 @@ typedef struct asdic_ray_forecast {
     uint32_t rays;      /* per ping, as the mission will run */
     bool is_auto;       /* the scene leaves their number to asdic */
     uint32_t auto_rays; /* what asdic_rays_auto takes for it */
-    double stderr_db;   /* stated error to expect, r.m.s., by asdic_rays_error_db */
+    double stderr_db;   /* stated error to expect, r.m.s.; NAN: coherent pings state none */
     bool is_rough;      /* that is above ASDIC_ROUGH_DB */
 } asdic_ray_forecast;
 

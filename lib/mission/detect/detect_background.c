@@ -17,7 +17,8 @@
 #include <zlib.h>
 
 /* The background's rays over the run's: enough for a median error of GOOD_DB, within limits. A
- * vehicle at rest needs one ping, which may cost more. */
+ * vehicle at rest needs one ping, which may cost more. Of coherent pings, which have scatterers instead, over those
+ * that intensities would take. */
 #define GOOD_DB 0.25
 #define MOST_TIMES 4.0
 #define MOST_TIMES_AT_REST 64.0
@@ -29,14 +30,30 @@
 #define ERROR_STEP_DB 0.01
 #define ERROR_STEPS 4000
 
-/* A ping of background.npy; two arrays follow, float32 [beam, bin]: level and error, dB; then the
+/* A ping of background.npy or parts.npy; arrays follow, float32 [beam, bin]: levels and their error, dB; then the
  * CRC-32 of all before it. */
 typedef struct head {
     uint64_t key, ping;
 } head;
 
+/* What is kept of each kind, in which file. */
+#define MOST_PARTS 5
+static const struct {
+    const char *file, *what;
+    size_t count;
+    asdic_component parts[MOST_PARTS];
+} kinds[] = {
+    [ASDIC_BACKDROP_EMPTY] = {"background.npy", "the background", 1, {ASDIC_TOTAL}},
+    [ASDIC_BACKDROP_PARTS] = {"parts.npy",
+                              "what coherent pings are made of",
+                              MOST_PARTS,
+                              {ASDIC_BOTTOM, ASDIC_SURFACE, ASDIC_VOLUME, ASDIC_OBJECT,
+                               ASDIC_MULTIPATH}},
+};
+
 struct asdic_backdrop {
     asdic_run *run;
+    asdic_backdrop_kind kind;
     const asdic_detect_options *options;
     char *path;
     uint64_t key; /* of the run, its scene, and the number of rays */
@@ -71,11 +88,19 @@ static bool is_at_rest(asdic_run *run) {
     return true;
 }
 
-static uint32_t rays_of(const asdic_run_facts *facts, bool at_rest) {
+static uint32_t rays_of(const asdic_run *run, bool at_rest) {
+    const asdic_run_facts *facts = &run->facts;
     double error = facts->stderr_median_db, most = at_rest ? MOST_TIMES_AT_REST : MOST_TIMES;
+    uint32_t own = facts->sampling.rays;
+    if (facts->sampling.coherent) {
+        double speed_mps = asdic_environment_sound_speed_mps(&run->settings.environment, 0.0);
+        bool is_mesh = strcmp(facts->bottom, ASDIC_RUN_BOTTOM_MESH) == 0;
+        own = asdic_rays_auto(&run->settings.sonar, speed_mps, is_mesh);
+        error = asdic_rays_error_db(&run->settings.sonar, speed_mps, is_mesh, own);
+    }
     double times = isfinite(error) ? pow(error / GOOD_DB, 2) : most;
-    double rays = fmin(fmax(times, 1.0), most) * (double)facts->sampling.rays;
-    return (uint32_t)fmin(rays, fmax(MOST_RAYS, (double)facts->sampling.rays));
+    double rays = fmin(fmax(times, 1.0), most) * (double)own;
+    return (uint32_t)fmin(rays, fmax(MOST_RAYS, (double)own));
 }
 
 /* The number under which a background of these pings is known. */
@@ -83,11 +108,11 @@ static uint64_t key_of(const asdic_backdrop *b) {
     const asdic_run_facts *f = &b->run->facts;
     const asdic_sampling *s = &f->sampling;
     char text[512], hex[65];
-    int length =
-        snprintf(text, sizeof text, "%s %s %s %zu+%zu %zu*%zu %u %d %d %llu %u %d %.17g %.17g",
-                 f->version, f->scene_hash, f->geometry_hash, f->first_ping, b->pings, f->beams,
-                 f->bins, b->rays, (int)s->sampler, (int)s->multipath, (unsigned long long)s->seed,
-                 s->left_out, (int)f->refraction, f->layer_from_m, f->layer_to_m);
+    int length = snprintf(
+        text, sizeof text, "%d %s %s %s %zu+%zu %zu*%zu %u %d %d %llu %u %d %.17g %.17g",
+        (int)b->kind, f->version, f->scene_hash, f->geometry_hash, f->first_ping, b->pings,
+        f->beams, f->bins, b->rays, (int)s->sampler, (int)s->multipath, (unsigned long long)s->seed,
+        s->left_out, (int)f->refraction, f->layer_from_m, f->layer_to_m);
     asdic_sha256_hex(text, (size_t)length, hex);
     hex[16] = 0;
     return strtoull(hex, NULL, 16);
@@ -137,16 +162,23 @@ static void report(const asdic_backdrop *b, size_t done) {
     }
 }
 
+/* Of the record in hand, the levels of its part K; behind the last, their errors. */
+static float *levels_of(const asdic_backdrop *b, size_t k) {
+    return (float *)(b->bytes + sizeof(head)) + k * b->cells;
+}
+
 static asdic_status take(void *user, size_t ping, const asdic_ping *result) {
     asdic_backdrop *b = user;
     head h = {.key = b->key, .ping = ping};
-    float *level = (float *)(b->bytes + sizeof h), *error = level + b->cells;
     memcpy(b->bytes, &h, sizeof h);
-    for (size_t i = 0; i < b->cells; i++) {
-        double lin = result->intensity_lin[ASDIC_TOTAL][i];
-        level[i] = lin > 0.0 ? (float)(10.0 * log10(lin)) : NAN;
-        error[i] = (float)result->stderr_db[i];
+    for (size_t k = 0; k < kinds[b->kind].count; k++) {
+        const double *lin = result->intensity_lin[kinds[b->kind].parts[k]];
+        float *level = levels_of(b, k);
+        for (size_t i = 0; i < b->cells; i++) {
+            level[i] = lin[i] > 0.0 ? (float)(10.0 * log10(lin[i])) : NAN;
+        }
     }
+    memcpy(levels_of(b, kinds[b->kind].count), result->stderr_db, b->cells * sizeof(float));
     uint32_t sum = sum_of(b);
     memcpy(b->bytes + b->record_bytes - sizeof sum, &sum, sizeof sum);
     fwrite(b->bytes, b->record_bytes, 1, asdic_file_stream(b->part)); /* commit tells of errors */
@@ -168,6 +200,7 @@ static asdic_status simulate_on(asdic_backdrop *b, asdic_mission *mission, asdic
                        .take = take,
                        .user = b};
     mission->settings.sampling = facts->sampling;
+    mission->settings.sampling.coherent = false;
     mission->settings.sampling.rays = b->rays;
     mission->settings.sonar.speckle = ASDIC_SPECKLE_NONE;
     mission->settings.environment = b->run->settings.environment; /* rays bend as the run's */
@@ -184,11 +217,12 @@ static asdic_status simulate(asdic_backdrop *b) {
     asdic_device **devices = NULL;
     size_t count = 0;
     b->begin_s = asdic_clock_s();
-    asdic_log(
-        ctx, ASDIC_LOG_INFO,
-        "simulating the background: %zu ping%s of the scene without its objects, %u rays each",
-        b->pings, b->pings == 1 ? "" : "s", b->rays);
-    asdic_status status = asdic_mission_load_empty(ctx, b->run->facts.scene_path, &mission);
+    bool is_empty = b->kind == ASDIC_BACKDROP_EMPTY;
+    asdic_log(ctx, ASDIC_LOG_INFO, "simulating %s: %zu ping%s of the scene%s, %u rays each",
+              kinds[b->kind].what, b->pings, b->pings == 1 ? "" : "s",
+              is_empty ? " without its objects" : " by intensities", b->rays);
+    asdic_status status = (is_empty ? asdic_mission_load_empty
+                                    : asdic_mission_load)(ctx, b->run->facts.scene_path, &mission);
     if (status == ASDIC_OK) {
         status = asdic_devices_open(ctx, b->options->device, &devices, &count);
     }
@@ -208,19 +242,24 @@ static asdic_status simulate(asdic_backdrop *b) {
 static asdic_status prepare(asdic_backdrop *b) {
     const asdic_run_facts *facts = &b->run->facts;
     char dtype[ASDIC_RECORD_DTYPE_SIZE];
-    bool at_rest = is_at_rest(b->run);
+    bool at_rest = b->kind == ASDIC_BACKDROP_EMPTY && is_at_rest(b->run); /* objects move */
+    size_t arrays = kinds[b->kind].count + 1;
     b->pings = at_rest ? 1 : asdic_store_count(b->run->store);
-    b->rays = rays_of(facts, at_rest);
+    b->rays = rays_of(b->run, at_rest);
     b->cells = facts->beams * facts->bins;
-    b->record_bytes = sizeof(head) + 2 * b->cells * sizeof(float) + sizeof(uint32_t);
+    b->record_bytes = sizeof(head) + arrays * b->cells * sizeof(float) + sizeof(uint32_t);
     b->read = SIZE_MAX;
     b->key = key_of(b);
-    snprintf(dtype, sizeof dtype,
-             "[('key', '<u8'), ('ping', '<u8'), ('level_db', '<f4', (%zu, %zu)), "
-             "('stderr_db', '<f4', (%zu, %zu)), ('crc32', '<u4')]",
-             facts->beams, facts->bins, facts->beams, facts->bins);
+    int length = snprintf(dtype, sizeof dtype, "[('key', '<u8'), ('ping', '<u8'), ");
+    for (size_t k = 0; k < arrays; k++) {
+        const char *name = asdic_record_names[k < arrays - 1 ? (size_t)kinds[b->kind].parts[k]
+                                                             : ASDIC_COMPONENT_COUNT];
+        length += snprintf(dtype + length, sizeof dtype - (size_t)length,
+                           "('%s', '<f4', (%zu, %zu)), ", name, facts->beams, facts->bins);
+    }
+    snprintf(dtype + length, sizeof dtype - (size_t)length, "('crc32', '<u4')]");
     b->header_bytes = asdic_npy_header(b->header, dtype, b->pings, "");
-    b->path = asdic_folder_file(b->run->folder, "background.npy");
+    b->path = asdic_folder_file(b->run->folder, kinds[b->kind].file);
     b->bytes = malloc(b->record_bytes);
     b->mean_lin = malloc(b->cells * sizeof *b->mean_lin);
     b->variance_lin2 = malloc(b->cells * sizeof *b->variance_lin2);
@@ -229,8 +268,9 @@ static asdic_status prepare(asdic_backdrop *b) {
                : asdic_fail_memory(b->run->ctx, "a background");
 }
 
-asdic_status asdic_backdrop_open(asdic_run *run, const asdic_detect_options *options,
-                                 double *simulated_s, asdic_backdrop **out) {
+asdic_status asdic_backdrop_open(asdic_run *run, asdic_backdrop_kind kind,
+                                 const asdic_detect_options *options, double *simulated_s,
+                                 asdic_backdrop **out) {
     *out = NULL;
     *simulated_s = 0.0;
     asdic_backdrop *b = calloc(1, sizeof *b);
@@ -238,6 +278,7 @@ asdic_status asdic_backdrop_open(asdic_run *run, const asdic_detect_options *opt
         return asdic_fail_memory(run->ctx, "a background");
     }
     b->run = run;
+    b->kind = kind;
     b->options = options;
     asdic_status status = prepare(b);
     if (status == ASDIC_OK && !find(b)) {
@@ -267,9 +308,8 @@ void asdic_backdrop_close(asdic_backdrop **backdrop) {
     *backdrop = NULL;
 }
 
-static void take_record(asdic_backdrop *b, size_t index) {
-    const float *level = (const float *)(b->bytes + sizeof(head)), *error = level + b->cells;
-    b->read = index;
+static void take_record(asdic_backdrop *b) {
+    const float *level = levels_of(b, 0), *error = levels_of(b, 1);
     for (size_t i = 0; i < b->cells; i++) {
         bool is_known = !isnan(level[i]);
         b->mean_lin[i] = is_known ? pow(10.0, 0.1 * (double)level[i]) : 0.0;
@@ -305,16 +345,34 @@ static double error_share(const asdic_backdrop *b, size_t first, size_t n) {
     return mean > 0.0 ? sqrt(sum / (double)(end - low)) / mean : 0.0;
 }
 
-asdic_status asdic_backdrop_read(asdic_backdrop *b, size_t index, const double **mean_lin) {
+/* Reads the record of the run's ping INDEX, where it is not the one in hand. */
+static asdic_status need_record(asdic_backdrop *b, size_t index) {
     index = b->pings == 1 ? 0 : index;
-    if (b->read != index) {
-        if (!read_record(b, index)) {
-            return asdic_fail(b->run->ctx, ASDIC_ERROR_INPUT,
-                              "'%s' is damaged; remove it, it is made again", b->path);
-        }
-        take_record(b, index);
+    if (b->read == index) {
+        return ASDIC_OK;
     }
+    if (!read_record(b, index)) {
+        return asdic_fail(b->run->ctx, ASDIC_ERROR_INPUT,
+                          "'%s' is damaged; remove it, it is made again", b->path);
+    }
+    b->read = index;
+    if (b->kind == ASDIC_BACKDROP_EMPTY) {
+        take_record(b);
+    }
+    return ASDIC_OK;
+}
+
+asdic_status asdic_backdrop_read(asdic_backdrop *b, size_t index, const double **mean_lin) {
+    TRY(need_record(b, index));
     *mean_lin = b->mean_lin;
+    return ASDIC_OK;
+}
+
+asdic_status asdic_backdrop_tell(asdic_backdrop *b, size_t index, asdic_record *record) {
+    TRY(need_record(b, index));
+    for (size_t k = 0; k < kinds[b->kind].count; k++) {
+        record->level_db[kinds[b->kind].parts[k]] = levels_of(b, k);
+    }
     return ASDIC_OK;
 }
 

@@ -30,7 +30,8 @@ asdic_status asdic_detect_report_create(asdic_detect_job *job) {
     }
     asdic_background law = asdic_background_of(job->info.sonar, job->sound_speed_mps, 1.0, 0.0);
     r->detector = job->detector;
-    r->is_sample = job->info.sonar->speckle != ASDIC_SPECKLE_NONE;
+    r->is_coherent = job->info.sampling.coherent;
+    r->is_sample = r->is_coherent || job->info.sonar->speckle != ASDIC_SPECKLE_NONE;
     r->looks = law.looks;
     r->class_count = objects + OTHERS;
     r->sight_count = objects * beams;

@@ -24,6 +24,7 @@ typedef struct asdic_detect_job {
     asdic_occupancy *map;               /* NULL: none */
     asdic_background_source background; /* not AUTO */
     asdic_backdrop *backdrop;           /* NULL: not simulated */
+    asdic_backdrop *parts;              /* of coherent pings; else NULL */
     asdic_ping *expected;               /* NULL: background is not flat */
     asdic_pose expected_pose;           /* for which it was computed */
     double expected_altitude_m;

@@ -167,7 +167,25 @@ static asdic_status simulate_background(asdic_detect_job *job) {
                           "is not there as it was when it was run",
                           job->run->facts.scene_path);
     }
-    return asdic_backdrop_open(job->run, job->options, &job->report->background_s, &job->backdrop);
+    return asdic_backdrop_open(job->run, ASDIC_BACKDROP_EMPTY, job->options,
+                               &job->report->background_s, &job->backdrop);
+}
+
+/* Coherent pings do not say what they are made of. */
+static asdic_status find_parts(asdic_detect_job *job) {
+    double simulated_s;
+    if (!job->run->facts.sampling.coherent) {
+        return ASDIC_OK;
+    }
+    if (!job->mission) {
+        return asdic_fail(job->ctx, ASDIC_ERROR_INPUT,
+                          "coherent pings do not say what is in a bin, and it cannot be simulated: "
+                          "scene '%s', with its meshes and tracks, is not there as it was when it "
+                          "was run",
+                          job->run->facts.scene_path);
+    }
+    return asdic_backdrop_open(job->run, ASDIC_BACKDROP_PARTS, job->options, &simulated_s,
+                               &job->parts);
 }
 
 /* Whether the first ping's bottom and surface mirror what they scatter. */
@@ -235,6 +253,7 @@ static asdic_status begin(asdic_detect_job *job, const char *folder) {
     TRY(allocate(job));
     TRY(asdic_detect_report_create(job));
     TRY(asdic_detect_open_files(job));
+    TRY(find_parts(job));
     TRY(choose_background(job));
     return asdic_detect_create_map(job);
 }
@@ -248,6 +267,7 @@ static void finish(asdic_detect_job *job) {
     asdic_namer_destroy(&job->namer);
     asdic_scan_destroy(&job->scan);
     asdic_backdrop_close(&job->backdrop);
+    asdic_backdrop_close(&job->parts);
     asdic_ping_destroy(&job->expected);
     asdic_detect_report_destroy(&job->report);
     asdic_mission_destroy(&job->mission);
@@ -275,6 +295,9 @@ static asdic_status detect(asdic_detect_job *job) {
                               job->info.pings);
         }
         TRY(asdic_run_read(job->run, i, &record));
+        if (job->parts) {
+            TRY(asdic_backdrop_tell(job->parts, i, &record));
+        }
         TRY(take_ping(job, i, &record));
         asdic_run_progress now = {.pings_done = i + 1,
                                   .pings_total = job->info.pings,

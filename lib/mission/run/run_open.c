@@ -15,6 +15,7 @@ static asdic_status open_run(asdic_run *run) {
     TRY(asdic_run_facts_read(run->ctx, run->folder, &run->arena, facts));
     TRY(asdic_settings_read(run->ctx, facts->scene_path, facts->scene_text, &run->settings));
     facts->sweep = run->settings.sweep;
+    facts->sampling.coherent = run->settings.sampling.coherent;
     run->settings.environment.refraction = facts->refraction;
     run->settings.environment.layer_from_m = facts->layer_from_m;
     run->settings.environment.layer_to_m = facts->layer_to_m;
