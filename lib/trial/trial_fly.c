@@ -14,6 +14,7 @@
 #include "base/share.h"
 #include "base/try.h"
 #include "base/words.h"
+#include "mission/dataset/gather.h"
 #include "mission/run/team_message.h"
 #include "out/file.h"
 
@@ -174,7 +175,8 @@ static asdic_status work_all(fleet *f) {
 
 /* --- what is flown ----------------------------------------------------------------------------- */
 
-/* The hash of each variant: of its run 0, with what that includes, and of its section `trial`. */
+/* The hash of each variant: of its run 0, with what that includes, and of its section `trial`; and of all files
+ * that are named. */
 static asdic_status describe(asdic_context *ctx, const asdic_trial_options *o, trial_facts *facts,
                              asdic_text *header, bool *is_ideal) {
     asdic_text all = {0};
@@ -207,6 +209,10 @@ static asdic_status describe(asdic_context *ctx, const asdic_trial_options *o, t
             }
         }
         asdic_mission_destroy(&mission);
+    }
+    if (!status) { /* meshes, tracks, laws, whichever of them a run draws */
+        status = asdic_scene_files_hash(ctx, o->scene, o->variants.values,
+                                        o->variants.key ? o->variants.count : 0, &all);
     }
     if (!status && (all.failed || header->failed)) {
         status = asdic_fail_memory(ctx, "a trial");
@@ -258,8 +264,8 @@ static asdic_status read_same(asdic_context *ctx, const asdic_trial_options *o,
     }
     asdic_trial_close(out);
     return asdic_fail(ctx, ASDIC_ERROR_INPUT,
-                      "%s holds another trial: scene, seed, runs, rays or variants differ; "
-                      "--force replaces it",
+                      "%s holds another trial: scene or its files, seed, runs, rays or variants "
+                      "differ; --force replaces it",
                       o->folder);
 }
 

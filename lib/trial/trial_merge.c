@@ -20,9 +20,10 @@ static asdic_status check_parts(asdic_context *ctx, asdic_trial **parts, size_t 
     for (size_t i = 1; i < count; i++) {
         const trial_facts *a = &parts[i - 1]->facts, *b = &parts[i]->facts;
         if (!asdic_trial_is_same(a, b) || strcmp(parts[i]->header, parts[i - 1]->header) != 0) {
-            return asdic_fail(ctx, ASDIC_ERROR_INPUT,
-                              "these are parts of different trials: scene, seed, runs, rays or "
-                              "variants differ");
+            return asdic_fail(
+                ctx, ASDIC_ERROR_INPUT,
+                "these are parts of different trials: scene or its files, seed, runs, "
+                "rays or variants differ");
         }
         if (b->first != a->first + a->count) {
             return asdic_fail(ctx, ASDIC_ERROR_INPUT, "runs %llu to %llu are in no part, or in two",

@@ -515,6 +515,30 @@ def test_several_processes():
         tap.equal(sorted(os.listdir(folder / "team")), ["trial.csv", "trial.json", "trial.png"])
 
 
+def test_changed_files_are_another_trial():
+    """A mesh, or a sonar that only some runs draw, or a design has: rows of the one are not those of the other."""
+    with Folder() as folder:
+        sides = ("v 0 0 0\nv 0 9 0\nv 0 9 9\nf 1 2 3\n", "v 0 0 0\nv 0 8 0\nv 0 8 8\nf 1 2 3\n")
+        sonar = "{frequency_khz: %d, ping_rate_hz: 1, receivers: [{name: a}]}\n"
+        scene = IDEAL.replace("PD", "0.1").replace("box: {size_m: [2, 400, 40]}", "mesh: {file: wall.obj}")
+        scene += "  draws: [{key: sonar.file, choice: [a.yaml, b.yaml]}]\n"
+        path = folder.write("wall.yaml", scene)
+        before = {"wall.obj": sides[0], "other.obj": sides[0], "a.yaml": sonar % 100, "b.yaml": sonar % 100}
+        after = {"wall.obj": sides[1], "other.obj": sides[1], "a.yaml": sonar % 200, "b.yaml": sonar % 200}
+        for name, text in before.items():
+            folder.write(name, text)
+        command = ("trial", path, "--runs", 4, "--vary", "objects[0].mesh.file=wall.obj,other.obj", "-o",
+                   folder / "out")
+        asdic(*command).check(code=0)
+        asdic(*command, "--resume").check(code=0)
+        for name, text in before.items():
+            folder.write(name, after[name])
+            done = asdic(*command, "--resume").check(code=3)
+            tap.contains(done.err, "holds another trial: scene or its files, seed")
+            folder.write(name, text)
+        asdic(*command, "--resume").check(code=0)
+
+
 RULE = """
 import json, sys
 for line in sys.stdin:

@@ -1,5 +1,6 @@
 /*
- * The hash of what the frames of a data set are made from: the scene file, and the files that it names.
+ * The hash of what the frames of a data set are made from: the scene file, and the files that it names. Runs of a
+ * trial are made from these files as well.
  */
 #include "gather.h"
 
@@ -18,6 +19,7 @@
 typedef struct inputs {
     asdic_context *ctx;
     const char *scene;
+    bool is_whole; /* the scene file itself, too */
     asdic_arena arena;
     asdic_problems problems; /* told when the mission was loaded */
     asdic_text hashes;
@@ -64,24 +66,44 @@ static asdic_status add_scene(inputs *in, const char *bytes, size_t size) {
     char *text = asdic_text_to_utf8(bytes, size, &length);
     bool good = text && asdic_yaml_read(text, length, &in->arena, &in->problems, &root);
     free(text);
-    TRY(good ? add_bytes(in, bytes, size) : asdic_fail_memory(in->ctx, "the hash of a scene"));
+    TRY(good ? ASDIC_OK : asdic_fail_memory(in->ctx, "the hash of a scene"));
+    TRY(in->is_whole ? add_bytes(in, bytes, size) : ASDIC_OK);
     return root ? add_files(in, root) : ASDIC_OK;
 }
 
-asdic_status asdic_dataset_hash(asdic_context *ctx, const char *scene, char hex[65]) {
-    inputs in = {.ctx = ctx, .scene = scene, .problems = {.name = scene}};
+static asdic_status add_inputs(inputs *in) {
     char *bytes = NULL;
     size_t size = 0;
-    TRY(asdic_file_read(ctx, scene, SIZE_MAX, &bytes, &size));
-    asdic_status status = add_scene(&in, bytes, size);
+    TRY(asdic_file_read(in->ctx, in->scene, SIZE_MAX, &bytes, &size));
+    asdic_status status = add_scene(in, bytes, size);
     free(bytes);
+    asdic_problems_finish(&in->problems);
+    asdic_arena_finish(&in->arena);
+    return status;
+}
+
+asdic_status asdic_scene_files_hash(asdic_context *ctx, const char *scene,
+                                    const char *const *values, size_t count, asdic_text *out) {
+    inputs in = {.ctx = ctx, .scene = scene, .problems = {.name = scene}};
+    asdic_status status = add_inputs(&in);
+    for (size_t i = 0; !status && i < count; i++) {
+        status = values[i][0] ? add_file(&in, values[i]) : ASDIC_OK;
+    }
+    if (!status) {
+        asdic_text_add_bytes(out, in.hashes.data, in.hashes.length);
+    }
+    asdic_text_finish(&in.hashes);
+    return status;
+}
+
+asdic_status asdic_dataset_hash(asdic_context *ctx, const char *scene, char hex[65]) {
+    inputs in = {.ctx = ctx, .scene = scene, .is_whole = true, .problems = {.name = scene}};
+    asdic_status status = add_inputs(&in);
     if (!status && in.hashes.length == 64) {
         memcpy(hex, in.hashes.data, 65); /* of the scene file alone */
     } else if (!status) {
         asdic_sha256_hex(in.hashes.data, in.hashes.length, hex);
     }
     asdic_text_finish(&in.hashes);
-    asdic_problems_finish(&in.problems);
-    asdic_arena_finish(&in.arena);
     return status;
 }
