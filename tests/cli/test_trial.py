@@ -662,6 +662,28 @@ def test_draws_into_the_bottom_are_counted():
         tap.equal(done.out.splitlines()[-1].split(), [key, "=", "25", "-", "-", "-"], done.out)
 
 
+def test_draws_do_not_undo_each_other():
+    """What holds a part is drawn before it, and a key once; a part of the water stays where all of it is drawn."""
+    with Folder() as folder:
+        ideal = IDEAL.replace("PD", "0")
+        ball = "{name: ball, sphere: {radius_m: 1}, position_m: [30, 0, 15]}"
+        part = "    - {key: 'objects[0].position_m[0]', uniform: [10, 11]}\n"
+        whole = f"    - {{key: 'objects[0]', choice: [{ball}]}}\n"
+
+        def flown(draws, code=0):
+            path = folder.write("draws.yaml", ideal + "  draws:\n" + draws)
+            return asdic("trial", path, "--runs", 2, "-o", folder / "out", "-f").check(code=code).err
+        tap.contains(flown(part + whole, 3), "'objects[0]' is drawn after its part 'objects[0].position_m[0]', which")
+        tap.contains(flown(part + part, 3), "'objects[0].position_m[0]' is drawn at line ")
+        flown(whole + part)
+        flown("    - {key: environment, choice: [{salinity_ppt: 5, wind_speed_kn: 4}]}\n"
+              "    - {key: environment.salinity_ppt, uniform: [30, 31]}\n")
+        asdic("trial", folder / "draws.yaml", "--runs", 2, "--replay", 0, "-o", folder / "run").check(code=0)
+        tap.contains(folder.read("run/scene.yaml"), "salinity_ppt: " + rows(folder)[0]["environment.salinity_ppt"])
+        folder.write("own.yaml", "{frequency_khz: 100, ping_rate_hz: 1, receivers: [{name: a}]}\n")
+        flown("    - {key: sonar, choice: [{file: own.yaml}]}\n")
+
+
 def test_scenes_and_options_that_cannot_be():
     with Folder() as folder:
         def refuse(text, code, sentence, *options):

@@ -424,6 +424,33 @@ static void check_key(const file_draw *draw, asdic_problems *problems) {
     }
 }
 
+static bool is_path(const asdic_yaml_node *key) {
+    return key && key->kind == ASDIC_YAML_SCALAR && key->length > 0;
+}
+
+/* Draw I must not undo one before it: what is drawn whole comes before its parts, and each key once. */
+static void check_order(const file_draw *draws, size_t i, asdic_problems *problems) {
+    asdic_yaml_node *key = draws[i].key;
+    for (size_t k = 0; k < i && is_path(key); k++) {
+        const asdic_yaml_node *other = draws[k].key;
+        if (!is_path(other) || strncmp(other->text, key->text, key->length) != 0) {
+            continue;
+        }
+        if (other->length == key->length) {
+            asdic_yaml_problem(problems, key, "'%s' is drawn at line %u already; give it once",
+                               key->text, other->line);
+            return;
+        }
+        if (strchr(".[", other->text[key->length])) {
+            asdic_yaml_problem(problems, key,
+                               "'%s' is drawn after its part '%s', which would be lost; list it "
+                               "before",
+                               key->text, other->text);
+            return;
+        }
+    }
+}
+
 void asdic_scene_draw_check(const file_trial *trial, asdic_arena *arena, asdic_problems *problems) {
     asdic_yaml_node *hits = asdic_yaml_child(trial->rule.node, "hits");
     if (trial->rule.hits > trial->rule.of && asdic_scene_node_good(hits)) {
@@ -434,6 +461,7 @@ void asdic_scene_draw_check(const file_trial *trial, asdic_arena *arena, asdic_p
     const file_draw *draws = trial->draws.items;
     for (size_t i = 0; i < trial->draws.count; i++) {
         check_key(&draws[i], problems);
+        check_order(draws, i, problems);
         check_draw(&draws[i], &r);
     }
 }

@@ -154,8 +154,9 @@ bool asdic_scene_key_includes(const char *key) {
 }
 
 bool asdic_scene_key_is_early(const char *key) {
-    /* Speeds of a cast of temperatures hang on the salinity. */
-    return asdic_scene_key_includes(key) || strcmp(key, "environment.salinity_ppt") == 0;
+    /* Speeds of a cast of temperatures hang on the salinity; a whole may name a file. */
+    return asdic_scene_key_includes(key) || strcmp(key, "environment.salinity_ppt") == 0 ||
+           strcmp(key, "sonar") == 0 || strcmp(key, "environment") == 0;
 }
 
 /* --- the file --------------------------------------------------------------------------------- */
