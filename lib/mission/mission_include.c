@@ -52,13 +52,39 @@ void asdic_mission_take_out(asdic_yaml_node *map, const asdic_yaml_node *child) 
     asdic_yaml_filter(map, is_other, child);
 }
 
-/* Adds what FROM holds and MAP does not. */
+/* Keys of a file that go with a RULER: where the scene gives that, with none of WORDS, it needs them no more. */
+static const struct {
+    const char *key, *ruler, *words[2];
+} ruled[] = {{"receivers", "array", {NULL}},
+             {"array", "receivers", {NULL}},
+             {"speckle_shape", "speckle", {"k"}},
+             {"side_lobe_db", "shading", {"taylor", "chebyshev"}}};
+
+/* Whether what MAP, the scene's, says leaves KEY of FILE without effect. */
+static bool is_overruled(const asdic_yaml_node *map, const char *key, const char *file) {
+    for (size_t i = 0; i < sizeof ruled / sizeof *ruled; i++) {
+        const asdic_yaml_node *ruler = asdic_yaml_child(map, ruled[i].ruler);
+        bool is_ruled = strcmp(key, ruled[i].key) == 0 && ruler && ruler->file != file;
+        for (size_t k = 0; k < 2 && is_ruled && ruled[i].words[k]; k++) {
+            is_ruled =
+                ruler->kind != ASDIC_YAML_SCALAR || strcmp(ruler->text, ruled[i].words[k]) != 0;
+        }
+        if (is_ruled) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* Adds what FROM holds and MAP does not, maps key by key. */
 static void add_missing(asdic_yaml_node *map, asdic_yaml_node *from) {
     for (asdic_yaml_node *next = from->first; next;) {
-        asdic_yaml_node *node = next;
+        asdic_yaml_node *node = next, *own = asdic_yaml_child(map, node->key);
         next = node->next;
         node->next = NULL;
-        if (!asdic_yaml_child(map, node->key)) {
+        if (own && own->kind == ASDIC_YAML_MAP && node->kind == ASDIC_YAML_MAP) {
+            add_missing(own, node);
+        } else if (!own && !is_overruled(map, node->key, node->file)) {
             asdic_yaml_append(map, node);
         }
     }

@@ -50,6 +50,26 @@ def test_keys_beside_it_come_first():
         tap.equal((scene["beams"], scene["bin_length_m"]), (["bow"], 0.5))
 
 
+def test_maps_beside_it_are_joined():
+    """Key by key; and what the scene says instead of a part of the file takes that with it."""
+    own = SONAR + "speckle: k\nspeckle_shape: 2\ntransmitter: {length_h_m: 0.2, length_v_m: 0.1}\n"
+    array = "array: {elements: 8, shading: taylor, side_lobe_db: -35, beams: {count: 4, sector_deg: 40}}\n"
+    with Folder() as folder:
+        def levels(sonar, text=own):
+            return asdic("expect", write(folder, sonar, text), "-o", "-").check(code=0).out
+        file = "{file: sonars/pair.yaml"
+        lines = (own.replace("transmitter: {", "transmitter: {pitch_deg: 9, ") + "noise: {enabled: false}\n").splitlines()
+        written = levels("".join("\n  " + line for line in lines), "")
+        tap.equal(levels(file + ", transmitter: {pitch_deg: 9}, noise: {enabled: false}}"), written)
+        for more in ("speckle: none", "speckle: rayleigh", "speckle: k", "speckle: k, speckle_shape: 9"):
+            checked(write(folder, f"{file}, {more}}}", own))
+        tap.equal(checked(write(folder, f"{file}, {array.strip()}}}", own))["beams"], ["000", "001", "002", "003"])
+        ahead = own[:own.index("receivers")] + array
+        tap.equal(checked(write(folder, file + ", receivers: [{name: bow}]}", ahead))["beams"], ["bow"])
+        for shading in ("none", "hann", "chebyshev"):
+            checked(write(folder, f"{file}, array: {{shading: {shading}}}}}", ahead))
+
+
 def test_errors_name_its_lines():
     with Folder() as folder:
         path = write(folder, "{file: sonars/pair.yaml, blanking_m: -1}",

@@ -121,7 +121,7 @@ static const asdic_word rear_words[] = {{"none", -INFINITY}, {NULL, 0}};
 #define SONAR(member) AT(file_sonar, member)
 static const asdic_key sonar_keys[] = {
     {"file", ASDIC_KEY_PATH, SONAR(file),
-     .doc = "a file that holds keys of the sonar; those beside it come first"},
+     .doc = "a file that holds keys of the sonar; those beside it come first, in maps key by key"},
     {"frequency_khz", ASDIC_KEY_NUMBER, ASDIC_KEY_REQUIRED, SONAR(frequency_khz), .unit = "kHz",
      .min = 0.1, .max = 1000, .unless = "file", .doc = "centre frequency"},
     {"bandwidth_khz", ASDIC_KEY_NUMBER, SONAR(bandwidth_khz), .unit = "kHz", .min = 0.001,
