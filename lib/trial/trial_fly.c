@@ -343,25 +343,41 @@ static char *part_folder(const char *folder, unsigned rank) {
     return asprintf(&path, "%s/part_%u", folder, rank) < 0 ? NULL : path;
 }
 
-/* Waits until the others have said how they fared. */
-static asdic_status hear_all(asdic_context *ctx, asdic_team *team) {
+/* Waits until each of the others has said how it fared: by its result, or by why it takes no part. What it says
+ * after that is no news. */
+static asdic_status hear(asdic_context *ctx, asdic_team *team, bool *heard) {
     asdic_status status = ASDIC_OK;
-    for (unsigned heard = 1; heard < team->size;) {
+    for (unsigned left = team->size - 1; left > 0;) {
         asdic_message head;
         const void *payload;
         size_t bytes;
         unsigned from;
         TRY(asdic_message_receive(team, &from, &head, &payload, &bytes));
-        if (head.kind == ASDIC_MESSAGE_RESULT) {
-            heard++;
-            if (head.status && !status) {
-                status = asdic_fail(ctx, (asdic_status)head.status, "process %u: %.*s", from,
-                                    (int)bytes, (const char *)payload);
-            }
-        } else {
+        if (head.kind == 0) {
             asdic_message_wait();
+            continue;
+        }
+        bool is_result = head.kind == ASDIC_MESSAGE_RESULT;
+        bool is_excuse = head.kind == ASDIC_MESSAGE_HELLO && bytes >= sizeof(asdic_message_hello);
+        if (from >= team->size || heard[from] || (!is_result && !is_excuse)) {
+            continue;
+        }
+        heard[from] = true;
+        left--;
+        if (head.status && !status) {
+            const char *why = is_result ? payload : ((const asdic_message_hello *)payload)->why;
+            int most = (int)(is_result ? bytes : ASDIC_MESSAGE_TEXT);
+            status =
+                asdic_fail(ctx, (asdic_status)head.status, "process %u: %.*s", from, most, why);
         }
     }
+    return status;
+}
+
+static asdic_status hear_all(asdic_context *ctx, asdic_team *team) {
+    bool *heard = calloc(team->size, sizeof *heard);
+    asdic_status status = heard ? hear(ctx, team, heard) : asdic_fail_memory(ctx, "a team");
+    free(heard);
     return status;
 }
 

@@ -524,6 +524,39 @@ static void a_team_has_parts(void **state) {
     asdic_trial_close(&t);
 }
 
+/* The process 1 that cannot take part says so; what it says after that is no news. */
+static asdic_status excuse(void *user, unsigned *from, const void **data, size_t *bytes) {
+    static struct {
+        asdic_message head;
+        asdic_message_hello about;
+    } said;
+    unsigned *looks = user;
+    said.head = (asdic_message){.kind = ASDIC_MESSAGE_HELLO, .status = ASDIC_ERROR_INPUT};
+    snprintf(said.about.why, sizeof said.about.why, "the scene is not here");
+    *from = 1;
+    *bytes = sizeof said;
+    *data = *looks < 3 ? &said : NULL;
+    return ++*looks < 1000 ? ASDIC_OK : ASDIC_ERROR_IO;
+}
+
+static void one_that_stays_away_is_not_waited_for(void **state) {
+    (void)state;
+    char scene[200], whole[200];
+    unsigned looks = 0;
+    asdic_team team = {.rank = 0, .size = 2, .receive = excuse, .user = &looks};
+    asdic_trial_options options = asdic_trial_options_default();
+    write_file("empty.yaml", empty, "");
+    snprintf(scene, sizeof scene, "%s/empty.yaml", folder);
+    snprintf(whole, sizeof whole, "%s/team", folder);
+    options.scene = scene;
+    options.folder = whole;
+    options.runs = 2;
+    options.team = &team;
+    assert_status(ctx, asdic_trial_fly(ctx, NULL, 0, &options), ASDIC_ERROR_INPUT);
+    assert_string_equal(asdic_context_error(ctx), "process 1: the scene is not here");
+    assert_int_equal(looks, 1);
+}
+
 /* Two runs of OPTIONS in the place of others: the second begins before the first fails, and fails after it. */
 static bool both_fail;
 static atomic_bool second_began, first_fails;
@@ -629,8 +662,8 @@ static void a_run_again_needs_all_it_asks_for(void **state) {
 }
 
 static int end(void **state) {
-    static const char *const folders[] = {"a",           "b",    "c",     "whole",
-                                          "team/part_1", "team", "again", "."};
+    static const char *const folders[] = {"a",           "b",    "c",     "whole", "team/part_1",
+                                          "team/part_0", "team", "again", "."};
     static const char *const names[] = {"trial.json",      "trial.csv",      "trial.png",
                                         "trial.part.json", "trial.part.csv", "empty.yaml",
                                         "scene.yaml",      "track.csv"};
@@ -660,6 +693,7 @@ int main(void) {
         cmocka_unit_test(parts_join_to_the_whole),
         cmocka_unit_test(parts_that_do_not_fit_are_refused),
         cmocka_unit_test(a_team_has_parts),
+        cmocka_unit_test(one_that_stays_away_is_not_waited_for),
         cmocka_unit_test(the_first_failure_is_told),
         cmocka_unit_test(one_device_is_one_worker),
         cmocka_unit_test(a_run_again_needs_all_it_asks_for),
