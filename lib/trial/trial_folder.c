@@ -243,10 +243,7 @@ asdic_status asdic_trial_begin(asdic_context *ctx, const char *folder, const tri
     asdic_trial_print(facts, NULL, NULL, &text);
     asdic_status status =
         json && csv && !text.failed ? ASDIC_OK : asdic_fail_memory(ctx, "a trial");
-    if (!status) {
-        status = asdic_file_write_all(ctx, json, text.data, text.length);
-    }
-    if (!status) {
+    if (!status) { /* first: another process that flies here keeps it, and what its rows are */
         int fd = asdic_file_open_new(csv, O_WRONLY | O_CREAT | O_TRUNC);
         *out = fd < 0 ? NULL : fdopen(fd, "w");
         if (!*out) {
@@ -254,6 +251,13 @@ asdic_status asdic_trial_begin(asdic_context *ctx, const char *folder, const tri
             if (fd >= 0) {
                 close(fd);
             }
+        }
+    }
+    if (!status) {
+        status = asdic_file_write_all(ctx, json, text.data, text.length);
+        if (status) {
+            fclose(*out);
+            *out = NULL;
         }
     }
     if (!status) {

@@ -12,11 +12,13 @@
 
 #include <asdic/output.h>
 
+#include <fcntl.h>
 #include <math.h>
 #include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
@@ -557,6 +559,34 @@ static void one_that_stays_away_is_not_waited_for(void **state) {
     assert_int_equal(looks, 1);
 }
 
+/* Rows that another process is writing stay its own, and what it says they are. */
+static void another_keeps_its_trial(void **state) {
+    (void)state;
+    char scene[200], whole[200], path[220], text[4000] = "";
+    snprintf(scene, sizeof scene, "%s/empty.yaml", folder);
+    snprintf(whole, sizeof whole, "%s/whole", folder);
+    mkdir(whole, 0777);
+    write_file("empty.yaml", empty, "");
+    write_file("whole/trial.part.json", facts, "  ]\n}\n");
+    write_file("whole/trial.part.csv", header, rows);
+    snprintf(path, sizeof path, "%s/trial.part.csv", whole);
+    int fd = open(path, O_RDONLY);
+    assert_int_equal(flock(fd, LOCK_EX | LOCK_NB), 0);
+    asdic_trial_options options = asdic_trial_options_default();
+    options.scene = scene;
+    options.folder = whole;
+    options.runs = 2;
+    options.force = true;
+    assert_status(ctx, asdic_trial_fly(ctx, NULL, 0, &options), ASDIC_ERROR_IO);
+    assert_contains(asdic_context_error(ctx), "another process is writing it just now");
+    close(fd);
+    snprintf(path, sizeof path, "%s/trial.part.json", whole);
+    FILE *file = fopen(path, "r");
+    text[fread(text, 1, sizeof text - 1, file)] = 0;
+    fclose(file);
+    assert_contains(text, "c0ffee");
+}
+
 /* Two runs of OPTIONS in the place of others: the second begins before the first fails, and fails after it. */
 static bool both_fail;
 static atomic_bool second_began, first_fails;
@@ -694,6 +724,7 @@ int main(void) {
         cmocka_unit_test(parts_that_do_not_fit_are_refused),
         cmocka_unit_test(a_team_has_parts),
         cmocka_unit_test(one_that_stays_away_is_not_waited_for),
+        cmocka_unit_test(another_keeps_its_trial),
         cmocka_unit_test(the_first_failure_is_told),
         cmocka_unit_test(one_device_is_one_worker),
         cmocka_unit_test(a_run_again_needs_all_it_asks_for),
