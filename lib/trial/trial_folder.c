@@ -199,10 +199,10 @@ asdic_status asdic_trial_complete(asdic_context *ctx, asdic_trial *trial, const 
         status = asdic_trial_draw(ctx, trial, picture);
     }
     if (!status) {
-        status = settle(ctx, folder, "trial.part.csv", "trial.csv");
-    }
-    if (!status) {
         status = write_json(ctx, trial, json);
+    }
+    if (!status) { /* last: as long as it has this name, --resume finds all rows */
+        status = settle(ctx, folder, "trial.part.csv", "trial.csv");
     }
     if (!status) {
         unlink(facts);

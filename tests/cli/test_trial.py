@@ -641,6 +641,23 @@ def test_a_disk_that_is_full_ends_a_trial():
         tap.equal(folder.read("out/trial.csv") == folder.read("whole/trial.csv"), True, whole.err)
 
 
+def test_a_disk_that_is_full_at_the_end_loses_no_run():
+    """Not even where nothing but trial.json has no room any more."""
+    with Folder() as folder:
+        path = folder.write("wall.yaml", IDEAL.replace("PD", "0.1"))
+        asdic("trial", path, "--runs", 9, "-o", folder / "whole").check(code=0)
+        os.makedirs(folder / "out/trial.json.part")
+        done = asdic("trial", path, "--runs", 9, "-o", folder / "out").check(code=1)
+        tap.contains(done.err, "cannot write")
+        with open(folder / "out/trial.part.csv", "rb") as file:
+            tap.equal(file.read(), data(folder, "whole", "trial.csv"), "what is kept")
+        os.rmdir(folder / "out/trial.json.part")
+        asdic("trial", path, "--runs", 9, "-o", folder / "out", "--resume").check(code=0)
+        tap.equal(sorted(os.listdir(folder / "out")), sorted(os.listdir(folder / "whole")))
+        for name in ("trial.csv", "trial.json"):
+            tap.equal(data(folder, "out", name), data(folder, "whole", name), name)
+
+
 def test_draws_into_the_bottom_are_counted():
     with Folder() as folder:
         draws = "  draws:\n    - {key: 'mission.waypoints.points_m[0][2]', uniform: [LOW, HIGH]}\n"
