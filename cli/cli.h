@@ -80,6 +80,8 @@ typedef struct cli_helper {
 
 /* What ends with the program where a signal ends it where it stands; NULL: nothing any more. */
 void cli_signals_helper(const cli_helper *now);
+/* Programs of a GROUP of their own, which end then too, as long as they RUN. */
+void cli_signals_group(pid_t group, bool runs);
 /* In a child that becomes another program: signals as this program found them. */
 void cli_signals_as_found(void);
 size_t cli_operand_count(const cli *c);

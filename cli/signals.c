@@ -15,13 +15,15 @@
 
 #define PATIENCE_MS 700
 #define STEP_MS 50
+#define MOST_GROUPS 256
 
 static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
 static asdic_context *watched_context; /* under the lock */
 static atomic_int received;
 static int wake_fds[2] = {-1, -1};
 static const char *while_compiling;
-static cli_helper helper; /* under the lock */
+static cli_helper helper;         /* under the lock */
+static pid_t groups[MOST_GROUPS]; /* the same; 0: none */
 
 static void stop_signals(sigset_t *set) {
     sigemptyset(set);
@@ -36,6 +38,11 @@ static void end_helper(void) {
     }
     for (int i = 0; i < 2 && helper.files[i]; i++) {
         unlink(helper.files[i]);
+    }
+    for (int i = 0; i < MOST_GROUPS; i++) {
+        if (groups[i] > 0) {
+            kill(-groups[i], SIGKILL);
+        }
     }
 }
 
@@ -120,6 +127,17 @@ void cli_signals_as_found(void) {
 void cli_signals_helper(const cli_helper *now) {
     pthread_mutex_lock(&lock);
     helper = now ? *now : (cli_helper){0};
+    pthread_mutex_unlock(&lock);
+}
+
+void cli_signals_group(pid_t group, bool runs) {
+    pthread_mutex_lock(&lock);
+    for (int i = 0; i < MOST_GROUPS; i++) {
+        if (groups[i] == (runs ? 0 : group)) {
+            groups[i] = runs ? group : 0;
+            break;
+        }
+    }
     pthread_mutex_unlock(&lock);
 }
 

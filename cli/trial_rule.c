@@ -63,6 +63,7 @@ static void stop(program *p) {
         close(p->in);
         close(p->out);
         kill(-p->pid, SIGKILL);
+        cli_signals_group(p->pid, false); /* before the number is another's */
         waitpid(p->pid, NULL, 0);
     }
     *p = (program){.pid = 0};
@@ -110,6 +111,7 @@ static bool start(program *p, const char *command, char *why) {
         return false;
     }
     setpgid(p->pid, p->pid);
+    cli_signals_group(p->pid, true);
     return true;
 }
 

@@ -6,8 +6,10 @@ import math
 import os
 import resource
 import shutil
+import signal
 import subprocess
 import sys
+import time
 
 import program
 import tap
@@ -622,6 +624,34 @@ def test_rules_that_fail_are_counted():
         with_rule(folder, f'import os; again = os.path.exists({fails!r}); open({fails!r}, "w").close(); '
                   'print("{}" if again else "x")', "--workers", "1", code=1)
         tap.equal([row["outcome"] for row in rows(folder)], ["broken", "late"])
+
+
+def test_a_rule_ends_with_the_program():
+    """At a second Ctrl-C, too, where it and what it started do not read, and would not notice."""
+    program.need_device()
+    with Folder() as folder:
+        scene = folder.write("wall.yaml", WALL)
+        rule = f"echo $$ >{folder / 'pid'}; sleep 300; echo '{{}}'"
+        job = subprocess.Popen([program.PATH, "trial", scene, "--runs", "1", "-o", folder / "out", "--rule", rule,
+                                "--rule-timeout", "200"], stderr=subprocess.DEVNULL)
+        end = time.monotonic() + 60
+        while time.monotonic() < end and not (os.path.exists(folder / "pid") and folder.read("pid").strip()):
+            time.sleep(0.05)
+        group = int(folder.read("pid"))
+        for _ in range(2):
+            job.send_signal(signal.SIGINT)
+            time.sleep(0.3)
+        tap.equal(job.wait(timeout=20), -signal.SIGINT)
+        left = [1]
+        while left and time.monotonic() < end:
+            listed = subprocess.run(["ps", "-e", "-o", "pgid=,stat=,args="], capture_output=True, text=True, check=True)
+            left = [line for line in listed.stdout.splitlines()
+                    if int(line.split()[0]) == group and line.split()[1][0] != "Z"]
+            end -= 10
+        for _ in left:
+            os.killpg(group, signal.SIGKILL)
+            break
+        tap.equal(left, [])
 
 
 def test_a_disk_that_is_full_ends_a_trial():
