@@ -353,6 +353,16 @@ def test_what_cannot_be_is_said_once():
         says(asdic("dataset", lost, "-n", "2", "-o", folder / "g"), 3, "drawn for run 0")
 
 
+def test_frames_need_the_first_ping_alone():
+    """Where a draw shortens the way of a scene with more pings than that."""
+    program.need_device()
+    with Folder() as folder:
+        path = scene(folder, a=("mission: {pose: {position_m: [0, 0, 6], pitch_deg: -20}}",
+                                "mission: {waypoints: {points_m: [[0, 0, 6], [9, 0, 6]]}, pings: 200}"),
+                     b=("mission.pose.yaw_deg, uniform: [-5, 5]", "'mission.waypoints.points_m[1][0]', uniform: [2, 9]"))
+        asdic("dataset", path, "-n", "2", "-o", folder / "d").check(code=0)
+
+
 def test_a_set_is_of_all_files_that_its_scene_names():
     """A set whose sonar's file, or a mesh that is drawn, changed is another one; other files may come and go."""
     program.need_device()

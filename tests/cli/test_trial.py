@@ -709,6 +709,16 @@ def test_draws_into_the_bottom_are_counted():
         tap.equal(done.out.splitlines()[-1].split(), [key, "=", "25", "-", "-", "-"], done.out)
 
 
+def test_pings_of_the_scene_may_be_more_than_a_run_flies():
+    """They are those of 'asdic run'; where a draw shortens the way a trial goes on."""
+    with Folder() as folder:
+        scene = IDEAL.replace("PD", "0").replace("response_s: 1}", "response_s: 1}\n  pings: 60")
+        draws = "  draws: [{key: 'mission.waypoints.points_m[1][0]', uniform: [20, 120]}]\n"
+        path = folder.write("way.yaml", scene + draws)
+        asdic("trial", path, "--runs", 10, "-o", folder / "out").check(code=0)
+        asdic("trial", path, "--runs", 10, "--replay", 0, "-o", folder / "again").check(code=0)
+
+
 def test_draws_do_not_undo_each_other():
     """What holds a part is drawn before it, and a key once; a part of the water stays where all of it is drawn."""
     with Folder() as folder:
