@@ -61,9 +61,10 @@ static asdic_vec3 position(const asdic_pilot *p) {
 }
 
 /* Flies P from *TIME_S, which becomes when it ends, for SECONDS by ORDER; the nearest that it came
- * to anything, at most WITHIN_M. Stops where that is ENOUGH_M or less, and past the last waypoint. */
+ * to anything, at most WITHIN_M. Stops where that is ENOUGH_M or less, and past the last waypoint. Adds to *WAY_M
+ * what it flew. */
 static asdic_nearest fly(const run *r, asdic_pilot *p, const asdic_order *order, double *time_s,
-                         double seconds, double within_m, double enough_m) {
+                         double seconds, double within_m, double enough_m, double *way_m) {
     size_t steps = (size_t)ceil(seconds / p->model.step_s - 1e-9), i = 0;
     double step_s = seconds / (double)steps;
     asdic_nearest nearest = {within_m, ASDIC_NOTHING};
@@ -74,6 +75,7 @@ static asdic_nearest fly(const run *r, asdic_pilot *p, const asdic_order *order,
         asdic_nearest near = asdic_hazards_nearest(r->hazards, from_m, position(p), from_s,
                                                    from_s + step_s, nearest.distance_m);
         nearest = near.distance_m < nearest.distance_m ? near : nearest;
+        *way_m += asdic_vec3_length(asdic_vec3_sub(position(p), from_m));
     } while (++i < steps && nearest.distance_m > enough_m && !asdic_pilot_is_done(p));
     *time_s += i < steps ? (double)i * step_s : seconds;
     return nearest;
@@ -93,12 +95,11 @@ static bool would_hit(const run *r, const asdic_pilot *from, double time_s,
         return false;
     }
     for (double flown_m = 0.0; flown_m < distance_m && time_s < end_s;) {
-        asdic_vec3 before_m = position(&p);
-        asdic_nearest near = fly(r, &p, order, &time_s, p.model.step_s, hull_m + HAIR_M, hull_m);
+        asdic_nearest near =
+            fly(r, &p, order, &time_s, p.model.step_s, hull_m + HAIR_M, hull_m, &flown_m);
         if (near.distance_m <= hull_m) {
             return true;
         }
-        flown_m += asdic_vec3_length(asdic_vec3_sub(position(&p), before_m));
         if (!order && asdic_pilot_is_done(&p)) {
             return false;
         }
@@ -302,11 +303,9 @@ static void find_cause(run *r) {
 /* To the next ping, or to where the run ends. */
 static void go_on(run *r) {
     asdic_trial_run *out = r->out;
-    asdic_vec3 from_m = position(&r->pilot);
     double hull_m = r->plan->hull_radius_m;
     asdic_nearest near = fly(r, &r->pilot, r->gives_way ? &r->order : NULL, &r->time_s, r->step_s,
-                             out->clearance_m + hull_m, hull_m);
-    out->distance_m += asdic_vec3_length(asdic_vec3_sub(position(&r->pilot), from_m));
+                             out->clearance_m + hull_m, hull_m, &out->distance_m);
     out->clearance_m = fmax(near.distance_m - hull_m, 0.0);
     if (near.distance_m <= hull_m) {
         out->outcome = ASDIC_TRIAL_HIT;

@@ -151,6 +151,17 @@ def test_a_run_ends_at_its_last_waypoint():
             tap.equal(all(0 <= late < 0.1 * SPEED for late in late_m), True, f"{row}: {late_m}") # a step of 0.1 s
 
 
+def test_the_way_is_as_long_as_it_is_flown():
+    """Round a corner between two pings as well."""
+    with Folder() as folder:
+        scene = IDEAL.replace("PD", "0").replace("ping_rate_hz: 1", "ping_rate_hz: 0.05").replace(
+            "[100, 0, 10]", "[20, 0, 10], [20, 30, 10], [0, 30, 10]").replace("time_s: 45", "time_s: 100")
+        fly(folder, folder.write("corners.yaml", scene), 1)
+        row, = rows(folder)
+        flown_m = SPEED * float(row["time_s"])
+        tap.equal(abs(float(row["distance_m"]) - flown_m) < 0.01 * flown_m, True, f"{row}")
+
+
 def test_a_hull_of_no_size():
     """A bottom 10 m below is not in its way, 15 m before the wall is in reach; there the wall is."""
     for pd, pfa in ((1, 0), (0, 1)):
