@@ -15,6 +15,7 @@ typedef struct columns_reader {
     asdic_context *ctx;
     const char *path, *columns;
     size_t width, fields[COLUMNS_MOST]; /* how many, and which field of a line each is */
+    size_t field_count;                 /* of the header */
     size_t line;
     double *rows;
     size_t *lines;
@@ -44,7 +45,21 @@ static span field(const char *line, size_t index) {
     return (span){line, (size_t)(end - line)};
 }
 
+static size_t count_fields(const char *line) {
+    size_t count = 1;
+    for (; *line; line++) {
+        count += *line == ',';
+    }
+    return count;
+}
+
 static asdic_status read_header(columns_reader *r, const char *line) {
+    r->field_count = count_fields(line);
+    if (r->field_count == 1 && strchr(line, ';')) {
+        return asdic_fail(r->ctx, ASDIC_ERROR_INPUT,
+                          "%s:%zu: columns are separated by semicolons; they must be by commas",
+                          r->path, r->line);
+    }
     for (span wanted = field(r->columns, 0); wanted.text; wanted = field(r->columns, ++r->width)) {
         size_t at = 0;
         span found = field(line, 0);
@@ -79,7 +94,12 @@ static asdic_status make_room(columns_reader *r) {
 }
 
 static asdic_status read_row(columns_reader *r, const char *line) {
+    size_t field_count = count_fields(line);
     TRY(make_room(r));
+    if (field_count > r->field_count) { /* a decimal comma, perhaps */
+        return asdic_fail(r->ctx, ASDIC_ERROR_INPUT, "%s:%zu: %zu fields, but the header has %zu",
+                          r->path, r->line, field_count, r->field_count);
+    }
     for (size_t i = 0; i < r->width; i++) {
         span name = field(r->columns, i), value = field(line, r->fields[i]);
         double *out = &r->rows[r->count * r->width + i];
