@@ -65,6 +65,9 @@ static int run(cli *c) {
     if (!read_options(c, &o, &shard, &shards)) {
         return CLI_USAGE;
     }
+    if (strcmp(cli_operand(c, 0), "-") == 0) {
+        return cli_usage(c, "the scene is read for every frame; it must be a file");
+    }
     char *folder = default_folder(cli_operand(c, 0), shard, shards);
     o.folder = cli_given(c, "output") ? cli_text(c, "output") : folder;
     asdic_status status = folder ? make(c, &o) : ASDIC_ERROR_MEMORY;

@@ -344,6 +344,12 @@ def test_what_cannot_be_is_said_once():
         says(asdic("dataset", path, "-n", "2", "--shard", "1/3", "-o", folder / "h"), 2,
              "--shard 1/3 is empty: frames to share: 2")
         says(asdic("dataset", folder / "none.yaml", "-o", folder / "d"), 3, "none.yaml")
+        says(asdic("dataset", "-", "-n", "2", "-o", folder / "d", stdin=folder.read("set.yaml")), 2,
+             "the scene is read for every frame; it must be a file")
+        coherent = scene(folder, a=("seed: 3, multipath: false", "seed: 3, coherent: true"),
+                         b=("receivers: {fan: {count: 48, sector_deg: 60, length_h_m: 0.1, length_v_m: 0.01}}",
+                            "array: {elements: 16, beams: {count: 8, sector_deg: 60}}"))
+        says(asdic("dataset", coherent, "-n", "2", "-o", folder / "d"), 3, "leave 'coherent' out of 'sampling'")
         bad = scene(folder, a=("uniform: [-5, 5]", "uniform: [-500, 500]"))
         done = asdic("dataset", bad, "-n", "3", "-o", folder / "d")
         says(done, 3, "drawn for run")

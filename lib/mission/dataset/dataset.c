@@ -113,6 +113,12 @@ static asdic_status build(dataset *d, asdic_mission *mission, built **out) {
         double speed_mps = asdic_environment_sound_speed_mps(&s->environment, d->depth_m);
         sampling->rays = asdic_rays_auto(&s->sonar, speed_mps, s->has_meshes);
     }
+    if (sampling->coherent) {
+        return asdic_fail(d->ctx, ASDIC_ERROR_INPUT,
+                          "%s: labels are the truth about each bin, which coherent pings do not "
+                          "have: leave 'coherent' out of 'sampling'",
+                          d->scene);
+    }
     sampling->truth = true;
     sampling->without_errors = true;
     TRY(asdic_simulator_create(d->ctx, d->device, asdic_mission_scene(mission),
