@@ -86,6 +86,9 @@ size_t asdic_mission_class(const asdic_mission *mission, const char *name);
 /* asdic_mission_uncertainty of OBJECT, an index, alone. */
 double asdic_mission_object_uncertainty_db(const asdic_mission *mission, size_t object);
 
+/* Whether a ping has the object NAME in its range. */
+bool asdic_mission_reaches(const asdic_mission *mission, const char *name);
+
 /* Frees the meshes of objects' files. */
 void asdic_mission_forget_meshes(asdic_mission *mission);
 

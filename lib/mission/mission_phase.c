@@ -20,7 +20,8 @@ static const asdic_part *smooth_part(const asdic_mission *mission, const asdic_l
         const asdic_part *part = &scene->parts[i];
         asdic_scatterer s = asdic_scatterer_at(&scene->materials[part->material], water);
         if (part->kind == DEV_KIND_OBJECT && s.device.law == DEV_LAW_FACET &&
-            !(s.device.formula[0] > 0.0f) && s.device.roughness_g < MOST_ROUGHNESS) {
+            !(s.device.formula[0] > 0.0f) && s.device.roughness_g < MOST_ROUGHNESS &&
+            asdic_mission_reaches(mission, part->name)) {
             return part;
         }
     }
@@ -46,13 +47,15 @@ static const char *fringed(const asdic_mission *mission, const asdic_law_water *
         return NULL;
     }
     for (size_t i = 0; i < scene->point_count; i++) {
-        if (has_image(at, scene->points[i].position_m, g, cell_m)) {
+        if (has_image(at, scene->points[i].position_m, g, cell_m) &&
+            asdic_mission_reaches(mission, scene->points[i].name)) {
             return scene->points[i].name;
         }
     }
     for (size_t i = 0; i < scene->part_count; i++) {
         if (scene->parts[i].kind == DEV_KIND_OBJECT &&
-            has_image(at, scene->parts[i].center_m, g, cell_m)) {
+            has_image(at, scene->parts[i].center_m, g, cell_m) &&
+            asdic_mission_reaches(mission, scene->parts[i].name)) {
             return scene->parts[i].name;
         }
     }

@@ -240,6 +240,17 @@ static double range_of(const asdic_mission *m) {
         &m->settings.sonar, asdic_environment_sound_speed_mps(&m->settings.environment, depth_m));
 }
 
+bool asdic_mission_reaches(const asdic_mission *mission, const char *name) {
+    double range_m = range_of(mission);
+    for (size_t i = 0; i < mission->object_count; i++) {
+        const asdic_mission_object *object = &mission->objects[i];
+        if (strcmp(object->name, name) == 0) {
+            return nearest_m(mission, object, range_m) <= range_m;
+        }
+    }
+    return false;
+}
+
 static void remark_on_objects(mission_builder *b) {
     const asdic_mission *m = b->mission;
     size_t first = m->object_count - b->file->objects.count; /* the bottom may be before them */

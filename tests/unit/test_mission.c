@@ -320,12 +320,14 @@ static void phase_is_needed_where_echoes_interfere(void **state) {
     } cases[] = {
         {"", "impedance_mrayl: 45, slope_rms: 0", 20, 0, smooth},
         {"", "impedance_mrayl: 45, slope_rms: 0.1", 20, 0, none},
+        {"", "impedance_mrayl: 45, slope_rms: 0", 900, 0, none}, /* out of range */
         /* 4 k^2 s^2 is 0.7 and 1.6: at 1 a share of exp(-1) of the echo has kept its phase. */
         {"", "slope_rms: 0, impedance_mrayl: 45, roughness_rms_mm: 1", 20, 0, smooth},
         {"", "slope_rms: 0, impedance_mrayl: 45, roughness_rms_mm: 1.5", 20, 0, none},
         {"", "lambert_db: -20", 26, 0, none},
         {"", "lambert_db: -20", 27.5, 0, image},
         {"", "lambert_db: -20", -27.5, 0, image},
+        {"", "lambert_db: -20", 900, 0, none},
         {"surface: {enabled: false}\n", "lambert_db: -20", 27.5, 0, none},
         /* The sea's 4 k^2 s^2 is 114 and 130, of which the angle, 5.2 degrees, leaves 0.94 and 1.07. */
         {"", "lambert_db: -20", 27.5, 3.0, image},
