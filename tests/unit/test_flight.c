@@ -349,7 +349,7 @@ static void any_waypoints_come_to_an_end(void **state) {
 /* A current that is faster than the vehicle carries it away from all but where it begins. */
 static void a_waypoint_out_of_reach_is_named(void **state) {
     (void)state;
-    const double points_m[] = {0, 0, 5, 1000, 0, 5};
+    const double points_m[] = {0, 0, 5, 2000, 0, 5};
     asdic_context *ctx = NULL;
     asdic_track *track = NULL;
     asdic_flight flight = nomoto(points_m, 2, 1.5, 5.0, 1.0, 0.3);
@@ -358,6 +358,12 @@ static void a_waypoint_out_of_reach_is_named(void **state) {
     assert_int_equal(asdic_flight_fly(ctx, &flight, &track), ASDIC_ERROR_INPUT);
     assert_null(track);
     assert_contains(asdic_context_error(ctx), "waypoint 1 is not reached in ");
+    assert_contains(asdic_context_error(ctx), " s; give a smaller turn radius");
+    /* A straight way for which there are not enough steps. */
+    flight = nomoto(points_m, 2, 0.05, 0.1, 0.1, 0.01);
+    assert_int_equal(asdic_flight_fly(ctx, &flight, &track), ASDIC_ERROR_INPUT);
+    assert_null(track);
+    assert_contains(asdic_context_error(ctx), ", which is as long as a flight may be; fly faster");
     asdic_context_destroy(&ctx);
 }
 

@@ -176,10 +176,11 @@ asdic_status asdic_flight_fly(asdic_context *ctx, const asdic_flight *flight, as
         asdic_pilot_advance(&p, NULL, p.model.step_s);
         double time_s = (double)++steps * p.model.step_s;
         if (p.index == leg && (time_s > late_s || steps >= MAX_POINTS)) {
-            status = asdic_fail(ctx, ASDIC_ERROR_INPUT,
-                                "waypoint %zu is not reached in %.6g s; give a smaller "
-                                "turn radius or nearer waypoints",
-                                leg + 1, time_s);
+            status = asdic_fail(
+                ctx, ASDIC_ERROR_INPUT, "waypoint %zu is not reached in %.6g s%s", leg + 1, time_s,
+                time_s > late_s ? "; give a smaller turn radius or nearer waypoints"
+                                : ", which is as long as a flight may be; fly faster, give "
+                                  "nearer waypoints or a longer 'response_s'");
             goto fail;
         }
         if (!record(track, &p.state, time_s)) {
