@@ -54,6 +54,7 @@ static void report_unknown_key(const asdic_schema_reader *r, const asdic_table *
                                asdic_yaml_node *node) {
     const char *names[MAX_TABLE_KEYS] = {0};
     size_t count = 0;
+    int shown = asdic_yaml_key_shown(node);
     asdic_text home = {0}, list = {0};
     for (size_t i = 0; i < table->key_count && count < MAX_TABLE_KEYS; i++) {
         names[count] = table->keys[i].name;
@@ -62,13 +63,13 @@ static void report_unknown_key(const asdic_schema_reader *r, const asdic_table *
     }
     size_t nearest = asdic_words_nearest(node->key, names, count);
     if (nearest < count) {
-        asdic_yaml_key_problem(r->problems, node, "unknown key '%.64s'; did you mean '%s'?",
+        asdic_yaml_key_problem(r->problems, node, "unknown key '%.*s'; did you mean '%s'?", shown,
                                node->key, names[nearest]);
     } else if (find_homes(r->root, node->key, "", &home) == 1) {
-        asdic_yaml_key_problem(r->problems, node, "unknown key '%.64s' here; it belongs in %s",
-                               node->key, home.data ? home.data : "another map");
+        asdic_yaml_key_problem(r->problems, node, "unknown key '%.*s' here; it belongs in %s",
+                               shown, node->key, home.data ? home.data : "another map");
     } else {
-        asdic_yaml_key_problem(r->problems, node, "unknown key '%.64s'; the keys here are %s",
+        asdic_yaml_key_problem(r->problems, node, "unknown key '%.*s'; the keys here are %s", shown,
                                node->key, list.data ? list.data : "none");
     }
     asdic_text_finish(&list);

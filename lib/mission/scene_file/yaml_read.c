@@ -194,8 +194,8 @@ static bool read_value(yaml_reader *r, asdic_yaml_node *map, const asdic_yaml_no
         asdic_yaml_key_problem(r->problems, value, "a key holds a zero character");
     } else if (twin) {
         asdic_yaml_key_problem(r->problems, value,
-                               "duplicate key '%.64s'; it is given at line %u already", key->text,
-                               twin->key_line);
+                               "duplicate key '%.*s'; it is given at line %u already",
+                               asdic_yaml_key_shown(value), value->key, twin->key_line);
     }
     if (map->count > MAX_KEYS) {
         asdic_yaml_key_problem(r->problems, value, "more than 256 keys in one map");

@@ -1,9 +1,13 @@
 #include "yaml_tree.h"
 
+#include "base/words.h"
+
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+#define LONGEST_KEY 64
 
 asdic_yaml_node *asdic_yaml_child(const asdic_yaml_node *map, const char *key) {
     if (!map || map->kind != ASDIC_YAML_MAP) {
@@ -15,6 +19,10 @@ asdic_yaml_node *asdic_yaml_child(const asdic_yaml_node *map, const char *key) {
         }
     }
     return NULL;
+}
+
+int asdic_yaml_key_shown(const asdic_yaml_node *node) {
+    return (int)asdic_words_cut(node->key, node->key_length, LONGEST_KEY);
 }
 
 void asdic_yaml_append(asdic_yaml_node *parent, asdic_yaml_node *child) {
@@ -53,7 +61,7 @@ static const char *path_of(const asdic_yaml_node *node, char *buffer, size_t siz
         char step[96];
         const char *dot = buffer[at] && buffer[at] != '[' ? "." : "";
         if (node->key) {
-            snprintf(step, sizeof step, "%.64s%s", node->key, dot);
+            snprintf(step, sizeof step, "%.*s%s", asdic_yaml_key_shown(node), node->key, dot);
         } else {
             snprintf(step, sizeof step, "[%zu]%s", node->index, dot);
         }

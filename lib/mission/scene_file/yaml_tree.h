@@ -38,6 +38,9 @@ bool asdic_yaml_read(const char *text, size_t size, asdic_arena *arena, asdic_pr
 /* The child of MAP called KEY; NULL when there is none or MAP is NULL or no map. */
 asdic_yaml_node *asdic_yaml_child(const asdic_yaml_node *map, const char *key);
 
+/* As much of NODE's key as a message shows, for "%.*s". */
+int asdic_yaml_key_shown(const asdic_yaml_node *node);
+
 /* Appends a child, sets parent and index. */
 void asdic_yaml_append(asdic_yaml_node *parent, asdic_yaml_node *child);
 
