@@ -31,6 +31,8 @@ static void scalars_are_what_they_say(void **state) {
                                            {"FALSE", "false"},
                                            {"no", "false"},
                                            {"off", "false"},
+                                           {"y", "true"},
+                                           {"N", "false"},
                                            {"~", "null"},
                                            {"null", "null"},
                                            {"", "null"},
