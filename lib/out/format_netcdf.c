@@ -26,7 +26,8 @@ const char asdic_format_doc_netcdf[] = "also run.nc: netCDF-4 with names after S
 /* Deflate's fastest level, on shuffled bytes: slower levels hardly make noise smaller. */
 #define DEFLATE_LEVEL 1
 
-#define SINCE_BEGINNING "time since the mission's beginning"
+/* A track may have a clock of its own. */
+#define BY_CLOCK "time by the mission's clock: since its beginning, or as in its track"
 #define DEGREE (180.0 / ASDIC_PI)
 
 /* What is said of every ping beside its levels; HEAD where a head turns. */
@@ -145,7 +146,7 @@ static void describe_platform(netcdf *f) {
     f->platform = asdic_nc_group(&f->nc, f->nc.id, "Platform");
     int time = asdic_nc_dimension(&f->nc, f->platform, "time", f->pings);
     f->series_ids[TIME] =
-        asdic_nc_variable(&f->nc, f->platform, "time", NC_DOUBLE, 1, &time, SINCE_BEGINNING, "s");
+        asdic_nc_variable(&f->nc, f->platform, "time", NC_DOUBLE, 1, &time, BY_CLOCK, "s");
     for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
         int id = asdic_nc_variable(&f->nc, f->platform, rows[i].name.name, NC_DOUBLE, 1, &time,
                                    rows[i].name.long_name, rows[i].units);
@@ -345,7 +346,7 @@ static void describe_beams(netcdf *f, const asdic_format_about *about) {
     f->ping_id = asdic_nc_variable(&f->nc, f->beam_group, "ping", NC_UINT64, 1, dimensions,
                                    "number of the ping in the mission", "1");
     f->series_ids[PING_TIME] = asdic_nc_variable(&f->nc, f->beam_group, "ping_time", NC_DOUBLE, 1,
-                                                 dimensions, SINCE_BEGINNING, "s");
+                                                 dimensions, BY_CLOCK, "s");
     put_ranges(f, f->beam_group, dimensions[2], about->sonar);
     put_beam_names(f, f->beam_group, dimensions[1], about->sonar);
     put_beam_numbers(f, dimensions[1], about);
@@ -365,8 +366,8 @@ static void describe_root(netcdf *f, const asdic_format_about *about) {
     const int dimensions[3] = {asdic_nc_dimension(&f->nc, root, "ping_time", f->pings),
                                asdic_nc_dimension(&f->nc, root, "beam", f->beams),
                                asdic_nc_dimension(&f->nc, root, "range", f->bins)};
-    f->root_time_id = asdic_nc_variable(&f->nc, root, "ping_time", NC_DOUBLE, 1, dimensions,
-                                        SINCE_BEGINNING, "s");
+    f->root_time_id =
+        asdic_nc_variable(&f->nc, root, "ping_time", NC_DOUBLE, 1, dimensions, BY_CLOCK, "s");
     put_beam_names(f, root, dimensions[1], about->sonar);
     put_ranges(f, root, dimensions[2], about->sonar);
     f->root_level_id = define_level(f, root, &level, dimensions);

@@ -281,6 +281,10 @@ static void levels_lie_by_ping_beam_and_range(void **state) {
     field = 0;
     check_levels(root, "level", "ping_time beam range");
     check_series(root, "ping_time", "ping_time", "s", TIME);
+    char clock[NC_MAX_NAME + 1] = "";
+    assert_int_equal(nc_inq_varid(root, "ping_time", &number), NC_NOERR);
+    assert_int_equal(nc_get_att_text(root, number, "long_name", clock), NC_NOERR);
+    assert_non_null(strstr(clock, "or as in its track"));
     check_series(beams, "ping_time", "ping_time", "s", TIME);
     check_series(beams, "ping", "ping_time", "1", NUMBER);
     check_ranges(root, "range");
