@@ -92,7 +92,8 @@ static void label_ring(asdic_canvas *c, const page *p, double radius_px, const c
 
 /* Rings at round ranges and the outermost, labelled along the starboard edge. */
 static void draw_rings(asdic_canvas *c, const page *p, double max_range_m) {
-    double step = asdic_axis_step(max_range_m, 6), fine = 0.01 * step;
+    double step = asdic_axis_step(max_range_m, 6);
+    double fine = fmin(pow(10.0, floor(log10(max_range_m)) - 3.0), 1.0); /* four digits */
     double outside_m = fine * rint(max_range_m / fine);
     char number[24], label[32];
     /* A ring whose label would touch the outermost's is left out. */
@@ -108,7 +109,12 @@ static void draw_rings(asdic_canvas *c, const page *p, double max_range_m) {
         asdic_axis_label(number, range_m, step);
         label_ring(c, p, radius, number);
     }
-    asdic_axis_label(number, outside_m, fabs(outside_m - rint(outside_m)) < 0.05 ? 1.0 : 0.1);
+    /* As many as it has: 75 m, 74.5 m, 0.37 m. */
+    double digit = 1.0;
+    while (digit > 0.5 * fine && fabs(outside_m - digit * rint(outside_m / digit)) > 0.05 * digit) {
+        digit *= 0.1;
+    }
+    asdic_axis_label(number, outside_m, digit);
     snprintf(label, sizeof label, "%s m", number);
     asdic_canvas_color(c, RING_RGB);
     label_ring(c, p, p->sector.radius_px - (is_full_circle(p) ? OUTER_LABEL_PX : 0.0), label);

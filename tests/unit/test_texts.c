@@ -137,12 +137,16 @@ static void fans(void **state) {
     (void)state;
     enum { BEAMS = 41, BINS = 20 };
     static const double sectors_deg[] = {360, 270, 180, 130, 60, 20, 4};
-    static const double bin_lengths_m[] = {0.01, 2.66, 25};
+    static const struct {
+        double bin_length_m;
+        const char *range;
+    } ranges[] = {{0.01, "0.2 m"},   {0.0185, "0.37 m"}, {2.66, "53.2 m"},
+                  {3.725, "74.5 m"}, {25, "500 m"},      {617.25, "12345 m"}};
     static float levels_db[BEAMS * BINS];
     double bearing_rad[BEAMS];
     asdic_picture_options options = options_of("fan");
     for (size_t s = 0; s < sizeof sectors_deg / sizeof *sectors_deg; s++) {
-        for (size_t k = 0; k < sizeof bin_lengths_m / sizeof *bin_lengths_m; k++) {
+        for (size_t k = 0; k < sizeof ranges / sizeof *ranges; k++) {
             /* A full circle has its first direction twice. */
             double beams = sectors_deg[s] == 360 ? BEAMS - 1 : BEAMS;
             for (size_t i = 0; i < BEAMS; i++) {
@@ -152,10 +156,11 @@ static void fans(void **state) {
                              .bearing_rad = bearing_rad,
                              .beams = BEAMS,
                              .bins = BINS,
-                             .bin_length_m = bin_lengths_m[k]};
+                             .bin_length_m = ranges[k].bin_length_m};
             char what[64];
             snprintf(what, sizeof what, "fan of %g degrees", sectors_deg[s]);
             assert_ok(t.ctx, asdic_picture_fan(t.ctx, path, &fan, &options));
+            assert_written(ranges[k].range);
             assert_legible(what, 10);
         }
     }
