@@ -38,7 +38,7 @@ void asdic_governor_init(asdic_governor *g, double period_s, uint32_t wanted, ui
                          bool follows) {
     *g = (asdic_governor){.period_s = period_s,
                           .wanted = wanted,
-                          .least = least < wanted ? least : wanted,
+                          .least = least,
                           .rays = wanted,
                           .follows = follows,
                           .stretch = 1.0};
@@ -52,14 +52,14 @@ static void restart(asdic_governor *g, uint32_t rays) {
 
 void asdic_governor_want(asdic_governor *g, uint32_t rays) {
     g->wanted = rays;
-    g->least = g->least < rays ? g->least : rays;
     restart(g, rays);
 }
 
 /* The number of rays that brings SHARE of the period to AIM, if all work grew with rays. */
 static uint32_t fitting(const asdic_governor *g, double share) {
     double factor = fmin(fmax(AIM / share, MOST_FALL), MOST_RISE);
-    double rays = fmin(fmax(factor * g->rays, g->least), g->wanted);
+    double rays =
+        fmin(fmax(factor * g->rays, g->least), g->wanted); /* fewer than LEAST if so wanted */
     return (uint32_t)rays;
 }
 

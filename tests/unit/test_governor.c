@@ -61,6 +61,17 @@ static void without_a_clock_nothing_changes(void **state) {
     assert_int_equal(asdic_governor_rays(&g), 1000);
 }
 
+/* Who asks for fewer rays than the floor has them; who asks for more again has the floor again. */
+static void the_floor_outlasts_a_wish_below_it(void **state) {
+    (void)state;
+    asdic_governor g;
+    asdic_governor_init(&g, PERIOD_S, 20000, 2000, true);
+    asdic_governor_want(&g, 1000);
+    assert_int_equal(run(&g, 0.1, 5e-5, 100), 1000);
+    asdic_governor_want(&g, 20000);
+    assert_int_equal(run(&g, 0.1, 5e-5, 400), 2000);
+}
+
 /* 512 beams keep 80 rays each: time is stretched before the picture breaks into dashes. */
 static void the_floor_follows_the_beams(void **state) {
     (void)state;
@@ -169,6 +180,7 @@ int main(void) {
         cmocka_unit_test(at_the_floor_time_is_stretched),
         cmocka_unit_test(a_hopeless_start_is_noticed_soon),
         cmocka_unit_test(without_a_clock_nothing_changes),
+        cmocka_unit_test(the_floor_outlasts_a_wish_below_it),
         cmocka_unit_test(the_floor_follows_the_beams),
         cmocka_unit_test(bins_are_joined_before_time_is_stretched),
         cmocka_unit_test(the_user_decides),
