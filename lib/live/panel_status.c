@@ -30,7 +30,9 @@ static void write_vehicle(writer *w, const asdic_view *view) {
     heading += heading < 0.0 ? 360.0 : 0.0;
     snprintf(text, sizeof text, "%s", view->is_manual ? "by hand" : "by the mission");
     row(w, "flown", text, view->is_manual ? PANEL_AMBER_RGB : PANEL_INK_RGB);
-    snprintf(text, sizeof text, "%.2f m/s", asdic_helm_speed_mps(&view->helm));
+    snprintf(text, sizeof text, "%.2f m/s",
+             view->is_manual ? asdic_helm_speed_mps(&view->helm)
+                             : asdic_view_mission_speed_mps(view));
     row(w, "speed", text, PANEL_INK_RGB);
     snprintf(text, sizeof text, "%03.0f\u00b0", floor(heading + 0.5) >= 360.0 ? 0.0 : heading);
     row(w, "heading", text, PANEL_INK_RGB);

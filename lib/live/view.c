@@ -56,7 +56,12 @@ double asdic_view_mission_speed_mps(const asdic_view *view) {
     double t0, t1;
     asdic_vec3 a = asdic_mission_pose(view->mission, i, &t0).position_m;
     asdic_vec3 b = asdic_mission_pose(view->mission, i + 1, &t1).position_m;
-    return asdic_vec3_length(asdic_vec3_sub(b, a)) / (t1 - t0);
+    /* Less what the current does, to which a helm adds it again. */
+    const double *current_mps = view->mission->flight.current_mps;
+    asdic_vec3 way_m = asdic_vec3_sub(b, a);
+    return asdic_vec3_length((asdic_vec3){way_m.x / (t1 - t0) - current_mps[0],
+                                          way_m.y / (t1 - t0) - current_mps[1],
+                                          way_m.z / (t1 - t0)});
 }
 
 /* Ascending bearings, in one plane. */
@@ -247,7 +252,6 @@ static asdic_pose fly(asdic_view *view, double *time_s) {
     }
     asdic_pose pose =
         asdic_mission_vehicle_pose(view->mission, view->mission_ping, view->steps ? NULL : time_s);
-    view->helm.flight.speed_mps = asdic_view_mission_speed_mps(view);
     view->is_flown = view->mission_ping >= last && last > 0;
     view->mission_ping += view->mission_ping < last;
     return pose;

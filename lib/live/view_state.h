@@ -87,7 +87,7 @@ double asdic_view_half_width_rad(const asdic_view *view, double length_m);
 /* Composes a frame of everything that is known. */
 asdic_status asdic_view_draw(asdic_view *view);
 
-/* What the mission flies at now, m/s. */
+/* What the mission flies at now through the water, m/s. */
 double asdic_view_mission_speed_mps(const asdic_view *view);
 
 view_layout asdic_view_lay_out(unsigned width, unsigned height);

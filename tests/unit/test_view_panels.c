@@ -182,6 +182,9 @@ static void the_status_says_what_is(void **state) {
     for (size_t i = 0; i < sizeof said / sizeof *said; i++) {
         assert_said(said[i][0], said[i][1]);
     }
+    v->helm.flight.vehicle = ASDIC_VEHICLE_REMUS100; /* at rest until somebody steers */
+    draw(v);
+    assert_said("speed", "2.00 m/s");
     v->is_manual = v->is_paused = true;
     v->helm.rudder = 0.25;
     v->helm.planes = -0.5;
