@@ -15,6 +15,7 @@
 #include <string.h>
 
 #define RELIEF_CELLS 180
+#define WIDEST_RAD 1.45 /* half of a cone: at a right angle its tangent ends */
 
 /* Thousands apart: "20,000". */
 static void with_commas(char text[24], uint32_t value) {
@@ -111,8 +112,8 @@ static dev_cone_view cone_of(const asdic_view *view, const asdic_beam *beam, dou
     /* Positive pitch of a beam looks down. */
     asdic_mat3 face = asdic_mat3_attitude(beam->roll_rad, -beam->pitch_rad, beam->yaw_rad);
     asdic_mat3 turn = asdic_mat3_multiply(body, face);
-    const double over[3] = {1.0, 1.0 / tan(fmin(half_h_rad, 1.45)),
-                            1.0 / tan(fmin(half_v_rad, 1.45))};
+    const double over[3] = {1.0, 1.0 / tan(fmin(half_h_rad, WIDEST_RAD)),
+                            1.0 / tan(fmin(half_v_rad, WIDEST_RAD))};
     dev_cone_view cone = {.strength = 1.0f};
     for (int row = 0; row < 3; row++) {
         for (int column = 0; column < 3; column++) {
@@ -128,6 +129,21 @@ static void tint(dev_cone_view *cone, uint32_t rgb, float strength) {
         cone->rgb[k] = c * c; /* the picture is made in linear light */
     }
     cone->strength = strength;
+}
+
+/* All beams from LOW to HIGH as a wedge, which is of several cones where one is not wide enough. */
+static void see_fan(const asdic_view *view, double low_rad, double high_rad, asdic_shot *shot) {
+    const asdic_sonar *sonar = asdic_mission_sonar(view->mission);
+    asdic_beam middle = sonar->receivers[sonar->receiver_count / 2];
+    double half_v = asdic_view_half_width_rad(view, middle.length_v_m);
+    double whole = fmin(high_rad - low_rad, 2.0 * ASDIC_PI);
+    unsigned parts = (unsigned)ceil(0.5 * whole / WIDEST_RAD);
+    for (unsigned i = 0; i < parts; i++) {
+        dev_cone_view *cone = &shot->cone[shot->cones++];
+        middle.yaw_rad = low_rad + ((double)i + 0.5) * whole / parts;
+        *cone = cone_of(view, &middle, 0.5 * whole / parts, half_v);
+        tint(cone, PANEL_CYAN_RGB, 0.5f);
+    }
 }
 
 /* Few beams one by one, many as one wedge; the chosen one in amber. */
@@ -149,12 +165,7 @@ static void see_beams(const asdic_view *view, asdic_shot *shot) {
         }
     }
     if (n >= DEV_CAMERA_CONES) {
-        asdic_beam middle = sonar->receivers[n / 2];
-        middle.yaw_rad = 0.5 * (low + high);
-        dev_cone_view *cone = &shot->cone[shot->cones++];
-        *cone = cone_of(view, &middle, 0.5 * (high - low),
-                        asdic_view_half_width_rad(view, middle.length_v_m));
-        tint(cone, PANEL_CYAN_RGB, 0.5f);
+        see_fan(view, low, high, shot);
     }
 }
 

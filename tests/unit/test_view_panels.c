@@ -267,6 +267,20 @@ static void axes_are_even(void **state) {
     close_view(v);
 }
 
+/* Pixels of the A-scope below its legend that are nearly white, from LOW to HIGH of its width. */
+static size_t whites(const asdic_view *v, double low, double high) {
+    asdic_view_image frame = asdic_view_get_frame(v);
+    asdic_box box = v->layout.ascope;
+    size_t count = 0;
+    for (double y = box.y + 0.25 * box.h; y < box.y + 0.85 * box.h; y += 1.0) {
+        for (double x = box.x + low * box.w; x < box.x + high * box.w; x += 1.0) {
+            uint32_t rgb = frame.rgb[(size_t)y * frame.stride + (size_t)x];
+            count += (rgb >> 16 & 255) > 110 && (rgb & 255) > 160;
+        }
+    }
+    return count;
+}
+
 /* Pixels of the A-scope that are red, from LOW to HIGH of its width. */
 static size_t reds(const asdic_view *v, double low, double high) {
     asdic_view_image frame = asdic_view_get_frame(v);
@@ -279,6 +293,27 @@ static size_t reds(const asdic_view *v, double low, double high) {
         }
     }
     return count;
+}
+
+/* A bin between bins without a level is seen, too. */
+static void a_lone_bin_is_a_dot(void **state) {
+    (void)state;
+    const asdic_view_options o = asdic_view_options_default();
+    asdic_view *v = try_view("[{name: a}]", "sampling: {rays: 256}", &o, ASDIC_OK);
+    step(v, 1);
+    float *levels_db = malloc(v->ping.bins * sizeof *levels_db);
+    assert_non_null(levels_db);
+    v->ping.level_db = levels_db;
+    for (int is_there = 0; is_there < 2; is_there++) {
+        for (size_t n = 0; n < v->ping.bins; n++) {
+            levels_db[n] = NAN;
+        }
+        levels_db[v->ping.bins / 2] = is_there ? (float)v->look.db_low : NAN;
+        draw(v);
+        assert_int_equal(whites(v, 0.4, 0.7) > 0, is_there);
+    }
+    close_view(v);
+    free(levels_db);
 }
 
 /* Echoes 6 dB above what is expected are marked. */
@@ -404,6 +439,33 @@ static void beams_are_cones(void **state) {
             assert_int_equal(arc_count, 2);
             check_arc(0, yaw - last - half, yaw + last + half);
             check_arc(1, yaw + beams[1].yaw_rad - half, yaw + beams[1].yaw_rad + half);
+        }
+        close_view(v);
+    }
+}
+
+/* A cone ends at 166 degrees: a wider fan is seen as several, side by side. */
+static void wide_fans_are_seen_whole(void **state) {
+    (void)state;
+    static const struct {
+        int sector_deg;
+        unsigned cones;
+    } cases[] = {{120, 1}, {200, 2}, {360, 3}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char fan[96];
+        snprintf(fan, sizeof fan, "{fan: {count: 24, sector_deg: %d, length_h_m: 0.2}}",
+                 cases[i].sector_deg);
+        asdic_view *v = open_view(fan, "sampling: {rays: 256}");
+        step(v, 1);
+        const asdic_sonar *sonar = asdic_mission_sonar(v->mission);
+        double half_v = asdic_view_half_width_rad(v, sonar->receivers[0].length_v_m);
+        double half = asdic_view_half_width_rad(v, 0.2), yaw = v->ping.pose.yaw_rad;
+        double low = sonar->receivers[0].yaw_rad - half, whole = -2.0 * low;
+        assert_int_equal(shot.cones, 1 + cases[i].cones);
+        whole = fmin(whole, 360.0 * DEGREE);
+        for (unsigned k = 0; k < cases[i].cones; k++) {
+            double each = whole / cases[i].cones;
+            check_cone(&shot.cone[1 + k], yaw + low + (k + 0.5) * each, 0.0, 0.5 * each, half_v);
         }
         close_view(v);
     }
@@ -630,10 +692,12 @@ int main(void) {
         cmocka_unit_test(texts_lose_what_is_no_text),
         cmocka_unit_test(the_newest_ping_is_on_top),
         cmocka_unit_test(beams_are_cones),
+        cmocka_unit_test(wide_fans_are_seen_whole),
         cmocka_unit_test(the_camera_stays_in_the_water),
         cmocka_unit_test(the_scope_shows_the_chosen_beam),
         cmocka_unit_test(the_status_says_what_is),
         cmocka_unit_test(axes_are_even),
+        cmocka_unit_test(a_lone_bin_is_a_dot),
         cmocka_unit_test(what_stands_out_is_red),
         cmocka_unit_test(panels_fill_the_frame),
         cmocka_unit_test(the_map_is_to_scale),
