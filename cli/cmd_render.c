@@ -188,8 +188,8 @@ const cli_command cli_render_command = {
     .max_operands = 1,
     .summary = "draw the pictures of a run folder again",
     .details = "Pictures of the same names are replaced. Levels are never scaled picture by "
-               "picture: all share one window, which stands in their text chunks. A gain is for "
-               "display only and is written on the picture.",
+               "picture: those of one kind share a window, which stands in their text chunks. A "
+               "gain is for display only and is written on the picture.",
     .examples = "asdic render out --db-range=-120:-40 --colormap inferno\n"
                 "asdic render out --images fan --ping 30 --format pdf\n"
                 "asdic render out --video fan.mp4\n"

@@ -1,4 +1,4 @@
-#include <asdic/output.h>
+#include "draw.h"
 
 #include "base/context.h"
 #include "base/try.h"
@@ -53,14 +53,23 @@ static const float *levels_of(const asdic_ascope *beam, size_t curve) {
     return levels_db;
 }
 
-/* Whether any beam has a level on the curve; empty curves are left out of the legend. */
-static bool is_shown(const asdic_ascope *beams, size_t beam_count, size_t curve) {
+/* Whether any beam has a level on the curve. */
+static bool has_level(const asdic_ascope *beams, size_t beam_count, size_t curve) {
     for (size_t k = 0; k < beam_count; k++) {
         const float *levels_db = levels_of(&beams[k], curve);
         for (size_t i = 0; levels_db && i < beams[k].bins; i++) {
             if (isfinite(levels_db[i])) {
                 return true;
             }
+        }
+    }
+    return false;
+}
+
+static bool has_curve(const asdic_ascope *beams, size_t beam_count, size_t curve) {
+    for (size_t k = 0; k < beam_count; k++) {
+        if (levels_of(&beams[k], curve)) {
+            return true;
         }
     }
     return false;
@@ -107,7 +116,6 @@ typedef struct residuals {
     asdic_series series[MAX_BEAMS];
     double *numbers[MAX_BEAMS]; /* x, y */
     size_t count;
-    double most_db;
 } residuals;
 
 static void residuals_finish(residuals *r) {
@@ -121,17 +129,25 @@ static int by_size(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-/* Half the panel's height: what holds 95 % of the COUNT differences Y, at a round number. */
-static asdic_status height_of(asdic_context *ctx, const double *y, size_t count, double *out_db) {
+static bool has_residual(const asdic_ascope *beam) {
+    return beam->simulated_db && beam->total_db;
+}
+
+static double residual_db(const asdic_ascope *beam, size_t bin) {
+    return (double)beam->simulated_db[bin] - (double)beam->total_db[bin];
+}
+
+/* Half the panel's height: what holds 95 % of the differences of BEAM, at a round number. */
+static asdic_status height_of(asdic_context *ctx, const asdic_ascope *beam, double *out_db) {
     static const double round_db[] = {0.5, 1.0, 2.0, 5.0, 10.0, 20.0};
-    double *sizes = malloc(count * sizeof *sizes);
+    double *sizes = malloc(beam->bins * sizeof *sizes);
     size_t n = 0;
     if (!sizes) {
         return asdic_fail_memory(ctx, "an A-scope");
     }
-    for (size_t i = 0; i < count; i++) {
-        if (isfinite(y[i])) {
-            sizes[n++] = fabs(y[i]);
+    for (size_t i = 0; i < beam->bins; i++) {
+        if (isfinite(residual_db(beam, i))) {
+            sizes[n++] = fabs(residual_db(beam, i));
         }
     }
     qsort(sizes, n, sizeof *sizes, by_size);
@@ -146,7 +162,7 @@ static asdic_status height_of(asdic_context *ctx, const double *y, size_t count,
 
 /* Adds what BEAM has more than it is expected to have. */
 static asdic_status add_residual(asdic_context *ctx, const asdic_ascope *beam, residuals *r) {
-    double *numbers = malloc(2 * beam->bins * sizeof *numbers), most_db = 0.0;
+    double *numbers = malloc(2 * beam->bins * sizeof *numbers);
     if (!numbers) {
         return asdic_fail_memory(ctx, "an A-scope");
     }
@@ -154,7 +170,7 @@ static asdic_status add_residual(asdic_context *ctx, const asdic_ascope *beam, r
     r->numbers[k] = numbers;
     for (size_t i = 0; i < beam->bins; i++) {
         numbers[i] = ((double)i + 0.5) * beam->bin_length_m;
-        numbers[beam->bins + i] = (double)beam->simulated_db[i] - (double)beam->total_db[i];
+        numbers[beam->bins + i] = residual_db(beam, i);
     }
     r->series[k] = (asdic_series){.label = beam->title,
                                   .x = numbers,
@@ -162,8 +178,6 @@ static asdic_status add_residual(asdic_context *ctx, const asdic_ascope *beam, r
                                   .count = beam->bins,
                                   .rgb = beam_colors[k],
                                   .width = 1.0};
-    TRY(height_of(ctx, r->series[k].y, beam->bins, &most_db));
-    r->most_db = fmax(r->most_db, most_db);
     return ASDIC_OK;
 }
 
@@ -196,27 +210,36 @@ static asdic_status add_panel(asdic_context *ctx, scope *s, size_t i, const asdi
                            .high = options->db_high},
                      .series = s->series[i],
                      .series_count = collect(beam, shown, s->series[i], s->numbers[i])};
-    return beam->simulated_db && beam->total_db ? add_residual(ctx, beam, &s->residuals) : ASDIC_OK;
+    return has_residual(beam) ? add_residual(ctx, beam, &s->residuals) : ASDIC_OK;
 }
 
-asdic_status asdic_picture_ascope(asdic_context *ctx, const char *path, const asdic_ascope *beams,
-                                  size_t beam_count, const asdic_picture_options *options) {
+asdic_status asdic_ascope_residual_db(asdic_context *ctx, const asdic_ascope *beams,
+                                      size_t beam_count, double *out_db) {
+    double most_db = 0.0, beam_db = 0.0;
+    for (size_t i = 0; i < beam_count; i++) {
+        if (has_residual(&beams[i])) {
+            TRY(height_of(ctx, &beams[i], &beam_db));
+            most_db = fmax(most_db, beam_db);
+        }
+    }
+    *out_db = most_db;
+    return ASDIC_OK;
+}
+
+asdic_status asdic_draw_ascope(asdic_context *ctx, const char *path, const asdic_ascope *beams,
+                               size_t beam_count, double most_db,
+                               const asdic_picture_options *options) {
     scope s = {0};
     bool shown[CURVES];
     asdic_status status = ASDIC_OK;
     size_t count = beam_count;
-    if (beam_count < 1 || beam_count > MAX_BEAMS) {
-        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "an A-scope shows 1..%d beams, not %zu",
-                          MAX_BEAMS, beam_count);
-    }
     for (size_t k = 0; k < CURVES; k++) {
-        shown[k] = is_shown(beams, beam_count, k);
+        shown[k] = has_curve(beams, beam_count, k);
     }
     for (size_t i = 0; i < beam_count && status == ASDIC_OK; i++) {
         status = add_panel(ctx, &s, i, &beams[i], shown, options);
     }
     if (s.residuals.count > 0) {
-        double most_db = s.residuals.most_db;
         s.panels[count] = (asdic_plot){.title = "simulated \u2212 expected",
                                        .x = s.panels[0].x,
                                        .y = {.label = "dB", .low = -most_db, .high = most_db},
@@ -229,4 +252,25 @@ asdic_status asdic_picture_ascope(asdic_context *ctx, const char *path, const as
     }
     scope_finish(&s);
     return status;
+}
+
+asdic_status asdic_picture_ascope(asdic_context *ctx, const char *path, const asdic_ascope *beams,
+                                  size_t beam_count, const asdic_picture_options *options) {
+    static const float *const none = NULL;
+    asdic_ascope shown[MAX_BEAMS];
+    double most_db;
+    if (beam_count < 1 || beam_count > MAX_BEAMS) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "an A-scope shows 1..%d beams, not %zu",
+                          MAX_BEAMS, beam_count);
+    }
+    for (size_t i = 0; i < beam_count; i++) {
+        shown[i] = beams[i];
+        for (size_t k = 0; k < CURVES; k++) { /* a curve without a level needs no legend */
+            if (!has_level(beams, beam_count, k)) {
+                memcpy((char *)&shown[i] + curves[k].offset, &none, sizeof none);
+            }
+        }
+    }
+    TRY(asdic_ascope_residual_db(ctx, shown, beam_count, &most_db));
+    return asdic_draw_ascope(ctx, path, shown, beam_count, most_db, options);
 }

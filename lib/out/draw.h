@@ -19,6 +19,14 @@ asdic_status asdic_draw_waterfall(asdic_context *ctx, const char *path,
                                   const asdic_picture_options *options);
 asdic_status asdic_draw_fan(asdic_context *ctx, const char *path, const asdic_fan *fan,
                             const asdic_picture_options *options);
+/* The panels of asdic_picture_ascope, whose legend has each curve that a beam has an array of, empty or not,
+ * and whose differences are shown to RESIDUAL_DB either way: what pictures of several pings have in common. */
+asdic_status asdic_draw_ascope(asdic_context *ctx, const char *path, const asdic_ascope *beams,
+                               size_t beam_count, double residual_db,
+                               const asdic_picture_options *options);
+/* What holds 95 % of each beam's differences, at a round number; 0 without any. */
+asdic_status asdic_ascope_residual_db(asdic_context *ctx, const asdic_ascope *beams,
+                                      size_t beam_count, double *residual_db);
 asdic_status asdic_draw_plot(asdic_context *ctx, const char *path, const asdic_plot *panels,
                              size_t panel_count, const asdic_picture_options *options);
 

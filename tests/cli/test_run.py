@@ -225,6 +225,28 @@ def test_pictures_say_and_show_what_they_should():
         tap.equal(len(curves) >= 10 and len(set(curves)) == len(curves), True, f"{len(curves)} curves, none twice")
 
 
+def test_ascopes_of_a_run_are_alike():
+    """Of one size, window and scale, though a loud ball and multipath are in the second ping alone: they are a video's
+    frames. One that is drawn alone is the same picture."""
+    program.need_device()
+    with Folder() as folder:
+        folder.write("way.csv", "time_s,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg\n0,0,0,7,0,0,0\n1,40,0,7,0,0,0\n")
+        path = folder.write("s.yaml", "version: 1\nbottom: {depth_m: 12}\n"
+                            "objects: [{name: ball, sphere: {radius_m: 3}, position_m: [60, 0, 7]}]\n"
+                            "sonar: {frequency_khz: 100, source_level_db: 200, ping_rate_hz: 1, max_range_m: 30, "
+                            "receivers: [{name: a}]}\nmission: {track: way.csv}\n"
+                            "sampling: {rays: 500}\noutput: {images: [ascope]}\n")
+        asdic("run", path, "-o", folder / "r").check(code=0)
+        if "ascope_0.png" not in pictures(folder, "r"):
+            raise tap.Skip("no cairo")
+        scopes = [data(folder, "r", f"ascope_{ping}.png") for ping in (0, 1)]
+        tap.equal(len({(scope[16:24], png_texts(scope)["db_low"], png_texts(scope)["db_high"])
+                       for scope in scopes}), 1, "sizes and windows")
+        asdic("render", folder / "r", "--images", "ascope", "--ping", 1, "-o", folder / "one.png").check(code=0)
+        with open(folder / "one.png", "rb") as file:
+            tap.equal(file.read() == scopes[1], True, "the second ping alone")
+
+
 def test_plans_know_a_flat_bottom():
     """A beam that looks down meets a flat bottom, and none where there is no bottom: then its area is dashed."""
     program.need_device()

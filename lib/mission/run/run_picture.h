@@ -20,6 +20,7 @@ typedef struct asdic_render {
     const asdic_summary *summary; /* of PLAN */
     asdic_render_options options; /* window resolved */
     bool has_window;              /* the options give one */
+    double residual_db;           /* height of the A-scopes' last panel; NAN: not known yet */
     unsigned images;
     bool (*frame)(void *user, const char *path); /* of every ping; NULL: pictures, no frames */
     void *frame_user;
@@ -48,7 +49,9 @@ asdic_status asdic_render_raw(asdic_render *render);
 asdic_status asdic_render_overview(const asdic_render *render);
 
 /* run_render_ping.c: one ping. */
-asdic_status asdic_render_ascope(const asdic_render *render, const asdic_record *record);
+asdic_status asdic_render_ascope(asdic_render *render, const asdic_record *record);
+/* Lets all A-scopes have the scale of differences that RECORD's has, as that of the first one drawn else is. */
+asdic_status asdic_render_scale_ascopes(asdic_render *render, const asdic_record *record);
 asdic_status asdic_render_fan(asdic_render *render, const asdic_record *record);
 
 /* run_render_chart.c: the mission from above. */

@@ -60,6 +60,10 @@ static size_t first_shown(const asdic_render *r) {
 /* A-scope and fan of the ping with INDEX within the run. */
 static asdic_status render_ping(asdic_render *r, size_t index) {
     asdic_record record;
+    if (wants(r, ASDIC_IMAGE_ASCOPE) && index > 0 && isnan(r->residual_db)) {
+        TRY(asdic_run_read(r->run, 0, &record));
+        TRY(asdic_render_scale_ascopes(r, &record));
+    }
     TRY(asdic_run_read(r->run, index, &record));
     if (wants(r, ASDIC_IMAGE_ASCOPE)) {
         TRY(asdic_render_ascope(r, &record));
@@ -221,7 +225,7 @@ static asdic_status render(asdic_render *r, const char *folder, asdic_summary **
 asdic_status asdic_run_render_summary(asdic_context *ctx, const char *folder,
                                       const asdic_render_options *options,
                                       const asdic_summary *summary) {
-    asdic_render r = {.ctx = ctx, .options = *options, .summary = summary};
+    asdic_render r = {.ctx = ctx, .options = *options, .summary = summary, .residual_db = NAN};
     asdic_summary *own = NULL;
     asdic_status status = render(&r, folder, &own);
     asdic_summary_destroy(&own);
@@ -235,7 +239,8 @@ asdic_status asdic_run_render_frames(asdic_context *ctx, const char *folder,
     if (!folder || !options || !options->path || !frame) {
         return asdic_fail_null(ctx, __func__);
     }
-    asdic_render r = {.ctx = ctx, .options = *options, .frame = frame, .frame_user = user};
+    asdic_render r = {
+        .ctx = ctx, .options = *options, .frame = frame, .frame_user = user, .residual_db = NAN};
     asdic_summary *own = NULL;
     r.options.ping = SIZE_MAX;
     r.options.raw = false;

@@ -3,6 +3,7 @@
 #include "base/context.h"
 #include "base/try.h"
 #include "out/digits.h"
+#include "out/draw.h"
 #include "out/polar.h"
 #include "run_folder.h"
 
@@ -68,74 +69,85 @@ static asdic_status expect(asdic_render *r, const asdic_record *record, size_t c
     return ASDIC_OK;
 }
 
-/* The panel shows the expected mechanisms, or the simulated ones when there is no expectation. */
+/* Of a component that has no level in any ping, or is not kept, no curve. */
+static const float *if_there(const asdic_render *r, asdic_component part, const float *level_db) {
+    return r->summary->statistics.has[part] && !r->plan.lacks_parts ? level_db : NULL;
+}
+
+/* The panel shows the expected mechanisms, or the simulated ones when there is no expectation; the same ones
+ * whichever ping it is of. */
 static asdic_ascope panel_of(const asdic_render *r, const asdic_record *record,
                              const expectation *expected, size_t k) {
     size_t bins = r->info.bins, first = r->plan.beams[k] * bins;
     asdic_ascope panel = {.bins = bins,
                           .bin_length_m = r->run->facts.bin_length_m,
                           .simulated_db = record->level_db[ASDIC_TOTAL] + first};
-    panel.object_db = record->level_db[ASDIC_OBJECT] + first; /* of both none is expected */
-    panel.multipath_db = record->level_db[ASDIC_MULTIPATH] + first;
+    /* Of both none is expected. */
+    panel.object_db = if_there(r, ASDIC_OBJECT, record->level_db[ASDIC_OBJECT] + first);
+    panel.multipath_db = if_there(r, ASDIC_MULTIPATH, record->level_db[ASDIC_MULTIPATH] + first);
     if (expected->ping) {
         panel.total_db = expected->level_db[ASDIC_TOTAL] + k * bins;
-        panel.bottom_db = expected->level_db[ASDIC_BOTTOM] + k * bins;
-        panel.surface_db = expected->level_db[ASDIC_SURFACE] + k * bins;
+        panel.bottom_db =
+            isfinite(record->altitude_m) ? expected->level_db[ASDIC_BOTTOM] + k * bins : NULL;
+        panel.surface_db =
+            r->run->facts.has_surface ? expected->level_db[ASDIC_SURFACE] + k * bins : NULL;
         panel.volume_db = expected->level_db[ASDIC_VOLUME] + k * bins;
-        panel.noise_db = expected->level_db[ASDIC_NOISE] + k * bins;
+        panel.noise_db =
+            r->info.sonar->noise_enabled ? expected->level_db[ASDIC_NOISE] + k * bins : NULL;
     } else {
-        panel.bottom_db = record->level_db[ASDIC_BOTTOM] + first;
-        panel.surface_db = record->level_db[ASDIC_SURFACE] + first;
-        panel.volume_db = record->level_db[ASDIC_VOLUME] + first;
-        panel.noise_db = record->level_db[ASDIC_NOISE] + first;
+        panel.bottom_db = if_there(r, ASDIC_BOTTOM, record->level_db[ASDIC_BOTTOM] + first);
+        panel.surface_db = if_there(r, ASDIC_SURFACE, record->level_db[ASDIC_SURFACE] + first);
+        panel.volume_db = if_there(r, ASDIC_VOLUME, record->level_db[ASDIC_VOLUME] + first);
+        panel.noise_db = if_there(r, ASDIC_NOISE, record->level_db[ASDIC_NOISE] + first);
     }
     return panel;
 }
 
-/* Every peak of the panels lies below it, and LEAST_DB. */
-static double highest_db(const asdic_ascope *panels, size_t count, double least_db) {
-    double high_db = least_db;
-    for (size_t k = 0; k < count; k++) {
-        for (size_t i = 0; i < panels[k].bins; i++) {
-            double level_db =
-                fmax((double)panels[k].simulated_db[i], (double)panels[k].object_db[i]);
-            double round_db = 10.0 * ceil((level_db + ASCOPE_ABOVE_DB) / 10.0);
-            high_db = round_db > high_db ? round_db : high_db; /* false for NAN */
-        }
-    }
-    return high_db;
+/* Every peak of the run's pings lies below it. */
+static double highest_db(const asdic_statistics *s) {
+    double round_db = 10.0 * ceil((s->most_db + ASCOPE_ABOVE_DB) / 10.0);
+    return round_db > s->high_db ? round_db : s->high_db;
 }
 
-static bool has_multipath(const asdic_ascope *panels, size_t count) {
-    for (size_t k = 0; k < count; k++) {
-        for (size_t i = 0; i < panels[k].bins; i++) {
-            if (isfinite(panels[k].multipath_db[i])) {
-                return true;
-            }
-        }
+/* The panels of an A-scope. */
+typedef struct scope {
+    asdic_ascope panels[ASDIC_RENDER_PANELS];
+    char titles[ASDIC_RENDER_PANELS][ASDIC_NAME_SIZE + 16];
+    size_t count;
+    expectation expected; /* to be finished */
+} scope;
+
+static asdic_status find_panels(asdic_render *r, const asdic_record *record, scope *s) {
+    /* Of many beams the one that looks ahead: asdic_summary_choose_beams. */
+    s->count = r->plan.beam_count <= ASDIC_RENDER_PANELS ? r->plan.beam_count : ASDIC_RENDER_PANELS;
+    TRY(expect(r, record, s->count, &s->expected));
+    for (size_t k = 0; k < s->count; k++) {
+        snprintf(s->titles[k], sizeof s->titles[k], "beam \u2018%s\u2019",
+                 r->info.sonar->receivers[r->plan.beams[k]].name);
+        s->panels[k] = panel_of(r, record, &s->expected, k);
+        s->panels[k].title = s->titles[k];
     }
-    return false;
+    return isnan(r->residual_db)
+               ? asdic_ascope_residual_db(r->ctx, s->panels, s->count, &r->residual_db)
+               : ASDIC_OK;
+}
+
+asdic_status asdic_render_scale_ascopes(asdic_render *r, const asdic_record *record) {
+    scope s;
+    asdic_status status = find_panels(r, record, &s);
+    expectation_finish(&s.expected);
+    return status;
 }
 
 /* An A-scope shows levels without a gain, in a window of their own. */
-asdic_status asdic_render_ascope(const asdic_render *whole, const asdic_record *record) {
-    asdic_render own = *whole, *r = &own;
+asdic_status asdic_render_ascope(asdic_render *whole, const asdic_record *record) {
+    scope s;
     char title[256], note[384], number[ASDIC_DIGITS_SIZE], *path = NULL;
-    char panel_titles[ASDIC_RENDER_PANELS][ASDIC_NAME_SIZE + 16];
-    asdic_ascope panels[ASDIC_RENDER_PANELS];
-    expectation expected;
-    /* Of many beams the one that looks ahead: asdic_summary_choose_beams. */
-    size_t count =
-        r->plan.beam_count <= ASDIC_RENDER_PANELS ? r->plan.beam_count : ASDIC_RENDER_PANELS;
-    asdic_status status = expect(r, record, count, &expected);
+    asdic_status status = find_panels(whole, record, &s);
+    asdic_render own = *whole, *r = &own;
+    size_t count = s.count;
     if (status != ASDIC_OK) {
         goto done;
-    }
-    for (size_t k = 0; k < count; k++) {
-        snprintf(panel_titles[k], sizeof panel_titles[k], "beam \u2018%s\u2019",
-                 r->info.sonar->receivers[r->plan.beams[k]].name);
-        panels[k] = panel_of(r, record, &expected, k);
-        panels[k].title = panel_titles[k];
     }
     name_ping(r, record, title, number);
     if (count > 1 && count < r->info.beams) { /* a panel alone says of which beam it is */
@@ -145,24 +157,24 @@ asdic_status asdic_render_ascope(const asdic_render *whole, const asdic_record *
     own.options.tvg_db_per_decade = own.options.tvg_db_per_m = 0.0;
     if (!r->has_window) {
         own.options.db_low = r->summary->statistics.low_db - ASCOPE_BELOW_DB;
-        own.options.db_high = highest_db(panels, count, r->summary->statistics.high_db);
+        own.options.db_high = highest_db(&r->summary->statistics);
     }
     asdic_render_describe(&own);
     asdic_picture_options options = asdic_render_picture(r, title, "ping", number);
     snprintf(note, sizeof note, "%s  \u00b7  %s", options.note,
-             !expected.ping ? "no expected curve: the bottom is a mesh or grid; all curves are "
-                              "simulated"
-             : has_multipath(panels, count)
+             !s.expected.ping ? "no expected curve: the bottom is a mesh or grid; all curves are "
+                                "simulated"
+             : r->summary->statistics.has[ASDIC_MULTIPATH]
                  ? "expected: flat bottom, no objects, by quadrature; object, "
                    "multipath: simulated"
                  : "expected: flat bottom, no objects, by quadrature; object: "
                    "simulated");
     options.note = note;
     path = asdic_render_path(r, "ascope_", number);
-    status = path ? asdic_picture_ascope(r->ctx, path, panels, count, &options)
+    status = path ? asdic_draw_ascope(r->ctx, path, s.panels, count, r->residual_db, &options)
                   : asdic_fail_memory(r->ctx, "a file name");
 done:
-    expectation_finish(&expected);
+    expectation_finish(&s.expected);
     free(path);
     return status;
 }

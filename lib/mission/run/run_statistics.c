@@ -31,7 +31,7 @@ typedef struct asdic_statistics_counts {
 } counts;
 
 asdic_status asdic_statistics_begin(asdic_context *ctx, asdic_statistics *statistics) {
-    *statistics = (asdic_statistics){.counts = calloc(1, sizeof(counts))};
+    *statistics = (asdic_statistics){.counts = calloc(1, sizeof(counts)), .most_db = -INFINITY};
     return statistics->counts ? ASDIC_OK : asdic_fail_memory(ctx, "a run's statistics");
 }
 
@@ -123,12 +123,27 @@ static void add_heard(counts *c, const asdic_record *record, size_t count) {
     }
 }
 
+/* Of the echoes, too, of which speckle may leave less in the total. */
+static void add_most(asdic_statistics *statistics, const asdic_record *record, size_t count) {
+    for (int c = 0; c < ASDIC_COMPONENT_COUNT; c++) {
+        float most_db = -INFINITY;
+        for (size_t i = 0; i < count; i++) {
+            most_db = record->level_db[c][i] > most_db ? record->level_db[c][i] : most_db;
+        }
+        statistics->has[c] = statistics->has[c] || most_db > -INFINITY;
+        if (c == ASDIC_TOTAL || c == ASDIC_OBJECT) {
+            statistics->most_db = fmax(statistics->most_db, (double)most_db);
+        }
+    }
+}
+
 void asdic_statistics_add(asdic_statistics *statistics, const asdic_record *record, size_t cells) {
     counts *c = statistics->counts;
     add_levels(c, record->level_db[ASDIC_TOTAL], cells);
     add_shown(c, statistics, record->level_db[ASDIC_TOTAL], cells);
     add_errors(c, record->stderr_db, cells);
     add_heard(c, record, cells);
+    add_most(statistics, record, cells);
     statistics->rays += record->rays;
     statistics->saturated += record->saturated;
     statistics->first_time_s = c->records == 0 ? record->time_s : statistics->first_time_s;

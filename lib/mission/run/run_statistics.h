@@ -12,6 +12,8 @@ struct asdic_statistics_counts;
 typedef struct asdic_statistics {
     uint64_t rays, saturated;
     double first_time_s, last_time_s;
+    double most_db;                  /* the greatest level; -INFINITY without one */
+    bool has[ASDIC_COMPONENT_COUNT]; /* a level */
     /* Known at the end: */
     double low_db, high_db;                   /* window of the levels, rounded outwards to 10 dB */
     double shown_low_db, shown_high_db;       /* the same with the gain */
