@@ -166,7 +166,7 @@ static const cli_option options[] = {
     {"db-range", 0, "LO:HI", "window of the levels; default: that of the run, to 10 dB"},
     {"colormap", 0, "NAME", "viridis, cividis, inferno, gray or copper"},
     {"tvg", 0, "K", "show levels + K log r + 2 alpha r, alpha being the scene's absorption"},
-    {"beam", 0, "NAME", "this beam only"},
+    {"beam", 0, "NAME", "waterfall, A-scope and raw picture, and the fan of a scan, of this beam"},
     {"ping", 0, "N", "A-scope and fan of this ping, instead of the first and the last"},
     {"format", 0, "FORMAT", "auto, png, pdf or svg; auto: by the name of the file, else PNG"},
     {"output", 'o', "FILE",

@@ -328,6 +328,7 @@ def test_render_draws_again():
         tap.equal(int(gained["db_high"]) >= window[0][1] + 20, True, "the window's end goes along")
         tap.equal((int(scope["db_low"]), int(scope["db_high"]), scope["gain"]), window[1], "A-scope")
         for arguments in (["--beam", "sideways"], ["--ping", "3"], ["--colormap", "jet"],
+                          ["--images", "overview,plan", "--beam", "down"], ["--images", "waterfall", "--ping", "1"],
                           ["--db-range", "5:-5"], ["--images", "portrait"], ["--tvg", "x"]):
             asdic("render", run, *arguments).check(code=2)
         asdic("render", folder.path).check(code=3)

@@ -142,6 +142,25 @@ static size_t count_pictures(const asdic_render *r) {
            (wants(r, ASDIC_IMAGE_ASCOPE) + wants(r, ASDIC_IMAGE_FAN)) * pings;
 }
 
+/* A beam or ping that is chosen must be that of a picture which is asked for by name. */
+static asdic_status check_choice(const asdic_render *r) {
+    const unsigned ascope = 1u << ASDIC_IMAGE_ASCOPE, fan = 1u << ASDIC_IMAGE_FAN;
+    unsigned of_beam = ascope | 1u << ASDIC_IMAGE_WATERFALL;
+    of_beam |= r->run->settings.sweep.directions > 0 ? fan : 0;
+    if (r->options.images && r->options.beam && !r->options.raw && !(r->options.images & of_beam)) {
+        return asdic_fail(r->ctx, ASDIC_ERROR_ARGUMENT,
+                          "beam '%s': waterfalls, A-scopes, raw pictures and the fan of a scan are "
+                          "of one beam; none of them is asked for",
+                          r->options.beam);
+    }
+    if (r->options.images && r->options.ping != SIZE_MAX && !(r->options.images & (ascope | fan))) {
+        return asdic_fail(r->ctx, ASDIC_ERROR_ARGUMENT,
+                          "ping %zu: A-scopes and fans are of one ping; neither is asked for",
+                          r->options.ping);
+    }
+    return ASDIC_OK;
+}
+
 static asdic_status check_output(const asdic_render *r) {
     size_t count = count_pictures(r);
     bool is_vector =
@@ -194,6 +213,7 @@ static asdic_status plan(asdic_render *r) {
     if (r->info.pings == 0) {
         return asdic_fail(r->ctx, ASDIC_ERROR_INPUT, "'%s' holds no ping to draw", r->run->folder);
     }
+    TRY(check_choice(r));
     drop_impossible(r);
     r->plan = (asdic_summary_plan){.sonar = r->info.sonar,
                                    .environment = r->info.environment,
