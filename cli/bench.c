@@ -140,6 +140,8 @@ int bench_run(cli *c, const bench_kind *kinds) {
                .quick = cli_given(c, "quick"),
                .json = cli_given(c, "json"),
                .picture = cli_text(c, "picture")};
+    const char *output = cli_text(c, "output");
+    bool is_stdout = output && strcmp(output, "-") == 0;
     size_t operands = cli_operand_count(c) - 1;
     uint64_t threads = 0;
     cli_integer(c, "threads", 1, 64, &threads);
@@ -159,6 +161,13 @@ int bench_run(cli *c, const bench_kind *kinds) {
     if (b.picture && !kind->draws) {
         return cli_usage(c, "'bench %s' draws nothing; -o writes a table", kind->name);
     }
+    if (is_stdout && b.json) {
+        return cli_usage(c, "-o - and --json are two tables on standard output; give one of them");
+    }
+    if (!cli_may_write(c, b.picture) || !cli_may_write(c, output)) {
+        return CLI_FAILED;
+    }
+    b.is_silent = b.json || is_stdout;
     b.threads = limit_threads(threads, kind->threads);
     return measure(&b);
 }

@@ -39,6 +39,7 @@ typedef struct bench {
     const struct bench_kind *kind;
     bench_table *table;
     bool quick, json;
+    bool is_silent;      /* standard output is for JSON or CSV alone */
     unsigned threads;    /* of the device; 0: as many as it likes */
     const char *picture; /* NULL: none */
 } bench;

@@ -86,7 +86,7 @@ static void print_row(const bench_table *t, const bench_cell *cells) {
 }
 
 void bench_add(bench *b, const bench_cell *cells) {
-    if (!b->json) {
+    if (!b->is_silent) {
         if (b->table->row_count == 0) {
             print_headings(b->table, cells);
         }
@@ -98,7 +98,7 @@ void bench_add(bench *b, const bench_cell *cells) {
 void bench_say(const bench *b, const char *format, ...) {
     va_list arguments;
     va_start(arguments, format);
-    if (!b->json) {
+    if (!b->is_silent) {
         vprintf(format, arguments);
         fflush(stdout);
     }
@@ -163,6 +163,10 @@ static void put_rows(const bench_table *t, FILE *file) {
 /* The file has its own name only when it is complete. */
 int bench_table_csv(const bench *b, const char *path) {
     char *part = NULL;
+    if (strcmp(path, "-") == 0) {
+        put_rows(b->table, stdout);
+        return CLI_OK;
+    }
     FILE *file = asprintf(&part, "%s.part", path) < 0 ? NULL : fopen(part, "w");
     bool good = file != NULL;
     if (file) {

@@ -109,6 +109,10 @@ bool cli_vary(cli *c, size_t most, char **key, const char **values, size_t *coun
 extern const char *const cli_target_names[];
 bool cli_bad_usage(const cli *c);
 
+/* Whether a file may be written to PATH: none is there or the command's --force is given; so may NULL, "-", pipes
+ * and devices. False after a report. */
+bool cli_may_write(cli *c, const char *path);
+
 /* The mission of the first operand, with RAYS a ping in place of what its scene says; 0: as it says. */
 asdic_status cli_load_rays(cli *c, uint64_t rays, asdic_mission **out);
 

@@ -5,7 +5,6 @@
 
 #include <string.h>
 #include <strings.h>
-#include <unistd.h>
 
 /* Whether PATH ends in one of WORDS, which end with NULL, upper or lower case. */
 static bool has_suffix(const char *path, const char *const *words) {
@@ -50,8 +49,7 @@ static int write_track(cli *c) {
     }
     if (strcmp(path, "-") == 0) {
         path = "/dev/stdout";
-    } else if (access(path, F_OK) == 0 && !cli_given(c, "force")) {
-        cli_error(c, "'%s' exists; --force overwrites it", path);
+    } else if (!cli_may_write(c, path)) {
         return CLI_FAILED;
     }
     asdic_mission *mission = NULL;

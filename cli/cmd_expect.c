@@ -5,7 +5,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 static const cli_option options[] = {
     {"output", 'o', "FILE.csv", "where the levels go, else expected_SCENE.csv; '-' is stdout"},
@@ -34,14 +33,6 @@ static char *default_output(const char *scene) {
     int length = name ? asprintf(&path, "expected_%s.csv", name) : -1;
     free(name);
     return length < 0 ? NULL : path;
-}
-
-static bool may_write(cli *c, const char *path) {
-    if (strcmp(path, "-") != 0 && !cli_given(c, "force") && access(path, F_OK) == 0) {
-        cli_error(c, "'%s' exists; --force overwrites it", path);
-        return false;
-    }
-    return true;
 }
 
 /* Levels of one component of one beam as the pictures take them. */
@@ -154,7 +145,7 @@ static int write_levels(cli *c, const expect_scene *scene) {
         code = cli_end(c, ASDIC_ERROR_MEMORY);
     } else if (picture && (strcmp(picture, "-") == 0 || strcmp(picture, path) == 0)) {
         code = cli_usage(c, "--picture %s: a picture goes to a file of its own", picture);
-    } else if (may_write(c, path) && (!picture || may_write(c, picture))) {
+    } else if (cli_may_write(c, path) && cli_may_write(c, picture)) {
         asdic_status status =
             asdic_ping_create(cli_context(c), scene->sonar.receiver_count, scene->bins, &ping);
         code = cli_end(c, status ? status : compute(c, path, scene, ping));

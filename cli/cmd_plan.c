@@ -259,6 +259,10 @@ static int run(cli *c) {
         asdic_mission_destroy(&mission);
         return CLI_USAGE;
     }
+    if (!status && !cli_may_write(c, cli_text(c, "picture"))) {
+        asdic_mission_destroy(&mission);
+        return CLI_FAILED;
+    }
     if (!status) {
         status = show(c, mission);
     }
@@ -270,6 +274,7 @@ static const cli_option options[] = {
     {"no-forecast", 0, NULL, "leave out the measured forecast; needs no device"},
     {"refraction", 0, "WORD", "full, layer or off, else as the scene says"},
     {"picture", 0, "FILE", "draw rays of the first ping over depth and range: .png, .pdf or .svg"},
+    {"force", 'f', NULL, "overwrite that file"},
     {NULL, 0, NULL, NULL},
 };
 

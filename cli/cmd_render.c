@@ -5,7 +5,6 @@
 #include <math.h>
 #include <string.h>
 #include <strings.h>
-#include <sys/stat.h>
 
 /* Names of pictures in a list with commas, as bits. */
 static bool read_images(cli *c, unsigned *images) {
@@ -48,16 +47,6 @@ static asdic_status set_gain(cli *c, const char *folder, double db_per_decade,
     return status;
 }
 
-static bool may_write(cli *c, const char *path) {
-    struct stat st;
-    if (path && strcmp(path, "-") != 0 && !cli_given(c, "force") && stat(path, &st) == 0 &&
-        S_ISREG(st.st_mode)) {
-        cli_error(c, "'%s' exists; --force overwrites it", path);
-        return false;
-    }
-    return true;
-}
-
 /* Whether a picture that goes to PATH is no PNG. */
 static bool is_vector(const char *path, asdic_picture_format format) {
     const char *ending = path + render_stem(path);
@@ -96,7 +85,7 @@ static bool may_write_mosaic(cli *c, const char *path) {
         return true;
     }
     snprintf(world, sizeof world, "%.*s.pgw", (int)render_stem(path), path);
-    return may_write(c, path) && may_write(c, world);
+    return cli_may_write(c, path) && cli_may_write(c, world);
 }
 
 static int run(cli *c) {
@@ -141,7 +130,8 @@ static int run(cli *c) {
     if (cli_bad_usage(c) || !check_mosaic(c, mosaic)) {
         return CLI_USAGE;
     }
-    if (!may_write(c, options.path) || !may_write(c, video) || !may_write_mosaic(c, mosaic)) {
+    if (!cli_may_write(c, options.path) || !cli_may_write(c, video) ||
+        !may_write_mosaic(c, mosaic)) {
         return CLI_FAILED;
     }
     asdic_status status = cli_given(c, "tvg") ? set_gain(c, folder, gain, &options) : ASDIC_OK;

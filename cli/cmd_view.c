@@ -19,7 +19,7 @@ static const cli_option options[] = {
     {"db-range", 0, "LOW:HIGH",
      "window of levels, dB; default: that of a run's pictures, of the first ping"},
     {"colormap", 0, "NAME", "viridis, cividis, inferno, gray or copper; default inferno"},
-    {"force", 'f', NULL, "replace snapshots that exist"},
+    {"force", 'f', NULL, "replace a video or snapshots that exist"},
     {NULL, 0, NULL, NULL},
 };
 

@@ -6,6 +6,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 asdic_context *cli_context(const cli *c) {
     return c->ctx;
@@ -34,6 +35,16 @@ bool cli_given(const cli *c, const char *option) {
 
 bool cli_bad_usage(const cli *c) {
     return c->bad_usage;
+}
+
+bool cli_may_write(cli *c, const char *path) {
+    struct stat st;
+    if (path && strcmp(path, "-") != 0 && !cli_given(c, "force") && stat(path, &st) == 0 &&
+        S_ISREG(st.st_mode)) {
+        cli_error(c, "'%s' exists; --force overwrites it", path);
+        return false;
+    }
+    return true;
 }
 
 static void bad(cli *c, const char *option, const char *expected) {

@@ -63,6 +63,9 @@ int view_stream(view_job *job, const char *path) {
     bool is_stdout = strcmp(path, "-") == 0, is_broken = false;
     FILE *out = stdout;
     signal(SIGPIPE, SIG_IGN); /* a player that was closed must not cost the recording */
+    if (!cli_may_write(job->c, path)) {
+        return CLI_FAILED;
+    }
     if (!is_stdout) {
         out = fopen(path, "wb");
         if (!out) {

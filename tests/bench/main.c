@@ -4,11 +4,12 @@
 #include "kinds.h"
 
 static const cli_option options[] = {
-    {"output", 'o', "FILE.csv", "write the figures as CSV too"},
+    {"output", 'o', "FILE.csv", "write the figures as CSV too; - in place of the table"},
     {"picture", 0, "FILE", "fan: draw the curves too: .png, .pdf or .svg"},
     {"quick", 0, NULL, "a rougher answer in a fraction of the time"},
     {"threads", 0, "N", "threads of a processor as device; of rays 1 unless given"},
     {"kernel", 0, "NAME", "beside: a form of the ray kernel instead of the fastest"},
+    {"force", 'f', NULL, "overwrite what exists"},
     {NULL, 0, NULL, NULL},
 };
 

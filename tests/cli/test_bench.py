@@ -130,6 +130,22 @@ def test_pings_of_floors_and_scenes():
     check_pings(found)
 
 
+def test_tables_go_where_they_are_sent():
+    """Alone to standard output, and not over what is there."""
+    program.need_device()
+    flat = os.path.join(SCENES, "bench_flat.yaml")
+    with Folder() as folder:
+        out = asdic("bench", "loop", "--quick", "-o", "-", flat, cwd=folder.path).check(code=0).out
+        row, = csv.DictReader(io.StringIO(out))
+        tap.equal((row["scene"], folder.names()), ("bench_flat", []))
+        asdic("bench", "loop", "-o", "-", "--json", flat).check(code=2)
+        for option in "-o", "--picture":
+            kept = folder.write("kept.svg", "kept")
+            err = asdic("bench", "pings", "--quick", option, kept, flat).check(code=1).err
+            tap.contains(err, "kept.svg' exists; --force overwrites it")
+            tap.equal(folder.read("kept.svg"), "kept")
+
+
 def test_loop_of_a_scene():
     program.need_device()
     out = asdic("bench", "loop", "--quick", "--json", os.path.join(SCENES, "bench_flat.yaml")).check(code=0).out

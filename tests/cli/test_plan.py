@@ -84,12 +84,14 @@ def test_the_picture_is_of_the_first_ping():
         drawn = set()
         for mission in "pose: {position_m: [0, 0, 7]}", "pings: 2, track: track.csv":
             path = folder.write("scene.yaml", LAYERS.replace("pose: {position_m: [0, 0, 7]}", mission) % "[12, 1470]")
-            done = asdic("plan", path, "--no-forecast", "--picture", folder / "rays.svg", **NO_DEVICE)
+            done = asdic("plan", path, "--no-forecast", "--picture", folder / "rays.svg", "-f", **NO_DEVICE)
             if "without cairo" in done.err:
                 raise tap.Skip("built without cairo")
             done.check(code=0)
             drawn.add(folder.read("rays.svg"))
         tap.equal(len(drawn), 1, "pictures")
+        done = asdic("plan", path, "--no-forecast", "--picture", folder / "rays.svg", **NO_DEVICE).check(code=1)
+        tap.contains(done.err, "rays.svg' exists; --force overwrites it")
 
 
 def test_the_forecast_adds_up():

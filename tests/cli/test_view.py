@@ -320,6 +320,9 @@ def test_keys_and_mistakes():
             view(scene, "--snapshot", "1", "--keys", keys, "-o", folder / "v", code=2)
         view(scene, "--snapshot", "9", "--pings", "3", "-o", folder / "v", code=2)
         view(scene, "--y4m", folder / "no/such", code=1)
+        kept = folder.write("kept.y4m", "a film")
+        tap.contains(view(scene, "--y4m", kept, code=1).err, "kept.y4m' exists; --force overwrites it")
+        tap.equal(folder.read("kept.y4m"), "a film")
         view(scene, "--y4m", "-", "--size", "100x100", code=2)
         view("nowhere.yaml", "--y4m", "-", code=3)
 
