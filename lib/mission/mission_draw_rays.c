@@ -16,77 +16,96 @@
 /* Rays from -STEEPEST to STEEPEST degrees of elevation, one a degree. */
 #define STEEPEST 20
 #define RAYS (2 * STEEPEST + 1)
-#define POINTS 400
+/* Of a ray, evenly in time; besides there is one where it enters another layer. */
+#define POINTS 200
 
 /* By where a ray ends: nowhere, on the bottom, on the surface. */
 static const uint32_t colours[] = {0x808080, 0x8c510a, 0x2166ac};
 static const char *const labels[] = {"rays that end nowhere within range",
                                      "rays that end on the bottom", "rays that end on the surface"};
 
+/* In a sound channel a ray may enter layers without end. */
+typedef struct line {
+    double *x, *y;
+    size_t count, room;
+} line;
+
 typedef struct drawing {
     asdic_layers layers;
     double depth_m, time_s; /* of the sonar; of the last bin, one way */
-    double x[RAYS + 2][POINTS], y[RAYS + 2][POINTS];
+    line lines[RAYS + 2];
     asdic_series series[RAYS + 2];
     size_t count;
+    bool is_memory_short;
 } drawing;
 
-static void add_point(asdic_series *series, double *x, double *y, const asdic_bent_ray *ray) {
-    if (series->count < POINTS) {
-        x[series->count] = ray->level_spm * ray->area_m2_per_s;
-        y[series->count++] = -ray->z_m;
+static void add_point(drawing *d, double x, double y) {
+    line *l = &d->lines[d->count];
+    if (l->count == l->room) {
+        size_t room = l->room ? 2 * l->room : POINTS;
+        double *more_x = realloc(l->x, room * sizeof *l->x);
+        l->x = more_x ? more_x : l->x;
+        double *more_y = realloc(l->y, room * sizeof *l->y);
+        l->y = more_y ? more_y : l->y;
+        d->is_memory_short = d->is_memory_short || !more_x || !more_y;
+        l->room = d->is_memory_short ? l->room : room;
+    }
+    if (!d->is_memory_short) {
+        l->x[l->count] = x;
+        l->y[l->count++] = y;
     }
 }
 
+static void add_place(drawing *d, const asdic_bent_ray *ray) {
+    add_point(d, ray->level_spm * ray->area_m2_per_s, -ray->z_m);
+}
+
+/* The line of these points. */
+static void add_series(drawing *d, const char *label, uint32_t rgb, double width) {
+    const line *l = &d->lines[d->count];
+    d->series[d->count++] = (asdic_series){
+        .label = label, .x = l->x, .y = l->y, .count = l->count, .rgb = rgb, .width = width};
+}
+
 /* Follows a ray, with points that are even in time; returns where it ends, as colours. */
-static int follow(const drawing *d, double elevation_rad, asdic_series *series, double *x,
-                  double *y) {
+static int follow(drawing *d, double elevation_rad) {
     asdic_bent_ray ray = asdic_bent_ray_start(&d->layers, d->depth_m, elevation_rad);
-    const double step_s = d->time_s / (POINTS / 2);
-    add_point(series, x, y, &ray);
-    while (series->count < POINTS) {
+    const double step_s = d->time_s / POINTS;
+    add_place(d, &ray);
+    for (;;) {
         int way;
         double exit_s = asdic_bent_ray_exit(&d->layers, &ray, &way);
         double end_s = fmin(exit_s, d->time_s - ray.time_s);
         for (double t = step_s; t < end_s; t += step_s) {
             asdic_bent_ray later = asdic_bent_ray_later(&d->layers, &ray, t);
-            add_point(series, x, y, &later);
+            add_place(d, &later);
         }
         if (!(exit_s <= d->time_s - ray.time_s)) {
             ray = asdic_bent_ray_later(&d->layers, &ray, end_s);
-            add_point(series, x, y, &ray);
+            add_place(d, &ray);
             return 0;
         }
         ray = asdic_bent_ray_at_plane(&d->layers, &ray, exit_s, way);
-        add_point(series, x, y, &ray);
+        add_place(d, &ray);
         if (!asdic_bent_ray_cross(&d->layers, &ray, way)) {
             return way > 0 ? 1 : 2;
         }
     }
-    return 0;
 }
 
 static void add_rays(drawing *d) {
     bool is_named[3] = {false, false, false};
     for (int i = 0; i < RAYS; i++) {
-        asdic_series *series = &d->series[d->count];
-        double *x = d->x[d->count], *y = d->y[d->count];
-        *series = (asdic_series){.x = x, .y = y, .width = 1.0};
-        int end = follow(d, (i - STEEPEST) * ASDIC_PI / 180.0, series, x, y);
-        series->rgb = colours[end];
-        series->label = is_named[end] ? NULL : labels[end];
+        int end = follow(d, (i - STEEPEST) * ASDIC_PI / 180.0);
+        add_series(d, is_named[end] ? NULL : labels[end], colours[end], 1.0);
         is_named[end] = true;
-        d->count++;
     }
 }
 
-static void add_plane(drawing *d, double depth_m, double range_m, const char *label) {
-    double *x = d->x[d->count], *y = d->y[d->count];
-    x[0] = 0.0;
-    x[1] = range_m;
-    y[0] = y[1] = -depth_m;
-    d->series[d->count++] =
-        (asdic_series){.label = label, .x = x, .y = y, .count = 2, .rgb = 0x202020, .width = 2.5};
+static void add_plane(drawing *d, double depth_m, double range_m) {
+    add_point(d, 0.0, -depth_m);
+    add_point(d, range_m, -depth_m);
+    add_series(d, NULL, 0x202020, 2.5);
 }
 
 /* The depths that rays reach. */
@@ -94,8 +113,8 @@ static void find_depths(const drawing *d, double *low, double *high) {
     *low = *high = -d->depth_m;
     for (size_t i = 0; i < d->count; i++) {
         for (size_t k = 0; k < d->series[i].count; k++) {
-            *low = fmin(*low, d->y[i][k]);
-            *high = fmax(*high, d->y[i][k]);
+            *low = fmin(*low, d->lines[i].y[k]);
+            *high = fmax(*high, d->lines[i].y[k]);
         }
     }
     double margin = fmax(0.05 * (*high - *low), 0.1);
@@ -126,10 +145,14 @@ asdic_status asdic_mission_draw_rays(asdic_context *ctx, const asdic_mission *mi
     asdic_layers_between(env, &flat, &d->layers);
     add_rays(d);
     if (flat.has_surface) {
-        add_plane(d, 0.0, range_m, NULL);
+        add_plane(d, 0.0, range_m);
     }
     if (flat.has_bottom) {
-        add_plane(d, flat.depth_m + flat.altitude_m, range_m, NULL);
+        add_plane(d, flat.depth_m + flat.altitude_m, range_m);
+    }
+    if (d->is_memory_short) {
+        status = asdic_fail_memory(ctx, "a picture of rays");
+        goto done;
     }
     find_depths(d, &low, &high);
     const asdic_plot plot = {
@@ -144,6 +167,10 @@ asdic_status asdic_mission_draw_rays(asdic_context *ctx, const asdic_mission *mi
     look.title = title;
     status = asdic_picture_plot(ctx, path, &plot, 1, &look);
 done:
+    for (size_t i = 0; d && i < RAYS + 2; i++) {
+        free(d->lines[i].x);
+        free(d->lines[i].y);
+    }
     free(name);
     free(d);
     return status;

@@ -590,6 +590,8 @@ static void check_ray(const asdic_series *s, double angle_rad, double range_m) {
     }
 }
 
+static bool is_channel;
+
 asdic_status __wrap_asdic_picture_plot(asdic_context *ctx, const char *path,
                                        const asdic_plot *panels, size_t panel_count,
                                        const asdic_picture_options *options);
@@ -601,6 +603,12 @@ asdic_status __wrap_asdic_picture_plot(asdic_context *ctx, const char *path,
     (void)options;
     assert_int_equal(panel_count, 1);
     assert_int_equal(panels->series_count, 41 + 2); /* surface and bottom */
+    if (is_channel) { /* to the last bin, however many layers are entered on the way */
+        const asdic_series *s = &panels->series[20 + 7];
+        assert_true(s->count > 400);
+        assert_true(s->x[s->count - 1] > 0.97 * panels->x.high);
+        return ASDIC_OK;
+    }
     for (int i = 0; i < 41; i++) {
         check_ray(&panels->series[i], fabs(i - 20.0) * DEG, panels->x.high);
     }
@@ -612,6 +620,23 @@ asdic_status __wrap_asdic_picture_plot(asdic_context *ctx, const char *path,
     }
     assert_true(panels->y.low < -68.0 && panels->y.high > 0.0);
     return ASDIC_OK;
+}
+
+/* A ray that leaves at 7 degrees passes through 28 layers again and again. */
+static void rays_in_a_channel_are_drawn_to_their_end(void **state) {
+    const workshop *w = *state;
+    char rest[1500] =
+        "{pose: {position_m: [0, 0, 35]}}\nenvironment: {sound_speed_profile: [[0, 1490]";
+    for (int i = -14; i <= 14; i++) {
+        snprintf(rest + strlen(rest), sizeof rest - strlen(rest), ", [%.3f, %.1f]",
+                 35.0 + 0.025 * i, 1476.0 + abs(i) + 0.2 * (i & 1));
+    }
+    snprintf(rest + strlen(rest), sizeof rest - strlen(rest), ", [68, 1490]]}");
+    asdic_mission *m = load(w, "{depth_m: 68}", rest);
+    is_channel = true;
+    assert_int_equal(asdic_mission_draw_rays(w->ctx, m, 0, "rays.png"), ASDIC_OK);
+    is_channel = false;
+    asdic_mission_destroy(&m);
 }
 
 /* Heard to 186 m: rays end on the bottom from 10.2 degrees down on, 33 m / sin, and on the surface from 11.7 up on:
@@ -645,6 +670,7 @@ int main(void) {
         cmocka_unit_test(phase_is_needed_where_echoes_interfere),
         cmocka_unit_test(laws_leave_open_what_their_sources_state),
         cmocka_unit_test(drawn_rays_obey_snell),
+        cmocka_unit_test(rays_in_a_channel_are_drawn_to_their_end),
     };
     return cmocka_run_group_tests(tests, begin, end);
 }
