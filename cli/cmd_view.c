@@ -11,7 +11,8 @@ static const cli_option options[] = {
     {"output", 'o', "DIR", "where recordings and snapshots go; default of these: view_NAME"},
     {"pings", 0, "N", "end after N pings, or with the mission"},
     {"keys", 0, "T:KEY,...",
-     "press keys at seconds of the mission: 2:up,4:right,9:r; without a display none that pauses"},
+     "press keys at seconds after the first ping: 2:up,4:right,9:r; without a display none that "
+     "pauses"},
     {"rays", 0, "N", "rays per ping, instead of the scene's"},
     {"least-rays", 0, "N",
      "the floor of rays when the machine cannot follow; default: 80 a beam, 2000 at least"},

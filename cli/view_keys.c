@@ -54,7 +54,7 @@ bool view_read_keys(view_job *job, const char *text) {
 
 bool view_next(view_job *job, asdic_status *status) {
     asdic_view_clock clock = asdic_view_get_clock(job->view);
-    double next_s = clock.pings ? clock.time_s + 1.0 / job->rate_hz : 0.0;
+    double next_s = (double)clock.pings / job->rate_hz; /* after the first, whenever that was */
     if (asdic_context_interrupted(cli_context(job->c))) {
         *status = ASDIC_ERROR_INTERRUPTED;
         return false;

@@ -158,6 +158,9 @@ def test_snapshots_end_with_the_mission():
         tap.lacks(done.err, "--pings gives more")
         done = view(scene, "--snapshot", "2", "--pings", "6", "--keys", "0:b", *size, "-o", folder / "x", code=1)
         tap.contains(done.err, "ended after 3 pings, with 1 of 2 frames")
+        folder.write("way.csv", folder.read("way.csv").replace("\n0", "\n1000"))  # keys count from the first ping
+        done = view(scene, "--snapshot", "1", "--keys", "0.1:q", *size, "-o", folder / "y", code=1)
+        tap.contains(done.err, "ended after 2 pings, with 0 of 1 frames")
 
 
 def test_few_rays_make_a_fan_of_coarser_bins_not_of_dashes():
