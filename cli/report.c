@@ -157,7 +157,8 @@ int cli_end(const cli *c, asdic_status status) {
         return READER_LEFT;
     }
     if (status == ASDIC_ERROR_INTERRUPTED) {
-        cli_note(c, "%s", text[0] ? text : "interrupted");
+        const char *word = asdic_status_text(status); /* TEXT may be an earlier error, dealt with */
+        cli_note(c, "%s", strncmp(text, word, strlen(word)) == 0 ? text : word);
     } else if (status != ASDIC_OK) {
         cli_error(c, "%s", text[0] ? text : asdic_status_text(status));
     }

@@ -37,7 +37,7 @@ struct ros2_node {
     bool has_time;
     int64_t time_ns;
     dds_time_t began;
-    bool told_nobody, told_type;
+    bool told_nobody, told_type, told_pose;
 };
 
 static const struct {
@@ -239,11 +239,12 @@ static bool read_pose(ros2_node *n, struct ddsi_serdata *data) {
     n->pose_bytes = bytes;
     ddsi_serdata_to_ser(data, 0, size, bytes);
     asdic_context *ctx = cli_context(n->c);
-    if (asdic_ros_decode_pose(ctx, n->is_odometry, bytes, size, &n->stamped) != ASDIC_OK) {
+    bool good = asdic_ros_decode_pose(ctx, n->is_odometry, bytes, size, &n->stamped) == ASDIC_OK;
+    if (!good && !n->told_pose) { /* once, until a good one comes: poses come often */
         cli_warning(n->c, "%s: %s", n->pose.name, asdic_context_error(ctx));
-        return false;
     }
-    return true;
+    n->told_pose = !good;
+    return good;
 }
 
 bool ros2_node_take_pose(ros2_node *n, asdic_ros_stamped *out, uint64_t *passed) {
