@@ -206,6 +206,11 @@ static int serve(server *s) {
             break;
         }
         s->line++;
+        if (s->line == 1) {
+            size_t mark = asdic_utf8_mark(line, length);
+            line += mark;
+            length -= mark;
+        }
         serve_line kind =
             in.is_too_long ? SERVE_BAD : serve_read_line(&s->reader, line, length, &request, why);
         if (in.is_too_long) {

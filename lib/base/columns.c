@@ -118,9 +118,7 @@ static asdic_status read_row(columns_reader *r, const char *line) {
 }
 
 static asdic_status read_lines(columns_reader *r, char *text) {
-    if (strncmp(text, "\xef\xbb\xbf", 3) == 0) {
-        text += 3; /* a byte-order mark, as spreadsheets write it */
-    }
+    text += asdic_utf8_mark(text, strlen(text));
     for (char *line = text, *next; line; line = next) {
         next = strchr(line, '\n');
         if (next) {

@@ -2,6 +2,7 @@
 
 #include <stdbool.h>
 #include <stdint.h>
+#include <string.h>
 
 size_t asdic_utf8_character(const char *text, size_t left) {
     const unsigned char *p = (const unsigned char *)text;
@@ -24,4 +25,9 @@ size_t asdic_utf8_character(const char *text, size_t left) {
     }
     bool is_short = size == 3 ? code < 0x800 : size == 4 && (code < 0x10000 || code > 0x10ffff);
     return is_short || (code >= 0xd800 && code < 0xe000) ? 0 : size;
+}
+
+size_t asdic_utf8_mark(const char *text, size_t left) {
+    static const char mark[] = {'\xef', '\xbb', '\xbf'};
+    return text && left >= sizeof mark && memcmp(text, mark, sizeof mark) == 0 ? sizeof mark : 0;
 }

@@ -156,7 +156,7 @@ asdic_status asdic_mesh_scan_check_text(const asdic_mesh_scan *scan) {
         return asdic_mesh_scan_fail(scan, 0,
                                     "binary or UTF-16 where text is expected; save it as UTF-8");
     }
-    if (scan->size >= 3 && memcmp(scan->text, "\xef\xbb\xbf", 3) == 0) {
+    if (asdic_utf8_mark(scan->text, scan->size)) {
         return asdic_mesh_scan_fail(scan, 1, "starts with a byte order mark; save it without");
     }
     return ASDIC_OK;

@@ -40,6 +40,15 @@ def test_a_place_below_the_bottom_is_no_place():
         tap.equal("error" in above, False, above)
 
 
+def test_a_table_from_a_spreadsheet_is_read():
+    """A byte-order mark before the first line is no part of it."""
+    program.need_device()
+    with Folder() as folder:
+        for first in TRACK.strip(), POSES[0]:
+            answers = serve(folder, ["\ufeff" + first, POSES[1]]).out.splitlines()
+            tap.equal([json.loads(line).get("error") for line in answers], [None] * (1 + (first == POSES[0])))
+
+
 def test_levels_are_those_of_a_run():
     program.need_device()
     with Folder() as folder:

@@ -65,6 +65,10 @@ typedef struct asdic_pose {
  * thread. */
 ASDIC_API size_t asdic_utf8_character(const char *text, size_t left);
 
+/* How many bytes the byte-order mark has with which TEXT begins, as spreadsheets write it before
+ * UTF-8, of LEFT that may be read: 3, or 0 where there is none. Any thread. */
+ASDIC_API size_t asdic_utf8_mark(const char *text, size_t left);
+
 /* Longest name of a beam or object, terminating zero included. */
 #define ASDIC_NAME_SIZE 64
 

@@ -54,7 +54,7 @@ char *asdic_text_to_utf8(const char *bytes, size_t size, size_t *length) {
     if (size >= 2 && ((b[0] == 0xff && b[1] == 0xfe) || (b[0] == 0xfe && b[1] == 0xff))) {
         *length = utf16_to_utf8(b + 2, size - 2, b[0] == 0xfe, out);
     } else {
-        size_t mark = size >= 3 && memcmp(bytes, "\xef\xbb\xbf", 3) == 0 ? 3 : 0;
+        size_t mark = asdic_utf8_mark(bytes, size);
         *length = size - mark;
         memcpy(out, bytes + mark, *length);
     }

@@ -217,9 +217,7 @@ static void read_lines(track_reader *r, FILE *file) {
         while (length > 0 && (line[length - 1] == '\n' || line[length - 1] == '\r')) {
             line[--length] = '\0';
         }
-        if (r->line == 1 && strncmp(text, "\xef\xbb\xbf", 3) == 0) {
-            text += 3; /* a byte-order mark, as spreadsheets write it */
-        }
+        text += r->line == 1 ? asdic_utf8_mark(text, (size_t)length) : 0;
         if (text[strspn(text, " \t")] == '\0') {
             continue;
         }
