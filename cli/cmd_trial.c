@@ -313,7 +313,7 @@ static asdic_status replay_on(cli *c, request *r, asdic_device **devices, size_t
     }
     if (!status) {
         const char *cause = asdic_trial_cause_name(flown.cause);
-        cli_note(c, "%s: run %llu, %s%s%s%s%s, %zu pings; 'asdic view %s' shows it",
+        cli_note(c, "%s: run %llu, %s%s%s%s%s, %zu pings; 'asdic view %s/scene.yaml' shows it",
                  r->options.folder, (unsigned long long)r->replay_run,
                  asdic_trial_outcome_name(flown.outcome), *flown.what ? " of " : "", flown.what,
                  *cause ? ", " : "", cause, flown.pings, r->options.folder);

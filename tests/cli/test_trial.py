@@ -795,7 +795,8 @@ def test_a_run_can_be_seen_again():
     - {key: 'objects[0].position_m[0]', uniform: [55, 65]}
 """)
         asdic("trial", path, "--runs", 3, "-o", folder / "out").check(code=0)
-        asdic("trial", path, "--runs", 3, "--replay", 2, "-o", folder / "again").check(code=0)
+        done = asdic("trial", path, "--runs", 3, "--replay", 2, "-o", folder / "again").check(code=0)
+        tap.contains(done.err, f"'asdic view {folder / 'again'}/scene.yaml' shows it")
         before = data(folder, "again", "track.csv"), data(folder, "again", "scene.yaml")
         done = asdic("trial", path, "--runs", 3, "--replay", 1, "-o", folder / "again").check(code=1)
         tap.contains(done.err, "holds a scene, a track or a run already; use --force")
