@@ -297,6 +297,27 @@ static void keys_must_fit_together(void **state) {
     expect_edit("100\n", "100\n  bin_length_m: 75\n",
                 "5:17: error: 'bin_length_m' = 75 is more than the maximum range of 74.51 m, which "
                 "is c / (2 ping_rate_hz); lower it or 'ping_rate_hz'  [sonar.bin_length_m]\n");
+    /* What a wrong length has nothing to do with is said beside it. */
+    expect_edit("100\n", "100\n  max_range_m: 20\n  bin_length_m: 1001\n  blanking_m: 30\n",
+                "6:17: error: 'bin_length_m' = 1001 is out of range [0.001, 1000] m  "
+                "[sonar.bin_length_m]\n"
+                "7:15: error: 'blanking_m' = 30 is not below the maximum range of 20 m; lower it "
+                "or raise 'max_range_m'  [sonar.blanking_m]\n");
+    expect_edit("100\n", "100\n  max_range_m: 20\n  bin_length_m: 21\n  blanking_m: 10001\n",
+                "6:17: error: 'bin_length_m' = 21 is more than the maximum range of 20 m; lower it "
+                "or raise 'max_range_m'  [sonar.bin_length_m]\n"
+                "7:15: error: 'blanking_m' = 10001 is out of range [0.01, 10000] m  "
+                "[sonar.blanking_m]\n");
+    expect_edit("100\n", "100\n  max_range_m: 1.4\n  bin_length_m: 1001\n  blanking_m: 1.2\n",
+                "6:17: error: 'bin_length_m' = 1001 is out of range [0.001, 1000] m  "
+                "[sonar.bin_length_m]\n");
+    expect_edit("bottom: {depth_m: 12}",
+                "environment: {sound_speed_mps: 1500, sound_speed_gradient_per_s: -20}\n"
+                "bottom: {depth_m: 12}",
+                "2:66: error: 'sound_speed_gradient_per_s' = -20 takes the sound speed of 1500 "
+                "m/s at the surface to 1300 m/s at a depth of 10 m; the bottom is at 12 m: give a "
+                "'sound_speed_profile' that ends where the gradient does  "
+                "[environment.sound_speed_gradient_per_s]\n");
     expect_edit("100\n", "100\n  bandwidth_khz: 201\n",
                 "5:18: error: 'bandwidth_khz' = 201 is more than twice 'frequency_khz' = 100; the "
                 "band would begin below zero  [sonar.bandwidth_khz]\n");

@@ -158,7 +158,6 @@ void asdic_scene_file_check_bins(const asdic_scene_file *file, double depth_m,
                                  asdic_problems *problems) {
     const file_sonar *s = &file->sonar;
     if (!s->node || is_bad(s->node, "ping_rate_hz") || is_bad(s->node, "max_range_m") ||
-        is_bad(s->node, "bin_length_m") || is_bad(s->node, "blanking_m") ||
         is_bad(file->node, "environment")) {
         return;
     }
