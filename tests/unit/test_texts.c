@@ -475,6 +475,67 @@ static void maps(void **state) {
     }
 }
 
+/* The middle of the label TEXT of an axis: of east's, the lowest, across; of north's, the leftmost, down. */
+static double label_px(const char *text, bool is_east) {
+    const struct box *found = NULL;
+    for (size_t i = 0; i < box_count; i++) {
+        const struct box *b = &boxes[i];
+        bool is_it = strcmp(b->text, text) == 0;
+        found = is_it && (!found || (is_east ? b->top > found->top : b->left < found->left))
+                    ? b
+                    : found;
+    }
+    assert_non_null(found);
+    return is_east ? 0.5 * (found->left + found->right) : 0.5 * (found->top + found->bottom);
+}
+
+/* How many rows from TOP to BOTTOM are red at X, or some pixels beside: ink is not even about the middle of a label. */
+static size_t reds(cairo_surface_t *page, double x, double top, double bottom) {
+    size_t count = 0, stride = (size_t)cairo_image_surface_get_stride(page);
+    for (double y = ceil(top); y < bottom; y += 1.0) {
+        const unsigned char *row = cairo_image_surface_get_data(page) + (size_t)y * stride;
+        bool is_red = false;
+        for (size_t column = (size_t)x - 4; column <= (size_t)x + 4; column++) {
+            uint32_t pixel;
+            memcpy(&pixel, row + 4 * column, sizeof pixel);
+            is_red = is_red || (pixel & 0xffffffu) == 0xff0000u;
+        }
+        count += is_red;
+    }
+    return count;
+}
+
+/* The way from 10 m north to 30 lies there by the axes, and the greatest value is on top of its scale. */
+static void maps_are_to_their_scales(void **state) {
+    (void)state;
+    static const float values[100 * 100];
+    static const double east_m[2] = {30, 30}, north_m[2] = {10, 30};
+    const asdic_series way = {
+        .label = "way", .x = east_m, .y = north_m, .count = 2, .width = 2, .rgb = 0xff0000};
+    const asdic_map map = {.values = values,
+                           .rows = 100,
+                           .columns = 100,
+                           .cell_m = 0.5,
+                           .label = "value",
+                           .lines = &way,
+                           .line_count = 1};
+    asdic_picture_options options = options_of("map");
+    options.db_low = 700;
+    options.db_high = 900;
+    box_count = 0;
+    assert_ok(t.ctx, asdic_picture_map(t.ctx, path, &map, &options));
+    assert_true(only("900")->bottom < only("700")->top);
+    double x = label_px("30", true), north = label_px("30", false), south = label_px("10", false);
+    double px_per_m = (south - north) / 20.0;
+    box_count = 0;
+    cairo_surface_t *page = cairo_image_surface_create_from_png(path);
+    assert_int_equal(cairo_surface_status(page), CAIRO_STATUS_SUCCESS);
+    assert_close((double)reds(page, x, north, south), south - north, 3.0);
+    assert_int_equal(reds(page, x, north - 15.0 * px_per_m, north - px_per_m), 0);
+    assert_int_equal(reds(page, x, south + px_per_m, south + 9.0 * px_per_m), 0);
+    cairo_surface_destroy(page);
+}
+
 /* Eight variants: long names, curves that lie close together. */
 static void rocs(void **state) {
     (void)state;
@@ -582,6 +643,7 @@ int main(void) {
         cmocka_unit_test(names_go_where_there_is_room),
         cmocka_unit_test(names_go_up_to_80_px_off),
         cmocka_unit_test(maps),
+        cmocka_unit_test(maps_are_to_their_scales),
         cmocka_unit_test(rocs),
         cmocka_unit_test(views),
     };

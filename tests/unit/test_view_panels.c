@@ -281,6 +281,32 @@ static size_t whites(const asdic_view *v, double low, double high) {
     return count;
 }
 
+/* The seconds that a waterfall's axis tells, in their order, of a frame of TIMES 640 by 360 pixels. */
+static size_t told_ago_s(unsigned times, double ago_s[20]) {
+    asdic_view_options o = small();
+    size_t count = 0;
+    o.width *= times;
+    o.height *= times;
+    asdic_view *v = try_view(THREE, "sampling: {rays: 256}", &o, ASDIC_OK);
+    step(v, 1);
+    draw(v);
+    for (size_t i = 0; i < word_count && count < 20; i++) {
+        count += sscanf(words[i].text, "\u2212%lf s", &ago_s[count]) == 1;
+    }
+    close_view(v);
+    return count;
+}
+
+/* Words grow with the frame, and the room between them: one of twice the width and height has the same labels. */
+static void larger_frames_have_larger_words_not_more(void **state) {
+    (void)state;
+    double small_s[20], large_s[20];
+    size_t count = told_ago_s(2, small_s);
+    assert_true(count >= 2);
+    assert_int_equal(told_ago_s(4, large_s), count);
+    assert_memory_equal(small_s, large_s, count * sizeof *small_s);
+}
+
 /* Pixels of the A-scope that are red, from LOW to HIGH of its width. */
 static size_t reds(const asdic_view *v, double low, double high) {
     asdic_view_image frame = asdic_view_get_frame(v);
@@ -561,6 +587,15 @@ static void the_map_is_to_scale(void **state) {
     draw(v);
     const asdic_box box = v->layout.plan;
     double side_m = v->relief.cell_m * (double)v->relief.rows, length_m = NAN, bar_px = NAN;
+    size_t norths = 0;
+    for (size_t i = 0; i < word_count; i++) { /* below the arrow, which ends 26 px down */
+        bool is_north = strcmp(words[i].text, "N") == 0;
+        norths += is_north;
+        assert_true(!is_north || (words[i].x > box.x + 0.5 * box.w && words[i].x < box.x + box.w &&
+                                  words[i].y > box.y + 26.0 * v->layout.scale &&
+                                  words[i].y < box.y + 60.0 * v->layout.scale));
+    }
+    assert_int_equal(norths, 1);
     for (size_t i = 0; i < word_count && isnan(length_m); i++) {
         char *end;
         double value = strtod(words[i].text, &end);
@@ -698,6 +733,7 @@ int main(void) {
         cmocka_unit_test(the_status_says_what_is),
         cmocka_unit_test(axes_are_even),
         cmocka_unit_test(a_lone_bin_is_a_dot),
+        cmocka_unit_test(larger_frames_have_larger_words_not_more),
         cmocka_unit_test(what_stands_out_is_red),
         cmocka_unit_test(panels_fill_the_frame),
         cmocka_unit_test(the_map_is_to_scale),
