@@ -214,6 +214,35 @@ static void recordings_are_written_at_the_end(void **state) {
     assert_int_equal(system(command), 0);
 }
 
+/* Who interrupts the program, as by Ctrl-C, has the recording all the same, and the program still sees it. */
+static void recordings_are_written_whole_when_interrupted(void **state) {
+    (void)state;
+    asdic_view_options o = small();
+    char folder[] = "/tmp/asdic-view-XXXXXX", command[64], run[64];
+    assert_non_null(mkdtemp(folder));
+    snprintf(command, sizeof command, "rm -r %s", folder);
+    snprintf(run, sizeof run, "%s/000", folder);
+    o.folder = folder;
+    asdic_context *others = t.ctx, *own = NULL; /* that stays interrupted */
+    assert_int_equal(asdic_context_create(&own), ASDIC_OK);
+    t.ctx = own;
+    asdic_view *v = try_view("[{name: a}]", "sampling: {rays: 256}", &o, ASDIC_OK);
+    t.ctx = others;
+    assert_true(asdic_view_press(v, "r"));
+    step(v, 2);
+    asdic_context_interrupt(own);
+    assert_ok(own, asdic_view_stop(v));
+    assert_contains(v->message, "recorded 2 pings to");
+    assert_true(asdic_context_interrupted(own));
+    close_view(v);
+    asdic_run *opened = NULL;
+    assert_ok(others, asdic_run_open(others, run, &opened));
+    assert_int_equal(asdic_run_get_info(opened).pings, 2);
+    asdic_run_close(&opened);
+    asdic_context_destroy(&own);
+    assert_int_equal(system(command), 0);
+}
+
 /* The first number that is free, three digits; a recording of no pings leaves nothing. */
 static void recordings_have_numbers(void **state) {
     (void)state;
@@ -507,6 +536,7 @@ int main(void) {
         cmocka_unit_test(the_history_is_a_ring),
         cmocka_unit_test(bins_of_few_rays_are_joined),
         cmocka_unit_test(recordings_are_written_at_the_end),
+        cmocka_unit_test(recordings_are_written_whole_when_interrupted),
         cmocka_unit_test(recordings_have_numbers),
         cmocka_unit_test(slow_machines_get_fewer_rays),
         cmocka_unit_test(rays_are_enough_for_every_bin),
