@@ -198,24 +198,59 @@ static void remus_balances_in_its_circle(void **state) {
     }
 }
 
-/* Radius of the full-rudder circle with a sideways drag of Y_VV: surge, sway and yaw of Prestero
- * (2001), typed from his tables again, integrated until they are steady. */
+/* Changes of surge, sway and yaw rate with a sideways drag of Y_VV, of a vehicle that wants SPEED: Prestero (2001),
+ * typed from his tables again. */
+static void change(double speed, double y_vv, double u, double v, double r, double rudder,
+                   double out[3]) {
+    const double mass = 30.48;
+    double x = -1.62 * (u * u - speed * speed) + (35.5 + mass) * v * r - 1.93 * r * r;
+    double y = y_vv * v * fabs(v) + 0.632 * r * fabs(r) - 28.6 * u * v + (5.22 - mass) * u * r +
+               9.64 * u * u * rudder;
+    double n = -3.18 * v * fabs(v) - 94.0 * r * fabs(r) - 24.0 * u * v - 2.0 * u * r -
+               6.15 * u * u * rudder;
+    /* (m - Y_vdot) v' - Y_rdot r' = y; -N_vdot v' + (I_zz - N_rdot) r' = n */
+    double a = mass + 35.5, b = -1.93, c = -1.93, d = 3.45 + 4.88, det = a * d - b * c;
+    out[0] = x / (mass + 0.93);
+    out[1] = (d * y - b * n) / det;
+    out[2] = (a * n - c * y) / det;
+}
+
+/* Radius of the full-rudder circle: integrated until all is steady. */
 static double circle_m(double y_vv) {
-    const double mass = 30.48, rudder = -13.6 * ASDIC_PI / 180.0, speed = 1.54, step = 0.01;
-    double u = speed, v = 0, r = 0;
+    const double rudder = -13.6 * ASDIC_PI / 180.0, speed = 1.54, step = 0.01;
+    double u = speed, v = 0, r = 0, by[3];
     for (int i = 0; i < 10000; i++) {
-        double x = -1.62 * (u * u - speed * speed) + (35.5 + mass) * v * r - 1.93 * r * r;
-        double y = y_vv * v * fabs(v) + 0.632 * r * fabs(r) - 28.6 * u * v + (5.22 - mass) * u * r +
-                   9.64 * u * u * rudder;
-        double n = -3.18 * v * fabs(v) - 94.0 * r * fabs(r) - 24.0 * u * v - 2.0 * u * r -
-                   6.15 * u * u * rudder;
-        /* (m - Y_vdot) v' - Y_rdot r' = y; -N_vdot v' + (I_zz - N_rdot) r' = n */
-        double a = mass + 35.5, b = -1.93, c = -1.93, d = 3.45 + 4.88, det = a * d - b * c;
-        u += step * x / (mass + 0.93);
-        v += step * (d * y - b * n) / det;
-        r += step * (a * n - c * y) / det;
+        change(speed, y_vv, u, v, r, rudder, by);
+        u += step * by[0];
+        v += step * by[1];
+        r += step * by[2];
     }
     return hypot(u, v) / fabs(r);
+}
+
+/* On the way into a turn, where added masses count. */
+static void remus_turns_as_published(void **state) {
+    (void)state;
+    const double points_m[] = {0, 0, 5, 99, 0, 5};
+    static const double states[][4] = {
+        {1.5, 0, 0, 0.1}, {1.5, 0.05, 0, 0}, {1.4, -0.08, 0.12, -0.2}, {1.1, 0.1, -0.2, 0.05}};
+    const asdic_flight flight = remus100(points_m, 2, 1.5);
+    const flight_aim aim = {.z_m = 5};
+    flight_model model = asdic_flight_model_remus100();
+    for (size_t i = 0; i < sizeof states / sizeof *states; i++) {
+        const double *at = states[i];
+        double right[3];
+        change(1.5, -131.0, at[0], at[1], at[2], at[3], right);
+        const flight_state aside = {.z_m = 5,
+                                    .surge_mps = at[0],
+                                    .sway_mps = at[1],
+                                    .yaw_rate = at[2],
+                                    .rudder_rad = at[3]};
+        flight_state d = model.derivative(&flight, &aim, &aside);
+        assert_close(d.surge_mps, right[0], 1e-12);
+        assert_close(d.sway_mps, right[1], 1e-12);
+        assert_close(d.yaw_rate, right[2], 1e-12);
+    }
 }
 
 /* The README and flight_remus.c give both radii. */
@@ -376,6 +411,7 @@ int main(void) {
         cmocka_unit_test(autopilots_answer_by_their_gains),
         cmocka_unit_test(remus_balances_in_its_circle),
         cmocka_unit_test(sideways_drag_is_a_tenth_of_what_is_printed),
+        cmocka_unit_test(remus_turns_as_published),
         cmocka_unit_test(remus_flies_a_box),
         cmocka_unit_test(current_is_met_by_a_crab_angle),
         cmocka_unit_test(altitude_is_held_over_the_bottom),
