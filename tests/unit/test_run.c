@@ -3,7 +3,9 @@
  */
 #include "run_rig.h"
 
+#include "base/clock.h"
 #include "mission/run/run_facts.h"
+#include "mission/run/run_files.h"
 #include "mission/run/run_records.h"
 #include "out/record.h"
 
@@ -13,6 +15,44 @@
 #include <stdio.h>
 #include <sys/resource.h>
 #include <unistd.h>
+
+/* The clock goes ON_S when a run's files are written to their end, which takes no time here. */
+#define ON_S 1000.0
+static double ahead_s;
+
+double __real_asdic_clock_s(void);
+double __wrap_asdic_clock_s(void);
+asdic_status __real_asdic_files_commit(asdic_files *files, bool is_whole);
+asdic_status __wrap_asdic_files_commit(asdic_files *files, bool is_whole);
+
+double __wrap_asdic_clock_s(void) {
+    return __real_asdic_clock_s() + ahead_s;
+}
+
+asdic_status __wrap_asdic_files_commit(asdic_files *files, bool is_whole) {
+    ahead_s += ON_S;
+    return __real_asdic_files_commit(files, is_whole);
+}
+
+static double number_in(const char *json, const char *key) {
+    const char *at = strstr(json, key);
+    assert_non_null(at);
+    return strtod(at + strlen(key), NULL);
+}
+
+static void times_hold_what_the_end_takes(void **state) {
+    (void)state;
+    size_t length;
+    fixture f;
+    begin(&f);
+    assert_int_equal(run(&f, 1, asdic_run_options_default(), "timed"), ASDIC_OK);
+    char *json = read_file("timed", "run.json", &length);
+    double write_s = number_in(json, "\"write\": "), whole_s = number_in(json, "\"whole\": ");
+    assert_true(write_s >= ON_S && write_s <= whole_s);
+    assert_true(whole_s < ON_S + 100.0);
+    free(json);
+    end(&f);
+}
 
 static void devices_do_not_change_a_byte(void **state) {
     (void)state;
@@ -524,6 +564,7 @@ static void formats_that_a_build_lacks_are_refused(void **state) {
 /* An argument selects tests by name. */
 int main(int argc, char **argv) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(times_hold_what_the_end_takes),
         cmocka_unit_test(devices_do_not_change_a_byte),
         cmocka_unit_test(lost_device_is_replaced),
         cmocka_unit_test(losing_all_devices_keeps_what_was_done),
