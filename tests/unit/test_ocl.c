@@ -5,6 +5,7 @@
 #include "ocl/opencl.h"
 
 #include <fcntl.h>
+#include <limits.h>
 #include <pthread.h>
 #include <sys/file.h>
 #include <time.h>
@@ -226,6 +227,31 @@ static void same_source_and_options_share_a_program(void **state) {
     asdic_kernel_destroy(&c);
 }
 
+/* Copies of text that there is memory for. */
+static int copies_left = INT_MAX;
+
+char *__real_strdup(const char *text);
+char *__wrap_strdup(const char *text);
+
+char *__wrap_strdup(const char *text) {
+    return copies_left-- > 0 ? __real_strdup(text) : NULL;
+}
+
+/* A program has a copy of its name and one of its options. */
+static void programs_without_names_are_none(void **state) {
+    (void)state;
+    size_t before = program_count();
+    for (int copies = 0; copies < 2; copies++) {
+        cl_program id = NULL;
+        copies_left = copies;
+        asdic_status status = asdic_program_get(t.device, "simple.cl", "-D CACHE=3", &id);
+        copies_left = INT_MAX;
+        assert_int_equal(status, ASDIC_ERROR_MEMORY);
+        assert_null(id);
+        assert_int_equal(program_count(), before);
+    }
+}
+
 static void compile_error_names_file_and_line(void **state) {
     (void)state;
     asdic_kernel *kernel = NULL;
@@ -344,6 +370,7 @@ int main(void) {
         cmocka_unit_test_setup(work_group_is_lowered_and_range_rounded_up, use_test_kernels),
         cmocka_unit_test_setup(a_kernel_may_take_less_than_its_device, use_test_kernels),
         cmocka_unit_test_setup(same_source_and_options_share_a_program, use_test_kernels),
+        cmocka_unit_test_setup(programs_without_names_are_none, use_test_kernels),
         cmocka_unit_test_setup(compile_error_names_file_and_line, use_test_kernels),
         cmocka_unit_test_setup(missing_kernel_and_source_are_named, use_test_kernels),
         cmocka_unit_test_setup(pocl_builds_one_program_at_a_time, use_test_kernels),
