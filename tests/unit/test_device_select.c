@@ -69,6 +69,26 @@ static void auto_takes_the_largest_of_a_kind(void **state) {
     assert_int_equal(chosen[0], 1);
 }
 
+/* A GPU, then an accelerator, then a processor, whichever comes first and has more units. */
+static void auto_takes_the_fastest_kind(void **state) {
+    (void)state;
+    static const asdic_device_kind kinds[] = {ASDIC_DEVICE_GPU, ASDIC_DEVICE_ACCELERATOR,
+                                              ASDIC_DEVICE_CPU, ASDIC_DEVICE_OTHER};
+    for (size_t better = 0; better < 4; better++) {
+        for (size_t worse = better + 1; worse < 4; worse++) {
+            for (int first = 0; first < 2; first++) {
+                machine[first].info.kind = kinds[better];
+                machine[first].info.compute_units = 2;
+                machine[!first].info.kind = kinds[worse];
+                machine[!first].info.compute_units = 8;
+                assert_ok(ctx, choose(2, "auto"));
+                assert_int_equal(chosen_count, 1);
+                assert_int_equal(chosen[0], first);
+            }
+        }
+    }
+}
+
 static void slow_drivers_come_last(void **state) {
     (void)state;
     snprintf(machine[0].info.platform_name, sizeof machine[0].info.platform_name, "rusticl");
@@ -166,6 +186,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup(auto_prefers_gpu_then_accelerator_then_processor, setup),
         cmocka_unit_test_setup(auto_takes_the_largest_of_a_kind, setup),
+        cmocka_unit_test_setup(auto_takes_the_fastest_kind, setup),
         cmocka_unit_test_setup(slow_drivers_come_last, setup),
         cmocka_unit_test_setup(some_drivers_get_no_vectors, setup),
         cmocka_unit_test(a_part_of_a_processor_gets_as_many_threads),
