@@ -167,6 +167,24 @@ static void test_depends_on_seed_run_and_key(void **state) {
     free(run);
 }
 
+/* The second entry of a list and the key that has its number behind the list's name. */
+static void entries_and_keys_draw_apart(void **state) {
+    (void)state;
+    for (uint64_t i = 0; i < 8; i++) {
+        char *scene = NULL;
+        free(drawn_by("    - key: objects[0]\n"
+                      "      choice:\n"
+                      "        - {name: d, point: -20, position_m: [9, {uniform: [0, 1]}, 6],"
+                      " position_m1: {uniform: [0, 1]}}\n",
+                      1, i, &scene));
+        const char *entry = strstr(scene, "position_m: [9, "),
+                   *key = strstr(scene, "position_m1: ");
+        assert_true(entry && key);
+        assert_true(strtod(entry + 16, NULL) != strtod(key + 13, NULL));
+        free(scene);
+    }
+}
+
 /* Draws inside choices are drawn; entries that are none go, and draws inside them with them. */
 static void test_nested_and_none(void **state) {
     (void)state;
@@ -283,6 +301,7 @@ int main(void) {
         cmocka_unit_test(test_distributions),
         cmocka_unit_test(test_choices_are_as_likely),
         cmocka_unit_test(test_depends_on_seed_run_and_key),
+        cmocka_unit_test(entries_and_keys_draw_apart),
         cmocka_unit_test(test_nested_and_none),
         cmocka_unit_test(test_impossible),
         cmocka_unit_test(test_mission_of_a_run),
