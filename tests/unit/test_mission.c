@@ -177,6 +177,33 @@ static char *water_remarks(const workshop *w, double bottom_m, const char *profi
     return said;
 }
 
+/* A source level of 0 dB is one. */
+static void source_levels_that_are_given_get_no_remark(void **state) {
+    const workshop *w = *state;
+    static const struct {
+        const char *key;
+        size_t remarks;
+    } cases[] = {{"", 1}, {"source_level_db: 0,", 0}, {"source_level_db: 200,", 0}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char text[600], path[128];
+        size_t told = 0;
+        snprintf(text, sizeof text,
+                 "version: 1\nbottom: {depth_m: 12}\nmission: {pose: {position_m: [0, 0, 5]}}\n"
+                 "sonar: {frequency_khz: 100, %s receivers: [{name: a}]}\n",
+                 cases[i].key);
+        write_file(w, "scene.yaml", text);
+        snprintf(path, sizeof path, "%s/scene.yaml", w->folder);
+        asdic_mission *m = NULL;
+        assert_int_equal(asdic_mission_load(w->ctx, path, &m), ASDIC_OK);
+        asdic_remarks remarks = asdic_mission_remarks(m);
+        for (size_t k = 0; k < remarks.count; k++) {
+            told += strstr(remarks.text[k], "'source_level_db'") != NULL;
+        }
+        assert_int_equal(told, cases[i].remarks);
+        asdic_mission_destroy(&m);
+    }
+}
+
 /* Of many remarks on laws the first ones are kept, and all others. */
 static void remarks_are_as_many_as_there_is_room(void **state) {
     const workshop *w = *state;
@@ -665,6 +692,7 @@ int main(void) {
         cmocka_unit_test(levels_of_a_ping),
         cmocka_unit_test(misuse_is_answered),
         cmocka_unit_test(laws_read_their_files),
+        cmocka_unit_test(source_levels_that_are_given_get_no_remark),
         cmocka_unit_test(remarks_are_as_many_as_there_is_room),
         cmocka_unit_test(rays_that_turn_are_remarked),
         cmocka_unit_test(phase_is_needed_where_echoes_interfere),
