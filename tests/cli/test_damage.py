@@ -132,6 +132,10 @@ def test_complete_runs_are_checked():
             edit_facts(folder, "r", '"seed": 8', f'"seed": {wrong}')
             tap.contains(asdic("render", folder / "r").check(code=3).err, "run.json' is damaged")
             edit_facts(folder, "r", f'"seed": {wrong}', '"seed": 8')
+        # What an older program did not write counts as none.
+        for key in "terms", "remarks", "files", "pictures":
+            edit_facts(folder, "r", f'"{key}":', f'"no_{key}":')
+        asdic("render", folder / "r").check(code=0)
 
 
 # --- what somebody has put where files are written --------------------------------------------------

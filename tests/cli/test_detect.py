@@ -235,6 +235,9 @@ def test_an_empty_sea_has_the_false_tracks_that_are_said():
         tap.equal(2 < said < 30, True, f"{said} are said")
         tap.equal(abs(found - said) < 3.3 * said ** 0.5 + 0.3 * said + 1, True,
                   f"{found} false tracks of {said}")
+        tap.equal(found > 0, True, "false tracks")
+        tap.equal(tracks["on_objects"], 0, "false tracks of an object")
+        tap.equal({row["truth"] for row in rows(folder / "out/tracks.csv")}, {"none"}, "names of tracks")
         text = asdic("detect", "out", "--force", cwd=folder.path).check(0).out
         tap.contains(text, "of false alarms alone")
 
@@ -537,6 +540,40 @@ def test_naming_long_thin_objects_is_quick():
         tap.equal({o["object"] for o in json.loads(done.out)["objects"]} >= {"pile_0", "pile_3"},
                   True, "names")
         tap.equal(spent < 1.5, True, f"{spent:.1f} s of CPU")
+
+
+def test_echoes_are_faint_from_20_db_below_the_rest():
+    """Of points a metre apart, as loud as the rest of their bins and down to 24 dB less."""
+    need_device()
+    with Folder() as folder:
+        def run(strengths_db):
+            points = "".join(f"  - {{point: {db}, position_m: [{10.25 + n}, 0, 50]}}\n"
+                             for n, db in enumerate(strengths_db))
+            folder.write("faint.yaml", f"""version: 1
+environment: {{particle_density: -200}}
+surface: {{enabled: false}}
+bottom: none
+objects:
+{points}sonar: {{frequency_khz: 100, source_level_db: 200, receivers: [{{name: ahead}}]}}
+mission: {{pose: {{position_m: [0, 0, 50]}}}}
+sampling: {{rays: 500}}
+output: {{images: [], csv: long}}
+""")
+            asdic("run", "faint.yaml", "-o", "out", "-q", "-f", cwd=folder.path).check(0)
+            ratios = []
+            for row in rows(folder / "out/bins.csv"):
+                rest = sum(10 ** (float(row[f"{part}_db"]) / 10)
+                           for part in ("bottom", "surface", "volume", "noise") if row[f"{part}_db"])
+                if row["object_db"]:
+                    ratios.append(float(row["object_db"]) - 10 * math.log10(rest))
+            return ratios
+
+        equal = run([0] * 60)
+        ratios = run([-ratio - 0.1 - 0.4 * n for n, ratio in enumerate(equal)])
+        tap.equal(len([r for r in ratios if -20 < r < -19.6]) > 0, True, f"{ratios}")
+        report = json.loads(asdic("detect", "out", "--json", "-q", cwd=folder.path).check(0).out)
+        faint, = (c["bins"] for c in report["confusion"] if c["truth"] == "faint")
+        tap.equal(faint, len([r for r in ratios if -20 < r < 0]), f"of {ratios}")
 
 
 # Two points at one range, ahead and astern.

@@ -77,6 +77,13 @@ def test_other_beams_and_targets():
         # The sonar equation by hand, on axis: TS - 40 log r - 2 alpha (r - 1), bins of one echo.
         level = -20 - 40 * 1.7781512503836436 - 2 * 0.03358 * 59
         tap.equal(abs(point["target_db"] - level) < 0.05, True, f"{point['target_db']} {level}")
+        # At a range of roc_range.csv it says the same.
+        there = ask("--range", "60.75", "--strength", "-20")
+        with open(folder / "out/roc_range.csv", encoding="utf-8") as file:
+            reach = {float(row["range_m"]): row for row in csv.DictReader(file)}
+        for key in "snr_db", "closed_pd":
+            off = float(reach[60.75][key]) - there[key]
+            tap.equal(abs(off) < 1e-3, True, f"{key} by range: {off} off")
         aside = ask("--range", "60", "--strength", "-20", "--bearing", "10")
         tap.equal(aside["target_db"] < point["target_db"] - 3, True, "off the axis")
 
