@@ -45,17 +45,21 @@ static int compare(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-/* Share of the runs whose clearance was X or less. False: no memory. */
+/* Share of the runs whose clearance was X or less; runs in which there was nothing to come near are of them. False: no
+ * memory. */
 static bool draw_clearance(drawing *d, const asdic_trial *t, size_t variant) {
-    size_t count = 0;
+    size_t count = 0, runs = 0;
     d->x[variant] = malloc((2 * t->row_count + 2) * sizeof(double));
     d->y[variant] = malloc((2 * t->row_count + 2) * sizeof(double));
     double *found = malloc((t->row_count + 1) * sizeof(double));
     bool good = d->x[variant] && d->y[variant] && found;
     for (size_t i = 0; good && i < t->row_count; i++) {
         const asdic_trial_run *r = &t->rows[i].flown;
-        if (t->rows[i].variant == variant && r->outcome < ASDIC_TRIAL_VOID &&
-            isfinite(r->clearance_m)) {
+        if (t->rows[i].variant != variant || r->outcome >= ASDIC_TRIAL_VOID) {
+            continue;
+        }
+        runs++;
+        if (isfinite(r->clearance_m)) {
             found[count++] = r->clearance_m;
         }
     }
@@ -64,8 +68,8 @@ static bool draw_clearance(drawing *d, const asdic_trial *t, size_t variant) {
     }
     for (size_t i = 0; good && i < count; i++) {
         d->x[variant][2 * i] = d->x[variant][2 * i + 1] = found[i];
-        d->y[variant][2 * i] = (double)i / (double)count;
-        d->y[variant][2 * i + 1] = (double)(i + 1) / (double)count;
+        d->y[variant][2 * i] = (double)i / (double)runs;
+        d->y[variant][2 * i + 1] = (double)(i + 1) / (double)runs;
     }
     d->curves[variant] = (asdic_series){.x = d->x[variant],
                                         .y = d->y[variant],

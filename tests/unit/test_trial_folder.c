@@ -275,13 +275,13 @@ static void look_at_plots(const asdic_plot *plots) {
     for (int v = 0; v < 2; v++) {
         assert_drawn(&plots[0].series[v], v + 1.0, collision[v]);
         assert_drawn(&plots[1].series[v], v + 1.0, needless[v]);
-        /* Steps at the clearances; the run that is void, and the one that met nothing, have none. */
+        /* Steps at the clearances: the run that is void is none, and the one that met nothing has none. */
         const asdic_series *s = &plots[2].series[v];
         assert_int_equal(s->count, 6);
         for (int i = 0; i < 3; i++) {
             assert_true(s->x[2 * i] == clearance_m[v][i] && s->x[2 * i + 1] == clearance_m[v][i]);
-            assert_true(v == 1 || fabs(s->y[2 * i] - i / 3.0) < 1e-12);
-            assert_true(v == 1 || fabs(s->y[2 * i + 1] - (i + 1) / 3.0) < 1e-12);
+            assert_close(s->y[2 * i], i / (v ? 4.0 : 3.0), 1e-12);
+            assert_close(s->y[2 * i + 1], (i + 1) / (v ? 4.0 : 3.0), 1e-12);
         }
     }
     for (int k = 0; k < 3; k++) {
@@ -302,6 +302,39 @@ static void figures_are_drawn(void **state) {
     assert_ok(ctx, asdic_trial_draw(ctx, t, "nowhere.png"));
     assert_null(look); /* it was called */
     asdic_trial_close(&t);
+}
+
+static size_t designs;
+
+/* Up to eight designs have their values at the axis, more their numbers. */
+static void look_at_names(const asdic_plot *plots) {
+    for (int k = 0; k < 2; k++) {
+        const asdic_plot_axis *x = &plots[k].x;
+        assert_int_equal(x->name_count, designs);
+        for (size_t v = 0; v < designs; v++) {
+            char number[8];
+            snprintf(number, sizeof number, "%zu", v + 1);
+            assert_string_equal(x->names[v], designs > 8 ? number : "a value");
+        }
+        assert_string_equal(x->label,
+                            designs > 8 ? "design, in the order of the legend" : "sonar.beam");
+    }
+    look = NULL;
+}
+
+static void many_designs_have_numbers(void **state) {
+    (void)state;
+    for (designs = 7; designs <= 9; designs++) {
+        static char key[] = "sonar.beam", value[] = "a value", name[] = "sonar.beam = a value";
+        asdic_trial t = {.facts = {.key = key, .variants = designs}};
+        for (size_t v = 0; v < designs; v++) {
+            t.facts.values[v] = value;
+            t.names[v] = name;
+        }
+        look = look_at_names;
+        assert_ok(ctx, asdic_trial_draw(ctx, &t, "nowhere.png"));
+        assert_null(look);
+    }
 }
 
 /* WHOLE with WORD, where it is there, replaced by OTHER. */
@@ -717,6 +750,7 @@ int main(void) {
         cmocka_unit_test(figures_are_those_of_the_rows),
         cmocka_unit_test(results_are_written),
         cmocka_unit_test(figures_are_drawn),
+        cmocka_unit_test(many_designs_have_numbers),
         cmocka_unit_test(damage_is_told),
         cmocka_unit_test(one_under_way_is_read),
         cmocka_unit_test(parts_of_one_trial),
