@@ -29,7 +29,7 @@
 /* On the difference of two rules, of which the better one is kept: 1e-10 is reached. */
 #define TOLERANCE 1e-7
 /* An octave of rounded wavelengths. */
-#define WAVELENGTHS 4096.0
+#define WAVELENGTHS 8192.0
 
 asdic_flat_laws asdic_flat_laws_at(const asdic_flat_scene *flat, const asdic_environment *env,
                                    const asdic_sonar *sonar) {

@@ -34,6 +34,7 @@ static setup begin(void) {
     s.receivers[1].pitch_rad = 15.0 * DEGREE;
     s.sonar.receiver_count = BEAMS;
     s.sonar.bin_length_m = 0.5;
+    s.sonar.source_level_db = 200.0; /* all echoes are above the noise */
     s.place.flat = (asdic_flat_scene){.has_surface = true,
                                       .has_bottom = true,
                                       .altitude_m = 5.0,
