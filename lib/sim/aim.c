@@ -39,16 +39,12 @@ static double wrap(double phi) {
 }
 
 /* A lobe without preference: all directions in front of the transmitter, or all directions. */
-static dev_lobe wide_lobe(asdic_sampler sampler, const dev_beam *transmitter, bool rear) {
+static dev_lobe wide_lobe(const dev_beam *transmitter, bool rear) {
     dev_lobe lobe = {.scale_h = EVEN_SCALE, .scale_v = EVEN_SCALE};
     memcpy(lobe.rows, transmitter->rows, sizeof lobe.rows);
     lobe.beta_rad = (float)(atan2(transmitter->rows[1], transmitter->rows[0]) - ASDIC_PI / 2.0);
     lobe.side = 1.0f;
-    if (sampler == ASDIC_SAMPLER_BEAM) {
-        lobe.limit_rad = (float)(rear ? ASDIC_PI : ASDIC_PI / 2.0);
-    } else {
-        lobe.limit_rad = rear ? (float)ASDIC_PI : -1.0f;
-    }
+    lobe.limit_rad = (float)(rear ? ASDIC_PI : ASDIC_PI / 2.0);
     return lobe;
 }
 
@@ -202,7 +198,7 @@ unsigned asdic_aim_lobes(asdic_sampler sampler, const dev_beam *beams, size_t re
         lobes[j].share = (float)((1.0 - wide) / count);
     }
     if (wide > 0.0) {
-        lobes[count] = wide_lobe(sampler, &beams[0], rear);
+        lobes[count] = wide_lobe(&beams[0], rear);
         lobes[count++].share = (float)wide;
     }
     float begin = 0.0f;
