@@ -334,7 +334,6 @@ static asdic_status clear_sums(asdic_simulator *sim) {
 /* The rays of COUNT shots to sums. */
 static asdic_status run_batches(asdic_simulator *sim, size_t count) {
     TRY(clear_sums(sim));
-    sim->buffers.accumulator_clear = false;
     size_t groups = sim->setup.groups, step = sim->setup.per_group;
     size_t rays_per_group = (sim->setup.sampling.rays + groups - 1) / groups;
     for (size_t first = 0; first < rays_per_group; first += step) {
