@@ -4,6 +4,8 @@
 #include "mesh_rig.h"
 
 #include "lib/base/vec.h"
+#include "lib/scene/bvh.h"
+#include "lib/scene/lifted.h"
 #include "lib/scene/scene.h"
 #include "lib/scene/triangles.h"
 
@@ -280,6 +282,76 @@ static void hierarchy_of_awkward_input(void **state) {
     free(seen);
 }
 
+/* What a ray is expected to cost below a cut of ITEMS whose centres lie up to AT along AXIS: both boxes' areas, by blocks
+ * of four. */
+static double cost_of_cut(const asdic_bvh_item *items, size_t count, int axis, float at) {
+    double cost = 0.0;
+    for (int side = 0; side < 2; side++) {
+        float lo[3] = {INFINITY, INFINITY, INFINITY}, hi[3] = {-INFINITY, -INFINITY, -INFINITY};
+        size_t held = 0;
+        for (size_t i = 0; i < count; i++) {
+            if ((0.5f * (items[i].lo[axis] + items[i].hi[axis]) > at) == side) {
+                held++;
+                for (int k = 0; k < 3; k++) {
+                    lo[k] = fminf(lo[k], items[i].lo[k]);
+                    hi[k] = fmaxf(hi[k], items[i].hi[k]);
+                }
+            }
+        }
+        double x = (double)(hi[0] - lo[0]), y = (double)(hi[1] - lo[1]),
+               z = (double)(hi[2] - lo[2]);
+        cost += held ? (x * y + y * z + z * x) * ceil((double)held / 4.0) : (double)INFINITY;
+    }
+    return cost;
+}
+
+/* Boxes of any size round centres that lie in planes: of all cuts between two planes there is none that costs less. */
+static void a_cut_is_the_cheapest(void **state) {
+    (void)state;
+    static const struct {
+        size_t count;
+        unsigned planes; /* as many as there are bins */
+    } cases[] = {{40, 8}, {90, 16}, {127, 16}, {128, 16}, {201, 16}};
+    static asdic_bvh_item items[201];
+    uint32_t random = 1;
+    for (int round = 0; round < 200; round++) {
+        size_t count = cases[round % 5].count;
+        unsigned planes = cases[round % 5].planes;
+        double best = (double)INFINITY;
+        for (size_t i = 0; i < count; i++) {
+            for (int k = 0; k < 3; k++) {
+                unsigned draw = (random = random * 1664525u + 1013904223u) >> 8;
+                float at = i < 2 ? (float)(i * (planes - 1)) : (float)(draw % planes);
+                float half = ldexpf(1.0f, (int)(draw / planes % 6) - 2);
+                items[i].lo[k] = at - half;
+                items[i].hi[k] = at + half;
+            }
+        }
+        for (int axis = 0; axis < 3; axis++) {
+            for (unsigned at = 0; at < planes; at++) {
+                best = fmin(best, cost_of_cut(items, count, axis, (float)at));
+            }
+        }
+        asdic_bvh_task whole = {.count = count}, part[2];
+        asdic_bvh_measure(items, &whole);
+        asdic_bvh_split(items, &whole, &part[0], &part[1]);
+        assert_int_equal(part[0].count + part[1].count, count);
+        double cost = 0.0;
+        for (int side = 0; side < 2; side++) {
+            asdic_bvh_task measured = part[side];
+            asdic_bvh_measure(items, &measured);
+            asdic_bvh_box *a = &measured.box, *b = &part[side].box;
+            for (int k = 0; k < 3; k++) {
+                assert_true(a->lo[k] == b->lo[k] && a->hi[k] == b->hi[k]);
+            }
+            double x = (double)(a->hi[0] - a->lo[0]), y = (double)(a->hi[1] - a->lo[1]);
+            double z = (double)(a->hi[2] - a->lo[2]);
+            cost += (x * y + y * z + z * x) * ceil((double)measured.count / 4.0);
+        }
+        assert_close_relative(cost, best, 1e-5);
+    }
+}
+
 /* Counts each triangle below WORD in SEEN; those must lie in the box from LO to HI. Returns the levels of nodes. */
 static unsigned walk_hierarchy(const asdic_scene *scene, uint32_t word, const float lo[3],
                                const float hi[3], uint8_t *seen) {
@@ -346,6 +418,48 @@ static void what_moves_and_what_stays_are_in_the_hierarchy(void **state) {
     asdic_mesh_destroy(&plate);
 }
 
+/* Near the plane between two layers, in which the same triangle is lifted to 100 m apart, it is in both, as far as
+ * lifted.h says. */
+static void triangles_on_a_layers_plane_are_in_both(void **state) {
+    (void)state;
+    static const double off_m[] = {-0.02, -0.009, 0.0, 0.009, 0.02};
+    static const double corners_m[] = {0, 0, 0, 2, 0, 0, 0, 2, 0};
+    static const uint32_t index[] = {0, 1, 2};
+    asdic_mesh *mesh;
+    check(asdic_mesh_from_triangles(ctx, corners_m, 3, index, 1, &mesh));
+    for (size_t i = 0; i < sizeof off_m / sizeof *off_m; i++) {
+        asdic_scene *scene, *lifted;
+        double found_m[2] = {NAN, NAN};
+        const asdic_pose pose = {.position_m = {0.0, 0.0, 9.0}};
+        check(asdic_scene_create(ctx, &scene));
+        check(asdic_scene_add_bottom(scene, mesh, pose, asdic_material_bottom(2.0)));
+        check(asdic_scene_commit(scene));
+        const float at_m = scene->triangles[0].v0[2], plane_m = at_m - (float)off_m[i];
+        const dev_layer layers[2] = {{.top_m = -INFINITY, .bottom_m = plane_m},
+                                     {.top_m = plane_m, .bottom_m = INFINITY, .shift_m = 100}};
+        check(asdic_scene_lift_layers(scene, layers, 2, &lifted));
+        for (size_t b = 0; b < lifted->bvh.block_count; b++) {
+            const dev_block4 *block = &lifted->bvh.blocks[b];
+            for (int lane = 0; lane < DEV_LEAF_TRIANGLES && block->id[lane] != ~0u; lane++) {
+                double z_m = (double)block->v[2][lane];
+                assert_int_equal(block->id[lane], 0);
+                found_m[z_m > 50.0] = z_m;
+            }
+        }
+        if (off_m[i] < 0.015) {
+            assert_close(found_m[0], (double)at_m, 1e-5);
+        }
+        if (off_m[i] > -0.015) {
+            assert_close(found_m[1], (double)at_m + 100.0, 1e-5);
+        }
+        assert_true(isnan(found_m[0]) == (off_m[i] > 0.015));
+        assert_true(isnan(found_m[1]) == (off_m[i] < -0.015));
+        asdic_scene_unlift(&lifted);
+        asdic_scene_destroy(&scene);
+    }
+    asdic_mesh_destroy(&mesh);
+}
+
 static void threads_do_not_show(void **state) {
     (void)state;
     enum { COUNT = 60000 };
@@ -383,7 +497,9 @@ int main(void) {
         cmocka_unit_test(clearance_is_of_the_highest_bottom_in_reach),
         cmocka_unit_test(scene_checks_its_arguments),
         cmocka_unit_test(hierarchy_of_awkward_input),
+        cmocka_unit_test(a_cut_is_the_cheapest),
         cmocka_unit_test(what_moves_and_what_stays_are_in_the_hierarchy),
+        cmocka_unit_test(triangles_on_a_layers_plane_are_in_both),
         cmocka_unit_test(threads_do_not_show),
     };
     assert_int_equal(asdic_context_create(&ctx), ASDIC_OK);
