@@ -330,43 +330,50 @@ static void a_floor_alone_has_no_faces(void **state) {
     rig_destroy(&r);
 }
 
-/* One ball aside in empty water: pilots show its elevation, and among the elevations near it its azimuth. */
+/* One ball aside in empty water: pilots show its elevation, and among the elevations near it its azimuth, also at the
+ * ends of the azimuths in front of the sonar. */
 static void pilots_learn_where_a_ball_is(void **state) {
     enum { CELLS = DEV_TABLE_CELLS, ROWS = DEV_TABLE_ROWS, AZIMUTHS = DEV_AZIMUTH_CELLS };
+    static const double yaws_deg[] = {40.0, -80.0, 80.0};
+    int cells[3];
     (void)state;
-    ping_rig r = rig_create(&t);
-    asdic_scene_destroy(&r.scene);
-    assert_ok(t.ctx, asdic_scene_create(t.ctx, &r.scene));
-    asdic_scene_set_surface(r.scene, false);
-    r.sampling.left_out = 1u << ASDIC_TERM_VOLUME;
-    r.sonar.receiver_count = 1;
-    asdic_mesh *mesh = NULL;
-    assert_ok(t.ctx, asdic_mesh_sphere(t.ctx, 0.5, 32, &mesh));
-    asdic_pose pose = {
-        .position_m = {30.0 * cos(40.0 * RIG_DEGREE), 30.0 * sin(40.0 * RIG_DEGREE), 7.0}};
-    assert_ok(t.ctx, asdic_scene_add_object(r.scene, "ball", mesh, pose,
-                                            asdic_material_facet(45.0, 2e-4, 0.2)));
-    asdic_mesh_destroy(&mesh);
-    asdic_simulator *sim = rig_simulator(&r);
-    assert_ok(t.ctx, asdic_simulator_learn(sim, &r.pose, 0));
-    const float *table = sim->learnt.table;
-    int loudest = 0;
-    for (int i = 0; i < CELLS; i++) {
-        loudest = table[i + 1] - table[i] > table[loudest + 1] - table[loudest] ? i : loudest;
+    for (int at = 0; at < 3; at++) {
+        ping_rig r = rig_create(&t);
+        asdic_scene_destroy(&r.scene);
+        assert_ok(t.ctx, asdic_scene_create(t.ctx, &r.scene));
+        asdic_scene_set_surface(r.scene, false);
+        r.sampling.left_out = 1u << ASDIC_TERM_VOLUME;
+        r.sonar.receiver_count = 1;
+        asdic_mesh *mesh = NULL;
+        assert_ok(t.ctx, asdic_mesh_sphere(t.ctx, 0.5, 32, &mesh));
+        double yaw_rad = yaws_deg[at] * RIG_DEGREE;
+        asdic_pose pose = {.position_m = {30.0 * cos(yaw_rad), 30.0 * sin(yaw_rad), 7.0}};
+        assert_ok(t.ctx, asdic_scene_add_object(r.scene, "ball", mesh, pose,
+                                                asdic_material_facet(45.0, 2e-4, 0.2)));
+        asdic_mesh_destroy(&mesh);
+        asdic_simulator *sim = rig_simulator(&r);
+        assert_ok(t.ctx, asdic_simulator_learn(sim, &r.pose, 0));
+        const float *table = sim->learnt.table;
+        int loudest = 0;
+        for (int i = 0; i < CELLS; i++) {
+            loudest = table[i + 1] - table[i] > table[loudest + 1] - table[loudest] ? i : loudest;
+        }
+        const float *row = table + CELLS + 1 + loudest / (CELLS / ROWS) * (AZIMUTHS + 1);
+        cells[at] = 0;
+        for (int k = 0; k < AZIMUTHS; k++) {
+            cells[at] = row[k + 1] - row[k] > row[cells[at] + 1] - row[cells[at]] ? k : cells[at];
+        }
+        double elevation = (double)(table[loudest + 1] - table[loudest]) * CELLS,
+               azimuth = (double)(row[cells[at] + 1] - row[cells[at]]) * AZIMUTHS;
+        print_message("elevation %d has %.2f of an even share, its azimuth %d %.2f\n", loudest,
+                      elevation, cells[at], azimuth);
+        assert_true(elevation > 3.0);
+        assert_true(sim->learnt.azimuths && azimuth > 1.5);
+        asdic_simulator_destroy(&sim);
+        rig_destroy(&r);
     }
-    const float *row = table + CELLS + 1 + loudest / (CELLS / ROWS) * (AZIMUTHS + 1);
-    float most = 0.0f;
-    for (int k = 0; k < AZIMUTHS; k++) {
-        most = fmaxf(most, row[k + 1] - row[k]);
-    }
-    double elevation = (double)(table[loudest + 1] - table[loudest]) * CELLS,
-           azimuth = (double)most * AZIMUTHS;
-    print_message("elevation %d has %.2f of an even share, its azimuth %.2f\n", loudest, elevation,
-                  azimuth);
-    assert_true(elevation > 3.0);
-    assert_true(sim->learnt.azimuths && azimuth > 1.5);
-    asdic_simulator_destroy(&sim);
-    rig_destroy(&r);
+    assert_int_equal(cells[1], 0);
+    assert_int_equal(cells[2], AZIMUTHS - 1);
 }
 
 int main(void) {

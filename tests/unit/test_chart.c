@@ -277,6 +277,7 @@ static void outlines_are_the_objects(void **state) {
     }
     assert_string_equal(outlines[4].name, "buoy");
     assert_int_equal(outlines[4].count, 1);
+    assert_close(outlines[4].north_m[0], 1.0, 0.0);
     assert_close(outlines[4].east_m[0], 2.0, 0.0);
     free(outlines);
     asdic_scene_destroy(&scene);
