@@ -318,6 +318,43 @@ static int begin_with_meshes(void **state) {
     return 0;
 }
 
+/* What a program does not set is what a scene file does not. */
+static void programs_have_the_defaults_of_scenes(void **state) {
+    workshop *w = *state;
+    asdic_mission *m = load_text(w, "version: 1\nbottom: {depth_m: 12}\n" POSE
+                                    "sonar: {frequency_khz: 100, receivers: [{name: a}]}\n");
+    assert_non_null(m);
+    const asdic_sonar *s = asdic_mission_sonar(m), own = asdic_sonar_default();
+    assert_true(s->frequency_hz == own.frequency_hz && s->bandwidth_hz == own.bandwidth_hz);
+    assert_true(s->ping_rate_hz == own.ping_rate_hz && isnan(s->max_range_m + own.max_range_m));
+    assert_true(s->source_level_db == own.source_level_db && s->blanking_m == own.blanking_m);
+    assert_true(s->bin_length_m == own.bin_length_m && s->rear_floor_db == own.rear_floor_db);
+    assert_int_equal(s->noise_enabled, own.noise_enabled);
+    assert_int_equal(s->noise_directivity, own.noise_directivity);
+    assert_true(s->speckle == own.speckle && s->speckle_shape == own.speckle_shape);
+    assert_int_equal(s->array.elements, own.array.elements);
+    const asdic_beam *const apertures[] = {&s->transmitter, s->receivers};
+    for (size_t i = 0; i < 2; i++) {
+        const asdic_beam *a = apertures[i], *b = &own.transmitter;
+        assert_true(a->length_h_m == b->length_h_m && a->length_v_m == b->length_v_m);
+        assert_true(a->pitch_rad == b->pitch_rad && a->yaw_rad == b->yaw_rad);
+        assert_true(a->roll_rad == b->roll_rad);
+    }
+    const asdic_environment *e = asdic_mission_environment(m), water = asdic_environment_default();
+    assert_true(e->temperature_degc == water.temperature_degc && e->ph == water.ph);
+    assert_true(e->salinity_ppt == water.salinity_ppt && e->wind_speed_kn == water.wind_speed_kn);
+    assert_true(e->shipping_density == water.shipping_density && e->variant == water.variant);
+    assert_true(e->particle_strength_db == water.particle_strength_db);
+    assert_true(e->refraction == water.refraction && isnan(e->max_depth_m + water.max_depth_m));
+    assert_true(isnan(e->sound_speed_mps + water.sound_speed_mps));
+    assert_true(e->sound_speed_gradient_per_s == water.sound_speed_gradient_per_s);
+    assert_int_equal(e->sound_speed_profile.points, water.sound_speed_profile.points);
+    const asdic_sampling *r = asdic_mission_sampling(m), rays = asdic_sampling_default();
+    assert_true(r->sampler == rays.sampler && r->multipath == rays.multipath);
+    assert_true(r->seed == rays.seed && r->coherent == rays.coherent && r->truth == rays.truth);
+    asdic_mission_destroy(&m);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(shapes_are_where_they_are_put),
@@ -326,6 +363,7 @@ int main(void) {
         cmocka_unit_test(range_is_that_of_the_sonars_depth),
         cmocka_unit_test(runs_take_what_is_the_same),
         cmocka_unit_test(runs_of_many_borrow_their_scene),
+        cmocka_unit_test(programs_have_the_defaults_of_scenes),
     };
     return cmocka_run_group_tests(tests, begin_with_meshes, end);
 }
