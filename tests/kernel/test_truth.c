@@ -220,6 +220,10 @@ static void layouts_and_levels_agree(void **state) {
         const kind *k = &kinds[i];
         ping_rig r = make_rig(k, 0);
         const asdic_layout usual = r.layout;
+        if (i == 0) { /* from the other side */
+            r.pose.position_m.x = 50.0;
+            r.pose.yaw_rad = 180.0 * RIG_DEGREE;
+        }
         asdic_ping *plain = shoot(&r, k, false), *truth = shoot(&r, k, true);
         assert_true(rig_same(plain, truth));
         const asdic_layout others[] = {
