@@ -52,6 +52,7 @@ typedef struct run {
     double until_s;
     uint64_t seen; /* a bit a ping, the last one lowest */
     size_t began;  /* ping at which the manoeuvre under way began */
+    double side;   /* to which it turned then; 1: starboard */
 } run;
 
 /* --- the way ----------------------------------------------------------------------------------- */
@@ -141,6 +142,7 @@ static void apply_rule(run *r, bool fires, double side) {
     asdic_order next = manoeuvre(plan, s, -side);
     if (!r->gives_way) {
         r->order = next;
+        r->side = -side;
     } else if (plan->manoeuvre == ASDIC_CLIMB) {
         r->order.z_m = fmin(r->order.z_m, next.z_m);
     } else if (fabs(remainder(r->order.yaw_rad - s->yaw_rad, 2.0 * ASDIC_PI)) < TURNED_RAD) {
@@ -291,8 +293,7 @@ static void find_cause(run *r) {
     const asdic_pilot *from = &r->moments[i].pilot;
     asdic_order order = r->order;
     if (!r->job->rule) { /* the same manoeuvre, from there */
-        double turn_rad = remainder(r->order.yaw_rad - began->state.yaw_rad, 2.0 * ASDIC_PI);
-        order = manoeuvre(r->plan, &from->state, turn_rad < 0.0 ? -1.0 : 1.0);
+        order = manoeuvre(r->plan, &from->state, r->side);
     }
     double way_m = 1.5 * asdic_vec3_length(asdic_vec3_sub(position(from), end_m));
     out->cause = would_hit(r, from, r->moments[i].time_s, &order, way_m)

@@ -196,6 +196,24 @@ trial: {time_s: 4, ideal: {pd: 1, pfa: 1}, rule: {manoeuvre: turn, turn_deg: 180
             tap.equal(yaws_deg[0] + 30 < yaws_deg[-1] < yaws_deg[0] + 180, True, f"{yaws_deg}")
 
 
+def test_the_cause_is_by_the_first_turn():
+    """Three turns to starboard, 300 degrees in all, end at a pillar: one to starboard, begun 20 m before it, would have
+    cleared it, one to port would not, for the wall there."""
+    walls = """
+  - {name: port, box: {size_m: [40, 2, 40]}, position_m: [25, -8, 10]}
+  - {name: pillar, box: {size_m: [2, 4, 40]}, position_m: [25, 6, 10]}
+sonar:"""
+    scene = IDEAL.replace("PD", "1, pfa: 0").replace("turn_deg: 150", "turn_deg: 100").replace("\nsonar:", walls, 1)
+    scene = scene.replace("time_s: 45", "time_s: 60").replace("depth_m: 20", "depth_m: 200")
+    with Folder() as folder:
+        path = folder.write("turns.yaml", scene)
+        done = asdic("trial", path, "--replay", 0, "-o", folder / "run").check(code=0)
+        tap.contains(done.out + done.err, "hit of pillar, seen late")
+        with open(folder / "run/track.csv", encoding="utf-8") as file:
+            yaws_deg = [float(row["yaw_deg"]) for row in csv.DictReader(file)]
+        tap.equal(yaws_deg[-1] % 360 > 200, True, f"{yaws_deg}")
+
+
 def test_a_climb_does_not_dive():
     """Not even near the surface: from 0.2 m there is nowhere to climb to, from 2 m half a metre is left."""
     for z_m, least_m in ((0.2, 0.2), (2, 0.5)):
