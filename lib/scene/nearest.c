@@ -172,8 +172,8 @@ static bool is_left(double side, const float *a, const float *b) {
     return side > 0.0 || (side == 0.0 && (a[1] > b[1] || (a[1] == b[1] && a[0] < b[0])));
 }
 
-/* Whether the plumb line below P meets T. */
-static bool is_above(asdic_vec3 p, const dev_triangle *t) {
+/* Where the plumb line through P meets T: 1 below P, -1 elsewhere, 0 nowhere. */
+static int plumb(asdic_vec3 p, const dev_triangle *t) {
     const float *v[3] = {t->v0, t->v1, t->v2};
     double area = 0.0, z = 0.0;
     int left = 0;
@@ -185,24 +185,27 @@ static bool is_above(asdic_vec3 p, const dev_triangle *t) {
         area += side;
         z += side * v[i][2];
     }
-    return left % 3 == 0 && area != 0.0 && z / area > p.z;
+    return left % 3 != 0 || area == 0.0 ? 0 : z / area > p.z ? 1 : -1;
 }
 
 bool asdic_placement_is_inside(const asdic_placement *placement, asdic_vec3 position_m,
                                size_t *part) {
     const asdic_scene *scene = placement->scene;
     asdic_vec3 p = asdic_vec3_sub(position_m, scene->origin_m);
-    size_t crossings = 0;
+    size_t below = 0, above = 0;
     for (size_t i = 0; i < scene->triangle_count; i++) { /* of a part one after the other */
         const dev_triangle *t = asdic_placement_triangle(placement, i);
-        crossings += scene->parts[t->part].kind == DEV_KIND_OBJECT && is_above(p, t);
+        int where = scene->parts[t->part].kind == DEV_KIND_OBJECT ? plumb(p, t) : 0;
+        below += where > 0;
+        above += where < 0;
         bool is_last = i + 1 == scene->triangle_count ||
                        asdic_placement_triangle(placement, i + 1)->part != t->part;
-        if (is_last && crossings % 2) {
+        if (is_last && below % 2 && above % 2) {
             *part = t->part;
             return true;
         }
-        crossings = is_last ? 0 : crossings;
+        below = is_last ? 0 : below;
+        above = is_last ? 0 : above;
     }
     return false;
 }

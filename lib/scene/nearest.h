@@ -25,8 +25,9 @@ typedef struct asdic_way {
 asdic_nearest asdic_placement_nearest(const asdic_placement *placement, const asdic_way *way,
                                       const asdic_way *moving, double within_m);
 
-/* Whether POSITION_M (world) is inside an object: a plumb line down meets its triangles an odd
- * number of times. PART becomes the object's. Objects are closed, as all but plates and torn meshes. */
+/* Whether POSITION_M (world) is inside an object: a plumb line meets its triangles an odd number of
+ * times below, and above. PART becomes the object's. Over and under a plate, or a mesh that is open to
+ * one of these sides, is outside. */
 bool asdic_placement_is_inside(const asdic_placement *placement, asdic_vec3 position_m,
                                size_t *part);
 

@@ -202,6 +202,31 @@ static void test_inside_over_edges(void **state) {
     }
 }
 
+/* Over and under a plate that lies flat, in its middle and on its diagonal. */
+static void test_nothing_is_inside_a_plate(void **state) {
+    (void)state;
+    rig r = {.ctx = NULL};
+    asdic_mesh *mesh = NULL;
+    const asdic_pose pose = {.position_m = {40, 8, 16}, .pitch_rad = 0.5 * ASDIC_PI};
+    assert_int_equal(asdic_context_create(&r.ctx), ASDIC_OK);
+    assert_int_equal(asdic_scene_create(r.ctx, &r.scene), ASDIC_OK);
+    assert_int_equal(asdic_mesh_plate(r.ctx, 4.0, 4.0, &mesh), ASDIC_OK);
+    assert_int_equal(
+        asdic_scene_add_object(r.scene, "plate", mesh, pose, asdic_material_facet(45.0, 1e-3, 0.1)),
+        ASDIC_OK);
+    assert_int_equal(asdic_scene_commit(r.scene), ASDIC_OK);
+    assert_int_equal(asdic_placement_create(r.scene, &r.placement), ASDIC_OK);
+    for (int i = -4; i <= 4; i++) {
+        for (int down_m = -1; down_m <= 1; down_m += 2) {
+            const asdic_vec3 at = {40.0 + 0.4 * i, 8.0 + 0.1 * i, 16.0 + down_m};
+            size_t part = 9;
+            assert_false(asdic_placement_is_inside(r.placement, at, &part));
+        }
+    }
+    asdic_mesh_destroy(&mesh);
+    end(&r);
+}
+
 /* --- objects that come and go ------------------------------------------------------------------ */
 
 #define SIDE 24
@@ -593,6 +618,7 @@ int main(void) {
         cmocka_unit_test(test_nearest),
         cmocka_unit_test(test_inside),
         cmocka_unit_test(test_inside_over_edges),
+        cmocka_unit_test(test_nothing_is_inside_a_plate),
         cmocka_unit_test(test_large_floor),
         cmocka_unit_test(test_reopened),
         cmocka_unit_test(test_reopened_and_lifted),
