@@ -119,14 +119,14 @@ static asdic_status read_rows(mission_builder *b, const asdic_material_file *fil
     return ASDIC_OK;
 }
 
-/* The box round MESH at OBJECT's pose. */
+/* The box round the triangles of MESH at OBJECT's pose: files hold vertices that none has. */
 static void find_box(const asdic_mesh *mesh, asdic_mission_object *object) {
     const asdic_pose *pose = &object->pose;
     asdic_mat3 turn = asdic_mat3_attitude(pose->roll_rad, pose->pitch_rad, pose->yaw_rad);
     object->min_m = (asdic_vec3){INFINITY, INFINITY, INFINITY};
     object->max_m = (asdic_vec3){-INFINITY, -INFINITY, -INFINITY};
-    for (size_t i = 0; i < mesh->vertex_count; i++) {
-        const double *v = &mesh->vertices_m[3 * i];
+    for (size_t i = 0; i < 3 * mesh->triangle_count; i++) {
+        const double *v = &mesh->vertices_m[3 * (size_t)mesh->indices[i]];
         asdic_vec3 at = asdic_vec3_add(pose->position_m,
                                        asdic_mat3_apply(turn, (asdic_vec3){v[0], v[1], v[2]}));
         object->min_m.x = fmin(object->min_m.x, at.x);

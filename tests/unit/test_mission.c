@@ -465,6 +465,24 @@ static void placed_meshes_have_their_box(void **state) {
     asdic_mission_destroy(&m);
 }
 
+/* Of a vertex that no triangle has, a box knows nothing. */
+static void stray_vertices_are_in_no_box(void **state) {
+    const workshop *w = *state;
+    need_slope(w);
+    char text[sizeof SLOPE + 32];
+    snprintf(text, sizeof text, "%sv 900 -900 -90\n", SLOPE);
+    write_file(w, "stray.obj", text);
+    asdic_mission *m = load(w, "{mesh: {file: stray.obj, z_up: false}, position_m: [7, 0, 0]}",
+                            "{pose: {position_m: [7, 20, 3]}}");
+    const asdic_mission_object *bottom = asdic_mission_get_object(m, 0);
+    assert_close(bottom->max_m.x - bottom->min_m.x, bottom->mesh.max_m.x - bottom->mesh.min_m.x,
+                 1e-9);
+    assert_close(bottom->min_m.x, 7 + bottom->mesh.min_m.x, 1e-9);
+    assert_close(bottom->min_m.y, bottom->mesh.min_m.y, 1e-9);
+    assert_close(bottom->min_m.z, bottom->mesh.min_m.z, 1e-9);
+    asdic_mission_destroy(&m);
+}
+
 static void decimal_comma_changes_nothing(void **state) {
     const workshop *w = *state;
     if (!set_german_locale()) {
@@ -686,6 +704,7 @@ int main(void) {
         cmocka_unit_test(sloping_bottom_and_track),
         cmocka_unit_test(open_water),
         cmocka_unit_test(placed_meshes_have_their_box),
+        cmocka_unit_test(stray_vertices_are_in_no_box),
         cmocka_unit_test(decimal_comma_changes_nothing),
         cmocka_unit_test(damaged_missions_are_answered),
         cmocka_unit_test(scenes_in_memory),
