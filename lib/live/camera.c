@@ -24,7 +24,7 @@ struct asdic_camera {
     uint32_t *rgb;
     float *far_m;
     dev_camera last;
-    asdic_vec3 origin_m; /* of the last picture's scene */
+    asdic_vec3 origin_m; /* of the last picture's frame */
 };
 
 static asdic_status create_on_device(asdic_camera *c, asdic_device *device) {
@@ -132,7 +132,7 @@ static void place_vehicle(const asdic_shot *shot, asdic_vec3 origin_m, dev_camer
 
 static dev_camera describe(const asdic_camera *c, const asdic_scene *scene,
                            const asdic_shot *shot) {
-    asdic_vec3 origin_m = scene->origin_m;
+    asdic_vec3 origin_m = c->origin_m;
     dev_camera d = {
         .width = c->width,
         .height = c->height,
@@ -167,8 +167,8 @@ asdic_status asdic_camera_shoot(asdic_camera *c, asdic_simulator *sim, const asd
     dev_uint has_mesh = tracer != NULL;
     asdic_buffer *triangles =
         tracer ? asdic_tracer_triangles(tracer) : asdic_simulator_triangles(sim);
+    c->origin_m = sim->placement->origin_m;
     c->last = describe(c, sim->setup.scene, shot);
-    c->origin_m = sim->setup.scene->origin_m;
     asdic_kernel_arg aim[] = {ASDIC_ARG_BUFFER(c->settings), ASDIC_ARG_BUFFER(c->rays)};
     asdic_kernel_arg shade[] = {ASDIC_ARG_BUFFER(c->settings),
                                 ASDIC_ARG_BUFFER(c->hits),

@@ -132,8 +132,8 @@ static void search_along(search *s, const asdic_way *way, uint32_t word) {
     if (word == DEV_EMPTY) {
         return;
     }
-    s->a = asdic_vec3_sub(way->from_m, s->scene->origin_m);
-    s->b = asdic_vec3_sub(way->to_m, s->scene->origin_m);
+    s->a = asdic_vec3_sub(way->from_m, s->placement->origin_m);
+    s->b = asdic_vec3_sub(way->to_m, s->placement->origin_m);
     const double a[3] = {s->a.x, s->a.y, s->a.z}, b[3] = {s->b.x, s->b.y, s->b.z};
     for (int k = 0; k < 3; k++) {
         s->lo[k] = fmin(a[k], b[k]);
@@ -191,7 +191,7 @@ static int plumb(asdic_vec3 p, const dev_triangle *t) {
 bool asdic_placement_is_inside(const asdic_placement *placement, asdic_vec3 position_m,
                                size_t *part) {
     const asdic_scene *scene = placement->scene;
-    asdic_vec3 p = asdic_vec3_sub(position_m, scene->origin_m);
+    asdic_vec3 p = asdic_vec3_sub(position_m, placement->origin_m);
     size_t below = 0, above = 0;
     for (size_t i = 0; i < scene->triangle_count; i++) { /* of a part one after the other */
         const dev_triangle *t = asdic_placement_triangle(placement, i);

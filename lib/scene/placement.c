@@ -107,6 +107,7 @@ asdic_status asdic_placement_create(const asdic_scene *scene, asdic_placement **
         return asdic_fail_memory(scene->ctx, "the poses of objects");
     }
     p->scene = scene;
+    p->origin_m = scene->origin_m;
     p->extent_m = scene->bvh.extent_m;
     p->parts = copy(scene->parts, scene->part_count, sizeof *p->parts);
     p->points = copy(scene->points, scene->point_count, sizeof *p->points);
@@ -183,11 +184,44 @@ void asdic_placement_move(asdic_placement *p, size_t movable, const asdic_pose *
     dev_triangle *triangles = p->triangles + p->first[movable * copies];
     asdic_vec3 lo, hi;
     p->poses[movable] = *pose;
-    asdic_movable_place(m, pose, scene->origin_m, p->scratch_m, triangles);
+    asdic_movable_place(m, pose, p->origin_m, p->scratch_m, triangles);
     asdic_place_sphere(p->scratch_m, m->count, &p->parts[m->part], &lo, &hi);
     for (size_t i = movable * copies; i < (movable + 1) * copies; i++) {
         lift_copy(p, i);
         p->roots[i] = asdic_root_of(p->nodes, p->blocks, scene->movables[i].root);
     }
     join_roots(p);
+}
+
+/* Steps of an origin that follows the sonar, m: half a millimetre is lost at half of one. */
+#define FRAME_STEP_M 8192.0
+
+/* Whether any triangle of SCENE does not move. */
+static bool anything_stays(const asdic_scene *scene) {
+    size_t moving = 0;
+    for (size_t i = 0; i < scene->movable_count; i += asdic_scene_copies(scene)) {
+        moving += scene->movables[i].count;
+    }
+    return moving < scene->triangle_count;
+}
+
+asdic_vec3 asdic_placement_frame(const asdic_placement *p, asdic_vec3 position_m) {
+    asdic_vec3 at = p->scene->origin_m;
+    if (!anything_stays(p->scene)) {
+        at.x += FRAME_STEP_M * rint((position_m.x - at.x) / FRAME_STEP_M);
+        at.y += FRAME_STEP_M * rint((position_m.y - at.y) / FRAME_STEP_M);
+    }
+    return at;
+}
+
+bool asdic_placement_center(asdic_placement *p, asdic_vec3 position_m) {
+    asdic_vec3 at = asdic_placement_frame(p, position_m);
+    if (at.x == p->origin_m.x && at.y == p->origin_m.y) {
+        return false;
+    }
+    p->origin_m = at;
+    for (size_t i = 0; i < p->scene->movable_count / asdic_scene_copies(p->scene); i++) {
+        asdic_placement_move(p, i, &p->poses[i]);
+    }
+    return true;
 }

@@ -9,6 +9,7 @@
 
 typedef struct asdic_placement {
     const asdic_scene *scene;
+    asdic_vec3 origin_m; /* of the frame in which things are: the scene's, until it is centred */
     asdic_part *parts;   /* the scene's, spheres as they are now */
     asdic_point *points; /* the scene's, positions as they are now */
     asdic_pose *poses;   /* of what moves, a movable with all its copies */
@@ -27,6 +28,14 @@ void asdic_placement_destroy(asdic_placement **placement);
 
 /* The triangle with that index in the scene, where it is now. */
 const dev_triangle *asdic_placement_triangle(const asdic_placement *placement, size_t index);
+
+/* The origin of the frame in which a sonar at POSITION_M sees the scene: the scene's own where anything stays. What
+ * moves can go anywhere, and single precision holds shapes near an origin alone: where nothing stays, it follows the
+ * sonar in long steps north and east. */
+asdic_vec3 asdic_placement_frame(const asdic_placement *placement, asdic_vec3 position_m);
+
+/* Brings the frame's origin there; whether it was elsewhere, and all movables have changed. */
+bool asdic_placement_center(asdic_placement *placement, asdic_vec3 position_m);
 
 /* Moves a movable of the scene; of a lifted view, all its copies. */
 void asdic_placement_move(asdic_placement *placement, size_t movable, const asdic_pose *pose);

@@ -140,6 +140,13 @@ asdic_status asdic_tracer_move(asdic_tracer *t, const asdic_placement *p, size_t
     return ASDIC_OK;
 }
 
+asdic_status asdic_tracer_move_all(asdic_tracer *t, const asdic_placement *p) {
+    for (size_t i = 0; i < p->scene->movable_count / asdic_scene_copies(p->scene); i++) {
+        TRY(asdic_tracer_move(t, p, i));
+    }
+    return ASDIC_OK;
+}
+
 void asdic_tracer_destroy(asdic_tracer **tracer) {
     if (!tracer || !*tracer) {
         return;

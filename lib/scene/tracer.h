@@ -47,6 +47,9 @@ asdic_status asdic_tracer_run(asdic_tracer *tracer, asdic_buffer *rays, asdic_bu
 asdic_status asdic_tracer_move(asdic_tracer *tracer, const asdic_placement *placement,
                                size_t movable);
 
+/* The same after all movables have. */
+asdic_status asdic_tracer_move_all(asdic_tracer *tracer, const asdic_placement *placement);
+
 /* dev_triangle by triangle id. */
 asdic_buffer *asdic_tracer_triangles(asdic_tracer *tracer);
 

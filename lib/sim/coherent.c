@@ -301,7 +301,7 @@ static asdic_status tell(asdic_simulator *sim, asdic_coherent *c, const asdic_pi
     const asdic_array *array = &sim->setup.sonar.array;
     double wavelength_m = shot->water.wavelength_m;
     dev_beam element = asdic_aim_beam(&array->element, &shot->pose, wavelength_m);
-    asdic_vec3 at = asdic_vec3_sub(shot->pose.position_m, sim->setup.scene->origin_m);
+    asdic_vec3 at = asdic_vec3_sub(shot->pose.position_m, sim->placement->origin_m);
     const double exact[3] = {at.x, at.y, at.z};
     for (int axis = 0; axis < 3; axis++) {
         n->low[axis] = (float)(exact[axis] - (double)shot->ping->origin[axis]);

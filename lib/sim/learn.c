@@ -316,6 +316,7 @@ asdic_status asdic_simulator_learn(asdic_simulator *sim, const asdic_pose *pose,
         return ASDIC_OK;
     }
     TRY(asdic_pose_check(sim->ctx, pose));
+    TRY(asdic_simulator_center(sim, pose->position_m));
     asdic_simulator_forget(sim);
     TRY(choose_faces(sim, pose, index));
     lower_zone(sim, pose);

@@ -15,6 +15,14 @@ dev_part asdic_simulator_part(const asdic_part *part, size_t index) {
                       .size_m2 = (float)(4.0 * part->radius_m * part->radius_m)};
 }
 
+asdic_status asdic_simulator_center(asdic_simulator *sim, asdic_vec3 position_m) {
+    if (!asdic_placement_center(sim->placement, position_m) || !sim->tracer) {
+        return ASDIC_OK;
+    }
+    TRY(asdic_tracer_move_all(sim->tracer, sim->placement));
+    return asdic_sight_center(&sim->sight, position_m);
+}
+
 static asdic_status move_object(asdic_simulator *sim, size_t movable, const asdic_pose *pose) {
     size_t part = sim->setup.scene->movables[movable].part;
     asdic_placement_move(sim->placement, movable, pose);

@@ -265,7 +265,7 @@ static void cut_piece(finder *f, const piece *p) {
 /* A plane at DEPTH: squares whose corners have whole numbers. */
 static void cut_plane(finder *f, double depth_m, dev_uint kind) {
     const asdic_ping_shot *shot = f->shot;
-    asdic_vec3 origin = f->sim->setup.scene->origin_m;
+    asdic_vec3 origin = f->sim->placement->origin_m;
     double side = exp2(ceil(log2(shot->ping->range_m)));
     double x = floor(shot->pose.position_m.x / side), y = floor(shot->pose.position_m.y / side);
     for (int i = -1; i <= 1; i++) {
@@ -355,7 +355,7 @@ static void add_points(finder *f) {
     const asdic_scene *scene = f->sim->setup.scene;
     for (size_t i = 0; i < scene->point_count && !f->out->out_of_memory; i++) {
         const asdic_point *point = &f->sim->placement->points[i];
-        piece p = {.corner = asdic_vec3_sub(point->position_m, scene->origin_m),
+        piece p = {.corner = asdic_vec3_sub(point->position_m, f->sim->placement->origin_m),
                    .triangle = ~0u,
                    .kind = DEV_KIND_POINT,
                    .name = {(uint32_t)i, 0, 0xc0000000u}};
@@ -377,7 +377,7 @@ asdic_status asdic_patches_find(const asdic_simulator *sim, const asdic_ping_sho
                                 asdic_patches *out) {
     finder f = {.sim = sim,
                 .shot = shot,
-                .at = asdic_vec3_sub(shot->pose.position_m, sim->setup.scene->origin_m)};
+                .at = asdic_vec3_sub(shot->pose.position_m, sim->placement->origin_m)};
     double wanted = sim->setup.sampling.rays;
     out->count = out->slots = 0;
     out->out_of_memory = false;

@@ -83,7 +83,7 @@ static bool keeps_in_water(const asdic_scene *scene, double from_m, const ray_wa
 static asdic_status add_path(asdic_simulator *sim, size_t nth, const asdic_ping_shot *shot) {
     TRY(make_room(sim, 1, 1));
     asdic_vec3 to_m = sim->placement->points[nth].position_m;
-    asdic_vec3 at = asdic_vec3_sub(shot->pose.position_m, sim->setup.scene->origin_m);
+    asdic_vec3 at = asdic_vec3_sub(shot->pose.position_m, sim->placement->origin_m);
     ray_way to = asdic_sonar_ray(shot->ping, asdic_vec3_sub(to_m, shot->pose.position_m), NEAREST);
     if (!(to.t > NEAREST) ||
         (to.r.bend != 0.0 && !keeps_in_water(sim->setup.scene, shot->pose.position_m.z, &to))) {
@@ -109,14 +109,14 @@ static asdic_status add_path(asdic_simulator *sim, size_t nth, const asdic_ping_
 static void add_legs(asdic_simulator *sim, const asdic_layers *layers, const asdic_vec3 *from_m,
                      const asdic_vec3 *level, double across_m, const asdic_eigenray *eigenray) {
     asdic_eigenray_leg legs[ASDIC_MOST_EIGENRAY_LEGS];
-    asdic_vec3 at = asdic_vec3_sub(*from_m, sim->setup.scene->origin_m);
+    asdic_vec3 at = asdic_vec3_sub(*from_m, sim->placement->origin_m);
     triple begin = {at.x, at.y, at.z};
     size_t count = asdic_eigenray_legs(layers, from_m->z, across_m, eigenray, legs);
     for (size_t i = 0; i < count; i++) {
         const dev_layer *layer = &sim->setup.layers[legs[i].layer];
         const ray_medium water = {layer->bend_per_m, 1.0};
         triple end = {at.x + level->x * legs[i].across_m, at.y + level->y * legs[i].across_m,
-                      legs[i].z_m - sim->setup.scene->origin_m.z};
+                      legs[i].z_m - sim->placement->origin_m.z};
         triple a = ray_lift(begin, water), b = ray_lift(end, water);
         triple along = {b.x - a.x, b.y - a.y, b.z - a.z};
         double length = sqrt(dot3(along, along)), scale = 1.0 / fmax(length, NEAREST);

@@ -229,7 +229,7 @@ static void place_sonar(const asdic_simulator *sim, const asdic_ping_shot *shot)
     const asdic_scene *scene = sim->setup.scene;
     const asdic_pose *pose = &shot->pose;
     dev_ping *ping = shot->ping;
-    asdic_vec3 origin = asdic_vec3_sub(pose->position_m, scene->origin_m);
+    asdic_vec3 origin = asdic_vec3_sub(pose->position_m, sim->placement->origin_m);
     ping->origin[0] = (float)origin.x;
     ping->origin[1] = (float)origin.y;
     ping->origin[2] = (float)origin.z;

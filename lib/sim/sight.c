@@ -14,6 +14,12 @@ asdic_status asdic_sight_move(asdic_simulator *sim, size_t movable, const asdic_
     return asdic_tracer_move(sight->tracer, sight->placement, movable);
 }
 
+asdic_status asdic_sight_center(asdic_sight *sight, asdic_vec3 position_m) {
+    return sight->tracer && asdic_placement_center(sight->placement, position_m)
+               ? asdic_tracer_move_all(sight->tracer, sight->placement)
+               : ASDIC_OK;
+}
+
 void asdic_sight_finish(asdic_sight *sight) {
     asdic_tracer_destroy(&sight->tracer);
     asdic_placement_destroy(&sight->placement);
@@ -23,6 +29,7 @@ static asdic_status create(asdic_simulator *sim) {
     const asdic_scene *scene = sim->setup.scene;
     TRY(asdic_placement_create(scene, &sim->sight.placement));
     TRY(asdic_tracer_create(sim->device, scene, &sim->sight.tracer));
+    asdic_placement_center(sim->sight.placement, sim->placement->origin_m);
     for (size_t i = 0; i < scene->movable_count; i++) {
         TRY(asdic_sight_move(sim, i, &sim->placement->poses[i]));
     }

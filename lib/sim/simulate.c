@@ -450,6 +450,20 @@ static asdic_status check_ping(const asdic_simulator *sim, const asdic_pose *pos
     return asdic_pose_check(sim->ctx, pose);
 }
 
+/* How many of the COUNT pings at POSES go to the device at once: they see what moves in one frame. */
+static size_t count_together(const asdic_simulator *sim, const asdic_pose *poses, size_t count) {
+    asdic_vec3 frame = asdic_placement_frame(sim->placement, poses[0].position_m);
+    size_t together = 1;
+    while (together < count && together < sim->setup.ping_batch) {
+        asdic_vec3 next = asdic_placement_frame(sim->placement, poses[together].position_m);
+        if (next.x != frame.x || next.y != frame.y) {
+            break;
+        }
+        together++;
+    }
+    return together;
+}
+
 asdic_status asdic_simulator_pings(asdic_simulator *sim, const asdic_pose *poses, uint64_t first,
                                    size_t count, asdic_ping *const *out) {
     if (!sim || !poses || !out) {
@@ -458,10 +472,10 @@ asdic_status asdic_simulator_pings(asdic_simulator *sim, const asdic_pose *poses
     for (size_t k = 0; k < count; k++) {
         TRY(check_ping(sim, &poses[k], out[k]));
     }
-    size_t most = sim->setup.ping_batch;
-    for (size_t k = 0; k < count; k += most) {
-        size_t left = count - k;
-        TRY(shoot(sim, poses + k, first + k, left < most ? left : most, out + k));
+    for (size_t k = 0, together; k < count; k += together) {
+        together = count_together(sim, poses + k, count - k);
+        TRY(asdic_simulator_center(sim, poses[k].position_m));
+        TRY(shoot(sim, poses + k, first + k, together, out + k));
     }
     return ASDIC_OK;
 }

@@ -280,10 +280,8 @@ static asdic_status bring_scene(asdic_simulator *sim, const asdic_water_column *
         TRY(asdic_tracer_create(sim->device, scene, &sim->tracer));
         asdic_tracer_wait(sim->tracer, FEW_RAYS);
     }
-    size_t movables =
-        sim->tracer && sim->setup.layer_count > 0 ? sim->setup.scene->movable_count : 0;
-    for (size_t i = 0; i < movables; i++) { /* to the layers that they are in */
-        TRY(asdic_tracer_move(sim->tracer, sim->placement, i));
+    if (sim->tracer && sim->setup.layer_count > 0) { /* to the layers that they are in */
+        TRY(asdic_tracer_move_all(sim->tracer, sim->placement));
     }
     if (sim->tracer && kernel != ASDIC_RAY_KERNEL_AUTO) {
         TRY(asdic_tracer_set_kernel(sim->tracer, asdic_tracer_kernel_name((size_t)kernel - 1)));

@@ -288,11 +288,15 @@ void asdic_store_destroy(asdic_simulator *sim);
 /* The scene's triangles on the device, or a buffer to point at when there are none. */
 asdic_buffer *asdic_simulator_triangles(const asdic_simulator *sim);
 
+/* Brings what moves into the frame of a sonar at POSITION_M (scene/placement.h), before it is aimed there. */
+asdic_status asdic_simulator_center(asdic_simulator *sim, asdic_vec3 position_m);
+
 /* What light meets: the scene as it stands now, without triangles NULL. The simulator's. */
 asdic_status asdic_simulator_look(asdic_simulator *sim, asdic_tracer **out);
 
 /* The same MOVABLE for light, where somebody has looked. */
 asdic_status asdic_sight_move(asdic_simulator *sim, size_t movable, const asdic_pose *pose);
+asdic_status asdic_sight_center(asdic_sight *sight, asdic_vec3 position_m);
 void asdic_sight_finish(asdic_sight *sight);
 
 /* Has the first ping do what others would wait for: where pings have to keep time. */

@@ -310,6 +310,29 @@ static void scatterers_lie_anywhere_on_facets(void **state) {
     rig_destroy(&r);
 }
 
+/* Points and water a whole number of steps of the frame away (scene/placement.h): the same pressures. */
+static void places_far_away_are_as_exact(void **state) {
+    (void)state;
+    asdic_ping *pings[2];
+    for (int far = 0; far < 2; far++) {
+        ping_rig r = empty_array(&t);
+        const double north_m = far ? 600 * 8192.0 : 0.0, east_m = far ? -70 * 8192.0 : 0.0;
+        r.env.particle_strength_db = -60.0;
+        r.sampling.rays = 1000;
+        r.pose.position_m = (asdic_vec3){north_m + 0.125, east_m - 0.25, 7.0};
+        asdic_vec3 at = {north_m + 30.015625, east_m + 3.0, 9.0};
+        assert_ok(t.ctx, asdic_scene_add_point(r.scene, "p", at, 0.0));
+        asdic_simulator *sim = rig_simulator(&r);
+        pings[far] = array_shoot(&r, sim, 0);
+        asdic_simulator_destroy(&sim);
+        rig_destroy(&r);
+    }
+    size_t floats = 2 * pings[0]->elements * pings[0]->samples;
+    assert_memory_equal(pings[0]->pressure, pings[1]->pressure, floats * sizeof(float));
+    asdic_ping_destroy(&pings[0]);
+    asdic_ping_destroy(&pings[1]);
+}
+
 /* Beyond the last bin nothing is heard, and no memory asked for. */
 static void blanking_may_leave_no_bin(void **state) {
     (void)state;
@@ -400,6 +423,7 @@ int main(void) {
         cmocka_unit_test(both_sides_are_heard),
         cmocka_unit_test(water_is_new_in_every_ping),
         cmocka_unit_test(scatterers_lie_anywhere_on_facets),
+        cmocka_unit_test(places_far_away_are_as_exact),
         cmocka_unit_test(blanking_may_leave_no_bin),
         cmocka_unit_test(a_ping_may_have_no_scatterer),
         cmocka_unit_test(boundaries_scatter_what_they_do_not_mirror),

@@ -3,6 +3,8 @@
  */
 #include "ping_rig.h"
 
+#include "base/vec.h"
+
 #include <math.h>
 
 static test_device t;
@@ -181,6 +183,35 @@ static void nothing_has_to_stay(void **state) {
     moving_meets_building(&from, &to, false, 1e-3);
 }
 
+/* On another part of the globe, sonar, objects and all, whole steps of the frame away (scene/placement.h), and back. */
+static void far_from_where_they_were_built_shapes_stay(void **state) {
+    (void)state;
+    cast near = spread_cast(3, true, 14.0, 0.3), far = near;
+    ping_rig r = cast_rig(&near, true, false);
+    const asdic_pose start = r.pose;
+    const asdic_vec3 off = {600 * 8192.0, -70 * 8192.0, 0.0};
+    r.pose.position_m = asdic_vec3_add(r.pose.position_m, off);
+    far.point = asdic_vec3_add(far.point, off);
+    for (int i = 0; i < far.objects; i++) {
+        far.at[i].position_m = asdic_vec3_add(far.at[i].position_m, off);
+    }
+    asdic_simulator *sim = rig_simulator(&r);
+    move_all(sim, &far);
+    asdic_ping *there = shoot(sim, &r);
+    r.pose = start;
+    move_all(sim, &near);
+    asdic_ping *back = shoot(sim, &r), *here = rig_shoot(&r, 0, true);
+    double db = largest_db(here, there);
+    print_message("%.2g dB at 4,900 km\n", db);
+    assert_true(db <= 1e-3);
+    assert_true(rig_same(here, back));
+    asdic_ping_destroy(&there);
+    asdic_ping_destroy(&back);
+    asdic_ping_destroy(&here);
+    asdic_simulator_destroy(&sim);
+    rig_destroy(&r);
+}
+
 static void mistakes_are_told(void **state) {
     (void)state;
     cast c = spread_cast(1, false, 14.0, 0.0);
@@ -208,6 +239,7 @@ int main(void) {
         cmocka_unit_test(crowds_give_the_same_bytes),
         cmocka_unit_test(turned_spheres_agree),
         cmocka_unit_test(nothing_has_to_stay),
+        cmocka_unit_test(far_from_where_they_were_built_shapes_stay),
         cmocka_unit_test(mistakes_are_told),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);

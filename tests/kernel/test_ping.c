@@ -298,6 +298,23 @@ static void nothing_echoes_before_the_nearest_surface(void **state) {
     rig_destroy(&r);
 }
 
+/* Planes that mirror on another part of the globe, whole steps of the frame away (scene/placement.h). */
+static void planes_are_the_same_everywhere(void **state) {
+    (void)state;
+    asdic_ping *pings[2];
+    for (int far = 0; far < 2; far++) {
+        ping_rig r = rig_create(&t);
+        r.sampling.rays = 4096;
+        r.sampling.multipath = ASDIC_MULTIPATH_BOUNDARIES;
+        r.pose.position_m.x = far ? 600 * 8192.0 : 0.0;
+        pings[far] = rig_shoot(&r, 0, true);
+        rig_destroy(&r);
+    }
+    assert_true(rig_same(pings[0], pings[1]));
+    asdic_ping_destroy(&pings[0]);
+    asdic_ping_destroy(&pings[1]);
+}
+
 static void wrong_use_is_refused(void **state) {
     (void)state;
     ping_rig r = rig_create(&t);
@@ -332,6 +349,7 @@ int main(void) {
         cmocka_unit_test(calibrations_know_a_ping),
         cmocka_unit_test(attitude_and_aim_cancel),
         cmocka_unit_test(nothing_echoes_before_the_nearest_surface),
+        cmocka_unit_test(planes_are_the_same_everywhere),
         cmocka_unit_test(wrong_use_is_refused),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
