@@ -12,6 +12,7 @@
  * part's extent. */
 #define SAME_PLANE 1e-3
 #define NO_PATCH UINT32_MAX
+#define NO_FACET UINT32_MAX
 
 /* Corners by the vertex they share. */
 static void sort_corners(asdic_surface *s) {
@@ -28,6 +29,66 @@ static void sort_corners(asdic_surface *s) {
     }
     memmove(s->first + 1, s->first, corners * sizeof *s->first);
     s->first[0] = 0;
+}
+
+/* 1 where FACET has the edge from A to B, -1 where it has that from B to A. */
+static int edge_of(const asdic_surface *s, uint32_t facet, uint32_t a, uint32_t b) {
+    const uint32_t *v = &s->vertex[3 * (size_t)facet];
+    for (int k = 0; k < 3; k++) {
+        uint32_t from = v[k], to = v[(k + 1) % 3];
+        if ((from == a && to == b) || (from == b && to == a)) {
+            return from == a ? 1 : -1;
+        }
+    }
+    return 0;
+}
+
+static uint32_t touching_count(const asdic_surface *s, uint32_t vertex) {
+    return s->first[vertex + 1] - s->first[vertex];
+}
+
+/* The facet beyond the edge from A to B of FACET, and which WAY it has that edge; none where several have it. */
+static uint32_t facet_beyond(const asdic_surface *s, uint32_t facet, uint32_t a, uint32_t b,
+                             int *way) {
+    uint32_t at = touching_count(s, a) <= touching_count(s, b) ? a : b, found = NO_FACET;
+    if (touching_count(s, at) > ASDIC_MOST_CORNERS) {
+        return NO_FACET;
+    }
+    for (uint32_t i = s->first[at]; i < s->first[at + 1]; i++) {
+        uint32_t other = s->touching[i] / 3;
+        int has = other == facet ? 0 : edge_of(s, other, a, b);
+        if (has != 0 && found != NO_FACET) {
+            return NO_FACET;
+        }
+        *way = has != 0 ? has : *way;
+        found = has != 0 ? other : found;
+    }
+    return found;
+}
+
+/* Facets that are wound alike have their common edge in opposite directions. Files may hold a body's facets wound
+ * either way; from the first of each piece on the others follow. QUEUE has room for all. */
+static void find_sides(asdic_surface *s, uint32_t *queue) {
+    memset(s->side, 0, s->count);
+    for (uint32_t seed = 0; seed < s->count; seed++) {
+        size_t head = 0, tail = 0;
+        if (s->side[seed] == 0) {
+            s->side[seed] = 1;
+            queue[tail++] = seed;
+        }
+        while (head < tail) {
+            uint32_t facet = queue[head++];
+            const uint32_t *v = &s->vertex[3 * (size_t)facet];
+            for (int k = 0; k < 3; k++) {
+                int way = 0;
+                uint32_t other = facet_beyond(s, facet, v[k], v[(k + 1) % 3], &way);
+                if (other != NO_FACET && s->side[other] == 0) {
+                    s->side[other] = (int8_t)(-way * s->side[facet]);
+                    queue[tail++] = other;
+                }
+            }
+        }
+    }
 }
 
 /* Second moments of a patch's area in its plane. */
@@ -120,12 +181,13 @@ asdic_status asdic_surface_init(asdic_context *ctx, const double *corners_m, dev
     out->vertex = malloc(corners * sizeof *out->vertex);
     out->first = calloc(corners + 2, sizeof *out->first);
     out->touching = malloc(corners * sizeof *out->touching);
+    out->side = malloc(count * sizeof *out->side);
     out->patch = malloc(count * sizeof *out->patch);
     out->patches = malloc(count * sizeof *out->patches);
     uint32_t *queue = malloc(count * sizeof *queue), *seen = malloc(corners * sizeof *seen);
     asdic_status status = ASDIC_OK;
-    if (!out->vertex || !out->first || !out->touching || !out->patch || !out->patches || !queue ||
-        !seen) {
+    if (!out->vertex || !out->first || !out->touching || !out->side || !out->patch ||
+        !out->patches || !queue || !seen) {
         status = asdic_fail_memory(ctx, "the flat patches of an object");
         goto fail;
     }
@@ -134,6 +196,7 @@ asdic_status asdic_surface_init(asdic_context *ctx, const double *corners_m, dev
         goto fail;
     }
     sort_corners(out);
+    find_sides(out, queue);
     memset(out->patch, 0xff, count * sizeof *out->patch);
     memset(seen, 0xff, corners * sizeof *seen);
     uint32_t number = 0;
@@ -152,6 +215,7 @@ void asdic_surface_finish(asdic_surface *surface) {
     free(surface->vertex);
     free(surface->first);
     free(surface->touching);
+    free(surface->side);
     free(surface->patch);
     free(surface->patches);
 }

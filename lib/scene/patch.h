@@ -6,6 +6,9 @@
 
 #include "scene.h"
 
+/* A vertex with more corners than this is the tip of a cone, or of a broken mesh: it stays sharp. */
+#define ASDIC_MOST_CORNERS 1024
+
 /* Touching facets in one plane. */
 typedef struct asdic_patch {
     double area_m2;
@@ -19,6 +22,7 @@ typedef struct asdic_surface {
     uint32_t *vertex;   /* 3 per facet: the lowest corner equal to this one */
     uint32_t *first;    /* 3 * count + 1: where a vertex' corners begin in touching */
     uint32_t *touching; /* corners by vertex */
+    int8_t *side;       /* per facet: 1 as it is wound, -1 the other way; neighbours then agree */
     uint32_t *patch;    /* per facet */
     asdic_patch *patches;
 } asdic_surface;
@@ -33,9 +37,11 @@ static inline asdic_vec3 asdic_surface_corner(const asdic_surface *s, size_t cor
     return (asdic_vec3){v[0], v[1], v[2]};
 }
 
+/* To the same side as its neighbours', however it is wound. */
 static inline asdic_vec3 asdic_surface_normal(const asdic_surface *s, size_t facet) {
     const float *n = s->facets[facet].normal;
-    return (asdic_vec3){n[0], n[1], n[2]};
+    float side = (float)s->side[facet];
+    return (asdic_vec3){side * n[0], side * n[1], side * n[2]};
 }
 
 #endif

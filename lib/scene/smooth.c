@@ -18,8 +18,6 @@
 #define CREASE_COSINE 0.819
 /* A patch this much larger than its neighbour is a flat face with a rounded edge: it stays flat. */
 #define FACE_RATIO 4.0
-/* A vertex with more corners than this stays sharp: the tip of a cone, or a broken mesh. */
-#define MOST_CORNERS 1024
 /* A surface that bends this much more one way than the other is straight the other way. */
 #define STRAIGHT 1e-4
 
@@ -54,7 +52,7 @@ static asdic_vec3 corner_normal(const asdic_surface *s, uint32_t facet, uint32_t
     asdic_vec3 own = asdic_surface_normal(s, facet), sum = {0.0, 0.0, 0.0};
     uint32_t vertex = s->vertex[corner], first = s->first[vertex], end = s->first[vertex + 1];
     double least_m2 = s->patches[s->patch[facet]].area_m2 / FACE_RATIO;
-    if (end - first > MOST_CORNERS) {
+    if (end - first > ASDIC_MOST_CORNERS) {
         return own;
     }
     for (uint32_t i = first; i < end; i++) {
@@ -145,9 +143,10 @@ static void smooth_facet(const asdic_surface *s, uint32_t facet, asdic_vec3 *tur
         return;
     }
     for (int k = 0; k < 3; k++) {
-        t->corner_normals[k] = asdic_smooth_pack(normals[k]);
+        asdic_vec3 own = asdic_vec3_scale(normals[k], s->side[facet]); /* to the facet's side */
+        t->corner_normals[k] = asdic_smooth_pack(own);
         if (turned) {
-            turned[3 * (size_t)facet + k] = normals[k];
+            turned[3 * (size_t)facet + k] = own;
         }
     }
     t->flat_m2 = (float)patch->length2_m2;

@@ -4,6 +4,7 @@
 #include "kernels/smooth.h"
 #include "scene/scene.h"
 #include "scene/smooth.h"
+#include "scene/triangles.h"
 
 #include <asdic/asdic.h>
 
@@ -155,6 +156,43 @@ static void a_rounded_edge_leaves_its_face_flat(void **state) {
 }
 
 /* The bottom law takes the facets' own normals. */
+static asdic_mesh *body(int shape) {
+    asdic_mesh *mesh = NULL;
+    assert_ok(ctx, shape == 0   ? asdic_mesh_box(ctx, (asdic_vec3){4.0, 20.0, 2.0}, &mesh)
+                   : shape == 1 ? asdic_mesh_sphere(ctx, 0.5, 24, &mesh)
+                                : asdic_mesh_cylinder(ctx, 0.25, 2.0, 48, &mesh));
+    return mesh;
+}
+
+/* Files may hold the facets of a body wound either way. */
+static void facets_wound_either_way_are_one_body(void **state) {
+    (void)state;
+    for (int shape = 0; shape < 3; shape++) {
+        asdic_mesh *mesh = body(shape);
+        for (size_t i = 0; i < mesh->triangle_count; i++) {
+            uint32_t *f = &mesh->indices[3 * i], second = f[1];
+            if (i * 7 % 5 < 2) {
+                f[1] = f[2];
+                f[2] = second;
+            }
+        }
+        asdic_scene *mixed = steel_scene(mesh), *right = steel_scene(body(shape));
+        assert_int_equal(mixed->triangle_count, right->triangle_count);
+        for (size_t i = 0; i < right->triangle_count; i++) {
+            const dev_triangle *a = &mixed->triangles[i], *b = &right->triangles[i];
+            float p[3], side = i * 7 % 5 < 2 ? -1.0f : 1.0f;
+            point_at(b, 0.3, 0.3, p);
+            vector n = smooth_normal(b, vector_load(p));
+            assert_true((a->corner_normals[0] == DEV_FLAT) == (b->corner_normals[0] == DEV_FLAT));
+            assert_close_relative(a->flat_m2, b->flat_m2, 1e-5);
+            assert_close_relative(a->radius_m, b->radius_m, 1e-4);
+            assert_true(off_rad(a, p, (asdic_vec3){side * n.x, side * n.y, side * n.z}) < 2e-4);
+        }
+        asdic_scene_destroy(&mixed);
+        asdic_scene_destroy(&right);
+    }
+}
+
 static void other_laws_stay_flat(void **state) {
     (void)state;
     asdic_mesh *mesh;
@@ -174,6 +212,7 @@ int main(void) {
         cmocka_unit_test(a_sphere_is_round),
         cmocka_unit_test(a_cylinder_is_straight_one_way),
         cmocka_unit_test(a_rounded_edge_leaves_its_face_flat),
+        cmocka_unit_test(facets_wound_either_way_are_one_body),
         cmocka_unit_test(other_laws_stay_flat),
     };
     if (asdic_context_create(&ctx) != ASDIC_OK) {
