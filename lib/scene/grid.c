@@ -16,6 +16,8 @@
 #include <strings.h>
 
 #define NO_VERTEX UINT32_MAX
+/* Marks cells without data where the header says nothing of them. */
+#define ESRI_NO_DATA (-9999.0)
 
 typedef struct grid {
     asdic_mesh_scan *scan;
@@ -118,6 +120,8 @@ static asdic_status check_header(const grid *g) {
 static asdic_status read_header(grid *g) {
     bool known = true;
     g->west_m = g->south_m = g->cell_x_m = g->cell_y_m = NAN;
+    g->no_data = ESRI_NO_DATA;
+    g->has_no_data = true;
     while (known) {
         asdic_line before = g->line;
         if (!asdic_line_next(g->scan, &g->line)) {

@@ -107,6 +107,24 @@ static void holes(void **state) {
     asdic_mesh_destroy(&mesh);
 }
 
+/* -9999 is the format's marker where the header has none, and a number where it has another. */
+static void holes_have_a_marker_without_a_header(void **state) {
+    (void)state;
+    static const char *const headers[] = {"", "NODATA_value -1\n"};
+    for (size_t i = 0; i < sizeof headers / sizeof *headers; i++) {
+        char text[256];
+        snprintf(text, sizeof text,
+                 "ncols 3\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 1\n%s"
+                 "1 1 1\n1 1 -9999\n",
+                 headers[i]);
+        mesh_rig_write(&rig, "g.asc", text);
+        asdic_mesh *mesh = load(true);
+        assert_int_equal(asdic_mesh_get_info(mesh).vertices, i == 0 ? 5 : 6);
+        assert_close(asdic_mesh_get_info(mesh).min_m.z, i == 0 ? 1.0 : -9999.0, 0.0);
+        asdic_mesh_destroy(&mesh);
+    }
+}
+
 static void holes_may_be_no_numbers(void **state) {
     (void)state;
     static const char *const markers[] = {"nan", "-nan", "NaN"};
@@ -172,6 +190,7 @@ int main(void) {
         cmocka_unit_test(facets_are_of_their_corners),
         cmocka_unit_test(heights_and_other_headers),
         cmocka_unit_test(holes),
+        cmocka_unit_test(holes_have_a_marker_without_a_header),
         cmocka_unit_test(holes_may_be_no_numbers),
         cmocka_unit_test(refusals),
         cmocka_unit_test(locale_does_not_matter),
