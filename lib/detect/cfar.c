@@ -21,6 +21,8 @@
 #include <string.h>
 
 #define TOLERANCE 1e-10
+/* A sum of terms that rise by many powers of ten is counted in larger units from here on. */
+#define MOST_SUM 1e200
 
 asdic_cfar asdic_cfar_default(void) {
     return (asdic_cfar){.kind = ASDIC_CFAR_CA, .cells = 8, .guard = 2, .rank = 0.75};
@@ -109,12 +111,18 @@ double asdic_cfar_pfa(asdic_cfar_kind kind, unsigned count, unsigned rank, unsig
     }
     if (kind == ASDIC_CFAR_CA) {
         double t = factor / (double)count, trials = (double)count * (double)looks;
-        double term = exp(-trials * log1p(t)), sum = 0.0;
+        double log_unit = -trials * log1p(t), term = 1.0,
+               sum = 0.0; /* the first term of many looks underflows */
         for (double j = 0.0; j < (double)looks; j += 1.0) {
             sum += term;
             term *= (trials + j) / (j + 1.0) * t / (1.0 + t);
+            if (sum > MOST_SUM) {
+                log_unit += log(MOST_SUM);
+                term /= MOST_SUM;
+                sum /= MOST_SUM;
+            }
         }
-        return sum;
+        return fmin(exp(log_unit + log(sum)), 1.0);
     }
     if (looks == 1) {
         double product = 1.0;

@@ -176,6 +176,21 @@ static void order_statistics_of_many_looks(void **state) {
     }
 }
 
+/* Of as many looks as a bin may have the closed form begins with a term that no number holds. */
+static void means_of_many_looks(void **state) {
+    (void)state;
+    for (unsigned looks = 125; looks <= 1000; looks *= 2) {
+        double factor;
+        assert_close_relative(
+            asdic_cfar_pfa(ASDIC_CFAR_CA, 16, 0, looks, 1.1),
+            asdic_cfar_pd(ASDIC_CFAR_CA, 16, 0, looks, 1.1, ASDIC_TARGET_SWERLING0, 0.0), 1e-7);
+        assert_ok(ctx, asdic_cfar_factor(ctx, ASDIC_CFAR_CA, 16, 0, looks, 1e-3, &factor));
+        assert_close_relative(
+            asdic_cfar_pd(ASDIC_CFAR_CA, 16, 0, looks, factor, ASDIC_TARGET_SWERLING0, 0.0), 1e-3,
+            1e-7);
+    }
+}
+
 /* A threshold of 0 is always exceeded: with probability 1, not a rounding more. */
 static void no_rate_is_above_one(void **state) {
     (void)state;
@@ -343,6 +358,7 @@ int main(void) {
         cmocka_unit_test(one_look_takes_the_closed_form),
         cmocka_unit_test(large_factors_are_integrated),
         cmocka_unit_test(order_statistics_of_many_looks),
+        cmocka_unit_test(means_of_many_looks),
         cmocka_unit_test(no_rate_is_above_one),
         cmocka_unit_test(rows_are_those_of_every_window),
         cmocka_unit_test(factors_are_kept),
