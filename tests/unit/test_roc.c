@@ -191,6 +191,25 @@ static void closed_forms_lie_in_the_bounds(void **state) {
     asdic_roc_destroy(&chance);
 }
 
+/* Of 99 %: also where some four draws of 400 lie among those of the other kind. */
+static void few_overlaps_make_wide_bounds(void **state) {
+    (void)state;
+    enum { DRAWS = 200, SETS = 1000 };
+    const double snr = 98.0, truth = (1.0 + snr) / (2.0 + snr);
+    const asdic_background b = {1.0, 1, INFINITY, 0.0};
+    double none[DRAWS], present[DRAWS];
+    int outside = 0;
+    for (uint64_t set = 0; set < SETS; set++) {
+        asdic_estimate area;
+        asdic_detect_draw(&b, ASDIC_TARGET_SWERLING1, 0.0, 1, set * DRAWS, DRAWS, none);
+        asdic_detect_draw(&b, ASDIC_TARGET_SWERLING1, snr, 2, set * DRAWS, DRAWS, present);
+        assert_ok(ctx, asdic_roc_area(ctx, none, present, DRAWS, &area));
+        outside += truth < area.low || truth > area.high;
+    }
+    print_message("%d of %d bounds leave the area out\n", outside, SETS);
+    assert_true(outside <= SETS / 100);
+}
+
 /* A tenth of a decibel is lost in the bounds of the areas, not in those of their difference. */
 static void pairs_compare_better(void **state) {
     (void)state;
@@ -312,6 +331,7 @@ int main(void) {
         cmocka_unit_test(an_area_of_many_draws_counts_pairs),
         cmocka_unit_test(an_area_can_be_stopped),
         cmocka_unit_test(closed_forms_lie_in_the_bounds),
+        cmocka_unit_test(few_overlaps_make_wide_bounds),
         cmocka_unit_test(pairs_compare_better),
         cmocka_unit_test(bands_hold_what_the_laws_leave_open),
         cmocka_unit_test(settings_replace_and_add),
