@@ -56,6 +56,37 @@ def test_the_rise():
         tap.contains(done.err, "--force")
 
 
+ARRAY = """version: 1
+bottom: {depth_m: 12, type: sand}
+objects:
+  - {name: ball, sphere: {radius_m: 0.5}, position_m: [15, 0, 9], material: {type: sand}}
+  - {name: other, sphere: {radius_m: 0.3}, position_m: [10, 5, 9], material: {type: sand}}
+sonar:
+  frequency_khz: 100
+  max_range_m: 20
+  source_level_db: 200
+  array: {elements: 16, beams: {count: 8, sector_deg: 60}}
+mission: {pose: {position_m: [0, 0, 7]}}
+sampling: {coherent: true, rays: 5000}
+"""
+
+
+def test_a_coherent_scene_is_judged_by_its_intensities():
+    """A coherent ping does not tell what objects are in a bin."""
+    need_device()
+    with Folder() as folder:
+        folder.write("coherent.yaml", ARRAY)
+        folder.write("intensities.yaml", ARRAY.replace("coherent: true, ", ""))
+        curves = []
+        for name in ("coherent", "intensities"):
+            done = asdic("roc", f"{name}.yaml", "--object", "ball", "--trials", "1000", "-o", name, "--json",
+                         "-q", cwd=folder.path).check(0)
+            curve, = json.loads(done.out)
+            curves.append({key: curve[key] for key in ("beam", "range_m", "snr_db", "closed_pd", "area")})
+        tap.equal(curves[0], curves[1])
+        tap.equal(curves[0]["closed_pd"] > 0.9, True, "the ball is heard")
+
+
 def title(folder, name):
     """The two lines above the picture of a folder."""
     return png_texts(pathlib.Path(folder / name, "roc.png").read_bytes())["Title"].split("\n")

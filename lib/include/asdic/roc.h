@@ -66,11 +66,11 @@ typedef struct asdic_roc {
     asdic_band model_pd;                                     /* of closed_pd */
 } asdic_roc;
 
-/* Simulates the ping, without its speckle, and draws round it. A scene without speckle is given
- * Rayleigh's. The background is what is expected without objects; over a bottom that is no plane,
- * or with multipath over boundaries, what the ping holds beside the object. Echoes of other objects
- * are none of the object's: it is judged where it is the loudest of them, and ASDIC_ERROR_ARGUMENT
- * where it nowhere is. */
+/* Simulates the ping, without its speckle, and draws round it; a coherent one as a ping of
+ * intensities. A scene without speckle is given Rayleigh's. The background is what is expected
+ * without objects; over a bottom that is no plane, or with multipath over boundaries, what the ping
+ * holds beside the object. Echoes of other objects are none of the object's: it is judged where it
+ * is the loudest of them, and ASDIC_ERROR_ARGUMENT where it nowhere is. */
 ASDIC_API asdic_status asdic_roc_compute(asdic_context *ctx, const asdic_mission *mission,
                                          asdic_device *device, const asdic_roc_options *options,
                                          asdic_roc **out);

@@ -97,6 +97,7 @@ static asdic_status simulate(scene_job *job, asdic_device *device) {
     asdic_sampling sampling = m->settings.sampling;
     quiet.speckle = ASDIC_SPECKLE_NONE;
     sampling.truth = job->number != 0;
+    sampling.coherent = false; /* means are wanted, and what each component has of them */
     TRY(asdic_simulator_create(job->ctx, device, m->scene, &m->settings.environment, &quiet,
                                &sampling, asdic_mission_pose(m, 0, NULL).position_m.z, &sim));
     asdic_status status = ping_with(job, sim);
