@@ -5,7 +5,8 @@
 #define ASDIC_BENT 1
 #include "asserts.h"
 
-#include "../../kernels/ray.h"
+#define any_true(m) (m)
+#include "../../kernels/sampler.h"
 
 #define RAYS 400
 #define SPEED 1480.0 /* m/s at depth 0 */
@@ -299,6 +300,37 @@ static void no_gradient_is_straight(void **state) {
     }
 }
 
+/* The adaptive sampler's elevations run from nadir to zenith, by the density that they say, without a gap and without
+ * coming twice; and x is found again. */
+static void elevations_have_their_densities(void **state) {
+    enum { STEPS = 20000 };
+    (void)state;
+    for (size_t i = 0; i < GRADIENTS; i++) {
+        ray_medium water = water_of(gradients[i], 12.0);
+        dev_ping ping = {.origin = {0.0f, 0.0f, 12.0f},
+                         .bend_per_m = (float)water.bend,
+                         .sampling.zones = {.bottom_m = 20.0f,
+                                            .surface_m = 12.0f,
+                                            .bottom_far_m = 70.0f,
+                                            .surface_far_m = 60.0f,
+                                            .cap_rad = 0.1745f,
+                                            .share = {0.03f, 0.57f, 0.07f, 0.30f, 0.03f}}};
+        double above = 1.0, all = 0.0;
+        for (int k = 0; k < STEPS; k++) {
+            double x = (k + 0.5) / STEPS, density = 0.0;
+            elevation e = elevation_of_x(&ping, x);
+            assert_close(x_of_elevation(&ping, e.uz, e.across, &density), x, 1e-6);
+            assert_close(density, e.density, 1e-5 * density);
+            assert_close(e.uz * e.uz + e.across * e.across, 1.0, 1e-9);
+            assert_true(e.uz < above);
+            above = e.uz;
+            all += 1.0 / (density * STEPS);
+        }
+        print_message("%6.3f 1/s: sines from -1 to 1 measure %.7f\n", gradients[i], all);
+        assert_close(all, 2.0, 1e-4);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(rays_solve_their_equation),
@@ -307,6 +339,7 @@ int main(void) {
         cmocka_unit_test(rays_meet_planes_where_they_say),
         cmocka_unit_test(mirrors_bend_tubes_as_they_say),
         cmocka_unit_test(no_gradient_is_straight),
+        cmocka_unit_test(elevations_have_their_densities),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
