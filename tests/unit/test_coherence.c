@@ -6,6 +6,8 @@
 #include "sim/coherence.h"
 #include "sim/speckle.h"
 
+#include "../../kernels/coherent.h"
+
 #include <stdlib.h>
 
 #define PI 3.14159265358979323846
@@ -242,11 +244,30 @@ static void the_same_and_the_different(void **state) {
     assert_close(drawn[0][3], 0.0, 0.05);
 }
 
+/* Of a patch's first 2^n scatterers each has a 2^n-th of either edge to itself, wherever the lattice starts. */
+static void scatterers_share_a_patch_evenly(void **state) {
+    static const uint32_t starts[] = {0u, 1u, 0x12345678u, 0x7fffffffu, 0xfedcba98u};
+    (void)state;
+    for (size_t i = 0; i < sizeof starts / sizeof *starts; i++) {
+        for (uint32_t n = 0; 1u << n <= DEV_PATCH_SCATTERERS; n++) {
+            uint64_t first = 0, second = 0, all = n == 6 ? ~0ull : (1ull << (1u << n)) - 1;
+            for (uint32_t k = 0; k < 1u << n; k++) {
+                uint64_t one = lattice_first(starts[i], k) - starts[i];
+                uint64_t other = (uint32_t)(lattice_second(starts[i], k) - starts[i]);
+                first |= 1ull << ((one << n) >> 32);
+                second |= 1ull << ((other << n) >> 32);
+            }
+            assert_true(first == all && second == all);
+        }
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(equal_receivers_have_the_closed_form),
         cmocka_unit_test(all_receivers_have_the_integral),
         cmocka_unit_test(the_same_and_the_different),
+        cmocka_unit_test(scatterers_share_a_patch_evenly),
     };
     return cmocka_run_group_tests(tests, context_begin, context_end);
 }
