@@ -24,7 +24,7 @@ static uint64_t system_left(void) {
     return bytes;
 }
 
-/* The process's limit of address space; 0 where the system does not tell. */
+/* The process's address space; 0 where the system does not tell. */
 static uint64_t used(void) {
     unsigned long long pages = 0;
     FILE *file = fopen("/proc/self/statm", "re");

@@ -6,6 +6,7 @@
 #include "base/arena.h"
 #include "base/context.h"
 #include "base/file_read.h"
+#include "base/memory_left.h"
 #include "base/number.h"
 #include "base/sha256.h"
 #include "base/share.h"
@@ -15,6 +16,7 @@
 #include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 /* FIPS 180-4 test vectors as NIST publishes them (CSRC, Cryptographic Standards: SHA-256 examples
@@ -192,6 +194,34 @@ static void processors_are_those_that_may_be_used(void **state) {
     assert_int_equal(sched_setaffinity(0, sizeof all, &all), 0);
 }
 
+/* The process has no more than the system, and than its limit leaves beside what it has. */
+static void memory_is_what_limits_leave(void **state) {
+    (void)state;
+    unsigned long long pages = 0;
+    struct rlimit before, limit;
+    FILE *file = fopen("/proc/self/statm", "re");
+    if (!file || fscanf(file, "%llu", &pages) != 1) {
+        skip();
+    }
+    fclose(file);
+    assert_int_equal(getrlimit(RLIMIT_AS, &before), 0);
+    if (before.rlim_cur != RLIM_INFINITY) {
+        skip();
+    }
+    const uint64_t has = pages * (uint64_t)sysconf(_SC_PAGESIZE), room = 64u << 20;
+    limit = (struct rlimit){has + room, before.rlim_max};
+    assert_int_equal(setrlimit(RLIMIT_AS, &limit), 0);
+    uint64_t left = asdic_memory_left();
+    assert_int_equal(setrlimit(RLIMIT_AS, &before), 0);
+    assert_in_range(left, room / 2, room);
+    assert_true(asdic_memory_left() > room);
+    limit.rlim_cur = (rlim_t)1 << 60; /* more than any system has */
+    assert_int_equal(setrlimit(RLIMIT_AS, &limit), 0);
+    left = asdic_memory_left();
+    assert_int_equal(setrlimit(RLIMIT_AS, &before), 0);
+    assert_true(left < (uint64_t)1 << 50);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(sha256_meets_published_vectors),
@@ -202,6 +232,7 @@ int main(void) {
         cmocka_unit_test(a_dash_is_standard_input),
         cmocka_unit_test(shares_are_taken_once),
         cmocka_unit_test(processors_are_those_that_may_be_used),
+        cmocka_unit_test(memory_is_what_limits_leave),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
