@@ -3,6 +3,7 @@
 #include "asserts.h"
 
 #include "cli/bench_error.h"
+#include "cli/bench_rays.h"
 #include "cli/cli_state.h"
 #include "cli/progress.h"
 #include "cli/serve.h"
@@ -400,6 +401,16 @@ static void a_rule_without_a_process_ends_none(void **state) {
     assert_int_equal(kills, 0);
 }
 
+/* The shell knows what it runs; what only it can read, it is asked at the run. */
+static void programs_of_rules_are_looked_for(void **state) {
+    (void)state;
+    assert_true(trial_program_exists("cat"));
+    assert_true(trial_program_exists(" cat -u"));
+    assert_true(trial_program_exists("$RULE"));
+    assert_false(trial_program_exists("no_such_rule"));
+    assert_false(trial_program_exists("no_such_rule --fast"));
+}
+
 /* The panels that would be drawn, with their curves. */
 static asdic_plot drawn[2];
 static asdic_series curves_drawn[2][64];
@@ -545,6 +556,34 @@ static void references_have_the_rays_that_are_promised(void **state) {
     assert_close_relative((double)whole.reference_pings * whole.reference_rays, 1e8, 0.02);
 }
 
+/* 20 degrees across, as many to a steradian everywhere: half of them in its inner half, none to one side. */
+static void rays_of_a_cone_fill_it(void **state) {
+    (void)state;
+    enum { RAYS = 4096 };
+    static const float axes[][3] = {{1, 0, 0}, {0, 0.6f, 0.8f}, {0, 0, -1}, {-0.48f, 0.6f, 0.64f}};
+    static asdic_ray rays[RAYS];
+    const double edge = cos(10.0 * DEGREE);
+    for (size_t i = 0; i < sizeof axes / sizeof *axes; i++) {
+        bench_ray_scene s = {.from_m = {1, 2, 3}};
+        double mean[3] = {0, 0, 0}, inner = 0.0;
+        memcpy(s.towards, axes[i], sizeof s.towards);
+        bench_rays_fill(BENCH_CONE, &s, rays, RAYS);
+        for (size_t n = 0; n < RAYS; n++) {
+            double cosine = 0.0;
+            for (int k = 0; k < 3; k++) {
+                cosine += (double)rays[n].direction[k] * (double)s.towards[k];
+                mean[k] += (double)rays[n].direction[k] / RAYS;
+            }
+            assert_true(cosine > edge - 1e-6 && cosine < 1.0 + 1e-6);
+            inner += cosine > 0.5 * (1.0 + edge);
+        }
+        for (int k = 0; k < 3; k++) { /* the middle of a cap is (1 + edge) / 2 along its axis */
+            assert_close(mean[k], 0.5 * (1.0 + edge) * (double)s.towards[k], 1e-3);
+        }
+        assert_close(inner / RAYS, 0.5, 0.01);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(values_have_an_order),
@@ -558,10 +597,12 @@ int main(void) {
         cmocka_unit_test(answers_are_frames),
         cmocka_unit_test(a_rule_is_told_the_pose),
         cmocka_unit_test(a_rule_without_a_process_ends_none),
+        cmocka_unit_test(programs_of_rules_are_looked_for),
         cmocka_unit_test(times_have_decades),
         cmocka_unit_test(curves_have_their_colours_and_lines),
         cmocka_unit_test(one_decibel_is_crossed_last),
         cmocka_unit_test(references_have_the_rays_that_are_promised),
+        cmocka_unit_test(rays_of_a_cone_fill_it),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
