@@ -200,13 +200,61 @@ static void the_floor_has_a_grid(void **state) {
     rig_destroy(&r);
 }
 
+/* Whether N, out of the vehicle at P, faces the eye well. */
+static bool faces_eye(asdic_vec3 p, asdic_vec3 n) {
+    const double x = shot.eye_m.x - p.x, y = shot.eye_m.y - p.y, z = shot.eye_m.z - p.z;
+    return n.x * x + n.y * y + n.z * z > 0.7 * sqrt(x * x + y * y + z * z);
+}
+
+/* A rod with round ends, 0.032 of the range long and 0.15 times as thick; fins are at its stern. */
+static void the_vehicle_is_a_rod(void **state) {
+    (void)state;
+    static const double yaws[] = {1.0, 2.4, 3.2, -2.0};
+    ping_rig r = rig_create(&t);
+    r.sampling.rays = 256;
+    asdic_simulator *sim = rig_simulator(&r);
+    asdic_camera *c = camera();
+    const double radius = 0.075 * 0.032 * shot.range_m, half = 0.016 * shot.range_m - radius;
+    int seen = 0, round = 0;
+    for (size_t i = 0; i < sizeof yaws / sizeof *yaws; i++) {
+        const asdic_pose at = {{-2.5, 0.6, 4.8}, 0.3, 0.2, yaws[i]};
+        const asdic_vec3 bow = {cos(at.pitch_rad) * cos(at.yaw_rad),
+                                cos(at.pitch_rad) * sin(at.yaw_rad), -sin(at.pitch_rad)};
+        asdic_shot from = shot;
+        from.vehicle = &at;
+        assert_ok(t.ctx, asdic_camera_shoot(c, sim, &from));
+        for (int k = 0; k < 400; k++) {
+            double z = 1.0 - (k + 0.5) / 200.0, phi = 2.4 * k, across = sqrt(1.0 - z * z);
+            asdic_vec3 n = {across * cos(phi), across * sin(phi), z}, p = at.position_m;
+            double ahead = n.x * bow.x + n.y * bow.y + n.z * bow.z, along = half;
+            if (ahead < 0.0) { /* on the side, ahead of the middle */
+                double unit = 1.0 / sqrt(1.0 - ahead * ahead);
+                n = (asdic_vec3){unit * (n.x - ahead * bow.x), unit * (n.y - ahead * bow.y),
+                                 unit * (n.z - ahead * bow.z)};
+                along = half * (1.0 + ahead);
+            }
+            p.x += along * bow.x + radius * n.x;
+            p.y += along * bow.y + radius * n.y;
+            p.z += along * bow.z + radius * n.z;
+            if (faces_eye(p, n)) {
+                assert_seen(c, p);
+                seen++;
+                round += ahead > 0.0;
+            }
+        }
+    }
+    assert_true(seen > 150 && round > 40);
+    asdic_camera_destroy(&c);
+    asdic_simulator_destroy(&sim);
+    rig_destroy(&r);
+}
+
 int main(void) {
     t = test_device_open_or_skip();
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(light_goes_straight),
-        cmocka_unit_test(the_deep_is_dark),
-        cmocka_unit_test(the_floor_has_a_grain),
-        cmocka_unit_test(the_floor_has_a_grid),
+        cmocka_unit_test(light_goes_straight),   cmocka_unit_test(the_deep_is_dark),
+        cmocka_unit_test(the_floor_has_a_grain), cmocka_unit_test(the_floor_has_a_grid),
+        cmocka_unit_test(the_vehicle_is_a_rod),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
     test_device_close(&t);
