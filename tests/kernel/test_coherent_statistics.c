@@ -253,6 +253,43 @@ static void speckle_stays_on_the_bottom(void **state) {
     rig_destroy(&r);
 }
 
+/* On the way ahead all echoes of a narrow beam come nearer by as much: the phase turns by twice the way, and nothing
+ * else changes. */
+static void speckle_turns_as_it_comes_nearer(void **state) {
+    (void)state;
+    enum { SEEDS = 4, MOVES = 3 };
+    static const double moved_wl[MOVES] = {0.0625, 0.125, -0.25};
+    ping_rig r = sand_rig();
+    r.sonar.transmitter.length_h_m = 20.0 * WAVELENGTH_M;
+    pair_sum sums[MOVES] = {{0}};
+    for (uint64_t seed = 1; seed <= SEEDS; seed++) {
+        r.sampling.seed = seed;
+        r.pose.position_m.x = 0.0;
+        asdic_simulator *sim = rig_simulator(&r);
+        asdic_ping *first = array_shoot(&r, sim, 0);
+        for (int m = 0; m < MOVES; m++) {
+            r.pose.position_m.x = moved_wl[m] * WAVELENGTH_M;
+            asdic_ping *ping = array_shoot(&r, sim, 0);
+            for (size_t n = (size_t)(NEAR_M / ping->sample_m); n < FAR_M / ping->sample_m; n++) {
+                for (size_t e = 0; e < ping->elements; e++) {
+                    add_pair(&sums[m], array_at(first, e, n), array_at(ping, e, n));
+                }
+            }
+            asdic_ping_destroy(&ping);
+        }
+        asdic_ping_destroy(&first);
+        asdic_simulator_destroy(&sim);
+    }
+    for (int m = 0; m < MOVES; m++) {
+        double size = sqrt(sums[m].aa * sums[m].bb), phase = -2.0 * TURN * moved_wl[m];
+        double re = sums[m].re / size, im = sums[m].im / size;
+        print_message("%.3f wavelengths ahead: %.3f %+.3f i, of %.3f %+.3f i\n", moved_wl[m], re,
+                      im, cos(phase), sin(phase));
+        assert_true(hypot(re - cos(phase), im - sin(phase)) < 0.05);
+    }
+    rig_destroy(&r);
+}
+
 /* docs/coherent.md: a pulse as long as a cell, with smooth edges, whose squares add up to 1. */
 static double smooth_pulse(double x) {
     double u = fmin(fmax(1.5 - 2.0 * fabs(x), 0.0), 1.0);
@@ -328,6 +365,7 @@ int main(int argc, char **argv) {
         cmocka_unit_test(speckle_is_rayleigh),
         cmocka_unit_test(elements_share_what_theory_says),
         cmocka_unit_test(speckle_stays_on_the_bottom),
+        cmocka_unit_test(speckle_turns_as_it_comes_nearer),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
     test_device_close(&t);
