@@ -84,7 +84,7 @@ def test_means_have_no_false_alarms():
         tap.lacks(done.out, "of false alarms alone")
         said = report(folder)
         tap.equal((said["speckle"], len(said["objects"])), (False, 8), "means of eight beams")
-        tap.contains(done.out, "\n".join(sight_row(s, s["beam"]) for s in said["objects"]) + "\n")
+        tap.contains(done.out, "\n".join(sight_row(s, s["beam"]) for s in said["objects"]) + "\n\ntracks: ")
 
 
 def test_options_replace_one_number_each():

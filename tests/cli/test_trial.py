@@ -428,6 +428,14 @@ def test_terrain_is_kept_from_run_to_run():
             tap.equal(data(folder, f"all{i}", "trial.csv"), data(folder, f"one{i}", "trial.csv"))
 
 
+def test_folders_have_the_names_of_their_scenes():
+    with Folder() as folder:
+        folder.write("wall.yaml", CLOSE.replace("PD", "1"))
+        for options in (), ("--shard", "2/3"):
+            asdic("trial", "wall.yaml", "--runs", 3, *options, cwd=folder.path).check(code=0)
+        tap.equal(folder.names(), ["trial_wall", "trial_wall_2_of_3", "wall.yaml"], "folders")
+
+
 def test_parts_are_of_one_trial():
     """Whatever differs in the section `trial`, or in the values of a key of it, parts are not joined."""
     base = IDEAL.replace("PD", "0.1") + "  draws: [{key: 'objects[0].position_m[0]', uniform: [59, 65]}]\n"
