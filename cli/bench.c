@@ -1,25 +1,10 @@
-/* The frame of a bench: command line, device, table; clocks, medians, shipped scenes, a picture. */
+/* The frame of a bench: command line, device, table; medians, shipped scenes, a picture. */
 #include "bench.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 #include <unistd.h>
-
-static double clock_s(clockid_t clock) {
-    struct timespec now;
-    clock_gettime(clock, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
-double bench_now_s(void) {
-    return clock_s(CLOCK_MONOTONIC);
-}
-
-double bench_processor_s(void) {
-    return clock_s(CLOCK_PROCESS_CPUTIME_ID);
-}
 
 static int compare(const void *a, const void *b) {
     double x = *(const double *)a, y = *(const double *)b;

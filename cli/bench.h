@@ -69,11 +69,6 @@ void bench_say(const bench *b, const char *format, ...) __attribute__((format(pr
 /* ASDIC_ERROR_INTERRUPTED after a signal. */
 asdic_status bench_interrupted(const bench *b);
 
-/* Monotonic, s. */
-double bench_now_s(void);
-/* Processor time of the process (all its threads), s: what one thread needs, whoever else runs. */
-double bench_processor_s(void);
-
 /* Sorts VALUES; NAN of none. */
 double bench_median(double *values, size_t count);
 

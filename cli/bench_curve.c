@@ -67,11 +67,11 @@ static asdic_status shoot_block(const bench *b, asdic_simulator *sim, const benc
         poses[k] = s->pose;
     }
     TRY(bench_interrupted(b));
-    double began = bench_now_s();
+    double began = cli_clock_s();
     TRY(asdic_simulator_learn(sim, &s->pose, first));
-    double learnt = bench_now_s();
+    double learnt = cli_clock_s();
     TRY(asdic_simulator_pings(sim, poses, first, pings, out));
-    t->ping_s[t->blocks] = (bench_now_s() - learnt) / (double)pings;
+    t->ping_s[t->blocks] = (cli_clock_s() - learnt) / (double)pings;
     t->learn_s[t->blocks++] = learnt - began;
     for (size_t k = 0; k < pings; k++) {
         add_ping(t, s, out[k]);
@@ -115,10 +115,10 @@ static void finish_point(tally *t, const bench_scene *s, bench_point *point) {
  * for its sizes, and a machine that rested is slow to wake. */
 static asdic_status shoot(const bench *b, asdic_simulator *sim, const bench_scene *s, size_t blocks,
                           size_t in_block, asdic_ping *const *pings, tally *t) {
-    double began = bench_now_s();
+    double began = cli_clock_s();
     do {
         TRY(asdic_simulator_ping(sim, &s->pose, 0, pings[0]));
-    } while (bench_now_s() - began < WARM_UP_S);
+    } while (cli_clock_s() - began < WARM_UP_S);
     for (size_t k = 0; k < blocks; k++) {
         TRY(shoot_block(b, sim, s, k, in_block, pings, t));
     }

@@ -35,7 +35,7 @@ typedef struct figures {
 } figures;
 
 static void sleep_until(double at_s) {
-    double left_s = at_s - bench_now_s();
+    double left_s = at_s - cli_clock_s();
     if (left_s > 0.0) {
         struct timespec pause = {(time_t)left_s, (long)(1e9 * (left_s - floor(left_s)))};
         nanosleep(&pause, NULL);
@@ -45,7 +45,7 @@ static void sleep_until(double at_s) {
 /* COUNT pings along the mission, one every PERIOD_S (0: at once); their latencies. */
 static asdic_status shoot(bench *b, asdic_loop *loop, const asdic_mission *mission, size_t count,
                           double period_s, double *latency_s) {
-    double begin_s = bench_now_s();
+    double begin_s = cli_clock_s();
     for (size_t k = 0; k < count; k++) {
         asdic_pose pose =
             asdic_mission_vehicle_pose(mission, k % asdic_mission_ping_count(mission), NULL);
@@ -63,9 +63,9 @@ static asdic_status measure(bench *b, asdic_loop *loop, const asdic_mission *mis
     double latency_s[MOST_PINGS];
     /* A block to warm up: kernels are compiled, the form of the tracer is chosen. */
     TRY(shoot(b, loop, mission, ASDIC_LEARN_BLOCK, 0.0, latency_s));
-    double begin_s = bench_now_s();
+    double begin_s = cli_clock_s();
     TRY(shoot(b, loop, mission, f->pings, 0.0, latency_s));
-    f->pings_per_s = (double)f->pings / (bench_now_s() - begin_s);
+    f->pings_per_s = (double)f->pings / (cli_clock_s() - begin_s);
     TRY(shoot(b, loop, mission, f->pings, 1.0 / f->rate_hz, latency_s));
     f->median_s = bench_median(latency_s, f->pings); /* sorts */
     f->p99_s = latency_s[(size_t)ceil(0.99 * (double)f->pings) - 1];
@@ -89,10 +89,10 @@ static asdic_status look(bench *b, asdic_mission *mission, figures *f) {
         return ASDIC_OK;
     }
     for (size_t k = 0; !status && k < ASDIC_LEARN_BLOCK + f->pings / 2; k++) {
-        begin_s = k == ASDIC_LEARN_BLOCK ? bench_now_s() : begin_s;
+        begin_s = k == ASDIC_LEARN_BLOCK ? cli_clock_s() : begin_s;
         status = bench_interrupted(b) ? ASDIC_ERROR_INTERRUPTED : asdic_view_step(view);
     }
-    f->frames_per_s = (double)(f->pings / 2) / (bench_now_s() - begin_s);
+    f->frames_per_s = (double)(f->pings / 2) / (cli_clock_s() - begin_s);
     asdic_view_destroy(&view);
     return status;
 }

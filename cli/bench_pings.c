@@ -89,8 +89,8 @@ static asdic_pose pose_of(const rig *r, size_t ping) {
 
 asdic_status bench_warm_up(const bench *b, asdic_simulator *sim, const asdic_pose *pose,
                            double rays, asdic_ping *ping) {
-    double began = bench_now_s(), most_s = b->quick ? QUICK_WARM_UP_S : MOST_WARM_UP_S;
-    for (double cast = 0.0; cast < WARM_UP_RAYS && bench_now_s() - began < most_s;) {
+    double began = cli_clock_s(), most_s = b->quick ? QUICK_WARM_UP_S : MOST_WARM_UP_S;
+    for (double cast = 0.0; cast < WARM_UP_RAYS && cli_clock_s() - began < most_s;) {
         TRY(bench_interrupted(b));
         TRY(asdic_simulator_ping(sim, pose, 0, ping));
         cast += rays;
@@ -100,22 +100,22 @@ asdic_status bench_warm_up(const bench *b, asdic_simulator *sim, const asdic_pos
 
 static asdic_status shoot(const bench *b, const rig *r, size_t pings, asdic_simulator *sim,
                           asdic_ping *ping, bench_rate *rate) {
-    double times[MOST_PINGS], began = bench_now_s();
+    double times[MOST_PINGS], began = cli_clock_s();
     asdic_pose pose = pose_of(r, 0);
     TRY(asdic_simulator_ping(sim, &pose, 0, ping));
-    rate->first_s = bench_now_s() - began;
+    rate->first_s = cli_clock_s() - began;
     for (int k = 0; pings > 0 && k < 2; k++) { /* the first learning compiles for its sizes */
-        began = bench_now_s();
+        began = cli_clock_s();
         TRY(asdic_simulator_learn(sim, &pose, 0));
-        rate->learn_s = bench_now_s() - began;
+        rate->learn_s = cli_clock_s() - began;
     }
     TRY(pings > 0 ? bench_warm_up(b, sim, &pose, r->sampling.rays, ping) : ASDIC_OK);
     for (size_t k = 0; k < pings; k++) {
         TRY(bench_interrupted(b));
         pose = pose_of(r, k);
-        began = bench_now_s();
+        began = cli_clock_s();
         TRY(asdic_simulator_ping(sim, &pose, k, ping));
-        times[k] = bench_now_s() - began;
+        times[k] = cli_clock_s() - began;
     }
     for (size_t k = 0; k < pings; k++) {
         double phase_s[ASDIC_PHASE_COUNT] = {0.0};
@@ -141,7 +141,7 @@ asdic_status bench_pings_measure(const bench *b, asdic_device *device, const ben
         rig_floor(of, &r);
     }
     asdic_scene_info info = asdic_scene_get_info(r.scene);
-    double began = bench_now_s();
+    double began = cli_clock_s();
     TRY(asdic_simulator_create(cli_context(b->c), device, r.scene, &r.env, &r.sonar, &r.sampling,
                                pose_of(&r, 0).position_m.z, &sim));
     *out = (bench_rate){.triangles = info.triangles,
@@ -150,7 +150,7 @@ asdic_status bench_pings_measure(const bench *b, asdic_device *device, const ben
                         .bins = asdic_simulator_bin_count(sim),
                         .rays = r.sampling.rays,
                         .units = asdic_device_get_info(device)->compute_units,
-                        .create_s = bench_now_s() - began};
+                        .create_s = cli_clock_s() - began};
     asdic_status status = asdic_ping_create(cli_context(b->c), out->beams, out->bins, &ping);
     if (!status) {
         status = shoot(b, &r, of->pings, sim, ping, out);

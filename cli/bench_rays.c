@@ -80,7 +80,7 @@ bool bench_ray_set_is_few(bench_ray_set set) {
 
 double bench_ray_clock_s(const bench *b) {
     bool one = b->threads == 1 && asdic_device_get_info(b->device)->kind == ASDIC_DEVICE_CPU;
-    return one ? bench_processor_s() : bench_now_s();
+    return one ? cli_processor_s() : cli_clock_s();
 }
 
 /* The median of casting RAYS, warm. */

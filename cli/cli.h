@@ -141,4 +141,9 @@ int cli_usage(cli *c, const char *format, ...) __attribute__((format(printf, 2, 
 /* The exit code for STATUS; reports the context's sentence when STATUS is a failure. */
 int cli_end(const cli *c, asdic_status status);
 
+/* Seconds since some moment; never goes back. */
+double cli_clock_s(void);
+/* Seconds that processors have spent on all threads: what one needs, whoever else runs. */
+double cli_processor_s(void);
+
 #endif

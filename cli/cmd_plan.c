@@ -10,20 +10,13 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 typedef struct forecast {
     bool known;
-    double first_ms, learn_ms, ping_ms; /* kernels and upload; once per block; every ping */
-    double write_ms;                    /* every ping into the files */
+    double first_s, learn_s, ping_s;    /* kernels and upload; once per block; every ping */
+    double write_s;                     /* every ping into the files */
     double median_db, worst_db, rms_db; /* stated standard error */
 } forecast;
-
-static double now_ms(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return 1e3 * (double)t.tv_sec + 1e-6 * (double)t.tv_nsec;
-}
 
 static int compare_floats(const void *a, const void *b) {
     float x = *(const float *)a, y = *(const float *)b;
@@ -51,18 +44,18 @@ static double rms_of_heard(const asdic_ping *ping) {
 static asdic_status shoot(cli_progress *progress, asdic_simulator *sim, const asdic_pose *pose,
                           asdic_ping *ping, forecast *f) {
     enum { PINGS = 5 };
-    double start = now_ms();
+    double start = cli_clock_s();
     TRY(asdic_simulator_learn(sim, pose, 0)); /* compiles */
-    f->first_ms += now_ms() - start;
-    start = now_ms();
+    f->first_s += cli_clock_s() - start;
+    start = cli_clock_s();
     TRY(asdic_simulator_learn(sim, pose, 0));
-    f->learn_ms = now_ms() - start;
-    f->ping_ms = INFINITY;
+    f->learn_s = cli_clock_s() - start;
+    f->ping_s = INFINITY;
     for (size_t k = 0; k < PINGS; k++) {
-        start = now_ms();
+        start = cli_clock_s();
         cli_progress_step(progress, "pings measured", k, PINGS);
         TRY(asdic_simulator_ping(sim, pose, 0, ping));
-        f->ping_ms = fmin(f->ping_ms, now_ms() - start);
+        f->ping_s = fmin(f->ping_s, cli_clock_s() - start);
     }
     size_t cells = ping->beams * ping->bins;
     f->rms_db = rms_of_heard(ping);
@@ -80,19 +73,18 @@ static asdic_status measure(cli *c, asdic_mission *mission, asdic_device *device
     asdic_pose pose = asdic_mission_pose(mission, 0, NULL);
     asdic_simulator *sim = NULL;
     asdic_ping *ping = NULL;
-    double start = now_ms();
+    double start = cli_clock_s();
     TRY(asdic_simulator_create(ctx, device, asdic_mission_scene(mission),
                                asdic_mission_environment(mission), sonar,
                                asdic_mission_sampling(mission), pose.position_m.z, &sim));
     asdic_status status =
         asdic_ping_create(ctx, sonar->receiver_count, asdic_simulator_bin_count(sim), &ping);
-    f->first_ms = now_ms() - start;
+    f->first_s = cli_clock_s() - start;
     if (!status) {
         status = shoot(progress, sim, &pose, ping, f);
     }
     if (!status) {
-        status = asdic_mission_time_writing(ctx, mission, ping, &f->write_ms);
-        f->write_ms *= 1e3;
+        status = asdic_mission_time_writing(ctx, mission, ping, &f->write_s);
     }
     asdic_ping_destroy(&ping);
     asdic_simulator_destroy(&sim);
@@ -101,7 +93,7 @@ static asdic_status measure(cli *c, asdic_mission *mission, asdic_device *device
 
 static double mission_seconds(const forecast *f, size_t pings) {
     double blocks = ceil((double)pings / ASDIC_LEARN_BLOCK);
-    return 1e-3 * (f->first_ms + blocks * f->learn_ms + (double)pings * (f->ping_ms + f->write_ms));
+    return f->first_s + blocks * f->learn_s + (double)pings * (f->ping_s + f->write_s);
 }
 
 static void print_bound(const asdic_plan_row *row, char *text, size_t size) {
@@ -160,8 +152,8 @@ static void print_text(const asdic_mission *mission, const asdic_plan *plan,
     if (f->known) {
         printf("measured here: first ping after %.0f ms, then %.2f ms each and %.2f ms to write "
                "it, and %.1f ms per block of %d: about %.1f s in all\n",
-               f->first_ms, f->ping_ms, f->write_ms, f->learn_ms, ASDIC_LEARN_BLOCK,
-               mission_seconds(f, pings));
+               1e3 * f->first_s, 1e3 * f->ping_s, 1e3 * f->write_s, 1e3 * f->learn_s,
+               ASDIC_LEARN_BLOCK, mission_seconds(f, pings));
     }
     if (f->known && !asdic_mission_sampling((asdic_mission *)mission)->coherent) {
         char heard[64] = "no bin is above the noise";
@@ -211,10 +203,10 @@ static void print_json(const asdic_mission *mission, const asdic_plan *plan,
     json_integer(&j, "bvh_bytes", scene.bvh_bytes);
     if (f->known) {
         json_open(&j, "forecast", '{');
-        json_number(&j, "first_ping_ms", f->first_ms);
-        json_number(&j, "ping_ms", f->ping_ms);
-        json_number(&j, "write_ms", f->write_ms);
-        json_number(&j, "learn_ms", f->learn_ms);
+        json_number(&j, "first_ping_ms", 1e3 * f->first_s);
+        json_number(&j, "ping_ms", 1e3 * f->ping_s);
+        json_number(&j, "write_ms", 1e3 * f->write_s);
+        json_number(&j, "learn_ms", 1e3 * f->learn_s);
         json_number(&j, "mission_s", mission_seconds(f, asdic_mission_ping_count(mission)));
         json_number(&j, "stderr_rms_db", f->rms_db);
         json_number(&j, "stderr_median_db", f->median_db);

@@ -2,7 +2,6 @@
 
 #include <pthread.h>
 #include <string.h>
-#include <time.h>
 #include <unistd.h>
 
 #define WIDTH 24
@@ -18,18 +17,12 @@ typedef struct shown {
     uint64_t rays;
 } shown;
 
-static double now_s(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
 cli_progress cli_progress_begin(const cli *c) {
     bool is_terminal = isatty(STDERR_FILENO);
     return (cli_progress){.c = c,
                           .is_shown = !cli_quiet(c),
                           .is_terminal = is_terminal,
-                          .last_s = is_terminal ? 0.0 : now_s(),
+                          .last_s = is_terminal ? 0.0 : cli_clock_s(),
                           .resumed = SIZE_MAX};
 }
 
@@ -81,7 +74,7 @@ static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
 
 /* Now and then. */
 static void show(cli_progress *p, const shown *s) {
-    double time_s = now_s();
+    double time_s = cli_clock_s();
     pthread_mutex_lock(&lock);
     if (p->is_shown && time_s - p->last_s >= (p->is_terminal ? REDRAW_S : LINE_S)) {
         draw(p, s);
@@ -122,7 +115,7 @@ static cli_progress_loop *find_loop(cli_progress *p, const char *what, size_t do
         cli_progress_loop *loop = &p->loops[i];
         if (!loop->what || strcmp(loop->what, what) == 0) {
             if (!loop->what || done < loop->done) {
-                *loop = (cli_progress_loop){what, done, now_s()};
+                *loop = (cli_progress_loop){what, done, cli_clock_s()};
             }
             loop->done = done;
             return loop;
@@ -135,9 +128,10 @@ void cli_progress_step(void *user, const char *what, size_t done, size_t total) 
     cli_progress *p = user;
     const cli_progress_loop *loop = find_loop(p, what, done);
     if (loop) {
-        show(p,
-             &(shown){
-                 .what = what, .done = done, .total = total, .elapsed_s = now_s() - loop->begun_s});
+        show(p, &(shown){.what = what,
+                         .done = done,
+                         .total = total,
+                         .elapsed_s = cli_clock_s() - loop->begun_s});
     }
 }
 

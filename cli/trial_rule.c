@@ -115,12 +115,6 @@ static bool start(program *p, const char *command, char *why) {
     return true;
 }
 
-static double now_s(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
 /* How the program ended, into WHY. */
 static void say_end(program *p, char *why) {
     int status = 0;
@@ -144,7 +138,7 @@ static void say_end(program *p, char *why) {
 static bool ready(int fd, short what, double end_s) {
     struct pollfd waits = {.fd = fd, .events = what};
     for (;;) {
-        double left_s = end_s - now_s();
+        double left_s = end_s - cli_clock_s();
         int got = poll(&waits, 1, left_s > 0.0 ? (int)ceil(left_s * 1000.0) : 0);
         if (got > 0) {
             return true;
@@ -257,7 +251,7 @@ static bool converse(program *p, double timeout_s, const asdic_trial_look *look,
         snprintf(why, ASDIC_TRIAL_WHY, "out of memory");
         return false;
     }
-    double end_s = now_s() + timeout_s;
+    double end_s = cli_clock_s() + timeout_s;
     bool good = put(p, text, length, end_s, why) && take(p, answer, timeout_s, end_s, why) &&
                 read_answer(answer, order, why);
     free(text);

@@ -98,10 +98,10 @@ static asdic_status take_turns(const bench *b, side *sides, size_t rounds) {
         asdic_pose pose = pose_of(k);
         TRY(bench_interrupted(b));
         for (size_t w = 0; w < WATERS; w++) {
-            double began = bench_now_s(), busy = bench_processor_s();
+            double began = cli_clock_s(), busy = cli_processor_s();
             TRY(asdic_simulator_ping(sides[w].sim, &pose, k, sides[w].ping));
-            sides[w].times_s[k] = bench_now_s() - began;
-            sides[w].processor_s[k] = bench_processor_s() - busy;
+            sides[w].times_s[k] = cli_clock_s() - began;
+            sides[w].processor_s[k] = cli_processor_s() - busy;
         }
     }
     for (size_t k = 0; k < rounds; k++) {

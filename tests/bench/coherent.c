@@ -73,11 +73,11 @@ static asdic_status time_pings(const bench *b, const array_case *of, asdic_simul
     TRY(asdic_simulator_ping(sim, &pose, 0, ping)); /* compiles */
     for (size_t k = 0; k < rounds; k++) {
         TRY(bench_interrupted(b));
-        double began = bench_now_s(), busy = bench_processor_s();
+        double began = cli_clock_s(), busy = cli_processor_s();
         pose.position_m.x = 0.5 * (double)k;
         TRY(asdic_simulator_ping(sim, &pose, k + 1, ping));
-        times_s[k] = bench_now_s() - began;
-        busy_s[k] = bench_processor_s() - busy;
+        times_s[k] = cli_clock_s() - began;
+        busy_s[k] = cli_processor_s() - busy;
     }
     *ping_s = bench_median(times_s, rounds);
     *processor_s = bench_median(busy_s, rounds);

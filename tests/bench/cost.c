@@ -123,8 +123,8 @@ static asdic_status measure(bench *b, const bench_scene *scene) {
     turns of_errors = {0}, of_bins = {0};
     bins[0].sonar.bin_length_m = range_m / (FEW_BINS + 0.5);
     bins[1].sonar.bin_length_m = range_m / (MANY_BINS + 0.5);
-    TRY(by_turns(b, scene, bench_processor_s, stated, &of_errors));
-    TRY(by_turns(b, scene, bench_now_s, bins, &of_bins));
+    TRY(by_turns(b, scene, cli_processor_s, stated, &of_errors));
+    TRY(by_turns(b, scene, cli_clock_s, bins, &of_bins));
     double few_s = least_s(&of_bins, 0), many_s = least_s(&of_bins, 1);
     const bench_cell cells[] = {BENCH_TEXT(scene->name), BENCH_NUMBER(cost_of(&of_errors)),
                                 BENCH_NUMBER(few_s), BENCH_NUMBER(many_s),
@@ -141,8 +141,8 @@ static asdic_status measure_truth(bench *b, const bench_scene *scene) {
     if (asdic_mission_sampling(scene->mission)->coherent) {
         return ASDIC_OK;
     }
-    TRY(by_turns(b, scene, bench_processor_s, sides, &of_processor));
-    TRY(by_turns(b, scene, bench_now_s, sides, &of_wall));
+    TRY(by_turns(b, scene, cli_processor_s, sides, &of_processor));
+    TRY(by_turns(b, scene, cli_clock_s, sides, &of_wall));
     const bench_cell cells[] = {BENCH_TEXT(scene->name),
                                 BENCH_NUMBER(scene->beams),
                                 BENCH_NUMBER(least_s(&of_processor, 1)),

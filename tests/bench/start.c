@@ -39,10 +39,10 @@ static double run_once(const cli *c) {
         return NAN;
     }
     posix_spawn_file_actions_addopen(&actions, 1, "/dev/null", 1 /* O_WRONLY */, 0);
-    double began = bench_now_s();
+    double began = cli_clock_s();
     bool ran = posix_spawn(&child, program, &actions, NULL, arguments, environ) == 0 &&
                waitpid(child, &status, 0) == child;
-    double seconds = bench_now_s() - began;
+    double seconds = cli_clock_s() - began;
     posix_spawn_file_actions_destroy(&actions);
     return ran && status == 0 ? seconds : NAN;
 }

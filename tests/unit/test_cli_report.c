@@ -9,6 +9,8 @@
 
 #include <asdic/mesh.h>
 
+#include <time.h>
+
 static const cli_option options[] = {{"output", 'o', "FILE", "where it goes"}, {0}};
 static const cli_command command = {
     .name = "try",
@@ -336,6 +338,25 @@ static void help_is_wrapped(void **state) {
                     "      --seventeen-letters\n                          below\n");
 }
 
+static int64_t ns_of(clockid_t clock) {
+    struct timespec t;
+    clock_gettime(clock, &t);
+    return INT64_C(1000000000) * t.tv_sec + t.tv_nsec;
+}
+
+static void clocks_run_in_seconds(void **state) {
+    (void)state;
+    const struct timespec moment = {.tv_nsec = 70000000};
+    for (int i = 0; i < 3; i++) {
+        int64_t from = ns_of(CLOCK_MONOTONIC), own_from = ns_of(CLOCK_PROCESS_CPUTIME_ID);
+        double now_ns = 1e9 * cli_clock_s(), own_ns = 1e9 * cli_processor_s();
+        int64_t end = ns_of(CLOCK_MONOTONIC), own_end = ns_of(CLOCK_PROCESS_CPUTIME_ID);
+        assert_true(now_ns > (double)from - 1e3 && now_ns < (double)end + 1e3);
+        assert_true(own_ns > (double)own_from - 1e3 && own_ns < (double)own_end + 1e3);
+        nanosleep(&moment, NULL);
+    }
+}
+
 int main(void) {
     assert_ok(NULL, asdic_context_create(&ctx));
     const struct CMUnitTest tests[] = {
@@ -349,6 +370,7 @@ int main(void) {
         cmocka_unit_test(a_terminal_has_a_bar),
         cmocka_unit_test(json_nests),
         cmocka_unit_test(help_is_wrapped),
+        cmocka_unit_test(clocks_run_in_seconds),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
     asdic_context_destroy(&ctx);
