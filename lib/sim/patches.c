@@ -335,7 +335,8 @@ static void cut_water(finder *f, double wanted) {
     double pulse = 0.5 * f->shot->water.sound_speed_mps / f->sim->setup.sonar.bandwidth_hz;
     double thick = fmin(0.5 * pulse, fmax(0.25 * pulse, 8.0 * depth / wanted));
     size_t shells = (size_t)ceil(depth / thick);
-    double each = fmin(fmax(wanted / (double)shells, 8.0), DEV_PATCH_SCATTERERS);
+    /* Even: as many go where the transmitter is loud as anywhere (scatterers.cl). */
+    uint32_t each = (uint32_t)fmin(fmax(wanted / (double)shells, 8.0), DEV_PATCH_SCATTERERS) & ~1u;
     thick = depth / (double)shells;
     for (size_t i = 0; i < shells && !f->out->out_of_memory; i++) {
         piece p = {.edge1 = {thick, 0.0, 0.0},
@@ -344,9 +345,9 @@ static void cut_water(finder *f, double wanted) {
                    .kind = DEV_KIND_WATER,
                    .name = {(uint32_t)i, ping->ping[0], 0x40000000u + ping->ping[1]}};
         p.corner.x = ping->blanking_m + (double)i * thick;
-        add_patch(f, &p, (uint32_t)each);
+        add_patch(f, &p, each);
         if (!f->out->out_of_memory) {
-            f->out->items[f->out->count - 1].share = (float)(thick / floor(each));
+            f->out->items[f->out->count - 1].share = (float)(thick / each);
         }
     }
 }

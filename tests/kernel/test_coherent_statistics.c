@@ -73,6 +73,52 @@ static void the_mean_is_that_of_intensities(void **state) {
     rig_destroy(&r);
 }
 
+/* The water's echoes have the energy that is expected, also where a shell of it, a quarter of a resolution cell thick,
+ * has room for an odd number: every other one goes where the transmitter is loud. */
+static void water_has_its_level(void **state) {
+    (void)state;
+    enum { PINGS = 20, NEAR = 5, FAR = 29 };
+    static const double each[] = {9.5, 11.5, 16.5};
+    for (size_t k = 0; k < sizeof each / sizeof *each; k++) {
+        ping_rig r = empty_array(&t);
+        asdic_flat_scene flat = {.depth_m = 500.0};
+        asdic_ping *expected = NULL;
+        r.env.particle_strength_db = -50.0;
+        r.sonar.max_range_m = FAR + 1;
+        r.sonar.bin_length_m = 1.0;
+        r.sonar.transmitter.length_h_m = 0.03;
+        double cell_m = 1500.0 / (2.0 * r.sonar.bandwidth_hz), shells = 4.0 * (FAR + 1) / cell_m;
+        r.sampling.rays = (uint32_t)(4.0 * each[k] * shells); /* of which a quarter is water's */
+        asdic_simulator *sim = rig_simulator(&r);
+        asdic_sonar one = r.sonar;
+        one.receivers = &r.sonar.array.element;
+        assert_ok(t.ctx, asdic_ping_create(t.ctx, 1, asdic_simulator_bin_count(sim), &expected));
+        assert_ok(t.ctx, asdic_expected_compute(t.ctx, &flat, &r.env, &one, &r.pose, expected));
+        double sum = 0.0;
+        for (uint64_t index = 0; index < PINGS; index++) {
+            dev_echo *echoes = NULL;
+            size_t count = 0;
+            asdic_ping *ping = array_shoot(&r, sim, index);
+            asdic_ping_destroy(&ping);
+            assert_ok(t.ctx, asdic_coherent_echoes(sim, &echoes, &count));
+            for (size_t i = 0; i < count; i++) {
+                double range_m = echoes[i].way_m, re = echoes[i].re, im = echoes[i].im;
+                if (range_m > NEAR && range_m < FAR) {
+                    sum +=
+                        (re * re + im * im) / expected->intensity_lin[ASDIC_TOTAL][(size_t)range_m];
+                }
+            }
+            free(echoes);
+        }
+        double off_db = 10.0 * log10(sum / (PINGS * (FAR - NEAR)));
+        print_message("%u rays: water off by %+.3f dB\n", r.sampling.rays, off_db);
+        assert_close(off_db, 0.0, 0.1);
+        asdic_ping_destroy(&expected);
+        asdic_simulator_destroy(&sim);
+        rig_destroy(&r);
+    }
+}
+
 /* Flat sand alone. */
 static ping_rig sand_rig(void) {
     ping_rig r = array_rig(&t);
@@ -361,6 +407,7 @@ int main(int argc, char **argv) {
     t = test_device_open_or_skip();
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_mean_is_that_of_intensities),
+        cmocka_unit_test(water_has_its_level),
         cmocka_unit_test(noise_has_the_band_and_level_of_the_pulse),
         cmocka_unit_test(speckle_is_rayleigh),
         cmocka_unit_test(elements_share_what_theory_says),
