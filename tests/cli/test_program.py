@@ -141,6 +141,17 @@ def writers():
     return [words for words in WRITERS if has_device or words[0] not in ("run", "serve")]
 
 
+def test_a_folder_is_announced_with_its_size():
+    """What goes to stdout is none."""
+    if asdic("devices").code:
+        raise tap.Skip("there is no device")
+    with Folder() as folder:
+        folder.write("s.yaml", SCENE)
+        for where, told in ("./r", 1), ("-", 0):
+            done = asdic("run", "s.yaml", "-o", where, cwd=folder.path).check(code=0)
+            tap.equal(done.err.count("kB a ping, "), told, done.err)
+
+
 def test_full_disk_is_noticed():
     if not os.path.exists("/dev/full"):
         raise tap.Skip("there is no /dev/full")
