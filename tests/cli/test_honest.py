@@ -34,6 +34,8 @@ def test_stated_errors_hold_in_random_scenes():
         print(f'# {name}: true over stated {" ".join(f"{r:.2f}" for r in ratios)}, all {pooled:.2f}, '
               f"{100 * beyond:.2f} % beyond five")
         tap.equal(abs(pooled - seeds[0]["true_over_stated_all"]) < 1e-9, True)
+        true, stated, known = (sum(s[key] ** 2 for s in seeds) for key in ("true_db", "stated_db", "truth_stderr_db"))
+        tap.equal(1 / 9 < true / (stated + known) < 9, True, f"squares {true} of {stated} + {known}")
         objects = seeds[0]["true_over_stated_objects"]
         if objects is not None:
             ruled.append(objects)
