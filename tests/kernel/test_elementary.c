@@ -1,6 +1,7 @@
 /*
- * Elementary functions of the device (kernels/elementary.h) against those of C in double, in units in the
- * last place over the ranges that kernels use, and at their ends; the same bits in lanes of any width.
+ * Elementary functions of the device (kernels/elementary.h), and those of bent rays (kernels/ray_bent.h), against those
+ * of C in double, in units in the last place over the ranges that kernels use, and at their ends; the same bits in lanes
+ * of any width.
  * Quotients, square roots and fused products, on which they rest, are those of IEEE 754 to the last bit.
  * 77 without a device.
  */
@@ -39,6 +40,17 @@ static double power_of_ten(double x, double y) {
     (void)y;
     return pow(10.0, x);
 }
+/* Of the square of their argument, V. */
+#define OF_SQUARE(name, ratio, series)                                                             \
+    static double name(double v, double y) {                                                       \
+        double x = sqrt(v);                                                                        \
+        (void)y;                                                                                   \
+        return v < 1e-6 ? 1.0 + (series)*v : (ratio);                                              \
+    }
+OF_SQUARE(bent_atanh, atanh(x) / x, 1.0 / 3.0)
+OF_SQUARE(bent_tanh, tanh(x) / x, -1.0 / 3.0)
+OF_SQUARE(bent_sinh, sinh(x) / x, 1.0 / 6.0)
+OF_SQUARE(bent_cosh, cosh(x), 0.5)
 #define OF_ONE(name, function)                                                                     \
     static double name(double x, double y) {                                                       \
         (void)y;                                                                                   \
@@ -81,6 +93,10 @@ static const struct function {
     {"quotient", quotient, 1e-15, 1e15, true, 1e-37, 0.0},
     {"root", root, 1e-30, 1e30, true, 1e-37, 0.0},
     {"fma", fused, -5.0, 5.0, false, 1e-37, 0.0},
+    {"bent_atanh", bent_atanh, 0.0, 0.36, false, 1e-30, 4.0},
+    {"bent_tanh", bent_tanh, 0.0, 0.36, false, 1e-30, 4.0},
+    {"bent_sinh", bent_sinh, 0.0, 0.36, false, 1e-30, 4.0},
+    {"bent_cosh", bent_cosh, 0.0, 0.36, false, 1e-30, 4.0},
 };
 #define FUNCTIONS (sizeof functions / sizeof *functions)
 

@@ -1,5 +1,7 @@
 /* From the folder of this file, whatever folder the test runs in. */
 #include <../../../kernels/real.h>
+#define ASDIC_BENT 1
+#include <../../../kernels/ray.h>
 
 /* OUT[i] = function WHICH of X[i], Y[i]: as listed in test_elementary.c. */
 kernel void evaluate(global const float *xs, global const float *ys, global float *out,
@@ -58,6 +60,18 @@ kernel void evaluate(global const float *xs, global const float *ys, global floa
         break;
     case 15:
         v = r_fma(x, y, x);
+        break;
+    case 16:
+        v = bent_atanh(x);
+        break;
+    case 17:
+        v = bent_tanh(x);
+        break;
+    case 18:
+        v = bent_sinh(x);
+        break;
+    case 19:
+        v = bent_cosh(x);
         break;
     }
     for (uint lane = 0; lane < ASDIC_WIDTH; lane++) {
