@@ -72,7 +72,7 @@ static inline void deposit_add(__global long *cell, long quanta) {
     *cell += quanta;
 #elif ASDIC_DEPOSIT == DEPOSIT_ATOMIC64
     atom_add(cell, quanta);
-#else
+#elif ASDIC_DEPOSIT == DEPOSIT_ATOMIC32
     /* Little-endian words; the carry of the low word is known from its old value. */
     volatile __global uint *words = (volatile __global uint *)cell;
     uint low = (uint)(quanta & 0xffffffffL), high = (uint)((ulong)quanta >> 32);
