@@ -210,10 +210,10 @@ FORMULA zones zones_of(LOBE_SPACE const dev_ping *ping) {
     z.hs1 = ray_plane_range(z.hs, cap, -z.bend);
     z.high = z.low = R(1.0);
     if (ping->sampling.zones.share[1] > 0.0f) {
-        z.high = r_min(ray_plane_sine(z.h, z.far, z.bend), R(1.0));
+        z.high = ray_plane_sine(z.h, z.far, z.bend);
     }
     if (ping->sampling.zones.share[3] > 0.0f) {
-        z.low = r_min(ray_plane_sine(z.hs, z.fars, -z.bend), R(1.0));
+        z.low = ray_plane_sine(z.hs, z.fars, -z.bend);
     }
     z.low = -z.low;
     real begin = R(0.0);
