@@ -154,6 +154,9 @@ double asdic_cfar_pd(asdic_cfar_kind kind, unsigned count, unsigned rank, unsign
 
 asdic_status asdic_cfar_factor(asdic_context *ctx, asdic_cfar_kind kind, unsigned count,
                                unsigned rank, unsigned looks, double pfa, double *factor) {
+    if (!factor) {
+        return asdic_fail_null(ctx, __func__);
+    }
     if (!is_good(kind, count, rank, looks, 0.0) || !(pfa > 0.0 && pfa < 1.0)) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
                           "CFAR over %u bins (1..%u), rank %u, %u looks (1..1000), P_FA %g (0..1)",
@@ -274,10 +277,11 @@ static asdic_status find_scale(asdic_context *ctx, const asdic_cfar *cfar, unsig
 
 asdic_status asdic_cfar_check(asdic_context *ctx, const asdic_cfar *cfar) {
     if (cfar->cells < 1 || cfar->cells > ASDIC_CFAR_MOST_CELLS ||
-        !(cfar->rank > 0.0 && cfar->rank <= 1.0)) {
+        cfar->guard > ASDIC_SONAR_MAX_BINS || !(cfar->rank > 0.0 && cfar->rank <= 1.0)) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
-                          "CFAR of %u cells a side (1..%u), rank %g (0..1]", cfar->cells,
-                          ASDIC_CFAR_MOST_CELLS, cfar->rank);
+                          "CFAR of %u cells a side (1..%u), %u guards (0..%d), rank %g (0..1]",
+                          cfar->cells, ASDIC_CFAR_MOST_CELLS, cfar->guard, ASDIC_SONAR_MAX_BINS,
+                          cfar->rank);
     }
     return ASDIC_OK;
 }

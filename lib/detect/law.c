@@ -62,6 +62,9 @@ static double exceed(const asdic_background *b, asdic_target target, double snr,
     if (!(threshold > 0.0)) {
         return 1.0;
     }
+    if (isinf(threshold)) { /* as of costs that nothing is worth */
+        return 0.0;
+    }
     return b->shape <= ASDIC_SHAPE_MAX
                ? detection_k(threshold, snr, looks, code, b->shape, b->noise_share)
                : detection_exponential(threshold, snr, looks, code);
@@ -79,9 +82,13 @@ double asdic_detect_pd(const asdic_background *b, asdic_target target, double ta
     if (!asdic_background_is_good(b) || isnan(threshold_lin) || !(target_lin >= 0.0)) {
         return NAN;
     }
+    double snr = target_lin / b->mean_lin;
+    if (isinf(snr)) {
+        return 1.0;
+    }
     if (target == ASDIC_TARGET_SWERLING2) {
         asdic_background both = both_of(b, target_lin);
         return asdic_detect_pfa(&both, threshold_lin);
     }
-    return exceed(b, target, target_lin / b->mean_lin, threshold_lin / b->mean_lin);
+    return exceed(b, target, snr, threshold_lin / b->mean_lin);
 }

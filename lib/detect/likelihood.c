@@ -27,6 +27,8 @@
 /* Textures are cut where nothing but the target is heard any more. */
 #define LEAST_MEAN 1e-8
 #define STEADY (double)INFINITY /* order of a target that does not fluctuate */
+/* Textures lie the closer, the stronger an intensity is re the mean: there would be no end of them. */
+#define MOST_INTENSITY 1e12
 
 static double log_gamma(double x) {
     int sign;
@@ -103,7 +105,7 @@ typedef struct log_sum {
 
 /* Adds e^PART; false when it was negligible and less than the one before. */
 static bool add(log_sum *s, double part) {
-    bool is_falling = part < s->last;
+    bool is_rising = part >= s->last; /* false for NAN */
     s->last = part;
     if (part > s->largest) {
         s->sum = s->sum * exp(s->largest - part) + 1.0;
@@ -111,7 +113,7 @@ static bool add(log_sum *s, double part) {
         return true;
     }
     s->sum += exp(part - s->largest);
-    return !is_falling || part - s->largest > LOG_EPSILON;
+    return is_rising || part - s->largest > LOG_EPSILON;
 }
 
 /* Densities of the two hypotheses at one intensity. */
@@ -134,14 +136,16 @@ static void add_textures(const asdic_background *b, asdic_target target, double 
 
 double asdic_detect_llr(const asdic_background *b, asdic_target target, double target_lin,
                         double intensity_lin) {
-    if (!asdic_background_is_good(b) || !(target_lin >= 0.0) || !(intensity_lin >= 0.0)) {
-        return NAN;
-    }
     double m = (double)b->looks, snr = target_lin / b->mean_lin;
     double x = m * intensity_lin / b->mean_lin;
+    if (!asdic_background_is_good(b) || !(target_lin >= 0.0) || !(intensity_lin >= 0.0) ||
+        isinf(m * snr / LEAST_MEAN)) {
+        return NAN;
+    }
     if (b->shape > ASDIC_SHAPE_MAX || b->noise_share >= 1.0) {
         return log_density(target, m, x, snr) + x;
     }
+    x = fmin(x, m * MOST_INTENSITY);
     /* Curvature of the exponent where texture and intensity meet, as in detection_k. */
     double meet = fmax(0.5 * log(fmax(x, 1e-300) / b->shape), 0.0);
     double step = fmin(0.2, 0.4 / sqrt(b->shape * exp(meet) + (x + m) * exp(-meet)));

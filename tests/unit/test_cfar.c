@@ -306,6 +306,8 @@ static void arguments_have_limits(void **state) {
     assert_true(isnan(asdic_cfar_pfa(ASDIC_CFAR_CA, 4, 0, 1, -1.0)));
     assert_true(isnan(asdic_cfar_pd(ASDIC_CFAR_OS, 4, 5, 1, 2.0, ASDIC_TARGET_SWERLING1, snr)));
     assert_true(isnan(asdic_cfar_pd(ASDIC_CFAR_CA, 4, 0, 1, 2.0, ASDIC_TARGET_SWERLING1, -1.0)));
+    assert_status(ctx, asdic_cfar_factor(ctx, ASDIC_CFAR_OS, 4, 4, 1, 0.1, NULL),
+                  ASDIC_ERROR_ARGUMENT);
     double z[2] = {1.0, 2.0}, out[2];
     asdic_cfar of = asdic_cfar_default();
     assert_status(ctx, asdic_cfar_row(ctx, NULL, 1, 0.1, z, 2, out, out), ASDIC_ERROR_ARGUMENT);
@@ -314,6 +316,8 @@ static void arguments_have_limits(void **state) {
     assert_status(ctx, asdic_cfar_row(ctx, &of, 1, 0.1, z, 2, out, NULL), ASDIC_ERROR_ARGUMENT);
     const asdic_cfar wrong[] = {{ASDIC_CFAR_CA, 0, 1, 1.0},
                                 {ASDIC_CFAR_CA, 257, 1, 1.0},
+                                {ASDIC_CFAR_CA, 8, ASDIC_SONAR_MAX_BINS + 1, 1.0},
+                                {ASDIC_CFAR_OS, 8, ~0u, 1.0},
                                 {ASDIC_CFAR_OS, 8, 1, 0.0},
                                 {ASDIC_CFAR_OS, 8, 1, 1.01}};
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {

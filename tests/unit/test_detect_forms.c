@@ -138,6 +138,28 @@ static void ends_are_as_they_should_be(void **state) {
     assert_true(isnan(asdic_detect_pfa(&one_look, NAN)));
 }
 
+/* Nothing is above a threshold of INFINITY, which costs may ask for, but a target that is as strong; what is stronger
+ * than any number of textures can tell comes to an end. */
+static void endless_numbers_come_to_an_end(void **state) {
+    (void)state;
+    const asdic_background k = {MEAN, 3, 2.0, 0.1}, *const both[2] = {&three_looks, &k};
+    for (int i = 0; i < 8; i++) {
+        const asdic_background *b = both[i / 4];
+        asdic_target target = (asdic_target)(i % 4);
+        assert_close(asdic_detect_pfa(b, INFINITY), 0.0, 0.0);
+        assert_close(asdic_detect_pd(b, target, 3.0, INFINITY), 0.0, 0.0);
+        assert_close(asdic_detect_pd(b, target, INFINITY, 3.0), 1.0, 0.0);
+        assert_true(isnan(asdic_detect_llr(b, target, INFINITY, 3.0)));
+        assert_true(isnan(asdic_detect_llr(b, target, 1e308, 3.0)));
+    }
+    double loud = asdic_detect_llr(&k, ASDIC_TARGET_SWERLING2, 8.0, MEAN * 1e12);
+    assert_true(isfinite(loud));
+    for (double more = 1e13; more < 1e300; more *= 1e60) {
+        assert_close(asdic_detect_llr(&k, ASDIC_TARGET_SWERLING2, 8.0, MEAN * more), loud, 0.0);
+    }
+    assert_close(asdic_detect_llr(&k, ASDIC_TARGET_SWERLING2, 8.0, INFINITY), loud, 0.0);
+}
+
 /* ln of the sum over textures e^v of clutter of MEAN e^v and a target that changes from look to look, by 200,000
  * nodes from where nothing of it is left to where nothing is left. */
 static double log_average(const asdic_background *b, double snr, double x) {
@@ -308,6 +330,7 @@ int main(void) {
         cmocka_unit_test(three_looks_are_gamma_distributed),
         cmocka_unit_test(a_steady_target_has_bessels_function),
         cmocka_unit_test(ends_are_as_they_should_be),
+        cmocka_unit_test(endless_numbers_come_to_an_end),
         cmocka_unit_test(textures_are_averaged),
         cmocka_unit_test(the_greatest_shape_is_one),
         cmocka_unit_test(thresholds_invert_the_exponential),

@@ -38,13 +38,14 @@ typedef struct asdic_background {
 ASDIC_API asdic_background asdic_background_of(const asdic_sonar *sonar, double sound_speed_mps,
                                                double mean_lin, double noise_lin);
 
-/* P(z > THRESHOLD): false alarm, and detection of a target of mean intensity TARGET_LIN. NAN for
- * values out of the ranges above. */
+/* P(z > THRESHOLD): false alarm, and detection of a target of mean intensity TARGET_LIN. Nothing is
+ * above a threshold of INFINITY. NAN for values out of the ranges above. */
 ASDIC_API double asdic_detect_pfa(const asdic_background *background, double threshold_lin);
 ASDIC_API double asdic_detect_pd(const asdic_background *background, asdic_target target,
                                  double target_lin, double threshold_lin);
 
-/* The natural logarithm of p(z | target) / p(z | none). */
+/* The natural logarithm of p(z | target) / p(z | none). In K-distributed clutter an intensity more
+ * than 120 dB above the mean counts as one of 120 dB. NAN as above. */
 ASDIC_API double asdic_detect_llr(const asdic_background *background, asdic_target target,
                                   double target_lin, double intensity_lin);
 
@@ -114,7 +115,7 @@ typedef enum asdic_cfar_kind {
 typedef struct asdic_cfar {
     asdic_cfar_kind kind;
     unsigned cells; /* per side, 1..256 */
-    unsigned guard; /* per side */
+    unsigned guard; /* per side, at most ASDIC_SONAR_MAX_BINS */
     double rank;    /* OS: k over the number of bins in the window, (0, 1] */
 } asdic_cfar;
 
