@@ -14,6 +14,10 @@ asdic_status asdic_fail(asdic_context *ctx, asdic_status status, const char *for
 /* A pointer that FUNCTION cannot do without is NULL: ASDIC_ERROR_ARGUMENT. */
 asdic_status asdic_fail_null(asdic_context *ctx, const char *function);
 
+/* Whether the caller gave a place for what a function makes, asked before anything that may fail: there is NULL in it
+ * until the function succeeds. */
+#define ASDIC_PLACE(out) ((out) ? (*(out) = NULL, true) : false)
+
 /* Out of memory while allocating WHAT ("1000 bins"). */
 asdic_status asdic_fail_memory(asdic_context *ctx, const char *what);
 

@@ -400,6 +400,18 @@ asdic_status asdic_occupancy_add(asdic_context *ctx, asdic_occupancy *map, const
     if (!map || !look || !look->sonar || !look->intensity_lin || !look->background_lin) {
         return asdic_fail_null(ctx, __func__);
     }
+    TRY(asdic_sonar_check(ctx, look->sonar));
+    const asdic_pose *at = &look->pose;
+    if (!isfinite(at->position_m.x + at->position_m.y + at->position_m.z) ||
+        !isfinite(at->roll_rad + at->pitch_rad + at->yaw_rad)) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "a look from a pose that is not finite");
+    }
+    if (!(look->sound_speed_mps > 0.0) || !isfinite(look->sound_speed_mps) || look->bins == 0 ||
+        isnan(look->depth_m) || !isfinite(look->snr_db)) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
+                          "a look at %zu bins in water of %g m/s, %g m deep, for objects of %g dB",
+                          look->bins, look->sound_speed_mps, look->depth_m, look->snr_db);
+    }
     update u = {.map = map, .look = look};
     asdic_status status = add(ctx, &u);
     free(u.spots);

@@ -155,6 +155,9 @@ static double score_bound(double area, double end, double trials) {
 asdic_status asdic_roc_area(asdic_context *ctx, const double *none, const double *present,
                             size_t trials, asdic_estimate *area) {
     double variance;
+    if (!none || !present || !area) {
+        return asdic_fail_null(ctx, __func__);
+    }
     if (trials < 2) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "an area from %zu draws", trials);
     }

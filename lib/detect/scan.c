@@ -40,11 +40,14 @@ asdic_detector asdic_detector_default(void) {
 asdic_status asdic_scan_create(asdic_context *ctx, const asdic_sonar *sonar, double sound_speed_mps,
                                size_t bins, const asdic_detector *detector, const asdic_cfar *cfar,
                                asdic_scan **out) {
-    if (!out || !sonar || !detector || bins == 0 || sonar->receiver_count == 0) {
+    if (!ASDIC_PLACE(out) || !sonar || !detector || bins == 0 || sonar->receiver_count == 0) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
                           "asdic_scan_create: a sonar, bins and a detector are needed");
     }
-    *out = NULL;
+    if (bins > SIZE_MAX / (3 * sizeof(double)) / sonar->receiver_count) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "a detector of %zu beams and %zu bins",
+                          sonar->receiver_count, bins);
+    }
     if (!(detector->prior > 0.0 && detector->prior < 1.0) || detector->cost_ratio <= 0.0) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
                           "a detector with prior %g (between 0 and 1), costs %g (above 0)",

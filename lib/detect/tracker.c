@@ -5,6 +5,7 @@
 #include <asdic/scan.h>
 
 #include "base/context.h"
+#include "base/try.h"
 #include "kalman.h"
 
 #include <math.h>
@@ -43,10 +44,9 @@ asdic_tracker_options asdic_tracker_options_default(void) {
 
 asdic_status asdic_tracker_create(asdic_context *ctx, const asdic_tracker_options *options,
                                   asdic_tracker **out) {
-    if (!options || !out) {
+    if (!ASDIC_PLACE(out) || !options) {
         return asdic_fail_null(ctx, __func__);
     }
-    *out = NULL;
     if (!(options->gate > 0.0) || !(options->acceleration >= 0.0) || !(options->speed_mps > 0.0) ||
         options->confirm < 1 || options->confirm > options->of || options->of > 32 ||
         options->misses < 1) {
@@ -99,6 +99,24 @@ static int nearer(const void *a, const void *b) {
         return x->track < y->track ? -1 : 1;
     }
     return x->plot < y->plot ? -1 : x->plot > y->plot;
+}
+
+/* One that is nowhere, or known exactly, would leave its track nowhere for good. */
+static asdic_status check_plots(asdic_context *ctx, const asdic_plot_point *plots, size_t count) {
+    for (size_t i = 0; i < count; i++) {
+        const asdic_plot_point *p = &plots[i];
+        double product = p->variance_nn_m2 * p->variance_ee_m2;
+        bool is_positive = p->variance_nn_m2 > 0.0 && p->variance_ee_m2 > 0.0 &&
+                           p->variance_ne_m2 * p->variance_ne_m2 <= product * (1.0 + 1e-9);
+        if (!isfinite(p->north_m) || !isfinite(p->east_m) || !isfinite(product) || !is_positive) {
+            return asdic_fail(
+                ctx, ASDIC_ERROR_ARGUMENT,
+                "plot %zu at (%g, %g) m with the covariance (%g, %g, %g) m^2: it must "
+                "be finite, its covariance above 0",
+                i, p->north_m, p->east_m, p->variance_nn_m2, p->variance_ne_m2, p->variance_ee_m2);
+        }
+    }
+    return ASDIC_OK;
 }
 
 static bool find_pairs(asdic_tracker *t, const asdic_plot_point *plots, size_t count,
@@ -172,10 +190,11 @@ asdic_status asdic_tracker_update(asdic_tracker *t, double time_s, const asdic_p
     }
     size_t pairs = 0, kept = 0;
     double step_s = isnan(t->time_s) ? 0.0 : time_s - t->time_s;
-    if (!(step_s >= 0.0)) {
+    if (!(step_s >= 0.0) || !isfinite(time_s)) {
         return asdic_fail(t->ctx, ASDIC_ERROR_ARGUMENT, "a ping at %g s after one at %g s", time_s,
                           t->time_s);
     }
+    TRY(check_plots(t->ctx, plots, count));
     if (!grow((void **)&t->tracks, &t->capacity, t->count + count, sizeof *t->tracks) ||
         !grow((void **)&t->states, &t->state_capacity, t->count + count, sizeof *t->states) ||
         !grow((void **)&t->taken, &t->plot_capacity, count, sizeof *t->taken)) {

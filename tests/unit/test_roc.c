@@ -14,6 +14,9 @@ static void an_area_counts_pairs(void **state) {
     (void)state;
     const double none[3] = {1.0, 2.0, 3.0}, present[3] = {2.0, 5.0, 2.5};
     asdic_estimate area;
+    assert_status(ctx, asdic_roc_area(ctx, NULL, present, 3, &area), ASDIC_ERROR_ARGUMENT);
+    assert_status(ctx, asdic_roc_area(ctx, none, NULL, 3, &area), ASDIC_ERROR_ARGUMENT);
+    assert_status(ctx, asdic_roc_area(ctx, none, present, 3, NULL), ASDIC_ERROR_ARGUMENT);
     assert_ok(ctx, asdic_roc_area(ctx, none, present, 3, &area));
     assert_close(area.value, (1.5 + 3.0 + 2.0) / 9.0, 1e-15);
     const double apart[3] = {10.0, 11.0, 12.0};

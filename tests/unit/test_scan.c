@@ -771,6 +771,31 @@ static void maps_have_limits(void **state) {
     assert_contains(asdic_context_error(ctx), "larger");
 }
 
+/* A look from nowhere, at nothing or through no water is none, and leaves the map as it was. */
+static void looks_have_limits(void **state) {
+    (void)state;
+    map_rig r;
+    map_begin(&r, 1);
+    map_look(&r);
+    float before = r.map->log_odds[100];
+    asdic_look good = look_of(&r), bad[6];
+    for (int i = 0; i < 6; i++) {
+        bad[i] = good;
+    }
+    bad[0].sound_speed_mps = 0.0;
+    bad[1].sound_speed_mps = NAN;
+    bad[2].pose.position_m.x = NAN;
+    bad[3].bins = 0;
+    bad[4].snr_db = NAN;
+    bad[5].depth_m = NAN;
+    for (int i = 0; i < 6; i++) {
+        assert_status(ctx, asdic_occupancy_add(ctx, r.map, &bad[i]), ASDIC_ERROR_ARGUMENT);
+        assert_memory_equal(&r.map->log_odds[100], &before, sizeof before);
+    }
+    assert_ok(ctx, asdic_occupancy_add(ctx, r.map, &good));
+    asdic_occupancy_destroy(&r.map);
+}
+
 /* Two targets that pass each other, measured with 0.3 m, missed one time in five, among clutter. */
 static void tracks_follow(void **state) {
     (void)state;
@@ -986,6 +1011,35 @@ static void trackers_have_limits(void **state) {
     asdic_tracker_destroy(&tracker);
 }
 
+/* Of a ping at no time, or with a plot that is nowhere or known exactly, a tracker takes nothing. */
+static void plots_have_limits(void **state) {
+    (void)state;
+    const asdic_tracker_options options = asdic_tracker_options_default();
+    const asdic_plot_point good = {.variance_nn_m2 = 1.0, .variance_ee_m2 = 4.0};
+    asdic_plot_point bad[6] = {good, good, good, good, good, good};
+    bad[0].north_m = NAN;
+    bad[1].east_m = INFINITY;
+    bad[2].variance_nn_m2 = 0.0;
+    bad[3].variance_ee_m2 = NAN;
+    bad[4].variance_ne_m2 = 2.1; /* more than both variances allow */
+    bad[5].variance_ne_m2 = NAN;
+    asdic_tracker *tracker = NULL;
+    size_t count;
+    assert_ok(ctx, asdic_tracker_create(ctx, &options, &tracker));
+    assert_status(ctx, asdic_tracker_update(tracker, NAN, &good, 1), ASDIC_ERROR_ARGUMENT);
+    assert_status(ctx, asdic_tracker_update(tracker, INFINITY, &good, 1), ASDIC_ERROR_ARGUMENT);
+    assert_ok(ctx, asdic_tracker_update(tracker, 1.0, &good, 1));
+    for (int i = 0; i < 6; i++) {
+        const asdic_plot_point plots[2] = {good, bad[i]};
+        assert_status(ctx, asdic_tracker_update(tracker, 2.0, plots, 2), ASDIC_ERROR_ARGUMENT);
+        const asdic_track_state *tracks = asdic_tracker_get(tracker, &count);
+        assert_true(count == 1 && tracks->north_m == 0.0 && tracks->age == 1);
+    }
+    assert_ok(ctx, asdic_tracker_update(tracker, 1.5, &good, 1)); /* 2 s were none */
+    assert_int_equal(asdic_tracker_get(tracker, &count)->hits, 2);
+    asdic_tracker_destroy(&tracker);
+}
+
 /* Clutter anywhere in a square, from nearly none to a plot in every gate: confirmed tracks per
  * plot. */
 static void clutter_confirms_tracks_as_said(void **state) {
@@ -1068,11 +1122,13 @@ int main(void) {
         cmocka_unit_test(k_speckle_is_weighed_by_its_shape),
         cmocka_unit_test(maps_do_not_depend_on_the_compass),
         cmocka_unit_test(maps_have_limits),
+        cmocka_unit_test(looks_have_limits),
         cmocka_unit_test(tracks_follow),
         cmocka_unit_test(tracks_say_where_and_how_fast),
         cmocka_unit_test(tracks_live_by_their_hits),
         cmocka_unit_test(plots_go_to_the_nearest_track),
         cmocka_unit_test(trackers_have_limits),
+        cmocka_unit_test(plots_have_limits),
         cmocka_unit_test(clutter_confirms_tracks_as_said),
     };
     return cmocka_run_group_tests(tests, context_begin, context_end);
