@@ -35,6 +35,10 @@ asdic_status asdic_expected_write_csv(asdic_context *ctx, const char *path,
     if (!path || !sonar || !ping) {
         return asdic_fail_null(ctx, __func__);
     }
+    if (ping->beams != sonar->receiver_count) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "a ping of %zu beams for %zu receivers",
+                          ping->beams, sonar->receiver_count);
+    }
     asdic_file *file = NULL;
     TRY(asdic_file_create(ctx, strcmp(path, "-") == 0 ? "/dev/stdout" : path, &file));
     FILE *out = asdic_file_stream(file);

@@ -72,20 +72,6 @@ asdic_status asdic_coherent_check(asdic_context *ctx, const asdic_sonar *sonar,
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
                           "coherent pings need an array of elements: give the sonar one");
     }
-    if (a->elements < 2 || a->elements > ASDIC_ARRAY_MAX_ELEMENTS) {
-        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "%zu elements: out of range [2, %d]",
-                          a->elements, ASDIC_ARRAY_MAX_ELEMENTS);
-    }
-    if (!(a->spacing_m > 0.0) || !(a->element.length_h_m > 0.0) || !(a->element.length_v_m > 0.0)) {
-        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
-                          "an array's spacing of %g m and elements of %g m x %g m: must be above 0",
-                          a->spacing_m, a->element.length_h_m, a->element.length_v_m);
-    }
-    bool has_level = a->shading == ASDIC_SHADING_TAYLOR || a->shading == ASDIC_SHADING_CHEBYSHEV;
-    if (has_level && !(a->side_lobe_db <= -10.0 && a->side_lobe_db >= -100.0)) {
-        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
-                          "side lobes of %g dB: out of range [-100, -10] dB", a->side_lobe_db);
-    }
     return ASDIC_OK;
 }
 

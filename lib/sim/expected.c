@@ -17,6 +17,7 @@
 #include "expected_bent.h"
 #include "noise_level.h"
 #include "pulse.h"
+#include "scene/scene.h"
 
 #include "../../kernels/backscatter.h"
 
@@ -141,11 +142,15 @@ static void compute_beam(const asdic_flat_laws *laws, const asdic_sonar *sonar,
     }
 }
 
-static asdic_status check(asdic_context *ctx, const asdic_flat_scene *flat,
+static asdic_status check(asdic_context *ctx, const asdic_expected_place *place,
                           const asdic_environment *env, const asdic_sonar *sonar,
                           const asdic_ping *ping) {
+    const asdic_flat_scene *flat = &place->flat;
+    const asdic_pose *pose = &place->pose;
+    const asdic_pose attitude = {{0.0, 0.0, 0.0}, pose->roll_rad, pose->pitch_rad, pose->yaw_rad};
     TRY(asdic_environment_check(ctx, env));
     TRY(asdic_sonar_check(ctx, sonar));
+    TRY(asdic_pose_check(ctx, &attitude));
     if (!isfinite(flat->depth_m) || (flat->has_surface && flat->depth_m < 0.0)) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
                           "flat scene: the sonar is %g m above the surface", -flat->depth_m);
@@ -246,7 +251,7 @@ static asdic_status compute(asdic_context *ctx, const among *with,
                             const asdic_expected_place *place, const asdic_environment *env,
                             const asdic_sonar *sonar, asdic_ping *ping) {
     const asdic_flat_scene *flat = &place->flat;
-    TRY(check(ctx, flat, env, sonar, ping));
+    TRY(check(ctx, place, env, sonar, ping));
     double range_m = (double)ping->bins * sonar->bin_length_m;
     TRY(asdic_environment_check_depths(
         ctx, env, flat->has_surface ? 0.0 : fmax(flat->depth_m - range_m, 0.0),
@@ -293,7 +298,7 @@ bool asdic_expected_is_near(const asdic_expected_place *a, const asdic_expected_
     return a->flat.has_surface == b->flat.has_surface && a->flat.has_bottom == b->flat.has_bottom &&
            (!a->flat.has_bottom || asdic_material_equal(&a->flat.bottom, &b->flat.bottom)) &&
            asdic_material_equal(&a->flat.surface, &b->flat.surface) &&
-           near(a->flat.altitude_m, b->flat.altitude_m, share) &&
+           (!a->flat.has_bottom || near(a->flat.altitude_m, b->flat.altitude_m, share)) &&
            near(a->flat.depth_m, b->flat.depth_m, share) &&
            fabs(a->pose.pitch_rad - b->pose.pitch_rad) <= angle_rad &&
            fabs(a->pose.roll_rad - b->pose.roll_rad) <= angle_rad;

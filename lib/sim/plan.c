@@ -1,6 +1,7 @@
 #include <asdic/plan.h>
 
 #include "base/context.h"
+#include "base/try.h"
 #include "base/vec.h"
 #include "bent_ray.h"
 #include "noise_level.h"
@@ -245,9 +246,13 @@ asdic_status asdic_plan_make(asdic_context *ctx, const asdic_scene *scene,
     if (!scene || !env || !sonar || !sampling || !poses || count == 0 || !out) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "asdic_plan_make: NULL or no pose");
     }
-    asdic_status status = asdic_environment_check(ctx, env);
-    if (status || (status = asdic_sonar_check(ctx, sonar))) {
-        return status;
+    if (!scene->committed) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "asdic_plan_make: the scene is not committed");
+    }
+    TRY(asdic_environment_check(ctx, env));
+    TRY(asdic_sonar_check(ctx, sonar));
+    for (size_t i = 0; i < count; i++) {
+        TRY(asdic_pose_check(ctx, &poses[i]));
     }
     *out = (asdic_plan){.left_out = 0};
     for (int t = 0; t < ASDIC_TERM_COUNT; t++) {

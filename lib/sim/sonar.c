@@ -59,6 +59,30 @@ static asdic_status check_beam(asdic_context *ctx, const asdic_beam *beam) {
     return check_fields(ctx, beam->name, fields, sizeof fields / sizeof *fields);
 }
 
+static asdic_status check_array(asdic_context *ctx, const asdic_array *a) {
+    if (a->elements == 0) {
+        return ASDIC_OK;
+    }
+    if (a->elements < 2 || a->elements > ASDIC_ARRAY_MAX_ELEMENTS) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "%zu elements: out of range [2, %d]",
+                          a->elements, ASDIC_ARRAY_MAX_ELEMENTS);
+    }
+    if (!(a->spacing_m > 0.0) || !(a->element.length_h_m > 0.0) || !(a->element.length_v_m > 0.0)) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
+                          "an array's spacing of %g m and elements of %g m x %g m: must be above 0",
+                          a->spacing_m, a->element.length_h_m, a->element.length_v_m);
+    }
+    if ((unsigned)a->shading > ASDIC_SHADING_CHEBYSHEV) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "unknown shading %d", (int)a->shading);
+    }
+    bool has_level = a->shading == ASDIC_SHADING_TAYLOR || a->shading == ASDIC_SHADING_CHEBYSHEV;
+    if (has_level && !(a->side_lobe_db <= -10.0 && a->side_lobe_db >= -100.0)) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
+                          "side lobes of %g dB: out of range [-100, -10] dB", a->side_lobe_db);
+    }
+    return ASDIC_OK;
+}
+
 asdic_status asdic_sonar_check(asdic_context *ctx, const asdic_sonar *sonar) {
     if (!sonar) {
         return asdic_fail_null(ctx, __func__);
@@ -89,11 +113,19 @@ asdic_status asdic_sonar_check(asdic_context *ctx, const asdic_sonar *sonar) {
                           "sonar: 'rear_floor_db' = %g is above 0 dB re on-axis",
                           sonar->rear_floor_db);
     }
+    if ((unsigned)sonar->speckle > ASDIC_SPECKLE_K) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "sonar: unknown speckle %d",
+                          (int)sonar->speckle);
+    }
     if (sonar->speckle == ASDIC_SPECKLE_K && !(sonar->speckle_shape >= 0.05)) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "sonar: 'speckle_shape' = %g is below 0.05",
                           sonar->speckle_shape);
     }
+    TRY(check_array(ctx, &sonar->array));
     TRY(check_beam(ctx, &sonar->transmitter));
+    if (!sonar->receivers) {
+        return asdic_fail_null(ctx, __func__);
+    }
     for (size_t i = 0; i < sonar->receiver_count; i++) {
         TRY(check_beam(ctx, &sonar->receivers[i]));
     }

@@ -5,11 +5,12 @@
 #include <math.h>
 
 asdic_sweep asdic_sweep_of(double sector_rad, double step_rad) {
-    if (!(step_rad > 0.0)) {
+    double count = rint(sector_rad / step_rad);
+    if (!(step_rad > 0.0) || !(count >= 1.0) || isinf(count)) {
         return (asdic_sweep){0};
     }
     bool is_circle = sector_rad > 2.0 * ASDIC_PI - 1e-9;
-    size_t steps = (size_t)rint(sector_rad / step_rad);
+    size_t steps = (size_t)count;
     return (asdic_sweep){.directions = steps + (is_circle ? 0 : 1),
                          .step_rad = sector_rad / (double)steps,
                          .is_circle = is_circle};

@@ -223,6 +223,48 @@ static void a_sonar_has_its_limits(void **state) {
         assert_contains(asdic_context_error(ctx), "receiver_count");
         assert_contains(asdic_context_error(ctx), "[1, 4096]");
     }
+    sonar.receiver_count = 1;
+    sonar.receivers = NULL;
+    assert_status(ctx, asdic_sonar_check(ctx, &sonar), ASDIC_ERROR_ARGUMENT);
+    sonar.receivers = beams;
+    sonar.speckle = (asdic_speckle)99;
+    assert_status(ctx, asdic_sonar_check(ctx, &sonar), ASDIC_ERROR_ARGUMENT);
+    assert_contains(asdic_context_error(ctx), "unknown speckle 99");
+}
+
+/* Whatever pings are made with it. */
+static void an_array_has_its_limits(void **state) {
+    (void)state;
+    asdic_beam beam = {.length_h_m = 0.1, .length_v_m = 0.1};
+    asdic_sonar sonar = asdic_sonar_default();
+    const asdic_array good = {.elements = ASDIC_ARRAY_MAX_ELEMENTS,
+                              .spacing_m = 0.01,
+                              .shading = ASDIC_SHADING_CHEBYSHEV,
+                              .side_lobe_db = -100.0,
+                              .element = {.length_h_m = 0.01, .length_v_m = 0.01}};
+    asdic_array bad[8] = {good, good, good, good, good, good, good, good};
+    bad[0].elements = 1;
+    bad[1].elements = ASDIC_ARRAY_MAX_ELEMENTS + 1;
+    bad[2].spacing_m = 0.0;
+    bad[3].element.length_h_m = NAN;
+    bad[4].element.length_v_m = 0.0;
+    bad[5].shading = (asdic_shading)99;
+    bad[6].side_lobe_db = -9.9;
+    bad[7].side_lobe_db = NAN;
+    sonar.receivers = &beam;
+    sonar.receiver_count = 1;
+    sonar.array = good;
+    assert_ok(ctx, asdic_sonar_check(ctx, &sonar));
+    sonar.array.shading = ASDIC_SHADING_HANN; /* which has no level of its own */
+    sonar.array.side_lobe_db = 0.0;
+    assert_ok(ctx, asdic_sonar_check(ctx, &sonar));
+    for (int i = 0; i < 8; i++) {
+        sonar.array = bad[i];
+        assert_status(ctx, asdic_sonar_check(ctx, &sonar), ASDIC_ERROR_ARGUMENT);
+    }
+    sonar.array = bad[3];
+    sonar.array.elements = 0; /* none, whatever else is said of it */
+    assert_ok(ctx, asdic_sonar_check(ctx, &sonar));
 }
 
 static asdic_expected_place place(void) {
@@ -270,6 +312,9 @@ static void places_differ_by_what_matters(void **state) {
     p = place();
     p.flat.has_bottom = false;
     assert_false(is_near(p));
+    /* Without a bottom there is no height above it, whatever is said. */
+    p.flat.altitude_m = INFINITY;
+    assert_true(asdic_expected_is_near(&p, &p, 0.0, 0.0));
     /* Opposite rolls are no place of their own. */
     asdic_expected_place a = place(), b = place();
     a.pose.roll_rad = 0.3;
@@ -326,6 +371,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_field_has_its_limits),
         cmocka_unit_test(a_profile_has_its_limits),
+        cmocka_unit_test(an_array_has_its_limits),
         cmocka_unit_test(the_default_is_moderate_water),
         cmocka_unit_test(a_water_column_takes_its_share),
         cmocka_unit_test(a_gradient_is_checked_over_the_depths_of_a_scene),

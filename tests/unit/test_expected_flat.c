@@ -427,6 +427,22 @@ static void wrong_scenes_are_refused(void **state) {
                       ASDIC_ERROR_ARGUMENT);
         assert_contains(asdic_context_error(s.ctx), "flat scene");
     }
+    double *const angles[3] = {&s.pose.roll_rad, &s.pose.pitch_rad, &s.pose.yaw_rad};
+    for (size_t i = 0; i < 6; i++) { /* of a place only FLAT tells */
+        s.pose = (asdic_pose){.position_m = {NAN, INFINITY, NAN}};
+        *angles[i / 2] = i % 2 ? INFINITY : NAN;
+        assert_status(s.ctx,
+                      asdic_expected_compute(s.ctx, &s.flat, &s.env, &s.sonar, &s.pose, ping),
+                      ASDIC_ERROR_ARGUMENT);
+        *angles[i / 2] = 0.0;
+        assert_ok(s.ctx, asdic_expected_compute(s.ctx, &s.flat, &s.env, &s.sonar, &s.pose, ping));
+    }
+    asdic_ping *two = NULL;
+    assert_ok(s.ctx, asdic_ping_create(s.ctx, 2, 10, &two));
+    assert_status(s.ctx, asdic_expected_write_csv(s.ctx, "/dev/null", &s.sonar, two),
+                  ASDIC_ERROR_ARGUMENT);
+    assert_contains(asdic_context_error(s.ctx), "2 beams for 1 receivers");
+    asdic_ping_destroy(&two);
     asdic_ping_destroy(&ping);
     end(&s);
 }

@@ -478,7 +478,17 @@ static void what_is_missing_is_refused(void **state) {
     (void)state;
     yard y = begin(true, true);
     y.sonar.receivers = y.receivers;
+    assert_status(ctx,
+                  asdic_plan_make(ctx, y.scene, &y.env, &y.sonar, &y.sampling, y.poses, 1, &plan),
+                  ASDIC_ERROR_ARGUMENT);
+    assert_contains(asdic_context_error(ctx), "not committed");
     asdic_scene_commit(y.scene);
+    const asdic_pose there = y.poses[0];
+    y.poses[0].position_m.z = NAN; /* is not above everything */
+    assert_status(ctx,
+                  asdic_plan_make(ctx, y.scene, &y.env, &y.sonar, &y.sampling, y.poses, 1, &plan),
+                  ASDIC_ERROR_ARGUMENT);
+    y.poses[0] = there;
     assert_status(ctx,
                   asdic_plan_make(ctx, y.scene, &y.env, &y.sonar, &y.sampling, y.poses, 0, &plan),
                   ASDIC_ERROR_ARGUMENT);
