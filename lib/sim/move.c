@@ -35,6 +35,10 @@ static asdic_status move_object(asdic_simulator *sim, size_t movable, const asdi
     return asdic_sight_move(sim, movable, pose);
 }
 
+static const asdic_part *movable_part(const asdic_scene *scene, size_t movable) {
+    return &scene->parts[scene->movables[movable].part];
+}
+
 /* Whether the scene has a part of that name that stays. */
 static bool stays(const asdic_scene *scene, const char *name) {
     for (size_t i = 0; i < scene->part_count; i++) {
@@ -51,17 +55,24 @@ asdic_status asdic_simulator_move(asdic_simulator *sim, const char *name, const 
                           "asdic_simulator_move: NULL argument");
     }
     const asdic_scene *scene = sim->setup.scene;
+    size_t object = 0, point = 0;
     TRY(asdic_pose_check(sim->ctx, pose));
-    for (size_t i = 0; i < scene->movable_count; i++) {
-        if (strcmp(scene->parts[scene->movables[i].part].name, name) == 0) {
-            return move_object(sim, i, pose);
-        }
+    while (object < scene->movable_count && strcmp(movable_part(scene, object)->name, name) != 0) {
+        object++;
     }
-    for (size_t i = 0; i < scene->point_count; i++) {
-        if (strcmp(scene->points[i].name, name) == 0) {
-            sim->placement->points[i].position_m = pose->position_m;
-            return ASDIC_OK;
-        }
+    while (point < scene->point_count && strcmp(scene->points[point].name, name) != 0) {
+        point++;
+    }
+    bool is_object = object < scene->movable_count, is_point = point < scene->point_count;
+    if (is_object && is_point) { /* the first added has the lower number */
+        is_object = movable_part(scene, object)->number < scene->points[point].number;
+    }
+    if (is_object) {
+        return move_object(sim, object, pose);
+    }
+    if (is_point) {
+        sim->placement->points[point].position_m = pose->position_m;
+        return ASDIC_OK;
     }
     return stays(scene, name) ? asdic_fail(sim->ctx, ASDIC_ERROR_ARGUMENT,
                                            "object '%s' was not added as a moving one", name)

@@ -222,6 +222,11 @@ static asdic_status check_arguments(asdic_context *ctx, const asdic_scene *scene
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
                           "the scene is not committed: call asdic_scene_commit first");
     }
+    if ((unsigned)sampling->sampler > ASDIC_SAMPLER_UNIFORM_SPHERE ||
+        (unsigned)sampling->multipath > ASDIC_MULTIPATH_BOUNDARIES) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "unknown sampler %d or multipath %d",
+                          (int)sampling->sampler, (int)sampling->multipath);
+    }
     if ((unsigned)sampling->kernel > ASDIC_RAY_KERNEL_SCALAR) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "unknown ray kernel %d",
                           (int)sampling->kernel);
@@ -418,10 +423,9 @@ asdic_status asdic_simulator_create_with(asdic_context *ctx, asdic_device *devic
                                          const asdic_sonar *sonar, const asdic_sampling *sampling,
                                          double depth_m, const asdic_layout *layout,
                                          asdic_simulator **out) {
-    if (!out || !device || !scene || !env || !sonar || !sampling || !layout) {
-        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "asdic_simulator_create: NULL argument");
+    if (!scene || !env || !sonar || !sampling) {
+        return asdic_fail_null(ctx, "asdic_simulator_create");
     }
-    *out = NULL;
     TRY(check_arguments(ctx, scene, env, sonar, sampling));
     if (!(fabs(depth_m) <= 11000.0)) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
@@ -462,8 +466,8 @@ asdic_status asdic_simulator_create(asdic_context *ctx, asdic_device *device,
                                     const asdic_scene *scene, const asdic_environment *env,
                                     const asdic_sonar *sonar, const asdic_sampling *sampling,
                                     double depth_m, asdic_simulator **out) {
-    if (!device) {
-        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "asdic_simulator_create: device is NULL");
+    if (!ASDIC_PLACE(out) || !device) {
+        return asdic_fail_null(ctx, __func__);
     }
     asdic_layout layout = asdic_layout_default(asdic_device_get_info(device));
     return asdic_simulator_create_with(ctx, device, scene, env, sonar, sampling, depth_m, &layout,

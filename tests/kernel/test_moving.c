@@ -232,6 +232,48 @@ static void mistakes_are_told(void **state) {
     rig_destroy(&moving);
 }
 
+/* Of a point and an object of one name that moves, the first added is the one that is meant: moved away, it takes its
+ * echo along. */
+static void the_first_of_a_name_is_moved(void **state) {
+    (void)state;
+    for (int point_first = 0; point_first < 2; point_first++) {
+        ping_rig r = rig_create(&t);
+        asdic_mesh *box = NULL;
+        asdic_ping *ping = NULL;
+        const asdic_pose there = {.position_m = {20.0, 0.0, 7.0}},
+                         away = {{5e3, 0.0, 7.0}, 0, 0, 0};
+        asdic_scene_destroy(&r.scene);
+        assert_ok(t.ctx, asdic_scene_create(t.ctx, &r.scene));
+        assert_ok(t.ctx, asdic_mesh_box(t.ctx, (asdic_vec3){1.0, 1.0, 1.0}, &box));
+        asdic_material steel = asdic_material_facet(45.0, 1e-3, 0.1);
+        for (int k = 0; k < 2; k++) {
+            assert_ok(t.ctx,
+                      k == !point_first
+                          ? asdic_scene_add_point(r.scene, "twin", there.position_m, 0.0)
+                          : asdic_scene_add_moving_object(r.scene, "twin", box, there, steel));
+        }
+        assert_ok(t.ctx, asdic_scene_commit(r.scene));
+        r.sampling.truth = true;
+        asdic_simulator *sim = rig_simulator(&r);
+        assert_ok(t.ctx, asdic_ping_create(t.ctx, r.sonar.receiver_count,
+                                           asdic_simulator_bin_count(sim), &ping));
+        assert_ok(t.ctx, asdic_ping_add_truth(t.ctx, ping));
+        assert_ok(t.ctx, asdic_simulator_move(sim, "twin", &away));
+        assert_ok(t.ctx, asdic_simulator_ping(sim, &r.pose, 0, ping));
+        bool first = false, second = false;
+        for (size_t i = 0; i < ping->beams * ping->bins; i++) {
+            first |= ping->truth->object[i] == 1;
+            second |= ping->truth->object[i] == 2;
+        }
+        assert_false(first);
+        assert_true(second);
+        asdic_ping_destroy(&ping);
+        asdic_simulator_destroy(&sim);
+        asdic_mesh_destroy(&box);
+        rig_destroy(&r);
+    }
+}
+
 int main(void) {
     t = test_device_open_or_skip();
     const struct CMUnitTest tests[] = {
@@ -241,6 +283,7 @@ int main(void) {
         cmocka_unit_test(nothing_has_to_stay),
         cmocka_unit_test(far_from_where_they_were_built_shapes_stay),
         cmocka_unit_test(mistakes_are_told),
+        cmocka_unit_test(the_first_of_a_name_is_moved),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
     test_device_close(&t);

@@ -333,6 +333,18 @@ static void wrong_use_is_refused(void **state) {
         asdic_simulator_create(t.ctx, t.device, r.scene, &r.env, &r.sonar, &r.sampling, 7.0, &sim),
         ASDIC_ERROR_ARGUMENT);
     assert_contains(asdic_context_error(t.ctx), "63 rays");
+    const asdic_sampling good = asdic_sampling_default();
+    for (int i = 0; i < 3; i++) {
+        r.sampling = good;
+        r.sampling.sampler = i == 0 ? (asdic_sampler)99 : good.sampler;
+        r.sampling.multipath = i == 1 ? (asdic_multipath)99 : good.multipath;
+        r.sampling.kernel = i == 2 ? (asdic_ray_kernel)99 : good.kernel;
+        assert_status(t.ctx,
+                      asdic_simulator_create(t.ctx, t.device, r.scene, &r.env, &r.sonar,
+                                             &r.sampling, 7.0, &sim),
+                      ASDIC_ERROR_ARGUMENT);
+        assert_contains(asdic_context_error(t.ctx), "99");
+    }
     asdic_ping_destroy(&ping);
     rig_destroy(&r);
 }
