@@ -17,6 +17,10 @@
 #include <string.h>
 
 #define MOST_RAYS ((size_t)1 << 28)
+/* Of water, with a margin where it is carried on to a depth that it does not have. */
+#define LEAST_MPS 1000.0
+#define MOST_MPS 2000.0
+#define MOST_PER_S 30.0
 
 _Static_assert(sizeof(asdic_ray) == sizeof(dev_ray), "a ray is the device's");
 _Static_assert(sizeof(asdic_ray_hit) == sizeof(dev_hit), "a hit is the device's");
@@ -30,11 +34,12 @@ struct asdic_caster {
     asdic_buffer *rays, *hits;
     asdic_ray *loaded; /* as they came, where they bend */
     size_t count;
+    bool is_cast; /* the rays that are loaded */
 };
 
 asdic_status asdic_caster_create(asdic_context *ctx, asdic_device *device, const asdic_scene *scene,
                                  const char *kernel, asdic_caster **out) {
-    if (!device || !scene || !out) {
+    if (!ASDIC_PLACE(out) || !device || !scene) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "asdic_caster_create: NULL argument");
     }
     asdic_caster *c = *out = calloc(1, sizeof *c);
@@ -73,12 +78,15 @@ static void forget_rays(asdic_caster *c) {
     free(c->loaded);
     c->loaded = NULL;
     c->count = 0;
+    c->is_cast = false;
 }
 
 asdic_status asdic_caster_bend(asdic_caster *c, double speed_mps, double gradient_per_s) {
-    if (!c || !(speed_mps > 0.0) || !isfinite(gradient_per_s)) {
+    if (!c || !(speed_mps >= LEAST_MPS && speed_mps <= MOST_MPS) ||
+        !(fabs(gradient_per_s) <= MOST_PER_S)) {
         return asdic_fail(c ? c->ctx : NULL, ASDIC_ERROR_ARGUMENT,
-                          "asdic_caster_bend: %g m/s and %g 1/s", speed_mps, gradient_per_s);
+                          "asdic_caster_bend: %g m/s (%g to %g) and %g 1/s (at most %g)", speed_mps,
+                          LEAST_MPS, MOST_MPS, gradient_per_s, MOST_PER_S);
     }
     asdic_scene *lifted = NULL;
     asdic_tracer *tracer = NULL;
@@ -172,11 +180,17 @@ asdic_status asdic_caster_cast(asdic_caster *c) {
     TRY(check_loaded(c));
     uint32_t count = (uint32_t)c->count;
     TRY(asdic_tracer_run(c->tracer, c->rays, c->hits, count, count, 0));
-    return asdic_device_finish(c->device);
+    TRY(asdic_device_finish(c->device));
+    c->is_cast = true;
+    return ASDIC_OK;
 }
 
 asdic_status asdic_caster_read(asdic_caster *c, asdic_ray_hit *hits) {
     TRY(check_loaded(c));
+    if (!hits || !c->is_cast) {
+        return asdic_fail(c->ctx, ASDIC_ERROR_ARGUMENT,
+                          "no hits to read, or no place for them: call asdic_caster_cast first");
+    }
     TRY(asdic_buffer_read(c->hits, 0, c->count * sizeof *hits, hits));
     for (size_t i = 0; c->lifted && i < c->count; i++) {
         if (hits[i].triangle != ASDIC_NO_TRIANGLE) {
@@ -187,10 +201,7 @@ asdic_status asdic_caster_read(asdic_caster *c, asdic_ray_hit *hits) {
 }
 
 const char *asdic_caster_kernel(const asdic_caster *c) {
-    if (!c) {
-        return NULL;
-    }
-    return asdic_tracer_form(c->tracer, c->rays);
+    return c ? asdic_tracer_form(c->tracer, c->rays) : "auto";
 }
 
 const char *asdic_ray_kernel_name(size_t index) {

@@ -307,11 +307,47 @@ static void no_corner_is_missed(void **state) {
     free(r.z);
 }
 
+/* Hits of rays that were not cast are none: neither those before the first cast, nor old ones. */
+static void hits_are_of_rays_that_were_cast(void **state) {
+    (void)state;
+    asdic_scene *scene = NULL;
+    asdic_mesh *box = NULL;
+    asdic_caster *caster = NULL;
+    asdic_ray_hit hit;
+    const asdic_ray own = {{-5.0f, 0.0f, 0.0f}, INFINITY, {1.0f, 0.0f, 0.0f}, 0.0f};
+    assert_ok(t.ctx, asdic_scene_create(t.ctx, &scene));
+    assert_ok(t.ctx, asdic_mesh_box(t.ctx, (asdic_vec3){2.0, 2.0, 2.0}, &box));
+    assert_ok(t.ctx, asdic_scene_add_object(scene, "box", box, (asdic_pose){.position_m = {0}},
+                                            asdic_material_facet(45.0, 0.0, 0.0)));
+    assert_ok(t.ctx, asdic_scene_commit(scene));
+    assert_ok(t.ctx, asdic_caster_create(t.ctx, t.device, scene, "scalar", &caster));
+    assert_status(t.ctx, asdic_caster_bend(caster, 999.0, 1.0), ASDIC_ERROR_ARGUMENT);
+    assert_status(t.ctx, asdic_caster_bend(caster, SPEED, 30.1), ASDIC_ERROR_ARGUMENT);
+    assert_status(t.ctx, asdic_caster_bend(caster, SPEED, NAN), ASDIC_ERROR_ARGUMENT);
+    for (int bent = 0; bent < 2; bent++) {
+        assert_ok(t.ctx, asdic_caster_bend(caster, SPEED, bent));
+        assert_status(t.ctx, asdic_caster_cast(caster), ASDIC_ERROR_ARGUMENT);
+        assert_ok(t.ctx, asdic_caster_load(caster, &own, 1));
+        assert_status(t.ctx, asdic_caster_read(caster, &hit), ASDIC_ERROR_ARGUMENT);
+        assert_ok(t.ctx, asdic_caster_cast(caster));
+        assert_status(t.ctx, asdic_caster_read(caster, NULL), ASDIC_ERROR_ARGUMENT);
+        assert_ok(t.ctx, asdic_caster_read(caster, &hit));
+        assert_true(fabs((double)hit.range_m - 4.0) < 1e-3);
+        assert_ok(t.ctx, asdic_caster_load(caster, &own, 1));
+        assert_status(t.ctx, asdic_caster_read(caster, &hit), ASDIC_ERROR_ARGUMENT);
+    }
+    assert_string_equal(asdic_caster_kernel(NULL), "auto");
+    asdic_caster_destroy(&caster);
+    asdic_mesh_destroy(&box);
+    asdic_scene_destroy(&scene);
+}
+
 int main(int argc, char **argv) {
     most_cells = argc > 1 ? (unsigned)atoi(argv[1]) : most_cells;
     t = test_device_open_or_skip();
     const struct CMUnitTest tests[] = {cmocka_unit_test(hits_solve_the_equation),
-                                       cmocka_unit_test(no_corner_is_missed)};
+                                       cmocka_unit_test(no_corner_is_missed),
+                                       cmocka_unit_test(hits_are_of_rays_that_were_cast)};
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
     test_device_close(&t);
     return failed;

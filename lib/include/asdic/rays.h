@@ -41,10 +41,10 @@ ASDIC_API asdic_status asdic_caster_create(asdic_context *ctx, asdic_device *dev
                                            asdic_caster **out);
 ASDIC_API void asdic_caster_destroy(asdic_caster **caster);
 
-/* From now on rays bend as in water with SPEED_MPS at the depth of the scene frame's zero, and
- * GRADIENT_PER_S more per metre of depth; 0: straight again. The range of a hit is then the travel
- * time to it times the sound speed where the ray starts. Rays that were loaded before are
- * forgotten. */
+/* From now on rays bend as in water with SPEED_MPS (1000..2000) at the depth of the scene frame's
+ * zero, and GRADIENT_PER_S (-30..30) more per metre of depth; 0: straight again. The range of a hit
+ * is then the travel time to it times the sound speed where the ray starts. Rays that were loaded
+ * before are forgotten. */
 ASDIC_API asdic_status asdic_caster_bend(asdic_caster *caster, double speed_mps,
                                          double gradient_per_s);
 
@@ -52,7 +52,7 @@ ASDIC_API asdic_status asdic_caster_bend(asdic_caster *caster, double speed_mps,
 ASDIC_API asdic_status asdic_caster_load(asdic_caster *caster, const asdic_ray *rays, size_t count);
 /* Casts them; returns when the device has finished. */
 ASDIC_API asdic_status asdic_caster_cast(asdic_caster *caster);
-/* Their hits, as many as there are rays. */
+/* Their hits, as many as there are rays. ASDIC_ERROR_ARGUMENT: they were not cast. */
 ASDIC_API asdic_status asdic_caster_read(asdic_caster *caster, asdic_ray_hit *hits);
 
 /* The form that casts the loaded rays; "auto" before the first cast. Never NULL. */
