@@ -259,6 +259,9 @@ asdic_status asdic_picture_ascope(asdic_context *ctx, const char *path, const as
     static const float *const none = NULL;
     asdic_ascope shown[MAX_BEAMS];
     double most_db;
+    if (!path || !beams || !options) {
+        return asdic_fail_null(ctx, __func__);
+    }
     if (beam_count < 1 || beam_count > MAX_BEAMS) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "an A-scope shows 1..%d beams, not %zu",
                           MAX_BEAMS, beam_count);

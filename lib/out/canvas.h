@@ -71,6 +71,10 @@ void asdic_canvas_line(asdic_canvas *canvas, double x0, double y0, double x1, do
 /* Colour, width and dashes of a curve; NULL: a solid line of one pixel again. */
 void asdic_canvas_set_style(asdic_canvas *canvas, const asdic_series *series);
 
+/* A curve within BOX, which has these axes. What lies outside is the caller's to clip. */
+void asdic_canvas_curve(asdic_canvas *canvas, asdic_box box, const asdic_plot_axis *x_axis,
+                        const asdic_plot_axis *y_axis, const asdic_series *series);
+
 /* Labelled entries side by side at the top of BOX, as wide as it, in as many rows as they need;
  * with CANVAS NULL only measures. Returns the height. */
 double asdic_canvas_legend(asdic_canvas *canvas, asdic_box box, const asdic_series *entries,

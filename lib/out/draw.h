@@ -13,6 +13,11 @@
 #define ASDIC_WATERFALL_MAX_ROWS 1000
 #define ASDIC_WATERFALL_MAX_COLUMNS 1200
 
+/* What a caller may ask of a picture; and of curves, COUNT of them. */
+asdic_status asdic_picture_check(asdic_context *ctx, const asdic_picture_options *options);
+asdic_status asdic_picture_check_series(asdic_context *ctx, const asdic_series *series,
+                                        size_t count);
+
 /* LEVELS holds the averaged levels of WATERFALL, whose own levels are not read. */
 asdic_status asdic_draw_waterfall(asdic_context *ctx, const char *path,
                                   const asdic_waterfall *waterfall, const asdic_decimator *levels,

@@ -57,19 +57,16 @@ static void draw_line(asdic_canvas *c, const page *p, const asdic_series *line) 
     cairo_save(c->cr);
     cairo_rectangle(c->cr, p->box.x, p->box.y, p->box.w, p->box.h);
     cairo_clip(c->cr);
-    cairo_new_path(c->cr);
-    for (size_t i = 0; i < line->count; i++) {
-        cairo_line_to(c->cr, p->box.x + p->box.w * asdic_axis_share(&p->east, line->x[i]),
-                      p->box.y + p->box.h * (1.0 - asdic_axis_share(&p->north, line->y[i])));
+    asdic_canvas_curve(c, p->box, &p->east, &p->north, line);
+    size_t count = line->count;
+    while (count > 0 && !(isfinite(line->x[count - 1]) && isfinite(line->y[count - 1]))) {
+        count--;
     }
-    asdic_canvas_color(c, line->rgb);
-    cairo_set_line_width(c->cr, 1.5 * line->width);
-    cairo_stroke(c->cr);
-    if (line->count > 0) { /* where it ends */
+    if (count > 0) { /* where it ends */
         cairo_new_path(c->cr);
-        size_t last = line->count - 1;
-        cairo_arc(c->cr, p->box.x + p->box.w * asdic_axis_share(&p->east, line->x[last]),
-                  p->box.y + p->box.h * (1.0 - asdic_axis_share(&p->north, line->y[last])),
+        asdic_canvas_color(c, line->rgb);
+        cairo_arc(c->cr, p->box.x + p->box.w * asdic_axis_share(&p->east, line->x[count - 1]),
+                  p->box.y + p->box.h * (1.0 - asdic_axis_share(&p->north, line->y[count - 1])),
                   3.0 + 1.5 * line->width, 0.0, 6.2831853);
         cairo_fill(c->cr);
     }
@@ -78,7 +75,7 @@ static void draw_line(asdic_canvas *c, const page *p, const asdic_series *line) 
 
 asdic_status asdic_draw_map(asdic_context *ctx, const char *path, const asdic_map *map,
                             const asdic_raster *raster, const asdic_picture_options *options) {
-    asdic_canvas canvas = {0};
+    asdic_canvas canvas = {.format = options->format};
     page p = lay_out(map, raster, options);
     asdic_status status = asdic_canvas_init(ctx, path, p.width, p.height, PAPER_RGB, &canvas);
     if (status != ASDIC_OK) {

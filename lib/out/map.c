@@ -53,12 +53,14 @@ asdic_status asdic_picture_map(asdic_context *ctx, const char *path, const asdic
     if (!path || !map || !options) {
         return asdic_fail_null(ctx, __func__);
     }
-    if (map->rows == 0 || map->columns == 0 || !(map->cell_m > 0.0) ||
-        !(options->db_low < options->db_high)) {
+    if (!map->values || map->rows == 0 || map->columns == 0 || !(map->cell_m > 0.0) ||
+        !isfinite(map->cell_m) || !isfinite(map->north_m) || !isfinite(map->east_m)) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
-                          "nothing to draw: a map of %zu x %zu cells of %g m, window %g..%g",
-                          map->rows, map->columns, map->cell_m, options->db_low, options->db_high);
+                          "nothing to draw: a map of %zu x %zu cells of %g m from (%g, %g) m on",
+                          map->rows, map->columns, map->cell_m, map->north_m, map->east_m);
     }
+    TRY(asdic_picture_check(ctx, options));
+    TRY(asdic_picture_check_series(ctx, map->lines, map->line_count));
     size_t group = group_of(map);
     /* Whole blocks: what the picture covers to the north and east. */
     asdic_map shown = *map;

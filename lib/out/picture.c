@@ -17,7 +17,13 @@ asdic_picture_options asdic_picture_options_default(void) {
         .db_low = -160.0, .db_high = -60.0, .colormap = ASDIC_COLORMAP_VIRIDIS};
 }
 
-static asdic_status check_options(asdic_context *ctx, const asdic_picture_options *o) {
+static asdic_status check_format(asdic_context *ctx, const asdic_picture_options *o) {
+    return (unsigned)o->format <= ASDIC_PICTURE_SVG
+               ? ASDIC_OK
+               : asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "no format %d of pictures", (int)o->format);
+}
+
+asdic_status asdic_picture_check(asdic_context *ctx, const asdic_picture_options *o) {
     if (!isfinite(o->db_low) || !isfinite(o->db_high) || o->db_high - o->db_low < 1e-3) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
                           "level window %g..%g dB is empty; give low < high", o->db_low,
@@ -29,17 +35,25 @@ static asdic_status check_options(asdic_context *ctx, const asdic_picture_option
     if (!asdic_colormap_name(o->colormap)) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "no colour map %d", (int)o->colormap);
     }
-    return ASDIC_OK;
+    return check_format(ctx, o);
+}
+
+static bool is_length(double length_m) {
+    return length_m > 0.0 && isfinite(length_m);
 }
 
 static asdic_status check_waterfall(asdic_context *ctx, const asdic_waterfall *w,
                                     const asdic_picture_options *options) {
-    if (w->pings == 0 || w->bins == 0 || !(w->bin_length_m > 0.0)) {
+    if (!w->levels_db || w->pings == 0 || w->bins == 0 || !is_length(w->bin_length_m)) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
                           "nothing to draw: %zu pings of %zu bins of %g m", w->pings, w->bins,
                           w->bin_length_m);
     }
-    return check_options(ctx, options);
+    if (!isfinite(w->first_time_s) || !isfinite(w->ping_period_s) || w->ping_period_s < 0.0) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "pings from %g s on, every %g s",
+                          w->first_time_s, w->ping_period_s);
+    }
+    return asdic_picture_check(ctx, options);
 }
 
 void asdic_picture_subtitle(const asdic_sonar *sonar, double bin_length_m, char *text) {
@@ -116,25 +130,33 @@ asdic_status asdic_picture_waterfall(asdic_context *ctx, const char *path,
     return status;
 }
 
+/* As of poses: farther on a double tells no directions apart. */
+#define MOST_BEARING_RAD 1e7
+
 asdic_status asdic_picture_fan(asdic_context *ctx, const char *path, const asdic_fan *fan,
                                const asdic_picture_options *options) {
     if (!path || !fan || !options) {
         return asdic_fail_null(ctx, __func__);
     }
-    if (fan->beams == 0 || fan->bins == 0 || !(fan->bin_length_m > 0.0)) {
+    if (!fan->levels_db || !fan->bearing_rad || fan->beams == 0 || fan->bins == 0 ||
+        !is_length(fan->bin_length_m)) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
                           "nothing to draw: %zu beams of %zu bins of %g m", fan->beams, fan->bins,
                           fan->bin_length_m);
     }
-    for (size_t i = 1; i < fan->beams; i++) {
-        if (!(fan->bearing_rad[i] > fan->bearing_rad[i - 1])) {
+    for (size_t i = 0; i < fan->beams; i++) {
+        if (!(fabs(fan->bearing_rad[i]) <= MOST_BEARING_RAD)) {
+            return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "beam %zu lies at %g rad, beyond %g", i,
+                              fan->bearing_rad[i], MOST_BEARING_RAD);
+        }
+        if (i > 0 && !(fan->bearing_rad[i] > fan->bearing_rad[i - 1])) {
             return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
                               "a fan needs ascending bearings, but beam %zu lies at %g and beam "
                               "%zu at %g rad",
                               i - 1, fan->bearing_rad[i - 1], i, fan->bearing_rad[i]);
         }
     }
-    TRY(check_options(ctx, options));
+    TRY(asdic_picture_check(ctx, options));
     return asdic_draw_fan(ctx, path, fan, options);
 }
 
@@ -197,6 +219,19 @@ asdic_status asdic_picture_raw(asdic_context *ctx, const char *path,
     return asdic_png_write(ctx, path, &png);
 }
 
+asdic_status asdic_picture_check_series(asdic_context *ctx, const asdic_series *series,
+                                        size_t count) {
+    for (size_t i = 0; i < count; i++) {
+        if (!series || (series[i].count > 0 && (!series[i].x || !series[i].y)) ||
+            !(series[i].width >= 0.0 && isfinite(series[i].width)) ||
+            (unsigned)series[i].style > ASDIC_LINE_DASH_DOT) {
+            return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "curve %zu lacks points, width or style",
+                              i);
+        }
+    }
+    return ASDIC_OK;
+}
+
 asdic_status asdic_picture_plot(asdic_context *ctx, const char *path, const asdic_plot *panels,
                                 size_t panel_count, const asdic_picture_options *options) {
     if (!path || !panels || !options) {
@@ -206,15 +241,18 @@ asdic_status asdic_picture_plot(asdic_context *ctx, const char *path, const asdi
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "nothing to draw: no panel");
     }
     for (size_t i = 0; i < panel_count; i++) {
+        TRY(asdic_picture_check_series(ctx, panels[i].series, panels[i].series_count));
         const asdic_plot_axis axes[2] = {panels[i].x, panels[i].y};
         for (int k = 0; k < 2; k++) {
             if (!(axes[k].low < axes[k].high) || !isfinite(axes[k].high - axes[k].low) ||
-                (axes[k].logarithmic && axes[k].low <= 0.0)) {
+                (axes[k].logarithmic && axes[k].low <= 0.0) ||
+                (axes[k].name_count > 0 && !axes[k].names)) {
                 return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
                                   "panel %zu: axis '%s' from %g to %g is empty", i,
                                   axes[k].label ? axes[k].label : "", axes[k].low, axes[k].high);
             }
         }
     }
+    TRY(check_format(ctx, options));
     return asdic_draw_plot(ctx, path, panels, panel_count, options);
 }

@@ -132,15 +132,28 @@ static void maps_of_nothing_are_refused(void **state) {
     (void)state;
     const float value = 1.0f;
     const asdic_map good = {.values = &value, .rows = 1, .columns = 1, .cell_m = 1};
-    asdic_map wrong[3] = {good, good, good};
-    asdic_picture_options options = to_fifty(), empty = to_fifty();
+    const asdic_series none = {.count = 2, .width = 1.0};
+    asdic_map wrong[8] = {good, good, good, good, good, good, good, good};
+    asdic_picture_options options = to_fifty();
+    asdic_picture_options bad[4] = {options, options, options, options};
     wrong[0].rows = wrong[1].columns = 0;
     wrong[2].cell_m = 0.0;
-    empty.db_high = 0.0;
-    for (size_t i = 0; i < 3; i++) {
+    wrong[3].cell_m = INFINITY;
+    wrong[4].values = NULL;
+    wrong[5].north_m = NAN;
+    wrong[6].east_m = INFINITY;
+    wrong[7].lines = &none;
+    wrong[7].line_count = 1;
+    bad[0].db_high = 0.0;
+    bad[1].db_low = -INFINITY;
+    bad[2].colormap = ASDIC_COLORMAP_COUNT;
+    bad[3].format = (asdic_picture_format)99;
+    for (size_t i = 0; i < 8; i++) {
         assert_int_equal(asdic_picture_map(ctx, "m", &wrong[i], &options), ASDIC_ERROR_ARGUMENT);
     }
-    assert_int_equal(asdic_picture_map(ctx, "m", &good, &empty), ASDIC_ERROR_ARGUMENT);
+    for (size_t i = 0; i < 4; i++) {
+        assert_int_equal(asdic_picture_map(ctx, "m", &good, &bad[i]), ASDIC_ERROR_ARGUMENT);
+    }
     assert_int_equal(asdic_picture_map(ctx, NULL, &good, &options), ASDIC_ERROR_ARGUMENT);
     assert_int_equal(asdic_picture_map(ctx, "m", NULL, &options), ASDIC_ERROR_ARGUMENT);
     assert_int_equal(asdic_picture_map(ctx, "m", &good, NULL), ASDIC_ERROR_ARGUMENT);

@@ -466,35 +466,96 @@ static void words_say_what_is_shown(void **state) {
     }
 }
 
+/* How often PART is in the picture of MAP, which is an SVG whatever its name. */
+static int times_in_map(const asdic_map *map, const char *part) {
+    char path[256];
+    static char text[1 << 20];
+    asdic_picture_options options = asdic_picture_options_default();
+    options.format = ASDIC_PICTURE_SVG;
+    snprintf(path, sizeof path, "%s", file_in_folder("map.png"));
+    assert_ok(ctx, asdic_picture_map(ctx, path, map, &options));
+    FILE *file = fopen(path, "r");
+    assert_non_null(file);
+    text[fread(text, 1, sizeof text - 1, file)] = '\0';
+    assert_int_equal(fclose(file), 0);
+    assert_int_equal(unlink(path), 0);
+    assert_contains(text, "<svg");
+    int times = 0;
+    for (const char *at = text; (at = strstr(at, part)); at++) {
+        times++;
+    }
+    return times;
+}
+
+/* Lines of a map are curves like others: dashed, and interrupted where a point is not finite. */
+static void maps_follow_their_format_and_lines(void **state) {
+    (void)state;
+    if (!asdic_picture_annotated()) {
+        skip();
+    }
+    const float value = -100.0f;
+    double east_m[5] = {0.1, 0.2, 0.5, 0.8, 0.9}, north_m[5] = {0.5, 0.5, 0.5, 0.5, 0.5};
+    asdic_series line = {.x = east_m, .y = north_m, .count = 5, .rgb = 0x123456, .width = 1.0};
+    const asdic_map map = {.values = &value,
+                           .rows = 1,
+                           .columns = 1,
+                           .cell_m = 1,
+                           .label = "v",
+                           .lines = &line,
+                           .line_count = 1};
+    assert_int_equal(times_in_map(&map, "stroke-dasharray"), 0);
+    line.style = ASDIC_LINE_DASHED;
+    assert_int_equal(times_in_map(&map, "stroke-dasharray"), 1);
+    line.style = ASDIC_LINE_SOLID;
+    int moves = times_in_map(&map, "M ");
+    east_m[2] = NAN; /* two pieces */
+    assert_int_equal(times_in_map(&map, "M "), moves + 1);
+    assert_int_equal(times_in_map(&map, "nan"), 0);
+    north_m[4] = INFINITY; /* a piece and a dot, and the dot of the end there */
+    assert_true(times_in_map(&map, "M ") > moves);
+    assert_int_equal(times_in_map(&map, "inf"), 0);
+}
+
 /* Each by one thing alone, and no file is left. */
 static void what_cannot_be_drawn_is_refused(void **state) {
     (void)state;
     const asdic_picture_options good = asdic_picture_options_default();
-    asdic_picture_options wrong[6] = {good, good, good, good, good, good};
+    asdic_picture_options wrong[7] = {good, good, good, good, good, good, good};
     wrong[0].db_low = -INFINITY;
     wrong[1].db_high = INFINITY;
     wrong[2].db_high = wrong[2].db_low + 0.95e-3;
     wrong[3].tvg_db_per_decade = NAN;
     wrong[4].tvg_db_per_m = NAN;
     wrong[5].colormap = ASDIC_COLORMAP_COUNT;
+    wrong[6].format = (asdic_picture_format)99;
     const double bearing_rad[2] = {0.5, 0.5};
     const asdic_fan fan = {
         .levels_db = ramp_db, .bearing_rad = bearing_rad, .beams = 1, .bins = 8, .bin_length_m = 1};
     char path[256];
     snprintf(path, sizeof path, "%s", file_in_folder("r.png"));
-    for (size_t i = 0; i < 6; i++) {
+    for (size_t i = 0; i < 7; i++) {
         assert_int_equal(asdic_picture_raster(ctx, path, &ramp, &wrong[i]), ASDIC_ERROR_ARGUMENT);
         assert_int_equal(asdic_picture_fan(ctx, path, &fan, &wrong[i]), ASDIC_ERROR_ARGUMENT);
     }
-    asdic_waterfall falls[3] = {ramp, ramp, ramp};
+    asdic_waterfall falls[8] = {ramp, ramp, ramp, ramp, ramp, ramp, ramp, ramp};
     falls[0].pings = falls[1].bins = 0;
     falls[2].bin_length_m = 0.0;
-    asdic_fan fans[4] = {fan, fan, fan, fan};
+    falls[3].levels_db = NULL;
+    falls[4].bin_length_m = INFINITY;
+    falls[5].first_time_s = NAN;
+    falls[6].ping_period_s = INFINITY;
+    falls[7].ping_period_s = -1.0;
+    const double far_rad = 1e17, nowhere_rad = NAN;
+    asdic_fan fans[8] = {fan, fan, fan, fan, fan, fan, fan, fan};
     fans[0].beams = fans[1].bins = 0;
     fans[2].bin_length_m = 0.0;
-    fans[3].beams = 2;
-    for (size_t i = 0; i < 4; i++) {
-        const asdic_waterfall *fall = &falls[i % 3];
+    fans[3].levels_db = NULL;
+    fans[4].bearing_rad = NULL;
+    fans[5].bearing_rad = &far_rad;
+    fans[6].bearing_rad = &nowhere_rad;
+    fans[7].beams = 2;
+    for (size_t i = 0; i < 8; i++) {
+        const asdic_waterfall *fall = &falls[i];
         assert_int_equal(asdic_picture_waterfall(ctx, path, fall, &good), ASDIC_ERROR_ARGUMENT);
         assert_int_equal(asdic_picture_raster(ctx, path, fall, &good), ASDIC_ERROR_ARGUMENT);
         assert_int_equal(asdic_picture_raw(ctx, path, fall, &good), ASDIC_ERROR_ARGUMENT);
@@ -513,6 +574,24 @@ static void what_cannot_be_drawn_is_refused(void **state) {
         assert_int_equal(asdic_picture_plot(ctx, path, panels, 0, &good), ASDIC_ERROR_ARGUMENT);
     }
     const asdic_plot panel = {.x = axis, .y = axis};
+    const double place[2] = {1.0, 2.0};
+    const asdic_series curve = {.x = place, .y = place, .count = 2, .width = 1.0};
+    asdic_series curves[4] = {curve, curve, curve, curve};
+    curves[0].x = NULL;
+    curves[1].y = NULL;
+    curves[2].width = NAN;
+    curves[3].style = (asdic_line_style)99;
+    for (size_t i = 0; i < 5; i++) {
+        asdic_plot of = panel;
+        of.series = i < 4 ? &curves[i] : NULL;
+        of.series_count = 1;
+        assert_int_equal(asdic_picture_plot(ctx, path, &of, 1, &good), ASDIC_ERROR_ARGUMENT);
+    }
+    assert_int_equal(asdic_picture_plot(ctx, path, &panel, 1, &wrong[6]), ASDIC_ERROR_ARGUMENT);
+    const asdic_ascope scope = {.bins = 8, .bin_length_m = 1, .simulated_db = ramp_db};
+    assert_int_equal(asdic_picture_ascope(ctx, NULL, &scope, 1, &good), ASDIC_ERROR_ARGUMENT);
+    assert_int_equal(asdic_picture_ascope(ctx, path, NULL, 1, &good), ASDIC_ERROR_ARGUMENT);
+    assert_int_equal(asdic_picture_ascope(ctx, path, &scope, 1, NULL), ASDIC_ERROR_ARGUMENT);
     for (int i = 0; i < 3; i++) {
         const char *at = i == 0 ? NULL : path;
         const asdic_waterfall *fall = i == 1 ? NULL : &ramp;
@@ -559,6 +638,7 @@ int main(void) {
         cmocka_unit_test(ascope_shows_residuals_and_lone_echoes),
         cmocka_unit_test(subtitles_have_a_line),
         cmocka_unit_test(words_say_what_is_shown),
+        cmocka_unit_test(maps_follow_their_format_and_lines),
         cmocka_unit_test(what_cannot_be_drawn_is_refused),
         cmocka_unit_test(gain_is_of_the_bins_centre),
         cmocka_unit_test(failures_leave_nothing),

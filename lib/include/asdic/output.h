@@ -4,7 +4,8 @@
  * Levels are dB re 1 uPa; NAN or -INFINITY where there is no energy. The colour window is always
  * given, never derived from one picture, so that pictures can be compared. Annotated pictures need
  * cairo; without it waterfalls and fans are written as the plain raster and line plots fail with
- * ASDIC_ERROR_UNSUPPORTED. A path that ends in .pdf or .svg gives that format (cairo).
+ * ASDIC_ERROR_UNSUPPORTED. A path that ends in .pdf or .svg gives that format (cairo), but of the
+ * plain raster and of raw greys, which are PNG whatever the options say.
  */
 #ifndef ASDIC_OUTPUT_H
 #define ASDIC_OUTPUT_H
@@ -128,7 +129,7 @@ typedef struct asdic_plot {
     size_t series_count;
 } asdic_plot;
 
-/* Line plots; of OPTIONS only title, note and texts are used. */
+/* Line plots; of OPTIONS only title, note, texts and format are used. */
 ASDIC_API asdic_status asdic_picture_plot(asdic_context *ctx, const char *path,
                                           const asdic_plot *panels, size_t panel_count,
                                           const asdic_picture_options *options);
