@@ -561,6 +561,59 @@ static void formats_that_a_build_lacks_are_refused(void **state) {
     end(&f);
 }
 
+static bool count_frames(void *user, const char *path) {
+    assert_non_null(path);
+    return ++*(int *)user < 3;
+}
+
+/* Frames are one picture of every ping; what shows many pings is none. */
+static void frames_are_of_single_pings(void **state) {
+    (void)state;
+    fixture f;
+    int frames = 0;
+    begin(&f);
+    assert_int_equal(run(&f, 1, asdic_run_options_default(), "framed"), ASDIC_OK);
+    asdic_render_options options = asdic_render_options_default();
+    char *path = strdup(in_folder("frame.png"));
+    options.path = path;
+    for (unsigned images = 1; images < 1u << (ASDIC_IMAGE_PLAN + 2); images++) {
+        if (images == 1u << ASDIC_IMAGE_ASCOPE || images == 1u << ASDIC_IMAGE_FAN) {
+            continue;
+        }
+        options.images = images;
+        assert_int_equal(
+            asdic_run_render_frames(f.ctx, in_folder("framed"), &options, count_frames, &frames),
+            ASDIC_ERROR_ARGUMENT);
+        assert_non_null(strstr(asdic_context_error(f.ctx), "a frame is the fan or the A-scope"));
+    }
+    assert_int_equal(frames, 0);
+    options.images = 1u << ASDIC_IMAGE_ASCOPE;
+    options.beam = "forward";
+    if (asdic_picture_annotated()) {
+        assert_int_equal(
+            asdic_run_render_frames(f.ctx, in_folder("framed"), &options, count_frames, &frames),
+            ASDIC_OK);
+        assert_int_equal(frames, 3); /* it was told to stop */
+        unlink(path);
+    }
+    free(path);
+    const double cells_m[] = {-1.0, NAN, INFINITY};
+    for (size_t i = 0; i < 3; i++) {
+        options = asdic_render_options_default();
+        options.path = in_folder("mosaic.png");
+        assert_int_equal(asdic_run_mosaic(f.ctx, in_folder("framed"), cells_m[i], &options),
+                         ASDIC_ERROR_ARGUMENT);
+        assert_non_null(strstr(asdic_context_error(f.ctx), "a mosaic in cells of"));
+    }
+    options = asdic_render_options_default();
+    options.format = (asdic_picture_format)99;
+    assert_int_equal(asdic_run_render(f.ctx, in_folder("framed"), &options), ASDIC_ERROR_ARGUMENT);
+    options = asdic_render_options_default();
+    options.colormap = ASDIC_COLORMAP_COUNT;
+    assert_int_equal(asdic_run_render(f.ctx, in_folder("framed"), &options), ASDIC_ERROR_ARGUMENT);
+    end(&f);
+}
+
 /* An argument selects tests by name. */
 int main(int argc, char **argv) {
     const struct CMUnitTest tests[] = {
@@ -581,6 +634,7 @@ int main(int argc, char **argv) {
         cmocka_unit_test(csv_reads_back_to_the_bit),
         cmocka_unit_test(damaged_folders_are_refused),
         cmocka_unit_test(formats_that_a_build_lacks_are_refused),
+        cmocka_unit_test(frames_are_of_single_pings),
     };
     if (argc > 1) {
         cmocka_set_test_filter(argv[1]);

@@ -8,6 +8,7 @@
 #include "base/try.h"
 #include "base/vec.h"
 #include "out/digits.h"
+#include "out/draw.h"
 #include "out/file.h"
 #include "out/raster.h"
 #include "run_chart_data.h"
@@ -98,7 +99,7 @@ static asdic_status find_extent(mosaic *m) {
         east_m = fmax(east_m, record.pose.position_m.y + m->range_m);
     }
     double side_m = fmax(north_m - m->south_m, east_m - m->west_m);
-    if (m->cell_m <= 0.0) {
+    if (m->cell_m == 0.0) {
         m->cell_m = fmax(m->bin_length_m, side_m / 4096.0);
     }
     if (side_m / m->cell_m > MOST_SIDE) {
@@ -225,6 +226,7 @@ static asdic_status lay(mosaic *m, const asdic_render_options *options) {
         add_record(m, &record);
     }
     TRY(to_levels(m, &look));
+    TRY(asdic_picture_check(m->ctx, &look));
     return write(m, options->path, &look);
 }
 
@@ -233,6 +235,9 @@ asdic_status asdic_run_mosaic(asdic_context *ctx, const char *folder, double cel
     mosaic m = {.ctx = ctx, .cell_m = cell_m};
     if (!folder || !options || !options->path) {
         return asdic_fail_null(ctx, __func__);
+    }
+    if (!(cell_m >= 0.0 && isfinite(cell_m))) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "a mosaic in cells of %g m", cell_m);
     }
     asdic_status status = asdic_run_open(ctx, folder, &m.run);
     if (status == ASDIC_OK) {

@@ -165,6 +165,11 @@ static asdic_status check_output(const asdic_render *r) {
     size_t count = count_pictures(r);
     bool is_vector =
         r->options.format == ASDIC_PICTURE_PDF || r->options.format == ASDIC_PICTURE_SVG;
+    if ((unsigned)r->options.format > ASDIC_PICTURE_SVG ||
+        !asdic_colormap_name(r->options.colormap)) {
+        return asdic_fail(r->ctx, ASDIC_ERROR_ARGUMENT, "no format %d or no colour map %d",
+                          (int)r->options.format, (int)r->options.colormap);
+    }
     if (is_vector && !asdic_picture_annotated()) {
         return asdic_fail(
             r->ctx, ASDIC_ERROR_UNSUPPORTED,
@@ -174,11 +179,6 @@ static asdic_status check_output(const asdic_render *r) {
         return asdic_fail(r->ctx, ASDIC_ERROR_ARGUMENT,
                           "none of the pictures asked for can be drawn of this run; choose another "
                           "kind");
-    }
-    if (r->frame && count != 1) {
-        return asdic_fail(r->ctx, ASDIC_ERROR_ARGUMENT,
-                          "a frame is the fan or the A-scope of a ping, and here are %zu pictures",
-                          count);
     }
     if (r->options.path && count != 1) {
         return asdic_fail(r->ctx, ASDIC_ERROR_ARGUMENT,
@@ -259,12 +259,17 @@ asdic_status asdic_run_render_frames(asdic_context *ctx, const char *folder,
     if (!folder || !options || !options->path || !frame) {
         return asdic_fail_null(ctx, __func__);
     }
+    const unsigned fan = 1u << ASDIC_IMAGE_FAN, ascope = 1u << ASDIC_IMAGE_ASCOPE;
+    if (options->images && options->images != fan && options->images != ascope) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
+                          "a frame is the fan or the A-scope of a ping, and nothing else");
+    }
     asdic_render r = {
         .ctx = ctx, .options = *options, .frame = frame, .frame_user = user, .residual_db = NAN};
     asdic_summary *own = NULL;
     r.options.ping = SIZE_MAX;
     r.options.raw = false;
-    r.options.images = options->images ? options->images : 1u << ASDIC_IMAGE_FAN;
+    r.options.images = options->images ? options->images : fan;
     asdic_status status = render(&r, folder, &own);
     asdic_summary_destroy(&own);
     asdic_run_close(&r.run);
