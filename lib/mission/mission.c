@@ -191,10 +191,10 @@ asdic_status asdic_mission_place_at(const asdic_mission *mission, asdic_simulato
 }
 
 asdic_pose asdic_mission_object_pose(const asdic_mission *mission, size_t object, size_t index) {
-    if (!mission) {
+    const asdic_mission_object *o = asdic_mission_get_object(mission, object);
+    if (!o) {
         return (asdic_pose){0};
     }
-    const asdic_mission_object *o = &mission->objects[object];
     for (size_t i = 0; o->moves && i < mission->motion_count; i++) {
         if (strcmp(mission->motions[i].name, o->name) == 0) {
             return asdic_track_pose(mission->motions[i].track, time_of(mission, index));
@@ -243,7 +243,7 @@ asdic_status asdic_mission_choose(asdic_context *ctx, asdic_mission *mission,
     sonar.source_level_db = choices->source_level_db;
     TRY(asdic_environment_check(ctx, &environment));
     TRY(asdic_sonar_check(ctx, &sonar));
-    if (choices->bottom.law) {
+    if (choices->bottom.law || mission->bottom.law) {
         TRY(asdic_material_check(ctx, &choices->bottom));
     }
     if (choices->rays < 64 || choices->rays > 1u << 28) {

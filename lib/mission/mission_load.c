@@ -292,12 +292,9 @@ static asdic_status name_run(asdic_context *ctx, const asdic_draw *draw, asdic_s
 
 static asdic_status load_file(asdic_context *ctx, const char *path, const mission_builder *how,
                               asdic_mission **out) {
-    if (!out) {
-        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "asdic_mission_load: nowhere to put it");
-    }
-    *out = NULL;
-    if (!path) {
-        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "asdic_mission_load: no path");
+    if (!ASDIC_PLACE(out) || !path || (how->setting_count > 0 && !how->settings)) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
+                          "asdic_mission_load: no path, no settings, or nowhere to put it");
     }
     asdic_mission *m = calloc(1, sizeof *m);
     if (!m || !(m->path = strdup(path))) {
@@ -356,8 +353,9 @@ asdic_status asdic_mission_load_trial(asdic_context *ctx, const char *path,
 asdic_status asdic_mission_load_run(asdic_context *ctx, const char *path,
                                     const asdic_setting *settings, size_t count,
                                     const asdic_draw *draw, asdic_mission **out) {
-    if (!draw) {
-        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "asdic_mission_load_run: no draw");
+    if (!ASDIC_PLACE(out) || !draw) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
+                          "asdic_mission_load_run: no draw, or nowhere to put it");
     }
     const mission_builder how = {
         .extent = MISSION_WHOLE, .settings = settings, .setting_count = count, .draw = draw};
@@ -378,14 +376,11 @@ asdic_status asdic_mission_load_text(asdic_context *ctx, const asdic_scene_text 
     for (size_t i = 0; good && i < scene->mesh_count; i++) {
         good = scene->meshes[i].name && scene->meshes[i].mesh;
     }
-    if (out) {
-        *out = NULL;
-    }
-    if (!good) {
+    if (!ASDIC_PLACE(out) || !good) {
         return asdic_fail(
             ctx, ASDIC_ERROR_ARGUMENT,
             "asdic_mission_load_text: a scene needs a text and a name, and each of its "
-            "meshes a name and a mesh");
+            "meshes a name and a mesh; the mission needs a place");
     }
     if (scene->length > ASDIC_MOST_SCENE_BYTES) {
         return asdic_fail(ctx, ASDIC_ERROR_INPUT, "%s: a scene of %zu bytes; at most %zu are read",

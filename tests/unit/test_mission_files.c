@@ -519,6 +519,32 @@ static void inputs_have_one_hash(void **state) {
     mallopt(M_PERTURB, 0);
 }
 
+/* A mission keeps its bottom, and none of its objects is beyond the last. */
+static void choices_and_objects_have_limits(void **state) {
+    workshop *w = *state;
+    asdic_mission *m =
+        load_text(w, SCENE FLAT POSE "objects: [{name: p, point: 0, position_m: [9, 1, 5]}]\n");
+    assert_non_null(m);
+    asdic_choices choices = asdic_mission_get_choices(m);
+    const asdic_material sand = choices.bottom;
+    choices.wind_speed_kn = 7.0;
+    choices.bottom = (asdic_material){.law = NULL};
+    assert_int_equal(asdic_mission_choose(w->ctx, m, &choices), ASDIC_ERROR_ARGUMENT);
+    choices = asdic_mission_get_choices(m);
+    assert_true(asdic_material_equal(&choices.bottom, &sand) && choices.wind_speed_kn != 7.0);
+    assert_true(asdic_mission_object_pose(m, 0, 0).position_m.x == 9.0);
+    assert_true(asdic_mission_object_pose(m, 1, 0).position_m.x == 0.0);
+    assert_true(asdic_mission_object_pose(m, SIZE_MAX, 0).position_m.x == 0.0);
+    asdic_mission_destroy(&m);
+    m = load_text(w, SCENE "bottom: none\n" POSE);
+    assert_non_null(m);
+    choices = asdic_mission_get_choices(m);
+    assert_int_equal(asdic_mission_choose(w->ctx, m, &choices), ASDIC_OK); /* it has none */
+    asdic_mission_destroy(&m);
+    assert_int_equal(asdic_mission_load_with(w->ctx, path_of(w, "scene.yaml"), NULL, 1, &m),
+                     ASDIC_ERROR_ARGUMENT);
+}
+
 /* A point's outline is a point, and there is none behind it. */
 static void outlines_are_as_many_as_objects(void **state) {
     workshop *w = *state;
@@ -577,6 +603,7 @@ int main(void) {
         cmocka_unit_test(loads_of_other_kinds),
         cmocka_unit_test(scenes_in_memory_are_whole),
         cmocka_unit_test(inputs_have_one_hash),
+        cmocka_unit_test(choices_and_objects_have_limits),
         cmocka_unit_test(outlines_are_as_many_as_objects),
         cmocka_unit_test(scenes_beyond_the_memory_are_refused),
         cmocka_unit_test(copies_beyond_the_memory_are_refused),
