@@ -146,8 +146,13 @@ static asdic_status begin(asdic_ros *ros, const asdic_ros_about *about) {
 }
 
 asdic_status asdic_ros_create(asdic_context *ctx, const asdic_ros_about *about, asdic_ros **out) {
-    if (!out || !about || !about->sonar || about->bins == 0) {
+    if (!ASDIC_PLACE(out) || !about || !about->sonar || !about->sonar->receivers ||
+        !about->world_frame || !about->vehicle_frame || !about->sonar_frame) {
         return asdic_fail_null(ctx, __func__);
+    }
+    if (about->sonar->receiver_count == 0 || about->bins == 0) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "messages of %zu beams and %zu bins",
+                          about->sonar->receiver_count, about->bins);
     }
     *out = calloc(1, sizeof **out);
     if (!*out) {
@@ -360,8 +365,15 @@ bool asdic_ros_has(const asdic_ros *ros, asdic_ros_output output) {
 
 asdic_status asdic_ros_encode(asdic_ros *ros, asdic_ros_output output, const asdic_ros_ping *ping,
                               const void **bytes, size_t *size) {
-    if (!ros || (unsigned)output >= ASDIC_ROS_OUTPUT_COUNT || !ping || !bytes || !size) {
+    if (!ros || !ping || !ping->level_db || !bytes || !size ||
+        (output == ASDIC_ROS_DETECTIONS && !ping->detected)) {
         return asdic_fail_null(ros ? ros->ctx : NULL, __func__);
+    }
+    if ((unsigned)output >= ASDIC_ROS_OUTPUT_COUNT || !asdic_ros_has(ros, output)) {
+        return asdic_fail(ros->ctx, ASDIC_ERROR_ARGUMENT,
+                          "no output %d of this sonar; a picture needs three beams or more at "
+                          "ascending bearings, or a scan",
+                          (int)output);
     }
     TRY(outputs[output].put(ros, ping));
     if (ros->bytes.failed) {

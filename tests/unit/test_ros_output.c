@@ -473,7 +473,20 @@ static void what_is_missing_is_refused(void **state) {
     assert_int_not_equal(asdic_ros_create(ctx, &about, NULL), ASDIC_OK);
     about.bins = 0;
     assert_int_not_equal(asdic_ros_create(ctx, &about, &ros), ASDIC_OK);
+    about.bins = BINS;
+    sonar.receiver_count = 0;
+    assert_int_not_equal(asdic_ros_create(ctx, &about, &ros), ASDIC_OK);
+    sonar.receiver_count = BEAMS;
+    about.vehicle_frame = NULL;
+    assert_int_not_equal(asdic_ros_create(ctx, &about, &ros), ASDIC_OK);
+    assert_null(ros);
     ros = begin();
+    asdic_ros_ping lacking = ping;
+    lacking.detected = NULL;
+    assert_int_not_equal(asdic_ros_encode(ros, ASDIC_ROS_DETECTIONS, &lacking, &bytes, &size), 0);
+    assert_int_equal(asdic_ros_encode(ros, ASDIC_ROS_SONAR, &lacking, &bytes, &size), 0);
+    lacking.level_db = NULL;
+    assert_int_not_equal(asdic_ros_encode(ros, ASDIC_ROS_SONAR, &lacking, &bytes, &size), 0);
     for (unsigned k = 0; k < ASDIC_ROS_OUTPUT_COUNT; k++) {
         assert_string_equal(asdic_ros_type_name(k), names[k]);
         assert_string_equal(asdic_ros_type_of(k)->name, names[k]);
