@@ -18,6 +18,7 @@
 #define LEAST_WIDTH 640
 #define LEAST_HEIGHT 360
 #define MOST_SIDE 7680
+#define LEAST_WINDOW_DB 10.0
 /* A fan to look at has many beams. */
 #define FAN_BEAMS 12
 
@@ -236,8 +237,13 @@ static asdic_status open_window(asdic_view *view) {
     double low, high;
     TRY(asdic_raster_window(view->ctx, view->ping.level_db, view->ping.beams * view->ping.bins,
                             &low, &high));
-    view->look.db_high = isnan(view->options.db_high) ? high : view->options.db_high;
-    view->look.db_low = isnan(view->options.db_low) ? low : view->options.db_low;
+    const asdic_view_options *o = &view->options;
+    /* An end that is given stays, however loud the ping. */
+    view->look.db_high = !isnan(o->db_high) ? o->db_high
+                         : isnan(o->db_low) ? high
+                                            : fmax(high, o->db_low + LEAST_WINDOW_DB);
+    view->look.db_low =
+        isnan(o->db_low) ? fmin(low, view->look.db_high - LEAST_WINDOW_DB) : o->db_low;
     view->has_window = true;
     return ASDIC_OK;
 }
@@ -312,6 +318,11 @@ static asdic_status check_options(asdic_context *ctx, const asdic_view_options *
                           "a frame of %u x %u pixels; at least %d x %d, at most %d a side",
                           o->width, o->height, LEAST_WIDTH, LEAST_HEIGHT, MOST_SIDE);
     }
+    if (isinf(o->db_low) || isinf(o->db_high) || o->db_low >= o->db_high) {
+        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
+                          "level window %g..%g dB is empty; give low < high", o->db_low,
+                          o->db_high);
+    }
     if (!asdic_colormap_name(o->colormap)) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "no colour map %d", (int)o->colormap);
     }
@@ -363,10 +374,9 @@ static asdic_status begin(asdic_view *view) {
 
 asdic_status asdic_view_create(asdic_context *ctx, asdic_mission *mission, asdic_device *device,
                                const asdic_view_options *options, asdic_view **out) {
-    if (!mission || !device || !options || !out) {
+    if (!ASDIC_PLACE(out) || !mission || !device || !options) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "asdic_view_create: NULL argument");
     }
-    *out = NULL;
     TRY(check_options(ctx, options));
     asdic_view *view = calloc(1, sizeof *view);
     if (!view) {

@@ -49,7 +49,7 @@ static double solve(double b, double c, double n, double wanted) {
 
 asdic_trial_figure asdic_trial_paired(uint64_t first, uint64_t second, uint64_t pairs,
                                       double level) {
-    if (pairs == 0 || first + second > pairs) {
+    if (pairs == 0 || first > pairs || second > pairs - first) {
         return (asdic_trial_figure){NAN, -1.0, 1.0};
     }
     double b = (double)first, c = (double)second, n = (double)pairs, z = normal_bound(level);

@@ -592,8 +592,8 @@ static void test_differences(void **state) {
     assert_close(asdic_trial_paired(0, 7, 7, 0.95).low, -1.0, 1e-12);
     assert_close(asdic_trial_paired(1, 0, 1, 0.95).value, 1.0, 0.0);
     /* Of nothing, or of less than all, anything may be true. */
-    static const uint64_t unknown[][3] = {{0, 0, 0}, {3, 2, 4}};
-    for (int i = 0; i < 2; i++) {
+    static const uint64_t unknown[][3] = {{0, 0, 0}, {3, 2, 4}, {UINT64_MAX, 2, 4}};
+    for (int i = 0; i < 3; i++) {
         asdic_trial_figure f =
             asdic_trial_paired(unknown[i][0], unknown[i][1], unknown[i][2], 0.95);
         assert_true(isnan(f.value) && f.low == -1.0 && f.high == 1.0);

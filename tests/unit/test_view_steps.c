@@ -342,6 +342,15 @@ static void the_window_is_of_the_first_ping(void **state) {
         assert_true(v->look.db_low == -60.0 && v->look.db_high == high);
         close_view(v);
     }
+    for (int end = 0; end < 2; end++) { /* beyond all that is heard */
+        o.db_low = end ? NAN : 390.0;
+        o.db_high = end ? -390.0 : NAN;
+        asdic_view *v = try_view("[{name: a}]", "sampling: {rays: 256}", &o, ASDIC_OK);
+        step(v, 1);
+        assert_true(end ? v->look.db_high == -390.0 : v->look.db_low == 390.0);
+        assert_true(v->look.db_high - v->look.db_low == 10.0);
+        close_view(v);
+    }
 }
 
 /* A fan has ascending bearings in one plane, and is shown as one from twelve beams on; the first beam shown looks
@@ -447,6 +456,14 @@ static void wrong_options_are_refused(void **state) {
     o.colormap = ASDIC_COLORMAP_COUNT;
     try_view("[{name: a}]", "", &o, ASDIC_ERROR_ARGUMENT);
     assert_contains(asdic_context_error(t.ctx), "no colour map");
+    static const double windows[][2] = {{0, 0}, {1, -1}, {-INFINITY, 0}, {0, INFINITY}};
+    o = small();
+    for (size_t i = 0; i < sizeof windows / sizeof *windows; i++) {
+        o.db_low = windows[i][0];
+        o.db_high = windows[i][1];
+        try_view("[{name: a}]", "", &o, ASDIC_ERROR_ARGUMENT);
+        assert_contains(asdic_context_error(t.ctx), "level window");
+    }
     assert_int_equal(asdic_view_step(NULL), ASDIC_ERROR_ARGUMENT);
 }
 

@@ -27,7 +27,7 @@ typedef struct asdic_view asdic_view;
 typedef struct asdic_view_options {
     unsigned width, height; /* of frames, pixels; at least 640 x 360 */
     bool real_time;         /* rays follow the clock; the caller paces steps by the ping rate */
-    uint32_t least_rays;    /* the floor to which they may fall; 0: 40 a beam, 2,000 at least */
+    uint32_t least_rays;    /* the floor to which they may fall; 0: 80 a beam, 2,000 at least */
     const char *folder;     /* recordings go to FOLDER/000, FOLDER/001, ...; NULL: none are made */
     double db_low, db_high; /* window of levels; NAN: from the first ping, rounded to 10 dB */
     asdic_colormap colormap;

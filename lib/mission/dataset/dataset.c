@@ -349,6 +349,14 @@ static asdic_status make_frames(dataset *d) {
     return ASDIC_OK;
 }
 
+/* NAN: not known yet. */
+static asdic_status check_window(asdic_context *ctx, double low_db, double high_db) {
+    return low_db >= high_db || isinf(low_db) || isinf(high_db)
+               ? asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "no window of levels: %g to %g dB", low_db,
+                            high_db)
+               : ASDIC_OK;
+}
+
 /* The window of levels, that frame 0 fills where none is given. Its scene is kept, for the names of classes. */
 static asdic_status look_at_first(dataset *d) {
     d->low_db = d->options.low_db;
@@ -374,7 +382,7 @@ static asdic_status look_at_first(dataset *d) {
     free(levels_db);
     d->low_db = isnan(d->low_db) ? low_db : d->low_db;
     d->high_db = isnan(d->high_db) ? high_db : d->high_db;
-    return status;
+    return status ? status : check_window(d->ctx, d->low_db, d->high_db);
 }
 
 static asdic_status run_frames(dataset *d) {
@@ -435,10 +443,7 @@ static asdic_status check_options(asdic_context *ctx, asdic_dataset_options *o) 
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "radius %g is out of range [16, 8192] pixels",
                           o->radius_px);
     }
-    if (o->low_db >= o->high_db) {
-        return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "no window of levels: %g to %g dB", o->low_db,
-                          o->high_db);
-    }
+    TRY(check_window(ctx, o->low_db, o->high_db));
     return o->force && o->resume
                ? asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "replace the set or resume it, not both")
                : ASDIC_OK;
