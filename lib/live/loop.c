@@ -161,9 +161,9 @@ static asdic_status add_elements(asdic_loop *loop, const asdic_settings *setting
 asdic_status asdic_loop_create_mission(asdic_context *ctx, asdic_device *device,
                                        const asdic_mission *mission, double depth_m, double start_s,
                                        asdic_loop **out) {
-    if (!mission || !isfinite(start_s)) {
+    if (!ASDIC_PLACE(out) || !mission || !isfinite(start_s)) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT,
-                          "asdic_loop_create_mission: no mission or time");
+                          "asdic_loop_create_mission: no mission, time or place for the loop");
     }
     asdic_sampling sampling = mission->settings.sampling;
     if (asdic_settings_rays_are_auto(

@@ -99,7 +99,7 @@ static asdic_status print_file(asdic_context *ctx, const char *path, asdic_arena
 }
 
 asdic_status asdic_mission_file_json(asdic_context *ctx, const char *path, char **out) {
-    if (!path || !out) {
+    if (!ASDIC_PLACE(out) || !path) {
         return asdic_fail_null(ctx, __func__);
     }
     asdic_arena arena = {0};

@@ -94,10 +94,9 @@ asdic_status asdic_devices_open(asdic_context *ctx, const char *selector, asdic_
     size_t *chosen = NULL;
     size_t listed = 0, chosen_count = 0;
 
-    if (!out || !count) {
+    if (!ASDIC_PLACE(out) || !count) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "asdic_devices_open needs OUT and COUNT");
     }
-    *out = NULL;
     *count = 0;
     asdic_status status = asdic_listed_create(ctx, &list, &listed);
     if (status != ASDIC_OK) {
@@ -177,13 +176,12 @@ static asdic_status partition(asdic_device *device, size_t count, cl_device_id *
 }
 
 asdic_status asdic_device_split(asdic_device *device, size_t count, asdic_device ***out) {
-    if (!device || !out) {
+    if (!ASDIC_PLACE(out) || !device) {
         return asdic_fail_null(device ? device->ctx : NULL, __func__);
     }
     cl_device_id *ids = NULL;
     cl_uint got = 0;
 
-    *out = NULL;
     if (count == 0) {
         return asdic_fail(device->ctx, ASDIC_ERROR_ARGUMENT, "a device cannot be split in 0");
     }

@@ -271,10 +271,9 @@ static asdic_status read_grid(grid *g, bool values_are_depth, asdic_mesh **mesh)
 
 asdic_status asdic_mesh_load_grid(asdic_context *ctx, const char *path, bool values_are_depth,
                                   asdic_mesh **out) {
-    if (!path || !out) {
+    if (!ASDIC_PLACE(out) || !path) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "a grid needs a path and a place");
     }
-    *out = NULL;
     asdic_mesh_scan scan;
     grid g = {.scan = &scan};
     asdic_mesh *mesh = NULL;

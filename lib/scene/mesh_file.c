@@ -127,10 +127,9 @@ static asdic_status read_mesh(asdic_mesh_scan *scan, asdic_polygons *polygons, d
 
 asdic_status asdic_mesh_load(asdic_context *ctx, const char *path, double scale, bool z_up,
                              asdic_mesh **out) {
-    if (!path || !out) {
+    if (!ASDIC_PLACE(out) || !path) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "a mesh needs a path and a place");
     }
-    *out = NULL;
     if (!(scale > 0.0) || !isfinite(scale)) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "%s: scale %g is not positive", path, scale);
     }

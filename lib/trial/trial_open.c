@@ -302,7 +302,7 @@ asdic_status asdic_trial_read(asdic_context *ctx, const char *folder, bool part,
 }
 
 asdic_status asdic_trial_open(asdic_context *ctx, const char *folder, asdic_trial **out) {
-    if (!folder || !out) {
+    if (!ASDIC_PLACE(out) || !folder) {
         return asdic_fail_null(ctx, __func__);
     }
     return asdic_trial_read(ctx, folder, false, out);

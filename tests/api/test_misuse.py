@@ -1,8 +1,10 @@
 """Every public function with NULL, zeros, NaN and huge numbers: a status, never a crash.
 
 A C program is made from the headers: it calls each function in a child process of its own, with
-arguments of four kinds. A function that returns a status refuses what it cannot work on.
+arguments of four kinds. A function that returns a status refuses what it cannot work on; the place
+for what it would have made then holds NULL, whatever it held before.
 """
+import functools
 import os
 import pathlib
 import re
@@ -32,10 +34,13 @@ PROGRAM = r"""
 #include <sys/wait.h>
 #include <unistd.h>
 static char room[8][1 << 16];
+static void *place; /* for what is made */
 static asdic_context *ctx;
 %s
 typedef struct entry { const char *name; int (*call)(int kind); } entry;
 static const entry entries[] = {
+%s
+}, makers[] = {
 %s
 };
 int main(void) {
@@ -55,6 +60,11 @@ int main(void) {
                    WIFSIGNALED(state) ? "signal" : "status",
                    WIFSIGNALED(state) ? WTERMSIG(state) : WEXITSTATUS(state));
         }
+    }
+    for (size_t i = 0; i < sizeof makers / sizeof *makers; i++) {
+        place = room;
+        int status = makers[i].call(0);
+        printf("%%s makes %%d %%s\n", makers[i].name, status, place ? "something" : "NULL");
     }
 }
 """
@@ -130,9 +140,23 @@ def source():
                      "nan_asdic_vec3);\n    switch (kind) {\n" + "\n".join(lines)
                      + "\n    }\n    return 0;\n}")
         entries.append(f'    {{"{name}", call_{name}}},')
-    return PROGRAM % ("\n".join(calls), "\n".join(entries))
+    makers = []
+    for name, types in makers_of_objects():
+        given = ["(void *)&place" if kind.endswith("**") else argument(i, kind)[1] for i, kind in enumerate(types)]
+        calls.append(f"static int make_{name}(int kind) {{\n    (void)kind;\n"
+                     f"    return (int){name}({', '.join(given)});\n}}")
+        makers.append(f'    {{"{name}", make_{name}}},')
+    return PROGRAM % ("\n".join(calls), "\n".join(entries), "\n".join(makers))
 
 
+def makers_of_objects():
+    """(name, parameter types) of the functions that put an object into a place and cannot of nothing."""
+    return [(name, types) for result, name, types in prototypes() if result == "asdic_status"
+            and any(re.fullmatch(r"(asdic_\w+|char) \*\*\*?", kind) for kind in types)
+            and name not in FINE and not any(kind == "asdic_device **" for kind in types)]
+
+
+@functools.lru_cache(maxsize=None)
 def results():
     with tempfile.TemporaryDirectory() as folder:
         program, code = pathlib.Path(folder, "misuse"), pathlib.Path(folder, "misuse.c")
@@ -140,11 +164,11 @@ def results():
         subprocess.run(["cc", "-w", f"-I{INCLUDE}", code, "-o", program, LIBRARY,
                         f"-Wl,-rpath,{LIBRARY.parent}", "-lm"], check=True)
         done = subprocess.run([program], check=True, capture_output=True, text=True, timeout=110)
-    return [line.split() for line in done.stdout.splitlines() if line.count(" ") == 3]
+    return [line.split() for line in done.stdout.splitlines()]
 
 
 def test_nothing_crashes():
-    rows = results()
+    rows = [row for row in results() if row[1] != "makes"]
     tap.equal(len(rows), 4 * len(prototypes()), "number of calls")
     crashed = [f"{name}({kind}): signal {code}" for name, kind, how, code in rows
                if how == "signal"]
@@ -153,6 +177,13 @@ def test_nothing_crashes():
     taken = [f"{name}({kind})" for name, kind, _, code in rows
              if name in has_status and code == "0" and kind not in FINE.get(name, {})]
     tap.equal(taken, [], "accepted though there was nothing to work on")
+
+
+def test_what_fails_makes_nothing():
+    rows = [row for row in results() if row[1] == "makes"]
+    tap.equal(len(rows) >= 20, True, f"{len(rows)} functions that make something")
+    tap.equal([name for name, _, status, place in rows if status == "0" or place != "NULL"], [],
+              "made something of nothing")
 
 
 tap.main(globals())

@@ -36,7 +36,8 @@ typedef enum asdic_log_level {
 } asdic_log_level;
 
 /* MESSAGE is one or more complete lines without a trailing newline, valid during the call only.
- * May be called from a worker thread, never from two at once. */
+ * May be called from a worker thread, never from two at once. It may interrupt the context; another
+ * call of the library with this context would wait for ever. */
 typedef void (*asdic_log_fn)(void *user, asdic_log_level level, const char *message);
 
 /* *OUT is NULL on failure (ASDIC_ERROR_MEMORY, or ASDIC_ERROR_ARGUMENT when OUT is NULL). */
@@ -56,14 +57,15 @@ ASDIC_API const char *asdic_context_error(const asdic_context *ctx);
 
 /* A call that takes long has done DONE of TOTAL parts, which WHAT names ("beams"). One that is part
  * of another reports among the other's reports. As with logs: maybe from a worker thread, never
- * from two at once. */
+ * from two at once, and nothing but an interruption of the context may come from it. */
 typedef void (*asdic_progress_fn)(void *user, const char *what, size_t done, size_t total);
 
 /* Reports of calls that take long, other than missions, go to FN; NULL silences. */
 ASDIC_API void asdic_context_set_progress(asdic_context *ctx, asdic_progress_fn fn, void *user);
 
 /* Asks a running call (a mission, a bench) to stop at the next ping, an expectation at the next
- * beam, a drawing at the next picture. Safe in a signal handler. */
+ * beam, a drawing at the next picture, and for good: calls that follow stop as well. Safe in a
+ * signal handler. */
 ASDIC_API void asdic_context_interrupt(asdic_context *ctx);
 ASDIC_API bool asdic_context_interrupted(const asdic_context *ctx);
 

@@ -58,7 +58,8 @@ ASDIC_API void asdic_loop_destroy(asdic_loop **loop);
 ASDIC_API size_t asdic_loop_bin_count(const asdic_loop *loop);
 
 /* Starts the next ping at POSE and returns at once. ASDIC_ERROR_ARGUMENT when the ping before was
- * not collected, or POSE is not finite or above the sea surface. */
+ * not collected, or POSE is not finite or above the sea surface. From below the bottom
+ * (asdic_mission_bottom_m), which the caller may refuse, there is none in its altitude. */
 ASDIC_API asdic_status asdic_loop_submit(asdic_loop *loop, const asdic_pose *pose);
 
 /* Whether collect would not wait. */

@@ -341,12 +341,13 @@ static asdic_status work(asdic_detect_job *job, const char *folder) {
 asdic_status asdic_run_detect(asdic_context *ctx, const char *folder,
                               const asdic_detect_options *options, asdic_detect_report **out) {
     asdic_detect_job job = {.ctx = ctx, .options = options};
+    bool wants_report = ASDIC_PLACE(out);
     if (!folder || !options) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "asdic_run_detect: a folder and options");
     }
     locale_t before = asdic_c_locale_enter();
     asdic_status status = work(&job, folder);
-    if (status == ASDIC_OK && out) {
+    if (status == ASDIC_OK && wants_report) {
         asdic_detect_finish_report(&job);
         *out = job.report;
         job.report = NULL;

@@ -452,10 +452,9 @@ static asdic_status compute(scene_job *job, asdic_device *device, asdic_roc *roc
 asdic_status asdic_roc_compute(asdic_context *ctx, const asdic_mission *mission,
                                asdic_device *device, const asdic_roc_options *options,
                                asdic_roc **out) {
-    if (!mission || !device || !options || !out) {
+    if (!ASDIC_PLACE(out) || !mission || !device || !options) {
         return asdic_fail_null(ctx, __func__);
     }
-    *out = NULL;
     TRY(check(ctx, mission, options));
     scene_job job = {.ctx = ctx,
                      .mission = mission,

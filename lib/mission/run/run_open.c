@@ -46,10 +46,9 @@ static asdic_status open_run(asdic_run *run) {
 }
 
 asdic_status asdic_run_open(asdic_context *ctx, const char *folder, asdic_run **out) {
-    if (!out || !folder) {
+    if (!ASDIC_PLACE(out) || !folder) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "asdic_run_open: no folder or no result");
     }
-    *out = NULL;
     asdic_run *run = calloc(1, sizeof *run);
     if (!run || !(run->folder = strdup(folder))) {
         free(run);
