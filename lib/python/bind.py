@@ -20,8 +20,8 @@ extern "Python" void asdic_python_run_progress(void *user, const asdic_run_progr
 """
 
 # What takes the interpreter many steps, and every ping needs: a ping in a piece of memory (the struct, energies, one
-# mechanism behind the other, then errors), a pose of angles in degrees, and the ping of a vehicle there, whose sonar a
-# head turns.
+# mechanism behind the other, then errors), a pose of angles in degrees, the bottom below, and the ping of a vehicle there, whose
+# sonar a head turns.
 STEPS = {
     "asdic_ping *asdic_python_lay(double *memory, size_t beams, size_t bins)": """{
     asdic_ping *ping = (asdic_ping *)memory;
@@ -38,6 +38,9 @@ STEPS = {
     const double degree = 3.14159265358979323846 / 180.0;
     asdic_pose pose = {{x, y, z}, roll * degree, pitch * degree, yaw * degree};
     return sweep->directions ? asdic_sweep_sonar(sweep, &pose, index) : pose;
+}""",
+    "double asdic_python_bottom(const asdic_scene *scene, double x, double y)": """{
+    return asdic_mission_bottom_m(scene, (asdic_vec3){x, y, 0.0});
 }""",
     "asdic_status asdic_python_ping(asdic_simulator *simulator, asdic_ping *ping, const asdic_sweep *sweep, uint64_t "
     "index, double x, double y, double z, double roll, double pitch, double yaw)": """{

@@ -130,6 +130,23 @@ def test_words_and_numbers():
     raises(asdic.ArgumentError, "f_kHz", asdic.model, "absorption", f_kHz=1)
 
 
+def test_vehicles_in_the_bottom():
+    """From there a sonar would hear a sea without a bottom."""
+    need_device()
+    sonar = asdic.Simulator(pool())
+    sonar.ping(0, 0, 12)
+    raises(asdic.ArgumentError, "z = 12.1 m, below the bottom at 12 m", sonar.ping, 0, 0, 12.1)
+    raises(asdic.ArgumentError, "below the bottom", sonar.pings, [[0, 0, 5], [0, 0, 13]])
+    tap.equal(sonar.index, 1, "nothing of it was simulated")
+    hill = pool()
+    hill.set_terrain([-50, 0, 50], [-50, 0, 50], [[12, 12, 12], [12, 4, 12], [12, 12, 12]])
+    hill.mission = {"pose": {"position_m": [0, 0, 2]}}
+    over = asdic.Simulator(hill)
+    over.ping(40, 40, 8)
+    raises(asdic.ArgumentError, "below the bottom at 4 m", over.ping, 0, 0, 4.5)
+    over.ping(80, 0, 30)  # beyond the terrain there is none
+
+
 def test_devices():
     for selector in ("9:9", "name:none such", "nonsense"):
         try:

@@ -318,6 +318,8 @@ def test_detections():
     tap.equal([name for name in found.classes["name"]][:1], [b"ball"], "classes")
     tap.equal(len(found.table), found.report.detections, "rows")
     tap.equal(float(found.table["range_m"][0]) > 0, True, "numbers")
+    tap.equal({name: found.table.dtype[name].kind for name in ("ping", "bin", "beam", "truth", "range_m", "pd")},
+              {"ping": "i", "bin": "i", "beam": "U", "truth": "U", "range_m": "f", "pd": "f"}, "kinds of columns")
     raises(asdic.ExistsError, "detections.csv", run.detect)
     alone = asdic.simulate(pool()).detect()
     gc.collect()
@@ -328,6 +330,19 @@ def test_detections():
     tap.equal(fewer.report.detections < own.report.detections, True, "another detection")
     for one in (own, fewer):
         tap.equal(len(one.table), one.report.detections, "rows of its own table")
+
+
+def test_detections_of_beams_that_are_numbers():
+    """A fan's beams are 000, 001, ...; objects may be called so, and a table may be empty: names stay text."""
+    need_device()
+    scene = pool(sonar={**pool().sonar, "receivers": {"fan": {"count": 3, "sector_deg": 60}}})
+    scene.objects[0]["name"] = "1e3"
+    run = asdic.simulate(scene)
+    table = run.detect(pfa=0.1).table
+    tap.equal(set(table["beam"]) <= set(run.names) and len(table) > 0, True, f"beams {set(table['beam'])}")
+    tap.equal({"1e3"} & set(table["truth"]), {"1e3"}, "the object's name")
+    none = run.detect(pfa=1e-12, snr_db=60.0, force=True).table[:0]
+    tap.equal(none.dtype["ping"].kind + none.dtype["beam"].kind, "iU", "kinds without rows")
 
 
 def test_curve_over_range():

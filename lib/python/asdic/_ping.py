@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -74,6 +74,12 @@ class _Mount:
     def set_pose(self, pose: Any, at: tuple[float, ...], index: int) -> None:
         """Where the sonar is and looks, which is where the vehicle does unless a head turns."""
         pose[0] = lib.asdic_python_place(self._sweep, index, *at)
+
+    def refuse_below_bottom(self, at: Sequence[float]) -> None:
+        """As scene files and `asdic serve` do: from there levels would be those of a sea without a bottom."""
+        bottom_m = lib.asdic_python_bottom(self._scene, at[0], at[1])
+        if at[2] > bottom_m + 1e-6 * abs(bottom_m):  # a mesh in float is not exact to the last digit
+            raise fail(ArgumentError, f"the vehicle is at z = {at[2]:g} m, below the bottom at {bottom_m:g} m")
 
     def altitude(self, pose: Any) -> float:
         """Above the bottom straight below, m."""
@@ -295,6 +301,7 @@ class Simulator:
                 break
         if not 0.0 <= at[2] <= 11000.0:
             raise fail(ArgumentError, f"z = {at[2]:g} m is no depth of a vehicle: z is positive down, 0 to 11000 m")
+        self._mount.refuse_below_bottom(at)
         with self._context.lock:
             simulator = self._handle.pointer
             result = self._new_ping() if out is None else self._again(out)
@@ -322,6 +329,8 @@ class Simulator:
             first = int(np.flatnonzero(bad)[0])
             raise fail(ArgumentError, f"pose {first} is {rows[first].tolist()}; its numbers must be finite, z positive "
                        "down, 0 to 11000 m")
+        for row in rows.tolist():
+            self._mount.refuse_below_bottom(row)
         with self._context.lock:
             results: list[Ping] = []
             while len(results) < len(rows):  # up to where the simulator learns, or things move

@@ -283,9 +283,9 @@ class Detections:
 
     @functools.cached_property
     def table(self) -> np.ndarray:
-        """detections.csv as a structured array."""
+        """detections.csv as a structured array: ping and bin whole numbers, beam and truth text, the rest floats."""
         names, *rows = csv.reader(self._lines)
-        columns = [_column(values) for values in zip(*rows)] if rows else [np.empty(0)] * len(names)
+        columns = [_column(name, [row[k] for row in rows]) for k, name in enumerate(names)]
         dtype = [(name, column.dtype) for name, column in zip(names, columns)]
         table = np.empty(len(rows), dtype)
         for name, column in zip(names, columns):
@@ -296,12 +296,13 @@ class Detections:
         return f"<asdic.Detections: {self.report.detections} in {self.report.bins} bins of {self.report.pings} pings>"
 
 
-def _column(values: Sequence[str]) -> np.ndarray:
-    """Numbers where all are, empty ones NAN; else text."""
-    try:
-        return np.array([float(value) if value else math.nan for value in values])
-    except ValueError:
-        return np.array(values)
+def _column(name: str, values: Sequence[str]) -> np.ndarray:
+    """A column of detections.csv: names stay text, whatever they look like; of numbers empty ones are NAN."""
+    if name in ("beam", "truth"):
+        return np.array(values, str)
+    if name in ("ping", "bin"):
+        return np.array([int(value) for value in values], np.int64)
+    return np.array([float(value) if value else math.nan for value in values], np.float64)
 
 
 def _detector(run: Run, pfa: float | None, target: str | None, prior: float | None, snr_db: float | None,
