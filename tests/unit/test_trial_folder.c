@@ -312,7 +312,7 @@ static void look_at_names(const asdic_plot *plots) {
         const asdic_plot_axis *x = &plots[k].x;
         assert_int_equal(x->name_count, designs);
         for (size_t v = 0; v < designs; v++) {
-            char number[8];
+            char number[24];
             snprintf(number, sizeof number, "%zu", v + 1);
             assert_string_equal(x->names[v], designs > 8 ? number : "a value");
         }
