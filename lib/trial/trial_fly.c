@@ -14,8 +14,8 @@
 #include "base/share.h"
 #include "base/try.h"
 #include "base/words.h"
-#include "mission/dataset/gather.h"
 #include "mission/run/team_message.h"
+#include "mission/scene_inputs.h"
 #include "out/file.h"
 
 #include <errno.h>

@@ -7,6 +7,7 @@
 #include "gather.h"
 #include "mission/mission.h"
 #include "mission/run/run_folder.h"
+#include "mission/scene_inputs.h"
 #include "out/file.h"
 #include "out/raster.h"
 
@@ -454,7 +455,7 @@ static asdic_status make_set(dataset *d) {
     TRY(look_at_first(d));
     TRY(asdic_dataset_enter(d->ctx, &d->options));
     char hex[65];
-    TRY(asdic_dataset_hash(d->ctx, d->scene, hex));
+    TRY(asdic_scene_inputs_hash(d->ctx, d->scene, hex));
     char *text = describe_set(d, hex);
     asdic_status status = text ? asdic_dataset_begin(d->ctx, &d->options, text)
                                : asdic_fail_memory(d->ctx, "what a data set is");

@@ -6,8 +6,6 @@
 
 #include <asdic/dataset.h>
 
-#include "base/text.h"
-
 /* Whether the folder may be written to: holds no set that is to stay. */
 asdic_status asdic_dataset_check(asdic_context *ctx, const asdic_dataset_options *options);
 
@@ -20,13 +18,5 @@ asdic_status asdic_dataset_begin(asdic_context *ctx, const asdic_dataset_options
 
 /* Once the frames are there: manifest.jsonl, the COCO files, classes.txt. */
 asdic_status asdic_dataset_gather(asdic_context *ctx, const asdic_dataset_options *options);
-
-/* SHA-256 of the scene file, as `sha256sum` prints it; where it names files, of that and theirs (inputs.c). */
-asdic_status asdic_dataset_hash(asdic_context *ctx, const char *scene, char hex[65]);
-
-/* Adds to OUT the SHA-256 of each file that a value of the scene file names, or one of the COUNT other VALUES that
- * it may get (inputs.c). */
-asdic_status asdic_scene_files_hash(asdic_context *ctx, const char *scene,
-                                    const char *const *values, size_t count, asdic_text *out);
 
 #endif

@@ -1,13 +1,8 @@
-/*
- * The hash of what the frames of a data set are made from: the scene file, and the files that it names. Runs of a
- * trial are made from these files as well.
- */
-#include "gather.h"
+#include "scene_inputs.h"
 
 #include "base/context.h"
 #include "base/file_read.h"
 #include "base/sha256.h"
-#include "base/text.h"
 #include "base/try.h"
 #include "mission/scene_file/scene_file.h"
 
@@ -96,7 +91,7 @@ asdic_status asdic_scene_files_hash(asdic_context *ctx, const char *scene,
     return status;
 }
 
-asdic_status asdic_dataset_hash(asdic_context *ctx, const char *scene, char hex[65]) {
+asdic_status asdic_scene_inputs_hash(asdic_context *ctx, const char *scene, char hex[65]) {
     inputs in = {.ctx = ctx, .scene = scene, .is_whole = true, .problems = {.name = scene}};
     asdic_status status = add_inputs(&in);
     if (!status && in.hashes.length == 64) {
