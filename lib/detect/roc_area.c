@@ -182,7 +182,7 @@ asdic_status asdic_roc_compare(asdic_context *ctx, const asdic_roc *a, const asd
     if (!a || !b || !difference) {
         return asdic_fail_null(ctx, __func__);
     }
-    double variance;
+    double variance, area = NAN;
     if (a->trials != b->trials) {
         return asdic_fail(ctx, ASDIC_ERROR_ARGUMENT, "curves of %zu and %zu draws are no pairs",
                           a->trials, b->trials);
@@ -193,12 +193,18 @@ asdic_status asdic_roc_compare(asdic_context *ctx, const asdic_roc *a, const asd
         status = placements(ctx, b->none, b->present, b->trials, &other);
     }
     if (status == ASDIC_OK) {
+        area = moments(first, a->trials, &variance);
         for (size_t i = 0; i < 2 * a->trials; i++) {
             other[i] -= first[i];
         }
         difference->value = moments(other, a->trials, &variance);
         difference->low = difference->value - NORMAL_99 * sqrt(variance);
         difference->high = difference->value + NORMAL_99 * sqrt(variance);
+    }
+    if (status == ASDIC_OK && variance == 0.0 && (area == 0.0 || area == 1.0)) {
+        double most = asdic_estimate_of(0, a->trials).high; /* as of an area without any overlap */
+        difference->low -= most;
+        difference->high += most;
     }
     free(first);
     free(other);

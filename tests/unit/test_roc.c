@@ -49,6 +49,14 @@ static void an_area_has_bounds_by_its_places(void **state) {
     assert_close(difference.value, 2.5 / 9.0, 1e-12);
     assert_close(difference.low, 2.5 / 9.0 - half, 1e-12);
     assert_close(difference.high, 2.5 / 9.0 + half, 1e-12);
+    /* Two curves without any overlap may differ by what 3 draws do not tell: an event in none of 3. */
+    a.present = apart;
+    assert_ok(ctx, asdic_roc_compare(ctx, &a, &b, &difference));
+    const double least = asdic_estimate_of(0, 3).high;
+    assert_true(least > 0.5);
+    assert_close(difference.low, -least, 1e-12);
+    assert_close(difference.high, least, 1e-12);
+    a.present = present;
     b.trials = 2;
     assert_status(ctx, asdic_roc_compare(ctx, &a, &b, &difference), ASDIC_ERROR_ARGUMENT);
     assert_status(ctx, asdic_roc_compare(ctx, NULL, &a, &difference), ASDIC_ERROR_ARGUMENT);
