@@ -71,7 +71,7 @@ static bool interferes(double depth_m, double wind_kn, const char *surface, char
         " \"bottom\": {\"depth_m\": 60}, \"surface\": {\"enabled\": %s},\n"
         " \"objects\": [{\"name\": \"buoy\", \"point\": {\"target_strength_db\": 0},\n"
         "  \"position_m\": [100, 0, %g]}],\n"
-        " \"sonar\": {\"frequency_khz\": 100, \"bandwidth_khz\": 6, \"source_level_db\": 0,\n"
+        " \"sonar\": {\"frequency_khz\": 100, \"bandwidth_khz\": 6, \"ping_rate_hz\": 5, \"source_level_db\": 0,\n"
         "  \"receivers\": [{\"name\": \"forward\"}]},\n"
         " \"mission\": {\"pose\": {\"position_m\": [0, 0, %g]}}}\n",
         wind_kn, surface, depth_m, depth_m);

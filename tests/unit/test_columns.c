@@ -75,7 +75,8 @@ static void errors_name_file_and_line(void **state) {
     static const char *const cases[][2] = {
         {"", "F: no rows of deg,db"},
         {"deg,db\n", "F: no rows of deg,db"},
-        {"deg;db\n5;-40\n", "F:1: missing column 'deg'; the header is deg,db in any order"},
+        {"deg;db\n5;-40\n", "F:1: columns are separated by semicolons; they must be by commas"},
+        {"deg,db\n5,-40,5\n", "F:2: 3 fields, but the header has 2"},
         {"# x\ndeg,level\n", "F:2: missing column 'db'; the header is deg,db in any order"},
         {"deg,db\n5\n", "F:2: 'db' is missing"},
         {"deg,db\n5,-40\n\n6, \n", "F:4: 'db' is empty"},
