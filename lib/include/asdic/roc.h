@@ -77,8 +77,8 @@ ASDIC_API asdic_status asdic_roc_compute(asdic_context *ctx, const asdic_mission
 ASDIC_API void asdic_roc_destroy(asdic_roc **roc);
 
 /* B's area less A's, from draws of one seed and number. The pairs make its bounds narrower than
- * those of the areas (DeLong, DeLong & Clarke-Pearson, Biometrics 44, 837 (1988)), but where no draw
- * of either overlaps. */
+ * those of the areas (DeLong, DeLong & Clarke-Pearson, Biometrics 44, 837 (1988)), except where no
+ * draw of either overlaps. */
 ASDIC_API asdic_status asdic_roc_compare(asdic_context *ctx, const asdic_roc *a, const asdic_roc *b,
                                          asdic_estimate *difference);
 
