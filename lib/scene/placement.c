@@ -96,6 +96,15 @@ static void copy_triangles(asdic_placement *p) {
     }
 }
 
+/* Whether any triangle of SCENE does not move. */
+static bool anything_stays(const asdic_scene *scene) {
+    size_t moving = 0;
+    for (size_t i = 0; i < scene->movable_count; i += asdic_scene_copies(scene)) {
+        moving += scene->movables[i].count;
+    }
+    return moving < scene->triangle_count;
+}
+
 asdic_status asdic_placement_create(const asdic_scene *scene, asdic_placement **out) {
     size_t triangles = 0, most = 0;
     for (size_t i = 0; i < scene->movable_count; i++) {
@@ -108,6 +117,7 @@ asdic_status asdic_placement_create(const asdic_scene *scene, asdic_placement **
     }
     p->scene = scene;
     p->origin_m = scene->origin_m;
+    p->is_anchored = anything_stays(scene);
     p->extent_m = scene->bvh.extent_m;
     p->parts = copy(scene->parts, scene->part_count, sizeof *p->parts);
     p->points = copy(scene->points, scene->point_count, sizeof *p->points);
@@ -196,18 +206,9 @@ void asdic_placement_move(asdic_placement *p, size_t movable, const asdic_pose *
 /* Steps of an origin that follows the sonar, m: half a millimetre is lost at half of one. */
 #define FRAME_STEP_M 8192.0
 
-/* Whether any triangle of SCENE does not move. */
-static bool anything_stays(const asdic_scene *scene) {
-    size_t moving = 0;
-    for (size_t i = 0; i < scene->movable_count; i += asdic_scene_copies(scene)) {
-        moving += scene->movables[i].count;
-    }
-    return moving < scene->triangle_count;
-}
-
 asdic_vec3 asdic_placement_frame(const asdic_placement *p, asdic_vec3 position_m) {
     asdic_vec3 at = p->scene->origin_m;
-    if (!anything_stays(p->scene)) {
+    if (!p->is_anchored) {
         at.x += FRAME_STEP_M * rint((position_m.x - at.x) / FRAME_STEP_M);
         at.y += FRAME_STEP_M * rint((position_m.y - at.y) / FRAME_STEP_M);
     }
