@@ -123,18 +123,30 @@ static void add_heard(counts *c, const asdic_record *record, size_t count) {
     }
 }
 
-/* Of the echoes, too, of which speckle may leave less in the total. */
+static bool has_level(const float *level_db, size_t count) {
+    size_t i = 0;
+    while (i < count && !(level_db[i] > -INFINITY)) {
+        i++;
+    }
+    return i < count;
+}
+
+static float greatest_db(const float *level_db, size_t count) {
+    float most_db = -INFINITY;
+    for (size_t i = 0; i < count; i++) {
+        most_db = level_db[i] > most_db ? level_db[i] : most_db;
+    }
+    return most_db;
+}
+
+/* What there is, and how loud: of the echoes, too, of which speckle may leave less in the total. */
 static void add_most(asdic_statistics *statistics, const asdic_record *record, size_t count) {
     for (int c = 0; c < ASDIC_COMPONENT_COUNT; c++) {
-        float most_db = -INFINITY;
-        for (size_t i = 0; i < count; i++) {
-            most_db = record->level_db[c][i] > most_db ? record->level_db[c][i] : most_db;
-        }
-        statistics->has[c] = statistics->has[c] || most_db > -INFINITY;
-        if (c == ASDIC_TOTAL || c == ASDIC_OBJECT) {
-            statistics->most_db = fmax(statistics->most_db, (double)most_db);
-        }
+        statistics->has[c] = statistics->has[c] || has_level(record->level_db[c], count);
     }
+    float total_db = greatest_db(record->level_db[ASDIC_TOTAL], count);
+    float object_db = greatest_db(record->level_db[ASDIC_OBJECT], count);
+    statistics->most_db = fmax(statistics->most_db, (double)fmaxf(total_db, object_db));
 }
 
 void asdic_statistics_add(asdic_statistics *statistics, const asdic_record *record, size_t cells) {
