@@ -111,8 +111,8 @@ double asdic_cfar_pfa(asdic_cfar_kind kind, unsigned count, unsigned rank, unsig
     }
     if (kind == ASDIC_CFAR_CA) {
         double t = factor / (double)count, trials = (double)count * (double)looks;
-        double log_unit = -trials * log1p(t), term = 1.0,
-               sum = 0.0; /* the first term of many looks underflows */
+        /* By itself the first term of many looks underflows. */
+        double log_unit = -trials * log1p(t), term = 1.0, sum = 0.0;
         for (double j = 0.0; j < (double)looks; j += 1.0) {
             sum += term;
             term *= (trials + j) / (j + 1.0) * t / (1.0 + t);
