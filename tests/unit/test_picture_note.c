@@ -39,10 +39,50 @@ static void fine_ones_say_nothing(void **state) {
     }
 }
 
+/* No rays make a coherent ping, but scatterers. */
+static void coherent_pings_are_said_to_be(void **state) {
+    (void)state;
+    asdic_render r;
+    describe(NAN, &r);
+    r.info.sampling.coherent = true;
+    asdic_render_describe(&r);
+    assert_contains(r.note, "coherent, about 20,000 scatterers a ping, seed 1");
+    assert_null(strstr(r.note, "sampling"));
+}
+
+static void ascopes_tell_which_curves_are_simulated(void **state) {
+    (void)state;
+    static const struct {
+        bool object, multipath;
+        const char *parts;
+    } cases[] = {{false, false, "by quadrature"},
+                 {true, false, "by quadrature; object: simulated"},
+                 {false, true, "by quadrature; multipath: simulated"},
+                 {true, true, "by quadrature; object, multipath: simulated"}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        asdic_render r;
+        char note[ASDIC_NOTE_SIZE];
+        describe(NAN, &r);
+        asdic_summary summary = *r.summary;
+        summary.statistics.has[ASDIC_OBJECT] = cases[i].object;
+        summary.statistics.has[ASDIC_MULTIPATH] = cases[i].multipath;
+        r.summary = &summary;
+        asdic_render_note_ascope(&r, true, note);
+        assert_memory_equal(note, r.note, strlen(r.note));
+        size_t end = strlen(note) - strlen(cases[i].parts);
+        assert_string_equal(note + end, cases[i].parts);
+        asdic_render_note_ascope(&r, false, note);
+        assert_contains(note, "all curves are simulated");
+        assert_null(strstr(note, "by quadrature"));
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(rough_pictures_say_so),
         cmocka_unit_test(fine_ones_say_nothing),
+        cmocka_unit_test(coherent_pings_are_said_to_be),
+        cmocka_unit_test(ascopes_tell_which_curves_are_simulated),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

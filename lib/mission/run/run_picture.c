@@ -38,8 +38,15 @@ void asdic_render_describe(asdic_render *r) {
     const asdic_sampling *sampling = &r->info.sampling;
     asdic_picture_subtitle(r->info.sonar, r->run->facts.bin_length_m, r->facts);
     group_digits(rays, sampling->rays);
-    snprintf(r->note, sizeof r->note, "%s rays a ping, %s sampling, seed %llu", rays,
-             asdic_run_sampler_name(sampling->sampler), (unsigned long long)sampling->seed);
+    if (sampling->coherent) { /* which draw no rays */
+        snprintf(r->note, sizeof r->note, "coherent, about %s scatterers a ping", rays);
+    } else {
+        snprintf(r->note, sizeof r->note, "%s rays a ping, %s sampling", rays,
+                 asdic_run_sampler_name(sampling->sampler));
+    }
+    size_t used = strlen(r->note);
+    snprintf(r->note + used, sizeof r->note - used, ", seed %llu",
+             (unsigned long long)sampling->seed);
     add_error(r);
     asdic_digits_natural(r->seed, sampling->seed);
     asdic_digits_print(r->low, "%g", r->options.db_low);
@@ -59,6 +66,20 @@ void asdic_render_describe(asdic_render *r) {
                            "Description",  r->facts};
     _Static_assert(sizeof texts + 5 * sizeof *texts <= sizeof r->texts, "room for one more text");
     memcpy(r->texts, texts, sizeof texts);
+}
+
+void asdic_render_note_ascope(const asdic_render *r, bool has_expected,
+                              char note[ASDIC_NOTE_SIZE]) {
+    const bool *has = r->summary->statistics.has;
+    const char *parts = has[ASDIC_OBJECT] && has[ASDIC_MULTIPATH] ? "; object, multipath: simulated"
+                        : has[ASDIC_OBJECT]                       ? "; object: simulated"
+                        : has[ASDIC_MULTIPATH]                    ? "; multipath: simulated"
+                                                                  : "";
+    snprintf(note, ASDIC_NOTE_SIZE, "%s  \u00b7  %s%s", r->note,
+             has_expected ? "expected: flat bottom, no objects, by quadrature"
+                          : "no expected curve: the bottom is a mesh or grid; all curves are "
+                            "simulated",
+             has_expected ? parts : "");
 }
 
 asdic_picture_options asdic_render_picture(asdic_render *r, const char *title, const char *key,

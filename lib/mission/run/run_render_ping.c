@@ -142,7 +142,7 @@ asdic_status asdic_render_scale_ascopes(asdic_render *r, const asdic_record *rec
 /* An A-scope shows levels without a gain, in a window of their own. */
 asdic_status asdic_render_ascope(asdic_render *whole, const asdic_record *record) {
     scope s;
-    char title[256], note[384], number[ASDIC_DIGITS_SIZE], *path = NULL;
+    char title[256], note[ASDIC_NOTE_SIZE], number[ASDIC_DIGITS_SIZE], *path = NULL;
     asdic_status status = find_panels(whole, record, &s);
     asdic_render own = *whole, *r = &own;
     size_t count = s.count;
@@ -161,14 +161,7 @@ asdic_status asdic_render_ascope(asdic_render *whole, const asdic_record *record
     }
     asdic_render_describe(&own);
     asdic_picture_options options = asdic_render_picture(r, title, "ping", number);
-    snprintf(note, sizeof note, "%s  \u00b7  %s", options.note,
-             !s.expected.ping ? "no expected curve: the bottom is a mesh or grid; all curves are "
-                                "simulated"
-             : r->summary->statistics.has[ASDIC_MULTIPATH]
-                 ? "expected: flat bottom, no objects, by quadrature; object, "
-                   "multipath: simulated"
-                 : "expected: flat bottom, no objects, by quadrature; object: "
-                   "simulated");
+    asdic_render_note_ascope(r, s.expected.ping != NULL, note);
     options.note = note;
     path = asdic_render_path(r, "ascope_", number);
     status = path ? asdic_draw_ascope(r->ctx, path, s.panels, count, r->residual_db, &options)
