@@ -56,7 +56,7 @@ def main():
     meson = ["meson", "setup", folder, source, *options]
     if os.path.exists(f"{folder}/build.ninja"):
         meson.insert(2, "--reconfigure")
-    built = ["asdic", "asdic-bench"] if then else []
+    built = ["cli/asdic", "asdic-bench"] if then else []
     good = run(1, "configure", meson) and run(2, "compile", ["meson", "compile", "-C", folder, *built])
     if good and tests:
         subprocess.run(["meson", "test", "-C", folder, "--no-rebuild",
