@@ -15,6 +15,7 @@ typedef struct asdic_text {
 } asdic_text;
 
 void asdic_text_add(asdic_text *text, const char *string);
+/* BYTES may be NULL where COUNT is 0. */
 void asdic_text_add_bytes(asdic_text *text, const char *bytes, size_t count);
 void asdic_text_format(asdic_text *text, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
