@@ -61,7 +61,7 @@ static void ascopes_tell_which_curves_are_simulated(void **state) {
                  {true, true, "by quadrature; object, multipath: simulated"}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         asdic_render r;
-        char note[ASDIC_NOTE_SIZE];
+        char note[ASDIC_ASCOPE_NOTE_SIZE];
         describe(NAN, &r);
         asdic_summary summary = *r.summary;
         summary.statistics.has[ASDIC_OBJECT] = cases[i].object;

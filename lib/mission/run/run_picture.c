@@ -69,13 +69,13 @@ void asdic_render_describe(asdic_render *r) {
 }
 
 void asdic_render_note_ascope(const asdic_render *r, bool has_expected,
-                              char note[ASDIC_NOTE_SIZE]) {
+                              char note[ASDIC_ASCOPE_NOTE_SIZE]) {
     const bool *has = r->summary->statistics.has;
     const char *parts = has[ASDIC_OBJECT] && has[ASDIC_MULTIPATH] ? "; object, multipath: simulated"
                         : has[ASDIC_OBJECT]                       ? "; object: simulated"
                         : has[ASDIC_MULTIPATH]                    ? "; multipath: simulated"
                                                                   : "";
-    snprintf(note, ASDIC_NOTE_SIZE, "%s  \u00b7  %s%s", r->note,
+    snprintf(note, ASDIC_ASCOPE_NOTE_SIZE, "%s  \u00b7  %s%s", r->note,
              has_expected ? "expected: flat bottom, no objects, by quadrature"
                           : "no expected curve: the bottom is a mesh or grid; all curves are "
                             "simulated",

@@ -33,11 +33,11 @@ typedef struct asdic_render {
 /* Fills note and texts from the options. A copy of RENDER must be described again. */
 void asdic_render_describe(asdic_render *render);
 
-#define ASDIC_NOTE_SIZE 384
+#define ASDIC_ASCOPE_NOTE_SIZE 384
 
 /* The note of an A-scope: which of its curves are expected ones, if any, and which are simulated. */
 void asdic_render_note_ascope(const asdic_render *render, bool has_expected,
-                              char note[ASDIC_NOTE_SIZE]);
+                              char note[ASDIC_ASCOPE_NOTE_SIZE]);
 
 /* Options of one picture, with TITLE and two more text chunks: KEY and VALUE. */
 asdic_picture_options asdic_render_picture(asdic_render *render, const char *title, const char *key,

@@ -142,7 +142,7 @@ asdic_status asdic_render_scale_ascopes(asdic_render *r, const asdic_record *rec
 /* An A-scope shows levels without a gain, in a window of their own. */
 asdic_status asdic_render_ascope(asdic_render *whole, const asdic_record *record) {
     scope s;
-    char title[256], note[ASDIC_NOTE_SIZE], number[ASDIC_DIGITS_SIZE], *path = NULL;
+    char title[256], note[ASDIC_ASCOPE_NOTE_SIZE], number[ASDIC_DIGITS_SIZE], *path = NULL;
     asdic_status status = find_panels(whole, record, &s);
     asdic_render own = *whole, *r = &own;
     size_t count = s.count;
