@@ -120,8 +120,17 @@ static void draw_rings(asdic_canvas *c, const page *p, double max_range_m) {
     label_ring(c, p, p->sector.radius_px - (is_full_circle(p) ? OUTER_LABEL_PX : 0.0), label);
 }
 
+/* From -180, which is 180, to 180; of a section the angle below the level. */
+static double shown_deg(bool is_section, double bearing_deg) {
+    double deg = remainder(bearing_deg, 360.0);
+    if (is_section) {
+        return 90.0 - fabs(remainder(bearing_deg - 180.0, 360.0));
+    }
+    return deg <= -180.0 ? 180.0 : deg;
+}
+
 /* Ticks outside the arc, every 5, 10, 15, 30 or 45 degrees. */
-static void draw_bearings(asdic_canvas *c, const page *p) {
+static void draw_bearings(asdic_canvas *c, const page *p, bool is_section) {
     static const double steps_deg[] = {1.0, 2.0, 5.0, 10.0, 15.0, 30.0, 45.0};
     double degree = ASDIC_PI / 180.0, step = 45.0;
     for (size_t i = sizeof steps_deg / sizeof *steps_deg; i-- > 0;) {
@@ -141,8 +150,7 @@ static void draw_bearings(asdic_canvas *c, const page *p) {
         place(p, p->sector.radius_px + 14.0, angle, &x2, &y2);
         asdic_canvas_color(c, RING_RGB);
         asdic_canvas_line(c, x0, y0, x1, y1);
-        double shown = remainder(bearing, 360.0); /* from -180, which is 180, to 180 */
-        asdic_axis_label(number, shown <= -180.0 ? 180.0 : shown, 1.0);
+        asdic_axis_label(number, shown_deg(is_section, bearing), 1.0);
         snprintf(label, sizeof label, "%s\u00b0", number);
         asdic_canvas_color(c, INK_RGB);
         asdic_canvas_text(c,
@@ -173,7 +181,7 @@ static void decorate(asdic_canvas *c, const page *p, const asdic_fan *fan,
                      const asdic_picture_options *options, const char *note) {
     draw_outline(c, p);
     draw_rings(c, p, (double)fan->bins * fan->bin_length_m);
-    draw_bearings(c, p);
+    draw_bearings(c, p, fan->is_section);
     asdic_canvas_color_bar(c, p->bar, options);
     asdic_canvas_frame_text(c, ASDIC_MARGIN_PX, options->title, note);
 }

@@ -712,6 +712,16 @@ def test_ascope_says_how_many_beams_it_leaves_out():
         tap.contains(data(folder, "r", "ascope_0.png").decode("latin-1"), "t = 0 s, 4 of 5 beams")
 
 
+def test_beams_that_look_down_make_a_section():
+    with Folder() as folder:
+        run_of(folder, pings=2, edits={"  receivers:\n    - {name: forward}\n    - {name: down, pitch_deg: 45}":
+                                       "  receivers: {fan: {count: 13, sector_deg: 120, pitch_deg: 90}}"})
+        found = pictures(folder, "r")
+        for name in ("fan_0.png", "fan_1.png", "waterfall_006.png"):
+            if name not in found:
+                raise AssertionError((name, found))
+
+
 def test_vector_pictures():
     with Folder() as folder:
         run = run_of(folder, edits={"fan]": "fan, overview, plan]"})

@@ -49,6 +49,10 @@ char *asdic_render_path(const asdic_render *render, const char *stem, const char
 /* Whether the beams make a fan: three or more, aimed at ascending bearings. */
 bool asdic_render_has_fan(const asdic_sonar *sonar);
 
+/* Whether there is a fan picture: of such beams, of those in an upright plane (run_section.h), or of a head that
+ * scans. */
+bool asdic_render_can_fan(const asdic_settings *settings);
+
 /* run_render_waterfall.c: all pings of a beam; its bins one to one; the strongest of all beams. */
 asdic_status asdic_render_waterfalls(asdic_render *render);
 asdic_status asdic_render_raw(asdic_render *render);

@@ -3,6 +3,7 @@
 #include "base/context.h"
 #include "base/try.h"
 #include "run_picture.h"
+#include "run_section.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -108,14 +109,19 @@ bool asdic_render_has_fan(const asdic_sonar *sonar) {
     return sonar->receiver_count >= 3;
 }
 
+bool asdic_render_can_fan(const asdic_settings *settings) {
+    asdic_section section;
+    return asdic_render_has_fan(&settings->sonar) || settings->sweep.directions >= 3 ||
+           asdic_section_of(&settings->sonar, &section);
+}
+
 /* Drops the pictures for which the scene has no beams, or which this build cannot draw; the others
  * are drawn. A user who asks for one by name is warned. */
 static void drop_impossible(asdic_render *r) {
-    /* Of beams, or that a head which scans makes. */
-    bool can_fan = asdic_render_has_fan(r->info.sonar) || r->run->settings.sweep.directions >= 3;
-    if ((r->images & 1u << ASDIC_IMAGE_FAN) && !can_fan) {
+    if ((r->images & 1u << ASDIC_IMAGE_FAN) && !asdic_render_can_fan(&r->run->settings)) {
         asdic_log(r->ctx, r->options.images ? ASDIC_LOG_WARNING : ASDIC_LOG_INFO,
-                  "no fan picture: it needs three beams or more at ascending bearings, or a scan");
+                  "no fan picture: it needs three beams or more at ascending bearings or in an "
+                  "upright plane, or a scan");
         r->images &= ~(1u << ASDIC_IMAGE_FAN);
     }
     const unsigned over_time = 1u << ASDIC_IMAGE_WATERFALL | 1u << ASDIC_IMAGE_OVERVIEW;

@@ -2,10 +2,12 @@
 
 #include "base/context.h"
 #include "base/try.h"
+#include "base/vec.h"
 #include "out/digits.h"
 #include "out/draw.h"
 #include "out/polar.h"
 #include "run_folder.h"
+#include "run_section.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -172,20 +174,59 @@ done:
     return status;
 }
 
-/* Draws FAN as the picture of RECORD's ping. */
+/* Draws FAN as the picture of RECORD's ping; of a section, SIDE is on its right. */
 static asdic_status draw_fan(asdic_render *r, const asdic_record *record, const char *title,
-                             const asdic_fan *fan) {
+                             const asdic_fan *fan, const char *side) {
     char number[ASDIC_DIGITS_SIZE];
     asdic_digits_natural(number, record->ping);
     char *path = asdic_render_path(r, "fan_", number);
+    char note[sizeof r->note + 64];
     asdic_picture_options options = asdic_render_picture(r, title, "ping", number);
+    if (side) {
+        snprintf(note, sizeof note, "%s on the right, angles below the level  \u00b7  %s", side,
+                 r->note);
+        options.note = note;
+    }
     asdic_status status = path ? asdic_picture_fan(r->ctx, path, fan, &options)
                                : asdic_fail_memory(r->ctx, "a file name");
     free(path);
     return status;
 }
 
+/* The beams of a section, clockwise on the page. */
+static asdic_status render_section(asdic_render *r, const asdic_record *record, const char *title,
+                                   const asdic_section *section) {
+    size_t beams = r->info.beams, bins = r->info.bins;
+    double *bearing_rad = malloc(beams * sizeof *bearing_rad);
+    float *levels_db = malloc(beams * bins * sizeof *levels_db);
+    asdic_status status =
+        bearing_rad && levels_db ? ASDIC_OK : asdic_fail_memory(r->ctx, "a fan picture");
+    for (size_t i = 0; !status && i < beams; i++) {
+        size_t beam = section->is_reversed ? beams - 1 - i : i;
+        bearing_rad[i] = asdic_section_bearing_rad(section, &r->info.sonar->receivers[beam],
+                                                   i > 0 ? bearing_rad[i - 1] : ASDIC_PI);
+        memcpy(levels_db + i * bins, record->level_db[ASDIC_TOTAL] + beam * bins,
+               bins * sizeof *levels_db);
+    }
+    if (!status) {
+        asdic_fan fan = {.levels_db = levels_db,
+                         .bearing_rad = bearing_rad,
+                         .beams = beams,
+                         .bins = bins,
+                         .bin_length_m = r->run->facts.bin_length_m,
+                         .is_section = true};
+        status = draw_fan(r, record, title, &fan, section->is_starboard ? "starboard" : "ahead");
+    }
+    free(bearing_rad);
+    free(levels_db);
+    return status;
+}
+
 static asdic_status render_beams(asdic_render *r, const asdic_record *record, const char *title) {
+    asdic_section section;
+    if (asdic_section_of(r->info.sonar, &section)) {
+        return render_section(r, record, title, &section);
+    }
     double *bearing_rad = malloc(r->info.beams * sizeof *bearing_rad);
     if (!bearing_rad) {
         return asdic_fail_memory(r->ctx, "a fan picture");
@@ -198,7 +239,7 @@ static asdic_status render_beams(asdic_render *r, const asdic_record *record, co
                      .beams = r->info.beams,
                      .bins = r->info.bins,
                      .bin_length_m = r->run->facts.bin_length_m};
-    asdic_status status = draw_fan(r, record, title, &fan);
+    asdic_status status = draw_fan(r, record, title, &fan, NULL);
     free(bearing_rad);
     return status;
 }
@@ -222,7 +263,7 @@ static asdic_status render_scan(asdic_render *r, const asdic_record *record, con
     }
     if (!status) {
         asdic_fan fan = asdic_polar_fan(&polar, r->run->facts.bin_length_m);
-        status = draw_fan(r, record, title, &fan);
+        status = draw_fan(r, record, title, &fan, NULL);
     }
     asdic_polar_finish(&polar);
     return status;

@@ -128,7 +128,7 @@ uint64_t asdic_mission_ping_bytes(const asdic_mission *mission) {
 /* Bytes that do not grow with the number of pings. */
 static uint64_t fixed_bytes(const asdic_mission *m, size_t pings) {
     size_t beams = m->settings.sonar.receiver_count;
-    bool is_fan = asdic_render_has_fan(&m->settings.sonar) || m->settings.sweep.directions >= 3;
+    bool is_fan = asdic_render_can_fan(&m->settings);
     uint64_t bytes = 0;
     for (size_t i = 0; i < sizeof picture_sizes / sizeof *picture_sizes; i++) {
         asdic_image image = picture_sizes[i].image;

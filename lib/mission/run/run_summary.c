@@ -3,6 +3,7 @@
 #include "base/context.h"
 #include "base/try.h"
 #include "out/draw.h"
+#include "run_section.h"
 #include "sim/noise_level.h"
 
 #include <math.h>
@@ -15,9 +16,13 @@ static bool wants(const asdic_summary *d, asdic_image image) {
     return (d->plan.images & 1u << image) != 0;
 }
 
-/* The beam that looks most nearly ahead stands for many. */
+/* The beam that looks most nearly ahead stands for many; of a section the middle one. */
 static size_t ahead(const asdic_sonar *sonar) {
+    asdic_section section;
     size_t best = 0;
+    if (asdic_section_of(sonar, &section)) {
+        return (sonar->receiver_count - 1) / 2;
+    }
     for (size_t i = 1; i < sonar->receiver_count; i++) {
         const asdic_beam *beam = &sonar->receivers[i], *other = &sonar->receivers[best];
         if (fabs(beam->yaw_rad) < fabs(other->yaw_rad) - 1e-9) {
