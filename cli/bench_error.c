@@ -119,6 +119,16 @@ static asdic_status measure(bench *b, size_t index, result *r) {
     return ASDIC_OK;
 }
 
+/* Makes AXIS hold all COUNT VALUES, by whole decades. */
+static void hold(asdic_plot_axis *axis, const double *values, size_t count) {
+    for (size_t i = 0; i < count; i++) {
+        if (values[i] > 0.0 && isfinite(values[i])) {
+            axis->low = fmin(axis->low, pow(10.0, floor(log10(values[i]))));
+            axis->high = fmax(axis->high, pow(10.0, ceil(log10(values[i]))));
+        }
+    }
+}
+
 /* Two panels: error over rays, error over time. A colour per sampler, a line style per scene. */
 static asdic_status draw(const bench *b, const result *results, size_t count) {
     enum { MOST_SCENES = 8 };
@@ -159,12 +169,16 @@ static asdic_status draw(const bench *b, const result *results, size_t count) {
                                                   .width = 1.5,
                                                   .style = styles[scene % 4]};
     }
-    const asdic_plot_axis error = {
+    asdic_plot_axis error = {
         .label = "r.m.s. error (dB)", .low = 1e-3, .high = 100.0, .logarithmic = true};
     const asdic_plot_axis rays = {
         .label = "rays per ping", .low = 50.0, .high = 1e7, .logarithmic = true};
-    const asdic_plot_axis time = {
+    asdic_plot_axis time = {
         .label = "time of a ping (ms)", .low = 0.02, .high = 1e3, .logarithmic = true};
+    for (size_t i = 0; i < n; i++) {
+        hold(&error, y[i], series[1][i].count);
+        hold(&time, x[1][i], series[1][i].count);
+    }
     const asdic_plot panels[2] = {
         {.x = rays, .y = error, .series = series[0], .series_count = n + entries},
         {.x = time, .y = error, .series = series[1], .series_count = n}};

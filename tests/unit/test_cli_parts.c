@@ -469,13 +469,16 @@ asdic_status __wrap_bench_scene_open(const bench *b, size_t index, const bench_e
     return ASDIC_OK;
 }
 
+static double measured_db = 0.7, measured_s = 0.02;
+
 asdic_status __wrap_bench_curve_measure(const bench *b, const bench_scene *scene,
                                         const bench_effort *effort, bench_curve *out) {
     (void)b;
     (void)scene;
     (void)effort;
     out->count = 1;
-    out->points[0] = (bench_point){.rays = 64u << out->sampler, .rms_db = 0.7, .ping_s = 0.02};
+    out->points[0] =
+        (bench_point){.rays = 64u << out->sampler, .rms_db = measured_db, .ping_s = measured_s};
     return ASDIC_OK;
 }
 
@@ -518,6 +521,30 @@ static void curves_have_their_colours_and_lines(void **state) {
     }
     assert_int_equal(legend[BENCH_SAMPLERS + 4].style, legend[BENCH_SAMPLERS].style);
     assert_int_equal(legend[BENCH_SAMPLERS].style, ASDIC_LINE_SOLID);
+}
+
+/* Errors from 0.001 to 100 dB and times from 0.02 ms to 1 s are compared in one window; what is beyond widens it. */
+static void no_point_is_cut_off(void **state) {
+    (void)state;
+    static const struct {
+        double db, s, error[2], time_ms[2];
+    } cases[] = {{0.7, 0.02, {1e-3, 100.0}, {0.02, 1e3}},
+                 {4e-5, 1.5, {1e-5, 100.0}, {0.02, 1e4}},
+                 {130.0, 3e-6, {1e-3, 1e3}, {1e-3, 1e3}},
+                 {0.0, 0.5, {1e-3, 100.0}, {0.02, 1e3}}};
+    cli c = {.operand_count = 2};
+    bench b = {.c = &c, .picture = "p.svg", .json = true};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        measured_db = cases[i].db;
+        measured_s = cases[i].s;
+        assert_int_equal(bench_error(&b), ASDIC_OK);
+        for (int panel = 0; panel < 2; panel++) {
+            assert_close_relative(drawn[panel].y.low, cases[i].error[0], 1e-12);
+            assert_close_relative(drawn[panel].y.high, cases[i].error[1], 1e-12);
+        }
+        assert_close_relative(drawn[1].x.low, cases[i].time_ms[0], 1e-12);
+        assert_close_relative(drawn[1].x.high, cases[i].time_ms[1], 1e-12);
+    }
 }
 
 /* In log-log, where errors cross 1 dB for the last time; nowhere when they end above. */
@@ -600,6 +627,7 @@ int main(void) {
         cmocka_unit_test(programs_of_rules_are_looked_for),
         cmocka_unit_test(times_have_decades),
         cmocka_unit_test(curves_have_their_colours_and_lines),
+        cmocka_unit_test(no_point_is_cut_off),
         cmocka_unit_test(one_decibel_is_crossed_last),
         cmocka_unit_test(references_have_the_rays_that_are_promised),
         cmocka_unit_test(rays_of_a_cone_fill_it),
