@@ -44,6 +44,25 @@ static asdic_status read_text(asdic_context *ctx, asdic_mission *m, size_t *leng
     return status;
 }
 
+/* Messages of ROS 2 count seconds in 32 bits, and an MCAP file none before its beginning. */
+#define MOST_MESSAGE_S 2147483647.0
+
+static void check_message_times(const mission_builder *b) {
+    const asdic_mission *m = b->mission;
+    double first_s, last_s;
+    if (!(m->settings.output.formats & 1u << ASDIC_FORMAT_mcap)) {
+        return;
+    }
+    asdic_mission_pose(m, 0, &first_s);
+    asdic_mission_pose(m, asdic_mission_ping_count(m) - 1, &last_s);
+    if (first_s < 0.0 || last_s > MOST_MESSAGE_S) {
+        asdic_yaml_problem(b->problems, asdic_yaml_child(b->file->output.node, "mcap"),
+                           "messages of ROS 2 are of times from 0 to %.0f s, but the pings from "
+                           "%.15g to %.15g s; let the track's 'time_s' begin elsewhere",
+                           MOST_MESSAGE_S, first_s, last_s);
+    }
+}
+
 static asdic_status build(mission_builder *b) {
     TRY(asdic_settings_take(b->ctx, b->file, &b->mission->settings));
     b->mission->pose = asdic_scene_file_pose(b->file);
@@ -58,6 +77,7 @@ static asdic_status build(mission_builder *b) {
     }
     if (b->problems->total == 0 && b->extent == MISSION_WHOLE && !b->leaves_positions) {
         asdic_mission_check_positions(b);
+        check_message_times(b);
     }
     return ASDIC_OK;
 }

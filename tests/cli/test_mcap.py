@@ -99,6 +99,20 @@ def test_chunks_are_many_in_a_long_run():
         tap.equal(data(folder, "whole", "run.mcap") == data(folder, "r", "run.mcap"), True, "resumed")
 
 
+def test_times_that_messages_cannot_have_are_refused():
+    """A stamp has 31 bits of seconds, and the file's own times begin at 0; other formats take any time."""
+    head, *rows = TRACK.splitlines()
+    with Folder() as folder:
+        for start_s, good in ((0, True), (2147483646.5, True), (-0.1, False), (2147483647.5, False), (1e11, False)):
+            path = scene(folder)
+            moved = (f"{float(row.split(',')[0]) + start_s!r},{row.partition(',')[2]}" for row in rows)
+            folder.write("track.csv", "\n".join([head, *moved]) + "\n")
+            done = asdic("check", path).check(code=0 if good else 3)
+            tap.equal("[output.mcap]" in done.err, not good, done.err)
+            folder.write("scene.yaml", folder.read("scene.yaml").replace("mcap: true, ", ""))
+            asdic("check", path).check(code=0)
+
+
 def test_levels_are_those_of_bins_csv():
     with Folder() as folder:
         file = run_of(folder)
