@@ -340,8 +340,9 @@ def test_what_is_there_is_not_overwritten():
         path = scene(folder, pings=1)
         run = folder / "r"
         os.mkdir(run)
-        with open(os.path.join(run, "notes.txt"), "w", encoding="utf-8") as file:
-            file.write("mine")
+        others = "notes.txt", "roc.csv", "roc.png", "roc_range.csv"  # as by 'asdic roc -o r'
+        for name in others:
+            folder.write(f"r/{name}", "mine")
         asdic("run", path, "-o", run).check(code=0)
         csv_before = data(folder, "r", "bins.csv")
         done = asdic("run", path, "-o", run, "--seed", "8").check(code=1)
@@ -350,7 +351,7 @@ def test_what_is_there_is_not_overwritten():
         asdic("run", path, "-o", run, "--seed", "8", "--resume").check(code=1)
         asdic("run", path, "-o", run, "--seed", "8", "--force").check(code=0)
         tap.equal(facts(folder, "r")["seed"], 8)
-        tap.equal(data(folder, "r", "notes.txt"), b"mine")
+        tap.equal([data(folder, "r", name) for name in others], [b"mine"] * 4, "what is no run's")
         asdic("run", path, "-o", run, "--seed", "8", "--resume").check(code=0)
         asdic("run", path, "-o", folder / "pool.yaml").check(code=1)
         asdic("run", path, "-o", folder / "no/such").check(code=1)

@@ -20,10 +20,9 @@ static const char *const marks[] = {"run.json", "pings.npy", "pings.npy.part", "
 
 /* Everything a run, detect or render may have written there, beside the formats' files. */
 static const char *const names[] = {
-    "run.json",    "pings.npy",      "bins.csv",       "terrain.asc",     "track.csv",
-    "objects.csv", "detections.csv", "roc.csv",        "roc.png",         "occupancy.png",
-    "tracks.csv",  "routes.csv",     "background.npy", "detections.mcap", "elements.npy",
-    "parts.npy",   "truth.npy"};
+    "run.json",       "pings.npy",       "bins.csv",      "terrain.asc", "track.csv",
+    "objects.csv",    "detections.csv",  "occupancy.png", "tracks.csv",  "routes.csv",
+    "background.npy", "detections.mcap", "elements.npy",  "parts.npy",   "truth.npy"};
 static const char *const stems[] = {"waterfall_", "ascope_", "fan_", "raw_", "overview.", "plan."};
 #define MOST_PICTURES 256 /* that run.json lists */
 static const char *const picture_ends[] = {".png", ".pdf", ".svg"};
