@@ -126,6 +126,8 @@ def test_words_and_numbers():
     raises(asdic.ArgumentError, "", asdic.roc, scene, object="wreck")
     raises(asdic.ArgumentError, "target = 'swerling9' is none of swerling0, swerling1", asdic.roc, scene, object="ball",
            target="swerling9")
+    for one in {"bearing_deg": 3}, {"target_strength_db": -20}:
+        raises(asdic.ArgumentError, "are those of a point at range_m", asdic.roc, scene, object="ball", **one)
     raises(asdic.ArgumentError, "absorbtion", asdic.model, "absorbtion", f_khz=1)
     raises(asdic.ArgumentError, "f_kHz", asdic.model, "absorption", f_kHz=1)
 

@@ -313,6 +313,7 @@ def test_memory_used_again():
 def test_detections():
     need_device()
     run = asdic.simulate(pool())
+    raises(asdic.ArgumentError, "cfar is a background of its own", run.detect, cfar="ca", background="flat")
     found = run.detect(pfa=1e-3)
     tap.equal(found.report.pings, 3, "pings")
     tap.equal([name for name in found.classes["name"]][:1], [b"ball"], "classes")
@@ -356,6 +357,21 @@ def test_curve_over_range():
     tap.equal(bool(np.mean(curve.present) > np.mean(curve.none)), True, "the target is louder")
 
 
+def test_curve_is_the_programs():
+    """By the scene's detector where nothing is said, and by what is said in its place."""
+    need_device()
+    scene = pool(detector={"target": "swerling0", "pfa": 1e-2})
+    with tempfile.TemporaryDirectory(prefix="asdic-test-") as folder:
+        path = scene.save(folder)
+        for options, keys in (((), {}), (("--target", "swerling3", "--pfa", "0.1"), {"target": "swerling3", "pfa": 0.1})):
+            done = subprocess.run([os.environ["ASDIC"], "roc", "-qf", path, "--json", "--object", "ball", "--trials", "2000",
+                                   *options, "-o", os.path.join(folder, "roc")], check=True, capture_output=True, text=True)
+            [said], here = json.loads(done.stdout), asdic.roc(scene, object="ball", trials=2000, **keys).info
+            for name in ("pfa", "closed_pd", "closed_area", "snr_db", "range_m"):
+                tap.equal(getattr(here, name), said[name], name)
+            tap.equal((here.pd.value, here.area.high), (said["pd"]["value"], said["area"]["high"]), "what was drawn")
+
+
 def test_formulas_and_plan():
     """Absorption by hand: Francois & Garrison as `asdic model` has it."""
     keys = {"f_khz": 100, "t_degc": 10, "s_ppt": 35, "z_m": 10, "ph": 8}
@@ -388,7 +404,33 @@ def test_xarray():
     tap.equal((data.level.attrs["units"], data.range.attrs["units"], data.time.attrs["units"]),
               ("dB re 1 uPa", "m", "s"), "units")
     same(data.level.sel(beam="down").values, run.level_db[:, 1], "levels of a beam")
+    same(data.stderr.values, run.stderr_db, "errors")
+    for name in run.parts:
+        same(data[name].values, run.parts[name], name)
     tap.equal(np.shares_memory(data.level.values, run.records), True, "without a copy")
+
+
+def test_where_a_run_was():
+    """Of a vehicle at rest that is turned about all axes: as its scene says."""
+    need_device()
+    beams = [{"name": "port", "yaw_deg": -20}, {"name": "ahead"}, {"name": "starboard", "yaw_deg": 10}]
+    pose = {"position_m": [1, 2, 5], "roll_deg": 3, "pitch_deg": -4, "yaw_deg": 50}
+    run = asdic.simulate(pool(sonar={**pool().sonar, "receivers": beams}, mission={"pose": pose, "pings": 3}))
+    said = {"north": 1, "east": 2, "down": 5, "roll": np.radians(3), "pitch": np.radians(-4), "yaw": np.radians(50),
+            "altitude": 7, "ping": [0, 1, 2], "time": [0, 0.05, 0.1], "bearing": [-20, 0, 10],
+            "range": np.arange(37) + 0.5}
+    here = {name: values for rows, names in ((run.positions, ("north", "east", "down")),
+                                             (run.attitudes, ("roll", "pitch", "yaw")))
+            for name, values in zip(names, rows.T, strict=True)}
+    here |= {"altitude": run.altitudes, "ping": run.pings, "time": run.times, "bearing": run.bearings, "range": run.ranges}
+    tap.equal((set(here), run.names), (set(said), ["port", "ahead", "starboard"]), "what is told, and of which beams")
+    try:
+        data = run.to_xarray()
+    except ImportError:
+        data = here
+    for name, values in said.items():
+        for told in (here[name], np.asarray(data[name])):
+            tap.equal(np.allclose(told, values, rtol=0, atol=1e-12), True, f"{name}: {told}, not {values}")
 
 
 class OverAtOnce(threading.Thread):
@@ -481,7 +523,16 @@ def test_pictures():
     except ImportError as error:
         raise tap.Skip(str(error)) from error
     run = asdic.simulate(pool())
-    tap.equal(asdic.plot.fan(run).get_xlabel(), "starboard, m", "fan")
+    raises(asdic.ArgumentError, "the same bearing", asdic.plot.fan, run)  # two beams ahead: a picture of no width
+    tap.equal(plt.gcf().axes, [], "nothing is drawn then")
+    beside = asdic.simulate(pool(sonar={**pool().sonar, "receivers": [{"name": "a", "yaw_deg": 20}, {"name": "b"}]}))
+    axes = asdic.plot.fan(beside, vmin=0, vmax=200)
+    tap.equal(axes.get_xlabel(), "starboard, m", "fan")
+    # From 10 degrees to port, half a step beyond the beam ahead, to 30 degrees to starboard.
+    low, high = np.degrees(np.arctan(np.divide(*np.array(axes.collections[0].get_coordinates())[[0, -1], -1].T)))
+    tap.equal((round(low), round(high)), (-10, 30), "its edges")
+    same(np.ma.filled(axes.collections[0].get_array(), np.nan).ravel(), beside.level_db[0, ::-1].ravel(), "its levels")
+    plt.close("all")
     tap.equal(asdic.plot.ascope(run, "down", expected=run.expect()).get_ylabel(), "level, dB re 1 µPa", "A-scope")
     tap.equal(asdic.plot.waterfall(run, 1).get_ylabel(), "time, s", "waterfall")
     tap.equal(asdic.plot.roc(asdic.roc(pool(), object="ball", trials=1000)).get_xlabel(), "$P_{FA}$", "curve")

@@ -66,13 +66,15 @@ class Roc:
 
 
 def roc(scene: SceneLike, *, object: str | None = None,  # pylint: disable=redefined-builtin
-        range_m: float | None = None, bearing_deg: float = 0.0, target_strength_db: float | None = None,
-        beam: str | None = None, ping: int = 0, target: str = "swerling1", pfa: float = 1e-3, trials: int = 1000000,
-        seed: int = 1, rays: int | None = None, device: str | None = None, progress: Progress | bool = None) -> Roc:
+        range_m: float | None = None, bearing_deg: float | None = None, target_strength_db: float | None = None,
+        beam: str | None = None, ping: int = 0, target: str | None = None, pfa: float | None = None,
+        trials: int = 1000000, seed: int = 1, rays: int | None = None, device: str | None = None,
+        progress: Progress | bool = None) -> Roc:
     """How well a design detects, by drawing speckle and noise round a simulated ping, as `asdic roc` does.
 
     What is to be detected: OBJECT of the scene, where it stands out most; or a point of TARGET_STRENGTH_DB at
-    RANGE_M and BEARING_DEG, level with the vehicle. TARGET: "swerling0" to "swerling3".
+    RANGE_M and BEARING_DEG, level with the vehicle. TARGET: "swerling0" to "swerling3"; it and PFA are those of
+    the scene's detector unless given.
     """
     context = Context(progress)
     mission = load_mission(context, scene)
@@ -80,17 +82,22 @@ def roc(scene: SceneLike, *, object: str | None = None,  # pylint: disable=redef
     if (object is None) == (range_m is None):
         raise fail(ArgumentError, "give the object of the scene that is to be detected, or the range_m and "
                    "target_strength_db of a point")
+    if object is not None and (bearing_deg is not None or target_strength_db is not None):
+        raise fail(ArgumentError, "bearing_deg and target_strength_db are those of a point at range_m")
     options = ffi.new("asdic_roc_options *", lib.asdic_roc_options_default())
     name = ffi.new("char[]", encoded(object, "object")) if object is not None else ffi.NULL
     by = ffi.new("char[]", encoded(beam, "beam")) if beam is not None else ffi.NULL
     options.object, options.beam = name, by
     options.range_m = math.nan if range_m is None else number(range_m, "range_m")
-    options.bearing_rad = math.radians(number(bearing_deg, "bearing_deg"))
+    if bearing_deg is not None:
+        options.bearing_rad = math.radians(number(bearing_deg, "bearing_deg"))
     if target_strength_db is not None:
         options.target_strength_db = number(target_strength_db, "target_strength_db")
     options.ping = whole(ping, "ping", 0, lib.asdic_mission_ping_count(mission.pointer) - 1)
-    options.target = value_of("asdic_target", target, "target")
-    options.pfa, options.trials = number(pfa, "pfa"), whole(trials, "trials", 1000, 10 ** 8)
+    detector = lib.asdic_mission_detector(mission.pointer)
+    options.target = detector.target if target is None else value_of("asdic_target", target, "target")
+    options.pfa = detector.pfa if pfa is None else number(pfa, "pfa")
+    options.trials = whole(trials, "trials", 1000, 10 ** 8)
     options.seed = whole(seed, "seed", 0, (1 << 64) - 1)
     devices = open_devices(context, device)
     return Roc(context.make("asdic_roc", lib.asdic_roc_destroy, lib.asdic_roc_compute, context.pointer, mission.pointer,

@@ -336,6 +336,8 @@ def detect(run: Run | Folder, *, pfa: float | None = None, target: str | None = 
     options = ffi.new("asdic_detect_options *", lib.asdic_detect_options_default())
     options.detector = detector = _detector(run, pfa, target, prior, snr_db, cost_ratio)
     options.background = value_of("asdic_background_source", background, "background")
+    if cfar is not None and background not in ("auto", "cfar"):
+        raise fail(ArgumentError, f"cfar is a background of its own; leave background = {background!r} out")
     options.has_cfar = cfar is not None or background == "cfar"
     if cfar is not None:
         options.cfar.kind = value_of("asdic_cfar_kind", cfar, "cfar")

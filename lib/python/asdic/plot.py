@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ._design import Roc
+from ._library import ArgumentError, fail
 from ._ping import Ping
 from ._run import Run
 
@@ -42,9 +43,11 @@ def _edges(centres: np.ndarray) -> np.ndarray:
 
 def fan(of: Run | Ping, ping: int = 0, ax: Axes | None = None, **keys: Any) -> Axes:
     """Levels over ahead and starboard, as the sonar looks at them. KEYS go to pcolormesh (vmin, cmap, ...)."""
+    order = np.argsort(of.bearings)
+    if np.any(np.diff(of.bearings[order]) <= 0):
+        raise fail(ArgumentError, "beams that look to the same bearing make no fan; asdic.plot.ascope draws a beam")
     ax = _axes(ax)
     levels = of.level_db[ping] if isinstance(of, Run) else of.level_db
-    order = np.argsort(of.bearings)
     bearing, distance = np.meshgrid(np.radians(_edges(of.bearings[order])), _edges(of.ranges), indexing="ij")
     image = ax.pcolormesh(distance * np.sin(bearing), distance * np.cos(bearing), levels[order], shading="flat", **keys)
     ax.set(xlabel="starboard, m", ylabel="ahead, m", aspect="equal")
