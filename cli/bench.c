@@ -146,8 +146,15 @@ int bench_run(cli *c, const bench_kind *kinds) {
     if (b.picture && !kind->draws) {
         return cli_usage(c, "'bench %s' draws nothing; -o writes a table", kind->name);
     }
+    if (cli_given(c, "kernel") && strcmp(kind->name, "rays") != 0) {
+        return cli_usage(c, "--kernel goes with 'bench rays'; 'bench %s' times what a ping takes",
+                         kind->name);
+    }
     if (is_stdout && b.json) {
         return cli_usage(c, "-o - and --json are two tables on standard output; give one of them");
+    }
+    if (!cli_picture_is_apart(c, output)) {
+        return CLI_USAGE;
     }
     if (!cli_may_write(c, b.picture) || !cli_may_write(c, output)) {
         return CLI_FAILED;

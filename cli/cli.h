@@ -113,6 +113,10 @@ bool cli_bad_usage(const cli *c);
  * and devices. False after a report. */
 bool cli_may_write(cli *c, const char *path);
 
+/* Whether --picture names a file, and another than that of the table at PATH, which may be NULL. False after a
+ * report. */
+bool cli_picture_is_apart(cli *c, const char *path);
+
 /* The mission of the first operand, with RAYS a ping in place of what its scene says; 0: as it says. */
 asdic_status cli_load_rays(cli *c, uint64_t rays, asdic_mission **out);
 

@@ -47,6 +47,9 @@ static int write_track(cli *c) {
     if (cli_operand_count(c) != 1) {
         return cli_usage(c, "--track takes one scene");
     }
+    if (cli_given(c, "json")) {
+        return cli_usage(c, "--track writes a table of poses, not --json");
+    }
     if (strcmp(path, "-") == 0) {
         path = "/dev/stdout";
     } else if (!cli_may_write(c, path)) {

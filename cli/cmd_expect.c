@@ -143,8 +143,8 @@ static int write_levels(cli *c, const expect_scene *scene) {
     int code = CLI_FAILED;
     if (!path) {
         code = cli_end(c, ASDIC_ERROR_MEMORY);
-    } else if (picture && (strcmp(picture, "-") == 0 || strcmp(picture, path) == 0)) {
-        code = cli_usage(c, "--picture %s: a picture goes to a file of its own", picture);
+    } else if (!cli_picture_is_apart(c, path)) {
+        code = CLI_USAGE;
     } else if (cli_may_write(c, path) && cli_may_write(c, picture)) {
         asdic_status status =
             asdic_ping_create(cli_context(c), scene->sonar.receiver_count, scene->bins, &ping);

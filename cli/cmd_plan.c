@@ -246,6 +246,9 @@ static asdic_status show(cli *c, asdic_mission *mission) {
 
 static int run(cli *c) {
     asdic_mission *mission = NULL;
+    if (!cli_picture_is_apart(c, NULL)) {
+        return CLI_USAGE;
+    }
     asdic_status status = asdic_mission_load(cli_context(c), cli_operand(c, 0), &mission);
     if (!status && !cli_refract(c, mission)) {
         asdic_mission_destroy(&mission);

@@ -52,6 +52,10 @@ static bool read_request(cli *c, request *r) {
         return false;
     }
     r->key = r->vary;
+    if (r->vary && strcmp(cli_operand(c, 0), "-") == 0) {
+        cli_usage(c, "the scene is read for every design of --vary; it must be a file");
+        return false;
+    }
     return true;
 }
 

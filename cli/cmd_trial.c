@@ -27,10 +27,17 @@ typedef struct request {
 
 /* RUN or RUN:VARIANT. */
 static bool read_replay(cli *c, request *r) {
+    static const char *const others[] = {"shard", "resume", "workers", "json", NULL};
     const char *end;
     r->replay = cli_text(c, "replay");
     if (!r->replay) {
         return true;
+    }
+    for (size_t i = 0; others[i]; i++) {
+        if (cli_given(c, others[i])) {
+            cli_usage(c, "--replay goes without --%s: it is one run, in a run folder", others[i]);
+            return false;
+        }
     }
     bool good = cli_read_integer(r->replay, &r->replay_run, &end);
     if (good && *end == ':') {
@@ -39,6 +46,12 @@ static bool read_replay(cli *c, request *r) {
     if (!good || *end || r->replay_variant >= r->options.variants.count) {
         cli_usage(c, "option '--replay': '%s' is no RUN or RUN:VARIANT, with variants 0 to %zu",
                   r->replay, r->options.variants.count - 1);
+        return false;
+    }
+    if (cli_given(c, "runs") && r->replay_run >= r->options.runs) {
+        cli_usage(c, "option '--replay': run %llu is none of the %llu runs, 0 to %llu",
+                  (unsigned long long)r->replay_run, (unsigned long long)r->options.runs,
+                  (unsigned long long)r->options.runs - 1);
         return false;
     }
     return true;

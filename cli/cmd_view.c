@@ -1,6 +1,7 @@
 #include "commands.h"
 #include "view.h"
 
+#include <ctype.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -32,8 +33,10 @@ typedef struct request {
 
 static bool read_size(cli *c, asdic_view_options *o) {
     const char *text = cli_text(c, "size");
+    size_t width = text ? strspn(text, "0123456789") : 0;
     char rest;
-    if (text && sscanf(text, "%5ux%5u%c", &o->width, &o->height, &rest) != 2) {
+    if (text && (width == 0 || text[width] != 'x' || !isdigit((unsigned char)text[width + 1]) ||
+                 sscanf(text, "%5ux%5u%c", &o->width, &o->height, &rest) != 2)) {
         cli_usage(c, "option '--size': '%s' is not WIDTHxHEIGHT", text);
         return false;
     }
@@ -61,6 +64,10 @@ static bool read_request(cli *c, request *r) {
     r->options.colormap = (asdic_colormap)map;
     if (r->y4m && r->snapshots) {
         cli_usage(c, "--y4m and --snapshot are two ways to do without a display; give one");
+        return false;
+    }
+    if (!r->options.real_time && least > 0) {
+        cli_usage(c, "--least-rays goes with a display; without one all rays are cast");
         return false;
     }
     return read_size(c, &r->options) && !cli_bad_usage(c);

@@ -47,6 +47,15 @@ bool cli_may_write(cli *c, const char *path) {
     return true;
 }
 
+bool cli_picture_is_apart(cli *c, const char *path) {
+    const char *picture = cli_text(c, "picture");
+    if (picture && (strcmp(picture, "-") == 0 || (path && strcmp(picture, path) == 0))) {
+        cli_usage(c, "--picture %s: a picture goes to a file of its own", picture);
+        return false;
+    }
+    return true;
+}
+
 static void bad(cli *c, const char *option, const char *expected) {
     cli_error(c, "option '--%s': '%s' is not %s", option, cli_text(c, option), expected);
     c->bad_usage = true;

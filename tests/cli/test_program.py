@@ -104,6 +104,30 @@ def test_operands_are_as_many_as_said():
         tap.equal([o for o in command["options"] if o["letter"] and not o["letter"].isalpha()], [], name)
 
 
+def test_options_that_would_do_nothing_are_refused():
+    """Before anything is read: there is no such scene."""
+    for words, told in ((("check", "--track", "t.csv", "--json"), "--track writes a table of poses, not --json"),
+                        (("view", "--y4m", "-", "--least-rays", "100"), "--least-rays goes with a display"),
+                        (("view", "--snapshot", "1", "--least-rays", "100"), "--least-rays goes with a display"),
+                        (("trial", "--replay", "3", "--json"), "--replay goes without --json"),
+                        (("trial", "--replay", "3", "--shard", "1/2"), "--replay goes without --shard"),
+                        (("trial", "--replay", "3", "--resume"), "--replay goes without --resume"),
+                        (("trial", "--replay", "3", "--workers", "2"), "--replay goes without --workers"),
+                        (("trial", "--runs", "3", "--replay", "3"), "run 3 is none of the 3 runs, 0 to 2")):
+        done = asdic(words[0], "none.yaml", *words[1:]).check(code=2, out="")
+        tap.contains(done.err, told)
+    for words in ("plan", "none.yaml"), ("bench", "error", "none.yaml"), ("bench", "pings", "none.yaml"):
+        tap.contains(asdic(*words, "--picture", "-").check(code=2, out="").err,
+                     "--picture -: a picture goes to a file of its own")
+    tap.contains(asdic("bench", "pings", "none.yaml", "-o", "a.csv", "--picture", "a.csv").check(code=2).err,
+                 "--picture a.csv: a picture goes to a file of its own")
+    tap.contains(asdic("roc", "-", "--vary", "sonar.source_level_db=1,2").check(code=2, out="").err,
+                 "the scene is read for every design of --vary; it must be a file")
+    for kind in "error", "honest", "loop", "pings":
+        tap.contains(asdic("bench", kind, "none.yaml", "--kernel", "scalar").check(code=2, out="").err,
+                     "--kernel goes with 'bench rays'")
+
+
 def test_colours_are_for_terminals_only():
     tap.lacks(asdic("devcies").err, "\033")
     shown = asdic_on_terminal("devcies").check(code=2).err

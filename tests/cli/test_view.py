@@ -318,6 +318,8 @@ def test_keys_and_mistakes():
         for options in (["--y4m", "-", "--snapshot", "1"], ["--size", "12"], ["--colormap", "jet"],
                         ["--snapshot", "0"], ["--snapshot", "1", "--db-range", "5:1"]):
             view(scene, *options, code=2)
+        for size in "-1x720", "1280x-1", " 640x360", "640x 360", "640x360p", "1e3x720":
+            tap.contains(view(scene, "--y4m", "-", "--size", size, code=2).err, f"'{size}' is not WIDTHxHEIGHT")
         program.need_device()
         for keys in ("up", "1:nokey", "x:up", "2:up,1:up", "1:", "0:space", "0:up,0:."):
             view(scene, "--snapshot", "1", "--keys", keys, "-o", folder / "v", code=2)
