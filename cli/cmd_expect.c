@@ -164,10 +164,10 @@ static int run_on(cli *c, asdic_mission *mission, uint64_t index) {
     if (cli_bad_usage(c)) {
         return CLI_USAGE;
     }
-    if (index >= asdic_mission_ping_count(mission)) {
-        return cli_usage(c, "--ping %llu: the mission has %zu pings (0..%zu)",
-                         (unsigned long long)index, asdic_mission_ping_count(mission),
-                         asdic_mission_ping_count(mission) - 1);
+    size_t pings = asdic_mission_ping_count(mission);
+    if (index >= pings) {
+        return cli_usage(c, "--ping %llu: the mission has %zu ping%s (0..%zu)",
+                         (unsigned long long)index, pings, pings == 1 ? "" : "s", pings - 1);
     }
     scene.file = cli_operand(c, 0);
     scene.env.variant = (asdic_variant)variant;

@@ -140,8 +140,8 @@ static void print_text(const asdic_mission *mission, const asdic_plan *plan,
            : needed ? ", yet pings add intensities"
                     : "",
            phase);
-    printf("\n%zu pings of %u rays; %zu triangles, %.1f MB of hierarchy\n", pings, rays,
-           scene.triangles, 1e-6 * (double)scene.bvh_bytes);
+    printf("\n%zu ping%s of %u rays; %zu triangles, %.1f MB of hierarchy\n", pings,
+           pings == 1 ? "" : "s", rays, scene.triangles, 1e-6 * (double)scene.bvh_bytes);
     char size[CLI_SIZE_TEXT];
     printf("files: %s\n", cli_size(mission, pings, ".", size));
     char scan[CLI_SCAN_SIZE];

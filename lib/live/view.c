@@ -170,7 +170,8 @@ asdic_status asdic_view_stop(asdic_view *view) {
     }
     asdic_context_hold_interrupt(view ? view->ctx : NULL, false);
     if (count > 0) {
-        asdic_view_say(view, "recorded %zu pings to %s", pings, view->options.folder);
+        asdic_view_say(view, "recorded %zu ping%s to %s", pings, pings == 1 ? "" : "s",
+                       view->options.folder);
         view->ended_count = 0;
     }
     return status;

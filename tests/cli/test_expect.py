@@ -231,7 +231,7 @@ def test_wrong_use():
         for option in "--variant", "--refraction":
             asdic("expect", path, option, "wrong").check(code=2, out="")
         tap.contains(asdic("expect", path, "--ping", "1", "-o", "-").check(code=2, out="").err,
-                     "--ping 1: the mission has 1 pings (0..0)")
+                     "--ping 1: the mission has 1 ping (0..0)")
         asdic("expect", folder / "none.yaml").check(code=3, out="")
 
 

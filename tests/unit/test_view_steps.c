@@ -208,7 +208,7 @@ static void recordings_are_written_at_the_end(void **state) {
     assert_true(asdic_view_press(v, "r"));
     step(v, 1);
     assert_ok(t.ctx, asdic_view_stop(v));
-    assert_contains(v->message, "recorded 1 pings to");
+    assert_contains(v->message, "recorded 1 ping to");
     assert_ok(t.ctx, asdic_view_stop(NULL));
     close_view(v);
     assert_int_equal(system(command), 0);
