@@ -167,6 +167,16 @@ def test_the_sonar_keeps_its_own_rate():
         tap.equal(stamps, [5000.0, 5000.4, 5000.8], server.said)
 
 
+def test_time_that_leaps_back_begins_anew():
+    """As of a simulation that is begun again while the sonar is there."""
+    need()
+    with Folder() as folder:
+        with Server(folder, SCENE) as server:
+            tap.equal(len([m for m in peer(server, folder, [POSES[0][0]]) if m.get("topic") == "sonar"]), 1, "before")
+            got = peer(server, folder, [POSES[0][0]] * 2, wait=6, stamp=START, cold=True)
+        tap.equal([m["stamp"] for m in got if m.get("topic") == "sonar"], [START, START + 10**8], server.said)
+
+
 def test_who_does_not_find_one_another_is_told():
     need()
     with Folder() as folder:
@@ -234,4 +244,4 @@ def test_options_that_do_not_go_together():
             tap.contains(done.err, text)
 
 
-tap.main(globals(), at_once=13)  # they wait for discovery and for what must not come
+tap.main(globals(), at_once=14)  # they wait for discovery and for what must not come

@@ -142,6 +142,22 @@ def test_snapshots_are_pictures_of_everything():
             tap.equal(file.read() == data, True, "the same ping gives the same bytes")
 
 
+def test_snapshots_are_spread_over_the_pings():
+    """The last one at the end; before the first ping each of them is looked for."""
+    need_view()
+    with Folder() as folder:
+        ask = (write_scene(folder), "--snapshot", "3", "--pings", "10", "--size", "640x360", "-o", folder / "v")
+        view(*ask)
+        names = ["view_3.png", "view_6.png", "view_9.png"]
+        tap.equal(sorted(os.listdir(folder / "v")), names)
+        for name in names:
+            for other in os.listdir(folder / "v"):
+                os.remove(folder / f"v/{other}")
+            folder.write(f"v/{name}", "mine")
+            tap.contains(view(*ask, code=1).err, f"/{name}' exists")
+            tap.equal((os.listdir(folder / "v"), folder.read(f"v/{name}")), ([name], "mine"), "what was there")
+
+
 def test_snapshots_end_with_the_mission():
     """Of a mission of three pings no more are asked for, and what was not taken is told."""
     need_view()
