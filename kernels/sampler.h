@@ -26,6 +26,14 @@ typedef struct ray_sample {
     real splat;       /* range footprint per (range x |normal . tangent| / sin grazing); 0: none */
 } ray_sample;
 
+/* An azimuth that is drawn at the end of its window may come out beyond it by so much, rounded. Its density is that at
+ * the end: with none at all its ray would weigh without end. */
+#define WINDOW_EDGE 4e-6f
+
+FORMULA mask in_window(real x, real limit) {
+    return r_abs(x) <= limit + (real)(WINDOW_EDGE);
+}
+
 /*
  * Student's t with two degrees of freedom, scale S, truncated to [-limit, limit]: closed form both
  * ways. Its tail falls as u^-3, slower than the u^-4 of a two-way sinc pattern, so that weights
@@ -44,7 +52,7 @@ FORMULA real student_sample(real xi, real scale, real limit) {
 FORMULA real student_density(real x, real scale, real limit) {
     real t = x / scale;
     real q = R(2.0) + t * t;
-    real inside = choose(r_abs(x) <= limit, R(1.0), R(0.0));
+    real inside = choose(in_window(x, limit), R(1.0), R(0.0));
     return inside / (scale * student_mass(scale, limit) * q * sqrt(q));
 }
 
@@ -67,7 +75,7 @@ FORMULA azimuth_at heavy_of(real x, real scale, real limit) {
     real mass = student_mass(scale, limit);
     azimuth_at at;
     at.density = odd * r / (scale * mass * q) + even * R(0.5) / limit;
-    at.density = choose(r_abs(x) <= limit, at.density, R(0.0));
+    at.density = choose(in_window(x, limit), at.density, R(0.0));
     at.below = R(0.5) * (R(1.0) + odd * t * r / mass + even * x / limit);
     return at;
 }
@@ -99,12 +107,12 @@ FORMULA real sector_tails(real core, real limit) {
 }
 
 FORMULA azimuth_at sector_of(real x, real core, real limit) {
-    real tails = sector_tails(core, limit), off = r_abs(x);
+    real tails = sector_tails(core, limit), off = r_min(r_abs(x), limit);
     real width = r_max(limit - core, R(1e-6));
     mask inside = off <= core;
     azimuth_at at;
     at.density = R(0.5) * choose(inside, (R(1.0) - tails) / core, tails / width);
-    at.density = choose(off <= limit, at.density, R(0.0));
+    at.density = choose(in_window(x, limit), at.density, R(0.0));
     real beyond = choose(inside, (R(1.0) - tails) * off / core,
                          R(1.0) - tails + tails * (off - core) / width);
     at.below = R(0.5) * (R(1.0) + choose(x < R(0.0), -beyond, beyond));

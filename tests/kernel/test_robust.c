@@ -2,9 +2,12 @@
  * What the sampler was not tuned on: tilted vehicles, wrong altitudes, other apertures. Against the
  * quadrature.
  */
+#include "dice.h"
 #include "ping_rig.h"
 
 static test_device t;
+enum { MANY = 24 };
+static asdic_beam many[MANY];
 
 /* The flat benchmark scene with an aperture of H x V wavelengths. */
 static ping_rig narrow_rig(double h_wl, double v_wl) {
@@ -75,10 +78,70 @@ static void errors_stay_small(void **state) {
     }
 }
 
+/* The largest solid angle of R's rays, sr, where every ray in turn is drawn at either end of its lobe's azimuths. */
+static float heaviest_at_ends(ping_rig *r, size_t beams) {
+    enum { RAYS = 1024, STEP = 8 };
+    asdic_simulator *sim = NULL;
+    float weights[2 * RAYS], most = 0.0f;
+    r->sampling.rays = RAYS;
+    r->sonar.receivers = many;
+    r->sonar.receiver_count = beams;
+    asdic_scene_commit(r->scene); /* a second time it changes nothing */
+    assert_ok(t.ctx,
+              asdic_simulator_create_with(t.ctx, t.device, r->scene, &r->env, &r->sonar,
+                                          &r->sampling, r->pose.position_m.z, &r->layout, &sim));
+    assert_ok(t.ctx, asdic_simulator_learn(sim, &r->pose, 0));
+    asdic_shot_aim(sim, &sim->shots[0], &r->pose, 0, ASDIC_STREAM_PING, RAYS);
+    dev_ping *ping = sim->shots[0].ping;
+    size_t slots = (size_t)ping->batch.groups * ping->batch.per_group;
+    assert_in_range(slots, RAYS, 2 * RAYS);
+    ping->batch.last = 1;
+    for (uint32_t ray = 0; ray < RAYS; ray += STEP) {
+        for (uint32_t end = 0; end < 2; end++) {
+            ping->sampling.lattice_shift = (end ? ~0u : 0u) - ray * 2654435769u; /* as sample.cl */
+            assert_ok(t.ctx, asdic_simulator_draw(sim, 1));
+            assert_ok(t.ctx, asdic_buffer_read(sim->buffers.solid_angles, 0, slots * sizeof(float),
+                                               weights));
+            for (size_t i = 0; i < slots; i++) {
+                most = fmaxf(most, isnan(weights[i]) ? INFINITY : weights[i]);
+            }
+        }
+    }
+    asdic_simulator_destroy(&sim);
+    return most;
+}
+
+/* A window may go all round, or end behind the faces: a ray at its end has a weight like any other. Of fans, of many
+ * beams broad and narrow, of few, with faces that leak and without. */
+static void no_ray_weighs_without_end(void **state) {
+    (void)state;
+    enum { CASES = 12 };
+    uint64_t dice = 1;
+    float most = 0.0f;
+    for (size_t k = 0; k < CASES; k++) {
+        ping_rig r = rig_create(&t);
+        size_t beams = k % 3 ? MANY : 5;
+        r.pose.pitch_rad = 1.4 * random_unit(&dice) - 0.7;
+        r.pose.roll_rad = 2.4 * random_unit(&dice) - 1.2;
+        r.pose.yaw_rad = 6.0 * random_unit(&dice);
+        r.sonar.rear_floor_db = k % 4 ? -INFINITY : -20.0;
+        for (size_t b = 0; b < beams; b++) {
+            many[b] = r.sonar.transmitter;
+            many[b].length_h_m = k % 3 == 1 && b % 2 ? 0.01 : 0.2;
+            many[b].yaw_rad = ((double)b + 0.5) / (double)beams - 0.5;
+        }
+        most = fmaxf(most, heaviest_at_ends(&r, beams));
+        rig_destroy(&r);
+    }
+    print_message("%.3g sr at most\n", (double)most);
+    assert_true(most > 0.0f && most < 50.0f);
+}
+
 int main(void) {
     t = test_device_open_or_skip();
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(errors_stay_small),
+        cmocka_unit_test(no_ray_weighs_without_end),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
     test_device_close(&t);
